@@ -1,0 +1,47 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "constraints/baumgarte.hpp"
+#include "constraints/newton.hpp"
+#include "constraints/none.hpp"
+#include "constraints/penalty.hpp"
+#include "constraints/rattle.hpp"
+#include "constraints/shake.hpp"
+
+namespace taut {
+
+// The one list of methods. A new one: its two files, and its name here.
+//
+// A method M has
+//   M::kName, M::kSummary        as `taut methods` prints them
+//   M::Options                   its settings, with describe(visit) calling visit(key, field, meaning)
+//   M(const System&, const Options&, double h)
+//   the gaps it fills (gaps.hpp)
+//   const Eigen::VectorXd& lambda() const     the multipliers of the last step, f_c = Jᵀλ
+//   double promised_error() const             the relative bond error it answers for; infinity: none
+//   std::string setting() const               gains, tolerance, ... as the run's header prints them
+template <class... Ms>
+struct MethodList {
+  using Method = std::variant<Ms...>;
+  using Options = std::variant<typename Ms::Options...>;
+};
+using Methods = MethodList<None, Penalty, Baumgarte, Shake, Rattle, Newton>;
+
+using Method = Methods::Method;
+using MethodOptions = Methods::Options;
+
+std::vector<std::string_view> method_names();
+std::string_view method_summary(std::string_view name);
+std::string_view method_name(const MethodOptions& options);
+
+// The default options of a method. Throws InputError for an unknown name, with the nearest one.
+MethodOptions default_options(std::string_view name);
+
+// Throws InputError for options out of range.
+Method make_method(const System& sys, const MethodOptions& options, double h);
+
+}  // namespace taut

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "forcefield/terms.hpp"
+#include "md/state.hpp"
+#include "md/system.hpp"
+
+namespace taut {
+
+// Adds up the forces of the terms a scene has. A ForceLaw for md/step.hpp.
+class ForceField {
+ public:
+  // Throws InputError for an atom out of range, wrong array sizes, a cutoff over half the box,
+  // a switch outside (0, cutoff), a dispersion correction without a periodic cutoff, ...
+  ForceField(const System& sys, Terms terms);
+  ~ForceField();
+  ForceField(ForceField&&) noexcept;
+  ForceField& operator=(ForceField&&) noexcept;
+
+  void operator()(const System& sys, State& s);  // s.f = F(s.x)
+
+  double potential() const;  // of the last evaluation [kJ/mol]
+  // the same, a term at a time, only the terms there are: ("angle", 12.3), ...
+  std::vector<std::pair<std::string, double>> energies() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace taut

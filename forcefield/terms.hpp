@@ -1,0 +1,89 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "md/vectors.hpp"
+
+namespace taut {
+
+// Force terms as plain data, in OpenMM's conventions. Angles in radians.
+
+struct HarmonicBond {  // ½k(r − length)²
+  int i, j;
+  double length;  // [nm]
+  double k;       // [kJ/mol/nm²]
+};
+
+struct HarmonicAngle {  // ½k(θ − angle)², θ at atom j
+  int i, j, k;
+  double angle;      // [rad]
+  double stiffness;  // [kJ/mol/rad²]
+};
+
+struct PeriodicTorsion {  // k(1 + cos(nφ − phase))
+  int i, j, k, l;
+  int periodicity;
+  double phase;      // [rad]
+  double amplitude;  // [kJ/mol]
+};
+
+struct RyckaertBellemans {  // Σ c_n cosⁿ(φ − π)
+  int i, j, k, l;
+  std::array<double, 6> c;  // [kJ/mol]
+};
+
+struct Fene {  // −½k r₀² ln(1 − (r/r₀)²)
+  int i, j;
+  double k;   // [kJ/mol/nm²]
+  double r0;  // [nm]
+};
+
+// A pair that leaves the general sum and interacts by its own numbers instead, without cutoff or
+// reaction field. Zeros make it a plain exclusion.
+struct PairException {
+  int i, j;
+  double charge_product;  // [e²]
+  double sigma;           // [nm]
+  double epsilon;         // [kJ/mol]
+};
+
+// Lennard-Jones with Lorentz–Berthelot mixing, and Coulomb.
+struct Nonbonded {
+  Eigen::VectorXd charge;   // [e], n
+  Eigen::VectorXd sigma;    // [nm], n
+  Eigen::VectorXd epsilon;  // [kJ/mol], n
+  std::vector<PairException> exceptions;
+  std::optional<double> cutoff;           // [nm]; none: every pair
+  std::optional<double> switch_distance;  // [nm]: Lennard-Jones switched to zero from here to the cutoff
+  double rf_dielectric = 78.3;            // ε of the reaction field beyond the cutoff
+  bool dispersion_correction = false;     // long-range Lennard-Jones, periodic only
+};
+
+// Purely repulsive beads of one kind: 4ε((σ/r)¹² − (σ/r)⁶) + ε up to r = 2^(1/6)σ.
+struct Wca {
+  double sigma;    // [nm]
+  double epsilon;  // [kJ/mol]
+  std::vector<std::array<int, 2>> exclusions;
+};
+
+struct Pull {  // a constant force on one atom
+  int atom;
+  Vec3 force;  // [kJ/mol/nm]
+};
+
+// All of a scene's forces. What is empty costs nothing.
+struct Terms {
+  std::vector<HarmonicBond> bonds;
+  std::vector<HarmonicAngle> angles;
+  std::vector<PeriodicTorsion> torsions;
+  std::vector<RyckaertBellemans> rb_torsions;
+  std::vector<Fene> fene;
+  std::optional<Nonbonded> nonbonded;
+  std::optional<Wca> wca;
+  std::optional<Vec3> gravity;  // uniform acceleration [nm/ps²]
+  std::vector<Pull> pulls;
+};
+
+}  // namespace taut

@@ -1,0 +1,70 @@
+#include "md/observables.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "md/units.hpp"
+
+namespace taut {
+
+double kinetic_energy(const System& sys, const Vectors& v) {
+  return 0.5 * (v.colwise().squaredNorm().transpose().array() * sys.mass.array()).sum();
+}
+
+Vec3 momentum(const System& sys, const Vectors& v) { return v * sys.mass; }
+
+void remove_momentum(const System& sys, Vectors& v) {
+  const double total = sys.mass.sum();
+  if (total == 0) return;
+  const Vec3 drift = momentum(sys, v) / total;
+  for (int i = 0; i < sys.atoms(); ++i)
+    if (sys.mass[i] > 0) v.col(i) -= drift;
+}
+
+DegreesOfFreedom degrees_of_freedom(const System& sys, int rank, bool momentum_fixed) {
+  const int mobile = static_cast<int>((sys.mass.array() > 0).count());
+  return {mobile, rank, momentum_fixed && mobile == sys.atoms()};
+}
+
+std::string DegreesOfFreedom::sum() const {
+  return fmt::format("3·{} − {}{} = {}", mobile, rank, momentum_fixed ? " − 3" : "", total());
+}
+
+double temperature(double kinetic, int dof) { return dof > 0 ? 2 * kinetic / (dof * kBoltzmann) : 0.0; }
+
+BondErrors bond_errors(const System& sys, const Vectors& x) {
+  BondErrors e;
+  double sum = 0;
+  for (int k = 0; k < sys.bond_count(); ++k) {
+    const auto& [i, j, d] = sys.bonds[k];
+    const double error = std::abs((x.col(j) - x.col(i)).norm() - d) / d;
+    sum += error * error;
+    if (!(error <= e.max)) {  // also true for NaN
+      e.max = error;
+      e.worst = k;
+    }
+  }
+  if (sys.bond_count() > 0) e.rms = std::sqrt(sum / sys.bond_count());
+  return e;
+}
+
+void Slope::add(double t, double y) {  // Welford's updates
+  ++n_;
+  const double dt = t - t_, dy = y - y_;
+  t_ += dt / n_;
+  y_ += dy / n_;
+  tt_ += dt * (t - t_);
+  ty_ += dt * (y - y_);
+  yy_ += dy * (y - y_);
+}
+
+double Slope::value() const { return tt_ > 0 ? ty_ / tt_ : 0.0; }
+
+double Slope::standard_error() const {
+  if (n_ < 3 || tt_ == 0) return 0;
+  const double residual = std::max(0.0, yy_ - ty_ * ty_ / tt_);
+  return std::sqrt(residual / (n_ - 2) / tt_);
+}
+
+}  // namespace taut

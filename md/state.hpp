@@ -1,0 +1,15 @@
+#pragma once
+
+#include "md/vectors.hpp"
+
+namespace taut {
+
+// What changes every step.
+struct State {
+  Vectors x;     // position [nm], never wrapped: molecules stay whole
+  Vectors v;     // velocity [nm/ps]
+  Vectors f;     // force [kJ/mol/nm], always evaluated at x
+  double t = 0;  // time [ps]
+};
+
+}  // namespace taut

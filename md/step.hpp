@@ -1,0 +1,64 @@
+#pragma once
+
+#include <algorithm>
+#include <concepts>
+
+#include "md/state.hpp"
+#include "md/system.hpp"
+
+namespace taut {
+
+// What a method did in one step.
+struct SolveStats {
+  int iterations = 0;            // sweeps or linear solves
+  double max_residual = 0;       // largest |σ|/d² it saw and left
+  int worst_bond = -1;           // where
+  const char* failure = nullptr; // why it gave up; null: it converged
+
+  bool converged() const { return failure == nullptr; }
+
+  SolveStats& operator+=(const SolveStats& other) {
+    iterations += other.iterations;
+    if (converged() && (!other.converged() || other.max_residual > max_residual)) {
+      max_residual = other.max_residual;
+      worst_bond = other.worst_bond;
+      failure = other.failure;
+    }
+    return *this;
+  }
+};
+
+// A force field writes s.f = F(s.x).
+template <class F>
+concept ForceLaw = requires(F& forces, const System& sys, State& s) {
+  forces(sys, s);
+};
+
+// A constraint method fills up to three gaps of the step (constraints/gaps.hpp has the empty ones).
+template <class M>
+concept ConstraintMethod = requires(M& method, const System& sys, double h, State& s) {
+  { method.project_positions(sys, h, s) } -> std::same_as<SolveStats>;
+  { method.add_forces(sys, h, s) } -> std::same_as<SolveStats>;
+  { method.project_velocities(sys, h, s) } -> std::same_as<SolveStats>;
+};
+
+// v += (h/2) M⁻¹f
+inline void half_kick(const System& sys, double h, State& s) {
+  s.v.array() += s.f.array().rowwise() * (0.5 * h * sys.inv_mass.transpose().array());
+}
+
+// One step of velocity Verlet, length h [ps].
+template <ForceLaw F, ConstraintMethod M>
+SolveStats step(const System& sys, F& forces, M& method, double h, State& s) {
+  half_kick(sys, h, s);
+  s.x += h * s.v;                                        // drift: the old positions are x − hv
+  SolveStats stats = method.project_positions(sys, h, s);  // SHAKE, RATTLE, ...
+  forces(sys, s);                                        // f = F(x)
+  stats += method.add_forces(sys, h, s);                 // Baumgarte, penalty: f += Jᵀλ
+  half_kick(sys, h, s);
+  stats += method.project_velocities(sys, h, s);         // RATTLE
+  s.t += h;
+  return stats;
+}
+
+}  // namespace taut

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "constraints/methods.hpp"
+#include "forcefield/terms.hpp"
+#include "md/state.hpp"
+#include "md/system.hpp"
+
+namespace taut {
+
+struct RunSettings {
+  double dt_fs = 1;
+  long steps = 1000;
+  double temperature_k = 0;         // of the velocities drawn at the start; 0: they are as built
+  std::uint64_t seed = 1;           // of everything drawn
+  long log_every = 100;             // steps
+  long remove_momentum_every = 0;   // steps; 0: never
+  double thermostat_ps = 0;         // relaxation time of velocity rescaling to temperature_k; 0: NVE
+
+  double h() const { return dt_fs * 1e-3; }  // [ps]
+};
+
+// A system with a start, a step and what it is hard on.
+struct Scene {
+  std::string name;
+  std::string hard_on;  // one sentence
+  System system;
+  Terms terms;
+  State start;          // x and v; not yet made to satisfy the bonds
+  RunSettings run;
+  MethodOptions method;
+};
+
+}  // namespace taut
