@@ -1,0 +1,79 @@
+#include "constraints/projection.hpp"
+
+#include <fmt/format.h>
+
+#include "constraints/bond_algebra.hpp"
+#include "md/errors.hpp"
+
+namespace taut {
+namespace {
+
+std::string named(const System& sys, int k) {
+  return fmt::format("bond {} ({}-{})", k, sys.bonds[k].i, sys.bonds[k].j);
+}
+
+}  // namespace
+
+Projector::Projector(const System& sys)
+    : solver_(sys), r_(3, sys.bond_count()), v_ij_(3, sys.bond_count()), b_(sys.bond_count()) {}
+
+void Projector::positions(const System& sys, Vectors& x) {
+  constexpr int kMaxIterations = 100;
+  constexpr double kRoundOff = 1e-12;  // |σ|/d² that must be reached; below it, as far as it falls
+  double before = std::numeric_limits<double>::infinity();
+  Residual residual;
+  for (int n = 0; n < kMaxIterations; ++n) {
+    differences(sys, x, r_);
+    residual = {};
+    for (int k = 0; k < sys.bond_count(); ++k) {
+      const double d = sys.bonds[k].length;
+      b_[k] = -sigma(r_.col(k), d);
+      residual.see(std::abs(b_[k]) / (d * d), k);
+    }
+    if (residual.value < kRoundOff && residual.value >= 0.5 * before) return;
+    if (residual.value == 0) return;
+    before = residual.value;
+    solver_.factor(r_);
+    if (solver_.singular())
+      throw SimulationFailure(
+          fmt::format("the start: {} depends on other bonds there, so that no force can hold it: drop it, or "
+                      "bend the bonds that lie in line or in a plane",
+                      named(sys, solver_.dependent_bonds().front())));
+    solver_.solve(b_);
+    add_constraint_acceleration(sys, r_, b_, x);
+  }
+  throw SimulationFailure(fmt::format("the start: {} cannot be brought to its length, |σ|/d² stays at {:.1e}",
+                                      named(sys, std::max(residual.bond, 0)), residual.value));
+}
+
+void Projector::velocities(const System& sys, const Vectors& x, Vectors& v) {
+  differences(sys, x, r_);
+  solver_.factor(r_);
+  for (int refine = 0; refine < 2; ++refine) {
+    differences(sys, v, v_ij_);
+    b_ = -r_.cwiseProduct(v_ij_).colwise().sum().transpose();
+    solver_.solve(b_);
+    add_constraint_acceleration(sys, r_, b_, v);
+  }
+}
+
+const Eigen::VectorXd& Projector::multipliers(const System& sys, const State& s) {
+  differences(sys, s.x, r_);
+  differences(sys, s.v, v_ij_);
+  solver_.factor(r_);
+  for (int k = 0; k < sys.bond_count(); ++k) {
+    const auto& [i, j, d] = sys.bonds[k];
+    const Vec3 a_ij = sys.inv_mass[j] * s.f.col(j) - sys.inv_mass[i] * s.f.col(i);
+    b_[k] = -(r_.col(k).dot(a_ij) + v_ij_.col(k).squaredNorm());
+  }
+  solver_.solve(b_);
+  return b_;
+}
+
+const std::vector<int>& Projector::dependent_bonds(const System& sys, const Vectors& x) {
+  differences(sys, x, r_);
+  solver_.factor(r_);
+  return solver_.dependent_bonds();
+}
+
+}  // namespace taut

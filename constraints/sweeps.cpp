@@ -1,0 +1,91 @@
+#include "constraints/sweeps.hpp"
+
+#include <fmt/format.h>
+
+#include "constraints/bond_algebra.hpp"
+#include "md/errors.hpp"
+
+namespace taut {
+
+SweepLimits checked(SweepLimits limits) {
+  if (!(limits.tolerance >= 1e-15 && limits.tolerance <= 0.1))
+    throw InputError(fmt::format("method.tolerance: {}, expected between 1e-15 and 0.1", limits.tolerance));
+  if (limits.max_sweeps < 1)
+    throw InputError(fmt::format("method.max_sweeps: {}, expected 1 or more", limits.max_sweeps));
+  return limits;
+}
+
+PositionSweeps::PositionSweeps(const System& sys, SweepLimits limits)
+    : limits_(checked(limits)), r_old_(3, sys.bond_count()) {}
+
+SolveStats PositionSweeps::run(const System& sys, double h, State& s, Eigen::VectorXd& g) {
+  for (int k = 0; k < sys.bond_count(); ++k) {
+    const auto& [i, j, d] = sys.bonds[k];
+    r_old_.col(k) = s.x.col(j) - s.x.col(i) - h * (s.v.col(j) - s.v.col(i));
+  }
+  add_constraint_acceleration(sys, r_old_, g, s.x);
+
+  SolveStats stats{.failure = "no convergence"};
+  while (stats.iterations < limits_.max_sweeps && !stats.converged()) {
+    ++stats.iterations;
+    Residual residual;
+    for (int k = 0; k < sys.bond_count(); ++k) {
+      const auto& [i, j, d] = sys.bonds[k];
+      const Vec3 r = s.x.col(j) - s.x.col(i);
+      const double c = sigma(r, d), relative = std::abs(c) / (d * d);
+      residual.see(relative, k);
+      if (relative <= limits_.tolerance) continue;
+      const double along = r.dot(r_old_.col(k));
+      if (!(along > 1e-6 * d * d))
+        return {stats.iterations, relative, k, "the bond turned by 90° in one step"};
+      const double dg = -c / ((sys.inv_mass[i] + sys.inv_mass[j]) * along);
+      s.x.col(i) -= sys.inv_mass[i] * dg * r_old_.col(k);
+      s.x.col(j) += sys.inv_mass[j] * dg * r_old_.col(k);
+      g[k] += dg;
+    }
+    stats.max_residual = residual.value;
+    stats.worst_bond = residual.bond;
+    if (residual.value <= limits_.tolerance) stats.failure = nullptr;
+  }
+  for (int k = 0; k < sys.bond_count(); ++k) {
+    const auto& [i, j, d] = sys.bonds[k];
+    const Vec3 dv = g[k] / h * r_old_.col(k);
+    s.v.col(i) -= sys.inv_mass[i] * dv;
+    s.v.col(j) += sys.inv_mass[j] * dv;
+  }
+  return stats;
+}
+
+VelocitySweeps::VelocitySweeps(const System& sys, SweepLimits limits)
+    : limits_(checked(limits)), r_(3, sys.bond_count()), inv_(sys.bond_count()) {}
+
+SolveStats VelocitySweeps::run(const System& sys, double h, State& s, Eigen::VectorXd& g) {
+  differences(sys, s.x, r_);
+  for (int k = 0; k < sys.bond_count(); ++k) {
+    const auto& [i, j, d] = sys.bonds[k];
+    inv_[k] = 1 / ((sys.inv_mass[i] + sys.inv_mass[j]) * r_.col(k).squaredNorm());
+  }
+  add_constraint_acceleration(sys, r_, g, s.v);
+
+  SolveStats stats{.failure = "no convergence of the velocities"};
+  while (stats.iterations < limits_.max_sweeps && !stats.converged()) {
+    ++stats.iterations;
+    Residual residual;
+    for (int k = 0; k < sys.bond_count(); ++k) {
+      const auto& [i, j, d] = sys.bonds[k];
+      const double rate = r_.col(k).dot(s.v.col(j) - s.v.col(i)), relative = std::abs(rate) * h / (d * d);
+      residual.see(relative, k);
+      if (relative <= limits_.tolerance) continue;
+      const double dg = -rate * inv_[k];
+      s.v.col(i) -= sys.inv_mass[i] * dg * r_.col(k);
+      s.v.col(j) += sys.inv_mass[j] * dg * r_.col(k);
+      g[k] += dg;
+    }
+    stats.max_residual = residual.value;
+    stats.worst_bond = residual.bond;
+    if (residual.value <= limits_.tolerance) stats.failure = nullptr;
+  }
+  return stats;
+}
+
+}  // namespace taut

@@ -12,7 +12,9 @@ double kinetic_energy(const System& sys, const Vectors& v) {
   return 0.5 * (v.colwise().squaredNorm().transpose().array() * sys.mass.array()).sum();
 }
 
-Vec3 momentum(const System& sys, const Vectors& v) { return v * sys.mass; }
+Vec3 momentum(const System& sys, const Vectors& v) {
+  return v * sys.mass;
+}
 
 void remove_momentum(const System& sys, Vectors& v) {
   const double total = sys.mass.sum();
@@ -31,7 +33,9 @@ std::string DegreesOfFreedom::sum() const {
   return fmt::format("3·{} − {}{} = {}", mobile, rank, momentum_fixed ? " − 3" : "", total());
 }
 
-double temperature(double kinetic, int dof) { return dof > 0 ? 2 * kinetic / (dof * kBoltzmann) : 0.0; }
+double temperature(double kinetic, int dof) {
+  return dof > 0 ? 2 * kinetic / (dof * kBoltzmann) : 0.0;
+}
 
 BondErrors bond_errors(const System& sys, const Vectors& x) {
   BondErrors e;
@@ -59,7 +63,9 @@ void Slope::add(double t, double y) {  // Welford's updates
   yy_ += dy * (y - y_);
 }
 
-double Slope::value() const { return tt_ > 0 ? ty_ / tt_ : 0.0; }
+double Slope::value() const {
+  return tt_ > 0 ? ty_ / tt_ : 0.0;
+}
 
 double Slope::standard_error() const {
   if (n_ < 3 || tt_ == 0) return 0;

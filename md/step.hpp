@@ -10,10 +10,10 @@ namespace taut {
 
 // What a method did in one step.
 struct SolveStats {
-  int iterations = 0;            // sweeps or linear solves
-  double max_residual = 0;       // largest |σ|/d² it saw and left
-  int worst_bond = -1;           // where
-  const char* failure = nullptr; // why it gave up; null: it converged
+  int iterations = 0;             // sweeps or linear solves
+  double max_residual = 0;        // largest |σ|/d² it saw and left
+  int worst_bond = -1;            // where
+  const char* failure = nullptr;  // why it gave up; null: it converged
 
   bool converged() const { return failure == nullptr; }
 
@@ -51,12 +51,12 @@ inline void half_kick(const System& sys, double h, State& s) {
 template <ForceLaw F, ConstraintMethod M>
 SolveStats step(const System& sys, F& forces, M& method, double h, State& s) {
   half_kick(sys, h, s);
-  s.x += h * s.v;                                        // drift: the old positions are x − hv
+  s.x += h * s.v;                                          // drift: the old positions are x − hv
   SolveStats stats = method.project_positions(sys, h, s);  // SHAKE, RATTLE, ...
-  forces(sys, s);                                        // f = F(x)
-  stats += method.add_forces(sys, h, s);                 // Baumgarte, penalty: f += Jᵀλ
+  forces(sys, s);                                          // f = F(x)
+  stats += method.add_forces(sys, h, s);                   // Baumgarte, penalty: f += Jᵀλ
   half_kick(sys, h, s);
-  stats += method.project_velocities(sys, h, s);         // RATTLE
+  stats += method.project_velocities(sys, h, s);  // RATTLE
   s.t += h;
   return stats;
 }

@@ -21,8 +21,8 @@ void check_atom(const Eigen::VectorXd& mass, int a, int bond) {
 System make_system(Eigen::VectorXd mass, std::vector<RigidBond> bonds, Box box) {
   for (Eigen::Index a = 0; a < mass.size(); ++a)
     if (!(mass[a] >= 0) || !std::isfinite(mass[a]))
-      throw InputError(fmt::format("atom {}: mass {} u, expected a positive number, or 0 for an anchor", a,
-                                   mass[a]));
+      throw InputError(
+          fmt::format("atom {}: mass {} u, expected a positive number, or 0 for an anchor", a, mass[a]));
 
   std::map<std::pair<int, int>, int> seen;
   for (int k = 0; k < static_cast<int>(bonds.size()); ++k) {
@@ -36,8 +36,8 @@ System make_system(Eigen::VectorXd mass, std::vector<RigidBond> bonds, Box box) 
       throw InputError(fmt::format("bond {} ({}-{}): both ends are anchored (mass 0)", k, i, j));
     const auto [first, fresh] = seen.try_emplace(std::minmax(i, j), k);
     if (!fresh)
-      throw InputError(
-          fmt::format("bond {} ({}-{}): repeats bond {}, two bonds on the same pair", k, i, j, first->second));
+      throw InputError(fmt::format("bond {} ({}-{}): repeats bond {}, two bonds on the same pair", k, i, j,
+                                   first->second));
   }
 
   System sys;

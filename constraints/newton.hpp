@@ -1,0 +1,50 @@
+#pragma once
+
+#include <string>
+
+#include "constraints/direct_solver.hpp"
+#include "constraints/gaps.hpp"
+
+namespace taut {
+
+// RATTLE with all bonds solved at once (matrix SHAKE: Kräutler, van Gunsteren, Hünenberger 2001,
+// doi:10.1002/1096-987X(20010415)22:5<501::AID-JCC1021>3.0.CO;2-V; ILVES: López-Villellas et al. 2023,
+// doi:10.1021/acs.jctc.2c01376). Positions: x += M⁻¹J(x_old)ᵀg with
+//     A(x_old) Δg = −σ(x),
+// a Newton iteration with the matrix of the old bond vectors in place of J(x)M⁻¹J(x_old)ᵀ: symmetric, and
+// each iteration gains a factor of the bonds' turning in the step. Velocities: A(x) g = −J v, exact.
+// Cost: one factorization a step (that of the velocities serves the next positions), one solve an iteration,
+// one for the velocities.
+class Newton : public EmptyGaps {
+ public:
+  static constexpr const char* kName = "newton";
+  static constexpr const char* kSummary = "RATTLE by a direct solve of all bonds at once";
+
+  struct Options {
+    double tolerance = 1e-10;
+    int max_iterations = 50;
+
+    void describe(auto&& visit) {
+      visit("tolerance", tolerance, "relative bond error at which the iteration stops");
+      visit("max_iterations", max_iterations, "iterations after which a step has failed");
+    }
+  };
+
+  Newton(const System& sys, const Options& options, double h);
+
+  SolveStats project_positions(const System& sys, double h, State& s);
+  SolveStats project_velocities(const System& sys, double h, State& s);
+
+  const Eigen::VectorXd& lambda() const { return lambda_; }
+  double promised_error() const { return options_.tolerance; }
+  std::string setting() const;
+
+ private:
+  Options options_;
+  DirectSolver solver_;
+  bool factored_ = false;
+  Vectors r_, r_old_;                // 3 × m
+  Eigen::VectorXd g_, dg_, lambda_;  // m
+};
+
+}  // namespace taut

@@ -1,0 +1,49 @@
+#pragma once
+
+#include "constraints/direct_solver.hpp"
+#include "md/state.hpp"
+#include "md/step.hpp"
+#include "md/system.hpp"
+
+namespace taut {
+
+// Brings a start to C = 0 and Ċ = 0, by the shortest way in the metric of the masses, and finds the exact
+// multipliers of a state. For start-up, tests and analysis: it factors anew at every call.
+class Projector {
+ public:
+  explicit Projector(const System& sys);
+
+  // Newton's iteration J M⁻¹ Jᵀ g = −σ, x += M⁻¹Jᵀg, until |σ|/d² stays at round-off.
+  // Throws SimulationFailure, naming the bond, where bonds depend on each other or no solution is near.
+  void positions(const System& sys, Vectors& x);
+
+  // v −= M⁻¹Jᵀ A⁻¹ J v
+  void velocities(const System& sys, const Vectors& x, Vectors& v);
+
+  // A λ = −(J M⁻¹f + |v_ij|²): what holds the bonds at this very instant. f is without constraint forces.
+  const Eigen::VectorXd& multipliers(const System& sys, const State& s);
+
+  // Bonds that follow from others at x; the rank of the bonds is bond_count minus their number.
+  const std::vector<int>& dependent_bonds(const System& sys, const Vectors& x);
+
+  int clusters() const { return solver_.clusters(); }
+
+ private:
+  DirectSolver solver_;
+  Vectors r_, v_ij_;   // 3 × m
+  Eigen::VectorXd b_;  // m
+};
+
+// Makes the start satisfy the bonds, and gives f its first value, constraint forces included. The velocity
+// is known here, not half a step behind: that is what add_forces with h = 0 says.
+template <ForceLaw F, ConstraintMethod M>
+SolveStats initialize(const System& sys, F& forces, M& method, State& s) {
+  Projector projector(sys);
+  projector.positions(sys, s.x);
+  projector.velocities(sys, s.x, s.v);
+  s.f.resize(3, sys.atoms());
+  forces(sys, s);
+  return method.add_forces(sys, 0, s);
+}
+
+}  // namespace taut

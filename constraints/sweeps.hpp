@@ -1,0 +1,50 @@
+#pragma once
+
+#include "md/state.hpp"
+#include "md/step.hpp"
+#include "md/system.hpp"
+
+namespace taut {
+
+// One bond after the other, again and again until all hold: what SHAKE and RATTLE share.
+
+struct SweepLimits {
+  double tolerance;  // relative error of a bond length at which the sweeps stop
+  int max_sweeps;
+};
+
+// Positions (Ryckaert, Ciccotti, Berendsen 1977, doi:10.1016/0021-9991(77)90098-5): x += M⁻¹J(x_old)ᵀ g,
+// v by the same over h, g found bond by bond from
+//     σ + g (1/m_i + 1/m_j) r_old·r = 0.
+// Stops where every |σ|/d² ≤ tolerance. Fails where a bond has turned by 90° within the step (r_old·r ≤ 0,
+// no g along r_old can mend it), or sweeps run out.
+class PositionSweeps {
+ public:
+  PositionSweeps(const System& sys, SweepLimits limits);
+
+  // g_ holds the first guess and returns what was used; x is drifted by h·v.
+  SolveStats run(const System& sys, double h, State& s, Eigen::VectorXd& g);
+
+ private:
+  SweepLimits limits_;
+  Vectors r_old_;  // 3 × m
+};
+
+// Velocities (Andersen 1983, doi:10.1016/0021-9991(83)90014-1): v += M⁻¹Jᵀ g with r·v_ij = 0 on every bond.
+// Stops where every |r·v_ij| h/d² ≤ tolerance: what the bond would stretch in one step, relatively.
+class VelocitySweeps {
+ public:
+  VelocitySweeps(const System& sys, SweepLimits limits);
+
+  SolveStats run(const System& sys, double h, State& s, Eigen::VectorXd& g);
+
+ private:
+  SweepLimits limits_;
+  Vectors r_;            // 3 × m
+  Eigen::VectorXd inv_;  // 1/((1/m_i + 1/m_j)|r|²), m
+};
+
+// Throws InputError for a tolerance outside [1e-15, 0.1] or less than one sweep.
+SweepLimits checked(SweepLimits limits);
+
+}  // namespace taut
