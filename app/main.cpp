@@ -1,1 +1,37 @@
-int main() {}
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "commands.hpp"
+#include "md/errors.hpp"
+
+// Exit codes: 0 done, 1 the simulation failed, 2 the input is wrong, 3 something outside (disk, memory).
+int main(int argc, char** argv) {
+  CLI::App app{
+      "taut: molecular dynamics of rigid bonds, by several methods, with what each costs and gets wrong"};
+  app.require_subcommand(1);
+  std::vector<std::pair<CLI::App*, taut::Action>> actions;
+  taut::add_run(app, actions);
+  taut::add_lists(app, actions);
+  try {
+    app.parse(argc, argv);
+    for (const auto& [subcommand, act] : actions)
+      if (subcommand->parsed()) act();
+    return 0;
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  } catch (const taut::SimulationFailure& e) {
+    fmt::print(stderr, "taut: the simulation failed: {}\n", e.what());
+    return 1;
+  } catch (const taut::InputError& e) {
+    fmt::print(stderr, "taut: {}\n", e.what());
+    return 2;
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "taut: out of memory\n");
+    return 3;
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "taut: {}\n", e.what());
+    return 3;
+  }
+}

@@ -23,7 +23,7 @@ class Baumgarte : public EmptyGaps {
 
   struct Options {
     std::string gains = "reversible";
-    std::optional<double> alpha_per_ps, beta_per_ps;
+    std::optional<double> alpha_per_ps = {}, beta_per_ps = {};
     int passes = 1;
 
     void describe(auto&& visit) {

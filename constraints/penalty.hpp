@@ -17,7 +17,7 @@ class Penalty : public EmptyGaps {
   static constexpr const char* kSummary = "stiff springs in place of rigid bonds";
 
   struct Options {
-    std::optional<double> k;
+    std::optional<double> k = {};
     double omega_h = 0.3;
 
     void describe(auto&& visit) {

@@ -1,0 +1,143 @@
+#include "systems/simulation.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "constraints/bond_algebra.hpp"
+#include "constraints/projection.hpp"
+#include "md/errors.hpp"
+#include "md/run.hpp"
+#include "md/timed.hpp"
+
+namespace taut {
+namespace {
+
+// Momentum is conserved where nothing outside pulls; it starts at zero where the velocities were so drawn.
+bool momentum_stays_zero(const Scene& scene, const Vectors& v) {
+  if (scene.run.remove_momentum_every > 0) return true;
+  if (scene.terms.gravity || !scene.terms.pulls.empty()) return false;
+  const double kinetic = kinetic_energy(scene.system, v);
+  return kinetic > 0 &&
+         momentum(scene.system, v).norm() < 1e-6 * std::sqrt(2 * kinetic * scene.system.mass.sum());
+}
+
+}  // namespace
+
+Simulation::Simulation(Scene scene)
+    : scene_(std::move(scene)),
+      forces_(scene_.system, scene_.terms),
+      method_(make_method(scene_.system, scene_.method, scene_.run.h())),
+      state_(scene_.start) {
+  const System& sys = scene_.system;
+  std::visit([&](auto& method) { initialize(sys, forces_, method, state_); }, method_);
+  Projector projector(sys);
+  clusters_ = projector.clusters();
+  const int dependent = static_cast<int>(projector.dependent_bonds(sys, state_.x).size());
+  dof_ = degrees_of_freedom(sys, sys.bond_count() - dependent, momentum_stays_zero(scene_, state_.v));
+  if (scene_.run.thermostat_ps > 0) {
+    if (dof_.total() < 1) throw InputError("run.thermostat_ps: nothing can move, there is no temperature");
+    thermostat_.emplace(scene_.run.temperature_k, scene_.run.thermostat_ps, dof_.total(), scene_.run.seed);
+  }
+}
+
+std::string Simulation::method_setting() const {
+  return std::visit([](const auto& method) { return method.setting(); }, method_);
+}
+
+Eigen::VectorXd Simulation::bond_tensions() const {
+  return std::visit([&](const auto& method) { return tensions(scene_.system, method.lambda()); }, method_);
+}
+
+double Simulation::method_energy() const {
+  return std::visit(
+      [&](const auto& method) {
+        if constexpr (requires { method.spring_energy(scene_.system, state_.x); })
+          return method.spring_energy(scene_.system, state_.x);
+        else
+          return 0.0;
+      },
+      method_);
+}
+
+Record Simulation::record() const {
+  Record r;
+  r.t = state_.t;
+  r.potential = forces_.potential() + method_energy();
+  r.kinetic = kinetic_energy(scene_.system, state_.v);
+  r.temperature = temperature(r.kinetic, dof_.total());
+  r.bonds = bond_errors(scene_.system, state_.x);
+  return r;
+}
+
+Summary Simulation::run(const std::function<void(const Record&)>& on_record,
+                        const std::function<void(long)>& on_step) {
+  using Clock = std::chrono::steady_clock;
+  const RunSettings& settings = scene_.run;
+  const int dof = std::max(1, dof_.total());
+  Summary summary;
+  Slope energy;
+  double squares = 0, temperatures = 0, watching = 0;
+  long rows = 0, last = 0;
+  const auto start = Clock::now();
+  const auto elapsed = [&] { return std::chrono::duration<double>(Clock::now() - start).count() - watching; };
+
+  const auto observe = [&](long step, const SolveStats& since) {
+    const auto pause = Clock::now();
+    const double spent = elapsed();
+    Record r = record();
+    r.step = step;
+    energy.add(r.t, r.total());
+    r.drift = energy.value() / dof * 1000;  // per ps to per ns
+    r.iterations =
+        step > last ? static_cast<double>(since.iterations) / static_cast<double>(step - last) : 0.0;
+    r.ns_per_day = step > 0 ? static_cast<double>(step) * settings.h() * 1e-3 * 86400 / spent : 0.0;
+    last = step;
+    ++rows;
+    summary.max_rel_bond_error = std::max(summary.max_rel_bond_error, r.bonds.max);
+    squares += r.bonds.rms * r.bonds.rms;
+    temperatures += r.temperature;
+    if (!std::isfinite(r.total()))
+      throw SimulationFailure(
+          fmt::format("step {}: the energy is no longer a number; take a shorter step", step));
+    if (on_record) on_record(r);
+    watching += std::chrono::duration<double>(Clock::now() - pause).count();
+    return r;
+  };
+
+  const RunPlan plan{.h = settings.h(),
+                     .steps = settings.steps,
+                     .observe_every = settings.log_every,
+                     .remove_momentum_every = settings.remove_momentum_every};
+  Record end = observe(0, {});
+  double constraint_seconds = 0;
+  long n = 0;
+  std::visit(
+      [&](auto& method) {
+        Timed timed(method);
+        const auto each = [&](State& s) {
+          if (thermostat_) (*thermostat_)(scene_.system, plan.h, s.v);
+          if (on_step) on_step(++n);
+        };
+        taut::run(scene_.system, forces_, timed, plan, state_, each,
+                  [&](const Moment& m) { end = observe(m.step, m.since); });
+        constraint_seconds = timed.seconds();
+      },
+      method_);
+
+  const double seconds = elapsed(), steps = static_cast<double>(std::max(1L, settings.steps));
+  summary.steps = settings.steps;
+  summary.us_per_step = seconds / steps * 1e6;
+  summary.constraint_us_per_step = constraint_seconds / steps * 1e6;
+  summary.ns_per_day = end.ns_per_day;
+  summary.rms_rel_bond_error = std::sqrt(squares / static_cast<double>(rows));
+  summary.drift = end.drift;
+  summary.drift_error = energy.standard_error() / dof * 1000;
+  summary.temperature = temperatures / static_cast<double>(rows);
+  summary.potential = end.potential;
+  summary.total = end.total();
+  return summary;
+}
+
+}  // namespace taut

@@ -1,0 +1,178 @@
+#include "constraints/baumgarte.hpp"
+
+#include <gtest/gtest.h>
+
+#include "constraints/bond_algebra.hpp"
+#include "constraints/none.hpp"
+#include "constraints/projection.hpp"
+#include "free_system.hpp"
+#include "md/errors.hpp"
+#include "md/observables.hpp"
+
+namespace taut {
+namespace {
+
+using testing::NoForce;
+
+double sigma_of(const testing::Start& start, int k = 0) {
+  const auto& [i, j, d] = start.system.bonds[k];
+  return sigma(start.state.x.col(j) - start.state.x.col(i), d);
+}
+
+Baumgarte::Options numbers(double alpha, double beta, int passes = 2) {
+  return {.gains = "numbers", .alpha_per_ps = alpha, .beta_per_ps = beta, .passes = passes};
+}
+
+// Two unit masses at distance 1, pulled by `pull` along the bond on one: both accelerate at half of it.
+struct PullOnOne {
+  double pull;
+  void operator()(const System&, State& s) const {
+    s.f.setZero();
+    s.f(0, 1) = pull;
+  }
+};
+
+TEST(Baumgarte, HalfThePullIsTheTension) {
+  for (const double pull : {10.0, 12.0}) {
+    auto [sys, s] = testing::rotor(0);
+    PullOnOne forces{pull};
+    Baumgarte method(sys, numbers(10, 10), 1e-3);
+    initialize(sys, forces, method, s);
+    EXPECT_NEAR(s.f(0, 0), pull / 2, 1e-12);
+    EXPECT_NEAR(s.f(0, 1), pull / 2, 1e-12);
+    EXPECT_NEAR(tensions(sys, method.lambda())[0], pull / 2, 1e-12);
+  }
+}
+
+// A residual σ with σ̇ = 0 adds −β²σ to σ̈.
+TEST(Baumgarte, AResidualAddsMinusBetaSquaredSigma) {
+  const struct { double gain, sigma, added; } cases[] = {{10, 0.01, -1.0}, {20, 0.005, -2.0}};
+  for (const auto& c : cases) {
+    auto [sys, s] = testing::rotor(0);
+    s.x(0, 1) = -0.5 + std::sqrt(1 + 2 * c.sigma);
+    Baumgarte method(sys, numbers(c.gain, c.gain), 1e-3);
+    method.add_forces(sys, 0, s);
+    const Vec3 r = s.x.col(1) - s.x.col(0);
+    const double acceleration = r.dot(s.f.col(1) - s.f.col(0));  // σ̈ at rest
+    EXPECT_NEAR(acceleration, c.added, 1e-12);
+  }
+}
+
+// ... and a rate σ̇ adds −2ασ̇.
+TEST(Baumgarte, ARateAddsMinusTwiceAlphaSigmaDot) {
+  auto [sys, s] = testing::rotor(0);
+  s.v(0, 1) = 0.3;
+  Baumgarte method(sys, numbers(10, 10), 1e-3);
+  method.add_forces(sys, 0, s);
+  const Vec3 r = s.x.col(1) - s.x.col(0);
+  EXPECT_NEAR(r.dot(s.f.col(1) - s.f.col(0)) + 0.09, -2 * 10 * 0.3, 1e-12);  // σ̈ = r·a + |v|²
+}
+
+TEST(Baumgarte, AFineStepFollowsTheCriticallyDampedLaw) {
+  const double sigma0 = 1e-6, alpha = 20, h = 1e-5;
+  auto start = testing::rotor(0);
+  auto& [sys, s] = start;
+  s.x(0, 1) = -0.5 + std::sqrt(1 + 2 * sigma0);
+  Baumgarte method(sys, numbers(alpha, alpha), h);
+  NoForce forces;
+  method.add_forces(sys, 0, s);
+  while (s.t < 0.1 - h / 2) step(sys, forces, method, h, s);
+  EXPECT_NEAR(sigma_of(start) / (sigma0 * (1 + alpha * s.t) * std::exp(-alpha * s.t)), 1, 1e-3);
+}
+
+// One bond at rest: σ obeys σ'' − tr σ' + det σ = 0 from step to step, with
+//     tr = (2 − β²h²)/(1 + αh),  det = (1 − αh)/(1 + αh).
+TEST(Baumgarte, ErrorsFollowTheRecurrenceOfTheStep) {
+  const double h = 0.01;
+  for (const double ah : {0.05, 0.3, 1.0, 1.7})
+    for (const double b2 : {0.5, 2.0, 3.0}) {
+      auto start = testing::rotor(0);
+      auto& [sys, s] = start;
+      s.x(0, 1) += 1e-9;
+      Baumgarte method(sys, numbers(ah / h, std::sqrt(b2) / h), h);
+      NoForce forces;
+      std::vector<double> errors;
+      for (int n = 0; n < 8; ++n) {
+        step(sys, forces, method, h, s);
+        errors.push_back(sigma_of(start));
+      }
+      const double trace = (2 - b2) / (1 + ah), determinant = (1 - ah) / (1 + ah);
+      for (int n = 3; n < 8; ++n)
+        EXPECT_NEAR(errors[n], trace * errors[n - 1] - determinant * errors[n - 2], 1e-5 * 1e-9)
+            << "αh " << ah << " (βh)² " << b2 << " step " << n;
+    }
+}
+
+TEST(Baumgarte, StableBelowBetaHOfTwoAndNotAbove) {
+  const double h = 0.01;
+  EXPECT_THROW(Baumgarte(testing::rotor(0).system, numbers(1, 2.0 / h), h), InputError);
+  EXPECT_THROW(Baumgarte(testing::rotor(0).system, numbers(-1, 1), h), InputError);
+  auto start = testing::rotor(0);
+  auto& [sys, s] = start;
+  s.x(0, 1) += 1e-6;
+  Baumgarte method(sys, numbers(1.0, 1.99 / h), h);
+  NoForce forces;
+  for (int n = 0; n < 3000; ++n) step(sys, forces, method, h, s);
+  EXPECT_LT(std::abs(sigma_of(start)), 1e-8);
+}
+
+TEST(Gains, BothRootsAreTheWantedOne) {
+  const double h = 0.002;
+  for (const double r : {0.0, 0.2, 0.5, 0.9, 0.99}) {
+    const auto [alpha, beta] = gains_for_root(r, h);
+    const double ah = alpha * h, b2 = beta * beta * h * h;
+    EXPECT_NEAR((2 - b2) / (1 + ah), 2 * r, 1e-14);
+    EXPECT_NEAR((1 - ah) / (1 + ah), r * r, 1e-14);
+  }
+  const Gains dead_beat = choose_gains("dead-beat", {}, {}, h);
+  EXPECT_DOUBLE_EQ(dead_beat.alpha * h, 1);
+  EXPECT_DOUBLE_EQ(dead_beat.beta * h, std::sqrt(2.0));
+  EXPECT_THROW(choose_gains("dead-beet", {}, {}, h), InputError);
+  EXPECT_THROW(choose_gains("numbers", 1.0, {}, h), InputError);
+}
+
+TEST(Baumgarte, DeadBeatClearsAnErrorInTwoSteps) {
+  const double h = 0.01;
+  auto start = testing::rotor(0);
+  auto& [sys, s] = start;
+  Baumgarte method(sys, {.gains = "dead-beat"}, h);
+  NoForce forces;
+  s.x(0, 1) += 1e-7;
+  step(sys, forces, method, h, s);  // the first half kick knew nothing of the error
+  step(sys, forces, method, h, s);
+  step(sys, forces, method, h, s);
+  EXPECT_LT(std::abs(sigma_of(start)), 1e-13);
+}
+
+// A free rotor turning by θ a step keeps δd/d = θ⁴/8 at dead-beat.
+TEST(Baumgarte, FreeRotorKeepsThetaToTheFourthOverEight) {
+  const double h = 0.01;
+  for (const double theta : {0.05, 0.1}) {
+    auto start = testing::rotor(theta / h);
+    auto& [sys, s] = start;
+    Baumgarte method(sys, {.gains = "dead-beat", .passes = 2}, h);
+    NoForce forces;
+    initialize(sys, forces, method, s);
+    for (int n = 0; n < 400; ++n) step(sys, forces, method, h, s);
+    const double error = (s.x.col(1) - s.x.col(0)).norm() - 1;
+    EXPECT_NEAR(error / (std::pow(theta, 4) / 8), 1, 0.02) << "θ " << theta;
+  }
+}
+
+// Without correction a bond drifts, and faster and faster; any gain holds it.
+TEST(None, DriftsWhereGainsHold) {
+  const auto error_after = [](auto method, int steps) {
+    auto [sys, s] = testing::rotor(2.0);
+    NoForce forces;
+    initialize(sys, forces, method, s);
+    for (int n = 0; n < steps; ++n) step(sys, forces, method, 0.01, s);
+    return bond_errors(sys, s.x).max;
+  };
+  const System sys = testing::rotor(2.0).system;
+  const double early = error_after(None(sys, {}, 0.01), 500), late = error_after(None(sys, {}, 0.01), 2000);
+  EXPECT_GT(late, 3.5 * early);
+  EXPECT_LT(error_after(Baumgarte(sys, {}, 0.01), 2000), 0.05 * late);
+}
+
+}  // namespace
+}  // namespace taut

@@ -1,0 +1,148 @@
+#include "constraints/direct_solver.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/SparseCholesky>
+
+#include "constraints/bond_algebra.hpp"
+#include "free_system.hpp"
+
+namespace taut {
+namespace {
+
+// J as a dense m × 3n matrix, straight from its definition.
+Eigen::MatrixXd dense_jacobian(const System& sys, const Vectors& r) {
+  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(sys.bond_count(), 3 * sys.atoms());
+  for (int k = 0; k < sys.bond_count(); ++k) {
+    J.block<1, 3>(k, 3 * sys.bonds[k].i) = -r.col(k).transpose();
+    J.block<1, 3>(k, 3 * sys.bonds[k].j) = r.col(k).transpose();
+  }
+  return J;
+}
+
+Eigen::MatrixXd dense_A(const System& sys, const Vectors& r) {
+  const Eigen::MatrixXd J = dense_jacobian(sys, r);
+  const Eigen::VectorXd inv_mass = sys.inv_mass.transpose().replicate(3, 1).reshaped();
+  return J * inv_mass.asDiagonal() * J.transpose();
+}
+
+struct Shape {
+  const char* name;
+  int atoms;
+  std::vector<std::array<int, 2>> bonds;
+  int fill;
+};
+
+const Shape kShapes[] = {
+    {"chain", 6, {{0, 1}, {1, 2}, {2, 3}, {3, 4}, {4, 5}}, 0},
+    {"ends turned round", 5, {{1, 0}, {1, 2}, {3, 2}, {3, 4}}, 0},
+    {"star", 5, {{0, 1}, {2, 0}, {0, 3}, {4, 0}}, 0},
+    {"tree", 7, {{0, 1}, {0, 2}, {1, 3}, {1, 4}, {2, 5}, {2, 6}}, 0},
+    {"ring", 6, {{0, 1}, {1, 2}, {2, 3}, {3, 4}, {4, 5}, {5, 0}}, 3},
+    {"triangle and chain apart", 6, {{0, 1}, {1, 2}, {2, 0}, {3, 4}, {4, 5}}, 0},
+};
+
+TEST(DirectSolver, SolvesWithAOfTheDefinitionForEveryShape) {
+  for (const Shape& shape : kShapes) {
+    SCOPED_TRACE(shape.name);
+    Random random(7);
+    Eigen::VectorXd mass(shape.atoms);
+    for (auto& m : mass) m = 0.5 + random.uniform();
+    mass[1] = 0;  // an anchor
+    std::vector<RigidBond> bonds;
+    for (const auto& [i, j] : shape.bonds) bonds.push_back({i, j, 1});
+    const System sys = make_system(mass, bonds);
+    Vectors x(3, shape.atoms);
+    for (int a = 0; a < shape.atoms; ++a) x.col(a) = random.normal_vector();
+    Vectors r(3, sys.bond_count());
+    differences(sys, x, r);
+
+    DirectSolver solver(sys);
+    solver.factor(r);
+    EXPECT_FALSE(solver.singular());
+    Eigen::VectorXd b(sys.bond_count());
+    for (auto& value : b) value = random.normal();
+    Eigen::VectorXd got = b;
+    solver.solve(got);
+    const Eigen::VectorXd want = dense_A(sys, r).ldlt().solve(b);
+    EXPECT_LT((got - want).norm(), 1e-12 * want.norm());
+  }
+}
+
+TEST(SparseLdlt, ChainsAndTreesHaveNoFillAndRingsLittle) {
+  for (const Shape& shape : kShapes) {
+    SCOPED_TRACE(shape.name);
+    std::vector<SparseLdlt::Pair> pairs;
+    for (int k = 0; k < static_cast<int>(shape.bonds.size()); ++k)
+      for (int l = k + 1; l < static_cast<int>(shape.bonds.size()); ++l)
+        for (int a : shape.bonds[k])
+          for (int b : shape.bonds[l])
+            if (a == b) pairs.push_back({k, l});
+    EXPECT_EQ(SparseLdlt(static_cast<int>(shape.bonds.size()), pairs).fill(), shape.fill);
+  }
+}
+
+TEST(SparseLdlt, AgreesWithEigensOnARandomPattern) {
+  constexpr int n = 60;
+  Random random(3);
+  std::vector<SparseLdlt::Pair> pairs;
+  for (int a = 0; a < n; ++a)
+    for (int b = a + 1; b < n; ++b)
+      if (random.uniform() < 0.08)
+        pairs.push_back(random.uniform() < 0.5 ? SparseLdlt::Pair{a, b} : SparseLdlt::Pair{b, a});
+  Eigen::VectorXd diagonal = Eigen::VectorXd::Constant(n, 20), values(pairs.size()), b(n);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int a = 0; a < n; ++a) entries.emplace_back(a, a, 20.0);
+  for (std::size_t e = 0; e < pairs.size(); ++e) {
+    values[e] = random.normal();
+    entries.emplace_back(pairs[e][0], pairs[e][1], values[e]);
+    entries.emplace_back(pairs[e][1], pairs[e][0], values[e]);
+  }
+  for (auto& value : b) value = random.normal();
+  Eigen::SparseMatrix<double> A(n, n);
+  A.setFromTriplets(entries.begin(), entries.end());
+
+  SparseLdlt ldlt(n, pairs);
+  ldlt.factor(diagonal, values);
+  Eigen::VectorXd got = b;
+  ldlt.solve(got);
+  EXPECT_TRUE(ldlt.dependent_rows().empty());
+  const Eigen::VectorXd want = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(A).solve(b);
+  EXPECT_LT((got - want).norm(), 1e-13 * want.norm());
+}
+
+// A square closed in a plane with both diagonals: six bonds, but a plane quadrilateral bears five.
+TEST(DirectSolver, FindsABondThatFollowsFromTheOthers) {
+  const System sys = make_system(
+      Eigen::VectorXd::Ones(4),
+      {{0, 1, 1.0}, {1, 2, 1.0}, {2, 3, 1.0}, {3, 0, 1.0}, {0, 2, std::sqrt(2.0)}, {1, 3, std::sqrt(2.0)}});
+  Vectors x(3, 4);
+  x << 0, 1, 1, 0, 0, 0, 1, 1, 0, 0, 0, 0;
+  Vectors r(3, 6);
+  differences(sys, x, r);
+  DirectSolver solver(sys);
+  solver.factor(r);
+  EXPECT_EQ(solver.dependent_bonds().size(), 1u);
+
+  x(2, 2) = 0.4;  // a corner lifted out of the plane: all six count
+  differences(sys, x, r);
+  solver.factor(r);
+  EXPECT_FALSE(solver.singular());
+}
+
+TEST(BondAlgebra, ConstraintForceIsJTransposedLambda) {
+  const auto start = testing::free_chain(5, 11);
+  const System& sys = start.system;
+  Vectors r(3, 4);
+  differences(sys, start.state.x, r);
+  const Eigen::VectorXd lambda = Eigen::Vector4d(1, -2, 3, 0.5);
+  Vectors f = Vectors::Zero(3, 5);
+  add_constraint_force(sys, r, lambda, f);
+  const Eigen::VectorXd want = dense_jacobian(sys, r).transpose() * lambda;
+  EXPECT_LT((f.reshaped() - want).norm(), 1e-15);
+  EXPECT_LT(f.rowwise().sum().norm(), 1e-14);  // no net force
+}
+
+}  // namespace
+}  // namespace taut

@@ -1,0 +1,220 @@
+#include "constraints/methods.hpp"
+
+#include <gtest/gtest.h>
+
+#include "free_system.hpp"
+#include "md/errors.hpp"
+#include "verifier.hpp"
+
+namespace taut {
+namespace {
+
+using testing::NoForce;
+using testing::Start;
+using testing::Verdict;
+using testing::verify;
+
+// A closed ring of unit bonds, puckered.
+Start ring(int beads, std::uint64_t seed) {
+  Start start = testing::free_chain(beads, seed);
+  const double radius = 0.5 / std::sin(M_PI / beads);
+  for (int i = 0; i < beads; ++i) {
+    const double phi = 2 * M_PI * i / beads;
+    start.state.x.col(i) << radius * std::cos(phi), radius * std::sin(phi), 0.1 * (i % 2);
+  }
+  auto bonds = start.system.bonds;
+  bonds.push_back({beads - 1, 0, 1.0});
+  start.system = make_system(start.system.mass, bonds);
+  return start;
+}
+
+// A bead with three arms of two, masses 1 : 20.
+Start tree() {
+  Start start = testing::free_chain(7, 5);
+  Eigen::VectorXd mass(7);
+  mass << 20, 1, 1, 1, 1, 1, 1;
+  start.state.x << 0, 1, 1.7, -0.5, -1.2, -0.5, -1.1,  //
+      0, 0, 0.7, 0.87, 1.5, -0.87, -0.9,               //
+      0, 0, 0.1, 0, 0.3, 0, 0.8;
+  start.system = make_system(mass, {{0, 1, 1}, {1, 2, 1}, {0, 3, 1}, {3, 4, 1}, {5, 0, 1}, {5, 6, 1}});
+  return start;
+}
+
+Start anchored_chain() {
+  Start start = testing::free_chain(5, 21);
+  Eigen::VectorXd mass = start.system.mass;
+  mass[0] = 0;
+  start.state.v.col(0).setZero();
+  start.system = make_system(mass, start.system.bonds);
+  return start;
+}
+
+struct Case {
+  const char* name;
+  Start start;
+  double h;
+};
+
+std::vector<Case> cases() {
+  return {{"rotor", testing::rotor(3), 0.01},
+          {"chain of 20", testing::free_chain(20, 1), 0.01},
+          {"ring of 8", ring(8, 2), 0.01},
+          {"tree", tree(), 0.01},
+          {"waters", testing::waters(4, 3, 300), 0.001},
+          {"anchored chain", anchored_chain(), 0.01}};
+}
+
+class EveryMethod : public ::testing::TestWithParam<std::string_view> {};
+
+TEST_P(EveryMethod, HoldsEveryShapeAsItPromises) {
+  for (const Case& c : cases()) {
+    SCOPED_TRACE(c.name);
+    NoForce forces;
+    const MethodOptions options = default_options(GetParam());
+    const Verdict verdict = verify(c.start.system, forces, options, c.h, 500, c.start.state);
+    ASSERT_TRUE(verdict.stats.converged()) << verdict.stats.failure;
+    const double promise = std::visit([](const auto& m) { return m.promised_error(); },
+                                      make_method(c.start.system, options, c.h));
+    EXPECT_LE(verdict.bond_error, promise * (1 + 1e-3) + 1e-15);
+    // Methods that promise no number are held to what a step's truncation feeds them.
+    if (GetParam() == "baumgarte") {
+      EXPECT_LT(verdict.bond_error, 20 * verdict.predicted_error);
+    }
+    if (GetParam() == "none") {
+      EXPECT_LT(verdict.bond_error, 500 * 500 * verdict.predicted_error);
+    }
+    if (GetParam() == "penalty") {
+      EXPECT_LT(verdict.bond_error, 0.1);
+    }
+    EXPECT_GT(verdict.turn, 0.9);
+    const bool free = (c.start.system.mass.array() > 0).all();
+    if (free) {
+      EXPECT_LT(verdict.momentum_change, 1e-13);
+    }
+    EXPECT_GT(verdict.kinetic_drift, -1);
+    RecordProperty(std::string(c.name) + " relative change of the energy",
+                   std::to_string(verdict.kinetic_drift));
+    if (GetParam() == "newton" || GetParam() == "rattle") {
+      EXPECT_LT(verdict.kinetic_drift, 2e-2);
+    }
+  }
+}
+
+TEST_P(EveryMethod, GivesTheSameBitsTwice) {
+  NoForce forces;
+  const Start start = testing::free_chain(10, 4);
+  const auto once = verify(start.system, forces, default_options(GetParam()), 0.01, 50, start.state);
+  const auto again = verify(start.system, forces, default_options(GetParam()), 0.01, 50, start.state);
+  EXPECT_EQ(once.end.x, again.end.x);
+  EXPECT_EQ(once.end.v, again.end.v);
+}
+
+// The multipliers are those of J M⁻¹Jᵀλ = −(J M⁻¹F + |v_ij|²) up to the order of the step.
+TEST_P(EveryMethod, ItsMultipliersAreTheExactOnesToFirstOrder) {
+  if (GetParam() == "penalty") GTEST_SKIP() << "a spring swings about its multiplier";
+  const Start start = testing::free_chain(6, 9);
+  testing::UniformForce forces{Vec3(0, 0, -1)};
+  const double h = 1e-3;
+  const auto verdict = verify(start.system, forces, default_options(GetParam()), h, 20, start.state);
+  State end = verdict.end;
+  forces(start.system, end);
+  Projector projector(start.system);
+  if (GetParam() == "shake") projector.velocities(start.system, end.x, end.v);
+  const Eigen::VectorXd exact = projector.multipliers(start.system, end);
+  EXPECT_LT((verdict.lambda - exact).norm(), 1e-2 * exact.norm());
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, EveryMethod, ::testing::ValuesIn(method_names()),
+                         [](const auto& test) { return std::string(test.param); });
+
+template <class Options>
+MethodOptions tight() {
+  Options options;
+  options.tolerance = 1e-14;
+  return options;
+}
+
+TEST(RattleAndNewton, AgreeToRoundOff) {
+  for (const Case& c : cases()) {
+    SCOPED_TRACE(c.name);
+    NoForce forces;
+    const auto rattle = verify(c.start.system, forces, tight<Rattle::Options>(), c.h, 100, c.start.state);
+    const auto newton = verify(c.start.system, forces, tight<Newton::Options>(), c.h, 100, c.start.state);
+    ASSERT_TRUE(rattle.stats.converged() && newton.stats.converged());
+    EXPECT_LT((rattle.end.x - newton.end.x).cwiseAbs().maxCoeff(), 1e-10);
+    EXPECT_LT((rattle.end.v - newton.end.v).cwiseAbs().maxCoeff(), 1e-9);
+  }
+}
+
+// SHAKE leaves the velocity along the bonds to the next step's correction: the same positions.
+TEST(ShakeAndRattle, GiveTheSamePositions) {
+  NoForce forces;
+  const Start start = testing::free_chain(10, 6);
+  const auto shake = verify(start.system, forces, tight<Shake::Options>(), 0.01, 50, start.state);
+  const auto rattle = verify(start.system, forces, tight<Rattle::Options>(), 0.01, 50, start.state);
+  EXPECT_LT((shake.end.x - rattle.end.x).cwiseAbs().maxCoeff(), 1e-11);
+  EXPECT_GT((shake.end.v - rattle.end.v).cwiseAbs().maxCoeff(), 1e-6);
+}
+
+TEST(Rattle, VelocitiesLieAlongTheTangent) {
+  NoForce forces;
+  const Start start = testing::waters(2, 8, 300);
+  const auto end = verify(start.system, forces, tight<Rattle::Options>(), 0.001, 20, start.state).end;
+  for (const auto& [i, j, d] : start.system.bonds)
+    EXPECT_NEAR((end.x.col(j) - end.x.col(i)).dot(end.v.col(j) - end.v.col(i)) * 0.001 / (d * d), 0, 1e-13);
+}
+
+TEST(Rattle, WarmStartSavesSweeps) {
+  NoForce forces;
+  const Start start = testing::free_chain(20, 1);
+  const auto warm = verify(start.system, forces, Rattle::Options{}, 0.005, 100, start.state);
+  const auto cold =
+      verify(start.system, forces, Rattle::Options{.warm_start = false}, 0.005, 100, start.state);
+  EXPECT_LT(warm.stats.iterations, 0.85 * cold.stats.iterations);
+}
+
+TEST(Sweeps, NameTheBondThatTurnedTooFar) {
+  NoForce forces;
+  const Start start = testing::rotor(300);  // 3 rad a step
+  for (const char* method : {"shake", "rattle"}) {
+    const auto stats = verify(start.system, forces, default_options(method), 0.01, 5, start.state).stats;
+    ASSERT_FALSE(stats.converged());
+    EXPECT_EQ(stats.worst_bond, 0);
+    EXPECT_NE(std::string(stats.failure).find("90°"), std::string::npos);
+  }
+}
+
+// A straight chain of three with its 1–3 distance held as well: one bond too many.
+TEST(Projector, NamesTheBondThatDependsOnOthers) {
+  const System sys = make_system(Eigen::VectorXd::Ones(3), {{0, 1, 1}, {1, 2, 1}, {0, 2, 2}});
+  Vectors x = Vectors::Zero(3, 3);
+  x(0, 1) = 1.0;
+  x(0, 2) = 2.0 + 1e-7;
+  try {
+    Projector(sys).positions(sys, x);
+    FAIL() << "accepted";
+  } catch (const SimulationFailure& e) {
+    EXPECT_NE(std::string(e.what()).find("depends on other bonds"), std::string::npos) << e.what();
+  }
+}
+
+TEST(Methods, UnknownNameIsRefusedWithTheNearest) {
+  try {
+    default_options("ratle");
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("did you mean \"rattle\"?"), std::string::npos);
+  }
+}
+
+TEST(Methods, OptionsOutOfRangeAreRefused) {
+  const System sys = testing::rotor(1).system;
+  EXPECT_THROW(make_method(sys, Rattle::Options{.tolerance = 0}, 0.01), InputError);
+  EXPECT_THROW(make_method(sys, Shake::Options{.max_sweeps = 0}, 0.01), InputError);
+  EXPECT_THROW(make_method(sys, Newton::Options{.tolerance = 1}, 0.01), InputError);
+  EXPECT_THROW(make_method(sys, Penalty::Options{.omega_h = 2.5}, 0.01), InputError);
+  EXPECT_THROW(make_method(sys, Rattle::Options{}, 0), InputError);
+}
+
+}  // namespace
+}  // namespace taut

@@ -1,0 +1,61 @@
+#pragma once
+
+#include "constraints/bond_algebra.hpp"
+#include "constraints/methods.hpp"
+#include "constraints/projection.hpp"
+#include "md/observables.hpp"
+
+namespace taut::testing {
+
+// What one run showed of a method, every step looked at.
+struct Verdict {
+  double bond_error = 0;  // largest relative error of a bond length
+  double predicted_error =
+      0;  // largest relative error that one step's truncation feeds: h³|v·a|/(2d²) + h⁴a²/(8d²)
+  double turn = 1;             // smallest cosine between a bond before and after a step
+  double momentum_change = 0;  // relative to Σ m|v|
+  double kinetic_drift = 0;    // |ΔE_kin| at the end, relative (meaningful without other forces)
+  State end;
+  Eigen::VectorXd lambda;
+  SolveStats stats;
+};
+
+// Runs `steps` steps from a start that is first brought to the bonds. `forces` must be ready to call.
+template <ForceLaw F>
+Verdict verify(const System& sys, F& forces, const MethodOptions& options, double h, int steps, State s) {
+  Verdict verdict;
+  Method any = make_method(sys, options, h);
+  std::visit(
+      [&](auto& method) {
+        initialize(sys, forces, method, s);
+        const Vec3 momentum_before = momentum(sys, s.v);
+        const double kinetic_before = kinetic_energy(sys, s.v);
+        const double scale = (s.v.colwise().norm() * sys.mass).value() + 1e-300;
+        Vectors r(3, sys.bond_count()), r_before(3, sys.bond_count());
+        differences(sys, s.x, r_before);
+        for (int n = 0; n < steps; ++n) {
+          const Vectors v_before = s.v;
+          verdict.stats += step(sys, forces, method, h, s);
+          if (!verdict.stats.converged()) break;
+          differences(sys, s.x, r);
+          for (int k = 0; k < sys.bond_count(); ++k) {
+            const auto& [i, j, d] = sys.bonds[k];
+            const Vec3 v = s.v.col(j) - s.v.col(i), a = (v - (v_before.col(j) - v_before.col(i))) / h;
+            verdict.predicted_error = std::max(
+                verdict.predicted_error,
+                (std::pow(h, 3) * v.norm() * a.norm() / 2 + std::pow(h, 4) * a.squaredNorm() / 8) / (d * d));
+            verdict.turn = std::min(verdict.turn, r.col(k).normalized().dot(r_before.col(k).normalized()));
+          }
+          r_before = r;
+          verdict.bond_error = std::max(verdict.bond_error, bond_errors(sys, s.x).max);
+        }
+        verdict.momentum_change = (momentum(sys, s.v) - momentum_before).norm() / scale;
+        verdict.kinetic_drift = std::abs(kinetic_energy(sys, s.v) / kinetic_before - 1);
+        verdict.lambda = method.lambda();
+      },
+      any);
+  verdict.end = std::move(s);
+  return verdict;
+}
+
+}  // namespace taut::testing
