@@ -75,15 +75,15 @@ struct Pull {  // a constant force on one atom
 
 // All of a scene's forces. What is empty costs nothing.
 struct Terms {
-  std::vector<HarmonicBond> bonds;
-  std::vector<HarmonicAngle> angles;
-  std::vector<PeriodicTorsion> torsions;
-  std::vector<RyckaertBellemans> rb_torsions;
-  std::vector<Fene> fene;
-  std::optional<Nonbonded> nonbonded;
-  std::optional<Wca> wca;
-  std::optional<Vec3> gravity;  // uniform acceleration [nm/ps²]
-  std::vector<Pull> pulls;
+  std::vector<HarmonicBond> bonds{};
+  std::vector<HarmonicAngle> angles{};
+  std::vector<PeriodicTorsion> torsions{};
+  std::vector<RyckaertBellemans> rb_torsions{};
+  std::vector<Fene> fene{};
+  std::optional<Nonbonded> nonbonded{};
+  std::optional<Wca> wca{};
+  std::optional<Vec3> gravity{};  // uniform acceleration [nm/ps²]
+  std::vector<Pull> pulls{};
 };
 
 }  // namespace taut

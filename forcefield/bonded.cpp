@@ -1,0 +1,149 @@
+#include "forcefield/bonded.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "md/errors.hpp"
+
+namespace taut {
+namespace {
+
+// The angle θ at the middle of three atoms and its gradient. With a and c the arms and p = a × c,
+//     θ = atan2(|p|, a·c),   ∂θ/∂x_i = a × p / (a²|p|),   ∂θ/∂x_k = −c × p / (c²|p|).
+// On a straight line the direction is undefined and the gradient left at zero.
+struct Angle {
+  double theta;
+  Vec3 grad_i = Vec3::Zero(), grad_k = Vec3::Zero();  // [rad/nm]; grad_j is minus their sum
+
+  Angle(const Vec3& a, const Vec3& c) {
+    const Vec3 p = a.cross(c);
+    const double sine = p.norm();
+    theta = std::atan2(sine, a.dot(c));
+    if (!(sine > 0)) return;
+    grad_i = a.cross(p) / (a.squaredNorm() * sine);
+    grad_k = -c.cross(p) / (c.squaredNorm() * sine);
+  }
+};
+
+// The dihedral φ of four atoms (0 cis, IUPAC sign) and its gradient, after Blondel and Karplus 1996
+// (doi:10.1002/(SICI)1096-987X(19960715)17:9<1132::AID-JCC5>3.0.CO;2-T). With F = x_i − x_j,
+// G = x_j − x_k, H = x_l − x_k, A = F × G, B = H × G:
+//     cos φ ∝ A·B,  sin φ ∝ (B × A)·G/|G|,  ∂φ/∂x_i = −|G|A/A²,  ∂φ/∂x_l = |G|B/B²,
+//     ∂φ/∂x_j = −∂φ/∂x_i + S,  ∂φ/∂x_k = −∂φ/∂x_l − S,  S = (F·G A/A² − H·G B/B²)/|G|.
+// Where an end lies on the axis (sin² of the bend under 1e-20) its share is undefined and set to zero.
+struct Dihedral {
+  double phi;
+  Vec3 grad_i, grad_j, grad_k, grad_l;  // [rad/nm]
+
+  Dihedral(const Vec3& xi, const Vec3& xj, const Vec3& xk, const Vec3& xl) {
+    const Vec3 F = xi - xj, G = xj - xk, H = xl - xk;
+    const Vec3 A = F.cross(G), B = H.cross(G);
+    const double g2 = G.squaredNorm(), g = std::sqrt(g2);
+    phi = std::atan2(B.cross(A).dot(G), A.dot(B) * g);
+    const Vec3 a = A * guarded_inverse(A.squaredNorm(), F.squaredNorm() * g2);
+    const Vec3 b = B * guarded_inverse(B.squaredNorm(), H.squaredNorm() * g2);
+    const Vec3 s = g > 0 ? Vec3((F.dot(G) * a - H.dot(G) * b) / g) : Vec3::Zero();
+    grad_i = -g * a;
+    grad_l = g * b;
+    grad_j = s - grad_i;
+    grad_k = -s - grad_l;
+  }
+
+  static double guarded_inverse(double cross2, double scale) {
+    return cross2 > 1e-20 * scale ? 1 / cross2 : 0.0;
+  }
+};
+
+template <class Torsion>
+Dihedral dihedral(const Torsion& t, const Vectors& x) {
+  return {x.col(t.i), x.col(t.j), x.col(t.k), x.col(t.l)};
+}
+
+template <class Torsion>
+void add_gradient(const Torsion& t, const Dihedral& d, double dE_dphi, Vectors& f) {
+  f.col(t.i) -= dE_dphi * d.grad_i;
+  f.col(t.j) -= dE_dphi * d.grad_j;
+  f.col(t.k) -= dE_dphi * d.grad_k;
+  f.col(t.l) -= dE_dphi * d.grad_l;
+}
+
+}  // namespace
+
+// E = ½k(r − d)²
+double add_bonds(const std::vector<HarmonicBond>& bonds, const Vectors& x, Vectors& f) {
+  double energy = 0;
+  for (const auto& [i, j, length, k] : bonds) {
+    const Vec3 d = x.col(j) - x.col(i);
+    const double r = d.norm(), stretch = r - length;
+    energy += 0.5 * k * stretch * stretch;
+    const Vec3 pull = d * (r > 0 ? k * stretch / r : 0.0);
+    f.col(i) += pull;
+    f.col(j) -= pull;
+  }
+  return energy;
+}
+
+// E = ½k(θ − θ₀)²
+double add_angles(const std::vector<HarmonicAngle>& angles, const Vectors& x, Vectors& f) {
+  double energy = 0;
+  for (const auto& [i, j, k, angle, stiffness] : angles) {
+    const Angle a(x.col(i) - x.col(j), x.col(k) - x.col(j));
+    const double bend = a.theta - angle;
+    energy += 0.5 * stiffness * bend * bend;
+    f.col(i) -= stiffness * bend * a.grad_i;
+    f.col(k) -= stiffness * bend * a.grad_k;
+    f.col(j) += stiffness * bend * (a.grad_i + a.grad_k);
+  }
+  return energy;
+}
+
+// E = k(1 + cos(nφ − φ₀))
+double add_torsions(const std::vector<PeriodicTorsion>& torsions, const Vectors& x, Vectors& f) {
+  double energy = 0;
+  for (const auto& t : torsions) {
+    const Dihedral d = dihedral(t, x);
+    const double argument = t.periodicity * d.phi - t.phase;
+    energy += t.amplitude * (1 + std::cos(argument));
+    add_gradient(t, d, -t.amplitude * t.periodicity * std::sin(argument), f);
+  }
+  return energy;
+}
+
+// E = Σ c_n cosⁿψ, ψ = φ − π: cos ψ = −cos φ and dE/dφ = sin φ dE/d(cos ψ)
+// (Ryckaert and Bellemans 1975, doi:10.1016/0009-2614(75)85513-8).
+double add_rb_torsions(const std::vector<RyckaertBellemans>& torsions, const Vectors& x, Vectors& f) {
+  double energy = 0;
+  for (const auto& t : torsions) {
+    const Dihedral d = dihedral(t, x);
+    const double u = -std::cos(d.phi);
+    double value = 0, slope = 0;  // Horner
+    for (int n = 5; n >= 0; --n) {
+      slope = slope * u + value;
+      value = value * u + t.c[n];
+    }
+    energy += value;
+    add_gradient(t, d, slope * std::sin(d.phi), f);
+  }
+  return energy;
+}
+
+// E = −½k r₀² ln(1 − (r/r₀)²) (Kremer and Grest 1990, doi:10.1063/1.458541)
+double add_fene(const std::vector<Fene>& bonds, const Vectors& x, Vectors& f) {
+  double energy = 0;
+  for (const auto& [i, j, k, r0] : bonds) {
+    const Vec3 d = x.col(j) - x.col(i);
+    const double slack = 1 - d.squaredNorm() / (r0 * r0);
+    if (!(slack > 0))
+      throw SimulationFailure(
+          fmt::format("fene bond {}-{} broke: {} nm long, it can reach {} nm", i, j, d.norm(), r0));
+    energy -= 0.5 * k * r0 * r0 * std::log(slack);
+    const Vec3 pull = d * (k / slack);
+    f.col(i) += pull;
+    f.col(j) -= pull;
+  }
+  return energy;
+}
+
+}  // namespace taut

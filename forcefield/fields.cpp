@@ -1,0 +1,23 @@
+#include "forcefield/fields.hpp"
+
+namespace taut {
+
+double add_gravity(const Vec3& g, const Eigen::VectorXd& mass, const Vectors& x, Vectors& f) {
+  double energy = 0;
+  for (Eigen::Index i = 0; i < mass.size(); ++i) {
+    energy -= mass[i] * g.dot(x.col(i));
+    f.col(i) += mass[i] * g;
+  }
+  return energy;
+}
+
+double add_pulls(const std::vector<Pull>& pulls, const Vectors& x, Vectors& f) {
+  double energy = 0;
+  for (const auto& [atom, force] : pulls) {
+    energy -= force.dot(x.col(atom));
+    f.col(atom) += force;
+  }
+  return energy;
+}
+
+}  // namespace taut
