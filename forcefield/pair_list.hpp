@@ -1,0 +1,49 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace taut {
+
+// Pairs of atoms to sum over, each once, in rows: an atom and its partners.
+struct PairList {
+  struct Row {
+    int atom;
+    int begin, end;  // its partners: partners[begin] .. partners[end - 1]
+  };
+  std::vector<Row> rows;
+  std::vector<int> partners;
+
+  void clear() {
+    rows.clear();
+    partners.clear();
+  }
+};
+
+inline constexpr int kPairKinds = 4;
+using PairLists = std::array<PairList, kPairKinds>;  // by kind; [0] stays empty
+
+// Which pairs interact, and by what.
+struct PairRules {
+  std::vector<std::uint8_t> kind;  // n; two bits. A pair's kind is what its atoms share: 0, no interaction
+  std::vector<std::array<int, 2>> exclusions;  // pairs that do not interact
+};
+
+// Sorts an atom's candidates into the lists of their kinds, without its exclusions.
+class PairSorter {
+ public:
+  explicit PairSorter(const PairRules& rules);
+
+  // Ends up with a row for `atom` in every list where it has partners.
+  void add_row(int atom, const int* candidates, int count, PairLists& lists);
+  bool interacts(int atom) const { return kind_[atom] != 0; }
+
+ private:
+  std::vector<std::uint8_t> kind_;   // n
+  std::vector<int> excluded_begin_;  // n + 1
+  std::vector<int> excluded_;        // partners of atom a: excluded_begin_[a] ..
+  std::vector<int> excluded_from_;   // n: the last atom that ruled this one out
+};
+
+}  // namespace taut
