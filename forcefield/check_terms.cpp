@@ -1,0 +1,160 @@
+#include "forcefield/check_terms.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "forcefield/wca.hpp"
+#include "md/errors.hpp"
+
+namespace taut {
+namespace {
+
+template <class... Args>
+void require(bool ok, fmt::format_string<Args...> message, Args&&... args) {
+  if (!ok) throw InputError(fmt::format(message, std::forward<Args>(args)...));
+}
+
+// A term as the message calls it: "torsion 12".
+struct Place {
+  std::string_view term;
+  std::size_t index;
+};
+
+void check_atoms(Place at, std::initializer_list<int> atoms, int n) {
+  for (auto a = atoms.begin(); a != atoms.end(); ++a) {
+    require(*a >= 0 && *a < n, "{} {}: atom {} is out of range, the system has atoms 0 to {}", at.term,
+            at.index, *a, n - 1);
+    require(std::find(atoms.begin(), a, *a) == a, "{} {}: atom {} is in it twice", at.term, at.index, *a);
+  }
+}
+
+void check_numbers(Place at, std::initializer_list<double> values) {
+  for (double v : values) require(std::isfinite(v), "{} {}: {} is not a finite number", at.term, at.index, v);
+}
+
+void check_not_negative(Place at, std::string_view what, double value) {
+  require(value >= 0 && std::isfinite(value), "{} {}: {} {}, expected 0 or more", at.term, at.index, what,
+          value);
+}
+
+void check_positive(Place at, std::string_view what, double value) {
+  require(value > 0 && std::isfinite(value), "{} {}: {} {}, expected more than 0", at.term, at.index, what,
+          value);
+}
+
+void check_bonded(const Terms& terms, int n) {
+  for (std::size_t b = 0; b < terms.bonds.size(); ++b) {
+    const auto& [i, j, length, k] = terms.bonds[b];
+    check_atoms({"bond", b}, {i, j}, n);
+    check_not_negative({"bond", b}, "length", length);
+    check_numbers({"bond", b}, {k});
+  }
+  for (std::size_t a = 0; a < terms.angles.size(); ++a) {
+    const auto& [i, j, k, angle, stiffness] = terms.angles[a];
+    check_atoms({"angle", a}, {i, j, k}, n);
+    check_numbers({"angle", a}, {angle, stiffness});
+  }
+  for (std::size_t b = 0; b < terms.fene.size(); ++b) {
+    const auto& [i, j, k, r0] = terms.fene[b];
+    check_atoms({"fene", b}, {i, j}, n);
+    check_positive({"fene", b}, "r0", r0);
+    check_numbers({"fene", b}, {k});
+  }
+}
+
+void check_torsions(const Terms& terms, int n) {
+  for (std::size_t t = 0; t < terms.torsions.size(); ++t) {
+    const auto& [i, j, k, l, periodicity, phase, amplitude] = terms.torsions[t];
+    check_atoms({"torsion", t}, {i, j, k, l}, n);
+    require(periodicity > 0, "torsion {}: periodicity {}, expected 1 or more", t, periodicity);
+    check_numbers({"torsion", t}, {phase, amplitude});
+  }
+  for (std::size_t t = 0; t < terms.rb_torsions.size(); ++t) {
+    const auto& [i, j, k, l, c] = terms.rb_torsions[t];
+    check_atoms({"rb_torsion", t}, {i, j, k, l}, n);
+    check_numbers({"rb_torsion", t}, {c[0], c[1], c[2], c[3], c[4], c[5]});
+  }
+}
+
+void check_cutoff(const Nonbonded& nb, const Box& box) {
+  if (!nb.cutoff) {
+    require(!nb.switch_distance, "nonbonded: a switch at {} nm needs a cutoff",
+            nb.switch_distance.value_or(0));
+    require(!nb.dispersion_correction,
+            "nonbonded: the dispersion correction needs a cutoff in a periodic box");
+    return;
+  }
+  const double rc = *nb.cutoff;
+  require(rc > 0 && std::isfinite(rc), "nonbonded: cutoff {} nm, expected more than 0", rc);
+  if (box.periodic()) {
+    const double half = 0.5 * box.edge.minCoeff();
+    require(rc <= half, "nonbonded: cutoff {} nm is over half the box's shortest edge, {} nm", rc, half);
+  }
+  require(box.periodic() || !nb.dispersion_correction,
+          "nonbonded: the dispersion correction needs a periodic box");
+  require(nb.rf_dielectric > 0 && std::isfinite(nb.rf_dielectric),
+          "nonbonded: reaction field dielectric {}, expected more than 0", nb.rf_dielectric);
+  if (nb.switch_distance)
+    require(*nb.switch_distance > 0 && *nb.switch_distance < rc,
+            "nonbonded: switch at {} nm, expected between 0 and the cutoff {} nm", *nb.switch_distance, rc);
+}
+
+void check_nonbonded(const Nonbonded& nb, int n, const Box& box) {
+  for (const auto& [what, values] :
+       {std::pair{"charge", &nb.charge}, std::pair{"sigma", &nb.sigma}, std::pair{"epsilon", &nb.epsilon}})
+    require(values->size() == n, "nonbonded: {} values of {} for {} atoms", values->size(), what, n);
+  for (int i = 0; i < n; ++i) {
+    const Place at{"nonbonded atom", static_cast<std::size_t>(i)};
+    check_numbers(at, {nb.charge[i]});
+    check_not_negative(at, "sigma", nb.sigma[i]);
+    check_not_negative(at, "epsilon", nb.epsilon[i]);
+  }
+  std::set<std::pair<int, int>> seen;
+  for (std::size_t e = 0; e < nb.exceptions.size(); ++e) {
+    const auto& [i, j, charge_product, sigma, epsilon] = nb.exceptions[e];
+    const Place at{"exception", e};
+    check_atoms(at, {i, j}, n);
+    check_numbers(at, {charge_product});
+    check_not_negative(at, "sigma", sigma);
+    check_not_negative(at, "epsilon", epsilon);
+    require(seen.insert(std::minmax(i, j)).second, "exception {}: the pair {}-{} has one already", e, i, j);
+  }
+  check_cutoff(nb, box);
+}
+
+void check_wca(const Wca& wca, int n, const Box& box) {
+  require(wca.sigma > 0 && std::isfinite(wca.sigma), "wca: sigma {} nm, expected more than 0", wca.sigma);
+  require(wca.epsilon >= 0 && std::isfinite(wca.epsilon), "wca: epsilon {}, expected 0 or more", wca.epsilon);
+  for (std::size_t e = 0; e < wca.exclusions.size(); ++e)
+    check_atoms({"wca exclusion", e}, {wca.exclusions[e][0], wca.exclusions[e][1]}, n);
+  if (!box.periodic()) return;
+  const double reach = WcaBeads::reach(wca), half = 0.5 * box.edge.minCoeff();
+  require(reach <= half, "wca: beads reach {} nm, over half the box's shortest edge, {} nm", reach, half);
+}
+
+}  // namespace
+
+void check_terms(const System& sys, const Terms& terms) {
+  const int n = sys.atoms();
+  check_bonded(terms, n);
+  check_torsions(terms, n);
+  if (sys.box.periodic())
+    require(sys.box.edge.minCoeff() > 0 && sys.box.edge.allFinite(),
+            "box: edges {} x {} x {} nm, expected more than 0", sys.box.edge[0], sys.box.edge[1],
+            sys.box.edge[2]);
+  if (terms.nonbonded) check_nonbonded(*terms.nonbonded, n, sys.box);
+  if (terms.wca) check_wca(*terms.wca, n, sys.box);
+  if (terms.gravity) require(terms.gravity->allFinite(), "gravity: not a finite vector");
+  for (std::size_t p = 0; p < terms.pulls.size(); ++p) {
+    check_atoms({"pull", p}, {terms.pulls[p].atom}, n);
+    check_numbers({"pull", p}, {terms.pulls[p].force[0], terms.pulls[p].force[1], terms.pulls[p].force[2]});
+  }
+}
+
+}  // namespace taut

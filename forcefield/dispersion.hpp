@@ -1,0 +1,15 @@
+#pragma once
+
+#include "forcefield/terms.hpp"
+
+namespace taut {
+
+// The energy of the Lennard-Jones tails beyond the cutoff (and of what the switch took away), if the fluid
+// were uniform there, times the volume [kJ/mol·nm³]. Divide by the volume; there is no force.
+// Needs nb.cutoff.
+double dispersion_coefficient(const Nonbonded& nb);
+
+// ∫ (1 − S(r)) r⁻ⁿ dr from rs to rc, S the switch; n = 4 or more. [nm¹⁻ⁿ]
+double switch_integral(double rs, double rc, int n);
+
+}  // namespace taut

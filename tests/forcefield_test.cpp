@@ -1,0 +1,223 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "force_checks.hpp"
+#include "forcefield/force_field.hpp"
+#include "md/errors.hpp"
+
+namespace taut {
+namespace {
+
+using std::numbers::pi;
+
+void expect_no_net_force_or_torque(const Terms& terms, const Vectors& x) {
+  const Vectors f = evaluate(terms, x).f;
+  Vec3 torque = Vec3::Zero();
+  for (int a = 0; a < x.cols(); ++a) torque += x.col(a).cross(f.col(a));
+  EXPECT_LT(f.rowwise().sum().norm(), 1e-12 * f.norm());
+  EXPECT_LT(torque.norm(), 1e-12 * f.norm());
+}
+
+const Vectors kBent = columns({{0.1, 0.02, -0.03}, {0.0, 0.15, 0.01}, {0.12, 0.24, 0.05}, {0.1, 0.3, 0.19}});
+
+// ---- bonded: closed forms ----
+
+TEST(Bonds, StretchedBondPullsItsEndsTogether) {
+  const auto [energy, f] = evaluate({.bonds = {{0, 1, 0.1, 3000}}}, columns({{0, 0, 0}, {0.12, 0, 0}}));
+  EXPECT_NEAR(energy, 0.5 * 3000 * 0.02 * 0.02, 1e-12);
+  EXPECT_NEAR(f(0, 0), 60, 1e-10);
+  EXPECT_NEAR(f(0, 1), -60, 1e-10);
+}
+
+TEST(Angles, NarrowAngleOpens) {
+  const double rest = 2.0, k = 400;
+  const auto [energy, f] =
+      evaluate({.angles = {{0, 1, 2, rest, k}}}, columns({{0.1, 0, 0}, {0, 0, 0}, {0, 0.2, 0}}));
+  EXPECT_NEAR(energy, 0.5 * k * std::pow(pi / 2 - rest, 2), 1e-10);
+  const double moment = k * (rest - pi / 2);  // opens: atom 0 is driven to −y, atom 2 to −x
+  EXPECT_NEAR(f(1, 0), -moment / 0.1, 1e-9);
+  EXPECT_NEAR(f(0, 2), -moment / 0.2, 1e-9);
+  EXPECT_NEAR(f(0, 0), 0, 1e-9);
+}
+
+// Four atoms with dihedral φ in the IUPAC sign: seen along j→k, l is turned clockwise from i by φ.
+Vectors dihedral_at(double phi) {
+  // the axis along z, towards the viewer's far side; clockwise for a viewer looking to +z is x to y
+  return columns({{0.1, 0, -0.02}, {0, 0, 0}, {0, 0, 0.15}, {0.1 * std::cos(phi), 0.1 * std::sin(phi), 0.2}});
+}
+
+TEST(Torsions, FollowTheirCosineInTheIupacSign) {
+  const double k = 7, phase = 0.4;
+  for (int n : {1, 2, 3})
+    for (double phi : {-3.0, -1.2, 0.0, 0.3, 1.0, 2.5, pi}) {
+      const auto [energy, f] = evaluate({.torsions = {{0, 1, 2, 3, n, phase, k}}}, dihedral_at(phi));
+      EXPECT_NEAR(energy, k * (1 + std::cos(n * phi - phase)), 1e-12);
+      const double torque = k * n * std::sin(n * phi - phase);  // −dE/dφ, about z at distance 0.1
+      EXPECT_NEAR(f(0, 3), -std::sin(phi) * torque / 0.1, 1e-10);
+      EXPECT_NEAR(f(1, 3), std::cos(phi) * torque / 0.1, 1e-10);
+      EXPECT_NEAR(f(1, 0), -torque / 0.1, 1e-10);
+    }
+}
+
+TEST(RbTorsions, ArePolynomialsInTheCosineFromTrans) {
+  const std::array<double, 6> c = {9.28, 12.16, -13.12, -3.06, 26.24, -31.5};
+  for (double phi : {-2.0, 0.0, 0.7, pi / 2, 2.9, pi}) {
+    double expected = 0;
+    for (int n = 0; n < 6; ++n) expected += c[n] * std::pow(std::cos(phi - pi), n);
+    EXPECT_NEAR(evaluate({.rb_torsions = {{0, 1, 2, 3, c}}}, dihedral_at(phi)).energy, expected, 1e-12);
+  }
+}
+
+TEST(FeneBonds, PullHarderTowardsTheirReachAndBreakThere) {
+  const double k = 30, r0 = 1.5, r = r0 / std::sqrt(2);
+  const Terms terms{.fene = {{0, 1, k, r0}}};
+  const auto [energy, f] = evaluate(terms, columns({{0, 0, 0}, {0, r, 0}}));
+  EXPECT_NEAR(energy, 0.5 * k * r0 * r0 * std::log(2), 1e-12);
+  EXPECT_NEAR(f(1, 0), 2 * k * r, 1e-11);
+  EXPECT_NEAR(f(1, 1), -2 * k * r, 1e-11);
+  EXPECT_THROW(evaluate(terms, columns({{0, 0, 0}, {0, r0, 0}})), SimulationFailure);
+}
+
+TEST(Bonded, ForcesAreMinusTheSlope) {
+  expect_forces_are_minus_the_slope({.bonds = {{0, 1, 0.15, 3000}, {1, 3, 0.2, 5000}}}, kBent);
+  expect_forces_are_minus_the_slope({.angles = {{0, 1, 2, 1.9, 400}, {1, 2, 3, 2.0, 300}}}, kBent);
+  for (int n : {1, 2, 3, 6})
+    expect_forces_are_minus_the_slope({.torsions = {{0, 1, 2, 3, n, 0.5, 7}}}, kBent);
+  expect_forces_are_minus_the_slope({.rb_torsions = {{0, 1, 2, 3, {9.3, 12.2, -13.1, -3.1, 26.2, -31.5}}}},
+                                    kBent);
+  expect_forces_are_minus_the_slope({.fene = {{0, 1, 30, 0.2}, {2, 3, 30, 0.3}}}, kBent);
+}
+
+TEST(Bonded, ForcesHaveNoSumAndNoTorque) {
+  expect_no_net_force_or_torque({.bonds = {{0, 1, 0.1, 3000}}}, kBent);
+  expect_no_net_force_or_torque({.angles = {{0, 1, 2, 1.9, 400}}}, kBent);
+  expect_no_net_force_or_torque({.torsions = {{0, 1, 2, 3, 3, 0.5, 7}}}, kBent);
+  expect_no_net_force_or_torque({.rb_torsions = {{0, 1, 2, 3, {9.3, 12.2, -13.1, -3.1, 26.2, -31.5}}}},
+                                kBent);
+  expect_no_net_force_or_torque({.fene = {{0, 1, 30, 0.2}}}, kBent);
+}
+
+TEST(Bonded, StraightLinesGiveNoNan) {
+  const Terms terms{.angles = {{0, 1, 2, 1.9, 400}},
+                    .torsions = {{0, 1, 2, 3, 3, 0.5, 7}},
+                    .rb_torsions = {{0, 1, 2, 3, {1, 2, 3, 4, 5, 6}}}};
+  for (const Vec3& last :
+       {Vec3(0.3, 0, 0), Vec3(0.1, 0, 0), Vec3(0.2, 0.1, 0)})  // straight, folded back, bent
+    for (double off : {0.0, 1e-300, 1e-160, 1e-18, 1e-13}) {
+      const auto [energy, f] = evaluate(terms, columns({{0, off, 0}, {0.1, 0, 0}, {0.2, 0, off}, last}));
+      EXPECT_TRUE(std::isfinite(energy) && f.allFinite());
+      EXPECT_LT(f.cwiseAbs().maxCoeff(), 1e5);
+    }
+  // a straight angle at rest stays at rest; bent a little, it is driven back
+  const Terms linear{.angles = {{0, 1, 2, pi, 400}}};
+  EXPECT_EQ(evaluate(linear, columns({{0, 0, 0}, {0.1, 0, 0}, {0.2, 0, 0}})).f.norm(), 0);
+  EXPECT_GT(evaluate(linear, columns({{0, -1e-6, 0}, {0.1, 0, 0}, {0.2, -1e-6, 0}})).f(1, 0), 0);
+}
+
+// ---- fields ----
+
+TEST(Fields, GravityAndPullsAreUniform) {
+  Eigen::VectorXd mass(2);
+  mass << 3, 0;  // the second is an anchor
+  const System sys = make_system(mass, {});
+  ForceField forces(sys, {.gravity = Vec3(0, 0, -9.81), .pulls = {{1, {1, 2, 3}}, {0, {0, 5, 0}}}});
+  State s{columns({{0, 1, 2}, {4, 5, 6}}), Vectors::Zero(3, 2), {}, 0};
+  forces(sys, s);
+  EXPECT_NEAR((s.f - columns({{0, 5, -29.43}, {1, 2, 3}})).norm(), 0, 1e-14);
+  const auto energies = forces.energies();
+  ASSERT_EQ(energies.size(), 2u);
+  EXPECT_EQ(energies[0].first, "gravity");
+  EXPECT_NEAR(energies[0].second, 3 * 9.81 * 2, 1e-12);
+  EXPECT_EQ(energies[1].first, "pull");
+  EXPECT_NEAR(energies[1].second, -(4 + 10 + 18) - 5, 1e-12);
+  EXPECT_EQ(forces.potential(), energies[0].second + energies[1].second);
+}
+
+TEST(ForceField, NamesOnlyTheTermsThereAre) {
+  EXPECT_TRUE(Bench(3, {}).forces.energies().empty());
+  Terms all{.bonds = {{0, 1, 0.1, 3000}},
+            .angles = {{0, 1, 2, 1.9, 400}},
+            .torsions = {{0, 1, 2, 3, 1, 0, 7}},
+            .rb_torsions = {{0, 1, 2, 3, {1, 2, 3, 4, 5, 6}}},
+            .fene = {{0, 1, 30, 1}},
+            .wca = Wca{0.1, 1, {}},
+            .gravity = Vec3(1, 0, 0),
+            .pulls = {{0, {1, 2, 3}}}};
+  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(4);
+  all.nonbonded = Nonbonded{ones, 0.1 * ones, ones, {}, 0.9, {}, 78.3, true};
+  Bench bench(4, all, {2, 2, 2});
+  const double potential = bench.at(kBent).energy;
+  std::vector<std::string> names;
+  double sum = 0;
+  for (const auto& [name, energy] : bench.forces.energies()) {
+    names.push_back(name);
+    sum += energy;
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"bond", "angle", "torsion", "rb_torsion", "fene", "lj_coulomb",
+                                             "dispersion", "wca", "gravity", "pull"}));
+  EXPECT_EQ(sum, potential);
+}
+
+// ---- input ----
+
+TEST(ForceField, RefusesTermsThatDoNotFit) {
+  const auto message = [](const std::function<void(Terms&)>& spoil, const Vec3& edge = Vec3::Zero()) {
+    const Eigen::VectorXd ones = Eigen::VectorXd::Ones(4);
+    Terms terms{.nonbonded = Nonbonded{ones, ones, ones, {}, 0.9, {}, 78.3, false}, .wca = Wca{0.3, 1, {}}};
+    spoil(terms);
+    try {
+      Bench(4, terms, edge);
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string("accepted");
+  };
+  const double nan = std::nan("");
+  const auto expect_in = [](const std::string& text, const std::string& part) {
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+    EXPECT_EQ(text.find('\n'), std::string::npos);
+  };
+  EXPECT_EQ(message([](Terms&) {}), "accepted");
+  EXPECT_EQ(message([](Terms&) {}, {1.8, 1.8, 1.8}), "accepted");
+  expect_in(message([](Terms& t) {
+              t.bonds = {{0, 1, 0.1, 1}, {2, 4, 0.1, 1}};
+            }),
+            "bond 1: atom 4 is out of range");
+  expect_in(message([](Terms& t) { t.bonds = {{1, 1, 0.1, 1}}; }), "bond 0: atom 1 is in it twice");
+  expect_in(message([&](Terms& t) { t.bonds = {{0, 1, 0.1, nan}}; }), "bond 0");
+  expect_in(message([](Terms& t) { t.angles = {{0, 1, 0, 1, 1}}; }), "angle 0: atom 0");
+  expect_in(message([](Terms& t) { t.torsions = {{0, 1, 2, -1, 1, 0, 1}}; }), "torsion 0: atom -1");
+  expect_in(message([](Terms& t) { t.torsions = {{0, 1, 2, 3, 0, 0, 1}}; }), "torsion 0: periodicity 0");
+  expect_in(message([](Terms& t) { t.rb_torsions = {{0, 1, 2, 7, {}}}; }), "rb_torsion 0: atom 7");
+  expect_in(message([](Terms& t) { t.fene = {{0, 1, 30, 0}}; }), "fene 0: r0");
+  expect_in(message([](Terms& t) { t.pulls = {{4, Vec3::Zero()}}; }), "pull 0: atom 4");
+  expect_in(message([&](Terms& t) { t.gravity = Vec3(0, nan, 0); }), "gravity");
+  expect_in(message([](Terms& t) { t.nonbonded->sigma.resize(3); }), "3 values of sigma for 4 atoms");
+  expect_in(message([](Terms& t) { t.nonbonded->epsilon[2] = -1; }), "nonbonded atom 2: epsilon");
+  expect_in(message([](Terms& t) { t.nonbonded->exceptions = {{0, 9, 0, 0, 0}}; }), "exception 0: atom 9");
+  expect_in(message([](Terms& t) {
+              t.nonbonded->exceptions = {{0, 1, 0, 0, 0}, {1, 0, 0, 0, 0}};
+            }),
+            "exception 1");
+  expect_in(message([](Terms& t) { t.nonbonded->cutoff = 0; }), "cutoff 0 nm");
+  expect_in(message([](Terms&) {}, {4, 1.7, 4}),
+            "cutoff 0.9 nm is over half the box's shortest edge, 0.85 nm");
+  expect_in(message([](Terms& t) { t.nonbonded->switch_distance = 0.9; }), "switch at 0.9 nm");
+  expect_in(message([](Terms& t) { t.nonbonded->switch_distance = 0; }), "switch at 0 nm");
+  expect_in(message([](Terms& t) { t.nonbonded->rf_dielectric = 0; }), "dielectric");
+  expect_in(message([](Terms& t) { t.nonbonded->dispersion_correction = true; }), "dispersion");
+  const auto no_cutoff = [](Terms& t) { t.nonbonded->cutoff.reset(); };
+  expect_in(message([&](Terms& t) { no_cutoff(t), t.nonbonded->switch_distance = 0.8; }), "switch at 0.8 nm");
+  expect_in(message([&](Terms& t) { no_cutoff(t), t.nonbonded->dispersion_correction = true; }, {4, 4, 4}),
+            "dispersion");
+  expect_in(message([](Terms& t) { t.wca->sigma = 0; }), "wca: sigma");
+  expect_in(message([](Terms& t) { t.wca->exclusions = {{0, 1}, {2, 2}}; }), "wca exclusion 1");
+  expect_in(message([](Terms& t) { t.wca->sigma = 1; }, {2, 2, 2}), "wca: beads reach");
+}
+
+}  // namespace
+}  // namespace taut

@@ -1,0 +1,398 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <set>
+
+#include "force_checks.hpp"
+#include "forcefield/dispersion.hpp"
+#include "md/units.hpp"
+
+namespace taut {
+namespace {
+
+using std::numbers::pi;
+
+// Two atoms, or more of the same two kinds in turn: one charged and large, one charged and small.
+Nonbonded two_kinds(int n) {
+  Nonbonded nb;
+  nb.charge.resize(n);
+  nb.sigma.resize(n);
+  nb.epsilon.resize(n);
+  for (int a = 0; a < n; ++a) {
+    nb.charge[a] = a % 2 ? -0.8 : 0.5;
+    nb.sigma[a] = a % 2 ? 0.2 : 0.3;
+    nb.epsilon[a] = a % 2 ? 0.25 : 0.64;
+  }
+  return nb;
+}
+
+Nonbonded without_charges(Nonbonded nb) {
+  nb.charge.setZero();
+  return nb;
+}
+
+Nonbonded without_lj(Nonbonded nb) {
+  nb.epsilon.setZero();
+  return nb;
+}
+
+Vectors apart(double r) {
+  return columns({{0, 0, 0}, {r, 0, 0}});
+}
+
+double lj(double sigma, double epsilon, double r) {
+  return 4 * epsilon * (std::pow(sigma / r, 12) - std::pow(sigma / r, 6));
+}
+
+// ---- a pair, in closed form ----
+
+TEST(LennardJones, MixesByLorentzAndBerthelot) {
+  const Terms terms{.nonbonded = without_charges(two_kinds(2))};
+  const double sigma = 0.25, epsilon = 0.4;
+  EXPECT_NEAR(evaluate(terms, apart(sigma)).energy, 0, 1e-13);
+  EXPECT_NEAR(evaluate(terms, apart(sigma)).f(0, 1), 24 * epsilon / sigma, 1e-10);  // pushed apart
+  EXPECT_NEAR(evaluate(terms, apart(sigma)).f(0, 0), -24 * epsilon / sigma, 1e-10);
+  const double bottom = std::pow(2, 1.0 / 6) * sigma;
+  EXPECT_NEAR(evaluate(terms, apart(bottom)).energy, -epsilon, 1e-13);
+  EXPECT_NEAR(evaluate(terms, apart(bottom)).f(0, 1), 0, 1e-11);
+}
+
+TEST(LennardJones, IsCutPlainlyOrSwitchedOff) {
+  Nonbonded nb = without_charges(two_kinds(2));
+  nb.cutoff = 0.9;
+  for (double r : {0.3, 0.7, 0.8999})
+    EXPECT_NEAR(evaluate({.nonbonded = nb}, apart(r)).energy, lj(0.25, 0.4, r), 1e-13);
+  EXPECT_EQ(evaluate({.nonbonded = nb}, apart(0.9001)).energy, 0);
+
+  nb.switch_distance = 0.7;
+  EXPECT_NEAR(evaluate({.nonbonded = nb}, apart(0.6999)).energy, lj(0.25, 0.4, 0.6999), 1e-13);
+  for (double u : {0.1, 0.5, 0.8}) {
+    const double S = 1 - 6 * std::pow(u, 5) + 15 * std::pow(u, 4) - 10 * std::pow(u, 3), r = 0.7 + 0.2 * u;
+    EXPECT_NEAR(evaluate({.nonbonded = nb}, apart(r)).energy, S * lj(0.25, 0.4, r), 1e-13);
+  }
+  EXPECT_NEAR(evaluate({.nonbonded = nb}, apart(0.89999)).energy, 0, 1e-12);
+  EXPECT_EQ(evaluate({.nonbonded = nb}, apart(0.9001)).energy, 0);
+}
+
+TEST(Coulomb, IsPlainWithoutACutoff) {
+  const auto [energy, f] =
+      evaluate({.nonbonded = without_lj(two_kinds(2))}, apart(2), {3, 3, 3});  // no images
+  EXPECT_NEAR(energy, kCoulomb * -0.4 / 2, 1e-12);
+  EXPECT_NEAR(f(0, 1), kCoulomb * -0.4 / 4, 1e-12);  // drawn to the first
+  EXPECT_NEAR(f(0, 0), kCoulomb * 0.4 / 4, 1e-12);
+}
+
+TEST(Coulomb, HasAReactionFieldWithinACutoff) {
+  Nonbonded nb = without_lj(two_kinds(2));
+  const double rc = 0.9;
+  nb.cutoff = rc;
+  for (double eps : {1.0, 4.0, 78.3}) {
+    nb.rf_dielectric = eps;
+    const double k_rf = (eps - 1) / ((2 * eps + 1) * rc * rc * rc), c_rf = 3 * eps / ((2 * eps + 1) * rc);
+    for (double r : {0.2, 0.6, 0.89})
+      for (const Vec3& edge : {Vec3(0, 0, 0), Vec3(2, 2, 2)}) {
+        const auto [energy, f] = evaluate({.nonbonded = nb}, apart(r), edge);
+        EXPECT_NEAR(energy, kCoulomb * -0.4 * (1 / r + k_rf * r * r - c_rf), 1e-11);
+        EXPECT_NEAR(f(0, 1), kCoulomb * -0.4 * (1 / (r * r) - 2 * k_rf * r), 1e-10);
+      }
+    EXPECT_NEAR(evaluate({.nonbonded = nb}, apart(rc - 1e-12)).energy, 0, 1e-8);
+    EXPECT_EQ(evaluate({.nonbonded = nb}, apart(rc + 1e-9)).energy, 0);
+  }
+}
+
+TEST(Exceptions, GoByTheirOwnNumbersWithoutCutoffOrImages) {
+  Nonbonded nb = two_kinds(2);
+  nb.cutoff = 0.9;
+  nb.switch_distance = 0.7;
+  nb.exceptions = {{1, 0, 0.3, 0.4, 0.5}};
+  for (double r : {0.4, 0.8, 1.7}) {
+    const double s6 = std::pow(0.4 / r, 6);
+    const auto [energy, f] = evaluate({.nonbonded = nb}, apart(r), {2, 2, 2});
+    EXPECT_NEAR(energy, lj(0.4, 0.5, r) + kCoulomb * 0.3 / r, 1e-11);
+    EXPECT_NEAR(f(0, 1), (24 * 0.5 * (2 * s6 * s6 - s6) + kCoulomb * 0.3 / r) / r, 1e-9);
+  }
+  nb.exceptions = {{1, 0, 0, 1, 0}};
+  const auto [energy, f] = evaluate({.nonbonded = nb}, apart(0.3));
+  EXPECT_EQ(energy, 0);
+  EXPECT_EQ(f.norm(), 0);
+}
+
+TEST(Wca, IsRepulsionUpToTheMinimum) {
+  const double sigma = 0.3, epsilon = 2;
+  const Terms terms{.wca = Wca{sigma, epsilon, {}}};
+  for (const Vec3& edge : {Vec3(0, 0, 0), Vec3(1, 1, 1)}) {
+    EXPECT_NEAR(evaluate(terms, apart(sigma), edge).energy, epsilon, 1e-12);
+    EXPECT_NEAR(evaluate(terms, apart(sigma), edge).f(0, 1), 24 * epsilon / sigma, 1e-10);
+    EXPECT_NEAR(evaluate(terms, apart(0.25), edge).energy, lj(sigma, epsilon, 0.25) + epsilon, 1e-10);
+    const double reach = std::pow(2, 1.0 / 6) * sigma;
+    EXPECT_NEAR(evaluate(terms, apart(reach - 1e-9), edge).energy, 0, 1e-12);
+    EXPECT_EQ(evaluate(terms, apart(reach + 1e-9), edge).energy, 0);
+  }
+  EXPECT_NEAR(evaluate(terms, apart(0.7), {1, 1, 1}).energy, evaluate(terms, apart(0.3)).energy, 1e-12);
+  EXPECT_EQ(evaluate({.wca = Wca{sigma, epsilon, {{1, 0}}}}, apart(0.25)).energy, 0);
+}
+
+// ---- many atoms, against a double loop ----
+
+// Atoms on a jittered lattice, so that none are too close; some drifted a few boxes away.
+Vectors crowd(int a, double spacing, bool drifted) {
+  std::mt19937_64 rng(a);
+  std::uniform_real_distribution<double> jitter(-0.2 * spacing, 0.2 * spacing);
+  Vectors x(3, a * a * a);
+  for (int k = 0; k < x.cols(); ++k) {
+    const Vec3 cell(k % a, k / a % a, k / (a * a));
+    x.col(k) = spacing * cell + Vec3(jitter(rng), jitter(rng), jitter(rng));
+    if (drifted) x.col(k) += a * spacing * Vec3(k % 3 - 1, k % 5 - 2, k % 2);
+  }
+  return x;
+}
+
+Nonbonded mixed(int n) {  // charged, neutral, with and without Lennard-Jones
+  Nonbonded nb = two_kinds(n);
+  for (int a = 0; a < n; ++a) {
+    if (a % 5 == 0) nb.charge[a] = 0;
+    if (a % 3 == 0) nb.epsilon[a] = 0;
+  }
+  for (int a = 0; a + 1 < n; a += 2) nb.exceptions.push_back({a, a + 1, 0.1 * (a % 4), 0.2, 0.1 * (a % 3)});
+  return nb;
+}
+
+Evaluated double_loop(const Nonbonded& nb, const Vectors& x, const Box& box) {
+  Evaluated sum{0, Vectors::Zero(3, x.cols())};
+  std::set<std::pair<int, int>> excluded;
+  const auto add = [&](int i, int j, const Vec3& d, double energy, double slope) {
+    sum.energy += energy;
+    sum.f.col(i) -= slope * d.normalized();
+    sum.f.col(j) += slope * d.normalized();
+  };
+  const auto lj_slope = [](double sigma, double epsilon, double r) {
+    return 4 * epsilon * (-12 * std::pow(sigma / r, 12) + 6 * std::pow(sigma / r, 6)) / r;
+  };
+  for (const auto& [i, j, qq, sigma, epsilon] : nb.exceptions) {
+    excluded.insert(std::minmax(i, j));
+    const Vec3 d = x.col(i) - x.col(j);
+    const double r = d.norm();
+    add(i, j, d, lj(sigma, epsilon, r) + kCoulomb * qq / r,
+        lj_slope(sigma, epsilon, r) - kCoulomb * qq / (r * r));
+  }
+  const double rc = nb.cutoff.value_or(1e9), eps = nb.rf_dielectric;
+  const double k_rf = nb.cutoff ? (eps - 1) / ((2 * eps + 1) * rc * rc * rc) : 0;
+  const double c_rf = nb.cutoff ? 3 * eps / ((2 * eps + 1) * rc) : 0;
+  for (int i = 0; i < x.cols(); ++i)
+    for (int j = i + 1; j < x.cols(); ++j) {
+      Vec3 d = x.col(i) - x.col(j);
+      if (nb.cutoff) d = box.nearest_image(d);
+      const double r = d.norm(), kqq = kCoulomb * nb.charge[i] * nb.charge[j];
+      if (excluded.contains({i, j}) || r > rc) continue;
+      const double sigma = (nb.sigma[i] + nb.sigma[j]) / 2,
+                   epsilon = std::sqrt(nb.epsilon[i] * nb.epsilon[j]);
+      double energy = lj(sigma, epsilon, r), slope = lj_slope(sigma, epsilon, r);
+      if (nb.switch_distance && r > *nb.switch_distance) {
+        const double w = rc - *nb.switch_distance, u = (r - *nb.switch_distance) / w;
+        const double S = 1 - u * u * u * (10 - 15 * u + 6 * u * u);
+        slope = slope * S - energy * 30 * u * u * (1 - u) * (1 - u) / w;
+        energy *= S;
+      }
+      add(i, j, d, energy + kqq * (1 / r + k_rf * r * r - c_rf), slope + kqq * (2 * k_rf * r - 1 / (r * r)));
+    }
+  return sum;
+}
+
+struct Setting {
+  const char* name;
+  int side;        // atoms along an edge
+  double spacing;  // [nm]
+  bool periodic;
+  double cutoff;     // [nm]; 0: none
+  double switch_at;  // [nm]; 0: none
+};
+
+void PrintTo(const Setting& s, std::ostream* out) {
+  *out << s.name;
+}
+
+class NonbondedIn : public testing::TestWithParam<Setting> {
+ protected:
+  NonbondedIn() {
+    const auto& s = GetParam();
+    n = s.side * s.side * s.side;
+    nb = mixed(n);
+    if (s.cutoff > 0) nb.cutoff = s.cutoff;
+    if (s.switch_at > 0) nb.switch_distance = s.switch_at;
+    if (s.periodic) box.edge.setConstant(s.side * s.spacing);
+    x = crowd(s.side, s.spacing, s.periodic && s.cutoff > 0);
+  }
+
+  int n;
+  Nonbonded nb;
+  Box box;
+  Vectors x;
+};
+
+class NonbondedInABox : public NonbondedIn {};
+
+TEST_P(NonbondedIn, AgreesWithADoubleLoop) {
+  Bench bench(n, {.nonbonded = nb}, box.edge);
+  std::mt19937_64 rng(1);
+  std::normal_distribution<double> normal;
+  for (int step = 0; step < 4; ++step) {
+    const Evaluated ours = bench.at(x), witness = double_loop(nb, x, box);
+    EXPECT_NEAR(ours.energy, witness.energy, 1e-10 * (1 + std::abs(witness.energy)));
+    EXPECT_LT((ours.f - witness.f).norm(), 1e-11 * witness.f.norm());
+    EXPECT_LT(ours.f.rowwise().sum().norm(), 1e-12 * ours.f.norm());
+    for (int a = 0; a < n; ++a) x.col(a) += 0.01 * Vec3(normal(rng), normal(rng), normal(rng));
+  }
+}
+
+TEST_P(NonbondedInABox, IsTheSameForAMoleculeMovedByABoxEdge) {
+  Bench bench(n, {.nonbonded = nb}, box.edge);
+  const Evaluated before = bench.at(x);
+  Vectors moved = x;
+  for (int a : {4, 5}) moved.col(a) += Vec3(box.edge[0], -2 * box.edge[1], 0);  // a pair tied by an exception
+  const Evaluated after = bench.at(moved);
+  const double unwrapped = (x.col(4) - x.col(5)).norm() - (moved.col(4) - moved.col(5)).norm();
+  ASSERT_NEAR(unwrapped, 0, 1e-12);
+  EXPECT_NEAR(after.energy, before.energy, 1e-10 * std::abs(before.energy));
+  EXPECT_LT((after.f - before.f).norm(), 1e-10 * before.f.norm());
+}
+
+TEST_P(NonbondedIn, GivesTheSameBitsTwice) {
+  const Evaluated once = Bench(n, {.nonbonded = nb}, box.edge).at(x),
+                  twice = Bench(n, {.nonbonded = nb}, box.edge).at(x);
+  EXPECT_EQ(once.energy, twice.energy);
+  EXPECT_EQ(once.f, twice.f);
+}
+
+const auto kSpaces = testing::Values(
+    Setting{"no_cutoff", 4, 0.35, false, 0, 0}, Setting{"no_cutoff_in_a_box", 4, 0.35, true, 0, 0},
+    Setting{"drop", 5, 0.35, false, 0.8, 0}, Setting{"drop_switched", 5, 0.35, false, 0.8, 0.6});
+const auto kBoxes =
+    testing::Values(Setting{"smallest_box", 5, 0.35, true, 0.875, 0.7},
+                    Setting{"small_box", 6, 0.35, true, 0.8, 0}, Setting{"box", 7, 0.35, true, 0.7, 0.5});
+const auto kName = [](const auto& test) { return std::string(test.param.name); };
+INSTANTIATE_TEST_SUITE_P(Spaces, NonbondedIn, kSpaces, kName);
+INSTANTIATE_TEST_SUITE_P(Boxes, NonbondedIn, kBoxes, kName);
+INSTANTIATE_TEST_SUITE_P(Boxes, NonbondedInABox, kBoxes, kName);
+
+TEST(Nonbonded, ForcesAreMinusTheSlope) {
+  const Vectors x = crowd(3, 0.35, false);
+  const Vec3 none = Vec3::Zero(), edge(1.05, 1.1, 1.2);
+  for (const auto& change : std::initializer_list<std::function<Nonbonded(Nonbonded)>>{
+           [](Nonbonded nb) { return nb; }, without_charges, without_lj}) {
+    Nonbonded nb = change(mixed(27));
+    expect_forces_are_minus_the_slope({.nonbonded = nb}, x, none);
+    nb.cutoff = 0.5;
+    expect_forces_are_minus_the_slope({.nonbonded = nb}, x, none);
+    expect_forces_are_minus_the_slope({.nonbonded = nb}, x, edge);
+    nb.switch_distance = 0.3;  // most pairs are in the switch
+    expect_forces_are_minus_the_slope({.nonbonded = nb}, x, none);
+    expect_forces_are_minus_the_slope({.nonbonded = nb}, x, edge);
+  }
+  expect_forces_are_minus_the_slope({.wca = Wca{0.35, 1.5, {{0, 1}, {4, 7}}}}, x, none);
+  expect_forces_are_minus_the_slope({.wca = Wca{0.35, 1.5, {{0, 1}, {4, 7}}}}, x, edge);
+}
+
+TEST(Wca, AgreesWithADoubleLoop) {
+  const Wca wca{0.35, 1.5, {{0, 1}, {10, 35}}};
+  for (int side : {3, 4, 9}) {
+    const Vectors x = crowd(side, 0.33, true);
+    const Box box{Vec3::Constant(side * 0.33)};
+    double expected = 0;
+    for (int i = 0; i < x.cols(); ++i)
+      for (int j = i + 1; j < x.cols(); ++j) {
+        const double r = box.nearest_image(x.col(i) - x.col(j)).norm();
+        const bool excluded = (i == 0 && j == 1) || (i == 10 && j == 35 && side > 3);
+        if (r < std::pow(2, 1.0 / 6) * wca.sigma && !excluded)
+          expected += lj(wca.sigma, wca.epsilon, r) + wca.epsilon;
+      }
+    Wca given = wca;
+    if (side == 3) given.exclusions.pop_back();
+    const Evaluated ours = evaluate({.wca = given}, x, box.edge);
+    EXPECT_NEAR(ours.energy, expected, 1e-11 * expected);
+    EXPECT_LT(ours.f.rowwise().sum().norm(), 1e-12 * ours.f.norm());
+  }
+}
+
+// ---- the dispersion correction ----
+
+double simpson(const std::function<double(double)>& g, double a, double b) {
+  const int n = 4000;
+  double sum = g(a) + g(b);
+  for (int k = 1; k < n; ++k) sum += (k % 2 ? 4 : 2) * g(a + (b - a) * k / n);
+  return sum * (b - a) / (3 * n);
+}
+
+TEST(Dispersion, SwitchIntegralsAgreeWithQuadrature) {
+  const double rc = 0.9;
+  for (double rs : {0.3, 0.7, 0.8, 0.87})
+    for (int n : {4, 10}) {
+      const auto integrand = [&](double r) {
+        const double u = (r - rs) / (rc - rs);
+        return u * u * u * (10 - 15 * u + 6 * u * u) * std::pow(r, -n);
+      };
+      const double expected = simpson(integrand, rs, rc);
+      EXPECT_NEAR(switch_integral(rs, rc, n), expected, 1e-8 * expected) << rs << " " << n;
+    }
+}
+
+// ½N² times the mean over all pairs, self pairs included, of ∫ U (1 − S) 4πr² dr; from the cutoff on in 1/r.
+double tail_by_quadrature(const Nonbonded& nb) {
+  const double rc = *nb.cutoff, rs = nb.switch_distance.value_or(rc);
+  const int n = static_cast<int>(nb.sigma.size());
+  double sum = 0;
+  for (int i = 0; i < n; ++i)
+    for (int j = i; j < n; ++j) {
+      const double sigma = (nb.sigma[i] + nb.sigma[j]) / 2,
+                   epsilon = std::sqrt(nb.epsilon[i] * nb.epsilon[j]);
+      const auto shell = [&](double r) { return lj(sigma, epsilon, r) * 4 * pi * r * r; };
+      sum += simpson([&](double u) { return u > 0 ? shell(1 / u) / (u * u) : 0.0; }, 0, 1 / rc);
+      if (rs < rc)
+        sum += simpson(
+            [&](double r) {
+              const double u = (r - rs) / (rc - rs);
+              return shell(r) * u * u * u * (10 - 15 * u + 6 * u * u);
+            },
+            rs, rc);
+    }
+  return 0.5 * n * n * sum / (n * (n + 1) / 2.0);
+}
+
+TEST(Dispersion, CoefficientAgreesWithQuadratureOverAllPairs) {
+  Nonbonded nb = two_kinds(7);
+  nb.epsilon[3] = 0;
+  nb.cutoff = 0.9;
+  EXPECT_NEAR(dispersion_coefficient(nb), tail_by_quadrature(nb), 1e-9 * std::abs(tail_by_quadrature(nb)));
+  EXPECT_LT(dispersion_coefficient(nb), 0);
+  const double plain = dispersion_coefficient(nb);
+  nb.switch_distance = 0.7;
+  EXPECT_NEAR(dispersion_coefficient(nb), tail_by_quadrature(nb), 1e-9 * std::abs(tail_by_quadrature(nb)));
+  EXPECT_LT(dispersion_coefficient(nb), 1.1 * plain);  // the switch took more away
+}
+
+TEST(Dispersion, IsAConstantOverTheVolume) {
+  Nonbonded nb = without_charges(two_kinds(2));
+  nb.cutoff = 0.9;
+  const Terms plain{.nonbonded = nb};
+  nb.dispersion_correction = true;
+  const Vec3 edge(2, 2.5, 3);
+  const Evaluated with = evaluate({.nonbonded = nb}, apart(0.4), edge),
+                  without = evaluate(plain, apart(0.4), edge);
+  EXPECT_NEAR(with.energy - without.energy, dispersion_coefficient(nb) / 15, 1e-15);
+  EXPECT_EQ(with.f, without.f);
+}
+
+// ---- numbers that ran away ----
+
+TEST(Nonbonded, OverlappingAtomsShowAsNumbersThatAreNotFinite) {
+  Nonbonded nb = two_kinds(2);
+  EXPECT_FALSE(std::isfinite(evaluate({.nonbonded = nb}, apart(0)).energy));
+  nb.cutoff = 0.9;
+  EXPECT_FALSE(std::isfinite(evaluate({.nonbonded = nb}, apart(0)).energy));
+}
+
+}  // namespace
+}  // namespace taut
