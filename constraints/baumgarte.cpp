@@ -8,40 +8,65 @@
 namespace taut {
 
 Baumgarte::Baumgarte(const System& sys, const Options& options, double h)
-    : gains_(choose_gains(options.gains, options.alpha_per_ps, options.beta_per_ps, h)),
+    : damping_(damping_named(options.damping)),
+      gains_(choose_gains({.name = options.gains,
+                           .alpha_per_ps = options.alpha_per_ps,
+                           .beta_per_ps = options.beta_per_ps,
+                           .reduction = options.reduction,
+                           .stiffness = options.stiffness},
+                          damping_, sys, h)),
       passes_(options.passes),
       h_(h),
       solver_(sys),
       r_(3, sys.bond_count()),
       w_ij_(3, sys.bond_count()),
+      a_ij_(3, sys.bond_count()),
       y_(3, sys.atoms()),
       known_(sys.bond_count()),
-      lambda_(Eigen::VectorXd::Zero(sys.bond_count())) {
+      lambda_(Eigen::VectorXd::Zero(sys.bond_count())),
+      before_(lambda_) {
   if (passes_ < 1) throw InputError(fmt::format("method.passes: {}, expected 1 or more", passes_));
 }
 
+// λ* = λ₁ + (λ₁ − λ₂)/3; λ₁ while there is no λ₂.
+void Baumgarte::guess_lambda() {
+  for (Eigen::Index k = 0; k < lambda_.size(); ++k) {
+    const double last = lambda_[k];
+    if (steps_ >= 2) lambda_[k] += (last - before_[k]) / 3;
+    before_[k] = last;
+  }
+  if (steps_ < 2) ++steps_;
+}
+
 SolveStats Baumgarte::add_forces(const System& sys, double h, State& s) {
-  const auto [alpha, beta] = gains_;
   differences(sys, s.x, r_);
   Residual residual;
   for (int k = 0; k < sys.bond_count(); ++k) {
     const auto& [i, j, d] = sys.bonds[k];
-    const Vec3 a_ij = sys.inv_mass[j] * s.f.col(j) - sys.inv_mass[i] * s.f.col(i);
-    w_ij_.col(k) = s.v.col(j) - s.v.col(i) + 0.5 * h * a_ij;
+    const auto& [alpha, beta] = gains_[k];
+    a_ij_.col(k) = sys.inv_mass[j] * s.f.col(j) - sys.inv_mass[i] * s.f.col(i);
+    const Vec3 v_half = s.v.col(j) - s.v.col(i);
+    w_ij_.col(k) = v_half + 0.5 * h * a_ij_.col(k);
+    const double rate = r_.col(k).dot(damping_ == Damping::kLagged ? v_half : Vec3(w_ij_.col(k)));
     const double c = sigma(r_.col(k), d);
-    known_[k] = r_.col(k).dot(a_ij) + 2 * alpha * r_.col(k).dot(w_ij_.col(k)) + beta * beta * c;
+    known_[k] = r_.col(k).dot(a_ij_.col(k)) + 2 * alpha * rate + beta * beta * c;
     residual.see(std::abs(c) / (d * d), k);
   }
   solver_.factor(r_);
   if (solver_.singular()) return {0, residual.value, solver_.dependent_bonds().front(), "A is singular"};
 
+  guess_lambda();
   for (int pass = 0; pass < passes_; ++pass) {
     y_.setZero();
     add_constraint_acceleration(sys, r_, lambda_, y_);
     for (int k = 0; k < sys.bond_count(); ++k) {
       const auto& [i, j, d] = sys.bonds[k];
-      const Vec3 v_ij = w_ij_.col(k) + 0.5 * h * (y_.col(j) - y_.col(i));
-      lambda_[k] = -(known_[k] + v_ij.squaredNorm()) / (1 + alpha * h);
+      const double alpha = gains_[k].alpha;
+      const Vec3 y_ij = y_.col(j) - y_.col(i);
+      const Vec3 v_ij = w_ij_.col(k) + 0.5 * h * y_ij;
+      double rest = known_[k] + v_ij.squaredNorm();
+      if (damping_ == Damping::kCentred) rest += alpha * h * h * v_ij.dot(a_ij_.col(k) + y_ij);
+      lambda_[k] = -rest / (damping_ == Damping::kLagged ? 1 : 1 + alpha * h);
     }
     solver_.solve(lambda_);
   }
@@ -50,8 +75,14 @@ SolveStats Baumgarte::add_forces(const System& sys, double h, State& s) {
 }
 
 std::string Baumgarte::setting() const {
-  return fmt::format("α {:.6g}/ps, β {:.6g}/ps (αh {:.4g}, βh {:.4g}), {} solve{} a step", gains_.alpha,
-                     gains_.beta, gains_.alpha * h_, gains_.beta * h_, passes_, passes_ == 1 ? "" : "s");
+  if (gains_.empty()) return "no bonds";
+  const auto [alpha, beta] = gains_.front();
+  const bool alike = std::all_of(
+      gains_.begin(), gains_.end(),
+      [&, alpha = alpha, beta = beta](const Gains& g) { return g.alpha == alpha && g.beta == beta; });
+  return fmt::format("α {:.6g}/ps, β {:.6g}/ps (αh {:.4g}, βh {:.4g}){}, {} damping, {} solve{} a step",
+                     alpha, beta, alpha * h_, beta * h_, alike ? "" : " on the first bond", name_of(damping_),
+                     passes_, passes_ == 1 ? "" : "s");
 }
 
 }  // namespace taut

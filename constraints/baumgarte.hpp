@@ -1,6 +1,8 @@
 #pragma once
 
 #include <limits>
+#include <string>
+#include <vector>
 
 #include "constraints/direct_solver.hpp"
 #include "constraints/gains.hpp"
@@ -11,10 +13,19 @@ namespace taut {
 // Acceleration-level stabilization (Baumgarte 1972, doi:10.1016/0045-7825(72)90018-7): instead of σ̈ = 0
 // demand σ̈ + 2ασ̇ + β²σ = 0, with v the velocity at the end of the step:
 //     A λ = −(J M⁻¹F + |v_ij|² + 2α J v + β²σ),   v = w + (h/2) M⁻¹Jᵀλ,   w = v_half + (h/2) M⁻¹F.
-// The damping's share of λ goes to the left, |v_ij|² is taken with the λ known before:
-//     (1 + αh) A λ = −(J M⁻¹F + |v*_ij|² + 2α J w + β²σ),   v* = w + (h/2) M⁻¹Jᵀλ_before.
-// Differs: damping is implicit in the new velocity. Cost: one factorization and one solve a step; each
-// further pass (|v*_ij|² with the λ just found) one more solve.
+// The damping's share of λ goes to the left, |v_ij|² is taken with a guess λ*:
+//     (1 + αh) A λ = −(J M⁻¹F + |v*_ij|² + 2α J w + β²σ),   v* = w + (h/2) M⁻¹Jᵀλ*   (implicit).
+// On a motion that keeps every σ = 0 the rate J v is not zero but −½h² v_ij·a_ij, and damping it costs
+// energy, as αh³. Damping the bond's own centred rate (σ₊ − σ₋)/2h = J v + ½h² v_ij·a_ij does not:
+//     (1 + αh) A λ = −(J M⁻¹F + |v*_ij|² + 2α (J w + ½h² v*_ij·a*_ij) + β²σ)                 (centred, the
+//     default).
+// Or the damping takes v_half, as older codes do:
+//     A λ = −(J M⁻¹F + |v*_ij|² + 2α J v_half + β²σ)                                        (lagged).
+// λ* is λ₁ + (λ₁ − λ₂)/3 from the two steps before: it misses by −⅔hλ̇ + 0·h²λ̈, and
+// the odd term alone is harmless, while one in λ̈ would make the step irreversible and heat or cool.
+// Roots, limits and floors: constraints/propagator.hpp, derived in constraints/README.md.
+// Cost: one factorization and one solve a step; each further pass (v*, a* with the λ just found) one more
+// solve.
 class Baumgarte : public EmptyGaps {
  public:
   static constexpr const char* kName = "baumgarte";
@@ -23,13 +34,20 @@ class Baumgarte : public EmptyGaps {
 
   struct Options {
     std::string gains = "reversible";
+    std::string damping = "centred";
     std::optional<double> alpha_per_ps = {}, beta_per_ps = {};
+    double reduction = 0;
+    double stiffness = 4.5e5;
     int passes = 1;
 
     void describe(auto&& visit) {
-      visit("gains", gains, "critical, dead-beat, reversible or numbers");
+      visit("gains", gains, "reversible, dead-beat, rattle, critical, physical, box2d or numbers");
+      visit("damping", damping,
+            "acts on the bond's centred rate, the end velocity (implicit) or the half-step's (lagged)");
       visit("alpha_per_ps", alpha_per_ps, "damping α [1/ps], in place of the named one");
       visit("beta_per_ps", beta_per_ps, "stiffness β [1/ps], in place of the named one");
+      visit("reduction", reduction, "of an error a step, for gains = \"rattle\" (see taut calibrate)");
+      visit("stiffness", stiffness, "of the real bond [kJ/mol/nm²], for gains = \"physical\"");
       visit("passes", passes, "solves a step");
     }
   };
@@ -41,16 +59,20 @@ class Baumgarte : public EmptyGaps {
   const Eigen::VectorXd& lambda() const { return lambda_; }
   double promised_error() const { return std::numeric_limits<double>::infinity(); }
   std::string setting() const;
-  const Gains& gains() const { return gains_; }
 
  private:
-  Gains gains_;
+  void guess_lambda();
+
+  Damping damping_;
+  std::vector<Gains> gains_;  // m
   int passes_;
   double h_;
   DirectSolver solver_;
-  Vectors r_, w_ij_;                // 3 × m
-  Vectors y_;                       // 3 × n, M⁻¹Jᵀλ
-  Eigen::VectorXd known_, lambda_;  // m
+  Vectors r_, w_ij_, a_ij_;          // 3 × m, a_ij without constraint forces
+  Vectors y_;                        // 3 × n, M⁻¹Jᵀλ
+  Eigen::VectorXd known_;            // m
+  Eigen::VectorXd lambda_, before_;  // m, of the last two steps
+  int steps_ = 0;                    // how many of them there are
 };
 
 }  // namespace taut

@@ -1,43 +1,77 @@
 #include "constraints/gains.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "md/errors.hpp"
+#include "md/nearest_name.hpp"
 
 namespace taut {
+namespace {
 
-Gains choose_gains(const std::string& name, std::optional<double> alpha, std::optional<double> beta,
-                   double h) {
-  Gains g;
-  if (name == "critical") {
-    g = {1 / h, 1 / h};
-  } else if (name == "dead-beat") {
-    g = gains_for_root(0, h);
-  } else if (name == "reversible") {
-    g = {0.05 / h, std::sqrt(2.0) / h};
-  } else if (name == "numbers") {
-    if (!alpha || !beta)
-      throw InputError("method.gains = \"numbers\": expected alpha_per_ps and beta_per_ps");
-  } else {
-    throw InputError(
-        fmt::format("method.gains: \"{}\" is not one of critical, dead-beat, reversible, numbers", name));
+constexpr double kCap = 0.95;  // of the stability limit, for gains that come from outside the step
+
+DimensionlessGains named(const GainChoice& choice, Damping damping, double mu, double h) {
+  const std::string& name = choice.name;
+  if (name == "reversible") return {0.05, std::numbers::sqrt2};
+  if (name == "dead-beat") return gains_for_root(0, damping);
+  if (name == "rattle") {
+    if (!(choice.reduction >= 0 && choice.reduction < 1))
+      throw InputError(
+          fmt::format("method.reduction: {}, expected 0 or more, less than 1", choice.reduction));
+    return gains_for_root(choice.reduction, damping);
   }
-  g.alpha = alpha.value_or(g.alpha);
-  g.beta = beta.value_or(g.beta);
-  if (!(g.alpha >= 0))
-    throw InputError(fmt::format("method.alpha_per_ps: {} is negative, it would feed errors", g.alpha));
-  if (!(g.beta * h < 2))
-    throw InputError(fmt::format("method.beta_per_ps: {} times the step of {} ps is {:.3g}, stable below 2",
-                                 g.beta, h, g.beta * h));
-  return g;
+  if (name == "critical")
+    return damping == Damping::kLagged ? DimensionlessGains{0.5, 0.5} : DimensionlessGains{1, 1};
+  if (name == "physical") {
+    if (!(choice.stiffness > 0))
+      throw InputError(fmt::format("method.stiffness: {}, expected more than 0", choice.stiffness));
+    double bh = std::sqrt(choice.stiffness / mu) * h;
+    // lagged: βh < 2√(1 − αh) with αh = βh gives βh < 2(√2 − 1)
+    bh = std::min(bh, kCap * (damping == Damping::kLagged ? 2 * (std::numbers::sqrt2 - 1) : 2));
+    return {bh, bh};
+  }
+  if (name == "box2d") return {std::numbers::pi, std::numbers::pi / 2};
+  if (name == "numbers") {
+    if (!choice.alpha_per_ps || !choice.beta_per_ps)
+      throw InputError("method.gains = \"numbers\": expected alpha_per_ps and beta_per_ps");
+    return {0, 0};
+  }
+  const std::vector<std::string_view> names = {"reversible", "dead-beat", "rattle", "critical",
+                                               "physical",   "box2d",     "numbers"};
+  throw InputError(fmt::format("method.gains: there is no \"{}\"; did you mean \"{}\"? There are {}", name,
+                               nearest_name(name, names), fmt::join(names, ", ")));
 }
 
-// Trace 2r and determinant r² of the step, solved for αh and βh.
-Gains gains_for_root(double r, double h) {
-  const double q = 1 + r * r;
-  return {(1 - r * r) / q / h, std::sqrt(2 / q) * (1 - r) / h};
+void check(const Gains& g, Damping damping, double h) {
+  const double limit = stability_limit(g.alpha * h, damping);
+  if (!(g.alpha >= 0))
+    throw InputError(fmt::format("method.alpha_per_ps: {} is negative, it would feed errors", g.alpha));
+  if (limit == 0)
+    throw InputError(
+        fmt::format("method: αh = {:.4g} is unstable with {} damping, which bears less than 1; take "
+                    "damping = \"centred\", a smaller α or a shorter step",
+                    g.alpha * h, name_of(damping)));
+  if (!(g.beta >= 0 && g.beta * h < limit))
+    throw InputError(
+        fmt::format("method: βh = {:.4g} at αh = {:.4g} is unstable with {} damping, which bears 0 to "
+                    "{:.4g}; take a smaller β or a shorter step",
+                    g.beta * h, g.alpha * h, name_of(damping), limit));
+}
+
+}  // namespace
+
+std::vector<Gains> choose_gains(const GainChoice& choice, Damping damping, const System& sys, double h) {
+  std::vector<Gains> gains;
+  for (const auto& [i, j, d] : sys.bonds) {
+    const auto [ah, bh] = named(choice, damping, 1 / (sys.inv_mass[i] + sys.inv_mass[j]), h);
+    gains.push_back({choice.alpha_per_ps.value_or(ah / h), choice.beta_per_ps.value_or(bh / h)});
+    check(gains.back(), damping, h);
+  }
+  return gains;
 }
 
 }  // namespace taut

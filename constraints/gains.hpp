@@ -2,6 +2,10 @@
 
 #include <optional>
 #include <string>
+#include <vector>
+
+#include "constraints/propagator.hpp"
+#include "md/system.hpp"
 
 namespace taut {
 
@@ -11,18 +15,30 @@ struct Gains {
   double beta = 0;   // [1/ps]
 };
 
-// Gains by name, for a step h [ps], implicit damping (the step's trace is (2−β²h²)/(1+αh), its determinant
-// (1−αh)/(1+αh); both derived in DESIGN's section 5 and pinned by tests/baumgarte_test.cpp):
-//   "critical"    α = β = 1/h
-//   "dead-beat"   αh = 1, (βh)² = 2: both roots 0, an error is gone in two steps, as under RATTLE
-//   "reversible"  αh = 0.05, (βh)² = 2: nearly time-reversible, keeps energy
-//   "numbers"     α and β as given
+// How Baumgarte's gains are chosen: by name, for a step h.
+//   reversible   αh = 0, or nearly; (βh)² = 2: nearly time-reversible, keeps energy
+//   dead-beat    both roots 0: an error is gone in two steps, as under a converged RATTLE.
+//                Also what HOOMD-blue's distance constraints come to: their |r + h v_half + h²a|² = d²,
+//                linear in a (hoomd/md/ForceDistanceConstraint.cc), is α = 1/h, β² = 2/h² with part of the
+//                truncation kept
+//   rattle       both roots equal to `reduction`, what RATTLE reduces an error by in a step (taut calibrate)
+//   critical     α = β = 1/h
+//   physical     α = β = √(stiffness/μ), the bond as the real one swings, critically damped; capped, where
+//   the
+//                step cannot bear it, at βh = 1.9
+//   box2d        β = 2π·¼/h, α = 2β: Box2D 3.1's joint softness (60 Hz, damping ratio 2) where its clamp of a
+//   quarter of
+//                the step's frequency holds
+//   numbers      alpha_per_ps and beta_per_ps as given
 // A given α or β stands in place of the named one.
-// Throws InputError for an unknown name, missing numbers, or gains the step cannot bear (α < 0, βh ≥ 2).
-Gains choose_gains(const std::string& name, std::optional<double> alpha, std::optional<double> beta,
-                   double h);
+struct GainChoice {
+  std::string name = "reversible";
+  std::optional<double> alpha_per_ps = {}, beta_per_ps = {};  // [1/ps]
+  double reduction = 0;                                       // of an error a step, for "rattle"
+  double stiffness = 4.5e5;                                   // of a real bond, for "physical" [kJ/mol/nm²]
+};
 
-// The gains whose step has both roots equal to r, 0 ≤ r < 1: an error shrinks by r a step.
-Gains gains_for_root(double r, double h);
+// A bond's gains each. Throws InputError for an unknown name, missing numbers, or gains the step cannot bear.
+std::vector<Gains> choose_gains(const GainChoice& choice, Damping damping, const System& sys, double h);
 
 }  // namespace taut

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "constraints/baumgarte.hpp"
+#include "constraints/feedforward.hpp"
 #include "constraints/newton.hpp"
 #include "constraints/none.hpp"
 #include "constraints/penalty.hpp"
@@ -29,7 +30,7 @@ struct MethodList {
   using Method = std::variant<Ms...>;
   using Options = std::variant<typename Ms::Options...>;
 };
-using Methods = MethodList<None, Penalty, Baumgarte, Shake, Rattle, Newton>;
+using Methods = MethodList<None, Penalty, Baumgarte, Feedforward, Shake, Rattle, Newton>;
 
 using Method = Methods::Method;
 using MethodOptions = Methods::Options;

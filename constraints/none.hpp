@@ -15,7 +15,7 @@ class None : public Baumgarte {
   };
 
   None(const System& sys, const Options&, double h)
-      : Baumgarte(sys, {.gains = "numbers", .alpha_per_ps = 0, .beta_per_ps = 0, .passes = 1}, h) {}
+      : Baumgarte(sys, {.gains = "numbers", .alpha_per_ps = 0, .beta_per_ps = 0}, h) {}
   std::string setting() const { return "no correction"; }
 };
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <Eigen/SparseCholesky>
 
 #include "constraints/bond_algebra.hpp"
@@ -21,10 +22,10 @@ Eigen::MatrixXd dense_jacobian(const System& sys, const Vectors& r) {
   return J;
 }
 
-Eigen::MatrixXd dense_A(const System& sys, const Vectors& r) {
-  const Eigen::MatrixXd J = dense_jacobian(sys, r);
+// J(r_new) M⁻¹ J(r)ᵀ
+Eigen::MatrixXd dense_A(const System& sys, const Vectors& r_new, const Vectors& r) {
   const Eigen::VectorXd inv_mass = sys.inv_mass.transpose().replicate(3, 1).reshaped();
-  return J * inv_mass.asDiagonal() * J.transpose();
+  return dense_jacobian(sys, r_new) * inv_mass.asDiagonal() * dense_jacobian(sys, r).transpose();
 }
 
 struct Shape {
@@ -65,32 +66,44 @@ TEST(DirectSolver, SolvesWithAOfTheDefinitionForEveryShape) {
     for (auto& value : b) value = random.normal();
     Eigen::VectorXd got = b;
     solver.solve(got);
-    const Eigen::VectorXd want = dense_A(sys, r).ldlt().solve(b);
+    const Eigen::VectorXd want = dense_A(sys, r, r).ldlt().solve(b);
     EXPECT_LT((got - want).norm(), 1e-12 * want.norm());
+
+    // the same bonds turned by up to half a radian
+    Vectors r_new = r;
+    for (int k = 0; k < sys.bond_count(); ++k)
+      r_new.col(k) = Eigen::AngleAxisd(random.uniform() - 0.5, random.unit_vector()) * r.col(k);
+    TurnedSolver turned(sys);
+    turned.factor(r_new, r);
+    EXPECT_FALSE(turned.singular());
+    got = b;
+    turned.solve(got);
+    const Eigen::VectorXd want_turned = dense_A(sys, r_new, r).partialPivLu().solve(b);
+    EXPECT_LT((got - want_turned).norm(), 1e-11 * want_turned.norm());
   }
 }
 
-TEST(SparseLdlt, ChainsAndTreesHaveNoFillAndRingsLittle) {
+TEST(SparsePattern, ChainsAndTreesHaveNoFillAndRingsLittle) {
   for (const Shape& shape : kShapes) {
     SCOPED_TRACE(shape.name);
-    std::vector<SparseLdlt::Pair> pairs;
+    std::vector<SparsePattern::Pair> pairs;
     for (int k = 0; k < static_cast<int>(shape.bonds.size()); ++k)
       for (int l = k + 1; l < static_cast<int>(shape.bonds.size()); ++l)
         for (int a : shape.bonds[k])
           for (int b : shape.bonds[l])
             if (a == b) pairs.push_back({k, l});
-    EXPECT_EQ(SparseLdlt(static_cast<int>(shape.bonds.size()), pairs).fill(), shape.fill);
+    EXPECT_EQ(SparsePattern(static_cast<int>(shape.bonds.size()), pairs).fill(), shape.fill);
   }
 }
 
 TEST(SparseLdlt, AgreesWithEigensOnARandomPattern) {
   constexpr int n = 60;
   Random random(3);
-  std::vector<SparseLdlt::Pair> pairs;
+  std::vector<SparsePattern::Pair> pairs;
   for (int a = 0; a < n; ++a)
     for (int b = a + 1; b < n; ++b)
       if (random.uniform() < 0.08)
-        pairs.push_back(random.uniform() < 0.5 ? SparseLdlt::Pair{a, b} : SparseLdlt::Pair{b, a});
+        pairs.push_back(random.uniform() < 0.5 ? SparsePattern::Pair{a, b} : SparsePattern::Pair{b, a});
   Eigen::VectorXd diagonal = Eigen::VectorXd::Constant(n, 20), values(pairs.size()), b(n);
   std::vector<Eigen::Triplet<double>> entries;
   for (int a = 0; a < n; ++a) entries.emplace_back(a, a, 20.0);

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <string>
+
+#include "constraints/direct_solver.hpp"
+#include "constraints/gaps.hpp"
+
+namespace taut {
+
+// Baumgarte with its truncation fed forward. The residual that no gain removes is known before the step is
+// taken: with w the half-step velocity and F the force at x, the multipliers λ bring the bonds to
+//     δ(λ) = h w + h² M⁻¹(F + Jᵀλ),      σ_next(λ) = σ + J δ + ½|δ_ij|²      (exact, σ is quadratic).
+// λ is extrapolated from the steps before and corrected by one linear solve,
+//     A' Δλ = −σ_next/h²,   A' = J(x + δ) M⁻¹ J(x)ᵀ = ∂σ_next/∂λ / h²   (exact: a Newton step),
+// which leaves ½|h²M⁻¹JᵀΔλ|², the square of what extrapolation missed. What is left returns as σ in the next
+// step: the feedback of a Baumgarte law with (βh)² = 2, αh = 1 on the error alone.
+// Where |σ_next|/d² before the solve says that this square passes `tolerance` (large steps, collisions), the
+// step takes another solve; stats.iterations tells.
+// The velocities are leap-frog's mean velocities: J v = −½h² v·a, not zero; they are not projected.
+// Start-up: λ of the first step is iterated until its σ_next vanishes. See constraints/README.md.
+// Cost: one factorization (not symmetric) and, mostly, one solve a step.
+class Feedforward : public EmptyGaps {
+ public:
+  static constexpr const char* kName = "feedforward";
+  static constexpr const char* kSummary =
+      "Baumgarte with its truncation fed forward, mostly one linear solve a step";
+
+  struct Options {
+    double tolerance = 1e-8;
+    int extrapolation = 1;
+    int max_solves = 20;
+
+    void describe(auto&& visit) {
+      visit("tolerance", tolerance, "relative bond error for which a step takes another solve");
+      visit("extrapolation", extrapolation, "order in which λ is extrapolated: 0, 1 or 2");
+      visit("max_solves", max_solves, "solves after which a step has failed");
+    }
+  };
+
+  Feedforward(const System& sys, const Options& options, double h);
+
+  SolveStats add_forces(const System& sys, double h, State& s);
+
+  const Eigen::VectorXd& lambda() const { return lambda_; }
+  double promised_error() const { return options_.tolerance; }
+  std::string setting() const;
+
+ private:
+  void extrapolate();
+  SolveStats solve(const System& sys, State& s, double kick);
+
+  Options options_;
+  double h_;
+  TurnedSolver solver_;
+  Vectors r_, r_next_;                             // 3 × m
+  Vectors y_;                                      // 3 × n, M⁻¹Jᵀλ
+  Eigen::VectorXd b_;                              // m
+  Eigen::VectorXd lambda_, before_, before_that_;  // of the last steps, newest first
+  int known_ = 0;                                  // how many of them there are
+};
+
+}  // namespace taut

@@ -1,0 +1,71 @@
+#include "constraints/propagator.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "md/errors.hpp"
+
+namespace taut {
+
+std::string_view name_of(Damping damping) {
+  switch (damping) {
+    case Damping::kCentred:
+      return "centred";
+    case Damping::kImplicit:
+      return "implicit";
+    case Damping::kLagged:
+      break;
+  }
+  return "lagged";
+}
+
+Damping damping_named(std::string_view name) {
+  for (const Damping damping : {Damping::kCentred, Damping::kImplicit, Damping::kLagged})
+    if (name == name_of(damping)) return damping;
+  throw InputError(fmt::format("method.damping: \"{}\" is not one of centred, implicit, lagged", name));
+}
+
+Propagator::Propagator(double ah, double bh, Damping damping) {
+  if (damping == Damping::kLagged) {
+    trace = 2 - 2 * ah - bh * bh;
+    determinant = 1 - 2 * ah;
+  } else {
+    trace = (2 - bh * bh) / (1 + ah);
+    determinant = (1 - ah) / (1 + ah);
+  }
+}
+
+std::array<std::complex<double>, 2> Propagator::roots() const {
+  const double half = 0.5 * trace;
+  const std::complex<double> spread = std::sqrt(std::complex<double>(half * half - determinant));
+  const auto larger = half < 0 ? half - spread : half + spread;
+  const auto smaller = half < 0 ? half + spread : half - spread;
+  return {larger, smaller};
+}
+
+// σ_n = σ_1 U_n − det σ_0 U_{n−1}, U_n = (z₁ⁿ − z₂ⁿ)/(z₁ − z₂), n zⁿ⁻¹ where the roots meet.
+double Propagator::residual(double sigma_0, double sigma_1, int n) const {
+  if (n == 0) return sigma_0;
+  const auto [z1, z2] = roots();
+  const auto u = [&, z1 = z1, z2 = z2](int power) {
+    if (power == 0) return 0.0;
+    if (std::abs(z1 - z2) < 1e-7) return power * std::pow(0.5 * trace, power - 1);
+    return ((std::pow(z1, power) - std::pow(z2, power)) / (z1 - z2)).real();
+  };
+  return sigma_1 * u(n) - determinant * sigma_0 * u(n - 1);
+}
+
+double stability_limit(double ah, Damping damping) {
+  if (!(ah >= 0)) return 0;
+  if (damping != Damping::kLagged) return 2;
+  return ah < 1 ? 2 * std::sqrt(1 - ah) : 0.0;
+}
+
+DimensionlessGains gains_for_root(double r, Damping damping) {
+  const double q = 1 + r * r;
+  if (damping == Damping::kLagged) return {(1 - r * r) / 2, 1 - r};
+  return {(1 - r * r) / q, std::sqrt(2 / q) * (1 - r)};
+}
+
+}  // namespace taut

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <array>
+#include <complex>
+#include <string_view>
+
+namespace taut {
+
+// How an error of one bond evolves from step to step under Baumgarte's law (constraints/README.md derives
+// it):
+//     σ_{n+1} = trace·σ_n − determinant·σ_{n−1}.
+// Since A is solved exactly, the bonds of a cluster obey the same, each by itself, up to terms quadratic in
+// σ.
+
+enum class Damping {
+  kCentred,   // 2α (J v + ½h² v_ij·a_ij) = 2α (σ₊ − σ₋)/2h, the bond's own rate
+  kImplicit,  // 2α J v, v the velocity at the end of the step
+  kLagged,    // 2α J v_half, half a step behind
+};
+std::string_view name_of(Damping damping);
+Damping damping_named(std::string_view name);  // throws InputError
+
+struct Propagator {
+  double trace, determinant;
+
+  // ah = αh, bh = βh
+  //   centred, implicit: trace (2 − (βh)²)/(1 + αh),  determinant (1 − αh)/(1 + αh)
+  //   lagged:            trace 2 − 2αh − (βh)²,       determinant 1 − 2αh
+  Propagator(double ah, double bh, Damping damping);
+
+  std::array<std::complex<double>, 2> roots() const;  // of z² − trace z + determinant, larger modulus first
+  double spectral_radius() const { return std::abs(roots()[0]); }
+  // Schur–Cohn: |determinant| < 1 and |trace| < 1 + determinant
+  bool stable() const { return std::abs(determinant) < 1 && std::abs(trace) < 1 + determinant; }
+  // σ_n from σ_0 and σ_1, in closed form
+  double residual(double sigma_0, double sigma_1, int n) const;
+};
+
+// The βh from which it is unstable at this αh; 0 where it is at any.
+//   centred, implicit: 2 for αh ≥ 0 (at αh = 0 errors ring for ever);   lagged: 2√(1 − αh) for 0 ≤ αh < 1
+double stability_limit(double ah, Damping damping);
+
+// (αh, βh) with both roots equal to r, 0 ≤ r < 1: an error shrinks by r a step.
+//   centred, implicit: αh = (1−r²)/(1+r²), (βh)² = 2(1−r)²/(1+r²);   lagged: αh = (1−r²)/2, βh = 1−r
+struct DimensionlessGains {
+  double ah, bh;
+};
+DimensionlessGains gains_for_root(double r, Damping damping);
+
+}  // namespace taut
