@@ -7,10 +7,12 @@
 
 #include "constraints/baumgarte.hpp"
 #include "constraints/feedforward.hpp"
+#include "constraints/lincs.hpp"
 #include "constraints/newton.hpp"
 #include "constraints/none.hpp"
 #include "constraints/penalty.hpp"
 #include "constraints/rattle.hpp"
+#include "constraints/settle.hpp"
 #include "constraints/shake.hpp"
 
 namespace taut {
@@ -30,7 +32,7 @@ struct MethodList {
   using Method = std::variant<Ms...>;
   using Options = std::variant<typename Ms::Options...>;
 };
-using Methods = MethodList<None, Penalty, Baumgarte, Feedforward, Shake, Rattle, Newton>;
+using Methods = MethodList<None, Penalty, Baumgarte, Feedforward, Shake, Rattle, Newton, Lincs, Settle>;
 
 using Method = Methods::Method;
 using MethodOptions = Methods::Options;
