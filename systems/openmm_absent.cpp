@@ -1,0 +1,48 @@
+// Compiled where OpenMM is not there.
+
+#include "md/errors.hpp"
+#include "systems/openmm_import.hpp"
+#include "systems/openmm_twin.hpp"
+
+namespace taut {
+namespace {
+
+// TAUT_MISSING: the packages to install, as found out by CMake.
+[[noreturn]] void absent() {
+  throw InputError("taut was built without OpenMM: " TAUT_MISSING);
+}
+
+}  // namespace
+
+bool built_with_openmm() {
+  return false;
+}
+
+Scene import_openmm(const std::filesystem::path&, const std::filesystem::path&) {
+  absent();
+}
+
+struct OpenMMTwin::Impl {};
+
+OpenMMTwin::OpenMMTwin(const std::filesystem::path&, const std::filesystem::path&, double, double,
+                       const std::string&) {
+  absent();
+}
+OpenMMTwin::~OpenMMTwin() = default;
+void OpenMMTwin::set(const State&) {
+  absent();
+}
+void OpenMMTwin::step(int) {
+  absent();
+}
+State OpenMMTwin::state() const {
+  absent();
+}
+double OpenMMTwin::potential() const {
+  absent();
+}
+double OpenMMTwin::forces_at(const Vectors&, Vectors&) {
+  absent();
+}
+
+}  // namespace taut

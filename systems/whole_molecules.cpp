@@ -1,0 +1,88 @@
+#include "systems/whole_molecules.hpp"
+
+#include <fmt/format.h>
+
+#include "md/errors.hpp"
+
+namespace taut {
+namespace {
+
+// The atoms bonded to each atom, side by side: those of atom a are partner[first[a]] ..
+// partner[first[a+1]-1].
+struct Neighbours {
+  std::vector<int> first, partner;
+
+  Neighbours(int atoms, const std::vector<BondedPair>& pairs)
+      : first(atoms + 1, 0), partner(2 * pairs.size()) {
+    for (const auto& [i, j] : pairs) ++first[i + 1], ++first[j + 1];
+    for (int a = 0; a < atoms; ++a) first[a + 1] += first[a];
+    std::vector<int> next(first.begin(), first.end() - 1);
+    for (const auto& [i, j] : pairs) {
+      partner[next[i]++] = j;
+      partner[next[j]++] = i;
+    }
+  }
+};
+
+// Walks every molecule from its first atom outward, and calls step(from, to) once for each further atom.
+template <class Step>
+std::vector<int> walk(int atoms, const std::vector<BondedPair>& pairs, Step step) {
+  const Neighbours near(atoms, pairs);
+  std::vector<int> molecule(atoms, -1);
+  std::vector<int> open;
+  int count = 0;
+  for (int root = 0; root < atoms; ++root) {
+    if (molecule[root] >= 0) continue;
+    molecule[root] = count++;
+    open.push_back(root);
+    while (!open.empty()) {
+      const int from = open.back();
+      open.pop_back();
+      for (int k = near.first[from]; k < near.first[from + 1]; ++k) {
+        const int to = near.partner[k];
+        if (molecule[to] >= 0) continue;
+        molecule[to] = molecule[from];
+        step(from, to);
+        open.push_back(to);
+      }
+    }
+  }
+  return molecule;
+}
+
+// How far a separation is from its nearest image: whole edges, exactly zero for a near pair.
+Vec3 whole_edges(const Box& box, const Vec3& d) {
+  return box.edge.cwiseProduct(d.cwiseQuotient(box.edge).array().round().matrix());
+}
+
+}  // namespace
+
+std::vector<BondedPair> bonded_pairs(const System& sys, const Terms& terms) {
+  std::vector<BondedPair> pairs;
+  pairs.reserve(sys.bonds.size() + terms.bonds.size() + terms.fene.size());
+  for (const auto& b : sys.bonds) pairs.push_back({b.i, b.j});
+  for (const auto& b : terms.bonds) pairs.push_back({b.i, b.j});
+  for (const auto& b : terms.fene) pairs.push_back({b.i, b.j});
+  return pairs;
+}
+
+std::vector<int> molecules(int atoms, const std::vector<BondedPair>& pairs) {
+  return walk(atoms, pairs, [](int, int) {});
+}
+
+void make_whole(const Box& box, const std::vector<BondedPair>& pairs, Vectors& x) {
+  if (!box.periodic()) return;
+  walk(static_cast<int>(x.cols()), pairs,
+       [&](int from, int to) { x.col(to) -= whole_edges(box, x.col(to) - x.col(from)); });
+
+  // The pairs that closed a ring were not walked. One that is still an edge long (a pair half an edge long
+  // is a matter of rounding) closes it around the box.
+  for (const auto& [i, j] : pairs) {
+    const Vec3 d = x.col(j) - x.col(i);
+    if (((d.cwiseQuotient(box.edge)).array().abs() > 0.5 + 1e-9).any())
+      throw InputError(
+          fmt::format("atoms {} and {} are bonded around the box: their molecule meets its own image", i, j));
+  }
+}
+
+}  // namespace taut

@@ -1,0 +1,26 @@
+// A build without OpenMM says what is missing.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "md/errors.hpp"
+#include "systems/openmm_import.hpp"
+#include "systems/openmm_twin.hpp"
+
+namespace taut {
+namespace {
+
+TEST(OpenMMAbsent, NamesThePackage) {
+  EXPECT_FALSE(built_with_openmm());
+  EXPECT_THROW(OpenMMTwin("a.xml", "b.xml", 0.001), InputError);
+  try {
+    import_openmm("a.xml", "b.xml");
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.what(), ::testing::HasSubstr("without OpenMM"));
+    EXPECT_THAT(e.what(), ::testing::HasSubstr("lib"));
+  }
+}
+
+}  // namespace
+}  // namespace taut

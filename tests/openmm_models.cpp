@@ -1,0 +1,145 @@
+#include "openmm_models.hpp"
+
+#include <openmm/serialization/XmlSerializer.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <fstream>
+#include <memory>
+#include <numbers>
+#include <sstream>
+#include <stdexcept>
+
+namespace taut::testing {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+template <class T>
+std::string xml(const T& object, const char* root) {
+  std::ostringstream text;
+  OpenMM::XmlSerializer::serialize(&object, root, text);
+  return text.str();
+}
+
+}  // namespace
+
+Files data(const std::string& name) {
+  const fs::path folder = TAUT_TEST_DATA;
+  return {folder / (name + ".system.xml"), folder / (name + ".state.xml")};
+}
+
+Folder::Folder() {
+  std::string name = (fs::temp_directory_path() / "taut-openmm-XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder: " + name);
+  path_ = name;
+}
+
+fs::path Folder::write(const std::string& name, const std::string& text) const {
+  std::ofstream(path_ / name) << text;
+  return path_ / name;
+}
+
+Melt::Melt(unsigned seed)
+    : bonds(new OpenMM::HarmonicBondForce),
+      angles(new OpenMM::HarmonicAngleForce),
+      nonbonded(new OpenMM::NonbondedForce),
+      random_(seed) {
+  system.setDefaultPeriodicBoxVectors({kEdge, 0, 0}, {0, kEdge, 0}, {0, 0, kEdge});
+  std::vector<std::pair<int, int>> pairs;
+  for (int a = 0; a < kAtoms; ++a) {
+    const int chain = a / kLength, bead = a % kLength;
+    system.addParticle(uniform(1, 16));
+    nonbonded->addParticle(uniform(-0.5, 0.5), uniform(0.2, 0.3), uniform(0.1, 1));
+    x.emplace_back(1.2 * (chain % 2) + 0.13 * bead + uniform(-0.02, 0.02),
+                   0.6 * (chain / 2 % 4) + 0.08 * (bead % 2) + uniform(-0.02, 0.02),
+                   0.6 * (chain / 8) + uniform(-0.05, 0.05));
+    v.emplace_back(uniform(-0.5, 0.5), uniform(-0.5, 0.5), uniform(-0.5, 0.5));
+    if (bead > 0) pairs.emplace_back(a - 1, a);
+    if (bead % 2 == 1) {
+      const OpenMM::Vec3 d = x[a] - x[a - 1];
+      system.addConstraint(a - 1, a, std::sqrt(d.dot(d)));
+    } else if (bead > 0) {
+      bonds->addBond(a - 1, a, uniform(0.13, 0.17), uniform(5e4, 2e5));
+    }
+    if (bead > 1) angles->addAngle(a - 2, a - 1, a, uniform(1.8, 2.1), uniform(200, 500));
+  }
+  nonbonded->createExceptionsFromBonds(pairs, 1 / 1.2, 0.5);
+  system.addForce(bonds);
+  system.addForce(angles);
+  system.addForce(nonbonded);
+}
+
+template <class Use>
+void Melt::each_torsion(Use use) {
+  for (int a = 3; a < kAtoms; ++a)
+    if (a % kLength >= 3) use(a - 3, a - 2, a - 1, a);
+}
+
+OpenMM::PeriodicTorsionForce* Melt::add_torsions() {
+  auto* force = new OpenMM::PeriodicTorsionForce;
+  each_torsion([&](int i, int j, int k, int l) {
+    force->addTorsion(i, j, k, l, 1 + l % 4, uniform(-3, 3), uniform(1, 20));
+  });
+  system.addForce(force);
+  return force;
+}
+
+OpenMM::RBTorsionForce* Melt::add_rb_torsions() {
+  auto* force = new OpenMM::RBTorsionForce;
+  const auto c = [&] { return uniform(-10, 10); };
+  each_torsion(
+      [&](int i, int j, int k, int l) { force->addTorsion(i, j, k, l, c(), c(), c(), c(), c(), c()); });
+  system.addForce(force);
+  return force;
+}
+
+void Melt::make_periodic() {
+  nonbonded->setNonbondedMethod(OpenMM::NonbondedForce::CutoffPeriodic);
+  nonbonded->setCutoffDistance(1.0);
+}
+
+void Melt::break_across_box() {
+  bonds->setUsesPeriodicBoundaryConditions(true);
+  angles->setUsesPeriodicBoundaryConditions(true);
+  nonbonded->setExceptionsUsePeriodicBoundaryConditions(true);
+  const OpenMM::Vec3 corner(0.3, 0.04, 0);  // each of its three planes cuts chains
+  for (auto& r : x)
+    for (int c = 0; c < 3; ++c) r[c] -= kEdge * std::floor((r[c] - corner[c]) / kEdge);
+}
+
+fs::path Melt::write_system(const Folder& folder) const {
+  return folder.write("melt.system.xml", xml(system, "System"));
+}
+
+Files Melt::write(const Folder& folder) const {
+  OpenMM::VerletIntegrator none(0.001);
+  OpenMM::Context context(system, none, OpenMM::Platform::getPlatformByName("Reference"));
+  context.setPositions(x);
+  context.setVelocities(v);
+  using S = OpenMM::State;
+  const S state = context.getState(S::Positions | S::Velocities | S::Forces | S::Energy);
+  return {write_system(folder), folder.write("melt.state.xml", xml(state, "State"))};
+}
+
+Files without_settle(const Files& files, const Folder& folder) {
+  std::ifstream in(files.system);
+  const std::unique_ptr<OpenMM::System> system(OpenMM::XmlSerializer::deserialize<OpenMM::System>(in));
+  for (int k = 0; k < system->getNumConstraints(); ++k) {
+    int i = 0, j = 0;
+    double length = 0;
+    system->getConstraintParameters(k, i, j, length);
+    system->setConstraintParameters(k, i, j, length * (1 + 1e-6 * (k % 7)));
+  }
+  return {folder.write("system.xml", xml(*system, "System")), files.state};
+}
+
+Files anchored_melt(const Folder& folder) {
+  Melt melt(10);
+  melt.make_periodic();
+  for (const int a : {6, 13, 27}) melt.system.setParticleMass(a, 0);
+  return melt.write(folder);
+}
+
+}  // namespace taut::testing

@@ -1,0 +1,182 @@
+// Energies and forces against OpenMM's Reference platform.
+
+#include <gtest/gtest.h>
+#include <openmm/serialization/XmlSerializer.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <memory>
+
+#include "forcefield/force_field.hpp"
+#include "md/errors.hpp"
+#include "openmm_models.hpp"
+#include "systems/openmm_read.hpp"
+#include "systems/openmm_twin.hpp"
+
+namespace taut {
+namespace {
+
+using testing::data;
+using testing::Files;
+using testing::Folder;
+using testing::Melt;
+
+double rms(const Vectors& f) {
+  return std::sqrt(f.squaredNorm() / static_cast<double>(f.size()));
+}
+
+// Energy to 1e-9, every force component to 1e-7 of their rms.
+void expect_agreement(double energy, const Vectors& f, double their_energy, const Vectors& their_f) {
+  EXPECT_NEAR(energy, their_energy, 1e-9 * std::abs(their_energy));
+  ASSERT_EQ(f.cols(), their_f.cols());
+  EXPECT_LT((f - their_f).cwiseAbs().maxCoeff(), 1e-7 * rms(their_f));
+}
+
+// taut's potential and forces against those of the twin, live.
+void expect_parity(const Files& files) {
+  OpenMMInput input = read_openmm(files.system, files.state);
+  ForceField forces(input.system, input.terms);
+  forces(input.system, input.start);
+  const OpenMMTwin twin(files.system, files.state, 0.001);
+  expect_agreement(forces.potential(), input.start.f, twin.potential(), twin.state().f);
+}
+
+class SharedSystem : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(SharedSystem, HasOpenMMsLivePotentialAndForces) {
+  expect_parity(data(GetParam()));
+}
+
+TEST_P(SharedSystem, HasThePotentialAndForcesOfTheStateFile) {
+  const Files files = data(GetParam());
+  std::ifstream in(files.state);
+  const std::unique_ptr<OpenMM::State> state(OpenMM::XmlSerializer::deserialize<OpenMM::State>(in));
+  OpenMMInput input = read_openmm(files.system, files.state);
+  ForceField forces(input.system, input.terms);
+  forces(input.system, input.start);
+
+  Vectors f(3, input.system.atoms());
+  for (int a = 0; a < input.system.atoms(); ++a)
+    for (int c = 0; c < 3; ++c) f(c, a) = state->getForces()[a][c];
+  expect_agreement(forces.potential(), input.start.f, state->getPotentialEnergy(), f);
+}
+
+INSTANTIATE_TEST_SUITE_P(Data, SharedSystem,
+                         ::testing::Values("tip3p-216", "tip3p-1000", "ala2-hbonds-rf", "ala2-allbonds-rf"),
+                         [](const auto& name) {
+                           std::string s = name.param;
+                           std::replace(s.begin(), s.end(), '-', '_');
+                           return s;
+                         });
+
+TEST(OpenMMParity, EveryPairWithoutCutoff) {
+  Melt melt(1);
+  melt.add_torsions();
+  expect_parity(melt.write(Folder()));
+}
+
+TEST(OpenMMParity, RyckaertBellemansTorsions) {
+  Melt melt(2);
+  melt.add_rb_torsions();
+  expect_parity(melt.write(Folder()));
+}
+
+TEST(OpenMMParity, CutoffWithoutBox) {
+  Melt melt(3);
+  melt.nonbonded->setNonbondedMethod(OpenMM::NonbondedForce::CutoffNonPeriodic);
+  melt.nonbonded->setCutoffDistance(0.9);
+  melt.nonbonded->setReactionFieldDielectric(5);
+  expect_parity(melt.write(Folder()));
+}
+
+TEST(OpenMMParity, SwitchWithoutBox) {
+  Melt melt(4);
+  melt.nonbonded->setNonbondedMethod(OpenMM::NonbondedForce::CutoffNonPeriodic);
+  melt.nonbonded->setCutoffDistance(1.0);
+  melt.nonbonded->setUseSwitchingFunction(true);
+  melt.nonbonded->setSwitchingDistance(0.5);
+  expect_parity(melt.write(Folder()));
+}
+
+TEST(OpenMMParity, PeriodicWithAndWithoutDispersionCorrection) {
+  for (const bool on : {false, true}) {
+    Melt melt(5);
+    melt.make_periodic();
+    melt.nonbonded->setUseDispersionCorrection(on);
+    expect_parity(melt.write(Folder()));
+  }
+}
+
+// The correction's integral over the switched stretch included.
+TEST(OpenMMParity, PeriodicSwitchWithAndWithoutDispersionCorrection) {
+  for (const bool on : {false, true}) {
+    Melt melt(6);
+    melt.make_periodic();
+    melt.nonbonded->setUseDispersionCorrection(on);
+    melt.nonbonded->setUseSwitchingFunction(true);
+    melt.nonbonded->setSwitchingDistance(0.6);
+    expect_parity(melt.write(Folder()));
+  }
+}
+
+TEST(OpenMMParity, SitesWithoutSizeOrCharge) {
+  Melt melt(7);
+  melt.make_periodic();
+  for (int a = 0; a < Melt::kAtoms; a += 3) melt.nonbonded->setParticleParameters(a, 0.1, 0, 0);
+  for (int a = 1; a < Melt::kAtoms; a += 3) melt.nonbonded->setParticleParameters(a, 0, 0.3, 0.5);
+  expect_parity(melt.write(Folder()));
+}
+
+TEST(OpenMMParity, SeveralForcesOfAKind) {
+  Melt melt(8);
+  melt.make_periodic();
+  melt.add_torsions();
+  melt.add_torsions();
+  melt.add_rb_torsions();
+  melt.add_rb_torsions();
+  auto* bonds = new OpenMM::HarmonicBondForce;
+  auto* angles = new OpenMM::HarmonicAngleForce;
+  for (int a = 0; a + 2 < Melt::kAtoms; a += Melt::kLength) {
+    bonds->addBond(a, a + 2, 0.2, 1e4);
+    angles->addAngle(a + 1, a, a + 2, 0.5, 100);
+  }
+  melt.system.addForce(bonds);
+  melt.system.addForce(angles);
+  expect_parity(melt.write(Folder()));
+}
+
+// OpenMM takes images term by term, taut mends the molecules: the forces are the same.
+TEST(OpenMMParity, MoleculesBrokenAcrossTheBox) {
+  Melt melt(9);
+  melt.make_periodic();
+  melt.add_torsions()->setUsesPeriodicBoundaryConditions(true);
+  melt.add_rb_torsions()->setUsesPeriodicBoundaryConditions(true);
+  melt.break_across_box();
+  expect_parity(melt.write(Folder()));
+}
+
+TEST(OpenMMTwinTest, GivesForcesAnywhere) {
+  Melt melt(11);
+  const Folder folder;
+  const Files files = melt.write(folder);
+  OpenMMTwin twin(files.system, files.state, 0.001);
+  OpenMMInput input = read_openmm(files.system, files.state);
+  input.start.x(1, 5) += 0.01;
+  Vectors f;
+  const double energy = twin.forces_at(input.start.x, f);
+  ForceField forces(input.system, input.terms);
+  forces(input.system, input.start);
+  expect_agreement(forces.potential(), input.start.f, energy, f);
+}
+
+TEST(OpenMMTwinTest, RunsOnThePlatformAskedFor) {
+  const Files files = data("tip3p-216");
+  const OpenMMTwin reference(files.system, files.state, 0.001);
+  const OpenMMTwin cpu(files.system, files.state, 0.001, 1e-6, "CPU");
+  EXPECT_NEAR(cpu.potential(), reference.potential(), 1e-5 * std::abs(reference.potential()));
+  EXPECT_THROW(OpenMMTwin(files.system, files.state, 0.001, 1e-6, "Abacus"), InputError);
+}
+
+}  // namespace
+}  // namespace taut
