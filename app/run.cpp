@@ -67,7 +67,7 @@ void print_header(const Simulation& simulation) {
 }
 
 void print_row(const Record& r) {
-  fmt::print("{:>9} {:>10.4f} {:>13.6g} {:>13.8g} {:>8.2f} {:>9.1e} {:>6.2g}\n", r.step, r.t, r.potential,
+  fmt::print("{:>9} {:>10.4f} {:>13.6g} {:>13.8g} {:>8.2f} {:>9.1e} {:>6.3g}\n", r.step, r.t, r.potential,
              r.total(), r.temperature, r.bonds.max, r.iterations);
 }
 

@@ -22,7 +22,7 @@ DimensionlessGains named(const GainChoice& choice, Damping damping, double mu, d
     if (!(choice.reduction >= 0 && choice.reduction < 1))
       throw InputError(
           fmt::format("method.reduction: {}, expected 0 or more, less than 1", choice.reduction));
-    return gains_for_root(choice.reduction, damping);
+    return gains_for_decay(choice.reduction, damping);
   }
   if (name == "critical")
     return damping == Damping::kLagged ? DimensionlessGains{0.5, 0.5} : DimensionlessGains{1, 1};

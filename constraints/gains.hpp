@@ -21,10 +21,9 @@ struct Gains {
 //                Also what HOOMD-blue's distance constraints come to: their |r + h v_half + h²a|² = d²,
 //                linear in a (hoomd/md/ForceDistanceConstraint.cc), is α = 1/h, β² = 2/h² with part of the
 //                truncation kept
-//   rattle       both roots equal to `reduction`, what RATTLE reduces an error by in a step (taut calibrate)
-//   critical     α = β = 1/h
-//   physical     α = β = √(stiffness/μ), the bond as the real one swings, critically damped; capped, where
-//   the
+//   rattle       roots `reduction` and 0: an error shrinks by `reduction` a step, as RATTLE does (taut
+//   calibrate) critical     α = β = 1/h physical     α = β = √(stiffness/μ), the bond as the real one swings,
+//   critically damped; capped, where the
 //                step cannot bear it, at βh = 1.9
 //   box2d        β = 2π·¼/h, α = 2β: Box2D 3.1's joint softness (60 Hz, damping ratio 2) where its clamp of a
 //   quarter of

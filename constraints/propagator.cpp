@@ -62,10 +62,22 @@ double stability_limit(double ah, Damping damping) {
   return ah < 1 ? 2 * std::sqrt(1 - ah) : 0.0;
 }
 
+DimensionlessGains gains_for_decay(double r, Damping damping) {
+  if (damping == Damping::kLagged) return {0.5, std::sqrt(1 - r)};
+  return {1, std::sqrt(2 * (1 - r))};
+}
+
 DimensionlessGains gains_for_root(double r, Damping damping) {
   const double q = 1 + r * r;
   if (damping == Damping::kLagged) return {(1 - r * r) / 2, 1 - r};
   return {(1 - r * r) / q, std::sqrt(2 / q) * (1 - r)};
+}
+
+double floor_of(double ah, double bh, double h, const Motion& m, Damping damping) {
+  double fed = 0.25 * std::pow(h, 4) * m.a_squared;
+  if (damping == Damping::kImplicit) fed += ah * std::pow(h, 3) * m.va;
+  if (damping == Damping::kLagged) fed -= ah * h * h * (m.v_squared - h * m.va + 0.25 * h * h * m.a_squared);
+  return fed / (bh * bh);
 }
 
 }  // namespace taut

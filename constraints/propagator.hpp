@@ -40,11 +40,27 @@ struct Propagator {
 //   centred, implicit: 2 for αh ≥ 0 (at αh = 0 errors ring for ever);   lagged: 2√(1 − αh) for 0 ≤ αh < 1
 double stability_limit(double ah, Damping damping);
 
-// (αh, βh) with both roots equal to r, 0 ≤ r < 1: an error shrinks by r a step.
-//   centred, implicit: αh = (1−r²)/(1+r²), (βh)² = 2(1−r)²/(1+r²);   lagged: αh = (1−r²)/2, βh = 1−r
 struct DimensionlessGains {
   double ah, bh;
 };
+
+// (αh, βh) with roots r and 0: from its second step on an error shrinks by r a step, σ_{n+1} = r σ_n, which
+// is RATTLE's own law where RATTLE reduces errors by r a step. 0 ≤ r < 1; r = 0 is dead-beat.
+//   centred, implicit: αh = 1, (βh)² = 2(1−r);   lagged: αh = ½, (βh)² = 1−r
+DimensionlessGains gains_for_decay(double r, Damping damping);
+
+// (αh, βh) with both roots equal to r, 0 ≤ r < 1: an error goes as (a + bn)rⁿ, critically damped.
+//   centred, implicit: αh = (1−r²)/(1+r²), (βh)² = 2(1−r)²/(1+r²);   lagged: αh = (1−r²)/2, βh = 1−r
 DimensionlessGains gains_for_root(double r, Damping damping);
+
+// What no gain removes: the σ [nm²] at which a bond settles that moves with v = |v_ij| [nm/ps], a = |a_ij|
+// [nm/ps²] and v·a = va, taken as slowly varying, λ known:
+//   centred:  ¼h⁴a²/(βh)²
+//   implicit: (¼h⁴a² + αh·h³ v·a)/(βh)²
+//   lagged:   (¼h⁴a² − αh·h² |v − ½ha|²)/(βh)²
+struct Motion {
+  double v_squared, a_squared, va;
+};
+double floor_of(double ah, double bh, double h, const Motion& motion, Damping damping);
 
 }  // namespace taut

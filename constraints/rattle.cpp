@@ -6,8 +6,8 @@ namespace taut {
 
 Rattle::Rattle(const System& sys, const Options& options, double)
     : options_(options),
-      positions_(sys, {options.tolerance, options.max_sweeps}),
-      velocities_(sys, {options.tolerance, options.max_sweeps}),
+      positions_(sys, {options.tolerance, options.max_sweeps, options.sweeps}),
+      velocities_(sys, {options.tolerance, options.max_sweeps, options.sweeps}),
       g_(Eigen::VectorXd::Zero(sys.bond_count())),
       lambda_(g_) {}
 
@@ -32,7 +32,9 @@ SolveStats Rattle::project_velocities(const System& sys, double h, State& s) {
 }
 
 std::string Rattle::setting() const {
-  return fmt::format("tolerance {:g}{}", options_.tolerance, options_.warm_start ? "" : ", cold start");
+  const char* start = options_.warm_start ? "" : ", cold start";
+  if (options_.sweeps > 0) return fmt::format("{} sweeps{}", options_.sweeps, start);
+  return fmt::format("tolerance {:g}{}", options_.tolerance, start);
 }
 
 }  // namespace taut

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <string>
 
 #include "constraints/gaps.hpp"
@@ -20,11 +21,13 @@ class Rattle : public EmptyGaps {
   struct Options {
     double tolerance = 1e-10;
     int max_sweeps = 1000;
+    int sweeps = 0;
     bool warm_start = true;
 
     void describe(auto&& visit) {
       visit("tolerance", tolerance, "relative bond error, and |r·v|h/d², at which sweeps stop");
       visit("max_sweeps", max_sweeps, "sweeps after which a step has failed");
+      visit("sweeps", sweeps, "more than 0: take just so many, whatever they leave");
       visit("warm_start", warm_start, "set out from the last multipliers");
     }
   };
@@ -35,7 +38,9 @@ class Rattle : public EmptyGaps {
   SolveStats project_velocities(const System& sys, double h, State& s);
 
   const Eigen::VectorXd& lambda() const { return lambda_; }
-  double promised_error() const { return options_.tolerance; }
+  double promised_error() const {
+    return options_.sweeps > 0 ? std::numeric_limits<double>::infinity() : options_.tolerance;
+  }
   std::string setting() const;
 
  private:

@@ -6,7 +6,7 @@ namespace taut {
 
 Shake::Shake(const System& sys, const Options& options, double)
     : options_(options),
-      positions_(sys, {options.tolerance, options.max_sweeps}),
+      positions_(sys, {options.tolerance, options.max_sweeps, options.sweeps}),
       g_(Eigen::VectorXd::Zero(sys.bond_count())),
       lambda_(g_) {}
 
@@ -17,6 +17,7 @@ SolveStats Shake::project_positions(const System& sys, double h, State& s) {
 }
 
 std::string Shake::setting() const {
+  if (options_.sweeps > 0) return fmt::format("{} sweeps", options_.sweeps);
   return fmt::format("tolerance {:g}", options_.tolerance);
 }
 

@@ -12,8 +12,39 @@ SweepLimits checked(SweepLimits limits) {
     throw InputError(fmt::format("method.tolerance: {}, expected between 1e-15 and 0.1", limits.tolerance));
   if (limits.max_sweeps < 1)
     throw InputError(fmt::format("method.max_sweeps: {}, expected 1 or more", limits.max_sweeps));
+  if (limits.sweeps < 0)
+    throw InputError(fmt::format("method.sweeps: {}, expected 0 or more", limits.sweeps));
   return limits;
 }
+
+namespace {
+
+struct Sweep {
+  Residual met;                   // before it corrected
+  const char* failure = nullptr;  // why no further one can help
+};
+
+Sweep turned_too_far(int bond) {
+  return {{1, bond}, "the bond turned by 90° in one step"};
+}
+
+SolveStats repeat(const SweepLimits& limits, const char* failure, auto&& sweep) {
+  const bool fixed = limits.sweeps > 0;
+  const int most = fixed ? limits.sweeps : limits.max_sweeps;
+  SolveStats stats;
+  while (stats.iterations < most) {
+    ++stats.iterations;
+    const Sweep done = sweep(fixed ? 0.0 : limits.tolerance);
+    stats.max_residual = done.met.value;
+    stats.worst_bond = done.met.bond;
+    stats.failure = done.failure;
+    if (!stats.converged() || (!fixed && done.met.value <= limits.tolerance)) return stats;
+  }
+  if (!fixed) stats.failure = failure;
+  return stats;
+}
+
+}  // namespace
 
 PositionSweeps::PositionSweeps(const System& sys, SweepLimits limits)
     : limits_(checked(limits)), r_old_(3, sys.bond_count()) {}
@@ -25,28 +56,23 @@ SolveStats PositionSweeps::run(const System& sys, double h, State& s, Eigen::Vec
   }
   add_constraint_acceleration(sys, r_old_, g, s.x);
 
-  SolveStats stats{.failure = "no convergence"};
-  while (stats.iterations < limits_.max_sweeps && !stats.converged()) {
-    ++stats.iterations;
+  const SolveStats stats = repeat(limits_, "no convergence", [&](double tolerance) {
     Residual residual;
     for (int k = 0; k < sys.bond_count(); ++k) {
       const auto& [i, j, d] = sys.bonds[k];
       const Vec3 r = s.x.col(j) - s.x.col(i);
       const double c = sigma(r, d), relative = std::abs(c) / (d * d);
       residual.see(relative, k);
-      if (relative <= limits_.tolerance) continue;
+      if (relative <= tolerance) continue;
       const double along = r.dot(r_old_.col(k));
-      if (!(along > 1e-6 * d * d))
-        return {stats.iterations, relative, k, "the bond turned by 90° in one step"};
+      if (!(along > 1e-6 * d * d)) return turned_too_far(k);
       const double dg = -c / ((sys.inv_mass[i] + sys.inv_mass[j]) * along);
       s.x.col(i) -= sys.inv_mass[i] * dg * r_old_.col(k);
       s.x.col(j) += sys.inv_mass[j] * dg * r_old_.col(k);
       g[k] += dg;
     }
-    stats.max_residual = residual.value;
-    stats.worst_bond = residual.bond;
-    if (residual.value <= limits_.tolerance) stats.failure = nullptr;
-  }
+    return Sweep{residual};
+  });
   for (int k = 0; k < sys.bond_count(); ++k) {
     const auto& [i, j, d] = sys.bonds[k];
     const Vec3 dv = g[k] / h * r_old_.col(k);
@@ -67,25 +93,20 @@ SolveStats VelocitySweeps::run(const System& sys, double h, State& s, Eigen::Vec
   }
   add_constraint_acceleration(sys, r_, g, s.v);
 
-  SolveStats stats{.failure = "no convergence of the velocities"};
-  while (stats.iterations < limits_.max_sweeps && !stats.converged()) {
-    ++stats.iterations;
+  return repeat(limits_, "no convergence of the velocities", [&](double tolerance) {
     Residual residual;
     for (int k = 0; k < sys.bond_count(); ++k) {
       const auto& [i, j, d] = sys.bonds[k];
       const double rate = r_.col(k).dot(s.v.col(j) - s.v.col(i)), relative = std::abs(rate) * h / (d * d);
       residual.see(relative, k);
-      if (relative <= limits_.tolerance) continue;
+      if (relative <= tolerance) continue;
       const double dg = -rate * inv_[k];
       s.v.col(i) -= sys.inv_mass[i] * dg * r_.col(k);
       s.v.col(j) += sys.inv_mass[j] * dg * r_.col(k);
       g[k] += dg;
     }
-    stats.max_residual = residual.value;
-    stats.worst_bond = residual.bond;
-    if (residual.value <= limits_.tolerance) stats.failure = nullptr;
-  }
-  return stats;
+    return Sweep{residual};
+  });
 }
 
 }  // namespace taut

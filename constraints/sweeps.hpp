@@ -10,14 +10,15 @@ namespace taut {
 
 struct SweepLimits {
   double tolerance;  // relative error of a bond length at which the sweeps stop
-  int max_sweeps;
+  int max_sweeps;    // after which they have failed
+  int sweeps = 0;    // more than 0: take just so many and accept what they leave
 };
 
 // Positions (Ryckaert, Ciccotti, Berendsen 1977, doi:10.1016/0021-9991(77)90098-5): x += M⁻¹J(x_old)ᵀ g,
 // v by the same over h, g found bond by bond from
 //     σ + g (1/m_i + 1/m_j) r_old·r = 0.
-// Stops where every |σ|/d² ≤ tolerance. Fails where a bond has turned by 90° within the step (r_old·r ≤ 0,
-// no g along r_old can mend it), or sweeps run out.
+// Stops where every |σ|/d² ≤ tolerance, or after so many sweeps as asked for. Fails where a bond has turned
+// by 90° within the step (r_old·r ≤ 0, no g along r_old can mend it), or sweeps run out.
 class PositionSweeps {
  public:
   PositionSweeps(const System& sys, SweepLimits limits);

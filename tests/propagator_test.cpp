@@ -1,0 +1,181 @@
+#include "constraints/propagator.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "constraints/baumgarte.hpp"
+#include "constraints/bond_algebra.hpp"
+#include "constraints/projection.hpp"
+#include "free_system.hpp"
+#include "md/errors.hpp"
+
+namespace taut {
+namespace {
+
+using testing::NoForce;
+
+constexpr Damping kDampings[] = {Damping::kCentred, Damping::kImplicit, Damping::kLagged};
+
+Baumgarte::Options options_for(double ah, double bh, Damping damping, double h) {
+  return {.gains = "numbers",
+          .damping = std::string(name_of(damping)),
+          .alpha_per_ps = ah / h,
+          .beta_per_ps = bh / h,
+          .passes = 4};
+}
+
+double sigma_of(const System& sys, const State& s) {
+  return sigma(s.x.col(1) - s.x.col(0), sys.bonds[0].length);
+}
+
+// One bond at rest, stretched by 1e-8: the errors of the next steps.
+std::vector<double> errors_of_a_bond_at_rest(double ah, double bh, Damping damping, int steps) {
+  const double h = 0.01;
+  auto [sys, s] = testing::rotor(0);
+  Baumgarte method(sys, options_for(ah, bh, damping, h), h);
+  NoForce forces;
+  initialize(sys, forces, method, s);
+  s.x(0, 1) += 1e-8;
+  std::vector<double> errors = {sigma_of(sys, s)};
+  for (int n = 0; n < steps; ++n) {
+    step(sys, forces, method, h, s);
+    errors.push_back(sigma_of(sys, s));
+  }
+  return errors;
+}
+
+TEST(Propagator, IsWhatABondDoes) {
+  for (const Damping damping : kDampings)
+    for (const double ah : {0.05, 0.3, 0.6})
+      for (const double bh : {0.3, 1.0, 1.2}) {
+        const Propagator propagator(ah, bh, damping);
+        const auto errors = errors_of_a_bond_at_rest(ah, bh, damping, 12);
+        for (int n = 2; n <= 12; ++n) {
+          const double recurrence = propagator.trace * errors[n - 1] - propagator.determinant * errors[n - 2];
+          EXPECT_NEAR(errors[n], recurrence, 1e-14)
+              << name_of(damping) << " αh " << ah << " βh " << bh << " step " << n;
+          EXPECT_NEAR(errors[n], propagator.residual(errors[0], errors[1], n), 1e-14);
+        }
+      }
+}
+
+TEST(Propagator, RootsSolveTheirEquation) {
+  for (const Damping damping : kDampings)
+    for (const double ah : {0.0, 0.2, 0.5, 1.0, 3.0})
+      for (const double bh : {0.1, 1.0, 1.9}) {
+        const Propagator p(ah, bh, damping);
+        for (const auto z : p.roots()) EXPECT_LT(std::abs(z * z - p.trace * z + p.determinant), 1e-12);
+        EXPECT_GE(std::abs(p.roots()[0]), std::abs(p.roots()[1]) - 1e-12);
+      }
+}
+
+TEST(Propagator, WantedRootsAreFound) {
+  for (const Damping damping : kDampings)
+    for (const double r : {0.0, 0.2, 0.5, 0.9, 0.99}) {
+      const auto both = gains_for_root(r, damping);
+      const Propagator p(both.ah, both.bh, damping);
+      EXPECT_NEAR(p.trace, 2 * r, 1e-14);
+      EXPECT_NEAR(p.determinant, r * r, 1e-14);
+      const auto one = gains_for_decay(r, damping);
+      const Propagator q(one.ah, one.bh, damping);
+      EXPECT_NEAR(q.trace, r, 1e-14);
+      EXPECT_NEAR(q.determinant, 0, 1e-14);
+    }
+}
+
+TEST(Propagator, DeadBeatClearsAnErrorInTwoSteps) {
+  for (const Damping damping : kDampings) {
+    const auto [ah, bh] = gains_for_root(0, damping);
+    const auto errors = errors_of_a_bond_at_rest(ah, bh, damping, 3);
+    EXPECT_GT(std::abs(errors[1]), 0.9e-8);  // the kick already under way knew nothing of it
+    EXPECT_LT(std::abs(errors[2]), 1e-14);
+    EXPECT_LT(std::abs(errors[3]), 1e-14);
+  }
+}
+
+// The largest βh at which a bond's own run does not grow, by bisection. Gains beyond the limit are refused,
+// so the run is one of a method made for a step a third as long: αh and βh then grow with the step it is run
+// at.
+TEST(Propagator, StabilityLimitIsWhereARunBlowsUp) {
+  const double h = 0.01;
+  for (const Damping damping : kDampings)
+    for (const double ah : {0.1, 0.5, 0.8}) {
+      const auto grows = [&](double bh) {
+        auto [sys, s] = testing::rotor(0);
+        Baumgarte method(sys, options_for(ah / 3, bh / 3, damping, h / 3), h / 3);
+        NoForce forces;
+        initialize(sys, forces, method, s);
+        s.x(0, 1) += 1e-9;
+        for (int n = 0; n < 1500; ++n) step(sys, forces, method, h, s);
+        return !(std::abs(sigma_of(sys, s)) < 1e-9);
+      };
+      double low = 0.01, high = 3;
+      while (high - low > 1e-3) (grows(0.5 * (low + high)) ? high : low) = 0.5 * (low + high);
+      EXPECT_NEAR(low / stability_limit(ah, damping), 1, 0.02) << name_of(damping) << " αh " << ah;
+    }
+}
+
+TEST(Propagator, BeyondTheLimitGainsAreRefused) {
+  const double h = 0.01;
+  const System sys = testing::rotor(0).system;
+  for (const Damping damping : kDampings) {
+    const double limit = stability_limit(0.5, damping);
+    EXPECT_NO_THROW(Baumgarte(sys, options_for(0.5, 0.99 * limit, damping, h), h));
+    EXPECT_THROW(Baumgarte(sys, options_for(0.5, 1.01 * limit, damping, h), h), InputError);
+    EXPECT_THROW(Baumgarte(sys, options_for(-0.1, 1, damping, h), h), InputError);
+  }
+  EXPECT_THROW(Baumgarte(sys, options_for(1.1, 0.1, Damping::kLagged, h), h), InputError);
+}
+
+// A free rotor turning by θ a step: |v| = θd/h, |a| = θ²d/h², v·a = 0, so that σ/d² settles at θ⁴/4/(βh)²,
+// and δd/d = θ⁴/8 at (βh)² = 2; under lagged damping at −αh θ²/(βh)² instead.
+TEST(Floor, OfAFreeRotor) {
+  const double h = 0.01;
+  for (const double theta : {0.05, 0.1})
+    for (const Damping damping : kDampings) {
+      const double ah = 0.4, bh = 1.2;
+      auto [sys, s] = testing::rotor(theta / h);
+      Baumgarte method(sys, options_for(ah, bh, damping, h), h);
+      NoForce forces;
+      initialize(sys, forces, method, s);
+      for (int n = 0; n < 400; ++n) step(sys, forces, method, h, s);
+      const double v = theta / h, a = theta * theta / (h * h);
+      const double predicted = floor_of(ah, bh, h, {v * v, a * a, 0}, damping);
+      EXPECT_NEAR(sigma_of(sys, s) / predicted, 1, 0.02) << name_of(damping) << " θ " << theta;
+    }
+  const auto [ah, bh] = gains_for_root(0, Damping::kCentred);
+  EXPECT_NEAR(floor_of(ah, bh, h, {0, std::pow(0.1, 4) / std::pow(h, 4), 0}, Damping::kCentred), 1e-4 / 8,
+              1e-12);
+}
+
+// A pendulum's bond force swings, v·a ≠ 0: the implicit law's floor is of order h³ and has v·a's sign, the
+// centred law's of order h⁴.
+TEST(Floor, OfAPendulum) {
+  const double h = 0.01, g = 9.81;
+  for (const Damping damping : {Damping::kCentred, Damping::kImplicit}) {
+    Eigen::VectorXd mass(2);
+    mass << 0, 1;
+    const System sys = make_system(mass, {{0, 1, 1.0}});
+    State s;
+    s.x = s.v = s.f = Vectors::Zero(3, 2);
+    s.x(0, 1) = 1;
+    testing::UniformForce forces{Vec3(0, 0, -g)};
+    const double ah = 1, bh = std::sqrt(2.0);
+    Baumgarte method(sys, options_for(ah, bh, damping, h), h);
+    initialize(sys, forces, method, s);
+    double error = 0, predicted = 0;
+    for (int n = 0; n < 1000; ++n) {
+      step(sys, forces, method, h, s);
+      if (n < 20) continue;
+      const Vec3 v = s.v.col(1), a = s.f.col(1);
+      const double floor = floor_of(ah, bh, h, {v.squaredNorm(), a.squaredNorm(), v.dot(a)}, damping);
+      error += std::pow(sigma_of(sys, s), 2);
+      predicted += floor * floor;
+    }
+    EXPECT_NEAR(std::sqrt(error / predicted), 1, 0.05) << name_of(damping);
+  }
+}
+
+}  // namespace
+}  // namespace taut
