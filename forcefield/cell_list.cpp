@@ -49,16 +49,15 @@ void CellList::lay_grid(const Vectors& x, const Box& box, double range) {
   }
 }
 
-CellList::Key CellList::locate(int a, Vec3& position) const {
+CellList::Key CellList::locate(int a, const Vec3& x, Vec3& offset) const {
   Key key;
   for (int d = 0; d < 3; ++d) {
-    double& u = position[d];
-    if (box_.periodic()) u -= box_.edge[d] * std::floor(u / box_.edge[d]);
-    const double c = std::floor(u / cell_edge_[d]);
+    offset[d] = box_.periodic() ? -box_.edge[d] * std::floor(x[d] / box_.edge[d]) : 0.0;
+    const double c = std::floor((x[d] + offset[d]) / cell_edge_[d]);
     if (!(std::abs(c) < 1e15))
-      throw SimulationFailure(fmt::format("atom {} ran away: a coordinate of {} nm", a, position[d]));
+      throw SimulationFailure(fmt::format("atom {} ran away: a coordinate of {} nm", a, x[d]));
     key[d] = static_cast<std::int64_t>(c);
-    if (box_.periodic()) key[d] = std::min(key[d], count_[d] - 1);  // rounding may put u on the far wall
+    if (box_.periodic()) key[d] = std::clamp<std::int64_t>(key[d], 0, count_[d] - 1);  // rounding on a wall
   }
   return key;
 }
@@ -80,11 +79,11 @@ void CellList::build(const Vectors& x, const Box& box, double range) {
   lay_grid(x, box, range);
   table_.assign(std::bit_ceil(2 * std::size_t(n)), -1);
   cell_of_.resize(n);
-  wrapped_ = x;
+  offset_.resize(3, n);
   for (int a = 0; a < n; ++a) {
-    Vec3 position = x.col(a);
-    const Key key = locate(a, position);
-    wrapped_.col(a) = position;
+    Vec3 offset;
+    const Key key = locate(a, x.col(a), offset);
+    offset_.col(a) = offset;
     int& cell = table_[entry(key)];
     if (cell < 0) {
       cell = cells();
@@ -103,7 +102,7 @@ void CellList::build(const Vectors& x, const Box& box, double range) {
   for (int a = 0; a < n; ++a) {
     const int slot = next_[cell_of_[a]]++;
     atom_[slot] = a;
-    position_.col(slot) = wrapped_.col(a);
+    position_.col(slot) = x.col(a) + offset_.col(a);
   }
 }
 
@@ -112,20 +111,27 @@ const std::vector<CellList::Slots>& CellList::neighbours(int cell) {
   for (const Key& offset : offsets_) {
     Key key = keys_[cell];
     Vec3 shift = Vec3::Zero();
+    int image = 0;  // three digits, an edge each: none, one down, one up
     for (int d = 0; d < 3; ++d) {
+      image *= 3;
       key[d] += offset[d];
       if (!box_.periodic()) continue;
       if (key[d] < 0) {
         key[d] += count_[d];
         shift[d] = -box_.edge[d];
+        image += 1;
       } else if (key[d] >= count_[d]) {
         key[d] -= count_[d];
         shift[d] = box_.edge[d];
+        image += 2;
       }
     }
     const int other = table_[entry(key)];
-    if (other >= 0) neighbours_.push_back({begin_[other], begin_[other + 1], shift});
+    if (other >= 0) neighbours_.push_back({begin_[other], begin_[other + 1], image, shift});
   }
+  std::sort(neighbours_.begin(), neighbours_.end(), [](const Slots& a, const Slots& b) {
+    return a.image != b.image ? a.image < b.image : a.begin < b.begin;
+  });
   return neighbours_;
 }
 

@@ -16,6 +16,7 @@ class CellList {
  public:
   struct Slots {
     int begin, end;
+    int image;   // 0: none of the box's; equal for equal shifts
     Vec3 shift;  // add to the positions of these slots to see them from the cell asked about [nm]
   };
 
@@ -26,19 +27,21 @@ class CellList {
   void build(const Vectors& x, const Box& box, double range);
 
   int cells() const { return static_cast<int>(keys_.size()); }
-  Slots slots(int cell) const { return {begin_[cell], begin_[cell + 1], Vec3::Zero()}; }
-  // The occupied cells nearby, each pair of cells from one side only. Valid until the next call.
+  Slots slots(int cell) const { return {begin_[cell], begin_[cell + 1], 0, Vec3::Zero()}; }
+  // The occupied cells nearby, each pair of cells from one side only, ordered by image. Valid until the
+  // next call.
   const std::vector<Slots>& neighbours(int cell);
 
   int atom(int slot) const { return atom_[slot]; }
   const int* atoms() const { return atom_.data(); }
   const Vectors& positions() const { return position_; }  // by slot, wrapped into the box [nm]
+  const Vectors& offsets() const { return offset_; }      // by atom: what wrapped it, whole box edges [nm]
 
  private:
   using Key = std::array<std::int64_t, 3>;  // a cell's place in the grid
 
   void lay_grid(const Vectors& x, const Box& box, double range);
-  Key locate(int a, Vec3& position) const;
+  Key locate(int a, const Vec3& x, Vec3& offset) const;
   std::size_t entry(const Key& key) const;  // where in table_ the key is, or would go
 
   Box box_;
@@ -50,7 +53,7 @@ class CellList {
   std::vector<int> table_;           // hash table: indices into keys_, −1 for none
   std::vector<int> begin_, next_;    // cells + 1: first slot of each; first free one while sorting
   std::vector<int> cell_of_, atom_;  // n: by atom; by slot
-  Vectors wrapped_, position_;       // by atom; by slot [nm]
+  Vectors offset_, position_;        // by atom; by slot [nm]
   std::vector<Slots> neighbours_;
 };
 

@@ -81,7 +81,7 @@ PairRules LennardJonesCoulomb::rules(const Nonbonded& nb) {
 }
 
 LennardJonesCoulomb::LennardJonesCoulomb(const Nonbonded& nb, const Box& box)
-    : box_(nb.cutoff ? box : Box{}),
+    : box_(box),
       numbers_{nb.cutoff.value_or(kInfinity), nb.switch_distance.value_or(kInfinity)},
       sorter_(rules(nb)) {
   for (Eigen::Index i = 0; i < nb.charge.size(); ++i)
@@ -102,7 +102,7 @@ LennardJonesCoulomb::LennardJonesCoulomb(const Nonbonded& nb, const Box& box)
 double LennardJonesCoulomb::add(const Vectors& x, Vectors& f) {
   if (!list_) return add_all(x, f) + add_exceptions(x, f);
   list_->update(x);
-  return add_listed(list_->pairs(), x, f) + add_exceptions(x, f);
+  return add_listed(list_->pairs(), list_->positions(), f) + add_exceptions(x, f);
 }
 
 double LennardJonesCoulomb::add_all(const Vectors& x, Vectors& f) {
@@ -111,7 +111,7 @@ double LennardJonesCoulomb::add_all(const Vectors& x, Vectors& f) {
   for (int i = 0; i < n; ++i) {
     if (!sorter_.interacts(i)) continue;
     for (auto& list : row_) list.clear();
-    sorter_.add_row(i, everyone_.data() + i + 1, n - i - 1, row_);
+    sorter_.add_row({i, everyone_.data() + i + 1, n - i - 1}, row_);
     energy += add_listed(row_, x, f);
   }
   return energy;
@@ -133,8 +133,8 @@ double LennardJonesCoulomb::add_kind(const PairList& list, const Vectors& x, Vec
 
 template <class Law>
 double LennardJonesCoulomb::add_law(Law law, const PairList& list, const Vectors& x, Vectors& f) const {
-  return box_.periodic() ? PairSum<true>(box_, numbers_.cutoff).add(list, law, x, f)
-                         : PairSum<false>(box_, numbers_.cutoff).add(list, law, x, f);
+  return list_ && list_->needs_images() ? PairSum<true>(box_, numbers_.cutoff).add(list, law, x, f)
+                                        : PairSum<false>(box_, numbers_.cutoff).add(list, law, x, f);
 }
 
 double LennardJonesCoulomb::add_exceptions(const Vectors& x, Vectors& f) const {

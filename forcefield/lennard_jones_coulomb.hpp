@@ -48,7 +48,7 @@ class LennardJonesCoulomb {
 
   std::vector<Atom> atoms_;
   std::vector<PairException> exceptions_;  // those that interact
-  Box box_;                                // none where images do not matter
+  Box box_;
   Numbers numbers_;
   std::optional<NeighbourList> list_;  // with a cutoff
   PairSorter sorter_;                  // without one: rows are sorted as they are summed

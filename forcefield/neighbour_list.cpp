@@ -32,7 +32,11 @@ void check_finite(const Vectors& x) {
 }  // namespace
 
 NeighbourList::NeighbourList(const PairRules& rules, const Box& box, ListRange range)
-    : sorter_(rules), box_(box), range_(range), row_(rules.kind.size() + 1) {}
+    : sorter_(rules),
+      box_(box),
+      range_(range),
+      in_cells_(CellList::fits(box, range.cutoff + range.buffer)),
+      row_(rules.kind.size() + 1) {}
 
 bool NeighbourList::outdated(const Vectors& x) const {
   if (x_built_.cols() != x.cols()) return true;
@@ -44,35 +48,43 @@ bool NeighbourList::outdated(const Vectors& x) const {
 }
 
 bool NeighbourList::update(const Vectors& x) {
-  if (!outdated(x)) return false;
-  check_finite(x);
-  for (auto& list : lists_) list.clear();
-  candidates_ = 0;
-  if (CellList::fits(box_, range_.cutoff + range_.buffer))
-    build_from_cells(x);
-  else
-    build_from_all(x);
-  x_built_ = x;
-  return true;
+  const bool rebuild = outdated(x);
+  if (rebuild) {
+    check_finite(x);
+    for (auto& list : lists_) list.clear();
+    candidates_ = 0;
+    in_cells_ ? build_from_cells(x) : build_from_all(x);
+    x_built_ = x;
+  }
+  x_ = x + offset_;
+  return rebuild;
 }
 
 void NeighbourList::build_from_cells(const Vectors& x) {
   const double range = range_.cutoff + range_.buffer, range2 = range * range;
   cells_.build(x, box_, range);
+  offset_ = cells_.offsets();
   for (int c = 0; c < cells_.cells(); ++c) {
     const auto& neighbours = cells_.neighbours(c);
     CellList::Slots own = cells_.slots(c);
     while (own.begin < own.end) {
       const int slot = own.begin++;  // `own` is now what comes after it in the cell
-      if (!sorter_.interacts(cells_.atom(slot))) continue;
+      const int atom = cells_.atom(slot);
+      if (!sorter_.interacts(atom)) continue;
       const Vec3 p = cells_.positions().col(slot);
       int found = scan(cells_, own, p, range2, row_.data());
       candidates_ += own.end - own.begin;
+      const CellList::Slots* last = &own;
       for (const auto& slots : neighbours) {
+        if (slots.image != last->image) {  // a row holds one image
+          sorter_.add_row({atom, row_.data(), found, last->shift}, lists_);
+          found = 0;
+        }
         found += scan(cells_, slots, p, range2, row_.data() + found);
         candidates_ += slots.end - slots.begin;
+        last = &slots;
       }
-      sorter_.add_row(cells_.atom(slot), row_.data(), found, lists_);
+      sorter_.add_row({atom, row_.data(), found, last->shift}, lists_);
     }
   }
 }
@@ -81,6 +93,7 @@ void NeighbourList::build_from_all(const Vectors& x) {
   const NearestImage nearest(box_);
   const double range = range_.cutoff + range_.buffer;
   const int n = static_cast<int>(x.cols());
+  offset_.setZero(3, n);
   for (int i = 0; i < n; ++i) {
     int found = 0;
     for (int j = i + 1; j < n; ++j) {
@@ -90,7 +103,7 @@ void NeighbourList::build_from_all(const Vectors& x) {
       found += dx * dx + dy * dy + dz * dz <= range * range;
     }
     candidates_ += n - 1 - i;
-    sorter_.add_row(i, row_.data(), found, lists_);
+    sorter_.add_row({i, row_.data(), found}, lists_);
   }
 }
 

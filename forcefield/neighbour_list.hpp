@@ -25,6 +25,12 @@ class NeighbourList {
   bool update(const Vectors& x);
 
   const PairLists& pairs() const { return lists_; }
+
+  // The positions of the last update, each moved by whole box edges: a row's separations are
+  // x_i − x_j − shift of these, already the nearest images, unless the box is too small for that.
+  const Vectors& positions() const { return x_; }
+  bool needs_images() const { return box_.periodic() && !in_cells_; }
+
   long candidates() const { return candidates_; }  // pairs whose distance the last build looked at
 
  private:
@@ -35,9 +41,11 @@ class NeighbourList {
   PairSorter sorter_;
   Box box_;
   ListRange range_;
+  bool in_cells_;  // whether the box is wide enough for cells
   CellList cells_;
   PairLists lists_;
   Vectors x_built_;       // positions at the last build [nm]
+  Vectors offset_, x_;    // whole box edges, since the last build; positions with them [nm]
   std::vector<int> row_;  // candidates of one atom
   long candidates_ = 0;
 };

@@ -17,26 +17,27 @@ PairSorter::PairSorter(const PairRules& rules)
   }
 }
 
-void PairSorter::add_row(int atom, const int* candidates, int count, PairLists& lists) {
+void PairSorter::add_row(const Candidates& candidates, PairLists& lists) {
+  const auto& [atom, partners, count, shift] = candidates;
   for (int e = excluded_begin_[atom]; e < excluded_begin_[atom + 1]; ++e) excluded_from_[excluded_[e]] = atom;
 
   std::array<int, kPairKinds> begin, end;
   std::array<int*, kPairKinds> out;
   for (int kind = 0; kind < kPairKinds; ++kind) {  // room for all of them in each list
-    auto& partners = lists[kind].partners;
-    begin[kind] = end[kind] = static_cast<int>(partners.size());
-    partners.resize(partners.size() + count);
-    out[kind] = partners.data();
+    auto& list = lists[kind].partners;
+    begin[kind] = end[kind] = static_cast<int>(list.size());
+    list.resize(list.size() + count);
+    out[kind] = list.data();
   }
   for (int c = 0; c < count; ++c) {
-    const int j = candidates[c];
+    const int j = partners[c];
     const int kind = excluded_from_[j] == atom ? 0 : kind_[atom] & kind_[j];
     out[kind][end[kind]++] = j;
   }
   end[0] = begin[0];
   for (int kind = 0; kind < kPairKinds; ++kind) {
     lists[kind].partners.resize(end[kind]);
-    if (end[kind] > begin[kind]) lists[kind].rows.push_back({atom, begin[kind], end[kind]});
+    if (end[kind] > begin[kind]) lists[kind].rows.push_back({atom, begin[kind], end[kind], shift});
   }
 }
 

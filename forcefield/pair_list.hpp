@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "md/vectors.hpp"
+
 namespace taut {
 
 // Pairs of atoms to sum over, each once, in rows: an atom and its partners.
@@ -11,6 +13,7 @@ struct PairList {
   struct Row {
     int atom;
     int begin, end;  // its partners: partners[begin] .. partners[end - 1]
+    Vec3 shift;      // whole box edges: the partners are met at x_j + shift [nm]
   };
   std::vector<Row> rows;
   std::vector<int> partners;
@@ -35,8 +38,14 @@ class PairSorter {
  public:
   explicit PairSorter(const PairRules& rules);
 
-  // Ends up with a row for `atom` in every list where it has partners.
-  void add_row(int atom, const int* candidates, int count, PairLists& lists);
+  struct Candidates {
+    int atom;
+    const int* partners;
+    int count;
+    Vec3 shift = Vec3::Zero();
+  };
+  // Adds a row for the atom to every list where it has partners.
+  void add_row(const Candidates& candidates, PairLists& lists);
   bool interacts(int atom) const { return kind_[atom] != 0; }
 
  private:

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 
 #include "forcefield/nearest_image.hpp"
@@ -23,7 +24,8 @@ inline constexpr int kPairBlock = 128;
 
 // Sums a law over the pairs of a list that are within the cutoff, in the list's order: adds the forces to f
 // and returns the energy. Takes partners a block at a time: separations, then the law, then the forces.
-template <bool kPeriodic>
+// kImages: separations are still to be brought to the nearest image.
+template <bool kImages>
 class PairSum {
  public:
   PairSum(const Box& box, double cutoff) : nearest_(box), cutoff2_(cutoff * cutoff) {}
@@ -33,8 +35,9 @@ class PairSum {
     double energy = 0;
     for (const auto& row : list.rows) {
       law.row(row.atom);
+      const Vec3 xi = x.col(row.atom) - row.shift;
       for (int p = row.begin; p < row.end; p += kPairBlock) {
-        const int count = near(row.atom, list.partners.data() + p, std::min(kPairBlock, row.end - p), x);
+        const int count = near(xi, list.partners.data() + p, std::min(kPairBlock, row.end - p), x);
         for (int k = 0; k < count; ++k) law.load(k, j_[k]);
         for (int k = 0; k < count; ++k) {
           const PairTerm pair = law(k, r2_[k]);
@@ -50,14 +53,14 @@ class PairSum {
 
  private:
   // Gathers the partners within the cutoff. Without branches: a guess would often be wrong.
-  int near(int i, const int* partners, int count, const Vectors& x) {
+  int near(const Vec3& xi, const int* partners, int count, const Vectors& x) {
     const double* q = x.data();
-    const double px = q[3 * i], py = q[3 * i + 1], pz = q[3 * i + 2];
+    const double px = xi[0], py = xi[1], pz = xi[2];
     int found = 0;
     for (int p = 0; p < count; ++p) {
       const int j = partners[p];
       double dx = px - q[3 * j], dy = py - q[3 * j + 1], dz = pz - q[3 * j + 2];
-      if constexpr (kPeriodic) nearest_(dx, dy, dz);
+      if constexpr (kImages) nearest_(dx, dy, dz);
       const double r2 = dx * dx + dy * dy + dz * dz;
       j_[found] = j;
       dx_[found] = dx;

@@ -42,8 +42,8 @@ double WcaBeads::add(const Vectors& x, Vectors& f) {
   list_.update(x);
   const PairList& pairs = list_.pairs()[kBead];
   Law law{sigma2_, epsilon_};
-  return box_.periodic() ? PairSum<true>(box_, cutoff_).add(pairs, law, x, f)
-                         : PairSum<false>(box_, cutoff_).add(pairs, law, x, f);
+  return list_.needs_images() ? PairSum<true>(box_, cutoff_).add(pairs, law, list_.positions(), f)
+                              : PairSum<false>(box_, cutoff_).add(pairs, law, list_.positions(), f);
 }
 
 }  // namespace taut
