@@ -268,7 +268,7 @@ TEST_P(NonbondedIn, GivesTheSameBitsTwice) {
 }
 
 const auto kSpaces = testing::Values(
-    Setting{"no_cutoff", 4, 0.35, false, 0, 0}, Setting{"no_cutoff_in_a_box", 4, 0.35, true, 0, 0},
+    Setting{"no_cutoff", 7, 0.35, false, 0, 0}, Setting{"no_cutoff_in_a_box", 4, 0.35, true, 0, 0},
     Setting{"drop", 5, 0.35, false, 0.8, 0}, Setting{"drop_switched", 5, 0.35, false, 0.8, 0.6});
 const auto kBoxes =
     testing::Values(Setting{"smallest_box", 5, 0.35, true, 0.875, 0.7},
