@@ -26,8 +26,8 @@ class Feedforward : public EmptyGaps {
       "Baumgarte with its truncation fed forward, mostly one linear solve a step";
 
   struct Options {
-    double tolerance = 1e-8;
-    int extrapolation = 1;
+    double tolerance = 1e-5;
+    int extrapolation = 2;
     int max_solves = 20;
 
     void describe(auto&& visit) {
