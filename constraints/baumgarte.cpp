@@ -16,6 +16,7 @@ Baumgarte::Baumgarte(const System& sys, const Options& options, double h)
                            .stiffness = options.stiffness},
                           damping_, sys, h)),
       passes_(options.passes),
+      sweeps_(options.sweeps),
       h_(h),
       solver_(sys),
       r_(3, sys.bond_count()),
@@ -23,9 +24,11 @@ Baumgarte::Baumgarte(const System& sys, const Options& options, double h)
       a_ij_(3, sys.bond_count()),
       y_(3, sys.atoms()),
       known_(sys.bond_count()),
+      wanted_(sys.bond_count()),
       lambda_(Eigen::VectorXd::Zero(sys.bond_count())),
       before_(lambda_) {
   if (passes_ < 1) throw InputError(fmt::format("method.passes: {}, expected 1 or more", passes_));
+  if (sweeps_ < 0) throw InputError(fmt::format("method.sweeps: {}, expected 0 or more", sweeps_));
 }
 
 // λ* = λ₁ + (λ₁ − λ₂)/3; λ₁ while there is no λ₂.
@@ -36,6 +39,20 @@ void Baumgarte::guess_lambda() {
     before_[k] = last;
   }
   if (steps_ < 2) ++steps_;
+}
+
+// A λ = wanted from where λ and y = M⁻¹Jᵀλ are: bond k is off by wanted_k − r_k·y_ij, and λ_k takes that over
+// A_kk.
+void Baumgarte::solve_by_sweeps(const System& sys) {
+  for (int sweep = 0; sweep < sweeps_; ++sweep)
+    for (int k = 0; k < sys.bond_count(); ++k) {
+      const auto& [i, j, d] = sys.bonds[k];
+      const double off = wanted_[k] - r_.col(k).dot(y_.col(j) - y_.col(i));
+      const double more = off / ((sys.inv_mass[i] + sys.inv_mass[j]) * r_.col(k).squaredNorm());
+      y_.col(i) -= sys.inv_mass[i] * more * r_.col(k);
+      y_.col(j) += sys.inv_mass[j] * more * r_.col(k);
+      lambda_[k] += more;
+    }
 }
 
 SolveStats Baumgarte::add_forces(const System& sys, double h, State& s) {
@@ -52,8 +69,10 @@ SolveStats Baumgarte::add_forces(const System& sys, double h, State& s) {
     known_[k] = r_.col(k).dot(a_ij_.col(k)) + 2 * alpha * rate + beta * beta * c;
     residual.see(std::abs(c) / (d * d), k);
   }
-  solver_.factor(r_);
-  if (solver_.singular()) return {0, residual.value, solver_.dependent_bonds().front(), "A is singular"};
+  if (sweeps_ == 0) {
+    solver_.factor(r_);
+    if (solver_.singular()) return {0, residual.value, solver_.dependent_bonds().front(), "A is singular"};
+  }
 
   guess_lambda();
   for (int pass = 0; pass < passes_; ++pass) {
@@ -66,23 +85,29 @@ SolveStats Baumgarte::add_forces(const System& sys, double h, State& s) {
       const Vec3 v_ij = w_ij_.col(k) + 0.5 * h * y_ij;
       double rest = known_[k] + v_ij.squaredNorm();
       if (damping_ == Damping::kCentred) rest += alpha * h * h * v_ij.dot(a_ij_.col(k) + y_ij);
-      lambda_[k] = -rest / (damping_ == Damping::kLagged ? 1 : 1 + alpha * h);
+      wanted_[k] = -rest / (damping_ == Damping::kLagged ? 1 : 1 + alpha * h);
     }
-    solver_.solve(lambda_);
+    if (sweeps_ > 0) {
+      solve_by_sweeps(sys);
+    } else {
+      lambda_ = wanted_;
+      solver_.solve(lambda_);
+    }
   }
   add_constraint_force(sys, r_, lambda_, s.f);
-  return {passes_, residual.value, residual.bond};
+  return {sweeps_ > 0 ? passes_ * sweeps_ : passes_, residual.value, residual.bond};
 }
 
 std::string Baumgarte::setting() const {
   if (gains_.empty()) return "no bonds";
   const auto [alpha, beta] = gains_.front();
+  const int count = sweeps_ > 0 ? passes_ * sweeps_ : passes_;
   const bool alike = std::all_of(
       gains_.begin(), gains_.end(),
       [&, alpha = alpha, beta = beta](const Gains& g) { return g.alpha == alpha && g.beta == beta; });
-  return fmt::format("α {:.6g}/ps, β {:.6g}/ps (αh {:.4g}, βh {:.4g}){}, {} damping, {} solve{} a step",
-                     alpha, beta, alpha * h_, beta * h_, alike ? "" : " on the first bond", name_of(damping_),
-                     passes_, passes_ == 1 ? "" : "s");
+  return fmt::format("α {:.6g}/ps, β {:.6g}/ps (αh {:.4g}, βh {:.4g}){}, {} damping, {} {}{} a step", alpha,
+                     beta, alpha * h_, beta * h_, alike ? "" : " on the first bond", name_of(damping_), count,
+                     sweeps_ > 0 ? "sweep" : "solve", count == 1 ? "" : "s");
 }
 
 }  // namespace taut

@@ -24,8 +24,9 @@ namespace taut {
 // λ* is λ₁ + (λ₁ − λ₂)/3 from the two steps before: it misses by −⅔hλ̇ + 0·h²λ̈, and
 // the odd term alone is harmless, while one in λ̈ would make the step irreversible and heat or cool.
 // Roots, limits and floors: constraints/propagator.hpp, derived in constraints/README.md.
-// Cost: one factorization and one solve a step; each further pass (v*, a* with the λ just found) one more
-// solve.
+// With `sweeps` the system is not solved but swept, bond by bond, from λ* (Gauss–Seidel, as rigid-body
+// engines do; no factorization): what a sweep leaves, σ feeds back in the next step. Cost: one factorization
+// and one solve a step; each further pass (v*, a* with the λ just found) one more solve.
 class Baumgarte : public EmptyGaps {
  public:
   static constexpr const char* kName = "baumgarte";
@@ -39,6 +40,7 @@ class Baumgarte : public EmptyGaps {
     double reduction = 0;
     double stiffness = 4.5e5;
     int passes = 1;
+    int sweeps = 0;
 
     void describe(auto&& visit) {
       visit("gains", gains, "reversible, dead-beat, rattle, critical, physical, box2d or numbers");
@@ -49,6 +51,7 @@ class Baumgarte : public EmptyGaps {
       visit("reduction", reduction, "of an error a step, for gains = \"rattle\" (see taut calibrate)");
       visit("stiffness", stiffness, "of the real bond [kJ/mol/nm²], for gains = \"physical\"");
       visit("passes", passes, "solves a step");
+      visit("sweeps", sweeps, "more than 0: so many sweeps from λ* in place of a factorization");
     }
   };
 
@@ -62,15 +65,16 @@ class Baumgarte : public EmptyGaps {
 
  private:
   void guess_lambda();
+  void solve_by_sweeps(const System& sys);
 
   Damping damping_;
   std::vector<Gains> gains_;  // m
-  int passes_;
+  int passes_, sweeps_;
   double h_;
   DirectSolver solver_;
   Vectors r_, w_ij_, a_ij_;          // 3 × m, a_ij without constraint forces
   Vectors y_;                        // 3 × n, M⁻¹Jᵀλ
-  Eigen::VectorXd known_;            // m
+  Eigen::VectorXd known_, wanted_;   // m
   Eigen::VectorXd lambda_, before_;  // m, of the last two steps
   int steps_ = 0;                    // how many of them there are
 };
