@@ -28,13 +28,13 @@ DirectSolver::DirectSolver(const System& sys)
       diagonal_(sys.bond_count()),
       values_(couplings_.pairs.size()) {}
 
-void DirectSolver::factor(const Vectors& r) {
+void DirectSolver::factor(const Vectors& r, double threshold) {
   diagonal_ = couplings_.reduced_inv_mass.array() * r.colwise().squaredNorm().transpose().array();
   for (std::size_t e = 0; e < couplings_.pairs.size(); ++e) {
     const auto [k, l] = couplings_.pairs[e];
     values_[e] = couplings_.signed_inv_mass[e] * r.col(k).dot(r.col(l));
   }
-  ldlt_.factor(diagonal_, values_);
+  ldlt_.factor(diagonal_, values_, threshold);
 }
 
 TurnedSolver::TurnedSolver(const System& sys)

@@ -24,8 +24,9 @@ class DirectSolver {
  public:
   explicit DirectSolver(const System& sys);
 
-  // r: 3 × m bond vectors. Bonds found to depend on others get λ = 0 and are named by dependent_bonds().
-  void factor(const Vectors& r);
+  // r: 3 × m bond vectors. Bonds whose pivot is below `threshold` of the diagonal depend on others: they get
+  // λ = 0 and are named by dependent_bonds().
+  void factor(const Vectors& r, double threshold = 1e-12);
   void solve(Eigen::VectorXd& b) { ldlt_.solve(b); }  // b ← A⁻¹b, m
 
   const std::vector<int>& dependent_bonds() const { return ldlt_.dependent_rows(); }

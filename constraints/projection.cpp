@@ -70,10 +70,4 @@ const Eigen::VectorXd& Projector::multipliers(const System& sys, const State& s)
   return b_;
 }
 
-const std::vector<int>& Projector::dependent_bonds(const System& sys, const Vectors& x) {
-  differences(sys, x, r_);
-  solver_.factor(r_);
-  return solver_.dependent_bonds();
-}
-
 }  // namespace taut

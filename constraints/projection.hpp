@@ -23,9 +23,6 @@ class Projector {
   // A λ = −(J M⁻¹f + |v_ij|²): what holds the bonds at this very instant. f is without constraint forces.
   const Eigen::VectorXd& multipliers(const System& sys, const State& s);
 
-  // Bonds that follow from others at x; the rank of the bonds is bond_count minus their number.
-  const std::vector<int>& dependent_bonds(const System& sys, const Vectors& x);
-
   int clusters() const { return solver_.clusters(); }
 
  private:

@@ -6,10 +6,8 @@
 #include <numeric>
 
 namespace taut {
-namespace {
 
-// The smallest index of each index's connected component.
-std::vector<int> components_of(int n, const std::vector<SparsePattern::Pair>& pairs) {
+std::vector<int> connected_components(int n, const std::vector<SparsePattern::Pair>& pairs) {
   std::vector<int> root(n);
   std::iota(root.begin(), root.end(), 0);
   const auto find = [&](int a) {
@@ -23,8 +21,6 @@ std::vector<int> components_of(int n, const std::vector<SparsePattern::Pair>& pa
   for (int a = 0; a < n; ++a) root[a] = find(a);
   return root;
 }
-
-}  // namespace
 
 SparsePattern::SparsePattern(int n, const std::vector<Pair>& pairs) {
   order(n, pairs);
@@ -44,7 +40,7 @@ void SparsePattern::order(int n, const std::vector<Pair>& pairs) {
   if (n > 0) Eigen::AMDOrdering<int>()(pattern, permutation);
   old_of_new.assign(permutation.indices().data(), permutation.indices().data() + permutation.size());
 
-  const std::vector<int> component = components_of(n, pairs);
+  const std::vector<int> component = connected_components(n, pairs);
   for (int a = 0; a < n; ++a) components += component[a] == a;
   std::stable_sort(old_of_new.begin(), old_of_new.end(),
                    [&](int a, int b) { return component[a] < component[b]; });

@@ -36,4 +36,7 @@ struct SparsePattern {
   void find_fill(const std::vector<Pair>& pairs);
 };
 
+// The smallest index of each index's connected component.
+std::vector<int> connected_components(int n, const std::vector<SparsePattern::Pair>& pairs);
+
 }  // namespace taut

@@ -4,9 +4,11 @@
 
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "constraints/bond_algebra.hpp"
 #include "constraints/projection.hpp"
+#include "constraints/redundancy.hpp"
 #include "md/errors.hpp"
 #include "md/run.hpp"
 #include "md/timed.hpp"
@@ -23,10 +25,36 @@ bool momentum_stays_zero(const Scene& scene, const Vectors& v) {
          momentum(scene.system, v).norm() < 1e-6 * std::sqrt(2 * kinetic * scene.system.mass.sum());
 }
 
+// The scene with the bonds left out that follow from others, where that was asked for.
+Scene reduced(Scene scene, const Redundancy& redundancy) {
+  if (redundancy.none()) return scene;
+  if (!redundancy.degenerate.empty() || scene.run.redundant != "drop")
+    throw InputError(fmt::format("{}: {}", scene.name, explain(redundancy, scene.system)));
+  scene.system = without(scene.system, redundancy.redundant);
+  scene.notes.push_back(
+      fmt::format("{} bonds left out that follow from others", redundancy.redundant.size()));
+  return scene;
+}
+
+// A coordinate is known to 1e-16 of itself, so a bond's length to no better than that over its length.
+void refuse_unreachable_tolerance(const System& sys, const Vectors& x, double tolerance) {
+  if (sys.bonds.empty()) return;
+  double shortest = sys.bonds[0].length;
+  for (const auto& bond : sys.bonds) shortest = std::min(shortest, bond.length);
+  const double floor = 2 * std::numeric_limits<double>::epsilon() * x.cwiseAbs().maxCoeff() / shortest;
+  if (tolerance < floor)
+    throw InputError(
+        fmt::format("method.tolerance: {:g} cannot be reached, rounding alone leaves {:.1e} on a bond of "
+                    "{:g} nm; take {:.0e} or more",
+                    tolerance, floor, shortest, 5 * floor));
+}
+
 }  // namespace
 
 Simulation::Simulation(Scene scene)
-    : scene_(std::move(scene)),
+    : full_(scene.system),
+      redundancy_(find_redundancy(scene.system, scene.start.x)),
+      scene_(reduced(std::move(scene), redundancy_)),
       forces_(scene_.system, scene_.terms),
       method_(make_method(scene_.system, scene_.method, scene_.run.h())),
       state_(scene_.start) {
@@ -34,12 +62,16 @@ Simulation::Simulation(Scene scene)
   std::visit([&](auto& method) { initialize(sys, forces_, method, state_); }, method_);
   Projector projector(sys);
   clusters_ = projector.clusters();
-  const int dependent = static_cast<int>(projector.dependent_bonds(sys, state_.x).size());
-  dof_ = degrees_of_freedom(sys, sys.bond_count() - dependent, momentum_stays_zero(scene_, state_.v));
+  dof_ = degrees_of_freedom(sys, sys.bond_count(), momentum_stays_zero(scene_, state_.v));
+  refuse_unreachable_tolerance(sys, state_.x, promised_error());
   if (scene_.run.thermostat_ps > 0) {
     if (dof_.total() < 1) throw InputError("run.thermostat_ps: nothing can move, there is no temperature");
     thermostat_.emplace(scene_.run.temperature_k, scene_.run.thermostat_ps, dof_.total(), scene_.run.seed);
   }
+}
+
+double Simulation::promised_error() const {
+  return std::visit([](const auto& method) { return method.promised_error(); }, method_);
 }
 
 std::string Simulation::method_setting() const {
@@ -47,7 +79,9 @@ std::string Simulation::method_setting() const {
 }
 
 Eigen::VectorXd Simulation::bond_tensions() const {
-  return std::visit([&](const auto& method) { return tensions(scene_.system, method.lambda()); }, method_);
+  const auto& lambda =
+      std::visit([](const auto& method) -> const Eigen::VectorXd& { return method.lambda(); }, method_);
+  return tensions(full_, least_norm_multipliers(full_, state_.x, redundancy_.redundant, lambda));
 }
 
 double Simulation::method_energy() const {

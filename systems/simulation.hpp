@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "constraints/redundancy.hpp"
 #include "forcefield/force_field.hpp"
 #include "md/observables.hpp"
 #include "md/thermostat.hpp"
@@ -46,8 +47,10 @@ class Simulation {
   const State& state() const { return state_; }
   const DegreesOfFreedom& dof() const { return dof_; }
   int clusters() const { return clusters_; }
-  std::string method_setting() const;     // gains, tolerance, ...
-  Eigen::VectorXd bond_tensions() const;  // [kJ/mol/nm], of the last step
+  std::string method_setting() const;  // gains, tolerance, ...
+  double promised_error() const;       // relative, of a bond; infinity: none
+  Eigen::VectorXd bond_tensions()
+      const;  // of the last step, least norm where bonds are redundant [kJ/mol/nm]
   const ForceField& forces() const { return forces_; }
 
   Record record() const;  // the state as it is now
@@ -60,6 +63,8 @@ class Simulation {
  private:
   double method_energy() const;  // of a penalty's springs
 
+  System full_;  // with the bonds that were left out, if any were
+  Redundancy redundancy_;
   Scene scene_;
   ForceField forces_;
   Method method_;

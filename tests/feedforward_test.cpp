@@ -1,0 +1,126 @@
+#include "constraints/feedforward.hpp"
+
+#include <gtest/gtest.h>
+
+#include "constraints/bond_algebra.hpp"
+#include "free_system.hpp"
+#include "verifier.hpp"
+
+namespace taut {
+namespace {
+
+using testing::NoForce;
+using testing::verify;
+
+// A pendulum of unit mass and length from horizontal: its bond force swings, nothing is constant.
+struct Pendulum {
+  System system;
+  State state;
+  testing::UniformForce forces{Vec3(0, 0, -9.81)};
+};
+
+Pendulum pendulum() {
+  Eigen::VectorXd mass(2);
+  mass << 0, 1;
+  Pendulum p{make_system(mass, {{0, 1, 1.0}}), {}};
+  p.state.x = p.state.v = p.state.f = Vectors::Zero(3, 2);
+  p.state.x(0, 1) = 1;
+  return p;
+}
+
+double error_with(int extrapolation, double h) {
+  Pendulum p = pendulum();
+  Feedforward method(p.system, {.tolerance = 0.1, .extrapolation = extrapolation},
+                     h);  // never a second solve
+  initialize(p.system, p.forces, method, p.state);
+  double worst = 0;
+  for (int n = 0; n < 2 / h; ++n) {
+    step(p.system, p.forces, method, h, p.state);
+    if (n > 10) worst = std::max(worst, bond_errors(p.system, p.state.x).max);
+  }
+  return worst;
+}
+
+// The extrapolation misses λ by Δλ = O(h^(p+1)), one Newton step leaves ½|h²M⁻¹JᵀΔλ|²: order 2p + 6.
+TEST(Feedforward, ResidualIsOfTheSquareOfWhatExtrapolationMisses) {
+  for (const int p : {0, 1, 2}) {
+    const double h = p == 2 ? 0.02 : 0.01;
+    const double order = std::log2(error_with(p, 2 * h) / error_with(p, h));
+    EXPECT_NEAR(order, 2 * p + 6, 0.5) << "extrapolated to order " << p;
+  }
+}
+
+TEST(Feedforward, FirstStepIsAsGoodAsTheOthers) {
+  Pendulum p = pendulum();
+  p.state.v(2, 1) = -2;
+  Feedforward method(p.system, {.tolerance = 1e-14}, 0.02);
+  initialize(p.system, p.forces, method, p.state);
+  step(p.system, p.forces, method, 0.02, p.state);
+  EXPECT_LT(bond_errors(p.system, p.state.x).max, 1e-14);
+}
+
+// Positions are SHAKE's, and so RATTLE's.
+TEST(Feedforward, PositionsAreRattles) {
+  NoForce forces;
+  const auto start = testing::free_chain(10, 6);
+  const auto ours =
+      verify(start.system, forces, Feedforward::Options{.tolerance = 1e-14}, 0.01, 50, start.state);
+  const auto rattle =
+      verify(start.system, forces, Newton::Options{.tolerance = 1e-14}, 0.01, 50, start.state);
+  EXPECT_LT((ours.end.x - rattle.end.x).cwiseAbs().maxCoeff(), 1e-11);
+}
+
+// J v = −½h² v·a for velocities that are the mean of leap-frog's.
+TEST(Feedforward, VelocitiesAreLeapFrogsMean) {
+  Pendulum p = pendulum();
+  const double h = 0.01;
+  Feedforward method(p.system, {.tolerance = 1e-14}, h);
+  initialize(p.system, p.forces, method, p.state);
+  for (int n = 0; n < 30; ++n) step(p.system, p.forces, method, h, p.state);
+  const Vec3 r = p.state.x.col(1), v = p.state.v.col(1), a = p.state.f.col(1);
+  EXPECT_NEAR(r.dot(v), -0.5 * h * h * v.dot(a), 1e-12);
+  EXPECT_GT(std::abs(r.dot(v)), 1e-5);
+}
+
+// An injected error is gone in two steps: the kick under way knew nothing of it, the next does.
+TEST(Feedforward, ClearsAnInjectedErrorInTwoSteps) {
+  Pendulum p = pendulum();
+  Feedforward method(p.system, {.tolerance = 1e-14}, 0.01);
+  initialize(p.system, p.forces, method, p.state);
+  for (int n = 0; n < 10; ++n) step(p.system, p.forces, method, 0.01, p.state);
+  p.state.x.col(1) *= 1 + 1e-4;
+  step(p.system, p.forces, method, 0.01, p.state);
+  EXPECT_GT(bond_errors(p.system, p.state.x).max, 0.5e-4);
+  step(p.system, p.forces, method, 0.01, p.state);
+  EXPECT_LT(bond_errors(p.system, p.state.x).max, 1e-13);
+}
+
+// A blow between two steps makes the extrapolation useless: that step, and only that, takes more solves.
+TEST(Feedforward, TakesASecondSolveAtACollisionOnly) {
+  Pendulum p = pendulum();
+  Feedforward method(p.system, {}, 0.005);
+  initialize(p.system, p.forces, method, p.state);
+  for (int n = 0; n < 20; ++n) EXPECT_EQ(step(p.system, p.forces, method, 0.005, p.state).iterations, 1);
+  p.state.v(2, 1) -= 8;
+  EXPECT_GT(step(p.system, p.forces, method, 0.005, p.state).iterations, 1);
+  for (int n = 0; n < 3; ++n) step(p.system, p.forces, method, 0.005, p.state);
+  EXPECT_EQ(step(p.system, p.forces, method, 0.005, p.state).iterations, 1);
+  EXPECT_LT(bond_errors(p.system, p.state.x).max, 1e-5);
+}
+
+// A free rotor whose full-step velocity is ω: the step turns it by θ, sin θ = ωh, and there is no such turn, nor any force
+// along the bond that would make one, beyond ωh = 1, θ = 90°. Up to there the step holds it; beyond, it says so.
+TEST(Feedforward, HoldsARotorUpToARightAngle) {
+  const auto verdict_at = [](double omega_h) {
+    const auto start = testing::rotor(omega_h / 0.01);
+    NoForce forces;
+    return verify(start.system, forces, Feedforward::Options{}, 0.01, 200, start.state);
+  };
+  const auto held = verdict_at(0.98);
+  EXPECT_TRUE(held.stats.converged());
+  EXPECT_LT(held.bond_error, 1e-5);
+  EXPECT_FALSE(verdict_at(1.02).stats.converged());
+}
+
+}  // namespace
+}  // namespace taut

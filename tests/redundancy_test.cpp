@@ -1,0 +1,119 @@
+#include "constraints/redundancy.hpp"
+
+#include <gtest/gtest.h>
+
+#include "constraints/bond_algebra.hpp"
+#include "free_system.hpp"
+
+namespace taut {
+namespace {
+
+// All pairs in `bonds` held at the distance they have in x, masses random.
+System braced(const Vectors& x, const std::vector<std::array<int, 2>>& pairs) {
+  Random random(2);
+  Eigen::VectorXd mass(x.cols());
+  for (auto& m : mass) m = 1 + random.uniform();
+  std::vector<RigidBond> bonds;
+  for (const auto& [i, j] : pairs) bonds.push_back({i, j, (x.col(j) - x.col(i)).norm()});
+  return make_system(mass, bonds);
+}
+
+std::vector<std::array<int, 2>> all_pairs(int atoms) {
+  std::vector<std::array<int, 2>> pairs;
+  for (int i = 0; i < atoms; ++i)
+    for (int j = i + 1; j < atoms; ++j) pairs.push_back({i, j});
+  return pairs;
+}
+
+Vectors methane() {
+  Vectors x(3, 5);
+  x << 0, 1, 1, -1, -1,  //
+      0, 1, -1, 1, -1,   //
+      0, 1, -1, -1, 1;
+  return 0.063 * x;
+}
+
+Vectors hexagon(double pucker) {
+  Vectors x(3, 6);
+  for (int i = 0; i < 6; ++i) x.col(i) << std::cos(M_PI * i / 3), std::sin(M_PI * i / 3), pucker * (i % 2);
+  return 0.14 * x;
+}
+
+std::vector<std::array<int, 2>> ring_with_second_neighbours() {
+  std::vector<std::array<int, 2>> pairs;
+  for (int i = 0; i < 6; ++i) pairs.push_back({i, (i + 1) % 6});
+  for (int i = 0; i < 6; ++i) pairs.push_back({i, (i + 2) % 6});
+  return pairs;
+}
+
+TEST(Redundancy, MethaneFullyBracedHasOneBondTooMany) {
+  const System sys = braced(methane(), all_pairs(5));
+  const Redundancy found = find_redundancy(sys, methane());
+  EXPECT_EQ(found.redundant.size(), 1u);
+  EXPECT_TRUE(found.degenerate.empty());
+  EXPECT_EQ(found.rank(sys), 9);
+  EXPECT_NE(explain(found, sys).find("drop"), std::string::npos);
+}
+
+TEST(Redundancy, ARingBracedIsDegenerateOnlyWhileFlat) {
+  const System flat = braced(hexagon(0), ring_with_second_neighbours());
+  const Redundancy found = find_redundancy(flat, hexagon(0));
+  EXPECT_EQ(found.degenerate.size(), 3u);  // 12 bonds, but a plane hexagon bears 2·6 − 3
+  EXPECT_TRUE(found.redundant.empty());
+  EXPECT_NE(explain(found, flat).find("bend the start"), std::string::npos);
+
+  const System puckered = braced(hexagon(0.3), ring_with_second_neighbours());
+  EXPECT_TRUE(find_redundancy(puckered, hexagon(0.3)).none());
+}
+
+TEST(Redundancy, AFlatRingAloneIsSound) {
+  std::vector<std::array<int, 2>> ring;
+  for (int i = 0; i < 6; ++i) ring.push_back({i, (i + 1) % 6});
+  EXPECT_TRUE(find_redundancy(braced(hexagon(0), ring), hexagon(0)).none());
+}
+
+TEST(Redundancy, AStraightAngleHeldByItsEndsIsDegenerate) {
+  Vectors x = Vectors::Zero(3, 3);
+  x(0, 1) = 0.1;
+  x(0, 2) = 0.25;
+  const System sys = braced(x, {{0, 1}, {1, 2}, {0, 2}});
+  const Redundancy found = find_redundancy(sys, x);
+  EXPECT_EQ(found.degenerate.size(), 1u);
+  EXPECT_TRUE(found.redundant.empty());
+}
+
+TEST(Redundancy, ManyMoleculesAreEachFound) {
+  Vectors x(3, 15);
+  for (int m = 0; m < 3; ++m) x.middleCols(5 * m, 5) = methane().colwise() + Vec3(m, 0, 0);
+  std::vector<std::array<int, 2>> pairs;
+  for (int m = 0; m < 3; ++m)
+    for (const auto& [i, j] : all_pairs(5)) pairs.push_back({5 * m + i, 5 * m + j});
+  const System sys = braced(x, pairs);
+  EXPECT_EQ(find_redundancy(sys, x).redundant.size(), 3u);
+}
+
+// Methane with a bond left out: the multipliers spread over all ten give the same force and have least norm.
+TEST(Redundancy, LeastNormMultipliersGiveTheSameForce) {
+  const Vectors x = methane();
+  const System full = braced(x, all_pairs(5));
+  const auto left_out = find_redundancy(full, x).redundant;
+  const System kept = without(full, left_out);
+  ASSERT_EQ(kept.bond_count(), 9);
+  Random random(4);
+  Eigen::VectorXd lambda(9);
+  for (auto& value : lambda) value = random.normal();
+  const Eigen::VectorXd spread = least_norm_multipliers(full, x, left_out, lambda);
+
+  const auto force = [&](const System& sys, const Eigen::VectorXd& multipliers) {
+    Vectors r(3, sys.bond_count()), f = Vectors::Zero(3, 5);
+    differences(sys, x, r);
+    add_constraint_force(sys, r, multipliers, f);
+    return f;
+  };
+  EXPECT_LT((force(full, spread) - force(kept, lambda)).norm(), 1e-14);
+  EXPECT_GT(std::abs(spread[left_out[0]]), 1e-3);  // it carries its share
+  EXPECT_LT(spread.norm(), lambda.norm());
+}
+
+}  // namespace
+}  // namespace taut
