@@ -65,7 +65,7 @@ SolveStats Feedforward::solve(const System& sys, State& s, double kick) {
       const double sigma_next = sigma(r_next_.col(k), d);
       b_[k] = -sigma_next / kick;
       now.see(std::abs(sigma(r_.col(k), d)) / (d * d), k);
-      next.see(std::abs(sigma_next) / (d * d), k);
+      next.see(std::abs(sigma_next / r_next_.col(k).dot(r_.col(k))), k);
     }
     stats.max_residual = now.value;
     stats.worst_bond = now.bond;
