@@ -1,0 +1,83 @@
+#include "systems/scene_file.hpp"
+
+#include "forcefield/force_field.hpp"
+#include "md/errors.hpp"
+#include "systems/builders.hpp"
+#include "systems/toml_reader.hpp"
+
+namespace taut {
+namespace {
+
+void read_run(const TomlTable& table, RunSettings& run) {
+  table.read("dt_fs", run.dt_fs, kPositive);
+  table.read("steps", run.steps, kNotNegative);
+  table.read("temperature_k", run.temperature_k, kNotNegative);
+  table.read("seed", run.seed, kNotNegative);
+  table.read("log_every", run.log_every, Range{.min = 1});
+  table.read("remove_momentum_every", run.remove_momentum_every, kNotNegative);
+  if (table.has("redundant")) run.redundant = table.choice("redundant", {"refuse", "drop"});
+  table.read("thermostat_ps", run.thermostat_ps, kNotNegative);
+  if (run.thermostat_ps > 0 && run.temperature_k == 0)
+    table.fail("thermostat_ps", "a thermostat needs a run.temperature_k above 0");
+  table.reject_unknown();
+}
+
+// Another name sets out from that method's defaults: see scene_file.hpp.
+void read_method(const TomlTable& table, MethodOptions& method) {
+  std::string name(method_name(method));
+  table.read("name", name);
+  if (name != method_name(method)) try {
+      method = default_options(name);
+    } catch (const InputError& e) {
+      table.fail("name", e.what());
+    }
+  const auto read_key = [&](const char* key, auto& field, const char*) { table.read(key, field); };
+  std::visit([&](auto& options) { options.describe(read_key); }, method);
+  table.reject_unknown();
+}
+
+void read_settings(const TomlTable& root, Scene& scene) {
+  read_run(root.section("run"), scene.run);
+  read_method(root.section("method"), scene.method);
+}
+
+Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::table overrides) {
+  Scene scene;
+  scene.name = file.stem().string();
+  scene.method = default_options("rattle");
+  read_settings(TomlTable(base, file.string()), scene);
+  read_settings(TomlTable(overrides, "--set"), scene);
+
+  lay_over(base, std::move(overrides));
+  const TomlTable root(base, file.string());
+  scene.hard_on = root.get<std::string>("hard_on");
+  for (const char* read_above : {"run", "method"}) root.has(read_above);
+  const TomlTable build_keys = root.section("build"), forcefield_keys = root.section("forcefield");
+  root.reject_unknown();
+  build({build_keys, forcefield_keys, scene.run}, scene);
+  build_keys.reject_unknown();
+  forcefield_keys.reject_unknown();
+  ForceField(scene.system, scene.terms);  // refuses what does not fit together while the file is known
+  return scene;
+}
+
+}  // namespace
+
+Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+  try {
+    return read_parsed(file, parse_toml_file(file), parse_overrides(overrides));
+  } catch (const LocatedError&) {
+    throw;
+  } catch (const InputError& e) {
+    throw LocatedError(file.string() + ": " + e.what());
+  }
+}
+
+void apply_overrides(Scene& scene, const std::vector<std::string>& overrides) {
+  const toml::table table = parse_overrides(overrides);
+  const TomlTable root(table, "--set");
+  read_settings(root, scene);
+  root.reject_unknown();
+}
+
+}  // namespace taut

@@ -9,10 +9,35 @@
 namespace taut {
 
 // Reads a scene, `overrides` ("run.dt_fs=2", "build.molecules=1000", "method.name=rattle") laid over the
-// file's keys. Throws InputError with one line naming file, line and key.
+// file's keys. Throws InputError with one line naming file, line and key, or the override.
+//
+//   hard_on = "one sentence"
+//   [build]       kind = "water", and the keys of that kind (builders.hpp)
+//   [forcefield]  the pair forces, for the kinds that have them
+//   [run]         the keys of RunSettings
+//   [method]      name = "rattle", and the keys of that method's Options; what is not said is its default
+//
+// An override that changes method.name sets the file's other keys of [method] aside: they were chosen for
+// another method. Only what the overrides say of the new one counts, on top of its defaults. One that
+// names the file's own method changes nothing.
 Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
 
-// The [run] and [method] sections alone, from overrides over defaults: for systems that come from elsewhere.
+// The [run] and [method] sections alone, from overrides over what the scene has, by the same rule: for
+// systems that come from elsewhere.
 void apply_overrides(Scene& scene, const std::vector<std::string>& overrides);
+
+struct SceneSummary {
+  std::string name, hard_on;
+};
+
+// The scenes that come with taut: in the folder it was built from, or else in systems/ here.
+std::filesystem::path scenes_folder();
+
+// Every scene of a folder, by name.
+std::vector<SceneSummary> list_scenes(const std::filesystem::path& folder = scenes_folder());
+
+// The file of a scene named by its path, or as "water" for one of scenes_folder().
+// Throws InputError, with the nearest name.
+std::filesystem::path find_scene(const std::string& name_or_path);
 
 }  // namespace taut

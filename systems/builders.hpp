@@ -1,0 +1,41 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "systems/scene.hpp"
+#include "systems/toml_reader.hpp"
+
+namespace taut {
+
+// What a builder is given. Everything it draws comes from run.seed.
+struct BuildRequest {
+  const TomlTable& keys;        // [build]
+  const TomlTable& forcefield;  // [forcefield]
+  const RunSettings& run;
+};
+
+// Fills a scene's system, terms, start and notes: builds [build]'s kind, puts its atoms where the file
+// build.start says, and draws velocities at run.temperature_k (Maxwell–Boltzmann; their part along the bonds
+// is taken out later). A start that does not fit (other counts, another density) is set aside with a note:
+// a scene ships with the start of its own numbers, and others may be asked for.
+// Throws InputError, LocatedError where a key is to blame.
+void build(const BuildRequest& request, Scene& scene);
+
+// The one list of kinds. Each builder's keys stand above it, lengths in nm.
+void build_atoms(const BuildRequest& request, Scene& scene);   // atoms and bonds one by one
+void build_chains(const BuildRequest& request, Scene& scene);  // freely jointed chains without forces
+void build_rings(const BuildRequest& request, Scene& scene);   // closed rings without forces
+void build_melt(const BuildRequest& request, Scene& scene);    // dense bead chains, Lennard-Jones or WCA
+void build_alkane(const BuildRequest& request, Scene& scene);  // liquid n-alkanes, united atoms
+void build_water(const BuildRequest& request, Scene& scene);   // rigid three-site water, box or droplet
+
+// The atoms of `copies` things of `atoms_each`, as an int. Throws LocatedError at `key` for more than taut
+// takes, before anything is allocated.
+int atoms_of(const TomlTable& keys, std::string_view key, double copies, double atoms_each);
+
+// The pair forces' keys: cutoff_nm, switch_nm, rf_dielectric, dispersion_correction. With a box the cutoff
+// is required, and at most half the box.
+void read_cutoff(const TomlTable& forcefield, const Box& box, Nonbonded& nonbonded);
+
+}  // namespace taut

@@ -1,0 +1,56 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <system_error>
+
+#include "md/errors.hpp"
+#include "md/nearest_name.hpp"
+#include "systems/scene_file.hpp"
+#include "systems/toml_reader.hpp"
+
+namespace fs = std::filesystem;
+
+namespace taut {
+namespace {
+
+thread_local std::error_code ignored;
+
+bool is_scene(const fs::path& file) {
+  return file.extension() == ".toml" && file.stem().extension() != ".start";
+}
+
+}  // namespace
+
+fs::path scenes_folder() {
+  const fs::path built_from = TAUT_SCENES_DIR;
+  return fs::is_directory(built_from, ignored) ? built_from : fs::path("systems");
+}
+
+std::vector<SceneSummary> list_scenes(const fs::path& folder) {
+  std::vector<SceneSummary> scenes;
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    if (!is_scene(entry.path())) continue;
+    const toml::table table = parse_toml_file(entry.path());
+    const auto hard_on = TomlTable(table, entry.path().string()).get<std::string>("hard_on");
+    scenes.push_back({entry.path().stem().string(), hard_on});
+  }
+  std::ranges::sort(scenes, {}, &SceneSummary::name);
+  return scenes;
+}
+
+fs::path find_scene(const std::string& name_or_path) {
+  if (fs::is_regular_file(name_or_path, ignored)) return name_or_path;
+  const fs::path named = scenes_folder() / (name_or_path + ".toml");
+  if (name_or_path.find('/') == std::string::npos && fs::is_regular_file(named, ignored)) return named;
+
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(scenes_folder(), ignored))
+    if (is_scene(entry.path())) names.push_back(entry.path().stem().string());
+  std::ranges::sort(names);
+  const std::string nearest(
+      nearest_name(fs::path(name_or_path).stem().string(), {names.begin(), names.end()}));
+  throw InputError(fmt::format("{}: no such file, and no scene of that name{}", name_or_path,
+                               nearest.empty() ? "" : fmt::format("; did you mean \"{}\"?", nearest)));
+}
+
+}  // namespace taut

@@ -1,0 +1,47 @@
+#include "systems/start_file.hpp"
+
+#include <fmt/format.h>
+
+#include <iterator>
+
+#include "md/aside_file.hpp"
+#include "systems/toml_reader.hpp"
+
+namespace taut {
+
+Start read_start(const std::filesystem::path& file) {
+  const toml::table table = parse_toml_file(file);
+  const TomlTable keys(table, file.string());
+  Start start;
+  keys.read("time_ps", start.state.t);
+  keys.read("box_nm", start.box.edge);
+  if (keys.has("box_nm") && !(start.box.edge.minCoeff() > 0)) keys.fail("box_nm", "expected edges above 0");
+  const Rows atoms = keys.get<Rows>("atoms", Columns{6, 6});
+  keys.reject_unknown();
+
+  start.state.x.resize(3, atoms.size());
+  start.state.v.resize(3, atoms.size());
+  for (std::size_t a = 0; a < atoms.size(); ++a) {
+    start.state.x.col(a) = Vec3(atoms[a].data());
+    start.state.v.col(a) = Vec3(atoms[a].data() + 3);
+  }
+  return start;
+}
+
+void write_start(const std::filesystem::path& file, const System& sys, const State& s) {
+  std::string text = fmt::format("time_ps = {}\n", s.t);
+  const auto out = std::back_inserter(text);
+  const Vec3& edge = sys.box.edge;
+  if (sys.box.periodic()) fmt::format_to(out, "box_nm = [{}, {}, {}]\n", edge.x(), edge.y(), edge.z());
+  fmt::format_to(out, "atoms = [  # x, y, z [nm], vx, vy, vz [nm/ps]\n");
+  for (Eigen::Index a = 0; a < s.x.cols(); ++a) {
+    const auto x = s.x.col(a), v = s.v.col(a);
+    fmt::format_to(out, "  [{}, {}, {}, {}, {}, {}],\n", x[0], x[1], x[2], v[0], v[1], v[2]);
+  }
+  text += "]\n";
+  AsideFile aside(file);
+  aside.write(text);
+  aside.commit();
+}
+
+}  // namespace taut

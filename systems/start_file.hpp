@@ -1,0 +1,27 @@
+#pragma once
+
+#include <filesystem>
+
+#include "md/box.hpp"
+#include "md/state.hpp"
+#include "md/system.hpp"
+
+namespace taut {
+
+// A start that ships with a scene, or the last state of a run, in TOML:
+//     time_ps = 100.0
+//     box_nm = [1.872, 1.872, 1.872]          only with a box
+//     atoms = [ [x, y, z, vx, vy, vz], ... ]  [nm], [nm/ps], positions never wrapped
+// Numbers are written so that they read back exactly.
+struct Start {
+  Box box;
+  State state;  // f is not there
+};
+
+// Throws InputError with one line naming file, line and key.
+Start read_start(const std::filesystem::path& file);
+
+// Written aside and renamed. Throws OutsideError.
+void write_start(const std::filesystem::path& file, const System& sys, const State& s);
+
+}  // namespace taut

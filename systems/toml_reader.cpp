@@ -1,0 +1,282 @@
+#include "systems/toml_reader.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <system_error>
+
+#include "md/nearest_name.hpp"
+
+namespace taut {
+namespace {
+
+constexpr std::string_view kOverride = "--set ";
+
+const char* type_name(const toml::node& node) {
+  switch (node.type()) {
+    case toml::node_type::table:
+      return "a section";
+    case toml::node_type::array:
+      return "an array";
+    case toml::node_type::string:
+      return "a string";
+    case toml::node_type::integer:
+      return "an integer";
+    case toml::node_type::floating_point:
+      return "a number";
+    case toml::node_type::boolean:
+      return "a boolean";
+    default:
+      return "a date or time";
+  }
+}
+
+std::string one_line(std::string_view text) {
+  std::string line(text);
+  for (char& c : line)
+    if (static_cast<unsigned char>(c) < ' ') c = ' ';
+  return line;
+}
+
+std::optional<double> number_of(const toml::node& node) {
+  if (node.is_integer()) return static_cast<double>(node.as_integer()->get());
+  if (node.is_floating_point()) return node.as_floating_point()->get();
+  return {};
+}
+
+std::string allowed(Range range) {
+  const char* least = range.above_min ? "more than" : "at least";
+  if (std::isinf(range.max)) return fmt::format("{} {}", least, range.min);
+  if (std::isinf(range.min)) return fmt::format("at most {}", range.max);
+  return fmt::format("{} {} and at most {}", least, range.min, range.max);
+}
+
+// A word without quotes, quoted.
+toml::table parse_bare(std::string_view text, std::size_t equals, std::string_view where) {
+  std::ostringstream quoted;
+  quoted << text.substr(0, equals) << "=" << toml::value<std::string>{std::string(text.substr(equals + 1))};
+  return toml::parse(quoted.str(), where);
+}
+
+toml::table parse_override(const std::string& text) {
+  const std::string where = one_line(std::string(kOverride) + text);
+  const auto equals = text.find('=');
+  if (equals != text.npos && text.find_first_of("\n\r") == text.npos) {
+    try {
+      return toml::parse(text, where);
+    } catch (const toml::parse_error&) {
+    }
+    try {
+      return parse_bare(text, equals, where);
+    } catch (const toml::parse_error&) {
+    }
+  }
+  throw LocatedError(where + ": expected key=value, such as run.dt_fs=2");
+}
+
+}  // namespace
+
+TomlTable TomlTable::section(std::string_view key) const {
+  static const toml::table kEmpty;
+  const std::string name = full(key);
+  const toml::node* node = find(key);
+  if (!node) return TomlTable(kEmpty, name, where_);
+  if (!node->is_table()) wrong_type(key, *node, "a section");
+  return TomlTable(*node->as_table(), name, place(node));
+}
+
+bool TomlTable::read(std::string_view key, double& into, Range range) const {
+  const toml::node* node = find(key);
+  if (!node) return false;
+  const auto value = number_of(*node);
+  if (!value) wrong_type(key, *node, "a number");
+  into = checked(key, *value, range);
+  return true;
+}
+
+bool TomlTable::read(std::string_view key, bool& into) const {
+  const toml::node* node = find(key);
+  if (!node) return false;
+  if (!node->is_boolean()) wrong_type(key, *node, "true or false");
+  into = node->as_boolean()->get();
+  return true;
+}
+
+bool TomlTable::read(std::string_view key, std::string& into) const {
+  const toml::node* node = find(key);
+  if (!node) return false;
+  if (!node->is_string()) wrong_type(key, *node, "a string");
+  into = node->as_string()->get();
+  return true;
+}
+
+bool TomlTable::read(std::string_view key, std::filesystem::path& into) const {
+  std::string text;
+  if (!read(key, text)) return false;
+  const auto& source = find(key)->source().path;
+  into = source && !source->starts_with(kOverride) ? std::filesystem::path(*source).parent_path() / text
+                                                   : std::filesystem::path(text);
+  return true;
+}
+
+bool TomlTable::read(std::string_view key, Vec3& into) const {
+  const toml::node* node = find(key);
+  if (!node) return false;
+  const toml::array* array = node->as_array();
+  if (!array || array->size() != 3) wrong_type(key, *node, "three numbers [x, y, z]");
+  for (int a = 0; a < 3; ++a) {
+    const auto value = number_of((*array)[a]);
+    if (!value) wrong_type(key, (*array)[a], "three numbers [x, y, z]");
+    into[a] = checked(key, *value, kAnyNumber);
+  }
+  return true;
+}
+
+bool TomlTable::read(std::string_view key, Rows& into, Columns columns) const {
+  const toml::node* node = find(key);
+  if (!node) return false;
+  if (!node->is_array()) wrong_type(key, *node, "an array of rows");
+  const toml::array& rows = *node->as_array();
+  into.clear();
+  into.reserve(rows.size());
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const toml::array* row = rows[k].as_array();
+    if (!row) fail(key, k, fmt::format("expected a row of numbers, got {}", type_name(rows[k])));
+    if (row->size() < columns.min || row->size() > columns.max)
+      fail(key, k, fmt::format("expected {} numbers, got {}", columns.max, row->size()));
+    std::vector<double>& numbers = into.emplace_back();
+    for (const toml::node& cell : *row) {
+      const auto value = number_of(cell);
+      if (!value) fail(key, k, fmt::format("expected numbers, got {}", type_name(cell)));
+      if (!std::isfinite(*value)) fail(key, k, "expected finite numbers");
+      numbers.push_back(*value);
+    }
+  }
+  return true;
+}
+
+bool TomlTable::read(std::string_view key, std::optional<double>& into, Range range) const {
+  double value = 0;
+  if (!read(key, value, range)) return false;
+  into = value;
+  return true;
+}
+
+std::string TomlTable::choice(std::string_view key, const std::vector<std::string_view>& words) const {
+  const auto word = get<std::string>(key);
+  if (std::ranges::find(words, word) == words.end())
+    fail(key, fmt::format("\"{}\" is not one of {}; did you mean \"{}\"?", one_line(word),
+                          fmt::join(words, ", "), nearest_name(word, words)));
+  return word;
+}
+
+void TomlTable::fail(std::string_view key, const std::string& message) const {
+  throw LocatedError(fmt::format("{}: {}: {}", place(find(key)), full(key), message));
+}
+
+void TomlTable::fail(std::string_view key, std::size_t row, const std::string& message) const {
+  const toml::node* node = find(key);
+  const toml::array* rows = node ? node->as_array() : nullptr;
+  const bool there = rows && row < rows->size();
+  throw LocatedError(
+      fmt::format("{}: {}[{}]: {}", place(there ? &(*rows)[row] : node), full(key), row, message));
+}
+
+void TomlTable::reject_unknown() const {
+  const std::vector<std::string_view> known(asked_.begin(), asked_.end());
+  for (const auto& entry : table_) {
+    const std::string_view key = entry.first.str();
+    const toml::node& node = entry.second;
+    if (asked_.contains(key)) continue;
+    const auto longer = std::ranges::find_if(known, [&](auto name) { return name.starts_with(key); });
+    const std::string_view nearest = longer != known.end() ? *longer : nearest_name(key, known);
+    throw LocatedError(fmt::format("{}: unknown {} \"{}\"{}{}", place(&node),
+                                   node.is_table() ? "section" : "key", one_line(key),
+                                   name_.empty() ? "" : fmt::format(" in [{}]", name_),
+                                   nearest.empty() ? "" : fmt::format("; did you mean \"{}\"?", nearest)));
+  }
+}
+
+const toml::node* TomlTable::find(std::string_view key) const {
+  asked_.emplace(key);
+  return table_.get(key);
+}
+
+// A float without a fraction is an integer too: 1e6.
+std::optional<std::int64_t> TomlTable::integer(std::string_view key, Range range) const {
+  const toml::node* node = find(key);
+  if (!node) return {};
+  const auto value = number_of(*node);
+  if (!value || *value != std::floor(*value)) wrong_type(key, *node, "an integer");
+  checked(key, *value, range);
+  if (std::abs(*value) >= 0x1p63) fail(key, "out of range");
+  return node->is_integer() ? node->as_integer()->get() : static_cast<std::int64_t>(*value);
+}
+
+std::string TomlTable::full(std::string_view key) const {
+  return name_.empty() ? std::string(key) : fmt::format("{}.{}", name_, key);
+}
+
+std::string TomlTable::place(const toml::node* node) const {
+  if (!node || !node->source().path) return where_;
+  const auto& [path, line] = std::tie(*node->source().path, node->source().begin.line);
+  if (path.starts_with(kOverride) || line == 0) return path;
+  return fmt::format("{}:{}", path, line);
+}
+
+void TomlTable::missing(std::string_view key) const {
+  throw LocatedError(fmt::format("{}: missing key \"{}\"{}", where_, key,
+                                 name_.empty() ? "" : fmt::format(" in [{}]", name_)));
+}
+
+void TomlTable::wrong_type(std::string_view key, const toml::node& got, const char* expected) const {
+  throw LocatedError(
+      fmt::format("{}: {}: expected {}, got {}", place(&got), full(key), expected, type_name(got)));
+}
+
+double TomlTable::checked(std::string_view key, double value, Range range) const {
+  if (!std::isfinite(value)) fail(key, fmt::format("expected a finite number, got {}", value));
+  if (value < range.min || value > range.max || (range.above_min && value == range.min))
+    fail(key, fmt::format("expected {}, got {}", allowed(range), value));
+  return value;
+}
+
+toml::table parse_toml_file(const std::filesystem::path& file) {
+  std::error_code unreadable;
+  if (!std::filesystem::exists(file, unreadable)) throw LocatedError(file.string() + ": no such file");
+  if (!std::filesystem::is_regular_file(file, unreadable)) throw LocatedError(file.string() + ": not a file");
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw LocatedError(file.string() + ": cannot be read");
+  const std::string text(std::istreambuf_iterator<char>(stream), {});
+  try {
+    return toml::parse(text, file.string());
+  } catch (const toml::parse_error& e) {
+    throw LocatedError(fmt::format("{}:{}: not valid TOML: {}", file.string(), e.source().begin.line,
+                                   one_line(e.description())));
+  }
+}
+
+toml::table parse_overrides(const std::vector<std::string>& overrides) {
+  toml::table all;
+  for (const std::string& text : overrides) lay_over(all, parse_override(text));
+  return all;
+}
+
+void lay_over(toml::table& base, toml::table&& upper) {
+  for (auto&& entry : upper) {
+    const std::string_view key = entry.first.str();
+    toml::node& node = entry.second;
+    toml::node* below = base.get(key);
+    if (below && below->is_table() && node.is_table())
+      lay_over(*below->as_table(), std::move(*node.as_table()));
+    else  // moved, not copied: a copy forgets where it came from
+      node.visit([&](auto& value) { base.insert_or_assign(key, std::move(value)); });
+  }
+}
+
+}  // namespace taut

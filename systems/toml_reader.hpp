@@ -1,0 +1,119 @@
+#pragma once
+
+// TOML tables with typed getters, whose errors say where: "water.toml:12: run.dt_fs: expected a number,
+// got a string". A value laid over the file by an override is named by it: "--set run.dt_fs=abc: ...".
+
+#include <toml++/toml.h>
+
+#include <concepts>
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "md/errors.hpp"
+#include "md/vectors.hpp"
+
+namespace taut {
+
+// An error that already says where.
+struct LocatedError : InputError {
+  using InputError::InputError;
+};
+
+// The numbers a key may have.
+struct Range {
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+  bool above_min = false;  // min itself is out
+};
+inline constexpr Range kAnyNumber{};
+inline constexpr Range kNotNegative{.min = 0};
+inline constexpr Range kPositive{.min = 0, .above_min = true};
+
+// Rows of numbers, [[1, 2, 3], [4, 5, 6]], and how many a row may have.
+using Rows = std::vector<std::vector<double>>;
+struct Columns {
+  std::size_t min, max;
+};
+
+class TomlTable {
+ public:
+  // The root. `where` names the file, or what stands for one.
+  TomlTable(const toml::table& table, std::string where) : TomlTable(table, "", std::move(where)) {}
+  TomlTable(const TomlTable&) = delete;  // keeps track of the keys asked for: one table, one track
+  TomlTable& operator=(const TomlTable&) = delete;
+
+  bool has(std::string_view key) const { return find(key) != nullptr; }
+  TomlTable section(std::string_view key) const;  // empty if it is not there
+
+  // Reads a key into a variable, which keeps its value where there is no such key. Whether there is.
+  bool read(std::string_view key, double& into, Range range = kAnyNumber) const;
+  bool read(std::string_view key, bool& into) const;
+  bool read(std::string_view key, std::string& into) const;
+  // A path is relative to the file that says it, in an override to the current folder.
+  bool read(std::string_view key, std::filesystem::path& into) const;
+  bool read(std::string_view key, Vec3& into) const;
+  bool read(std::string_view key, Rows& into, Columns columns) const;
+  bool read(std::string_view key, std::optional<double>& into, Range range = kAnyNumber) const;
+  template <std::integral Integer>
+  bool read(std::string_view key, Integer& into, Range range = kAnyNumber) const;
+
+  // The same for a key that must be there.
+  template <class T, class... Limits>
+  T get(std::string_view key, Limits... limits) const {
+    T value{};
+    if (!read(key, value, limits...)) missing(key);
+    return value;
+  }
+
+  // One of several words.
+  std::string choice(std::string_view key, const std::vector<std::string_view>& words) const;
+
+  // Throws LocatedError at a key, or at one row of its array.
+  [[noreturn]] void fail(std::string_view key, const std::string& message) const;
+  [[noreturn]] void fail(std::string_view key, std::size_t row, const std::string& message) const;
+
+  // Throws LocatedError for a key nobody asked for, with the nearest one that was.
+  void reject_unknown() const;
+
+ private:
+  TomlTable(const toml::table& table, std::string name, std::string where)
+      : table_(table), name_(std::move(name)), where_(std::move(where)) {}
+
+  const toml::node* find(std::string_view key) const;
+  std::optional<std::int64_t> integer(std::string_view key, Range range) const;
+  std::string full(std::string_view key) const;  // "run.dt_fs"
+  std::string place(const toml::node* node) const;
+  [[noreturn]] void missing(std::string_view key) const;
+  [[noreturn]] void wrong_type(std::string_view key, const toml::node& got, const char* expected) const;
+  double checked(std::string_view key, double value, Range range) const;
+
+  const toml::table& table_;
+  std::string name_;   // "run"; empty: the root
+  std::string where_;  // "water.toml:11"
+  mutable std::set<std::string, std::less<>> asked_;
+};
+
+template <std::integral Integer>
+bool TomlTable::read(std::string_view key, Integer& into, Range range) const {
+  const auto value = integer(key, range);
+  if (value && !std::in_range<Integer>(*value)) fail(key, "out of range");
+  if (value) into = static_cast<Integer>(*value);
+  return value.has_value();
+}
+
+toml::table parse_toml_file(const std::filesystem::path& file);
+
+// "run.dt_fs=2": a dotted key and a value, as in TOML, but a word needs no quotes.
+toml::table parse_overrides(const std::vector<std::string>& overrides);
+
+// The tables' keys together; where both have one, the upper's counts.
+void lay_over(toml::table& base, toml::table&& upper);
+
+}  // namespace taut

@@ -1,0 +1,321 @@
+// The scenes, and the builders behind them: geometry, density, distributions, parameters.
+
+#include "systems/builders.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "forcefield/force_field.hpp"
+#include "md/observables.hpp"
+#include "md/units.hpp"
+#include "systems/scene_file.hpp"
+#include "systems/start_file.hpp"
+#include "temporary_folder.hpp"
+
+namespace taut {
+namespace {
+
+Scene scene_of(const std::string& name, const std::vector<std::string>& overrides = {}) {
+  return read_scene(find_scene(name), overrides);
+}
+
+std::vector<std::string> all_scenes() {
+  std::vector<std::string> names;
+  for (const auto& scene : list_scenes()) names.push_back(scene.name);
+  return names;
+}
+
+class EveryScene : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(All, EveryScene, testing::ValuesIn(all_scenes()),
+                         [](const auto& scene) { return scene.param; });
+
+TEST_P(EveryScene, StartsWithExactBondsAndFiniteForces) {
+  Scene scene = scene_of(GetParam());
+  EXPECT_GT(scene.hard_on.size(), 20u);
+  EXPECT_LT(bond_errors(scene.system, scene.start.x).max, 1e-12);
+  ForceField forces(scene.system, scene.terms);
+  forces(scene.system, scene.start);
+  EXPECT_TRUE(scene.start.f.allFinite());
+  EXPECT_TRUE(scene.start.v.allFinite());
+  EXPECT_LT(scene.start.f.cwiseAbs().maxCoeff(), 1e4);  // no overlap [kJ/mol/nm]
+}
+
+TEST_P(EveryScene, IsTheSameEachTime) {
+  const Scene a = scene_of(GetParam()), b = scene_of(GetParam());
+  EXPECT_EQ(a.start.x, b.start.x);
+  EXPECT_EQ(a.start.v, b.start.v);
+  if (a.run.temperature_k > 0) {
+    EXPECT_NE(a.start.v, scene_of(GetParam(), {"run.seed=2"}).start.v);
+  }
+}
+
+TEST_P(EveryScene, DrawsMaxwellBoltzmannVelocities) {
+  const Scene scene = scene_of(GetParam());
+  if (scene.run.temperature_k == 0) return;
+  const double kT = kBoltzmann * scene.run.temperature_k;
+  for (int axis = 0; axis < 3; ++axis) {  // ⟨mv²⟩ = kT, with variance 2(kT)²/n
+    const double n = scene.system.atoms();
+    const double mean = scene.start.v.row(axis).cwiseAbs2().dot(scene.system.mass.transpose()) / n;
+    EXPECT_NEAR(mean / kT, 1, 5 * std::sqrt(2 / n));
+  }
+}
+
+// u_k·u_{k+1} of every angle of every chain.
+double mean_square_cosine(const Scene& scene, int beads) {
+  double sum = 0;
+  int count = 0;
+  for (int a = 0; a + 2 < scene.system.atoms(); ++a) {
+    if (a % beads > beads - 3) continue;
+    const auto& x = scene.start.x;
+    const double c = (x.col(a + 1) - x.col(a)).dot(x.col(a + 2) - x.col(a + 1));
+    sum += c * c;
+    ++count;
+  }
+  return sum / count;
+}
+
+// Without the measure √det A both would be ⅓, more than six standard errors away.
+TEST(Chains, AnglesFollowTheMeasureOfRigidBonds) {
+  EXPECT_NEAR(mean_square_cosine(scene_of("trimer", {"build.chains=40000"}), 3), 0.32102, 0.005);
+
+  double weights = 0, squares = 0;  // four beads: det A ∝ 8 − 2c² − 2d², by the midpoint rule
+  for (int i = 0; i < 200; ++i)
+    for (int j = 0; j < 200; ++j) {
+      const double c = (i + 0.5) / 200, d = (j + 0.5) / 200, w = std::sqrt(8 - 2 * c * c - 2 * d * d);
+      weights += w;
+      squares += w * c * c;
+    }
+  const Scene four = scene_of("trimer", {"build.chains=40000", "build.beads=4"});
+  EXPECT_NEAR(mean_square_cosine(four, 4), squares / weights, 0.004);
+}
+
+TEST(Chains, AreFreelyJointed) {
+  for (const int beads : {20, 60}) {  // drawn by the measure, and not
+    const int chains = 4000;
+    const Scene scene =
+        scene_of("freely_jointed", {"build.chains=4000", "build.beads=" + std::to_string(beads)});
+    double r2 = 0;  // ⟨R²⟩ = N b², with a standard error of √(2/3/4000) of it
+    for (int c = 0; c < chains; ++c)
+      r2 += (scene.start.x.col((c + 1) * beads - 1) - scene.start.x.col(c * beads)).squaredNorm() / chains;
+    EXPECT_NEAR(r2 / (beads - 1), 1, 0.065);
+    EXPECT_EQ(scene.notes.empty(), beads == 20);
+  }
+}
+
+TEST(Rings, CloseAndAreNotFlat) {
+  for (const int beads : {4, 5, 7, 20, 33}) {
+    const Scene scene = scene_of("ring", {"build.rings=2", "build.beads=" + std::to_string(beads)});
+    EXPECT_EQ(scene.system.bond_count(), 2 * beads);
+    EXPECT_LT(bond_errors(scene.system, scene.start.x).max, 1e-13);
+    const Vectors ring = scene.start.x.leftCols(beads);
+    const Vectors about = ring.colwise() - Vec3(ring.rowwise().mean());
+    const Eigen::Matrix3d spread = about * about.transpose();
+    EXPECT_GT(spread.determinant(), 1e-4) << beads;
+  }
+}
+
+double least_distance(const Scene& scene, int bonds_apart) {
+  double least = 1e9;
+  for (int a = 0; a < scene.system.atoms(); ++a)
+    for (int b = a + bonds_apart + 1; b < scene.system.atoms(); ++b)
+      least =
+          std::min(least, scene.system.box.nearest_image(scene.start.x.col(b) - scene.start.x.col(a)).norm());
+  return least;
+}
+
+// A start that fits nothing but water: what is built stays.
+std::string water_start() {
+  return "build.start=" + (scenes_folder() / "water216.start.toml").string();
+}
+
+// On the lattice, whatever the counts: nothing overlaps and the density is exact.
+TEST(Melt, FillsABoxWithoutOverlap) {
+  const std::pair<int, int> sizes[] = {{20, 50}, {13, 31}, {7, 100}, {60, 8}, {1, 700}};
+  for (const auto& [chains, beads] : sizes) {
+    const Scene scene = scene_of("melt", {"build.chains=" + std::to_string(chains),
+                                          "build.beads=" + std::to_string(beads), water_start()});
+    SCOPED_TRACE(testing::Message() << chains << " × " << beads);
+    EXPECT_EQ(scene.system.bond_count(), chains * (beads - 1));
+    EXPECT_NEAR(scene.system.atoms() / scene.system.box.volume(), 0.85, 1e-12);
+    EXPECT_GT(least_distance(scene, 1), 0.9699);
+    EXPECT_LT(bond_errors(scene.system, scene.start.x).max, 1e-12);
+    State s = scene.start;
+    ForceField forces(scene.system, scene.terms);
+    forces(scene.system, s);
+    EXPECT_LT(forces.potential() / scene.system.atoms(), 0.5);  // in kT
+  }
+}
+
+TEST(Melt, OfFeneSprings) {
+  const Scene scene = scene_of("melt", {"build.bonds=fene"});
+  EXPECT_EQ(scene.system.bond_count(), 0);
+  ASSERT_EQ(scene.terms.fene.size(), 20u * 49u);
+  EXPECT_EQ(scene.terms.fene[0].k, 30);
+  EXPECT_EQ(scene.terms.fene[0].r0, 1.5);
+  EXPECT_TRUE(scene.terms.wca->exclusions.empty());  // the pair force acts along the springs too
+}
+
+TEST(Alkane, HasItsDensityAndNoOverlap) {
+  for (const int molecules : {128, 200}) {
+    const Scene scene = scene_of("decane", {"build.molecules=" + std::to_string(molecules)});
+    // 142.286 g/mol; 1 g/cm³ is 602.214076 u/nm³
+    EXPECT_NEAR(scene.system.mass.sum() / scene.system.box.volume() / 602.214076, 0.73, 1e-12);
+    EXPECT_NEAR(scene.system.mass.sum() / molecules, 142.286, 1e-9);
+  }
+  EXPECT_GT(least_distance(scene_of("decane", {"build.molecules=200"}), 9), 0.33);
+}
+
+// TraPPE's own form of the torsion, kelvin and all, against the coefficients and against the force field.
+TEST(Alkane, TorsionIsTraPPEs) {
+  const auto trappe = [](double phi) {
+    return kBoltzmann * (355.03 * (1 + std::cos(phi)) - 68.19 * (1 - std::cos(2 * phi)) +
+                         791.32 * (1 + std::cos(3 * phi)));
+  };
+  const Scene scene = scene_of("decane");
+  ASSERT_EQ(scene.terms.rb_torsions.size(), 128u * 7u);
+  const System four = make_system(Eigen::VectorXd::Ones(4), {});
+  Terms terms;
+  terms.rb_torsions.push_back(scene.terms.rb_torsions.front());
+  ForceField forces(four, terms);
+  for (int degrees = -180; degrees <= 180; degrees += 15) {
+    const double phi = degrees * std::numbers::pi / 180;
+    State s;
+    s.x.resize(3, 4);
+    s.f = Vectors::Zero(3, 4);
+    s.x << 1, 0, 0, std::cos(phi), 0, 0, 0, std::sin(phi), 0, 0, 1, 1;  // trans at φ = 180°
+    forces(four, s);
+    EXPECT_NEAR(forces.potential(), trappe(phi), 1e-12) << degrees;
+  }
+}
+
+TEST(Alkane, StartsAllTransAtTheAngle) {
+  Scene scene = scene_of("decane", {"build.molecules=200"});
+  ASSERT_EQ(scene.terms.angles.size(), 200u * 8u);
+  EXPECT_NEAR(scene.terms.angles[0].stiffness, 519.65391, 1e-4);  // 62500 K
+  EXPECT_NEAR(scene.terms.angles[0].angle, 114 * std::numbers::pi / 180, 1e-15);
+  scene.terms.nonbonded.reset();
+  ForceField forces(scene.system, scene.terms);
+  forces(scene.system, scene.start);
+  EXPECT_NEAR(forces.potential(), 0, 1e-9);
+}
+
+// Numbers of OpenMM's tip3p.xml, and of Berendsen et al. 1987.
+TEST(Water, ModelsHaveTheirNumbers) {
+  const Scene tip3p = scene_of("water"), spce = scene_of("spce");
+  EXPECT_EQ(tip3p.system.bonds[0].length, 0.09572);
+  EXPECT_NEAR(tip3p.system.bonds[2].length, 0.15139006545273223, 1e-16);
+  EXPECT_EQ(spce.system.bonds[1].length, 0.1);
+  EXPECT_NEAR(spce.system.bonds[2].length, 0.16329, 1e-5);
+  for (const Scene& scene : {tip3p, spce}) {
+    EXPECT_EQ(scene.system.bond_count(), 3 * 216);
+    EXPECT_EQ(scene.terms.nonbonded->exceptions.size(), 3u * 216u);
+    EXPECT_NEAR(scene.terms.nonbonded->charge.head(3).sum(), 0, 1e-16);
+    EXPECT_TRUE(scene.notes.empty());
+  }
+  EXPECT_EQ(tip3p.terms.nonbonded->charge[0], -0.834);
+  EXPECT_EQ(spce.terms.nonbonded->charge[0], -0.8476);
+}
+
+double potential(const Scene& scene) {
+  State s = scene.start;
+  ForceField forces(scene.system, scene.terms);
+  forces(scene.system, s);
+  return forces.potential();
+}
+
+// The cutoff is less than half the small box: eight boxes side by side have eight times its energy.
+TEST(Water, IsTiledFromAnEquilibratedStart) {
+  const std::string pairs_alone =
+      "forcefield.dispersion_correction=false";  // the correction counts self-pairs
+  const Scene one = scene_of("water", {pairs_alone});
+  const Scene eight = scene_of("water", {pairs_alone, "build.molecules=1728"});
+  EXPECT_NEAR(eight.system.box.edge.x(), 2 * one.system.box.edge.x(), 1e-12);
+  EXPECT_NEAR(potential(eight) / potential(one), 8, 1e-9);
+  EXPECT_NEAR(potential(one) / 216, -40, 1.5);  // of liquid TIP3P, not of a lattice
+  EXPECT_TRUE(eight.notes.empty());
+}
+
+TEST(Water, OfAnyOtherNumberStandsOnALattice) {
+  const Scene scene = scene_of("water", {"build.molecules=500"});
+  EXPECT_EQ(scene.notes.size(), 2u);
+  EXPECT_NEAR(scene.system.box.volume() / 500, std::pow(1.872, 3) / 216, 1e-12);
+  double least = 1e9;
+  for (int a = 0; a < 1500; a += 3)
+    for (int b = a + 3; b < 1500; b += 3)
+      least =
+          std::min(least, scene.system.box.nearest_image(scene.start.x.col(b) - scene.start.x.col(a)).norm());
+  EXPECT_GT(least, 0.3);
+}
+
+TEST(Water, DropletIsRoundAndDense) {
+  for (const int molecules : {64, 400}) {  // within the start, and beyond it
+    const Scene scene =
+        scene_of("water_cluster", {water_start(), "build.molecules=" + std::to_string(molecules)});
+    EXPECT_FALSE(scene.system.box.periodic());
+    EXPECT_FALSE(scene.terms.nonbonded->cutoff.has_value());
+    Vectors o(3, molecules);
+    for (int m = 0; m < molecules; ++m) o.col(m) = scene.start.x.col(3 * m);
+    const double radius = (o.colwise() - Vec3(o.rowwise().mean())).colwise().norm().maxCoeff();
+    const double ideal = std::cbrt(0.75 * molecules * std::pow(1.872, 3) / 216 / std::numbers::pi);
+    EXPECT_NEAR(radius, ideal, 0.1);
+  }
+}
+
+TEST(Start, ReadsBackExactlyAndContinues) {
+  const TemporaryFolder folder;
+  Scene scene = scene_of("melt");
+  scene.start.x.array() += 1.0 / 3;
+  const auto file = folder.path() / "final.start.toml";
+  write_start(file, scene.system, scene.start);
+  const Start back = read_start(file);
+  EXPECT_EQ(back.state.x, scene.start.x);
+  EXPECT_EQ(back.state.v, scene.start.v);
+  EXPECT_EQ(back.box.edge, scene.system.box.edge);
+
+  const Scene next = scene_of("melt", {"build.start=" + file.string(), "run.temperature_k=0"});
+  EXPECT_EQ(next.start.x, scene.start.x);
+  EXPECT_EQ(next.start.v, scene.start.v);
+}
+
+// Other counts or another density than the start's: what was built stands, and a note says so.
+TEST(Start, IsSetAsideWhereItDoesNotFit) {
+  using testing::ElementsAre;
+  using testing::HasSubstr;
+  EXPECT_THAT(scene_of("melt").notes, testing::IsEmpty());
+  const auto notes = [](const std::vector<std::string>& overrides) {
+    return scene_of("melt", overrides).notes;
+  };
+  EXPECT_THAT(notes({"build.chains=21"}),
+              ElementsAre(HasSubstr("melt"), HasSubstr("another number of atoms")));
+  EXPECT_THAT(notes({"build.density_per_nm3=0.8"}), ElementsAre(HasSubstr("melt"), HasSubstr("another box")));
+  const std::vector<std::string> longer = {"build.chains=10", "build.beads=100"};
+  EXPECT_THAT(notes(longer), ElementsAre(HasSubstr("melt"), HasSubstr("other bonds")));
+  EXPECT_THAT(notes({longer[0], longer[1], "build.bonds=fene"}),
+              ElementsAre(HasSubstr("melt"), HasSubstr("other springs")));
+}
+
+TEST(Start, SaysWhatIsWrongWithIt) {
+  const TemporaryFolder folder;
+  const auto complaint = [&](const std::string& text) -> std::string {
+    const auto file = folder.write("bad.start.toml", text);
+    try {
+      read_start(file);
+    } catch (const InputError& e) {
+      return std::string(e.what()).substr(folder.path().string().size() + 1);
+    }
+    return "no error";
+  };
+  EXPECT_EQ(complaint("atoms = [\n[1, 2, 3, 4, 5, 6],\n[1, 2, 3]]"),
+            "bad.start.toml:3: atoms[1]: expected 6 numbers, got 3");
+  EXPECT_EQ(complaint("box_nm = [1, 2, 0]\natoms = []"), "bad.start.toml:1: box_nm: expected edges above 0");
+  EXPECT_EQ(complaint("atoms = [[1, 2, 3, 4, 5, inf]]"),
+            "bad.start.toml:1: atoms[0]: expected finite numbers");
+  EXPECT_EQ(complaint("box_nm = [1, 1, 1]"), "bad.start.toml: missing key \"atoms\"");
+  EXPECT_EQ(complaint("atoms = []\nbox = 1"),
+            "bad.start.toml:2: unknown key \"box\"; did you mean \"box_nm\"?");
+}
+
+}  // namespace
+}  // namespace taut
