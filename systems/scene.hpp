@@ -14,12 +14,12 @@ namespace taut {
 struct RunSettings {
   double dt_fs = 1;
   long steps = 1000;
-  double temperature_k = 0;        // of the velocities drawn at the start; 0: they are as built
-  std::uint64_t seed = 1;          // of everything drawn
-  long log_every = 100;            // steps
-  long remove_momentum_every = 0;  // steps; 0: never
-  std::string redundant = "refuse"; // bonds that follow from others: "refuse" or "drop"
-  double thermostat_ps = 0;        // relaxation time of velocity rescaling to temperature_k; 0: NVE
+  double temperature_k = 0;          // of the velocities drawn at the start; 0: they are as built
+  std::uint64_t seed = 1;            // of everything drawn
+  long log_every = 100;              // steps
+  long remove_momentum_every = 0;    // steps; 0: never
+  std::string redundant = "refuse";  // bonds that follow from others: "refuse" or "drop"
+  double thermostat_ps = 0;          // relaxation time of velocity rescaling to temperature_k; 0: NVE
 
   double h() const { return dt_fs * 1e-3; }  // [ps]
 };
