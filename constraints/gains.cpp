@@ -16,7 +16,7 @@ constexpr double kCap = 0.95;  // of the stability limit, for gains that come fr
 
 DimensionlessGains named(const GainChoice& choice, Damping damping, double mu, double h) {
   const std::string& name = choice.name;
-  if (name == "reversible") return {0.05, std::numbers::sqrt2};
+  if (name == "reversible") return {0.1, std::numbers::sqrt2};
   if (name == "dead-beat") return gains_for_root(0, damping);
   if (name == "rattle") {
     if (!(choice.reduction >= 0 && choice.reduction < 1))

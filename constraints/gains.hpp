@@ -16,7 +16,7 @@ struct Gains {
 };
 
 // How Baumgarte's gains are chosen: by name, for a step h.
-//   reversible   αh = 0, or nearly; (βh)² = 2: nearly time-reversible, keeps energy
+//   reversible   αh = 0.1, (βh)² = 2: weakly damped; with centred damping nearly time-reversible, keeps energy
 //   dead-beat    both roots 0: an error is gone in two steps, as under a converged RATTLE.
 //                Also what HOOMD-blue's distance constraints come to: their |r + h v_half + h²a|² = d²,
 //                linear in a (hoomd/md/ForceDistanceConstraint.cc), is α = 1/h, β² = 2/h² with part of the
