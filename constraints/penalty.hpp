@@ -18,7 +18,7 @@ class Penalty : public EmptyGaps {
 
   struct Options {
     std::optional<double> k = {};
-    double omega_h = 0.3;
+    double omega_h = 0.7;
 
     void describe(auto&& visit) {
       visit("k", k, "spring constant [kJ/mol/nm²], the same for all; none: from omega_h");

@@ -14,7 +14,7 @@ struct Verdict {
       0;  // largest relative error that one step's truncation feeds: h³|v·a|/(2d²) + h⁴a²/(8d²)
   double turn = 1;             // smallest cosine between a bond before and after a step
   double momentum_change = 0;  // relative to Σ m|v|
-  double kinetic_drift = 0;    // |ΔE_kin| at the end, relative (meaningful without other forces)
+  double energy_change = 0;    // |E − E₀| at the end, of the largest kinetic energy on the way
   State end;
   Eigen::VectorXd lambda;
   SolveStats stats;
@@ -29,7 +29,15 @@ Verdict verify(const System& sys, F& forces, const MethodOptions& options, doubl
       [&](auto& method) {
         initialize(sys, forces, method, s);
         const Vec3 momentum_before = momentum(sys, s.v);
-        const double kinetic_before = kinetic_energy(sys, s.v);
+        const auto energy = [&] {
+          double potential = 0;
+          if constexpr (requires { forces.potential(); }) potential += forces.potential();
+          if constexpr (requires { method.spring_energy(sys, s.x); })
+            potential += method.spring_energy(sys, s.x);
+          return kinetic_energy(sys, s.v) + potential;
+        };
+        const double energy_before = energy();
+        double largest_kinetic = kinetic_energy(sys, s.v);
         const double scale = (s.v.colwise().norm() * sys.mass).value() + 1e-300;
         Vectors r(3, sys.bond_count()), r_before(3, sys.bond_count());
         differences(sys, s.x, r_before);
@@ -47,10 +55,11 @@ Verdict verify(const System& sys, F& forces, const MethodOptions& options, doubl
             verdict.turn = std::min(verdict.turn, r.col(k).normalized().dot(r_before.col(k).normalized()));
           }
           r_before = r;
+          largest_kinetic = std::max(largest_kinetic, kinetic_energy(sys, s.v));
           verdict.bond_error = std::max(verdict.bond_error, bond_errors(sys, s.x).max);
         }
         verdict.momentum_change = (momentum(sys, s.v) - momentum_before).norm() / scale;
-        verdict.kinetic_drift = std::abs(kinetic_energy(sys, s.v) / kinetic_before - 1);
+        verdict.energy_change = std::abs(energy() - energy_before) / largest_kinetic;
         verdict.lambda = method.lambda();
       },
       any);

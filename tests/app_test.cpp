@@ -1,0 +1,171 @@
+// The command as a user types it: what it prints, writes and returns.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "temporary_folder.hpp"
+
+namespace taut {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+struct Outcome {
+  int exit_code;
+  std::string text;  // both streams
+};
+
+Outcome taut(const std::string& arguments) {
+  std::FILE* pipe = popen((std::string(TAUT_BINARY) + " " + arguments + " 2>&1").c_str(), "r");
+  Outcome outcome{};
+  std::array<char, 4096> buffer;
+  while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe))
+    outcome.text.append(buffer.data(), n);
+  outcome.exit_code = WEXITSTATUS(pclose(pipe));
+  return outcome;
+}
+
+std::string contents(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+int lines(const std::string& text) {
+  return static_cast<int>(std::count(text.begin(), text.end(), '\n'));
+}
+
+TEST(App, RunsASceneAndSaysWhatItDoes) {
+  const auto [exit_code, text] = taut("run water --steps 20 --set run.log_every=10");
+  EXPECT_EQ(exit_code, 0) << text;
+  EXPECT_THAT(text,
+              HasSubstr("atoms 648   bonds 648   clusters 216   degrees of freedom 3·648 − 648 − 3 = 1293"));
+  EXPECT_THAT(text, HasSubstr("method rattle"));
+  EXPECT_THAT(text, HasSubstr("energy drift"));
+  EXPECT_THAT(text, HasSubstr("bond error"));
+  EXPECT_THAT(text, Not(HasSubstr(" left \x1b")));  // no progress line where nobody watches
+}
+
+TEST(App, WritesLogSummaryAndFinalState) {
+  const TemporaryFolder folder;
+  const fs::path out = folder.path() / "a" / "run";
+  const auto [exit_code, text] =
+      taut("run chain --method newton --steps 40 --dt-fs 2 --set run.log_every=10 --out " + out.string());
+  ASSERT_EQ(exit_code, 0) << text;
+  const std::string log = contents(out / "log.csv");
+  EXPECT_EQ(lines(log), 6);  // header, start and four rows
+  EXPECT_THAT(log, ::testing::StartsWith("#\"Step\",\"Time (ps)\",\"Potential Energy (kJ/mole)\""));
+  const auto summary = nlohmann::json::parse(contents(out / "summary.json"));
+  for (const char* key :
+       {"scene", "method", "atoms", "bonds", "dof", "steps", "dt_fs", "us_per_step", "constraint_us_per_step",
+        "ns_per_day", "max_rel_bond_error", "rms_rel_bond_error", "energy_drift_kj_mol_ns_dof",
+        "temperature_k", "potential_kj_mol", "total_kj_mol", "converged"})
+    EXPECT_TRUE(summary.contains(key)) << key;
+  EXPECT_EQ(summary["method"], "newton");
+  EXPECT_EQ(summary["steps"], 40);
+  EXPECT_EQ(summary["dt_fs"], 2);
+  EXPECT_LT(summary["max_rel_bond_error"], 1e-10);
+  EXPECT_TRUE(fs::exists(out / "final.start.toml"));
+  for (const auto& entry : fs::directory_iterator(out)) EXPECT_NE(entry.path().extension(), ".part");
+}
+
+TEST(App, GoesOnFromAFinalState) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(taut("run water --steps 10 --out " + folder.path().string()).exit_code, 0);
+  const auto [exit_code, text] = taut("run water --steps 10 --set run.temperature_k=0 --set build.start=" +
+                                      (folder.path() / "final.start.toml").string());
+  EXPECT_EQ(exit_code, 0) << text;
+}
+
+TEST(App, RepeatsToTheLastBit) {
+  const TemporaryFolder one, two;
+  for (const auto* folder : {&one, &two})
+    ASSERT_EQ(taut("run melt --method baumgarte --steps 50 --out " + folder->path().string()).exit_code, 0);
+  EXPECT_EQ(contents(one.path() / "final.start.toml"), contents(two.path() / "final.start.toml"));
+}
+
+TEST(App, ListsMethodsAndScenes) {
+  const auto methods = taut("methods");
+  EXPECT_EQ(methods.exit_code, 0);
+  for (const char* name :
+       {"none", "penalty", "baumgarte", "feedforward", "shake", "rattle", "newton", "lincs", "settle"})
+    EXPECT_THAT(methods.text, HasSubstr(std::string(name) + " "));
+  const auto scenes = taut("scenes");
+  EXPECT_EQ(scenes.exit_code, 0);
+  EXPECT_THAT(scenes.text, HasSubstr("pendulum"));
+}
+
+TEST(App, CalibratesAndWritesJson) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "calibration.json";
+  const auto [exit_code, text] =
+      taut("calibrate freely_jointed --sweeps 2 --set build.chains=20 --json " + file.string());
+  ASSERT_EQ(exit_code, 0) << text;
+  const auto json = nlohmann::json::parse(contents(file));
+  for (const char* key : {"reduction_rattle", "alpha_per_ps", "beta_per_ps", "reduction_predicted",
+                          "reduction_measured", "floor_predicted", "floor_measured"})
+    EXPECT_TRUE(json.contains(key)) << key;
+}
+
+struct BadInput {
+  const char* arguments;
+  const char* message;
+};
+class BadInputs : public ::testing::TestWithParam<BadInput> {};
+
+// One line, exit code 2, and nothing left in the folder it was to write.
+TEST_P(BadInputs, GetOneLineAndLeaveNothing) {
+  const TemporaryFolder folder;
+  const fs::path out = folder.path() / "out";
+  const auto [exit_code, text] = taut(std::string(GetParam().arguments) + " --out " + out.string());
+  EXPECT_EQ(exit_code, 2) << text;
+  EXPECT_EQ(lines(text), 1) << text;
+  EXPECT_THAT(text, HasSubstr(GetParam().message));
+  EXPECT_FALSE(fs::exists(out));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Kinds, BadInputs,
+    ::testing::Values(BadInput{"run", "expected a scene"}, BadInput{"run nowhere", "nowhere"},
+                      BadInput{"run water --method ratle", "did you mean \"rattle\"?"},
+                      BadInput{"run water --set run.temprature_k=300", "temperature_k"},
+                      BadInput{"run water --set run.dt_fs=fast", "expected a number"},
+                      BadInput{"run water --set forcefield.cutoff_nm=1.2", "cutoff"},
+                      BadInput{"run water --dt-fs -1", "dt_fs"}, BadInput{"run water --steps -5", "steps"},
+                      BadInput{"run chain --method settle", "not part of a three-site water"},
+                      BadInput{"run water --set method.tolerance=1e-15", "cannot be reached"},
+                      BadInput{"run water --method baumgarte --set method.gains=ded-beat", "dead-beat"},
+                      BadInput{"run water --method baumgarte --set method.beta_per_ps=1e5", "unstable"},
+                      BadInput{"run --openmm missing.xml missing.xml", "missing.xml"}),
+    [](const auto& test) { return "case" + std::to_string(test.index); });
+
+// A simulation that fails says when, which bond and what to try, and keeps its log.
+TEST(App, AFailedRunSaysWhyAndKeepsItsLog) {
+  const TemporaryFolder folder;
+  const auto [exit_code, text] = taut("run water --dt-fs 20 --steps 1000 --out " + folder.path().string());
+  EXPECT_EQ(exit_code, 1) << text;
+  EXPECT_THAT(text, HasSubstr("step "));
+  EXPECT_THAT(text, HasSubstr("bond "));
+  EXPECT_THAT(text, HasSubstr("largest force"));
+  EXPECT_THAT(text, HasSubstr("try: "));
+  EXPECT_TRUE(fs::exists(folder.path() / "log.csv"));
+  EXPECT_FALSE(fs::exists(folder.path() / "summary.json"));
+}
+
+TEST(App, AFolderThatCannotBeMadeIsOutside) {
+  const auto [exit_code, text] = taut("run pair --out /proc/taut");
+  EXPECT_EQ(exit_code, 3);
+  EXPECT_EQ(lines(text), 1) << text;
+  EXPECT_THAT(text, HasSubstr("/proc/taut"));
+}
+
+}  // namespace
+}  // namespace taut

@@ -1,0 +1,129 @@
+// Scenes against what is known of them in closed form.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "constraints/bond_algebra.hpp"
+#include "constraints/projection.hpp"
+#include "systems/scene_file.hpp"
+#include "systems/simulation.hpp"
+#include "verifier.hpp"
+
+namespace taut {
+namespace {
+
+Scene scene_of(const std::string& name, const std::vector<std::string>& overrides = {}) {
+  return read_scene(find_scene(name), overrides);
+}
+
+std::string method_is(std::string_view method) {
+  return "method.name=" + std::string(method);
+}
+
+class UnderEveryGoodMethod : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Methods, UnderEveryGoodMethod,
+                         ::testing::Values("rattle", "newton", "baumgarte", "feedforward", "lincs"),
+                         [](const auto& test) { return std::string(test.param); });
+
+// 10 pulls on one of two unit masses along their bond: both accelerate at 5, the bond pulls with 5.
+TEST_P(UnderEveryGoodMethod, PairAcceleratesAtHalfThePull) {
+  Simulation pair(scene_of("pair", {method_is(GetParam()), "run.steps=200"}));
+  pair.run({});
+  const double t = pair.state().t;
+  for (int i = 0; i < 2; ++i) EXPECT_NEAR(pair.state().v.col(i).norm(), 5 * t, 1e-8);
+  // a bond held to a tolerance tells its tension to 2 tolerance μd/h²
+  EXPECT_NEAR(pair.bond_tensions()[0], 5, 1.01e-4);
+}
+
+// From horizontal, 1 nm, 9.81 nm/ps²: T = 4 K(sin²45°) √(l/g) = 2.3678 ps.
+TEST_P(UnderEveryGoodMethod, PendulumSwingsInItsPeriod) {
+  Simulation pendulum(scene_of("pendulum", {method_is(GetParam()), "run.steps=5200", "run.log_every=1"}));
+  const double period = 4 * std::comp_ellint_1(std::sin(M_PI / 4)) / std::sqrt(9.81);
+  EXPECT_NEAR(period, 2.3678, 1e-4);
+  double before = 0, crossed = 0;
+  int crossings = 0;
+  pendulum.run([&](const Record& r) {  // downward through the vertical, in one sense
+    const double x = pendulum.state().x(0, 1);
+    if (before > 0 && x <= 0) {
+      const double at = r.t - 1e-3 * x / (x - before);
+      if (crossings++ == 1)
+        crossed = at - crossed;
+      else
+        crossed = at;
+    }
+    before = x;
+  });
+  ASSERT_GE(crossings, 2);
+  EXPECT_NEAR(crossed, period, 2e-5);
+}
+
+TEST_P(UnderEveryGoodMethod, DoublePendulumKeepsItsEnergy) {
+  Simulation pendulum(scene_of(
+      "double_pendulum", {method_is(GetParam()), "run.dt_fs=0.2", "run.steps=20000", "run.log_every=20"}));
+  double worst = 0;
+  pendulum.run([&](const Record& r) { worst = std::max(worst, std::abs(r.total())); });
+  EXPECT_LT(worst, 2e-3);  // it starts at 0 and swings through 30 kJ/mol
+}
+
+// Rigid bonds bend the angle's distribution to √(1 − cos²θ/4): ⟨cos²θ⟩ = 0.32102, not ⅓. NVE keeps it.
+TEST_P(UnderEveryGoodMethod, TrimersKeepTheirMeasure) {
+  Simulation trimers(
+      scene_of("trimer", {method_is(GetParam()), "build.chains=20000", "run.steps=240", "run.log_every=60"}));
+  double sum = 0;
+  int samples = 0;
+  trimers.run([&](const Record&) {
+    const Vectors& x = trimers.state().x;
+    for (int m = 0; m + 2 < x.cols(); m += 3) {
+      const double c = (x.col(m) - x.col(m + 1)).normalized().dot((x.col(m + 2) - x.col(m + 1)).normalized());
+      sum += c * c;
+      ++samples;
+    }
+  });
+  EXPECT_NEAR(sum / samples, 0.32102, 0.005);
+}
+
+// ⟨R²⟩ = N b² for a freely jointed chain of N bonds.
+TEST(FreelyJointed, EndToEndDistanceGrowsAsTheRoot) {
+  Simulation chains(scene_of(
+      "freely_jointed", {"method.name=newton", "build.chains=2000", "run.steps=40", "run.log_every=20"}));
+  double sum = 0;
+  int samples = 0;
+  chains.run([&](const Record&) {
+    const Vectors& x = chains.state().x;
+    for (int first = 0; first < x.cols(); first += 20, ++samples)
+      sum += (x.col(first + 19) - x.col(first)).squaredNorm();
+  });
+  EXPECT_NEAR(sum / samples, 19, 1.2);  // 19 ± 15/√2000
+}
+
+// Velocity Verlet with RATTLE: of second order, and back where it came from with the velocities turned.
+TEST(RattleStep, IsOfSecondOrder) {
+  const auto end = [](double dt_fs) {
+    Simulation p(scene_of("double_pendulum", {"method.name=newton", "method.tolerance=1e-13",
+                                              "run.dt_fs=" + std::to_string(dt_fs),
+                                              "run.steps=" + std::to_string(std::lround(500 / dt_fs))}));
+    p.run({});
+    return p.state().x;
+  };
+  const Vectors reference = end(0.125);
+  EXPECT_NEAR((end(2) - reference).norm() / (end(1) - reference).norm(), 4, 0.15);
+}
+
+TEST(RattleStep, IsReversible) {
+  const Scene scene = scene_of("water_cluster");
+  const System& sys = scene.system;
+  ForceField forces(sys, scene.terms);
+  Newton method(sys, {.tolerance = 1e-13}, 0.001);
+  State s = scene.start;
+  initialize(sys, forces, method, s);
+  const Vectors start = s.x;
+  for (int n = 0; n < 50; ++n) step(sys, forces, method, 0.001, s);
+  EXPECT_GT((s.x - start).cwiseAbs().maxCoeff(), 0.01);
+  s.v = -s.v;
+  for (int n = 0; n < 50; ++n) step(sys, forces, method, 0.001, s);
+  EXPECT_LT((s.x - start).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+}  // namespace
+}  // namespace taut

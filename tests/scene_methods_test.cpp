@@ -1,0 +1,113 @@
+// Every method on every scene, through the verifier that looks at every step.
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "constraints/redundancy.hpp"
+#include "forcefield/force_field.hpp"
+#include "systems/scene_file.hpp"
+#include "verifier.hpp"
+
+namespace taut {
+namespace {
+
+using testing::Verdict;
+using testing::verify;
+
+struct SceneAndMethod {
+  std::string scene, method;
+};
+void PrintTo(const SceneAndMethod& c, std::ostream* out) {
+  *out << c.method << " on " << c.scene;
+}
+
+std::vector<SceneAndMethod> all() {
+  std::vector<SceneAndMethod> cases;
+  for (const auto& summary : list_scenes())
+    for (const auto method : method_names()) {
+      const bool water = summary.name.starts_with("water") || summary.name.starts_with("spc");
+      if (method == "settle" && !water) continue;  // refused: tests/methods_test.cpp
+      cases.push_back({summary.name, std::string(method)});
+    }
+  return cases;
+}
+
+// The scene as shipped, but for a step at which every method, penalty springs too, can be judged.
+Scene read(const std::string& name) {
+  Scene scene = read_scene(find_scene(name));
+  scene.run.dt_fs *= 0.5;
+  return scene;
+}
+
+int steps_for(const Scene& scene) {
+  return scene.system.atoms() < 100 ? 400 : 25;
+}
+
+bool closed(const Scene& scene) {  // nothing outside takes up momentum
+  return !scene.terms.gravity && scene.terms.pulls.empty() && (scene.system.mass.array() > 0).all();
+}
+
+class Scenes : public ::testing::TestWithParam<SceneAndMethod> {};
+
+TEST_P(Scenes, HoldTheirBonds) {
+  const auto& [name, method] = GetParam();
+  const Scene scene = read(name);
+  const MethodOptions options = default_options(method);
+  const double h = scene.run.h();
+  ForceField forces(scene.system, scene.terms);
+  const Verdict verdict = verify(scene.system, forces, options, h, steps_for(scene), scene.start);
+
+  ASSERT_TRUE(verdict.stats.converged()) << verdict.stats.failure;
+  const double promise =
+      std::visit([](const auto& m) { return m.promised_error(); }, make_method(scene.system, options, h));
+  const double rounding = 1e-14 * (1 + scene.start.x.cwiseAbs().maxCoeff() / scene.system.bonds[0].length);
+  EXPECT_LE(verdict.bond_error, promise * (1 + 1e-3) + rounding);
+  // Who promises no number is held to what a step's truncation feeds it, or to the softness of its springs.
+  static const std::map<std::string, double> times_truncation = {
+      {"baumgarte", 30}, {"none", 400.0 * 400}, {"lincs", 1e3}};
+  if (const auto at = times_truncation.find(method); at != times_truncation.end()) {
+    EXPECT_LT(verdict.bond_error, at->second * verdict.predicted_error + rounding);
+  }
+  if (method == "penalty") {
+    EXPECT_LT(verdict.bond_error, 0.15);
+  }
+  EXPECT_GT(verdict.turn, 0.8) << "a bond turned over";
+  if (closed(scene)) {
+    EXPECT_LT(verdict.momentum_change, 1e-12);
+  }
+  RecordProperty("energy_change", std::to_string(verdict.energy_change));
+  const bool exact_velocities = method != "shake" && method != "penalty" && method != "none";
+  EXPECT_LT(verdict.energy_change, exact_velocities ? 0.05 : 0.5);
+}
+
+INSTANTIATE_TEST_SUITE_P(Every, Scenes, ::testing::ValuesIn(all()),
+                         [](const auto& test) { return test.param.scene + "_" + test.param.method; });
+
+TEST(Scenes, AreOfFullRank) {
+  for (const auto& summary : list_scenes()) {
+    const Scene scene = read_scene(find_scene(summary.name));
+    EXPECT_TRUE(find_redundancy(scene.system, scene.start.x).none()) << summary.name;
+  }
+}
+
+// Tight enough that rounding alone is between them.
+TEST(Scenes, RattleAndNewtonAgreeToRoundOff) {
+  for (const auto& summary : list_scenes()) {
+    SCOPED_TRACE(summary.name);
+    const Scene scene = read(summary.name);
+    ForceField forces(scene.system, scene.terms);
+    const double reachable =
+        std::max(1e-13, 4e-16 * scene.start.x.cwiseAbs().maxCoeff() / scene.system.bonds[0].length);
+    const auto run = [&](const MethodOptions& options) {
+      return verify(scene.system, forces, options, scene.run.h(), 10, scene.start);
+    };
+    const Verdict rattle = run(Rattle::Options{.tolerance = reachable, .max_sweeps = 20000});
+    const Verdict newton = run(Newton::Options{.tolerance = reachable});
+    ASSERT_TRUE(rattle.stats.converged() && newton.stats.converged());
+    EXPECT_LT((rattle.end.x - newton.end.x).cwiseAbs().maxCoeff(), 1e-10);
+  }
+}
+
+}  // namespace
+}  // namespace taut
