@@ -1,6 +1,7 @@
 // Compiled where OpenMM is not there.
 
 #include "md/errors.hpp"
+#include "systems/openmm_export.hpp"
 #include "systems/openmm_import.hpp"
 #include "systems/openmm_twin.hpp"
 
@@ -24,8 +25,10 @@ Scene import_openmm(const std::filesystem::path&, const std::filesystem::path&) 
 
 struct OpenMMTwin::Impl {};
 
-OpenMMTwin::OpenMMTwin(const std::filesystem::path&, const std::filesystem::path&, double, double,
-                       const std::string&) {
+OpenMMTwin::OpenMMTwin(const std::filesystem::path&, const std::filesystem::path&, const TwinSettings&) {
+  absent();
+}
+OpenMMTwin::OpenMMTwin(const OpenMMInput&, const TwinSettings&) {
   absent();
 }
 OpenMMTwin::~OpenMMTwin() = default;
@@ -38,10 +41,21 @@ void OpenMMTwin::step(int) {
 State OpenMMTwin::state() const {
   absent();
 }
+Vectors OpenMMTwin::kept_velocities() const {
+  absent();
+}
 double OpenMMTwin::potential() const {
   absent();
 }
 double OpenMMTwin::forces_at(const Vectors&, Vectors&) {
+  absent();
+}
+
+void write_openmm(const OpenMMInput&, const std::string&) {
+  absent();
+}
+
+std::string openmm_version() {
   absent();
 }
 

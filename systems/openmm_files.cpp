@@ -169,4 +169,11 @@ Vectors from_openmm(const std::vector<OpenMM::Vec3>& columns) {
   return to;
 }
 
+std::vector<OpenMM::Vec3> to_openmm(const Vectors& columns) {
+  std::vector<OpenMM::Vec3> to;
+  to.reserve(columns.cols());
+  for (const auto& c : columns.colwise()) to.emplace_back(c.x(), c.y(), c.z());
+  return to;
+}
+
 }  // namespace taut

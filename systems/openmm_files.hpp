@@ -43,5 +43,6 @@ std::unique_ptr<OpenMM::State> read_state(const OpenMMFile& file, int atoms);
 Box read_box(const OpenMMFile& file, const OpenMM::State& state);
 
 Vectors from_openmm(const std::vector<OpenMM::Vec3>& columns);
+std::vector<OpenMM::Vec3> to_openmm(const Vectors& columns);
 
 }  // namespace taut

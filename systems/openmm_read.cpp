@@ -6,6 +6,7 @@
 #include <array>
 
 #include "md/errors.hpp"
+#include "systems/openmm_custom.hpp"
 #include "systems/openmm_files.hpp"
 #include "systems/whole_molecules.hpp"
 
@@ -15,8 +16,9 @@
 namespace taut {
 namespace {
 
-constexpr std::array kKnownForces = {"HarmonicBondForce", "HarmonicAngleForce", "PeriodicTorsionForce",
-                                     "RBTorsionForce",    "NonbondedForce",     "CMMotionRemover"};
+constexpr std::array kKnownForces = {"HarmonicBondForce", "HarmonicAngleForce",  "PeriodicTorsionForce",
+                                     "RBTorsionForce",    "NonbondedForce",      "CMMotionRemover",
+                                     "CustomBondForce",   "CustomExternalForce", "CustomNonbondedForce"};
 
 // One force of the file, to say what is wrong with it.
 class Origin {
@@ -131,6 +133,14 @@ bool try_add(const OpenMM::Force& force, const Origin& origin, OpenMMInput& inpu
   return known != nullptr;
 }
 
+bool try_add_custom(const OpenMM::Force& force, const Origin& origin, OpenMMInput& input) {
+  try {
+    return read_custom_force(force, input.system, input.terms);
+  } catch (const InputError& e) {
+    origin.refuse(e.what());
+  }
+}
+
 // Before OpenMM reads them: it may lack the plug-in of a force taut lacks.
 void refuse_unknown_forces(const OpenMMFile& file) {
   for (int k = 0; k < static_cast<int>(file.forces.size()); ++k)
@@ -148,7 +158,8 @@ void add_forces(const OpenMMFile& file, const OpenMM::System& system, OpenMMInpu
                        try_add<OpenMM::PeriodicTorsionForce>(force, origin, input) ||
                        try_add<OpenMM::RBTorsionForce>(force, origin, input) ||
                        try_add<OpenMM::NonbondedForce>(force, origin, input) ||
-                       try_add<OpenMM::CMMotionRemover>(force, origin, input);
+                       try_add<OpenMM::CMMotionRemover>(force, origin, input) ||
+                       try_add_custom(force, origin, input);
     if (!added) origin.refuse("is not one taut knows");
   }
 }

@@ -3,10 +3,13 @@
 #include <OpenMM.h>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <map>
 #include <mutex>
 #include <vector>
 
 #include "md/errors.hpp"
+#include "systems/openmm_export.hpp"
 #include "systems/openmm_files.hpp"
 
 namespace taut {
@@ -36,46 +39,101 @@ OpenMM::Platform& platform_by_name(const std::string& name) {
   }
 }
 
-std::vector<OpenMM::Vec3> to_openmm(const Vectors& from) {
-  std::vector<OpenMM::Vec3> to;
-  to.reserve(from.cols());
-  for (const auto& c : from.colwise()) to.emplace_back(c.x(), c.y(), c.z());
-  return to;
+// Removed where the caller asks for momentum to be left alone: VerletIntegrator would heed it.
+void drop_momentum_removers(OpenMM::System& system) {
+  for (int k = system.getNumForces() - 1; k >= 0; --k)
+    if (dynamic_cast<const OpenMM::CMMotionRemover*>(&system.getForce(k)) != nullptr) system.removeForce(k);
+}
+
+std::unique_ptr<OpenMM::Integrator> make_integrator(const TwinSettings& settings) {
+  std::unique_ptr<OpenMM::Integrator> integrator;
+  if (settings.integrator == TwinIntegrator::kVerlet) {
+    integrator = std::make_unique<OpenMM::VerletIntegrator>(settings.h);
+  } else {
+    auto twin = std::make_unique<OpenMM::CustomIntegrator>(settings.h);
+    build_integrator(*twin);
+    integrator = std::move(twin);
+  }
+  integrator->setConstraintTolerance(settings.constraint_tolerance);
+  return integrator;
+}
+
+std::string on_one_line(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
 }
 
 }  // namespace
 
 struct OpenMMTwin::Impl {
+  TwinSettings settings;
   std::unique_ptr<OpenMM::System> system;
-  OpenMM::CustomIntegrator integrator;
+  std::unique_ptr<OpenMM::Integrator> integrator;
   std::unique_ptr<OpenMM::Context> context;  // last, so that it goes first
 
   OpenMM::State get(int what) const { return context->getState(what); }
+  Vectors velocities() const { return from_openmm(get(OpenMM::State::Velocities).getVelocities()); }
+  Vectors forces() const { return from_openmm(get(OpenMM::State::Forces).getForces()); }
+
+  bool lags() const { return settings.integrator == TwinIntegrator::kVerlet; }
+
+  // v + share·hf/m
+  Vectors kicked(Vectors v, double share) const {
+    const Vectors f = forces();
+    for (int a = 0; a < v.cols(); ++a)
+      if (const double mass = system->getParticleMass(a); mass > 0)
+        v.col(a) += share * settings.h / mass * f.col(a);
+    return v;
+  }
+
+  // P(v_{n−½} + ½hf_n/m)
+  Vectors full_step_velocities() const {
+    const Vectors kept = velocities();
+    context->setVelocities(to_openmm(kicked(kept, 0.5)));
+    context->applyVelocityConstraints(settings.constraint_tolerance);
+    Vectors v = velocities();
+    context->setVelocities(to_openmm(kept));
+    return v;
+  }
 };
 
-OpenMMTwin::OpenMMTwin(const std::filesystem::path& system_xml, const std::filesystem::path& state_xml,
-                       double h, double constraint_tolerance, const std::string& platform)
-    : impl_(new Impl{{}, OpenMM::CustomIntegrator(h), {}}) {
-  const OpenMMFile system_file = open_openmm_file(system_xml, "System");
-  const OpenMMFile state_file = open_openmm_file(state_xml, "State");
-  impl_->system = read_system(system_file);
-  const auto start = read_state(state_file, impl_->system->getNumParticles());
-
-  build_integrator(impl_->integrator);
-  impl_->integrator.setConstraintTolerance(constraint_tolerance);
+void OpenMMTwin::start(std::unique_ptr<OpenMM::System> system, const TwinSettings& settings) {
+  drop_momentum_removers(*system);
+  impl_.reset(new Impl{settings, std::move(system), make_integrator(settings), {}});
+  std::map<std::string, std::string> properties;
+  if (settings.platform == "CPU" && settings.threads > 0)
+    properties["Threads"] = std::to_string(settings.threads);
+  OpenMM::Platform& platform = platform_by_name(settings.platform);
   try {
     impl_->context =
-        std::make_unique<OpenMM::Context>(*impl_->system, impl_->integrator, platform_by_name(platform));
+        std::make_unique<OpenMM::Context>(*impl_->system, *impl_->integrator, platform, properties);
   } catch (const OpenMM::OpenMMException& e) {
-    system_file.refuse(fmt::format("OpenMM cannot run it: {}", e.what()));
+    throw InputError(fmt::format("OpenMM cannot run it: {}", on_one_line(e.what())));
+  }
+}
+
+OpenMMTwin::OpenMMTwin(const std::filesystem::path& system_xml, const std::filesystem::path& state_xml,
+                       const TwinSettings& settings) {
+  const OpenMMFile system_file = open_openmm_file(system_xml, "System");
+  const OpenMMFile state_file = open_openmm_file(state_xml, "State");
+  auto system = read_system(system_file);
+  const auto from = read_state(state_file, system->getNumParticles());
+  try {
+    start(std::move(system), settings);
+  } catch (const InputError& e) {
+    system_file.refuse(e.what());
   }
   OpenMM::Vec3 a, b, c;
-  start->getPeriodicBoxVectors(a, b, c);
+  from->getPeriodicBoxVectors(a, b, c);
   impl_->context->setPeriodicBoxVectors(a, b, c);
-  impl_->context->setTime(start->getTime());
-  impl_->context->setPositions(start->getPositions());
-  if (start->getDataTypes() & OpenMM::State::Velocities)
-    impl_->context->setVelocities(start->getVelocities());
+  impl_->context->setTime(from->getTime());
+  impl_->context->setPositions(from->getPositions());
+  if (from->getDataTypes() & OpenMM::State::Velocities) impl_->context->setVelocities(from->getVelocities());
+}
+
+OpenMMTwin::OpenMMTwin(const OpenMMInput& input, const TwinSettings& settings) {
+  start(make_openmm_system(input), settings);
+  set(input.start);
 }
 
 OpenMMTwin::~OpenMMTwin() = default;
@@ -83,12 +141,12 @@ OpenMMTwin::~OpenMMTwin() = default;
 void OpenMMTwin::set(const State& s) {
   impl_->context->setTime(s.t);
   impl_->context->setPositions(to_openmm(s.x));
-  impl_->context->setVelocities(to_openmm(s.v));
+  impl_->context->setVelocities(to_openmm(impl_->lags() ? impl_->kicked(s.v, -0.5) : s.v));
 }
 
 void OpenMMTwin::step(int n) {
   try {
-    impl_->integrator.step(n);
+    impl_->integrator->step(n);
   } catch (const OpenMM::OpenMMException& e) {
     throw SimulationFailure(fmt::format("OpenMM, run beside taut, stopped: {}", e.what()));
   }
@@ -96,9 +154,13 @@ void OpenMMTwin::step(int n) {
 
 State OpenMMTwin::state() const {
   using OpenMM::State;
-  const State s = impl_->get(State::Positions | State::Velocities | State::Forces);
-  return {from_openmm(s.getPositions()), from_openmm(s.getVelocities()), from_openmm(s.getForces()),
-          s.getTime()};
+  const State s = impl_->get(State::Positions | State::Forces);
+  return {from_openmm(s.getPositions()), impl_->lags() ? impl_->full_step_velocities() : impl_->velocities(),
+          from_openmm(s.getForces()), s.getTime()};
+}
+
+Vectors OpenMMTwin::kept_velocities() const {
+  return impl_->velocities();
 }
 
 double OpenMMTwin::potential() const {
@@ -110,6 +172,10 @@ double OpenMMTwin::forces_at(const Vectors& x, Vectors& f) {
   const OpenMM::State s = impl_->get(OpenMM::State::Forces | OpenMM::State::Energy);
   f = from_openmm(s.getForces());
   return s.getPotentialEnergy();
+}
+
+std::string openmm_version() {
+  return OpenMM::Platform::getOpenMMVersion();
 }
 
 }  // namespace taut

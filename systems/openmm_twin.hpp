@@ -6,35 +6,62 @@
 
 #include "md/state.hpp"
 
+namespace OpenMM {
+class System;
+}
+
 namespace taut {
 
-// OpenMM itself, run beside taut as a witness.
+struct OpenMMInput;  // openmm_read.hpp
+
+// Integrators the twin can run.
 //
-// Integrator: the true twin of our RATTLE, a CustomIntegrator (OpenMM's own Verlet is leap-frog):
+// kRattle: the true twin of our RATTLE, a CustomIntegrator:
 //   v += ½hf/m; x += hv; x1 = x; constrain positions; v += ½hf/m + (x−x1)/h; constrain velocities.
-// It never removes the momentum, even where the file has a CMMotionRemover.
+// kVerlet: OpenMM's own VerletIntegrator, which is leap-frog: it keeps v_{n−½}. Started from
+//   v_{−½} = v₀ − ½hf₀/m  it takes RATTLE's very positions (what lies along the bonds is projected out in
+// either), and RATTLE's velocity is  v_n = P(v_{n−½} + ½hf_n/m), P taking out the part along the bonds.
+enum class TwinIntegrator { kRattle, kVerlet };
+
+struct TwinSettings {
+  double h;                             // [ps]
+  double constraint_tolerance = 1e-12;  // relative for positions; for velocities, absolute
+  std::string platform =
+      "Reference";  // in double precision, for parity; CPU, pair forces in single, for speed
+  TwinIntegrator integrator = TwinIntegrator::kRattle;
+  int threads = 0;  // of the CPU platform; 0: as OpenMM chooses
+};
+
+// OpenMM itself, run beside taut as a witness. It never removes the momentum, even where the file has a
+// CMMotionRemover.
 // Its floor: OpenMM's SETTLE, for rigid water, holds distances as float (6e-8 relative); its CCMA, for all
 // other bonds, stops after 150 iterations without a word.
 class OpenMMTwin {
  public:
-  // Reads the same two files as import_openmm and starts at the State as it is: molecules broken across the
-  // box stay broken until set(). `h` [ps], `constraint_tolerance` relative. Platforms: Reference, in double
-  // precision, for parity; CPU, whose pair forces are single precision, for speed.
-  OpenMMTwin(const std::filesystem::path& system_xml, const std::filesystem::path& state_xml, double h,
-             double constraint_tolerance = 1e-12, const std::string& platform = "Reference");
+  // Reads the same two files as import_openmm and starts at the State as it is, with its velocities taken for
+  // those of the integrator: molecules broken across the box stay broken until set().
+  OpenMMTwin(const std::filesystem::path& system_xml, const std::filesystem::path& state_xml,
+             const TwinSettings& settings);
+  // The same system built in memory. Throws InputError for what OpenMM cannot express or rejects.
+  OpenMMTwin(const OpenMMInput& input, const TwinSettings& settings);
   ~OpenMMTwin();
 
-  void set(const State& s);  // positions, velocities and time; nothing is constrained
+  void set(const State& s);  // positions, full-step velocities and time; nothing is constrained
   void step(int n);
-  State state() const;       // x (unwrapped), v, t, f: OpenMM's forces, without constraint forces
-  double potential() const;  // [kJ/mol]
+  State state() const;  // x (unwrapped), full-step v, t, f: OpenMM's forces, without constraint forces
+  Vectors kept_velocities() const;  // as the integrator keeps them: kVerlet's lag by half a step [nm/ps]
+  double potential() const;         // [kJ/mol]
 
   // Leaves the twin at x, writes the forces there into f, returns the potential [kJ/mol].
   double forces_at(const Vectors& x, Vectors& f);
 
  private:
+  void start(std::unique_ptr<OpenMM::System> system, const TwinSettings& settings);
+
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+std::string openmm_version();
 
 }  // namespace taut

@@ -12,7 +12,7 @@ namespace {
 
 TEST(OpenMMAbsent, NamesThePackage) {
   EXPECT_FALSE(built_with_openmm());
-  EXPECT_THROW(OpenMMTwin("a.xml", "b.xml", 0.001), InputError);
+  EXPECT_THROW(OpenMMTwin("a.xml", "b.xml", {0.001}), InputError);
   try {
     import_openmm("a.xml", "b.xml");
     FAIL();

@@ -38,7 +38,7 @@ void expect_parity(const Files& files) {
   OpenMMInput input = read_openmm(files.system, files.state);
   ForceField forces(input.system, input.terms);
   forces(input.system, input.start);
-  const OpenMMTwin twin(files.system, files.state, 0.001);
+  const OpenMMTwin twin(files.system, files.state, {0.001});
   expect_agreement(forces.potential(), input.start.f, twin.potential(), twin.state().f);
 }
 
@@ -160,7 +160,7 @@ TEST(OpenMMTwinTest, GivesForcesAnywhere) {
   Melt melt(11);
   const Folder folder;
   const Files files = melt.write(folder);
-  OpenMMTwin twin(files.system, files.state, 0.001);
+  OpenMMTwin twin(files.system, files.state, {0.001});
   OpenMMInput input = read_openmm(files.system, files.state);
   input.start.x(1, 5) += 0.01;
   Vectors f;
@@ -172,10 +172,10 @@ TEST(OpenMMTwinTest, GivesForcesAnywhere) {
 
 TEST(OpenMMTwinTest, RunsOnThePlatformAskedFor) {
   const Files files = data("tip3p-216");
-  const OpenMMTwin reference(files.system, files.state, 0.001);
-  const OpenMMTwin cpu(files.system, files.state, 0.001, 1e-6, "CPU");
+  const OpenMMTwin reference(files.system, files.state, {0.001});
+  const OpenMMTwin cpu(files.system, files.state, {0.001, 1e-6, "CPU"});
   EXPECT_NEAR(cpu.potential(), reference.potential(), 1e-5 * std::abs(reference.potential()));
-  EXPECT_THROW(OpenMMTwin(files.system, files.state, 0.001, 1e-6, "Abacus"), InputError);
+  EXPECT_THROW(OpenMMTwin(files.system, files.state, {0.001, 1e-6, "Abacus"}), InputError);
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ Apart apart_after(const Files& files, int steps) {
   State& s = scene.start;
   initialize(sys, forces, rattle, s);
 
-  OpenMMTwin twin(files.system, files.state, h);
+  OpenMMTwin twin(files.system, files.state, {h});
   twin.set(s);
   twin.step(steps);
   for (int n = 0; n < steps; ++n) EXPECT_TRUE(step(sys, forces, rattle, h, s).converged());
