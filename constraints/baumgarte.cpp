@@ -9,15 +9,9 @@ namespace taut {
 
 Baumgarte::Baumgarte(const System& sys, const Options& options, double h)
     : damping_(damping_named(options.damping)),
-      gains_(choose_gains({.name = options.gains,
-                           .alpha_per_ps = options.alpha_per_ps,
-                           .beta_per_ps = options.beta_per_ps,
-                           .reduction = options.reduction,
-                           .stiffness = options.stiffness},
-                          damping_, sys, h)),
+      gains_(choose_gains(options.choice(), damping_, sys, h)),
       passes_(options.passes),
       sweeps_(options.sweeps),
-      h_(h),
       solver_(sys),
       r_(3, sys.bond_count()),
       w_ij_(3, sys.bond_count()),
@@ -26,10 +20,8 @@ Baumgarte::Baumgarte(const System& sys, const Options& options, double h)
       known_(sys.bond_count()),
       wanted_(sys.bond_count()),
       lambda_(Eigen::VectorXd::Zero(sys.bond_count())),
-      before_(lambda_) {
-  if (passes_ < 1) throw InputError(fmt::format("method.passes: {}, expected 1 or more", passes_));
-  if (sweeps_ < 0) throw InputError(fmt::format("method.sweeps: {}, expected 0 or more", sweeps_));
-}
+      before_(lambda_),
+      setting_(describe_baumgarte(options, gains_, h)) {}
 
 // λ* = λ₁ + (λ₁ − λ₂)/3; λ₁ while there is no λ₂.
 void Baumgarte::guess_lambda() {
@@ -98,16 +90,19 @@ SolveStats Baumgarte::add_forces(const System& sys, double h, State& s) {
   return {sweeps_ > 0 ? passes_ * sweeps_ : passes_, residual.value, residual.bond};
 }
 
-std::string Baumgarte::setting() const {
-  if (gains_.empty()) return "no bonds";
-  const auto [alpha, beta] = gains_.front();
-  const int count = sweeps_ > 0 ? passes_ * sweeps_ : passes_;
-  const bool alike = std::all_of(
-      gains_.begin(), gains_.end(),
-      [&, alpha = alpha, beta = beta](const Gains& g) { return g.alpha == alpha && g.beta == beta; });
+std::string describe_baumgarte(const Baumgarte::Options& options, const std::vector<Gains>& gains, double h) {
+  const auto& [passes, sweeps] = std::tie(options.passes, options.sweeps);
+  if (passes < 1) throw InputError(fmt::format("method.passes: {}, expected 1 or more", passes));
+  if (sweeps < 0) throw InputError(fmt::format("method.sweeps: {}, expected 0 or more", sweeps));
+  if (gains.empty()) return "no bonds";
+  const auto [alpha, beta] = gains.front();
+  const int count = sweeps > 0 ? passes * sweeps : passes;
+  const bool alike = std::all_of(gains.begin(), gains.end(), [&, alpha = alpha, beta = beta](const Gains& g) {
+    return g.alpha == alpha && g.beta == beta;
+  });
   return fmt::format("α {:.6g}/ps, β {:.6g}/ps (αh {:.4g}, βh {:.4g}){}, {} damping, {} {}{} a step", alpha,
-                     beta, alpha * h_, beta * h_, alike ? "" : " on the first bond", name_of(damping_), count,
-                     sweeps_ > 0 ? "sweep" : "solve", count == 1 ? "" : "s");
+                     beta, alpha * h, beta * h, alike ? "" : " on the first bond", options.damping, count,
+                     sweeps > 0 ? "sweep" : "solve", count == 1 ? "" : "s");
 }
 
 }  // namespace taut

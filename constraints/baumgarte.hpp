@@ -53,6 +53,13 @@ class Baumgarte : public EmptyGaps {
       visit("passes", passes, "solves a step");
       visit("sweeps", sweeps, "more than 0: so many sweeps from λ* in place of a factorization");
     }
+    GainChoice choice() const {
+      return {.name = gains,
+              .alpha_per_ps = alpha_per_ps,
+              .beta_per_ps = beta_per_ps,
+              .reduction = reduction,
+              .stiffness = stiffness};
+    }
   };
 
   Baumgarte(const System& sys, const Options& options, double h);
@@ -61,7 +68,7 @@ class Baumgarte : public EmptyGaps {
 
   const Eigen::VectorXd& lambda() const { return lambda_; }
   double promised_error() const { return std::numeric_limits<double>::infinity(); }
-  std::string setting() const;
+  const std::string& setting() const { return setting_; }
 
  private:
   void guess_lambda();
@@ -70,13 +77,16 @@ class Baumgarte : public EmptyGaps {
   Damping damping_;
   std::vector<Gains> gains_;  // m
   int passes_, sweeps_;
-  double h_;
   DirectSolver solver_;
   Vectors r_, w_ij_, a_ij_;          // 3 × m, a_ij without constraint forces
   Vectors y_;                        // 3 × n, M⁻¹Jᵀλ
   Eigen::VectorXd known_, wanted_;   // m
   Eigen::VectorXd lambda_, before_;  // m, of the last two steps
   int steps_ = 0;                    // how many of them there are
+  std::string setting_;
 };
+
+// Gains, damping and solves of a run in one line. Throws InputError for numbers of solves out of range.
+std::string describe_baumgarte(const Baumgarte::Options& options, const std::vector<Gains>& gains, double h);
 
 }  // namespace taut

@@ -5,15 +5,13 @@
 #include <variant>
 #include <vector>
 
-#include "constraints/baumgarte.hpp"
-#include "constraints/feedforward.hpp"
+#include "constraints/batched_baumgarte.hpp"
+#include "constraints/batched_feedforward.hpp"
+#include "constraints/batched_newton.hpp"
+#include "constraints/batched_settle.hpp"
+#include "constraints/batched_sweeps.hpp"
 #include "constraints/lincs.hpp"
-#include "constraints/newton.hpp"
-#include "constraints/none.hpp"
 #include "constraints/penalty.hpp"
-#include "constraints/rattle.hpp"
-#include "constraints/settle.hpp"
-#include "constraints/shake.hpp"
 
 namespace taut {
 
@@ -27,12 +25,15 @@ namespace taut {
 //   const Eigen::VectorXd& lambda() const     the multipliers of the last step, f_c = Jᵀλ
 //   double promised_error() const             the relative bond error it answers for; infinity: none
 //   std::string setting() const               gains, tolerance, ... as the run's header prints them
+// Batched<M> is M at the speed of the machine (batched.hpp); M itself, plain and readable, gives the same to
+// round-off.
 template <class... Ms>
 struct MethodList {
   using Method = std::variant<Ms...>;
   using Options = std::variant<typename Ms::Options...>;
 };
-using Methods = MethodList<None, Penalty, Baumgarte, Feedforward, Shake, Rattle, Newton, Lincs, Settle>;
+using Methods = MethodList<Batched<None>, Penalty, Batched<Baumgarte>, Batched<Feedforward>, Batched<Shake>,
+                           Batched<Rattle>, Batched<Newton>, Lincs, Batched<Settle>>;
 
 using Method = Methods::Method;
 using MethodOptions = Methods::Options;

@@ -14,8 +14,11 @@ class None : public Baumgarte {
     void describe(auto&&) {}
   };
 
-  None(const System& sys, const Options&, double h)
-      : Baumgarte(sys, {.gains = "numbers", .alpha_per_ps = 0, .beta_per_ps = 0}, h) {}
+  static Baumgarte::Options without_gains() {
+    return {.gains = "numbers", .alpha_per_ps = 0, .beta_per_ps = 0};
+  }
+
+  None(const System& sys, const Options&, double h) : Baumgarte(sys, without_gains(), h) {}
   std::string setting() const { return "no correction"; }
 };
 

@@ -21,6 +21,14 @@ class Settle : public EmptyGaps {
     void describe(auto&&) {}
   };
 
+  struct Water {
+    int apex, left, right;     // atoms
+    std::array<int, 3> bonds;  // apex–left, apex–right, left–right
+    double ra, rb, rc;         // apex to centre of mass, that to the base line, half the base [nm]
+  };
+  // Throws InputError for any bond that is not part of one.
+  static std::vector<Water> find_waters(const System& sys);
+
   Settle(const System& sys, const Options& options, double h);
 
   SolveStats project_positions(const System& sys, double h, State& s);
@@ -31,12 +39,6 @@ class Settle : public EmptyGaps {
   std::string setting() const;
 
  private:
-  struct Water {
-    int apex, left, right;     // atoms
-    std::array<int, 3> bonds;  // apex–left, apex–right, left–right
-    double ra, rb, rc;         // apex to centre of mass, that to the base line, half the base [nm]
-  };
-  static std::vector<Water> find_waters(const System& sys);
   bool reset(const Water& water, const System& sys, double h, State& s) const;
 
   std::vector<Water> waters_;

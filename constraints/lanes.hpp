@@ -1,0 +1,129 @@
+#pragma once
+
+#include <hwy/aligned_allocator.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <vector>
+
+#include "constraints/bond_clusters.hpp"
+#include "constraints/elimination.hpp"
+#include "constraints/threads.hpp"
+#include "md/step.hpp"
+
+namespace taut {
+
+// Equal clusters side by side: cluster 8g + l of a batch is lane l of its group g. A row is one number of
+// each of a group's clusters; rows of a group follow each other in memory. Machines with narrower vectors
+// take a group in parts.
+inline constexpr int kLanes = 8;
+
+// A bond as the kernels want it.
+struct LaneBond {
+  int i, j;  // rows of its atoms' first coordinates
+  double inv_mass_i, inv_mass_j;
+  double reduced_inv_mass;  // 1/m_i + 1/m_j
+  double length2;           // d²
+  double half_inv_length2;  // 1/(2d²)
+  double least_pivot;       // below it the bond depends on others
+};
+
+// A batch, its bonds in the order they are worked on.
+struct LaneBatch {
+  LaneBatch(const ClusterBatch& batch, const std::vector<int>& bond_order);
+
+  int atoms, clusters, groups;
+  std::vector<double> inv_mass;  // atoms
+  std::vector<LaneBond> bonds;
+  // Of each group and lane: 3 × the first atom, where every cluster's atoms follow each other; else 3 × each
+  // atom, [group][atom][lane]. Lanes left over in the last group repeat the last cluster.
+  bool contiguous;
+  std::vector<int> place;
+  std::vector<int> bond_index;  // [group][bond][lane], as the system numbers them
+
+  int bond_count() const { return static_cast<int>(bonds.size()); }
+  int filled(int group) const { return std::min(kLanes, clusters - group * kLanes); }
+  const int* places(int group) const { return place.data() + group * kLanes * (contiguous ? 1 : atoms); }
+  int bond(int group, int k, int lane) const {
+    return bond_index[(group * bonds.size() + k) * kLanes + lane];
+  }
+};
+
+// Rows kept from step to step, so many for each group of each batch.
+class LaneRows {
+ public:
+  LaneRows() = default;
+  LaneRows(int groups, int rows_of_group);  // zeros
+
+  double* of(int group) { return rows_.get() + static_cast<std::size_t>(group) * size_of_group_; }
+  const double* of(int group) const { return rows_.get() + static_cast<std::size_t>(group) * size_of_group_; }
+  void swap(LaneRows& other) noexcept;
+
+ private:
+  hwy::AlignedFreeUniquePtr<double[]> rows_;
+  std::size_t size_of_group_ = 0;
+};
+
+// Scatters one row a bond of every group to a number a bond of the system.
+void rows_to_bonds(const LaneBatch& batch, const LaneRows& rows, Eigen::VectorXd& values);
+
+// More rows than any kernel needs at once.
+inline int scratch_rows(const LaneBatch& batch, const Elimination& plan) {
+  return 9 * batch.atoms + 9 * plan.size() + 2 * plan.entries();
+}
+
+// Splits groups of several batches over threads and gives each thread scratch of its own.
+class LaneRunner {
+ public:
+  // scratch_rows: as many rows as a kernel needs at once.
+  void add(const LaneBatch& batch, int scratch_rows);
+
+  // work(batch, group begin, group end, scratch) → SolveStats; the worst of them all is returned, and the
+  // most iterations.
+  template <class Work>
+  SolveStats run(const Work& work) {
+    const int threads = static_cast<int>(
+        std::clamp(work_before_.back() / kBondsOfThread, 1L, static_cast<long>(most_threads())));
+    reserve(threads);
+    run_on_threads(threads, [&](int t) {
+      SolveStats stats;
+      const int begin = share(t, threads), end = share(t + 1, threads);
+      for (std::size_t b = 0; b + 1 < first_group_.size(); ++b) {
+        const int from = std::max(begin, first_group_[b]), to = std::min(end, first_group_[b + 1]);
+        if (from < to)
+          merge(stats,
+                work(static_cast<int>(b), from - first_group_[b], to - first_group_[b], scratch_[t].get()));
+      }
+      stats_[t] = stats;
+    });
+    SolveStats all;
+    for (int t = 0; t < threads; ++t) merge(all, stats_[t]);
+    return all;
+  }
+
+  // The first failure or the largest residual (a NaN is largest), the most iterations.
+  static void merge(SolveStats& into, const SolveStats& other) {
+    into.iterations = std::max(into.iterations, other.iterations);
+    if (!into.converged()) return;
+    const bool worse = !(other.max_residual <= into.max_residual) && into.max_residual == into.max_residual;
+    if (other.converged() && !worse) return;
+    into.max_residual = other.max_residual;
+    into.worst_bond = other.worst_bond;
+    into.failure = other.failure;
+  }
+
+ private:
+  static constexpr long kBondsOfThread = 4096;  // fewer are not worth waking a thread for
+
+  int share(int t, int threads) const;  // the first group of thread t
+  void reserve(int threads);
+
+  // Before each batch, and after the last: how many groups, and lanes × bonds.
+  std::vector<int> first_group_ = {0};
+  std::vector<long> work_before_ = {0};
+  int scratch_rows_ = 0;
+  std::vector<hwy::AlignedFreeUniquePtr<double[]>> scratch_;  // a thread each
+  std::vector<SolveStats> stats_;
+};
+
+}  // namespace taut

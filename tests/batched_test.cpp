@@ -1,0 +1,253 @@
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "constraints/elimination.hpp"
+#include "constraints/methods.hpp"
+#include "constraints/projection.hpp"
+#include "free_system.hpp"
+
+namespace taut {
+namespace {
+
+using testing::Start;
+
+// Several starts as one system, the k-th moved aside by 3k, and its atoms renumbered by `order` of all atoms.
+Start together(const std::vector<Start>& parts, const std::vector<int>& order = {}) {
+  int atoms = 0;
+  for (const Start& part : parts) atoms += part.system.atoms();
+  std::vector<int> place(atoms);
+  std::iota(place.begin(), place.end(), 0);
+  if (!order.empty()) place = order;
+  Start all;
+  all.state.x.resize(3, atoms);
+  all.state.v.resize(3, atoms);
+  all.state.f = Vectors::Zero(3, atoms);
+  Eigen::VectorXd mass(atoms);
+  std::vector<RigidBond> bonds;
+  int first = 0;
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    const auto& [sys, s] = parts[p];
+    for (int a = 0; a < sys.atoms(); ++a) {
+      all.state.x.col(place[first + a]) = s.x.col(a) + Vec3(3.0 * static_cast<double>(p), 0, 0);
+      all.state.v.col(place[first + a]) = s.v.col(a);
+      mass[place[first + a]] = sys.mass[a];
+    }
+    for (const auto& [i, j, d] : sys.bonds) bonds.push_back({place[first + i], place[first + j], d});
+    first += sys.atoms();
+  }
+  all.system = make_system(std::move(mass), std::move(bonds));
+  return all;
+}
+
+std::vector<Start> chains(int count, int beads, std::uint64_t seed) {
+  std::vector<Start> chains;
+  for (int c = 0; c < count; ++c) chains.push_back(testing::free_chain(beads, seed + c));
+  return chains;
+}
+
+// Hexagons, puckered and turning; every second one with an arm.
+std::vector<Start> rings(int count) {
+  std::vector<Start> rings;
+  for (int c = 0; c < count; ++c) {
+    Start start = testing::free_chain(7, 30 + c);
+    for (int i = 0; i < 6; ++i)
+      start.state.x.col(i) << std::cos(M_PI * i / 3), std::sin(M_PI * i / 3), 0.1 * (i % 2);
+    start.state.x.col(6) << 2, 0.1, 0.1 * c;
+    auto bonds = start.system.bonds;
+    bonds.pop_back();
+    bonds.push_back({5, 0, 1.0});
+    if (c % 2 == 0) bonds.push_back({6, 0, 1.0});
+    Eigen::VectorXd mass = start.system.mass;
+    mass[3] = 4;
+    start.system = make_system(mass, bonds);
+    rings.push_back(start);
+  }
+  return rings;
+}
+
+// A centre of mass 20 with three arms, the last of two bonds.
+std::vector<Start> trees(int count) {
+  std::vector<Start> trees;
+  for (int c = 0; c < count; ++c) {
+    Start start = testing::free_chain(5, 50 + c);
+    start.state.x << 0, 1, -0.5, -0.5, -1.1, 0, 0, 0.87, -0.87, -0.9, 0, 0.1, 0, 0, 0.8;
+    Eigen::VectorXd mass(5);
+    mass << 20, 1, 2, 1, 1;
+    start.system = make_system(mass, {{0, 1, 1}, {2, 0, 1}, {0, 3, 1}, {4, 3, 1}});
+    trees.push_back(start);
+  }
+  return trees;
+}
+
+std::vector<Start> pinned_chains(int count) {
+  std::vector<Start> pinned = chains(count, 5, 70);
+  for (Start& start : pinned) {
+    Eigen::VectorXd mass = start.system.mass;
+    mass[0] = 0;
+    start.state.v.col(0).setZero();
+    start.system = make_system(mass, start.system.bonds);
+  }
+  return pinned;
+}
+
+// Every number of lanes left over, atoms that follow each other and atoms that do not.
+std::vector<std::pair<const char*, Start>> cases() {
+  const Start mixed = together({testing::waters(3, 1, 300), testing::free_chain(4, 2), testing::rotor(2)});
+  std::vector<int> odd_and_even(40);
+  for (int a = 0; a < 40; ++a) odd_and_even[a] = a % 2 == 0 ? a / 2 : 20 + a / 2;
+  return {{"one chain", testing::free_chain(20, 1)},
+          {"eleven chains of 20", together(chains(11, 21, 1))},
+          {"thirteen dumbbells", together(chains(13, 2, 3))},
+          {"chains with scattered atoms", together(chains(10, 4, 5), odd_and_even)},
+          {"rings with and without an arm", together(rings(10))},
+          {"trees", together(trees(9))},
+          {"waters", testing::waters(21, 3, 300)},
+          {"pinned chains", together(pinned_chains(3))},
+          {"mixed", mixed}};
+}
+
+// Runs both side by side from the same start.
+template <class Fast>
+void compare(const Start& start, const typename Fast::Options& options, double tolerance) {
+  using Plain = typename Fast::Witness;
+  constexpr double h = 0.001;
+  const System& sys = start.system;
+  Fast fast(sys, options, h);
+  Plain plain(sys, options, h);
+  State a = start.state, b = start.state;
+  testing::UniformForce forces{Vec3(1, 2, -9.81)};
+  initialize(sys, forces, fast, a);
+  initialize(sys, forces, plain, b);
+  for (int n = 0; n < 12; ++n) {
+    const SolveStats got = step(sys, forces, fast, h, a), want = step(sys, forces, plain, h, b);
+    ASSERT_TRUE(got.converged() && want.converged());
+    EXPECT_NEAR(got.max_residual, want.max_residual, tolerance + 1e-6 * want.max_residual);
+    if (want.max_residual > 1e3 * tolerance) {
+      EXPECT_EQ(got.worst_bond, want.worst_bond);
+    }
+    EXPECT_NEAR(got.iterations, want.iterations, 1);
+  }
+  const double lambda = 1 + plain.lambda().cwiseAbs().maxCoeff();
+  EXPECT_LT((a.x - b.x).cwiseAbs().maxCoeff(), 10 * tolerance);
+  EXPECT_LT((a.v - b.v).cwiseAbs().maxCoeff(), 10 * tolerance / h);
+  EXPECT_LT((a.f - b.f).cwiseAbs().maxCoeff(), 1e4 * tolerance * lambda);
+  EXPECT_LT((fast.lambda() - plain.lambda()).cwiseAbs().maxCoeff(), 1e4 * tolerance * lambda);
+  EXPECT_EQ(fast.setting(), plain.setting());
+  EXPECT_EQ(fast.promised_error(), plain.promised_error());
+}
+
+template <class Fast>
+void compare_all(const typename Fast::Options& options, double tolerance) {
+  for (const auto& [name, start] : cases()) {
+    SCOPED_TRACE(name);
+    compare<Fast>(start, options, tolerance);
+  }
+}
+
+TEST(Batched, NoneIsThePlainNone) {
+  compare_all<Batched<None>>({}, 1e-12);
+}
+
+TEST(Batched, BaumgarteIsThePlainBaumgarte) {
+  for (const char* damping : {"centred", "implicit", "lagged"})
+    for (int passes : {1, 3}) {
+      SCOPED_TRACE(damping);
+      compare_all<Batched<Baumgarte>>(
+          {.gains = "numbers", .damping = damping, .alpha_per_ps = 300, .beta_per_ps = 900, .passes = passes},
+          1e-12);
+    }
+  compare_all<Batched<Baumgarte>>({}, 1e-12);
+  compare_all<Batched<Baumgarte>>({.sweeps = 3}, 1e-12);
+}
+
+TEST(Batched, FeedforwardIsThePlainFeedforward) {
+  for (int order : {0, 1, 2}) compare_all<Batched<Feedforward>>({.extrapolation = order}, 1e-12);
+  compare_all<Batched<Feedforward>>({.tolerance = 1e-13}, 1e-12);
+}
+
+// Iterated methods agree to what their tolerance leaves.
+TEST(Batched, NewtonIsThePlainNewton) {
+  compare_all<Batched<Newton>>({.tolerance = 1e-12}, 3e-12);
+}
+
+TEST(Batched, RattleIsThePlainRattle) {
+  compare_all<Batched<Rattle>>({.tolerance = 1e-12}, 3e-12);
+  compare_all<Batched<Rattle>>({.sweeps = 3}, 1e-12);
+  compare_all<Batched<Rattle>>({.tolerance = 1e-6, .warm_start = false}, 1e-12);
+}
+
+TEST(Batched, ShakeIsThePlainShake) {
+  compare_all<Batched<Shake>>({.tolerance = 1e-12}, 3e-12);
+  compare_all<Batched<Shake>>({.sweeps = 2}, 1e-12);
+}
+
+TEST(Batched, SettleIsThePlainSettle) {
+  for (int count : {1, 8, 21}) compare<Batched<Settle>>(testing::waters(count, 3, 300), {}, 1e-12);
+  // hydrogens first
+  std::vector<int> turned;
+  for (int w = 0; w < 9; ++w) turned.insert(turned.end(), {3 * w + 2, 3 * w, 3 * w + 1});
+  compare<Batched<Settle>>(together({testing::waters(9, 3, 300)}, turned), {}, 1e-12);
+}
+
+TEST(Batched, NamesTheBondThatTurnedTooFarInItsLane) {
+  std::vector<Start> dumbbells = chains(11, 2, 3);
+  dumbbells[9].state.v *= 1e3;
+  const Start start = together(dumbbells);
+  for (const char* name : {"newton", "rattle", "shake", "feedforward"}) {
+    SCOPED_TRACE(name);
+    Method any = make_method(start.system, default_options(name), 0.01);
+    testing::NoForce forces;
+    State s = start.state;
+    const SolveStats stats = std::visit(
+        [&](auto& method) {
+          SolveStats all = initialize(start.system, forces, method, s);
+          return all += step(start.system, forces, method, 0.01, s);
+        },
+        any);
+    EXPECT_FALSE(stats.converged());
+    EXPECT_EQ(stats.worst_bond, 9);
+  }
+}
+
+// Three bonds in a row on one line, the 1–3 distance held too: A is singular.
+TEST(Batched, NamesABondOfTheClusterThatDependsOnOthers) {
+  Start line = testing::free_chain(3, 1);
+  line.state.x << 0, 1, 2, 0, 0, 0, 0, 0, 0;
+  line.system = make_system(Eigen::VectorXd::Ones(3), {{0, 1, 1}, {1, 2, 1}, {0, 2, 2}});
+  Start start = together({testing::free_chain(4, 2), line});
+  Batched<Baumgarte> method(start.system, {}, 0.01);
+  const SolveStats stats = method.add_forces(start.system, 0.01, start.state);
+  EXPECT_STREQ(stats.failure, "A is singular");
+  EXPECT_GE(stats.worst_bond, 3);
+}
+
+TEST(Batched, ANaNIsTheWorstResidual) {
+  Start start = together(chains(9, 3, 1));
+  start.state.x(1, 3 * 4 + 2) = std::nan("");
+  Batched<Baumgarte> method(start.system, {}, 0.01);
+  const SolveStats stats = method.add_forces(start.system, 0.01, start.state);
+  EXPECT_FALSE(stats.max_residual < 1);
+  EXPECT_EQ(stats.worst_bond, 2 * 4 + 1);
+}
+
+TEST(BondClusters, MoleculesNumberedAlikeFormOneBatch) {
+  const BondClusters found =
+      find_clusters(together({testing::waters(5, 1, 300), testing::waters(2, 2, 300)}).system, 9);
+  ASSERT_EQ(found.batches.size(), 1u);
+  EXPECT_EQ(found.batches[0].count, 7);
+  EXPECT_EQ(found.batches[0].shape.bond_count(), 3);
+  EXPECT_TRUE(found.rest.empty());
+  EXPECT_EQ(find_clusters(testing::free_chain(11, 1).system, 9).rest.size(), 10u);
+}
+
+TEST(Elimination, ChainsGoFromBothEndsWithoutFill) {
+  const BondClusters found = find_clusters(testing::free_chain(8, 1).system, 99);
+  const Elimination plan(found.batches[0].shape);
+  EXPECT_EQ(plan.order, (std::vector<int>{0, 6, 1, 5, 2, 4, 3}));
+  EXPECT_EQ(plan.entries(), 6);
+  EXPECT_TRUE(plan.update.empty());
+}
+
+}  // namespace
+}  // namespace taut
