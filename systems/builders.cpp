@@ -57,12 +57,13 @@ void lay_start(const BuildRequest& request, Scene& scene) {
   scene.notes.clear();
 }
 
-// Each component normal with variance kT/m.
+// Each component normal with variance kT/m; the momentum of the whole is taken out where nothing outside holds or pulls.
 void draw_velocities(double temperature, std::uint64_t seed, Scene& scene) {
   Random random(seed ^ kVelocityStream);
   for (int a = 0; a < scene.system.atoms(); ++a)
     scene.start.v.col(a) =
         random.normal_vector() * std::sqrt(kBoltzmann * temperature * scene.system.inv_mass[a]);
+  if (scene.closed()) remove_momentum(scene.system, scene.start.v);
 }
 
 }  // namespace

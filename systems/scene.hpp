@@ -34,6 +34,11 @@ struct Scene {
   RunSettings run;
   MethodOptions method;
   std::vector<std::string> notes;  // what the reader should know of the start, a line each
+
+  // Nothing outside holds or pulls: the momentum is conserved.
+  bool closed() const {
+    return !terms.gravity && terms.pulls.empty() && (system.mass.array() > 0).all();
+  }
 };
 
 }  // namespace taut

@@ -19,7 +19,7 @@ namespace {
 // Momentum is conserved where nothing outside pulls; it starts at zero where the velocities were so drawn.
 bool momentum_stays_zero(const Scene& scene, const Vectors& v) {
   if (scene.run.remove_momentum_every > 0) return true;
-  if (scene.terms.gravity || !scene.terms.pulls.empty()) return false;
+  if (!scene.closed()) return false;
   const double kinetic = kinetic_energy(scene.system, v);
   return kinetic > 0 &&
          momentum(scene.system, v).norm() < 1e-6 * std::sqrt(2 * kinetic * scene.system.mass.sum());
