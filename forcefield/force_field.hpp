@@ -23,7 +23,9 @@ class ForceField {
 
   void operator()(const System& sys, State& s);  // s.f = F(s.x)
 
-  double potential() const;  // of the last evaluation [kJ/mol]
+  // Of the last evaluation [kJ/mol]. The energies of pairs are summed when first asked for: a step that does
+  // not ask does not pay.
+  double potential() const;
   // the same, a term at a time, only the terms there are: ("angle", 12.3), ...
   std::vector<std::pair<std::string, double>> energies() const;
 

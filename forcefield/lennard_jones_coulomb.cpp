@@ -4,6 +4,7 @@
 #include <limits>
 #include <numeric>
 
+#include "forcefield/exceptions.hpp"
 #include "forcefield/pair_sum.hpp"
 #include "md/units.hpp"
 
@@ -81,13 +82,12 @@ PairRules LennardJonesCoulomb::rules(const Nonbonded& nb) {
 }
 
 LennardJonesCoulomb::LennardJonesCoulomb(const Nonbonded& nb, const Box& box)
-    : box_(box),
+    : exceptions_(interacting(nb.exceptions)),
+      box_(box),
       numbers_{nb.cutoff.value_or(kInfinity), nb.switch_distance.value_or(kInfinity)},
       sorter_(rules(nb)) {
   for (Eigen::Index i = 0; i < nb.charge.size(); ++i)
     atoms_.push_back({std::sqrt(kCoulomb) * nb.charge[i], 0.5 * nb.sigma[i], 2 * std::sqrt(nb.epsilon[i])});
-  for (const auto& e : nb.exceptions)
-    if (e.charge_product != 0 || e.epsilon != 0) exceptions_.push_back(e);
   if (nb.cutoff) {
     const double rc = *nb.cutoff, eps = nb.rf_dielectric;
     numbers_.k_rf = (eps - 1) / ((2 * eps + 1) * rc * rc * rc);
@@ -100,9 +100,9 @@ LennardJonesCoulomb::LennardJonesCoulomb(const Nonbonded& nb, const Box& box)
 }
 
 double LennardJonesCoulomb::add(const Vectors& x, Vectors& f) {
-  if (!list_) return add_all(x, f) + add_exceptions(x, f);
+  if (!list_) return add_all(x, f) + add_exceptions(exceptions_, x, f);
   list_->update(x);
-  return add_listed(list_->pairs(), list_->positions(), f) + add_exceptions(x, f);
+  return add_listed(list_->pairs(), list_->positions(), f) + add_exceptions(exceptions_, x, f);
 }
 
 double LennardJonesCoulomb::add_all(const Vectors& x, Vectors& f) {
@@ -135,22 +135,6 @@ template <class Law>
 double LennardJonesCoulomb::add_law(Law law, const PairList& list, const Vectors& x, Vectors& f) const {
   return list_ && list_->needs_images() ? PairSum<true>(box_, numbers_.cutoff).add(list, law, x, f)
                                         : PairSum<false>(box_, numbers_.cutoff).add(list, law, x, f);
-}
-
-double LennardJonesCoulomb::add_exceptions(const Vectors& x, Vectors& f) const {
-  double energy = 0;
-  for (const auto& [i, j, charge_product, sigma, epsilon] : exceptions_) {
-    const Vec3 d = x.col(i) - x.col(j);
-    const double inv_r2 = 1 / d.squaredNorm();
-    PairTerm pair = lennard_jones(sigma, 4 * epsilon, inv_r2);
-    const double coulomb = kCoulomb * charge_product * std::sqrt(inv_r2);
-    pair.energy += coulomb;
-    pair.force_over_r += coulomb * inv_r2;
-    energy += pair.energy;
-    f.col(i) += pair.force_over_r * d;
-    f.col(j) -= pair.force_over_r * d;
-  }
-  return energy;
 }
 
 }  // namespace taut

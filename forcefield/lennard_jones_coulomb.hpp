@@ -44,7 +44,6 @@ class LennardJonesCoulomb {
   template <class Law>
   double add_law(Law law, const PairList& list, const Vectors& x, Vectors& f) const;
   double add_all(const Vectors& x, Vectors& f);
-  double add_exceptions(const Vectors& x, Vectors& f) const;
 
   std::vector<Atom> atoms_;
   std::vector<PairException> exceptions_;  // those that interact

@@ -73,6 +73,10 @@ struct Pull {  // a constant force on one atom
   Vec3 force;  // [kJ/mol/nm]
 };
 
+// What pair forces are computed in. Mixed: geometry and force of a pair in single precision, the rest in
+// double.
+enum class Precision { kDouble, kMixed };
+
 // All of a scene's forces. What is empty costs nothing.
 struct Terms {
   std::vector<HarmonicBond> bonds{};
@@ -84,6 +88,7 @@ struct Terms {
   std::optional<Wca> wca{};
   std::optional<Vec3> gravity{};  // uniform acceleration [nm/ps²]
   std::vector<Pull> pulls{};
+  Precision precision = Precision::kDouble;
 };
 
 }  // namespace taut

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "md/box.hpp"
+#include "md/vectors.hpp"
+
+namespace taut {
+
+inline constexpr int kClusterAtoms = 4;
+
+// Atoms sorted in space into clusters of four (Páll and Hess 2013, doi:10.1016/j.cpc.2013.06.003): columns
+// along z about a cluster wide, the atoms of each sorted by z and cut into fours. Only occupied columns are
+// kept, in a hash table: linear in the atoms, however empty the space is. Atoms stand in slots, four to a
+// cluster; slots left over are fillers, which repeat the last atom and must not act.
+class AtomClusters {
+ public:
+  struct Column {
+    std::array<std::int64_t, 2> place;  // in the grid
+    int begin, end;                     // its clusters
+  };
+  // A column as another sees it: the other's atoms, moved by `shift`, meet it where it is.
+  struct Neighbour {
+    int begin, end;  // its clusters
+    int image;       // equal for equal shifts
+    Vec3 shift;      // whole box edges [nm]
+  };
+  struct Layout {
+    Box box;
+    double range;                       // how far partners can be [nm]
+    std::vector<std::uint8_t> present;  // n: atoms that interact at all
+    std::vector<std::uint8_t> first;    // n: atoms to come first within their cluster
+  };
+
+  explicit AtomClusters(Layout layout) : layout_(std::move(layout)) {}
+
+  // Throws SimulationFailure for atoms too far off to have a place.
+  void build(const Vectors& x);
+  // The atoms in their own order: where every pair counts, there is nothing to search.
+  void build_in_order(const Vectors& x);
+
+  int count() const { return static_cast<int>(atom_.size()) / kClusterAtoms; }
+  int slots() const { return static_cast<int>(atom_.size()); }
+  int atom(int slot) const { return atom_[slot]; }
+  bool filler(int slot) const { return slot % kClusterAtoms > 0 && atom_[slot] == atom_[slot - 1]; }
+  const Vec3& offset(int slot) const { return offset_[slot]; }  // whole box edges: what wrapped it [nm]
+  int slot_of(int atom) const { return slot_of_[atom]; }        // −1 for an atom not present
+
+  const std::vector<Column>& columns() const { return columns_; }
+  // The columns within range, each pair of columns (and of their images) from one side only; the column
+  // itself once, with no shift in the plane. Ordered by image, z left out of account.
+  void neighbours(const Column& column, std::vector<Neighbour>& out) const;
+
+ private:
+  using Place = std::array<std::int64_t, 2>;
+  struct Entry {
+    double z;
+    int atom;
+  };
+
+  void choose_columns(const Vectors& x);
+  double crowded_volume(const Vectors& x) const;
+  Place locate(int a, const Vec3& x, Vec3& offset) const;
+  std::size_t table_entry(const Place& place) const;
+  void sort_columns();
+  void cut(int begin, int end);
+
+  Layout layout_;
+  int builds_ = 0;
+  std::array<double, 2> width_{};        // of a column [nm]
+  std::array<std::int64_t, 2> count_{};  // of columns along the box's edges
+  std::vector<int> table_;               // hash table: indices into columns_, −1 for none
+  std::vector<Column> columns_, unsorted_;
+  std::vector<int> column_of_;  // by atom
+  std::vector<Vec3> wrap_;      // by atom
+  std::vector<int> rank_, order_, next_;
+  std::vector<double> z_;  // by atom, wrapped
+  std::vector<Entry> entries_;
+  std::vector<int> atom_;
+  std::vector<Vec3> offset_;
+  std::vector<int> slot_of_;
+};
+
+}  // namespace taut

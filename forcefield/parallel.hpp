@@ -1,0 +1,36 @@
+#pragma once
+
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+namespace taut {
+
+// How many threads a loop may use: OMP_NUM_THREADS, or what the machine has.
+inline int available_threads() {
+#ifdef _OPENMP
+  return omp_get_max_threads();
+#else
+  return 1;
+#endif
+}
+
+// work(t) for t = 0 .. threads − 1, side by side. What it does must not depend on the order. Must not throw.
+template <class Work>
+void in_parallel(int threads, const Work& work) {
+  if (threads == 1) return work(0);
+#ifdef _OPENMP
+#pragma omp parallel for num_threads(threads) schedule(static, 1)
+#endif
+  for (int t = 0; t < threads; ++t) work(t);
+}
+
+// The share of thread t in n things.
+struct Share {
+  int begin, end;
+  Share(int n, int t, int threads)
+      : begin(static_cast<int>(static_cast<long>(n) * t / threads)),
+        end(static_cast<int>(static_cast<long>(n) * (t + 1) / threads)) {}
+};
+
+}  // namespace taut

@@ -1,0 +1,238 @@
+#include "forcefield/cluster_pairs.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+#include "forcefield/lennard_jones_coulomb.hpp"
+#include "forcefield/wca.hpp"
+#include "md/errors.hpp"
+
+// Forces and energies of the clusters, against the plain loops over pairs.
+
+namespace taut {
+namespace {
+
+struct Liquid {
+  const char* name;
+  int molecules;   // along an edge, of three atoms
+  double spacing;  // [nm]
+  bool periodic;
+  double cutoff;     // [nm]; 0: none
+  double switch_at;  // [nm]; 0: none
+  int sigmas;        // kinds of atoms with Lennard-Jones; 0: no Lennard-Jones at all
+  bool charges;
+};
+
+void PrintTo(const Liquid& liquid, std::ostream* out) {
+  *out << liquid.name;
+}
+
+// Bent molecules of three on a jittered lattice, turned at random, some of them boxes away. No two atoms of
+// different molecules come near enough for forces that drown the others.
+Vectors place(const Liquid& liquid, std::mt19937_64& rng) {
+  std::normal_distribution<double> normal;
+  const int m = liquid.molecules;
+  Vectors x(3, 3 * m * m * m);
+  const auto direction = [&] { return Vec3(normal(rng), normal(rng), normal(rng)).normalized(); };
+  for (int k = 0; k < m * m * m; ++k) {
+    Vec3 o = liquid.spacing * (Vec3(k % m, k / m % m, k / m / m) + 0.06 * direction());
+    if (liquid.periodic) o += m * liquid.spacing * Vec3(k % 3 - 1, k % 5 - 2, k % 2);
+    x.col(3 * k) = o;
+    x.col(3 * k + 1) = o + 0.1 * direction();
+    x.col(3 * k + 2) = o + 0.1 * direction();
+  }
+  return x;
+}
+
+Nonbonded forces_of(const Liquid& liquid) {
+  const int n = 3 * liquid.molecules * liquid.molecules * liquid.molecules;
+  Nonbonded nb;
+  nb.charge.setZero(n);
+  nb.sigma.setConstant(n, 0.25);
+  nb.epsilon.setZero(n);
+  for (int a = 0; a < n; ++a) {
+    if (liquid.charges) nb.charge[a] = a % 3 == 0 ? -0.8 : 0.4;
+    if (liquid.sigmas > 0 && a % 3 == 0) nb.epsilon[a] = a % 2 == 0 ? 0.6 : 0.3;
+    if (liquid.sigmas > 1 && a % 3 == 0) nb.sigma[a] = a % 4 == 0 ? 0.25 : 0.21;
+    if (a % 3 != 0) nb.exceptions.push_back({a - a % 3, a, 0, 1, 0});
+    if (a % 3 == 2) nb.exceptions.push_back({a - 1, a, 0, 1, 0});
+    if (a % 9 == 3) nb.exceptions.push_back({a, (a + 5) % n, 0, 1, 0});
+  }
+  if (liquid.cutoff > 0) nb.cutoff = liquid.cutoff;
+  if (liquid.switch_at > 0) nb.switch_distance = liquid.switch_at;
+  return nb;
+}
+
+Box box_of(const Liquid& liquid) {
+  return liquid.periodic ? Box{Vec3::Constant(liquid.molecules * liquid.spacing)} : Box{};
+}
+
+double rms(const Vectors& f) {
+  return f.norm() / std::sqrt(f.size());
+}
+
+class ClusterPairsIn : public testing::TestWithParam<Liquid> {
+ protected:
+  std::mt19937_64 rng{7};
+  Liquid liquid = GetParam();
+  Nonbonded nb = forces_of(liquid);
+  Box box = box_of(liquid);
+  Vectors x = place(liquid, rng);
+
+  Vectors step() {  // of hydrogens in a hurry
+    std::normal_distribution<double> normal(0, 0.004);
+    return Vectors::NullaryExpr(3, x.cols(), [&] { return normal(rng); });
+  }
+};
+
+TEST_P(ClusterPairsIn, AgreesWithThePlainLoopWhileAtomsMove) {
+  ClusterPairs clusters(nb, box, Precision::kDouble);
+  LennardJonesCoulomb plain(nb, box);
+  for (int n = 0; n < 25; ++n) {
+    Vectors f = Vectors::Zero(3, x.cols()), witness = f;
+    clusters.add_forces(x, f);
+    const double energy = plain.add(x, witness);
+    EXPECT_LT((f - witness).cwiseAbs().maxCoeff(), 1e-12 * witness.cwiseAbs().maxCoeff()) << n;
+    EXPECT_LT((f - witness).norm(), 1e-12 * witness.norm()) << n;
+    if (n % 5 == 0) {
+      EXPECT_NEAR(clusters.energy(), energy, 1e-11 * std::abs(energy));
+    }
+    x += step();
+  }
+  if (liquid.cutoff > 0) {
+    EXPECT_GT(clusters.builds(), 1);
+    EXPECT_LT(clusters.builds(), 25);
+  }
+}
+
+TEST_P(ClusterPairsIn, AgreesInMixedPrecisionToItsDigits) {
+  ClusterPairs clusters(nb, box, Precision::kMixed);
+  LennardJonesCoulomb plain(nb, box);
+  for (int n = 0; n < 10; ++n) {
+    Vectors f = Vectors::Zero(3, x.cols()), witness = f;
+    clusters.add_forces(x, f);
+    const double energy = plain.add(x, witness);
+    EXPECT_LT(rms(f - witness), 1e-5 * rms(witness)) << n;
+    EXPECT_GT(rms(f - witness), 1e-12 * rms(witness)) << "is it mixed?";
+    EXPECT_NEAR(clusters.energy(), energy, 1e-5 * std::abs(energy));
+    x += step();
+  }
+}
+
+TEST_P(ClusterPairsIn, GivesTheSameBitsTwiceAtOneAndTwoThreads) {
+#ifdef _OPENMP
+  const int before = omp_get_max_threads();
+  for (int threads : {1, 2}) {
+    omp_set_num_threads(threads);
+    for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
+      ClusterPairs one(nb, box, precision), other(nb, box, precision);
+      Vectors f = Vectors::Zero(3, x.cols()), g = f;
+      one.add_forces(x, f);
+      other.add_forces(x, g);
+      EXPECT_EQ(f, g);
+      EXPECT_EQ(one.energy(), other.energy());
+      const Vectors moved = x + step();
+      one.add_forces(moved, f);
+      other.add_forces(moved, g);
+      EXPECT_EQ(f, g);
+    }
+  }
+  omp_set_num_threads(2);
+  ClusterPairs two(nb, box, Precision::kDouble);
+  LennardJonesCoulomb plain(nb, box);
+  Vectors f = Vectors::Zero(3, x.cols()), witness = f;
+  two.add_forces(x, f);
+  plain.add(x, witness);
+  EXPECT_LT((f - witness).norm(), 1e-12 * witness.norm());
+  omp_set_num_threads(before);
+#endif
+}
+
+const auto kLiquids =
+    testing::Values(Liquid{"water_barely_two_cutoffs", 5, 0.33, true, 0.82, 0, 1, true},
+                    Liquid{"water_two_and_a_half_cutoffs", 6, 0.33, true, 0.8, 0, 1, true},
+                    Liquid{"water_many_cutoffs", 9, 0.33, true, 0.5, 0, 1, true},
+                    Liquid{"switched", 6, 0.33, true, 0.8, 0.6, 1, true},
+                    Liquid{"two_sigmas", 6, 0.33, true, 0.8, 0, 2, true},
+                    Liquid{"two_sigmas_switched_without_charges", 6, 0.33, true, 0.8, 0.6, 2, false},
+                    Liquid{"without_lennard_jones", 6, 0.33, true, 0.8, 0, 0, true},
+                    Liquid{"droplet", 7, 0.33, false, 0.7, 0, 1, true},
+                    Liquid{"everything_with_everything", 5, 0.33, false, 0, 0, 2, true});
+INSTANTIATE_TEST_SUITE_P(Liquids, ClusterPairsIn, kLiquids,
+                         [](const auto& test) { return std::string(test.param.name); });
+
+TEST(ClusterPairs, WcaAgreesWithThePlainLoop) {
+  std::mt19937_64 rng(3);
+  std::normal_distribution<double> normal;
+  for (const int side : {3, 5, 11}) {
+    const int n = side * side * side;
+    const Box box{Vec3::Constant(1.0 * side)};
+    Wca wca{1, 1.5, {}};
+    for (int a = 0; a + 1 < n; a += 3) wca.exclusions.push_back({a, a + 1});
+    Vectors x(3, n);
+    for (int a = 0; a < n; ++a)
+      x.col(a) = Vec3(a % side, a / side % side, a / side / side) +
+                 0.05 * Vec3(normal(rng), normal(rng), normal(rng));
+    for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
+      ClusterPairs clusters(wca, n, box, precision);
+      WcaBeads plain(wca, n, box);
+      Vectors moved = x;
+      for (int step = 0; step < 10; ++step) {
+        Vectors f = Vectors::Zero(3, n), witness = f;
+        clusters.add_forces(moved, f);
+        const double energy = plain.add(moved, witness);
+        const double digits = precision == Precision::kDouble ? 1e-12 : 1e-5;
+        EXPECT_LT((f - witness).norm(), digits * witness.norm());
+        EXPECT_NEAR(clusters.energy(), energy, digits * 10 * energy);
+        for (int a = 0; a < n; ++a) moved.col(a) += 0.02 * Vec3(normal(rng), normal(rng), normal(rng));
+      }
+    }
+  }
+}
+
+TEST(ClusterPairs, AtomsFarApartAndUnevenlySpread) {
+  std::mt19937_64 rng(5);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  const int n = 300;
+  Vectors x(3, n);
+  for (int a = 0; a < n; ++a) {
+    const double scale = a < 150 ? 1.5 : a < 250 ? 6 : 300;
+    x.col(a) = scale * Vec3(uniform(rng), uniform(rng), uniform(rng));
+  }
+  x.col(7) = Vec3(1e6, -2e6, 3e6);
+  Nonbonded nb;
+  nb.charge = Eigen::VectorXd::Constant(n, 0.1);
+  nb.sigma = Eigen::VectorXd::Constant(n, 0.1);
+  nb.epsilon = Eigen::VectorXd::Zero(n);
+  nb.cutoff = 0.7;
+  ClusterPairs clusters(nb, {}, Precision::kDouble);
+  LennardJonesCoulomb plain(nb, {});
+  Vectors f = Vectors::Zero(3, n), witness = f;
+  clusters.add_forces(x, f);
+  plain.add(x, witness);
+  EXPECT_LT((f - witness).norm(), 1e-12 * witness.norm());
+}
+
+TEST(ClusterPairs, RefusesPositionsThatAreNotFinite) {
+  const Liquid liquid{"", 5, 0.33, true, 0.8, 0, 1, true};
+  std::mt19937_64 rng(1);
+  Vectors x = place(liquid, rng), f = Vectors::Zero(3, x.cols());
+  for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
+    ClusterPairs clusters(forces_of(liquid), box_of(liquid), precision);
+    clusters.add_forces(x, f);
+    Vectors bad = x;
+    bad(1, 12) = std::nan("");
+    EXPECT_THROW(clusters.add_forces(bad, f), SimulationFailure);
+    bad(1, 12) = HUGE_VAL;
+    EXPECT_THROW(clusters.add_forces(bad, f), SimulationFailure);
+  }
+}
+
+}  // namespace
+}  // namespace taut
