@@ -30,8 +30,7 @@ LaneBatch::LaneBatch(const ClusterBatch& batch, const std::vector<int>& bond_ord
 LaneRows::LaneRows(int groups, int rows_of_group)
     : size_of_group_(static_cast<std::size_t>(rows_of_group) * kLanes) {
   const std::size_t size = std::max<std::size_t>(1, groups * size_of_group_);
-  rows_ = hwy::AllocateAligned<double>(size);
-  std::fill_n(rows_.get(), size, 0.0);
+  rows_.assign(size, 0.0);
 }
 
 void LaneRows::swap(LaneRows& other) noexcept {
@@ -65,8 +64,7 @@ void LaneRunner::reserve(int threads) {
   if (static_cast<int>(scratch_.size()) >= threads) return;
   scratch_.resize(threads);
   stats_.resize(threads);
-  for (auto& rows : scratch_)
-    rows = hwy::AllocateAligned<double>(std::max<std::size_t>(1, scratch_rows_) * kLanes);
+  for (auto& rows : scratch_) rows.resize(std::max<std::size_t>(1, scratch_rows_) * kLanes);
 }
 
 }  // namespace taut

@@ -1,9 +1,8 @@
 #pragma once
 
-#include <hwy/aligned_allocator.h>
-
 #include <Eigen/Core>
 #include <algorithm>
+#include <new>
 #include <vector>
 
 #include "constraints/bond_clusters.hpp"
@@ -49,18 +48,32 @@ struct LaneBatch {
   }
 };
 
+// Numbers at an address that any lane width can load from; copied as a value, as a method is.
+template <class T>
+struct LaneAllocator {
+  using value_type = T;
+  static constexpr std::align_val_t kAlignment{64};
+
+  T* allocate(std::size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), kAlignment)); }
+  void deallocate(T* rows, std::size_t) { ::operator delete(rows, kAlignment); }
+  bool operator==(const LaneAllocator&) const { return true; }
+};
+using AlignedDoubles = std::vector<double, LaneAllocator<double>>;
+
 // Rows kept from step to step, so many for each group of each batch.
 class LaneRows {
  public:
   LaneRows() = default;
   LaneRows(int groups, int rows_of_group);  // zeros
 
-  double* of(int group) { return rows_.get() + static_cast<std::size_t>(group) * size_of_group_; }
-  const double* of(int group) const { return rows_.get() + static_cast<std::size_t>(group) * size_of_group_; }
+  double* of(int group) { return rows_.data() + static_cast<std::size_t>(group) * size_of_group_; }
+  const double* of(int group) const {
+    return rows_.data() + static_cast<std::size_t>(group) * size_of_group_;
+  }
   void swap(LaneRows& other) noexcept;
 
  private:
-  hwy::AlignedFreeUniquePtr<double[]> rows_;
+  AlignedDoubles rows_;
   std::size_t size_of_group_ = 0;
 };
 
@@ -69,7 +82,7 @@ void rows_to_bonds(const LaneBatch& batch, const LaneRows& rows, Eigen::VectorXd
 
 // More rows than any kernel needs at once.
 inline int scratch_rows(const LaneBatch& batch, const Elimination& plan) {
-  return 9 * batch.atoms + 9 * plan.size() + 2 * plan.entries();
+  return 100 + 9 * batch.atoms + 9 * plan.size() + 2 * plan.entries();
 }
 
 // Splits groups of several batches over threads and gives each thread scratch of its own.
@@ -92,7 +105,7 @@ class LaneRunner {
         const int from = std::max(begin, first_group_[b]), to = std::min(end, first_group_[b + 1]);
         if (from < to)
           merge(stats,
-                work(static_cast<int>(b), from - first_group_[b], to - first_group_[b], scratch_[t].get()));
+                work(static_cast<int>(b), from - first_group_[b], to - first_group_[b], scratch_[t].data()));
       }
       stats_[t] = stats;
     });
@@ -122,7 +135,7 @@ class LaneRunner {
   std::vector<int> first_group_ = {0};
   std::vector<long> work_before_ = {0};
   int scratch_rows_ = 0;
-  std::vector<hwy::AlignedFreeUniquePtr<double[]>> scratch_;  // a thread each
+  std::vector<AlignedDoubles> scratch_;  // a thread each
   std::vector<SolveStats> stats_;
 };
 

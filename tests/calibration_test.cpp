@@ -1,0 +1,72 @@
+#include "systems/calibration.hpp"
+
+#include <gtest/gtest.h>
+
+#include "md/errors.hpp"
+#include "systems/scene_file.hpp"
+
+namespace taut {
+namespace {
+
+Scene chain(double dt_fs) {
+  return read_scene(find_scene("freely_jointed"), {"build.chains=40", "run.dt_fs=" + std::to_string(dt_fs)});
+}
+Scene water(double dt_fs) {
+  return read_scene(find_scene("water"), {"run.dt_fs=" + std::to_string(dt_fs)});
+}
+
+class CalibrationOfSweeps : public ::testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Sweeps, CalibrationOfSweeps, ::testing::Values(1, 2, 4, 8));
+
+// Baumgarte reduces a stretch a step as RATTLE with K sweeps does, within 5 %, at the steps people run.
+TEST_P(CalibrationOfSweeps, CentredCopiesRattleAtOrdinarySteps) {
+  for (const auto& [name, scene] : {std::pair{"chain", chain(10)}, {"water", water(1)}}) {
+    const Calibration c = calibrate(scene, {.sweeps = GetParam(), .settle = 20, .steps = 12});
+    EXPECT_NEAR(c.reduction_measured / c.reduction_reference, 1, 0.05) << name;
+    EXPECT_NEAR(c.reduction_predicted / c.reduction_reference, 1, 1e-9) << name;
+    EXPECT_NEAR(c.reduction_of_rate / c.reduction_reference, 1, 0.05) << name;
+    EXPECT_NEAR(c.reduction_after_rate / c.reduction_reference, 1, 0.1) << name;
+    EXPECT_NEAR(c.floor_measured / c.floor_predicted, 1, 0.05) << name;
+  }
+}
+
+// The other dampings let neighbours move a bond's floor, at order θ: they copy it where bonds turn little a
+// step.
+TEST_P(CalibrationOfSweeps, EveryDampingCopiesRattleAtSmallSteps) {
+  for (const char* damping : {"implicit", "lagged"})
+    for (const auto& [name, scene] : {std::pair{"chain", chain(1)}, {"water", water(0.25)}}) {
+      const Calibration c =
+          calibrate(scene, {.sweeps = GetParam(), .damping = damping, .settle = 20, .steps = 12});
+      EXPECT_NEAR(c.reduction_measured / c.reduction_reference, 1, 0.05) << damping << " " << name;
+      EXPECT_NEAR(c.floor_measured / c.floor_predicted, 1, 0.2) << damping << " " << name;
+    }
+}
+
+TEST(Calibration, MoreSweepsReduceMore) {
+  double before = 1;
+  for (const int sweeps : {1, 2, 4, 8}) {
+    const double r = calibrate(water(1), {.sweeps = sweeps, .settle = 5, .steps = 10}).reduction_reference;
+    EXPECT_LT(r, before);
+    before = r;
+  }
+}
+
+// A converged RATTLE leaves nothing: dead-beat gains.
+TEST(Calibration, ConvergedRattleIsDeadBeat) {
+  for (const char* against : {"rattle", "newton"}) {
+    const Calibration c = calibrate(chain(10), {.against = against, .settle = 10, .steps = 6});
+    EXPECT_LT(c.reduction_reference, 1e-3);
+    EXPECT_NEAR(c.alpha_per_ps * 0.01, 1, 1e-9);
+    EXPECT_NEAR(c.beta_per_ps * 0.01, std::sqrt(2), 1e-3);
+    EXPECT_LT(c.baumgarte.stretch[2], 0.01 * c.baumgarte.stretch[1]);
+  }
+}
+
+TEST(Calibration, RefusesWhatItCannotDo) {
+  EXPECT_THROW(calibrate(chain(10), {.against = "lincs"}), InputError);
+  EXPECT_THROW(calibrate(chain(10), {.against = "newton", .sweeps = 3}), InputError);
+  EXPECT_THROW(calibrate(chain(10), {.damping = "implict"}), InputError);
+}
+
+}  // namespace
+}  // namespace taut
