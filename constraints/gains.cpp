@@ -17,7 +17,7 @@ constexpr double kCap = 0.95;  // of the stability limit, for gains that come fr
 DimensionlessGains named(const GainChoice& choice, Damping damping, double mu, double h) {
   const std::string& name = choice.name;
   if (name == "reversible") return {0.1, std::numbers::sqrt2};
-  if (name == "dead-beat") return gains_for_root(0, damping);
+  if (name == "dead-beat" || name == "hoomd") return gains_for_root(0, damping);
   if (name == "rattle") {
     if (!(choice.reduction >= 0 && choice.reduction < 1))
       throw InputError(
@@ -41,7 +41,7 @@ DimensionlessGains named(const GainChoice& choice, Damping damping, double mu, d
     return {0, 0};
   }
   const std::vector<std::string_view> names = {"reversible", "dead-beat", "rattle", "critical",
-                                               "physical",   "box2d",     "numbers"};
+                                               "physical",   "hoomd",     "box2d",  "numbers"};
   throw InputError(fmt::format("method.gains: there is no \"{}\"; did you mean \"{}\"? There are {}", name,
                                nearest_name(name, names), fmt::join(names, ", ")));
 }

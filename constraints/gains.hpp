@@ -16,11 +16,12 @@ struct Gains {
 };
 
 // How Baumgarte's gains are chosen: by name, for a step h.
-//   reversible   αh = 0.1, (βh)² = 2: weakly damped; with centred damping nearly time-reversible, keeps energy
-//   dead-beat    both roots 0: an error is gone in two steps, as under a converged RATTLE.
-//                Also what HOOMD-blue's distance constraints come to: their |r + h v_half + h²a|² = d²,
-//                linear in a (hoomd/md/ForceDistanceConstraint.cc), is α = 1/h, β² = 2/h² with part of the
-//                truncation kept
+//   reversible   αh = 0.1, (βh)² = 2: weakly damped; with centred damping nearly time-reversible, keeps
+//   energy dead-beat    both roots 0: an error is gone in two steps, as under a converged RATTLE hoomd the
+//   same, under implicit damping: what HOOMD-blue's distance constraints come to. Their condition, linear in
+//                the acceleration, σ/h² + σ̇_half/h + ½|v_half|² + (r + h v_half)·a = 0 (Yoneya 2001,
+//                doi:10.1006/jcph.2001.6718), is r·a + |v_half|² + 2σ̇/h + 2σ/h² + 2h v_half·a = 0 in the end
+//                velocity's σ̇
 //   rattle       roots `reduction` and 0: an error shrinks by `reduction` a step, as RATTLE does (taut
 //   calibrate) critical     α = β = 1/h physical     α = β = √(stiffness/μ), the bond as the real one swings,
 //   critically damped; capped, where the

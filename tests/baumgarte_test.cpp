@@ -120,6 +120,30 @@ TEST(Baumgarte, StableBelowBetaHOfTwoAndNotAbove) {
   EXPECT_LT(std::abs(sigma_of(start)), 1e-8);
 }
 
+// α = β = √(stiffness/μ), each bond by its own μ, and capped where the step cannot bear it.
+TEST(Gains, PhysicalOnesAreTheRealBonds) {
+  const double h = 0.0005, k = 4.5e5;
+  const System water = testing::waters(1, 1, 300).system;
+  const auto gains = choose_gains({.name = "physical", .stiffness = k}, Damping::kCentred, water, h);
+  const double oh = 1 / 15.99943 + 1 / 1.007947, hh = 2 / 1.007947;
+  EXPECT_NEAR(gains[0].beta, std::sqrt(k * oh), 1e-9);
+  EXPECT_NEAR(gains[2].beta, std::sqrt(k * hh), 1e-9);
+  EXPECT_EQ(gains[0].alpha, gains[0].beta);
+  EXPECT_NEAR(
+      choose_gains({.name = "physical", .stiffness = k}, Damping::kCentred, water, 0.01)[0].beta * 0.01, 1.9,
+      1e-12);
+}
+
+TEST(Gains, NamesAreKnownAndOthersRefused) {
+  const System sys = testing::rotor(1).system;
+  for (const char* name : {"reversible", "dead-beat", "rattle", "critical", "physical", "hoomd", "box2d"})
+    EXPECT_NO_THROW(choose_gains({.name = name}, Damping::kCentred, sys, 0.001)) << name;
+  EXPECT_THROW(choose_gains({.name = "dead-beet"}, Damping::kCentred, sys, 0.001), InputError);
+  EXPECT_THROW(choose_gains({.name = "numbers", .alpha_per_ps = 1.0}, Damping::kCentred, sys, 0.001),
+               InputError);
+  EXPECT_THROW(choose_gains({.name = "box2d"}, Damping::kLagged, sys, 0.001), InputError);  // αh = π
+}
+
 TEST(Baumgarte, DeadBeatClearsAnErrorInTwoSteps) {
   const double h = 0.01;
   auto start = testing::rotor(0);
@@ -146,6 +170,29 @@ TEST(Baumgarte, FreeRotorKeepsThetaToTheFourthOverEight) {
     const double error = (s.x.col(1) - s.x.col(0)).norm() - 1;
     EXPECT_NEAR(error / (std::pow(theta, 4) / 8), 1, 0.02) << "θ " << theta;
   }
+}
+
+// With a sweep from the last multipliers in place of a solve: held where damping is strong and the feedback
+// soft, and not with gains that leave the parasitic root undamped.
+TEST(Baumgarte, OneSweepHoldsAChainWithSoftStronglyDampedGains) {
+  const double h = 0.01;
+  const auto error_with = [&](double ah, double bh, int sweeps) {
+    auto [sys, s] = testing::free_chain(20, 1);
+    Baumgarte method(
+        sys, {.gains = "numbers", .alpha_per_ps = ah / h, .beta_per_ps = bh / h, .sweeps = sweeps}, h);
+    NoForce forces;
+    initialize(sys, forces, method, s);
+    double worst = 0;
+    for (int n = 0; n < 1000 && worst < 1; ++n) {
+      step(sys, forces, method, h, s);
+      worst = std::max(worst, bond_errors(sys, s.x).max);
+    }
+    return worst;
+  };
+  EXPECT_LT(error_with(1, 0.5, 1), 2e-3);
+  EXPECT_LT(error_with(1, 0.5, 4), 0.3 * error_with(1, 0.5, 1));
+  EXPECT_GT(error_with(0.1, 1.4, 1), 0.1);
+  EXPECT_LT(error_with(0.1, 1.4, 16), 1e-4);
 }
 
 // Without correction a bond drifts, and faster and faster; any gain holds it.

@@ -6,6 +6,7 @@
 
 #include "constraints/bond_algebra.hpp"
 #include "constraints/projection.hpp"
+#include "md/errors.hpp"
 #include "systems/scene_file.hpp"
 #include "systems/simulation.hpp"
 #include "verifier.hpp"
@@ -95,6 +96,36 @@ TEST(FreelyJointed, EndToEndDistanceGrowsAsTheRoot) {
       sum += (x.col(first + 19) - x.col(first)).squaredNorm();
   });
   EXPECT_NEAR(sum / samples, 19, 1.2);  // 19 ± 15/√2000
+}
+
+// Methane with all ten distances held: refused, or run without the bond that follows from the others, which
+// stays held, all ten sharing the load.
+TEST(Redundant, MethaneRunsOnRequest) {
+  Scene methane;
+  methane.name = "methane";
+  methane.start.x.resize(3, 5);
+  methane.start.x << 0, 1, 1, -1, -1, 0, 1, -1, 1, -1, 0, 1, -1, -1, 1;
+  methane.start.x *= 0.0629;
+  methane.start.v = Vectors::Zero(3, 5);
+  methane.start.v(0, 1) = methane.start.v(1, 2) = methane.start.v(2, 4) = 1.5;
+  std::vector<RigidBond> bonds;
+  for (int i = 0; i < 5; ++i)
+    for (int j = i + 1; j < 5; ++j)
+      bonds.push_back({i, j, (methane.start.x.col(j) - methane.start.x.col(i)).norm()});
+  Eigen::VectorXd mass(5);
+  mass << 12, 1, 1, 1, 1;
+  methane.system = make_system(mass, bonds);
+  methane.run.steps = 500;
+  methane.method = default_options("newton");
+  EXPECT_THROW(Simulation{methane}, InputError);
+
+  methane.run.redundant = "drop";
+  Simulation simulation(methane);
+  EXPECT_EQ(simulation.dof().rank, 9);
+  simulation.run({});
+  EXPECT_LT(bond_errors(methane.system, simulation.state().x).max, 1e-9);
+  EXPECT_EQ(simulation.bond_tensions().size(), 10);
+  EXPECT_GT(simulation.bond_tensions().cwiseAbs().minCoeff(), 0);
 }
 
 // Velocity Verlet with RATTLE: of second order, and back where it came from with the velocities turned.

@@ -154,6 +154,16 @@ TEST(RattleAndNewton, AgreeToRoundOff) {
   }
 }
 
+TEST(Newton, ReachesRoundOffOnAChainOfTenThousandBonds) {
+  NoForce forces;
+  Start start = testing::free_chain(10001, 2);
+  start.state.x.colwise() -= start.state.x.rowwise().mean();
+  const auto verdict =
+      verify(start.system, forces, Newton::Options{.tolerance = 1e-13}, 0.01, 5, start.state);
+  ASSERT_TRUE(verdict.stats.converged()) << verdict.stats.failure;
+  EXPECT_LT(verdict.bond_error, 1.01e-13);
+}
+
 TEST(SettleAndNewton, AgreeToRoundOff) {
   NoForce forces;
   const Start start = testing::waters(4, 12, 400);
