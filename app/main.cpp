@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
   std::vector<std::pair<CLI::App*, taut::Action>> actions;
   taut::add_run(app, actions);
   taut::add_calibrate(app, actions);
+  taut::add_crosscheck(app, actions);
   taut::add_lists(app, actions);
   try {
     app.parse(argc, argv);

@@ -24,7 +24,7 @@ struct OpenMMInput;  // openmm_read.hpp
 enum class TwinIntegrator { kRattle, kVerlet };
 
 struct TwinSettings {
-  double h;                             // [ps]
+  double h = 0;                         // [ps]
   double constraint_tolerance = 1e-12;  // relative for positions; for velocities, absolute
   std::string platform =
       "Reference";  // in double precision, for parity; CPU, pair forces in single, for speed

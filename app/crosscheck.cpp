@@ -1,0 +1,100 @@
+#include "systems/crosscheck.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "commands.hpp"
+#include "crosscheck_report.hpp"
+#include "md/errors.hpp"
+#include "systems/openmm_export.hpp"
+#include "systems/openmm_import.hpp"
+#include "systems/scene_file.hpp"
+
+namespace taut {
+namespace {
+
+struct CrosscheckArguments {
+  std::string scene;
+  std::vector<std::string> openmm;  // system.xml, state.xml
+  std::vector<std::string> methods;
+  long steps = 200;
+  std::optional<double> dt_fs;
+  std::vector<std::string> settings;
+  std::optional<std::filesystem::path> out;
+  std::optional<std::string> prefix;  // of the exported files
+  CrosscheckPlan plan;
+
+  // --steps and --dt-fs are short for keys; --set comes last and so prevails.
+  std::vector<std::string> overrides() const {
+    std::vector<std::string> all = {fmt::format("run.steps={}", steps)};
+    if (dt_fs) all.push_back(fmt::format("run.dt_fs={}", *dt_fs));
+    all.insert(all.end(), settings.begin(), settings.end());
+    return all;
+  }
+
+  Scene read() const {
+    if (scene.empty() == openmm.empty())
+      throw InputError("taut crosscheck: expected a scene, or --openmm system.xml state.xml");
+    if (openmm.empty()) return read_scene(find_scene(scene), overrides());
+    Scene imported = import_openmm(openmm[0], openmm[1]);
+    apply_overrides(imported, overrides());
+    return imported;
+  }
+};
+
+void run(CrosscheckArguments arguments) {
+  const Scene scene = arguments.read();
+  if (arguments.prefix) {
+    write_openmm(openmm_input(scene), *arguments.prefix);
+    fmt::print("wrote {0}.system.xml, {0}.state.xml\n", *arguments.prefix);
+  }
+  arguments.plan.contestants = contestants(arguments.methods);
+  if (!arguments.openmm.empty()) arguments.plan.files = OpenMMFiles{arguments.openmm[0], arguments.openmm[1]};
+  Doing doing;
+  const Crosscheck result =
+      crosscheck(scene, arguments.plan, [&](const std::string& what) { doing.now(what); });
+  doing.clear();
+  print_crosscheck(result);
+  if (arguments.out) write_crosscheck(result, *arguments.out);
+}
+
+}  // namespace
+
+void add_crosscheck(CLI::App& app, std::vector<std::pair<CLI::App*, Action>>& actions) {
+  auto arguments = std::make_shared<CrosscheckArguments>();
+  CrosscheckPlan& plan = arguments->plan;
+  CLI::App* command = app.add_subcommand("crosscheck", "hold a scene's runs against OpenMM's");
+  command->add_option("scene", arguments->scene, "a scene's file, or its name as `taut scenes` lists it");
+  command->add_option("--openmm", arguments->openmm, "OpenMM System and State, as XML")
+      ->expected(2)
+      ->type_name("SYSTEM.XML STATE.XML");
+  command->add_option(
+      "--method", arguments->methods,
+      "to hold against OpenMM: a name, baumgarte:GAINS; several; the usual ones if none is given");
+  command->add_option("--steps", arguments->steps, "number of steps")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--dt-fs", arguments->dt_fs, "step length [fs]");
+  command->add_option("--set", arguments->settings, "any key of the scene: run.seed=7")
+      ->type_name("KEY=VALUE");
+  command->add_option("--platform", plan.platform, "OpenMM's: Reference (double precision) or CPU")
+      ->capture_default_str();
+  command->add_option("--agreement-nm", plan.agreement, "apart by more than this, runs have parted")
+      ->capture_default_str();
+  command->add_option("--parting-steps", plan.parting_steps, "where runs that only explain end")
+      ->capture_default_str();
+  command->add_option("--speed-seconds", plan.speed_seconds, "for each figure of speed; 0: none")
+      ->capture_default_str();
+  command->add_option("--threads", plan.threads, "of taut and of OpenMM's CPU platform")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--out", arguments->out, "folder for crosscheck.json, crosscheck.csv and the pictures");
+  command
+      ->add_option("--export", arguments->prefix, "write PREFIX.system.xml and PREFIX.state.xml for OpenMM")
+      ->type_name("PREFIX");
+  actions.emplace_back(command, [arguments] { run(*arguments); });
+}
+
+}  // namespace taut

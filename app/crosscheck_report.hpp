@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+
+#include "systems/crosscheck.hpp"
+
+namespace taut {
+
+// What is being run, on a line of the terminal that is taken away again; nothing where stderr is none.
+class Doing {
+ public:
+  Doing();
+  void now(const std::string& what);
+  void clear();
+
+ private:
+  bool terminal_;
+};
+
+void print_crosscheck(const Crosscheck& c);
+
+// crosscheck.json (all figures and verdicts), crosscheck.csv (every sample of every run), and pictures.
+void write_crosscheck(const Crosscheck& c, const std::filesystem::path& folder);
+
+// The pictures: a gnuplot script over crosscheck.csv and distances.csv, and what it draws, if gnuplot is
+// there.
+void draw_crosscheck(const Crosscheck& c, const std::filesystem::path& folder);
+
+}  // namespace taut
