@@ -4,7 +4,7 @@
 #define HWY_TARGET_INCLUDE "constraints/batched_baumgarte.cpp"
 #include <hwy/foreach_target.h>
 
-#include "constraints/lanes-inl.hpp"
+#include "constraints/elimination-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
@@ -16,107 +16,106 @@ struct BaumgarteRows {
   Matrix A;
 };
 
-HWY_INLINE BaumgarteRows rows_in(const BaumgarteBatch& batch, double* scratch) {
-  const int atoms = 3 * batch.lanes.atoms * kWidth, bonds = batch.plan.size() * kWidth;
+template <class Shape>
+HWY_INLINE BaumgarteRows baumgarte_rows(const Shape shape, double* scratch) {
+  const int atoms = 3 * shape.atoms() * kLanes, bonds = shape.size() * kLanes;
   double *r = scratch + 3 * atoms, *b = r + 3 * bonds;
   return {scratch,
           scratch + atoms,
           scratch + 2 * atoms,
           r,
           b,
-          {batch.plan, b + bonds, b + 2 * bonds, b + 3 * bonds, nullptr}};
+          {b + bonds, b + 2 * bonds, b + 3 * bonds, nullptr}};
 }
 
 // f += Jᵀλ*; λ becomes λ*, before becomes λ. r is found on the way.
-HWY_INLINE void apply_guess(const BaumgarteBatch& batch, double guess, double* lambda, double* before,
+template <class Shape>
+HWY_INLINE void apply_guess(const Shape shape, double guess, double* lambda, double* before,
                             const BaumgarteRows rows) {
-  const int n = batch.plan.size();
-  const LaneBond* bonds = batch.lanes.bonds.data();
-  for (int k = 0; k < n; ++k) {
-    const LaneBond& bond = bonds[k];
-    const V3 r = load3(rows.x + bond.j * kWidth) - load3(rows.x + bond.i * kWidth);
-    store3(r, rows.r + 3 * k * kWidth);
+  const V weight = all(guess);
+  for (int k = 0; k < shape.size(); ++k) {
+    const V3 r = difference(shape, k, rows.x);
+    store3(r, rows.r + 3 * k * kLanes);
     const V last = load(lambda + k * kLanes);
-    const V guessed = hn::MulAdd(all(guess), hn::Sub(last, load(before + k * kLanes)), last);
+    const V guessed = hn::MulAdd(weight, hn::Sub(last, load(before + k * kLanes)), last);
     store(last, before + k * kLanes);
     store(guessed, lambda + k * kLanes);
-    pull(bond, guessed, r, rows.f);
+    pull(shape, k, guessed, r, rows.f);
   }
 }
 
-// b, the right-hand side for λ − λ*; if asked, also A's diagonal and the residuals.
-template <bool kFirst>
-HWY_INLINE void right_hand_side(const BaumgarteBatch& batch, double h, const BaumgarteRows rows,
-                                Worst& worst) {
-  const int n = batch.plan.size();
-  const LaneBond* bonds = batch.lanes.bonds.data();
-  const BaumgarteTerms* terms_of = batch.terms.data();
-  for (int k = 0; k < n; ++k) {
-    const LaneBond& bond = bonds[k];
+// b, the right-hand side for λ − λ*; the first time also A's diagonal and the residuals.
+template <bool kFirst, class Shape>
+HWY_INLINE void right_hand_side(const Shape shape, const BaumgarteTerms* terms_of, double h,
+                                const BaumgarteRows rows, Worst& worst) {
+  const V half_h = all(0.5 * h);
+  for (int k = 0; k < shape.size(); ++k) {
+    const LaneBond& bond = shape.bonds[k];
     const BaumgarteTerms& terms = terms_of[k];
-    const V3 r = load3(rows.r + 3 * k * kWidth);
-    const V3 a = neg_mul_add(all(bond.inv_mass_i), load3(rows.f + bond.i * kWidth),
-                             all(bond.inv_mass_j) * load3(rows.f + bond.j * kWidth));
-    const V3 v_half = load3(rows.v + bond.j * kWidth) - load3(rows.v + bond.i * kWidth);
-    const V3 w = mul_add(all(0.5 * h), a, v_half);
+    const V3 r = load3(rows.r + 3 * k * kLanes);
+    const V3 a = neg_mul_add(all(bond.inv_mass_i), load3(rows.f + shape.i(k)),
+                             all(bond.inv_mass_j) * load3(rows.f + shape.j(k)));
+    const V3 w = mul_add(half_h, a, difference(shape, k, rows.v));
     const V rr = dot(r, r), offset = hn::Sub(rr, all(bond.length2));
     V b = hn::Mul(all(terms.rate_a), dot(r, a));
     b = hn::MulAdd(all(terms.rate_v), dot(r, w), b);
     b = hn::MulAdd(all(terms.square_v), dot(w, w), b);
     b = hn::MulAdd(all(terms.cross), dot(w, a), b);
     b = hn::MulAdd(all(terms.offset), offset, b);
-    store(hn::Neg(b), rows.b + k * kWidth);
+    store(hn::Neg(b), rows.b + k * kLanes);
     if constexpr (kFirst) {
       worst.see(hn::Mul(hn::Abs(offset), all(bond.half_inv_length2)));
-      store(hn::Mul(all(bond.reduced_inv_mass), rr), rows.A.d + k * kWidth);
+      store(hn::Mul(all(bond.reduced_inv_mass), rr), rows.A.d + k * kLanes);
     }
   }
 }
 
 // λ += Δλ, f += JᵀΔλ
-HWY_INLINE void apply(const BaumgarteBatch& batch, double* lambda, const BaumgarteRows rows) {
-  const int n = batch.plan.size();
-  const LaneBond* bonds = batch.lanes.bonds.data();
-  for (int k = 0; k < n; ++k) {
-    const V change = load(rows.b + k * kWidth);
+template <class Shape>
+HWY_INLINE void apply(const Shape shape, double* lambda, const BaumgarteRows rows) {
+  for (int k = 0; k < shape.size(); ++k) {
+    const V change = load(rows.b + k * kLanes);
     store(hn::Add(load(lambda + k * kLanes), change), lambda + k * kLanes);
-    pull(bonds[k], change, load3(rows.r + 3 * k * kWidth), rows.f);
+    pull(shape, k, change, load3(rows.r + 3 * k * kLanes), rows.f);
   }
 }
 
-void baumgarte_part(BaumgarteBatch& batch, const BaumgarteStep& step, const Part& part, double* scratch,
-                    SolveStats& stats) {
-  const BaumgarteRows rows = rows_in(batch, scratch);
+template <class Shape>
+HWY_INLINE void baumgarte_part(const Shape shape, BaumgarteBatch& batch, const BaumgarteStep& step,
+                               const Part& part, double* scratch, SolveStats& stats) {
+  const BaumgarteRows rows = baumgarte_rows(shape, scratch);
+  const BaumgarteTerms* terms = batch.terms.data();
   double *lambda = batch.lambda.of(part.group) + part.first_lane,
          *before = batch.before.of(part.group) + part.first_lane;
-  gather(part, step.x, rows.x);
-  gather(part, step.v, rows.v);
-  gather(part, step.f, rows.f);
-  apply_guess(batch, step.guess, lambda, before, rows);
+  gather(part, shape.atoms(), step.x, rows.x);
+  gather(part, shape.atoms(), step.v, rows.v);
+  gather(part, shape.atoms(), step.f, rows.f);
+  apply_guess(shape, step.guess, lambda, before, rows);
   Worst worst;
-  right_hand_side<true>(batch, step.h, rows, worst);
-  if (!worst.within(stats.max_residual)) {
-    find_residuals(batch.lanes, rows.x, rows.A.inv_d);
-    enter(part, rows.A.inv_d, stats);
-  }
-  couple(batch.plan, rows.r, rows.r, rows.A.l);
-  if (!regular(part, eliminate(rows.A, batch.lanes.bonds.data(), rows.b), rows.A.d, stats)) return;
-  substitute_back(batch.plan, rows.A.inv_d, rows.A.l, rows.b);
-  apply(batch, lambda, rows);
+  right_hand_side<true>(shape, terms, step.h, rows, worst);
+  const V margin = eliminate(shape, rows.A, rows.r, rows.b);
+  substitute_back(shape, rows.A.inv_d, rows.A.l, rows.b);
+  apply(shape, lambda, rows);
   for (int pass = 1; pass < step.passes; ++pass) {
-    right_hand_side<false>(batch, step.h, rows, worst);
-    substitute_forward(batch.plan, rows.A.l, rows.b);
-    substitute_back(batch.plan, rows.A.inv_d, rows.A.l, rows.b);
-    apply(batch, lambda, rows);
+    right_hand_side<false>(shape, terms, step.h, rows, worst);
+    substitute_forward(shape, rows.A.l, rows.b);
+    substitute_back(shape, rows.A.inv_d, rows.A.l, rows.b);
+    apply(shape, lambda, rows);
   }
-  scatter(part, rows.f, step.f);
+  scatter(part, shape.atoms(), rows.f, step.f);
+  if (!worst.within(stats.max_residual)) {
+    find_residuals(part.batch, rows.x, rows.b);
+    enter(part, rows.b, stats);
+  }
+  regular(part, margin, rows.A.d, stats);
 }
 
 SolveStats baumgarte_groups(BaumgarteBatch& batch, const BaumgarteStep& step, int begin, int end,
                             double* scratch) {
   SolveStats stats{.iterations = step.passes};
-  for_each_part(batch.lanes, begin, end,
-                [&](const Part& part) HWY_ATTR { baumgarte_part(batch, step, part, scratch, stats); });
+  for_each_part(batch.lanes, begin, end, scratch, [&](auto shape, const Part& part, double* rows) HWY_ATTR {
+    baumgarte_part(shape, batch, step, part, rows, stats);
+  });
   return stats;
 }
 
@@ -139,15 +138,14 @@ Batched<Baumgarte>::Batched(const System& sys, const Options& options, double h,
   const std::vector<Gains> gains = choose_gains(options.choice(), damping_, sys, h);
   setting_ = describe_baumgarte(options, gains, h);
   for (const ClusterBatch& batch : clusters.batches) {
-    Elimination plan(batch.shape);
-    LaneBatch lanes(batch, plan.order);
+    LaneBatch lanes(batch);
     std::vector<Gains> of_bonds;
-    for (int k = 0; k < plan.size(); ++k) of_bonds.push_back(gains[lanes.bond(0, k, 0)]);
+    for (int k = 0; k < lanes.bond_count(); ++k) of_bonds.push_back(gains[lanes.bond(0, k, 0)]);
     std::vector<BaumgarteTerms> terms(of_bonds.size());
-    LaneRows lambda(lanes.groups, plan.size()), before(lanes.groups, plan.size());
-    batches_.push_back({std::move(lanes), std::move(plan), std::move(of_bonds), std::move(terms),
-                        std::move(lambda), std::move(before)});
-    runner_.add(batches_.back().lanes, scratch_rows(batches_.back().lanes, batches_.back().plan));
+    LaneRows lambda = rows_of_bonds(lanes), before = rows_of_bonds(lanes);
+    runner_.add(lanes);
+    batches_.push_back(
+        {std::move(lanes), std::move(of_bonds), std::move(terms), std::move(lambda), std::move(before)});
   }
 }
 

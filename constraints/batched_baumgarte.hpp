@@ -17,7 +17,6 @@ struct BaumgarteTerms {
 // A batch and what Baumgarte keeps of it.
 struct BaumgarteBatch {
   LaneBatch lanes;
-  Elimination plan;
   std::vector<Gains> gains;           // of each bond
   std::vector<BaumgarteTerms> terms;  // of each bond, at the last h
   LaneRows lambda, before;            // of the last two steps

@@ -6,7 +6,7 @@
 #define HWY_TARGET_INCLUDE "constraints/batched_feedforward.cpp"
 #include <hwy/foreach_target.h>
 
-#include "constraints/lanes-inl.hpp"
+#include "constraints/elimination-inl.hpp"
 
 #ifndef TAUT_FEEDFORWARD_STEP
 #define TAUT_FEEDFORWARD_STEP
@@ -33,8 +33,9 @@ struct FeedforwardRows {
   Matrix A;
 };
 
-HWY_INLINE FeedforwardRows feedforward_rows(const FeedforwardBatch& batch, double* scratch) {
-  const int atoms = 3 * batch.lanes.atoms * kWidth, bonds = batch.plan.size() * kWidth;
+template <class Shape>
+HWY_INLINE FeedforwardRows feedforward_rows(const Shape shape, double* scratch) {
+  const int atoms = 3 * shape.atoms() * kLanes, bonds = shape.size() * kLanes;
   double *r = scratch + 3 * atoms, *b = r + 6 * bonds, *l = b + 3 * bonds;
   return {scratch,
           scratch + atoms,
@@ -42,33 +43,36 @@ HWY_INLINE FeedforwardRows feedforward_rows(const FeedforwardBatch& batch, doubl
           r,
           r + 3 * bonds,
           b,
-          {batch.plan, b + bonds, b + 2 * bonds, l, l + batch.plan.entries() * kWidth}};
+          {b + bonds, b + 2 * bonds, l, l + shape.entries() * kLanes}};
 }
 
+// λ of the last three steps, for one part.
+struct Past {
+  double *lambda, *before, *before_that;
+};
+
 // r; λ extrapolated, and f += Jᵀλ. Returns the residuals at x.
-HWY_INLINE Worst extrapolate(FeedforwardBatch& batch, const FeedforwardStep& step, const Part& part,
+template <class Shape>
+HWY_INLINE Worst extrapolate(const Shape shape, const FeedforwardStep& step, const Past past,
                              const FeedforwardRows rows) {
-  const int n = batch.plan.size();
-  const LaneBond* bonds = batch.lanes.bonds.data();
-  double *lambda = batch.lambda.of(part.group) + part.first_lane,
-         *before = batch.before.of(part.group) + part.first_lane,
-         *before_that = batch.before_that.of(part.group) + part.first_lane;
   const V last = all(step.last), first = all(step.first), second = all(step.second);
   const bool shift = step.shift;
   Worst worst;
-  for (int k = 0; k < n; ++k) {
-    const V3 r = load3(rows.x + bonds[k].j * kWidth) - load3(rows.x + bonds[k].i * kWidth);
-    store3(r, rows.r + 3 * k * kWidth);
-    worst.see(hn::Mul(hn::Abs(hn::Sub(dot(r, r), all(bonds[k].length2))), all(bonds[k].half_inv_length2)));
-    V guess = load(lambda + k * kLanes);
+  for (int k = 0; k < shape.size(); ++k) {
+    const V3 r = difference(shape, k, rows.x);
+    store3(r, rows.r + 3 * k * kLanes);
+    const V offset = hn::Sub(dot(r, r), all(shape.bonds[k].length2));
+    worst.see(hn::Mul(hn::Abs(offset), all(shape.bonds[k].half_inv_length2)));
+    V guess = load(past.lambda + k * kLanes);
     if (shift) {
-      const V one = guess, two = load(before + k * kLanes);
-      guess = hn::MulAdd(last, one, hn::MulAdd(first, two, hn::Mul(second, load(before_that + k * kLanes))));
-      store(two, before_that + k * kLanes);
-      store(one, before + k * kLanes);
-      store(guess, lambda + k * kLanes);
+      const V one = guess, two = load(past.before + k * kLanes);
+      guess =
+          hn::MulAdd(last, one, hn::MulAdd(first, two, hn::Mul(second, load(past.before_that + k * kLanes))));
+      store(two, past.before_that + k * kLanes);
+      store(one, past.before + k * kLanes);
+      store(guess, past.lambda + k * kLanes);
     }
-    pull(bonds[k], guess, r, rows.f);
+    pull(shape, k, guess, r, rows.f);
   }
   return worst;
 }
@@ -80,84 +84,91 @@ struct Ahead {
 };
 
 // r_next, b = −σ_next/kick and A's diagonal.
-HWY_INLINE Ahead look_ahead(const FeedforwardBatch& batch, const FeedforwardStep& step,
-                            const FeedforwardRows rows) {
-  const int n = batch.plan.size();
-  const LaneBond* bonds = batch.lanes.bonds.data();
+template <class Shape>
+HWY_INLINE Ahead look_ahead(const Shape shape, const FeedforwardStep& step, const FeedforwardRows rows) {
   const V h = all(step.h), kick = all(step.kick), scale = all(-0.5 / step.kick), turn = all(step.turn);
   Ahead ahead{all(-1e300), all(-1e300)};
-  for (int k = 0; k < n; ++k) {
-    const int i = bonds[k].i * kWidth, j = bonds[k].j * kWidth;
-    const V3 r = load3(rows.r + 3 * k * kWidth);
-    const V3 a = neg_mul_add(all(bonds[k].inv_mass_i), load3(rows.f + i),
-                             all(bonds[k].inv_mass_j) * load3(rows.f + j));
-    const V3 r_next = mul_add(kick, a, mul_add(h, load3(rows.v + j) - load3(rows.v + i), r));
-    store3(r_next, rows.r_next + 3 * k * kWidth);
-    const V twice_sigma = hn::Sub(dot(r_next, r_next), all(bonds[k].length2)), along = dot(r_next, r);
+  for (int k = 0; k < shape.size(); ++k) {
+    const LaneBond& bond = shape.bonds[k];
+    const V3 r = load3(rows.r + 3 * k * kLanes);
+    const V3 a = neg_mul_add(all(bond.inv_mass_i), load3(rows.f + shape.i(k)),
+                             all(bond.inv_mass_j) * load3(rows.f + shape.j(k)));
+    const V3 r_next = mul_add(kick, a, mul_add(h, difference(shape, k, rows.v), r));
+    store3(r_next, rows.r_next + 3 * k * kLanes);
+    const V twice_sigma = hn::Sub(dot(r_next, r_next), all(bond.length2)), along = dot(r_next, r);
     const V size = hn::Mul(all(0.5), hn::Abs(twice_sigma)), reach = hn::Abs(along);
     ahead.excess = hn::Max(ahead.excess, hn::NegMulAdd(turn, reach, size));
     ahead.runaway = hn::Max(ahead.runaway, hn::NegMulAdd(all(1e3), reach, size));
-    store(hn::Mul(scale, twice_sigma), rows.b + k * kWidth);
-    store(hn::Mul(all(bonds[k].reduced_inv_mass), along), rows.A.d + k * kWidth);
+    store(hn::Mul(scale, twice_sigma), rows.b + k * kLanes);
+    store(hn::Mul(all(bond.reduced_inv_mass), along), rows.A.d + k * kLanes);
   }
   return ahead;
 }
 
 // λ += b, f += Jᵀb
-HWY_INLINE void correct(FeedforwardBatch& batch, const Part& part, const FeedforwardRows rows) {
-  const int n = batch.plan.size();
-  const LaneBond* bonds = batch.lanes.bonds.data();
-  double* lambda = batch.lambda.of(part.group) + part.first_lane;
-  for (int k = 0; k < n; ++k) {
-    const V b = load(rows.b + k * kWidth);
-    store(hn::Add(load(lambda + k * kLanes), b), lambda + k * kLanes);
-    pull(bonds[k], b, load3(rows.r + 3 * k * kWidth), rows.f);
+template <class Shape>
+HWY_INLINE void correct(const Shape shape, const Past past, const FeedforwardRows rows) {
+  for (int k = 0; k < shape.size(); ++k) {
+    const V b = load(rows.b + k * kLanes);
+    store(hn::Add(load(past.lambda + k * kLanes), b), past.lambda + k * kLanes);
+    pull(shape, k, b, load3(rows.r + 3 * k * kLanes), rows.f);
   }
 }
 
-void feedforward_part(FeedforwardBatch& batch, const FeedforwardStep& step, const Part& part, double* scratch,
-                      SolveStats& stats) {
-  const FeedforwardRows rows = feedforward_rows(batch, scratch);
-  gather(part, step.x, rows.x);
-  gather(part, step.v, rows.v);
-  gather(part, step.f, rows.f);
-  const Worst worst = extrapolate(batch, step, part, rows);
-  if (!worst.within(stats.max_residual)) {
-    find_residuals(batch.lanes, rows.x, rows.b);
-    enter(part, rows.b, stats);
-  }
-  for (int solve = 1;; ++solve) {
-    const Ahead ahead = look_ahead(batch, step, rows);
+HWY_INLINE void fail(const Part& part, const char* why, SolveStats& stats) {
+  stats.failure = why;
+  stats.worst_bond = part.batch.bond(part.group, 0, part.first_lane);
+}
+
+// Solves until what the last one left is known to be small. False where there is no solution.
+template <class Shape>
+HWY_INLINE bool solve(const Shape shape, const FeedforwardStep& step, const Part& part, const Past past,
+                      const FeedforwardRows rows, SolveStats& stats) {
+  for (int n = 1; n <= step.max_solves; ++n) {
+    const Ahead ahead = look_ahead(shape, step, rows);
+    const V margin = eliminate_turned(shape, rows.A, rows.r_next, rows.r, rows.b);
+    substitute_back(shape, rows.A.inv_d, rows.A.u, rows.b);
+    correct(shape, past, rows);
+    stats.iterations = HWY_MAX(stats.iterations, n);
     if (!hn::AllTrue(D(), hn::Lt(ahead.runaway, hn::Zero(D())))) {
-      stats.failure = "the bonds run away";
-      stats.worst_bond = part.batch.bond(part.group, 0, part.first_lane);
-      return;
+      fail(part, "the bonds run away", stats);
+      return false;
     }
-    couple(batch.plan, rows.r_next, rows.r, rows.A.l);
-    couple(batch.plan, rows.r, rows.r_next, rows.A.u);
-    const V margin = eliminate_turned(rows.A, batch.lanes.bonds.data(), rows.b);
     if (!regular(part, margin, rows.A.d, stats)) {
       stats.failure = "A is singular, or a bond turns by 90° in one step";
-      return;
+      return false;
     }
-    substitute_back(batch.plan, rows.A.inv_d, rows.A.u, rows.b);
-    correct(batch, part, rows);
-    stats.iterations = HWY_MAX(stats.iterations, solve);
-    if (hn::AllTrue(D(), hn::Le(ahead.excess, hn::Zero(D())))) break;
-    if (solve == step.max_solves) {
-      stats.failure = "no convergence";
-      stats.worst_bond = part.batch.bond(part.group, 0, part.first_lane);
-      break;
-    }
+    if (hn::AllTrue(D(), hn::Le(ahead.excess, hn::Zero(D())))) return true;
   }
-  scatter(part, rows.f, step.f);
+  fail(part, "no convergence", stats);
+  return false;
+}
+
+template <class Shape>
+HWY_INLINE void feedforward_part(const Shape shape, FeedforwardBatch& batch, const FeedforwardStep& step,
+                                 const Part& part, double* scratch, SolveStats& stats) {
+  const FeedforwardRows rows = feedforward_rows(shape, scratch);
+  const Past past{batch.lambda.of(part.group) + part.first_lane,
+                  batch.before.of(part.group) + part.first_lane,
+                  batch.before_that.of(part.group) + part.first_lane};
+  gather(part, shape.atoms(), step.x, rows.x);
+  gather(part, shape.atoms(), step.v, rows.v);
+  gather(part, shape.atoms(), step.f, rows.f);
+  const Worst worst = extrapolate(shape, step, past, rows);
+  const bool solved = solve(shape, step, part, past, rows, stats);
+  scatter(part, shape.atoms(), rows.f, step.f);
+  if (solved && !worst.within(stats.max_residual)) {
+    find_residuals(part.batch, rows.x, rows.b);
+    enter(part, rows.b, stats);
+  }
 }
 
 SolveStats feedforward_groups(FeedforwardBatch& batch, const FeedforwardStep& step, int begin, int end,
                               double* scratch) {
   SolveStats stats;
-  for_each_part(batch.lanes, begin, end,
-                [&](const Part& part) HWY_ATTR { feedforward_part(batch, step, part, scratch, stats); });
+  for_each_part(batch.lanes, begin, end, scratch, [&](auto shape, const Part& part, double* rows) HWY_ATTR {
+    feedforward_part(shape, batch, step, part, rows, stats);
+  });
   return stats;
 }
 
@@ -179,13 +190,10 @@ Batched<Feedforward>::Batched(const System& sys, const Options& options, double 
       leftover_(sys, clusters.rest, options, h),
       lambda_(Eigen::VectorXd::Zero(sys.bond_count())) {
   for (const ClusterBatch& batch : clusters.batches) {
-    Elimination plan(batch.shape);
-    LaneBatch lanes(batch, plan.order);
-    runner_.add(lanes, scratch_rows(lanes, plan));
-    const auto rows = [&] { return LaneRows(lanes.groups, plan.size()); };
-    LaneRows lambda = rows(), before = rows(), before_that = rows();
-    batches_.push_back(
-        {std::move(lanes), std::move(plan), std::move(lambda), std::move(before), std::move(before_that)});
+    LaneBatch lanes(batch);
+    LaneRows lambda = rows_of_bonds(lanes), before = rows_of_bonds(lanes), before_that = rows_of_bonds(lanes);
+    runner_.add(lanes);
+    batches_.push_back({std::move(lanes), std::move(lambda), std::move(before), std::move(before_that)});
   }
 }
 

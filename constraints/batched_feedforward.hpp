@@ -8,7 +8,6 @@ namespace taut {
 // A batch and what Feedforward keeps of it: λ of the last three steps, newest first.
 struct FeedforwardBatch {
   LaneBatch lanes;
-  Elimination plan;
   LaneRows lambda, before, before_that;
 };
 

@@ -8,7 +8,6 @@ namespace taut {
 // A batch and what Newton keeps of it.
 struct NewtonBatch {
   LaneBatch lanes;
-  Elimination plan;
   LaneRows lambda;
   LaneRows factors;  // 1/d and L at the last velocities' positions, part by part
 };

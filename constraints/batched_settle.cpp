@@ -9,7 +9,7 @@
 #define HWY_TARGET_INCLUDE "constraints/batched_settle.cpp"
 #include <hwy/foreach_target.h>
 
-#include "constraints/lanes-inl.hpp"
+#include "constraints/elimination-inl.hpp"
 
 #ifndef TAUT_SETTLE_STEP
 #define TAUT_SETTLE_STEP
@@ -42,10 +42,10 @@ HWY_INLINE V3 along(V x, const V3& X, V y, const V3& Y, V z, const V3& Z) {
 // settle.cpp has the derivation and the names: 0 before the step, 1 drifted, 2 after φ and ψ, 3 after θ.
 void settle_positions_of(const SettleBatch& batch, const SettleStep& step, const Part& part, double* scratch,
                          SolveStats& stats) {
-  constexpr int a = 0, b = 3 * kWidth, c = 6 * kWidth;  // rows of apex, left, right
-  double *x = scratch, *v = scratch + 9 * kWidth;
-  gather(part, step.x, x);
-  gather(part, step.v, v);
+  constexpr int a = 0, b = 3 * kLanes, c = 6 * kLanes;  // rows of apex, left, right
+  double *x = scratch, *v = scratch + 9 * kLanes;
+  gather(part, 3, step.x, x);
+  gather(part, 3, step.v, v);
   const V ma = all(1 / batch.lanes.inv_mass[0]), mh = all(1 / batch.lanes.inv_mass[1]);
   const V share = hn::Div(mh, hn::MulAdd(all(2), mh, ma)), h = all(step.h);
   const V ra = all(batch.ra), rb = all(batch.rb), rc = all(batch.rc);
@@ -91,53 +91,54 @@ void settle_positions_of(const SettleBatch& batch, const SettleStep& step, const
   const V inv_h = all(1 / step.h);
   const V3 shifts[] = {a3 - a1, b3 - b1, c3 - c1};
   for (int n = 0; n < 3; ++n) {
-    double *x_n = x + 3 * n * kWidth, *v_n = v + 3 * n * kWidth;
+    double *x_n = x + 3 * n * kLanes, *v_n = v + 3 * n * kLanes;
     store3(load3(x_n) + shifts[n], x_n);
     store3(mul_add(inv_h, shifts[n], load3(v_n)), v_n);
   }
-  scatter(part, x, step.x);
-  scatter(part, v, step.v);
+  scatter(part, 3, x, step.x);
+  scatter(part, 3, v, step.v);
 }
 
 // A g = −J v
-void settle_velocities_of(SettleBatch& batch, const SettleStep& step, const Part& part, double* scratch,
-                          SolveStats& stats) {
-  double *x = scratch, *v = x + 9 * kWidth, *r = v + 9 * kWidth, *g = r + 9 * kWidth, *d = g + 3 * kWidth;
-  const Matrix A{batch.plan, d, d + 3 * kWidth, d + 6 * kWidth, nullptr};
+template <class Shape>
+HWY_INLINE void settle_velocities_of(const Shape shape, SettleBatch& batch, const SettleStep& step,
+                                     const Part& part, double* scratch, SolveStats& stats) {
+  double *x = scratch, *v = x + 9 * kLanes, *r = v + 9 * kLanes, *g = r + 9 * kLanes, *d = g + 3 * kLanes;
+  const Matrix A{d, d + 3 * kLanes, d + 6 * kLanes, nullptr};
   double* lambda = batch.lambda.of(part.group) + part.first_lane;
-  gather(part, step.x, x);
-  gather(part, step.v, v);
+  gather(part, 3, step.x, x);
+  gather(part, 3, step.v, v);
   for (int k = 0; k < 3; ++k) {
-    const LaneBond& bond = batch.lanes.bonds[k];
-    const int i = bond.i * kWidth, j = bond.j * kWidth;
-    const V3 r_k = load3(x + j) - load3(x + i);
-    store3(r_k, r + 3 * k * kWidth);
-    store(hn::Mul(all(bond.reduced_inv_mass), dot(r_k, r_k)), d + k * kWidth);
-    store(hn::Neg(dot(r_k, load3(v + j) - load3(v + i))), g + k * kWidth);
+    const V3 r_k = difference(shape, k, x);
+    store3(r_k, r + 3 * k * kLanes);
+    store(hn::Mul(all(shape.bonds[k].reduced_inv_mass), dot(r_k, r_k)), d + k * kLanes);
+    store(hn::Neg(dot(r_k, difference(shape, k, v))), g + k * kLanes);
   }
-  couple(batch.plan, r, r, A.l);
-  if (!regular(part, eliminate(A, batch.lanes.bonds.data(), g), A.d, stats)) return;
-  substitute_back(batch.plan, A.inv_d, A.l, g);
+  const V margin = eliminate(shape, A, r, g);
+  substitute_back(shape, A.inv_d, A.l, g);
   for (int k = 0; k < 3; ++k) {
-    const V g_k = load(g + k * kWidth);
-    move(batch.lanes.bonds[k], g_k, load3(r + 3 * k * kWidth), v);
+    const V g_k = load(g + k * kLanes);
+    move(shape, k, g_k, load3(r + 3 * k * kLanes), v);
     store(hn::Mul(all(2 / step.h), g_k), lambda + k * kLanes);
   }
-  scatter(part, v, step.v);
+  scatter(part, 3, v, step.v);
+  regular(part, margin, A.d, stats);
 }
 
 SolveStats settle_positions(SettleBatch& batch, const SettleStep& step, int begin, int end, double* scratch) {
   SolveStats stats{.iterations = 1};
-  for_each_part(batch.lanes, begin, end,
-                [&](const Part& part) HWY_ATTR { settle_positions_of(batch, step, part, scratch, stats); });
+  for_each_part(batch.lanes, begin, end, scratch, [&](auto, const Part& part, double* rows) HWY_ATTR {
+    settle_positions_of(batch, step, part, rows, stats);
+  });
   return stats;
 }
 
 SolveStats settle_velocities(SettleBatch& batch, const SettleStep& step, int begin, int end,
                              double* scratch) {
   SolveStats stats{.iterations = 1};
-  for_each_part(batch.lanes, begin, end,
-                [&](const Part& part) HWY_ATTR { settle_velocities_of(batch, step, part, scratch, stats); });
+  for_each_part(batch.lanes, begin, end, scratch, [&](auto shape, const Part& part, double* rows) HWY_ATTR {
+    settle_velocities_of(shape, batch, step, part, rows, stats);
+  });
   return stats;
 }
 
@@ -166,11 +167,10 @@ Batched<Settle>::Batched(const System& sys, const Options&, double)
   }
   for (const auto& [key, kind] : kinds) {
     const auto& [water, batch] = kind;
-    Elimination plan(batch.shape);
-    LaneBatch lanes(batch, plan.order);
-    runner_.add(lanes, scratch_rows(lanes, plan));
-    LaneRows lambda(lanes.groups, plan.size());
-    batches_.push_back({std::move(lanes), std::move(plan), water.ra, water.rb, water.rc, std::move(lambda)});
+    LaneBatch lanes(batch);
+    runner_.add(lanes);
+    LaneRows lambda = rows_of_bonds(lanes);
+    batches_.push_back({std::move(lanes), water.ra, water.rb, water.rc, std::move(lambda)});
   }
 }
 

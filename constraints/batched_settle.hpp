@@ -8,7 +8,6 @@ namespace taut {
 // Waters of one shape: atoms apex, left, right; bonds apex–left, apex–right, left–right.
 struct SettleBatch {
   LaneBatch lanes;
-  Elimination plan;
   double ra, rb, rc;  // settle.hpp
   LaneRows lambda;
 };

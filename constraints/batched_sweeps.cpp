@@ -1,7 +1,5 @@
 #include "constraints/batched_sweeps.hpp"
 
-#include <numeric>
-
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "constraints/batched_sweeps.cpp"
 #include <hwy/foreach_target.h>
@@ -28,52 +26,49 @@ struct SweepRows {
   double *r, *g, *inv, *relative;  // of the bonds; r: along which corrections act
 };
 
-HWY_INLINE SweepRows sweep_rows(const LaneBatch& lanes, double* scratch) {
-  const int atoms = 3 * lanes.atoms * kWidth, bonds = lanes.bond_count() * kWidth;
+HWY_INLINE SweepRows sweep_rows(const AnyShape shape, double* scratch) {
+  const int atoms = 3 * shape.atoms() * kLanes, bonds = shape.size() * kLanes;
   double *r = scratch + 2 * atoms, *g = r + 3 * bonds;
   return {scratch, scratch + atoms, r, g, g + bonds, g + 2 * bonds};
 }
 
 // g = guess·λ, y += M⁻¹Jᵀg
-HWY_INLINE void set_out(const LaneBatch& lanes, double guess, const double* lambda, const SweepRows rows,
+HWY_INLINE void set_out(const AnyShape shape, double guess, const double* lambda, const SweepRows rows,
                         double* y) {
-  for (int k = 0; k < lanes.bond_count(); ++k) {
+  for (int k = 0; k < shape.size(); ++k) {
     const V g = hn::Mul(all(guess), load(lambda + k * kLanes));
-    store(g, rows.g + k * kWidth);
-    move(lanes.bonds[k], g, load3(rows.r + 3 * k * kWidth), y);
+    store(g, rows.g + k * kLanes);
+    move(shape, k, g, load3(rows.r + 3 * k * kLanes), y);
   }
 }
 
-HWY_INLINE void keep(const LaneBatch& lanes, double scale, const SweepRows rows, double* lambda) {
-  for (int k = 0; k < lanes.bond_count(); ++k)
-    store(hn::Mul(all(scale), load(rows.g + k * kWidth)), lambda + k * kLanes);
+HWY_INLINE void keep(const AnyShape shape, double scale, const SweepRows rows, double* lambda) {
+  for (int k = 0; k < shape.size(); ++k)
+    store(hn::Mul(all(scale), load(rows.g + k * kLanes)), lambda + k * kLanes);
 }
 
-// Adds dg where it is wanted.
-HWY_INLINE void correct(const LaneBond& bond, int k, V dg, const SweepRows rows, double* y) {
-  store(hn::Add(load(rows.g + k * kWidth), dg), rows.g + k * kWidth);
-  move(bond, dg, load3(rows.r + 3 * k * kWidth), y);
+HWY_INLINE void correct(const AnyShape shape, int k, V dg, const SweepRows rows, double* y) {
+  store(hn::Add(load(rows.g + k * kLanes), dg), rows.g + k * kLanes);
+  move(shape, k, dg, load3(rows.r + 3 * k * kLanes), y);
 }
 
 struct SweepOfPositions {
-  // One sweep; what it met is left in rows.relative. False in lanes where a bond turned by 90°.
-  HWY_INLINE V operator()(const LaneBatch& lanes, double tolerance, const SweepRows rows,
-                          Worst& worst) const {
-    const int n = lanes.bond_count();
-    const LaneBond* bonds = lanes.bonds.data();
+  // One sweep; what it met is left in rows.relative. Returns a margin that is negative where a bond turned by
+  // 90°.
+  HWY_INLINE V operator()(const AnyShape shape, double tolerance, const SweepRows rows, Worst& worst) const {
     V margin = all(1e300);
-    for (int k = 0; k < n; ++k) {
-      const LaneBond& bond = bonds[k];
-      const V3 r = load3(rows.x + bond.j * kWidth) - load3(rows.x + bond.i * kWidth);
-      const V offset = hn::Sub(dot(r, r), all(bond.length2)), along = dot(r, load3(rows.r + 3 * k * kWidth));
+    for (int k = 0; k < shape.size(); ++k) {
+      const LaneBond& bond = shape.bonds[k];
+      const V3 r = difference(shape, k, rows.x);
+      const V offset = hn::Sub(dot(r, r), all(bond.length2)), along = dot(r, load3(rows.r + 3 * k * kLanes));
       const V relative = hn::Mul(hn::Abs(offset), all(bond.half_inv_length2));
       worst.see(relative);
-      store(relative, rows.relative + k * kWidth);
+      store(relative, rows.relative + k * kLanes);
       const auto off = hn::Gt(relative, all(tolerance));
       margin =
           hn::Min(margin, hn::IfThenElse(off, hn::NegMulAdd(all(1e-6), all(bond.length2), along), margin));
       const V dg = hn::Div(hn::Mul(all(-0.5), offset), hn::Mul(all(bond.reduced_inv_mass), along));
-      correct(bond, k, hn::IfThenElseZero(off, dg), rows, rows.x);
+      correct(shape, k, hn::IfThenElseZero(off, dg), rows, rows.x);
     }
     return margin;
   }
@@ -82,19 +77,16 @@ struct SweepOfPositions {
 
 struct SweepOfVelocities {
   double h;
-  HWY_INLINE V operator()(const LaneBatch& lanes, double tolerance, const SweepRows rows,
-                          Worst& worst) const {
-    const int n = lanes.bond_count();
-    const LaneBond* bonds = lanes.bonds.data();
-    for (int k = 0; k < n; ++k) {
-      const LaneBond& bond = bonds[k];
-      const V3 v = load3(rows.v + bond.j * kWidth) - load3(rows.v + bond.i * kWidth);
-      const V rate = dot(load3(rows.r + 3 * k * kWidth), v);
+  HWY_INLINE V operator()(const AnyShape shape, double tolerance, const SweepRows rows, Worst& worst) const {
+    for (int k = 0; k < shape.size(); ++k) {
+      const LaneBond& bond = shape.bonds[k];
+      const V3 v = difference(shape, k, rows.v);
+      const V rate = dot(load3(rows.r + 3 * k * kLanes), v);
       const V relative = hn::Mul(hn::Abs(rate), all(2 * h * bond.half_inv_length2));
       worst.see(relative);
-      store(relative, rows.relative + k * kWidth);
-      const V dg = hn::Neg(hn::Mul(rate, load(rows.inv + k * kWidth)));
-      correct(bond, k, hn::IfThenElseZero(hn::Gt(relative, all(tolerance)), dg), rows, rows.v);
+      store(relative, rows.relative + k * kLanes);
+      const V dg = hn::Neg(hn::Mul(rate, load(rows.inv + k * kLanes)));
+      correct(shape, k, hn::IfThenElseZero(hn::Gt(relative, all(tolerance)), dg), rows, rows.v);
     }
     return all(1);
   }
@@ -103,13 +95,13 @@ struct SweepOfVelocities {
 
 // Sweeps until all hold, or as many as asked for.
 template <class Sweep>
-HWY_INLINE void repeat(const Sweep& sweep, const SweepLimits& limits, const Part& part, const SweepRows rows,
-                       SolveStats& stats) {
+HWY_INLINE void repeat(const Sweep& sweep, const AnyShape shape, const SweepLimits& limits, const Part& part,
+                       const SweepRows rows, SolveStats& stats) {
   const bool fixed = limits.sweeps > 0;
   const int most = fixed ? limits.sweeps : limits.max_sweeps;
   for (int n = 1; n <= most; ++n) {
     Worst worst;
-    const V margin = sweep(part.batch, fixed ? 0.0 : limits.tolerance, rows, worst);
+    const V margin = sweep(shape, fixed ? 0.0 : limits.tolerance, rows, worst);
     stats.iterations = HWY_MAX(stats.iterations, n);
     const bool turned = !hn::AllTrue(D(), hn::Gt(margin, hn::Zero(D())));
     const bool held = !fixed && worst.within(limits.tolerance);
@@ -123,57 +115,56 @@ HWY_INLINE void repeat(const Sweep& sweep, const SweepLimits& limits, const Part
 
 void sweep_positions_of(SweepBatch& batch, const SweepStep& step, const Part& part, double* scratch,
                         SolveStats& stats) {
-  const LaneBatch& lanes = batch.lanes;
-  const SweepRows rows = sweep_rows(lanes, scratch);
+  const AnyShape shape(batch.lanes);
+  const SweepRows rows = sweep_rows(shape, scratch);
   double* lambda = batch.lambda.of(part.group) + part.first_lane;
-  gather(part, step.x, rows.x);
-  gather(part, step.v, rows.v);
-  for (int k = 0; k < lanes.bond_count(); ++k) {
-    const int i = lanes.bonds[k].i * kWidth, j = lanes.bonds[k].j * kWidth;
-    store3(neg_mul_add(all(step.h), load3(rows.v + j) - load3(rows.v + i),
-                       load3(rows.x + j) - load3(rows.x + i)),
-           rows.r + 3 * k * kWidth);
-  }
-  set_out(lanes, step.guess, lambda, rows, rows.x);
-  repeat(SweepOfPositions{}, step.limits, part, rows, stats);
-  for (int k = 0; k < lanes.bond_count(); ++k)
-    move(lanes.bonds[k], hn::Mul(all(1 / step.h), load(rows.g + k * kWidth)), load3(rows.r + 3 * k * kWidth),
+  gather(part, shape.atoms(), step.x, rows.x);
+  gather(part, shape.atoms(), step.v, rows.v);
+  for (int k = 0; k < shape.size(); ++k)
+    store3(neg_mul_add(all(step.h), difference(shape, k, rows.v), difference(shape, k, rows.x)),
+           rows.r + 3 * k * kLanes);
+  set_out(shape, step.guess, lambda, rows, rows.x);
+  repeat(SweepOfPositions{}, shape, step.limits, part, rows, stats);
+  for (int k = 0; k < shape.size(); ++k)
+    move(shape, k, hn::Mul(all(1 / step.h), load(rows.g + k * kLanes)), load3(rows.r + 3 * k * kLanes),
          rows.v);
-  keep(lanes, step.keep, rows, lambda);
-  scatter(part, rows.x, step.x);
-  scatter(part, rows.v, step.v);
+  keep(shape, step.keep, rows, lambda);
+  scatter(part, shape.atoms(), rows.x, step.x);
+  scatter(part, shape.atoms(), rows.v, step.v);
 }
 
 void sweep_velocities_of(SweepBatch& batch, const SweepStep& step, const Part& part, double* scratch,
                          SolveStats& stats) {
-  const LaneBatch& lanes = batch.lanes;
-  const SweepRows rows = sweep_rows(lanes, scratch);
+  const AnyShape shape(batch.lanes);
+  const SweepRows rows = sweep_rows(shape, scratch);
   double* lambda = batch.lambda.of(part.group) + part.first_lane;
-  gather(part, step.x, rows.x);
-  gather(part, step.v, rows.v);
-  for (int k = 0; k < lanes.bond_count(); ++k) {
-    const LaneBond& bond = lanes.bonds[k];
-    const V3 r = load3(rows.x + bond.j * kWidth) - load3(rows.x + bond.i * kWidth);
-    store3(r, rows.r + 3 * k * kWidth);
-    store(hn::Div(all(1), hn::Mul(all(bond.reduced_inv_mass), dot(r, r))), rows.inv + k * kWidth);
+  gather(part, shape.atoms(), step.x, rows.x);
+  gather(part, shape.atoms(), step.v, rows.v);
+  for (int k = 0; k < shape.size(); ++k) {
+    const V3 r = difference(shape, k, rows.x);
+    store3(r, rows.r + 3 * k * kLanes);
+    const V a_kk = hn::Mul(all(shape.bonds[k].reduced_inv_mass), dot(r, r));
+    store(hn::Div(all(1), a_kk), rows.inv + k * kLanes);
   }
-  set_out(lanes, step.guess, lambda, rows, rows.v);
-  repeat(SweepOfVelocities{step.h}, step.limits, part, rows, stats);
-  keep(lanes, step.keep, rows, lambda);
-  scatter(part, rows.v, step.v);
+  set_out(shape, step.guess, lambda, rows, rows.v);
+  repeat(SweepOfVelocities{step.h}, shape, step.limits, part, rows, stats);
+  keep(shape, step.keep, rows, lambda);
+  scatter(part, shape.atoms(), rows.v, step.v);
 }
 
 SolveStats sweep_positions(SweepBatch& batch, const SweepStep& step, int begin, int end, double* scratch) {
   SolveStats stats;
-  for_each_part(batch.lanes, begin, end,
-                [&](const Part& part) HWY_ATTR { sweep_positions_of(batch, step, part, scratch, stats); });
+  for_each_part(batch.lanes, begin, end, scratch, [&](auto, const Part& part, double* rows) HWY_ATTR {
+    sweep_positions_of(batch, step, part, rows, stats);
+  });
   return stats;
 }
 
 SolveStats sweep_velocities(SweepBatch& batch, const SweepStep& step, int begin, int end, double* scratch) {
   SolveStats stats;
-  for_each_part(batch.lanes, begin, end,
-                [&](const Part& part) HWY_ATTR { sweep_velocities_of(batch, step, part, scratch, stats); });
+  for_each_part(batch.lanes, begin, end, scratch, [&](auto, const Part& part, double* rows) HWY_ATTR {
+    sweep_velocities_of(batch, step, part, rows, stats);
+  });
   return stats;
 }
 
@@ -188,11 +179,9 @@ HWY_EXPORT(sweep_velocities);
 
 LaneSweeps::LaneSweeps(const System&, const BondClusters& clusters, SweepLimits limits) : limits_(limits) {
   for (const ClusterBatch& batch : clusters.batches) {
-    std::vector<int> order(batch.shape.bond_count());
-    std::iota(order.begin(), order.end(), 0);
-    LaneBatch lanes(batch, order);
-    runner_.add(lanes, 6 * lanes.atoms + 6 * lanes.bond_count());
-    LaneRows lambda(lanes.groups, lanes.bond_count());
+    LaneBatch lanes(batch, Elimination::none(batch.shape));
+    runner_.add(lanes);
+    LaneRows lambda = rows_of_bonds(lanes);
     batches_.push_back({std::move(lanes), std::move(lambda)});
   }
 }

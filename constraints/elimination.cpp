@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <set>
 
 namespace taut {
@@ -72,6 +73,14 @@ Elimination::Elimination(const ClusterShape& shape) {
     for (std::size_t p = 0; p < column[k].size(); ++p)
       for (std::size_t q = p + 1; q < column[k].size(); ++q)
         update.push_back(entry.at({column[k][q], column[k][p]}));
+}
+
+Elimination Elimination::none(const ClusterShape& shape) {
+  Elimination plan;
+  plan.order.resize(shape.bond_count());
+  std::iota(plan.order.begin(), plan.order.end(), 0);
+  plan.column_start.assign(shape.bond_count() + 1, 0);
+  return plan;
 }
 
 }  // namespace taut

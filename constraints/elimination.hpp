@@ -13,6 +13,10 @@ namespace taut {
 // for each other, so that divisions overlap.
 struct Elimination {
   explicit Elimination(const ClusterShape& shape);
+  Elimination() = default;
+
+  // Nothing eliminated, the bonds as they are: for methods that take them one by one.
+  static Elimination none(const ClusterShape& shape);
 
   int size() const { return static_cast<int>(order.size()); }
   int entries() const { return static_cast<int>(row.size()); }

@@ -19,7 +19,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using D = hn::CappedTag<double, kLanes>;
 using V = hn::Vec<D>;
-inline constexpr int kWidth = static_cast<int>(hn::MaxLanes(D()));  // of a row in scratch
+inline constexpr int kWidth = static_cast<int>(hn::MaxLanes(D()));  // lanes worked on at once
 
 HWY_INLINE V load(const double* row) {
   return hn::Load(D(), row);
@@ -36,12 +36,12 @@ struct V3 {
   V x, y, z;
 };
 HWY_INLINE V3 load3(const double* rows) {
-  return {load(rows), load(rows + kWidth), load(rows + 2 * kWidth)};
+  return {load(rows), load(rows + kLanes), load(rows + 2 * kLanes)};
 }
 HWY_INLINE void store3(const V3& a, double* rows) {
   store(a.x, rows);
-  store(a.y, rows + kWidth);
-  store(a.z, rows + 2 * kWidth);
+  store(a.y, rows + kLanes);
+  store(a.z, rows + 2 * kLanes);
 }
 HWY_INLINE V3 operator+(const V3& a, const V3& b) {
   return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
@@ -64,29 +64,6 @@ HWY_INLINE V dot(const V3& a, const V3& b) {
   return hn::MulAdd(a.z, b.z, hn::MulAdd(a.y, b.y, hn::Mul(a.x, b.x)));
 }
 
-// Rows n and columns n change places. Each of log₂(width) rounds takes the lowest bit of the column for one
-// bit of the row.
-template <int kBit, int kRow>
-HWY_INLINE void exchange([[maybe_unused]] V* t) {
-#if HWY_TARGET != HWY_SCALAR
-  if constexpr ((kRow & kBit) == 0) {
-    const V even = hn::ConcatEven(D(), t[kRow | kBit], t[kRow]),
-            odd = hn::ConcatOdd(D(), t[kRow | kBit], t[kRow]);
-    t[kRow] = even;
-    t[kRow | kBit] = odd;
-  }
-#endif
-}
-template <int... kRows>
-HWY_INLINE void transpose(V* t, std::integer_sequence<int, kRows...>) {
-  if constexpr (kWidth > 1) (exchange<1, kRows>(t), ...);
-  if constexpr (kWidth > 2) (exchange<2, kRows>(t), ...);
-  if constexpr (kWidth > 4) (exchange<4, kRows>(t), ...);
-}
-HWY_INLINE void transpose(V* t) {
-  transpose(t, std::make_integer_sequence<int, kWidth>());
-}
-
 // Lanes of a group that are worked on at once, from the first of them.
 struct Part {
   const LaneBatch& batch;
@@ -95,192 +72,235 @@ struct Part {
   const int* places() const { return batch.places(group) + first_lane; }
 };
 
-// work(part) for every part of the groups begin … end − 1
-template <class Work>
-HWY_INLINE void for_each_part(const LaneBatch& batch, int begin, int end, const Work& work) {
-  for (int g = begin; g < end; ++g)
-    for (int l = 0; l < batch.filled(g); l += kWidth) work(Part{batch, g, l});
+// Square blocks of width × width are transposed on their way: lane l ↔ a stretch of memory of its own, row n
+// ↔ place n in each stretch. Three levels, each at its cheapest: halves of vectors by where memory is read or
+// written, 16-byte blocks by swapping, neighbours by interleaving. (A gather of 8 takes 15 cycles on Zen 5, a
+// row of a block 1.5.)
+#if HWY_TARGET == HWY_SCALAR
+HWY_INLINE void load_block(const double* array, const int* place, V* t) {
+  t[0] = load(array + place[0]);
+}
+HWY_INLINE void store_block(const V* t, double* array, const int* place) {
+  store(t[0], array + place[0]);
+}
+template <int>
+HWY_INLINE V load_each(const double* array, const int* place) {
+  return load(array + place[0]);
+}
+template <int>
+HWY_INLINE void store_each(V value, double* array, const int* place) {
+  store(value, array + place[0]);
+}
+#else
+inline constexpr int kHalf = kWidth / 2;
+using Half = hn::Half<D>;
+
+// Even and odd neighbours of two vectors; then even and odd 16-byte blocks. Both undo themselves.
+HWY_INLINE void exchange_neighbours(V& a, V& b) {
+  const V low = hn::InterleaveLower(D(), a, b), high = hn::InterleaveUpper(D(), a, b);
+  a = low;
+  b = high;
+}
+HWY_INLINE void exchange_blocks(V& a, V& b) {
+  const V even = hn::OddEvenBlocks(hn::SwapAdjacentBlocks(b), a);
+  const V odd = hn::OddEvenBlocks(b, hn::SwapAdjacentBlocks(a));
+  a = even;
+  b = odd;
+}
+// One half of the columns, of all rows.
+HWY_INLINE void transpose_half([[maybe_unused]] V* t) {
+  if constexpr (kWidth >= 4) {
+    for (int n = 0; n < kHalf; n += 2) exchange_neighbours(t[n], t[n + 1]);
+  }
+  if constexpr (kWidth == 8) {
+    exchange_blocks(t[0], t[2]);
+    exchange_blocks(t[1], t[3]);
+  }
+}
+HWY_INLINE void load_block(const double* array, const int* place, V* t) {
+  for (int half = 0; half < 2; ++half) {
+    for (int l = 0; l < kHalf; ++l)
+      t[half * kHalf + l] = hn::Combine(D(), hn::LoadU(Half(), array + place[l + kHalf] + half * kHalf),
+                                        hn::LoadU(Half(), array + place[l] + half * kHalf));
+    transpose_half(t + half * kHalf);
+  }
+}
+HWY_INLINE void store_block(V* t, double* array, const int* place) {
+  for (int half = 0; half < 2; ++half) {
+    transpose_half(t + half * kHalf);
+    for (int l = 0; l < kHalf; ++l) {
+      const V both = t[half * kHalf + l];
+      hn::StoreU(hn::LowerHalf(Half(), both), Half(), array + place[l] + half * kHalf);
+      hn::StoreU(hn::UpperHalf(Half(), both), Half(), array + place[l + kHalf] + half * kHalf);
+    }
+  }
 }
 
-// How rows and a 3 × n array correspond: blocks of columns that are transposed, the last of which may overlap
-// the one before, and columns that are copied one by one where that is less work (or all that can be done).
-struct Columns {
-  int blocks_end, copied_from;
-
-  explicit Columns(const LaneBatch& batch) {
-    const int width = 3 * batch.atoms, over = width % kWidth;
-    const bool copy = over <= 2 || width < kWidth;
-    blocks_end = !batch.contiguous ? 0 : copy ? width - over : width;
-    copied_from = blocks_end;
+// One number a lane, each from a place of its own, put together from neighbours.
+template <int kCount>
+HWY_INLINE auto load_each(const double* array, const int* place) {
+  const hn::CappedTag<double, kCount> d;
+  if constexpr (kCount == 1)
+    return hn::LoadU(d, array + *place);
+  else
+    return hn::Combine(d, load_each<kCount / 2>(array, place + kCount / 2),
+                       load_each<kCount / 2>(array, place));
+}
+template <int kCount, class Values>
+HWY_INLINE void store_each(const Values values, double* array, const int* place) {
+  if constexpr (kCount == 1) {
+    hn::StoreU(values, hn::CappedTag<double, 1>(), array + *place);
+  } else {
+    const hn::CappedTag<double, kCount / 2> half;
+    store_each<kCount / 2>(hn::LowerHalf(half, values), array, place);
+    store_each<kCount / 2>(hn::UpperHalf(half, values), array, place + kCount / 2);
   }
-};
+}
+#endif
 
-// One number of each cluster, column c of its atoms.
-HWY_INLINE const int* places_of_column(const LaneBatch& batch, const int* place, int c, int& offset) {
-  offset = batch.contiguous ? c : c % 3;
-  return batch.contiguous ? place : place + c / 3 * kLanes;
+// How many of the columns of clusters whose atoms follow each other go by blocks. The last block overlaps the
+// one before, unless what is left is so little that columns one by one are less work.
+HWY_INLINE constexpr int columns_by_blocks(int width) {
+  const int over = width % kWidth;
+  return over <= 2 || width < kWidth ? width - over : width;
 }
 
 // rows ← the clusters' atoms in a 3 × n array
-HWY_INLINE void gather(const Part& part, const double* HWY_RESTRICT array, double* HWY_RESTRICT rows) {
-  const LaneBatch& batch = part.batch;
-  const int width = 3 * batch.atoms;
+HWY_INLINE void gather(const Part& part, const int atoms, const double* HWY_RESTRICT array,
+                       double* HWY_RESTRICT rows) {
+  const int width = 3 * atoms;
   const int* place = part.places();
-  const Columns columns(batch);
-  for (int from = 0; from < columns.blocks_end; from += kWidth) {
+  if (!part.batch.contiguous) {
+    for (int a = 0; a < atoms; ++a)
+      for (int c = 0; c < 3; ++c)
+        store(load_each<kWidth>(array + c, place + a * kLanes), rows + (3 * a + c) * kLanes);
+    return;
+  }
+  for (int from = 0; from < columns_by_blocks(width); from += kWidth) {
     const int column = HWY_MIN(from, width - kWidth);
     V t[kWidth];
-    for (int l = 0; l < kWidth; ++l) t[l] = hn::LoadU(D(), array + place[l] + column);
-    transpose(t);
-    for (int c = 0; c < kWidth; ++c) store(t[c], rows + (column + c) * kWidth);
+    load_block(array + column, place, t);
+    for (int c = 0; c < kWidth; ++c) store(t[c], rows + (column + c) * kLanes);
   }
-  for (int c = columns.copied_from, offset = 0; c < width; ++c) {
-    const int* from = places_of_column(batch, place, c, offset);
-    for (int l = 0; l < kWidth; ++l) rows[c * kWidth + l] = array[from[l] + offset];
-  }
+  for (int c = columns_by_blocks(width); c < width; ++c)
+    store(load_each<kWidth>(array + c, place), rows + c * kLanes);
 }
 
 // ... and back
-HWY_INLINE void scatter(const Part& part, const double* HWY_RESTRICT rows, double* HWY_RESTRICT array) {
-  const LaneBatch& batch = part.batch;
-  const int width = 3 * batch.atoms;
+HWY_INLINE void scatter(const Part& part, const int atoms, const double* HWY_RESTRICT rows,
+                        double* HWY_RESTRICT array) {
+  const int width = 3 * atoms;
   const int* place = part.places();
-  const Columns columns(batch);
-  for (int from = 0; from < columns.blocks_end; from += kWidth) {
+  if (!part.batch.contiguous) {
+    for (int a = 0; a < atoms; ++a)
+      for (int c = 0; c < 3; ++c)
+        store_each<kWidth>(load(rows + (3 * a + c) * kLanes), array + c, place + a * kLanes);
+    return;
+  }
+  for (int from = 0; from < columns_by_blocks(width); from += kWidth) {
     const int column = HWY_MIN(from, width - kWidth);
     V t[kWidth];
-    for (int c = 0; c < kWidth; ++c) t[c] = load(rows + (column + c) * kWidth);
-    transpose(t);
-    for (int l = 0; l < kWidth; ++l) hn::StoreU(t[l], D(), array + place[l] + column);
+    for (int c = 0; c < kWidth; ++c) t[c] = load(rows + (column + c) * kLanes);
+    store_block(t, array + column, place);
   }
-  for (int c = columns.copied_from, offset = 0; c < width; ++c) {
-    const int* to = places_of_column(batch, place, c, offset);
-    for (int l = 0; l < kWidth; ++l) array[to[l] + offset] = rows[c * kWidth + l];
-  }
+  for (int c = columns_by_blocks(width); c < width; ++c)
+    store_each<kWidth>(load(rows + c * kLanes), array + c, place);
+}
+
+// What to loop over, and where rows lie. Any cluster:
+struct AnyShape {
+  explicit AnyShape(const LaneBatch& batch)
+      : bonds(batch.bonds.data()),
+        row_(batch.plan.row.data()),
+        update_(batch.plan.update.data()),
+        signed_inv_mass_(batch.plan.signed_inv_mass.data()),
+        start_(batch.plan.column_start.data()),
+        size_(batch.bond_count()),
+        atoms_(batch.atoms),
+        entries_(batch.plan.entries()) {}
+
+  static constexpr bool kUpdates = true;
+  const LaneBond* bonds;
+
+  int size() const { return size_; }
+  int atoms() const { return atoms_; }
+  int entries() const { return entries_; }
+  std::ptrdiff_t i(int k) const { return bonds[k].i; }
+  std::ptrdiff_t j(int k) const { return bonds[k].j; }
+  int begin(int k) const { return start_[k]; }  // the entries of column k
+  int end(int k) const { return start_[k + 1]; }
+  std::ptrdiff_t row(int p) const { return row_[p]; }
+  std::ptrdiff_t update(int n) const { return update_[n]; }
+  double signed_inv_mass(int p) const { return signed_inv_mass_[p]; }
+
+ protected:
+  const std::ptrdiff_t *row_, *update_;
+  const double* signed_inv_mass_;
+  const int* start_;
+  int size_, atoms_, entries_;
+};
+
+// A chain: one entry a column.
+struct ChainShape : AnyShape {
+  using AnyShape::AnyShape;
+  static constexpr bool kUpdates = false;
+  int begin(int k) const { return k; }
+  int end(int k) const { return HWY_MIN(k + 1, size_ - 1); }
+};
+
+// A water: all known when compiled, so that its rows stay in registers.
+struct TriangleShape : AnyShape {
+  using AnyShape::AnyShape;
+  static constexpr int kScratchRows = 60;  // LaneBatch::scratch_rows
+  static constexpr int size() { return 3; }
+  static constexpr int atoms() { return 3; }
+  static constexpr int entries() { return 3; }
+  static constexpr std::ptrdiff_t i(int k) { return k == 2 ? 3 * kLanes : 0; }
+  static constexpr std::ptrdiff_t j(int k) { return k == 0 ? 3 * kLanes : 6 * kLanes; }
+  static constexpr int begin(int k) { return k == 0 ? 0 : k + 1; }
+  static constexpr int end(int k) { return k == 0 ? 2 : 3; }
+  static constexpr std::ptrdiff_t row(int p) { return (p == 0 ? 1 : 2) * kLanes; }
+  static constexpr std::ptrdiff_t update(int) { return 2 * kLanes; }
+};
+
+// work(shape, part, scratch) for every part of the groups begin … end − 1
+template <class Work>
+HWY_INLINE void for_each_part(const LaneBatch& batch, int begin, int end, double* scratch, const Work& work) {
+  const auto each = [&](const auto shape, double* rows) HWY_ATTR {
+    for (int g = begin; g < end; ++g)
+      for (int l = 0; l < batch.filled(g); l += kWidth) work(shape, Part{batch, g, l}, rows);
+  };
+  HWY_ALIGN double few[TriangleShape::kScratchRows * kLanes];
+  if (batch.triangle)
+    each(TriangleShape(batch), few);
+  else if (batch.plan.chain)
+    each(ChainShape(batch), scratch);
+  else
+    each(AnyShape(batch), scratch);
 }
 
 // f += Jᵀλ for one bond
-HWY_INLINE void pull(const LaneBond& bond, V lambda, const V3& r, double* f) {
+template <class Shape>
+HWY_INLINE void pull(const Shape shape, int k, V lambda, const V3& r, double* f) {
   const V3 force = lambda * r;
-  double *f_i = f + bond.i * kWidth, *f_j = f + bond.j * kWidth;
+  double *f_i = f + shape.i(k), *f_j = f + shape.j(k);
   store3(load3(f_i) - force, f_i);
   store3(load3(f_j) + force, f_j);
 }
 
 // y += M⁻¹Jᵀλ for one bond
-HWY_INLINE void move(const LaneBond& bond, V lambda, const V3& r, double* y) {
+template <class Shape>
+HWY_INLINE void move(const Shape shape, int k, V lambda, const V3& r, double* y) {
   const V3 force = lambda * r;
-  double *y_i = y + bond.i * kWidth, *y_j = y + bond.j * kWidth;
-  store3(neg_mul_add(all(bond.inv_mass_i), force, load3(y_i)), y_i);
-  store3(mul_add(all(bond.inv_mass_j), force, load3(y_j)), y_j);
+  double *y_i = y + shape.i(k), *y_j = y + shape.j(k);
+  store3(neg_mul_add(all(shape.bonds[k].inv_mass_i), force, load3(y_i)), y_i);
+  store3(mul_add(all(shape.bonds[k].inv_mass_j), force, load3(y_j)), y_j);
 }
 
-// The matrix of a group in scratch, and the solution of systems with it.
-struct Matrix {
-  const Elimination& plan;
-  double *d, *inv_d;  // rows of the diagonal, and of its inverse after elimination
-  double *l, *u;      // rows of the entries below the diagonal and, unless symmetric (then null), above
-};
-
-// ±(r_row·r_k)/m, 0 where there will be fill: A's entries below the diagonal. With `left` and `right` of
-// different times: A' below it; changed about: above.
-HWY_INLINE void couple(const Elimination& plan, const double* left, const double* right, double* entries) {
-  const int n = plan.size(), *start = plan.column_start.data(), *row = plan.row.data();
-  const double* signed_inv_mass = plan.signed_inv_mass.data();
-  for (int k = 0; k < n; ++k) {
-    const V3 r_k = load3(right + 3 * k * kWidth);
-    for (int p = start[k]; p < start[k + 1]; ++p)
-      store(hn::Mul(all(signed_inv_mass[p]), dot(load3(left + 3 * row[p] * kWidth), r_k)),
-            entries + p * kWidth);
-  }
-}
-
-// L D Lᵀ in place (l holds A's entries before); b goes through the forward substitution on the way.
-// Returns the pivots' smallest margin over what a dependent bond leaves.
-HWY_INLINE V eliminate(const Matrix A, const LaneBond* bonds, double* b) {
-  const int n = A.plan.size(), *update = A.plan.update.data();
-  const int *start = A.plan.column_start.data(), *row = A.plan.row.data();
-  V margin = all(1e300);
-  for (int k = 0; k < n; ++k) {
-    const V d = load(A.d + k * kWidth), inv = hn::Div(all(1), d), b_k = load(b + k * kWidth);
-    margin = hn::Min(margin, hn::Sub(d, all(bonds[k].least_pivot)));
-    store(inv, A.inv_d + k * kWidth);
-    for (int p = start[k]; p < start[k + 1]; ++p) {
-      const V c = load(A.l + p * kWidth), l = hn::Mul(c, inv);
-      double *d_p = A.d + row[p] * kWidth, *b_p = b + row[p] * kWidth;
-      for (int q = p + 1; q < start[k + 1]; ++q) {
-        double* c_qp = A.l + *update++ * kWidth;
-        store(hn::NegMulAdd(l, load(A.l + q * kWidth), load(c_qp)), c_qp);
-      }
-      store(l, A.l + p * kWidth);
-      store(hn::NegMulAdd(l, c, load(d_p)), d_p);
-      store(hn::NegMulAdd(l, b_k, load(b_p)), b_p);
-    }
-  }
-  return margin;
-}
-
-// L D U in place, l and u with A's entries below and above the diagonal before; else as above. u ends as a
-// unit upper triangle.
-HWY_INLINE V eliminate_turned(const Matrix A, const LaneBond* bonds, double* b) {
-  const int n = A.plan.size(), *update = A.plan.update.data();
-  const int *start = A.plan.column_start.data(), *row = A.plan.row.data();
-  V margin = all(1e300);
-  for (int k = 0; k < n; ++k) {
-    const V d = load(A.d + k * kWidth), inv = hn::Div(all(1), d), b_k = load(b + k * kWidth);
-    margin = hn::Min(margin, hn::Sub(d, all(bonds[k].least_pivot)));
-    store(inv, A.inv_d + k * kWidth);
-    for (int p = start[k]; p < start[k + 1]; ++p) {
-      const V l = hn::Mul(load(A.l + p * kWidth), inv), u = load(A.u + p * kWidth), u_unit = hn::Mul(u, inv);
-      double *d_p = A.d + row[p] * kWidth, *b_p = b + row[p] * kWidth;
-      for (int q = p + 1; q < start[k + 1]; ++q) {
-        double *below = A.l + *update * kWidth, *above = A.u + *update * kWidth;
-        ++update;
-        store(hn::NegMulAdd(load(A.l + q * kWidth), u_unit, load(below)), below);
-        store(hn::NegMulAdd(l, load(A.u + q * kWidth), load(above)), above);
-      }
-      store(l, A.l + p * kWidth);
-      store(u_unit, A.u + p * kWidth);
-      store(hn::NegMulAdd(l, u, load(d_p)), d_p);
-      store(hn::NegMulAdd(l, b_k, load(b_p)), b_p);
-    }
-  }
-  return margin;
-}
-
-// Names a bond whose pivot vanished. False if there is one.
-HWY_INLINE bool regular(const Part& part, V margin, const double* d, SolveStats& stats) {
-  const D tag;
-  if (hn::AllTrue(tag, hn::Gt(margin, hn::Zero(tag)))) return true;
-  stats.failure = "A is singular";
-  for (int k = part.batch.bond_count() - 1; k >= 0; --k)
-    for (int l = kWidth - 1; l >= 0; --l)
-      if (!(d[k * kWidth + l] > part.batch.bonds[k].least_pivot))
-        stats.worst_bond = part.batch.bond(part.group, k, part.first_lane + l);
-  return false;
-}
-
-// b ← L⁻¹b
-HWY_INLINE void substitute_forward(const Elimination& plan, const double* l, double* b) {
-  const int n = plan.size(), *start = plan.column_start.data(), *row = plan.row.data();
-  for (int k = 0; k < n; ++k) {
-    const V b_k = load(b + k * kWidth);
-    for (int p = start[k]; p < start[k + 1]; ++p) {
-      double* b_p = b + row[p] * kWidth;
-      store(hn::NegMulAdd(load(l + p * kWidth), b_k, load(b_p)), b_p);
-    }
-  }
-}
-
-// b ← U⁻¹D⁻¹b, u unit upper triangular by rows
-HWY_INLINE void substitute_back(const Elimination& plan, const double* inv_d, const double* u, double* b) {
-  const int *start = plan.column_start.data(), *row = plan.row.data();
-  for (int k = plan.size() - 1; k >= 0; --k) {
-    V z = hn::Mul(load(b + k * kWidth), load(inv_d + k * kWidth));
-    for (int p = start[k]; p < start[k + 1]; ++p)
-      z = hn::NegMulAdd(load(u + p * kWidth), load(b + row[p] * kWidth), z);
-    store(z, b + k * kWidth);
-  }
+// x_j − x_i
+template <class Shape>
+HWY_INLINE V3 difference(const Shape shape, int k, const double* x) {
+  return load3(x + shape.j(k)) - load3(x + shape.i(k));
 }
 
 // The largest |σ|/d² of a part, and whether all of them are numbers.
@@ -302,19 +322,21 @@ struct Worst {
 inline HWY_NOINLINE void find_residuals(const LaneBatch& batch, const double* x, double* relative) {
   for (int k = 0; k < batch.bond_count(); ++k) {
     const LaneBond& bond = batch.bonds[k];
-    const V3 r = load3(x + bond.j * kWidth) - load3(x + bond.i * kWidth);
+    const V3 r = load3(x + bond.j) - load3(x + bond.i);
     const V offset = hn::Sub(dot(r, r), all(bond.length2));
-    store(hn::Mul(hn::Abs(offset), all(bond.half_inv_length2)), relative + k * kWidth);
+    store(hn::Mul(hn::Abs(offset), all(bond.half_inv_length2)), relative + k * kLanes);
   }
 }
 
 // The largest of these residuals, and where, entered into the stats if it is larger. A NaN is largest.
 inline HWY_NOINLINE void enter(const Part& part, const double* relative, SolveStats& stats) {
-  for (int n = 0; n < part.batch.bond_count() * kWidth; ++n) {
-    if (relative[n] <= stats.max_residual || stats.max_residual != stats.max_residual) continue;
-    stats.max_residual = relative[n];
-    stats.worst_bond = part.batch.bond(part.group, n / kWidth, part.first_lane + n % kWidth);
-  }
+  for (int k = 0; k < part.batch.bond_count(); ++k)
+    for (int l = 0; l < kWidth; ++l) {
+      const double value = relative[k * kLanes + l];
+      if (value <= stats.max_residual || stats.max_residual != stats.max_residual) continue;
+      stats.max_residual = value;
+      stats.worst_bond = part.batch.bond(part.group, k, part.first_lane + l);
+    }
 }
 
 }  // namespace taut::HWY_NAMESPACE

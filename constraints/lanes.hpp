@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <cstddef>
 #include <new>
 #include <vector>
 
@@ -19,7 +20,7 @@ inline constexpr int kLanes = 8;
 
 // A bond as the kernels want it.
 struct LaneBond {
-  int i, j;  // rows of its atoms' first coordinates
+  std::ptrdiff_t i, j;  // where its atoms' rows begin, from the first row of a 3 × atoms array
   double inv_mass_i, inv_mass_j;
   double reduced_inv_mass;  // 1/m_i + 1/m_j
   double length2;           // d²
@@ -27,16 +28,32 @@ struct LaneBond {
   double least_pivot;       // below it the bond depends on others
 };
 
+// An elimination as the kernels want it: rows and updates as places of their rows.
+struct LanePlan {
+  explicit LanePlan(const Elimination& plan);
+
+  bool chain;                           // column k has one entry, k, and nothing is updated twice
+  std::vector<int> column_start;        // n + 1
+  std::vector<std::ptrdiff_t> row;      // of each entry
+  std::vector<double> signed_inv_mass;  // of each entry [1/u]
+  std::vector<std::ptrdiff_t> update;
+
+  int entries() const { return static_cast<int>(row.size()); }
+};
+
 // A batch, its bonds in the order they are worked on.
 struct LaneBatch {
-  LaneBatch(const ClusterBatch& batch, const std::vector<int>& bond_order);
+  explicit LaneBatch(const ClusterBatch& batch) : LaneBatch(batch, Elimination(batch.shape)) {}
+  LaneBatch(const ClusterBatch& batch, const Elimination& plan);
 
+  LanePlan plan;
   int atoms, clusters, groups;
   std::vector<double> inv_mass;  // atoms
-  std::vector<LaneBond> bonds;
+  std::vector<LaneBond> bonds;   // in the order of elimination
   // Of each group and lane: 3 × the first atom, where every cluster's atoms follow each other; else 3 × each
   // atom, [group][atom][lane]. Lanes left over in the last group repeat the last cluster.
   bool contiguous;
+  bool triangle;  // three atoms that follow each other, bonds 0–1, 0–2, 1–2
   std::vector<int> place;
   std::vector<int> bond_index;  // [group][bond][lane], as the system numbers them
 
@@ -46,6 +63,8 @@ struct LaneBatch {
   int bond(int group, int k, int lane) const {
     return bond_index[(group * bonds.size() + k) * kLanes + lane];
   }
+  // More rows than any kernel needs at once.
+  int scratch_rows() const { return 9 * atoms + 9 * bond_count() + 2 * plan.entries(); }
 };
 
 // Numbers at an address that any lane width can load from; copied as a value, as a method is.
@@ -77,19 +96,17 @@ class LaneRows {
   std::size_t size_of_group_ = 0;
 };
 
+inline LaneRows rows_of_bonds(const LaneBatch& batch) {
+  return {batch.groups, batch.bond_count()};
+}
+
 // Scatters one row a bond of every group to a number a bond of the system.
 void rows_to_bonds(const LaneBatch& batch, const LaneRows& rows, Eigen::VectorXd& values);
-
-// More rows than any kernel needs at once.
-inline int scratch_rows(const LaneBatch& batch, const Elimination& plan) {
-  return 100 + 9 * batch.atoms + 9 * plan.size() + 2 * plan.entries();
-}
 
 // Splits groups of several batches over threads and gives each thread scratch of its own.
 class LaneRunner {
  public:
-  // scratch_rows: as many rows as a kernel needs at once.
-  void add(const LaneBatch& batch, int scratch_rows);
+  void add(const LaneBatch& batch);
 
   // work(batch, group begin, group end, scratch) → SolveStats; the worst of them all is returned, and the
   // most iterations.
