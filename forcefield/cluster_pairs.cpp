@@ -24,7 +24,7 @@ constexpr int kClustersPerThread = 64;  // fewer are not worth a thread
 struct PairProblem {
   PairLaw law;
   Box box;
-  double buffer = 0;                                     // [nm]
+  double inner = 0, outer = 0;                           // buffers [nm]
   std::vector<std::uint8_t> kind;                        // n
   Eigen::VectorXd charge, half_sigma, two_sqrt_epsilon;  // as PairAtoms has them, n
   std::vector<std::array<int, 2>> exclusions;
@@ -48,11 +48,12 @@ void add_kinds(PairProblem& p) {
   p.law.sigma = 2 * high;
 }
 
-// How far beyond the cutoff a list looks: what it saves in builds against the pairs it adds.
-double buffer_for(double cutoff, const Box& box) {
-  constexpr double kShare = 0.16;
-  const double buffer = kShare * cutoff;
-  return box.periodic() ? std::min(buffer, 0.4 * box.edge.minCoeff()) : buffer;
+// How far beyond the cutoff the lists look: what they save in lists made against the pairs they add.
+void choose_buffers(PairProblem& p, double inner_share, double outer_share) {
+  p.inner = inner_share * p.law.cutoff;
+  p.outer = outer_share * p.law.cutoff;
+  if (p.box.periodic()) p.outer = std::min(p.outer, 0.4 * p.box.edge.minCoeff());
+  p.inner = std::min(p.inner, p.outer / 2);
 }
 
 PairProblem problem_of(const Nonbonded& nb, const Box& box) {
@@ -64,7 +65,7 @@ PairProblem problem_of(const Nonbonded& nb, const Box& box) {
     p.law.k_rf = (eps - 1) / ((2 * eps + 1) * rc * rc * rc);
     p.law.c_rf = 3 * eps / ((2 * eps + 1) * rc);
     p.box = box;  // without a cutoff there are no images
-    p.buffer = buffer_for(rc, box);
+    choose_buffers(p, 0.08, 0.38);
   }
   p.charge = std::sqrt(kCoulomb) * nb.charge;
   p.half_sigma = 0.5 * nb.sigma;
@@ -79,7 +80,7 @@ PairProblem problem_of(const Wca& wca, int atoms, const Box& box) {
   p.law.cutoff = WcaBeads::reach(wca);
   p.law.lift = 1;
   p.box = box;
-  p.buffer = std::min(0.27 * p.law.cutoff, box.periodic() ? 0.4 * box.edge.minCoeff() : kInfinity);
+  choose_buffers(p, 0.12, 0.4);
   p.charge = Eigen::VectorXd::Zero(atoms);
   p.half_sigma = Eigen::VectorXd::Constant(atoms, wca.sigma / 2);
   p.two_sqrt_epsilon = Eigen::VectorXd::Constant(atoms, 2 * std::sqrt(wca.epsilon));
@@ -89,7 +90,7 @@ PairProblem problem_of(const Wca& wca, int atoms, const Box& box) {
 }
 
 AtomClusters::Layout layout_of(const PairProblem& p) {
-  AtomClusters::Layout layout{p.box, p.law.cutoff + p.buffer, {}, {}};
+  AtomClusters::Layout layout{p.box, p.law.cutoff + p.outer, {}, {}};
   for (const auto kind : p.kind) {
     layout.present.push_back(kind != 0);
     layout.first.push_back((kind & kHasLj) != 0);
@@ -104,7 +105,7 @@ class ClusterPairs::Engine {
   virtual ~Engine() = default;
   virtual void add_forces(const Vectors& x, Vectors& f) = 0;
   virtual double energy() = 0;
-  long builds = 0;
+  long searches = 0, prunings = 0;
 };
 
 namespace {
@@ -120,13 +121,10 @@ class EngineIn final : public ClusterPairs::Engine {
   }
 
   void add_forces(const Vectors& x, Vectors& f) override {
-    if (!(builds > 0 && place(x))) {
-      build(x);
-      place(x);
-    }
+    if (!(searches > 0 && place(x))) renew_lists(x);
     in_parallel(threads_, [&](int t) {
       force_[t].assign(12 * copies_ * clusters_.count(), T(0));
-      add_pair_forces(p_.law, atoms_, lists_[t], force_[t].data());
+      add_pair_forces(p_.law, atoms_, inner_list(t), force_[t].data());
     });
     in_parallel(threads_, [&](int t) { gather_forces(Share(clusters_.count(), t, threads_), f); });
     energy_known_ = false;
@@ -135,7 +133,7 @@ class EngineIn final : public ClusterPairs::Engine {
   double energy() override {
     if (energy_known_) return energy_;
     std::vector<double> parts(threads_);
-    in_parallel(threads_, [&](int t) { parts[t] = pair_energy(p_.law, atoms_, lists_[t]); });
+    in_parallel(threads_, [&](int t) { parts[t] = pair_energy(p_.law, atoms_, inner_list(t)); });
     energy_ = 0;
     for (double part : parts) energy_ += part;
     energy_known_ = true;
@@ -145,33 +143,57 @@ class EngineIn final : public ClusterPairs::Engine {
  private:
   using Coordinate = typename PairPrecision<T>::Coordinate;
 
-  // Puts the atoms where they are now. False where the list no longer serves: some atom moved by more than
-  // half the buffer, or is nowhere.
+  const ClusterList& inner_list(int t) const { return p_.all_pairs() ? outer_[t] : inner_[t]; }
+
+  void renew_lists(const Vectors& x) {
+    if (searches == 0 || !within(searched_, (p_.outer - p_.inner) / 2)) {
+      search(x);
+      place(x);
+    }
+    pruned_ = position_;
+    if (p_.all_pairs()) return;
+    in_parallel(threads_, [&](int t) { prune_list(atoms_, outer_[t], p_.law.cutoff + p_.inner, inner_[t]); });
+    ++prunings;
+  }
+
+  // Puts the atoms where they are now. False where the inner list no longer serves, or an atom is nowhere.
   bool place(const Vectors& x) {
-    std::vector<char>& within = within_;
-    within.assign(threads_, 1);
-    const double limit2 = limit_ * limit_, inv_unit = 1 / atoms_.unit;
+    const double inv_unit = 1 / atoms_.unit;
     in_parallel(threads_, [&](int t) {
       const Share share(clusters_.count(), t, threads_);
-      bool all = true;
       for (int slot = 4 * share.begin; slot < 4 * share.end; ++slot) {
         const int at = 12 * (slot / 4) + slot % 4;
         const double* p = x.data() + 3 * clusters_.atom(slot);
         const Vec3& offset = clusters_.offset(slot);
-        double moved2 = 0;
         for (int d = 0; d < 3; ++d) {
-          const double q = p[d] + offset[d], moved = q - built_[at + 4 * d];
-          moved2 += moved * moved;
+          const double q = p[d] + offset[d];
+          position_[at + 4 * d] = q;
           if constexpr (sizeof(T) == 4)
             atoms_.x[at + 4 * d] = fixed(q * inv_unit);
           else
             atoms_.x[at + 4 * d] = q;
         }
-        all &= moved2 <= limit2;  // false for NaN
       }
-      within[t] = all;
     });
-    return std::all_of(within.begin(), within.end(), [](char w) { return w; });
+    return within(pruned_, limit_);
+  }
+
+  // Whether no atom has gone further than `limit` since it was there. Not where one is nowhere.
+  bool within(const std::vector<double>& there, double limit) {
+    within_.assign(threads_, 1);
+    in_parallel(threads_, [&](int t) {
+      const Share share(clusters_.count(), t, threads_);
+      const double limit2 = limit * limit;
+      const double *now = position_.data(), *then = there.data();
+      bool all = true;
+      for (int c = 12 * share.begin; c < 12 * share.end; c += 12)
+        for (int i = c; i < c + 4; ++i) {
+          const double dx = now[i] - then[i], dy = now[i + 4] - then[i + 4], dz = now[i + 8] - then[i + 8];
+          all &= dx * dx + dy * dy + dz * dz <= limit2;  // false for NaN
+        }
+      within_[t] = all;
+    });
+    return std::all_of(within_.begin(), within_.end(), [](char w) { return w; });
   }
 
   // The nearest whole number, for |u| < 2⁵¹, modulo 2³².
@@ -179,7 +201,7 @@ class EngineIn final : public ClusterPairs::Engine {
     return static_cast<std::int32_t>(std::bit_cast<std::int64_t>(u + 6755399441055744.0));
   }
 
-  void build(const Vectors& x) {
+  void search(const Vectors& x) {
     for (Eigen::Index a = 0; a < x.cols(); ++a)
       if (!x.col(a).allFinite())
         throw SimulationFailure(
@@ -191,31 +213,34 @@ class EngineIn final : public ClusterPairs::Engine {
     SearchSpace space{clusters_,
                       exclusions_,
                       kind_,
-                      built_,
+                      searched_,
                       {},
                       {},
                       p_.box.edge,
-                      p_.law.cutoff + p_.buffer,
+                      p_.law.cutoff + p_.outer,
                       PairPrecision<T>::kRowAtoms};
-    lists_.resize(threads_);
+    outer_.resize(threads_);
+    inner_.resize(threads_);
     search_.resize(threads_);
     force_.resize(threads_);
     if (p_.all_pairs()) {
       in_parallel(threads_, [&](int t) {
-        search_[t].run_all(space, triangle_share(t), triangle_share(t + 1), lists_[t]);
+        search_[t].run_all(space, triangle_share(t), triangle_share(t + 1), outer_[t]);
       });
     } else {
       space.find_bounds();
       in_parallel(threads_,
-                  [&](int t) { search_[t].run(space, column_share(t), column_share(t + 1), lists_[t]); });
+                  [&](int t) { search_[t].run(space, column_share(t), column_share(t + 1), outer_[t]); });
     }
-    ++builds;
+    ++searches;
   }
 
   // Positions and parameters by slot.
   void load(const Vectors& x) {
     const int slots = clusters_.slots();
-    built_.resize(3 * slots);
+    searched_.resize(3 * slots);
+    position_.resize(3 * slots);
+    pruned_ = searched_;
     kind_.resize(slots);
     atoms_.x.resize(3 * slots);
     for (auto* numbers : {&atoms_.charge, &atoms_.half_sigma, &atoms_.two_sqrt_epsilon})
@@ -225,7 +250,7 @@ class EngineIn final : public ClusterPairs::Engine {
       const int a = clusters_.atom(slot);
       for (int d = 0; d < 3; ++d) {
         const double q = x(d, a) + clusters_.offset(slot)[d];
-        built_[12 * (slot / 4) + 4 * d + slot % 4] = q;
+        searched_[12 * (slot / 4) + 4 * d + slot % 4] = q;
         extent = std::max(extent, std::abs(q));
       }
       kind_[slot] = clusters_.filler(slot) ? 0 : p_.kind[a];
@@ -234,7 +259,7 @@ class EngineIn final : public ClusterPairs::Engine {
       atoms_.half_sigma[slot] = static_cast<T>(p_.half_sigma[a]);
       atoms_.two_sqrt_epsilon[slot] = static_cast<T>(p_.two_sqrt_epsilon[a]);
     }
-    limit_ = p_.all_pairs() ? kInfinity : p_.buffer / 2;
+    limit_ = p_.all_pairs() ? kInfinity : p_.inner / 2;
     if constexpr (sizeof(T) == 4) {  // a unit so that no difference leaves 32 bits
       if (p_.all_pairs()) limit_ = std::max(1.0, extent);
       const double reach = 2 * extent + p_.box.edge.maxCoeff() + 2 * std::min(limit_, 1e300) + 1e-3;
@@ -278,12 +303,13 @@ class EngineIn final : public ClusterPairs::Engine {
   Exclusions exclusions_;
   AtomClusters clusters_;
   PairAtoms<T> atoms_;
-  std::vector<double> built_;  // positions at the last build, as PairAtoms has them [nm]
+  std::vector<double> position_, pruned_,
+      searched_;  // now and when the lists were made, as PairAtoms has them [nm]
   std::vector<std::uint8_t> kind_;
-  double limit_ = 0;  // how far an atom may go until the list is built again [nm]
+  double limit_ = 0;  // how far an atom may go until the inner list is made again [nm]
   int threads_ = 1, copies_ = 1;
   std::vector<char> within_;
-  std::vector<ClusterList> lists_;  // by thread, as what follows
+  std::vector<ClusterList> outer_, inner_;  // by thread, as what follows
   std::vector<ClusterSearch> search_;
   std::vector<Aligned<T>> force_;
   double energy_ = 0;
@@ -311,8 +337,11 @@ void ClusterPairs::add_forces(const Vectors& x, Vectors& f) {
 double ClusterPairs::energy() {
   return engine_->energy();
 }
-long ClusterPairs::builds() const {
-  return engine_->builds;
+long ClusterPairs::searches() const {
+  return engine_->searches;
+}
+long ClusterPairs::prunings() const {
+  return engine_->prunings;
 }
 
 }  // namespace taut

@@ -10,8 +10,12 @@ namespace taut {
 // The pair forces of a scene, in vectors over clusters of atoms sorted in space, by threads. The same sums
 // as LennardJonesCoulomb (without its exceptions' own forces) and WcaBeads, which say them plainly.
 //
-// A list holds the clusters within cutoff + buffer of each other, and serves until two atoms together may
-// have come nearer by the buffer. The order of all sums is fixed by the list and the number of threads.
+// Two lists, as GROMACS has them (Páll et al. 2020, doi:10.1063/5.0018516). The outer one, from a search,
+// holds the clusters within cutoff + outer buffer; the inner one, what of it is within cutoff + inner buffer.
+// Forces are summed over the inner one while no atom has moved more than half the inner buffer since it was
+// made; it is made again from the outer one while no atom has moved more than half of what the outer buffer
+// is wider since the search. So no pair within the cutoff is ever missed. The order of all sums is fixed by
+// the lists and the number of threads.
 class ClusterPairs {
  public:
   ClusterPairs(const Nonbonded& nb, const Box& box, Precision precision);
@@ -24,7 +28,8 @@ class ClusterPairs {
   void add_forces(const Vectors& x, Vectors& f);
   double energy();  // at the positions of the last add_forces [kJ/mol]
 
-  long builds() const;  // of the list, so far
+  long searches() const;  // for the outer list, so far
+  long prunings() const;  // to the inner one
 
   class Engine;  // in one of the precisions
 

@@ -6,68 +6,13 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "forcefield/pair_kernels.cpp"
 #include "forcefield/simd_targets.hpp"
+// after the targets: once a target
+#include "forcefield/pair_lanes-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-
-// A vector holds kRows atoms of a row by kColumns of a cluster: 2 × 4 doubles or 4 × 4 floats in AVX-512,
-// 1 × 4 doubles or 2 × 4 floats in AVX2, 1 × 2 doubles or 1 × 4 floats in SSE2.
-template <class T>
-struct Shape {
-  static constexpr int kRowAtoms = PairPrecision<T>::kRowAtoms;
-  using D = hn::CappedTag<T, 4 * kRowAtoms>;
-  using V = hn::Vec<D>;
-  using Coordinate = typename PairPrecision<T>::Coordinate;
-  using DX = hn::Rebind<Coordinate, D>;
-  using VX = hn::Vec<DX>;
-  static constexpr int kLanes = static_cast<int>(hn::MaxLanes(D()));
-  static constexpr int kColumns = std::min(kLanes, 4), kRows = kLanes / kColumns;
-  static constexpr int kVectors = kRowAtoms / kRows;  // of a row
-  static constexpr int kParts = 4 / kColumns;         // of a cluster
-};
-
-// Four in a row of a cluster (or as many as fit), again for each of the vector's rows.
-template <class DT>
-HWY_INLINE hn::Vec<DT> load_columns(DT d, const hn::TFromD<DT>* p) {
-  constexpr int lanes = static_cast<int>(hn::MaxLanes(DT()));
-  if constexpr (lanes <= 4) return hn::Load(d, p);
-#if HWY_TARGET <= HWY_AVX3
-  if constexpr (lanes == 8 && sizeof(*p) == 8) return hn::Vec<DT>{_mm512_broadcast_f64x4(_mm256_load_pd(p))};
-#endif
-#if HWY_TARGET != HWY_SCALAR
-  if constexpr (lanes > 4 && sizeof(*p) == 4) return hn::LoadDup128(d, p);
-#endif
-}
-
-// kRows in a row, each across the columns.
-template <class DT>
-HWY_INLINE hn::Vec<DT> load_rows(DT d, const hn::TFromD<DT>* p) {
-  constexpr int lanes = static_cast<int>(hn::MaxLanes(DT())), columns = std::min(lanes, 4);
-  constexpr int rows = lanes / columns;
-  auto v = hn::Set(d, p[rows - 1]);
-  for (int i = rows - 2; i >= 0; --i)
-    v = hn::IfThenElse(hn::FirstN(d, (i + 1) * columns), hn::Set(d, p[i]), v);
-  return v;
-}
-
-// In every lane, the sum over its row.
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE V sum_columns([[maybe_unused]] D d, V v) {
-  constexpr int lanes = static_cast<int>(hn::MaxLanes(D()));
-  if constexpr (lanes == 1) return v;
-#if HWY_TARGET != HWY_SCALAR
-  if constexpr (sizeof(hn::TFromD<D>) == 4) {
-    v = hn::Add(v, hn::Shuffle2301(v));
-    v = hn::Add(v, hn::Shuffle1032(v));
-  } else {
-    v = hn::Add(v, hn::Shuffle01(v));
-    if constexpr (lanes >= 4) v = hn::Add(v, hn::SwapAdjacentBlocks(v));
-  }
-#endif
-  return v;
-}
 
 // y = 1/√x of K vectors, stage by stage, so that none waits for another's.
 template <int K, class D, class V = hn::Vec<D>>
@@ -163,22 +108,13 @@ class RowSum {
 
   HWY_INLINE void load(const PairRow& row) {
     const D d;
-    const DX dx;
-    const int cluster = row.first / kClusterAtoms, first = row.first % kClusterAtoms;
-    const auto* x = x_of_ + 12 * cluster + first;
-    VX shift[3];
-    for (int k = 0; k < 3; ++k) {
-      if constexpr (sizeof(T) == 4)
-        shift[k] = hn::Set(
-            dx, static_cast<std::int32_t>(static_cast<std::int64_t>(std::round(row.shift[k] / unit_))));
-      else
-        shift[k] = hn::Set(dx, row.shift[k]);
-    }
+    VX x[3][kVectors];
+    load_row<T>(x_of_, unit_, row, x);
     for (int v = 0; v < kVectors; ++v) {
       const int at = v * S::kRows;
-      x_[v] = hn::Add(load_rows(dx, x + at), shift[0]);
-      y_[v] = hn::Add(load_rows(dx, x + 4 + at), shift[1]);
-      z_[v] = hn::Add(load_rows(dx, x + 8 + at), shift[2]);
+      x_[v] = x[0][v];
+      y_[v] = x[1][v];
+      z_[v] = x[2][v];
       if constexpr (C::kCharge) q_[v] = load_rows(d, charge_ + row.first + at);
       if constexpr (C::kLj) eps_[v] = load_rows(d, two_sqrt_epsilon_ + row.first + at);
       if constexpr (C::kLj && !C::kOneSigma) sigma_[v] = load_rows(d, half_sigma_ + row.first + at);

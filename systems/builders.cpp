@@ -57,7 +57,8 @@ void lay_start(const BuildRequest& request, Scene& scene) {
   scene.notes.clear();
 }
 
-// Each component normal with variance kT/m; the momentum of the whole is taken out where nothing outside holds or pulls.
+// Each component normal with variance kT/m; the momentum of the whole is taken out where nothing outside
+// holds or pulls.
 void draw_velocities(double temperature, std::uint64_t seed, Scene& scene) {
   Random random(seed ^ kVelocityStream);
   for (int a = 0; a < scene.system.atoms(); ++a)
@@ -66,11 +67,17 @@ void draw_velocities(double temperature, std::uint64_t seed, Scene& scene) {
   if (scene.closed()) remove_momentum(scene.system, scene.start.v);
 }
 
+void read_precision(const TomlTable& forcefield, Terms& terms) {
+  if (forcefield.has("precision") && forcefield.choice("precision", {"double", "mixed"}) == "mixed")
+    terms.precision = Precision::kMixed;
+}
+
 }  // namespace
 
 void build(const BuildRequest& request, Scene& scene) {
   const Kind& kind = chosen_kind(request.keys);
   kind.build(request, scene);
+  if (scene.terms.nonbonded || scene.terms.wca) read_precision(request.forcefield, scene.terms);
   if (!kind.own_start) lay_start(request, scene);
   scene.start.f = Vectors::Zero(3, scene.system.atoms());
   if (scene.start.v.cols() == 0) scene.start.v = scene.start.f;

@@ -22,6 +22,8 @@ struct BuildRequest {
 // Throws InputError, LocatedError where a key is to blame.
 void build(const BuildRequest& request, Scene& scene);
 
+// [forcefield] precision = "double" (unless said) | "mixed" goes for all kinds with pair forces.
+
 // The one list of kinds. Each builder's keys stand above it, lengths in nm.
 void build_atoms(const BuildRequest& request, Scene& scene);   // atoms and bonds one by one
 void build_chains(const BuildRequest& request, Scene& scene);  // freely jointed chains without forces

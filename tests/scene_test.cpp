@@ -232,6 +232,9 @@ TEST(SceneErrors, CountsAndLengths) {
   EXPECT_EQ(with("cutoff_nm = 2.5", ""), "scene.toml:10: missing key \"cutoff_nm\" in [forcefield]");
   EXPECT_EQ(with("cutoff_nm = 2.5", "cutoff_nm = 2.5\nswitch_nm = 2.6"),
             "scene.toml:15: forcefield.switch_nm: expected less than forcefield.cutoff_nm");
+  EXPECT_EQ(with("cutoff_nm = 2.5", "cutoff_nm = 2.5\nprecision = \"single\""),
+            "scene.toml:15: forcefield.precision: \"single\" is not one of double, mixed; did you mean \"double\"?");
+  EXPECT_EQ(with("cutoff_nm = 2.5", "cutoff_nm = 2.5\nprecision = \"mixed\""), "no error");
   EXPECT_THAT(with("0.85", "0.05"), HasSubstr("scene.toml:8: build.density_per_nm3: 0.05 is too low"));
   EXPECT_THAT(with("0.85", "5"), HasSubstr("scene.toml:8: build.density_per_nm3: 5 is too high"));
 }
