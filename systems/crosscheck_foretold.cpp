@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "constraints/bond_algebra.hpp"
+#include "constraints/direct_solver.hpp"
 #include "constraints/projection.hpp"
 #include "forcefield/force_field.hpp"
 
@@ -16,48 +18,83 @@ class Residuals {
  public:
   Residuals(const System& sys, const Baumgarte::Options& options, double h)
       : h_(h),
+        passes_(options.passes),
         damping_(damping_named(options.damping)),
         gains_(choose_gains(options.choice(), damping_, sys, h)),
         now_(Eigen::VectorXd::Zero(sys.bond_count())),
         before_(now_),
-        projector_(sys) {}
+        next_(now_),
+        r_(3, sys.bond_count()),
+        projector_(sys),
+        solver_(sys) {}
 
   // Takes σ_n to σ_{n+1}, s being the state at n.
   const Eigen::VectorXd& advance(const System& sys, const State& s) {
-    const Eigen::VectorXd& lambda = projector_.multipliers(sys, s);
-    Vectors f = s.f;
-    for (int k = 0; k < sys.bond_count(); ++k) {
-      const auto& [i, j, d] = sys.bonds[k];
-      const Vec3 along = lambda[k] * (s.x.col(j) - s.x.col(i));
-      f.col(i) -= along;
-      f.col(j) += along;
-    }
-    for (int k = 0; k < sys.bond_count(); ++k) {
-      const auto& [i, j, d] = sys.bonds[k];
-      const Vec3 v = s.v.col(j) - s.v.col(i), a = sys.inv_mass[j] * f.col(j) - sys.inv_mass[i] * f.col(i);
-      const double next = residual(k, {v.squaredNorm(), a.squaredNorm(), v.dot(a)});
-      before_[k] = now_[k];
-      now_[k] = next;
-    }
-    first_ = false;
+    const Eigen::VectorXd exact = projector_.multipliers(sys, s);
+    differences(sys, s.x, r_);
+    const Vectors a = s.f * sys.inv_mass.asDiagonal() + pulled(sys, exact);
+    for (int k = 0; k < sys.bond_count(); ++k) next_[k] = residual(k, motion(sys.bonds[k], s.v, a));
+    add_miss(sys, s.v, exact);
+    before_ = now_;
+    now_ = next_;
+    ++steps_;
     return now_;
   }
 
  private:
+  static Motion motion(const RigidBond& bond, const Vectors& v, const Vectors& a) {
+    const Vec3 v_ij = v.col(bond.j) - v.col(bond.i), a_ij = a.col(bond.j) - a.col(bond.i);
+    return {v_ij.squaredNorm(), a_ij.squaredNorm(), v_ij.dot(a_ij)};
+  }
+
+  Vectors pulled(const System& sys, const Eigen::VectorXd& lambda) const {  // M⁻¹Jᵀλ
+    Vectors a = Vectors::Zero(3, sys.atoms());
+    add_constraint_acceleration(sys, r_, lambda, a);
+    return a;
+  }
+
   double residual(int k, const Motion& m) const {
-    if (first_) return std::pow(h_, 3) * m.va / 2 + std::pow(h_, 4) * m.a_squared / 8;
+    if (steps_ == 0) return std::pow(h_, 3) * m.va / 2 + std::pow(h_, 4) * m.a_squared / 8;
     const double ah = gains_[k].alpha * h_, bh = gains_[k].beta * h_;
     const Propagator p(ah, bh, damping_);
     return p.trace * now_[k] - p.determinant * before_[k] +
            (1 - p.trace + p.determinant) * floor_of(ah, bh, h_, m, damping_);
   }
 
+  // With one pass |v_ij|² is taken with λ* = λ₁ + (λ₁ − λ₂)/3, which misses λ and so adds −h³ v_ij·(M⁻¹Jᵀ(λ*
+  // − λ))_ij to σ_{n+1}: nothing for a bond alone, whose v_ij is across it, but as much as the floor where
+  // bonds meet.
+  void add_miss(const System& sys, const Vectors& v, const Eigen::VectorXd& exact) {
+    Eigen::VectorXd lambda(sys.bond_count());  // what the feedback adds: A⁻¹(−2ασ̇ − β²σ)
+    for (int k = 0; k < sys.bond_count(); ++k)
+      lambda[k] = -gains_[k].alpha / h_ * (next_[k] - before_[k]) - std::pow(gains_[k].beta, 2) * now_[k];
+    solver_.factor(r_);
+    solver_.solve(lambda);
+    if (steps_ == 0) lambda.setZero();
+    lambda += exact;
+    if (steps_ > 0 && passes_ == 1) {
+      const Vectors missed =
+          pulled(sys, last_ + (steps_ > 1 ? 1.0 / 3 : 0.0) * (last_ - last_but_one_) - lambda);
+      for (int k = 0; k < sys.bond_count(); ++k) {
+        const auto& [i, j, d] = sys.bonds[k];
+        const double share = damping_ == Damping::kImplicit ? 1 / (1 + gains_[k].alpha * h_) : 1.0;
+        next_[k] -= share * std::pow(h_, 3) * (v.col(j) - v.col(i)).dot(missed.col(j) - missed.col(i));
+      }
+    }
+    last_but_one_ = steps_ > 0 ? last_ : lambda;
+    last_ = lambda;
+  }
+
   double h_;
+  int passes_;
   Damping damping_;
   std::vector<Gains> gains_;
-  Eigen::VectorXd now_, before_;  // σ_n, σ_{n−1} [nm²]
+  Eigen::VectorXd now_, before_, next_;  // σ_n, σ_{n−1}, σ_{n+1} [nm²]
+  Eigen::VectorXd last_, last_but_one_;  // λ of the steps before
+  Vectors r_;                            // 3 × m
   Projector projector_;
-  bool first_ = true;
+  DirectSolver solver_;
+  long steps_ = 0;
 };
 
 }  // namespace

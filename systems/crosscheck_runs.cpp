@@ -152,7 +152,11 @@ Followed follow(const Stage& stage, const std::string& name, OpenMMTwin& twin, l
                 const Against& against) {
   Recorder recorder(stage, name, against);
   recorder.keep_frames = against.openmm == nullptr;
-  const auto see = [&](long step) { recorder.see(step, twin.state(), twin.potential()); };
+  const auto see = [&](long step) {
+    double potential = 0;
+    const State s = twin.state(potential);
+    recorder.see(step, s, potential);
+  };
   try {
     see(0);
     long last = 0;

@@ -41,6 +41,9 @@ void OpenMMTwin::step(int) {
 State OpenMMTwin::state() const {
   absent();
 }
+State OpenMMTwin::state(double&) const {
+  absent();
+}
 Vectors OpenMMTwin::kept_velocities() const {
   absent();
 }

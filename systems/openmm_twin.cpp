@@ -73,13 +73,10 @@ struct OpenMMTwin::Impl {
 
   OpenMM::State get(int what) const { return context->getState(what); }
   Vectors velocities() const { return from_openmm(get(OpenMM::State::Velocities).getVelocities()); }
-  Vectors forces() const { return from_openmm(get(OpenMM::State::Forces).getForces()); }
-
   bool lags() const { return settings.integrator == TwinIntegrator::kVerlet; }
 
   // v + share·hf/m
-  Vectors kicked(Vectors v, double share) const {
-    const Vectors f = forces();
+  Vectors kicked(Vectors v, double share, const Vectors& f) const {
     for (int a = 0; a < v.cols(); ++a)
       if (const double mass = system->getParticleMass(a); mass > 0)
         v.col(a) += share * settings.h / mass * f.col(a);
@@ -87,9 +84,9 @@ struct OpenMMTwin::Impl {
   }
 
   // P(v_{n−½} + ½hf_n/m)
-  Vectors full_step_velocities() const {
+  Vectors full_step_velocities(const Vectors& f) const {
     const Vectors kept = velocities();
-    context->setVelocities(to_openmm(kicked(kept, 0.5)));
+    context->setVelocities(to_openmm(kicked(kept, 0.5, f)));
     context->applyVelocityConstraints(settings.constraint_tolerance);
     Vectors v = velocities();
     context->setVelocities(to_openmm(kept));
@@ -141,7 +138,9 @@ OpenMMTwin::~OpenMMTwin() = default;
 void OpenMMTwin::set(const State& s) {
   impl_->context->setTime(s.t);
   impl_->context->setPositions(to_openmm(s.x));
-  impl_->context->setVelocities(to_openmm(impl_->lags() ? impl_->kicked(s.v, -0.5) : s.v));
+  const bool lags = impl_->lags();
+  const Vectors f = lags ? from_openmm(impl_->get(OpenMM::State::Forces).getForces()) : Vectors();
+  impl_->context->setVelocities(to_openmm(lags ? impl_->kicked(s.v, -0.5, f) : s.v));
 }
 
 void OpenMMTwin::step(int n) {
@@ -153,10 +152,17 @@ void OpenMMTwin::step(int n) {
 }
 
 State OpenMMTwin::state() const {
+  double potential = 0;
+  return state(potential);
+}
+
+State OpenMMTwin::state(double& potential) const {
   using OpenMM::State;
-  const State s = impl_->get(State::Positions | State::Forces);
-  return {from_openmm(s.getPositions()), impl_->lags() ? impl_->full_step_velocities() : impl_->velocities(),
-          from_openmm(s.getForces()), s.getTime()};
+  const State s = impl_->get(State::Positions | State::Forces | State::Energy);
+  potential = s.getPotentialEnergy();
+  const Vectors f = from_openmm(s.getForces());
+  return {from_openmm(s.getPositions()), impl_->lags() ? impl_->full_step_velocities(f) : impl_->velocities(),
+          f, s.getTime()};
 }
 
 Vectors OpenMMTwin::kept_velocities() const {

@@ -49,8 +49,9 @@ class OpenMMTwin {
   void set(const State& s);  // positions, full-step velocities and time; nothing is constrained
   void step(int n);
   State state() const;  // x (unwrapped), full-step v, t, f: OpenMM's forces, without constraint forces
-  Vectors kept_velocities() const;  // as the integrator keeps them: kVerlet's lag by half a step [nm/ps]
-  double potential() const;         // [kJ/mol]
+  Vectors kept_velocities() const;       // as the integrator keeps them: kVerlet's lag by half a step [nm/ps]
+  double potential() const;              // [kJ/mol]
+  State state(double& potential) const;  // both, for one evaluation of the forces
 
   // Leaves the twin at x, writes the forces there into f, returns the potential [kJ/mol].
   double forces_at(const Vectors& x, Vectors& f);

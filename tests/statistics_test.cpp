@@ -1,0 +1,160 @@
+// Averages with error bars, and what a liquid looks like, on data whose answer is known.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "md/random.hpp"
+#include "systems/block_average.hpp"
+#include "systems/crosscheck_verdict.hpp"
+#include "systems/liquid_structure.hpp"
+
+namespace taut {
+namespace {
+
+TEST(BlockAverage, OfIndependentNumbersHasTheTextbookError) {
+  Random random(1);
+  std::vector<double> y;
+  for (int n = 0; n < 20000; ++n) y.push_back(3 + random.normal());
+  const Estimate mean = block_mean(y, 100);
+  EXPECT_NEAR(mean.value, 3, 4 * mean.error);
+  EXPECT_NEAR(mean.error, 1 / std::sqrt(20000.0), 0.25 / std::sqrt(20000.0));
+}
+
+// y_{n+1} = c y_n + √(1−c²) R has variance 1 and its mean an error of √((1+c)/(1−c)/n).
+TEST(BlockAverage, OfCorrelatedNumbersKnowsThatTheyAre) {
+  Random random(2);
+  const double c = 0.9;
+  std::vector<double> y;
+  double now = 0;
+  for (int n = 0; n < 100000; ++n) y.push_back(now = c * now + std::sqrt(1 - c * c) * random.normal());
+  const double expected = std::sqrt((1 + c) / (1 - c) / 100000);
+  EXPECT_NEAR(block_mean(y, 100).error, expected, 0.25 * expected);
+}
+
+TEST(BlockAverage, SlopeOfALine) {
+  std::vector<double> t, y;
+  for (int n = 0; n < 100; ++n) t.push_back(0.1 * n), y.push_back(5 - 2 * t.back());
+  EXPECT_NEAR(block_slope(t, y).value, -2, 1e-12);
+  EXPECT_NEAR(block_slope(t, y).error, 0, 1e-12);
+}
+
+TEST(BlockAverage, DeviationsAreInCommonErrors) {
+  EXPECT_DOUBLE_EQ(deviations({1, 3}, {11, 4}), 2);
+  EXPECT_DOUBLE_EQ(deviations({1, 0}, {11, 0}), 0);
+}
+
+constexpr double kEdge = 2;  // [nm]
+
+// Rigid waters with their oxygens anywhere: an ideal gas.
+System waters(int count) {
+  Eigen::VectorXd mass(3 * count);
+  std::vector<RigidBond> bonds;
+  for (int w = 0; w < count; ++w) {
+    mass.segment<3>(3 * w) << 15.999, 1.008, 1.008;
+    bonds.push_back({3 * w, 3 * w + 1, 0.1});
+    bonds.push_back({3 * w, 3 * w + 2, 0.1});
+    bonds.push_back({3 * w + 1, 3 * w + 2, 0.16});
+  }
+  return make_system(mass, bonds, Box{{kEdge, kEdge, kEdge}});
+}
+
+TEST(LiquidStructure, AnIdealGasHasAFlatDistribution) {
+  const System sys = waters(60);
+  LiquidStructure structure(sys, {});
+  ASSERT_TRUE(structure.has_water());
+  EXPECT_FALSE(structure.has_chains());
+  Random random(3);
+  for (int frame = 0; frame < 400; ++frame) {
+    Vectors x(3, sys.atoms());
+    for (int a = 0; a < sys.atoms(); ++a)
+      x.col(a) = kEdge * Vec3(random.uniform(), random.uniform(), random.uniform());
+    structure.see(x);
+  }
+  const Distances g = structure.oxygen_distances();
+  ASSERT_EQ(g.r.size(), 100u);
+  double sum = 0;
+  for (std::size_t n = 50; n < 100; ++n) {
+    EXPECT_NEAR(g.g[n].value, 1, 6 * g.g[n].error);
+    sum += g.g[n].value / 50;
+  }
+  EXPECT_NEAR(sum, 1, 0.01);
+}
+
+// Two oxygens, one frame, seen across the box: one pair in one bin.
+TEST(LiquidStructure, CountsThePairAtItsNearestImage) {
+  const System sys = waters(2);
+  LiquidStructure structure(sys, {});
+  Vectors x = Vectors::Zero(3, 6);
+  x.col(3) << kEdge - 0.305, 0, 0;
+  structure.see(x);
+  const Distances g = structure.oxygen_distances();
+  const double shell = 4.0 / 3 * M_PI * (std::pow(0.31, 3) - std::pow(0.30, 3));
+  EXPECT_NEAR(g.g[30].value, kEdge * kEdge * kEdge / shell, 1e-9 * g.g[30].value);
+  EXPECT_EQ(g.g[29].value, 0);
+  EXPECT_EQ(g.g[31].value, 0);
+}
+
+TEST(LiquidStructure, EndsOfAChain) {
+  const System sys = make_system(Eigen::VectorXd::Ones(8), {{0, 1, 1}, {1, 2, 1}, {2, 3, 1}, {4, 5, 1}});
+  LiquidStructure structure(sys, {});
+  EXPECT_FALSE(structure.has_water());
+  ASSERT_TRUE(structure.has_chains()) << "0-1-2-3; 4-5 is no chain";
+  Vectors x = Vectors::Zero(3, 8);
+  x.col(3) << 2, 2, 1;
+  structure.see(x);
+  EXPECT_DOUBLE_EQ(structure.end_to_end().value, 3);
+}
+
+Verdict verdict_on(const Crosscheck& c, const std::string& who) {
+  for (const Verdict& v : verdicts(c))
+    if (v.who == who) return v;
+  ADD_FAILURE() << "no verdict on " << who;
+  return {};
+}
+
+Crosscheck one_run(std::vector<Sample> samples) {
+  Crosscheck c;
+  c.bonds = 1;
+  c.steps = c.parting = 100;
+  c.agreement = 1e-6;
+  c.start.energy = c.start.openmm_energy = c.start.force_rms = 1;
+  c.tracks.emplace_back();
+  c.tracks[0].name = "newton";
+  c.tracks[0].samples = std::move(samples);
+  return c;
+}
+
+TEST(Verdict, OfTheStart) {
+  Crosscheck c = one_run({});
+  EXPECT_EQ(verdict_on(c, "start").finding, Finding::kAgrees);
+  c.start.openmm_energy = -1;
+  EXPECT_EQ(verdict_on(c, "start").finding, Finding::kDiffers);
+  c.start.openmm_energy = 1;
+  c.start.force_difference = 2;
+  EXPECT_EQ(verdict_on(c, "start").finding, Finding::kDiffers);
+}
+
+TEST(Verdict, OfARun) {
+  const Sample start{}, near{.step = 50, .apart = 9e-7}, far{.step = 100, .apart = 2e-6};
+  EXPECT_EQ(verdict_on(one_run({start, near}), "newton").finding, Finding::kAgrees);
+  const Verdict parted = verdict_on(one_run({start, near, far}), "newton");
+  EXPECT_EQ(parted.finding, Finding::kParts);
+  EXPECT_NE(parted.why.find("at step 100"), std::string::npos) << parted.why;
+  Crosscheck c = one_run({start});
+  c.tracks[0].failure = "step 7: a bond broke";
+  EXPECT_EQ(verdict_on(c, "newton").finding, Finding::kFailed);
+}
+
+TEST(Verdict, OfAverages) {
+  Crosscheck c = one_run({Sample{}});
+  c.long_enough = true;
+  c.twin.temperature = {300, 1};
+  c.tracks[0].temperature = {302, 1};
+  EXPECT_EQ(verdict_on(c, "newton, averages").finding, Finding::kAgrees);
+  c.tracks[0].temperature = {310, 1};
+  EXPECT_EQ(verdict_on(c, "newton, averages").finding, Finding::kDiffers);
+}
+
+}  // namespace
+}  // namespace taut
