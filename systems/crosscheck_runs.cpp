@@ -106,6 +106,7 @@ bool Stage::long_enough() const {
 
 std::unique_ptr<OpenMMTwin> Stage::twin(TwinSettings settings) const {
   settings.h = scene.run.h();
+  settings.threads = plan.threads;
   auto twin = plan.files ? std::make_unique<OpenMMTwin>(plan.files->system, plan.files->state, settings)
                          : std::make_unique<OpenMMTwin>(openmm_input(scene), settings);
   twin->set(scene.start);

@@ -58,10 +58,8 @@ std::vector<Speed> measure_speed(const Stage& stage) {
   for (const auto& [name, integrator] :
        {std::pair("OpenMM CPU, VerletIntegrator at 1e-6", TwinIntegrator::kVerlet),
         {"OpenMM CPU, RATTLE CustomIntegrator at 1e-6", TwinIntegrator::kRattle}}) {
-    const auto twin = stage.twin({.constraint_tolerance = kTolerance,
-                                  .platform = "CPU",
-                                  .integrator = integrator,
-                                  .threads = stage.plan.threads});
+    const auto twin =
+        stage.twin({.constraint_tolerance = kTolerance, .platform = "CPU", .integrator = integrator});
     speed.push_back({name, time_steps(stage.plan.speed_seconds,
                                       [&](long steps) { twin->step(static_cast<int>(steps)); })});
   }

@@ -78,16 +78,16 @@ std::string residual_clause(const Track& track) {
                        track.rms_bond(track.samples.back().step), track.worst_bond());
   const auto& [steps, bond_rms, apart] = *track.foretold;
   return fmt::format(
-      "; at step {} its residual has taken it {:.1e} nm away, foretold {:.1e}; bonds off by {:.1e} rms, "
-      "foretold {:.1e}",
-      steps, track.apart_at(steps), apart, track.rms_bond(steps), bond_rms);
+      "; its residuals, known beforehand, foretell {:.1e} after {} ({:.1e} seen) and bonds off by {:.1e} "
+      "rms ({:.1e} seen)",
+      apart, steps, track.apart_at(steps), bond_rms, track.rms_bond(steps));
 }
 
 Verdict on_method(const Crosscheck& c, const Track& track) {
   if (!track.failure.empty()) return {track.name, Finding::kFailed, track.failure};
   const auto parted = track.parted_at(c.agreement);
-  const double apart = track.apart_at(c.parting);
-  std::string why = parted ? fmt::format("at step {}: {:.1e} nm apart after {}", *parted, apart, c.parting)
+  std::string why = parted ? fmt::format("at step {}: {:.1e} nm apart after {}", *parted,
+                                         track.apart_at(c.parting), c.parting)
                            : fmt::format("{:.1e} nm apart at most in {} steps", track.most_apart(), c.steps);
   const bool holds = track.worst_bond() <= kHeld;
   if (!holds) why += residual_clause(track);

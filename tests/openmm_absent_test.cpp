@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include "md/errors.hpp"
+#include "systems/crosscheck.hpp"
 #include "systems/openmm_import.hpp"
 #include "systems/openmm_twin.hpp"
+#include "systems/scene_file.hpp"
 
 namespace taut {
 namespace {
@@ -13,6 +15,7 @@ namespace {
 TEST(OpenMMAbsent, NamesThePackage) {
   EXPECT_FALSE(built_with_openmm());
   EXPECT_THROW(OpenMMTwin("a.xml", "b.xml", {0.001}), InputError);
+  EXPECT_THROW(crosscheck(read_scene(find_scene("pair")), {}), InputError);
   try {
     import_openmm("a.xml", "b.xml");
     FAIL();
