@@ -41,7 +41,9 @@ Verdict on_openmm_bonds(const Crosscheck& c) {
         "within {:.1e} nm of it for {} steps, with the lengths as given {:.1e}",
         b.rounded, c.bonds, *b.apart_with_theirs, b.steps, *b.apart_as_given);
   else if (b.worst > kHeld)
-    why += ": its CCMA gives up after 150 iterations without a word";
+    why += ": its CCMA gave up at 150 iterations, without a word";
+  else
+    why += ": its CCMA converged";
   const bool explained = b.rounded == 0 || *b.apart_with_theirs <= c.agreement;
   return {"openmm bonds", !explained || b.worst > 1e-6 ? Finding::kDiffers : Finding::kAgrees, why};
 }
