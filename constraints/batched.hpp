@@ -56,7 +56,4 @@ class Leftover {
   Plain method_;
 };
 
-// Larger clusters go to the plain method: their rows no longer fit the caches.
-inline constexpr int kMostBondsInLanes = 200;
-
 }  // namespace taut

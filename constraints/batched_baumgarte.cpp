@@ -128,7 +128,8 @@ namespace taut {
 HWY_EXPORT(baumgarte_groups);
 
 Batched<Baumgarte>::Batched(const System& sys, const Options& options, double h)
-    : Batched(sys, options, h, find_clusters(sys, options.sweeps > 0 ? 0 : kMostBondsInLanes)) {}
+    : Batched(sys, options, h,
+              find_clusters(sys, options.sweeps > 0 ? ClusterLimits{0, 0} : ClusterLimits{})) {}
 
 Batched<Baumgarte>::Batched(const System& sys, const Options& options, double h, const BondClusters& clusters)
     : damping_(damping_named(options.damping)),

@@ -181,7 +181,7 @@ namespace taut {
 HWY_EXPORT(feedforward_groups);
 
 Batched<Feedforward>::Batched(const System& sys, const Options& options, double h)
-    : Batched(sys, options, h, find_clusters(sys, kMostBondsInLanes)) {}
+    : Batched(sys, options, h, find_clusters(sys)) {}
 
 Batched<Feedforward>::Batched(const System& sys, const Options& options, double h,
                               const BondClusters& clusters)

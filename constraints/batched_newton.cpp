@@ -160,7 +160,7 @@ HWY_EXPORT(newton_positions);
 HWY_EXPORT(newton_velocities);
 
 Batched<Newton>::Batched(const System& sys, const Options& options, double h)
-    : Batched(sys, options, h, find_clusters(sys, kMostBondsInLanes)) {}
+    : Batched(sys, options, h, find_clusters(sys)) {}
 
 Batched<Newton>::Batched(const System& sys, const Options& options, double h, const BondClusters& clusters)
     : options_(options),

@@ -205,7 +205,7 @@ void LaneSweeps::write_lambda(Eigen::VectorXd& lambda) const {
 }
 
 Batched<Shake>::Batched(const System& sys, const Options& options, double h)
-    : Batched(sys, options, h, find_clusters(sys, kMostBondsInLanes)) {}
+    : Batched(sys, options, h, find_clusters(sys)) {}
 
 Batched<Shake>::Batched(const System& sys, const Options& options, double h, const BondClusters& clusters)
     : leftover_(sys, clusters.rest, options, h),
@@ -225,7 +225,7 @@ const Eigen::VectorXd& Batched<Shake>::lambda() const {
 }
 
 Batched<Rattle>::Batched(const System& sys, const Options& options, double h)
-    : Batched(sys, options, h, find_clusters(sys, kMostBondsInLanes)) {}
+    : Batched(sys, options, h, find_clusters(sys)) {}
 
 Batched<Rattle>::Batched(const System& sys, const Options& options, double h, const BondClusters& clusters)
     : warm_start_(options.warm_start),

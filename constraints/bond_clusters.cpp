@@ -39,7 +39,7 @@ std::vector<double> key_of(const ClusterShape& shape) {
 
 }  // namespace
 
-BondClusters find_clusters(const System& sys, int most_bonds) {
+BondClusters find_clusters(const System& sys, const ClusterLimits& limits) {
   const std::vector<int> cluster = cluster_of_bond(sys);
   std::vector<int> by_cluster(sys.bond_count());
   std::iota(by_cluster.begin(), by_cluster.end(), 0);
@@ -63,7 +63,7 @@ BondClusters find_clusters(const System& sys, int most_bonds) {
     atoms.erase(std::unique(atoms.begin(), atoms.end()), atoms.end());
     const bool anchored =
         std::any_of(atoms.begin(), atoms.end(), [&](int a) { return sys.inv_mass[a] == 0; });
-    if (anchored || static_cast<int>(bonds.size()) > most_bonds) {
+    if (anchored || static_cast<int>(bonds.size()) > std::max(limits.most_bonds, limits.most_bonds_alike)) {
       found.rest.insert(found.rest.end(), bonds.begin(), bonds.end());
       continue;
     }
@@ -84,6 +84,11 @@ BondClusters find_clusters(const System& sys, int most_bonds) {
     batch.atoms.insert(batch.atoms.end(), atoms.begin(), atoms.end());
     batch.bonds.insert(batch.bonds.end(), bonds.begin(), bonds.end());
   }
+  std::erase_if(found.batches, [&](const ClusterBatch& batch) {
+    const bool fits = batch.shape.bond_count() <= limits.most_bonds || batch.count >= limits.alike;
+    if (!fits) found.rest.insert(found.rest.end(), batch.bonds.begin(), batch.bonds.end());
+    return !fits;
+  });
   std::sort(found.rest.begin(), found.rest.end());
   return found;
 }

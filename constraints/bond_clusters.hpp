@@ -29,9 +29,15 @@ struct ClusterBatch {
 // they can be worked on side by side.
 struct BondClusters {
   std::vector<ClusterBatch> batches;
-  std::vector<int> rest;  // bonds of clusters with an anchored atom, or of more than `most_bonds`
+  std::vector<int> rest;  // bonds of clusters with an anchored atom, or larger than the limits allow
 };
 
-BondClusters find_clusters(const System& sys, int most_bonds);
+struct ClusterLimits {
+  int most_bonds = 200;          // of a cluster
+  int most_bonds_alike = 20000;  // where there are `alike` or more of one shape
+  int alike = 4;
+};
+
+BondClusters find_clusters(const System& sys, const ClusterLimits& limits = {});
 
 }  // namespace taut

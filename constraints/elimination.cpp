@@ -37,13 +37,14 @@ Elimination::Elimination(const ClusterShape& shape) {
 
   std::vector<int> place(n, -1);
   std::vector<std::vector<int>> column;  // the neighbours each unknown had when it went
-  while (static_cast<int>(order.size()) < n) {
+  std::vector<int> waiting(n);
+  std::iota(waiting.begin(), waiting.end(), 0);
+  while (!waiting.empty()) {
     std::size_t least = std::numeric_limits<std::size_t>::max();
-    for (int k = 0; k < n; ++k)
-      if (place[k] < 0) least = std::min(least, left[k].size());
+    for (int k : waiting) least = std::min(least, left[k].size());
     std::set<int> touched;
-    for (int k = 0; k < n; ++k) {
-      if (place[k] >= 0 || left[k].size() != least || touched.contains(k)) continue;
+    for (int k : waiting) {
+      if (left[k].size() != least || touched.contains(k)) continue;
       place[k] = static_cast<int>(order.size());
       order.push_back(k);
       column.emplace_back(left[k].begin(), left[k].end());
@@ -54,6 +55,7 @@ Elimination::Elimination(const ClusterShape& shape) {
           if (q != p) left[p].insert(q);
       }
     }
+    std::erase_if(waiting, [&](int k) { return place[k] >= 0; });
   }
 
   std::map<std::pair<int, int>, int> entry;  // (row, column)

@@ -98,6 +98,7 @@ std::vector<std::pair<const char*, Start>> cases() {
   for (int a = 0; a < 40; ++a) odd_and_even[a] = a % 2 == 0 ? a / 2 : 20 + a / 2;
   return {{"one chain", testing::free_chain(20, 1)},
           {"eleven chains of 20", together(chains(11, 21, 1))},
+          {"five long chains", together(chains(5, 231, 90))},
           {"thirteen dumbbells", together(chains(13, 2, 3))},
           {"chains with scattered atoms", together(chains(10, 4, 5), odd_and_even)},
           {"rings with and without an arm", together(rings(10))},
@@ -131,8 +132,8 @@ void compare(const Start& start, const typename Fast::Options& options, double t
   const double lambda = 1 + plain.lambda().cwiseAbs().maxCoeff();
   EXPECT_LT((a.x - b.x).cwiseAbs().maxCoeff(), 10 * tolerance);
   EXPECT_LT((a.v - b.v).cwiseAbs().maxCoeff(), 10 * tolerance / h);
-  EXPECT_LT((a.f - b.f).cwiseAbs().maxCoeff(), 1e4 * tolerance * lambda);
-  EXPECT_LT((fast.lambda() - plain.lambda()).cwiseAbs().maxCoeff(), 1e4 * tolerance * lambda);
+  EXPECT_LT((a.f - b.f).cwiseAbs().maxCoeff(), 1e5 * tolerance * lambda);
+  EXPECT_LT((fast.lambda() - plain.lambda()).cwiseAbs().maxCoeff(), 1e5 * tolerance * lambda);
   EXPECT_EQ(fast.setting(), plain.setting());
   EXPECT_EQ(fast.promised_error(), plain.promised_error());
 }
@@ -233,16 +234,16 @@ TEST(Batched, ANaNIsTheWorstResidual) {
 
 TEST(BondClusters, MoleculesNumberedAlikeFormOneBatch) {
   const BondClusters found =
-      find_clusters(together({testing::waters(5, 1, 300), testing::waters(2, 2, 300)}).system, 9);
+      find_clusters(together({testing::waters(5, 1, 300), testing::waters(2, 2, 300)}).system);
   ASSERT_EQ(found.batches.size(), 1u);
   EXPECT_EQ(found.batches[0].count, 7);
   EXPECT_EQ(found.batches[0].shape.bond_count(), 3);
   EXPECT_TRUE(found.rest.empty());
-  EXPECT_EQ(find_clusters(testing::free_chain(11, 1).system, 9).rest.size(), 10u);
+  EXPECT_EQ(find_clusters(testing::free_chain(11, 1).system, {.most_bonds = 9}).rest.size(), 10u);
 }
 
 TEST(Elimination, ChainsGoFromBothEndsWithoutFill) {
-  const BondClusters found = find_clusters(testing::free_chain(8, 1).system, 99);
+  const BondClusters found = find_clusters(testing::free_chain(8, 1).system);
   const Elimination plan(found.batches[0].shape);
   EXPECT_EQ(plan.order, (std::vector<int>{0, 6, 1, 5, 2, 4, 3}));
   EXPECT_EQ(plan.entries(), 6);

@@ -1,0 +1,141 @@
+// What holding the bonds costs: ns per bond (per molecule for water) and step, positions and velocities
+// together, the median over the steps. Real steps on states that evolve: free flight, each gap of the step
+// between two readings of the clock (md/timed.hpp), and what the readings themselves take, found with a
+// method that does nothing, taken off.
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <vector>
+
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+#include "constraints/methods.hpp"
+#include "constraints/projection.hpp"
+#include "md/timed.hpp"
+#include "molecules.hpp"
+
+namespace taut::bench {
+namespace {
+
+struct Case {
+  std::string name;
+  std::function<Molecules()> make;
+  double h;   // [ps]
+  int units;  // bonds, or waters
+};
+
+struct Free {
+  void operator()(const System&, State& s) const { s.f.setZero(); }
+};
+
+void use_threads([[maybe_unused]] int threads) {
+#ifdef _OPENMP
+  omp_set_num_threads(threads);
+#endif
+}
+
+// Seconds a step that the stopwatch itself takes.
+double stopwatch_cost() {
+  static const double cost = [] {
+    const System sys = make_system(Eigen::VectorXd::Ones(1), {});
+    State s{Vectors::Zero(3, 1), Vectors::Zero(3, 1), Vectors::Zero(3, 1)};
+    EmptyGaps nothing;
+    Timed timed(nothing);
+    Free forces;
+    constexpr int kSteps = 100000;
+    for (int n = 0; n < kSteps; ++n) step(sys, forces, timed, 1e-3, s);
+    return timed.seconds() / kSteps;
+  }();
+  return cost;
+}
+
+template <class M>
+void run(benchmark::State& bench, const Case& c, int threads) {
+  use_threads(threads);
+  const Molecules molecules = c.make();
+  const System sys = molecules.system();
+  State s = molecules.state();
+  M method(sys, typename M::Options{}, c.h);
+  Free forces;
+  Projector(sys).positions(sys, s.x);
+  initialize(sys, forces, method, s);
+  for (int n = 0; n < 20; ++n) step(sys, forces, method, c.h, s);
+
+  SolveStats stats;
+  Timed timed(method);
+  std::vector<double> seconds;
+  double before = 0;
+  for (auto _ : bench) {
+    stats += step(sys, forces, timed, c.h, s);
+    if (!stats.converged()) {
+      bench.SkipWithError(stats.failure);
+      break;
+    }
+    seconds.push_back(timed.seconds() - before);
+    before = timed.seconds();
+    bench.SetIterationTime(std::max(1e-12, seconds.back() - stopwatch_cost()));
+  }
+  if (seconds.empty()) return;
+  const auto middle = seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2);
+  std::nth_element(seconds.begin(), middle, seconds.end());
+  bench.counters["ns_per_unit"] = (*middle - stopwatch_cost()) * 1e9 / c.units;
+  bench.counters["residual"] = stats.max_residual;
+  bench.counters["iterations"] = stats.iterations / static_cast<double>(seconds.size());
+}
+
+template <class M>
+void add(const Case& c, int threads, const char* form) {
+  benchmark::RegisterBenchmark(fmt::format("{}/{}/{}/{}", M::kName, c.name, form, threads).c_str(),
+                               [c, threads](benchmark::State& bench) { run<M>(bench, c, threads); })
+      ->UseManualTime()
+      ->Unit(benchmark::kMicrosecond);
+}
+
+template <class M>
+void add_all(const Case& c, bool plain) {
+  for (int threads : {1, 2}) add<M>(c, threads, "fast");
+  if constexpr (requires { typename M::Witness; }) {
+    if (plain) add<typename M::Witness>(c, 1, "plain");
+  }
+}
+
+template <class... Ms>
+void add_methods(MethodList<Ms...>, const Case& c, bool plain) {
+  const bool water = c.name.starts_with("water");
+  const auto add_one = [&]<class M>() {
+    if (M::kName == std::string_view("settle") && !water) return;
+    add_all<M>(c, plain);
+  };
+  (add_one.template operator()<Ms>(), ...);
+}
+
+void add_everything() {
+  constexpr int kBonds = 80000;
+  add_methods(Methods{}, {"chains-100x20", [] { return chains(100, 20); }, 0.01, 2000}, true);
+  for (int bonds : {10, 20, 50, 1000, 10000})
+    add_methods(Methods{},
+                {fmt::format("chains-{}x{}", kBonds / bonds, bonds),
+                 [bonds] { return chains(kBonds / bonds, bonds); }, 0.01, kBonds},
+                bonds == 1000);
+  add_methods(Methods{}, {"chains-1x10000", [] { return chains(1, 10000); }, 0.01, 10000}, false);
+  add_methods(Methods{}, {"rings-1000x20", [] { return rings(1000, 20); }, 0.01, 20000}, false);
+  add_methods(Methods{}, {"combs-1000x20", [] { return combs(1000, 20); }, 0.01, 20000}, false);
+  for (int count : {216, 1000, 10000, 100000})
+    add_methods(Methods{}, {fmt::format("water-{}", count), [count] { return waters(count); }, 0.001, count},
+                count == 1000);
+}
+
+}  // namespace
+}  // namespace taut::bench
+
+int main(int argc, char** argv) {
+  taut::bench::add_everything();
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+}
