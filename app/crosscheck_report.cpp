@@ -41,14 +41,13 @@ void print_row(const Crosscheck& c, const Track& track) {
       or_dash(track.apart_at(c.parting), compared), parted ? fmt::format("{}", *parted) : "–",
       or_dash(last_from_truth(track), last_from_truth(track) >= 0),
       or_dash(track.worst_bond(), ran && c.bonds > 0), or_dash(track.rms_bond(c.steps), ran && c.bonds > 0),
-      ran && track.failure.empty() ? fmt::format("{:.1e} ± {:.0e}", track.drift.value, track.drift.error)
-                                   : "–",
+      track.drift.error > 0 ? fmt::format("{:.1e} ± {:.0e}", track.drift.value, track.drift.error) : "–",
       ran ? fmt::format("{:.2f}", track.temperature.value) : "–");
 }
 
 // Text after a label, wrapped to 110 columns with a hanging indent.
 void print_wrapped(const std::string& label, const std::string& text) {
-  constexpr std::size_t kWidth = 110, kIndent = 32;
+  constexpr std::size_t kWidth = 110, kIndent = 39;
   std::istringstream words(text);
   std::string word;
   fmt::print("{}", label);
@@ -92,6 +91,7 @@ Json json_of(const Crosscheck& c) {
   Json json = {
       {"scene", c.scene},
       {"openmm", c.openmm},
+      {"platform", c.platform},
       {"atoms", c.atoms},
       {"bonds", c.bonds},
       {"dof", c.dof},
@@ -154,8 +154,8 @@ void Doing::clear() {
 }
 
 void print_crosscheck(const Crosscheck& c) {
-  fmt::print("{} against OpenMM {}: {} atoms, {} bonds, {} steps of {:g} fs\n", c.scene, c.openmm, c.atoms,
-             c.bonds, c.steps, c.h * 1000);
+  fmt::print("{} against OpenMM {} ({}): {} atoms, {} bonds, {} steps of {:g} fs\n", c.scene, c.openmm,
+             c.platform, c.atoms, c.bonds, c.steps, c.h * 1000);
   fmt::print(
       "at the start: energy {:.10g} kJ/mol, OpenMM {:.10g}; forces {:.4g} kJ/mol/nm rms, apart by {:.1e}\n",
       c.start.energy, c.start.openmm_energy, c.start.force_rms, c.start.force_difference);
@@ -171,7 +171,7 @@ void print_crosscheck(const Crosscheck& c) {
   for (const Track* track : all_tracks(c)) print_row(c, *track);
   fmt::print("\n");
   for (const Verdict& v : verdicts(c))
-    print_wrapped(fmt::format("{:<23} {:<7} ", v.who, name_of(v.finding)), v.why);
+    print_wrapped(fmt::format("{:<30} {:<7} ", v.who, name_of(v.finding)), v.why);
   if (!c.long_enough)
     fmt::print(
         "\nToo short for averages: temperatures, g(r) and end-to-end distances are held together from 5 ps "

@@ -109,6 +109,7 @@ Crosscheck crosscheck(const Scene& scene, const CrosscheckPlan& plan, const Tell
 
   Crosscheck c{.scene = scene.name,
                .openmm = openmm_version(),
+               .platform = plan.platform,
                .atoms = stage.scene.system.atoms(),
                .bonds = stage.scene.system.bond_count(),
                .dof = stage.dof,

@@ -113,7 +113,7 @@ struct Speed {
 };
 
 struct Crosscheck {
-  std::string scene, openmm;  // name, version
+  std::string scene, openmm, platform;  // name, version, of OpenMM's runs
   int atoms = 0, bonds = 0, dof = 0;
   double h = 0;                 // [ps]
   long steps = 0, parting = 0;  // of whole runs, of those that explain

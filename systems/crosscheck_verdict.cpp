@@ -8,18 +8,23 @@
 namespace taut {
 namespace {
 
-constexpr double kHeld = 1e-9;        // relative bond error of a method that holds its bonds
-constexpr double kSameEnergy = 1e-8;  // relative
-constexpr double kSameForce = 1e-6;   // of the forces' rms
-constexpr double kSurprising = 4;     // standard errors
+constexpr double kHeld = 1e-9;             // relative bond error of a method that holds its bonds
+constexpr double kSameEnergy = 1e-8;       // relative
+constexpr double kSameForce = 1e-6;        // of the forces' rms
+constexpr double kSinglePrecision = 1000;  // times those, where OpenMM computes in it
+constexpr double kSurprising = 4;          // standard errors
 
 Verdict on_start(const Crosscheck& c) {
   const auto& s = c.start;
   const double scale = std::max(std::abs(s.energy), 1e-3);  // a system without forces has no energy
   const double energy = std::abs(s.energy - s.openmm_energy) / scale;
   const double force = s.force_rms > 0 ? s.force_difference / s.force_rms : s.force_difference;
-  return {"start", energy <= kSameEnergy && force <= kSameForce ? Finding::kAgrees : Finding::kDiffers,
-          fmt::format("energy to {:.1e} of itself, forces to {:.1e} of their rms", energy, force)};
+  const bool exact = c.platform == "Reference";
+  const double slack = exact ? 1 : kSinglePrecision;
+  return {"start",
+          energy <= slack * kSameEnergy && force <= slack * kSameForce ? Finding::kAgrees : Finding::kDiffers,
+          fmt::format("energy to {:.1e} of itself, forces to {:.1e} of their rms{}", energy, force,
+                      exact ? "" : "; pair forces are in single precision there, so runs part at once")};
 }
 
 Verdict on_leapfrog(const Crosscheck& c) {

@@ -118,6 +118,7 @@ Crosscheck one_run(std::vector<Sample> samples) {
   c.bonds = 1;
   c.steps = c.parting = 100;
   c.agreement = 1e-6;
+  c.platform = "Reference";
   c.start.energy = c.start.openmm_energy = c.start.force_rms = 1;
   c.tracks.emplace_back();
   c.tracks[0].name = "newton";
