@@ -17,6 +17,7 @@ using Action = std::function<void()>;
 void add_run(CLI::App& app, std::vector<std::pair<CLI::App*, Action>>& actions);
 void add_calibrate(CLI::App& app, std::vector<std::pair<CLI::App*, Action>>& actions);
 void add_crosscheck(CLI::App& app, std::vector<std::pair<CLI::App*, Action>>& actions);
+void add_chart(CLI::App& app, std::vector<std::pair<CLI::App*, Action>>& actions);
 void add_lists(CLI::App& app, std::vector<std::pair<CLI::App*, Action>>& actions);
 
 }  // namespace taut

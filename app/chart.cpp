@@ -1,0 +1,125 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <fstream>
+#include <memory>
+
+#include "chart_pictures.hpp"
+#include "commands.hpp"
+#include "md/aside_file.hpp"
+#include "pictures.hpp"
+#include "study.hpp"
+#include "systems/scene_file.hpp"
+
+namespace taut {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ChartArguments {
+  std::string scene;
+  std::vector<std::string> methods, settings;
+  std::optional<double> dt_fs;
+  std::optional<long> steps, drift_steps;
+  std::optional<int> repeats;
+  bool quick = false;
+  fs::path out = "chart";
+
+  std::vector<std::string> overrides() const {
+    std::vector<std::string> all;
+    if (dt_fs) all.push_back(fmt::format("run.dt_fs={}", *dt_fs));
+    all.insert(all.end(), settings.begin(), settings.end());
+    return all;
+  }
+
+  std::string command() const {
+    std::vector<std::string> words = {"taut", "chart", scene};
+    const auto add = [&](const char* option, const auto& value) {
+      words.emplace_back(option);
+      words.push_back(fmt::format("{}", value));
+    };
+    if (!methods.empty()) words.emplace_back("--methods");
+    words.insert(words.end(), methods.begin(), methods.end());
+    if (dt_fs) add("--dt-fs", *dt_fs);
+    for (const auto& setting : settings) add("--set", setting);
+    if (repeats) add("--repeats", *repeats);
+    if (steps) add("--steps", *steps);
+    if (drift_steps) add("--drift-steps", *drift_steps);
+    if (quick) words.emplace_back("--quick");
+    add("--out", out.string());
+    return quoted_for_shell(words);
+  }
+};
+
+ChartPlan plan_of(const ChartArguments& arguments) {
+  ChartPlan plan{.scene = read_scene(find_scene(arguments.scene), arguments.overrides()),
+                 .methods = arguments.methods,
+                 .quick = arguments.quick};
+  if (plan.methods.empty())
+    for (const auto name : method_names()) plan.methods.emplace_back(name);
+  for (const auto& name : plan.methods) default_options(name);  // refuses unknown names before anything runs
+  if (plan.quick) {
+    plan.repeats = 2;
+    plan.steps = 20;
+    plan.drift_steps = 300;
+  }
+  plan.repeats = arguments.repeats.value_or(plan.repeats);
+  plan.steps = arguments.steps.value_or(plan.steps);
+  plan.drift_steps = arguments.drift_steps.value_or(plan.drift_steps);
+  return plan;
+}
+
+void print_failures(const std::string& csv) {
+  const auto first = csv.find('\n') + 1;
+  if (first < csv.size())
+    fmt::print("\nfailed (panel, setting, steps survived, reason):\n{}", csv.substr(first));
+}
+
+void chart(const ChartArguments& arguments) {
+  const ChartPlan plan = plan_of(arguments);
+  make_folder(arguments.out);
+  Ledger ledger(arguments.out / "unfinished.tsv", arguments.command());
+  std::vector<Job> jobs;
+  for (const auto& panel :
+       {work_jobs(plan, ledger), drift_jobs(plan), order_jobs(plan), length_jobs(plan, ledger)})
+    jobs.insert(jobs.end(), panel.begin(), panel.end());
+  fmt::print("{}: {} bonds, step {:g} fs; {} settings of {} methods, {} trials\n", plan.scene.name,
+             plan.scene.system.bond_count(), plan.scene.run.dt_fs, plan.settings().size(),
+             plan.methods.size(), jobs.size());
+  run_jobs(jobs, ledger);
+
+  const std::string failures = failures_csv(plan, ledger);
+  write_text(arguments.out / "failures.csv", failures);
+  ReportPage page{plan.scene.name + ": speed against accuracy", arguments.command(), {}};
+  for (const auto& [picture, title, caption] : chart_pictures(plan, ledger)) {
+    draw(picture, arguments.out);
+    page.parts.push_back({title, caption, picture.name + ".svg", picture.csv});
+  }
+  page.parts.push_back({"What failed", "Settings that did not get through, and why.", "", failures});
+  write_report(page, arguments.out);
+  print_failures(failures);
+  fmt::print("\nwrote {0}/report.html, and .csv, .gp, .svg, .png of each picture\n", arguments.out.string());
+  ledger.close();
+}
+
+}  // namespace
+
+void add_chart(CLI::App& app, std::vector<std::pair<CLI::App*, Action>>& actions) {
+  auto arguments = std::make_shared<ChartArguments>();
+  CLI::App* command = app.add_subcommand("chart", "chart each method's speed against its accuracy");
+  command->add_option("scene", arguments->scene, "a scene's file or name")->required();
+  command->add_option("--methods", arguments->methods, "which (all of `taut methods`)");
+  command->add_option("--dt-fs", arguments->dt_fs, "step length [fs]");
+  command->add_option("--set", arguments->settings, "any key of the scene")->type_name("KEY=VALUE");
+  command->add_option("--repeats", arguments->repeats, "of all that is timed (10)")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--steps", arguments->steps, "of a timed run (200)")->check(CLI::PositiveNumber);
+  command->add_option("--drift-steps", arguments->drift_steps, "of a run whose energy is watched (4000)")
+      ->check(CLI::PositiveNumber);
+  command->add_flag("--quick", arguments->quick, "rough: few points, few repeats");
+  command->add_option("--out", arguments->out, "folder of the pictures and report.html")
+      ->capture_default_str();
+  actions.emplace_back(command, [arguments] { chart(*arguments); });
+}
+
+}  // namespace taut

@@ -1,0 +1,139 @@
+#include "study.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+#include <csignal>
+#include <fstream>
+#include <sstream>
+
+#include "pictures.hpp"
+#include "progress.hpp"
+
+namespace taut {
+namespace {
+
+// Every finished trial is on disk already: nothing to save, so only words that a handler may speak.
+extern "C" void stop(int) {
+  constexpr char kWords[] = "\nstopped; the same command goes on from here\n";
+  const auto written = write(STDERR_FILENO, kWords, sizeof kWords - 1);
+  _exit(written > 0 ? 130 : 131);
+}
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '<')
+      out += "&lt;";
+    else if (c == '&')
+      out += "&amp;";
+    else
+      out += c;
+  }
+  return out;
+}
+
+std::string contents(const std::filesystem::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+// A CSV line's cells; a quoted one may hold commas.
+std::vector<std::string> cells(const std::string& line) {
+  std::vector<std::string> all(1);
+  bool inside = false;
+  for (const char c : line) {
+    if (c == '"')
+      inside = !inside;
+    else if (c == ',' && !inside)
+      all.emplace_back();
+    else
+      all.back() += c;
+  }
+  return all;
+}
+
+std::string table_of(const std::string& csv) {
+  std::istringstream lines(csv);
+  std::string line, text = "<div class=scroll><table>\n", tag = "th";
+  while (std::getline(lines, line)) {
+    text += "<tr>";
+    for (const auto& cell : cells(line)) text += fmt::format("<{0}>{1}</{0}>", tag, escaped(cell));
+    text += "</tr>\n";
+    tag = "td";
+  }
+  return text + "</table></div>\n";
+}
+
+std::string processor() {
+  std::ifstream in("/proc/cpuinfo");
+  for (std::string line; std::getline(in, line);)
+    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
+  return "unknown";
+}
+
+int threads() {
+#ifdef _OPENMP
+  return omp_get_max_threads();
+#else
+  return 1;
+#endif
+}
+
+// From "<svg" on: what stands before does not belong inside a page.
+std::string inline_svg(const std::filesystem::path& file) {
+  const std::string text = contents(file);
+  const auto start = text.find("<svg");
+  return start == text.npos ? "<p>(not drawn: gnuplot is not installed)</p>" : text.substr(start);
+}
+
+}  // namespace
+
+void run_jobs(const std::vector<Job>& jobs, Ledger& ledger) {
+  const auto before = std::signal(SIGINT, stop);
+  long left = 0, done = 0;
+  for (const Job& job : jobs) left += !ledger.has(job.name);
+  if (left < static_cast<long>(jobs.size()))
+    fmt::print("going on: {} of {} trials are there\n", static_cast<long>(jobs.size()) - left, jobs.size());
+  Progress progress(left);
+  for (const Job& job : jobs) {
+    if (ledger.has(job.name)) continue;
+    ledger.once(job.name, job.make);
+    progress.at(++done);
+  }
+  progress.clear();
+  std::signal(SIGINT, before);
+}
+
+void write_report(const ReportPage& page, const std::filesystem::path& folder) {
+  std::string html = fmt::format(
+      "<!doctype html>\n<html lang=en><meta charset=utf-8><title>{0}</title>\n"
+      "<style>body{{font:16px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em;color:#222}}"
+      "svg{{max-width:100%;height:auto}}table{{border-collapse:collapse;font-size:12px}}"
+      "td,th{{padding:1px 8px;border-bottom:1px solid #ddd;text-align:left}}"
+      ".scroll{{max-height:24em;overflow:auto}}code{{background:#f3f3f3;padding:2px 4px}}</style>\n"
+      "<h1>{0}</h1>\n<p>Made by <code>{1}</code></p>\n"
+      "<p>Processor {2}, {3} threads. Compiler {4}, flags <code>{5}</code>.</p>\n",
+      escaped(page.title), escaped(page.command), escaped(processor()), threads(), TAUT_COMPILER, TAUT_FLAGS);
+  for (const auto& part : page.parts) {
+    html += fmt::format("<h2>{}</h2>\n<p>{}</p>\n", escaped(part.title), escaped(part.text));
+    if (!part.svg_file.empty()) html += inline_svg(folder / part.svg_file) + "\n";
+    html += fmt::format("<details><summary>The figures</summary>\n{}</details>\n", table_of(part.csv));
+  }
+  write_text(folder / "report.html", html + "</html>\n");
+}
+
+std::string quoted_for_shell(const std::vector<std::string>& words) {
+  std::string line;
+  for (const auto& word : words)
+    line += (line.empty() ? "" : " ") +
+            (word.find_first_of(" \"'[]*?;&|<>$") == word.npos ? word : "'" + word + "'");
+  return line;
+}
+
+}  // namespace taut

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "systems/ledger.hpp"
+
+namespace taut {
+
+// Runs what the ledger has not yet, with the time left on the terminal. Ctrl-C leaves the ledger as it is.
+void run_jobs(const std::vector<Job>& jobs, Ledger& ledger);
+
+// A page that needs nothing else: pictures (as SVG, inside it), tables, how it was made and on what.
+struct ReportPage {
+  std::string title, command;
+  struct Part {
+    std::string title, text;  // text: plain, in sentences
+    std::string svg_file;     // in the same folder; none: empty
+    std::string csv;          // shown as a table
+  };
+  std::vector<Part> parts;
+};
+void write_report(const ReportPage& page, const std::filesystem::path& folder);
+
+std::string quoted_for_shell(const std::vector<std::string>& words);
+
+}  // namespace taut
