@@ -18,6 +18,7 @@ void add_run(CLI::App& app, std::vector<std::pair<CLI::App*, Action>>& actions);
 void add_calibrate(CLI::App& app, std::vector<std::pair<CLI::App*, Action>>& actions);
 void add_crosscheck(CLI::App& app, std::vector<std::pair<CLI::App*, Action>>& actions);
 void add_chart(CLI::App& app, std::vector<std::pair<CLI::App*, Action>>& actions);
+void add_stability(CLI::App& app, std::vector<std::pair<CLI::App*, Action>>& actions);
 void add_lists(CLI::App& app, std::vector<std::pair<CLI::App*, Action>>& actions);
 
 }  // namespace taut

@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
   taut::add_calibrate(app, actions);
   taut::add_crosscheck(app, actions);
   taut::add_chart(app, actions);
+  taut::add_stability(app, actions);
   taut::add_lists(app, actions);
   try {
     app.parse(argc, argv);

@@ -121,7 +121,7 @@ Trial compared(const ChartPlan& plan, const std::string& method, int divisor, Re
   if (trial.failed()) return trial;
   const Vectors& x = reference.positions();
   if (x.cols() == end.x.cols())
-    trial.apart = rms_distance(end.x, x);
+    trial.figure = rms_distance(end.x, x);
   else
     trial.failure = "no reference to compare with: newton failed at the fine step";
   return trial;
@@ -235,7 +235,7 @@ std::string order_csv(const ChartPlan& plan, const Ledger& ledger) {
       const Trial& t = ledger.at(order_name(method, divisor));
       const double dt = plan.scene.run.dt_fs / divisor;
       text += t.failed() ? fmt::format("{},{:.6g},,,,,{}\n", method, dt, quoted(t.failure))
-                         : fmt::format("{},{:.6g},{:.6e},{:.6e},{:.6e},{:.3f},\n", method, dt, t.apart,
+                         : fmt::format("{},{:.6g},{:.6e},{:.6e},{:.6e},{:.3f},\n", method, dt, t.figure,
                                        t.rms_error, t.max_error, order_of(plan, ledger, method));
     }
   return text;
@@ -283,8 +283,8 @@ double order_of(const ChartPlan& plan, const Ledger& ledger, const std::string& 
   int points = 0;
   for (const int divisor : divisors(plan)) {
     const Trial& t = ledger.at(order_name(method, divisor));
-    if (t.failed() || !(t.apart > 1e-12)) continue;
-    slope.add(-std::log(divisor), std::log(t.apart));
+    if (t.failed() || !(t.figure > 1e-12)) continue;
+    slope.add(-std::log(divisor), std::log(t.figure));
     ++points;
   }
   return points > 1 ? slope.value() : 0.0;

@@ -10,7 +10,7 @@ namespace taut {
 // A work–precision study: what each method costs against what it gets wrong.
 struct ChartPlan {
   Scene scene;
-  std::vector<std::string> methods;
+  std::vector<std::string> methods = {};
   bool quick = false;
   int repeats = 10;         // of everything timed; interleaved, so that all meet the same machine
   long steps = 200;         // of a timed run
@@ -37,7 +37,7 @@ std::string length_csv(const ChartPlan& plan, const Ledger& ledger);
 // Who failed where, and why: panel, setting, reason.
 std::string failures_csv(const ChartPlan& plan, const Ledger& ledger);
 
-// Least-squares slope of log(apart) against log(h) for a method, over the steps where it did not fail and
+// Least-squares slope of log(distance) against log(h) for a method, over the steps where it did not fail and
 // stands clear of its own floor.
 double order_of(const ChartPlan& plan, const Ledger& ledger, const std::string& method);
 

@@ -15,14 +15,14 @@ namespace {
 std::string line_of(const std::string& name, const Trial& t) {
   return fmt::format("{}\t{}\t{:.17g}\t{:.17g}\t{:.17g}\t{:.17g}\t{:.17g}\t{:.17g}\t{:.17g}\t{:.17g}\t{}\n",
                      name, t.steps, t.constraint_us, t.step_us, t.max_error, t.rms_error, t.drift,
-                     t.drift_low, t.drift_high, t.apart, t.failure);
+                     t.drift_low, t.drift_high, t.figure, t.failure);
 }
 
 bool read_line(const std::string& line, std::string& name, Trial& t) {
   std::istringstream fields(line);
   std::getline(fields, name, '\t');
   fields >> t.steps >> t.constraint_us >> t.step_us >> t.max_error >> t.rms_error >> t.drift >> t.drift_low >>
-      t.drift_high >> t.apart;
+      t.drift_high >> t.figure;
   if (!fields) return false;
   fields.ignore(1);
   std::getline(fields, t.failure);
@@ -65,6 +65,13 @@ Trial Ledger::once(const std::string& name, const std::function<Trial()>& make) 
   out << line_of(name, trial) << std::flush;
   if (!out) throw OutsideError(file_.string() + ": cannot write");
   return done_[name] = trial;
+}
+
+std::vector<std::string> Ledger::names(const std::string& prefix) const {
+  std::vector<std::string> names;
+  for (const auto& [name, trial] : done_)
+    if (name.starts_with(prefix)) names.push_back(name);
+  return names;
 }
 
 void Ledger::close() {

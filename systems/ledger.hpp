@@ -27,6 +27,7 @@ class Ledger {
   Trial once(const std::string& name, const std::function<Trial()>& make);
   const Trial& at(const std::string& name) const;
   bool has(const std::string& name) const { return done_.contains(name); }
+  std::vector<std::string> names(const std::string& prefix) const;  // of finished trials
   std::size_t size() const { return done_.size(); }
 
   void close();  // the study is complete: the file goes

@@ -29,8 +29,8 @@ struct Trial {
   double max_error = 0, rms_error = 0;    // relative, of a bond, over the rows
   double drift = 0;                       // [kJ/mol/ns/degree of freedom]
   double drift_low = 0, drift_high = 0;   // 95 % of block bootstraps; with fewer than 20 rows both are drift
-  double apart = 0;                       // for whoever compares: rms distance from a reference [nm]
-  std::string failure;                    // how it failed, in a few words; empty: it did not
+  double figure = 0;    // what the study asks for besides: rms distance [nm], largest stable step [fs]
+  std::string failure;  // how it failed, in a few words; empty: it did not
 
   bool failed() const { return !failure.empty(); }
 };

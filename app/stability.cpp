@@ -1,0 +1,125 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "commands.hpp"
+#include "md/aside_file.hpp"
+#include "stability_pictures.hpp"
+#include "study.hpp"
+#include "systems/scene_file.hpp"
+
+namespace taut {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct StabilityArguments {
+  std::string scene;
+  std::vector<std::string> methods, settings;
+  std::optional<double> dt_fs;
+  std::optional<long> steps;
+  bool quick = false, hard = false;
+  fs::path out = "stability";
+
+  std::string command() const {
+    std::vector<std::string> words = {"taut", "stability", scene};
+    const auto add = [&](const char* option, const auto& value) {
+      words.emplace_back(option);
+      words.push_back(fmt::format("{}", value));
+    };
+    if (!methods.empty()) words.emplace_back("--methods");
+    words.insert(words.end(), methods.begin(), methods.end());
+    if (dt_fs) add("--dt-fs", *dt_fs);
+    for (const auto& setting : settings) add("--set", setting);
+    if (steps) add("--steps", *steps);
+    if (hard) words.emplace_back("--hard");
+    if (quick) words.emplace_back("--quick");
+    add("--out", out.string());
+    return quoted_for_shell(words);
+  }
+};
+
+StabilityPlan plan_of(const StabilityArguments& arguments) {
+  std::vector<std::string> overrides;
+  if (arguments.dt_fs) overrides.push_back(fmt::format("run.dt_fs={}", *arguments.dt_fs));
+  overrides.insert(overrides.end(), arguments.settings.begin(), arguments.settings.end());
+  StabilityPlan plan{.methods = arguments.methods, .quick = arguments.quick};
+  plan.scenes.push_back(read_scene(find_scene(arguments.scene), overrides));
+  if (arguments.hard)
+    for (const auto& [name, hard_on] : list_scenes(scenes_folder() / "hard"))
+      plan.scenes.push_back(read_scene(scenes_folder() / "hard" / (name + ".toml")));
+  if (plan.methods.empty())
+    for (const auto name : method_names()) plan.methods.emplace_back(name);
+  for (const auto& name : plan.methods) default_options(name);  // refuses unknown names before anything runs
+  if (plan.quick) plan.plane_steps = plan.step_steps = 200;
+  plan.plane_steps = arguments.steps.value_or(plan.plane_steps);
+  return plan;
+}
+
+void print_steps(const StabilityPlan& plan, const std::vector<Job>& jobs, const Ledger& ledger) {
+  auto job = jobs.begin();
+  fmt::print("\n{:<16} {:<12} {:>18}   {}\n", "scene", "method", "largest stable fs", "and beyond");
+  for (const Scene& scene : plan.scenes)
+    for (const auto& method : plan.methods) {
+      const Trial& t = ledger.at((job++)->name);
+      fmt::print("{:<16} {:<12} {:>18.4g}   {}\n", scene.name, method, t.figure, t.failure);
+    }
+}
+
+void stability(const StabilityArguments& arguments) {
+  const StabilityPlan plan = plan_of(arguments);
+  make_folder(arguments.out);
+  Ledger ledger(arguments.out / "unfinished.tsv", arguments.command());
+  std::vector<Job> jobs = plane_jobs(plan);
+  const std::vector<Job> steps = step_jobs(plan);
+  jobs.insert(jobs.end(), steps.begin(), steps.end());
+  fmt::print("{}: {} points in the plane of gains, {} methods on {} scenes\n", plan.scenes.front().name,
+             jobs.size() - steps.size(), plan.methods.size(), plan.scenes.size());
+  run_jobs(jobs, ledger);
+  print_steps(plan, steps, ledger);
+
+  write_text(arguments.out / "limits.csv", limits_csv());
+  const Picture plane = plane_picture(plan, ledger), bars = steps_picture(plan, ledger);
+  draw(plane, arguments.out);
+  draw(bars, arguments.out);
+  write_report(
+      {plan.scenes.front().name + ": where methods fail",
+       arguments.command(),
+       {{"Baumgarte's gains",
+         fmt::format("Above: steps survived of {}. Below: energy drift where all were survived, × where not. "
+                     "Dashed: the limit by the propagator's roots, for one bond; gains beyond it are "
+                     "refused.",
+                     plan.plane_steps),
+         "plane.svg", plane.csv},
+        {"The largest stable step",
+         fmt::format("Of each method at its defaults, by bisection: {} steps without a failure, the total "
+                     "energy within the largest kinetic energy of its start, no bond off by 10 %. Darker: "
+                     "shorter than the best of its row.",
+                     plan.step_steps),
+         "steps.svg", bars.csv}}},
+      arguments.out);
+  fmt::print("\nwrote {0}/report.html, and .csv, .gp, .svg, .png of each picture\n", arguments.out.string());
+  ledger.close();
+}
+
+}  // namespace
+
+void add_stability(CLI::App& app, std::vector<std::pair<CLI::App*, Action>>& actions) {
+  auto arguments = std::make_shared<StabilityArguments>();
+  CLI::App* command =
+      app.add_subcommand("stability", "find the gains and steps at which methods fail, and how");
+  command->add_option("scene", arguments->scene, "a scene's file or name")->required();
+  command->add_option("--methods", arguments->methods, "which (all of `taut methods`)");
+  command->add_flag("--hard", arguments->hard, "the scenes made to break methods (systems/hard) beside it");
+  command->add_option("--dt-fs", arguments->dt_fs, "step length [fs]");
+  command->add_option("--set", arguments->settings, "any key of the scene")->type_name("KEY=VALUE");
+  command->add_option("--steps", arguments->steps, "at each point of the plane (2000)")
+      ->check(CLI::PositiveNumber);
+  command->add_flag("--quick", arguments->quick, "rough: few points, few steps");
+  command->add_option("--out", arguments->out, "folder of the pictures and report.html")
+      ->capture_default_str();
+  actions.emplace_back(command, [arguments] { stability(*arguments); });
+}
+
+}  // namespace taut

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "pictures.hpp"
+#include "systems/stability_study.hpp"
+
+namespace taut {
+
+Picture plane_picture(const StabilityPlan& plan, const Ledger& ledger);
+Picture steps_picture(const StabilityPlan& plan, const Ledger& ledger);
+
+}  // namespace taut

@@ -1,0 +1,245 @@
+// The curves of `taut chart` and `taut stability` move as theory says, read from the CSV they are drawn from.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "md/errors.hpp"
+#include "systems/chart_study.hpp"
+#include "systems/scene_file.hpp"
+#include "systems/stability_study.hpp"
+#include "temporary_folder.hpp"
+
+namespace taut {
+namespace {
+
+// Rows by column name, as text.
+class Table {
+ public:
+  explicit Table(const std::string& csv) {
+    std::istringstream in(csv);
+    std::string line;
+    std::getline(in, line);
+    header_ = cells(line);
+    while (std::getline(in, line)) rows_.push_back(cells(line));
+  }
+
+  std::string text(const std::string& column,
+                   const std::vector<std::pair<std::string, std::string>>& where) const {
+    for (const auto& row : rows_) {
+      bool fits = true;
+      for (const auto& [key, value] : where) fits &= row[at(key)] == value;
+      if (fits) return row[at(column)];
+    }
+    ADD_FAILURE() << "no row for " << column << " with " << where.back().second;
+    return "";
+  }
+  double number(const std::string& column,
+                const std::vector<std::pair<std::string, std::string>>& where) const {
+    const std::string cell = text(column, where);
+    return cell.empty() ? std::nan("") : std::stod(cell);
+  }
+
+ private:
+  static std::vector<std::string> cells(const std::string& line) {
+    std::vector<std::string> all(1);
+    bool inside = false;
+    for (const char c : line)
+      if (c == '"')
+        inside = !inside;
+      else if (c == ',' && !inside)
+        all.emplace_back();
+      else
+        all.back() += c;
+    return all;
+  }
+  std::size_t at(const std::string& column) const {
+    return static_cast<std::size_t>(std::ranges::find(header_, column) - header_.begin());
+  }
+
+  std::vector<std::string> header_;
+  std::vector<std::vector<std::string>> rows_;
+};
+
+void run(const std::vector<Job>& jobs, Ledger& ledger) {
+  for (const Job& job : jobs) ledger.once(job.name, job.make);
+}
+
+ChartPlan chart(const std::string& scene, const std::vector<std::string>& methods,
+                const std::vector<std::string>& overrides = {}) {
+  return {.scene = read_scene(find_scene(scene), overrides),
+          .methods = methods,
+          .quick = true,
+          .repeats = 1,
+          .steps = 60,
+          .drift_steps = 600};
+}
+
+class Study : public ::testing::Test {
+ protected:
+  TemporaryFolder folder_;
+  Ledger ledger_{folder_.path() / "ledger.tsv", "test"};
+};
+
+TEST_F(Study, ErrorsFollowTolerancesAndOrders) {
+  const ChartPlan plan = chart("freely_jointed", {"shake", "rattle", "newton", "lincs"}, {"build.chains=5"});
+  run(work_jobs(plan, ledger_), ledger_);
+  const Table work(work_csv(plan, ledger_));
+  for (const std::string method : {"shake", "rattle", "newton"})
+    for (const std::string tolerance : {"1e-4", "1e-6", "1e-8"}) {
+      const double largest = work.number("max_rel_bond_error", {{"method", method}, {"value", tolerance}});
+      EXPECT_LE(largest, std::stod(tolerance)) << method;
+      if (method == "newton") continue;  // its last iteration overshoots by orders
+      EXPECT_GT(largest, 0.5 * std::stod(tolerance)) << method;
+    }
+  double before = 1;
+  for (const std::string order : {"2", "4", "8"}) {
+    const double rms = work.number("rms_rel_bond_error", {{"parameter", "order"}, {"value", order}});
+    EXPECT_LT(rms, before / 2) << order;
+    before = rms;
+  }
+}
+
+// A rotor turning by θ = 0.1 a step settles at θ⁴/8, and at h⁴ of it at shorter steps.
+TEST_F(Study, BaumgartesFloorIsThatOfARotor) {
+  const ChartPlan plan = chart("diatomic", {"baumgarte"});
+  run(work_jobs(plan, ledger_), ledger_);
+  run(order_jobs(plan), ledger_);
+  const Table work(work_csv(plan, ledger_)), order(order_csv(plan, ledger_));
+  const double floor = 0.1 * 0.1 * 0.1 * 0.1 / 8;
+  EXPECT_NEAR(work.number("rms_rel_bond_error", {{"value", "dead-beat"}}) / floor, 1, 0.05);
+  const auto largest = [&](const char* dt) { return order.number("max_rel_bond_error", {{"dt_fs", dt}}); };
+  EXPECT_NEAR(largest("10") / largest("5"), 16, 1);
+  EXPECT_NEAR(largest("5") / largest("2.5"), 16, 1);
+}
+
+TEST_F(Study, TrajectoriesAreOfSecondOrder) {
+  const ChartPlan plan =
+      chart("freely_jointed", {"baumgarte", "feedforward", "rattle", "newton"}, {"build.chains=2"});
+  run(order_jobs(plan), ledger_);
+  for (const auto& method : plan.methods) EXPECT_NEAR(order_of(plan, ledger_, method), 2, 0.1) << method;
+}
+
+// What implicit damping adds to a pendulum's drift: as αh, as h³ and as 1/(βh)²; what centred damping adds is
+// small.
+TEST_F(Study, ImplicitDampingDriftsAsPredicted) {
+  const auto plane = [&](const char* dt_fs, long steps, const std::string& file) {
+    StabilityPlan plan{.methods = {}, .quick = true, .plane_steps = steps};
+    plan.scenes.push_back(read_scene(find_scene("pendulum"), {std::string("run.dt_fs=") + dt_fs}));
+    Ledger ledger(folder_.path() / file, "test");
+    run(plane_jobs(plan), ledger);
+    return Table(plane_csv(plan, ledger));
+  };
+  const Table coarse = plane("10", 1000, "coarse"), fine = plane("5", 2000, "fine");
+  const auto added = [](const Table& t, const char* damping, const char* ah, const char* bh) {
+    const auto drift = [&](const char* at) {
+      return t.number("drift_kj_mol_ns_dof", {{"damping", damping}, {"alpha_h", at}, {"beta_h", bh}});
+    };
+    return drift(ah) - drift("0.05");
+  };
+  const double all = added(coarse, "implicit", "0.2", "1");
+  EXPECT_GT(all, 0);
+  EXPECT_NEAR(added(coarse, "implicit", "0.4", "1") / all, 0.35 / 0.15, 0.15);
+  EXPECT_NEAR(all / added(fine, "implicit", "0.2", "1"), 8, 1);
+  EXPECT_NEAR(all / added(coarse, "implicit", "0.2", "1.6"), 1.6 * 1.6, 0.4);
+  EXPECT_LT(std::abs(added(coarse, "centred", "0.2", "1")), 0.05 * all);
+}
+
+TEST_F(Study, RattlesEnergyIsFlat) {
+  const ChartPlan plan = chart("freely_jointed", {"none", "rattle"}, {"build.chains=5"});
+  run(work_jobs(plan, ledger_), ledger_);
+  run(drift_jobs(plan), ledger_);
+  const Table drift(drift_csv(plan, ledger_));
+  const double rattle = drift.number("drift_kj_mol_ns_dof", {{"method", "rattle"}, {"value", "1e-8"}});
+  const double none = drift.number("drift_kj_mol_ns_dof", {{"method", "none"}});
+  EXPECT_LT(std::abs(rattle), 2e-3 * std::abs(none));
+}
+
+// Beyond the propagator's limit gains are refused; well inside it nothing fails.
+TEST_F(Study, ThePlaneEndsAtThePropagatorsLimit) {
+  StabilityPlan plan{.methods = {}, .quick = true, .plane_steps = 100};
+  plan.scenes.push_back(read_scene(find_scene("freely_jointed"), {"build.chains=2"}));
+  run(plane_jobs(plan), ledger_);
+  const Table plane(plane_csv(plan, ledger_));
+  for (const std::string ah : {"0.1", "0.4"}) {
+    const auto at = [&](const char* damping, const char* bh) {
+      return plane.text("failure", {{"damping", damping}, {"alpha_h", ah}, {"beta_h", bh}});
+    };
+    EXPECT_EQ(at("centred", "1"), "");
+    EXPECT_THAT(at("centred", "2.2"), ::testing::HasSubstr("unstable"));
+    EXPECT_EQ(at("lagged", "1"), "");
+    if (ah == "0.4") {
+      EXPECT_THAT(at("lagged", "1.6"), ::testing::HasSubstr("unstable"));  // 2√0.6 = 1.55
+    }
+  }
+}
+
+// No force along a bond can hold a rotor that goes by more than its own length in a step.
+TEST_F(Study, ARotorsLargestStep) {
+  StabilityPlan plan{.methods = {"shake", "settle"}, .quick = true, .step_steps = 50};
+  plan.scenes.push_back(read_scene(find_scene("diatomic")));
+  run(step_jobs(plan), ledger_);
+  const Table steps(steps_csv(plan, ledger_));
+  const double largest = steps.number("largest_stable_fs", {{"method", "shake"}});
+  EXPECT_GT(largest, 100 / 1.2);
+  EXPECT_LE(largest, 100);
+  EXPECT_EQ(steps.text("fails_as", {{"method", "shake"}}), "bond turned 90°");
+  EXPECT_EQ(steps.number("largest_stable_fs", {{"method", "settle"}}), 0);
+  EXPECT_EQ(steps.text("fails_as", {{"method", "settle"}}), "not water");
+}
+
+TEST(HardScenes, AreReadAndRun) {
+  const auto scenes = list_scenes(scenes_folder() / "hard");
+  EXPECT_GE(scenes.size(), 6u);
+  for (const auto& [name, hard_on] : scenes) {
+    Scene scene = read_scene(scenes_folder() / "hard" / (name + ".toml"));
+    scene.run.dt_fs /= 4;
+    EXPECT_EQ(try_setting(scene, {"newton", "", "", {"method.name=newton"}}, {.steps = 5}).failure, "")
+        << name;
+  }
+}
+
+TEST(Ledger, GoesOnWhereItWasStopped) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "ledger.tsv";
+  int runs = 0;
+  const auto make = [&] {
+    ++runs;
+    Trial trial;
+    trial.drift = 0.1 * runs;
+    trial.failure = "a reason, with a comma";
+    return trial;
+  };
+  Ledger(file, "study").once("a", make);
+  std::ofstream(file, std::ios::app) << "b\t3\t4.2";  // killed while it wrote
+  Ledger again(file, "study");
+  EXPECT_EQ(again.once("a", make).drift, 0.1);
+  EXPECT_EQ(again.at("a").failure, "a reason, with a comma");
+  EXPECT_FALSE(again.has("b"));
+  EXPECT_EQ(again.once("b", make).drift, 0.2);
+  EXPECT_EQ(Ledger(file, "study").at("b").drift, 0.2);
+  EXPECT_THROW(Ledger(file, "another study"), InputError);
+}
+
+TEST(BootstrapSlope, IntervalHoldsTheSlope) {
+  std::vector<double> t, line, noisy;
+  double noise = 0;
+  for (int n = 0; n < 400; ++n) {
+    noise = 0.7 * noise + std::sin(37.0 * n * n);  // correlated over a few rows
+    t.push_back(n);
+    line.push_back(0.02 * n);
+    noisy.push_back(0.02 * n + noise);
+  }
+  EXPECT_NEAR(bootstrap_slope(t, line).low, 0.02, 1e-12);
+  EXPECT_NEAR(bootstrap_slope(t, line).high, 0.02, 1e-12);
+  const auto [low, high] = bootstrap_slope(t, noisy);
+  EXPECT_LT(low, 0.02);
+  EXPECT_GT(high, 0.02);
+  EXPECT_LT(high - low, 0.01);
+}
+
+}  // namespace
+}  // namespace taut
