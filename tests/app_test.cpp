@@ -115,6 +115,34 @@ TEST(App, CalibratesAndWritesJson) {
     EXPECT_TRUE(json.contains(key)) << key;
 }
 
+// The report shows everything by itself; data and script stay beside the pictures; the ledger goes.
+TEST(App, ChartsWithAReportThatNeedsNothingElse) {
+  const TemporaryFolder folder;
+  const fs::path out = folder.path() / "chart";
+  const auto [exit_code, text] =
+      taut("chart freely_jointed --quick --methods newton settle --set build.chains=2 --out " + out.string());
+  ASSERT_EQ(exit_code, 0) << text;
+  EXPECT_THAT(text, HasSubstr("not part of a three-site water"));  // failed, and listed
+  for (const char* name : {"work", "drift", "order", "length"})
+    for (const char* kind : {".csv", ".gp"}) EXPECT_TRUE(fs::exists(out / (std::string(name) + kind)));
+  const std::string report = contents(out / "report.html");
+  EXPECT_THAT(report, HasSubstr("taut chart freely_jointed --methods newton settle"));
+  EXPECT_THAT(report, Not(HasSubstr("href=\"http")));
+  EXPECT_THAT(report, Not(HasSubstr("src=")));
+  EXPECT_FALSE(fs::exists(out / "unfinished.tsv"));
+}
+
+TEST(App, StabilitySaysHowEachMethodFails) {
+  const TemporaryFolder folder;
+  const fs::path out = folder.path() / "stability";
+  const auto [exit_code, text] =
+      taut("stability diatomic --quick --methods shake settle --out " + out.string());
+  ASSERT_EQ(exit_code, 0) << text;
+  EXPECT_THAT(text, HasSubstr("the bond turned by 90° in one step"));
+  for (const char* name : {"plane.csv", "plane.gp", "steps.csv", "steps.gp", "limits.csv", "report.html"})
+    EXPECT_TRUE(fs::exists(out / name)) << name;
+}
+
 struct BadInput {
   const char* arguments;
   const char* message;
@@ -144,6 +172,8 @@ INSTANTIATE_TEST_SUITE_P(
                       BadInput{"run water --set method.tolerance=1e-15", "cannot be reached"},
                       BadInput{"run water --method baumgarte --set method.gains=ded-beat", "dead-beat"},
                       BadInput{"run water --method baumgarte --set method.beta_per_ps=1e5", "unstable"},
+                      BadInput{"chart water --methods ratle", "did you mean \"rattle\"?"},
+                      BadInput{"stability nowhere", "nowhere"},
                       BadInput{"run --openmm missing.xml missing.xml", "missing.xml"}),
     [](const auto& test) { return "case" + std::to_string(test.index); });
 
