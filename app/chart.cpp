@@ -111,9 +111,9 @@ void add_chart(CLI::App& app, std::vector<std::pair<CLI::App*, Action>>& actions
   command->add_option("--methods", arguments->methods, "which (all of `taut methods`)");
   command->add_option("--dt-fs", arguments->dt_fs, "step length [fs]");
   command->add_option("--set", arguments->settings, "any key of the scene")->type_name("KEY=VALUE");
-  command->add_option("--repeats", arguments->repeats, "of all that is timed (10)")
+  command->add_option("--repeats", arguments->repeats, "of all that is timed (20)")
       ->check(CLI::PositiveNumber);
-  command->add_option("--steps", arguments->steps, "of a timed run (200)")->check(CLI::PositiveNumber);
+  command->add_option("--steps", arguments->steps, "of a timed run (40)")->check(CLI::PositiveNumber);
   command->add_option("--drift-steps", arguments->drift_steps, "of a run whose energy is watched (4000)")
       ->check(CLI::PositiveNumber);
   command->add_flag("--quick", arguments->quick, "rough: few points, few repeats");

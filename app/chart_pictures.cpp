@@ -63,7 +63,7 @@ Picture work_picture(const ChartPlan& plan, const Ledger& ledger) {
   p.script = fmt::format(
       "{}  set multiplot title '{}: constraints at {:g} fs (lower left is better)' noenhanced\n"
       "  set xrange [1e-14:1e-1]\n  set xtics 1e-16,1e3\n"
-      "  set bmargin screen 0.30\n  set tmargin screen 0.92\n"
+      "  set bmargin screen 0.26\n  set tmargin screen 0.92\n"
       "  set lmargin screen 0.09\n  set rmargin screen 0.52\n"
       "  set ylabel 'constraint time a bond and step [ns]'\n  set xlabel 'rms relative bond error'\n"
       "  set key noenhanced at screen 0.5,0.005 center bottom maxrows 5 samplen 3 width -1\n{}"
@@ -102,7 +102,7 @@ Picture drift_picture(const ChartPlan& plan, const Ledger& ledger) {
       "  set xlabel '|energy drift| [kJ/mol/ns/degree of freedom], 95 % interval; to the left edge: zero is "
       "inside'\n"
       "  set ylabel 'constraint time a bond and step [ns]'\n  set xrange [{:g}:*]\n"
-      "  set bmargin screen 0.33\n  set key noenhanced at screen 0.5,0.005 center bottom maxrows 5 samplen 3 "
+      "  set bmargin screen 0.29\n  set key noenhanced at screen 0.5,0.005 center bottom maxrows 5 samplen 3 "
       "width -1\n{}",
       kLogLog, plan.scene.name, plan.scene.run.dt_fs, plan.drift_steps, left_edge(plan, ledger),
       joined(plots));

@@ -12,8 +12,8 @@ struct ChartPlan {
   Scene scene;
   std::vector<std::string> methods = {};
   bool quick = false;
-  int repeats = 10;         // of everything timed; interleaved, so that all meet the same machine
-  long steps = 200;         // of a timed run
+  int repeats = 20;         // of everything timed; interleaved, so that all meet the same machine
+  long steps = 40;          // of a timed run; short, so that few of them meet another process
   long drift_steps = 4000;  // of a run whose energy is watched
 
   std::vector<Setting> settings() const;  // of all methods
