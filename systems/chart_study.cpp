@@ -179,7 +179,7 @@ std::vector<Job> drift_jobs(const ChartPlan& plan) {
 }
 
 std::vector<Job> order_jobs(const ChartPlan& plan) {
-  const auto reference = std::make_shared<Reference>(plan.scene, 4 * divisors(plan).back());
+  const auto reference = std::make_shared<Reference>(Reference{plan.scene, 4 * divisors(plan).back()});
   std::vector<Job> jobs;
   for (const auto& method : plan.methods)
     for (const int divisor : divisors(plan))
