@@ -93,10 +93,12 @@ void draw_crosscheck(const Crosscheck& c, const fs::path& folder) {
       "set terminal svg size 900,540 background 'white'\nset key outside right\nset grid\n"
       "set xlabel 't [ps]'\nset logscale y\nset format y '10^{{%L}}'\n\n",
       c.scene);
+  script += fmt::format("set xrange [0:{:g}]\n", static_cast<double>(c.parting) * c.h);
   script += picture("apart", c.scene + ": apart from OpenMM''s run", "largest distance [nm]",
                     plot(c, "apart_nm", false));
   script += picture("fine", c.scene + ": apart from the fine run", "largest distance [nm]",
                     plot(c, "from_fine_run_nm", true));
+  script += "set xrange [0:*]\n";
   script += picture("bonds", c.scene + ": bond errors", "largest relative error",
                     plot(c, "max_rel_bond_error", true));
   script += picture("energy", c.scene + ": total energy", "E − E_0 [kJ/mol]", energies(c));

@@ -50,7 +50,7 @@ class Recorder {
                                        .temperature = temperature(kinetic, stage_.dof),
                                        .bond_max = bonds.max,
                                        .bond_rms = bonds.rms});
-    if (keep_frames && step <= stage_.parting) followed_.frames.push_back(s.x);
+    if (keep_frames) followed_.frames.push_back(s.x);
     if (stage_.long_enough() && stage_.uniform(step)) structure_.see(s.x);
   }
 

@@ -53,6 +53,15 @@ Verdict on_openmm_bonds(const Crosscheck& c) {
   return {"openmm bonds", !explained || b.worst > 1e-6 ? Finding::kDiffers : Finding::kAgrees, why};
 }
 
+// What OpenMM's rounded lengths have to do with it: all, if newton told to hold those does not part.
+std::string rounding_clause(const Crosscheck& c) {
+  const auto& b = c.openmm_bonds;
+  if (b.rounded == 0 || *b.apart_with_theirs > 0.01 * *b.apart_as_given) return "";
+  return fmt::format(
+      "; from OpenMM's lengths, rounded to float: newton with those is {:.1e} nm from it after {} steps",
+      *b.apart_with_theirs, b.steps);
+}
+
 // Where chaos alone takes two runs, and what it took to begin with for them to be so far apart.
 std::string chaos_clause(const Crosscheck& c, const Track& track) {
   if (!(c.chaos.growth > 1)) return "";
@@ -98,7 +107,7 @@ Verdict on_method(const Crosscheck& c, const Track& track) {
                            : fmt::format("{:.1e} nm apart at most in {} steps", track.most_apart(), c.steps);
   const bool holds = track.worst_bond() <= kHeld;
   if (!holds) why += residual_clause(track);
-  if (parted && holds) why += chaos_clause(c, track);
+  if (parted && holds) why += rounding_clause(c) + chaos_clause(c, track);
   if (parted) why += truth_clause(c, track);
   return {track.name, parted ? Finding::kParts : Finding::kAgrees, why};
 }

