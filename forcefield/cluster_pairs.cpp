@@ -18,7 +18,7 @@ namespace taut {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kClustersPerThread = 64;  // fewer are not worth a thread
+constexpr int kClustersPerThread = 200;  // fewer are not worth a thread
 
 // Atoms and what happens between them, before there are clusters.
 struct PairProblem {
@@ -146,7 +146,7 @@ class EngineIn final : public ClusterPairs::Engine {
   const ClusterList& inner_list(int t) const { return p_.all_pairs() ? outer_[t] : inner_[t]; }
 
   void renew_lists(const Vectors& x) {
-    if (searches == 0 || !within(searched_, (p_.outer - p_.inner) / 2)) {
+    if (searches == 0 || !within(searched_, (p_.outer - p_.inner) / 2, Share(clusters_.count(), 0, 1))) {
       search(x);
       place(x);
     }
@@ -158,42 +158,43 @@ class EngineIn final : public ClusterPairs::Engine {
 
   // Puts the atoms where they are now. False where the inner list no longer serves, or an atom is nowhere.
   bool place(const Vectors& x) {
-    const double inv_unit = 1 / atoms_.unit;
-    in_parallel(threads_, [&](int t) {
-      const Share share(clusters_.count(), t, threads_);
-      for (int slot = 4 * share.begin; slot < 4 * share.end; ++slot) {
-        const int at = 12 * (slot / 4) + slot % 4;
-        const double* p = x.data() + 3 * clusters_.atom(slot);
-        const Vec3& offset = clusters_.offset(slot);
-        for (int d = 0; d < 3; ++d) {
-          const double q = p[d] + offset[d];
-          position_[at + 4 * d] = q;
-          if constexpr (sizeof(T) == 4)
-            atoms_.x[at + 4 * d] = fixed(q * inv_unit);
-          else
-            atoms_.x[at + 4 * d] = q;
-        }
-      }
-    });
-    return within(pruned_, limit_);
-  }
-
-  // Whether no atom has gone further than `limit` since it was there. Not where one is nowhere.
-  bool within(const std::vector<double>& there, double limit) {
     within_.assign(threads_, 1);
     in_parallel(threads_, [&](int t) {
       const Share share(clusters_.count(), t, threads_);
-      const double limit2 = limit * limit;
-      const double *now = position_.data(), *then = there.data();
-      bool all = true;
-      for (int c = 12 * share.begin; c < 12 * share.end; c += 12)
-        for (int i = c; i < c + 4; ++i) {
-          const double dx = now[i] - then[i], dy = now[i + 4] - then[i + 4], dz = now[i + 8] - then[i + 8];
-          all &= dx * dx + dy * dy + dz * dz <= limit2;  // false for NaN
-        }
-      within_[t] = all;
+      place(x, share);
+      within_[t] = within(pruned_, limit_, share);
     });
     return std::all_of(within_.begin(), within_.end(), [](char w) { return w; });
+  }
+
+  void place(const Vectors& x, const Share& share) {
+    const double inv_unit = 1 / atoms_.unit;
+    for (int slot = 4 * share.begin; slot < 4 * share.end; ++slot) {
+      const int at = 12 * (slot / 4) + slot % 4;
+      const double* p = x.data() + 3 * clusters_.atom(slot);
+      const Vec3& offset = clusters_.offset(slot);
+      for (int d = 0; d < 3; ++d) {
+        const double q = p[d] + offset[d];
+        position_[at + 4 * d] = q;
+        if constexpr (sizeof(T) == 4)
+          atoms_.x[at + 4 * d] = fixed(q * inv_unit);
+        else
+          atoms_.x[at + 4 * d] = q;
+      }
+    }
+  }
+
+  // Whether no atom has gone further than `limit` since it was there. Not where one is nowhere.
+  bool within(const std::vector<double>& there, double limit, const Share& share) const {
+    const double limit2 = limit * limit;
+    const double *now = position_.data(), *then = there.data();
+    bool all = true;
+    for (int c = 12 * share.begin; c < 12 * share.end; c += 12)
+      for (int i = c; i < c + 4; ++i) {
+        const double dx = now[i] - then[i], dy = now[i + 4] - then[i + 4], dz = now[i + 8] - then[i + 8];
+        all &= dx * dx + dy * dy + dz * dz <= limit2;  // false for NaN
+      }
+    return all;
   }
 
   // The nearest whole number, for |u| < 2⁵¹, modulo 2³².

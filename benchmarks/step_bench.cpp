@@ -1,0 +1,208 @@
+// What a step costs, and its parts: µs a step, and ns an atom and step. Names read
+//     part/scene/precision/threads
+// step: whole steps of the scene as it comes, nothing observed; forces: the force field at positions that
+// stay; lists: the same, everything moved so far that all lists are made anew; bonds: the method's share of
+// the step; kicks: both half kicks and the drift. openmm: whole steps of OpenMM's CPU platform on the same
+// system and threads (its leap-frog Verlet, constraints to 1e-6), where taut was built with it.
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+
+#include <cstdlib>
+
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+#include "constraints/projection.hpp"
+#include "forcefield/force_field.hpp"
+#include "md/timed.hpp"
+#include "systems/openmm_import.hpp"
+#include "systems/openmm_read.hpp"
+#include "systems/openmm_twin.hpp"
+#include "systems/scene_file.hpp"
+
+namespace taut::bench {
+namespace {
+
+struct Case {
+  std::string name;
+  std::string scene;                   // its file
+  std::vector<std::string> overrides;  // of its keys
+};
+
+struct Setting {
+  Case what;
+  Precision precision;
+  int threads;
+
+  Scene scene() const {
+    Scene scene = read_scene(find_scene(what.scene), what.overrides);
+    scene.terms.precision = precision;
+    return scene;
+  }
+};
+
+std::vector<Case> cases() {
+  std::vector<Case> all;
+  for (const int molecules : {216, 1728, 5832, 46656, 110592})
+    all.push_back({fmt::format("water{}", molecules),
+                   "water",
+                   {fmt::format("build.molecules={}", molecules), "method.name=settle"}});
+  all.push_back({"decane", "decane", {"method.name=newton"}});
+  all.push_back({"melt", "melt", {"method.name=newton"}});
+  all.push_back({"lj_chains",
+                 "melt",
+                 {"build.chains=100", "build.beads=20", "forcefield.pair=lennard-jones",
+                  "forcefield.cutoff_nm=2.5", "method.name=newton"}});
+  all.push_back({"droplet", "water_cluster", {"method.name=settle"}});
+  return all;
+}
+
+void use_threads([[maybe_unused]] int threads) {
+#ifdef _OPENMP
+  setenv("OMP_NUM_THREADS", std::to_string(threads).c_str(), 1);
+  omp_set_num_threads(threads);
+#endif
+}
+
+void count(benchmark::State& bench, long steps, int atoms) {
+  using benchmark::Counter;
+  bench.SetItemsProcessed(steps);
+  bench.counters["ns_per_atom_step"] =
+      Counter(1e-9 * double(steps) * atoms, Counter::kIsRate | Counter::kInvert);
+}
+
+// A scene set going, past its start.
+struct Running {
+  Scene scene;
+  ForceField forces;
+  Method method;
+  State state;
+
+  explicit Running(const Setting& setting)
+      : scene(setting.scene()),
+        forces(scene.system, scene.terms),
+        method(make_method(scene.system, scene.method, scene.run.h())),
+        state(scene.start) {
+    std::visit([&](auto& m) { initialize(scene.system, forces, m, state); }, method);
+    go(20);
+  }
+
+  void go(int steps) {
+    std::visit(
+        [&](auto& m) {
+          for (int n = 0; n < steps; ++n) step(scene.system, forces, m, scene.run.h(), state);
+        },
+        method);
+  }
+};
+
+constexpr int kStride = 20;  // steps: lists are made every few
+
+void whole_step(benchmark::State& bench, const Setting& setting) {
+  use_threads(setting.threads);
+  Running run(setting);
+  for (auto _ : bench) run.go(kStride);
+  count(bench, bench.iterations() * kStride, run.scene.system.atoms());
+}
+
+void forces_alone(benchmark::State& bench, const Setting& setting) {
+  use_threads(setting.threads);
+  Running run(setting);
+  for (auto _ : bench) run.forces(run.scene.system, run.state);
+  count(bench, bench.iterations(), run.scene.system.atoms());
+}
+
+void forces_and_lists(benchmark::State& bench, const Setting& setting) {
+  use_threads(setting.threads);
+  Running run(setting);
+  double away = 2;  // [nm], there and back
+  for (auto _ : bench) {
+    bench.PauseTiming();
+    run.state.x.array() += away;
+    away = -away;
+    bench.ResumeTiming();
+    run.forces(run.scene.system, run.state);
+  }
+  count(bench, bench.iterations(), run.scene.system.atoms());
+}
+
+void bonds_alone(benchmark::State& bench, const Setting& setting) {
+  use_threads(setting.threads);
+  Running run(setting);
+  std::visit(
+      [&](auto& method) {
+        Timed timed(method);
+        double before = 0;
+        for (auto _ : bench) {
+          for (int n = 0; n < kStride; ++n)
+            step(run.scene.system, run.forces, timed, run.scene.run.h(), run.state);
+          bench.SetIterationTime(timed.seconds() - before);
+          before = timed.seconds();
+        }
+      },
+      run.method);
+  count(bench, bench.iterations() * kStride, run.scene.system.atoms());
+}
+
+void kicks_and_drift(benchmark::State& bench, const Setting& setting) {
+  use_threads(setting.threads);
+  Running run(setting);
+  for (auto _ : bench) {
+    half_kick(run.scene.system, 1e-9, run.state);
+    run.state.x += 1e-9 * run.state.v;
+    half_kick(run.scene.system, 1e-9, run.state);
+    benchmark::DoNotOptimize(run.state.x.data());
+  }
+  count(bench, bench.iterations(), run.scene.system.atoms());
+}
+
+void openmm_step(benchmark::State& bench, const Setting& setting) {
+  const Scene scene = setting.scene();
+  OpenMMInput input{scene.system, scene.terms, scene.start, 0};
+  TwinSettings twin_settings;
+  twin_settings.h = scene.run.h();
+  twin_settings.constraint_tolerance = 1e-6;
+  twin_settings.platform = "CPU";
+  twin_settings.integrator = TwinIntegrator::kVerlet;
+  twin_settings.threads = setting.threads;
+  OpenMMTwin twin(input, twin_settings);
+  twin.step(kStride);
+  for (auto _ : bench) twin.step(kStride);
+  count(bench, bench.iterations() * kStride, scene.system.atoms());
+}
+
+void add(const std::string& part, void (*function)(benchmark::State&, const Setting&), const Setting& setting,
+         const std::string& precision) {
+  const std::string name = fmt::format("{}/{}/{}/{}", part, setting.what.name, precision, setting.threads);
+  auto* b = benchmark::RegisterBenchmark(name.c_str(), [=](auto& bench) { function(bench, setting); });
+  b->Unit(benchmark::kMicrosecond)->MeasureProcessCPUTime();  // at one thread, right on a busy machine too
+  part == "bonds" ? b->UseManualTime() : b->UseRealTime();
+}
+
+void add_all() {
+  for (const Case& what : cases())
+    for (const int threads : {1, 2}) {
+      for (const auto& [precision, name] :
+           {std::pair{Precision::kDouble, "double"}, {Precision::kMixed, "mixed"}}) {
+        const Setting setting{what, precision, threads};
+        add("step", whole_step, setting, name);
+        add("forces", forces_alone, setting, name);
+        add("lists", forces_and_lists, setting, name);
+      }
+      const Setting setting{what, Precision::kDouble, threads};
+      add("bonds", bonds_alone, setting, "double");
+      add("kicks", kicks_and_drift, setting, "double");
+      if (built_with_openmm()) add("openmm", openmm_step, setting, "single");
+    }
+}
+
+}  // namespace
+}  // namespace taut::bench
+
+int main(int argc, char** argv) {
+  taut::bench::add_all();
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  benchmark::RunSpecifiedBenchmarks();
+}
