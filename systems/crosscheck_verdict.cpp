@@ -56,6 +56,7 @@ Verdict on_openmm_bonds(const Crosscheck& c) {
 // What OpenMM's rounded lengths have to do with it: all, if newton told to hold those does not part.
 std::string rounding_clause(const Crosscheck& c) {
   const auto& b = c.openmm_bonds;
+  if (c.platform != "Reference") return "";  // there the forces differ too
   if (b.rounded == 0 || *b.apart_with_theirs > 0.01 * *b.apart_as_given) return "";
   return fmt::format(
       "; from OpenMM's lengths, rounded to float: newton with those is {:.1e} nm from it after {} steps",

@@ -147,6 +147,16 @@ TEST(Verdict, OfARun) {
   EXPECT_EQ(verdict_on(c, "newton").finding, Finding::kFailed);
 }
 
+// OpenMM's rounded lengths are to blame only where its forces are as exact as ours.
+TEST(Verdict, BlamesRoundedLengthsOnlyInDoublePrecision) {
+  Crosscheck c = one_run({Sample{}, Sample{.step = 100, .apart = 2e-6}});
+  c.openmm_bonds = {
+      .worst = 3e-8, .rounded = 1, .steps = 100, .apart_as_given = 2e-6, .apart_with_theirs = 1e-12};
+  EXPECT_NE(verdict_on(c, "newton").why.find("rounded to float"), std::string::npos);
+  c.platform = "CPU";
+  EXPECT_EQ(verdict_on(c, "newton").why.find("rounded to float"), std::string::npos);
+}
+
 TEST(Verdict, OfAverages) {
   Crosscheck c = one_run({Sample{}});
   c.long_enough = true;
