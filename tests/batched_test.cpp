@@ -12,8 +12,9 @@ namespace {
 
 using testing::Start;
 
-// Several starts as one system, the k-th moved aside by 3k, and its atoms renumbered by `order` of all atoms.
-Start together(const std::vector<Start>& parts, const std::vector<int>& order = {}) {
+// Several starts as one system, the k-th moved aside by k·spacing, and its atoms renumbered by `order` of all
+// atoms.
+Start together(const std::vector<Start>& parts, const std::vector<int>& order = {}, double spacing = 3) {
   int atoms = 0;
   for (const Start& part : parts) atoms += part.system.atoms();
   std::vector<int> place(atoms);
@@ -29,7 +30,7 @@ Start together(const std::vector<Start>& parts, const std::vector<int>& order = 
   for (std::size_t p = 0; p < parts.size(); ++p) {
     const auto& [sys, s] = parts[p];
     for (int a = 0; a < sys.atoms(); ++a) {
-      all.state.x.col(place[first + a]) = s.x.col(a) + Vec3(3.0 * static_cast<double>(p), 0, 0);
+      all.state.x.col(place[first + a]) = s.x.col(a) + Vec3(spacing * static_cast<double>(p), 0, 0);
       all.state.v.col(place[first + a]) = s.v.col(a);
       mass[place[first + a]] = sys.mass[a];
     }
@@ -189,6 +190,17 @@ TEST(Batched, SettleIsThePlainSettle) {
   std::vector<int> turned;
   for (int w = 0; w < 9; ++w) turned.insert(turned.end(), {3 * w + 2, 3 * w, 3 * w + 1});
   compare<Batched<Settle>>(together({testing::waters(9, 3, 300)}, turned), {}, 1e-12);
+}
+
+// Enough bonds for two threads, in batches of two shapes so that a thread's share ends inside one of them.
+TEST(Batched, SharesOfThreadsFitTogether) {
+  std::vector<Start> many = chains(300, 21, 200);
+  for (Start& start : chains(500, 8, 600)) many.push_back(std::move(start));
+  for (Start& start : many) start.state.x.colwise() -= start.state.x.col(0).eval();
+  const Start start = together(many, {}, 0);
+  compare<Batched<Newton>>(start, {.tolerance = 1e-12}, 3e-12);
+  compare<Batched<Baumgarte>>(start, {}, 1e-12);
+  compare<Batched<Feedforward>>(start, {}, 1e-12);
 }
 
 TEST(Batched, NamesTheBondThatTurnedTooFarInItsLane) {
