@@ -6,8 +6,8 @@
 
 #include "commands.hpp"
 #include "md/aside_file.hpp"
-#include "systems/calibration.hpp"
 #include "systems/scene_file.hpp"
+#include "systems/studies/calibration.hpp"
 
 namespace taut {
 namespace {

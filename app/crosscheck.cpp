@@ -1,4 +1,4 @@
-#include "systems/crosscheck.hpp"
+#include "systems/studies/crosscheck.hpp"
 
 #include <fmt/format.h>
 
@@ -8,8 +8,8 @@
 #include "commands.hpp"
 #include "crosscheck_report.hpp"
 #include "md/errors.hpp"
-#include "systems/openmm_export.hpp"
-#include "systems/openmm_import.hpp"
+#include "systems/openmm/openmm_export.hpp"
+#include "systems/openmm/openmm_import.hpp"
 #include "systems/scene_file.hpp"
 
 namespace taut {

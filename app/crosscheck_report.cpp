@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "md/aside_file.hpp"
-#include "systems/crosscheck_verdict.hpp"
+#include "systems/studies/crosscheck_verdict.hpp"
 
 namespace taut {
 namespace {

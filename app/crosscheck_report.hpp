@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "systems/crosscheck.hpp"
+#include "systems/studies/crosscheck.hpp"
 
 namespace taut {
 

@@ -8,7 +8,7 @@
 #include "md/aside_file.hpp"
 #include "md/errors.hpp"
 #include "progress.hpp"
-#include "systems/openmm_import.hpp"
+#include "systems/openmm/openmm_import.hpp"
 #include "systems/scene_file.hpp"
 #include "systems/simulation.hpp"
 #include "systems/start_file.hpp"

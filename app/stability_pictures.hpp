@@ -1,7 +1,7 @@
 #pragma once
 
 #include "pictures.hpp"
-#include "systems/stability_study.hpp"
+#include "systems/studies/stability_study.hpp"
 
 namespace taut {
 

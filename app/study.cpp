@@ -3,14 +3,11 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#ifdef _OPENMP
-#include <omp.h>
-#endif
-
 #include <csignal>
 #include <fstream>
 #include <sstream>
 
+#include "md/threads.hpp"
 #include "pictures.hpp"
 #include "progress.hpp"
 
@@ -77,14 +74,6 @@ std::string processor() {
   return "unknown";
 }
 
-int threads() {
-#ifdef _OPENMP
-  return omp_get_max_threads();
-#else
-  return 1;
-#endif
-}
-
 // From "<svg" on: what stands before does not belong inside a page.
 std::string inline_svg(const std::filesystem::path& file) {
   const std::string text = contents(file);
@@ -119,7 +108,8 @@ void write_report(const ReportPage& page, const std::filesystem::path& folder) {
       ".scroll{{max-height:24em;overflow:auto}}code{{background:#f3f3f3;padding:2px 4px}}</style>\n"
       "<h1>{0}</h1>\n<p>Made by <code>{1}</code></p>\n"
       "<p>Processor {2}, {3} threads. Compiler {4}, flags <code>{5}</code>.</p>\n",
-      escaped(page.title), escaped(page.command), escaped(processor()), threads(), TAUT_COMPILER, TAUT_FLAGS);
+      escaped(page.title), escaped(page.command), escaped(processor()), available_threads(), TAUT_COMPILER,
+      TAUT_FLAGS);
   for (const auto& part : page.parts) {
     html += fmt::format("<h2>{}</h2>\n<p>{}</p>\n", escaped(part.title), escaped(part.text));
     if (!part.svg_file.empty()) html += inline_svg(folder / part.svg_file) + "\n";

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "systems/ledger.hpp"
+#include "systems/studies/ledger.hpp"
 
 namespace taut {
 

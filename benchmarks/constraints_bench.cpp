@@ -9,12 +9,9 @@
 #include <functional>
 #include <vector>
 
-#ifdef _OPENMP
-#include <omp.h>
-#endif
-
 #include "constraints/methods.hpp"
 #include "constraints/projection.hpp"
+#include "md/threads.hpp"
 #include "md/timed.hpp"
 #include "molecules.hpp"
 
@@ -31,12 +28,6 @@ struct Case {
 struct Free {
   void operator()(const System&, State& s) const { s.f.setZero(); }
 };
-
-void use_threads([[maybe_unused]] int threads) {
-#ifdef _OPENMP
-  omp_set_num_threads(threads);
-#endif
-}
 
 // Seconds a step that the stopwatch itself takes.
 double stopwatch_cost() {

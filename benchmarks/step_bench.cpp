@@ -9,16 +9,13 @@
 
 #include <cstdlib>
 
-#ifdef _OPENMP
-#include <omp.h>
-#endif
-
 #include "constraints/projection.hpp"
 #include "forcefield/force_field.hpp"
+#include "md/threads.hpp"
 #include "md/timed.hpp"
-#include "systems/openmm_import.hpp"
-#include "systems/openmm_read.hpp"
-#include "systems/openmm_twin.hpp"
+#include "systems/openmm/openmm_import.hpp"
+#include "systems/openmm/openmm_read.hpp"
+#include "systems/openmm/openmm_twin.hpp"
 #include "systems/scene_file.hpp"
 
 namespace taut::bench {
@@ -56,13 +53,6 @@ std::vector<Case> cases() {
                   "forcefield.cutoff_nm=2.5", "method.name=newton"}});
   all.push_back({"droplet", "water_cluster", {"method.name=settle"}});
   return all;
-}
-
-void use_threads([[maybe_unused]] int threads) {
-#ifdef _OPENMP
-  setenv("OMP_NUM_THREADS", std::to_string(threads).c_str(), 1);
-  omp_set_num_threads(threads);
-#endif
 }
 
 void count(benchmark::State& bench, long steps, int atoms) {

@@ -5,11 +5,11 @@
 #include <variant>
 #include <vector>
 
-#include "constraints/batched_baumgarte.hpp"
-#include "constraints/batched_feedforward.hpp"
-#include "constraints/batched_newton.hpp"
-#include "constraints/batched_settle.hpp"
-#include "constraints/batched_sweeps.hpp"
+#include "constraints/lanes/batched_baumgarte.hpp"
+#include "constraints/lanes/batched_feedforward.hpp"
+#include "constraints/lanes/batched_newton.hpp"
+#include "constraints/lanes/batched_settle.hpp"
+#include "constraints/lanes/batched_sweeps.hpp"
 #include "constraints/lincs.hpp"
 #include "constraints/penalty.hpp"
 

@@ -4,7 +4,7 @@
 
 #include "forcefield/bonded.hpp"
 #include "forcefield/check_terms.hpp"
-#include "forcefield/cluster_pairs.hpp"
+#include "forcefield/clusters/cluster_pairs.hpp"
 #include "forcefield/dispersion.hpp"
 #include "forcefield/exceptions.hpp"
 #include "forcefield/fields.hpp"

@@ -2,7 +2,7 @@
 
 #include "forcefield/force_field.hpp"
 #include "md/errors.hpp"
-#include "systems/builders.hpp"
+#include "systems/builders/builders.hpp"
 #include "systems/toml_reader.hpp"
 
 namespace taut {

@@ -2,7 +2,7 @@
 
 #include <numeric>
 
-#include "constraints/elimination.hpp"
+#include "constraints/lanes/elimination.hpp"
 #include "constraints/methods.hpp"
 #include "constraints/projection.hpp"
 #include "free_system.hpp"

@@ -1,6 +1,6 @@
 // The scenes, and the builders behind them: geometry, density, distributions, parameters.
 
-#include "systems/builders.hpp"
+#include "systems/builders/builders.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "systems/calibration.hpp"
+#include "systems/studies/calibration.hpp"
 
 #include <gtest/gtest.h>
 

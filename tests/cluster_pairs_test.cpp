@@ -1,4 +1,4 @@
-#include "forcefield/cluster_pairs.hpp"
+#include "forcefield/clusters/cluster_pairs.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,13 +7,10 @@
 #include <random>
 #include <string>
 
-#ifdef _OPENMP
-#include <omp.h>
-#endif
-
 #include "forcefield/lennard_jones_coulomb.hpp"
 #include "forcefield/wca.hpp"
 #include "md/errors.hpp"
+#include "md/threads.hpp"
 
 // Forces and energies of the clusters, against the plain loops over pairs.
 
@@ -75,13 +72,6 @@ Box box_of(const Liquid& liquid) {
   return liquid.periodic ? Box{Vec3::Constant(liquid.molecules * liquid.spacing)} : Box{};
 }
 
-#ifdef _OPENMP
-void use_threads(int threads) {
-  setenv("OMP_NUM_THREADS", std::to_string(threads).c_str(), 1);
-  omp_set_num_threads(threads);
-}
-#endif
-
 double rms(const Vectors& f) {
   return f.norm() / std::sqrt(f.size());
 }
@@ -136,7 +126,6 @@ TEST_P(ClusterPairsIn, AgreesInMixedPrecisionToItsDigits) {
 }
 
 TEST_P(ClusterPairsIn, GivesTheSameBitsTwiceAtOneAndTwoThreads) {
-#ifdef _OPENMP
   for (int threads : {1, 2}) {
     use_threads(threads);
     for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
@@ -160,7 +149,6 @@ TEST_P(ClusterPairsIn, GivesTheSameBitsTwiceAtOneAndTwoThreads) {
   plain.add(x, witness);
   EXPECT_LT((f - witness).norm(), 1e-12 * witness.norm());
   use_threads(1);
-#endif
 }
 
 const auto kLiquids =

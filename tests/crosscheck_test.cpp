@@ -1,6 +1,6 @@
 // Everything taut can hand to OpenMM, held against it at a short length.
 
-#include "systems/crosscheck.hpp"
+#include "systems/studies/crosscheck.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,11 +11,11 @@
 #include "forcefield/force_field.hpp"
 #include "md/errors.hpp"
 #include "openmm_folder.hpp"
-#include "systems/crosscheck_verdict.hpp"
-#include "systems/openmm_export.hpp"
-#include "systems/openmm_import.hpp"
-#include "systems/openmm_twin.hpp"
+#include "systems/openmm/openmm_export.hpp"
+#include "systems/openmm/openmm_import.hpp"
+#include "systems/openmm/openmm_twin.hpp"
 #include "systems/scene_file.hpp"
+#include "systems/studies/crosscheck_verdict.hpp"
 
 namespace taut {
 namespace {

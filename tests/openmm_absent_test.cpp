@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include "md/errors.hpp"
-#include "systems/crosscheck.hpp"
-#include "systems/openmm_import.hpp"
-#include "systems/openmm_twin.hpp"
+#include "systems/openmm/openmm_import.hpp"
+#include "systems/openmm/openmm_twin.hpp"
 #include "systems/scene_file.hpp"
+#include "systems/studies/crosscheck.hpp"
 
 namespace taut {
 namespace {

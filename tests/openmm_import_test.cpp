@@ -10,7 +10,7 @@
 #include "md/errors.hpp"
 #include "md/observables.hpp"
 #include "openmm_models.hpp"
-#include "systems/openmm_read.hpp"
+#include "systems/openmm/openmm_read.hpp"
 
 namespace taut {
 namespace {

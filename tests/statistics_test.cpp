@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "md/random.hpp"
-#include "systems/block_average.hpp"
-#include "systems/crosscheck_verdict.hpp"
-#include "systems/liquid_structure.hpp"
+#include "systems/studies/block_average.hpp"
+#include "systems/studies/crosscheck_verdict.hpp"
+#include "systems/studies/liquid_structure.hpp"
 
 namespace taut {
 namespace {

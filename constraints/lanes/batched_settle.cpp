@@ -1,0 +1,203 @@
+#include "constraints/lanes/batched_settle.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <map>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "constraints/lanes/batched_settle.cpp"
+#include <hwy/foreach_target.h>
+
+#include "constraints/lanes/elimination-inl.hpp"
+
+#ifndef TAUT_SETTLE_STEP
+#define TAUT_SETTLE_STEP
+namespace taut {
+struct SettleStep {
+  double h;
+  double *x, *v;
+};
+}  // namespace taut
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace taut::HWY_NAMESPACE {
+
+HWY_INLINE V3 cross(const V3& a, const V3& b) {
+  return {hn::MulSub(a.y, b.z, hn::Mul(a.z, b.y)), hn::MulSub(a.z, b.x, hn::Mul(a.x, b.z)),
+          hn::MulSub(a.x, b.y, hn::Mul(a.y, b.x))};
+}
+HWY_INLINE V3 normalized(const V3& a) {
+  return hn::Div(all(1), hn::Sqrt(dot(a, a))) * a;
+}
+HWY_INLINE V cosine(V sine) {
+  return hn::Sqrt(hn::NegMulAdd(sine, sine, all(1)));
+}
+// x·X' + y·Y' + z·Z'
+HWY_INLINE V3 along(V x, const V3& X, V y, const V3& Y, V z, const V3& Z) {
+  return mul_add(x, X, mul_add(y, Y, z * Z));
+}
+
+// settle.cpp has the derivation and the names: 0 before the step, 1 drifted, 2 after φ and ψ, 3 after θ.
+void settle_positions_of(const SettleBatch& batch, const SettleStep& step, const Part& part, double* scratch,
+                         SolveStats& stats) {
+  constexpr int a = 0, b = 3 * kLanes, c = 6 * kLanes;  // rows of apex, left, right
+  double *x = scratch, *v = scratch + 9 * kLanes;
+  gather(part, 3, step.x, x);
+  gather(part, 3, step.v, v);
+  const V ma = all(1 / batch.lanes.inv_mass[0]), mh = all(1 / batch.lanes.inv_mass[1]);
+  const V share = hn::Div(mh, hn::MulAdd(all(2), mh, ma)), h = all(step.h);
+  const V ra = all(batch.ra), rb = all(batch.rb), rc = all(batch.rc);
+
+  const V3 left = load3(x + b) - load3(x + a), right = load3(x + c) - load3(x + a), v_a = load3(v + a);
+  const V3 b0 = neg_mul_add(h, load3(v + b) - v_a, left), c0 = neg_mul_add(h, load3(v + c) - v_a, right);
+  const V3 centre = share * (left + right);
+  const V3 a1 = V3{hn::Neg(centre.x), hn::Neg(centre.y), hn::Neg(centre.z)}, b1 = left - centre,
+           c1 = right - centre;
+
+  const V3 Z = normalized(cross(b0, c0)), X = normalized(cross(a1, Z)), Y = cross(Z, X);
+  const V xb0 = dot(X, b0), yb0 = dot(Y, b0), xc0 = dot(X, c0), yc0 = dot(Y, c0);
+  const V za1 = dot(Z, a1), xb1 = dot(X, b1), yb1 = dot(Y, b1), zb1 = dot(Z, b1);
+  const V xc1 = dot(X, c1), yc1 = dot(Y, c1), zc1 = dot(Z, c1);
+
+  const V sin_phi = hn::Div(za1, ra), cos_phi = cosine(sin_phi);
+  const V sin_psi = hn::Div(hn::Sub(zb1, zc1), hn::Mul(hn::Add(rc, rc), cos_phi)), cos_psi = cosine(sin_psi);
+  const V ya2 = hn::Mul(ra, cos_phi), xb2 = hn::Neg(hn::Mul(rc, cos_psi));
+  const V tilt = hn::Mul(hn::Mul(rc, sin_psi), sin_phi), base = hn::Neg(hn::Mul(rb, cos_phi));
+  const V yb2 = hn::Sub(base, tilt), yc2 = hn::Add(base, tilt);
+
+  const V alpha = hn::MulAdd(xb2, hn::Sub(xb0, xc0), hn::MulAdd(yb0, yb2, hn::Mul(yc0, yc2)));
+  const V beta = hn::MulAdd(xb2, hn::Sub(yc0, yb0), hn::MulAdd(xb0, yb2, hn::Mul(xc0, yc2)));
+  const V gamma = hn::Add(hn::MulSub(xb0, yb1, hn::Mul(xb1, yb0)), hn::MulSub(xc0, yc1, hn::Mul(xc1, yc0)));
+  const V norm = hn::MulAdd(alpha, alpha, hn::Mul(beta, beta));
+  const V root = hn::Sqrt(hn::NegMulAdd(gamma, gamma, norm));
+  const V sin_theta = hn::Div(hn::MulSub(alpha, gamma, hn::Mul(beta, root)), norm),
+          cos_theta = cosine(sin_theta);
+
+  const V sum = hn::Add(hn::Add(sin_theta, cos_theta), cos_psi);
+  const auto found = hn::Eq(hn::Sub(sum, sum), hn::Zero(D()));
+  if (!hn::AllTrue(D(), found)) {
+    const int lane = part.first_lane + static_cast<int>(hn::FindFirstTrue(D(), hn::Not(found)));
+    stats.worst_bond = batch.lanes.bond(part.group, 0, lane);
+    stats.failure = "the water turned or stretched too far in one step";
+    return;
+  }
+  const V3 a3 = along(hn::Neg(hn::Mul(ya2, sin_theta)), X, hn::Mul(ya2, cos_theta), Y, za1, Z);
+  const V3 b3 = along(hn::MulSub(xb2, cos_theta, hn::Mul(yb2, sin_theta)), X,
+                      hn::MulAdd(xb2, sin_theta, hn::Mul(yb2, cos_theta)), Y, zb1, Z);
+  const V3 c3 = along(hn::Neg(hn::MulAdd(xb2, cos_theta, hn::Mul(yc2, sin_theta))), X,
+                      hn::MulSub(yc2, cos_theta, hn::Mul(xb2, sin_theta)), Y, zc1, Z);
+  const V inv_h = all(1 / step.h);
+  const V3 shifts[] = {a3 - a1, b3 - b1, c3 - c1};
+  for (int n = 0; n < 3; ++n) {
+    double *x_n = x + 3 * n * kLanes, *v_n = v + 3 * n * kLanes;
+    store3(load3(x_n) + shifts[n], x_n);
+    store3(mul_add(inv_h, shifts[n], load3(v_n)), v_n);
+  }
+  scatter(part, 3, x, step.x);
+  scatter(part, 3, v, step.v);
+}
+
+// A g = −J v
+template <class Shape>
+HWY_INLINE void settle_velocities_of(const Shape shape, SettleBatch& batch, const SettleStep& step,
+                                     const Part& part, double* scratch, SolveStats& stats) {
+  double *x = scratch, *v = x + 9 * kLanes, *r = v + 9 * kLanes, *g = r + 9 * kLanes, *d = g + 3 * kLanes;
+  const Matrix A{d, d + 3 * kLanes, d + 6 * kLanes, nullptr};
+  double* lambda = batch.lambda.of(part.group) + part.first_lane;
+  gather(part, 3, step.x, x);
+  gather(part, 3, step.v, v);
+  for (int k = 0; k < 3; ++k) {
+    const V3 r_k = difference(shape, k, x);
+    store3(r_k, r + 3 * k * kLanes);
+    store(hn::Mul(all(shape.bonds[k].reduced_inv_mass), dot(r_k, r_k)), d + k * kLanes);
+    store(hn::Neg(dot(r_k, difference(shape, k, v))), g + k * kLanes);
+  }
+  const V margin = eliminate(shape, A, r, g);
+  substitute_back(shape, A.inv_d, A.l, g);
+  for (int k = 0; k < 3; ++k) {
+    const V g_k = load(g + k * kLanes);
+    move(shape, k, g_k, load3(r + 3 * k * kLanes), v);
+    store(hn::Mul(all(2 / step.h), g_k), lambda + k * kLanes);
+  }
+  scatter(part, 3, v, step.v);
+  regular(part, margin, A.d, stats);
+}
+
+SolveStats settle_positions(SettleBatch& batch, const SettleStep& step, int begin, int end, double* scratch) {
+  SolveStats stats{.iterations = 1};
+  for_each_part(batch.lanes, begin, end, scratch, [&](auto, const Part& part, double* rows) HWY_ATTR {
+    settle_positions_of(batch, step, part, rows, stats);
+  });
+  return stats;
+}
+
+SolveStats settle_velocities(SettleBatch& batch, const SettleStep& step, int begin, int end,
+                             double* scratch) {
+  SolveStats stats{.iterations = 1};
+  for_each_part(batch.lanes, begin, end, scratch, [&](auto shape, const Part& part, double* rows) HWY_ATTR {
+    settle_velocities_of(shape, batch, step, part, rows, stats);
+  });
+  return stats;
+}
+
+}  // namespace taut::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace taut {
+
+HWY_EXPORT(settle_positions);
+HWY_EXPORT(settle_velocities);
+
+Batched<Settle>::Batched(const System& sys, const Options&, double)
+    : lambda_(Eigen::VectorXd::Zero(sys.bond_count())) {
+  std::map<std::array<double, 5>, std::pair<Settle::Water, ClusterBatch>> kinds;
+  for (const Settle::Water& w : Settle::find_waters(sys)) {
+    const double m_a = sys.inv_mass[w.apex], m_h = sys.inv_mass[w.left];
+    auto& [water, batch] = kinds[{m_a, m_h, w.ra, w.rb, w.rc}];
+    if (batch.count++ == 0) {
+      water = w;
+      const double side = sys.bonds[w.bonds[0]].length, base = sys.bonds[w.bonds[2]].length;
+      batch.shape = {{{0, 1, side}, {0, 2, side}, {1, 2, base}}, {m_a, m_h, m_h}};
+    }
+    batch.atoms.insert(batch.atoms.end(), {w.apex, w.left, w.right});
+    batch.bonds.insert(batch.bonds.end(), w.bonds.begin(), w.bonds.end());
+  }
+  for (const auto& [key, kind] : kinds) {
+    const auto& [water, batch] = kind;
+    LaneBatch lanes(batch);
+    runner_.add(lanes);
+    LaneRows lambda = rows_of_bonds(lanes);
+    batches_.push_back({std::move(lanes), water.ra, water.rb, water.rc, std::move(lambda)});
+  }
+}
+
+SolveStats Batched<Settle>::project_positions(const System&, double h, State& s) {
+  const SettleStep step{h, s.x.data(), s.v.data()};
+  return runner_.run([&](int b, int begin, int end, double* scratch) {
+    return HWY_DYNAMIC_DISPATCH(settle_positions)(batches_[b], step, begin, end, scratch);
+  });
+}
+
+SolveStats Batched<Settle>::project_velocities(const System&, double h, State& s) {
+  const SettleStep step{h, s.x.data(), s.v.data()};
+  return runner_.run([&](int b, int begin, int end, double* scratch) {
+    return HWY_DYNAMIC_DISPATCH(settle_velocities)(batches_[b], step, begin, end, scratch);
+  });
+}
+
+const Eigen::VectorXd& Batched<Settle>::lambda() const {
+  for (const SettleBatch& batch : batches_) rows_to_bonds(batch.lanes, batch.lambda, lambda_);
+  return lambda_;
+}
+
+std::string Batched<Settle>::setting() const {
+  int waters = 0;
+  for (const SettleBatch& batch : batches_) waters += batch.lanes.clusters;
+  return fmt::format("{} waters", waters);
+}
+
+}  // namespace taut
+#endif

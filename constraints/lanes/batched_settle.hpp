@@ -1,0 +1,38 @@
+#pragma once
+
+#include "constraints/lanes/batched.hpp"
+#include "constraints/settle.hpp"
+
+namespace taut {
+
+// Waters of one shape: atoms apex, left, right; bonds apex–left, apex–right, left–right.
+struct SettleBatch {
+  LaneBatch lanes;
+  double ra, rb, rc;  // settle.hpp
+  LaneRows lambda;
+};
+
+template <>
+class Batched<Settle> : public EmptyGaps {
+ public:
+  using Witness = Settle;
+  using Options = Settle::Options;
+  static constexpr const char* kName = Settle::kName;
+  static constexpr const char* kSummary = Settle::kSummary;
+
+  Batched(const System& sys, const Options& options, double h);
+
+  SolveStats project_positions(const System& sys, double h, State& s);
+  SolveStats project_velocities(const System& sys, double h, State& s);
+
+  const Eigen::VectorXd& lambda() const;
+  double promised_error() const { return 1e-12; }
+  std::string setting() const;
+
+ private:
+  std::vector<SettleBatch> batches_;
+  LaneRunner runner_;
+  mutable Eigen::VectorXd lambda_;  // m
+};
+
+}  // namespace taut

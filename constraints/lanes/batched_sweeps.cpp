@@ -1,0 +1,255 @@
+#include "constraints/lanes/batched_sweeps.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "constraints/lanes/batched_sweeps.cpp"
+#include <hwy/foreach_target.h>
+
+#include "constraints/lanes/lanes-inl.hpp"
+
+#ifndef TAUT_SWEEP_STEP
+#define TAUT_SWEEP_STEP
+namespace taut {
+struct SweepStep {
+  SweepLimits limits;
+  double h, guess, keep;
+  double *x, *v;
+};
+}  // namespace taut
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace taut::HWY_NAMESPACE {
+
+// Scratch of one part.
+struct SweepRows {
+  double *x, *v;                   // of the atoms
+  double *r, *g, *inv, *relative;  // of the bonds; r: along which corrections act
+};
+
+HWY_INLINE SweepRows sweep_rows(const AnyShape shape, double* scratch) {
+  const int atoms = 3 * shape.atoms() * kLanes, bonds = shape.size() * kLanes;
+  double *r = scratch + 2 * atoms, *g = r + 3 * bonds;
+  return {scratch, scratch + atoms, r, g, g + bonds, g + 2 * bonds};
+}
+
+// g = guess·λ, y += M⁻¹Jᵀg
+HWY_INLINE void set_out(const AnyShape shape, double guess, const double* lambda, const SweepRows rows,
+                        double* y) {
+  for (int k = 0; k < shape.size(); ++k) {
+    const V g = hn::Mul(all(guess), load(lambda + k * kLanes));
+    store(g, rows.g + k * kLanes);
+    move(shape, k, g, load3(rows.r + 3 * k * kLanes), y);
+  }
+}
+
+HWY_INLINE void keep(const AnyShape shape, double scale, const SweepRows rows, double* lambda) {
+  for (int k = 0; k < shape.size(); ++k)
+    store(hn::Mul(all(scale), load(rows.g + k * kLanes)), lambda + k * kLanes);
+}
+
+HWY_INLINE void correct(const AnyShape shape, int k, V dg, const SweepRows rows, double* y) {
+  store(hn::Add(load(rows.g + k * kLanes), dg), rows.g + k * kLanes);
+  move(shape, k, dg, load3(rows.r + 3 * k * kLanes), y);
+}
+
+struct SweepOfPositions {
+  // One sweep; what it met is left in rows.relative. Returns a margin that is negative where a bond turned by
+  // 90°.
+  HWY_INLINE V operator()(const AnyShape shape, double tolerance, const SweepRows rows, Worst& worst) const {
+    V margin = all(1e300);
+    for (int k = 0; k < shape.size(); ++k) {
+      const LaneBond& bond = shape.bonds[k];
+      const V3 r = difference(shape, k, rows.x);
+      const V offset = hn::Sub(dot(r, r), all(bond.length2)), along = dot(r, load3(rows.r + 3 * k * kLanes));
+      const V relative = hn::Mul(hn::Abs(offset), all(bond.half_inv_length2));
+      worst.see(relative);
+      store(relative, rows.relative + k * kLanes);
+      const auto off = hn::Gt(relative, all(tolerance));
+      margin =
+          hn::Min(margin, hn::IfThenElse(off, hn::NegMulAdd(all(1e-6), all(bond.length2), along), margin));
+      const V dg = hn::Div(hn::Mul(all(-0.5), offset), hn::Mul(all(bond.reduced_inv_mass), along));
+      correct(shape, k, hn::IfThenElseZero(off, dg), rows, rows.x);
+    }
+    return margin;
+  }
+  static constexpr const char* kNoConvergence = "no convergence";
+};
+
+struct SweepOfVelocities {
+  double h;
+  HWY_INLINE V operator()(const AnyShape shape, double tolerance, const SweepRows rows, Worst& worst) const {
+    for (int k = 0; k < shape.size(); ++k) {
+      const LaneBond& bond = shape.bonds[k];
+      const V3 v = difference(shape, k, rows.v);
+      const V rate = dot(load3(rows.r + 3 * k * kLanes), v);
+      const V relative = hn::Mul(hn::Abs(rate), all(2 * h * bond.half_inv_length2));
+      worst.see(relative);
+      store(relative, rows.relative + k * kLanes);
+      const V dg = hn::Neg(hn::Mul(rate, load(rows.inv + k * kLanes)));
+      correct(shape, k, hn::IfThenElseZero(hn::Gt(relative, all(tolerance)), dg), rows, rows.v);
+    }
+    return all(1);
+  }
+  static constexpr const char* kNoConvergence = "no convergence of the velocities";
+};
+
+// Sweeps until all hold, or as many as asked for.
+template <class Sweep>
+HWY_INLINE void repeat(const Sweep& sweep, const AnyShape shape, const SweepLimits& limits, const Part& part,
+                       const SweepRows rows, SolveStats& stats) {
+  const bool fixed = limits.sweeps > 0;
+  const int most = fixed ? limits.sweeps : limits.max_sweeps;
+  for (int n = 1; n <= most; ++n) {
+    Worst worst;
+    const V margin = sweep(shape, fixed ? 0.0 : limits.tolerance, rows, worst);
+    stats.iterations = HWY_MAX(stats.iterations, n);
+    const bool turned = !hn::AllTrue(D(), hn::Gt(margin, hn::Zero(D())));
+    const bool held = !fixed && worst.within(limits.tolerance);
+    if (!held && !turned && n < most) continue;
+    if (!worst.within(stats.max_residual)) enter(part, rows.relative, stats);
+    if (turned) stats.failure = "the bond turned by 90° in one step";
+    if (!turned && !held && !fixed) stats.failure = Sweep::kNoConvergence;
+    return;
+  }
+}
+
+void sweep_positions_of(SweepBatch& batch, const SweepStep& step, const Part& part, double* scratch,
+                        SolveStats& stats) {
+  const AnyShape shape(batch.lanes);
+  const SweepRows rows = sweep_rows(shape, scratch);
+  double* lambda = batch.lambda.of(part.group) + part.first_lane;
+  gather(part, shape.atoms(), step.x, rows.x);
+  gather(part, shape.atoms(), step.v, rows.v);
+  for (int k = 0; k < shape.size(); ++k)
+    store3(neg_mul_add(all(step.h), difference(shape, k, rows.v), difference(shape, k, rows.x)),
+           rows.r + 3 * k * kLanes);
+  set_out(shape, step.guess, lambda, rows, rows.x);
+  repeat(SweepOfPositions{}, shape, step.limits, part, rows, stats);
+  for (int k = 0; k < shape.size(); ++k)
+    move(shape, k, hn::Mul(all(1 / step.h), load(rows.g + k * kLanes)), load3(rows.r + 3 * k * kLanes),
+         rows.v);
+  keep(shape, step.keep, rows, lambda);
+  scatter(part, shape.atoms(), rows.x, step.x);
+  scatter(part, shape.atoms(), rows.v, step.v);
+}
+
+void sweep_velocities_of(SweepBatch& batch, const SweepStep& step, const Part& part, double* scratch,
+                         SolveStats& stats) {
+  const AnyShape shape(batch.lanes);
+  const SweepRows rows = sweep_rows(shape, scratch);
+  double* lambda = batch.lambda.of(part.group) + part.first_lane;
+  gather(part, shape.atoms(), step.x, rows.x);
+  gather(part, shape.atoms(), step.v, rows.v);
+  for (int k = 0; k < shape.size(); ++k) {
+    const V3 r = difference(shape, k, rows.x);
+    store3(r, rows.r + 3 * k * kLanes);
+    const V a_kk = hn::Mul(all(shape.bonds[k].reduced_inv_mass), dot(r, r));
+    store(hn::Div(all(1), a_kk), rows.inv + k * kLanes);
+  }
+  set_out(shape, step.guess, lambda, rows, rows.v);
+  repeat(SweepOfVelocities{step.h}, shape, step.limits, part, rows, stats);
+  keep(shape, step.keep, rows, lambda);
+  scatter(part, shape.atoms(), rows.v, step.v);
+}
+
+SolveStats sweep_positions(SweepBatch& batch, const SweepStep& step, int begin, int end, double* scratch) {
+  SolveStats stats;
+  for_each_part(batch.lanes, begin, end, scratch, [&](auto, const Part& part, double* rows) HWY_ATTR {
+    sweep_positions_of(batch, step, part, rows, stats);
+  });
+  return stats;
+}
+
+SolveStats sweep_velocities(SweepBatch& batch, const SweepStep& step, int begin, int end, double* scratch) {
+  SolveStats stats;
+  for_each_part(batch.lanes, begin, end, scratch, [&](auto, const Part& part, double* rows) HWY_ATTR {
+    sweep_velocities_of(batch, step, part, rows, stats);
+  });
+  return stats;
+}
+
+}  // namespace taut::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace taut {
+
+HWY_EXPORT(sweep_positions);
+HWY_EXPORT(sweep_velocities);
+
+LaneSweeps::LaneSweeps(const System&, const BondClusters& clusters, SweepLimits limits) : limits_(limits) {
+  for (const ClusterBatch& batch : clusters.batches) {
+    LaneBatch lanes(batch, Elimination::none(batch.shape));
+    runner_.add(lanes);
+    LaneRows lambda = rows_of_bonds(lanes);
+    batches_.push_back({std::move(lanes), std::move(lambda)});
+  }
+}
+
+SolveStats LaneSweeps::positions(double h, double guess, double keep, State& s) {
+  const SweepStep step{limits_, h, guess, keep, s.x.data(), s.v.data()};
+  return runner_.run([&](int b, int begin, int end, double* scratch) {
+    return HWY_DYNAMIC_DISPATCH(sweep_positions)(batches_[b], step, begin, end, scratch);
+  });
+}
+
+SolveStats LaneSweeps::velocities(double h, double guess, double keep, State& s) {
+  const SweepStep step{limits_, h, guess, keep, s.x.data(), s.v.data()};
+  return runner_.run([&](int b, int begin, int end, double* scratch) {
+    return HWY_DYNAMIC_DISPATCH(sweep_velocities)(batches_[b], step, begin, end, scratch);
+  });
+}
+
+void LaneSweeps::write_lambda(Eigen::VectorXd& lambda) const {
+  for (const SweepBatch& batch : batches_) rows_to_bonds(batch.lanes, batch.lambda, lambda);
+}
+
+Batched<Shake>::Batched(const System& sys, const Options& options, double h)
+    : Batched(sys, options, h, find_clusters(sys)) {}
+
+Batched<Shake>::Batched(const System& sys, const Options& options, double h, const BondClusters& clusters)
+    : leftover_(sys, clusters.rest, options, h),
+      sweeps_(sys, clusters, {options.tolerance, options.max_sweeps, options.sweeps}),
+      lambda_(Eigen::VectorXd::Zero(sys.bond_count())) {}
+
+SolveStats Batched<Shake>::project_positions(const System&, double h, State& s) {
+  SolveStats stats = sweeps_.positions(h, h * h, 1 / (h * h), s);
+  LaneRunner::merge(stats, leftover_.project_positions(h, s));
+  return stats;
+}
+
+const Eigen::VectorXd& Batched<Shake>::lambda() const {
+  sweeps_.write_lambda(lambda_);
+  leftover_.write_lambda(lambda_);
+  return lambda_;
+}
+
+Batched<Rattle>::Batched(const System& sys, const Options& options, double h)
+    : Batched(sys, options, h, find_clusters(sys)) {}
+
+Batched<Rattle>::Batched(const System& sys, const Options& options, double h, const BondClusters& clusters)
+    : warm_start_(options.warm_start),
+      leftover_(sys, clusters.rest, options, h),
+      sweeps_(sys, clusters, {options.tolerance, options.max_sweeps, options.sweeps}),
+      lambda_(Eigen::VectorXd::Zero(sys.bond_count())) {}
+
+SolveStats Batched<Rattle>::project_positions(const System&, double h, State& s) {
+  SolveStats stats = sweeps_.positions(h, warm_start_ ? 0.5 * h * h : 0.0, 2 / (h * h), s);
+  LaneRunner::merge(stats, leftover_.project_positions(h, s));
+  return stats;
+}
+
+SolveStats Batched<Rattle>::project_velocities(const System&, double h, State& s) {
+  SolveStats stats = sweeps_.velocities(h, warm_start_ ? 0.5 * h : 0.0, 2 / h, s);
+  LaneRunner::merge(stats, leftover_.project_velocities(h, s));
+  return stats;
+}
+
+const Eigen::VectorXd& Batched<Rattle>::lambda() const {
+  sweeps_.write_lambda(lambda_);
+  leftover_.write_lambda(lambda_);
+  return lambda_;
+}
+
+}  // namespace taut
+#endif

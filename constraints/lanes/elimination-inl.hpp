@@ -1,0 +1,148 @@
+// The matrix of a group and its elimination, a cluster a lane; compiled once for each kind of machine.
+#if defined(TAUT_ELIMINATION_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef TAUT_ELIMINATION_INL_H
+#undef TAUT_ELIMINATION_INL_H
+#else
+#define TAUT_ELIMINATION_INL_H
+#endif
+
+#include "constraints/lanes/lanes-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace taut::HWY_NAMESPACE {
+
+// elimination.hpp has the loops. Rows of the diagonal, of its inverse after elimination, and of the entries
+// below and, where A is not symmetric, above it.
+struct Matrix {
+  double *d, *inv_d;
+  double *l, *u;
+};
+
+// ±(r_row·r_k)/m: A's entry p in column k; 0 where there will be fill. With left and right bonds of different
+// times, A' below the diagonal; changed about, above.
+template <class Shape>
+HWY_INLINE V entry(const Shape shape, int p, const V3& r_k, const double* r) {
+  return hn::Mul(all(shape.signed_inv_mass(p)), dot(load3(r + 3 * shape.row(p)), r_k));
+}
+
+template <class Shape>
+HWY_INLINE void couple(const Shape shape, const double* left, const double* right, double* entries) {
+  for (int k = 0; k < shape.size(); ++k) {
+    const V3 r_k = load3(right + 3 * k * kLanes);
+    for (int p = shape.begin(k); p < shape.end(k); ++p)
+      store(entry(shape, p, r_k, left), entries + p * kLanes);
+  }
+}
+
+// A of the bonds r, its diagonal given, becomes L D Lᵀ; b goes through the forward substitution on the way.
+// Returns the pivots' smallest margin over what a dependent bond leaves.
+template <class Shape>
+HWY_INLINE V eliminate(const Shape shape, const Matrix A, const double* r, double* b) {
+  if constexpr (Shape::kUpdates) couple(shape, r, r, A.l);
+  V margin = all(1e300);
+  int update = 0;
+  for (int k = 0; k < shape.size(); ++k) {
+    const V d = load(A.d + k * kLanes), inv = hn::Div(all(1), d), b_k = load(b + k * kLanes);
+    margin = hn::Min(margin, hn::Sub(d, all(shape.bonds[k].least_pivot)));
+    store(inv, A.inv_d + k * kLanes);
+    for (int p = shape.begin(k); p < shape.end(k); ++p) {
+      V c;
+      if constexpr (Shape::kUpdates)
+        c = load(A.l + p * kLanes);
+      else
+        c = entry(shape, p, load3(r + 3 * k * kLanes), r);
+      const V l = hn::Mul(c, inv);
+      double *d_p = A.d + shape.row(p), *b_p = b + shape.row(p);
+      if constexpr (Shape::kUpdates) {
+        for (int q = p + 1; q < shape.end(k); ++q) {
+          double* c_qp = A.l + shape.update(update++);
+          store(hn::NegMulAdd(l, load(A.l + q * kLanes), load(c_qp)), c_qp);
+        }
+      }
+      store(l, A.l + p * kLanes);
+      store(hn::NegMulAdd(l, c, load(d_p)), d_p);
+      store(hn::NegMulAdd(l, b_k, load(b_p)), b_p);
+    }
+  }
+  return margin;
+}
+
+// A' of the bonds r_next and r becomes L D U; else as above. u ends as a unit upper triangle.
+template <class Shape>
+HWY_INLINE V eliminate_turned(const Shape shape, const Matrix A, const double* r_next, const double* r,
+                              double* b) {
+  if constexpr (Shape::kUpdates) {
+    couple(shape, r_next, r, A.l);
+    couple(shape, r, r_next, A.u);
+  }
+  V margin = all(1e300);
+  int update = 0;
+  for (int k = 0; k < shape.size(); ++k) {
+    const V d = load(A.d + k * kLanes), inv = hn::Div(all(1), d), b_k = load(b + k * kLanes);
+    margin = hn::Min(margin, hn::Sub(d, all(shape.bonds[k].least_pivot)));
+    store(inv, A.inv_d + k * kLanes);
+    for (int p = shape.begin(k); p < shape.end(k); ++p) {
+      V below, above;
+      if constexpr (Shape::kUpdates) {
+        below = load(A.l + p * kLanes);
+        above = load(A.u + p * kLanes);
+      } else {
+        below = entry(shape, p, load3(r + 3 * k * kLanes), r_next);
+        above = entry(shape, p, load3(r_next + 3 * k * kLanes), r);
+      }
+      const V l = hn::Mul(below, inv), u = hn::Mul(above, inv);
+      double *d_p = A.d + shape.row(p), *b_p = b + shape.row(p);
+      if constexpr (Shape::kUpdates) {
+        for (int q = p + 1; q < shape.end(k); ++q, ++update) {
+          double *l_qp = A.l + shape.update(update), *u_pq = A.u + shape.update(update);
+          store(hn::NegMulAdd(load(A.l + q * kLanes), u, load(l_qp)), l_qp);
+          store(hn::NegMulAdd(l, load(A.u + q * kLanes), load(u_pq)), u_pq);
+        }
+      }
+      store(l, A.l + p * kLanes);
+      store(u, A.u + p * kLanes);
+      store(hn::NegMulAdd(l, above, load(d_p)), d_p);
+      store(hn::NegMulAdd(l, b_k, load(b_p)), b_p);
+    }
+  }
+  return margin;
+}
+
+// Names a bond whose pivot vanished. False if there is one.
+HWY_INLINE bool regular(const Part& part, V margin, const double* d, SolveStats& stats) {
+  if (hn::AllTrue(D(), hn::Gt(margin, hn::Zero(D())))) return true;
+  stats.failure = "A is singular";
+  for (int k = part.batch.bond_count() - 1; k >= 0; --k)
+    for (int l = kWidth - 1; l >= 0; --l)
+      if (!(d[k * kLanes + l] > part.batch.bonds[k].least_pivot))
+        stats.worst_bond = part.batch.bond(part.group, k, part.first_lane + l);
+  return false;
+}
+
+// b ← L⁻¹b
+template <class Shape>
+HWY_INLINE void substitute_forward(const Shape shape, const double* l, double* b) {
+  for (int k = 0; k < shape.size(); ++k) {
+    const V b_k = load(b + k * kLanes);
+    for (int p = shape.begin(k); p < shape.end(k); ++p) {
+      double* b_p = b + shape.row(p);
+      store(hn::NegMulAdd(load(l + p * kLanes), b_k, load(b_p)), b_p);
+    }
+  }
+}
+
+// b ← U⁻¹D⁻¹b, u unit upper triangular by rows
+template <class Shape>
+HWY_INLINE void substitute_back(const Shape shape, const double* inv_d, const double* u, double* b) {
+  for (int k = shape.size() - 1; k >= 0; --k) {
+    V z = hn::Mul(load(b + k * kLanes), load(inv_d + k * kLanes));
+    for (int p = shape.begin(k); p < shape.end(k); ++p)
+      z = hn::NegMulAdd(load(u + p * kLanes), load(b + shape.row(p)), z);
+    store(z, b + k * kLanes);
+  }
+}
+
+}  // namespace taut::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

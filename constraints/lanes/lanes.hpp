@@ -1,0 +1,159 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cstddef>
+#include <new>
+#include <vector>
+
+#include "constraints/lanes/bond_clusters.hpp"
+#include "constraints/lanes/elimination.hpp"
+#include "md/step.hpp"
+#include "md/threads.hpp"
+
+namespace taut {
+
+// Equal clusters side by side: cluster 8g + l of a batch is lane l of its group g. A row is one number of
+// each of a group's clusters; rows of a group follow each other in memory. Machines with narrower vectors
+// take a group in parts.
+inline constexpr int kLanes = 8;
+
+// A bond as the kernels want it.
+struct LaneBond {
+  std::ptrdiff_t i, j;  // where its atoms' rows begin, from the first row of a 3 × atoms array
+  double inv_mass_i, inv_mass_j;
+  double reduced_inv_mass;  // 1/m_i + 1/m_j
+  double length2;           // d²
+  double half_inv_length2;  // 1/(2d²)
+  double least_pivot;       // below it the bond depends on others
+};
+
+// An elimination as the kernels want it: rows and updates as places of their rows.
+struct LanePlan {
+  explicit LanePlan(const Elimination& plan);
+
+  bool chain;                           // column k has one entry, k, and nothing is updated twice
+  std::vector<int> column_start;        // n + 1
+  std::vector<std::ptrdiff_t> row;      // of each entry
+  std::vector<double> signed_inv_mass;  // of each entry [1/u]
+  std::vector<std::ptrdiff_t> update;
+
+  int entries() const { return static_cast<int>(row.size()); }
+};
+
+// A batch, its bonds in the order they are worked on.
+struct LaneBatch {
+  explicit LaneBatch(const ClusterBatch& batch) : LaneBatch(batch, Elimination(batch.shape)) {}
+  LaneBatch(const ClusterBatch& batch, const Elimination& plan);
+
+  LanePlan plan;
+  int atoms, clusters, groups;
+  std::vector<double> inv_mass;  // atoms
+  std::vector<LaneBond> bonds;   // in the order of elimination
+  // Of each group and lane: 3 × the first atom, where every cluster's atoms follow each other; else 3 × each
+  // atom, [group][atom][lane]. Lanes left over in the last group repeat the last cluster.
+  bool contiguous;
+  bool triangle;  // three atoms that follow each other, bonds 0–1, 0–2, 1–2
+  std::vector<int> place;
+  std::vector<int> bond_index;  // [group][bond][lane], as the system numbers them
+
+  int bond_count() const { return static_cast<int>(bonds.size()); }
+  int filled(int group) const { return std::min(kLanes, clusters - group * kLanes); }
+  const int* places(int group) const { return place.data() + group * kLanes * (contiguous ? 1 : atoms); }
+  int bond(int group, int k, int lane) const {
+    return bond_index[(group * bonds.size() + k) * kLanes + lane];
+  }
+  // More rows than any kernel needs at once.
+  int scratch_rows() const { return 9 * atoms + 9 * bond_count() + 2 * plan.entries(); }
+};
+
+// Numbers at an address that any lane width can load from; copied as a value, as a method is.
+template <class T>
+struct LaneAllocator {
+  using value_type = T;
+  static constexpr std::align_val_t kAlignment{64};
+
+  T* allocate(std::size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), kAlignment)); }
+  void deallocate(T* rows, std::size_t) { ::operator delete(rows, kAlignment); }
+  bool operator==(const LaneAllocator&) const { return true; }
+};
+using AlignedDoubles = std::vector<double, LaneAllocator<double>>;
+
+// Rows kept from step to step, so many for each group of each batch.
+class LaneRows {
+ public:
+  LaneRows() = default;
+  LaneRows(int groups, int rows_of_group);  // zeros
+
+  double* of(int group) { return rows_.data() + static_cast<std::size_t>(group) * size_of_group_; }
+  const double* of(int group) const {
+    return rows_.data() + static_cast<std::size_t>(group) * size_of_group_;
+  }
+  void swap(LaneRows& other) noexcept;
+
+ private:
+  AlignedDoubles rows_;
+  std::size_t size_of_group_ = 0;
+};
+
+inline LaneRows rows_of_bonds(const LaneBatch& batch) {
+  return {batch.groups, batch.bond_count()};
+}
+
+// Scatters one row a bond of every group to a number a bond of the system.
+void rows_to_bonds(const LaneBatch& batch, const LaneRows& rows, Eigen::VectorXd& values);
+
+// Splits groups of several batches over threads and gives each thread scratch of its own.
+class LaneRunner {
+ public:
+  void add(const LaneBatch& batch);
+
+  // work(batch, group begin, group end, scratch) → SolveStats; the worst of them all is returned, and the
+  // most iterations.
+  template <class Work>
+  SolveStats run(const Work& work) {
+    const int threads = static_cast<int>(
+        std::clamp(work_before_.back() / kBondsOfThread, 1L, static_cast<long>(available_threads())));
+    reserve(threads);
+    in_parallel(threads, [&](int t) {
+      SolveStats stats;
+      const int begin = share(t, threads), end = share(t + 1, threads);
+      for (std::size_t b = 0; b + 1 < first_group_.size(); ++b) {
+        const int from = std::max(begin, first_group_[b]), to = std::min(end, first_group_[b + 1]);
+        if (from < to)
+          merge(stats,
+                work(static_cast<int>(b), from - first_group_[b], to - first_group_[b], scratch_[t].data()));
+      }
+      stats_[t] = stats;
+    });
+    SolveStats all;
+    for (int t = 0; t < threads; ++t) merge(all, stats_[t]);
+    return all;
+  }
+
+  // The first failure or the largest residual (a NaN is largest), the most iterations.
+  static void merge(SolveStats& into, const SolveStats& other) {
+    into.iterations = std::max(into.iterations, other.iterations);
+    if (!into.converged()) return;
+    const bool worse = !(other.max_residual <= into.max_residual) && into.max_residual == into.max_residual;
+    if (other.converged() && !worse) return;
+    into.max_residual = other.max_residual;
+    into.worst_bond = other.worst_bond;
+    into.failure = other.failure;
+  }
+
+ private:
+  static constexpr long kBondsOfThread = 4096;  // fewer are not worth waking a thread for
+
+  int share(int t, int threads) const;  // the first group of thread t
+  void reserve(int threads);
+
+  // Before each batch, and after the last: how many groups, and lanes × bonds.
+  std::vector<int> first_group_ = {0};
+  std::vector<long> work_before_ = {0};
+  int scratch_rows_ = 0;
+  std::vector<AlignedDoubles> scratch_;  // a thread each
+  std::vector<SolveStats> stats_;
+};
+
+}  // namespace taut

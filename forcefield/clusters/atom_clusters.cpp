@@ -1,0 +1,207 @@
+#include "forcefield/clusters/atom_clusters.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numeric>
+
+#include "md/errors.hpp"
+
+namespace taut {
+namespace {
+
+constexpr int kBuildsPerSurvey = 100;  // how often the density is looked at again
+constexpr double kFarthest = 1e15;     // columns
+
+std::uint64_t mix(std::int64_t a, std::int64_t b, std::int64_t c = 0) {
+  const std::uint64_t h = (std::uint64_t(a) * 0x9E3779B97F4A7C15u) ^
+                          (std::uint64_t(b) * 0xC2B2AE3D27D4EB4Fu) ^ (std::uint64_t(c) * 0x165667B19E3779F9u);
+  return h ^ (h >> 32);
+}
+
+[[noreturn]] void ran_away(int a, double x) {
+  throw SimulationFailure(fmt::format("atom {} ran away: a coordinate of {} nm", a, x));
+}
+
+}  // namespace
+
+// The volume of the cubes of an edge of `range` that hold atoms, by marking hashes of their places: two
+// cubes that share a hash count as one, which is good enough for a density.
+double AtomClusters::crowded_volume(const Vectors& x) const {
+  const Box& box = layout_.box;
+  Vec3 edge = Vec3::Constant(layout_.range);
+  if (box.periodic()) edge = box.edge.array() / (box.edge / layout_.range).array().floor().max(1);
+  std::vector<bool> marked(std::bit_ceil(4 * std::size_t(x.cols())));
+  long cubes = 0;
+  for (int a = 0; a < x.cols(); ++a) {
+    if (!layout_.present[a]) continue;
+    Vec3 p = x.col(a);
+    if (box.periodic()) p -= box.edge.cwiseProduct(Vec3(p.cwiseQuotient(box.edge).array().floor()));
+    p = p.cwiseQuotient(edge).array().floor();
+    for (double c : p)
+      if (!(std::abs(c) < kFarthest)) ran_away(a, x.col(a).cwiseAbs().maxCoeff());
+    auto mark = marked[mix(std::int64_t(p[0]), std::int64_t(p[1]), std::int64_t(p[2])) & (marked.size() - 1)];
+    cubes += !mark;
+    mark = true;
+  }
+  return double(cubes) * edge.prod();
+}
+
+// As wide as a cluster is high: four atoms of the density there is make a cube.
+void AtomClusters::choose_columns(const Vectors& x) {
+  if (builds_++ % kBuildsPerSurvey != 0) return;
+  const auto present = std::count(layout_.present.begin(), layout_.present.end(), 1);
+  const double ideal = std::cbrt(kClusterAtoms * crowded_volume(x) / double(std::max(1L, long(present))));
+  for (int d = 0; d < 2; ++d) {
+    const double edge = layout_.box.edge[d];
+    count_[d] = layout_.box.periodic() ? std::max(1L, std::lround(edge / ideal)) : 0;
+    width_[d] = layout_.box.periodic() ? edge / double(count_[d]) : ideal;
+  }
+}
+
+AtomClusters::Place AtomClusters::locate(int a, const Vec3& x, Vec3& offset) const {
+  const Box& box = layout_.box;
+  Place place;
+  for (int d = 0; d < 3; ++d) {
+    offset[d] = box.periodic() ? -box.edge[d] * std::floor(x[d] / box.edge[d]) : 0.0;
+    if (d == 2) break;
+    const double c = std::floor((x[d] + offset[d]) / width_[d]);
+    if (!(std::abs(c) < kFarthest)) ran_away(a, x[d]);
+    place[d] = static_cast<std::int64_t>(c);
+    if (box.periodic())
+      place[d] = std::clamp<std::int64_t>(place[d], 0, count_[d] - 1);  // rounding on a wall
+  }
+  return place;
+}
+
+std::size_t AtomClusters::table_entry(const Place& place) const {
+  std::size_t e = mix(place[0], place[1]) & (table_.size() - 1);
+  while (table_[e] >= 0 && columns_[table_[e]].place != place) e = (e + 1) & (table_.size() - 1);
+  return e;
+}
+
+void AtomClusters::build(const Vectors& x) {
+  const int n = static_cast<int>(x.cols());
+  choose_columns(x);
+  columns_.clear();
+  table_.assign(std::bit_ceil(2 * std::size_t(n) + 1), -1);
+  column_of_.assign(n, -1);
+  wrap_.resize(n);
+  z_.resize(n);
+  for (int a = 0; a < n; ++a) {
+    if (!layout_.present[a]) continue;
+    const Place place = locate(a, x.col(a), wrap_[a]);
+    z_[a] = x(2, a) + wrap_[a][2];
+    int& column = table_[table_entry(place)];
+    if (column < 0) {
+      column = static_cast<int>(columns_.size());
+      columns_.push_back({place, 0, 0});
+    }
+    column_of_[a] = column;
+    ++columns_[column].end;  // counts atoms for now
+  }
+  sort_columns();
+
+  atom_.clear();
+  offset_.clear();
+  slot_of_.assign(n, -1);
+  for (Column& column : columns_) {
+    const int begin = column.begin, end = column.end;
+    column.begin = count();
+    cut(begin, end);
+    column.end = count();
+  }
+}
+
+// Columns in the order of the grid, and their atoms by z. Ends with begin and end counting entries.
+void AtomClusters::sort_columns() {
+  order_.resize(columns_.size());
+  std::iota(order_.begin(), order_.end(), 0);
+  std::sort(order_.begin(), order_.end(),
+            [&](int a, int b) { return columns_[a].place < columns_[b].place; });
+  rank_.resize(columns_.size());
+  unsorted_ = columns_;
+  int begin = 0;
+  next_.resize(columns_.size());
+  for (std::size_t r = 0; r < order_.size(); ++r) {
+    rank_[order_[r]] = static_cast<int>(r);
+    columns_[r] = unsorted_[order_[r]];
+    next_[r] = columns_[r].begin = begin;
+    begin = columns_[r].end += begin;
+  }
+  for (int& column : table_)
+    if (column >= 0) column = rank_[column];
+  entries_.resize(begin);
+  for (std::size_t a = 0; a < column_of_.size(); ++a)
+    if (column_of_[a] >= 0) entries_[next_[rank_[column_of_[a]]]++] = {z_[a], static_cast<int>(a)};
+  for (const Column& column : columns_)
+    std::sort(entries_.begin() + column.begin, entries_.begin() + column.end,
+              [](const Entry& a, const Entry& b) { return a.z != b.z ? a.z < b.z : a.atom < b.atom; });
+}
+
+// Clusters of the entries begin .. end.
+void AtomClusters::cut(int begin, int end) {
+  for (; begin < end; begin += kClusterAtoms) {
+    const int last = std::min(end, begin + kClusterAtoms);
+    for (const bool first : {true, false})
+      for (int e = begin; e < last; ++e) {
+        const int a = entries_[e].atom;
+        if (bool(layout_.first[a]) != first) continue;
+        slot_of_[a] = slots();
+        atom_.push_back(a);
+        offset_.push_back(wrap_[a]);
+      }
+    while (slots() % kClusterAtoms != 0) {
+      atom_.push_back(atom_.back());
+      offset_.push_back(offset_.back());
+    }
+  }
+}
+
+void AtomClusters::build_in_order(const Vectors& x) {
+  const int n = static_cast<int>(x.cols());
+  wrap_.assign(n, Vec3::Zero());
+  entries_.clear();
+  for (int a = 0; a < n; ++a)
+    if (layout_.present[a]) entries_.push_back({0, a});
+  atom_.clear();
+  offset_.clear();
+  slot_of_.assign(n, -1);
+  cut(0, static_cast<int>(entries_.size()));
+  columns_.assign(1, {{0, 0}, 0, count()});
+}
+
+// A column's place d further on, in the endless grid of all images, is that of a column of the box moved by
+// whole edges. Of d and −d only one is taken.
+void AtomClusters::neighbours(const Column& column, std::vector<Neighbour>& out) const {
+  out.clear();
+  const bool periodic = layout_.box.periodic();
+  const double range2 = layout_.range * layout_.range;
+  std::array<std::int64_t, 2> reach;
+  for (int d = 0; d < 2; ++d) reach[d] = static_cast<std::int64_t>(layout_.range / width_[d]) + 1;
+  const auto gap = [&](int d, std::int64_t steps) {
+    return steps == 0 ? 0.0 : double(std::abs(steps) - 1) * width_[d];
+  };
+  for (std::int64_t dx = 0; dx <= reach[0]; ++dx)
+    for (std::int64_t dy = dx > 0 ? -reach[1] : 0; dy <= reach[1]; ++dy) {
+      if (gap(0, dx) * gap(0, dx) + gap(1, dy) * gap(1, dy) > range2 * (1 + 1e-9)) continue;
+      Place place = {column.place[0] + dx, column.place[1] + dy};
+      Vec3 shift = Vec3::Zero();
+      int image = 0;
+      for (int d = 0; d < 2 && periodic; ++d) {
+        const auto edges = static_cast<std::int64_t>(std::floor(double(place[d]) / double(count_[d])));
+        place[d] -= edges * count_[d];
+        shift[d] = -double(edges) * layout_.box.edge[d];
+        image = image * 32 + static_cast<int>(edges) + 16;
+      }
+      const int found = table_[table_entry(place)];
+      if (found >= 0) out.push_back({columns_[found].begin, columns_[found].end, image, shift});
+    }
+  std::sort(out.begin(), out.end(), [](const Neighbour& a, const Neighbour& b) {
+    return a.image != b.image ? a.image < b.image : a.begin < b.begin;
+  });
+}
+
+}  // namespace taut

@@ -1,0 +1,216 @@
+#include "forcefield/clusters/cluster_list.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "forcefield/clusters/cluster_scan.hpp"
+
+namespace taut {
+namespace {
+
+constexpr int kWidest = 8;  // doubles a vector
+constexpr std::uint16_t kAll = 0xFFFF;
+
+// Pairs of a cluster with itself are met once: i < j. Its fillers stand where another atom stands, and must
+// not meet it.
+std::uint16_t met_once(const AtomClusters& clusters, int cluster) {
+  unsigned mask = 0;
+  for (int j = 1; j < kClusterAtoms && !clusters.filler(kClusterAtoms * cluster + j); ++j)
+    for (int i = 0; i < j; ++i) mask |= 1u << (4 * i + j);
+  return static_cast<std::uint16_t>(mask);
+}
+
+}  // namespace
+
+Exclusions::Exclusions(int atoms, const std::vector<std::array<int, 2>>& pairs) : begin(atoms + 1, 0) {
+  for (const auto& [i, j] : pairs) {
+    ++begin[i + 1];
+    ++begin[j + 1];
+  }
+  for (int a = 0; a < atoms; ++a) begin[a + 1] += begin[a];
+  partner.resize(2 * pairs.size());
+  std::vector<int> next(begin.begin(), begin.end() - 1);
+  for (const auto& [i, j] : pairs) {
+    partner[next[i]++] = j;
+    partner[next[j]++] = i;
+  }
+}
+
+void SearchSpace::find_bounds() {
+  const int n = clusters.count();
+  for (int d = 0; d < 3; ++d) {
+    low[d].assign(n + kWidest, std::numeric_limits<double>::max());
+    high[d].assign(n + kWidest, std::numeric_limits<double>::max());
+    for (int c = 0; c < n; ++c) {
+      const double* p = x.data() + 12 * c + 4 * d;
+      low[d][c] = std::min({p[0], p[1], p[2], p[3]});
+      high[d][c] = std::max({p[0], p[1], p[2], p[3]});
+    }
+  }
+}
+
+void ClusterSearch::prepare(const SearchSpace& space) {
+  const int n = space.clusters.count();
+  mask_.assign(n, kAll);
+  for (auto& found : found_) found.clusters.resize(n + kWidest);
+  candidates_.resize(n + kWidest);
+}
+
+// Bits of pairs that do not count, in the clusters where the partners are.
+void ClusterSearch::mask_exclusions(const SearchSpace& space, int cluster) {
+  const auto& [begin, partner] = space.exclusions;
+  for (int i = 0; i < kClusterAtoms; ++i) {
+    const int slot = kClusterAtoms * cluster + i, a = space.clusters.atom(slot);
+    for (int e = begin[a]; e < begin[a + 1]; ++e) {
+      const int other = space.clusters.slot_of(partner[e]);
+      if (other >= 0) mask_[other / kClusterAtoms] &= std::uint16_t(~(1u << (4 * i + other % kClusterAtoms)));
+    }
+  }
+}
+
+void ClusterSearch::unmask(const SearchSpace& space, int cluster) {
+  const auto& [begin, partner] = space.exclusions;
+  for (int i = 0; i < kClusterAtoms; ++i) {
+    const int a = space.clusters.atom(kClusterAtoms * cluster + i);
+    for (int e = begin[a]; e < begin[a + 1]; ++e) {
+      const int other = space.clusters.slot_of(partner[e]);
+      if (other >= 0) mask_[other / kClusterAtoms] = kAll;
+    }
+  }
+}
+
+// `itself`: the cluster meets itself too, each pair of its atoms once.
+void ClusterSearch::add_rows(const SearchSpace& space, int cluster, const Vec3& shift, bool itself,
+                             ClusterList& list) {
+  const int rows = kClusterAtoms / space.row_atoms, bits = 4 * space.row_atoms;
+  const auto row_mask = [&](std::uint16_t mask, int r) {
+    return (unsigned(mask) >> (bits * r)) & ((1u << bits) - 1);
+  };
+  for (int r = 0; r < rows; ++r) {
+    PairRow row{};
+    row.first = kClusterAtoms * cluster + r * space.row_atoms;
+    row.shift = shift;
+    for (int i = 0; i < space.row_atoms; ++i) row.kind |= space.kind[row.first + i];
+    row.begin = static_cast<int>(list.clusters.size());
+    row.masked_begin = static_cast<int>(list.masked.size());
+    const unsigned own =
+        itself ? row_mask(static_cast<std::uint16_t>(mask_[cluster] & met_once(space.clusters, cluster)), r)
+               : 0;
+    if (own != 0) list.masked.push_back({cluster, own});
+    list.clusters.resize(row.begin + found_[r].count);
+    int* next = list.clusters.data() + row.begin;
+    for (int k = 0; k < found_[r].count; ++k) {
+      const int j = found_[r].clusters[k];
+      *next = j;
+      if (mask_[j] == kAll) [[likely]]
+        ++next;
+      else if (const unsigned mask = row_mask(mask_[j], r); mask != 0)
+        list.masked.push_back({j, mask});
+    }
+    row.end = static_cast<int>(next - list.clusters.data());
+    list.clusters.resize(row.end);
+    row.masked_end = static_cast<int>(list.masked.size());
+    if (row.end > row.begin || row.masked_end > row.masked_begin) list.rows.push_back(row);
+  }
+}
+
+void ClusterSearch::run(const SearchSpace& space, int begin_column, int end_column, ClusterList& list) {
+  list.clear();
+  prepare(space);
+  const double height = space.edge[2];
+  const int images = height > 0 ? 1 : 0;  // along z: the column one box down, where it is, one box up
+  for (int column = begin_column; column < end_column; ++column) {
+    const auto& own = space.clusters.columns()[column];
+    space.clusters.neighbours(own, neighbours_);
+    for (int image = -images; image <= images; ++image) {
+      start_.clear();
+      for (const auto& n : neighbours_) start_.push_back(n.begin);
+      for (int c = own.begin; c < own.end; ++c) {
+        if (image < 0 && space.high[2][c] - height < -space.range) continue;
+        if (image > 0 && space.low[2][c] + height > height + space.range) continue;
+        mask_exclusions(space, c);
+        meet_neighbours(space, {c, own.begin, image}, list);
+        unmask(space, c);
+      }
+    }
+  }
+}
+
+void ClusterSearch::meet_neighbours(const SearchSpace& space, const Seeker& seeker, ClusterList& list) {
+  const int c = seeker.cluster;
+  ClusterScan scan{};
+  for (std::size_t n = 0; n < neighbours_.size();) {
+    const int image = neighbours_[n].image;
+    const Vec3 shift = neighbours_[n].shift + Vec3(0, 0, seeker.image_z * space.edge[2]);
+    const double lowest = space.low[2][c] + shift[2] - space.range;
+    bool itself = false;
+    ranges_.clear();
+    for (; n < neighbours_.size() && neighbours_[n].image == image; ++n) {
+      const auto& other = neighbours_[n];
+      int& start = start_[n];
+      while (start < other.end && space.high[2][start] < lowest) ++start;  // for those to come, too
+      int begin = start;
+      if (other.begin == seeker.column_begin && shift[0] == 0 && shift[1] == 0) {
+        if (seeker.image_z < 0) continue;
+        itself = seeker.image_z == 0;
+        if (itself) begin = std::max(begin, c + 1);
+      }
+      if (begin < other.end) ranges_.push_back({begin, other.end});
+    }
+    for (int d = 0; d < 3; ++d) {
+      scan.low[d] = space.low[d].data();
+      scan.high[d] = space.high[d].data();
+      scan.own_low[d] = space.low[d][c] + shift[d];
+      scan.own_high[d] = space.high[d][c] + shift[d];
+      for (int i = 0; i < 4; ++i) scan.own_x[4 * d + i] = space.x[12 * c + 4 * d + i] + shift[d];
+    }
+    scan.x = space.x.data();
+    scan.range = space.range;
+    scan.row_atoms = space.row_atoms;
+    scan.candidates = candidates_.data();
+    for (int r = 0; r < 2; ++r) scan.found[r] = found_[r].clusters.data();
+    scan_clusters(scan, ranges_.data(), static_cast<int>(ranges_.size()));
+    for (int r = 0; r < 2; ++r) found_[r].count = scan.count[r];
+    add_rows(space, c, shift, itself, list);
+  }
+}
+
+void ClusterSearch::run_all(const SearchSpace& space, int begin_cluster, int end_cluster, ClusterList& list) {
+  list.clear();
+  prepare(space);
+  const int n = space.clusters.count();
+  list.clusters.resize(n);
+  for (int c = 0; c < n; ++c) list.clusters[c] = c;
+  const int bits = 4 * space.row_atoms;
+  for (int c = begin_cluster; c < end_cluster; ++c) {
+    mask_exclusions(space, c);
+    for (int first = 0; first < kClusterAtoms; first += space.row_atoms) {
+      PairRow row{};
+      row.first = kClusterAtoms * c + first;
+      row.shift.setZero();
+      for (int i = 0; i < space.row_atoms; ++i) row.kind |= space.kind[row.first + i];
+      const auto add = [&](int begin, int end) {
+        row.begin = begin;
+        row.end = end;
+        row.masked_end = static_cast<int>(list.masked.size());
+        if (row.end > row.begin || row.masked_end > row.masked_begin) list.rows.push_back(row);
+        row.masked_begin = row.masked_end;
+      };
+      row.masked_begin = static_cast<int>(list.masked.size());
+      int begin = c + 1;  // of the clusters without a mask since the last with one
+      for (int j = c; j < n; ++j) {
+        const unsigned mask = j == c ? mask_[j] & met_once(space.clusters, c) : mask_[j];
+        if (mask == kAll) continue;
+        const unsigned part = (mask >> (4 * first)) & ((1u << bits) - 1);
+        if (part != 0) list.masked.push_back({j, part});
+        if (j > begin) add(begin, j);
+        begin = j + 1;
+      }
+      add(begin, n);
+    }
+    unmask(space, c);
+  }
+}
+
+}  // namespace taut

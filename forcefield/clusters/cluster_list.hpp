@@ -1,0 +1,96 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "forcefield/clusters/atom_clusters.hpp"
+#include "forcefield/clusters/cluster_scan.hpp"
+#include "md/vectors.hpp"
+
+namespace taut {
+
+// What atoms have; a pair is summed for what both have.
+enum PairKind : std::uint8_t { kHasLj = 1, kHasCharge = 2 };
+
+// Two or four atoms that follow each other in a cluster, and the clusters they meet. Some pairs of atoms may
+// not count (exclusions, pairs met from the other side): their clusters come with a mask.
+struct PairRow {
+  int first;                     // slot of its first atom
+  int kind;                      // what its atoms have, together
+  int begin, end;                // in ClusterList::clusters
+  int masked_begin, masked_end;  // in ClusterList::masked
+  Vec3 shift;                    // its atoms, moved by this, meet the clusters where they are [nm]
+};
+
+struct MaskedCluster {
+  int cluster;
+  std::uint32_t mask;  // bit 4i + j: atom i of the row and atom j of the cluster count
+};
+
+struct ClusterList {
+  std::vector<PairRow> rows;
+  std::vector<int> clusters;
+  std::vector<MaskedCluster> masked;
+
+  void clear() {
+    rows.clear();
+    clusters.clear();
+    masked.clear();
+  }
+};
+
+// Atoms that do not interact: those of a are partner[begin[a]] .. partner[begin[a + 1] − 1].
+struct Exclusions {
+  std::vector<int> begin, partner;
+  Exclusions(int atoms, const std::vector<std::array<int, 2>>& pairs);
+};
+
+// What a search looks at.
+struct SearchSpace {
+  const AtomClusters& clusters;
+  const Exclusions& exclusions;
+  const std::vector<std::uint8_t>& kind;         // by slot
+  const std::vector<double>& x;                  // 12 a cluster: x of its atoms, y, z [nm]
+  std::array<std::vector<double>, 3> low, high;  // by cluster, and a vector's width more: its bounds [nm]
+  Vec3 edge;                                     // of the box [nm]; zero: none
+  double range;                                  // [nm]
+  int row_atoms;                                 // 2 or 4
+
+  void find_bounds();
+};
+
+// Lists the clusters within range of each other: none in range is missed, and of those listed most hold a
+// pair in range. One of these a thread: it keeps its own room.
+class ClusterSearch {
+ public:
+  // The rows of the clusters begin .. end of the columns' clusters: columns begin .. end.
+  void run(const SearchSpace& space, int begin_column, int end_column, ClusterList& list);
+  // The rows of clusters begin .. end, where every pair counts. list.clusters becomes 0, 1, 2, ...
+  void run_all(const SearchSpace& space, int begin_cluster, int end_cluster, ClusterList& list);
+
+ private:
+  struct Found {  // the partners of a row
+    std::vector<int> clusters;
+    int count = 0;
+  };
+  struct Seeker {
+    int cluster;
+    int column_begin;  // first cluster of its column
+    int image_z;       // how many boxes up it looks from
+  };
+  void prepare(const SearchSpace& space);
+  void meet_neighbours(const SearchSpace& space, const Seeker& seeker, ClusterList& list);
+  void mask_exclusions(const SearchSpace& space, int cluster);
+  void unmask(const SearchSpace& space, int cluster);
+  void add_rows(const SearchSpace& space, int cluster, const Vec3& shift, bool itself, ClusterList& list);
+
+  std::vector<std::uint16_t> mask_;  // by cluster: pairs with the cluster in hand that count
+  std::array<Found, 2> found_;       // by row of the cluster in hand
+  std::vector<AtomClusters::Neighbour> neighbours_;
+  std::vector<int> start_;  // by neighbour: its first cluster that can still matter
+  std::vector<ClusterRange> ranges_;
+  std::vector<int> candidates_;
+};
+
+}  // namespace taut

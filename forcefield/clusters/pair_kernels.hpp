@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <new>
+#include <vector>
+
+#include "forcefield/clusters/cluster_list.hpp"
+
+namespace taut {
+
+// What pairs do, in OpenMM's conventions: forcefield/lennard_jones_coulomb.hpp has the equations.
+struct PairLaw {
+  bool lj = false, charge = false;
+  bool one_sigma =
+      false;  // all that have ε share σ: a product of two numbers, √ε_i √ε_j, is all a pair needs
+  double sigma = 0;                                         // that one [nm]
+  double lift = 0;                                          // of a pair's energy, in its ε: 1 for WCA
+  double cutoff = std::numeric_limits<double>::infinity();  // [nm]
+  double switch_distance = std::numeric_limits<double>::infinity();  // [nm]
+  double k_rf = 0, c_rf = 0;                                         // [1/nm³], [1/nm]
+
+  bool switched() const { return lj && switch_distance < cutoff; }
+};
+
+// Storage that vectors are loaded from.
+template <class T>
+struct CacheLineAllocator {
+  using value_type = T;
+  static constexpr std::align_val_t kLine{64};
+  CacheLineAllocator() = default;
+  template <class U>
+  CacheLineAllocator(const CacheLineAllocator<U>&) {}
+  T* allocate(std::size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), kLine)); }
+  void deallocate(T* p, std::size_t) { ::operator delete(p, kLine); }
+  bool operator==(const CacheLineAllocator&) const { return true; }
+};
+template <class T>
+using Aligned = std::vector<T, CacheLineAllocator<T>>;
+
+// The precision pairs are computed in. Double: all of it. Float: positions are 32-bit whole multiples of a
+// unit of length, so that differences are exact however large the box is; from there on single precision, a
+// lane's sum over its few tens of pairs included, and double from there.
+template <class T>
+struct PairPrecision;
+template <>
+struct PairPrecision<double> {
+  using Coordinate = double;
+  static constexpr int kRowAtoms = 2;
+};
+template <>
+struct PairPrecision<float> {
+  using Coordinate = std::int32_t;
+  static constexpr int kRowAtoms = 4;
+};
+
+// Atoms as the kernels read them, four to a cluster.
+template <class T>
+struct PairAtoms {
+  Aligned<typename PairPrecision<T>::Coordinate> x;  // 12 a cluster: x of its four, y, z [unit]
+  Aligned<T> charge;                                 // √k q [√(kJ/mol·nm)]
+  Aligned<T> half_sigma;                             // [nm]
+  Aligned<T> two_sqrt_epsilon;                       // [√(kJ/mol)]; 0 in fillers, as is the charge
+  double unit = 1;                                   // of x [nm]; 1 in double
+};
+
+// Vectors of the machine hold a cluster's four, once or more: each lane adds to a force of its own.
+template <class T>
+int force_copies();
+
+// Adds the forces of a list's pairs to f [kJ/mol/nm/unit·nm]: 12·force_copies() a cluster, x of all copies,
+// y, z, copy by copy.
+template <class T>
+void add_pair_forces(const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList& list, T* f);
+
+template <class T>
+double pair_energy(const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList& list);  // [kJ/mol]
+
+// What of a list is within `range` [nm] now: the same rows, with fewer clusters.
+template <class T>
+void prune_list(const PairAtoms<T>& atoms, const ClusterList& list, double range, ClusterList& pruned);
+
+}  // namespace taut

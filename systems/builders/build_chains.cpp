@@ -1,0 +1,119 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "md/random.hpp"
+#include "systems/builders/builders.hpp"
+
+namespace taut {
+namespace {
+
+constexpr int kMostWeighedBonds = 50;
+constexpr double kPucker = 0.3;  // how far a ring's bonds stand out of its plane, in bond lengths
+
+struct Polymer {
+  int copies, beads;
+  double bond;  // [nm]
+  double mass;  // [u]
+};
+
+// Rigid bonds holding constraints do to a chain what a potential would not: its bond directions u follow
+//     P(u) ∝ √det A,   A_kk = 2/m,  A_k,k+1 = −u_k·u_{k+1}/m
+// (Fixman 1974, doi:10.1073/pnas.71.8.3050), so a trimer's angle P(cosθ) ∝ √(1 − cos²θ/4).
+// det A by the recurrence of a tridiagonal matrix, D_k = 2D_{k−1} − c_k²D_{k−2}, over its bound 2ᴺ:
+double relative_determinant(const Vectors& u) {
+  double before = 1, now = 1;  // D_{k−1}/2ᵏ⁻¹, D_k/2ᵏ
+  for (Eigen::Index k = 1; k < u.cols(); ++k) {
+    const double c = u.col(k).dot(u.col(k - 1));
+    before = std::exchange(now, now - c * c * before / 4);
+  }
+  return now;
+}
+
+// Directions of a chain's bonds: uniform, or by that law where drawing again until one is kept is cheap.
+Vectors chain_directions(int bonds, Random& random) {
+  Vectors u(3, bonds);
+  for (;;) {
+    for (int k = 0; k < bonds; ++k) u.col(k) = random.unit_vector();
+    if (bonds > kMostWeighedBonds) return u;
+    const double accept = random.uniform();
+    if (accept * accept < relative_determinant(u)) return u;
+  }
+}
+
+// Directions that add up to zero: a crown, (s cos φ, s sin φ, ±z) in turns at even azimuths φ, for an odd
+// number with a flat triple at 120° among them, in the order of their azimuths.
+Vectors ring_directions(int bonds) {
+  constexpr double kTurn = 2 * std::numbers::pi;
+  const int crown = bonds % 2 == 0 ? bonds : bonds - 3;
+  const double flat = std::sqrt(1 - kPucker * kPucker);
+  std::vector<std::pair<double, Vec3>> ring;
+  for (int k = 0; k < crown; ++k) {
+    const double azimuth = kTurn * (k + 0.5) / crown;
+    ring.push_back(
+        {azimuth, {flat * std::cos(azimuth), flat * std::sin(azimuth), k % 2 ? -kPucker : kPucker}});
+  }
+  for (int k = 0; k < bonds - crown; ++k) {
+    const double azimuth = kTurn * k / 3;
+    ring.push_back({azimuth, {std::cos(azimuth), std::sin(azimuth), 0}});
+  }
+  std::ranges::stable_sort(ring, {}, [](const auto& direction) { return direction.first; });
+  Vectors u(3, bonds);
+  for (int k = 0; k < bonds; ++k) u.col(k) = ring[k].second;
+  return u;
+}
+
+Polymer read_polymer(const TomlTable& keys, const char* copies_key, int least_beads) {
+  const auto copies = keys.get<long>(copies_key, Range{.min = 1});
+  const auto beads = keys.get<long>("beads", Range{.min = static_cast<double>(least_beads)});
+  atoms_of(keys, copies_key, static_cast<double>(copies), static_cast<double>(beads));
+  Polymer polymer{static_cast<int>(copies), static_cast<int>(beads), 1, 1};
+  polymer.bond = keys.get<double>("bond_nm", kPositive);
+  polymer.mass = keys.get<double>("mass_u", kPositive);
+  return polymer;
+}
+
+// Copies apart on a grid (they feel nothing of each other): bead b+1 of a copy lies one direction from b.
+void place(const Polymer& polymer, bool closed, auto&& directions, Scene& scene) {
+  const auto& [copies, beads, bond, mass] = polymer;
+  const double spacing = 3 * bond * std::sqrt(beads);
+  const int side = static_cast<int>(std::ceil(std::cbrt(copies)));
+  std::vector<RigidBond> bonds;
+  scene.start.x.resize(3, copies * beads);
+  for (int c = 0; c < copies; ++c) {
+    const int first = c * beads;
+    const Vectors u = directions();
+    scene.start.x.col(first) = spacing * Vec3(c % side, c / side % side, c / side / side);
+    for (int b = 0; b + 1 < beads; ++b) {
+      scene.start.x.col(first + b + 1) = scene.start.x.col(first + b) + bond * u.col(b);
+      bonds.push_back({first + b, first + b + 1, bond});
+    }
+    if (closed) bonds.push_back({first + beads - 1, first, bond});
+  }
+  scene.system = make_system(Eigen::VectorXd::Constant(copies * beads, mass), std::move(bonds));
+}
+
+}  // namespace
+
+// kind = "chains": freely jointed chains without forces, independent of each other.
+//   chains, beads        how many, and how many beads in each
+//   bond_nm, mass_u
+// Up to 50 bonds a chain, the start is drawn from the chain's own equilibrium.
+void build_chains(const BuildRequest& request, Scene& scene) {
+  const Polymer polymer = read_polymer(request.keys, "chains", 2);
+  Random random(request.run.seed);
+  if (polymer.beads - 1 > kMostWeighedBonds)
+    scene.notes.emplace_back("start: bond directions drawn evenly, not by the rigid chain's own law");
+  place(
+      polymer, false, [&] { return chain_directions(polymer.beads - 1, random); }, scene);
+}
+
+// kind = "rings": closed rings without forces, independent of each other, puckered.
+//   rings, beads, bond_nm, mass_u
+void build_rings(const BuildRequest& request, Scene& scene) {
+  const Polymer polymer = read_polymer(request.keys, "rings", 4);
+  place(
+      polymer, true, [&] { return ring_directions(polymer.beads); }, scene);
+}
+
+}  // namespace taut

@@ -1,0 +1,129 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "systems/builders/builders.hpp"
+#include "systems/builders/lattice.hpp"
+
+namespace taut {
+namespace {
+
+constexpr double kContact = 1.122462048309373;  // 2^(1/6): where two beads touch, in σ
+
+struct Beads {
+  int chains, beads;
+  double bond;     // [nm]
+  double mass;     // [u]
+  double density;  // [1/nm³]
+  double sigma;    // [nm]
+  double epsilon;  // [kJ/mol]
+  bool rigid;      // or FENE
+
+  int atoms() const { return chains * beads; }
+};
+
+Beads read_beads(const BuildRequest& request) {
+  const TomlTable& keys = request.keys;
+  const auto chains = keys.get<long>("chains", Range{.min = 1});
+  const auto beads = keys.get<long>("beads", Range{.min = 1});
+  atoms_of(keys, "chains", static_cast<double>(chains), static_cast<double>(beads));
+  Beads melt{};
+  melt.chains = static_cast<int>(chains);
+  melt.beads = static_cast<int>(beads);
+  melt.bond = keys.get<double>("bond_nm", kPositive);
+  melt.mass = keys.get<double>("mass_u", kPositive);
+  melt.density = keys.get<double>("density_per_nm3", kPositive);
+  melt.rigid = keys.choice("bonds", {"rigid", "fene"}) == "rigid";
+  melt.sigma = request.forcefield.get<double>("sigma_nm", kPositive);
+  melt.epsilon = request.forcefield.get<double>("epsilon_kj_mol", kNotNegative);
+  return melt;
+}
+
+// One path through the box, cut into chains: up a column of beads a bond apart, down the next. Where the
+// path changes columns, s apart, the last bead of the one and the first of the other lean over to each other
+// by δ = (s − b)/2, at √(b² − δ²) above the bead before: the bond between them has its length too. The layers
+// facing each other across the box are a contact apart, and at melt densities s is wider than a contact:
+// nothing overlaps.
+struct Path {
+  double bond;
+  Grid grid;
+  HexagonalColumns columns;
+
+  Vec3 bead(long t) const {
+    const long c = t / grid.nz, along = t % grid.nz;
+    const bool up = c % 2 == 0, first = along == 0 && c > 0, last = along == grid.nz - 1;
+    const long layer = up ? along : grid.nz - 1 - along;
+    Vec3 x = columns.column(grid, c) + Vec3(0, 0, bond * static_cast<double>(layer));
+    if (!first && !last) return x;
+    const double lean = (columns.spacing - bond) / 2;
+    const Vec3 other = columns.column(grid, first ? c - 1 : c + 1);
+    x += lean * (other - columns.column(grid, c)) / columns.spacing;
+    x.z() += (up == first ? 1 : -1) * (bond - std::sqrt(bond * bond - lean * lean));
+    return x;
+  }
+};
+
+// The box and the path in it. One of its edges is given by the beads of a column, the others by the density.
+Path lay_path(const TomlTable& keys, const Beads& melt, Box& box) {
+  const auto columns = HexagonalColumns::of_area(1 / (melt.density * melt.bond));
+  Path path{melt.bond, fit_grid(melt.atoms(), columns.cell(melt.bond), 2), columns};
+  path.grid.nz = std::max(path.grid.nz, 3);
+  const double height = melt.bond * (path.grid.nz - 1) + kContact * melt.sigma;
+  const double area = melt.atoms() / melt.density / height / static_cast<double>(path.grid.columns());
+  path.columns = HexagonalColumns::of_area(area);
+  const double s = path.columns.spacing;
+  if (s < 0.8 * melt.sigma || s > 2.9 * melt.bond)
+    keys.fail("density_per_nm3",
+              fmt::format("{} is too {}: the chains of the start would lie {:.3g} nm apart", melt.density,
+                          s < melt.sigma ? "high" : "low", s));
+  box.edge = path.columns.cell(height).cwiseProduct(Vec3(path.grid.nx, path.grid.ny, 1));
+  return path;
+}
+
+// Kremer and Grest 1990 (doi:10.1063/1.458541): FENE with k = 30 ε/σ², r₀ = 1.5 σ, beside the pair force.
+void tie(const Beads& melt, std::vector<RigidBond>& rigid, std::vector<Fene>& fene) {
+  for (int a = 0; a + 1 < melt.atoms(); ++a) {
+    if ((a + 1) % melt.beads == 0) continue;
+    if (melt.rigid)
+      rigid.push_back({a, a + 1, melt.bond});
+    else
+      fene.push_back({a, a + 1, 30 * melt.epsilon / (melt.sigma * melt.sigma), 1.5 * melt.sigma});
+  }
+}
+
+void add_pair_force(const BuildRequest& request, const Beads& melt, Scene& scene) {
+  const auto& bonds = scene.system.bonds;
+  if (request.forcefield.choice("pair", {"wca", "lennard-jones"}) == "wca") {
+    Wca& wca = scene.terms.wca.emplace(Wca{melt.sigma, melt.epsilon, {}});
+    for (const auto& [i, j, length] : bonds) wca.exclusions.push_back({i, j});
+  } else {
+    Nonbonded& lj = scene.terms.nonbonded.emplace();
+    lj.charge = Eigen::VectorXd::Zero(melt.atoms());
+    lj.sigma = Eigen::VectorXd::Constant(melt.atoms(), melt.sigma);
+    lj.epsilon = Eigen::VectorXd::Constant(melt.atoms(), melt.epsilon);
+    for (const auto& [i, j, length] : bonds) lj.exceptions.push_back({i, j, 0, melt.sigma, 0});
+    read_cutoff(request.forcefield, scene.system.box, lj);
+  }
+}
+
+}  // namespace
+
+// kind = "melt": chains of beads that fill a box, every pair of beads but those tied rigidly in contact.
+//   chains, beads, bond_nm, mass_u, density_per_nm3
+//   bonds = "rigid" | "fene"
+// [forcefield]
+//   pair = "wca" | "lennard-jones", sigma_nm, epsilon_kj_mol, and for Lennard-Jones the keys of read_cutoff
+void build_melt(const BuildRequest& request, Scene& scene) {
+  const Beads melt = read_beads(request);
+  Box box;
+  const Path path = lay_path(request.keys, melt, box);
+  scene.start.x.resize(3, melt.atoms());
+  for (int a = 0; a < melt.atoms(); ++a) scene.start.x.col(a) = path.bead(a);
+  std::vector<RigidBond> bonds;
+  tie(melt, bonds, scene.terms.fene);
+  scene.system = make_system(Eigen::VectorXd::Constant(melt.atoms(), melt.mass), std::move(bonds), box);
+  add_pair_force(request, melt, scene);
+  scene.notes.emplace_back("start: straight columns of beads, which a run of its own should first melt");
+}
+
+}  // namespace taut

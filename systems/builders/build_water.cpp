@@ -1,0 +1,218 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "md/random.hpp"
+#include "systems/builders/builders.hpp"
+#include "systems/builders/lattice.hpp"
+#include "systems/start_file.hpp"
+
+namespace taut {
+namespace {
+
+// Rigid three-site water: charges on O and on both H, Lennard-Jones on O alone.
+struct WaterModel {
+  std::string_view name;
+  double charge;          // of O [e]; each H has −½ of it
+  double sigma;           // [nm]
+  double epsilon;         // [kJ/mol]
+  double oh;              // [nm]
+  double angle;           // [°]
+  double mass_o, mass_h;  // [u]
+
+  double half_angle() const { return angle * std::numbers::pi / 360; }
+  double hh() const { return 2 * oh * std::sin(half_angle()); }
+  double mass() const { return mass_o + 2 * mass_h; }
+};
+constexpr std::array kModels = {
+    // Jorgensen et al. 1983, doi:10.1063/1.445869; numbers of OpenMM's tip3p.xml
+    WaterModel{"tip3p", -0.834, 0.315061, 0.6364, 0.09572, 104.52, 15.99943, 1.007947},
+    // Berendsen, Grigera and Straatsma 1987, doi:10.1021/j100308a038
+    WaterModel{"spce", -0.8476, 0.3166, 0.650, 0.1, 109.47, 15.9994, 1.008}};
+
+const WaterModel& chosen_model(const TomlTable& keys) {
+  const std::string name = keys.choice("model", {kModels[0].name, kModels[1].name});
+  return *std::ranges::find(kModels, name, &WaterModel::name);
+}
+
+// O where it is, both H at the model's distances in the molecule's own plane, about its own bisector.
+void set_geometry(const WaterModel& model, Eigen::Ref<Vectors> x) {
+  const Vec3 o = x.col(0), bisector = (x.col(1) + x.col(2) - 2 * o).normalized();
+  Vec3 across = x.col(1) - x.col(2);
+  across = (across - bisector.dot(across) * bisector).normalized();
+  const double along = model.oh * std::cos(model.half_angle()), aside = model.hh() / 2;
+  x.col(1) = o + along * bisector + aside * across;
+  x.col(2) = o + along * bisector - aside * across;
+}
+
+// n³ or fewer molecules on a cubic lattice, empty sites spread evenly, turned at random, at rest.
+Start lattice_of_water(const WaterModel& model, long molecules, double edge, Random& random) {
+  Start start;
+  start.box.edge.setConstant(edge);
+  start.state.x.resize(3, 3 * molecules);
+  start.state.v = Vectors::Zero(3, 3 * molecules);
+  const auto n = static_cast<int>(std::ceil(std::cbrt(static_cast<double>(molecules)) - 1e-9));
+  for (long m = 0; m < molecules; ++m) {
+    const auto site = static_cast<int>(m * n * n * n / molecules);
+    const Vec3 o = edge / n * (Vec3(site % n, site / n % n, site / n / n).array() + 0.5);
+    start.state.x.col(3 * m) = o;
+    start.state.x.col(3 * m + 1) = o + random.unit_vector();
+    start.state.x.col(3 * m + 2) = o + random.unit_vector();
+    set_geometry(model, start.state.x.middleCols(3 * m, 3));
+  }
+  return start;
+}
+
+// The start side by side with itself, n times along each edge, every O in its own image of the box.
+Start tiled(const Start& unit, int n) {
+  const Eigen::Index atoms = unit.state.x.cols();
+  Vectors home = unit.state.x;
+  for (Eigen::Index o = 0; o < atoms; o += 3) {
+    const Vec3 image = unit.state.x.col(o).cwiseQuotient(unit.box.edge).array().floor();
+    home.middleCols(o, 3).colwise() -= unit.box.edge.cwiseProduct(image);
+  }
+  Start all;
+  all.box.edge = n * unit.box.edge;
+  all.state.x.resize(3, atoms * n * n * n);
+  all.state.v = unit.state.v.replicate(1, n * n * n);
+  for (int t = 0; t < n * n * n; ++t)
+    all.state.x.middleCols(t * atoms, atoms) =
+        home.colwise() + unit.box.edge.cwiseProduct(Vec3(t % n, t / n % n, t / n / n));
+  return all;
+}
+
+// The molecules nearest the middle, without the box.
+Start droplet(const Start& bulk, long molecules) {
+  std::vector<Eigen::Index> order(bulk.state.x.cols() / 3);
+  std::iota(order.begin(), order.end(), 0);
+  const Vec3 middle = bulk.box.edge / 2;
+  std::ranges::stable_sort(order, {},
+                           [&](Eigen::Index m) { return (bulk.state.x.col(3 * m) - middle).squaredNorm(); });
+  Start drop;
+  drop.state.x.resize(3, 3 * molecules);
+  drop.state.v.resize(3, 3 * molecules);
+  for (long m = 0; m < molecules; ++m) {
+    drop.state.x.middleCols(3 * m, 3) = bulk.state.x.middleCols(3 * order[m], 3);
+    drop.state.v.middleCols(3 * m, 3) = bulk.state.v.middleCols(3 * order[m], 3);
+  }
+  return drop;
+}
+
+// How much water a droplet is cut from: a cube around its sphere, and a molecule's width to spare.
+double droplet_edge(long molecules, double density) {
+  return 2 * std::cbrt(0.75 * static_cast<double>(molecules) / density / std::numbers::pi) + 0.3;
+}
+
+// Water from the scene's start, or on a lattice.
+class WaterSource {
+ public:
+  WaterSource(const BuildRequest& request, const WaterModel& model)
+      : keys_(request.keys), model_(model), random_(request.run.seed) {
+    std::filesystem::path file;
+    if (keys_.read("start", file)) start_ = read_start(file);
+    if (!start_) {
+      density_ = keys_.get<double>("density_g_cm3", kPositive) * kGramPerCm3 / model.mass();
+      return;
+    }
+    if (start_->state.x.cols() == 0 || start_->state.x.cols() % 3 != 0)
+      keys_.fail("start", "expected waters: O, H, H, ...");
+    if (keys_.has("density_g_cm3")) keys_.fail("density_g_cm3", "build.start has a density of its own");
+    density_ = static_cast<double>(molecules_of_start()) / start_->box.volume();
+  }
+
+  Start box_of(long molecules, std::vector<std::string>& notes) {
+    if (start_) {
+      require_box();
+      const double times = static_cast<double>(molecules) / static_cast<double>(molecules_of_start());
+      const int n = static_cast<int>(std::lround(std::cbrt(times)));
+      if (n * n * n * molecules_of_start() == molecules) return tiled(*start_, n);
+      notes.push_back(fmt::format("start: {} molecules are not n³ times the {} of the equilibrated start",
+                                  molecules, molecules_of_start()));
+    }
+    notes.emplace_back("start: molecules on a lattice, turned at random; equilibrate with run.thermostat_ps");
+    return lattice_of_water(model_, molecules, std::cbrt(static_cast<double>(molecules) / density_), random_);
+  }
+
+  Start droplet_of(long molecules, std::vector<std::string>& notes) {
+    if (start_ && !start_->box.periodic() && molecules_of_start() == molecules) return *start_;
+    if (start_) require_box();
+    const double edge = droplet_edge(molecules, density_);
+    if (start_)
+      return droplet(tiled(*start_, static_cast<int>(std::ceil(edge / start_->box.edge.minCoeff()))),
+                     molecules);
+    const double n = std::ceil(edge * std::cbrt(density_));
+    return droplet(box_of(static_cast<long>(n * n * n), notes), molecules);
+  }
+
+ private:
+  long molecules_of_start() const { return start_->state.x.cols() / 3; }
+  void require_box() const {
+    if (!start_->box.periodic())
+      keys_.fail("start", fmt::format("a droplet of {}, which serves for a droplet of as many alone",
+                                      molecules_of_start()));
+  }
+
+  const TomlTable& keys_;
+  const WaterModel& model_;
+  Random random_;
+  std::optional<Start> start_;
+  double density_;  // [molecules/nm³]
+};
+
+void add_molecule(const WaterModel& model, int o, Nonbonded& pairs, std::vector<RigidBond>& bonds) {
+  const int h1 = o + 1, h2 = o + 2;
+  for (const int h : {h1, h2}) {
+    pairs.charge[h] = -model.charge / 2;
+    pairs.sigma[h] = 1;  // of no account: ε is 0
+    pairs.epsilon[h] = 0;
+  }
+  pairs.charge[o] = model.charge;
+  pairs.sigma[o] = model.sigma;
+  pairs.epsilon[o] = model.epsilon;
+  for (const auto& [i, j] : {std::pair{o, h1}, {o, h2}, {h1, h2}})
+    pairs.exceptions.push_back({i, j, 0, 1, 0});
+  bonds.push_back({o, h1, model.oh});
+  bonds.push_back({o, h2, model.oh});
+  bonds.push_back({h1, h2, model.hh()});
+}
+
+}  // namespace
+
+// kind = "water": rigid three-site water.
+//   molecules, model = "tip3p" | "spce"
+//   shape = "box" | "droplet"       a droplet has no box
+//   start = "water216.start.toml"   equilibrated waters in a box, from which n³ times as many are tiled and
+//                                   droplets cut; any other number stands on a lattice of its density.
+//                                   Or a droplet, for a droplet of as many
+//   density_g_cm3                   without a start: a lattice
+// [forcefield] the keys of read_cutoff
+void build_water(const BuildRequest& request, Scene& scene) {
+  const TomlTable& keys = request.keys;
+  const WaterModel& model = chosen_model(keys);
+  const auto molecules = keys.get<long>("molecules", Range{.min = 1});
+  const int atoms = atoms_of(keys, "molecules", static_cast<double>(molecules), 3);
+  const bool box = keys.choice("shape", {"box", "droplet"}) == "box";
+  WaterSource source(request, model);
+  Start start = box ? source.box_of(molecules, scene.notes) : source.droplet_of(molecules, scene.notes);
+
+  Nonbonded& pairs = scene.terms.nonbonded.emplace();
+  pairs.charge.resize(atoms);
+  pairs.sigma.resize(atoms);
+  pairs.epsilon.resize(atoms);
+  Eigen::VectorXd mass(atoms);
+  std::vector<RigidBond> bonds;
+  for (int o = 0; o < atoms; o += 3) {
+    set_geometry(model, start.state.x.middleCols(o, 3));
+    mass.segment<3>(o) << model.mass_o, model.mass_h, model.mass_h;
+    add_molecule(model, o, pairs, bonds);
+  }
+  read_cutoff(request.forcefield, start.box, pairs);
+  scene.start.x = std::move(start.state.x);
+  scene.start.v = std::move(start.state.v);
+  scene.system = make_system(std::move(mass), std::move(bonds), start.box);
+}
+
+}  // namespace taut

@@ -1,0 +1,110 @@
+#include "systems/builders/builders.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+
+#include "md/observables.hpp"
+#include "md/random.hpp"
+#include "md/units.hpp"
+#include "systems/start_file.hpp"
+
+namespace taut {
+namespace {
+
+constexpr double kMostAtoms = 5e6;  // about 2 GB of arrays and lists
+constexpr std::uint64_t kVelocityStream = 0x9e3779b97f4a7c15;
+
+struct Kind {
+  std::string_view name;
+  void (*build)(const BuildRequest&, Scene&);
+  bool own_start = false;  // reads build.start itself
+};
+constexpr std::array kKinds = {Kind{"atoms", build_atoms},   Kind{"chains", build_chains},
+                               Kind{"rings", build_rings},   Kind{"melt", build_melt},
+                               Kind{"alkane", build_alkane}, Kind{"water", build_water, true}};
+
+const Kind& chosen_kind(const TomlTable& keys) {
+  std::vector<std::string_view> names;
+  for (const Kind& kind : kKinds) names.push_back(kind.name);
+  const std::string name = keys.choice("kind", names);
+  return *std::ranges::find(kKinds, name, &Kind::name);
+}
+
+// What keeps a start from being one of this scene; null: nothing.
+const char* misfit(const Start& start, const Scene& scene) {
+  const Vectors& x = start.state.x;
+  if (x.cols() != scene.system.atoms()) return "another number of atoms";
+  if (!start.box.edge.isApprox(scene.system.box.edge, 1e-9)) return "another box";
+  if (bond_errors(scene.system, x).max > 0.01) return "other bonds";
+  for (const Fene& spring : scene.terms.fene)
+    if ((x.col(spring.j) - x.col(spring.i)).norm() >= spring.r0) return "other springs";
+  return nullptr;
+}
+
+// The last state of a run of the same scene in place of the built one.
+void lay_start(const BuildRequest& request, Scene& scene) {
+  std::filesystem::path file;
+  if (!request.keys.read("start", file)) return;
+  Start start = read_start(file);
+  if (const char* reason = misfit(start, scene)) {
+    scene.notes.push_back(fmt::format("start: {} is set aside, it has {}", file.filename().string(), reason));
+    return;
+  }
+  scene.start.x = std::move(start.state.x);
+  scene.start.v = std::move(start.state.v);
+  scene.notes.clear();
+}
+
+// Each component normal with variance kT/m; the momentum of the whole is taken out where nothing outside
+// holds or pulls.
+void draw_velocities(double temperature, std::uint64_t seed, Scene& scene) {
+  Random random(seed ^ kVelocityStream);
+  for (int a = 0; a < scene.system.atoms(); ++a)
+    scene.start.v.col(a) =
+        random.normal_vector() * std::sqrt(kBoltzmann * temperature * scene.system.inv_mass[a]);
+  if (scene.closed()) remove_momentum(scene.system, scene.start.v);
+}
+
+void read_precision(const TomlTable& forcefield, Terms& terms) {
+  if (forcefield.has("precision") && forcefield.choice("precision", {"double", "mixed"}) == "mixed")
+    terms.precision = Precision::kMixed;
+}
+
+}  // namespace
+
+void build(const BuildRequest& request, Scene& scene) {
+  const Kind& kind = chosen_kind(request.keys);
+  kind.build(request, scene);
+  if (scene.terms.nonbonded || scene.terms.wca) read_precision(request.forcefield, scene.terms);
+  if (!kind.own_start) lay_start(request, scene);
+  scene.start.f = Vectors::Zero(3, scene.system.atoms());
+  if (scene.start.v.cols() == 0) scene.start.v = scene.start.f;
+  if (request.run.temperature_k > 0) draw_velocities(request.run.temperature_k, request.run.seed, scene);
+}
+
+int atoms_of(const TomlTable& keys, std::string_view key, double copies, double atoms_each) {
+  if (copies * atoms_each > kMostAtoms)
+    keys.fail(key, fmt::format("{} make {} atoms, more than the {} taut takes", copies, copies * atoms_each,
+                               kMostAtoms));
+  return static_cast<int>(copies * atoms_each);
+}
+
+void read_cutoff(const TomlTable& forcefield, const Box& box, Nonbonded& nonbonded) {
+  forcefield.read("cutoff_nm", nonbonded.cutoff, kPositive);
+  forcefield.read("switch_nm", nonbonded.switch_distance, kPositive);
+  forcefield.read("rf_dielectric", nonbonded.rf_dielectric, Range{.min = 1});
+  forcefield.read("dispersion_correction", nonbonded.dispersion_correction);
+  if (nonbonded.switch_distance && !(nonbonded.cutoff && *nonbonded.switch_distance < *nonbonded.cutoff))
+    forcefield.fail("switch_nm", "expected less than forcefield.cutoff_nm");
+  if (nonbonded.dispersion_correction && !(nonbonded.cutoff && box.periodic()))
+    forcefield.fail("dispersion_correction", "needs a box and a cutoff");
+  if (!box.periodic()) return;
+  if (!nonbonded.cutoff) forcefield.get<double>("cutoff_nm");  // says it is missing
+  const double half = box.edge.minCoeff() / 2;
+  if (*nonbonded.cutoff > half)
+    forcefield.fail("cutoff_nm", fmt::format("{} is over half the box, {:.4g}", *nonbonded.cutoff, half));
+}
+
+}  // namespace taut

@@ -1,0 +1,57 @@
+#include "systems/builders/lattice.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace taut {
+namespace {
+
+const double kRowHeight = std::sqrt(0.75);  // of a hexagonal lattice, in spacings
+
+// The counts worth trying along an edge that should have `ideal` cells.
+struct Counts {
+  int least, most;
+  Counts(double ideal, int step)
+      : least(std::max(step, static_cast<int>(0.7 * ideal) / step * step)),
+        most(static_cast<int>(std::ceil(1.4 * ideal)) + step) {}
+};
+
+}  // namespace
+
+Grid fit_grid(long cells, const Vec3& cell, int ny_step) {
+  const double edge = std::cbrt(static_cast<double>(cells) * cell.prod());
+  const Counts y(edge / cell.y(), ny_step), z(edge / cell.z(), 1);
+  Grid best{};
+  double least_cost = std::numeric_limits<double>::infinity();
+  for (int nz = z.least; nz <= z.most; ++nz)
+    for (int ny = y.least; ny <= y.most; ny += ny_step) {
+      const long layer = static_cast<long>(ny) * nz;
+      const Grid grid{static_cast<int>((cells + layer - 1) / layer), ny, nz};
+      const Vec3 edges = cell.cwiseProduct(Vec3(grid.nx, grid.ny, grid.nz));
+      const double left_over = static_cast<double>(grid.sites()) / static_cast<double>(cells) - 1;
+      const double cost = 4 * left_over + edges.maxCoeff() / edges.minCoeff() - 1;
+      if (cost < least_cost) {
+        least_cost = cost;
+        best = grid;
+      }
+    }
+  return best;
+}
+
+HexagonalColumns HexagonalColumns::of_area(double area) {
+  return {std::sqrt(area / kRowHeight)};
+}
+
+Vec3 HexagonalColumns::cell(double height) const {
+  return {spacing, kRowHeight * spacing, height};
+}
+
+Vec3 HexagonalColumns::column(const Grid& grid, long c) const {
+  const long row = c / grid.nx, along = c % grid.nx;
+  const long place = row % 2 == 0 ? along : grid.nx - 1 - along;
+  return {spacing * (static_cast<double>(place) + (row % 2 == 0 ? 0.0 : 0.5)),
+          kRowHeight * spacing * static_cast<double>(row), 0};
+}
+
+}  // namespace taut

@@ -1,0 +1,33 @@
+#include "systems/openmm/openmm_import.hpp"
+
+#include "systems/openmm/openmm_read.hpp"
+
+namespace taut {
+namespace {
+
+// "water.system.xml" -> "water"
+std::string scene_name(const std::filesystem::path& file) {
+  const std::filesystem::path stem = file.stem();
+  return (stem.extension() == ".system" ? stem.stem() : stem).string();
+}
+
+}  // namespace
+
+bool built_with_openmm() {
+  return true;
+}
+
+Scene import_openmm(const std::filesystem::path& system_xml, const std::filesystem::path& state_xml) {
+  OpenMMInput input = read_openmm(system_xml, state_xml);
+  Scene scene;
+  scene.name = scene_name(system_xml);
+  scene.hard_on = "what OpenMM was given";
+  scene.system = std::move(input.system);
+  scene.terms = std::move(input.terms);
+  scene.start = std::move(input.start);
+  scene.run.remove_momentum_every = input.remove_momentum_every;
+  scene.method = default_options("rattle");
+  return scene;
+}
+
+}  // namespace taut
