@@ -2,46 +2,34 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
-#include <cstring>
-
 #include "md/errors.hpp"
 
 namespace taut {
-namespace {
-
-[[noreturn]] void refuse(const std::filesystem::path& path, const char* deed) {
-  throw OutsideError(fmt::format("{}: cannot {}: {}", path.string(), deed, std::strerror(errno)));
-}
-
-}  // namespace
 
 AsideFile::AsideFile(std::filesystem::path path) : path_(std::move(path)), aside_(path_.string() + ".part") {
-  out_.open(aside_);
-  if (!out_) refuse(aside_, "write");
+  file_.emplace(aside_, DiskFile::kNew);
 }
 
 AsideFile::~AsideFile() {
-  if (committed_) return;
-  out_.close();
+  if (!file_) return;
   std::error_code ignored;
   std::filesystem::remove(aside_, ignored);
 }
 
 void AsideFile::write(std::string_view text) {
-  out_ << text << std::flush;
-  if (!out_) refuse(aside_, "write");
+  file_->write(size_, text);
+  size_ += text.size();
 }
 
 void AsideFile::commit() {
-  out_.close();
-  if (!out_) refuse(aside_, "write");
+  file_->sync();
   std::error_code error;
   std::filesystem::rename(aside_, path_, error);
   if (error)
     throw OutsideError(
         fmt::format("{}: cannot rename to {}: {}", aside_.string(), path_.string(), error.message()));
-  committed_ = true;
+  file_.reset();
+  sync_folder(path_.parent_path());
 }
 
 void make_folder(const std::filesystem::path& folder) {

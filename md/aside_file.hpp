@@ -1,13 +1,16 @@
 #pragma once
 
 #include <filesystem>
-#include <fstream>
+#include <optional>
 #include <string_view>
+
+#include "md/disk_file.hpp"
 
 namespace taut {
 
-// A file written aside and renamed when whole: nobody ever sees half of it. Dropped if not committed.
-// Throws OutsideError, naming the file, where the disk or the folder refuses.
+// A file written aside and renamed when whole: nobody ever sees half of it, not even after a crash of the
+// machine. Dropped if not committed. Throws OutsideError, naming the file, where the disk or the folder
+// refuses.
 class AsideFile {
  public:
   explicit AsideFile(std::filesystem::path path);
@@ -15,13 +18,13 @@ class AsideFile {
   AsideFile& operator=(const AsideFile&) = delete;
   ~AsideFile();
 
-  void write(std::string_view text);  // and flushes
+  void write(std::string_view text);
   void commit();
 
  private:
   std::filesystem::path path_, aside_;
-  std::ofstream out_;
-  bool committed_ = false;
+  std::optional<DiskFile> file_;  // until committed
+  std::uint64_t size_ = 0;
 };
 
 // Makes a folder, with those above it.

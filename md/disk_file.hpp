@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string_view>
+
+namespace taut {
+
+// A file as the system has it: nothing is kept back in buffers, and every refusal is an OutsideError that
+// names the file.
+class DiskFile {
+ public:
+  enum Opening { kNew, kThere };  // empty, whatever was there; as it is
+
+  DiskFile(const std::filesystem::path& path, Opening opening);
+  DiskFile(DiskFile&& other) noexcept;
+  DiskFile& operator=(DiskFile&&) = delete;
+  ~DiskFile();
+
+  std::uint64_t size() const;
+  void write(std::uint64_t at, std::string_view bytes);
+  void cut(std::uint64_t size);
+  void cut_quietly(std::uint64_t size) noexcept;
+  void sync();               // returns when it would outlast a crash of the machine
+  bool still_there() const;  // whether any folder lists it
+
+  [[noreturn]] void refuse(const char* deed, const char* why) const;
+
+ private:
+  [[noreturn]] void refuse(const char* deed) const;  // why: errno
+
+  std::filesystem::path path_;
+  int descriptor_;
+};
+
+// Makes a folder's list of names (a rename, a new file) outlast a crash of the machine.
+void sync_folder(const std::filesystem::path& folder);
+
+}  // namespace taut

@@ -1,0 +1,88 @@
+// Files that grow, are cut back, and are refused.
+
+#include "md/output.hpp"
+
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "md/aside_file.hpp"
+#include "md/errors.hpp"
+#include "temporary_folder.hpp"
+
+namespace taut {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string contents(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+TEST(GrowingFile, GoesOnFromItsMark) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "log";
+  std::uint64_t mark = 0;
+  {
+    GrowingFile file(path, 0);
+    file.write("one\n");
+    mark = file.mark();
+    file.write("lost\n");
+    EXPECT_EQ(contents(path), "one\nlost\n");  // without a flush
+  }
+  EXPECT_EQ(mark, 4u);
+  GrowingFile again(path, mark);
+  EXPECT_EQ(contents(path), "one\n");
+  again.write("two\n");
+  again.rewrite(0, "ONE");
+  EXPECT_EQ(contents(path), "ONE\ntwo\n");
+  EXPECT_EQ(again.mark(), 8u);
+  EXPECT_EQ(GrowingFile(path, 0).mark(), 0u);
+  EXPECT_EQ(contents(path), "");
+}
+
+TEST(GrowingFile, RefusesToGoOnFromWhatIsNotThere) {
+  const TemporaryFolder folder;
+  EXPECT_THROW(GrowingFile(folder.path() / "none", 3), OutsideError);
+  EXPECT_THROW(GrowingFile(folder.write("short", "ab"), 3), OutsideError);
+}
+
+TEST(GrowingFile, ThatWasRemovedIsNotTakenForWritten) {
+  const TemporaryFolder folder;
+  GrowingFile file(folder.path() / "log", 0);
+  file.write("one\n");
+  fs::remove(folder.path() / "log");
+  EXPECT_THROW(file.mark(), OutsideError);
+}
+
+TEST(GrowingFile, SaysThatTheDiskIsFull) {
+  GrowingFile full("/dev/full", 0);
+  try {
+    full.write("one\n");
+    FAIL();
+  } catch (const OutsideError& e) {
+    EXPECT_STREQ(e.what(), "/dev/full: cannot write: No space left on device");
+  }
+}
+
+TEST(AsideFile, IsSeenWholeOrNotAtAll) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.write("state", "old");
+  {
+    AsideFile dropped(path);
+    dropped.write("ne");
+    EXPECT_EQ(contents(path), "old");
+  }
+  EXPECT_FALSE(fs::exists(path.string() + ".part"));
+  AsideFile file(path);
+  file.write("ne");
+  file.write("w");
+  file.commit();
+  EXPECT_EQ(contents(path), "new");
+  EXPECT_FALSE(fs::exists(path.string() + ".part"));
+}
+
+}  // namespace
+}  // namespace taut
