@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "md/aside_file.hpp"
+#include "pictures.hpp"
 #include "systems/studies/crosscheck_verdict.hpp"
 
 namespace taut {
@@ -123,12 +124,6 @@ Json json_of(const Crosscheck& c) {
   return json;
 }
 
-void write_file(const fs::path& path, const std::string& text) {
-  AsideFile file(path);
-  file.write(text);
-  file.commit();
-}
-
 std::string csv_of(const Crosscheck& c) {
   std::string text =
       "run,step,t_ps,apart_nm,from_fine_run_nm,energy_kj_mol,temperature_k,max_rel_bond_error,"
@@ -183,10 +178,9 @@ void print_crosscheck(const Crosscheck& c) {
 
 void write_crosscheck(const Crosscheck& c, const fs::path& folder) {
   make_folder(folder);
-  write_file(folder / "crosscheck.json", json_of(c).dump(2) + "\n");
-  write_file(folder / "crosscheck.csv", csv_of(c));
-  fmt::print("\nwrote {0}/crosscheck.json, {0}/crosscheck.csv\n", folder.string());
-  draw_crosscheck(c, folder);
+  write_text(folder / "crosscheck.json", json_of(c).dump(2) + "\n");
+  draw_crosscheck(c, csv_of(c), folder);
+  fmt::print("\nwrote {0}/crosscheck.json, and .csv, .gp, .svg, .png of each picture\n", folder.string());
 }
 
 }  // namespace taut

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "systems/studies/crosscheck.hpp"
 
@@ -22,8 +23,7 @@ void print_crosscheck(const Crosscheck& c);
 // crosscheck.json (all figures and verdicts), crosscheck.csv (every sample of every run), and pictures.
 void write_crosscheck(const Crosscheck& c, const std::filesystem::path& folder);
 
-// The pictures: a gnuplot script over crosscheck.csv and distances.csv, and what it draws, if gnuplot is
-// there.
-void draw_crosscheck(const Crosscheck& c, const std::filesystem::path& folder);
+// Pictures of them: crosscheck.* over its csv, and of liquid water distances.*.
+void draw_crosscheck(const Crosscheck& c, const std::string& csv, const std::filesystem::path& folder);
 
 }  // namespace taut

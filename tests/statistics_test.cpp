@@ -167,5 +167,16 @@ TEST(Verdict, OfAverages) {
   EXPECT_EQ(verdict_on(c, "newton, averages").finding, Finding::kDiffers);
 }
 
+TEST(Verdict, OfEnergyDrift) {
+  Crosscheck c = one_run({Sample{}});
+  c.long_enough = true;
+  c.twin.drift = {0.1, 0.03};
+  c.tracks[0].drift = {0.15, 0.04};
+  EXPECT_EQ(verdict_on(c, "newton, energy").finding, Finding::kAgrees);
+  c.tracks[0].drift = {-0.4, 0.04};
+  EXPECT_EQ(verdict_on(c, "newton, energy").finding, Finding::kDiffers);
+  EXPECT_NE(verdict_on(c, "newton, energy").why.find("worse"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace taut

@@ -135,6 +135,20 @@ Verdict on_averages(const Crosscheck& c, const Track& track) {
   return {track.name + ", averages", worst > kSurprising ? Finding::kDiffers : Finding::kAgrees, why};
 }
 
+// Whether it gains or loses energy as OpenMM does.
+Verdict on_energy(const Crosscheck& c, const Track& track) {
+  const Estimate &ours = track.drift, &theirs = c.twin.drift;
+  const double apart = deviations(ours, theirs);
+  std::string why =
+      fmt::format("drift {:.1e} ± {:.0e} kJ/mol/ns/dof, OpenMM {:.1e} ± {:.0e} ({:.1f} standard errors)",
+                  ours.value, ours.error, theirs.value, theirs.error, apart);
+  const bool same = apart <= kSurprising;
+  if (!same)
+    why += std::abs(ours.value) > std::abs(theirs.value) ? "; it keeps energy worse"
+                                                         : "; it keeps energy better";
+  return {track.name + ", energy", same ? Finding::kAgrees : Finding::kDiffers, why};
+}
+
 }  // namespace
 
 std::string_view name_of(Finding finding) {
@@ -168,7 +182,10 @@ std::vector<Verdict> verdicts(const Crosscheck& c) {
   for (const Track& track : c.tracks) all.push_back(on_method(c, track));
   if (c.long_enough)
     for (const Track& track : c.tracks)
-      if (track.failure.empty()) all.push_back(on_averages(c, track));
+      if (track.failure.empty()) {
+        all.push_back(on_averages(c, track));
+        all.push_back(on_energy(c, track));
+      }
   return all;
 }
 
