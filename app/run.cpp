@@ -47,6 +47,16 @@ struct RunArguments {
   }
 };
 
+std::string thermostat_line(const RunSettings& run) {
+  if (run.langevin())
+    return fmt::format(", Langevin's thermostat at {:g} K, friction {:g}/ps", run.temperature_k,
+                       run.friction_per_ps);
+  if (run.rescaling())
+    return fmt::format(", velocities rescaled to {:g} K within {:g} ps", run.temperature_k,
+                       run.thermostat_ps);
+  return "";
+}
+
 void print_header(const Simulation& simulation) {
   const Scene& scene = simulation.scene();
   const System& sys = scene.system;
@@ -59,9 +69,7 @@ void print_header(const Simulation& simulation) {
   fmt::print("  method {}: {}\n", method_name(scene.method), simulation.method_setting());
   fmt::print("  {} steps of {:g} fs = {:.6g} ps, seed {}{}\n\n", scene.run.steps, scene.run.dt_fs,
              static_cast<double>(scene.run.steps) * scene.run.h(), scene.run.seed,
-             scene.run.thermostat_ps > 0 ? fmt::format(", velocities rescaled to {:g} K within {:g} ps",
-                                                       scene.run.temperature_k, scene.run.thermostat_ps)
-                                         : "");
+             thermostat_line(scene.run));
   fmt::print("{:>9} {:>10} {:>13} {:>13} {:>8} {:>9} {:>6}\n", "step", "t [ps]", "E_pot [kJ]", "E_total [kJ]",
              "T [K]", "bond err", "iter");
 }

@@ -33,14 +33,17 @@ class Projector {
 
 // Makes the start satisfy the bonds, and gives f its first value, constraint forces included. The velocity
 // is known here, not half a step behind: that is what add_forces with h = 0 says.
-template <ForceLaw F, ConstraintMethod M>
-SolveStats initialize(const System& sys, F& forces, M& method, State& s) {
+template <ForceLaw F, ConstraintMethod M, class Bath = NoBath>
+SolveStats initialize(const System& sys, F& forces, M& method, State& s, Bath&& bath = Bath{}) {
   Projector projector(sys);
   projector.positions(sys, s.x);
   projector.velocities(sys, s.x, s.v);
   s.f.resize(3, sys.atoms());
   forces(sys, s);
-  return method.add_forces(sys, 0, s);
+  SolveStats stats = bath.draw(sys, 0, s);
+  stats += method.add_forces(sys, 0, s);
+  bath.second_half(s);
+  return stats;
 }
 
 }  // namespace taut

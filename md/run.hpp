@@ -27,12 +27,12 @@ std::string explain_failure(const System& sys, const State& s, const SolveStats&
 
 // Takes plan.steps steps. `each(s)` is called after every step (a thermostat), `observe(Moment)` every so
 // often and after the last. Throws SimulationFailure before numbers turn into NaN.
-template <ForceLaw F, ConstraintMethod M>
-void run(const System& sys, F& forces, M& method, const RunPlan& plan, State& s, auto&& each,
-         auto&& observe) {
+template <ForceLaw F, ConstraintMethod M, class Bath = NoBath>
+void run(const System& sys, F& forces, M& method, const RunPlan& plan, State& s, auto&& each, auto&& observe,
+         Bath&& bath = Bath{}) {
   SolveStats since;
   for (long n = 1; n <= plan.steps; ++n) {
-    const SolveStats stats = step(sys, forces, method, plan.h, s);
+    const SolveStats stats = step(sys, forces, method, plan.h, s, bath);
     if (!stats.converged() || !(stats.max_residual < plan.broken_at))
       throw SimulationFailure(explain_failure(sys, s, stats, n));
     since += stats;

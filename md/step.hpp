@@ -47,14 +47,28 @@ inline void half_kick(const System& sys, double h, State& s) {
   s.v.array() += s.f.array().rowwise() * (0.5 * h * sys.inv_mass.transpose().array());
 }
 
+// A thermostat that changes the velocity by Δ in the middle of the drift (constraints/langevin.hpp) has
+//     first_half(s)        v += ½Δ
+//     draw(sys, h, s)      the next Δ; f is told of it, for those who steer by forces
+//     second_half(s)       f forgets it; v += ½ of the Δ before
+// This one does nothing.
+struct NoBath {
+  void first_half(State&) const {}
+  SolveStats draw(const System&, double, State&) const { return {}; }
+  void second_half(State&) const {}
+};
+
 // One step of velocity Verlet, length h [ps].
-template <ForceLaw F, ConstraintMethod M>
-SolveStats step(const System& sys, F& forces, M& method, double h, State& s) {
+template <ForceLaw F, ConstraintMethod M, class Bath = NoBath>
+SolveStats step(const System& sys, F& forces, M& method, double h, State& s, Bath&& bath = Bath{}) {
   half_kick(sys, h, s);
+  bath.first_half(s);
   s.x += h * s.v;                                          // drift: the old positions are x − hv
   SolveStats stats = method.project_positions(sys, h, s);  // SHAKE, RATTLE, ...
   forces(sys, s);                                          // f = F(x)
-  stats += method.add_forces(sys, h, s);                   // Baumgarte, penalty: f += Jᵀλ
+  stats += bath.draw(sys, h, s);
+  stats += method.add_forces(sys, h, s);  // Baumgarte, penalty: f += Jᵀλ
+  bath.second_half(s);
   half_kick(sys, h, s);
   stats += method.project_velocities(sys, h, s);  // RATTLE
   s.t += h;

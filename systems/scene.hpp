@@ -19,9 +19,13 @@ struct RunSettings {
   long log_every = 100;              // steps
   long remove_momentum_every = 0;    // steps; 0: never
   std::string redundant = "refuse";  // bonds that follow from others: "refuse" or "drop"
-  double thermostat_ps = 0;          // relaxation time of velocity rescaling to temperature_k; 0: NVE
+  std::string thermostat = "";  // "langevin", "rescaling", "none"; "": rescaling where thermostat_ps is given
+  double thermostat_ps = 0;     // relaxation time of velocity rescaling to temperature_k
+  double friction_per_ps = 1;   // of Langevin's thermostat
 
   double h() const { return dt_fs * 1e-3; }  // [ps]
+  bool langevin() const { return thermostat == "langevin"; }
+  bool rescaling() const { return thermostat == "rescaling" || (thermostat.empty() && thermostat_ps > 0); }
 };
 
 // A system with a start, a step and what it is hard on.
@@ -36,9 +40,7 @@ struct Scene {
   std::vector<std::string> notes;  // what the reader should know of the start, a line each
 
   // Nothing outside holds or pulls: the momentum is conserved.
-  bool closed() const {
-    return !terms.gravity && terms.pulls.empty() && (system.mass.array() > 0).all();
-  }
+  bool closed() const { return !terms.gravity && terms.pulls.empty() && (system.mass.array() > 0).all(); }
 };
 
 }  // namespace taut

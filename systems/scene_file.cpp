@@ -16,9 +16,14 @@ void read_run(const TomlTable& table, RunSettings& run) {
   table.read("log_every", run.log_every, Range{.min = 1});
   table.read("remove_momentum_every", run.remove_momentum_every, kNotNegative);
   if (table.has("redundant")) run.redundant = table.choice("redundant", {"refuse", "drop"});
+  if (table.has("thermostat")) run.thermostat = table.choice("thermostat", {"none", "langevin", "rescaling"});
   table.read("thermostat_ps", run.thermostat_ps, kNotNegative);
-  if (run.thermostat_ps > 0 && run.temperature_k == 0)
-    table.fail("thermostat_ps", "a thermostat needs a run.temperature_k above 0");
+  table.read("friction_per_ps", run.friction_per_ps, kNotNegative);
+  const char* key = table.has("thermostat") ? "thermostat" : "thermostat_ps";
+  if ((run.langevin() || run.rescaling()) && run.temperature_k == 0)
+    table.fail(key, "a thermostat needs a run.temperature_k above 0");
+  if (run.rescaling() && run.thermostat_ps == 0)
+    table.fail("thermostat", "rescaling needs its relaxation time, run.thermostat_ps above 0");
   table.reject_unknown();
 }
 

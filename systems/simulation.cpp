@@ -19,7 +19,7 @@ namespace {
 // Momentum is conserved where nothing outside pulls; it starts at zero where the velocities were so drawn.
 bool momentum_stays_zero(const Scene& scene, const Vectors& v) {
   if (scene.run.remove_momentum_every > 0) return true;
-  if (!scene.closed()) return false;
+  if (!scene.closed() || scene.run.langevin()) return false;
   const double kinetic = kinetic_energy(scene.system, v);
   return kinetic > 0 &&
          momentum(scene.system, v).norm() < 1e-6 * std::sqrt(2 * kinetic * scene.system.mass.sum());
@@ -59,15 +59,37 @@ Simulation::Simulation(Scene scene)
       method_(make_method(scene_.system, scene_.method, scene_.run.h())),
       state_(scene_.start) {
   const System& sys = scene_.system;
-  std::visit([&](auto& method) { initialize(sys, forces_, method, state_); }, method_);
-  Projector projector(sys);
-  clusters_ = projector.clusters();
-  dof_ = degrees_of_freedom(sys, sys.bond_count(), momentum_stays_zero(scene_, state_.v));
+  const RunSettings& run = scene_.run;
+  if (run.langevin()) make_langevin();
+  visit_step([&](auto& method, auto& bath) { initialize(sys, forces_, method, state_, bath); });
+  clusters_ = Projector(sys).clusters();
+  dof_ = degrees_of_freedom(sys, has_springs() && run.langevin() ? 0 : sys.bond_count(),
+                            momentum_stays_zero(scene_, state_.v));
   refuse_unreachable_tolerance(sys, state_.x, promised_error());
-  if (scene_.run.thermostat_ps > 0) {
-    if (dof_.total() < 1) throw InputError("run.thermostat_ps: nothing can move, there is no temperature");
-    thermostat_.emplace(scene_.run.temperature_k, scene_.run.thermostat_ps, dof_.total(), scene_.run.seed);
-  }
+  if ((run.rescaling() || run.langevin()) && dof_.total() < 1)
+    throw InputError("run.thermostat: nothing can move, there is no temperature");
+  if (run.rescaling()) thermostat_.emplace(run.temperature_k, run.thermostat_ps, dof_.total(), run.seed);
+}
+
+void Simulation::make_langevin() {
+  const RunSettings& run = scene_.run;
+  langevin_.emplace(scene_.system,
+                    Langevin::Bath{.temperature = run.temperature_k,
+                                   .friction = run.friction_per_ps,
+                                   .seed = run.seed,
+                                   .free_bonds = has_springs(),
+                                   .hold_momentum = run.remove_momentum_every > 0},
+                    run.h());
+}
+
+// visit(method, bath), as md/step.hpp takes them.
+void Simulation::visit_step(auto&& visit) {
+  NoBath none;
+  std::visit([&](auto& method) { langevin_ ? visit(method, *langevin_) : visit(method, none); }, method_);
+}
+
+bool Simulation::has_springs() const {
+  return std::holds_alternative<Penalty>(method_);
 }
 
 double Simulation::promised_error() const {
@@ -100,7 +122,10 @@ Record Simulation::record() const {
   r.t = state_.t;
   r.potential = forces_.potential() + method_energy();
   r.kinetic = kinetic_energy(scene_.system, state_.v);
-  r.temperature = temperature(r.kinetic, dof_.total());
+  r.temperature =
+      temperature(langevin_ ? kinetic_energy(scene_.system, langevin_->middle_velocity(scene_.system, state_))
+                            : r.kinetic,
+                  dof_.total());
   r.bonds = bond_errors(scene_.system, state_.x);
   return r;
 }
@@ -147,18 +172,17 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
   Record end = observe(0, {});
   double constraint_seconds = 0;
   long n = 0;
-  std::visit(
-      [&](auto& method) {
-        Timed timed(method);
-        const auto each = [&](State& s) {
-          if (thermostat_) (*thermostat_)(scene_.system, plan.h, s.v);
-          if (on_step) on_step(++n);
-        };
-        taut::run(scene_.system, forces_, timed, plan, state_, each,
-                  [&](const Moment& m) { end = observe(m.step, m.since); });
-        constraint_seconds = timed.seconds();
-      },
-      method_);
+  visit_step([&](auto& method, auto& bath) {
+    Timed timed(method);
+    const auto each = [&](State& s) {
+      if (thermostat_) (*thermostat_)(scene_.system, plan.h, s.v);
+      if (on_step) on_step(++n);
+    };
+    taut::run(
+        scene_.system, forces_, timed, plan, state_, each,
+        [&](const Moment& m) { end = observe(m.step, m.since); }, bath);
+    constraint_seconds = timed.seconds();
+  });
 
   const double seconds = elapsed(), steps = static_cast<double>(std::max(1L, settings.steps));
   summary.steps = settings.steps;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "constraints/langevin.hpp"
 #include "constraints/redundancy.hpp"
 #include "forcefield/force_field.hpp"
 #include "md/observables.hpp"
@@ -17,7 +18,7 @@ struct Record {
   long step = 0;
   double t = 0;                       // [ps]
   double potential = 0, kinetic = 0;  // [kJ/mol]
-  double temperature = 0;             // [K]
+  double temperature = 0;             // [K], under Langevin's thermostat of the velocity it acts on
   BondErrors bonds;
   double drift = 0;       // of the total energy so far [kJ/mol/ns/degree of freedom]
   double iterations = 0;  // a step, since the last row
@@ -61,6 +62,9 @@ class Simulation {
               const std::function<void(long)>& on_step = {});
 
  private:
+  void make_langevin();
+  void visit_step(auto&& visit);
+  bool has_springs() const;      // in place of constraints
   double method_energy() const;  // of a penalty's springs
 
   System full_;  // with the bonds that were left out, if any were
@@ -72,6 +76,7 @@ class Simulation {
   DegreesOfFreedom dof_;
   int clusters_ = 0;
   std::optional<VelocityRescaling> thermostat_;
+  mutable std::optional<Langevin> langevin_;  // measuring a temperature takes its scratch
 };
 
 }  // namespace taut

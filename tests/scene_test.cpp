@@ -175,6 +175,8 @@ TEST(SceneErrors, Values) {
             "scene.toml:17: run.steps: out of range");
   EXPECT_EQ(complaint(good.with("steps = 20", "thermostat_ps = 0.1").text),
             "scene.toml:17: run.thermostat_ps: a thermostat needs a run.temperature_k above 0");
+  EXPECT_EQ(complaint(good.with("steps = 20", "thermostat = \"langevin\"").text),
+            "scene.toml:17: run.thermostat: a thermostat needs a run.temperature_k above 0");
   EXPECT_EQ(complaint(good.with("\"atoms\"", "\"atom\"").text),
             "scene.toml:3: build.kind: \"atom\" is not one of atoms, chains, rings, melt, alkane, water; "
             "did you mean \"atoms\"?");
@@ -233,7 +235,8 @@ TEST(SceneErrors, CountsAndLengths) {
   EXPECT_EQ(with("cutoff_nm = 2.5", "cutoff_nm = 2.5\nswitch_nm = 2.6"),
             "scene.toml:15: forcefield.switch_nm: expected less than forcefield.cutoff_nm");
   EXPECT_EQ(with("cutoff_nm = 2.5", "cutoff_nm = 2.5\nprecision = \"single\""),
-            "scene.toml:15: forcefield.precision: \"single\" is not one of double, mixed; did you mean \"double\"?");
+            "scene.toml:15: forcefield.precision: \"single\" is not one of double, mixed; did you mean "
+            "\"double\"?");
   EXPECT_EQ(with("cutoff_nm = 2.5", "cutoff_nm = 2.5\nprecision = \"mixed\""), "no error");
   EXPECT_THAT(with("0.85", "0.05"), HasSubstr("scene.toml:8: build.density_per_nm3: 0.05 is too low"));
   EXPECT_THAT(with("0.85", "5"), HasSubstr("scene.toml:8: build.density_per_nm3: 5 is too high"));

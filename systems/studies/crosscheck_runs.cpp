@@ -13,7 +13,7 @@ constexpr long kDenseSamples = 100;
 constexpr double kLongEnough = 5;  // [ps]
 
 Scene prepared(Scene scene) {
-  scene.run.thermostat_ps = 0;
+  scene.run.thermostat = "none";
   scene.run.remove_momentum_every = 0;
   scene.method = exact("").method;
   const Simulation on_bonds(std::move(scene));

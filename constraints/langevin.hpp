@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+
+#include "constraints/lanes/batched_newton.hpp"
+#include "md/random.hpp"
+#include "md/state.hpp"
+#include "md/step.hpp"
+
+namespace taut {
+
+// Langevin's thermostat in the middle of the drift (BAOAB: Leimkuhler and Matthews 2013,
+// doi:10.1063/1.4802990; under constraints: the same 2016, doi:10.1098/rspa.2016.0138; the middle scheme:
+// Zhang et al. 2019, doi:10.1021/acs.jpca.9b02771),
+//     kick h/2 · drift h/2 · v ← v + Δ · drift h/2 · kick h/2,
+//     Δ = P (cv + √(1−c²) √(kT/m) R − v),   c = exp(−γh),   R normal numbers,
+// P = 1 − M⁻¹Jᵀ A⁻¹ J the projection on the tangent space of the bonds where the drift begins. There √(kT/m)
+// PR has the canonical distribution, so Δ leaves it as it is.
+//
+// Both half drifts together are one with the velocity v + ½Δ: one position solve a step serves, and the step
+// of md/step.hpp stays what it is, Δ in two halves about its drift.
+//
+// Who steers σ by forces must know Δ before λ is found. It can: a constraint force has no tangent part, so Δ
+// follows from v_half + hM⁻¹F without it, and is drawn one step ahead. Between its two drifts the velocity
+// then changes by h(a + (½Δ_old + ½Δ)/h): to `add_forces` the noise is one more force, M(½Δ_old + ½Δ)/h, in f
+// for just as long as λ is sought, and every identity of constraints/README.md holds with that acceleration.
+// Cost: 3n normal numbers, and one factorization and solve for P.
+class Langevin {
+ public:
+  struct Bath {
+    double temperature;          // [K]
+    double friction;             // γ [1/ps]
+    std::uint64_t seed = 1;      // of R
+    bool free_bonds = false;     // bonds are springs: no tangent space
+    bool hold_momentum = false;  // Δ without total momentum
+  };
+
+  Langevin(const System& sys, const Bath& bath, double h);
+
+  // What md/step.hpp asks of a bath.
+  void first_half(State& s) const { s.v += half_jump_; }
+  SolveStats draw(const System& sys, double h, State& s);
+  void second_half(State& s) const;
+
+  // The velocity that Δ is about to change, P(v + (h/2)M⁻¹f): canonical for free and for harmonic motion at
+  // any step, where that of the full step is too cold by (ωh)²/4. Temperatures are taken of it.
+  Vectors middle_velocity(const System& sys, const State& s);
+
+ private:
+  SolveStats project(Vectors& x, Vectors& v);  // x is lent, not changed
+
+  Bath bath_;
+  double h_;
+  System tangent_;  // the atoms with the bonds that Δ respects
+  Batched<Newton> projector_;
+  State scratch_;                      // x and v as the projector takes them
+  Vectors half_jump_, before_, push_;  // ½Δ, ½Δ of the step before [nm/ps]; M(½Δ_old + ½Δ)/h
+  Random random_;
+};
+
+}  // namespace taut
