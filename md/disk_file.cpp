@@ -41,6 +41,18 @@ std::uint64_t DiskFile::size() const {
   return static_cast<std::uint64_t>(status.st_size);
 }
 
+std::size_t DiskFile::read(std::uint64_t at, char* into, std::size_t bytes) const {
+  std::size_t done = 0;
+  while (done < bytes) {
+    const ssize_t got = ::pread(descriptor_, into + done, bytes - done, static_cast<off_t>(at + done));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) refuse("read");
+    if (got == 0) break;
+    done += static_cast<std::size_t>(got);
+  }
+  return done;
+}
+
 void DiskFile::write(std::uint64_t at, std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t written = ::pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(at));

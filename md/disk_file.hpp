@@ -18,6 +18,7 @@ class DiskFile {
   ~DiskFile();
 
   std::uint64_t size() const;
+  std::size_t read(std::uint64_t at, char* into, std::size_t bytes) const;  // how many there were
   void write(std::uint64_t at, std::string_view bytes);
   void cut(std::uint64_t size);
   void cut_quietly(std::uint64_t size) noexcept;

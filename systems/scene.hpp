@@ -6,6 +6,7 @@
 
 #include "constraints/methods.hpp"
 #include "forcefield/terms.hpp"
+#include "md/names.hpp"
 #include "md/state.hpp"
 #include "md/system.hpp"
 
@@ -34,6 +35,7 @@ struct Scene {
   std::string hard_on;  // one sentence
   System system;
   Terms terms;
+  Names names;  // of the atoms, for files
   State start;  // x and v; not yet made to satisfy the bonds
   RunSettings run;
   MethodOptions method;

@@ -70,6 +70,10 @@ std::vector<int> molecules(int atoms, const std::vector<BondedPair>& pairs) {
   return walk(atoms, pairs, [](int, int) {});
 }
 
+Names guessed_names(const System& sys, const Terms& terms) {
+  return guessed_names({sys.mass.begin(), sys.mass.end()}, molecules(sys.atoms(), bonded_pairs(sys, terms)));
+}
+
 void make_whole(const Box& box, const std::vector<BondedPair>& pairs, Vectors& x) {
   if (!box.periodic()) return;
   walk(static_cast<int>(x.cols()), pairs,

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "forcefield/terms.hpp"
+#include "md/names.hpp"
 #include "md/system.hpp"
 
 namespace taut {
@@ -21,5 +22,8 @@ std::vector<int> molecules(int atoms, const std::vector<BondedPair>& pairs);
 // molecule stays, and so does a molecule that was whole. Without a box nothing moves. Linear time.
 // Throws InputError for a molecule that is bonded to its own image: it can never be whole.
 void make_whole(const Box& box, const std::vector<BondedPair>& pairs, Vectors& x);
+
+// Names for a system of which no more is known than masses and bonds.
+Names guessed_names(const System& sys, const Terms& terms);
 
 }  // namespace taut

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numbers>
 
@@ -65,6 +67,12 @@ bool is_end(const Liquid& liquid, int atom) {
   return c == 0 || c == liquid.carbons - 1;
 }
 
+std::vector<AtomKind> united_atoms(int carbons) {
+  std::vector<AtomKind> molecule;
+  for (int c = 1; c <= carbons; ++c) molecule.push_back({c < 1000 ? fmt::format("C{}", c) : "C", "ALK", "C"});
+  return molecule;
+}
+
 // Angles, torsions, and no pair force up to three bonds apart.
 void add_forces_of_molecule(const Liquid& liquid, int first, Terms& terms) {
   for (int c = 0; c < liquid.carbons; ++c) {
@@ -107,6 +115,7 @@ void build_alkane(const BuildRequest& request, Scene& scene) {
     if ((a + 1) % liquid.carbons != 0) bonds.push_back({a, a + 1, kBond});
   }
   for (int m = 0; m < liquid.molecules; ++m) add_forces_of_molecule(liquid, m * liquid.carbons, scene.terms);
+  scene.names = repeated_names(united_atoms(liquid.carbons), liquid.molecules);
   read_cutoff(request.forcefield, box, lj);
   scene.system = make_system(std::move(mass), std::move(bonds), box);
   scene.notes.emplace_back("start: all-trans chains side by side, which a run of its own should first melt");

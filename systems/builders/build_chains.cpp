@@ -90,6 +90,7 @@ void place(const Polymer& polymer, bool closed, auto&& directions, Scene& scene)
     }
     if (closed) bonds.push_back({first + beads - 1, first, bond});
   }
+  scene.names = bead_names(copies, beads);
   scene.system = make_system(Eigen::VectorXd::Constant(copies * beads, mass), std::move(bonds));
 }
 

@@ -122,6 +122,7 @@ void build_melt(const BuildRequest& request, Scene& scene) {
   std::vector<RigidBond> bonds;
   tie(melt, bonds, scene.terms.fene);
   scene.system = make_system(Eigen::VectorXd::Constant(melt.atoms(), melt.mass), std::move(bonds), box);
+  scene.names = bead_names(melt.chains, melt.beads);
   add_pair_force(request, melt, scene);
   scene.notes.emplace_back("start: straight columns of beads, which a run of its own should first melt");
 }

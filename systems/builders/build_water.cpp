@@ -209,6 +209,7 @@ void build_water(const BuildRequest& request, Scene& scene) {
     mass.segment<3>(o) << model.mass_o, model.mass_h, model.mass_h;
     add_molecule(model, o, pairs, bonds);
   }
+  scene.names = repeated_names({{"OW", "HOH", "O"}, {"HW1", "HOH", "H"}, {"HW2", "HOH", "H"}}, atoms / 3);
   read_cutoff(request.forcefield, start.box, pairs);
   scene.start.x = std::move(start.state.x);
   scene.start.v = std::move(start.state.v);

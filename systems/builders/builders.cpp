@@ -9,6 +9,7 @@
 #include "md/random.hpp"
 #include "md/units.hpp"
 #include "systems/start_file.hpp"
+#include "systems/whole_molecules.hpp"
 
 namespace taut {
 namespace {
@@ -77,6 +78,7 @@ void read_precision(const TomlTable& forcefield, Terms& terms) {
 void build(const BuildRequest& request, Scene& scene) {
   const Kind& kind = chosen_kind(request.keys);
   kind.build(request, scene);
+  if (scene.names.empty()) scene.names = guessed_names(scene.system, scene.terms);
   if (scene.terms.nonbonded || scene.terms.wca) read_precision(request.forcefield, scene.terms);
   if (!kind.own_start) lay_start(request, scene);
   scene.start.f = Vectors::Zero(3, scene.system.atoms());
@@ -89,6 +91,12 @@ int atoms_of(const TomlTable& keys, std::string_view key, double copies, double 
     keys.fail(key, fmt::format("{} make {} atoms, more than the {} taut takes", copies, copies * atoms_each,
                                kMostAtoms));
   return static_cast<int>(copies * atoms_each);
+}
+
+Names bead_names(int polymers, int beads) {
+  Names names = repeated_names({{"BEAD", "POL", ""}}, polymers * beads);
+  for (int& residue : names.residue) residue /= beads;
+  return names;
 }
 
 void read_cutoff(const TomlTable& forcefield, const Box& box, Nonbonded& nonbonded) {

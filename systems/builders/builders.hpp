@@ -36,6 +36,9 @@ void build_water(const BuildRequest& request, Scene& scene);   // rigid three-si
 // takes, before anything is allocated.
 int atoms_of(const TomlTable& keys, std::string_view key, double copies, double atoms_each);
 
+// Polymers of beads, of no element.
+Names bead_names(int polymers, int beads);
+
 // The pair forces' keys: cutoff_nm, switch_nm, rf_dielectric, dispersion_correction. With a box the cutoff
 // is required, and at most half the box.
 void read_cutoff(const TomlTable& forcefield, const Box& box, Nonbonded& nonbonded);

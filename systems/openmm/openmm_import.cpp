@@ -1,6 +1,7 @@
 #include "systems/openmm/openmm_import.hpp"
 
 #include "systems/openmm/openmm_read.hpp"
+#include "systems/whole_molecules.hpp"
 
 namespace taut {
 namespace {
@@ -24,6 +25,7 @@ Scene import_openmm(const std::filesystem::path& system_xml, const std::filesyst
   scene.hard_on = "what OpenMM was given";
   scene.system = std::move(input.system);
   scene.terms = std::move(input.terms);
+  scene.names = guessed_names(scene.system, scene.terms);
   scene.start = std::move(input.start);
   scene.run.remove_momentum_every = input.remove_momentum_every;
   scene.method = default_options("rattle");
