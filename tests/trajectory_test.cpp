@@ -1,0 +1,205 @@
+// What trajectory files hold, and how they come back after a stop at any instant. What other programs read
+// in them is tested by read_trajectory.py.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <sstream>
+
+#include "md/errors.hpp"
+#include "md/random.hpp"
+#include "md/trajectory/dcd_file.hpp"
+#include "md/trajectory/h5md_file.hpp"
+#include "md/trajectory/journaled_file.hpp"
+#include "md/trajectory/pdb_file.hpp"
+#include "temporary_folder.hpp"
+
+namespace taut {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+std::string contents(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+std::string read_all(const JournaledFile& file) {
+  std::string text(file.size(), '?');
+  file.read(0, text.data(), text.size());
+  return text;
+}
+
+TEST(JournaledFile, ShowsOthersTheLastCommitAlone) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "file";
+  JournaledFile file(path, DiskFile::kNew);
+  file.write(0, "hello world");
+  file.commit(11);
+  file.write(0, "J");
+  file.write(9, "LD, AGAIN");  // across the end of the commit
+  EXPECT_EQ(read_all(file), "Jello worLD, AGAIN");
+  EXPECT_EQ(contents(path).substr(0, 11), "hello world");
+  file.commit(13);
+  EXPECT_EQ(contents(path), "Jello worLD, ");
+  EXPECT_EQ(read_all(file), "Jello worLD, ");
+}
+
+// Random writes, cuts and stops, beside a string that does the same.
+TEST(JournaledFile, IsAPlainFileThatForgetsWhatWasNotCommitted) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "file";
+  Random random(7);
+  std::string now, committed;
+  auto file = std::make_unique<JournaledFile>(path, DiskFile::kNew);
+  const auto below = [&](std::size_t n) {
+    return static_cast<std::size_t>(random.uniform() * static_cast<double>(n));
+  };
+  for (int n = 0; n < 600; ++n) {
+    const double die = random.uniform();
+    if (die < 0.8) {
+      const std::string bytes(1 + below(6000), static_cast<char>('a' + n % 26));
+      const std::size_t at = below(now.size() + 1);
+      now.resize(std::max(now.size(), at + bytes.size()));
+      now.replace(at, bytes.size(), bytes);
+      file->write(at, bytes);
+    } else if (die < 0.9) {
+      now.resize(now.size() - below(now.size() / 4 + 1));
+      file->commit(now.size());
+      committed = now;
+    } else {
+      file.reset();
+      file = std::make_unique<JournaledFile>(path, DiskFile::kThere);
+      ASSERT_EQ(contents(path).substr(0, committed.size()), committed);
+      file->commit(committed.size());
+      now = committed;
+    }
+    ASSERT_EQ(read_all(*file), now) << n;
+  }
+}
+
+TEST(JournaledFile, CarriesOutTheJournalItFinds) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.write("file", "0123456789");
+  const std::uint64_t change[] = {3, 4};
+  folder.write("file.journal", std::string(reinterpret_cast<const char*>(change), sizeof change) + "DEFG");
+  const JournaledFile file(path, DiskFile::kThere);
+  EXPECT_EQ(contents(path), "012DEFG789");
+  EXPECT_FALSE(fs::exists(folder.path() / "file.journal"));
+}
+
+// Two waters and an atom, in motion.
+struct Sample {
+  System sys = make_system(Eigen::VectorXd{{15.999, 1.008, 1.008, 15.999, 1.008, 1.008, 39.95}},
+                           {{0, 1, 0.1}, {0, 2, 0.1}, {3, 4, 0.1}, {3, 5, 0.1}}, Box{Vec3(2, 3, 4)});
+  Names names = guessed_names({sys.mass.begin(), sys.mass.end()}, {0, 0, 0, 1, 1, 1, 2});
+  State state{Vectors::Random(3, 7), Vectors::Random(3, 7), Vectors::Random(3, 7), 0};
+  Eigen::VectorXd tension = Eigen::VectorXd::Random(4);
+  TrajectorySetup setup{sys, names, 0.002, 10, 0};
+
+  Frame at(long frame) {
+    state.t = 0.02 * static_cast<double>(frame);
+    state.x.setConstant(static_cast<double>(frame));
+    return {10 * frame, state, tension};
+  }
+};
+
+template <class File>
+class Trajectories : public testing::Test {};
+using Kinds = testing::Types<DcdFile, H5mdFile>;
+TYPED_TEST_SUITE(Trajectories, Kinds);
+
+// Written in one go, and with frames lost and written again.
+TYPED_TEST(Trajectories, GoOnFromAMark) {
+  const TemporaryFolder folder;
+  Sample sample;
+  std::uint64_t mark = 0, end = 0;
+  {
+    TypeParam whole(folder.path() / "whole", sample.setup, 0);
+    for (long n = 0; n < 60; ++n) whole.add(sample.at(n));
+    end = whole.mark();
+  }
+  {
+    TypeParam first(folder.path() / "parts", sample.setup, 0);
+    for (long n = 0; n < 50; ++n) {
+      if (n == 20) mark = first.mark();
+      first.add(sample.at(n < 20 ? n : -n));
+    }
+  }
+  ASSERT_GT(mark, 0u);
+  {
+    TypeParam second(folder.path() / "parts", sample.setup, mark);
+    for (long n = 20; n < 60; ++n) second.add(sample.at(n));
+    EXPECT_EQ(second.mark(), end);
+  }
+  if (std::is_same_v<TypeParam, DcdFile>) {
+    EXPECT_EQ(contents(folder.path() / "parts"), contents(folder.path() / "whole"));
+  }
+}
+
+TYPED_TEST(Trajectories, RefuseToGoOnFromSomethingElse) {
+  const TemporaryFolder folder;
+  Sample sample;
+  std::uint64_t mark = 0;
+  {
+    TypeParam file(folder.path() / "file", sample.setup, 0);
+    file.add(sample.at(0));
+    mark = file.mark();
+  }
+  EXPECT_THROW(TypeParam(folder.path() / "file", sample.setup, 1000 * mark), OutsideError);
+  EXPECT_THROW(TypeParam(folder.path() / "none", sample.setup, mark), OutsideError);
+  EXPECT_THROW(TypeParam(folder.write("words", std::string(100000, 'x')), sample.setup, mark + 1),
+               OutsideError);
+  const System other = make_system(Eigen::VectorXd::Ones(3), {});
+  EXPECT_THROW(TypeParam(folder.path() / "file", {other, sample.names, 0.002, 10, 0}, mark), OutsideError);
+}
+
+TYPED_TEST(Trajectories, SayThatTheDiskIsFull) {
+  Sample sample;
+  try {
+    TypeParam file("/dev/full", sample.setup, 0);
+    for (long n = 0; n < 100; ++n) file.add(sample.at(n));
+    file.mark();
+    FAIL();
+  } catch (const OutsideError& e) {
+    EXPECT_STREQ(e.what(), "/dev/full: cannot write: No space left on device");
+  }
+}
+
+TEST(DcdFile, CountsItsFramesInItsHeader) {
+  const TemporaryFolder folder;
+  Sample sample;
+  DcdFile file(folder.path() / "t.dcd", sample.setup, 0);
+  for (long n = 0; n < 3; ++n) file.add(sample.at(n));
+  const std::string bytes = contents(folder.path() / "t.dcd");
+  std::int32_t control[20];
+  std::memcpy(control, bytes.data() + 8, sizeof control);
+  float step;
+  std::memcpy(&step, &control[9], sizeof step);
+  EXPECT_EQ(control[0], 3);
+  EXPECT_EQ(control[2], 10);
+  EXPECT_EQ(control[3], 30);
+  EXPECT_NEAR(step * 0.0488882129, 0.002, 1e-9);
+  EXPECT_EQ(control[10], 1);
+  EXPECT_EQ(bytes.size(), 196u + 3 * (56 + 3 * (8 + 28)));
+}
+
+TEST(PdbFile, HasEveryThingInItsColumns) {
+  const TemporaryFolder folder;
+  Sample sample;
+  sample.state.x.col(0) << 0.1234, -0.5, 12345.678;
+  write_pdb(folder.path() / "s.pdb", sample.sys, sample.names, sample.state.x);
+  const std::string text = contents(folder.path() / "s.pdb");
+  EXPECT_THAT(text, HasSubstr("CRYST1   20.000   30.000   40.000  90.00  90.00  90.00 P 1           1\n"));
+  EXPECT_THAT(text,
+              HasSubstr("HETATM    1  O   HOH     1       1.234  -5.000123456.8  1.00  0.00           O\n"));
+  EXPECT_THAT(text, HasSubstr("HETATM    5  H1  HOH     2    "));
+  EXPECT_THAT(text, HasSubstr("HETATM    7 Ar1  MOL     3    "));
+  EXPECT_THAT(text, HasSubstr("CONECT    4    6\n"));
+}
+
+}  // namespace
+}  // namespace taut
