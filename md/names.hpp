@@ -1,7 +1,7 @@
 #pragma once
 
-#include <compare>
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace taut {
@@ -11,7 +11,9 @@ struct AtomKind {
   std::string atom, residue;  // "OW" in "HOH"
   std::string element;        // "O"; empty where it stands for a group or a bead
 
-  friend auto operator<=>(const AtomKind&, const AtomKind&) = default;
+  friend bool operator<(const AtomKind& a, const AtomKind& b) {
+    return std::tie(a.atom, a.residue, a.element) < std::tie(b.atom, b.residue, b.element);
+  }
 };
 
 struct Names {

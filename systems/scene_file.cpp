@@ -69,8 +69,13 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
 }  // namespace
 
 Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+  return read_scene(parse_toml_file(file), file, overrides);
+}
+
+Scene read_scene(toml::table&& table, const std::filesystem::path& file,
+                 const std::vector<std::string>& overrides) {
   try {
-    return read_parsed(file, parse_toml_file(file), parse_overrides(overrides));
+    return read_parsed(file, std::move(table), parse_overrides(overrides));
   } catch (const LocatedError&) {
     throw;
   } catch (const InputError& e) {

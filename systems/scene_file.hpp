@@ -1,5 +1,7 @@
 #pragma once
 
+#include <toml++/toml.h>
+
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -21,6 +23,10 @@ namespace taut {
 // another method. Only what the overrides say of the new one counts, on top of its defaults. One that
 // names the file's own method changes nothing.
 Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+
+// The same of a file parsed already.
+Scene read_scene(toml::table&& table, const std::filesystem::path& file,
+                 const std::vector<std::string>& overrides = {});
 
 // The [run] and [method] sections alone, from overrides over what the scene has, by the same rule: for
 // systems that come from elsewhere.

@@ -10,7 +10,10 @@
 namespace taut {
 
 Start read_start(const std::filesystem::path& file) {
-  const toml::table table = parse_toml_file(file);
+  return read_start(parse_toml_file(file), file);
+}
+
+Start read_start(const toml::table& table, const std::filesystem::path& file) {
   const TomlTable keys(table, file.string());
   Start start;
   keys.read("time_ps", start.state.t);

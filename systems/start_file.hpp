@@ -1,5 +1,7 @@
 #pragma once
 
+#include <toml++/toml.h>
+
 #include <filesystem>
 
 #include "md/box.hpp"
@@ -20,6 +22,7 @@ struct Start {
 
 // Throws InputError with one line naming file, line and key.
 Start read_start(const std::filesystem::path& file);
+Start read_start(const toml::table& table, const std::filesystem::path& file);  // of a file parsed already
 
 // Written aside and renamed. Throws OutsideError.
 void write_start(const std::filesystem::path& file, const System& sys, const State& s);

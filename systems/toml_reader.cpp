@@ -253,6 +253,10 @@ toml::table parse_toml_file(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw LocatedError(file.string() + ": cannot be read");
   const std::string text(std::istreambuf_iterator<char>(stream), {});
+  return parse_toml_text(text, file);
+}
+
+toml::table parse_toml_text(std::string_view text, const std::filesystem::path& file) {
   try {
     return toml::parse(text, file.string());
   } catch (const toml::parse_error& e) {

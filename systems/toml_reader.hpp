@@ -109,6 +109,7 @@ bool TomlTable::read(std::string_view key, Integer& into, Range range) const {
 }
 
 toml::table parse_toml_file(const std::filesystem::path& file);
+toml::table parse_toml_text(std::string_view text, const std::filesystem::path& file);  // named in errors
 
 // "run.dt_fs=2": a dotted key and a value, as in TOML, but a word needs no quotes.
 toml::table parse_overrides(const std::vector<std::string>& overrides);

@@ -140,10 +140,10 @@ class WaterSource {
     if (start_ && !start_->box.periodic() && molecules_of_start() == molecules) return *start_;
     if (start_) require_box();
     const double edge = droplet_edge(molecules, density_);
-    if (start_)
-      return droplet(tiled(*start_, static_cast<int>(std::ceil(edge / start_->box.edge.minCoeff()))),
-                     molecules);
-    const double n = std::ceil(edge * std::cbrt(density_));
+    const double n = std::ceil(start_ ? edge / start_->box.edge.minCoeff() : edge * std::cbrt(density_));
+    atoms_of(keys_, start_ ? "start" : "density_g_cm3", n * n * n,
+             start_ ? static_cast<double>(start_->state.x.cols()) : 3.0);
+    if (start_) return droplet(tiled(*start_, static_cast<int>(n)), molecules);
     return droplet(box_of(static_cast<long>(n * n * n), notes), molecules);
   }
 
