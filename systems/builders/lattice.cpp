@@ -1,12 +1,17 @@
 #include "systems/builders/lattice.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "md/errors.hpp"
+
 namespace taut {
 namespace {
 
+constexpr double kMostStretched = 8;  // a layer of cells beside all of them, before no box is near to a cube
 const double kRowHeight = std::sqrt(0.75);  // of a hexagonal lattice, in spacings
 
 // The counts worth trying along an edge that should have `ideal` cells.
@@ -21,7 +26,11 @@ struct Counts {
 
 Grid fit_grid(long cells, const Vec3& cell, int ny_step) {
   const double edge = std::cbrt(static_cast<double>(cells) * cell.prod());
-  const Counts y(edge / cell.y(), ny_step), z(edge / cell.z(), 1);
+  const double ideal_y = edge / cell.y(), ideal_z = edge / cell.z();
+  if (!((ideal_y + 1) * (ideal_z + 1) < kMostStretched * static_cast<double>(cells + 8)))
+    throw InputError(fmt::format("no box near to a cube holds {} cells of {:.3g} × {:.3g} × {:.3g} nm", cells,
+                                 cell.x(), cell.y(), cell.z()));
+  const Counts y(ideal_y, ny_step), z(ideal_z, 1);
   Grid best{};
   double least_cost = std::numeric_limits<double>::infinity();
   for (int nz = z.least; nz <= z.most; ++nz)

@@ -16,7 +16,7 @@ struct Grid {
 };
 
 // At least `cells` cells of the given shape [nm]: near to a cube, and with few left over. ny is a multiple of
-// ny_step.
+// ny_step. Throws InputError for a shape that no such box can be made of.
 Grid fit_grid(long cells, const Vec3& cell, int ny_step = 1);
 
 // Columns along z on a hexagonal lattice: every column has its six neighbours at `spacing`. Periodic for an
