@@ -80,8 +80,8 @@ void chart(const ChartArguments& arguments) {
   make_folder(arguments.out);
   Ledger ledger(arguments.out / "unfinished.tsv", arguments.command());
   std::vector<Job> jobs;
-  for (const auto& panel :
-       {work_jobs(plan, ledger), drift_jobs(plan), order_jobs(plan), length_jobs(plan, ledger)})
+  for (const auto& panel : {work_jobs(plan, ledger), drift_jobs(plan), order_jobs(plan),
+                            length_jobs(plan, ledger), precision_jobs(plan, ledger)})
     jobs.insert(jobs.end(), panel.begin(), panel.end());
   fmt::print("{}: {} bonds, step {:g} fs; {} settings of {} methods, {} trials\n", plan.scene.name,
              plan.scene.system.bond_count(), plan.scene.run.dt_fs, plan.settings().size(),

@@ -62,7 +62,7 @@ Picture work_picture(const ChartPlan& plan, const Ledger& ledger) {
   };
   p.script = fmt::format(
       "{}  set multiplot title '{}: constraints at {:g} fs (lower left is better)' noenhanced\n"
-      "  set xrange [1e-14:1e-1]\n  set xtics 1e-16,1e3\n"
+      "  set xrange [5e-17:1e-1]\n  set xtics 1e-16,1e3\n"
       "  set bmargin screen 0.26\n  set tmargin screen 0.92\n"
       "  set lmargin screen 0.09\n  set rmargin screen 0.52\n"
       "  set ylabel 'constraint time a bond and step [ns]'\n  set xlabel 'rms relative bond error'\n"
@@ -154,10 +154,40 @@ Picture length_picture(const ChartPlan& plan, const Ledger& ledger) {
   return p;
 }
 
+// Filled: double; open: mixed.
+Picture precision_picture(const ChartPlan& plan, const Ledger& ledger) {
+  Picture p{"precision", precision_csv(plan, ledger), "", 800, 520};
+  std::vector<std::string> plots;
+  for (const auto& method : plan.methods)
+    for (const char* precision : {"double", "mixed"})
+      if (p.csv.find(method + "," + precision + ",,") == p.csv.npos)
+        plots.push_back(fmt::format(
+            "csv using (strcol('method') eq '{0}' && strcol('precision') eq '{1}' ? "
+            "abs(column('drift_kj_mol_ns_dof')) : 1/0):'step_us':"
+            "(low(column('drift_low'), column('drift_high'))):(high(column('drift_low'), "
+            "column('drift_high'))):"
+            "'step_us_q1':'step_us_q3' with xyerrorbars {2} {3} lw 1.5 title '{0}, {1}'",
+            method, precision, mark_of(method), precision == std::string("double") ? "dt 1" : "dt 3 ps 0.6"));
+  p.script = fmt::format(
+      "  set logscale x\n  set format x '10^{{%L}}'\n"
+      "  low(a, b) = a*b > 0 ? (abs(a) < abs(b) ? abs(a) : abs(b)) : 1e-12\n"
+      "  high(a, b) = abs(a) > abs(b) ? abs(a) : abs(b)\n"
+      "  set title '{}: a whole step at {:g} fs, pair forces in double (full bars) and mixed precision "
+      "(dotted)' "
+      "noenhanced\n"
+      "  set xlabel '|energy drift| [kJ/mol/ns/degree of freedom], 95 % interval; to the left edge: zero is "
+      "inside'\n"
+      "  set ylabel 'time of a step [µs]'\n  set yrange [0:*]\n  set xrange [1e-4:*]\n  set key noenhanced "
+      "outside "
+      "right samplen 2\n{}",
+      plan.scene.name, plan.scene.run.dt_fs, joined(plots));
+  return p;
+}
+
 }  // namespace
 
 std::vector<CaptionedPicture> chart_pictures(const ChartPlan& plan, const Ledger& ledger) {
-  return {
+  std::vector<CaptionedPicture> all = {
       {work_picture(plan, ledger), "Constraint time against bond error",
        fmt::format("A curve a method; its points are the values of the named setting. Bars: quartiles of {} "
                    "interleaved repeats of {} steps.",
@@ -174,6 +204,12 @@ std::vector<CaptionedPicture> chart_pictures(const ChartPlan& plan, const Ledger
        "Freely jointed chains at 10 fs; iterative methods at tolerance 1e-8, the others at their defaults. "
        "No "
        "other scene's forces are in it."}};
+  if (has_precisions(plan.scene))
+    all.push_back(
+        {precision_picture(plan, ledger), "What mixed precision costs and gains",
+         "A whole step, every method at its defaults; pair geometry and force in single precision, sums in "
+         "double."});
+  return all;
 }
 
 }  // namespace taut

@@ -8,51 +8,18 @@
 
 #include "md/observables.hpp"
 #include "systems/scene_file.hpp"
+#include "systems/studies/repeats.hpp"
 
 namespace taut {
 namespace {
 
 constexpr int kOrderSteps = 16;  // of the scene's own length, to the end of the comparison
 
-struct Quartiles {
-  double low = 0, median = 0, high = 0;
-};
-
-Quartiles quartiles(std::vector<double> values) {
-  if (values.empty()) return {};
-  std::ranges::sort(values);
-  const auto at = [&](double share) {
-    const double place = share * static_cast<double>(values.size() - 1);
-    const auto below = static_cast<std::size_t>(place);
-    const std::size_t above = std::min(below + 1, values.size() - 1);
-    return std::lerp(values[below], values[above], place - static_cast<double>(below));
-  };
-  return {at(0.25), at(0.5), at(0.75)};
-}
-
-std::string repeat_name(const std::string& point, int repeat) {
-  return fmt::format("{} #{}", point, repeat);
-}
-
-// Repeats of many points, all points once before any is run again. What failed once is not run again.
-std::vector<Job> interleaved(const std::vector<Job>& points, int repeats, const Ledger& ledger) {
-  std::vector<Job> jobs;
-  for (int repeat = 0; repeat < repeats; ++repeat)
-    for (const Job& point : points)
-      jobs.push_back({repeat_name(point.name, repeat), [&ledger, point, repeat] {
-                        const std::string first = repeat_name(point.name, 0);
-                        if (repeat > 0 && ledger.at(first).failed()) return ledger.at(first);
-                        return point.make();
-                      }});
-  return jobs;
-}
-
 // Constraint time a bond and step [ns].
 Quartiles cost(const std::string& point, int repeats, int bonds, const Ledger& ledger) {
-  std::vector<double> ns;
-  for (int repeat = 0; repeat < repeats; ++repeat)
-    ns.push_back(ledger.at(repeat_name(point, repeat)).constraint_us * 1000 / std::max(1, bonds));
-  return quartiles(std::move(ns));
+  const double each = 1000.0 / std::max(1, bonds);
+  const Quartiles us = over_repeats(point, repeats, ledger, &Trial::constraint_us);
+  return {us.low * each, us.median * each, us.high * each};
 }
 
 std::string quoted(const std::string& text) {

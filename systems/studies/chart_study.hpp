@@ -24,15 +24,20 @@ struct ChartPlan {
 //   drift   of the energy, with its interval
 //   order   distance from a reference run (newton, 1e-12, at a fine step) after a short time, step by step
 //   length  constraint time a bond against the length of freely jointed chains
+//   precision  time of a whole step, drift and bond errors with pair forces in double and in mixed precision;
+//           none where there are no pair forces
 std::vector<Job> work_jobs(const ChartPlan& plan, const Ledger& ledger);
 std::vector<Job> drift_jobs(const ChartPlan& plan);
 std::vector<Job> order_jobs(const ChartPlan& plan);
 std::vector<Job> length_jobs(const ChartPlan& plan, const Ledger& ledger);
+std::vector<Job> precision_jobs(const ChartPlan& plan, const Ledger& ledger);
 
 std::string work_csv(const ChartPlan& plan, const Ledger& ledger);
 std::string drift_csv(const ChartPlan& plan, const Ledger& ledger);
 std::string order_csv(const ChartPlan& plan, const Ledger& ledger);
 std::string length_csv(const ChartPlan& plan, const Ledger& ledger);
+std::string precision_csv(const ChartPlan& plan, const Ledger& ledger);
+bool has_precisions(const Scene& scene);
 
 // Who failed where, and why: panel, setting, reason.
 std::string failures_csv(const ChartPlan& plan, const Ledger& ledger);
