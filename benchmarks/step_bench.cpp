@@ -47,10 +47,7 @@ std::vector<Case> cases() {
                    {fmt::format("build.molecules={}", molecules), "method.name=settle"}});
   all.push_back({"decane", "decane", {"method.name=newton"}});
   all.push_back({"melt", "melt", {"method.name=newton"}});
-  all.push_back({"lj_chains",
-                 "melt",
-                 {"build.chains=100", "build.beads=20", "forcefield.pair=lennard-jones",
-                  "forcefield.cutoff_nm=2.5", "method.name=newton"}});
+  all.push_back({"chain", "chain", {"method.name=newton"}});
   all.push_back({"droplet", "water_cluster", {"method.name=settle"}});
   return all;
 }

@@ -1,41 +1,63 @@
 #!/usr/bin/env python3
-"""Whole steps of taut beside OpenMM's CPU platform, on the same systems, in the same run.
+"""Whole steps of taut beside OpenMM's CPU platform, GROMACS and LAMMPS: the same systems, in the same run.
 
-    benchmarks/step_peers.py build/step_bench [--scenes water1728,lj_chains] [--repeats 5]
+    benchmarks/step_peers.py [--build build] [--systems water1728,water5832,chain] [--threads 1,2] [--repeats 5]
 
-Medians of repeats in random order. Prints µs a step and the ratio to OpenMM at equal threads, and writes
-benchmarks/results/step_peers.csv. `cpu` is what all threads together spent on a processor: at one thread it is
-the time a step takes, on a busy machine too. `wall` is the clock.
+Prints medians in µs a step and how many times longer than taut's each takes, at equal threads, and writes
+benchmarks/results/step_peers.csv. All take turns in every repeat, so that they meet the same machine. taut and OpenMM
+go through step_bench; GROMACS (gmx, gmx_d) and LAMMPS (lmp, waters only: its RATTLE takes four atoms at most) are given
+the same positions, cutoffs and bonds; what is not installed is skipped.
 """
 import argparse
 import csv
+import datetime
 import json
+import math
 import os
 import pathlib
 import statistics
 import subprocess
+import sys
+
+import peer_gromacs
+import peer_lammps
+import peer_systems
 
 STEPS = 20  # a benchmark's iteration
 TO_US = {"ns": 1e-3, "us": 1.0, "ms": 1e3, "s": 1e6}
+PATIENT = {"OMP_WAIT_POLICY": "passive", **os.environ}  # threads that wait leave the core to others
 
 
-def measure(program, scenes, repeats):
-    """{(part, scene, precision, threads): (wall, cpu)}, medians [µs a step]."""
-    command = [program, f"--benchmark_filter=^(step|openmm)/({'|'.join(scenes)})/",
-               f"--benchmark_repetitions={repeats}", "--benchmark_enable_random_interleaving=true",
-               "--benchmark_min_time=0.2", "--benchmark_format=json"]
-    environment = {"OMP_WAIT_POLICY": "passive", **os.environ}
-    report = json.loads(subprocess.run(command, check=True, capture_output=True, text=True, env=environment).stdout)
+def through_step_bench(program, systems, threads, seconds):
+    """{(engine, precision, system, threads): µs a step} of taut and of OpenMM, where taut was built with it."""
+    counts = "|".join(map(str, threads))
+    command = [program, f"--benchmark_filter=^(step|openmm)/({'|'.join(systems)})/.*/({counts})/",
+               f"--benchmark_min_time={seconds}", "--benchmark_format=json"]
+    report = json.loads(subprocess.run(command, check=True, capture_output=True, text=True, env=PATIENT).stdout)
     runs = {}
     for run in report["benchmarks"]:
-        if run["run_type"] != "iteration":
-            continue
-        part, scene, precision, threads = run["name"].split("/")[:4]
-        scale = TO_US[run["time_unit"]] / STEPS
-        runs.setdefault((part, scene, precision, int(threads)), []).append(
-            (run["real_time"] * scale, run["cpu_time"] * scale))
-    medians = {key: tuple(statistics.median(column) for column in zip(*rows)) for key, rows in runs.items()}
-    return report["context"], medians
+        part, system, precision, n = run["name"].split("/")[:4]
+        engine = "taut" if part == "step" else "OpenMM CPU"
+        runs[engine, precision if part == "step" else "mixed", system, int(n)] = run["real_time"] * TO_US[run["time_unit"]] / STEPS
+    return runs
+
+
+def through_peers(systems, threads, seconds):
+    runs = {}
+    for molecules in systems:
+        for n in threads:
+            for program in peer_gromacs.engines():
+                runs[f"GROMACS {program}", "double" if program == "gmx_d" else "mixed", molecules.name, n] = \
+                    peer_gromacs.us_per_step(program, molecules, n, seconds)
+            for _ in peer_lammps.engines():
+                runs["LAMMPS", "double", molecules.name, n] = peer_lammps.us_per_step(molecules, n, seconds)
+    return {key: us for key, us in runs.items() if not math.isnan(us)}
+
+
+def versions():
+    openmm = subprocess.run(["dpkg-query", "-W", "-f=${Version}", "libopenmm-dev"], capture_output=True, text=True).stdout
+    return [f"OpenMM {openmm or 'unknown'}", *(peer_gromacs.version(p) for p in peer_gromacs.engines()),
+            *(peer_lammps.version() for _ in peer_lammps.engines())]
 
 
 def cpu_name():
@@ -45,35 +67,41 @@ def cpu_name():
     return "unknown"
 
 
-def openmm_version():
-    query = subprocess.run(["dpkg-query", "-W", "-f=${Version}", "libopenmm-dev"], capture_output=True, text=True)
-    return query.stdout or "unknown"
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("program")
-    parser.add_argument("--scenes", default="water216,water1728,water5832,lj_chains,decane")
+    here = pathlib.Path(__file__).parent
+    parser.add_argument("--build", type=pathlib.Path, default=here.parent / "build")
+    parser.add_argument("--systems", default="water1728,water5832,chain")
+    parser.add_argument("--threads", default="1,2")
     parser.add_argument("--repeats", type=int, default=5)
-    parser.add_argument("--out", default=pathlib.Path(__file__).parent / "results" / "step_peers.csv")
+    parser.add_argument("--seconds", type=float, default=0.5, help="of each measurement")
+    parser.add_argument("--out", type=pathlib.Path, default=here / "results" / "step_peers.csv")
     arguments = parser.parse_args()
-    context, medians = measure(arguments.program, arguments.scenes.split(","), arguments.repeats)
+    names, threads = arguments.systems.split(","), [int(n) for n in arguments.threads.split(",")]
+    systems = peer_systems.make(arguments.build / "taut", names)
 
-    rows = []
-    for (part, scene, precision, threads), (wall, cpu) in sorted(medians.items(), key=lambda m: m[0][1:]):
-        peer = medians.get(("openmm", scene, "single", threads))
-        name = "taut" if part == "step" else "openmm-cpu"
-        ratios = [round(peer[0] / wall, 2), round(peer[1] / cpu, 2)] if peer else ["", ""]
-        rows.append([scene, name, precision, threads, round(wall, 1), round(cpu, 1), *ratios])
-        print("{:<12}{:<12}{:<8}{} threads  wall {:>9} µs  cpu {:>9} µs  OpenMM/this: {} {}".format(*rows[-1]))
-    pathlib.Path(arguments.out).parent.mkdir(exist_ok=True)
+    seen = {}
+    for repeat in range(arguments.repeats):
+        print(f"repeat {repeat + 1} of {arguments.repeats}", file=sys.stderr)
+        for runs in (through_step_bench(arguments.build / "step_bench", names, threads, arguments.seconds),
+                     through_peers(systems, threads, arguments.seconds)):
+            for key, us in runs.items():
+                seen.setdefault(key, []).append(us)
+
+    median = {key: statistics.median(values) for key, values in seen.items()}
     with open(arguments.out, "w", newline="") as file:
-        file.write(f"# {context['date']}; {cpu_name()}, {context['num_cpus']} cores, load {context['load_avg']}; "
-                   f"OpenMM {openmm_version()}; medians of {arguments.repeats}\n")
+        file.write(f"# {datetime.date.today()}; {cpu_name()}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}; "
+                   f"{'; '.join(versions())}; medians of {arguments.repeats}\n")
         writer = csv.writer(file)
-        writer.writerow(["scene", "engine", "precision", "threads", "wall_us_per_step", "cpu_us_per_step",
-                         "openmm_over_this_wall", "openmm_over_this_cpu"])
-        writer.writerows(rows)
+        writer.writerow(["system", "threads", "engine", "precision", "us_per_step", "over_taut_double", "over_taut_mixed"])
+        for system in names:
+            for n in threads:
+                print(f"{system}, {n} thread{'s' * (n > 1)}")
+                rows = sorted((us, engine, precision) for (engine, precision, s, t), us in median.items() if (s, t) == (system, n))
+                for us, engine, precision in rows:
+                    over = [us / median["taut", p, system, n] for p in ("double", "mixed")]
+                    print(f"  {engine:<14} {precision:<7} {us:>10.1f} µs   {over[0]:5.2f} × taut double  {over[1]:5.2f} × taut mixed")
+                    writer.writerow([system, n, engine, precision, f"{us:.1f}", *(f"{o:.2f}" for o in over)])
     print(f"wrote {arguments.out}")
 
 

@@ -1,0 +1,71 @@
+"""GROMACS on a peer_systems.Molecules: µs a step by its own clock, the second half of a run counted."""
+import pathlib
+import re
+import shutil
+import subprocess
+import tempfile
+
+MDP = """integrator = md
+dt = {dt}
+nsteps = {steps}
+cutoff-scheme = Verlet
+coulombtype = reaction-field
+epsilon-rf = 78.3
+rcoulomb = {cutoff}
+rvdw = {cutoff}
+vdw-modifier = {modifier}
+rvdw-switch = {switch}
+nstenergy = 1000
+nstcalcenergy = 1000
+nstlog = 0
+constraint-algorithm = lincs
+"""
+
+
+def topology(m):
+    types = {(mass, sigma, epsilon): f"T{k}" for k, (mass, sigma, epsilon) in
+             enumerate(dict.fromkeys((a[1], a[3], a[4]) for a in m.atoms))}
+    atoms = "\n".join(f"{k + 1} {types[a[1], a[3], a[4]]} 1 MOL {a[0]} {k + 1} {a[2]} {a[1]}" for k, a in enumerate(m.atoms))
+    if m.water:
+        bonds = f"[ settles ]\n1 1 {m.bonds[0][2]} {m.bonds[2][2]}\n[ exclusions ]\n1 2 3\n2 1 3\n3 1 2"
+    else:
+        bonds = "[ constraints ]\n" + "\n".join(f"{i + 1} {j + 1} 1 {d}" for i, j, d in m.bonds)
+    kinds = "\n".join(f"{name} {mass} 0 A {sigma} {epsilon}" for (mass, sigma, epsilon), name in types.items())
+    return (f"[ defaults ]\n1 2 no 1 1\n[ atomtypes ]\n{kinds}\n[ moleculetype ]\nM 1\n[ atoms ]\n{atoms}\n{bonds}\n"
+            f"[ system ]\n{m.name}\n[ molecules ]\nM {m.count}\n")
+
+
+def coordinates(m):
+    lines = [f"{n // len(m.atoms) % 99999 + 1:5d}MOL  {m.atoms[n % len(m.atoms)][0]:>5}{n % 99999 + 1:5d}"
+             + "".join(f"{c:12.7f}" for c in x) + "".join(f"{c:12.7f}" for c in v) for n, (x, v) in enumerate(zip(m.x, m.v))]
+    return "\n".join([m.name, str(len(m.x)), *lines, " ".join(f"{edge:.7f}" for edge in m.box)]) + "\n"
+
+
+def engines():
+    return [program for program in ("gmx", "gmx_d") if shutil.which(program)]
+
+
+def version(program):
+    text = subprocess.run([program, "--version"], capture_output=True, text=True).stdout
+    find = lambda key: re.search(key + r":\s*(\S+)", text).group(1)
+    return f"GROMACS {find('GROMACS version')} ({find('Precision')}, {find('SIMD instructions')})"
+
+
+def us_per_step(program, m, threads, seconds):
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        (folder / "in.gro").write_text(coordinates(m))
+        (folder / "in.top").write_text(topology(m))
+
+        def measure(steps):
+            (folder / "in.mdp").write_text(MDP.format(
+                dt=m.dt_fs * 1e-3, steps=steps, cutoff=m.cutoff, switch=m.switch,
+                modifier="potential-switch" if m.switch else "none"))
+            run = lambda *a: subprocess.run([program, "-nobackup", *a], cwd=folder, check=True, capture_output=True)
+            run("grompp", "-f", "in.mdp", "-c", "in.gro", "-p", "in.top", "-o", "in.tpr", "-maxwarn", "9")
+            run("mdrun", "-s", "in.tpr", "-ntmpi", "1", "-ntomp", str(threads), "-g", "md.log", "-noconfout", "-pin", "off",
+                "-resethway")
+            core, wall = map(float, re.search(r"^\s+Time:\s+([\d.]+)\s+([\d.]+)", (folder / "md.log").read_text(), re.M).groups())
+            return wall / (steps - steps // 2 + 1) * 1e6
+
+        return measure(2 * int(seconds * 1e6 / measure(200) / 2))

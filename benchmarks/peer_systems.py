@@ -1,0 +1,55 @@
+"""The systems that whole steps are compared on, as taut starts them: what a peer needs to run the same."""
+import dataclasses
+import pathlib
+import subprocess
+import tempfile
+import tomllib
+
+
+@dataclasses.dataclass
+class Molecules:
+    name: str  # as step_bench calls it
+    count: int
+    atoms: list  # of one molecule: (name, mass [u], charge [e], sigma [nm], epsilon [kJ/mol])
+    bonds: list  # of one molecule: (i, j, length [nm])
+    cutoff: float  # [nm]
+    switch: float  # of Lennard-Jones, from here on [nm]; 0: none
+    dt_fs: float
+    x: list = dataclasses.field(default_factory=list)  # [nm]
+    v: list = dataclasses.field(default_factory=list)  # [nm/ps]
+    box: list = dataclasses.field(default_factory=list)  # [nm]
+
+    @property
+    def water(self):
+        return len(self.bonds) == 3
+
+
+def start_of(taut, molecules, arguments):
+    """Fills in positions, velocities and box from `taut run ARGUMENTS`."""
+    with tempfile.TemporaryDirectory() as folder:
+        subprocess.run([taut, "run", *arguments, "--out", folder], check=True, capture_output=True)
+        start = tomllib.loads((pathlib.Path(folder) / "final.start.toml").read_text())
+    molecules.box = start["box_nm"]
+    molecules.x = [row[:3] for row in start["atoms"]]
+    molecules.v = [row[3:] for row in start["atoms"]]
+    return molecules
+
+
+def water(taut, count):
+    """TIP3P, reaction field: systems/water.toml."""
+    oh, hh = 0.09572, 0.15139
+    molecules = Molecules(f"water{count}", count,
+                          [("O", 15.99943, -0.834, 0.315061, 0.6364)] + [(h, 1.007947, 0.417, 0, 0) for h in ("H1", "H2")],
+                          [(0, 1, oh), (0, 2, oh), (1, 2, hh)], 0.9, 0, 2)
+    return start_of(taut, molecules, ["water", "--set", f"build.molecules={count}", "--steps", "100"])
+
+
+def chains(taut):
+    """100 chains of 20 Lennard-Jones beads: systems/chain.toml."""
+    molecules = Molecules("chain", 100, [(f"B{b}", 14.0, 0, 0.39, 2.479) for b in range(20)],
+                          [(b, b + 1, 0.3783) for b in range(19)], 0.975, 0.85, 5)
+    return start_of(taut, molecules, ["chain", "--steps", "100"])
+
+
+def make(taut, names):
+    return [chains(taut) if name == "chain" else water(taut, int(name.removeprefix("water"))) for name in names]
