@@ -70,6 +70,15 @@ void ForceField::operator()(const System& sys, State& s) {
   impl_->evaluate(sys, s.x, s.f);
 }
 
+double ForceField::virial(const Vectors& x) const {
+  const Terms& terms = impl_->terms;
+  double sum =
+      taut::virial(terms.bonds, x) + taut::virial(terms.fene, x) + taut::virial(impl_->exceptions, x);
+  if (impl_->lj_coulomb) sum += impl_->lj_coulomb->virial();
+  if (impl_->wca) sum += impl_->wca->virial();
+  return sum + 3 * impl_->dispersion.value_or(0);
+}
+
 double ForceField::potential() const {
   double sum = 0;
   for (const auto& [term, energy] : impl_->energies()) sum += energy;

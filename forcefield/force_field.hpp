@@ -29,6 +29,10 @@ class ForceField {
   // the same, a term at a time, only the terms there are: ("angle", 12.3), ...
   std::vector<std::pair<std::string, double>> energies() const;
 
+  // −3V dE/dV of that evaluation, all lengths scaled [kJ/mol]: Σ r·f of pairs at their nearest images and of
+  // bonds, and three times the dispersion correction, which goes as 1/V. Fields from outside have none.
+  double virial(const Vectors& x) const;
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

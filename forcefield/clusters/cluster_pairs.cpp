@@ -105,6 +105,7 @@ class ClusterPairs::Engine {
   virtual ~Engine() = default;
   virtual void add_forces(const Vectors& x, Vectors& f) = 0;
   virtual double energy() = 0;
+  virtual double virial() = 0;
   long searches = 0, prunings = 0;
 };
 
@@ -131,17 +132,23 @@ class EngineIn final : public ClusterPairs::Engine {
   }
 
   double energy() override {
-    if (energy_known_) return energy_;
-    std::vector<double> parts(threads_);
-    in_parallel(threads_, [&](int t) { parts[t] = pair_energy(p_.law, atoms_, inner_list(t)); });
-    energy_ = 0;
-    for (double part : parts) energy_ += part;
+    if (!energy_known_) energy_ = sum_over_lists(pair_energy<T>);
     energy_known_ = true;
     return energy_;
   }
 
+  double virial() override { return sum_over_lists(pair_virial<T>); }
+
  private:
   using Coordinate = typename PairPrecision<T>::Coordinate;
+
+  double sum_over_lists(double (*sum)(const PairLaw&, const PairAtoms<T>&, const ClusterList&)) const {
+    std::vector<double> parts(threads_);
+    in_parallel(threads_, [&](int t) { parts[t] = sum(p_.law, atoms_, inner_list(t)); });
+    double total = 0;
+    for (double part : parts) total += part;
+    return total;
+  }
 
   const ClusterList& inner_list(int t) const { return p_.all_pairs() ? outer_[t] : inner_[t]; }
 
@@ -337,6 +344,9 @@ void ClusterPairs::add_forces(const Vectors& x, Vectors& f) {
 }
 double ClusterPairs::energy() {
   return engine_->energy();
+}
+double ClusterPairs::virial() {
+  return engine_->virial();
 }
 long ClusterPairs::searches() const {
   return engine_->searches;

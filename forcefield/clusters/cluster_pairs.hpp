@@ -26,7 +26,9 @@ class ClusterPairs {
 
   // Throws SimulationFailure for a position that is not finite.
   void add_forces(const Vectors& x, Vectors& f);
-  double energy();  // at the positions of the last add_forces [kJ/mol]
+  // At the positions of the last add_forces [kJ/mol].
+  double energy();
+  double virial();  // Σ r·f
 
   long searches() const;  // for the outer list, so far
   long prunings() const;  // to the inner one

@@ -3,6 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#ifndef TAUT_PAIR_ASK
+#define TAUT_PAIR_ASK
+namespace taut {
+enum class Ask { kForces, kEnergy, kVirial };  // what is summed over pairs
+}
+#endif
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "forcefield/clusters/pair_kernels.cpp"
 #include "forcefield/clusters/simd_targets.hpp"
@@ -43,10 +50,11 @@ HWY_INLINE void inverse_sqrt(D d, const V (&x)[K], V (&y)[K]) {
   }
 }
 
-template <bool lj, bool charge, bool one_sigma_, bool switched_, bool energy_>
+template <bool lj, bool charge, bool one_sigma_, bool switched_, Ask ask>
 struct Choice {
   static constexpr bool kLj = lj, kCharge = charge, kOneSigma = one_sigma_, kSwitched = switched_;
-  static constexpr bool kEnergy = energy_;
+  static constexpr bool kEnergy = ask == Ask::kEnergy, kVirial = ask == Ask::kVirial;
+  static constexpr bool kSum = kEnergy || kVirial;  // one number, no forces
 };
 
 // Rows of one kind against their clusters.
@@ -76,7 +84,7 @@ class RowSum {
         sigma2_(set(law.sigma * law.sigma)),
         lift_(set(law.lift / 4)),
         unit2_(set(atoms.unit * atoms.unit)),
-        energy_(set(0)) {
+        sum_(set(0)) {
     if constexpr (C::kSwitched) {
       rs_ = set(law.switch_distance);
       inv_width_ = set(1 / (law.cutoff - law.switch_distance));
@@ -93,15 +101,15 @@ class RowSum {
     int k = row.begin;
     for (; k + kAtOnce <= row.end; k += kAtOnce) meet<kAtOnce, false>(clusters + k);
     for (; k < row.end; ++k) meet<1, false>(clusters + k);
-    if constexpr (C::kEnergy) {
-      total_ += double(hn::GetLane(hn::SumOfLanes(D(), energy_)));
-      energy_ = set(0);
+    if constexpr (C::kSum) {
+      total_ += double(hn::GetLane(hn::SumOfLanes(D(), sum_)));
+      sum_ = set(0);
     } else {
       store(row);
     }
   }
 
-  double energy() const { return total_; }
+  double total() const { return total_; }
 
  private:
   static HWY_INLINE V set(double value) { return hn::Set(D(), static_cast<T>(value)); }
@@ -149,7 +157,9 @@ class RowSum {
         }
         for (int k = 0; k < K; ++k) {
           if constexpr (C::kEnergy) {
-            energy_ = hn::Add(energy_, term[k]);
+            sum_ = hn::Add(sum_, term[k]);
+          } else if constexpr (C::kVirial) {
+            sum_ = hn::MulAdd(term[k], r2[k], sum_);
           } else {
             fx_[v] = hn::MulAdd(term[k], dx[k], fx_[v]);
             fy_[v] = hn::MulAdd(term[k], dy[k], fy_[v]);
@@ -256,7 +266,7 @@ class RowSum {
   double unit_;
   T* HWY_RESTRICT f_;
   V cutoff2_, k_rf_, two_k_rf_, c_rf_, sigma2_, lift_, unit2_, rs_{}, inv_width_{};
-  V energy_;
+  V sum_;
   double total_ = 0;
   std::uint32_t mask_ = 0;
   VX x_[kVectors], y_[kVectors], z_[kVectors];
@@ -267,45 +277,48 @@ template <class T, class C>
 HWY_NOINLINE double sum_kind(const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList& list, int kind,
                              T* f) {
   RowSum<T, C> sum(law, atoms, f);
-  double energy = 0;
   for (const PairRow& row : list.rows)
     if (row.kind == kind) sum.add(row, list);
-  if constexpr (C::kEnergy) energy = sum.energy();
-  return energy;
+  return sum.total();
 }
 
-template <class T, bool lj, bool charge, bool energy>
+template <class T, bool lj, bool charge, Ask ask>
 double choose_law(const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList& list, T* f) {
   const int kind = (lj ? kHasLj : 0) | (charge ? kHasCharge : 0);
-  if constexpr (!lj)
-    return sum_kind<T, Choice<false, charge, true, false, energy>>(law, atoms, list, kind, f);
+  if constexpr (!lj) return sum_kind<T, Choice<false, charge, true, false, ask>>(law, atoms, list, kind, f);
   if (law.switched())
-    return law.one_sigma ? sum_kind<T, Choice<lj, charge, true, true, energy>>(law, atoms, list, kind, f)
-                         : sum_kind<T, Choice<lj, charge, false, true, energy>>(law, atoms, list, kind, f);
-  return law.one_sigma ? sum_kind<T, Choice<lj, charge, true, false, energy>>(law, atoms, list, kind, f)
-                       : sum_kind<T, Choice<lj, charge, false, false, energy>>(law, atoms, list, kind, f);
+    return law.one_sigma ? sum_kind<T, Choice<lj, charge, true, true, ask>>(law, atoms, list, kind, f)
+                         : sum_kind<T, Choice<lj, charge, false, true, ask>>(law, atoms, list, kind, f);
+  return law.one_sigma ? sum_kind<T, Choice<lj, charge, true, false, ask>>(law, atoms, list, kind, f)
+                       : sum_kind<T, Choice<lj, charge, false, false, ask>>(law, atoms, list, kind, f);
 }
 
-template <class T, bool energy>
+template <class T, Ask ask>
 double sum_all(const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList& list, T* f) {
   double sum = 0;
-  if (law.charge) sum += choose_law<T, false, true, energy>(law, atoms, list, f);
-  if (law.lj) sum += choose_law<T, true, false, energy>(law, atoms, list, f);
-  if (law.lj && law.charge) sum += choose_law<T, true, true, energy>(law, atoms, list, f);
+  if (law.charge) sum += choose_law<T, false, true, ask>(law, atoms, list, f);
+  if (law.lj) sum += choose_law<T, true, false, ask>(law, atoms, list, f);
+  if (law.lj && law.charge) sum += choose_law<T, true, true, ask>(law, atoms, list, f);
   return sum;
 }
 
 void forces_double(const PairLaw& law, const PairAtoms<double>& atoms, const ClusterList& list, double* f) {
-  sum_all<double, false>(law, atoms, list, f);
+  sum_all<double, Ask::kForces>(law, atoms, list, f);
 }
 void forces_float(const PairLaw& law, const PairAtoms<float>& atoms, const ClusterList& list, float* f) {
-  sum_all<float, false>(law, atoms, list, f);
+  sum_all<float, Ask::kForces>(law, atoms, list, f);
 }
 double energy_double(const PairLaw& law, const PairAtoms<double>& atoms, const ClusterList& list) {
-  return sum_all<double, true>(law, atoms, list, nullptr);
+  return sum_all<double, Ask::kEnergy>(law, atoms, list, nullptr);
 }
 double energy_float(const PairLaw& law, const PairAtoms<float>& atoms, const ClusterList& list) {
-  return sum_all<float, true>(law, atoms, list, nullptr);
+  return sum_all<float, Ask::kEnergy>(law, atoms, list, nullptr);
+}
+double virial_double(const PairLaw& law, const PairAtoms<double>& atoms, const ClusterList& list) {
+  return sum_all<double, Ask::kVirial>(law, atoms, list, nullptr);
+}
+double virial_float(const PairLaw& law, const PairAtoms<float>& atoms, const ClusterList& list) {
+  return sum_all<float, Ask::kVirial>(law, atoms, list, nullptr);
 }
 int copies_double() {
   return Shape<double>::kRows;
@@ -324,6 +337,8 @@ HWY_EXPORT(forces_double);
 HWY_EXPORT(forces_float);
 HWY_EXPORT(energy_double);
 HWY_EXPORT(energy_float);
+HWY_EXPORT(virial_double);
+HWY_EXPORT(virial_float);
 HWY_EXPORT(copies_double);
 HWY_EXPORT(copies_float);
 
@@ -350,6 +365,14 @@ double pair_energy(const PairLaw& law, const PairAtoms<double>& atoms, const Clu
 template <>
 double pair_energy(const PairLaw& law, const PairAtoms<float>& atoms, const ClusterList& list) {
   return HWY_DYNAMIC_DISPATCH(energy_float)(law, atoms, list);
+}
+template <>
+double pair_virial(const PairLaw& law, const PairAtoms<double>& atoms, const ClusterList& list) {
+  return HWY_DYNAMIC_DISPATCH(virial_double)(law, atoms, list);
+}
+template <>
+double pair_virial(const PairLaw& law, const PairAtoms<float>& atoms, const ClusterList& list) {
+  return HWY_DYNAMIC_DISPATCH(virial_float)(law, atoms, list);
 }
 
 }  // namespace taut

@@ -76,6 +76,10 @@ void add_pair_forces(const PairLaw& law, const PairAtoms<T>& atoms, const Cluste
 template <class T>
 double pair_energy(const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList& list);  // [kJ/mol]
 
+// Σ r·f, the pairs' virial [kJ/mol].
+template <class T>
+double pair_virial(const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList& list);
+
 // What of a list is within `range` [nm] now: the same rows, with fewer clusters.
 template <class T>
 void prune_list(const PairAtoms<T>& atoms, const ClusterList& list, double range, ClusterList& pruned);

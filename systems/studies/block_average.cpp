@@ -46,6 +46,28 @@ Estimate block_slope(const std::vector<double>& t, const std::vector<double>& y,
   return {slope.value(), slope.standard_error()};
 }
 
+void RunningMean::add(double y) {
+  sum_ += y, ++count_;
+  open_ += y;
+  if (++in_open_ < length_) return;
+  blocks_[full_++] = open_ / static_cast<double>(length_);
+  open_ = 0, in_open_ = 0;
+  if (full_ < kMost) return;
+  for (int b = 0; b < kMost / 2; ++b) blocks_[b] = 0.5 * (blocks_[2 * b] + blocks_[2 * b + 1]);
+  full_ = kMost / 2;
+  length_ *= 2;
+}
+
+Estimate RunningMean::estimate() const {
+  if (count_ == 0) return {};
+  const double all = sum_ / static_cast<double>(count_);
+  if (full_ < 8) return {all, 0};
+  double middle = 0, spread = 0;
+  for (int b = 0; b < full_; ++b) middle += blocks_[b] / full_;
+  for (int b = 0; b < full_; ++b) spread += (blocks_[b] - middle) * (blocks_[b] - middle);
+  return {all, std::sqrt(spread / (full_ * (full_ - 1.0)))};
+}
+
 double deviations(const Estimate& a, const Estimate& b) {
   const double error = std::hypot(a.error, b.error);
   return error > 0 ? std::abs(a.value - b.value) / error : 0.0;

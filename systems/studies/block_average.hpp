@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 namespace taut {
@@ -18,6 +19,23 @@ Estimate block_mean(const std::vector<double>& y, int blocks = kBlocks);
 
 // Least-squares slope of y against t, through the blocks' means.
 Estimate block_slope(const std::vector<double>& t, const std::vector<double>& y, int blocks = kBlocks);
+
+// The same, one number at a time and in fixed memory: when its blocks are full, two and two become one of
+// twice the length. The error comes from the 16 to 31 that there are in a long run; 0 for fewer than 8.
+class RunningMean {
+ public:
+  void add(double y);
+  Estimate estimate() const;
+
+ private:
+  static constexpr int kMost = 32;
+
+  std::array<double, kMost> blocks_{};  // their means
+  long length_ = 1;                     // of a block
+  int full_ = 0;                        // how many there are
+  double open_ = 0, sum_ = 0;           // of the block that is not full, of all
+  long in_open_ = 0, count_ = 0;
+};
 
 // |a − b| in units of their common standard error; 0 where that is not known.
 double deviations(const Estimate& a, const Estimate& b);

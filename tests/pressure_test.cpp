@@ -1,0 +1,211 @@
+// Virial and pressure, against numerical derivatives of the energy by the volume.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "force_checks.hpp"
+#include "md/observables.hpp"
+#include "md/random.hpp"
+#include "systems/barometer.hpp"
+#include "systems/scene_file.hpp"
+#include "systems/simulation.hpp"
+
+namespace taut {
+namespace {
+
+constexpr double kEdge = 2;  // [nm]
+
+// Atoms not too near each other, none of them wrapped.
+Vectors spread(int atoms, std::uint64_t seed) {
+  Random random(seed);
+  const Box box{{kEdge, kEdge, kEdge}};
+  Vectors x(3, atoms);
+  for (int a = 0; a < atoms;) {
+    x.col(a) = 1.5 * kEdge * Vec3(random.uniform(), random.uniform(), random.uniform());
+    bool near = false;
+    for (int b = 0; b < a; ++b) near |= box.nearest_image(x.col(a) - x.col(b)).norm() < 0.22;
+    if (!near) ++a;
+  }
+  return x;
+}
+
+// Ξ = −dE/d ln s, box and positions scaled by s.
+void expect_virial_is_the_slope(const Terms& terms, const Vectors& x, bool box = true) {
+  const Vec3 edge = box ? Vec3::Constant(kEdge) : Vec3::Zero();
+  const int n = static_cast<int>(x.cols());
+  const double step = 1e-6;
+  const double up = evaluate(terms, (1 + step) * x, (1 + step) * edge).energy;
+  const double down = evaluate(terms, (1 - step) * x, (1 - step) * edge).energy;
+  Bench bench(n, terms, edge);
+  bench.at(x);
+  const double virial = bench.forces.virial(x), slope = (up - down) / (2 * step);
+  EXPECT_GT(std::abs(virial), 1e-3);
+  EXPECT_NEAR(virial, -slope, 1e-6 * std::abs(slope));
+}
+
+Nonbonded charges_and_spheres(int atoms) {
+  Nonbonded nb;
+  nb.charge = Eigen::VectorXd::LinSpaced(atoms, -0.5, 0.5);
+  nb.sigma = Eigen::VectorXd::LinSpaced(atoms, 0.2, 0.35);
+  nb.epsilon = Eigen::VectorXd::LinSpaced(atoms, 0.3, 0.9);
+  nb.cutoff = 0.9;
+  nb.switch_distance = 0.7;
+  return nb;
+}
+
+TEST(Virial, OfPairsAtTheirNearestImages) {
+  Terms terms;
+  terms.nonbonded = charges_and_spheres(60);
+  expect_virial_is_the_slope(terms, spread(60, 1));
+}
+
+TEST(Virial, OfPairsWithoutACutoff) {
+  Terms terms;
+  terms.nonbonded = charges_and_spheres(30);
+  terms.nonbonded->cutoff.reset();
+  terms.nonbonded->switch_distance.reset();
+  expect_virial_is_the_slope(terms, spread(30, 2), false);
+}
+
+TEST(Virial, OfTheDispersionCorrection) {
+  Terms terms;
+  terms.nonbonded = charges_and_spheres(60);
+  terms.nonbonded->dispersion_correction = true;
+  expect_virial_is_the_slope(terms, spread(60, 1));
+}
+
+TEST(Virial, OfExceptions) {
+  Terms terms;
+  terms.nonbonded = charges_and_spheres(3);
+  terms.nonbonded->epsilon.setZero();
+  terms.nonbonded->charge.setZero();
+  terms.nonbonded->exceptions = {{0, 1, 0.2, 0.3, 0.5}, {1, 2, -0.1, 0.2, 0.1}};
+  expect_virial_is_the_slope(terms, columns({{0, 0, 0}, {0.3, 0, 0}, {0.3, 0.4, 0.1}}), false);
+}
+
+TEST(Virial, OfBeads) {
+  Terms terms;
+  terms.wca = Wca{.sigma = 0.5, .epsilon = 1, .exclusions = {}};
+  expect_virial_is_the_slope(terms, spread(60, 3));
+}
+
+TEST(Virial, OfBondsAndOfAnglesNone) {
+  Terms terms;
+  terms.bonds = {{0, 1, 0.25, 1000}};
+  terms.fene = {{1, 2, 30, 1.5}};
+  terms.angles = {{0, 1, 2, 1.5, 100}};
+  terms.rb_torsions = {{0, 1, 2, 3, {9, 12, 1, -30, 2, 1}}};
+  terms.torsions = {{0, 1, 2, 3, 3, 0.1, 5}};
+  expect_virial_is_the_slope(terms, columns({{0, 0, 0}, {0.3, 0, 0}, {0.3, 0.4, 0.1}, {0.5, 0.6, 0.4}}),
+                             false);
+}
+
+// A conductor's reaction field, whose force ends at zero: a slope across a kink is nobody's.
+Scene water(std::vector<std::string> more = {}) {
+  std::vector<std::string> keys = {"forcefield.switch_nm=0.75", "forcefield.rf_dielectric=1e9", "run.dt_fs=1",
+                                   "run.steps=20"};
+  keys.insert(keys.end(), more.begin(), more.end());
+  return read_scene(find_scene("water"), keys);
+}
+
+// The centres of molecules of three and the box scaled by s, the molecules as they are.
+double energy_scaled(const Scene& scene, const Vectors& x, double s) {
+  System sys = scene.system;
+  sys.box.edge *= s;
+  State state{x, {}, {}, 0};
+  for (int o = 0; o < sys.atoms(); o += 3) {
+    const Vec3 centre = x.middleCols<3>(o) * sys.mass.segment<3>(o) / sys.mass.segment<3>(o).sum();
+    state.x.middleCols<3>(o).colwise() += (s - 1) * centre;
+  }
+  ForceField forces(sys, scene.terms);
+  forces(sys, state);
+  return forces.potential();
+}
+
+// For rigid molecules the constraint forces turn the pressure of the atoms into that of the molecules,
+//     P = (2K_translation − dE/d ln s)/(3V),  s the scale of box and centres, at every instant.
+double molecular_pressure(const Scene& scene, const State& state) {
+  const System& sys = scene.system;
+  const double step = 1e-6;
+  const double slope =
+      (energy_scaled(scene, state.x, 1 + step) - energy_scaled(scene, state.x, 1 - step)) / (2 * step);
+  double twice_kinetic = 0;
+  for (int o = 0; o < sys.atoms(); o += 3)
+    twice_kinetic +=
+        (state.v.middleCols<3>(o) * sys.mass.segment<3>(o)).squaredNorm() / sys.mass.segment<3>(o).sum();
+  return kBarPerUnit * (twice_kinetic - slope) / (3 * sys.box.volume());
+}
+
+double atomic_pressure(const Scene& scene, const State& state) {
+  ForceField forces(scene.system, scene.terms);
+  return Barometer(scene.system)(scene.system, forces, state.x, state.v, {});
+}
+
+TEST(Pressure, OfRigidWatersIsThatOfTheirCentresAtTheStartAndLater) {
+  Simulation simulation(water());
+  const Scene& scene = simulation.scene();
+  EXPECT_NEAR(atomic_pressure(scene, simulation.state()), molecular_pressure(scene, simulation.state()),
+              0.02);
+  simulation.run([](const Record&) {});
+  const double pressure = atomic_pressure(scene, simulation.state());
+  EXPECT_NEAR(pressure, molecular_pressure(scene, simulation.state()), 0.02);
+  EXPECT_GT(std::abs(pressure), 1);
+}
+
+TEST(Pressure, IsTheSameForEveryMethodThatHoldsTheBonds) {
+  const auto after_a_while = [](const std::string& method) {
+    Simulation simulation(water({"method.name=" + method}));
+    simulation.run([](const Record&) {});
+    return atomic_pressure(simulation.scene(), simulation.state());
+  };
+  const double newton = after_a_while("newton");
+  for (const char* method : {"rattle", "settle", "feedforward", "baumgarte"})
+    EXPECT_NEAR(after_a_while(method), newton, 5) << method;
+}
+
+TEST(Pressure, InMixedPrecision) {
+  const Scene scene = water(), mixed = water({"forcefield.precision=mixed"});
+  EXPECT_NEAR(atomic_pressure(mixed, mixed.start), atomic_pressure(scene, scene.start), 0.5);
+}
+
+// P V = N kT, kT by the centres' velocities: rotation pulls at the bonds as much as it moves the atoms.
+TEST(Pressure, OfAnIdealGasOfRigidDimers) {
+  Random random(4);
+  Eigen::VectorXd mass(40);
+  std::vector<RigidBond> bonds;
+  State s;
+  s.x.resize(3, 40);
+  s.v.resize(3, 40);
+  for (int d = 0; d < 20; ++d) {
+    mass.segment<2>(2 * d) << 1, 3;
+    bonds.push_back({2 * d, 2 * d + 1, 0.3});
+    s.x.col(2 * d) = Vec3(random.uniform(), random.uniform(), random.uniform());
+    s.x.col(2 * d + 1) = s.x.col(2 * d) + 0.3 * random.unit_vector();
+    for (int a : {2 * d, 2 * d + 1}) s.v.col(a) = random.normal_vector();
+  }
+  const System sys = make_system(mass, bonds, {{kEdge, kEdge, kEdge}});
+  Projector(sys).velocities(sys, s.x, s.v);
+  ForceField none(sys, {});
+  double twice_kinetic = 0;
+  for (int d = 0; d < 40; d += 2)
+    twice_kinetic += (s.v.middleCols<2>(d) * mass.segment<2>(d)).squaredNorm() / 4;
+  EXPECT_NEAR(Barometer(sys)(sys, none, s.x, s.v, {}), kBarPerUnit * twice_kinetic / (3 * sys.box.volume()),
+              1e-9);
+}
+
+// A penalty's springs press as harmonic bonds of the same stiffness do.
+TEST(Pressure, OfPenaltySpringsIsThatOfHarmonicBonds) {
+  const Box box{{kEdge, kEdge, kEdge}};
+  const Eigen::VectorXd mass = Eigen::VectorXd::Ones(2);
+  const System rigid = make_system(mass, {{0, 1, 0.3}}, box), soft = make_system(mass, {}, box);
+  State s{columns({{0, 0, 0}, {0.2, 0.2, 0.2}}), columns({{0, 1, 0}, {1, 0, 0}}), Vectors::Zero(3, 2), 0};
+  Penalty penalty(rigid, {.k = 500}, 1e-3);
+  penalty.add_forces(rigid, 0, s);
+  ForceField none(rigid, {}), bond(soft, {.bonds = {{0, 1, 0.3, 500}}});
+  EXPECT_NEAR(Barometer(rigid, true)(rigid, none, s.x, s.v, penalty.lambda()),
+              Barometer(soft)(soft, bond, s.x, s.v, {}), 1e-9);
+}
+
+}  // namespace
+}  // namespace taut

@@ -1,0 +1,79 @@
+// Temperatures of translation, rotation and the rest, a molecule type at a time.
+
+#include "systems/temperatures.hpp"
+
+#include <gtest/gtest.h>
+
+#include "constraints/projection.hpp"
+#include "free_system.hpp"
+#include "md/observables.hpp"
+#include "md/units.hpp"
+
+namespace taut {
+namespace {
+
+// Velocities drawn at 300 K and projected: every class has its temperature, each with its own count.
+TEST(Temperatures, OfProjectedVelocitiesAreThoseTheyWereDrawnAt) {
+  auto [sys, s] = testing::waters(30, 1, 300);
+  Projector projector(sys);
+  Temperatures temperatures(sys, {}, s.x, true, false);
+  ASSERT_EQ(temperatures.types().size(), 1u);
+  EXPECT_EQ(temperatures.types()[0].name, "30 molecules of 3 atoms");
+  EXPECT_EQ(temperatures.types()[0].dof, (std::array<double, 3>{90, 90, 0}));
+  Random random(2);
+  for (int n = 0; n < 400; ++n) {
+    for (int a = 0; a < sys.atoms(); ++a)
+      s.v.col(a) = std::sqrt(kBoltzmann * 300 * sys.inv_mass[a]) * random.normal_vector();
+    projector.velocities(sys, s.x, s.v);
+    temperatures.see(sys, s.x, s.v);
+  }
+  for (const Motion motion : {Motion::kTranslation, Motion::kRotation}) {
+    const Estimate t = temperatures.temperature(0, motion);
+    EXPECT_NEAR(t.value, 300, 4 * t.error);
+    EXPECT_NEAR(t.error, 300 * std::sqrt(2.0 / 90 / 400), 0.8);
+    EXPECT_EQ(temperatures.of_all(motion).value, t.value);
+  }
+  EXPECT_EQ(temperatures.temperature(0, Motion::kRest).value, 0);
+}
+
+// A chain of four, a rotor, a lone atom and an anchored one: the counts of each.
+TEST(Temperatures, CountsEveryKindOfMolecule) {
+  Eigen::VectorXd mass(9);
+  mass << 1, 1, 1, 1, 2, 2, 5, 0, 1;
+  const System sys = make_system(mass, {{0, 1, 1}, {1, 2, 1}, {2, 3, 1}, {4, 5, 1}, {7, 8, 1}});
+  Vectors x = Vectors::Zero(3, 9);
+  for (int a = 0; a < 9; ++a) x.col(a) << a, a % 2, 0.3 * (a % 3);
+  const Temperatures held(sys, {}, x, true, true), springs(sys, {}, x, false, false);
+  ASSERT_EQ(held.types().size(), 4u);
+  EXPECT_EQ(held.types()[2].name, "1 atom");
+  const double total = 13;  // of the free molecules' masses and the anchored one's
+  EXPECT_EQ(held.types()[0].dof[1], 3);
+  EXPECT_EQ(held.types()[0].dof[2], 12 - 3 - 6);
+  EXPECT_EQ(held.types()[1].dof[1], 2);
+  EXPECT_EQ(held.types()[1].dof[2], 0);
+  EXPECT_EQ(held.types()[3].dof, (std::array<double, 3>{0, 0, 2}));
+  EXPECT_DOUBLE_EQ(held.types()[2].dof[0], 3 - 3 * 5 / (total + 1));
+  EXPECT_EQ(springs.types()[0].dof[2], 12 - 6);
+}
+
+// All that moves is one rotor's turning: I ω²/2, I = μd².
+TEST(Temperatures, OfARotor) {
+  auto [sys, s] = testing::rotor(2);
+  Temperatures temperatures(sys, {}, s.x, true, false);
+  s.v.row(0).array() += 1;  // and it flies along
+  temperatures.see(sys, s.x, s.v);
+  EXPECT_NEAR(temperatures.temperature(0, Motion::kRotation).value, 2 * 1.0 / (2 * kBoltzmann), 1e-9);
+  EXPECT_NEAR(temperatures.temperature(0, Motion::kTranslation).value, 2 * 1.0 / (3 * kBoltzmann), 1e-9);
+}
+
+TEST(RunningMean, IsTheBlocksMeanInFixedMemory) {
+  Random random(1);
+  RunningMean mean;
+  EXPECT_EQ(mean.estimate().error, 0);
+  for (int n = 0; n < 20000; ++n) mean.add(3 + random.normal());
+  EXPECT_NEAR(mean.estimate().value, 3, 0.03);
+  EXPECT_NEAR(mean.estimate().error, 1 / std::sqrt(20000.0), 0.4 / std::sqrt(20000.0));
+}
+
+}  // namespace
+}  // namespace taut
