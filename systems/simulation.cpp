@@ -117,15 +117,16 @@ double Simulation::method_energy() const {
       method_);
 }
 
+Vectors Simulation::thermal_velocity() const {
+  return langevin_ ? langevin_->middle_velocity(scene_.system, state_) : state_.v;
+}
+
 Record Simulation::record() const {
   Record r;
   r.t = state_.t;
   r.potential = forces_.potential() + method_energy();
   r.kinetic = kinetic_energy(scene_.system, state_.v);
-  r.temperature =
-      temperature(langevin_ ? kinetic_energy(scene_.system, langevin_->middle_velocity(scene_.system, state_))
-                            : r.kinetic,
-                  dof_.total());
+  r.temperature = temperature(kinetic_energy(scene_.system, thermal_velocity()), dof_.total());
   r.bonds = bond_errors(scene_.system, state_.x);
   return r;
 }

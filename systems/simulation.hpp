@@ -55,6 +55,8 @@ class Simulation {
   const ForceField& forces() const { return forces_; }
 
   Record record() const;  // the state as it is now
+  // What temperatures are taken of: under Langevin's thermostat the velocity it acts on, or else v [nm/ps].
+  Vectors thermal_velocity() const;
 
   // Takes the scene's steps. `on_record` sees a row every run.log_every steps, and the start; `on_step`
   // sees every step's number. Throws SimulationFailure.

@@ -137,12 +137,12 @@ void Temperatures::see(const System& sys, const Vectors& x, const Vectors& v) {
   }
 }
 
-Estimate Temperatures::temperature(int type, Motion motion) const {
+Estimate Temperatures::temperature(int type, MotionClass motion) const {
   const auto m = static_cast<std::size_t>(motion);
   return in_kelvin(kinetic_[type][m].estimate(), types_[type].dof[m]);
 }
 
-Estimate Temperatures::of_all(Motion motion) const {
+Estimate Temperatures::of_all(MotionClass motion) const {
   const auto m = static_cast<std::size_t>(motion);
   double dof = 0;
   for (const MoleculeType& type : types_) dof += type.dof[m];

@@ -15,13 +15,13 @@ namespace taut {
 // The three velocities are orthogonal in the metric of the masses and none stretches a bond, so that each
 // class has a temperature of its own and its degrees of freedom are counted exactly: 3; 3, 2 if linear, 0 for
 // an atom; and what is left of 3·atoms − bonds. Badly held bonds and a step too long show there first.
-enum class Motion { kTranslation, kRotation, kRest };
+enum class MotionClass { kTranslation, kRotation, kRest };
 inline constexpr std::array<const char*, 3> kMotionNames = {"translation", "rotation", "rest"};
 
 // Molecules alike: the same masses in the same order, and as many bonds.
 struct MoleculeType {
   std::string name;             // "216 molecules of 3 atoms", "20 atoms"
-  std::array<double, 3> dof{};  // of all its molecules, by Motion
+  std::array<double, 3> dof{};  // of all its molecules, by MotionClass
 };
 
 class Temperatures {
@@ -34,21 +34,21 @@ class Temperatures {
 
   const std::vector<MoleculeType>& types() const { return types_; }
   // Mean and standard error over what was seen [K]; zero without degrees of freedom.
-  Estimate temperature(int type, Motion motion) const;
-  Estimate of_all(Motion motion) const;  // types together
+  Estimate temperature(int type, MotionClass motion) const;
+  Estimate of_all(MotionClass motion) const;  // types together
 
  private:
   struct Molecule {
     int type;
     std::vector<int> atoms;
   };
-  using Energies = std::array<double, 3>;  // by Motion [kJ/mol]
+  using Energies = std::array<double, 3>;  // by MotionClass [kJ/mol]
 
   static Energies energies(const System& sys, const Molecule& molecule, const Vectors& x, const Vectors& v);
 
   std::vector<Molecule> molecules_;
   std::vector<MoleculeType> types_;
-  std::vector<std::array<RunningMean, 3>> kinetic_;  // by type and Motion [kJ/mol]
+  std::vector<std::array<RunningMean, 3>> kinetic_;  // by type and MotionClass [kJ/mol]
   std::array<RunningMean, 3> kinetic_of_all_;
 };
 

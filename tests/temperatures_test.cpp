@@ -27,13 +27,13 @@ TEST(Temperatures, OfProjectedVelocitiesAreThoseTheyWereDrawnAt) {
     projector.velocities(sys, s.x, s.v);
     temperatures.see(sys, s.x, s.v);
   }
-  for (const Motion motion : {Motion::kTranslation, Motion::kRotation}) {
+  for (const MotionClass motion : {MotionClass::kTranslation, MotionClass::kRotation}) {
     const Estimate t = temperatures.temperature(0, motion);
     EXPECT_NEAR(t.value, 300, 4 * t.error);
     EXPECT_NEAR(t.error, 300 * std::sqrt(2.0 / 90 / 400), 0.8);
     EXPECT_EQ(temperatures.of_all(motion).value, t.value);
   }
-  EXPECT_EQ(temperatures.temperature(0, Motion::kRest).value, 0);
+  EXPECT_EQ(temperatures.temperature(0, MotionClass::kRest).value, 0);
 }
 
 // A chain of four, a rotor, a lone atom and an anchored one: the counts of each.
@@ -62,8 +62,8 @@ TEST(Temperatures, OfARotor) {
   Temperatures temperatures(sys, {}, s.x, true, false);
   s.v.row(0).array() += 1;  // and it flies along
   temperatures.see(sys, s.x, s.v);
-  EXPECT_NEAR(temperatures.temperature(0, Motion::kRotation).value, 2 * 1.0 / (2 * kBoltzmann), 1e-9);
-  EXPECT_NEAR(temperatures.temperature(0, Motion::kTranslation).value, 2 * 1.0 / (3 * kBoltzmann), 1e-9);
+  EXPECT_NEAR(temperatures.temperature(0, MotionClass::kRotation).value, 2 * 1.0 / (2 * kBoltzmann), 1e-9);
+  EXPECT_NEAR(temperatures.temperature(0, MotionClass::kTranslation).value, 2 * 1.0 / (3 * kBoltzmann), 1e-9);
 }
 
 TEST(RunningMean, IsTheBlocksMeanInFixedMemory) {

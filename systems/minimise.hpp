@@ -1,0 +1,26 @@
+#pragma once
+
+#include "forcefield/force_field.hpp"
+#include "md/system.hpp"
+
+namespace taut {
+
+// Steepest descent on the manifold of the bonds, for rough starts. The way is the force without its part
+// along the bonds, f − Jᵀ(JJᵀ)⁻¹Jf (masses have no say in a minimum); after each move the bonds are brought
+// back to their lengths exactly. A move that lowers the energy is kept and the next one is 1.2 times as far,
+// else it is taken back and halved. However high the overlaps, no atom goes further than kLongestMove at
+// once. Ends where no atom's force is above `force`, where no move helps any more, or after kMostMoves.
+struct Minimised {
+  int moves = 0;
+  double energy_before = 0, energy = 0;  // [kJ/mol]
+  double largest_force = 0;              // tangent, on one atom [kJ/mol/nm]
+};
+
+inline constexpr double kLongestMove = 0.05;  // [nm]
+inline constexpr int kMostMoves = 5000;
+
+// x [nm], first brought to the bonds' lengths, ends with them exact. Throws SimulationFailure for a start
+// whose energy is no number (two atoms in one place).
+Minimised minimise(const System& sys, ForceField& forces, double force, Vectors& x);
+
+}  // namespace taut

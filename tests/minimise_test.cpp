@@ -1,0 +1,58 @@
+// Rough starts: overlaps relaxed with every bond at its length.
+
+#include "systems/minimise.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "md/observables.hpp"
+#include "md/random.hpp"
+#include "systems/scene_file.hpp"
+
+namespace taut {
+namespace {
+
+// Every second molecule of `size` atoms pushed by up to `far` [nm].
+void push(Vectors& x, int size, double far) {
+  Random random(9);
+  for (int first = 0; first < x.cols(); first += 2 * size)
+    x.middleCols(first, size).colwise() += far * Vec3(random.unit_vector());
+}
+
+TEST(Minimise, OverlappingWatersComeApart) {
+  Scene scene = read_scene(find_scene("water"), {"build.molecules=216"});
+  push(scene.start.x, 3, 0.15);
+  ForceField forces(scene.system, scene.terms);
+  const Minimised result = minimise(scene.system, forces, 1000, scene.start.x);
+  EXPECT_GT(result.energy_before, 1e5);
+  EXPECT_LT(result.energy, -5000);
+  EXPECT_LE(result.largest_force, 1000);
+  EXPECT_LT(bond_errors(scene.system, scene.start.x).max, 1e-12);
+}
+
+TEST(Minimise, OverlappingChainsComeApart) {
+  Scene scene = read_scene(find_scene("melt"));
+  push(scene.start.x, 50, 0.5);
+  ForceField forces(scene.system, scene.terms);
+  const Minimised result = minimise(scene.system, forces, 100, scene.start.x);
+  EXPECT_GT(result.energy_before, 100 * std::abs(result.energy));
+  EXPECT_LE(result.largest_force, 100);
+  EXPECT_LT(bond_errors(scene.system, scene.start.x).max, 1e-12);
+}
+
+// A pendulum falls to its lowest point and stays on its circle; its anchor stays where it is.
+TEST(Minimise, PendulumHangs) {
+  const System sys = make_system(Eigen::Vector2d(0, 3), {{0, 1, 0.5}});
+  ForceField forces(sys, {.gravity = Vec3(0, 0, -10)});
+  Vectors x = Vectors::Zero(3, 2);
+  x(0, 1) = 0.5;
+  const Minimised result = minimise(sys, forces, 1e-4, x);
+  EXPECT_EQ(Vec3(x.col(0)), Vec3::Zero());
+  EXPECT_NEAR(x(2, 1), -0.5, 1e-9);
+  EXPECT_NEAR(result.energy, -15, 1e-6);
+  EXPECT_LE(result.largest_force, 1e-4);
+}
+
+}  // namespace
+}  // namespace taut
