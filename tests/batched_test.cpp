@@ -6,6 +6,7 @@
 #include "constraints/methods.hpp"
 #include "constraints/projection.hpp"
 #include "free_system.hpp"
+#include "md/threads.hpp"
 
 namespace taut {
 namespace {
@@ -123,7 +124,8 @@ void compare(const Start& start, const typename Fast::Options& options, double t
   initialize(sys, forces, plain, b);
   for (int n = 0; n < 12; ++n) {
     const SolveStats got = step(sys, forces, fast, h, a), want = step(sys, forces, plain, h, b);
-    ASSERT_TRUE(got.converged() && want.converged());
+    ASSERT_STREQ(got.failure, nullptr);
+    ASSERT_STREQ(want.failure, nullptr);
     EXPECT_NEAR(got.max_residual, want.max_residual, tolerance + 1e-6 * want.max_residual);
     if (want.max_residual > 1e3 * tolerance) {
       EXPECT_EQ(got.worst_bond, want.worst_bond);
@@ -190,6 +192,122 @@ TEST(Batched, SettleIsThePlainSettle) {
   std::vector<int> turned;
   for (int w = 0; w < 9; ++w) turned.insert(turned.end(), {3 * w + 2, 3 * w, 3 * w + 1});
   compare<Batched<Settle>>(together({testing::waters(9, 3, 300)}, turned), {}, 1e-12);
+}
+
+// A chain of the masses 1, 2, 4, 1, 2, 4, …, its ends of their own, and lengths that repeat likewise.
+Start copolymer(int beads, std::uint64_t seed) {
+  Start start = testing::free_chain(beads, seed);
+  Eigen::VectorXd mass(beads);
+  for (int a = 0; a < beads; ++a) mass[a] = 1 << (a % 3);
+  mass[0] = mass[beads - 1] = 7;
+  auto bonds = start.system.bonds;
+  for (int k = 0; k + 1 < beads; ++k) {
+    bonds[k].length = k % 3 == 1 ? 1.25 : 1.0;
+    start.state.x.rightCols(beads - 1 - k).colwise() +=
+        (bonds[k].length - 1) * (start.state.x.col(k + 1) - start.state.x.col(k)).normalized();
+  }
+  start.system = make_system(mass, bonds);
+  return start;
+}
+
+// Chains that are cut into pieces: such as divide and such as do not, alone and not, of several pieces a
+// lane, numbered along and not.
+std::vector<std::pair<const char*, Start>> long_chains() {
+  std::vector<int> odd_and_even(302);
+  for (int a = 0; a < 302; ++a) odd_and_even[a] = a % 2 == 0 ? a / 2 : 151 + a / 2;
+  return {{"201 bonds", testing::free_chain(202, 1)},
+          {"255 bonds", testing::free_chain(256, 2)},
+          {"1000 bonds", testing::free_chain(1001, 3)},
+          {"3 chains of 467 bonds and a dumbbell",
+           together({testing::free_chain(468, 4), testing::free_chain(468, 5), testing::free_chain(2, 6),
+                     testing::free_chain(468, 7)})},
+          {"chains of 301 and of 222", together({testing::free_chain(302, 4), testing::free_chain(223, 5)})},
+          {"a copolymer", copolymer(400, 8)},
+          {"scattered atoms", together({testing::free_chain(302, 9)}, odd_and_even)},
+          {"2600 bonds", testing::free_chain(2601, 10)}};
+}
+
+template <class Fast>
+void compare_long(const typename Fast::Options& options, double tolerance) {
+  for (const auto& [name, start] : long_chains()) {
+    SCOPED_TRACE(name);
+    EXPECT_TRUE(find_clusters(start.system, ClusterLimits::cutting()).rest.empty());
+    EXPECT_FALSE(find_clusters(start.system, ClusterLimits::cutting()).chains.empty());
+    compare<Fast>(start, options, tolerance);
+  }
+}
+
+TEST(CutChains, SolveAsThePlainMethods) {
+  for (const char* damping : {"centred", "lagged"})
+    for (int passes : {1, 3}) compare_long<Batched<Baumgarte>>({.damping = damping, .passes = passes}, 1e-12);
+  for (int order : {0, 2}) compare_long<Batched<Feedforward>>({.extrapolation = order}, 1e-12);
+  compare_long<Batched<Newton>>({.tolerance = 1e-12}, 3e-12);
+}
+
+// The same bits on one thread and on two, from a copy and from the original.
+TEST(CutChains, TheSameBitsOnTwoThreadsAndFromACopy) {
+  constexpr double h = 0.001;
+  const Start start = testing::free_chain(10001, 1);
+  testing::NoForce forces;
+  Batched<Newton> method(start.system, {}, h);
+  State s = start.state;
+  initialize(start.system, forces, method, s);
+  step(start.system, forces, method, h, s);
+  std::vector<State> ends;
+  for (int threads : {1, 2}) {
+    use_threads(threads);
+    Batched<Newton> copy = method;
+    State& end = ends.emplace_back(s);
+    for (int n = 0; n < 5; ++n) ASSERT_TRUE(step(start.system, forces, copy, h, end).converged());
+  }
+  use_threads(1);
+  EXPECT_EQ((ends[0].x - ends[1].x).cwiseAbs().maxCoeff(), 0);
+  EXPECT_EQ((ends[0].v - ends[1].v).cwiseAbs().maxCoeff(), 0);
+}
+
+TEST(CutChains, NameTheBondThatTurnedTooFar) {
+  for (int bond : {3, 128, 129, 130, 131, 132, 133, 134, 135, 499}) {
+    Start start = testing::free_chain(501, 1);
+    start.state.v.setZero();
+    start.state.v.col(bond) = Vec3(1e4, 0, 0);
+    for (const char* name : {"newton", "feedforward"}) {
+      SCOPED_TRACE(name);
+      Method any = make_method(start.system, default_options(name), 0.01);
+      testing::NoForce forces;
+      State s = start.state;
+      const SolveStats stats = std::visit(
+          [&](auto& method) {
+            SolveStats all = initialize(start.system, forces, method, s);
+            return all += step(start.system, forces, method, 0.01, s);
+          },
+          any);
+      EXPECT_FALSE(stats.converged());
+      EXPECT_NEAR(stats.worst_bond, bond, 40);
+    }
+  }
+}
+
+TEST(CutChains, AreEightTimesAsManyEqualPiecesAndTwoEnds) {
+  const BondClusters found = find_clusters(testing::free_chain(2601, 1).system, ClusterLimits::cutting());
+  ASSERT_EQ(found.chains.size(), 1u);
+  ASSERT_EQ(found.chains[0].size(), 18u);
+  ASSERT_EQ(found.pieces.size(), 3u);
+  EXPECT_EQ(found.pieces[1].count, 16);
+  int own = 0;
+  for (const ClusterBatch& batch : found.pieces)
+    own += batch.count * (batch.shape.atoms() - batch.shape.left - batch.shape.right);
+  EXPECT_EQ(own, 2601);
+  EXPECT_TRUE(found.rest.empty());
+}
+
+// Masses that do not repeat: left to the plain method.
+TEST(CutChains, MustRepeat) {
+  Start start = testing::free_chain(400, 1);
+  Eigen::VectorXd mass = start.system.mass;
+  mass[200] = 3;
+  start.system = make_system(mass, start.system.bonds);
+  EXPECT_EQ(find_clusters(start.system, ClusterLimits::cutting()).rest.size(), 399u);
+  compare<Batched<Baumgarte>>(start, {}, 1e-12);
 }
 
 // Enough bonds for two threads, in batches of two shapes so that a thread's share ends inside one of them.

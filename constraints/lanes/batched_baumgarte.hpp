@@ -2,6 +2,7 @@
 
 #include "constraints/baumgarte.hpp"
 #include "constraints/lanes/batched.hpp"
+#include "constraints/lanes/solving.hpp"
 #include "constraints/none.hpp"
 
 namespace taut {
@@ -15,11 +16,12 @@ struct BaumgarteTerms {
 };
 
 // A batch and what Baumgarte keeps of it.
-struct BaumgarteBatch {
-  LaneBatch lanes;
+struct BaumgarteBatch : SolvedBatch {
   std::vector<Gains> gains;           // of each bond
   std::vector<BaumgarteTerms> terms;  // of each bond, at the last h
-  LaneRows lambda, before;            // of the last two steps
+  LaneRows before;                    // λ of the step before the last
+
+  explicit BaumgarteBatch(const ClusterBatch& batch) : SolvedBatch(batch), before(rows_of_bonds(lanes)) {}
 };
 
 struct BaumgarteStep {
@@ -53,8 +55,7 @@ class Batched<Baumgarte> : public EmptyGaps {
   Damping damping_;
   int passes_;
   std::string setting_;
-  std::vector<BaumgarteBatch> batches_;
-  LaneRunner runner_;
+  SolvedBatches<BaumgarteBatch> batches_;
   Leftover<Baumgarte> leftover_;
   int steps_ = 0;  // how many λ of the past there are
   double h_of_terms_ = -1;

@@ -6,7 +6,7 @@
 #define HWY_TARGET_INCLUDE "constraints/lanes/batched_feedforward.cpp"
 #include <hwy/foreach_target.h>
 
-#include "constraints/lanes/elimination-inl.hpp"
+#include "constraints/lanes/solving-inl.hpp"
 
 #ifndef TAUT_FEEDFORWARD_STEP
 #define TAUT_FEEDFORWARD_STEP
@@ -28,22 +28,15 @@ namespace taut::HWY_NAMESPACE {
 
 // Scratch of one part.
 struct FeedforwardRows {
-  double *x, *v, *f;       // of the atoms
-  double *r, *r_next, *b;  // of the bonds
-  Matrix A;
+  double *x, *v, *f;   // of the atoms
+  double *r, *r_next;  // of the bonds
 };
 
 template <class Shape>
 HWY_INLINE FeedforwardRows feedforward_rows(const Shape shape, double* scratch) {
-  const int atoms = 3 * shape.atoms() * kLanes, bonds = shape.size() * kLanes;
-  double *r = scratch + 3 * atoms, *b = r + 6 * bonds, *l = b + 3 * bonds;
-  return {scratch,
-          scratch + atoms,
-          scratch + 2 * atoms,
-          r,
-          r + 3 * bonds,
-          b,
-          {b + bonds, b + 2 * bonds, l, l + shape.entries() * kLanes}};
+  const int atoms = 3 * shape.atoms() * kLanes;
+  double* r = scratch + 3 * atoms;
+  return {scratch, scratch + atoms, scratch + 2 * atoms, r, r + 3 * shape.size() * kLanes};
 }
 
 // λ of the last three steps, for one part.
@@ -85,10 +78,11 @@ struct Ahead {
 
 // r_next, b = −σ_next/kick and A's diagonal.
 template <class Shape>
-HWY_INLINE Ahead look_ahead(const Shape shape, const FeedforwardStep& step, const FeedforwardRows rows) {
+HWY_INLINE Ahead look_ahead(const Shape shape, const FeedforwardStep& step, const FeedforwardRows rows,
+                            const Equations& eq) {
   const V h = all(step.h), kick = all(step.kick), scale = all(-0.5 / step.kick), turn = all(step.turn);
   Ahead ahead{all(-1e300), all(-1e300)};
-  for (int k = 0; k < shape.size(); ++k) {
+  for (int k = 0; k < shape.solved(); ++k) {
     const LaneBond& bond = shape.bonds[k];
     const V3 r = load3(rows.r + 3 * k * kLanes);
     const V3 a = neg_mul_add(all(bond.inv_mass_i), load3(rows.f + shape.i(k)),
@@ -99,77 +93,99 @@ HWY_INLINE Ahead look_ahead(const Shape shape, const FeedforwardStep& step, cons
     const V size = hn::Mul(all(0.5), hn::Abs(twice_sigma)), reach = hn::Abs(along);
     ahead.excess = hn::Max(ahead.excess, hn::NegMulAdd(turn, reach, size));
     ahead.runaway = hn::Max(ahead.runaway, hn::NegMulAdd(all(1e3), reach, size));
-    store(hn::Mul(scale, twice_sigma), rows.b + k * kLanes);
-    store(hn::Mul(all(bond.reduced_inv_mass), along), rows.A.d + k * kLanes);
+    store(hn::Mul(scale, twice_sigma), eq.b + k * kLanes);
+    store(hn::Mul(all(bond.reduced_inv_mass), along), eq.A.d + k * kLanes);
   }
   return ahead;
 }
 
 // λ += b, f += Jᵀb
 template <class Shape>
-HWY_INLINE void correct(const Shape shape, const Past past, const FeedforwardRows rows) {
+HWY_INLINE void correct(const Shape shape, const double* change, const Past past,
+                        const FeedforwardRows rows) {
   for (int k = 0; k < shape.size(); ++k) {
-    const V b = load(rows.b + k * kLanes);
+    const V b = load(change + k * kLanes);
     store(hn::Add(load(past.lambda + k * kLanes), b), past.lambda + k * kLanes);
     pull(shape, k, b, load3(rows.r + 3 * k * kLanes), rows.f);
   }
 }
 
-HWY_INLINE void fail(const Part& part, const char* why, SolveStats& stats) {
+// Names the bond of the largest |b|; a NaN is largest.
+HWY_NOINLINE void fail(const Part& part, const double* b, const char* why, SolveStats& stats) {
   stats.failure = why;
-  stats.worst_bond = part.batch.bond(part.group, 0, part.first_lane);
+  double largest = -1;
+  for (int k = 0; k < part.batch.plan.solved; ++k)
+    for (int l = 0; l < kWidth; ++l) {
+      const double size = std::abs(b[k * kLanes + l]);
+      if (size <= largest || largest != largest) continue;
+      largest = size;
+      stats.worst_bond = part.batch.bond(part.group, k, part.first_lane + l);
+    }
 }
 
-// Solves until what the last one left is known to be small. False where there is no solution.
 template <class Shape>
-HWY_INLINE bool solve(const Shape shape, const FeedforwardStep& step, const Part& part, const Past past,
-                      const FeedforwardRows rows, SolveStats& stats) {
-  for (int n = 1; n <= step.max_solves; ++n) {
-    const Ahead ahead = look_ahead(shape, step, rows);
-    const V margin = eliminate_turned(shape, rows.A, rows.r_next, rows.r, rows.b);
-    substitute_back(shape, rows.A.inv_d, rows.A.u, rows.b);
-    correct(shape, past, rows);
-    stats.iterations = HWY_MAX(stats.iterations, n);
+struct FeedforwardKernel {
+  static constexpr bool kOnceMostly = true;
+  const Shape shape;
+  const FeedforwardStep& step;
+  const Part& part;
+  Past past;
+  Equations eq;
+  FeedforwardRows rows;
+  double* x;
+  Worst worst;
+
+  HWY_INLINE FeedforwardKernel(const Shape its_shape, FeedforwardBatch& batch,
+                               const FeedforwardStep& its_step, const Part& its_part, double* scratch)
+      : shape(its_shape),
+        step(its_step),
+        part(its_part),
+        past{batch.lambda.of(part.group) + part.first_lane, batch.before.of(part.group) + part.first_lane,
+             batch.before_that.of(part.group) + part.first_lane},
+        eq(equations(shape, scratch)),
+        rows(feedforward_rows(shape, eq.rest)),
+        x(rows.x) {}
+
+  // Where σ_next is small, one solve leaves less than the tolerance.
+  HWY_INLINE SolveNext look(SolveStats& stats) {
+    const Ahead ahead = look_ahead(shape, step, rows, eq);
     if (!hn::AllTrue(D(), hn::Lt(ahead.runaway, hn::Zero(D())))) {
-      fail(part, "the bonds run away", stats);
-      return false;
+      fail(part, eq.b, "the bonds run away", stats);
+      return SolveNext::kEnd;
     }
-    if (!regular(part, margin, rows.A.d, stats)) {
-      stats.failure = "A is singular, or a bond turns by 90° in one step";
-      return false;
-    }
-    if (hn::AllTrue(D(), hn::Le(ahead.excess, hn::Zero(D())))) return true;
+    return hn::AllTrue(D(), hn::Le(ahead.excess, hn::Zero(D()))) ? SolveNext::kLastSolve : SolveNext::kSolve;
   }
-  fail(part, "no convergence", stats);
-  return false;
-}
-
-template <class Shape>
-HWY_INLINE void feedforward_part(const Shape shape, FeedforwardBatch& batch, const FeedforwardStep& step,
-                                 const Part& part, double* scratch, SolveStats& stats) {
-  const FeedforwardRows rows = feedforward_rows(shape, scratch);
-  const Past past{batch.lambda.of(part.group) + part.first_lane,
-                  batch.before.of(part.group) + part.first_lane,
-                  batch.before_that.of(part.group) + part.first_lane};
-  gather(part, shape.atoms(), step.x, rows.x);
-  gather(part, shape.atoms(), step.v, rows.v);
-  gather(part, shape.atoms(), step.f, rows.f);
-  const Worst worst = extrapolate(shape, step, past, rows);
-  const bool solved = solve(shape, step, part, past, rows, stats);
-  scatter(part, shape.atoms(), rows.f, step.f);
-  if (solved && !worst.within(stats.max_residual)) {
-    find_residuals(part.batch, rows.x, rows.b);
-    enter(part, rows.b, stats);
+  HWY_INLINE SolveNext start(SolveStats& stats) {
+    gather(part, shape.atoms(), step.x, rows.x);
+    gather(part, shape.atoms(), step.v, rows.v);
+    gather(part, shape.atoms(), step.f, rows.f);
+    worst = extrapolate(shape, step, past, rows);
+    return look(stats);
   }
-}
+  HWY_INLINE bool forward(int, SolveStats& stats) {
+    const bool regular = factor(shape, part, eq, rows.r_next, rows.r, stats);
+    if (!regular) stats.failure = "A is singular, or a bond turns by 90° in one step";
+    return regular;
+  }
+  HWY_INLINE void back() { substitute_back(shape, eq.A.inv_d, eq.A.u, eq.b); }
+  HWY_INLINE SolveNext apply(SolveNext last, int solves, SolveStats& stats) {
+    correct(shape, eq.b, past, rows);
+    if (last == SolveNext::kLastSolve) return SolveNext::kEnd;
+    if (solves < step.max_solves) return look(stats);
+    fail(part, eq.b, "no convergence", stats);
+    return SolveNext::kEnd;
+  }
+  HWY_INLINE void end(SolveStats& stats) {
+    scatter(shape, part, rows.f, step.f);
+    if (!stats.converged() || worst.within(stats.max_residual)) return;
+    find_residuals(part.batch, rows.x, eq.b);
+    enter(part, eq.b, stats);
+  }
+};
 
-SolveStats feedforward_groups(FeedforwardBatch& batch, const FeedforwardStep& step, int begin, int end,
-                              double* scratch) {
-  SolveStats stats;
-  for_each_part(batch.lanes, begin, end, scratch, [&](auto shape, const Part& part, double* rows) HWY_ATTR {
-    feedforward_part(shape, batch, step, part, rows, stats);
-  });
-  return stats;
+SolveStats feedforward_groups(FeedforwardBatch& batch, const FeedforwardStep& step, const SolveCall& call,
+                              int begin, int end, double* scratch) {
+  return solve_groups<FeedforwardKernel>(batch, step, call, begin, end, scratch);
 }
 
 }  // namespace taut::HWY_NAMESPACE
@@ -181,21 +197,15 @@ namespace taut {
 HWY_EXPORT(feedforward_groups);
 
 Batched<Feedforward>::Batched(const System& sys, const Options& options, double h)
-    : Batched(sys, options, h, find_clusters(sys)) {}
+    : Batched(sys, options, h, find_clusters(sys, ClusterLimits::cutting())) {}
 
 Batched<Feedforward>::Batched(const System& sys, const Options& options, double h,
                               const BondClusters& clusters)
     : options_(options),
       h_(h),
+      batches_(clusters),
       leftover_(sys, clusters.rest, options, h),
-      lambda_(Eigen::VectorXd::Zero(sys.bond_count())) {
-  for (const ClusterBatch& batch : clusters.batches) {
-    LaneBatch lanes(batch);
-    LaneRows lambda = rows_of_bonds(lanes), before = rows_of_bonds(lanes), before_that = rows_of_bonds(lanes);
-    runner_.add(lanes);
-    batches_.push_back({std::move(lanes), std::move(lambda), std::move(before), std::move(before_that)});
-  }
-}
+      lambda_(Eigen::VectorXd::Zero(sys.bond_count())) {}
 
 SolveStats Batched<Feedforward>::add_forces(const System&, double h, State& s) {
   // At the start v is the full-step velocity and the coming kick half as long.
@@ -217,15 +227,16 @@ SolveStats Batched<Feedforward>::add_forces(const System&, double h, State& s) {
                              .v = s.v.data(),
                              .f = s.f.data()};
   known_ = start ? 1 : std::min(known_ + 1, 3);
-  SolveStats stats = runner_.run([&](int b, int begin, int end, double* scratch) {
-    return HWY_DYNAMIC_DISPATCH(feedforward_groups)(batches_[b], step, begin, end, scratch);
-  });
+  SolveStats stats =
+      batches_.run([&](FeedforwardBatch& batch, const SolveCall& call, int begin, int end, double* scratch) {
+        return HWY_DYNAMIC_DISPATCH(feedforward_groups)(batch, step, call, begin, end, scratch);
+      });
   LaneRunner::merge(stats, leftover_.add_forces(h, s));
   return stats;
 }
 
 const Eigen::VectorXd& Batched<Feedforward>::lambda() const {
-  for (const FeedforwardBatch& batch : batches_) rows_to_bonds(batch.lanes, batch.lambda, lambda_);
+  batches_.write_lambda(lambda_);
   leftover_.write_lambda(lambda_);
   return lambda_;
 }

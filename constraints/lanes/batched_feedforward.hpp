@@ -2,13 +2,16 @@
 
 #include "constraints/feedforward.hpp"
 #include "constraints/lanes/batched.hpp"
+#include "constraints/lanes/solving.hpp"
 
 namespace taut {
 
-// A batch and what Feedforward keeps of it: λ of the last three steps, newest first.
-struct FeedforwardBatch {
-  LaneBatch lanes;
-  LaneRows lambda, before, before_that;
+// A batch and what Feedforward keeps of it: λ of the last three steps.
+struct FeedforwardBatch : SolvedBatch {
+  LaneRows before, before_that;
+
+  explicit FeedforwardBatch(const ClusterBatch& batch)
+      : SolvedBatch(batch), before(rows_of_bonds(lanes)), before_that(before) {}
 };
 
 template <>
@@ -32,8 +35,7 @@ class Batched<Feedforward> : public EmptyGaps {
 
   Options options_;
   double h_;
-  std::vector<FeedforwardBatch> batches_;
-  LaneRunner runner_;
+  SolvedBatches<FeedforwardBatch> batches_;
   Leftover<Feedforward> leftover_;
   int known_ = 0;                   // how many λ of the past there are
   mutable Eigen::VectorXd lambda_;  // m

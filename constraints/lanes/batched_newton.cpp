@@ -4,7 +4,7 @@
 #define HWY_TARGET_INCLUDE "constraints/lanes/batched_newton.cpp"
 #include <hwy/foreach_target.h>
 
-#include "constraints/lanes/elimination-inl.hpp"
+#include "constraints/lanes/velocities-inl.hpp"
 
 #ifndef TAUT_NEWTON_STEP
 #define TAUT_NEWTON_STEP
@@ -21,133 +21,150 @@ struct NewtonStep {
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
-// Scratch of one part; 1/d and L live with the batch.
+// Scratch of one part.
 struct NewtonRows {
-  double *x, *v;      // of the atoms
-  double *r, *b, *g;  // of the bonds
-  Matrix A;
+  double *x, *v;  // of the atoms
+  double *r, *g;  // of the bonds
 };
 
 template <class Shape>
-HWY_INLINE NewtonRows newton_rows(const Shape shape, NewtonBatch& batch, const Part& part, double* scratch) {
-  const int atoms = 3 * shape.atoms() * kLanes, bonds = shape.size() * kLanes;
-  double *r = scratch + 2 * atoms, *b = r + 3 * bonds;
-  double* inv_d = batch.factors.of(part.group) + part.first_lane;
-  return {scratch, scratch + atoms, r, b, b + bonds, {b + 2 * bonds, inv_d, inv_d + bonds, nullptr}};
+HWY_INLINE NewtonRows newton_rows(const Shape shape, double* scratch) {
+  const int atoms = 3 * shape.atoms() * kLanes;
+  double* r = scratch + 2 * atoms;
+  return {scratch, scratch + atoms, r, r + 3 * shape.size() * kLanes};
 }
 
-// r and A's diagonal for the positions before the drift, x − hv.
+// 1/d and L live with the batch from step to step.
+template <class Shape>
+HWY_INLINE Equations newton_equations(const Shape shape, NewtonBatch& batch, const Part& part,
+                                      double* scratch) {
+  Equations eq = equations(shape, scratch);
+  if (part.batch.piece()) return eq;
+  eq.A.inv_d = batch.factors.of(part.group) + part.first_lane;
+  eq.A.l = eq.A.inv_d + shape.size() * kLanes;
+  return eq;
+}
+
+// r of the positions before the drift, x − hv.
 template <class Shape>
 HWY_INLINE void find_old_bonds(const Shape shape, double h, const NewtonRows rows) {
-  for (int k = 0; k < shape.size(); ++k) {
-    const V3 r = neg_mul_add(all(h), difference(shape, k, rows.v), difference(shape, k, rows.x));
-    store3(r, rows.r + 3 * k * kLanes);
-    store(hn::Mul(all(shape.bonds[k].reduced_inv_mass), dot(r, r)), rows.A.d + k * kLanes);
-  }
+  for (int k = 0; k < shape.size(); ++k)
+    store3(neg_mul_add(all(h), difference(shape, k, rows.v), difference(shape, k, rows.x)),
+           rows.r + 3 * k * kLanes);
 }
 
 // b = −σ at x
 template <class Shape>
-HWY_INLINE Worst find_sigma(const Shape shape, const NewtonRows rows) {
+HWY_INLINE Worst find_sigma(const Shape shape, const double* x, double* b) {
   Worst worst;
-  for (int k = 0; k < shape.size(); ++k) {
-    const V3 r = difference(shape, k, rows.x);
+  for (int k = 0; k < shape.solved(); ++k) {
+    const V3 r = difference(shape, k, x);
     const V offset = hn::Sub(dot(r, r), all(shape.bonds[k].length2));
     worst.see(hn::Mul(hn::Abs(offset), all(shape.bonds[k].half_inv_length2)));
-    store(hn::Mul(all(-0.5), offset), rows.b + k * kLanes);
+    store(hn::Mul(all(-0.5), offset), b + k * kLanes);
   }
   return worst;
 }
 
 // x += M⁻¹J(x_old)ᵀb, g += b
 template <class Shape>
-HWY_INLINE void correct(const Shape shape, const NewtonRows rows) {
+HWY_INLINE void correct(const Shape shape, const double* change, const NewtonRows rows) {
   for (int k = 0; k < shape.size(); ++k) {
-    const V b = load(rows.b + k * kLanes);
+    const V b = load(change + k * kLanes);
     store(hn::Add(load(rows.g + k * kLanes), b), rows.g + k * kLanes);
     move(shape, k, b, load3(rows.r + 3 * k * kLanes), rows.x);
   }
 }
 
 template <class Shape>
-HWY_INLINE void newton_positions_of(const Shape shape, NewtonBatch& batch, const NewtonStep& step,
-                                    const Part& part, double* scratch, SolveStats& stats) {
-  const NewtonRows rows = newton_rows(shape, batch, part, scratch);
-  double* lambda = batch.lambda.of(part.group) + part.first_lane;
-  gather(part, shape.atoms(), step.x, rows.x);
-  gather(part, shape.atoms(), step.v, rows.v);
-  find_old_bonds(shape, step.h, rows);
-  if (!step.factored && !regular(part, eliminate(shape, rows.A, rows.r, rows.b), rows.A.d, stats)) return;
+struct NewtonKernel {
+  static constexpr bool kOnceMostly = false;
+  const Shape shape;
+  const NewtonStep& step;
+  const Part& part;
+  double* lambda;
+  Equations eq;
+  NewtonRows rows;
+  double* x;
+  Worst worst;
 
-  for (int k = 0; k < shape.size(); ++k) {
-    const V g = hn::Mul(all(0.5 * step.h * step.h), load(lambda + k * kLanes));
-    store(g, rows.g + k * kLanes);
-    move(shape, k, g, load3(rows.r + 3 * k * kLanes), rows.x);
+  HWY_INLINE NewtonKernel(const Shape its_shape, NewtonBatch& batch, const NewtonStep& its_step,
+                          const Part& its_part, double* scratch)
+      : shape(its_shape),
+        step(its_step),
+        part(its_part),
+        lambda(batch.lambda.of(part.group) + part.first_lane),
+        eq(newton_equations(shape, batch, part, scratch)),
+        rows(newton_rows(shape, eq.rest)),
+        x(rows.x) {}
+
+  HWY_INLINE SolveNext start(SolveStats& stats) {
+    gather(part, shape.atoms(), step.x, rows.x);
+    gather(part, shape.atoms(), step.v, rows.v);
+    find_old_bonds(shape, step.h, rows);
+    if (!step.factored && !factor_old_bonds(stats)) return SolveNext::kEnd;
+    for (int k = 0; k < shape.size(); ++k) {
+      const V g = hn::Mul(all(0.5 * step.h * step.h), load(lambda + k * kLanes));
+      store(g, rows.g + k * kLanes);
+      move(shape, k, g, load3(rows.r + 3 * k * kLanes), rows.x);
+    }
+    return look(0, stats);
   }
-  Worst worst = find_sigma(shape, rows);
-  int iterations = 0;
-  while (!worst.within(step.options.tolerance) && iterations < step.options.max_iterations &&
-         worst.within(1e3)) {
-    substitute_forward(shape, rows.A.l, rows.b);
-    substitute_back(shape, rows.A.inv_d, rows.A.l, rows.b);
-    correct(shape, rows);
-    worst = find_sigma(shape, rows);
-    ++iterations;
+  HWY_INLINE SolveNext look(int solves, SolveStats& stats) {
+    worst = find_sigma(shape, rows.x, eq.b);
+    if (worst.within(step.options.tolerance)) return SolveNext::kEnd;
+    if (solves < step.options.max_iterations && worst.within(1e3)) return SolveNext::kSolve;
+    stats.failure = "no convergence";
+    return SolveNext::kEnd;
   }
-  for (int k = 0; k < shape.size(); ++k) {
-    const V g = load(rows.g + k * kLanes);
-    move(shape, k, hn::Mul(all(1 / step.h), g), load3(rows.r + 3 * k * kLanes), rows.v);
-    store(hn::Mul(all(2 / (step.h * step.h)), g), lambda + k * kLanes);
+  // The first time; b is not known yet.
+  HWY_INLINE bool factor_old_bonds(SolveStats& stats) {
+    for (int k = 0; k < shape.solved(); ++k) {
+      const V3 r = load3(rows.r + 3 * k * kLanes);
+      store(hn::Mul(all(shape.bonds[k].reduced_inv_mass), dot(r, r)), eq.A.d + k * kLanes);
+      store(hn::Zero(D()), eq.b + k * kLanes);
+    }
+    return factor(shape, part, eq, rows.r, stats);
   }
-  scatter(part, shape.atoms(), rows.x, step.x);
-  scatter(part, shape.atoms(), rows.v, step.v);
-  stats.iterations = HWY_MAX(stats.iterations, iterations);
-  if (!worst.within(step.options.tolerance)) stats.failure = "no convergence";
-  if (!worst.within(stats.max_residual)) {
-    find_residuals(part.batch, rows.x, rows.b);
-    enter(part, rows.b, stats);
+  HWY_INLINE bool forward(int, SolveStats&) {
+    substitute_forward(shape, part, eq);
+    return true;
   }
-}
+  HWY_INLINE void back() { substitute_back(shape, eq.A.inv_d, eq.A.l, eq.b); }
+  HWY_INLINE SolveNext apply(SolveNext, int solves, SolveStats& stats) {
+    correct(shape, eq.b, rows);
+    return look(solves, stats);
+  }
+  HWY_INLINE void end(SolveStats& stats) {
+    for (int k = 0; k < shape.size(); ++k) {
+      const V g = load(rows.g + k * kLanes);
+      move(shape, k, hn::Mul(all(1 / step.h), g), load3(rows.r + 3 * k * kLanes), rows.v);
+      store(hn::Mul(all(2 / (step.h * step.h)), g), lambda + k * kLanes);
+    }
+    scatter(shape, part, rows.x, step.x);
+    scatter(shape, part, rows.v, step.v);
+    if (worst.within(stats.max_residual)) return;
+    find_residuals(part.batch, rows.x, eq.b);
+    enter(part, eq.b, stats);
+  }
+};
 
 template <class Shape>
-HWY_INLINE void newton_velocities_of(const Shape shape, NewtonBatch& batch, const NewtonStep& step,
-                                     const Part& part, double* scratch, SolveStats& stats) {
-  const NewtonRows rows = newton_rows(shape, batch, part, scratch);
-  double* lambda = batch.lambda.of(part.group) + part.first_lane;
-  gather(part, shape.atoms(), step.x, rows.x);
-  gather(part, shape.atoms(), step.v, rows.v);
-  for (int k = 0; k < shape.size(); ++k) {
-    const V3 r = difference(shape, k, rows.x);
-    store3(r, rows.r + 3 * k * kLanes);
-    store(hn::Mul(all(shape.bonds[k].reduced_inv_mass), dot(r, r)), rows.A.d + k * kLanes);
-    store(hn::Neg(dot(r, difference(shape, k, rows.v))), rows.b + k * kLanes);
-  }
-  const V margin = eliminate(shape, rows.A, rows.r, rows.b);
-  substitute_back(shape, rows.A.inv_d, rows.A.l, rows.b);
-  for (int k = 0; k < shape.size(); ++k) {
-    const V g = load(rows.b + k * kLanes);
-    store(hn::Mul(all(2 / step.h), g), lambda + k * kLanes);
-    move(shape, k, g, load3(rows.r + 3 * k * kLanes), rows.v);
-  }
-  scatter(part, shape.atoms(), rows.v, step.v);
-  regular(part, margin, rows.A.d, stats);
+struct NewtonVelocityKernel : VelocityKernel<Shape> {
+  HWY_INLINE NewtonVelocityKernel(const Shape its_shape, NewtonBatch& batch, const VelocityStep& its_step,
+                                  const Part& its_part, double* scratch)
+      : VelocityKernel<Shape>(its_shape, batch.lambda, its_step, its_part,
+                              newton_equations(its_shape, batch, its_part, scratch)) {}
+};
+
+SolveStats newton_positions(NewtonBatch& batch, const NewtonStep& step, const SolveCall& call, int begin,
+                            int end, double* scratch) {
+  return solve_groups<NewtonKernel>(batch, step, call, begin, end, scratch);
 }
 
-SolveStats newton_positions(NewtonBatch& batch, const NewtonStep& step, int begin, int end, double* scratch) {
-  SolveStats stats;
-  for_each_part(batch.lanes, begin, end, scratch, [&](auto shape, const Part& part, double* rows) HWY_ATTR {
-    newton_positions_of(shape, batch, step, part, rows, stats);
-  });
-  return stats;
-}
-
-SolveStats newton_velocities(NewtonBatch& batch, const NewtonStep& step, int begin, int end,
-                             double* scratch) {
-  SolveStats stats{.iterations = 1};
-  for_each_part(batch.lanes, begin, end, scratch, [&](auto shape, const Part& part, double* rows) HWY_ATTR {
-    newton_velocities_of(shape, batch, step, part, rows, stats);
-  });
-  return stats;
+SolveStats newton_velocities(NewtonBatch& batch, const VelocityStep& step, const SolveCall& call, int begin,
+                             int end, double* scratch) {
+  return solve_groups<NewtonVelocityKernel>(batch, step, call, begin, end, scratch);
 }
 
 }  // namespace taut::HWY_NAMESPACE
@@ -160,41 +177,37 @@ HWY_EXPORT(newton_positions);
 HWY_EXPORT(newton_velocities);
 
 Batched<Newton>::Batched(const System& sys, const Options& options, double h)
-    : Batched(sys, options, h, find_clusters(sys)) {}
+    : Batched(sys, options, h, find_clusters(sys, ClusterLimits::cutting())) {}
 
 Batched<Newton>::Batched(const System& sys, const Options& options, double h, const BondClusters& clusters)
     : options_(options),
+      batches_(clusters),
       leftover_(sys, clusters.rest, options, h),
-      lambda_(Eigen::VectorXd::Zero(sys.bond_count())) {
-  for (const ClusterBatch& batch : clusters.batches) {
-    LaneBatch lanes(batch);
-    LaneRows lambda = rows_of_bonds(lanes), factors(lanes.groups, lanes.bond_count() + lanes.plan.entries());
-    runner_.add(lanes);
-    batches_.push_back({std::move(lanes), std::move(lambda), std::move(factors)});
-  }
-}
+      lambda_(Eigen::VectorXd::Zero(sys.bond_count())) {}
 
 SolveStats Batched<Newton>::project_positions(const System&, double h, State& s) {
   const NewtonStep step{h, options_, factored_, s.x.data(), s.v.data()};
-  SolveStats stats = runner_.run([&](int b, int begin, int end, double* scratch) {
-    return HWY_DYNAMIC_DISPATCH(newton_positions)(batches_[b], step, begin, end, scratch);
-  });
+  SolveStats stats =
+      batches_.run([&](NewtonBatch& batch, const SolveCall& call, int begin, int end, double* scratch) {
+        return HWY_DYNAMIC_DISPATCH(newton_positions)(batch, step, call, begin, end, scratch);
+      });
   LaneRunner::merge(stats, leftover_.project_positions(h, s));
   return stats;
 }
 
 SolveStats Batched<Newton>::project_velocities(const System&, double h, State& s) {
-  const NewtonStep step{h, options_, factored_, s.x.data(), s.v.data()};
-  SolveStats stats = runner_.run([&](int b, int begin, int end, double* scratch) {
-    return HWY_DYNAMIC_DISPATCH(newton_velocities)(batches_[b], step, begin, end, scratch);
-  });
+  const VelocityStep step{h, s.x.data(), s.v.data()};
+  SolveStats stats =
+      batches_.run([&](NewtonBatch& batch, const SolveCall& call, int begin, int end, double* scratch) {
+        return HWY_DYNAMIC_DISPATCH(newton_velocities)(batch, step, call, begin, end, scratch);
+      });
   factored_ = true;
   LaneRunner::merge(stats, leftover_.project_velocities(h, s));
   return stats;
 }
 
 const Eigen::VectorXd& Batched<Newton>::lambda() const {
-  for (const NewtonBatch& batch : batches_) rows_to_bonds(batch.lanes, batch.lambda, lambda_);
+  batches_.write_lambda(lambda_);
   leftover_.write_lambda(lambda_);
   return lambda_;
 }

@@ -1,15 +1,18 @@
 #pragma once
 
 #include "constraints/lanes/batched.hpp"
+#include "constraints/lanes/solving.hpp"
 #include "constraints/newton.hpp"
 
 namespace taut {
 
 // A batch and what Newton keeps of it.
-struct NewtonBatch {
-  LaneBatch lanes;
-  LaneRows lambda;
-  LaneRows factors;  // 1/d and L at the last velocities' positions, part by part
+struct NewtonBatch : SolvedBatch {
+  LaneRows factors;  // 1/d and L at the last velocities' positions, part by part; pieces have them in scratch
+
+  explicit NewtonBatch(const ClusterBatch& batch)
+      : SolvedBatch(batch),
+        factors(lanes.groups, lanes.piece() ? 0 : lanes.bond_count() + lanes.plan.entries()) {}
 };
 
 template <>
@@ -33,8 +36,7 @@ class Batched<Newton> : public EmptyGaps {
   Batched(const System& sys, const Options& options, double h, const BondClusters& clusters);
 
   Options options_;
-  std::vector<NewtonBatch> batches_;
-  LaneRunner runner_;
+  SolvedBatches<NewtonBatch> batches_;
   Leftover<Newton> leftover_;
   bool factored_ = false;
   mutable Eigen::VectorXd lambda_;  // m

@@ -9,7 +9,7 @@
 #define HWY_TARGET_INCLUDE "constraints/lanes/batched_settle.cpp"
 #include <hwy/foreach_target.h>
 
-#include "constraints/lanes/elimination-inl.hpp"
+#include "constraints/lanes/velocities-inl.hpp"
 
 #ifndef TAUT_SETTLE_STEP
 #define TAUT_SETTLE_STEP
@@ -95,35 +95,16 @@ void settle_positions_of(const SettleBatch& batch, const SettleStep& step, const
     store3(load3(x_n) + shifts[n], x_n);
     store3(mul_add(inv_h, shifts[n], load3(v_n)), v_n);
   }
-  scatter(part, 3, x, step.x);
-  scatter(part, 3, v, step.v);
+  scatter(part, 0, 3, x, step.x);
+  scatter(part, 0, 3, v, step.v);
 }
 
-// A g = −J v
 template <class Shape>
-HWY_INLINE void settle_velocities_of(const Shape shape, SettleBatch& batch, const SettleStep& step,
-                                     const Part& part, double* scratch, SolveStats& stats) {
-  double *x = scratch, *v = x + 9 * kLanes, *r = v + 9 * kLanes, *g = r + 9 * kLanes, *d = g + 3 * kLanes;
-  const Matrix A{d, d + 3 * kLanes, d + 6 * kLanes, nullptr};
-  double* lambda = batch.lambda.of(part.group) + part.first_lane;
-  gather(part, 3, step.x, x);
-  gather(part, 3, step.v, v);
-  for (int k = 0; k < 3; ++k) {
-    const V3 r_k = difference(shape, k, x);
-    store3(r_k, r + 3 * k * kLanes);
-    store(hn::Mul(all(shape.bonds[k].reduced_inv_mass), dot(r_k, r_k)), d + k * kLanes);
-    store(hn::Neg(dot(r_k, difference(shape, k, v))), g + k * kLanes);
-  }
-  const V margin = eliminate(shape, A, r, g);
-  substitute_back(shape, A.inv_d, A.l, g);
-  for (int k = 0; k < 3; ++k) {
-    const V g_k = load(g + k * kLanes);
-    move(shape, k, g_k, load3(r + 3 * k * kLanes), v);
-    store(hn::Mul(all(2 / step.h), g_k), lambda + k * kLanes);
-  }
-  scatter(part, 3, v, step.v);
-  regular(part, margin, A.d, stats);
-}
+struct SettleVelocityKernel : VelocityKernel<Shape> {
+  HWY_INLINE SettleVelocityKernel(const Shape its_shape, SettleBatch& batch, const VelocityStep& its_step,
+                                  const Part& its_part, double* scratch)
+      : VelocityKernel<Shape>(its_shape, batch.lambda, its_step, its_part, equations(its_shape, scratch)) {}
+};
 
 SolveStats settle_positions(SettleBatch& batch, const SettleStep& step, int begin, int end, double* scratch) {
   SolveStats stats{.iterations = 1};
@@ -133,13 +114,9 @@ SolveStats settle_positions(SettleBatch& batch, const SettleStep& step, int begi
   return stats;
 }
 
-SolveStats settle_velocities(SettleBatch& batch, const SettleStep& step, int begin, int end,
-                             double* scratch) {
-  SolveStats stats{.iterations = 1};
-  for_each_part(batch.lanes, begin, end, scratch, [&](auto shape, const Part& part, double* rows) HWY_ATTR {
-    settle_velocities_of(shape, batch, step, part, rows, stats);
-  });
-  return stats;
+SolveStats settle_velocities(SettleBatch& batch, const VelocityStep& step, const SolveCall& call, int begin,
+                             int end, double* scratch) {
+  return solve_groups<SettleVelocityKernel>(batch, step, call, begin, end, scratch);
 }
 
 }  // namespace taut::HWY_NAMESPACE
@@ -167,10 +144,7 @@ Batched<Settle>::Batched(const System& sys, const Options&, double)
   }
   for (const auto& [key, kind] : kinds) {
     const auto& [water, batch] = kind;
-    LaneBatch lanes(batch);
-    runner_.add(lanes);
-    LaneRows lambda = rows_of_bonds(lanes);
-    batches_.push_back({std::move(lanes), water.ra, water.rb, water.rc, std::move(lambda)});
+    runner_.add(batches_.emplace_back(batch, water).lanes);
   }
 }
 
@@ -182,9 +156,9 @@ SolveStats Batched<Settle>::project_positions(const System&, double h, State& s)
 }
 
 SolveStats Batched<Settle>::project_velocities(const System&, double h, State& s) {
-  const SettleStep step{h, s.x.data(), s.v.data()};
+  const VelocityStep step{h, s.x.data(), s.v.data()};
   return runner_.run([&](int b, int begin, int end, double* scratch) {
-    return HWY_DYNAMIC_DISPATCH(settle_velocities)(batches_[b], step, begin, end, scratch);
+    return HWY_DYNAMIC_DISPATCH(settle_velocities)(batches_[b], step, SolveCall{}, begin, end, scratch);
   });
 }
 

@@ -1,15 +1,17 @@
 #pragma once
 
 #include "constraints/lanes/batched.hpp"
+#include "constraints/lanes/solving.hpp"
 #include "constraints/settle.hpp"
 
 namespace taut {
 
 // Waters of one shape: atoms apex, left, right; bonds apex–left, apex–right, left–right.
-struct SettleBatch {
-  LaneBatch lanes;
+struct SettleBatch : SolvedBatch {
   double ra, rb, rc;  // settle.hpp
-  LaneRows lambda;
+
+  SettleBatch(const ClusterBatch& batch, const Settle::Water& water)
+      : SolvedBatch(batch), ra(water.ra), rb(water.rb), rc(water.rc) {}
 };
 
 template <>

@@ -129,8 +129,8 @@ void sweep_positions_of(SweepBatch& batch, const SweepStep& step, const Part& pa
     move(shape, k, hn::Mul(all(1 / step.h), load(rows.g + k * kLanes)), load3(rows.r + 3 * k * kLanes),
          rows.v);
   keep(shape, step.keep, rows, lambda);
-  scatter(part, shape.atoms(), rows.x, step.x);
-  scatter(part, shape.atoms(), rows.v, step.v);
+  scatter(shape, part, rows.x, step.x);
+  scatter(shape, part, rows.v, step.v);
 }
 
 void sweep_velocities_of(SweepBatch& batch, const SweepStep& step, const Part& part, double* scratch,
@@ -149,7 +149,7 @@ void sweep_velocities_of(SweepBatch& batch, const SweepStep& step, const Part& p
   set_out(shape, step.guess, lambda, rows, rows.v);
   repeat(SweepOfVelocities{step.h}, shape, step.limits, part, rows, stats);
   keep(shape, step.keep, rows, lambda);
-  scatter(part, shape.atoms(), rows.v, step.v);
+  scatter(shape, part, rows.v, step.v);
 }
 
 SolveStats sweep_positions(SweepBatch& batch, const SweepStep& step, int begin, int end, double* scratch) {

@@ -1,8 +1,11 @@
 #include "constraints/lanes/bond_clusters.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <numeric>
+
+#include "constraints/lanes/cut_chains.hpp"
 
 namespace taut {
 namespace {
@@ -34,10 +37,29 @@ std::vector<double> key_of(const ClusterShape& shape) {
     key.push_back(j);
     key.push_back(d);
   }
+  key.push_back(shape.left);
+  key.push_back(shape.right);
   return key;
 }
 
+// How many bonds a cluster may have for its shape to be looked at.
+int most_bonds_of(const ClusterLimits& limits) {
+  return limits.piece > 0 ? std::numeric_limits<int>::max()
+                          : std::max(limits.most_bonds, limits.most_bonds_alike);
+}
+
 }  // namespace
+
+int ClusterBatches::add(const ClusterShape& shape, const std::vector<int>& atoms,
+                        const std::vector<int>& bonds) {
+  const auto [place, fresh] = batch_of_.try_emplace(key_of(shape), batches.size());
+  if (fresh) batches.push_back({shape, 0, {}, {}});
+  ClusterBatch& batch = batches[place->second];
+  ++batch.count;
+  batch.atoms.insert(batch.atoms.end(), atoms.begin(), atoms.end());
+  batch.bonds.insert(batch.bonds.end(), bonds.begin(), bonds.end());
+  return static_cast<int>(place->second);
+}
 
 BondClusters find_clusters(const System& sys, const ClusterLimits& limits) {
   const std::vector<int> cluster = cluster_of_bond(sys);
@@ -47,7 +69,7 @@ BondClusters find_clusters(const System& sys, const ClusterLimits& limits) {
                    [&](int k, int l) { return cluster[k] < cluster[l]; });
 
   BondClusters found;
-  std::map<std::vector<double>, std::size_t> batch_of;
+  ClusterBatches whole;
   for (auto begin = by_cluster.begin(); begin != by_cluster.end();) {
     const auto end =
         std::find_if(begin, by_cluster.end(), [&](int k) { return cluster[k] != cluster[*begin]; });
@@ -63,7 +85,7 @@ BondClusters find_clusters(const System& sys, const ClusterLimits& limits) {
     atoms.erase(std::unique(atoms.begin(), atoms.end()), atoms.end());
     const bool anchored =
         std::any_of(atoms.begin(), atoms.end(), [&](int a) { return sys.inv_mass[a] == 0; });
-    if (anchored || static_cast<int>(bonds.size()) > std::max(limits.most_bonds, limits.most_bonds_alike)) {
+    if (anchored || static_cast<int>(bonds.size()) > most_bonds_of(limits)) {
       found.rest.insert(found.rest.end(), bonds.begin(), bonds.end());
       continue;
     }
@@ -77,18 +99,18 @@ BondClusters find_clusters(const System& sys, const ClusterLimits& limits) {
       const auto [i, j] = std::minmax({local(sys.bonds[k].i), local(sys.bonds[k].j)});
       shape.bonds.push_back({i, j, sys.bonds[k].length});
     }
-    const auto [place, fresh] = batch_of.try_emplace(key_of(shape), found.batches.size());
-    if (fresh) found.batches.push_back({std::move(shape), 0, {}, {}});
-    ClusterBatch& batch = found.batches[place->second];
-    ++batch.count;
-    batch.atoms.insert(batch.atoms.end(), atoms.begin(), atoms.end());
-    batch.bonds.insert(batch.bonds.end(), bonds.begin(), bonds.end());
+    whole.add(shape, atoms, bonds);
   }
-  std::erase_if(found.batches, [&](const ClusterBatch& batch) {
-    const bool fits = batch.shape.bond_count() <= limits.most_bonds || batch.count >= limits.alike;
-    if (!fits) found.rest.insert(found.rest.end(), batch.bonds.begin(), batch.bonds.end());
-    return !fits;
-  });
+  ClusterBatches pieces;
+  for (ClusterBatch& batch : whole.batches) {
+    const int size = batch.shape.bond_count();
+    if (size <= limits.most_bonds || (size <= limits.most_bonds_alike && batch.count >= limits.alike)) {
+      found.batches.push_back(std::move(batch));
+    } else if (limits.piece == 0 || !cut_chains(batch, limits.piece, pieces, found.chains)) {
+      found.rest.insert(found.rest.end(), batch.bonds.begin(), batch.bonds.end());
+    }
+  }
+  found.pieces = std::move(pieces.batches);
   std::sort(found.rest.begin(), found.rest.end());
   return found;
 }

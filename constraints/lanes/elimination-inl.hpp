@@ -41,7 +41,7 @@ HWY_INLINE V eliminate(const Shape shape, const Matrix A, const double* r, doubl
   if constexpr (Shape::kUpdates) couple(shape, r, r, A.l);
   V margin = all(1e300);
   int update = 0;
-  for (int k = 0; k < shape.size(); ++k) {
+  for (int k = 0; k < shape.eliminated(); ++k) {
     const V d = load(A.d + k * kLanes), inv = hn::Div(all(1), d), b_k = load(b + k * kLanes);
     margin = hn::Min(margin, hn::Sub(d, all(shape.bonds[k].least_pivot)));
     store(inv, A.inv_d + k * kLanes);
@@ -77,7 +77,7 @@ HWY_INLINE V eliminate_turned(const Shape shape, const Matrix A, const double* r
   }
   V margin = all(1e300);
   int update = 0;
-  for (int k = 0; k < shape.size(); ++k) {
+  for (int k = 0; k < shape.eliminated(); ++k) {
     const V d = load(A.d + k * kLanes), inv = hn::Div(all(1), d), b_k = load(b + k * kLanes);
     margin = hn::Min(margin, hn::Sub(d, all(shape.bonds[k].least_pivot)));
     store(inv, A.inv_d + k * kLanes);
@@ -112,7 +112,7 @@ HWY_INLINE V eliminate_turned(const Shape shape, const Matrix A, const double* r
 HWY_INLINE bool regular(const Part& part, V margin, const double* d, SolveStats& stats) {
   if (hn::AllTrue(D(), hn::Gt(margin, hn::Zero(D())))) return true;
   stats.failure = "A is singular";
-  for (int k = part.batch.bond_count() - 1; k >= 0; --k)
+  for (int k = part.batch.plan.eliminated - 1; k >= 0; --k)
     for (int l = kWidth - 1; l >= 0; --l)
       if (!(d[k * kLanes + l] > part.batch.bonds[k].least_pivot))
         stats.worst_bond = part.batch.bond(part.group, k, part.first_lane + l);
@@ -122,7 +122,7 @@ HWY_INLINE bool regular(const Part& part, V margin, const double* d, SolveStats&
 // b ← L⁻¹b
 template <class Shape>
 HWY_INLINE void substitute_forward(const Shape shape, const double* l, double* b) {
-  for (int k = 0; k < shape.size(); ++k) {
+  for (int k = 0; k < shape.eliminated(); ++k) {
     const V b_k = load(b + k * kLanes);
     for (int p = shape.begin(k); p < shape.end(k); ++p) {
       double* b_p = b + shape.row(p);
@@ -134,7 +134,7 @@ HWY_INLINE void substitute_forward(const Shape shape, const double* l, double* b
 // b ← U⁻¹D⁻¹b, u unit upper triangular by rows
 template <class Shape>
 HWY_INLINE void substitute_back(const Shape shape, const double* inv_d, const double* u, double* b) {
-  for (int k = shape.size() - 1; k >= 0; --k) {
+  for (int k = shape.eliminated() - 1; k >= 0; --k) {
     V z = hn::Mul(load(b + k * kLanes), load(inv_d + k * kLanes));
     for (int p = shape.begin(k); p < shape.end(k); ++p)
       z = hn::NegMulAdd(load(u + p * kLanes), load(b + shape.row(p)), z);

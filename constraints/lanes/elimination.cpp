@@ -26,6 +26,20 @@ std::vector<std::map<int, double>> couplings_of(const ClusterShape& shape) {
   return coupling;
 }
 
+// The bonds at the ends of a piece: those between it and its neighbours, and those beyond.
+std::vector<int> separators(const ClusterShape& shape) {
+  std::vector<int> bonds;
+  if (shape.left > 0) bonds.push_back(1);
+  if (shape.right > 0) bonds.push_back(shape.bond_count() - 2);
+  return bonds;
+}
+std::vector<int> foreign_bonds(const ClusterShape& shape) {
+  std::vector<int> bonds;
+  if (shape.left > 0) bonds.push_back(0);
+  if (shape.right > 0) bonds.push_back(shape.bond_count() - 1);
+  return bonds;
+}
+
 }  // namespace
 
 Elimination::Elimination(const ClusterShape& shape) {
@@ -37,26 +51,38 @@ Elimination::Elimination(const ClusterShape& shape) {
 
   std::vector<int> place(n, -1);
   std::vector<std::vector<int>> column;  // the neighbours each unknown had when it went
-  std::vector<int> waiting(n);
-  std::iota(waiting.begin(), waiting.end(), 0);
+  const auto take = [&](int k) {
+    place[k] = static_cast<int>(order.size());
+    order.push_back(k);
+    column.emplace_back(left[k].begin(), left[k].end());
+    for (int p : column.back()) {
+      left[p].erase(k);
+      for (int q : column.back())
+        if (q != p) left[p].insert(q);
+    }
+  };
+  for (int k : foreign_bonds(shape))
+    for (int l : std::set<int>(left[k])) {
+      left[k].erase(l);
+      left[l].erase(k);
+    }
+  std::vector<int> waiting(n - shape.left - shape.right);
+  std::iota(waiting.begin(), waiting.end(), shape.left);
   while (!waiting.empty()) {
     std::size_t least = std::numeric_limits<std::size_t>::max();
     for (int k : waiting) least = std::min(least, left[k].size());
     std::set<int> touched;
     for (int k : waiting) {
       if (left[k].size() != least || touched.contains(k)) continue;
-      place[k] = static_cast<int>(order.size());
-      order.push_back(k);
-      column.emplace_back(left[k].begin(), left[k].end());
-      for (int p : column.back()) {
-        touched.insert(p);
-        left[p].erase(k);
-        for (int q : column.back())
-          if (q != p) left[p].insert(q);
-      }
+      touched.insert(left[k].begin(), left[k].end());
+      take(k);
     }
     std::erase_if(waiting, [&](int k) { return place[k] >= 0; });
   }
+  eliminated = size();
+  for (int k : separators(shape)) take(k);
+  solved = size();
+  for (int k : foreign_bonds(shape)) take(k);
 
   std::map<std::pair<int, int>, int> entry;  // (row, column)
   column_start.push_back(0);
@@ -82,6 +108,7 @@ Elimination Elimination::none(const ClusterShape& shape) {
   plan.order.resize(shape.bond_count());
   std::iota(plan.order.begin(), plan.order.end(), 0);
   plan.column_start.assign(shape.bond_count() + 1, 0);
+  plan.eliminated = plan.solved = plan.size();
   return plan;
 }
 

@@ -186,11 +186,13 @@ HWY_INLINE void gather(const Part& part, const int atoms, const double* HWY_REST
     store(load_each<kWidth>(array + c, place), rows + c * kLanes);
 }
 
-// ... and back
-HWY_INLINE void scatter(const Part& part, const int atoms, const double* HWY_RESTRICT rows,
+// ... and back, so many atoms from the first of them on
+HWY_INLINE void scatter(const Part& part, const int first, const int atoms, const double* HWY_RESTRICT rows,
                         double* HWY_RESTRICT array) {
   const int width = 3 * atoms;
-  const int* place = part.places();
+  const int* place = part.places() + (part.batch.contiguous ? 0 : first * kLanes);
+  if (part.batch.contiguous) array += 3 * first;
+  rows += 3 * first * kLanes;
   if (!part.batch.contiguous) {
     for (int a = 0; a < atoms; ++a)
       for (int c = 0; c < 3; ++c)
@@ -216,13 +218,18 @@ struct AnyShape {
         signed_inv_mass_(batch.plan.signed_inv_mass.data()),
         start_(batch.plan.column_start.data()),
         size_(batch.bond_count()),
+        eliminated_(batch.plan.eliminated),
+        solved_(batch.plan.solved),
         atoms_(batch.atoms),
         entries_(batch.plan.entries()) {}
 
-  static constexpr bool kUpdates = true;
+  static constexpr bool kUpdates = true;  // eliminating one bond touches couplings of others
+  static constexpr bool kPieces = true;   // may be a piece of a chain
   const LaneBond* bonds;
 
   int size() const { return size_; }
+  int eliminated() const { return eliminated_; }
+  int solved() const { return solved_; }
   int atoms() const { return atoms_; }
   int entries() const { return entries_; }
   std::ptrdiff_t i(int k) const { return bonds[k].i; }
@@ -237,13 +244,15 @@ struct AnyShape {
   const std::ptrdiff_t *row_, *update_;
   const double* signed_inv_mass_;
   const int* start_;
-  int size_, atoms_, entries_;
+  int size_, eliminated_, solved_, atoms_, entries_;
 };
 
 // A chain: one entry a column.
 struct ChainShape : AnyShape {
   using AnyShape::AnyShape;
-  static constexpr bool kUpdates = false;
+  static constexpr bool kUpdates = false, kPieces = false;
+  int eliminated() const { return size_; }
+  int solved() const { return size_; }
   int begin(int k) const { return k; }
   int end(int k) const { return HWY_MIN(k + 1, size_ - 1); }
 };
@@ -251,8 +260,11 @@ struct ChainShape : AnyShape {
 // A water: all known when compiled, so that its rows stay in registers.
 struct TriangleShape : AnyShape {
   using AnyShape::AnyShape;
+  static constexpr bool kPieces = false;
   static constexpr int kScratchRows = 60;  // LaneBatch::scratch_rows
   static constexpr int size() { return 3; }
+  static constexpr int eliminated() { return 3; }
+  static constexpr int solved() { return 3; }
   static constexpr int atoms() { return 3; }
   static constexpr int entries() { return 3; }
   static constexpr std::ptrdiff_t i(int k) { return k == 2 ? 3 * kLanes : 0; }
@@ -277,6 +289,12 @@ HWY_INLINE void for_each_part(const LaneBatch& batch, int begin, int end, double
     each(ChainShape(batch), scratch);
   else
     each(AnyShape(batch), scratch);
+}
+
+// rows → the atoms that are the cluster's own
+template <class Shape>
+HWY_INLINE void scatter(const Shape shape, const Part& part, const double* rows, double* array) {
+  scatter(part, part.batch.left, shape.atoms() - part.batch.left - part.batch.right, rows, array);
 }
 
 // f += Jᵀλ for one bond
@@ -320,7 +338,7 @@ struct Worst {
 
 // |σ|/d² of every bond, from positions
 inline HWY_NOINLINE void find_residuals(const LaneBatch& batch, const double* x, double* relative) {
-  for (int k = 0; k < batch.bond_count(); ++k) {
+  for (int k = 0; k < batch.plan.solved; ++k) {
     const LaneBond& bond = batch.bonds[k];
     const V3 r = load3(x + bond.j) - load3(x + bond.i);
     const V offset = hn::Sub(dot(r, r), all(bond.length2));
@@ -330,7 +348,7 @@ inline HWY_NOINLINE void find_residuals(const LaneBatch& batch, const double* x,
 
 // The largest of these residuals, and where, entered into the stats if it is larger. A NaN is largest.
 inline HWY_NOINLINE void enter(const Part& part, const double* relative, SolveStats& stats) {
-  for (int k = 0; k < part.batch.bond_count(); ++k)
+  for (int k = 0; k < part.batch.plan.solved; ++k)
     for (int l = 0; l < kWidth; ++l) {
       const double value = relative[k * kLanes + l];
       if (value <= stats.max_residual || stats.max_residual != stats.max_residual) continue;

@@ -3,7 +3,9 @@
 namespace taut {
 
 LanePlan::LanePlan(const Elimination& plan)
-    : chain(plan.entries() == plan.size() - 1),
+    : eliminated(plan.eliminated),
+      solved(plan.solved),
+      chain(plan.eliminated == plan.size() && plan.entries() == plan.size() - 1),
       column_start(plan.column_start),
       signed_inv_mass(plan.signed_inv_mass) {
   for (int k = 0; k < plan.entries(); ++k) chain = chain && plan.column_start[k] == k;
@@ -18,7 +20,9 @@ LaneBatch::LaneBatch(const ClusterBatch& batch, const Elimination& elimination)
       groups((batch.count + kLanes - 1) / kLanes),
       inv_mass(batch.shape.inv_mass),
       contiguous(true),
-      triangle(false) {
+      triangle(false),
+      left(batch.shape.left),
+      right(batch.shape.right) {
   for (int k : elimination.order) {
     const auto& [i, j, d] = batch.shape.bonds[k];
     const double reduced = batch.shape.reduced_inv_mass(k), length2 = d * d;
@@ -56,7 +60,7 @@ void LaneRows::swap(LaneRows& other) noexcept {
 
 void rows_to_bonds(const LaneBatch& batch, const LaneRows& rows, Eigen::VectorXd& values) {
   for (int g = 0; g < batch.groups; ++g)
-    for (int k = 0; k < batch.bond_count(); ++k)
+    for (int k = 0; k < batch.plan.solved; ++k)
       for (int l = 0; l < kLanes; ++l) values[batch.bond(g, k, l)] = rows.of(g)[k * kLanes + l];
 }
 

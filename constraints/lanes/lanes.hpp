@@ -32,6 +32,7 @@ struct LaneBond {
 struct LanePlan {
   explicit LanePlan(const Elimination& plan);
 
+  int eliminated, solved;               // elimination.hpp
   bool chain;                           // column k has one entry, k, and nothing is updated twice
   std::vector<int> column_start;        // n + 1
   std::vector<std::ptrdiff_t> row;      // of each entry
@@ -57,7 +58,10 @@ struct LaneBatch {
   std::vector<int> place;
   std::vector<int> bond_index;  // [group][bond][lane], as the system numbers them
 
+  int left, right;  // of a piece: so many of its first and last atoms are its neighbours'
+
   int bond_count() const { return static_cast<int>(bonds.size()); }
+  bool piece() const { return left + right > 0; }
   int filled(int group) const { return std::min(kLanes, clusters - group * kLanes); }
   const int* places(int group) const { return place.data() + group * kLanes * (contiguous ? 1 : atoms); }
   int bond(int group, int k, int lane) const {
@@ -102,6 +106,15 @@ inline LaneRows rows_of_bonds(const LaneBatch& batch) {
 
 // Scatters one row a bond of every group to a number a bond of the system.
 void rows_to_bonds(const LaneBatch& batch, const LaneRows& rows, Eigen::VectorXd& values);
+
+// Where in a group's scratch the system of equations lies, what every solving method begins with: the first
+// row of each part.
+struct SystemRows {
+  explicit SystemRows(const LaneBatch& batch) : SystemRows(batch.bond_count(), batch.plan.entries()) {}
+  constexpr SystemRows(int bonds, int entries)
+      : b(0), d(bonds), inv_d(2 * bonds), l(3 * bonds), u(l + entries), end(u + entries) {}
+  int b, d, inv_d, l, u, end;
+};
 
 // Splits groups of several batches over threads and gives each thread scratch of its own.
 class LaneRunner {

@@ -1,0 +1,63 @@
+// The velocities' half of RATTLE, solved: A g = −J v, v += M⁻¹Jᵀg; compiled once for each kind of machine.
+#if defined(TAUT_VELOCITIES_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef TAUT_VELOCITIES_INL_H
+#undef TAUT_VELOCITIES_INL_H
+#else
+#define TAUT_VELOCITIES_INL_H
+#endif
+
+#include "constraints/lanes/solving-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace taut::HWY_NAMESPACE {
+
+template <class Shape>
+struct VelocityKernel {
+  static constexpr bool kOnceMostly = true;
+  const Shape shape;
+  const VelocityStep& step;
+  const Part& part;
+  double* lambda;
+  Equations eq;
+  double *x_rows, *v, *r;
+  static constexpr const double* x = nullptr;  // no positions change
+
+  HWY_INLINE VelocityKernel(const Shape its_shape, LaneRows& multipliers, const VelocityStep& its_step,
+                            const Part& its_part, const Equations& equations)
+      : shape(its_shape),
+        step(its_step),
+        part(its_part),
+        lambda(multipliers.of(part.group) + part.first_lane),
+        eq(equations),
+        x_rows(eq.rest),
+        v(x_rows + 3 * shape.atoms() * kLanes),
+        r(v + 3 * shape.atoms() * kLanes) {}
+
+  HWY_INLINE SolveNext start(SolveStats&) {
+    gather(part, shape.atoms(), step.x, x_rows);
+    gather(part, shape.atoms(), step.v, v);
+    for (int k = 0; k < shape.solved(); ++k) {
+      const V3 r_k = difference(shape, k, x_rows);
+      store3(r_k, r + 3 * k * kLanes);
+      store(hn::Mul(all(shape.bonds[k].reduced_inv_mass), dot(r_k, r_k)), eq.A.d + k * kLanes);
+      store(hn::Neg(dot(r_k, difference(shape, k, v))), eq.b + k * kLanes);
+    }
+    return SolveNext::kLastSolve;
+  }
+  HWY_INLINE bool forward(int, SolveStats& stats) { return factor(shape, part, eq, r, stats); }
+  HWY_INLINE void back() { substitute_back(shape, eq.A.inv_d, eq.A.l, eq.b); }
+  HWY_INLINE SolveNext apply(SolveNext, int, SolveStats&) {
+    for (int k = 0; k < shape.solved(); ++k) {
+      const V g = load(eq.b + k * kLanes);
+      store(hn::Mul(all(2 / step.h), g), lambda + k * kLanes);
+      move(shape, k, g, load3(r + 3 * k * kLanes), v);
+    }
+    return SolveNext::kEnd;
+  }
+  HWY_INLINE void end(SolveStats&) { scatter(shape, part, v, step.v); }
+};
+
+}  // namespace taut::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
