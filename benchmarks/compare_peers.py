@@ -1,15 +1,20 @@
 #!/usr/bin/env python3
 """What peers pay for rigid bonds on this machine, beside benchmarks/results/constraints.csv.
 
-    benchmarks/compare_peers.py [steps]
+    benchmarks/compare_peers.py [--steps 20000] [--build build]
 
-GROMACS (`gmx`, Debian: gromacs): its own cycle accounting, the row "Constraints" of one `mdrun` on one thread,
-leap-frog (constraints applied once a step, to positions; ours are applied to positions and velocities), mixed
-precision, the same molecules as ours without forces between them: LINCS as it comes (order 4, 1 iteration) on 100
-chains of 20, SETTLE on 1000 waters. What is not installed is skipped.
+On the same molecules as ours, without forces between them, one thread, medians of five; what is not installed is
+skipped.
+- GROMACS (`gmx`, Debian: gromacs): its own cycle accounting, the row "Constraints" of one `mdrun`, leap-frog
+  (constraints applied once a step, to positions; ours are applied to positions and velocities), mixed precision: LINCS
+  as it comes (order 4, 1 iteration) on 100 chains of 20, SETTLE on 1000 waters.
+- OpenMM (`openmm_bonds` of the build): whole steps with bonds less whole steps without, positions and velocities, CPU
+  and Reference platform: CCMA on the chains, SETTLE on the waters, in double precision, tolerance 1e-5 (its default).
+- LAMMPS (`lmp`, Debian: lammps): fix rattle at 1e-6 on the waters, positions and velocities: the row "Modify" of its own
+  timing, less that of the same run without the fix. It holds clusters of at most four atoms: no chains.
 """
 
-import csv, math, pathlib, random, re, shutil, subprocess, sys, tempfile
+import argparse, csv, math, os, pathlib, random, re, shutil, statistics, subprocess, sys, tempfile
 
 HERE = pathlib.Path(__file__).parent
 MDP = """integrator = md
@@ -95,6 +100,62 @@ def gromacs(molecules, units, steps):
     return float(row.group(2)) / int(row.group(1)) / units * 1e9, simd
 
 
+LAMMPS = """units real
+atom_style molecular
+boundary p p p
+pair_style zero 4.0
+bond_style harmonic
+angle_style harmonic
+read_data in.data
+pair_coeff * *
+neigh_modify every 20 delay 0 check yes
+velocity all create 300 1 loop geom
+timestep 1.0
+fix move all nve
+{rattle}
+thermo 1000000
+run {steps}
+"""
+
+
+def lammps_data(places):
+    """TIP3P's shape, 1000 waters, in Å; bonds and angles only name what fix rattle holds."""
+    side, waters = 120.0, len(places) // 3
+    lines = ["bench", "", f"{3 * waters} atoms", f"{2 * waters} bonds", f"{waters} angles", "", "2 atom types",
+             "1 bond types", "1 angle types", ""]
+    lines += [f"0 {side} {c}lo {c}hi" for c in "xyz"]
+    lines += ["", "Masses", "", "1 15.99943", "2 1.007947", "", "Bond Coeffs", "", "1 450 0.9572", "", "Angle Coeffs", "",
+              "1 55 104.52", "", "Atoms", ""]
+    lines += [f"{n + 1} {n // 3 + 1} {1 if n % 3 == 0 else 2} " + " ".join(f"{10 * c + 5:.6f}" for c in x)
+              for n, x in enumerate(places)]
+    lines += ["", "Bonds", ""] + [f"{2 * w + k + 1} 1 {3 * w + 1} {3 * w + k + 2}" for w in range(waters) for k in (0, 1)]
+    lines += ["", "Angles", ""] + [f"{w + 1} 1 {3 * w + 2} {3 * w + 1} {3 * w + 3}" for w in range(waters)]
+    return "\n".join(lines) + "\n"
+
+
+def lammps(molecules, units, steps):
+    """ns a unit and step of the row "Modify", with fix rattle less without."""
+    def modify(rattle):
+        with tempfile.TemporaryDirectory() as folder:
+            folder = pathlib.Path(folder)
+            (folder / "in.data").write_text(lammps_data(molecules[0]))
+            (folder / "in.lmp").write_text(LAMMPS.format(rattle=rattle, steps=steps))
+            run = subprocess.run(["lmp", "-in", "in.lmp", "-log", "none"], cwd=folder, check=True, capture_output=True,
+                                 text=True, env={**os.environ, "OMP_NUM_THREADS": "1"})
+        return float(re.search(r"^Modify\s*\|\s*([\d.e+-]+)", run.stdout, re.M).group(1))
+
+    return (modify("fix rigid all rattle 1e-6 100 0 b 1 a 1") - modify("")) / steps / units * 1e9
+
+
+def openmm(program):
+    """[(platform, system, ns a unit and step)]"""
+    run = subprocess.run([program], capture_output=True, text=True)
+    if run.returncode != 0:
+        print(f"openmm_bonds: {run.stderr.strip() or 'built without OpenMM'}: OpenMM skipped", file=sys.stderr)
+        return []
+    return [(platform, system, float(ns)) for platform, system, ns in csv.reader(run.stdout.splitlines())]
+
+
 def ours(system, method):
     lines = [line for line in (HERE / "results/constraints.csv").open() if not line.startswith("#")]
     for row in csv.DictReader(lines):
@@ -103,24 +164,47 @@ def ours(system, method):
     return math.nan
 
 
-def main():
-    steps = int(sys.argv[1]) if len(sys.argv) > 1 else 20000
+def measure(steps, build):
+    """[(system, peer, ns a unit and step)], medians of five."""
     rows = []
     if shutil.which("gmx"):
-        for name, molecules, system, units, algorithm in (
-            ("a bond, 100 chains of 20", chains(100, 20), "chains-100x20", 2000, "LINCS"),
-            ("a water, 1000 waters", waters(1000), "water-1000", 1000, "SETTLE"),
-        ):
+        for molecules, system, units, algorithm in ((chains(100, 20), "chains-100x20", 2000, "LINCS"),
+                                                    (waters(1000), "water-1000", 1000, "SETTLE")):
             times = sorted(gromacs(molecules, units, steps) for _ in range(5))
-            rows.append((name, system, f"GROMACS {algorithm} ({times[2][1]})", times[2][0]))
+            rows.append((system, f"GROMACS {algorithm} ({times[2][1]})", times[2][0]))
     else:
         print("gmx is not installed: GROMACS skipped", file=sys.stderr)
-    for name, system, peer, ns in rows:
-        print(f"{name}: {peer} {ns:.1f} ns")
-        for method in ("baumgarte", "feedforward", "newton", "settle"):
-            mine = ours(system, method)
-            if mine == mine:
-                print(f"    {method:12} {mine:6.1f} ns   {ns / mine:5.1f} times faster")
+    program = build / "openmm_bonds"
+    if program.exists():
+        runs = [row for _ in range(5) for row in openmm(program)]
+        for platform, system in dict.fromkeys(row[:2] for row in runs):
+            algorithm = "SETTLE" if system.startswith("water") else "CCMA"
+            rows.append((system, f"OpenMM {platform} {algorithm}",
+                         statistics.median(ns for *key, ns in runs if key == [platform, system])))
+    else:
+        print(f"{program} is not built: OpenMM skipped", file=sys.stderr)
+    if shutil.which("lmp"):
+        times = [lammps(waters(1000), 1000, steps // 10) for _ in range(5)]
+        rows.append(("water-1000", "LAMMPS fix rattle", statistics.median(times)))
+    else:
+        print("lmp is not installed: LAMMPS skipped", file=sys.stderr)
+    return rows
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--steps", type=int, default=20000)
+    parser.add_argument("--build", type=pathlib.Path, default=HERE.parent / "build")
+    options = parser.parse_args()
+    rows = measure(options.steps, options.build)
+    for system, unit in (("chains-100x20", "bond"), ("water-1000", "water")):
+        mine = {method: ours(system, method) for method in ("baumgarte", "feedforward", "newton", "settle")}
+        mine = {method: ns for method, ns in mine.items() if ns == ns}
+        print(f"{system}, ns a {unit} and step: " + ", ".join(f"{method} {ns:.1f}" for method, ns in mine.items()))
+        for where, peer, ns in rows:
+            if where == system:
+                print(f"    {peer:28} {ns:8.1f}   times: "
+                      + ", ".join(f"{method} {ns / its:.1f}" for method, its in mine.items()))
 
 
 if __name__ == "__main__":
