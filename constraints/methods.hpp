@@ -7,10 +7,10 @@
 
 #include "constraints/lanes/batched_baumgarte.hpp"
 #include "constraints/lanes/batched_feedforward.hpp"
+#include "constraints/lanes/batched_lincs.hpp"
 #include "constraints/lanes/batched_newton.hpp"
 #include "constraints/lanes/batched_settle.hpp"
 #include "constraints/lanes/batched_sweeps.hpp"
-#include "constraints/lincs.hpp"
 #include "constraints/penalty.hpp"
 
 namespace taut {
@@ -33,7 +33,7 @@ struct MethodList {
   using Options = std::variant<typename Ms::Options...>;
 };
 using Methods = MethodList<Batched<None>, Penalty, Batched<Baumgarte>, Batched<Feedforward>, Batched<Shake>,
-                           Batched<Rattle>, Batched<Newton>, Lincs, Batched<Settle>>;
+                           Batched<Rattle>, Batched<Newton>, Batched<Lincs>, Batched<Settle>>;
 
 using Method = Methods::Method;
 using MethodOptions = Methods::Options;

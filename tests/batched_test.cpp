@@ -186,6 +186,12 @@ TEST(Batched, ShakeIsThePlainShake) {
   compare_all<Batched<Shake>>({.sweeps = 2}, 1e-12);
 }
 
+TEST(Batched, LincsIsThePlainLincs) {
+  compare_all<Batched<Lincs>>({}, 1e-12);
+  compare_all<Batched<Lincs>>({.order = 0, .iterations = 0}, 1e-12);
+  compare_all<Batched<Lincs>>({.order = 7, .iterations = 3}, 1e-12);
+}
+
 TEST(Batched, SettleIsThePlainSettle) {
   for (int count : {1, 8, 21}) compare<Batched<Settle>>(testing::waters(count, 3, 300), {}, 1e-12);
   // hydrogens first
