@@ -116,11 +116,12 @@ struct H5mdFile::Contents {
     const Eigen::Matrix3d edges = edge_.asDiagonal();
     if (edge_.x() > 0) make_.append(edges_, H5T_NATIVE_DOUBLE, edges.data());
     if (bonds_ > 0) make_.append(tension_, H5T_NATIVE_DOUBLE, frame.tension.data());
+    if (!medium_.refusal.empty()) refuse("a frame");
     if (!ever_ || Clock::now() - last_ > kCommitEvery || medium_.file.pending() > kMostPending) commit();
   }
 
   void commit() {
-    if (H5Fflush(file_, H5F_SCOPE_GLOBAL) < 0) refuse("its tables");
+    if (H5Fflush(file_, H5F_SCOPE_GLOBAL) < 0 || !medium_.refusal.empty()) refuse("its tables");
     medium_.file.commit(medium_.end);
     last_ = Clock::now();
     ever_ = true;

@@ -13,7 +13,7 @@ namespace taut {
 struct Hdf5Medium {
   JournaledFile file;
   haddr_t end = 0;      // of what HDF5 has allocated
-  std::string refusal;  // what the file last refused; empty: nothing
+  std::string refusal;  // what the file refused to read or write, see there; empty: nothing
 };
 
 // A file access property list that sends HDF5 to the medium, whatever name it opens. The caller closes it.
