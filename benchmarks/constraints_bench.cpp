@@ -112,7 +112,8 @@ void add_everything() {
                 {fmt::format("chains-{}x{}", kBonds / bonds, bonds),
                  [bonds] { return chains(kBonds / bonds, bonds); }, 0.01, kBonds},
                 bonds == 1000);
-  add_methods(Methods{}, {"chains-1x10000", [] { return chains(1, 10000); }, 0.01, 10000}, false);
+  add_methods(Methods{}, {"chains-1x10000", [] { return chains(1, 10000); }, 0.01, 10000}, true);
+  add_methods(Methods{}, {"chains-1x80000", [] { return chains(1, kBonds); }, 0.01, kBonds}, false);
   add_methods(Methods{}, {"rings-1000x20", [] { return rings(1000, 20); }, 0.01, 20000}, false);
   add_methods(Methods{}, {"combs-1000x20", [] { return combs(1000, 20); }, 0.01, 20000}, false);
   for (int count : {216, 1000, 10000, 100000})

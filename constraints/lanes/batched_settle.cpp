@@ -46,8 +46,8 @@ void settle_positions_of(const SettleBatch& batch, const SettleStep& step, const
   double *x = scratch, *v = scratch + 9 * kLanes;
   gather(part, 3, step.x, x);
   gather(part, 3, step.v, v);
-  const V ma = all(1 / batch.lanes.inv_mass[0]), mh = all(1 / batch.lanes.inv_mass[1]);
-  const V share = hn::Div(mh, hn::MulAdd(all(2), mh, ma)), h = all(step.h);
+  // the hydrogen's share of the mass
+  const V share = all(1 / (2 + batch.lanes.inv_mass[1] / batch.lanes.inv_mass[0])), h = all(step.h);
   const V ra = all(batch.ra), rb = all(batch.rb), rc = all(batch.rc);
 
   const V3 left = load3(x + b) - load3(x + a), right = load3(x + c) - load3(x + a), v_a = load3(v + a);
@@ -61,7 +61,7 @@ void settle_positions_of(const SettleBatch& batch, const SettleStep& step, const
   const V za1 = dot(Z, a1), xb1 = dot(X, b1), yb1 = dot(Y, b1), zb1 = dot(Z, b1);
   const V xc1 = dot(X, c1), yc1 = dot(Y, c1), zc1 = dot(Z, c1);
 
-  const V sin_phi = hn::Div(za1, ra), cos_phi = cosine(sin_phi);
+  const V sin_phi = hn::Mul(za1, all(1 / batch.ra)), cos_phi = cosine(sin_phi);
   const V sin_psi = hn::Div(hn::Sub(zb1, zc1), hn::Mul(hn::Add(rc, rc), cos_phi)), cos_psi = cosine(sin_psi);
   const V ya2 = hn::Mul(ra, cos_phi), xb2 = hn::Neg(hn::Mul(rc, cos_psi));
   const V tilt = hn::Mul(hn::Mul(rc, sin_psi), sin_phi), base = hn::Neg(hn::Mul(rb, cos_phi));

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "md/system.hpp"
+#include "md/threads.hpp"
 
 namespace taut {
 
@@ -49,7 +50,8 @@ struct ClusterLimits {
   int alike = 4;
   int piece = 0;  // bonds of a piece, about, that longer chains are cut into; 0: they are not
 
-  static ClusterLimits cutting() { return {.most_bonds_alike = 2000, .piece = 150}; }
+  // Equal chains that fill the lanes of every thread stay whole: cutting costs one more way through memory.
+  static ClusterLimits cutting() { return {.alike = 8 * available_threads(), .piece = 150}; }
 };
 
 BondClusters find_clusters(const System& sys, const ClusterLimits& limits = {});

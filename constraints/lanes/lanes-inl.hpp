@@ -336,14 +336,18 @@ struct Worst {
   }
 };
 
-// |σ|/d² of every bond, from positions
-inline HWY_NOINLINE void find_residuals(const LaneBatch& batch, const double* x, double* relative) {
+// |σ|/d² of every bond, from positions; and the largest
+inline HWY_NOINLINE Worst find_residuals(const LaneBatch& batch, const double* x, double* relative) {
+  Worst worst;
   for (int k = 0; k < batch.plan.solved; ++k) {
     const LaneBond& bond = batch.bonds[k];
     const V3 r = load3(x + bond.j) - load3(x + bond.i);
     const V offset = hn::Sub(dot(r, r), all(bond.length2));
-    store(hn::Mul(hn::Abs(offset), all(bond.half_inv_length2)), relative + k * kLanes);
+    const V residual = hn::Mul(hn::Abs(offset), all(bond.half_inv_length2));
+    worst.see(residual);
+    store(residual, relative + k * kLanes);
   }
+  return worst;
 }
 
 // The largest of these residuals, and where, entered into the stats if it is larger. A NaN is largest.

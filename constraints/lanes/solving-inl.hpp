@@ -103,9 +103,10 @@ HWY_INLINE void solve_whole(Kernel& kernel, const Part& part, SolveStats& stats)
   stats.iterations = HWY_MAX(stats.iterations, solves);
 }
 
-// One stage of a piece; what is next.
+// One stage of a piece; what is next. Residuals up to one already known are of no interest.
 template <class Kernel>
-HWY_INLINE SolveNext solve_piece(Kernel& kernel, const Part& part, const SolveCall& call, SolveStats& stats) {
+HWY_INLINE SolveNext solve_piece(Kernel& kernel, const Part& part, const SolveCall& call,
+                                 double known_residual, SolveStats& stats) {
   SolveNext next = SolveNext::kEnd;
   if (call.stage == SolveStage::kBack || call.stage == SolveStage::kLast) kernel.back();
   if (call.stage == SolveStage::kStart) next = kernel.start(stats);
@@ -117,8 +118,8 @@ HWY_INLINE SolveNext solve_piece(Kernel& kernel, const Part& part, const SolveCa
   } else if (call.stage != SolveStage::kBack) {
     kernel.end(stats);
     if (kernel.x == nullptr) return next;
-    find_residuals(part.batch, kernel.x, kernel.eq.b);
-    enter(part, kernel.eq.b, stats);
+    if (!find_residuals(part.batch, kernel.x, kernel.eq.b).within(known_residual))
+      enter(part, kernel.eq.b, stats);
   }
   return next;
 }
@@ -142,7 +143,7 @@ HWY_INLINE SolveStats solve_groups(Batch& batch, const Step& step, const SolveCa
       const Part part{batch.lanes, g, l};
       Kernel<AnyShape> kernel(shape, batch, step, part, batch.scratch.of(g) + l);
       SolveStats stats;
-      stats.iterations = static_cast<int>(solve_piece(kernel, part, call, stats));
+      stats.iterations = static_cast<int>(solve_piece(kernel, part, call, all.max_residual, stats));
       LaneRunner::merge(all, stats);
     }
   return all;
