@@ -29,6 +29,7 @@ class DirectSolver {
   void factor(const Vectors& r, double threshold = 1e-12);
   void solve(Eigen::VectorXd& b) { ldlt_.solve(b); }  // b ← A⁻¹b, m
 
+  void remember(Memory& memory) { memory(ldlt_); }  // the factors
   const std::vector<int>& dependent_bonds() const { return ldlt_.dependent_rows(); }
   bool singular() const { return !dependent_bonds().empty(); }
   int clusters() const { return ldlt_.pattern().components; }  // sets of coupled bonds

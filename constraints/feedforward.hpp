@@ -14,11 +14,11 @@ namespace taut {
 //     A' Δλ = −σ_next/h²,   A' = J(x + δ) M⁻¹ J(x)ᵀ = ∂σ_next/∂λ / h²   (exact: a Newton step),
 // which leaves ½|h²M⁻¹JᵀΔλ|², the square of what extrapolation missed. What is left returns as σ in the next
 // step: the feedback of a Baumgarte law with (βh)² = 2, αh = 1 on the error alone.
-// Where ½(σ_next/(r_next·r))² before the solve (of one bond alone, just what the solve leaves, over d²) passes
-// `tolerance`, the step takes another solve: large steps, collisions. stats.iterations tells.
-// The velocities are leap-frog's mean velocities: J v = −½h² v·a, not zero; they are not projected.
-// Start-up: λ of the first step is iterated until its σ_next vanishes. See constraints/README.md.
-// Cost: one factorization (not symmetric) and, mostly, one solve a step.
+// Where ½(σ_next/(r_next·r))² before the solve (of one bond alone, just what the solve leaves, over d²)
+// passes `tolerance`, the step takes another solve: large steps, collisions. stats.iterations tells. The
+// velocities are leap-frog's mean velocities: J v = −½h² v·a, not zero; they are not projected. Start-up: λ
+// of the first step is iterated until its σ_next vanishes. See constraints/README.md. Cost: one factorization
+// (not symmetric) and, mostly, one solve a step.
 class Feedforward : public EmptyGaps {
  public:
   static constexpr const char* kName = "feedforward";
@@ -41,6 +41,7 @@ class Feedforward : public EmptyGaps {
 
   SolveStats add_forces(const System& sys, double h, State& s);
 
+  void remember(Memory& memory) { memory(lambda_, before_, before_that_, known_); }
   const Eigen::VectorXd& lambda() const { return lambda_; }
   double promised_error() const { return options_.tolerance; }
   std::string setting() const;

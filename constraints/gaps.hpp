@@ -1,5 +1,6 @@
 #pragma once
 
+#include "md/memory.hpp"
 #include "md/step.hpp"
 
 namespace taut {

@@ -79,6 +79,11 @@ double ForceField::virial(const Vectors& x) const {
   return sum + 3 * impl_->dispersion.value_or(0);
 }
 
+void ForceField::remember(Memory& memory) {
+  if (impl_->lj_coulomb) memory(*impl_->lj_coulomb);
+  if (impl_->wca) memory(*impl_->wca);
+}
+
 double ForceField::potential() const {
   double sum = 0;
   for (const auto& [term, energy] : impl_->energies()) sum += energy;

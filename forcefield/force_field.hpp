@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "forcefield/terms.hpp"
+#include "md/memory.hpp"
 #include "md/state.hpp"
 #include "md/system.hpp"
 
@@ -32,6 +33,10 @@ class ForceField {
   // −3V dE/dV of that evaluation, all lengths scaled [kJ/mol]: Σ r·f of pairs at their nearest images and of
   // bonds, and three times the dispersion correction, which goes as 1/V. Fields from outside have none.
   double virial(const Vectors& x) const;
+
+  // Which pairs are listed, in which order: what the order of the sums depends on. Recalled, the forces are
+  // to be evaluated before energies are asked for.
+  void remember(Memory& memory);
 
  private:
   struct Impl;

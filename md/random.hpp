@@ -3,7 +3,9 @@
 #include <cmath>
 #include <cstdint>
 #include <random>
+#include <sstream>
 
+#include "md/memory.hpp"
 #include "md/vectors.hpp"
 
 namespace taut {
@@ -45,6 +47,19 @@ class Random {
       const double scale = 2 * std::sqrt(1 - s);
       return {a * scale, b * scale, 1 - 2 * s};
     }
+  }
+
+  // Its place in its sequence, in the standard's own words.
+  void remember(Memory& memory) {
+    std::stringstream words;
+    words << engine_;
+    std::string text = words.str();
+    memory(text);
+    if (!memory.recalling()) return;
+    words.str(text);
+    words.clear();
+    words >> engine_;
+    memory.demand(!words.fail());
   }
 
  private:

@@ -20,19 +20,30 @@ std::string_view advice(const SolveStats& stats) {
 
 }  // namespace
 
-std::string explain_failure(const System& sys, const State& s, const SolveStats& stats, long step) {
-  std::string bond = "no bond to blame";
+Diagnosis diagnose(const System& sys, const State& s, const SolveStats& stats, long step) {
+  Diagnosis d;
+  d.step = step;
+  d.t = s.t;
+  d.cause = stats.failure ? stats.failure : "a bond broke or a number ran away";
+  d.advice = advice(stats);
   if (stats.worst_bond >= 0) {
-    const auto& [i, j, d] = sys.bonds[stats.worst_bond];
-    bond = fmt::format("bond {} (atoms {}-{}) is {:.6g} nm, held at {:.6g} nm", stats.worst_bond, i, j,
-                       (s.x.col(j) - s.x.col(i)).norm(), d);
+    d.bond = stats.worst_bond;
+    d.held = sys.bonds[d.bond];
+    d.length = (s.x.col(d.held.j) - s.x.col(d.held.i)).norm();
   }
   Eigen::Index atom = 0;
-  const double largest = s.f.cols() > 0 ? std::sqrt(s.f.colwise().squaredNorm().maxCoeff(&atom)) : 0.0;
+  if (s.f.cols() > 0) d.largest_force = std::sqrt(s.f.colwise().squaredNorm().maxCoeff(&atom));
+  d.atom = static_cast<int>(atom);
+  return d;
+}
+
+std::string Diagnosis::text() const {
+  const std::string blamed = bond < 0 ? "no bond to blame"
+                                      : fmt::format("bond {} (atoms {}-{}) is {:.6g} nm, held at {:.6g} nm",
+                                                    bond, held.i, held.j, length, held.length);
   return fmt::format(
-      "step {} (t = {:.6g} ps): {}\n  {}\n  largest force: {:.4g} kJ/mol/nm on atom {}\n  try: {}", step, s.t,
-      stats.failure ? stats.failure : "a bond broke or a number ran away", bond, largest, atom,
-      advice(stats));
+      "step {} (t = {:.6g} ps): {}\n  {}\n  largest force: {:.4g} kJ/mol/nm on atom {}\n  try: {}", step, t,
+      cause, blamed, largest_force, atom, advice);
 }
 
 }  // namespace taut

@@ -22,28 +22,64 @@ struct Moment {
   const SolveStats& since;  // worst residual and sum of iterations since the last observation
 };
 
-// One clear paragraph: which step, bond, lengths, largest force, likely cause, what to try.
-std::string explain_failure(const System& sys, const State& s, const SolveStats& stats, long step);
+// Why a step failed, as far as the state it left and the one before tell.
+struct Diagnosis {
+  long step = 0;
+  double t = 0;                          // [ps]
+  std::string cause;                     // the method's or the force's words
+  int bond = -1;                         // −1: none to blame
+  RigidBond held{-1, -1, 0};             // its atoms and target [nm]
+  double length = 0, length_before = 0;  // now, and in the state before the step where it is known [nm]
+  double largest_force = 0;              // [kJ/mol/nm]
+  int atom = 0;                          // on which
+  std::string advice;
 
-// Takes plan.steps steps. `each(s)` is called after every step (a thermostat), `observe(Moment)` every so
-// often and after the last. Throws SimulationFailure before numbers turn into NaN.
+  std::string text() const;  // one clear paragraph
+};
+Diagnosis diagnose(const System& sys, const State& s, const SolveStats& stats, long step);
+
+inline bool holds(const SolveStats& stats, const RunPlan& plan) {
+  return stats.converged() && stats.max_residual < plan.broken_at;
+}
+
+// Step n of a run: `each(s)` is called after it (a thermostat). Where it does not hold nothing is done to it.
 template <ForceLaw F, ConstraintMethod M, class Bath = NoBath>
-void run(const System& sys, F& forces, M& method, const RunPlan& plan, State& s, auto&& each, auto&& observe,
-         Bath&& bath = Bath{}) {
-  SolveStats since;
-  for (long n = 1; n <= plan.steps; ++n) {
-    const SolveStats stats = step(sys, forces, method, plan.h, s, bath);
-    if (!stats.converged() || !(stats.max_residual < plan.broken_at))
-      throw SimulationFailure(explain_failure(sys, s, stats, n));
-    since += stats;
-    each(s);
-    if (plan.remove_momentum_every > 0 && n % plan.remove_momentum_every == 0) remove_momentum(sys, s.v);
-    if (n % plan.observe_every == 0 || n == plan.steps) {
-      if (!s.x.allFinite() || !s.f.allFinite()) throw SimulationFailure(explain_failure(sys, s, stats, n));
-      observe(Moment{n, since});
-      since = {};
+SolveStats take_step(const System& sys, F& forces, M& method, const RunPlan& plan, long n, State& s,
+                     auto&& each, Bath&& bath = Bath{}) {
+  const SolveStats stats = step(sys, forces, method, plan.h, s, bath);
+  if (!holds(stats, plan)) return stats;
+  each(s);
+  if (plan.remove_momentum_every > 0 && n % plan.remove_momentum_every == 0) remove_momentum(sys, s.v);
+  return stats;
+}
+
+// How far a run has come. Kept in a checkpoint, it goes on as if nothing had been.
+struct Course {
+  long step = 0;     // taken so far
+  SolveStats since;  // worst residual and sum of iterations since the last observation
+
+  void remember(Memory& memory) { memory(step, since.iterations, since.max_residual, since.worst_bond); }
+};
+
+// Takes the steps that are left of plan.steps. `observe(Moment)` every so often; then `go_on(step)`, after
+// every step, which says whether to. Returns whether all steps were taken. Throws SimulationFailure before
+// numbers turn into NaN.
+template <ForceLaw F, ConstraintMethod M, class Bath = NoBath>
+bool run(const System& sys, F& forces, M& method, const RunPlan& plan, Course& course, State& s, auto&& each,
+         auto&& observe, auto&& go_on, Bath&& bath = Bath{}) {
+  while (course.step < plan.steps) {
+    const long n = ++course.step;
+    const SolveStats stats = take_step(sys, forces, method, plan, n, s, each, bath);
+    if (!holds(stats, plan)) throw SimulationFailure(diagnose(sys, s, stats, n).text());
+    course.since += stats;
+    if (n % plan.observe_every == 0) {
+      if (!s.x.allFinite() || !s.f.allFinite()) throw SimulationFailure(diagnose(sys, s, stats, n).text());
+      observe(Moment{n, course.since});
+      course.since = {};
     }
+    if (!go_on(n)) return false;
   }
+  return true;
 }
 
 }  // namespace taut

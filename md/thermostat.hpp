@@ -16,6 +16,7 @@ class VelocityRescaling {
   VelocityRescaling(double temperature, double relaxation, int dof, std::uint64_t seed);
 
   void operator()(const System& sys, double h, Vectors& v);
+  void remember(Memory& memory) { memory(random_); }
 
  private:
   double sum_of_squares(int n);  // of n normal numbers

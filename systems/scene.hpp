@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,7 @@ struct RunSettings {
   long log_every = 100;              // steps
   long remove_momentum_every = 0;    // steps; 0: never
   std::string redundant = "refuse";  // bonds that follow from others: "refuse" or "drop"
+  long checkpoint_every = 0;         // steps; 0: where it stops, alone
   std::string thermostat = "";  // "langevin", "rescaling", "none"; "": rescaling where thermostat_ps is given
   double thermostat_ps = 0;     // relaxation time of velocity rescaling to temperature_k
   double friction_per_ps = 1;   // of Langevin's thermostat
@@ -39,7 +41,8 @@ struct Scene {
   State start;  // x and v; not yet made to satisfy the bonds
   RunSettings run;
   MethodOptions method;
-  std::vector<std::string> notes;  // what the reader should know of the start, a line each
+  std::vector<std::filesystem::path> files;  // it was read from: the scene and its start, or OpenMM's two
+  std::vector<std::string> notes;            // what the reader should know of the start, a line each
 
   // Nothing outside holds or pulls: the momentum is conserved.
   bool closed() const { return !terms.gravity && terms.pulls.empty() && (system.mass.array() > 0).all(); }

@@ -15,6 +15,7 @@ void read_run(const TomlTable& table, RunSettings& run) {
   table.read("seed", run.seed, kNotNegative);
   table.read("log_every", run.log_every, Range{.min = 1});
   table.read("remove_momentum_every", run.remove_momentum_every, kNotNegative);
+  table.read("checkpoint_every", run.checkpoint_every, kNotNegative);
   if (table.has("redundant")) run.redundant = table.choice("redundant", {"refuse", "drop"});
   if (table.has("thermostat")) run.thermostat = table.choice("thermostat", {"none", "langevin", "rescaling"});
   table.read("thermostat_ps", run.thermostat_ps, kNotNegative);
@@ -49,6 +50,7 @@ void read_settings(const TomlTable& root, Scene& scene) {
 Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::table overrides) {
   Scene scene;
   scene.name = file.stem().string();
+  scene.files = {file};
   scene.method = default_options("rattle");
   read_settings(TomlTable(base, file.string()), scene);
   read_settings(TomlTable(overrides, "--set"), scene);
@@ -60,6 +62,7 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
   const TomlTable build_keys = root.section("build"), forcefield_keys = root.section("forcefield");
   root.reject_unknown();
   build({build_keys, forcefield_keys, scene.run}, scene);
+  if (std::filesystem::path start; build_keys.read("start", start)) scene.files.push_back(start);
   build_keys.reject_unknown();
   forcefield_keys.reject_unknown();
   ForceField(scene.system, scene.terms);  // refuses what does not fit together while the file is known

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -11,7 +10,6 @@
 #include "constraints/redundancy.hpp"
 #include "md/errors.hpp"
 #include "md/run.hpp"
-#include "md/timed.hpp"
 
 namespace taut {
 namespace {
@@ -82,12 +80,6 @@ void Simulation::make_langevin() {
                     run.h());
 }
 
-// visit(method, bath), as md/step.hpp takes them.
-void Simulation::visit_step(auto&& visit) {
-  NoBath none;
-  std::visit([&](auto& method) { langevin_ ? visit(method, *langevin_) : visit(method, none); }, method_);
-}
-
 bool Simulation::has_springs() const {
   return std::holds_alternative<Penalty>(method_);
 }
@@ -131,72 +123,21 @@ Record Simulation::record() const {
   return r;
 }
 
-Summary Simulation::run(const std::function<void(const Record&)>& on_record,
-                        const std::function<void(long)>& on_step) {
-  using Clock = std::chrono::steady_clock;
-  const RunSettings& settings = scene_.run;
-  const int dof = std::max(1, dof_.total());
-  Summary summary;
-  Slope energy;
-  double squares = 0, temperatures = 0, watching = 0;
-  long rows = 0, last = 0;
-  const auto start = Clock::now();
-  const auto elapsed = [&] { return std::chrono::duration<double>(Clock::now() - start).count() - watching; };
+// The thing itself is made anew, from the same scene; this is what its steps have changed.
+void Simulation::remember(Memory& memory) {
+  memory(state_.x, state_.v, state_.f, state_.t, course_, sums_, forces_);
+  std::visit([&](auto& method) { memory(method); }, method_);
+  if (thermostat_) memory(*thermostat_);
+  if (langevin_) memory(*langevin_);
+  if (!memory.recalling()) return;
+  State evaluated = state_;  // its f holds no constraint forces
+  forces_(scene_.system, evaluated);
+}
 
-  const auto observe = [&](long step, const SolveStats& since) {
-    const auto pause = Clock::now();
-    const double spent = elapsed();
-    Record r = record();
-    r.step = step;
-    energy.add(r.t, r.total());
-    r.drift = energy.value() / dof * 1000;  // per ps to per ns
-    r.iterations =
-        step > last ? static_cast<double>(since.iterations) / static_cast<double>(step - last) : 0.0;
-    r.ns_per_day = step > 0 ? static_cast<double>(step) * settings.h() * 1e-3 * 86400 / spent : 0.0;
-    last = step;
-    ++rows;
-    summary.max_rel_bond_error = std::max(summary.max_rel_bond_error, r.bonds.max);
-    squares += r.bonds.rms * r.bonds.rms;
-    temperatures += r.temperature;
-    if (!std::isfinite(r.total()))
-      throw SimulationFailure(
-          fmt::format("step {}: the energy is no longer a number; take a shorter step", step));
-    if (on_record) on_record(r);
-    watching += std::chrono::duration<double>(Clock::now() - pause).count();
-    return r;
-  };
-
-  const RunPlan plan{.h = settings.h(),
-                     .steps = settings.steps,
-                     .observe_every = settings.log_every,
-                     .remove_momentum_every = settings.remove_momentum_every};
-  Record end = observe(0, {});
-  double constraint_seconds = 0;
-  long n = 0;
-  visit_step([&](auto& method, auto& bath) {
-    Timed timed(method);
-    const auto each = [&](State& s) {
-      if (thermostat_) (*thermostat_)(scene_.system, plan.h, s.v);
-      if (on_step) on_step(++n);
-    };
-    taut::run(
-        scene_.system, forces_, timed, plan, state_, each,
-        [&](const Moment& m) { end = observe(m.step, m.since); }, bath);
-    constraint_seconds = timed.seconds();
-  });
-
-  const double seconds = elapsed(), steps = static_cast<double>(std::max(1L, settings.steps));
-  summary.steps = settings.steps;
-  summary.us_per_step = seconds / steps * 1e6;
-  summary.constraint_us_per_step = constraint_seconds / steps * 1e6;
-  summary.ns_per_day = end.ns_per_day;
-  summary.rms_rel_bond_error = std::sqrt(squares / static_cast<double>(rows));
-  summary.drift = end.drift;
-  summary.drift_error = energy.standard_error() / dof * 1000;
-  summary.temperature = temperatures / static_cast<double>(rows);
-  summary.potential = end.potential;
-  summary.total = end.total();
-  return summary;
+void Simulation::recall(std::string_view kept) {
+  Memory memory = Memory::recall_from(kept);
+  remember(memory);
+  memory.finish();
 }
 
 }  // namespace taut

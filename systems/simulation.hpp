@@ -3,11 +3,13 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "constraints/langevin.hpp"
 #include "constraints/redundancy.hpp"
 #include "forcefield/force_field.hpp"
 #include "md/observables.hpp"
+#include "md/run.hpp"
 #include "md/thermostat.hpp"
 #include "systems/scene.hpp"
 
@@ -58,15 +60,49 @@ class Simulation {
   // What temperatures are taken of: under Langevin's thermostat the velocity it acts on, or else v [nm/ps].
   Vectors thermal_velocity() const;
 
-  // Takes the scene's steps. `on_record` sees a row every run.log_every steps, and the start; `on_step`
-  // sees every step's number. Throws SimulationFailure.
+  // Takes the steps that are left of the scene's. `on_record` sees a row every run.log_every steps, the start
+  // and the end; `on_step` sees every step's number, after its row but before the end's, where that is no
+  // multiple. Throws SimulationFailure.
   Summary run(const std::function<void(const Record&)>& on_record,
               const std::function<void(long)>& on_step = {});
+  void stop() { stop_ = true; }               // from on_step: no further step
+  long step() const { return course_.step; }  // taken so far
+
+  // All that the steps to come and the rows of the log depend on, from on_step: recalled by another one made
+  // of the same scene, it goes on as this one would, to the last bit. Throws InputError for what is not its
+  // own.
+  void remember(Memory& memory);
+  void recall(std::string_view kept);
+
+  // After run() failed: goes back to the last snapshot it kept in memory (every 100 steps) and takes the
+  // steps again, up to the first after which something is wrong. The state is then the one before that step.
+  // Nothing where no step fails: then someone who watched threw.
+  std::optional<Diagnosis> diagnose();
 
  private:
   void make_langevin();
-  void visit_step(auto&& visit);
-  bool has_springs() const;      // in place of constraints
+  // visit(method, bath), as md/step.hpp takes them
+  void visit_step(auto&& visit) {
+    NoBath none;
+    std::visit([&](auto& method) { langevin_ ? visit(method, *langevin_) : visit(method, none); }, method_);
+  }
+  bool has_springs() const;  // in place of constraints
+  class Stopwatch;
+  struct LogSums {  // over the rows of the log
+    Slope energy;
+    long rows = 0, last_row = 0;
+    double largest_error = 0, squares = 0, temperatures = 0;
+
+    void add(const Record& r);
+    void remember(Memory& memory) { memory(energy, rows, last_row, largest_error, squares, temperatures); }
+  };
+
+  RunPlan plan() const;
+  Record row(const SolveStats& since, const Stopwatch& watch, long steps) const;
+  Summary summary(const Record& end, double seconds, double constraint_seconds, long steps) const;
+  void after_step(State& s);
+  void keep_snapshot();
+  std::optional<Diagnosis> wrong_with_next_step(auto& method, auto& bath);
   double method_energy() const;  // of a penalty's springs
 
   System full_;  // with the bonds that were left out, if any were
@@ -79,6 +115,10 @@ class Simulation {
   int clusters_ = 0;
   std::optional<VelocityRescaling> thermostat_;
   mutable std::optional<Langevin> langevin_;  // measuring a temperature takes its scratch
+  Course course_;
+  LogSums sums_;
+  std::string snapshot_;  // what remember() kept
+  bool stop_ = false;
 };
 
 }  // namespace taut

@@ -22,6 +22,8 @@ struct BaumgarteBatch : SolvedBatch {
   LaneRows before;                    // λ of the step before the last
 
   explicit BaumgarteBatch(const ClusterBatch& batch) : SolvedBatch(batch), before(rows_of_bonds(lanes)) {}
+
+  void remember(Memory& memory) { memory(lambda, before); }
 };
 
 struct BaumgarteStep {
@@ -44,6 +46,7 @@ class Batched<Baumgarte> : public EmptyGaps {
 
   SolveStats add_forces(const System& sys, double h, State& s);
 
+  void remember(Memory& memory) { memory(batches_, leftover_, steps_); }
   const Eigen::VectorXd& lambda() const;
   double promised_error() const { return std::numeric_limits<double>::infinity(); }
   const std::string& setting() const { return setting_; }

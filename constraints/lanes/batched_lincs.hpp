@@ -12,6 +12,8 @@ struct LincsBatch {
   LaneRows lambda;
 
   explicit LincsBatch(const ClusterBatch& batch);
+
+  void remember(Memory& memory) { memory(lambda); }
 };
 
 template <>
@@ -27,6 +29,7 @@ class Batched<Lincs> : public EmptyGaps {
   SolveStats project_positions(const System& sys, double h, State& s);
   SolveStats project_velocities(const System& sys, double h, State& s);
 
+  void remember(Memory& memory) { memory(batches_, leftover_); }
   const Eigen::VectorXd& lambda() const;
   double promised_error() const { return leftover_.method().promised_error(); }
   std::string setting() const { return leftover_.method().setting(); }

@@ -13,6 +13,8 @@ struct NewtonBatch : SolvedBatch {
   explicit NewtonBatch(const ClusterBatch& batch)
       : SolvedBatch(batch),
         factors(lanes.groups, lanes.piece() ? 0 : lanes.bond_count() + lanes.plan.entries()) {}
+
+  void remember(Memory& memory) { memory(lambda, factors, scratch); }
 };
 
 template <>
@@ -28,6 +30,7 @@ class Batched<Newton> : public EmptyGaps {
   SolveStats project_positions(const System& sys, double h, State& s);
   SolveStats project_velocities(const System& sys, double h, State& s);
 
+  void remember(Memory& memory) { memory(batches_, leftover_, factored_); }
   const Eigen::VectorXd& lambda() const;
   double promised_error() const { return leftover_.method().promised_error(); }
   std::string setting() const { return leftover_.method().setting(); }

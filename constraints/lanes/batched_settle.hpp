@@ -12,6 +12,8 @@ struct SettleBatch : SolvedBatch {
 
   SettleBatch(const ClusterBatch& batch, const Settle::Water& water)
       : SolvedBatch(batch), ra(water.ra), rb(water.rb), rc(water.rc) {}
+
+  void remember(Memory& memory) { memory(lambda); }
 };
 
 template <>
@@ -27,6 +29,7 @@ class Batched<Settle> : public EmptyGaps {
   SolveStats project_positions(const System& sys, double h, State& s);
   SolveStats project_velocities(const System& sys, double h, State& s);
 
+  void remember(Memory& memory) { memory(batches_); }
   const Eigen::VectorXd& lambda() const;
   double promised_error() const { return 1e-12; }
   std::string setting() const;

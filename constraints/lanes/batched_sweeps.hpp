@@ -10,6 +10,8 @@ namespace taut {
 struct SweepBatch {
   LaneBatch lanes;
   LaneRows lambda;
+
+  void remember(Memory& memory) { memory(lambda); }
 };
 
 // SHAKE's and RATTLE's sweeps, a cluster a lane: lanes that hold wait for those of their group that do not
@@ -22,6 +24,7 @@ class LaneSweeps {
   SolveStats positions(double h, double guess, double keep, State& s);
   SolveStats velocities(double h, double guess, double keep, State& s);
 
+  void remember(Memory& memory) { memory(batches_); }
   void write_lambda(Eigen::VectorXd& lambda) const;
 
  private:
@@ -42,6 +45,7 @@ class Batched<Shake> : public EmptyGaps {
 
   SolveStats project_positions(const System& sys, double h, State& s);
 
+  void remember(Memory& memory) { memory(sweeps_, leftover_); }
   const Eigen::VectorXd& lambda() const;
   double promised_error() const { return leftover_.method().promised_error(); }
   std::string setting() const { return leftover_.method().setting(); }
@@ -67,6 +71,7 @@ class Batched<Rattle> : public EmptyGaps {
   SolveStats project_positions(const System& sys, double h, State& s);
   SolveStats project_velocities(const System& sys, double h, State& s);
 
+  void remember(Memory& memory) { memory(sweeps_, leftover_); }
   const Eigen::VectorXd& lambda() const;
   double promised_error() const { return leftover_.method().promised_error(); }
   std::string setting() const { return leftover_.method().setting(); }

@@ -61,6 +61,19 @@ void AtomClusters::choose_columns(const Vectors& x) {
   }
 }
 
+void AtomClusters::remember(Memory& memory) {
+  int before = builds_ - 1;
+  memory(before, width_, count_);
+  if (!memory.recalling()) return;
+  builds_ = before;
+  memory.demand(before >= 0);
+  for (int d = 0; d < 2 && before > 0; ++d) {
+    memory.demand(width_[d] > 1e-3 * layout_.range);
+    memory.demand(!layout_.box.periodic() ||
+                  std::abs(width_[d] * double(count_[d]) / layout_.box.edge[d] - 1) < 1e-9);
+  }
+}
+
 AtomClusters::Place AtomClusters::locate(int a, const Vec3& x, Vec3& offset) const {
   const Box& box = layout_.box;
   Place place;

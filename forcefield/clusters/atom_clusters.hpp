@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "md/box.hpp"
+#include "md/memory.hpp"
 #include "md/vectors.hpp"
 
 namespace taut {
@@ -52,6 +53,9 @@ class AtomClusters {
   // The columns within range, each pair of columns (and of their images) from one side only; the column
   // itself once, with no shift in the plane. Ordered by image, z left out of account.
   void neighbours(const Column& column, std::vector<Neighbour>& out) const;
+
+  // The columns' width, as it was before the last build, which is to be done again.
+  void remember(Memory& memory);
 
  private:
   using Place = std::array<std::int64_t, 2>;

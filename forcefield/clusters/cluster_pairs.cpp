@@ -106,6 +106,7 @@ class ClusterPairs::Engine {
   virtual void add_forces(const Vectors& x, Vectors& f) = 0;
   virtual double energy() = 0;
   virtual double virial() = 0;
+  virtual void remember(Memory& memory) = 0;
   long searches = 0, prunings = 0;
 };
 
@@ -139,6 +140,16 @@ class EngineIn final : public ClusterPairs::Engine {
 
   double virial() override { return sum_over_lists(pair_virial<T>); }
 
+  void remember(Memory& memory) override {
+    memory(clusters_, searched_at_, pruned_at_);
+    if (!memory.recalling()) return;
+    const Vectors searched = searched_at_, pruned = pruned_at_;
+    search(searched);
+    place(pruned);
+    prune(pruned);
+    energy_known_ = false;
+  }
+
  private:
   using Coordinate = typename PairPrecision<T>::Coordinate;
 
@@ -157,6 +168,12 @@ class EngineIn final : public ClusterPairs::Engine {
       search(x);
       place(x);
     }
+    prune(x);
+  }
+
+  // The inner list from the outer one. The atoms are placed at x already.
+  void prune(const Vectors& x) {
+    pruned_at_ = x;
     pruned_ = position_;
     if (p_.all_pairs()) return;
     in_parallel(threads_, [&](int t) { prune_list(atoms_, outer_[t], p_.law.cutoff + p_.inner, inner_[t]); });
@@ -240,6 +257,7 @@ class EngineIn final : public ClusterPairs::Engine {
       in_parallel(threads_,
                   [&](int t) { search_[t].run(space, column_share(t), column_share(t + 1), outer_[t]); });
     }
+    searched_at_ = x;
     ++searches;
   }
 
@@ -312,7 +330,8 @@ class EngineIn final : public ClusterPairs::Engine {
   AtomClusters clusters_;
   PairAtoms<T> atoms_;
   std::vector<double> position_, pruned_,
-      searched_;  // now and when the lists were made, as PairAtoms has them [nm]
+      searched_;                     // now and when the lists were made, as PairAtoms has them [nm]
+  Vectors searched_at_, pruned_at_;  // the same, as they were given [nm]
   std::vector<std::uint8_t> kind_;
   double limit_ = 0;  // how far an atom may go until the inner list is made again [nm]
   int threads_ = 1, copies_ = 1;
@@ -347,6 +366,9 @@ double ClusterPairs::energy() {
 }
 double ClusterPairs::virial() {
   return engine_->virial();
+}
+void ClusterPairs::remember(Memory& memory) {
+  engine_->remember(memory);
 }
 long ClusterPairs::searches() const {
   return engine_->searches;

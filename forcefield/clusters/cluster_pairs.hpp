@@ -4,6 +4,7 @@
 
 #include "forcefield/terms.hpp"
 #include "md/box.hpp"
+#include "md/memory.hpp"
 
 namespace taut {
 
@@ -29,6 +30,8 @@ class ClusterPairs {
   // At the positions of the last add_forces [kJ/mol].
   double energy();
   double virial();  // Σ r·f
+
+  void remember(Memory& memory);  // where the lists were made; recalled, they are made again there
 
   long searches() const;  // for the outer list, so far
   long prunings() const;  // to the inner one

@@ -22,6 +22,7 @@ Scene import_openmm(const std::filesystem::path& system_xml, const std::filesyst
   OpenMMInput input = read_openmm(system_xml, state_xml);
   Scene scene;
   scene.name = scene_name(system_xml);
+  scene.files = {system_xml, state_xml};
   scene.hard_on = "what OpenMM was given";
   scene.system = std::move(input.system);
   scene.terms = std::move(input.terms);

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+namespace taut {
+
+// What a thing has in mind from step to step, so that a run goes on from a checkpoint to the last bit: what
+// has such a memory names it in one function, which serves both ways:
+//     void remember(Memory& memory) { memory(lambda_, before_, steps_); }
+// Numbers are kept as they lie in memory. What is recalled into must be made already, from the same scene:
+// arrays have the sizes they had, or the memory is another's, which is an InputError. Nothing is ever sized
+// by what a memory says.
+class Memory {
+ public:
+  static Memory keep_in(std::string& kept) { return Memory(&kept, {}); }  // at its end
+  static Memory recall_from(std::string_view kept) { return Memory(nullptr, kept); }
+
+  bool recalling() const { return kept_ == nullptr; }
+
+  template <class... Things>
+  void operator()(Things&... things) {
+    (one(things), ...);
+  }
+
+  // That a recalled number can be one of this thing's.
+  void demand(bool plausible) const {
+    if (!plausible) refuse();
+  }
+
+  void finish() const { demand(rest_.empty()); }  // recalling: that nothing is left
+
+ private:
+  Memory(std::string* kept, std::string_view rest) : kept_(kept), rest_(rest) {}
+
+  [[noreturn]] static void refuse();  // throws InputError
+
+  template <class T>
+  void one(T& thing) {
+    if constexpr (requires { thing.remember(*this); }) {
+      thing.remember(*this);
+    } else if constexpr (std::is_same_v<T, std::string>) {
+      text(thing);
+    } else if constexpr (std::is_arithmetic_v<T>) {
+      bytes(&thing, sizeof(T));
+    } else {  // an array of numbers: Eigen's, std::vector, std::array
+      static_assert(std::is_arithmetic_v<std::remove_cvref_t<decltype(*thing.data())>>);
+      array(thing.data(), static_cast<std::uint64_t>(thing.size()) * sizeof(*thing.data()));
+    }
+  }
+
+  template <class T>
+  void one(std::vector<T>& things) {
+    if constexpr (requires { things[0].remember(*this); })
+      for (T& thing : things) one(thing);
+    else
+      array(things.data(), things.size() * sizeof(T));
+  }
+
+  void bytes(void* data, std::size_t size);
+  void array(void* data, std::uint64_t size);  // its size before it
+  void text(std::string& text);                // of any length
+
+  std::string* kept_;
+  std::string_view rest_;
+};
+
+}  // namespace taut

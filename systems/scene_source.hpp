@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "systems/scene.hpp"
+
+namespace taut {
+
+// All that a scene was made from, word for word, so that it can be made again where the files are gone or
+// were changed since.
+struct SceneSource {
+  struct File {
+    std::string name, text;
+  };
+  bool openmm = false;      // a System and a State of OpenMM's, not a scene's file and its start
+  std::vector<File> files;  // as Scene::files names them
+  std::vector<std::string> overrides;
+
+  Scene read() const;  // throws InputError
+};
+
+// Of a scene just read. Throws InputError for a file that has gone meanwhile.
+SceneSource source_of(const Scene& scene, bool openmm, std::vector<std::string> overrides);
+
+}  // namespace taut

@@ -1,0 +1,172 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "md/errors.hpp"
+#include "md/timed.hpp"
+#include "systems/simulation.hpp"
+
+namespace taut {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr long kStepsPerSnapshot = 100;
+
+bool finite(const State& s) {
+  return s.x.allFinite() && s.v.allFinite() && s.f.allFinite();
+}
+
+}  // namespace
+
+// Time spent since it was made, without what was spent on watching.
+class Simulation::Stopwatch {
+ public:
+  double seconds() const { return std::chrono::duration<double>(Clock::now() - start_ - watching_).count(); }
+  void leave_out(Clock::duration spent) { watching_ += spent; }
+
+ private:
+  Clock::time_point start_ = Clock::now();
+  Clock::duration watching_{};
+};
+
+void Simulation::LogSums::add(const Record& r) {
+  energy.add(r.t, r.total());
+  ++rows;
+  last_row = r.step;
+  largest_error = std::max(largest_error, r.bonds.max);
+  squares += r.bonds.rms * r.bonds.rms;
+  temperatures += r.temperature;
+}
+
+RunPlan Simulation::plan() const {
+  return {.h = scene_.run.h(),
+          .steps = scene_.run.steps,
+          .observe_every = scene_.run.log_every,
+          .remove_momentum_every = scene_.run.remove_momentum_every};
+}
+
+// The row of the log for the state as it is.
+Record Simulation::row(const SolveStats& since, const Stopwatch& watch, long steps) const {
+  Record r = record();
+  r.step = course_.step;
+  Slope energy = sums_.energy;
+  energy.add(r.t, r.total());
+  r.drift = energy.value() / std::max(1, dof_.total()) * 1000;  // per ps to per ns
+  const long gone = r.step - sums_.last_row;
+  r.iterations = gone > 0 ? static_cast<double>(since.iterations) / static_cast<double>(gone) : 0.0;
+  r.ns_per_day = steps > 0 ? static_cast<double>(steps) * plan().h * 1e-3 * 86400 / watch.seconds() : 0.0;
+  if (!std::isfinite(r.total()))
+    throw SimulationFailure(
+        fmt::format("step {}: the energy is no longer a number; take a shorter step", r.step));
+  return r;
+}
+
+Summary Simulation::run(const std::function<void(const Record&)>& on_record,
+                        const std::function<void(long)>& on_step) {
+  const RunPlan plan = this->plan();
+  const long first = course_.step;
+  Stopwatch watch;
+  Record last;
+  const auto observe = [&](const SolveStats& since) {
+    const auto pause = Clock::now();
+    last = row(since, watch, course_.step - first);
+    sums_.add(last);
+    if (on_record) on_record(last);
+    watch.leave_out(Clock::now() - pause);
+  };
+  stop_ = false;
+  if (sums_.rows == 0) observe({});
+  keep_snapshot();
+
+  double constraint_seconds = 0;
+  visit_step([&](auto& method, auto& bath) {
+    Timed timed(method);
+    taut::run(
+        scene_.system, forces_, timed, plan, course_, state_, [&](State& s) { after_step(s); },
+        [&](const Moment& m) { observe(m.since); },
+        [&](long step) {
+          if (step % kStepsPerSnapshot == 0) keep_snapshot();
+          if (on_step) on_step(step);
+          return !stop_;
+        },
+        bath);
+    constraint_seconds = timed.seconds();
+  });
+
+  const bool ended = course_.step >= plan.steps;
+  if (ended && sums_.last_row != course_.step)
+    observe(course_.since);  // a row more, after what a checkpoint keeps
+  else
+    last = row(course_.since, watch, course_.step - first);
+  return summary(last, watch.seconds(), constraint_seconds, course_.step - first);
+}
+
+void Simulation::after_step(State& s) {
+  if (thermostat_) (*thermostat_)(scene_.system, scene_.run.h(), s.v);
+}
+
+Summary Simulation::summary(const Record& end, double seconds, double constraint_seconds, long steps) const {
+  const double taken = static_cast<double>(std::max(1L, steps)), rows = static_cast<double>(sums_.rows);
+  Summary s;
+  s.steps = course_.step;
+  s.us_per_step = seconds / taken * 1e6;
+  s.constraint_us_per_step = constraint_seconds / taken * 1e6;
+  s.ns_per_day = end.ns_per_day;
+  s.max_rel_bond_error = sums_.largest_error;
+  s.rms_rel_bond_error = std::sqrt(sums_.squares / rows);
+  s.drift = sums_.energy.value() / std::max(1, dof_.total()) * 1000;
+  s.drift_error = sums_.energy.standard_error() / std::max(1, dof_.total()) * 1000;
+  s.temperature = sums_.temperatures / rows;
+  s.potential = end.potential;
+  s.total = end.total();
+  return s;
+}
+
+// Where a failure is looked for from: see diagnose. Where numbers have run away already, the last one stays.
+void Simulation::keep_snapshot() {
+  if (!finite(state_))
+    throw SimulationFailure(taut::diagnose(scene_.system, state_, {}, course_.step).text());
+  snapshot_.clear();
+  Memory memory = Memory::keep_in(snapshot_);
+  remember(memory);
+}
+
+std::optional<Diagnosis> Simulation::diagnose() {
+  if (snapshot_.empty()) return {};
+  const long failed = course_.step;
+  recall(snapshot_);
+  std::optional<Diagnosis> found;
+  visit_step([&](auto& method, auto& bath) {
+    State before;
+    while (!found && course_.step < failed) {
+      before = state_;
+      found = wrong_with_next_step(method, bath);
+    }
+    if (!found) return;
+    if (found->bond >= 0)
+      found->length_before = (before.x.col(found->held.j) - before.x.col(found->held.i)).norm();
+    state_ = before;
+    --course_.step;
+  });
+  return found;
+}
+
+std::optional<Diagnosis> Simulation::wrong_with_next_step(auto& method, auto& bath) {
+  const RunPlan plan = this->plan();
+  const auto after = [&](State& s) { after_step(s); };
+  SolveStats stats;
+  std::string thrown;  // by a force
+  try {
+    stats = take_step(scene_.system, forces_, method, plan, ++course_.step, state_, after, bath);
+  } catch (const SimulationFailure& e) {
+    thrown = e.what();
+  }
+  if (thrown.empty() && holds(stats, plan) && finite(state_) && std::isfinite(record().total())) return {};
+  Diagnosis d = taut::diagnose(scene_.system, state_, stats, course_.step);
+  if (!thrown.empty()) d.cause = thrown;
+  return d;
+}
+
+}  // namespace taut
