@@ -1,0 +1,119 @@
+#include "carry_out.hpp"
+
+#include <fmt/format.h>
+
+#include <csignal>
+
+#include "md/errors.hpp"
+#include "progress.hpp"
+#include "stop_request.hpp"
+
+namespace taut {
+namespace {
+
+std::string thermostat_line(const RunSettings& run) {
+  if (run.langevin())
+    return fmt::format(", Langevin's thermostat at {:g} K, friction {:g}/ps", run.temperature_k,
+                       run.friction_per_ps);
+  if (run.rescaling())
+    return fmt::format(", velocities rescaled to {:g} K within {:g} ps", run.temperature_k,
+                       run.thermostat_ps);
+  return "";
+}
+
+void print_header(const Simulation& simulation) {
+  const Scene& scene = simulation.scene();
+  const System& sys = scene.system;
+  fmt::print("{}: {}\n", scene.name, scene.hard_on);
+  for (const auto& note : scene.notes) fmt::print("  note: {}\n", note);
+  fmt::print("  atoms {}   bonds {}   clusters {}   degrees of freedom {}\n", sys.atoms(), sys.bond_count(),
+             simulation.clusters(), simulation.dof().sum());
+  if (sys.box.periodic())
+    fmt::print("  box {:.6g} × {:.6g} × {:.6g} nm\n", sys.box.edge.x(), sys.box.edge.y(), sys.box.edge.z());
+  fmt::print("  method {}: {}\n", method_name(scene.method), simulation.method_setting());
+  fmt::print("  {} steps of {:g} fs = {:.6g} ps, seed {}{}\n\n", scene.run.steps, scene.run.dt_fs,
+             static_cast<double>(scene.run.steps) * scene.run.h(), scene.run.seed,
+             thermostat_line(scene.run));
+  if (simulation.step() > 0) fmt::print("resumed at step {}\n", simulation.step());
+  fmt::print("{:>9} {:>10} {:>13} {:>13} {:>8} {:>9} {:>6}\n", "step", "t [ps]", "E_pot [kJ]", "E_total [kJ]",
+             "T [K]", "bond err", "iter");
+}
+
+void print_row(const Record& r) {
+  fmt::print("{:>9} {:>10.4f} {:>13.6g} {:>13.8g} {:>8.2f} {:>9.1e} {:>6.3g}\n", r.step, r.t, r.potential,
+             r.total(), r.temperature, r.bonds.max, r.iterations);
+}
+
+void print_summary(const Simulation& simulation, const Summary& s) {
+  fmt::print("\n{:.4g} µs a step, of it constraints {:.3g} µs", s.us_per_step, s.constraint_us_per_step);
+  if (const int bonds = simulation.scene().system.bond_count(); bonds > 0)
+    fmt::print(" ({:.3g} ns a bond)", s.constraint_us_per_step * 1000 / bonds);
+  fmt::print("; {:.4g} ns/day\n", s.ns_per_day);
+  fmt::print("energy drift {:.2e} ± {:.1e} kJ/mol/ns/degree of freedom, mean temperature {:.2f} K\n", s.drift,
+             s.drift_error, s.temperature);
+  fmt::print("bond error (relative): largest {:.1e}, rms {:.1e}\n", s.max_rel_bond_error,
+             s.rms_rel_bond_error);
+  if (const int bonds = simulation.scene().system.bond_count(); bonds > 0) {
+    const Eigen::VectorXd tension = simulation.bond_tensions();
+    fmt::print("bond tension at the end: {:.4g} to {:.4g}, mean {:.4g} kJ/mol/nm\n", tension.minCoeff(),
+               tension.maxCoeff(), tension.mean());
+  }
+}
+
+[[noreturn]] void say_how_to_go_on(const Simulation& simulation, const RunFolder* folder, int signal) {
+  fmt::print("\nstopped at step {} of {} by {}; {}\n", simulation.step(), simulation.scene().run.steps,
+             signal == SIGINT ? "SIGINT" : "SIGTERM",
+             folder ? fmt::format("`taut resume {}` goes on", folder->path().string())
+                    : "nothing was kept: a run with --out can be resumed");
+  std::fflush(stdout);
+  throw Stopped{128 + signal};
+}
+
+// In place of what was thrown, where looking back tells more.
+[[noreturn]] void explain(Simulation& simulation, RunFolder* folder, const SimulationFailure& failure) {
+  const std::optional<Diagnosis> diagnosis = simulation.diagnose();
+  if (!diagnosis) throw failure;
+  if (folder) try {
+      folder->write_failure(simulation, *diagnosis);
+    } catch (const OutsideError& e) {
+      fmt::print(stderr, "taut: {}\n", e.what());
+    }
+  throw SimulationFailure(diagnosis->text());
+}
+
+}  // namespace
+
+void carry_out(Simulation& simulation, RunFolder* folder) {
+  const StopRequest request;
+  const RunSettings& settings = simulation.scene().run;
+  const long first = simulation.step();
+  print_header(simulation);
+  if (folder) folder->keep(simulation);
+  Progress progress(settings.steps - first);
+  const auto on_record = [&](const Record& r) {
+    progress.clear();
+    print_row(r);
+    if (folder) folder->add_row(r);
+  };
+  const auto on_step = [&](long step) {
+    progress.at(step - first);
+    const bool due = settings.checkpoint_every > 0 && step % settings.checkpoint_every == 0;
+    if (folder && (due || request.signal() || step == settings.steps)) folder->keep(simulation);
+    if (request.signal()) simulation.stop();
+  };
+  Summary summary;
+  try {
+    summary = simulation.run(on_record, on_step);
+  } catch (const SimulationFailure& failure) {
+    progress.clear();
+    explain(simulation, folder, failure);
+  }
+  progress.clear();
+  if (simulation.step() < settings.steps) say_how_to_go_on(simulation, folder, request.signal());
+  print_summary(simulation, summary);
+  if (!folder) return;
+  folder->write_end(simulation, summary);
+  fmt::print("wrote {0}/log.csv, {0}/summary.json, {0}/final.start.toml\n", folder->path().string());
+}
+
+}  // namespace taut

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "run_folder.hpp"
+#include "systems/simulation.hpp"
+
+namespace taut {
+
+// Takes the steps that are left of a run, printing and, with a folder, writing as it goes on. Throws
+// SimulationFailure with what is known of why, and Stopped where it was asked to stop.
+void carry_out(Simulation& simulation, RunFolder* folder);
+
+}  // namespace taut

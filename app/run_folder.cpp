@@ -1,0 +1,129 @@
+#include "run_folder.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "md/aside_file.hpp"
+#include "md/errors.hpp"
+#include "md/threads.hpp"
+#include "systems/start_file.hpp"
+
+namespace taut {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+// OpenMM's StateDataReporter's columns, then ours.
+constexpr std::string_view kLogHeader =
+    "#\"Step\",\"Time (ps)\",\"Potential Energy (kJ/mole)\",\"Kinetic Energy (kJ/mole)\","
+    "\"Total Energy (kJ/mole)\",\"Temperature (K)\",\"Speed (ns/day)\",\"Max Relative Bond Error\","
+    "\"RMS Relative Bond Error\",\"Energy Drift (kJ/mole/ns/dof)\",\"Iterations per Step\"\n";
+
+std::string log_row(const Record& r) {
+  return fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{:.9g},{:.4g},{:.6e},{:.6e},{:.6e},{:.4g}\n", r.step,
+                     r.t, r.potential, r.kinetic, r.total(), r.temperature, r.ns_per_day, r.bonds.max,
+                     r.bonds.rms, r.drift, r.iterations);
+}
+
+ordered_json summary_json(const Simulation& simulation, const Summary& s) {
+  const Scene& scene = simulation.scene();
+  return {
+      {"scene", scene.name},
+      {"method", method_name(scene.method)},
+      {"atoms", scene.system.atoms()},
+      {"bonds", scene.system.bond_count()},
+      {"dof", simulation.dof().total()},
+      {"steps", s.steps},
+      {"dt_fs", scene.run.dt_fs},
+      {"us_per_step", s.us_per_step},
+      {"constraint_us_per_step", s.constraint_us_per_step},
+      {"ns_per_day", s.ns_per_day},
+      {"max_rel_bond_error", s.max_rel_bond_error},
+      {"rms_rel_bond_error", s.rms_rel_bond_error},
+      {"energy_drift_kj_mol_ns_dof", s.drift},
+      {"energy_drift_standard_error", s.drift_error},
+      {"temperature_k", s.temperature},
+      {"potential_kj_mol", s.potential},
+      {"total_kj_mol", s.total},
+      {"converged", s.converged},
+      {"method_setting", simulation.method_setting()},
+      {"seed", scene.run.seed},
+  };
+}
+
+ordered_json failure_json(const Diagnosis& d) {
+  ordered_json json = {{"step", d.step}, {"time_ps", d.t}, {"cause", d.cause}, {"try", d.advice}};
+  if (d.bond >= 0)
+    json["bond"] = {{"index", d.bond},
+                    {"atoms", {d.held.i, d.held.j}},
+                    {"length_nm", d.length},
+                    {"length_before_nm", d.length_before},
+                    {"target_nm", d.held.length}};
+  json["largest_force"] = {{"kj_mol_nm", d.largest_force}, {"atom", d.atom}};
+  json["last_good_frame"] = {{"file", "last_good.start.toml"}, {"step", d.step - 1}};
+  return json;
+}
+
+void write_aside(const fs::path& path, const ordered_json& json) {
+  AsideFile file(path);
+  file.write(json.dump(2) + "\n");
+  file.commit();
+}
+
+// The checkpoint first: without it nobody takes the rest for a run that can go on.
+fs::path cleared(const fs::path& folder, bool anew) {
+  make_folder(folder);
+  std::error_code error;
+  for (const char* name :
+       {"checkpoint.cbor", "summary.json", "final.start.toml", "failure.json", "last_good.start.toml"})
+    if (anew || name != std::string_view("checkpoint.cbor")) fs::remove(folder / name, error);
+  return folder;
+}
+
+std::uint64_t mark_of(const Marks& marks, const std::string& name) {
+  const auto mark = marks.find(name);
+  if (mark == marks.end() && !marks.empty())
+    throw InputError(fmt::format("the checkpoint does not say how far {} was written", name));
+  return marks.empty() ? 0 : mark->second;
+}
+
+}  // namespace
+
+RunFolder::RunFolder(fs::path folder, SceneSource source, const Marks& marks)
+    : path_(cleared(folder, marks.empty())),
+      source_(std::move(source)),
+      log_(path_ / "log.csv", mark_of(marks, "log.csv")) {
+  if (marks.empty()) log_.write(kLogHeader);
+}
+
+void RunFolder::add_row(const Record& record) {
+  log_.write(log_row(record));
+}
+
+void RunFolder::keep(Simulation& simulation) {
+  Checkpoint checkpoint{.source = source_,
+                        .step = simulation.step(),
+                        .t = simulation.state().t,
+                        .threads = available_threads(),
+                        .memory = {},
+                        .marks = {{"log.csv", log_.mark()}}};
+  Memory memory = Memory::keep_in(checkpoint.memory);
+  simulation.remember(memory);
+  write_checkpoint(path_, checkpoint);
+}
+
+void RunFolder::write_end(const Simulation& simulation, const Summary& summary) {
+  log_.mark();
+  write_start(path_ / "final.start.toml", simulation.scene().system, simulation.state());
+  write_aside(path_ / "summary.json", summary_json(simulation, summary));
+}
+
+void RunFolder::write_failure(const Simulation& simulation, const Diagnosis& diagnosis) {
+  log_.mark();
+  write_start(path_ / "last_good.start.toml", simulation.scene().system, simulation.state());
+  write_aside(path_ / "failure.json", failure_json(diagnosis));
+}
+
+}  // namespace taut

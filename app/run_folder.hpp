@@ -1,0 +1,34 @@
+#pragma once
+
+#include <filesystem>
+
+#include "md/output.hpp"
+#include "systems/checkpoint.hpp"
+#include "systems/simulation.hpp"
+
+namespace taut {
+
+// The folder of a run:
+//     log.csv, trajectories                grow while it goes on
+//     checkpoint.cbor                      where it can go on from; always whole
+//     summary.json, final.start.toml       written when it is done
+//     failure.json, last_good.start.toml   or when it failed
+// Throws OutsideError where the disk refuses.
+class RunFolder {
+ public:
+  // Without marks the run sets out anew, and what an earlier one left there goes.
+  RunFolder(std::filesystem::path folder, SceneSource source, const Marks& marks = {});
+
+  const std::filesystem::path& path() const { return path_; }
+  void add_row(const Record& record);
+  void keep(Simulation& simulation);  // a checkpoint
+  void write_end(const Simulation& simulation, const Summary& summary);
+  void write_failure(const Simulation& simulation, const Diagnosis& diagnosis);
+
+ private:
+  std::filesystem::path path_;
+  SceneSource source_;
+  GrowingFile log_;
+};
+
+}  // namespace taut
