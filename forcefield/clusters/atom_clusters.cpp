@@ -62,7 +62,7 @@ void AtomClusters::choose_columns(const Vectors& x) {
 }
 
 void AtomClusters::remember(Memory& memory) {
-  int before = builds_ - 1;
+  int before = std::max(0, builds_ - 1);  // none where every pair counts
   memory(before, width_, count_);
   if (!memory.recalling()) return;
   builds_ = before;
