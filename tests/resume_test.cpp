@@ -96,7 +96,8 @@ void PrintTo(const Case& c, std::ostream* out) {
   for (const auto& o : c.overrides) *out << " " << o;
 }
 
-// Every method: in lanes, on waters with lists of pairs; by itself, where an anchor ties the bonds.
+// Every method: in lanes, on waters with lists of pairs; by itself, where an anchor ties the bonds; on a
+// chain long enough to be cut.
 std::vector<Case> cases() {
   std::vector<Case> all;
   for (const std::string_view name : method_names()) {
@@ -105,6 +106,8 @@ std::vector<Case> cases() {
     if (method == "settle") continue;
     all.push_back({"double_pendulum", method, {"run.dt_fs=0.2"}, 400, 1000});
     all.push_back({"freely_jointed", method, {"build.chains=5"}, 400, 1000});
+    all.push_back(
+        {"freely_jointed", method, {"build.chains=1", "build.beads=1500"}, 20, 50});  // cut in pieces
   }
   for (const char* thermostat : {"run.thermostat=\"langevin\"", "run.thermostat_ps=0.05"})
     for (const char* method : {"rattle", "newton", "baumgarte", "feedforward"}) {
