@@ -20,6 +20,8 @@ void read_run(const TomlTable& table, RunSettings& run) {
   if (table.has("thermostat")) run.thermostat = table.choice("thermostat", {"none", "langevin", "rescaling"});
   table.read("thermostat_ps", run.thermostat_ps, kNotNegative);
   table.read("friction_per_ps", run.friction_per_ps, kNotNegative);
+  table.read("minimise", run.minimise);
+  table.read("minimise_force_kj_mol_nm", run.minimise_force, kPositive);
   const char* key = table.has("thermostat") ? "thermostat" : "thermostat_ps";
   if ((run.langevin() || run.rescaling()) && run.temperature_k == 0)
     table.fail(key, "a thermostat needs a run.temperature_k above 0");

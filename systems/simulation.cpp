@@ -59,7 +59,7 @@ Simulation::Simulation(Scene scene)
   const System& sys = scene_.system;
   const RunSettings& run = scene_.run;
   if (run.langevin()) make_langevin();
-  visit_step([&](auto& method, auto& bath) { initialize(sys, forces_, method, state_, bath); });
+  bring_to_the_bonds();
   clusters_ = Projector(sys).clusters();
   dof_ = degrees_of_freedom(sys, has_springs() && run.langevin() ? 0 : sys.bond_count(),
                             momentum_stays_zero(scene_, state_.v));
@@ -67,6 +67,31 @@ Simulation::Simulation(Scene scene)
   if ((run.rescaling() || run.langevin()) && dof_.total() < 1)
     throw InputError("run.thermostat: nothing can move, there is no temperature");
   if (run.rescaling()) thermostat_.emplace(run.temperature_k, run.thermostat_ps, dof_.total(), run.seed);
+}
+
+void Simulation::bring_to_the_bonds() {
+  const System& sys = scene_.system;
+  if (scene_.run.minimise)
+    start_report_.minimised = minimise(sys, forces_, scene_.run.minimise_force, state_.x);
+  const Vectors x = state_.x;
+  const double kinetic = kinetic_energy(sys, state_.v);
+  visit_step([&](auto& method, auto& bath) { initialize(sys, forces_, method, state_, bath); });
+  start_report_.largest_move = x.cols() > 0 ? (state_.x - x).colwise().norm().maxCoeff() : 0.0;
+  if (kinetic > 0) start_report_.kinetic_removed = 1 - kinetic_energy(sys, state_.v) / kinetic;
+  note_start();
+}
+
+// For the header.
+void Simulation::note_start() {
+  const auto& [minimised, largest_move, kinetic_removed] = start_report_;
+  if (minimised)
+    scene_.notes.push_back(
+        fmt::format("minimised in {} moves from {:.6g} to {:.6g} kJ/mol, largest force {:.4g} kJ/mol/nm",
+                    minimised->moves, minimised->energy_before, minimised->energy, minimised->largest_force));
+  if (largest_move > 1e-6 || kinetic_removed > 1e-6)
+    scene_.notes.push_back(fmt::format(
+        "brought to the bonds: atoms moved by up to {:.2g} nm, {:.1f} % of the kinetic energy taken out",
+        largest_move, 100 * kinetic_removed));
 }
 
 void Simulation::make_langevin() {

@@ -11,6 +11,7 @@
 #include "md/observables.hpp"
 #include "md/run.hpp"
 #include "md/thermostat.hpp"
+#include "systems/minimise.hpp"
 #include "systems/scene.hpp"
 
 namespace taut {
@@ -41,6 +42,13 @@ struct Summary {
   bool converged = true;
 };
 
+// What it took to bring the start to the bonds.
+struct StartReport {
+  std::optional<Minimised> minimised;  // where run.minimise asked for it
+  double largest_move = 0;             // of an atom, to the bonds' lengths, after that [nm]
+  double kinetic_removed = 0;          // share of the kinetic energy that lay along the bonds
+};
+
 // A scene ready to run: forces and method made, the start brought to the bonds.
 class Simulation {
  public:
@@ -50,6 +58,7 @@ class Simulation {
   const State& state() const { return state_; }
   const DegreesOfFreedom& dof() const { return dof_; }
   int clusters() const { return clusters_; }
+  const StartReport& start_report() const { return start_report_; }
   std::string method_setting() const;  // gains, tolerance, ...
   double promised_error() const;       // relative, of a bond; infinity: none
   Eigen::VectorXd bond_tensions()
@@ -80,6 +89,8 @@ class Simulation {
   std::optional<Diagnosis> diagnose();
 
  private:
+  void bring_to_the_bonds();
+  void note_start();
   void make_langevin();
   // visit(method, bath), as md/step.hpp takes them
   void visit_step(auto&& visit) {
@@ -113,6 +124,7 @@ class Simulation {
   State state_;
   DegreesOfFreedom dof_;
   int clusters_ = 0;
+  StartReport start_report_;
   std::optional<VelocityRescaling> thermostat_;
   mutable std::optional<Langevin> langevin_;  // measuring a temperature takes its scratch
   Course course_;

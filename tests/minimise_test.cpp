@@ -9,6 +9,7 @@
 #include "md/observables.hpp"
 #include "md/random.hpp"
 #include "systems/scene_file.hpp"
+#include "systems/simulation.hpp"
 
 namespace taut {
 namespace {
@@ -52,6 +53,21 @@ TEST(Minimise, PendulumHangs) {
   EXPECT_NEAR(x(2, 1), -0.5, 1e-9);
   EXPECT_NEAR(result.energy, -15, 1e-6);
   EXPECT_LE(result.largest_force, 1e-4);
+}
+
+TEST(Minimise, ASceneAsksForItAndIsToldWhatItTook) {
+  Scene scene = read_scene(find_scene("water"), {"run.minimise=true", "run.minimise_force_kj_mol_nm=2000"});
+  push(scene.start.x, 3, 0.1);
+  Random random(1);
+  for (int a = 0; a < scene.system.atoms(); ++a)
+    scene.start.v.col(a) = std::sqrt(scene.system.inv_mass[a]) * random.normal_vector();
+  const Simulation simulation(scene);
+  const StartReport& report = simulation.start_report();
+  ASSERT_TRUE(report.minimised);
+  EXPECT_LE(report.minimised->largest_force, 2000);
+  EXPECT_LT(report.largest_move, 1e-9);
+  EXPECT_NEAR(report.kinetic_removed, 1.0 / 3, 0.05);  // three of nine degrees of freedom
+  EXPECT_FALSE(Simulation(read_scene(find_scene("water"))).start_report().minimised);
 }
 
 }  // namespace
