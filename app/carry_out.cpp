@@ -88,6 +88,7 @@ void carry_out(Simulation& simulation, RunFolder* folder) {
   const RunSettings& settings = simulation.scene().run;
   const long first = simulation.step();
   print_header(simulation);
+  if (folder && first == 0) folder->add_frame(simulation);
   if (folder) folder->keep(simulation);
   Progress progress(settings.steps - first);
   const auto on_record = [&](const Record& r) {
@@ -97,6 +98,7 @@ void carry_out(Simulation& simulation, RunFolder* folder) {
   };
   const auto on_step = [&](long step) {
     progress.at(step - first);
+    if (folder) folder->add_frame(simulation);
     const bool due = settings.checkpoint_every > 0 && step % settings.checkpoint_every == 0;
     if (folder && (due || request.signal() || step == settings.steps)) folder->keep(simulation);
     if (request.signal()) simulation.stop();

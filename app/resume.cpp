@@ -41,7 +41,7 @@ void resume(const ResumeArguments& arguments) {
     fmt::print("{}: all {} steps are taken; --steps N takes N more\n", folder.string(), simulation.step());
     return;
   }
-  RunFolder run_folder(folder, checkpoint.source, checkpoint.marks);
+  RunFolder run_folder(folder, checkpoint.source, simulation, checkpoint.marks);
   carry_out(simulation, &run_folder);
 }
 

@@ -49,7 +49,8 @@ void run(const RunArguments& arguments) {
   std::optional<RunFolder> folder;
   if (arguments.out)
     folder.emplace(*arguments.out,
-                   source_of(simulation.scene(), !arguments.openmm.empty(), arguments.overrides()));
+                   source_of(simulation.scene(), !arguments.openmm.empty(), arguments.overrides()),
+                   simulation);
   carry_out(simulation, folder ? &*folder : nullptr);
 }
 

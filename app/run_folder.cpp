@@ -76,9 +76,11 @@ void write_aside(const fs::path& path, const ordered_json& json) {
 fs::path cleared(const fs::path& folder, bool anew) {
   make_folder(folder);
   std::error_code error;
-  for (const char* name :
-       {"checkpoint.cbor", "summary.json", "final.start.toml", "failure.json", "last_good.start.toml"})
-    if (anew || name != std::string_view("checkpoint.cbor")) fs::remove(folder / name, error);
+  if (anew)
+    for (const char* name : {"checkpoint.cbor", "trajectory.dcd", "trajectory.h5md", "start.pdb"})
+      fs::remove(folder / name, error);
+  for (const char* name : {"summary.json", "final.start.toml", "failure.json", "last_good.start.toml"})
+    fs::remove(folder / name, error);
   return folder;
 }
 
@@ -91,15 +93,20 @@ std::uint64_t mark_of(const Marks& marks, const std::string& name) {
 
 }  // namespace
 
-RunFolder::RunFolder(fs::path folder, SceneSource source, const Marks& marks)
+RunFolder::RunFolder(fs::path folder, SceneSource source, const Simulation& simulation, const Marks& marks)
     : path_(cleared(folder, marks.empty())),
       source_(std::move(source)),
-      log_(path_ / "log.csv", mark_of(marks, "log.csv")) {
+      log_(path_ / "log.csv", mark_of(marks, "log.csv")),
+      trajectories_(path_, simulation, marks) {
   if (marks.empty()) log_.write(kLogHeader);
 }
 
 void RunFolder::add_row(const Record& record) {
   log_.write(log_row(record));
+}
+
+void RunFolder::add_frame(const Simulation& simulation) {
+  if (trajectories_.due(simulation.step())) trajectories_.add(simulation, simulation.step());
 }
 
 void RunFolder::keep(Simulation& simulation) {
@@ -109,6 +116,7 @@ void RunFolder::keep(Simulation& simulation) {
                         .threads = available_threads(),
                         .memory = {},
                         .marks = {{"log.csv", log_.mark()}}};
+  trajectories_.mark(checkpoint.marks);
   Memory memory = Memory::keep_in(checkpoint.memory);
   simulation.remember(memory);
   write_checkpoint(path_, checkpoint);

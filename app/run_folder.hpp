@@ -5,6 +5,7 @@
 #include "md/output.hpp"
 #include "systems/checkpoint.hpp"
 #include "systems/simulation.hpp"
+#include "systems/trajectories.hpp"
 
 namespace taut {
 
@@ -17,11 +18,13 @@ namespace taut {
 class RunFolder {
  public:
   // Without marks the run sets out anew, and what an earlier one left there goes.
-  RunFolder(std::filesystem::path folder, SceneSource source, const Marks& marks = {});
+  RunFolder(std::filesystem::path folder, SceneSource source, const Simulation& simulation,
+            const Marks& marks = {});
 
   const std::filesystem::path& path() const { return path_; }
   void add_row(const Record& record);
-  void keep(Simulation& simulation);  // a checkpoint
+  void add_frame(const Simulation& simulation);  // to the trajectories, if one is due
+  void keep(Simulation& simulation);             // a checkpoint
   void write_end(const Simulation& simulation, const Summary& summary);
   void write_failure(const Simulation& simulation, const Diagnosis& diagnosis);
 
@@ -29,6 +32,7 @@ class RunFolder {
   std::filesystem::path path_;
   SceneSource source_;
   GrowingFile log_;
+  Trajectories trajectories_;
 };
 
 }  // namespace taut

@@ -21,6 +21,8 @@ struct RunSettings {
   long log_every = 100;              // steps
   long remove_momentum_every = 0;    // steps; 0: never
   std::string redundant = "refuse";  // bonds that follow from others: "refuse" or "drop"
+  long trajectory_every = 0;         // steps from frame to frame; 0: no trajectory
+  std::string trajectory = "dcd";    // "dcd", "h5md" or "both"
   long checkpoint_every = 0;         // steps; 0: where it stops, alone
   std::string thermostat = "";  // "langevin", "rescaling", "none"; "": rescaling where thermostat_ps is given
   double thermostat_ps = 0;     // relaxation time of velocity rescaling to temperature_k

@@ -15,6 +15,8 @@ void read_run(const TomlTable& table, RunSettings& run) {
   table.read("seed", run.seed, kNotNegative);
   table.read("log_every", run.log_every, Range{.min = 1});
   table.read("remove_momentum_every", run.remove_momentum_every, kNotNegative);
+  table.read("trajectory_every", run.trajectory_every, kNotNegative);
+  if (table.has("trajectory")) run.trajectory = table.choice("trajectory", {"dcd", "h5md", "both"});
   table.read("checkpoint_every", run.checkpoint_every, kNotNegative);
   if (table.has("redundant")) run.redundant = table.choice("redundant", {"refuse", "drop"});
   if (table.has("thermostat")) run.thermostat = table.choice("thermostat", {"none", "langevin", "rescaling"});

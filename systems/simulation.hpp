@@ -55,6 +55,7 @@ class Simulation {
   explicit Simulation(Scene scene);
 
   const Scene& scene() const { return scene_; }
+  const System& system_as_given() const { return full_; }  // with the bonds that were left out, if any were
   const State& state() const { return state_; }
   const DegreesOfFreedom& dof() const { return dof_; }
   int clusters() const { return clusters_; }

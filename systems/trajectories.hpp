@@ -1,0 +1,32 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "md/trajectory/dcd_file.hpp"
+#include "md/trajectory/h5md_file.hpp"
+#include "systems/simulation.hpp"
+
+namespace taut {
+
+// The trajectories a scene asks for ([run] trajectory, trajectory_every), in a run's folder:
+// trajectory.dcd, trajectory.h5md, and start.pdb with the names of the atoms. None where it asks for none.
+class Trajectories {
+ public:
+  // Without marks new files, else those there are, cut back. Throws OutsideError.
+  Trajectories(const std::filesystem::path& folder, const Simulation& simulation,
+               const std::map<std::string, std::uint64_t>& marks);
+
+  bool due(long step) const { return every_ > 0 && step % every_ == 0; }
+  void add(const Simulation& simulation, long step);
+  void mark(std::map<std::string, std::uint64_t>& marks);  // of each file, by its name
+
+ private:
+  long every_;
+  std::unique_ptr<DcdFile> dcd_;
+  std::unique_ptr<H5mdFile> h5md_;
+};
+
+}  // namespace taut

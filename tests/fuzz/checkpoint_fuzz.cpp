@@ -1,0 +1,8 @@
+#include "harness.hpp"
+#include "systems/checkpoint.hpp"
+
+// The body alone too: a checksum keeps changes from getting that far.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  taut::read_or_refuse(data, size, [](std::string_view bytes) { taut::read_checkpoint(bytes); });
+  return taut::read_or_refuse(data, size, [](std::string_view bytes) { taut::read_checkpoint_body(bytes); });
+}
