@@ -7,6 +7,7 @@ import pathlib
 import subprocess
 import sys
 import tempfile
+import time
 import tomllib
 import unittest
 import warnings
@@ -169,6 +170,34 @@ class Resumed(unittest.TestCase):
             for name in ("position", "velocity", "force", "box/edges"):
                 np.testing.assert_array_equal(one.frames(name), other.frames(name))
             np.testing.assert_array_equal(one.file["observables/tension/value"], other.file["observables/tension/value"])
+
+
+class Killed(unittest.TestCase):
+    """A kill at any instant leaves files that open, and a run that goes on as if nothing had been."""
+
+    def test_files_stay_whole(self):
+        keys = ["water", "--steps", "300", "--set", "run.trajectory_every=2", "--set", "run.trajectory=both", "--set",
+                "run.checkpoint_every=4", "--set", "run.log_every=300"]
+        with tempfile.TemporaryDirectory() as whole, tempfile.TemporaryDirectory() as parts:
+            run(whole, "run", *keys)
+            words, opened = [TAUT, "run", *keys, "--out", parts], 0
+            for kill in range(6):
+                process = subprocess.Popen(words, stdout=subprocess.DEVNULL)
+                time.sleep(0.25 + 0.037 * kill)
+                process.kill()
+                process.wait()
+                if not pathlib.Path(parts, "checkpoint.cbor").exists():
+                    continue
+                words = [TAUT, "resume", parts]
+                with h5py.File(pathlib.Path(parts, "trajectory.h5md"), "r") as file:
+                    opened += len(file["particles/all/position/value"][:]) > 0
+            self.assertGreater(opened, 0)
+            subprocess.run(words, check=True, capture_output=True)
+            self.assertEqual(pathlib.Path(whole, "trajectory.dcd").read_bytes(),
+                             pathlib.Path(parts, "trajectory.dcd").read_bytes())
+            one, other = Read(whole), Read(parts)
+            for name in ("position", "velocity", "force"):
+                np.testing.assert_array_equal(one.frames(name), other.frames(name))
 
 
 if __name__ == "__main__":
