@@ -161,7 +161,11 @@ void Simulation::remember(Memory& memory) {
 
 void Simulation::recall(std::string_view kept) {
   Memory memory = Memory::recall_from(kept);
-  remember(memory);
+  try {
+    remember(memory);
+  } catch (const SimulationFailure& e) {  // forces were evaluated
+    throw InputError(e.what());
+  }
   memory.finish();
 }
 

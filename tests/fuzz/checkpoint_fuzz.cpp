@@ -16,9 +16,9 @@ method = {name = "rattle"}
 )";
 
 void recall(std::string_view memory) {
-  static const taut::Simulation original(
-      taut::read_scene(taut::parse_toml_text(kWater, "water.toml"), "water.toml"));
-  taut::Simulation simulation = original;
+  static const taut::Scene scene =
+      taut::read_scene(taut::parse_toml_text(kWater, "water.toml"), "water.toml");
+  taut::Simulation simulation(scene);
   simulation.recall(memory);
 }
 
