@@ -35,13 +35,28 @@ void print_header(const Simulation& simulation) {
              static_cast<double>(scene.run.steps) * scene.run.h(), scene.run.seed,
              thermostat_line(scene.run));
   if (simulation.step() > 0) fmt::print("resumed at step {}\n", simulation.step());
-  fmt::print("{:>9} {:>10} {:>13} {:>13} {:>8} {:>9} {:>6}\n", "step", "t [ps]", "E_pot [kJ]", "E_total [kJ]",
-             "T [K]", "bond err", "iter");
+  fmt::print("{:>9} {:>10} {:>13} {:>13} {:>8} {:>9} {:>6}{}\n", "step", "t [ps]", "E_pot [kJ]",
+             "E_total [kJ]", "T [K]", "bond err", "iter", sys.box.periodic() ? "   P [bar]" : "");
 }
 
 void print_row(const Record& r) {
-  fmt::print("{:>9} {:>10.4f} {:>13.6g} {:>13.8g} {:>8.2f} {:>9.1e} {:>6.3g}\n", r.step, r.t, r.potential,
-             r.total(), r.temperature, r.bonds.max, r.iterations);
+  fmt::print("{:>9} {:>10.4f} {:>13.6g} {:>13.8g} {:>8.2f} {:>9.1e} {:>6.3g}{}\n", r.step, r.t, r.potential,
+             r.total(), r.temperature, r.bonds.max, r.iterations,
+             r.pressure ? fmt::format(" {:>9.1f}", *r.pressure) : "");
+}
+
+// One line a type of molecule, where there is more to say than the temperature of all.
+void print_temperatures(const Temperatures& temperatures) {
+  for (std::size_t type = 0; type < temperatures.types().size(); ++type) {
+    std::string line;
+    for (int motion = 0; motion < 3; ++motion) {
+      if (temperatures.types()[type].dof[motion] < 0.5) continue;
+      const Estimate t = temperatures.temperature(static_cast<int>(type), MotionClass(motion));
+      line += fmt::format("{} {} {:.2f} ± {:.2f} K", line.empty() ? "" : ",", kMotionNames[motion], t.value,
+                          t.error);
+    }
+    if (!line.empty()) fmt::print("{}:{}\n", temperatures.types()[type].name, line);
+  }
 }
 
 void print_summary(const Simulation& simulation, const Summary& s) {
@@ -51,6 +66,8 @@ void print_summary(const Simulation& simulation, const Summary& s) {
   fmt::print("; {:.4g} ns/day\n", s.ns_per_day);
   fmt::print("energy drift {:.2e} ± {:.1e} kJ/mol/ns/degree of freedom, mean temperature {:.2f} K\n", s.drift,
              s.drift_error, s.temperature);
+  print_temperatures(simulation.temperatures());
+  if (s.pressure) fmt::print("pressure {:.1f} ± {:.1f} bar\n", s.pressure->value, s.pressure->error);
   fmt::print("bond error (relative): largest {:.1e}, rms {:.1e}\n", s.max_rel_bond_error,
              s.rms_rel_bond_error);
   if (const int bonds = simulation.scene().system.bond_count(); bonds > 0) {

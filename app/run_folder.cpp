@@ -19,17 +19,34 @@ using nlohmann::ordered_json;
 constexpr std::string_view kLogHeader =
     "#\"Step\",\"Time (ps)\",\"Potential Energy (kJ/mole)\",\"Kinetic Energy (kJ/mole)\","
     "\"Total Energy (kJ/mole)\",\"Temperature (K)\",\"Speed (ns/day)\",\"Max Relative Bond Error\","
-    "\"RMS Relative Bond Error\",\"Energy Drift (kJ/mole/ns/dof)\",\"Iterations per Step\"\n";
+    "\"RMS Relative Bond Error\",\"Energy Drift (kJ/mole/ns/dof)\",\"Iterations per Step\",\"Pressure "
+    "(bar)\"\n";
 
 std::string log_row(const Record& r) {
-  return fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{:.9g},{:.4g},{:.6e},{:.6e},{:.6e},{:.4g}\n", r.step,
-                     r.t, r.potential, r.kinetic, r.total(), r.temperature, r.ns_per_day, r.bonds.max,
-                     r.bonds.rms, r.drift, r.iterations);
+  return fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{:.9g},{:.4g},{:.6e},{:.6e},{:.6e},{:.4g},{}\n",
+                     r.step, r.t, r.potential, r.kinetic, r.total(), r.temperature, r.ns_per_day, r.bonds.max,
+                     r.bonds.rms, r.drift, r.iterations,
+                     r.pressure ? fmt::format("{:.9g}", *r.pressure) : "");
+}
+
+ordered_json json_of(const Estimate& e) {
+  return {{"mean", e.value}, {"standard_error", e.error}};
+}
+
+// Of each type of molecule; classes without degrees of freedom are left out.
+ordered_json temperatures_json(const Temperatures& temperatures) {
+  ordered_json json;
+  for (std::size_t type = 0; type < temperatures.types().size(); ++type)
+    for (int motion = 0; motion < 3; ++motion)
+      if (temperatures.types()[type].dof[motion] > 0.5)
+        json[temperatures.types()[type].name][kMotionNames[motion]] =
+            json_of(temperatures.temperature(static_cast<int>(type), MotionClass(motion)));
+  return json;
 }
 
 ordered_json summary_json(const Simulation& simulation, const Summary& s) {
   const Scene& scene = simulation.scene();
-  return {
+  ordered_json json = {
       {"scene", scene.name},
       {"method", method_name(scene.method)},
       {"atoms", scene.system.atoms()},
@@ -50,7 +67,10 @@ ordered_json summary_json(const Simulation& simulation, const Summary& s) {
       {"converged", s.converged},
       {"method_setting", simulation.method_setting()},
       {"seed", scene.run.seed},
+      {"temperatures_k", temperatures_json(simulation.temperatures())},
   };
+  if (s.pressure) json["pressure_bar"] = json_of(*s.pressure);
+  return json;
 }
 
 ordered_json failure_json(const Diagnosis& d) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace taut {
@@ -39,23 +40,29 @@ class Memory {
 
   [[noreturn]] static void refuse();  // throws InputError
 
+  template <class T, class = void>
+  struct HasMemory : std::false_type {};
+  template <class T>  // C++17, as what includes OpenMM's headers
+  struct HasMemory<T, std::void_t<decltype(std::declval<T&>().remember(std::declval<Memory&>()))>>
+      : std::true_type {};
+
   template <class T>
   void one(T& thing) {
-    if constexpr (requires { thing.remember(*this); }) {
+    if constexpr (HasMemory<T>::value) {
       thing.remember(*this);
     } else if constexpr (std::is_same_v<T, std::string>) {
       text(thing);
     } else if constexpr (std::is_arithmetic_v<T>) {
       bytes(&thing, sizeof(T));
     } else {  // an array of numbers: Eigen's, std::vector, std::array
-      static_assert(std::is_arithmetic_v<std::remove_cvref_t<decltype(*thing.data())>>);
+      static_assert(std::is_arithmetic_v<std::decay_t<decltype(*thing.data())>>);
       array(thing.data(), static_cast<std::uint64_t>(thing.size()) * sizeof(*thing.data()));
     }
   }
 
   template <class T>
   void one(std::vector<T>& things) {
-    if constexpr (requires { things[0].remember(*this); })
+    if constexpr (HasMemory<T>::value)
       for (T& thing : things) one(thing);
     else
       array(things.data(), things.size() * sizeof(T));

@@ -66,6 +66,8 @@ Simulation::Simulation(Scene scene)
   refuse_unreachable_tolerance(sys, state_.x, promised_error());
   if ((run.rescaling() || run.langevin()) && dof_.total() < 1)
     throw InputError("run.thermostat: nothing can move, there is no temperature");
+  temperatures_.emplace(sys, scene_.terms, state_.x, dof_.rank > 0, dof_.momentum_fixed);
+  if (sys.box.periodic()) barometer_.emplace(sys, has_springs());
   if (run.rescaling()) thermostat_.emplace(run.temperature_k, run.thermostat_ps, dof_.total(), run.seed);
 }
 
@@ -150,7 +152,7 @@ Record Simulation::record() const {
 
 // The thing itself is made anew, from the same scene; this is what its steps have changed.
 void Simulation::remember(Memory& memory) {
-  memory(state_.x, state_.v, state_.f, state_.t, course_, sums_, forces_);
+  memory(state_.x, state_.v, state_.f, state_.t, course_, sums_, *temperatures_, forces_);
   std::visit([&](auto& method) { memory(method); }, method_);
   if (thermostat_) memory(*thermostat_);
   if (langevin_) memory(*langevin_);

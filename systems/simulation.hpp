@@ -11,8 +11,10 @@
 #include "md/observables.hpp"
 #include "md/run.hpp"
 #include "md/thermostat.hpp"
+#include "systems/barometer.hpp"
 #include "systems/minimise.hpp"
 #include "systems/scene.hpp"
+#include "systems/temperatures.hpp"
 
 namespace taut {
 
@@ -26,6 +28,7 @@ struct Record {
   double drift = 0;       // of the total energy so far [kJ/mol/ns/degree of freedom]
   double iterations = 0;  // a step, since the last row
   double ns_per_day = 0;
+  std::optional<double> pressure;  // in a box [bar]
 
   double total() const { return potential + kinetic; }
 };
@@ -38,6 +41,7 @@ struct Summary {
   double rms_rel_bond_error = 0;      // root mean square over all rows
   double drift = 0, drift_error = 0;  // [kJ/mol/ns/degree of freedom], and its standard error
   double temperature = 0;             // mean over the rows [K]
+  std::optional<Estimate> pressure;   // mean over the rows, in a box [bar]
   double potential = 0, total = 0;    // at the end [kJ/mol]
   bool converged = true;
 };
@@ -69,6 +73,9 @@ class Simulation {
   Record record() const;  // the state as it is now
   // What temperatures are taken of: under Langevin's thermostat the velocity it acts on, or else v [nm/ps].
   Vectors thermal_velocity() const;
+
+  // Of the rows so far: translation, rotation and the rest of each type of molecule.
+  const Temperatures& temperatures() const { return *temperatures_; }
 
   // Takes the steps that are left of the scene's. `on_record` sees a row every run.log_every steps, the start
   // and the end; `on_step` sees every step's number, after its row but before the end's, where that is no
@@ -102,15 +109,18 @@ class Simulation {
   class Stopwatch;
   struct LogSums {  // over the rows of the log
     Slope energy;
+    RunningMean pressure;
     long rows = 0, last_row = 0;
     double largest_error = 0, squares = 0, temperatures = 0;
 
     void add(const Record& r);
-    void remember(Memory& memory) { memory(energy, rows, last_row, largest_error, squares, temperatures); }
+    void remember(Memory& memory) {
+      memory(energy, pressure, rows, last_row, largest_error, squares, temperatures);
+    }
   };
 
   RunPlan plan() const;
-  Record row(const SolveStats& since, const Stopwatch& watch, long steps) const;
+  Record row(const SolveStats& since, const Stopwatch& watch, long steps);
   Summary summary(const Record& end, double seconds, double constraint_seconds, long steps) const;
   void after_step(State& s);
   void keep_snapshot();
@@ -130,6 +140,8 @@ class Simulation {
   mutable std::optional<Langevin> langevin_;  // measuring a temperature takes its scratch
   Course course_;
   LogSums sums_;
+  std::optional<Temperatures> temperatures_;
+  std::optional<Barometer> barometer_;
   std::string snapshot_;  // what remember() kept
   bool stop_ = false;
 };

@@ -38,6 +38,7 @@ void Simulation::LogSums::add(const Record& r) {
   largest_error = std::max(largest_error, r.bonds.max);
   squares += r.bonds.rms * r.bonds.rms;
   temperatures += r.temperature;
+  if (r.pressure) pressure.add(*r.pressure);
 }
 
 RunPlan Simulation::plan() const {
@@ -48,12 +49,17 @@ RunPlan Simulation::plan() const {
 }
 
 // The row of the log for the state as it is.
-Record Simulation::row(const SolveStats& since, const Stopwatch& watch, long steps) const {
+Record Simulation::row(const SolveStats& since, const Stopwatch& watch, long steps) {
   Record r = record();
   r.step = course_.step;
   Slope energy = sums_.energy;
   energy.add(r.t, r.total());
   r.drift = energy.value() / std::max(1, dof_.total()) * 1000;  // per ps to per ns
+  if (barometer_) {
+    const auto& lambda =
+        std::visit([](const auto& m) -> const Eigen::VectorXd& { return m.lambda(); }, method_);
+    r.pressure = (*barometer_)(scene_.system, forces_, state_.x, thermal_velocity(), lambda);
+  }
   const long gone = r.step - sums_.last_row;
   r.iterations = gone > 0 ? static_cast<double>(since.iterations) / static_cast<double>(gone) : 0.0;
   r.ns_per_day = steps > 0 ? static_cast<double>(steps) * plan().h * 1e-3 * 86400 / watch.seconds() : 0.0;
@@ -73,6 +79,7 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
     const auto pause = Clock::now();
     last = row(since, watch, course_.step - first);
     sums_.add(last);
+    temperatures_->see(scene_.system, state_.x, thermal_velocity());
     if (on_record) on_record(last);
     watch.leave_out(Clock::now() - pause);
   };
@@ -119,6 +126,7 @@ Summary Simulation::summary(const Record& end, double seconds, double constraint
   s.drift = sums_.energy.value() / std::max(1, dof_.total()) * 1000;
   s.drift_error = sums_.energy.standard_error() / std::max(1, dof_.total()) * 1000;
   s.temperature = sums_.temperatures / rows;
+  if (barometer_) s.pressure = sums_.pressure.estimate();
   s.potential = end.potential;
   s.total = end.total();
   return s;

@@ -37,6 +37,12 @@ class Temperatures {
   Estimate temperature(int type, MotionClass motion) const;
   Estimate of_all(MotionClass motion) const;  // types together
 
+  void remember(Memory& memory) {
+    for (auto& type : kinetic_)
+      for (RunningMean& mean : type) memory(mean);
+    for (RunningMean& mean : kinetic_of_all_) memory(mean);
+  }
+
  private:
   struct Molecule {
     int type;

@@ -150,10 +150,11 @@ TEST(Run, StopsBeforeNaNAndSaysWhen) {
   s.x(0, 0) = 1;
   Runaway forces;
   EmptyGaps free;
+  Course course;
   try {
     run(
-        sys, forces, free, {.h = 1, .steps = 100, .observe_every = 1}, s, [](State&) {},
-        [](const Moment&) {});
+        sys, forces, free, {.h = 1, .steps = 100, .observe_every = 1}, course, s, [](State&) {},
+        [](const Moment&) {}, [](long) { return true; });
     FAIL() << "ran on";
   } catch (const SimulationFailure& e) {
     EXPECT_NE(std::string(e.what()).find("step "), std::string::npos);

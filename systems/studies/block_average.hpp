@@ -3,6 +3,8 @@
 #include <array>
 #include <vector>
 
+#include "md/memory.hpp"
+
 namespace taut {
 
 // A value with its standard error, from blocks: means over a few long stretches of a run are all but
@@ -26,6 +28,10 @@ class RunningMean {
  public:
   void add(double y);
   Estimate estimate() const;
+  void remember(Memory& memory) {
+    memory(blocks_, length_, full_, open_, sum_, in_open_, count_);
+    memory.demand(length_ >= 1 && full_ >= 0 && full_ <= kMost);
+  }
 
  private:
   static constexpr int kMost = 32;
