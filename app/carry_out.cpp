@@ -45,6 +45,12 @@ void print_row(const Record& r) {
              r.pressure ? fmt::format(" {:>9.1f}", *r.pressure) : "");
 }
 
+// A few rows are too few for an error.
+std::string with_error(const Estimate& e, int digits) {
+  return fmt::format("{:.{}f}", e.value, digits) +
+         (e.error > 0 ? fmt::format(" ± {:.{}f}", e.error, digits) : "");
+}
+
 // One line a type of molecule, where there is more to say than the temperature of all.
 void print_temperatures(const Temperatures& temperatures) {
   for (std::size_t type = 0; type < temperatures.types().size(); ++type) {
@@ -52,11 +58,11 @@ void print_temperatures(const Temperatures& temperatures) {
     for (int motion = 0; motion < 3; ++motion) {
       if (temperatures.types()[type].dof[motion] < 0.5) continue;
       const Estimate t = temperatures.temperature(static_cast<int>(type), MotionClass(motion));
-      line += fmt::format("{} {} {:.2f} ± {:.2f} K", line.empty() ? "" : ",", kMotionNames[motion], t.value,
-                          t.error);
+      line += fmt::format("{} {} {} K", line.empty() ? "" : ",", kMotionNames[motion], with_error(t, 2));
     }
-    if (!line.empty()) fmt::print("{}:{}\n", temperatures.types()[type].name, line);
+    if (!line.empty()) fmt::print("; {}:{}", temperatures.types()[type].name, line);
   }
+  fmt::print("\n");
 }
 
 void print_summary(const Simulation& simulation, const Summary& s) {
@@ -64,10 +70,11 @@ void print_summary(const Simulation& simulation, const Summary& s) {
   if (const int bonds = simulation.scene().system.bond_count(); bonds > 0)
     fmt::print(" ({:.3g} ns a bond)", s.constraint_us_per_step * 1000 / bonds);
   fmt::print("; {:.4g} ns/day\n", s.ns_per_day);
-  fmt::print("energy drift {:.2e} ± {:.1e} kJ/mol/ns/degree of freedom, mean temperature {:.2f} K\n", s.drift,
-             s.drift_error, s.temperature);
+  if (thermostat_line(simulation.scene().run).empty())
+    fmt::print("energy drift {:.2e} ± {:.1e} kJ/mol/ns/degree of freedom\n", s.drift, s.drift_error);
+  fmt::print("mean temperature {:.2f} K", s.temperature);
   print_temperatures(simulation.temperatures());
-  if (s.pressure) fmt::print("pressure {:.1f} ± {:.1f} bar\n", s.pressure->value, s.pressure->error);
+  if (s.pressure) fmt::print("pressure {} bar\n", with_error(*s.pressure, 1));
   fmt::print("bond error (relative): largest {:.1e}, rms {:.1e}\n", s.max_rel_bond_error,
              s.rms_rel_bond_error);
   if (const int bonds = simulation.scene().system.bond_count(); bonds > 0) {

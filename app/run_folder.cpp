@@ -29,8 +29,9 @@ std::string log_row(const Record& r) {
                      r.pressure ? fmt::format("{:.9g}", *r.pressure) : "");
 }
 
+// Where there are too few rows for an error, it is null.
 ordered_json json_of(const Estimate& e) {
-  return {{"mean", e.value}, {"standard_error", e.error}};
+  return {{"mean", e.value}, {"standard_error", e.error > 0 ? ordered_json(e.error) : ordered_json()}};
 }
 
 // Of each type of molecule; classes without degrees of freedom are left out.

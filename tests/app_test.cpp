@@ -51,6 +51,8 @@ TEST(App, RunsASceneAndSaysWhatItDoes) {
   EXPECT_THAT(text, HasSubstr("method rattle"));
   EXPECT_THAT(text, HasSubstr("energy drift"));
   EXPECT_THAT(text, HasSubstr("bond error"));
+  EXPECT_THAT(text, HasSubstr("P [bar]"));
+  EXPECT_THAT(text, HasSubstr("216 molecules of 3 atoms: translation"));
   EXPECT_THAT(text, Not(HasSubstr(" left \x1b")));  // no progress line where nobody watches
 }
 
@@ -67,7 +69,7 @@ TEST(App, WritesLogSummaryAndFinalState) {
   for (const char* key :
        {"scene", "method", "atoms", "bonds", "dof", "steps", "dt_fs", "us_per_step", "constraint_us_per_step",
         "ns_per_day", "max_rel_bond_error", "rms_rel_bond_error", "energy_drift_kj_mol_ns_dof",
-        "temperature_k", "potential_kj_mol", "total_kj_mol", "converged"})
+        "temperature_k", "potential_kj_mol", "total_kj_mol", "converged", "temperatures_k", "pressure_bar"})
     EXPECT_TRUE(summary.contains(key)) << key;
   EXPECT_EQ(summary["method"], "newton");
   EXPECT_EQ(summary["steps"], 40);
