@@ -1,10 +1,13 @@
 #!/usr/bin/env bash
-# Makes the README's pictures again, with their tables and scripts: benchmarks/charts.sh [FOLDER] [--quick]
+# Makes the README's pictures again, and those of water, with their tables and scripts: benchmarks/charts.sh [FOLDER] [--quick]
 # One thread: figures are per core. TAUT names the command, if it is not build/taut.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 out=benchmarks/results/charts
 if (($#)) && [[ $1 != --* ]]; then out=$1; shift; fi
+long=(--drift-steps 10000)
+if [[ " $* " == *" --quick "* ]]; then long=(); fi
 export OMP_NUM_THREADS=1
-"${TAUT:-build/taut}" chart freely_jointed --out "$out/chart" "$@"
+"${TAUT:-build/taut}" chart freely_jointed "${long[@]}" --out "$out/chart" "$@"
+"${TAUT:-build/taut}" chart water "${long[@]}" --out "$out/water" "$@"
 "${TAUT:-build/taut}" stability freely_jointed --hard --out "$out/stability" "$@"

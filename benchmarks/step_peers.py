@@ -6,7 +6,8 @@
 Prints medians in µs a step and how many times longer than taut's each takes, at equal threads, and writes
 benchmarks/results/step_peers.csv. All take turns in every repeat, so that they meet the same machine. taut and OpenMM
 go through step_bench; GROMACS (gmx, gmx_d) and LAMMPS (lmp, waters only: its RATTLE takes four atoms at most) are given
-the same positions, cutoffs and bonds; what is not installed is skipped.
+the same positions, cutoffs and bonds; what is not installed is skipped. Two threads need an idle machine: threads wait for
+each other spinning (OMP_WAIT_POLICY=passive makes them sleep, which costs more than a small step takes).
 """
 import argparse
 import csv
@@ -25,7 +26,6 @@ import peer_systems
 
 STEPS = 20  # a benchmark's iteration
 TO_US = {"ns": 1e-3, "us": 1.0, "ms": 1e3, "s": 1e6}
-PATIENT = {"OMP_WAIT_POLICY": "passive", **os.environ}  # threads that wait leave the core to others
 
 
 def through_step_bench(program, systems, threads, seconds):
@@ -33,7 +33,7 @@ def through_step_bench(program, systems, threads, seconds):
     counts = "|".join(map(str, threads))
     command = [program, f"--benchmark_filter=^(step|openmm)/({'|'.join(systems)})/.*/({counts})/",
                f"--benchmark_min_time={seconds}", "--benchmark_format=json"]
-    report = json.loads(subprocess.run(command, check=True, capture_output=True, text=True, env=PATIENT).stdout)
+    report = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
     runs = {}
     for run in report["benchmarks"]:
         part, system, precision, n = run["name"].split("/")[:4]
