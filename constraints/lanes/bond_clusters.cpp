@@ -104,11 +104,13 @@ BondClusters find_clusters(const System& sys, const ClusterLimits& limits) {
   ClusterBatches pieces;
   for (ClusterBatch& batch : whole.batches) {
     const int size = batch.shape.bond_count();
-    if (size <= limits.most_bonds || (size <= limits.most_bonds_alike && batch.count >= limits.alike)) {
+    const bool alike = size <= limits.most_bonds_alike && batch.count >= limits.alike;
+    const bool whole_at_once = size <= limits.most_bonds || (alike && limits.fill_lanes(batch.count));
+    if (!whole_at_once && limits.piece > 0 && cut_chains(batch, limits.piece, pieces, found.chains)) continue;
+    if (whole_at_once || alike)
       found.batches.push_back(std::move(batch));
-    } else if (limits.piece == 0 || !cut_chains(batch, limits.piece, pieces, found.chains)) {
+    else
       found.rest.insert(found.rest.end(), batch.bonds.begin(), batch.bonds.end());
-    }
   }
   found.pieces = std::move(pieces.batches);
   std::sort(found.rest.begin(), found.rest.end());

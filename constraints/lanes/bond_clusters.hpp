@@ -50,8 +50,12 @@ struct ClusterLimits {
   int alike = 4;
   int piece = 0;  // bonds of a piece, about, that longer chains are cut into; 0: they are not
 
-  // Equal chains that fill the lanes of every thread stay whole: cutting costs one more way through memory.
+  // Equal chains that all but fill the lanes of every thread stay whole: cutting costs half as much again.
   static ClusterLimits cutting() { return {.alike = 8 * available_threads(), .piece = 150}; }
+  bool fill_lanes(int count) const {
+    const int filled = (count + alike - 1) / alike * alike;
+    return piece == 0 || 2 * filled <= 3 * count;
+  }
 };
 
 BondClusters find_clusters(const System& sys, const ClusterLimits& limits = {});

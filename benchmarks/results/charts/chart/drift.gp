@@ -6,7 +6,7 @@ do for [kind in 'svg png'] {
   set datafile separator ','
   set datafile columnheaders
   if (kind eq 'svg') {
-    set terminal svg size 800,560 background 'white' font 'Helvetica,14'
+    set terminal svg size 800,560 background 'white' font 'Helvetica,12'
   } else {
     set terminal pngcairo size 800,560 background 'white' font 'Helvetica,11'
   }
@@ -19,7 +19,7 @@ do for [kind in 'svg png'] {
   set format y '%g'
   low(a, b) = a*b > 0 ? (abs(a) < abs(b) ? abs(a) : abs(b)) : 1e-12
   high(a, b) = abs(a) > abs(b) ? abs(a) : abs(b)
-  set title 'freely_jointed: energy drift at 10 fs over 4000 steps (lower left is better)' noenhanced
+  set title 'freely_jointed: energy drift at 10 fs over 10000 steps (lower left is better)' noenhanced
   set xlabel '|energy drift| [kJ/mol/ns/degree of freedom], 95 % interval; to the left edge: zero is inside'
   set ylabel 'constraint time a bond and step [ns]'
   set xrange [1e-08:*]

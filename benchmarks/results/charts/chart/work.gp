@@ -6,7 +6,7 @@ do for [kind in 'svg png'] {
   set datafile separator ','
   set datafile columnheaders
   if (kind eq 'svg') {
-    set terminal svg size 800,600 background 'white' font 'Helvetica,14'
+    set terminal svg size 800,600 background 'white' font 'Helvetica,12'
   } else {
     set terminal pngcairo size 800,600 background 'white' font 'Helvetica,11'
   }
@@ -18,7 +18,7 @@ do for [kind in 'svg png'] {
   set format x '10^{%L}'
   set format y '%g'
   set multiplot title 'freely_jointed: constraints at 10 fs (lower left is better)' noenhanced
-  set xrange [1e-14:1e-1]
+  set xrange [5e-17:1e-1]
   set xtics 1e-16,1e3
   set bmargin screen 0.26
   set tmargin screen 0.92

@@ -6,7 +6,7 @@ do for [kind in 'svg png'] {
   set datafile separator ','
   set datafile columnheaders
   if (kind eq 'svg') {
-    set terminal svg size 900,616 background 'white' font 'Helvetica,14'
+    set terminal svg size 900,616 background 'white' font 'Helvetica,12'
   } else {
     set terminal pngcairo size 900,616 background 'white' font 'Helvetica,11'
   }
