@@ -44,8 +44,17 @@ struct RunArguments {
   }
 };
 
+// What a run without a folder could only forget.
+void refuse_files_without_folder(const RunSettings& settings) {
+  const char* key = settings.trajectory_every > 0   ? "trajectory_every"
+                    : settings.checkpoint_every > 0 ? "checkpoint_every"
+                                                    : nullptr;
+  if (key) throw InputError(fmt::format("run.{}: nowhere to write, give --out DIR", key));
+}
+
 void run(const RunArguments& arguments) {
   Simulation simulation(arguments.read());
+  if (!arguments.out) refuse_files_without_folder(simulation.scene().run);
   std::optional<RunFolder> folder;
   if (arguments.out)
     folder.emplace(*arguments.out,

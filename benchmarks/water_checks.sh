@@ -23,5 +23,8 @@ case $what in
       "$check" water "$picoseconds" 2 $method forcefield.switch_nm=0.75 || echo "water,$method,2,failed"
     done
     # a conductor's reaction field, whose force ends at zero at the cutoff: what is left is the step's
-    "$check" water "$picoseconds" 1 newton forcefield.switch_nm=0.75 forcefield.rf_dielectric=1e9 ;;
+    "$check" water "$picoseconds" 1 newton forcefield.switch_nm=0.75 forcefield.rf_dielectric=1e9
+    for method in newton settle feedforward baumgarte; do
+      "$check" water "$picoseconds" 2 $method forcefield.switch_nm=0.75 forcefield.rf_dielectric=1e9
+    done ;;
 esac

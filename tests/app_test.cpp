@@ -192,6 +192,16 @@ TEST(App, AFailedRunSaysWhyAndKeepsItsLog) {
   EXPECT_FALSE(fs::exists(folder.path() / "summary.json"));
 }
 
+TEST(App, FilesAskedForWithoutAFolderAreRefused) {
+  for (const char* key : {"run.trajectory_every", "run.checkpoint_every"}) {
+    const auto [exit_code, text] = taut(std::string("run pair --set ") + key + "=10");
+    EXPECT_EQ(exit_code, 2) << text;
+    EXPECT_EQ(lines(text), 1) << text;
+    EXPECT_THAT(text, HasSubstr(key));
+    EXPECT_THAT(text, HasSubstr("--out"));
+  }
+}
+
 TEST(App, AFolderThatCannotBeMadeIsOutside) {
   const auto [exit_code, text] = taut("run pair --out /proc/taut");
   EXPECT_EQ(exit_code, 3);

@@ -1,0 +1,82 @@
+// Nothing is allocated inside a step.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <new>
+
+#include "constraints/methods.hpp"
+#include "constraints/projection.hpp"
+#include "free_system.hpp"
+
+namespace {
+long allocations = 0;
+
+void* counted(std::size_t size, std::size_t alignment) {
+  ++allocations;
+  void* place = std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
+  if (!place) throw std::bad_alloc();
+  return place;
+}
+}  // namespace
+
+void* operator new(std::size_t size) {
+  return counted(size, alignof(std::max_align_t));
+}
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  return counted(size, std::size_t(alignment));
+}
+void operator delete(void* place) noexcept {
+  std::free(place);
+}
+void operator delete(void* place, std::size_t) noexcept {
+  std::free(place);
+}
+void operator delete(void* place, std::align_val_t) noexcept {
+  std::free(place);
+}
+void operator delete(void* place, std::size_t, std::align_val_t) noexcept {
+  std::free(place);
+}
+
+namespace taut {
+namespace {
+
+class EveryMethod : public ::testing::TestWithParam<std::string_view> {};
+
+// A few waters, chains in lanes, a chain cut in pieces, an anchored one that is not in lanes.
+TEST_P(EveryMethod, AllocatesNothingInAStep) {
+  testing::Start anchored = testing::free_chain(6, 4);
+  anchored.system.inv_mass[0] = anchored.system.mass[0] = 0;
+  std::vector<testing::Start> starts = {testing::waters(21, 3, 300)};
+  if (GetParam() != "settle") {
+    starts.push_back(testing::free_chain(21, 1));
+    starts.push_back(testing::free_chain(1502, 2));
+    starts.push_back(anchored);
+  }
+  for (auto& [system, s] : starts) {
+    const double h = system.bond_count() == 63 ? 1e-3 : 2e-3;
+    testing::NoForce forces;
+    Method chosen = make_method(system, default_options(GetParam()), h);
+    std::visit(
+        [&, &sys = system, &state = s](auto& method) {
+          initialize(sys, forces, method, state);
+          for (int n = 0; n < 5; ++n) step(sys, forces, method, h, state);
+          const long before = allocations;
+          for (int n = 0; n < 20; ++n) step(sys, forces, method, h, state);
+          EXPECT_EQ(allocations, before) << sys.atoms() << " atoms";
+        },
+        chosen);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, EveryMethod, ::testing::ValuesIn(method_names()),
+                         [](const auto& test) { return std::string(test.param); });
+
+TEST(Allocations, AreSeen) {
+  const long before = allocations;
+  const std::vector<double> some(3);
+  EXPECT_GT(allocations, before);
+}
+
+}  // namespace
+}  // namespace taut
