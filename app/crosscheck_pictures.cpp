@@ -72,10 +72,15 @@ Picture runs_picture(const Crosscheck& c, const std::string& csv) {
   return p;
 }
 
+// OpenMM's other runs are too short for averages.
+bool averaged(const Crosscheck& c, const Track* track) {
+  return track != &c.verlet && track != &c.nudged && !track->oxygens.r.empty();
+}
+
 std::string distances_csv(const Crosscheck& c) {
   std::string text = "run,r_nm,g,standard_error\n";
   for (const auto& [track, style] : curves_of(c))
-    for (std::size_t n = 0; n < track->oxygens.r.size(); ++n)
+    for (std::size_t n = 0; averaged(c, track) && n < track->oxygens.r.size(); ++n)
       text += fmt::format("{},{:.4f},{:.6f},{:.6f}\n", track->name, track->oxygens.r[n],
                           track->oxygens.g[n].value, track->oxygens.g[n].error);
   return text;
@@ -89,7 +94,7 @@ Picture distances_picture(const Crosscheck& c) {
       c.scene);
   const char* separator = "";
   for (const auto& [track, style] : curves_of(c)) {
-    if (track->oxygens.r.empty()) continue;
+    if (!averaged(c, track)) continue;
     p.script += fmt::format(
         "{0}csv using (strcol('run') eq '{1}' ? column('r_nm') : 1/0):'g':'standard_error' with yerrorlines "
         "{2} "

@@ -19,8 +19,6 @@ do for [kind in 'svg png'] {
   set ylabel 'g(r)'
   set key noenhanced
   plot csv using (strcol('run') eq 'openmm rattle' ? column('r_nm') : 1/0):'g':'standard_error' with yerrorlines lc rgb '#777777' dt 1 lw 1.5 pt 1 title 'openmm rattle', \
-       csv using (strcol('run') eq 'openmm verlet' ? column('r_nm') : 1/0):'g':'standard_error' with yerrorlines lc rgb '#777777' dt 2 lw 1.5 pt 2 title 'openmm verlet', \
-       csv using (strcol('run') eq 'openmm moved 1e-10' ? column('r_nm') : 1/0):'g':'standard_error' with yerrorlines lc rgb '#777777' dt 3 lw 1.5 pt 3 title 'openmm moved 1e-10', \
        csv using (strcol('run') eq 'newton' ? column('r_nm') : 1/0):'g':'standard_error' with yerrorlines lc rgb '#009E73' pt 13 dt 1 lw 1.5 ps 0.7 title 'newton', \
        csv using (strcol('run') eq 'rattle' ? column('r_nm') : 1/0):'g':'standard_error' with yerrorlines lc rgb '#0072B2' pt 9 dt 1 lw 1.5 ps 0.7 title 'rattle', \
        csv using (strcol('run') eq 'feedforward' ? column('r_nm') : 1/0):'g':'standard_error' with yerrorlines lc rgb '#000000' pt 5 dt 1 lw 1.5 ps 0.7 title 'feedforward', \
