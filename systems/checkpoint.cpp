@@ -132,7 +132,7 @@ Checkpoint read_checkpoint(std::string_view bytes) {
     if (const json& version = j.at("version"); version != kVersion)
       throw InputError(
           fmt::format("a checkpoint of version {}, this taut reads version {}", version.dump(), kVersion));
-    const std::string inside = bytes_of(j.at("body"));
+    std::string inside = bytes_of(j.at("body"));
     if (j.at("checksum").get<std::uint64_t>() != checksum(inside))
       throw InputError("the checkpoint is damaged: its checksum is another");
     return inside;

@@ -24,10 +24,10 @@ struct RunSettings {
   long trajectory_every = 0;         // steps from frame to frame; 0: no trajectory
   std::string trajectory = "dcd";    // "dcd", "h5md" or "both"
   long checkpoint_every = 0;         // steps; 0: where it stops, alone
-  std::string thermostat = "";  // "langevin", "rescaling", "none"; "": rescaling where thermostat_ps is given
-  double thermostat_ps = 0;     // relaxation time of velocity rescaling to temperature_k
-  double friction_per_ps = 1;   // of Langevin's thermostat
-  bool minimise = false;        // relax the start first (systems/minimise.hpp)
+  std::string thermostat;      // "langevin", "rescaling", "none"; "": rescaling where thermostat_ps is given
+  double thermostat_ps = 0;    // relaxation time of velocity rescaling to temperature_k
+  double friction_per_ps = 1;  // of Langevin's thermostat
+  bool minimise = false;       // relax the start first (systems/minimise.hpp)
   double minimise_force = 1000;  // until no atom's force is above this [kJ/mol/nm]
 
   double h() const { return dt_fs * 1e-3; }  // [ps]
