@@ -6,7 +6,7 @@
 
 #include "chart_pictures.hpp"
 #include "commands.hpp"
-#include "md/aside_file.hpp"
+#include "md/folder_lock.hpp"
 #include "pictures.hpp"
 #include "study.hpp"
 #include "systems/scene_file.hpp"
@@ -77,7 +77,7 @@ void print_failures(const std::string& csv) {
 
 void chart(const ChartArguments& arguments) {
   const ChartPlan plan = plan_of(arguments);
-  make_folder(arguments.out);
+  const FolderLock lock(arguments.out);
   Ledger ledger(arguments.out / "unfinished.tsv", arguments.command());
   std::vector<Job> jobs;
   for (const auto& panel : {work_jobs(plan, ledger), drift_jobs(plan), order_jobs(plan),

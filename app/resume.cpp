@@ -32,6 +32,8 @@ Simulation recalled(const Checkpoint& checkpoint, const std::filesystem::path& f
 
 void resume(const ResumeArguments& arguments) {
   const auto& folder = arguments.folder;
+  expect_checkpoint(folder);
+  FolderLock lock(folder);  // before it is read: who holds it may be writing the next
   Checkpoint checkpoint = load_checkpoint(folder);
   if (arguments.steps)
     checkpoint.source.overrides.push_back(fmt::format("run.steps={}", checkpoint.step + *arguments.steps));
@@ -41,7 +43,7 @@ void resume(const ResumeArguments& arguments) {
     fmt::print("{}: all {} steps are taken; --steps N takes N more\n", folder.string(), simulation.step());
     return;
   }
-  RunFolder run_folder(folder, checkpoint.source, simulation, checkpoint.marks);
+  RunFolder run_folder(std::move(lock), checkpoint.source, simulation, checkpoint.marks);
   carry_out(simulation, &run_folder);
 }
 

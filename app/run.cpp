@@ -57,7 +57,7 @@ void run(const RunArguments& arguments) {
   if (!arguments.out) refuse_files_without_folder(simulation.scene().run);
   std::optional<RunFolder> folder;
   if (arguments.out)
-    folder.emplace(*arguments.out,
+    folder.emplace(FolderLock(*arguments.out),
                    source_of(simulation.scene(), !arguments.openmm.empty(), arguments.overrides()),
                    simulation);
   carry_out(simulation, folder ? &*folder : nullptr);

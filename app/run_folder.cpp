@@ -94,15 +94,15 @@ void write_aside(const fs::path& path, const ordered_json& json) {
 }
 
 // The checkpoint first: without it nobody takes the rest for a run that can go on.
-fs::path cleared(const fs::path& folder, bool anew) {
-  make_folder(folder);
+FolderLock cleared(FolderLock lock, bool anew) {
+  const fs::path& folder = lock.path();
   std::error_code error;
   if (anew)
     for (const char* name : {"checkpoint.cbor", "trajectory.dcd", "trajectory.h5md", "start.pdb"})
       fs::remove(folder / name, error);
   for (const char* name : {"summary.json", "final.start.toml", "failure.json", "last_good.start.toml"})
     fs::remove(folder / name, error);
-  return folder;
+  return lock;
 }
 
 std::uint64_t mark_of(const Marks& marks, const std::string& name) {
@@ -114,11 +114,11 @@ std::uint64_t mark_of(const Marks& marks, const std::string& name) {
 
 }  // namespace
 
-RunFolder::RunFolder(fs::path folder, SceneSource source, const Simulation& simulation, const Marks& marks)
-    : path_(cleared(folder, marks.empty())),
+RunFolder::RunFolder(FolderLock folder, SceneSource source, const Simulation& simulation, const Marks& marks)
+    : folder_(cleared(std::move(folder), marks.empty())),
       source_(std::move(source)),
-      log_(path_ / "log.csv", mark_of(marks, "log.csv")),
-      trajectories_(path_, simulation, marks) {
+      log_(path() / "log.csv", mark_of(marks, "log.csv")),
+      trajectories_(path(), simulation, marks) {
   if (marks.empty()) log_.write(kLogHeader);
 }
 
@@ -140,19 +140,19 @@ void RunFolder::keep(Simulation& simulation) {
   trajectories_.mark(checkpoint.marks);
   Memory memory = Memory::keep_in(checkpoint.memory);
   simulation.remember(memory);
-  write_checkpoint(path_, checkpoint);
+  write_checkpoint(path(), checkpoint);
 }
 
 void RunFolder::write_end(const Simulation& simulation, const Summary& summary) {
   log_.mark();
-  write_start(path_ / "final.start.toml", simulation.scene().system, simulation.state());
-  write_aside(path_ / "summary.json", summary_json(simulation, summary));
+  write_start(path() / "final.start.toml", simulation.scene().system, simulation.state());
+  write_aside(path() / "summary.json", summary_json(simulation, summary));
 }
 
 void RunFolder::write_failure(const Simulation& simulation, const Diagnosis& diagnosis) {
   log_.mark();
-  write_start(path_ / "last_good.start.toml", simulation.scene().system, simulation.state());
-  write_aside(path_ / "failure.json", failure_json(diagnosis));
+  write_start(path() / "last_good.start.toml", simulation.scene().system, simulation.state());
+  write_aside(path() / "failure.json", failure_json(diagnosis));
 }
 
 }  // namespace taut

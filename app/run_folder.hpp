@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "md/folder_lock.hpp"
 #include "md/output.hpp"
 #include "systems/checkpoint.hpp"
 #include "systems/simulation.hpp"
@@ -18,10 +19,9 @@ namespace taut {
 class RunFolder {
  public:
   // Without marks the run sets out anew, and what an earlier one left there goes.
-  RunFolder(std::filesystem::path folder, SceneSource source, const Simulation& simulation,
-            const Marks& marks = {});
+  RunFolder(FolderLock folder, SceneSource source, const Simulation& simulation, const Marks& marks = {});
 
-  const std::filesystem::path& path() const { return path_; }
+  const std::filesystem::path& path() const { return folder_.path(); }
   void add_row(const Record& record);
   void add_frame(const Simulation& simulation);  // to the trajectories, if one is due
   void keep(Simulation& simulation);             // a checkpoint
@@ -29,7 +29,7 @@ class RunFolder {
   void write_failure(const Simulation& simulation, const Diagnosis& diagnosis);
 
  private:
-  std::filesystem::path path_;
+  FolderLock folder_;
   SceneSource source_;
   GrowingFile log_;
   Trajectories trajectories_;

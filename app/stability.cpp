@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "commands.hpp"
-#include "md/aside_file.hpp"
+#include "md/folder_lock.hpp"
 #include "stability_pictures.hpp"
 #include "study.hpp"
 #include "systems/scene_file.hpp"
@@ -69,7 +69,7 @@ void print_steps(const StabilityPlan& plan, const std::vector<Job>& jobs, const 
 
 void stability(const StabilityArguments& arguments) {
   const StabilityPlan plan = plan_of(arguments);
-  make_folder(arguments.out);
+  const FolderLock lock(arguments.out);
   Ledger ledger(arguments.out / "unfinished.tsv", arguments.command());
   std::vector<Job> jobs = plane_jobs(plan);
   const std::vector<Job> steps = step_jobs(plan);

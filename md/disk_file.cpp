@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -78,6 +79,11 @@ void DiskFile::sync() {
 bool DiskFile::still_there() const {
   struct stat status {};
   return ::fstat(descriptor_, &status) == 0 && status.st_nlink > 0;
+}
+
+// Other refusals: a file system without locks.
+bool DiskFile::lock() {
+  return ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
 }
 
 void sync_folder(const std::filesystem::path& folder) {

@@ -24,6 +24,7 @@ class DiskFile {
   void cut_quietly(std::uint64_t size) noexcept;
   void sync();               // returns when it would outlast a crash of the machine
   bool still_there() const;  // whether any folder lists it
+  bool lock();               // until it is closed; false: another process has it
 
   [[noreturn]] void refuse(const char* deed, const char* why) const;
 

@@ -144,6 +144,13 @@ std::filesystem::path checkpoint_file(const std::filesystem::path& folder) {
   return folder / "checkpoint.cbor";
 }
 
+void expect_checkpoint(const std::filesystem::path& folder) {
+  const std::filesystem::path path = checkpoint_file(folder);
+  std::error_code unreadable;
+  if (!std::filesystem::is_regular_file(path, unreadable))
+    throw InputError(path.string() + ": there is none; a run with --out writes it");
+}
+
 void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& checkpoint) {
   AsideFile file(checkpoint_file(folder));
   file.write(to_bytes(checkpoint));
@@ -151,10 +158,8 @@ void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& che
 }
 
 Checkpoint load_checkpoint(const std::filesystem::path& folder) {
+  expect_checkpoint(folder);
   const std::filesystem::path path = checkpoint_file(folder);
-  std::error_code unreadable;
-  if (!std::filesystem::is_regular_file(path, unreadable))
-    throw InputError(path.string() + ": there is none; a run with --out writes it");
   std::ifstream in(path, std::ios::binary);
   if (!in) throw InputError(path.string() + ": cannot be read");
   const std::string bytes(std::istreambuf_iterator<char>(in), {});

@@ -34,6 +34,7 @@ Checkpoint read_checkpoint_body(std::string_view body);  // what is in the envel
 
 // FOLDER/checkpoint.cbor: the old one until the new one is whole and on the disk.
 std::filesystem::path checkpoint_file(const std::filesystem::path& folder);
+void expect_checkpoint(const std::filesystem::path& folder);  // throws InputError where there is none
 void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& checkpoint);
 Checkpoint load_checkpoint(const std::filesystem::path& folder);  // throws InputError, with the file's name
 

@@ -51,6 +51,11 @@ class Process {
 
   void send(int signal) const { kill(pid_, signal); }
 
+  void halt() const {  // returns when it stands still
+    kill(pid_, SIGSTOP);
+    waitpid(pid_, nullptr, WUNTRACED);
+  }
+
   // The exit code, or minus the signal it died of.
   int wait() const {
     int status = 0;
@@ -231,6 +236,33 @@ TEST_F(LongRuns, AFolderThatVanishesIsOneLine) {
   const std::string error = process.error();
   EXPECT_EQ(std::count(error.begin(), error.end(), '\n'), 1) << error;
   EXPECT_THAT(error, HasSubstr("gone"));
+}
+
+// A second one is turned away, and harms nothing; the lock goes with the process that died.
+TEST_F(LongRuns, OneProcessAtATimeWritesToAFolder) {
+  const fs::path out = in("shared");
+  ASSERT_EQ(run(droplet(in("whole"), "600")).code, 0);
+  const Process first(droplet(out, "600"), folder_.path());
+  wait_for(out / "checkpoint.cbor");
+  first.halt();
+  const std::string checkpoint = contents(out / "checkpoint.cbor"), log = contents(out / "log.csv");
+  for (const Arguments& second : {Arguments{"resume", out.string()}, droplet(out, "600"),
+                                  Arguments{"chart", "diatomic", "--quick", "--out", out.string()},
+                                  Arguments{"stability", "diatomic", "--quick", "--out", out.string()}}) {
+    const Outcome refused = run(second);
+    EXPECT_EQ(refused.code, 2) << second[0];
+    EXPECT_EQ(refused.error,
+              "taut: " + out.string() +
+                  ": another taut is still writing there; wait until it ends, or give another folder\n");
+  }
+  EXPECT_EQ(contents(out / "checkpoint.cbor"), checkpoint);
+  EXPECT_EQ(contents(out / "log.csv"), log);
+  first.send(SIGKILL);
+  ASSERT_EQ(first.wait(), -SIGKILL);
+  ASSERT_EQ(run({"resume", out.string()}).code, 0);
+  expect_same_run(in("whole"), out);
+  EXPECT_EQ(run({"resume", folder_.path().string()}).code, 2);
+  EXPECT_FALSE(fs::exists(folder_.path() / ".lock"));  // no run's folder: left as it was
 }
 
 TEST_F(LongRuns, AFailureIsWrittenWithTheLastGoodFrame) {

@@ -8,6 +8,7 @@
 
 #include "md/aside_file.hpp"
 #include "md/errors.hpp"
+#include "md/folder_lock.hpp"
 #include "temporary_folder.hpp"
 
 namespace taut {
@@ -65,6 +66,20 @@ TEST(GrowingFile, SaysThatTheDiskIsFull) {
   } catch (const OutsideError& e) {
     EXPECT_STREQ(e.what(), "/dev/full: cannot write: No space left on device");
   }
+}
+
+TEST(FolderLock, IsHeldByOneAtATime) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "a" / "b";
+  {
+    const FolderLock lock(path);
+    EXPECT_THROW(FolderLock{path}, InputError);
+    const FolderLock other(folder.path() / "a");
+  }
+  FolderLock again(path);
+  const FolderLock moved(std::move(again));
+  EXPECT_EQ(moved.path(), path);
+  EXPECT_THROW(FolderLock{path}, InputError);
 }
 
 TEST(AsideFile, IsSeenWholeOrNotAtAll) {
