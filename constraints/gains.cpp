@@ -1,7 +1,6 @@
 #include "constraints/gains.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <cmath>
 #include <numbers>
@@ -42,8 +41,7 @@ DimensionlessGains named(const GainChoice& choice, Damping damping, double mu, d
   }
   const std::vector<std::string_view> names = {"reversible", "dead-beat", "rattle", "critical",
                                                "physical",   "hoomd",     "box2d",  "numbers"};
-  throw InputError(fmt::format("method.gains: there is no \"{}\"; did you mean \"{}\"? There are {}", name,
-                               nearest_name(name, names), fmt::join(names, ", ")));
+  throw InputError(fmt::format("method.gains: there is no \"{}\"{}", name, did_you_mean(name, names)));
 }
 
 void check(const Gains& g, Damping damping, double h) {

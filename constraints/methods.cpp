@@ -1,7 +1,6 @@
 #include "constraints/methods.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "md/errors.hpp"
 #include "md/nearest_name.hpp"
@@ -48,8 +47,7 @@ MethodOptions default_options(std::string_view name) {
     if (name == M::kName) options = typename M::Options{};
   });
   if (!options)
-    throw InputError(fmt::format("there is no method \"{}\"; did you mean \"{}\"? There are {}", name,
-                                 nearest_name(name, method_names()), fmt::join(method_names(), ", ")));
+    throw InputError(fmt::format("there is no method \"{}\"{}", name, did_you_mean(name, method_names())));
   return *options;
 }
 

@@ -47,10 +47,9 @@ fs::path find_scene(const std::string& name_or_path) {
   for (const auto& entry : fs::directory_iterator(scenes_folder(), ignored))
     if (is_scene(entry.path())) names.push_back(entry.path().stem().string());
   std::ranges::sort(names);
-  const std::string nearest(
-      nearest_name(fs::path(name_or_path).stem().string(), {names.begin(), names.end()}));
-  throw InputError(fmt::format("{}: no such file, and no scene of that name{}", name_or_path,
-                               nearest.empty() ? "" : fmt::format("; did you mean \"{}\"?", nearest)));
+  throw InputError(
+      fmt::format("{}: no such file, and no scene of that name{}", name_or_path,
+                  did_you_mean(fs::path(name_or_path).stem().string(), {names.begin(), names.end()})));
 }
 
 }  // namespace taut

@@ -1,7 +1,6 @@
 #include "systems/toml_reader.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -170,8 +169,7 @@ bool TomlTable::read(std::string_view key, std::optional<double>& into, Range ra
 std::string TomlTable::choice(std::string_view key, const std::vector<std::string_view>& words) const {
   const auto word = get<std::string>(key);
   if (std::ranges::find(words, word) == words.end())
-    fail(key, fmt::format("\"{}\" is not one of {}; did you mean \"{}\"?", one_line(word),
-                          fmt::join(words, ", "), nearest_name(word, words)));
+    fail(key, fmt::format("there is no \"{}\"{}", one_line(word), did_you_mean(word, words)));
   return word;
 }
 
@@ -193,12 +191,9 @@ void TomlTable::reject_unknown() const {
     const std::string_view key = entry.first.str();
     const toml::node& node = entry.second;
     if (asked_.contains(key)) continue;
-    const auto longer = std::ranges::find_if(known, [&](auto name) { return name.starts_with(key); });
-    const std::string_view nearest = longer != known.end() ? *longer : nearest_name(key, known);
-    throw LocatedError(fmt::format("{}: unknown {} \"{}\"{}{}", place(&node),
-                                   node.is_table() ? "section" : "key", one_line(key),
-                                   name_.empty() ? "" : fmt::format(" in [{}]", name_),
-                                   nearest.empty() ? "" : fmt::format("; did you mean \"{}\"?", nearest)));
+    throw LocatedError(fmt::format(
+        "{}: unknown {} \"{}\"{}{}", place(&node), node.is_table() ? "section" : "key", one_line(key),
+        name_.empty() ? "" : fmt::format(" in [{}]", name_), did_you_mean(key, known)));
   }
 }
 

@@ -184,6 +184,24 @@ TEST(VelocityRescaling, GivesTheCanonicalKineticEnergy) {
 TEST(NearestName, SuggestsTheFewestEdits) {
   EXPECT_EQ(nearest_name("temprature", {"tension", "temperature", "steps"}), "temperature");
   EXPECT_EQ(nearest_name("ratle", {"rattle", "shake"}), "rattle");
+  EXPECT_EQ(nearest_name("dt_sf", {"dt_ps", "dt_fs"}), "dt_fs");  // a swap is one
+}
+
+TEST(NearestName, SuggestsNothingFarOff) {
+  EXPECT_EQ(nearest_name("abcXYf", {"abcdef"}), "abcdef");
+  EXPECT_EQ(nearest_name("abXYZf", {"abcdef"}), "");  // 3 of 6
+  EXPECT_EQ(nearest_name("ax", {"ab"}), "ab");        // 1 of 2
+  EXPECT_EQ(nearest_name("xy", {"ab"}), "");
+  EXPECT_EQ(nearest_name("passes", {"name"}), "");
+  EXPECT_EQ(nearest_name("temp", {"steps", "temperature_k"}), "temperature_k");  // goes on from it
+  EXPECT_EQ(nearest_name("", {"ab"}), "");
+  EXPECT_EQ(nearest_name("ab", {}), "");
+}
+
+TEST(NearestName, WhereNoneIsNearAllAreNamed) {
+  EXPECT_EQ(did_you_mean("shak", {"rattle", "shake"}), "; did you mean \"shake\"?");
+  EXPECT_EQ(did_you_mean("lincs", {"rattle", "shake"}), "; expected one of rattle, shake");
+  EXPECT_EQ(did_you_mean("lincs", {}), "");
 }
 
 }  // namespace
