@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "chart_pictures.hpp"
+#include "command_line.hpp"
 #include "commands.hpp"
 #include "md/folder_lock.hpp"
 #include "pictures.hpp"
@@ -33,21 +34,16 @@ struct ChartArguments {
   }
 
   std::string command() const {
-    std::vector<std::string> words = {"taut", "chart", scene};
-    const auto add = [&](const char* option, const auto& value) {
-      words.emplace_back(option);
-      words.push_back(fmt::format("{}", value));
-    };
-    if (!methods.empty()) words.emplace_back("--methods");
-    words.insert(words.end(), methods.begin(), methods.end());
-    if (dt_fs) add("--dt-fs", *dt_fs);
-    for (const auto& setting : settings) add("--set", setting);
-    if (repeats) add("--repeats", *repeats);
-    if (steps) add("--steps", *steps);
-    if (drift_steps) add("--drift-steps", *drift_steps);
-    if (quick) words.emplace_back("--quick");
-    add("--out", out.string());
-    return quoted_for_shell(words);
+    CommandLine line("chart", scene);
+    line.option("--methods", methods);
+    line.option("--dt-fs", dt_fs);
+    line.option("--set", settings);
+    line.option("--repeats", repeats);
+    line.option("--steps", steps);
+    line.option("--drift-steps", drift_steps);
+    line.flag("--quick", quick);
+    line.option("--out", {out.string()});
+    return line.text();
   }
 };
 

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <map>
 
+#include "command_line.hpp"
 #include "md/aside_file.hpp"
 
 namespace taut {
@@ -48,7 +49,7 @@ bool draw(const Picture& p, const fs::path& folder) {
     return false;
   }
   const std::string command =
-      fmt::format("cd '{}' && gnuplot {}.gp >gnuplot.log 2>&1", folder.string(), p.name);
+      fmt::format("cd -- {} && gnuplot {}.gp >gnuplot.log 2>&1", quoted_for_shell(folder.string()), p.name);
   if (std::system(command.c_str()) != 0) {
     fmt::print("gnuplot stopped at {}.gp: see {}/gnuplot.log\n", p.name, folder.string());
     return false;

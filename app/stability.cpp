@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "command_line.hpp"
 #include "commands.hpp"
 #include "md/folder_lock.hpp"
 #include "stability_pictures.hpp"
@@ -23,20 +24,15 @@ struct StabilityArguments {
   fs::path out = "stability";
 
   std::string command() const {
-    std::vector<std::string> words = {"taut", "stability", scene};
-    const auto add = [&](const char* option, const auto& value) {
-      words.emplace_back(option);
-      words.push_back(fmt::format("{}", value));
-    };
-    if (!methods.empty()) words.emplace_back("--methods");
-    words.insert(words.end(), methods.begin(), methods.end());
-    if (dt_fs) add("--dt-fs", *dt_fs);
-    for (const auto& setting : settings) add("--set", setting);
-    if (steps) add("--steps", *steps);
-    if (hard) words.emplace_back("--hard");
-    if (quick) words.emplace_back("--quick");
-    add("--out", out.string());
-    return quoted_for_shell(words);
+    CommandLine line("stability", scene);
+    line.option("--methods", methods);
+    line.option("--dt-fs", dt_fs);
+    line.option("--set", settings);
+    line.option("--steps", steps);
+    line.flag("--hard", hard);
+    line.flag("--quick", quick);
+    line.option("--out", {out.string()});
+    return line.text();
   }
 };
 

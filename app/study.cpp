@@ -118,12 +118,4 @@ void write_report(const ReportPage& page, const std::filesystem::path& folder) {
   write_text(folder / "report.html", html + "</html>\n");
 }
 
-std::string quoted_for_shell(const std::vector<std::string>& words) {
-  std::string line;
-  for (const auto& word : words)
-    line += (line.empty() ? "" : " ") +
-            (word.find_first_of(" \"'[]*?;&|<>$") == word.npos ? word : "'" + word + "'");
-  return line;
-}
-
 }  // namespace taut

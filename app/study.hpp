@@ -22,6 +22,4 @@ struct ReportPage {
 };
 void write_report(const ReportPage& page, const std::filesystem::path& folder);
 
-std::string quoted_for_shell(const std::vector<std::string>& words);
-
 }  // namespace taut

@@ -121,14 +121,19 @@ TEST(App, CalibratesAndWritesJson) {
 TEST(App, ChartsWithAReportThatNeedsNothingElse) {
   const TemporaryFolder folder;
   const fs::path out = folder.path() / "chart";
-  const auto [exit_code, text] =
-      taut("chart freely_jointed --quick --methods newton settle --set build.chains=2 --out " + out.string());
+  const auto [exit_code, text] = taut(
+      "chart freely_jointed --quick --methods newton settle --set build.chains=2 'run.seed = 3' "
+      "--drift-steps 100 --out " +
+      out.string());
   ASSERT_EQ(exit_code, 0) << text;
   EXPECT_THAT(text, HasSubstr("not part of a three-site water"));  // failed, and listed
   for (const char* name : {"work", "drift", "order", "length"})
     for (const char* kind : {".csv", ".gp"}) EXPECT_TRUE(fs::exists(out / (std::string(name) + kind)));
   const std::string report = contents(out / "report.html");
-  EXPECT_THAT(report, HasSubstr("taut chart freely_jointed --methods newton settle"));
+  EXPECT_THAT(report,
+              HasSubstr("<code>taut chart freely_jointed --methods newton settle --set build.chains=2 "
+                        "'run.seed = 3' --drift-steps 100 --quick --out " +
+                        out.string() + "</code>"));
   EXPECT_THAT(report, Not(HasSubstr("href=\"http")));
   EXPECT_THAT(report, Not(HasSubstr("src=")));
   EXPECT_FALSE(fs::exists(out / "unfinished.tsv"));
@@ -138,11 +143,33 @@ TEST(App, StabilitySaysHowEachMethodFails) {
   const TemporaryFolder folder;
   const fs::path out = folder.path() / "stability";
   const auto [exit_code, text] =
-      taut("stability diatomic --quick --methods shake settle --out " + out.string());
+      taut("stability diatomic --quick --steps 100 --dt-fs 2.5 --methods shake settle --out " + out.string());
   ASSERT_EQ(exit_code, 0) << text;
   EXPECT_THAT(text, HasSubstr("the bond turned by 90° in one step"));
   for (const char* name : {"plane.csv", "plane.gp", "steps.csv", "steps.gp", "limits.csv", "report.html"})
     EXPECT_TRUE(fs::exists(out / name)) << name;
+  EXPECT_THAT(
+      contents(out / "report.html"),
+      HasSubstr("<code>taut stability diatomic --methods shake settle --dt-fs 2.5 --steps 100 --quick "
+                "--out " +
+                out.string() + "</code>"));
+}
+
+// Whatever the folder is called: pictures are drawn, and the report's command can be typed again.
+TEST(App, TheCommandInAReportCanBeTyped) {
+  const TemporaryFolder folder;
+  const fs::path out = folder.path() / "our 'first' $HOME";
+  const auto first = taut("chart diatomic --quick --methods newton --set 'run.seed = 3' --out \"" +
+                          folder.path().string() + "/our 'first' \\$HOME\"");
+  ASSERT_EQ(first.exit_code, 0) << first.text;
+  EXPECT_THAT(first.text, Not(HasSubstr("gnuplot stopped")));
+  const std::string report = contents(out / "report.html");
+  const auto begin = report.find("<code>taut ") + 11;
+  const std::string command = report.substr(begin, report.find("</code>") - begin);
+  fs::remove_all(out);
+  const auto again = taut(command);
+  EXPECT_EQ(again.exit_code, 0) << command << "\n" << again.text;
+  EXPECT_THAT(contents(out / "report.html"), HasSubstr("<code>taut " + command + "</code>"));
 }
 
 struct BadInput {

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace taut {
+
+// In quotes only where it has to be.
+std::string quoted_for_shell(const std::string& word);
+
+// What was asked for, as a shell takes it,
+//     taut chart water --set run.seed=7
+// without the options that were not given.
+class CommandLine {
+ public:
+  CommandLine(const char* subcommand, const std::string& scene);
+
+  void option(const char* name, const std::vector<std::string>& values);
+  template <class T>
+  void option(const char* name, const std::optional<T>& value) {
+    if (value) option(name, std::vector{fmt::format("{}", *value)});
+  }
+  void flag(const char* name, bool given);
+  const std::string& text() const { return text_; }
+
+ private:
+  std::string text_ = "taut";
+};
+
+}  // namespace taut
