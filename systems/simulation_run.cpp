@@ -18,6 +18,12 @@ bool finite(const State& s) {
   return s.x.allFinite() && s.v.allFinite() && s.f.allFinite();
 }
 
+// It fails by its nature, whatever the scene: a bond turning at ω is too long by (ωh)²(ωt)²/8 of itself.
+void explain_none(Diagnosis& d) {
+  d.cause = "a bond ran off: with none nothing brings an error back, it grows as (time × step)²";
+  d.advice = "baumgarte, which is none with feedback; or half the step, which lasts about twice the time";
+}
+
 }  // namespace
 
 // Time spent since it was made, without what was spent on watching.
@@ -174,6 +180,8 @@ std::optional<Diagnosis> Simulation::wrong_with_next_step(auto& method, auto& ba
   if (thrown.empty() && holds(stats, plan) && finite(state_) && std::isfinite(record().total())) return {};
   Diagnosis d = taut::diagnose(scene_.system, state_, stats, course_.step);
   if (!thrown.empty()) d.cause = thrown;
+  if (method_name(scene_.method) == None::kName && stats.converged() && stats.max_residual >= plan.broken_at)
+    explain_none(d);
   return d;
 }
 

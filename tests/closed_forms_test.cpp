@@ -37,6 +37,19 @@ TEST_P(UnderEveryGoodMethod, PairAcceleratesAtHalfThePull) {
   EXPECT_NEAR(pair.bond_tensions()[0], 5, 1.01e-4);
 }
 
+// With σ̈ = 0 alone each step of a rotor leaves θ⁴/8, θ = ωh, which nothing brings back: δd/d = (ωh)²(ωt)²/8.
+TEST(None, LetsARotorsBondGrowAsTimeSquaredStepSquared) {
+  for (const auto& [dt_fs, steps] : {std::pair{1, 200}, std::pair{1, 400}, std::pair{2, 200}}) {
+    Simulation rotor(scene_of("diatomic", {method_is("none"), "run.dt_fs=" + std::to_string(dt_fs),
+                                           "run.steps=" + std::to_string(steps)}));
+    rotor.run({});
+    const double theta = 10 * 1e-3 * dt_fs, turned = theta * steps,
+                 growth = theta * theta * turned * turned / 8;
+    const Vectors& x = rotor.state().x;
+    EXPECT_NEAR((x.col(1) - x.col(0)).norm() - 1, growth, 0.02 * growth) << dt_fs << " fs, " << steps;
+  }
+}
+
 // From horizontal, 1 nm, 9.81 nm/ps²: T = 4 K(sin²45°) √(l/g) = 2.3678 ps.
 TEST_P(UnderEveryGoodMethod, PendulumSwingsInItsPeriod) {
   Simulation pendulum(scene_of("pendulum", {method_is(GetParam()), "run.steps=5200", "run.log_every=1"}));

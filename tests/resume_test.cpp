@@ -248,6 +248,23 @@ TEST(Diagnosed, LastGoodStateIsTheOneBefore) {
   EXPECT_GT(std::abs(diagnosis->length - length), 0.01 * length);
 }
 
+// Steps 455 and 102: in half the step's length about twice the time, and the message says so.
+TEST(Diagnosed, NoneFailsByItsNature) {
+  std::vector<double> lasted;  // [ps]
+  for (const char* step : {"run.dt_fs=1", "run.dt_fs=2"}) {
+    Simulation failing(read("water", {step, "method.name=\"none\"", "run.steps=1000"}));
+    EXPECT_THROW(failing.run({}), SimulationFailure);
+    const auto diagnosis = failing.diagnose();
+    ASSERT_TRUE(diagnosis);
+    EXPECT_EQ(diagnosis->cause,
+              "a bond ran off: with none nothing brings an error back, it grows as (time × step)²");
+    EXPECT_NE(diagnosis->advice.find("baumgarte"), std::string::npos);
+    EXPECT_LT(diagnosis->largest_force, 1e4);  // no atoms on each other
+    lasted.push_back(diagnosis->t);
+  }
+  EXPECT_NEAR(lasted[0] / lasted[1], 2, 0.5);
+}
+
 TEST(Diagnosed, NothingWhereAnObserverThrew) {
   Simulation simulation(read("pendulum", {}));
   EXPECT_THROW(simulation.run([](const Record&) { throw SimulationFailure("enough"); }), SimulationFailure);
