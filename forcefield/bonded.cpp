@@ -129,15 +129,23 @@ double add_rb_torsions(const std::vector<RyckaertBellemans>& torsions, const Vec
   return energy;
 }
 
+// The longest for its reach.
+void throw_broken(const std::vector<Fene>& bonds, const Vectors& x) {
+  const auto length = [&](const Fene& b) { return (x.col(b.j) - x.col(b.i)).norm(); };
+  const Fene* worst = &bonds.front();
+  for (const Fene& b : bonds)
+    if (!(length(b) / b.r0 <= length(*worst) / worst->r0)) worst = &b;
+  throw SimulationFailure(fmt::format("fene bond {}-{} broke: {} nm long, it can reach {} nm", worst->i,
+                                      worst->j, length(*worst), worst->r0));
+}
+
 // E = −½k r₀² ln(1 − (r/r₀)²) (Kremer and Grest 1990, doi:10.1063/1.458541)
 double add_fene(const std::vector<Fene>& bonds, const Vectors& x, Vectors& f) {
   double energy = 0;
   for (const auto& [i, j, k, r0] : bonds) {
     const Vec3 d = x.col(j) - x.col(i);
     const double slack = 1 - d.squaredNorm() / (r0 * r0);
-    if (!(slack > 0))
-      throw SimulationFailure(
-          fmt::format("fene bond {}-{} broke: {} nm long, it can reach {} nm", i, j, d.norm(), r0));
+    if (!(slack > 0)) throw_broken(bonds, x);
     energy -= 0.5 * k * r0 * r0 * std::log(slack);
     const Vec3 pull = d * (k / slack);
     f.col(i) += pull;

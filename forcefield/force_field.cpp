@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "forcefield/bonded.hpp"
+#include "forcefield/bonded_forces.hpp"
 #include "forcefield/check_terms.hpp"
 #include "forcefield/clusters/cluster_pairs.hpp"
 #include "forcefield/dispersion.hpp"
@@ -15,10 +16,10 @@ struct ForceField::Impl {
   Terms terms;
   std::optional<ClusterPairs> lj_coulomb, wca;
   std::vector<PairException> exceptions;  // those that interact
-  std::optional<double> dispersion;       // a constant [kJ/mol]
+  BondedForces bonded;
+  std::optional<double> dispersion;  // a constant [kJ/mol]
   bool evaluated = false;
-  double exception_energy = 0;                                // of the last evaluation [kJ/mol]
-  std::vector<std::pair<std::string, double>> bonded, outer;  // the same
+  std::vector<std::pair<std::string, double>> outer;  // of the last evaluation [kJ/mol]
 
   Impl(const System& sys, Terms given) : terms(std::move(given)) {
     check_terms(sys, terms);
@@ -26,6 +27,7 @@ struct ForceField::Impl {
       lj_coulomb.emplace(*terms.nonbonded, sys.box, terms.precision);
       exceptions = interacting(terms.nonbonded->exceptions);
     }
+    bonded = BondedForces(terms, exceptions);
     if (terms.nonbonded && terms.nonbonded->dispersion_correction)
       dispersion = dispersion_coefficient(*terms.nonbonded) / sys.box.volume();
     if (terms.wca) wca.emplace(*terms.wca, sys.atoms(), sys.box, terms.precision);
@@ -33,17 +35,10 @@ struct ForceField::Impl {
 
   void evaluate(const System& sys, const Vectors& x, Vectors& f) {
     f.setZero(3, x.cols());
-    bonded.clear();
     outer.clear();
-    if (!terms.bonds.empty()) bonded.emplace_back("bond", add_bonds(terms.bonds, x, f));
-    if (!terms.angles.empty()) bonded.emplace_back("angle", add_angles(terms.angles, x, f));
-    if (!terms.torsions.empty()) bonded.emplace_back("torsion", add_torsions(terms.torsions, x, f));
-    if (!terms.rb_torsions.empty())
-      bonded.emplace_back("rb_torsion", add_rb_torsions(terms.rb_torsions, x, f));
-    if (!terms.fene.empty()) bonded.emplace_back("fene", add_fene(terms.fene, x, f));
+    bonded.add_forces(x, f);
     if (terms.gravity) outer.emplace_back("gravity", add_gravity(*terms.gravity, sys.mass, x, f));
     if (!terms.pulls.empty()) outer.emplace_back("pull", add_pulls(terms.pulls, x, f));
-    exception_energy = add_exceptions(exceptions, x, f);
     if (lj_coulomb) lj_coulomb->add_forces(x, f);
     if (wca) wca->add_forces(x, f);
     evaluated = true;
@@ -51,8 +46,8 @@ struct ForceField::Impl {
 
   std::vector<std::pair<std::string, double>> energies() {
     if (!evaluated) return {};
-    auto all = bonded;
-    if (lj_coulomb) all.emplace_back("lj_coulomb", lj_coulomb->energy() + exception_energy);
+    auto all = bonded.energies();
+    if (lj_coulomb) all.emplace_back("lj_coulomb", lj_coulomb->energy() + bonded.exception_energy());
     if (dispersion) all.emplace_back("dispersion", *dispersion);
     if (wca) all.emplace_back("wca", wca->energy());
     all.insert(all.end(), outer.begin(), outer.end());

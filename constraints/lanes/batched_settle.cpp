@@ -24,10 +24,6 @@ struct SettleStep {
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
-HWY_INLINE V3 cross(const V3& a, const V3& b) {
-  return {hn::MulSub(a.y, b.z, hn::Mul(a.z, b.y)), hn::MulSub(a.z, b.x, hn::Mul(a.x, b.z)),
-          hn::MulSub(a.x, b.y, hn::Mul(a.y, b.x))};
-}
 HWY_INLINE V3 normalized(const V3& a) {
   return hn::Div(all(1), hn::Sqrt(dot(a, a))) * a;
 }
@@ -53,8 +49,7 @@ void settle_positions_of(const SettleBatch& batch, const SettleStep& step, const
   const V3 left = load3(x + b) - load3(x + a), right = load3(x + c) - load3(x + a), v_a = load3(v + a);
   const V3 b0 = neg_mul_add(h, load3(v + b) - v_a, left), c0 = neg_mul_add(h, load3(v + c) - v_a, right);
   const V3 centre = share * (left + right);
-  const V3 a1 = V3{hn::Neg(centre.x), hn::Neg(centre.y), hn::Neg(centre.z)}, b1 = left - centre,
-           c1 = right - centre;
+  const V3 a1 = -centre, b1 = left - centre, c1 = right - centre;
 
   const V3 Z = normalized(cross(b0, c0)), X = normalized(cross(a1, Z)), Y = cross(Z, X);
   const V xb0 = dot(X, b0), yb0 = dot(Y, b0), xc0 = dot(X, c0), yc0 = dot(Y, c0);

@@ -11,30 +11,16 @@
 #include <utility>
 
 #include "constraints/lanes/lanes.hpp"
+#include "md/vector_lanes-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-using D = hn::CappedTag<double, kLanes>;
-using V = hn::Vec<D>;
-inline constexpr int kWidth = static_cast<int>(hn::MaxLanes(D()));  // lanes worked on at once
-
-HWY_INLINE V load(const double* row) {
-  return hn::Load(D(), row);
-}
-HWY_INLINE void store(V value, double* row) {
-  hn::Store(value, D(), row);
-}
-HWY_INLINE V all(double value) {
-  return hn::Set(D(), value);
-}
+static_assert(kWidth <= kLanes);
 
 // Three rows in succession: a vector of each cluster.
-struct V3 {
-  V x, y, z;
-};
 HWY_INLINE V3 load3(const double* rows) {
   return {load(rows), load(rows + kLanes), load(rows + 2 * kLanes)};
 }
@@ -42,26 +28,6 @@ HWY_INLINE void store3(const V3& a, double* rows) {
   store(a.x, rows);
   store(a.y, rows + kLanes);
   store(a.z, rows + 2 * kLanes);
-}
-HWY_INLINE V3 operator+(const V3& a, const V3& b) {
-  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
-}
-HWY_INLINE V3 operator-(const V3& a, const V3& b) {
-  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
-}
-HWY_INLINE V3 operator*(V s, const V3& a) {
-  return {hn::Mul(s, a.x), hn::Mul(s, a.y), hn::Mul(s, a.z)};
-}
-// s·a + b
-HWY_INLINE V3 mul_add(V s, const V3& a, const V3& b) {
-  return {hn::MulAdd(s, a.x, b.x), hn::MulAdd(s, a.y, b.y), hn::MulAdd(s, a.z, b.z)};
-}
-// b − s·a
-HWY_INLINE V3 neg_mul_add(V s, const V3& a, const V3& b) {
-  return {hn::NegMulAdd(s, a.x, b.x), hn::NegMulAdd(s, a.y, b.y), hn::NegMulAdd(s, a.z, b.z)};
-}
-HWY_INLINE V dot(const V3& a, const V3& b) {
-  return hn::MulAdd(a.z, b.z, hn::MulAdd(a.y, b.y, hn::Mul(a.x, b.x)));
 }
 
 // Lanes of a group that are worked on at once, from the first of them.

@@ -1,0 +1,204 @@
+// Forces of bonded terms in lanes and by threads, held against the plain loops.
+#include "forcefield/bonded.hpp"
+
+#include <gtest/gtest.h>
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <type_traits>
+
+#include "forcefield/bonded_forces.hpp"
+#include "forcefield/exceptions.hpp"
+#include "md/errors.hpp"
+#include "md/random.hpp"
+#include "md/threads.hpp"
+
+namespace taut {
+namespace {
+
+using std::numbers::pi;
+
+// Chains of random walks with every kind of term, all numbers different.
+struct Chains {
+  Terms terms;
+  std::vector<PairException> exceptions;
+  Vectors x;
+
+  Chains(int chains, int length) : x(3, chains * length) {
+    Random random(7);
+    for (int a = 0; a < x.cols(); ++a)
+      x.col(a) = a % length == 0 ? Vec3(5 * random.normal_vector())
+                                 : Vec3(x.col(a - 1) + 0.15 * random.unit_vector());
+    const auto about = [&](double value) { return value * (0.5 + random.uniform()); };
+    for (int a = 0; a < x.cols(); ++a) {
+      const int left = length - 1 - a % length;
+      if (left >= 1) terms.bonds.push_back({a, a + 1, about(0.15), about(3000)});
+      if (left >= 1) terms.fene.push_back({a + 1, a, about(30), about(0.4)});
+      if (left >= 2) terms.angles.push_back({a, a + 1, a + 2, pi * random.uniform(), about(400)});
+      if (left < 3) continue;
+      for (int n = 1; n <= 1 + a % 6; ++n)
+        terms.torsions.push_back({a, a + 1, a + 2, a + 3, n, about(1), about(5)});
+      terms.rb_torsions.push_back(
+          {a, a + 1, a + 2, a + 3, {about(9), about(12), about(-13), about(-3), about(26), about(-31)}});
+      exceptions.push_back({a, a + 3, random.uniform() - 0.5, about(0.1), about(0.5)});
+    }
+  }
+};
+
+struct Sum {
+  double energy;
+  Vectors f;
+};
+
+void expect_equal(const Sum& lanes, const Sum& plain) {
+  EXPECT_NEAR(lanes.energy, plain.energy, 1e-12 * std::abs(plain.energy));
+  EXPECT_LT((lanes.f - plain.f).norm(), 1e-12 * plain.f.norm());
+}
+
+// Added to forces that are there already.
+template <class Term, class Add>
+Sum sum(const std::vector<Term>& terms, const Vectors& x, const Add& add) {
+  Sum s{0, Vectors::Constant(3, x.cols(), 1)};
+  s.energy = add(terms, x, s.f);
+  return s;
+}
+
+const auto kInLanes = [](const auto& terms, const Vectors& x, Vectors& f) {
+  return add_in_lanes(terms, x, f);
+};
+
+// All counts up to a few vectors and blocks, so that lanes are left over in every way.
+template <class Term, class Add>
+void expect_lanes_as_plain(std::vector<Term> terms, const Vectors& x, const Add& plain) {
+  while (!terms.empty()) {
+    if constexpr (std::is_same_v<Term, PeriodicTorsion>) {
+      std::vector<ExpandedTorsion> expanded;
+      for (const auto& t : terms) expanded.emplace_back(t);
+      expect_equal(sum(expanded, x, kInLanes), sum(terms, x, plain));
+    } else {
+      expect_equal(sum(terms, x, kInLanes), sum(terms, x, plain));
+    }
+    terms.pop_back();
+  }
+}
+
+TEST(BondedLanes, AddWhatThePlainLoopsAddOnEveryKindOfMachine) {
+  const Chains c(10, 9);
+  for (const auto target : hwy::SupportedAndGeneratedTargets()) {
+    SCOPED_TRACE(hwy::TargetName(target));
+    hwy::GetChosenTarget().Update(target);
+    expect_lanes_as_plain(c.terms.bonds, c.x, add_bonds);
+    expect_lanes_as_plain(c.terms.angles, c.x, add_angles);
+    expect_lanes_as_plain(c.terms.torsions, c.x, add_torsions);
+    expect_lanes_as_plain(c.terms.rb_torsions, c.x, add_rb_torsions);
+    expect_lanes_as_plain(c.terms.fene, c.x, add_fene);
+    expect_lanes_as_plain(c.exceptions, c.x, add_exceptions);
+  }
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+}
+
+TEST(BondedLanes, AnglesFromFoldedToStraight) {
+  std::vector<HarmonicAngle> angles;
+  std::vector<double> at = {0, 1e-7, 1e-3, pi / 4, pi / 2 - 1e-9, pi / 2, pi / 2 + 1e-9, 2, pi - 1e-3, pi};
+  Vectors x(3, 3 * at.size());
+  for (int n = 0; n < static_cast<int>(at.size()); ++n) {
+    x.col(3 * n) = Vec3(0.1, 0, 0);
+    x.col(3 * n + 1).setZero();
+    x.col(3 * n + 2) = 0.2 * Vec3(std::cos(at[n]), std::sin(at[n]), 0);
+    angles.push_back({3 * n, 3 * n + 1, 3 * n + 2, 1.1, 400});
+  }
+  expect_lanes_as_plain(angles, x, add_angles);
+}
+
+TEST(BondedLanes, TorsionsWithAnEndOnTheAxisHaveNoForces) {
+  Vectors x(3, 4);
+  x << 0, 0.1, 0.2, 0.25,  //
+      0, 0, 0, 0.1,        //
+      0, 0, 0, 0;
+  const std::vector<RyckaertBellemans> rb = {{0, 1, 2, 3, {1, 2, 3, 4, 5, 6}}};
+  const Sum s = sum(rb, x, kInLanes);
+  EXPECT_EQ(s.energy, 1 - 2 + 3 - 4 + 5 - 6);  // at φ = 0
+  EXPECT_EQ(s.f, Vectors::Constant(3, 4, 1));
+  const std::vector<ExpandedTorsion> periodic = {ExpandedTorsion({3, 2, 1, 0, 3, 0, 7})};
+  EXPECT_EQ(sum(periodic, x, kInLanes).energy, 14);
+}
+
+TEST(BondedLanes, LetANanShow) {
+  Chains c(1, 6);
+  c.x(1, 2) = std::nan("");
+  const auto expect_shown = [&](const auto& terms) {
+    const Sum s = sum(terms, c.x, kInLanes);
+    EXPECT_TRUE(std::isnan(s.energy));
+    EXPECT_TRUE(s.f.col(2).hasNaN());
+  };
+  expect_shown(c.terms.bonds);
+  expect_shown(c.terms.angles);
+  expect_shown(std::vector{ExpandedTorsion(c.terms.torsions[0])});
+  expect_shown(c.terms.rb_torsions);
+  expect_shown(c.terms.fene);
+  expect_shown(std::vector<PairException>{{1, 2, 0.1, 0.1, 0.1}});
+}
+
+Sum plain_sum(const Chains& c) {
+  Sum s{0, Vectors::Zero(3, c.x.cols())};
+  s.energy = add_bonds(c.terms.bonds, c.x, s.f) + add_angles(c.terms.angles, c.x, s.f) +
+             add_torsions(c.terms.torsions, c.x, s.f) + add_rb_torsions(c.terms.rb_torsions, c.x, s.f) +
+             add_fene(c.terms.fene, c.x, s.f) + add_exceptions(c.exceptions, c.x, s.f);
+  return s;
+}
+
+Sum sum_by_threads(BondedForces forces, const Vectors& x, int threads) {
+  use_threads(threads);
+  Sum s{0, Vectors::Zero(3, x.cols())};
+  forces.add_forces(x, s.f);
+  use_threads(1);
+  s.energy = forces.exception_energy();
+  for (const auto& [term, energy] : forces.energies()) s.energy += energy;
+  return s;
+}
+
+TEST(BondedForces, AreTheSameBitsOnAnyNumberOfThreads) {
+  const Chains c(200, 9);
+  const BondedForces forces(c.terms, c.exceptions);
+  EXPECT_GT(forces.pieces(), 8);
+  const Sum one = sum_by_threads(forces, c.x, 1);
+  expect_equal(one, plain_sum(c));
+  for (int threads : {2, 3, 7}) {
+    const Sum more = sum_by_threads(forces, c.x, threads);
+    EXPECT_EQ(more.energy, one.energy);
+    EXPECT_EQ(more.f, one.f);
+  }
+}
+
+TEST(BondedForces, TakeTermsInAnyOrderAndAcrossAllAtoms) {
+  Chains c(100, 9);
+  std::reverse(c.terms.angles.begin(), c.terms.angles.end());
+  std::reverse(c.terms.torsions.begin(), c.terms.torsions.end());
+  c.terms.bonds.push_back({899, 0, 0.15, 1});
+  const BondedForces forces(c.terms, c.exceptions);
+  EXPECT_EQ(forces.pieces(), 1);
+  expect_equal(sum_by_threads(forces, c.x, 2), plain_sum(c));
+}
+
+TEST(BondedForces, NameTheFeneBondThatBroke) {
+  Chains c(200, 9);
+  c.terms.fene[1000].r0 = 0.1499;
+  c.terms.fene[700].r0 = 0.1;
+  BondedForces forces(c.terms, {});
+  const auto [i, j, k, r0] = c.terms.fene[700];
+  try {
+    sum_by_threads(forces, c.x, 2);
+    FAIL();
+  } catch (const SimulationFailure& e) {
+    use_threads(1);
+    EXPECT_NE(std::string(e.what()).find("bond " + std::to_string(i) + "-" + std::to_string(j) + " broke"),
+              std::string::npos)
+        << e.what();
+  }
+}
+
+}  // namespace
+}  // namespace taut
