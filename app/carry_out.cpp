@@ -35,14 +35,14 @@ void print_header(const Simulation& simulation) {
              static_cast<double>(scene.run.steps) * scene.run.h(), scene.run.seed,
              thermostat_line(scene.run));
   if (simulation.step() > 0) fmt::print("resumed at step {}\n", simulation.step());
-  fmt::print("{:>9} {:>10} {:>13} {:>13} {:>8} {:>9} {:>6}{}\n", "step", "t [ps]", "E_pot [kJ]",
-             "E_total [kJ]", "T [K]", "bond err", "iter", sys.box.periodic() ? "   P [bar]" : "");
+  fmt::print("{:>8} {:>10} {:>12} {:>12} {:>8} {:>9} {:>5}{}\n", "step", "t [ps]", "E_pot [kJ]",
+             "E_total [kJ]", "T [K]", "bond err", "iter", sys.box.periodic() ? "  P [bar]" : "");
 }
 
 void print_row(const Record& r) {
-  fmt::print("{:>9} {:>10.4f} {:>13.6g} {:>13.8g} {:>8.2f} {:>9.1e} {:>6.3g}{}\n", r.step, r.t, r.potential,
+  fmt::print("{:>8} {:>10.4f} {:>12.6g} {:>12.8g} {:>8.2f} {:>9.1e} {:>5.3g}{}\n", r.step, r.t, r.potential,
              r.total(), r.temperature, r.bonds.max, r.iterations,
-             r.pressure ? fmt::format(" {:>9.1f}", *r.pressure) : "");
+             r.pressure ? fmt::format(" {:>8.1f}", *r.pressure) : "");
 }
 
 // A few rows are too few for an error.

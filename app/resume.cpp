@@ -54,7 +54,9 @@ void add_resume(CLI::App& app, std::vector<std::pair<CLI::App*, Action>>& action
   CLI::App* command =
       app.add_subcommand("resume", "go on with a run that was stopped or killed, or take more steps");
   command->add_option("folder", arguments->folder, "what the run was given as --out")->required();
-  command->add_option("--steps", arguments->steps, "so many more than were taken (the rest of the run's)")
+  command
+      ->add_option("--steps", arguments->steps,
+                   "so many more than were taken (if not said: what is left of the run's)")
       ->check(CLI::PositiveNumber);
   actions.emplace_back(command, [arguments] { resume(*arguments); });
 }
