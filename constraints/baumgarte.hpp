@@ -43,7 +43,7 @@ class Baumgarte : public EmptyGaps {
     int sweeps = 0;
 
     void describe(auto&& visit) {
-      visit("gains", gains, "reversible, dead-beat, rattle, critical, physical, box2d or numbers");
+      visit("gains", gains, "reversible, dead-beat, rattle, critical, physical, hoomd, box2d or numbers");
       visit("damping", damping,
             "acts on the bond's centred rate, the end velocity (implicit) or the half-step's (lagged)");
       visit("alpha_per_ps", alpha_per_ps, "damping α [1/ps], in place of the named one");

@@ -43,7 +43,7 @@ std::vector<std::string_view> method_names();
 std::string_view method_summary(std::string_view name);
 std::string_view method_name(const MethodOptions& options);
 
-// The default options of a method. Throws InputError for an unknown name, with the nearest one.
+// The default options of a method. Throws InputError for an unknown name, with the one that was meant.
 MethodOptions default_options(std::string_view name);
 
 // Throws InputError for options out of range.

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "md/errors.hpp"
 
@@ -44,7 +45,7 @@ System make_system(Eigen::VectorXd mass, std::vector<RigidBond> bonds, Box box) 
   sys.inv_mass = mass.unaryExpr([](double m) { return m == 0 ? 0.0 : 1 / m; });
   sys.mass = std::move(mass);
   sys.bonds = std::move(bonds);
-  sys.box = box;
+  sys.box = std::move(box);
   return sys;
 }
 

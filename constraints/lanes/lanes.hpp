@@ -64,7 +64,9 @@ struct LaneBatch {
   int bond_count() const { return static_cast<int>(bonds.size()); }
   bool piece() const { return left + right > 0; }
   int filled(int group) const { return std::min(kLanes, clusters - group * kLanes); }
-  const int* places(int group) const { return place.data() + group * kLanes * (contiguous ? 1 : atoms); }
+  const int* places(int group) const {
+    return place.data() + std::ptrdiff_t{group} * kLanes * (contiguous ? 1 : atoms);
+  }
   int bond(int group, int k, int lane) const {
     return bond_index[(group * bonds.size() + k) * kLanes + lane];
   }
