@@ -2,14 +2,17 @@
 //     part/scene/precision/threads
 // step: whole steps of the scene as it comes, nothing observed; forces: the force field at positions that
 // stay; lists: the same, everything moved so far that all lists are made anew; bonds: the method's share of
-// the step; kicks: both half kicks and the drift. openmm: whole steps of OpenMM's CPU platform on the same
-// system and threads (its leap-frog Verlet, constraints to 1e-6), where taut was built with it.
+// the step; kicks: both half kicks and the drift; bonded: angles and torsions alone, plain_bonded: by the
+// plain loops. openmm: whole steps of OpenMM's CPU platform on the same system and threads (its leap-frog
+// Verlet, constraints to 1e-6), where taut was built with it.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
 #include <cstdlib>
 
 #include "constraints/projection.hpp"
+#include "forcefield/bonded.hpp"
+#include "forcefield/bonded_forces.hpp"
 #include "forcefield/force_field.hpp"
 #include "md/threads.hpp"
 #include "md/timed.hpp"
@@ -144,6 +147,25 @@ void kicks_and_drift(benchmark::State& bench, const Setting& setting) {
   count(bench, bench.iterations(), run.scene.system.atoms());
 }
 
+void bonded_alone(benchmark::State& bench, const Setting& setting) {
+  use_threads(setting.threads);
+  const Scene scene = setting.scene();
+  BondedForces bonded(scene.terms, {});
+  Vectors f = Vectors::Zero(3, scene.system.atoms());
+  for (auto _ : bench) bonded.add_forces(scene.start.x, f);
+  count(bench, bench.iterations(), scene.system.atoms());
+}
+
+void plain_bonded(benchmark::State& bench, const Setting& setting) {
+  const Scene scene = setting.scene();
+  Vectors f = Vectors::Zero(3, scene.system.atoms());
+  for (auto _ : bench) {
+    add_angles(scene.terms.angles, scene.start.x, f);
+    add_rb_torsions(scene.terms.rb_torsions, scene.start.x, f);
+  }
+  count(bench, bench.iterations(), scene.system.atoms());
+}
+
 void openmm_step(benchmark::State& bench, const Setting& setting) {
   const Scene scene = setting.scene();
   OpenMMInput input{scene.system, scene.terms, scene.start, 0};
@@ -180,6 +202,8 @@ void add_all() {
       const Setting setting{what, Precision::kDouble, threads};
       add("bonds", bonds_alone, setting, "double");
       add("kicks", kicks_and_drift, setting, "double");
+      if (what.scene == "decane") add("bonded", bonded_alone, setting, "double");
+      if (what.scene == "decane" && threads == 1) add("plain_bonded", plain_bonded, setting, "double");
       if (built_with_openmm()) add("openmm", openmm_step, setting, "single");
     }
 }

@@ -7,7 +7,7 @@ build=${1:-build}
 shift || true
 raw=$(mktemp)
 trap 'rm -f "$raw"' EXIT
-"$build/step_bench" --benchmark_filter='^(step/|(forces|lists|bonds|kicks)/(water1728|chain|decane|melt)/)' --benchmark_repetitions=5 \
+"$build/step_bench" --benchmark_filter='^(step/|(forces|lists|bonds|bonded|plain_bonded|kicks)/(water1728|chain|decane|melt)/)' --benchmark_repetitions=5 \
   --benchmark_enable_random_interleaving=true --benchmark_min_time=0.05 --benchmark_format=json "$@" >"$raw" 2>/dev/null
 python3 - "$raw" >benchmarks/results/step.csv <<'PYTHON'
 import collections, json, statistics, sys
