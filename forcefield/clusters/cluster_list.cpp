@@ -53,7 +53,7 @@ void SearchSpace::find_bounds() {
 void ClusterSearch::prepare(const SearchSpace& space) {
   const int n = space.clusters.count();
   mask_.assign(n, kAll);
-  for (auto& found : found_) found.clusters.resize(n + kWidest);
+  found_.resize(n + kWidest);
   candidates_.resize(n + kWidest);
 }
 
@@ -81,38 +81,30 @@ void ClusterSearch::unmask(const SearchSpace& space, int cluster) {
 }
 
 // `itself`: the cluster meets itself too, each pair of its atoms once.
-void ClusterSearch::add_rows(const SearchSpace& space, int cluster, const Vec3& shift, bool itself,
-                             ClusterList& list) {
-  const int rows = kClusterAtoms / space.row_atoms, bits = 4 * space.row_atoms;
-  const auto row_mask = [&](std::uint16_t mask, int r) {
-    return (unsigned(mask) >> (bits * r)) & ((1u << bits) - 1);
-  };
-  for (int r = 0; r < rows; ++r) {
-    PairRow row{};
-    row.first = kClusterAtoms * cluster + r * space.row_atoms;
-    row.shift = shift;
-    for (int i = 0; i < space.row_atoms; ++i) row.kind |= space.kind[row.first + i];
-    row.begin = static_cast<int>(list.clusters.size());
-    row.masked_begin = static_cast<int>(list.masked.size());
-    const unsigned own =
-        itself ? row_mask(static_cast<std::uint16_t>(mask_[cluster] & met_once(space.clusters, cluster)), r)
-               : 0;
-    if (own != 0) list.masked.push_back({cluster, own});
-    list.clusters.resize(row.begin + found_[r].count);
-    int* next = list.clusters.data() + row.begin;
-    for (int k = 0; k < found_[r].count; ++k) {
-      const int j = found_[r].clusters[k];
-      *next = j;
-      if (mask_[j] == kAll) [[likely]]
-        ++next;
-      else if (const unsigned mask = row_mask(mask_[j], r); mask != 0)
-        list.masked.push_back({j, mask});
-    }
-    row.end = static_cast<int>(next - list.clusters.data());
-    list.clusters.resize(row.end);
-    row.masked_end = static_cast<int>(list.masked.size());
-    if (row.end > row.begin || row.masked_end > row.masked_begin) list.rows.push_back(row);
+void ClusterSearch::add_row(const SearchSpace& space, int cluster, const Vec3& shift, bool itself,
+                            ClusterList& list) {
+  PairRow row{};
+  row.first = kClusterAtoms * cluster;
+  row.shift = shift;
+  for (int i = 0; i < kClusterAtoms; ++i) row.kind |= space.kind[row.first + i];
+  row.begin = static_cast<int>(list.clusters.size());
+  row.masked_begin = static_cast<int>(list.masked.size());
+  const unsigned own = itself ? unsigned(mask_[cluster] & met_once(space.clusters, cluster)) : 0u;
+  if (own != 0) list.masked.push_back({cluster, own});
+  list.clusters.resize(row.begin + count_);
+  int* next = list.clusters.data() + row.begin;
+  for (int k = 0; k < count_; ++k) {
+    const int j = found_[k];
+    *next = j;
+    if (mask_[j] == kAll) [[likely]]
+      ++next;
+    else if (mask_[j] != 0)
+      list.masked.push_back({j, mask_[j]});
   }
+  row.end = static_cast<int>(next - list.clusters.data());
+  list.clusters.resize(row.end);
+  row.masked_end = static_cast<int>(list.masked.size());
+  if (row.end > row.begin || row.masked_end > row.masked_begin) list.rows.push_back(row);
 }
 
 void ClusterSearch::run(const SearchSpace& space, int begin_column, int end_column, ClusterList& list) {
@@ -163,33 +155,34 @@ void ClusterSearch::meet_neighbours(const SearchSpace& space, const Seeker& seek
       scan.high[d] = space.high[d].data();
       scan.own_low[d] = space.low[d][c] + shift[d];
       scan.own_high[d] = space.high[d][c] + shift[d];
-      for (int i = 0; i < 4; ++i) scan.own_x[4 * d + i] = space.x[12 * c + 4 * d + i] + shift[d];
     }
-    scan.x = space.x.data();
+    scan.x = &space.fixed;
+    scan.own = c;
+    scan.shift = shift;
     scan.range = space.range;
-    scan.row_atoms = space.row_atoms;
     scan.candidates = candidates_.data();
-    for (int r = 0; r < 2; ++r) scan.found[r] = found_[r].clusters.data();
+    scan.found = found_.data();
     scan_clusters(scan, ranges_.data(), static_cast<int>(ranges_.size()));
-    for (int r = 0; r < 2; ++r) found_[r].count = scan.count[r];
-    add_rows(space, c, shift, itself, list);
+    count_ = scan.count;
+    add_row(space, c, shift, itself, list);
   }
 }
 
-void ClusterSearch::run_all(const SearchSpace& space, int begin_cluster, int end_cluster, ClusterList& list) {
+void ClusterSearch::run_all(const SearchSpace& space, int begin_cluster, int end_cluster, int row_atoms,
+                            ClusterList& list) {
   list.clear();
   prepare(space);
   const int n = space.clusters.count();
   list.clusters.resize(n);
   for (int c = 0; c < n; ++c) list.clusters[c] = c;
-  const int bits = 4 * space.row_atoms;
+  const int bits = 4 * row_atoms;
   for (int c = begin_cluster; c < end_cluster; ++c) {
     mask_exclusions(space, c);
-    for (int first = 0; first < kClusterAtoms; first += space.row_atoms) {
+    for (int first = 0; first < kClusterAtoms; first += row_atoms) {
       PairRow row{};
       row.first = kClusterAtoms * c + first;
       row.shift.setZero();
-      for (int i = 0; i < space.row_atoms; ++i) row.kind |= space.kind[row.first + i];
+      for (int i = 0; i < row_atoms; ++i) row.kind |= space.kind[row.first + i];
       const auto add = [&](int begin, int end) {
         row.begin = begin;
         row.end = end;

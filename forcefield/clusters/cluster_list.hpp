@@ -52,10 +52,10 @@ struct SearchSpace {
   const Exclusions& exclusions;
   const std::vector<std::uint8_t>& kind;         // by slot
   const std::vector<double>& x;                  // 12 a cluster: x of its atoms, y, z [nm]
+  const FixedPositions& fixed;                   // the same
   std::array<std::vector<double>, 3> low, high;  // by cluster, and a vector's width more: its bounds [nm]
   Vec3 edge;                                     // of the box [nm]; zero: none
   double range;                                  // [nm]
-  int row_atoms;                                 // 2 or 4
 
   void find_bounds();
 };
@@ -64,16 +64,14 @@ struct SearchSpace {
 // pair in range. One of these a thread: it keeps its own room.
 class ClusterSearch {
  public:
-  // The rows of the clusters begin .. end of the columns' clusters: columns begin .. end.
+  // The rows of the clusters begin .. end of the columns' clusters: columns begin .. end. Rows of four.
   void run(const SearchSpace& space, int begin_column, int end_column, ClusterList& list);
-  // The rows of clusters begin .. end, where every pair counts. list.clusters becomes 0, 1, 2, ...
-  void run_all(const SearchSpace& space, int begin_cluster, int end_cluster, ClusterList& list);
+  // The rows of row_atoms of clusters begin .. end, where every pair counts. list.clusters becomes 0, 1, 2,
+  // ...
+  void run_all(const SearchSpace& space, int begin_cluster, int end_cluster, int row_atoms,
+               ClusterList& list);
 
  private:
-  struct Found {  // the partners of a row
-    std::vector<int> clusters;
-    int count = 0;
-  };
   struct Seeker {
     int cluster;
     int column_begin;  // first cluster of its column
@@ -83,10 +81,11 @@ class ClusterSearch {
   void meet_neighbours(const SearchSpace& space, const Seeker& seeker, ClusterList& list);
   void mask_exclusions(const SearchSpace& space, int cluster);
   void unmask(const SearchSpace& space, int cluster);
-  void add_rows(const SearchSpace& space, int cluster, const Vec3& shift, bool itself, ClusterList& list);
+  void add_row(const SearchSpace& space, int cluster, const Vec3& shift, bool itself, ClusterList& list);
 
   std::vector<std::uint16_t> mask_;  // by cluster: pairs with the cluster in hand that count
-  std::array<Found, 2> found_;       // by row of the cluster in hand
+  std::vector<int> found_;           // partners of the cluster in hand
+  int count_ = 0;                    // how many there are
   std::vector<AtomClusters::Neighbour> neighbours_;
   std::vector<int> start_;  // by neighbour: its first cluster that can still matter
   std::vector<ClusterRange> ranges_;

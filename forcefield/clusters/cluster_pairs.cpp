@@ -18,7 +18,7 @@ namespace taut {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kClustersPerThread = 200;  // fewer are not worth a thread
+constexpr int kClustersPerThread = 100;  // fewer are not worth a thread
 
 // Atoms and what happens between them, before there are clusters.
 struct PairProblem {
@@ -151,7 +151,7 @@ class EngineIn final : public ClusterPairs::Engine {
   }
 
  private:
-  using Coordinate = typename PairPrecision<T>::Coordinate;
+  static constexpr int kRowAtoms = PairPrecision<T>::kRowAtoms;
 
   double sum_over_lists(double (*sum)(const PairLaw&, const PairAtoms<T>&, const ClusterList&)) const {
     std::vector<double> parts(threads_);
@@ -176,7 +176,10 @@ class EngineIn final : public ClusterPairs::Engine {
     pruned_at_ = x;
     pruned_ = position_;
     if (p_.all_pairs()) return;
-    in_parallel(threads_, [&](int t) { prune_list(atoms_, outer_[t], p_.law.cutoff + p_.inner, inner_[t]); });
+    in_parallel(threads_, [&](int t) { fix(position_, Share(clusters_.count(), t, threads_)); });
+    in_parallel(threads_, [&](int t) {
+      prune_list(fixed_, kind_, outer_[t], p_.law.cutoff + p_.inner, kRowAtoms, inner_[t]);
+    });
     ++prunings;
   }
 
@@ -201,7 +204,7 @@ class EngineIn final : public ClusterPairs::Engine {
         const double q = p[d] + offset[d];
         position_[at + 4 * d] = q;
         if constexpr (sizeof(T) == 4)
-          atoms_.x[at + 4 * d] = fixed(q * inv_unit);
+          atoms_.x[at + 4 * d] = FixedPositions::fixed(q * inv_unit);
         else
           atoms_.x[at + 4 * d] = q;
       }
@@ -221,9 +224,10 @@ class EngineIn final : public ClusterPairs::Engine {
     return all;
   }
 
-  // The nearest whole number, for |u| < 2⁵¹, modulo 2³².
-  static std::int32_t fixed(double u) {
-    return static_cast<std::int32_t>(std::bit_cast<std::int64_t>(u + 6755399441055744.0));
+  void fix(const std::vector<double>& position, const Share& share) {
+    const double inv_unit = 1 / fixed_.unit;
+    for (int k = 12 * share.begin; k < 12 * share.end; ++k)
+      fixed_.x[k] = FixedPositions::fixed(position[k] * inv_unit);
   }
 
   void search(const Vectors& x) {
@@ -235,22 +239,15 @@ class EngineIn final : public ClusterPairs::Engine {
     const int clusters = clusters_.count();
     threads_ = std::clamp(clusters / kClustersPerThread, 1, available_threads());
     load(x);
-    SearchSpace space{clusters_,
-                      exclusions_,
-                      kind_,
-                      searched_,
-                      {},
-                      {},
-                      p_.box.edge,
-                      p_.law.cutoff + p_.outer,
-                      PairPrecision<T>::kRowAtoms};
+    SearchSpace space{
+        clusters_, exclusions_, kind_, searched_, fixed_, {}, {}, p_.box.edge, p_.law.cutoff + p_.outer};
     outer_.resize(threads_);
     inner_.resize(threads_);
     search_.resize(threads_);
     force_.resize(threads_);
     if (p_.all_pairs()) {
       in_parallel(threads_, [&](int t) {
-        search_[t].run_all(space, triangle_share(t), triangle_share(t + 1), outer_[t]);
+        search_[t].run_all(space, triangle_share(t), triangle_share(t + 1), kRowAtoms, outer_[t]);
       });
     } else {
       space.find_bounds();
@@ -286,11 +283,13 @@ class EngineIn final : public ClusterPairs::Engine {
       atoms_.two_sqrt_epsilon[slot] = static_cast<T>(p_.two_sqrt_epsilon[a]);
     }
     limit_ = p_.all_pairs() ? kInfinity : p_.inner / 2;
-    if constexpr (sizeof(T) == 4) {  // a unit so that no difference leaves 32 bits
-      if (p_.all_pairs()) limit_ = std::max(1.0, extent);
-      const double reach = 2 * extent + p_.box.edge.maxCoeff() + 2 * std::min(limit_, 1e300) + 1e-3;
-      atoms_.unit = std::exp2(std::ceil(std::log2(reach)) - 31);
-    }
+    // a unit so that no difference leaves 32 bits
+    if (p_.all_pairs()) limit_ = std::max(1.0, extent);
+    const double reach = 2 * extent + p_.box.edge.maxCoeff() + 2 * limit_ + p_.outer + 1e-3;
+    fixed_.unit = std::exp2(std::ceil(std::log2(reach)) - 31);
+    fixed_.x.resize(3 * slots);
+    fix(searched_, Share(clusters_.count(), 0, 1));
+    if constexpr (sizeof(T) == 4) atoms_.unit = fixed_.unit;
   }
 
   // Columns of about as many clusters for each thread.
@@ -329,6 +328,7 @@ class EngineIn final : public ClusterPairs::Engine {
   Exclusions exclusions_;
   AtomClusters clusters_;
   PairAtoms<T> atoms_;
+  FixedPositions fixed_;  // where the lists were made
   std::vector<double> position_, pruned_,
       searched_;                     // now and when the lists were made, as PairAtoms has them [nm]
   Vectors searched_at_, pruned_at_;  // the same, as they were given [nm]

@@ -6,6 +6,8 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "forcefield/clusters/cluster_scan.cpp"
 #include "forcefield/clusters/simd_targets.hpp"
+// after the targets: once a target
+#include "forcefield/clusters/in_range-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
@@ -22,48 +24,12 @@ V gap(V low, V high, const double* lows, const double* highs) {
   return hn::Max(hn::Max(below, above), hn::Zero(d));
 }
 
-// Atoms of one vector against the four of a cluster: whether any pair is within range. Vectors hold
-// 8/4 = 2 atoms by four, or one by four, or one by two.
-constexpr int kColumns = kLanes < 4 ? kLanes : 4, kRows = kLanes / kColumns;
-
-HWY_INLINE V load_four(const double* p) {
-  const D d;
-#if HWY_TARGET <= HWY_AVX3
-  return V{_mm512_broadcast_f64x4(_mm256_loadu_pd(p))};
-#else
-  return hn::LoadU(d, p);
-#endif
-}
-
-struct Own {  // the searching cluster's atoms, spread over vectors
-  V x[4 / kRows], y[4 / kRows], z[4 / kRows];
-};
-
-HWY_INLINE Own spread(const double* own) {
-  const D d;
-  HWY_ALIGN double lane[kLanes];
-  Own out;
-  const auto spread_one = [&](const double* p, int v) HWY_ATTR {
-    for (int l = 0; l < kLanes; ++l) lane[l] = p[v * kRows + l / kColumns];
-    return hn::Load(d, lane);
-  };
-  for (int v = 0; v < 4 / kRows; ++v) {
-    out.x[v] = spread_one(own, v);
-    out.y[v] = spread_one(own + 4, v);
-    out.z[v] = spread_one(own + 8, v);
-  }
-  return out;
-}
-
-HWY_INLINE bool near(const Own& own, int v, const double* x, V range2) {
-  const D d;
-  bool any = false;
-  for (int c = 0; c < 4; c += kColumns) {
-    const V dx = hn::Sub(own.x[v], load_four(x + c)), dy = hn::Sub(own.y[v], load_four(x + 4 + c)),
-            dz = hn::Sub(own.z[v], load_four(x + 8 + c));
-    any |= !hn::AllFalse(d, hn::Le(hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz))), range2));
-  }
-  return any;
+// Appends first + l for each bit l.
+HWY_INLINE int* append(int* out, int first, unsigned bits) {
+  const hn::Rebind<std::int32_t, D> d;
+  const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(bits)};
+  hn::StoreU(hn::Compress(hn::Iota(d, first), hn::LoadMaskBits(d, bytes)), d, out);
+  return out + hwy::PopCount(bits);
 }
 
 void scan_clusters_simd(ClusterScan& s, const ClusterRange* ranges, int ranges_count) {
@@ -75,7 +41,6 @@ void scan_clusters_simd(ClusterScan& s, const ClusterRange* ranges, int ranges_c
     low[k] = hn::Set(d, s.own_low[k]);
     high[k] = hn::Set(d, s.own_high[k]);
   }
-  const Own own = spread(s.own_x);
   // first by bounds; without branches, which would often be guessed wrong
   int* candidate = s.candidates;
   for (const ClusterRange* range = ranges; range != ranges + ranges_count; ++range)
@@ -88,24 +53,17 @@ void scan_clusters_simd(ClusterScan& s, const ClusterRange* ranges, int ranges_c
       hn::StoreMaskBits(d, hn::Le(gap2, range2), bytes);
       unsigned bits = bytes[0];
       if (range->end - c < kLanes) bits &= (1u << (range->end - c)) - 1;
-      for (int l = 0; l < kLanes; ++l) {
-        *candidate = c + l;
-        candidate += (bits >> l) & 1;
-      }
+      candidate = append(candidate, c, bits);
     }
   // then by atoms
-  constexpr int kVectors = 4 / kRows;  // of a cluster
-  int *found0 = s.found[0], *found1 = s.found[1];
-  const bool together = s.row_atoms == 4;
+  InRange in_range(*s.x, s.range);
+  in_range.take(s.own, s.shift);
+  int* found = s.found;
   for (const int* j = s.candidates; j != candidate; ++j) {
-    bool half[2] = {false, false};
-    for (int v = 0; v < kVectors; ++v) half[2 * v / kVectors] |= near(own, v, s.x + 12 * *j, range2);
-    *found0 = *found1 = *j;
-    found0 += half[0] | (together & half[1]);
-    found1 += half[1];
+    *found = *j;
+    found += in_range.with(*j) != 0;
   }
-  s.count[0] = static_cast<int>(found0 - s.found[0]);
-  s.count[1] = static_cast<int>(found1 - s.found[1]);
+  s.count = static_cast<int>(found - s.found);
 }
 
 }  // namespace taut::HWY_NAMESPACE

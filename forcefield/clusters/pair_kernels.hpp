@@ -2,10 +2,10 @@
 
 #include <cstdint>
 #include <limits>
-#include <new>
-#include <vector>
 
+#include "forcefield/clusters/aligned.hpp"
 #include "forcefield/clusters/cluster_list.hpp"
+#include "forcefield/clusters/fixed_positions.hpp"
 
 namespace taut {
 
@@ -22,21 +22,6 @@ struct PairLaw {
 
   bool switched() const { return lj && switch_distance < cutoff; }
 };
-
-// Storage that vectors are loaded from.
-template <class T>
-struct CacheLineAllocator {
-  using value_type = T;
-  static constexpr std::align_val_t kLine{64};
-  CacheLineAllocator() = default;
-  template <class U>
-  CacheLineAllocator(const CacheLineAllocator<U>&) {}
-  T* allocate(std::size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), kLine)); }
-  void deallocate(T* p, std::size_t) { ::operator delete(p, kLine); }
-  bool operator==(const CacheLineAllocator&) const { return true; }
-};
-template <class T>
-using Aligned = std::vector<T, CacheLineAllocator<T>>;
 
 // The precision pairs are computed in. Double: all of it. Float: positions are 32-bit whole multiples of a
 // unit of length, so that differences are exact however large the box is; from there on single precision, a
@@ -80,8 +65,8 @@ double pair_energy(const PairLaw& law, const PairAtoms<T>& atoms, const ClusterL
 template <class T>
 double pair_virial(const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList& list);
 
-// What of a list is within `range` [nm] now: the same rows, with fewer clusters.
-template <class T>
-void prune_list(const PairAtoms<T>& atoms, const ClusterList& list, double range, ClusterList& pruned);
+// What of a list of clusters' rows is within `range` [nm] now, in rows of row_atoms. `kind` is by slot.
+void prune_list(const FixedPositions& x, const std::vector<std::uint8_t>& kind, const ClusterList& list,
+                double range, int row_atoms, ClusterList& pruned);
 
 }  // namespace taut

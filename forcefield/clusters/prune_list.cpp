@@ -4,61 +4,54 @@
 #define HWY_TARGET_INCLUDE "forcefield/clusters/prune_list.cpp"
 #include "forcefield/clusters/simd_targets.hpp"
 // after the targets: once a target
-#include "forcefield/clusters/pair_lanes-inl.hpp"
+#include "forcefield/clusters/in_range-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
-// The clusters of a list with a pair of atoms within range: the same rows, shorter.
-template <class T>
-void prune_rows(const PairAtoms<T>& atoms, const ClusterList& list, double range, ClusterList& pruned) {
-  using S = Shape<T>;
-  const typename S::D d;
-  const typename S::DX dx;
-  constexpr double kMargin = sizeof(T) == 4 ? 1e-5 : 1e-12;  // for rounding
-  const double reach = range * (1 + kMargin) / atoms.unit;
-  const auto reach2 = hn::Set(d, static_cast<T>(reach * reach));
+// Cuts a row of four into rows of `atoms`, each with the clusters that hold a pair in range with it.
+void prune_rows(const FixedPositions& x, const std::vector<std::uint8_t>& kind, const ClusterList& list,
+                double range, int atoms, ClusterList& pruned) {
+  const int rows = kClusterAtoms / atoms, all = 1 << (4 * atoms);
   pruned.rows.clear();
-  pruned.clusters.resize(list.clusters.size());
-  pruned.masked = list.masked;
+  pruned.masked.clear();
+  pruned.clusters.resize(rows * list.clusters.size());  // room
+  InRange in_range(x, range);
   int* next = pruned.clusters.data();
-  const auto number = [&](typename S::VX v) HWY_ATTR {
-    if constexpr (sizeof(T) == 4)
-      return hn::ConvertTo(d, v);
-    else
-      return v;
-  };
-  for (PairRow row : list.rows) {
-    typename S::VX own[3][S::kVectors];
-    load_row<T>(atoms.x.data(), atoms.unit, row, own);
-    const int begin = static_cast<int>(next - pruned.clusters.data());
-    for (int k = row.begin; k < row.end; ++k) {
-      bool near = false;
-      for (int part = 0; part < S::kParts; ++part) {
-        const auto* x = atoms.x.data() + 12 * list.clusters[k] + part * S::kColumns;
-        const auto xj = load_columns(dx, x), yj = load_columns(dx, x + 4), zj = load_columns(dx, x + 8);
-        for (int v = 0; v < S::kVectors; ++v) {
-          const auto ux = number(hn::Sub(own[0][v], xj)), uy = number(hn::Sub(own[1][v], yj)),
-                     uz = number(hn::Sub(own[2][v], zj));
-          const auto r2 = hn::MulAdd(ux, ux, hn::MulAdd(uy, uy, hn::Mul(uz, uz)));
-          near |= !hn::AllFalse(d, hn::Le(r2, reach2));
-        }
-      }
-      *next = list.clusters[k];
-      next += near;
+  for (const PairRow& whole : list.rows) {
+    in_range.take(whole.first / kClusterAtoms, whole.shift);
+    // The rows' clusters, in places far enough from each other.
+    const int room = whole.end - whole.begin;
+    int* first = next;
+    int* second = next + room;
+    const unsigned half = static_cast<unsigned>(all - 1);
+    for (int k = whole.begin; k < whole.end; ++k) {
+      const unsigned bits = in_range.with(list.clusters[k]);
+      *first = list.clusters[k];
+      first += (bits & half) != 0;
+      if (rows == 1) continue;
+      *second = list.clusters[k];
+      second += (bits & ~half) != 0;
     }
-    row.begin = begin;
-    row.end = static_cast<int>(next - pruned.clusters.data());
-    if (row.end > row.begin || row.masked_end > row.masked_begin) pruned.rows.push_back(row);
+    int* ends[] = {first, second};
+    for (int r = 0; r < rows; ++r) {
+      PairRow row{};
+      row.first = whole.first + r * atoms;
+      row.shift = whole.shift;
+      for (int i = 0; i < atoms; ++i) row.kind |= kind[row.first + i];
+      int* begin = r == 0 ? next : next + (r * room);
+      row.begin = static_cast<int>(begin - pruned.clusters.data());
+      row.end = static_cast<int>(ends[r] - pruned.clusters.data());
+      row.masked_begin = static_cast<int>(pruned.masked.size());
+      for (int k = whole.masked_begin; k < whole.masked_end; ++k) {
+        const unsigned mask = list.masked[k].mask >> (4 * atoms * r) & half;
+        if (mask != 0) pruned.masked.push_back({list.masked[k].cluster, mask});
+      }
+      row.masked_end = static_cast<int>(pruned.masked.size());
+      if (row.end > row.begin || row.masked_end > row.masked_begin) pruned.rows.push_back(row);
+    }
+    next = rows == 1 ? first : second;
   }
-}
-
-void prune_double(const PairAtoms<double>& atoms, const ClusterList& list, double range,
-                  ClusterList& pruned) {
-  prune_rows(atoms, list, range, pruned);
-}
-void prune_float(const PairAtoms<float>& atoms, const ClusterList& list, double range, ClusterList& pruned) {
-  prune_rows(atoms, list, range, pruned);
 }
 
 }  // namespace taut::HWY_NAMESPACE
@@ -67,16 +60,10 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace taut {
 
-HWY_EXPORT(prune_double);
-HWY_EXPORT(prune_float);
-
-template <>
-void prune_list(const PairAtoms<double>& atoms, const ClusterList& list, double range, ClusterList& pruned) {
-  HWY_DYNAMIC_DISPATCH(prune_double)(atoms, list, range, pruned);
-}
-template <>
-void prune_list(const PairAtoms<float>& atoms, const ClusterList& list, double range, ClusterList& pruned) {
-  HWY_DYNAMIC_DISPATCH(prune_float)(atoms, list, range, pruned);
+HWY_EXPORT(prune_rows);
+void prune_list(const FixedPositions& x, const std::vector<std::uint8_t>& kind, const ClusterList& list,
+                double range, int row_atoms, ClusterList& pruned) {
+  HWY_DYNAMIC_DISPATCH(prune_rows)(x, kind, list, range, row_atoms, pruned);
 }
 
 }  // namespace taut
