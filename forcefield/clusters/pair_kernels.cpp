@@ -50,6 +50,24 @@ HWY_INLINE void inverse_sqrt(D d, const V (&x)[K], V (&y)[K]) {
   }
 }
 
+// y = 1/x: from z of 14 bits, y = z(1 + e + e² + e³), e = 1 − xz.
+template <int K, class D, class V = hn::Vec<D>>
+HWY_INLINE void inverse(D d, const V (&x)[K], V (&y)[K]) {
+  using T = hn::TFromD<D>;
+  const V one = hn::Set(d, T(1));
+#if HWY_TARGET <= HWY_AVX3
+  if constexpr (sizeof(T) == 8 && hn::MaxLanes(D()) == 8) {
+    V e[K];
+    for (int k = 0; k < K; ++k) y[k] = V{_mm512_rcp14_pd(x[k].raw)};
+    for (int k = 0; k < K; ++k) e[k] = hn::NegMulAdd(x[k], y[k], one);
+    for (int k = 0; k < K; ++k)
+      y[k] = hn::MulAdd(hn::Mul(y[k], e[k]), hn::MulAdd(e[k], hn::Add(e[k], one), one), y[k]);
+    return;
+  }
+#endif
+  for (int k = 0; k < K; ++k) y[k] = hn::Div(one, x[k]);
+}
+
 template <bool lj, bool charge, bool one_sigma_, bool switched_, Ask ask>
 struct Choice {
   static constexpr bool kLj = lj, kCharge = charge, kOneSigma = one_sigma_, kSwitched = switched_;
@@ -197,10 +215,16 @@ class RowSum {
   HWY_INLINE void pair(int v, const int (&j)[K], const V (&r2)[K], V (&term)[K]) const {
     const D d;
     V inv_r[K], inv_r2[K];
-    inverse_sqrt<K>(d, r2, inv_r);
-    for (int k = 0; k < K; ++k) inv_r2[k] = hn::Mul(inv_r[k], inv_r[k]);
+    constexpr bool kNeedsR = C::kCharge || C::kSwitched;
+    if constexpr (kNeedsR) {
+      inverse_sqrt<K>(d, r2, inv_r);
+      for (int k = 0; k < K; ++k) inv_r2[k] = hn::Mul(inv_r[k], inv_r[k]);
+    } else {
+      inverse<K>(d, r2, inv_r2);
+    }
     if constexpr (C::kLj)
-      for (int k = 0; k < K; ++k) term[k] = lennard_jones(v, j[k], r2[k], inv_r[k], inv_r2[k]);
+      for (int k = 0; k < K; ++k)
+        term[k] = lennard_jones(v, j[k], r2[k], kNeedsR ? inv_r[k] : inv_r2[k], inv_r2[k]);
     if constexpr (C::kCharge)
       for (int k = 0; k < K; ++k) {
         const V qq = hn::Mul(q_[v], load_columns(d, charge_ + j[k]));
