@@ -104,8 +104,10 @@ class RowSum {
         unit2_(set(atoms.unit * atoms.unit)),
         sum_(set(0)) {
     if constexpr (C::kSwitched) {
-      rs_ = set(law.switch_distance);
-      inv_width_ = set(1 / (law.cutoff - law.switch_distance));
+      const double width = law.cutoff - law.switch_distance;
+      inv_width_ = set(1 / width);
+      start_ = set(law.switch_distance / width);
+      slope_width_ = set(30 / width);
     }
   }
 
@@ -250,14 +252,13 @@ class RowSum {
       slope = hn::Mul(hn::Mul(depth, hn::MulSub(set(12), s6, set(6))), inv_r2);
     if constexpr (C::kEnergy || C::kSwitched) energy = hn::MulSub(depth, s6, depth);
     if constexpr (C::kSwitched) {
-      // S = 1 − 6u⁵ + 15u⁴ − 10u³; the force gains −E S'/r
-      const V u = hn::Max(hn::Mul(hn::Sub(hn::Mul(r2, inv_r), rs_), inv_width_), hn::Zero(d));
-      const V u2 = hn::Mul(u, u);
+      // S = 1 − u³(10 − 15u + 6u²), S' = −30 (u − u²)²; the force gains −E S'/r
+      const V u = hn::Max(hn::MulSub(hn::Mul(r2, inv_r), inv_width_, start_), hn::Zero(d));
+      const V u2 = hn::Mul(u, u), u_less_u2 = hn::Sub(u, u2);
       const V fade =
           hn::MulAdd(hn::Mul(u2, u), hn::MulAdd(u, hn::NegMulAdd(set(6), u, set(15)), set(-10)), set(1));
-      const V fade_slope =
-          hn::Mul(hn::Mul(u2, inv_width_), hn::MulAdd(u, hn::NegMulAdd(set(30), u, set(60)), set(-30)));
-      slope = hn::NegMulAdd(hn::Mul(energy, fade_slope), inv_r, hn::Mul(slope, fade));
+      const V fade_slope = hn::Mul(hn::Mul(u_less_u2, u_less_u2), slope_width_);
+      slope = hn::MulAdd(hn::Mul(energy, fade_slope), inv_r, hn::Mul(slope, fade));
       energy = hn::Mul(energy, fade);
     }
     return C::kEnergy ? hn::MulAdd(lift_, four_eps, energy) : slope;
@@ -289,7 +290,7 @@ class RowSum {
   const T* HWY_RESTRICT two_sqrt_epsilon_;
   double unit_;
   T* HWY_RESTRICT f_;
-  V cutoff2_, k_rf_, two_k_rf_, c_rf_, sigma2_, lift_, unit2_, rs_{}, inv_width_{};
+  V cutoff2_, k_rf_, two_k_rf_, c_rf_, sigma2_, lift_, unit2_, start_{}, inv_width_{}, slope_width_{};
   V sum_;
   double total_ = 0;
   std::uint32_t mask_ = 0;
