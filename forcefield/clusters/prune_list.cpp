@@ -9,10 +9,23 @@
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
+// What of a row's masks concerns the atoms from `first` on, 4 bits an atom.
+void add_masks(const ClusterList& list, const PairRow& whole, int first, int atoms, PairRow& row,
+               ClusterList& pruned) {
+  row.masked_begin = static_cast<int>(pruned.masked.size());
+  for (int k = whole.masked_begin; k < whole.masked_end; ++k) {
+    const auto& [cluster, mask] = list.masked[k];
+    const std::uint32_t part = (mask >> (4 * first)) & ((1u << (4 * atoms)) - 1);
+    if (part != 0) pruned.masked.push_back({cluster, part});
+  }
+  row.masked_end = static_cast<int>(pruned.masked.size());
+}
+
 // Cuts a row of four into rows of `atoms`, each with the clusters that hold a pair in range with it.
 void prune_rows(const FixedPositions& x, const std::vector<std::uint8_t>& kind, const ClusterList& list,
                 double range, int atoms, ClusterList& pruned) {
-  const int rows = kClusterAtoms / atoms, all = 1 << (4 * atoms);
+  const int rows = kClusterAtoms / atoms;
+  const unsigned first_row = (1u << (4 * atoms)) - 1;
   pruned.rows.clear();
   pruned.masked.clear();
   pruned.clusters.resize(rows * list.clusters.size());  // room
@@ -20,37 +33,27 @@ void prune_rows(const FixedPositions& x, const std::vector<std::uint8_t>& kind, 
   int* next = pruned.clusters.data();
   for (const PairRow& whole : list.rows) {
     in_range.take(whole.first / kClusterAtoms, whole.shift);
-    // The rows' clusters, in places far enough from each other.
-    const int room = whole.end - whole.begin;
-    int* first = next;
-    int* second = next + room;
-    const unsigned half = static_cast<unsigned>(all - 1);
+    int* const begin[] = {next, next + (whole.end - whole.begin)};
+    int* end[] = {begin[0], begin[1]};
     for (int k = whole.begin; k < whole.end; ++k) {
       const unsigned bits = in_range.with(list.clusters[k]);
-      *first = list.clusters[k];
-      first += (bits & half) != 0;
+      *end[0] = list.clusters[k];
+      end[0] += (bits & first_row) != 0;
       if (rows == 1) continue;
-      *second = list.clusters[k];
-      second += (bits & ~half) != 0;
+      *end[1] = list.clusters[k];
+      end[1] += (bits & ~first_row) != 0;
     }
-    int* ends[] = {first, second};
     for (int r = 0; r < rows; ++r) {
       PairRow row{};
       row.first = whole.first + r * atoms;
       row.shift = whole.shift;
       for (int i = 0; i < atoms; ++i) row.kind |= kind[row.first + i];
-      int* begin = r == 0 ? next : next + (r * room);
-      row.begin = static_cast<int>(begin - pruned.clusters.data());
-      row.end = static_cast<int>(ends[r] - pruned.clusters.data());
-      row.masked_begin = static_cast<int>(pruned.masked.size());
-      for (int k = whole.masked_begin; k < whole.masked_end; ++k) {
-        const unsigned mask = list.masked[k].mask >> (4 * atoms * r) & half;
-        if (mask != 0) pruned.masked.push_back({list.masked[k].cluster, mask});
-      }
-      row.masked_end = static_cast<int>(pruned.masked.size());
+      row.begin = static_cast<int>(begin[r] - pruned.clusters.data());
+      row.end = static_cast<int>(end[r] - pruned.clusters.data());
+      add_masks(list, whole, r * atoms, atoms, row, pruned);
       if (row.end > row.begin || row.masked_end > row.masked_begin) pruned.rows.push_back(row);
     }
-    next = rows == 1 ? first : second;
+    next = end[rows - 1];
   }
 }
 
