@@ -100,6 +100,8 @@ class RowSum {
         two_k_rf_(set(2 * law.k_rf)),
         c_rf_(set(law.c_rf)),
         sigma2_(set(law.sigma * law.sigma)),
+        six_sigma6_(set(6 * std::pow(law.sigma, 6))),
+        twelve_sigma12_(set(12 * std::pow(law.sigma, 12))),
         lift_(set(law.lift / 4)),
         unit2_(set(atoms.unit * atoms.unit)),
         sum_(set(0)) {
@@ -239,6 +241,11 @@ class RowSum {
   HWY_INLINE V lennard_jones(int v, int j, [[maybe_unused]] V r2, [[maybe_unused]] V inv_r, V inv_r2) const {
     const D d;
     const V four_eps = hn::Mul(eps_[v], load_columns(d, two_sqrt_epsilon_ + j));
+    if constexpr (C::kOneSigma && !C::kEnergy && !C::kSwitched) {  // the shortest way
+      const V inv_r4 = hn::Mul(inv_r2, inv_r2), inv_r6 = hn::Mul(inv_r4, inv_r2);
+      return hn::Mul(hn::Mul(four_eps, hn::Mul(inv_r4, inv_r4)),
+                     hn::MulSub(twelve_sigma12_, inv_r6, six_sigma6_));
+    }
     V s2;
     if constexpr (C::kOneSigma) {
       s2 = hn::Mul(sigma2_, inv_r2);
@@ -290,7 +297,7 @@ class RowSum {
   const T* HWY_RESTRICT two_sqrt_epsilon_;
   double unit_;
   T* HWY_RESTRICT f_;
-  V cutoff2_, k_rf_, two_k_rf_, c_rf_, sigma2_, lift_, unit2_, start_{}, inv_width_{}, slope_width_{};
+  V cutoff2_, k_rf_, two_k_rf_, c_rf_, sigma2_, six_sigma6_, twelve_sigma12_, lift_, unit2_, start_{}, inv_width_{}, slope_width_{};
   V sum_;
   double total_ = 0;
   std::uint32_t mask_ = 0;
