@@ -282,9 +282,8 @@ class EngineIn final : public ClusterPairs::Engine {
       atoms_.half_sigma[slot] = static_cast<T>(p_.half_sigma[a]);
       atoms_.two_sqrt_epsilon[slot] = static_cast<T>(p_.two_sqrt_epsilon[a]);
     }
-    limit_ = p_.all_pairs() ? kInfinity : p_.inner / 2;
+    limit_ = p_.all_pairs() ? std::max(1.0, extent) : p_.inner / 2;
     // a unit so that no difference leaves 32 bits
-    if (p_.all_pairs()) limit_ = std::max(1.0, extent);
     const double reach = 2 * extent + p_.box.edge.maxCoeff() + 2 * limit_ + p_.outer + 1e-3;
     fixed_.unit = std::exp2(std::ceil(std::log2(reach)) - 31);
     fixed_.x.resize(3 * slots);
