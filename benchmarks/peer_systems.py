@@ -52,4 +52,6 @@ def chains(taut):
 
 
 def make(taut, names):
-    return [chains(taut) if name == "chain" else water(taut, int(name.removeprefix("water"))) for name in names]
+    """What GROMACS and LAMMPS are given; the dipeptide goes to OpenMM alone."""
+    return [chains(taut) if name == "chain" else water(taut, int(name.removeprefix("water")))
+            for name in names if name != "dipeptide"]

@@ -2,9 +2,13 @@
 //     part/scene/precision/threads
 // step: whole steps of the scene as it comes, nothing observed; forces: the force field at positions that
 // stay; lists: the same, everything moved so far that all lists are made anew; bonds: the method's share of
-// the step; kicks: both half kicks and the drift; bonded: angles and torsions alone, plain_bonded: by the
-// plain loops. openmm: whole steps of OpenMM's CPU platform on the same system and threads (its leap-frog
-// Verlet, constraints to 1e-6), where taut was built with it.
+// the step; kicks: both half kicks and the drift; bonded: springs, angles and torsions alone, plain_bonded:
+// by the plain loops. openmm: whole steps of OpenMM's CPU platform on the same system and threads (its
+// leap-frog Verlet, constraints to 1e-6), where taut was built with it.
+//
+// dipeptide is alanine dipeptide in 749 waters as OpenMM's files tests/data/ala2-hbonds-rf have it, bonds
+// with hydrogen rigid and the others springs, by newton at 2 fs; it is measured where taut was built with
+// OpenMM.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
@@ -28,6 +32,15 @@ struct Case {
   std::string name;
   std::string scene;                   // its file
   std::vector<std::string> overrides;  // of its keys
+  bool openmm = false;                 // a System and a State of OpenMM's in tests/data, not a scene's file
+
+  Scene read() const {
+    if (!openmm) return read_scene(find_scene(scene), overrides);
+    const std::string files = TAUT_TEST_DATA "/" + scene;
+    Scene imported = import_openmm(files + ".system.xml", files + ".state.xml");
+    apply_overrides(imported, overrides);
+    return imported;
+  }
 };
 
 struct Setting {
@@ -36,7 +49,7 @@ struct Setting {
   int threads;
 
   Scene scene() const {
-    Scene scene = read_scene(find_scene(what.scene), what.overrides);
+    Scene scene = what.read();
     scene.terms.precision = precision;
     return scene;
   }
@@ -52,6 +65,8 @@ std::vector<Case> cases() {
   all.push_back({"melt", "melt", {"method.name=newton"}});
   all.push_back({"chain", "chain", {"method.name=newton"}});
   all.push_back({"droplet", "water_cluster", {"method.name=settle"}});
+  if (built_with_openmm())
+    all.push_back({"dipeptide", "ala2-hbonds-rf", {"method.name=newton", "run.dt_fs=2"}, true});
   return all;
 }
 
@@ -160,7 +175,9 @@ void plain_bonded(benchmark::State& bench, const Setting& setting) {
   const Scene scene = setting.scene();
   Vectors f = Vectors::Zero(3, scene.system.atoms());
   for (auto _ : bench) {
+    add_bonds(scene.terms.bonds, scene.start.x, f);
     add_angles(scene.terms.angles, scene.start.x, f);
+    add_torsions(scene.terms.torsions, scene.start.x, f);
     add_rb_torsions(scene.terms.rb_torsions, scene.start.x, f);
   }
   count(bench, bench.iterations(), scene.system.atoms());
@@ -202,8 +219,9 @@ void add_all() {
       const Setting setting{what, Precision::kDouble, threads};
       add("bonds", bonds_alone, setting, "double");
       add("kicks", kicks_and_drift, setting, "double");
-      if (what.scene == "decane") add("bonded", bonded_alone, setting, "double");
-      if (what.scene == "decane" && threads == 1) add("plain_bonded", plain_bonded, setting, "double");
+      const bool bonded = what.name == "decane" || what.name == "dipeptide";
+      if (bonded) add("bonded", bonded_alone, setting, "double");
+      if (bonded && threads == 1) add("plain_bonded", plain_bonded, setting, "double");
       if (built_with_openmm()) add("openmm", openmm_step, setting, "single");
     }
 }

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """Whole steps of taut beside OpenMM's CPU platform, GROMACS and LAMMPS: the same systems, in the same run.
 
-    benchmarks/step_peers.py [--build build] [--systems water1728,water5832,chain] [--threads 1,2] [--repeats 5]
+    benchmarks/step_peers.py [--build build] [--systems water1728,water5832,chain,dipeptide] [--threads 1,2] [--repeats 5]
 
 Prints medians in µs a step and how many times longer than taut's each takes, at equal threads, and writes
 benchmarks/results/step_peers.csv. All take turns in every repeat, so that they meet the same machine. taut and OpenMM
 go through step_bench; GROMACS (gmx, gmx_d) and LAMMPS (lmp, waters only: its RATTLE takes four atoms at most) are given
-the same positions, cutoffs and bonds; what is not installed is skipped. Two threads need an idle machine: threads wait for
-each other spinning (OMP_WAIT_POLICY=passive makes them sleep, which costs more than a small step takes).
+the same positions, cutoffs and bonds, but not the dipeptide; what is not installed is skipped. Two threads need an idle
+machine: threads wait for each other spinning (OMP_WAIT_POLICY=passive makes them sleep, which costs more than a small step
+takes).
 """
 import argparse
 import csv
@@ -71,7 +72,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     here = pathlib.Path(__file__).parent
     parser.add_argument("--build", type=pathlib.Path, default=here.parent / "build")
-    parser.add_argument("--systems", default="water1728,water5832,chain")
+    parser.add_argument("--systems", default="water1728,water5832,chain,dipeptide")
     parser.add_argument("--threads", default="1,2")
     parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--seconds", type=float, default=0.5, help="of each measurement")
