@@ -4,6 +4,7 @@
 
 #include "md/random.hpp"
 #include "systems/builders/builders.hpp"
+#include "systems/builders/lattice.hpp"
 
 namespace taut {
 namespace {
@@ -83,7 +84,7 @@ void place(const Polymer& polymer, bool closed, auto&& directions, Scene& scene)
   for (int c = 0; c < copies; ++c) {
     const int first = c * beads;
     const Vectors u = directions();
-    scene.start.x.col(first) = spacing * Vec3(c % side, c / side % side, c / side / side);
+    scene.start.x.col(first) = spacing * cube_cell(c, side);
     for (int b = 0; b + 1 < beads; ++b) {
       scene.start.x.col(first + b + 1) = scene.start.x.col(first + b) + bond * u.col(b);
       bonds.push_back({first + b, first + b + 1, bond});

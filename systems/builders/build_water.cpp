@@ -56,8 +56,7 @@ Start lattice_of_water(const WaterModel& model, long molecules, double edge, Ran
   start.state.v = Vectors::Zero(3, 3 * molecules);
   const auto n = static_cast<int>(std::ceil(std::cbrt(static_cast<double>(molecules)) - 1e-9));
   for (long m = 0; m < molecules; ++m) {
-    const auto site = static_cast<int>(m * n * n * n / molecules);
-    const Vec3 o = edge / n * (Vec3(site % n, site / n % n, site / n / n).array() + 0.5);
+    const Vec3 o = edge / n * (cube_cell(m * n * n * n / molecules, n).array() + 0.5);
     start.state.x.col(3 * m) = o;
     start.state.x.col(3 * m + 1) = o + random.unit_vector();
     start.state.x.col(3 * m + 2) = o + random.unit_vector();
@@ -79,8 +78,7 @@ Start tiled(const Start& unit, int n) {
   all.state.x.resize(3, atoms * n * n * n);
   all.state.v = unit.state.v.replicate(1, n * n * n);
   for (int t = 0; t < n * n * n; ++t)
-    all.state.x.middleCols(t * atoms, atoms) =
-        home.colwise() + unit.box.edge.cwiseProduct(Vec3(t % n, t / n % n, t / n / n));
+    all.state.x.middleCols(t * atoms, atoms) = home.colwise() + unit.box.edge.cwiseProduct(cube_cell(t, n));
   return all;
 }
 

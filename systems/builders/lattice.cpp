@@ -24,6 +24,10 @@ struct Counts {
 
 }  // namespace
 
+Vec3 cube_cell(long c, long n) {
+  return Eigen::Matrix<long, 3, 1>(c % n, c / n % n, c / n / n).cast<double>();
+}
+
 Grid fit_grid(long cells, const Vec3& cell, int ny_step) {
   const double edge = std::cbrt(static_cast<double>(cells) * cell.prod());
   const double ideal_y = edge / cell.y(), ideal_z = edge / cell.z();

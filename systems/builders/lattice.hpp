@@ -15,6 +15,9 @@ struct Grid {
   long columns() const { return static_cast<long>(nx) * ny; }
 };
 
+// Cell c of n × n × n, counted along x first.
+Vec3 cube_cell(long c, long n);
+
 // At least `cells` cells of the given shape [nm]: near to a cube, and with few left over. ny is a multiple of
 // ny_step. Throws InputError for a shape that no such box can be made of.
 Grid fit_grid(long cells, const Vec3& cell, int ny_step = 1);
