@@ -29,6 +29,7 @@ SparsePattern::SparsePattern(int n, const std::vector<Pair>& pairs) {
 
 void SparsePattern::order(int n, const std::vector<Pair>& pairs) {
   std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(n + 2 * pairs.size());
   for (int a = 0; a < n; ++a) entries.emplace_back(a, a, 1.0);
   for (const auto& [a, b] : pairs) {
     entries.emplace_back(a, b, 1.0);

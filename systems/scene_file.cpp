@@ -69,7 +69,8 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
   if (std::filesystem::path start; build_keys.read("start", start)) scene.files.push_back(start);
   build_keys.reject_unknown();
   forcefield_keys.reject_unknown();
-  ForceField(scene.system, scene.terms);  // refuses what does not fit together while the file is known
+  // Refuses what does not fit together while the file is known.
+  [[maybe_unused]] const ForceField fitting(scene.system, scene.terms);
   return scene;
 }
 

@@ -40,7 +40,7 @@ std::vector<SceneSummary> list_scenes(const fs::path& folder) {
 
 fs::path find_scene(const std::string& name_or_path) {
   if (fs::is_regular_file(name_or_path, ignored)) return name_or_path;
-  const fs::path named = scenes_folder() / (name_or_path + ".toml");
+  fs::path named = scenes_folder() / (name_or_path + ".toml");
   if (name_or_path.find('/') == std::string::npos && fs::is_regular_file(named, ignored)) return named;
 
   std::vector<std::string> names;

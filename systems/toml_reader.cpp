@@ -167,7 +167,7 @@ bool TomlTable::read(std::string_view key, std::optional<double>& into, Range ra
 }
 
 std::string TomlTable::choice(std::string_view key, const std::vector<std::string_view>& words) const {
-  const auto word = get<std::string>(key);
+  auto word = get<std::string>(key);
   if (std::ranges::find(words, word) == words.end())
     fail(key, fmt::format("there is no \"{}\"{}", one_line(word), did_you_mean(word, words)));
   return word;

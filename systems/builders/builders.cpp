@@ -27,8 +27,8 @@ constexpr std::array kKinds = {Kind{"atoms", build_atoms},   Kind{"chains", buil
                                Kind{"alkane", build_alkane}, Kind{"water", build_water, true}};
 
 const Kind& chosen_kind(const TomlTable& keys) {
-  std::vector<std::string_view> names;
-  for (const Kind& kind : kKinds) names.push_back(kind.name);
+  std::vector<std::string_view> names(kKinds.size());
+  std::ranges::transform(kKinds, names.begin(), &Kind::name);
   const std::string name = keys.choice("kind", names);
   return *std::ranges::find(kKinds, name, &Kind::name);
 }

@@ -37,6 +37,7 @@ std::vector<Job> interleaved(const std::vector<Job>& points, int repeats, const 
 
 Quartiles over_repeats(const std::string& point, int repeats, const Ledger& ledger, double Trial::*figure) {
   std::vector<double> values;
+  values.reserve(repeats);
   for (int repeat = 0; repeat < repeats; ++repeat)
     values.push_back(ledger.at(repeat_name(point, repeat)).*figure);
   return quartiles(std::move(values));
