@@ -13,51 +13,88 @@ namespace taut::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// y = 1/√x of K vectors, stage by stage, so that none waits for another's.
+// The machine's guess at 1/√x: 14 bits in AVX-512, 12 of a float elsewhere, and all of a double.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V guess_inverse_sqrt([[maybe_unused]] D d, V x) {
+  using T = hn::TFromD<D>;
+#if HWY_TARGET <= HWY_AVX3
+  if constexpr (sizeof(T) == 8 && hn::MaxLanes(D()) == 8) return V{_mm512_rsqrt14_pd(x.raw)};
+#endif
+  if constexpr (sizeof(T) == 4)
+    return hn::ApproximateReciprocalSqrt(x);
+  else
+    return hn::Div(hn::Set(d, T(1)), hn::Sqrt(x));
+}
+
+// And at 1/x.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V guess_inverse(D d, V x) {
+  using T = hn::TFromD<D>;
+#if HWY_TARGET <= HWY_AVX3
+  if constexpr (sizeof(T) == 8 && hn::MaxLanes(D()) == 8) return V{_mm512_rcp14_pd(x.raw)};
+#endif
+  return hn::Div(hn::Set(d, T(1)), x);
+}
+
+// Whether a guess at 1/√x has but a part of its bits.
+template <class D>
+constexpr bool kRootGuessed = sizeof(hn::TFromD<D>) == 4 ||
+                              (HWY_TARGET <= HWY_AVX3 && hn::MaxLanes(D()) == 8);
+template <class D>
+constexpr bool kInverseGuessed = sizeof(hn::TFromD<D>) == 8 && HWY_TARGET <= HWY_AVX3&& hn::MaxLanes(D()) ==
+                                                                   8;
+
+// What follows turns guesses y of K vectors into results, stage by stage, so that none waits for another's.
+
+// 1/√x = y(1 + e/2 + 3e²/8 + 5e³/16 + …), e = 1 − xy². In float 3e²/8 is left out.
 template <int K, class D, class V = hn::Vec<D>>
 HWY_INLINE void inverse_sqrt(D d, const V (&x)[K], V (&y)[K]) {
-  using T = hn::TFromD<D>;
-  const V one = hn::Set(d, T(1)), half = hn::Set(d, T(0.5));
-  V e[K];
-#if HWY_TARGET <= HWY_AVX3
-  // From 14 bits, y ← y(1 + e/2 + 3e²/8 + 5e³/16), e = 1 − xy², leaves e⁴.
-  if constexpr (sizeof(T) == 8 && hn::MaxLanes(D()) == 8) {
-    for (int k = 0; k < K; ++k) y[k] = V{_mm512_rsqrt14_pd(x[k].raw)};
+  if constexpr (kRootGuessed<D>) {
+    using T = hn::TFromD<D>;
+    const V one = hn::Set(d, T(1)), half = hn::Set(d, T(0.5));
+    V e[K];
     for (int k = 0; k < K; ++k) e[k] = hn::NegMulAdd(hn::Mul(x[k], y[k]), y[k], one);
     for (int k = 0; k < K; ++k) {
-      const V p = hn::MulAdd(hn::MulAdd(hn::Set(d, T(0.3125)), e[k], hn::Set(d, T(0.375))), e[k], half);
+      V p = half;
+      if constexpr (sizeof(T) == 8)
+        p = hn::MulAdd(hn::MulAdd(hn::Set(d, T(0.3125)), e[k], hn::Set(d, T(0.375))), e[k], half);
       y[k] = hn::MulAdd(hn::Mul(y[k], e[k]), p, y[k]);
-    }
-    return;
-  }
-#endif
-  for (int k = 0; k < K; ++k) {
-    if constexpr (sizeof(T) == 4) {  // leaves 3e²/8
-      y[k] = hn::ApproximateReciprocalSqrt(x[k]);
-      e[k] = hn::NegMulAdd(hn::Mul(x[k], y[k]), y[k], one);
-      y[k] = hn::MulAdd(hn::Mul(half, y[k]), e[k], y[k]);
-    } else {
-      y[k] = hn::Div(one, hn::Sqrt(x[k]));
     }
   }
 }
 
-// y = 1/x: from z of 14 bits, y = z(1 + e + e² + e³), e = 1 − xz.
+// 1/√x³ = y³(1 + 3e/2 + 15e²/8 + 35e³/16 + …): sooner than by 1/√x. In float 35e³/16 is left out.
+template <int K, class D, class V = hn::Vec<D>>
+HWY_INLINE void inverse_cube(D d, const V (&x)[K], V (&y)[K]) {
+  if constexpr (kRootGuessed<D>) {
+    using T = hn::TFromD<D>;
+    V y2[K], e[K];
+    for (int k = 0; k < K; ++k) y2[k] = hn::Mul(y[k], y[k]);
+    for (int k = 0; k < K; ++k) {
+      e[k] = hn::NegMulAdd(x[k], y2[k], hn::Set(d, T(1)));
+      y[k] = hn::Mul(y[k], y2[k]);
+    }
+    for (int k = 0; k < K; ++k) {
+      V p = hn::Set(d, T(1.875));
+      if constexpr (sizeof(T) == 8) p = hn::MulAdd(e[k], hn::Set(d, T(2.1875)), p);
+      p = hn::MulAdd(e[k], p, hn::Set(d, T(1.5)));
+      y[k] = hn::MulAdd(hn::Mul(y[k], e[k]), p, y[k]);
+    }
+  } else {
+    for (int k = 0; k < K; ++k) y[k] = hn::Mul(y[k], hn::Mul(y[k], y[k]));
+  }
+}
+
+// 1/x = y(1 + e + e² + e³ + …), e = 1 − xy.
 template <int K, class D, class V = hn::Vec<D>>
 HWY_INLINE void inverse(D d, const V (&x)[K], V (&y)[K]) {
-  using T = hn::TFromD<D>;
-  const V one = hn::Set(d, T(1));
-#if HWY_TARGET <= HWY_AVX3
-  if constexpr (sizeof(T) == 8 && hn::MaxLanes(D()) == 8) {
+  if constexpr (kInverseGuessed<D>) {
+    const V one = hn::Set(d, 1);
     V e[K];
-    for (int k = 0; k < K; ++k) y[k] = V{_mm512_rcp14_pd(x[k].raw)};
     for (int k = 0; k < K; ++k) e[k] = hn::NegMulAdd(x[k], y[k], one);
     for (int k = 0; k < K; ++k)
       y[k] = hn::MulAdd(hn::Mul(y[k], e[k]), hn::MulAdd(e[k], hn::Add(e[k], one), one), y[k]);
-    return;
   }
-#endif
-  for (int k = 0; k < K; ++k) y[k] = hn::Div(one, x[k]);
 }
 
 }  // namespace taut::HWY_NAMESPACE

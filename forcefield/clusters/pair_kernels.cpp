@@ -27,6 +27,9 @@ struct Choice {
   static constexpr bool kLj = lj, kCharge = charge, kOneSigma = one_sigma_, kSwitched = switched_;
   static constexpr bool kEnergy = ask == Ask::kEnergy, kVirial = ask == Ask::kVirial;
   static constexpr bool kSum = kEnergy || kVirial;  // one number, no forces
+  // What the law is made of: 1/r, for energies and switches; 1/r³, for charges; 1/r², without them.
+  static constexpr bool kFromRoot = kSwitched || (charge && kEnergy), kFromCube = charge && !kFromRoot;
+  static constexpr bool kShortest = kOneSigma && !kSwitched && !kEnergy;  // of Lennard-Jones' ways
 };
 
 // Rows of one kind against their clusters.
@@ -38,8 +41,7 @@ class RowSum {
   using DX = typename S::DX;
   using VX = typename S::VX;
   static constexpr int kVectors = S::kVectors, kParts = S::kParts, kLanes = S::kLanes;
-  // Clusters taken together, so that the processor has enough to do at once.
-  static constexpr int kAtOnce = 3;
+  static constexpr int kPlaces = kVectors * kParts;  // vectors a cluster
 
  public:
   HWY_INLINE RowSum(const PairLaw& law, const PairAtoms<T>& atoms, T* f)
@@ -53,9 +55,9 @@ class RowSum {
         k_rf_(set(law.k_rf)),
         two_k_rf_(set(2 * law.k_rf)),
         c_rf_(set(law.c_rf)),
-        sigma2_(set(law.sigma * law.sigma)),
-        six_sigma6_(set(6 * std::pow(law.sigma, 6))),
-        twelve_sigma12_(set(12 * std::pow(law.sigma, 12))),
+        sigma6_(set(law.sigma6())),
+        six_sigma6_(set(6 * law.sigma6())),
+        twelve_sigma12_(set(12 * law.sigma6() * law.sigma6())),
         lift_(set(law.lift / 4)),
         unit2_(set(atoms.unit * atoms.unit)),
         sum_(set(0)) {
@@ -71,16 +73,15 @@ class RowSum {
     load(row);
     for (int k = row.masked_begin; k < row.masked_end; ++k) {
       mask_ = list.masked[k].mask;
-      meet<1, true>(&list.masked[k].cluster);
+      meet<true>(&list.masked[k].cluster);
     }
     const int* clusters = list.clusters.data();
-    int k = row.begin;
-    for (; k + kAtOnce <= row.end; k += kAtOnce) meet<kAtOnce, false>(clusters + k);
-    for (; k < row.end; ++k) meet<1, false>(clusters + k);
     if constexpr (C::kSum) {
+      for (int k = row.begin; k < row.end; ++k) meet<false>(clusters + k);
       total_ += double(hn::GetLane(hn::SumOfLanes(D(), sum_)));
       sum_ = set(0);
     } else {
+      meet_all(clusters + row.begin, row.end - row.begin);
       store(row);
     }
   }
@@ -92,63 +93,123 @@ class RowSum {
 
   HWY_INLINE void load(const PairRow& row) {
     const D d;
-    VX x[3][kVectors];
-    load_row<T>(x_of_, unit_, row, x);
+    load_row<T>(x_of_, unit_, row, x_);
     for (int v = 0; v < kVectors; ++v) {
-      const int at = v * S::kRows;
-      x_[v] = x[0][v];
-      y_[v] = x[1][v];
-      z_[v] = x[2][v];
-      if constexpr (C::kCharge) q_[v] = load_rows(d, charge_ + row.first + at);
-      if constexpr (C::kLj) eps_[v] = load_rows(d, two_sqrt_epsilon_ + row.first + at);
-      if constexpr (C::kLj && !C::kOneSigma) sigma_[v] = load_rows(d, half_sigma_ + row.first + at);
-      fx_[v] = fy_[v] = fz_[v] = hn::Zero(d);
+      const int at = row.first + v * S::kRows;
+      if constexpr (C::kCharge) q_[v] = load_rows(d, charge_ + at);
+      if constexpr (C::kLj) {
+        eps_[v] = load_rows(d, two_sqrt_epsilon_ + at);
+        repulsion_[v] = hn::Mul(eps_[v], twelve_sigma12_);
+        attraction_[v] = hn::Mul(eps_[v], six_sigma6_);
+      }
+      if constexpr (C::kLj && !C::kOneSigma) sigma_[v] = load_rows(d, half_sigma_ + at);
+      for (int k = 0; k < 3; ++k) own_f_[k][v] = hn::Zero(d);
     }
   }
 
-  // The row against K clusters, all different.
-  template <int K, bool kMasked>
-  HWY_INLINE void meet(const int* clusters) {
-    const D d;
-    const DX dxs;
-    for (int part = 0; part < kParts; ++part)
-      for (int v = 0; v < kVectors; ++v) {
-        V dx[K], dy[K], dz[K], r2[K], term[K];
-        int j[K];
-        for (int k = 0; k < K; ++k) {
-          const auto* x = x_of_ + 12 * clusters[k] + part * S::kColumns;
-          j[k] = 4 * clusters[k] + part * S::kColumns;
-          dx[k] = number(hn::Sub(x_[v], load_columns(dxs, x)));
-          dy[k] = number(hn::Sub(y_[v], load_columns(dxs, x + 4)));
-          dz[k] = number(hn::Sub(z_[v], load_columns(dxs, x + 8)));
-        }
-        for (int k = 0; k < K; ++k) {
-          r2[k] = hn::MulAdd(dx[k], dx[k], hn::MulAdd(dy[k], dy[k], hn::Mul(dz[k], dz[k])));
-          if constexpr (sizeof(T) == 4) r2[k] = hn::Mul(r2[k], unit2_);
-        }
-        pair<K>(v, j, r2, term);
-        for (int k = 0; k < K; ++k) {
-          term[k] = hn::IfThenZeroElse(hn::Gt(r2[k], cutoff2_), term[k]);  // not for NaN: it must show
-          if constexpr (kMasked) term[k] = hn::IfThenElseZero(counted(mask_, v, part), term[k]);
-        }
-        for (int k = 0; k < K; ++k) {
-          if constexpr (C::kEnergy) {
-            sum_ = hn::Add(sum_, term[k]);
-          } else if constexpr (C::kVirial) {
-            sum_ = hn::MulAdd(term[k], r2[k], sum_);
-          } else {
-            fx_[v] = hn::MulAdd(term[k], dx[k], fx_[v]);
-            fy_[v] = hn::MulAdd(term[k], dy[k], fy_[v]);
-            fz_[v] = hn::MulAdd(term[k], dz[k], fz_[v]);
-            T* f = f_ + (3 * clusters[k] * kParts + part) * kLanes;
-            hn::Store(hn::NegMulAdd(term[k], dx[k], hn::Load(d, f)), d, f);
-            f += kParts * kLanes;
-            hn::Store(hn::NegMulAdd(term[k], dy[k], hn::Load(d, f)), d, f);
-            f += kParts * kLanes;
-            hn::Store(hn::NegMulAdd(term[k], dz[k], hn::Load(d, f)), d, f);
-          }
-        }
+  // The row against K clusters, all different: distances with the guess the law starts from, then the law,
+  // then forces or sums.
+  template <int K>
+  struct Distances {
+    V r2[kPlaces][K], guess[kPlaces][K];
+  };
+  template <int K>
+  struct Terms {
+    V of[kPlaces][K];
+  };
+
+  // One stage waits for another longer than the processor can look ahead: so they take turns, each with
+  // clusters of its own.
+  HWY_INLINE void meet_all(const int* clusters, int count) {
+    constexpr int K = 2;
+    int k = 0;
+    if (count >= 2 * K) {
+      Distances<K> distances, next;
+      Terms<K> terms;
+      measure(clusters, distances);
+      apply_law<K, false>(clusters, distances, terms);
+      measure(clusters + K, distances);
+      for (k = 2 * K; k + K <= count; k += K) {
+        measure(clusters + k, next);
+        add_forces(clusters + k - 2 * K, terms);
+        apply_law<K, false>(clusters + k - K, distances, terms);
+        distances = next;
       }
+      add_forces(clusters + k - 2 * K, terms);
+      apply_law<K, false>(clusters + k - K, distances, terms);
+      add_forces(clusters + k - K, terms);
+    }
+    for (; k < count; ++k) meet<false>(clusters + k);
+  }
+
+  template <bool kMasked>
+  HWY_INLINE void meet(const int* cluster) {
+    Distances<1> distances;
+    Terms<1> terms;
+    measure(cluster, distances);
+    apply_law<1, kMasked>(cluster, distances, terms);
+    if constexpr (!C::kSum) add_forces(cluster, terms);
+    for (int place = 0; place < kPlaces; ++place) {
+      if constexpr (C::kEnergy) sum_ = hn::Add(sum_, terms.of[place][0]);
+      if constexpr (C::kVirial) sum_ = hn::MulAdd(terms.of[place][0], distances.r2[place][0], sum_);
+    }
+  }
+
+  HWY_INLINE void subtract(int cluster, int place, V (&r)[3]) const {
+    const DX d;
+    const int v = place % kVectors, part = place / kVectors;
+    const auto* x = x_of_ + 12 * cluster + part * S::kColumns;
+    for (int k = 0; k < 3; ++k) r[k] = number(hn::Sub(x_[k][v], load_columns(d, x + 4 * k)));
+  }
+
+  template <int K>
+  HWY_INLINE void measure(const int* clusters, Distances<K>& out) const {
+    const D d;
+    for (int place = 0; place < kPlaces; ++place) {
+      V r[K][3];
+      for (int k = 0; k < K; ++k) subtract(clusters[k], place, r[k]);
+      for (int k = 0; k < K; ++k) {
+        V r2 = hn::MulAdd(r[k][0], r[k][0], hn::MulAdd(r[k][1], r[k][1], hn::Mul(r[k][2], r[k][2])));
+        if constexpr (sizeof(T) == 4) r2 = hn::Mul(r2, unit2_);
+        out.r2[place][k] = r2;
+      }
+      for (int k = 0; k < K; ++k)
+        out.guess[place][k] = C::kFromRoot || C::kFromCube ? guess_inverse_sqrt(d, out.r2[place][k])
+                                                           : guess_inverse(d, out.r2[place][k]);
+    }
+  }
+
+  template <int K, bool kMasked>
+  HWY_INLINE void apply_law(const int* clusters, Distances<K>& at, Terms<K>& out) const {
+    for (int place = 0; place < kPlaces; ++place) {
+      const int v = place % kVectors, part = place / kVectors;
+      int j[K];
+      for (int k = 0; k < K; ++k) j[k] = 4 * clusters[k] + part * S::kColumns;
+      const V(&r2)[K] = at.r2[place];
+      V(&term)[K] = out.of[place];
+      pair<K>(v, j, r2, at.guess[place], term);
+      for (int k = 0; k < K; ++k) {
+        term[k] = hn::IfThenZeroElse(hn::Gt(r2[k], cutoff2_), term[k]);  // not for NaN: it must show
+        if constexpr (kMasked) term[k] = hn::IfThenElseZero(counted(mask_, v, part), term[k]);
+      }
+    }
+  }
+
+  template <int K>
+  HWY_INLINE void add_forces(const int* clusters, const Terms<K>& terms) {
+    const D d;
+    for (int place = 0; place < kPlaces; ++place) {
+      const int v = place % kVectors, part = place / kVectors;
+      for (int k = 0; k < K; ++k) {
+        V r[3];
+        subtract(clusters[k], place, r);
+        const V term = terms.of[place][k];
+        T* f = f_ + (3 * clusters[k] * kParts + part) * kLanes;
+        for (int i = 0; i < 3; ++i) own_f_[i][v] = hn::MulAdd(term, r[i], own_f_[i][v]);
+        for (int i = 0; i < 3; ++i, f += kParts * kLanes)
+          hn::Store(hn::NegMulAdd(term, r[i], hn::Load(d, f)), d, f);
+      }
+    }
   }
 
   static HWY_INLINE V number(VX difference) {
@@ -170,50 +231,61 @@ class RowSum {
 
   // −(dE/dr)/r [kJ/mol/nm²], or E [kJ/mol].
   template <int K>
-  HWY_INLINE void pair(int v, const int (&j)[K], const V (&r2)[K], V (&term)[K]) const {
+  HWY_INLINE void pair(int v, const int (&j)[K], const V (&r2)[K], V (&guess)[K], V (&term)[K]) const {
     const D d;
-    V inv_r[K], inv_r2[K];
-    constexpr bool kNeedsR = C::kCharge || C::kSwitched;
-    if constexpr (kNeedsR) {
-      inverse_sqrt<K>(d, r2, inv_r);
-      for (int k = 0; k < K; ++k) inv_r2[k] = hn::Mul(inv_r[k], inv_r[k]);
+    V inv_r3[K];
+    if constexpr (C::kFromCube) {
+      inverse_cube<K>(d, r2, guess);
+    } else if constexpr (C::kFromRoot) {
+      inverse_sqrt<K>(d, r2, guess);
     } else {
-      inverse<K>(d, r2, inv_r2);
+      inverse<K>(d, r2, guess);
     }
-    if constexpr (C::kLj)
-      for (int k = 0; k < K; ++k)
-        term[k] = lennard_jones(v, j[k], r2[k], kNeedsR ? inv_r[k] : inv_r2[k], inv_r2[k]);
-    if constexpr (C::kCharge)
-      for (int k = 0; k < K; ++k) {
+    for (int k = 0; k < K; ++k) {
+      if constexpr (C::kFromCube) inv_r3[k] = guess[k];
+      if constexpr (C::kFromRoot) inv_r3[k] = hn::Mul(guess[k], hn::Mul(guess[k], guess[k]));
+      if constexpr (C::kLj) term[k] = lennard_jones(v, j[k], r2[k], guess[k]);
+      if constexpr (C::kCharge) {
         const V qq = hn::Mul(q_[v], load_columns(d, charge_ + j[k]));
-        const V coulomb = C::kEnergy ? hn::Sub(hn::MulAdd(k_rf_, r2[k], inv_r[k]), c_rf_)
-                                     : hn::MulSub(inv_r[k], inv_r2[k], two_k_rf_);
+        const V coulomb =
+            C::kEnergy ? hn::Sub(hn::MulAdd(k_rf_, r2[k], guess[k]), c_rf_) : hn::Sub(inv_r3[k], two_k_rf_);
         term[k] = C::kLj ? hn::MulAdd(qq, coulomb, term[k]) : hn::Mul(qq, coulomb);
       }
+    }
   }
 
-  HWY_INLINE V lennard_jones(int v, int j, [[maybe_unused]] V r2, [[maybe_unused]] V inv_r, V inv_r2) const {
+  // `inverse`: 1/r³, 1/r or 1/r².
+  HWY_INLINE V lennard_jones(int v, int j, V r2, V inverse) const {
     const D d;
-    const V four_eps = hn::Mul(eps_[v], load_columns(d, two_sqrt_epsilon_ + j));
-    if constexpr (C::kOneSigma && !C::kEnergy && !C::kSwitched) {  // the shortest way
-      const V inv_r4 = hn::Mul(inv_r2, inv_r2), inv_r6 = hn::Mul(inv_r4, inv_r2);
-      return hn::Mul(hn::Mul(four_eps, hn::Mul(inv_r4, inv_r4)),
-                     hn::MulSub(twelve_sigma12_, inv_r6, six_sigma6_));
-    }
-    V s2;
-    if constexpr (C::kOneSigma) {
-      s2 = hn::Mul(sigma2_, inv_r2);
+    const V eps_j = load_columns(d, two_sqrt_epsilon_ + j);
+    V inv_r2, inv_r4, inv_r6;
+    if constexpr (C::kFromCube) {
+      inv_r6 = hn::Mul(inverse, inverse);
+      inv_r4 = hn::Mul(inv_r6, r2);
+      inv_r2 = hn::Mul(inv_r4, r2);
     } else {
-      const V sigma = hn::Add(sigma_[v], load_columns(d, half_sigma_ + j));
-      s2 = hn::Mul(hn::Mul(sigma, sigma), inv_r2);
+      inv_r2 = C::kFromRoot ? hn::Mul(inverse, inverse) : inverse;
+      inv_r4 = hn::Mul(inv_r2, inv_r2);
+      inv_r6 = hn::Mul(inv_r4, inv_r2);
     }
-    const V s6 = hn::Mul(hn::Mul(s2, s2), s2), depth = hn::Mul(four_eps, s6);
+    if constexpr (C::kShortest)
+      return hn::Mul(hn::Mul(inv_r4, hn::Mul(inv_r4, eps_j)),
+                     hn::MulSub(repulsion_[v], inv_r6, attraction_[v]));
+    V s6;
+    if constexpr (C::kOneSigma) {
+      s6 = hn::Mul(sigma6_, inv_r6);
+    } else {
+      const V sigma = hn::Add(sigma_[v], load_columns(d, half_sigma_ + j)), sigma2 = hn::Mul(sigma, sigma);
+      s6 = hn::Mul(hn::Mul(hn::Mul(sigma2, sigma2), sigma2), inv_r6);
+    }
+    const V four_eps = hn::Mul(eps_[v], eps_j), depth = hn::Mul(four_eps, s6);
     V slope{}, energy{};
     if constexpr (!C::kEnergy || C::kSwitched)
       slope = hn::Mul(hn::Mul(depth, hn::MulSub(set(12), s6, set(6))), inv_r2);
     if constexpr (C::kEnergy || C::kSwitched) energy = hn::MulSub(depth, s6, depth);
     if constexpr (C::kSwitched) {
       // S = 1 − u³(10 − 15u + 6u²), S' = −30 (u − u²)²; the force gains −E S'/r
+      const V inv_r = inverse;
       const V u = hn::Max(hn::MulSub(hn::Mul(r2, inv_r), inv_width_, start_), hn::Zero(d));
       const V u2 = hn::Mul(u, u), u_less_u2 = hn::Sub(u, u2);
       const V fade =
@@ -238,8 +310,8 @@ class RowSum {
       }
       const auto own = hn::LoadMaskBits(d, bytes);
       T* f = f_ + (3 * cluster * kParts + at / S::kColumns % kParts) * kLanes;
-      for (const V& sum : {fx_[v], fy_[v], fz_[v]}) {
-        hn::Store(hn::Add(hn::Load(d, f), hn::IfThenElseZero(own, sum_columns(d, sum))), d, f);
+      for (int k = 0; k < 3; ++k) {
+        hn::Store(hn::Add(hn::Load(d, f), hn::IfThenElseZero(own, sum_columns(d, own_f_[k][v]))), d, f);
         f += kParts * kLanes;
       }
     }
@@ -251,41 +323,53 @@ class RowSum {
   const T* HWY_RESTRICT two_sqrt_epsilon_;
   double unit_;
   T* HWY_RESTRICT f_;
-  V cutoff2_, k_rf_, two_k_rf_, c_rf_, sigma2_, six_sigma6_, twelve_sigma12_, lift_, unit2_, start_{},
+  V cutoff2_, k_rf_, two_k_rf_, c_rf_, sigma6_, six_sigma6_, twelve_sigma12_, lift_, unit2_, start_{},
       inv_width_{}, slope_width_{};
   V sum_;
   double total_ = 0;
   std::uint32_t mask_ = 0;
-  VX x_[kVectors], y_[kVectors], z_[kVectors];
-  V q_[kVectors], eps_[kVectors], sigma_[kVectors], fx_[kVectors], fy_[kVectors], fz_[kVectors];
+  VX x_[3][kVectors];
+  V own_f_[3][kVectors];
+  V q_[kVectors], eps_[kVectors], sigma_[kVectors];
+  V repulsion_[kVectors], attraction_[kVectors];  // 12 σ¹² and 6 σ⁶, times eps_
+};
+
+struct Rows {
+  const PairLaw& law;
+  const ClusterList& list;
+  std::size_t begin, end;
 };
 
 template <class T, class C>
-HWY_NOINLINE double sum_kind(const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList& list, int kind,
-                             T* f) {
-  RowSum<T, C> sum(law, atoms, f);
-  for (const PairRow& row : list.rows)
-    if (row.kind == kind) sum.add(row, list);
+HWY_NOINLINE double sum_kind(const Rows& rows, const PairAtoms<T>& atoms, int kind, T* f) {
+  RowSum<T, C> sum(rows.law, atoms, f);
+  for (std::size_t r = rows.begin; r < rows.end; ++r)
+    if (rows.list.rows[r].kind == kind) sum.add(rows.list.rows[r], rows.list);
   return sum.total();
 }
 
 template <class T, bool lj, bool charge, Ask ask>
-double choose_law(const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList& list, T* f) {
+double choose_law(const Rows& rows, const PairAtoms<T>& atoms, T* f) {
   const int kind = (lj ? kHasLj : 0) | (charge ? kHasCharge : 0);
-  if constexpr (!lj) return sum_kind<T, Choice<false, charge, true, false, ask>>(law, atoms, list, kind, f);
-  if (law.switched())
-    return law.one_sigma ? sum_kind<T, Choice<lj, charge, true, true, ask>>(law, atoms, list, kind, f)
-                         : sum_kind<T, Choice<lj, charge, false, true, ask>>(law, atoms, list, kind, f);
-  return law.one_sigma ? sum_kind<T, Choice<lj, charge, true, false, ask>>(law, atoms, list, kind, f)
-                       : sum_kind<T, Choice<lj, charge, false, false, ask>>(law, atoms, list, kind, f);
+  if constexpr (!lj) return sum_kind<T, Choice<false, charge, true, false, ask>>(rows, atoms, kind, f);
+  if (rows.law.switched())
+    return rows.law.one_sigma ? sum_kind<T, Choice<lj, charge, true, true, ask>>(rows, atoms, kind, f)
+                              : sum_kind<T, Choice<lj, charge, false, true, ask>>(rows, atoms, kind, f);
+  return rows.law.one_sigma ? sum_kind<T, Choice<lj, charge, true, false, ask>>(rows, atoms, kind, f)
+                            : sum_kind<T, Choice<lj, charge, false, false, ask>>(rows, atoms, kind, f);
 }
 
+// Kinds take turns, so that rows near each other find the same clusters still in the cache.
 template <class T, Ask ask>
 double sum_all(const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList& list, T* f) {
+  constexpr std::size_t kTurn = 256;  // rows
   double sum = 0;
-  if (law.charge) sum += choose_law<T, false, true, ask>(law, atoms, list, f);
-  if (law.lj) sum += choose_law<T, true, false, ask>(law, atoms, list, f);
-  if (law.lj && law.charge) sum += choose_law<T, true, true, ask>(law, atoms, list, f);
+  for (std::size_t begin = 0; begin < list.rows.size(); begin += kTurn) {
+    const Rows rows{law, list, begin, std::min(begin + kTurn, list.rows.size())};
+    if (law.charge) sum += choose_law<T, false, true, ask>(rows, atoms, f);
+    if (law.lj) sum += choose_law<T, true, false, ask>(rows, atoms, f);
+    if (law.lj && law.charge) sum += choose_law<T, true, true, ask>(rows, atoms, f);
+  }
   return sum;
 }
 

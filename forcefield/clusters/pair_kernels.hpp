@@ -21,6 +21,7 @@ struct PairLaw {
   double k_rf = 0, c_rf = 0;                                         // [1/nm³], [1/nm]
 
   bool switched() const { return lj && switch_distance < cutoff; }
+  double sigma6() const { return sigma * sigma * sigma * sigma * sigma * sigma; }
 };
 
 // The precision pairs are computed in. Double: all of it. Float: positions are 32-bit whole multiples of a
