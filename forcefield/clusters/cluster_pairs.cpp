@@ -1,6 +1,7 @@
 #include "forcefield/clusters/cluster_pairs.hpp"
 
 #include <fmt/format.h>
+#include <hwy/cache_control.h>
 
 #include <algorithm>
 #include <bit>
@@ -19,6 +20,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kClustersPerThread = 100;  // fewer are not worth a thread
+constexpr int kAhead = 32;               // atoms asked for before their turn: they lie anywhere in memory
 
 // Atoms and what happens between them, before there are clusters.
 struct PairProblem {
@@ -196,8 +198,10 @@ class EngineIn final : public ClusterPairs::Engine {
 
   void place(const Vectors& x, const Share& share) {
     const double inv_unit = 1 / atoms_.unit;
-    for (int slot = 4 * share.begin; slot < 4 * share.end; ++slot) {
+    const int last = 4 * share.end - 1;
+    for (int slot = 4 * share.begin; slot <= last; ++slot) {
       const int at = 12 * (slot / 4) + slot % 4;
+      hwy::Prefetch(x.data() + 3 * clusters_.atom(std::min(slot + kAhead, last)));
       const double* p = x.data() + 3 * clusters_.atom(slot);
       const Vec3& offset = clusters_.offset(slot);
       for (int d = 0; d < 3; ++d) {
@@ -308,19 +312,23 @@ class EngineIn final : public ClusterPairs::Engine {
 
   // Adds up threads and copies, in their order.
   void gather_forces(const Share& share, Vectors& f) {
-    for (int c = share.begin; c < share.end; ++c)
+    const int last = 4 * share.end - 1;
+    for (int c = share.begin; c < share.end; ++c) {
+      double sum[3][kClusterAtoms] = {};
+      for (int t = 0; t < threads_; ++t) {
+        const T* force = force_[t].data() + 12 * copies_ * c;
+        for (auto& of : sum)
+          for (int copy = 0; copy < copies_; ++copy, force += kClusterAtoms)
+            for (int i = 0; i < kClusterAtoms; ++i) of[i] += double(force[i]);
+      }
       for (int i = 0; i < kClusterAtoms; ++i) {
         const int slot = 4 * c + i;
+        hwy::Prefetch(f.data() + 3 * clusters_.atom(std::min(slot + kAhead, last)));
         if (clusters_.filler(slot)) continue;
         double* out = f.data() + 3 * clusters_.atom(slot);
-        for (int d = 0; d < 3; ++d) {
-          double sum = 0;
-          for (int t = 0; t < threads_; ++t)
-            for (int copy = 0; copy < copies_; ++copy)
-              sum += double(force_[t][(3 * c + d) * 4 * copies_ + 4 * copy + i]);
-          out[d] += sum * atoms_.unit;
-        }
+        for (int d = 0; d < 3; ++d) out[d] += sum[d][i] * atoms_.unit;
       }
+    }
   }
 
   PairProblem p_;

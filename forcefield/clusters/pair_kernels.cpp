@@ -73,11 +73,11 @@ class RowSum {
     load(row);
     for (int k = row.masked_begin; k < row.masked_end; ++k) {
       mask_ = list.masked[k].mask;
-      meet<true>(&list.masked[k].cluster);
+      meet<1, true>(&list.masked[k].cluster);
     }
     const int* clusters = list.clusters.data();
     if constexpr (C::kSum) {
-      for (int k = row.begin; k < row.end; ++k) meet<false>(clusters + k);
+      for (int k = row.begin; k < row.end; ++k) meet<1, false>(clusters + k);
       total_ += double(hn::GetLane(hn::SumOfLanes(D(), sum_)));
       sum_ = set(0);
     } else {
@@ -120,10 +120,11 @@ class RowSum {
 
   // One stage waits for another longer than the processor can look ahead: so they take turns, each with
   // clusters of its own.
+  static constexpr int kLong = 10;  // rows, for that
   HWY_INLINE void meet_all(const int* clusters, int count) {
     constexpr int K = 2;
     int k = 0;
-    if (count >= 2 * K) {
+    if (count >= kLong) {
       Distances<K> distances, next;
       Terms<K> terms;
       measure(clusters, distances);
@@ -139,23 +140,25 @@ class RowSum {
       apply_law<K, false>(clusters + k - K, distances, terms);
       add_forces(clusters + k - K, terms);
     }
-    for (; k < count; ++k) meet<false>(clusters + k);
+    for (; k + 3 <= count; k += 3) meet<3, false>(clusters + k);
+    for (; k < count; ++k) meet<1, false>(clusters + k);
   }
 
-  template <bool kMasked>
-  HWY_INLINE void meet(const int* cluster) {
-    Distances<1> distances;
-    Terms<1> terms;
-    measure(cluster, distances);
-    apply_law<1, kMasked>(cluster, distances, terms);
-    if constexpr (!C::kSum) add_forces(cluster, terms);
-    for (int place = 0; place < kPlaces; ++place) {
-      if constexpr (C::kEnergy) sum_ = hn::Add(sum_, terms.of[place][0]);
-      if constexpr (C::kVirial) sum_ = hn::MulAdd(terms.of[place][0], distances.r2[place][0], sum_);
-    }
+  template <int K, bool kMasked>
+  HWY_INLINE void meet(const int* clusters) {
+    Distances<K> distances;
+    Terms<K> terms;
+    measure(clusters, distances);
+    apply_law<K, kMasked>(clusters, distances, terms);
+    if constexpr (!C::kSum) add_forces(clusters, terms);
+    for (int place = 0; place < kPlaces; ++place)
+      for (int k = 0; k < K; ++k) {
+        if constexpr (C::kEnergy) sum_ = hn::Add(sum_, terms.of[place][k]);
+        if constexpr (C::kVirial) sum_ = hn::MulAdd(terms.of[place][k], distances.r2[place][k], sum_);
+      }
   }
 
-  HWY_INLINE void subtract(int cluster, int place, V (&r)[3]) const {
+  HWY_INLINE void subtract(std::ptrdiff_t cluster, int place, V (&r)[3]) const {
     const DX d;
     const int v = place % kVectors, part = place / kVectors;
     const auto* x = x_of_ + 12 * cluster + part * S::kColumns;
@@ -183,13 +186,13 @@ class RowSum {
   HWY_INLINE void apply_law(const int* clusters, Distances<K>& at, Terms<K>& out) const {
     for (int place = 0; place < kPlaces; ++place) {
       const int v = place % kVectors, part = place / kVectors;
-      int j[K];
-      for (int k = 0; k < K; ++k) j[k] = 4 * clusters[k] + part * S::kColumns;
+      std::ptrdiff_t j[K];
+      for (int k = 0; k < K; ++k) j[k] = 4 * std::ptrdiff_t{clusters[k]} + part * S::kColumns;
       const V(&r2)[K] = at.r2[place];
       V(&term)[K] = out.of[place];
       pair<K>(v, j, r2, at.guess[place], term);
       for (int k = 0; k < K; ++k) {
-        term[k] = hn::IfThenZeroElse(hn::Gt(r2[k], cutoff2_), term[k]);  // not for NaN: it must show
+        term[k] = hn::IfThenElseZero(hn::Not(hn::Gt(r2[k], cutoff2_)), term[k]);  // NaN must show
         if constexpr (kMasked) term[k] = hn::IfThenElseZero(counted(mask_, v, part), term[k]);
       }
     }
@@ -204,7 +207,7 @@ class RowSum {
         V r[3];
         subtract(clusters[k], place, r);
         const V term = terms.of[place][k];
-        T* f = f_ + (3 * clusters[k] * kParts + part) * kLanes;
+        T* f = f_ + (3 * std::ptrdiff_t{clusters[k]} * kParts + part) * kLanes;
         for (int i = 0; i < 3; ++i) own_f_[i][v] = hn::MulAdd(term, r[i], own_f_[i][v]);
         for (int i = 0; i < 3; ++i, f += kParts * kLanes)
           hn::Store(hn::NegMulAdd(term, r[i], hn::Load(d, f)), d, f);
@@ -231,7 +234,8 @@ class RowSum {
 
   // −(dE/dr)/r [kJ/mol/nm²], or E [kJ/mol].
   template <int K>
-  HWY_INLINE void pair(int v, const int (&j)[K], const V (&r2)[K], V (&guess)[K], V (&term)[K]) const {
+  HWY_INLINE void pair(int v, const std::ptrdiff_t (&j)[K], const V (&r2)[K], V (&guess)[K],
+                       V (&term)[K]) const {
     const D d;
     V inv_r3[K];
     if constexpr (C::kFromCube) {
@@ -255,7 +259,7 @@ class RowSum {
   }
 
   // `inverse`: 1/r³, 1/r or 1/r².
-  HWY_INLINE V lennard_jones(int v, int j, V r2, V inverse) const {
+  HWY_INLINE V lennard_jones(int v, std::ptrdiff_t j, V r2, V inverse) const {
     const D d;
     const V eps_j = load_columns(d, two_sqrt_epsilon_ + j);
     V inv_r2, inv_r4, inv_r6;
