@@ -156,7 +156,7 @@ void ClusterSearch::meet_neighbours(const SearchSpace& space, const Seeker& seek
       scan.own_low[d] = space.low[d][c] + shift[d];
       scan.own_high[d] = space.high[d][c] + shift[d];
     }
-    scan.x = &space.fixed;
+    scan.x = &space.rounded;
     scan.own = c;
     scan.shift = shift;
     scan.range = space.range;

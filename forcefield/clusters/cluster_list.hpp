@@ -52,7 +52,7 @@ struct SearchSpace {
   const Exclusions& exclusions;
   const std::vector<std::uint8_t>& kind;         // by slot
   const std::vector<double>& x;                  // 12 a cluster: x of its atoms, y, z [nm]
-  const FixedPositions& fixed;                   // the same
+  const RoundedPositions& rounded;               // the same
   std::array<std::vector<double>, 3> low, high;  // by cluster, and a vector's width more: its bounds [nm]
   Vec3 edge;                                     // of the box [nm]; zero: none
   double range;                                  // [nm]

@@ -178,9 +178,9 @@ class EngineIn final : public ClusterPairs::Engine {
     pruned_at_ = x;
     pruned_ = position_;
     if (p_.all_pairs()) return;
-    in_parallel(threads_, [&](int t) { fix(position_, Share(clusters_.count(), t, threads_)); });
+    in_parallel(threads_, [&](int t) { round(position_, Share(clusters_.count(), t, threads_)); });
     in_parallel(threads_, [&](int t) {
-      prune_list(fixed_, kind_, outer_[t], p_.law.cutoff + p_.inner, kRowAtoms, inner_[t]);
+      prune_list(rounded_, kind_, outer_[t], p_.law.cutoff + p_.inner, kRowAtoms, inner_[t]);
     });
     ++prunings;
   }
@@ -207,10 +207,7 @@ class EngineIn final : public ClusterPairs::Engine {
       for (int d = 0; d < 3; ++d) {
         const double q = p[d] + offset[d];
         position_[at + 4 * d] = q;
-        if constexpr (sizeof(T) == 4)
-          atoms_.x[at + 4 * d] = FixedPositions::fixed(q * inv_unit);
-        else
-          atoms_.x[at + 4 * d] = q;
+        atoms_.x[at + 4 * d] = PairPrecision<T>::coordinate(q * inv_unit);
       }
     }
   }
@@ -228,10 +225,8 @@ class EngineIn final : public ClusterPairs::Engine {
     return all;
   }
 
-  void fix(const std::vector<double>& position, const Share& share) {
-    const double inv_unit = 1 / fixed_.unit;
-    for (int k = 12 * share.begin; k < 12 * share.end; ++k)
-      fixed_.x[k] = FixedPositions::fixed(position[k] * inv_unit);
+  void round(const std::vector<double>& position, const Share& share) {
+    for (int k = 12 * share.begin; k < 12 * share.end; ++k) rounded_.x[k] = static_cast<float>(position[k]);
   }
 
   void search(const Vectors& x) {
@@ -244,7 +239,7 @@ class EngineIn final : public ClusterPairs::Engine {
     threads_ = std::clamp(clusters / kClustersPerThread, 1, available_threads());
     load(x);
     SearchSpace space{
-        clusters_, exclusions_, kind_, searched_, fixed_, {}, {}, p_.box.edge, p_.law.cutoff + p_.outer};
+        clusters_, exclusions_, kind_, searched_, rounded_, {}, {}, p_.box.edge, p_.law.cutoff + p_.outer};
     outer_.resize(threads_);
     inner_.resize(threads_);
     search_.resize(threads_);
@@ -287,12 +282,14 @@ class EngineIn final : public ClusterPairs::Engine {
       atoms_.two_sqrt_epsilon[slot] = static_cast<T>(p_.two_sqrt_epsilon[a]);
     }
     limit_ = p_.all_pairs() ? std::max(1.0, extent) : p_.inner / 2;
-    // a unit so that no difference leaves 32 bits
-    const double reach = 2 * extent + p_.box.edge.maxCoeff() + 2 * limit_ + p_.outer + 1e-3;
-    fixed_.unit = std::exp2(std::ceil(std::log2(reach)) - 31);
-    fixed_.x.resize(3 * slots);
-    fix(searched_, Share(clusters_.count(), 0, 1));
-    if constexpr (sizeof(T) == 4) atoms_.unit = fixed_.unit;
+    rounded_.extent = extent + p_.box.edge.maxCoeff();
+    rounded_.x.resize(3 * slots);
+    round(searched_, Share(clusters_.count(), 0, 1));
+    if constexpr (sizeof(T) == 4) {
+      // a unit so that no difference leaves 32 bits
+      const double reach = extent + rounded_.extent + 2 * limit_ + p_.outer + 1e-3;
+      atoms_.unit = std::exp2(std::ceil(std::log2(reach)) - 31);
+    }
   }
 
   // Columns of about as many clusters for each thread.
@@ -335,7 +332,7 @@ class EngineIn final : public ClusterPairs::Engine {
   Exclusions exclusions_;
   AtomClusters clusters_;
   PairAtoms<T> atoms_;
-  FixedPositions fixed_;  // where the lists were made
+  RoundedPositions rounded_;  // where the lists were made
   std::vector<double> position_, pruned_,
       searched_;                     // now and when the lists were made, as PairAtoms has them [nm]
   Vectors searched_at_, pruned_at_;  // the same, as they were given [nm]

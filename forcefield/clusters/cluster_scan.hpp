@@ -1,6 +1,6 @@
 #pragma once
 
-#include "forcefield/clusters/fixed_positions.hpp"
+#include "forcefield/clusters/rounded_positions.hpp"
 #include "md/vectors.hpp"
 
 namespace taut {
@@ -16,7 +16,7 @@ struct ClusterScan {
   const double* high[3];
   double range;                    // [nm]
   double own_low[3], own_high[3];  // bounds of the searching cluster where it meets the others [nm]
-  const FixedPositions* x;         // of all clusters
+  const RoundedPositions* x;       // of all clusters
   int own;                         // the searching cluster
   Vec3 shift;                      // moves it there [nm]
   int* candidates;                 // room for all clusters, and a vector's width more

@@ -7,6 +7,7 @@
 #endif
 
 #include "forcefield/clusters/pair_lanes-inl.hpp"
+#include "forcefield/clusters/rounded_positions.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
@@ -16,43 +17,41 @@ class InRange {
   using S = Shape<float>;
 
  public:
-  HWY_INLINE InRange(const FixedPositions& x, double range) : x_(x) {
-    const double reach = x.safely(range) / x.unit;
+  HWY_INLINE InRange(const RoundedPositions& x, double range) : x_(x.x.data()) {
+    const double reach = x.safely(range);
     reach2_ = hn::Set(S::D(), static_cast<float>(reach * reach));
   }
 
   HWY_INLINE void take(int cluster, const Vec3& shift) {
-    PairRow row{};
-    row.first = kClusterAtoms * cluster;
-    row.shift = shift;
-    load_row<float>(x_.x.data(), x_.unit, row, own_);
+    const S::D d;
+    for (int k = 0; k < 3; ++k)
+      for (int v = 0; v < S::kVectors; ++v)
+        own_[k][v] = hn::Add(load_rows(d, x_ + 12 * cluster + 4 * k + v * S::kRows),
+                             hn::Set(d, static_cast<float>(shift[k])));
   }
 
   // Bit 4i + j: its atom i and the other cluster's j.
   HWY_INLINE unsigned with(int other) const {
     const S::D d;
-    const S::DX dx;
     unsigned bits = 0;
     for (int part = 0; part < S::kParts; ++part) {
-      const auto* x = x_.x.data() + 12 * other + part * S::kColumns;
-      const auto xj = load_columns(dx, x), yj = load_columns(dx, x + 4), zj = load_columns(dx, x + 8);
+      const float* x = x_ + 12 * std::ptrdiff_t{other} + part * S::kColumns;
+      const auto xj = load_columns(d, x), yj = load_columns(d, x + 4), zj = load_columns(d, x + 8);
       for (int v = 0; v < S::kVectors; ++v) {
-        const auto ux = hn::ConvertTo(d, hn::Sub(own_[0][v], xj)),
-                   uy = hn::ConvertTo(d, hn::Sub(own_[1][v], yj)),
-                   uz = hn::ConvertTo(d, hn::Sub(own_[2][v], zj));
-        const auto r2 = hn::MulAdd(ux, ux, hn::MulAdd(uy, uy, hn::Mul(uz, uz)));
-        std::uint8_t bytes[8] = {};
-        hn::StoreMaskBits(d, hn::Le(r2, reach2_), bytes);
-        bits |= unsigned(bytes[0] | bytes[1] << 8) << (4 * v * S::kRows + part * S::kColumns);
+        const auto dx = hn::Sub(own_[0][v], xj), dy = hn::Sub(own_[1][v], yj), dz = hn::Sub(own_[2][v], zj);
+        const auto r2 = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
+        std::uint64_t found = 0;
+        hn::StoreMaskBits(d, hn::Le(r2, reach2_), reinterpret_cast<std::uint8_t*>(&found));
+        bits |= static_cast<unsigned>(found) << (4 * v * S::kRows + part * S::kColumns);
       }
     }
     return bits;
   }
 
  private:
-  const FixedPositions& x_;
+  const float* x_;
   S::V reach2_;
-  S::VX own_[3][S::kVectors];
+  S::V own_[3][S::kVectors];
 };
 
 }  // namespace taut::HWY_NAMESPACE

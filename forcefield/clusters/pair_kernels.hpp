@@ -1,11 +1,12 @@
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <limits>
 
 #include "forcefield/clusters/aligned.hpp"
 #include "forcefield/clusters/cluster_list.hpp"
-#include "forcefield/clusters/fixed_positions.hpp"
+#include "forcefield/clusters/rounded_positions.hpp"
 
 namespace taut {
 
@@ -33,11 +34,16 @@ template <>
 struct PairPrecision<double> {
   using Coordinate = double;
   static constexpr int kRowAtoms = 2;
+  static Coordinate coordinate(double u) { return u; }
 };
 template <>
 struct PairPrecision<float> {
   using Coordinate = std::int32_t;
   static constexpr int kRowAtoms = 4;
+  // The nearest whole number, for |u| < 2⁵¹, modulo 2³².
+  static Coordinate coordinate(double u) {
+    return static_cast<Coordinate>(std::bit_cast<std::int64_t>(u + 6755399441055744.0));
+  }
 };
 
 // Atoms as the kernels read them, four to a cluster.
@@ -67,7 +73,7 @@ template <class T>
 double pair_virial(const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList& list);
 
 // What of a list of clusters' rows is within `range` [nm] now, in rows of row_atoms. `kind` is by slot.
-void prune_list(const FixedPositions& x, const std::vector<std::uint8_t>& kind, const ClusterList& list,
+void prune_list(const RoundedPositions& x, const std::vector<std::uint8_t>& kind, const ClusterList& list,
                 double range, int row_atoms, ClusterList& pruned);
 
 }  // namespace taut

@@ -9,7 +9,6 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "forcefield/clusters/pair_kernels.hpp"
 
@@ -65,11 +64,7 @@ HWY_INLINE void load_row(const typename S::Coordinate* x, double unit, const Pai
   const typename S::DX d;
   x += 12 * (row.first / kClusterAtoms) + row.first % kClusterAtoms;
   for (int k = 0; k < 3; ++k) {
-    typename S::Coordinate shift;
-    if constexpr (sizeof(T) == 4)
-      shift = static_cast<std::int32_t>(static_cast<std::int64_t>(std::round(row.shift[k] / unit)));
-    else
-      shift = row.shift[k];
+    const auto shift = PairPrecision<T>::coordinate(row.shift[k] / unit);
     for (int v = 0; v < S::kVectors; ++v)
       out[k][v] = hn::Add(load_rows(d, x + 4 * k + v * S::kRows), hn::Set(d, shift));
   }

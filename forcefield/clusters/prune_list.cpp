@@ -22,7 +22,7 @@ void add_masks(const ClusterList& list, const PairRow& whole, int first, int ato
 }
 
 // Cuts a row of four into rows of `atoms`, each with the clusters that hold a pair in range with it.
-void prune_rows(const FixedPositions& x, const std::vector<std::uint8_t>& kind, const ClusterList& list,
+void prune_rows(const RoundedPositions& x, const std::vector<std::uint8_t>& kind, const ClusterList& list,
                 double range, int atoms, ClusterList& pruned) {
   const int rows = kClusterAtoms / atoms;
   const unsigned first_row = (1u << (4 * atoms)) - 1;
@@ -64,7 +64,7 @@ HWY_AFTER_NAMESPACE();
 namespace taut {
 
 HWY_EXPORT(prune_rows);
-void prune_list(const FixedPositions& x, const std::vector<std::uint8_t>& kind, const ClusterList& list,
+void prune_list(const RoundedPositions& x, const std::vector<std::uint8_t>& kind, const ClusterList& list,
                 double range, int row_atoms, ClusterList& pruned) {
   HWY_DYNAMIC_DISPATCH(prune_rows)(x, kind, list, range, row_atoms, pruned);
 }
