@@ -49,11 +49,12 @@ double AtomClusters::crowded_volume(const Vectors& x) const {
   return double(cubes) * edge.prod();
 }
 
-// As wide as a cluster is high: four atoms of the density there is make a cube.
+// As wide as the cube of eight atoms, at the density there is: narrower, there are fewer near each other to
+// choose from; wider, more that are not.
 void AtomClusters::choose_columns(const Vectors& x) {
   if (builds_++ % kBuildsPerSurvey != 0) return;
   const auto present = std::count(layout_.present.begin(), layout_.present.end(), 1);
-  const double ideal = std::cbrt(kClusterAtoms * crowded_volume(x) / double(std::max(1L, long(present))));
+  const double ideal = std::cbrt(2 * kClusterAtoms * crowded_volume(x) / double(std::max(1L, long(present))));
   for (int d = 0; d < 2; ++d) {
     const double edge = layout_.box.edge[d];
     count_[d] = layout_.box.periodic() ? std::max(1L, std::lround(edge / ideal)) : 0;
@@ -122,6 +123,7 @@ void AtomClusters::build(const Vectors& x) {
   slot_of_.assign(n, -1);
   for (Column& column : columns_) {
     const int begin = column.begin, end = column.end;
+    bring_near(x, begin, end);
     column.begin = count();
     cut(begin, end);
     column.end = count();
@@ -152,6 +154,30 @@ void AtomClusters::sort_columns() {
   for (const Column& column : columns_)
     std::sort(entries_.begin() + column.begin, entries_.begin() + column.end,
               [](const Entry& a, const Entry& b) { return a.z != b.z ? a.z < b.z : a.atom < b.atom; });
+}
+
+// Of the entries left, the lowest and, three times, of the next few the one nearest to the middle of those
+// taken. The lowest atoms of clusters stay in their order.
+void AtomClusters::bring_near(const Vectors& x, int begin, int end) {
+  constexpr int kFew = 6;
+  const auto place = [&](int e) -> Vec3 { return x.col(entries_[e].atom) + wrap_[entries_[e].atom]; };
+  for (int first = begin; first + kClusterAtoms < end; first += kClusterAtoms) {
+    Vec3 sum = place(first);
+    for (int taken = 1; taken < kClusterAtoms; ++taken) {
+      const Vec3 middle = sum / taken;
+      const int next = first + taken, last = std::min(end, next + kFew);
+      int nearest = next;
+      double least = (place(next) - middle).squaredNorm();
+      for (int e = next + 1; e < last; ++e) {
+        const double apart = (place(e) - middle).squaredNorm();
+        if (apart >= least) continue;
+        least = apart;
+        nearest = e;
+      }
+      sum += place(nearest);
+      std::rotate(entries_.begin() + next, entries_.begin() + nearest, entries_.begin() + nearest + 1);
+    }
+  }
 }
 
 // Clusters of the entries begin .. end.

@@ -69,6 +69,7 @@ class AtomClusters {
   Place locate(int a, const Vec3& x, Vec3& offset) const;
   std::size_t table_entry(const Place& place) const;
   void sort_columns();
+  void bring_near(const Vectors& x, int begin, int end);
   void cut(int begin, int end);
 
   Layout layout_;
