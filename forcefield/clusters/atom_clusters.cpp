@@ -103,11 +103,11 @@ void AtomClusters::build(const Vectors& x) {
   table_.assign(std::bit_ceil(2 * std::size_t(n) + 1), -1);
   column_of_.assign(n, -1);
   wrap_.resize(n);
-  z_.resize(n);
+  wrapped_.resize(n);
   for (int a = 0; a < n; ++a) {
     if (!layout_.present[a]) continue;
     const Place place = locate(a, x.col(a), wrap_[a]);
-    z_[a] = x(2, a) + wrap_[a][2];
+    wrapped_[a] = x.col(a) + wrap_[a];
     int& column = table_[table_entry(place)];
     if (column < 0) {
       column = static_cast<int>(columns_.size());
@@ -123,7 +123,7 @@ void AtomClusters::build(const Vectors& x) {
   slot_of_.assign(n, -1);
   for (Column& column : columns_) {
     const int begin = column.begin, end = column.end;
-    bring_near(x, begin, end);
+    bring_near(begin, end);
     column.begin = count();
     cut(begin, end);
     column.end = count();
@@ -150,7 +150,7 @@ void AtomClusters::sort_columns() {
     if (column >= 0) column = rank_[column];
   entries_.resize(begin);
   for (std::size_t a = 0; a < column_of_.size(); ++a)
-    if (column_of_[a] >= 0) entries_[next_[rank_[column_of_[a]]]++] = {z_[a], static_cast<int>(a)};
+    if (column_of_[a] >= 0) entries_[next_[rank_[column_of_[a]]]++] = {wrapped_[a][2], static_cast<int>(a)};
   for (const Column& column : columns_)
     std::sort(entries_.begin() + column.begin, entries_.begin() + column.end,
               [](const Entry& a, const Entry& b) { return a.z != b.z ? a.z < b.z : a.atom < b.atom; });
@@ -158,9 +158,9 @@ void AtomClusters::sort_columns() {
 
 // Of the entries left, the lowest and, three times, of the next few the one nearest to the middle of those
 // taken. The lowest atoms of clusters stay in their order.
-void AtomClusters::bring_near(const Vectors& x, int begin, int end) {
+void AtomClusters::bring_near(int begin, int end) {
   constexpr int kFew = 6;
-  const auto place = [&](int e) -> Vec3 { return x.col(entries_[e].atom) + wrap_[entries_[e].atom]; };
+  const auto place = [&](int e) -> const Vec3& { return wrapped_[entries_[e].atom]; };
   for (int first = begin; first + kClusterAtoms < end; first += kClusterAtoms) {
     Vec3 sum = place(first);
     for (int taken = 1; taken < kClusterAtoms; ++taken) {

@@ -13,9 +13,9 @@ namespace taut {
 inline constexpr int kClusterAtoms = 4;
 
 // Atoms sorted in space into clusters of four (Páll and Hess 2013, doi:10.1016/j.cpc.2013.06.003): columns
-// along z about a cluster wide, the atoms of each sorted by z and cut into fours. Only occupied columns are
-// kept, in a hash table: linear in the atoms, however empty the space is. Atoms stand in slots, four to a
-// cluster; slots left over are fillers, which repeat the last atom and must not act.
+// along z as wide as eight atoms' cube, and from each, upwards, the lowest atom left with three near it. Only
+// occupied columns are kept, in a hash table: linear in the atoms, however empty the space is. Atoms stand in
+// slots, four to a cluster; slots left over are fillers, which repeat the last atom and must not act.
 class AtomClusters {
  public:
   struct Column {
@@ -69,7 +69,7 @@ class AtomClusters {
   Place locate(int a, const Vec3& x, Vec3& offset) const;
   std::size_t table_entry(const Place& place) const;
   void sort_columns();
-  void bring_near(const Vectors& x, int begin, int end);
+  void bring_near(int begin, int end);
   void cut(int begin, int end);
 
   Layout layout_;
@@ -79,9 +79,9 @@ class AtomClusters {
   std::vector<int> table_;               // hash table: indices into columns_, −1 for none
   std::vector<Column> columns_, unsorted_;
   std::vector<int> column_of_;  // by atom
-  std::vector<Vec3> wrap_;      // by atom
+  std::vector<Vec3> wrap_;      // by atom: what moves it into the box
+  std::vector<Vec3> wrapped_;   // where it is then
   std::vector<int> rank_, order_, next_;
-  std::vector<double> z_;  // by atom, wrapped
   std::vector<Entry> entries_;
   std::vector<int> atom_;
   std::vector<Vec3> offset_;
