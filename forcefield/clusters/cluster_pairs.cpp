@@ -67,7 +67,7 @@ PairProblem problem_of(const Nonbonded& nb, const Box& box) {
     p.law.k_rf = (eps - 1) / ((2 * eps + 1) * rc * rc * rc);
     p.law.c_rf = 3 * eps / ((2 * eps + 1) * rc);
     p.box = box;  // without a cutoff there are no images
-    choose_buffers(p, 0.08, 0.38);
+    choose_buffers(p, 0.07, 0.38);
   }
   p.charge = std::sqrt(kCoulomb) * nb.charge;
   p.half_sigma = 0.5 * nb.sigma;

@@ -3,34 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
-#ifndef TAUT_PAIR_ASK
-#define TAUT_PAIR_ASK
-namespace taut {
-enum class Ask { kForces, kEnergy, kVirial };  // what is summed over pairs
-}
-#endif
-
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "forcefield/clusters/pair_kernels.cpp"
 #include "forcefield/clusters/simd_targets.hpp"
 // after the targets: once a target
-#include "forcefield/clusters/inverses-inl.hpp"
-#include "forcefield/clusters/pair_lanes-inl.hpp"
+#include "forcefield/clusters/pair_law-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-
-template <bool lj, bool charge, bool one_sigma_, bool switched_, Ask ask>
-struct Choice {
-  static constexpr bool kLj = lj, kCharge = charge, kOneSigma = one_sigma_, kSwitched = switched_;
-  static constexpr bool kEnergy = ask == Ask::kEnergy, kVirial = ask == Ask::kVirial;
-  static constexpr bool kSum = kEnergy || kVirial;  // one number, no forces
-  // What the law is made of: 1/r, for energies and switches; 1/r³, for charges; 1/r², without them.
-  static constexpr bool kFromRoot = kSwitched || (charge && kEnergy), kFromCube = charge && !kFromRoot;
-  static constexpr bool kShortest = kOneSigma && !kSwitched && !kEnergy;  // of Lennard-Jones' ways
-};
 
 // Rows of one kind against their clusters.
 template <class T, class C>
@@ -40,34 +22,19 @@ class RowSum {
   using V = typename S::V;
   using DX = typename S::DX;
   using VX = typename S::VX;
+  using Law = LawInLanes<T, C>;
   static constexpr int kVectors = S::kVectors, kParts = S::kParts, kLanes = S::kLanes;
   static constexpr int kPlaces = kVectors * kParts;  // vectors a cluster
 
  public:
   HWY_INLINE RowSum(const PairLaw& law, const PairAtoms<T>& atoms, T* f)
       : x_of_(atoms.x.data()),
-        charge_(atoms.charge.data()),
-        half_sigma_(atoms.half_sigma.data()),
-        two_sqrt_epsilon_(atoms.two_sqrt_epsilon.data()),
         unit_(atoms.unit),
         f_(f),
+        law_(law, atoms),
         cutoff2_(set(law.cutoff * law.cutoff)),
-        k_rf_(set(law.k_rf)),
-        two_k_rf_(set(2 * law.k_rf)),
-        c_rf_(set(law.c_rf)),
-        sigma6_(set(law.sigma6())),
-        six_sigma6_(set(6 * law.sigma6())),
-        twelve_sigma12_(set(12 * law.sigma6() * law.sigma6())),
-        lift_(set(law.lift / 4)),
         unit2_(set(atoms.unit * atoms.unit)),
-        sum_(set(0)) {
-    if constexpr (C::kSwitched) {
-      const double width = law.cutoff - law.switch_distance;
-      inv_width_ = set(1 / width);
-      start_ = set(law.switch_distance / width);
-      slope_width_ = set(30 / width);
-    }
-  }
+        sum_(set(0)) {}
 
   HWY_INLINE void add(const PairRow& row, const ClusterList& list) {
     load(row);
@@ -95,14 +62,7 @@ class RowSum {
     const D d;
     load_row<T>(x_of_, unit_, row, x_);
     for (int v = 0; v < kVectors; ++v) {
-      const int at = row.first + v * S::kRows;
-      if constexpr (C::kCharge) q_[v] = load_rows(d, charge_ + at);
-      if constexpr (C::kLj) {
-        eps_[v] = load_rows(d, two_sqrt_epsilon_ + at);
-        repulsion_[v] = hn::Mul(eps_[v], twelve_sigma12_);
-        attraction_[v] = hn::Mul(eps_[v], six_sigma6_);
-      }
-      if constexpr (C::kLj && !C::kOneSigma) sigma_[v] = load_rows(d, half_sigma_ + at);
+      atoms_[v] = law_.atoms(row.first + v * S::kRows);
       for (int k = 0; k < 3; ++k) own_f_[k][v] = hn::Zero(d);
     }
   }
@@ -167,7 +127,6 @@ class RowSum {
 
   template <int K>
   HWY_INLINE void measure(const int* clusters, Distances<K>& out) const {
-    const D d;
     for (int place = 0; place < kPlaces; ++place) {
       V r[K][3];
       for (int k = 0; k < K; ++k) subtract(clusters[k], place, r[k]);
@@ -176,9 +135,7 @@ class RowSum {
         if constexpr (sizeof(T) == 4) r2 = hn::Mul(r2, unit2_);
         out.r2[place][k] = r2;
       }
-      for (int k = 0; k < K; ++k)
-        out.guess[place][k] = C::kFromRoot || C::kFromCube ? guess_inverse_sqrt(d, out.r2[place][k])
-                                                           : guess_inverse(d, out.r2[place][k]);
+      for (int k = 0; k < K; ++k) out.guess[place][k] = Law::guess(out.r2[place][k]);
     }
   }
 
@@ -190,7 +147,7 @@ class RowSum {
       for (int k = 0; k < K; ++k) j[k] = 4 * std::ptrdiff_t{clusters[k]} + part * S::kColumns;
       const V(&r2)[K] = at.r2[place];
       V(&term)[K] = out.of[place];
-      pair<K>(v, j, r2, at.guess[place], term);
+      law_.template pairs<K>(atoms_[v], j, r2, at.guess[place], term);
       for (int k = 0; k < K; ++k) {
         term[k] = hn::IfThenElseZero(hn::Not(hn::Gt(r2[k], cutoff2_)), term[k]);  // NaN must show
         if constexpr (kMasked) term[k] = hn::IfThenElseZero(counted(mask_, v, part), term[k]);
@@ -232,75 +189,6 @@ class RowSum {
     return hn::LoadMaskBits(D(), bytes);
   }
 
-  // −(dE/dr)/r [kJ/mol/nm²], or E [kJ/mol].
-  template <int K>
-  HWY_INLINE void pair(int v, const std::ptrdiff_t (&j)[K], const V (&r2)[K], V (&guess)[K],
-                       V (&term)[K]) const {
-    const D d;
-    V inv_r3[K];
-    if constexpr (C::kFromCube) {
-      inverse_cube<K>(d, r2, guess);
-    } else if constexpr (C::kFromRoot) {
-      inverse_sqrt<K>(d, r2, guess);
-    } else {
-      inverse<K>(d, r2, guess);
-    }
-    for (int k = 0; k < K; ++k) {
-      if constexpr (C::kFromCube) inv_r3[k] = guess[k];
-      if constexpr (C::kFromRoot) inv_r3[k] = hn::Mul(guess[k], hn::Mul(guess[k], guess[k]));
-      if constexpr (C::kLj) term[k] = lennard_jones(v, j[k], r2[k], guess[k]);
-      if constexpr (C::kCharge) {
-        const V qq = hn::Mul(q_[v], load_columns(d, charge_ + j[k]));
-        const V coulomb =
-            C::kEnergy ? hn::Sub(hn::MulAdd(k_rf_, r2[k], guess[k]), c_rf_) : hn::Sub(inv_r3[k], two_k_rf_);
-        term[k] = C::kLj ? hn::MulAdd(qq, coulomb, term[k]) : hn::Mul(qq, coulomb);
-      }
-    }
-  }
-
-  // `inverse`: 1/r³, 1/r or 1/r².
-  HWY_INLINE V lennard_jones(int v, std::ptrdiff_t j, V r2, V inverse) const {
-    const D d;
-    const V eps_j = load_columns(d, two_sqrt_epsilon_ + j);
-    V inv_r2, inv_r4, inv_r6;
-    if constexpr (C::kFromCube) {
-      inv_r6 = hn::Mul(inverse, inverse);
-      inv_r4 = hn::Mul(inv_r6, r2);
-      inv_r2 = hn::Mul(inv_r4, r2);
-    } else {
-      inv_r2 = C::kFromRoot ? hn::Mul(inverse, inverse) : inverse;
-      inv_r4 = hn::Mul(inv_r2, inv_r2);
-      inv_r6 = hn::Mul(inv_r4, inv_r2);
-    }
-    if constexpr (C::kShortest)
-      return hn::Mul(hn::Mul(inv_r4, hn::Mul(inv_r4, eps_j)),
-                     hn::MulSub(repulsion_[v], inv_r6, attraction_[v]));
-    V s6;
-    if constexpr (C::kOneSigma) {
-      s6 = hn::Mul(sigma6_, inv_r6);
-    } else {
-      const V sigma = hn::Add(sigma_[v], load_columns(d, half_sigma_ + j)), sigma2 = hn::Mul(sigma, sigma);
-      s6 = hn::Mul(hn::Mul(hn::Mul(sigma2, sigma2), sigma2), inv_r6);
-    }
-    const V four_eps = hn::Mul(eps_[v], eps_j), depth = hn::Mul(four_eps, s6);
-    V slope{}, energy{};
-    if constexpr (!C::kEnergy || C::kSwitched)
-      slope = hn::Mul(hn::Mul(depth, hn::MulSub(set(12), s6, set(6))), inv_r2);
-    if constexpr (C::kEnergy || C::kSwitched) energy = hn::MulSub(depth, s6, depth);
-    if constexpr (C::kSwitched) {
-      // S = 1 − u³(10 − 15u + 6u²), S' = −30 (u − u²)²; the force gains −E S'/r
-      const V inv_r = inverse;
-      const V u = hn::Max(hn::MulSub(hn::Mul(r2, inv_r), inv_width_, start_), hn::Zero(d));
-      const V u2 = hn::Mul(u, u), u_less_u2 = hn::Sub(u, u2);
-      const V fade =
-          hn::MulAdd(hn::Mul(u2, u), hn::MulAdd(u, hn::NegMulAdd(set(6), u, set(15)), set(-10)), set(1));
-      const V fade_slope = hn::Mul(hn::Mul(u_less_u2, u_less_u2), slope_width_);
-      slope = hn::MulAdd(hn::Mul(energy, fade_slope), inv_r, hn::Mul(slope, fade));
-      energy = hn::Mul(energy, fade);
-    }
-    return C::kEnergy ? hn::MulAdd(lift_, four_eps, energy) : slope;
-  }
-
   // The row's own forces go to lanes of its atoms: any copy will do.
   HWY_INLINE void store(const PairRow& row) {
     const D d;
@@ -322,20 +210,16 @@ class RowSum {
   }
 
   const typename S::Coordinate* HWY_RESTRICT x_of_;
-  const T* HWY_RESTRICT charge_;
-  const T* HWY_RESTRICT half_sigma_;
-  const T* HWY_RESTRICT two_sqrt_epsilon_;
   double unit_;
   T* HWY_RESTRICT f_;
-  V cutoff2_, k_rf_, two_k_rf_, c_rf_, sigma6_, six_sigma6_, twelve_sigma12_, lift_, unit2_, start_{},
-      inv_width_{}, slope_width_{};
+  Law law_;
+  V cutoff2_, unit2_;
   V sum_;
   double total_ = 0;
   std::uint32_t mask_ = 0;
   VX x_[3][kVectors];
   V own_f_[3][kVectors];
-  V q_[kVectors], eps_[kVectors], sigma_[kVectors];
-  V repulsion_[kVectors], attraction_[kVectors];  // 12 σ¹² and 6 σ⁶, times eps_
+  typename Law::Atoms atoms_[kVectors];
 };
 
 struct Rows {

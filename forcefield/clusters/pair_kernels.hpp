@@ -25,6 +25,8 @@ struct PairLaw {
   double sigma6() const { return sigma * sigma * sigma * sigma * sigma * sigma; }
 };
 
+enum class Ask { kForces, kEnergy, kVirial };  // what is summed over pairs
+
 // The precision pairs are computed in. Double: all of it. Float: positions are 32-bit whole multiples of a
 // unit of length, so that differences are exact however large the box is; from there on single precision, a
 // lane's sum over its few tens of pairs included, and double from there.

@@ -1,0 +1,162 @@
+// What pairs do, in lanes. Included once a target.
+#if defined(TAUT_PAIR_LAW_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef TAUT_PAIR_LAW_INL
+#undef TAUT_PAIR_LAW_INL
+#else
+#define TAUT_PAIR_LAW_INL
+#endif
+
+#include <cstddef>
+
+#include "forcefield/clusters/inverses-inl.hpp"
+#include "forcefield/clusters/pair_lanes-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace taut::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+template <bool lj, bool charge, bool one_sigma_, bool switched_, Ask ask>
+struct Choice {
+  static constexpr bool kLj = lj, kCharge = charge, kOneSigma = one_sigma_, kSwitched = switched_;
+  static constexpr bool kEnergy = ask == Ask::kEnergy, kVirial = ask == Ask::kVirial;
+  static constexpr bool kSum = kEnergy || kVirial;  // one number, no forces
+  // What the law starts from: 1/r, for energies and switches; 1/r³, for charges; 1/r², without them.
+  static constexpr bool kFromRoot = kSwitched || (charge && kEnergy), kFromCube = charge && !kFromRoot;
+};
+
+// PairLaw, for the vectors of a Shape<T> and one Choice C.
+template <class T, class C>
+class LawInLanes {
+  using D = typename Shape<T>::D;
+  using V = typename Shape<T>::V;
+
+ public:
+  // What it takes of a vector's row.
+  struct Atoms {
+    V q, eps, half_sigma;
+    V repulsion, attraction;  // 12 σ¹² and 6 σ⁶, times eps
+  };
+
+  HWY_INLINE LawInLanes(const PairLaw& law, const PairAtoms<T>& atoms)
+      : charge_(atoms.charge.data()),
+        half_sigma_(atoms.half_sigma.data()),
+        two_sqrt_epsilon_(atoms.two_sqrt_epsilon.data()),
+        k_rf_(set(law.k_rf)),
+        two_k_rf_(set(2 * law.k_rf)),
+        c_rf_(set(law.c_rf)),
+        sigma6_(set(law.sigma6())),
+        six_sigma6_(set(6 * law.sigma6())),
+        twelve_sigma12_(set(12 * law.sigma6() * law.sigma6())),
+        lift_(set(law.lift / 4)) {
+    if constexpr (C::kSwitched) {
+      const double width = law.cutoff - law.switch_distance;
+      inv_width_ = set(1 / width);
+      start_ = set(law.switch_distance / width);
+      slope_width_ = set(30 / width);
+    }
+  }
+
+  // Those from slot `first` on.
+  HWY_INLINE Atoms atoms(int first) const {
+    const D d;
+    Atoms a{};
+    if constexpr (C::kCharge) a.q = load_rows(d, charge_ + first);
+    if constexpr (C::kLj) {
+      a.eps = load_rows(d, two_sqrt_epsilon_ + first);
+      a.repulsion = hn::Mul(a.eps, twelve_sigma12_);
+      a.attraction = hn::Mul(a.eps, six_sigma6_);
+      if constexpr (!C::kOneSigma) a.half_sigma = load_rows(d, half_sigma_ + first);
+    }
+    return a;
+  }
+
+  // What pairs() starts from.
+  static HWY_INLINE V guess(V r2) {
+    return C::kFromRoot || C::kFromCube ? guess_inverse_sqrt(D(), r2) : guess_inverse(D(), r2);
+  }
+
+  // −(dE/dr)/r [kJ/mol/nm²], or E [kJ/mol], of a row with K clusters' atoms from slots j on.
+  template <int K>
+  HWY_INLINE void pairs(const Atoms& atoms, const std::ptrdiff_t (&j)[K], const V (&r2)[K], V (&guess)[K],
+                        V (&term)[K]) const {
+    const D d;
+    V inv_r3[K];
+    if constexpr (C::kFromCube) {
+      inverse_cube<K>(d, r2, guess);
+    } else if constexpr (C::kFromRoot) {
+      inverse_sqrt<K>(d, r2, guess);
+    } else {
+      inverse<K>(d, r2, guess);
+    }
+    for (int k = 0; k < K; ++k) {
+      if constexpr (C::kFromCube) inv_r3[k] = guess[k];
+      if constexpr (C::kFromRoot) inv_r3[k] = hn::Mul(guess[k], hn::Mul(guess[k], guess[k]));
+      if constexpr (C::kLj) term[k] = lennard_jones(atoms, j[k], r2[k], guess[k]);
+      if constexpr (C::kCharge) {
+        const V qq = hn::Mul(atoms.q, load_columns(d, charge_ + j[k]));
+        const V coulomb =
+            C::kEnergy ? hn::Sub(hn::MulAdd(k_rf_, r2[k], guess[k]), c_rf_) : hn::Sub(inv_r3[k], two_k_rf_);
+        term[k] = C::kLj ? hn::MulAdd(qq, coulomb, term[k]) : hn::Mul(qq, coulomb);
+      }
+    }
+  }
+
+ private:
+  static HWY_INLINE V set(double value) { return hn::Set(D(), static_cast<T>(value)); }
+
+  // `inverse`: 1/r³, 1/r or 1/r².
+  HWY_INLINE V lennard_jones(const Atoms& atoms, std::ptrdiff_t j, V r2, V inverse) const {
+    const D d;
+    const V eps_j = load_columns(d, two_sqrt_epsilon_ + j);
+    V inv_r2, inv_r4, inv_r6;
+    if constexpr (C::kFromCube) {
+      inv_r6 = hn::Mul(inverse, inverse);
+      inv_r4 = hn::Mul(inv_r6, r2);
+      inv_r2 = hn::Mul(inv_r4, r2);
+    } else {
+      inv_r2 = C::kFromRoot ? hn::Mul(inverse, inverse) : inverse;
+      inv_r4 = hn::Mul(inv_r2, inv_r2);
+      inv_r6 = hn::Mul(inv_r4, inv_r2);
+    }
+    if constexpr (C::kOneSigma && !C::kSwitched && !C::kEnergy)
+      return hn::Mul(hn::Mul(inv_r4, hn::Mul(inv_r4, eps_j)),
+                     hn::MulSub(atoms.repulsion, inv_r6, atoms.attraction));
+    V s6;
+    if constexpr (C::kOneSigma) {
+      s6 = hn::Mul(sigma6_, inv_r6);
+    } else {
+      const V sigma = hn::Add(atoms.half_sigma, load_columns(d, half_sigma_ + j)),
+              sigma2 = hn::Mul(sigma, sigma);
+      s6 = hn::Mul(hn::Mul(hn::Mul(sigma2, sigma2), sigma2), inv_r6);
+    }
+    const V four_eps = hn::Mul(atoms.eps, eps_j), depth = hn::Mul(four_eps, s6);
+    V slope{}, energy{};
+    if constexpr (!C::kEnergy || C::kSwitched)
+      slope = hn::Mul(hn::Mul(depth, hn::MulSub(set(12), s6, set(6))), inv_r2);
+    if constexpr (C::kEnergy || C::kSwitched) energy = hn::MulSub(depth, s6, depth);
+    if constexpr (C::kSwitched) {
+      // S = 1 − u³(10 − 15u + 6u²), S' = −30 (u − u²)²; the force gains −E S'/r
+      const V inv_r = inverse;
+      const V u = hn::Max(hn::MulSub(hn::Mul(r2, inv_r), inv_width_, start_), hn::Zero(d));
+      const V u2 = hn::Mul(u, u), u_less_u2 = hn::Sub(u, u2);
+      const V fade =
+          hn::MulAdd(hn::Mul(u2, u), hn::MulAdd(u, hn::NegMulAdd(set(6), u, set(15)), set(-10)), set(1));
+      const V fade_slope = hn::Mul(hn::Mul(u_less_u2, u_less_u2), slope_width_);
+      slope = hn::MulAdd(hn::Mul(energy, fade_slope), inv_r, hn::Mul(slope, fade));
+      energy = hn::Mul(energy, fade);
+    }
+    return C::kEnergy ? hn::MulAdd(lift_, four_eps, energy) : slope;
+  }
+
+  const T* HWY_RESTRICT charge_;
+  const T* HWY_RESTRICT half_sigma_;
+  const T* HWY_RESTRICT two_sqrt_epsilon_;
+  V k_rf_, two_k_rf_, c_rf_, sigma6_, six_sigma6_, twelve_sigma12_, lift_;
+  V start_{}, inv_width_{}, slope_width_{};
+};
+
+}  // namespace taut::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
