@@ -9,7 +9,7 @@
 namespace taut {
 namespace {
 
-constexpr int kWidest = 8;  // doubles a vector
+constexpr int kWidest = 16;  // floats a vector
 constexpr std::uint16_t kAll = 0xFFFF;
 
 // Pairs of a cluster with itself are met once: i < j. Its fillers stand where another atom stands, and must
@@ -39,11 +39,12 @@ Exclusions::Exclusions(int atoms, const std::vector<std::array<int, 2>>& pairs) 
 
 void SearchSpace::find_bounds() {
   const int n = clusters.count();
+  reach = x.safely(range);
   for (int d = 0; d < 3; ++d) {
-    low[d].assign(n + kWidest, std::numeric_limits<double>::max());
-    high[d].assign(n + kWidest, std::numeric_limits<double>::max());
+    low[d].assign(n + kWidest, std::numeric_limits<float>::max());
+    high[d].assign(n + kWidest, std::numeric_limits<float>::max());
     for (int c = 0; c < n; ++c) {
-      const double* p = x.data() + 12 * c + 4 * d;
+      const float* p = x.x.data() + 12 * c + 4 * d;
       low[d][c] = std::min({p[0], p[1], p[2], p[3]});
       high[d][c] = std::max({p[0], p[1], p[2], p[3]});
     }
@@ -119,8 +120,8 @@ void ClusterSearch::run(const SearchSpace& space, int begin_column, int end_colu
       start_.clear();
       for (const auto& n : neighbours_) start_.push_back(n.begin);
       for (int c = own.begin; c < own.end; ++c) {
-        if (image < 0 && space.high[2][c] - height < -space.range) continue;
-        if (image > 0 && space.low[2][c] + height > height + space.range) continue;
+        if (image < 0 && space.high[2][c] - height < -space.reach) continue;
+        if (image > 0 && space.low[2][c] > space.reach) continue;
         mask_exclusions(space, c);
         meet_neighbours(space, {c, own.begin, image}, list);
         unmask(space, c);
@@ -135,7 +136,7 @@ void ClusterSearch::meet_neighbours(const SearchSpace& space, const Seeker& seek
   for (std::size_t n = 0; n < neighbours_.size();) {
     const int image = neighbours_[n].image;
     const Vec3 shift = neighbours_[n].shift + Vec3(0, 0, seeker.image_z * space.edge[2]);
-    const double lowest = space.low[2][c] + shift[2] - space.range;
+    const double lowest = space.low[2][c] + shift[2] - space.reach;
     bool itself = false;
     ranges_.clear();
     for (; n < neighbours_.size() && neighbours_[n].image == image; ++n) {
@@ -153,13 +154,13 @@ void ClusterSearch::meet_neighbours(const SearchSpace& space, const Seeker& seek
     for (int d = 0; d < 3; ++d) {
       scan.low[d] = space.low[d].data();
       scan.high[d] = space.high[d].data();
-      scan.own_low[d] = space.low[d][c] + shift[d];
-      scan.own_high[d] = space.high[d][c] + shift[d];
+      scan.own_low[d] = static_cast<float>(space.low[d][c] + shift[d]);
+      scan.own_high[d] = static_cast<float>(space.high[d][c] + shift[d]);
     }
-    scan.x = &space.rounded;
+    scan.x = space.x.x.data();
     scan.own = c;
     scan.shift = shift;
-    scan.range = space.range;
+    scan.reach = space.reach;
     scan.candidates = candidates_.data();
     scan.found = found_.data();
     scan_clusters(scan, ranges_.data(), static_cast<int>(ranges_.size()));

@@ -6,6 +6,7 @@
 
 #include "forcefield/clusters/atom_clusters.hpp"
 #include "forcefield/clusters/cluster_scan.hpp"
+#include "forcefield/clusters/rounded_positions.hpp"
 #include "md/vectors.hpp"
 
 namespace taut {
@@ -50,12 +51,14 @@ struct Exclusions {
 struct SearchSpace {
   const AtomClusters& clusters;
   const Exclusions& exclusions;
-  const std::vector<std::uint8_t>& kind;         // by slot
-  const std::vector<double>& x;                  // 12 a cluster: x of its atoms, y, z [nm]
-  const RoundedPositions& rounded;               // the same
-  std::array<std::vector<double>, 3> low, high;  // by cluster, and a vector's width more: its bounds [nm]
-  Vec3 edge;                                     // of the box [nm]; zero: none
-  double range;                                  // [nm]
+  const std::vector<std::uint8_t>& kind;  // by slot
+  const RoundedPositions& x;
+  Vec3 edge;     // of the box [nm]; zero: none
+  double range;  // [nm]
+
+  double reach = 0;  // a range that misses none [nm]
+  std::array<std::vector<float>, 3> low = {},
+                                    high = {};  // by cluster, and a vector's width more: its bounds [nm]
 
   void find_bounds();
 };

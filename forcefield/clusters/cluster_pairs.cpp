@@ -238,8 +238,7 @@ class EngineIn final : public ClusterPairs::Engine {
     const int clusters = clusters_.count();
     threads_ = std::clamp(clusters / kClustersPerThread, 1, available_threads());
     load(x);
-    SearchSpace space{
-        clusters_, exclusions_, kind_, searched_, rounded_, {}, {}, p_.box.edge, p_.law.cutoff + p_.outer};
+    SearchSpace space{clusters_, exclusions_, kind_, rounded_, p_.box.edge, p_.law.cutoff + p_.outer};
     outer_.resize(threads_);
     inner_.resize(threads_);
     search_.resize(threads_);

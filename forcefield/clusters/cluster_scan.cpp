@@ -13,12 +13,12 @@ HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-using D = hn::CappedTag<double, 8>;
+using D = hn::CappedTag<float, 16>;
 using V = hn::Vec<D>;
 constexpr int kLanes = static_cast<int>(hn::MaxLanes(D()));
 
 // How far [low, high] is from each of the intervals of the clusters.
-V gap(V low, V high, const double* lows, const double* highs) {
+V gap(V low, V high, const float* lows, const float* highs) {
   const D d;
   const V below = hn::Sub(low, hn::LoadU(d, highs)), above = hn::Sub(hn::LoadU(d, lows), high);
   return hn::Max(hn::Max(below, above), hn::Zero(d));
@@ -27,15 +27,16 @@ V gap(V low, V high, const double* lows, const double* highs) {
 // Appends first + l for each bit l.
 HWY_INLINE int* append(int* out, int first, unsigned bits) {
   const hn::Rebind<std::int32_t, D> d;
-  const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(bits)};
+  std::uint64_t mask = bits;
+  const auto bytes = reinterpret_cast<const std::uint8_t*>(&mask);
   hn::StoreU(hn::Compress(hn::Iota(d, first), hn::LoadMaskBits(d, bytes)), d, out);
   return out + hwy::PopCount(bits);
 }
 
 void scan_clusters_simd(ClusterScan& s, const ClusterRange* ranges, int ranges_count) {
   const D d;
-  const double highest = s.own_high[2] + s.range;
-  const V range2 = hn::Set(d, s.range * s.range);
+  const float highest = s.own_high[2] + static_cast<float>(s.reach);
+  const V reach2 = hn::Set(d, static_cast<float>(s.reach * s.reach));
   V low[3], high[3];
   for (int k = 0; k < 3; ++k) {
     low[k] = hn::Set(d, s.own_low[k]);
@@ -49,14 +50,14 @@ void scan_clusters_simd(ClusterScan& s, const ClusterRange* ranges, int ranges_c
       const V gy = gap(low[1], high[1], s.low[1] + c, s.high[1] + c);
       const V gz = gap(low[2], high[2], s.low[2] + c, s.high[2] + c);
       const V gap2 = hn::MulAdd(gx, gx, hn::MulAdd(gy, gy, hn::Mul(gz, gz)));
-      std::uint8_t bytes[8] = {};
-      hn::StoreMaskBits(d, hn::Le(gap2, range2), bytes);
-      unsigned bits = bytes[0];
+      std::uint64_t near = 0;
+      hn::StoreMaskBits(d, hn::Le(gap2, reach2), reinterpret_cast<std::uint8_t*>(&near));
+      auto bits = static_cast<unsigned>(near);
       if (range->end - c < kLanes) bits &= (1u << (range->end - c)) - 1;
       candidate = append(candidate, c, bits);
     }
   // then by atoms
-  InRange in_range(*s.x, s.range);
+  InRange in_range(s.x, s.reach);
   in_range.take(s.own, s.shift);
   int* found = s.found;
   for (const int* j = s.candidates; j != candidate; ++j) {

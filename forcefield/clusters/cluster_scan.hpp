@@ -1,6 +1,5 @@
 #pragma once
 
-#include "forcefield/clusters/rounded_positions.hpp"
 #include "md/vectors.hpp"
 
 namespace taut {
@@ -12,19 +11,19 @@ struct ClusterRange {
 
 // A cluster in search of partners.
 struct ClusterScan {
-  const double* low[3];  // bounds of all clusters, and of a vector's width more [nm]
-  const double* high[3];
-  double range;                    // [nm]
-  double own_low[3], own_high[3];  // bounds of the searching cluster where it meets the others [nm]
-  const RoundedPositions* x;       // of all clusters
-  int own;                         // the searching cluster
-  Vec3 shift;                      // moves it there [nm]
-  int* candidates;                 // room for all clusters, and a vector's width more
-  int* found;                      // the same
-  int count;                       // how many there are
+  const float* low[3];  // bounds of all clusters, and of a vector's width more [nm]
+  const float* high[3];
+  double reach;                   // [nm]
+  float own_low[3], own_high[3];  // bounds of the searching cluster where it meets the others [nm]
+  const float* x;                 // RoundedPositions of all clusters
+  int own;                        // the searching cluster
+  Vec3 shift;                     // moves it there [nm]
+  int* candidates;                // room for all clusters, and a vector's width more
+  int* found;                     // the same
+  int count;                      // how many there are
 };
 
-// Appends the clusters with an atom within range of one of the searching.
+// Appends the clusters with an atom within reach of one of the searching.
 void scan_clusters(ClusterScan& scan, const ClusterRange* ranges, int count);
 
 }  // namespace taut

@@ -7,7 +7,6 @@
 #endif
 
 #include "forcefield/clusters/pair_lanes-inl.hpp"
-#include "forcefield/clusters/rounded_positions.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
@@ -17,10 +16,9 @@ class InRange {
   using S = Shape<float>;
 
  public:
-  HWY_INLINE InRange(const RoundedPositions& x, double range) : x_(x.x.data()) {
-    const double reach = x.safely(range);
-    reach2_ = hn::Set(S::D(), static_cast<float>(reach * reach));
-  }
+  // x: RoundedPositions of all clusters; reach: a range made safe for them [nm].
+  HWY_INLINE InRange(const float* x, double reach)
+      : x_(x), reach2_(hn::Set(S::D(), static_cast<float>(reach * reach))) {}
 
   HWY_INLINE void take(int cluster, const Vec3& shift) {
     const S::D d;

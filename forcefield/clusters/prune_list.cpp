@@ -29,7 +29,7 @@ void prune_rows(const RoundedPositions& x, const std::vector<std::uint8_t>& kind
   pruned.rows.clear();
   pruned.masked.clear();
   pruned.clusters.resize(rows * list.clusters.size());  // room
-  InRange in_range(x, range);
+  InRange in_range(x.x.data(), x.safely(range));
   int* next = pruned.clusters.data();
   for (const PairRow& whole : list.rows) {
     in_range.take(whole.first / kClusterAtoms, whole.shift);
