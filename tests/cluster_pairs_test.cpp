@@ -230,6 +230,25 @@ TEST(ClusterPairs, AtomsFarApartAndUnevenlySpread) {
   EXPECT_LT((f - witness).norm(), 1e-12 * witness.norm());
 }
 
+// There a float is known to 0.06 nm: more than the inner buffer.
+TEST(ClusterPairs, MissNoPairFarFromTheOrigin) {
+  const Liquid droplet{"", 7, 0.33, false, 0.7, 0, 1, true};
+  std::mt19937_64 rng(11);
+  std::normal_distribution<double> normal(0, 0.003);
+  Vectors x = place(droplet, rng);
+  x.array() += 1e6;
+  const Nonbonded nb = forces_of(droplet);
+  ClusterPairs clusters(nb, {}, Precision::kDouble);
+  LennardJonesCoulomb plain(nb, {});
+  for (int n = 0; n < 20; ++n) {
+    Vectors f = Vectors::Zero(3, x.cols()), witness = f;
+    clusters.add_forces(x, f);
+    plain.add(x, witness);
+    EXPECT_LT((f - witness).norm(), 1e-12 * witness.norm()) << n;
+    x += Vectors::NullaryExpr(3, x.cols(), [&] { return normal(rng); });
+  }
+}
+
 TEST(ClusterPairs, RefusesPositionsThatAreNotFinite) {
   const Liquid liquid{"", 5, 0.33, true, 0.8, 0, 1, true};
   std::mt19937_64 rng(1);
