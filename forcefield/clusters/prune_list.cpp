@@ -21,10 +21,11 @@ void add_masks(const ClusterList& list, const PairRow& whole, int first, int ato
   row.masked_end = static_cast<int>(pruned.masked.size());
 }
 
-// Cuts a row of four into rows of `atoms`, each with the clusters that hold a pair in range with it.
+// Cuts a row of four into rows of `atoms`, four or two, each with the clusters that hold a pair in range with
+// it.
 void prune_rows(const RoundedPositions& x, const std::vector<std::uint8_t>& kind, const ClusterList& list,
                 double range, int atoms, ClusterList& pruned) {
-  const int rows = kClusterAtoms / atoms;
+  const int rows = atoms == kClusterAtoms ? 1 : 2;
   const unsigned first_row = (1u << (4 * atoms)) - 1;
   pruned.rows.clear();
   pruned.masked.clear();
