@@ -11,19 +11,26 @@
 namespace {
 long allocations = 0;
 
-void* counted(std::size_t size, std::size_t alignment) {
+void* counted(std::size_t size, std::size_t alignment) noexcept {
   ++allocations;
-  void* place = std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
+  return std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
+}
+
+void* demanded(std::size_t size, std::size_t alignment) {
+  void* place = counted(size, alignment);
   if (!place) throw std::bad_alloc();
   return place;
 }
 }  // namespace
 
 void* operator new(std::size_t size) {
+  return demanded(size, alignof(std::max_align_t));
+}
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {  // std::stable_sort asks so
   return counted(size, alignof(std::max_align_t));
 }
 void* operator new(std::size_t size, std::align_val_t alignment) {
-  return counted(size, std::size_t(alignment));
+  return demanded(size, std::size_t(alignment));
 }
 void operator delete(void* place) noexcept {
   std::free(place);
