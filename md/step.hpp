@@ -5,6 +5,7 @@
 
 #include "md/state.hpp"
 #include "md/system.hpp"
+#include "md/threads.hpp"
 
 namespace taut {
 
@@ -42,9 +43,30 @@ concept ConstraintMethod = requires(M& method, const System& sys, double h, Stat
   { method.project_velocities(sys, h, s) } -> std::same_as<SolveStats>;
 };
 
+// work(first, count) of all atoms, by threads.
+template <class Work>
+void by_atoms(int atoms, const Work& work) {
+  constexpr int kAtomsOfThread = 2000;  // fewer are not worth waking a thread for
+  const int threads = std::clamp(atoms / kAtomsOfThread, 1, available_threads());
+  in_parallel(threads, [&](int t) {
+    const Share share(atoms, t, threads);
+    work(share.begin, share.end - share.begin);
+  });
+}
+
 // v += (h/2) M⁻¹f
 inline void half_kick(const System& sys, double h, State& s) {
-  s.v.array() += s.f.array().rowwise() * (0.5 * h * sys.inv_mass.transpose().array());
+  by_atoms(sys.atoms(), [&](int first, int count) {
+    s.v.middleCols(first, count).array() +=
+        s.f.middleCols(first, count).array().rowwise() *
+        (0.5 * h * sys.inv_mass.segment(first, count).transpose().array());
+  });
+}
+
+// x += hv
+inline void drift(double h, State& s) {
+  by_atoms(static_cast<int>(s.x.cols()),
+           [&](int first, int count) { s.x.middleCols(first, count) += h * s.v.middleCols(first, count); });
 }
 
 // A thermostat that changes the velocity by Δ in the middle of the drift (constraints/langevin.hpp) has
@@ -63,7 +85,7 @@ template <ForceLaw F, ConstraintMethod M, class Bath = NoBath>
 SolveStats step(const System& sys, F& forces, M& method, double h, State& s, Bath&& bath = Bath{}) {
   half_kick(sys, h, s);
   bath.first_half(s);
-  s.x += h * s.v;                                          // drift: the old positions are x − hv
+  drift(h, s);                                             // the old positions are x − hv
   SolveStats stats = method.project_positions(sys, h, s);  // SHAKE, RATTLE, ...
   forces(sys, s);                                          // f = F(x)
   stats += bath.draw(sys, h, s);
