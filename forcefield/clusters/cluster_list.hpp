@@ -57,8 +57,9 @@ struct SearchSpace {
   double range;  // [nm]
 
   double reach = 0;  // a range that misses none [nm]
-  std::array<std::vector<float>, 3> low = {},
-                                    high = {};  // by cluster, and a vector's width more: its bounds [nm]
+  // By cluster, and a vector's width more: its bounds [nm].
+  std::array<std::vector<float>, 3> low = {};
+  std::array<std::vector<float>, 3> high = {};
 
   void find_bounds();
 };

@@ -4,7 +4,6 @@
 #include <hwy/cache_control.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 

@@ -1,7 +1,6 @@
 #include "forcefield/clusters/pair_kernels.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "forcefield/clusters/pair_kernels.cpp"
@@ -80,7 +79,7 @@ class RowSum {
 
   // One stage waits for another longer than the processor can look ahead: so they take turns, each with
   // clusters of its own.
-  static constexpr int kLong = 10;  // rows, for that
+  static constexpr int kLong = 10;  // clusters: with fewer in a row it does not pay
   HWY_INLINE void meet_all(const int* clusters, int count) {
     constexpr int K = 2;
     int k = 0;
