@@ -1,13 +1,17 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "command_line.hpp"
 #include "commands.hpp"
 #include "md/aside_file.hpp"
+#include "study.hpp"
 #include "systems/scene_file.hpp"
 #include "systems/studies/calibration.hpp"
+#include "systems/studies/study_scene.hpp"
 
 namespace taut {
 namespace {
@@ -27,11 +31,23 @@ void print_course(const char* name, const std::vector<double>& values) {
   fmt::print("\n");
 }
 
-void print(const Scene& scene, const CalibrationPlan& plan, const Calibration& c) {
+// What makes `taut run` run what was measured.
+std::string run_line(const CalibrateArguments& arguments, const Calibration& c) {
+  CommandLine line("run", arguments.scene);
+  line.option("--dt-fs", arguments.dt_fs);
+  std::vector<std::string> settings = arguments.settings;
+  std::ranges::copy(settings_of(c), std::back_inserter(settings));
+  line.option("--set", settings);
+  return line.text();
+}
+
+void print(const Scene& scene, const CalibrateArguments& arguments, const Calibration& c) {
+  const CalibrationPlan& plan = arguments.plan;
   const double h = scene.run.h();
-  fmt::print("{}: {} bonds, h = {:g} fs; errors of {:g} put on every bond, seed {}\n\n", scene.name,
+  fmt::print("{}: {} bonds, h = {:g} fs; errors of {:g} put on every bond, seed {}\n", scene.name,
              scene.system.bond_count(), scene.run.dt_fs, plan.size, scene.run.seed);
-  fmt::print("a stretch's course, rms σ/d² after\n  {:<12}", "steps");
+  print_notes(scene);
+  fmt::print("\na stretch's course, rms σ/d² after\n  {:<12}", "steps");
   for (int n = 0; n < 7; ++n) fmt::print(" {:>8}", n);
   fmt::print("\n");
   print_course(plan.against.c_str(), c.reference.stretch);
@@ -41,10 +57,10 @@ void print(const Scene& scene, const CalibrationPlan& plan, const Calibration& c
       plan.sweeps > 0 ? fmt::format("{} sweeps", plan.sweeps) : fmt::format("tolerance {:g}", plan.tolerance),
       c.reduction_reference, c.window);
   fmt::print(
-      "baumgarte, {} damping, does so with\n  alpha_per_ps = {:.6g}   beta_per_ps = {:.6g}   (αh = {:.4g}, "
-      "βh = "
-      "{:.4g})\n\n",
-      plan.damping, c.alpha_per_ps, c.beta_per_ps, c.alpha_per_ps * h, c.beta_per_ps * h);
+      "baumgarte, {} damping, {} a step, does so with\n"
+      "  alpha_per_ps = {:.6g}   beta_per_ps = {:.6g}   (αh = {:.4g}, βh = {:.4g}), that is\n  {}\n\n",
+      plan.damping, plan.passes == 1 ? "1 solve" : fmt::format("{} solves", plan.passes), c.alpha_per_ps,
+      c.beta_per_ps, c.alpha_per_ps * h, c.beta_per_ps * h, run_line(arguments, c));
   fmt::print("{:34} {:>10} {:>10}\n", "", "predicted", "measured");
   const auto row = [](const char* what, double predicted, double measured) {
     fmt::print("{:34} {:>10.4g} {:>10.4g}\n", what, predicted, measured);
@@ -53,22 +69,30 @@ void print(const Scene& scene, const CalibrationPlan& plan, const Calibration& c
   row("reduction a step, σ̇ of a stretch", c.reduction_predicted, c.reduction_of_rate);
   row("reduction a step, σ of a rate", c.reduction_predicted, c.reduction_after_rate);
   row("floor, rms σ/d²", c.floor_predicted, c.floor_measured);
+  if (const std::string why = disagreement(plan, c); !why.empty()) fmt::print("\n{}\n", why);
 }
 
 void calibrate_scene(const CalibrateArguments& arguments) {
   std::vector<std::string> overrides;
   if (arguments.dt_fs) overrides.push_back(fmt::format("run.dt_fs={}", *arguments.dt_fs));
   overrides.insert(overrides.end(), arguments.settings.begin(), arguments.settings.end());
-  const Scene scene = read_scene(find_scene(arguments.scene), overrides);
+  refuse_without_effect("calibrate", overrides);
+  const Scene scene = prepared_for_study(read_scene(find_scene(arguments.scene), overrides));
   const Calibration c = calibrate(scene, arguments.plan);
-  print(scene, arguments.plan, c);
+  print(scene, arguments, c);
   if (!arguments.json) return;
   const nlohmann::ordered_json json = {
       {"scene", scene.name},
       {"against", arguments.plan.against},
       {"sweeps", arguments.plan.sweeps},
-      {"damping", arguments.plan.damping},
       {"dt_fs", scene.run.dt_fs},
+      {"method",
+       {{"name", "baumgarte"},
+        {"gains", c.method.gains},
+        {"damping", c.method.damping},
+        {"reduction", c.method.reduction},
+        {"passes", c.method.passes}}},
+      {"run", run_line(arguments, c)},
       {"reduction_rattle", c.reduction_reference},
       {"alpha_per_ps", c.alpha_per_ps},
       {"beta_per_ps", c.beta_per_ps},
@@ -77,6 +101,8 @@ void calibrate_scene(const CalibrateArguments& arguments) {
       {"reduction_measured_rate", c.reduction_of_rate},
       {"floor_predicted", c.floor_predicted},
       {"floor_measured", c.floor_measured},
+      {"left_whatever_the_gains", c.left},
+      {"disagreement", disagreement(arguments.plan, c)},
   };
   AsideFile file(*arguments.json);
   file.write(json.dump(2) + "\n");
@@ -98,6 +124,9 @@ void add_calibrate(CLI::App& app, std::vector<std::pair<CLI::App*, Action>>& act
                    "that method takes just so many, in place of a tolerance")
       ->excludes(tolerance);
   command->add_option("--damping", arguments->plan.damping, "centred, implicit or lagged")
+      ->capture_default_str();
+  command->add_option("--passes", arguments->plan.passes, "solves a step of Baumgarte's")
+      ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command->add_option("--dt-fs", arguments->dt_fs, "step length [fs]");
   command->add_option("--set", arguments->settings, "any key of the scene")->type_name("KEY=VALUE");

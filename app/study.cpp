@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "md/errors.hpp"
 #include "md/threads.hpp"
 #include "pictures.hpp"
 #include "progress.hpp"
@@ -82,6 +83,20 @@ std::string inline_svg(const std::filesystem::path& file) {
 }
 
 }  // namespace
+
+void refuse_without_effect(const char* subcommand, const std::vector<std::string>& overrides) {
+  for (const auto& override : overrides) {
+    const std::string key = override.substr(0, override.find_first_of(" ="));
+    const bool own = key == "method" || key.starts_with("method.");
+    if (own || key == "run.log_every" || key == "run.checkpoint_every" || key.starts_with("run.trajectory"))
+      throw InputError(fmt::format("--set {}: no effect, taut {} {}", override, subcommand,
+                                   own ? "chooses methods and their settings itself" : "keeps no such file"));
+  }
+}
+
+void print_notes(const Scene& scene) {
+  for (const auto& note : scene.notes) fmt::print("  note: {}\n", note);
+}
 
 void run_jobs(const std::vector<Job>& jobs, Ledger& ledger) {
   const auto before = std::signal(SIGINT, stop);

@@ -7,6 +7,12 @@
 
 namespace taut {
 
+// Throws InputError for a key among `overrides` that a study sets itself: it would have no effect.
+void refuse_without_effect(const char* subcommand, const std::vector<std::string>& overrides);
+
+// What was changed in a scene or is worth knowing of its start, a line each.
+void print_notes(const Scene& scene);
+
 // Runs what the ledger has not yet, with the time left on the terminal. Ctrl-C leaves the ledger as it is.
 void run_jobs(const std::vector<Job>& jobs, Ledger& ledger);
 

@@ -117,6 +117,33 @@ TEST(App, CalibratesAndWritesJson) {
     EXPECT_TRUE(json.contains(key)) << key;
 }
 
+// `taut run` with the settings that calibrate gives shows the floor that it measured: from step 50, over 160.
+TEST(App, WhatCalibrateExportsRunsAsItMeasured) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "calibration.json", out = folder.path() / "run";
+  const auto calibrated =
+      taut("calibrate water --sweeps 1 --dt-fs 1 --set run.seed=5 --json " + file.string());
+  ASSERT_EQ(calibrated.exit_code, 0) << calibrated.text;
+  const auto json = nlohmann::json::parse(contents(file));
+  const std::string command = json["run"];
+  EXPECT_THAT(calibrated.text, HasSubstr(command));
+  EXPECT_THAT(command, HasSubstr("method.passes=2"));
+  EXPECT_EQ(json["method"]["passes"], 2);
+  const auto ran = taut(command.substr(5) + " --steps 210 --set run.log_every=1 --out " + out.string());
+  ASSERT_EQ(ran.exit_code, 0) << ran.text;
+  std::istringstream log(contents(out / "log.csv"));
+  std::string line;
+  std::getline(log, line);
+  double squares = 0;
+  while (std::getline(log, line)) {
+    std::istringstream cells(line);
+    std::vector<double> row;
+    for (std::string cell; row.size() < 9 && std::getline(cells, cell, ',');) row.push_back(std::stod(cell));
+    if (row[0] > 50) squares += row[8] * row[8];
+  }
+  EXPECT_NEAR(std::sqrt(squares / 160) / json["floor_measured"].get<double>(), 1, 1e-3);
+}
+
 // The report shows everything by itself; data and script stay beside the pictures; the ledger goes.
 TEST(App, ChartsWithAReportThatNeedsNothingElse) {
   const TemporaryFolder folder;
