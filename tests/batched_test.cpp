@@ -82,6 +82,32 @@ std::vector<Start> trees(int count) {
   return trees;
 }
 
+// A centre with three arms, bonds 0–1, 0–2, 0–3: as many bonds as a triangle.
+std::vector<Start> stars(int count) {
+  std::vector<Start> stars;
+  for (int c = 0; c < count; ++c) {
+    Start start = testing::free_chain(4, 40 + c);
+    start.state.x << 0, 1, -0.5, -0.5, 0, 0, 0.87, -0.87, 0, 0.1, 0, 0;
+    start.system = make_system(start.system.mass, {{0, 1, 1}, {0, 2, 1}, {0, 3, 1}});
+    stars.push_back(start);
+  }
+  return stars;
+}
+
+// Dumbbells alike in all but their length, their masses or which of the two is the heavy one.
+std::vector<Start> dumbbells_of_all_sorts() {
+  std::vector<Start> all;
+  for (const double length : {1.0, 1.5})
+    for (const double first : {1.0, 3.0})
+      for (const double second : {1.0, 3.0}) {
+        Start start = testing::rotor(1 + first);
+        start.state.x *= length;
+        start.system = make_system(Eigen::VectorXd{{first, second}}, {{0, 1, length}});
+        all.push_back(start);
+      }
+  return all;
+}
+
 std::vector<Start> pinned_chains(int count) {
   std::vector<Start> pinned = chains(count, 5, 70);
   for (Start& start : pinned) {
@@ -105,6 +131,8 @@ std::vector<std::pair<const char*, Start>> cases() {
           {"chains with scattered atoms", together(chains(10, 4, 5), odd_and_even)},
           {"rings with and without an arm", together(rings(10))},
           {"trees", together(trees(9))},
+          {"stars", together(stars(9))},
+          {"dumbbells of all sorts", together(dumbbells_of_all_sorts())},
           {"waters", testing::waters(21, 3, 300)},
           {"pinned chains", together(pinned_chains(3))},
           {"mixed", mixed}};
@@ -168,6 +196,67 @@ TEST(Batched, BaumgarteIsThePlainBaumgarte) {
 TEST(Batched, FeedforwardIsThePlainFeedforward) {
   for (int order : {0, 1, 2}) compare_all<Batched<Feedforward>>({.extrapolation = order}, 1e-12);
   compare_all<Batched<Feedforward>>({.tolerance = 1e-13}, 1e-12);
+}
+
+// A step of another length has terms of its own.
+TEST(Batched, BaumgarteTakesStepsOfAnyLength) {
+  const Start start = together({testing::waters(9, 3, 300), testing::free_chain(4, 2)});
+  for (const char* damping : {"centred", "implicit", "lagged"}) {
+    SCOPED_TRACE(damping);
+    const Baumgarte::Options options{
+        .gains = "numbers", .damping = damping, .alpha_per_ps = 300, .beta_per_ps = 900};
+    Batched<Baumgarte> fast(start.system, options, 1e-3);
+    Baumgarte plain(start.system, options, 1e-3);
+    State a = start.state, b = start.state;
+    testing::NoForce forces;
+    for (const double h : {1e-3, 5e-4, 1e-3}) {
+      step(start.system, forces, fast, h, a);
+      step(start.system, forces, plain, h, b);
+      EXPECT_LT((a.f - b.f).cwiseAbs().maxCoeff(), 1e-9 * b.f.cwiseAbs().maxCoeff());
+    }
+  }
+}
+
+// As many sweeps as the slowest cluster takes, wherever it stands, and as many solves.
+TEST(Batched, CountsWhatTheSlowestClusterTook) {
+  for (const int hot : {0, 5, 19}) {
+    std::vector<Start> many = chains(20, 4, 3);
+    for (Start& start : many) start.state.v *= 0.01;
+    many[hot].state.v *= 1000;
+    const Start start = together(many);
+    testing::NoForce forces;
+    const auto iterations = [&](auto method) {
+      State s = start.state;
+      initialize(start.system, forces, method, s);
+      return step(start.system, forces, method, 0.01, s).iterations;
+    };
+    const auto same = [&](auto fast, auto plain) {
+      const int want = iterations(plain);
+      EXPECT_GT(want, 2);
+      EXPECT_EQ(iterations(fast), want);
+    };
+    same(Batched<Rattle>(start.system, {}, 0.01), Rattle(start.system, {}, 0.01));
+    same(Batched<Newton>(start.system, {}, 0.01), Newton(start.system, {}, 0.01));
+  }
+}
+
+// After blows of every size feedforward solves as often, wherever the tolerance lies.
+TEST(Batched, FeedforwardSolvesAsOftenAsThePlainOne) {
+  const Start start = testing::rotor(1);
+  testing::NoForce forces;
+  int most = 0;
+  for (double blow = 1e-3; blow < 30; blow *= 1.3) {
+    const auto solves = [&](auto method) {
+      State s = start.state;
+      initialize(start.system, forces, method, s);
+      s.v(1, 1) += blow;
+      return step(start.system, forces, method, 0.01, s).iterations;
+    };
+    const int want = solves(Feedforward(start.system, {}, 0.01));
+    EXPECT_EQ(solves(Batched<Feedforward>(start.system, {}, 0.01)), want) << blow;
+    most = std::max(most, want);
+  }
+  EXPECT_GT(most, 2);
 }
 
 // Iterated methods agree to what their tolerance leaves.
@@ -306,14 +395,33 @@ TEST(CutChains, AreEightTimesAsManyEqualPiecesAndTwoEnds) {
   EXPECT_TRUE(found.rest.empty());
 }
 
-// Masses that do not repeat: left to the plain method.
+// Masses or lengths that do not repeat, or a branch: left to the plain method.
 TEST(CutChains, MustRepeat) {
-  Start start = testing::free_chain(400, 1);
-  Eigen::VectorXd mass = start.system.mass;
+  const Start chain = testing::free_chain(400, 1);
+  const auto left_whole = [](const Start& start) {
+    const BondClusters found = find_clusters(start.system, ClusterLimits::cutting());
+    EXPECT_EQ(static_cast<int>(found.rest.size()), start.system.bond_count());
+    compare<Batched<Baumgarte>>(start, {}, 1e-12);
+  };
+  Start heavier = chain;
+  Eigen::VectorXd mass = chain.system.mass;
   mass[200] = 3;
-  start.system = make_system(mass, start.system.bonds);
-  EXPECT_EQ(find_clusters(start.system, ClusterLimits::cutting()).rest.size(), 399u);
-  compare<Batched<Baumgarte>>(start, {}, 1e-12);
+  heavier.system = make_system(mass, chain.system.bonds);
+  left_whole(heavier);
+
+  Start longer = chain;
+  auto bonds = longer.system.bonds;
+  bonds[200].length = 1.5;
+  longer.state.x.rightCols(199).colwise() += 0.5 * Vec3(chain.state.x.col(201) - chain.state.x.col(200));
+  longer.system = make_system(longer.system.mass, bonds);
+  left_whole(longer);
+
+  Start branched = chain;
+  bonds = branched.system.bonds;
+  bonds.back() = {200, 399, 1.0};
+  branched.state.x.col(399) = chain.state.x.col(200) + Vec3(0, 0, 1);
+  branched.system = make_system(branched.system.mass, bonds);
+  left_whole(branched);
 }
 
 // Enough bonds for two threads, in batches of two shapes so that a thread's share ends inside one of them.

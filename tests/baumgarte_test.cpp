@@ -195,6 +195,18 @@ TEST(Baumgarte, OneSweepHoldsAChainWithSoftStronglyDampedGains) {
   EXPECT_LT(error_with(0.1, 1.4, 16), 1e-4);
 }
 
+TEST(Baumgarte, CountsItsSolvesAndSweeps) {
+  auto [sys, s] = testing::free_chain(5, 1);
+  const auto counted = [&, &sys = sys, &start = s](int passes, int sweeps) {
+    State state = start;
+    Baumgarte method(sys, {.passes = passes, .sweeps = sweeps}, 0.01);
+    return method.add_forces(sys, 0.01, state).iterations;
+  };
+  EXPECT_EQ(counted(2, 0), 2);
+  EXPECT_EQ(counted(1, 3), 3);
+  EXPECT_EQ(counted(2, 3), 6);
+}
+
 // Without correction a bond drifts, and faster and faster; any gain holds it.
 TEST(None, DriftsWhereGainsHold) {
   const auto error_after = [](auto method, int steps) {

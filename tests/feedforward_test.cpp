@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "constraints/bond_algebra.hpp"
+#include "constraints/lanes/batched_feedforward.hpp"
 #include "free_system.hpp"
 #include "verifier.hpp"
 
@@ -108,8 +109,21 @@ TEST(Feedforward, TakesASecondSolveAtACollisionOnly) {
   EXPECT_LT(bond_errors(p.system, p.state.x).max, 1e-5);
 }
 
-// A free rotor whose full-step velocity is ω: the step turns it by θ, sin θ = ωh, and there is no such turn, nor any force
-// along the bond that would make one, beyond ωh = 1, θ = 90°. Up to there the step holds it; beyond, it says so.
+// Sideways so fast that |σ_next| is over 10³·|r_next·r|: no force along the bond brings it back.
+TEST(Feedforward, SaysThatBondsRunAway) {
+  const auto start = testing::rotor(6000);  // 60 lengths a step
+  const auto failure = [&](auto method) {
+    NoForce forces;
+    State s = start.state;
+    return std::string(initialize(start.system, forces, method, s).failure);
+  };
+  EXPECT_EQ(failure(Feedforward(start.system, {}, 0.01)), "the bonds run away");
+  EXPECT_EQ(failure(Batched<Feedforward>(start.system, {}, 0.01)), "the bonds run away");
+}
+
+// A free rotor whose full-step velocity is ω: the step turns it by θ, sin θ = ωh, and there is no such turn,
+// nor any force along the bond that would make one, beyond ωh = 1, θ = 90°. Up to there the step holds it;
+// beyond, it says so.
 TEST(Feedforward, HoldsARotorUpToARightAngle) {
   const auto verdict_at = [](double omega_h) {
     const auto start = testing::rotor(omega_h / 0.01);

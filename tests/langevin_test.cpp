@@ -136,6 +136,54 @@ TYPED_TEST(LangevinWith, PendulumsHangAsLangevinsFunctionSays) {
   EXPECT_NEAR(sum / samples, 1 / std::tanh(b) - 1 / b, 0.015);
 }
 
+// The velocity temperatures are taken of has no part along the bonds, and is P(v + (h/2)M⁻¹f).
+TYPED_TEST(LangevinWith, MiddleVelocityIsTangent) {
+  const double h = 0.02;
+  auto [sys, s] = testing::free_chain(10, 3);
+  testing::UniformForce forces{{1, 2, 3}};
+  auto method = with_defaults<TypeParam>(sys, h);
+  Langevin bath(sys, {.temperature = kWarm, .friction = 5}, h);
+  initialize(sys, forces, method, s, bath);
+  for (int n = 0; n < 5; ++n) step(sys, forces, method, h, s, bath);
+  const Vectors u = bath.middle_velocity(sys, s);
+  Vectors want = s.v;
+  for (int a = 0; a < sys.atoms(); ++a) want.col(a) += 0.5 * h * sys.inv_mass[a] * s.f.col(a);
+  Projector(sys).velocities(sys, s.x, want);
+  EXPECT_LT((u - want).norm(), 1e-12 * want.norm());
+}
+
+// A start knows of no jump before it: the velocity stays, and f holds the constraint forces alone.
+TYPED_TEST(LangevinWith, StartsAnewWithoutAPast) {
+  const double h = 0.01;
+  auto [sys, s] = testing::free_chain(10, 3);
+  testing::NoForce forces;
+  auto method = with_defaults<TypeParam>(sys, h);
+  Langevin bath(sys, {.temperature = kWarm, .friction = 5}, h);
+  initialize(sys, forces, method, s, bath);
+  for (int n = 0; n < 5; ++n) step(sys, forces, method, h, s, bath);
+  initialize(sys, forces, method, s, bath);
+  const Vectors v = s.v;
+  initialize(sys, forces, method, s, bath);
+  EXPECT_LT((s.v - v).norm(), 1e-12 * v.norm());
+}
+
+// Friction alone (0 K): a free particle slows as exp(−γt), from the first step on.
+TEST(LangevinBath, FrictionSlowsAFreeParticle) {
+  const double h = 0.05, friction = 3;
+  const System sys = make_system(Eigen::VectorXd::Constant(1, 2.0), {});
+  State s;
+  s.x = s.f = Vectors::Zero(3, 1);
+  s.v = Vectors::Ones(3, 1);
+  testing::NoForce forces;
+  Newton method(sys, {}, h);
+  Langevin bath(sys, {.temperature = 0, .friction = friction}, h);
+  initialize(sys, forces, method, s, bath);
+  for (int n = 1; n <= 10; ++n) {
+    step(sys, forces, method, h, s, bath);
+    EXPECT_NEAR(s.v(0, 0), std::exp(-friction * h * n), 1e-12) << n;
+  }
+}
+
 struct Springs {
   double k;
   void operator()(const System&, State& s) const { s.f = -k * s.x; }

@@ -115,6 +115,16 @@ TEST(Observables, MomentumIsRemovedFromWhatCanMove) {
   EXPECT_EQ(v.col(0), Vec3::Zero());
 }
 
+// ½ Σ m v², and 2E = dof·kT.
+TEST(Observables, KineticEnergyAndTemperature) {
+  const System sys = make_system(Eigen::VectorXd{{2, 3}}, {});
+  Vectors v(3, 2);
+  v << 1, 0, 2, -1, 2, 4;
+  EXPECT_DOUBLE_EQ(kinetic_energy(sys, v), 0.5 * (2 * 9.0 + 3 * 17.0));
+  EXPECT_DOUBLE_EQ(temperature(1.5 * kBoltzmann * 300, 3), 300);
+  EXPECT_EQ(temperature(1, 0), 0);
+}
+
 TEST(Observables, WorstBondErrorIsFound) {
   const System sys = make_system(Eigen::VectorXd::Ones(3), {{0, 1, 1}, {1, 2, 2}});
   Vectors x = Vectors::Zero(3, 3);
@@ -124,6 +134,9 @@ TEST(Observables, WorstBondErrorIsFound) {
   EXPECT_EQ(e.worst, 1);
   EXPECT_NEAR(e.max, 0.1, 1e-14);
   EXPECT_NEAR(e.rms, 0.1 / std::sqrt(2.0), 1e-14);
+  x(0, 2) = std::nan("");  // worse than any number
+  EXPECT_EQ(bond_errors(sys, x).worst, 1);
+  EXPECT_TRUE(std::isnan(bond_errors(sys, x).max));
 }
 
 TEST(Slope, FitsALineAndItsUncertainty) {
@@ -159,6 +172,133 @@ TEST(Run, StopsBeforeNaNAndSaysWhen) {
   } catch (const SimulationFailure& e) {
     EXPECT_NE(std::string(e.what()).find("step "), std::string::npos);
     EXPECT_NE(std::string(e.what()).find("largest force"), std::string::npos);
+  }
+}
+
+TEST(Diagnosis, SaysWhenAndWhere) {
+  const System sys = make_system(Eigen::VectorXd::Ones(4), {{0, 1, 1}, {2, 3, 0.5}});
+  State s = at_rest(4);
+  s.t = 0.25;
+  s.x.col(3) << 0, 3, 4;
+  s.f.col(2) << 0, 6, 8;
+  s.f.col(1) << 1, 0, 0;
+  const Diagnosis d = diagnose(sys, s, {.worst_bond = 1, .failure = "no convergence"}, 7);
+  EXPECT_EQ(d.step, 7);
+  EXPECT_EQ(d.t, 0.25);
+  EXPECT_EQ(d.bond, 1);
+  EXPECT_EQ(d.held.length, 0.5);
+  EXPECT_EQ(d.length, 5);
+  EXPECT_EQ(d.largest_force, 10);
+  EXPECT_EQ(d.atom, 2);
+  EXPECT_EQ(d.cause, "no convergence");
+}
+
+// Takes n solves in its n-th step and leaves 1/n.
+struct Countdown : EmptyGaps {
+  int n = 0;
+  SolveStats add_forces(const System&, double, State&) {
+    ++n;
+    return {.iterations = n, .max_residual = 0.4 / n, .worst_bond = n};
+  }
+};
+
+// An observer sees the sum of the solves and the worst residual since it last looked.
+TEST(Run, ObservesWhatHappenedSinceTheLastObservation) {
+  const System sys = particle();
+  State s = at_rest(1);
+  Spring forces;
+  Countdown method;
+  Course course;
+  std::vector<long> steps;
+  std::vector<SolveStats> seen;
+  run(
+      sys, forces, method, {.h = 0.1, .steps = 7, .observe_every = 3}, course, s, [](State&) {},
+      [&](const Moment& m) {
+        steps.push_back(m.step);
+        seen.push_back(m.since);
+      },
+      [](long) { return true; });
+  ASSERT_EQ(steps, (std::vector<long>{3, 6}));
+  EXPECT_EQ(seen[0].iterations, 1 + 2 + 3);
+  EXPECT_EQ(seen[0].max_residual, 0.4);
+  EXPECT_EQ(seen[0].worst_bond, 1);
+  EXPECT_EQ(seen[1].iterations, 4 + 5 + 6);
+  EXPECT_EQ(seen[1].max_residual, 0.1);
+  EXPECT_EQ(seen[1].worst_bond, 4);
+  EXPECT_EQ(course.since.iterations, 7);
+}
+
+TEST(Run, TakesOutMomentumAsOftenAsAsked) {
+  const System sys = particle();
+  State s = at_rest(1);
+  EmptyGaps free;
+  Course course;
+  std::vector<long> at_rest_after;
+  const auto no_force = [](const System&, State&) {};
+  run(
+      sys, no_force, free, {.h = 0.1, .steps = 7, .remove_momentum_every = 3}, course, s,
+      [](State& state) { state.v(0, 0) += 1; }, [](const Moment&) {},
+      [&](long n) {
+        if (s.v.norm() == 0) at_rest_after.push_back(n);
+        return true;
+      });
+  EXPECT_EQ(at_rest_after, (std::vector<long>{3, 6}));
+}
+
+// A bond is broken where |σ|/d² reaches plan.broken_at.
+TEST(Run, StopsWhereABondBreaks) {
+  const System sys = make_system(Eigen::VectorXd::Ones(2), {{0, 1, 1}});
+  for (const double broken_at : {0.3, 0.5}) {
+    State s = at_rest(2);
+    s.x(0, 1) = 1;
+    Spring forces;
+    Countdown method;
+    Course course;
+    const RunPlan plan{.h = 1e-3, .steps = 2, .broken_at = broken_at};
+    const auto go = [&] {
+      return run(
+          sys, forces, method, plan, course, s, [](State&) {}, [](const Moment&) {},
+          [](long) { return true; });
+    };
+    if (broken_at < 0.4)
+      EXPECT_THROW(go(), SimulationFailure);
+    else
+      EXPECT_TRUE(go());
+  }
+}
+
+// One step from K: ⟨K'⟩ = cK + (1 − c)K̄, c = exp(−h/τ).
+TEST(VelocityRescaling, RelaxesInItsTime) {
+  const System sys = make_system(Eigen::VectorXd::Ones(4), {});
+  const Vectors hot = Vectors::Constant(3, 4, 2.0);
+  const double c = std::exp(-0.05 / 0.1), kinetic = kinetic_energy(sys, hot), wanted = 0.5 * 12;
+  VelocityRescaling thermostat(1 / kBoltzmann, 0.1, 12, 3);  // kT = 1
+  double mean = 0;
+  constexpr int kSamples = 20000;
+  for (int n = 0; n < kSamples; ++n) {
+    Vectors v = hot;
+    thermostat(sys, 0.05, v);
+    mean += kinetic_energy(sys, v) / kSamples;
+  }
+  EXPECT_NEAR(mean, c * kinetic + (1 - c) * wanted, 0.15);
+}
+
+// The law of few degrees of freedom, whose squares are summed one by one, and of more, drawn at once.
+TEST(VelocityRescaling, IsCanonicalForFewDegreesOfFreedom) {
+  const System sys = particle();
+  for (const int dof : {1, 2, 4, 5, 6}) {
+    VelocityRescaling thermostat(1 / kBoltzmann, 0.01, dof, 4);  // forgotten at once
+    Vectors v = Vectors::Ones(3, 1);
+    double mean = 0, square = 0;
+    constexpr int kSamples = 40000;
+    for (int n = 0; n < kSamples; ++n) {
+      thermostat(sys, 1, v);
+      const double kinetic = kinetic_energy(sys, v);
+      mean += kinetic / kSamples;
+      square += kinetic * kinetic / kSamples;
+    }
+    EXPECT_NEAR(mean / (0.5 * dof), 1, 0.03) << dof;
+    EXPECT_NEAR((square - mean * mean) / (0.5 * dof), 1, 0.08) << dof;
   }
 }
 

@@ -164,6 +164,91 @@ TEST(Newton, ReachesRoundOffOnAChainOfTenThousandBonds) {
   EXPECT_LT(verdict.bond_error, 1.01e-13);
 }
 
+// No more solves than allowed, and what is left is said.
+TEST(Newton, StopsAtItsMostIterations) {
+  const Start start = testing::free_chain(20, 1);
+  NoForce forces;
+  const auto stops = [&](auto method) {
+    State s = start.state;
+    initialize(start.system, forces, method, s);
+    const SolveStats stats = method.project_positions(start.system, 0.01, s);
+    EXPECT_STREQ(stats.failure, nullptr);  // nothing has moved
+    s.x += 0.05 * s.v;
+    const SolveStats moved = method.project_positions(start.system, 0.05, s);
+    EXPECT_STREQ(moved.failure, "no convergence");
+    EXPECT_EQ(moved.iterations, 2);
+    EXPECT_GT(moved.max_residual, 1e-14);
+  };
+  const Newton::Options options{.tolerance = 1e-14, .max_iterations = 2};
+  stops(Newton(start.system, options, 0.01));
+  stops(Batched<Newton>(start.system, options, 0.01));
+}
+
+// The last multipliers foretell the next: that of a rotor, which is constant, is exact.
+TEST(WarmStart, OfARotorLeavesNothingToDo) {
+  const Start start = testing::rotor(3);
+  NoForce forces;
+  const auto begins_with = [&](auto method) {
+    State s = start.state;
+    initialize(start.system, forces, method, s);
+    for (int n = 0; n < 5; ++n) step(start.system, forces, method, 0.01, s);
+    drift(0.01, s);
+    return method.project_positions(start.system, 0.01, s).iterations;
+  };
+  EXPECT_EQ(begins_with(Newton(start.system, {}, 0.01)), 0);
+  EXPECT_EQ(begins_with(Batched<Newton>(start.system, {}, 0.01)), 0);
+  EXPECT_EQ(begins_with(Rattle(start.system, {}, 0.01)), 1);  // the sweep that finds all well
+  EXPECT_EQ(begins_with(Batched<Rattle>(start.system, {}, 0.01)), 1);
+}
+
+// What sweeps report is what they left, at most the tolerance, relative to d²: with bonds a tenth and ten
+// long.
+TEST(Sweeps, MeetTheirToleranceAtEveryLength) {
+  for (const double scale : {0.1, 10.0}) {
+    Start start = testing::free_chain(12, 3);
+    start.state.x *= scale;
+    start.state.v *= scale;
+    auto bonds = start.system.bonds;
+    for (auto& bond : bonds) bond.length = scale;
+    start.system = make_system(start.system.mass, bonds);
+    NoForce forces;
+    const auto meets = [&](auto method, double tolerance) {
+      State s = start.state;
+      initialize(start.system, forces, method, s);
+      for (int n = 0; n < 20; ++n) {
+        const SolveStats stats = step(start.system, forces, method, 0.01, s);
+        ASSERT_TRUE(stats.converged());
+        EXPECT_LE(stats.max_residual, tolerance);
+        EXPECT_LE(bond_errors(start.system, s.x).max, 1.001 * tolerance);
+      }
+    };
+    meets(Rattle(start.system, {.tolerance = 1e-5}, 0.01), 1e-5);
+    meets(Shake(start.system, {.tolerance = 1e-5}, 0.01), 1e-5);
+    meets(Newton(start.system, {.tolerance = 1e-5}, 0.01), 1e-5);
+  }
+}
+
+TEST(Settle, RefusesWhatIsNoWater) {
+  const System water = testing::waters(1, 1, 300).system;
+  const auto refused = [](const Eigen::VectorXd& mass, const std::vector<RigidBond>& bonds) {
+    const System sys = make_system(mass, bonds);
+    EXPECT_THROW(Settle(sys, {}, 0.001), InputError);
+    EXPECT_THROW(Batched<Settle>(sys, {}, 0.001), InputError);
+  };
+  EXPECT_NO_THROW(Settle(water, {}, 0.001));
+  refused(Eigen::VectorXd{{16, 1, 2}}, water.bonds);  // HDO
+  refused(Eigen::VectorXd{{0, 1, 1}}, water.bonds);
+  auto bonds = water.bonds;
+  bonds[1].length *= 1.001;
+  refused(water.mass, bonds);
+  bonds = water.bonds;
+  bonds[2].length = 2 * bonds[0].length;  // straight
+  refused(water.mass, bonds);
+  bonds[2].length *= 1.1;  // no triangle has such sides
+  refused(water.mass, bonds);
+  refused(Eigen::VectorXd{{16, 1, 1, 1}}, {{0, 1, 0.1}, {0, 2, 0.1}, {1, 2, 0.15}, {0, 3, 0.1}});
+}
+
 TEST(SettleAndNewton, AgreeToRoundOff) {
   NoForce forces;
   const Start start = testing::waters(4, 12, 400);
@@ -227,6 +312,19 @@ TEST(Sweeps, NameTheBondThatTurnedTooFar) {
     EXPECT_EQ(stats.worst_bond, 0);
     EXPECT_NE(std::string(stats.failure).find("90°"), std::string::npos);
   }
+}
+
+// ... the plain methods too, which every other test of this reaches through their fast forms.
+TEST(Sweeps, AsPlainMethodsNameItToo) {
+  NoForce forces;
+  const Start start = testing::rotor(300);
+  const auto failure = [&](auto method) {
+    State s = start.state;
+    initialize(start.system, forces, method, s);
+    return std::string(step(start.system, forces, method, 0.01, s).failure);
+  };
+  EXPECT_NE(failure(Shake(start.system, {}, 0.01)).find("90°"), std::string::npos);
+  EXPECT_NE(failure(Rattle(start.system, {}, 0.01)).find("90°"), std::string::npos);
 }
 
 // A straight chain of three with its 1–3 distance held as well: one bond too many.

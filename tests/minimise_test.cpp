@@ -55,6 +55,42 @@ TEST(Minimise, PendulumHangs) {
   EXPECT_LE(result.largest_force, 1e-4);
 }
 
+// Pulled or not, an anchor stays, and what hangs from it comes to rest below.
+TEST(Minimise, APulledAnchorStays) {
+  const System sys = make_system(Eigen::Vector2d(0, 3), {{0, 1, 0.5}});
+  ForceField forces(sys, {.gravity = Vec3(0, 0, -10), .pulls = {{0, Vec3(100, 0, 0)}}});
+  Vectors x = Vectors::Zero(3, 2);
+  x(0, 1) = 0.5;
+  minimise(sys, forces, 1e-4, x);
+  EXPECT_EQ(Vec3(x.col(0)), Vec3::Zero());
+  EXPECT_NEAR(x(2, 1), -0.5, 1e-9);
+}
+
+// The way down does not ask for masses.
+TEST(Minimise, MassesHaveNoSay) {
+  const std::vector<RigidBond> bonds = {{0, 1, 0.5}, {1, 2, 0.5}};
+  const auto end = [&](const Eigen::VectorXd& mass) {
+    const System sys = make_system(mass, bonds);
+    ForceField forces(sys, {.pulls = {{0, Vec3(1, 2, 0)}, {1, Vec3(0, -5, 1)}, {2, Vec3(-1, 3, -1)}}});
+    Vectors x(3, 3);
+    x << 0, 0.5, 0.5, 0, 0, 0.5, 0, 0, 0;
+    const Minimised result = minimise(sys, forces, 1, x);
+    EXPECT_GT(result.moves, 3);
+    return x;
+  };
+  EXPECT_EQ(end(Eigen::Vector3d(1, 1, 1)), end(Eigen::Vector3d(16, 1, 5)));
+}
+
+// Falling for ever: every move helps, none is longer than the longest, and there is a last one.
+TEST(Minimise, GoesNoFurtherThanItsLongestMoves) {
+  const System sys = make_system(Eigen::VectorXd::Ones(1), {});
+  ForceField forces(sys, {.gravity = Vec3(0, 0, -10)});
+  Vectors x = Vectors::Zero(3, 1);
+  const Minimised result = minimise(sys, forces, 1e-4, x);
+  EXPECT_EQ(result.moves, kMostMoves);
+  EXPECT_NEAR(-x(2, 0), kMostMoves * kLongestMove, 20 * kLongestMove);
+}
+
 TEST(Minimise, ASceneAsksForItAndIsToldWhatItTook) {
   Scene scene = read_scene(find_scene("water"), {"run.minimise=true", "run.minimise_force_kj_mol_nm=2000"});
   push(scene.start.x, 3, 0.1);

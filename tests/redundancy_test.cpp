@@ -82,6 +82,17 @@ TEST(Redundancy, AStraightAngleHeldByItsEndsIsDegenerate) {
   EXPECT_TRUE(found.redundant.empty());
 }
 
+// Two bonds within 1e-4 rad of a line brace no third.
+TEST(Redundancy, CountsALineToATenThousandthOfARadian) {
+  for (const double bend : {3e-5, 1e-3}) {
+    Vectors x = Vectors::Zero(3, 3);
+    x.col(1) << 0.1, 0, 0;
+    x.col(2) << 0.1 + 0.15 * std::cos(bend), 0.15 * std::sin(bend), 0;
+    const System sys = braced(x, {{0, 1}, {1, 2}, {0, 2}});
+    EXPECT_EQ(find_redundancy(sys, x).none(), bend > 1e-4) << bend;
+  }
+}
+
 TEST(Redundancy, ManyMoleculesAreEachFound) {
   Vectors x(3, 15);
   for (int m = 0; m < 3; ++m) x.middleCols(5 * m, 5) = methane().colwise() + Vec3(m, 0, 0);

@@ -32,6 +32,13 @@ TEST(BlockAverage, OfCorrelatedNumbersKnowsThatTheyAre) {
   EXPECT_NEAR(block_mean(y, 100).error, expected, 0.25 * expected);
 }
 
+// 7 numbers in 3 blocks of 2: the first is left out.
+TEST(BlockAverage, LeavesOutTheStart) {
+  const Estimate mean = block_mean({1000, 1, 3, 4, 6, 8, 8}, 3);
+  EXPECT_NEAR(mean.value, 5, 1e-14);
+  EXPECT_NEAR(mean.error, std::sqrt((9 + 0 + 9) / 6.0), 1e-14);
+}
+
 TEST(BlockAverage, SlopeOfALine) {
   std::vector<double> t, y;
   for (int n = 0; n < 100; ++n) t.push_back(0.1 * n), y.push_back(5 - 2 * t.back());

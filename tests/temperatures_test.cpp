@@ -56,6 +56,35 @@ TEST(Temperatures, CountsEveryKindOfMolecule) {
   EXPECT_EQ(springs.types()[0].dof[2], 12 - 6);
 }
 
+// The same masses tied otherwise are another kind: a chain of three and a triangle.
+TEST(Temperatures, KindsDifferByTheirBondsToo) {
+  const System sys =
+      make_system(Eigen::VectorXd::Ones(6), {{0, 1, 1}, {1, 2, 1}, {3, 4, 1}, {4, 5, 1}, {5, 3, 1}});
+  Vectors x = Vectors::Zero(3, 6);
+  for (int a = 0; a < 6; ++a) x.col(a) << a, a % 2, 0;
+  const Temperatures temperatures(sys, {}, x, true, false);
+  ASSERT_EQ(temperatures.types().size(), 2u);
+  EXPECT_EQ(temperatures.types()[0].dof, (std::array<double, 3>{3, 3, 1}));
+  EXPECT_EQ(temperatures.types()[1].dof, (std::array<double, 3>{3, 3, 0}));
+}
+
+// The three classes have all of the kinetic energy, and what bends alone is the rest.
+TEST(Temperatures, ShareTheKineticEnergy) {
+  auto [sys, s] = testing::free_chain(4, 5);
+  Projector(sys).velocities(sys, s.x, s.v);
+  const auto energy = [&, &sys = sys, &s = s](MotionClass motion) {
+    Temperatures temperatures(sys, {}, s.x, true, false);
+    temperatures.see(sys, s.x, s.v);
+    const double dof = temperatures.types()[0].dof[static_cast<std::size_t>(motion)];
+    return 0.5 * dof * kBoltzmann * temperatures.of_all(motion).value;
+  };
+  const double translation = 0.5 * momentum(sys, s.v).squaredNorm() / sys.mass.sum();
+  EXPECT_NEAR(energy(MotionClass::kTranslation), translation, 1e-12);
+  EXPECT_GT(energy(MotionClass::kRotation), 0.01);
+  EXPECT_NEAR(energy(MotionClass::kTranslation) + energy(MotionClass::kRotation) + energy(MotionClass::kRest),
+              kinetic_energy(sys, s.v), 1e-12);
+}
+
 // All that moves is one rotor's turning: I ω²/2, I = μd².
 TEST(Temperatures, OfARotor) {
   auto [sys, s] = testing::rotor(2);
@@ -64,6 +93,25 @@ TEST(Temperatures, OfARotor) {
   temperatures.see(sys, s.x, s.v);
   EXPECT_NEAR(temperatures.temperature(0, MotionClass::kRotation).value, 2 * 1.0 / (2 * kBoltzmann), 1e-9);
   EXPECT_NEAR(temperatures.temperature(0, MotionClass::kTranslation).value, 2 * 1.0 / (3 * kBoltzmann), 1e-9);
+}
+
+// Beside plain block means: for 100 numbers of blocks of 4, 25 of them; the mean is of all numbers.
+TEST(RunningMean, HasTheErrorOfItsBlocks) {
+  Random random(3);
+  RunningMean mean;
+  std::vector<double> y;
+  for (int n = 0; n < 102; ++n) mean.add(y.emplace_back(n * n % 31 + random.normal()));
+  double all = 0;
+  for (const double value : y) all += value / 102;
+  EXPECT_NEAR(mean.estimate().value, all, 1e-12);
+  y.resize(100);
+  EXPECT_NEAR(mean.estimate().error, block_mean(y, 25).error, 1e-12);
+
+  RunningMean few;
+  for (int n = 0; n < 7; ++n) few.add(n);
+  EXPECT_EQ(few.estimate().error, 0);
+  few.add(7);
+  EXPECT_NEAR(few.estimate().error, std::sqrt(42.0 / (8 * 7)), 1e-12);
 }
 
 TEST(RunningMean, IsTheBlocksMeanInFixedMemory) {

@@ -187,6 +187,28 @@ TEST(DcdFile, CountsItsFramesInItsHeader) {
   EXPECT_EQ(bytes.size(), 196u + 3 * (56 + 3 * (8 + 28)));
 }
 
+// CHARMM's cell is A, γ, B, β, α, C; then all x, all y, all z, in Å.
+TEST(DcdFile, HasTheCellAndEachAxisInTurn) {
+  const TemporaryFolder folder;
+  Sample sample;
+  sample.setup.t0 = 0.5;
+  DcdFile file(folder.path() / "t.dcd", sample.setup, 0);
+  const Vectors x = sample.state.x;
+  file.add({250, sample.state, sample.tension});
+  const std::string bytes = contents(folder.path() / "t.dcd");
+  std::int32_t first_step;
+  std::memcpy(&first_step, bytes.data() + 12, 4);
+  EXPECT_EQ(first_step, 250);
+  double cell[6];
+  std::memcpy(cell, bytes.data() + 196 + 4, sizeof cell);
+  EXPECT_THAT(cell, testing::ElementsAre(20, 90, 30, 90, 90, 40));
+  for (int axis = 0; axis < 3; ++axis) {
+    float row[7];
+    std::memcpy(row, bytes.data() + 196 + 56 + axis * (8 + 28) + 4, sizeof row);
+    for (int a = 0; a < 7; ++a) EXPECT_FLOAT_EQ(row[a], static_cast<float>(10 * x(axis, a)));
+  }
+}
+
 TEST(PdbFile, HasEveryThingInItsColumns) {
   const TemporaryFolder folder;
   Sample sample;

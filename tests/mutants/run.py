@@ -1,0 +1,108 @@
+#!/usr/bin/env python3
+"""Do the tests notice? Breaks the code on purpose, one line at a time, and runs the tests that should fail.
+
+    python3 tests/mutants/run.py [--list FILE] [PATTERN]
+
+PATTERN, a regular expression, chooses mutants by "file: before  →  after". Works in a git worktree of HEAD in a
+temporary folder ($TMPDIR), with a build folder of its own; tests/mutants/list.txt says how mutants are written.
+Ends with 1 if a mutant survived that should not.
+"""
+import argparse, pathlib, re, signal, subprocess, sys, tempfile, time
+
+HERE = pathlib.Path(__file__).resolve().parent
+FAST = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache", "-DCMAKE_EXE_LINKER_FLAGS=-fuse-ld=mold"]
+SECONDS = 600  # a test that takes longer has noticed: it hangs
+
+
+def read(path):
+    """Mutants as dicts: file, tests, before, after, reason (of one that changes nothing)."""
+    mutants, file, tests = [], None, None
+    for number, line in enumerate(path.read_text().splitlines(), 1):
+        mark, text = line[:2], line[2:].strip()
+        if not line.strip() or line.startswith("#"):
+            continue
+        if mark == "- ":
+            mutants.append(dict(file=file, tests=tests, before=text, after="", reason=""))
+        elif mark in ("+ ", "+") and mutants:
+            mutants[-1]["after"] = text
+        elif mark == "= " and mutants:
+            mutants[-1]["reason"] = text
+        elif re.fullmatch(r"\S+:( \S+)+", line):
+            file, tests = line.split(":", 1)[0], line.split(":", 1)[1].split()
+        else:
+            sys.exit(f"{path}:{number}: expected 'file: tests', '- before', '+ after' or '= reason'")
+    return mutants
+
+
+def name_of(mutant):
+    return "{file}: {before}  →  {after}".format(**mutant)
+
+
+def run(command, **options):
+    return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **options)
+
+
+def build(tree, tests):
+    targets = ["taut" if "." in test else test for test in tests]
+    return run(["nice", "-n19", "ninja", "-C", tree / "build", "-j1", *targets]).returncode == 0
+
+
+def notices(tree, test):
+    if "." in test:  # one of ctest's own
+        command = ["ctest", "--test-dir", tree / "build", "-R", re.escape(test)]
+    else:
+        command = [tree / "build/tests" / test, "--gtest_brief=1", "--gtest_fail_fast"]
+    try:
+        return run(["nice", "-n19", *command], timeout=SECONDS).returncode != 0
+    except subprocess.TimeoutExpired:
+        return True
+
+
+def verdict(tree, mutant):
+    path = tree / mutant["file"]
+    text = path.read_text()
+    if text.count(mutant["before"]) != 1:
+        return "not found" if mutant["before"] not in text else "found twice"
+    try:
+        path.write_text(text.replace(mutant["before"], mutant["after"]))
+        if not build(tree, mutant["tests"]):
+            return "did not compile"
+        noticed = next((test for test in mutant["tests"] if notices(tree, test)), None)
+        return f"killed by {noticed}" if noticed else "equivalent" if mutant["reason"] else "SURVIVED"
+    finally:
+        path.write_text(text)
+
+
+def main():
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # the worktree is taken down
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("pattern", nargs="?", default="")
+    parser.add_argument("--list", type=pathlib.Path, default=HERE / "list.txt")
+    options = parser.parse_args()
+    mutants = [m for m in read(options.list) if re.search(options.pattern, name_of(m))]
+    counts = {}
+    with tempfile.TemporaryDirectory(prefix="mutants-") as folder:
+        tree = pathlib.Path(folder) / "tree"
+        git = ["git", "-C", HERE, "worktree"]
+        try:
+            if run([*git, "add", "--detach", tree, "HEAD"]).returncode:
+                sys.exit("no worktree could be made")
+            run(["cmake", "--preset", "release", "-G", "Ninja", *FAST], cwd=tree)
+            tests = sorted({test for m in mutants for test in m["tests"]})
+            if not build(tree, tests):
+                sys.exit("the tree does not build")
+            if failing := [test for test in tests if notices(tree, test)]:
+                sys.exit(f"without any mutant these fail: {', '.join(failing)}")
+            for number, mutant in enumerate(mutants, 1):
+                start = time.time()
+                result = verdict(tree, mutant)
+                counts[result.split(" by ")[0]] = counts.get(result.split(" by ")[0], 0) + 1
+                print(f"{number:3}/{len(mutants)} {time.time() - start:4.0f} s  {result:28} {name_of(mutant)}", flush=True)
+        finally:
+            run([*git, "remove", "--force", tree])
+    print(", ".join(f"{count} {result}" for result, count in sorted(counts.items())))
+    return 1 if counts.get("SURVIVED") else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
