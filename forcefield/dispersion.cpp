@@ -1,5 +1,6 @@
 #include "forcefield/dispersion.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -8,38 +9,46 @@
 
 namespace taut {
 
-// With x = (r − rs)/(rc − rs), 1 − S = 10x³ − 15x⁴ + 6x⁵. In t = r/rs and with a = rs/(rc − rs),
-// xᵏ = aᵏ(t − 1)ᵏ, which the binomial theorem turns into powers of t, each integrated by itself:
-//     ∫ tᵖ dt = (tᵖ⁺¹ − 1)/(p + 1),   ln t for p = −1.
-// The powers cancel to about a⁵ of their size, hence long double.
-double switch_integral(double rs, double rc, int n) {
-  constexpr std::array<int, 3> kSwitch = {10, -15, 6};  // of x³, x⁴, x⁵
-  const long double a = rs / (static_cast<long double>(rc) - rs), t = 1 + 1 / a;
-  long double sum = 0;
-  for (int k = 3; k <= 5; ++k) {
-    long double binomial = 1, power_sum = 0;
-    for (int m = 0; m <= k; ++m) {
-      const int p = m - n;
-      const long double integral = p == -1 ? std::log(t) : (std::pow(t, p + 1) - 1) / (p + 1);
-      power_sum += ((k - m) % 2 ? -1 : 1) * binomial * integral;
-      binomial = binomial * (k - m) / (m + 1);
-    }
-    sum += kSwitch[k - 3] * std::pow(a, k) * power_sum;
+namespace {
+
+// ∫_0^1 g(u) du in `panels` equal panels, by Gauss and Legendre's five points in each.
+template <class Function>
+double integrate(const Function& g, int panels) {
+  constexpr std::array<double, 3> kPlace = {0, 0.5384693101056831, 0.9061798459386640};
+  constexpr std::array<double, 3> kWeight = {0.5688888888888889, 0.4786286704993665, 0.2369268850561891};
+  const double half = 0.5 / panels;
+  double sum = 0;
+  for (int p = 0; p < panels; ++p) {
+    const double middle = (2 * p + 1) * half;
+    sum += kWeight[0] * g(middle);
+    for (int k = 1; k < 3; ++k)
+      sum += kWeight[k] * (g(middle - kPlace[k] * half) + g(middle + kPlace[k] * half));
   }
-  return static_cast<double>(sum) * std::pow(rs, 1 - n);
+  return half * sum;
 }
 
-// E V = ½N² ⟨∫_rc^∞ U 4πr² dr + ∫_rs^rc (1 − S) U 4πr² dr⟩
-//     = 8πN² ⟨ε(σ¹²(1/(9rc⁹) + K₁₀) − σ⁶(1/(3rc³) + K₄))⟩,   K_n = ∫_rs^rc (1 − S) r⁻ⁿ dr.
+}  // namespace
+
+// By parts, a switch is a cutoff spread over its interval by the weight −S' = 30x²(1 − x)²/w, w = rc − rs:
+//     ∫ (1 − S) r⁻ⁿ dr = ∫_rs^rc −S'(r) r¹⁻ⁿ/(n − 1) dr.
+// In u, r = rs eᴸᵘ with L = ln(rc/rs), the powers of r are smooth however far apart rs and rc are, and
+// x = (eᴸᵘ − 1)/(eᴸ − 1) is exact however near.
+double cut_tail(double rs, double rc, int n) {
+  const double w = rc - rs, L = std::log1p(w / rs);
+  if (!(L > 0)) return std::pow(rc, 1 - n) / (n - 1);
+  const auto weighted = [&](double u) {
+    const double x = std::expm1(L * u) * rs / w, r = rs * std::exp(L * u);
+    return 30 * x * x * (1 - x) * (1 - x) * L * (r / w) * std::pow(r, 1 - n);
+  };
+  return integrate(weighted, static_cast<int>(std::ceil(std::min(L, 1e3) / 0.05))) / (n - 1);
+}
+
+// E V = ½N² ⟨∫ (1 − S) U 4πr² dr⟩ = 8πN² ⟨ε(σ¹² K₁₀ − σ⁶ K₄)⟩,   K_n = ∫ (1 − S) r⁻ⁿ dr.
 // OpenMM's convention: the mean is over all N(N+1)/2 pairs, an atom with itself included, excluded or not
 // (Shirts et al. 2007, doi:10.1021/jp0735987, has the correction; the self pairs are OpenMM's).
 double dispersion_coefficient(const Nonbonded& nb) {
-  const double rc = *nb.cutoff;
-  double tail12 = 1 / (9 * std::pow(rc, 9)), tail6 = 1 / (3 * std::pow(rc, 3));
-  if (nb.switch_distance) {
-    tail12 += switch_integral(*nb.switch_distance, rc, 10);
-    tail6 += switch_integral(*nb.switch_distance, rc, 4);
-  }
+  const double rc = *nb.cutoff, rs = nb.switch_distance.value_or(rc);
+  const double tail12 = cut_tail(rs, rc, 10), tail6 = cut_tail(rs, rc, 4);
 
   std::map<std::pair<double, double>, double> classes;  // (σ, ε) -> how many atoms
   for (Eigen::Index i = 0; i < nb.sigma.size(); ++i) ++classes[{nb.sigma[i], nb.epsilon[i]}];

@@ -9,7 +9,8 @@ namespace taut {
 // Needs nb.cutoff.
 double dispersion_coefficient(const Nonbonded& nb);
 
-// ∫ (1 − S(r)) r⁻ⁿ dr from rs to rc, S the switch; n = 4 or more. [nm¹⁻ⁿ]
-double switch_integral(double rs, double rc, int n);
+// ∫ (1 − S(r)) r⁻ⁿ dr to infinity, S the switch from rs to rc, or at rs = rc the plain cutoff; n = 4 or more.
+// [nm¹⁻ⁿ]
+double cut_tail(double rs, double rc, int n);
 
 }  // namespace taut

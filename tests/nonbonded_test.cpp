@@ -326,17 +326,40 @@ double simpson(const std::function<double(double)>& g, double a, double b) {
   return sum * (b - a) / (3 * n);
 }
 
-TEST(Dispersion, SwitchIntegralsAgreeWithQuadrature) {
+TEST(Dispersion, TailsOfSwitchesAgreeWithQuadrature) {
   const double rc = 0.9;
-  for (double rs : {0.3, 0.7, 0.8, 0.87})
+  for (double rs : {0.2, 0.3, 0.7, 0.8, 0.87})
     for (int n : {4, 10}) {
       const auto integrand = [&](double r) {
         const double u = (r - rs) / (rc - rs);
         return u * u * u * (10 - 15 * u + 6 * u * u) * std::pow(r, -n);
       };
-      const double expected = simpson(integrand, rs, rc);
-      EXPECT_NEAR(switch_integral(rs, rc, n), expected, 1e-8 * expected) << rs << " " << n;
+      const double expected = simpson(integrand, rs, rc) + std::pow(rc, 1 - n) / (n - 1);
+      EXPECT_NEAR(cut_tail(rs, rc, n), expected, 1e-8 * expected) << rs << " " << n;
     }
+}
+
+// The weight −S' has the mean m = ½(rs + rc) and the variance w²/28: powers 0 and −1 by hand.
+TEST(Dispersion, TailsOfSwitchesAreExactWherePowersAre) {
+  const double rc = 0.9;
+  for (double rs : {1e-9, 1e-3, 0.1, 0.5, 0.899, 0.9 - 1e-9}) {
+    const double m = (rs + rc) / 2, w = rc - rs;
+    EXPECT_NEAR(cut_tail(rs, rc, 0), -m, 1e-14) << rs;
+    EXPECT_NEAR(cut_tail(rs, rc, -1), -(m * m + w * w / 28) / 2, 1e-14) << rs;
+  }
+}
+
+// Half the width sooner than the cutoff, to first order in the width: for n = 4, 1/(3r³) at (rs + rc)/2.
+TEST(Dispersion, ASwitchOnTheCutoffIsACutoff) {
+  const double rc = 0.9;
+  for (int n : {4, 10}) {
+    const double plain = std::pow(rc, 1 - n) / (n - 1);
+    EXPECT_DOUBLE_EQ(cut_tail(rc, rc, n), plain);
+    for (double width : {1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-12, 1e-15}) {
+      const double middle = std::pow(rc - width / 2, 1 - n) / (n - 1);
+      EXPECT_NEAR(cut_tail(rc - width, rc, n) / middle, 1, n * n * width * width + 2e-15) << width;
+    }
+  }
 }
 
 // ½N² times the mean over all pairs, self pairs included, of ∫ U (1 − S) 4πr² dr; from the cutoff on in 1/r.
