@@ -68,11 +68,15 @@ void check_bonded(const Terms& terms, int n) {
   }
 }
 
+// Of torsions. Force fields go to 6; a step takes as many products.
+constexpr int kMostPeriodicity = 64;
+
 void check_torsions(const Terms& terms, int n) {
   for (std::size_t t = 0; t < terms.torsions.size(); ++t) {
     const auto& [i, j, k, l, periodicity, phase, amplitude] = terms.torsions[t];
     check_atoms({"torsion", t}, {i, j, k, l}, n);
-    require(periodicity > 0, "torsion {}: periodicity {}, expected 1 or more", t, periodicity);
+    require(periodicity >= 1 && periodicity <= kMostPeriodicity,
+            "torsion {}: periodicity {}, expected 1 to {}", t, periodicity, kMostPeriodicity);
     check_numbers({"torsion", t}, {phase, amplitude});
   }
   for (std::size_t t = 0; t < terms.rb_torsions.size(); ++t) {

@@ -192,6 +192,11 @@ TEST(ForceField, RefusesTermsThatDoNotFit) {
   expect_in(message([](Terms& t) { t.angles = {{0, 1, 0, 1, 1}}; }), "angle 0: atom 0");
   expect_in(message([](Terms& t) { t.torsions = {{0, 1, 2, -1, 1, 0, 1}}; }), "torsion 0: atom -1");
   expect_in(message([](Terms& t) { t.torsions = {{0, 1, 2, 3, 0, 0, 1}}; }), "torsion 0: periodicity 0");
+  expect_in(message([](Terms& t) {
+              t.torsions = {{0, 1, 2, 3, 1, 0, 1}, {0, 1, 2, 3, 2'000'000'000, 0, 1}};
+            }),
+            "torsion 1: periodicity 2000000000, expected 1 to 64");
+  EXPECT_EQ(message([](Terms& t) { t.torsions = {{0, 1, 2, 3, 64, 0, 1}}; }), "accepted");
   expect_in(message([](Terms& t) { t.rb_torsions = {{0, 1, 2, 7, {}}}; }), "rb_torsion 0: atom 7");
   expect_in(message([](Terms& t) { t.fene = {{0, 1, 30, 0}}; }), "fene 0: r0");
   expect_in(message([](Terms& t) { t.pulls = {{4, Vec3::Zero()}}; }), "pull 0: atom 4");
