@@ -2,7 +2,6 @@
 #include "forcefield/bonded.hpp"
 
 #include <gtest/gtest.h>
-#include <hwy/highway.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <string>
 #include <type_traits>
 
+#include "every_machine.hpp"
 #include "forcefield/bonded_forces.hpp"
 #include "forcefield/exceptions.hpp"
 #include "md/errors.hpp"
@@ -20,6 +20,7 @@ namespace taut {
 namespace {
 
 using std::numbers::pi;
+using testing::on_every_machine;
 
 // Chains of random walks with every kind of term, all numbers different.
 struct Chains {
@@ -87,17 +88,14 @@ void expect_lanes_as_plain(std::vector<Term> terms, const Vectors& x, const Add&
 
 TEST(BondedLanes, AddWhatThePlainLoopsAddOnEveryKindOfMachine) {
   const Chains c(10, 9);
-  for (const auto target : hwy::SupportedAndGeneratedTargets()) {
-    SCOPED_TRACE(hwy::TargetName(target));
-    hwy::GetChosenTarget().Update(target);
+  on_every_machine([&] {
     expect_lanes_as_plain(c.terms.bonds, c.x, add_bonds);
     expect_lanes_as_plain(c.terms.angles, c.x, add_angles);
     expect_lanes_as_plain(c.terms.torsions, c.x, add_torsions);
     expect_lanes_as_plain(c.terms.rb_torsions, c.x, add_rb_torsions);
     expect_lanes_as_plain(c.terms.fene, c.x, add_fene);
     expect_lanes_as_plain(c.exceptions, c.x, add_exceptions);
-  }
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  });
 }
 
 TEST(BondedLanes, AnglesFromFoldedToStraight) {
@@ -110,7 +108,7 @@ TEST(BondedLanes, AnglesFromFoldedToStraight) {
     x.col(3 * n + 2) = 0.2 * Vec3(std::cos(at[n]), std::sin(at[n]), 0);
     angles.push_back({3 * n, 3 * n + 1, 3 * n + 2, 1.1, 400});
   }
-  expect_lanes_as_plain(angles, x, add_angles);
+  on_every_machine([&] { expect_lanes_as_plain(angles, x, add_angles); });
 }
 
 TEST(BondedLanes, TorsionsWithAnEndOnTheAxisHaveNoForces) {
@@ -119,20 +117,49 @@ TEST(BondedLanes, TorsionsWithAnEndOnTheAxisHaveNoForces) {
       0, 0, 0, 0.1,        //
       0, 0, 0, 0;
   const std::vector<RyckaertBellemans> rb = {{0, 1, 2, 3, {1, 2, 3, 4, 5, 6}}};
-  const Sum s = sum(rb, x, kInLanes);
-  EXPECT_EQ(s.energy, 1 - 2 + 3 - 4 + 5 - 6);  // at φ = 0
-  EXPECT_EQ(s.f, Vectors::Constant(3, 4, 1));
   const std::vector<ExpandedTorsion> periodic = {ExpandedTorsion({3, 2, 1, 0, 3, 0, 7})};
-  EXPECT_EQ(sum(periodic, x, kInLanes).energy, 14);
+  on_every_machine([&] {
+    const Sum s = sum(rb, x, kInLanes);
+    EXPECT_EQ(s.energy, 1 - 2 + 3 - 4 + 5 - 6);  // at φ = 0
+    EXPECT_EQ(s.f, Vectors::Constant(3, 4, 1));
+    EXPECT_EQ(sum(periodic, x, kInLanes).energy, 14);
+  });
+}
+
+// Four atoms in line, in any direction and as rounding leaves it, stretched out or folded back at either end:
+// angles of π and 0, torsions without a φ. Nothing is undefined, and no force is larger than a moment over an
+// arm.
+TEST(BondedLanes, AtomsInLineGiveFiniteForces) {
+  Random random(3);
+  for (int turn = 0; turn < 200; ++turn) {
+    const Vec3 line = random.unit_vector(), origin = 10 * random.normal_vector();
+    const double first = turn % 2 == 0 ? -0.1 : 0.17, last = turn % 3 == 0 ? 0.3 : 0.02;
+    Vectors x(3, 4);
+    x << origin + first * line, origin, origin + 0.13 * line, origin + last * line;
+    const std::vector<HarmonicAngle> angles = {{0, 1, 2, 1.9, 400}, {1, 2, 3, 1.9, 400}};
+    const std::vector<PeriodicTorsion> torsions = {{0, 1, 2, 3, 3, 0.5, 7}};
+    const std::vector<ExpandedTorsion> expanded = {ExpandedTorsion(torsions[0])};
+    const std::vector<RyckaertBellemans> rb = {{0, 1, 2, 3, {1, 2, 3, 4, 5, 6}}};
+    on_every_machine([&] {
+      const Sum bends = sum(angles, x, kInLanes);
+      EXPECT_NEAR(bends.energy, sum(angles, x, add_angles).energy, 1e-9 * bends.energy);
+      EXPECT_LT(bends.f.cwiseAbs().maxCoeff(), 4 * 400 * pi / 0.1);  // not for NaN
+      expect_equal(sum(expanded, x, kInLanes), sum(torsions, x, add_torsions));
+      expect_equal(sum(rb, x, kInLanes), sum(rb, x, add_rb_torsions));
+      EXPECT_EQ(sum(rb, x, kInLanes).f, Vectors::Constant(3, 4, 1));
+    });
+  }
 }
 
 TEST(BondedLanes, LetANanShow) {
   Chains c(1, 6);
   c.x(1, 2) = std::nan("");
   const auto expect_shown = [&](const auto& terms) {
-    const Sum s = sum(terms, c.x, kInLanes);
-    EXPECT_TRUE(std::isnan(s.energy));
-    EXPECT_TRUE(s.f.col(2).hasNaN());
+    on_every_machine([&] {
+      const Sum s = sum(terms, c.x, kInLanes);
+      EXPECT_TRUE(std::isnan(s.energy));
+      EXPECT_TRUE(s.f.col(2).hasNaN());
+    });
   };
   expect_shown(c.terms.bonds);
   expect_shown(c.terms.angles);
@@ -164,13 +191,15 @@ TEST(BondedForces, AreTheSameBitsOnAnyNumberOfThreads) {
   const Chains c(200, 9);
   const BondedForces forces(c.terms, c.exceptions);
   EXPECT_GT(forces.pieces(), 8);
-  const Sum one = sum_by_threads(forces, c.x, 1);
-  expect_equal(one, plain_sum(c));
-  for (int threads : {2, 3, 7}) {
-    const Sum more = sum_by_threads(forces, c.x, threads);
-    EXPECT_EQ(more.energy, one.energy);
-    EXPECT_EQ(more.f, one.f);
-  }
+  on_every_machine([&] {
+    const Sum one = sum_by_threads(forces, c.x, 1);
+    expect_equal(one, plain_sum(c));
+    for (int threads : {2, 3, 7}) {
+      const Sum more = sum_by_threads(forces, c.x, threads);
+      EXPECT_EQ(more.energy, one.energy);
+      EXPECT_EQ(more.f, one.f);
+    }
+  });
 }
 
 TEST(BondedForces, TakeTermsInAnyOrderAndAcrossAllAtoms) {
