@@ -49,6 +49,43 @@ double AtomClusters::crowded_volume(const Vectors& x) const {
   return double(cubes) * edge.prod();
 }
 
+// Of a gap wider than two ranges, two ranges are kept: atoms within range of each other have none between
+// them. Where all are near the origin there is nothing to gain.
+void AtomClusters::leave_gaps_out(const Vectors& x) {
+  constexpr double kNear = 64;  // ranges
+  const double range = layout_.range, kept = 2 * range;
+  for (int d = 0; d < 3; ++d) {
+    stretches_[d].assign(1, {0, 0});
+    along_.clear();
+    double extent = 0;
+    for (int a = 0; a < x.cols(); ++a) {
+      if (!layout_.present[a]) continue;
+      along_.push_back(x(d, a));
+      extent = std::max(extent, std::abs(x(d, a)));
+      if (!(extent < kFarthest * range)) ran_away(a, x(d, a));
+    }
+    if (extent <= kNear * range) continue;
+    std::sort(along_.begin(), along_.end());
+    double last = along_.front(), offset = -last;
+    stretches_[d].assign(1, {last, offset});
+    for (const double u : along_) {
+      if (u - last > kept) {
+        offset -= u - last - kept;
+        stretches_[d].push_back({u, offset});
+      }
+      last = u;
+    }
+  }
+}
+
+double AtomClusters::offset_along(int d, double x) const {
+  const double edge = layout_.box.edge[d];
+  if (layout_.box.periodic()) return -edge * std::floor(x / edge);
+  const auto next = std::upper_bound(stretches_[d].begin() + 1, stretches_[d].end(), x,
+                                     [](double u, const Stretch& s) { return u < s.begin; });
+  return std::prev(next)->offset;
+}
+
 // As wide as the cube of eight atoms, at the density there is: narrower, there are fewer near each other to
 // choose from; wider, more that are not.
 void AtomClusters::choose_columns(const Vectors& x) {
@@ -79,7 +116,7 @@ AtomClusters::Place AtomClusters::locate(int a, const Vec3& x, Vec3& offset) con
   const Box& box = layout_.box;
   Place place;
   for (int d = 0; d < 3; ++d) {
-    offset[d] = box.periodic() ? -box.edge[d] * std::floor(x[d] / box.edge[d]) : 0.0;
+    offset[d] = offset_along(d, x[d]);
     if (d == 2) break;
     const double c = std::floor((x[d] + offset[d]) / width_[d]);
     if (!(std::abs(c) < kFarthest)) ran_away(a, x[d]);
@@ -99,6 +136,7 @@ std::size_t AtomClusters::table_entry(const Place& place) const {
 void AtomClusters::build(const Vectors& x) {
   const int n = static_cast<int>(x.cols());
   choose_columns(x);
+  if (!layout_.box.periodic()) leave_gaps_out(x);
   columns_.clear();
   table_.assign(std::bit_ceil(2 * std::size_t(n) + 1), -1);
   column_of_.assign(n, -1);
@@ -122,10 +160,14 @@ void AtomClusters::build(const Vectors& x) {
   offset_.clear();
   slot_of_.assign(n, -1);
   for (Column& column : columns_) {
-    const int begin = column.begin, end = column.end;
-    bring_near(begin, end);
+    const int end = column.end;
+    int first = column.begin;
     column.begin = count();
-    cut(begin, end);
+    while (first < end) {
+      const int next = first + bring_near(first, end);
+      cut(first, next);
+      first = next;
+    }
     column.end = count();
   }
 }
@@ -156,28 +198,29 @@ void AtomClusters::sort_columns() {
               [](const Entry& a, const Entry& b) { return a.z != b.z ? a.z < b.z : a.atom < b.atom; });
 }
 
-// Of the entries left, the lowest and, three times, of the next few the one nearest to the middle of those
-// taken. The lowest atoms of clusters stay in their order.
-void AtomClusters::bring_near(int begin, int end) {
+// The next cluster, of the entries left: the lowest and, three times, of the next few the one nearest to the
+// middle of those taken, none of them too high. Says how many there are. What is left stays in its order.
+int AtomClusters::bring_near(int first, int end) {
   constexpr int kFew = 6;
+  const double highest = entries_[first].z + tallest();
   const auto place = [&](int e) -> const Vec3& { return wrapped_[entries_[e].atom]; };
-  for (int first = begin; first + kClusterAtoms < end; first += kClusterAtoms) {
-    Vec3 sum = place(first);
-    for (int taken = 1; taken < kClusterAtoms; ++taken) {
-      const Vec3 middle = sum / taken;
-      const int next = first + taken, last = std::min(end, next + kFew);
-      int nearest = next;
-      double least = (place(next) - middle).squaredNorm();
-      for (int e = next + 1; e < last; ++e) {
-        const double apart = (place(e) - middle).squaredNorm();
-        if (apart >= least) continue;
-        least = apart;
-        nearest = e;
-      }
-      sum += place(nearest);
-      std::rotate(entries_.begin() + next, entries_.begin() + nearest, entries_.begin() + nearest + 1);
+  Vec3 sum = place(first);
+  for (int taken = 1; taken < kClusterAtoms; ++taken) {
+    const int next = first + taken, last = std::min(end, next + kFew);
+    if (next == end || entries_[next].z > highest) return taken;
+    const Vec3 middle = sum / taken;
+    int nearest = next;
+    double least = (place(next) - middle).squaredNorm();
+    for (int e = next + 1; e < last && entries_[e].z <= highest; ++e) {
+      const double apart = (place(e) - middle).squaredNorm();
+      if (apart >= least) continue;
+      least = apart;
+      nearest = e;
     }
+    sum += place(nearest);
+    std::rotate(entries_.begin() + next, entries_.begin() + nearest, entries_.begin() + nearest + 1);
   }
+  return kClusterAtoms;
 }
 
 // Clusters of the entries begin .. end.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -16,6 +17,9 @@ inline constexpr int kClusterAtoms = 4;
 // along z as wide as eight atoms' cube, and from each, upwards, the lowest atom left with three near it. Only
 // occupied columns are kept, in a hash table: linear in the atoms, however empty the space is. Atoms stand in
 // slots, four to a cluster; slots left over are fillers, which repeat the last atom and must not act.
+// Where atoms are is counted in the box; without one, from the first of them, and space that is empty further
+// than any pair reaches is left out: what is near each other keeps its separation, and coordinates stay
+// small.
 class AtomClusters {
  public:
   struct Column {
@@ -46,8 +50,12 @@ class AtomClusters {
   int slots() const { return static_cast<int>(atom_.size()); }
   int atom(int slot) const { return atom_[slot]; }
   bool filler(int slot) const { return slot % kClusterAtoms > 0 && atom_[slot] == atom_[slot - 1]; }
-  const Vec3& offset(int slot) const { return offset_[slot]; }  // whole box edges: what wrapped it [nm]
-  int slot_of(int atom) const { return slot_of_[atom]; }        // −1 for an atom not present
+  // What to add to the atom's position to see it among the others: whole box edges, or what is left out [nm].
+  const Vec3& offset(int slot) const { return offset_[slot]; }
+  int slot_of(int atom) const { return slot_of_[atom]; }  // −1 for an atom not present
+
+  // Along no axis are two atoms of a cluster further apart when it is built [nm].
+  double widest() const { return std::max({width_[0], width_[1], tallest()}); }
 
   const std::vector<Column>& columns() const { return columns_; }
   // The columns within range, each pair of columns (and of their images) from one side only; the column
@@ -64,12 +72,20 @@ class AtomClusters {
     int atom;
   };
 
+  // Between gaps, along an axis: atoms from `begin` on are moved by `offset` [nm].
+  struct Stretch {
+    double begin, offset;
+  };
+
+  double tallest() const { return 2 * layout_.range; }
+  void leave_gaps_out(const Vectors& x);
+  double offset_along(int d, double x) const;
   void choose_columns(const Vectors& x);
   double crowded_volume(const Vectors& x) const;
   Place locate(int a, const Vec3& x, Vec3& offset) const;
   std::size_t table_entry(const Place& place) const;
   void sort_columns();
-  void bring_near(int begin, int end);
+  int bring_near(int first, int end);
   void cut(int begin, int end);
 
   Layout layout_;
@@ -78,6 +94,8 @@ class AtomClusters {
   std::array<std::int64_t, 2> count_{};  // of columns along the box's edges
   std::vector<int> table_;               // hash table: indices into columns_, −1 for none
   std::vector<Column> columns_, unsorted_;
+  std::array<std::vector<Stretch>, 3> stretches_;
+  std::vector<double> along_;
   std::vector<int> column_of_;  // by atom
   std::vector<Vec3> wrap_;      // by atom: what moves it into the box
   std::vector<Vec3> wrapped_;   // where it is then

@@ -5,98 +5,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "forcefield/clusters/pair_kernels.hpp"
-#include "forcefield/lennard_jones_coulomb.hpp"
-#include "forcefield/wca.hpp"
+#include "forcefield/clusters/pair_problem.hpp"
 #include "md/errors.hpp"
 #include "md/threads.hpp"
-#include "md/units.hpp"
 
 namespace taut {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kClustersPerThread = 100;  // fewer are not worth a thread
+constexpr double kEverywhere = 1e15;     // [nm]
 constexpr int kAhead = 32;               // atoms asked for before their turn: they lie anywhere in memory
 
-// Atoms and what happens between them, before there are clusters.
-struct PairProblem {
-  PairLaw law;
-  Box box;
-  double inner = 0, outer = 0;                           // buffers [nm]
-  std::vector<std::uint8_t> kind;                        // n
-  Eigen::VectorXd charge, half_sigma, two_sqrt_epsilon;  // as PairAtoms has them, n
-  std::vector<std::array<int, 2>> exclusions;
-
-  bool all_pairs() const { return law.cutoff == kInfinity; }
-};
-
-void add_kinds(PairProblem& p) {
-  const auto n = p.charge.size();
-  double low = kInfinity, high = 0;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    p.kind.push_back(static_cast<std::uint8_t>((p.two_sqrt_epsilon[i] != 0 ? kHasLj : 0) |
-                                               (p.charge[i] != 0 ? kHasCharge : 0)));
-    p.law.lj |= p.two_sqrt_epsilon[i] != 0;
-    p.law.charge |= p.charge[i] != 0;
-    if (p.two_sqrt_epsilon[i] == 0) continue;
-    low = std::min(low, p.half_sigma[i]);
-    high = std::max(high, p.half_sigma[i]);
-  }
-  p.law.one_sigma = low == high;
-  p.law.sigma = 2 * high;
-}
-
-// How far beyond the cutoff the lists look: what they save in lists made against the pairs they add.
-void choose_buffers(PairProblem& p, double inner_share, double outer_share) {
-  p.inner = inner_share * p.law.cutoff;
-  p.outer = outer_share * p.law.cutoff;
-  if (p.box.periodic()) p.outer = std::min(p.outer, 0.4 * p.box.edge.minCoeff());
-  p.inner = std::min(p.inner, p.outer / 2);
-}
-
-PairProblem problem_of(const Nonbonded& nb, const Box& box) {
-  PairProblem p;
-  p.law.cutoff = nb.cutoff.value_or(kInfinity);
-  p.law.switch_distance = nb.switch_distance.value_or(kInfinity);
-  if (nb.cutoff) {
-    const double rc = *nb.cutoff, eps = nb.rf_dielectric;
-    p.law.k_rf = (eps - 1) / ((2 * eps + 1) * rc * rc * rc);
-    p.law.c_rf = 3 * eps / ((2 * eps + 1) * rc);
-    p.box = box;  // without a cutoff there are no images
-    choose_buffers(p, 0.07, 0.38);
-  }
-  p.charge = std::sqrt(kCoulomb) * nb.charge;
-  p.half_sigma = 0.5 * nb.sigma;
-  p.two_sqrt_epsilon = 2 * nb.epsilon.cwiseSqrt();
-  for (const auto& e : nb.exceptions) p.exclusions.push_back({e.i, e.j});
-  add_kinds(p);
-  return p;
-}
-
-PairProblem problem_of(const Wca& wca, int atoms, const Box& box) {
-  PairProblem p;
-  p.law.cutoff = WcaBeads::reach(wca);
-  p.law.lift = 1;
-  p.box = box;
-  choose_buffers(p, 0.12, 0.4);
-  p.charge = Eigen::VectorXd::Zero(atoms);
-  p.half_sigma = Eigen::VectorXd::Constant(atoms, wca.sigma / 2);
-  p.two_sqrt_epsilon = Eigen::VectorXd::Constant(atoms, 2 * std::sqrt(wca.epsilon));
-  p.exclusions = wca.exclusions;
-  add_kinds(p);
-  return p;
-}
-
-AtomClusters::Layout layout_of(const PairProblem& p) {
-  AtomClusters::Layout layout{p.box, p.law.cutoff + p.outer, {}, {}};
-  for (const auto kind : p.kind) {
-    layout.present.push_back(kind != 0);
-    layout.first.push_back((kind & kHasLj) != 0);
-  }
-  return layout;
+// The largest separation of two atoms along an axis [nm].
+double spread(const Vectors& x) {
+  return x.cols() > 0 ? (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).maxCoeff() : 0.0;
 }
 
 }  // namespace
@@ -119,11 +43,12 @@ class EngineIn final : public ClusterPairs::Engine {
   explicit EngineIn(PairProblem problem)
       : p_(std::move(problem)),
         exclusions_(static_cast<int>(p_.kind.size()), p_.exclusions),
-        clusters_(layout_of(p_)) {
+        clusters_(p_.layout()) {
     copies_ = force_copies<T>();
   }
 
   void add_forces(const Vectors& x, Vectors& f) override {
+    if (p_.all_pairs() && x.cols() > 0) choose_unit(2 * spread(x), x.cwiseAbs().maxCoeff());
     if (!(searches > 0 && place(x))) renew_lists(x);
     in_parallel(threads_, [&](int t) {
       force_[t].assign(12 * copies_ * clusters_.count(), T(0));
@@ -141,7 +66,9 @@ class EngineIn final : public ClusterPairs::Engine {
 
   double virial() override { return sum_over_lists(pair_virial<T>); }
 
+  // Where every pair counts, the lists do not depend on where atoms are.
   void remember(Memory& memory) override {
+    if (p_.all_pairs()) return;
     memory(clusters_, searched_at_, pruned_at_);
     if (!memory.recalling()) return;
     const Vectors searched = searched_at_, pruned = pruned_at_;
@@ -279,15 +206,18 @@ class EngineIn final : public ClusterPairs::Engine {
       atoms_.half_sigma[slot] = static_cast<T>(p_.half_sigma[a]);
       atoms_.two_sqrt_epsilon[slot] = static_cast<T>(p_.two_sqrt_epsilon[a]);
     }
-    limit_ = p_.all_pairs() ? std::max(1.0, extent) : p_.inner / 2;
+    limit_ = p_.all_pairs() ? kEverywhere : p_.inner / 2;
     rounded_.extent = extent + p_.box.edge.maxCoeff();
     rounded_.x.resize(3 * slots);
     round(searched_, Share(clusters_.count(), 0, 1));
-    if constexpr (sizeof(T) == 4) {
-      // a unit so that no difference leaves 32 bits
-      const double reach = extent + rounded_.extent + 2 * limit_ + p_.outer + 1e-3;
-      atoms_.unit = std::exp2(std::ceil(std::log2(reach)) - 31);
-    }
+    if (!p_.all_pairs()) choose_unit(2 * (p_.law.cutoff + p_.outer + clusters_.widest()), extent);
+  }
+
+  // Coordinates are kept modulo 2³²: atoms of clusters that meet, less than `widest` apart, tell how far they
+  // are from each other wherever they are. `extent`: of the coordinates [nm].
+  void choose_unit(double widest, double extent) {
+    if constexpr (sizeof(T) == 4)
+      atoms_.unit = std::exp2(std::ceil(std::log2(std::max({widest * 0x1p-31, extent * 0x1p-50, 1e-12}))));
   }
 
   // Columns of about as many clusters for each thread.
@@ -345,7 +275,31 @@ class EngineIn final : public ClusterPairs::Engine {
   bool energy_known_ = false;
 };
 
+// Without a cutoff every separation counts. A unit of 32 bits that holds the widest is finer than single
+// precision while that is some tens of nanometres; of atoms that have gone further, all is done in double.
+class MixedWithoutCutoff final : public ClusterPairs::Engine {
+ public:
+  explicit MixedWithoutCutoff(const PairProblem& problem) : mixed_(problem), double_(problem) {}
+
+  void add_forces(const Vectors& x, Vectors& f) override {
+    constexpr double kWidest = 64;  // [nm]
+    used_ = spread(x) <= kWidest ? static_cast<Engine*>(&mixed_) : &double_;
+    used_->add_forces(x, f);
+    searches = mixed_.searches + double_.searches;
+  }
+  double energy() override { return used_->energy(); }
+  double virial() override { return used_->virial(); }
+  void remember(Memory& memory) override { used_->remember(memory); }
+
+ private:
+  EngineIn<float> mixed_;
+  EngineIn<double> double_;
+  Engine* used_ = &mixed_;
+};
+
 std::unique_ptr<ClusterPairs::Engine> make_engine(PairProblem problem, Precision precision) {
+  if (precision == Precision::kMixed && problem.all_pairs())
+    return std::make_unique<MixedWithoutCutoff>(problem);
   if (precision == Precision::kMixed) return std::make_unique<EngineIn<float>>(std::move(problem));
   return std::make_unique<EngineIn<double>>(std::move(problem));
 }

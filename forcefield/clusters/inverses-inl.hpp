@@ -13,36 +13,37 @@ namespace taut::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// The machine's guess at 1/√x: 14 bits in AVX-512, 12 of a float elsewhere, and all of a double.
+// Whether the machine's guess at 1/√x is taken: 14 bits in AVX-512, and 12 of a float in SSE and AVX2. Others
+// guess worse, or have none.
+template <class D>
+constexpr bool kRootGuessed = sizeof(hn::TFromD<D>) == 4 ? HWY_TARGET <= HWY_SSSE3
+                                                         : HWY_TARGET <= HWY_AVX3&& hn::MaxLanes(D()) == 8;
+
+// That guess, else 1/√x.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V guess_inverse_sqrt([[maybe_unused]] D d, V x) {
   using T = hn::TFromD<D>;
 #if HWY_TARGET <= HWY_AVX3
-  if constexpr (sizeof(T) == 8 && hn::MaxLanes(D()) == 8) return V{_mm512_rsqrt14_pd(x.raw)};
+  if constexpr (sizeof(T) == 8 && kRootGuessed<D>) return V{_mm512_rsqrt14_pd(x.raw)};
 #endif
-  if constexpr (sizeof(T) == 4)
+  if constexpr (sizeof(T) == 4 && kRootGuessed<D>)
     return hn::ApproximateReciprocalSqrt(x);
   else
     return hn::Div(hn::Set(d, T(1)), hn::Sqrt(x));
 }
 
-// And at 1/x.
+// The same of 1/x: 14 bits of a double in AVX-512.
+template <class D>
+constexpr bool kInverseGuessed = sizeof(hn::TFromD<D>) == 8 && kRootGuessed<D>;
+
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V guess_inverse(D d, V x) {
   using T = hn::TFromD<D>;
 #if HWY_TARGET <= HWY_AVX3
-  if constexpr (sizeof(T) == 8 && hn::MaxLanes(D()) == 8) return V{_mm512_rcp14_pd(x.raw)};
+  if constexpr (kInverseGuessed<D>) return V{_mm512_rcp14_pd(x.raw)};
 #endif
   return hn::Div(hn::Set(d, T(1)), x);
 }
-
-// Whether a guess at 1/√x has but a part of its bits.
-template <class D>
-constexpr bool kRootGuessed = sizeof(hn::TFromD<D>) == 4 ||
-                              (HWY_TARGET <= HWY_AVX3 && hn::MaxLanes(D()) == 8);
-template <class D>
-constexpr bool kInverseGuessed = sizeof(hn::TFromD<D>) == 8 && HWY_TARGET <= HWY_AVX3&& hn::MaxLanes(D()) ==
-                                                                   8;
 
 // What follows turns guesses y of K vectors into results, stage by stage, so that none waits for another's.
 

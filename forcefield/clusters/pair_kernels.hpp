@@ -28,8 +28,9 @@ struct PairLaw {
 enum class Ask { kForces, kEnergy, kVirial };  // what is summed over pairs
 
 // The precision pairs are computed in. Double: all of it. Float: positions are 32-bit whole multiples of a
-// unit of length, so that differences are exact however large the box is; from there on single precision, a
-// lane's sum over its few tens of pairs included, and double from there.
+// unit of length, modulo 2³², so that the differences of atoms that can meet are exact however large space
+// is; from there on single precision, a lane's sum over its few tens of pairs included, and double from
+// there.
 template <class T>
 struct PairPrecision;
 template <>

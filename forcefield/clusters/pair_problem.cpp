@@ -1,0 +1,82 @@
+#include "forcefield/clusters/pair_problem.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "forcefield/wca.hpp"
+#include "md/units.hpp"
+
+namespace taut {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+void add_kinds(PairProblem& p) {
+  const auto n = p.charge.size();
+  double low = kInfinity, high = 0;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    p.kind.push_back(static_cast<std::uint8_t>((p.two_sqrt_epsilon[i] != 0 ? kHasLj : 0) |
+                                               (p.charge[i] != 0 ? kHasCharge : 0)));
+    p.law.lj |= p.two_sqrt_epsilon[i] != 0;
+    p.law.charge |= p.charge[i] != 0;
+    if (p.two_sqrt_epsilon[i] == 0) continue;
+    low = std::min(low, p.half_sigma[i]);
+    high = std::max(high, p.half_sigma[i]);
+  }
+  p.law.one_sigma = low == high;
+  p.law.sigma = 2 * high;
+}
+
+// How far beyond the cutoff the lists look: what they save in lists made against the pairs they add.
+void choose_buffers(PairProblem& p, double inner_share, double outer_share) {
+  p.inner = inner_share * p.law.cutoff;
+  p.outer = outer_share * p.law.cutoff;
+  if (p.box.periodic()) p.outer = std::min(p.outer, 0.4 * p.box.edge.minCoeff());
+  p.inner = std::min(p.inner, p.outer / 2);
+}
+
+}  // namespace
+
+PairProblem problem_of(const Nonbonded& nb, const Box& box) {
+  PairProblem p;
+  p.law.cutoff = nb.cutoff.value_or(kInfinity);
+  p.law.switch_distance = nb.switch_distance.value_or(kInfinity);
+  if (nb.cutoff) {
+    const double rc = *nb.cutoff, eps = nb.rf_dielectric;
+    p.law.k_rf = (eps - 1) / ((2 * eps + 1) * rc * rc * rc);
+    p.law.c_rf = 3 * eps / ((2 * eps + 1) * rc);
+    p.box = box;  // without a cutoff there are no images
+    choose_buffers(p, 0.07, 0.38);
+  }
+  p.charge = std::sqrt(kCoulomb) * nb.charge;
+  p.half_sigma = 0.5 * nb.sigma;
+  p.two_sqrt_epsilon = 2 * nb.epsilon.cwiseSqrt();
+  for (const auto& e : nb.exceptions) p.exclusions.push_back({e.i, e.j});
+  add_kinds(p);
+  return p;
+}
+
+PairProblem problem_of(const Wca& wca, int atoms, const Box& box) {
+  PairProblem p;
+  p.law.cutoff = WcaBeads::reach(wca);
+  p.law.lift = 1;
+  p.box = box;
+  choose_buffers(p, 0.12, 0.4);
+  p.charge = Eigen::VectorXd::Zero(atoms);
+  p.half_sigma = Eigen::VectorXd::Constant(atoms, wca.sigma / 2);
+  p.two_sqrt_epsilon = Eigen::VectorXd::Constant(atoms, 2 * std::sqrt(wca.epsilon));
+  p.exclusions = wca.exclusions;
+  add_kinds(p);
+  return p;
+}
+
+AtomClusters::Layout PairProblem::layout() const {
+  AtomClusters::Layout layout{box, law.cutoff + outer, {}, {}};
+  for (const auto k : kind) {
+    layout.present.push_back(k != 0);
+    layout.first.push_back((k & kHasLj) != 0);
+  }
+  return layout;
+}
+
+}  // namespace taut

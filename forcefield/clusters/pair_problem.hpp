@@ -1,0 +1,31 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "forcefield/clusters/atom_clusters.hpp"
+#include "forcefield/clusters/pair_kernels.hpp"
+#include "forcefield/terms.hpp"
+#include "md/box.hpp"
+
+namespace taut {
+
+// Atoms and what happens between them, before there are clusters.
+struct PairProblem {
+  PairLaw law;
+  Box box;
+  double inner = 0, outer = 0;                           // buffers [nm]
+  std::vector<std::uint8_t> kind;                        // n
+  Eigen::VectorXd charge, half_sigma, two_sqrt_epsilon;  // as PairAtoms has them, n
+  std::vector<std::array<int, 2>> exclusions;
+
+  bool all_pairs() const { return law.cutoff == std::numeric_limits<double>::infinity(); }
+  AtomClusters::Layout layout() const;
+};
+
+PairProblem problem_of(const Nonbonded& nb, const Box& box);
+PairProblem problem_of(const Wca& wca, int atoms, const Box& box);
+
+}  // namespace taut
