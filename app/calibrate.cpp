@@ -105,7 +105,7 @@ void calibrate_scene(const CalibrateArguments& arguments) {
       {"disagreement", disagreement(arguments.plan, c)},
   };
   AsideFile file(*arguments.json);
-  file.write(json.dump(2) + "\n");
+  file.write(json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   file.commit();
 }
 

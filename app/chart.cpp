@@ -84,18 +84,19 @@ void chart(const ChartArguments& arguments) {
              plan.methods.size(), jobs.size());
   run_jobs(jobs, ledger);
 
+  StudyFiles files(arguments.out);
   const std::string failures = failures_csv(plan, ledger);
-  write_text(arguments.out / "failures.csv", failures);
   ReportPage page{plan.scene.name + ": speed against accuracy", arguments.command(), {}};
   for (const auto& [picture, title, caption] : chart_pictures(plan, ledger)) {
-    draw(picture, arguments.out);
+    files.draw(picture);
     page.parts.push_back({title, caption, picture.name + ".svg", picture.csv});
   }
   page.parts.push_back({"What failed", "Settings that did not get through, and why.", "", failures});
-  write_report(page, arguments.out);
+  files.write("failures.csv", failures);
+  write_report(page, files);
   print_failures(failures);
-  fmt::print("\nwrote {0}/report.html, and .csv, .gp, .svg, .png of each picture\n", arguments.out.string());
   ledger.close();
+  files.tell();
 }
 
 }  // namespace

@@ -5,19 +5,27 @@
 #include <algorithm>
 #include <cmath>
 
+#include "systems/studies/csv.hpp"
+
 namespace taut {
 namespace {
 
+using Rows = std::vector<std::vector<std::string>>;
+
+// Whether a row that begins with these cells got through: its last one, the reason, is empty.
+bool any_row(const Rows& rows, const std::vector<std::string>& cells) {
+  return std::ranges::any_of(rows, [&](const auto& row) {
+    return row.back().empty() && std::equal(cells.begin(), cells.end(), row.begin());
+  });
+}
+
 // Curves in their order, each named once, with those left out of which every point failed.
 std::vector<Setting> curves_of(const ChartPlan& plan, const std::string& csv) {
+  const Rows rows = csv_rows(csv);
   std::vector<Setting> curves;
   for (const Setting& s : plan.settings()) {
     const bool known = std::ranges::any_of(curves, [&](const Setting& c) { return c.curve() == s.curve(); });
-    bool alive = false;  // a row that does not end in a reason
-    for (std::size_t at = csv.find('"' + s.curve() + '"'); at != csv.npos;
-         at = csv.find('"' + s.curve() + '"', at + 1))
-      alive |= csv[csv.find('\n', at) - 1] == ',';
-    if (!known && alive) curves.push_back(s);
+    if (!known && any_row(rows, {s.curve()})) curves.push_back(s);
   }
   return curves;
 }
@@ -60,8 +68,9 @@ Picture work_picture(const ChartPlan& plan, const Ledger& ledger) {
     }
     return joined(plots);
   };
+  if (curves.empty()) return p;
   p.script = fmt::format(
-      "{}  set multiplot title '{}: constraints at {:g} fs (lower left is better)' noenhanced\n"
+      "{}  set multiplot title {} noenhanced\n"
       "  set xrange [5e-17:1e-1]\n  set xtics 1e-16,1e3\n"
       "  set bmargin screen 0.26\n  set tmargin screen 0.92\n"
       "  set lmargin screen 0.09\n  set rmargin screen 0.52\n"
@@ -69,8 +78,10 @@ Picture work_picture(const ChartPlan& plan, const Ledger& ledger) {
       "  set key noenhanced at screen 0.5,0.005 center bottom maxrows 5 samplen 3 width -1\n{}"
       "  set lmargin screen 0.56\n  set rmargin screen 0.98\n  unset key\n  unset ylabel\n  set format y ''\n"
       "  set xlabel 'largest relative bond error'\n{}  unset multiplot\n",
-      kLogLog, plan.scene.name, plan.scene.run.dt_fs, half("rms_rel_bond_error", true),
-      half("max_rel_bond_error", false));
+      kLogLog,
+      gnuplot_string(fmt::format("{}: constraints at {:g} fs (lower left is better)", plan.scene.name,
+                                 plan.scene.run.dt_fs)),
+      half("rms_rel_bond_error", true), half("max_rel_bond_error", false));
   return p;
 }
 
@@ -95,57 +106,58 @@ Picture drift_picture(const ChartPlan& plan, const Ledger& ledger) {
                     "(high(column('drift_low'), column('drift_high'))) with xerrorlines {} title '{}'",
                     only("curve", curves[n].curve(), "abs(column('drift_kj_mol_ns_dof'))"),
                     line_of(curves, n), curves[n].curve()));
+  if (plots.empty()) return p;
   p.script = fmt::format(
       "{}  low(a, b) = a*b > 0 ? (abs(a) < abs(b) ? abs(a) : abs(b)) : 1e-12\n"
       "  high(a, b) = abs(a) > abs(b) ? abs(a) : abs(b)\n"
-      "  set title '{}: energy drift at {:g} fs over {} steps (lower left is better)' noenhanced\n"
+      "  set title {} noenhanced\n"
       "  set xlabel '|energy drift| [kJ/mol/ns/degree of freedom], 95 % interval; to the left edge: zero is "
       "inside'\n"
       "  set ylabel 'constraint time a bond and step [ns]'\n  set xrange [{:g}:*]\n"
       "  set bmargin screen 0.29\n  set key noenhanced at screen 0.5,0.005 center bottom maxrows 5 samplen 3 "
       "width -1\n{}",
-      kLogLog, plan.scene.name, plan.scene.run.dt_fs, plan.drift_steps, left_edge(plan, ledger),
-      joined(plots));
+      kLogLog,
+      gnuplot_string(fmt::format("{}: energy drift at {:g} fs over {} steps (lower left is better)",
+                                 plan.scene.name, plan.scene.run.dt_fs, plan.drift_steps)),
+      left_edge(plan, ledger), joined(plots));
   return p;
-}
-
-bool any_row(const std::string& csv, const std::string& method) {
-  for (std::size_t at = csv.find("\n" + method + ","); at != csv.npos;
-       at = csv.find("\n" + method + ",", at + 1))
-    if (csv[csv.find('\n', at + 1) - 1] == ',') return true;
-  return false;
 }
 
 Picture order_picture(const ChartPlan& plan, const Ledger& ledger) {
   Picture p{"order", order_csv(plan, ledger), "", 800, 520};
+  const Rows rows = csv_rows(p.csv);
   std::vector<std::string> plots;
   for (const auto& method : plan.methods)
-    if (any_row(p.csv, method))
+    if (any_row(rows, {method}))
       plots.push_back(
           fmt::format("csv using {}:'rms_distance_nm' with linespoints {} lw 1.5 title '{} (order {:.2f})'",
                       only("method", method, "column('dt_fs')"), mark_of(method), method,
                       order_of(plan, ledger, method)));
+  if (plots.empty()) return p;
   p.script = fmt::format(
       "  set logscale xy\n  set format y '10^{{%L}}'\n"
-      "  set title '{}: distance from the exact trajectory after {:g} fs' noenhanced\n"
+      "  set title {} noenhanced\n"
       "  set xlabel 'step [fs]'\n  set ylabel 'rms distance [nm]'\n  set key noenhanced outside right "
       "samplen 2\n"
       "  set xrange [{:g}:{:g}]\n{}",
-      plan.scene.name, 16 * plan.scene.run.dt_fs, plan.scene.run.dt_fs / (plan.quick ? 5 : 20),
-      1.25 * plan.scene.run.dt_fs, joined(plots));
+      gnuplot_string(fmt::format("{}: distance from the exact trajectory after {:g} fs", plan.scene.name,
+                                 16 * plan.scene.run.dt_fs)),
+      plan.scene.run.dt_fs / (plan.quick ? 5 : 20), 1.25 * plan.scene.run.dt_fs, joined(plots));
   return p;
 }
 
 Picture length_picture(const ChartPlan& plan, const Ledger& ledger) {
   Picture p{"length", length_csv(plan, ledger), "", 800, 520};
+  const Rows rows = csv_rows(p.csv);
   std::vector<std::string> plots;
   for (const auto& method : plan.methods)
-    if (any_row(p.csv, method))
+    if (any_row(rows, {method}))
       plots.push_back(
           fmt::format("csv using {}:'ns_per_bond_step':'ns_per_bond_step_q1':'ns_per_bond_step_q3' with "
                       "yerrorlines {} lw 1.5 "
                       "title '{}'",
                       only("method", method, "column('bonds')"), mark_of(method), method));
+  if (plots.empty()) return p;
   p.script = fmt::format(
       "{}  set title 'cost against the length of freely jointed chains'\n  set format x '%g'\n"
       "  set xlabel 'bonds a chain'\n  set ylabel 'constraint time a bond and step [ns]'\n"
@@ -157,10 +169,11 @@ Picture length_picture(const ChartPlan& plan, const Ledger& ledger) {
 // Filled: double; open: mixed.
 Picture precision_picture(const ChartPlan& plan, const Ledger& ledger) {
   Picture p{"precision", precision_csv(plan, ledger), "", 800, 520};
+  const Rows rows = csv_rows(p.csv);
   std::vector<std::string> plots;
   for (const auto& method : plan.methods)
     for (const char* precision : {"double", "mixed"})
-      if (p.csv.find(method + "," + precision + ",,") == p.csv.npos)
+      if (any_row(rows, {method, precision}))
         plots.push_back(fmt::format(
             "csv using (strcol('method') eq '{0}' && strcol('precision') eq '{1}' ? "
             "abs(column('drift_kj_mol_ns_dof')) : 1/0):'step_us':"
@@ -168,19 +181,21 @@ Picture precision_picture(const ChartPlan& plan, const Ledger& ledger) {
             "column('drift_high'))):"
             "'step_us_q1':'step_us_q3' with xyerrorbars {2} {3} lw 1.5 title '{0}, {1}'",
             method, precision, mark_of(method), precision == std::string("double") ? "dt 1" : "dt 3 ps 0.6"));
+  if (plots.empty()) return p;
   p.script = fmt::format(
       "  set logscale x\n  set format x '10^{{%L}}'\n"
       "  low(a, b) = a*b > 0 ? (abs(a) < abs(b) ? abs(a) : abs(b)) : 1e-12\n"
       "  high(a, b) = abs(a) > abs(b) ? abs(a) : abs(b)\n"
-      "  set title '{}: a whole step at {:g} fs, pair forces in double (full bars) and mixed precision "
-      "(dotted)' "
-      "noenhanced\n"
+      "  set title {} noenhanced\n"
       "  set xlabel '|energy drift| [kJ/mol/ns/degree of freedom], 95 % interval; to the left edge: zero is "
       "inside'\n"
       "  set ylabel 'time of a step [µs]'\n  set yrange [0:*]\n  set xrange [1e-4:*]\n  set key noenhanced "
       "outside "
       "right samplen 2\n{}",
-      plan.scene.name, plan.scene.run.dt_fs, joined(plots));
+      gnuplot_string(fmt::format(
+          "{}: a whole step at {:g} fs, pair forces in double (full bars) and mixed precision (dotted)",
+          plan.scene.name, plan.scene.run.dt_fs)),
+      joined(plots));
   return p;
 }
 

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "crosscheck_report.hpp"
-#include "pictures.hpp"
+#include "systems/studies/csv.hpp"
 
 namespace taut {
 namespace {
@@ -36,17 +36,18 @@ struct Panel {
 };
 
 std::string panel_of(const Crosscheck& c, const Panel& panel, bool with_key) {
-  std::string text = fmt::format("  set title '{}'\n  set ylabel '{}'\n  plot ", panel.title, panel.ylabel);
+  std::string text = fmt::format("  set title {}\n  set ylabel {}\n  plot ", gnuplot_string(panel.title),
+                                 gnuplot_string(panel.ylabel));
   const char* separator = "";
   for (const auto& [track, style] : curves_of(c)) {
     if (track == &c.twin && !panel.from_twin) continue;
     const double start = panel.from_start ? track->samples.front().energy : 0;
     text += fmt::format(
-        "{}csv using (strcol('run') eq '{}' ? column('t_ps') : 1/0):(seen(column('{}') - {:.12g})) with "
+        "{}csv using (strcol('run') eq {} ? column('t_ps') : 1/0):(seen(column('{}') - {:.12g})) with "
         "linespoints pi -8 {} "
         "{}",
-        separator, track->name, panel.column, start, style,
-        with_key ? fmt::format("title '{}'", track->name) : "notitle");
+        separator, gnuplot_string(track->name), panel.column, start, style,
+        with_key ? fmt::format("title {}", gnuplot_string(track->name)) : "notitle");
     separator = ", \\\n       ";
   }
   return text + "\n";
@@ -55,15 +56,16 @@ std::string panel_of(const Crosscheck& c, const Panel& panel, bool with_key) {
 Picture runs_picture(const Crosscheck& c, const std::string& csv) {
   Picture p{"crosscheck", csv, "", 1000, 860};
   p.script = fmt::format(
-      "  set multiplot layout 2,2 title '{}: taut against OpenMM {}, {}' noenhanced margins "
+      "  set multiplot layout 2,2 title {} noenhanced margins "
       "0.08,0.98,0.2,0.92 "
       "spacing 0.1,0.1\n"
       "  set xlabel 't [ps]'\n  set key noenhanced at screen 0.5,0.005 center bottom maxrows 4 samplen 3 "
       "width 1\n"
       "  set xrange [0:{:g}]\n  set logscale y\n  set format y '10^{{%L}}'\n  seen(y) = y != 0 ? abs(y) : "
       "1/0\n",
-      c.scene, c.openmm, c.platform, static_cast<double>(c.parting) * c.h);
-  p.script += panel_of(c, {"apart from OpenMM''s run", "largest distance [nm]", "apart_nm", false}, false);
+      gnuplot_string(fmt::format("{}: taut against OpenMM {}, {}", c.scene, c.openmm, c.platform)),
+      static_cast<double>(c.parting) * c.h);
+  p.script += panel_of(c, {"apart from OpenMM's run", "largest distance [nm]", "apart_nm", false}, false);
   p.script += panel_of(c, {"apart from the fine run", "largest distance [nm]", "from_fine_run_nm"}, true);
   p.script += "  unset key\n  set xrange [0:*]\n";
   p.script += panel_of(c, {"bond errors", "largest relative error", "max_rel_bond_error"}, false);
@@ -81,7 +83,7 @@ std::string distances_csv(const Crosscheck& c) {
   std::string text = "run,r_nm,g,standard_error\n";
   for (const auto& [track, style] : curves_of(c))
     for (std::size_t n = 0; averaged(c, track) && n < track->oxygens.r.size(); ++n)
-      text += fmt::format("{},{:.4f},{:.6f},{:.6f}\n", track->name, track->oxygens.r[n],
+      text += fmt::format("{},{:.4f},{:.6f},{:.6f}\n", csv_cell(track->name), track->oxygens.r[n],
                           track->oxygens.g[n].value, track->oxygens.g[n].error);
   return text;
 }
@@ -89,17 +91,17 @@ std::string distances_csv(const Crosscheck& c) {
 Picture distances_picture(const Crosscheck& c) {
   Picture p{"distances", distances_csv(c), "", 800, 520};
   p.script = fmt::format(
-      "  set title '{}: O–O radial distribution, bars: standard errors' noenhanced\n  set xlabel 'r [nm]'\n"
+      "  set title {} noenhanced\n  set xlabel 'r [nm]'\n"
       "  set ylabel 'g(r)'\n  set key noenhanced\n  plot ",
-      c.scene);
+      gnuplot_string(c.scene + ": O–O radial distribution, bars: standard errors"));
   const char* separator = "";
   for (const auto& [track, style] : curves_of(c)) {
     if (!averaged(c, track)) continue;
     p.script += fmt::format(
-        "{0}csv using (strcol('run') eq '{1}' ? column('r_nm') : 1/0):'g':'standard_error' with yerrorlines "
+        "{0}csv using (strcol('run') eq {1} ? column('r_nm') : 1/0):'g':'standard_error' with yerrorlines "
         "{2} "
-        "title '{1}'",
-        separator, track->name, style);
+        "title {1}",
+        separator, gnuplot_string(track->name), style);
     separator = ", \\\n       ";
   }
   p.script += "\n";
@@ -108,9 +110,9 @@ Picture distances_picture(const Crosscheck& c) {
 
 }  // namespace
 
-void draw_crosscheck(const Crosscheck& c, const std::string& csv, const std::filesystem::path& folder) {
-  draw(runs_picture(c, csv), folder);
-  if (!c.twin.oxygens.r.empty()) draw(distances_picture(c), folder);
+void draw_crosscheck(const Crosscheck& c, const std::string& csv, StudyFiles& files) {
+  files.draw(runs_picture(c, csv));
+  if (!c.twin.oxygens.r.empty()) files.draw(distances_picture(c));
 }
 
 }  // namespace taut

@@ -6,9 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "md/aside_file.hpp"
-#include "pictures.hpp"
 #include "systems/studies/crosscheck_verdict.hpp"
+#include "systems/studies/csv.hpp"
 
 namespace taut {
 namespace {
@@ -130,9 +129,9 @@ std::string csv_of(const Crosscheck& c) {
       "rms_rel_bond_error\n";
   for (const Track* track : all_tracks(c))
     for (const Sample& s : track->samples)
-      text += fmt::format("{},{},{:.9g},{:.6e},{},{:.12g},{:.8g},{:.6e},{:.6e}\n", track->name, s.step, s.t,
-                          s.apart, s.from_truth >= 0 ? fmt::format("{:.6e}", s.from_truth) : "", s.energy,
-                          s.temperature, s.bond_max, s.bond_rms);
+      text += fmt::format("{},{},{:.9g},{:.6e},{},{:.12g},{:.8g},{:.6e},{:.6e}\n", csv_cell(track->name),
+                          s.step, s.t, s.apart, s.from_truth >= 0 ? fmt::format("{:.6e}", s.from_truth) : "",
+                          s.energy, s.temperature, s.bond_max, s.bond_rms);
   return text;
 }
 
@@ -177,10 +176,10 @@ void print_crosscheck(const Crosscheck& c) {
 }
 
 void write_crosscheck(const Crosscheck& c, const fs::path& folder) {
-  make_folder(folder);
-  write_text(folder / "crosscheck.json", json_of(c).dump(2) + "\n");
-  draw_crosscheck(c, csv_of(c), folder);
-  fmt::print("\nwrote {0}/crosscheck.json, and .csv, .gp, .svg, .png of each picture\n", folder.string());
+  StudyFiles files(folder);
+  files.write("crosscheck.json", json_of(c).dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  draw_crosscheck(c, csv_of(c), files);
+  files.tell();
 }
 
 }  // namespace taut

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 
+#include "pictures.hpp"
 #include "systems/studies/crosscheck.hpp"
 
 namespace taut {
@@ -24,6 +25,6 @@ void print_crosscheck(const Crosscheck& c);
 void write_crosscheck(const Crosscheck& c, const std::filesystem::path& folder);
 
 // Pictures of them: crosscheck.* over its csv, and of liquid water distances.*.
-void draw_crosscheck(const Crosscheck& c, const std::string& csv, const std::filesystem::path& folder);
+void draw_crosscheck(const Crosscheck& c, const std::string& csv, StudyFiles& files);
 
 }  // namespace taut

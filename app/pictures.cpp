@@ -1,12 +1,16 @@
 #include "pictures.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sys/wait.h>
 
+#include <cctype>
 #include <cstdlib>
 #include <map>
 
 #include "command_line.hpp"
 #include "md/aside_file.hpp"
+#include "md/errors.hpp"
 
 namespace taut {
 namespace {
@@ -34,28 +38,71 @@ do for [kind in 'svg png'] {{
 
 }  // namespace
 
-void write_text(const fs::path& file, const std::string& text) {
-  AsideFile aside(file);
-  aside.write(text);
-  aside.commit();
+// In double quotes, all that gnuplot could take for its own in octal, which it reads as text and no more.
+std::string gnuplot_string(std::string_view text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < ' ')
+      quoted += ' ';
+    else if (std::isalnum(byte) || byte > 127 || std::string_view(" _.,:;()|/+-=<>").find(c) != text.npos)
+      quoted += c;
+    else
+      quoted += fmt::format("\\{:03o}", byte);
+  }
+  return quoted + "\"";
 }
 
-bool draw(const Picture& p, const fs::path& folder) {
-  write_text(folder / (p.name + ".csv"), p.csv);
-  write_text(folder / (p.name + ".gp"), fmt::format(kPreamble, p.name, p.width, p.height) + p.script + "}\n");
-  if (std::system("command -v gnuplot >/dev/null 2>&1") != 0) {
-    fmt::print("no picture: gnuplot is not installed (gnuplot-nox); the script is {}/{}.gp\n",
-               folder.string(), p.name);
-    return false;
+std::string gnuplot_tic(std::string_view text) {
+  std::string label;
+  for (const char c : text) label += c == '%' ? std::string("%%") : std::string(1, c);
+  return gnuplot_string(label);
+}
+
+void StudyFiles::write(const std::string& name, const std::string& text) {
+  AsideFile aside(folder_ / name);
+  aside.write(text);
+  aside.commit();
+  written_.push_back(name);
+}
+
+void StudyFiles::draw(const Picture& p) {
+  write(p.name + ".csv", p.csv);
+  std::error_code ignored;  // of a drawing before this one
+  for (const char* kind : {".gp", ".svg", ".png"}) fs::remove(folder_ / (p.name + kind), ignored);
+  if (p.script.empty()) return empty_.push_back(p.name);
+  write(p.name + ".gp", fmt::format(kPreamble, p.name, p.width, p.height) + p.script + "}\n");
+  const int status = std::system(fmt::format("cd -- {} && gnuplot {}.gp >{}.gnuplot.log 2>&1",
+                                             quoted_for_shell(fs::absolute(folder_).string()), p.name, p.name)
+                                     .c_str());
+  const fs::path log = folder_ / (p.name + ".gnuplot.log");
+  const bool missing = WIFEXITED(status) && WEXITSTATUS(status) == 127;
+  bool drawn = status == 0;
+  for (const char* kind : {".svg", ".png"}) {
+    const bool there = fs::exists(folder_ / (p.name + kind));
+    if (there) written_.push_back(p.name + kind);
+    drawn &= there;
   }
-  const std::string command =
-      fmt::format("cd -- {} && gnuplot {}.gp >gnuplot.log 2>&1", quoted_for_shell(folder.string()), p.name);
-  if (std::system(command.c_str()) != 0) {
-    fmt::print("gnuplot stopped at {}.gp: see {}/gnuplot.log\n", p.name, folder.string());
-    return false;
-  }
-  fs::remove(folder / "gnuplot.log");
-  return true;
+  without_gnuplot_ |= missing;
+  if (drawn || missing)
+    fs::remove(log, ignored);
+  else
+    undrawn_.push_back(p.name);
+}
+
+void StudyFiles::tell() const {
+  fmt::print("\nwrote into {}: {}\n", folder_.string(), fmt::join(written_, ", "));
+  if (!empty_.empty()) fmt::print("nothing to draw of {}: no setting got through\n", fmt::join(empty_, ", "));
+  if (without_gnuplot_)
+    fmt::print(
+        "no pictures: gnuplot is not installed (Debian: gnuplot-nox); with it, `gnuplot NAME.gp` in {} draws "
+        "them\n",
+        folder_.string());
+  if (undrawn_.empty()) return;
+  const std::string& first = undrawn_.front();
+  throw OutsideError(
+      fmt::format("gnuplot could not draw {}: see {}/{}.gnuplot.log; the figures are in the .csv files",
+                  fmt::join(undrawn_, ", "), folder_.string(), first));
 }
 
 // Okabe and Ito's colours, which the colour-blind tell apart too; marks for black and white.

@@ -75,10 +75,11 @@ void stability(const StabilityArguments& arguments) {
   run_jobs(jobs, ledger);
   print_steps(plan, steps, ledger);
 
-  write_text(arguments.out / "limits.csv", limits_csv());
+  StudyFiles files(arguments.out);
+  files.write("limits.csv", limits_csv());
   const Picture plane = plane_picture(plan, ledger), bars = steps_picture(plan, ledger);
-  draw(plane, arguments.out);
-  draw(bars, arguments.out);
+  files.draw(plane);
+  files.draw(bars);
   write_report(
       {plan.scenes.front().name + ": where methods fail",
        arguments.command(),
@@ -94,9 +95,9 @@ void stability(const StabilityArguments& arguments) {
                      "shorter than the best of its row.",
                      plan.step_steps),
          "steps.svg", bars.csv}}},
-      arguments.out);
-  fmt::print("\nwrote {0}/report.html, and .csv, .gp, .svg, .png of each picture\n", arguments.out.string());
+      files);
   ledger.close();
+  files.tell();
 }
 
 }  // namespace

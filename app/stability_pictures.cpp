@@ -9,15 +9,15 @@ namespace {
 
 // Light is good in all of them, and grey tones keep the order.
 constexpr const char* kPlane =
-    R"(  set multiplot title '{0}: Baumgarte at {1:g} fs over the plane of its gains' noenhanced
+    R"(  set multiplot title {0} noenhanced
   set logscale x
-  set xrange [{2:g}:{3:g}]
-  set yrange [{4:g}:{5:g}]
+  set xrange [{1:g}:{2:g}]
+  set yrange [{3:g}:{4:g}]
   set xtics ('0.01' 0.01, '0.1' 0.1, '1' 1)
   set ytics 0.5
   set style fill solid noborder
-  half = {6:g}
-  wide = {7:g}
+  half = {5:g}
+  wide = {6:g}
   unset key
   do for [row = 0:1] {{
     do for [n = 1:3] {{
@@ -34,7 +34,7 @@ constexpr const char* kPlane =
         set palette defined (0 '#222255', 0.5 '#7788bb', 1 '#ffffcc')
         set logscale cb
         set format cb '%g'
-        set cbrange [1:{8}]
+        set cbrange [1:{7}]
         set cblabel 'steps survived' offset 1
         plot csv using (strcol('damping') eq damping ? column('alpha_h') : 1/0):'beta_h':(column('alpha_h')/wide):(column('alpha_h')*wide):(column('beta_h')-half):(column('beta_h')+half):(column('steps_survived') > 1 ? column('steps_survived') : 1) with boxxyerror palette, \
              'limits.csv' using (strcol('damping') eq damping ? column('alpha_h') : 1/0):'limit_beta_h' with lines lc rgb 'black' lw 3 dt 2
@@ -43,7 +43,7 @@ constexpr const char* kPlane =
         set logscale cb
         set format cb '10^{{%L}}'
         set autoscale cb
-        set cbrange [{9:g}:{10:g}]
+        set cbrange [{8:g}:{9:g}]
         set cblabel '|drift| [kJ/mol/ns/dof]' offset 1
         plot csv using (strcol('damping') eq damping && column('failed') == 0 ? column('alpha_h') : 1/0):'beta_h':(column('alpha_h')/wide):(column('alpha_h')*wide):(column('beta_h')-half):(column('beta_h')+half):(abs(column('drift_kj_mol_ns_dof'))) with boxxyerror palette, \
              csv using (strcol('damping') eq damping && column('failed') == 1 ? column('alpha_h') : 1/0):'beta_h' with points pt 2 ps 0.8 lc rgb '#555555', \
@@ -88,19 +88,22 @@ Picture plane_picture(const StabilityPlan& plan, const Ledger& ledger) {
   const Scene& scene = plan.scenes.front();
   return {.name = "plane",
           .csv = plane_csv(plan, ledger),
-          .script = fmt::format(kPlane, scene.name, scene.run.dt_fs, ah.front() / wide, ah.back() * wide,
-                                bh.front() - half, bh.back() + half, half, wide, plan.plane_steps,
-                                most > 0 ? decade(least, [](double x) { return std::floor(x); }) : 0.1,
-                                most > 0 ? decade(most, [](double x) { return std::ceil(x); }) : 1.0),
+          .script = fmt::format(
+              kPlane,
+              gnuplot_string(fmt::format("{}: Baumgarte at {:g} fs over the plane of its gains", scene.name,
+                                         scene.run.dt_fs)),
+              ah.front() / wide, ah.back() * wide, bh.front() - half, bh.back() + half, half, wide,
+              plan.plane_steps, most > 0 ? decade(least, [](double x) { return std::floor(x); }) : 0.1,
+              most > 0 ? decade(most, [](double x) { return std::ceil(x); }) : 1.0),
           .height = 600};
 }
 
 Picture steps_picture(const StabilityPlan& plan, const Ledger& ledger) {
   std::string methods, scenes;
   for (std::size_t n = 0; n < plan.methods.size(); ++n)
-    methods += fmt::format("{}'{}' {}", n ? ", " : "", plan.methods[n], n);
+    methods += fmt::format("{}{} {}", n ? ", " : "", gnuplot_tic(plan.methods[n]), n);
   for (std::size_t n = 0; n < plan.scenes.size(); ++n)
-    scenes += fmt::format("{}'{}' {}", n ? ", " : "", plan.scenes[n].name, n);
+    scenes += fmt::format("{}{} {}", n ? ", " : "", gnuplot_tic(plan.scenes[n].name), n);
   return {.name = "steps",
           .csv = steps_csv(plan, ledger),
           .script = fmt::format(kSteps, static_cast<double>(plan.methods.size()) - 0.5,

@@ -3,34 +3,54 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <array>
 #include <csignal>
 #include <fstream>
+#include <map>
 #include <sstream>
 
 #include "md/errors.hpp"
 #include "md/threads.hpp"
-#include "pictures.hpp"
 #include "progress.hpp"
+#include "systems/studies/csv.hpp"
 
 namespace taut {
 namespace {
 
 // Every finished trial is on disk already: nothing to save, so only words that a handler may speak.
-extern "C" void stop(int) {
+extern "C" void stop(int signal) {
   constexpr char kWords[] = "\nstopped; the same command goes on from here\n";
-  const auto written = write(STDERR_FILENO, kWords, sizeof kWords - 1);
-  _exit(written > 0 ? 130 : 131);
+  [[maybe_unused]] const auto written = write(STDERR_FILENO, kWords, sizeof kWords - 1);
+  _exit(128 + signal);
 }
 
+// While it lives, whoever asks to stop is told that nothing is lost. What was ignored (nohup) stays so.
+class StoppedAtOnce {
+ public:
+  StoppedAtOnce() {
+    for (std::size_t n = 0; n < kSignals.size(); ++n) {
+      before_[n] = std::signal(kSignals[n], stop);
+      if (before_[n] == SIG_IGN) std::signal(kSignals[n], SIG_IGN);
+    }
+  }
+  StoppedAtOnce(const StoppedAtOnce&) = delete;
+  StoppedAtOnce& operator=(const StoppedAtOnce&) = delete;
+  ~StoppedAtOnce() {
+    for (std::size_t n = 0; n < kSignals.size(); ++n) std::signal(kSignals[n], before_[n]);
+  }
+
+ private:
+  static constexpr std::array kSignals = {SIGINT, SIGTERM, SIGHUP};
+  std::array<void (*)(int), kSignals.size()> before_;
+};
+
 std::string escaped(const std::string& text) {
+  static const std::map<char, const char*> kEntities = {
+      {'<', "&lt;"}, {'>', "&gt;"}, {'&', "&amp;"}, {'"', "&quot;"}, {'\'', "&#39;"}};
   std::string out;
   for (const char c : text) {
-    if (c == '<')
-      out += "&lt;";
-    else if (c == '&')
-      out += "&amp;";
-    else
-      out += c;
+    const auto entity = kEntities.find(c);
+    out += entity != kEntities.end() ? entity->second : std::string(1, c);
   }
   return out;
 }
@@ -41,27 +61,11 @@ std::string contents(const std::filesystem::path& file) {
   return text.str();
 }
 
-// A CSV line's cells; a quoted one may hold commas.
-std::vector<std::string> cells(const std::string& line) {
-  std::vector<std::string> all(1);
-  bool inside = false;
-  for (const char c : line) {
-    if (c == '"')
-      inside = !inside;
-    else if (c == ',' && !inside)
-      all.emplace_back();
-    else
-      all.back() += c;
-  }
-  return all;
-}
-
 std::string table_of(const std::string& csv) {
-  std::istringstream lines(csv);
-  std::string line, text = "<div class=scroll><table>\n", tag = "th";
-  while (std::getline(lines, line)) {
+  std::string text = "<div class=scroll><table>\n", tag = "th";
+  for (const auto& row : csv_rows(csv)) {
     text += "<tr>";
-    for (const auto& cell : cells(line)) text += fmt::format("<{0}>{1}</{0}>", tag, escaped(cell));
+    for (const auto& cell : row) text += fmt::format("<{0}>{1}</{0}>", tag, escaped(cell));
     text += "</tr>\n";
     tag = "td";
   }
@@ -79,7 +83,7 @@ std::string processor() {
 std::string inline_svg(const std::filesystem::path& file) {
   const std::string text = contents(file);
   const auto start = text.find("<svg");
-  return start == text.npos ? "<p>(not drawn: gnuplot is not installed)</p>" : text.substr(start);
+  return start == text.npos ? "<p>(not drawn)</p>" : text.substr(start);
 }
 
 }  // namespace
@@ -99,11 +103,12 @@ void print_notes(const Scene& scene) {
 }
 
 void run_jobs(const std::vector<Job>& jobs, Ledger& ledger) {
-  const auto before = std::signal(SIGINT, stop);
+  const StoppedAtOnce stopped_at_once;
   long left = 0, done = 0;
   for (const Job& job : jobs) left += !ledger.has(job.name);
   if (left < static_cast<long>(jobs.size()))
     fmt::print("going on: {} of {} trials are there\n", static_cast<long>(jobs.size()) - left, jobs.size());
+  std::fflush(stdout);  // a signal would not
   Progress progress(left);
   for (const Job& job : jobs) {
     if (ledger.has(job.name)) continue;
@@ -111,10 +116,9 @@ void run_jobs(const std::vector<Job>& jobs, Ledger& ledger) {
     progress.at(++done);
   }
   progress.clear();
-  std::signal(SIGINT, before);
 }
 
-void write_report(const ReportPage& page, const std::filesystem::path& folder) {
+void write_report(const ReportPage& page, StudyFiles& files) {
   std::string html = fmt::format(
       "<!doctype html>\n<html lang=en><meta charset=utf-8><title>{0}</title>\n"
       "<style>body{{font:16px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em;color:#222}}"
@@ -127,10 +131,10 @@ void write_report(const ReportPage& page, const std::filesystem::path& folder) {
       TAUT_FLAGS);
   for (const auto& part : page.parts) {
     html += fmt::format("<h2>{}</h2>\n<p>{}</p>\n", escaped(part.title), escaped(part.text));
-    if (!part.svg_file.empty()) html += inline_svg(folder / part.svg_file) + "\n";
+    if (!part.svg_file.empty()) html += inline_svg(files.folder() / part.svg_file) + "\n";
     html += fmt::format("<details><summary>The figures</summary>\n{}</details>\n", table_of(part.csv));
   }
-  write_text(folder / "report.html", html + "</html>\n");
+  files.write("report.html", html + "</html>\n");
 }
 
 }  // namespace taut

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "pictures.hpp"
 #include "systems/studies/ledger.hpp"
 
 namespace taut {
@@ -13,7 +14,8 @@ void refuse_without_effect(const char* subcommand, const std::vector<std::string
 // What was changed in a scene or is worth knowing of its start, a line each.
 void print_notes(const Scene& scene);
 
-// Runs what the ledger has not yet, with the time left on the terminal. Ctrl-C leaves the ledger as it is.
+// Runs what the ledger has not yet, with the time left on the terminal. SIGINT, SIGTERM and SIGHUP end it at
+// once, with what is finished in the ledger.
 void run_jobs(const std::vector<Job>& jobs, Ledger& ledger);
 
 // A page that needs nothing else: pictures (as SVG, inside it), tables, how it was made and on what.
@@ -26,6 +28,6 @@ struct ReportPage {
   };
   std::vector<Part> parts;
 };
-void write_report(const ReportPage& page, const std::filesystem::path& folder);
+void write_report(const ReportPage& page, StudyFiles& files);  // report.html
 
 }  // namespace taut

@@ -3,12 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "systems/studies/csv.hpp"
 #include "temporary_folder.hpp"
 
 namespace taut {
@@ -23,8 +25,9 @@ struct Outcome {
   std::string text;  // both streams
 };
 
-Outcome taut(const std::string& arguments) {
-  std::FILE* pipe = popen((std::string(TAUT_BINARY) + " " + arguments + " 2>&1").c_str(), "r");
+// `environment`: as a shell takes it before a command, "PATH=/nowhere".
+Outcome taut(const std::string& arguments, const std::string& environment = "") {
+  std::FILE* pipe = popen((environment + " " + TAUT_BINARY + " " + arguments + " 2>&1").c_str(), "r");
   Outcome outcome{};
   std::array<char, 4096> buffer;
   while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe))
@@ -37,6 +40,16 @@ std::string contents(const fs::path& file) {
   std::ostringstream text;
   text << std::ifstream(file).rdbuf();
   return text.str();
+}
+
+// A report's text, its entities undone.
+std::string page(const fs::path& folder) {
+  std::string text = contents(folder / "report.html");
+  for (const auto& [entity, character] :
+       {std::pair("&#39;", '\''), {"&quot;", '"'}, {"&lt;", '<'}, {"&gt;", '>'}, {"&amp;", '&'}})
+    for (std::size_t at = 0; (at = text.find(entity, at)) != text.npos; ++at)
+      text.replace(at, std::string_view(entity).size(), 1, character);
+  return text;
 }
 
 int lines(const std::string& text) {
@@ -156,7 +169,7 @@ TEST(App, ChartsWithAReportThatNeedsNothingElse) {
   EXPECT_THAT(text, HasSubstr("not part of a three-site water"));  // failed, and listed
   for (const char* name : {"work", "drift", "order", "length"})
     for (const char* kind : {".csv", ".gp"}) EXPECT_TRUE(fs::exists(out / (std::string(name) + kind)));
-  const std::string report = contents(out / "report.html");
+  const std::string report = page(out);
   EXPECT_THAT(report,
               HasSubstr("<code>taut chart freely_jointed --methods newton settle --set build.chains=2 "
                         "'run.seed = 3' --drift-steps 100 --quick --out " +
@@ -176,7 +189,7 @@ TEST(App, StabilitySaysHowEachMethodFails) {
   for (const char* name : {"plane.csv", "plane.gp", "steps.csv", "steps.gp", "limits.csv", "report.html"})
     EXPECT_TRUE(fs::exists(out / name)) << name;
   EXPECT_THAT(
-      contents(out / "report.html"),
+      page(out),
       HasSubstr("<code>taut stability diatomic --methods shake settle --dt-fs 2.5 --steps 100 --quick "
                 "--out " +
                 out.string() + "</code>"));
@@ -189,14 +202,90 @@ TEST(App, TheCommandInAReportCanBeTyped) {
   const auto first = taut("chart diatomic --quick --methods newton --set 'run.seed = 3' --out \"" +
                           folder.path().string() + "/our 'first' \\$HOME\"");
   ASSERT_EQ(first.exit_code, 0) << first.text;
-  EXPECT_THAT(first.text, Not(HasSubstr("gnuplot stopped")));
-  const std::string report = contents(out / "report.html");
+  EXPECT_TRUE(fs::exists(out / "work.png"));
+  const std::string report = page(out);
   const auto begin = report.find("<code>taut ") + 11;
   const std::string command = report.substr(begin, report.find("</code>") - begin);
   fs::remove_all(out);
   const auto again = taut(command);
   EXPECT_EQ(again.exit_code, 0) << command << "\n" << again.text;
-  EXPECT_THAT(contents(out / "report.html"), HasSubstr("<code>taut " + command + "</code>"));
+  EXPECT_THAT(page(out), HasSubstr("<code>taut " + command + "</code>"));
+}
+
+// A scene of some name: what is in it is text to the shell, to gnuplot, to a table and to a page.
+std::string scene_named(const fs::path& folder, const std::string& name) {
+  const fs::path file = folder / (name + ".toml");
+  fs::copy_file(fs::path(TAUT_SCENES) / "diatomic.toml", file);
+  std::string quoted = "'";
+  for (const char c : file.string()) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+class HostileNames : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Of, HostileNames,
+                         ::testing::Values("a`touch x`'\"\\n$(touch y)", "a\nb\tc'.system(\"touch x\").'",
+                                           "<script>x<&amp;%s%n@x{:b ^2}#\\", "1,2;\"3\"\"\",\u00b5"));
+
+TEST_P(HostileNames, AreTextEverywhere) {
+  const TemporaryFolder folder;
+  const std::string scene = scene_named(folder.path(), GetParam()), at = " --out " + folder.path().string();
+  for (const auto& [command, out, picture] :
+       {std::tuple{"chart " + scene + " --quick --methods newton none --drift-steps 100", "/chart", "work"},
+        {"stability " + scene + " --quick --steps 20 --methods shake", "/stability", "steps"}}) {
+    const fs::path files = folder.path().string() + out;
+    const auto [exit_code, text] = taut(command + at + out);
+    EXPECT_EQ(exit_code, 0) << text;
+    EXPECT_TRUE(fs::exists(files / (std::string(picture) + ".png"))) << text;
+    EXPECT_FALSE(fs::exists(files / "x") || fs::exists(files / "y")) << "a command was run";
+    EXPECT_FALSE(fs::exists("x") || fs::exists("y")) << "a command was run";
+    EXPECT_THAT(contents(files / "report.html"), Not(HasSubstr("<script")));
+    EXPECT_FALSE(fs::exists(files / "unfinished.tsv"));
+  }
+  const auto rows = csv_rows(contents(folder.path() / "stability" / "steps.csv"));
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[1].size(), rows[0].size());
+  std::string name = GetParam();
+  for (char& c : name) c = c == '"' ? '\'' : c < ' ' && c > 0 ? ' ' : c;
+  EXPECT_EQ(rows[1][0], name);
+}
+
+// Whatever gnuplot does, only what is there is said to be written.
+struct Gnuplot {
+  const char *name, *script;  // empty: there is none
+  int exit_code;
+  const char* says;
+};
+class Gnuplots : public ::testing::TestWithParam<Gnuplot> {};
+INSTANTIATE_TEST_SUITE_P(
+    That, Gnuplots,
+    ::testing::Values(Gnuplot{"IsNotThere", "", 0, "gnuplot is not installed"},
+                      Gnuplot{"Fails", "echo no >&2; exit 1", 3, "work.gnuplot.log"},
+                      Gnuplot{"DrawsNothing", "exit 0", 3, "gnuplot could not draw work, drift"},
+                      Gnuplot{"DrawsHalf", ": > ${1%.gp}.svg", 3, "gnuplot could not draw work, drift"}),
+    [](const auto& test) { return test.param.name; });
+
+TEST_P(Gnuplots, AreNotTakenAtTheirWord) {
+  const TemporaryFolder folder;
+  const fs::path out = folder.path() / "chart", bin = folder.path() / "bin";
+  fs::create_directory(bin);
+  if (*GetParam().script) {
+    std::ofstream(bin / "gnuplot") << "#!/bin/sh\n" << GetParam().script << "\n";
+    fs::permissions(bin / "gnuplot", fs::perms::owner_all);
+  }
+  const auto [exit_code, text] =
+      taut("chart diatomic --quick --methods newton --drift-steps 100 --out " + out.string(),
+           "PATH=" + bin.string());
+  EXPECT_EQ(exit_code, GetParam().exit_code) << text;
+  EXPECT_THAT(text, HasSubstr(GetParam().says));
+  const std::string line = text.substr(text.find("wrote into"),
+                                       text.find('\n', text.find("wrote into")) - text.find("wrote into"));
+  for (const char* name : {"work", "drift", "order", "length"})
+    for (const char* kind : {".csv", ".gp", ".svg", ".png"}) {
+      const std::string file = std::string(name) + kind;
+      EXPECT_EQ(fs::exists(out / file), line.find(file) != line.npos) << file << ": " << line;
+    }
+  EXPECT_THAT(line, HasSubstr("report.html"));
+  EXPECT_THAT(contents(out / "report.html"), HasSubstr("newton"));
 }
 
 struct BadInput {

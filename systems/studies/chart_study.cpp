@@ -8,6 +8,7 @@
 
 #include "md/observables.hpp"
 #include "systems/scene_file.hpp"
+#include "systems/studies/csv.hpp"
 #include "systems/studies/repeats.hpp"
 
 namespace taut {
@@ -22,14 +23,8 @@ Quartiles cost(const std::string& point, int repeats, int bonds, const Ledger& l
   return {us.low * each, us.median * each, us.high * each};
 }
 
-std::string quoted(const std::string& text) {
-  std::string one = text;
-  std::ranges::replace(one, '"', '\'');
-  return one.empty() ? "" : "\"" + one + "\"";
-}
-
 std::string columns(const Setting& s) {
-  return fmt::format("\"{}\",{},{},{}", s.curve(), s.method, s.parameter, s.value);
+  return fmt::format("{},{},{},{}", csv_cell(s.curve()), s.method, s.parameter, s.value);
 }
 
 std::string work_name(const Setting& s) {
@@ -173,7 +168,7 @@ std::string work_csv(const ChartPlan& plan, const Ledger& ledger) {
   for (const Setting& s : plan.settings()) {
     const Trial& first = ledger.at(repeat_name(work_name(s), 0));
     const Quartiles ns = cost(work_name(s), plan.repeats, plan.scene.system.bond_count(), ledger);
-    text += first.failed() ? fmt::format("{},,,,,,,0,{}\n", columns(s), quoted(first.failure))
+    text += first.failed() ? fmt::format("{},,,,,,,0,{}\n", columns(s), csv_cell(first.failure))
                            : fmt::format("{},{:.6e},{:.6e},{:.4g},{:.4g},{:.4g},{:.4g},{},\n", columns(s),
                                          first.rms_error, first.max_error, ns.low, ns.median, ns.high,
                                          first.step_us, plan.repeats);
@@ -188,7 +183,7 @@ std::string drift_csv(const ChartPlan& plan, const Ledger& ledger) {
   for (const Setting& s : plan.settings()) {
     const Trial& t = ledger.at(drift_name(s));
     const Quartiles ns = cost(work_name(s), plan.repeats, plan.scene.system.bond_count(), ledger);
-    text += t.failed() ? fmt::format("{},,,,,{},{}\n", columns(s), t.steps, quoted(t.failure))
+    text += t.failed() ? fmt::format("{},,,,,{},{}\n", columns(s), t.steps, csv_cell(t.failure))
                        : fmt::format("{},{:.4g},{:.6e},{:.6e},{:.6e},{},\n", columns(s), ns.median, t.drift,
                                      t.drift_low, t.drift_high, t.steps);
   }
@@ -201,7 +196,7 @@ std::string order_csv(const ChartPlan& plan, const Ledger& ledger) {
     for (const int divisor : divisors(plan)) {
       const Trial& t = ledger.at(order_name(method, divisor));
       const double dt = plan.scene.run.dt_fs / divisor;
-      text += t.failed() ? fmt::format("{},{:.6g},,,,,{}\n", method, dt, quoted(t.failure))
+      text += t.failed() ? fmt::format("{},{:.6g},,,,,{}\n", method, dt, csv_cell(t.failure))
                          : fmt::format("{},{:.6g},{:.6e},{:.6e},{:.6e},{:.3f},\n", method, dt, t.figure,
                                        t.rms_error, t.max_error, order_of(plan, ledger, method));
     }
@@ -218,7 +213,7 @@ std::string length_csv(const ChartPlan& plan, const Ledger& ledger) {
       const Trial& first = ledger.at(repeat_name(name, 0));
       const Quartiles ns = cost(name, plan.repeats, bonds * copies(plan, bonds), ledger);
       text += first.failed() ? fmt::format("{},{},{},,,,,{}\n", method, bonds, copies(plan, bonds),
-                                           quoted(first.failure))
+                                           csv_cell(first.failure))
                              : fmt::format("{},{},{},{:.4g},{:.4g},{:.4g},{:.3e},\n", method, bonds,
                                            copies(plan, bonds), ns.low, ns.median, ns.high, first.max_error);
     }
@@ -228,7 +223,7 @@ std::string length_csv(const ChartPlan& plan, const Ledger& ledger) {
 std::string failures_csv(const ChartPlan& plan, const Ledger& ledger) {
   std::string text = "panel,setting,steps_survived,reason\n";
   const auto add = [&](const char* panel, const std::string& name, const Trial& t) {
-    if (t.failed()) text += fmt::format("{},\"{}\",{},{}\n", panel, name, t.steps, quoted(t.failure));
+    if (t.failed()) text += fmt::format("{},{},{},{}\n", panel, csv_cell(name), t.steps, csv_cell(t.failure));
   };
   for (const Setting& s : plan.settings()) {
     add("work", s.name(), ledger.at(repeat_name(work_name(s), 0)));

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "systems/studies/chart_study.hpp"
+#include "systems/studies/csv.hpp"
 #include "systems/studies/repeats.hpp"
 
 namespace taut {
@@ -54,7 +55,7 @@ std::string precision_csv(const ChartPlan& plan, const Ledger& ledger) {
       const Trial& t = ledger.at(point_name("precision", method, precision));
       const Quartiles us =
           over_repeats(point_name("step", method, precision), plan.repeats, ledger, &Trial::step_us);
-      text += t.failed() ? fmt::format("{},{},,,,,,,,,\"{}\"\n", method, name_of(precision), t.failure)
+      text += t.failed() ? fmt::format("{},{},,,,,,,,,{}\n", method, name_of(precision), csv_cell(t.failure))
                          : fmt::format("{},{},{:.5g},{:.5g},{:.5g},{:.6e},{:.6e},{:.6e},{:.6e},{:.6e},\n",
                                        method, name_of(precision), us.low, us.median, us.high, t.drift,
                                        t.drift_low, t.drift_high, t.rms_error, t.max_error);

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "md/errors.hpp"
+#include "systems/studies/csv.hpp"
 
 namespace taut {
 namespace {
@@ -16,8 +16,9 @@ std::string plane_name(Damping damping, double ah, double bh) {
   return fmt::format("plane/{}/{:.3g}/{:.3g}", name_of(damping), ah, bh);
 }
 
-std::string step_name(const Scene& scene, const std::string& method) {
-  return fmt::format("steps/{}/{}", scene.name, method);
+// By the scene's place: two may have one name.
+std::string step_name(std::size_t scene, const std::string& method) {
+  return fmt::format("steps/{}/{}", scene, method);
 }
 
 Trial run_gains(const StabilityPlan& plan, Damping damping, DimensionlessGains gains) {
@@ -55,11 +56,6 @@ std::string short_reason(const std::string& failure) {
   return failure.empty() ? "never failed" : failure;
 }
 
-std::string without_quotes(std::string text) {
-  std::ranges::replace(text, '"', '\'');
-  return text;
-}
-
 }  // namespace
 
 std::vector<double> StabilityPlan::ah() const {
@@ -86,10 +82,10 @@ std::vector<Job> plane_jobs(const StabilityPlan& plan) {
 
 std::vector<Job> step_jobs(const StabilityPlan& plan) {
   std::vector<Job> jobs;
-  for (const Scene& scene : plan.scenes)
+  for (std::size_t row = 0; row < plan.scenes.size(); ++row)
     for (const auto& method : plan.methods)
-      jobs.push_back({step_name(scene, method),
-                      [&plan, &scene, method] { return largest_stable_step(plan, scene, method); }});
+      jobs.push_back({step_name(row, method),
+                      [&plan, row, method] { return largest_stable_step(plan, plan.scenes[row], method); }});
   return jobs;
 }
 
@@ -134,7 +130,7 @@ std::string plane_csv(const StabilityPlan& plan, const Ledger& ledger) {
         const std::string head =
             fmt::format("{},{:g},{:g},{},{}", name_of(damping), ah, bh, t.steps, plan.plane_steps);
         const double limit = stability_limit(ah, damping);
-        text += t.failed() ? fmt::format("{},,,,,,{:.4g},1,\"{}\"\n", head, limit, without_quotes(t.failure))
+        text += t.failed() ? fmt::format("{},,,,,,{:.4g},1,{}\n", head, limit, csv_cell(t.failure))
                            : fmt::format("{},{:.5e},{:.5e},{:.5e},{:.4e},{:.4e},{:.4g},0,\n", head, t.drift,
                                          t.drift_low, t.drift_high, t.rms_error, t.max_error, limit);
       }
@@ -147,13 +143,13 @@ std::string steps_csv(const StabilityPlan& plan, const Ledger& ledger) {
   for (std::size_t row = 0; row < plan.scenes.size(); ++row) {
     const Scene& scene = plan.scenes[row];
     double best = 0;
-    for (const auto& method : plan.methods) best = std::max(best, ledger.at(step_name(scene, method)).figure);
+    for (const auto& method : plan.methods) best = std::max(best, ledger.at(step_name(row, method)).figure);
     for (std::size_t column = 0; column < plan.methods.size(); ++column) {
-      const Trial& t = ledger.at(step_name(scene, plan.methods[column]));
+      const Trial& t = ledger.at(step_name(row, plan.methods[column]));
       text +=
-          fmt::format("{},{},{},{},{:g},{:.4g},{:.4g},{},\"{}\",\"{}\"\n", scene.name, plan.methods[column],
+          fmt::format("{},{},{},{},{:g},{:.4g},{:.4g},{},{},{}\n", csv_cell(scene.name), plan.methods[column],
                       row, column, scene.run.dt_fs, t.figure, best > 0 ? t.figure / best : 0.0,
-                      plan.step_steps, short_reason(t.failure), without_quotes(t.failure));
+                      plan.step_steps, csv_cell(short_reason(t.failure)), csv_cell(t.failure));
     }
   }
   return text;
