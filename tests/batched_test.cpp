@@ -5,12 +5,15 @@
 #include "constraints/lanes/elimination.hpp"
 #include "constraints/methods.hpp"
 #include "constraints/projection.hpp"
+#include "every_machine.hpp"
 #include "free_system.hpp"
 #include "md/threads.hpp"
 
 namespace taut {
 namespace {
 
+using testing::on_every_machine;
+using testing::on_one_to_three_threads;
 using testing::Start;
 
 // Several starts as one system, the k-th moved aside by k·spacing, and its atoms renumbered by `order` of all
@@ -140,7 +143,7 @@ std::vector<std::pair<const char*, Start>> cases() {
 
 // Runs both side by side from the same start.
 template <class Fast>
-void compare(const Start& start, const typename Fast::Options& options, double tolerance) {
+void compare_here(const Start& start, const typename Fast::Options& options, double tolerance) {
   using Plain = typename Fast::Witness;
   constexpr double h = 0.001;
   const System& sys = start.system;
@@ -167,6 +170,11 @@ void compare(const Start& start, const typename Fast::Options& options, double t
   EXPECT_LT((fast.lambda() - plain.lambda()).cwiseAbs().maxCoeff(), 1e5 * tolerance * lambda);
   EXPECT_EQ(fast.setting(), plain.setting());
   EXPECT_EQ(fast.promised_error(), plain.promised_error());
+}
+
+template <class Fast>
+void compare(const Start& start, const typename Fast::Options& options, double tolerance) {
+  on_every_machine([&] { compare_here<Fast>(start, options, tolerance); });
 }
 
 template <class Fast>
@@ -339,25 +347,27 @@ TEST(CutChains, SolveAsThePlainMethods) {
   compare_long<Batched<Newton>>({.tolerance = 1e-12}, 3e-12);
 }
 
-// The same bits on one thread and on two, from a copy and from the original.
-TEST(CutChains, TheSameBitsOnTwoThreadsAndFromACopy) {
+// The same bits on any number of threads, from a copy and from the original.
+TEST(CutChains, TheSameBitsOnEveryNumberOfThreadsAndFromACopy) {
   constexpr double h = 0.001;
   const Start start = testing::free_chain(10001, 1);
   testing::NoForce forces;
-  Batched<Newton> method(start.system, {}, h);
-  State s = start.state;
-  initialize(start.system, forces, method, s);
-  step(start.system, forces, method, h, s);
-  std::vector<State> ends;
-  for (int threads : {1, 2}) {
-    use_threads(threads);
-    Batched<Newton> copy = method;
-    State& end = ends.emplace_back(s);
-    for (int n = 0; n < 5; ++n) ASSERT_TRUE(step(start.system, forces, copy, h, end).converged());
-  }
-  use_threads(1);
-  EXPECT_EQ((ends[0].x - ends[1].x).cwiseAbs().maxCoeff(), 0);
-  EXPECT_EQ((ends[0].v - ends[1].v).cwiseAbs().maxCoeff(), 0);
+  on_every_machine([&] {
+    Batched<Newton> method(start.system, {}, h);
+    State s = start.state;
+    initialize(start.system, forces, method, s);
+    step(start.system, forces, method, h, s);
+    std::vector<State> ends;
+    on_one_to_three_threads([&] {
+      Batched<Newton> copy = method;
+      State& end = ends.emplace_back(s);
+      for (int n = 0; n < 5; ++n) ASSERT_TRUE(step(start.system, forces, copy, h, end).converged());
+    });
+    for (const State& end : ends) {
+      EXPECT_EQ(end.x, ends[0].x);
+      EXPECT_EQ(end.v, ends[0].v);
+    }
+  });
 }
 
 TEST(CutChains, NameTheBondThatTurnedTooFar) {
@@ -424,35 +434,45 @@ TEST(CutChains, MustRepeat) {
   left_whole(branched);
 }
 
-// Enough bonds for two threads, in batches of two shapes so that a thread's share ends inside one of them.
+// Enough bonds for three threads, in batches of two shapes so that a thread's share ends inside one of them.
 TEST(Batched, SharesOfThreadsFitTogether) {
   std::vector<Start> many = chains(300, 21, 200);
   for (Start& start : chains(500, 8, 600)) many.push_back(std::move(start));
   for (Start& start : many) start.state.x.colwise() -= start.state.x.col(0).eval();
   const Start start = together(many, {}, 0);
-  compare<Batched<Newton>>(start, {.tolerance = 1e-12}, 3e-12);
-  compare<Batched<Baumgarte>>(start, {}, 1e-12);
-  compare<Batched<Feedforward>>(start, {}, 1e-12);
+  Start waters = testing::waters(2100, 3, 300);
+  for (int w = 0; w < 2100; ++w)
+    waters.state.x.middleCols<3>(3 * w).colwise() -= waters.state.x.col(3 * w).eval();
+  on_one_to_three_threads([&] {
+    compare_here<Batched<Newton>>(start, {.tolerance = 1e-12}, 3e-12);
+    compare_here<Batched<Baumgarte>>(start, {}, 1e-12);
+    compare_here<Batched<Feedforward>>(start, {}, 1e-12);
+    compare_here<Batched<Rattle>>(start, {.sweeps = 3}, 1e-12);
+    compare_here<Batched<Lincs>>(start, {}, 1e-12);
+    compare_here<Batched<Settle>>(waters, {}, 1e-12);
+  });
 }
 
 TEST(Batched, NamesTheBondThatTurnedTooFarInItsLane) {
   std::vector<Start> dumbbells = chains(11, 2, 3);
   dumbbells[9].state.v *= 1e3;
   const Start start = together(dumbbells);
-  for (const char* name : {"newton", "rattle", "shake", "feedforward"}) {
-    SCOPED_TRACE(name);
-    Method any = make_method(start.system, default_options(name), 0.01);
-    testing::NoForce forces;
-    State s = start.state;
-    const SolveStats stats = std::visit(
-        [&](auto& method) {
-          SolveStats all = initialize(start.system, forces, method, s);
-          return all += step(start.system, forces, method, 0.01, s);
-        },
-        any);
-    EXPECT_FALSE(stats.converged());
-    EXPECT_EQ(stats.worst_bond, 9);
-  }
+  on_every_machine([&] {
+    for (const char* name : {"newton", "rattle", "shake", "feedforward"}) {
+      SCOPED_TRACE(name);
+      Method any = make_method(start.system, default_options(name), 0.01);
+      testing::NoForce forces;
+      State s = start.state;
+      const SolveStats stats = std::visit(
+          [&](auto& method) {
+            SolveStats all = initialize(start.system, forces, method, s);
+            return all += step(start.system, forces, method, 0.01, s);
+          },
+          any);
+      EXPECT_FALSE(stats.converged());
+      EXPECT_EQ(stats.worst_bond, 9);
+    }
+  });
 }
 
 // Three bonds in a row on one line, the 1–3 distance held too: A is singular.
@@ -461,19 +481,25 @@ TEST(Batched, NamesABondOfTheClusterThatDependsOnOthers) {
   line.state.x << 0, 1, 2, 0, 0, 0, 0, 0, 0;
   line.system = make_system(Eigen::VectorXd::Ones(3), {{0, 1, 1}, {1, 2, 1}, {0, 2, 2}});
   Start start = together({testing::free_chain(4, 2), line});
-  Batched<Baumgarte> method(start.system, {}, 0.01);
-  const SolveStats stats = method.add_forces(start.system, 0.01, start.state);
-  EXPECT_STREQ(stats.failure, "A is singular");
-  EXPECT_GE(stats.worst_bond, 3);
+  on_every_machine([&] {
+    Batched<Baumgarte> method(start.system, {}, 0.01);
+    State s = start.state;
+    const SolveStats stats = method.add_forces(start.system, 0.01, s);
+    EXPECT_STREQ(stats.failure, "A is singular");
+    EXPECT_GE(stats.worst_bond, 3);
+  });
 }
 
 TEST(Batched, ANaNIsTheWorstResidual) {
   Start start = together(chains(9, 3, 1));
   start.state.x(1, 3 * 4 + 2) = std::nan("");
-  Batched<Baumgarte> method(start.system, {}, 0.01);
-  const SolveStats stats = method.add_forces(start.system, 0.01, start.state);
-  EXPECT_FALSE(stats.max_residual < 1);
-  EXPECT_EQ(stats.worst_bond, 2 * 4 + 1);
+  on_every_machine([&] {
+    Batched<Baumgarte> method(start.system, {}, 0.01);
+    State s = start.state;
+    const SolveStats stats = method.add_forces(start.system, 0.01, s);
+    EXPECT_FALSE(stats.max_residual < 1);
+    EXPECT_EQ(stats.worst_bond, 2 * 4 + 1);
+  });
 }
 
 TEST(BondClusters, MoleculesNumberedAlikeFormOneBatch) {

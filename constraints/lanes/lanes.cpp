@@ -61,7 +61,7 @@ void LaneRows::swap(LaneRows& other) noexcept {
 void rows_to_bonds(const LaneBatch& batch, const LaneRows& rows, Eigen::VectorXd& values) {
   for (int g = 0; g < batch.groups; ++g)
     for (int k = 0; k < batch.plan.solved; ++k)
-      for (int l = 0; l < kLanes; ++l) values[batch.bond(g, k, l)] = rows.of(g)[k * kLanes + l];
+      for (int l = 0; l < batch.filled(g); ++l) values[batch.bond(g, k, l)] = rows.of(g)[k * kLanes + l];
 }
 
 void LaneRunner::add(const LaneBatch& batch) {
