@@ -475,6 +475,22 @@ TEST(Batched, NamesTheBondThatTurnedTooFarInItsLane) {
   });
 }
 
+TEST(Batched, NamesTheWaterThatTurnedTooFar) {
+  for (const int water : {0, 9, 20}) {
+    Start start = testing::waters(21, 3, 300);
+    start.state.v.col(3 * water + 1) += Vec3(1e3, 0, 0);
+    const auto worst = [&](auto method) {
+      State s = start.state;
+      drift(0.001, s);
+      const SolveStats stats = method.project_positions(start.system, 0.001, s);
+      EXPECT_FALSE(stats.converged());
+      return stats.worst_bond;
+    };
+    EXPECT_EQ(worst(Settle(start.system, {}, 0.001)), 3 * water);
+    EXPECT_EQ(worst(Batched<Settle>(start.system, {}, 0.001)), 3 * water);
+  }
+}
+
 // Three bonds in a row on one line, the 1–3 distance held too: A is singular.
 TEST(Batched, NamesABondOfTheClusterThatDependsOnOthers) {
   Start line = testing::free_chain(3, 1);

@@ -134,6 +134,20 @@ TEST(Gains, PhysicalOnesAreTheRealBonds) {
       1e-12);
 }
 
+// Lagged damping bears αh = βh up to 2(√2 − 1), of which physical gains take 0.95.
+TEST(Gains, PhysicalOnesOfLaggedDampingAreCappedEarlier) {
+  const double h = 0.01;
+  const auto gains = choose_gains({.name = "physical"}, Damping::kLagged, testing::rotor(1).system, h);
+  EXPECT_NEAR(gains[0].beta * h, 0.95 * 2 * (std::sqrt(2.0) - 1), 1e-12);
+  EXPECT_NEAR(gains[0].alpha, gains[0].beta, 1e-12);
+}
+
+TEST(Gains, ReversibleOnesAreWeaklyDamped) {
+  const auto gains = choose_gains({}, Damping::kCentred, testing::rotor(1).system, 0.002);
+  EXPECT_NEAR(gains[0].alpha, 0.1 / 0.002, 1e-12);
+  EXPECT_NEAR(gains[0].beta, std::sqrt(2.0) / 0.002, 1e-12);
+}
+
 TEST(Gains, NamesAreKnownAndOthersRefused) {
   const System sys = testing::rotor(1).system;
   for (const char* name : {"reversible", "dead-beat", "rattle", "critical", "physical", "hoomd", "box2d"})

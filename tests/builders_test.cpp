@@ -62,6 +62,14 @@ TEST_P(EveryScene, DrawsMaxwellBoltzmannVelocities) {
   }
 }
 
+// Where nothing outside holds or pulls, velocities are drawn without a total momentum.
+TEST_P(EveryScene, StartsWithoutMomentumWhereItIsKept) {
+  const Scene scene = scene_of(GetParam());
+  if (scene.run.temperature_k == 0 || !scene.closed()) return;
+  const double scale = std::sqrt(2 * kinetic_energy(scene.system, scene.start.v) * scene.system.mass.sum());
+  EXPECT_LT(momentum(scene.system, scene.start.v).norm(), 1e-12 * scale);
+}
+
 // u_k·u_{k+1} of every angle of every chain.
 double mean_square_cosine(const Scene& scene, int beads) {
   double sum = 0;
@@ -102,6 +110,13 @@ TEST(Chains, AreFreelyJointed) {
     EXPECT_NEAR(r2 / (beads - 1), 1, 0.065);
     EXPECT_EQ(scene.notes.empty(), beads == 20);
   }
+}
+
+// A chain is a residue.
+TEST(Chains, BeadsAreNamedByTheirChain) {
+  const Scene scene = scene_of("freely_jointed", {"build.chains=3", "build.beads=4"});
+  EXPECT_EQ(scene.names.residue, (std::vector<int>{0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2}));
+  EXPECT_EQ(scene.names.kinds[scene.names.kind[5]].atom, "BEAD");
 }
 
 TEST(Rings, CloseAndAreNotFlat) {
@@ -190,6 +205,18 @@ TEST(Alkane, TorsionIsTraPPEs) {
   }
 }
 
+// TraPPE's CH3 and CH2.
+TEST(Alkane, EndsAndMiddlesHaveTheirNumbers) {
+  const Scene scene = scene_of("decane");
+  const Nonbonded& lj = *scene.terms.nonbonded;
+  for (int a = 0; a < 40; ++a) {
+    const bool end = a % 10 == 0 || a % 10 == 9;
+    EXPECT_EQ(scene.system.mass[a], end ? 15.035 : 14.027);
+    EXPECT_EQ(lj.sigma[a], end ? 0.375 : 0.395);
+    EXPECT_DOUBLE_EQ(lj.epsilon[a], (end ? 98 : 46) * kBoltzmann);
+  }
+}
+
 TEST(Alkane, StartsAllTransAtTheAngle) {
   Scene scene = scene_of("decane", {"build.molecules=200"});
   ASSERT_EQ(scene.terms.angles.size(), 200u * 8u);
@@ -249,6 +276,33 @@ TEST(Water, OfAnyOtherNumberStandsOnALattice) {
   EXPECT_GT(least, 0.3);
 }
 
+TEST(Water, OnALatticeHasTheDensityAskedFor) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("lattice.toml",
+                                 "hard_on = 'density'\n[build]\nkind = 'water'\nmodel = 'spce'\n"
+                                 "shape = 'box'\nmolecules = 300\ndensity_g_cm3 = 0.9\n"
+                                 "[forcefield]\ncutoff_nm = 0.9\n");
+  const Scene scene = read_scene(file);
+  EXPECT_NEAR(scene.system.mass.sum(), 300 * 18.0154, 1e-9);
+  EXPECT_NEAR(scene.system.mass.sum() / scene.system.box.volume() / 602.214076, 0.9, 1e-12);
+}
+
+// A droplet's waters move as those of the start they are cut from.
+TEST(Water, OfADropletKeepTheirVelocities) {
+  const Start bulk = read_start(scenes_folder() / "water216.start.toml");
+  const Scene drop = scene_of("water_cluster", {water_start(), "build.molecules=20", "run.temperature_k=0"});
+  for (int m = 0; m < 20; ++m) {
+    Eigen::Index nearest = 0;
+    double least = 1e9;
+    for (Eigen::Index o = 0; o < 3 * 216; o += 3) {
+      const Vec3 apart = drop.start.x.col(3 * m) - bulk.state.x.col(o);
+      if (const double d = bulk.box.nearest_image(apart).norm(); d < least) least = d, nearest = o;
+    }
+    EXPECT_LT(least, 1e-12);
+    EXPECT_EQ(Vectors(drop.start.v.middleCols(3 * m, 3)), Vectors(bulk.state.v.middleCols(nearest, 3)));
+  }
+}
+
 TEST(Water, DropletIsRoundAndDense) {
   for (const int molecules : {64, 400}) {  // within the start, and beyond it
     const Scene scene =
@@ -294,6 +348,22 @@ TEST(Start, IsSetAsideWhereItDoesNotFit) {
   EXPECT_THAT(notes(longer), ElementsAre(HasSubstr("melt"), HasSubstr("other bonds")));
   EXPECT_THAT(notes({longer[0], longer[1], "build.bonds=fene"}),
               ElementsAre(HasSubstr("melt"), HasSubstr("other springs")));
+}
+
+// Springs longer than they can be: a chain's start whose bonds of 0.97 are stretched past r₀ = 1.5.
+TEST(Start, IsSetAsideWhereASpringCannotReach) {
+  const TemporaryFolder folder;
+  Scene scene = scene_of("melt", {"build.bonds=fene"});
+  const auto notes = [&](double stretch) {
+    State s = scene.start;
+    s.x.col(0) = s.x.col(1) + stretch * Vec3(s.x.col(0) - s.x.col(1)).normalized();
+    write_start(folder.path() / "long.start.toml", scene.system, s);
+    return scene_of("melt",
+                    {"build.bonds=fene", "build.start=" + (folder.path() / "long.start.toml").string()})
+        .notes;
+  };
+  EXPECT_THAT(notes(1.49), testing::IsEmpty());
+  EXPECT_THAT(notes(1.51), testing::Contains(testing::HasSubstr("other springs")));
 }
 
 TEST(Start, SaysWhatIsWrongWithIt) {

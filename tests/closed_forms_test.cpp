@@ -50,6 +50,29 @@ TEST(None, LetsARotorsBondGrowAsTimeSquaredStepSquared) {
   }
 }
 
+// The log's drift and the summary's means beside those of the rows, taken plainly.
+TEST(Log, IsSummedAsItsRowsAre) {
+  Simulation simulation(
+      scene_of("trimer", {method_is("baumgarte"), "run.dt_fs=2", "run.steps=400", "run.log_every=40"}));
+  Slope energy;
+  double temperatures = 0, squares = 0, largest = 0, rows = 0, drift = 0;
+  const Summary summary = simulation.run([&](const Record& r) {
+    energy.add(r.t, r.total());
+    temperatures += r.temperature;
+    squares += r.bonds.rms * r.bonds.rms;
+    largest = std::max(largest, r.bonds.max);
+    ++rows;
+    drift = 1000 * energy.value() / simulation.dof().total();  // per ps to per ns
+    EXPECT_NEAR(r.drift, drift, 1e-12 * std::abs(drift));
+  });
+  EXPECT_EQ(rows, 11);
+  EXPECT_NE(drift, 0);
+  EXPECT_NEAR(summary.drift, drift, 1e-12 * std::abs(drift));
+  EXPECT_NEAR(summary.temperature, temperatures / rows, 1e-12 * temperatures);
+  EXPECT_NEAR(summary.rms_rel_bond_error, std::sqrt(squares / rows), 1e-12 * std::sqrt(squares));
+  EXPECT_EQ(summary.max_rel_bond_error, largest);
+}
+
 // From horizontal, 1 nm, 9.81 nm/ps²: T = 4 K(sin²45°) √(l/g) = 2.3678 ps.
 TEST_P(UnderEveryGoodMethod, PendulumSwingsInItsPeriod) {
   Simulation pendulum(scene_of("pendulum", {method_is(GetParam()), "run.steps=5200", "run.log_every=1"}));

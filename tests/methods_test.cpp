@@ -228,6 +228,19 @@ TEST(Sweeps, MeetTheirToleranceAtEveryLength) {
   }
 }
 
+// |σ|/d² of the worst bond, whatever its length.
+TEST(Penalty, ReportsTheRelativeResidual) {
+  const System sys = make_system(Eigen::VectorXd::Ones(3), {{0, 1, 0.1}, {1, 2, 10}});
+  State s;
+  s.x = s.v = s.f = Vectors::Zero(3, 3);
+  s.x(0, 1) = 0.11;
+  s.x(0, 2) = 10.2;
+  Penalty method(sys, {}, 0.001);
+  const SolveStats stats = method.add_forces(sys, 0.001, s);
+  EXPECT_EQ(stats.worst_bond, 0);
+  EXPECT_NEAR(stats.max_residual, 0.5 * (1.1 * 1.1 - 1), 1e-12);
+}
+
 TEST(Settle, RefusesWhatIsNoWater) {
   const System water = testing::waters(1, 1, 300).system;
   const auto refused = [](const Eigen::VectorXd& mass, const std::vector<RigidBond>& bonds) {

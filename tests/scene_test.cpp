@@ -205,6 +205,10 @@ TEST(SceneErrors, AtomsAndBonds) {
             "scene.toml:11: build.bonds[1]: expected an atom's index, counted from 0");
   EXPECT_EQ(complaint(good.with("[1, 2, 1]", "[1, 2]").text),
             "scene.toml:11: build.bonds[1]: expected 3 numbers, got 2");
+  EXPECT_EQ(complaint(good.with("[1, 2, 1]", "[1, 2, 1, 4]").text),
+            "scene.toml:11: build.bonds[1]: expected 3 numbers, got 4");
+  EXPECT_EQ(complaint(good.with("[1, 2, 1]", "[1, 2, inf]").text),
+            "scene.toml:11: build.bonds[1]: expected finite numbers");
   EXPECT_EQ(complaint(good.with("[1, 2, 1]", "7").text),
             "scene.toml:11: build.bonds[1]: expected a row of numbers, got an integer");
   EXPECT_EQ(complaint(good.with("1.5]", "\"a\"]").text),
