@@ -122,6 +122,16 @@ std::vector<Start> pinned_chains(int count) {
   return pinned;
 }
 
+// Two chains from one anchor, which holds both.
+Start from_one_anchor() {
+  Start start = testing::free_chain(9, 60);
+  Eigen::VectorXd mass = start.system.mass;
+  mass[4] = 0;
+  start.state.v.col(4).setZero();
+  start.system = make_system(mass, start.system.bonds);
+  return start;
+}
+
 // Every number of lanes left over, atoms that follow each other and atoms that do not.
 std::vector<std::pair<const char*, Start>> cases() {
   const Start mixed = together({testing::waters(3, 1, 300), testing::free_chain(4, 2), testing::rotor(2)});
@@ -138,6 +148,7 @@ std::vector<std::pair<const char*, Start>> cases() {
           {"dumbbells of all sorts", together(dumbbells_of_all_sorts())},
           {"waters", testing::waters(21, 3, 300)},
           {"pinned chains", together(pinned_chains(3))},
+          {"two chains from one anchor", from_one_anchor()},
           {"mixed", mixed}};
 }
 
@@ -313,6 +324,17 @@ Start copolymer(int beads, std::uint64_t seed) {
   return start;
 }
 
+// All but straight: what one end of a piece does the other feels, where a coil's bonds forget within a few.
+Start nearly_straight(int beads, std::uint64_t seed) {
+  Start start = testing::free_chain(beads, seed);
+  Random random(seed);
+  for (int a = 1; a < beads; ++a)
+    start.state.x.col(a) =
+        start.state.x.col(a - 1) + (Vec3(1, 0, 0) + 0.05 * random.normal_vector()).normalized();
+  start.state.v *= 0.1;
+  return start;
+}
+
 // Chains that are cut into pieces: such as divide and such as do not, alone and not, of several pieces a
 // lane, numbered along and not.
 std::vector<std::pair<const char*, Start>> long_chains() {
@@ -327,6 +349,7 @@ std::vector<std::pair<const char*, Start>> long_chains() {
           {"chains of 301 and of 222", together({testing::free_chain(302, 4), testing::free_chain(223, 5)})},
           {"a copolymer", copolymer(400, 8)},
           {"scattered atoms", together({testing::free_chain(302, 9)}, odd_and_even)},
+          {"all but straight", nearly_straight(202, 11)},
           {"2600 bonds", testing::free_chain(2601, 10)}};
 }
 

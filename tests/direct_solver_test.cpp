@@ -92,7 +92,9 @@ TEST(SparsePattern, ChainsAndTreesHaveNoFillAndRingsLittle) {
         for (int a : shape.bonds[k])
           for (int b : shape.bonds[l])
             if (a == b) pairs.push_back({k, l});
-    EXPECT_EQ(SparsePattern(static_cast<int>(shape.bonds.size()), pairs).fill(), shape.fill);
+    const SparsePattern pattern(static_cast<int>(shape.bonds.size()), pairs);
+    EXPECT_EQ(pattern.fill(), shape.fill);
+    EXPECT_EQ(pattern.components, std::string_view(shape.name).ends_with("apart") ? 2 : 1);
   }
 }
 

@@ -340,6 +340,16 @@ TEST(Sweeps, AsPlainMethodsNameItToo) {
   EXPECT_NE(failure(Rattle(start.system, {}, 0.01)).find("90°"), std::string::npos);
 }
 
+// A start is brought to its bonds as exactly as numbers can say, not to a tolerance.
+TEST(Projector, ReachesRoundOff) {
+  Start start = testing::free_chain(20, 4);
+  for (const double far : {1e-3, 1e-6}) {
+    Vectors x = start.state.x + far * start.state.v;
+    Projector(start.system).positions(start.system, x);
+    EXPECT_LT(bond_errors(start.system, x).max, 2e-15) << far;
+  }
+}
+
 // A straight chain of three with its 1–3 distance held as well: one bond too many.
 TEST(Projector, NamesTheBondThatDependsOnOthers) {
   const System sys = make_system(Eigen::VectorXd::Ones(3), {{0, 1, 1}, {1, 2, 1}, {0, 2, 2}});

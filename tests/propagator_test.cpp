@@ -177,5 +177,18 @@ TEST(Floor, OfAPendulum) {
   }
 }
 
+// The formulas of propagator.hpp, with vectors.
+TEST(Floor, IsWhatIsSaidOfEachDamping) {
+  const double ah = 0.3, bh = 1.2, h = 0.1;
+  const Vec3 v(1, 2, -0.5), a(-3, 1, 4);
+  const Motion motion{v.squaredNorm(), a.squaredNorm(), v.dot(a)};
+  const double fed = std::pow(h, 4) * a.squaredNorm() / 4;
+  EXPECT_NEAR(floor_of(ah, bh, h, motion, Damping::kCentred), fed / (bh * bh), 1e-15);
+  EXPECT_NEAR(floor_of(ah, bh, h, motion, Damping::kImplicit), (fed + ah * h * h * h * v.dot(a)) / (bh * bh),
+              1e-15);
+  EXPECT_NEAR(floor_of(ah, bh, h, motion, Damping::kLagged),
+              (fed - ah * h * h * (v - 0.5 * h * a).squaredNorm()) / (bh * bh), 1e-15);
+}
+
 }  // namespace
 }  // namespace taut
