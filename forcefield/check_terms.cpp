@@ -68,9 +68,6 @@ void check_bonded(const Terms& terms, int n) {
   }
 }
 
-// Of torsions. Force fields go to 6; a step takes as many products.
-constexpr int kMostPeriodicity = 64;
-
 void check_torsions(const Terms& terms, int n) {
   for (std::size_t t = 0; t < terms.torsions.size(); ++t) {
     const auto& [i, j, k, l, periodicity, phase, amplitude] = terms.torsions[t];

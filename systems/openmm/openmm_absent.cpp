@@ -2,7 +2,6 @@
 
 #include "md/errors.hpp"
 #include "systems/openmm/openmm_export.hpp"
-#include "systems/openmm/openmm_import.hpp"
 #include "systems/openmm/openmm_twin.hpp"
 
 namespace taut {
@@ -17,10 +16,6 @@ namespace {
 
 bool built_with_openmm() {
   return false;
-}
-
-Scene import_openmm(const std::filesystem::path&, const std::filesystem::path&) {
-  absent();
 }
 
 struct OpenMMTwin::Impl {};

@@ -8,8 +8,8 @@
 
 #include "md/aside_file.hpp"
 #include "md/errors.hpp"
-#include "systems/openmm/openmm_custom.hpp"
-#include "systems/openmm/openmm_files.hpp"
+#include "systems/openmm/openmm_expressions.hpp"
+#include "systems/openmm/openmm_vectors.hpp"
 
 namespace taut {
 namespace {
@@ -73,6 +73,43 @@ void write_nonbonded(const Nonbonded& from, const Box& box, OpenMM::System& to) 
   to.addForce(force);
 }
 
+void write_gravity(const System& sys, const Vec3& g, OpenMM::System& to) {
+  auto* force = new OpenMM::CustomExternalForce(kGravityEnergy);
+  force->addPerParticleParameter("mass");
+  force->addGlobalParameter("gx", g.x());
+  force->addGlobalParameter("gy", g.y());
+  force->addGlobalParameter("gz", g.z());
+  for (int a = 0; a < sys.atoms(); ++a)
+    if (sys.mass[a] > 0) force->addParticle(a, {sys.mass[a]});
+  to.addForce(force);
+}
+
+void write_pulls(const std::vector<Pull>& pulls, OpenMM::System& to) {
+  auto* force = new OpenMM::CustomExternalForce(kPullEnergy);
+  for (const char* name : {"fx", "fy", "fz"}) force->addPerParticleParameter(name);
+  for (const auto& [atom, f] : pulls) force->addParticle(atom, {f.x(), f.y(), f.z()});
+  to.addForce(force);
+}
+
+void write_fene(const std::vector<Fene>& springs, OpenMM::System& to) {
+  auto* force = new OpenMM::CustomBondForce(kFeneEnergy);
+  for (const char* name : {"k", "r0"}) force->addPerBondParameter(name);
+  for (const auto& [i, j, k, r0] : springs) force->addBond(i, j, {k, r0});
+  to.addForce(force);
+}
+
+void write_wca(const System& sys, const Wca& wca, OpenMM::System& to) {
+  using Force = OpenMM::CustomNonbondedForce;
+  auto* force = new Force(kWcaEnergy);
+  force->addGlobalParameter("sigma", wca.sigma);
+  force->addGlobalParameter("epsilon", wca.epsilon);
+  for (int a = 0; a < sys.atoms(); ++a) force->addParticle();
+  for (const auto& [i, j] : wca.exclusions) force->addExclusion(i, j);
+  force->setNonbondedMethod(sys.box.periodic() ? Force::CutoffPeriodic : Force::CutoffNonPeriodic);
+  force->setCutoffDistance(wca_cutoff(wca.sigma));
+  to.addForce(force);
+}
+
 std::unique_ptr<OpenMM::State> make_openmm_state(const OpenMMInput& from) {
   OpenMM::State::StateBuilder state(from.start.t, 0);
   state.setPositions(to_openmm(from.start.x));
@@ -97,7 +134,10 @@ std::unique_ptr<OpenMM::System> make_openmm_system(const OpenMMInput& from) {
   write_masses_and_bonds(from.system, *system);
   write_bonded(from.terms, *system);
   if (from.terms.nonbonded) write_nonbonded(*from.terms.nonbonded, from.system.box, *system);
-  write_custom_forces(from.system, from.terms, *system);
+  if (from.terms.gravity) write_gravity(from.system, *from.terms.gravity, *system);
+  if (!from.terms.pulls.empty()) write_pulls(from.terms.pulls, *system);
+  if (!from.terms.fene.empty()) write_fene(from.terms.fene, *system);
+  if (from.terms.wca) write_wca(from.system, *from.terms.wca, *system);
   if (from.remove_momentum_every > 0)
     system->addForce(new OpenMM::CMMotionRemover(static_cast<int>(from.remove_momentum_every)));
   return system;

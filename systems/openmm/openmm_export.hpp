@@ -12,7 +12,7 @@ class System;
 namespace taut {
 
 // The same system as OpenMM's: what taut has and OpenMM has no class for goes into custom forces
-// (openmm_custom.hpp). Throws InputError, one line, for what OpenMM cannot express: a rigid bond to an
+// (openmm_expressions.hpp). Throws InputError, one line, for what OpenMM cannot express: a rigid bond to an
 // anchor.
 std::unique_ptr<OpenMM::System> make_openmm_system(const OpenMMInput& from);
 

@@ -14,10 +14,6 @@ std::string scene_name(const std::filesystem::path& file) {
 
 }  // namespace
 
-bool built_with_openmm() {
-  return true;
-}
-
 Scene import_openmm(const std::filesystem::path& system_xml, const std::filesystem::path& state_xml) {
   OpenMMInput input = read_openmm(system_xml, state_xml);
   Scene scene;
@@ -28,6 +24,7 @@ Scene import_openmm(const std::filesystem::path& system_xml, const std::filesyst
   scene.terms = std::move(input.terms);
   scene.names = guessed_names(scene.system, scene.terms);
   scene.start = std::move(input.start);
+  scene.notes = std::move(input.notes);
   scene.run.remove_momentum_every = input.remove_momentum_every;
   scene.method = default_options("rattle");
   return scene;

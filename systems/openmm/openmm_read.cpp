@@ -3,271 +3,229 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
+#include <deque>
 
+#include "forcefield/check_terms.hpp"
 #include "md/errors.hpp"
-#include "systems/openmm/openmm_custom.hpp"
-#include "systems/openmm/openmm_files.hpp"
+#include "systems/openmm/openmm_forces.hpp"
+#include "systems/openmm/openmm_images.hpp"
+#include "systems/openmm/openmm_xml.hpp"
 #include "systems/whole_molecules.hpp"
-
-// Periodic bonded forces and exceptions need no images here: with every molecule whole, the atoms of a term
-// are where the nearest images would be, as long as they belong to one molecule (checked).
 
 namespace taut {
 namespace {
 
-constexpr std::array kKnownForces = {"HarmonicBondForce", "HarmonicAngleForce",  "PeriodicTorsionForce",
-                                     "RBTorsionForce",    "NonbondedForce",      "CMMotionRemover",
-                                     "CustomBondForce",   "CustomExternalForce", "CustomNonbondedForce"};
+// "force 3: CustomBondForce "spring""
+std::string title(const Element& force, std::size_t index) {
+  const std::string type = force.text("type"), name = force.has_attribute("name") ? force.text("name") : type;
+  return fmt::format("force {}: {}", index, name == type ? type : fmt::format("{} \"{}\"", type, name));
+}
 
-// One force of the file, to say what is wrong with it.
-class Origin {
- public:
-  Origin(const OpenMMFile& file, int index, int atoms) : file_(file), index_(index), atoms_(atoms) {}
+// A force and its place in the file. It stays where it is made.
+struct PlacedForce {
+  PlacedForce(const Element& element, std::size_t index)
+      : name(title(element, index)), at(element.named(name)) {}
+  PlacedForce(const PlacedForce&) = delete;
+  PlacedForce& operator=(const PlacedForce&) = delete;
 
-  [[noreturn]] void refuse(const std::string& why) const {
-    const auto& [type, line] = file_.forces[index_];
-    file_.refuse(line, fmt::format("force {}: {} {}", index_, type, why));
-  }
+  bool periodic() const { return force.takes_images || force.periodic_pairs.value_or(false); }
 
-  void check(std::initializer_list<int> term, const char* kind, int k) const {
-    for (const int a : term)
-      if (a < 0 || a >= atoms_)
-        refuse(fmt::format("{} {} names atom {}, the system has atoms 0 to {}", kind, k, a, atoms_ - 1));
-  }
-
- private:
-  const OpenMMFile& file_;
-  int index_, atoms_;
+  std::string name;
+  Element at;
+  OpenMMForce force{};
 };
+using PlacedForces = std::deque<PlacedForce>;
 
-void add(const OpenMM::HarmonicBondForce& force, const Origin& origin, OpenMMInput& input) {
-  for (int b = 0; b < force.getNumBonds(); ++b) {
-    HarmonicBond t{};
-    force.getBondParameters(b, t.i, t.j, t.length, t.k);
-    origin.check({t.i, t.j}, "bond", b);
-    input.terms.bonds.push_back(t);
-  }
+void check_version(const Element& root) {
+  if (root.text("version") != "1")
+    root.refuse(fmt::format("has version=\"{}\", expected 1", root.text("version")));
 }
 
-void add(const OpenMM::HarmonicAngleForce& force, const Origin& origin, OpenMMInput& input) {
-  for (int a = 0; a < force.getNumAngles(); ++a) {
-    HarmonicAngle t{};
-    force.getAngleParameters(a, t.i, t.j, t.k, t.angle, t.stiffness);
-    origin.check({t.i, t.j, t.k}, "angle", a);
-    input.terms.angles.push_back(t);
-  }
+Vec3 read_vector(const Element& element) {
+  Vec3 v;
+  element.read_leaf({{"x", &v[0]}, {"y", &v[1]}, {"z", &v[2]}});
+  return v;
 }
 
-void add(const OpenMM::PeriodicTorsionForce& force, const Origin& origin, OpenMMInput& input) {
-  for (int a = 0; a < force.getNumTorsions(); ++a) {
-    PeriodicTorsion t{};
-    force.getTorsionParameters(a, t.i, t.j, t.k, t.l, t.periodicity, t.phase, t.amplitude);
-    origin.check({t.i, t.j, t.k, t.l}, "torsion", a);
-    input.terms.torsions.push_back(t);
-  }
+Eigen::VectorXd read_masses(const Element& particles) {
+  Eigen::VectorXd mass(static_cast<Eigen::Index>(particles.count()));
+  Eigen::Index a = 0;
+  particles.each("Particle", [&](const Element& particle) {
+    if (particle.count() > 0) particle.refuse(fmt::format("atom {} is a virtual site: taut has none", a));
+    particle.read_leaf({{"mass", &mass[a]}});
+    if (mass[a] < 0) particle.refuse(fmt::format("atom {} has mass {}, expected 0 or more", a, mass[a]));
+    ++a;
+  });
+  return mass;
 }
 
-void add(const OpenMM::RBTorsionForce& force, const Origin& origin, OpenMMInput& input) {
-  for (int a = 0; a < force.getNumTorsions(); ++a) {
-    RyckaertBellemans t{};
-    auto& c = t.c;
-    force.getTorsionParameters(a, t.i, t.j, t.k, t.l, c[0], c[1], c[2], c[3], c[4], c[5]);
-    origin.check({t.i, t.j, t.k, t.l}, "torsion", a);
-    input.terms.rb_torsions.push_back(t);
-  }
-}
-
-void add(const OpenMM::CMMotionRemover& force, const Origin& origin, OpenMMInput& input) {
-  if (input.remove_momentum_every != 0) origin.refuse("is the second, one is enough");
-  input.remove_momentum_every = force.getFrequency();
-}
-
-void check_settings(const OpenMM::NonbondedForce& force, const Origin& origin, int atoms) {
-  constexpr std::array kMethods = {"NoCutoff", "CutoffNonPeriodic", "CutoffPeriodic", "Ewald", "PME",
-                                   "LJPME"};
-  const int method = force.getNonbondedMethod();
-  if (method > OpenMM::NonbondedForce::CutoffPeriodic)
-    origin.refuse(fmt::format("uses {}: taut has NoCutoff, CutoffNonPeriodic and CutoffPeriodic",
-                              kMethods.at(static_cast<std::size_t>(method))));
-  if (force.getNumGlobalParameters() > 0 || force.getNumParticleParameterOffsets() > 0 ||
-      force.getNumExceptionParameterOffsets() > 0)
-    origin.refuse("has global parameters and offsets: taut has fixed parameters");
-  if (!force.getIncludeDirectSpace()) origin.refuse("leaves its direct space out: taut does not");
-  if (force.getNumParticles() != atoms)
-    origin.refuse(fmt::format("has {} particles, the system has {} atoms", force.getNumParticles(), atoms));
-}
-
-void add(const OpenMM::NonbondedForce& force, const Origin& origin, OpenMMInput& input) {
-  using Force = OpenMM::NonbondedForce;
-  const int n = input.system.atoms();
-  check_settings(force, origin, n);
-  if (input.terms.nonbonded) origin.refuse("is the second: taut has one");
-
-  Nonbonded& t = input.terms.nonbonded.emplace();
-  t.charge.resize(n);
-  t.sigma.resize(n);
-  t.epsilon.resize(n);
-  for (int a = 0; a < n; ++a) force.getParticleParameters(a, t.charge[a], t.sigma[a], t.epsilon[a]);
-
-  t.exceptions.resize(force.getNumExceptions());
-  for (int e = 0; e < force.getNumExceptions(); ++e) {
-    auto& [i, j, charge_product, sigma, epsilon] = t.exceptions[e];
-    force.getExceptionParameters(e, i, j, charge_product, sigma, epsilon);
-    origin.check({i, j}, "exception", e);
-  }
-
-  // OpenMM ignores switch and dielectric without a cutoff, and the dispersion correction without a box.
-  if (force.getNonbondedMethod() == Force::NoCutoff) return;
-  t.cutoff = force.getCutoffDistance();
-  t.rf_dielectric = force.getReactionFieldDielectric();
-  if (force.getUseSwitchingFunction()) t.switch_distance = force.getSwitchingDistance();
-  t.dispersion_correction =
-      force.getNonbondedMethod() == Force::CutoffPeriodic && force.getUseDispersionCorrection();
-}
-
-template <class Force>
-bool try_add(const OpenMM::Force& force, const Origin& origin, OpenMMInput& input) {
-  const auto* known = dynamic_cast<const Force*>(&force);
-  if (known != nullptr) add(*known, origin, input);
-  return known != nullptr;
-}
-
-bool try_add_custom(const OpenMM::Force& force, const Origin& origin, OpenMMInput& input) {
-  try {
-    return read_custom_force(force, input.system, input.terms);
-  } catch (const InputError& e) {
-    origin.refuse(e.what());
-  }
-}
-
-// Before OpenMM reads them: it may lack the plug-in of a force taut lacks.
-void refuse_unknown_forces(const OpenMMFile& file) {
-  for (int k = 0; k < static_cast<int>(file.forces.size()); ++k)
-    if (std::find(kKnownForces.begin(), kKnownForces.end(), file.forces[k].type) == kKnownForces.end())
-      Origin(file, k, 0)
-          .refuse(fmt::format("is not one taut knows: it has {}", fmt::join(kKnownForces, ", ")));
-}
-
-void add_forces(const OpenMMFile& file, const OpenMM::System& system, OpenMMInput& input) {
-  for (int k = 0; k < system.getNumForces(); ++k) {
-    const OpenMM::Force& force = system.getForce(k);
-    const Origin origin(file, k, system.getNumParticles());
-    const bool added = try_add<OpenMM::HarmonicBondForce>(force, origin, input) ||
-                       try_add<OpenMM::HarmonicAngleForce>(force, origin, input) ||
-                       try_add<OpenMM::PeriodicTorsionForce>(force, origin, input) ||
-                       try_add<OpenMM::RBTorsionForce>(force, origin, input) ||
-                       try_add<OpenMM::NonbondedForce>(force, origin, input) ||
-                       try_add<OpenMM::CMMotionRemover>(force, origin, input) ||
-                       try_add_custom(force, origin, input);
-    if (!added) origin.refuse("is not one taut knows");
-  }
-}
-
-std::vector<RigidBond> constraints(const OpenMM::System& system) {
-  std::vector<RigidBond> bonds(system.getNumConstraints());
-  for (int k = 0; k < system.getNumConstraints(); ++k)
-    system.getConstraintParameters(k, bonds[k].i, bonds[k].j, bonds[k].length);
+std::vector<RigidBond> read_constraints(const Element& constraints, int atoms) {
+  std::vector<RigidBond> bonds;
+  bonds.reserve(constraints.count());
+  constraints.each("Constraint", [&](const Element& constraint) {
+    auto& [i, j, length] = bonds.emplace_back();
+    constraint.read_leaf(
+        {{"p1", Field::Integer{&i, 0, atoms - 1}}, {"p2", Field::Integer{&j, 0, atoms - 1}}, {"d", &length}});
+  });
   return bonds;
 }
 
-System masses_and_bonds(const OpenMMFile& file, const OpenMM::System& system) {
-  Eigen::VectorXd mass(system.getNumParticles());
-  for (int a = 0; a < system.getNumParticles(); ++a) {
-    if (system.isVirtualSite(a)) file.refuse(fmt::format("atom {} is a virtual site: taut has none", a));
-    mass[a] = system.getParticleMass(a);
-  }
-  const auto anchored = [&](int a) { return a >= 0 && a < mass.size() && mass[a] == 0; };
-  std::vector<RigidBond> bonds = constraints(system);
+System masses_and_bonds(const Element& constraints, Eigen::VectorXd mass, std::vector<RigidBond> bonds) {
   // Between two anchors there is nothing to hold: OpenMM, too, passes over such a constraint.
-  const auto idle = [&](const RigidBond& b) { return b.i != b.j && anchored(b.i) && anchored(b.j); };
-  bonds.erase(std::remove_if(bonds.begin(), bonds.end(), idle), bonds.end());
+  std::erase_if(bonds, [&](const RigidBond& b) { return b.i != b.j && mass[b.i] == 0 && mass[b.j] == 0; });
   try {
     return make_system(std::move(mass), std::move(bonds));
   } catch (const InputError& e) {
-    file.refuse(fmt::format("among its constraints, {}", e.what()));
+    constraints.refuse(fmt::format("among its constraints, {}", e.what()));
   }
 }
 
-// Whether any force is periodic. taut has one box, so a non-periodic NonbondedForce admits none.
-bool is_periodic(const OpenMMFile& file, const OpenMM::System& system) {
-  const bool any = system.usesPeriodicBoundaryConditions();
-  for (int k = 0; any && k < system.getNumForces(); ++k) {
-    const auto* force = dynamic_cast<const OpenMM::NonbondedForce*>(&system.getForce(k));
-    if (force != nullptr && !force->usesPeriodicBoundaryConditions())
-      Origin(file, k, 0).refuse("is not periodic but another force is: taut has one box for all");
+Vectors read_vectors(const Element& list, const char* each, const char* what, int atoms) {
+  if (list.count() != static_cast<std::size_t>(atoms))
+    list.refuse(fmt::format("has {} {}, but the system has {} atoms", list.count(), what, atoms));
+  Vectors to(3, atoms);
+  Eigen::Index a = 0;
+  list.each(each, [&](const Element& element) { to.col(a++) = read_vector(element); });
+  return to;
+}
+
+Box read_box(const Element& vectors) {
+  vectors.read({});
+  vectors.check_parts({"A", "B", "C"});
+  Eigen::Matrix3d edges;
+  int c = 0;
+  for (const char* name : {"A", "B", "C"}) edges.col(c++) = read_vector(vectors.part(name));
+  const Box box{edges.diagonal()};
+  edges.diagonal().setZero();
+  if (!edges.isZero(0)) vectors.refuse("its box is triclinic: taut has rectangular boxes");
+  if (!(box.edge.minCoeff() > 0))
+    vectors.refuse(fmt::format("its box is {} x {} x {} nm, expected edges over 0", box.edge[0], box.edge[1],
+                               box.edge[2]));
+  return box;
+}
+
+void read_start(const Element& state, OpenMMInput& to) {
+  const int atoms = to.system.atoms();
+  state.read({{"time", &to.start.t}}, {"openmmVersion", "stepCount", "type", "version"});
+  check_version(state);
+  state.check_parts({"PeriodicBoxVectors"},
+                    {"Parameters", "Energies", "Positions", "Velocities", "Forces", "IntegratorParameters"});
+  if (!state.has("Positions")) state.refuse("has no positions");
+  to.start.x = read_vectors(state.part("Positions"), "Position", "positions", atoms);
+  to.has_velocities = state.has("Velocities");
+  to.start.v = to.has_velocities ? read_vectors(state.part("Velocities"), "Velocity", "velocities", atoms)
+                                 : Vectors::Zero(3, atoms);
+  for (int a = 0; a < atoms; ++a)
+    if (to.system.mass[a] == 0) to.start.v.col(a).setZero();  // an anchor keeps its place, whatever it says
+  to.start.f = Vectors::Zero(3, atoms);
+  if (state.has("IntegratorParameters") && !state.part("IntegratorParameters").empty())
+    to.notes.emplace_back(
+        "start: what the State has of OpenMM's integrator (IntegratorParameters) is not used");
+}
+
+std::map<std::string, double> read_context_parameters(const Element& state) {
+  return state.has("Parameters") ? state.part("Parameters").numbers() : std::map<std::string, double>();
+}
+
+void read_forces(const Element& list, const Element& state, const System& system, PlacedForces& forces) {
+  ContextParameters context(read_context_parameters(state));
+  list.each("Force", [&](const Element& element) {
+    PlacedForce& placed = forces.emplace_back(element, forces.size());
+    placed.force = read_force(placed.at, system, context);
+  });
+  if (const auto name = context.undeclared())
+    state.part("Parameters")
+        .refuse(fmt::format("the State sets the parameter {}, which no force of the System declares", *name));
+}
+
+// One box for all forces, the State's.
+Box box_of(const PlacedForces& forces, const Element& state) {
+  const auto periodic = std::find_if(forces.begin(), forces.end(), std::mem_fn(&PlacedForce::periodic));
+  if (periodic == forces.end()) return {};
+  for (const PlacedForce& f : forces)
+    if (f.force.periodic_pairs == false)
+      f.at.refuse(
+          fmt::format("its pairs are not periodic, but {} is: taut has one box for all", periodic->name));
+  return read_box(state.part("PeriodicBoxVectors"));
+}
+
+void check_forces(const PlacedForces& forces, const System& system) {
+  for (const PlacedForce& f : forces) try {
+      check_terms(system, f.force.terms);
+    } catch (const InputError& e) {
+      f.at.refuse(e.what());
+    }
+}
+
+// Moves the atoms of broken molecules. `constraints`: with those of anchors.
+void mend_molecules(const PlacedForces& forces, const std::vector<RigidBond>& constraints,
+                    const Element& state, OpenMMInput& input) {
+  std::vector<BondedPair> pairs;
+  for (const auto& b : constraints) pairs.push_back({b.i, b.j});
+  for (const PlacedForce& f : forces) {
+    for (const auto& b : f.force.terms.bonds) pairs.push_back({b.i, b.j});
+    for (const auto& b : f.force.terms.fene) pairs.push_back({b.i, b.j});
   }
-  return any;
-}
-
-// Whether OpenMM takes any term between nearest images.
-bool takes_images(const OpenMM::System& system) {
-  for (int k = 0; k < system.getNumForces(); ++k) {
-    const OpenMM::Force& force = system.getForce(k);
-    const auto* nonbonded = dynamic_cast<const OpenMM::NonbondedForce*>(&force);
-    if (nonbonded != nullptr ? nonbonded->getExceptionsUsePeriodicBoundaryConditions()
-                             : force.usesPeriodicBoundaryConditions())
-      return true;
+  const Vectors as_given = input.start.x;
+  try {
+    make_whole(input.system.box, pairs, input.start.x);
+  } catch (const InputError& e) {
+    state.part("Positions").refuse(e.what());
   }
-  return false;
+  const WholeMolecules molecules{input.system.box, as_given, input.start.x,
+                                 taut::molecules(input.system.atoms(), pairs)};
+  for (const PlacedForce& f : forces) check_images(f.at, f.force, molecules);
 }
 
-void check_images(const OpenMMFile& file, const Terms& terms, const std::vector<int>& molecule) {
-  const auto check = [&](const char* kind, std::size_t k, std::initializer_list<int> atoms) {
-    for (const int a : atoms)
-      if (molecule[a] != molecule[*atoms.begin()])
-        file.refuse(fmt::format("{} {} ({}) joins two molecules: taut takes no nearest image there", kind, k,
-                                fmt::join(atoms, "-")));
-  };
-  std::size_t k = 0;
-  for (const auto& t : terms.angles) check("angle", k++, {t.i, t.j, t.k});
-  k = 0;
-  for (const auto& t : terms.torsions) check("periodic torsion", k++, {t.i, t.j, t.k, t.l});
-  k = 0;
-  for (const auto& t : terms.rb_torsions) check("Ryckaert-Bellemans torsion", k++, {t.i, t.j, t.k, t.l});
-  if (!terms.nonbonded) return;
-  const auto& exceptions = terms.nonbonded->exceptions;
-  for (k = 0; k < exceptions.size(); ++k)
-    if (exceptions[k].charge_product != 0 || exceptions[k].epsilon != 0)
-      check("exception", k, {exceptions[k].i, exceptions[k].j});
+template <class Term>
+void append(std::vector<Term>& to, const std::vector<Term>& from) {
+  to.insert(to.end(), from.begin(), from.end());
 }
 
-State start_of(const OpenMM::State& from, const System& sys) {
-  State s;
-  s.t = from.getTime();
-  s.x = from_openmm(from.getPositions());
-  s.v = Vectors::Zero(3, sys.atoms());
-  if (from.getDataTypes() & OpenMM::State::Velocities) s.v = from_openmm(from.getVelocities());
-  for (int a = 0; a < sys.atoms(); ++a)
-    if (sys.mass[a] == 0) s.v.col(a).setZero();  // an anchor keeps its place, whatever its velocity says
-  s.f = Vectors::Zero(3, sys.atoms());
-  return s;
+template <class Part>
+void add_one(const Element& at, std::optional<Part>& to, std::optional<Part>& from) {
+  if (to && from) at.refuse("is the second of its kind: taut has one");
+  if (from) to = std::move(from);
+}
+
+void add(PlacedForce& placed, OpenMMInput& input) {
+  Terms &from = placed.force.terms, &to = input.terms;
+  append(to.bonds, from.bonds);
+  append(to.angles, from.angles);
+  append(to.torsions, from.torsions);
+  append(to.rb_torsions, from.rb_torsions);
+  append(to.fene, from.fene);
+  append(to.pulls, from.pulls);
+  add_one(placed.at, to.nonbonded, from.nonbonded);
+  add_one(placed.at, to.wca, from.wca);
+  add_one(placed.at, to.gravity, from.gravity);
+  if (placed.force.remove_momentum_every == 0) return;
+  if (input.remove_momentum_every != 0) placed.at.refuse("is the second of its kind: one is enough");
+  input.remove_momentum_every = placed.force.remove_momentum_every;
 }
 
 }  // namespace
 
 OpenMMInput read_openmm(const std::filesystem::path& system_xml, const std::filesystem::path& state_xml) {
-  const OpenMMFile system_file = open_openmm_file(system_xml, "System");
-  const OpenMMFile state_file = open_openmm_file(state_xml, "State");
-  refuse_unknown_forces(system_file);
-  const auto system = read_system(system_file);
-  const auto state = read_state(state_file, system->getNumParticles());
+  const XmlFile system_file(system_xml, "System"), state_file(state_xml, "State");
+  const Element system = system_file.root(), state = state_file.root();
+  system.read({}, {"openmmVersion", "type", "version"});
+  check_version(system);
+  system.check_parts(
+      {"PeriodicBoxVectors", "Particles", "Constraints", "Forces"});  // the State's box prevails
 
   OpenMMInput input;
-  input.system = masses_and_bonds(system_file, *system);
-  add_forces(system_file, *system, input);
-  input.start = start_of(*state, input.system);
-  if (!is_periodic(system_file, *system)) return input;
+  Eigen::VectorXd mass = read_masses(system.part("Particles"));
+  const auto constraints = read_constraints(system.part("Constraints"), static_cast<int>(mass.size()));
+  input.system = masses_and_bonds(system.part("Constraints"), std::move(mass), constraints);
+  read_start(state, input);
 
-  input.system.box = read_box(state_file, *state);
-  auto pairs = bonded_pairs(input.system, input.terms);
-  for (const auto& b : constraints(*system)) pairs.push_back({b.i, b.j});  // those of anchors, too
-  if (takes_images(*system)) check_images(system_file, input.terms, molecules(input.system.atoms(), pairs));
-  try {
-    make_whole(input.system.box, pairs, input.start.x);
-  } catch (const InputError& e) {
-    state_file.refuse(e.what());
-  }
+  PlacedForces forces;
+  read_forces(system.part("Forces"), state, input.system, forces);
+  input.system.box = box_of(forces, state);
+  check_forces(forces, input.system);
+  if (input.system.box.periodic()) mend_molecules(forces, constraints, state, input);
+  for (PlacedForce& f : forces) add(f, input);
   return input;
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "forcefield/terms.hpp"
 #include "md/state.hpp"
@@ -8,15 +10,17 @@
 
 namespace taut {
 
-// What OpenMM's two files hold, none of it OpenMM's any more.
+// What OpenMM's two files hold.
 struct OpenMMInput {
   System system;  // its box is the State's, where any force is periodic
   Terms terms;
-  State start;                     // molecules whole, anchors at rest
-  long remove_momentum_every = 0;  // steps; 0: never
+  State start;                       // molecules whole, anchors at rest
+  long remove_momentum_every = 0;    // steps; 0: never
+  bool has_velocities = true;        // in the State; if not, all is at rest
+  std::vector<std::string> notes{};  // what of the State is not used, a line each
 };
 
-// The reading behind import_openmm, and its refusals.
+// The reading behind import_openmm, and its refusals. Needs no OpenMM.
 OpenMMInput read_openmm(const std::filesystem::path& system_xml, const std::filesystem::path& state_xml);
 
 }  // namespace taut

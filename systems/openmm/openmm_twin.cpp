@@ -2,15 +2,18 @@
 
 #include <OpenMM.h>
 #include <fmt/format.h>
+#include <openmm/serialization/XmlSerializer.h>
 
 #include <algorithm>
 #include <map>
 #include <mutex>
+#include <sstream>
 #include <vector>
 
 #include "md/errors.hpp"
 #include "systems/openmm/openmm_export.hpp"
-#include "systems/openmm/openmm_files.hpp"
+#include "systems/openmm/openmm_vectors.hpp"
+#include "systems/openmm/openmm_xml.hpp"
 
 namespace taut {
 namespace {
@@ -63,7 +66,37 @@ std::string on_one_line(std::string text) {
   return text;
 }
 
+// By OpenMM's own reader, which takes a truncated file for a shorter one and recurses: XmlFile looked first.
+template <class T>
+std::unique_ptr<T> deserialize(const XmlFile& file) {
+  std::istringstream stream(file.text());
+  try {
+    return std::unique_ptr<T>(OpenMM::XmlSerializer::deserialize<T>(stream));
+  } catch (const std::exception& e) {
+    const Element root = file.root();
+    file.refuse(fmt::format("OpenMM {} cannot read it (written by OpenMM {}): {}", openmm_version(),
+                            root.has_attribute("openmmVersion") ? root.text("openmmVersion") : "?",
+                            on_one_line(e.what())));
+  }
+}
+
+// As Context::setState, but for what belongs to the State's integrator, which is another.
+void set_state(OpenMM::Context& context, const OpenMM::State& from) {
+  OpenMM::Vec3 a, b, c;
+  from.getPeriodicBoxVectors(a, b, c);
+  context.setPeriodicBoxVectors(a, b, c);
+  context.setTime(from.getTime());
+  context.setPositions(from.getPositions());
+  if (from.getDataTypes() & OpenMM::State::Velocities) context.setVelocities(from.getVelocities());
+  if (from.getDataTypes() & OpenMM::State::Parameters)
+    for (const auto& [name, value] : from.getParameters()) context.setParameter(name, value);
+}
+
 }  // namespace
+
+bool built_with_openmm() {
+  return true;
+}
 
 struct OpenMMTwin::Impl {
   TwinSettings settings;
@@ -111,21 +144,19 @@ void OpenMMTwin::start(std::unique_ptr<OpenMM::System> system, const TwinSetting
 
 OpenMMTwin::OpenMMTwin(const std::filesystem::path& system_xml, const std::filesystem::path& state_xml,
                        const TwinSettings& settings) {
-  const OpenMMFile system_file = open_openmm_file(system_xml, "System");
-  const OpenMMFile state_file = open_openmm_file(state_xml, "State");
-  auto system = read_system(system_file);
-  const auto from = read_state(state_file, system->getNumParticles());
+  const XmlFile system_file(system_xml, "System"), state_file(state_xml, "State");
+  auto system = deserialize<OpenMM::System>(system_file);
+  const auto from = deserialize<OpenMM::State>(state_file);
   try {
     start(std::move(system), settings);
   } catch (const InputError& e) {
     system_file.refuse(e.what());
   }
-  OpenMM::Vec3 a, b, c;
-  from->getPeriodicBoxVectors(a, b, c);
-  impl_->context->setPeriodicBoxVectors(a, b, c);
-  impl_->context->setTime(from->getTime());
-  impl_->context->setPositions(from->getPositions());
-  if (from->getDataTypes() & OpenMM::State::Velocities) impl_->context->setVelocities(from->getVelocities());
+  try {
+    set_state(*impl_->context, *from);
+  } catch (const OpenMM::OpenMMException& e) {
+    state_file.refuse(fmt::format("OpenMM cannot start from it: {}", on_one_line(e.what())));
+  }
 }
 
 OpenMMTwin::OpenMMTwin(const OpenMMInput& input, const TwinSettings& settings) {

@@ -14,6 +14,8 @@ namespace taut {
 
 struct OpenMMInput;  // openmm_read.hpp
 
+bool built_with_openmm();  // which the twin and write_openmm need, and nothing else
+
 // Integrators the twin can run.
 //
 // kRattle: the true twin of our RATTLE, a CustomIntegrator:

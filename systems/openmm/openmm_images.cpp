@@ -1,0 +1,61 @@
+#include "systems/openmm/openmm_images.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+
+namespace taut {
+namespace {
+
+class Images {
+ public:
+  Images(const Element& at, bool taken, const WholeMolecules& m) : at_(at), taken_(taken), m_(m) {}
+
+  // The atoms of a term, neighbours side by side.
+  template <std::size_t N>
+  void check(const char* kind, std::size_t index, const std::array<int, N>& atoms) const {
+    for (std::size_t a = 1; a < N; ++a) {
+      const int i = atoms[a - 1], j = atoms[a];
+      const Vec3 d = m_.whole.col(j) - m_.whole.col(i);
+      const char* problem = nullptr;
+      if (!taken_) {
+        if (!near(d, m_.as_given.col(j) - m_.as_given.col(i)))
+          problem = "is broken across the box and usesPeriodic is 0: give a State of whole molecules";
+      } else if (m_.molecule[i] != m_.molecule[j]) {
+        problem = "joins two molecules: taut takes no nearest image there";
+      } else if (!near(d, m_.box.nearest_image(d))) {
+        problem = "is longer than half the box: taut takes no nearest image there";
+      }
+      if (problem) at_.refuse(fmt::format("{} {} ({}) {}", kind, index, fmt::join(atoms, "-"), problem));
+    }
+  }
+
+ private:
+  bool near(const Vec3& a, const Vec3& b) const {
+    return ((a - b).cwiseAbs().array() < 1e-6 * m_.box.edge.array()).all();
+  }
+
+  const Element& at_;
+  bool taken_;
+  const WholeMolecules& m_;
+};
+
+}  // namespace
+
+void check_images(const Element& at, const OpenMMForce& force, const WholeMolecules& molecules) {
+  const Images images(at, force.takes_images, molecules);
+  const Terms& terms = force.terms;
+  std::size_t k = 0;
+  for (const auto& t : terms.bonds) images.check("bond", k++, std::array{t.i, t.j});
+  for (const auto& t : terms.angles) images.check("angle", k++, std::array{t.i, t.j, t.k});
+  for (const auto& t : terms.torsions) images.check("torsion", k++, std::array{t.i, t.j, t.k, t.l});
+  for (const auto& t : terms.rb_torsions) images.check("torsion", k++, std::array{t.i, t.j, t.k, t.l});
+  for (const auto& t : terms.fene) images.check("bond", k++, std::array{t.i, t.j});
+  if (!terms.nonbonded) return;
+  for (const auto& t : terms.nonbonded->exceptions) {
+    if (t.charge_product != 0 || t.epsilon != 0) images.check("exception", k, std::array{t.i, t.j});
+    ++k;
+  }
+}
+
+}  // namespace taut
