@@ -177,6 +177,20 @@ TEST(Floor, OfAPendulum) {
   }
 }
 
+// The closed form beside σ_{n+1} = tr σ_n − det σ_{n−1}, where the roots are apart and where they meet.
+TEST(Propagator, ClosedFormIsTheRecurrence) {
+  for (const Damping damping : kDampings)
+    for (const double r : {0.0, 0.3, 0.7})
+      for (const DimensionlessGains& g : {gains_for_root(r, damping), gains_for_decay(r, damping)}) {
+        const Propagator p(g.ah, g.bh, damping);
+        double before = 2, now = -0.5;
+        for (int n = 1; n < 12; ++n) {
+          EXPECT_NEAR(p.residual(2, -0.5, n), now, 1e-6) << name_of(damping) << " " << r << " " << n;
+          before = std::exchange(now, p.trace * now - p.determinant * before);
+        }
+      }
+}
+
 // The formulas of propagator.hpp, with vectors.
 TEST(Floor, IsWhatIsSaidOfEachDamping) {
   const double ah = 0.3, bh = 1.2, h = 0.1;

@@ -5,12 +5,12 @@
 
 PATTERN, a regular expression, chooses mutants by "file: before  →  after". Works in a git worktree of HEAD in a
 temporary folder ($TMPDIR), with a build folder of its own; tests/mutants/list.txt says how mutants are written.
-Ends with 1 if a mutant survived that should not.
+Ends with 1 unless every mutant is noticed, or is said to change nothing.
 """
-import argparse, pathlib, re, signal, subprocess, sys, tempfile, time
+import argparse, collections, pathlib, re, shutil, signal, subprocess, sys, tempfile, time
 
 HERE = pathlib.Path(__file__).resolve().parent
-FAST = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache", "-DCMAKE_EXE_LINKER_FLAGS=-fuse-ld=mold"]
+FAST = {"ccache": "-DCMAKE_CXX_COMPILER_LAUNCHER=ccache", "mold": "-DCMAKE_EXE_LINKER_FLAGS=-fuse-ld=mold"}
 SECONDS = 600  # a test that takes longer has noticed: it hangs
 
 
@@ -23,10 +23,8 @@ def read(path):
             continue
         if mark == "- ":
             mutants.append(dict(file=file, tests=tests, before=text, after="", reason=""))
-        elif mark in ("+ ", "+") and mutants:
-            mutants[-1]["after"] = text
-        elif mark == "= " and mutants:
-            mutants[-1]["reason"] = text
+        elif mark in ("+ ", "+", "= ") and mutants:
+            mutants[-1]["reason" if mark == "= " else "after"] = text
         elif re.fullmatch(r"\S+:( \S+)+", line):
             file, tests = line.split(":", 1)[0], line.split(":", 1)[1].split()
         else:
@@ -47,15 +45,17 @@ def build(tree, tests):
     return run(["nice", "-n19", "ninja", "-C", tree / "build", "-j1", *targets]).returncode == 0
 
 
-def notices(tree, test):
+def failure(tree, test):
+    """Which test fails; nothing if none does."""
+    command = [tree / "build/tests" / test, "--gtest_brief=1", "--gtest_fail_fast"]
     if "." in test:  # one of ctest's own
         command = ["ctest", "--test-dir", tree / "build", "-R", re.escape(test)]
-    else:
-        command = [tree / "build/tests" / test, "--gtest_brief=1", "--gtest_fail_fast"]
     try:
-        return run(["nice", "-n19", *command], timeout=SECONDS).returncode != 0
+        done = run(["nice", "-n19", *command], timeout=SECONDS)
     except subprocess.TimeoutExpired:
-        return True
+        return f"{test}, which hangs"
+    failed = re.search(r"\[  FAILED  \] (\S+?),? ", done.stdout)
+    return done.returncode and (failed.group(1) if failed else test)
 
 
 def verdict(tree, mutant):
@@ -67,8 +67,8 @@ def verdict(tree, mutant):
         path.write_text(text.replace(mutant["before"], mutant["after"]))
         if not build(tree, mutant["tests"]):
             return "did not compile"
-        noticed = next((test for test in mutant["tests"] if notices(tree, test)), None)
-        return f"killed by {noticed}" if noticed else "equivalent" if mutant["reason"] else "SURVIVED"
+        failed = next(filter(None, (failure(tree, test) for test in mutant["tests"])), None)
+        return f"killed by {failed}" if failed else "equivalent" if mutant["reason"] else "SURVIVED"
     finally:
         path.write_text(text)
 
@@ -80,28 +80,27 @@ def main():
     parser.add_argument("--list", type=pathlib.Path, default=HERE / "list.txt")
     options = parser.parse_args()
     mutants = [m for m in read(options.list) if re.search(options.pattern, name_of(m))]
-    counts = {}
+    counts = collections.Counter()
     with tempfile.TemporaryDirectory(prefix="mutants-") as folder:
         tree = pathlib.Path(folder) / "tree"
         git = ["git", "-C", HERE, "worktree"]
         try:
             if run([*git, "add", "--detach", tree, "HEAD"]).returncode:
                 sys.exit("no worktree could be made")
-            run(["cmake", "--preset", "release", "-G", "Ninja", *FAST], cwd=tree)
+            run(["cmake", "--preset", "release", "-G", "Ninja", *map(FAST.get, filter(shutil.which, FAST))], cwd=tree)
             tests = sorted({test for m in mutants for test in m["tests"]})
-            if not build(tree, tests):
-                sys.exit("the tree does not build")
-            if failing := [test for test in tests if notices(tree, test)]:
-                sys.exit(f"without any mutant these fail: {', '.join(failing)}")
+            if not build(tree, tests) or any(failure(tree, test) for test in tests):
+                sys.exit("without any mutant the tree does not build, or a test fails")
             for number, mutant in enumerate(mutants, 1):
                 start = time.time()
                 result = verdict(tree, mutant)
-                counts[result.split(" by ")[0]] = counts.get(result.split(" by ")[0], 0) + 1
-                print(f"{number:3}/{len(mutants)} {time.time() - start:4.0f} s  {result:28} {name_of(mutant)}", flush=True)
+                counts.update([result.split(" by ")[0]])
+                seconds = f"{number:3}/{len(mutants)} {time.time() - start:4.0f} s"
+                print(f"{seconds}  {result:50} {name_of(mutant)}", flush=True)
         finally:
             run([*git, "remove", "--force", tree])
     print(", ".join(f"{count} {result}" for result, count in sorted(counts.items())))
-    return 1 if counts.get("SURVIVED") else 0
+    return 1 if set(counts) - {"killed", "equivalent"} else 0
 
 
 if __name__ == "__main__":
