@@ -118,8 +118,9 @@ Files Melt::write(const Folder& folder) const {
   OpenMM::Context context(system, none, OpenMM::Platform::getPlatformByName("Reference"));
   context.setPositions(x);
   context.setVelocities(v);
+  for (const auto& [name, value] : parameters) context.setParameter(name, value);
   using S = OpenMM::State;
-  const S state = context.getState(S::Positions | S::Velocities | S::Forces | S::Energy);
+  const S state = context.getState(S::Positions | S::Velocities | S::Forces | S::Energy | S::Parameters);
   return {write_system(folder), folder.write("melt.state.xml", xml(state, "State"))};
 }
 

@@ -4,7 +4,9 @@
 
 #include <OpenMM.h>
 
+#include <map>
 #include <random>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -27,6 +29,7 @@ class Melt {
   OpenMM::HarmonicAngleForce* angles;
   OpenMM::NonbondedForce* nonbonded;
   std::vector<OpenMM::Vec3> x, v;
+  std::map<std::string, double> parameters;  // of the Context, where not the default
 
   OpenMM::PeriodicTorsionForce* add_torsions();
   OpenMM::RBTorsionForce* add_rb_torsions();
