@@ -17,6 +17,8 @@ int read_or_refuse(const std::uint8_t* data, std::size_t size, Reader reader) {
     if (std::string_view(e.what()).find('\n') != std::string_view::npos) __builtin_trap();
   } catch (const OutsideError& e) {
     if (std::string_view(e.what()).find('\n') != std::string_view::npos) __builtin_trap();
+  } catch (const SimulationFailure& e) {
+    if (std::string_view(e.what()).find('\n') != std::string_view::npos) __builtin_trap();
   }
   return 0;
 }

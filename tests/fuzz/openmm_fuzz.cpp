@@ -34,7 +34,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto cut = std::min(text.find(kCut), text.size());
     const MemoryFile system(text.substr(0, cut));
     const MemoryFile state(text.substr(std::min(cut + kCut.size(), text.size())));
-    const taut::Scene scene = taut::import_openmm(system.path(), state.path());
-    taut::ForceField(scene.system, scene.terms);
+    taut::Scene scene = taut::import_openmm(system.path(), state.path());
+    taut::ForceField forces(scene.system, scene.terms);
+    forces(scene.system, scene.start);
   });
 }
