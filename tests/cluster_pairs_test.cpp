@@ -214,6 +214,26 @@ TEST_P(ClusterPairsIn, GivesTheSameBitsTwiceOnAnyNumberOfThreads) {
   });
 }
 
+// Whichever thread has it, and where nothing else moves.
+TEST_P(ClusterPairsIn, MissesNoPairOfOneAtomThatGoesFar) {
+  on_one_to_three_threads([&] {
+    ClusterPairs clusters(nb, box, Precision::kDouble);
+    LennardJonesCoulomb plain(nb, box);
+    Vectors moved = x, f = Vectors::Zero(3, x.cols());
+    clusters.add_forces(moved, f);
+    for (int a = 1; a < x.cols(); a += static_cast<int>(x.cols()) / 6)
+      for (const double step : {0.02, 0.05, 0.4}) {
+        moved.col(a) += step * Vec3(2, -1, 2) / 3;
+        Vectors witness = Vectors::Zero(3, x.cols());
+        f.setZero();
+        clusters.add_forces(moved, f);
+        plain.add(moved, witness);
+        EXPECT_LT((f.col(a) - witness.col(a)).norm(), 1e-11 * witness.norm()) << a;
+        EXPECT_LT((f - witness).norm(), 1e-11 * witness.norm()) << a;
+      }
+  });
+}
+
 const auto kLiquids =
     ::testing::Values(Liquid{"water_barely_two_cutoffs", 5, 0.33, true, 0.82, 0, 1, true},
                       Liquid{"water_two_and_a_half_cutoffs", 6, 0.33, true, 0.8, 0, 1, true},
@@ -355,6 +375,9 @@ TEST(ClusterPairs, OfAGasAreComputedAsThoseOfALiquid) {
     EXPECT_LT(mixed_error(nb, {}, x), 1e-6) << extent.transpose();
     EXPECT_LT(mixed_error(nb, {extent.cwiseMax(2)}, x), 1e-6) << extent.transpose();
   }
+  Vectors x = Vectors::Random(3, n) * 1e8;  // where a double is known to 1e-8
+  for (int a = 0; a < n; a += 2) x.col(a + 1) = x.col(a) + Vec3(0.3, 0, 0);
+  EXPECT_LT(mixed_error(nb, {Vec3::Constant(2e8)}, x), 2e-5);
 }
 
 // What is kept of empty space keeps apart what was.

@@ -110,14 +110,15 @@ TEST(OpenMMParity, PeriodicWithAndWithoutDispersionCorrection) {
 
 // The correction's integral over the switched stretch included.
 TEST(OpenMMParity, PeriodicSwitchWithAndWithoutDispersionCorrection) {
-  for (const bool on : {false, true}) {
-    Melt melt(6);
-    melt.make_periodic();
-    melt.nonbonded->setUseDispersionCorrection(on);
-    melt.nonbonded->setUseSwitchingFunction(true);
-    melt.nonbonded->setSwitchingDistance(0.6);
-    expect_parity(melt.write(Folder()));
-  }
+  for (const double from : {0.6, 0.8, 0.9})
+    for (const bool on : {false, true}) {
+      Melt melt(6);
+      melt.make_periodic();
+      melt.nonbonded->setUseDispersionCorrection(on);
+      melt.nonbonded->setUseSwitchingFunction(true);
+      melt.nonbonded->setSwitchingDistance(from);
+      expect_parity(melt.write(Folder()));
+    }
 }
 
 TEST(OpenMMParity, SitesWithoutSizeOrCharge) {
