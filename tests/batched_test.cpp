@@ -122,13 +122,17 @@ std::vector<Start> pinned_chains(int count) {
   return pinned;
 }
 
-// Two chains from one anchor, which holds both.
+// Two chains alike from one anchor, which holds both.
 Start from_one_anchor() {
   Start start = testing::free_chain(9, 60);
+  State& s = start.state;
   Eigen::VectorXd mass = start.system.mass;
-  mass[4] = 0;
-  start.state.v.col(4).setZero();
-  start.system = make_system(mass, start.system.bonds);
+  mass[0] = 0;
+  s.v.col(0).setZero();
+  s.x.rightCols(4).colwise() -= Vec3(s.x.col(4) - s.x.col(0));
+  auto bonds = start.system.bonds;
+  bonds[4].i = 0;
+  start.system = make_system(mass, bonds);
   return start;
 }
 

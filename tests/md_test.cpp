@@ -66,6 +66,34 @@ TEST(Step, AnAnchorDoesNotMove) {
   EXPECT_EQ(s.x(0, 0), 1);
 }
 
+// Each stage fails in turn; the fourth is the bath.
+struct Failing : EmptyGaps {
+  int stage;
+  SolveStats at(int which) const {
+    return {.iterations = 1 << which, .failure = which == stage ? "at its stage" : nullptr};
+  }
+  SolveStats project_positions(const System&, double, State&) const { return at(0); }
+  SolveStats add_forces(const System&, double, State&) const { return at(1); }
+  SolveStats project_velocities(const System&, double, State&) const { return at(2); }
+};
+struct FailingBath : NoBath {
+  const Failing& method;
+  SolveStats draw(const System&, double, State&) const { return method.at(3); }
+};
+
+// What any stage did, and that it failed, is said of the step.
+TEST(Step, SumsWhatItsStagesDid) {
+  const System sys = particle();
+  Spring forces;
+  for (int stage = 0; stage < 5; ++stage) {
+    State s = at_rest(1);
+    Failing method{{}, stage};
+    const SolveStats stats = step(sys, forces, method, 0.1, s, FailingBath{{}, method});
+    EXPECT_EQ(stats.iterations, 15);
+    EXPECT_EQ(stats.converged(), stage == 4) << stage;
+  }
+}
+
 std::string refusal(Eigen::VectorXd mass, std::vector<RigidBond> bonds) {
   try {
     make_system(std::move(mass), std::move(bonds));
