@@ -1,16 +1,15 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <fstream>
+#include <algorithm>
 #include <memory>
 
 #include "chart_pictures.hpp"
 #include "command_line.hpp"
 #include "commands.hpp"
-#include "md/folder_lock.hpp"
-#include "pictures.hpp"
 #include "study.hpp"
 #include "systems/scene_file.hpp"
+#include "systems/studies/study_scene.hpp"
 
 namespace taut {
 namespace {
@@ -23,7 +22,7 @@ struct ChartArguments {
   std::optional<double> dt_fs;
   std::optional<long> steps, drift_steps;
   std::optional<int> repeats;
-  bool quick = false;
+  bool quick = false, overwrite = false;
   fs::path out = "chart";
 
   std::vector<std::string> overrides() const {
@@ -48,7 +47,8 @@ struct ChartArguments {
 };
 
 ChartPlan plan_of(const ChartArguments& arguments) {
-  ChartPlan plan{.scene = read_scene(find_scene(arguments.scene), arguments.overrides()),
+  refuse_without_effect("chart", arguments.settings);
+  ChartPlan plan{.scene = prepared_for_study(read_scene(find_scene(arguments.scene), arguments.overrides())),
                  .methods = arguments.methods,
                  .quick = arguments.quick};
   if (plan.methods.empty())
@@ -65,16 +65,32 @@ ChartPlan plan_of(const ChartArguments& arguments) {
   return plan;
 }
 
+// What a reader of the pictures would not think of.
+void print_notes(const ChartPlan& plan) {
+  print_notes(plan.scene);
+  if (plan.quick)
+    fmt::print("  note: quick, so rough: few settings, {} repeats of {} steps, drift over {} steps\n",
+               plan.repeats, plan.steps, plan.drift_steps);
+  if (plan.drift_steps < 10 * kRowsForInterval)
+    fmt::print("  note: no intervals of the drift: they take {} steps, --drift-steps has {}\n",
+               10 * kRowsForInterval, plan.drift_steps);
+  if (!has_precisions(plan.scene))
+    fmt::print("  note: no panel of precisions: the scene has no pair forces\n");
+}
+
 void print_failures(const std::string& csv) {
   const auto first = csv.find('\n') + 1;
-  if (first < csv.size())
-    fmt::print("\nfailed (panel, setting, steps survived, reason):\n{}", csv.substr(first));
+  const auto count = std::count(csv.begin(), csv.end(), '\n') - 1;
+  if (count > 0)
+    fmt::print("\n{} settings failed and are not drawn (panel, setting, steps survived, reason):\n{}", count,
+               csv.substr(first));
 }
 
 void chart(const ChartArguments& arguments) {
   const ChartPlan plan = plan_of(arguments);
-  const FolderLock lock(arguments.out);
-  Ledger ledger(arguments.out / "unfinished.tsv", arguments.command());
+  const std::string line = study_line(arguments.command(), {plan.scene});
+  const FolderLock lock = study_folder(arguments.out, line, arguments.overwrite);
+  Ledger ledger(arguments.out / kLedger, line);
   std::vector<Job> jobs;
   for (const auto& panel : {work_jobs(plan, ledger), drift_jobs(plan), order_jobs(plan),
                             length_jobs(plan, ledger), precision_jobs(plan, ledger)})
@@ -82,6 +98,7 @@ void chart(const ChartArguments& arguments) {
   fmt::print("{}: {} bonds, step {:g} fs; {} settings of {} methods, {} trials\n", plan.scene.name,
              plan.scene.system.bond_count(), plan.scene.run.dt_fs, plan.settings().size(),
              plan.methods.size(), jobs.size());
+  print_notes(plan);
   run_jobs(jobs, ledger);
 
   StudyFiles files(arguments.out);
@@ -116,6 +133,7 @@ void add_chart(CLI::App& app, std::vector<std::pair<CLI::App*, Action>>& actions
   command->add_flag("--quick", arguments->quick, "rough: few points, few repeats");
   command->add_option("--out", arguments->out, "folder of the pictures and report.html")
       ->capture_default_str();
+  command->add_flag("--overwrite", arguments->overwrite, kOverwrite);
   actions.emplace_back(command, [arguments] { chart(*arguments); });
 }
 

@@ -8,6 +8,7 @@
 #include "commands.hpp"
 #include "crosscheck_report.hpp"
 #include "md/errors.hpp"
+#include "study.hpp"
 #include "systems/openmm/openmm_export.hpp"
 #include "systems/openmm/openmm_import.hpp"
 #include "systems/scene_file.hpp"
@@ -23,6 +24,7 @@ struct CrosscheckArguments {
   std::optional<double> dt_fs;
   std::vector<std::string> settings;
   std::optional<std::filesystem::path> out;
+  bool overwrite = false;
   std::optional<std::string> prefix;  // of the exported files
   CrosscheckPlan plan;
 
@@ -45,6 +47,7 @@ struct CrosscheckArguments {
 };
 
 void run(CrosscheckArguments arguments) {
+  refuse_without_effect("crosscheck", arguments.settings);
   const Scene scene = arguments.read();
   if (arguments.prefix) {
     write_openmm(openmm_input(scene), *arguments.prefix);
@@ -53,8 +56,11 @@ void run(CrosscheckArguments arguments) {
   arguments.plan.contestants = contestants(arguments.methods);
   if (!arguments.openmm.empty()) arguments.plan.files = OpenMMFiles{arguments.openmm[0], arguments.openmm[1]};
   Doing doing;
-  const Crosscheck result =
-      crosscheck(scene, arguments.plan, [&](const std::string& what) { doing.now(what); });
+  std::optional<FolderLock> lock;
+  const Crosscheck result = crosscheck(scene, arguments.plan, [&](const std::string& what) {
+    if (arguments.out && !lock) lock.emplace(study_folder(*arguments.out, "", arguments.overwrite));
+    doing.now(what);
+  });
   doing.clear();
   print_crosscheck(result);
   if (arguments.out) write_crosscheck(result, *arguments.out);
@@ -91,6 +97,7 @@ void add_crosscheck(CLI::App& app, std::vector<std::pair<CLI::App*, Action>>& ac
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command->add_option("--out", arguments->out, "folder for crosscheck.json, crosscheck.csv and the pictures");
+  command->add_flag("--overwrite", arguments->overwrite, kOverwrite);
   command
       ->add_option("--export", arguments->prefix, "write PREFIX.system.xml and PREFIX.state.xml for OpenMM")
       ->type_name("PREFIX");

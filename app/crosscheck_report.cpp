@@ -92,6 +92,7 @@ Json json_of(const Crosscheck& c) {
       {"scene", c.scene},
       {"openmm", c.openmm},
       {"platform", c.platform},
+      {"notes", c.notes},
       {"atoms", c.atoms},
       {"bonds", c.bonds},
       {"dof", c.dof},
@@ -150,6 +151,7 @@ void Doing::clear() {
 void print_crosscheck(const Crosscheck& c) {
   fmt::print("{} against OpenMM {} ({}): {} atoms, {} bonds, {} steps of {:g} fs\n", c.scene, c.openmm,
              c.platform, c.atoms, c.bonds, c.steps, c.h * 1000);
+  for (const auto& note : c.notes) fmt::print("  note: {}\n", note);
   fmt::print(
       "at the start: energy {:.10g} kJ/mol, OpenMM {:.10g}; forces {:.4g} kJ/mol/nm rms, apart by {:.1e}\n",
       c.start.energy, c.start.openmm_energy, c.start.force_rms, c.start.force_difference);

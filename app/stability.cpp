@@ -1,14 +1,15 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 
 #include "command_line.hpp"
 #include "commands.hpp"
-#include "md/folder_lock.hpp"
 #include "stability_pictures.hpp"
 #include "study.hpp"
 #include "systems/scene_file.hpp"
+#include "systems/studies/study_scene.hpp"
 
 namespace taut {
 namespace {
@@ -20,7 +21,7 @@ struct StabilityArguments {
   std::vector<std::string> methods, settings;
   std::optional<double> dt_fs;
   std::optional<long> steps;
-  bool quick = false, hard = false;
+  bool quick = false, hard = false, overwrite = false;
   fs::path out = "stability";
 
   std::string command() const {
@@ -40,11 +41,12 @@ StabilityPlan plan_of(const StabilityArguments& arguments) {
   std::vector<std::string> overrides;
   if (arguments.dt_fs) overrides.push_back(fmt::format("run.dt_fs={}", *arguments.dt_fs));
   overrides.insert(overrides.end(), arguments.settings.begin(), arguments.settings.end());
+  refuse_without_effect("stability", overrides);
   StabilityPlan plan{.methods = arguments.methods, .quick = arguments.quick};
-  plan.scenes.push_back(read_scene(find_scene(arguments.scene), overrides));
+  plan.scenes.push_back(prepared_for_study(read_scene(find_scene(arguments.scene), overrides)));
   if (arguments.hard)
     for (const auto& [name, hard_on] : list_scenes(scenes_folder() / "hard"))
-      plan.scenes.push_back(read_scene(scenes_folder() / "hard" / (name + ".toml")));
+      plan.scenes.push_back(prepared_for_study(read_scene(scenes_folder() / "hard" / (name + ".toml"))));
   if (plan.methods.empty())
     for (const auto name : method_names()) plan.methods.emplace_back(name);
   for (const auto& name : plan.methods) default_options(name);  // refuses unknown names before anything runs
@@ -59,20 +61,41 @@ void print_steps(const StabilityPlan& plan, const std::vector<Job>& jobs, const 
   for (const Scene& scene : plan.scenes)
     for (const auto& method : plan.methods) {
       const Trial& t = ledger.at((job++)->name);
-      fmt::print("{:<16} {:<12} {:>18.4g}   {}\n", scene.name, method, t.figure, t.failure);
+      fmt::print("{:<16} {:<12} {:>18.4g}   {}\n", scene.name, method, t.figure,
+                 t.failed() ? t.failure : fmt::format("none failed, up to {:g} times the scene's", kSearch));
     }
+}
+
+// What a reader of the pictures would not think of.
+void print_notes(const StabilityPlan& plan, const StabilityArguments& arguments) {
+  for (const Scene& scene : plan.scenes) print_notes(scene);
+  if (plan.quick)
+    fmt::print("  note: quick, so rough: few gains, {} steps a point, steps to 20 %\n", plan.plane_steps);
+  if (arguments.hard && (arguments.dt_fs || !arguments.settings.empty()))
+    fmt::print("  note: --dt-fs and --set are for {} alone, not for the hard scenes\n",
+               plan.scenes.front().name);
+}
+
+void print_plane(const std::vector<Job>& plane, const Ledger& ledger) {
+  const auto failed =
+      std::ranges::count_if(plane, [&](const Job& job) { return ledger.at(job.name).failed(); });
+  fmt::print("\n{} of {} gains failed or were refused: × in the picture, reasons in plane.csv\n", failed,
+             plane.size());
 }
 
 void stability(const StabilityArguments& arguments) {
   const StabilityPlan plan = plan_of(arguments);
-  const FolderLock lock(arguments.out);
-  Ledger ledger(arguments.out / "unfinished.tsv", arguments.command());
-  std::vector<Job> jobs = plane_jobs(plan);
-  const std::vector<Job> steps = step_jobs(plan);
+  const std::string line = study_line(arguments.command(), plan.scenes);
+  const FolderLock lock = study_folder(arguments.out, line, arguments.overwrite);
+  Ledger ledger(arguments.out / kLedger, line);
+  const std::vector<Job> plane_points = plane_jobs(plan), steps = step_jobs(plan);
+  std::vector<Job> jobs = plane_points;
   jobs.insert(jobs.end(), steps.begin(), steps.end());
   fmt::print("{}: {} points in the plane of gains, {} methods on {} scenes\n", plan.scenes.front().name,
-             jobs.size() - steps.size(), plan.methods.size(), plan.scenes.size());
+             plane_points.size(), plan.methods.size(), plan.scenes.size());
+  print_notes(plan, arguments);
   run_jobs(jobs, ledger);
+  print_plane(plane_points, ledger);
   print_steps(plan, steps, ledger);
 
   StudyFiles files(arguments.out);
@@ -116,6 +139,7 @@ void add_stability(CLI::App& app, std::vector<std::pair<CLI::App*, Action>>& act
   command->add_flag("--quick", arguments->quick, "rough: few points, few steps");
   command->add_option("--out", arguments->out, "folder of the pictures and report.html")
       ->capture_default_str();
+  command->add_flag("--overwrite", arguments->overwrite, kOverwrite);
   actions.emplace_back(command, [arguments] { stability(*arguments); });
 }
 

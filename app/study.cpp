@@ -1,8 +1,10 @@
 #include "study.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <csignal>
 #include <fstream>
@@ -10,12 +12,16 @@
 #include <sstream>
 
 #include "md/errors.hpp"
+#include "md/set_aside.hpp"
 #include "md/threads.hpp"
 #include "progress.hpp"
+#include "systems/scene_source.hpp"
 #include "systems/studies/csv.hpp"
 
 namespace taut {
 namespace {
+
+namespace fs = std::filesystem;
 
 // Every finished trial is on disk already: nothing to save, so only words that a handler may speak.
 extern "C" void stop(int signal) {
@@ -55,7 +61,7 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
-std::string contents(const std::filesystem::path& file) {
+std::string contents(const fs::path& file) {
   std::ostringstream text;
   text << std::ifstream(file).rdbuf();
   return text.str();
@@ -79,8 +85,35 @@ std::string processor() {
   return "unknown";
 }
 
+std::string first_line(const fs::path& file) {
+  std::string line;
+  std::ifstream in(file);
+  std::getline(in, line);
+  return line;
+}
+
+// What a study has left in a folder.
+std::vector<std::string> study_files(const fs::path& folder) {
+  std::vector<std::string> names = {kLedger, "report.html", "failures.csv", "limits.csv", "crosscheck.json"};
+  for (const char* picture :
+       {"work", "drift", "order", "length", "precision", "plane", "steps", "crosscheck", "distances"})
+    for (const char* kind : {".csv", ".gp", ".svg", ".png", ".gnuplot.log"})
+      names.push_back(std::string(picture) + kind);
+  return present(folder, names);
+}
+
+void refuse_another_study(const fs::path& folder, const std::string& line) {
+  const std::vector<std::string> files = study_files(folder);
+  const bool unfinished = !files.empty() && files.front() == kLedger;
+  if (files.empty() || (unfinished && first_line(folder / kLedger) == line)) return;
+  throw InputError(fmt::format(
+      "{}: holds {} ({}); --overwrite first moves it aside, to {}.1 or the next number that is free",
+      folder.string(), unfinished ? "a study that was stopped, of another command or scene" : "a study",
+      unfinished ? first_line(folder / kLedger) : files.front(), folder.string()));
+}
+
 // From "<svg" on: what stands before does not belong inside a page.
-std::string inline_svg(const std::filesystem::path& file) {
+std::string inline_svg(const fs::path& file) {
   const std::string text = contents(file);
   const auto start = text.find("<svg");
   return start == text.npos ? "<p>(not drawn)</p>" : text.substr(start);
@@ -100,6 +133,24 @@ void refuse_without_effect(const char* subcommand, const std::vector<std::string
 
 void print_notes(const Scene& scene) {
   for (const auto& note : scene.notes) fmt::print("  note: {}\n", note);
+}
+
+std::string study_line(const std::string& command, const std::vector<Scene>& scenes) {
+  std::string texts;
+  for (const Scene& scene : scenes)
+    for (const auto& [name, text] : source_of(scene, false, {}).files) texts += text;
+  std::string line = fmt::format("{} # {:016x}", command, std::hash<std::string>{}(texts));
+  std::ranges::replace(line, '\n', ' ');
+  return line;
+}
+
+FolderLock study_folder(const fs::path& folder, const std::string& line, bool overwrite) {
+  if (!overwrite) refuse_another_study(folder, line);
+  FolderLock lock(folder);
+  if (!overwrite) refuse_another_study(folder, line);  // another process may have been faster
+  if (const auto files = study_files(folder); overwrite && !files.empty())
+    fmt::print("{}: what was there is kept in {}\n", folder.string(), set_aside(folder, files).string());
+  return lock;
 }
 
 void run_jobs(const std::vector<Job>& jobs, Ledger& ledger) {

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "md/folder_lock.hpp"
 #include "pictures.hpp"
 #include "systems/studies/ledger.hpp"
 
@@ -13,6 +14,18 @@ void refuse_without_effect(const char* subcommand, const std::vector<std::string
 
 // What was changed in a scene or is worth knowing of its start, a line each.
 void print_notes(const Scene& scene);
+
+// What a study is kept as: its command, and a number for the texts its scenes were read from. Where either is
+// another, so is the study.
+std::string study_line(const std::string& command, const std::vector<Scene>& scenes);
+
+// The folder of a study, this process's alone. Where there is one that was stopped, and `line` is its own, it
+// goes on. Throws InputError where there is another one, finished or not: `overwrite` moves that to FOLDER.1,
+// or the first number that is free.
+FolderLock study_folder(const std::filesystem::path& folder, const std::string& line, bool overwrite);
+
+constexpr const char* kOverwrite = "move the study that is in --out to OUT.1, OUT.2, ..., and start";
+constexpr const char* kLedger = "unfinished.tsv";  // there until a study is finished
 
 // Runs what the ledger has not yet, with the time left on the terminal. SIGINT, SIGTERM and SIGHUP end it at
 // once, with what is finished in the ledger.

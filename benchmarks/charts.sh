@@ -8,6 +8,6 @@ if (($#)) && [[ $1 != --* ]]; then out=$1; shift; fi
 long=(--drift-steps 10000)
 if [[ " $* " == *" --quick "* ]]; then long=(); fi
 export OMP_NUM_THREADS=1
-"${TAUT:-build/taut}" chart freely_jointed "${long[@]}" --out "$out/chart" "$@"
-"${TAUT:-build/taut}" chart water "${long[@]}" --out "$out/water" "$@"
-"${TAUT:-build/taut}" stability freely_jointed --hard --out "$out/stability" "$@"
+"${TAUT:-build/taut}" chart freely_jointed "${long[@]}" --out "$out/chart" --overwrite "$@"
+"${TAUT:-build/taut}" chart water "${long[@]}" --out "$out/water" --overwrite "$@"
+"${TAUT:-build/taut}" stability freely_jointed --hard --out "$out/stability" --overwrite "$@"

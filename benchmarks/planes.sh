@@ -7,5 +7,5 @@ out=${1:-benchmarks/results/planes}
 export OMP_NUM_THREADS=1
 for run in "water 1" "water 2" "decane 2" "decane 4"; do
   read -r scene dt <<<"$run"
-  "${TAUT:-build/taut}" stability "$scene" --dt-fs "$dt" --steps 3000 --methods baumgarte --out "$out/${scene}_${dt}fs"
+  "${TAUT:-build/taut}" stability "$scene" --dt-fs "$dt" --steps 3000 --methods baumgarte --out "$out/${scene}_${dt}fs" --overwrite
 done

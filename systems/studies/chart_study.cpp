@@ -237,6 +237,7 @@ std::string failures_csv(const ChartPlan& plan, const Ledger& ledger) {
       add("length", fmt::format("{}, {} bonds", method, bonds),
           ledger.at(repeat_name(length_name(method, bonds), 0)));
   }
+  for (const auto& [name, trial] : precision_trials(plan, ledger)) add("precision", name, trial);
   return text;
 }
 

@@ -38,6 +38,8 @@ std::string order_csv(const ChartPlan& plan, const Ledger& ledger);
 std::string length_csv(const ChartPlan& plan, const Ledger& ledger);
 std::string precision_csv(const ChartPlan& plan, const Ledger& ledger);
 bool has_precisions(const Scene& scene);
+// The drifts of that panel, "newton, mixed".
+std::vector<std::pair<std::string, Trial>> precision_trials(const ChartPlan& plan, const Ledger& ledger);
 
 // Who failed where, and why: panel, setting, reason.
 std::string failures_csv(const ChartPlan& plan, const Ledger& ledger);

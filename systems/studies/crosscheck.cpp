@@ -111,6 +111,7 @@ Crosscheck crosscheck(const Scene& scene, const CrosscheckPlan& plan, const Tell
   Crosscheck c{.scene = scene.name,
                .openmm = openmm_version(),
                .platform = plan.platform,
+               .notes = stage.scene.notes,
                .atoms = stage.scene.system.atoms(),
                .bonds = stage.scene.system.bond_count(),
                .dof = stage.dof,

@@ -114,6 +114,7 @@ struct Speed {
 
 struct Crosscheck {
   std::string scene, openmm, platform;  // name, version, of OpenMM's runs
+  std::vector<std::string> notes = {};  // what is left out of the scene, a line each
   int atoms = 0, bonds = 0, dof = 0;
   double h = 0;                 // [ps]
   long steps = 0, parting = 0;  // of whole runs, of those that explain
@@ -128,7 +129,7 @@ struct Crosscheck {
   bool long_enough = false;  // for averages to mean something
 };
 
-using Tell = std::function<void(const std::string&)>;  // what is being run now
+using Tell = std::function<void(const std::string&)>;  // what is being run now; first when the input is taken
 
 // Throws InputError where OpenMM is missing, cannot express the scene or rejects it.
 Crosscheck crosscheck(const Scene& scene, const CrosscheckPlan& plan, const Tell& tell = {});

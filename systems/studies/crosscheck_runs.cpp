@@ -5,6 +5,7 @@
 
 #include "md/errors.hpp"
 #include "systems/openmm/openmm_export.hpp"
+#include "systems/studies/study_scene.hpp"
 
 namespace taut {
 namespace {
@@ -13,7 +14,9 @@ constexpr long kDenseSamples = 100;
 constexpr double kLongEnough = 5;  // [ps]
 
 Scene prepared(Scene scene) {
-  scene.run.thermostat = "none";
+  scene = prepared_for_study(std::move(scene));
+  if (scene.run.remove_momentum_every > 0)
+    scene.notes.push_back("its momentum is not taken out on the way, in no run");
   scene.run.remove_momentum_every = 0;
   scene.method = exact("").method;
   const Simulation on_bonds(std::move(scene));

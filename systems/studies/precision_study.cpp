@@ -46,6 +46,16 @@ std::vector<Job> precision_jobs(const ChartPlan& plan, const Ledger& ledger) {
   return jobs;
 }
 
+std::vector<std::pair<std::string, Trial>> precision_trials(const ChartPlan& plan, const Ledger& ledger) {
+  std::vector<std::pair<std::string, Trial>> trials;
+  if (has_precisions(plan.scene))
+    for (const auto& method : plan.methods)
+      for (const Precision precision : {Precision::kDouble, Precision::kMixed})
+        trials.emplace_back(fmt::format("{}, {}", method, name_of(precision)),
+                            ledger.at(point_name("precision", method, precision)));
+  return trials;
+}
+
 std::string precision_csv(const ChartPlan& plan, const Ledger& ledger) {
   std::string text =
       "method,precision,step_us_q1,step_us,step_us_q3,drift_kj_mol_ns_dof,drift_low,drift_high,"

@@ -10,8 +10,6 @@
 namespace taut {
 namespace {
 
-constexpr double kSearch = 64;  // a stable step is looked for from 1/64 to 64 times the scene's
-
 std::string plane_name(Damping damping, double ah, double bh) {
   return fmt::format("plane/{}/{:.3g}/{:.3g}", name_of(damping), ah, bh);
 }

@@ -20,6 +20,7 @@ struct StabilityPlan {
   std::vector<double> bh() const;  // βh
 };
 
+constexpr double kSearch = 64;  // a stable step is looked for from 1/64 to 64 times the scene's
 constexpr Damping kDampings[] = {Damping::kCentred, Damping::kImplicit, Damping::kLagged};
 
 //   plane   steps survived, drift and bond errors of Baumgarte at (αh, βh), for each damping

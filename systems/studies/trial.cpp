@@ -78,7 +78,7 @@ Interval bootstrap_slope(const std::vector<double>& t, const std::vector<double>
   Slope whole;
   for (std::size_t n = 0; n < y.size(); ++n) whole.add(t[n], y[n]);
   const double slope = whole.value();
-  if (y.size() < 20) return {slope, slope};
+  if (y.size() < kRowsForInterval) return {slope, slope};
   double middle_t = 0, middle_y = 0;
   for (std::size_t n = 0; n < y.size(); ++n) {
     middle_t += t[n] / static_cast<double>(y.size());

@@ -28,7 +28,7 @@ struct Trial {
   double constraint_us = 0, step_us = 0;  // a step
   double max_error = 0, rms_error = 0;    // relative, of a bond, over the rows
   double drift = 0;                       // [kJ/mol/ns/degree of freedom]
-  double drift_low = 0, drift_high = 0;   // 95 % of block bootstraps; with fewer than 20 rows both are drift
+  double drift_low = 0, drift_high = 0;   // 95 % of block bootstraps; of too few rows both are drift
   double figure = 0;    // what the study asks for besides: rms distance [nm], largest stable step [fs]
   std::string failure;  // how it failed, in a few words; empty: it did not
 
@@ -56,6 +56,7 @@ std::string in_few_words(const std::string& failure);
 struct Interval {
   double low, high;
 };
+constexpr int kRowsForInterval = 20;  // with fewer both ends are the slope
 Interval bootstrap_slope(const std::vector<double>& t, const std::vector<double>& y);
 
 }  // namespace taut

@@ -1,0 +1,373 @@
+// calibrate, chart, stability and crosscheck as a user types them: what they print, write and return.
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <csignal>
+#include <nlohmann/json.hpp>
+
+#include "systems/studies/csv.hpp"
+#include "taut_command.hpp"
+#include "temporary_folder.hpp"
+
+namespace taut {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+TEST(StudyCommands, CalibratesAndWritesJson) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "calibration.json";
+  const auto [exit_code, text] =
+      taut("calibrate freely_jointed --sweeps 2 --set build.chains=20 --json " + file.string());
+  ASSERT_EQ(exit_code, 0) << text;
+  const auto json = nlohmann::json::parse(contents(file));
+  for (const char* key : {"reduction_rattle", "alpha_per_ps", "beta_per_ps", "reduction_predicted",
+                          "reduction_measured", "floor_predicted", "floor_measured"})
+    EXPECT_TRUE(json.contains(key)) << key;
+}
+
+// `taut run` with the settings that calibrate gives shows the floor that it measured: from step 50, over 160.
+TEST(StudyCommands, WhatCalibrateExportsRunsAsItMeasured) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "calibration.json", out = folder.path() / "run";
+  const auto calibrated =
+      taut("calibrate water --sweeps 1 --dt-fs 1 --set run.seed=5 --json " + file.string());
+  ASSERT_EQ(calibrated.exit_code, 0) << calibrated.text;
+  const auto json = nlohmann::json::parse(contents(file));
+  const std::string command = json["run"];
+  EXPECT_THAT(calibrated.text, HasSubstr(command));
+  EXPECT_THAT(command, HasSubstr("method.passes=2"));
+  EXPECT_EQ(json["method"]["passes"], 2);
+  const auto ran = taut(command.substr(5) + " --steps 210 --set run.log_every=1 --out " + out.string());
+  ASSERT_EQ(ran.exit_code, 0) << ran.text;
+  std::istringstream log(contents(out / "log.csv"));
+  std::string line;
+  std::getline(log, line);
+  double squares = 0;
+  while (std::getline(log, line)) {
+    std::istringstream cells(line);
+    std::vector<double> row;
+    for (std::string cell; row.size() < 9 && std::getline(cells, cell, ',');) row.push_back(std::stod(cell));
+    if (row[0] > 50) squares += row[8] * row[8];
+  }
+  EXPECT_NEAR(std::sqrt(squares / 160) / json["floor_measured"].get<double>(), 1, 1e-3);
+}
+
+// The report shows everything by itself; data and script stay beside the pictures; the ledger goes.
+TEST(StudyCommands, ChartsWithAReportThatNeedsNothingElse) {
+  const TemporaryFolder folder;
+  const fs::path out = folder.path() / "chart";
+  const auto [exit_code, text] = taut(
+      "chart freely_jointed --quick --methods newton settle --set build.chains=2 'run.seed = 3' "
+      "--drift-steps 100 --out " +
+      out.string());
+  ASSERT_EQ(exit_code, 0) << text;
+  EXPECT_THAT(text, HasSubstr("not part of a three-site water"));  // failed, and listed
+  for (const char* name : {"work", "drift", "order", "length"})
+    for (const char* kind : {".csv", ".gp"}) EXPECT_TRUE(fs::exists(out / (std::string(name) + kind)));
+  const std::string report = page(out);
+  EXPECT_THAT(report,
+              HasSubstr("<code>taut chart freely_jointed --methods newton settle --set build.chains=2 "
+                        "'run.seed = 3' --drift-steps 100 --quick --out " +
+                        out.string() + "</code>"));
+  EXPECT_THAT(report, Not(HasSubstr("href=\"http")));
+  EXPECT_THAT(report, Not(HasSubstr("src=")));
+  EXPECT_FALSE(fs::exists(out / "unfinished.tsv"));
+}
+
+TEST(StudyCommands, StabilitySaysHowEachMethodFails) {
+  const TemporaryFolder folder;
+  const fs::path out = folder.path() / "stability";
+  const auto [exit_code, text] =
+      taut("stability diatomic --quick --steps 100 --dt-fs 2.5 --methods shake settle --out " + out.string());
+  ASSERT_EQ(exit_code, 0) << text;
+  EXPECT_THAT(text, HasSubstr("the bond turned by 90° in one step"));
+  for (const char* name : {"plane.csv", "plane.gp", "steps.csv", "steps.gp", "limits.csv", "report.html"})
+    EXPECT_TRUE(fs::exists(out / name)) << name;
+  EXPECT_THAT(
+      page(out),
+      HasSubstr("<code>taut stability diatomic --methods shake settle --dt-fs 2.5 --steps 100 --quick "
+                "--out " +
+                out.string() + "</code>"));
+}
+
+// Whatever the folder is called: pictures are drawn, and the report's command can be typed again.
+TEST(StudyCommands, TheCommandInAReportCanBeTyped) {
+  const TemporaryFolder folder;
+  const fs::path out = folder.path() / "our 'first' $HOME";
+  const auto first = taut("chart diatomic --quick --methods newton --set 'run.seed = 3' --out \"" +
+                          folder.path().string() + "/our 'first' \\$HOME\"");
+  ASSERT_EQ(first.exit_code, 0) << first.text;
+  EXPECT_TRUE(fs::exists(out / "work.png"));
+  const std::string report = page(out);
+  const auto begin = report.find("<code>taut ") + 11;
+  const std::string command = report.substr(begin, report.find("</code>") - begin);
+  fs::remove_all(out);
+  const auto again = taut(command);
+  EXPECT_EQ(again.exit_code, 0) << command << "\n" << again.text;
+  EXPECT_THAT(page(out), HasSubstr("<code>taut " + command + "</code>"));
+}
+
+// A scene of some name: what is in it is text to the shell, to gnuplot, to a table and to a page.
+std::string scene_named(const fs::path& folder, const std::string& name) {
+  const fs::path file = folder / (name + ".toml");
+  fs::copy_file(fs::path(TAUT_SCENES) / "diatomic.toml", file);
+  std::string quoted = "'";
+  for (const char c : file.string()) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+class HostileNames : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Of, HostileNames,
+                         ::testing::Values("a`touch x`'\"\\n$(touch y)", "a\nb\tc'.system(\"touch x\").'",
+                                           "<script>x<&amp;%s%n@x{:b ^2}#\\", "1,2;\"3\"\"\",\u00b5"));
+
+TEST_P(HostileNames, AreTextEverywhere) {
+  const TemporaryFolder folder;
+  const std::string scene = scene_named(folder.path(), GetParam()), at = " --out " + folder.path().string();
+  for (const auto& [command, out, picture] :
+       {std::tuple{"chart " + scene + " --quick --methods newton none --drift-steps 100", "/chart", "work"},
+        {"stability " + scene + " --quick --steps 20 --methods shake", "/stability", "steps"}}) {
+    const fs::path files = folder.path().string() + out;
+    const auto [exit_code, text] = taut(command + at + out);
+    EXPECT_EQ(exit_code, 0) << text;
+    EXPECT_TRUE(fs::exists(files / (std::string(picture) + ".png"))) << text;
+    EXPECT_FALSE(fs::exists(files / "x") || fs::exists(files / "y")) << "a command was run";
+    EXPECT_FALSE(fs::exists("x") || fs::exists("y")) << "a command was run";
+    EXPECT_THAT(contents(files / "report.html"), Not(HasSubstr("<script")));
+    EXPECT_FALSE(fs::exists(files / "unfinished.tsv"));
+  }
+  const auto rows = csv_rows(contents(folder.path() / "stability" / "steps.csv"));
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[1].size(), rows[0].size());
+  std::string name = GetParam();
+  for (char& c : name) c = c == '"' ? '\'' : c < ' ' && c > 0 ? ' ' : c;
+  EXPECT_EQ(rows[1][0], name);
+}
+
+// Whatever gnuplot does, only what is there is said to be written.
+struct Gnuplot {
+  const char *name, *script;  // empty: there is none
+  int exit_code;
+  const char* says;
+};
+class Gnuplots : public ::testing::TestWithParam<Gnuplot> {};
+INSTANTIATE_TEST_SUITE_P(
+    That, Gnuplots,
+    ::testing::Values(Gnuplot{"IsNotThere", "", 0, "gnuplot is not installed"},
+                      Gnuplot{"Fails", "echo no >&2; exit 1", 3, "work.gnuplot.log"},
+                      Gnuplot{"DrawsNothing", "exit 0", 3, "gnuplot could not draw work, drift"},
+                      Gnuplot{"DrawsHalf", ": > ${1%.gp}.svg", 3, "gnuplot could not draw work, drift"}),
+    [](const auto& test) { return test.param.name; });
+
+TEST_P(Gnuplots, AreNotTakenAtTheirWord) {
+  const TemporaryFolder folder;
+  const fs::path out = folder.path() / "chart", bin = folder.path() / "bin";
+  fs::create_directory(bin);
+  if (*GetParam().script) {
+    std::ofstream(bin / "gnuplot") << "#!/bin/sh\n" << GetParam().script << "\n";
+    fs::permissions(bin / "gnuplot", fs::perms::owner_all);
+  }
+  const auto [exit_code, text] =
+      taut("chart diatomic --quick --methods newton --drift-steps 100 --out " + out.string(),
+           "PATH=" + bin.string());
+  EXPECT_EQ(exit_code, GetParam().exit_code) << text;
+  EXPECT_THAT(text, HasSubstr(GetParam().says));
+  const std::string line = text.substr(text.find("wrote into"),
+                                       text.find('\n', text.find("wrote into")) - text.find("wrote into"));
+  for (const char* name : {"work", "drift", "order", "length"})
+    for (const char* kind : {".csv", ".gp", ".svg", ".png"}) {
+      const std::string file = std::string(name) + kind;
+      EXPECT_EQ(fs::exists(out / file), line.find(file) != line.npos) << file << ": " << line;
+    }
+  EXPECT_THAT(line, HasSubstr("report.html"));
+  EXPECT_THAT(contents(out / "report.html"), HasSubstr("newton"));
+}
+
+// A folder holds one study: another is refused, and moved aside where that is asked for; nothing is lost.
+TEST(StudyCommands, AFolderHoldsOneStudy) {
+  const TemporaryFolder folder;
+  const std::string out = (folder.path() / "out").string();
+  const std::string chart = "chart diatomic --quick --methods newton --drift-steps 100 --out " + out;
+  ASSERT_EQ(taut(chart).exit_code, 0);
+  std::ofstream(out + "/mine.txt") << "mine";
+  const std::string before = contents(out + "/work.csv");
+  for (const std::string& other :
+       {chart, "stability diatomic --quick --methods shake --steps 20 --out " + out}) {
+    const auto [exit_code, text] = taut(other);
+    EXPECT_EQ(exit_code, 2) << text;
+    EXPECT_EQ(lines(text), 1) << text;
+    EXPECT_THAT(text, HasSubstr("--overwrite"));
+    EXPECT_EQ(contents(out + "/work.csv"), before);
+  }
+  const auto [exit_code, text] =
+      taut("stability diatomic --quick --methods shake --steps 20 --overwrite --out " + out);
+  EXPECT_EQ(exit_code, 0) << text;
+  EXPECT_THAT(text, HasSubstr("what was there is kept in " + fs::canonical(out).string() + ".1"));
+  EXPECT_EQ(contents(out + ".1/work.csv"), before);
+  EXPECT_TRUE(fs::exists(out + ".1/report.html"));
+  EXPECT_FALSE(fs::exists(out + "/work.csv"));
+  EXPECT_EQ(contents(out + "/mine.txt"), "mine");
+  EXPECT_THAT(page(out), Not(HasSubstr("--overwrite")));
+}
+
+// Stopped by any of the three, a study says that nothing is lost, and the same command goes on; but not where
+// the scene it began with is another now.
+TEST(StudyCommands, GoOnWhereTheyWereStopped) {
+  const TemporaryFolder folder;
+  const fs::path scene = folder.path() / "scene.toml", out = folder.path() / "out";
+  fs::copy_file(fs::path(TAUT_SCENES) / "diatomic.toml", scene);
+  const std::string chart =
+      "chart " + scene.string() + " --quick --methods newton --drift-steps 30000000 --out " + out.string();
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    const fs::path said = folder.path() / ("said" + std::to_string(signal));
+    const pid_t pid = fork();
+    if (pid == 0) {
+      const std::string command =
+          std::string("exec ") + TAUT_BINARY + " " + chart + " >" + said.string() + " 2>&1";
+      execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+      _exit(127);
+    }
+    // The drift is the seventh trial, and too long to end before the signal.
+    const auto under_way = [&] {
+      return signal == SIGINT ? lines(contents(out / "unfinished.tsv")) == 7
+                              : contents(said).find("going on") != std::string::npos;
+    };
+    for (int n = 0; n < 600 && !under_way(); ++n) usleep(50000);
+    kill(pid, signal);
+    int status = 0;
+    waitpid(pid, &status, 0);
+    const std::string text = contents(said);
+    EXPECT_EQ(WEXITSTATUS(status), 128 + signal) << text;
+    EXPECT_THAT(text, HasSubstr("the same command goes on from here"));
+    if (signal != SIGINT) {
+      EXPECT_THAT(text, HasSubstr("going on: 6 of 18 trials are there"));
+    }
+  }
+  std::ofstream(scene, std::ios::app) << "# another\n";
+  const auto [exit_code, text] = taut(chart);
+  EXPECT_EQ(exit_code, 2) << text;
+  EXPECT_EQ(lines(text), 1) << text;
+  EXPECT_THAT(text, HasSubstr("was stopped, of another command or scene"));
+}
+
+// What is left out of a scene, or without effect, is said.
+TEST(StudyCommands, SayWhatTheyPassOver) {
+  const TemporaryFolder folder;
+  const std::string thermostat = " --set run.thermostat=langevin run.temperature_k=300 run.minimise=true";
+  const auto chart = taut("chart pair --quick --methods newton none --drift-steps 100 --out " +
+                          (folder.path() / "chart").string() + thermostat);
+  const auto stability = taut("stability diatomic --quick --methods newton --steps 20 --out " +
+                              (folder.path() / "stability").string() + thermostat);
+  const auto calibration = taut("calibrate diatomic" + thermostat);
+  for (const auto& [exit_code, text] : {chart, stability, calibration}) {
+    EXPECT_EQ(exit_code, 0) << text;
+    EXPECT_THAT(text, HasSubstr("its thermostat (langevin) is left out"));
+    EXPECT_THAT(text, HasSubstr("minimised in"));
+  }
+  for (const char* note : {"note: quick, so rough", "note: no intervals of the drift"})
+    EXPECT_THAT(chart.text, HasSubstr(note));
+  EXPECT_THAT(stability.text, HasSubstr("of 60 gains failed or were refused"));
+  for (const char* command : {"chart", "stability", "calibrate", "crosscheck"})
+    for (const char* key : {"method.tolerance=1e-3", "run.log_every=7", "run.trajectory_every=7"}) {
+      const auto [exit_code, text] = taut(std::string(command) + " pair --set " + key);
+      EXPECT_EQ(exit_code, 2) << text;
+      EXPECT_EQ(lines(text), 1) << text;
+      EXPECT_THAT(text, HasSubstr(std::string(key) + ": no effect"));
+    }
+}
+
+#if TAUT_WITH_OPENMM_TWIN
+
+class CrosscheckCommand : public ::testing::Test {
+ protected:
+  TemporaryFolder folder_;
+  fs::path out_ = folder_.path() / "out";
+  std::string command_ =
+      "crosscheck diatomic --steps 40 --method newton baumgarte:dead-beat --speed-seconds 0 --agreement-nm "
+      "1e-9 --out " +
+      out_.string();
+};
+
+// The whole: verdicts, figures, samples and pictures, of a scene with a thermostat, which is said to be left
+// out.
+TEST_F(CrosscheckCommand, WritesVerdictsSamplesAndPictures) {
+  const auto [exit_code, text] = taut(command_ + " --set run.thermostat=langevin run.temperature_k=300");
+  ASSERT_EQ(exit_code, 0) << text;
+  EXPECT_THAT(text, HasSubstr("its thermostat (langevin) is left out"));
+  const auto json = nlohmann::json::parse(contents(out_ / "crosscheck.json"));
+  EXPECT_EQ(json["scene"], "diatomic");
+  EXPECT_EQ(json["steps"], 40);
+  EXPECT_THAT(json["notes"].dump(), HasSubstr("thermostat"));
+  EXPECT_LT(json["start"]["largest_force_difference_kj_mol_nm"], 1e-9);
+  std::map<std::string, std::string> findings;
+  for (const auto& v : json["verdicts"]) findings[v["who"]] = v["finding"];
+  EXPECT_EQ(findings["start"], "agrees");
+  EXPECT_EQ(findings["newton"], "agrees");
+  EXPECT_EQ(findings["baumgarte dead-beat"], "parts");
+  std::map<std::string, nlohmann::json> runs;
+  for (const auto& run : json["runs"]) runs[run["name"]] = run;
+  EXPECT_EQ(runs["newton"]["failure"], "");
+  EXPECT_LT(runs["newton"]["most_apart_nm"], 1e-10);
+  EXPECT_NEAR(runs["baumgarte dead-beat"]["foretold"]["apart_nm"].get<double>() /
+                  runs["baumgarte dead-beat"]["apart_nm"].get<double>(),
+              1, 0.01);
+
+  const auto rows = csv_rows(contents(out_ / "crosscheck.csv"));
+  EXPECT_EQ(rows[0][0], "run");
+  std::map<std::string, std::pair<int, std::string>> samples;  // how many, and the last one's step
+  for (std::size_t n = 1; n < rows.size(); ++n) {
+    ASSERT_EQ(rows[n].size(), rows[0].size());
+    auto& [count, step] = samples[rows[n][0]];
+    ++count;
+    step = rows[n][1];
+  }
+  EXPECT_EQ(samples.size(), runs.size());
+  for (const auto& [run, sample] : samples) {
+    EXPECT_EQ(sample.first, 41) << run;
+    EXPECT_EQ(sample.second, "40") << run;
+  }
+  for (const char* file : {"crosscheck.gp", "crosscheck.svg", "crosscheck.png"}) {
+    EXPECT_TRUE(fs::exists(out_ / file)) << file;
+    EXPECT_THAT(text, HasSubstr(file));
+  }
+  for (const char* run : {"newton", "openmm verlet", "baumgarte dead-beat"})
+    EXPECT_THAT(contents(out_ / "crosscheck.svg"), HasSubstr(std::string(">") + run + "<"));
+}
+
+TEST_F(CrosscheckCommand, WritesAlone) {
+  fs::create_directory(out_);
+  const int lock = open((out_ / ".lock").c_str(), O_RDWR | O_CREAT, 0600);
+  ASSERT_EQ(flock(lock, LOCK_EX | LOCK_NB), 0);
+  const auto busy = taut(command_);
+  EXPECT_EQ(busy.exit_code, 2);
+  EXPECT_EQ(lines(busy.text), 1) << busy.text;
+  EXPECT_THAT(busy.text, HasSubstr("another taut is still writing there"));
+  close(lock);
+  ASSERT_EQ(taut(command_).exit_code, 0);
+  const auto again = taut(command_);
+  EXPECT_EQ(again.exit_code, 2);
+  EXPECT_THAT(again.text, HasSubstr("holds a study"));
+  EXPECT_EQ(taut(command_ + " --overwrite").exit_code, 0);
+  EXPECT_TRUE(fs::exists(out_.string() + ".1/crosscheck.json"));
+}
+
+// Refused before anything is made.
+TEST_F(CrosscheckCommand, LeavesNothingOfWhatItCannotDo) {
+  const auto [exit_code, text] = taut("crosscheck pendulum --out " + out_.string());
+  EXPECT_EQ(exit_code, 2);
+  EXPECT_EQ(lines(text), 1) << text;
+  EXPECT_THAT(text, HasSubstr("OpenMM cannot express it"));
+  EXPECT_FALSE(fs::exists(out_));
+}
+
+#endif
+
+}  // namespace
+}  // namespace taut

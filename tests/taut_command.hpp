@@ -1,0 +1,55 @@
+#pragma once
+
+// The command as a user types it.
+
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+namespace taut {
+
+namespace fs = std::filesystem;
+
+struct Outcome {
+  int exit_code;
+  std::string text;  // both streams
+};
+
+// `environment`: as a shell takes it before a command, "PATH=/nowhere".
+inline Outcome taut(const std::string& arguments, const std::string& environment = "") {
+  std::FILE* pipe = popen((environment + " " + TAUT_BINARY + " " + arguments + " 2>&1").c_str(), "r");
+  Outcome outcome{};
+  std::array<char, 4096> buffer;
+  while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe))
+    outcome.text.append(buffer.data(), n);
+  outcome.exit_code = WEXITSTATUS(pclose(pipe));
+  return outcome;
+}
+
+inline std::string contents(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+// A report's text, its entities undone.
+inline std::string page(const fs::path& folder) {
+  std::string text = contents(folder / "report.html");
+  for (const auto& [entity, character] :
+       {std::pair("&#39;", '\''), {"&quot;", '"'}, {"&lt;", '<'}, {"&gt;", '>'}, {"&amp;", '&'}})
+    for (std::size_t at = 0; (at = text.find(entity, at)) != text.npos; ++at)
+      text.replace(at, std::string_view(entity).size(), 1, character);
+  return text;
+}
+
+inline int lines(const std::string& text) {
+  return static_cast<int>(std::count(text.begin(), text.end(), '\n'));
+}
+
+}  // namespace taut
