@@ -38,7 +38,7 @@ double stopwatch_cost() {
     Timed timed(nothing);
     Free forces;
     constexpr int kSteps = 100000;
-    for (int n = 0; n < kSteps; ++n) step(sys, forces, timed, 1e-3, s);
+    for (int n = 0; n < kSteps; ++n) demand_converged(sys, s, step(sys, forces, timed, 1e-3, s), n);
     return timed.seconds() / kSteps;
   }();
   return cost;
@@ -54,7 +54,7 @@ void run(benchmark::State& bench, const Case& c, int threads) {
   Free forces;
   Projector(sys).positions(sys, s.x);
   initialize(sys, forces, method, s);
-  for (int n = 0; n < 20; ++n) step(sys, forces, method, c.h, s);
+  for (int n = 0; n < 20; ++n) demand_converged(sys, s, step(sys, forces, method, c.h, s), n);
 
   SolveStats stats;
   Timed timed(method);

@@ -96,7 +96,8 @@ struct Running {
   void go(int steps) {
     std::visit(
         [&](auto& m) {
-          for (int n = 0; n < steps; ++n) step(scene.system, forces, m, scene.run.h(), state);
+          for (int n = 0; n < steps; ++n)
+            demand_converged(scene.system, state, step(scene.system, forces, m, scene.run.h(), state), n);
         },
         method);
   }
@@ -141,7 +142,8 @@ void bonds_alone(benchmark::State& bench, const Setting& setting) {
         double before = 0;
         for (auto _ : bench) {
           for (int n = 0; n < kStride; ++n)
-            step(run.scene.system, run.forces, timed, run.scene.run.h(), run.state);
+            demand_converged(run.scene.system, run.state,
+                             step(run.scene.system, run.forces, timed, run.scene.run.h(), run.state), n);
           bench.SetIterationTime(timed.seconds() - before);
           before = timed.seconds();
         }

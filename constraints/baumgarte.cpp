@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "constraints/bond_algebra.hpp"
-#include "md/errors.hpp"
+#include "constraints/option_checks.hpp"
 
 namespace taut {
 
@@ -92,8 +92,8 @@ SolveStats Baumgarte::add_forces(const System& sys, double h, State& s) {
 
 std::string describe_baumgarte(const Baumgarte::Options& options, const std::vector<Gains>& gains, double h) {
   const auto& [passes, sweeps] = std::tie(options.passes, options.sweeps);
-  if (passes < 1) throw InputError(fmt::format("method.passes: {}, expected 1 or more", passes));
-  if (sweeps < 0) throw InputError(fmt::format("method.sweeps: {}, expected 0 or more", sweeps));
+  check_count("method.passes", passes, 1);
+  check_count("method.sweeps", sweeps, 0);
   if (gains.empty()) return "no bonds";
   const auto [alpha, beta] = gains.front();
   const int count = sweeps > 0 ? passes * sweeps : passes;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "md/system.hpp"
+#include "md/worse.hpp"
 
 namespace taut {
 
@@ -32,8 +33,7 @@ struct Residual {
   int bond = -1;
 
   void see(double relative, int k) {
-    if (relative <= value) return;
-    if (value != value) return;  // a NaN stays
+    if (!worse(relative, value)) return;
     value = relative;
     bond = k;
   }

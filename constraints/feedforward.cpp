@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "constraints/bond_algebra.hpp"
-#include "constraints/sweeps.hpp"
+#include "constraints/option_checks.hpp"
 #include "md/errors.hpp"
 
 namespace taut {
@@ -19,7 +19,8 @@ Feedforward::Feedforward(const System& sys, const Options& options, double h)
       lambda_(Eigen::VectorXd::Zero(sys.bond_count())),
       before_(lambda_),
       before_that_(lambda_) {
-  checked({options.tolerance, options.max_solves});
+  check_tolerance(options.tolerance);
+  check_count("method.max_solves", options.max_solves, 1);
   if (options.extrapolation < 0 || options.extrapolation > 2)
     throw InputError(fmt::format("method.extrapolation: {}, expected 0, 1 or 2", options.extrapolation));
 }

@@ -1,7 +1,10 @@
 #include "constraints/langevin.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
+#include "md/errors.hpp"
 #include "md/observables.hpp"
 #include "md/units.hpp"
 
@@ -63,7 +66,8 @@ void Langevin::second_half(State& s) const {
 Vectors Langevin::middle_velocity(const System& sys, const State& s) {
   State middle = s;
   half_kick(sys, h_, middle);
-  project(middle.x, middle.v);
+  const SolveStats stats = project(middle.x, middle.v);
+  if (!stats.converged()) throw SimulationFailure(fmt::format("the temperature: {}", stats.failure));
   return middle.v;
 }
 

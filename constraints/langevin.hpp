@@ -33,7 +33,7 @@ class Langevin {
     double friction;             // γ [1/ps]
     std::uint64_t seed = 1;      // of R
     bool free_bonds = false;     // bonds are springs: no tangent space
-    bool hold_momentum = false;  // Δ without total momentum
+    bool hold_momentum = false;  // Δ without total momentum; for systems where no bond is anchored
   };
 
   Langevin(const System& sys, const Bath& bath, double h);

@@ -2,14 +2,48 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "constraints/bond_algebra.hpp"
-#include "md/errors.hpp"
+#include "constraints/option_checks.hpp"
 
 namespace taut {
+
+BondTriangles::BondTriangles(const std::vector<RigidBond>& bonds) {
+  for (const auto& [i, j, d] : bonds) tied_.insert(std::minmax(i, j));
+}
+
+bool BondTriangles::hold(const RigidBond& k, const RigidBond& l) const {
+  const auto tied = [&](int a, int b) { return tied_.contains(std::minmax(a, b)); };
+  if (k.i == l.i) return tied(k.j, l.j);
+  if (k.i == l.j) return tied(k.j, l.i);
+  if (k.j == l.i) return tied(k.i, l.j);
+  return k.j == l.j && tied(k.i, l.i);
+}
+
+namespace {
+
+// Moves the couplings inside triangles to the front. How many there are.
+Eigen::Index triangles_first(const System& sys, Couplings& couplings) {
+  const BondTriangles triangles(sys.bonds);
+  std::size_t inside = 0;
+  for (std::size_t e = 0; e < couplings.pairs.size(); ++e) {
+    const auto [k, l] = couplings.pairs[e];
+    if (!triangles.hold(sys.bonds[k], sys.bonds[l])) continue;
+    std::swap(couplings.pairs[e], couplings.pairs[inside]);
+    std::swap(couplings.signed_inv_mass[e], couplings.signed_inv_mass[inside]);
+    ++inside;
+  }
+  return static_cast<Eigen::Index>(inside);
+}
+
+}  // namespace
 
 Lincs::Lincs(const System& sys, const Options& options, double)
     : options_(options),
       couplings_(sys),
+      in_triangles_(triangles_first(sys, couplings_)),
       directions_(3, sys.bond_count()),
       scale_(couplings_.reduced_inv_mass.cwiseSqrt().cwiseInverse()),
       c_(couplings_.pairs.size()),
@@ -18,9 +52,8 @@ Lincs::Lincs(const System& sys, const Options& options, double)
       power_(sys.bond_count()),
       g_(sys.bond_count()),
       lambda_(Eigen::VectorXd::Zero(sys.bond_count())) {
-  if (options.order < 0) throw InputError(fmt::format("method.order: {}, expected 0 or more", options.order));
-  if (options.iterations < 0)
-    throw InputError(fmt::format("method.iterations: {}, expected 0 or more", options.iterations));
+  check_count("method.order", options.order, 0);
+  check_count("method.iterations", options.iterations, 0);
 }
 
 void Lincs::find_coupling() {
@@ -31,18 +64,22 @@ void Lincs::find_coupling() {
   }
 }
 
+void Lincs::multiply(Eigen::Index entries) {
+  power_.setZero();
+  for (Eigen::Index e = 0; e < entries; ++e) {
+    const auto [k, l] = couplings_.pairs[e];
+    power_[k] += c_[e] * rhs_[l];
+    power_[l] += c_[e] * rhs_[k];
+  }
+  sum_ += power_;
+  rhs_.swap(power_);
+}
+
 void Lincs::apply(const System& sys, Vectors& y) {
   sum_ = rhs_;
-  for (int n = 0; n < options_.order; ++n) {
-    power_.setZero();
-    for (Eigen::Index e = 0; e < c_.size(); ++e) {
-      const auto [k, l] = couplings_.pairs[e];
-      power_[k] += c_[e] * rhs_[l];
-      power_[l] += c_[e] * rhs_[k];
-    }
-    sum_ += power_;
-    rhs_.swap(power_);
-  }
+  for (int n = 0; n < options_.order; ++n) multiply(c_.size());
+  if (in_triangles_ > 0)
+    for (int n = 0; n < options_.order; ++n) multiply(in_triangles_);
   sum_.array() *= -scale_.array();
   add_constraint_acceleration(sys, directions_, sum_, y);
   g_ += sum_;

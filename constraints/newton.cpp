@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "constraints/bond_algebra.hpp"
-#include "constraints/sweeps.hpp"
+#include "constraints/option_checks.hpp"
 
 namespace taut {
 
@@ -15,7 +15,8 @@ Newton::Newton(const System& sys, const Options& options, double)
       g_(Eigen::VectorXd::Zero(sys.bond_count())),
       dg_(g_),
       lambda_(g_) {
-  checked({options.tolerance, options.max_iterations});
+  check_tolerance(options.tolerance);
+  check_count("method.max_iterations", options.max_iterations, 1);
 }
 
 SolveStats Newton::project_positions(const System& sys, double h, State& s) {

@@ -1,19 +1,14 @@
 #include "constraints/sweeps.hpp"
 
-#include <fmt/format.h>
-
 #include "constraints/bond_algebra.hpp"
-#include "md/errors.hpp"
+#include "constraints/option_checks.hpp"
 
 namespace taut {
 
 SweepLimits checked(SweepLimits limits) {
-  if (!(limits.tolerance >= 1e-15 && limits.tolerance <= 0.1))
-    throw InputError(fmt::format("method.tolerance: {}, expected between 1e-15 and 0.1", limits.tolerance));
-  if (limits.max_sweeps < 1)
-    throw InputError(fmt::format("method.max_sweeps: {}, expected 1 or more", limits.max_sweeps));
-  if (limits.sweeps < 0)
-    throw InputError(fmt::format("method.sweeps: {}, expected 0 or more", limits.sweeps));
+  check_tolerance(limits.tolerance);
+  check_count("method.max_sweeps", limits.max_sweeps, 1);
+  check_count("method.sweeps", limits.sweeps, 0);
   return limits;
 }
 

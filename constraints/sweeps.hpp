@@ -45,7 +45,7 @@ class VelocitySweeps {
   Eigen::VectorXd inv_;  // 1/((1/m_i + 1/m_j)|r|²), m
 };
 
-// Throws InputError for a tolerance outside [1e-15, 0.1] or less than one sweep.
+// Throws InputError for what is out of range.
 SweepLimits checked(SweepLimits limits);
 
 }  // namespace taut

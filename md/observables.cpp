@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "md/units.hpp"
+#include "md/worse.hpp"
 
 namespace taut {
 
@@ -44,7 +45,7 @@ BondErrors bond_errors(const System& sys, const Vectors& x) {
     const auto& [i, j, d] = sys.bonds[k];
     const double error = std::abs((x.col(j) - x.col(i)).norm() - d) / d;
     sum += error * error;
-    if (!(error <= e.max)) {  // also true for NaN
+    if (worse(error, e.max)) {
       e.max = error;
       e.worst = k;
     }

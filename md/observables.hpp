@@ -10,7 +10,9 @@ namespace taut {
 
 double kinetic_energy(const System& sys, const Vectors& v);  // ½ Σ m v² [kJ/mol]
 Vec3 momentum(const System& sys, const Vectors& v);          // Σ m v [u·nm/ps]
-void remove_momentum(const System& sys, Vectors& v);         // subtracts the centre of mass's velocity
+// Subtracts the centre of mass's velocity from all that can move. Not where a bond ends in an anchor: it
+// takes the momentum up, and the atoms it holds would be pushed along their bonds.
+void remove_momentum(const System& sys, Vectors& v);
 
 // 3·mobile − rank(bonds) − 3 if the momentum is held at zero.
 struct DegreesOfFreedom {
@@ -28,7 +30,7 @@ DegreesOfFreedom degrees_of_freedom(const System& sys, int rank, bool momentum_f
 double temperature(double kinetic, int dof);  // 2E/(dof·k) [K]; 0 for no degrees of freedom
 
 struct BondErrors {
-  double max = 0;  // largest ||r|−d|/d
+  double max = 0;  // largest ||r|−d|/d; a NaN is larger than any
   double rms = 0;  // root mean square of the same
   int worst = -1;  // the bond of the largest, -1 without bonds
 };

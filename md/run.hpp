@@ -38,6 +38,11 @@ struct Diagnosis {
 };
 Diagnosis diagnose(const System& sys, const State& s, const SolveStats& stats, long step);
 
+// Throws SimulationFailure, the diagnosis, where a solve has failed.
+inline void demand_converged(const System& sys, const State& s, const SolveStats& stats, long step) {
+  if (!stats.converged()) throw SimulationFailure(diagnose(sys, s, stats, step).text());
+}
+
 inline bool holds(const SolveStats& stats, const RunPlan& plan) {
   return stats.converged() && stats.max_residual < plan.broken_at;
 }
@@ -54,7 +59,7 @@ SolveStats take_step(const System& sys, F& forces, M& method, const RunPlan& pla
 }
 
 // How far a run has come. Kept in a checkpoint, it goes on as if nothing had been.
-struct Course {
+struct RunProgress {
   long step = 0;     // taken so far
   SolveStats since;  // worst residual and sum of iterations since the last observation
 
@@ -65,17 +70,17 @@ struct Course {
 // every step, which says whether to. Returns whether all steps were taken. Throws SimulationFailure before
 // numbers turn into NaN.
 template <ForceLaw F, ConstraintMethod M, class Bath = NoBath>
-bool run(const System& sys, F& forces, M& method, const RunPlan& plan, Course& course, State& s, auto&& each,
-         auto&& observe, auto&& go_on, Bath&& bath = Bath{}) {
-  while (course.step < plan.steps) {
-    const long n = ++course.step;
+bool run(const System& sys, F& forces, M& method, const RunPlan& plan, RunProgress& progress, State& s,
+         auto&& each, auto&& observe, auto&& go_on, Bath&& bath = Bath{}) {
+  while (progress.step < plan.steps) {
+    const long n = ++progress.step;
     const SolveStats stats = take_step(sys, forces, method, plan, n, s, each, bath);
     if (!holds(stats, plan)) throw SimulationFailure(diagnose(sys, s, stats, n).text());
-    course.since += stats;
+    progress.since += stats;
     if (n % plan.observe_every == 0) {
       if (!s.x.allFinite() || !s.f.allFinite()) throw SimulationFailure(diagnose(sys, s, stats, n).text());
-      observe(Moment{n, course.since});
-      course.since = {};
+      observe(Moment{n, progress.since});
+      progress.since = {};
     }
     if (!go_on(n)) return false;
   }

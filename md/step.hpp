@@ -6,25 +6,39 @@
 #include "md/state.hpp"
 #include "md/system.hpp"
 #include "md/threads.hpp"
+#include "md/worse.hpp"
 
 namespace taut {
 
-// What a method did in one step.
-struct SolveStats {
+// What a method did in one step. Not to be dropped: who does not look at it goes on with broken bonds.
+struct [[nodiscard]] SolveStats {
   int iterations = 0;             // sweeps or linear solves
   double max_residual = 0;        // largest |σ|/d² it saw and left
-  int worst_bond = -1;            // where
+  int worst_bond = -1;            // where; of a failure: the bond to blame
   const char* failure = nullptr;  // why it gave up; null: it converged
 
   bool converged() const { return failure == nullptr; }
 
-  SolveStats& operator+=(const SolveStats& other) {
-    iterations += other.iterations;
-    if (converged() && (!other.converged() || other.max_residual > max_residual)) {
-      max_residual = other.max_residual;
-      worst_bond = other.worst_bond;
-      failure = other.failure;
-    }
+  // One stage after another: iterations add up.
+  SolveStats& operator+=(const SolveStats& next) {
+    iterations += next.iterations;
+    return keep_worst(next);
+  }
+  // Clusters or threads side by side: the most iterations.
+  SolveStats& beside(const SolveStats& other) {
+    iterations = std::max(iterations, other.iterations);
+    return keep_worst(other);
+  }
+
+ private:
+  // The first failure with the bond and the residual that are its own; where all converged the worst
+  // residual.
+  SolveStats& keep_worst(const SolveStats& other) {
+    const bool replaced = converged() && (!other.converged() || worse(other.max_residual, max_residual));
+    if (!replaced) return *this;
+    max_residual = other.max_residual;
+    worst_bond = other.worst_bond;
+    failure = other.failure;
     return *this;
   }
 };

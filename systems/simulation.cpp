@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "constraints/bond_algebra.hpp"
-#include "constraints/projection.hpp"
 #include "constraints/redundancy.hpp"
 #include "md/errors.hpp"
 #include "md/run.hpp"
@@ -21,6 +20,19 @@ bool momentum_stays_zero(const Scene& scene, const Vectors& v) {
   const double kinetic = kinetic_energy(scene.system, v);
   return kinetic > 0 &&
          momentum(scene.system, v).norm() < 1e-6 * std::sqrt(2 * kinetic * scene.system.mass.sum());
+}
+
+// An anchor takes the momentum up: taking it from the atoms it holds would push them along their bonds.
+void refuse_momentum_of_anchored_bonds(const Scene& scene) {
+  if (scene.run.remove_momentum_every == 0) return;
+  for (int k = 0; k < scene.system.bond_count(); ++k) {
+    const auto& [i, j, d] = scene.system.bonds[k];
+    if (scene.system.mass[i] > 0 && scene.system.mass[j] > 0) continue;
+    throw InputError(fmt::format(
+        "run.remove_momentum_every: {}, but bond {} ({}-{}) ends in an anchor (mass 0), which takes "
+        "momentum up: none is conserved; leave the key out, or give 0",
+        scene.run.remove_momentum_every, k, i, j));
+  }
 }
 
 // The scene with the bonds left out that follow from others, where that was asked for.
@@ -55,12 +67,13 @@ Simulation::Simulation(Scene scene)
       scene_(reduced(std::move(scene), redundancy_)),
       forces_(scene_.system, scene_.terms),
       method_(make_method(scene_.system, scene_.method, scene_.run.h())),
+      projector_(scene_.system),
       state_(scene_.start) {
   const System& sys = scene_.system;
   const RunSettings& run = scene_.run;
+  refuse_momentum_of_anchored_bonds(scene_);
   if (run.langevin()) make_langevin();
   bring_to_the_bonds();
-  clusters_ = Projector(sys).clusters();
   dof_ = degrees_of_freedom(sys, has_springs() && run.langevin() ? 0 : sys.bond_count(),
                             momentum_stays_zero(scene_, state_.v));
   refuse_unreachable_tolerance(sys, state_.x, promised_error());
@@ -75,6 +88,7 @@ void Simulation::bring_to_the_bonds() {
   const System& sys = scene_.system;
   if (scene_.run.minimise)
     start_report_.minimised = minimise(sys, forces_, scene_.run.minimise_force, state_.x);
+  start_report_.anchors_stopped = rest_anchors(sys, state_.v);
   const Vectors x = state_.x;
   const double kinetic = kinetic_energy(sys, state_.v);
   visit_step([&](auto& method, auto& bath) { initialize(sys, forces_, method, state_, bath); });
@@ -85,7 +99,11 @@ void Simulation::bring_to_the_bonds() {
 
 // For the header.
 void Simulation::note_start() {
-  const auto& [minimised, largest_move, kinetic_removed] = start_report_;
+  const auto& [minimised, largest_move, kinetic_removed, anchors] = start_report_;
+  if (!anchors.empty())
+    scene_.notes.push_back(
+        fmt::format("atom {}{} anchored (mass 0): the velocity it had was left out", anchors.front(),
+                    anchors.size() > 1 ? fmt::format(" and {} more are", anchors.size() - 1) : " is"));
   if (minimised)
     scene_.notes.push_back(
         fmt::format("minimised in {} moves from {:.6g} to {:.6g} kJ/mol, largest force {:.4g} kJ/mol/nm",
@@ -119,9 +137,18 @@ std::string Simulation::method_setting() const {
   return std::visit([](const auto& method) { return method.setting(); }, method_);
 }
 
+// A spring's multipliers are of its positions; a constraint's are solved for: those of a method's last solve
+// belong to the step before, or to a half of one.
 Eigen::VectorXd Simulation::bond_tensions() const {
-  const auto& lambda =
-      std::visit([](const auto& method) -> const Eigen::VectorXd& { return method.lambda(); }, method_);
+  const System& sys = scene_.system;
+  Eigen::VectorXd lambda;
+  if (const auto* springs = std::get_if<Penalty>(&method_)) {
+    lambda = springs->lambda();
+  } else {
+    State now{state_.x, state_.v, {}, state_.t};
+    forces_(sys, now);
+    lambda = projector_.multipliers(sys, now);
+  }
   return tensions(full_, least_norm_multipliers(full_, state_.x, redundancy_.redundant, lambda));
 }
 
@@ -152,7 +179,7 @@ Record Simulation::record() const {
 
 // The thing itself is made anew, from the same scene; this is what its steps have changed.
 void Simulation::remember(Memory& memory) {
-  memory(state_.x, state_.v, state_.f, state_.t, course_, sums_, *temperatures_, forces_);
+  memory(state_.x, state_.v, state_.f, state_.t, progress_, sums_, *temperatures_, forces_);
   std::visit([&](auto& method) { memory(method); }, method_);
   if (thermostat_) memory(*thermostat_);
   if (langevin_) memory(*langevin_);

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "constraints/langevin.hpp"
+#include "constraints/projection.hpp"
 #include "constraints/redundancy.hpp"
 #include "forcefield/force_field.hpp"
 #include "md/observables.hpp"
@@ -51,6 +52,7 @@ struct StartReport {
   std::optional<Minimised> minimised;  // where run.minimise asked for it
   double largest_move = 0;             // of an atom, to the bonds' lengths, after that [nm]
   double kinetic_removed = 0;          // share of the kinetic energy that lay along the bonds
+  std::vector<int> anchors_stopped;    // atoms of mass 0 that came with a velocity
 };
 
 // A scene ready to run: forces and method made, the start brought to the bonds.
@@ -62,12 +64,13 @@ class Simulation {
   const System& system_as_given() const { return full_; }  // with the bonds that were left out, if any were
   const State& state() const { return state_; }
   const DegreesOfFreedom& dof() const { return dof_; }
-  int clusters() const { return clusters_; }
+  int clusters() const { return projector_.clusters(); }
   const StartReport& start_report() const { return start_report_; }
   std::string method_setting() const;  // gains, tolerance, ...
   double promised_error() const;       // relative, of a bond; infinity: none
-  Eigen::VectorXd bond_tensions()
-      const;  // of the last step, least norm where bonds are redundant [kJ/mol/nm]
+  // What holds the bonds at this very instant, whatever method runs: A λ = −(J M⁻¹F + |v_ij|²), tension −λd;
+  // of a penalty, what its springs pull. Least norm where bonds are redundant [kJ/mol/nm].
+  Eigen::VectorXd bond_tensions() const;
   const ForceField& forces() const { return forces_; }
 
   Record record() const;  // the state as it is now
@@ -82,8 +85,8 @@ class Simulation {
   // multiple. Throws SimulationFailure.
   Summary run(const std::function<void(const Record&)>& on_record,
               const std::function<void(long)>& on_step = {});
-  void stop() { stop_ = true; }               // from on_step: no further step
-  long step() const { return course_.step; }  // taken so far
+  void stop() { stop_ = true; }                 // from on_step: no further step
+  long step() const { return progress_.step; }  // taken so far
 
   // All that the steps to come and the rows of the log depend on, from on_step: recalled by another one made
   // of the same scene, it goes on as this one would, to the last bit. Throws InputError for what is not its
@@ -130,15 +133,15 @@ class Simulation {
   System full_;  // with the bonds that were left out, if any were
   Redundancy redundancy_;
   Scene scene_;
-  ForceField forces_;
+  mutable ForceField forces_;  // measuring tensions evaluates them again, where the state is
   Method method_;
+  mutable Projector projector_;
   State state_;
   DegreesOfFreedom dof_;
-  int clusters_ = 0;
   StartReport start_report_;
   std::optional<VelocityRescaling> thermostat_;
   mutable std::optional<Langevin> langevin_;  // measuring a temperature takes its scratch
-  Course course_;
+  RunProgress progress_;
   LogSums sums_;
   std::optional<Temperatures> temperatures_;
   std::optional<Barometer> barometer_;

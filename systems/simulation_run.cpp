@@ -57,7 +57,7 @@ RunPlan Simulation::plan() const {
 // The row of the log for the state as it is.
 Record Simulation::row(const SolveStats& since, const Stopwatch& watch, long steps) {
   Record r = record();
-  r.step = course_.step;
+  r.step = progress_.step;
   Slope energy = sums_.energy;
   energy.add(r.t, r.total());
   r.drift = energy.value() / std::max(1, dof_.total()) * 1000;  // per ps to per ns
@@ -78,12 +78,12 @@ Record Simulation::row(const SolveStats& since, const Stopwatch& watch, long ste
 Summary Simulation::run(const std::function<void(const Record&)>& on_record,
                         const std::function<void(long)>& on_step) {
   const RunPlan plan = this->plan();
-  const long first = course_.step;
+  const long first = progress_.step;
   Stopwatch watch;
   Record last;
   const auto observe = [&](const SolveStats& since) {
     const auto pause = Clock::now();
-    last = row(since, watch, course_.step - first);
+    last = row(since, watch, progress_.step - first);
     sums_.add(last);
     temperatures_->see(scene_.system, state_.x, thermal_velocity());
     if (on_record) on_record(last);
@@ -97,7 +97,7 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
   visit_step([&](auto& method, auto& bath) {
     Timed timed(method);
     taut::run(
-        scene_.system, forces_, timed, plan, course_, state_, [&](State& s) { after_step(s); },
+        scene_.system, forces_, timed, plan, progress_, state_, [&](State& s) { after_step(s); },
         [&](const Moment& m) { observe(m.since); },
         [&](long step) {
           if (step % kStepsPerSnapshot == 0) keep_snapshot();
@@ -108,12 +108,12 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
     constraint_seconds = timed.seconds();
   });
 
-  const bool ended = course_.step >= plan.steps;
-  if (ended && sums_.last_row != course_.step)
-    observe(course_.since);  // a row more, after what a checkpoint keeps
+  const bool ended = progress_.step >= plan.steps;
+  if (ended && sums_.last_row != progress_.step)
+    observe(progress_.since);  // a row more, after what a checkpoint keeps
   else
-    last = row(course_.since, watch, course_.step - first);
-  return summary(last, watch.seconds(), constraint_seconds, course_.step - first);
+    last = row(progress_.since, watch, progress_.step - first);
+  return summary(last, watch.seconds(), constraint_seconds, progress_.step - first);
 }
 
 void Simulation::after_step(State& s) {
@@ -123,7 +123,7 @@ void Simulation::after_step(State& s) {
 Summary Simulation::summary(const Record& end, double seconds, double constraint_seconds, long steps) const {
   const double taken = static_cast<double>(std::max(1L, steps)), rows = static_cast<double>(sums_.rows);
   Summary s;
-  s.steps = course_.step;
+  s.steps = progress_.step;
   s.us_per_step = seconds / taken * 1e6;
   s.constraint_us_per_step = constraint_seconds / taken * 1e6;
   s.ns_per_day = end.ns_per_day;
@@ -141,7 +141,7 @@ Summary Simulation::summary(const Record& end, double seconds, double constraint
 // Where a failure is looked for from: see diagnose. Where numbers have run away already, the last one stays.
 void Simulation::keep_snapshot() {
   if (!finite(state_))
-    throw SimulationFailure(taut::diagnose(scene_.system, state_, {}, course_.step).text());
+    throw SimulationFailure(taut::diagnose(scene_.system, state_, {}, progress_.step).text());
   snapshot_.clear();
   Memory memory = Memory::keep_in(snapshot_);
   remember(memory);
@@ -149,12 +149,12 @@ void Simulation::keep_snapshot() {
 
 std::optional<Diagnosis> Simulation::diagnose() {
   if (snapshot_.empty()) return {};
-  const long failed = course_.step;
+  const long failed = progress_.step;
   recall(snapshot_);
   std::optional<Diagnosis> found;
   visit_step([&](auto& method, auto& bath) {
     State before;
-    while (!found && course_.step < failed) {
+    while (!found && progress_.step < failed) {
       before = state_;
       found = wrong_with_next_step(method, bath);
     }
@@ -162,7 +162,7 @@ std::optional<Diagnosis> Simulation::diagnose() {
     if (found->bond >= 0)
       found->length_before = (before.x.col(found->held.j) - before.x.col(found->held.i)).norm();
     state_ = before;
-    --course_.step;
+    --progress_.step;
   });
   return found;
 }
@@ -173,12 +173,12 @@ std::optional<Diagnosis> Simulation::wrong_with_next_step(auto& method, auto& ba
   SolveStats stats;
   std::string thrown;  // by a force
   try {
-    stats = take_step(scene_.system, forces_, method, plan, ++course_.step, state_, after, bath);
+    stats = take_step(scene_.system, forces_, method, plan, ++progress_.step, state_, after, bath);
   } catch (const SimulationFailure& e) {
     thrown = e.what();
   }
   if (thrown.empty() && holds(stats, plan) && finite(state_) && std::isfinite(record().total())) return {};
-  Diagnosis d = taut::diagnose(scene_.system, state_, stats, course_.step);
+  Diagnosis d = taut::diagnose(scene_.system, state_, stats, progress_.step);
   if (!thrown.empty()) d.cause = thrown;
   if (method_name(scene_.method) == None::kName && stats.converged() && stats.max_residual >= plan.broken_at)
     explain_none(d);

@@ -28,7 +28,7 @@ Trajectories::Trajectories(const std::filesystem::path& folder, const Simulation
 }
 
 void Trajectories::add(const Simulation& simulation, long step) {
-  const Eigen::VectorXd tension = simulation.bond_tensions();
+  const Eigen::VectorXd tension = h5md_ ? simulation.bond_tensions() : Eigen::VectorXd();
   const Frame frame{step, simulation.state(), tension};
   if (dcd_) dcd_->add(frame);
   if (h5md_) h5md_->add(frame);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "constraints/bond_algebra.hpp"
@@ -35,6 +36,60 @@ TEST_P(UnderEveryGoodMethod, PairAcceleratesAtHalfThePull) {
   for (int i = 0; i < 2; ++i) EXPECT_NEAR(pair.state().v.col(i).norm(), 5 * t, 1e-8);
   // a bond held to a tolerance tells its tension to 2 tolerance μd/h²
   EXPECT_NEAR(pair.bond_tensions()[0], 5, 1.01e-4);
+}
+
+// Of a pendulum: m(|v|² + g·r) d/|r|², at its frame's x and v, from the start on, whatever a method keeps.
+TEST(BondTensions, AreOfTheFrameUnderEveryMethod) {
+  for (const std::string_view name : method_names()) {
+    if (name == "settle" || name == "penalty") continue;  // no water; springs pull by their length
+    SCOPED_TRACE(name);
+    Simulation pendulum(scene_of("pendulum", {method_is(name), "run.steps=40", "run.dt_fs=2"}));
+    const System& sys = pendulum.scene().system;
+    const auto& [i, j, d] = sys.bonds[0];
+    const Vec3 g = *pendulum.scene().terms.gravity;
+    const auto closed_form = [&, i = i, j = j, d = d] {
+      const Vec3 r = pendulum.state().x.col(j) - pendulum.state().x.col(i), v = pendulum.state().v.col(j);
+      return sys.mass[j] * (v.squaredNorm() + g.dot(r)) * d / r.squaredNorm();
+    };
+    EXPECT_NEAR(pendulum.bond_tensions()[0], closed_form(), 1e-10);
+    pendulum.run({},
+                 [&](long step) { EXPECT_NEAR(pendulum.bond_tensions()[0], closed_form(), 1e-10) << step; });
+    EXPECT_GT(pendulum.bond_tensions()[0], 0.5);
+  }
+}
+
+// Measuring them leaves no trace in the run.
+TEST(BondTensions, DoNotDisturbTheRun) {
+  const std::vector<std::string> keys = {"build.molecules=64", "forcefield.cutoff_nm=0.5", "run.steps=30"};
+  Simulation watched(scene_of("water", keys)), alone(scene_of("water", keys));
+  watched.run({}, [&](long) { EXPECT_TRUE(watched.bond_tensions().allFinite()); });
+  alone.run({});
+  EXPECT_EQ(watched.state().x, alone.state().x);
+  EXPECT_EQ(watched.state().v, alone.state().v);
+}
+
+TEST(Anchors, DoNotMoveWithTheVelocityTheyCameWith) {
+  Scene scene = scene_of("pendulum", {"run.steps=20"});
+  scene.start.v.col(0) << 1, 2, 3;
+  Simulation pendulum(scene);
+  pendulum.run({});
+  EXPECT_EQ(pendulum.state().x.col(0), scene.start.x.col(0));
+  const auto& notes = pendulum.scene().notes;
+  EXPECT_TRUE(std::ranges::any_of(notes, [](const std::string& note) {
+    return note.find("atom 0 is anchored (mass 0): the velocity it had was left out") != note.npos;
+  }));
+}
+
+TEST(Anchors, WithThemNoMomentumIsThereToRemove) {
+  for (const char* thermostat : {"none", "langevin"}) try {
+      Simulation(scene_of("pendulum", {"run.remove_momentum_every=10", "run.temperature_k=300",
+                                       std::string("run.thermostat=") + thermostat}));
+      FAIL() << "accepted";
+    } catch (const InputError& e) {
+      EXPECT_NE(std::string(e.what()).find("run.remove_momentum_every: 10, but bond 0 (0-1)"),
+                std::string::npos)
+          << e.what();
+    }
 }
 
 // With σ̈ = 0 alone each step of a rotor leaves θ⁴/8, θ = ωh, which nothing brings back: δd/d = (ωh)²(ωt)²/8.
@@ -185,10 +240,10 @@ TEST(RattleStep, IsReversible) {
   State s = scene.start;
   initialize(sys, forces, method, s);
   const Vectors start = s.x;
-  for (int n = 0; n < 50; ++n) step(sys, forces, method, 0.001, s);
+  for (int n = 0; n < 50; ++n) EXPECT_TRUE(step(sys, forces, method, 0.001, s).converged());
   EXPECT_GT((s.x - start).cwiseAbs().maxCoeff(), 0.01);
   s.v = -s.v;
-  for (int n = 0; n < 50; ++n) step(sys, forces, method, 0.001, s);
+  for (int n = 0; n < 50; ++n) EXPECT_TRUE(step(sys, forces, method, 0.001, s).converged());
   EXPECT_LT((s.x - start).cwiseAbs().maxCoeff(), 1e-9);
 }
 

@@ -42,7 +42,7 @@ Drift drift_of(Method method, double ah, double bh_squared, double h, double tim
       const Vec3 a = sys.inv_mass[j] * s.f.col(j) - sys.inv_mass[i] * s.f.col(i);
       va[k] = (s.v.col(j) - s.v.col(i)).dot(a);
     }
-    step(sys, forces, method, h, s);
+    EXPECT_TRUE(step(sys, forces, method, h, s).converged());
     if (n > 10) work -= (method.lambda() - lambda_before).dot(va) / (2 * h);
     lambda_before = lambda_now;
     lambda_now = method.lambda();

@@ -42,8 +42,8 @@ TYPED_TEST(LangevinWith, NoFrictionChangesNothing) {
   initialize(sys, forces, method, s, bath);
   initialize(sys, forces, alone, other);
   for (int n = 0; n < 50; ++n) {
-    step(sys, forces, method, h, s, bath);
-    step(sys, forces, alone, h, other);
+    EXPECT_TRUE(step(sys, forces, method, h, s, bath).converged());
+    EXPECT_TRUE(step(sys, forces, alone, h, other).converged());
   }
   EXPECT_EQ(s.x, other.x);
   EXPECT_EQ(s.v, other.v);
@@ -58,7 +58,7 @@ TYPED_TEST(LangevinWith, JumpsAlongTheTangent) {
   Langevin bath(sys, {.temperature = kWarm, .friction = 5}, h);
   initialize(sys, forces, method, s, bath);
   for (int n = 0; n < 5; ++n) {
-    step(sys, forces, method, h, s, bath);
+    EXPECT_TRUE(step(sys, forces, method, h, s, bath).converged());
     State jumped = s;
     bath.first_half(jumped);
     const Vectors u = jumped.v - s.v;
@@ -144,7 +144,7 @@ TYPED_TEST(LangevinWith, MiddleVelocityIsTangent) {
   auto method = with_defaults<TypeParam>(sys, h);
   Langevin bath(sys, {.temperature = kWarm, .friction = 5}, h);
   initialize(sys, forces, method, s, bath);
-  for (int n = 0; n < 5; ++n) step(sys, forces, method, h, s, bath);
+  for (int n = 0; n < 5; ++n) EXPECT_TRUE(step(sys, forces, method, h, s, bath).converged());
   const Vectors u = bath.middle_velocity(sys, s);
   Vectors want = s.v;
   for (int a = 0; a < sys.atoms(); ++a) want.col(a) += 0.5 * h * sys.inv_mass[a] * s.f.col(a);
@@ -160,7 +160,7 @@ TYPED_TEST(LangevinWith, StartsAnewWithoutAPast) {
   auto method = with_defaults<TypeParam>(sys, h);
   Langevin bath(sys, {.temperature = kWarm, .friction = 5}, h);
   initialize(sys, forces, method, s, bath);
-  for (int n = 0; n < 5; ++n) step(sys, forces, method, h, s, bath);
+  for (int n = 0; n < 5; ++n) EXPECT_TRUE(step(sys, forces, method, h, s, bath).converged());
   initialize(sys, forces, method, s, bath);
   const Vectors v = s.v;
   initialize(sys, forces, method, s, bath);
@@ -179,7 +179,7 @@ TEST(LangevinBath, FrictionSlowsAFreeParticle) {
   Langevin bath(sys, {.temperature = 0, .friction = friction}, h);
   initialize(sys, forces, method, s, bath);
   for (int n = 1; n <= 10; ++n) {
-    step(sys, forces, method, h, s, bath);
+    EXPECT_TRUE(step(sys, forces, method, h, s, bath).converged());
     EXPECT_NEAR(s.v(0, 0), std::exp(-friction * h * n), 1e-12) << n;
   }
 }
@@ -202,7 +202,7 @@ TEST(LangevinMiddle, IsExactForAHarmonicOscillatorAtALargeStep) {
   initialize(sys, springs, method, s, bath);
   double x2 = 0, middle2 = 0, full2 = 0, samples = 0;
   for (int n = 1; n <= 2000; ++n) {
-    step(sys, springs, method, h, s, bath);
+    EXPECT_TRUE(step(sys, springs, method, h, s, bath).converged());
     if (n < 20) continue;
     x2 += s.x.squaredNorm();
     full2 += s.v.squaredNorm();
@@ -221,7 +221,7 @@ double rms_error(auto method, double friction, double h) {
   initialize(sys, forces, method, s, bath);
   double sum = 0;
   for (int n = 0; n < 2000; ++n) {
-    step(sys, forces, method, h, s, bath);
+    EXPECT_TRUE(step(sys, forces, method, h, s, bath).converged());
     sum += std::pow(bond_errors(sys, s.x).rms, 2);
   }
   return std::sqrt(sum / 2000);
@@ -245,7 +245,7 @@ TEST(LangevinBath, RepeatsBitForBitAndItsSeedMatters) {
     Newton method(sys, {}, 0.01);
     Langevin bath(sys, {.temperature = kWarm, .friction = 1, .seed = seed}, 0.01);
     initialize(sys, forces, method, s, bath);
-    for (int n = 0; n < 20; ++n) step(sys, forces, method, 0.01, s, bath);
+    for (int n = 0; n < 20; ++n) EXPECT_TRUE(step(sys, forces, method, 0.01, s, bath).converged());
     return s.x;
   };
   EXPECT_EQ(end(1), end(1));
@@ -260,7 +260,7 @@ TEST(LangevinBath, HoldsTheMomentumWhereAsked) {
   Newton method(sys, {}, h);
   Langevin bath(sys, {.temperature = kWarm, .friction = 5, .hold_momentum = true}, h);
   initialize(sys, forces, method, s, bath);
-  for (int n = 0; n < 100; ++n) step(sys, forces, method, h, s, bath);
+  for (int n = 0; n < 100; ++n) EXPECT_TRUE(step(sys, forces, method, h, s, bath).converged());
   EXPECT_LT(momentum(sys, s.v).norm(), 1e-11);
 }
 

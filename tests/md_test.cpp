@@ -32,7 +32,7 @@ double oscillator_error(double h) {
   Spring forces;
   EmptyGaps free;
   forces(sys, s);
-  while (s.t < 1 - h / 2) step(sys, forces, free, h, s);
+  while (s.t < 1 - h / 2) EXPECT_TRUE(step(sys, forces, free, h, s).converged());
   return std::hypot(s.x(0, 0) - std::cos(s.t), s.v(0, 0) + std::sin(s.t));
 }
 
@@ -48,10 +48,10 @@ TEST(Step, IsReversible) {
   Spring forces;
   EmptyGaps free;
   forces(sys, s);
-  for (int n = 0; n < 900; ++n) step(sys, forces, free, 0.05, s);
+  for (int n = 0; n < 900; ++n) EXPECT_TRUE(step(sys, forces, free, 0.05, s).converged());
   EXPECT_GT((s.x - start).norm(), 0.5);
   s.v = -s.v;
-  for (int n = 0; n < 900; ++n) step(sys, forces, free, 0.05, s);
+  for (int n = 0; n < 900; ++n) EXPECT_TRUE(step(sys, forces, free, 0.05, s).converged());
   EXPECT_LT((s.x - start).norm(), 1e-12);
 }
 
@@ -62,7 +62,7 @@ TEST(Step, AnAnchorDoesNotMove) {
   Spring forces;
   EmptyGaps free;
   forces(sys, s);
-  for (int n = 0; n < 10; ++n) step(sys, forces, free, 0.1, s);
+  for (int n = 0; n < 10; ++n) EXPECT_TRUE(step(sys, forces, free, 0.1, s).converged());
   EXPECT_EQ(s.x(0, 0), 1);
 }
 
@@ -113,6 +113,41 @@ TEST(System, RefusesBondsThatMakeNoSense) {
   EXPECT_NE(refusal(two, {{0, 1, 1}, {1, 0, 1}}).find("bond 1 (1-0): repeats bond 0"), std::string::npos);
   EXPECT_NE(refusal(Eigen::VectorXd::Zero(2), {{0, 1, 1}}).find("both ends are anchored"), std::string::npos);
   EXPECT_NE(refusal(-two, {}).find("mass -1"), std::string::npos);
+}
+
+TEST(SolveStats, IterationsOfStagesAddUpOfPartsSideBySideTheMostCount) {
+  SolveStats one{.iterations = 3}, other{.iterations = 3};
+  one += {.iterations = 2};
+  other.beside({.iterations = 2});
+  EXPECT_EQ(one.iterations, 5);
+  EXPECT_EQ(other.iterations, 3);
+}
+
+TEST(SolveStats, KeepTheWorstResidualAndTheFirstFailureWithTheBondThatIsItsOwn) {
+  const double nan = std::nan("");
+  const SolveStats none, small{1, 1e-3, 7}, large{1, 0.3, 8}, unknown{1, nan, 9},
+      failed{1, 1e-6, 5, "no convergence"}, later{1, 0.4, 6, "A is singular"};
+  const auto bond = [](SolveStats into, const SolveStats& from) {
+    SolveStats beside = into;
+    beside.beside(from);
+    into += from;
+    EXPECT_EQ(into.worst_bond, beside.worst_bond);
+    EXPECT_EQ(into.failure, beside.failure);
+    return into.worst_bond;
+  };
+  EXPECT_EQ(bond(none, small), 7);
+  EXPECT_EQ(bond(small, none), 7);
+  EXPECT_EQ(bond(small, large), 8);
+  EXPECT_EQ(bond(large, small), 8);
+  EXPECT_EQ(bond(large, unknown), 9);  // a NaN is larger than any
+  EXPECT_EQ(bond(unknown, large), 9);
+  EXPECT_EQ(bond(large, failed), 5);  // a failure, however small its residual
+  EXPECT_EQ(bond(failed, large), 5);
+  EXPECT_EQ(bond(failed, later), 5);
+  SolveStats all = large;
+  all += failed;
+  EXPECT_EQ(all.max_residual, 1e-6);
+  EXPECT_STREQ(all.failure, "no convergence");
 }
 
 TEST(Box, NearestImageIsTheShortest) {
@@ -167,6 +202,16 @@ TEST(Observables, WorstBondErrorIsFound) {
   EXPECT_TRUE(std::isnan(bond_errors(sys, x).max));
 }
 
+TEST(Observables, ABondErrorThatIsNoNumberIsTheWorst) {
+  const System sys = make_system(Eigen::VectorXd::Ones(4), {{0, 1, 1}, {2, 3, 1}});
+  Vectors x = Vectors::Zero(3, 4);
+  x(0, 1) = std::nan("");
+  x(0, 3) = 1.5;
+  const auto e = bond_errors(sys, x);
+  EXPECT_EQ(e.worst, 0);
+  EXPECT_TRUE(std::isnan(e.max));
+}
+
 TEST(Slope, FitsALineAndItsUncertainty) {
   Slope exact, noisy;
   Random random(5);
@@ -191,10 +236,10 @@ TEST(Run, StopsBeforeNaNAndSaysWhen) {
   s.x(0, 0) = 1;
   Runaway forces;
   EmptyGaps free;
-  Course course;
+  RunProgress progress;
   try {
     run(
-        sys, forces, free, {.h = 1, .steps = 100, .observe_every = 1}, course, s, [](State&) {},
+        sys, forces, free, {.h = 1, .steps = 100, .observe_every = 1}, progress, s, [](State&) {},
         [](const Moment&) {}, [](long) { return true; });
     FAIL() << "ran on";
   } catch (const SimulationFailure& e) {
@@ -236,11 +281,11 @@ TEST(Run, ObservesWhatHappenedSinceTheLastObservation) {
   State s = at_rest(1);
   Spring forces;
   Countdown method;
-  Course course;
+  RunProgress progress;
   std::vector<long> steps;
   std::vector<SolveStats> seen;
   run(
-      sys, forces, method, {.h = 0.1, .steps = 7, .observe_every = 3}, course, s, [](State&) {},
+      sys, forces, method, {.h = 0.1, .steps = 7, .observe_every = 3}, progress, s, [](State&) {},
       [&](const Moment& m) {
         steps.push_back(m.step);
         seen.push_back(m.since);
@@ -253,18 +298,18 @@ TEST(Run, ObservesWhatHappenedSinceTheLastObservation) {
   EXPECT_EQ(seen[1].iterations, 4 + 5 + 6);
   EXPECT_EQ(seen[1].max_residual, 0.1);
   EXPECT_EQ(seen[1].worst_bond, 4);
-  EXPECT_EQ(course.since.iterations, 7);
+  EXPECT_EQ(progress.since.iterations, 7);
 }
 
 TEST(Run, TakesOutMomentumAsOftenAsAsked) {
   const System sys = particle();
   State s = at_rest(1);
   EmptyGaps free;
-  Course course;
+  RunProgress progress;
   std::vector<long> at_rest_after;
   const auto no_force = [](const System&, State&) {};
   run(
-      sys, no_force, free, {.h = 0.1, .steps = 7, .remove_momentum_every = 3}, course, s,
+      sys, no_force, free, {.h = 0.1, .steps = 7, .remove_momentum_every = 3}, progress, s,
       [](State& state) { state.v(0, 0) += 1; }, [](const Moment&) {},
       [&](long n) {
         if (s.v.norm() == 0) at_rest_after.push_back(n);
@@ -281,11 +326,11 @@ TEST(Run, StopsWhereABondBreaks) {
     s.x(0, 1) = 1;
     Spring forces;
     Countdown method;
-    Course course;
+    RunProgress progress;
     const RunPlan plan{.h = 1e-3, .steps = 2, .broken_at = broken_at};
     const auto go = [&] {
       return run(
-          sys, forces, method, plan, course, s, [](State&) {}, [](const Moment&) {},
+          sys, forces, method, plan, progress, s, [](State&) {}, [](const Moment&) {},
           [](long) { return true; });
     };
     if (broken_at < 0.4)

@@ -90,6 +90,9 @@ TEST_P(EveryMethod, HoldsEveryShapeAsItPromises) {
     if (GetParam() == "penalty") {
       EXPECT_LT(verdict.bond_error, 0.1);
     }
+    if (GetParam() == "lincs") {
+      EXPECT_LT(verdict.bond_error, 0.01);
+    }
     EXPECT_GT(verdict.turn, 0.9);
     const bool free = (c.start.system.mass.array() > 0).all();
     if (free) {
@@ -115,6 +118,44 @@ TEST_P(EveryMethod, GivesTheSameBitsTwice) {
   const auto again = verify(start.system, forces, default_options(GetParam()), 0.001, 50, start.state);
   EXPECT_EQ(once.end.x, again.end.x);
   EXPECT_EQ(once.end.v, again.end.v);
+}
+
+struct Turncoat {  // no force, until it is no number
+  int calls = 0;
+  void operator()(const System&, State& s) { s.f.setConstant(++calls == 6 ? std::nan("") : 0.0); }
+};
+
+// The first residual that is no number stops a run.
+template <class M>
+void expect_it_stops_before_NaN(const System& sys, M method, double h, State s) {
+  Turncoat forces;
+  initialize(sys, forces, method, s);
+  RunProgress progress;
+  const RunPlan plan{.h = h, .steps = 100, .observe_every = 100};
+  EXPECT_THROW(run(
+                   sys, forces, method, plan, progress, s, [](State&) {}, [](const Moment&) {},
+                   [](long) { return true; }),
+               SimulationFailure);
+  EXPECT_LE(progress.step, 6);
+}
+
+TEST_P(EveryMethod, StopsBeforeNaN) {
+  const Start start = molecule_for(GetParam(), 4);
+  std::visit([&](const auto& method) { expect_it_stops_before_NaN(start.system, method, 1e-3, start.state); },
+             make_method(start.system, default_options(GetParam()), 1e-3));
+}
+
+TEST(PlainMethods, StopBeforeNaN) {
+  const auto& [sys, s] = testing::free_chain(6, 4);
+  for (const int sweeps : {0, 3})
+    expect_it_stops_before_NaN(sys, Baumgarte(sys, {.sweeps = sweeps}, 1e-3), 1e-3, s);
+  expect_it_stops_before_NaN(sys, Feedforward(sys, {}, 1e-3), 1e-3, s);
+  expect_it_stops_before_NaN(sys, Newton(sys, {}, 1e-3), 1e-3, s);
+  for (const int sweeps : {0, 3}) {
+    expect_it_stops_before_NaN(sys, Shake(sys, {.sweeps = sweeps}, 1e-3), 1e-3, s);
+    expect_it_stops_before_NaN(sys, Rattle(sys, {.sweeps = sweeps}, 1e-3), 1e-3, s);
+  }
+  expect_it_stops_before_NaN(sys, Lincs(sys, {}, 1e-3), 1e-3, s);
 }
 
 // The multipliers are those of J M⁻¹Jᵀλ = −(J M⁻¹F + |v_ij|²) up to the order of the step.
@@ -191,7 +232,7 @@ TEST(WarmStart, OfARotorLeavesNothingToDo) {
   const auto begins_with = [&](auto method) {
     State s = start.state;
     initialize(start.system, forces, method, s);
-    for (int n = 0; n < 5; ++n) step(start.system, forces, method, 0.01, s);
+    for (int n = 0; n < 5; ++n) EXPECT_TRUE(step(start.system, forces, method, 0.01, s).converged());
     drift(0.01, s);
     return method.project_positions(start.system, 0.01, s).iterations;
   };
@@ -289,6 +330,54 @@ TEST(Lincs, ConvergesWithOrderAndIterations) {
   EXPECT_LT(error(80, 4), 1e-12);
 }
 
+// A triangle with a tail of two: the expansion by dense matrices, bonds in the triangle with as many powers
+// again of the couplings T inside it.
+TEST(Lincs, BondsInTrianglesGoOnAmongThemselves) {
+  Start start = testing::free_chain(5, 3);
+  start.state.x << 0, 1, 0.5, 0.5, 1.2,  //
+      0, 0, 0.866, 1.866, 2.5,           //
+      0, 0, 0, 0.1, 0.4;
+  Eigen::VectorXd mass(5);
+  mass << 16, 1, 1, 3, 2;
+  start.system = make_system(mass, {{0, 1, 1}, {0, 2, 1}, {1, 2, 1}, {2, 3, 1}, {3, 4, 1}});
+  const System& sys = start.system;
+  const double h = 0.005;
+  const int order = 3, m = sys.bond_count();
+  Projector(sys).positions(sys, start.state.x);
+
+  Eigen::MatrixXd B = Eigen::MatrixXd::Zero(3 * sys.atoms(), m), weights(3 * sys.atoms(), 1);
+  Eigen::VectorXd S(m), length(m);
+  for (int k = 0; k < m; ++k) {
+    const auto& [i, j, d] = sys.bonds[k];
+    const Vec3 direction = (start.state.x.col(j) - start.state.x.col(i)).normalized();
+    B.block<3, 1>(3 * i, k) = -direction;
+    B.block<3, 1>(3 * j, k) = direction;
+    S[k] = 1 / std::sqrt(sys.inv_mass[i] + sys.inv_mass[j]);
+    length[k] = d;
+  }
+  for (int a = 0; a < sys.atoms(); ++a) weights.block<3, 1>(3 * a, 0).setConstant(sys.inv_mass[a]);
+  const Eigen::MatrixXd inv_mass = weights.col(0).asDiagonal(), scale = S.asDiagonal();
+  const Eigen::MatrixXd C = Eigen::MatrixXd::Identity(m, m) - scale * B.transpose() * inv_mass * B * scale;
+  Eigen::MatrixXd T = C;
+  T.bottomRows(2).setZero();
+  T.rightCols(2).setZero();
+
+  State s = start.state;
+  s.x += h * s.v;
+  const Eigen::VectorXd x = Eigen::Map<Eigen::VectorXd>(s.x.data(), 3 * sys.atoms());
+  Eigen::VectorXd power = scale * (B.transpose() * x - length), sum = power;
+  for (int n = 0; n < order; ++n) sum += power = C * power;
+  for (int n = 0; n < order; ++n) sum += power = T * power;
+  const Eigen::VectorXd wanted = x - inv_mass * B * scale * sum;
+
+  State t = s;
+  EXPECT_TRUE(Lincs(sys, {.order = order, .iterations = 0}, h).project_positions(sys, h, s).converged());
+  EXPECT_TRUE(
+      Batched<Lincs>(sys, {.order = order, .iterations = 0}, h).project_positions(sys, h, t).converged());
+  EXPECT_LT((Eigen::Map<Eigen::VectorXd>(s.x.data(), x.size()) - wanted).norm(), 1e-14);
+  EXPECT_LT((Eigen::Map<Eigen::VectorXd>(t.x.data(), x.size()) - wanted).norm(), 1e-14);
+}
+
 // SHAKE leaves the velocity along the bonds to the next step's correction: the same positions.
 TEST(ShakeAndRattle, GiveTheSamePositions) {
   NoForce forces;
@@ -362,6 +451,87 @@ TEST(Projector, NamesTheBondThatDependsOnOthers) {
   } catch (const SimulationFailure& e) {
     EXPECT_NE(std::string(e.what()).find("depends on other bonds"), std::string::npos) << e.what();
   }
+}
+
+// Turning by 3 rad a step: no first step can hold it.
+TEST(Start, ThatAMethodCannotHoldIsAFailureThatNamesTheBond) {
+  auto [sys, s] = testing::rotor(300);
+  Batched<Feedforward> method(sys, {}, 0.01);
+  NoForce forces;
+  try {
+    initialize(sys, forces, method, s);
+    FAIL() << "accepted";
+  } catch (const SimulationFailure& e) {
+    EXPECT_NE(std::string(e.what()).find("bond 0 (atoms 0-1)"), std::string::npos) << e.what();
+  }
+}
+
+TEST(Methods, LimitsAreRefusedByTheirOwnKeys) {
+  const System sys = testing::rotor(1).system;
+  const auto refusal = [&](const MethodOptions& options) -> std::string {
+    try {
+      make_method(sys, options, 0.01);
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "accepted";
+  };
+  EXPECT_EQ(refusal(Newton::Options{.max_iterations = 0}), "method.max_iterations: 0, expected 1 or more");
+  EXPECT_EQ(refusal(Feedforward::Options{.max_solves = 0}), "method.max_solves: 0, expected 1 or more");
+  EXPECT_EQ(refusal(Rattle::Options{.max_sweeps = 0}), "method.max_sweeps: 0, expected 1 or more");
+  EXPECT_EQ(refusal(Shake::Options{.sweeps = -1}), "method.sweeps: -1, expected 0 or more");
+  EXPECT_EQ(refusal(Lincs::Options{.order = -1}), "method.order: -1, expected 0 or more");
+  EXPECT_EQ(refusal(Lincs::Options{.iterations = -1}), "method.iterations: -1, expected 0 or more");
+  EXPECT_EQ(refusal(Baumgarte::Options{.passes = 0}), "method.passes: 0, expected 1 or more");
+  EXPECT_EQ(refusal(Baumgarte::Options{.sweeps = -1}), "method.sweeps: -1, expected 0 or more");
+}
+
+// Where `key` goes.
+template <class Options>
+const void* field_of(Options& options, std::string_view key) {
+  const void* found = nullptr;
+  options.describe([&](std::string_view name, auto& field, const char*) {
+    if (name == key) found = &field;
+  });
+  return found;
+}
+
+TEST(Methods, EveryKeySetsTheOptionOfItsName) {
+  Shake::Options shake;
+  EXPECT_EQ(field_of(shake, "tolerance"), &shake.tolerance);
+  EXPECT_EQ(field_of(shake, "max_sweeps"), &shake.max_sweeps);
+  EXPECT_EQ(field_of(shake, "sweeps"), &shake.sweeps);
+  Rattle::Options rattle;
+  EXPECT_EQ(field_of(rattle, "max_sweeps"), &rattle.max_sweeps);
+  EXPECT_EQ(field_of(rattle, "sweeps"), &rattle.sweeps);
+  Lincs::Options lincs;
+  EXPECT_EQ(field_of(lincs, "order"), &lincs.order);
+  EXPECT_EQ(field_of(lincs, "iterations"), &lincs.iterations);
+  Feedforward::Options feedforward;
+  EXPECT_EQ(field_of(feedforward, "extrapolation"), &feedforward.extrapolation);
+  EXPECT_EQ(field_of(feedforward, "max_solves"), &feedforward.max_solves);
+  Baumgarte::Options baumgarte;
+  EXPECT_EQ(field_of(baumgarte, "gains"), &baumgarte.gains);
+  EXPECT_EQ(field_of(baumgarte, "damping"), &baumgarte.damping);
+  EXPECT_EQ(field_of(baumgarte, "alpha_per_ps"), &baumgarte.alpha_per_ps);
+  EXPECT_EQ(field_of(baumgarte, "beta_per_ps"), &baumgarte.beta_per_ps);
+  EXPECT_EQ(field_of(baumgarte, "reduction"), &baumgarte.reduction);
+  EXPECT_EQ(field_of(baumgarte, "stiffness"), &baumgarte.stiffness);
+  EXPECT_EQ(field_of(baumgarte, "passes"), &baumgarte.passes);
+  EXPECT_EQ(field_of(baumgarte, "sweeps"), &baumgarte.sweeps);
+}
+
+// As many sweeps as asked for, in each half of the step; none more than allowed.
+TEST(Sweeps, AreCounted) {
+  NoForce forces;
+  const Start start = testing::free_chain(6, 4);
+  const auto stats = [&](const MethodOptions& options) {
+    return verify(start.system, forces, options, 0.01, 1, start.state).stats;
+  };
+  EXPECT_EQ(stats(Shake::Options{.sweeps = 3}).iterations, 3);
+  EXPECT_EQ(stats(Rattle::Options{.sweeps = 3}).iterations, 6);
+  EXPECT_EQ(stats(Shake::Options{.max_sweeps = 2}).iterations, 2);
+  EXPECT_STREQ(stats(Shake::Options{.max_sweeps = 2}).failure, "no convergence");
 }
 
 TEST(Methods, UnknownNameIsRefusedWithTheNearest) {

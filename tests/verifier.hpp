@@ -56,7 +56,8 @@ Verdict verify(const System& sys, F& forces, const MethodOptions& options, doubl
           }
           r_before = r;
           largest_kinetic = std::max(largest_kinetic, kinetic_energy(sys, s.v));
-          verdict.bond_error = std::max(verdict.bond_error, bond_errors(sys, s.x).max);
+          const double error = bond_errors(sys, s.x).max;
+          if (worse(error, verdict.bond_error)) verdict.bond_error = error;
         }
         verdict.momentum_change = (momentum(sys, s.v) - momentum_before).norm() / scale;
         verdict.energy_change = std::abs(energy() - energy_before) / largest_kinetic;

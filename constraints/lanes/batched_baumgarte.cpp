@@ -193,7 +193,7 @@ SolveStats Batched<Baumgarte>::add_forces(const System&, double h, State& s) {
       batches_.run([&](BaumgarteBatch& batch, const SolveCall& call, int begin, int end, double* scratch) {
         return HWY_DYNAMIC_DISPATCH(baumgarte_groups)(batch, step, call, begin, end, scratch);
       });
-  LaneRunner::merge(stats, leftover_.add_forces(h, s));
+  stats.beside(leftover_.add_forces(h, s));
   return stats;
 }
 

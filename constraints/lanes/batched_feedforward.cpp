@@ -70,10 +70,10 @@ HWY_INLINE Worst extrapolate(const Shape shape, const FeedforwardStep& step, con
   return worst;
 }
 
-// What one look ahead finds.
+// What one look ahead finds, in all bonds of a lane; of a NaN neither holds.
 struct Ahead {
-  V excess;   // of |σ_next| over `turn`·|r_next·r|, the largest
-  V runaway;  // over 10³·|r_next·r|
+  M near;  // |σ_next| ≤ `turn`·|r_next·r|: one solve will do
+  M sane;  // < 10³·|r_next·r|
 };
 
 // r_next, b = −σ_next/kick and A's diagonal.
@@ -81,7 +81,7 @@ template <class Shape>
 HWY_INLINE Ahead look_ahead(const Shape shape, const FeedforwardStep& step, const FeedforwardRows rows,
                             const Equations& eq) {
   const V h = all(step.h), kick = all(step.kick), scale = all(-0.5 / step.kick), turn = all(step.turn);
-  Ahead ahead{all(-1e300), all(-1e300)};
+  Ahead ahead{everywhere(), everywhere()};
   for (int k = 0; k < shape.solved(); ++k) {
     const LaneBond& bond = shape.bonds[k];
     const V3 r = load3(rows.r + 3 * k * kLanes);
@@ -91,8 +91,8 @@ HWY_INLINE Ahead look_ahead(const Shape shape, const FeedforwardStep& step, cons
     store3(r_next, rows.r_next + 3 * k * kLanes);
     const V twice_sigma = hn::Sub(dot(r_next, r_next), all(bond.length2)), along = dot(r_next, r);
     const V size = hn::Mul(all(0.5), hn::Abs(twice_sigma)), reach = hn::Abs(along);
-    ahead.excess = hn::Max(ahead.excess, hn::NegMulAdd(turn, reach, size));
-    ahead.runaway = hn::Max(ahead.runaway, hn::NegMulAdd(all(1e3), reach, size));
+    ahead.near = hn::And(ahead.near, hn::Le(size, hn::Mul(turn, reach)));
+    ahead.sane = hn::And(ahead.sane, hn::Lt(size, hn::Mul(all(1e3), reach)));
     store(hn::Mul(scale, twice_sigma), eq.b + k * kLanes);
     store(hn::Mul(all(bond.reduced_inv_mass), along), eq.A.d + k * kLanes);
   }
@@ -149,11 +149,11 @@ struct FeedforwardKernel {
   // Where σ_next is small, one solve leaves less than the tolerance.
   HWY_INLINE SolveNext look(SolveStats& stats) {
     const Ahead ahead = look_ahead(shape, step, rows, eq);
-    if (!hn::AllTrue(D(), hn::Lt(ahead.runaway, hn::Zero(D())))) {
+    if (!hn::AllTrue(D(), ahead.sane)) {
       fail(part, eq.b, "the bonds run away", stats);
       return SolveNext::kEnd;
     }
-    return hn::AllTrue(D(), hn::Le(ahead.excess, hn::Zero(D()))) ? SolveNext::kLastSolve : SolveNext::kSolve;
+    return hn::AllTrue(D(), ahead.near) ? SolveNext::kLastSolve : SolveNext::kSolve;
   }
   HWY_INLINE SolveNext start(SolveStats& stats) {
     gather(part, shape.atoms(), step.x, rows.x);
@@ -231,7 +231,7 @@ SolveStats Batched<Feedforward>::add_forces(const System&, double h, State& s) {
       batches_.run([&](FeedforwardBatch& batch, const SolveCall& call, int begin, int end, double* scratch) {
         return HWY_DYNAMIC_DISPATCH(feedforward_groups)(batch, step, call, begin, end, scratch);
       });
-  LaneRunner::merge(stats, leftover_.add_forces(h, s));
+  stats.beside(leftover_.add_forces(h, s));
   return stats;
 }
 

@@ -1,5 +1,6 @@
 #include "constraints/lanes/batched_lincs.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #undef HWY_TARGET_INCLUDE
@@ -57,14 +58,16 @@ HWY_INLINE void find_coupling(const Shape shape, const double* scale, const Linc
   }
 }
 
-// power = C·rhs, sum += power
+// power = C·rhs, of the entries inside triangles alone where they are given; sum += power
 template <class Shape>
-HWY_INLINE void multiply(const Shape shape, const LincsRows& rows, const double* rhs, double* power) {
+HWY_INLINE void multiply(const Shape shape, const LincsRows& rows, const char* inside, const double* rhs,
+                         double* power) {
   for (int k = 0; k < shape.size(); ++k) store(hn::Zero(D()), power + k * kLanes);
   for (int k = 0; k < shape.size(); ++k) {
     const V rhs_k = load(rhs + k * kLanes);
     V power_k = load(power + k * kLanes);
     for (int p = shape.begin(k); p < shape.end(k); ++p) {
+      if (inside && !inside[p]) continue;
       const V c = load(rows.C + p * kLanes);
       power_k = hn::MulAdd(c, load(rhs + shape.row(p)), power_k);
       store(hn::MulAdd(c, rhs_k, load(power + shape.row(p))), power + shape.row(p));
@@ -76,15 +79,16 @@ HWY_INLINE void multiply(const Shape shape, const LincsRows& rows, const double*
 
 // y −= M⁻¹BᵀS (I − C)⁻¹ rhs, g likewise
 template <class Shape>
-HWY_INLINE void apply(const Shape shape, int order, const double* scale, const LincsRows& rows, double* y) {
+HWY_INLINE void apply(const Shape shape, const LincsBatch& batch, int order, const LincsRows& rows,
+                      double* y) {
   for (int k = 0; k < shape.size(); ++k) store(load(rows.rhs + k * kLanes), rows.sum + k * kLanes);
   double *rhs = rows.rhs, *power = rows.power;
-  for (int n = 0; n < order; ++n) {
-    multiply(shape, rows, rhs, power);
+  for (int n = 0; n < (batch.triangles ? 2 * order : order); ++n) {
+    multiply(shape, rows, n < order ? nullptr : batch.inside.data(), rhs, power);
     std::swap(rhs, power);
   }
   for (int k = 0; k < shape.size(); ++k) {
-    const V dg = hn::Mul(all(-scale[k]), load(rows.sum + k * kLanes));
+    const V dg = hn::Mul(all(-batch.scale[k]), load(rows.sum + k * kLanes));
     store(hn::Add(load(rows.g + k * kLanes), dg), rows.g + k * kLanes);
     move(shape, k, dg, load3(rows.B + 3 * k * kLanes), y);
   }
@@ -119,10 +123,10 @@ HWY_INLINE void lincs_positions_of(const Shape shape, LincsBatch& batch, const L
     store(hn::Mul(all(scale[k]), hn::Sub(dot(direction, r), all(batch.length[k]))), rows.rhs + k * kLanes);
   }
   find_coupling(shape, scale, rows);
-  apply(shape, step.options.order, scale, rows, rows.x);
+  apply(shape, batch, step.options.order, rows, rows.x);
   Worst worst = find_lengthening(shape, batch, rows);
   for (int n = 0; n < step.options.iterations; ++n) {
-    apply(shape, step.options.order, scale, rows, rows.x);
+    apply(shape, batch, step.options.order, rows, rows.x);
     worst = find_lengthening(shape, batch, rows);
   }
   for (int k = 0; k < shape.size(); ++k)
@@ -148,7 +152,7 @@ HWY_INLINE void lincs_velocities_of(const Shape shape, LincsBatch& batch, const 
     store(hn::Mul(all(scale[k]), dot(direction, difference(shape, k, rows.v))), rows.rhs + k * kLanes);
   }
   find_coupling(shape, scale, rows);
-  apply(shape, step.options.order, scale, rows, rows.v);
+  apply(shape, batch, step.options.order, rows, rows.v);
   for (int k = 0; k < shape.size(); ++k)
     store(hn::Mul(all(2 / (step.h * batch.length[k])), load(rows.g + k * kLanes)), lambda + k * kLanes);
   scatter(shape, part, rows.v, step.v);
@@ -179,10 +183,18 @@ HWY_EXPORT(lincs_positions);
 HWY_EXPORT(lincs_velocities);
 
 LincsBatch::LincsBatch(const ClusterBatch& batch) : lanes(batch), lambda(rows_of_bonds(lanes)) {
+  std::vector<RigidBond> bonds;  // as they are worked on
   for (const LaneBond& bond : lanes.bonds) {
     length.push_back(std::sqrt(bond.length2));
     scale.push_back(1 / std::sqrt(bond.reduced_inv_mass));
+    bonds.push_back(
+        {static_cast<int>(bond.i) / (3 * kLanes), static_cast<int>(bond.j) / (3 * kLanes), length.back()});
   }
+  const BondTriangles sides(bonds);
+  for (int k = 0; k < lanes.bond_count(); ++k)
+    for (int p = lanes.plan.column_start[k]; p < lanes.plan.column_start[k + 1]; ++p)
+      inside.push_back(sides.hold(bonds[k], bonds[lanes.plan.row[p] / kLanes]));
+  triangles = std::ranges::find(inside, 1) != inside.end();
 }
 
 Batched<Lincs>::Batched(const System& sys, const Options& options, double h)
@@ -200,7 +212,7 @@ SolveStats Batched<Lincs>::project_positions(const System&, double h, State& s) 
   SolveStats stats = runner_.run([&](int b, int begin, int end, double* scratch) {
     return HWY_DYNAMIC_DISPATCH(lincs_positions)(batches_[b], step, begin, end, scratch);
   });
-  LaneRunner::merge(stats, leftover_.project_positions(h, s));
+  stats.beside(leftover_.project_positions(h, s));
   return stats;
 }
 
@@ -209,7 +221,7 @@ SolveStats Batched<Lincs>::project_velocities(const System&, double h, State& s)
   SolveStats stats = runner_.run([&](int b, int begin, int end, double* scratch) {
     return HWY_DYNAMIC_DISPATCH(lincs_velocities)(batches_[b], step, begin, end, scratch);
   });
-  LaneRunner::merge(stats, leftover_.project_velocities(h, s));
+  stats.beside(leftover_.project_velocities(h, s));
   return stats;
 }
 

@@ -9,6 +9,8 @@ namespace taut {
 struct LincsBatch {
   LaneBatch lanes;
   std::vector<double> length, scale;  // d and S of each bond
+  std::vector<char> inside;           // of each entry of C: whether its bonds are sides of a triangle
+  bool triangles = false;             // there are such
   LaneRows lambda;
 
   explicit LincsBatch(const ClusterBatch& batch);

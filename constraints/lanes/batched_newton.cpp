@@ -191,7 +191,7 @@ SolveStats Batched<Newton>::project_positions(const System&, double h, State& s)
       batches_.run([&](NewtonBatch& batch, const SolveCall& call, int begin, int end, double* scratch) {
         return HWY_DYNAMIC_DISPATCH(newton_positions)(batch, step, call, begin, end, scratch);
       });
-  LaneRunner::merge(stats, leftover_.project_positions(h, s));
+  stats.beside(leftover_.project_positions(h, s));
   return stats;
 }
 
@@ -202,7 +202,7 @@ SolveStats Batched<Newton>::project_velocities(const System&, double h, State& s
         return HWY_DYNAMIC_DISPATCH(newton_velocities)(batch, step, call, begin, end, scratch);
       });
   factored_ = true;
-  LaneRunner::merge(stats, leftover_.project_velocities(h, s));
+  stats.beside(leftover_.project_velocities(h, s));
   return stats;
 }
 

@@ -74,8 +74,8 @@ void settle_positions_of(const SettleBatch& batch, const SettleStep& step, const
   const auto found = hn::Eq(hn::Sub(sum, sum), hn::Zero(D()));
   if (!hn::AllTrue(D(), found)) {
     const int lane = part.first_lane + static_cast<int>(hn::FindFirstTrue(D(), hn::Not(found)));
-    stats.worst_bond = batch.lanes.bond(part.group, 0, lane);
-    stats.failure = "the water turned or stretched too far in one step";
+    stats.beside({.worst_bond = batch.lanes.bond(part.group, 0, lane),
+                  .failure = "the water turned or stretched too far in one step"});
     return;
   }
   const V3 a3 = along(hn::Neg(hn::Mul(ya2, sin_theta)), X, hn::Mul(ya2, cos_theta), Y, za1, Z);

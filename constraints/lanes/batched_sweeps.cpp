@@ -53,10 +53,10 @@ HWY_INLINE void correct(const AnyShape shape, int k, V dg, const SweepRows rows,
 }
 
 struct SweepOfPositions {
-  // One sweep; what it met is left in rows.relative. Returns a margin that is negative where a bond turned by
-  // 90°.
-  HWY_INLINE V operator()(const AnyShape shape, double tolerance, const SweepRows rows, Worst& worst) const {
-    V margin = all(1e300);
+  // One sweep; what it met is left in rows.relative, in rows.inv how far each bond is from having turned by
+  // 90°. Returns where none has.
+  HWY_INLINE M operator()(const AnyShape shape, double tolerance, const SweepRows rows, Worst& worst) const {
+    M sound = everywhere();
     for (int k = 0; k < shape.size(); ++k) {
       const LaneBond& bond = shape.bonds[k];
       const V3 r = difference(shape, k, rows.x);
@@ -65,19 +65,20 @@ struct SweepOfPositions {
       worst.see(relative);
       store(relative, rows.relative + k * kLanes);
       const auto off = hn::Gt(relative, all(tolerance));
-      margin =
-          hn::Min(margin, hn::IfThenElse(off, hn::NegMulAdd(all(1e-6), all(bond.length2), along), margin));
+      const V margin = hn::IfThenElse(off, hn::NegMulAdd(all(1e-6), all(bond.length2), along), all(1));
+      sound = hn::And(sound, hn::Gt(margin, hn::Zero(D())));
+      store(margin, rows.inv + k * kLanes);
       const V dg = hn::Div(hn::Mul(all(-0.5), offset), hn::Mul(all(bond.reduced_inv_mass), along));
       correct(shape, k, hn::IfThenElseZero(off, dg), rows, rows.x);
     }
-    return margin;
+    return sound;
   }
   static constexpr const char* kNoConvergence = "no convergence";
 };
 
 struct SweepOfVelocities {
   double h;
-  HWY_INLINE V operator()(const AnyShape shape, double tolerance, const SweepRows rows, Worst& worst) const {
+  HWY_INLINE M operator()(const AnyShape shape, double tolerance, const SweepRows rows, Worst& worst) const {
     for (int k = 0; k < shape.size(); ++k) {
       const LaneBond& bond = shape.bonds[k];
       const V3 v = difference(shape, k, rows.v);
@@ -88,12 +89,22 @@ struct SweepOfVelocities {
       const V dg = hn::Neg(hn::Mul(rate, load(rows.inv + k * kLanes)));
       correct(shape, k, hn::IfThenElseZero(hn::Gt(relative, all(tolerance)), dg), rows, rows.v);
     }
-    return all(1);
+    return everywhere();
   }
   static constexpr const char* kNoConvergence = "no convergence of the velocities";
 };
 
-// Sweeps until all hold, or as many as asked for.
+// Names the first bond that turned too far.
+HWY_NOINLINE void name_turned(const Part& part, const double* margin, SolveStats& stats) {
+  stats.failure = "the bond turned by 90° in one step";
+  stats.max_residual = 1;
+  for (int k = part.batch.plan.solved - 1; k >= 0; --k)
+    for (int l = kWidth - 1; l >= 0; --l)
+      if (!(margin[k * kLanes + l] > 0))
+        stats.worst_bond = part.batch.bond(part.group, k, part.first_lane + l);
+}
+
+// Sweeps until all hold, or as many as asked for. `stats` are of the parts before.
 template <class Sweep>
 HWY_INLINE void repeat(const Sweep& sweep, const AnyShape shape, const SweepLimits& limits, const Part& part,
                        const SweepRows rows, SolveStats& stats) {
@@ -101,14 +112,16 @@ HWY_INLINE void repeat(const Sweep& sweep, const AnyShape shape, const SweepLimi
   const int most = fixed ? limits.sweeps : limits.max_sweeps;
   for (int n = 1; n <= most; ++n) {
     Worst worst;
-    const V margin = sweep(shape, fixed ? 0.0 : limits.tolerance, rows, worst);
-    stats.iterations = HWY_MAX(stats.iterations, n);
-    const bool turned = !hn::AllTrue(D(), hn::Gt(margin, hn::Zero(D())));
+    const bool turned = !hn::AllTrue(D(), sweep(shape, fixed ? 0.0 : limits.tolerance, rows, worst));
     const bool held = !fixed && worst.within(limits.tolerance);
     if (!held && !turned && n < most) continue;
-    if (!worst.within(stats.max_residual)) enter(part, rows.relative, stats);
-    if (turned) stats.failure = "the bond turned by 90° in one step";
-    if (!turned && !held && !fixed) stats.failure = Sweep::kNoConvergence;
+    SolveStats own{.iterations = n};
+    if (turned)
+      name_turned(part, rows.inv, own);
+    else if (!held && !fixed)
+      own.failure = Sweep::kNoConvergence;
+    if (!turned && (!own.converged() || !worst.within(stats.max_residual))) enter(part, rows.relative, own);
+    stats.beside(own);
     return;
   }
 }
@@ -214,7 +227,7 @@ Batched<Shake>::Batched(const System& sys, const Options& options, double h, con
 
 SolveStats Batched<Shake>::project_positions(const System&, double h, State& s) {
   SolveStats stats = sweeps_.positions(h, h * h, 1 / (h * h), s);
-  LaneRunner::merge(stats, leftover_.project_positions(h, s));
+  stats.beside(leftover_.project_positions(h, s));
   return stats;
 }
 
@@ -235,13 +248,13 @@ Batched<Rattle>::Batched(const System& sys, const Options& options, double h, co
 
 SolveStats Batched<Rattle>::project_positions(const System&, double h, State& s) {
   SolveStats stats = sweeps_.positions(h, warm_start_ ? 0.5 * h * h : 0.0, 2 / (h * h), s);
-  LaneRunner::merge(stats, leftover_.project_positions(h, s));
+  stats.beside(leftover_.project_positions(h, s));
   return stats;
 }
 
 SolveStats Batched<Rattle>::project_velocities(const System&, double h, State& s) {
   SolveStats stats = sweeps_.velocities(h, warm_start_ ? 0.5 * h : 0.0, 2 / h, s);
-  LaneRunner::merge(stats, leftover_.project_velocities(h, s));
+  stats.beside(leftover_.project_velocities(h, s));
   return stats;
 }
 

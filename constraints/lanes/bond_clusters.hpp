@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "md/system.hpp"
-#include "md/threads.hpp"
 
 namespace taut {
 
@@ -50,8 +49,9 @@ struct ClusterLimits {
   int alike = 4;
   int piece = 0;  // bonds of a piece, about, that longer chains are cut into; 0: they are not
 
-  // Equal chains that all but fill the lanes of every thread stay whole: cutting costs half as much again.
-  static ClusterLimits cutting() { return {.alike = 8 * available_threads(), .piece = 150}; }
+  // Equal chains that all but fill the lanes stay whole: cutting costs half as much again. Threads have no
+  // say: a chain's bits must not depend on how many there are.
+  static ClusterLimits cutting() { return {.alike = 8, .piece = 150}; }
   bool fill_lanes(int count) const {
     const int filled = (count + alike - 1) / alike * alike;
     return piece == 0 || 2 * filled <= 3 * count;

@@ -35,15 +35,15 @@ HWY_INLINE void couple(const Shape shape, const double* left, const double* righ
 }
 
 // A of the bonds r, its diagonal given, becomes L D Lᵀ; b goes through the forward substitution on the way.
-// Returns the pivots' smallest margin over what a dependent bond leaves.
+// Returns where all pivots are above what a dependent bond leaves; none that is NaN is.
 template <class Shape>
-HWY_INLINE V eliminate(const Shape shape, const Matrix A, const double* r, double* b) {
+HWY_INLINE M eliminate(const Shape shape, const Matrix A, const double* r, double* b) {
   if constexpr (Shape::kUpdates) couple(shape, r, r, A.l);
-  V margin = all(1e300);
+  M regular = everywhere();
   int update = 0;
   for (int k = 0; k < shape.eliminated(); ++k) {
     const V d = load(A.d + k * kLanes), inv = hn::Div(all(1), d), b_k = load(b + k * kLanes);
-    margin = hn::Min(margin, hn::Sub(d, all(shape.bonds[k].least_pivot)));
+    regular = hn::And(regular, hn::Gt(d, all(shape.bonds[k].least_pivot)));
     store(inv, A.inv_d + k * kLanes);
     for (int p = shape.begin(k); p < shape.end(k); ++p) {
       V c;
@@ -64,22 +64,22 @@ HWY_INLINE V eliminate(const Shape shape, const Matrix A, const double* r, doubl
       store(hn::NegMulAdd(l, b_k, load(b_p)), b_p);
     }
   }
-  return margin;
+  return regular;
 }
 
 // A' of the bonds r_next and r becomes L D U; else as above. u ends as a unit upper triangle.
 template <class Shape>
-HWY_INLINE V eliminate_turned(const Shape shape, const Matrix A, const double* r_next, const double* r,
+HWY_INLINE M eliminate_turned(const Shape shape, const Matrix A, const double* r_next, const double* r,
                               double* b) {
   if constexpr (Shape::kUpdates) {
     couple(shape, r_next, r, A.l);
     couple(shape, r, r_next, A.u);
   }
-  V margin = all(1e300);
+  M regular = everywhere();
   int update = 0;
   for (int k = 0; k < shape.eliminated(); ++k) {
     const V d = load(A.d + k * kLanes), inv = hn::Div(all(1), d), b_k = load(b + k * kLanes);
-    margin = hn::Min(margin, hn::Sub(d, all(shape.bonds[k].least_pivot)));
+    regular = hn::And(regular, hn::Gt(d, all(shape.bonds[k].least_pivot)));
     store(inv, A.inv_d + k * kLanes);
     for (int p = shape.begin(k); p < shape.end(k); ++p) {
       V below, above;
@@ -105,12 +105,12 @@ HWY_INLINE V eliminate_turned(const Shape shape, const Matrix A, const double* r
       store(hn::NegMulAdd(l, b_k, load(b_p)), b_p);
     }
   }
-  return margin;
+  return regular;
 }
 
 // Names a bond whose pivot vanished. False if there is one.
-HWY_INLINE bool regular(const Part& part, V margin, const double* d, SolveStats& stats) {
-  if (hn::AllTrue(D(), hn::Gt(margin, hn::Zero(D())))) return true;
+HWY_INLINE bool accept(const Part& part, M regular, const double* d, SolveStats& stats) {
+  if (hn::AllTrue(D(), regular)) return true;
   stats.failure = "A is singular";
   for (int k = part.batch.plan.eliminated - 1; k >= 0; --k)
     for (int l = kWidth - 1; l >= 0; --l)

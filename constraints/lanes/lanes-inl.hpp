@@ -20,6 +20,12 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 static_assert(kWidth <= kLanes);
 
+// What holds in which lane. Conditions are joined by And, which a NaN fails; Min and Max would drop it.
+using M = hn::Mask<D>;
+HWY_INLINE M everywhere() {
+  return hn::Eq(all(0), all(0));
+}
+
 // Three rows in succession: a vector of each cluster.
 HWY_INLINE V3 load3(const double* rows) {
   return {load(rows), load(rows + kLanes), load(rows + 2 * kLanes)};
@@ -321,7 +327,7 @@ inline HWY_NOINLINE void enter(const Part& part, const double* relative, SolveSt
   for (int k = 0; k < part.batch.plan.solved; ++k)
     for (int l = 0; l < kWidth; ++l) {
       const double value = relative[k * kLanes + l];
-      if (value <= stats.max_residual || stats.max_residual != stats.max_residual) continue;
+      if (!worse(value, stats.max_residual)) continue;
       stats.max_residual = value;
       stats.worst_bond = part.batch.bond(part.group, k, part.first_lane + l);
     }

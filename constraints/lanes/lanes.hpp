@@ -138,25 +138,14 @@ class LaneRunner {
       for (std::size_t b = 0; b + 1 < first_group_.size(); ++b) {
         const int from = std::max(begin, first_group_[b]), to = std::min(end, first_group_[b + 1]);
         if (from < to)
-          merge(stats,
-                work(static_cast<int>(b), from - first_group_[b], to - first_group_[b], scratch_[t].data()));
+          stats.beside(
+              work(static_cast<int>(b), from - first_group_[b], to - first_group_[b], scratch_[t].data()));
       }
       stats_[t] = stats;
     });
     SolveStats all;
-    for (int t = 0; t < threads; ++t) merge(all, stats_[t]);
+    for (int t = 0; t < threads; ++t) all.beside(stats_[t]);
     return all;
-  }
-
-  // The first failure or the largest residual (a NaN is largest), the most iterations.
-  static void merge(SolveStats& into, const SolveStats& other) {
-    into.iterations = std::max(into.iterations, other.iterations);
-    if (!into.converged()) return;
-    const bool worse = !(other.max_residual <= into.max_residual) && into.max_residual == into.max_residual;
-    if (other.converged() && !worse) return;
-    into.max_residual = other.max_residual;
-    into.worst_bond = other.worst_bond;
-    into.failure = other.failure;
   }
 
  private:

@@ -43,20 +43,20 @@ HWY_INLINE bool factor(const Shape shape, const Part& part, const Equations& eq,
                        SolveStats& stats) {
   leave_left_separator(shape, part, eq.A.d);
   leave_left_separator(shape, part, eq.b);
-  const V margin = eliminate(shape, eq.A, r, eq.b);
+  const M regular = eliminate(shape, eq.A, r, eq.b);
   if constexpr (Shape::kPieces) {
     const int last =
         (shape.entries() - 1) * kLanes;  // what ties the separators, on both sides of the diagonal
     if (part.batch.piece()) store(load(eq.A.l + last), eq.A.u + last);
   }
-  return regular(part, margin, eq.A.d, stats);
+  return accept(part, regular, eq.A.d, stats);
 }
 template <class Shape>
 HWY_INLINE bool factor(const Shape shape, const Part& part, const Equations& eq, const double* r_next,
                        const double* r, SolveStats& stats) {
   leave_left_separator(shape, part, eq.A.d);
   leave_left_separator(shape, part, eq.b);
-  return regular(part, eliminate_turned(shape, eq.A, r_next, r, eq.b), eq.A.d, stats);
+  return accept(part, eliminate_turned(shape, eq.A, r_next, r, eq.b), eq.A.d, stats);
 }
 
 // b ← L⁻¹b
@@ -73,9 +73,11 @@ HWY_INLINE void substitute_forward(const Shape shape, const Part& part, const Eq
 //     SolveNext apply(next, solves, stats) applies what was found; sets up again unless it was the last solve
 //     void end(stats)                 stores
 // and x, the rows of the positions (null: they are not touched), eq, kOnceMostly: one solve is the rule.
-// The bonds' errors, where a part gives up; the bond already named stays.
+// The stats are the part's own, but for the residual already known when it began: smaller ones are of no
+// interest. Where a part gives up, its own count; the bond it has named stays.
 inline HWY_NOINLINE void give_up(const Part& part, const double* x, double* relative, SolveStats& stats) {
   const int named = stats.worst_bond;
+  stats.max_residual = 0;
   if (x == nullptr) return;
   find_residuals(part.batch, x, relative);
   enter(part, relative, stats);
@@ -100,7 +102,8 @@ HWY_INLINE void solve_whole(Kernel& kernel, const Part& part, SolveStats& stats)
     next = kernel.apply(next, ++solves, stats);
   }
   kernel.end(stats);
-  stats.iterations = HWY_MAX(stats.iterations, solves);
+  stats.iterations = solves;
+  if (!stats.converged()) give_up(part, kernel.x, kernel.eq.b, stats);
 }
 
 // One stage of a piece; what is next. Residuals up to one already known are of no interest.
@@ -133,7 +136,9 @@ HWY_INLINE SolveStats solve_groups(Batch& batch, const Step& step, const SolveCa
     for_each_part(batch.lanes, begin, end, scratch,
                   [&](const auto shape, const Part& part, double* rows) HWY_ATTR {
                     Kernel<std::remove_const_t<decltype(shape)>> kernel(shape, batch, step, part, rows);
-                    solve_whole(kernel, part, all);
+                    SolveStats own{.max_residual = all.max_residual};
+                    solve_whole(kernel, part, own);
+                    all.beside(own);
                   });
     return all;
   }
@@ -144,7 +149,7 @@ HWY_INLINE SolveStats solve_groups(Batch& batch, const Step& step, const SolveCa
       Kernel<AnyShape> kernel(shape, batch, step, part, batch.scratch.of(g) + l);
       SolveStats stats;
       stats.iterations = static_cast<int>(solve_piece(kernel, part, call, all.max_residual, stats));
-      LaneRunner::merge(all, stats);
+      all.beside(stats);
     }
   return all;
 }

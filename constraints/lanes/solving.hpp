@@ -63,7 +63,7 @@ class SolvedBatches {
     SolveStats stats = whole_runner_.run([&](int b, int begin, int end, double* scratch) {
       return kernel(whole_[b], SolveCall{SolveStage::kWhole, 0}, begin, end, scratch);
     });
-    if (!pieces_.empty()) LaneRunner::merge(stats, run_pieces(kernel));
+    if (!pieces_.empty()) stats.beside(run_pieces(kernel));
     return stats;
   }
 
@@ -92,7 +92,7 @@ class SolvedBatches {
     SolveStats stats = run(SolveStage::kStart);
     while (stats.converged() && next(stats) == SolveNext::kSolve) {
       if (stats = separators_.solve(scratch); !stats.converged()) return stats;
-      run(SolveStage::kBack);
+      stats = run(SolveStage::kBack);
       separators_.share(scratch);
       ++call.solves;
       stats = run(SolveStage::kGoOn);

@@ -118,7 +118,7 @@ Foretold foretell(const Stage& stage, const Baumgarte::Options& options, const F
       squares += std::pow(sys.bonds[k].length / d - 1, 2);
     }
     Newton newton(sys, {.tolerance = 1e-12}, h);  // anew: the lengths are others
-    step(sys, forces, newton, h, s);
+    demand_converged(sys, s, step(sys, forces, newton, h, s), n);
     if (!stage.samples(n)) continue;
     foretold.apart = most_apart(s.x, openmm[++frame]);
     foretold.steps = n;
