@@ -615,6 +615,20 @@ TEST(Batched, NamesABondOfTheClusterThatDependsOnOthers) {
   });
 }
 
+// ... and of the one cluster among others of its shape, bent, that lies in a line.
+TEST(Batched, NamesTheClusterInWhichABondDependsOnOthers) {
+  std::vector<Start> triangles = chains(9, 3, 1);
+  for (std::size_t c = 0; c < triangles.size(); ++c) {
+    triangles[c].state.x << 0, 1, 2, 0, c == 6 ? 0 : 0.5, 0, 0, 0, 0;
+    triangles[c].system = make_system(Eigen::VectorXd::Ones(3), {{0, 1, 1}, {1, 2, 1}, {0, 2, 2}});
+  }
+  Start start = together(triangles);
+  Batched<Baumgarte> method(start.system, {}, 0.01);
+  const SolveStats stats = method.add_forces(start.system, 0.01, start.state);
+  EXPECT_STREQ(stats.failure, "A is singular");
+  EXPECT_EQ(stats.worst_bond / 3, 6);
+}
+
 TEST(Batched, ANaNIsTheWorstResidual) {
   Start start = together(chains(9, 3, 1));
   start.state.x(1, 3 * 4 + 2) = std::nan("");
