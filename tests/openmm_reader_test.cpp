@@ -229,6 +229,10 @@ INSTANTIATE_TEST_SUITE_P(
                "force 3: CMAPTorsionForce \"RBTorsionForce\": is not one taut knows"},
         Change{"-mass*(gx*x+gy*y+gz*z)", "mass*(gx*x+gy*y+gz*z)",
                "has the energy mass*(gx*x+gy*y+gz*z): taut knows -mass"},
+        Change{
+            "<Particle mass=\"0\"/>",
+            "<Particle mass=\"0\"><TwoParticleAverageSite p1=\"1\" p2=\"2\" w1=\".5\" w2=\".5\"/></Particle>",
+            "atom 11 is a virtual site: taut has none"},
         Change{"<C x=\"0\" y=\"0\" z=\"3\"/>", "<C x=\"0\" y=\".5\" z=\"3\"/>",
                "a.state.xml:3: its box is triclinic"},
         Change{"gx=\"-1.25\"", "gx=\"-1.25\" lambda=\"1\"",
@@ -255,6 +259,7 @@ INSTANTIATE_TEST_SUITE_P(
         Change{"periodicity=\"2\"", "periodicity=\"0\"", "expected an integer from 1 to 64"},
         Change{"periodicity=\"2\"", "periodicity=\"2.5\"", "expected an integer from 1 to 64"},
         Change{"usesPeriodic=\"1\"", "usesPeriodic=\"yes\"", "expected 0 or 1"},
+        Change{"usesPeriodic=\"1\"", "usesPeriodic=\"2\"", "expected 0 or 1"},
         Change{" frequency=\"25\"", " frequency=\"0\"", "expected an integer from 1"},
         Change{" frequency=\"25\"", "", "Force lacks frequency"},
         Change{" forceGroup=\"0\"", " forceGroup=\"0\" strength=\"2\"",
@@ -328,13 +333,37 @@ TEST(OpenMMReader, MendsAMoleculeOnlyWhereOpenMMTakesImages) {
               one_line_with("force 4: NonbondedForce: exception", "(6-9) is broken across the box"));
 }
 
-TEST(OpenMMReader, RefusesATermLongerThanHalfTheBox) {
+TEST(OpenMMReader, RefusesATermBetweenMolecules) {
   Texts texts = every_force();
   replace(texts.system, "<Angles>", "<Angles><Angle a=\"2\" k=\"1\" p1=\"0\" p2=\"1\" p3=\"2\"/>");
   EXPECT_THAT(refusal(texts), HasSubstr("nothing was refused"));
   replace(texts.system, "p1=\"0\" p2=\"1\" p3=\"2\"", "p1=\"0\" p2=\"1\" p3=\"8\"");
   EXPECT_THAT(refusal(texts),
               one_line_with("force 1: HarmonicAngleForce: angle 0 (0-1-8) joins two molecules"));
+}
+
+// Three atoms in line, 0.8 nm from one to the next, in a box of 2.4 nm: of 0 and 2, OpenMM takes the nearest
+// image.
+TEST(OpenMMReader, RefusesATermLongerThanHalfTheBox) {
+  const auto vectors = [](const char* edge) {
+    return "<PeriodicBoxVectors><A x=\"" + std::string(edge) + "\" y=\"0\" z=\"0\"/><B x=\"0\" y=\"" + edge +
+           "\" z=\"0\"/><C x=\"0\" y=\"0\" z=\"" + edge + "\"/></PeriodicBoxVectors>";
+  };
+  const std::string angles =
+      R"(<Force type="HarmonicAngleForce" usesPeriodic="1" version="2"><Angles>
+         <Angle a="1" k="1" p1="0" p2="2" p3="1"/></Angles></Force>)";
+  const std::string system =
+      R"(<System type="System" version="1">)" + vectors("1") +
+      R"(<Particles><Particle mass="1"/><Particle mass="1"/><Particle mass="1"/></Particles>
+         <Constraints><Constraint d=".8" p1="0" p2="1"/><Constraint d=".8" p1="1" p2="2"/></Constraints><Forces>)" +
+      angles + "</Forces></System>";
+  const auto state = [&](const char* edge) {
+    return R"(<State time="0" type="State" version="1">)" + vectors(edge) +
+           R"(<Positions><Position x="0" y="0" z="0"/>
+         <Position x=".8" y="0" z="0"/><Position x="1.6" y="0" z="0"/></Positions></State>)";
+  };
+  EXPECT_THAT(refusal({system, state("3.4")}), HasSubstr("nothing was refused"));
+  EXPECT_THAT(refusal({system, state("2.4")}), one_line_with("angle 0 (0-2-1) is longer than half the box"));
 }
 
 TEST(OpenMMReader, RefusesDeepNestingWithoutGoingDeep) {

@@ -52,11 +52,11 @@ XmlFile::XmlFile(std::filesystem::path path, const std::string& type) : path_(st
     text_.resize(before + piece);
     in.read(text_.data() + before, static_cast<std::streamsize>(piece));
     text_.resize(before + static_cast<std::size_t>(in.gcount()));
+    if (const auto at = text_.find('\0', before); at != text_.npos)
+      refuse_at(static_cast<std::ptrdiff_t>(at), "not whole XML: a character 0");
   }
   if (in.bad()) refuse("cannot be read to its end");
   if (text_.size() > kMostBytes) refuse(fmt::format("is over {} GiB, expected less", kMostBytes >> 30));
-  if (const auto at = text_.find('\0'); at != text_.npos)
-    refuse_at(static_cast<std::ptrdiff_t>(at), "not whole XML: a character 0");
 
   // As a fragment, so that text beside the root is found and not passed over.
   const auto parsed = document_.load_buffer(
