@@ -151,6 +151,20 @@ TEST(BondedLanes, AtomsInLineGiveFiniteForces) {
   }
 }
 
+// Where there is no direction there is no force.
+TEST(BondedLanes, AtomsInOnePlaceGiveFiniteForces) {
+  const Vectors x = Vectors::Constant(3, 3, 0.7);
+  const std::vector<HarmonicBond> bonds = {{0, 1, 0.1, 3000}};
+  const std::vector<HarmonicAngle> angles = {{0, 1, 2, 1.9, 400}};
+  on_every_machine([&] {
+    expect_lanes_as_plain(bonds, x, add_bonds);
+    expect_lanes_as_plain(angles, x, add_angles);
+    EXPECT_NEAR(sum(bonds, x, kInLanes).energy, 0.5 * 3000 * 0.01, 1e-12);
+    EXPECT_EQ(sum(bonds, x, kInLanes).f, Vectors::Constant(3, 3, 1));
+    EXPECT_EQ(sum(angles, x, kInLanes).f, Vectors::Constant(3, 3, 1));
+  });
+}
+
 TEST(BondedLanes, LetANanShow) {
   Chains c(1, 6);
   c.x(1, 2) = std::nan("");
@@ -206,6 +220,9 @@ TEST(BondedForces, TakeTermsInAnyOrderAndAcrossAllAtoms) {
   Chains c(100, 9);
   std::reverse(c.terms.angles.begin(), c.terms.angles.end());
   std::reverse(c.terms.torsions.begin(), c.terms.torsions.end());
+  const BondedForces pieces(c.terms, c.exceptions);
+  EXPECT_GT(pieces.pieces(), 3);
+  expect_equal(sum_by_threads(pieces, c.x, 3), plain_sum(c));
   c.terms.bonds.push_back({899, 0, 0.15, 1});
   const BondedForces forces(c.terms, c.exceptions);
   EXPECT_EQ(forces.pieces(), 1);

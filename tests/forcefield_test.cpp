@@ -202,6 +202,7 @@ TEST(ForceField, RefusesTermsThatDoNotFit) {
   expect_in(message([](Terms& t) { t.pulls = {{4, Vec3::Zero()}}; }), "pull 0: atom 4");
   expect_in(message([&](Terms& t) { t.gravity = Vec3(0, nan, 0); }), "gravity");
   expect_in(message([](Terms& t) { t.nonbonded->sigma.resize(3); }), "3 values of sigma for 4 atoms");
+  expect_in(message([](Terms& t) { t.nonbonded->charge.setZero(5); }), "5 values of charge for 4 atoms");
   expect_in(message([](Terms& t) { t.nonbonded->epsilon[2] = -1; }), "nonbonded atom 2: epsilon");
   expect_in(message([](Terms& t) { t.nonbonded->exceptions = {{0, 9, 0, 0, 0}}; }), "exception 0: atom 9");
   expect_in(message([](Terms& t) {
@@ -214,6 +215,7 @@ TEST(ForceField, RefusesTermsThatDoNotFit) {
   expect_in(message([](Terms& t) { t.nonbonded->switch_distance = 0.9; }), "switch at 0.9 nm");
   expect_in(message([](Terms& t) { t.nonbonded->switch_distance = 0; }), "switch at 0 nm");
   expect_in(message([](Terms& t) { t.nonbonded->rf_dielectric = 0; }), "dielectric");
+  expect_in(message([](Terms& t) { t.nonbonded->rf_dielectric = HUGE_VAL; }), "dielectric inf");
   expect_in(message([](Terms& t) { t.nonbonded->dispersion_correction = true; }), "dispersion");
   const auto no_cutoff = [](Terms& t) { t.nonbonded->cutoff.reset(); };
   expect_in(message([&](Terms& t) { no_cutoff(t), t.nonbonded->switch_distance = 0.8; }), "switch at 0.8 nm");
