@@ -52,20 +52,28 @@ class Memory {
       thing.remember(*this);
     } else if constexpr (std::is_same_v<T, std::string>) {
       text(thing);
+    } else if constexpr (std::is_same_v<T, bool>) {  // no other byte is one
+      std::uint8_t byte = thing;
+      bytes(&byte, 1);
+      demand(byte <= 1);
+      thing = byte == 1;
     } else if constexpr (std::is_arithmetic_v<T>) {
       bytes(&thing, sizeof(T));
     } else {  // an array of numbers: Eigen's, std::vector, std::array
-      static_assert(std::is_arithmetic_v<std::decay_t<decltype(*thing.data())>>);
-      array(thing.data(), static_cast<std::uint64_t>(thing.size()) * sizeof(*thing.data()));
+      using Number = std::decay_t<decltype(*thing.data())>;
+      static_assert(std::is_arithmetic_v<Number> && !std::is_same_v<Number, bool>);
+      array(thing.data(), static_cast<std::uint64_t>(thing.size()) * sizeof(Number));
     }
   }
 
   template <class T>
   void one(std::vector<T>& things) {
-    if constexpr (HasMemory<T>::value)
+    if constexpr (HasMemory<T>::value) {
       for (T& thing : things) one(thing);
-    else
+    } else {
+      static_assert(std::is_arithmetic_v<T>, "what is no number says itself what it remembers");
       array(things.data(), things.size() * sizeof(T));
+    }
   }
 
   void bytes(void* data, std::size_t size);

@@ -30,11 +30,13 @@ class RunningMean {
   Estimate estimate() const;
   void remember(Memory& memory) {
     memory(blocks_, length_, full_, open_, sum_, in_open_, count_);
-    memory.demand(length_ >= 1 && full_ >= 0 && full_ <= kMost);
+    memory.demand(0 <= full_ && full_ < kMost && 0 <= in_open_ && in_open_ < length_);
+    memory.demand(length_ <= kLongest && 0 <= count_ && count_ <= kLongest);
   }
 
  private:
   static constexpr int kMost = 32;
+  static constexpr long kLongest = 1L << 56;  // more samples than anybody takes
 
   std::array<double, kMost> blocks_{};  // their means
   long length_ = 1;                     // of a block
