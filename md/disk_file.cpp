@@ -16,8 +16,9 @@ namespace taut {
 
 DiskFile::DiskFile(const std::filesystem::path& path, Opening opening)
     : path_(path),
-      descriptor_(
-          ::open(path.c_str(), O_RDWR | O_CLOEXEC | (opening == kNew ? O_CREAT | O_TRUNC : 0), 0666)) {
+      descriptor_(::open(
+          path.c_str(),
+          O_RDWR | O_CLOEXEC | (opening == kThere ? 0 : O_CREAT) | (opening == kNew ? O_TRUNC : 0), 0666)) {
   if (descriptor_ < 0) refuse("open");
 }
 

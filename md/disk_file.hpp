@@ -10,7 +10,7 @@ namespace taut {
 // names the file.
 class DiskFile {
  public:
-  enum Opening { kNew, kThere };  // empty, whatever was there; as it is
+  enum Opening { kNew, kThere, kEither };  // empty, whatever was there; as it is; as it is or else empty
 
   DiskFile(const std::filesystem::path& path, Opening opening);
   DiskFile(DiskFile&& other) noexcept;

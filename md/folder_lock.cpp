@@ -16,7 +16,7 @@ std::filesystem::path made(std::filesystem::path folder) {
 }  // namespace
 
 FolderLock::FolderLock(std::filesystem::path folder)
-    : path_(made(std::move(folder))), file_(path_ / ".lock", DiskFile::kNew) {
+    : path_(made(std::move(folder))), file_(path_ / ".lock", DiskFile::kEither) {
   if (!file_.lock())
     throw InputError(
         fmt::format("{}: another taut is still writing there; wait until it ends, or give another folder",

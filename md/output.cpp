@@ -4,6 +4,12 @@
 
 namespace taut {
 
+std::uint64_t size_of(const std::filesystem::path& file) {
+  std::error_code error;
+  const std::uint64_t bytes = std::filesystem::file_size(file, error);
+  return error ? 0 : bytes;
+}
+
 GrowingFile::GrowingFile(const std::filesystem::path& path, std::uint64_t mark)
     : file_(path, mark == 0 ? DiskFile::kNew : DiskFile::kThere), size_(mark) {
   if (mark == 0) return;

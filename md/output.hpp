@@ -21,6 +21,8 @@ class Output {
   virtual std::uint64_t mark() = 0;
 };
 
+std::uint64_t size_of(const std::filesystem::path& file);  // bytes; 0 where it is not there
+
 // The plain kind: bytes at the end of a file. Never holds half of what was given to write(): where the disk
 // refuses a part of it, all of it is taken back.
 class GrowingFile : public Output {

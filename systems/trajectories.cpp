@@ -1,5 +1,6 @@
 #include "systems/trajectories.hpp"
 
+#include "md/output.hpp"
 #include "md/trajectory/pdb_file.hpp"
 
 namespace taut {
@@ -7,6 +8,22 @@ namespace {
 
 constexpr const char* kDcd = "trajectory.dcd";
 constexpr const char* kH5md = "trajectory.h5md";
+constexpr const char* kPdb = "start.pdb";
+
+TrajectorySetup setup_of(const Simulation& simulation) {
+  const Scene& scene = simulation.scene();
+  const long every = scene.run.trajectory_every, step = simulation.step();
+  const long first = (step / every + (step > 0 ? 1 : 0)) * every;  // to be written from here
+  return {simulation.system_as_given(), scene.names, scene.run.h(), every,
+          scene.start.t + static_cast<double>(first) * scene.run.h()};
+}
+
+bool wants_dcd(const RunSettings& run) {
+  return run.trajectory_every > 0 && run.trajectory != "h5md";
+}
+bool wants_h5md(const RunSettings& run) {
+  return run.trajectory_every > 0 && run.trajectory != "dcd";
+}
 
 }  // namespace
 
@@ -15,16 +32,24 @@ Trajectories::Trajectories(const std::filesystem::path& folder, const Simulation
     : every_(simulation.scene().run.trajectory_every) {
   if (every_ == 0) return;
   const Scene& scene = simulation.scene();
-  const TrajectorySetup setup{simulation.system_as_given(), scene.names, scene.run.h(), every_,
-                              scene.start.t};
+  const TrajectorySetup setup = setup_of(simulation);
   const auto mark_of = [&](const char* name) {
     const auto mark = marks.find(name);
     return mark == marks.end() ? 0 : mark->second;
   };
-  if (marks.empty()) write_pdb(folder / "start.pdb", setup.sys, scene.names, simulation.state().x);
-  if (scene.run.trajectory != "h5md") dcd_ = std::make_unique<DcdFile>(folder / kDcd, setup, mark_of(kDcd));
-  if (scene.run.trajectory != "dcd")
-    h5md_ = std::make_unique<H5mdFile>(folder / kH5md, setup, mark_of(kH5md));
+  if (!std::filesystem::exists(folder / kPdb))
+    write_pdb(folder / kPdb, setup.sys, scene.names, simulation.state().x);
+  if (wants_dcd(scene.run)) dcd_ = std::make_unique<DcdFile>(folder / kDcd, setup, mark_of(kDcd));
+  if (wants_h5md(scene.run)) h5md_ = std::make_unique<H5mdFile>(folder / kH5md, setup, mark_of(kH5md));
+}
+
+std::map<std::string, std::uint64_t> Trajectories::extents(const std::filesystem::path& folder,
+                                                           const Simulation& simulation) {
+  const RunSettings& run = simulation.scene().run;
+  std::map<std::string, std::uint64_t> extents;
+  if (wants_dcd(run)) extents[kDcd] = size_of(folder / kDcd);
+  if (wants_h5md(run)) extents[kH5md] = H5mdFile::frames(folder / kH5md, setup_of(simulation));
+  return extents;
 }
 
 void Trajectories::add(const Simulation& simulation, long step) {

@@ -12,7 +12,7 @@ struct TrajectorySetup {
   const Names& names;
   double h = 0;    // [ps]
   long every = 1;  // steps from frame to frame
-  double t0 = 0;   // time of step 0 [ps]
+  double t0 = 0;   // of the first frame [ps]
 };
 
 // What it says again and again. Positions are written as they are in the state, unwrapped: molecules stay

@@ -197,6 +197,15 @@ H5mdFile::H5mdFile(const std::filesystem::path& path, const TrajectorySetup& set
 
 H5mdFile::~H5mdFile() = default;
 
+std::uint64_t H5mdFile::frames(const std::filesystem::path& path, const TrajectorySetup& setup) {
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  try {
+    return Contents(path, setup, false).frames();
+  } catch (const OutsideError&) {
+    return 0;
+  }
+}
+
 void H5mdFile::add(const Frame& frame) {
   contents_->add(frame);
 }

@@ -22,6 +22,9 @@ class H5mdFile : public Output {
   H5mdFile(const std::filesystem::path& path, const TrajectorySetup& setup, std::uint64_t mark);
   ~H5mdFile() override;
 
+  // How many a file has; 0 where it is not there or cannot be read.
+  static std::uint64_t frames(const std::filesystem::path& path, const TrajectorySetup& setup);
+
   void add(const Frame& frame);
   std::uint64_t mark() override;
 
