@@ -5,8 +5,18 @@
 
 #include <cmath>
 #include <cstdio>
+#include <string>
 
 namespace taut {
+namespace {
+
+// A terminal that is gone is no reason to stop.
+void draw(const std::string& line) {
+  std::fputs(line.c_str(), stderr);
+  std::fflush(stderr);
+}
+
+}  // namespace
 
 Progress::Progress(long total)
     : total_(total), terminal_(isatty(STDERR_FILENO) != 0), start_(Clock::now()), next_(start_) {}
@@ -18,17 +28,15 @@ void Progress::at(long done) {
   next_ = now + std::chrono::milliseconds(200);
   const double spent = std::chrono::duration<double>(now - start_).count();
   const long left = std::lround(spent / static_cast<double>(done) * static_cast<double>(total_ - done));
-  fmt::print(stderr, "\r{:5.1f} %   {}:{:02}:{:02} left \x1b[K",
-             100.0 * static_cast<double>(done) / static_cast<double>(total_), left / 3600, left / 60 % 60,
-             left % 60);
-  std::fflush(stderr);
+  draw(fmt::format("\r{:5.1f} %   {}:{:02}:{:02} left \x1b[K",
+                   100.0 * static_cast<double>(done) / static_cast<double>(total_), left / 3600,
+                   left / 60 % 60, left % 60));
   drawn_ = true;
 }
 
 void Progress::clear() {
   if (!drawn_) return;
-  fmt::print(stderr, "\r\x1b[K");
-  std::fflush(stderr);
+  draw("\r\x1b[K");
   drawn_ = false;
 }
 

@@ -1,32 +1,33 @@
 #include "stop_request.hpp"
 
 #include <csignal>
+#include <initializer_list>
 
 namespace taut {
 namespace {
 
 volatile std::sig_atomic_t asked = 0;  // a handler can reach nothing else
 
-void restore() {
-  std::signal(SIGINT, SIG_DFL);
-  std::signal(SIGTERM, SIG_DFL);
-}
-
 void ask(int signal) {
   asked = signal;
-  restore();
+  std::signal(SIGINT, SIG_DFL);
+  std::signal(SIGTERM, SIG_DFL);
+  std::signal(SIGHUP, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
 }
 
 }  // namespace
 
 StopRequest::StopRequest() {
   asked = 0;
-  std::signal(SIGINT, ask);
-  std::signal(SIGTERM, ask);
+  for (const int signal : {SIGINT, SIGTERM, SIGPIPE}) std::signal(signal, ask);
+  if (std::signal(SIGHUP, ask) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
 }
 
 StopRequest::~StopRequest() {
-  restore();
+  if (asked) return;
+  for (const int signal : {SIGINT, SIGTERM, SIGPIPE}) std::signal(signal, SIG_DFL);
+  if (std::signal(SIGHUP, SIG_DFL) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
 }
 
 int StopRequest::signal() const {

@@ -2,7 +2,9 @@
 
 namespace taut {
 
-// While it lives, SIGINT and SIGTERM ask to stop instead of killing. Once asked, a second one kills at once.
+// While it lives, SIGINT, SIGTERM, SIGHUP (the terminal was closed) and SIGPIPE (nobody reads any more) ask
+// to stop instead of killing. Once asked, a second SIGINT or SIGTERM kills at once; a hangup comes twice by
+// itself. Under nohup, which has SIGHUP ignored, it stays so.
 class StopRequest {
  public:
   StopRequest();
