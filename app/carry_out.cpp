@@ -1,15 +1,35 @@
 #include "carry_out.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
+#include <chrono>
 #include <csignal>
+#include <system_error>
 
+#include "command_line.hpp"
 #include "md/errors.hpp"
 #include "progress.hpp"
 #include "stop_request.hpp"
 
 namespace taut {
 namespace {
+
+// A run that keeps its data in a folder goes on where its lines on the terminal are lost; the exit code says
+// so.
+void if_anybody_listens(const auto& print) {
+  try {
+    print();
+  } catch (const std::system_error&) {  // fmt's, for a write that fails
+  }
+}
+
+std::vector<std::string> written(const RunFolder& folder) {
+  std::vector<std::string> files = run_files(folder.path());
+  for (std::string& file : files) file = (folder.path() / file).string();
+  return files;
+}
 
 std::string thermostat_line(const RunSettings& run) {
   if (run.langevin())
@@ -34,7 +54,7 @@ void print_header(const Simulation& simulation) {
   fmt::print("  {} steps of {:g} fs = {:.6g} ps, seed {}{}\n\n", scene.run.steps, scene.run.dt_fs,
              static_cast<double>(scene.run.steps) * scene.run.h(), scene.run.seed,
              thermostat_line(scene.run));
-  if (simulation.step() > 0) fmt::print("resumed at step {}\n", simulation.step());
+  if (simulation.step() > 0) fmt::print("goes on from step {}\n", simulation.step());
   fmt::print("{:>8} {:>10} {:>12} {:>12} {:>8} {:>9} {:>5}{}\n", "step", "t [ps]", "E_pot [kJ]",
              "E_total [kJ]", "T [K]", "bond err", "iter", sys.box.periodic() ? "  P [bar]" : "");
 }
@@ -84,12 +104,31 @@ void print_summary(const Simulation& simulation, const Summary& s) {
   }
 }
 
+std::string to_go_on(const RunFolder& folder, long step) {
+  return fmt::format("`taut resume {}` goes on from step {}", quoted_for_shell(folder.path().string()), step);
+}
+
+const char* name_of(int signal) {
+  switch (signal) {
+    case SIGINT:
+      return "SIGINT";
+    case SIGHUP:
+      return "SIGHUP";
+    case SIGPIPE:
+      return "SIGPIPE";
+    default:
+      return "SIGTERM";
+  }
+}
+
 [[noreturn]] void say_how_to_go_on(const Simulation& simulation, const RunFolder* folder, int signal) {
-  fmt::print("\nstopped at step {} of {} by {}; {}\n", simulation.step(), simulation.scene().run.steps,
-             signal == SIGINT ? "SIGINT" : "SIGTERM",
-             folder ? fmt::format("`taut resume {}` goes on", folder->path().string())
-                    : "nothing was kept: a run with --out can be resumed");
-  std::fflush(stdout);
+  if_anybody_listens([&] {
+    fmt::print(
+        "\nstopped at step {} of {} by {}; {}\n", simulation.step(), simulation.scene().run.steps,
+        name_of(signal),
+        folder ? to_go_on(*folder, simulation.step()) : "nothing was kept: a run with --out can be resumed");
+    std::fflush(stdout);
+  });
   throw Stopped{128 + signal};
 }
 
@@ -97,49 +136,92 @@ void print_summary(const Simulation& simulation, const Summary& s) {
 [[noreturn]] void explain(Simulation& simulation, RunFolder* folder, const SimulationFailure& failure) {
   const std::optional<Diagnosis> diagnosis = simulation.diagnose();
   if (!diagnosis) throw failure;
-  if (folder) try {
-      folder->write_failure(simulation, *diagnosis);
-    } catch (const OutsideError& e) {
-      fmt::print(stderr, "taut: {}\n", e.what());
+  if (!folder) throw SimulationFailure(diagnosis->text());
+  std::string kept;
+  try {
+    folder->write_failure(simulation, *diagnosis);
+    kept = fmt::format("\n  kept: {0}/last_good.start.toml, the state one step before, and {0}/failure.json",
+                       folder->path().string());
+  } catch (const OutsideError& e) {
+    std::fputs(fmt::format("taut: {}\n", e.what()).c_str(), stderr);
+  }
+  if (folder->kept_step()) kept += fmt::format("\n  {}", to_go_on(*folder, *folder->kept_step()));
+  throw SimulationFailure(diagnosis->text() + kept);
+}
+
+// When checkpoints are due: every so many steps, and by the clock, at first as soon as the run has gone on
+// for as long again. So a kill takes half of a short run at most, and checkpoint_minutes of a long one.
+class CheckpointSchedule {
+ public:
+  explicit CheckpointSchedule(const RunSettings& run)
+      : every_(run.checkpoint_every), interval_(60 * run.checkpoint_minutes) {}
+
+  bool due(long step) const {
+    if (every_ > 0 && step % every_ == 0) return true;
+    const Seconds whole = last_ - start_, since = Clock::now() - last_;
+    return interval_.count() > 0 && since >= std::min(interval_, std::max(whole, Seconds(1)));
+  }
+  void taken() { last_ = Clock::now(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  using Seconds = std::chrono::duration<double>;
+  long every_;
+  Seconds interval_;
+  Clock::time_point start_ = Clock::now(), last_ = start_;
+};
+
+// Takes the steps that are left. Throws what a step or the disk throws.
+Summary take_steps(Simulation& simulation, RunFolder* folder, const StopRequest& request,
+                   Progress& progress) {
+  const RunSettings& settings = simulation.scene().run;
+  const long first = simulation.step();
+  CheckpointSchedule schedule(settings);
+  const auto on_record = [&](const Record& r) {
+    progress.clear();
+    if (folder) folder->add_row(r);
+    if (folder || request.signal())
+      if_anybody_listens([&] { print_row(r); });
+    else
+      print_row(r);
+  };
+  const auto on_step = [&](long step) {
+    progress.at(step - first);
+    if (folder) folder->add_frame(simulation);
+    if (folder && (request.signal() || step == settings.steps || schedule.due(step))) {
+      folder->keep(simulation);
+      schedule.taken();
     }
-  throw SimulationFailure(diagnosis->text());
+    if (request.signal()) simulation.stop();
+  };
+  return simulation.run(on_record, on_step);
 }
 
 }  // namespace
 
 void carry_out(Simulation& simulation, RunFolder* folder) {
   const StopRequest request;
-  const RunSettings& settings = simulation.scene().run;
-  const long first = simulation.step();
-  print_header(simulation);
-  if (folder && first == 0) folder->add_frame(simulation);
-  if (folder) folder->keep(simulation);
-  Progress progress(settings.steps - first);
-  const auto on_record = [&](const Record& r) {
-    progress.clear();
-    print_row(r);
-    if (folder) folder->add_row(r);
-  };
-  const auto on_step = [&](long step) {
-    progress.at(step - first);
-    if (folder) folder->add_frame(simulation);
-    const bool due = settings.checkpoint_every > 0 && step % settings.checkpoint_every == 0;
-    if (folder && (due || request.signal() || step == settings.steps)) folder->keep(simulation);
-    if (request.signal()) simulation.stop();
-  };
+  const long steps = simulation.scene().run.steps;
+  Progress progress(steps - simulation.step());
   Summary summary;
   try {
-    summary = simulation.run(on_record, on_step);
+    if (folder && simulation.step() == 0) folder->add_frame(simulation);
+    if (folder) folder->keep(simulation);
+    print_header(simulation);
+    summary = take_steps(simulation, folder, request, progress);
+    progress.clear();
+    if (simulation.step() < steps) say_how_to_go_on(simulation, folder, request.signal());
+    if (folder) folder->write_end(simulation, summary);
   } catch (const SimulationFailure& failure) {
     progress.clear();
     explain(simulation, folder, failure);
+  } catch (const OutsideError& e) {
+    progress.clear();
+    if (!folder || !folder->kept_step()) throw;
+    throw OutsideError(fmt::format("{}; that mended, {}", e.what(), to_go_on(*folder, *folder->kept_step())));
   }
-  progress.clear();
-  if (simulation.step() < settings.steps) say_how_to_go_on(simulation, folder, request.signal());
   print_summary(simulation, summary);
-  if (!folder) return;
-  folder->write_end(simulation, summary);
-  fmt::print("wrote {0}/log.csv, {0}/summary.json, {0}/final.start.toml\n", folder->path().string());
+  if (folder) fmt::print("wrote {}\n", fmt::join(written(*folder), ", "));
 }
 
 }  // namespace taut

@@ -1,14 +1,12 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdlib>
+#include <limits>
 #include <memory>
 
-#include "carry_out.hpp"
 #include "commands.hpp"
+#include "going_on.hpp"
 #include "md/errors.hpp"
-#include "md/threads.hpp"
-#include "systems/checkpoint.hpp"
 
 namespace taut {
 namespace {
@@ -16,35 +14,28 @@ namespace {
 struct ResumeArguments {
   std::filesystem::path folder;
   std::optional<long> steps;
+  std::vector<std::string> settings;
+  bool yes = false;
+
+  KeyValues changes(long taken) const {
+    KeyValues changes = key_values(settings);
+    if (!steps) return changes;
+    if (changes.contains("run.steps"))
+      throw InputError("--steps and --set run.steps: one of them, the steps to come or all in all");
+    if (*steps > std::numeric_limits<long>::max() - taken)
+      throw InputError(
+          fmt::format("--steps {}: with the {} that are taken more than can be counted", *steps, taken));
+    changes["run.steps"] = std::to_string(taken + *steps);
+    return changes;
+  }
 };
 
-// The run as it was at its checkpoint.
-Simulation recalled(const Checkpoint& checkpoint, const std::filesystem::path& folder) {
-  try {
-    Simulation simulation(checkpoint.source.read());
-    simulation.recall(checkpoint.memory);
-    if (simulation.step() != checkpoint.step) throw InputError("damaged: two numbers of steps");
-    return simulation;
-  } catch (const InputError& e) {
-    throw InputError(fmt::format("{}: {}", checkpoint_file(folder).string(), e.what()));
-  }
-}
-
 void resume(const ResumeArguments& arguments) {
-  const auto& folder = arguments.folder;
-  expect_checkpoint(folder);
-  FolderLock lock(folder);  // before it is read: who holds it may be writing the next
-  Checkpoint checkpoint = load_checkpoint(folder);
-  if (arguments.steps)
-    checkpoint.source.overrides.push_back(fmt::format("run.steps={}", checkpoint.step + *arguments.steps));
-  if (!std::getenv("OMP_NUM_THREADS")) use_threads(std::max(1, checkpoint.threads));
-  Simulation simulation = recalled(checkpoint, folder);
-  if (simulation.step() >= simulation.scene().run.steps && std::filesystem::exists(folder / "summary.json")) {
-    fmt::print("{}: all {} steps are taken; --steps N takes N more\n", folder.string(), simulation.step());
-    return;
-  }
-  RunFolder run_folder(std::move(lock), checkpoint.source, simulation, checkpoint.marks);
-  carry_out(simulation, &run_folder);
+  expect_checkpoint(arguments.folder);
+  FolderLock lock(arguments.folder);  // before it is read: who holds it may be writing the next
+  Checkpoint checkpoint = load_checkpoint(arguments.folder);
+  const KeyValues changes = arguments.changes(checkpoint.step);
+  go_on(std::move(lock), std::move(checkpoint), changes, {arguments.yes, arguments.yes});
 }
 
 }  // namespace
@@ -58,6 +49,14 @@ void add_resume(CLI::App& app, std::vector<std::pair<CLI::App*, Action>>& action
       ->add_option("--steps", arguments->steps,
                    "so many more than were taken (if not said: what is left of the run's)")
       ->check(CLI::PositiveNumber);
+  command
+      ->add_option(
+          "--set", arguments->settings,
+          "what may change: run.log_every, run.trajectory_every, run.checkpoint_minutes, the thermostat")
+      ->type_name("KEY=VALUE");
+  command->add_flag(
+      "--yes", arguments->yes,
+      "go on though log or trajectories are cut back to less than half, or are gone and begin anew");
   actions.emplace_back(command, [arguments] { resume(*arguments); });
 }
 

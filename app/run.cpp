@@ -1,10 +1,12 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <memory>
 
 #include "carry_out.hpp"
 #include "commands.hpp"
+#include "going_on.hpp"
 #include "md/errors.hpp"
 #include "systems/openmm/openmm_import.hpp"
 #include "systems/scene_file.hpp"
@@ -23,11 +25,12 @@ struct RunArguments {
   std::optional<double> dt_fs;
   std::vector<std::string> settings;
   std::optional<fs::path> out;
+  bool go_on = false, overwrite = false;
 
   // --method, --steps and --dt-fs are short for keys; --set comes last and so prevails.
   std::vector<std::string> overrides() const {
     std::vector<std::string> all;
-    if (method) all.push_back(fmt::format("method.name=\"{}\"", *method));
+    if (method) all.push_back("method.name=" + toml_quoted(*method));
     if (steps) all.push_back(fmt::format("run.steps={}", *steps));
     if (dt_fs) all.push_back(fmt::format("run.dt_fs={}", *dt_fs));
     all.insert(all.end(), settings.begin(), settings.end());
@@ -46,21 +49,51 @@ struct RunArguments {
 
 // What a run without a folder could only forget.
 void refuse_files_without_folder(const RunSettings& settings) {
-  const char* key = settings.trajectory_every > 0   ? "trajectory_every"
-                    : settings.checkpoint_every > 0 ? "checkpoint_every"
-                                                    : nullptr;
+  const char* key = settings.trajectory_every > 0                                     ? "trajectory_every"
+                    : settings.checkpoint_every > 0                                   ? "checkpoint_every"
+                    : settings.checkpoint_minutes != RunSettings{}.checkpoint_minutes ? "checkpoint_minutes"
+                                                                                      : nullptr;
   if (key) throw InputError(fmt::format("run.{}: nowhere to write, give --out DIR", key));
 }
 
+void refuse_a_run_there(const fs::path& folder) {
+  const std::vector<std::string> files = run_files(folder);
+  if (files.empty()) return;
+  throw InputError(fmt::format(
+      "{}: holds a run ({}); --continue goes on with it, --overwrite first moves it aside, to {}.1 "
+      "or the next number that is free",
+      folder.string(), fmt::join(files, ", "), folder.string()));
+}
+
+void run_in_folder(const RunArguments& arguments, Scene scene) {
+  const fs::path& folder = *arguments.out;
+  const SceneSource source = source_of(scene, !arguments.openmm.empty(), arguments.overrides());
+  if (arguments.go_on && fs::exists(checkpoint_file(folder))) {
+    FolderLock lock(folder);
+    Checkpoint checkpoint = load_checkpoint(folder);
+    expect_same_input(folder, checkpoint.source, source);
+    go_on(std::move(lock), std::move(checkpoint), {{"run.steps", std::to_string(scene.run.steps)}},
+          {.cut_back = true});
+    return;
+  }
+  const bool may_move = arguments.go_on || arguments.overwrite;
+  if (!may_move) refuse_a_run_there(folder);
+  Simulation simulation(std::move(scene));
+  FolderLock lock(folder);
+  if (!may_move) refuse_a_run_there(folder);  // another may have been faster
+  RunFolder run_folder(std::move(lock), source, simulation);
+  carry_out(simulation, &run_folder);
+}
+
 void run(const RunArguments& arguments) {
-  Simulation simulation(arguments.read());
-  if (!arguments.out) refuse_files_without_folder(simulation.scene().run);
-  std::optional<RunFolder> folder;
-  if (arguments.out)
-    folder.emplace(FolderLock(*arguments.out),
-                   source_of(simulation.scene(), !arguments.openmm.empty(), arguments.overrides()),
-                   simulation);
-  carry_out(simulation, folder ? &*folder : nullptr);
+  Scene scene = arguments.read();
+  if (arguments.out) return run_in_folder(arguments, std::move(scene));
+  if (arguments.go_on || arguments.overwrite)
+    throw InputError(
+        fmt::format("{}: of which folder? give --out DIR", arguments.go_on ? "--continue" : "--overwrite"));
+  refuse_files_without_folder(scene.run);
+  Simulation simulation(std::move(scene));
+  carry_out(simulation, nullptr);
 }
 
 }  // namespace
@@ -80,6 +113,13 @@ void add_run(CLI::App& app, std::vector<std::pair<CLI::App*, Action>>& actions) 
       ->type_name("KEY=VALUE");
   command->add_option("--out", arguments->out,
                       "folder for log.csv, checkpoint.cbor, summary.json and the final state");
+  CLI::Option* go_on = command->add_flag(
+      "--continue", arguments->go_on,
+      "go on with the run of the same input in --out, or start it where there is none: for queues");
+  command
+      ->add_flag("--overwrite", arguments->overwrite,
+                 "move what run is in --out to OUT.1, OUT.2, ..., and start")
+      ->excludes(go_on);
   actions.emplace_back(command, [arguments] { run(*arguments); });
 }
 

@@ -6,6 +6,7 @@
 
 #include "md/aside_file.hpp"
 #include "md/errors.hpp"
+#include "md/set_aside.hpp"
 #include "md/threads.hpp"
 #include "systems/start_file.hpp"
 
@@ -93,33 +94,46 @@ void write_aside(const fs::path& path, const ordered_json& json) {
   file.commit();
 }
 
-// The checkpoint first: without it nobody takes the rest for a run that can go on.
-FolderLock cleared(FolderLock lock, bool anew) {
+constexpr const char* kLog = "log.csv";
+
+// What the run before wrote is another's, or of an earlier step. The checkpoint goes first: without it nobody
+// takes the rest for a run that can go on.
+FolderLock cleared(FolderLock lock, const Simulation& simulation, const Marks& marks) {
   const fs::path& folder = lock.path();
-  std::error_code error;
-  if (anew)
-    for (const char* name : {"checkpoint.cbor", "trajectory.dcd", "trajectory.h5md", "start.pdb"})
-      fs::remove(folder / name, error);
-  for (const char* name : {"summary.json", "final.start.toml", "failure.json", "last_good.start.toml"})
-    fs::remove(folder / name, error);
+  std::vector<std::string> old;
+  if (marks.empty()) {
+    old = run_files(folder);
+  } else {
+    std::vector<std::string> unmarked;
+    auto outputs = Trajectories::extents(folder, simulation);
+    outputs.emplace(kLog, 0);
+    for (const auto& [name, extent] : outputs)
+      if (!marks.contains(name)) unmarked.insert(unmarked.end(), {name, name + ".journal"});
+    old = present(folder, unmarked);
+  }
+  if (!old.empty())
+    fmt::print("{}: what was there is kept in {}\n", folder.string(), set_aside(folder, old).string());
   return lock;
 }
 
 std::uint64_t mark_of(const Marks& marks, const std::string& name) {
   const auto mark = marks.find(name);
-  if (mark == marks.end() && !marks.empty())
-    throw InputError(fmt::format("the checkpoint does not say how far {} was written", name));
-  return marks.empty() ? 0 : mark->second;
+  return mark == marks.end() ? 0 : mark->second;
 }
 
 }  // namespace
 
 RunFolder::RunFolder(FolderLock folder, SceneSource source, const Simulation& simulation, const Marks& marks)
-    : folder_(cleared(std::move(folder), marks.empty())),
+    : folder_(cleared(std::move(folder), simulation, marks)),
       source_(std::move(source)),
-      log_(path() / "log.csv", mark_of(marks, "log.csv")),
+      log_(path() / kLog, mark_of(marks, kLog)),
       trajectories_(path(), simulation, marks) {
-  if (marks.empty()) log_.write(kLogHeader);
+  if (log_.size() == 0) log_.write(kLogHeader);
+  if (marks.empty()) return;
+  kept_step_ = simulation.step();
+  std::error_code ignored;
+  for (const char* name : {"summary.json", "final.start.toml", "failure.json", "last_good.start.toml"})
+    fs::remove(path() / name, ignored);  // they are of a step that is not the last any more
 }
 
 void RunFolder::add_row(const Record& record) {
@@ -136,11 +150,12 @@ void RunFolder::keep(Simulation& simulation) {
                         .t = simulation.state().t,
                         .threads = available_threads(),
                         .memory = {},
-                        .marks = {{"log.csv", log_.mark()}}};
+                        .marks = {{kLog, log_.mark()}}};
   trajectories_.mark(checkpoint.marks);
   Memory memory = Memory::keep_in(checkpoint.memory);
   simulation.remember(memory);
   write_checkpoint(path(), checkpoint);
+  kept_step_ = checkpoint.step;
 }
 
 void RunFolder::write_end(const Simulation& simulation, const Summary& summary) {
@@ -153,6 +168,24 @@ void RunFolder::write_failure(const Simulation& simulation, const Diagnosis& dia
   log_.mark();
   write_start(path() / "last_good.start.toml", simulation.scene().system, simulation.state());
   write_aside(path() / "failure.json", failure_json(diagnosis));
+}
+
+std::vector<std::string> run_files(const fs::path& folder) {
+  return present(folder,
+                 {"checkpoint.cbor", kLog, "trajectory.dcd", "trajectory.h5md", "trajectory.h5md.journal",
+                  "start.pdb", "summary.json", "final.start.toml", "failure.json", "last_good.start.toml"});
+}
+
+OutputsFound find_outputs(const fs::path& folder, const Simulation& simulation, const Marks& marks) {
+  OutputsFound found;
+  auto outputs = Trajectories::extents(folder, simulation);
+  outputs[kLog] = size_of(folder / kLog);
+  for (const auto& [name, extent] : outputs) {
+    const std::uint64_t mark = mark_of(marks, name);
+    if (extent < mark || (extent == 0 && name == kLog)) found.missing.push_back(name);
+    if (mark > 0 && extent / 2 > mark) found.longer.push_back(name);
+  }
+  return found;
 }
 
 }  // namespace taut

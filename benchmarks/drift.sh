@@ -18,6 +18,7 @@ for dt in $steps_fs; do
   for seed in $seeds; do
     for method in "${methods[@]}"; do
       name=${method// --set method./ }
+      rm -rf "$out"
       # shellcheck disable=SC2086
       if "$taut" run "$scene" --method $method --steps "$steps" --dt-fs "$dt" --set run.seed="$seed" \
           --set run.log_every=10 "$@" --out "$out" >/dev/null 2>&1; then

@@ -23,7 +23,8 @@ struct RunSettings {
   std::string redundant = "refuse";  // bonds that follow from others: "refuse" or "drop"
   long trajectory_every = 0;         // steps from frame to frame; 0: no trajectory
   std::string trajectory = "dcd";    // "dcd", "h5md" or "both"
-  long checkpoint_every = 0;         // steps; 0: where it stops, alone
+  long checkpoint_every = 0;         // steps; 0: by the clock and where it stops, alone
+  double checkpoint_minutes = 5;     // of computing from checkpoint to checkpoint; 0: not by the clock
   std::string thermostat;      // "langevin", "rescaling", "none"; "": rescaling where thermostat_ps is given
   double thermostat_ps = 0;    // relaxation time of velocity rescaling to temperature_k
   double friction_per_ps = 1;  // of Langevin's thermostat

@@ -18,6 +18,7 @@ void read_run(const TomlTable& table, RunSettings& run) {
   table.read("trajectory_every", run.trajectory_every, kNotNegative);
   if (table.has("trajectory")) run.trajectory = table.choice("trajectory", {"dcd", "h5md", "both"});
   table.read("checkpoint_every", run.checkpoint_every, kNotNegative);
+  table.read("checkpoint_minutes", run.checkpoint_minutes, kNotNegative);
   if (table.has("redundant")) run.redundant = table.choice("redundant", {"refuse", "drop"});
   if (table.has("thermostat")) run.thermostat = table.choice("thermostat", {"none", "langevin", "rescaling"});
   table.read("thermostat_ps", run.thermostat_ps, kNotNegative);

@@ -1,6 +1,5 @@
 #include "systems/scene_source.hpp"
 
-#include <fmt/format.h>
 #include <stdlib.h>  // mkdtemp
 
 #include <fstream>
@@ -10,6 +9,7 @@
 #include "md/errors.hpp"
 #include "systems/openmm/openmm_import.hpp"
 #include "systems/scene_file.hpp"
+#include "systems/toml_reader.hpp"
 
 namespace taut {
 namespace {
@@ -57,13 +57,13 @@ Scene SceneSource::read() const {
     apply_overrides(scene, overrides);
     return scene;
   }
-  std::vector<std::string> all = overrides;
-  if (paths.size() == 2) all.push_back(fmt::format("build.start=\"{}\"", paths[1].string()));
-  return read_scene(paths[0], all);
+  KeyValues all = key_values(overrides);
+  if (paths.size() == 2) all["build.start"] = toml_quoted(paths[1].string());
+  return read_scene(paths[0], overrides_of(all));
 }
 
-SceneSource source_of(const Scene& scene, bool openmm, std::vector<std::string> overrides) {
-  SceneSource source{openmm, {}, std::move(overrides)};
+SceneSource source_of(const Scene& scene, bool openmm, const std::vector<std::string>& overrides) {
+  SceneSource source{openmm, {}, overrides_of(key_values(overrides))};
   for (const fs::path& path : scene.files) {
     std::ifstream in(path, std::ios::binary);
     if (!in) throw InputError(path.string() + ": cannot be read");

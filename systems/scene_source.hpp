@@ -13,14 +13,14 @@ struct SceneSource {
   struct File {
     std::string name, text;
   };
-  bool openmm = false;      // a System and a State of OpenMM's, not a scene's file and its start
-  std::vector<File> files;  // as Scene::files names them
-  std::vector<std::string> overrides;
+  bool openmm = false;                 // a System and a State of OpenMM's, not a scene's file and its start
+  std::vector<File> files;             // as Scene::files names them
+  std::vector<std::string> overrides;  // each key once
 
   Scene read() const;  // throws InputError
 };
 
 // Of a scene just read. Throws InputError for a file that has gone meanwhile.
-SceneSource source_of(const Scene& scene, bool openmm, std::vector<std::string> overrides);
+SceneSource source_of(const Scene& scene, bool openmm, const std::vector<std::string>& overrides);
 
 }  // namespace taut

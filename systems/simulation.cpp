@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "constraints/bond_algebra.hpp"
 #include "constraints/redundancy.hpp"
@@ -46,6 +47,12 @@ Scene reduced(Scene scene, const Redundancy& redundancy) {
   return scene;
 }
 
+bool same_thermostat(const RunSettings& a, const RunSettings& b) {
+  return a.langevin() == b.langevin() && a.rescaling() == b.rescaling() &&
+         a.temperature_k == b.temperature_k && a.thermostat_ps == b.thermostat_ps &&
+         a.friction_per_ps == b.friction_per_ps;
+}
+
 // A coordinate is known to 1e-16 of itself, so a bond's length to no better than that over its length.
 void refuse_unreachable_tolerance(const System& sys, const Vectors& x, double tolerance) {
   if (sys.bonds.empty()) return;
@@ -70,18 +77,12 @@ Simulation::Simulation(Scene scene)
       projector_(scene_.system),
       state_(scene_.start) {
   const System& sys = scene_.system;
-  const RunSettings& run = scene_.run;
   refuse_momentum_of_anchored_bonds(scene_);
-  if (run.langevin()) make_langevin();
+  if (scene_.run.langevin()) langevin_.emplace(sys, bath(), scene_.run.h());
   bring_to_the_bonds();
-  dof_ = degrees_of_freedom(sys, has_springs() && run.langevin() ? 0 : sys.bond_count(),
-                            momentum_stays_zero(scene_, state_.v));
   refuse_unreachable_tolerance(sys, state_.x, promised_error());
-  if ((run.rescaling() || run.langevin()) && dof_.total() < 1)
-    throw InputError("run.thermostat: nothing can move, there is no temperature");
-  temperatures_.emplace(sys, scene_.terms, state_.x, dof_.rank > 0, dof_.momentum_fixed);
   if (sys.box.periodic()) barometer_.emplace(sys, has_springs());
-  if (run.rescaling()) thermostat_.emplace(run.temperature_k, run.thermostat_ps, dof_.total(), run.seed);
+  count_degrees_of_freedom(momentum_stays_zero(scene_, state_.v));
 }
 
 void Simulation::bring_to_the_bonds() {
@@ -114,15 +115,28 @@ void Simulation::note_start() {
         largest_move, 100 * kinetic_removed));
 }
 
-void Simulation::make_langevin() {
+Langevin::Bath Simulation::bath() const {
   const RunSettings& run = scene_.run;
-  langevin_.emplace(scene_.system,
-                    Langevin::Bath{.temperature = run.temperature_k,
-                                   .friction = run.friction_per_ps,
-                                   .seed = run.seed,
-                                   .free_bonds = has_springs(),
-                                   .hold_momentum = run.remove_momentum_every > 0},
-                    run.h());
+  return {.temperature = run.temperature_k,
+          .friction = run.friction_per_ps,
+          .seed = seed_here(),
+          .free_bonds = has_springs(),
+          .hold_momentum = run.remove_momentum_every > 0};
+}
+
+// What is drawn from here on was not drawn before: a thermostat taken away and given back.
+std::uint64_t Simulation::seed_here() const {
+  return scene_.run.seed + static_cast<std::uint64_t>(progress_.step) * 0x9e3779b97f4a7c15;
+}
+
+void Simulation::count_degrees_of_freedom(bool momentum_fixed) {
+  const System& sys = scene_.system;
+  const RunSettings& run = scene_.run;
+  dof_ = degrees_of_freedom(sys, has_springs() && run.langevin() ? 0 : sys.bond_count(), momentum_fixed);
+  if ((run.rescaling() || run.langevin()) && dof_.total() < 1)
+    throw InputError("run.thermostat: nothing can move, there is no temperature");
+  temperatures_.emplace(sys, scene_.terms, state_.x, dof_.rank > 0, dof_.momentum_fixed);
+  if (run.rescaling()) thermostat_.emplace(run.temperature_k, run.thermostat_ps, dof_.total(), seed_here());
 }
 
 bool Simulation::has_springs() const {
@@ -177,15 +191,44 @@ Record Simulation::record() const {
   return r;
 }
 
+void Simulation::change(const RunSettings& run) {
+  const RunSettings before = std::exchange(scene_.run, run);
+  if (same_thermostat(before, run)) return;
+  std::string drawn;  // the numbers of a thermostat that stays go on
+  Memory keep = Memory::keep_in(drawn);
+  const bool same_kind = before.langevin() == run.langevin() && before.rescaling() == run.rescaling();
+  if (same_kind) remember_thermostat(keep);
+  thermostat_.reset(), langevin_.reset();
+  if (run.langevin()) langevin_.emplace(scene_.system, bath(), run.h());
+  count_degrees_of_freedom(momentum_stays_zero(scene_, state_.v));
+  Memory recall = Memory::recall_from(drawn);
+  if (same_kind) remember_thermostat(recall);
+  const long last_row = std::exchange(sums_, LogSums{}).last_row;
+  sums_.last_row = last_row;
+}
+
 // The thing itself is made anew, from the same scene; this is what its steps have changed.
 void Simulation::remember(Memory& memory) {
-  memory(state_.x, state_.v, state_.f, state_.t, progress_, sums_, *temperatures_, forces_);
+  bool momentum_fixed = dof_.momentum_fixed;  // as it was when the thermostat was changed
+  memory(state_.x, state_.v, state_.f, state_.t, progress_, momentum_fixed);
+  constexpr int kMostIterations = 1 << 30;
+  memory.demand(progress_.step >= 0 && 0 <= progress_.since.iterations &&
+                progress_.since.iterations <= kMostIterations);
+  if (momentum_fixed != dof_.momentum_fixed) count_degrees_of_freedom(momentum_fixed);
+  memory(sums_);
+  memory.demand(0 <= sums_.last_row && sums_.last_row <= progress_.step && 0 <= sums_.rows &&
+                sums_.rows <= progress_.step + 1);
+  memory(*temperatures_, forces_);
   std::visit([&](auto& method) { memory(method); }, method_);
-  if (thermostat_) memory(*thermostat_);
-  if (langevin_) memory(*langevin_);
+  remember_thermostat(memory);
   if (!memory.recalling()) return;
   State evaluated = state_;  // its f holds no constraint forces
   forces_(scene_.system, evaluated);
+}
+
+void Simulation::remember_thermostat(Memory& memory) {
+  if (thermostat_) memory(*thermostat_);
+  if (langevin_) memory(*langevin_);
 }
 
 void Simulation::recall(std::string_view kept) {

@@ -94,6 +94,10 @@ class Simulation {
   void remember(Memory& memory);
   void recall(std::string_view kept);
 
+  // Other settings for the steps to come: steps, how often there are rows, frames and checkpoints, and the
+  // thermostat. Another thermostat is another ensemble: means and the drift set out anew.
+  void change(const RunSettings& run);
+
   // After run() failed: goes back to the last snapshot it kept in memory (every 100 steps) and takes the
   // steps again, up to the first after which something is wrong. The state is then the one before that step.
   // Nothing where no step fails: then someone who watched threw.
@@ -102,7 +106,10 @@ class Simulation {
  private:
   void bring_to_the_bonds();
   void note_start();
-  void make_langevin();
+  Langevin::Bath bath() const;
+  std::uint64_t seed_here() const;
+  void remember_thermostat(Memory& memory);
+  void count_degrees_of_freedom(bool momentum_fixed);
   // visit(method, bath), as md/step.hpp takes them
   void visit_step(auto&& visit) {
     NoBath none;

@@ -90,7 +90,7 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
     watch.leave_out(Clock::now() - pause);
   };
   stop_ = false;
-  if (sums_.rows == 0) observe({});
+  if (progress_.step == 0 && sums_.rows == 0) observe({});
   keep_snapshot();
 
   double constraint_seconds = 0;
@@ -109,7 +109,7 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
   });
 
   const bool ended = progress_.step >= plan.steps;
-  if (ended && sums_.last_row != progress_.step)
+  if (ended && (sums_.rows == 0 || sums_.last_row != progress_.step))
     observe(progress_.since);  // a row more, after what a checkpoint keeps
   else
     last = row(progress_.since, watch, progress_.step - first);

@@ -78,6 +78,34 @@ toml::table parse_override(const std::string& text) {
   throw LocatedError(where + ": expected key=value, such as run.dt_fs=2");
 }
 
+// In one line, whatever its length.
+std::string value_text(const toml::node& node) {
+  if (const auto* string = node.as_string()) return toml_quoted(string->get());
+  std::ostringstream text;
+  const char* between = "";
+  if (const auto* array = node.as_array()) {
+    for (const toml::node& one : *array) text << std::exchange(between, ", ") << value_text(one);
+    return fmt::format("[{}]", text.str());
+  }
+  if (const auto* table = node.as_table()) {
+    for (const auto& [key, one] : *table)
+      text << std::exchange(between, ", ") << toml_quoted(key.str()) << " = " << value_text(one);
+    return fmt::format("{{{}}}", text.str());
+  }
+  node.visit([&](const auto& value) { text << value; });
+  return text.str();
+}
+
+void collect(const toml::table& table, const std::string& above, KeyValues& values) {
+  for (const auto& [name, node] : table) {
+    const std::string key = above + std::string(name.str());
+    if (const auto* section = node.as_table())
+      collect(*section, key + ".", values);
+    else
+      values[key] = value_text(node);
+  }
+}
+
 }  // namespace
 
 TomlTable TomlTable::section(std::string_view key) const {
@@ -264,6 +292,31 @@ toml::table parse_overrides(const std::vector<std::string>& overrides) {
   toml::table all;
   for (const std::string& text : overrides) lay_over(all, parse_override(text));
   return all;
+}
+
+std::string toml_quoted(std::string_view text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (static_cast<unsigned char>(c) < ' ' || c == '\x7f')
+      quoted += fmt::format("\\u{:04x}", c);
+    else if (c == '"' || c == '\\')
+      quoted += {'\\', c};
+    else
+      quoted += c;
+  }
+  return quoted + "\"";
+}
+
+KeyValues key_values(const std::vector<std::string>& overrides) {
+  KeyValues values;
+  collect(parse_overrides(overrides), "", values);
+  return values;
+}
+
+std::vector<std::string> overrides_of(const KeyValues& values) {
+  std::vector<std::string> overrides;
+  for (const auto& [key, value] : values) overrides.push_back(key + "=" + value);
+  return overrides;
 }
 
 void lay_over(toml::table& base, toml::table&& upper) {

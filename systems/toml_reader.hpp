@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -113,6 +114,14 @@ toml::table parse_toml_text(std::string_view text, const std::filesystem::path& 
 
 // "run.dt_fs=2": a dotted key and a value, as in TOML, but a word needs no quotes.
 toml::table parse_overrides(const std::vector<std::string>& overrides);
+
+// The overrides key by key, "run.dt_fs" to "2", the later over those before, values as TOML in one line; and
+// back.
+using KeyValues = std::map<std::string, std::string>;
+KeyValues key_values(const std::vector<std::string>& overrides);
+std::vector<std::string> overrides_of(const KeyValues& values);
+
+std::string toml_quoted(std::string_view text);  // a string as TOML has it, in one line
 
 // The tables' keys together; where both have one, the upper's counts.
 void lay_over(toml::table& base, toml::table&& upper);

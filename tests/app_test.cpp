@@ -47,6 +47,10 @@ TEST(App, WritesLogSummaryAndFinalState) {
   EXPECT_EQ(summary["dt_fs"], 2);
   EXPECT_LT(summary["max_rel_bond_error"], 1e-10);
   EXPECT_TRUE(fs::exists(out / "final.start.toml"));
+  for (const auto& entry : fs::directory_iterator(out)) {
+    if (entry.path().filename() == ".lock") continue;
+    EXPECT_THAT(text.substr(text.rfind("wrote ")), HasSubstr(entry.path().string()));
+  }
   for (const auto& entry : fs::directory_iterator(out)) EXPECT_NE(entry.path().extension(), ".part");
 }
 
@@ -124,7 +128,7 @@ TEST(App, AFailedRunSaysWhyAndKeepsItsLog) {
 }
 
 TEST(App, FilesAskedForWithoutAFolderAreRefused) {
-  for (const char* key : {"run.trajectory_every", "run.checkpoint_every"}) {
+  for (const char* key : {"run.trajectory_every", "run.checkpoint_every", "run.checkpoint_minutes"}) {
     const auto [exit_code, text] = taut(std::string("run pair --set ") + key + "=10");
     EXPECT_EQ(exit_code, 2) << text;
     EXPECT_EQ(lines(text), 1) << text;
@@ -138,6 +142,40 @@ TEST(App, AFolderThatCannotBeMadeIsOutside) {
   EXPECT_EQ(exit_code, 3);
   EXPECT_EQ(lines(text), 1) << text;
   EXPECT_THAT(text, HasSubstr("/proc/taut"));
+}
+
+// What could not be said was not done: exit 3. A run has written its files all the same.
+TEST(App, AnOutputThatIsNotTakenIsOutside) {
+  const TemporaryFolder folder;
+  const std::string out = folder.path().string();
+  const auto exit_code = [](const std::string& words) {
+    return WEXITSTATUS(std::system((std::string(TAUT_BINARY) + " " + words).c_str()));
+  };
+  const std::string study = "stability diatomic --quick --steps 20 --methods newton --out " + out;
+  for (const std::string& words : std::vector<std::string>{
+           "methods", "scenes", "--help", "run pair --steps 5", "calibrate pair", study + "/study"}) {
+    EXPECT_EQ(exit_code(words + " >/dev/full 2>/dev/null"), 3) << words;
+    EXPECT_EQ(exit_code(words + " >&- 2>/dev/null"), 3) << words;
+    EXPECT_EQ(exit_code(words + " >/dev/full 2>&1"), 3) << words;
+  }
+  const std::string run = "run pair --steps 20 --set run.log_every=1 --out " + out;
+  EXPECT_EQ(exit_code(run + "/full >/dev/full 2>/dev/null"), 3);
+  EXPECT_EQ(exit_code(run + "/closed >&- 2>/dev/null"), 3);
+  EXPECT_EQ(exit_code("resume " + out + "/full --steps 5 >/dev/full 2>/dev/null"), 3);
+  for (const char* name : {"full", "closed"}) EXPECT_TRUE(fs::exists(folder.path() / name / "summary.json"));
+  EXPECT_EQ(lines(contents(folder.path() / "full" / "log.csv")), 27);
+  EXPECT_EQ(lines(contents(folder.path() / "closed" / "log.csv")), 22);
+}
+
+// The pipe's reader has gone: stopped as by a signal, with a checkpoint.
+TEST(App, ARunNobodyReadsStopsAndCanGoOn) {
+  const TemporaryFolder folder;
+  const std::string out = (folder.path() / "run").string(), code = (folder.path() / "code").string();
+  taut("methods >/dev/null; (" TAUT_BINARY " run pair --steps 100000000 --set run.log_every=1 --out " + out +
+       "; echo $? >" + code + ") | head -3");
+  EXPECT_EQ(contents(code), "141\n");
+  const auto resumed = taut("resume " + out + " --set run.steps=0");
+  EXPECT_THAT(resumed.text, ::testing::ContainsRegex("goes on from step [1-9]"));
 }
 
 }  // namespace

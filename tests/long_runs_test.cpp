@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -12,6 +13,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <sstream>
@@ -24,6 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using Arguments = std::vector<std::string>;
 using std::chrono::milliseconds;
 
@@ -82,8 +85,32 @@ Outcome taut(const Arguments& arguments, const fs::path& streams) {
   return {code, process.out(), process.error()};
 }
 
+void wait_until(const auto& so) {
+  for (int n = 0; n < 20000 && !so(); ++n) std::this_thread::sleep_for(milliseconds(1));
+}
+
 void wait_for(const fs::path& file) {
-  for (int n = 0; n < 20000 && !fs::exists(file); ++n) std::this_thread::sleep_for(milliseconds(1));
+  wait_until([&] { return fs::exists(file); });
+}
+
+// What a run gets that is killed after a while.
+void kill_when_the_log_has(std::uintmax_t bytes, const Process& process, const fs::path& folder) {
+  wait_for(folder / "checkpoint.cbor");
+  wait_until([&] { return fs::file_size(folder / "log.csv") > bytes; });
+  process.send(SIGKILL);
+  ASSERT_EQ(process.wait(), -SIGKILL);
+}
+
+std::map<std::string, std::string> all_files(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::directory_iterator(folder))
+    files[entry.path().filename().string()] = contents(entry.path());
+  return files;
+}
+
+void expect_one_line(const Outcome& outcome, int code) {
+  EXPECT_EQ(outcome.code, code) << outcome.error;
+  EXPECT_EQ(std::count(outcome.error.begin(), outcome.error.end(), '\n'), 1) << outcome.error;
 }
 
 // The log but for its speeds, column 7.
@@ -100,8 +127,16 @@ std::string steady_log(const fs::path& folder) {
   return text;
 }
 
+// But for the times it took.
+nlohmann::json steady_summary(const fs::path& folder) {
+  auto summary = nlohmann::json::parse(contents(folder / "summary.json"));
+  for (const char* time : {"us_per_step", "constraint_us_per_step", "ns_per_day"}) summary.erase(time);
+  return summary;
+}
+
 void expect_same_run(const fs::path& a, const fs::path& b) {
   EXPECT_EQ(steady_log(a), steady_log(b));
+  EXPECT_EQ(steady_summary(a), steady_summary(b));
   EXPECT_EQ(contents(a / "final.start.toml"), contents(b / "final.start.toml"));
 }
 
@@ -120,6 +155,11 @@ Arguments droplet(const fs::path& out, const std::string& steps) {
           "run.checkpoint_every=20",
           "--out",
           out.string()};
+}
+
+Arguments with(Arguments arguments, const Arguments& more) {
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
 }
 
 class LongRuns : public ::testing::Test {
@@ -144,9 +184,7 @@ TEST_F(LongRuns, KilledAtAnyInstantTheyGoOn) {
   while (killed < kills) {
     const fs::path out = in(("killed" + std::to_string(runs++)).c_str());
     for (int code = -SIGKILL; code == -SIGKILL;) {
-      const bool resumable = fs::exists(out / "checkpoint.cbor");
-      const Process process(resumable ? Arguments{"resume", out.string()} : droplet(out, "600"),
-                            folder_.path());
+      const Process process(with(droplet(out, "600"), {"--continue"}), folder_.path());
       const double instant = length * 0.5 * static_cast<double>(random() % 1000) / 1000;
       std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(instant));
       if (killed < kills) process.send(SIGKILL);
@@ -165,15 +203,18 @@ TEST_F(LongRuns, KilledAtAnyInstantTheyGoOn) {
 
 TEST_F(LongRuns, StopWhenAskedAndSayHowToGoOn) {
   ASSERT_EQ(run(droplet(in("whole"), "700")).code, 0);
-  for (const int signal : {SIGINT, SIGTERM}) {
-    const fs::path out = in(signal == SIGINT ? "int" : "term");
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    const fs::path out = in(std::to_string(signal).c_str());
     const Process process(droplet(out, "700"), folder_.path());
     wait_for(out / "checkpoint.cbor");
     process.send(signal);
+    if (signal == SIGHUP) process.send(signal);  // from the shell, and from the terminal
     EXPECT_EQ(process.wait(), 128 + signal) << process.error();
-    EXPECT_THAT(process.out(), HasSubstr("`taut resume " + out.string() + "` goes on"));
+    EXPECT_THAT(process.out(), HasSubstr("`taut resume " + out.string() + "` goes on from step "));
     EXPECT_FALSE(fs::exists(out / "summary.json"));
-    ASSERT_EQ(run({"resume", out.string()}).code, 0);
+    const Outcome resumed = run({"resume", out.string()});
+    ASSERT_EQ(resumed.code, 0);
+    EXPECT_THAT(resumed.out, HasSubstr("\ngoes on from step "));
     expect_same_run(in("whole"), out);
   }
 }
@@ -196,8 +237,7 @@ TEST_F(LongRuns, WhatIsNoCheckpointGetsOneLine) {
   const auto refused = [&](const std::string& bytes) {
     std::ofstream(in("bad") / "checkpoint.cbor", std::ios::binary) << bytes;
     const Outcome outcome = run({"resume", in("bad").string()});
-    EXPECT_EQ(outcome.code, 2);
-    EXPECT_EQ(std::count(outcome.error.begin(), outcome.error.end(), '\n'), 1) << outcome.error;
+    expect_one_line(outcome, 2);
     EXPECT_THAT(outcome.error, HasSubstr("checkpoint.cbor: "));
   };
   EXPECT_EQ(run({"resume", in("nowhere").string()}).code, 2);
@@ -217,15 +257,30 @@ TEST_F(LongRuns, AFullDiskIsOneLineAndLosesNothing) {
   ASSERT_EQ(run(droplet(out, "50")).code, 0);
   fs::create_symlink("/dev/full", out / "checkpoint.cbor.part");
   const Outcome refused = run({"resume", out.string(), "--steps", "50"});
-  EXPECT_EQ(refused.code, 3);
-  EXPECT_EQ(std::count(refused.error.begin(), refused.error.end(), '\n'), 1) << refused.error;
+  expect_one_line(refused, 3);
   EXPECT_THAT(refused.error, HasSubstr("No space left on device"));
   EXPECT_EQ(run({"resume", out.string(), "--steps", "50"}).code, 0);
   expect_same_run(in("whole"), out);
 
-  fs::create_directories(in("log"));
-  fs::create_symlink("/dev/full", in("log") / "log.csv");
-  EXPECT_EQ(run(droplet(in("log"), "50")).code, 3);
+  EXPECT_THAT(refused.error, HasSubstr("`taut resume " + out.string() + "` goes on from step 50"));
+}
+
+// As a disk that fills up: no file may grow beyond so many bytes.
+TEST_F(LongRuns, ADiskThatFillsUpLeavesTheLastCheckpoint) {
+  const fs::path out = in("full");
+  const Arguments small = {
+      "run", "pendulum", "--steps", "5000", "--set", "run.log_every=5", "run.checkpoint_every=100", "--out"};
+  ASSERT_EQ(run(with(small, {in("small").string()})).code, 0);
+  const rlimit limit{fs::file_size(in("small") / "log.csv") / 2, RLIM_INFINITY};
+  setrlimit(RLIMIT_FSIZE, &limit);
+  const Outcome full = run(with(small, {out.string()}));
+  const rlimit none{RLIM_INFINITY, RLIM_INFINITY};
+  setrlimit(RLIMIT_FSIZE, &none);
+  expect_one_line(full, 3);
+  EXPECT_THAT(full.error, HasSubstr("log.csv: cannot write: File too large; that mended, `taut resume " +
+                                    out.string() + "` goes on from step "));
+  ASSERT_EQ(run({"resume", out.string()}).code, 0);
+  expect_same_run(in("small"), out);
 }
 
 TEST_F(LongRuns, AFolderThatVanishesIsOneLine) {
@@ -246,9 +301,11 @@ TEST_F(LongRuns, OneProcessAtATimeWritesToAFolder) {
   wait_for(out / "checkpoint.cbor");
   first.halt();
   const std::string checkpoint = contents(out / "checkpoint.cbor"), log = contents(out / "log.csv");
-  for (const Arguments& second : {Arguments{"resume", out.string()}, droplet(out, "600"),
-                                  Arguments{"chart", "diatomic", "--quick", "--out", out.string()},
-                                  Arguments{"stability", "diatomic", "--quick", "--out", out.string()}}) {
+  for (const Arguments& second :
+       {Arguments{"resume", out.string()}, with(droplet(out, "600"), {"--continue"}),
+        with(droplet(out, "600"), {"--overwrite"}),
+        Arguments{"chart", "diatomic", "--quick", "--out", out.string()},
+        Arguments{"stability", "diatomic", "--quick", "--out", out.string()}}) {
     const Outcome refused = run(second);
     EXPECT_EQ(refused.code, 2) << second[0];
     EXPECT_EQ(refused.error,
@@ -277,11 +334,187 @@ TEST_F(LongRuns, AFailureIsWrittenWithTheLastGoodFrame) {
   EXPECT_EQ(json["bond"]["atoms"].size(), 2u);
   EXPECT_NEAR(json["bond"]["length_before_nm"], json["bond"]["target_nm"], 1e-8);
   EXPECT_THAT(failed.error, HasSubstr("step " + std::to_string(json["step"].get<long>())));
+  EXPECT_THAT(failed.error, HasSubstr(out.string() + "/last_good.start.toml"));
+  EXPECT_THAT(failed.error, HasSubstr("`taut resume " + out.string() + "` goes on from step "));
   EXPECT_FALSE(contents(out / "log.csv").empty());
   EXPECT_EQ(run({"run", "water", "--method", "newton", "--steps", "5", "--set", "run.temperature_k=0",
                  "build.start=" + (out / "last_good.start.toml").string()})
                 .code,
             0);
+}
+
+TEST_F(LongRuns, ARunIsNotOverwrittenUnasked) {
+  const fs::path out = in("runs");
+  ASSERT_EQ(run(droplet(out, "40")).code, 0);
+  std::ofstream(out / "notes.txt") << "mine";
+  const auto before = all_files(out);
+  const Outcome refused = run(droplet(out, "60"));
+  expect_one_line(refused, 2);
+  EXPECT_THAT(refused.error, HasSubstr("--continue"));
+  EXPECT_THAT(refused.error, HasSubstr("--overwrite"));
+  EXPECT_EQ(all_files(out), before);
+
+  const Outcome anew = run(with(droplet(out, "60"), {"--overwrite"}));
+  ASSERT_EQ(anew.code, 0);
+  EXPECT_THAT(anew.out, HasSubstr("what was there is kept in " + fs::canonical(out).string() + ".1\n"));
+  auto kept = all_files(out.string() + ".1");
+  kept.merge(std::map<std::string, std::string>{{"notes.txt", "mine"}, {".lock", ""}});
+  EXPECT_EQ(kept, before);
+  EXPECT_EQ(contents(out / "notes.txt"), "mine");
+  EXPECT_EQ(steady_summary(out)["steps"], 60);
+  ASSERT_EQ(run(with(droplet(out, "20"), {"--overwrite"})).code, 0);
+  EXPECT_EQ(steady_summary(out.string() + ".2")["steps"], 60);
+}
+
+// log.csv is not a run's alone.
+TEST_F(LongRuns, FilesOfOthersAreNotOverwrittenUnasked) {
+  const fs::path out = in("mine");
+  fs::create_directories(out);
+  for (const char* name : {"log.csv", ".lock"}) std::ofstream(out / name) << "mine";
+  expect_one_line(run(droplet(out, "20")), 2);
+  EXPECT_EQ(contents(out / "log.csv"), "mine");
+  ASSERT_EQ(run(with(droplet(out, "20"), {"--continue"})).code, 0);
+  EXPECT_EQ(contents(out.string() + ".1/log.csv"), "mine");
+  EXPECT_EQ(contents(out / ".lock"), "mine");
+}
+
+TEST_F(LongRuns, ContinueIsWhatAQueueNeeds) {
+  const fs::path out = in("queued");
+  ASSERT_EQ(run(with(droplet(out, "40"), {"--continue"})).code, 0);
+  const auto done = all_files(out);
+  const Outcome again = run(with(droplet(out, "40"), {"--continue"}));
+  EXPECT_EQ(again.code, 0);
+  EXPECT_THAT(again.out, HasSubstr("all 40 steps are taken"));
+  EXPECT_EQ(all_files(out), done);
+  for (const Arguments& other :
+       {Arguments{"--dt-fs", "0.25"}, {"--set", "run.seed=9"}, {"--set", "method.tolerance=1e-9"}}) {
+    const Outcome refused = run(with(droplet(out, "40"), with(other, {"--continue"})));
+    expect_one_line(refused, 2);
+    EXPECT_THAT(refused.error, ::testing::ContainsRegex("(dt_fs|seed|tolerance) is "));
+  }
+  EXPECT_EQ(all_files(out), done);
+  ASSERT_EQ(run(with(droplet(out, "100"), {"--continue"})).code, 0);
+  ASSERT_EQ(run(droplet(in("whole"), "100")).code, 0);
+  expect_same_run(in("whole"), out);
+  EXPECT_EQ(run({"run", "pair", "--continue"}).code, 2);  // of which folder?
+}
+
+Arguments by_the_clock(const fs::path& out, const std::string& steps, const char* minutes) {
+  return {"run",
+          "diatomic",
+          "--steps",
+          steps,
+          "--set",
+          "run.log_every=10",
+          std::string("run.checkpoint_minutes=") + minutes,
+          "--out",
+          out.string()};
+}
+
+TEST_F(LongRuns, CheckpointsAreTakenByTheClock) {
+  ASSERT_EQ(run(by_the_clock(in("whole"), "200000", "0")).code, 0);
+  const fs::path out = in("killed");
+  const Process process(by_the_clock(out, "200000", "0.0001"), folder_.path());
+  kill_when_the_log_has(1000000, process, out);
+  const Outcome resumed = run({"resume", out.string()});
+  ASSERT_EQ(resumed.code, 0) << resumed.error;
+  EXPECT_THAT(resumed.out, HasSubstr("goes on from step "));
+  EXPECT_THAT(resumed.out, Not(HasSubstr("goes on from step 0\n")));
+  expect_same_run(in("whole"), out);
+}
+
+// Nobody has to say so.
+TEST_F(LongRuns, TheFirstCheckpointsComeSoon) {
+  const fs::path out = in("killed");
+  const Process process(
+      {"run", "diatomic", "--steps", "1000000000", "--set", "run.log_every=1000", "--out", out.string()},
+      folder_.path());
+  wait_for(out / "checkpoint.cbor");
+  const auto first = fs::last_write_time(out / "checkpoint.cbor");
+  wait_until([&] { return fs::last_write_time(out / "checkpoint.cbor") > first; });
+  process.send(SIGKILL);
+  process.wait();
+  const Outcome resumed = run({"resume", out.string(), "--set", "run.steps=0"});
+  EXPECT_THAT(resumed.out, ::testing::ContainsRegex("goes on from step [1-9]")) << resumed.error;
+}
+
+TEST_F(LongRuns, MoreThanHalfIsCutOffOnlyWhereSaid) {
+  ASSERT_EQ(run(by_the_clock(in("whole"), "100000", "0")).code, 0);
+  const fs::path out = in("killed");
+  const Process process(by_the_clock(out, "100000", "0"), folder_.path());
+  kill_when_the_log_has(20000, process, out);
+  const auto before = all_files(out);
+  const Outcome refused = run({"resume", out.string()});
+  expect_one_line(refused, 2);
+  EXPECT_THAT(refused.error, HasSubstr("the checkpoint is of step 0, log.csv is cut back to less than half"));
+  EXPECT_THAT(refused.error, HasSubstr("--yes"));
+  EXPECT_EQ(all_files(out), before);
+  ASSERT_EQ(run({"resume", out.string(), "--yes"}).code, 0);
+  expect_same_run(in("whole"), out);
+}
+
+TEST_F(LongRuns, AnOutputThatIsGoneIsPutBackOrBegunAnew) {
+  const fs::path out = in("parts");
+  ASSERT_EQ(run(with(droplet(out, "40"), {"--set", "run.trajectory_every=5", "run.trajectory=both"})).code,
+            0);
+  for (const char* name : {"trajectory.dcd", "trajectory.h5md", "log.csv"}) {
+    fs::rename(out / name, in(name));
+    const auto before = all_files(out);
+    const Outcome refused = run({"resume", out.string(), "--steps", "20"});
+    expect_one_line(refused, 3);
+    EXPECT_THAT(refused.error, HasSubstr(std::string(": ") + name + "; put it back, or `taut resume " +
+                                         out.string() + " --yes` begins it anew"));
+    EXPECT_EQ(all_files(out), before);
+    if (name != std::string("log.csv")) fs::rename(in(name), out / name);
+  }
+  ASSERT_EQ(run({"resume", out.string(), "--steps", "20", "--yes"}).code, 0);
+  EXPECT_THAT(contents(out / "log.csv"), ::testing::StartsWith("#\"Step\""));
+  EXPECT_THAT(contents(out / "log.csv"), HasSubstr("\n42,"));
+}
+
+TEST_F(LongRuns, AStartOfAnyNameIsRemembered) {
+  ASSERT_EQ(run({"run", "water", "--steps", "5", "--out", in("first").string()}).code, 0);
+  const fs::path start = in("a \"good\" \\start.toml"), out = in("second");
+  fs::copy(in("first") / "final.start.toml", start);
+  ASSERT_EQ(
+      run({"run", "water", "--steps", "5", "--set", "build.start=" + start.string(), "--out", out.string()})
+          .code,
+      0);
+  EXPECT_EQ(run({"resume", out.string(), "--steps", "5"}).code, 0);
+}
+
+TEST_F(LongRuns, WhatMayChangeChangesAndTheRestIsRefused) {
+  const fs::path out = in("changed");
+  ASSERT_EQ(run(with(droplet(out, "40"), {"--set", "run.trajectory_every=10"})).code, 0);
+  const auto before = all_files(out);
+  for (const std::string key : {"run.dt_fs=1", "method.name=newton", "method.tolerance=1e-9", "run.seed=3",
+                                "build.molecules=27", "forcefield.cutoff_nm=0.8", "run.minimise=true"}) {
+    const Outcome refused = run({"resume", out.string(), "--steps", "20", "--set", key});
+    expect_one_line(refused, 2);
+    EXPECT_THAT(refused.error, HasSubstr(key.substr(0, key.find('=')) + " cannot change"));
+  }
+  expect_one_line(run({"resume", out.string(), "--steps", "20", "--set", "run.trajectory_every=4"}), 2);
+  expect_one_line(run({"resume", out.string(), "--steps", "20", "--set", "run.log_every=0"}), 2);
+  expect_one_line(run({"resume", out.string(), "--steps", "9223372036854775807"}), 2);
+  EXPECT_EQ(all_files(out), before);
+
+  ASSERT_EQ(
+      run({"resume", out.string(), "--steps", "20", "--set", "run.log_every=10", "run.trajectory_every=0"})
+          .code,
+      0);
+  EXPECT_THAT(contents(out / "log.csv"), HasSubstr("\n35,"));
+  EXPECT_THAT(contents(out / "log.csv"), Not(HasSubstr("\n42,")));
+  EXPECT_THAT(contents(out / "log.csv"), HasSubstr("\n50,"));
+  EXPECT_EQ(contents(out / "trajectory.dcd"), before.at("trajectory.dcd"));
+
+  // A trajectory begun again does not take the place of the one before; another thermostat is not refused.
+  const Outcome again = run({"resume", out.string(), "--steps", "20", "--set", "run.trajectory_every=4",
+                             "run.thermostat=langevin", "run.friction_per_ps=5", "run.temperature_k=310"});
+  ASSERT_EQ(again.code, 0) << again.error;
+  EXPECT_THAT(again.out, HasSubstr("Langevin's thermostat at 310 K, friction 5/ps"));
+  EXPECT_EQ(contents(out.string() + ".1/trajectory.dcd"), before.at("trajectory.dcd"));
+  EXPECT_EQ(run({"resume", out.string(), "--steps", "20", "--set", "run.thermostat=none"}).code, 0);
+  expect_one_line(run({"resume", out.string(), "--steps", "20", "--set", "run.temperature_k=320"}), 2);
 }
 
 }  // namespace

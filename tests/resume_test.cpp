@@ -3,12 +3,15 @@
 #include <gtest/gtest.h>
 #include <malloc.h>
 
+#include <cstring>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "md/errors.hpp"
 #include "systems/checkpoint.hpp"
 #include "systems/scene_file.hpp"
 #include "systems/simulation.hpp"
+#include "systems/toml_reader.hpp"
 
 namespace taut {
 namespace {
@@ -28,42 +31,90 @@ std::string kept(Simulation& simulation) {
 
 struct Course {
   std::vector<Record> rows;
+  std::vector<Eigen::VectorXd> tensions;  // at each row
   State end;
+  Summary summary;
+  std::vector<Estimate> temperatures;  // of each type of molecule and class of motion, then of all
+
+  auto watching(const Simulation& simulation) {
+    return [&](const Record& r) {
+      rows.push_back(r);
+      tensions.push_back(simulation.bond_tensions());
+    };
+  }
+  void finish(Simulation& simulation) {
+    summary = simulation.run(watching(simulation));
+    end = simulation.state();
+    const Temperatures& seen = simulation.temperatures();
+    for (int motion = 0; motion < 3; ++motion) {
+      for (int type = 0; type < static_cast<int>(seen.types().size()); ++type)
+        temperatures.push_back(seen.temperature(type, MotionClass(motion)));
+      temperatures.push_back(seen.of_all(MotionClass(motion)));
+    }
+  }
 };
 
 Course in_one_go(const std::string& scene, const Overrides& overrides) {
   Course course;
   Simulation simulation(read(scene, overrides));
-  simulation.run([&](const Record& r) { course.rows.push_back(r); });
-  course.end = simulation.state();
+  course.finish(simulation);
   return course;
+}
+
+std::string checkpoint_of(Simulation& simulation, const Overrides& overrides) {
+  return to_bytes({source_of(simulation.scene(), false, overrides),
+                   simulation.step(),
+                   simulation.state().t,
+                   1,
+                   kept(simulation),
+                   {}});
+}
+
+// Its checkpoint after some step.
+std::string stopped_at(long stop, Simulation& simulation, const Overrides& overrides, Course& course) {
+  std::string bytes;
+  simulation.run(course.watching(simulation), [&](long step) {
+    if (step != stop) return;
+    bytes = checkpoint_of(simulation, overrides);
+    simulation.stop();
+  });
+  return bytes;
+}
+
+Simulation made_from(const std::string& bytes) {
+  const Checkpoint checkpoint = read_checkpoint(bytes);
+  Simulation simulation(checkpoint.source.read());
+  simulation.recall(checkpoint.memory);
+  EXPECT_EQ(simulation.step(), checkpoint.step);
+  return simulation;
 }
 
 // Through a checkpoint's bytes, into a simulation made of nothing else.
 Course with_a_stop(const std::string& name, const Overrides& overrides, long stop) {
   Course course;
-  const auto on_record = [&](const Record& r) { course.rows.push_back(r); };
-  std::string bytes;
-  {
-    Simulation simulation(read(name, overrides));
-    simulation.run(on_record, [&](long step) {
-      if (step != stop) return;
-      bytes = to_bytes({source_of(simulation.scene(), false, overrides),
-                        step,
-                        simulation.state().t,
-                        1,
-                        kept(simulation),
-                        {}});
-      simulation.stop();
-    });
-  }
-  const Checkpoint checkpoint = read_checkpoint(bytes);
-  EXPECT_EQ(checkpoint.step, stop);
-  Simulation simulation(checkpoint.source.read());
-  simulation.recall(checkpoint.memory);
-  simulation.run(on_record);
-  course.end = simulation.state();
+  Simulation simulation(read(name, overrides));
+  const std::string bytes = stopped_at(stop, simulation, overrides, course);
+  Simulation again = made_from(bytes);
+  course.finish(again);
   return course;
+}
+
+void expect_same(const Estimate& a, const Estimate& b) {
+  EXPECT_EQ(a.value, b.value);
+  EXPECT_EQ(a.error, b.error);
+}
+
+void expect_same(const Summary& a, const Summary& b) {  // but for the times it took
+  EXPECT_EQ(a.steps, b.steps);
+  EXPECT_EQ(a.max_rel_bond_error, b.max_rel_bond_error);
+  EXPECT_EQ(a.rms_rel_bond_error, b.rms_rel_bond_error);
+  EXPECT_EQ(a.drift, b.drift);
+  EXPECT_EQ(a.drift_error, b.drift_error);
+  EXPECT_EQ(a.temperature, b.temperature);
+  ASSERT_EQ(a.pressure.has_value(), b.pressure.has_value());
+  if (a.pressure) expect_same(*a.pressure, *b.pressure);
+  EXPECT_EQ(a.potential, b.potential);
+  EXPECT_EQ(a.total, b.total);
 }
 
 void expect_same(const Course& a, const Course& b) {
@@ -83,7 +134,12 @@ void expect_same(const Course& a, const Course& b) {
     EXPECT_EQ(r.bonds.rms, s.bonds.rms) << r.step;
     EXPECT_EQ(r.drift, s.drift) << r.step;
     EXPECT_EQ(r.iterations, s.iterations) << r.step;
+    EXPECT_EQ(r.pressure, s.pressure) << r.step;
+    EXPECT_TRUE(a.tensions[n] == b.tensions[n]) << r.step;
   }
+  expect_same(a.summary, b.summary);
+  ASSERT_EQ(a.temperatures.size(), b.temperatures.size());
+  for (std::size_t k = 0; k < a.temperatures.size(); ++k) expect_same(a.temperatures[k], b.temperatures[k]);
 }
 
 struct Case {
@@ -110,10 +166,15 @@ std::vector<Case> cases() {
         {"freely_jointed", method, {"build.chains=1", "build.beads=1500"}, 20, 50});  // cut in pieces
   }
   for (const char* thermostat : {"run.thermostat=\"langevin\"", "run.thermostat_ps=0.05"})
-    for (const char* method : {"rattle", "newton", "baumgarte", "feedforward"}) {
-      all.push_back(
-          {"freely_jointed", method, {"build.chains=5", "run.temperature_k=120", thermostat}, 400, 1000});
-      all.push_back({"water", method, {thermostat}, 50, 120});
+    for (const std::string_view name : method_names()) {
+      const std::string method(name);
+      all.push_back({"water", method, {"run.dt_fs=0.5", "run.log_every=3", thermostat}, 50, 120});
+      if (method == "settle") continue;
+      all.push_back({"freely_jointed",
+                     method,
+                     {"build.chains=5", "run.dt_fs=1", "run.temperature_k=120", thermostat},
+                     400,
+                     1000});
     }
   for (const char* precision : {"double", "mixed"})
     for (const char* scene : {"water", "melt", "water_cluster"})
@@ -128,11 +189,80 @@ TEST_P(Resumed, IsTheRunThatNeverStopped) {
   auto [scene, method, overrides, stop, steps] = GetParam();
   overrides.push_back("method.name=\"" + method + "\"");
   overrides.push_back("run.steps=" + std::to_string(steps));
-  overrides.push_back("run.log_every=30");
+  if (std::ranges::find(overrides, "run.log_every=3") == overrides.end())
+    overrides.push_back("run.log_every=30");
   expect_same(in_one_go(scene, overrides), with_a_stop(scene, overrides, stop));
 }
 INSTANTIATE_TEST_SUITE_P(All, Resumed, ::testing::ValuesIn(cases()),
                          [](const auto& test) { return "case" + std::to_string(test.index); });
+
+struct Change {
+  Overrides before, after;
+};
+class ChangedThermostat : public ::testing::TestWithParam<Change> {};
+
+// What a checkpoint after the change makes is what goes on without it, though the scene's start, with its
+// momentum and its counts, was another thermostat's.
+TEST_P(ChangedThermostat, GoesOnFromACheckpointAsWithoutOne) {
+  Overrides keys = {"method.name=\"feedforward\"", "run.log_every=5", "run.steps=150"};
+  Overrides before = keys, after = keys;
+  before.insert(before.end(), GetParam().before.begin(), GetParam().before.end());
+  after.insert(after.end(), GetParam().after.begin(), GetParam().after.end());
+  const RunSettings settings = read("water", after).run;
+  Course whole, parts;
+  const auto changed = [&](Course& course) {
+    Simulation simulation(read("water", before));
+    stopped_at(50, simulation, before, course);
+    simulation.change(settings);
+    return simulation;
+  };
+  Simulation one = changed(whole), other = changed(parts);
+  whole.finish(one);
+  Simulation again = made_from(stopped_at(98, other, after, parts));
+  EXPECT_EQ(again.dof().total(), one.dof().total());
+  parts.finish(again);
+  expect_same(whole, parts);
+  EXPECT_EQ(whole.rows[10].step, 50);
+  EXPECT_EQ(whole.rows[11].step, 55);  // no row twice
+}
+INSTANTIATE_TEST_SUITE_P(
+    All, ChangedThermostat,
+    ::testing::Values(
+        Change{{}, {"run.thermostat=\"langevin\""}},
+        Change{{}, {"run.thermostat=\"rescaling\"", "run.thermostat_ps=0.02"}},
+        Change{{"run.thermostat=\"langevin\""}, {}},
+        Change{{"run.thermostat=\"langevin\""}, {"run.thermostat=\"langevin\"", "run.temperature_k=400"}},
+        Change{{"run.thermostat=\"langevin\""}, {"run.thermostat=\"rescaling\"", "run.thermostat_ps=0.02"}},
+        Change{{"run.thermostat=\"rescaling\"", "run.thermostat_ps=0.02"},
+               {"run.thermostat=\"rescaling\"", "run.thermostat_ps=0.02", "run.temperature_k=400"}}),
+    [](const auto& test) { return "case" + std::to_string(test.index); });
+
+// A thermostat takes its temperature from the change on; one that is as it was, is left as it was.
+TEST(Changing, IsOfTheStepsToCome) {
+  const auto ended_at = [](const char* temperature) {
+    Simulation simulation(read("water", {"run.thermostat_ps=0.005", "run.steps=200", "run.log_every=10"}));
+    Course course;
+    stopped_at(100, simulation, {}, course);
+    RunSettings settings = simulation.scene().run;
+    settings.steps = 300;
+    settings.temperature_k = std::stod(temperature);
+    simulation.change(settings);
+    course.finish(simulation);
+    EXPECT_NEAR(course.end.t, 300 * settings.h(), 1e-12);
+    return course.summary.temperature;
+  };
+  EXPECT_NEAR(ended_at("298.15"), 298, 25);
+  EXPECT_NEAR(ended_at("450"), 440, 30);
+
+  Simulation simulation(read("water", {"run.steps=60"}));
+  Course whole = in_one_go("water", {"run.steps=60", "run.log_every=10"}), course;
+  stopped_at(30, simulation, {}, course);
+  RunSettings settings = simulation.scene().run;
+  settings.log_every = 10;
+  simulation.change(settings);
+  course.finish(simulation);
+  EXPECT_TRUE(course.end.x == whole.end.x);
+}
 
 // What this file would not see if nothing depended on it.
 TEST(Resuming, DependsOnMoreThanTheState) {
@@ -156,6 +286,60 @@ TEST(Resuming, RefusesTheMemoryOfAnother) {
   std::string longer = kept(waters) + "x";
   EXPECT_THROW(waters.recall(longer), InputError);
   EXPECT_THROW(waters.recall(std::string_view(longer).substr(0, longer.size() / 2)), InputError);
+}
+
+// What a checkpoint keeps of them is what was said, to the last bit, each key once.
+TEST(KeyValues, SayBackWhatWasSaid) {
+  const KeyValues values =
+      key_values({"run.dt_fs=2", "run.dt_fs=0.12345678901234568", "build.start=a \"b\" \\ c",
+                  "build = {x = [[1, 2.5e-300], [3, 1e22]], y = true}", "method.name=rattle"});
+  EXPECT_EQ(values, (KeyValues{{"build.start", R"("a \"b\" \\ c")"},
+                               {"build.x", "[[1, 2.5e-300], [3, 1e+22]]"},
+                               {"build.y", "true"},
+                               {"method.name", "\"rattle\""},
+                               {"run.dt_fs", "0.12345678901234568"}}));
+  EXPECT_EQ(key_values(overrides_of(values)), values);
+}
+
+// Counts that point beyond what they count are nobody's.
+TEST(Recalling, RefusesCountsBeyondWhatTheyCount) {
+  RunningMean mean;
+  for (int n = 0; n < 100; ++n) mean.add(n);
+  std::string bytes;
+  Memory keep = Memory::keep_in(bytes);
+  keep(mean);
+  const auto recalled_with = [&](std::size_t at, auto value) {
+    std::string changed = bytes;
+    std::memcpy(&changed[at], &value, sizeof value);
+    Memory memory = Memory::recall_from(changed);
+    RunningMean other;
+    memory(other);
+  };
+  const std::size_t length = 8 + 32 * 8, full = length + 8, in_open = full + 4 + 8 + 8, count = in_open + 8;
+  EXPECT_NO_THROW(recalled_with(full, 31));
+  EXPECT_THROW(recalled_with(full, 32), InputError);  // the next would be written behind the last
+  EXPECT_THROW(recalled_with(full, -1), InputError);
+  EXPECT_THROW(recalled_with(length, 0L), InputError);
+  EXPECT_THROW(recalled_with(length, std::numeric_limits<long>::max()), InputError);
+  EXPECT_THROW(recalled_with(in_open, -1L), InputError);
+  EXPECT_THROW(recalled_with(count, std::numeric_limits<long>::max()), InputError);
+
+  std::string two("\2", 1);
+  Memory memory = Memory::recall_from(two);
+  bool yes = false;
+  EXPECT_THROW(memory(yes), InputError);
+}
+
+TEST(Recalling, RefusesAStepThatIsNone) {
+  Simulation simulation(read("pair", {}));
+  const State& s = simulation.state();
+  std::string bytes = kept(simulation);
+  const auto matrix = [](const Vectors& x) { return 8 + static_cast<std::size_t>(x.size()) * 8; };
+  const std::size_t step = matrix(s.x) + matrix(s.v) + matrix(s.f) + 8;
+  for (const long value : {-1L, std::numeric_limits<long>::min()}) {
+    std::memcpy(&bytes[step], &value, sizeof value);
+    EXPECT_THROW(simulation.recall(bytes), InputError) << value;
+  }
 }
 
 Checkpoint some_checkpoint() {
@@ -207,7 +391,7 @@ TEST(CheckpointFormat, SaysWhatIsWrong) {
   envelope["version"] = 7;
   const auto later = json::to_cbor(envelope);
   EXPECT_EQ(refusal({reinterpret_cast<const char*>(later.data()), later.size()}),
-            "a checkpoint of version 7, this taut reads version 1");
+            "a checkpoint of version 7, this taut reads version 2");
   EXPECT_EQ(refusal("[run]\nsteps = 3\n"), "not a checkpoint, or not all of it");
   EXPECT_EQ(refusal(""), "not a checkpoint, or not all of it");
 }
