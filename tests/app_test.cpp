@@ -154,12 +154,13 @@ TEST(App, AnOutputThatIsNotTakenIsOutside) {
   const auto exit_code = [](const std::string& words) {
     return WEXITSTATUS(std::system((std::string(TAUT_BINARY) + " " + words).c_str()));
   };
-  const std::string study = "stability diatomic --quick --steps 20 --methods newton --out " + out;
-  for (const std::string& words : std::vector<std::string>{
-           "methods", "scenes", "--help", "run pair --steps 5", "calibrate pair", study + "/study"}) {
-    EXPECT_EQ(exit_code(words + " >/dev/full 2>/dev/null"), 3) << words;
-    EXPECT_EQ(exit_code(words + " >&- 2>/dev/null"), 3) << words;
-    EXPECT_EQ(exit_code(words + " >/dev/full 2>&1"), 3) << words;
+  int studies = 0;
+  for (const char* stdout_to : {" >/dev/full 2>/dev/null", " >&- 2>/dev/null", " >/dev/full 2>&1"}) {
+    const std::string study = "stability diatomic --quick --steps 20 --methods newton --out " + out + "/" +
+                              std::to_string(studies++);
+    for (const std::string& words : {std::string("methods"), std::string("scenes"), std::string("--help"),
+                                     std::string("run pair --steps 5"), std::string("calibrate pair"), study})
+      EXPECT_EQ(exit_code(words + stdout_to), 3) << words << stdout_to;
   }
   const std::string run = "run pair --steps 20 --set run.log_every=1 --out " + out;
   EXPECT_EQ(exit_code(run + "/full >/dev/full 2>/dev/null"), 3);
