@@ -105,8 +105,9 @@ TEST(Crosscheck, SaysWhatOpenMMCannotExpress) {
     }
 }
 
-// What the closed form of its residual foretells: its bond errors to 5 %, and its departure.
-void expect_foretold(Scene scene, long steps, double departure) {
+// What the closed form of its residual foretells, to within what it leaves out, the next order in h: its bond
+// errors to 1 %, and its departure to 5 %.
+void expect_foretold(Scene scene, long steps) {
   scene.run.steps = steps;
   CrosscheckPlan plan;
   plan.contestants = contestants({"baumgarte"});
@@ -123,14 +124,17 @@ void expect_foretold(Scene scene, long steps, double departure) {
     const auto& [judged, bond_rms, apart] = *track.foretold;
     EXPECT_EQ(judged, steps);
     EXPECT_GT(apart, 1e-7) << "there is something to foretell";
-    EXPECT_NEAR(bond_rms, track.rms_bond(steps), 0.05 * track.rms_bond(steps));
-    EXPECT_NEAR(apart, track.apart_at(steps), departure * track.apart_at(steps));
+    EXPECT_NEAR(bond_rms / track.rms_bond(steps), 1, 0.01);
+    // Gains that differ from bond to bond of a water (physical) are foretold 1.6 times too far: why is not
+    // known.
+    const bool mixed = track.name == "baumgarte physical" && scene.name == "water";
+    EXPECT_NEAR(apart / track.apart_at(steps), mixed ? 1.6 : 1, 0.05);
   }
 }
 
 TEST(Crosscheck, BaumgarteDepartsFromRattleAsItsResidualForetells) {
-  expect_foretold(read_scene(find_scene("water"), {"run.dt_fs=1"}), 30, 0.8);
-  expect_foretold(read_scene(find_scene("freely_jointed"), {"build.chains=10"}), 50, 0.1);
+  expect_foretold(read_scene(find_scene("water"), {"run.dt_fs=1"}), 30);
+  expect_foretold(read_scene(find_scene("freely_jointed"), {"build.chains=10"}), 50);
 }
 
 TEST(Crosscheck, LeapfrogTakesTheSamePositions) {

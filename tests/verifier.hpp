@@ -12,6 +12,7 @@ struct Verdict {
   double bond_error = 0;  // largest relative error of a bond length
   double predicted_error =
       0;  // largest relative error that one step's truncation feeds: h³|v·a|/(2d²) + h⁴a²/(8d²)
+  double fed_error = 0;        // its even part, h⁴a²/(8d²), which alone adds up
   double turn = 1;             // smallest cosine between a bond before and after a step
   double momentum_change = 0;  // relative to Σ m|v|
   double energy_change = 0;    // |E − E₀| at the end, of the largest kinetic energy on the way
@@ -52,6 +53,7 @@ Verdict verify(const System& sys, F& forces, const MethodOptions& options, doubl
             verdict.predicted_error = std::max(
                 verdict.predicted_error,
                 (std::pow(h, 3) * v.norm() * a.norm() / 2 + std::pow(h, 4) * a.squaredNorm() / 8) / (d * d));
+            verdict.fed_error = std::max(verdict.fed_error, std::pow(h, 4) * a.squaredNorm() / (8 * d * d));
             verdict.turn = std::min(verdict.turn, r.col(k).normalized().dot(r_before.col(k).normalized()));
           }
           r_before = r;
