@@ -123,8 +123,8 @@ class FreeChain(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
-        cls.read = Read(run(cls.folder.name, "run", "freely_jointed", "--steps", "20", "--method", "baumgarte", "--set",
-                            "run.trajectory_every=1", "--set", "run.trajectory=both"))
+        cls.read = Read(run(cls.folder.name, "run", "freely_jointed", "--steps", "20", "--method", "baumgarte",
+                            "--dt-fs", "1", "--set", "run.trajectory_every=1", "--set", "run.trajectory=both"))
 
     def test_moves_by_newtons_law(self):
         x, v, f = (self.read.frames(name) for name in ("position", "velocity", "force"))
@@ -135,6 +135,7 @@ class FreeChain(unittest.TestCase):
         self.assertGreater(np.abs(h[0] * a).max(), 1e-3)  # there is something to see
 
     def test_tensions_are_the_forces(self):
+        """Tensions are those of the instant, forces those of the step, which swing about them after the start by O(h)."""
         x, f = self.read.frames("position"), self.read.frames("force")
         bonds, tension = self.read.file["connectivity/bonds"][:], self.read.file["observables/tension/value"][:]
         i, j = bonds.T
@@ -144,7 +145,7 @@ class FreeChain(unittest.TestCase):
         for frame in range(len(f)):
             np.add.at(sum_of_pulls[frame], i, pull[frame])
             np.add.at(sum_of_pulls[frame], j, -pull[frame])
-        np.testing.assert_allclose(sum_of_pulls, f, atol=1e-3 * np.abs(f).max())
+        np.testing.assert_allclose(sum_of_pulls, f, atol=3e-3 * np.abs(f).max())
         for frame, row in zip(self.read.h5md.trajectory, tension):
             np.testing.assert_array_equal(frame.data["tension"], row)
 
