@@ -73,9 +73,7 @@ void print(const Scene& scene, const CalibrateArguments& arguments, const Calibr
 }
 
 void calibrate_scene(const CalibrateArguments& arguments) {
-  std::vector<std::string> overrides;
-  if (arguments.dt_fs) overrides.push_back(fmt::format("run.dt_fs={}", *arguments.dt_fs));
-  overrides.insert(overrides.end(), arguments.settings.begin(), arguments.settings.end());
+  const auto overrides = overrides_said({{"--dt-fs", "run.dt_fs", arguments.dt_fs}}, arguments.settings);
   refuse_without_effect("calibrate", overrides);
   const Scene scene = prepared_for_study(read_scene(find_scene(arguments.scene), overrides));
   const Calibration c = calibrate(scene, arguments.plan);

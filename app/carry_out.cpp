@@ -12,6 +12,7 @@
 #include "md/errors.hpp"
 #include "progress.hpp"
 #include "stop_request.hpp"
+#include "systems/velocities.hpp"
 
 namespace taut {
 namespace {
@@ -51,8 +52,8 @@ void print_header(const Simulation& simulation) {
   if (sys.box.periodic())
     fmt::print("  box {:.6g} × {:.6g} × {:.6g} nm\n", sys.box.edge.x(), sys.box.edge.y(), sys.box.edge.z());
   fmt::print("  method {}: {}\n", method_name(scene.method), simulation.method_setting());
-  fmt::print("  {} steps of {:g} fs = {:.6g} ps, seed {}{}\n\n", scene.run.steps, scene.run.dt_fs,
-             static_cast<double>(scene.run.steps) * scene.run.h(), scene.run.seed,
+  fmt::print("  {} steps of {:g} fs = {:.6g} ps, seed {}, velocities {}{}\n\n", scene.run.steps, scene.run.dt_fs,
+             static_cast<double>(scene.run.steps) * scene.run.h(), scene.run.seed, describe_velocities(scene),
              thermostat_line(scene.run));
   if (simulation.step() > 0) fmt::print("goes on from step {}\n", simulation.step());
   fmt::print("{:>8} {:>10} {:>12} {:>12} {:>8} {:>9} {:>5}{}\n", "step", "t [ps]", "E_pot [kJ]",

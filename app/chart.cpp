@@ -26,10 +26,7 @@ struct ChartArguments {
   fs::path out = "chart";
 
   std::vector<std::string> overrides() const {
-    std::vector<std::string> all;
-    if (dt_fs) all.push_back(fmt::format("run.dt_fs={}", *dt_fs));
-    all.insert(all.end(), settings.begin(), settings.end());
-    return all;
+    return overrides_said({{"--dt-fs", "run.dt_fs", dt_fs}}, settings);
   }
 
   std::string command() const {

@@ -2,9 +2,28 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdlib>
+#include <map>
 #include <string_view>
 
+#include "md/errors.hpp"
+#include "systems/toml_reader.hpp"
+
 namespace taut {
+namespace {
+
+struct Said {
+  std::string words, value;
+};
+
+// 2 and 2.0 are one value.
+bool same(const std::string& a, const std::string& b) {
+  char *end_a = nullptr, *end_b = nullptr;
+  const double x = std::strtod(a.c_str(), &end_a), y = std::strtod(b.c_str(), &end_b);
+  return a == b || (!a.empty() && !b.empty() && *end_a == 0 && *end_b == 0 && x == y);
+}
+
+}  // namespace
 
 // Within single quotes a shell takes all as it is, but for a single quote.
 std::string quoted_for_shell(const std::string& word) {
@@ -24,6 +43,25 @@ CommandLine::CommandLine(const char* subcommand, const std::string& scene) {
 void CommandLine::option(const char* name, const std::vector<std::string>& values) {
   flag(name, !values.empty());
   for (const auto& value : values) text_ += fmt::format(" {}", quoted_for_shell(value));
+}
+
+std::vector<std::string> overrides_said(const std::vector<KeyFlag>& flags,
+                                      const std::vector<std::string>& settings) {
+  std::vector<std::string> all;
+  std::map<std::string, Said> known;
+  const auto add = [&](const std::string& override_, const std::string& words) {
+    all.push_back(override_);
+    for (const auto& [key, value] : key_values({override_})) {
+      const auto& [said, is_new] = known.try_emplace(key, Said{words, value});
+      if (!same(said->second.value, value))
+        throw InputError(fmt::format("{} is said twice, as {} and as {}; leave one out", key,
+                                     said->second.words, words));
+    }
+  };
+  for (const KeyFlag& flag : flags)
+    if (!flag.said.empty()) add(flag.override_, flag.said);
+  for (const std::string& setting : settings) add(setting, "--set " + setting);
+  return all;
 }
 
 void CommandLine::flag(const char* name, bool given) {

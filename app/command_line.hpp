@@ -30,4 +30,18 @@ class CommandLine {
   std::string text_ = "taut";
 };
 
+// A flag that is short for a key of the scene: --dt-fs 2 for run.dt_fs=2.
+struct KeyFlag {
+  template <class T>
+  KeyFlag(const char* flag, const char* key, const std::optional<T>& value)
+      : said(value ? fmt::format("{} {}", flag, *value) : ""),
+        override_(value ? fmt::format("{}={}", key, *value) : "") {}
+
+  std::string said, override_;  // empty: it was not given
+};
+
+// All overrides of a command line. Throws InputError for a key that it gives two values.
+std::vector<std::string> overrides_said(const std::vector<KeyFlag>& flags,
+                                      const std::vector<std::string>& settings);
+
 }  // namespace taut

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "command_line.hpp"
 #include "commands.hpp"
 #include "crosscheck_report.hpp"
 #include "md/errors.hpp"
@@ -20,7 +21,7 @@ struct CrosscheckArguments {
   std::string scene;
   std::vector<std::string> openmm;  // system.xml, state.xml
   std::vector<std::string> methods;
-  long steps = 200;
+  std::optional<long> steps;
   std::optional<double> dt_fs;
   std::vector<std::string> settings;
   std::optional<std::filesystem::path> out;
@@ -28,11 +29,9 @@ struct CrosscheckArguments {
   std::optional<std::string> prefix;  // of the exported files
   CrosscheckPlan plan;
 
-  // --steps and --dt-fs are short for keys; --set comes last and so prevails.
   std::vector<std::string> overrides() const {
-    std::vector<std::string> all = {fmt::format("run.steps={}", steps)};
-    if (dt_fs) all.push_back(fmt::format("run.dt_fs={}", *dt_fs));
-    all.insert(all.end(), settings.begin(), settings.end());
+    auto all = overrides_said({{"--steps", "run.steps", steps}, {"--dt-fs", "run.dt_fs", dt_fs}}, settings);
+    all.insert(all.begin(), "run.steps=200");  // unless said
     return all;
   }
 
@@ -79,9 +78,7 @@ void add_crosscheck(CLI::App& app, std::vector<std::pair<CLI::App*, Action>>& ac
   command->add_option(
       "--method", arguments->methods,
       "to hold against OpenMM: a name, baumgarte:GAINS; several; the usual ones if none is given");
-  command->add_option("--steps", arguments->steps, "number of steps")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+  command->add_option("--steps", arguments->steps, "number of steps (200)")->check(CLI::PositiveNumber);
   command->add_option("--dt-fs", arguments->dt_fs, "step length [fs]");
   command->add_option("--set", arguments->settings, "any key of the scene: run.seed=7")
       ->type_name("KEY=VALUE");

@@ -75,6 +75,8 @@ SceneSource changed(SceneSource source, const KeyValues& changes) {
   if (changes.contains("run.thermostat"))
     for (const char* of_the_old : {"run.thermostat_ps", "run.friction_per_ps"}) values.erase(of_the_old);
   for (const auto& [key, value] : changes) values[key] = value;
+  if (const auto every = values.find("run.trajectory_every"); every != values.end() && every->second == "0")
+    values.erase("run.trajectory");
   source.overrides = overrides_of(values);
   return source;
 }

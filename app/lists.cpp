@@ -30,7 +30,7 @@ void print_methods() {
     fmt::print("{:<11} {}\n", name, method_summary(name));
     std::visit(
         [](auto options) {
-          options.describe([](const char* key, const auto& value, const char* meaning) {
+          options.describe([](const char* key, const auto& value, const char* meaning, Counts = {}) {
             fmt::print("{:11}   {} = {}: {}\n", "", key, shown(value), meaning);
           });
         },

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "carry_out.hpp"
+#include "command_line.hpp"
 #include "commands.hpp"
 #include "going_on.hpp"
 #include "md/errors.hpp"
@@ -27,14 +28,11 @@ struct RunArguments {
   std::optional<fs::path> out;
   bool go_on = false, overwrite = false;
 
-  // --method, --steps and --dt-fs are short for keys; --set comes last and so prevails.
   std::vector<std::string> overrides() const {
-    std::vector<std::string> all;
-    if (method) all.push_back("method.name=" + toml_quoted(*method));
-    if (steps) all.push_back(fmt::format("run.steps={}", *steps));
-    if (dt_fs) all.push_back(fmt::format("run.dt_fs={}", *dt_fs));
-    all.insert(all.end(), settings.begin(), settings.end());
-    return all;
+    return overrides_said({{"--method", "method.name", method},
+                         {"--steps", "run.steps", steps},
+                         {"--dt-fs", "run.dt_fs", dt_fs}},
+                        settings);
   }
 
   Scene read() const {

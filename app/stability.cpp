@@ -38,9 +38,7 @@ struct StabilityArguments {
 };
 
 StabilityPlan plan_of(const StabilityArguments& arguments) {
-  std::vector<std::string> overrides;
-  if (arguments.dt_fs) overrides.push_back(fmt::format("run.dt_fs={}", *arguments.dt_fs));
-  overrides.insert(overrides.end(), arguments.settings.begin(), arguments.settings.end());
+  const auto overrides = overrides_said({{"--dt-fs", "run.dt_fs", arguments.dt_fs}}, arguments.settings);
   refuse_without_effect("stability", overrides);
   StabilityPlan plan{.methods = arguments.methods, .quick = arguments.quick};
   plan.scenes.push_back(prepared_for_study(read_scene(find_scene(arguments.scene), overrides)));

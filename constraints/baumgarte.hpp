@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "constraints/counts.hpp"
 #include "constraints/direct_solver.hpp"
 #include "constraints/gains.hpp"
 #include "constraints/gaps.hpp"
@@ -43,13 +44,17 @@ class Baumgarte : public EmptyGaps {
     int sweeps = 0;
 
     void describe(auto&& visit) {
-      visit("gains", gains, "reversible, dead-beat, rattle, critical, physical, hoomd, box2d or numbers");
+      const bool named = !(alpha_per_ps && beta_per_ps);  // at least one of them
+      visit("gains", gains, "reversible, dead-beat, rattle, critical, physical, hoomd, box2d or numbers",
+            Counts{named || gains == "numbers", "without both alpha_per_ps and beta_per_ps"});
       visit("damping", damping,
             "acts on the bond's centred rate, the end velocity (implicit) or the half-step's (lagged)");
       visit("alpha_per_ps", alpha_per_ps, "damping α [1/ps], in place of the named one");
       visit("beta_per_ps", beta_per_ps, "stiffness β [1/ps], in place of the named one");
-      visit("reduction", reduction, "of an error a step, for gains = \"rattle\" (see taut calibrate)");
-      visit("stiffness", stiffness, "of the real bond [kJ/mol/nm²], for gains = \"physical\"");
+      visit("reduction", reduction, "of an error a step, for gains = \"rattle\" (see taut calibrate)",
+            Counts{named && gains == "rattle", "with method.gains = \"rattle\""});
+      visit("stiffness", stiffness, "of the real bond [kJ/mol/nm²], for gains = \"physical\"",
+            Counts{named && gains == "physical", "with method.gains = \"physical\""});
       visit("passes", passes, "solves a step");
       visit("sweeps", sweeps, "more than 0: so many sweeps from λ* in place of a factorization");
     }

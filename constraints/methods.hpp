@@ -19,7 +19,8 @@ namespace taut {
 //
 // A method M has
 //   M::kName, M::kSummary        as `taut methods` prints them
-//   M::Options                   its settings, with describe(visit) calling visit(key, field, meaning)
+//   M::Options                   its settings, with describe(visit) calling visit(key, field, meaning), or
+//                                visit(key, field, meaning, Counts) where others decide whether it counts
 //   M(const System&, const Options&, double h)
 //   the gaps it fills (gaps.hpp)
 //   const Eigen::VectorXd& lambda() const     the multipliers of the last step, f_c = Jᵀλ

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "constraints/counts.hpp"
 #include "constraints/gaps.hpp"
 #include "md/system.hpp"
 
@@ -22,7 +23,7 @@ class Penalty : public EmptyGaps {
 
     void describe(auto&& visit) {
       visit("k", k, "spring constant [kJ/mol/nm²], the same for all; none: from omega_h");
-      visit("omega_h", omega_h, "ωh of each bond alone, k = μ(omega_h/h)²");
+      visit("omega_h", omega_h, "ωh of each bond alone, k = μ(omega_h/h)²", Counts{!k, "without method.k"});
     }
   };
 

@@ -3,6 +3,7 @@
 #include <limits>
 #include <string>
 
+#include "constraints/counts.hpp"
 #include "constraints/gaps.hpp"
 #include "constraints/sweeps.hpp"
 
@@ -25,8 +26,9 @@ class Rattle : public EmptyGaps {
     bool warm_start = true;
 
     void describe(auto&& visit) {
-      visit("tolerance", tolerance, "relative bond error, and |r·v|h/d², at which sweeps stop");
-      visit("max_sweeps", max_sweeps, "sweeps after which a step has failed");
+      const Counts to_tolerance{sweeps == 0, "without method.sweeps"};
+      visit("tolerance", tolerance, "relative bond error, and |r·v|h/d², at which sweeps stop", to_tolerance);
+      visit("max_sweeps", max_sweeps, "sweeps after which a step has failed", to_tolerance);
       visit("sweeps", sweeps, "more than 0: take just so many, whatever they leave");
       visit("warm_start", warm_start, "set out from the last multipliers");
     }

@@ -3,6 +3,7 @@
 #include <limits>
 #include <string>
 
+#include "constraints/counts.hpp"
 #include "constraints/gaps.hpp"
 #include "constraints/sweeps.hpp"
 
@@ -24,8 +25,9 @@ class Shake : public EmptyGaps {
     int sweeps = 0;
 
     void describe(auto&& visit) {
-      visit("tolerance", tolerance, "relative bond error at which sweeps stop");
-      visit("max_sweeps", max_sweeps, "sweeps after which a step has failed");
+      const Counts to_tolerance{sweeps == 0, "without method.sweeps"};
+      visit("tolerance", tolerance, "relative bond error at which sweeps stop", to_tolerance);
+      visit("max_sweeps", max_sweeps, "sweeps after which a step has failed", to_tolerance);
       visit("sweeps", sweeps, "more than 0: take just so many, whatever they leave");
     }
   };

@@ -16,7 +16,8 @@ namespace taut {
 struct RunSettings {
   double dt_fs = 1;
   long steps = 1000;
-  double temperature_k = 0;          // of the velocities drawn at the start; 0: they are as built
+  double temperature_k = 0;          // of what is drawn at the start, and of the thermostat; 0: none
+  std::string velocities;            // "keep" the start's, "draw" them; "": draw where it has none
   std::uint64_t seed = 1;            // of everything drawn
   long log_every = 100;              // steps
   long remove_momentum_every = 0;    // steps; 0: never
@@ -34,6 +35,7 @@ struct RunSettings {
   double h() const { return dt_fs * 1e-3; }  // [ps]
   bool langevin() const { return thermostat == "langevin"; }
   bool rescaling() const { return thermostat == "rescaling" || (thermostat.empty() && thermostat_ps > 0); }
+  bool thermostatted() const { return langevin() || rescaling(); }
 };
 
 // A system with a start, a step and what it is hard on.
@@ -42,8 +44,9 @@ struct Scene {
   std::string hard_on;  // one sentence
   System system;
   Terms terms;
-  Names names;  // of the atoms, for files
-  State start;  // x and v; not yet made to satisfy the bonds
+  Names names;                                             // of the atoms, for files
+  State start;                                             // x and v; not yet made to satisfy the bonds
+  bool positions_drawn = false, velocities_drawn = false;  // by run.seed
   RunSettings run;
   MethodOptions method;
   std::vector<std::filesystem::path> files;  // it was read from: the scene and its start, or OpenMM's two

@@ -4,6 +4,7 @@
 #include "md/errors.hpp"
 #include "systems/builders/builders.hpp"
 #include "systems/toml_reader.hpp"
+#include "systems/velocities.hpp"
 
 namespace taut {
 namespace {
@@ -25,8 +26,15 @@ void read_run(const TomlTable& table, RunSettings& run) {
   table.read("friction_per_ps", run.friction_per_ps, kNotNegative);
   table.read("minimise", run.minimise);
   table.read("minimise_force_kj_mol_nm", run.minimise_force, kPositive);
+  if (table.has("velocities")) run.velocities = table.choice("velocities", {"keep", "draw"});
+
+  table.counts("minimise_force_kj_mol_nm", run.minimise, "with run.minimise = true");
+  table.counts("trajectory", run.trajectory_every > 0, "with run.trajectory_every above 0");
+  table.counts("friction_per_ps", run.langevin(), "with run.thermostat = \"langevin\"");
+  table.counts("thermostat_ps", run.rescaling() || run.thermostat_ps == 0,
+               "with run.thermostat = \"rescaling\"");
   const char* key = table.has("thermostat") ? "thermostat" : "thermostat_ps";
-  if ((run.langevin() || run.rescaling()) && run.temperature_k == 0)
+  if (run.thermostatted() && run.temperature_k == 0)
     table.fail(key, "a thermostat needs a run.temperature_k above 0");
   if (run.rescaling() && run.thermostat_ps == 0)
     table.fail("thermostat", "rescaling needs its relaxation time, run.thermostat_ps above 0");
@@ -42,9 +50,35 @@ void read_method(const TomlTable& table, MethodOptions& method) {
     } catch (const InputError& e) {
       table.fail("name", e.what());
     }
-  const auto read_key = [&](const char* key, auto& field, const char*) { table.read(key, field); };
-  std::visit([&](auto& options) { options.describe(read_key); }, method);
+  const auto read_key = [&](const char* key, auto& field, const char*, Counts = {}) {
+    table.read(key, field);
+  };
+  const auto check_key = [&](const char* key, auto&, const char*, Counts counts = {}) {
+    table.counts(key, counts.read, counts.where);
+  };
+  std::visit(
+      [&](auto& options) {
+        options.describe(read_key);
+        options.describe(check_key);
+      },
+      method);
   table.reject_unknown();
+}
+
+// Of a scene whose atoms are placed. What the file says for a start, or for velocities, that overrides have
+// replaced is set aside; what is said and does nothing is refused.
+void settle_velocities(const TomlTable& run, bool set_aside, Scene& scene) {
+  const RunSettings& settings = scene.run;
+  if (settings.velocities == "draw" && settings.temperature_k == 0)
+    run.fail("velocities", "drawn at run.temperature_k, which is 0; give one, or run.velocities = \"keep\"");
+  give_velocities(scene);
+  const bool draws = scene.velocities_drawn || settings.thermostatted();
+  if (run.overridden("temperature_k") || !set_aside)
+    run.counts("temperature_k", draws || settings.temperature_k == 0,
+               "with a thermostat or run.velocities = \"draw\": the start has velocities, which are kept");
+  if (run.overridden("seed"))
+    run.counts("seed", draws || scene.positions_drawn,
+               "where something is drawn: here positions and velocities are the start's");
 }
 
 void read_settings(const TomlTable& root, Scene& scene) {
@@ -52,22 +86,37 @@ void read_settings(const TomlTable& root, Scene& scene) {
   read_method(root.section("method"), scene.method);
 }
 
-Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::table overrides) {
+// The start that is meant has moved; who names it, the file or an override, stays.
+void move_start(toml::table& root, const std::filesystem::path& start) {
+  if (auto named = root["build"]["start"].as_string()) *named = start.string();
+}
+
+Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::table overrides,
+                  const std::filesystem::path& start) {
   Scene scene;
   scene.name = file.stem().string();
   scene.files = {file};
   scene.method = default_options("rattle");
   read_settings(TomlTable(base, file.string()), scene);
+  const RunSettings of_file = scene.run;
+  const bool another_start = bool(overrides["build"]["start"]);
+  if (another_start) scene.run.velocities.clear();
   read_settings(TomlTable(overrides, "--set"), scene);
 
   lay_over(base, std::move(overrides));
+  if (!start.empty()) move_start(base, start);
   const TomlTable root(base, file.string());
   scene.hard_on = root.get<std::string>("hard_on");
   for (const char* read_above : {"run", "method"}) root.has(read_above);
   const TomlTable build_keys = root.section("build"), forcefield_keys = root.section("forcefield");
+  const TomlTable run_keys = root.section("run");
   root.reject_unknown();
   build({build_keys, forcefield_keys, scene.run}, scene);
-  if (std::filesystem::path start; build_keys.read("start", start)) scene.files.push_back(start);
+  if (std::filesystem::path named; build_keys.read("start", named)) scene.files.push_back(named);
+  settle_velocities(run_keys,
+                    another_start || run_keys.overridden("velocities") || of_file.thermostatted() ||
+                        of_file.velocities == "draw",
+                    scene);
   build_keys.reject_unknown();
   forcefield_keys.reject_unknown();
   // Refuses what does not fit together while the file is known.
@@ -77,14 +126,15 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
 
 }  // namespace
 
-Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
-  return read_scene(parse_toml_file(file), file, overrides);
+Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides,
+                 const std::filesystem::path& start) {
+  return read_scene(parse_toml_file(file), file, overrides, start);
 }
 
 Scene read_scene(toml::table&& table, const std::filesystem::path& file,
-                 const std::vector<std::string>& overrides) {
+                 const std::vector<std::string>& overrides, const std::filesystem::path& start) {
   try {
-    return read_parsed(file, std::move(table), parse_overrides(overrides));
+    return read_parsed(file, std::move(table), parse_overrides(overrides), start);
   } catch (const LocatedError&) {
     throw;
   } catch (const InputError& e) {
@@ -97,6 +147,7 @@ void apply_overrides(Scene& scene, const std::vector<std::string>& overrides) {
   const TomlTable root(table, "--set");
   read_settings(root, scene);
   root.reject_unknown();
+  if (root.has("run")) settle_velocities(root.section("run"), false, scene);
 }
 
 }  // namespace taut

@@ -21,15 +21,20 @@ namespace taut {
 //
 // An override that changes method.name sets the file's other keys of [method] aside: they were chosen for
 // another method. Only what the overrides say of the new one counts, on top of its defaults. One that
-// names the file's own method changes nothing.
-Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+// names the file's own method changes nothing. So does one of build.start with the file's run.velocities.
+//
+// A key that nothing reads, as the others are, is refused: friction_per_ps without Langevin's thermostat.
+//
+// `start`, if not empty, is where the file that build.start names is read from.
+Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides = {},
+                 const std::filesystem::path& start = {});
 
 // The same of a file parsed already.
 Scene read_scene(toml::table&& table, const std::filesystem::path& file,
-                 const std::vector<std::string>& overrides = {});
+                 const std::vector<std::string>& overrides = {}, const std::filesystem::path& start = {});
 
-// The [run] and [method] sections alone, from overrides over what the scene has, by the same rule: for
-// systems that come from elsewhere.
+// The [run] and [method] sections alone, from overrides over what the scene has, by the same rules: for
+// systems that come from elsewhere. Velocities are drawn as run.velocities says.
 void apply_overrides(Scene& scene, const std::vector<std::string>& overrides);
 
 struct SceneSummary {

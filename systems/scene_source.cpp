@@ -57,9 +57,7 @@ Scene SceneSource::read() const {
     apply_overrides(scene, overrides);
     return scene;
   }
-  KeyValues all = key_values(overrides);
-  if (paths.size() == 2) all["build.start"] = toml_quoted(paths[1].string());
-  return read_scene(paths[0], overrides_of(all));
+  return read_scene(paths[0], overrides, paths.size() == 2 ? paths[1] : fs::path());
 }
 
 SceneSource source_of(const Scene& scene, bool openmm, const std::vector<std::string>& overrides) {

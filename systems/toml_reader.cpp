@@ -201,6 +201,15 @@ std::string TomlTable::choice(std::string_view key, const std::vector<std::strin
   return word;
 }
 
+void TomlTable::counts(std::string_view key, bool read, std::string_view where) const {
+  if (has(key) && !read) fail(key, fmt::format("has no effect, it counts only {}", where));
+}
+
+bool TomlTable::overridden(std::string_view key) const {
+  const toml::node* node = find(key);
+  return node && node->source().path && node->source().path->starts_with(kOverride);
+}
+
 void TomlTable::fail(std::string_view key, const std::string& message) const {
   throw LocatedError(fmt::format("{}: {}: {}", place(find(key)), full(key), message));
 }

@@ -76,6 +76,11 @@ class TomlTable {
   // One of several words.
   std::string choice(std::string_view key, const std::vector<std::string_view>& words) const;
 
+  // Throws LocatedError where a key is there that nothing reads: it counts only `where` something is said.
+  //     table.counts("friction_per_ps", run.langevin(), "with run.thermostat = \"langevin\"");
+  void counts(std::string_view key, bool read, std::string_view where) const;
+  bool overridden(std::string_view key) const;  // an override says it, not the file
+
   // Throws LocatedError at a key, or at one row of its array.
   [[noreturn]] void fail(std::string_view key, const std::string& message) const;
   [[noreturn]] void fail(std::string_view key, std::size_t row, const std::string& message) const;

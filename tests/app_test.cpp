@@ -117,6 +117,36 @@ INSTANTIATE_TEST_SUITE_P(
                       BadInput{"run --openmm missing.xml missing.xml", "missing.xml: cannot be read"}),
     [](const auto& test) { return "case" + std::to_string(test.index); });
 
+// One key, two values: neither is taken in silence.
+TEST(App, AKeySaidTwiceIsRefused) {
+  for (const char* twice :
+       {"run pair --steps 5 --set run.steps=6", "run pair --method newton --set method.name=rattle",
+        "run pair --set run.dt_fs=1 run.dt_fs=2", "calibrate pair --dt-fs 1 --set run.dt_fs=2",
+        "chart pair --dt-fs 1 --set run.dt_fs=2", "stability pair --dt-fs 1 --set run.dt_fs=2",
+        "crosscheck water --steps 5 --set run.steps=6", "run pair --set run.dt_fs=1 \"run={dt_fs=2}\""}) {
+    const auto [exit_code, text] = taut(twice);
+    EXPECT_EQ(exit_code, 2) << twice;
+    EXPECT_EQ(lines(text), 1) << text;
+    EXPECT_THAT(text, HasSubstr(" is said twice, as "));
+  }
+  EXPECT_THAT(taut("run pair --steps 5 --set run.steps=6").text,
+              HasSubstr("run.steps is said twice, as --steps 5 and as --set run.steps=6"));
+  EXPECT_EQ(taut("run pair --steps 5 --set run.steps=5 --dt-fs 2 --set run.dt_fs=2.0").exit_code, 0);
+}
+
+// From equilibration to production.
+TEST(App, VelocitiesOfAStartAreKeptAndTheHeaderSaysSo) {
+  const TemporaryFolder folder;
+  const auto first = taut("run water --steps 10 --out " + folder.path().string());
+  EXPECT_THAT(first.text, HasSubstr("velocities drawn at 298.15 K"));
+  const auto [exit_code, text] =
+      taut("run water --steps 10 --set run.thermostat=langevin --set build.start=" +
+           (folder.path() / "final.start.toml").string());
+  EXPECT_EQ(exit_code, 0) << text;
+  EXPECT_THAT(text, HasSubstr("velocities the start's"));
+  EXPECT_THAT(taut("run pair --steps 10").text, HasSubstr("velocities none, at rest"));
+}
+
 // A simulation that fails says when, which bond and what to try, and keeps its log.
 TEST(App, AFailedRunSaysWhyAndKeepsItsLog) {
   const TemporaryFolder folder;

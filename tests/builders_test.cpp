@@ -140,17 +140,17 @@ double least_distance(const Scene& scene, int bonds_apart) {
   return least;
 }
 
-// A start that fits nothing but water: what is built stays.
 std::string water_start() {
   return "build.start=" + (scenes_folder() / "water216.start.toml").string();
 }
 
-// On the lattice, whatever the counts: nothing overlaps and the density is exact.
+// On the lattice, whatever the counts, which are none of the start's: nothing overlaps and the density is
+// exact.
 TEST(Melt, FillsABoxWithoutOverlap) {
-  const std::pair<int, int> sizes[] = {{20, 50}, {13, 31}, {7, 100}, {60, 8}, {1, 700}};
+  const std::pair<int, int> sizes[] = {{20, 51}, {13, 31}, {7, 100}, {60, 8}, {1, 700}};
   for (const auto& [chains, beads] : sizes) {
-    const Scene scene = scene_of("melt", {"build.chains=" + std::to_string(chains),
-                                          "build.beads=" + std::to_string(beads), water_start()});
+    const Scene scene =
+        scene_of("melt", {"build.chains=" + std::to_string(chains), "build.beads=" + std::to_string(beads)});
     SCOPED_TRACE(testing::Message() << chains << " × " << beads);
     EXPECT_EQ(scene.system.bond_count(), chains * (beads - 1));
     EXPECT_NEAR(scene.system.atoms() / scene.system.box.volume(), 0.85, 1e-12);
@@ -328,9 +328,34 @@ TEST(Start, ReadsBackExactlyAndContinues) {
   EXPECT_EQ(back.state.v, scene.start.v);
   EXPECT_EQ(back.box.edge, scene.system.box.edge);
 
-  const Scene next = scene_of("melt", {"build.start=" + file.string(), "run.temperature_k=0"});
-  EXPECT_EQ(next.start.x, scene.start.x);
-  EXPECT_EQ(next.start.v, scene.start.v);
+  // The scene draws velocities for the start it ships with; another's are kept, with a thermostat and
+  // without.
+  for (const char* thermostat : {"run.thermostat=none", "run.thermostat=langevin"}) {
+    const Scene next = scene_of("melt", {"build.start=" + file.string(), thermostat});
+    EXPECT_EQ(next.start.x, scene.start.x);
+    EXPECT_EQ(next.start.v, scene.start.v);
+  }
+  const Scene drawn = scene_of("melt", {"build.start=" + file.string(), "run.velocities=draw", "run.seed=2"});
+  EXPECT_EQ(drawn.start.x, scene.start.x);
+  EXPECT_EQ(drawn.start.v, scene_of("melt", {"run.seed=2"}).start.v);
+}
+
+// One that somebody asked for is not set aside in silence.
+TEST(Start, ThatAnOverrideNamesHasToFit) {
+  const auto complaint = [](const std::string& scene, const std::vector<std::string>& overrides) {
+    try {
+      scene_of(scene, overrides);
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string("no error");
+  };
+  using testing::HasSubstr;
+  const std::string melt = "build.start=" + (scenes_folder() / "melt.start.toml").string();
+  EXPECT_THAT(complaint("melt", {melt, "build.chains=21"}), HasSubstr("it has another number of atoms"));
+  EXPECT_THAT(complaint("water", {water_start(), "build.molecules=100"}),
+              HasSubstr("build.start: 100 molecules are not n³ times the 216 it has"));
+  EXPECT_EQ(complaint("water", {water_start(), "build.molecules=1728"}), "no error");
 }
 
 // Other counts or another density than the start's: what was built stands, and a note says so.
@@ -351,19 +376,18 @@ TEST(Start, IsSetAsideWhereItDoesNotFit) {
 }
 
 // Springs longer than they can be: a chain's start whose bonds of 0.97 are stretched past r₀ = 1.5.
-TEST(Start, IsSetAsideWhereASpringCannotReach) {
+TEST(Start, DoesNotFitWhereASpringCannotReach) {
   const TemporaryFolder folder;
   Scene scene = scene_of("melt", {"build.bonds=fene"});
-  const auto notes = [&](double stretch) {
+  const auto read = [&](double stretch) {
     State s = scene.start;
     s.x.col(0) = s.x.col(1) + stretch * Vec3(s.x.col(0) - s.x.col(1)).normalized();
     write_start(folder.path() / "long.start.toml", scene.system, s);
     return scene_of("melt",
-                    {"build.bonds=fene", "build.start=" + (folder.path() / "long.start.toml").string()})
-        .notes;
+                    {"build.bonds=fene", "build.start=" + (folder.path() / "long.start.toml").string()});
   };
-  EXPECT_THAT(notes(1.49), testing::IsEmpty());
-  EXPECT_THAT(notes(1.51), testing::Contains(testing::HasSubstr("other springs")));
+  EXPECT_THAT(read(1.49).notes, testing::IsEmpty());
+  EXPECT_THROW(read(1.51), InputError);
 }
 
 TEST(Start, SaysWhatIsWrongWithIt) {

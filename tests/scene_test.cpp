@@ -128,12 +128,117 @@ TEST(Scene, NamingTheFilesOwnMethodKeepsItsKeys) {
 
 TEST(Scene, OverridesOfASceneFromElsewhere) {
   Scene scene = read(SceneText{}.text);
-  apply_overrides(scene, {"run.seed=7", "method.passes=3"});
-  EXPECT_EQ(scene.run.seed, 7u);
+  apply_overrides(scene, {"run.log_every=7", "method.passes=3"});
+  EXPECT_EQ(scene.run.log_every, 7);
   EXPECT_EQ(scene.run.dt_fs, 0.5);
   EXPECT_EQ(std::get<Baumgarte::Options>(scene.method).passes, 3);
   EXPECT_EQ(std::get<Baumgarte::Options>(scene.method).alpha_per_ps, 3.0);
   EXPECT_THROW(apply_overrides(scene, {"build.molecules=7"}), InputError);
+}
+
+// What nothing reads, as the other keys are, is refused with what it takes; an override that makes a key of
+// the file idle sets it aside.
+TEST(SceneErrors, KeysWithoutEffect) {
+  const SceneText good;
+  const auto in_run = [&](const std::string& keys) { return complaint(good.with("steps = 20", keys).text); };
+  EXPECT_EQ(in_run("friction_per_ps = 1"),
+            "scene.toml:17: run.friction_per_ps: has no effect, it counts only with run.thermostat = "
+            "\"langevin\"");
+  EXPECT_THAT(in_run("temperature_k = 300\nthermostat = \"langevin\"\nthermostat_ps = 1"),
+              HasSubstr("scene.toml:19: run.thermostat_ps: has no effect"));
+  EXPECT_THAT(in_run("temperature_k = 300\nthermostat = \"none\"\nthermostat_ps = 1"),
+              HasSubstr("scene.toml:19: run.thermostat_ps: has no effect"));
+  EXPECT_THAT(in_run("minimise_force_kj_mol_nm = 10"), HasSubstr("with run.minimise = true"));
+  EXPECT_THAT(in_run("trajectory = \"h5md\""), HasSubstr("with run.trajectory_every above 0"));
+  EXPECT_EQ(in_run("temperature_k = 300\nthermostat = \"langevin\"\nfriction_per_ps = 1"), "no error");
+  EXPECT_EQ(in_run("trajectory_every = 5\ntrajectory = \"h5md\""), "no error");
+
+  const std::string langevin =
+      good.with("steps = 20", "temperature_k = 300\nthermostat = \"langevin\"\nfriction_per_ps = 1").text;
+  EXPECT_EQ(complaint(langevin, {"run.thermostat=none"}), "no error");
+  EXPECT_THAT(complaint(langevin, {"run.thermostat_ps=1"}),
+              HasSubstr("--set run.thermostat_ps=1: run.thermostat_ps: has no effect"));
+  EXPECT_THAT(complaint(langevin, {"run.thermostat=none", "run.friction_per_ps=2"}),
+              HasSubstr("--set run.friction_per_ps=2: run.friction_per_ps: has no effect"));
+}
+
+TEST(SceneErrors, MethodKeysWithoutEffect) {
+  const std::string good = SceneText{}.text;
+  const auto idle = [&](std::vector<std::string> overrides) {
+    const std::string said = complaint(good, overrides);
+    const auto at = said.find("has no effect, it counts only ");
+    return at == said.npos ? said : said.substr(at + 30);
+  };
+  EXPECT_EQ(idle({"method.reduction=0.1"}), "with method.gains = \"rattle\"");
+  EXPECT_EQ(idle({"method.gains=rattle", "method.reduction=0.1"}), "no error");
+  EXPECT_EQ(idle({"method.stiffness=1e5"}), "with method.gains = \"physical\"");
+  EXPECT_EQ(idle({"method.gains=physical", "method.stiffness=1e5"}), "no error");
+  EXPECT_EQ(idle({"method.gains=physical", "method.stiffness=1e5", "method.beta_per_ps=1"}),
+            "without both alpha_per_ps and beta_per_ps");
+  EXPECT_EQ(idle({"method.gains=numbers", "method.beta_per_ps=1"}), "no error");
+  for (const std::string name : {"shake", "rattle"}) {
+    EXPECT_EQ(idle({"method.name=" + name, "method.sweeps=3", "method.tolerance=1e-6"}),
+              "without method.sweeps");
+    EXPECT_EQ(idle({"method.name=" + name, "method.sweeps=3", "method.max_sweeps=6"}),
+              "without method.sweeps");
+    EXPECT_EQ(idle({"method.name=" + name, "method.max_sweeps=6", "method.tolerance=1e-6"}), "no error");
+  }
+  EXPECT_EQ(idle({"method.name=penalty", "method.k=1e4", "method.omega_h=0.1"}), "without method.k");
+}
+
+// A chain of the file's own: three atoms, of which two move.
+std::string moving(const std::string& velocities, const std::string& run) {
+  return SceneText{}.with("pulls", velocities + "pulls").with("steps = 20", run).text;
+}
+const std::string kMoving = "velocities = [[0, 0, 0], [0, 1, 0], [0, 2, 0]]\n";
+
+TEST(Velocities, AreKeptWhereTheStartHasSomeAndDrawnWhereAsked) {
+  const Scene kept = read(moving(kMoving, "steps = 20"));
+  EXPECT_EQ(kept.start.v.col(2), Vec3(0, 2, 0));
+  EXPECT_FALSE(kept.velocities_drawn);
+  const Scene bath = read(moving(kMoving, "temperature_k = 300\nthermostat = \"langevin\""));
+  EXPECT_EQ(bath.start.v.col(2), Vec3(0, 2, 0));
+  const Scene drawn = read(moving(kMoving, "temperature_k = 300\nvelocities = \"draw\""));
+  EXPECT_TRUE(drawn.velocities_drawn);
+  EXPECT_NE(drawn.start.v.col(2), Vec3(0, 2, 0));
+  EXPECT_EQ(drawn.start.v.col(0), Vec3::Zero());  // an anchor
+  const Scene at_rest = read(moving("", "temperature_k = 300"));
+  EXPECT_EQ(at_rest.start.v, drawn.start.v);
+  const Scene stays = read(moving("", "temperature_k = 300\nthermostat_ps = 1\nvelocities = \"keep\""));
+  EXPECT_EQ(stays.start.v, Vectors::Zero(3, 3));
+  EXPECT_EQ(read(moving("", "steps = 20")).start.v, Vectors::Zero(3, 3));
+}
+
+TEST(Velocities, ATemperatureThatDoesNothingIsRefused) {
+  EXPECT_THAT(
+      complaint(moving(kMoving, "temperature_k = 300")),
+      HasSubstr("scene.toml:18: run.temperature_k: has no effect, it counts only with a thermostat or "
+                "run.velocities = \"draw\""));
+  EXPECT_THAT(complaint(moving(kMoving, "steps = 20"), {"run.temperature_k=300"}),
+              HasSubstr("--set run.temperature_k=300: run.temperature_k: has no effect"));
+  EXPECT_THAT(complaint(moving(kMoving, "steps = 20"), {"run.seed=3"}), HasSubstr("run.seed: has no effect"));
+  EXPECT_THAT(complaint(moving(kMoving, "velocities = \"draw\"")),
+              HasSubstr("scene.toml:18: run.velocities: drawn at run.temperature_k, which is 0"));
+  const std::string draws = moving(kMoving, "temperature_k = 300\nvelocities = \"draw\"");
+  EXPECT_EQ(complaint(draws, {"run.seed=3"}), "no error");
+  EXPECT_EQ(complaint(draws, {"run.velocities=keep"}), "no error");  // sets the file's temperature aside
+  EXPECT_THAT(complaint(draws, {"run.velocities=keep", "run.temperature_k=200"}),
+              HasSubstr("run.temperature_k: has no effect"));
+}
+
+// As a State of OpenMM's comes: with velocities, or without.
+TEST(Velocities, OfASceneFromElsewhere) {
+  Scene moves = read(moving(kMoving, "steps = 20")), rests = read(moving("", "steps = 20"));
+  EXPECT_THROW(apply_overrides(moves, {"run.temperature_k=300"}), InputError);
+  moves = read(moving(kMoving, "steps = 20"));
+  apply_overrides(moves, {"run.temperature_k=300", "run.thermostat=langevin"});
+  EXPECT_EQ(moves.start.v.col(2), Vec3(0, 2, 0));
+  apply_overrides(rests, {"run.temperature_k=300", "run.thermostat=langevin"});
+  EXPECT_TRUE(rests.velocities_drawn);
+  apply_overrides(moves, {"run.velocities=draw"});
+  EXPECT_EQ(moves.start.v, rests.start.v);
+  apply_overrides(moves, {"run.seed=2"});
+  EXPECT_NE(moves.start.v, rests.start.v);
 }
 
 TEST(SceneErrors, Keys) {

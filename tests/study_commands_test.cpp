@@ -101,7 +101,7 @@ TEST(StudyCommands, StabilitySaysHowEachMethodFails) {
 TEST(StudyCommands, TheCommandInAReportCanBeTyped) {
   const TemporaryFolder folder;
   const fs::path out = folder.path() / "our 'first' $HOME";
-  const auto first = taut("chart diatomic --quick --methods newton --set 'run.seed = 3' --out \"" +
+  const auto first = taut("chart diatomic --quick --methods newton --set 'run.dt_fs = 3' --out \"" +
                           folder.path().string() + "/our 'first' \\$HOME\"");
   ASSERT_EQ(first.exit_code, 0) << first.text;
   EXPECT_TRUE(fs::exists(out / "work.png"));

@@ -98,6 +98,7 @@ void build_alkane(const BuildRequest& request, Scene& scene) {
                       keys.get<double>("density_g_cm3", kPositive) * kGramPerCm3};
 
   Random random(request.run.seed);
+  scene.positions_drawn = true;
   Box box;
   place(liquid, random, box, scene.start.x);
 

@@ -104,6 +104,7 @@ void place(const Polymer& polymer, bool closed, auto&& directions, Scene& scene)
 void build_chains(const BuildRequest& request, Scene& scene) {
   const Polymer polymer = read_polymer(request.keys, "chains", 2);
   Random random(request.run.seed);
+  scene.positions_drawn = true;
   if (polymer.beads - 1 > kMostWeighedBonds)
     scene.notes.emplace_back("start: bond directions drawn evenly, not by the rigid chain's own law");
   place(

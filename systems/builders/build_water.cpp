@@ -127,10 +127,14 @@ class WaterSource {
       const double times = static_cast<double>(molecules) / static_cast<double>(molecules_of_start());
       const int n = static_cast<int>(std::lround(std::cbrt(times)));
       if (n * n * n * molecules_of_start() == molecules) return tiled(*start_, n);
+      if (keys_.overridden("start"))
+        keys_.fail("start", fmt::format("{} molecules are not n³ times the {} it has", molecules,
+                                        molecules_of_start()));
       notes.push_back(fmt::format("start: {} molecules are not n³ times the {} of the equilibrated start",
                                   molecules, molecules_of_start()));
     }
     notes.emplace_back("start: molecules on a lattice, turned at random; equilibrate with run.thermostat_ps");
+    drawn_ = true;
     return lattice_of_water(model_, molecules, std::cbrt(static_cast<double>(molecules) / density_), random_);
   }
 
@@ -145,6 +149,8 @@ class WaterSource {
     return droplet(box_of(static_cast<long>(n * n * n), notes), molecules);
   }
 
+  bool drawn() const { return drawn_; }
+
  private:
   long molecules_of_start() const { return start_->state.x.cols() / 3; }
   void require_box() const {
@@ -158,6 +164,7 @@ class WaterSource {
   Random random_;
   std::optional<Start> start_;
   double density_;  // [molecules/nm³]
+  bool drawn_ = false;
 };
 
 void add_molecule(const WaterModel& model, int o, Nonbonded& pairs, std::vector<RigidBond>& bonds) {
@@ -211,6 +218,7 @@ void build_water(const BuildRequest& request, Scene& scene) {
   read_cutoff(request.forcefield, start.box, pairs);
   scene.start.x = std::move(start.state.x);
   scene.start.v = std::move(start.state.v);
+  scene.positions_drawn = source.drawn();
   scene.system = make_system(std::move(mass), std::move(bonds), start.box);
 }
 

@@ -6,8 +6,6 @@
 #include <cmath>
 
 #include "md/observables.hpp"
-#include "md/random.hpp"
-#include "md/units.hpp"
 #include "systems/start_file.hpp"
 #include "systems/whole_molecules.hpp"
 
@@ -15,7 +13,6 @@ namespace taut {
 namespace {
 
 constexpr double kMostAtoms = 5e6;  // about 2 GB of arrays and lists
-constexpr std::uint64_t kVelocityStream = 0x9e3779b97f4a7c15;
 
 struct Kind {
   std::string_view name;
@@ -50,22 +47,14 @@ void lay_start(const BuildRequest& request, Scene& scene) {
   if (!request.keys.read("start", file)) return;
   Start start = read_start(file);
   if (const char* reason = misfit(start, scene)) {
+    if (request.keys.overridden("start")) request.keys.fail("start", fmt::format("it has {}", reason));
     scene.notes.push_back(fmt::format("start: {} is set aside, it has {}", file.filename().string(), reason));
     return;
   }
   scene.start.x = std::move(start.state.x);
   scene.start.v = std::move(start.state.v);
   scene.notes.clear();
-}
-
-// Each component normal with variance kT/m; the momentum of the whole is taken out where nothing outside
-// holds or pulls.
-void draw_velocities(double temperature, std::uint64_t seed, Scene& scene) {
-  Random random(seed ^ kVelocityStream);
-  for (int a = 0; a < scene.system.atoms(); ++a)
-    scene.start.v.col(a) =
-        random.normal_vector() * std::sqrt(kBoltzmann * temperature * scene.system.inv_mass[a]);
-  if (scene.closed()) remove_momentum(scene.system, scene.start.v);
+  scene.positions_drawn = false;
 }
 
 void read_precision(const TomlTable& forcefield, Terms& terms) {
@@ -83,7 +72,6 @@ void build(const BuildRequest& request, Scene& scene) {
   if (!kind.own_start) lay_start(request, scene);
   scene.start.f = Vectors::Zero(3, scene.system.atoms());
   if (scene.start.v.cols() == 0) scene.start.v = scene.start.f;
-  if (request.run.temperature_k > 0) draw_velocities(request.run.temperature_k, request.run.seed, scene);
 }
 
 int atoms_of(const TomlTable& keys, std::string_view key, double copies, double atoms_each) {

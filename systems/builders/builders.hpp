@@ -16,9 +16,9 @@ struct BuildRequest {
 };
 
 // Fills a scene's system, terms, start and notes: builds [build]'s kind, puts its atoms where the file
-// build.start says, and draws velocities at run.temperature_k (Maxwell–Boltzmann; their part along the bonds
-// is taken out later). A start that does not fit (other counts, another density) is set aside with a note:
-// a scene ships with the start of its own numbers, and others may be asked for.
+// build.start says, with the velocities it has. A start of the scene's own that does not fit (other counts,
+// another density) is set aside with a note: a scene ships with the start of its own numbers, and others may
+// be asked for. One that an override names has to fit.
 // Throws InputError, LocatedError where a key is to blame.
 void build(const BuildRequest& request, Scene& scene);
 

@@ -34,7 +34,7 @@ bool has_key(const std::string& method, std::string_view parameter) {
   bool found = false;
   std::visit(
       [&](auto options) {
-        options.describe([&](const char* key, auto&, const char*) { found |= key == parameter; });
+        options.describe([&](const char* key, auto&, const char*, Counts = {}) { found |= key == parameter; });
       },
       default_options(method));
   return found;
