@@ -52,9 +52,9 @@ void print_header(const Simulation& simulation) {
   if (sys.box.periodic())
     fmt::print("  box {:.6g} × {:.6g} × {:.6g} nm\n", sys.box.edge.x(), sys.box.edge.y(), sys.box.edge.z());
   fmt::print("  method {}: {}\n", method_name(scene.method), simulation.method_setting());
-  fmt::print("  {} steps of {:g} fs = {:.6g} ps, seed {}, velocities {}{}\n\n", scene.run.steps, scene.run.dt_fs,
-             static_cast<double>(scene.run.steps) * scene.run.h(), scene.run.seed, describe_velocities(scene),
-             thermostat_line(scene.run));
+  fmt::print("  {} steps of {:g} fs = {:.6g} ps, seed {}, velocities {}{}\n\n", scene.run.steps,
+             scene.run.dt_fs, static_cast<double>(scene.run.steps) * scene.run.h(), scene.run.seed,
+             describe_velocities(scene), thermostat_line(scene.run));
   if (simulation.step() > 0) fmt::print("goes on from step {}\n", simulation.step());
   fmt::print("{:>8} {:>10} {:>12} {:>12} {:>8} {:>9} {:>5}{}\n", "step", "t [ps]", "E_pot [kJ]",
              "E_total [kJ]", "T [K]", "bond err", "iter", sys.box.periodic() ? "  P [bar]" : "");
@@ -91,8 +91,9 @@ void print_summary(const Simulation& simulation, const Summary& s) {
   if (const int bonds = simulation.scene().system.bond_count(); bonds > 0)
     fmt::print(" ({:.3g} ns a bond)", s.constraint_us_per_step * 1000 / bonds);
   fmt::print("; {:.4g} ns/day\n", s.ns_per_day);
-  if (thermostat_line(simulation.scene().run).empty())
-    fmt::print("energy drift {:.2e} ± {:.1e} kJ/mol/ns/degree of freedom\n", s.drift, s.drift_error);
+  if (s.drift)
+    fmt::print("energy drift {:.2e}{} kJ/mol/ns/degree of freedom\n", s.drift->value,
+               s.drift->error > 0 ? fmt::format(" ± {:.1e}", s.drift->error) : "");
   fmt::print("mean temperature {:.2f} K", s.temperature);
   print_temperatures(simulation.temperatures());
   if (s.pressure) fmt::print("pressure {} bar\n", with_error(*s.pressure, 1));
@@ -103,6 +104,7 @@ void print_summary(const Simulation& simulation, const Summary& s) {
     fmt::print("bond tension at the end: {:.4g} to {:.4g}, mean {:.4g} kJ/mol/nm\n", tension.minCoeff(),
                tension.maxCoeff(), tension.mean());
   }
+  for (const auto& doubt : s.doubts) fmt::print("in doubt: {}\n", doubt);
 }
 
 std::string to_go_on(const RunFolder& folder, long step) {

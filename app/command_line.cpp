@@ -46,7 +46,7 @@ void CommandLine::option(const char* name, const std::vector<std::string>& value
 }
 
 std::vector<std::string> overrides_said(const std::vector<KeyFlag>& flags,
-                                      const std::vector<std::string>& settings) {
+                                        const std::vector<std::string>& settings) {
   std::vector<std::string> all;
   std::map<std::string, Said> known;
   const auto add = [&](const std::string& override_, const std::string& words) {
@@ -54,8 +54,8 @@ std::vector<std::string> overrides_said(const std::vector<KeyFlag>& flags,
     for (const auto& [key, value] : key_values({override_})) {
       const auto& [said, is_new] = known.try_emplace(key, Said{words, value});
       if (!same(said->second.value, value))
-        throw InputError(fmt::format("{} is said twice, as {} and as {}; leave one out", key,
-                                     said->second.words, words));
+        throw InputError(
+            fmt::format("{} is said twice, as {} and as {}; leave one out", key, said->second.words, words));
     }
   };
   for (const KeyFlag& flag : flags)

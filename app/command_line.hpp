@@ -42,6 +42,6 @@ struct KeyFlag {
 
 // All overrides of a command line. Throws InputError for a key that it gives two values.
 std::vector<std::string> overrides_said(const std::vector<KeyFlag>& flags,
-                                      const std::vector<std::string>& settings);
+                                        const std::vector<std::string>& settings);
 
 }  // namespace taut

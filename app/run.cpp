@@ -30,9 +30,9 @@ struct RunArguments {
 
   std::vector<std::string> overrides() const {
     return overrides_said({{"--method", "method.name", method},
-                         {"--steps", "run.steps", steps},
-                         {"--dt-fs", "run.dt_fs", dt_fs}},
-                        settings);
+                           {"--steps", "run.steps", steps},
+                           {"--dt-fs", "run.dt_fs", dt_fs}},
+                          settings);
   }
 
   Scene read() const {

@@ -24,9 +24,9 @@ constexpr std::string_view kLogHeader =
     "(bar)\"\n";
 
 std::string log_row(const Record& r) {
-  return fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{:.9g},{:.4g},{:.6e},{:.6e},{:.6e},{:.4g},{}\n",
-                     r.step, r.t, r.potential, r.kinetic, r.total(), r.temperature, r.ns_per_day, r.bonds.max,
-                     r.bonds.rms, r.drift, r.iterations,
+  return fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{:.9g},{:.4g},{:.6e},{:.6e},{},{:.4g},{}\n", r.step,
+                     r.t, r.potential, r.kinetic, r.total(), r.temperature, r.ns_per_day, r.bonds.max,
+                     r.bonds.rms, r.drift ? fmt::format("{:.6e}", *r.drift) : "", r.iterations,
                      r.pressure ? fmt::format("{:.9g}", *r.pressure) : "");
 }
 
@@ -61,12 +61,14 @@ ordered_json summary_json(const Simulation& simulation, const Summary& s) {
       {"ns_per_day", s.ns_per_day},
       {"max_rel_bond_error", s.max_rel_bond_error},
       {"rms_rel_bond_error", s.rms_rel_bond_error},
-      {"energy_drift_kj_mol_ns_dof", s.drift},
-      {"energy_drift_standard_error", s.drift_error},
+      {"energy_drift_kj_mol_ns_dof", s.drift ? ordered_json(s.drift->value) : ordered_json()},
+      {"energy_drift_standard_error",
+       s.drift && s.drift->error > 0 ? ordered_json(s.drift->error) : ordered_json()},
       {"temperature_k", s.temperature},
       {"potential_kj_mol", s.potential},
       {"total_kj_mol", s.total},
-      {"converged", s.converged},
+      {"converged", s.converged ? ordered_json(*s.converged) : ordered_json()},
+      {"doubts", s.doubts},
       {"method_setting", simulation.method_setting()},
       {"seed", scene.run.seed},
       {"temperatures_k", temperatures_json(simulation.temperatures())},

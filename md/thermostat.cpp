@@ -9,8 +9,7 @@ namespace taut {
 VelocityRescaling::VelocityRescaling(double temperature, double relaxation, int dof, std::uint64_t seed)
     : target_(0.5 * dof * kBoltzmann * temperature), relaxation_(relaxation), dof_(dof), random_(seed) {}
 
-void VelocityRescaling::operator()(const System& sys, double h, Vectors& v) {
-  const double kinetic = kinetic_energy(sys, v);
+void VelocityRescaling::operator()(double kinetic, double h, Vectors& v) {
   if (kinetic == 0) return;
   const double c = std::exp(-h / relaxation_), share = target_ / dof_ / kinetic;
   const double first = random_.normal();

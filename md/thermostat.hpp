@@ -15,7 +15,8 @@ class VelocityRescaling {
   // temperature [K], relaxation time [ps]; dof: degrees of freedom, at least 1.
   VelocityRescaling(double temperature, double relaxation, int dof, std::uint64_t seed);
 
-  void operator()(const System& sys, double h, Vectors& v);
+  // The velocities' kinetic energy [kJ/mol] is told: not all of it need be thermal.
+  void operator()(double kinetic, double h, Vectors& v);
   void remember(Memory& memory) { memory(random_); }
 
  private:

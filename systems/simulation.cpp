@@ -177,15 +177,28 @@ double Simulation::method_energy() const {
       method_);
 }
 
+bool Simulation::stretches() const {
+  return has_springs() || std::holds_alternative<Batched<Shake>>(method_);
+}
+
+Vectors Simulation::without_stretching(Vectors v) const {
+  if (stretches()) projector_.velocities(scene_.system, state_.x, v);
+  return v;
+}
+
+Vectors Simulation::velocity() const {
+  return has_springs() ? state_.v : without_stretching(state_.v);
+}
+
 Vectors Simulation::thermal_velocity() const {
-  return langevin_ ? langevin_->middle_velocity(scene_.system, state_) : state_.v;
+  return langevin_ ? langevin_->middle_velocity(scene_.system, state_) : without_stretching(state_.v);
 }
 
 Record Simulation::record() const {
   Record r;
   r.t = state_.t;
   r.potential = forces_.potential() + method_energy();
-  r.kinetic = kinetic_energy(scene_.system, state_.v);
+  r.kinetic = kinetic_energy(scene_.system, velocity());
   r.temperature = temperature(kinetic_energy(scene_.system, thermal_velocity()), dof_.total());
   r.bonds = bond_errors(scene_.system, state_.x);
   return r;

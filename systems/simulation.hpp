@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "constraints/langevin.hpp"
 #include "constraints/projection.hpp"
@@ -23,11 +24,11 @@ namespace taut {
 struct Record {
   long step = 0;
   double t = 0;                       // [ps]
-  double potential = 0, kinetic = 0;  // [kJ/mol]
-  double temperature = 0;             // [K], under Langevin's thermostat of the velocity it acts on
+  double potential = 0, kinetic = 0;  // of Simulation::velocity() [kJ/mol]
+  double temperature = 0;             // of Simulation::thermal_velocity() [K]
   BondErrors bonds;
-  double drift = 0;       // of the total energy so far [kJ/mol/ns/degree of freedom]
-  double iterations = 0;  // a step, since the last row
+  std::optional<double> drift;  // of the total energy so far [kJ/mol/ns/dof]; none under a thermostat
+  double iterations = 0;        // a step, since the last row
   double ns_per_day = 0;
   std::optional<double> pressure;  // in a box [bar]
 
@@ -38,13 +39,14 @@ struct Record {
 struct Summary {
   long steps = 0;
   double us_per_step = 0, constraint_us_per_step = 0, ns_per_day = 0;
-  double max_rel_bond_error = 0;      // over all rows
-  double rms_rel_bond_error = 0;      // root mean square over all rows
-  double drift = 0, drift_error = 0;  // [kJ/mol/ns/degree of freedom], and its standard error
-  double temperature = 0;             // mean over the rows [K]
-  std::optional<Estimate> pressure;   // mean over the rows, in a box [bar]
-  double potential = 0, total = 0;    // at the end [kJ/mol]
-  bool converged = true;
+  double max_rel_bond_error = 0;     // over all rows
+  double rms_rel_bond_error = 0;     // root mean square over all rows
+  std::optional<Estimate> drift;     // [kJ/mol/ns/degree of freedom]; none under a thermostat
+  double temperature = 0;            // mean over the rows [K]
+  std::optional<Estimate> pressure;  // mean over the rows, in a box [bar]
+  double potential = 0, total = 0;   // at the end [kJ/mol]
+  std::optional<bool> converged;     // every step to twice the error the method promises; none: promises none
+  std::vector<std::string> doubts;   // systems/doubts.hpp
 };
 
 // What it took to bring the start to the bonds.
@@ -53,6 +55,25 @@ struct StartReport {
   double largest_move = 0;             // of an atom, to the bonds' lengths, after that [nm]
   double kinetic_removed = 0;          // share of the kinetic energy that lay along the bonds
   std::vector<int> anchors_stopped;    // atoms of mass 0 that came with a velocity
+};
+
+// Langevin's thermostat of springs in place of bonds. The step adds a method's forces after Δ is drawn, for
+// Jᵀλ has no tangent part; a spring's force changes the velocity that friction acts on, and Δ has to know it.
+struct SpringBath {
+  Langevin& langevin;
+  Penalty& springs;
+  Vectors pull = {};
+
+  void first_half(State& s) const { langevin.first_half(s); }
+  SolveStats draw(const System& sys, double h, State& s) {
+    pull = s.f;
+    SolveStats stats = springs.add_forces(sys, h, s);
+    pull = s.f - pull;
+    stats += langevin.draw(sys, h, s);
+    s.f -= pull;
+    return stats;
+  }
+  void second_half(State& s) const { langevin.second_half(s); }
 };
 
 // A scene ready to run: forces and method made, the start brought to the bonds.
@@ -74,7 +95,10 @@ class Simulation {
   const ForceField& forces() const { return forces_; }
 
   Record record() const;  // the state as it is now
-  // What temperatures are taken of: under Langevin's thermostat the velocity it acts on, or else v [nm/ps].
+  // That of full steps [nm/ps], without what shake leaves of it along the bonds.
+  Vectors velocity() const;
+  // What temperatures are taken of: under Langevin's thermostat the velocity it acts on, or else velocity();
+  // of bonds that are springs without what stretches them, for they start cold and warm up slowly.
   Vectors thermal_velocity() const;
 
   // Of the rows so far: translation, rotation and the rest of each type of molecule.
@@ -112,24 +136,32 @@ class Simulation {
   void count_degrees_of_freedom(bool momentum_fixed);
   // visit(method, bath), as md/step.hpp takes them
   void visit_step(auto&& visit) {
-    NoBath none;
-    std::visit([&](auto& method) { langevin_ ? visit(method, *langevin_) : visit(method, none); }, method_);
+    const auto with = [&](auto& method, auto&& bath) { visit(method, bath); };
+    if (!langevin_)
+      std::visit([&](auto& method) { with(method, NoBath{}); }, method_);
+    else if (auto* springs = std::get_if<Penalty>(&method_))
+      with(*springs, SpringBath{*langevin_, *springs});
+    else
+      std::visit([&](auto& method) { with(method, *langevin_); }, method_);
   }
   bool has_springs() const;  // in place of constraints
+  bool stretches() const;    // velocities keep a part along the bonds
+  Vectors without_stretching(Vectors v) const;
   class Stopwatch;
   struct LogSums {  // over the rows of the log
-    Slope energy;
+    RunningSlope energy;
     RunningMean pressure;
     long rows = 0, last_row = 0;
-    double largest_error = 0, squares = 0, temperatures = 0;
+    double largest_error = 0, largest_residual = 0, squares = 0, temperatures = 0;
 
-    void add(const Record& r);
+    void add(const Record& r, double residual);
     void remember(Memory& memory) {
-      memory(energy, pressure, rows, last_row, largest_error, squares, temperatures);
+      memory(energy, pressure, rows, last_row, largest_error, largest_residual, squares, temperatures);
     }
   };
 
   RunPlan plan() const;
+  double per_ns_and_dof() const;
   Record row(const SolveStats& since, const Stopwatch& watch, long steps);
   Summary summary(const Record& end, double seconds, double constraint_seconds, long steps) const;
   void after_step(State& s);

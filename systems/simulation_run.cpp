@@ -5,6 +5,7 @@
 
 #include "md/errors.hpp"
 #include "md/timed.hpp"
+#include "systems/doubts.hpp"
 #include "systems/simulation.hpp"
 
 namespace taut {
@@ -13,6 +14,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr long kStepsPerSnapshot = 100;
+constexpr double kLeeway = 2;  // feedforward judges a bond by itself, where bonds are coupled
 
 bool finite(const State& s) {
   return s.x.allFinite() && s.v.allFinite() && s.f.allFinite();
@@ -37,14 +39,20 @@ class Simulation::Stopwatch {
   Clock::duration watching_{};
 };
 
-void Simulation::LogSums::add(const Record& r) {
+void Simulation::LogSums::add(const Record& r, double residual) {
   energy.add(r.t, r.total());
   ++rows;
   last_row = r.step;
   largest_error = std::max(largest_error, r.bonds.max);
+  largest_residual = std::max(largest_residual, residual);
   squares += r.bonds.rms * r.bonds.rms;
   temperatures += r.temperature;
   if (r.pressure) pressure.add(*r.pressure);
+}
+
+// From kJ/mol/ps of the whole.
+double Simulation::per_ns_and_dof() const {
+  return 1000.0 / std::max(1, dof_.total());
 }
 
 RunPlan Simulation::plan() const {
@@ -58,13 +66,17 @@ RunPlan Simulation::plan() const {
 Record Simulation::row(const SolveStats& since, const Stopwatch& watch, long steps) {
   Record r = record();
   r.step = progress_.step;
-  Slope energy = sums_.energy;
-  energy.add(r.t, r.total());
-  r.drift = energy.value() / std::max(1, dof_.total()) * 1000;  // per ps to per ns
+  if (!scene_.run.thermostatted()) {
+    RunningSlope energy = sums_.energy;
+    energy.add(r.t, r.total());
+    r.drift = energy.value() * per_ns_and_dof();
+  }
   if (barometer_) {
     const auto& lambda =
         std::visit([](const auto& m) -> const Eigen::VectorXd& { return m.lambda(); }, method_);
-    r.pressure = (*barometer_)(scene_.system, forces_, state_.x, thermal_velocity(), lambda);
+    const bool springs_move = has_springs() && !langevin_;  // and the pressure has their part in it
+    r.pressure =
+        (*barometer_)(scene_.system, forces_, state_.x, springs_move ? state_.v : thermal_velocity(), lambda);
   }
   const long gone = r.step - sums_.last_row;
   r.iterations = gone > 0 ? static_cast<double>(since.iterations) / static_cast<double>(gone) : 0.0;
@@ -84,7 +96,7 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
   const auto observe = [&](const SolveStats& since) {
     const auto pause = Clock::now();
     last = row(since, watch, progress_.step - first);
-    sums_.add(last);
+    sums_.add(last, since.max_residual);
     temperatures_->see(scene_.system, state_.x, thermal_velocity());
     if (on_record) on_record(last);
     watch.leave_out(Clock::now() - pause);
@@ -117,7 +129,10 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
 }
 
 void Simulation::after_step(State& s) {
-  if (thermostat_) (*thermostat_)(scene_.system, scene_.run.h(), s.v);
+  if (!thermostat_) return;
+  const double kinetic = stretches() ? kinetic_energy(scene_.system, without_stretching(s.v))
+                                     : kinetic_energy(scene_.system, s.v);
+  (*thermostat_)(kinetic, scene_.run.h(), s.v);
 }
 
 Summary Simulation::summary(const Record& end, double seconds, double constraint_seconds, long steps) const {
@@ -129,12 +144,17 @@ Summary Simulation::summary(const Record& end, double seconds, double constraint
   s.ns_per_day = end.ns_per_day;
   s.max_rel_bond_error = sums_.largest_error;
   s.rms_rel_bond_error = std::sqrt(sums_.squares / rows);
-  s.drift = sums_.energy.value() / std::max(1, dof_.total()) * 1000;
-  s.drift_error = sums_.energy.standard_error() / std::max(1, dof_.total()) * 1000;
+  if (!scene_.run.thermostatted()) {
+    const Estimate slope = sums_.energy.estimate();
+    s.drift = Estimate{slope.value * per_ns_and_dof(), slope.error * per_ns_and_dof()};
+  }
   s.temperature = sums_.temperatures / rows;
   if (barometer_) s.pressure = sums_.pressure.estimate();
   s.potential = end.potential;
   s.total = end.total();
+  if (std::isfinite(promised_error()))
+    s.converged = std::max(sums_.largest_residual, s.max_rel_bond_error) <= kLeeway * promised_error();
+  s.doubts = doubts(s);
   return s;
 }
 

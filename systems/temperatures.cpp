@@ -109,23 +109,36 @@ Temperatures::Temperatures(const System& sys, const Terms& terms, const Vectors&
   kinetic_.resize(types_.size());
 }
 
-Temperatures::Energies Temperatures::energies(const System& sys, const Molecule& molecule, const Vectors& x,
-                                              const Vectors& v) {
+Temperatures::Sample Temperatures::sample(const System& sys, const Molecule& molecule, const Vectors& x,
+                                          const Vectors& v) {
   double total = 0;
   for (int a : molecule.atoms) total += 0.5 * sys.mass[a] * v.col(a).squaredNorm();
-  if (anchored(sys, molecule.atoms)) return {0, 0, total};
+  if (anchored(sys, molecule.atoms)) return {{0, 0, total}, 0};
   const Body body(sys, molecule.atoms, x, v);
   const double translation = 0.5 * body.momentum.squaredNorm() / body.mass;
   double rotation = 0;
-  body.axes([&](double moment, double spin) { rotation += 0.5 * spin * spin / moment; });
-  return {translation, rotation, total - translation - rotation};
+  int turns = 0;
+  body.axes([&](double moment, double spin) {
+    rotation += 0.5 * spin * spin / moment;
+    ++turns;
+  });
+  return {{translation, rotation, total - translation - rotation}, turns};
 }
 
 void Temperatures::see(const System& sys, const Vectors& x, const Vectors& v) {
   std::vector<Energies> of_types(types_.size(), Energies{});
+  std::vector<double> turns(types_.size(), 0.0);
   for (const Molecule& molecule : molecules_) {
-    const Energies kinetic = energies(sys, molecule, x, v);
-    for (std::size_t m = 0; m < 3; ++m) of_types[molecule.type][m] += kinetic[m];
+    const Sample s = sample(sys, molecule, x, v);
+    for (std::size_t m = 0; m < 3; ++m) of_types[molecule.type][m] += s.kinetic[m];
+    turns[molecule.type] += s.turns;
+  }
+  ++samples_;
+  for (std::size_t t = 0; t < types_.size(); ++t) {  // what turns does not bend
+    auto& dof = types_[t].dof;
+    const double more = (turns[t] - dof[1]) / static_cast<double>(samples_);
+    dof[1] += more;
+    dof[2] -= more;
   }
   for (std::size_t m = 0; m < 3; ++m) {
     double all = 0;

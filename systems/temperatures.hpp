@@ -13,15 +13,16 @@ namespace taut {
 // The kinetic energy of a molecule is that of its centre, of its turning as a body, and the rest:
 //     ½|P|²/M  +  ½ L·I⁻¹L  +  K_rest,   P = Σ m v,  L, I about the centre of mass.
 // The three velocities are orthogonal in the metric of the masses and none stretches a bond, so that each
-// class has a temperature of its own and its degrees of freedom are counted exactly: 3; 3, 2 if linear, 0 for
-// an atom; and what is left of 3·atoms − bonds. Badly held bonds and a step too long show there first.
+// class has a temperature of its own and its degrees of freedom are counted exactly: 3; 3, 2 while the
+// molecule is a line, 0 for an atom; and what is left of 3·atoms − bonds. Badly held bonds and a step too
+// long show there first.
 enum class MotionClass { kTranslation, kRotation, kRest };
 inline constexpr std::array<const char*, 3> kMotionNames = {"translation", "rotation", "rest"};
 
 // Molecules alike: the same masses in the same order, and as many bonds.
 struct MoleculeType {
   std::string name;             // "216 molecules of 3 atoms", "20 atoms"
-  std::array<double, 3> dof{};  // of all its molecules, by MotionClass
+  std::array<double, 3> dof{};  // of all its molecules, by MotionClass: mean over the samples so far
 };
 
 class Temperatures {
@@ -41,6 +42,9 @@ class Temperatures {
     for (auto& type : kinetic_)
       for (RunningMean& mean : type) memory(mean);
     for (RunningMean& mean : kinetic_of_all_) memory(mean);
+    memory(samples_);
+    memory.demand(samples_ >= 0);
+    for (MoleculeType& type : types_) memory(type.dof);
   }
 
  private:
@@ -50,12 +54,18 @@ class Temperatures {
   };
   using Energies = std::array<double, 3>;  // by MotionClass [kJ/mol]
 
-  static Energies energies(const System& sys, const Molecule& molecule, const Vectors& x, const Vectors& v);
+  struct Sample {
+    Energies kinetic{};
+    int turns = 0;  // axes it can turn about, as it lies
+  };
+
+  static Sample sample(const System& sys, const Molecule& molecule, const Vectors& x, const Vectors& v);
 
   std::vector<Molecule> molecules_;
   std::vector<MoleculeType> types_;
   std::vector<std::array<RunningMean, 3>> kinetic_;  // by type and MotionClass [kJ/mol]
   std::array<RunningMean, 3> kinetic_of_all_;
+  long samples_ = 0;
 };
 
 }  // namespace taut

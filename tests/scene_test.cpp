@@ -239,6 +239,8 @@ TEST(Velocities, OfASceneFromElsewhere) {
   EXPECT_EQ(moves.start.v, rests.start.v);
   apply_overrides(moves, {"run.seed=2"});
   EXPECT_NE(moves.start.v, rests.start.v);
+  apply_overrides(rests, {"run.seed=2"});
+  EXPECT_EQ(moves.start.v, rests.start.v);
 }
 
 TEST(SceneErrors, Keys) {

@@ -114,6 +114,33 @@ TEST(RunningMean, HasTheErrorOfItsBlocks) {
   EXPECT_NEAR(few.estimate().error, std::sqrt(42.0 / (8 * 7)), 1e-12);
 }
 
+// A straight trimer turns about two axes and has two ways to bend; bent, it is three and one. Each counts in
+// its own time.
+TEST(Temperatures, OfAMoleculeThatBends) {
+  const System sys = make_system(Eigen::VectorXd::Ones(3), {{0, 1, 1}, {1, 2, 1}});
+  Vectors straight(3, 3), bent(3, 3);
+  straight << -1, 0, 1, 0, 0, 0, 0, 0, 0;
+  bent << -0.8, 0, 0.8, 0.6, 0, 0.6, 0, 0, 0;
+  Projector projector(sys);
+  for (const bool bends : {false, true}) {
+    Temperatures temperatures(sys, {}, straight, true, false);
+    EXPECT_EQ(temperatures.types()[0].dof, (std::array<double, 3>{3, 2, 2}));
+    Random random(3);
+    const int samples = 20000;
+    for (int n = 0; n < samples; ++n) {
+      const Vectors& x = bends && n >= samples / 4 ? bent : straight;
+      Vectors v(3, 3);
+      for (int a = 0; a < 3; ++a) v.col(a) = std::sqrt(kBoltzmann * 300) * random.normal_vector();
+      projector.velocities(sys, x, v);
+      temperatures.see(sys, x, v);
+    }
+    EXPECT_NEAR(temperatures.types()[0].dof[1], bends ? 2.75 : 2, 1e-9);
+    EXPECT_NEAR(temperatures.types()[0].dof[2], bends ? 1.25 : 2, 1e-9);
+    for (int motion = 0; motion < 3; ++motion)
+      EXPECT_NEAR(temperatures.temperature(0, MotionClass(motion)).value, 300, 12) << kMotionNames[motion];
+  }
+}
+
 TEST(RunningMean, IsTheBlocksMeanInFixedMemory) {
   Random random(1);
   RunningMean mean;

@@ -1,9 +1,7 @@
 #include "systems/studies/block_average.hpp"
 
+#include <algorithm>
 #include <cmath>
-#include <cstddef>
-
-#include "md/observables.hpp"
 
 namespace taut {
 namespace {
@@ -22,6 +20,16 @@ double mean(const std::vector<double>& y) {
   double sum = 0;
   for (const double value : y) sum += value;
   return y.empty() ? 0.0 : sum / static_cast<double>(y.size());
+}
+
+// Of neighbours' differences, `step` apart on average.
+double variance_of_differences(std::span<const double> means, double step) {
+  double sum = 0;
+  for (std::size_t b = 1; b < means.size(); ++b) {
+    const double d = means[b] - means[b - 1] - step;
+    sum += d * d;
+  }
+  return sum / (static_cast<double>(means.size()) - 2);
 }
 
 }  // namespace
@@ -66,6 +74,29 @@ Estimate RunningMean::estimate() const {
   for (int b = 0; b < full_; ++b) middle += blocks_[b] / full_;
   for (int b = 0; b < full_; ++b) spread += (blocks_[b] - middle) * (blocks_[b] - middle);
   return {all, std::sqrt(spread / (full_ * (full_ - 1.0)))};
+}
+
+void RunningSlope::add(double t, double y) {
+  if (means_.count() == 0) first_ = t;
+  last_ = t;
+  line_.add(t, y);
+  means_.add(y);
+}
+
+Estimate RunningSlope::estimate() const {
+  const std::span<const double> fine = means_.blocks();
+  const double slope = line_.value();
+  if (fine.size() < 8) return {slope, 0};
+  std::vector<double> coarse;
+  for (std::size_t b = 1; b < fine.size(); b += 2) coarse.push_back(0.5 * (fine[b - 1] + fine[b]));
+  const double time = last_ - first_;
+  const double length =
+      static_cast<double>(means_.block_length()) * time / static_cast<double>(means_.count() - 1);
+  const double v = variance_of_differences(fine, slope * length);
+  const double v2 = variance_of_differences(coarse, 2 * slope * length);
+  const double walk = std::max(0.0, (2 * v2 - v) / (2 * length));
+  const double noise = std::max(0.0, length * (2 * v - v2) / 3);
+  return {slope, std::sqrt(1.2 * walk / time + 12 * noise / (time * time * time))};
 }
 
 double deviations(const Estimate& a, const Estimate& b) {

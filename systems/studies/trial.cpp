@@ -34,7 +34,8 @@ bool has_key(const std::string& method, std::string_view parameter) {
   bool found = false;
   std::visit(
       [&](auto options) {
-        options.describe([&](const char* key, auto&, const char*, Counts = {}) { found |= key == parameter; });
+        options.describe(
+            [&](const char* key, auto&, const char*, Counts = {}) { found |= key == parameter; });
       },
       default_options(method));
   return found;
@@ -132,7 +133,7 @@ Trial try_setting(Scene scene, const Setting& setting, const TrialPlan& plan, St
     const Summary summary = simulation.run(watch);
     trial.constraint_us = summary.constraint_us_per_step;
     trial.step_us = summary.us_per_step;
-    trial.drift = summary.drift;
+    trial.drift = summary.drift.value_or(Estimate{}).value;
     const Interval interval = bootstrap_slope(t, energy);
     trial.drift_low = interval.low / dof * 1000;  // per ps to per ns
     trial.drift_high = interval.high / dof * 1000;

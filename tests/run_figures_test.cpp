@@ -1,0 +1,191 @@
+// The figures a run ends with: temperatures of what is thermal, an error of the drift that holds over seeds,
+// and what they say against the run.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "md/random.hpp"
+#include "md/units.hpp"
+#include "systems/doubts.hpp"
+#include "systems/scene_file.hpp"
+#include "systems/simulation.hpp"
+
+namespace taut {
+namespace {
+
+using Overrides = std::vector<std::string>;
+
+Scene scene_of(const std::string& name, const Overrides& overrides) {
+  return read_scene(find_scene(name), overrides);
+}
+
+std::vector<Record> rows_of(const std::string& scene, const Overrides& overrides) {
+  std::vector<Record> rows;
+  Simulation simulation(scene_of(scene, overrides));
+  simulation.run([&](const Record& r) { rows.push_back(r); });
+  return rows;
+}
+
+// SHAKE's positions are RATTLE's; its velocities keep a part along the bonds, which is not heat.
+TEST(ThermalVelocity, OfShakeIsRattles) {
+  for (const char* thermostat : {"run.thermostat=none", "run.thermostat_ps=0.02"}) {
+    const auto rows = [&](const char* method) {
+      return rows_of("water", {method, thermostat, "run.steps=40", "run.log_every=5"});
+    };
+    const auto shake = rows("method.name=shake"), rattle = rows("method.name=rattle");
+    ASSERT_EQ(shake.size(), rattle.size());
+    for (std::size_t n = 0; n < shake.size(); ++n) {
+      EXPECT_NEAR(shake[n].temperature / rattle[n].temperature, 1, 1e-5) << thermostat;
+      EXPECT_NEAR(shake[n].kinetic / rattle[n].kinetic, 1, 1e-5);
+      EXPECT_NEAR(*shake[n].pressure, *rattle[n].pressure, 1);
+    }
+  }
+}
+
+// Springs that start cold take up heat; the thermostat keeps what the bonds leave free at its temperature.
+TEST(ThermalVelocity, OfSpringsUnderRescalingIsWhatTheBondsLeaveFree) {
+  Simulation simulation(scene_of("water", {"method.name=penalty", "run.dt_fs=0.5", "run.thermostat_ps=0.02",
+                                           "run.steps=3000", "run.log_every=20"}));
+  simulation.run({});
+  for (const MotionClass motion : {MotionClass::kTranslation, MotionClass::kRotation}) {
+    const Estimate t = simulation.temperatures().of_all(motion);
+    EXPECT_NEAR(t.value, 298.15, 9) << kMotionNames[static_cast<int>(motion)];
+  }
+}
+
+// Their stretches hold ½kT each at any step: BAOAB's positions are canonical for harmonic motion.
+TEST(ThermalVelocity, SpringsInABathHoldHalfKT) {
+  Simulation simulation(scene_of(
+      "trimer", {"build.beads=2", "build.chains=300", "method.name=penalty", "run.thermostat=langevin",
+                 "run.friction_per_ps=20", "run.steps=4000", "run.log_every=10"}));
+  double sum = 0;
+  int rows = 0;
+  simulation.run([&](const Record& r) {
+    if (r.step < 500) return;
+    sum += r.potential / 300;
+    ++rows;
+  });
+  EXPECT_NEAR(sum / rows / (0.5 * kBoltzmann * 120.27), 1, 0.03);
+}
+
+// White noise, noise with a memory, a random walk, and a walk under noise. With a walk what is printed is the
+// scatter; without one it is more, for no run is long enough to tell that it has none.
+TEST(RunningSlope, ErrorIsTheScatterOverSeeds) {
+  struct Kind {
+    double noise, memory, walk;
+  };
+  for (const auto& [noise, memory, walk] :
+       {Kind{1, 0, 0}, Kind{1, 0.9, 0}, Kind{0, 0, 0.3}, Kind{1, 0.5, 0.1}}) {
+    const int seeds = 200;
+    double squares = 0, variances = 0, mean = 0;
+    for (int seed = 1; seed <= seeds; ++seed) {
+      Random random(seed);
+      RunningSlope slope;
+      double x = 0, w = 0;
+      for (int n = 0; n < 700; ++n) {
+        x = memory * x + std::sqrt(1 - memory * memory) * random.normal();
+        w += walk * random.normal();
+        slope.add(0.1 * n, 3 + 2 * 0.1 * n + noise * x + w);
+      }
+      const Estimate e = slope.estimate();
+      mean += e.value / seeds;
+      squares += (e.value - 2) * (e.value - 2) / seeds;
+      variances += e.error * e.error / seeds;
+    }
+    EXPECT_NEAR(mean, 2, 4 * std::sqrt(squares / seeds));
+    const double ratio = std::sqrt(variances / squares);
+    EXPECT_GT(ratio, 0.75) << noise << ' ' << memory << ' ' << walk;
+    EXPECT_LT(ratio, walk > 0 ? 1.3 : 5.0) << noise << ' ' << memory << ' ' << walk;
+  }
+}
+
+// Numbers that do nothing but alternate: V(2L) = 0, so that there is no walk and c = ⅔LV(L).
+TEST(RunningSlope, ErrorOfNoiseAlone) {
+  RunningSlope slope;
+  for (int n = 0; n < 16; ++n) slope.add(n, n % 2 == 0 ? 1 : -1);
+  const double v = 15 * 4 / 14.0;
+  EXPECT_NEAR(slope.estimate().error, std::sqrt(12 * (2 * v / 3) / (15 * 15 * 15)), 1e-3);
+}
+
+TEST(RunningSlope, SaysNoErrorOfAFewPoints) {
+  RunningSlope slope;
+  for (int n = 0; n < 7; ++n) slope.add(n, n % 2 + n);
+  EXPECT_EQ(slope.estimate().error, 0);
+  EXPECT_GT(slope.estimate().value, 0);
+}
+
+// Of a real run: hard collisions, whose errors add up as a walk.
+TEST(Drift, ErrorIsTheScatterOverSeeds) {
+  double mean = 0, square = 0, variance = 0;
+  const int seeds = 16;
+  for (int seed = 1; seed <= seeds; ++seed) {
+    Simulation simulation(scene_of("melt", {"method.name=newton", "run.steps=600", "run.log_every=5",
+                                            "run.seed=" + std::to_string(seed)}));
+    const Estimate drift = *simulation.run({}).drift;
+    mean += drift.value / seeds;
+    square += drift.value * drift.value / seeds;
+    variance += drift.error * drift.error / seeds;
+  }
+  const double scatter = std::sqrt((square - mean * mean) * seeds / (seeds - 1));
+  EXPECT_GT(std::sqrt(variance), 0.5 * scatter);
+  EXPECT_LT(std::sqrt(variance), 2.5 * scatter);
+}
+
+TEST(Drift, IsNotSaidUnderAThermostat) {
+  for (const char* thermostat : {"run.thermostat=langevin", "run.thermostat_ps=0.1"}) {
+    Simulation simulation(scene_of("trimer", {"build.chains=2", thermostat, "run.steps=20"}));
+    const Summary summary = simulation.run([](const Record& r) { EXPECT_FALSE(r.drift); });
+    EXPECT_FALSE(summary.drift);
+  }
+}
+
+Summary summary_of(const std::string& scene, const Overrides& overrides) {
+  return Simulation(scene_of(scene, overrides)).run({});
+}
+
+// The run says itself where a method does not work: lincs cools water, and none lets bonds go.
+TEST(Doubts, OfMethodsThatDoNotWork) {
+  const Overrides water = {"run.steps=600", "run.log_every=5"};
+  const auto with = [&](const char* method) {
+    Overrides all = water;
+    all.emplace_back(method);
+    return summary_of("water", all);
+  };
+  const Summary lincs = with("method.name=lincs"), newton = with("method.name=newton");
+  ASSERT_EQ(lincs.doubts.size(), 1u);
+  EXPECT_NE(lincs.doubts[0].find("kT a nanosecond and degree of freedom; take method newton"),
+            std::string::npos)
+      << lincs.doubts[0];
+  EXPECT_EQ(lincs.converged, std::nullopt);
+  EXPECT_TRUE(newton.doubts.empty());
+  EXPECT_EQ(newton.converged, true);
+  EXPECT_TRUE(with("method.name=baumgarte").doubts.empty());
+  EXPECT_TRUE(with("method.name=feedforward").doubts.empty());
+}
+
+TEST(Doubts, OfFigures) {
+  Summary s;
+  s.temperature = 300;
+  s.drift = Estimate{5, 0.9};
+  s.converged = true;
+  ASSERT_EQ(doubts(s).size(), 1u);
+  EXPECT_NE(doubts(s)[0].find("2 kT a nanosecond and degree of freedom; take a shorter step, or let"),
+            std::string::npos);
+  s.drift = Estimate{-5, 1.1};  // chance
+  EXPECT_TRUE(doubts(s).empty());
+  s.drift = Estimate{2, 0.01};  // little
+  EXPECT_TRUE(doubts(s).empty());
+  s.drift = Estimate{100, 0};  // too few rows to tell
+  EXPECT_TRUE(doubts(s).empty());
+  s.converged = false;
+  EXPECT_EQ(doubts(s).size(), 1u);
+  s.converged.reset();
+  s.max_rel_bond_error = 0.04;
+  EXPECT_TRUE(doubts(s).empty());
+  s.max_rel_bond_error = 0.06;
+  EXPECT_EQ(doubts(s).size(), 1u);
+}
+
+}  // namespace
+}  // namespace taut
