@@ -490,7 +490,7 @@ TEST(Methods, LimitsAreRefusedByTheirOwnKeys) {
 template <class Options>
 const void* field_of(Options& options, std::string_view key) {
   const void* found = nullptr;
-  options.describe([&](std::string_view name, auto& field, const char*) {
+  options.describe([&](std::string_view name, auto& field, const char*, Counts = {}) {
     if (name == key) found = &field;
   });
   return found;
