@@ -320,10 +320,10 @@ TEST(Run, TakesOutMomentumAsOftenAsAsked) {
 
 // A bond is broken where |σ|/d² reaches plan.broken_at.
 TEST(Run, StopsWhereABondBreaks) {
-  const System sys = make_system(Eigen::VectorXd::Ones(2), {{0, 1, 1}});
+  const System sys = make_system(Eigen::VectorXd::Ones(3), {{0, 1, 1}, {1, 2, 1}});
   for (const double broken_at : {0.3, 0.5}) {
-    State s = at_rest(2);
-    s.x(0, 1) = 1;
+    State s = at_rest(3);
+    s.x.row(0) << 0, 1, 2;
     Spring forces;
     Countdown method;
     RunProgress progress;
