@@ -70,10 +70,13 @@ Simulation recalled(const Checkpoint& checkpoint, const fs::path& folder) {
 }
 
 // What a thermostat leaves behind that is taken away goes with it.
-SceneSource changed(SceneSource source, const KeyValues& changes) {
+SceneSource changed(SceneSource source, bool velocities_drawn, const KeyValues& changes) {
   KeyValues values = key_values(source.overrides);
   if (changes.contains("run.thermostat"))
     for (const char* of_the_old : {"run.thermostat_ps", "run.friction_per_ps"}) values.erase(of_the_old);
+  const auto thermostat = changes.find("run.thermostat");
+  if (thermostat != changes.end() && thermostat->second == toml_quoted("none") && !velocities_drawn)
+    values.erase("run.temperature_k");
   for (const auto& [key, value] : changes) values[key] = value;
   if (const auto every = values.find("run.trajectory_every"); every != values.end() && every->second == "0")
     values.erase("run.trajectory");
@@ -124,7 +127,7 @@ void go_on(FolderLock lock, Checkpoint checkpoint, const KeyValues& changes, Con
   refuse_fixed(changes);
   if (!std::getenv("OMP_NUM_THREADS")) use_threads(std::max(1, checkpoint.threads));
   Simulation simulation = recalled(checkpoint, folder);
-  SceneSource source = changed(checkpoint.source, changes);
+  SceneSource source = changed(checkpoint.source, simulation.scene().velocities_drawn, changes);
   if (source.overrides != checkpoint.source.overrides) change(simulation, source, changes);
   if (simulation.step() >= simulation.scene().run.steps && fs::exists(folder / "summary.json")) {
     fmt::print("{}: all {} steps are taken; `taut resume {} --steps N` takes N more\n", folder.string(),

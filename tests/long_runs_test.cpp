@@ -515,6 +515,15 @@ TEST_F(LongRuns, WhatMayChangeChangesAndTheRestIsRefused) {
   EXPECT_EQ(contents(out.string() + ".1/trajectory.dcd"), before.at("trajectory.dcd"));
   EXPECT_EQ(run({"resume", out.string(), "--steps", "20", "--set", "run.thermostat=none"}).code, 0);
   expect_one_line(run({"resume", out.string(), "--steps", "20", "--set", "run.temperature_k=320"}), 2);
+
+  // A thermostat's temperature goes with it where velocities were the start's.
+  const fs::path kept = in("kept");
+  ASSERT_EQ(run({"run", "water_cluster", "--steps", "20", "--set", "run.thermostat=langevin", "run.temperature_k=310",
+                 "build.start=" + (out / "final.start.toml").string(), "--out", kept.string()})
+                .code,
+            0);
+  const Outcome free = run({"resume", kept.string(), "--steps", "20", "--set", "run.thermostat=none"});
+  EXPECT_EQ(free.code, 0) << free.error;
 }
 
 }  // namespace
