@@ -125,7 +125,8 @@ void refuse_without_effect(const char* subcommand, const std::vector<std::string
   for (const auto& override : overrides) {
     const std::string key = override.substr(0, override.find_first_of(" ="));
     const bool own = key == "method" || key.starts_with("method.");
-    if (own || key == "run.log_every" || key.starts_with("run.checkpoint") || key.starts_with("run.trajectory"))
+    if (own || key == "run.log_every" || key.starts_with("run.checkpoint") ||
+        key.starts_with("run.trajectory"))
       throw InputError(fmt::format("--set {}: no effect, taut {} {}", override, subcommand,
                                    own ? "chooses methods and their settings itself" : "keeps no such file"));
   }

@@ -29,6 +29,11 @@ void* demanded(std::size_t size, std::size_t alignment) {
   if (!place) throw std::bad_alloc();
   return place;
 }
+
+[[gnu::noinline]] void give_back(
+    void* place) noexcept {  // inlined, free looks like new's wrong partner to g++
+  std::free(place);
+}
 }  // namespace
 
 void* __wrap_malloc(std::size_t size) {
@@ -50,16 +55,16 @@ void* operator new(std::size_t size, std::align_val_t alignment) {
   return demanded(size, std::size_t(alignment));
 }
 void operator delete(void* place) noexcept {
-  std::free(place);
+  give_back(place);
 }
 void operator delete(void* place, std::size_t) noexcept {
-  std::free(place);
+  give_back(place);
 }
 void operator delete(void* place, std::align_val_t) noexcept {
-  std::free(place);
+  give_back(place);
 }
 void operator delete(void* place, std::size_t, std::align_val_t) noexcept {
-  std::free(place);
+  give_back(place);
 }
 
 namespace taut {

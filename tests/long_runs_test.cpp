@@ -518,8 +518,9 @@ TEST_F(LongRuns, WhatMayChangeChangesAndTheRestIsRefused) {
 
   // A thermostat's temperature goes with it where velocities were the start's.
   const fs::path kept = in("kept");
-  ASSERT_EQ(run({"run", "water_cluster", "--steps", "20", "--set", "run.thermostat=langevin", "run.temperature_k=310",
-                 "build.start=" + (out / "final.start.toml").string(), "--out", kept.string()})
+  ASSERT_EQ(run({"run", "water_cluster", "--steps", "20", "--set", "run.thermostat=langevin",
+                 "run.temperature_k=310", "build.start=" + (out / "final.start.toml").string(), "--out",
+                 kept.string()})
                 .code,
             0);
   const Outcome free = run({"resume", kept.string(), "--steps", "20", "--set", "run.thermostat=none"});
