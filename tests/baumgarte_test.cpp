@@ -186,7 +186,9 @@ TEST(Gains, AreThoseOfTheirNames) {
 TEST(Baumgarte, OnePassFeedsWhatTheGuessMisses) {
   const double h = 0.002, ah = 1, bh = 1.4;
   for (const Damping damping : {Damping::kCentred, Damping::kImplicit}) {
-    auto [sys, s] = testing::free_chain(6, 3);
+    testing::Start start = testing::free_chain(6, 3);
+    const System& sys = start.system;
+    State& s = start.state;
     const int m = sys.bond_count();
     Baumgarte method(sys,
                      {.gains = "numbers",
