@@ -7,11 +7,11 @@
 
 #include "command_line.hpp"
 #include "commands.hpp"
-#include "md/aside_file.hpp"
+#include "files/atomic_file.hpp"
+#include "studies/calibration.hpp"
+#include "studies/study_scene.hpp"
 #include "study.hpp"
 #include "systems/scene_file.hpp"
-#include "systems/studies/calibration.hpp"
-#include "systems/studies/study_scene.hpp"
 
 namespace taut {
 namespace {
@@ -102,7 +102,7 @@ void calibrate_scene(const CalibrateArguments& arguments) {
       {"left_whatever_the_gains", c.left},
       {"disagreement", disagreement(arguments.plan, c)},
   };
-  AsideFile file(*arguments.json);
+  AtomicFile file(*arguments.json);
   file.write(json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   file.commit();
 }

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "run_folder.hpp"
-#include "systems/simulation.hpp"
+#include "simulation/run_folder.hpp"
+#include "simulation/simulation.hpp"
 
 namespace taut {
 

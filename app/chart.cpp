@@ -7,9 +7,9 @@
 #include "chart_pictures.hpp"
 #include "command_line.hpp"
 #include "commands.hpp"
+#include "studies/study_scene.hpp"
 #include "study.hpp"
 #include "systems/scene_file.hpp"
-#include "systems/studies/study_scene.hpp"
 
 namespace taut {
 namespace {

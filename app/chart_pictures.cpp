@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "systems/studies/csv.hpp"
+#include "studies/csv.hpp"
 
 namespace taut {
 namespace {

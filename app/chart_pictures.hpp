@@ -1,7 +1,7 @@
 #pragma once
 
 #include "pictures.hpp"
-#include "systems/studies/chart_study.hpp"
+#include "studies/chart_study.hpp"
 
 namespace taut {
 

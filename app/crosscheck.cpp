@@ -1,4 +1,4 @@
-#include "systems/studies/crosscheck.hpp"
+#include "studies/crosscheck.hpp"
 
 #include <fmt/format.h>
 

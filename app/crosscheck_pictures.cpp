@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "crosscheck_report.hpp"
-#include "systems/studies/csv.hpp"
+#include "studies/csv.hpp"
 
 namespace taut {
 namespace {

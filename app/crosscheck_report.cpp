@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "systems/studies/crosscheck_verdict.hpp"
-#include "systems/studies/csv.hpp"
+#include "studies/crosscheck_verdict.hpp"
+#include "studies/csv.hpp"
 
 namespace taut {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "pictures.hpp"
-#include "systems/studies/crosscheck.hpp"
+#include "studies/crosscheck.hpp"
 
 namespace taut {
 

@@ -58,10 +58,10 @@ void refuse_other_frames(const RunSettings& before, const RunSettings& after) {
 }
 
 // The run as it was at its checkpoint.
-Simulation recalled(const Checkpoint& checkpoint, const fs::path& folder) {
+Simulation restored(const Checkpoint& checkpoint, const fs::path& folder) {
   try {
     Simulation simulation(checkpoint.source.read());
-    simulation.recall(checkpoint.memory);
+    simulation.restore(checkpoint.memory);
     if (simulation.step() != checkpoint.step) throw InputError("damaged: two numbers of steps");
     return simulation;
   } catch (const InputError& e) {
@@ -126,7 +126,7 @@ void go_on(FolderLock lock, Checkpoint checkpoint, const KeyValues& changes, Con
   const fs::path folder = lock.path();
   refuse_fixed(changes);
   if (!std::getenv("OMP_NUM_THREADS")) use_threads(std::max(1, checkpoint.threads));
-  Simulation simulation = recalled(checkpoint, folder);
+  Simulation simulation = restored(checkpoint, folder);
   SceneSource source = changed(checkpoint.source, simulation.scene().velocities_drawn, changes);
   if (source.overrides != checkpoint.source.overrides) change(simulation, source, changes);
   if (simulation.step() >= simulation.scene().run.steps && fs::exists(folder / "summary.json")) {

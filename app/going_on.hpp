@@ -1,7 +1,7 @@
 #pragma once
 
-#include "md/folder_lock.hpp"
-#include "systems/checkpoint.hpp"
+#include "files/folder_lock.hpp"
+#include "simulation/checkpoint.hpp"
 #include "systems/toml_reader.hpp"
 
 namespace taut {

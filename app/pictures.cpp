@@ -9,7 +9,7 @@
 #include <map>
 
 #include "command_line.hpp"
-#include "md/aside_file.hpp"
+#include "files/atomic_file.hpp"
 #include "md/errors.hpp"
 
 namespace taut {
@@ -60,7 +60,7 @@ std::string gnuplot_tic(std::string_view text) {
 }
 
 void StudyFiles::write(const std::string& name, const std::string& text) {
-  AsideFile aside(folder_ / name);
+  AtomicFile aside(folder_ / name);
   aside.write(text);
   aside.commit();
   written_.push_back(name);

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "pictures.hpp"
-#include "systems/studies/stability_study.hpp"
+#include "studies/stability_study.hpp"
 
 namespace taut {
 

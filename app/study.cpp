@@ -11,12 +11,12 @@
 #include <map>
 #include <sstream>
 
+#include "files/set_aside.hpp"
 #include "md/errors.hpp"
-#include "md/set_aside.hpp"
 #include "md/threads.hpp"
 #include "progress.hpp"
+#include "studies/csv.hpp"
 #include "systems/scene_source.hpp"
-#include "systems/studies/csv.hpp"
 
 namespace taut {
 namespace {

@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "md/folder_lock.hpp"
+#include "files/folder_lock.hpp"
 #include "pictures.hpp"
-#include "systems/studies/ledger.hpp"
+#include "studies/ledger.hpp"
 
 namespace taut {
 

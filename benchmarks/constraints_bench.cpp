@@ -89,8 +89,8 @@ void add(const Case& c, int threads, const char* form) {
 template <class M>
 void add_all(const Case& c, bool plain) {
   for (int threads : {1, 2}) add<M>(c, threads, "fast");
-  if constexpr (requires { typename M::Witness; }) {
-    if (plain) add<typename M::Witness>(c, 1, "plain");
+  if constexpr (requires { typename M::Reference; }) {
+    if (plain) add<typename M::Reference>(c, 1, "plain");
   }
 }
 

@@ -12,9 +12,9 @@
 
 #include "md/errors.hpp"
 #include "molecules.hpp"
+#include "studies/openmm_twin.hpp"
 #include "systems/openmm/openmm_import.hpp"
 #include "systems/openmm/openmm_read.hpp"
-#include "systems/openmm/openmm_twin.hpp"
 
 namespace taut::bench {
 namespace {

@@ -20,9 +20,9 @@
 #include "forcefield/force_field.hpp"
 #include "md/threads.hpp"
 #include "md/timed.hpp"
+#include "studies/openmm_twin.hpp"
 #include "systems/openmm/openmm_import.hpp"
 #include "systems/openmm/openmm_read.hpp"
-#include "systems/openmm/openmm_twin.hpp"
 #include "systems/scene_file.hpp"
 
 namespace taut::bench {

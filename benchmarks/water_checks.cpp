@@ -13,10 +13,10 @@
 
 #include "md/errors.hpp"
 #include "md/units.hpp"
-#include "systems/barometer.hpp"
+#include "simulation/barometer.hpp"
+#include "simulation/simulation.hpp"
+#include "simulation/temperatures.hpp"
 #include "systems/scene_file.hpp"
-#include "systems/simulation.hpp"
-#include "systems/temperatures.hpp"
 
 namespace taut {
 namespace {

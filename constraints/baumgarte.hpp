@@ -71,7 +71,7 @@ class Baumgarte : public EmptyGaps {
 
   SolveStats add_forces(const System& sys, double h, State& s);
 
-  void remember(Memory& memory) { memory(lambda_, before_, steps_); }
+  void serialize(Archive& archive) { archive(lambda_, before_, steps_); }
   const Eigen::VectorXd& lambda() const { return lambda_; }
   double promised_error() const { return std::numeric_limits<double>::infinity(); }
   const std::string& setting() const { return setting_; }

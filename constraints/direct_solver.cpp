@@ -37,14 +37,14 @@ void DirectSolver::factor(const Vectors& r, double threshold) {
   ldlt_.factor(diagonal_, values_, threshold);
 }
 
-TurnedSolver::TurnedSolver(const System& sys)
+UnsymmetricSolver::UnsymmetricSolver(const System& sys)
     : couplings_(sys),
       ldu_(sys.bond_count(), couplings_.pairs),
       diagonal_(sys.bond_count()),
       values_(couplings_.pairs.size()),
       mirrored_(values_.size()) {}
 
-void TurnedSolver::factor(const Vectors& r_new, const Vectors& r) {
+void UnsymmetricSolver::factor(const Vectors& r_new, const Vectors& r) {
   diagonal_ = couplings_.reduced_inv_mass.array() * r_new.cwiseProduct(r).colwise().sum().transpose().array();
   for (std::size_t e = 0; e < couplings_.pairs.size(); ++e) {
     const auto [k, l] = couplings_.pairs[e];

@@ -29,7 +29,7 @@ class DirectSolver {
   void factor(const Vectors& r, double threshold = 1e-12);
   void solve(Eigen::VectorXd& b) { ldlt_.solve(b); }  // b ← A⁻¹b, m
 
-  void remember(Memory& memory) { memory(ldlt_); }  // the factors
+  void serialize(Archive& archive) { archive(ldlt_); }  // the factors
   const std::vector<int>& dependent_bonds() const { return ldlt_.dependent_rows(); }
   bool singular() const { return !dependent_bonds().empty(); }
   int clusters() const { return ldlt_.pattern().components; }  // sets of coupled bonds
@@ -42,9 +42,9 @@ class DirectSolver {
 
 // The same with A' = J(x')M⁻¹J(x)ᵀ, the exact derivative of σ(x') by multipliers that act along J(x):
 //     A'_kl = ±(r'_k·r_l)/m_a, not symmetric.
-class TurnedSolver {
+class UnsymmetricSolver {
  public:
-  explicit TurnedSolver(const System& sys);
+  explicit UnsymmetricSolver(const System& sys);
 
   void factor(const Vectors& r_new, const Vectors& r);
   void solve(Eigen::VectorXd& b) { ldu_.solve(b); }  // b ← A'⁻¹b, m

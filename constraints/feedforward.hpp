@@ -41,7 +41,7 @@ class Feedforward : public EmptyGaps {
 
   SolveStats add_forces(const System& sys, double h, State& s);
 
-  void remember(Memory& memory) { memory(lambda_, before_, before_that_, known_); }
+  void serialize(Archive& archive) { archive(lambda_, before_, before_that_, known_); }
   const Eigen::VectorXd& lambda() const { return lambda_; }
   double promised_error() const { return options_.tolerance; }
   std::string setting() const;
@@ -52,7 +52,7 @@ class Feedforward : public EmptyGaps {
 
   Options options_;
   double h_;
-  TurnedSolver solver_;
+  UnsymmetricSolver solver_;
   Vectors r_, r_next_;                             // 3 × m
   Vectors y_;                                      // 3 × n, M⁻¹Jᵀλ
   Eigen::VectorXd b_;                              // m

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "md/memory.hpp"
+#include "md/archive.hpp"
 #include "md/step.hpp"
 
 namespace taut {

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "constraints/lanes/batched_newton.hpp"
-#include "md/memory.hpp"
+#include "md/archive.hpp"
 #include "md/random.hpp"
 #include "md/state.hpp"
 #include "md/step.hpp"
@@ -43,7 +43,7 @@ class Langevin {
   SolveStats draw(const System& sys, double h, State& s);
   void second_half(State& s) const;
 
-  void remember(Memory& memory) { memory(half_jump_, random_); }
+  void serialize(Archive& archive) { archive(half_jump_, random_); }
 
   // The velocity that Δ is about to change, P(v + (h/2)M⁻¹f): canonical for free and for harmonic motion at
   // any step, where that of the full step is too cold by (ωh)²/4. Temperatures are taken of it.

@@ -54,7 +54,7 @@ class Lincs : public EmptyGaps {
   SolveStats project_positions(const System& sys, double h, State& s);
   SolveStats project_velocities(const System& sys, double h, State& s);
 
-  void remember(Memory& memory) { memory(lambda_); }
+  void serialize(Archive& archive) { archive(lambda_); }
   const Eigen::VectorXd& lambda() const { return lambda_; }
   double promised_error() const { return std::numeric_limits<double>::infinity(); }
   std::string setting() const;

@@ -24,7 +24,7 @@ namespace taut {
 //   M(const System&, const Options&, double h)
 //   the gaps it fills (gaps.hpp)
 //   const Eigen::VectorXd& lambda() const     the multipliers of the last step, f_c = Jᵀλ
-//   void remember(Memory&)                    what it takes from one step to the next (md/memory.hpp)
+//   void serialize(Archive&)                    what it takes from one step to the next (md/memory.hpp)
 //   double promised_error() const             the relative bond error it answers for; infinity: none
 //   std::string setting() const               gains, tolerance, ... as the run's header prints them
 // Batched<M> is M at the speed of the machine (batched.hpp); M itself, plain and readable, gives the same to

@@ -35,7 +35,7 @@ class Newton : public EmptyGaps {
   SolveStats project_positions(const System& sys, double h, State& s);
   SolveStats project_velocities(const System& sys, double h, State& s);
 
-  void remember(Memory& memory) { memory(lambda_, factored_, solver_); }
+  void serialize(Archive& archive) { archive(lambda_, factored_, solver_); }
   const Eigen::VectorXd& lambda() const { return lambda_; }
   double promised_error() const { return options_.tolerance; }
   std::string setting() const;

@@ -31,7 +31,7 @@ class Penalty : public EmptyGaps {
 
   SolveStats add_forces(const System& sys, double h, State& s);
 
-  void remember(Memory& memory) { memory(lambda_); }
+  void serialize(Archive& archive) { archive(lambda_); }
   const Eigen::VectorXd& lambda() const { return lambda_; }
   double promised_error() const { return std::numeric_limits<double>::infinity(); }
   std::string setting() const;

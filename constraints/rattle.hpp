@@ -39,7 +39,7 @@ class Rattle : public EmptyGaps {
   SolveStats project_positions(const System& sys, double h, State& s);
   SolveStats project_velocities(const System& sys, double h, State& s);
 
-  void remember(Memory& memory) { memory(lambda_); }
+  void serialize(Archive& archive) { archive(lambda_); }
   const Eigen::VectorXd& lambda() const { return lambda_; }
   double promised_error() const {
     return options_.sweeps > 0 ? std::numeric_limits<double>::infinity() : options_.tolerance;

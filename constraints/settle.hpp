@@ -34,7 +34,7 @@ class Settle : public EmptyGaps {
   SolveStats project_positions(const System& sys, double h, State& s);
   SolveStats project_velocities(const System& sys, double h, State& s);
 
-  void remember(Memory& memory) { memory(lambda_); }
+  void serialize(Archive& archive) { archive(lambda_); }
   const Eigen::VectorXd& lambda() const { return lambda_; }
   double promised_error() const { return 1e-12; }
   std::string setting() const;

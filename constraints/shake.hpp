@@ -36,7 +36,7 @@ class Shake : public EmptyGaps {
 
   SolveStats project_positions(const System& sys, double h, State& s);
 
-  void remember(Memory& memory) { memory(g_, lambda_); }
+  void serialize(Archive& archive) { archive(g_, lambda_); }
   const Eigen::VectorXd& lambda() const { return lambda_; }
   double promised_error() const {
     return options_.sweeps > 0 ? std::numeric_limits<double>::infinity() : options_.tolerance;

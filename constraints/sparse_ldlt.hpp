@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "constraints/sparse_pattern.hpp"
-#include "md/memory.hpp"
+#include "md/archive.hpp"
 
 namespace taut {
 
@@ -19,7 +19,7 @@ class SparseLdlt {
   void factor(const Eigen::VectorXd& diagonal, const Eigen::VectorXd& values, double threshold = 1e-12);
   void solve(Eigen::VectorXd& b);  // b ← A⁻¹b
 
-  void remember(Memory& memory) { memory(l_, inv_d_); }
+  void serialize(Archive& archive) { archive(l_, inv_d_); }
   const std::vector<int>& dependent_rows() const { return dependent_; }
   const SparsePattern& pattern() const { return pattern_; }
 

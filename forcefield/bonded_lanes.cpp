@@ -35,8 +35,8 @@ struct Law<HarmonicBond> {
   static HWY_INLINE V forces(const V3* x, const V* p, V3* f) {
     const V3 d = x[1] - x[0];
     const V r = hn::Sqrt(dot(d, d)), stretch = hn::Sub(r, p[0]), k_stretch = hn::Mul(p[1], stretch);
-    pull_together(hn::IfThenZeroElse(hn::Eq(r, all(0)), hn::Div(k_stretch, r)), d, f);
-    return hn::Mul(hn::Mul(all(0.5), k_stretch), stretch);
+    pull_together(hn::IfThenZeroElse(hn::Eq(r, broadcast(0)), hn::Div(k_stretch, r)), d, f);
+    return hn::Mul(hn::Mul(broadcast(0.5), k_stretch), stretch);
   }
 };
 
@@ -46,10 +46,11 @@ struct Law<Fene> {
 
   static HWY_INLINE V forces(const V3* x, const V* p, V3* f) {
     const V3 d = x[1] - x[0];
-    const V slack = hn::Sub(all(1), hn::Div(dot(d, d), p[1]));
+    const V slack = hn::Sub(broadcast(1), hn::Div(dot(d, d), p[1]));
     pull_together(hn::Div(p[0], slack), d, f);
-    const V energy = hn::Mul(hn::Mul(all(-0.5), hn::Mul(p[0], p[1])), hn::Log(D(), slack));
-    return hn::IfThenElse(hn::Gt(slack, all(0)), energy, all(std::numeric_limits<double>::quiet_NaN()));
+    const V energy = hn::Mul(hn::Mul(broadcast(-0.5), hn::Mul(p[0], p[1])), hn::Log(D(), slack));
+    return hn::IfThenElse(hn::Gt(slack, broadcast(0)), energy,
+                          broadcast(std::numeric_limits<double>::quiet_NaN()));
   }
 };
 
@@ -61,12 +62,12 @@ struct Law<PairException> {
 
   static HWY_INLINE V forces(const V3* x, const V* p, V3* f) {
     const V3 d = x[1] - x[0];
-    const V inv_r2 = hn::Div(all(1), dot(d, d)), s2 = hn::Mul(p[1], inv_r2),
+    const V inv_r2 = hn::Div(broadcast(1), dot(d, d)), s2 = hn::Mul(p[1], inv_r2),
             s6 = hn::Mul(s2, hn::Mul(s2, s2));
     const V coulomb = hn::Mul(p[0], hn::Sqrt(inv_r2)), depth = hn::Mul(p[2], s6);
-    const V virial = hn::MulAdd(depth, hn::MulSub(all(12), s6, all(6)), coulomb);
+    const V virial = hn::MulAdd(depth, hn::MulSub(broadcast(12), s6, broadcast(6)), coulomb);
     pull_together(hn::Neg(hn::Mul(virial, inv_r2)), d, f);
-    return hn::MulAdd(depth, hn::Sub(s6, all(1)), coulomb);
+    return hn::MulAdd(depth, hn::Sub(s6, broadcast(1)), coulomb);
   }
 };
 
@@ -79,17 +80,18 @@ struct Law<HarmonicAngle> {
     const V sine = hn::Sqrt(dot(normal, normal)), cosine = dot(a, c);
     const V bend = hn::Sub(angle(sine, cosine), p[0]), moment = hn::Mul(p[1], bend);
     const V a2 = dot(a, a), c2 = dot(c, c);
-    const V over = hn::IfThenZeroElse(hn::Eq(sine, all(0)), hn::Div(moment, hn::Mul(hn::Mul(a2, c2), sine)));
+    const V over =
+        hn::IfThenZeroElse(hn::Eq(sine, broadcast(0)), hn::Div(moment, hn::Mul(hn::Mul(a2, c2), sine)));
     f[0] = hn::Neg(hn::Mul(over, c2)) * cross(a, normal);
     f[2] = hn::Mul(over, a2) * cross(c, normal);
     f[1] = -(f[0] + f[2]);
-    return hn::Mul(hn::Mul(all(0.5), moment), bend);
+    return hn::Mul(hn::Mul(broadcast(0.5), moment), bend);
   }
 
   // atan2(sine, cosine), sine ≥ 0
   static HWY_INLINE V angle(V sine, V cosine) {
-    const V acute = hn::Atan(D(), hn::Div(sine, hn::Max(hn::Abs(cosine), all(1e-300))));
-    return hn::IfThenElse(hn::Lt(cosine, all(0)), hn::Sub(all(std::numbers::pi), acute), acute);
+    const V acute = hn::Atan(D(), hn::Div(sine, hn::Max(hn::Abs(cosine), broadcast(1e-300))));
+    return hn::IfThenElse(hn::Lt(cosine, broadcast(0)), hn::Sub(broadcast(std::numbers::pi), acute), acute);
   }
 };
 
@@ -103,13 +105,13 @@ struct TorsionEnergy {
 template <class Energy>
 HWY_INLINE V torsion_forces(const V3* x, V3* f, const Energy& energy_at) {
   const V3 F = x[0] - x[1], G = x[1] - x[2], H = x[3] - x[2], A = cross(F, G), B = cross(H, G);
-  const V g2 = dot(G, G), a2 = dot(A, A), b2 = dot(B, B), least = hn::Mul(all(1e-20), g2);
+  const V g2 = dot(G, G), a2 = dot(A, A), b2 = dot(B, B), least = hn::Mul(broadcast(1e-20), g2);
   // not for NaN: it must show
   const auto undefined = hn::Or(hn::Le(a2, hn::Mul(least, dot(F, F))), hn::Le(b2, hn::Mul(least, dot(H, H))));
-  const V g = hn::Sqrt(g2), inv_g = hn::IfThenZeroElse(undefined, hn::Div(all(1), g));
-  const V inv_a2b2 = hn::IfThenZeroElse(undefined, hn::Div(all(1), hn::Mul(a2, b2)));
+  const V g = hn::Sqrt(g2), inv_g = hn::IfThenZeroElse(undefined, hn::Div(broadcast(1), g));
+  const V inv_a2b2 = hn::IfThenZeroElse(undefined, hn::Div(broadcast(1), hn::Mul(a2, b2)));
   const V inv_ab = hn::Sqrt(inv_a2b2);
-  const V cosine = hn::IfThenElse(undefined, all(1), hn::Mul(dot(A, B), inv_ab));
+  const V cosine = hn::IfThenElse(undefined, broadcast(1), hn::Mul(dot(A, B), inv_ab));
   const V sine = hn::Neg(hn::Mul(hn::Mul(g, dot(F, B)), inv_ab));
 
   const TorsionEnergy at = energy_at(cosine, sine);
@@ -132,7 +134,7 @@ struct Law<ExpandedTorsion> {
     return torsion_forces(x, f, [p](V cosine, V sine) HWY_ATTR {
       V cos_n = cosine, sin_n = sine;  // of nφ, each lane as far as its own n
       for (double n = 2;; ++n) {
-        const auto on = hn::Ge(p[0], all(n));
+        const auto on = hn::Ge(p[0], broadcast(n));
         if (hn::AllFalse(D(), on)) break;
         const V next = hn::MulSub(cos_n, cosine, hn::Mul(sin_n, sine));
         sin_n = hn::IfThenElse(on, hn::MulAdd(sin_n, cosine, hn::Mul(cos_n, sine)), sin_n);
@@ -151,7 +153,7 @@ struct Law<RyckaertBellemans> {
   static HWY_INLINE V forces(const V3* x, const V* c, V3* f) {
     return torsion_forces(x, f, [c](V cosine, V sine) HWY_ATTR {
       const V u = hn::Neg(cosine);
-      V value = c[5], slope = all(0);  // Horner
+      V value = c[5], slope = broadcast(0);  // Horner
       for (int n = 4; n >= 0; --n) {
         slope = hn::MulAdd(slope, u, value);
         value = hn::MulAdd(value, u, c[n]);

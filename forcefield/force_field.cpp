@@ -74,9 +74,9 @@ double ForceField::virial(const Vectors& x) const {
   return sum + 3 * impl_->dispersion.value_or(0);
 }
 
-void ForceField::remember(Memory& memory) {
-  if (impl_->lj_coulomb) memory(*impl_->lj_coulomb);
-  if (impl_->wca) memory(*impl_->wca);
+void ForceField::serialize(Archive& archive) {
+  if (impl_->lj_coulomb) archive(*impl_->lj_coulomb);
+  if (impl_->wca) archive(*impl_->wca);
 }
 
 double ForceField::potential() const {

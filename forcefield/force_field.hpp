@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "forcefield/terms.hpp"
-#include "md/memory.hpp"
+#include "md/archive.hpp"
 #include "md/state.hpp"
 #include "md/system.hpp"
 
@@ -36,7 +36,7 @@ class ForceField {
 
   // Which pairs are listed, in which order: what the order of the sums depends on. Recalled, the forces are
   // to be evaluated before energies are asked for.
-  void remember(Memory& memory);
+  void serialize(Archive& archive);
 
  private:
   struct Impl;

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "md/memory.hpp"
+#include "md/archive.hpp"
 #include "md/state.hpp"
 #include "md/system.hpp"
 
@@ -43,7 +43,7 @@ class Slope {
   void add(double t, double y);
   double value() const;
   double standard_error() const;
-  void remember(Memory& memory) { memory(n_, t_, y_, tt_, ty_, yy_); }
+  void serialize(Archive& archive) { archive(n_, t_, y_, tt_, ty_, yy_); }
 
  private:
   double n_ = 0, t_ = 0, y_ = 0, tt_ = 0, ty_ = 0, yy_ = 0;  // count, means, centred sums

@@ -5,7 +5,7 @@
 #include <random>
 #include <sstream>
 
-#include "md/memory.hpp"
+#include "md/archive.hpp"
 #include "md/vectors.hpp"
 
 namespace taut {
@@ -50,16 +50,16 @@ class Random {
   }
 
   // Its place in its sequence, in the standard's own words.
-  void remember(Memory& memory) {
+  void serialize(Archive& archive) {
     std::stringstream words;
     words << engine_;
     std::string text = words.str();
-    memory(text);
-    if (!memory.recalling()) return;
+    archive(text);
+    if (!archive.loading()) return;
     words.str(text);
     words.clear();
     words >> engine_;
-    memory.demand(!words.fail());
+    archive.demand(!words.fail());
   }
 
  private:

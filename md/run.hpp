@@ -17,7 +17,7 @@ struct RunPlan {
 };
 
 // What an observer sees.
-struct Moment {
+struct Observation {
   long step;
   const SolveStats& since;  // worst residual and sum of iterations since the last observation
 };
@@ -63,12 +63,12 @@ struct RunProgress {
   long step = 0;     // taken so far
   SolveStats since;  // worst residual and sum of iterations since the last observation
 
-  void remember(Memory& memory) { memory(step, since.iterations, since.max_residual, since.worst_bond); }
+  void serialize(Archive& archive) { archive(step, since.iterations, since.max_residual, since.worst_bond); }
 };
 
-// Takes the steps that are left of plan.steps. `observe(Moment)` every so often; then `go_on(step)`, after
-// every step, which says whether to. Returns whether all steps were taken. Throws SimulationFailure before
-// numbers turn into NaN.
+// Takes the steps that are left of plan.steps. `observe(Observation)` every so often; then `go_on(step)`,
+// after every step, which says whether to. Returns whether all steps were taken. Throws SimulationFailure
+// before numbers turn into NaN.
 template <ForceLaw F, ConstraintMethod M, class Bath = NoBath>
 bool run(const System& sys, F& forces, M& method, const RunPlan& plan, RunProgress& progress, State& s,
          auto&& each, auto&& observe, auto&& go_on, Bath&& bath = Bath{}) {
@@ -79,7 +79,7 @@ bool run(const System& sys, F& forces, M& method, const RunPlan& plan, RunProgre
     progress.since += stats;
     if (n % plan.observe_every == 0) {
       if (!s.x.allFinite() || !s.f.allFinite()) throw SimulationFailure(diagnose(sys, s, stats, n).text());
-      observe(Moment{n, progress.since});
+      observe(Observation{n, progress.since});
       progress.since = {};
     }
     if (!go_on(n)) return false;

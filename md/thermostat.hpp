@@ -17,7 +17,7 @@ class VelocityRescaling {
 
   // The velocities' kinetic energy [kJ/mol] is told: not all of it need be thermal.
   void operator()(double kinetic, double h, Vectors& v);
-  void remember(Memory& memory) { memory(random_); }
+  void serialize(Archive& archive) { archive(random_); }
 
  private:
   double sum_of_squares(int n);  // of n normal numbers

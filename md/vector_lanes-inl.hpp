@@ -24,7 +24,7 @@ HWY_INLINE V load(const double* row) {
 HWY_INLINE void store(V value, double* row) {
   hn::Store(value, D(), row);
 }
-HWY_INLINE V all(double value) {
+HWY_INLINE V broadcast(double value) {
   return hn::Set(D(), value);
 }
 

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "md/aside_file.hpp"
+#include "files/atomic_file.hpp"
 #include "md/errors.hpp"
 #include "systems/openmm/openmm_import.hpp"
 #include "systems/scene_file.hpp"

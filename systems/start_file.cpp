@@ -4,7 +4,7 @@
 
 #include <iterator>
 
-#include "md/aside_file.hpp"
+#include "files/atomic_file.hpp"
 #include "systems/toml_reader.hpp"
 
 namespace taut {
@@ -42,7 +42,7 @@ void write_start(const std::filesystem::path& file, const System& sys, const Sta
     fmt::format_to(out, "  [{}, {}, {}, {}, {}, {}],\n", x[0], x[1], x[2], v[0], v[1], v[2]);
   }
   text += "]\n";
-  AsideFile aside(file);
+  AtomicFile aside(file);
   aside.write(text);
   aside.commit();
 }

@@ -173,7 +173,7 @@ double largest(const auto& differences) {
 // Runs both side by side from the same start.
 template <class Fast>
 void compare_here(const Start& start, const typename Fast::Options& options, double tolerance) {
-  using Plain = typename Fast::Witness;
+  using Plain = typename Fast::Reference;
   constexpr double h = 0.001;
   const System& sys = start.system;
   Fast fast(sys, options, h);

@@ -1,4 +1,4 @@
-#include "systems/studies/calibration.hpp"
+#include "studies/calibration.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

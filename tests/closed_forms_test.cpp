@@ -8,8 +8,8 @@
 #include "constraints/bond_algebra.hpp"
 #include "constraints/projection.hpp"
 #include "md/errors.hpp"
+#include "simulation/simulation.hpp"
 #include "systems/scene_file.hpp"
-#include "systems/simulation.hpp"
 #include "verifier.hpp"
 
 namespace taut {

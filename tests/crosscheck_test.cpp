@@ -1,6 +1,6 @@
 // Everything taut can hand to OpenMM, held against it at a short length.
 
-#include "systems/studies/crosscheck.hpp"
+#include "studies/crosscheck.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,11 +11,11 @@
 #include "forcefield/force_field.hpp"
 #include "md/errors.hpp"
 #include "openmm_folder.hpp"
+#include "studies/crosscheck_verdict.hpp"
+#include "studies/openmm_twin.hpp"
 #include "systems/openmm/openmm_export.hpp"
 #include "systems/openmm/openmm_import.hpp"
-#include "systems/openmm/openmm_twin.hpp"
 #include "systems/scene_file.hpp"
-#include "systems/studies/crosscheck_verdict.hpp"
 
 namespace taut {
 namespace {

@@ -73,7 +73,7 @@ TEST(DirectSolver, SolvesWithAOfTheDefinitionForEveryShape) {
     Vectors r_new = r;
     for (int k = 0; k < sys.bond_count(); ++k)
       r_new.col(k) = Eigen::AngleAxisd(random.uniform() - 0.5, random.unit_vector()) * r.col(k);
-    TurnedSolver turned(sys);
+    UnsymmetricSolver turned(sys);
     turned.factor(r_new, r);
     EXPECT_FALSE(turned.singular());
     got = b;

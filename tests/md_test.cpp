@@ -240,7 +240,7 @@ TEST(Run, StopsBeforeNaNAndSaysWhen) {
   try {
     run(
         sys, forces, free, {.h = 1, .steps = 100, .observe_every = 1}, progress, s, [](State&) {},
-        [](const Moment&) {}, [](long) { return true; });
+        [](const Observation&) {}, [](long) { return true; });
     FAIL() << "ran on";
   } catch (const SimulationFailure& e) {
     EXPECT_NE(std::string(e.what()).find("step "), std::string::npos);
@@ -286,7 +286,7 @@ TEST(Run, ObservesWhatHappenedSinceTheLastObservation) {
   std::vector<SolveStats> seen;
   run(
       sys, forces, method, {.h = 0.1, .steps = 7, .observe_every = 3}, progress, s, [](State&) {},
-      [&](const Moment& m) {
+      [&](const Observation& m) {
         steps.push_back(m.step);
         seen.push_back(m.since);
       },
@@ -310,7 +310,7 @@ TEST(Run, TakesOutMomentumAsOftenAsAsked) {
   const auto no_force = [](const System&, State&) {};
   run(
       sys, no_force, free, {.h = 0.1, .steps = 7, .remove_momentum_every = 3}, progress, s,
-      [](State& state) { state.v(0, 0) += 1; }, [](const Moment&) {},
+      [](State& state) { state.v(0, 0) += 1; }, [](const Observation&) {},
       [&](long n) {
         if (s.v.norm() == 0) at_rest_after.push_back(n);
         return true;
@@ -330,7 +330,7 @@ TEST(Run, StopsWhereABondBreaks) {
     const RunPlan plan{.h = 1e-3, .steps = 2, .broken_at = broken_at};
     const auto go = [&] {
       return run(
-          sys, forces, method, plan, progress, s, [](State&) {}, [](const Moment&) {},
+          sys, forces, method, plan, progress, s, [](State&) {}, [](const Observation&) {},
           [](long) { return true; });
     };
     if (broken_at < 0.4)

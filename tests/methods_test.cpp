@@ -133,7 +133,7 @@ void expect_it_stops_before_NaN(const System& sys, M method, double h, State s) 
   RunProgress progress;
   const RunPlan plan{.h = h, .steps = 100, .observe_every = 100};
   EXPECT_THROW(run(
-                   sys, forces, method, plan, progress, s, [](State&) {}, [](const Moment&) {},
+                   sys, forces, method, plan, progress, s, [](State&) {}, [](const Observation&) {},
                    [](long) { return true; }),
                SimulationFailure);
   EXPECT_LE(progress.step, 6);

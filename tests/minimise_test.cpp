@@ -1,6 +1,6 @@
 // Rough starts: overlaps relaxed with every bond at its length.
 
-#include "systems/minimise.hpp"
+#include "simulation/minimise.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 
 #include "md/observables.hpp"
 #include "md/random.hpp"
+#include "simulation/simulation.hpp"
 #include "systems/scene_file.hpp"
-#include "systems/simulation.hpp"
 
 namespace taut {
 namespace {

@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "md/errors.hpp"
-#include "systems/openmm/openmm_twin.hpp"
+#include "studies/crosscheck.hpp"
+#include "studies/openmm_twin.hpp"
 #include "systems/scene_file.hpp"
-#include "systems/studies/crosscheck.hpp"
 
 namespace taut {
 namespace {

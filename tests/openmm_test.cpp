@@ -11,8 +11,8 @@
 #include "forcefield/force_field.hpp"
 #include "md/errors.hpp"
 #include "openmm_models.hpp"
+#include "studies/openmm_twin.hpp"
 #include "systems/openmm/openmm_read.hpp"
-#include "systems/openmm/openmm_twin.hpp"
 
 namespace taut {
 namespace {

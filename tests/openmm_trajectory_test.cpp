@@ -7,8 +7,8 @@
 #include "forcefield/force_field.hpp"
 #include "md/observables.hpp"
 #include "openmm_folder.hpp"
+#include "studies/openmm_twin.hpp"
 #include "systems/openmm/openmm_import.hpp"
-#include "systems/openmm/openmm_twin.hpp"
 
 namespace taut {
 namespace {

@@ -1,14 +1,14 @@
 // Files that grow, are cut back, and are refused.
 
-#include "md/output.hpp"
+#include "files/output.hpp"
 
 #include <gtest/gtest.h>
 
 #include <sstream>
 
-#include "md/aside_file.hpp"
+#include "files/atomic_file.hpp"
+#include "files/folder_lock.hpp"
 #include "md/errors.hpp"
-#include "md/folder_lock.hpp"
 #include "temporary_folder.hpp"
 
 namespace taut {
@@ -82,16 +82,16 @@ TEST(FolderLock, IsHeldByOneAtATime) {
   EXPECT_THROW(FolderLock{path}, InputError);
 }
 
-TEST(AsideFile, IsSeenWholeOrNotAtAll) {
+TEST(AtomicFile, IsSeenWholeOrNotAtAll) {
   const TemporaryFolder folder;
   const fs::path path = folder.write("state", "old");
   {
-    AsideFile dropped(path);
+    AtomicFile dropped(path);
     dropped.write("ne");
     EXPECT_EQ(contents(path), "old");
   }
   EXPECT_FALSE(fs::exists(path.string() + ".part"));
-  AsideFile file(path);
+  AtomicFile file(path);
   file.write("ne");
   file.write("w");
   file.commit();

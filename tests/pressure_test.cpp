@@ -7,9 +7,9 @@
 #include "force_checks.hpp"
 #include "md/observables.hpp"
 #include "md/random.hpp"
-#include "systems/barometer.hpp"
+#include "simulation/barometer.hpp"
+#include "simulation/simulation.hpp"
 #include "systems/scene_file.hpp"
-#include "systems/simulation.hpp"
 
 namespace taut {
 namespace {

@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "md/errors.hpp"
-#include "systems/checkpoint.hpp"
+#include "simulation/checkpoint.hpp"
+#include "simulation/simulation.hpp"
 #include "systems/scene_file.hpp"
-#include "systems/simulation.hpp"
 #include "systems/toml_reader.hpp"
 
 namespace taut {
@@ -24,8 +24,8 @@ Scene read(const std::string& name, const Overrides& overrides) {
 
 std::string kept(Simulation& simulation) {
   std::string bytes;
-  Memory memory = Memory::keep_in(bytes);
-  simulation.remember(memory);
+  Archive archive = Archive::saving_to(bytes);
+  simulation.serialize(archive);
   return bytes;
 }
 
@@ -84,7 +84,7 @@ std::string stopped_at(long stop, Simulation& simulation, const Overrides& overr
 Simulation made_from(const std::string& bytes) {
   const Checkpoint checkpoint = read_checkpoint(bytes);
   Simulation simulation(checkpoint.source.read());
-  simulation.recall(checkpoint.memory);
+  simulation.restore(checkpoint.memory);
   EXPECT_EQ(simulation.step(), checkpoint.step);
   return simulation;
 }
@@ -283,10 +283,10 @@ TEST(Resuming, DependsOnMoreThanTheState) {
 
 TEST(Resuming, RefusesTheMemoryOfAnother) {
   Simulation waters(read("water", {})), chains(read("freely_jointed", {}));
-  EXPECT_THROW(waters.recall(kept(chains)), InputError);
+  EXPECT_THROW(waters.restore(kept(chains)), InputError);
   std::string longer = kept(waters) + "x";
-  EXPECT_THROW(waters.recall(longer), InputError);
-  EXPECT_THROW(waters.recall(std::string_view(longer).substr(0, longer.size() / 2)), InputError);
+  EXPECT_THROW(waters.restore(longer), InputError);
+  EXPECT_THROW(waters.restore(std::string_view(longer).substr(0, longer.size() / 2)), InputError);
 }
 
 // What a checkpoint keeps of them is what was said, to the last bit, each key once.
@@ -307,28 +307,28 @@ TEST(Recalling, RefusesCountsBeyondWhatTheyCount) {
   RunningMean mean;
   for (int n = 0; n < 100; ++n) mean.add(n);
   std::string bytes;
-  Memory keep = Memory::keep_in(bytes);
-  keep(mean);
-  const auto recalled_with = [&](std::size_t at, auto value) {
+  Archive save = Archive::saving_to(bytes);
+  save(mean);
+  const auto restored_with = [&](std::size_t at, auto value) {
     std::string changed = bytes;
     std::memcpy(&changed[at], &value, sizeof value);
-    Memory memory = Memory::recall_from(changed);
+    Archive archive = Archive::loading_from(changed);
     RunningMean other;
-    memory(other);
+    archive(other);
   };
   const std::size_t length = 8 + 32 * 8, full = length + 8, in_open = full + 4 + 8 + 8, count = in_open + 8;
-  EXPECT_NO_THROW(recalled_with(full, 31));
-  EXPECT_THROW(recalled_with(full, 32), InputError);  // the next would be written behind the last
-  EXPECT_THROW(recalled_with(full, -1), InputError);
-  EXPECT_THROW(recalled_with(length, 0L), InputError);
-  EXPECT_THROW(recalled_with(length, std::numeric_limits<long>::max()), InputError);
-  EXPECT_THROW(recalled_with(in_open, -1L), InputError);
-  EXPECT_THROW(recalled_with(count, std::numeric_limits<long>::max()), InputError);
+  EXPECT_NO_THROW(restored_with(full, 31));
+  EXPECT_THROW(restored_with(full, 32), InputError);  // the next would be written behind the last
+  EXPECT_THROW(restored_with(full, -1), InputError);
+  EXPECT_THROW(restored_with(length, 0L), InputError);
+  EXPECT_THROW(restored_with(length, std::numeric_limits<long>::max()), InputError);
+  EXPECT_THROW(restored_with(in_open, -1L), InputError);
+  EXPECT_THROW(restored_with(count, std::numeric_limits<long>::max()), InputError);
 
   std::string two("\2", 1);
-  Memory memory = Memory::recall_from(two);
+  Archive archive = Archive::loading_from(two);
   bool yes = false;
-  EXPECT_THROW(memory(yes), InputError);
+  EXPECT_THROW(archive(yes), InputError);
 }
 
 TEST(Recalling, RefusesAStepThatIsNone) {
@@ -339,7 +339,7 @@ TEST(Recalling, RefusesAStepThatIsNone) {
   const std::size_t step = matrix(s.x) + matrix(s.v) + matrix(s.f) + 8;
   for (const long value : {-1L, std::numeric_limits<long>::min()}) {
     std::memcpy(&bytes[step], &value, sizeof value);
-    EXPECT_THROW(simulation.recall(bytes), InputError) << value;
+    EXPECT_THROW(simulation.restore(bytes), InputError) << value;
   }
 }
 

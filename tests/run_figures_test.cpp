@@ -7,9 +7,9 @@
 
 #include "md/random.hpp"
 #include "md/units.hpp"
-#include "systems/doubts.hpp"
+#include "simulation/doubts.hpp"
+#include "simulation/simulation.hpp"
 #include "systems/scene_file.hpp"
-#include "systems/simulation.hpp"
 
 namespace taut {
 namespace {

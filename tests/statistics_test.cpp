@@ -4,10 +4,10 @@
 
 #include <cmath>
 
+#include "md/block_average.hpp"
 #include "md/random.hpp"
-#include "systems/studies/block_average.hpp"
-#include "systems/studies/crosscheck_verdict.hpp"
-#include "systems/studies/liquid_structure.hpp"
+#include "studies/crosscheck_verdict.hpp"
+#include "studies/liquid_structure.hpp"
 
 namespace taut {
 namespace {

@@ -10,7 +10,7 @@
 #include <csignal>
 #include <nlohmann/json.hpp>
 
-#include "systems/studies/csv.hpp"
+#include "studies/csv.hpp"
 #include "taut_command.hpp"
 #include "temporary_folder.hpp"
 

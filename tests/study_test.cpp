@@ -8,9 +8,9 @@
 #include <sstream>
 
 #include "md/errors.hpp"
+#include "studies/chart_study.hpp"
+#include "studies/stability_study.hpp"
 #include "systems/scene_file.hpp"
-#include "systems/studies/chart_study.hpp"
-#include "systems/studies/stability_study.hpp"
 #include "temporary_folder.hpp"
 
 namespace taut {

@@ -1,6 +1,6 @@
 // Temperatures of translation, rotation and the rest, a molecule type at a time.
 
-#include "systems/temperatures.hpp"
+#include "simulation/temperatures.hpp"
 
 #include <gtest/gtest.h>
 

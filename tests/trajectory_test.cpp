@@ -7,12 +7,12 @@
 #include <cstring>
 #include <sstream>
 
+#include "files/dcd_file.hpp"
+#include "files/h5md_file.hpp"
+#include "files/journaled_file.hpp"
+#include "files/pdb_file.hpp"
 #include "md/errors.hpp"
 #include "md/random.hpp"
-#include "md/trajectory/dcd_file.hpp"
-#include "md/trajectory/h5md_file.hpp"
-#include "md/trajectory/journaled_file.hpp"
-#include "md/trajectory/pdb_file.hpp"
 #include "temporary_folder.hpp"
 
 namespace taut {

@@ -9,8 +9,8 @@ namespace taut {
 
 // The same method as Plain, its clusters side by side in SIMD lanes and on threads. Plain stays as the recipe
 // to read, as the witness of the tests, and for clusters that fit no batch. Each Batched<Plain> has
-//     kName, kSummary, Options, lambda(), remember(), promised_error(), setting() as Plain (methods.hpp), and
-//     `using Witness = Plain`.
+//     kName, kSummary, Options, lambda(), serialize(), promised_error(), setting() as Plain (methods.hpp),
+//     and `using Reference = Plain`.
 template <class Plain>
 class Batched;
 
@@ -35,7 +35,7 @@ class Leftover {
   void write_lambda(Eigen::VectorXd& lambda) const {
     for (std::size_t k = 0; k < bonds_.size(); ++k) lambda[bonds_[k]] = method_.lambda()[k];
   }
-  void remember(Memory& memory) { memory(method_); }
+  void serialize(Archive& archive) { archive(method_); }
   const Plain& method() const { return method_; }
 
  private:

@@ -25,7 +25,7 @@ HWY_INLINE BaumgarteRows baumgarte_rows(const Shape shape, double* scratch) {
 template <class Shape>
 HWY_INLINE void apply_guess(const Shape shape, double guess, double* lambda, double* before,
                             const BaumgarteRows rows) {
-  const V weight = all(guess);
+  const V weight = broadcast(guess);
   for (int k = 0; k < shape.size(); ++k) {
     const V3 r = difference(shape, k, rows.x);
     store3(r, rows.r + 3 * k * kLanes);
@@ -41,24 +41,24 @@ HWY_INLINE void apply_guess(const Shape shape, double guess, double* lambda, dou
 template <bool kFirst, class Shape>
 HWY_INLINE void right_hand_side(const Shape shape, const BaumgarteTerms* terms_of, double h,
                                 const BaumgarteRows rows, const Equations& eq, Worst& worst) {
-  const V half_h = all(0.5 * h);
+  const V half_h = broadcast(0.5 * h);
   for (int k = 0; k < shape.solved(); ++k) {
     const LaneBond& bond = shape.bonds[k];
     const BaumgarteTerms& terms = terms_of[k];
     const V3 r = load3(rows.r + 3 * k * kLanes);
-    const V3 a = neg_mul_add(all(bond.inv_mass_i), load3(rows.f + shape.i(k)),
-                             all(bond.inv_mass_j) * load3(rows.f + shape.j(k)));
+    const V3 a = neg_mul_add(broadcast(bond.inv_mass_i), load3(rows.f + shape.i(k)),
+                             broadcast(bond.inv_mass_j) * load3(rows.f + shape.j(k)));
     const V3 w = mul_add(half_h, a, difference(shape, k, rows.v));
-    const V rr = dot(r, r), offset = hn::Sub(rr, all(bond.length2));
-    V b = hn::Mul(all(terms.rate_a), dot(r, a));
-    b = hn::MulAdd(all(terms.rate_v), dot(r, w), b);
-    b = hn::MulAdd(all(terms.square_v), dot(w, w), b);
-    b = hn::MulAdd(all(terms.cross), dot(w, a), b);
-    b = hn::MulAdd(all(terms.offset), offset, b);
+    const V rr = dot(r, r), offset = hn::Sub(rr, broadcast(bond.length2));
+    V b = hn::Mul(broadcast(terms.rate_a), dot(r, a));
+    b = hn::MulAdd(broadcast(terms.rate_v), dot(r, w), b);
+    b = hn::MulAdd(broadcast(terms.square_v), dot(w, w), b);
+    b = hn::MulAdd(broadcast(terms.cross), dot(w, a), b);
+    b = hn::MulAdd(broadcast(terms.offset), offset, b);
     store(hn::Neg(b), eq.b + k * kLanes);
     if constexpr (kFirst) {
-      worst.see(hn::Mul(hn::Abs(offset), all(bond.half_inv_length2)));
-      store(hn::Mul(all(bond.reduced_inv_mass), rr), eq.A.d + k * kLanes);
+      worst.see(hn::Mul(hn::Abs(offset), broadcast(bond.half_inv_length2)));
+      store(hn::Mul(broadcast(bond.reduced_inv_mass), rr), eq.A.d + k * kLanes);
     }
   }
 }

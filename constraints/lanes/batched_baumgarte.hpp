@@ -23,7 +23,7 @@ struct BaumgarteBatch : SolvedBatch {
 
   explicit BaumgarteBatch(const ClusterBatch& batch) : SolvedBatch(batch), before(rows_of_bonds(lanes)) {}
 
-  void remember(Memory& memory) { memory(lambda, before); }
+  void serialize(Archive& archive) { archive(lambda, before); }
 };
 
 struct BaumgarteStep {
@@ -37,7 +37,7 @@ struct BaumgarteStep {
 template <>
 class Batched<Baumgarte> : public EmptyGaps {
  public:
-  using Witness = Baumgarte;
+  using Reference = Baumgarte;
   using Options = Baumgarte::Options;
   static constexpr const char* kName = Baumgarte::kName;
   static constexpr const char* kSummary = Baumgarte::kSummary;
@@ -46,7 +46,7 @@ class Batched<Baumgarte> : public EmptyGaps {
 
   SolveStats add_forces(const System& sys, double h, State& s);
 
-  void remember(Memory& memory) { memory(batches_, leftover_, steps_); }
+  void serialize(Archive& archive) { archive(batches_, leftover_, steps_); }
   const Eigen::VectorXd& lambda() const;
   double promised_error() const { return std::numeric_limits<double>::infinity(); }
   const std::string& setting() const { return setting_; }
@@ -68,7 +68,7 @@ class Batched<Baumgarte> : public EmptyGaps {
 template <>
 class Batched<None> : public Batched<Baumgarte> {
  public:
-  using Witness = None;
+  using Reference = None;
   using Options = None::Options;
   static constexpr const char* kName = None::kName;
   static constexpr const char* kSummary = None::kSummary;

@@ -48,14 +48,14 @@ struct Past {
 template <class Shape>
 HWY_INLINE Worst extrapolate(const Shape shape, const FeedforwardStep& step, const Past past,
                              const FeedforwardRows rows) {
-  const V last = all(step.last), first = all(step.first), second = all(step.second);
+  const V last = broadcast(step.last), first = broadcast(step.first), second = broadcast(step.second);
   const bool shift = step.shift;
   Worst worst;
   for (int k = 0; k < shape.size(); ++k) {
     const V3 r = difference(shape, k, rows.x);
     store3(r, rows.r + 3 * k * kLanes);
-    const V offset = hn::Sub(dot(r, r), all(shape.bonds[k].length2));
-    worst.see(hn::Mul(hn::Abs(offset), all(shape.bonds[k].half_inv_length2)));
+    const V offset = hn::Sub(dot(r, r), broadcast(shape.bonds[k].length2));
+    worst.see(hn::Mul(hn::Abs(offset), broadcast(shape.bonds[k].half_inv_length2)));
     V guess = load(past.lambda + k * kLanes);
     if (shift) {
       const V one = guess, two = load(past.before + k * kLanes);
@@ -80,21 +80,22 @@ struct Ahead {
 template <class Shape>
 HWY_INLINE Ahead look_ahead(const Shape shape, const FeedforwardStep& step, const FeedforwardRows rows,
                             const Equations& eq) {
-  const V h = all(step.h), kick = all(step.kick), scale = all(-0.5 / step.kick), turn = all(step.turn);
+  const V h = broadcast(step.h), kick = broadcast(step.kick), scale = broadcast(-0.5 / step.kick),
+          turn = broadcast(step.turn);
   Ahead ahead{everywhere(), everywhere()};
   for (int k = 0; k < shape.solved(); ++k) {
     const LaneBond& bond = shape.bonds[k];
     const V3 r = load3(rows.r + 3 * k * kLanes);
-    const V3 a = neg_mul_add(all(bond.inv_mass_i), load3(rows.f + shape.i(k)),
-                             all(bond.inv_mass_j) * load3(rows.f + shape.j(k)));
+    const V3 a = neg_mul_add(broadcast(bond.inv_mass_i), load3(rows.f + shape.i(k)),
+                             broadcast(bond.inv_mass_j) * load3(rows.f + shape.j(k)));
     const V3 r_next = mul_add(kick, a, mul_add(h, difference(shape, k, rows.v), r));
     store3(r_next, rows.r_next + 3 * k * kLanes);
-    const V twice_sigma = hn::Sub(dot(r_next, r_next), all(bond.length2)), along = dot(r_next, r);
-    const V size = hn::Mul(all(0.5), hn::Abs(twice_sigma)), reach = hn::Abs(along);
+    const V twice_sigma = hn::Sub(dot(r_next, r_next), broadcast(bond.length2)), along = dot(r_next, r);
+    const V size = hn::Mul(broadcast(0.5), hn::Abs(twice_sigma)), reach = hn::Abs(along);
     ahead.near = hn::And(ahead.near, hn::Le(size, hn::Mul(turn, reach)));
-    ahead.sane = hn::And(ahead.sane, hn::Lt(size, hn::Mul(all(1e3), reach)));
+    ahead.sane = hn::And(ahead.sane, hn::Lt(size, hn::Mul(broadcast(1e3), reach)));
     store(hn::Mul(scale, twice_sigma), eq.b + k * kLanes);
-    store(hn::Mul(all(bond.reduced_inv_mass), along), eq.A.d + k * kLanes);
+    store(hn::Mul(broadcast(bond.reduced_inv_mass), along), eq.A.d + k * kLanes);
   }
   return ahead;
 }

@@ -13,13 +13,13 @@ struct FeedforwardBatch : SolvedBatch {
   explicit FeedforwardBatch(const ClusterBatch& batch)
       : SolvedBatch(batch), before(rows_of_bonds(lanes)), before_that(before) {}
 
-  void remember(Memory& memory) { memory(lambda, before, before_that); }
+  void serialize(Archive& archive) { archive(lambda, before, before_that); }
 };
 
 template <>
 class Batched<Feedforward> : public EmptyGaps {
  public:
-  using Witness = Feedforward;
+  using Reference = Feedforward;
   using Options = Feedforward::Options;
   static constexpr const char* kName = Feedforward::kName;
   static constexpr const char* kSummary = Feedforward::kSummary;
@@ -28,7 +28,7 @@ class Batched<Feedforward> : public EmptyGaps {
 
   SolveStats add_forces(const System& sys, double h, State& s);
 
-  void remember(Memory& memory) { memory(batches_, leftover_, known_); }
+  void serialize(Archive& archive) { archive(batches_, leftover_, known_); }
   const Eigen::VectorXd& lambda() const;
   double promised_error() const { return leftover_.method().promised_error(); }
   std::string setting() const { return leftover_.method().setting(); }

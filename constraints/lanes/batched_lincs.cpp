@@ -40,7 +40,7 @@ HWY_INLINE LincsRows lincs_rows(const Shape shape, double* scratch) {
 // The direction of bond k.
 template <class Shape>
 HWY_INLINE V3 set_direction(const Shape, int k, const V3& r, const LincsRows& rows) {
-  const V3 direction = hn::Div(all(1), hn::Sqrt(dot(r, r))) * r;
+  const V3 direction = hn::Div(broadcast(1), hn::Sqrt(dot(r, r))) * r;
   store3(direction, rows.B + 3 * k * kLanes);
   return direction;
 }
@@ -52,7 +52,7 @@ HWY_INLINE void find_coupling(const Shape shape, const double* scale, const Linc
     const V3 b_k = load3(rows.B + 3 * k * kLanes);
     for (int p = shape.begin(k); p < shape.end(k); ++p) {
       const double weight = -shape.signed_inv_mass(p) * scale[k] * scale[shape.row(p) / kLanes];
-      store(hn::Mul(all(weight), dot(load3(rows.B + 3 * shape.row(p)), b_k)), rows.C + p * kLanes);
+      store(hn::Mul(broadcast(weight), dot(load3(rows.B + 3 * shape.row(p)), b_k)), rows.C + p * kLanes);
     }
     store(hn::Zero(D()), rows.g + k * kLanes);
   }
@@ -88,7 +88,7 @@ HWY_INLINE void apply(const Shape shape, const LincsBatch& batch, int order, con
     std::swap(rhs, power);
   }
   for (int k = 0; k < shape.size(); ++k) {
-    const V dg = hn::Mul(all(-batch.scale[k]), load(rows.sum + k * kLanes));
+    const V dg = hn::Mul(broadcast(-batch.scale[k]), load(rows.sum + k * kLanes));
     store(hn::Add(load(rows.g + k * kLanes), dg), rows.g + k * kLanes);
     move(shape, k, dg, load3(rows.B + 3 * k * kLanes), y);
   }
@@ -101,10 +101,11 @@ HWY_INLINE Worst find_lengthening(const Shape shape, const LincsBatch& batch, co
   for (int k = 0; k < shape.size(); ++k) {
     const LaneBond& bond = shape.bonds[k];
     const V3 r = difference(shape, k, rows.x);
-    const V square = dot(r, r), offset = hn::Sub(square, all(bond.length2));
-    worst.see(hn::Mul(hn::Abs(offset), all(bond.half_inv_length2)));
-    const V rest = hn::Max(hn::Zero(D()), hn::Sub(all(2 * bond.length2), square));
-    store(hn::Mul(all(batch.scale[k]), hn::Sub(all(batch.length[k]), hn::Sqrt(rest))), rows.rhs + k * kLanes);
+    const V square = dot(r, r), offset = hn::Sub(square, broadcast(bond.length2));
+    worst.see(hn::Mul(hn::Abs(offset), broadcast(bond.half_inv_length2)));
+    const V rest = hn::Max(hn::Zero(D()), hn::Sub(broadcast(2 * bond.length2), square));
+    store(hn::Mul(broadcast(batch.scale[k]), hn::Sub(broadcast(batch.length[k]), hn::Sqrt(rest))),
+          rows.rhs + k * kLanes);
   }
   return worst;
 }
@@ -119,8 +120,9 @@ HWY_INLINE void lincs_positions_of(const Shape shape, LincsBatch& batch, const L
   for (int k = 0; k < shape.size(); ++k) {
     const V3 r = difference(shape, k, rows.x);
     const V3 direction =
-        set_direction(shape, k, neg_mul_add(all(step.h), difference(shape, k, rows.v), r), rows);
-    store(hn::Mul(all(scale[k]), hn::Sub(dot(direction, r), all(batch.length[k]))), rows.rhs + k * kLanes);
+        set_direction(shape, k, neg_mul_add(broadcast(step.h), difference(shape, k, rows.v), r), rows);
+    store(hn::Mul(broadcast(scale[k]), hn::Sub(dot(direction, r), broadcast(batch.length[k]))),
+          rows.rhs + k * kLanes);
   }
   find_coupling(shape, scale, rows);
   apply(shape, batch, step.options.order, rows, rows.x);
@@ -130,7 +132,7 @@ HWY_INLINE void lincs_positions_of(const Shape shape, LincsBatch& batch, const L
     worst = find_lengthening(shape, batch, rows);
   }
   for (int k = 0; k < shape.size(); ++k)
-    move(shape, k, hn::Mul(all(1 / step.h), load(rows.g + k * kLanes)), load3(rows.B + 3 * k * kLanes),
+    move(shape, k, hn::Mul(broadcast(1 / step.h), load(rows.g + k * kLanes)), load3(rows.B + 3 * k * kLanes),
          rows.v);
   scatter(shape, part, rows.x, step.x);
   scatter(shape, part, rows.v, step.v);
@@ -149,12 +151,12 @@ HWY_INLINE void lincs_velocities_of(const Shape shape, LincsBatch& batch, const 
   gather(part, shape.atoms(), step.v, rows.v);
   for (int k = 0; k < shape.size(); ++k) {
     const V3 direction = set_direction(shape, k, difference(shape, k, rows.x), rows);
-    store(hn::Mul(all(scale[k]), dot(direction, difference(shape, k, rows.v))), rows.rhs + k * kLanes);
+    store(hn::Mul(broadcast(scale[k]), dot(direction, difference(shape, k, rows.v))), rows.rhs + k * kLanes);
   }
   find_coupling(shape, scale, rows);
   apply(shape, batch, step.options.order, rows, rows.v);
   for (int k = 0; k < shape.size(); ++k)
-    store(hn::Mul(all(2 / (step.h * batch.length[k])), load(rows.g + k * kLanes)), lambda + k * kLanes);
+    store(hn::Mul(broadcast(2 / (step.h * batch.length[k])), load(rows.g + k * kLanes)), lambda + k * kLanes);
   scatter(shape, part, rows.v, step.v);
 }
 

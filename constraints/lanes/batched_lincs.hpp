@@ -15,13 +15,13 @@ struct LincsBatch {
 
   explicit LincsBatch(const ClusterBatch& batch);
 
-  void remember(Memory& memory) { memory(lambda); }
+  void serialize(Archive& archive) { archive(lambda); }
 };
 
 template <>
 class Batched<Lincs> : public EmptyGaps {
  public:
-  using Witness = Lincs;
+  using Reference = Lincs;
   using Options = Lincs::Options;
   static constexpr const char* kName = Lincs::kName;
   static constexpr const char* kSummary = Lincs::kSummary;
@@ -31,7 +31,7 @@ class Batched<Lincs> : public EmptyGaps {
   SolveStats project_positions(const System& sys, double h, State& s);
   SolveStats project_velocities(const System& sys, double h, State& s);
 
-  void remember(Memory& memory) { memory(batches_, leftover_); }
+  void serialize(Archive& archive) { archive(batches_, leftover_); }
   const Eigen::VectorXd& lambda() const;
   double promised_error() const { return leftover_.method().promised_error(); }
   std::string setting() const { return leftover_.method().setting(); }

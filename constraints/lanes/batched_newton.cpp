@@ -49,7 +49,7 @@ HWY_INLINE Equations newton_equations(const Shape shape, NewtonBatch& batch, con
 template <class Shape>
 HWY_INLINE void find_old_bonds(const Shape shape, double h, const NewtonRows rows) {
   for (int k = 0; k < shape.size(); ++k)
-    store3(neg_mul_add(all(h), difference(shape, k, rows.v), difference(shape, k, rows.x)),
+    store3(neg_mul_add(broadcast(h), difference(shape, k, rows.v), difference(shape, k, rows.x)),
            rows.r + 3 * k * kLanes);
 }
 
@@ -59,9 +59,9 @@ HWY_INLINE Worst find_sigma(const Shape shape, const double* x, double* b) {
   Worst worst;
   for (int k = 0; k < shape.solved(); ++k) {
     const V3 r = difference(shape, k, x);
-    const V offset = hn::Sub(dot(r, r), all(shape.bonds[k].length2));
-    worst.see(hn::Mul(hn::Abs(offset), all(shape.bonds[k].half_inv_length2)));
-    store(hn::Mul(all(-0.5), offset), b + k * kLanes);
+    const V offset = hn::Sub(dot(r, r), broadcast(shape.bonds[k].length2));
+    worst.see(hn::Mul(hn::Abs(offset), broadcast(shape.bonds[k].half_inv_length2)));
+    store(hn::Mul(broadcast(-0.5), offset), b + k * kLanes);
   }
   return worst;
 }
@@ -104,7 +104,7 @@ struct NewtonKernel {
     find_old_bonds(shape, step.h, rows);
     if (!step.factored && !factor_old_bonds(stats)) return SolveNext::kEnd;
     for (int k = 0; k < shape.size(); ++k) {
-      const V g = hn::Mul(all(0.5 * step.h * step.h), load(lambda + k * kLanes));
+      const V g = hn::Mul(broadcast(0.5 * step.h * step.h), load(lambda + k * kLanes));
       store(g, rows.g + k * kLanes);
       move(shape, k, g, load3(rows.r + 3 * k * kLanes), rows.x);
     }
@@ -121,7 +121,7 @@ struct NewtonKernel {
   HWY_INLINE bool factor_old_bonds(SolveStats& stats) {
     for (int k = 0; k < shape.solved(); ++k) {
       const V3 r = load3(rows.r + 3 * k * kLanes);
-      store(hn::Mul(all(shape.bonds[k].reduced_inv_mass), dot(r, r)), eq.A.d + k * kLanes);
+      store(hn::Mul(broadcast(shape.bonds[k].reduced_inv_mass), dot(r, r)), eq.A.d + k * kLanes);
       store(hn::Zero(D()), eq.b + k * kLanes);
     }
     return factor(shape, part, eq, rows.r, stats);
@@ -138,8 +138,8 @@ struct NewtonKernel {
   HWY_INLINE void end(SolveStats& stats) {
     for (int k = 0; k < shape.size(); ++k) {
       const V g = load(rows.g + k * kLanes);
-      move(shape, k, hn::Mul(all(1 / step.h), g), load3(rows.r + 3 * k * kLanes), rows.v);
-      store(hn::Mul(all(2 / (step.h * step.h)), g), lambda + k * kLanes);
+      move(shape, k, hn::Mul(broadcast(1 / step.h), g), load3(rows.r + 3 * k * kLanes), rows.v);
+      store(hn::Mul(broadcast(2 / (step.h * step.h)), g), lambda + k * kLanes);
     }
     scatter(shape, part, rows.x, step.x);
     scatter(shape, part, rows.v, step.v);

@@ -14,13 +14,13 @@ struct NewtonBatch : SolvedBatch {
       : SolvedBatch(batch),
         factors(lanes.groups, lanes.piece() ? 0 : lanes.bond_count() + lanes.plan.entries()) {}
 
-  void remember(Memory& memory) { memory(lambda, factors, scratch); }
+  void serialize(Archive& archive) { archive(lambda, factors, scratch); }
 };
 
 template <>
 class Batched<Newton> : public EmptyGaps {
  public:
-  using Witness = Newton;
+  using Reference = Newton;
   using Options = Newton::Options;
   static constexpr const char* kName = Newton::kName;
   static constexpr const char* kSummary = Newton::kSummary;
@@ -30,7 +30,7 @@ class Batched<Newton> : public EmptyGaps {
   SolveStats project_positions(const System& sys, double h, State& s);
   SolveStats project_velocities(const System& sys, double h, State& s);
 
-  void remember(Memory& memory) { memory(batches_, leftover_, factored_); }
+  void serialize(Archive& archive) { archive(batches_, leftover_, factored_); }
   const Eigen::VectorXd& lambda() const;
   double promised_error() const { return leftover_.method().promised_error(); }
   std::string setting() const { return leftover_.method().setting(); }

@@ -25,10 +25,10 @@ HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
 HWY_INLINE V3 normalized(const V3& a) {
-  return hn::Div(all(1), hn::Sqrt(dot(a, a))) * a;
+  return hn::Div(broadcast(1), hn::Sqrt(dot(a, a))) * a;
 }
 HWY_INLINE V cosine(V sine) {
-  return hn::Sqrt(hn::NegMulAdd(sine, sine, all(1)));
+  return hn::Sqrt(hn::NegMulAdd(sine, sine, broadcast(1)));
 }
 // x·X' + y·Y' + z·Z'
 HWY_INLINE V3 along(V x, const V3& X, V y, const V3& Y, V z, const V3& Z) {
@@ -43,8 +43,9 @@ void settle_positions_of(const SettleBatch& batch, const SettleStep& step, const
   gather(part, 3, step.x, x);
   gather(part, 3, step.v, v);
   // the hydrogen's share of the mass
-  const V share = all(1 / (2 + batch.lanes.inv_mass[1] / batch.lanes.inv_mass[0])), h = all(step.h);
-  const V ra = all(batch.ra), rb = all(batch.rb), rc = all(batch.rc);
+  const V share = broadcast(1 / (2 + batch.lanes.inv_mass[1] / batch.lanes.inv_mass[0])),
+          h = broadcast(step.h);
+  const V ra = broadcast(batch.ra), rb = broadcast(batch.rb), rc = broadcast(batch.rc);
 
   const V3 left = load3(x + b) - load3(x + a), right = load3(x + c) - load3(x + a), v_a = load3(v + a);
   const V3 b0 = neg_mul_add(h, load3(v + b) - v_a, left), c0 = neg_mul_add(h, load3(v + c) - v_a, right);
@@ -56,7 +57,7 @@ void settle_positions_of(const SettleBatch& batch, const SettleStep& step, const
   const V za1 = dot(Z, a1), xb1 = dot(X, b1), yb1 = dot(Y, b1), zb1 = dot(Z, b1);
   const V xc1 = dot(X, c1), yc1 = dot(Y, c1), zc1 = dot(Z, c1);
 
-  const V sin_phi = hn::Mul(za1, all(1 / batch.ra)), cos_phi = cosine(sin_phi);
+  const V sin_phi = hn::Mul(za1, broadcast(1 / batch.ra)), cos_phi = cosine(sin_phi);
   const V sin_psi = hn::Div(hn::Sub(zb1, zc1), hn::Mul(hn::Add(rc, rc), cos_phi)), cos_psi = cosine(sin_psi);
   const V ya2 = hn::Mul(ra, cos_phi), xb2 = hn::Neg(hn::Mul(rc, cos_psi));
   const V tilt = hn::Mul(hn::Mul(rc, sin_psi), sin_phi), base = hn::Neg(hn::Mul(rb, cos_phi));
@@ -83,7 +84,7 @@ void settle_positions_of(const SettleBatch& batch, const SettleStep& step, const
                       hn::MulAdd(xb2, sin_theta, hn::Mul(yb2, cos_theta)), Y, zb1, Z);
   const V3 c3 = along(hn::Neg(hn::MulAdd(xb2, cos_theta, hn::Mul(yc2, sin_theta))), X,
                       hn::MulSub(yc2, cos_theta, hn::Mul(xb2, sin_theta)), Y, zc1, Z);
-  const V inv_h = all(1 / step.h);
+  const V inv_h = broadcast(1 / step.h);
   const V3 shifts[] = {a3 - a1, b3 - b1, c3 - c1};
   for (int n = 0; n < 3; ++n) {
     double *x_n = x + 3 * n * kLanes, *v_n = v + 3 * n * kLanes;

@@ -13,13 +13,13 @@ struct SettleBatch : SolvedBatch {
   SettleBatch(const ClusterBatch& batch, const Settle::Water& water)
       : SolvedBatch(batch), ra(water.ra), rb(water.rb), rc(water.rc) {}
 
-  void remember(Memory& memory) { memory(lambda); }
+  void serialize(Archive& archive) { archive(lambda); }
 };
 
 template <>
 class Batched<Settle> : public EmptyGaps {
  public:
-  using Witness = Settle;
+  using Reference = Settle;
   using Options = Settle::Options;
   static constexpr const char* kName = Settle::kName;
   static constexpr const char* kSummary = Settle::kSummary;
@@ -29,7 +29,7 @@ class Batched<Settle> : public EmptyGaps {
   SolveStats project_positions(const System& sys, double h, State& s);
   SolveStats project_velocities(const System& sys, double h, State& s);
 
-  void remember(Memory& memory) { memory(batches_); }
+  void serialize(Archive& archive) { archive(batches_); }
   const Eigen::VectorXd& lambda() const;
   double promised_error() const { return 1e-12; }
   std::string setting() const;

@@ -36,7 +36,7 @@ HWY_INLINE SweepRows sweep_rows(const AnyShape shape, double* scratch) {
 HWY_INLINE void set_out(const AnyShape shape, double guess, const double* lambda, const SweepRows rows,
                         double* y) {
   for (int k = 0; k < shape.size(); ++k) {
-    const V g = hn::Mul(all(guess), load(lambda + k * kLanes));
+    const V g = hn::Mul(broadcast(guess), load(lambda + k * kLanes));
     store(g, rows.g + k * kLanes);
     move(shape, k, g, load3(rows.r + 3 * k * kLanes), y);
   }
@@ -44,7 +44,7 @@ HWY_INLINE void set_out(const AnyShape shape, double guess, const double* lambda
 
 HWY_INLINE void keep(const AnyShape shape, double scale, const SweepRows rows, double* lambda) {
   for (int k = 0; k < shape.size(); ++k)
-    store(hn::Mul(all(scale), load(rows.g + k * kLanes)), lambda + k * kLanes);
+    store(hn::Mul(broadcast(scale), load(rows.g + k * kLanes)), lambda + k * kLanes);
 }
 
 HWY_INLINE void correct(const AnyShape shape, int k, V dg, const SweepRows rows, double* y) {
@@ -60,15 +60,18 @@ struct SweepOfPositions {
     for (int k = 0; k < shape.size(); ++k) {
       const LaneBond& bond = shape.bonds[k];
       const V3 r = difference(shape, k, rows.x);
-      const V offset = hn::Sub(dot(r, r), all(bond.length2)), along = dot(r, load3(rows.r + 3 * k * kLanes));
-      const V relative = hn::Mul(hn::Abs(offset), all(bond.half_inv_length2));
+      const V offset = hn::Sub(dot(r, r), broadcast(bond.length2)),
+              along = dot(r, load3(rows.r + 3 * k * kLanes));
+      const V relative = hn::Mul(hn::Abs(offset), broadcast(bond.half_inv_length2));
       worst.see(relative);
       store(relative, rows.relative + k * kLanes);
-      const auto off = hn::Gt(relative, all(tolerance));
-      const V margin = hn::IfThenElse(off, hn::NegMulAdd(all(1e-6), all(bond.length2), along), all(1));
+      const auto off = hn::Gt(relative, broadcast(tolerance));
+      const V margin =
+          hn::IfThenElse(off, hn::NegMulAdd(broadcast(1e-6), broadcast(bond.length2), along), broadcast(1));
       sound = hn::And(sound, hn::Gt(margin, hn::Zero(D())));
       store(margin, rows.inv + k * kLanes);
-      const V dg = hn::Div(hn::Mul(all(-0.5), offset), hn::Mul(all(bond.reduced_inv_mass), along));
+      const V dg =
+          hn::Div(hn::Mul(broadcast(-0.5), offset), hn::Mul(broadcast(bond.reduced_inv_mass), along));
       correct(shape, k, hn::IfThenElseZero(off, dg), rows, rows.x);
     }
     return sound;
@@ -83,11 +86,11 @@ struct SweepOfVelocities {
       const LaneBond& bond = shape.bonds[k];
       const V3 v = difference(shape, k, rows.v);
       const V rate = dot(load3(rows.r + 3 * k * kLanes), v);
-      const V relative = hn::Mul(hn::Abs(rate), all(2 * h * bond.half_inv_length2));
+      const V relative = hn::Mul(hn::Abs(rate), broadcast(2 * h * bond.half_inv_length2));
       worst.see(relative);
       store(relative, rows.relative + k * kLanes);
       const V dg = hn::Neg(hn::Mul(rate, load(rows.inv + k * kLanes)));
-      correct(shape, k, hn::IfThenElseZero(hn::Gt(relative, all(tolerance)), dg), rows, rows.v);
+      correct(shape, k, hn::IfThenElseZero(hn::Gt(relative, broadcast(tolerance)), dg), rows, rows.v);
     }
     return everywhere();
   }
@@ -134,12 +137,12 @@ void sweep_positions_of(SweepBatch& batch, const SweepStep& step, const Part& pa
   gather(part, shape.atoms(), step.x, rows.x);
   gather(part, shape.atoms(), step.v, rows.v);
   for (int k = 0; k < shape.size(); ++k)
-    store3(neg_mul_add(all(step.h), difference(shape, k, rows.v), difference(shape, k, rows.x)),
+    store3(neg_mul_add(broadcast(step.h), difference(shape, k, rows.v), difference(shape, k, rows.x)),
            rows.r + 3 * k * kLanes);
   set_out(shape, step.guess, lambda, rows, rows.x);
   repeat(SweepOfPositions{}, shape, step.limits, part, rows, stats);
   for (int k = 0; k < shape.size(); ++k)
-    move(shape, k, hn::Mul(all(1 / step.h), load(rows.g + k * kLanes)), load3(rows.r + 3 * k * kLanes),
+    move(shape, k, hn::Mul(broadcast(1 / step.h), load(rows.g + k * kLanes)), load3(rows.r + 3 * k * kLanes),
          rows.v);
   keep(shape, step.keep, rows, lambda);
   scatter(shape, part, rows.x, step.x);
@@ -156,8 +159,8 @@ void sweep_velocities_of(SweepBatch& batch, const SweepStep& step, const Part& p
   for (int k = 0; k < shape.size(); ++k) {
     const V3 r = difference(shape, k, rows.x);
     store3(r, rows.r + 3 * k * kLanes);
-    const V a_kk = hn::Mul(all(shape.bonds[k].reduced_inv_mass), dot(r, r));
-    store(hn::Div(all(1), a_kk), rows.inv + k * kLanes);
+    const V a_kk = hn::Mul(broadcast(shape.bonds[k].reduced_inv_mass), dot(r, r));
+    store(hn::Div(broadcast(1), a_kk), rows.inv + k * kLanes);
   }
   set_out(shape, step.guess, lambda, rows, rows.v);
   repeat(SweepOfVelocities{step.h}, shape, step.limits, part, rows, stats);

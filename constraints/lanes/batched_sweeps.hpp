@@ -11,7 +11,7 @@ struct SweepBatch {
   LaneBatch lanes;
   LaneRows lambda;
 
-  void remember(Memory& memory) { memory(lambda); }
+  void serialize(Archive& archive) { archive(lambda); }
 };
 
 // SHAKE's and RATTLE's sweeps, a cluster a lane: lanes that hold wait for those of their group that do not
@@ -24,7 +24,7 @@ class LaneSweeps {
   SolveStats positions(double h, double guess, double keep, State& s);
   SolveStats velocities(double h, double guess, double keep, State& s);
 
-  void remember(Memory& memory) { memory(batches_); }
+  void serialize(Archive& archive) { archive(batches_); }
   void write_lambda(Eigen::VectorXd& lambda) const;
 
  private:
@@ -36,7 +36,7 @@ class LaneSweeps {
 template <>
 class Batched<Shake> : public EmptyGaps {
  public:
-  using Witness = Shake;
+  using Reference = Shake;
   using Options = Shake::Options;
   static constexpr const char* kName = Shake::kName;
   static constexpr const char* kSummary = Shake::kSummary;
@@ -45,7 +45,7 @@ class Batched<Shake> : public EmptyGaps {
 
   SolveStats project_positions(const System& sys, double h, State& s);
 
-  void remember(Memory& memory) { memory(sweeps_, leftover_); }
+  void serialize(Archive& archive) { archive(sweeps_, leftover_); }
   const Eigen::VectorXd& lambda() const;
   double promised_error() const { return leftover_.method().promised_error(); }
   std::string setting() const { return leftover_.method().setting(); }
@@ -61,7 +61,7 @@ class Batched<Shake> : public EmptyGaps {
 template <>
 class Batched<Rattle> : public EmptyGaps {
  public:
-  using Witness = Rattle;
+  using Reference = Rattle;
   using Options = Rattle::Options;
   static constexpr const char* kName = Rattle::kName;
   static constexpr const char* kSummary = Rattle::kSummary;
@@ -71,7 +71,7 @@ class Batched<Rattle> : public EmptyGaps {
   SolveStats project_positions(const System& sys, double h, State& s);
   SolveStats project_velocities(const System& sys, double h, State& s);
 
-  void remember(Memory& memory) { memory(sweeps_, leftover_); }
+  void serialize(Archive& archive) { archive(sweeps_, leftover_); }
   const Eigen::VectorXd& lambda() const;
   double promised_error() const { return leftover_.method().promised_error(); }
   std::string setting() const { return leftover_.method().setting(); }

@@ -22,7 +22,7 @@ struct Matrix {
 // times, A' below the diagonal; changed about, above.
 template <class Shape>
 HWY_INLINE V entry(const Shape shape, int p, const V3& r_k, const double* r) {
-  return hn::Mul(all(shape.signed_inv_mass(p)), dot(load3(r + 3 * shape.row(p)), r_k));
+  return hn::Mul(broadcast(shape.signed_inv_mass(p)), dot(load3(r + 3 * shape.row(p)), r_k));
 }
 
 template <class Shape>
@@ -42,8 +42,8 @@ HWY_INLINE M eliminate(const Shape shape, const Matrix A, const double* r, doubl
   M regular = everywhere();
   int update = 0;
   for (int k = 0; k < shape.eliminated(); ++k) {
-    const V d = load(A.d + k * kLanes), inv = hn::Div(all(1), d), b_k = load(b + k * kLanes);
-    regular = hn::And(regular, hn::Gt(d, all(shape.bonds[k].least_pivot)));
+    const V d = load(A.d + k * kLanes), inv = hn::Div(broadcast(1), d), b_k = load(b + k * kLanes);
+    regular = hn::And(regular, hn::Gt(d, broadcast(shape.bonds[k].least_pivot)));
     store(inv, A.inv_d + k * kLanes);
     for (int p = shape.begin(k); p < shape.end(k); ++p) {
       V c;
@@ -78,8 +78,8 @@ HWY_INLINE M eliminate_turned(const Shape shape, const Matrix A, const double* r
   M regular = everywhere();
   int update = 0;
   for (int k = 0; k < shape.eliminated(); ++k) {
-    const V d = load(A.d + k * kLanes), inv = hn::Div(all(1), d), b_k = load(b + k * kLanes);
-    regular = hn::And(regular, hn::Gt(d, all(shape.bonds[k].least_pivot)));
+    const V d = load(A.d + k * kLanes), inv = hn::Div(broadcast(1), d), b_k = load(b + k * kLanes);
+    regular = hn::And(regular, hn::Gt(d, broadcast(shape.bonds[k].least_pivot)));
     store(inv, A.inv_d + k * kLanes);
     for (int p = shape.begin(k); p < shape.end(k); ++p) {
       V below, above;

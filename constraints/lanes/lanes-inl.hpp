@@ -23,7 +23,7 @@ static_assert(kWidth <= kLanes);
 // What holds in which lane. Conditions are joined by And, which a NaN fails; Min and Max would drop it.
 using M = hn::Mask<D>;
 HWY_INLINE M everywhere() {
-  return hn::Eq(all(0), all(0));
+  return hn::Eq(broadcast(0), broadcast(0));
 }
 
 // Three rows in succession: a vector of each cluster.
@@ -283,8 +283,8 @@ template <class Shape>
 HWY_INLINE void move(const Shape shape, int k, V lambda, const V3& r, double* y) {
   const V3 force = lambda * r;
   double *y_i = y + shape.i(k), *y_j = y + shape.j(k);
-  store3(neg_mul_add(all(shape.bonds[k].inv_mass_i), force, load3(y_i)), y_i);
-  store3(mul_add(all(shape.bonds[k].inv_mass_j), force, load3(y_j)), y_j);
+  store3(neg_mul_add(broadcast(shape.bonds[k].inv_mass_i), force, load3(y_i)), y_i);
+  store3(mul_add(broadcast(shape.bonds[k].inv_mass_j), force, load3(y_j)), y_j);
 }
 
 // x_j − x_i
@@ -304,7 +304,7 @@ struct Worst {
   }
   // All of them numbers and at most so large.
   HWY_INLINE bool within(double limit) const {
-    return hn::AllTrue(D(), hn::And(hn::Le(largest, all(limit)), hn::Eq(sum, sum)));
+    return hn::AllTrue(D(), hn::And(hn::Le(largest, broadcast(limit)), hn::Eq(sum, sum)));
   }
 };
 
@@ -314,8 +314,8 @@ inline HWY_NOINLINE Worst find_residuals(const LaneBatch& batch, const double* x
   for (int k = 0; k < batch.plan.solved; ++k) {
     const LaneBond& bond = batch.bonds[k];
     const V3 r = load3(x + bond.j) - load3(x + bond.i);
-    const V offset = hn::Sub(dot(r, r), all(bond.length2));
-    const V residual = hn::Mul(hn::Abs(offset), all(bond.half_inv_length2));
+    const V offset = hn::Sub(dot(r, r), broadcast(bond.length2));
+    const V residual = hn::Mul(hn::Abs(offset), broadcast(bond.half_inv_length2));
     worst.see(residual);
     store(residual, relative + k * kLanes);
   }

@@ -8,7 +8,7 @@
 
 #include "constraints/lanes/bond_clusters.hpp"
 #include "constraints/lanes/elimination.hpp"
-#include "md/memory.hpp"
+#include "md/archive.hpp"
 #include "md/step.hpp"
 #include "md/threads.hpp"
 
@@ -97,7 +97,7 @@ class LaneRows {
     return rows_.data() + static_cast<std::size_t>(group) * size_of_group_;
   }
   void swap(LaneRows& other) noexcept;
-  void remember(Memory& memory) { memory(rows_); }
+  void serialize(Archive& archive) { archive(rows_); }
 
  private:
   AlignedDoubles rows_;

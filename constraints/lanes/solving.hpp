@@ -71,7 +71,7 @@ class SolvedBatches {
     for (Batch& batch : whole_) visit(batch);
     for (Batch& batch : pieces_) visit(batch);
   }
-  void remember(Memory& memory) { memory(whole_, pieces_); }
+  void serialize(Archive& archive) { archive(whole_, pieces_); }
   void write_lambda(Eigen::VectorXd& lambda) const {
     for (const Batch& batch : whole_) rows_to_bonds(batch.lanes, batch.lambda, lambda);
     for (const Batch& batch : pieces_) rows_to_bonds(batch.lanes, batch.lambda, lambda);

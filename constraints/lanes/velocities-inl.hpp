@@ -39,7 +39,7 @@ struct VelocityKernel {
     for (int k = 0; k < shape.solved(); ++k) {
       const V3 r_k = difference(shape, k, x_rows);
       store3(r_k, r + 3 * k * kLanes);
-      store(hn::Mul(all(shape.bonds[k].reduced_inv_mass), dot(r_k, r_k)), eq.A.d + k * kLanes);
+      store(hn::Mul(broadcast(shape.bonds[k].reduced_inv_mass), dot(r_k, r_k)), eq.A.d + k * kLanes);
       store(hn::Neg(dot(r_k, difference(shape, k, v))), eq.b + k * kLanes);
     }
     return SolveNext::kLastSolve;
@@ -49,7 +49,7 @@ struct VelocityKernel {
   HWY_INLINE SolveNext apply(SolveNext, int, SolveStats&) {
     for (int k = 0; k < shape.solved(); ++k) {
       const V g = load(eq.b + k * kLanes);
-      store(hn::Mul(all(2 / step.h), g), lambda + k * kLanes);
+      store(hn::Mul(broadcast(2 / step.h), g), lambda + k * kLanes);
       move(shape, k, g, load3(r + 3 * k * kLanes), v);
     }
     return SolveNext::kEnd;

@@ -99,16 +99,16 @@ void AtomClusters::choose_columns(const Vectors& x) {
   }
 }
 
-void AtomClusters::remember(Memory& memory) {
+void AtomClusters::serialize(Archive& archive) {
   int before = std::max(0, builds_ - 1);  // none where every pair counts
-  memory(before, width_, count_);
-  if (!memory.recalling()) return;
+  archive(before, width_, count_);
+  if (!archive.loading()) return;
   builds_ = before;
-  memory.demand(before >= 0);
+  archive.demand(before >= 0);
   for (int d = 0; d < 2 && before > 0; ++d) {
-    memory.demand(width_[d] > 1e-3 * layout_.range);
-    memory.demand(!layout_.box.periodic() ||
-                  std::abs(width_[d] * double(count_[d]) / layout_.box.edge[d] - 1) < 1e-9);
+    archive.demand(width_[d] > 1e-3 * layout_.range);
+    archive.demand(!layout_.box.periodic() ||
+                   std::abs(width_[d] * double(count_[d]) / layout_.box.edge[d] - 1) < 1e-9);
   }
 }
 

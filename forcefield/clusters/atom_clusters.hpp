@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "md/archive.hpp"
 #include "md/box.hpp"
-#include "md/memory.hpp"
 #include "md/vectors.hpp"
 
 namespace taut {
@@ -63,7 +63,7 @@ class AtomClusters {
   void neighbours(const Column& column, std::vector<Neighbour>& out) const;
 
   // The columns' width, as it was before the last build, which is to be done again.
-  void remember(Memory& memory);
+  void serialize(Archive& archive);
 
  private:
   using Place = std::array<std::int64_t, 2>;

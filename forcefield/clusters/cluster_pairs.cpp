@@ -31,7 +31,7 @@ class ClusterPairs::Engine {
   virtual void add_forces(const Vectors& x, Vectors& f) = 0;
   virtual double energy() = 0;
   virtual double virial() = 0;
-  virtual void remember(Memory& memory) = 0;
+  virtual void serialize(Archive& archive) = 0;
   long searches = 0, prunings = 0;
 };
 
@@ -67,10 +67,10 @@ class EngineIn final : public ClusterPairs::Engine {
   double virial() override { return sum_over_lists(pair_virial<T>); }
 
   // Where every pair counts, the lists do not depend on where atoms are.
-  void remember(Memory& memory) override {
+  void serialize(Archive& archive) override {
     if (p_.all_pairs()) return;
-    memory(clusters_, searched_at_, pruned_at_);
-    if (!memory.recalling()) return;
+    archive(clusters_, searched_at_, pruned_at_);
+    if (!archive.loading()) return;
     const Vectors searched = searched_at_, pruned = pruned_at_;
     search(searched);
     place(pruned);
@@ -289,7 +289,7 @@ class MixedWithoutCutoff final : public ClusterPairs::Engine {
   }
   double energy() override { return used_->energy(); }
   double virial() override { return used_->virial(); }
-  void remember(Memory& memory) override { used_->remember(memory); }
+  void serialize(Archive& archive) override { used_->serialize(archive); }
 
  private:
   EngineIn<float> mixed_;
@@ -323,8 +323,8 @@ double ClusterPairs::energy() {
 double ClusterPairs::virial() {
   return engine_->virial();
 }
-void ClusterPairs::remember(Memory& memory) {
-  engine_->remember(memory);
+void ClusterPairs::serialize(Archive& archive) {
+  engine_->serialize(archive);
 }
 long ClusterPairs::searches() const {
   return engine_->searches;

@@ -3,8 +3,8 @@
 #include <memory>
 
 #include "forcefield/terms.hpp"
+#include "md/archive.hpp"
 #include "md/box.hpp"
-#include "md/memory.hpp"
 
 namespace taut {
 
@@ -31,7 +31,7 @@ class ClusterPairs {
   double energy();
   double virial();  // Σ r·f
 
-  void remember(Memory& memory);  // where the lists were made; recalled, they are made again there
+  void serialize(Archive& archive);  // where the lists were made; loaded, they are made again there
 
   long searches() const;  // for the outer list, so far
   long prunings() const;  // to the inner one

@@ -6,7 +6,7 @@
 
 #include <sstream>
 
-#include "md/aside_file.hpp"
+#include "files/atomic_file.hpp"
 #include "md/errors.hpp"
 #include "systems/openmm/openmm_expressions.hpp"
 #include "systems/openmm/openmm_vectors.hpp"
@@ -144,7 +144,7 @@ std::unique_ptr<OpenMM::System> make_openmm_system(const OpenMMInput& from) {
 }
 
 void write_openmm(const OpenMMInput& from, const std::string& prefix) {
-  AsideFile system(prefix + ".system.xml"), state(prefix + ".state.xml");
+  AtomicFile system(prefix + ".system.xml"), state(prefix + ".state.xml");
   system.write(xml(*make_openmm_system(from), "System"));
   state.write(xml(*make_openmm_state(from), "State"));
   system.commit();

@@ -1,5 +1,5 @@
 #include "harness.hpp"
-#include "systems/checkpoint.hpp"
+#include "simulation/checkpoint.hpp"
 
 // The body alone too: a checksum keeps changes from getting that far. What a run makes of its memory is
 // recall_fuzz's.

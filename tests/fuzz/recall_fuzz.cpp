@@ -6,8 +6,8 @@
 #include <cstring>
 
 #include "harness.hpp"
+#include "simulation/simulation.hpp"
 #include "systems/scene_file.hpp"
-#include "systems/simulation.hpp"
 #include "systems/toml_reader.hpp"
 
 namespace {
@@ -29,8 +29,8 @@ Remembered remembered(const std::vector<std::string>& overrides) {
   taut::Simulation simulation(all.scene);
   simulation.run({}, [&](long step) {
     if (step != 8) return;
-    taut::Memory memory = taut::Memory::keep_in(all.memory);
-    simulation.remember(memory);
+    taut::Archive archive = taut::Archive::saving_to(all.memory);
+    simulation.serialize(archive);
     simulation.stop();
   });
   return all;
@@ -87,7 +87,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (input.remove_prefix(1); input.size() >= kChange; input.remove_prefix(kChange))
       change(memory, input.substr(0, kChange));
     taut::Simulation simulation(mine.scene);
-    simulation.recall(memory);
+    simulation.restore(memory);
     if (simulation.step() + 100 < mine.scene.run.steps) return;  // a step far back: too many to take
     try {
       simulation.run({});

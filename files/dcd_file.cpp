@@ -1,0 +1,95 @@
+#include "files/dcd_file.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "md/errors.hpp"
+
+namespace taut {
+namespace {
+
+// √(u·Å²/(kcal/mol)), CHARMM's unit of time [ps].
+constexpr double kAkma = 0.04888821;
+constexpr int kTitle = 80;  // characters
+constexpr std::uint64_t kHeader = (4 + 84 + 4) + (4 + 4 + kTitle + 4) + (4 + 4 + 4);
+constexpr std::uint64_t kFramesAt = 8, kStepsAt = 20;  // where the header has them
+
+// Fortran's unformatted records: each between two copies of its length.
+class Records {
+ public:
+  template <class T>
+  Records& put(const T& value) {
+    bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
+    return *this;
+  }
+  Records& text(std::string_view words, std::size_t width) {
+    bytes_.append(words.substr(0, width)).append(width - std::min(width, words.size()), ' ');
+    return *this;
+  }
+  Records& bound(std::size_t length) { return put(static_cast<std::uint32_t>(length)); }
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+};
+
+// 20 integers, of which one is a real.
+std::string header(const TrajectorySetup& setup) {
+  std::array<std::int32_t, 20> control{};
+  control[1] = static_cast<std::int32_t>(std::lround(setup.t0 / setup.h));  // first step
+  control[2] = static_cast<std::int32_t>(setup.every);
+  const auto step = static_cast<float>(setup.h / kAkma);
+  std::memcpy(&control[9], &step, sizeof step);
+  control[10] = setup.sys.box.periodic() ? 1 : 0;  // with a unit cell
+  control[19] = 24;                                // CHARMM's version that brought the format
+  Records records;
+  records.bound(84).text("CORD", 4).put(control).bound(84);
+  records.bound(4 + kTitle).put(std::int32_t{1}).text("taut: positions, unwrapped", kTitle).bound(4 + kTitle);
+  records.bound(4).put(static_cast<std::int32_t>(setup.sys.atoms())).bound(4);
+  return records.bytes();
+}
+
+}  // namespace
+
+DcdFile::DcdFile(const std::filesystem::path& path, const TrajectorySetup& setup, std::uint64_t mark)
+    : file_(path, mark),
+      edge_(setup.sys.box.periodic() ? setup.sys.box.edge : Vec3::Zero()),
+      atoms_(setup.sys.atoms()),
+      every_(setup.every) {
+  if (mark == 0) file_.write(header(setup));
+  if (file_.size() < kHeader || (file_.size() - kHeader) % frame_bytes() != 0)
+    throw OutsideError(fmt::format("{}: cannot go on: its frames are of another size", path.string()));
+  count_frames((file_.size() - kHeader) / frame_bytes());
+}
+
+std::uint64_t DcdFile::frame_bytes() const {
+  const std::uint64_t cell = edge_.x() > 0 ? 4 + 48 + 4 : 0;
+  return cell + 3 * (4 + 4 * static_cast<std::uint64_t>(atoms_) + 4);
+}
+
+void DcdFile::count_frames(std::uint64_t frames) {
+  const auto n = static_cast<std::int32_t>(frames);
+  file_.rewrite(kFramesAt, Records().put(n).bytes());
+  file_.rewrite(kStepsAt, Records().put(static_cast<std::int32_t>(n * every_)).bytes());
+}
+
+void DcdFile::add(const Frame& frame) {
+  Records records;
+  if (edge_.x() > 0) {
+    const Vec3 edge = 10 * edge_;
+    records.bound(48).put(edge.x()).put(90.0).put(edge.y()).put(90.0).put(90.0).put(edge.z()).bound(48);
+  }
+  const std::size_t length = 4 * static_cast<std::size_t>(atoms_);
+  for (int axis = 0; axis < 3; ++axis) {
+    records.bound(length);
+    for (long a = 0; a < atoms_; ++a) records.put(static_cast<float>(10 * frame.state.x(axis, a)));
+    records.bound(length);
+  }
+  file_.write(records.bytes());
+  count_frames((file_.size() - kHeader) / frame_bytes());
+}
+
+}  // namespace taut

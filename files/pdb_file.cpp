@@ -1,0 +1,58 @@
+#include "files/pdb_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+
+#include "files/atomic_file.hpp"
+
+namespace taut {
+namespace {
+
+constexpr int kMostNumbered = 99999;  // atoms, by five columns
+
+// A position's eight columns [Å].
+std::string columns(double x) {
+  for (int decimals = 3; decimals >= 0; --decimals)
+    if (std::string text = fmt::format("{:8.{}f}", x, decimals); text.size() <= 8) return text;
+  return x > 0 ? "99999999" : "-9999999";
+}
+
+// One letter elements leave the first of the four columns free.
+std::string atom_name(const AtomKind& kind) {
+  const std::string name = kind.atom.substr(0, 4);
+  return name.size() == 4 || kind.element.size() == 2 ? fmt::format("{:<4}", name)
+                                                      : fmt::format(" {:<3}", name);
+}
+
+std::string upper(std::string text) {
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::toupper(c); });
+  return text;
+}
+
+}  // namespace
+
+void write_pdb(const std::filesystem::path& file, const System& sys, const Names& names, const Vectors& x) {
+  std::string text = "REMARK   1 written by taut: positions unwrapped, molecules whole\n";
+  const auto out = std::back_inserter(text);
+  const Vec3 edge = 10 * sys.box.edge;
+  if (sys.box.periodic())
+    fmt::format_to(out, "CRYST1{:9.3f}{:9.3f}{:9.3f}  90.00  90.00  90.00 P 1           1\n", edge.x(),
+                   edge.y(), edge.z());
+  for (int a = 0; a < sys.atoms(); ++a) {
+    const AtomKind& kind = names.kinds[names.kind[a]];
+    fmt::format_to(out, "HETATM{:5} {} {:<4} {:4}    {}{}{}  1.00  0.00          {:>2}\n",
+                   (a + 1) % (kMostNumbered + 1), atom_name(kind),
+                   fmt::format("{:>3}", kind.residue.substr(0, 4)), (names.residue[a] + 1) % 10000,
+                   columns(10 * x(0, a)), columns(10 * x(1, a)), columns(10 * x(2, a)), upper(kind.element));
+  }
+  if (sys.atoms() <= kMostNumbered)
+    for (const auto& [i, j, length] : sys.bonds) fmt::format_to(out, "CONECT{:5}{:5}\n", i + 1, j + 1);
+  text += "END\n";
+  AtomicFile aside(file);
+  aside.write(text);
+  aside.commit();
+}
+
+}  // namespace taut

@@ -1,0 +1,57 @@
+#include "files/set_aside.hpp"
+
+#include <fmt/format.h>
+
+#include "files/disk_file.hpp"
+#include "md/errors.hpp"
+
+namespace taut {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void refuse(const fs::path& path, const char* deed, const std::error_code& error) {
+  throw OutsideError(fmt::format("{}: cannot {}: {}", path.string(), deed, error.message()));
+}
+
+// Where a link leads, so that a rename does not cross to another disk.
+fs::path resolved(const fs::path& folder) {
+  std::error_code error;
+  const fs::path real = fs::canonical(folder, error);
+  if (error) refuse(folder, "open the folder", error);
+  return real;
+}
+
+fs::path new_folder_beside(const fs::path& folder) {
+  for (int n = 1;; ++n) {
+    const fs::path beside = folder.string() + "." + std::to_string(n);
+    std::error_code error;
+    if (fs::create_directory(beside, error)) return beside;
+    if (error && error != std::errc::file_exists) refuse(beside, "make the folder", error);
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> present(const fs::path& folder, const std::vector<std::string>& names) {
+  std::vector<std::string> there;
+  std::error_code ignored;
+  for (const std::string& name : names)
+    if (fs::exists(fs::symlink_status(folder / name, ignored))) there.push_back(name);
+  return there;
+}
+
+fs::path set_aside(const fs::path& folder, const std::vector<std::string>& names) {
+  const fs::path from = resolved(folder), to = new_folder_beside(from);
+  for (const std::string& name : names) {
+    std::error_code error;
+    fs::rename(from / name, to / name, error);
+    if (error) refuse(from / name, "move", error);
+  }
+  sync_folder(to);
+  sync_folder(from);
+  sync_folder(to.parent_path());
+  return to;
+}
+
+}  // namespace taut

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace taut {
+
+// What a thing carries from step to step, so that a run goes on from a checkpoint to the last bit. It names
+// that in one function, which serves both ways:
+//     void serialize(Archive& archive) { archive(lambda_, before_, steps_); }
+// Numbers are kept as they lie in memory. What is loaded into must be made already, from the same scene:
+// arrays have the sizes they had, or the archive is another's, which is an InputError. Nothing is ever sized
+// by what an archive says.
+class Archive {
+ public:
+  static Archive saving_to(std::string& kept) { return Archive(&kept, {}); }  // at its end
+  static Archive loading_from(std::string_view kept) { return Archive(nullptr, kept); }
+
+  bool loading() const { return kept_ == nullptr; }
+
+  template <class... Things>
+  void operator()(Things&... things) {
+    (one(things), ...);
+  }
+
+  // That a loaded number can be one of this thing's.
+  void demand(bool plausible) const {
+    if (!plausible) refuse();
+  }
+
+  void finish() const { demand(rest_.empty()); }  // loading: that nothing is left
+
+ private:
+  Archive(std::string* kept, std::string_view rest) : kept_(kept), rest_(rest) {}
+
+  [[noreturn]] static void refuse();  // throws InputError
+
+  template <class T, class = void>
+  struct Serializes : std::false_type {};
+  template <class T>  // C++17, as what includes OpenMM's headers
+  struct Serializes<T, std::void_t<decltype(std::declval<T&>().serialize(std::declval<Archive&>()))>>
+      : std::true_type {};
+
+  template <class T>
+  void one(T& thing) {
+    if constexpr (Serializes<T>::value) {
+      thing.serialize(*this);
+    } else if constexpr (std::is_same_v<T, std::string>) {
+      text(thing);
+    } else if constexpr (std::is_same_v<T, bool>) {  // no other byte is one
+      std::uint8_t byte = thing;
+      bytes(&byte, 1);
+      demand(byte <= 1);
+      thing = byte == 1;
+    } else if constexpr (std::is_arithmetic_v<T>) {
+      bytes(&thing, sizeof(T));
+    } else {  // an array of numbers: Eigen's, std::vector, std::array
+      using Number = std::decay_t<decltype(*thing.data())>;
+      static_assert(std::is_arithmetic_v<Number> && !std::is_same_v<Number, bool>);
+      array(thing.data(), static_cast<std::uint64_t>(thing.size()) * sizeof(Number));
+    }
+  }
+
+  template <class T>
+  void one(std::vector<T>& things) {
+    if constexpr (Serializes<T>::value) {
+      for (T& thing : things) one(thing);
+    } else {
+      static_assert(std::is_arithmetic_v<T>, "what is no number says itself what it keeps");
+      array(things.data(), things.size() * sizeof(T));
+    }
+  }
+
+  void bytes(void* data, std::size_t size);
+  void array(void* data, std::uint64_t size);  // its size before it
+  void text(std::string& text);                // of any length
+
+  std::string* kept_;
+  std::string_view rest_;
+};
+
+}  // namespace taut

@@ -1,0 +1,173 @@
+#include "simulation/checkpoint.hpp"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "files/atomic_file.hpp"
+#include "md/errors.hpp"
+
+namespace taut {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kFormat = "taut checkpoint";
+constexpr int kVersion = 2;
+
+std::uint64_t checksum(std::string_view bytes) {  // FNV-1a (Fowler, Noll and Vo)
+  std::uint64_t hash = 0xcbf29ce484222325;
+  for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+  return hash;
+}
+
+// Nothing of ours is nested deeper; the parser recurses.
+class Shallow final : public json::json_sax_t {
+ public:
+  bool null() override { return true; }
+  bool boolean(bool) override { return true; }
+  bool number_integer(json::number_integer_t) override { return true; }
+  bool number_unsigned(json::number_unsigned_t) override { return true; }
+  bool number_float(json::number_float_t, const std::string&) override { return true; }
+  bool string(std::string&) override { return true; }
+  bool binary(json::binary_t&) override { return true; }
+  bool start_object(std::size_t) override { return ++depth_ < 8; }
+  bool key(std::string&) override { return true; }
+  bool end_object() override { return depth_-- > 0; }
+  bool start_array(std::size_t) override { return ++depth_ < 8; }
+  bool end_array() override { return depth_-- > 0; }
+  bool parse_error(std::size_t, const std::string&, const json::exception&) override { return false; }
+
+ private:
+  int depth_ = 0;
+};
+
+json parse(std::string_view bytes) {
+  Shallow shallow;
+  if (!json::sax_parse(bytes.begin(), bytes.end(), &shallow, json::input_format_t::cbor))
+    throw InputError("not a checkpoint, or not all of it");
+  return json::from_cbor(bytes.begin(), bytes.end());
+}
+
+json as_binary(std::string_view bytes) {
+  return json::binary({bytes.begin(), bytes.end()});
+}
+
+std::string bytes_of(const json& value) {
+  const auto& binary = value.get_binary();
+  return {binary.begin(), binary.end()};
+}
+
+std::string bytes_of(const std::vector<std::uint8_t>& bytes) {
+  return {bytes.begin(), bytes.end()};
+}
+
+// Counts of ours, no larger than they can be.
+std::uint64_t count_of(const json& value, std::uint64_t most) {
+  if (!value.is_number_unsigned() || value.get<std::uint64_t>() > most)
+    throw InputError("not a checkpoint, or damaged");
+  return value.get<std::uint64_t>();
+}
+
+// What is missing or of another type is no checkpoint of ours.
+template <class Read>
+auto read_or_refuse(const Read& read) {
+  try {
+    return read();
+  } catch (const json::exception&) {
+    throw InputError("not a checkpoint, or damaged");
+  }
+}
+
+}  // namespace
+
+std::string to_bytes(const Checkpoint& c) {
+  static_assert(std::endian::native == std::endian::little, "checkpoints hold numbers as they lie in memory");
+  json files = json::array();
+  for (const auto& [name, text] : c.source.files)
+    files.push_back({{"name", name}, {"text", as_binary(text)}});
+  json marks = json::object();
+  for (const auto& [name, mark] : c.marks) marks[name] = mark;
+  const json body = {{"openmm", c.source.openmm},
+                     {"files", std::move(files)},
+                     {"overrides", c.source.overrides},
+                     {"step", c.step},
+                     {"time_ps", c.t},
+                     {"threads", c.threads},
+                     {"memory", as_binary(c.memory)},
+                     {"marks", std::move(marks)}};
+  const std::string inside = bytes_of(json::to_cbor(body));
+  return bytes_of(json::to_cbor(json{{"format", kFormat},
+                                     {"version", kVersion},
+                                     {"checksum", checksum(inside)},
+                                     {"body", as_binary(inside)}}));
+}
+
+Checkpoint read_checkpoint_body(std::string_view body) {
+  return read_or_refuse([&] {
+    const json j = parse(body);
+    Checkpoint c;
+    c.source.openmm = j.at("openmm").get<bool>();
+    for (const json& file : j.at("files"))
+      c.source.files.push_back({file.at("name").get<std::string>(), bytes_of(file.at("text"))});
+    c.source.overrides = j.at("overrides").get<std::vector<std::string>>();
+    c.step = static_cast<long>(count_of(j.at("step"), std::numeric_limits<long>::max()));
+    c.t = j.at("time_ps").get<double>();
+    c.threads = static_cast<int>(count_of(j.at("threads"), 4096));
+    c.memory = bytes_of(j.at("memory"));
+    for (const auto& [name, mark] : j.at("marks").items())
+      c.marks[name] = count_of(mark, std::numeric_limits<std::int64_t>::max());
+    return c;
+  });
+}
+
+Checkpoint read_checkpoint(std::string_view bytes) {
+  const std::string body = read_or_refuse([&] {
+    const json j = parse(bytes);
+    if (j.at("format").get<std::string>() != kFormat) throw InputError("not a checkpoint of taut's");
+    if (const json& version = j.at("version"); version != kVersion)
+      throw InputError(
+          fmt::format("a checkpoint of version {}, this taut reads version {}", version.dump(), kVersion));
+    std::string inside = bytes_of(j.at("body"));
+    if (j.at("checksum").get<std::uint64_t>() != checksum(inside))
+      throw InputError("the checkpoint is damaged: its checksum is another");
+    return inside;
+  });
+  return read_checkpoint_body(body);
+}
+
+std::filesystem::path checkpoint_file(const std::filesystem::path& folder) {
+  return folder / "checkpoint.cbor";
+}
+
+void expect_checkpoint(const std::filesystem::path& folder) {
+  const std::filesystem::path path = checkpoint_file(folder);
+  std::error_code unreadable;
+  if (!std::filesystem::is_regular_file(path, unreadable))
+    throw InputError(path.string() + ": there is none; a run with --out writes it");
+}
+
+void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& checkpoint) {
+  AtomicFile file(checkpoint_file(folder));
+  file.write(to_bytes(checkpoint));
+  file.commit();
+}
+
+Checkpoint load_checkpoint(const std::filesystem::path& folder) {
+  expect_checkpoint(folder);
+  const std::filesystem::path path = checkpoint_file(folder);
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw InputError(path.string() + ": cannot be read");
+  const std::string bytes(std::istreambuf_iterator<char>(in), {});
+  try {
+    return read_checkpoint(bytes);
+  } catch (const InputError& e) {
+    throw InputError(path.string() + ": " + e.what());
+  }
+}
+
+}  // namespace taut

@@ -1,0 +1,37 @@
+#include "simulation/doubts.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "md/units.hpp"
+#include "simulation/simulation.hpp"
+
+namespace taut {
+namespace {
+
+constexpr double kStretched = 0.05;  // of a bond
+constexpr double kErrors = 5;
+
+}  // namespace
+
+std::vector<std::string> doubts(const Summary& s) {
+  std::vector<std::string> all;
+  if (s.converged == false)
+    all.push_back(
+        fmt::format("bonds are off by up to {:.1e}, more than the method promises; take a shorter step",
+                    s.max_rel_bond_error));
+  else if (s.max_rel_bond_error > kStretched)
+    all.push_back(fmt::format("bonds are off by up to {:.2g} %; take method newton, or a shorter step",
+                              100 * s.max_rel_bond_error));
+  if (!s.drift || s.drift->error == 0) return all;
+  const double heat = s.drift->value / (kBoltzmann * s.temperature);  // kT per ns
+  if (std::abs(heat) > 1 && std::abs(s.drift->value) > kErrors * s.drift->error)
+    all.push_back(fmt::format(
+        "the energy drifts by {:.2g} kT a nanosecond and degree of freedom; {}", heat,
+        s.converged == true ? "take a shorter step, or let pair forces end smoothly (forcefield.switch_nm)"
+                            : "take method newton, or a shorter step"));
+  return all;
+}
+
+}  // namespace taut

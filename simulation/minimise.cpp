@@ -1,0 +1,88 @@
+#include "simulation/minimise.hpp"
+
+#include <cmath>
+
+#include "constraints/projection.hpp"
+#include "md/errors.hpp"
+
+namespace taut {
+namespace {
+
+constexpr double kShortestMove = 1e-9;  // [nm]
+
+System with_unit_masses(System sys) {
+  sys.mass = sys.mass.unaryExpr([](double m) { return m > 0 ? 1.0 : 0.0; });
+  sys.inv_mass = sys.mass;
+  return sys;
+}
+
+double largest(const Vectors& f) {
+  return f.cols() > 0 ? std::sqrt(f.colwise().squaredNorm().maxCoeff()) : 0.0;
+}
+
+class Descent {
+ public:
+  Descent(const System& sys, ForceField& forces, const Vectors& x)
+      : real_(sys), sys_(with_unit_masses(sys)), forces_(forces), projector_(sys_) {
+    here_.x = x;
+    projector_.positions(sys_, here_.x);
+    energy_ = evaluate(here_);
+    if (!std::isfinite(energy_) || !here_.f.allFinite())
+      throw SimulationFailure(
+          "run.minimise: the energy of the start is no number; are two atoms in one place?");
+    next_ = here_;
+  }
+
+  // Moves the atom of the largest force by `length`. False where that does not lower the energy.
+  bool move(double length) {
+    next_.x = here_.x + length / largest(here_.f) * here_.f;
+    try {
+      projector_.positions(sys_, next_.x);
+    } catch (const SimulationFailure&) {
+      return false;  // too far for the bonds to be brought back
+    }
+    const double energy = evaluate(next_);
+    if (!(energy < energy_) || !next_.f.allFinite()) return false;
+    std::swap(here_, next_);
+    energy_ = energy;
+    return true;
+  }
+
+  double force() const { return largest(here_.f); }
+  double energy() const { return energy_; }
+  const Vectors& x() const { return here_.x; }
+
+ private:
+  // The energy; f becomes tangent.
+  double evaluate(State& s) {
+    forces_(real_, s);
+    for (int a = 0; a < sys_.atoms(); ++a) s.f.col(a) *= sys_.mass[a];  // an anchor's force moves nothing
+    projector_.velocities(sys_, s.x, s.f);
+    return forces_.potential();
+  }
+
+  const System& real_;
+  System sys_;  // of unit masses
+  ForceField& forces_;
+  Projector projector_;
+  State here_, next_;  // f: the tangent force
+  double energy_ = 0;
+};
+
+}  // namespace
+
+Minimised minimise(const System& sys, ForceField& forces, double force, Vectors& x) {
+  Descent descent(sys, forces, x);
+  Minimised result{.energy_before = descent.energy()};
+  double length = 0.2 * kLongestMove;
+  while (descent.force() > force && length > kShortestMove && result.moves < kMostMoves) {
+    ++result.moves;
+    length = descent.move(length) ? std::min(1.2 * length, kLongestMove) : 0.5 * length;
+  }
+  x = descent.x();
+  result.energy = descent.energy();
+  result.largest_force = descent.force();
+  return result;
+}
+
+}  // namespace taut

@@ -1,0 +1,193 @@
+#include "run_folder.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "files/atomic_file.hpp"
+#include "files/set_aside.hpp"
+#include "md/errors.hpp"
+#include "md/threads.hpp"
+#include "systems/start_file.hpp"
+
+namespace taut {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+// OpenMM's StateDataReporter's columns, then ours.
+constexpr std::string_view kLogHeader =
+    "#\"Step\",\"Time (ps)\",\"Potential Energy (kJ/mole)\",\"Kinetic Energy (kJ/mole)\","
+    "\"Total Energy (kJ/mole)\",\"Temperature (K)\",\"Speed (ns/day)\",\"Max Relative Bond Error\","
+    "\"RMS Relative Bond Error\",\"Energy Drift (kJ/mole/ns/dof)\",\"Iterations per Step\",\"Pressure "
+    "(bar)\"\n";
+
+std::string log_row(const Record& r) {
+  return fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{:.9g},{:.4g},{:.6e},{:.6e},{},{:.4g},{}\n", r.step,
+                     r.t, r.potential, r.kinetic, r.total(), r.temperature, r.ns_per_day, r.bonds.max,
+                     r.bonds.rms, r.drift ? fmt::format("{:.6e}", *r.drift) : "", r.iterations,
+                     r.pressure ? fmt::format("{:.9g}", *r.pressure) : "");
+}
+
+// Where there are too few rows for an error, it is null.
+ordered_json json_of(const Estimate& e) {
+  return {{"mean", e.value}, {"standard_error", e.error > 0 ? ordered_json(e.error) : ordered_json()}};
+}
+
+// Of each type of molecule; classes without degrees of freedom are left out.
+ordered_json temperatures_json(const Temperatures& temperatures) {
+  ordered_json json;
+  for (std::size_t type = 0; type < temperatures.types().size(); ++type)
+    for (int motion = 0; motion < 3; ++motion)
+      if (temperatures.types()[type].dof[motion] > 0.5)
+        json[temperatures.types()[type].name][kMotionNames[motion]] =
+            json_of(temperatures.temperature(static_cast<int>(type), MotionClass(motion)));
+  return json;
+}
+
+ordered_json summary_json(const Simulation& simulation, const Summary& s) {
+  const Scene& scene = simulation.scene();
+  ordered_json json = {
+      {"scene", scene.name},
+      {"method", method_name(scene.method)},
+      {"atoms", scene.system.atoms()},
+      {"bonds", scene.system.bond_count()},
+      {"dof", simulation.dof().total()},
+      {"steps", s.steps},
+      {"dt_fs", scene.run.dt_fs},
+      {"us_per_step", s.us_per_step},
+      {"constraint_us_per_step", s.constraint_us_per_step},
+      {"ns_per_day", s.ns_per_day},
+      {"max_rel_bond_error", s.max_rel_bond_error},
+      {"rms_rel_bond_error", s.rms_rel_bond_error},
+      {"energy_drift_kj_mol_ns_dof", s.drift ? ordered_json(s.drift->value) : ordered_json()},
+      {"energy_drift_standard_error",
+       s.drift && s.drift->error > 0 ? ordered_json(s.drift->error) : ordered_json()},
+      {"temperature_k", s.temperature},
+      {"potential_kj_mol", s.potential},
+      {"total_kj_mol", s.total},
+      {"converged", s.converged ? ordered_json(*s.converged) : ordered_json()},
+      {"doubts", s.doubts},
+      {"method_setting", simulation.method_setting()},
+      {"seed", scene.run.seed},
+      {"temperatures_k", temperatures_json(simulation.temperatures())},
+  };
+  if (s.pressure) json["pressure_bar"] = json_of(*s.pressure);
+  return json;
+}
+
+ordered_json failure_json(const Diagnosis& d) {
+  ordered_json json = {{"step", d.step}, {"time_ps", d.t}, {"cause", d.cause}, {"try", d.advice}};
+  if (d.bond >= 0)
+    json["bond"] = {{"index", d.bond},
+                    {"atoms", {d.held.i, d.held.j}},
+                    {"length_nm", d.length},
+                    {"length_before_nm", d.length_before},
+                    {"target_nm", d.held.length}};
+  json["largest_force"] = {{"kj_mol_nm", d.largest_force}, {"atom", d.atom}};
+  json["last_good_frame"] = {{"file", "last_good.start.toml"}, {"step", d.step - 1}};
+  return json;
+}
+
+void write_aside(const fs::path& path, const ordered_json& json) {
+  AtomicFile file(path);
+  file.write(json.dump(2) + "\n");
+  file.commit();
+}
+
+constexpr const char* kLog = "log.csv";
+
+// What the run before wrote is another's, or of an earlier step. The checkpoint goes first: without it nobody
+// takes the rest for a run that can go on.
+FolderLock cleared(FolderLock lock, const Simulation& simulation, const Marks& marks) {
+  const fs::path& folder = lock.path();
+  std::vector<std::string> old;
+  if (marks.empty()) {
+    old = run_files(folder);
+  } else {
+    std::vector<std::string> unmarked;
+    auto outputs = Trajectories::extents(folder, simulation);
+    outputs.emplace(kLog, 0);
+    for (const auto& [name, extent] : outputs)
+      if (!marks.contains(name)) unmarked.insert(unmarked.end(), {name, name + ".journal"});
+    old = present(folder, unmarked);
+  }
+  if (!old.empty())
+    fmt::print("{}: what was there is kept in {}\n", folder.string(), set_aside(folder, old).string());
+  return lock;
+}
+
+std::uint64_t mark_of(const Marks& marks, const std::string& name) {
+  const auto mark = marks.find(name);
+  return mark == marks.end() ? 0 : mark->second;
+}
+
+}  // namespace
+
+RunFolder::RunFolder(FolderLock folder, SceneSource source, const Simulation& simulation, const Marks& marks)
+    : folder_(cleared(std::move(folder), simulation, marks)),
+      source_(std::move(source)),
+      log_(path() / kLog, mark_of(marks, kLog)),
+      trajectories_(path(), simulation, marks) {
+  if (log_.size() == 0) log_.write(kLogHeader);
+  if (marks.empty()) return;
+  kept_step_ = simulation.step();
+  std::error_code ignored;
+  for (const char* name : {"summary.json", "final.start.toml", "failure.json", "last_good.start.toml"})
+    fs::remove(path() / name, ignored);  // they are of a step that is not the last any more
+}
+
+void RunFolder::add_row(const Record& record) {
+  log_.write(log_row(record));
+}
+
+void RunFolder::add_frame(const Simulation& simulation) {
+  if (trajectories_.due(simulation.step())) trajectories_.add(simulation, simulation.step());
+}
+
+void RunFolder::keep(Simulation& simulation) {
+  Checkpoint checkpoint{.source = source_,
+                        .step = simulation.step(),
+                        .t = simulation.state().t,
+                        .threads = available_threads(),
+                        .memory = {},
+                        .marks = {{kLog, log_.mark()}}};
+  trajectories_.mark(checkpoint.marks);
+  Archive archive = Archive::saving_to(checkpoint.memory);
+  simulation.serialize(archive);
+  write_checkpoint(path(), checkpoint);
+  kept_step_ = checkpoint.step;
+}
+
+void RunFolder::write_end(const Simulation& simulation, const Summary& summary) {
+  log_.mark();
+  write_start(path() / "final.start.toml", simulation.scene().system, simulation.state());
+  write_aside(path() / "summary.json", summary_json(simulation, summary));
+}
+
+void RunFolder::write_failure(const Simulation& simulation, const Diagnosis& diagnosis) {
+  log_.mark();
+  write_start(path() / "last_good.start.toml", simulation.scene().system, simulation.state());
+  write_aside(path() / "failure.json", failure_json(diagnosis));
+}
+
+std::vector<std::string> run_files(const fs::path& folder) {
+  return present(folder,
+                 {"checkpoint.cbor", kLog, "trajectory.dcd", "trajectory.h5md", "trajectory.h5md.journal",
+                  "start.pdb", "summary.json", "final.start.toml", "failure.json", "last_good.start.toml"});
+}
+
+OutputsFound find_outputs(const fs::path& folder, const Simulation& simulation, const Marks& marks) {
+  OutputsFound found;
+  auto outputs = Trajectories::extents(folder, simulation);
+  outputs[kLog] = size_of(folder / kLog);
+  for (const auto& [name, extent] : outputs) {
+    const std::uint64_t mark = mark_of(marks, name);
+    if (extent < mark || (extent == 0 && name == kLog)) found.missing.push_back(name);
+    if (mark > 0 && extent / 2 > mark) found.longer.push_back(name);
+  }
+  return found;
+}
+
+}  // namespace taut

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "files/folder_lock.hpp"
+#include "files/output.hpp"
+#include "simulation/checkpoint.hpp"
+#include "simulation/simulation.hpp"
+#include "simulation/trajectories.hpp"
+
+namespace taut {
+
+// The folder of a run:
+//     log.csv, trajectories                grow while it goes on; start.pdb has the names of the atoms
+//     checkpoint.cbor                      where it can go on from; always whole
+//     summary.json, final.start.toml       written when it is done
+//     failure.json, last_good.start.toml   or when it failed
+// Throws OutsideError where the disk refuses.
+class RunFolder {
+ public:
+  // Without marks the run sets out anew, and what an earlier one left there is set aside (md/set_aside.hpp).
+  // With them it goes on from a checkpoint; an output that has no mark sets out anew.
+  RunFolder(FolderLock folder, SceneSource source, const Simulation& simulation, const Marks& marks = {});
+
+  const std::filesystem::path& path() const { return folder_.path(); }
+  void add_row(const Record& record);
+  void add_frame(const Simulation& simulation);                 // to the trajectories, if one is due
+  void keep(Simulation& simulation);                            // a checkpoint
+  std::optional<long> kept_step() const { return kept_step_; }  // of the last good checkpoint
+  void write_end(const Simulation& simulation, const Summary& summary);
+  void write_failure(const Simulation& simulation, const Diagnosis& diagnosis);
+
+ private:
+  FolderLock folder_;
+  SceneSource source_;
+  GrowingFile log_;
+  Trajectories trajectories_;
+  std::optional<long> kept_step_;
+};
+
+// What there is of a run in a folder: names of files.
+std::vector<std::string> run_files(const std::filesystem::path& folder);
+
+// The outputs of a run beside what its checkpoint knows of them: names of files.
+struct OutputsFound {
+  std::vector<std::string> missing;  // not there, or shorter than they were
+  std::vector<std::string> longer;   // more than twice as long
+};
+OutputsFound find_outputs(const std::filesystem::path& folder, const Simulation& simulation,
+                          const Marks& marks);
+
+}  // namespace taut

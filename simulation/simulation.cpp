@@ -1,0 +1,257 @@
+#include "simulation/simulation.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "constraints/bond_algebra.hpp"
+#include "constraints/redundancy.hpp"
+#include "md/errors.hpp"
+#include "md/run.hpp"
+
+namespace taut {
+namespace {
+
+// Momentum is conserved where nothing outside pulls; it starts at zero where the velocities were so drawn.
+bool momentum_stays_zero(const Scene& scene, const Vectors& v) {
+  if (scene.run.remove_momentum_every > 0) return true;
+  if (!scene.closed() || scene.run.langevin()) return false;
+  const double kinetic = kinetic_energy(scene.system, v);
+  return kinetic > 0 &&
+         momentum(scene.system, v).norm() < 1e-6 * std::sqrt(2 * kinetic * scene.system.mass.sum());
+}
+
+// An anchor takes the momentum up: taking it from the atoms it holds would push them along their bonds.
+void refuse_momentum_of_anchored_bonds(const Scene& scene) {
+  if (scene.run.remove_momentum_every == 0) return;
+  for (int k = 0; k < scene.system.bond_count(); ++k) {
+    const auto& [i, j, d] = scene.system.bonds[k];
+    if (scene.system.mass[i] > 0 && scene.system.mass[j] > 0) continue;
+    throw InputError(fmt::format(
+        "run.remove_momentum_every: {}, but bond {} ({}-{}) ends in an anchor (mass 0), which takes "
+        "momentum up: none is conserved; leave the key out, or give 0",
+        scene.run.remove_momentum_every, k, i, j));
+  }
+}
+
+// The scene with the bonds left out that follow from others, where that was asked for.
+Scene reduced(Scene scene, const Redundancy& redundancy) {
+  if (redundancy.none()) return scene;
+  if (!redundancy.degenerate.empty() || scene.run.redundant != "drop")
+    throw InputError(fmt::format("{}: {}", scene.name, explain(redundancy, scene.system)));
+  scene.system = without(scene.system, redundancy.redundant);
+  scene.notes.push_back(
+      fmt::format("{} bonds left out that follow from others", redundancy.redundant.size()));
+  return scene;
+}
+
+bool same_thermostat(const RunSettings& a, const RunSettings& b) {
+  return a.langevin() == b.langevin() && a.rescaling() == b.rescaling() &&
+         a.temperature_k == b.temperature_k && a.thermostat_ps == b.thermostat_ps &&
+         a.friction_per_ps == b.friction_per_ps;
+}
+
+// A coordinate is known to 1e-16 of itself, so a bond's length to no better than that over its length.
+void refuse_unreachable_tolerance(const System& sys, const Vectors& x, double tolerance) {
+  if (sys.bonds.empty()) return;
+  double shortest = sys.bonds[0].length;
+  for (const auto& bond : sys.bonds) shortest = std::min(shortest, bond.length);
+  const double floor = 2 * std::numeric_limits<double>::epsilon() * x.cwiseAbs().maxCoeff() / shortest;
+  if (tolerance < floor)
+    throw InputError(
+        fmt::format("method.tolerance: {:g} cannot be reached, rounding alone leaves {:.1e} on a bond of "
+                    "{:g} nm; take {:.0e} or more",
+                    tolerance, floor, shortest, 5 * floor));
+}
+
+}  // namespace
+
+Simulation::Simulation(Scene scene)
+    : full_(scene.system),
+      redundancy_(find_redundancy(scene.system, scene.start.x)),
+      scene_(reduced(std::move(scene), redundancy_)),
+      forces_(scene_.system, scene_.terms),
+      method_(make_method(scene_.system, scene_.method, scene_.run.h())),
+      projector_(scene_.system),
+      state_(scene_.start) {
+  const System& sys = scene_.system;
+  refuse_momentum_of_anchored_bonds(scene_);
+  if (scene_.run.langevin()) langevin_.emplace(sys, bath(), scene_.run.h());
+  bring_to_the_bonds();
+  refuse_unreachable_tolerance(sys, state_.x, promised_error());
+  if (sys.box.periodic()) barometer_.emplace(sys, has_springs());
+  count_degrees_of_freedom(momentum_stays_zero(scene_, state_.v));
+}
+
+void Simulation::bring_to_the_bonds() {
+  const System& sys = scene_.system;
+  if (scene_.run.minimise)
+    start_report_.minimised = minimise(sys, forces_, scene_.run.minimise_force, state_.x);
+  start_report_.anchors_stopped = rest_anchors(sys, state_.v);
+  const Vectors x = state_.x;
+  const double kinetic = kinetic_energy(sys, state_.v);
+  visit_step([&](auto& method, auto& bath) { initialize(sys, forces_, method, state_, bath); });
+  start_report_.largest_move = x.cols() > 0 ? (state_.x - x).colwise().norm().maxCoeff() : 0.0;
+  if (kinetic > 0) start_report_.kinetic_removed = 1 - kinetic_energy(sys, state_.v) / kinetic;
+  note_start();
+}
+
+// For the header.
+void Simulation::note_start() {
+  const auto& [minimised, largest_move, kinetic_removed, anchors] = start_report_;
+  if (!anchors.empty())
+    scene_.notes.push_back(
+        fmt::format("atom {}{} anchored (mass 0): the velocity it had was left out", anchors.front(),
+                    anchors.size() > 1 ? fmt::format(" and {} more are", anchors.size() - 1) : " is"));
+  if (minimised)
+    scene_.notes.push_back(
+        fmt::format("minimised in {} moves from {:.6g} to {:.6g} kJ/mol, largest force {:.4g} kJ/mol/nm",
+                    minimised->moves, minimised->energy_before, minimised->energy, minimised->largest_force));
+  if (largest_move > 1e-6 || kinetic_removed > 1e-6)
+    scene_.notes.push_back(fmt::format(
+        "brought to the bonds: atoms moved by up to {:.2g} nm, {:.1f} % of the kinetic energy taken out",
+        largest_move, 100 * kinetic_removed));
+}
+
+Langevin::Bath Simulation::bath() const {
+  const RunSettings& run = scene_.run;
+  return {.temperature = run.temperature_k,
+          .friction = run.friction_per_ps,
+          .seed = seed_here(),
+          .free_bonds = has_springs(),
+          .hold_momentum = run.remove_momentum_every > 0};
+}
+
+// What is drawn from here on was not drawn before: a thermostat taken away and given back.
+std::uint64_t Simulation::seed_here() const {
+  return scene_.run.seed + static_cast<std::uint64_t>(progress_.step) * 0x9e3779b97f4a7c15;
+}
+
+void Simulation::count_degrees_of_freedom(bool momentum_fixed) {
+  const System& sys = scene_.system;
+  const RunSettings& run = scene_.run;
+  dof_ = degrees_of_freedom(sys, has_springs() && run.langevin() ? 0 : sys.bond_count(), momentum_fixed);
+  if ((run.rescaling() || run.langevin()) && dof_.total() < 1)
+    throw InputError("run.thermostat: nothing can move, there is no temperature");
+  temperatures_.emplace(sys, scene_.terms, state_.x, dof_.rank > 0, dof_.momentum_fixed);
+  if (run.rescaling()) thermostat_.emplace(run.temperature_k, run.thermostat_ps, dof_.total(), seed_here());
+}
+
+bool Simulation::has_springs() const {
+  return std::holds_alternative<Penalty>(method_);
+}
+
+double Simulation::promised_error() const {
+  return std::visit([](const auto& method) { return method.promised_error(); }, method_);
+}
+
+std::string Simulation::method_setting() const {
+  return std::visit([](const auto& method) { return method.setting(); }, method_);
+}
+
+// A spring's multipliers are of its positions; a constraint's are solved for: those of a method's last solve
+// belong to the step before, or to a half of one.
+Eigen::VectorXd Simulation::bond_tensions() const {
+  const System& sys = scene_.system;
+  Eigen::VectorXd lambda;
+  if (const auto* springs = std::get_if<Penalty>(&method_)) {
+    lambda = springs->lambda();
+  } else {
+    State now{state_.x, state_.v, {}, state_.t};
+    forces_(sys, now);
+    lambda = projector_.multipliers(sys, now);
+  }
+  return tensions(full_, least_norm_multipliers(full_, state_.x, redundancy_.redundant, lambda));
+}
+
+double Simulation::method_energy() const {
+  return std::visit(
+      [&](const auto& method) {
+        if constexpr (requires { method.spring_energy(scene_.system, state_.x); })
+          return method.spring_energy(scene_.system, state_.x);
+        else
+          return 0.0;
+      },
+      method_);
+}
+
+bool Simulation::stretches() const {
+  return has_springs() || std::holds_alternative<Batched<Shake>>(method_);
+}
+
+Vectors Simulation::without_stretching(Vectors v) const {
+  if (stretches()) projector_.velocities(scene_.system, state_.x, v);
+  return v;
+}
+
+Vectors Simulation::velocity() const {
+  return has_springs() ? state_.v : without_stretching(state_.v);
+}
+
+Vectors Simulation::thermal_velocity() const {
+  return langevin_ ? langevin_->middle_velocity(scene_.system, state_) : without_stretching(state_.v);
+}
+
+Record Simulation::record() const {
+  Record r;
+  r.t = state_.t;
+  r.potential = forces_.potential() + method_energy();
+  r.kinetic = kinetic_energy(scene_.system, velocity());
+  r.temperature = temperature(kinetic_energy(scene_.system, thermal_velocity()), dof_.total());
+  r.bonds = bond_errors(scene_.system, state_.x);
+  return r;
+}
+
+void Simulation::change(const RunSettings& run) {
+  const RunSettings before = std::exchange(scene_.run, run);
+  if (same_thermostat(before, run)) return;
+  std::string drawn;  // the numbers of a thermostat that stays go on
+  Archive save = Archive::saving_to(drawn);
+  const bool same_kind = before.langevin() == run.langevin() && before.rescaling() == run.rescaling();
+  if (same_kind) serialize_thermostat(save);
+  thermostat_.reset(), langevin_.reset();
+  if (run.langevin()) langevin_.emplace(scene_.system, bath(), run.h());
+  count_degrees_of_freedom(momentum_stays_zero(scene_, state_.v));
+  Archive load = Archive::loading_from(drawn);
+  if (same_kind) serialize_thermostat(load);
+  const long last_row = std::exchange(sums_, LogSums{}).last_row;
+  sums_.last_row = last_row;
+}
+
+// The thing itself is made anew, from the same scene; this is what its steps have changed.
+void Simulation::serialize(Archive& archive) {
+  bool momentum_fixed = dof_.momentum_fixed;  // as it was when the thermostat was changed
+  archive(state_.x, state_.v, state_.f, state_.t, progress_, momentum_fixed);
+  constexpr int kMostIterations = 1 << 30;
+  archive.demand(progress_.step >= 0 && 0 <= progress_.since.iterations &&
+                 progress_.since.iterations <= kMostIterations);
+  if (momentum_fixed != dof_.momentum_fixed) count_degrees_of_freedom(momentum_fixed);
+  archive(sums_);
+  archive.demand(0 <= sums_.last_row && sums_.last_row <= progress_.step && 0 <= sums_.rows &&
+                 sums_.rows <= progress_.step + 1);
+  archive(*temperatures_, forces_);
+  std::visit([&](auto& method) { archive(method); }, method_);
+  serialize_thermostat(archive);
+  if (!archive.loading()) return;
+  State evaluated = state_;  // its f holds no constraint forces
+  forces_(scene_.system, evaluated);
+}
+
+void Simulation::serialize_thermostat(Archive& archive) {
+  if (thermostat_) archive(*thermostat_);
+  if (langevin_) archive(*langevin_);
+}
+
+void Simulation::restore(std::string_view kept) {
+  Archive archive = Archive::loading_from(kept);
+  try {
+    serialize(archive);
+  } catch (const SimulationFailure& e) {  // forces were evaluated
+    throw InputError(e.what());
+  }
+  archive.finish();
+}
+
+}  // namespace taut

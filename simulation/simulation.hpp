@@ -1,0 +1,191 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "constraints/langevin.hpp"
+#include "constraints/projection.hpp"
+#include "constraints/redundancy.hpp"
+#include "forcefield/force_field.hpp"
+#include "md/observables.hpp"
+#include "md/run.hpp"
+#include "md/thermostat.hpp"
+#include "simulation/barometer.hpp"
+#include "simulation/minimise.hpp"
+#include "simulation/temperatures.hpp"
+#include "systems/scene.hpp"
+
+namespace taut {
+
+// One row of the log.
+struct Record {
+  long step = 0;
+  double t = 0;                       // [ps]
+  double potential = 0, kinetic = 0;  // of Simulation::velocity() [kJ/mol]
+  double temperature = 0;             // of Simulation::thermal_velocity() [K]
+  BondErrors bonds;
+  std::optional<double> drift;  // of the total energy so far [kJ/mol/ns/dof]; none under a thermostat
+  double iterations = 0;        // a step, since the last row
+  double ns_per_day = 0;
+  std::optional<double> pressure;  // in a box [bar]
+
+  double total() const { return potential + kinetic; }
+};
+
+// What a run came to.
+struct Summary {
+  long steps = 0;
+  double us_per_step = 0, constraint_us_per_step = 0, ns_per_day = 0;
+  double max_rel_bond_error = 0;     // over all rows
+  double rms_rel_bond_error = 0;     // root mean square over all rows
+  std::optional<Estimate> drift;     // [kJ/mol/ns/degree of freedom]; none under a thermostat
+  double temperature = 0;            // mean over the rows [K]
+  std::optional<Estimate> pressure;  // mean over the rows, in a box [bar]
+  double potential = 0, total = 0;   // at the end [kJ/mol]
+  std::optional<bool> converged;     // every step to twice the error the method promises; none: promises none
+  std::vector<std::string> doubts;   // systems/doubts.hpp
+};
+
+// What it took to bring the start to the bonds.
+struct StartReport {
+  std::optional<Minimised> minimised;  // where run.minimise asked for it
+  double largest_move = 0;             // of an atom, to the bonds' lengths, after that [nm]
+  double kinetic_removed = 0;          // share of the kinetic energy that lay along the bonds
+  std::vector<int> anchors_stopped;    // atoms of mass 0 that came with a velocity
+};
+
+// Langevin's thermostat of springs in place of bonds. The step adds a method's forces after Δ is drawn, for
+// Jᵀλ has no tangent part; a spring's force changes the velocity that friction acts on, and Δ has to know it.
+struct SpringBath {
+  Langevin& langevin;
+  Penalty& springs;
+  Vectors pull = {};
+
+  void first_half(State& s) const { langevin.first_half(s); }
+  SolveStats draw(const System& sys, double h, State& s) {
+    pull = s.f;
+    SolveStats stats = springs.add_forces(sys, h, s);
+    pull = s.f - pull;
+    stats += langevin.draw(sys, h, s);
+    s.f -= pull;
+    return stats;
+  }
+  void second_half(State& s) const { langevin.second_half(s); }
+};
+
+// A scene ready to run: forces and method made, the start brought to the bonds.
+class Simulation {
+ public:
+  explicit Simulation(Scene scene);
+
+  const Scene& scene() const { return scene_; }
+  const System& system_as_given() const { return full_; }  // with the bonds that were left out, if any were
+  const State& state() const { return state_; }
+  const DegreesOfFreedom& dof() const { return dof_; }
+  int clusters() const { return projector_.clusters(); }
+  const StartReport& start_report() const { return start_report_; }
+  std::string method_setting() const;  // gains, tolerance, ...
+  double promised_error() const;       // relative, of a bond; infinity: none
+  // What holds the bonds at this very instant, whatever method runs: A λ = −(J M⁻¹F + |v_ij|²), tension −λd;
+  // of a penalty, what its springs pull. Least norm where bonds are redundant [kJ/mol/nm].
+  Eigen::VectorXd bond_tensions() const;
+  const ForceField& forces() const { return forces_; }
+
+  Record record() const;  // the state as it is now
+  // That of full steps [nm/ps], without what shake leaves of it along the bonds.
+  Vectors velocity() const;
+  // What temperatures are taken of: under Langevin's thermostat the velocity it acts on, or else velocity();
+  // of bonds that are springs without what stretches them, for they start cold and warm up slowly.
+  Vectors thermal_velocity() const;
+
+  // Of the rows so far: translation, rotation and the rest of each type of molecule.
+  const Temperatures& temperatures() const { return *temperatures_; }
+
+  // Takes the steps that are left of the scene's. `on_record` sees a row every run.log_every steps, the start
+  // and the end; `on_step` sees every step's number, after its row but before the end's, where that is no
+  // multiple. Throws SimulationFailure.
+  Summary run(const std::function<void(const Record&)>& on_record,
+              const std::function<void(long)>& on_step = {});
+  void stop() { stop_ = true; }                 // from on_step: no further step
+  long step() const { return progress_.step; }  // taken so far
+
+  // All that the steps to come and the rows of the log depend on, from on_step: restored by another one made
+  // of the same scene, it goes on as this one would, to the last bit. Throws InputError for what is not its
+  // own.
+  void serialize(Archive& archive);
+  void restore(std::string_view kept);
+
+  // Other settings for the steps to come: steps, how often there are rows, frames and checkpoints, and the
+  // thermostat. Another thermostat is another ensemble: means and the drift set out anew.
+  void change(const RunSettings& run);
+
+  // After run() failed: goes back to the last snapshot it kept in memory (every 100 steps) and takes the
+  // steps again, up to the first after which something is wrong. The state is then the one before that step.
+  // Nothing where no step fails: then someone who watched threw.
+  std::optional<Diagnosis> diagnose();
+
+ private:
+  void bring_to_the_bonds();
+  void note_start();
+  Langevin::Bath bath() const;
+  std::uint64_t seed_here() const;
+  void serialize_thermostat(Archive& archive);
+  void count_degrees_of_freedom(bool momentum_fixed);
+  // visit(method, bath), as md/step.hpp takes them
+  void visit_step(auto&& visit) {
+    const auto with = [&](auto& method, auto&& bath) { visit(method, bath); };
+    if (!langevin_)
+      std::visit([&](auto& method) { with(method, NoBath{}); }, method_);
+    else if (auto* springs = std::get_if<Penalty>(&method_))
+      with(*springs, SpringBath{*langevin_, *springs});
+    else
+      std::visit([&](auto& method) { with(method, *langevin_); }, method_);
+  }
+  bool has_springs() const;  // in place of constraints
+  bool stretches() const;    // velocities keep a part along the bonds
+  Vectors without_stretching(Vectors v) const;
+  class Stopwatch;
+  struct LogSums {  // over the rows of the log
+    RunningSlope energy;
+    RunningMean pressure;
+    long rows = 0, last_row = 0;
+    double largest_error = 0, largest_residual = 0, squares = 0, temperatures = 0;
+
+    void add(const Record& r, double residual);
+    void serialize(Archive& archive) {
+      archive(energy, pressure, rows, last_row, largest_error, largest_residual, squares, temperatures);
+    }
+  };
+
+  RunPlan plan() const;
+  double per_ns_and_dof() const;
+  Record row(const SolveStats& since, const Stopwatch& watch, long steps);
+  Summary summary(const Record& end, double seconds, double constraint_seconds, long steps) const;
+  void after_step(State& s);
+  void keep_snapshot();
+  std::optional<Diagnosis> wrong_with_next_step(auto& method, auto& bath);
+  double method_energy() const;  // of a penalty's springs
+
+  System full_;  // with the bonds that were left out, if any were
+  Redundancy redundancy_;
+  Scene scene_;
+  mutable ForceField forces_;  // measuring tensions evaluates them again, where the state is
+  Method method_;
+  mutable Projector projector_;
+  State state_;
+  DegreesOfFreedom dof_;
+  StartReport start_report_;
+  std::optional<VelocityRescaling> thermostat_;
+  mutable std::optional<Langevin> langevin_;  // measuring a temperature takes its scratch
+  RunProgress progress_;
+  LogSums sums_;
+  std::optional<Temperatures> temperatures_;
+  std::optional<Barometer> barometer_;
+  std::string snapshot_;  // what serialize() kept
+  bool stop_ = false;
+};
+
+}  // namespace taut

@@ -1,0 +1,208 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "md/errors.hpp"
+#include "md/timed.hpp"
+#include "simulation/doubts.hpp"
+#include "simulation/simulation.hpp"
+
+namespace taut {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr long kStepsPerSnapshot = 100;
+constexpr double kLeeway = 2;  // feedforward judges a bond by itself, where bonds are coupled
+
+bool finite(const State& s) {
+  return s.x.allFinite() && s.v.allFinite() && s.f.allFinite();
+}
+
+// It fails by its nature, whatever the scene: a bond turning at ω is too long by (ωh)²(ωt)²/8 of itself.
+void explain_none(Diagnosis& d) {
+  d.cause = "a bond ran off: with none nothing brings an error back, it grows as (time × step)²";
+  d.advice = "baumgarte, which is none with feedback; or half the step, which lasts about twice the time";
+}
+
+}  // namespace
+
+// Time spent since it was made, without what was spent on watching.
+class Simulation::Stopwatch {
+ public:
+  double seconds() const { return std::chrono::duration<double>(Clock::now() - start_ - watching_).count(); }
+  void leave_out(Clock::duration spent) { watching_ += spent; }
+
+ private:
+  Clock::time_point start_ = Clock::now();
+  Clock::duration watching_{};
+};
+
+void Simulation::LogSums::add(const Record& r, double residual) {
+  energy.add(r.t, r.total());
+  ++rows;
+  last_row = r.step;
+  largest_error = std::max(largest_error, r.bonds.max);
+  largest_residual = std::max(largest_residual, residual);
+  squares += r.bonds.rms * r.bonds.rms;
+  temperatures += r.temperature;
+  if (r.pressure) pressure.add(*r.pressure);
+}
+
+// From kJ/mol/ps of the whole.
+double Simulation::per_ns_and_dof() const {
+  return 1000.0 / std::max(1, dof_.total());
+}
+
+RunPlan Simulation::plan() const {
+  return {.h = scene_.run.h(),
+          .steps = scene_.run.steps,
+          .observe_every = scene_.run.log_every,
+          .remove_momentum_every = scene_.run.remove_momentum_every};
+}
+
+// The row of the log for the state as it is.
+Record Simulation::row(const SolveStats& since, const Stopwatch& watch, long steps) {
+  Record r = record();
+  r.step = progress_.step;
+  if (!scene_.run.thermostatted()) {
+    RunningSlope energy = sums_.energy;
+    energy.add(r.t, r.total());
+    r.drift = energy.value() * per_ns_and_dof();
+  }
+  if (barometer_) {
+    const auto& lambda =
+        std::visit([](const auto& m) -> const Eigen::VectorXd& { return m.lambda(); }, method_);
+    const bool springs_move = has_springs() && !langevin_;  // and the pressure has their part in it
+    r.pressure =
+        (*barometer_)(scene_.system, forces_, state_.x, springs_move ? state_.v : thermal_velocity(), lambda);
+  }
+  const long gone = r.step - sums_.last_row;
+  r.iterations = gone > 0 ? static_cast<double>(since.iterations) / static_cast<double>(gone) : 0.0;
+  r.ns_per_day = steps > 0 ? static_cast<double>(steps) * plan().h * 1e-3 * 86400 / watch.seconds() : 0.0;
+  if (!std::isfinite(r.total()))
+    throw SimulationFailure(
+        fmt::format("step {}: the energy is no longer a number; take a shorter step", r.step));
+  return r;
+}
+
+Summary Simulation::run(const std::function<void(const Record&)>& on_record,
+                        const std::function<void(long)>& on_step) {
+  const RunPlan plan = this->plan();
+  const long first = progress_.step;
+  Stopwatch watch;
+  Record last;
+  const auto observe = [&](const SolveStats& since) {
+    const auto pause = Clock::now();
+    last = row(since, watch, progress_.step - first);
+    sums_.add(last, since.max_residual);
+    temperatures_->see(scene_.system, state_.x, thermal_velocity());
+    if (on_record) on_record(last);
+    watch.leave_out(Clock::now() - pause);
+  };
+  stop_ = false;
+  if (progress_.step == 0 && sums_.rows == 0) observe({});
+  keep_snapshot();
+
+  double constraint_seconds = 0;
+  visit_step([&](auto& method, auto& bath) {
+    Timed timed(method);
+    taut::run(
+        scene_.system, forces_, timed, plan, progress_, state_, [&](State& s) { after_step(s); },
+        [&](const Observation& m) { observe(m.since); },
+        [&](long step) {
+          if (step % kStepsPerSnapshot == 0) keep_snapshot();
+          if (on_step) on_step(step);
+          return !stop_;
+        },
+        bath);
+    constraint_seconds = timed.seconds();
+  });
+
+  const bool ended = progress_.step >= plan.steps;
+  if (ended && (sums_.rows == 0 || sums_.last_row != progress_.step))
+    observe(progress_.since);  // a row more, after what a checkpoint keeps
+  else
+    last = row(progress_.since, watch, progress_.step - first);
+  return summary(last, watch.seconds(), constraint_seconds, progress_.step - first);
+}
+
+void Simulation::after_step(State& s) {
+  if (!thermostat_) return;
+  const double kinetic = stretches() ? kinetic_energy(scene_.system, without_stretching(s.v))
+                                     : kinetic_energy(scene_.system, s.v);
+  (*thermostat_)(kinetic, scene_.run.h(), s.v);
+}
+
+Summary Simulation::summary(const Record& end, double seconds, double constraint_seconds, long steps) const {
+  const double taken = static_cast<double>(std::max(1L, steps)), rows = static_cast<double>(sums_.rows);
+  Summary s;
+  s.steps = progress_.step;
+  s.us_per_step = seconds / taken * 1e6;
+  s.constraint_us_per_step = constraint_seconds / taken * 1e6;
+  s.ns_per_day = end.ns_per_day;
+  s.max_rel_bond_error = sums_.largest_error;
+  s.rms_rel_bond_error = std::sqrt(sums_.squares / rows);
+  if (!scene_.run.thermostatted()) {
+    const Estimate slope = sums_.energy.estimate();
+    s.drift = Estimate{slope.value * per_ns_and_dof(), slope.error * per_ns_and_dof()};
+  }
+  s.temperature = sums_.temperatures / rows;
+  if (barometer_) s.pressure = sums_.pressure.estimate();
+  s.potential = end.potential;
+  s.total = end.total();
+  if (std::isfinite(promised_error()))
+    s.converged = std::max(sums_.largest_residual, s.max_rel_bond_error) <= kLeeway * promised_error();
+  s.doubts = doubts(s);
+  return s;
+}
+
+// Where a failure is looked for from: see diagnose. Where numbers have run away already, the last one stays.
+void Simulation::keep_snapshot() {
+  if (!finite(state_))
+    throw SimulationFailure(taut::diagnose(scene_.system, state_, {}, progress_.step).text());
+  snapshot_.clear();
+  Archive archive = Archive::saving_to(snapshot_);
+  serialize(archive);
+}
+
+std::optional<Diagnosis> Simulation::diagnose() {
+  if (snapshot_.empty()) return {};
+  const long failed = progress_.step;
+  restore(snapshot_);
+  std::optional<Diagnosis> found;
+  visit_step([&](auto& method, auto& bath) {
+    State before;
+    while (!found && progress_.step < failed) {
+      before = state_;
+      found = wrong_with_next_step(method, bath);
+    }
+    if (!found) return;
+    if (found->bond >= 0)
+      found->length_before = (before.x.col(found->held.j) - before.x.col(found->held.i)).norm();
+    state_ = before;
+    --progress_.step;
+  });
+  return found;
+}
+
+std::optional<Diagnosis> Simulation::wrong_with_next_step(auto& method, auto& bath) {
+  const RunPlan plan = this->plan();
+  const auto after = [&](State& s) { after_step(s); };
+  SolveStats stats;
+  std::string thrown;  // by a force
+  try {
+    stats = take_step(scene_.system, forces_, method, plan, ++progress_.step, state_, after, bath);
+  } catch (const SimulationFailure& e) {
+    thrown = e.what();
+  }
+  if (thrown.empty() && holds(stats, plan) && finite(state_) && std::isfinite(record().total())) return {};
+  Diagnosis d = taut::diagnose(scene_.system, state_, stats, progress_.step);
+  if (!thrown.empty()) d.cause = thrown;
+  if (method_name(scene_.method) == None::kName && stats.converged() && stats.max_residual >= plan.broken_at)
+    explain_none(d);
+  return d;
+}
+
+}  // namespace taut

@@ -1,0 +1,260 @@
+#include "studies/calibration.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "constraints/bond_algebra.hpp"
+#include "constraints/projection.hpp"
+#include "constraints/propagator.hpp"
+#include "forcefield/force_field.hpp"
+#include "md/errors.hpp"
+#include "md/random.hpp"
+
+namespace taut {
+namespace {
+
+using Errors = Eigen::VectorXd;  // σ/d² of every bond
+
+Errors errors_of(const System& sys, const Vectors& x) {
+  Errors e(sys.bond_count());
+  for (int k = 0; k < sys.bond_count(); ++k) {
+    const auto& [i, j, d] = sys.bonds[k];
+    e[k] = sigma(x.col(j) - x.col(i), d) / (d * d);
+  }
+  return e;
+}
+
+double rms(const Errors& e) {
+  return e.norm() / std::sqrt(static_cast<double>(e.size()));
+}
+
+enum class Injection { kStretch, kRate };
+
+// One scene under one method: settled once, then run from there with and without an error.
+class Bench {
+ public:
+  Bench(const Scene& scene, const MethodOptions& options, const CalibrationPlan& plan)
+      : scene_(scene),
+        plan_(plan),
+        h_(scene.run.h()),
+        forces_(scene.system, scene.terms),
+        method_(make_method(scene.system, options, h_)),
+        state_(scene.start) {
+    std::visit([&](auto& method) { initialize(scene_.system, forces_, method, state_); }, method_);
+    follow(plan.settle, method_, state_);
+  }
+
+  Course course(Injection injection) {
+    Method method = method_;
+    State state = state_;
+    const std::vector<Errors> without = follow(plan_.steps + 1, method, state);
+    method = method_;
+    state = state_;
+    inject(injection, state);
+    const std::vector<Errors> with = follow(plan_.steps + 1, method, state);
+    Course course;
+    for (int n = 0; n <= plan_.steps; ++n) {
+      course.stretch.push_back(rms(with[n] - without[n]));
+      const Errors before = n == 0 ? with[0] - without[0] : with[n - 1] - without[n - 1];
+      course.rate.push_back(rms((with[n + 1] - without[n + 1]) - before) / 2);
+    }
+    return course;
+  }
+
+  // What no gain takes from a stretch σ: to clear it bonds are accelerated by δa = −u/h², u = M⁻¹JᵀA⁻¹σ,
+  // which the fed ¼h⁴|a|² holds, too: ¼h² a_ij·u_ij is left. Rms, of σ's; θ²/4 for a rotor turning by θ a
+  // step.
+  double left() const {
+    const System& sys = scene_.system;
+    State moved = state_;
+    inject(Injection::kStretch, moved);
+    Errors left(sys.bond_count());
+    for (int k = 0; k < sys.bond_count(); ++k) {
+      const auto& [i, j, d] = sys.bonds[k];
+      const Vec3 a = sys.inv_mass[j] * state_.f.col(j) - sys.inv_mass[i] * state_.f.col(i);
+      const Vec3 u = moved.x.col(j) - state_.x.col(j) - (moved.x.col(i) - state_.x.col(i));
+      left[k] = 0.25 * h_ * h_ * a.dot(u) / (d * d);
+    }
+    return rms(left) / rms(errors_of(sys, moved.x) - errors_of(sys, state_.x));
+  }
+
+  // The run itself, nothing put in: what it settles at, and what the closed form says of the same motion.
+  struct Floors {
+    double measured, predicted;
+  };
+  Floors floors(Damping damping, const DimensionlessGains& gains) {
+    const System& sys = scene_.system;
+    double measured = 0, predicted = 0;
+    Method method = method_;
+    State s = state_;
+    const int steps = 4 * plan_.steps;
+    for (int n = 0; n < steps; ++n) {
+      follow(1, method, s);
+      measured += errors_of(sys, s.x).squaredNorm();
+      for (const auto& [i, j, d] : sys.bonds) {
+        const Vec3 v = s.v.col(j) - s.v.col(i),
+                   a = sys.inv_mass[j] * s.f.col(j) - sys.inv_mass[i] * s.f.col(i);
+        const Motion motion{v.squaredNorm(), a.squaredNorm(), v.dot(a)};
+        predicted += std::pow(floor_of(gains.ah, gains.bh, h_, motion, damping) / (d * d), 2);
+      }
+    }
+    const double count = static_cast<double>(steps) * sys.bond_count();
+    return {std::sqrt(measured / count), std::sqrt(predicted / count)};
+  }
+
+ private:
+  // Takes steps; returns every bond's error before the first and after each.
+  std::vector<Errors> follow(int steps, Method& any, State& s) {
+    std::vector<Errors> errors = {errors_of(scene_.system, s.x)};
+    std::visit(
+        [&](auto& method) {
+          for (int n = 0; n < steps; ++n) {
+            const SolveStats stats = step(scene_.system, forces_, method, h_, s);
+            if (!stats.converged())
+              throw SimulationFailure(fmt::format("calibration, step {}: {}", n, stats.failure));
+            errors.push_back(errors_of(scene_.system, s.x));
+          }
+        },
+        any);
+    return errors;
+  }
+
+  // x or v += M⁻¹Jᵀg with A g = the wanted σ or σ̇.
+  void inject(Injection injection, State& s) const {
+    const System& sys = scene_.system;
+    Random random(scene_.run.seed);
+    Vectors r(3, sys.bond_count());
+    differences(sys, s.x, r);
+    DirectSolver solver(sys);
+    solver.factor(r);
+    Eigen::VectorXd g(sys.bond_count());
+    for (int k = 0; k < sys.bond_count(); ++k)
+      g[k] = plan_.size * std::pow(sys.bonds[k].length, 2) * random.normal();
+    if (injection == Injection::kRate) g /= h_;
+    solver.solve(g);
+    add_constraint_acceleration(sys, r, g, injection == Injection::kStretch ? s.x : s.v);
+  }
+
+  const Scene& scene_;
+  const CalibrationPlan& plan_;
+  double h_;
+  ForceField forces_;
+  Method method_;
+  State state_;
+};
+
+MethodOptions reference_options(const CalibrationPlan& plan) {
+  if (plan.against == "newton") {
+    if (plan.sweeps > 0)
+      throw InputError("taut calibrate: --sweeps goes with rattle or shake, newton has none");
+    return Newton::Options{.tolerance = plan.tolerance};
+  }
+  // Cold: a warm start would carry an error's own impulse on into the next step's guess.
+  if (plan.against == "rattle")
+    return Rattle::Options{.tolerance = plan.tolerance, .sweeps = plan.sweeps, .warm_start = false};
+  if (plan.against == "shake") return Shake::Options{.tolerance = plan.tolerance, .sweeps = plan.sweeps};
+  throw InputError(
+      fmt::format("taut calibrate: --against \"{}\", expected rattle, shake or newton", plan.against));
+}
+
+// The first step at which a course has fallen to a twentieth of what it was at `from`. Further down an error
+// can no longer be told from what it does to the floor.
+int fallen(const std::vector<double>& course, int from) {
+  const int end = static_cast<int>(course.size()) - 1;
+  int n = from + 1;
+  while (n < end && course[n] > 0.05 * course[from]) ++n;
+  return n;
+}
+
+// Six digits: what is run is what was measured.
+double as_printed(double reduction) {
+  return std::stod(fmt::format("{:.6g}", reduction));
+}
+
+bool apart(double predicted, double measured) {
+  return !(std::abs(predicted - measured) <= 0.1 * std::max(predicted, measured));
+}
+
+// What the propagator leaves out (constraints/README.md, Calibration).
+std::string why_apart(const CalibrationPlan& plan, const Calibration& c) {
+  if (plan.passes == 1)
+    return "one pass leaves what its guess of λ misses by, where bonds meet; take --passes 2";
+  if (plan.damping != "centred")
+    return fmt::format(
+        "under {} damping an error moves the floor of its neighbours; take --damping centred, or a shorter "
+        "step",
+        plan.damping);
+  return fmt::format(
+      "the acceleration that clears an error leaves some {:.1e} of it at this step, whatever the gains; {}",
+      c.left,
+      c.reduction_predicted < c.left ? "take a shorter step, or feedforward, which has no such floor"
+                                     : "take a shorter step");
+}
+
+// Geometric mean of the reduction a step between two steps of a course.
+double reduction(const std::vector<double>& course, int from, int to) {
+  return std::pow(course[to] / course[from], 1.0 / (to - from));
+}
+
+}  // namespace
+
+Calibration calibrate(const Scene& scene, const CalibrationPlan& plan) {
+  if (scene.system.bonds.empty())
+    throw InputError(fmt::format("{}: has no bonds to calibrate on", scene.name));
+  const Damping damping = damping_named(plan.damping);
+  const double h = scene.run.h();
+  Calibration c;
+
+  Bench reference(scene, reference_options(plan), plan);
+  c.reference = reference.course(Injection::kStretch);
+  // A projection sees a stretch in the step it comes in; the force law one step later, the kick being under
+  // way.
+  c.window = fallen(c.reference.stretch, 0);
+  c.reduction_reference = std::min(reduction(c.reference.stretch, 0, c.window), 0.999);
+  c.method = {.gains = "rattle",
+              .damping = plan.damping,
+              .reduction = as_printed(c.reduction_reference),
+              .passes = plan.passes};
+  const DimensionlessGains gains = gains_for_decay(c.method.reduction, damping);
+  c.alpha_per_ps = gains.ah / h;
+  c.beta_per_ps = gains.bh / h;
+  const Propagator propagator(gains.ah, gains.bh, damping);
+  c.reduction_predicted = propagator.spectral_radius();
+
+  Bench baumgarte(scene, c.method, plan);
+  c.left = baumgarte.left();
+  c.baumgarte = baumgarte.course(Injection::kStretch);
+  const Course after_rate = baumgarte.course(Injection::kRate);
+  const int last = std::min(fallen(c.baumgarte.stretch, 1), plan.steps - 1);
+  c.reduction_measured = reduction(c.baumgarte.stretch, 1, last);
+  c.reduction_of_rate = reduction(c.baumgarte.rate, 2, last + 1);
+  c.reduction_after_rate = reduction(after_rate.stretch, 1, last);
+  const auto floors = baumgarte.floors(damping, gains);
+  c.floor_measured = floors.measured;
+  c.floor_predicted = floors.predicted;
+  return c;
+}
+
+std::string disagreement(const CalibrationPlan& plan, const Calibration& c) {
+  const struct {
+    const char* what;
+    double predicted, measured;
+  } rows[] = {{"reduction of a stretch's σ", c.reduction_predicted, c.reduction_measured},
+              {"reduction of its σ̇", c.reduction_predicted, c.reduction_of_rate},
+              {"reduction of a rate's σ", c.reduction_predicted, c.reduction_after_rate},
+              {"floor", c.floor_predicted, c.floor_measured}};
+  for (const auto& [what, predicted, measured] : rows)
+    if (apart(predicted, measured))
+      return fmt::format("measured and predicted disagree ({} {:.2g} for {:.2g}): {}", what, measured,
+                         predicted, why_apart(plan, c));
+  return "";
+}
+
+std::vector<std::string> settings_of(const Calibration& c) {
+  return {"method.name=baumgarte", "method.gains=" + c.method.gains, "method.damping=" + c.method.damping,
+          fmt::format("method.reduction={}", c.method.reduction),
+          fmt::format("method.passes={}", c.method.passes)};
+}
+
+}  // namespace taut

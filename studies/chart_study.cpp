@@ -1,0 +1,256 @@
+#include "studies/chart_study.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "md/observables.hpp"
+#include "studies/csv.hpp"
+#include "studies/repeats.hpp"
+#include "systems/scene_file.hpp"
+
+namespace taut {
+namespace {
+
+constexpr int kOrderSteps = 16;  // of the scene's own length, to the end of the comparison
+
+// Constraint time a bond and step [ns].
+Quartiles cost(const std::string& point, int repeats, int bonds, const Ledger& ledger) {
+  const double each = 1000.0 / std::max(1, bonds);
+  const Quartiles us = over_repeats(point, repeats, ledger, &Trial::constraint_us);
+  return {us.low * each, us.median * each, us.high * each};
+}
+
+std::string columns(const Setting& s) {
+  return fmt::format("{},{},{},{}", csv_cell(s.curve()), s.method, s.parameter, s.value);
+}
+
+std::string work_name(const Setting& s) {
+  return "work/" + s.name();
+}
+std::string drift_name(const Setting& s) {
+  return "drift/" + s.name();
+}
+
+// ---- order
+
+std::vector<int> divisors(const ChartPlan& plan) {
+  return plan.quick ? std::vector{1, 2, 4} : std::vector{1, 2, 4, 8, 16};
+}
+
+std::string order_name(const std::string& method, int divisor) {
+  return fmt::format("order/{}/h0 over {}", method, divisor);
+}
+
+// Held so tightly that a curve shows its method's order, not where iterations were stopped.
+Setting tight(const std::string& method) {
+  Setting s{method, "", "", {"method.name=" + method}};
+  if (method == "newton" || method == "rattle" || method == "shake")
+    s.overrides.emplace_back("method.tolerance=1e-11");
+  return s;
+}
+
+double rms_distance(const Vectors& a, const Vectors& b) {
+  return std::sqrt((a - b).squaredNorm() / static_cast<double>(a.cols()));
+}
+
+// The reference is run once, by whoever asks first.
+struct Reference {
+  Scene scene;
+  int divisor;
+  std::optional<Vectors> x = {};
+
+  const Vectors& positions() {
+    if (x) return *x;
+    Scene fine = scene;
+    fine.run.dt_fs /= divisor;
+    State end;
+    const Setting newton{"newton", "", "", {"method.name=newton", "method.tolerance=1e-12"}};
+    const Trial trial = try_setting(fine, newton, {.steps = kOrderSteps * divisor, .rows = 1}, end);
+    x = trial.failed() ? Vectors() : end.x;
+    return *x;
+  }
+};
+
+Trial compared(const ChartPlan& plan, const std::string& method, int divisor, Reference& reference) {
+  Scene scene = plan.scene;
+  scene.run.dt_fs /= divisor;
+  State end;
+  Trial trial =
+      try_setting(scene, tight(method), {.steps = kOrderSteps * divisor, .rows = kOrderSteps * divisor}, end);
+  if (trial.failed()) return trial;
+  const Vectors& x = reference.positions();
+  if (x.cols() == end.x.cols())
+    trial.figure = rms_distance(end.x, x);
+  else
+    trial.failure = "no reference to compare with: newton failed at the fine step";
+  return trial;
+}
+
+// ---- length
+
+std::vector<int> lengths(const ChartPlan& plan) {
+  return plan.quick ? std::vector{10, 100, 1000} : std::vector{10, 30, 100, 300, 1000, 3000, 10000};
+}
+
+std::string length_name(const std::string& method, int bonds) {
+  return fmt::format("length/{}/{}", method, bonds);
+}
+
+int copies(const ChartPlan& plan, int bonds) {
+  return std::max(1, (plan.quick ? 1000 : 10000) / bonds);
+}
+
+Trial run_length(const ChartPlan& plan, const std::string& method, int bonds) {
+  Setting s = tight(method);
+  if (s.overrides.size() > 1) s.overrides.back() = "method.tolerance=1e-8";
+  const Scene chains = read_scene(
+      find_scene("freely_jointed"),
+      {fmt::format("build.chains={}", copies(plan, bonds)), fmt::format("build.beads={}", bonds + 1)});
+  return try_setting(chains, s, {.steps = plan.quick ? 20 : 100, .rows = 4});
+}
+
+}  // namespace
+
+std::vector<Setting> ChartPlan::settings() const {
+  std::vector<Setting> all;
+  for (const auto& method : methods)
+    for (const auto& setting : settings_of(method, scene.run.h(), quick)) all.push_back(setting);
+  return all;
+}
+
+std::vector<Job> work_jobs(const ChartPlan& plan, const Ledger& ledger) {
+  std::vector<Job> points;
+  for (const Setting& s : plan.settings())
+    points.push_back({work_name(s), [&plan, s] {
+                        return try_setting(plan.scene, s, {.steps = plan.steps, .rows = plan.steps});
+                      }});
+  return interleaved(points, plan.repeats, ledger);
+}
+
+std::vector<Job> drift_jobs(const ChartPlan& plan) {
+  std::vector<Job> jobs;
+  for (const Setting& s : plan.settings())
+    jobs.push_back({drift_name(s), [&plan, s] {
+                      return try_setting(plan.scene, s,
+                                         {.steps = plan.drift_steps, .rows = plan.drift_steps / 10});
+                    }});
+  return jobs;
+}
+
+std::vector<Job> order_jobs(const ChartPlan& plan) {
+  const auto reference = std::make_shared<Reference>(Reference{plan.scene, 4 * divisors(plan).back()});
+  std::vector<Job> jobs;
+  for (const auto& method : plan.methods)
+    for (const int divisor : divisors(plan))
+      jobs.push_back({order_name(method, divisor), [&plan, method, divisor, reference] {
+                        return compared(plan, method, divisor, *reference);
+                      }});
+  return jobs;
+}
+
+std::vector<Job> length_jobs(const ChartPlan& plan, const Ledger& ledger) {
+  std::vector<Job> points;
+  for (const auto& method : plan.methods)
+    for (const int bonds : lengths(plan))
+      points.push_back(
+          {length_name(method, bonds), [&plan, method, bonds] { return run_length(plan, method, bonds); }});
+  return interleaved(points, plan.repeats, ledger);
+}
+
+std::string work_csv(const ChartPlan& plan, const Ledger& ledger) {
+  std::string text =
+      "curve,method,parameter,value,rms_rel_bond_error,max_rel_bond_error,ns_per_bond_step_q1,ns_per_bond_"
+      "step,"
+      "ns_per_bond_step_q3,step_us,repeats,failure\n";
+  for (const Setting& s : plan.settings()) {
+    const Trial& first = ledger.at(repeat_name(work_name(s), 0));
+    const Quartiles ns = cost(work_name(s), plan.repeats, plan.scene.system.bond_count(), ledger);
+    text += first.failed() ? fmt::format("{},,,,,,,0,{}\n", columns(s), csv_cell(first.failure))
+                           : fmt::format("{},{:.6e},{:.6e},{:.4g},{:.4g},{:.4g},{:.4g},{},\n", columns(s),
+                                         first.rms_error, first.max_error, ns.low, ns.median, ns.high,
+                                         first.step_us, plan.repeats);
+  }
+  return text;
+}
+
+std::string drift_csv(const ChartPlan& plan, const Ledger& ledger) {
+  std::string text =
+      "curve,method,parameter,value,ns_per_bond_step,drift_kj_mol_ns_dof,drift_low,drift_high,steps,"
+      "failure\n";
+  for (const Setting& s : plan.settings()) {
+    const Trial& t = ledger.at(drift_name(s));
+    const Quartiles ns = cost(work_name(s), plan.repeats, plan.scene.system.bond_count(), ledger);
+    text += t.failed() ? fmt::format("{},,,,,{},{}\n", columns(s), t.steps, csv_cell(t.failure))
+                       : fmt::format("{},{:.4g},{:.6e},{:.6e},{:.6e},{},\n", columns(s), ns.median, t.drift,
+                                     t.drift_low, t.drift_high, t.steps);
+  }
+  return text;
+}
+
+std::string order_csv(const ChartPlan& plan, const Ledger& ledger) {
+  std::string text = "method,dt_fs,rms_distance_nm,rms_rel_bond_error,max_rel_bond_error,order,failure\n";
+  for (const auto& method : plan.methods)
+    for (const int divisor : divisors(plan)) {
+      const Trial& t = ledger.at(order_name(method, divisor));
+      const double dt = plan.scene.run.dt_fs / divisor;
+      text += t.failed() ? fmt::format("{},{:.6g},,,,,{}\n", method, dt, csv_cell(t.failure))
+                         : fmt::format("{},{:.6g},{:.6e},{:.6e},{:.6e},{:.3f},\n", method, dt, t.figure,
+                                       t.rms_error, t.max_error, order_of(plan, ledger, method));
+    }
+  return text;
+}
+
+std::string length_csv(const ChartPlan& plan, const Ledger& ledger) {
+  std::string text =
+      "method,bonds,chains,ns_per_bond_step_q1,ns_per_bond_step,ns_per_bond_step_q3,max_rel_bond_error,"
+      "failure\n";
+  for (const auto& method : plan.methods)
+    for (const int bonds : lengths(plan)) {
+      const std::string name = length_name(method, bonds);
+      const Trial& first = ledger.at(repeat_name(name, 0));
+      const Quartiles ns = cost(name, plan.repeats, bonds * copies(plan, bonds), ledger);
+      text += first.failed() ? fmt::format("{},{},{},,,,,{}\n", method, bonds, copies(plan, bonds),
+                                           csv_cell(first.failure))
+                             : fmt::format("{},{},{},{:.4g},{:.4g},{:.4g},{:.3e},\n", method, bonds,
+                                           copies(plan, bonds), ns.low, ns.median, ns.high, first.max_error);
+    }
+  return text;
+}
+
+std::string failures_csv(const ChartPlan& plan, const Ledger& ledger) {
+  std::string text = "panel,setting,steps_survived,reason\n";
+  const auto add = [&](const char* panel, const std::string& name, const Trial& t) {
+    if (t.failed()) text += fmt::format("{},{},{},{}\n", panel, csv_cell(name), t.steps, csv_cell(t.failure));
+  };
+  for (const Setting& s : plan.settings()) {
+    add("work", s.name(), ledger.at(repeat_name(work_name(s), 0)));
+    add("drift", s.name(), ledger.at(drift_name(s)));
+  }
+  for (const auto& method : plan.methods) {
+    for (const int divisor : divisors(plan))
+      add("order", fmt::format("{} at {:g} fs", method, plan.scene.run.dt_fs / divisor),
+          ledger.at(order_name(method, divisor)));
+    for (const int bonds : lengths(plan))
+      add("length", fmt::format("{}, {} bonds", method, bonds),
+          ledger.at(repeat_name(length_name(method, bonds), 0)));
+  }
+  for (const auto& [name, trial] : precision_trials(plan, ledger)) add("precision", name, trial);
+  return text;
+}
+
+double order_of(const ChartPlan& plan, const Ledger& ledger, const std::string& method) {
+  Slope slope;
+  int points = 0;
+  for (const int divisor : divisors(plan)) {
+    const Trial& t = ledger.at(order_name(method, divisor));
+    if (t.failed() || !(t.figure > 1e-12)) continue;
+    slope.add(-std::log(divisor), std::log(t.figure));
+    ++points;
+  }
+  return points > 1 ? slope.value() : 0.0;
+}
+
+}  // namespace taut

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "studies/ledger.hpp"
+
+namespace taut {
+
+// A work–precision study: what each method costs against what it gets wrong.
+struct ChartPlan {
+  Scene scene;
+  std::vector<std::string> methods = {};
+  bool quick = false;
+  int repeats = 20;         // of everything timed; interleaved, so that all meet the same machine
+  long steps = 40;          // of a timed run; short, so that few of them meet another process
+  long drift_steps = 4000;  // of a run whose energy is watched
+
+  std::vector<Setting> settings() const;  // of all methods
+};
+
+// Panels, each with its jobs, and its table as CSV once they are done.
+//   work    constraint time a bond and step, quartiles over the repeats; bond errors
+//   drift   of the energy, with its interval
+//   order   distance from a reference run (newton, 1e-12, at a fine step) after a short time, step by step
+//   length  constraint time a bond against the length of freely jointed chains
+//   precision  time of a whole step, drift and bond errors with pair forces in double and in mixed precision;
+//           none where there are no pair forces
+std::vector<Job> work_jobs(const ChartPlan& plan, const Ledger& ledger);
+std::vector<Job> drift_jobs(const ChartPlan& plan);
+std::vector<Job> order_jobs(const ChartPlan& plan);
+std::vector<Job> length_jobs(const ChartPlan& plan, const Ledger& ledger);
+std::vector<Job> precision_jobs(const ChartPlan& plan, const Ledger& ledger);
+
+std::string work_csv(const ChartPlan& plan, const Ledger& ledger);
+std::string drift_csv(const ChartPlan& plan, const Ledger& ledger);
+std::string order_csv(const ChartPlan& plan, const Ledger& ledger);
+std::string length_csv(const ChartPlan& plan, const Ledger& ledger);
+std::string precision_csv(const ChartPlan& plan, const Ledger& ledger);
+bool has_precisions(const Scene& scene);
+// The drifts of that panel, "newton, mixed".
+std::vector<std::pair<std::string, Trial>> precision_trials(const ChartPlan& plan, const Ledger& ledger);
+
+// Who failed where, and why: panel, setting, reason.
+std::string failures_csv(const ChartPlan& plan, const Ledger& ledger);
+
+// Least-squares slope of log(distance) against log(h) for a method, over the steps where it did not fail and
+// stands clear of its own floor.
+double order_of(const ChartPlan& plan, const Ledger& ledger, const std::string& method);
+
+}  // namespace taut

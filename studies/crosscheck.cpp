@@ -1,0 +1,152 @@
+#include "studies/crosscheck.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "md/errors.hpp"
+#include "md/threads.hpp"
+#include "studies/crosscheck_causes.hpp"
+#include "studies/crosscheck_foretold.hpp"
+
+namespace taut {
+namespace {
+
+constexpr int kFiner = 8;
+constexpr double kTight = 1e-12;
+constexpr std::array kGains = {"reversible", "dead-beat", "rattle", "critical", "physical", "box2d"};
+
+// The projections, held so tight that what is left is not theirs.
+void tighten(MethodOptions& method) {
+  if (auto* shake = std::get_if<Shake::Options>(&method)) shake->tolerance = kTight;
+  if (auto* rattle = std::get_if<Rattle::Options>(&method)) rattle->tolerance = kTight;
+  if (auto* newton = std::get_if<Newton::Options>(&method)) newton->tolerance = kTight;
+}
+
+std::vector<Contestant> named(const std::string& name) {
+  const auto colon = name.find(':');
+  const std::string method = name.substr(0, colon);
+  std::vector<Contestant> found;
+  if (method != "baumgarte") {
+    if (colon != name.npos)
+      throw InputError(fmt::format("--method {}: only baumgarte has gains to name", name));
+    found.push_back({name, default_options(name)});
+    tighten(found.back().method);
+    return found;
+  }
+  for (const std::string gains : kGains)
+    if (colon == name.npos || gains == name.substr(colon + 1))
+      found.push_back({"baumgarte " + gains, Baumgarte::Options{.gains = gains}});
+  if (found.empty())
+    throw InputError(
+        fmt::format("--method {}: expected one of baumgarte:{}", name, fmt::join(kGains, ", baumgarte:")));
+  return found;
+}
+
+Track run_contestant(const Stage& stage, const Contestant& contestant, const Against& against) {
+  Track track = follow(stage, contestant, stage.steps, against).track;
+  const auto* baumgarte = std::get_if<Baumgarte::Options>(&contestant.method);
+  if (baumgarte != nullptr && track.failure.empty() && stage.scene.system.bond_count() > 0)
+    track.foretold = foretell(stage, *baumgarte, *against.openmm);
+  return track;
+}
+
+}  // namespace
+
+std::vector<Contestant> contestants(const std::vector<std::string>& names) {
+  std::vector<Contestant> all;
+  const std::vector<std::string> usual = {"newton", "rattle", "feedforward", "baumgarte", "none"};
+  for (const auto& name : names.empty() ? usual : names)
+    for (auto& contestant : named(name)) all.push_back(std::move(contestant));
+  return all;
+}
+
+double Track::most_apart() const {
+  double most = 0;
+  for (const Sample& s : samples) most = std::max(most, s.apart);
+  return most;
+}
+
+double Track::apart_at(long step) const {
+  double apart = 0;
+  for (const Sample& s : samples)
+    if (s.step <= step) apart = s.apart;
+  return apart;
+}
+
+std::optional<long> Track::parted_at(double nm) const {
+  for (const Sample& s : samples)
+    if (s.apart > nm) return s.step;
+  return {};
+}
+
+double Track::worst_bond() const {
+  double worst = 0;
+  for (const Sample& s : samples) worst = std::max(worst, s.bond_max);
+  return worst;
+}
+
+double Track::rms_bond(long step) const {
+  double squares = 0;
+  int count = 0;
+  for (const Sample& s : samples) {
+    if (s.step == 0 || s.step > step) continue;
+    squares += s.bond_rms * s.bond_rms;
+    ++count;
+  }
+  return count > 0 ? std::sqrt(squares / count) : 0.0;
+}
+
+Crosscheck crosscheck(const Scene& scene, const CrosscheckPlan& plan, const Tell& tell) {
+  const auto now = [&](const std::string& what) {
+    if (tell) tell(what);
+  };
+  use_threads(plan.threads);
+  const Stage stage(scene, plan);
+  const auto twin = stage.twin({.platform = plan.platform});  // refused here, before anything is run
+
+  Crosscheck c{.scene = scene.name,
+               .openmm = openmm_version(),
+               .platform = plan.platform,
+               .notes = stage.scene.notes,
+               .atoms = stage.scene.system.atoms(),
+               .bonds = stage.scene.system.bond_count(),
+               .dof = stage.dof,
+               .h = stage.scene.run.h(),
+               .steps = stage.steps,
+               .parting = stage.parting,
+               .agreement = plan.agreement};
+  c.long_enough = stage.long_enough();
+  c.start = compare_start(stage, *twin);
+  twin->set(stage.scene.start);
+
+  now(fmt::format("newton at h/{}, the third opinion", kFiner));
+  Followed fine = follow(stage, exact(fmt::format("newton at h/{}", kFiner)), stage.parting, {}, kFiner);
+  now("OpenMM, RATTLE CustomIntegrator");
+  Followed openmm = follow(stage, "openmm rattle", *twin, stage.steps, {.truth = &fine.frames});
+  const Against against{.openmm = &openmm.frames, .truth = &fine.frames};
+
+  now("OpenMM, VerletIntegrator");
+  const auto verlet = stage.twin({.platform = plan.platform, .integrator = TwinIntegrator::kVerlet});
+  c.verlet = follow(stage, "openmm verlet", *verlet, stage.parting, against).track;
+  now("OpenMM, moved by 1e-10 nm");
+  c.nudged = nudged_run(stage, against);
+  c.chaos = chaos_of(c.nudged);
+  for (const Contestant& contestant : plan.contestants) {
+    now(contestant.name);
+    c.tracks.push_back(run_contestant(stage, contestant, against));
+  }
+  now("why they part");
+  c.fine = std::move(fine.track);
+  c.twin = std::move(openmm.track);
+  c.openmm_bonds = openmm_bonds(stage, c.twin.worst_bond());
+  c.leapfrog = compare_leapfrog(stage);
+  now("speed");
+  c.speed = measure_speed(stage);
+  return c;
+}
+
+}  // namespace taut

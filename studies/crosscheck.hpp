@@ -1,0 +1,141 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "simulation/simulation.hpp"
+#include "studies/liquid_structure.hpp"
+#include "systems/scene.hpp"
+
+namespace taut {
+
+// Does taut agree with OpenMM, and where they part, who is nearer the truth? One start, taken through the
+// same steps by OpenMM and by each of taut's methods, without thermostat.
+
+struct Contestant {
+  std::string name;  // "newton", "baumgarte dead-beat"
+  MethodOptions method;
+};
+
+// By name: a method, "baumgarte:dead-beat" for one of its gains, "baumgarte" for all of them by name.
+// Projections are held to 1e-12. None given: those the report is about. Throws InputError for a name there is
+// not.
+std::vector<Contestant> contestants(const std::vector<std::string>& names = {});
+
+struct OpenMMFiles {
+  std::filesystem::path system, state;
+};
+
+struct CrosscheckPlan {
+  std::vector<Contestant> contestants;
+  std::optional<OpenMMFiles> files;    // the scene's own, if it came from them: OpenMM then runs those
+  std::string platform = "Reference";  // of the runs held against taut's
+  double agreement = 1e-6;             // apart by more than this, two runs have parted [nm]
+  long parting_steps = 1000;           // the runs that only explain end here: chaos has the word by then
+  long samples = 200;
+  double speed_seconds = 1;  // for each figure of speed; 0: none
+  int threads = 1;           // of both
+};
+
+// A run at one sample.
+struct Sample {
+  long step = 0;
+  double t = 0;                       // [ps]
+  double apart = 0;                   // from OpenMM's run: largest distance of an atom from its twin [nm]
+  double from_truth = -1;             // the same from the fine run's, while that lasts; −1 after [nm]
+  double energy = 0;                  // total [kJ/mol]
+  double temperature = 0;             // [K]
+  double bond_max = 0, bond_rms = 0;  // relative errors
+};
+
+// Where Baumgarte should have gone, from its residual's closed form (crosscheck_foretold.hpp).
+struct Foretold {
+  long steps = 0;
+  double bond_rms = 0;  // relative, over all bonds and steps
+  double apart = 0;     // from OpenMM's run after those steps [nm]
+};
+
+// A run whole.
+struct Track {
+  std::string name;
+  std::string setting;  // gains, tolerance, ...
+  std::vector<Sample> samples;
+  std::string failure;               // why it ended early; empty: it did not
+  Estimate drift;                    // of the total energy [kJ/mol/ns/degree of freedom]
+  Estimate temperature;              // [K]
+  Distances oxygens;                 // empty without water or in runs too short
+  Estimate end_to_end;               // [nm], 0 without chains
+  std::optional<Foretold> foretold;  // of Baumgarte
+
+  double most_apart() const;                       // [nm]
+  double apart_at(long step) const;                // at the last sample up to there [nm]
+  std::optional<long> parted_at(double nm) const;  // first sample over it
+  double worst_bond() const;
+  double rms_bond(long step) const;  // over the samples up to there, but the start's
+};
+
+// Energy and forces of the start.
+struct StartDifference {
+  double energy = 0, openmm_energy = 0;                    // [kJ/mol]
+  double force_rms = 0;                                    // [kJ/mol/nm]
+  double force_difference = 0;                             // largest of a component [kJ/mol/nm]
+  std::vector<std::pair<std::string, double>> terms = {};  // taut's energies by term [kJ/mol]
+};
+
+// How OpenMM holds bonds of its own: by SETTLE at lengths rounded to float, or not exactly.
+struct OpenMMBonds {
+  double worst = 0;  // relative error in its run
+  int rounded = 0;   // bonds at the float nearest their length
+  long steps = 0;    // of the runs below
+  std::optional<double> apart_as_given = {},
+                        apart_with_theirs = {};  // newton with our lengths, with theirs [nm]
+};
+
+struct Chaos {
+  double growth = 0;  // by which 1e-10 nm has grown at the end of the yardstick
+  Estimate rate;      // of its exponential growth, over the second half [1/ps]
+  long steps = 0;
+};
+
+struct Leapfrog {              // VerletIntegrator against the RATTLE twin, both OpenMM's
+  double positions = 0;        // [nm]
+  double velocities_kept = 0;  // as it keeps them, half a step behind [nm/ps]
+  double velocities = 0;       // brought to the full step [nm/ps]
+  long steps = 0;
+};
+
+struct Speed {
+  std::string who;
+  double us_per_step = 0;
+};
+
+struct Crosscheck {
+  std::string scene, openmm, platform;  // name, version, of OpenMM's runs
+  std::vector<std::string> notes = {};  // what is left out of the scene, a line each
+  int atoms = 0, bonds = 0, dof = 0;
+  double h = 0;                 // [ps]
+  long steps = 0, parting = 0;  // of whole runs, of those that explain
+  double agreement = 0;         // apart by more, runs have parted [nm]
+  StartDifference start = {};
+  Track twin = {}, verlet = {}, nudged = {}, fine = {};
+  std::vector<Track> tracks = {};  // one a contestant
+  OpenMMBonds openmm_bonds = {};
+  Chaos chaos = {};
+  Leapfrog leapfrog = {};
+  std::vector<Speed> speed = {};
+  bool long_enough = false;  // for averages to mean something
+};
+
+using Tell = std::function<void(const std::string&)>;  // what is being run now; first when the input is taken
+
+// Throws InputError where OpenMM is missing, cannot express the scene or rejects it.
+Crosscheck crosscheck(const Scene& scene, const CrosscheckPlan& plan, const Tell& tell = {});
+
+// What OpenMM is to be given: the scene's system, terms and start.
+struct OpenMMInput;
+OpenMMInput openmm_input(const Scene& scene);
+
+}  // namespace taut

@@ -1,0 +1,130 @@
+#include "studies/crosscheck_foretold.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "constraints/bond_algebra.hpp"
+#include "constraints/direct_solver.hpp"
+#include "constraints/projection.hpp"
+#include "forcefield/force_field.hpp"
+
+namespace taut {
+namespace {
+
+constexpr long kMostSteps = 200;
+
+// The residual of each bond, a step ahead.
+class Residuals {
+ public:
+  Residuals(const System& sys, const Baumgarte::Options& options, double h)
+      : h_(h),
+        passes_(options.passes),
+        damping_(damping_named(options.damping)),
+        gains_(choose_gains(options.choice(), damping_, sys, h)),
+        now_(Eigen::VectorXd::Zero(sys.bond_count())),
+        before_(now_),
+        next_(now_),
+        r_(3, sys.bond_count()),
+        projector_(sys),
+        solver_(sys) {}
+
+  // Takes σ_n to σ_{n+1}, s being the state at n.
+  const Eigen::VectorXd& advance(const System& sys, const State& s) {
+    const Eigen::VectorXd exact = projector_.multipliers(sys, s);
+    differences(sys, s.x, r_);
+    const Vectors a = s.f * sys.inv_mass.asDiagonal() + pulled(sys, exact);
+    for (int k = 0; k < sys.bond_count(); ++k) next_[k] = residual(k, motion(sys.bonds[k], s.v, a));
+    add_miss(sys, s.v, exact);
+    before_ = now_;
+    now_ = next_;
+    ++steps_;
+    return now_;
+  }
+
+ private:
+  static Motion motion(const RigidBond& bond, const Vectors& v, const Vectors& a) {
+    const Vec3 v_ij = v.col(bond.j) - v.col(bond.i), a_ij = a.col(bond.j) - a.col(bond.i);
+    return {v_ij.squaredNorm(), a_ij.squaredNorm(), v_ij.dot(a_ij)};
+  }
+
+  Vectors pulled(const System& sys, const Eigen::VectorXd& lambda) const {  // M⁻¹Jᵀλ
+    Vectors a = Vectors::Zero(3, sys.atoms());
+    add_constraint_acceleration(sys, r_, lambda, a);
+    return a;
+  }
+
+  double residual(int k, const Motion& m) const {
+    if (steps_ == 0) return std::pow(h_, 3) * m.va / 2 + std::pow(h_, 4) * m.a_squared / 8;
+    const double ah = gains_[k].alpha * h_, bh = gains_[k].beta * h_;
+    const Propagator p(ah, bh, damping_);
+    return p.trace * now_[k] - p.determinant * before_[k] +
+           (1 - p.trace + p.determinant) * floor_of(ah, bh, h_, m, damping_);
+  }
+
+  // With one pass |v_ij|² is taken with λ* = λ₁ + (λ₁ − λ₂)/3, which misses λ and so adds −h³ v_ij·(M⁻¹Jᵀ(λ*
+  // − λ))_ij to σ_{n+1}: nothing for a bond alone, whose v_ij is across it, but as much as the floor where
+  // bonds meet.
+  void add_miss(const System& sys, const Vectors& v, const Eigen::VectorXd& exact) {
+    Eigen::VectorXd lambda(sys.bond_count());  // what the feedback adds: A⁻¹(−2ασ̇ − β²σ)
+    for (int k = 0; k < sys.bond_count(); ++k)
+      lambda[k] = -gains_[k].alpha / h_ * (next_[k] - before_[k]) - std::pow(gains_[k].beta, 2) * now_[k];
+    solver_.factor(r_);
+    solver_.solve(lambda);
+    if (steps_ == 0) lambda.setZero();
+    lambda += exact;
+    if (steps_ > 0 && passes_ == 1) {
+      const Vectors missed =
+          pulled(sys, last_ + (steps_ > 1 ? 1.0 / 3 : 0.0) * (last_ - last_but_one_) - lambda);
+      for (int k = 0; k < sys.bond_count(); ++k) {
+        const auto& [i, j, d] = sys.bonds[k];
+        const double share = damping_ == Damping::kImplicit ? 1 / (1 + gains_[k].alpha * h_) : 1.0;
+        next_[k] -= share * std::pow(h_, 3) * (v.col(j) - v.col(i)).dot(missed.col(j) - missed.col(i));
+      }
+    }
+    last_but_one_ = steps_ > 0 ? last_ : lambda;
+    last_ = lambda;
+  }
+
+  double h_;
+  int passes_;
+  Damping damping_;
+  std::vector<Gains> gains_;
+  Eigen::VectorXd now_, before_, next_;  // σ_n, σ_{n−1}, σ_{n+1} [nm²]
+  Eigen::VectorXd last_, last_but_one_;  // λ of the steps before
+  Vectors r_;                            // 3 × m
+  Projector projector_;
+  DirectSolver solver_;
+  long steps_ = 0;
+};
+
+}  // namespace
+
+Foretold foretell(const Stage& stage, const Baumgarte::Options& options, const Frames& openmm) {
+  const double h = stage.scene.run.h();
+  const std::vector<RigidBond>& bonds = stage.scene.system.bonds;
+  System sys = stage.scene.system;
+  ForceField forces(sys, stage.scene.terms);
+  State s = stage.scene.start;
+  forces(sys, s);
+  Residuals residuals(sys, options, h);
+  Foretold foretold;
+  double squares = 0;
+  std::size_t frame = 0;
+  for (long n = 1; n <= std::min(stage.parting, kMostSteps) && frame + 1 < openmm.size(); ++n) {
+    const Eigen::VectorXd& sigma = residuals.advance(sys, s);
+    for (int k = 0; k < sys.bond_count(); ++k) {
+      const double d = bonds[k].length;
+      sys.bonds[k].length = std::sqrt(d * d + 2 * sigma[k]);
+      squares += std::pow(sys.bonds[k].length / d - 1, 2);
+    }
+    Newton newton(sys, {.tolerance = 1e-12}, h);  // anew: the lengths are others
+    demand_converged(sys, s, step(sys, forces, newton, h, s), n);
+    if (!stage.samples(n)) continue;
+    foretold.apart = most_apart(s.x, openmm[++frame]);
+    foretold.steps = n;
+    foretold.bond_rms = std::sqrt(squares / static_cast<double>(n * sys.bond_count()));
+  }
+  return foretold;
+}
+
+}  // namespace taut

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "studies/crosscheck_runs.hpp"
+
+namespace taut {
+
+// Where Baumgarte will have gone, without running it.
+//
+// It puts forces along the bonds, at x_n, as SHAKE does; so its positions follow from its residuals σ_n
+// alone: newton, told to leave just those σ, takes the same ones. And the residuals are known beforehand
+// (constraints/propagator.hpp):
+//     σ_{n+1} = T σ_n − D σ_{n−1} + (1 − T + D) floor(v, a),
+// from σ_0 = 0 and the σ_1 = ½h³ v·a + ⅛h⁴a² that a start with σ̇ = 0 leaves, and what its guess of λ misses
+// by. v, a and λ are newton's.
+Foretold foretell(const Stage& stage, const Baumgarte::Options& options, const Frames& openmm);
+
+}  // namespace taut

@@ -1,0 +1,183 @@
+#include "studies/crosscheck_runs.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "md/errors.hpp"
+#include "studies/study_scene.hpp"
+#include "systems/openmm/openmm_export.hpp"
+
+namespace taut {
+namespace {
+
+constexpr long kDenseSamples = 100;
+constexpr double kLongEnough = 5;  // [ps]
+
+Scene prepared(Scene scene) {
+  scene = prepared_for_study(std::move(scene));
+  if (scene.run.remove_momentum_every > 0)
+    scene.notes.push_back("its momentum is not taken out on the way, in no run");
+  scene.run.remove_momentum_every = 0;
+  scene.method = exact("").method;
+  const Simulation on_bonds(std::move(scene));
+  Scene ready = on_bonds.scene();
+  ready.start = on_bonds.state();
+  return ready;
+}
+
+std::string first_line(const std::string& text) {
+  return text.substr(0, text.find('\n'));
+}
+
+// Turns moments of a run into samples and averages.
+class Recorder {
+ public:
+  Recorder(const Stage& stage, std::string name, const Against& against)
+      : stage_(stage), against_(against), structure_(stage.scene.system, stage.scene.terms) {
+    followed_.track.name = std::move(name);
+  }
+
+  void see(long step, const State& s, double potential) {
+    const System& sys = stage_.scene.system;
+    const std::size_t n = followed_.track.samples.size();
+    const auto from = [&](const Frames* frames, double otherwise) {
+      return frames && n < frames->size() ? most_apart(s.x, (*frames)[n]) : otherwise;
+    };
+    const BondErrors bonds = bond_errors(sys, s.x);
+    const double kinetic = kinetic_energy(sys, s.v);
+    followed_.track.samples.push_back({.step = step,
+                                       .t = static_cast<double>(step) * stage_.scene.run.h(),
+                                       .apart = from(against_.openmm, 0),
+                                       .from_truth = from(against_.truth, -1),
+                                       .energy = potential + kinetic,
+                                       .temperature = temperature(kinetic, stage_.dof),
+                                       .bond_max = bonds.max,
+                                       .bond_rms = bonds.rms});
+    if (keep_frames) followed_.frames.push_back(s.x);
+    if (stage_.long_enough() && stage_.uniform(step)) structure_.see(s.x);
+  }
+
+  Followed finish() {
+    Track& track = followed_.track;
+    std::vector<double> t, energy, kelvin;
+    for (const Sample& s : track.samples) {
+      if (!stage_.uniform(s.step)) continue;
+      t.push_back(s.t);
+      energy.push_back(s.energy);
+      kelvin.push_back(s.temperature);
+    }
+    const double per_ns_dof = 1000.0 / std::max(1, stage_.dof);
+    track.drift = block_slope(t, energy);
+    track.drift.value *= per_ns_dof;
+    track.drift.error *= per_ns_dof;
+    track.temperature = block_mean(kelvin);
+    if (structure_.has_water()) track.oxygens = structure_.oxygen_distances();
+    if (structure_.has_chains()) track.end_to_end = structure_.end_to_end();
+    return std::move(followed_);
+  }
+
+  void fail(const std::string& why) { followed_.track.failure = first_line(why); }
+  void set(const std::string& setting) { followed_.track.setting = setting; }
+
+  bool keep_frames = false;
+
+ private:
+  const Stage& stage_;
+  Against against_;
+  LiquidStructure structure_;
+  Followed followed_;
+};
+
+}  // namespace
+
+Stage::Stage(const Scene& from, const CrosscheckPlan& the_plan)
+    : plan(the_plan),
+      scene(prepared(from)),
+      dof(Simulation(scene).dof().total()),
+      steps(scene.run.steps),
+      parting(std::min(steps, plan.parting_steps)),
+      every(std::max(1L, steps / plan.samples)),
+      dense(std::max(1L, parting / kDenseSamples)) {}
+
+bool Stage::samples(long step) const {
+  return uniform(step) || step == steps || (step <= parting && step % dense == 0);
+}
+
+bool Stage::long_enough() const {
+  return static_cast<double>(steps) * scene.run.h() >= kLongEnough;
+}
+
+std::unique_ptr<OpenMMTwin> Stage::twin(TwinSettings settings) const {
+  settings.h = scene.run.h();
+  settings.threads = plan.threads;
+  auto twin = plan.files ? std::make_unique<OpenMMTwin>(plan.files->system, plan.files->state, settings)
+                         : std::make_unique<OpenMMTwin>(openmm_input(scene), settings);
+  twin->set(scene.start);
+  return twin;
+}
+
+double most_apart(const Vectors& x, const Vectors& y) {
+  return std::sqrt((x - y).colwise().squaredNorm().maxCoeff());
+}
+
+Contestant exact(const std::string& name) {
+  return {name, Newton::Options{.tolerance = 1e-12}};
+}
+
+Followed follow(const Stage& stage, const Contestant& contestant, long steps, const Against& against,
+                int finer, const EachStep& each) {
+  Recorder recorder(stage, contestant.name, against);
+  recorder.keep_frames = against.truth == nullptr;
+  Scene scene = stage.scene;
+  scene.method = contestant.method;
+  scene.run.dt_fs /= finer;
+  scene.run.steps = steps * finer;
+  scene.run.log_every = std::max(1L, stage.every * finer);
+  try {
+    Simulation simulation(std::move(scene));
+    recorder.set(simulation.method_setting());
+    const auto see = [&](long step) {
+      recorder.see(step, simulation.state(), simulation.record().potential);
+    };
+    see(0);
+    simulation.run({}, [&](long fine_step) {
+      if (each) each(simulation.state());
+      if (fine_step % finer == 0 && stage.samples(fine_step / finer)) see(fine_step / finer);
+    });
+  } catch (const SimulationFailure& e) {
+    recorder.fail(e.what());
+  } catch (const InputError& e) {  // a method that does not take this scene
+    recorder.fail(e.what());
+  }
+  return recorder.finish();
+}
+
+Followed follow(const Stage& stage, const std::string& name, OpenMMTwin& twin, long steps,
+                const Against& against) {
+  Recorder recorder(stage, name, against);
+  recorder.keep_frames = against.openmm == nullptr;
+  const auto see = [&](long step) {
+    double potential = 0;
+    const State s = twin.state(potential);
+    recorder.see(step, s, potential);
+  };
+  try {
+    see(0);
+    long last = 0;
+    for (long n = 1; n <= steps; ++n) {
+      if (!stage.samples(n)) continue;
+      twin.step(static_cast<int>(n - last));
+      last = n;
+      see(n);
+    }
+  } catch (const SimulationFailure& e) {
+    recorder.fail(e.what());
+  }
+  return recorder.finish();
+}
+
+OpenMMInput openmm_input(const Scene& scene) {
+  return {scene.system, scene.terms, scene.start, scene.run.remove_momentum_every};
+}
+
+}  // namespace taut

@@ -1,0 +1,192 @@
+#include "studies/crosscheck_verdict.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace taut {
+namespace {
+
+constexpr double kHeld = 1e-9;             // relative bond error of a method that holds its bonds
+constexpr double kSameEnergy = 1e-8;       // relative
+constexpr double kSameForce = 1e-6;        // of the forces' rms
+constexpr double kSinglePrecision = 1000;  // times those, where OpenMM computes in it
+constexpr double kSurprising = 4;          // standard errors
+
+Verdict on_start(const Crosscheck& c) {
+  const auto& s = c.start;
+  const double scale = std::max(std::abs(s.energy), 1e-3);  // a system without forces has no energy
+  const double energy = std::abs(s.energy - s.openmm_energy) / scale;
+  const double force = s.force_rms > 0 ? s.force_difference / s.force_rms : s.force_difference;
+  const bool exact = c.platform == "Reference";
+  const double slack = exact ? 1 : kSinglePrecision;
+  return {"start",
+          energy <= slack * kSameEnergy && force <= slack * kSameForce ? Finding::kAgrees : Finding::kDiffers,
+          fmt::format("energy to {:.1e} of itself, forces to {:.1e} of their rms{}", energy, force,
+                      exact ? "" : "; pair forces are in single precision there, so runs part at once")};
+}
+
+Verdict on_leapfrog(const Crosscheck& c) {
+  const auto& l = c.leapfrog;
+  const bool same = l.positions <= c.agreement;
+  return {"openmm verlet", same ? Finding::kAgrees : Finding::kDiffers,
+          fmt::format(
+              "leap-frog takes RATTLE's positions ({:.1e} nm apart after {} steps); the velocities it keeps "
+              "lag by half a step ({:.1e} nm/ps off), brought to the full step they are {:.1e} off",
+              l.positions, l.steps, l.velocities_kept, l.velocities)};
+}
+
+Verdict on_openmm_bonds(const Crosscheck& c) {
+  const auto& b = c.openmm_bonds;
+  std::string why = fmt::format("relative bond error up to {:.1e}", b.worst);
+  if (b.rounded > 0)
+    why += fmt::format(
+        ": SETTLE holds {} of {} bonds at the float nearest their length; newton told to do so stays "
+        "within {:.1e} nm of it for {} steps, with the lengths as given {:.1e}",
+        b.rounded, c.bonds, *b.apart_with_theirs, b.steps, *b.apart_as_given);
+  else if (b.worst > kHeld)
+    why += ": its CCMA gave up at 150 iterations, without a word";
+  else
+    why += ": its CCMA converged";
+  const bool explained = b.rounded == 0 || *b.apart_with_theirs <= c.agreement;
+  return {"openmm bonds", !explained || b.worst > 1e-6 ? Finding::kDiffers : Finding::kAgrees, why};
+}
+
+// What OpenMM's rounded lengths have to do with it: all, if newton told to hold those does not part.
+std::string rounding_clause(const Crosscheck& c) {
+  const auto& b = c.openmm_bonds;
+  if (c.platform != "Reference") return "";  // there the forces differ too
+  if (b.rounded == 0 || *b.apart_with_theirs > 0.01 * *b.apart_as_given) return "";
+  return fmt::format(
+      "; from OpenMM's lengths, rounded to float: newton with those is {:.1e} nm from it after {} steps",
+      *b.apart_with_theirs, b.steps);
+}
+
+// Where chaos alone takes two runs, and what it took to begin with for them to be so far apart.
+std::string chaos_clause(const Crosscheck& c, const Track& track) {
+  if (!(c.chaos.growth > 1)) return "";
+  return fmt::format("; what {:.0e} nm at the start would do (chaos: ×{:.2g} in {} steps)",
+                     track.apart_at(c.chaos.steps) / c.chaos.growth, c.chaos.growth, c.chaos.steps);
+}
+
+// The last sample at which the fine run was there.
+const Sample* last_judged(const Track& track) {
+  const Sample* last = nullptr;
+  for (const Sample& s : track.samples)
+    if (s.from_truth >= 0) last = &s;
+  return last;
+}
+
+// Who is nearer the truth.
+std::string truth_clause(const Crosscheck& c, const Track& track) {
+  const Sample *ours = last_judged(track), *theirs = last_judged(c.twin);
+  if (ours == nullptr || theirs == nullptr || ours->step != theirs->step) return "";
+  const double a = ours->from_truth, b = theirs->from_truth;
+  const std::string pair =
+      fmt::format(" the fine run ({:.1e} nm, OpenMM {:.1e}, at step {})", a, b, ours->step);
+  if (std::abs(a - b) <= 0.1 * std::max(a, b)) return "; as near" + pair;
+  return (a < b ? "; nearer" : "; farther from") + pair;
+}
+
+std::string residual_clause(const Track& track) {
+  if (!track.foretold)
+    return fmt::format("; its own bonds are off by {:.1e} rms, {:.1e} at most",
+                       track.rms_bond(track.samples.back().step), track.worst_bond());
+  const auto& [steps, bond_rms, apart] = *track.foretold;
+  return fmt::format(
+      "; its residuals, known beforehand, foretell {:.1e} after {} ({:.1e} seen) and bonds off by {:.1e} "
+      "rms ({:.1e} seen)",
+      apart, steps, track.apart_at(steps), bond_rms, track.rms_bond(steps));
+}
+
+Verdict on_method(const Crosscheck& c, const Track& track) {
+  if (!track.failure.empty()) return {track.name, Finding::kFailed, track.failure};
+  const auto parted = track.parted_at(c.agreement);
+  std::string why = parted ? fmt::format("at step {}: {:.1e} nm apart after {}", *parted,
+                                         track.apart_at(c.parting), c.parting)
+                           : fmt::format("{:.1e} nm apart at most in {} steps", track.most_apart(), c.steps);
+  const bool holds = track.worst_bond() <= kHeld;
+  if (!holds) why += residual_clause(track);
+  if (parted && holds) why += rounding_clause(c) + chaos_clause(c, track);
+  if (parted) why += truth_clause(c, track);
+  return {track.name, parted ? Finding::kParts : Finding::kAgrees, why};
+}
+
+// Averages of a long run, in standard errors.
+Verdict on_averages(const Crosscheck& c, const Track& track) {
+  const double kelvin = deviations(track.temperature, c.twin.temperature);
+  double worst = kelvin;
+  std::string why = fmt::format("T {:.2f} ± {:.2f} K, OpenMM {:.2f} ± {:.2f} ({:.1f} standard errors)",
+                                track.temperature.value, track.temperature.error, c.twin.temperature.value,
+                                c.twin.temperature.error, kelvin);
+  if (!track.oxygens.r.empty()) {
+    const double chi = chi_squared(track.oxygens, c.twin.oxygens);
+    why += fmt::format("; O–O g(r): χ² {:.2f} a bin", chi);
+    worst = std::max(worst, chi);
+  }
+  if (track.end_to_end.value > 0) {
+    const double ends = deviations(track.end_to_end, c.twin.end_to_end);
+    why += fmt::format("; end to end {:.4f} ± {:.4f} nm, OpenMM {:.4f} ± {:.4f} ({:.1f})",
+                       track.end_to_end.value, track.end_to_end.error, c.twin.end_to_end.value,
+                       c.twin.end_to_end.error, ends);
+    worst = std::max(worst, ends);
+  }
+  return {track.name + ", averages", worst > kSurprising ? Finding::kDiffers : Finding::kAgrees, why};
+}
+
+// Whether it gains or loses energy as OpenMM does.
+Verdict on_energy(const Crosscheck& c, const Track& track) {
+  const Estimate &ours = track.drift, &theirs = c.twin.drift;
+  const double apart = deviations(ours, theirs);
+  std::string why =
+      fmt::format("drift {:.1e} ± {:.0e} kJ/mol/ns/dof, OpenMM {:.1e} ± {:.0e} ({:.1f} standard errors)",
+                  ours.value, ours.error, theirs.value, theirs.error, apart);
+  const bool same = apart <= kSurprising;
+  if (!same)
+    why += std::abs(ours.value) > std::abs(theirs.value) ? "; it keeps energy worse"
+                                                         : "; it keeps energy better";
+  return {track.name + ", energy", same ? Finding::kAgrees : Finding::kDiffers, why};
+}
+
+}  // namespace
+
+std::string_view name_of(Finding finding) {
+  switch (finding) {
+    case Finding::kAgrees:
+      return "agrees";
+    case Finding::kParts:
+      return "parts";
+    case Finding::kDiffers:
+      return "differs";
+    case Finding::kFailed:
+      break;
+  }
+  return "failed";
+}
+
+double chi_squared(const Distances& a, const Distances& b) {
+  double sum = 0;
+  int bins = 0;
+  for (std::size_t n = 0; n < std::min(a.g.size(), b.g.size()); ++n) {
+    if (!(a.g[n].error + b.g[n].error > 0)) continue;
+    sum += std::pow(deviations(a.g[n], b.g[n]), 2);
+    ++bins;
+  }
+  return bins > 0 ? sum / bins : 0.0;
+}
+
+std::vector<Verdict> verdicts(const Crosscheck& c) {
+  std::vector<Verdict> all = {on_start(c), on_leapfrog(c)};
+  if (c.bonds > 0) all.push_back(on_openmm_bonds(c));
+  for (const Track& track : c.tracks) all.push_back(on_method(c, track));
+  if (c.long_enough)
+    for (const Track& track : c.tracks)
+      if (track.failure.empty()) {
+        all.push_back(on_averages(c, track));
+        all.push_back(on_energy(c, track));
+      }
+  return all;
+}
+
+}  // namespace taut

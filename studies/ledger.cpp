@@ -1,0 +1,82 @@
+#include "studies/ledger.hpp"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "files/atomic_file.hpp"
+#include "md/errors.hpp"
+
+namespace taut {
+namespace {
+
+// name, figures and failure, between tabs.
+std::string line_of(const std::string& name, const Trial& t) {
+  return fmt::format("{}\t{}\t{:.17g}\t{:.17g}\t{:.17g}\t{:.17g}\t{:.17g}\t{:.17g}\t{:.17g}\t{:.17g}\t{}\n",
+                     name, t.steps, t.constraint_us, t.step_us, t.max_error, t.rms_error, t.drift,
+                     t.drift_low, t.drift_high, t.figure, t.failure);
+}
+
+bool read_line(const std::string& line, std::string& name, Trial& t) {
+  std::istringstream fields(line);
+  std::getline(fields, name, '\t');
+  fields >> t.steps >> t.constraint_us >> t.step_us >> t.max_error >> t.rms_error >> t.drift >> t.drift_low >>
+      t.drift_high >> t.figure;
+  if (!fields) return false;
+  fields.ignore(1);
+  std::getline(fields, t.failure);
+  return true;
+}
+
+}  // namespace
+
+Ledger::Ledger(std::filesystem::path file, const std::string& study) : file_(std::move(file)) {
+  std::ifstream in(file_);
+  std::string line;
+  if (!std::getline(in, line)) {
+    std::ofstream(file_) << study << "\n";
+    return;
+  }
+  if (line != study)
+    throw InputError(
+        fmt::format("{}: holds another study that was stopped ({}); delete it, or take another "
+                    "folder",
+                    file_.string(), line));
+  while (std::getline(in, line)) {
+    std::string name;
+    Trial trial;
+    if (!in.eof() && read_line(line, name, trial)) done_[name] = trial;  // no newline: cut off in writing
+  }
+  AtomicFile whole(file_);
+  whole.write(study + "\n");
+  for (const auto& [name, trial] : done_) whole.write(line_of(name, trial));
+  whole.commit();
+}
+
+const Trial& Ledger::at(const std::string& name) const {
+  return done_.at(name);
+}
+
+Trial Ledger::once(const std::string& name, const std::function<Trial()>& make) {
+  if (const auto at = done_.find(name); at != done_.end()) return at->second;
+  Trial trial = make();
+  std::ofstream out(file_, std::ios::app);
+  out << line_of(name, trial) << std::flush;
+  if (!out) throw OutsideError(file_.string() + ": cannot write");
+  return done_[name] = trial;
+}
+
+std::vector<std::string> Ledger::names(const std::string& prefix) const {
+  std::vector<std::string> names;
+  for (const auto& [name, trial] : done_)
+    if (name.starts_with(prefix)) names.push_back(name);
+  return names;
+}
+
+void Ledger::close() {
+  std::error_code ignored;
+  std::filesystem::remove(file_, ignored);
+}
+
+}  // namespace taut

@@ -1,0 +1,218 @@
+#include "studies/openmm_twin.hpp"
+
+#include <OpenMM.h>
+#include <fmt/format.h>
+#include <openmm/serialization/XmlSerializer.h>
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+#include <sstream>
+#include <vector>
+
+#include "md/errors.hpp"
+#include "systems/openmm/openmm_export.hpp"
+#include "systems/openmm/openmm_vectors.hpp"
+#include "systems/openmm/openmm_xml.hpp"
+
+namespace taut {
+namespace {
+
+void build_integrator(OpenMM::CustomIntegrator& twin) {
+  twin.addPerDofVariable("x1", 0);
+  twin.addComputePerDof("v", "v + 0.5*dt*f/m");
+  twin.addComputePerDof("x", "x + dt*v");
+  twin.addComputePerDof("x1", "x");
+  twin.addConstrainPositions();
+  twin.addComputePerDof("v", "v + 0.5*dt*f/m + (x - x1)/dt");
+  twin.addConstrainVelocities();
+}
+
+OpenMM::Platform& platform_by_name(const std::string& name) {
+  static std::once_flag plugins;  // Reference is built in, the others are plug-ins
+  if (name != "Reference")
+    std::call_once(plugins, [] {
+      OpenMM::Platform::loadPluginsFromDirectory(OpenMM::Platform::getDefaultPluginsDirectory());
+    });
+  try {
+    return OpenMM::Platform::getPlatformByName(name);
+  } catch (const OpenMM::OpenMMException&) {
+    throw InputError(fmt::format("OpenMM has no platform {} among its plug-ins in {}", name,
+                                 OpenMM::Platform::getDefaultPluginsDirectory()));
+  }
+}
+
+// Removed where the caller asks for momentum to be left alone: VerletIntegrator would heed it.
+void drop_momentum_removers(OpenMM::System& system) {
+  for (int k = system.getNumForces() - 1; k >= 0; --k)
+    if (dynamic_cast<const OpenMM::CMMotionRemover*>(&system.getForce(k)) != nullptr) system.removeForce(k);
+}
+
+std::unique_ptr<OpenMM::Integrator> make_integrator(const TwinSettings& settings) {
+  std::unique_ptr<OpenMM::Integrator> integrator;
+  if (settings.integrator == TwinIntegrator::kVerlet) {
+    integrator = std::make_unique<OpenMM::VerletIntegrator>(settings.h);
+  } else {
+    auto twin = std::make_unique<OpenMM::CustomIntegrator>(settings.h);
+    build_integrator(*twin);
+    integrator = std::move(twin);
+  }
+  integrator->setConstraintTolerance(settings.constraint_tolerance);
+  return integrator;
+}
+
+std::string on_one_line(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+// By OpenMM's own reader, which takes a truncated file for a shorter one and recurses: XmlFile looked first.
+template <class T>
+std::unique_ptr<T> deserialize(const XmlFile& file) {
+  std::istringstream stream(file.text());
+  try {
+    return std::unique_ptr<T>(OpenMM::XmlSerializer::deserialize<T>(stream));
+  } catch (const std::exception& e) {
+    const Element root = file.root();
+    file.refuse(fmt::format("OpenMM {} cannot read it (written by OpenMM {}): {}", openmm_version(),
+                            root.has_attribute("openmmVersion") ? root.text("openmmVersion") : "?",
+                            on_one_line(e.what())));
+  }
+}
+
+// As Context::setState, but for what belongs to the State's integrator, which is another.
+void set_state(OpenMM::Context& context, const OpenMM::State& from) {
+  OpenMM::Vec3 a, b, c;
+  from.getPeriodicBoxVectors(a, b, c);
+  context.setPeriodicBoxVectors(a, b, c);
+  context.setTime(from.getTime());
+  context.setPositions(from.getPositions());
+  if (from.getDataTypes() & OpenMM::State::Velocities) context.setVelocities(from.getVelocities());
+  if (from.getDataTypes() & OpenMM::State::Parameters)
+    for (const auto& [name, value] : from.getParameters()) context.setParameter(name, value);
+}
+
+}  // namespace
+
+bool built_with_openmm() {
+  return true;
+}
+
+struct OpenMMTwin::Impl {
+  TwinSettings settings;
+  std::unique_ptr<OpenMM::System> system;
+  std::unique_ptr<OpenMM::Integrator> integrator;
+  std::unique_ptr<OpenMM::Context> context;  // last, so that it goes first
+
+  OpenMM::State get(int what) const { return context->getState(what); }
+  Vectors velocities() const { return from_openmm(get(OpenMM::State::Velocities).getVelocities()); }
+  bool lags() const { return settings.integrator == TwinIntegrator::kVerlet; }
+
+  // v + share·hf/m
+  Vectors kicked(Vectors v, double share, const Vectors& f) const {
+    for (int a = 0; a < v.cols(); ++a)
+      if (const double mass = system->getParticleMass(a); mass > 0)
+        v.col(a) += share * settings.h / mass * f.col(a);
+    return v;
+  }
+
+  // P(v_{n−½} + ½hf_n/m)
+  Vectors full_step_velocities(const Vectors& f) const {
+    const Vectors kept = velocities();
+    context->setVelocities(to_openmm(kicked(kept, 0.5, f)));
+    context->applyVelocityConstraints(settings.constraint_tolerance);
+    Vectors v = velocities();
+    context->setVelocities(to_openmm(kept));
+    return v;
+  }
+};
+
+void OpenMMTwin::start(std::unique_ptr<OpenMM::System> system, const TwinSettings& settings) {
+  drop_momentum_removers(*system);
+  impl_.reset(new Impl{settings, std::move(system), make_integrator(settings), {}});
+  std::map<std::string, std::string> properties;
+  if (settings.platform == "CPU" && settings.threads > 0)
+    properties["Threads"] = std::to_string(settings.threads);
+  OpenMM::Platform& platform = platform_by_name(settings.platform);
+  try {
+    impl_->context =
+        std::make_unique<OpenMM::Context>(*impl_->system, *impl_->integrator, platform, properties);
+  } catch (const OpenMM::OpenMMException& e) {
+    throw InputError(fmt::format("OpenMM cannot run it: {}", on_one_line(e.what())));
+  }
+}
+
+OpenMMTwin::OpenMMTwin(const std::filesystem::path& system_xml, const std::filesystem::path& state_xml,
+                       const TwinSettings& settings) {
+  const XmlFile system_file(system_xml, "System"), state_file(state_xml, "State");
+  auto system = deserialize<OpenMM::System>(system_file);
+  const auto from = deserialize<OpenMM::State>(state_file);
+  try {
+    start(std::move(system), settings);
+  } catch (const InputError& e) {
+    system_file.refuse(e.what());
+  }
+  try {
+    set_state(*impl_->context, *from);
+  } catch (const OpenMM::OpenMMException& e) {
+    state_file.refuse(fmt::format("OpenMM cannot start from it: {}", on_one_line(e.what())));
+  }
+}
+
+OpenMMTwin::OpenMMTwin(const OpenMMInput& input, const TwinSettings& settings) {
+  start(make_openmm_system(input), settings);
+  set(input.start);
+}
+
+OpenMMTwin::~OpenMMTwin() = default;
+
+void OpenMMTwin::set(const State& s) {
+  impl_->context->setTime(s.t);
+  impl_->context->setPositions(to_openmm(s.x));
+  const bool lags = impl_->lags();
+  const Vectors f = lags ? from_openmm(impl_->get(OpenMM::State::Forces).getForces()) : Vectors();
+  impl_->context->setVelocities(to_openmm(lags ? impl_->kicked(s.v, -0.5, f) : s.v));
+}
+
+void OpenMMTwin::step(int n) {
+  try {
+    impl_->integrator->step(n);
+  } catch (const OpenMM::OpenMMException& e) {
+    throw SimulationFailure(fmt::format("OpenMM, run beside taut, stopped: {}", e.what()));
+  }
+}
+
+State OpenMMTwin::state() const {
+  double potential = 0;
+  return state(potential);
+}
+
+State OpenMMTwin::state(double& potential) const {
+  using OpenMM::State;
+  const State s = impl_->get(State::Positions | State::Forces | State::Energy);
+  potential = s.getPotentialEnergy();
+  const Vectors f = from_openmm(s.getForces());
+  return {from_openmm(s.getPositions()), impl_->lags() ? impl_->full_step_velocities(f) : impl_->velocities(),
+          f, s.getTime()};
+}
+
+Vectors OpenMMTwin::kept_velocities() const {
+  return impl_->velocities();
+}
+
+double OpenMMTwin::potential() const {
+  return impl_->get(OpenMM::State::Energy).getPotentialEnergy();
+}
+
+double OpenMMTwin::forces_at(const Vectors& x, Vectors& f) {
+  impl_->context->setPositions(to_openmm(x));
+  const OpenMM::State s = impl_->get(OpenMM::State::Forces | OpenMM::State::Energy);
+  f = from_openmm(s.getForces());
+  return s.getPotentialEnergy();
+}
+
+std::string openmm_version() {
+  return OpenMM::Platform::getOpenMMVersion();
+}
+
+}  // namespace taut

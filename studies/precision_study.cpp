@@ -1,0 +1,76 @@
+#include <fmt/format.h>
+
+#include "studies/chart_study.hpp"
+#include "studies/csv.hpp"
+#include "studies/repeats.hpp"
+
+namespace taut {
+namespace {
+
+std::string name_of(Precision precision) {
+  return precision == Precision::kMixed ? "mixed" : "double";
+}
+
+std::string point_name(const char* panel, const std::string& method, Precision precision) {
+  return fmt::format("{}/{}/{}", panel, method, name_of(precision));
+}
+
+Trial try_precision(const ChartPlan& plan, const std::string& method, Precision precision,
+                    const TrialPlan& trial) {
+  Scene scene = plan.scene;
+  scene.terms.precision = precision;
+  return try_setting(std::move(scene), {method, "", "", {"method.name=" + method}}, trial);
+}
+
+}  // namespace
+
+bool has_precisions(const Scene& scene) {
+  return scene.terms.nonbonded || scene.terms.wca;
+}
+
+std::vector<Job> precision_jobs(const ChartPlan& plan, const Ledger& ledger) {
+  if (!has_precisions(plan.scene)) return {};
+  std::vector<Job> points, drifts;
+  for (const auto& method : plan.methods)
+    for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
+      points.push_back({point_name("step", method, precision), [&plan, method, precision] {
+                          return try_precision(plan, method, precision, {.steps = plan.steps, .rows = 2});
+                        }});
+      drifts.push_back({point_name("precision", method, precision), [&plan, method, precision] {
+                          return try_precision(plan, method, precision,
+                                               {.steps = plan.drift_steps, .rows = plan.drift_steps / 10});
+                        }});
+    }
+  std::vector<Job> jobs = interleaved(points, plan.repeats, ledger);
+  jobs.insert(jobs.end(), drifts.begin(), drifts.end());
+  return jobs;
+}
+
+std::vector<std::pair<std::string, Trial>> precision_trials(const ChartPlan& plan, const Ledger& ledger) {
+  std::vector<std::pair<std::string, Trial>> trials;
+  if (has_precisions(plan.scene))
+    for (const auto& method : plan.methods)
+      for (const Precision precision : {Precision::kDouble, Precision::kMixed})
+        trials.emplace_back(fmt::format("{}, {}", method, name_of(precision)),
+                            ledger.at(point_name("precision", method, precision)));
+  return trials;
+}
+
+std::string precision_csv(const ChartPlan& plan, const Ledger& ledger) {
+  std::string text =
+      "method,precision,step_us_q1,step_us,step_us_q3,drift_kj_mol_ns_dof,drift_low,drift_high,"
+      "rms_rel_bond_error,max_rel_bond_error,failure\n";
+  for (const auto& method : plan.methods)
+    for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
+      const Trial& t = ledger.at(point_name("precision", method, precision));
+      const Quartiles us =
+          over_repeats(point_name("step", method, precision), plan.repeats, ledger, &Trial::step_us);
+      text += t.failed() ? fmt::format("{},{},,,,,,,,,{}\n", method, name_of(precision), csv_cell(t.failure))
+                         : fmt::format("{},{},{:.5g},{:.5g},{:.5g},{:.6e},{:.6e},{:.6e},{:.6e},{:.6e},\n",
+                                       method, name_of(precision), us.low, us.median, us.high, t.drift,
+                                       t.drift_low, t.drift_high, t.rms_error, t.max_error);
+    }
+  return text;
+}
+
+}  // namespace taut

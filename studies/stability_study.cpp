@@ -1,0 +1,166 @@
+#include "studies/stability_study.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "studies/csv.hpp"
+
+namespace taut {
+namespace {
+
+std::string plane_name(Damping damping, double ah, double bh) {
+  return fmt::format("plane/{}/{:.3g}/{:.3g}", name_of(damping), ah, bh);
+}
+
+// By the scene's place: two may have one name.
+std::string step_name(std::size_t scene, const std::string& method) {
+  return fmt::format("steps/{}/{}", scene, method);
+}
+
+Trial run_gains(const StabilityPlan& plan, Damping damping, DimensionlessGains gains) {
+  const Scene& scene = plan.scenes.front();
+  const double h = scene.run.h();
+  const Setting setting{
+      "baumgarte",
+      "",
+      "",
+      {"method.name=baumgarte", "method.gains=numbers", fmt::format("method.damping={}", name_of(damping)),
+       fmt::format("method.alpha_per_ps={:.17g}", gains.ah / h),
+       fmt::format("method.beta_per_ps={:.17g}", gains.bh / h)}};
+  return try_setting(scene, setting, {.steps = plan.plane_steps, .rows = plan.plane_steps / 5});
+}
+
+// "the bond turned by 90° in one step" → "bond turned 90°": what fits beside a mark.
+std::string short_reason(const std::string& failure) {
+  static constexpr std::pair<const char*, const char*> kShort[] = {
+      {"singular, or", "singular A or 90°"},
+      {"90°", "bond turned 90°"},
+      {"water turned", "water turned too far"},
+      {"singular", "singular A"},
+      {"in line", "singular A"},
+      {"convergence", "no convergence"},
+      {"blew up", "energy blew up"},
+      {"% off", "bond off by 10%"},
+      {"not part of", "not water"},
+      {"cannot be brought", "start not mended"},
+      {"run away", "bonds run away"},
+      {"ran away", "caught before NaN"},
+      {"no longer a number", "caught before NaN"},
+      {"refused", "refused"}};
+  for (const auto& [sign, words] : kShort)
+    if (failure.find(sign) != failure.npos) return words;
+  return failure.empty() ? "never failed" : failure;
+}
+
+}  // namespace
+
+std::vector<double> StabilityPlan::ah() const {
+  if (quick) return {0.05, 0.1, 0.2, 0.4, 0.8};
+  return {0.01, 0.0178, 0.0316, 0.0562, 0.1, 0.178, 0.316, 0.562, 1, 1.78};
+}
+
+std::vector<double> StabilityPlan::bh() const {
+  std::vector<double> all;
+  for (double bh = quick ? 0.4 : 0.2; bh < 2.25; bh += quick ? 0.6 : 0.2) all.push_back(bh);
+  return all;
+}
+
+std::vector<Job> plane_jobs(const StabilityPlan& plan) {
+  std::vector<Job> jobs;
+  for (const Damping damping : kDampings)
+    for (const double ah : plan.ah())
+      for (const double bh : plan.bh())
+        jobs.push_back({plane_name(damping, ah, bh), [&plan, damping, ah, bh] {
+                          return run_gains(plan, damping, {ah, bh});
+                        }});
+  return jobs;
+}
+
+std::vector<Job> step_jobs(const StabilityPlan& plan) {
+  std::vector<Job> jobs;
+  for (std::size_t row = 0; row < plan.scenes.size(); ++row)
+    for (const auto& method : plan.methods)
+      jobs.push_back({step_name(row, method),
+                      [&plan, row, method] { return largest_stable_step(plan, plan.scenes[row], method); }});
+  return jobs;
+}
+
+Trial largest_stable_step(const StabilityPlan& plan, const Scene& scene, const std::string& method) {
+  const auto at = [&](double factor) {
+    Scene copy = scene;
+    copy.run.dt_fs *= factor;
+    return try_setting(copy, {method, "", "", {"method.name=" + method}},
+                       {.steps = plan.step_steps, .rows = plan.step_steps / 5});
+  };
+  const double fine_enough = plan.quick ? 1.2 : 1.05;
+  double good = 0, bad = 0, factor = 1;
+  Trial failed;
+  while (good == 0 || bad == 0) {
+    if (factor > kSearch || factor < 1 / kSearch) break;
+    const Trial trial = at(factor);
+    if (trial.failed()) failed = trial;
+    (trial.failed() ? bad : good) = factor;
+    // Refused for what the method is, not for the step: no step will help.
+    if (trial.failure.find("not part of") != trial.failure.npos) break;
+    factor *= trial.failed() ? 0.5 : 2;
+  }
+  while (good > 0 && bad > 0 && bad / good > fine_enough) {
+    const double middle = std::sqrt(good * bad);
+    const Trial trial = at(middle);
+    if (trial.failed()) failed = trial;
+    (trial.failed() ? bad : good) = middle;
+  }
+  failed.figure = good * scene.run.dt_fs;
+  return failed;
+}
+
+std::string plane_csv(const StabilityPlan& plan, const Ledger& ledger) {
+  std::string text =
+      "damping,alpha_h,beta_h,steps_survived,of_steps,drift_kj_mol_ns_dof,drift_low,drift_high,rms_rel_bond_"
+      "error,"
+      "max_rel_bond_error,limit_beta_h,failed,failure\n";
+  for (const Damping damping : kDampings)
+    for (const double ah : plan.ah())
+      for (const double bh : plan.bh()) {
+        const Trial& t = ledger.at(plane_name(damping, ah, bh));
+        const std::string head =
+            fmt::format("{},{:g},{:g},{},{}", name_of(damping), ah, bh, t.steps, plan.plane_steps);
+        const double limit = stability_limit(ah, damping);
+        text += t.failed() ? fmt::format("{},,,,,,{:.4g},1,{}\n", head, limit, csv_cell(t.failure))
+                           : fmt::format("{},{:.5e},{:.5e},{:.5e},{:.4e},{:.4e},{:.4g},0,\n", head, t.drift,
+                                         t.drift_low, t.drift_high, t.rms_error, t.max_error, limit);
+      }
+  return text;
+}
+
+std::string steps_csv(const StabilityPlan& plan, const Ledger& ledger) {
+  std::string text =
+      "scene,method,row,column,dt_fs_of_scene,largest_stable_fs,share_of_best,of_steps,fails_as,reason\n";
+  for (std::size_t row = 0; row < plan.scenes.size(); ++row) {
+    const Scene& scene = plan.scenes[row];
+    double best = 0;
+    for (const auto& method : plan.methods) best = std::max(best, ledger.at(step_name(row, method)).figure);
+    for (std::size_t column = 0; column < plan.methods.size(); ++column) {
+      const Trial& t = ledger.at(step_name(row, plan.methods[column]));
+      text +=
+          fmt::format("{},{},{},{},{:g},{:.4g},{:.4g},{},{},{}\n", csv_cell(scene.name), plan.methods[column],
+                      row, column, scene.run.dt_fs, t.figure, best > 0 ? t.figure / best : 0.0,
+                      plan.step_steps, csv_cell(short_reason(t.failure)), csv_cell(t.failure));
+    }
+  }
+  return text;
+}
+
+std::string limits_csv() {
+  std::string text = "damping,alpha_h,limit_beta_h\n";
+  for (const Damping damping : kDampings)
+    for (int k = 0; k <= 100; ++k) {
+      const double ah = 0.005 * std::pow(600.0, k / 100.0);
+      text += fmt::format("{},{:.5g},{:.5g}\n", name_of(damping), ah, stability_limit(ah, damping));
+    }
+  return text;
+}
+
+}  // namespace taut

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "constraints/propagator.hpp"
+#include "studies/ledger.hpp"
+
+namespace taut {
+
+// Where methods fail: Baumgarte over the plane of its gains, and every method with the length of its step.
+struct StabilityPlan {
+  std::vector<Scene> scenes = {};  // the plane is the first one's
+  std::vector<std::string> methods = {};
+  bool quick = false;
+  long plane_steps = 2000;
+  long step_steps = 500;  // a step is stable that gets through so many
+
+  std::vector<double> ah() const;  // αh over the plane
+  std::vector<double> bh() const;  // βh
+};
+
+constexpr double kSearch = 64;  // a stable step is looked for from 1/64 to 64 times the scene's
+constexpr Damping kDampings[] = {Damping::kCentred, Damping::kImplicit, Damping::kLagged};
+
+//   plane   steps survived, drift and bond errors of Baumgarte at (αh, βh), for each damping
+//   steps   the largest stable step of each method on each scene, by bisection, and how it fails beyond
+std::vector<Job> plane_jobs(const StabilityPlan& plan);
+std::vector<Job> step_jobs(const StabilityPlan& plan);
+
+std::string plane_csv(const StabilityPlan& plan, const Ledger& ledger);
+std::string steps_csv(const StabilityPlan& plan, const Ledger& ledger);
+
+// The limit, βh against αh, for each damping (Propagator).
+std::string limits_csv();
+
+// Trial::figure is the largest stable step [fs], 0 if none was found; Trial::failure how the next one fails.
+Trial largest_stable_step(const StabilityPlan& plan, const Scene& scene, const std::string& method);
+
+}  // namespace taut

@@ -1,0 +1,27 @@
+#include "studies/study_scene.hpp"
+
+#include <fmt/format.h>
+
+#include "simulation/simulation.hpp"
+
+namespace taut {
+
+Scene prepared_for_study(Scene scene) {
+  RunSettings& run = scene.run;
+  if (run.langevin() || run.rescaling()) {
+    scene.notes.push_back(fmt::format(
+        "its thermostat ({}) is left out: energies and trajectories are compared, which it would change",
+        run.langevin() ? "langevin" : "rescaling"));
+    run.thermostat = "none";
+    run.thermostat_ps = 0;
+  }
+  if (run.minimise) {
+    const Simulation relaxed(scene);
+    scene.start = relaxed.state();
+    scene.notes = relaxed.scene().notes;
+    run.minimise = false;
+  }
+  return scene;
+}
+
+}  // namespace taut

@@ -1,0 +1,154 @@
+#include "studies/trial.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "md/errors.hpp"
+#include "md/random.hpp"
+#include "simulation/simulation.hpp"
+#include "systems/scene_file.hpp"
+
+namespace taut {
+namespace {
+
+// What a curve may go through, in the order in which a reader walks it: from cheap to exact.
+struct Sweep {
+  const char* parameter;
+  std::vector<const char*> all, few;
+};
+const std::vector<Sweep>& sweeps() {
+  static const std::vector<Sweep> kSweeps = {
+      {"tolerance", {"1e-3", "1e-4", "1e-5", "1e-6", "1e-8", "1e-10", "1e-12"}, {"1e-4", "1e-6", "1e-8"}},
+      {"sweeps", {"1", "2", "4", "8", "16"}, {"1", "4"}},
+      {"order", {"1", "2", "4", "6", "8", "12"}, {"2", "4", "8"}},
+      {"iterations", {"1", "2", "4"}, {"1", "2"}},
+      {"gains", {"critical", "box2d", "dead-beat", "reversible"}, {"dead-beat", "reversible"}},
+      {"extrapolation", {"0", "1", "2"}, {"0", "1", "2"}},
+      {"omega_h", {"0.2", "0.4", "0.7", "1.2"}, {"0.4", "0.7"}}};
+  return kSweeps;
+}
+
+bool has_key(const std::string& method, std::string_view parameter) {
+  bool found = false;
+  std::visit(
+      [&](auto options) {
+        options.describe(
+            [&](const char* key, auto&, const char*, Counts = {}) { found |= key == parameter; });
+      },
+      default_options(method));
+  return found;
+}
+
+Setting setting(const std::string& method, const std::string& parameter, const std::string& value, double h) {
+  Setting s{method, parameter, value, {"method.name=" + method, "method." + parameter + "=" + value}};
+  if (method == "baumgarte" &&
+      parameter == "sweeps") {  // αh = 1, βh = ½: what one sweep bears (README there)
+    s.overrides.push_back("method.gains=numbers");
+    s.overrides.push_back(fmt::format("method.alpha_per_ps={:.17g}", 1 / h));
+    s.overrides.push_back(fmt::format("method.beta_per_ps={:.17g}", 0.5 / h));
+  } else if (parameter == "iterations") {
+    s.overrides.push_back("method.order=8");
+  }
+  return s;
+}
+
+}  // namespace
+
+std::vector<Setting> settings_of(const std::string& method, double h, bool few) {
+  std::vector<Setting> settings;
+  for (const Sweep& sweep : sweeps())
+    if (has_key(method, sweep.parameter))
+      for (const char* value : few ? sweep.few : sweep.all)
+        settings.push_back(setting(method, sweep.parameter, value, h));
+  if (settings.empty()) settings.push_back({method, "", "", {"method.name=" + method}});
+  return settings;
+}
+
+std::string in_few_words(const std::string& failure) {
+  std::string line = failure.substr(0, failure.find('\n'));
+  if (line.starts_with("step ")) {
+    if (const auto colon = line.find(": "); colon != line.npos) line = line.substr(colon + 2);
+  }
+  for (const char* aside : {" (a triangle", ";"}) line = line.substr(0, line.find(aside));
+  return line;
+}
+
+Interval bootstrap_slope(const std::vector<double>& t, const std::vector<double>& y) {
+  Slope whole;
+  for (std::size_t n = 0; n < y.size(); ++n) whole.add(t[n], y[n]);
+  const double slope = whole.value();
+  if (y.size() < kRowsForInterval) return {slope, slope};
+  double middle_t = 0, middle_y = 0;
+  for (std::size_t n = 0; n < y.size(); ++n) {
+    middle_t += t[n] / static_cast<double>(y.size());
+    middle_y += y[n] / static_cast<double>(y.size());
+  }
+  std::vector<double> residual(y.size());
+  for (std::size_t n = 0; n < y.size(); ++n) residual[n] = y[n] - middle_y - slope * (t[n] - middle_t);
+
+  constexpr int kDraws = 400;
+  const std::size_t block = y.size() / 10, starts = y.size() - block + 1;
+  Random random(1);
+  std::vector<double> slopes;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    Slope one;
+    std::size_t from = 0;
+    for (std::size_t n = 0; n < y.size(); ++n) {
+      if (n % block == 0) from = static_cast<std::size_t>(random.uniform() * static_cast<double>(starts));
+      one.add(t[n], residual[from + n % block]);
+    }
+    slopes.push_back(slope + one.value());
+  }
+  std::ranges::sort(slopes);
+  return {slopes[kDraws / 40], slopes[kDraws - 1 - kDraws / 40]};
+}
+
+Trial try_setting(Scene scene, const Setting& setting, const TrialPlan& plan, State& end) {
+  Trial trial;
+  std::vector<double> t, energy;
+  double largest_kinetic = 0, squares = 0;
+  const auto watch = [&](const Record& r) {
+    trial.steps = r.step;
+    trial.max_error = std::max(trial.max_error, r.bonds.max);
+    squares += r.bonds.rms * r.bonds.rms;
+    t.push_back(r.t);
+    energy.push_back(r.total());
+    largest_kinetic = std::max(largest_kinetic, r.kinetic);
+    trial.rms_error = std::sqrt(squares / static_cast<double>(t.size()));
+    if (std::abs(energy.back() - energy.front()) > plan.broken_energy * largest_kinetic &&
+        largest_kinetic > 0)
+      throw SimulationFailure("the energy blew up");
+    if (r.bonds.max > plan.broken_bond)
+      throw SimulationFailure(fmt::format("bonds {:g} % off", 100 * plan.broken_bond));
+  };
+  int dof = 1;
+  try {
+    apply_overrides(scene, setting.overrides);
+    scene.run.steps = plan.steps;
+    scene.run.log_every = std::max(1L, plan.steps / plan.rows);
+    Simulation simulation(std::move(scene));
+    dof = std::max(1, simulation.dof().total());
+    const Summary summary = simulation.run(watch);
+    trial.constraint_us = summary.constraint_us_per_step;
+    trial.step_us = summary.us_per_step;
+    trial.drift = summary.drift.value_or(Estimate{}).value;
+    const Interval interval = bootstrap_slope(t, energy);
+    trial.drift_low = interval.low / dof * 1000;  // per ps to per ns
+    trial.drift_high = interval.high / dof * 1000;
+    end = simulation.state();
+  } catch (const SimulationFailure& e) {
+    trial.failure = in_few_words(e.what());
+  } catch (const InputError& e) {
+    trial.failure = "refused: " + in_few_words(e.what());
+  }
+  return trial;
+}
+
+Trial try_setting(Scene scene, const Setting& setting, const TrialPlan& plan) {
+  State ignored;
+  return try_setting(std::move(scene), setting, plan, ignored);
+}
+
+}  // namespace taut
