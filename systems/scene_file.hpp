@@ -41,7 +41,7 @@ struct SceneSummary {
   std::string name, hard_on;
 };
 
-// The scenes that come with taut: in the folder it was built from, or else in systems/ here.
+// The scenes that come with taut. Throws OutsideError where they did not.
 std::filesystem::path scenes_folder();
 
 // Every scene of a folder, by name.

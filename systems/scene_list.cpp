@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <system_error>
 
+#include "files/resources.hpp"
 #include "md/errors.hpp"
 #include "md/nearest_name.hpp"
 #include "systems/scene_file.hpp"
@@ -22,8 +23,7 @@ bool is_scene(const fs::path& file) {
 }  // namespace
 
 fs::path scenes_folder() {
-  const fs::path built_from = TAUT_SCENES_DIR;
-  return fs::is_directory(built_from, ignored) ? built_from : fs::path("systems");
+  return resource_folder("scenes");
 }
 
 std::vector<SceneSummary> list_scenes(const fs::path& folder) {

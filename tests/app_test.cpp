@@ -201,6 +201,25 @@ TEST(App, AnOutputThatIsNotTakenIsOutside) {
   EXPECT_EQ(lines(contents(folder.path() / "closed" / "log.csv")), 22);
 }
 
+// The scenes are found from where the command is, or where the environment says; a file needs none of it.
+TEST(App, ScenesAreFoundFromTheCommand) {
+  const TemporaryFolder folder;
+  const std::string share = (fs::path(TAUT_BINARY).parent_path() / "share" / "taut").string();
+  fs::create_directory(folder.path() / "bin");
+  const std::string moved = (folder.path() / "bin" / "taut").string();
+  fs::copy_file(TAUT_BINARY, moved);
+  const auto [exit_code, text] = taut("run pair --steps 1", "", moved);
+  EXPECT_EQ(exit_code, 3);
+  EXPECT_EQ(lines(text), 1) << text;
+  EXPECT_THAT(text, HasSubstr((folder.path() / "share/taut/scenes").string()));
+  EXPECT_EQ(taut("run " + share + "/scenes/pair.toml --steps 1", "", moved).exit_code, 0);
+  EXPECT_EQ(taut("run pair --steps 1", "TAUT_SHARE=" + share, moved).exit_code, 0);
+  EXPECT_THAT(taut("scenes", "TAUT_SHARE=/nowhere").text, HasSubstr("/nowhere/scenes is no folder"));
+  fs::create_directories(folder.path() / "share/taut");
+  fs::create_directory_symlink(share + "/scenes", folder.path() / "share/taut/scenes");
+  EXPECT_EQ(taut("scenes", "", moved).text, taut("scenes").text);
+}
+
 // The pipe's reader has gone: stopped as by a signal, with a checkpoint.
 TEST(App, ARunNobodyReadsStopsAndCanGoOn) {
   const TemporaryFolder folder;

@@ -22,8 +22,9 @@ struct Outcome {
 };
 
 // `environment`: as a shell takes it before a command, "PATH=/nowhere".
-inline Outcome taut(const std::string& arguments, const std::string& environment = "") {
-  std::FILE* pipe = popen((environment + " " + TAUT_BINARY + " " + arguments + " 2>&1").c_str(), "r");
+inline Outcome taut(const std::string& arguments, const std::string& environment = "",
+                    const std::string& binary = TAUT_BINARY) {
+  std::FILE* pipe = popen((environment + " " + binary + " " + arguments + " 2>&1").c_str(), "r");
   Outcome outcome{};
   std::array<char, 4096> buffer;
   while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe))

@@ -1,0 +1,45 @@
+#include "files/resources.hpp"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+#include <link.h>
+
+#include <cstdlib>
+#include <system_error>
+
+#include "md/errors.hpp"
+
+namespace taut {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The shared object this function is in, or else the program: ld.so gives that one no name of its own.
+fs::path own_file() {
+  Dl_info info;
+  link_map* object = nullptr;
+  const auto here = reinterpret_cast<const void*>(&own_file);
+  if (dladdr1(here, &info, reinterpret_cast<void**>(&object), RTLD_DL_LINKMAP) && *object->l_name)
+    return object->l_name;
+  return "/proc/self/exe";
+}
+
+}  // namespace
+
+fs::path resource_folder(const std::string& name) {
+  std::error_code ignored;
+  if (const char* share = std::getenv("TAUT_SHARE")) {
+    fs::path said = fs::path(share) / name;
+    if (!fs::is_directory(said, ignored))
+      throw OutsideError(fmt::format("TAUT_SHARE={}: {} is no folder", share, said.string()));
+    return said;
+  }
+  const fs::path program = fs::canonical(own_file(), ignored), folder = program.parent_path();
+  for (const fs::path& beside : {folder, folder.parent_path()})
+    if (fs::path found = beside / "share/taut" / name; fs::is_directory(found, ignored)) return found;
+  throw OutsideError(fmt::format(
+      "{}: its {} are not in {}; install taut whole, or let TAUT_SHARE name the share/taut they are in",
+      program.string(), name, (folder.parent_path() / "share/taut" / name).string()));
+}
+
+}  // namespace taut
