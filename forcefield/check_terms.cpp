@@ -9,7 +9,6 @@
 #include <string_view>
 #include <utility>
 
-#include "forcefield/wca.hpp"
 #include "md/errors.hpp"
 
 namespace taut {
@@ -135,7 +134,7 @@ void check_wca(const Wca& wca, int n, const Box& box) {
   for (std::size_t e = 0; e < wca.exclusions.size(); ++e)
     check_atoms({"wca exclusion", e}, {wca.exclusions[e][0], wca.exclusions[e][1]}, n);
   if (!box.periodic()) return;
-  const double reach = WcaBeads::reach(wca), half = 0.5 * box.edge.minCoeff();
+  const double reach = wca.reach(), half = 0.5 * box.edge.minCoeff();
   require(reach <= half, "wca: beads reach {} nm, over half the box's shortest edge, {} nm", reach, half);
 }
 

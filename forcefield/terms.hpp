@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -66,6 +67,8 @@ struct Wca {
   double sigma;    // [nm]
   double epsilon;  // [kJ/mol]
   std::vector<std::array<int, 2>> exclusions;
+
+  double reach() const { return std::pow(2.0, 1.0 / 6) * sigma; }  // [nm]
 };
 
 struct Pull {  // a constant force on one atom

@@ -2,32 +2,16 @@
 
 #include <fmt/format.h>
 
+#include "md/adjacency.hpp"
 #include "md/errors.hpp"
 
 namespace taut {
 namespace {
 
-// The atoms bonded to each atom, side by side: those of atom a are partner[first[a]] ..
-// partner[first[a+1]-1].
-struct Neighbours {
-  std::vector<int> first, partner;
-
-  Neighbours(int atoms, const std::vector<BondedPair>& pairs)
-      : first(atoms + 1, 0), partner(2 * pairs.size()) {
-    for (const auto& [i, j] : pairs) ++first[i + 1], ++first[j + 1];
-    for (int a = 0; a < atoms; ++a) first[a + 1] += first[a];
-    std::vector<int> next(first.begin(), first.end() - 1);
-    for (const auto& [i, j] : pairs) {
-      partner[next[i]++] = j;
-      partner[next[j]++] = i;
-    }
-  }
-};
-
 // Walks every molecule from its first atom outward, and calls step(from, to) once for each further atom.
 template <class Step>
 std::vector<int> walk(int atoms, const std::vector<BondedPair>& pairs, Step step) {
-  const Neighbours near(atoms, pairs);
+  const Adjacency near(atoms, pairs);
   std::vector<int> molecule(atoms, -1);
   std::vector<int> open;
   int count = 0;
@@ -38,7 +22,7 @@ std::vector<int> walk(int atoms, const std::vector<BondedPair>& pairs, Step step
     while (!open.empty()) {
       const int from = open.back();
       open.pop_back();
-      for (int k = near.first[from]; k < near.first[from + 1]; ++k) {
+      for (int k = near.begin[from]; k < near.begin[from + 1]; ++k) {
         const int to = near.partner[k];
         if (molecule[to] >= 0) continue;
         molecule[to] = molecule[from];

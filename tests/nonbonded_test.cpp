@@ -3,49 +3,20 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <numbers>
 #include <random>
-#include <set>
 
 #include "force_checks.hpp"
-#include "forcefield/dispersion.hpp"
 #include "md/units.hpp"
+#include "plain_pairs.hpp"
+#include "two_kinds.hpp"
 
 namespace taut {
 namespace {
 
-using std::numbers::pi;
-
-// Two atoms, or more of the same two kinds in turn: one charged and large, one charged and small.
-Nonbonded two_kinds(int n) {
-  Nonbonded nb;
-  nb.charge.resize(n);
-  nb.sigma.resize(n);
-  nb.epsilon.resize(n);
-  for (int a = 0; a < n; ++a) {
-    nb.charge[a] = a % 2 ? -0.8 : 0.5;
-    nb.sigma[a] = a % 2 ? 0.2 : 0.3;
-    nb.epsilon[a] = a % 2 ? 0.25 : 0.64;
-  }
-  return nb;
-}
-
-Nonbonded without_charges(Nonbonded nb) {
-  nb.charge.setZero();
-  return nb;
-}
-
-Nonbonded without_lj(Nonbonded nb) {
-  nb.epsilon.setZero();
-  return nb;
-}
+using namespace testing;
 
 Vectors apart(double r) {
   return columns({{0, 0, 0}, {r, 0, 0}});
-}
-
-double lj(double sigma, double epsilon, double r) {
-  return 4 * epsilon * (std::pow(sigma / r, 12) - std::pow(sigma / r, 6));
 }
 
 // ---- a pair, in closed form ----
@@ -161,47 +132,6 @@ Nonbonded mixed(int n) {  // charged, neutral, with and without Lennard-Jones
   return nb;
 }
 
-Evaluated double_loop(const Nonbonded& nb, const Vectors& x, const Box& box) {
-  Evaluated sum{0, Vectors::Zero(3, x.cols())};
-  std::set<std::pair<int, int>> excluded;
-  const auto add = [&](int i, int j, const Vec3& d, double energy, double slope) {
-    sum.energy += energy;
-    sum.f.col(i) -= slope * d.normalized();
-    sum.f.col(j) += slope * d.normalized();
-  };
-  const auto lj_slope = [](double sigma, double epsilon, double r) {
-    return 4 * epsilon * (-12 * std::pow(sigma / r, 12) + 6 * std::pow(sigma / r, 6)) / r;
-  };
-  for (const auto& [i, j, qq, sigma, epsilon] : nb.exceptions) {
-    excluded.insert(std::minmax(i, j));
-    const Vec3 d = x.col(i) - x.col(j);
-    const double r = d.norm();
-    add(i, j, d, lj(sigma, epsilon, r) + kCoulomb * qq / r,
-        lj_slope(sigma, epsilon, r) - kCoulomb * qq / (r * r));
-  }
-  const double rc = nb.cutoff.value_or(1e9), eps = nb.rf_dielectric;
-  const double k_rf = nb.cutoff ? (eps - 1) / ((2 * eps + 1) * rc * rc * rc) : 0;
-  const double c_rf = nb.cutoff ? 3 * eps / ((2 * eps + 1) * rc) : 0;
-  for (int i = 0; i < x.cols(); ++i)
-    for (int j = i + 1; j < x.cols(); ++j) {
-      Vec3 d = x.col(i) - x.col(j);
-      if (nb.cutoff) d = box.nearest_image(d);
-      const double r = d.norm(), kqq = kCoulomb * nb.charge[i] * nb.charge[j];
-      if (excluded.contains({i, j}) || r > rc) continue;
-      const double sigma = (nb.sigma[i] + nb.sigma[j]) / 2,
-                   epsilon = std::sqrt(nb.epsilon[i] * nb.epsilon[j]);
-      double energy = lj(sigma, epsilon, r), slope = lj_slope(sigma, epsilon, r);
-      if (nb.switch_distance && r > *nb.switch_distance) {
-        const double w = rc - *nb.switch_distance, u = (r - *nb.switch_distance) / w;
-        const double S = 1 - u * u * u * (10 - 15 * u + 6 * u * u);
-        slope = slope * S - energy * 30 * u * u * (1 - u) * (1 - u) / w;
-        energy *= S;
-      }
-      add(i, j, d, energy + kqq * (1 / r + k_rf * r * r - c_rf), slope + kqq * (2 * k_rf * r - 1 / (r * r)));
-    }
-  return sum;
-}
-
 struct Setting {
   const char* name;
   int side;        // atoms along an edge
@@ -215,7 +145,7 @@ void PrintTo(const Setting& s, std::ostream* out) {
   *out << s.name;
 }
 
-class NonbondedIn : public testing::TestWithParam<Setting> {
+class NonbondedIn : public ::testing::TestWithParam<Setting> {
  protected:
   NonbondedIn() {
     const auto& s = GetParam();
@@ -240,7 +170,8 @@ TEST_P(NonbondedIn, AgreesWithADoubleLoop) {
   std::mt19937_64 rng(1);
   std::normal_distribution<double> normal;
   for (int step = 0; step < 4; ++step) {
-    const Evaluated ours = bench.at(x), witness = double_loop(nb, x, box);
+    const Evaluated ours = bench.at(x);
+    const auto witness = plain_nonbonded(nb, box, x);
     EXPECT_NEAR(ours.energy, witness.energy, 1e-10 * (1 + std::abs(witness.energy)));
     EXPECT_LT((ours.f - witness.f).norm(), 1e-11 * witness.f.norm());
     EXPECT_LT(ours.f.rowwise().sum().norm(), 1e-12 * ours.f.norm());
@@ -267,12 +198,12 @@ TEST_P(NonbondedIn, GivesTheSameBitsTwice) {
   EXPECT_EQ(once.f, twice.f);
 }
 
-const auto kSpaces = testing::Values(
+const auto kSpaces = ::testing::Values(
     Setting{"no_cutoff", 7, 0.35, false, 0, 0}, Setting{"no_cutoff_in_a_box", 4, 0.35, true, 0, 0},
     Setting{"drop", 5, 0.35, false, 0.8, 0}, Setting{"drop_switched", 5, 0.35, false, 0.8, 0.6});
 const auto kBoxes =
-    testing::Values(Setting{"smallest_box", 5, 0.35, true, 0.875, 0.7},
-                    Setting{"small_box", 6, 0.35, true, 0.8, 0}, Setting{"box", 7, 0.35, true, 0.7, 0.5});
+    ::testing::Values(Setting{"smallest_box", 5, 0.35, true, 0.875, 0.7},
+                      Setting{"small_box", 6, 0.35, true, 0.8, 0}, Setting{"box", 7, 0.35, true, 0.7, 0.5});
 const auto kName = [](const auto& test) { return std::string(test.param.name); };
 INSTANTIATE_TEST_SUITE_P(Spaces, NonbondedIn, kSpaces, kName);
 INSTANTIATE_TEST_SUITE_P(Boxes, NonbondedIn, kBoxes, kName);
@@ -301,111 +232,14 @@ TEST(Wca, AgreesWithADoubleLoop) {
   for (int side : {3, 4, 9}) {
     const Vectors x = crowd(side, 0.33, true);
     const Box box{Vec3::Constant(side * 0.33)};
-    double expected = 0;
-    for (int i = 0; i < x.cols(); ++i)
-      for (int j = i + 1; j < x.cols(); ++j) {
-        const double r = box.nearest_image(x.col(i) - x.col(j)).norm();
-        const bool excluded = (i == 0 && j == 1) || (i == 10 && j == 35 && side > 3);
-        if (r < std::pow(2, 1.0 / 6) * wca.sigma && !excluded)
-          expected += lj(wca.sigma, wca.epsilon, r) + wca.epsilon;
-      }
     Wca given = wca;
     if (side == 3) given.exclusions.pop_back();
     const Evaluated ours = evaluate({.wca = given}, x, box.edge);
-    EXPECT_NEAR(ours.energy, expected, 1e-11 * expected);
+    const auto plain = plain_wca(given, box, x);
+    EXPECT_NEAR(ours.energy, plain.energy, 1e-11 * plain.energy);
+    EXPECT_LT((ours.f - plain.f).norm(), 1e-12 * plain.f.norm());
     EXPECT_LT(ours.f.rowwise().sum().norm(), 1e-12 * ours.f.norm());
   }
-}
-
-// ---- the dispersion correction ----
-
-double simpson(const std::function<double(double)>& g, double a, double b) {
-  const int n = 4000;
-  double sum = g(a) + g(b);
-  for (int k = 1; k < n; ++k) sum += (k % 2 ? 4 : 2) * g(a + (b - a) * k / n);
-  return sum * (b - a) / (3 * n);
-}
-
-TEST(Dispersion, TailsOfSwitchesAgreeWithQuadrature) {
-  const double rc = 0.9;
-  for (double rs : {0.2, 0.3, 0.7, 0.8, 0.87})
-    for (int n : {4, 10}) {
-      const auto integrand = [&](double r) {
-        const double u = (r - rs) / (rc - rs);
-        return u * u * u * (10 - 15 * u + 6 * u * u) * std::pow(r, -n);
-      };
-      const double expected = simpson(integrand, rs, rc) + std::pow(rc, 1 - n) / (n - 1);
-      EXPECT_NEAR(cut_tail(rs, rc, n), expected, 1e-8 * expected) << rs << " " << n;
-    }
-}
-
-// The weight −S' has the mean m = ½(rs + rc) and the variance w²/28: powers 0 and −1 by hand.
-TEST(Dispersion, TailsOfSwitchesAreExactWherePowersAre) {
-  const double rc = 0.9;
-  for (double rs : {1e-9, 1e-3, 0.1, 0.5, 0.899, 0.9 - 1e-9}) {
-    const double m = (rs + rc) / 2, w = rc - rs;
-    EXPECT_NEAR(cut_tail(rs, rc, 0), -m, 1e-14) << rs;
-    EXPECT_NEAR(cut_tail(rs, rc, -1), -(m * m + w * w / 28) / 2, 1e-14) << rs;
-  }
-}
-
-// Half the width sooner than the cutoff, to first order in the width: for n = 4, 1/(3r³) at (rs + rc)/2.
-TEST(Dispersion, ASwitchOnTheCutoffIsACutoff) {
-  const double rc = 0.9;
-  for (int n : {4, 10}) {
-    const double plain = std::pow(rc, 1 - n) / (n - 1);
-    EXPECT_DOUBLE_EQ(cut_tail(rc, rc, n), plain);
-    for (double width : {1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-12, 1e-15}) {
-      const double middle = std::pow(rc - width / 2, 1 - n) / (n - 1);
-      EXPECT_NEAR(cut_tail(rc - width, rc, n) / middle, 1, n * n * width * width + 2e-15) << width;
-    }
-  }
-}
-
-// ½N² times the mean over all pairs, self pairs included, of ∫ U (1 − S) 4πr² dr; from the cutoff on in 1/r.
-double tail_by_quadrature(const Nonbonded& nb) {
-  const double rc = *nb.cutoff, rs = nb.switch_distance.value_or(rc);
-  const int n = static_cast<int>(nb.sigma.size());
-  double sum = 0;
-  for (int i = 0; i < n; ++i)
-    for (int j = i; j < n; ++j) {
-      const double sigma = (nb.sigma[i] + nb.sigma[j]) / 2,
-                   epsilon = std::sqrt(nb.epsilon[i] * nb.epsilon[j]);
-      const auto shell = [&](double r) { return lj(sigma, epsilon, r) * 4 * pi * r * r; };
-      sum += simpson([&](double u) { return u > 0 ? shell(1 / u) / (u * u) : 0.0; }, 0, 1 / rc);
-      if (rs < rc)
-        sum += simpson(
-            [&](double r) {
-              const double u = (r - rs) / (rc - rs);
-              return shell(r) * u * u * u * (10 - 15 * u + 6 * u * u);
-            },
-            rs, rc);
-    }
-  return 0.5 * n * n * sum / (n * (n + 1) / 2.0);
-}
-
-TEST(Dispersion, CoefficientAgreesWithQuadratureOverAllPairs) {
-  Nonbonded nb = two_kinds(7);
-  nb.epsilon[3] = 0;
-  nb.cutoff = 0.9;
-  EXPECT_NEAR(dispersion_coefficient(nb), tail_by_quadrature(nb), 1e-9 * std::abs(tail_by_quadrature(nb)));
-  EXPECT_LT(dispersion_coefficient(nb), 0);
-  const double plain = dispersion_coefficient(nb);
-  nb.switch_distance = 0.7;
-  EXPECT_NEAR(dispersion_coefficient(nb), tail_by_quadrature(nb), 1e-9 * std::abs(tail_by_quadrature(nb)));
-  EXPECT_LT(dispersion_coefficient(nb), 1.1 * plain);  // the switch took more away
-}
-
-TEST(Dispersion, IsAConstantOverTheVolume) {
-  Nonbonded nb = without_charges(two_kinds(2));
-  nb.cutoff = 0.9;
-  const Terms plain{.nonbonded = nb};
-  nb.dispersion_correction = true;
-  const Vec3 edge(2, 2.5, 3);
-  const Evaluated with = evaluate({.nonbonded = nb}, apart(0.4), edge),
-                  without = evaluate(plain, apart(0.4), edge);
-  EXPECT_NEAR(with.energy - without.energy, dispersion_coefficient(nb) / 15, 1e-15);
-  EXPECT_EQ(with.f, without.f);
 }
 
 // ---- numbers that ran away ----

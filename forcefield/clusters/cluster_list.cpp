@@ -23,20 +23,6 @@ std::uint16_t met_once(const AtomClusters& clusters, int cluster) {
 
 }  // namespace
 
-Exclusions::Exclusions(int atoms, const std::vector<std::array<int, 2>>& pairs) : begin(atoms + 1, 0) {
-  for (const auto& [i, j] : pairs) {
-    ++begin[i + 1];
-    ++begin[j + 1];
-  }
-  for (int a = 0; a < atoms; ++a) begin[a + 1] += begin[a];
-  partner.resize(2 * pairs.size());
-  std::vector<int> next(begin.begin(), begin.end() - 1);
-  for (const auto& [i, j] : pairs) {
-    partner[next[i]++] = j;
-    partner[next[j]++] = i;
-  }
-}
-
 void SearchSpace::find_bounds() {
   const int n = clusters.count();
   reach = x.safely(range);

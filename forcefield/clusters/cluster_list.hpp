@@ -7,6 +7,7 @@
 #include "forcefield/clusters/atom_clusters.hpp"
 #include "forcefield/clusters/cluster_scan.hpp"
 #include "forcefield/clusters/rounded_positions.hpp"
+#include "md/adjacency.hpp"
 #include "md/vectors.hpp"
 
 namespace taut {
@@ -41,16 +42,10 @@ struct ClusterList {
   }
 };
 
-// Atoms that do not interact: those of a are partner[begin[a]] .. partner[begin[a + 1] − 1].
-struct Exclusions {
-  std::vector<int> begin, partner;
-  Exclusions(int atoms, const std::vector<std::array<int, 2>>& pairs);
-};
-
 // What a search looks at.
 struct SearchSpace {
   const AtomClusters& clusters;
-  const Exclusions& exclusions;
+  const Adjacency& exclusions;
   const std::vector<std::uint8_t>& kind;  // by slot
   const RoundedPositions& x;
   Vec3 edge;     // of the box [nm]; zero: none

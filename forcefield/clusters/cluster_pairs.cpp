@@ -164,19 +164,18 @@ class EngineIn final : public ClusterPairs::Engine {
     const int clusters = clusters_.count();
     threads_ = std::clamp(clusters / kClustersPerThread, 1, available_threads());
     load(x);
-    SearchSpace space{clusters_, exclusions_, kind_, rounded_, p_.box.edge, p_.law.cutoff + p_.outer};
     outer_.resize(threads_);
     inner_.resize(threads_);
     search_.resize(threads_);
     force_.resize(threads_);
     if (p_.all_pairs()) {
       in_parallel(threads_, [&](int t) {
-        search_[t].run_all(space, triangle_share(t), triangle_share(t + 1), kRowAtoms, outer_[t]);
+        search_[t].run_all(space_, triangle_share(t), triangle_share(t + 1), kRowAtoms, outer_[t]);
       });
     } else {
-      space.find_bounds();
+      space_.find_bounds();
       in_parallel(threads_,
-                  [&](int t) { search_[t].run(space, column_share(t), column_share(t + 1), outer_[t]); });
+                  [&](int t) { search_[t].run(space_, column_share(t), column_share(t + 1), outer_[t]); });
     }
     searched_at_ = x;
     ++searches;
@@ -257,7 +256,7 @@ class EngineIn final : public ClusterPairs::Engine {
   }
 
   PairProblem p_;
-  Exclusions exclusions_;
+  Adjacency exclusions_;
   AtomClusters clusters_;
   PairAtoms<T> atoms_;
   RoundedPositions rounded_;  // where the lists were made
@@ -270,6 +269,7 @@ class EngineIn final : public ClusterPairs::Engine {
   std::vector<char> within_;
   std::vector<ClusterList> outer_, inner_;  // by thread, as what follows
   std::vector<ClusterSearch> search_;
+  SearchSpace space_{clusters_, exclusions_, kind_, rounded_, p_.box.edge, p_.law.cutoff + p_.outer};
   std::vector<Aligned<T>> force_;
   double energy_ = 0;
   bool energy_known_ = false;

@@ -8,8 +8,8 @@
 
 namespace taut {
 
-// The pair forces of a scene, in vectors over clusters of atoms sorted in space, by threads. The same sums
-// as LennardJonesCoulomb (without its exceptions' own forces) and WcaBeads, which say them plainly.
+// The pair forces of a scene (pair_kernels.hpp has the equations), in vectors over clusters of atoms sorted
+// in space, by threads. What exceptions add by their own numbers is not in them.
 //
 // Two lists, as GROMACS has them (Páll et al. 2020, doi:10.1063/5.0018516). The outer one, from a search,
 // holds the clusters within cutoff + outer buffer; the inner one, what of it is within cutoff + inner buffer.

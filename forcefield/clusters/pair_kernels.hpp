@@ -10,7 +10,15 @@
 
 namespace taut {
 
-// What pairs do, in OpenMM's conventions: forcefield/lennard_jones_coulomb.hpp has the equations.
+// What pairs do, in the conventions of OpenMM's NonbondedForce (no cutoff; cutoff with reaction field, in a
+// periodic box or without one):
+//     LJ:       4ε((σ/r)¹² − (σ/r)⁶) S(r),   σ = ½(σ_i + σ_j), ε = √(ε_i ε_j)   (Lorentz–Berthelot)
+//     switch:   S = 1 − 6x⁵ + 15x⁴ − 10x³, x = (r − rs)/(rc − rs); 1 below rs
+//     Coulomb:  k q_i q_j (1/r + k_rf r² − c_rf), k_rf = (ε−1)/((2ε+1)rc³), c_rf = 3ε/((2ε+1)rc)
+//               (Tironi et al. 1995, doi:10.1063/1.469273); without a cutoff both are zero
+//     WCA:      4ε((σ/r)¹² − (σ/r)⁶) + ε up to 2^(1/6)σ, its minimum, where energy and force reach zero
+//               (Weeks, Chandler and Andersen 1971, doi:10.1063/1.1674820)
+// A pair is summed for what both its atoms have, Lennard-Jones, charge or both.
 struct PairLaw {
   bool lj = false, charge = false;
   bool one_sigma =

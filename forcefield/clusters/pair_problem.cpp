@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "forcefield/wca.hpp"
 #include "md/units.hpp"
 
 namespace taut {
@@ -58,7 +57,7 @@ PairProblem problem_of(const Nonbonded& nb, const Box& box) {
 
 PairProblem problem_of(const Wca& wca, int atoms, const Box& box) {
   PairProblem p;
-  p.law.cutoff = WcaBeads::reach(wca);
+  p.law.cutoff = wca.reach();
   p.law.lift = 1;
   p.box = box;
   choose_buffers(p, 0.12, 0.4);

@@ -148,7 +148,7 @@ void read_custom_nonbonded(const ForceReading& r) {
   Parameters p(r.force, "PerParticleParameters", r.context);
 
   Wca& wca = r.to.terms.wca.emplace(Wca{p.of_all("sigma"), p.of_all("epsilon"), {}});
-  if (method == kNoCutoff || !(std::abs(cutoff - wca_cutoff(wca.sigma)) < 1e-12 * wca.sigma))
+  if (method == kNoCutoff || !(std::abs(cutoff - wca.reach()) < 1e-12 * wca.sigma))
     r.force.refuse("is not cut off at 2^(1/6) sigma, as taut's repulsive beads are");
   if (switched) r.force.refuse("has useSwitchingFunction=\"1\": taut's repulsive beads have no switch");
   if (corrected) r.force.refuse("has useLongRangeCorrection=\"1\": nothing is beyond the cutoff");

@@ -106,7 +106,7 @@ void write_wca(const System& sys, const Wca& wca, OpenMM::System& to) {
   for (int a = 0; a < sys.atoms(); ++a) force->addParticle();
   for (const auto& [i, j] : wca.exclusions) force->addExclusion(i, j);
   force->setNonbondedMethod(sys.box.periodic() ? Force::CutoffPeriodic : Force::CutoffNonPeriodic);
-  force->setCutoffDistance(wca_cutoff(wca.sigma));
+  force->setCutoffDistance(wca.reach());
   to.addForce(force);
 }
 

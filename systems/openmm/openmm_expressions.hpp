@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cmath>
-
 namespace taut {
 
 // The terms OpenMM has no class for are custom forces of these energies, written and known again by them.
@@ -11,9 +9,5 @@ constexpr const char* kPullEnergy = "-(fx*x+fy*y+fz*z)";
 constexpr const char* kFeneEnergy = "-0.5*k*r0^2*log(1-(r/r0)^2)";
 constexpr const char* kWcaEnergy =
     "4*epsilon*((sigma/r)^12-(sigma/r)^6)+epsilon";  // of all; ends at 2^(1/6)σ
-
-inline double wca_cutoff(double sigma) {
-  return std::pow(2.0, 1.0 / 6) * sigma;
-}
 
 }  // namespace taut

@@ -1,0 +1,76 @@
+// Forces allocate nothing once they have room.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "force_checks.hpp"
+#include "liquids.hpp"
+
+static std::atomic<long> allocations{0};
+static void* counted(std::size_t size, std::size_t alignment) {
+  ++allocations;
+  if (void* p = std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment)) return p;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] static void give_back(void* p) noexcept {
+  std::free(p);
+}
+void* operator new(std::size_t size) {
+  return counted(size, alignof(std::max_align_t));
+}
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  return counted(size, std::size_t(alignment));
+}
+void operator delete(void* p) noexcept {
+  give_back(p);
+}
+void operator delete(void* p, std::size_t) noexcept {
+  give_back(p);
+}
+void operator delete(void* p, std::align_val_t) noexcept {
+  give_back(p);
+}
+
+namespace taut {
+namespace {
+
+using namespace testing;
+
+// Over the same way twice, far enough for searches.
+long allocated_the_second_time(const Terms& terms, const Vectors& start, const Vec3& edge) {
+  const int n = static_cast<int>(start.cols());
+  const System sys = make_system(Eigen::VectorXd::Constant(n, 2.0), {}, {edge});
+  ForceField forces(sys, terms);
+  State s{start, Vectors::Zero(3, n), Vectors::Zero(3, n), 0};
+  const auto wander = [&] {
+    std::mt19937_64 rng(3);
+    std::normal_distribution<double> normal(0, 0.02);
+    s.x = start;
+    for (int step = 0; step < 10; ++step) {
+      for (int k = 0; k < s.x.size(); ++k) s.x.data()[k] += normal(rng);
+      forces(sys, s);
+    }
+  };
+  wander();
+  const long before = allocations;
+  wander();
+  return allocations - before;
+}
+
+TEST(Forces, AllocateNothingOnceTheyHaveRoom) {
+  for (const Liquid& liquid :
+       {Liquid{"water", 6, 0.33, true, 0.8, 0, 1, true}, Liquid{"drop", 6, 0.33, false, 0.8, 0.6, 2, true},
+        Liquid{"all", 5, 0.33, false, 0, 0, 1, true}})
+    for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
+      std::mt19937_64 rng(5);
+      Terms terms;
+      terms.nonbonded = forces_of(liquid);
+      terms.precision = precision;
+      EXPECT_EQ(allocated_the_second_time(terms, place(liquid, rng), box_of(liquid).edge), 0) << liquid.name;
+    }
+}
+
+}  // namespace
+}  // namespace taut

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <cmath>
+#include <ostream>
+#include <random>
+
+#include "forcefield/terms.hpp"
+#include "md/box.hpp"
+
+// Liquids of small molecules to compute pairs of.
+
+namespace taut::testing {
+
+struct Liquid {
+  const char* name;
+  int molecules;   // along an edge, of three atoms
+  double spacing;  // [nm]
+  bool periodic;
+  double cutoff;     // [nm]; 0: none
+  double switch_at;  // [nm]; 0: none
+  int sigmas;        // kinds of atoms with Lennard-Jones; 0: no Lennard-Jones at all
+  bool charges;
+};
+
+inline void PrintTo(const Liquid& liquid, std::ostream* out) {
+  *out << liquid.name;
+}
+
+// Bent molecules of three on a jittered lattice, turned at random, some of them boxes away. No two atoms of
+// different molecules come near enough for forces that drown the others.
+inline Vectors place(const Liquid& liquid, std::mt19937_64& rng) {
+  std::normal_distribution<double> normal;
+  const int m = liquid.molecules;
+  Vectors x(3, 3 * m * m * m);
+  const auto direction = [&] { return Vec3(normal(rng), normal(rng), normal(rng)).normalized(); };
+  for (int k = 0; k < m * m * m; ++k) {
+    Vec3 o = liquid.spacing * (Vec3(k % m, k / m % m, k / m / m) + 0.06 * direction());
+    if (liquid.periodic) o += m * liquid.spacing * Vec3(k % 3 - 1, k % 5 - 2, k % 2);
+    x.col(3 * k) = o;
+    x.col(3 * k + 1) = o + 0.1 * direction();
+    x.col(3 * k + 2) = o + 0.1 * direction();
+  }
+  return x;
+}
+
+inline Nonbonded forces_of(const Liquid& liquid) {
+  const int n = 3 * liquid.molecules * liquid.molecules * liquid.molecules;
+  Nonbonded nb;
+  nb.charge.setZero(n);
+  nb.sigma.setConstant(n, 0.25);
+  nb.epsilon.setZero(n);
+  for (int a = 0; a < n; ++a) {
+    if (liquid.charges) nb.charge[a] = a % 3 == 0 ? -0.8 : 0.4;
+    if (liquid.sigmas > 0 && a % 3 == 0) nb.epsilon[a] = a % 2 == 0 ? 0.6 : 0.3;
+    if (liquid.sigmas > 1 && a % 3 == 0) nb.sigma[a] = a % 4 == 0 ? 0.25 : 0.21;
+    if (a % 3 != 0) nb.exceptions.push_back({a - a % 3, a, 0, 1, 0});
+    if (a % 3 == 2) nb.exceptions.push_back({a - 1, a, 0, 1, 0});
+    if (a % 9 == 3) nb.exceptions.push_back({a, (a + 5) % n, 0, 1, 0});
+  }
+  if (liquid.cutoff > 0) nb.cutoff = liquid.cutoff;
+  if (liquid.switch_at > 0) nb.switch_distance = liquid.switch_at;
+  return nb;
+}
+
+inline Box box_of(const Liquid& liquid) {
+  return liquid.periodic ? Box{Vec3::Constant(liquid.molecules * liquid.spacing)} : Box{};
+}
+
+inline double rms(const Vectors& f) {
+  return f.norm() / std::sqrt(f.size());
+}
+
+// Which atoms have no pair so near the cutoff that one precision may count it and the other not: 1, else 0.
+inline Eigen::RowVectorXd clear_of_cutoff(double cutoff, const Vectors& x, const Box& box) {
+  Eigen::RowVectorXd clear = Eigen::RowVectorXd::Ones(x.cols());
+  for (int i = 0; cutoff > 0 && i < x.cols(); ++i)
+    for (int j = 0; j < i; ++j) {
+      const double r2 = box.nearest_image(x.col(i) - x.col(j)).squaredNorm();
+      if (std::abs(r2 / (cutoff * cutoff) - 1) < 2e-6) clear[i] = clear[j] = 0;
+    }
+  return clear;
+}
+
+}  // namespace taut::testing
