@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -109,27 +108,22 @@ void calibrate_scene(const CalibrateArguments& arguments) {
 
 }  // namespace
 
-void add_calibrate(CLI::App& app, std::vector<std::pair<CLI::App*, Action>>& actions) {
+void add_calibrate(Commands& commands) {
   auto arguments = std::make_shared<CalibrateArguments>();
-  CLI::App* command =
-      app.add_subcommand("calibrate", "find the gains with which Baumgarte reduces errors as RATTLE does");
-  command->add_option("scene", arguments->scene, "a scene's file or name")->required();
-  command->add_option("--against", arguments->plan.against, "rattle, shake or newton")->capture_default_str();
-  auto* tolerance =
-      command->add_option("--tolerance", arguments->plan.tolerance, "of that method")->capture_default_str();
+  const Subcommand command =
+      commands.add("calibrate", "find the gains with which Baumgarte reduces errors as RATTLE does",
+                   [arguments] { calibrate_scene(*arguments); });
+  command.option("scene", arguments->scene, "a scene's file or name").required();
+  command.option("--against", arguments->plan.against, "rattle, shake or newton");
+  const Argument tolerance = command.option("--tolerance", arguments->plan.tolerance, "of that method");
   command
-      ->add_option("--sweeps", arguments->plan.sweeps,
-                   "that method takes just so many, in place of a tolerance")
-      ->excludes(tolerance);
-  command->add_option("--damping", arguments->plan.damping, "centred, implicit or lagged")
-      ->capture_default_str();
-  command->add_option("--passes", arguments->plan.passes, "solves a step of Baumgarte's")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_option("--dt-fs", arguments->dt_fs, "step length [fs]");
-  command->add_option("--set", arguments->settings, "any key of the scene")->type_name("KEY=VALUE");
-  command->add_option("--json", arguments->json, "write the figures there");
-  actions.emplace_back(command, [arguments] { calibrate_scene(*arguments); });
+      .option("--sweeps", arguments->plan.sweeps, "that method takes just so many, in place of a tolerance")
+      .excludes(tolerance);
+  command.option("--damping", arguments->plan.damping, "centred, implicit or lagged");
+  command.option("--passes", arguments->plan.passes, "solves a step of Baumgarte's").positive();
+  command.option("--dt-fs", arguments->dt_fs, "step length [fs]");
+  command.option("--set", arguments->settings, "any key of the scene").key_values();
+  command.option("--json", arguments->json, "write the figures there");
 }
 
 }  // namespace taut

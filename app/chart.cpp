@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 
@@ -115,23 +114,21 @@ void chart(const ChartArguments& arguments) {
 
 }  // namespace
 
-void add_chart(CLI::App& app, std::vector<std::pair<CLI::App*, Action>>& actions) {
+void add_chart(Commands& commands) {
   auto arguments = std::make_shared<ChartArguments>();
-  CLI::App* command = app.add_subcommand("chart", "chart each method's speed against its accuracy");
-  command->add_option("scene", arguments->scene, "a scene's file or name")->required();
-  command->add_option("--methods", arguments->methods, "which (all of `taut methods`)");
-  command->add_option("--dt-fs", arguments->dt_fs, "step length [fs]");
-  command->add_option("--set", arguments->settings, "any key of the scene")->type_name("KEY=VALUE");
-  command->add_option("--repeats", arguments->repeats, "of all that is timed (20)")
-      ->check(CLI::PositiveNumber);
-  command->add_option("--steps", arguments->steps, "of a timed run (40)")->check(CLI::PositiveNumber);
-  command->add_option("--drift-steps", arguments->drift_steps, "of a run whose energy is watched (4000)")
-      ->check(CLI::PositiveNumber);
-  command->add_flag("--quick", arguments->quick, "rough: few points, few repeats");
-  command->add_option("--out", arguments->out, "folder of the pictures and report.html")
-      ->capture_default_str();
-  command->add_flag("--overwrite", arguments->overwrite, kOverwrite);
-  actions.emplace_back(command, [arguments] { chart(*arguments); });
+  const Subcommand command = commands.add("chart", "chart each method's speed against its accuracy",
+                                          [arguments] { chart(*arguments); });
+  command.option("scene", arguments->scene, "a scene's file or name").required();
+  command.option("--methods", arguments->methods, "which (all of `taut methods`)");
+  command.option("--dt-fs", arguments->dt_fs, "step length [fs]");
+  command.option("--set", arguments->settings, "any key of the scene").key_values();
+  command.option("--repeats", arguments->repeats, "of all that is timed (20)").positive();
+  command.option("--steps", arguments->steps, "of a timed run (40)").positive();
+  command.option("--drift-steps", arguments->drift_steps, "of a run whose energy is watched (4000)")
+      .positive();
+  command.flag("--quick", arguments->quick, "rough: few points, few repeats");
+  command.option("--out", arguments->out, "folder of the pictures and report.html");
+  command.flag("--overwrite", arguments->overwrite, kOverwrite);
 }
 
 }  // namespace taut

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 
 #include "command_line.hpp"
@@ -67,38 +66,28 @@ void run(CrosscheckArguments arguments) {
 
 }  // namespace
 
-void add_crosscheck(CLI::App& app, std::vector<std::pair<CLI::App*, Action>>& actions) {
+void add_crosscheck(Commands& commands) {
   auto arguments = std::make_shared<CrosscheckArguments>();
   CrosscheckPlan& plan = arguments->plan;
-  CLI::App* command = app.add_subcommand("crosscheck", "hold a scene's runs against OpenMM's");
-  command->add_option("scene", arguments->scene, "a scene's file, or its name as `taut scenes` lists it");
-  command->add_option("--openmm", arguments->openmm, "OpenMM System and State, as XML")
-      ->expected(2)
-      ->type_name("SYSTEM.XML STATE.XML");
-  command->add_option(
-      "--method", arguments->methods,
-      "to hold against OpenMM: a name, baumgarte:GAINS; several; the usual ones if none is given");
-  command->add_option("--steps", arguments->steps, "number of steps (200)")->check(CLI::PositiveNumber);
-  command->add_option("--dt-fs", arguments->dt_fs, "step length [fs]");
-  command->add_option("--set", arguments->settings, "any key of the scene: run.seed=7")
-      ->type_name("KEY=VALUE");
-  command->add_option("--platform", plan.platform, "OpenMM's: Reference (double precision) or CPU")
-      ->capture_default_str();
-  command->add_option("--agreement-nm", plan.agreement, "apart by more than this, runs have parted")
-      ->capture_default_str();
-  command->add_option("--parting-steps", plan.parting_steps, "where runs that only explain end")
-      ->capture_default_str();
-  command->add_option("--speed-seconds", plan.speed_seconds, "for each figure of speed; 0: none")
-      ->capture_default_str();
-  command->add_option("--threads", plan.threads, "of taut and of OpenMM's CPU platform")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_option("--out", arguments->out, "folder for crosscheck.json, crosscheck.csv and the pictures");
-  command->add_flag("--overwrite", arguments->overwrite, kOverwrite);
-  command
-      ->add_option("--export", arguments->prefix, "write PREFIX.system.xml and PREFIX.state.xml for OpenMM")
-      ->type_name("PREFIX");
-  actions.emplace_back(command, [arguments] { run(*arguments); });
+  const Subcommand command =
+      commands.add("crosscheck", "hold a scene's runs against OpenMM's", [arguments] { run(*arguments); });
+  command.option("scene", arguments->scene, "a scene's file, or its name as `taut scenes` lists it");
+  command.option("--openmm", arguments->openmm, "OpenMM System and State, as XML")
+      .words(2, "SYSTEM.XML STATE.XML");
+  command.option("--method", arguments->methods,
+                 "to hold against OpenMM: a name, baumgarte:GAINS; several; the usual ones if none is given");
+  command.option("--steps", arguments->steps, "number of steps (200)").positive();
+  command.option("--dt-fs", arguments->dt_fs, "step length [fs]");
+  command.option("--set", arguments->settings, "any key of the scene: run.seed=7").key_values();
+  command.option("--platform", plan.platform, "OpenMM's: Reference (double precision) or CPU");
+  command.option("--agreement-nm", plan.agreement, "apart by more than this, runs have parted");
+  command.option("--parting-steps", plan.parting_steps, "where runs that only explain end");
+  command.option("--speed-seconds", plan.speed_seconds, "for each figure of speed; 0: none");
+  command.option("--threads", plan.threads, "of taut and of OpenMM's CPU platform").positive();
+  command.option("--out", arguments->out, "folder for crosscheck.json, crosscheck.csv and the pictures");
+  command.flag("--overwrite", arguments->overwrite, kOverwrite);
+  command.option("--export", arguments->prefix, "write PREFIX.system.xml and PREFIX.state.xml for OpenMM")
+      .words(0, "PREFIX");
 }
 
 }  // namespace taut

@@ -1,7 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
-
 #include "commands.hpp"
 #include "constraints/methods.hpp"
 #include "systems/scene_file.hpp"
@@ -44,11 +42,9 @@ void print_scenes() {
 
 }  // namespace
 
-void add_lists(CLI::App& app, std::vector<std::pair<CLI::App*, Action>>& actions) {
-  actions.emplace_back(app.add_subcommand("methods", "list the constraint methods and their settings"),
-                       print_methods);
-  actions.emplace_back(app.add_subcommand("scenes", "list the scenes, with what each is hard on"),
-                       print_scenes);
+void add_lists(Commands& commands) {
+  commands.add("methods", "list the constraint methods and their settings", print_methods);
+  commands.add("scenes", "list the scenes, with what each is hard on", print_scenes);
 }
 
 }  // namespace taut

@@ -1,7 +1,6 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -24,15 +23,9 @@ int failed(int code, const std::string& why) {
   return code;
 }
 
-int carry_out(CLI::App& app, const std::vector<std::pair<CLI::App*, taut::Action>>& actions, int argc,
-              char** argv) {
+int carry_out(taut::Commands& commands, int argc, char** argv) {
   try {
-    app.parse(argc, argv);
-    for (const auto& [subcommand, act] : actions)
-      if (subcommand->parsed()) act();
-    return 0;
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
+    return commands.act(argc, argv);
   } catch (const taut::Stopped& stopped) {
     return stopped.exit_code;
   } catch (const taut::SimulationFailure& e) {
@@ -62,16 +55,10 @@ int said(int code) {
 int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // a file over the limit is a write that fails
   fill_closed_streams();
-  CLI::App app{
-      "taut: molecular dynamics of rigid bonds, by several methods, with what each costs and gets wrong"};
-  app.require_subcommand(1);
-  std::vector<std::pair<CLI::App*, taut::Action>> actions;
-  taut::add_run(app, actions);
-  taut::add_resume(app, actions);
-  taut::add_calibrate(app, actions);
-  taut::add_crosscheck(app, actions);
-  taut::add_chart(app, actions);
-  taut::add_stability(app, actions);
-  taut::add_lists(app, actions);
-  return said(carry_out(app, actions, argc, argv));
+  taut::Commands commands(
+      "taut: molecular dynamics of rigid bonds, by several methods, with what each costs and gets wrong");
+  for (const auto add : {taut::add_run, taut::add_resume, taut::add_calibrate, taut::add_crosscheck,
+                         taut::add_chart, taut::add_stability, taut::add_lists})
+    add(commands);
+  return said(carry_out(commands, argc, argv));
 }

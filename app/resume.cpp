@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <limits>
 #include <memory>
 
@@ -40,24 +39,22 @@ void resume(const ResumeArguments& arguments) {
 
 }  // namespace
 
-void add_resume(CLI::App& app, std::vector<std::pair<CLI::App*, Action>>& actions) {
+void add_resume(Commands& commands) {
   auto arguments = std::make_shared<ResumeArguments>();
-  CLI::App* command =
-      app.add_subcommand("resume", "go on with a run that was stopped or killed, or take more steps");
-  command->add_option("folder", arguments->folder, "what the run was given as --out")->required();
+  const Subcommand command =
+      commands.add("resume", "go on with a run that was stopped or killed, or take more steps",
+                   [arguments] { resume(*arguments); });
+  command.option("folder", arguments->folder, "what the run was given as --out").required();
   command
-      ->add_option("--steps", arguments->steps,
-                   "so many more than were taken (if not said: what is left of the run's)")
-      ->check(CLI::PositiveNumber);
+      .option("--steps", arguments->steps,
+              "so many more than were taken (if not said: what is left of the run's)")
+      .positive();
   command
-      ->add_option(
-          "--set", arguments->settings,
-          "what may change: run.log_every, run.trajectory_every, run.checkpoint_minutes, the thermostat")
-      ->type_name("KEY=VALUE");
-  command->add_flag(
-      "--yes", arguments->yes,
-      "go on though log or trajectories are cut back to less than half, or are gone and begin anew");
-  actions.emplace_back(command, [arguments] { resume(*arguments); });
+      .option("--set", arguments->settings,
+              "what may change: run.log_every, run.trajectory_every, run.checkpoint_minutes, the thermostat")
+      .key_values();
+  command.flag("--yes", arguments->yes,
+               "go on though log or trajectories are cut back to less than half, or are gone and begin anew");
 }
 
 }  // namespace taut

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 
 #include "carry_out.hpp"
@@ -96,29 +95,26 @@ void run(const RunArguments& arguments) {
 
 }  // namespace
 
-void add_run(CLI::App& app, std::vector<std::pair<CLI::App*, Action>>& actions) {
+void add_run(Commands& commands) {
   auto arguments = std::make_shared<RunArguments>();
-  CLI::App* command = app.add_subcommand("run", "run a scene, or a system prepared for OpenMM");
-  command->add_option("scene", arguments->scene, "a scene's file, or its name as `taut scenes` lists it");
-  command->add_option("--openmm", arguments->openmm, "OpenMM System and State, as XML")
-      ->expected(2)
-      ->type_name("SYSTEM.XML STATE.XML");
-  command->add_option("--method", arguments->method, "constraint method (see `taut methods`)");
-  command->add_option("--steps", arguments->steps, "number of steps");
-  command->add_option("--dt-fs", arguments->dt_fs, "step length [fs]");
-  command
-      ->add_option("--set", arguments->settings, "any key of the scene: run.seed=7, method.tolerance=1e-12")
-      ->type_name("KEY=VALUE");
-  command->add_option("--out", arguments->out,
-                      "folder for log.csv, checkpoint.cbor, summary.json and the final state");
-  CLI::Option* go_on = command->add_flag(
+  const Subcommand command =
+      commands.add("run", "run a scene, or a system prepared for OpenMM", [arguments] { run(*arguments); });
+  command.option("scene", arguments->scene, "a scene's file, or its name as `taut scenes` lists it");
+  command.option("--openmm", arguments->openmm, "OpenMM System and State, as XML")
+      .words(2, "SYSTEM.XML STATE.XML");
+  command.option("--method", arguments->method, "constraint method (see `taut methods`)");
+  command.option("--steps", arguments->steps, "number of steps");
+  command.option("--dt-fs", arguments->dt_fs, "step length [fs]");
+  command.option("--set", arguments->settings, "any key of the scene: run.seed=7, method.tolerance=1e-12")
+      .key_values();
+  command.option("--out", arguments->out,
+                 "folder for log.csv, checkpoint.cbor, summary.json and the final state");
+  const Argument go_on = command.flag(
       "--continue", arguments->go_on,
       "go on with the run of the same input in --out, or start it where there is none: for queues");
   command
-      ->add_flag("--overwrite", arguments->overwrite,
-                 "move what run is in --out to OUT.1, OUT.2, ..., and start")
-      ->excludes(go_on);
-  actions.emplace_back(command, [arguments] { run(*arguments); });
+      .flag("--overwrite", arguments->overwrite, "move what run is in --out to OUT.1, OUT.2, ..., and start")
+      .excludes(go_on);
 }
 
 }  // namespace taut

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 
@@ -123,22 +122,20 @@ void stability(const StabilityArguments& arguments) {
 
 }  // namespace
 
-void add_stability(CLI::App& app, std::vector<std::pair<CLI::App*, Action>>& actions) {
+void add_stability(Commands& commands) {
   auto arguments = std::make_shared<StabilityArguments>();
-  CLI::App* command =
-      app.add_subcommand("stability", "find the gains and steps at which methods fail, and how");
-  command->add_option("scene", arguments->scene, "a scene's file or name")->required();
-  command->add_option("--methods", arguments->methods, "which (all of `taut methods`)");
-  command->add_flag("--hard", arguments->hard, "the scenes made to break methods (systems/hard) beside it");
-  command->add_option("--dt-fs", arguments->dt_fs, "step length [fs]");
-  command->add_option("--set", arguments->settings, "any key of the scene")->type_name("KEY=VALUE");
-  command->add_option("--steps", arguments->steps, "at each point of the plane (2000)")
-      ->check(CLI::PositiveNumber);
-  command->add_flag("--quick", arguments->quick, "rough: few points, few steps");
-  command->add_option("--out", arguments->out, "folder of the pictures and report.html")
-      ->capture_default_str();
-  command->add_flag("--overwrite", arguments->overwrite, kOverwrite);
-  actions.emplace_back(command, [arguments] { stability(*arguments); });
+  const Subcommand command =
+      commands.add("stability", "find the gains and steps at which methods fail, and how",
+                   [arguments] { stability(*arguments); });
+  command.option("scene", arguments->scene, "a scene's file or name").required();
+  command.option("--methods", arguments->methods, "which (all of `taut methods`)");
+  command.flag("--hard", arguments->hard, "the scenes made to break methods (systems/hard) beside it");
+  command.option("--dt-fs", arguments->dt_fs, "step length [fs]");
+  command.option("--set", arguments->settings, "any key of the scene").key_values();
+  command.option("--steps", arguments->steps, "at each point of the plane (2000)").positive();
+  command.flag("--quick", arguments->quick, "rough: few points, few steps");
+  command.option("--out", arguments->out, "folder of the pictures and report.html");
+  command.flag("--overwrite", arguments->overwrite, kOverwrite);
 }
 
 }  // namespace taut
