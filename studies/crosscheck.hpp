@@ -134,8 +134,4 @@ using Tell = std::function<void(const std::string&)>;  // what is being run now;
 // Throws InputError where OpenMM is missing, cannot express the scene or rejects it.
 Crosscheck crosscheck(const Scene& scene, const CrosscheckPlan& plan, const Tell& tell = {});
 
-// What OpenMM is to be given: the scene's system, terms and start.
-struct OpenMMInput;
-OpenMMInput openmm_input(const Scene& scene);
-
 }  // namespace taut

@@ -5,7 +5,7 @@
 
 #include "md/errors.hpp"
 #include "studies/study_scene.hpp"
-#include "systems/openmm/openmm_export.hpp"
+#include "systems/openmm/openmm_import.hpp"
 
 namespace taut {
 namespace {
@@ -174,10 +174,6 @@ Followed follow(const Stage& stage, const std::string& name, OpenMMTwin& twin, l
     recorder.fail(e.what());
   }
   return recorder.finish();
-}
-
-OpenMMInput openmm_input(const Scene& scene) {
-  return {scene.system, scene.terms, scene.start, scene.run.remove_momentum_every};
 }
 
 }  // namespace taut

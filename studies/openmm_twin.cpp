@@ -12,11 +12,23 @@
 
 #include "md/errors.hpp"
 #include "systems/openmm/openmm_export.hpp"
-#include "systems/openmm/openmm_vectors.hpp"
 #include "systems/openmm/openmm_xml.hpp"
 
 namespace taut {
 namespace {
+
+Vectors from_openmm(const std::vector<OpenMM::Vec3>& columns) {
+  Vectors to(3, columns.size());
+  for (Eigen::Index a = 0; a < to.cols(); ++a) to.col(a) << columns[a][0], columns[a][1], columns[a][2];
+  return to;
+}
+
+std::vector<OpenMM::Vec3> to_openmm(const Vectors& columns) {
+  std::vector<OpenMM::Vec3> to;
+  to.reserve(columns.cols());
+  for (const auto& c : columns.colwise()) to.emplace_back(c.x(), c.y(), c.z());
+  return to;
+}
 
 void build_integrator(OpenMM::CustomIntegrator& twin) {
   twin.addPerDofVariable("x1", 0);
@@ -66,12 +78,17 @@ std::string on_one_line(std::string text) {
   return text;
 }
 
+template <class T>
+std::unique_ptr<T> deserialize(const std::string& xml) {
+  std::istringstream stream(xml);
+  return std::unique_ptr<T>(OpenMM::XmlSerializer::deserialize<T>(stream));
+}
+
 // By OpenMM's own reader, which takes a truncated file for a shorter one and recurses: XmlFile looked first.
 template <class T>
 std::unique_ptr<T> deserialize(const XmlFile& file) {
-  std::istringstream stream(file.text());
   try {
-    return std::unique_ptr<T>(OpenMM::XmlSerializer::deserialize<T>(stream));
+    return deserialize<T>(file.text());
   } catch (const std::exception& e) {
     const Element root = file.root();
     file.refuse(fmt::format("OpenMM {} cannot read it (written by OpenMM {}): {}", openmm_version(),
@@ -160,7 +177,7 @@ OpenMMTwin::OpenMMTwin(const std::filesystem::path& system_xml, const std::files
 }
 
 OpenMMTwin::OpenMMTwin(const OpenMMInput& input, const TwinSettings& settings) {
-  start(make_openmm_system(input), settings);
+  start(deserialize<OpenMM::System>(openmm_system_xml(input)), settings);
   set(input.start);
 }
 

@@ -14,7 +14,7 @@ namespace taut {
 
 struct OpenMMInput;  // openmm_read.hpp
 
-bool built_with_openmm();  // which the twin and write_openmm need, and nothing else
+bool built_with_openmm();  // which the twin needs, and nothing else
 
 // Integrators the twin can run.
 //

@@ -5,15 +5,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <sstream>
-
 #include "forcefield/force_field.hpp"
 #include "md/errors.hpp"
 #include "openmm_folder.hpp"
 #include "studies/crosscheck_verdict.hpp"
 #include "studies/openmm_twin.hpp"
-#include "systems/openmm/openmm_export.hpp"
 #include "systems/openmm/openmm_import.hpp"
 #include "systems/scene_file.hpp"
 
@@ -186,70 +182,6 @@ TEST(OpenMMExport, CustomForcesAreThoseOfTaut) {
     theirs.col(3) = input.start.f.col(3);  // the anchor, which no force moves
     EXPECT_NEAR(forces.potential(), energy, 1e-9 * std::abs(energy));
     EXPECT_LT((input.start.f - theirs).cwiseAbs().maxCoeff(), 1e-9 * theirs.norm());
-  }
-}
-
-TEST(OpenMMExport, IsReadBackAsItWas) {
-  const Folder folder;
-  const std::filesystem::path any = folder.write("x", "");
-  const std::string prefix = (any.parent_path() / "beads").string();
-  OpenMMInput input = custom_terms(true);
-  input.remove_momentum_every = 7;
-  write_openmm(input, prefix);
-  const OpenMMInput back = read_openmm(prefix + ".system.xml", prefix + ".state.xml");
-  EXPECT_EQ(back.system.mass, input.system.mass);
-  EXPECT_EQ(back.system.bond_count(), 1);
-  EXPECT_EQ(back.system.box.edge, input.system.box.edge);
-  EXPECT_EQ(back.start.x, input.start.x);
-  EXPECT_EQ(back.start.v, input.start.v);
-  EXPECT_EQ(back.remove_momentum_every, 7);
-  EXPECT_EQ(back.terms.gravity, input.terms.gravity);
-  ASSERT_EQ(back.terms.pulls.size(), 2u);
-  EXPECT_EQ(back.terms.pulls[0].force, input.terms.pulls[0].force);
-  ASSERT_EQ(back.terms.fene.size(), 2u);
-  EXPECT_EQ(back.terms.fene[1].r0, 1.6);
-  ASSERT_TRUE(back.terms.wca);
-  EXPECT_EQ(back.terms.wca->sigma, 1.0);
-  EXPECT_EQ(back.terms.wca->epsilon, 1.5);
-  EXPECT_EQ(back.terms.wca->exclusions, input.terms.wca->exclusions);
-}
-
-TEST(OpenMMExport, EverySceneComesBackWithItsForces) {
-  const Folder folder;
-  const std::filesystem::path any = folder.write("x", "");
-  for (const char* name : {"decane", "melt", "pair", "water_cluster"}) {
-    SCOPED_TRACE(name);
-    Scene scene = read_scene(find_scene(name));
-    const std::string prefix = (any.parent_path() / name).string();
-    write_openmm(openmm_input(scene), prefix);
-    Scene back = import_openmm(prefix + ".system.xml", prefix + ".state.xml");
-    ForceField ours(scene.system, scene.terms), theirs(back.system, back.terms);
-    ours(scene.system, scene.start);
-    theirs(back.system, back.start);
-    EXPECT_NEAR(ours.potential(), theirs.potential(), 1e-9 * std::abs(ours.potential()));
-    EXPECT_LT((scene.start.f - back.start.f).norm(), 1e-9 * scene.start.f.norm());
-  }
-}
-
-TEST(OpenMMExport, ForeignExpressionsAreRefused) {
-  const Folder folder;
-  const std::filesystem::path any = folder.write("x", "");
-  const std::string prefix = (any.parent_path() / "beads").string();
-  write_openmm(custom_terms(false), prefix);
-  std::ostringstream text;
-  text << std::ifstream(prefix + ".system.xml").rdbuf();
-  for (const auto& [from, to] :
-       {std::pair("-0.5*k", "-0.6*k"), {"-mass*(gx", "-mass*(2*gx"}, {"4*epsilon", "3*epsilon"}}) {
-    std::string changed = text.str();
-    const auto at = changed.find(from);
-    ASSERT_NE(at, std::string::npos) << from;
-    changed.replace(at, std::string(from).size(), to);
-    try {
-      read_openmm(folder.write("changed.system.xml", changed), prefix + ".state.xml");
-      FAIL() << from;
-    } catch (const InputError& e) {
-      EXPECT_THAT(e.what(), AllOf(HasSubstr("has the energy"), Not(HasSubstr("\n"))));
-    }
   }
 }
 

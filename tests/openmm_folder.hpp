@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <string>
 
+#include "temporary_folder.hpp"
+
 namespace taut::testing {
 
 struct Files {
@@ -14,19 +16,7 @@ struct Files {
 // Those in tests/data.
 Files data(const std::string& name);
 
-// A folder of its own for each test, gone afterwards.
-class Folder {
- public:
-  Folder();
-  ~Folder() { std::filesystem::remove_all(path_); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-
-  std::filesystem::path write(const std::string& name, const std::string& text) const;
-
- private:
-  std::filesystem::path path_;
-};
+using Folder = TemporaryFolder;
 
 // The same system with its rigid bonds longer by up to 6e-6 of their length, no two neighbours alike: OpenMM
 // then takes no water for SETTLE's, which keeps distances as float, and solves them in double precision.

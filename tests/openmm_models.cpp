@@ -1,14 +1,12 @@
 #include "openmm_models.hpp"
 
 #include <openmm/serialization/XmlSerializer.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <fstream>
 #include <memory>
 #include <numbers>
 #include <sstream>
-#include <stdexcept>
 
 namespace taut::testing {
 
@@ -28,17 +26,6 @@ std::string xml(const T& object, const char* root) {
 Files data(const std::string& name) {
   const fs::path folder = TAUT_TEST_DATA;
   return {folder / (name + ".system.xml"), folder / (name + ".state.xml")};
-}
-
-Folder::Folder() {
-  std::string name = (fs::temp_directory_path() / "taut-openmm-XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder: " + name);
-  path_ = name;
-}
-
-fs::path Folder::write(const std::string& name, const std::string& text) const {
-  std::ofstream(path_ / name) << text;
-  return path_ / name;
 }
 
 Melt::Melt(unsigned seed)

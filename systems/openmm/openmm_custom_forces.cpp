@@ -5,11 +5,10 @@
 
 #include "systems/openmm/openmm_expressions.hpp"
 #include "systems/openmm/openmm_forces.hpp"
+#include "systems/openmm/openmm_terms.hpp"
 
 namespace taut {
 namespace {
-
-enum CutoffMethod { kNoCutoff, kCutoffNonPeriodic, kCutoffPeriodic };
 
 // The parameters of a custom force by the names it declares: of each term (its param1, param2, ...) or of
 // all.
@@ -80,7 +79,7 @@ void read_gravity(const ForceReading& r, Parameters& p) {
   std::vector<bool> moved(static_cast<std::size_t>(r.system.atoms()));
   r.force.part("Particles").each("Particle", [&](const Element& particle) {
     int atom = 0;
-    p.read(particle, {{"index", r.atom(atom)}});
+    p.read(particle, {atom_field("index", atom, r.system.atoms())});
     const auto a = static_cast<std::size_t>(atom);
     if (p["mass"] != r.system.mass[atom])
       particle.refuse(fmt::format("pulls on atom {} by another mass than its own", atom));
@@ -96,7 +95,7 @@ void read_gravity(const ForceReading& r, Parameters& p) {
 void read_pulls(const ForceReading& r, Parameters& p) {
   r.force.part("Particles").each("Particle", [&](const Element& particle) {
     Pull pull{};
-    p.read(particle, {{"index", r.atom(pull.atom)}});
+    p.read(particle, {atom_field("index", pull.atom, r.system.atoms())});
     pull.force = Vec3(p["fx"], p["fy"], p["fz"]);
     r.to.terms.pulls.push_back(pull);
   });
@@ -122,7 +121,7 @@ void read_custom_bonds(const ForceReading& r) {
   Parameters p(r.force, "PerBondParameters", r.context);
   r.force.part("Bonds").each("Bond", [&](const Element& bond) {
     Fene t{};
-    p.read(bond, {{"p1", r.atom(t.i)}, {"p2", r.atom(t.j)}});
+    p.read(bond, {atom_field("p1", t.i, r.system.atoms()), atom_field("p2", t.j, r.system.atoms())});
     t.k = p["k"];
     t.r0 = p["r0"];
     r.to.terms.fene.push_back(t);
@@ -130,36 +129,25 @@ void read_custom_bonds(const ForceReading& r) {
 }
 
 void read_custom_nonbonded(const ForceReading& r) {
-  std::string energy;
-  int method = 0;
-  double cutoff = 0;
-  bool switched = false, corrected = false;
-  r.read({{"energy", &energy},
-          {"method", Field::Integer{&method, kNoCutoff, kCutoffPeriodic}},
-          {"cutoff", &cutoff},
-          {"useSwitchingFunction", &switched},
-          {"useLongRangeCorrection", &corrected}},
-         {"switchingDistance"});
+  CustomNonbondedXml x;
+  r.read(x.fields(), {"switchingDistance"});
   r.force.check_parts({"PerParticleParameters", "GlobalParameters", "EnergyParameterDerivatives", "Particles",
                        "Exclusions", "Functions", "InteractionGroups"},
                       {"ComputedValues"});  // from version 3 on
-  check_energy(r.force, energy, {kWcaEnergy});
+  check_energy(r.force, x.energy, {kWcaEnergy});
   refuse_any(r.force, {"EnergyParameterDerivatives", "ComputedValues", "Functions", "InteractionGroups"});
   Parameters p(r.force, "PerParticleParameters", r.context);
 
   Wca& wca = r.to.terms.wca.emplace(Wca{p.of_all("sigma"), p.of_all("epsilon"), {}});
-  if (method == kNoCutoff || !(std::abs(cutoff - wca.reach()) < 1e-12 * wca.sigma))
+  if (x.method == NonbondedXml::kNoCutoff || !(std::abs(x.cutoff - wca.reach()) < 1e-12 * wca.sigma))
     r.force.refuse("is not cut off at 2^(1/6) sigma, as taut's repulsive beads are");
-  if (switched) r.force.refuse("has useSwitchingFunction=\"1\": taut's repulsive beads have no switch");
-  if (corrected) r.force.refuse("has useLongRangeCorrection=\"1\": nothing is beyond the cutoff");
-  r.to.periodic_pairs = method == kCutoffPeriodic;
+  if (x.switched) r.force.refuse("has useSwitchingFunction=\"1\": taut's repulsive beads have no switch");
+  if (x.corrected) r.force.refuse("has useLongRangeCorrection=\"1\": nothing is beyond the cutoff");
+  r.to.periodic_pairs = x.method == NonbondedXml::kCutoffPeriodic;
 
   r.check_count(r.force.part("Particles"));
   r.force.part("Particles").each("Particle", [&](const Element& particle) { p.read(particle, {}); });
-  r.force.part("Exclusions").each("Exclusion", [&](const Element& exclusion) {
-    auto& [i, j] = wca.exclusions.emplace_back();
-    exclusion.read_leaf({{"p1", r.atom(i)}, {"p2", r.atom(j)}});
-  });
+  read_list(r.force, wca.exclusions, r.system.atoms());
 }
 
 }  // namespace taut

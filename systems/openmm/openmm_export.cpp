@@ -1,21 +1,52 @@
 #include "systems/openmm/openmm_export.hpp"
 
-#include <OpenMM.h>
 #include <fmt/format.h>
-#include <openmm/serialization/XmlSerializer.h>
 
 #include <sstream>
 
 #include "files/atomic_file.hpp"
 #include "md/errors.hpp"
 #include "systems/openmm/openmm_expressions.hpp"
-#include "systems/openmm/openmm_vectors.hpp"
+#include "systems/openmm/openmm_forces.hpp"
+#include "systems/openmm/openmm_terms.hpp"
 
 namespace taut {
 namespace {
 
-void write_masses_and_bonds(const System& sys, OpenMM::System& to) {
-  for (int a = 0; a < sys.atoms(); ++a) to.addParticle(sys.mass[a]);
+using Node = pugi::xml_node;
+
+void put(Node node, const char* name, const auto& value) {
+  node.append_attribute(name) = fmt::format("{}", value).c_str();
+}
+
+template <class Part>
+void write_list(Node of, const std::vector<Part>& parts) {
+  Node list = of.append_child(InXml<Part>::kList);
+  for (Part part : parts) append(list, InXml<Part>::kEach, InXml<Part>::fields(part, 0));
+}
+
+void write_vectors(Node of, const char* list_name, const char* each, const Vectors& columns) {
+  Node list = of.append_child(list_name);
+  for (Vec3 v : columns.colwise()) append(list, each, coordinates(v));
+}
+
+// Where there is none, OpenMM's own, which means nothing then.
+void write_box(Node of, const Box& box) {
+  const Vec3 edge = box.periodic() ? box.edge : Vec3(2, 2, 2);
+  const Vectors vectors = edge.asDiagonal().toDenseMatrix();
+  Node list = of.append_child("PeriodicBoxVectors");
+  for (int c = 0; c < 3; ++c) {
+    Vec3 v = vectors.col(c);
+    append(list, std::string(1, "ABC"[c]).c_str(), coordinates(v));
+  }
+}
+
+void write_masses(Node of, const Eigen::VectorXd& mass) {
+  Node list = of.append_child("Particles");
+  for (double m : mass) append(list, "Particle", {{"mass", &m}});
+}
+
+void refuse_bonds_to_anchors(const System& sys) {
   for (int k = 0; k < sys.bond_count(); ++k) {
     const auto& [i, j, length] = sys.bonds[k];
     if (sys.mass[i] == 0 || sys.mass[j] == 0)
@@ -23,130 +54,165 @@ void write_masses_and_bonds(const System& sys, OpenMM::System& to) {
           "OpenMM cannot express it: rigid bond {} ({}-{}) holds atom {}, which is an anchor, and "
           "OpenMM takes no constraint on an atom of mass 0",
           k, i, j, sys.mass[i] == 0 ? i : j));
-    to.addConstraint(i, j, length);
-  }
-  const Vec3& edge = sys.box.edge;
-  if (sys.box.periodic())
-    to.setDefaultPeriodicBoxVectors({edge.x(), 0, 0}, {0, edge.y(), 0}, {0, 0, edge.z()});
-}
-
-void write_bonded(const Terms& terms, OpenMM::System& to) {
-  if (!terms.bonds.empty()) {
-    auto* force = new OpenMM::HarmonicBondForce;
-    for (const auto& [i, j, length, k] : terms.bonds) force->addBond(i, j, length, k);
-    to.addForce(force);
-  }
-  if (!terms.angles.empty()) {
-    auto* force = new OpenMM::HarmonicAngleForce;
-    for (const auto& [i, j, k, angle, stiffness] : terms.angles) force->addAngle(i, j, k, angle, stiffness);
-    to.addForce(force);
-  }
-  if (!terms.torsions.empty()) {
-    auto* force = new OpenMM::PeriodicTorsionForce;
-    for (const auto& [i, j, k, l, periodicity, phase, amplitude] : terms.torsions)
-      force->addTorsion(i, j, k, l, periodicity, phase, amplitude);
-    to.addForce(force);
-  }
-  if (!terms.rb_torsions.empty()) {
-    auto* force = new OpenMM::RBTorsionForce;
-    for (const auto& [i, j, k, l, c] : terms.rb_torsions)
-      force->addTorsion(i, j, k, l, c[0], c[1], c[2], c[3], c[4], c[5]);
-    to.addForce(force);
   }
 }
 
-void write_nonbonded(const Nonbonded& from, const Box& box, OpenMM::System& to) {
-  using Force = OpenMM::NonbondedForce;
-  auto* force = new Force;
-  for (Eigen::Index a = 0; a < from.charge.size(); ++a)
-    force->addParticle(from.charge[a], from.sigma[a], from.epsilon[a]);
-  for (const auto& [i, j, charge_product, sigma, epsilon] : from.exceptions)
-    force->addException(i, j, charge_product, sigma, epsilon);
-  force->setNonbondedMethod(!from.cutoff     ? Force::NoCutoff
-                            : box.periodic() ? Force::CutoffPeriodic
-                                             : Force::CutoffNonPeriodic);
-  if (from.cutoff) force->setCutoffDistance(*from.cutoff);
-  force->setReactionFieldDielectric(from.rf_dielectric);
-  force->setUseSwitchingFunction(from.switch_distance.has_value());
-  if (from.switch_distance) force->setSwitchingDistance(*from.switch_distance);
-  force->setUseDispersionCorrection(from.dispersion_correction);
-  to.addForce(force);
+Node write_force(Node forces, const char* type, const std::vector<Field>& fields) {
+  Node force = append(forces, "Force", fields);
+  put(force, "type", type);
+  put(force, "version", version_written(type));
+  put(force, "name", type);
+  put(force, "forceGroup", 0);
+  return force;
 }
 
-void write_gravity(const System& sys, const Vec3& g, OpenMM::System& to) {
-  auto* force = new OpenMM::CustomExternalForce(kGravityEnergy);
-  force->addPerParticleParameter("mass");
-  force->addGlobalParameter("gx", g.x());
-  force->addGlobalParameter("gy", g.y());
-  force->addGlobalParameter("gz", g.z());
+template <class Term>
+void write_bonded(Node forces, const std::vector<Term>& terms) {
+  bool takes_images = false;
+  if (terms.empty()) return;
+  write_list(write_force(forces, InXml<Term>::kForce, {{"usesPeriodic", &takes_images}}), terms);
+}
+
+void write_nonbonded(Node forces, const Nonbonded& from, const Box& box) {
+  NonbondedXml x{.rf_dielectric = from.rf_dielectric,
+                 .switch_distance = from.switch_distance.value_or(-1),
+                 .switched = from.switch_distance.has_value(),
+                 .dispersion_correction = from.dispersion_correction};
+  if (from.cutoff) {
+    x.method = box.periodic() ? NonbondedXml::kCutoffPeriodic : NonbondedXml::kCutoffNonPeriodic;
+    x.cutoff = *from.cutoff;
+  }
+  Node force = write_force(forces, "NonbondedForce", x.fields());
+  for (const auto& [name, value] : NonbondedXml::kUnused) put(force, name, value);
+  for (const char* list : NonbondedXml::kEmpty) force.append_child(list);
+  Node particles = force.append_child("Particles");
+  for (Eigen::Index a = 0; a < from.charge.size(); ++a) {
+    SiteXml site{from.charge[a], from.sigma[a], from.epsilon[a]};
+    append(particles, "Particle", site.fields());
+  }
+  write_list(force, from.exceptions);
+}
+
+// The names of a custom force's parameters: `each` those of every term, and those of all with their values.
+using Names = std::initializer_list<const char*>;
+using Values = std::initializer_list<std::pair<const char*, double>>;
+void write_parameters(Node force, const char* each, Names of_each, Values of_all) {
+  Node list = force.append_child(each);
+  for (const char* name : of_each) put(list.append_child("Parameter"), "name", name);
+  list = force.append_child("GlobalParameters");
+  for (const auto& [name, value] : of_all) {
+    Node parameter = list.append_child("Parameter");
+    put(parameter, "name", name);
+    put(parameter, "default", value);
+  }
+}
+
+// A term of a custom force: its atoms, and its own parameters in their order.
+void write_term(Node list, const char* name, const std::vector<Field>& atoms,
+                std::initializer_list<double> parameters) {
+  Node term = append(list, name, atoms);
+  int n = 0;
+  for (const double p : parameters) put(term, fmt::format("param{}", ++n).c_str(), p);
+}
+
+Node write_external(Node forces, std::string energy, Names of_each, Values of_all) {
+  Node force = write_force(forces, "CustomExternalForce", {{"energy", &energy}});
+  write_parameters(force, "PerParticleParameters", of_each, of_all);
+  return force.append_child("Particles");
+}
+
+void write_gravity(Node forces, const System& sys, const Vec3& g) {
+  Node list = write_external(forces, kGravityEnergy, {"mass"}, {{"gx", g.x()}, {"gy", g.y()}, {"gz", g.z()}});
   for (int a = 0; a < sys.atoms(); ++a)
-    if (sys.mass[a] > 0) force->addParticle(a, {sys.mass[a]});
-  to.addForce(force);
+    if (sys.mass[a] > 0) write_term(list, "Particle", {atom_field("index", a, 0)}, {sys.mass[a]});
 }
 
-void write_pulls(const std::vector<Pull>& pulls, OpenMM::System& to) {
-  auto* force = new OpenMM::CustomExternalForce(kPullEnergy);
-  for (const char* name : {"fx", "fy", "fz"}) force->addPerParticleParameter(name);
-  for (const auto& [atom, f] : pulls) force->addParticle(atom, {f.x(), f.y(), f.z()});
-  to.addForce(force);
+void write_pulls(Node forces, const std::vector<Pull>& pulls) {
+  Node list = write_external(forces, kPullEnergy, {"fx", "fy", "fz"}, {});
+  for (auto [atom, f] : pulls)
+    write_term(list, "Particle", {atom_field("index", atom, 0)}, {f.x(), f.y(), f.z()});
 }
 
-void write_fene(const std::vector<Fene>& springs, OpenMM::System& to) {
-  auto* force = new OpenMM::CustomBondForce(kFeneEnergy);
-  for (const char* name : {"k", "r0"}) force->addPerBondParameter(name);
-  for (const auto& [i, j, k, r0] : springs) force->addBond(i, j, {k, r0});
-  to.addForce(force);
+void write_fene(Node forces, const std::vector<Fene>& springs) {
+  std::string energy = kFeneEnergy;
+  bool takes_images = false;
+  Node force = write_force(forces, "CustomBondForce", {{"energy", &energy}, {"usesPeriodic", &takes_images}});
+  write_parameters(force, "PerBondParameters", {"k", "r0"}, {});
+  force.append_child("EnergyParameterDerivatives");
+  Node list = force.append_child("Bonds");
+  for (auto [i, j, k, r0] : springs)
+    write_term(list, "Bond", {atom_field("p1", i, 0), atom_field("p2", j, 0)}, {k, r0});
 }
 
-void write_wca(const System& sys, const Wca& wca, OpenMM::System& to) {
-  using Force = OpenMM::CustomNonbondedForce;
-  auto* force = new Force(kWcaEnergy);
-  force->addGlobalParameter("sigma", wca.sigma);
-  force->addGlobalParameter("epsilon", wca.epsilon);
-  for (int a = 0; a < sys.atoms(); ++a) force->addParticle();
-  for (const auto& [i, j] : wca.exclusions) force->addExclusion(i, j);
-  force->setNonbondedMethod(sys.box.periodic() ? Force::CutoffPeriodic : Force::CutoffNonPeriodic);
-  force->setCutoffDistance(wca.reach());
-  to.addForce(force);
+void write_wca(Node forces, const System& sys, const Wca& wca) {
+  CustomNonbondedXml x{
+      .energy = kWcaEnergy,
+      .method = sys.box.periodic() ? NonbondedXml::kCutoffPeriodic : NonbondedXml::kCutoffNonPeriodic,
+      .cutoff = wca.reach()};
+  Node force = write_force(forces, "CustomNonbondedForce", x.fields());
+  put(force, "switchingDistance", -1);
+  write_parameters(force, "PerParticleParameters", {}, {{"sigma", wca.sigma}, {"epsilon", wca.epsilon}});
+  force.append_child("EnergyParameterDerivatives");
+  Node particles = force.append_child("Particles");
+  for (int a = 0; a < sys.atoms(); ++a) particles.append_child("Particle");
+  write_list(force, wca.exclusions);
+  for (const char* list : {"Functions", "InteractionGroups"}) force.append_child(list);
 }
 
-std::unique_ptr<OpenMM::State> make_openmm_state(const OpenMMInput& from) {
-  OpenMM::State::StateBuilder state(from.start.t, 0);
-  state.setPositions(to_openmm(from.start.x));
-  state.setVelocities(to_openmm(from.start.v));
-  const Vec3 edge =
-      from.system.box.periodic() ? from.system.box.edge : Vec3(1, 1, 1);  // then it means nothing
-  state.setPeriodicBoxVectors({edge.x(), 0, 0}, {0, edge.y(), 0}, {0, 0, edge.z()});
-  return std::make_unique<OpenMM::State>(state.getState());
+void write_forces(Node forces, const OpenMMInput& from) {
+  const Terms& terms = from.terms;
+  write_bonded(forces, terms.bonds);
+  write_bonded(forces, terms.angles);
+  write_bonded(forces, terms.torsions);
+  write_bonded(forces, terms.rb_torsions);
+  if (terms.nonbonded) write_nonbonded(forces, *terms.nonbonded, from.system.box);
+  if (terms.gravity) write_gravity(forces, from.system, *terms.gravity);
+  if (!terms.pulls.empty()) write_pulls(forces, terms.pulls);
+  if (!terms.fene.empty()) write_fene(forces, terms.fene);
+  if (terms.wca) write_wca(forces, from.system, *terms.wca);
+  if (from.remove_momentum_every > 0)
+    put(write_force(forces, "CMMotionRemover", {}), "frequency", from.remove_momentum_every);
 }
 
-template <class T>
-std::string xml(const T& object, const char* root) {
+// A whole file of one element, which `fill` puts the rest into.
+std::string whole_file(const char* type, auto fill) {
+  pugi::xml_document file;
+  file.append_child(pugi::node_declaration).append_attribute("version") = "1.0";
+  Node root = file.append_child(type);
+  put(root, "type", type);
+  put(root, "version", 1);
+  fill(root);
   std::ostringstream text;
-  OpenMM::XmlSerializer::serialize(&object, root, text);
+  file.save(text);
   return text.str();
 }
 
 }  // namespace
 
-std::unique_ptr<OpenMM::System> make_openmm_system(const OpenMMInput& from) {
-  auto system = std::make_unique<OpenMM::System>();
-  write_masses_and_bonds(from.system, *system);
-  write_bonded(from.terms, *system);
-  if (from.terms.nonbonded) write_nonbonded(*from.terms.nonbonded, from.system.box, *system);
-  if (from.terms.gravity) write_gravity(from.system, *from.terms.gravity, *system);
-  if (!from.terms.pulls.empty()) write_pulls(from.terms.pulls, *system);
-  if (!from.terms.fene.empty()) write_fene(from.terms.fene, *system);
-  if (from.terms.wca) write_wca(from.system, *from.terms.wca, *system);
-  if (from.remove_momentum_every > 0)
-    system->addForce(new OpenMM::CMMotionRemover(static_cast<int>(from.remove_momentum_every)));
-  return system;
+std::string openmm_system_xml(const OpenMMInput& from) {
+  refuse_bonds_to_anchors(from.system);
+  return whole_file("System", [&](Node root) {
+    write_box(root, from.system.box);
+    write_masses(root, from.system.mass);
+    write_list(root, from.system.bonds);
+    write_forces(root.append_child("Forces"), from);
+  });
+}
+
+std::string openmm_state_xml(const OpenMMInput& from) {
+  return whole_file("State", [&](Node root) {
+    put(root, "time", from.start.t);
+    put(root, "stepCount", 0);
+    write_box(root, from.system.box);
+    write_vectors(root, "Positions", "Position", from.start.x);
+    write_vectors(root, "Velocities", "Velocity", from.start.v);
+  });
 }
 
 void write_openmm(const OpenMMInput& from, const std::string& prefix) {
   AtomicFile system(prefix + ".system.xml"), state(prefix + ".state.xml");
-  system.write(xml(*make_openmm_system(from), "System"));
-  state.write(xml(*make_openmm_state(from), "State"));
+  system.write(openmm_system_xml(from));
+  state.write(openmm_state_xml(from));
   system.commit();
   state.commit();
 }

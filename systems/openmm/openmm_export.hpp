@@ -1,22 +1,18 @@
 #pragma once
 
-#include <filesystem>
-#include <memory>
+#include <string>
 
 #include "systems/openmm/openmm_read.hpp"
 
-namespace OpenMM {
-class System;
-}
-
 namespace taut {
 
-// The same system as OpenMM's: what taut has and OpenMM has no class for goes into custom forces
-// (openmm_expressions.hpp). Throws InputError, one line, for what OpenMM cannot express: a rigid bond to an
-// anchor.
-std::unique_ptr<OpenMM::System> make_openmm_system(const OpenMMInput& from);
+// The same system and start as OpenMM's XML, in versions that 7.7 and 8.6 both read, and read_openmm reads
+// back. What taut has and OpenMM has no class for goes into custom forces (openmm_expressions.hpp). Throws
+// InputError, one line, for what OpenMM cannot express: a rigid bond to an anchor.
+std::string openmm_system_xml(const OpenMMInput& from);
+std::string openmm_state_xml(const OpenMMInput& from);
 
-// Writes PREFIX.system.xml and PREFIX.state.xml, which OpenMM reads, and import_openmm reads back.
+// Writes them as PREFIX.system.xml and PREFIX.state.xml.
 void write_openmm(const OpenMMInput& from, const std::string& prefix);
 
 }  // namespace taut

@@ -6,78 +6,23 @@
 #include <array>
 #include <limits>
 
-#include "forcefield/check_terms.hpp"
-#include "md/errors.hpp"
+#include "systems/openmm/openmm_terms.hpp"
 
 namespace taut {
 namespace {
 
-using Integer = Field::Integer;
-
 using Reading = ForceReading;
 
-void read_bonds(const Reading& r) {
+template <class Term, std::vector<Term> Terms::*kTerms>
+void read_bonded(const Reading& r) {
   r.read({{"usesPeriodic", &r.to.takes_images}});
-  r.force.check_parts({"Bonds"});
-  r.force.part("Bonds").each("Bond", [&](const Element& bond) {
-    HarmonicBond t{};
-    bond.read_leaf({{"p1", r.atom(t.i)}, {"p2", r.atom(t.j)}, {"d", &t.length}, {"k", &t.k}});
-    r.to.terms.bonds.push_back(t);
-  });
-}
-
-void read_angles(const Reading& r) {
-  r.read({{"usesPeriodic", &r.to.takes_images}});
-  r.force.check_parts({"Angles"});
-  r.force.part("Angles").each("Angle", [&](const Element& angle) {
-    HarmonicAngle t{};
-    angle.read_leaf({{"p1", r.atom(t.i)},
-                     {"p2", r.atom(t.j)},
-                     {"p3", r.atom(t.k)},
-                     {"a", &t.angle},
-                     {"k", &t.stiffness}});
-    r.to.terms.angles.push_back(t);
-  });
-}
-
-void read_torsions(const Reading& r) {
-  r.read({{"usesPeriodic", &r.to.takes_images}});
-  r.force.check_parts({"Torsions"});
-  r.force.part("Torsions").each("Torsion", [&](const Element& torsion) {
-    PeriodicTorsion t{};
-    torsion.read_leaf({{"p1", r.atom(t.i)},
-                       {"p2", r.atom(t.j)},
-                       {"p3", r.atom(t.k)},
-                       {"p4", r.atom(t.l)},
-                       {"periodicity", Integer{&t.periodicity, 1, kMostPeriodicity}},
-                       {"phase", &t.phase},
-                       {"k", &t.amplitude}});
-    r.to.terms.torsions.push_back(t);
-  });
-}
-
-void read_rb_torsions(const Reading& r) {
-  r.read({{"usesPeriodic", &r.to.takes_images}});
-  r.force.check_parts({"Torsions"});
-  r.force.part("Torsions").each("Torsion", [&](const Element& torsion) {
-    RyckaertBellemans t{};
-    torsion.read_leaf({{"p1", r.atom(t.i)},
-                       {"p2", r.atom(t.j)},
-                       {"p3", r.atom(t.k)},
-                       {"p4", r.atom(t.l)},
-                       {"c0", &t.c[0]},
-                       {"c1", &t.c[1]},
-                       {"c2", &t.c[2]},
-                       {"c3", &t.c[3]},
-                       {"c4", &t.c[4]},
-                       {"c5", &t.c[5]}});
-    r.to.terms.rb_torsions.push_back(t);
-  });
+  r.force.check_parts({InXml<Term>::kList});
+  read_list(r.force, r.to.terms.*kTerms, r.system.atoms());
 }
 
 void read_momentum_remover(const Reading& r) {
   int every = 0;
-  r.read({{"frequency", Integer{&every, 1, std::numeric_limits<int>::max()}}});
+  r.read({{"frequency", Field::Integer{&every, 1, std::numeric_limits<int>::max()}}});
   r.force.check_parts({});
   r.to.remove_momentum_every = every;
 }
@@ -91,28 +36,22 @@ void read_particles(const Reading& r, Nonbonded& t) {
   t.epsilon.resize(n);
   int a = 0;
   particles.each("Particle", [&](const Element& particle) {
-    particle.read_leaf({{"q", &t.charge[a]}, {"sig", &t.sigma[a]}, {"eps", &t.epsilon[a]}});
+    SiteXml site;
+    particle.read_leaf(site.fields());
+    t.charge[a] = site.charge;
+    t.sigma[a] = site.sigma;
+    t.epsilon[a] = site.epsilon;
     ++a;
   });
 }
 
-void read_exceptions(const Reading& r, Nonbonded& t) {
-  r.force.part("Exceptions").each("Exception", [&](const Element& exception) {
-    auto& [i, j, charge_product, sigma, epsilon] = t.exceptions.emplace_back();
-    exception.read_leaf(
-        {{"p1", r.atom(i)}, {"p2", r.atom(j)}, {"q", &charge_product}, {"sig", &sigma}, {"eps", &epsilon}});
-  });
-}
-
-enum Method { kNoCutoff, kCutoffNonPeriodic, kCutoffPeriodic, kEwald, kPME, kLJPME };
-
-void refuse_unless_carried_out(const Element& force, int method, bool direct_space) {
+void refuse_unless_carried_out(const Element& force, const NonbondedXml& x) {
   constexpr std::array kNames = {"NoCutoff", "CutoffNonPeriodic", "CutoffPeriodic", "Ewald", "PME", "LJPME"};
-  if (method > kCutoffPeriodic)
+  if (x.method > NonbondedXml::kCutoffPeriodic)
     force.refuse(fmt::format("uses {}: taut has NoCutoff, CutoffNonPeriodic and CutoffPeriodic",
-                             kNames.at(static_cast<std::size_t>(method))));
-  if (!direct_space) force.refuse("leaves its direct space out: taut does not");
-  for (const char* list : {"GlobalParameters", "ParticleOffsets", "ExceptionOffsets"})
+                             kNames.at(static_cast<std::size_t>(x.method))));
+  if (!x.direct_space) force.refuse("leaves its direct space out: taut does not");
+  for (const char* list : NonbondedXml::kEmpty)
     if (force.part(list).count() > 0)
       force.part(list).refuse(
           fmt::format("has global parameters and offsets ({}): taut has fixed parameters", list));
@@ -120,43 +59,36 @@ void refuse_unless_carried_out(const Element& force, int method, bool direct_spa
 
 void read_nonbonded(const Reading& r) {
   Nonbonded& t = r.to.terms.nonbonded.emplace();
-  int method = 0;
-  bool switched = false, direct_space = true;
-  double cutoff = 0, switch_distance = 0;
-  r.read({{"method", Integer{&method, kNoCutoff, kLJPME}},
-          {"cutoff", &cutoff},
-          {"rfDielectric", &t.rf_dielectric},
-          {"useSwitchingFunction", &switched},
-          {"switchingDistance", &switch_distance},
-          {"dispersionCorrection", &t.dispersion_correction},
-          {"exceptionsUsePeriodic", &r.to.takes_images},
-          {"includeDirectSpace", &direct_space}},
-         {"recipForceGroup",  // and more of PME
-          "ewaldTolerance", "alpha", "nx", "ny", "nz", "ljAlpha", "ljnx", "ljny", "ljnz"});
+  NonbondedXml x;
+  std::vector<std::string_view> unused;
+  for (const auto& [name, value] : NonbondedXml::kUnused) unused.emplace_back(name);
+  r.read(x.fields(), unused);
   r.force.check_parts({"GlobalParameters", "ParticleOffsets", "ExceptionOffsets", "Particles", "Exceptions"});
-  refuse_unless_carried_out(r.force, method, direct_space);
+  refuse_unless_carried_out(r.force, x);
   read_particles(r, t);
-  read_exceptions(r, t);
+  read_list(r.force, t.exceptions, r.system.atoms());
 
   // OpenMM ignores switch and dielectric without a cutoff, and the dispersion correction without a box.
-  r.to.periodic_pairs = method == kCutoffPeriodic;
-  t.dispersion_correction = t.dispersion_correction && method == kCutoffPeriodic;
-  if (method == kNoCutoff) return;
-  t.cutoff = cutoff;
-  if (switched) t.switch_distance = switch_distance;
+  r.to.takes_images = x.takes_images;
+  r.to.periodic_pairs = x.method == NonbondedXml::kCutoffPeriodic;
+  t.rf_dielectric = x.rf_dielectric;
+  t.dispersion_correction = x.dispersion_correction && *r.to.periodic_pairs;
+  if (x.method == NonbondedXml::kNoCutoff) return;
+  t.cutoff = x.cutoff;
+  if (x.switched) t.switch_distance = x.switch_distance;
 }
 
-// With the version OpenMM 7.7 writes, and that of 8.6.
+// With the version OpenMM 7.7 writes, which 8.6 reads too, and that 8.6 writes.
 struct Kind {
   const char* type;
   int oldest, newest;
   void (*read)(const Reading&);
 };
 constexpr std::array kKinds = {
-    Kind{"HarmonicBondForce", 2, 2, read_bonds},
-    Kind{"HarmonicAngleForce", 2, 2, read_angles},
-    Kind{"PeriodicTorsionForce", 2, 2, read_torsions},
-    Kind{"RBTorsionForce", 2, 2, read_rb_torsions},
+    Kind{InXml<HarmonicBond>::kForce, 2, 2, read_bonded<HarmonicBond, &Terms::bonds>},
+    Kind{InXml<HarmonicAngle>::kForce, 2, 2, read_bonded<HarmonicAngle, &Terms::angles>},
+    Kind{InXml<PeriodicTorsion>::kForce, 2, 2, read_bonded<PeriodicTorsion, &Terms::torsions>},
+    Kind{InXml<RyckaertBellemans>::kForce, 2, 2, read_bonded<RyckaertBellemans, &Terms::rb_torsions>},
     Kind{"NonbondedForce", 4, 4, read_nonbonded},
     Kind{"CMMotionRemover", 1, 1, read_momentum_remover},
     Kind{"CustomBondForce", 3, 3, read_custom_bonds},
@@ -164,9 +96,13 @@ constexpr std::array kKinds = {
     Kind{"CustomNonbondedForce", 2, 3, read_custom_nonbonded},
 };
 
+constexpr auto kind_named(std::string_view type) {
+  return std::find_if(kKinds.begin(), kKinds.end(), [&](const Kind& k) { return k.type == type; });
+}
+
 const Kind& kind_of(const Element& force) {
   const std::string type = force.text("type");
-  const auto kind = std::find_if(kKinds.begin(), kKinds.end(), [&](const Kind& k) { return k.type == type; });
+  const auto kind = kind_named(type);
   if (kind == kKinds.end()) {
     std::vector<std::string_view> known;
     for (const Kind& k : kKinds) known.emplace_back(k.type);
@@ -205,6 +141,10 @@ void ForceReading::check_count(const Element& particles) const {
   if (particles.count() != static_cast<std::size_t>(system.atoms()))
     particles.refuse(
         fmt::format("has {} particles, the system has {} atoms", particles.count(), system.atoms()));
+}
+
+int version_written(std::string_view type) {
+  return kind_named(type)->oldest;
 }
 
 OpenMMForce read_force(const Element& force, const System& system, ContextParameters& context) {

@@ -37,6 +37,9 @@ struct OpenMMForce {
 // carry out: nothing is skipped but what has no effect on the forces (groups, names, settings of PME).
 OpenMMForce read_force(const Element& force, const System& system, ContextParameters& context);
 
+// The version in which a force that read_force knows is written: OpenMM 7.7 and 8.6 both read it.
+int version_written(std::string_view type);
+
 // What read_force hands to the readers of custom forces.
 struct ForceReading {
   const Element& force;
@@ -44,7 +47,6 @@ struct ForceReading {
   ContextParameters& context;
   OpenMMForce& to;
 
-  Field::Integer atom(int& a) const { return {&a, 0, system.atoms() - 1}; }
   // All attributes of the force: those every force has, which change nothing (all groups are computed
   // together), and as Element::read has it.
   void read(const std::vector<Field>& fields, std::vector<std::string_view> unused = {}) const;

@@ -1,6 +1,5 @@
 #include "systems/openmm/openmm_import.hpp"
 
-#include "systems/openmm/openmm_read.hpp"
 #include "systems/whole_molecules.hpp"
 
 namespace taut {
@@ -28,6 +27,10 @@ Scene import_openmm(const std::filesystem::path& system_xml, const std::filesyst
   scene.run.remove_momentum_every = input.remove_momentum_every;
   scene.method = default_options("rattle");
   return scene;
+}
+
+OpenMMInput openmm_input(const Scene& scene) {
+  return {scene.system, scene.terms, scene.start, scene.run.remove_momentum_every};
 }
 
 }  // namespace taut

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "systems/openmm/openmm_read.hpp"
 #include "systems/scene.hpp"
 
 namespace taut {
@@ -12,5 +13,8 @@ namespace taut {
 // InputError, one line with file and line: a file missing or truncated, a force or setting taut does not have
 // (by name: nothing is skipped), a triclinic box, virtual sites, sizes that do not match.
 Scene import_openmm(const std::filesystem::path& system_xml, const std::filesystem::path& state_xml);
+
+// What OpenMM is to be given of a scene: its system, terms and start.
+OpenMMInput openmm_input(const Scene& scene);
 
 }  // namespace taut

@@ -9,6 +9,7 @@
 #include "md/errors.hpp"
 #include "systems/openmm/openmm_forces.hpp"
 #include "systems/openmm/openmm_images.hpp"
+#include "systems/openmm/openmm_terms.hpp"
 #include "systems/openmm/openmm_xml.hpp"
 #include "systems/whole_molecules.hpp"
 
@@ -43,7 +44,7 @@ void check_version(const Element& root) {
 
 Vec3 read_vector(const Element& element) {
   Vec3 v;
-  element.read_leaf({{"x", &v[0]}, {"y", &v[1]}, {"z", &v[2]}});
+  element.read_leaf(coordinates(v));
   return v;
 }
 
@@ -57,17 +58,6 @@ Eigen::VectorXd read_masses(const Element& particles) {
     ++a;
   });
   return mass;
-}
-
-std::vector<RigidBond> read_constraints(const Element& constraints, int atoms) {
-  std::vector<RigidBond> bonds;
-  bonds.reserve(constraints.count());
-  constraints.each("Constraint", [&](const Element& constraint) {
-    auto& [i, j, length] = bonds.emplace_back();
-    constraint.read_leaf(
-        {{"p1", Field::Integer{&i, 0, atoms - 1}}, {"p2", Field::Integer{&j, 0, atoms - 1}}, {"d", &length}});
-  });
-  return bonds;
 }
 
 System masses_and_bonds(const Element& constraints, Eigen::VectorXd mass, std::vector<RigidBond> bonds) {
@@ -216,7 +206,8 @@ OpenMMInput read_openmm(const std::filesystem::path& system_xml, const std::file
 
   OpenMMInput input;
   Eigen::VectorXd mass = read_masses(system.part("Particles"));
-  const auto constraints = read_constraints(system.part("Constraints"), static_cast<int>(mass.size()));
+  std::vector<RigidBond> constraints;
+  read_list(system, constraints, static_cast<int>(mass.size()));
   input.system = masses_and_bonds(system.part("Constraints"), std::move(mass), constraints);
   read_start(state, input);
 

@@ -161,6 +161,19 @@ void Element::put(const Field& field, const char* value) const {
   }
 }
 
+pugi::xml_node append(pugi::xml_node to, const char* name, const std::vector<Field>& fields) {
+  struct {
+    std::string operator()(const double* x) const { return fmt::format("{}", *x); }
+    std::string operator()(const bool* flag) const { return *flag ? "1" : "0"; }
+    std::string operator()(const std::string* text) const { return *text; }
+    std::string operator()(const Field::Integer& n) const { return fmt::format("{}", *n.to); }
+  } const text_of;
+  pugi::xml_node node = to.append_child(name);
+  for (const Field& field : fields)
+    node.append_attribute(std::string(field.name).c_str()) = std::visit(text_of, field.to).c_str();
+  return node;
+}
+
 void Element::read_leaf(const std::vector<Field>& fields) const {
   check_parts({});
   read(fields);

@@ -1,7 +1,8 @@
 #pragma once
 
 // OpenMM's XML, read strictly: an attribute or element that is not asked for is refused by name, one that is
-// lacks likewise, and every refusal says file and line. For the readers of openmm_read.cpp and the twin.
+// lacks likewise, and every refusal says file and line. For the readers of openmm_read.cpp and the twin. What
+// is read by a list of fields is written by the same.
 
 #include <filesystem>
 #include <initializer_list>
@@ -48,6 +49,9 @@ struct Field {
   std::string_view name;
   std::variant<double*, bool*, std::string*, Integer> to;
 };
+
+// Appends an element with these attributes, their values such that they are read back to the last bit.
+pugi::xml_node append(pugi::xml_node to, const char* name, const std::vector<Field>& fields);
 
 class Element {
  public:

@@ -1,0 +1,172 @@
+#pragma once
+
+// What OpenMM's XML calls the lists a System is made of, for the reader and the writer: a list's name, that
+// of each of its elements, and their attributes.
+
+#include <array>
+
+#include "forcefield/check_terms.hpp"
+#include "forcefield/terms.hpp"
+#include "md/system.hpp"
+#include "systems/openmm/openmm_xml.hpp"
+
+namespace taut {
+
+// An atom, of so many.
+inline Field atom_field(std::string_view name, int& a, int atoms) {
+  return {name, Field::Integer{&a, 0, atoms - 1}};
+}
+
+inline std::vector<Field> coordinates(Vec3& v) {
+  return {{"x", &v[0]}, {"y", &v[1]}, {"z", &v[2]}};
+}
+
+template <class Part>
+struct InXml;
+
+// Reads a list of an element, or of a force, into the end of `to`.
+template <class Part>
+void read_list(const Element& of, std::vector<Part>& to, int atoms) {
+  const Element list = of.part(InXml<Part>::kList);
+  to.reserve(to.size() + list.count());
+  list.each(InXml<Part>::kEach, [&](const Element& element) {
+    Part part{};
+    element.read_leaf(InXml<Part>::fields(part, atoms));
+    to.push_back(part);
+  });
+}
+
+template <>
+struct InXml<RigidBond> {
+  static constexpr const char *kList = "Constraints", *kEach = "Constraint";
+  static std::vector<Field> fields(RigidBond& b, int atoms) {
+    return {atom_field("p1", b.i, atoms), atom_field("p2", b.j, atoms), {"d", &b.length}};
+  }
+};
+
+template <>
+struct InXml<HarmonicBond> {
+  static constexpr const char *kForce = "HarmonicBondForce", *kList = "Bonds", *kEach = "Bond";
+  static std::vector<Field> fields(HarmonicBond& t, int atoms) {
+    return {atom_field("p1", t.i, atoms), atom_field("p2", t.j, atoms), {"d", &t.length}, {"k", &t.k}};
+  }
+};
+
+template <>
+struct InXml<HarmonicAngle> {
+  static constexpr const char *kForce = "HarmonicAngleForce", *kList = "Angles", *kEach = "Angle";
+  static std::vector<Field> fields(HarmonicAngle& t, int atoms) {
+    return {atom_field("p1", t.i, atoms),
+            atom_field("p2", t.j, atoms),
+            atom_field("p3", t.k, atoms),
+            {"a", &t.angle},
+            {"k", &t.stiffness}};
+  }
+};
+
+// The four atoms of a torsion of either kind, and what it has of its own.
+template <class Torsion>
+std::vector<Field> torsion_fields(Torsion& t, int atoms, std::vector<Field> own) {
+  own.insert(own.begin(), {atom_field("p1", t.i, atoms), atom_field("p2", t.j, atoms),
+                           atom_field("p3", t.k, atoms), atom_field("p4", t.l, atoms)});
+  return own;
+}
+
+template <>
+struct InXml<PeriodicTorsion> {
+  static constexpr const char *kForce = "PeriodicTorsionForce", *kList = "Torsions", *kEach = "Torsion";
+  static std::vector<Field> fields(PeriodicTorsion& t, int atoms) {
+    return torsion_fields(t, atoms,
+                          {{"periodicity", Field::Integer{&t.periodicity, 1, kMostPeriodicity}},
+                           {"phase", &t.phase},
+                           {"k", &t.amplitude}});
+  }
+};
+
+template <>
+struct InXml<RyckaertBellemans> {
+  static constexpr const char *kForce = "RBTorsionForce", *kList = "Torsions", *kEach = "Torsion";
+  static std::vector<Field> fields(RyckaertBellemans& t, int atoms) {
+    return torsion_fields(t, atoms,
+                          {{"c0", &t.c[0]},
+                           {"c1", &t.c[1]},
+                           {"c2", &t.c[2]},
+                           {"c3", &t.c[3]},
+                           {"c4", &t.c[4]},
+                           {"c5", &t.c[5]}});
+  }
+};
+
+template <>
+struct InXml<PairException> {
+  static constexpr const char *kList = "Exceptions", *kEach = "Exception";
+  static std::vector<Field> fields(PairException& t, int atoms) {
+    return {atom_field("p1", t.i, atoms),
+            atom_field("p2", t.j, atoms),
+            {"q", &t.charge_product},
+            {"sig", &t.sigma},
+            {"eps", &t.epsilon}};
+  }
+};
+
+template <>
+struct InXml<std::array<int, 2>> {
+  static constexpr const char *kList = "Exclusions", *kEach = "Exclusion";
+  static std::vector<Field> fields(std::array<int, 2>& pair, int atoms) {
+    return {atom_field("p1", pair[0], atoms), atom_field("p2", pair[1], atoms)};
+  }
+};
+
+// A NonbondedForce but for its lists.
+struct NonbondedXml {
+  enum Method { kNoCutoff, kCutoffNonPeriodic, kCutoffPeriodic, kEwald, kPME, kLJPME };
+  int method = kNoCutoff;
+  double cutoff = 1, rf_dielectric = 78.3, switch_distance = -1;
+  bool switched = false, dispersion_correction = true, takes_images = false, direct_space = true;
+
+  std::vector<Field> fields() {
+    return {{"method", Field::Integer{&method, kNoCutoff, kLJPME}},
+            {"cutoff", &cutoff},
+            {"rfDielectric", &rf_dielectric},
+            {"useSwitchingFunction", &switched},
+            {"switchingDistance", &switch_distance},
+            {"dispersionCorrection", &dispersion_correction},
+            {"exceptionsUsePeriodic", &takes_images},
+            {"includeDirectSpace", &direct_space}};
+  }
+  // Of PME, which there is none of; the values are OpenMM's own at the start.
+  static constexpr std::pair<const char*, const char*> kUnused[] = {{"recipForceGroup", "-1"},
+                                                                    {"ewaldTolerance", "0.0005"},
+                                                                    {"alpha", "0"},
+                                                                    {"nx", "0"},
+                                                                    {"ny", "0"},
+                                                                    {"nz", "0"},
+                                                                    {"ljAlpha", "0"},
+                                                                    {"ljnx", "0"},
+                                                                    {"ljny", "0"},
+                                                                    {"ljnz", "0"}};
+  static constexpr const char* kEmpty[] = {"GlobalParameters", "ParticleOffsets", "ExceptionOffsets"};
+};
+
+// A CustomNonbondedForce but for its lists.
+struct CustomNonbondedXml {
+  std::string energy{};
+  int method = NonbondedXml::kNoCutoff;
+  double cutoff = 1;
+  bool switched = false, corrected = false;
+
+  std::vector<Field> fields() {
+    return {{"energy", &energy},
+            {"method", Field::Integer{&method, NonbondedXml::kNoCutoff, NonbondedXml::kCutoffPeriodic}},
+            {"cutoff", &cutoff},
+            {"useSwitchingFunction", &switched},
+            {"useLongRangeCorrection", &corrected}};
+  }
+};
+
+struct SiteXml {  // an atom of a NonbondedForce
+  double charge = 0, sigma = 0, epsilon = 0;
+  std::vector<Field> fields() { return {{"q", &charge}, {"sig", &sigma}, {"eps", &epsilon}}; }
+};
+
+}  // namespace taut

@@ -1,0 +1,161 @@
+// OpenMM's XML as taut writes it, read back: every number of every term. Needs no OpenMM.
+
+#include "systems/openmm/openmm_export.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <concepts>
+
+#include "forcefield/force_field.hpp"
+#include "md/errors.hpp"
+#include "systems/openmm/openmm_import.hpp"
+#include "systems/scene_file.hpp"
+#include "temporary_folder.hpp"
+
+namespace taut {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+OpenMMInput read_back(const OpenMMInput& input) {
+  const TemporaryFolder folder;
+  write_openmm(input, folder.path() / "a");
+  return read_openmm(folder.path() / "a.system.xml", folder.path() / "a.state.xml");
+}
+
+// All there is of it, a number after the other; before each list, how long it is.
+class Numbers {
+ public:
+  explicit Numbers(const OpenMMInput& input) {
+    const Terms& t = input.terms;
+    add(input.system.mass, input.system.box.edge, input.start.x, input.start.v, input.start.t,
+        input.remove_momentum_every, input.has_velocities);
+    list(input.system.bonds, [&](const auto& b) { add(b.i, b.j, b.length); });
+    list(t.bonds, [&](const auto& b) { add(b.i, b.j, b.length, b.k); });
+    list(t.angles, [&](const auto& a) { add(a.i, a.j, a.k, a.angle, a.stiffness); });
+    list(t.torsions, [&](const auto& a) { add(a.i, a.j, a.k, a.l, a.periodicity, a.phase, a.amplitude); });
+    list(t.rb_torsions,
+         [&](const auto& a) { add(a.i, a.j, a.k, a.l, a.c[0], a.c[1], a.c[2], a.c[3], a.c[4], a.c[5]); });
+    list(t.fene, [&](const auto& b) { add(b.i, b.j, b.k, b.r0); });
+    list(t.pulls, [&](const auto& p) { add(p.atom, p.force); });
+    add(t.gravity.value_or(Vec3::Constant(kNone)));
+    if (t.nonbonded) add_nonbonded(*t.nonbonded);
+    if (t.wca) {
+      add(t.wca->sigma, t.wca->epsilon);
+      list(t.wca->exclusions, [&](const auto& pair) { add(pair[0], pair[1]); });
+    }
+  }
+  const std::vector<double>& all() const { return all_; }
+
+ private:
+  static constexpr double kNone = -12345;
+
+  void add_nonbonded(const Nonbonded& n) {
+    add(n.charge, n.sigma, n.epsilon, n.cutoff.value_or(kNone), n.switch_distance.value_or(kNone),
+        n.rf_dielectric, n.dispersion_correction);
+    list(n.exceptions, [&](const auto& e) { add(e.i, e.j, e.charge_product, e.sigma, e.epsilon); });
+  }
+  void list(const auto& terms, auto use) {
+    add(terms.size());
+    for (const auto& term : terms) use(term);
+  }
+  void add(const auto&... values) { (put(values), ...); }
+  template <class Derived>
+  void put(const Eigen::DenseBase<Derived>& values) {
+    add(values.size());
+    for (Eigen::Index k = 0; k < values.size(); ++k) all_.push_back(values.derived().data()[k]);
+  }
+  void put(std::integral auto value) { all_.push_back(static_cast<double>(value)); }
+  void put(double value) { all_.push_back(value); }
+
+  std::vector<double> all_;
+};
+
+void expect_read_back(const OpenMMInput& input) {
+  EXPECT_EQ(Numbers(read_back(input)).all(), Numbers(input).all());
+}
+
+// Every force taut has, as OpenMM 8.6 gave it.
+OpenMMInput every_force() {
+  return read_openmm(TAUT_TEST_DATA "/every-force.system.xml", TAUT_TEST_DATA "/every-force.state.xml");
+}
+
+TEST(OpenMMExport, IsReadBackToTheLastBit) {
+  const OpenMMInput input = every_force();
+  const Terms& t = input.terms;
+  for (const std::size_t terms :
+       {t.bonds.size(), t.angles.size(), t.torsions.size(), t.rb_torsions.size(), t.fene.size(),
+        t.pulls.size(), t.nonbonded->exceptions.size(), t.wca->exclusions.size()})
+    EXPECT_GT(terms, 0u);
+  EXPECT_TRUE(t.gravity && t.nonbonded->switch_distance && input.remove_momentum_every > 0);
+  expect_read_back(input);
+}
+
+// A third of a nanometre has no short decimals.
+TEST(OpenMMExport, IsReadBackToTheLastBitOfEveryNumber) {
+  OpenMMInput input = every_force();
+  input.start.x /= 3;
+  input.start.v *= 1e-9 / 3;
+  input.start.t = 1e7 / 3;
+  input.system.box.edge *= 4.0 / 3;
+  for (auto& bond : input.terms.bonds) bond.k *= 1e4 / 3;
+  expect_read_back(input);
+}
+
+TEST(OpenMMExport, IsReadBackHoweverPairsAreCutOff) {
+  OpenMMInput input = every_force();
+  Nonbonded& pairs = *input.terms.nonbonded;
+  pairs.dispersion_correction = false;
+  expect_read_back(input);
+  pairs.switch_distance.reset();
+  pairs.rf_dielectric = 3;
+  expect_read_back(input);
+  input.system.box = {};
+  expect_read_back(input);
+  pairs.cutoff.reset();
+  expect_read_back(input);
+}
+
+// As taut's own scenes have them, of a file or built.
+TEST(OpenMMExport, EverySceneComesBackWithItsForces) {
+  for (const char* name : {"decane", "melt", "pair", "water_cluster"}) {
+    SCOPED_TRACE(name);
+    const OpenMMInput input = openmm_input(read_scene(find_scene(name)));
+    expect_read_back(input);
+  }
+}
+
+TEST(OpenMMExport, ForeignExpressionsAreRefused) {
+  const TemporaryFolder folder;
+  const std::string text = openmm_system_xml(every_force());
+  for (const auto& [from, to] :
+       {std::pair("-0.5*k", "-0.6*k"), {"-mass*(gx", "-mass*(2*gx"}, {"4*epsilon", "3*epsilon"}}) {
+    std::string changed = text;
+    const auto at = changed.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    changed.replace(at, std::string(from).size(), to);
+    try {
+      read_openmm(folder.write("a.system.xml", changed),
+                  folder.write("a.state.xml", openmm_state_xml(every_force())));
+      FAIL() << from;
+    } catch (const InputError& e) {
+      EXPECT_THAT(e.what(), AllOf(HasSubstr("has the energy"), Not(HasSubstr("\n"))));
+    }
+  }
+}
+
+TEST(OpenMMExport, SaysWhatOpenMMCannotExpress) {
+  try {
+    openmm_system_xml(openmm_input(read_scene(find_scene("pendulum"))));
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.what(),
+                AllOf(HasSubstr("OpenMM cannot express it"), HasSubstr("anchor"), Not(HasSubstr("\n"))));
+  }
+}
+
+}  // namespace
+}  // namespace taut
