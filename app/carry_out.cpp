@@ -51,7 +51,7 @@ void print_header(const Simulation& simulation) {
              simulation.clusters(), simulation.dof().sum());
   if (sys.box.periodic())
     fmt::print("  box {:.6g} × {:.6g} × {:.6g} nm\n", sys.box.edge.x(), sys.box.edge.y(), sys.box.edge.z());
-  fmt::print("  method {}: {}\n", method_name(scene.method), simulation.method_setting());
+  fmt::print("  method {}: {}\n", scene.method.name(), simulation.method().setting());
   fmt::print("  {} steps of {:g} fs = {:.6g} ps, seed {}, velocities {}{}\n\n", scene.run.steps,
              scene.run.dt_fs, static_cast<double>(scene.run.steps) * scene.run.h(), scene.run.seed,
              describe_velocities(scene), thermostat_line(scene.run));

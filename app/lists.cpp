@@ -7,32 +7,11 @@
 namespace taut {
 namespace {
 
-std::string shown(double value) {
-  return fmt::format("{:g}", value);
-}
-std::string shown(int value) {
-  return fmt::format("{}", value);
-}
-std::string shown(bool value) {
-  return value ? "true" : "false";
-}
-std::string shown(const std::string& value) {
-  return fmt::format("\"{}\"", value);
-}
-std::string shown(const std::optional<double>& value) {
-  return value ? shown(*value) : "not set";
-}
-
 void print_methods() {
-  for (const std::string_view name : method_names()) {
-    fmt::print("{:<11} {}\n", name, method_summary(name));
-    std::visit(
-        [](auto options) {
-          options.describe([](const char* key, const auto& value, const char* meaning, Counts = {}) {
-            fmt::print("{:11}   {} = {}: {}\n", "", key, shown(value), meaning);
-          });
-        },
-        default_options(name));
+  for (const MethodEntry& method : methods()) {
+    fmt::print("{:<11} {}\n", method.name, method.summary);
+    for (const Option& option : MethodOptions(method).describe())
+      fmt::print("{:11}   {} = {}: {}\n", "", option.key, option.value(), option.meaning);
   }
 }
 

@@ -1,6 +1,6 @@
 // What holding the bonds costs: ns per bond (per molecule for water) and step, positions and velocities
 // together, the first decile over the steps: what one takes when nothing else runs on its core. Real steps on
-// states that evolve: free flight, each gap of the step between two readings of the clock (md/timed.hpp), and
+// states that evolve: free flight, each stage of the step between two readings of the clock (md/timed.hpp), and
 // what the readings themselves take, found with a method that does nothing, taken off.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
@@ -11,6 +11,7 @@
 
 #include "constraints/methods.hpp"
 #include "constraints/projection.hpp"
+#include "md/run.hpp"
 #include "md/threads.hpp"
 #include "md/timed.hpp"
 #include "molecules.hpp"
@@ -25,8 +26,8 @@ struct Case {
   int units;  // bonds, or waters
 };
 
-struct Free {
-  void operator()(const System&, State& s) const { s.f.setZero(); }
+struct Free : ForceLaw {
+  void operator()(const System&, State& s) override { s.f.setZero(); }
 };
 
 // Seconds a step that the stopwatch itself takes.
@@ -34,36 +35,38 @@ double stopwatch_cost() {
   static const double cost = [] {
     const System sys = make_system(Eigen::VectorXd::Ones(1), {});
     State s{Vectors::Zero(3, 1), Vectors::Zero(3, 1), Vectors::Zero(3, 1)};
-    EmptyGaps nothing;
+    ConstraintMethod nothing;
     Timed timed(nothing);
     Free forces;
     constexpr int kSteps = 100000;
-    for (int n = 0; n < kSteps; ++n) demand_converged(sys, s, step(sys, forces, timed, 1e-3, s), n);
+    for (int n = 0; n < kSteps; ++n) demand_converged(sys, s, step({sys, forces, timed}, 1e-3, s), n);
     return timed.seconds() / kSteps;
   }();
   return cost;
 }
 
-template <class M>
-void run(benchmark::State& bench, const Case& c, int threads) {
+using Make = decltype(&make_method);
+
+void run(benchmark::State& bench, const Case& c, int threads, std::string_view name, Make make) {
   use_threads(threads);
   const Molecules molecules = c.make();
   const System sys = molecules.system();
   State s = molecules.state();
-  M method(sys, typename M::Options{}, c.h);
+  const auto owned = make(sys, default_options(name), c.h);
+  ConstraintMethod& method = *owned;
   Free forces;
   Projector(sys).positions(sys, s.x);
-  initialize(sys, forces, method, s);
-  for (int n = 0; n < 20; ++n) demand_converged(sys, s, step(sys, forces, method, c.h, s), n);
+  initialize({sys, forces, method}, s);
+  for (int n = 0; n < 20; ++n) demand_converged(sys, s, step({sys, forces, method}, c.h, s), n);
 
   SolveStats stats;
   Timed timed(method);
   std::vector<double> seconds;
   double before = 0;
   for (auto _ : bench) {
-    stats += step(sys, forces, timed, c.h, s);
+    stats += step({sys, forces, timed}, c.h, s);
     if (!stats.converged()) {
-      bench.SkipWithError(stats.failure);
+      bench.SkipWithError(std::string(in_words(stats.failure)).c_str());
       break;
     }
     seconds.push_back(timed.seconds() - before);
@@ -78,46 +81,35 @@ void run(benchmark::State& bench, const Case& c, int threads) {
   bench.counters["iterations"] = stats.iterations / static_cast<double>(seconds.size());
 }
 
-template <class M>
-void add(const Case& c, int threads, const char* form) {
-  benchmark::RegisterBenchmark(fmt::format("{}/{}/{}/{}", M::kName, c.name, form, threads).c_str(),
-                               [c, threads](benchmark::State& bench) { run<M>(bench, c, threads); })
+void add(const Case& c, int threads, std::string_view name, Make make) {
+  const char* form = make == make_method ? "fast" : "plain";
+  benchmark::RegisterBenchmark(fmt::format("{}/{}/{}/{}", name, c.name, form, threads).c_str(),
+                               [=](benchmark::State& bench) { run(bench, c, threads, name, make); })
       ->UseManualTime()
       ->Unit(benchmark::kMicrosecond);
 }
 
-template <class M>
-void add_all(const Case& c, bool plain) {
-  for (int threads : {1, 2}) add<M>(c, threads, "fast");
-  if constexpr (requires { typename M::Reference; }) {
-    if (plain) add<typename M::Reference>(c, 1, "plain");
+void add_methods(const Case& c, bool plain) {
+  for (const std::string_view name : method_names()) {
+    if (name == "settle" && !c.name.starts_with("water")) continue;
+    for (int threads : {1, 2}) add(c, threads, name, make_method);
+    if (plain && name != "penalty") add(c, 1, name, make_plain);
   }
-}
-
-template <class... Ms>
-void add_methods(MethodList<Ms...>, const Case& c, bool plain) {
-  const bool water = c.name.starts_with("water");
-  const auto add_one = [&]<class M>() {
-    if (M::kName == std::string_view("settle") && !water) return;
-    add_all<M>(c, plain);
-  };
-  (add_one.template operator()<Ms>(), ...);
 }
 
 void add_everything() {
   constexpr int kBonds = 80000;
-  add_methods(Methods{}, {"chains-100x20", [] { return chains(100, 20); }, 0.01, 2000}, true);
+  add_methods({"chains-100x20", [] { return chains(100, 20); }, 0.01, 2000}, true);
   for (int bonds : {10, 20, 50, 1000, 10000})
-    add_methods(Methods{},
-                {fmt::format("chains-{}x{}", kBonds / bonds, bonds),
+    add_methods({fmt::format("chains-{}x{}", kBonds / bonds, bonds),
                  [bonds] { return chains(kBonds / bonds, bonds); }, 0.01, kBonds},
                 bonds == 1000);
-  add_methods(Methods{}, {"chains-1x10000", [] { return chains(1, 10000); }, 0.01, 10000}, true);
-  add_methods(Methods{}, {"chains-1x80000", [] { return chains(1, kBonds); }, 0.01, kBonds}, false);
-  add_methods(Methods{}, {"rings-1000x20", [] { return rings(1000, 20); }, 0.01, 20000}, false);
-  add_methods(Methods{}, {"combs-1000x20", [] { return combs(1000, 20); }, 0.01, 20000}, false);
+  add_methods({"chains-1x10000", [] { return chains(1, 10000); }, 0.01, 10000}, true);
+  add_methods({"chains-1x80000", [] { return chains(1, kBonds); }, 0.01, kBonds}, false);
+  add_methods({"rings-1000x20", [] { return rings(1000, 20); }, 0.01, 20000}, false);
+  add_methods({"combs-1000x20", [] { return combs(1000, 20); }, 0.01, 20000}, false);
   for (int count : {216, 1000, 10000, 100000})
-    add_methods(Methods{}, {fmt::format("water-{}", count), [count] { return waters(count); }, 0.001, count},
+    add_methods({fmt::format("water-{}", count), [count] { return waters(count); }, 0.001, count},
                 count == 1000);
 }
 

@@ -18,6 +18,7 @@
 #include "forcefield/bonded.hpp"
 #include "forcefield/bonded_forces.hpp"
 #include "forcefield/force_field.hpp"
+#include "md/run.hpp"
 #include "md/threads.hpp"
 #include "md/timed.hpp"
 #include "studies/openmm_twin.hpp"
@@ -81,7 +82,7 @@ void count(benchmark::State& bench, long steps, int atoms) {
 struct Running {
   Scene scene;
   ForceField forces;
-  Method method;
+  std::unique_ptr<ConstraintMethod> method;
   State state;
 
   explicit Running(const Setting& setting)
@@ -89,17 +90,15 @@ struct Running {
         forces(scene.system, scene.terms),
         method(make_method(scene.system, scene.method, scene.run.h())),
         state(scene.start) {
-    std::visit([&](auto& m) { initialize(scene.system, forces, m, state); }, method);
+    initialize(dynamics(), state);
     go(20);
   }
 
+  Dynamics dynamics() { return {scene.system, forces, *method}; }
+
   void go(int steps) {
-    std::visit(
-        [&](auto& m) {
-          for (int n = 0; n < steps; ++n)
-            demand_converged(scene.system, state, step(scene.system, forces, m, scene.run.h(), state), n);
-        },
-        method);
+    for (int n = 0; n < steps; ++n)
+      demand_converged(scene.system, state, step(dynamics(), scene.run.h(), state), n);
   }
 };
 
@@ -136,19 +135,15 @@ void forces_and_lists(benchmark::State& bench, const Setting& setting) {
 void bonds_alone(benchmark::State& bench, const Setting& setting) {
   use_threads(setting.threads);
   Running run(setting);
-  std::visit(
-      [&](auto& method) {
-        Timed timed(method);
-        double before = 0;
-        for (auto _ : bench) {
-          for (int n = 0; n < kStride; ++n)
-            demand_converged(run.scene.system, run.state,
-                             step(run.scene.system, run.forces, timed, run.scene.run.h(), run.state), n);
-          bench.SetIterationTime(timed.seconds() - before);
-          before = timed.seconds();
-        }
-      },
-      run.method);
+  Timed timed(*run.method);
+  double before = 0;
+  for (auto _ : bench) {
+    for (int n = 0; n < kStride; ++n)
+      demand_converged(run.scene.system, run.state,
+                       step({run.scene.system, run.forces, timed}, run.scene.run.h(), run.state), n);
+    bench.SetIterationTime(timed.seconds() - before);
+    before = timed.seconds();
+  }
   count(bench, bench.iterations() * kStride, run.scene.system.atoms());
 }
 

@@ -3,12 +3,11 @@
 #include <fmt/format.h>
 
 #include "constraints/bond_algebra.hpp"
-#include "constraints/option_checks.hpp"
 
 namespace taut {
 
 Baumgarte::Baumgarte(const System& sys, const Options& options, double h)
-    : damping_(damping_named(options.damping)),
+    : damping_(damping_named(checked(options).damping)),
       gains_(choose_gains(options.choice(), damping_, sys, h)),
       passes_(options.passes),
       sweeps_(options.sweeps),
@@ -63,7 +62,7 @@ SolveStats Baumgarte::add_forces(const System& sys, double h, State& s) {
   }
   if (sweeps_ == 0) {
     solver_.factor(r_);
-    if (solver_.singular()) return {0, residual.value, solver_.dependent_bonds().front(), "A is singular"};
+    if (solver_.singular()) return {0, residual.value, solver_.dependent_bonds().front(), Failure::kSingular};
   }
 
   guess_lambda();
@@ -92,8 +91,9 @@ SolveStats Baumgarte::add_forces(const System& sys, double h, State& s) {
 
 std::string describe_baumgarte(const Baumgarte::Options& options, const std::vector<Gains>& gains, double h) {
   const auto& [passes, sweeps] = std::tie(options.passes, options.sweeps);
-  check_count("method.passes", passes, 1);
-  check_count("method.sweeps", sweeps, 0);
+  if (options.gains == "numbers" && options.alpha_per_ps == 0 && options.beta_per_ps == 0 && passes == 1 &&
+      sweeps == 0)
+    return "no correction";
   if (gains.empty()) return "no bonds";
   const auto [alpha, beta] = gains.front();
   const int count = sweeps > 0 ? passes * sweeps : passes;

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "constraints/counts.hpp"
 #include "constraints/direct_solver.hpp"
 #include "constraints/gains.hpp"
-#include "constraints/gaps.hpp"
+#include "constraints/options.hpp"
+#include "md/constraint_method.hpp"
 
 namespace taut {
 
@@ -28,12 +28,8 @@ namespace taut {
 // With `sweeps` the system is not solved but swept, bond by bond, from λ* (Gauss–Seidel, as rigid-body
 // engines do; no factorization): what a sweep leaves, σ feeds back in the next step. Cost: one factorization
 // and one solve a step; each further pass (v*, a* with the λ just found) one more solve.
-class Baumgarte : public EmptyGaps {
+class Baumgarte : public ConstraintMethod {
  public:
-  static constexpr const char* kName = "baumgarte";
-  static constexpr const char* kSummary =
-      "feedback on the bond error in the acceleration, one linear solve a step";
-
   struct Options {
     std::string gains = "reversible";
     std::string damping = "centred";
@@ -43,20 +39,32 @@ class Baumgarte : public EmptyGaps {
     int passes = 1;
     int sweeps = 0;
 
-    void describe(auto&& visit) {
+    std::vector<Option> describe() {
       const bool named = !(alpha_per_ps && beta_per_ps);  // at least one of them
-      visit("gains", gains, "reversible, dead-beat, rattle, critical, physical, hoomd, box2d or numbers",
-            Counts{named || gains == "numbers", "without both alpha_per_ps and beta_per_ps"});
-      visit("damping", damping,
-            "acts on the bond's centred rate, the end velocity (implicit) or the half-step's (lagged)");
-      visit("alpha_per_ps", alpha_per_ps, "damping α [1/ps], in place of the named one");
-      visit("beta_per_ps", beta_per_ps, "stiffness β [1/ps], in place of the named one");
-      visit("reduction", reduction, "of an error a step, for gains = \"rattle\" (see taut calibrate)",
-            Counts{named && gains == "rattle", "with method.gains = \"rattle\""});
-      visit("stiffness", stiffness, "of the real bond [kJ/mol/nm²], for gains = \"physical\"",
-            Counts{named && gains == "physical", "with method.gains = \"physical\""});
-      visit("passes", passes, "solves a step");
-      visit("sweeps", sweeps, "more than 0: so many sweeps from λ* in place of a factorization");
+      return {{"gains",
+               &gains,
+               "reversible, dead-beat, rattle, critical, physical, hoomd, box2d or numbers",
+               {.counts = {named || gains == "numbers", "without both alpha_per_ps and beta_per_ps"}}},
+              {"damping", &damping,
+               "acts on the bond's centred rate, the end velocity (implicit) or the half-step's (lagged)"},
+              {"alpha_per_ps", &alpha_per_ps, "damping α, in place of the named one", {.unit = "1/ps"}},
+              {"beta_per_ps", &beta_per_ps, "stiffness β, in place of the named one", {.unit = "1/ps"}},
+              {"reduction",
+               &reduction,
+               "of an error a step, for gains = \"rattle\" (see taut calibrate)",
+               {.range = {.min = 0, .max = 1, .below_max = true},
+                .counts = {named && gains == "rattle", "with method.gains = \"rattle\""}}},
+              {"stiffness",
+               &stiffness,
+               "of the real bond, for gains = \"physical\"",
+               {.unit = "kJ/mol/nm²",
+                .range = kPositive,
+                .counts = {named && gains == "physical", "with method.gains = \"physical\""}}},
+              {"passes", &passes, "solves a step", {.range = {.min = 1}}},
+              {"sweeps",
+               &sweeps,
+               "more than 0: so many sweeps from λ* in place of a factorization",
+               {.range = {.min = 0}}}};
     }
     GainChoice choice() const {
       return {.name = gains,
@@ -69,12 +77,12 @@ class Baumgarte : public EmptyGaps {
 
   Baumgarte(const System& sys, const Options& options, double h);
 
-  SolveStats add_forces(const System& sys, double h, State& s);
+  SolveStats add_forces(const System& sys, double h, State& s) override;
+  SolveStats start(const System& sys, State& s) override { return add_forces(sys, 0, s); }  // w = v
 
-  void serialize(Archive& archive) { archive(lambda_, before_, steps_); }
-  const Eigen::VectorXd& lambda() const { return lambda_; }
-  double promised_error() const { return std::numeric_limits<double>::infinity(); }
-  const std::string& setting() const { return setting_; }
+  void serialize(Archive& archive) override { archive(lambda_, before_, steps_); }
+  const Eigen::VectorXd& lambda() const override { return lambda_; }
+  std::string setting() const override { return setting_; }
 
  private:
   void guess_lambda();
@@ -92,7 +100,7 @@ class Baumgarte : public EmptyGaps {
   std::string setting_;
 };
 
-// Gains, damping and solves of a run in one line. Throws InputError for numbers of solves out of range.
+// Gains, damping and solves of a run in one line.
 std::string describe_baumgarte(const Baumgarte::Options& options, const std::vector<Gains>& gains, double h);
 
 }  // namespace taut

@@ -3,13 +3,11 @@
 #include <fmt/format.h>
 
 #include "constraints/bond_algebra.hpp"
-#include "constraints/option_checks.hpp"
-#include "md/errors.hpp"
 
 namespace taut {
 
 Feedforward::Feedforward(const System& sys, const Options& options, double h)
-    : options_(options),
+    : options_(checked(options)),
       h_(h),
       solver_(sys),
       r_(3, sys.bond_count()),
@@ -18,12 +16,7 @@ Feedforward::Feedforward(const System& sys, const Options& options, double h)
       b_(sys.bond_count()),
       lambda_(Eigen::VectorXd::Zero(sys.bond_count())),
       before_(lambda_),
-      before_that_(lambda_) {
-  check_tolerance(options.tolerance);
-  check_count("method.max_solves", options.max_solves, 1);
-  if (options.extrapolation < 0 || options.extrapolation > 2)
-    throw InputError(fmt::format("method.extrapolation: {}, expected 0, 1 or 2", options.extrapolation));
-}
+      before_that_(lambda_) {}
 
 // λ_n from λ_{n−1}, 2λ_{n−1} − λ_{n−2} or 3λ_{n−1} − 3λ_{n−2} + λ_{n−3}, as far as they are known.
 void Feedforward::extrapolate() {
@@ -38,23 +31,27 @@ void Feedforward::extrapolate() {
   known_ = std::min(known_ + 1, 3);
 }
 
-SolveStats Feedforward::add_forces(const System& sys, double h, State& s) {
-  // At the start v is the full-step velocity and the coming kick half as long: δ = h v + ½h² M⁻¹f.
-  const bool start = h == 0;
-  if (start) {
-    known_ = 1;
-  } else {
-    extrapolate();
-  }
-  const SolveStats stats = solve(sys, s, start ? 0.5 * h_ * h_ : h_ * h_);
+SolveStats Feedforward::add_forces(const System& sys, double, State& s) {
+  extrapolate();
+  return add_forces_for(h_ * h_, sys, s);
+}
+
+// v is the full-step velocity and the coming kick half as long: δ = h v + ½h² M⁻¹f.
+SolveStats Feedforward::start(const System& sys, State& s) {
+  known_ = 1;
+  return add_forces_for(0.5 * h_ * h_, sys, s);
+}
+
+// `kick`: δ = h v + kick·M⁻¹f
+SolveStats Feedforward::add_forces_for(double kick, const System& sys, State& s) {
+  const SolveStats stats = solve(sys, s, kick);
   add_constraint_force(sys, r_, lambda_, s.f);
   return stats;
 }
 
-// `kick`: δ = h v + kick·M⁻¹f
-SolveStats Feedforward::solve(const System& sys, State& s, double kick) {
+SolveStats Feedforward::solve(const System& sys, const State& s, double kick) {
   differences(sys, s.x, r_);
-  SolveStats stats{.failure = "no convergence"};
+  SolveStats stats{.failure = Failure::kNoConvergence};
   while (!stats.converged() && stats.iterations < options_.max_solves) {
     y_.setZero();
     add_constraint_acceleration(sys, r_, lambda_, y_);
@@ -73,14 +70,13 @@ SolveStats Feedforward::solve(const System& sys, State& s, double kick) {
     solver_.factor(r_next_, r_);
     if (solver_.singular() || !(next.value < 1e3)) {
       stats.worst_bond = solver_.singular() ? solver_.dependent_bonds().front() : next.bond;
-      stats.failure =
-          solver_.singular() ? "A is singular, or a bond turns by 90° in one step" : "the bonds run away";
+      stats.failure = solver_.singular() ? Failure::kSingularOrTurned : Failure::kRanAway;
       return stats;
     }
     solver_.solve(b_);
     lambda_ += b_;
     ++stats.iterations;
-    if (0.5 * next.value * next.value <= options_.tolerance) stats.failure = nullptr;
+    if (0.5 * next.value * next.value <= options_.tolerance) stats.failure = Failure::kNone;
   }
   return stats;
 }

@@ -3,7 +3,8 @@
 #include <string>
 
 #include "constraints/direct_solver.hpp"
-#include "constraints/gaps.hpp"
+#include "constraints/options.hpp"
+#include "md/constraint_method.hpp"
 
 namespace taut {
 
@@ -19,36 +20,40 @@ namespace taut {
 // velocities are leap-frog's mean velocities: J v = −½h² v·a, not zero; they are not projected. Start-up: λ
 // of the first step is iterated until its σ_next vanishes. See constraints/README.md. Cost: one factorization
 // (not symmetric) and, mostly, one solve a step.
-class Feedforward : public EmptyGaps {
+class Feedforward : public ConstraintMethod {
  public:
-  static constexpr const char* kName = "feedforward";
-  static constexpr const char* kSummary =
-      "Baumgarte with its truncation fed forward, mostly one linear solve a step";
-
   struct Options {
     double tolerance = 1e-5;
     int extrapolation = 2;
     int max_solves = 20;
 
-    void describe(auto&& visit) {
-      visit("tolerance", tolerance, "relative bond error for which a step takes another solve");
-      visit("extrapolation", extrapolation, "order in which λ is extrapolated: 0, 1 or 2");
-      visit("max_solves", max_solves, "solves after which a step has failed");
+    std::vector<Option> describe() {
+      return {{"tolerance",
+               &tolerance,
+               "relative bond error for which a step takes another solve",
+               {.range = kTolerances}},
+              {"extrapolation",
+               &extrapolation,
+               "order in which λ is extrapolated: 0, 1 or 2",
+               {.range = {.min = 0, .max = 2}}},
+              {"max_solves", &max_solves, "solves after which a step has failed", {.range = {.min = 1}}}};
     }
   };
 
   Feedforward(const System& sys, const Options& options, double h);
 
-  SolveStats add_forces(const System& sys, double h, State& s);
+  SolveStats add_forces(const System& sys, double h, State& s) override;
+  SolveStats start(const System& sys, State& s) override;
 
-  void serialize(Archive& archive) { archive(lambda_, before_, before_that_, known_); }
-  const Eigen::VectorXd& lambda() const { return lambda_; }
-  double promised_error() const { return options_.tolerance; }
-  std::string setting() const;
+  void serialize(Archive& archive) override { archive(lambda_, before_, before_that_, known_); }
+  const Eigen::VectorXd& lambda() const override { return lambda_; }
+  double promised_error() const override { return options_.tolerance; }
+  std::string setting() const override;
 
  private:
   void extrapolate();
-  SolveStats solve(const System& sys, State& s, double kick);
+  SolveStats add_forces_for(double kick, const System& sys, State& s);
+  SolveStats solve(const System& sys, const State& s, double kick);
 
   Options options_;
   double h_;

@@ -5,7 +5,6 @@
 #include "constraints/lanes/batched_newton.hpp"
 #include "md/archive.hpp"
 #include "md/random.hpp"
-#include "md/state.hpp"
 #include "md/step.hpp"
 
 namespace taut {
@@ -26,22 +25,24 @@ namespace taut {
 // then changes by h(a + (½Δ_old + ½Δ)/h): to `add_forces` the noise is one more force, M(½Δ_old + ½Δ)/h, in f
 // for just as long as λ is sought, and every identity of constraints/README.md holds with that acceleration.
 // Cost: 3n normal numbers, and one factorization and solve for P.
-class Langevin {
+class Langevin final : public Bath {
  public:
-  struct Bath {
+  struct Settings {
     double temperature;          // [K]
     double friction;             // γ [1/ps]
     std::uint64_t seed = 1;      // of R
-    bool free_bonds = false;     // bonds are springs: no tangent space
     bool hold_momentum = false;  // Δ without total momentum; for systems where no bond is anchored
+    // Bonds are springs: there is no tangent space, and their force changes the velocity that friction acts
+    // on, so that Δ has to know it, where it need not know Jᵀλ.
+    ConstraintMethod* springs = nullptr;
   };
 
-  Langevin(const System& sys, const Bath& bath, double h);
+  Langevin(const System& sys, const Settings& settings, double h);
 
-  // What md/step.hpp asks of a bath.
-  void first_half(State& s) const { s.v += half_jump_; }
-  SolveStats draw(const System& sys, double h, State& s);
-  void second_half(State& s) const;
+  void first_half(State& s) override { s.v += half_jump_; }
+  SolveStats draw(const System& sys, double h, State& s) override;
+  SolveStats start(const System& sys, State& s) override;
+  void second_half(State& s) override;
 
   void serialize(Archive& archive) { archive(half_jump_, random_); }
 
@@ -50,14 +51,17 @@ class Langevin {
   Vectors middle_velocity(const System& sys, const State& s);
 
  private:
+  SolveStats draw_knowing_springs(const System& sys, double kick, State& s);
+  SolveStats draw_jump(const System& sys, double kick, State& s);
   SolveStats project(Vectors& x, Vectors& v);  // x is lent, not changed
 
-  Bath bath_;
+  Settings settings_;
   double h_;
   System tangent_;  // the atoms with the bonds that Δ respects
   Batched<Newton> projector_;
   State scratch_;                      // x and v as the projector takes them
   Vectors half_jump_, before_, push_;  // ½Δ, ½Δ of the step before [nm/ps]; M(½Δ_old + ½Δ)/h
+  Vectors pull_;                       // of springs
   Random random_;
 };
 

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "constraints/bond_algebra.hpp"
-#include "constraints/option_checks.hpp"
 
 namespace taut {
 
@@ -41,7 +40,7 @@ Eigen::Index triangles_first(const System& sys, Couplings& couplings) {
 }  // namespace
 
 Lincs::Lincs(const System& sys, const Options& options, double)
-    : options_(options),
+    : options_(checked(options)),
       couplings_(sys),
       in_triangles_(triangles_first(sys, couplings_)),
       directions_(3, sys.bond_count()),
@@ -51,10 +50,7 @@ Lincs::Lincs(const System& sys, const Options& options, double)
       sum_(sys.bond_count()),
       power_(sys.bond_count()),
       g_(sys.bond_count()),
-      lambda_(Eigen::VectorXd::Zero(sys.bond_count())) {
-  check_count("method.order", options.order, 0);
-  check_count("method.iterations", options.iterations, 0);
-}
+      lambda_(Eigen::VectorXd::Zero(sys.bond_count())) {}
 
 void Lincs::find_coupling() {
   for (Eigen::Index e = 0; e < c_.size(); ++e) {

@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "constraints/direct_solver.hpp"
-#include "constraints/gaps.hpp"
+#include "constraints/options.hpp"
+#include "md/constraint_method.hpp"
 
 namespace taut {
 
@@ -34,30 +35,26 @@ class BondTriangles {
 // Differs: double precision; no warning angle, the error left is reported. Cost: order + 1 products with C an
 // application, and order with T where there are triangles; 1 + iterations of them for positions and one for
 // velocities.
-class Lincs : public EmptyGaps {
+class Lincs : public ConstraintMethod {
  public:
-  static constexpr const char* kName = "lincs";
-  static constexpr const char* kSummary = "the inverse of A expanded in powers, as GROMACS does";
-
   struct Options {
     int order = 4;
     int iterations = 1;
 
-    void describe(auto&& visit) {
-      visit("order", order, "highest power in the expansion");
-      visit("iterations", iterations, "corrections for the bonds' turning");
+    std::vector<Option> describe() {
+      return {{"order", &order, "highest power in the expansion", {.range = {.min = 0}}},
+              {"iterations", &iterations, "corrections for the bonds' turning", {.range = {.min = 0}}}};
     }
   };
 
   Lincs(const System& sys, const Options& options, double h);
 
-  SolveStats project_positions(const System& sys, double h, State& s);
-  SolveStats project_velocities(const System& sys, double h, State& s);
+  SolveStats project_positions(const System& sys, double h, State& s) override;
+  SolveStats project_velocities(const System& sys, double h, State& s) override;
 
-  void serialize(Archive& archive) { archive(lambda_); }
-  const Eigen::VectorXd& lambda() const { return lambda_; }
-  double promised_error() const { return std::numeric_limits<double>::infinity(); }
-  std::string setting() const;
+  void serialize(Archive& archive) override { archive(lambda_); }
+  const Eigen::VectorXd& lambda() const override { return lambda_; }
+  std::string setting() const override;
 
  private:
   // power = C·rhs, or with only the first so many entries; sum += power; rhs = power

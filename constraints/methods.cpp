@@ -2,66 +2,93 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "constraints/lanes/batched_baumgarte.hpp"
+#include "constraints/lanes/batched_feedforward.hpp"
+#include "constraints/lanes/batched_lincs.hpp"
+#include "constraints/lanes/batched_newton.hpp"
+#include "constraints/lanes/batched_settle.hpp"
+#include "constraints/lanes/batched_sweeps.hpp"
+#include "constraints/penalty.hpp"
 #include "md/errors.hpp"
 #include "md/nearest_name.hpp"
 
 namespace taut {
 namespace {
 
-// Calls visit.operator()<M>() for every method of the list.
-template <class... Ms>
-void for_each_method(MethodList<Ms...>, auto&& visit) {
-  (visit.template operator()<Ms>(), ...);
+// Baumgarte without gains: σ̈ = 0, and nothing that brings an error back. The bonds drift as t², shown.
+struct WithoutGains {
+  std::vector<Option> describe() { return {}; }
+  operator Baumgarte::Options() const { return {.gains = "numbers", .alpha_per_ps = 0, .beta_per_ps = 0}; }
+};
+
+template <class M, class Options>
+std::unique_ptr<ConstraintMethod> make(const System& sys, const std::any& options, double h) {
+  return std::make_unique<M>(sys, std::any_cast<const Options&>(options), h);
 }
 
-template <class Options, class... Ms>
-consteval const char* name_of(MethodList<Ms...>) {
-  const char* name = nullptr;
-  ((std::is_same_v<Options, typename Ms::Options> ? void(name = Ms::kName) : void()), ...);
-  return name;
+template <class Plain, class Fast = Plain, class Options = typename Plain::Options>
+MethodEntry entry(std::string_view name, std::string_view summary) {
+  const auto describe = [](std::any& options) { return std::any_cast<Options&>(options).describe(); };
+  return {name, summary, Options{}, describe, make<Fast, Options>, make<Plain, Options>};
+}
+
+template <class Plain>
+MethodEntry in_lanes(std::string_view name, std::string_view summary) {
+  return entry<Plain, Batched<Plain>>(name, summary);
 }
 
 }  // namespace
 
+const std::vector<MethodEntry>& methods() {
+  static const std::vector<MethodEntry> kMethods = {
+      entry<Baumgarte, Batched<Baumgarte>, WithoutGains>(
+          "none", "constrained accelerations alone, no correction: shows the drift"),
+      entry<Penalty>("penalty", "stiff springs in place of rigid bonds"),
+      in_lanes<Baumgarte>("baumgarte",
+                          "feedback on the bond error in the acceleration, one linear solve a step"),
+      in_lanes<Feedforward>("feedforward",
+                            "Baumgarte with its truncation fed forward, mostly one linear solve a step"),
+      in_lanes<Shake>("shake", "sweeps over the bonds, positions only"),
+      in_lanes<Rattle>("rattle", "sweeps over the bonds, positions and velocities"),
+      in_lanes<Newton>("newton", "RATTLE by a direct solve of all bonds at once"),
+      in_lanes<Lincs>("lincs", "the inverse of A expanded in powers, as GROMACS does"),
+      in_lanes<Settle>("settle", "three-site water in closed form"),
+  };
+  return kMethods;
+}
+
 std::vector<std::string_view> method_names() {
   std::vector<std::string_view> names;
-  for_each_method(Methods{}, [&]<class M>() { names.emplace_back(M::kName); });
+  for (const MethodEntry& method : methods()) names.push_back(method.name);
   return names;
 }
 
-std::string_view method_summary(std::string_view name) {
-  std::string_view summary;
-  for_each_method(Methods{}, [&]<class M>() {
-    if (name == M::kName) summary = M::kSummary;
-  });
-  return summary;
-}
-
-std::string_view method_name(const MethodOptions& options) {
-  return std::visit([]<class O>(const O&) -> std::string_view { return name_of<O>(Methods{}); }, options);
-}
-
-MethodOptions default_options(std::string_view name) {
-  std::optional<MethodOptions> options;
-  for_each_method(Methods{}, [&]<class M>() {
-    if (name == M::kName) options = typename M::Options{};
-  });
-  if (!options)
+const MethodEntry& method_named(std::string_view name) {
+  const auto found = std::ranges::find(methods(), name, &MethodEntry::name);
+  if (found == methods().end())
     throw InputError(fmt::format("there is no method \"{}\"{}", name, did_you_mean(name, method_names())));
-  return *options;
+  return *found;
 }
 
-Method make_method(const System& sys, const MethodOptions& options, double h) {
+const MethodEntry& MethodOptions::method_with(const std::type_info& options) {
+  const auto has = [&](const MethodEntry& method) { return method.defaults.type() == options; };
+  return *std::ranges::find_if(methods(), has);
+}
+
+std::unique_ptr<ConstraintMethod> MethodOptions::make(MethodEntry::Factory factory, const System& sys,
+                                                      double h) const {
   if (!(h > 0)) throw InputError(fmt::format("a step of {} ps, expected more than 0", h));
-  const auto make = [&]<class... Ms>(MethodList<Ms...>) {
-    std::optional<Method> method;
-    ((std::holds_alternative<typename Ms::Options>(options)
-          ? void(method.emplace(std::in_place_type<Ms>, sys, std::get<typename Ms::Options>(options), h))
-          : void()),
-     ...);
-    return std::move(*method);
-  };
-  return make(Methods{});
+  return factory(sys, values_, h);
+}
+
+std::unique_ptr<ConstraintMethod> make_method(const System& sys, const MethodOptions& options, double h) {
+  return options.make(options.method().make, sys, h);
+}
+
+std::unique_ptr<ConstraintMethod> make_plain(const System& sys, const MethodOptions& options, double h) {
+  return options.make(options.method().make_plain, sys, h);
 }
 
 }  // namespace taut

@@ -1,53 +1,68 @@
 #pragma once
 
-#include <string>
+#include <any>
+#include <memory>
 #include <string_view>
-#include <variant>
+#include <typeinfo>
 #include <vector>
 
-#include "constraints/lanes/batched_baumgarte.hpp"
-#include "constraints/lanes/batched_feedforward.hpp"
-#include "constraints/lanes/batched_lincs.hpp"
-#include "constraints/lanes/batched_newton.hpp"
-#include "constraints/lanes/batched_settle.hpp"
-#include "constraints/lanes/batched_sweeps.hpp"
-#include "constraints/penalty.hpp"
+#include "constraints/options.hpp"
+#include "md/constraint_method.hpp"
 
 namespace taut {
 
-// The one list of methods. A new one: its two files, and its name here.
-//
-// A method M has
-//   M::kName, M::kSummary        as `taut methods` prints them
-//   M::Options                   its settings, with describe(visit) calling visit(key, field, meaning), or
-//                                visit(key, field, meaning, Counts) where others decide whether it counts
-//   M(const System&, const Options&, double h)
-//   the gaps it fills (gaps.hpp)
-//   const Eigen::VectorXd& lambda() const     the multipliers of the last step, f_c = Jᵀλ
-//   void serialize(Archive&)                    what it takes from one step to the next (md/memory.hpp)
-//   double promised_error() const             the relative bond error it answers for; infinity: none
-//   std::string setting() const               gains, tolerance, ... as the run's header prints them
-// Batched<M> is M at the speed of the machine (batched.hpp); M itself, plain and readable, gives the same to
-// round-off.
-template <class... Ms>
-struct MethodList {
-  using Method = std::variant<Ms...>;
-  using Options = std::variant<typename Ms::Options...>;
+// A method of the list, whatever its type.
+struct MethodEntry {
+  using Factory = std::unique_ptr<ConstraintMethod> (*)(const System&, const std::any& options, double h);
+
+  std::string_view name, summary;  // as `taut methods` prints them
+  std::any defaults;               // its Options
+  std::vector<Option> (*describe)(std::any& options);
+  Factory make;        // what runs
+  Factory make_plain;  // the same to round-off, to read and to compare with
 };
-using Methods = MethodList<Batched<None>, Penalty, Batched<Baumgarte>, Batched<Feedforward>, Batched<Shake>,
-                           Batched<Rattle>, Batched<Newton>, Batched<Lincs>, Batched<Settle>>;
 
-using Method = Methods::Method;
-using MethodOptions = Methods::Options;
-
+// The one list of methods (constraints/README.md says how to add one).
+const std::vector<MethodEntry>& methods();
 std::vector<std::string_view> method_names();
-std::string_view method_summary(std::string_view name);
-std::string_view method_name(const MethodOptions& options);
 
-// The default options of a method. Throws InputError for an unknown name, with the one that was meant.
-MethodOptions default_options(std::string_view name);
+// Throws InputError for an unknown name, with the one that was meant.
+const MethodEntry& method_named(std::string_view name);
 
-// Throws InputError for options out of range.
-Method make_method(const System& sys, const MethodOptions& options, double h);
+// A method and its settings: any method's Options, or the defaults of one that is named.
+class MethodOptions {
+ public:
+  MethodOptions() : MethodOptions(methods().front()) {}
+  explicit MethodOptions(const MethodEntry& method) : method_(&method), values_(method.defaults) {}
+  template <class Options>
+  requires requires(Options options) { check(options.describe()); }
+  MethodOptions(Options options) : method_(&method_with(typeid(Options))), values_(std::move(options)) {}
+
+  const MethodEntry& method() const { return *method_; }
+  std::string_view name() const { return method_->name; }
+  std::vector<Option> describe() { return method_->describe(values_); }
+
+  // The typed options, where they are such.
+  template <class Options>
+  const Options* get_if() const {
+    return std::any_cast<Options>(&values_);
+  }
+
+  std::unique_ptr<ConstraintMethod> make(MethodEntry::Factory factory, const System& sys, double h) const;
+
+ private:
+  static const MethodEntry& method_with(const std::type_info& options);
+
+  const MethodEntry* method_;
+  std::any values_;
+};
+
+inline MethodOptions default_options(std::string_view name) {
+  return MethodOptions(method_named(name));
+}
+
+// Both throw InputError for options out of range.
+std::unique_ptr<ConstraintMethod> make_method(const System& sys, const MethodOptions& options, double h);
+std::unique_ptr<ConstraintMethod> make_plain(const System& sys, const MethodOptions& options, double h);
 
 }  // namespace taut

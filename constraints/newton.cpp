@@ -3,21 +3,17 @@
 #include <fmt/format.h>
 
 #include "constraints/bond_algebra.hpp"
-#include "constraints/option_checks.hpp"
 
 namespace taut {
 
 Newton::Newton(const System& sys, const Options& options, double)
-    : options_(options),
+    : options_(checked(options)),
       solver_(sys),
       r_(3, sys.bond_count()),
       r_old_(3, sys.bond_count()),
       g_(Eigen::VectorXd::Zero(sys.bond_count())),
       dg_(g_),
-      lambda_(g_) {
-  check_tolerance(options.tolerance);
-  check_count("method.max_iterations", options.max_iterations, 1);
-}
+      lambda_(g_) {}
 
 SolveStats Newton::project_positions(const System& sys, double h, State& s) {
   for (int k = 0; k < sys.bond_count(); ++k) {
@@ -25,11 +21,11 @@ SolveStats Newton::project_positions(const System& sys, double h, State& s) {
     r_old_.col(k) = s.x.col(j) - s.x.col(i) - h * (s.v.col(j) - s.v.col(i));
   }
   if (!factored_) solver_.factor(r_old_);
-  if (solver_.singular()) return {0, 0, solver_.dependent_bonds().front(), "A is singular"};
+  if (solver_.singular()) return {0, 0, solver_.dependent_bonds().front(), Failure::kSingular};
 
   g_ = 0.5 * h * h * lambda_;
   add_constraint_acceleration(sys, r_old_, g_, s.x);
-  SolveStats stats{.failure = "no convergence"};
+  SolveStats stats{.failure = Failure::kNoConvergence};
   while (true) {
     Residual residual;
     for (int k = 0; k < sys.bond_count(); ++k) {
@@ -40,7 +36,7 @@ SolveStats Newton::project_positions(const System& sys, double h, State& s) {
     }
     stats.max_residual = residual.value;
     stats.worst_bond = residual.bond;
-    if (residual.value <= options_.tolerance) stats.failure = nullptr;
+    if (residual.value <= options_.tolerance) stats.failure = Failure::kNone;
     if (stats.converged() || stats.iterations == options_.max_iterations || !(residual.value < 1e3)) break;
     solver_.solve(dg_);
     add_constraint_acceleration(sys, r_old_, dg_, s.x);
@@ -57,7 +53,7 @@ SolveStats Newton::project_velocities(const System& sys, double h, State& s) {
   differences(sys, s.x, r_);
   solver_.factor(r_);
   factored_ = true;
-  if (solver_.singular()) return {0, 0, solver_.dependent_bonds().front(), "A is singular"};
+  if (solver_.singular()) return {0, 0, solver_.dependent_bonds().front(), Failure::kSingular};
   for (int k = 0; k < sys.bond_count(); ++k) {
     const auto& [i, j, d] = sys.bonds[k];
     g_[k] = -r_.col(k).dot(s.v.col(j) - s.v.col(i));

@@ -3,7 +3,8 @@
 #include <string>
 
 #include "constraints/direct_solver.hpp"
-#include "constraints/gaps.hpp"
+#include "constraints/options.hpp"
+#include "md/constraint_method.hpp"
 
 namespace taut {
 
@@ -15,30 +16,33 @@ namespace taut {
 // each iteration gains a factor of the bonds' turning in the step. Velocities: A(x) g = −J v, exact.
 // Cost: one factorization a step (that of the velocities serves the next positions), one solve an iteration,
 // one for the velocities.
-class Newton : public EmptyGaps {
+class Newton : public ConstraintMethod {
  public:
-  static constexpr const char* kName = "newton";
-  static constexpr const char* kSummary = "RATTLE by a direct solve of all bonds at once";
-
   struct Options {
     double tolerance = 1e-10;
     int max_iterations = 50;
 
-    void describe(auto&& visit) {
-      visit("tolerance", tolerance, "relative bond error at which the iteration stops");
-      visit("max_iterations", max_iterations, "iterations after which a step has failed");
+    std::vector<Option> describe() {
+      return {{"tolerance",
+               &tolerance,
+               "relative bond error at which the iteration stops",
+               {.range = kTolerances}},
+              {"max_iterations",
+               &max_iterations,
+               "iterations after which a step has failed",
+               {.range = {.min = 1}}}};
     }
   };
 
   Newton(const System& sys, const Options& options, double h);
 
-  SolveStats project_positions(const System& sys, double h, State& s);
-  SolveStats project_velocities(const System& sys, double h, State& s);
+  SolveStats project_positions(const System& sys, double h, State& s) override;
+  SolveStats project_velocities(const System& sys, double h, State& s) override;
 
-  void serialize(Archive& archive) { archive(lambda_, factored_, solver_); }
-  const Eigen::VectorXd& lambda() const { return lambda_; }
-  double promised_error() const { return options_.tolerance; }
-  std::string setting() const;
+  void serialize(Archive& archive) override { archive(lambda_, factored_, solver_); }
+  const Eigen::VectorXd& lambda() const override { return lambda_; }
+  double promised_error() const override { return options_.tolerance; }
+  std::string setting() const override;
 
  private:
   Options options_;

@@ -3,16 +3,12 @@
 #include <fmt/format.h>
 
 #include "constraints/bond_algebra.hpp"
-#include "md/errors.hpp"
 
 namespace taut {
 
 Penalty::Penalty(const System& sys, const Options& options, double h)
     : k_(sys.bond_count()), lambda_(Eigen::VectorXd::Zero(sys.bond_count())) {
-  if (options.k && !(*options.k > 0))
-    throw InputError(fmt::format("method.k: {}, expected more than 0", *options.k));
-  if (!(options.omega_h > 0 && options.omega_h < 2))
-    throw InputError(fmt::format("method.omega_h: {}, expected between 0 and 2", options.omega_h));
+  check(Options(options).describe());
   for (int k = 0; k < sys.bond_count(); ++k) {
     const double mu = 1 / (sys.inv_mass[sys.bonds[k].i] + sys.inv_mass[sys.bonds[k].j]);
     const double omega = options.omega_h / h;

@@ -4,6 +4,7 @@
 
 #include "constraints/bond_algebra.hpp"
 #include "md/errors.hpp"
+#include "md/run.hpp"
 
 namespace taut {
 namespace {
@@ -78,6 +79,20 @@ std::vector<int> rest_anchors(const System& sys, Vectors& v) {
     v.col(a).setZero();
   }
   return moved;
+}
+
+void initialize(const Dynamics& dynamics, State& s) {
+  const auto& [sys, forces, method, bath] = dynamics;
+  rest_anchors(sys, s.v);
+  Projector projector(sys);
+  projector.positions(sys, s.x);
+  projector.velocities(sys, s.x, s.v);
+  s.f.resize(3, sys.atoms());
+  forces(sys, s);
+  SolveStats stats = bath.start(sys, s);
+  stats += method.start(sys, s);
+  bath.second_half(s);
+  demand_converged(sys, s, stats, 0);
 }
 
 }  // namespace taut

@@ -3,9 +3,7 @@
 #include <vector>
 
 #include "constraints/direct_solver.hpp"
-#include "md/run.hpp"
-#include "md/state.hpp"
-#include "md/system.hpp"
+#include "md/step.hpp"
 
 namespace taut {
 
@@ -36,21 +34,8 @@ class Projector {
 // v ← 0 for anchors (mass 0), which no force could stop. Which of them moved.
 std::vector<int> rest_anchors(const System& sys, Vectors& v);
 
-// Makes the start satisfy the bonds, and gives f its first value, constraint forces included. The velocity
-// is known here, not half a step behind: that is what add_forces with h = 0 says. Throws SimulationFailure,
-// naming the bond, where the bonds or the method cannot hold the start.
-template <ForceLaw F, ConstraintMethod M, class Bath = NoBath>
-void initialize(const System& sys, F& forces, M& method, State& s, Bath&& bath = Bath{}) {
-  rest_anchors(sys, s.v);
-  Projector projector(sys);
-  projector.positions(sys, s.x);
-  projector.velocities(sys, s.x, s.v);
-  s.f.resize(3, sys.atoms());
-  forces(sys, s);
-  SolveStats stats = bath.draw(sys, 0, s);
-  stats += method.add_forces(sys, 0, s);
-  bath.second_half(s);
-  demand_converged(sys, s, stats, 0);
-}
+// Makes the start satisfy the bonds, and gives f its first value, constraint forces included. Throws
+// SimulationFailure, naming the bond, where the bonds or the method cannot hold the start.
+void initialize(const Dynamics& dynamics, State& s);
 
 }  // namespace taut

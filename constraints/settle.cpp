@@ -104,8 +104,7 @@ bool Settle::reset(const Water& w, const System& sys, double h, State& s) const 
 
 SolveStats Settle::project_positions(const System& sys, double h, State& s) {
   for (const Water& water : waters_)
-    if (!reset(water, sys, h, s))
-      return {1, 0, water.bonds[0], "the water turned or stretched too far in one step"};
+    if (!reset(water, sys, h, s)) return {1, 0, water.bonds[0], Failure::kShapeLost};
   return {1};
 }
 

@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "constraints/gaps.hpp"
+#include "constraints/options.hpp"
+#include "md/constraint_method.hpp"
 
 namespace taut {
 
@@ -12,13 +13,10 @@ namespace taut {
 // equal masses at their far ends (water) is put back on its shape in closed form, three rotations φ, ψ, θ
 // about the axes of the triangle before the step; its velocities by the 3 × 3 system A g = −J v. Refuses any
 // other cluster, naming it. Cost: per water three square roots for the axes and four for the rotations.
-class Settle : public EmptyGaps {
+class Settle : public ConstraintMethod {
  public:
-  static constexpr const char* kName = "settle";
-  static constexpr const char* kSummary = "three-site water in closed form";
-
   struct Options {
-    void describe(auto&&) {}
+    std::vector<Option> describe() { return {}; }
   };
 
   struct Water {
@@ -31,13 +29,13 @@ class Settle : public EmptyGaps {
 
   Settle(const System& sys, const Options& options, double h);
 
-  SolveStats project_positions(const System& sys, double h, State& s);
-  SolveStats project_velocities(const System& sys, double h, State& s);
+  SolveStats project_positions(const System& sys, double h, State& s) override;
+  SolveStats project_velocities(const System& sys, double h, State& s) override;
 
-  void serialize(Archive& archive) { archive(lambda_); }
-  const Eigen::VectorXd& lambda() const { return lambda_; }
-  double promised_error() const { return 1e-12; }
-  std::string setting() const;
+  void serialize(Archive& archive) override { archive(lambda_); }
+  const Eigen::VectorXd& lambda() const override { return lambda_; }
+  double promised_error() const override { return 1e-12; }
+  std::string setting() const override;
 
  private:
   bool reset(const Water& water, const System& sys, double h, State& s) const;

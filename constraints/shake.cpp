@@ -5,7 +5,7 @@
 namespace taut {
 
 Shake::Shake(const System& sys, const Options& options, double)
-    : options_(options),
+    : options_(checked(options)),
       positions_(sys, {options.tolerance, options.max_sweeps, options.sweeps}),
       g_(Eigen::VectorXd::Zero(sys.bond_count())),
       lambda_(g_) {}

@@ -3,9 +3,9 @@
 #include <limits>
 #include <string>
 
-#include "constraints/counts.hpp"
-#include "constraints/gaps.hpp"
+#include "constraints/options.hpp"
 #include "constraints/sweeps.hpp"
+#include "md/constraint_method.hpp"
 
 namespace taut {
 
@@ -14,34 +14,39 @@ namespace taut {
 // the next step's correction, which acts along the same J(x)ᵀ: the positions are RATTLE's, to tolerance.
 // The velocities at full steps are not: they keep a part along the bonds, up to (h/2) M⁻¹Jᵀλ.
 // Multipliers: δx = h² M⁻¹J(x_old)ᵀλ, so λ belongs to the positions before the step.
-class Shake : public EmptyGaps {
+class Shake : public ConstraintMethod {
  public:
-  static constexpr const char* kName = "shake";
-  static constexpr const char* kSummary = "sweeps over the bonds, positions only";
-
   struct Options {
     double tolerance = 1e-10;
     int max_sweeps = 1000;
     int sweeps = 0;
 
-    void describe(auto&& visit) {
+    std::vector<Option> describe() {
       const Counts to_tolerance{sweeps == 0, "without method.sweeps"};
-      visit("tolerance", tolerance, "relative bond error at which sweeps stop", to_tolerance);
-      visit("max_sweeps", max_sweeps, "sweeps after which a step has failed", to_tolerance);
-      visit("sweeps", sweeps, "more than 0: take just so many, whatever they leave");
+      return {
+          {"tolerance",
+           &tolerance,
+           "relative bond error at which sweeps stop",
+           {.range = kTolerances, .counts = to_tolerance}},
+          {"max_sweeps",
+           &max_sweeps,
+           "sweeps after which a step has failed",
+           {.range = {.min = 1}, .counts = to_tolerance}},
+          {"sweeps", &sweeps, "more than 0: take just so many, whatever they leave", {.range = {.min = 0}}}};
     }
   };
 
   Shake(const System& sys, const Options& options, double h);
 
-  SolveStats project_positions(const System& sys, double h, State& s);
+  SolveStats project_positions(const System& sys, double h, State& s) override;
 
-  void serialize(Archive& archive) { archive(g_, lambda_); }
-  const Eigen::VectorXd& lambda() const { return lambda_; }
-  double promised_error() const {
+  void serialize(Archive& archive) override { archive(g_, lambda_); }
+  const Eigen::VectorXd& lambda() const override { return lambda_; }
+  double promised_error() const override {
     return options_.sweeps > 0 ? std::numeric_limits<double>::infinity() : options_.tolerance;
   }
-  std::string setting() const;
+  std::string setting() const override;
+  Holds holds() const override { return Holds::kPositions; }
 
  private:
   Options options_;

@@ -1,29 +1,21 @@
 #include "constraints/sweeps.hpp"
 
 #include "constraints/bond_algebra.hpp"
-#include "constraints/option_checks.hpp"
 
 namespace taut {
-
-SweepLimits checked(SweepLimits limits) {
-  check_tolerance(limits.tolerance);
-  check_count("method.max_sweeps", limits.max_sweeps, 1);
-  check_count("method.sweeps", limits.sweeps, 0);
-  return limits;
-}
 
 namespace {
 
 struct Sweep {
-  Residual met;                   // before it corrected
-  const char* failure = nullptr;  // why no further one can help
+  Residual met;                      // before it corrected
+  Failure failure = Failure::kNone;  // why no further one can help
 };
 
 Sweep turned_too_far(int bond) {
-  return {{1, bond}, "the bond turned by 90° in one step"};
+  return {{1, bond}, Failure::kTurned};
 }
 
-SolveStats repeat(const SweepLimits& limits, const char* failure, auto&& sweep) {
+SolveStats repeat(const SweepLimits& limits, Failure failure, auto&& sweep) {
   const bool fixed = limits.sweeps > 0;
   const int most = fixed ? limits.sweeps : limits.max_sweeps;
   SolveStats stats;
@@ -42,7 +34,7 @@ SolveStats repeat(const SweepLimits& limits, const char* failure, auto&& sweep) 
 }  // namespace
 
 PositionSweeps::PositionSweeps(const System& sys, SweepLimits limits)
-    : limits_(checked(limits)), r_old_(3, sys.bond_count()) {}
+    : limits_(limits), r_old_(3, sys.bond_count()) {}
 
 SolveStats PositionSweeps::run(const System& sys, double h, State& s, Eigen::VectorXd& g) {
   for (int k = 0; k < sys.bond_count(); ++k) {
@@ -51,7 +43,7 @@ SolveStats PositionSweeps::run(const System& sys, double h, State& s, Eigen::Vec
   }
   add_constraint_acceleration(sys, r_old_, g, s.x);
 
-  const SolveStats stats = repeat(limits_, "no convergence", [&](double tolerance) {
+  const SolveStats stats = repeat(limits_, Failure::kNoConvergence, [&](double tolerance) {
     Residual residual;
     for (int k = 0; k < sys.bond_count(); ++k) {
       const auto& [i, j, d] = sys.bonds[k];
@@ -78,7 +70,7 @@ SolveStats PositionSweeps::run(const System& sys, double h, State& s, Eigen::Vec
 }
 
 VelocitySweeps::VelocitySweeps(const System& sys, SweepLimits limits)
-    : limits_(checked(limits)), r_(3, sys.bond_count()), inv_(sys.bond_count()) {}
+    : limits_(limits), r_(3, sys.bond_count()), inv_(sys.bond_count()) {}
 
 SolveStats VelocitySweeps::run(const System& sys, double h, State& s, Eigen::VectorXd& g) {
   differences(sys, s.x, r_);
@@ -88,7 +80,7 @@ SolveStats VelocitySweeps::run(const System& sys, double h, State& s, Eigen::Vec
   }
   add_constraint_acceleration(sys, r_, g, s.v);
 
-  return repeat(limits_, "no convergence of the velocities", [&](double tolerance) {
+  return repeat(limits_, Failure::kVelocitiesNoConvergence, [&](double tolerance) {
     Residual residual;
     for (int k = 0; k < sys.bond_count(); ++k) {
       const auto& [i, j, d] = sys.bonds[k];

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "md/solve_stats.hpp"
 #include "md/state.hpp"
-#include "md/step.hpp"
 #include "md/system.hpp"
 
 namespace taut {
@@ -44,8 +44,5 @@ class VelocitySweeps {
   Vectors r_;            // 3 × m
   Eigen::VectorXd inv_;  // 1/((1/m_i + 1/m_j)|r|²), m
 };
-
-// Throws InputError for what is out of range.
-SweepLimits checked(SweepLimits limits);
 
 }  // namespace taut

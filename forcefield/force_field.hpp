@@ -7,26 +7,27 @@
 
 #include "forcefield/terms.hpp"
 #include "md/archive.hpp"
+#include "md/force_law.hpp"
 #include "md/state.hpp"
 #include "md/system.hpp"
 
 namespace taut {
 
-// Adds up the forces of the terms a scene has. A ForceLaw for md/step.hpp.
-class ForceField {
+// Adds up the forces of the terms a scene has.
+class ForceField final : public ForceLaw {
  public:
   // Throws InputError for an atom out of range, wrong array sizes, a cutoff over half the box,
   // a switch outside (0, cutoff), a dispersion correction without a periodic cutoff, ...
   ForceField(const System& sys, Terms terms);
-  ~ForceField();
+  ~ForceField() override;
   ForceField(ForceField&&) noexcept;
   ForceField& operator=(ForceField&&) noexcept;
 
-  void operator()(const System& sys, State& s);  // s.f = F(s.x)
+  void operator()(const System& sys, State& s) override;
 
   // Of the last evaluation [kJ/mol]. The energies of pairs are summed when first asked for: a step that does
   // not ask does not pay.
-  double potential() const;
+  double potential() const override;
   // the same, a term at a time, only the terms there are: ("angle", 12.3), ...
   std::vector<std::pair<std::string, double>> energies() const;
 

@@ -4,18 +4,25 @@
 
 #include <string_view>
 
+#include "md/errors.hpp"
+#include "md/observables.hpp"
+
 namespace taut {
 namespace {
 
-std::string_view advice(const SolveStats& stats) {
-  const std::string_view failure = stats.failure ? stats.failure : "";
-  if (failure.find("90°") != failure.npos)
-    return "the bond turns too fast for the step: take a shorter one, or a cooler start";
-  if (failure.find("singular") != failure.npos)
-    return "bonds lie in line or in a plane, so that no force can hold them all: drop one, or bend them";
-  if (failure.find("convergence") != failure.npos)
-    return "take a shorter step, a looser tolerance, or allow more sweeps";
-  return "take a shorter step, or a method that holds bonds more firmly (newton, rattle)";
+std::string_view advice(Failure failure) {
+  switch (failure) {
+    case Failure::kTurned:
+    case Failure::kSingularOrTurned:
+      return "the bond turns too fast for the step: take a shorter one, or a cooler start";
+    case Failure::kSingular:
+      return "bonds lie in line or in a plane, so that no force can hold them all: drop one, or bend them";
+    case Failure::kNoConvergence:
+    case Failure::kVelocitiesNoConvergence:
+      return "take a shorter step, a looser tolerance, or allow more sweeps";
+    default:
+      return "take a shorter step, or a method that holds bonds more firmly (newton, rattle)";
+  }
 }
 
 }  // namespace
@@ -24,8 +31,8 @@ Diagnosis diagnose(const System& sys, const State& s, const SolveStats& stats, l
   Diagnosis d;
   d.step = step;
   d.t = s.t;
-  d.cause = stats.failure ? stats.failure : "a bond broke or a number ran away";
-  d.advice = advice(stats);
+  d.cause = stats.converged() ? "a bond broke or a number ran away" : in_words(stats.failure);
+  d.advice = advice(stats.failure);
   if (stats.worst_bond >= 0) {
     d.bond = stats.worst_bond;
     d.held = sys.bonds[d.bond];
@@ -44,6 +51,42 @@ std::string Diagnosis::text() const {
   return fmt::format(
       "step {} (t = {:.6g} ps): {}\n  {}\n  largest force: {:.4g} kJ/mol/nm on atom {}\n  try: {}", step, t,
       cause, blamed, largest_force, atom, advice);
+}
+
+void demand_converged(const System& sys, const State& s, const SolveStats& stats, long step) {
+  if (!stats.converged()) throw SimulationFailure(diagnose(sys, s, stats, step).text());
+}
+
+bool holds(const SolveStats& stats, const RunPlan& plan) {
+  return stats.converged() && stats.max_residual < plan.broken_at;
+}
+
+SolveStats take_step(const Dynamics& dynamics, const RunPlan& plan, long n, State& s) {
+  const SolveStats stats = step(dynamics, plan.h, s);
+  if (!holds(stats, plan)) return stats;
+  dynamics.bath.after_step(dynamics.sys, plan.h, s);
+  if (plan.remove_momentum_every > 0 && n % plan.remove_momentum_every == 0)
+    remove_momentum(dynamics.sys, s.v);
+  return stats;
+}
+
+bool run(const Dynamics& dynamics, const RunPlan& plan, RunProgress& progress, State& s, const Watch& watch) {
+  const auto fail = [&](const SolveStats& stats) {
+    throw SimulationFailure(diagnose(dynamics.sys, s, stats, progress.step).text());
+  };
+  while (progress.step < plan.steps) {
+    const long n = ++progress.step;
+    const SolveStats stats = take_step(dynamics, plan, n, s);
+    if (!holds(stats, plan)) fail(stats);
+    progress.since += stats;
+    if (n % plan.observe_every == 0) {
+      if (!s.x.allFinite() || !s.f.allFinite()) fail(stats);
+      if (watch.observe) watch.observe({n, progress.since});
+      progress.since = {};
+    }
+    if (watch.go_on && !watch.go_on(n)) return false;
+  }
+  return true;
 }
 
 }  // namespace taut

@@ -1,9 +1,8 @@
 #pragma once
 
+#include <functional>
 #include <string>
 
-#include "md/errors.hpp"
-#include "md/observables.hpp"
 #include "md/step.hpp"
 
 namespace taut {
@@ -39,24 +38,11 @@ struct Diagnosis {
 Diagnosis diagnose(const System& sys, const State& s, const SolveStats& stats, long step);
 
 // Throws SimulationFailure, the diagnosis, where a solve has failed.
-inline void demand_converged(const System& sys, const State& s, const SolveStats& stats, long step) {
-  if (!stats.converged()) throw SimulationFailure(diagnose(sys, s, stats, step).text());
-}
+void demand_converged(const System& sys, const State& s, const SolveStats& stats, long step);
 
-inline bool holds(const SolveStats& stats, const RunPlan& plan) {
-  return stats.converged() && stats.max_residual < plan.broken_at;
-}
-
-// Step n of a run: `each(s)` is called after it (a thermostat). Where it does not hold nothing is done to it.
-template <ForceLaw F, ConstraintMethod M, class Bath = NoBath>
-SolveStats take_step(const System& sys, F& forces, M& method, const RunPlan& plan, long n, State& s,
-                     auto&& each, Bath&& bath = Bath{}) {
-  const SolveStats stats = step(sys, forces, method, plan.h, s, bath);
-  if (!holds(stats, plan)) return stats;
-  each(s);
-  if (plan.remove_momentum_every > 0 && n % plan.remove_momentum_every == 0) remove_momentum(sys, s.v);
-  return stats;
-}
+// Step n of a run. Where it does not hold nothing more is done.
+SolveStats take_step(const Dynamics& dynamics, const RunPlan& plan, long n, State& s);
+bool holds(const SolveStats& stats, const RunPlan& plan);
 
 // How far a run has come. Kept in a checkpoint, it goes on as if nothing had been.
 struct RunProgress {
@@ -66,25 +52,15 @@ struct RunProgress {
   void serialize(Archive& archive) { archive(step, since.iterations, since.max_residual, since.worst_bond); }
 };
 
-// Takes the steps that are left of plan.steps. `observe(Observation)` every so often; then `go_on(step)`,
-// after every step, which says whether to. Returns whether all steps were taken. Throws SimulationFailure
+// Who looks at a run; either may be left out.
+struct Watch {
+  std::function<void(const Observation&)> observe = {};  // every plan.observe_every steps
+  std::function<bool(long)> go_on = {};                  // then, after every step: whether to
+};
+
+// Takes the steps that are left of plan.steps. Returns whether all were taken. Throws SimulationFailure
 // before numbers turn into NaN.
-template <ForceLaw F, ConstraintMethod M, class Bath = NoBath>
-bool run(const System& sys, F& forces, M& method, const RunPlan& plan, RunProgress& progress, State& s,
-         auto&& each, auto&& observe, auto&& go_on, Bath&& bath = Bath{}) {
-  while (progress.step < plan.steps) {
-    const long n = ++progress.step;
-    const SolveStats stats = take_step(sys, forces, method, plan, n, s, each, bath);
-    if (!holds(stats, plan)) throw SimulationFailure(diagnose(sys, s, stats, n).text());
-    progress.since += stats;
-    if (n % plan.observe_every == 0) {
-      if (!s.x.allFinite() || !s.f.allFinite()) throw SimulationFailure(diagnose(sys, s, stats, n).text());
-      observe(Observation{n, progress.since});
-      progress.since = {};
-    }
-    if (!go_on(n)) return false;
-  }
-  return true;
-}
+bool run(const Dynamics& dynamics, const RunPlan& plan, RunProgress& progress, State& s,
+         const Watch& watch = {});
 
 }  // namespace taut

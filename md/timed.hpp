@@ -2,39 +2,42 @@
 
 #include <chrono>
 
-#include "md/step.hpp"
+#include "md/constraint_method.hpp"
 
 namespace taut {
 
-// A method with a stopwatch around each gap it fills (an unfilled gap costs and counts nothing worth naming).
-template <ConstraintMethod M>
-class Timed {
+// A method with a stopwatch around each stage (an empty one costs and counts nothing worth naming).
+class Timed : public ConstraintMethod {
  public:
-  explicit Timed(M& method) : method_(method) {}
+  explicit Timed(ConstraintMethod& method) : method_(method) {}
 
-  SolveStats project_positions(const System& sys, double h, State& s) {
+  SolveStats project_positions(const System& sys, double h, State& s) override {
     return timed([&] { return method_.project_positions(sys, h, s); });
   }
-  SolveStats add_forces(const System& sys, double h, State& s) {
+  SolveStats add_forces(const System& sys, double h, State& s) override {
     return timed([&] { return method_.add_forces(sys, h, s); });
   }
-  SolveStats project_velocities(const System& sys, double h, State& s) {
+  SolveStats project_velocities(const System& sys, double h, State& s) override {
     return timed([&] { return method_.project_velocities(sys, h, s); });
   }
+  SolveStats start(const System& sys, State& s) override { return method_.start(sys, s); }
+  const Eigen::VectorXd& lambda() const override { return method_.lambda(); }
+  std::string setting() const override { return method_.setting(); }
+  void serialize(Archive& archive) override { method_.serialize(archive); }
 
   double seconds() const { return std::chrono::duration<double>(spent_).count(); }
 
  private:
   using Clock = std::chrono::steady_clock;
 
-  SolveStats timed(auto&& gap) {
+  SolveStats timed(const auto& stage) {
     const auto start = Clock::now();
-    const SolveStats stats = gap();
+    const SolveStats stats = stage();
     spent_ += Clock::now() - start;
     return stats;
   }
 
-  M& method_;
+  ConstraintMethod& method_;
   Clock::duration spent_{};
 };
 

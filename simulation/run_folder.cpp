@@ -50,7 +50,7 @@ ordered_json summary_json(const Simulation& simulation, const Summary& s) {
   const Scene& scene = simulation.scene();
   ordered_json json = {
       {"scene", scene.name},
-      {"method", method_name(scene.method)},
+      {"method", scene.method.name()},
       {"atoms", scene.system.atoms()},
       {"bonds", scene.system.bond_count()},
       {"dof", simulation.dof().total()},
@@ -69,7 +69,7 @@ ordered_json summary_json(const Simulation& simulation, const Summary& s) {
       {"total_kj_mol", s.total},
       {"converged", s.converged ? ordered_json(*s.converged) : ordered_json()},
       {"doubts", s.doubts},
-      {"method_setting", simulation.method_setting()},
+      {"method_setting", simulation.method().setting()},
       {"seed", scene.run.seed},
       {"temperatures_k", temperatures_json(simulation.temperatures())},
   };

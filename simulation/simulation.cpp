@@ -78,9 +78,9 @@ Simulation::Simulation(Scene scene)
       state_(scene_.start) {
   const System& sys = scene_.system;
   refuse_momentum_of_anchored_bonds(scene_);
-  if (scene_.run.langevin()) langevin_.emplace(sys, bath(), scene_.run.h());
+  make_thermostat();
   bring_to_the_bonds();
-  refuse_unreachable_tolerance(sys, state_.x, promised_error());
+  refuse_unreachable_tolerance(sys, state_.x, method_->promised_error());
   if (sys.box.periodic()) barometer_.emplace(sys, has_springs());
   count_degrees_of_freedom(momentum_stays_zero(scene_, state_.v));
 }
@@ -92,7 +92,7 @@ void Simulation::bring_to_the_bonds() {
   start_report_.anchors_stopped = rest_anchors(sys, state_.v);
   const Vectors x = state_.x;
   const double kinetic = kinetic_energy(sys, state_.v);
-  visit_step([&](auto& method, auto& bath) { initialize(sys, forces_, method, state_, bath); });
+  initialize(dynamics(), state_);
   start_report_.largest_move = x.cols() > 0 ? (state_.x - x).colwise().norm().maxCoeff() : 0.0;
   if (kinetic > 0) start_report_.kinetic_removed = 1 - kinetic_energy(sys, state_.v) / kinetic;
   note_start();
@@ -115,13 +115,22 @@ void Simulation::note_start() {
         largest_move, 100 * kinetic_removed));
 }
 
-Langevin::Bath Simulation::bath() const {
+void Simulation::make_thermostat() {
   const RunSettings& run = scene_.run;
-  return {.temperature = run.temperature_k,
-          .friction = run.friction_per_ps,
-          .seed = seed_here(),
-          .free_bonds = has_springs(),
-          .hold_momentum = run.remove_momentum_every > 0};
+  rescaling_.reset(), langevin_.reset();
+  if (!run.langevin()) return;
+  langevin_.emplace(scene_.system,
+                    Langevin::Settings{.temperature = run.temperature_k,
+                                       .friction = run.friction_per_ps,
+                                       .seed = seed_here(),
+                                       .hold_momentum = run.remove_momentum_every > 0,
+                                       .springs = has_springs() ? method_.get() : nullptr},
+                    run.h());
+}
+
+Dynamics Simulation::dynamics() {
+  Bath& bath = langevin_ ? static_cast<Bath&>(*langevin_) : *this;
+  return {scene_.system, forces_, *method_, bath};
 }
 
 // What is drawn from here on was not drawn before: a thermostat taken away and given back.
@@ -136,19 +145,7 @@ void Simulation::count_degrees_of_freedom(bool momentum_fixed) {
   if ((run.rescaling() || run.langevin()) && dof_.total() < 1)
     throw InputError("run.thermostat: nothing can move, there is no temperature");
   temperatures_.emplace(sys, scene_.terms, state_.x, dof_.rank > 0, dof_.momentum_fixed);
-  if (run.rescaling()) thermostat_.emplace(run.temperature_k, run.thermostat_ps, dof_.total(), seed_here());
-}
-
-bool Simulation::has_springs() const {
-  return std::holds_alternative<Penalty>(method_);
-}
-
-double Simulation::promised_error() const {
-  return std::visit([](const auto& method) { return method.promised_error(); }, method_);
-}
-
-std::string Simulation::method_setting() const {
-  return std::visit([](const auto& method) { return method.setting(); }, method_);
+  if (run.rescaling()) rescaling_.emplace(run.temperature_k, run.thermostat_ps, dof_.total(), seed_here());
 }
 
 // A spring's multipliers are of its positions; a constraint's are solved for: those of a method's last solve
@@ -156,8 +153,8 @@ std::string Simulation::method_setting() const {
 Eigen::VectorXd Simulation::bond_tensions() const {
   const System& sys = scene_.system;
   Eigen::VectorXd lambda;
-  if (const auto* springs = std::get_if<Penalty>(&method_)) {
-    lambda = springs->lambda();
+  if (has_springs()) {
+    lambda = method_->lambda();
   } else {
     State now{state_.x, state_.v, {}, state_.t};
     forces_(sys, now);
@@ -166,23 +163,8 @@ Eigen::VectorXd Simulation::bond_tensions() const {
   return tensions(full_, least_norm_multipliers(full_, state_.x, redundancy_.redundant, lambda));
 }
 
-double Simulation::method_energy() const {
-  return std::visit(
-      [&](const auto& method) {
-        if constexpr (requires { method.spring_energy(scene_.system, state_.x); })
-          return method.spring_energy(scene_.system, state_.x);
-        else
-          return 0.0;
-      },
-      method_);
-}
-
-bool Simulation::stretches() const {
-  return has_springs() || std::holds_alternative<Batched<Shake>>(method_);
-}
-
 Vectors Simulation::without_stretching(Vectors v) const {
-  if (stretches()) projector_.velocities(scene_.system, state_.x, v);
+  if (method_->holds() != ConstraintMethod::Holds::kAll) projector_.velocities(scene_.system, state_.x, v);
   return v;
 }
 
@@ -197,7 +179,7 @@ Vectors Simulation::thermal_velocity() const {
 Record Simulation::record() const {
   Record r;
   r.t = state_.t;
-  r.potential = forces_.potential() + method_energy();
+  r.potential = forces_.potential() + method_->spring_energy(scene_.system, state_.x);
   r.kinetic = kinetic_energy(scene_.system, velocity());
   r.temperature = temperature(kinetic_energy(scene_.system, thermal_velocity()), dof_.total());
   r.bonds = bond_errors(scene_.system, state_.x);
@@ -211,8 +193,7 @@ void Simulation::change(const RunSettings& run) {
   Archive save = Archive::saving_to(drawn);
   const bool same_kind = before.langevin() == run.langevin() && before.rescaling() == run.rescaling();
   if (same_kind) serialize_thermostat(save);
-  thermostat_.reset(), langevin_.reset();
-  if (run.langevin()) langevin_.emplace(scene_.system, bath(), run.h());
+  make_thermostat();
   count_degrees_of_freedom(momentum_stays_zero(scene_, state_.v));
   Archive load = Archive::loading_from(drawn);
   if (same_kind) serialize_thermostat(load);
@@ -232,7 +213,7 @@ void Simulation::serialize(Archive& archive) {
   archive.demand(0 <= sums_.last_row && sums_.last_row <= progress_.step && 0 <= sums_.rows &&
                  sums_.rows <= progress_.step + 1);
   archive(*temperatures_, forces_);
-  std::visit([&](auto& method) { archive(method); }, method_);
+  archive(*method_);
   serialize_thermostat(archive);
   if (!archive.loading()) return;
   State evaluated = state_;  // its f holds no constraint forces
@@ -240,7 +221,7 @@ void Simulation::serialize(Archive& archive) {
 }
 
 void Simulation::serialize_thermostat(Archive& archive) {
-  if (thermostat_) archive(*thermostat_);
+  if (rescaling_) archive(*rescaling_);
   if (langevin_) archive(*langevin_);
 }
 

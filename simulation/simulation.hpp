@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -57,27 +58,8 @@ struct StartReport {
   std::vector<int> anchors_stopped;    // atoms of mass 0 that came with a velocity
 };
 
-// Langevin's thermostat of springs in place of bonds. The step adds a method's forces after Δ is drawn, for
-// Jᵀλ has no tangent part; a spring's force changes the velocity that friction acts on, and Δ has to know it.
-struct SpringBath {
-  Langevin& langevin;
-  Penalty& springs;
-  Vectors pull = {};
-
-  void first_half(State& s) const { langevin.first_half(s); }
-  SolveStats draw(const System& sys, double h, State& s) {
-    pull = s.f;
-    SolveStats stats = springs.add_forces(sys, h, s);
-    pull = s.f - pull;
-    stats += langevin.draw(sys, h, s);
-    s.f -= pull;
-    return stats;
-  }
-  void second_half(State& s) const { langevin.second_half(s); }
-};
-
 // A scene ready to run: forces and method made, the start brought to the bonds.
-class Simulation {
+class Simulation : private Bath {
  public:
   explicit Simulation(Scene scene);
 
@@ -87,8 +69,7 @@ class Simulation {
   const DegreesOfFreedom& dof() const { return dof_; }
   int clusters() const { return projector_.clusters(); }
   const StartReport& start_report() const { return start_report_; }
-  std::string method_setting() const;  // gains, tolerance, ...
-  double promised_error() const;       // relative, of a bond; infinity: none
+  const ConstraintMethod& method() const { return *method_; }
   // What holds the bonds at this very instant, whatever method runs: A λ = −(J M⁻¹F + |v_ij|²), tension −λd;
   // of a penalty, what its springs pull. Least norm where bonds are redundant [kJ/mol/nm].
   Eigen::VectorXd bond_tensions() const;
@@ -130,22 +111,13 @@ class Simulation {
  private:
   void bring_to_the_bonds();
   void note_start();
-  Langevin::Bath bath() const;
+  void after_step(const System& sys, double h, State& s) override;  // rescales, where that is the thermostat
   std::uint64_t seed_here() const;
+  void make_thermostat();
   void serialize_thermostat(Archive& archive);
   void count_degrees_of_freedom(bool momentum_fixed);
-  // visit(method, bath), as md/step.hpp takes them
-  void visit_step(auto&& visit) {
-    const auto with = [&](auto& method, auto&& bath) { visit(method, bath); };
-    if (!langevin_)
-      std::visit([&](auto& method) { with(method, NoBath{}); }, method_);
-    else if (auto* springs = std::get_if<Penalty>(&method_))
-      with(*springs, SpringBath{*langevin_, *springs});
-    else
-      std::visit([&](auto& method) { with(method, *langevin_); }, method_);
-  }
-  bool has_springs() const;  // in place of constraints
-  bool stretches() const;    // velocities keep a part along the bonds
+  Dynamics dynamics();
+  bool has_springs() const { return method_->holds() == ConstraintMethod::Holds::kSprings; }
   Vectors without_stretching(Vectors v) const;
   class Stopwatch;
   struct LogSums {  // over the rows of the log
@@ -164,21 +136,19 @@ class Simulation {
   double per_ns_and_dof() const;
   Record row(const SolveStats& since, const Stopwatch& watch, long steps);
   Summary summary(const Record& end, double seconds, double constraint_seconds, long steps) const;
-  void after_step(State& s);
   void keep_snapshot();
-  std::optional<Diagnosis> wrong_with_next_step(auto& method, auto& bath);
-  double method_energy() const;  // of a penalty's springs
+  std::optional<Diagnosis> wrong_with_next_step();
 
   System full_;  // with the bonds that were left out, if any were
   Redundancy redundancy_;
   Scene scene_;
   mutable ForceField forces_;  // measuring tensions evaluates them again, where the state is
-  Method method_;
+  std::unique_ptr<ConstraintMethod> method_;
   mutable Projector projector_;
   State state_;
   DegreesOfFreedom dof_;
   StartReport start_report_;
-  std::optional<VelocityRescaling> thermostat_;
+  std::optional<VelocityRescaling> rescaling_;
   mutable std::optional<Langevin> langevin_;  // measuring a temperature takes its scratch
   RunProgress progress_;
   LogSums sums_;

@@ -72,11 +72,9 @@ Record Simulation::row(const SolveStats& since, const Stopwatch& watch, long ste
     r.drift = energy.value() * per_ns_and_dof();
   }
   if (barometer_) {
-    const auto& lambda =
-        std::visit([](const auto& m) -> const Eigen::VectorXd& { return m.lambda(); }, method_);
     const bool springs_move = has_springs() && !langevin_;  // and the pressure has their part in it
-    r.pressure =
-        (*barometer_)(scene_.system, forces_, state_.x, springs_move ? state_.v : thermal_velocity(), lambda);
+    r.pressure = (*barometer_)(scene_.system, forces_, state_.x, springs_move ? state_.v : thermal_velocity(),
+                               method_->lambda());
   }
   const long gone = r.step - sums_.last_row;
   r.iterations = gone > 0 ? static_cast<double>(since.iterations) / static_cast<double>(gone) : 0.0;
@@ -105,34 +103,32 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
   if (progress_.step == 0 && sums_.rows == 0) observe({});
   keep_snapshot();
 
-  double constraint_seconds = 0;
-  visit_step([&](auto& method, auto& bath) {
-    Timed timed(method);
-    taut::run(
-        scene_.system, forces_, timed, plan, progress_, state_, [&](State& s) { after_step(s); },
-        [&](const Observation& m) { observe(m.since); },
-        [&](long step) {
-          if (step % kStepsPerSnapshot == 0) keep_snapshot();
-          if (on_step) on_step(step);
-          return !stop_;
-        },
-        bath);
-    constraint_seconds = timed.seconds();
-  });
+  Timed timed(*method_);
+  const Dynamics run_by = dynamics();
+  taut::run({run_by.sys, run_by.forces, timed, run_by.bath}, plan, progress_, state_,
+            {.observe = [&](const Observation& m) { observe(m.since); },
+             .go_on =
+                 [&](long step) {
+                   if (step % kStepsPerSnapshot == 0) keep_snapshot();
+                   if (on_step) on_step(step);
+                   return !stop_;
+                 }});
 
   const bool ended = progress_.step >= plan.steps;
   if (ended && (sums_.rows == 0 || sums_.last_row != progress_.step))
     observe(progress_.since);  // a row more, after what a checkpoint keeps
   else
     last = row(progress_.since, watch, progress_.step - first);
-  return summary(last, watch.seconds(), constraint_seconds, progress_.step - first);
+  return summary(last, watch.seconds(), timed.seconds(), progress_.step - first);
 }
 
-void Simulation::after_step(State& s) {
-  if (!thermostat_) return;
-  const double kinetic = stretches() ? kinetic_energy(scene_.system, without_stretching(s.v))
-                                     : kinetic_energy(scene_.system, s.v);
-  (*thermostat_)(kinetic, scene_.run.h(), s.v);
+// What is thermal of the kinetic energy tells how to scale.
+void Simulation::after_step(const System& sys, double h, State& s) {
+  if (!rescaling_) return;
+  const bool all_thermal = method_->holds() == ConstraintMethod::Holds::kAll;
+  const double kinetic =
+      all_thermal ? kinetic_energy(sys, s.v) : kinetic_energy(sys, without_stretching(s.v));
+  (*rescaling_)(kinetic, h, s.v);
 }
 
 Summary Simulation::summary(const Record& end, double seconds, double constraint_seconds, long steps) const {
@@ -152,8 +148,9 @@ Summary Simulation::summary(const Record& end, double seconds, double constraint
   if (barometer_) s.pressure = sums_.pressure.estimate();
   s.potential = end.potential;
   s.total = end.total();
-  if (std::isfinite(promised_error()))
-    s.converged = std::max(sums_.largest_residual, s.max_rel_bond_error) <= kLeeway * promised_error();
+  if (std::isfinite(method_->promised_error()))
+    s.converged =
+        std::max(sums_.largest_residual, s.max_rel_bond_error) <= kLeeway * method_->promised_error();
   s.doubts = doubts(s);
   return s;
 }
@@ -172,35 +169,32 @@ std::optional<Diagnosis> Simulation::diagnose() {
   const long failed = progress_.step;
   restore(snapshot_);
   std::optional<Diagnosis> found;
-  visit_step([&](auto& method, auto& bath) {
-    State before;
-    while (!found && progress_.step < failed) {
-      before = state_;
-      found = wrong_with_next_step(method, bath);
-    }
-    if (!found) return;
-    if (found->bond >= 0)
-      found->length_before = (before.x.col(found->held.j) - before.x.col(found->held.i)).norm();
-    state_ = before;
-    --progress_.step;
-  });
+  State before;
+  while (!found && progress_.step < failed) {
+    before = state_;
+    found = wrong_with_next_step();
+  }
+  if (!found) return found;
+  if (found->bond >= 0)
+    found->length_before = (before.x.col(found->held.j) - before.x.col(found->held.i)).norm();
+  state_ = before;
+  --progress_.step;
   return found;
 }
 
-std::optional<Diagnosis> Simulation::wrong_with_next_step(auto& method, auto& bath) {
+std::optional<Diagnosis> Simulation::wrong_with_next_step() {
   const RunPlan plan = this->plan();
-  const auto after = [&](State& s) { after_step(s); };
   SolveStats stats;
   std::string thrown;  // by a force
   try {
-    stats = take_step(scene_.system, forces_, method, plan, ++progress_.step, state_, after, bath);
+    stats = take_step(dynamics(), plan, ++progress_.step, state_);
   } catch (const SimulationFailure& e) {
     thrown = e.what();
   }
   if (thrown.empty() && holds(stats, plan) && finite(state_) && std::isfinite(record().total())) return {};
   Diagnosis d = taut::diagnose(scene_.system, state_, stats, progress_.step);
   if (!thrown.empty()) d.cause = thrown;
-  if (method_name(scene_.method) == None::kName && stats.converged() && stats.max_residual >= plan.broken_at)
+  if (scene_.method.name() == "none" && stats.converged() && stats.max_residual >= plan.broken_at)
     explain_none(d);
   return d;
 }

@@ -5,8 +5,11 @@
 #include <cmath>
 
 #include "constraints/bond_algebra.hpp"
+#include "constraints/newton.hpp"
 #include "constraints/projection.hpp"
 #include "constraints/propagator.hpp"
+#include "constraints/rattle.hpp"
+#include "constraints/shake.hpp"
 #include "forcefield/force_field.hpp"
 #include "md/errors.hpp"
 #include "md/random.hpp"
@@ -41,18 +44,18 @@ class Bench {
         forces_(scene.system, scene.terms),
         method_(make_method(scene.system, options, h_)),
         state_(scene.start) {
-    std::visit([&](auto& method) { initialize(scene_.system, forces_, method, state_); }, method_);
-    follow(plan.settle, method_, state_);
+    initialize({scene_.system, forces_, *method_}, state_);
+    follow(plan.settle, state_);
+    Archive archive = Archive::saving_to(settled_);
+    archive(*method_);
   }
 
   Course course(Injection injection) {
-    Method method = method_;
-    State state = state_;
-    const std::vector<Errors> without = follow(plan_.steps + 1, method, state);
-    method = method_;
-    state = state_;
+    State state = from_settled();
+    const std::vector<Errors> without = follow(plan_.steps + 1, state);
+    state = from_settled();
     inject(injection, state);
-    const std::vector<Errors> with = follow(plan_.steps + 1, method, state);
+    const std::vector<Errors> with = follow(plan_.steps + 1, state);
     Course course;
     for (int n = 0; n <= plan_.steps; ++n) {
       course.stretch.push_back(rms(with[n] - without[n]));
@@ -86,11 +89,10 @@ class Bench {
   Floors floors(Damping damping, const DimensionlessGains& gains) {
     const System& sys = scene_.system;
     double measured = 0, predicted = 0;
-    Method method = method_;
-    State s = state_;
+    State s = from_settled();
     const int steps = 4 * plan_.steps;
     for (int n = 0; n < steps; ++n) {
-      follow(1, method, s);
+      follow(1, s);
       measured += errors_of(sys, s.x).squaredNorm();
       for (const auto& [i, j, d] : sys.bonds) {
         const Vec3 v = s.v.col(j) - s.v.col(i),
@@ -104,19 +106,22 @@ class Bench {
   }
 
  private:
+  // The method forgets what came after.
+  State from_settled() {
+    Archive archive = Archive::loading_from(settled_);
+    archive(*method_);
+    return state_;
+  }
+
   // Takes steps; returns every bond's error before the first and after each.
-  std::vector<Errors> follow(int steps, Method& any, State& s) {
+  std::vector<Errors> follow(int steps, State& s) {
     std::vector<Errors> errors = {errors_of(scene_.system, s.x)};
-    std::visit(
-        [&](auto& method) {
-          for (int n = 0; n < steps; ++n) {
-            const SolveStats stats = step(scene_.system, forces_, method, h_, s);
-            if (!stats.converged())
-              throw SimulationFailure(fmt::format("calibration, step {}: {}", n, stats.failure));
-            errors.push_back(errors_of(scene_.system, s.x));
-          }
-        },
-        any);
+    for (int n = 0; n < steps; ++n) {
+      const SolveStats stats = step({scene_.system, forces_, *method_}, h_, s);
+      if (!stats.converged())
+        throw SimulationFailure(fmt::format("calibration, step {}: {}", n, in_words(stats.failure)));
+      errors.push_back(errors_of(scene_.system, s.x));
+    }
     return errors;
   }
 
@@ -140,8 +145,9 @@ class Bench {
   const CalibrationPlan& plan_;
   double h_;
   ForceField forces_;
-  Method method_;
-  State state_;
+  std::unique_ptr<ConstraintMethod> method_;
+  State state_;          // settled,
+  std::string settled_;  // and what the method keeps there
 };
 
 MethodOptions reference_options(const CalibrationPlan& plan) {

@@ -21,9 +21,9 @@ constexpr std::array kGains = {"reversible", "dead-beat", "rattle", "critical", 
 
 // The projections, held so tight that what is left is not theirs.
 void tighten(MethodOptions& method) {
-  if (auto* shake = std::get_if<Shake::Options>(&method)) shake->tolerance = kTight;
-  if (auto* rattle = std::get_if<Rattle::Options>(&method)) rattle->tolerance = kTight;
-  if (auto* newton = std::get_if<Newton::Options>(&method)) newton->tolerance = kTight;
+  if (method.name() == "feedforward") return;
+  for (const Option& option : method.describe())
+    if (option.key == std::string_view("tolerance")) *std::get<double*>(option.field) = kTight;
 }
 
 std::vector<Contestant> named(const std::string& name) {
@@ -48,7 +48,7 @@ std::vector<Contestant> named(const std::string& name) {
 
 Track run_contestant(const Stage& stage, const Contestant& contestant, const Against& against) {
   Track track = follow(stage, contestant, stage.steps, against).track;
-  const auto* baumgarte = std::get_if<Baumgarte::Options>(&contestant.method);
+  const auto* baumgarte = contestant.method.get_if<Baumgarte::Options>();
   if (baumgarte != nullptr && track.failure.empty() && stage.scene.system.bond_count() > 0)
     track.foretold = foretell(stage, *baumgarte, *against.openmm);
   return track;

@@ -5,6 +5,7 @@
 
 #include "constraints/bond_algebra.hpp"
 #include "constraints/direct_solver.hpp"
+#include "constraints/newton.hpp"
 #include "constraints/projection.hpp"
 #include "forcefield/force_field.hpp"
 
@@ -118,7 +119,7 @@ Foretold foretell(const Stage& stage, const Baumgarte::Options& options, const F
       squares += std::pow(sys.bonds[k].length / d - 1, 2);
     }
     Newton newton(sys, {.tolerance = 1e-12}, h);  // anew: the lengths are others
-    demand_converged(sys, s, step(sys, forces, newton, h, s), n);
+    demand_converged(sys, s, step({sys, forces, newton}, h, s), n);
     if (!stage.samples(n)) continue;
     foretold.apart = most_apart(s.x, openmm[++frame]);
     foretold.steps = n;

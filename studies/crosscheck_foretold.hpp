@@ -1,5 +1,6 @@
 #pragma once
 
+#include "constraints/baumgarte.hpp"
 #include "studies/crosscheck_runs.hpp"
 
 namespace taut {

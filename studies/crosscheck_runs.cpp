@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "constraints/newton.hpp"
 #include "md/errors.hpp"
 #include "studies/study_scene.hpp"
 #include "systems/openmm/openmm_import.hpp"
@@ -135,7 +136,7 @@ Followed follow(const Stage& stage, const Contestant& contestant, long steps, co
   scene.run.log_every = std::max(1L, stage.every * finer);
   try {
     Simulation simulation(std::move(scene));
-    recorder.set(simulation.method_setting());
+    recorder.set(simulation.method().setting());
     const auto see = [&](long step) {
       recorder.see(step, simulation.state(), simulation.record().potential);
     };

@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <chrono>
 
+#include "constraints/baumgarte.hpp"
+#include "constraints/feedforward.hpp"
+#include "constraints/newton.hpp"
+#include "constraints/rattle.hpp"
 #include "studies/crosscheck_causes.hpp"
 
 namespace taut {

@@ -43,25 +43,24 @@ void read_run(const TomlTable& table, RunSettings& run) {
 
 // Another name sets out from that method's defaults: see scene_file.hpp.
 void read_method(const TomlTable& table, MethodOptions& method) {
-  std::string name(method_name(method));
+  std::string name(method.name());
   table.read("name", name);
-  if (name != method_name(method)) try {
+  if (name != method.name()) try {
       method = default_options(name);
     } catch (const InputError& e) {
       table.fail("name", e.what());
     }
-  const auto read_key = [&](const char* key, auto& field, const char*, Counts = {}) {
-    table.read(key, field);
-  };
-  const auto check_key = [&](const char* key, auto&, const char*, Counts counts = {}) {
-    table.counts(key, counts.read, counts.where);
-  };
-  std::visit(
-      [&](auto& options) {
-        options.describe(read_key);
-        options.describe(check_key);
-      },
-      method);
+  for (const Option& option : method.describe())
+    std::visit(
+        [&]<class T>(T* field) {
+          if constexpr (std::is_same_v<T, bool> || std::is_same_v<T, std::string>)
+            table.read(option.key, *field);
+          else
+            table.read(option.key, *field, option.about.range);
+        },
+        option.field);
+  for (const Option& option : method.describe())
+    table.counts(option.key, option.about.counts.read, option.about.counts.where);
   table.reject_unknown();
 }
 

@@ -48,13 +48,6 @@ std::optional<double> number_of(const toml::node& node) {
   return {};
 }
 
-std::string allowed(Range range) {
-  const char* least = range.above_min ? "more than" : "at least";
-  if (std::isinf(range.max)) return fmt::format("{} {}", least, range.min);
-  if (std::isinf(range.min)) return fmt::format("at most {}", range.max);
-  return fmt::format("{} {} and at most {}", least, range.min, range.max);
-}
-
 // A word without quotes, quoted.
 toml::table parse_bare(std::string_view text, std::size_t equals, std::string_view where) {
   std::ostringstream quoted;
@@ -273,8 +266,7 @@ void TomlTable::wrong_type(std::string_view key, const toml::node& got, const ch
 
 double TomlTable::checked(std::string_view key, double value, Range range) const {
   if (!std::isfinite(value)) fail(key, fmt::format("expected a finite number, got {}", value));
-  if (value < range.min || value > range.max || (range.above_min && value == range.min))
-    fail(key, fmt::format("expected {}, got {}", allowed(range), value));
+  if (!range.holds(value)) fail(key, fmt::format("expected {}, got {}", range.in_words(), value));
   return value;
 }
 

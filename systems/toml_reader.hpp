@@ -8,7 +8,6 @@
 #include <concepts>
 #include <cstdint>
 #include <filesystem>
-#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -18,6 +17,7 @@
 #include <vector>
 
 #include "md/errors.hpp"
+#include "md/range.hpp"
 #include "md/vectors.hpp"
 
 namespace taut {
@@ -26,16 +26,6 @@ namespace taut {
 struct LocatedError : InputError {
   using InputError::InputError;
 };
-
-// The numbers a key may have.
-struct Range {
-  double min = -std::numeric_limits<double>::infinity();
-  double max = std::numeric_limits<double>::infinity();
-  bool above_min = false;  // min itself is out
-};
-inline constexpr Range kAnyNumber{};
-inline constexpr Range kNotNegative{.min = 0};
-inline constexpr Range kPositive{.min = 0, .above_min = true};
 
 // Rows of numbers, [[1, 2, 3], [4, 5, 6]], and how many a row may have.
 using Rows = std::vector<std::vector<double>>;

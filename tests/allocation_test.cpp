@@ -85,16 +85,13 @@ TEST_P(EveryMethod, AllocatesNothingInAStep) {
   for (auto& [system, s] : starts) {
     const double h = system.bond_count() == 63 ? 1e-3 : 2e-3;
     testing::NoForce forces;
-    Method chosen = make_method(system, default_options(GetParam()), h);
-    std::visit(
-        [&, &sys = system, &state = s](auto& method) {
-          initialize(sys, forces, method, state);
-          for (int n = 0; n < 5; ++n) EXPECT_TRUE(step(sys, forces, method, h, state).converged());
-          const long before = allocations;
-          for (int n = 0; n < 20; ++n) EXPECT_TRUE(step(sys, forces, method, h, state).converged());
-          EXPECT_EQ(allocations, before) << sys.atoms() << " atoms";
-        },
-        chosen);
+    const auto method = make_method(system, default_options(GetParam()), h);
+    const Dynamics dynamics{system, forces, *method};
+    initialize(dynamics, s);
+    for (int n = 0; n < 5; ++n) EXPECT_TRUE(step(dynamics, h, s).converged());
+    const long before = allocations;
+    for (int n = 0; n < 20; ++n) EXPECT_TRUE(step(dynamics, h, s).converged());
+    EXPECT_EQ(allocations, before) << system.atoms() << " atoms";
   }
 }
 

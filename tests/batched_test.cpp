@@ -2,6 +2,12 @@
 
 #include <numeric>
 
+#include "constraints/lanes/batched_baumgarte.hpp"
+#include "constraints/lanes/batched_feedforward.hpp"
+#include "constraints/lanes/batched_lincs.hpp"
+#include "constraints/lanes/batched_newton.hpp"
+#include "constraints/lanes/batched_settle.hpp"
+#include "constraints/lanes/batched_sweeps.hpp"
 #include "constraints/lanes/elimination.hpp"
 #include "constraints/methods.hpp"
 #include "constraints/projection.hpp"
@@ -170,84 +176,79 @@ double largest(const auto& differences) {
   return differences.cwiseAbs().template maxCoeff<Eigen::PropagateNaN>();
 }
 
-// Runs both side by side from the same start.
-template <class Fast>
-void compare_here(const Start& start, const typename Fast::Options& options, double tolerance) {
-  using Plain = typename Fast::Reference;
+// Runs both forms of a method side by side from the same start.
+void compare_here(const Start& start, const MethodOptions& options, double tolerance) {
   constexpr double h = 0.001;
   const System& sys = start.system;
-  Fast fast(sys, options, h);
-  Plain plain(sys, options, h);
+  const auto fast = make_method(sys, options, h), plain = make_plain(sys, options, h);
   State a = start.state, b = start.state;
   testing::UniformForce forces{Vec3(1, 2, -9.81)};
-  initialize(sys, forces, fast, a);
-  initialize(sys, forces, plain, b);
+  initialize({sys, forces, *fast}, a);
+  initialize({sys, forces, *plain}, b);
   for (int n = 0; n < 12; ++n) {
-    const SolveStats got = step(sys, forces, fast, h, a), want = step(sys, forces, plain, h, b);
-    ASSERT_STREQ(got.failure, nullptr);
-    ASSERT_STREQ(want.failure, nullptr);
+    const SolveStats got = step({sys, forces, *fast}, h, a), want = step({sys, forces, *plain}, h, b);
+    ASSERT_EQ(got.failure, Failure::kNone);
+    ASSERT_EQ(want.failure, Failure::kNone);
     EXPECT_NEAR(got.max_residual, want.max_residual, tolerance + 1e-6 * want.max_residual);
     if (want.max_residual > 1e3 * tolerance) {
       EXPECT_EQ(got.worst_bond, want.worst_bond);
     }
     EXPECT_NEAR(got.iterations, want.iterations, 1);
   }
-  const double lambda = 1 + largest(plain.lambda());
+  const double lambda = 1 + largest(plain->lambda());
   EXPECT_LT(largest(a.x - b.x), 10 * tolerance);
   EXPECT_LT(largest(a.v - b.v), 10 * tolerance / h);
   EXPECT_LT(largest(a.f - b.f), 1e5 * tolerance * lambda);
-  EXPECT_LT(largest(fast.lambda() - plain.lambda()), 1e5 * tolerance * lambda);
-  EXPECT_EQ(fast.setting(), plain.setting());
-  EXPECT_EQ(fast.promised_error(), plain.promised_error());
+  EXPECT_LT(largest(fast->lambda() - plain->lambda()), 1e5 * tolerance * lambda);
+  EXPECT_EQ(fast->setting(), plain->setting());
+  EXPECT_EQ(fast->promised_error(), plain->promised_error());
 }
 
 // What the method says of a start and a step from it that it cannot hold. Some fail in the first already.
-SolveStats start_and_step(const System& sys, Method& any, double h, State s) {
+SolveStats start_and_step(const System& sys, const MethodOptions& options, double h, State s) {
   testing::NoForce forces;
+  const auto method = make_method(sys, options, h);
   Projector projector(sys);
   projector.positions(sys, s.x);
   projector.velocities(sys, s.x, s.v);
   forces(sys, s);
-  return std::visit(
-      [&](auto& method) {
-        SolveStats stats = method.add_forces(sys, 0, s);
-        return stats += step(sys, forces, method, h, s);
-      },
-      any);
+  SolveStats stats = method->start(sys, s);
+  return stats += step({sys, forces, *method}, h, s);
 }
 
-template <class Fast>
-void compare(const Start& start, const typename Fast::Options& options, double tolerance) {
-  on_every_machine([&] { compare_here<Fast>(start, options, tolerance); });
+void compare(const Start& start, const MethodOptions& options, double tolerance) {
+  on_every_machine([&] { compare_here(start, options, tolerance); });
 }
 
-template <class Fast>
-void compare_all(const typename Fast::Options& options, double tolerance) {
+void compare_all(const MethodOptions& options, double tolerance) {
   for (const auto& [name, start] : cases()) {
     SCOPED_TRACE(name);
-    compare<Fast>(start, options, tolerance);
+    compare(start, options, tolerance);
   }
 }
 
 TEST(Batched, NoneIsThePlainNone) {
-  compare_all<Batched<None>>({}, 1e-12);
+  compare_all(default_options("none"), 1e-12);
 }
 
 TEST(Batched, BaumgarteIsThePlainBaumgarte) {
   for (const char* damping : {"centred", "implicit", "lagged"})
     for (int passes : {1, 3}) {
       SCOPED_TRACE(damping);
-      compare_all<Batched<Baumgarte>>(
-          {.gains = "numbers", .damping = damping, .alpha_per_ps = 300, .beta_per_ps = 900, .passes = passes},
-          1e-12);
+      compare_all(Baumgarte::Options{.gains = "numbers",
+                                     .damping = damping,
+                                     .alpha_per_ps = 300,
+                                     .beta_per_ps = 900,
+                                     .passes = passes},
+                  1e-12);
     }
-  compare_all<Batched<Baumgarte>>({}, 1e-12);
-  compare_all<Batched<Baumgarte>>({.sweeps = 3}, 1e-12);
+  compare_all(Baumgarte::Options{}, 1e-12);
+  compare_all(Baumgarte::Options{.sweeps = 3}, 1e-12);
 }
 
 TEST(Batched, FeedforwardIsThePlainFeedforward) {
-  for (int order : {0, 1, 2}) compare_all<Batched<Feedforward>>({.extrapolation = order}, 1e-12);
-  compare_all<Batched<Feedforward>>({.tolerance = 1e-13}, 1e-12);
+  for (int order : {0, 1, 2}) compare_all(Feedforward::Options{.extrapolation = order}, 1e-12);
+  compare_all(Feedforward::Options{.tolerance = 1e-13}, 1e-12);
 }
 
 // A step of another length has terms of its own.
@@ -262,8 +263,8 @@ TEST(Batched, BaumgarteTakesStepsOfAnyLength) {
     State a = start.state, b = start.state;
     testing::NoForce forces;
     for (const double h : {1e-3, 5e-4, 1e-3}) {
-      EXPECT_TRUE(step(start.system, forces, fast, h, a).converged());
-      EXPECT_TRUE(step(start.system, forces, plain, h, b).converged());
+      EXPECT_TRUE(step({start.system, forces, fast}, h, a).converged());
+      EXPECT_TRUE(step({start.system, forces, plain}, h, b).converged());
       EXPECT_LT((a.f - b.f).cwiseAbs().maxCoeff(), 1e-9 * b.f.cwiseAbs().maxCoeff());
     }
   }
@@ -279,8 +280,8 @@ TEST(Batched, CountsWhatTheSlowestClusterTook) {
     testing::NoForce forces;
     const auto iterations = [&](auto method) {
       State s = start.state;
-      initialize(start.system, forces, method, s);
-      return step(start.system, forces, method, 0.01, s).iterations;
+      initialize({start.system, forces, method}, s);
+      return step({start.system, forces, method}, 0.01, s).iterations;
     };
     const auto same = [&](auto fast, auto plain) {
       const int want = iterations(plain);
@@ -300,9 +301,9 @@ TEST(Batched, FeedforwardSolvesAsOftenAsThePlainOne) {
   for (double blow = 1e-3; blow < 30; blow *= 1.3) {
     const auto solves = [&](auto method) {
       State s = start.state;
-      initialize(start.system, forces, method, s);
+      initialize({start.system, forces, method}, s);
       s.v(1, 1) += blow;
-      return step(start.system, forces, method, 0.01, s).iterations;
+      return step({start.system, forces, method}, 0.01, s).iterations;
     };
     const int want = solves(Feedforward(start.system, {}, 0.01));
     EXPECT_EQ(solves(Batched<Feedforward>(start.system, {}, 0.01)), want) << blow;
@@ -313,32 +314,32 @@ TEST(Batched, FeedforwardSolvesAsOftenAsThePlainOne) {
 
 // Iterated methods agree to what their tolerance leaves.
 TEST(Batched, NewtonIsThePlainNewton) {
-  compare_all<Batched<Newton>>({.tolerance = 1e-12}, 3e-12);
+  compare_all(Newton::Options{.tolerance = 1e-12}, 3e-12);
 }
 
 TEST(Batched, RattleIsThePlainRattle) {
-  compare_all<Batched<Rattle>>({.tolerance = 1e-12}, 3e-12);
-  compare_all<Batched<Rattle>>({.sweeps = 3}, 1e-12);
-  compare_all<Batched<Rattle>>({.tolerance = 1e-6, .warm_start = false}, 1e-12);
+  compare_all(Rattle::Options{.tolerance = 1e-12}, 3e-12);
+  compare_all(Rattle::Options{.sweeps = 3}, 1e-12);
+  compare_all(Rattle::Options{.tolerance = 1e-6, .warm_start = false}, 1e-12);
 }
 
 TEST(Batched, ShakeIsThePlainShake) {
-  compare_all<Batched<Shake>>({.tolerance = 1e-12}, 3e-12);
-  compare_all<Batched<Shake>>({.sweeps = 2}, 1e-12);
+  compare_all(Shake::Options{.tolerance = 1e-12}, 3e-12);
+  compare_all(Shake::Options{.sweeps = 2}, 1e-12);
 }
 
 TEST(Batched, LincsIsThePlainLincs) {
-  compare_all<Batched<Lincs>>({}, 1e-12);
-  compare_all<Batched<Lincs>>({.order = 0, .iterations = 0}, 1e-12);
-  compare_all<Batched<Lincs>>({.order = 7, .iterations = 3}, 1e-12);
+  compare_all(Lincs::Options{}, 1e-12);
+  compare_all(Lincs::Options{.order = 0, .iterations = 0}, 1e-12);
+  compare_all(Lincs::Options{.order = 7, .iterations = 3}, 1e-12);
 }
 
 TEST(Batched, SettleIsThePlainSettle) {
-  for (int count : {1, 8, 21}) compare<Batched<Settle>>(testing::waters(count, 3, 300), {}, 1e-12);
+  for (int count : {1, 8, 21}) compare(testing::waters(count, 3, 300), Settle::Options{}, 1e-12);
   // hydrogens first
   std::vector<int> turned;
   for (int w = 0; w < 9; ++w) turned.insert(turned.end(), {3 * w + 2, 3 * w, 3 * w + 1});
-  compare<Batched<Settle>>(together({testing::waters(9, 3, 300)}, turned), {}, 1e-12);
+  compare(together({testing::waters(9, 3, 300)}, turned), Settle::Options{}, 1e-12);
 }
 
 // A chain of the masses 1, 2, 4, 1, 2, 4, …, its ends of their own, and lengths that repeat likewise.
@@ -386,21 +387,20 @@ std::vector<std::pair<const char*, Start>> long_chains() {
           {"2600 bonds", testing::free_chain(2601, 10)}};
 }
 
-template <class Fast>
-void compare_long(const typename Fast::Options& options, double tolerance) {
+void compare_long(const MethodOptions& options, double tolerance) {
   for (const auto& [name, start] : long_chains()) {
     SCOPED_TRACE(name);
     EXPECT_TRUE(find_clusters(start.system, ClusterLimits::cutting()).rest.empty());
     EXPECT_FALSE(find_clusters(start.system, ClusterLimits::cutting()).chains.empty());
-    compare<Fast>(start, options, tolerance);
+    compare(start, options, tolerance);
   }
 }
 
 TEST(CutChains, SolveAsThePlainMethods) {
   for (const char* damping : {"centred", "lagged"})
-    for (int passes : {1, 3}) compare_long<Batched<Baumgarte>>({.damping = damping, .passes = passes}, 1e-12);
-  for (int order : {0, 2}) compare_long<Batched<Feedforward>>({.extrapolation = order}, 1e-12);
-  compare_long<Batched<Newton>>({.tolerance = 1e-12}, 3e-12);
+    for (int passes : {1, 3}) compare_long(Baumgarte::Options{.damping = damping, .passes = passes}, 1e-12);
+  for (int order : {0, 2}) compare_long(Feedforward::Options{.extrapolation = order}, 1e-12);
+  compare_long(Newton::Options{.tolerance = 1e-12}, 3e-12);
 }
 
 // However many threads there are while a method is made and while it works, the bits are the same: chains
@@ -415,14 +415,10 @@ TEST(CutChains, TheSameBitsOnAnyNumberOfThreads) {
       std::vector<State> ends;
       on_one_to_three_threads([&] {
         testing::NoForce forces;
-        Method any = make_method(start.system, default_options(name), h);
+        const auto method = make_method(start.system, default_options(name), h);
         State& end = ends.emplace_back(start.state);
-        std::visit(
-            [&](auto& method) {
-              initialize(start.system, forces, method, end);
-              for (int n = 0; n < 3; ++n) ASSERT_TRUE(step(start.system, forces, method, h, end).converged());
-            },
-            any);
+        initialize({start.system, forces, *method}, end);
+        for (int n = 0; n < 3; ++n) ASSERT_TRUE(step({start.system, forces, *method}, h, end).converged());
       });
       for (const State& end : ends) {
         EXPECT_EQ(end.x, ends[0].x) << count << " chains under " << name;
@@ -439,12 +435,12 @@ TEST(CutChains, ACopyGoesOnAsTheOriginal) {
   on_every_machine([&] {
     Batched<Newton> method(start.system, {}, h);
     State s = start.state;
-    initialize(start.system, forces, method, s);
-    EXPECT_TRUE(step(start.system, forces, method, h, s).converged());
+    initialize({start.system, forces, method}, s);
+    EXPECT_TRUE(step({start.system, forces, method}, h, s).converged());
     Batched<Newton> copy = method;
     State t = s;
-    EXPECT_TRUE(step(start.system, forces, method, h, s).converged());
-    EXPECT_TRUE(step(start.system, forces, copy, h, t).converged());
+    EXPECT_TRUE(step({start.system, forces, method}, h, s).converged());
+    EXPECT_TRUE(step({start.system, forces, copy}, h, t).converged());
     EXPECT_EQ(s.x, t.x);
     EXPECT_EQ(s.v, t.v);
   });
@@ -457,8 +453,7 @@ TEST(CutChains, NameTheBondThatTurnedTooFar) {
     start.state.v.col(bond) = Vec3(1e4, 0, 0);
     for (const char* name : {"newton", "feedforward"}) {
       SCOPED_TRACE(name);
-      Method any = make_method(start.system, default_options(name), 0.01);
-      const SolveStats stats = start_and_step(start.system, any, 0.01, start.state);
+      const SolveStats stats = start_and_step(start.system, default_options(name), 0.01, start.state);
       EXPECT_FALSE(stats.converged());
       EXPECT_NEAR(stats.worst_bond, bond, 40);
     }
@@ -484,7 +479,7 @@ TEST(CutChains, MustRepeat) {
   const auto left_whole = [](const Start& start) {
     const BondClusters found = find_clusters(start.system, ClusterLimits::cutting());
     EXPECT_EQ(static_cast<int>(found.rest.size()), start.system.bond_count());
-    compare<Batched<Baumgarte>>(start, {}, 1e-12);
+    compare(start, Baumgarte::Options{}, 1e-12);
   };
   Start heavier = chain;
   Eigen::VectorXd mass = chain.system.mass;
@@ -517,12 +512,12 @@ TEST(Batched, SharesOfThreadsFitTogether) {
   for (int w = 0; w < 2100; ++w)
     waters.state.x.middleCols<3>(3 * w).colwise() -= waters.state.x.col(3 * w).eval();
   on_one_to_three_threads([&] {
-    compare_here<Batched<Newton>>(start, {.tolerance = 1e-12}, 3e-12);
-    compare_here<Batched<Baumgarte>>(start, {}, 1e-12);
-    compare_here<Batched<Feedforward>>(start, {}, 1e-12);
-    compare_here<Batched<Rattle>>(start, {.sweeps = 3}, 1e-12);
-    compare_here<Batched<Lincs>>(start, {}, 1e-12);
-    compare_here<Batched<Settle>>(waters, {}, 1e-12);
+    compare_here(start, Newton::Options{.tolerance = 1e-12}, 3e-12);
+    compare_here(start, Baumgarte::Options{}, 1e-12);
+    compare_here(start, Feedforward::Options{}, 1e-12);
+    compare_here(start, Rattle::Options{.sweeps = 3}, 1e-12);
+    compare_here(start, Lincs::Options{}, 1e-12);
+    compare_here(waters, Settle::Options{}, 1e-12);
   });
 }
 
@@ -533,8 +528,7 @@ TEST(Batched, NamesTheBondThatTurnedTooFarInItsLane) {
   on_every_machine([&] {
     for (const char* name : {"newton", "rattle", "shake", "feedforward"}) {
       SCOPED_TRACE(name);
-      Method any = make_method(start.system, default_options(name), 0.01);
-      const SolveStats stats = start_and_step(start.system, any, 0.01, start.state);
+      const SolveStats stats = start_and_step(start.system, default_options(name), 0.01, start.state);
       EXPECT_FALSE(stats.converged());
       EXPECT_EQ(stats.worst_bond, 9);
     }
@@ -573,10 +567,9 @@ TEST(Batched, BlamesTheBondThatFailedNotTheOneBefore) {
     const Start start = together(dumbbells, {}, 0);
     for (const int threads : {1, 3})
       for (const MethodOptions& options : limited) {
-        SCOPED_TRACE(method_name(options));
+        SCOPED_TRACE(options.name());
         use_threads(threads);
-        Method any = make_method(start.system, options, 0.01);
-        const SolveStats stats = start_and_step(start.system, any, 0.01, start.state);
+        const SolveStats stats = start_and_step(start.system, options, 0.01, start.state);
         EXPECT_FALSE(stats.converged());
         EXPECT_EQ(stats.worst_bond, guilty);
         EXPECT_GT(stats.max_residual, 1e-6);
@@ -593,8 +586,7 @@ TEST(Batched, NamesTheBondThatTurnedTooFarAmongThoseLeftOver) {
   const Start start = together(parts);
   for (const char* name : {"newton", "rattle", "shake", "feedforward"}) {
     SCOPED_TRACE(name);
-    Method any = make_method(start.system, default_options(name), 0.002);
-    const SolveStats stats = start_and_step(start.system, any, 0.002, start.state);
+    const SolveStats stats = start_and_step(start.system, default_options(name), 0.002, start.state);
     EXPECT_FALSE(stats.converged());
     EXPECT_NEAR(stats.worst_bond, 9 * 3 + 2.5, 1.5);
   }
@@ -610,7 +602,7 @@ TEST(Batched, NamesABondOfTheClusterThatDependsOnOthers) {
     Batched<Baumgarte> method(start.system, {}, 0.01);
     State s = start.state;
     const SolveStats stats = method.add_forces(start.system, 0.01, s);
-    EXPECT_STREQ(stats.failure, "A is singular");
+    EXPECT_EQ(stats.failure, Failure::kSingular);
     EXPECT_GE(stats.worst_bond, 3);
   });
 }
@@ -625,7 +617,7 @@ TEST(Batched, NamesTheClusterInWhichABondDependsOnOthers) {
   Start start = together(triangles);
   Batched<Baumgarte> method(start.system, {}, 0.01);
   const SolveStats stats = method.add_forces(start.system, 0.01, start.state);
-  EXPECT_STREQ(stats.failure, "A is singular");
+  EXPECT_EQ(stats.failure, Failure::kSingular);
   EXPECT_EQ(stats.worst_bond / 3, 6);
 }
 

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "constraints/baumgarte.hpp"
 #include "md/errors.hpp"
 #include "systems/scene_file.hpp"
 
@@ -99,7 +100,7 @@ TEST(Calibration, ItsSettingsAreTheMethodItMeasured) {
     Scene scene = water(1);
     const Calibration c = calibrate(scene, plan);
     apply_overrides(scene, settings_of(c));
-    const auto& read = std::get<Baumgarte::Options>(scene.method);
+    const auto& read = *scene.method.get_if<Baumgarte::Options>();
     EXPECT_EQ(read.gains, c.method.gains);
     EXPECT_EQ(read.damping, plan.damping);
     EXPECT_EQ(read.reduction, c.method.reduction);

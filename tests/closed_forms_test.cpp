@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "constraints/bond_algebra.hpp"
+#include "constraints/newton.hpp"
 #include "constraints/projection.hpp"
 #include "md/errors.hpp"
 #include "simulation/simulation.hpp"
@@ -238,12 +239,12 @@ TEST(RattleStep, IsReversible) {
   ForceField forces(sys, scene.terms);
   Newton method(sys, {.tolerance = 1e-13}, 0.001);
   State s = scene.start;
-  initialize(sys, forces, method, s);
+  initialize({sys, forces, method}, s);
   const Vectors start = s.x;
-  for (int n = 0; n < 50; ++n) EXPECT_TRUE(step(sys, forces, method, 0.001, s).converged());
+  for (int n = 0; n < 50; ++n) EXPECT_TRUE(step({sys, forces, method}, 0.001, s).converged());
   EXPECT_GT((s.x - start).cwiseAbs().maxCoeff(), 0.01);
   s.v = -s.v;
-  for (int n = 0; n < 50; ++n) EXPECT_TRUE(step(sys, forces, method, 0.001, s).converged());
+  for (int n = 0; n < 50; ++n) EXPECT_TRUE(step({sys, forces, method}, 0.001, s).converged());
   EXPECT_LT((s.x - start).cwiseAbs().maxCoeff(), 1e-9);
 }
 

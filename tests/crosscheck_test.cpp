@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "constraints/baumgarte.hpp"
 #include "forcefield/force_field.hpp"
 #include "md/errors.hpp"
 #include "openmm_folder.hpp"

@@ -30,7 +30,7 @@ template <class Method>
 Drift drift_of(Method method, double ah, double bh_squared, double h, double time, std::uint64_t seed = 1) {
   auto [sys, s] = testing::free_chain(20, seed);
   testing::NoForce forces;
-  initialize(sys, forces, method, s);
+  initialize({sys, forces, method}, s);
   Slope energy;
   double work = 0;
   Eigen::VectorXd lambda_before = method.lambda(), lambda_now = lambda_before, va(sys.bond_count());
@@ -42,7 +42,7 @@ Drift drift_of(Method method, double ah, double bh_squared, double h, double tim
       const Vec3 a = sys.inv_mass[j] * s.f.col(j) - sys.inv_mass[i] * s.f.col(i);
       va[k] = (s.v.col(j) - s.v.col(i)).dot(a);
     }
-    EXPECT_TRUE(step(sys, forces, method, h, s).converged());
+    EXPECT_TRUE(step({sys, forces, method}, h, s).converged());
     if (n > 10) work -= (method.lambda() - lambda_before).dot(va) / (2 * h);
     lambda_before = lambda_now;
     lambda_now = method.lambda();

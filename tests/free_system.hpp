@@ -2,19 +2,21 @@
 
 #include <cmath>
 
+#include "md/force_law.hpp"
 #include "md/random.hpp"
 #include "md/state.hpp"
 #include "md/system.hpp"
 
 namespace taut::testing {
 
-struct NoForce {
-  void operator()(const System&, State& s) const { s.f.setZero(); }
+struct NoForce : ForceLaw {
+  void operator()(const System&, State& s) override { s.f.setZero(); }
 };
 
-struct UniformForce {
+struct UniformForce : ForceLaw {
+  explicit UniformForce(const Vec3& its_g) : g(its_g) {}
   Vec3 g;
-  void operator()(const System& sys, State& s) const {
+  void operator()(const System& sys, State& s) override {
     for (int i = 0; i < sys.atoms(); ++i) s.f.col(i) = sys.mass[i] * g;
   }
 };

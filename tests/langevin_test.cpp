@@ -39,11 +39,11 @@ TYPED_TEST(LangevinWith, NoFrictionChangesNothing) {
   testing::NoForce forces;
   auto method = with_defaults<TypeParam>(sys, h), alone = with_defaults<TypeParam>(sys, h);
   Langevin bath(sys, {.temperature = kWarm, .friction = 0}, h);
-  initialize(sys, forces, method, s, bath);
-  initialize(sys, forces, alone, other);
+  initialize({sys, forces, method, bath}, s);
+  initialize({sys, forces, alone}, other);
   for (int n = 0; n < 50; ++n) {
-    EXPECT_TRUE(step(sys, forces, method, h, s, bath).converged());
-    EXPECT_TRUE(step(sys, forces, alone, h, other).converged());
+    EXPECT_TRUE(step({sys, forces, method, bath}, h, s).converged());
+    EXPECT_TRUE(step({sys, forces, alone}, h, other).converged());
   }
   EXPECT_EQ(s.x, other.x);
   EXPECT_EQ(s.v, other.v);
@@ -56,9 +56,9 @@ TYPED_TEST(LangevinWith, JumpsAlongTheTangent) {
   testing::NoForce forces;
   auto method = with_defaults<TypeParam>(sys, h);
   Langevin bath(sys, {.temperature = kWarm, .friction = 5}, h);
-  initialize(sys, forces, method, s, bath);
+  initialize({sys, forces, method, bath}, s);
   for (int n = 0; n < 5; ++n) {
-    EXPECT_TRUE(step(sys, forces, method, h, s, bath).converged());
+    EXPECT_TRUE(step({sys, forces, method, bath}, h, s).converged());
     State jumped = s;
     bath.first_half(jumped);
     const Vectors u = jumped.v - s.v;
@@ -86,11 +86,11 @@ TYPED_TEST(LangevinWith, FreeWatersHaveTheCanonicalKineticEnergies) {
   testing::NoForce forces;
   auto method = with_defaults<TypeParam>(sys, h);
   Langevin bath(sys, {.temperature = temperature, .friction = friction, .seed = 11}, h);
-  initialize(sys, forces, method, s, bath);
+  initialize({sys, forces, method, bath}, s);
   std::vector<double> energies;
   double translation = 0, total = 0;
   for (int n = 1; n <= 6000; ++n) {
-    ASSERT_TRUE(step(sys, forces, method, h, s, bath).converged());
+    ASSERT_TRUE(step({sys, forces, method, bath}, h, s).converged());
     if (n <= 300 || n % 150 != 0) continue;  // e⁻³ of the last sample is left
     const Vectors v = bath.middle_velocity(sys, s);
     for (int w = 0; w < 100; ++w) {
@@ -125,11 +125,11 @@ TYPED_TEST(LangevinWith, PendulumsHangAsLangevinsFunctionSays) {
   testing::UniformForce gravity{{0, 0, -b}};
   auto method = with_defaults<TypeParam>(sys, h);
   Langevin bath(sys, {.temperature = kWarm, .friction = 2, .seed = 7}, h);
-  initialize(sys, gravity, method, s, bath);
+  initialize({sys, gravity, method, bath}, s);
   double sum = 0;
   int samples = 0;
   for (int n = 1; n <= 12000; ++n) {
-    ASSERT_TRUE(step(sys, gravity, method, h, s, bath).converged());
+    ASSERT_TRUE(step({sys, gravity, method, bath}, h, s).converged());
     if (n <= 500 || n % 20 != 0) continue;
     for (int p = 0; p < kPendulums; ++p) sum -= s.x(2, 2 * p + 1), ++samples;
   }
@@ -143,8 +143,8 @@ TYPED_TEST(LangevinWith, MiddleVelocityIsTangent) {
   testing::UniformForce forces{{1, 2, 3}};
   auto method = with_defaults<TypeParam>(sys, h);
   Langevin bath(sys, {.temperature = kWarm, .friction = 5}, h);
-  initialize(sys, forces, method, s, bath);
-  for (int n = 0; n < 5; ++n) EXPECT_TRUE(step(sys, forces, method, h, s, bath).converged());
+  initialize({sys, forces, method, bath}, s);
+  for (int n = 0; n < 5; ++n) EXPECT_TRUE(step({sys, forces, method, bath}, h, s).converged());
   const Vectors u = bath.middle_velocity(sys, s);
   Vectors want = s.v;
   for (int a = 0; a < sys.atoms(); ++a) want.col(a) += 0.5 * h * sys.inv_mass[a] * s.f.col(a);
@@ -159,11 +159,11 @@ TYPED_TEST(LangevinWith, StartsAnewWithoutAPast) {
   testing::NoForce forces;
   auto method = with_defaults<TypeParam>(sys, h);
   Langevin bath(sys, {.temperature = kWarm, .friction = 5}, h);
-  initialize(sys, forces, method, s, bath);
-  for (int n = 0; n < 5; ++n) EXPECT_TRUE(step(sys, forces, method, h, s, bath).converged());
-  initialize(sys, forces, method, s, bath);
+  initialize({sys, forces, method, bath}, s);
+  for (int n = 0; n < 5; ++n) EXPECT_TRUE(step({sys, forces, method, bath}, h, s).converged());
+  initialize({sys, forces, method, bath}, s);
   const Vectors v = s.v;
-  initialize(sys, forces, method, s, bath);
+  initialize({sys, forces, method, bath}, s);
   EXPECT_LT((s.v - v).norm(), 1e-12 * v.norm());
 }
 
@@ -177,16 +177,17 @@ TEST(LangevinBath, FrictionSlowsAFreeParticle) {
   testing::NoForce forces;
   Newton method(sys, {}, h);
   Langevin bath(sys, {.temperature = 0, .friction = friction}, h);
-  initialize(sys, forces, method, s, bath);
+  initialize({sys, forces, method, bath}, s);
   for (int n = 1; n <= 10; ++n) {
-    EXPECT_TRUE(step(sys, forces, method, h, s, bath).converged());
+    EXPECT_TRUE(step({sys, forces, method, bath}, h, s).converged());
     EXPECT_NEAR(s.v(0, 0), std::exp(-friction * h * n), 1e-12) << n;
   }
 }
 
-struct Springs {
+struct Springs : ForceLaw {
+  explicit Springs(double its_k) : k(its_k) {}
   double k;
-  void operator()(const System&, State& s) const { s.f = -k * s.x; }
+  void operator()(const System&, State& s) override { s.f = -k * s.x; }
 };
 
 // The middle scheme is exact for springs: positions at any ωh, and the velocity that the bath acts on.
@@ -199,10 +200,10 @@ TEST(LangevinMiddle, IsExactForAHarmonicOscillatorAtALargeStep) {
   Springs springs{k};
   Newton method(sys, {}, h);
   Langevin bath(sys, {.temperature = kWarm, .friction = 0.7, .seed = 2}, h);
-  initialize(sys, springs, method, s, bath);
+  initialize({sys, springs, method, bath}, s);
   double x2 = 0, middle2 = 0, full2 = 0, samples = 0;
   for (int n = 1; n <= 2000; ++n) {
-    EXPECT_TRUE(step(sys, springs, method, h, s, bath).converged());
+    EXPECT_TRUE(step({sys, springs, method, bath}, h, s).converged());
     if (n < 20) continue;
     x2 += s.x.squaredNorm();
     full2 += s.v.squaredNorm();
@@ -218,10 +219,10 @@ double rms_error(auto method, double friction, double h) {
   auto [sys, s] = testing::waters(20, 5, 300);
   testing::NoForce forces;
   Langevin bath(sys, {.temperature = 300, .friction = friction, .seed = 3}, h);
-  initialize(sys, forces, method, s, bath);
+  initialize({sys, forces, method, bath}, s);
   double sum = 0;
   for (int n = 0; n < 2000; ++n) {
-    EXPECT_TRUE(step(sys, forces, method, h, s, bath).converged());
+    EXPECT_TRUE(step({sys, forces, method, bath}, h, s).converged());
     sum += std::pow(bond_errors(sys, s.x).rms, 2);
   }
   return std::sqrt(sum / 2000);
@@ -244,8 +245,8 @@ TEST(LangevinBath, RepeatsBitForBitAndItsSeedMatters) {
     testing::NoForce forces;
     Newton method(sys, {}, 0.01);
     Langevin bath(sys, {.temperature = kWarm, .friction = 1, .seed = seed}, 0.01);
-    initialize(sys, forces, method, s, bath);
-    for (int n = 0; n < 20; ++n) EXPECT_TRUE(step(sys, forces, method, 0.01, s, bath).converged());
+    initialize({sys, forces, method, bath}, s);
+    for (int n = 0; n < 20; ++n) EXPECT_TRUE(step({sys, forces, method, bath}, 0.01, s).converged());
     return s.x;
   };
   EXPECT_EQ(end(1), end(1));
@@ -259,8 +260,8 @@ TEST(LangevinBath, HoldsTheMomentumWhereAsked) {
   testing::NoForce forces;
   Newton method(sys, {}, h);
   Langevin bath(sys, {.temperature = kWarm, .friction = 5, .hold_momentum = true}, h);
-  initialize(sys, forces, method, s, bath);
-  for (int n = 0; n < 100; ++n) EXPECT_TRUE(step(sys, forces, method, h, s, bath).converged());
+  initialize({sys, forces, method, bath}, s);
+  for (int n = 0; n < 100; ++n) EXPECT_TRUE(step({sys, forces, method, bath}, h, s).converged());
   EXPECT_LT(momentum(sys, s.v).norm(), 1e-11);
 }
 

@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-#include "constraints/gaps.hpp"
 #include "md/errors.hpp"
 #include "md/nearest_name.hpp"
 #include "md/observables.hpp"
@@ -21,8 +20,8 @@ State at_rest(int atoms) {
   return s;
 }
 
-struct Spring {  // of constant 1, to the origin
-  void operator()(const System&, State& s) const { s.f = -s.x; }
+struct Spring : ForceLaw {  // of constant 1, to the origin
+  void operator()(const System&, State& s) override { s.f = -s.x; }
 };
 
 double oscillator_error(double h) {
@@ -30,9 +29,9 @@ double oscillator_error(double h) {
   State s = at_rest(1);
   s.x(0, 0) = 1;
   Spring forces;
-  EmptyGaps free;
+  ConstraintMethod free;
   forces(sys, s);
-  while (s.t < 1 - h / 2) EXPECT_TRUE(step(sys, forces, free, h, s).converged());
+  while (s.t < 1 - h / 2) EXPECT_TRUE(step({sys, forces, free}, h, s).converged());
   return std::hypot(s.x(0, 0) - std::cos(s.t), s.v(0, 0) + std::sin(s.t));
 }
 
@@ -46,12 +45,12 @@ TEST(Step, IsReversible) {
   s.x.col(0) << 1, 0.5, -0.3;
   const Vectors start = s.x;
   Spring forces;
-  EmptyGaps free;
+  ConstraintMethod free;
   forces(sys, s);
-  for (int n = 0; n < 900; ++n) EXPECT_TRUE(step(sys, forces, free, 0.05, s).converged());
+  for (int n = 0; n < 900; ++n) EXPECT_TRUE(step({sys, forces, free}, 0.05, s).converged());
   EXPECT_GT((s.x - start).norm(), 0.5);
   s.v = -s.v;
-  for (int n = 0; n < 900; ++n) EXPECT_TRUE(step(sys, forces, free, 0.05, s).converged());
+  for (int n = 0; n < 900; ++n) EXPECT_TRUE(step({sys, forces, free}, 0.05, s).converged());
   EXPECT_LT((s.x - start).norm(), 1e-12);
 }
 
@@ -60,25 +59,27 @@ TEST(Step, AnAnchorDoesNotMove) {
   State s = at_rest(1);
   s.x(0, 0) = 1;
   Spring forces;
-  EmptyGaps free;
+  ConstraintMethod free;
   forces(sys, s);
-  for (int n = 0; n < 10; ++n) EXPECT_TRUE(step(sys, forces, free, 0.1, s).converged());
+  for (int n = 0; n < 10; ++n) EXPECT_TRUE(step({sys, forces, free}, 0.1, s).converged());
   EXPECT_EQ(s.x(0, 0), 1);
 }
 
 // Each stage fails in turn; the fourth is the bath.
-struct Failing : EmptyGaps {
+struct Failing : ConstraintMethod {
+  explicit Failing(int its_stage) : stage(its_stage) {}
   int stage;
   SolveStats at(int which) const {
-    return {.iterations = 1 << which, .failure = which == stage ? "at its stage" : nullptr};
+    return {.iterations = 1 << which, .failure = which == stage ? Failure::kNoConvergence : Failure::kNone};
   }
-  SolveStats project_positions(const System&, double, State&) const { return at(0); }
-  SolveStats add_forces(const System&, double, State&) const { return at(1); }
-  SolveStats project_velocities(const System&, double, State&) const { return at(2); }
+  SolveStats project_positions(const System&, double, State&) override { return at(0); }
+  SolveStats add_forces(const System&, double, State&) override { return at(1); }
+  SolveStats project_velocities(const System&, double, State&) override { return at(2); }
 };
-struct FailingBath : NoBath {
+struct FailingBath : Bath {
+  explicit FailingBath(const Failing& its_method) : method(its_method) {}
   const Failing& method;
-  SolveStats draw(const System&, double, State&) const { return method.at(3); }
+  SolveStats draw(const System&, double, State&) override { return method.at(3); }
 };
 
 // What any stage did, and that it failed, is said of the step.
@@ -87,8 +88,9 @@ TEST(Step, SumsWhatItsStagesDid) {
   Spring forces;
   for (int stage = 0; stage < 5; ++stage) {
     State s = at_rest(1);
-    Failing method{{}, stage};
-    const SolveStats stats = step(sys, forces, method, 0.1, s, FailingBath{{}, method});
+    Failing method(stage);
+    FailingBath bath(method);
+    const SolveStats stats = step({sys, forces, method, bath}, 0.1, s);
     EXPECT_EQ(stats.iterations, 15);
     EXPECT_EQ(stats.converged(), stage == 4) << stage;
   }
@@ -126,7 +128,7 @@ TEST(SolveStats, IterationsOfStagesAddUpOfPartsSideBySideTheMostCount) {
 TEST(SolveStats, KeepTheWorstResidualAndTheFirstFailureWithTheBondThatIsItsOwn) {
   const double nan = std::nan("");
   const SolveStats none, small{1, 1e-3, 7}, large{1, 0.3, 8}, unknown{1, nan, 9},
-      failed{1, 1e-6, 5, "no convergence"}, later{1, 0.4, 6, "A is singular"};
+      failed{1, 1e-6, 5, Failure::kNoConvergence}, later{1, 0.4, 6, Failure::kSingular};
   const auto bond = [](SolveStats into, const SolveStats& from) {
     SolveStats beside = into;
     beside.beside(from);
@@ -147,7 +149,7 @@ TEST(SolveStats, KeepTheWorstResidualAndTheFirstFailureWithTheBondThatIsItsOwn) 
   SolveStats all = large;
   all += failed;
   EXPECT_EQ(all.max_residual, 1e-6);
-  EXPECT_STREQ(all.failure, "no convergence");
+  EXPECT_EQ(all.failure, Failure::kNoConvergence);
 }
 
 TEST(Box, NearestImageIsTheShortest) {
@@ -226,8 +228,8 @@ TEST(Slope, FitsALineAndItsUncertainty) {
   EXPECT_LT(std::abs(noisy.value() - 2), 4 * expected);
 }
 
-struct Runaway {
-  void operator()(const System&, State& s) const { s.f = 1e200 * (s.x.array() * s.x.array()).matrix(); }
+struct Runaway : ForceLaw {
+  void operator()(const System&, State& s) override { s.f = 1e200 * (s.x.array() * s.x.array()).matrix(); }
 };
 
 TEST(Run, StopsBeforeNaNAndSaysWhen) {
@@ -235,12 +237,10 @@ TEST(Run, StopsBeforeNaNAndSaysWhen) {
   State s = at_rest(1);
   s.x(0, 0) = 1;
   Runaway forces;
-  EmptyGaps free;
+  ConstraintMethod free;
   RunProgress progress;
   try {
-    run(
-        sys, forces, free, {.h = 1, .steps = 100, .observe_every = 1}, progress, s, [](State&) {},
-        [](const Observation&) {}, [](long) { return true; });
+    run({sys, forces, free}, {.h = 1, .steps = 100, .observe_every = 1}, progress, s);
     FAIL() << "ran on";
   } catch (const SimulationFailure& e) {
     EXPECT_NE(std::string(e.what()).find("step "), std::string::npos);
@@ -255,7 +255,7 @@ TEST(Diagnosis, SaysWhenAndWhere) {
   s.x.col(3) << 0, 3, 4;
   s.f.col(2) << 0, 6, 8;
   s.f.col(1) << 1, 0, 0;
-  const Diagnosis d = diagnose(sys, s, {.worst_bond = 1, .failure = "no convergence"}, 7);
+  const Diagnosis d = diagnose(sys, s, {.worst_bond = 1, .failure = Failure::kNoConvergence}, 7);
   EXPECT_EQ(d.step, 7);
   EXPECT_EQ(d.t, 0.25);
   EXPECT_EQ(d.bond, 1);
@@ -267,9 +267,9 @@ TEST(Diagnosis, SaysWhenAndWhere) {
 }
 
 // Takes n solves in its n-th step and leaves 1/n.
-struct Countdown : EmptyGaps {
+struct Countdown : ConstraintMethod {
   int n = 0;
-  SolveStats add_forces(const System&, double, State&) {
+  SolveStats add_forces(const System&, double, State&) override {
     ++n;
     return {.iterations = n, .max_residual = 0.4 / n, .worst_bond = n};
   }
@@ -284,13 +284,11 @@ TEST(Run, ObservesWhatHappenedSinceTheLastObservation) {
   RunProgress progress;
   std::vector<long> steps;
   std::vector<SolveStats> seen;
-  run(
-      sys, forces, method, {.h = 0.1, .steps = 7, .observe_every = 3}, progress, s, [](State&) {},
-      [&](const Observation& m) {
+  run({sys, forces, method}, {.h = 0.1, .steps = 7, .observe_every = 3}, progress, s,
+      {.observe = [&](const Observation& m) {
         steps.push_back(m.step);
         seen.push_back(m.since);
-      },
-      [](long) { return true; });
+      }});
   ASSERT_EQ(steps, (std::vector<long>{3, 6}));
   EXPECT_EQ(seen[0].iterations, 1 + 2 + 3);
   EXPECT_EQ(seen[0].max_residual, 0.4);
@@ -304,17 +302,20 @@ TEST(Run, ObservesWhatHappenedSinceTheLastObservation) {
 TEST(Run, TakesOutMomentumAsOftenAsAsked) {
   const System sys = particle();
   State s = at_rest(1);
-  EmptyGaps free;
+  ConstraintMethod free;
   RunProgress progress;
   std::vector<long> at_rest_after;
-  const auto no_force = [](const System&, State&) {};
-  run(
-      sys, no_force, free, {.h = 0.1, .steps = 7, .remove_momentum_every = 3}, progress, s,
-      [](State& state) { state.v(0, 0) += 1; }, [](const Observation&) {},
-      [&](long n) {
+  struct NoForce : ForceLaw {
+    void operator()(const System&, State&) override {}
+  } no_force;
+  struct Push : Bath {
+    void after_step(const System&, double, State& state) override { state.v(0, 0) += 1; }
+  } push;
+  run({sys, no_force, free, push}, {.h = 0.1, .steps = 7, .remove_momentum_every = 3}, progress, s,
+      {.go_on = [&](long n) {
         if (s.v.norm() == 0) at_rest_after.push_back(n);
         return true;
-      });
+      }});
   EXPECT_EQ(at_rest_after, (std::vector<long>{3, 6}));
 }
 
@@ -328,11 +329,7 @@ TEST(Run, StopsWhereABondBreaks) {
     Countdown method;
     RunProgress progress;
     const RunPlan plan{.h = 1e-3, .steps = 2, .broken_at = broken_at};
-    const auto go = [&] {
-      return run(
-          sys, forces, method, plan, progress, s, [](State&) {}, [](const Observation&) {},
-          [](long) { return true; });
-    };
+    const auto go = [&] { return run({sys, forces, method}, plan, progress, s); };
     if (broken_at < 0.4)
       EXPECT_THROW(go(), SimulationFailure);
     else

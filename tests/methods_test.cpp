@@ -2,8 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include "constraints/baumgarte.hpp"
+#include "constraints/lanes/batched_feedforward.hpp"
+#include "constraints/lanes/batched_lincs.hpp"
+#include "constraints/lanes/batched_newton.hpp"
+#include "constraints/lanes/batched_settle.hpp"
+#include "constraints/lanes/batched_sweeps.hpp"
+#include "constraints/penalty.hpp"
 #include "free_system.hpp"
 #include "md/errors.hpp"
+#include "md/run.hpp"
 #include "verifier.hpp"
 
 namespace taut {
@@ -76,9 +84,8 @@ TEST_P(EveryMethod, HoldsEveryShapeAsItPromises) {
     NoForce forces;
     const MethodOptions options = default_options(GetParam());
     const Verdict verdict = verify(c.start.system, forces, options, c.h, 500, c.start.state);
-    ASSERT_TRUE(verdict.stats.converged()) << verdict.stats.failure;
-    const double promise = std::visit([](const auto& m) { return m.promised_error(); },
-                                      make_method(c.start.system, options, c.h));
+    ASSERT_TRUE(verdict.stats.converged()) << in_words(verdict.stats.failure);
+    const double promise = make_method(c.start.system, options, c.h)->promised_error();
     EXPECT_LE(verdict.bond_error, promise * (1 + 1e-3) + 1e-15);
     // Methods that promise no number are held to what a step's truncation feeds them.
     if (GetParam() == "baumgarte") {
@@ -120,42 +127,38 @@ TEST_P(EveryMethod, GivesTheSameBitsTwice) {
   EXPECT_EQ(once.end.v, again.end.v);
 }
 
-struct Turncoat {  // no force, until it is no number
+struct Turncoat : ForceLaw {  // no force, until it is no number
   int calls = 0;
-  void operator()(const System&, State& s) { s.f.setConstant(++calls == 6 ? std::nan("") : 0.0); }
+  void operator()(const System&, State& s) override { s.f.setConstant(++calls == 6 ? std::nan("") : 0.0); }
 };
 
 // The first residual that is no number stops a run.
-template <class M>
-void expect_it_stops_before_NaN(const System& sys, M method, double h, State s) {
+void expect_it_stops_before_NaN(const Start& start, ConstraintMethod& method) {
   Turncoat forces;
-  initialize(sys, forces, method, s);
+  State s = start.state;
+  initialize({start.system, forces, method}, s);
   RunProgress progress;
-  const RunPlan plan{.h = h, .steps = 100, .observe_every = 100};
-  EXPECT_THROW(run(
-                   sys, forces, method, plan, progress, s, [](State&) {}, [](const Observation&) {},
-                   [](long) { return true; }),
-               SimulationFailure);
+  const RunPlan plan{.h = 1e-3, .steps = 100, .observe_every = 100};
+  EXPECT_THROW(run({start.system, forces, method}, plan, progress, s), SimulationFailure);
   EXPECT_LE(progress.step, 6);
 }
 
 TEST_P(EveryMethod, StopsBeforeNaN) {
   const Start start = molecule_for(GetParam(), 4);
-  std::visit([&](const auto& method) { expect_it_stops_before_NaN(start.system, method, 1e-3, start.state); },
-             make_method(start.system, default_options(GetParam()), 1e-3));
+  for (const auto make : {make_method, make_plain}) {
+    const auto method = make(start.system, default_options(GetParam()), 1e-3);
+    expect_it_stops_before_NaN(start, *method);
+  }
 }
 
-TEST(PlainMethods, StopBeforeNaN) {
-  const auto& [sys, s] = testing::free_chain(6, 4);
-  for (const int sweeps : {0, 3})
-    expect_it_stops_before_NaN(sys, Baumgarte(sys, {.sweeps = sweeps}, 1e-3), 1e-3, s);
-  expect_it_stops_before_NaN(sys, Feedforward(sys, {}, 1e-3), 1e-3, s);
-  expect_it_stops_before_NaN(sys, Newton(sys, {}, 1e-3), 1e-3, s);
-  for (const int sweeps : {0, 3}) {
-    expect_it_stops_before_NaN(sys, Shake(sys, {.sweeps = sweeps}, 1e-3), 1e-3, s);
-    expect_it_stops_before_NaN(sys, Rattle(sys, {.sweeps = sweeps}, 1e-3), 1e-3, s);
+TEST(PlainMethods, StopBeforeNaNAfterSoManySweeps) {
+  const Start start = testing::free_chain(6, 4);
+  for (const MethodOptions& options :
+       {MethodOptions(Baumgarte::Options{.sweeps = 3}), MethodOptions(Shake::Options{.sweeps = 3}),
+        MethodOptions(Rattle::Options{.sweeps = 3})}) {
+    const auto method = make_plain(start.system, options, 1e-3);
+    expect_it_stops_before_NaN(start, *method);
   }
-  expect_it_stops_before_NaN(sys, Lincs(sys, {}, 1e-3), 1e-3, s);
 }
 
 // The multipliers are those of J M⁻¹Jᵀλ = −(J M⁻¹F + |v_ij|²) up to the order of the step.
@@ -201,7 +204,7 @@ TEST(Newton, ReachesRoundOffOnAChainOfTenThousandBonds) {
   start.state.x.colwise() -= start.state.x.rowwise().mean();
   const auto verdict =
       verify(start.system, forces, Newton::Options{.tolerance = 1e-13}, 0.01, 5, start.state);
-  ASSERT_TRUE(verdict.stats.converged()) << verdict.stats.failure;
+  ASSERT_TRUE(verdict.stats.converged()) << in_words(verdict.stats.failure);
   EXPECT_LT(verdict.bond_error, 1.01e-13);
 }
 
@@ -211,12 +214,12 @@ TEST(Newton, StopsAtItsMostIterations) {
   NoForce forces;
   const auto stops = [&](auto method) {
     State s = start.state;
-    initialize(start.system, forces, method, s);
+    initialize({start.system, forces, method}, s);
     const SolveStats stats = method.project_positions(start.system, 0.01, s);
-    EXPECT_STREQ(stats.failure, nullptr);  // nothing has moved
+    EXPECT_TRUE(stats.converged());  // nothing has moved
     s.x += 0.05 * s.v;
     const SolveStats moved = method.project_positions(start.system, 0.05, s);
-    EXPECT_STREQ(moved.failure, "no convergence");
+    EXPECT_EQ(moved.failure, Failure::kNoConvergence);
     EXPECT_EQ(moved.iterations, 2);
     EXPECT_GT(moved.max_residual, 1e-14);
   };
@@ -231,8 +234,8 @@ TEST(WarmStart, OfARotorLeavesNothingToDo) {
   NoForce forces;
   const auto begins_with = [&](auto method) {
     State s = start.state;
-    initialize(start.system, forces, method, s);
-    for (int n = 0; n < 5; ++n) EXPECT_TRUE(step(start.system, forces, method, 0.01, s).converged());
+    initialize({start.system, forces, method}, s);
+    for (int n = 0; n < 5; ++n) EXPECT_TRUE(step({start.system, forces, method}, 0.01, s).converged());
     drift(0.01, s);
     return method.project_positions(start.system, 0.01, s).iterations;
   };
@@ -255,9 +258,9 @@ TEST(Sweeps, MeetTheirToleranceAtEveryLength) {
     NoForce forces;
     const auto meets = [&](auto method, double tolerance) {
       State s = start.state;
-      initialize(start.system, forces, method, s);
+      initialize({start.system, forces, method}, s);
       for (int n = 0; n < 20; ++n) {
-        const SolveStats stats = step(start.system, forces, method, 0.01, s);
+        const SolveStats stats = step({start.system, forces, method}, 0.01, s);
         ASSERT_TRUE(stats.converged());
         EXPECT_LE(stats.max_residual, tolerance);
         EXPECT_LE(bond_errors(start.system, s.x).max, 1.001 * tolerance);
@@ -412,7 +415,7 @@ TEST(Sweeps, NameTheBondThatTurnedTooFar) {
     const auto stats = verify(start.system, forces, default_options(method), 0.01, 5, start.state).stats;
     ASSERT_FALSE(stats.converged());
     EXPECT_EQ(stats.worst_bond, 0);
-    EXPECT_NE(std::string(stats.failure).find("90°"), std::string::npos);
+    EXPECT_EQ(stats.failure, Failure::kTurned);
   }
 }
 
@@ -422,11 +425,11 @@ TEST(Sweeps, AsPlainMethodsNameItToo) {
   const Start start = testing::rotor(300);
   const auto failure = [&](auto method) {
     State s = start.state;
-    initialize(start.system, forces, method, s);
-    return std::string(step(start.system, forces, method, 0.01, s).failure);
+    initialize({start.system, forces, method}, s);
+    return step({start.system, forces, method}, 0.01, s).failure;
   };
-  EXPECT_NE(failure(Shake(start.system, {}, 0.01)).find("90°"), std::string::npos);
-  EXPECT_NE(failure(Rattle(start.system, {}, 0.01)).find("90°"), std::string::npos);
+  EXPECT_EQ(failure(Shake(start.system, {}, 0.01)), Failure::kTurned);
+  EXPECT_EQ(failure(Rattle(start.system, {}, 0.01)), Failure::kTurned);
 }
 
 // A start is brought to its bonds as exactly as numbers can say, not to a tolerance.
@@ -459,7 +462,7 @@ TEST(Start, ThatAMethodCannotHoldIsAFailureThatNamesTheBond) {
   Batched<Feedforward> method(sys, {}, 0.01);
   NoForce forces;
   try {
-    initialize(sys, forces, method, s);
+    initialize({sys, forces, method}, s);
     FAIL() << "accepted";
   } catch (const SimulationFailure& e) {
     EXPECT_NE(std::string(e.what()).find("bond 0 (atoms 0-1)"), std::string::npos) << e.what();
@@ -476,24 +479,24 @@ TEST(Methods, LimitsAreRefusedByTheirOwnKeys) {
     }
     return "accepted";
   };
-  EXPECT_EQ(refusal(Newton::Options{.max_iterations = 0}), "method.max_iterations: 0, expected 1 or more");
-  EXPECT_EQ(refusal(Feedforward::Options{.max_solves = 0}), "method.max_solves: 0, expected 1 or more");
-  EXPECT_EQ(refusal(Rattle::Options{.max_sweeps = 0}), "method.max_sweeps: 0, expected 1 or more");
-  EXPECT_EQ(refusal(Shake::Options{.sweeps = -1}), "method.sweeps: -1, expected 0 or more");
-  EXPECT_EQ(refusal(Lincs::Options{.order = -1}), "method.order: -1, expected 0 or more");
-  EXPECT_EQ(refusal(Lincs::Options{.iterations = -1}), "method.iterations: -1, expected 0 or more");
-  EXPECT_EQ(refusal(Baumgarte::Options{.passes = 0}), "method.passes: 0, expected 1 or more");
-  EXPECT_EQ(refusal(Baumgarte::Options{.sweeps = -1}), "method.sweeps: -1, expected 0 or more");
+  EXPECT_EQ(refusal(Newton::Options{.max_iterations = 0}),
+            "method.max_iterations: expected at least 1, got 0");
+  EXPECT_EQ(refusal(Feedforward::Options{.max_solves = 0}), "method.max_solves: expected at least 1, got 0");
+  EXPECT_EQ(refusal(Rattle::Options{.max_sweeps = 0}), "method.max_sweeps: expected at least 1, got 0");
+  EXPECT_EQ(refusal(Shake::Options{.sweeps = -1}), "method.sweeps: expected at least 0, got -1");
+  EXPECT_EQ(refusal(Lincs::Options{.order = -1}), "method.order: expected at least 0, got -1");
+  EXPECT_EQ(refusal(Lincs::Options{.iterations = -1}), "method.iterations: expected at least 0, got -1");
+  EXPECT_EQ(refusal(Baumgarte::Options{.passes = 0}), "method.passes: expected at least 1, got 0");
+  EXPECT_EQ(refusal(Baumgarte::Options{.sweeps = -1}), "method.sweeps: expected at least 0, got -1");
 }
 
 // Where `key` goes.
 template <class Options>
 const void* field_of(Options& options, std::string_view key) {
-  const void* found = nullptr;
-  options.describe([&](std::string_view name, auto& field, const char*, Counts = {}) {
-    if (name == key) found = &field;
-  });
-  return found;
+  for (const Option& option : options.describe())
+    if (option.key == key)
+      return std::visit([](const auto* field) -> const void* { return field; }, option.field);
+  return nullptr;
 }
 
 TEST(Methods, EveryKeySetsTheOptionOfItsName) {
@@ -531,7 +534,7 @@ TEST(Sweeps, AreCounted) {
   EXPECT_EQ(stats(Shake::Options{.sweeps = 3}).iterations, 3);
   EXPECT_EQ(stats(Rattle::Options{.sweeps = 3}).iterations, 6);
   EXPECT_EQ(stats(Shake::Options{.max_sweeps = 2}).iterations, 2);
-  EXPECT_STREQ(stats(Shake::Options{.max_sweeps = 2}).failure, "no convergence");
+  EXPECT_EQ(stats(Shake::Options{.max_sweeps = 2}).failure, Failure::kNoConvergence);
 }
 
 TEST(Methods, UnknownNameIsRefusedWithTheNearest) {

@@ -4,6 +4,7 @@
 
 #include "constraints/methods.hpp"
 #include "constraints/projection.hpp"
+#include "constraints/rattle.hpp"
 #include "forcefield/force_field.hpp"
 #include "md/observables.hpp"
 #include "openmm_folder.hpp"
@@ -22,7 +23,7 @@ TEST(OpenMMScene, IsNamedAfterItsFileAndRunsRattle) {
   const Scene scene = import_openmm(files.system, files.state);
   EXPECT_TRUE(built_with_openmm());
   EXPECT_EQ(scene.name, "ala2-hbonds-rf");
-  EXPECT_EQ(method_name(scene.method), "rattle");
+  EXPECT_EQ(scene.method.name(), "rattle");
   EXPECT_FALSE(scene.hard_on.empty());
   EXPECT_EQ(scene.run.remove_momentum_every, 0);
   EXPECT_EQ(scene.system.atoms(), scene.start.x.cols());
@@ -45,12 +46,12 @@ Apart apart_after(const Files& files, int steps) {
   options.tolerance = 1e-12;
   Rattle rattle(sys, options, h);
   State& s = scene.start;
-  initialize(sys, forces, rattle, s);
+  initialize({sys, forces, rattle}, s);
 
   OpenMMTwin twin(files.system, files.state, {h});
   twin.set(s);
   twin.step(steps);
-  for (int n = 0; n < steps; ++n) EXPECT_TRUE(step(sys, forces, rattle, h, s).converged());
+  for (int n = 0; n < steps; ++n) EXPECT_TRUE(step({sys, forces, rattle}, h, s).converged());
 
   const State theirs = twin.state();
   EXPECT_NEAR(s.t, theirs.t, 1e-9);

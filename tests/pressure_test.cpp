@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "constraints/penalty.hpp"
 #include "force_checks.hpp"
 #include "md/observables.hpp"
 #include "md/random.hpp"

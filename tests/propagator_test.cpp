@@ -35,11 +35,11 @@ std::vector<double> errors_of_a_bond_at_rest(double ah, double bh, Damping dampi
   auto [sys, s] = testing::rotor(0);
   Baumgarte method(sys, options_for(ah, bh, damping, h), h);
   NoForce forces;
-  initialize(sys, forces, method, s);
+  initialize({sys, forces, method}, s);
   s.x(0, 1) += 1e-8;
   std::vector<double> errors = {sigma_of(sys, s)};
   for (int n = 0; n < steps; ++n) {
-    EXPECT_TRUE(step(sys, forces, method, h, s).converged());
+    EXPECT_TRUE(step({sys, forces, method}, h, s).converged());
     errors.push_back(sigma_of(sys, s));
   }
   return errors;
@@ -105,10 +105,10 @@ TEST(Propagator, StabilityLimitIsWhereARunBlowsUp) {
         auto [sys, s] = testing::rotor(0);
         Baumgarte method(sys, options_for(ah / 3, bh / 3, damping, h / 3), h / 3);
         NoForce forces;
-        initialize(sys, forces, method, s);
+        initialize({sys, forces, method}, s);
         s.x(0, 1) += 1e-9;
         for (int n = 0; n < 1500; ++n)
-          if (!step(sys, forces, method, h, s).converged()) return true;
+          if (!step({sys, forces, method}, h, s).converged()) return true;
         return !(std::abs(sigma_of(sys, s)) < 1e-9);
       };
       double low = 0.01, high = 3;
@@ -139,8 +139,8 @@ TEST(Floor, OfAFreeRotor) {
       auto [sys, s] = testing::rotor(theta / h);
       Baumgarte method(sys, options_for(ah, bh, damping, h), h);
       NoForce forces;
-      initialize(sys, forces, method, s);
-      for (int n = 0; n < 400; ++n) EXPECT_TRUE(step(sys, forces, method, h, s).converged());
+      initialize({sys, forces, method}, s);
+      for (int n = 0; n < 400; ++n) EXPECT_TRUE(step({sys, forces, method}, h, s).converged());
       const double v = theta / h, a = theta * theta / (h * h);
       const double predicted = floor_of(ah, bh, h, {v * v, a * a, 0}, damping);
       EXPECT_NEAR(sigma_of(sys, s) / predicted, 1, 0.02) << name_of(damping) << " θ " << theta;
@@ -164,10 +164,10 @@ TEST(Floor, OfAPendulum) {
     testing::UniformForce forces{Vec3(0, 0, -g)};
     const double ah = 1, bh = std::sqrt(2.0);
     Baumgarte method(sys, options_for(ah, bh, damping, h), h);
-    initialize(sys, forces, method, s);
+    initialize({sys, forces, method}, s);
     double error = 0, predicted = 0;
     for (int n = 0; n < 1000; ++n) {
-      EXPECT_TRUE(step(sys, forces, method, h, s).converged());
+      EXPECT_TRUE(step({sys, forces, method}, h, s).converged());
       if (n < 20) continue;
       const Vec3 v = s.v.col(1), a = s.f.col(1);
       const double floor = floor_of(ah, bh, h, {v.squaredNorm(), a.squaredNorm(), v.dot(a)}, damping);

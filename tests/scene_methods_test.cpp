@@ -4,6 +4,8 @@
 
 #include <map>
 
+#include "constraints/newton.hpp"
+#include "constraints/rattle.hpp"
 #include "constraints/redundancy.hpp"
 #include "forcefield/force_field.hpp"
 #include "systems/scene_file.hpp"
@@ -54,9 +56,8 @@ TEST_P(Scenes, HoldTheirBonds) {
   ForceField forces(scene.system, scene.terms);
   const Verdict verdict = verify(scene.system, forces, options, h, steps_for(scene), scene.start);
 
-  ASSERT_TRUE(verdict.stats.converged()) << verdict.stats.failure;
-  const double promise =
-      std::visit([](const auto& m) { return m.promised_error(); }, make_method(scene.system, options, h));
+  ASSERT_TRUE(verdict.stats.converged()) << in_words(verdict.stats.failure);
+  const double promise = make_method(scene.system, options, h)->promised_error();
   const double rounding = 1e-14 * (1 + scene.start.x.cwiseAbs().maxCoeff() / scene.system.bonds[0].length);
   EXPECT_LE(verdict.bond_error, promise * (1 + 1e-3) + rounding);
   // Who promises no number is held to what a step's truncation feeds it, or to the softness of its springs.

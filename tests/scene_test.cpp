@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "constraints/baumgarte.hpp"
+#include "constraints/rattle.hpp"
 #include "md/errors.hpp"
 #include "systems/scene_file.hpp"
 #include "temporary_folder.hpp"
@@ -98,7 +100,7 @@ TEST(Scene, ReadsWhatTheFileSays) {
   EXPECT_EQ(scene.terms.pulls[0].force, Vec3(1, 2, 3));
   EXPECT_EQ(scene.run.dt_fs, 0.5);
   EXPECT_EQ(scene.run.steps, 20);
-  const auto& options = std::get<Baumgarte::Options>(scene.method);
+  const auto& options = *scene.method.get_if<Baumgarte::Options>();
   EXPECT_EQ(options.alpha_per_ps, 3.0);
   EXPECT_EQ(options.beta_per_ps, std::nullopt);
   EXPECT_EQ(options.passes, 2);
@@ -109,21 +111,21 @@ TEST(Scene, OverridesPrevail) {
       read(SceneText{}.text, {"run.dt_fs=2", "run.steps = 1e6", "method.gains=critical", "run.dt_fs=4"});
   EXPECT_EQ(scene.run.dt_fs, 4);
   EXPECT_EQ(scene.run.steps, 1000000);
-  const auto& options = std::get<Baumgarte::Options>(scene.method);
+  const auto& options = *scene.method.get_if<Baumgarte::Options>();
   EXPECT_EQ(options.gains, "critical");
   EXPECT_EQ(options.passes, 2);  // the file's own method: its other keys stay
 }
 
 TEST(Scene, AnotherMethodSetsTheFilesKeysAside) {
   const Scene scene = read(SceneText{}.text, {"method.tolerance=1e-6", "method.name=rattle"});
-  const auto& options = std::get<Rattle::Options>(scene.method);
+  const auto& options = *scene.method.get_if<Rattle::Options>();
   EXPECT_EQ(options.tolerance, 1e-6);
   EXPECT_EQ(options.max_sweeps, Rattle::Options{}.max_sweeps);
 }
 
 TEST(Scene, NamingTheFilesOwnMethodKeepsItsKeys) {
   const Scene scene = read(SceneText{}.text, {"method.name=\"baumgarte\""});
-  EXPECT_EQ(std::get<Baumgarte::Options>(scene.method).passes, 2);
+  EXPECT_EQ(scene.method.get_if<Baumgarte::Options>()->passes, 2);
 }
 
 TEST(Scene, OverridesOfASceneFromElsewhere) {
@@ -131,8 +133,8 @@ TEST(Scene, OverridesOfASceneFromElsewhere) {
   apply_overrides(scene, {"run.log_every=7", "method.passes=3"});
   EXPECT_EQ(scene.run.log_every, 7);
   EXPECT_EQ(scene.run.dt_fs, 0.5);
-  EXPECT_EQ(std::get<Baumgarte::Options>(scene.method).passes, 3);
-  EXPECT_EQ(std::get<Baumgarte::Options>(scene.method).alpha_per_ps, 3.0);
+  EXPECT_EQ(scene.method.get_if<Baumgarte::Options>()->passes, 3);
+  EXPECT_EQ(scene.method.get_if<Baumgarte::Options>()->alpha_per_ps, 3.0);
   EXPECT_THROW(apply_overrides(scene, {"build.molecules=7"}), InputError);
 }
 

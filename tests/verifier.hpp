@@ -22,50 +22,43 @@ struct Verdict {
 };
 
 // Runs `steps` steps from a start that is first brought to the bonds. `forces` must be ready to call.
-template <ForceLaw F>
-Verdict verify(const System& sys, F& forces, const MethodOptions& options, double h, int steps, State s) {
+inline Verdict verify(const System& sys, ForceLaw& forces, const MethodOptions& options, double h, int steps,
+                      State s) {
   Verdict verdict;
-  Method any = make_method(sys, options, h);
-  std::visit(
-      [&](auto& method) {
-        initialize(sys, forces, method, s);
-        const Vec3 momentum_before = momentum(sys, s.v);
-        const auto energy = [&] {
-          double potential = 0;
-          if constexpr (requires { forces.potential(); }) potential += forces.potential();
-          if constexpr (requires { method.spring_energy(sys, s.x); })
-            potential += method.spring_energy(sys, s.x);
-          return kinetic_energy(sys, s.v) + potential;
-        };
-        const double energy_before = energy();
-        double largest_kinetic = kinetic_energy(sys, s.v);
-        const double scale = (s.v.colwise().norm() * sys.mass).value() + 1e-300;
-        Vectors r(3, sys.bond_count()), r_before(3, sys.bond_count());
-        differences(sys, s.x, r_before);
-        for (int n = 0; n < steps; ++n) {
-          const Vectors v_before = s.v;
-          verdict.stats += step(sys, forces, method, h, s);
-          if (!verdict.stats.converged()) break;
-          differences(sys, s.x, r);
-          for (int k = 0; k < sys.bond_count(); ++k) {
-            const auto& [i, j, d] = sys.bonds[k];
-            const Vec3 v = s.v.col(j) - s.v.col(i), a = (v - (v_before.col(j) - v_before.col(i))) / h;
-            verdict.predicted_error = std::max(
-                verdict.predicted_error,
-                (std::pow(h, 3) * v.norm() * a.norm() / 2 + std::pow(h, 4) * a.squaredNorm() / 8) / (d * d));
-            verdict.fed_error = std::max(verdict.fed_error, std::pow(h, 4) * a.squaredNorm() / (8 * d * d));
-            verdict.turn = std::min(verdict.turn, r.col(k).normalized().dot(r_before.col(k).normalized()));
-          }
-          r_before = r;
-          largest_kinetic = std::max(largest_kinetic, kinetic_energy(sys, s.v));
-          const double error = bond_errors(sys, s.x).max;
-          if (worse(error, verdict.bond_error)) verdict.bond_error = error;
-        }
-        verdict.momentum_change = (momentum(sys, s.v) - momentum_before).norm() / scale;
-        verdict.energy_change = std::abs(energy() - energy_before) / largest_kinetic;
-        verdict.lambda = method.lambda();
-      },
-      any);
+  const auto method = make_method(sys, options, h);
+  const Dynamics dynamics{sys, forces, *method};
+  initialize(dynamics, s);
+  const Vec3 momentum_before = momentum(sys, s.v);
+  const auto energy = [&] {
+    return kinetic_energy(sys, s.v) + forces.potential() + method->spring_energy(sys, s.x);
+  };
+  const double energy_before = energy();
+  double largest_kinetic = kinetic_energy(sys, s.v);
+  const double scale = (s.v.colwise().norm() * sys.mass).value() + 1e-300;
+  Vectors r(3, sys.bond_count()), r_before(3, sys.bond_count());
+  differences(sys, s.x, r_before);
+  for (int n = 0; n < steps; ++n) {
+    const Vectors v_before = s.v;
+    verdict.stats += step(dynamics, h, s);
+    if (!verdict.stats.converged()) break;
+    differences(sys, s.x, r);
+    for (int k = 0; k < sys.bond_count(); ++k) {
+      const auto& [i, j, d] = sys.bonds[k];
+      const Vec3 v = s.v.col(j) - s.v.col(i), a = (v - (v_before.col(j) - v_before.col(i))) / h;
+      verdict.predicted_error = std::max(
+          verdict.predicted_error,
+          (std::pow(h, 3) * v.norm() * a.norm() / 2 + std::pow(h, 4) * a.squaredNorm() / 8) / (d * d));
+      verdict.fed_error = std::max(verdict.fed_error, std::pow(h, 4) * a.squaredNorm() / (8 * d * d));
+      verdict.turn = std::min(verdict.turn, r.col(k).normalized().dot(r_before.col(k).normalized()));
+    }
+    r_before = r;
+    largest_kinetic = std::max(largest_kinetic, kinetic_energy(sys, s.v));
+    const double error = bond_errors(sys, s.x).max;
+    if (worse(error, verdict.bond_error)) verdict.bond_error = error;
+  }
+  verdict.momentum_change = (momentum(sys, s.v) - momentum_before).norm() / scale;
+  verdict.energy_change = std::abs(energy() - energy_before) / largest_kinetic;
+  verdict.lambda = method->lambda();
   verdict.end = std::move(s);
   return verdict;
 }

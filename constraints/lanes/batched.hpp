@@ -2,15 +2,13 @@
 
 #include <vector>
 
-#include "constraints/gaps.hpp"
 #include "constraints/lanes/lanes.hpp"
+#include "md/constraint_method.hpp"
 
 namespace taut {
 
 // The same method as Plain, its clusters side by side in SIMD lanes and on threads. Plain stays as the recipe
-// to read, as the witness of the tests, and for clusters that fit no batch. Each Batched<Plain> has
-//     kName, kSummary, Options, lambda(), serialize(), promised_error(), setting() as Plain (methods.hpp),
-//     and `using Reference = Plain`.
+// to read, as the reference of the tests, and for clusters that fit no batch.
 template <class Plain>
 class Batched;
 
@@ -28,6 +26,7 @@ class Leftover {
   SolveStats add_forces(double h, State& s) {
     return bonds_.empty() ? SolveStats{} : numbered(method_.add_forces(system_, h, s));
   }
+  SolveStats start(State& s) { return bonds_.empty() ? SolveStats{} : numbered(method_.start(system_, s)); }
   SolveStats project_velocities(double h, State& s) {
     return bonds_.empty() ? SolveStats{} : numbered(method_.project_velocities(system_, h, s));
   }
@@ -55,6 +54,38 @@ class Leftover {
   std::vector<int> bonds_;
   System system_;
   Plain method_;
+};
+
+// What all of them share: batches of lanes, and what is left over.
+template <class PlainMethod, class Batches>
+class BatchedMethod : public ConstraintMethod {
+ public:
+  using Plain = PlainMethod;
+  using Options = typename Plain::Options;
+
+  void serialize(Archive& archive) override { archive(batches_, leftover_); }
+  const Eigen::VectorXd& lambda() const final {
+    batches_.write_lambda(lambda_);
+    leftover_.write_lambda(lambda_);
+    return lambda_;
+  }
+  double promised_error() const final { return leftover_.method().promised_error(); }
+  std::string setting() const override { return leftover_.method().setting(); }
+  Holds holds() const final { return leftover_.method().holds(); }
+
+ protected:
+  BatchedMethod(const System& sys, const Options& options, double h, const BondClusters& clusters)
+      : options_(options),
+        batches_(clusters),
+        leftover_(sys, clusters.rest, options, h),
+        lambda_(Eigen::VectorXd::Zero(sys.bond_count())) {}
+
+  Options options_;
+  Batches batches_;
+  Leftover<Plain> leftover_;
+
+ private:
+  mutable Eigen::VectorXd lambda_;  // m
 };
 
 }  // namespace taut

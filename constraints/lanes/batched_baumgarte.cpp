@@ -145,15 +145,9 @@ namespace taut {
 HWY_EXPORT(baumgarte_groups);
 
 Batched<Baumgarte>::Batched(const System& sys, const Options& options, double h)
-    : Batched(sys, options, h,
-              find_clusters(sys, options.sweeps > 0 ? ClusterLimits{0, 0} : ClusterLimits::cutting())) {}
-
-Batched<Baumgarte>::Batched(const System& sys, const Options& options, double h, const BondClusters& clusters)
-    : damping_(damping_named(options.damping)),
-      passes_(options.passes),
-      batches_(clusters),
-      leftover_(sys, clusters.rest, options, h),
-      lambda_(Eigen::VectorXd::Zero(sys.bond_count())) {
+    : BatchedMethod(sys, options, h,
+                    find_clusters(sys, options.sweeps > 0 ? ClusterLimits{0, 0} : ClusterLimits::cutting())),
+      damping_(damping_named(options.damping)) {
   const std::vector<Gains> gains = choose_gains(options.choice(), damping_, sys, h);
   setting_ = describe_baumgarte(options, gains, h);
   batches_.for_each([&](BaumgarteBatch& batch) {
@@ -184,23 +178,17 @@ SolveStats Batched<Baumgarte>::add_forces(const System&, double h, State& s) {
   set_terms(h);
   const BaumgarteStep step{.h = h,
                            .guess = steps_ >= 2 ? 1.0 / 3 : 0.0,
-                           .passes = passes_,
+                           .passes = options_.passes,
                            .x = s.x.data(),
                            .v = s.v.data(),
                            .f = s.f.data()};
   if (steps_ < 2) ++steps_;
-  SolveStats stats =
-      batches_.run([&](BaumgarteBatch& batch, const SolveCall& call, int begin, int end, double* scratch) {
-        return HWY_DYNAMIC_DISPATCH(baumgarte_groups)(batch, step, call, begin, end, scratch);
-      });
-  stats.beside(leftover_.add_forces(h, s));
-  return stats;
+  return batches_.run(HWY_DYNAMIC_DISPATCH(baumgarte_groups), step).beside(leftover_.add_forces(h, s));
 }
 
-const Eigen::VectorXd& Batched<Baumgarte>::lambda() const {
-  batches_.write_lambda(lambda_);
-  leftover_.write_lambda(lambda_);
-  return lambda_;
+void Batched<Baumgarte>::serialize(Archive& archive) {
+  BatchedMethod::serialize(archive);
+  archive(steps_);
 }
 
 }  // namespace taut

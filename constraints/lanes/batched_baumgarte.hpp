@@ -3,7 +3,6 @@
 #include "constraints/baumgarte.hpp"
 #include "constraints/lanes/batched.hpp"
 #include "constraints/lanes/solving.hpp"
-#include "constraints/none.hpp"
 
 namespace taut {
 
@@ -35,46 +34,23 @@ struct BaumgarteStep {
 };
 
 template <>
-class Batched<Baumgarte> : public EmptyGaps {
+class Batched<Baumgarte> final : public BatchedMethod<Baumgarte, SolvedBatches<BaumgarteBatch>> {
  public:
-  using Reference = Baumgarte;
-  using Options = Baumgarte::Options;
-  static constexpr const char* kName = Baumgarte::kName;
-  static constexpr const char* kSummary = Baumgarte::kSummary;
-
   Batched(const System& sys, const Options& options, double h);
 
-  SolveStats add_forces(const System& sys, double h, State& s);
+  SolveStats add_forces(const System& sys, double h, State& s) override;
+  SolveStats start(const System& sys, State& s) override { return add_forces(sys, 0, s); }  // w = v
 
-  void serialize(Archive& archive) { archive(batches_, leftover_, steps_); }
-  const Eigen::VectorXd& lambda() const;
-  double promised_error() const { return std::numeric_limits<double>::infinity(); }
-  const std::string& setting() const { return setting_; }
+  void serialize(Archive& archive) override;
+  std::string setting() const override { return setting_; }
 
  private:
-  Batched(const System& sys, const Options& options, double h, const BondClusters& clusters);
   void set_terms(double h);
 
   Damping damping_;
-  int passes_;
   std::string setting_;
-  SolvedBatches<BaumgarteBatch> batches_;
-  Leftover<Baumgarte> leftover_;
   int steps_ = 0;  // how many λ of the past there are
   double h_of_terms_ = -1;
-  mutable Eigen::VectorXd lambda_;  // m
-};
-
-template <>
-class Batched<None> : public Batched<Baumgarte> {
- public:
-  using Reference = None;
-  using Options = None::Options;
-  static constexpr const char* kName = None::kName;
-  static constexpr const char* kSummary = None::kSummary;
-
-  Batched(const System& sys, const Options&, double h) : Batched<Baumgarte>(sys, None::without_gains(), h) {}
-  std::string setting() const { return "no correction"; }
 };
 
 }  // namespace taut

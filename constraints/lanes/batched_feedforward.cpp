@@ -112,7 +112,7 @@ HWY_INLINE void correct(const Shape shape, const double* change, const Past past
 }
 
 // Names the bond of the largest |b|; a NaN is largest.
-HWY_NOINLINE void fail(const Part& part, const double* b, const char* why, SolveStats& stats) {
+HWY_NOINLINE void fail(const Part& part, const double* b, Failure why, SolveStats& stats) {
   stats.failure = why;
   double largest = -1;
   for (int k = 0; k < part.batch.plan.solved; ++k)
@@ -151,7 +151,7 @@ struct FeedforwardKernel {
   HWY_INLINE SolveNext look(SolveStats& stats) {
     const Ahead ahead = look_ahead(shape, step, rows, eq);
     if (!hn::AllTrue(D(), ahead.sane)) {
-      fail(part, eq.b, "the bonds run away", stats);
+      fail(part, eq.b, Failure::kRanAway, stats);
       return SolveNext::kEnd;
     }
     return hn::AllTrue(D(), ahead.near) ? SolveNext::kLastSolve : SolveNext::kSolve;
@@ -165,7 +165,7 @@ struct FeedforwardKernel {
   }
   HWY_INLINE bool forward(int, SolveStats& stats) {
     const bool regular = factor(shape, part, eq, rows.r_next, rows.r, stats);
-    if (!regular) stats.failure = "A is singular, or a bond turns by 90° in one step";
+    if (!regular) stats.failure = Failure::kSingularOrTurned;
     return regular;
   }
   HWY_INLINE void back() { substitute_back(shape, eq.A.inv_d, eq.A.u, eq.b); }
@@ -173,7 +173,7 @@ struct FeedforwardKernel {
     correct(shape, eq.b, past, rows);
     if (last == SolveNext::kLastSolve) return SolveNext::kEnd;
     if (solves < step.max_solves) return look(stats);
-    fail(part, eq.b, "no convergence", stats);
+    fail(part, eq.b, Failure::kNoConvergence, stats);
     return SolveNext::kEnd;
   }
   HWY_INLINE void end(SolveStats& stats) {
@@ -198,22 +198,21 @@ namespace taut {
 HWY_EXPORT(feedforward_groups);
 
 Batched<Feedforward>::Batched(const System& sys, const Options& options, double h)
-    : Batched(sys, options, h, find_clusters(sys, ClusterLimits::cutting())) {}
-
-Batched<Feedforward>::Batched(const System& sys, const Options& options, double h,
-                              const BondClusters& clusters)
-    : options_(options),
-      h_(h),
-      batches_(clusters),
-      leftover_(sys, clusters.rest, options, h),
-      lambda_(Eigen::VectorXd::Zero(sys.bond_count())) {}
+    : BatchedMethod(sys, options, h, find_clusters(sys, ClusterLimits::cutting())), h_(h) {}
 
 SolveStats Batched<Feedforward>::add_forces(const System&, double h, State& s) {
-  // At the start v is the full-step velocity and the coming kick half as long.
-  const bool start = h == 0;
+  return solve(h_ * h_, false, s).beside(leftover_.add_forces(h, s));
+}
+
+// v is the full-step velocity and the coming kick half as long.
+SolveStats Batched<Feedforward>::start(const System&, State& s) {
+  return solve(0.5 * h_ * h_, true, s).beside(leftover_.start(s));
+}
+
+SolveStats Batched<Feedforward>::solve(double kick, bool start, State& s) {
   const int order = std::min(options_.extrapolation, known_ - 1);
   const FeedforwardStep step{.h = h_,
-                             .kick = start ? 0.5 * h_ * h_ : h_ * h_,
+                             .kick = kick,
                              .last = order == 1   ? 2.0
                                      : order == 2 ? 3.0
                                                   : 1.0,
@@ -228,18 +227,12 @@ SolveStats Batched<Feedforward>::add_forces(const System&, double h, State& s) {
                              .v = s.v.data(),
                              .f = s.f.data()};
   known_ = start ? 1 : std::min(known_ + 1, 3);
-  SolveStats stats =
-      batches_.run([&](FeedforwardBatch& batch, const SolveCall& call, int begin, int end, double* scratch) {
-        return HWY_DYNAMIC_DISPATCH(feedforward_groups)(batch, step, call, begin, end, scratch);
-      });
-  stats.beside(leftover_.add_forces(h, s));
-  return stats;
+  return batches_.run(HWY_DYNAMIC_DISPATCH(feedforward_groups), step);
 }
 
-const Eigen::VectorXd& Batched<Feedforward>::lambda() const {
-  batches_.write_lambda(lambda_);
-  leftover_.write_lambda(lambda_);
-  return lambda_;
+void Batched<Feedforward>::serialize(Archive& archive) {
+  BatchedMethod::serialize(archive);
+  archive(known_);
 }
 
 }  // namespace taut

@@ -17,31 +17,20 @@ struct FeedforwardBatch : SolvedBatch {
 };
 
 template <>
-class Batched<Feedforward> : public EmptyGaps {
+class Batched<Feedforward> final : public BatchedMethod<Feedforward, SolvedBatches<FeedforwardBatch>> {
  public:
-  using Reference = Feedforward;
-  using Options = Feedforward::Options;
-  static constexpr const char* kName = Feedforward::kName;
-  static constexpr const char* kSummary = Feedforward::kSummary;
-
   Batched(const System& sys, const Options& options, double h);
 
-  SolveStats add_forces(const System& sys, double h, State& s);
+  SolveStats add_forces(const System& sys, double h, State& s) override;
+  SolveStats start(const System& sys, State& s) override;
 
-  void serialize(Archive& archive) { archive(batches_, leftover_, known_); }
-  const Eigen::VectorXd& lambda() const;
-  double promised_error() const { return leftover_.method().promised_error(); }
-  std::string setting() const { return leftover_.method().setting(); }
+  void serialize(Archive& archive) override;
 
  private:
-  Batched(const System& sys, const Options& options, double h, const BondClusters& clusters);
+  SolveStats solve(double kick, bool start, State& s);
 
-  Options options_;
   double h_;
-  SolvedBatches<FeedforwardBatch> batches_;
-  Leftover<Feedforward> leftover_;
-  int known_ = 0;                   // how many λ of the past there are
-  mutable Eigen::VectorXd lambda_;  // m
+  int known_ = 0;  // how many λ of the past there are
 };
 
 }  // namespace taut

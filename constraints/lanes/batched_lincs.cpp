@@ -200,37 +200,17 @@ LincsBatch::LincsBatch(const ClusterBatch& batch) : lanes(batch), lambda(rows_of
 }
 
 Batched<Lincs>::Batched(const System& sys, const Options& options, double h)
-    : Batched(sys, options, h, find_clusters(sys)) {}
-
-Batched<Lincs>::Batched(const System& sys, const Options& options, double h, const BondClusters& clusters)
-    : options_(options),
-      leftover_(sys, clusters.rest, options, h),
-      lambda_(Eigen::VectorXd::Zero(sys.bond_count())) {
-  for (const ClusterBatch& batch : clusters.batches) runner_.add(batches_.emplace_back(batch).lanes);
-}
+    : BatchedMethod(sys, options, h, find_clusters(sys)) {}
 
 SolveStats Batched<Lincs>::project_positions(const System&, double h, State& s) {
   const LincsStep step{h, options_, s.x.data(), s.v.data()};
-  SolveStats stats = runner_.run([&](int b, int begin, int end, double* scratch) {
-    return HWY_DYNAMIC_DISPATCH(lincs_positions)(batches_[b], step, begin, end, scratch);
-  });
-  stats.beside(leftover_.project_positions(h, s));
-  return stats;
+  return batches_.run(HWY_DYNAMIC_DISPATCH(lincs_positions), step).beside(leftover_.project_positions(h, s));
 }
 
 SolveStats Batched<Lincs>::project_velocities(const System&, double h, State& s) {
   const LincsStep step{h, options_, s.x.data(), s.v.data()};
-  SolveStats stats = runner_.run([&](int b, int begin, int end, double* scratch) {
-    return HWY_DYNAMIC_DISPATCH(lincs_velocities)(batches_[b], step, begin, end, scratch);
-  });
-  stats.beside(leftover_.project_velocities(h, s));
-  return stats;
-}
-
-const Eigen::VectorXd& Batched<Lincs>::lambda() const {
-  for (const LincsBatch& batch : batches_) rows_to_bonds(batch.lanes, batch.lambda, lambda_);
-  leftover_.write_lambda(lambda_);
-  return lambda_;
+  return batches_.run(HWY_DYNAMIC_DISPATCH(lincs_velocities), step)
+      .beside(leftover_.project_velocities(h, s));
 }
 
 }  // namespace taut

@@ -19,31 +19,12 @@ struct LincsBatch {
 };
 
 template <>
-class Batched<Lincs> : public EmptyGaps {
+class Batched<Lincs> final : public BatchedMethod<Lincs, LaneBatches<LincsBatch>> {
  public:
-  using Reference = Lincs;
-  using Options = Lincs::Options;
-  static constexpr const char* kName = Lincs::kName;
-  static constexpr const char* kSummary = Lincs::kSummary;
-
   Batched(const System& sys, const Options& options, double h);
 
-  SolveStats project_positions(const System& sys, double h, State& s);
-  SolveStats project_velocities(const System& sys, double h, State& s);
-
-  void serialize(Archive& archive) { archive(batches_, leftover_); }
-  const Eigen::VectorXd& lambda() const;
-  double promised_error() const { return leftover_.method().promised_error(); }
-  std::string setting() const { return leftover_.method().setting(); }
-
- private:
-  Batched(const System& sys, const Options& options, double h, const BondClusters& clusters);
-
-  Options options_;
-  std::vector<LincsBatch> batches_;
-  LaneRunner runner_;
-  Leftover<Lincs> leftover_;
-  mutable Eigen::VectorXd lambda_;  // m
+  SolveStats project_positions(const System& sys, double h, State& s) override;
+  SolveStats project_velocities(const System& sys, double h, State& s) override;
 };
 
 }  // namespace taut

@@ -114,7 +114,7 @@ struct NewtonKernel {
     worst = find_sigma(shape, rows.x, eq.b);
     if (worst.within(step.options.tolerance)) return SolveNext::kEnd;
     if (solves < step.options.max_iterations && worst.within(1e3)) return SolveNext::kSolve;
-    stats.failure = "no convergence";
+    stats.failure = Failure::kNoConvergence;
     return SolveNext::kEnd;
   }
   // The first time; b is not known yet.
@@ -177,39 +177,23 @@ HWY_EXPORT(newton_positions);
 HWY_EXPORT(newton_velocities);
 
 Batched<Newton>::Batched(const System& sys, const Options& options, double h)
-    : Batched(sys, options, h, find_clusters(sys, ClusterLimits::cutting())) {}
-
-Batched<Newton>::Batched(const System& sys, const Options& options, double h, const BondClusters& clusters)
-    : options_(options),
-      batches_(clusters),
-      leftover_(sys, clusters.rest, options, h),
-      lambda_(Eigen::VectorXd::Zero(sys.bond_count())) {}
+    : BatchedMethod(sys, options, h, find_clusters(sys, ClusterLimits::cutting())) {}
 
 SolveStats Batched<Newton>::project_positions(const System&, double h, State& s) {
   const NewtonStep step{h, options_, factored_, s.x.data(), s.v.data()};
-  SolveStats stats =
-      batches_.run([&](NewtonBatch& batch, const SolveCall& call, int begin, int end, double* scratch) {
-        return HWY_DYNAMIC_DISPATCH(newton_positions)(batch, step, call, begin, end, scratch);
-      });
-  stats.beside(leftover_.project_positions(h, s));
-  return stats;
+  return batches_.run(HWY_DYNAMIC_DISPATCH(newton_positions), step).beside(leftover_.project_positions(h, s));
 }
 
 SolveStats Batched<Newton>::project_velocities(const System&, double h, State& s) {
   const VelocityStep step{h, s.x.data(), s.v.data()};
-  SolveStats stats =
-      batches_.run([&](NewtonBatch& batch, const SolveCall& call, int begin, int end, double* scratch) {
-        return HWY_DYNAMIC_DISPATCH(newton_velocities)(batch, step, call, begin, end, scratch);
-      });
   factored_ = true;
-  stats.beside(leftover_.project_velocities(h, s));
-  return stats;
+  return batches_.run(HWY_DYNAMIC_DISPATCH(newton_velocities), step)
+      .beside(leftover_.project_velocities(h, s));
 }
 
-const Eigen::VectorXd& Batched<Newton>::lambda() const {
-  batches_.write_lambda(lambda_);
-  leftover_.write_lambda(lambda_);
-  return lambda_;
+void Batched<Newton>::serialize(Archive& archive) {
+  BatchedMethod::serialize(archive);
+  archive(factored_);
 }
 
 }  // namespace taut

@@ -18,31 +18,17 @@ struct NewtonBatch : SolvedBatch {
 };
 
 template <>
-class Batched<Newton> : public EmptyGaps {
+class Batched<Newton> final : public BatchedMethod<Newton, SolvedBatches<NewtonBatch>> {
  public:
-  using Reference = Newton;
-  using Options = Newton::Options;
-  static constexpr const char* kName = Newton::kName;
-  static constexpr const char* kSummary = Newton::kSummary;
-
   Batched(const System& sys, const Options& options, double h);
 
-  SolveStats project_positions(const System& sys, double h, State& s);
-  SolveStats project_velocities(const System& sys, double h, State& s);
+  SolveStats project_positions(const System& sys, double h, State& s) override;
+  SolveStats project_velocities(const System& sys, double h, State& s) override;
 
-  void serialize(Archive& archive) { archive(batches_, leftover_, factored_); }
-  const Eigen::VectorXd& lambda() const;
-  double promised_error() const { return leftover_.method().promised_error(); }
-  std::string setting() const { return leftover_.method().setting(); }
+  void serialize(Archive& archive) override;
 
  private:
-  Batched(const System& sys, const Options& options, double h, const BondClusters& clusters);
-
-  Options options_;
-  SolvedBatches<NewtonBatch> batches_;
-  Leftover<Newton> leftover_;
   bool factored_ = false;
-  mutable Eigen::VectorXd lambda_;  // m
 };
 
 }  // namespace taut

@@ -75,8 +75,7 @@ void settle_positions_of(const SettleBatch& batch, const SettleStep& step, const
   const auto found = hn::Eq(hn::Sub(sum, sum), hn::Zero(D()));
   if (!hn::AllTrue(D(), found)) {
     const int lane = part.first_lane + static_cast<int>(hn::FindFirstTrue(D(), hn::Not(found)));
-    stats.beside({.worst_bond = batch.lanes.bond(part.group, 0, lane),
-                  .failure = "the water turned or stretched too far in one step"});
+    stats.beside({.worst_bond = batch.lanes.bond(part.group, 0, lane), .failure = Failure::kShapeLost});
     return;
   }
   const V3 a3 = along(hn::Neg(hn::Mul(ya2, sin_theta)), X, hn::Mul(ya2, cos_theta), Y, za1, Z);
@@ -124,8 +123,8 @@ namespace taut {
 HWY_EXPORT(settle_positions);
 HWY_EXPORT(settle_velocities);
 
-Batched<Settle>::Batched(const System& sys, const Options&, double)
-    : lambda_(Eigen::VectorXd::Zero(sys.bond_count())) {
+Batched<Settle>::Batched(const System& sys, const Options& options, double h)
+    : BatchedMethod(sys, options, h, {}) {
   std::map<std::array<double, 5>, std::pair<Settle::Water, ClusterBatch>> kinds;
   for (const Settle::Water& w : Settle::find_waters(sys)) {
     const double m_a = sys.inv_mass[w.apex], m_h = sys.inv_mass[w.left];
@@ -140,27 +139,18 @@ Batched<Settle>::Batched(const System& sys, const Options&, double)
   }
   for (const auto& [key, kind] : kinds) {
     const auto& [water, batch] = kind;
-    runner_.add(batches_.emplace_back(batch, water).lanes);
+    batches_.add(batch, water);
   }
 }
 
 SolveStats Batched<Settle>::project_positions(const System&, double h, State& s) {
   const SettleStep step{h, s.x.data(), s.v.data()};
-  return runner_.run([&](int b, int begin, int end, double* scratch) {
-    return HWY_DYNAMIC_DISPATCH(settle_positions)(batches_[b], step, begin, end, scratch);
-  });
+  return batches_.run(HWY_DYNAMIC_DISPATCH(settle_positions), step);
 }
 
 SolveStats Batched<Settle>::project_velocities(const System&, double h, State& s) {
   const VelocityStep step{h, s.x.data(), s.v.data()};
-  return runner_.run([&](int b, int begin, int end, double* scratch) {
-    return HWY_DYNAMIC_DISPATCH(settle_velocities)(batches_[b], step, SolveCall{}, begin, end, scratch);
-  });
-}
-
-const Eigen::VectorXd& Batched<Settle>::lambda() const {
-  for (const SettleBatch& batch : batches_) rows_to_bonds(batch.lanes, batch.lambda, lambda_);
-  return lambda_;
+  return batches_.run(HWY_DYNAMIC_DISPATCH(settle_velocities), step, SolveCall{});
 }
 
 std::string Batched<Settle>::setting() const {

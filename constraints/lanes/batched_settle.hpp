@@ -17,27 +17,14 @@ struct SettleBatch : SolvedBatch {
 };
 
 template <>
-class Batched<Settle> : public EmptyGaps {
+class Batched<Settle> final : public BatchedMethod<Settle, LaneBatches<SettleBatch>> {
  public:
-  using Reference = Settle;
-  using Options = Settle::Options;
-  static constexpr const char* kName = Settle::kName;
-  static constexpr const char* kSummary = Settle::kSummary;
-
   Batched(const System& sys, const Options& options, double h);
 
-  SolveStats project_positions(const System& sys, double h, State& s);
-  SolveStats project_velocities(const System& sys, double h, State& s);
+  SolveStats project_positions(const System& sys, double h, State& s) override;
+  SolveStats project_velocities(const System& sys, double h, State& s) override;
 
-  void serialize(Archive& archive) { archive(batches_); }
-  const Eigen::VectorXd& lambda() const;
-  double promised_error() const { return 1e-12; }
-  std::string setting() const;
-
- private:
-  std::vector<SettleBatch> batches_;
-  LaneRunner runner_;
-  mutable Eigen::VectorXd lambda_;  // m
+  std::string setting() const override;
 };
 
 }  // namespace taut

@@ -76,7 +76,7 @@ struct SweepOfPositions {
     }
     return sound;
   }
-  static constexpr const char* kNoConvergence = "no convergence";
+  static constexpr Failure kNoConvergence = Failure::kNoConvergence;
 };
 
 struct SweepOfVelocities {
@@ -94,12 +94,12 @@ struct SweepOfVelocities {
     }
     return everywhere();
   }
-  static constexpr const char* kNoConvergence = "no convergence of the velocities";
+  static constexpr Failure kNoConvergence = Failure::kVelocitiesNoConvergence;
 };
 
 // Names the first bond that turned too far.
 HWY_NOINLINE void name_turned(const Part& part, const double* margin, SolveStats& stats) {
-  stats.failure = "the bond turned by 90° in one step";
+  stats.failure = Failure::kTurned;
   stats.max_residual = 1;
   for (int k = part.batch.plan.solved - 1; k >= 0; --k)
     for (int l = kWidth - 1; l >= 0; --l)
@@ -193,78 +193,35 @@ namespace taut {
 HWY_EXPORT(sweep_positions);
 HWY_EXPORT(sweep_velocities);
 
-LaneSweeps::LaneSweeps(const System&, const BondClusters& clusters, SweepLimits limits) : limits_(limits) {
-  for (const ClusterBatch& batch : clusters.batches) {
-    LaneBatch lanes(batch, Elimination::none(batch.shape));
-    runner_.add(lanes);
-    LaneRows lambda = rows_of_bonds(lanes);
-    batches_.push_back({std::move(lanes), std::move(lambda)});
-  }
+namespace {
+
+// The kept multipliers λ set out as guess·λ and are kept as keep·g.
+SweepStep sweeps(const auto& options, double h, double guess, double keep, State& s) {
+  return {{options.tolerance, options.max_sweeps, options.sweeps}, h, guess, keep, s.x.data(), s.v.data()};
 }
 
-SolveStats LaneSweeps::positions(double h, double guess, double keep, State& s) {
-  const SweepStep step{limits_, h, guess, keep, s.x.data(), s.v.data()};
-  return runner_.run([&](int b, int begin, int end, double* scratch) {
-    return HWY_DYNAMIC_DISPATCH(sweep_positions)(batches_[b], step, begin, end, scratch);
-  });
-}
-
-SolveStats LaneSweeps::velocities(double h, double guess, double keep, State& s) {
-  const SweepStep step{limits_, h, guess, keep, s.x.data(), s.v.data()};
-  return runner_.run([&](int b, int begin, int end, double* scratch) {
-    return HWY_DYNAMIC_DISPATCH(sweep_velocities)(batches_[b], step, begin, end, scratch);
-  });
-}
-
-void LaneSweeps::write_lambda(Eigen::VectorXd& lambda) const {
-  for (const SweepBatch& batch : batches_) rows_to_bonds(batch.lanes, batch.lambda, lambda);
-}
+}  // namespace
 
 Batched<Shake>::Batched(const System& sys, const Options& options, double h)
-    : Batched(sys, options, h, find_clusters(sys)) {}
-
-Batched<Shake>::Batched(const System& sys, const Options& options, double h, const BondClusters& clusters)
-    : leftover_(sys, clusters.rest, options, h),
-      sweeps_(sys, clusters, {options.tolerance, options.max_sweeps, options.sweeps}),
-      lambda_(Eigen::VectorXd::Zero(sys.bond_count())) {}
+    : BatchedMethod(sys, options, h, find_clusters(sys)) {}
 
 SolveStats Batched<Shake>::project_positions(const System&, double h, State& s) {
-  SolveStats stats = sweeps_.positions(h, h * h, 1 / (h * h), s);
-  stats.beside(leftover_.project_positions(h, s));
-  return stats;
-}
-
-const Eigen::VectorXd& Batched<Shake>::lambda() const {
-  sweeps_.write_lambda(lambda_);
-  leftover_.write_lambda(lambda_);
-  return lambda_;
+  const SweepStep step = sweeps(options_, h, h * h, 1 / (h * h), s);
+  return batches_.run(HWY_DYNAMIC_DISPATCH(sweep_positions), step).beside(leftover_.project_positions(h, s));
 }
 
 Batched<Rattle>::Batched(const System& sys, const Options& options, double h)
-    : Batched(sys, options, h, find_clusters(sys)) {}
-
-Batched<Rattle>::Batched(const System& sys, const Options& options, double h, const BondClusters& clusters)
-    : warm_start_(options.warm_start),
-      leftover_(sys, clusters.rest, options, h),
-      sweeps_(sys, clusters, {options.tolerance, options.max_sweeps, options.sweeps}),
-      lambda_(Eigen::VectorXd::Zero(sys.bond_count())) {}
+    : BatchedMethod(sys, options, h, find_clusters(sys)) {}
 
 SolveStats Batched<Rattle>::project_positions(const System&, double h, State& s) {
-  SolveStats stats = sweeps_.positions(h, warm_start_ ? 0.5 * h * h : 0.0, 2 / (h * h), s);
-  stats.beside(leftover_.project_positions(h, s));
-  return stats;
+  const SweepStep step = sweeps(options_, h, options_.warm_start ? 0.5 * h * h : 0.0, 2 / (h * h), s);
+  return batches_.run(HWY_DYNAMIC_DISPATCH(sweep_positions), step).beside(leftover_.project_positions(h, s));
 }
 
 SolveStats Batched<Rattle>::project_velocities(const System&, double h, State& s) {
-  SolveStats stats = sweeps_.velocities(h, warm_start_ ? 0.5 * h : 0.0, 2 / h, s);
-  stats.beside(leftover_.project_velocities(h, s));
-  return stats;
-}
-
-const Eigen::VectorXd& Batched<Rattle>::lambda() const {
-  sweeps_.write_lambda(lambda_);
-  leftover_.write_lambda(lambda_);
-  return lambda_;
+  const SweepStep step = sweeps(options_, h, options_.warm_start ? 0.5 * h : 0.0, 2 / h, s);
+  return batches_.run(HWY_DYNAMIC_DISPATCH(sweep_velocities), step)
+      .beside(leftover_.project_velocities(h, s));
 }
 
 }  // namespace taut

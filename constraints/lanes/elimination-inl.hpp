@@ -111,7 +111,7 @@ HWY_INLINE M eliminate_turned(const Shape shape, const Matrix A, const double* r
 // Names a bond whose pivot vanished. False if there is one.
 HWY_INLINE bool accept(const Part& part, M regular, const double* d, SolveStats& stats) {
   if (hn::AllTrue(D(), regular)) return true;
-  stats.failure = "A is singular";
+  stats.failure = Failure::kSingular;
   for (int k = part.batch.plan.eliminated - 1; k >= 0; --k)
     for (int l = kWidth - 1; l >= 0; --l)
       if (!(d[k * kLanes + l] > part.batch.bonds[k].least_pivot))

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <concepts>
 #include <cstddef>
 #include <new>
 #include <vector>
@@ -9,7 +10,7 @@
 #include "constraints/lanes/bond_clusters.hpp"
 #include "constraints/lanes/elimination.hpp"
 #include "md/archive.hpp"
-#include "md/step.hpp"
+#include "md/solve_stats.hpp"
 #include "md/threads.hpp"
 
 namespace taut {
@@ -160,6 +161,46 @@ class LaneRunner {
   int scratch_rows_ = 0;
   std::vector<AlignedDoubles> scratch_;  // a thread each
   std::vector<SolveStats> stats_;
+};
+
+// All batches of a method. A Batch has `lanes`, `lambda` and what else the method keeps of it.
+template <class Batch>
+class LaneBatches {
+ public:
+  explicit LaneBatches(const std::vector<ClusterBatch>& batches) {
+    if constexpr (std::constructible_from<Batch, const ClusterBatch&>)
+      for (const ClusterBatch& batch : batches) add(batch);
+  }
+  explicit LaneBatches(const BondClusters& clusters) : LaneBatches(clusters.batches) {}
+
+  template <class... Arguments>
+  void add(const Arguments&... arguments) {
+    runner_.add(batches_.emplace_back(arguments...).lanes);
+  }
+
+  // kernel(batch, step, …, group begin, group end, scratch) → SolveStats
+  template <class Kernel, class... Asked>
+  SolveStats run(Kernel& kernel, const Asked&... asked) {
+    return runner_.run([&](int b, int begin, int end, double* scratch) {
+      return kernel(batches_[b], asked..., begin, end, scratch);
+    });
+  }
+
+  auto begin() { return batches_.begin(); }
+  auto end() { return batches_.end(); }
+  auto begin() const { return batches_.begin(); }
+  auto end() const { return batches_.end(); }
+  bool empty() const { return batches_.empty(); }
+  Batch& operator[](int b) { return batches_[b]; }
+
+  void serialize(Archive& archive) { archive(batches_); }
+  void write_lambda(Eigen::VectorXd& lambda) const {
+    for (const Batch& batch : batches_) rows_to_bonds(batch.lanes, batch.lambda, lambda);
+  }
+
+ private:
+  std::vector<Batch> batches_;
+  LaneRunner runner_;
 };
 
 }  // namespace taut

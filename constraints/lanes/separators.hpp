@@ -41,7 +41,7 @@ class Separators {
         d -= l * above;
         b -= l * b_[s - 1];
       }
-      if (!(d > here.least_pivot)) return {.worst_bond = here.bond, .failure = "A is singular"};
+      if (!(d > here.least_pivot)) return {.worst_bond = here.bond, .failure = Failure::kSingular};
       inv_d_[s] = 1 / d;
       b_[s] = b;
     }

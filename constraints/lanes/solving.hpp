@@ -48,22 +48,18 @@ struct SolvedBatch {
 template <class Batch>
 class SolvedBatches {
  public:
-  explicit SolvedBatches(const BondClusters& clusters) {
-    for (const ClusterBatch& batch : clusters.batches) whole_runner_.add(whole_.emplace_back(batch).lanes);
-    for (const ClusterBatch& batch : clusters.pieces) piece_runner_.add(pieces_.emplace_back(batch).lanes);
+  explicit SolvedBatches(const BondClusters& clusters) : whole_(clusters.batches), pieces_(clusters.pieces) {
     std::vector<const LaneBatch*> lanes;
     for (const Batch& batch : pieces_) lanes.push_back(&batch.lanes);
     separators_ = Separators(clusters.chains, lanes);
   }
 
-  // kernel(batch, call, group begin, group end, scratch) → SolveStats; its iterations are solves of whole
-  // clusters, and for pieces what SolveNext is.
-  template <class Kernel>
-  SolveStats run(const Kernel& kernel) {
-    SolveStats stats = whole_runner_.run([&](int b, int begin, int end, double* scratch) {
-      return kernel(whole_[b], SolveCall{SolveStage::kWhole, 0}, begin, end, scratch);
-    });
-    if (!pieces_.empty()) stats.beside(run_pieces(kernel));
+  // kernel(batch, step, call, group begin, group end, scratch) → SolveStats; its iterations are solves of
+  // whole clusters, and for pieces what SolveNext is.
+  template <class Kernel, class Step>
+  SolveStats run(Kernel& kernel, const Step& step) {
+    SolveStats stats = whole_.run(kernel, step, SolveCall{});
+    if (!pieces_.empty()) stats.beside(run_pieces(kernel, step));
     return stats;
   }
 
@@ -73,18 +69,17 @@ class SolvedBatches {
   }
   void serialize(Archive& archive) { archive(whole_, pieces_); }
   void write_lambda(Eigen::VectorXd& lambda) const {
-    for (const Batch& batch : whole_) rows_to_bonds(batch.lanes, batch.lambda, lambda);
-    for (const Batch& batch : pieces_) rows_to_bonds(batch.lanes, batch.lambda, lambda);
+    whole_.write_lambda(lambda);
+    pieces_.write_lambda(lambda);
   }
 
  private:
-  template <class Kernel>
-  SolveStats run_pieces(const Kernel& kernel) {
+  template <class Kernel, class Step>
+  SolveStats run_pieces(Kernel& kernel, const Step& step) {
     SolveCall call{SolveStage::kStart, 0};
     const auto run = [&](SolveStage stage) {
       call.stage = stage;
-      return piece_runner_.run(
-          [&](int b, int begin, int end, double*) { return kernel(pieces_[b], call, begin, end, nullptr); });
+      return pieces_.run(kernel, step, call);
     };
     const auto scratch = [&](int b) -> LaneRows& { return pieces_[b].scratch; };
     separators_.share([&](int b) -> LaneRows& { return pieces_[b].lambda; });
@@ -109,8 +104,7 @@ class SolvedBatches {
   }
   static SolveNext next(const SolveStats& stats) { return static_cast<SolveNext>(stats.iterations); }
 
-  std::vector<Batch> whole_, pieces_;
-  LaneRunner whole_runner_, piece_runner_;
+  LaneBatches<Batch> whole_, pieces_;
   Separators separators_;
 };
 

@@ -1,0 +1,35 @@
+#include "constraints/options.hpp"
+
+#include <fmt/format.h>
+
+#include "md/errors.hpp"
+
+namespace taut {
+namespace {
+
+std::optional<double> number(const Option& option) {
+  if (auto* const* real = std::get_if<double*>(&option.field)) return **real;
+  if (auto* const* count = std::get_if<int*>(&option.field)) return **count;
+  if (auto* const* either = std::get_if<std::optional<double>*>(&option.field)) return **either;
+  return {};
+}
+
+}  // namespace
+
+std::string Option::value() const {
+  if (auto* const* flag = std::get_if<bool*>(&field)) return **flag ? "true" : "false";
+  if (auto* const* text = std::get_if<std::string*>(&field)) return fmt::format("\"{}\"", **text);
+  const auto given = number(*this);
+  return given ? fmt::format("{:g}", *given) : "not set";
+}
+
+void check(const std::vector<Option>& options) {
+  for (const Option& option : options) {
+    const auto given = number(option);
+    const auto& [unit, range, counts] = option.about;
+    if (given && counts.read && !range.holds(*given))
+      throw InputError(fmt::format("method.{}: expected {}, got {}", option.key, range.in_words(), *given));
+  }
+}
+
+}  // namespace taut

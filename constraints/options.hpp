@@ -1,0 +1,46 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "md/range.hpp"
+
+namespace taut {
+
+// Of an option that counts only beside others: whether it does as they are, and where it would. Said all the
+// same, it is refused: Counts{gains == "physical", "with …"}.
+struct Counts {
+  bool read = true;
+  const char* where = "";
+};
+
+// One option of a method: its field, and what there is to know of it.
+struct Option {
+  struct About {
+    const char* unit = "";
+    Range range = kAnyNumber;
+    Counts counts = {};
+  };
+
+  const char* key;
+  std::variant<double*, int*, bool*, std::string*, std::optional<double>*> field;
+  const char* meaning;
+  About about = {};
+
+  std::string value() const;  // as a scene has it
+};
+
+inline constexpr Range kTolerances{.min = 1e-15, .max = 0.1};
+
+// Throws InputError for the first number that counts and is out of its range.
+void check(const std::vector<Option>& options);
+
+template <class Options>
+Options checked(Options options) {
+  check(options.describe());
+  return options;
+}
+
+}  // namespace taut

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "md/solve_stats.hpp"
+#include "md/state.hpp"
+#include "md/system.hpp"
+
+namespace taut {
+
+// A thermostat, or none: this one does nothing. One that changes the velocity by Δ in the middle of the drift
+// (constraints/langevin.hpp) acts about and within it, one that scales velocities after the step.
+class Bath {
+ public:
+  virtual ~Bath() = default;
+
+  virtual void first_half(State&) {}  // v += ½Δ
+  // The next Δ; f is told of it, for those who steer by forces.
+  virtual SolveStats draw(const System&, double /*h*/, State&) { return {}; }
+  // The first Δ: v is the full-step velocity, and there is none before.
+  virtual SolveStats start(const System&, State&) { return {}; }
+  virtual void second_half(State&) {}  // f forgets it; v += ½ of the Δ before
+  virtual void after_step(const System&, double /*h*/, State&) {}
+};
+
+Bath& no_bath();
+
+}  // namespace taut
