@@ -10,8 +10,9 @@ namespace {
 void print_methods() {
   for (const MethodEntry& method : methods()) {
     fmt::print("{:<11} {}\n", method.name, method.summary);
-    for (const Option& option : MethodOptions(method).describe())
-      fmt::print("{:11}   {} = {}: {}\n", "", option.key, option.value(), option.meaning);
+    MethodOptions defaults(method);
+    for (const Option& option : defaults.describe())
+      fmt::print("{:11}   {}\n", "", option.in_words());
   }
 }
 

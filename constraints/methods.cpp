@@ -10,6 +10,7 @@
 #include "constraints/lanes/batched_newton.hpp"
 #include "constraints/lanes/batched_settle.hpp"
 #include "constraints/lanes/batched_sweeps.hpp"
+#include "constraints/mshake.hpp"
 #include "constraints/penalty.hpp"
 #include "md/errors.hpp"
 #include "md/nearest_name.hpp"
@@ -53,6 +54,8 @@ const std::vector<MethodEntry>& methods() {
       in_lanes<Shake>("shake", "sweeps over the bonds, positions only"),
       in_lanes<Rattle>("rattle", "sweeps over the bonds, positions and velocities"),
       in_lanes<Newton>("newton", "RATTLE by a direct solve of all bonds at once"),
+      entry<MShake>("mshake",
+                    "newton with the exact matrix of every iteration (M-SHAKE, ILVES): few, dear ones"),
       in_lanes<Lincs>("lincs", "the inverse of A expanded in powers, as GROMACS does"),
       in_lanes<Settle>("settle", "three-site water in closed form"),
   };

@@ -40,7 +40,7 @@ class MethodOptions {
 
   const MethodEntry& method() const { return *method_; }
   std::string_view name() const { return method_->name; }
-  std::vector<Option> describe() { return method_->describe(values_); }
+  std::vector<Option> describe() & { return method_->describe(values_); }  // points into this
 
   // The typed options, where they are such.
   template <class Options>

@@ -7,10 +7,10 @@
 namespace taut {
 
 Newton::Newton(const System& sys, const Options& options, double)
-    : options_(checked(options)),
-      solver_(sys),
-      r_(3, sys.bond_count()),
+    : r_(3, sys.bond_count()),
       r_old_(3, sys.bond_count()),
+      options_(checked(options)),
+      solver_(sys),
       g_(Eigen::VectorXd::Zero(sys.bond_count())),
       dg_(g_),
       lambda_(g_) {}
@@ -30,15 +30,15 @@ SolveStats Newton::project_positions(const System& sys, double h, State& s) {
     Residual residual;
     for (int k = 0; k < sys.bond_count(); ++k) {
       const auto& [i, j, d] = sys.bonds[k];
-      const Vec3 r = s.x.col(j) - s.x.col(i);
-      dg_[k] = -sigma(r, d);
+      r_.col(k) = s.x.col(j) - s.x.col(i);
+      dg_[k] = -sigma(r_.col(k), d);
       residual.see(std::abs(dg_[k]) / (d * d), k);
     }
     stats.max_residual = residual.value;
     stats.worst_bond = residual.bond;
     if (residual.value <= options_.tolerance) stats.failure = Failure::kNone;
     if (stats.converged() || stats.iterations == options_.max_iterations || !(residual.value < 1e3)) break;
-    solver_.solve(dg_);
+    if (!solve(dg_, stats)) return stats;
     add_constraint_acceleration(sys, r_old_, dg_, s.x);
     g_ += dg_;
     ++stats.iterations;

@@ -44,11 +44,19 @@ class Newton : public ConstraintMethod {
   double promised_error() const override { return options_.tolerance; }
   std::string setting() const override;
 
+ protected:
+  // b ← the change of g that σ = −b asks for. False, and why, where there is none.
+  virtual bool solve(Eigen::VectorXd& b, SolveStats&) {
+    solver_.solve(b);
+    return true;
+  }
+
+  Vectors r_, r_old_;  // 3 × m, now and before the drift
+
  private:
   Options options_;
   DirectSolver solver_;
   bool factored_ = false;
-  Vectors r_, r_old_;                // 3 × m
   Eigen::VectorXd g_, dg_, lambda_;  // m
 };
 

@@ -23,6 +23,12 @@ std::string Option::value() const {
   return given ? fmt::format("{:g}", *given) : "not set";
 }
 
+std::string Option::in_words() const {
+  const std::string unit = *about.unit ? fmt::format(" [{}]", about.unit) : "";
+  const std::string range = about.range.any() ? "" : fmt::format(" ({})", about.range.in_words());
+  return fmt::format("{} = {}: {}{}{}", key, value(), meaning, unit, range);
+}
+
 void check(const std::vector<Option>& options) {
   for (const Option& option : options) {
     const auto given = number(option);

@@ -29,7 +29,8 @@ struct Option {
   const char* meaning;
   About about = {};
 
-  std::string value() const;  // as a scene has it
+  std::string value() const;     // as a scene has it
+  std::string in_words() const;  // "omega_h = 0.7: ωh of each bond … (more than 0 and less than 2)"
 };
 
 inline constexpr Range kTolerances{.min = 1e-15, .max = 0.1};

@@ -13,9 +13,11 @@ struct Range {
   double max = std::numeric_limits<double>::infinity();
   bool above_min = false, below_max = false;  // the ends themselves are out
 
+  friend bool operator==(const Range&, const Range&) = default;
   bool holds(double value) const {
     return (above_min ? value > min : value >= min) && (below_max ? value < max : value <= max);
   }
+  bool any() const { return *this == Range{}; }
   std::string in_words() const {
     const std::string least = fmt::format("{} {}", above_min ? "more than" : "at least", min);
     const std::string most = fmt::format("{} {}", below_max ? "less than" : "at most", max);

@@ -31,8 +31,8 @@ const std::vector<Sweep>& sweeps() {
 }
 
 bool has_key(const std::string& method, std::string_view parameter) {
-  const auto options = default_options(method).describe();
-  return std::ranges::any_of(options, [&](const Option& option) { return option.key == parameter; });
+  MethodOptions options = default_options(method);
+  return std::ranges::any_of(options.describe(), [&](const Option& option) { return option.key == parameter; });
 }
 
 Setting setting(const std::string& method, const std::string& parameter, const std::string& value, double h) {

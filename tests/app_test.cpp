@@ -75,9 +75,14 @@ TEST(App, RepeatsToTheLastBit) {
 TEST(App, ListsMethodsAndScenes) {
   const auto methods = taut("methods");
   EXPECT_EQ(methods.exit_code, 0);
-  for (const char* name :
-       {"none", "penalty", "baumgarte", "feedforward", "shake", "rattle", "newton", "lincs", "settle"})
+  for (const char* name : {"none", "penalty", "baumgarte", "feedforward", "shake", "rattle", "newton",
+                           "mshake", "lincs", "settle"})
     EXPECT_THAT(methods.text, HasSubstr(std::string(name) + " "));
+  for (const char* option :
+       {"k = not set: spring constant", "gains = \"reversible\": ", "warm_start = true: ",
+        "max_sweeps = 1000: sweeps after which a step has failed (at least 1)",
+        "alpha_per_ps = not set: damping α, in place of the named one [1/ps]"})
+    EXPECT_THAT(methods.text, HasSubstr(option));
   const auto scenes = taut("scenes");
   EXPECT_EQ(scenes.exit_code, 0);
   EXPECT_THAT(scenes.text, HasSubstr("pendulum"));

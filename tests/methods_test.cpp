@@ -8,6 +8,7 @@
 #include "constraints/lanes/batched_newton.hpp"
 #include "constraints/lanes/batched_settle.hpp"
 #include "constraints/lanes/batched_sweeps.hpp"
+#include "constraints/mshake.hpp"
 #include "constraints/penalty.hpp"
 #include "free_system.hpp"
 #include "md/errors.hpp"
@@ -191,11 +192,45 @@ TEST(RattleAndNewton, AgreeToRoundOff) {
     SCOPED_TRACE(c.name);
     NoForce forces;
     const auto rattle = verify(c.start.system, forces, tight<Rattle::Options>(), c.h, 100, c.start.state);
-    const auto newton = verify(c.start.system, forces, tight<Newton::Options>(), c.h, 100, c.start.state);
-    ASSERT_TRUE(rattle.stats.converged() && newton.stats.converged());
-    EXPECT_LT((rattle.end.x - newton.end.x).cwiseAbs().maxCoeff(), 1e-10);
-    EXPECT_LT((rattle.end.v - newton.end.v).cwiseAbs().maxCoeff(), 1e-9);
+    for (const MethodOptions& direct : {tight<Newton::Options>(), tight<MShake::Options>()}) {
+      const auto newton = verify(c.start.system, forces, direct, c.h, 100, c.start.state);
+      ASSERT_TRUE(rattle.stats.converged() && newton.stats.converged());
+      EXPECT_LT((rattle.end.x - newton.end.x).cwiseAbs().maxCoeff(), 1e-10);
+      EXPECT_LT((rattle.end.v - newton.end.v).cwiseAbs().maxCoeff(), 1e-9);
+    }
   }
+}
+
+// With the exact matrix an iteration squares what is left; with that of the old bonds it gains a factor.
+TEST(MShake, SquaresWhatIsLeftWhereNewtonGainsAFactor) {
+  const Start start = testing::free_chain(20, 1);
+  const auto left = [&]<class M>(std::type_identity<M>, int iterations) {
+    typename M::Options options;
+    options.tolerance = 1e-15;
+    options.max_iterations = iterations;
+    M method(start.system, options, 0.1);
+    State s = start.state;
+    drift(0.1, s);
+    return method.project_positions(start.system, 0.1, s).max_residual;
+  };
+  double before = left(std::type_identity<MShake>{}, 1), newtons = left(std::type_identity<Newton>{}, 1);
+  for (int n = 2; before > 1e-8; ++n) {
+    const double now = left(std::type_identity<MShake>{}, n);
+    EXPECT_LT(now, 30 * before * before + 1e-15) << n;
+    before = now;
+    const double slowly = left(std::type_identity<Newton>{}, n);
+    EXPECT_GT(slowly, 1e-3 * newtons);
+    newtons = slowly;
+  }
+}
+
+// A rotor that turns past 90°: no force along the old bond holds it.
+TEST(MShake, NamesTheBondThatTurnedTooFar) {
+  NoForce forces;
+  const Start start = testing::rotor(300);
+  const auto stats = verify(start.system, forces, MShake::Options{}, 0.01, 5, start.state).stats;
+  EXPECT_FALSE(stats.converged());
+  EXPECT_EQ(stats.worst_bond, 0);
 }
 
 TEST(Newton, ReachesRoundOffOnAChainOfTenThousandBonds) {
