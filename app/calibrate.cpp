@@ -21,6 +21,7 @@ struct CalibrateArguments {
   std::optional<double> dt_fs;
   std::vector<std::string> settings;
   std::optional<std::filesystem::path> json;
+  bool overwrite = false;
 };
 
 void print_course(const char* name, const std::vector<double>& values) {
@@ -45,7 +46,7 @@ void print(const Scene& scene, const CalibrateArguments& arguments, const Calibr
   const double h = scene.run.h();
   fmt::print("{}: {} bonds, h = {:g} fs; errors of {:g} put on every bond, seed {}\n", scene.name,
              scene.system.bond_count(), scene.run.dt_fs, plan.size, scene.run.seed);
-  print_notes(scene);
+  print_notes(scene.notes);
   fmt::print("\na stretch's course, rms σ/d² after\n  {:<12}", "steps");
   for (int n = 0; n < 7; ++n) fmt::print(" {:>8}", n);
   fmt::print("\n");
@@ -74,6 +75,7 @@ void print(const Scene& scene, const CalibrateArguments& arguments, const Calibr
 void calibrate_scene(const CalibrateArguments& arguments) {
   const auto overrides = overrides_said({{"--dt-fs", "run.dt_fs", arguments.dt_fs}}, arguments.settings);
   refuse_without_effect("calibrate", overrides);
+  if (arguments.json) expect_no_file({*arguments.json}, arguments.overwrite);
   const Scene scene = prepared_for_study(read_scene(find_scene(arguments.scene), overrides));
   const Calibration c = calibrate(scene, arguments.plan);
   print(scene, arguments, c);
@@ -124,6 +126,7 @@ void add_calibrate(Commands& commands) {
   command.option("--dt-fs", arguments->dt_fs, "step length [fs]");
   command.option("--set", arguments->settings, "any key of the scene").key_values();
   command.option("--json", arguments->json, "write the figures there");
+  command.flag("--overwrite", arguments->overwrite, "though there is such a file");
 }
 
 }  // namespace taut

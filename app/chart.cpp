@@ -1,55 +1,28 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <memory>
 
-#include "chart_pictures.hpp"
-#include "command_line.hpp"
-#include "commands.hpp"
-#include "studies/study_scene.hpp"
+#include "studies/chart_study.hpp"
 #include "study.hpp"
-#include "systems/scene_file.hpp"
 
 namespace taut {
 namespace {
 
-namespace fs = std::filesystem;
-
-struct ChartArguments {
-  std::string scene;
-  std::vector<std::string> methods, settings;
-  std::optional<double> dt_fs;
-  std::optional<long> steps, drift_steps;
-  std::optional<int> repeats;
-  bool quick = false, overwrite = false;
-  fs::path out = "chart";
-
-  std::vector<std::string> overrides() const {
-    return overrides_said({{"--dt-fs", "run.dt_fs", dt_fs}}, settings);
-  }
+struct ChartArguments : StudyArguments {
+  std::optional<long> steps{}, drift_steps{};
+  std::optional<int> repeats{};
 
   std::string command() const {
-    CommandLine line("chart", scene);
-    line.option("--methods", methods);
-    line.option("--dt-fs", dt_fs);
-    line.option("--set", settings);
-    line.option("--repeats", repeats);
-    line.option("--steps", steps);
-    line.option("--drift-steps", drift_steps);
-    line.flag("--quick", quick);
-    line.option("--out", {out.string()});
-    return line.text();
+    return StudyArguments::command([&](CommandLine& line) {
+      line.option("--repeats", repeats);
+      line.option("--steps", steps);
+      line.option("--drift-steps", drift_steps);
+    });
   }
 };
 
 ChartPlan plan_of(const ChartArguments& arguments) {
-  refuse_without_effect("chart", arguments.settings);
-  ChartPlan plan{.scene = prepared_for_study(read_scene(find_scene(arguments.scene), arguments.overrides())),
-                 .methods = arguments.methods,
-                 .quick = arguments.quick};
-  if (plan.methods.empty())
-    for (const auto name : method_names()) plan.methods.emplace_back(name);
-  for (const auto& name : plan.methods) default_options(name);  // refuses unknown names before anything runs
+  ChartPlan plan{.scene = arguments.read(), .methods = arguments.methods_or_all(), .quick = arguments.quick};
   if (plan.quick) {
     plan.repeats = 2;
     plan.steps = 20;
@@ -62,16 +35,16 @@ ChartPlan plan_of(const ChartArguments& arguments) {
 }
 
 // What a reader of the pictures would not think of.
-void print_notes(const ChartPlan& plan) {
-  print_notes(plan.scene);
+std::vector<std::string> notes_of(const ChartPlan& plan) {
+  std::vector<std::string> notes = plan.scene.notes;
   if (plan.quick)
-    fmt::print("  note: quick, so rough: few settings, {} repeats of {} steps, drift over {} steps\n",
-               plan.repeats, plan.steps, plan.drift_steps);
-  if (plan.drift_steps < 10 * kRowsForInterval)
-    fmt::print("  note: no intervals of the drift: they take {} steps, --drift-steps has {}\n",
-               10 * kRowsForInterval, plan.drift_steps);
-  if (!has_precisions(plan.scene))
-    fmt::print("  note: no panel of precisions: the scene has no pair forces\n");
+    notes.push_back(fmt::format("quick, so rough: few settings, {} repeats of {} steps, drift over {} steps",
+                                plan.repeats, plan.steps, plan.drift_steps));
+  if (plan.drift_steps < kStepsForInterval)
+    notes.push_back(fmt::format("no intervals of the drift: they take {} steps, --drift-steps has {}",
+                                kStepsForInterval, plan.drift_steps));
+  if (!has_precisions(plan.scene)) notes.emplace_back("no panel of precisions: the scene has no pair forces");
+  return notes;
 }
 
 void print_failures(const std::string& csv) {
@@ -82,11 +55,50 @@ void print_failures(const std::string& csv) {
                csv.substr(first));
 }
 
+// The panels of a finished study.
+void show(const ChartPlan& plan, Study& study) {
+  const Ledger& ledger = study.ledger();
+  const std::string of = plan.scene.name + ": ", at = fmt::format("at {:g} fs", plan.scene.run.dt_fs);
+  study.show(
+      {"work", fmt::format("{}constraints {} (lower left is better)", of, at), work_csv(plan, ledger)},
+      "Constraint time against bond error",
+      fmt::format("A curve a method; its points are the values of the named setting. Bars: quartiles of "
+                  "{} interleaved repeats of {} steps.",
+                  plan.repeats, plan.steps));
+  study.show({"drift",
+              fmt::format("{}energy drift {} over {} steps (lower left is better)", of, at, plan.drift_steps),
+              drift_csv(plan, ledger)},
+             "Constraint time against energy drift",
+             fmt::format("Slope of the total energy over {} steps; bars: 95 %, from the run's own standard "
+                         "error. A bar to the left edge: zero is inside.",
+                         plan.drift_steps));
+  study.show(
+      {"order",
+       fmt::format("{}distance from the exact trajectory after {:g} fs", of,
+                   kOrderSteps * plan.scene.run.dt_fs),
+       order_csv(plan, ledger)},
+      "Trajectory error against step",
+      "Distance from a run of newton at 1e-12 and a step of a quarter of the finest shown. The order is "
+      "the slope; iterative methods are held to 1e-11.");
+  study.show({"length", "cost against the length of freely jointed chains", length_csv(plan, ledger)},
+             "Cost against chain length",
+             "Freely jointed chains at 10 fs; iterative methods at tolerance 1e-8, the others at their "
+             "defaults. No other scene's forces are in it.");
+  if (has_precisions(plan.scene))
+    study.show(
+        {"precision",
+         fmt::format("{}a whole step {}, pair forces in double (full bars) and mixed precision (dotted)", of,
+                     at),
+         precision_csv(plan, ledger)},
+        "What mixed precision costs and gains",
+        "A whole step, every method at its defaults; pair geometry and force in single precision, sums in "
+        "double.");
+}
+
 void chart(const ChartArguments& arguments) {
   const ChartPlan plan = plan_of(arguments);
-  const std::string line = study_line(arguments.command(), {plan.scene});
-  const FolderLock lock = study_folder(arguments.out, line, arguments.overwrite);
-  Ledger ledger(arguments.out / kLedger, line);
+  Study study(arguments, arguments.command(), {plan.scene});
+  const Ledger& ledger = study.ledger();
   std::vector<Job> jobs;
   for (const auto& panel : {work_jobs(plan, ledger), drift_jobs(plan), order_jobs(plan),
                             length_jobs(plan, ledger), precision_jobs(plan, ledger)})
@@ -94,41 +106,27 @@ void chart(const ChartArguments& arguments) {
   fmt::print("{}: {} bonds, step {:g} fs; {} settings of {} methods, {} trials\n", plan.scene.name,
              plan.scene.system.bond_count(), plan.scene.run.dt_fs, plan.settings().size(),
              plan.methods.size(), jobs.size());
-  print_notes(plan);
-  run_jobs(jobs, ledger);
-
-  StudyFiles files(arguments.out);
+  study.run(jobs, notes_of(plan));
+  show(plan, study);
   const std::string failures = failures_csv(plan, ledger);
-  ReportPage page{plan.scene.name + ": speed against accuracy", arguments.command(), {}};
-  for (const auto& [picture, title, caption] : chart_pictures(plan, ledger)) {
-    files.draw(picture);
-    page.parts.push_back({title, caption, picture.name + ".svg", picture.csv});
-  }
-  page.parts.push_back({"What failed", "Settings that did not get through, and why.", "", failures});
-  files.write("failures.csv", failures);
-  write_report(page, files);
+  study.show_table("failures.csv", failures,
+                   {"What failed", "Settings that did not get through, and why.", {}, {}});
   print_failures(failures);
-  ledger.close();
-  files.tell();
+  study.finish(plan.scene.name + ": speed against accuracy");
 }
 
 }  // namespace
 
 void add_chart(Commands& commands) {
-  auto arguments = std::make_shared<ChartArguments>();
+  auto arguments = std::make_shared<ChartArguments>(ChartArguments{{"chart"}});
   const Subcommand command = commands.add("chart", "chart each method's speed against its accuracy",
                                           [arguments] { chart(*arguments); });
-  command.option("scene", arguments->scene, "a scene's file or name").required();
-  command.option("--methods", arguments->methods, "which (all of `taut methods`)");
-  command.option("--dt-fs", arguments->dt_fs, "step length [fs]");
-  command.option("--set", arguments->settings, "any key of the scene").key_values();
+  arguments->offer_first(command);
   command.option("--repeats", arguments->repeats, "of all that is timed (20)").positive();
   command.option("--steps", arguments->steps, "of a timed run (40)").positive();
   command.option("--drift-steps", arguments->drift_steps, "of a run whose energy is watched (4000)")
       .positive();
-  command.flag("--quick", arguments->quick, "rough: few points, few repeats");
-  command.option("--out", arguments->out, "folder of the pictures and report.html");
-  command.flag("--overwrite", arguments->overwrite, kOverwrite);
+  arguments->offer_last(command, "rough: few points, few repeats");
 }
 
 }  // namespace taut

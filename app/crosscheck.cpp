@@ -8,6 +8,7 @@
 #include "commands.hpp"
 #include "crosscheck_report.hpp"
 #include "md/errors.hpp"
+#include "studies/openmm_twin.hpp"
 #include "study.hpp"
 #include "systems/openmm/openmm_export.hpp"
 #include "systems/openmm/openmm_import.hpp"
@@ -48,8 +49,11 @@ void run(CrosscheckArguments arguments) {
   refuse_without_effect("crosscheck", arguments.settings);
   const Scene scene = arguments.read();
   if (arguments.prefix) {
+    expect_no_file({*arguments.prefix + ".system.xml", *arguments.prefix + ".state.xml"},
+                   arguments.overwrite);
     write_openmm(openmm_input(scene), *arguments.prefix);
     fmt::print("wrote {0}.system.xml, {0}.state.xml\n", *arguments.prefix);
+    if (!built_with_openmm()) return fmt::print("held against nothing: taut was built without OpenMM\n");
   }
   arguments.plan.contestants = contestants(arguments.methods);
   if (!arguments.openmm.empty()) arguments.plan.files = OpenMMFiles{arguments.openmm[0], arguments.openmm[1]};
@@ -85,7 +89,8 @@ void add_crosscheck(Commands& commands) {
   command.option("--speed-seconds", plan.speed_seconds, "for each figure of speed; 0: none");
   command.option("--threads", plan.threads, "of taut and of OpenMM's CPU platform").positive();
   command.option("--out", arguments->out, "folder for crosscheck.json, crosscheck.csv and the pictures");
-  command.flag("--overwrite", arguments->overwrite, kOverwrite);
+  command.flag("--overwrite", arguments->overwrite,
+               "move the study that is in --out to OUT.1, OUT.2, ...; replace what --export writes");
   command.option("--export", arguments->prefix, "write PREFIX.system.xml and PREFIX.state.xml for OpenMM")
       .words(0, "PREFIX");
 }

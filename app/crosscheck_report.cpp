@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "pictures.hpp"
 #include "studies/crosscheck_verdict.hpp"
 #include "studies/csv.hpp"
 
@@ -136,6 +137,18 @@ std::string csv_of(const Crosscheck& c) {
   return text;
 }
 
+// OpenMM's other runs are too short for averages.
+std::string distances_csv(const Crosscheck& c) {
+  std::string text = "run,r_nm,g,standard_error\n";
+  for (const Track* track : all_tracks(c)) {
+    if (track == &c.verlet || track == &c.nudged || track == &c.fine) continue;
+    for (std::size_t n = 0; n < track->oxygens.r.size(); ++n)
+      text += fmt::format("{},{:.4f},{:.6f},{:.6f}\n", csv_cell(track->name), track->oxygens.r[n],
+                          track->oxygens.g[n].value, track->oxygens.g[n].error);
+  }
+  return text;
+}
+
 }  // namespace
 
 Doing::Doing() : terminal_(isatty(STDERR_FILENO) != 0) {}
@@ -180,7 +193,10 @@ void print_crosscheck(const Crosscheck& c) {
 void write_crosscheck(const Crosscheck& c, const fs::path& folder) {
   StudyFiles files(folder);
   files.write("crosscheck.json", json_of(c).dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
-  draw_crosscheck(c, csv_of(c), files);
+  files.draw({"crosscheck", fmt::format("{}: taut against OpenMM {}, {}", c.scene, c.openmm, c.platform),
+              csv_of(c)});
+  if (!c.twin.oxygens.r.empty())
+    files.draw({"distances", c.scene + ": O–O radial distribution, bars: standard errors", distances_csv(c)});
   files.tell();
 }
 

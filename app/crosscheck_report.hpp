@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <string>
 
-#include "pictures.hpp"
 #include "studies/crosscheck.hpp"
 
 namespace taut {
@@ -21,10 +20,8 @@ class Doing {
 
 void print_crosscheck(const Crosscheck& c);
 
-// crosscheck.json (all figures and verdicts), crosscheck.csv (every sample of every run), and pictures.
+// crosscheck.json (all figures and verdicts), crosscheck.csv (every sample of every run), of liquid water
+// distances.csv, and pictures of them.
 void write_crosscheck(const Crosscheck& c, const std::filesystem::path& folder);
-
-// Pictures of them: crosscheck.* over its csv, and of liquid water distances.*.
-void draw_crosscheck(const Crosscheck& c, const std::string& csv, StudyFiles& files);
 
 }  // namespace taut

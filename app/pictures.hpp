@@ -2,28 +2,18 @@
 
 #include <filesystem>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace taut {
 
-// A picture as four files that stay together: NAME.csv, the gnuplot script NAME.gp that reads it, and the
-// NAME.svg and NAME.png it makes (`gnuplot NAME.gp` in the folder draws them again).
+// A picture as files that stay together: NAME.csv, the gnuplot script NAME.gp that reads it, and the NAME.svg
+// and NAME.png it makes. Beside them is what the scripts share: taut.gp, and the titles in titles.tsv. So
+// `gnuplot NAME.gp` in the folder draws them again, on another machine too.
 struct Picture {
   std::string name;
+  std::string title;
   std::string csv;
-  std::string script;  // what to set and plot; its data is called csv. Empty: nothing got through to be drawn
-  int width = 800, height = 520;
 };
-
-// Text as a string of a gnuplot script, whatever is in it: nothing of it is read as a command.
-std::string gnuplot_string(std::string_view text);
-
-// The same as the label of a tic, where a % would begin a number's format.
-std::string gnuplot_tic(std::string_view text);
-
-// A method's colour and mark, the same in every picture and told apart without colour: "lc rgb '...' pt 7".
-std::string mark_of(const std::string& method);
 
 // What a study writes into its folder, by name, and what of it is there.
 class StudyFiles {
@@ -40,8 +30,12 @@ class StudyFiles {
 
  private:
   std::filesystem::path folder_;
+  std::string titles_ = "picture\ttitle\n";
   std::vector<std::string> written_, empty_, undrawn_;  // undrawn: gnuplot failed
   bool without_gnuplot_ = false;
 };
+
+// What a file holds; nothing where there is none.
+std::string contents_of(const std::filesystem::path& file);
 
 }  // namespace taut

@@ -8,20 +8,20 @@
 #include <array>
 #include <csignal>
 #include <fstream>
-#include <map>
-#include <sstream>
 
 #include "files/set_aside.hpp"
 #include "md/errors.hpp"
-#include "md/threads.hpp"
 #include "progress.hpp"
-#include "studies/csv.hpp"
+#include "studies/study_scene.hpp"
+#include "systems/scene_file.hpp"
 #include "systems/scene_source.hpp"
 
 namespace taut {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* kLedger = "unfinished.tsv";  // there until a study is finished
 
 // Every finished trial is on disk already: nothing to save, so only words that a handler may speak.
 extern "C" void stop(int signal) {
@@ -50,41 +50,6 @@ class StoppedAtOnce {
   std::array<void (*)(int), kSignals.size()> before_;
 };
 
-std::string escaped(const std::string& text) {
-  static const std::map<char, const char*> kEntities = {
-      {'<', "&lt;"}, {'>', "&gt;"}, {'&', "&amp;"}, {'"', "&quot;"}, {'\'', "&#39;"}};
-  std::string out;
-  for (const char c : text) {
-    const auto entity = kEntities.find(c);
-    out += entity != kEntities.end() ? entity->second : std::string(1, c);
-  }
-  return out;
-}
-
-std::string contents(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
-
-std::string table_of(const std::string& csv) {
-  std::string text = "<div class=scroll><table>\n", tag = "th";
-  for (const auto& row : csv_rows(csv)) {
-    text += "<tr>";
-    for (const auto& cell : row) text += fmt::format("<{0}>{1}</{0}>", tag, escaped(cell));
-    text += "</tr>\n";
-    tag = "td";
-  }
-  return text + "</table></div>\n";
-}
-
-std::string processor() {
-  std::ifstream in("/proc/cpuinfo");
-  for (std::string line; std::getline(in, line);)
-    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
-  return "unknown";
-}
-
 std::string first_line(const fs::path& file) {
   std::string line;
   std::ifstream in(file);
@@ -94,7 +59,8 @@ std::string first_line(const fs::path& file) {
 
 // What a study has left in a folder.
 std::vector<std::string> study_files(const fs::path& folder) {
-  std::vector<std::string> names = {kLedger, "report.html", "failures.csv", "limits.csv", "crosscheck.json"};
+  std::vector<std::string> names = {kLedger,           "report.html", "failures.csv", "limits.csv",
+                                    "crosscheck.json", "titles.tsv",  "taut.gp"};
   for (const char* picture :
        {"work", "drift", "order", "length", "precision", "plane", "steps", "crosscheck", "distances"})
     for (const char* kind : {".csv", ".gp", ".svg", ".png", ".gnuplot.log"})
@@ -112,11 +78,13 @@ void refuse_another_study(const fs::path& folder, const std::string& line) {
       unfinished ? first_line(folder / kLedger) : files.front(), folder.string()));
 }
 
-// From "<svg" on: what stands before does not belong inside a page.
-std::string inline_svg(const fs::path& file) {
-  const std::string text = contents(file);
-  const auto start = text.find("<svg");
-  return start == text.npos ? "<p>(not drawn)</p>" : text.substr(start);
+std::string study_line(const std::string& command, const std::vector<Scene>& scenes) {
+  std::string texts;
+  for (const Scene& scene : scenes)
+    for (const auto& [name, text] : source_of(scene, false, {}).files) texts += text;
+  std::string line = fmt::format("{} # {:016x}", command, std::hash<std::string>{}(texts));
+  std::ranges::replace(line, '\n', ' ');
+  return line;
 }
 
 }  // namespace
@@ -132,17 +100,14 @@ void refuse_without_effect(const char* subcommand, const std::vector<std::string
   }
 }
 
-void print_notes(const Scene& scene) {
-  for (const auto& note : scene.notes) fmt::print("  note: {}\n", note);
+void print_notes(const std::vector<std::string>& notes) {
+  for (const auto& note : notes) fmt::print("  note: {}\n", note);
 }
 
-std::string study_line(const std::string& command, const std::vector<Scene>& scenes) {
-  std::string texts;
-  for (const Scene& scene : scenes)
-    for (const auto& [name, text] : source_of(scene, false, {}).files) texts += text;
-  std::string line = fmt::format("{} # {:016x}", command, std::hash<std::string>{}(texts));
-  std::ranges::replace(line, '\n', ' ');
-  return line;
+void expect_no_file(const std::vector<fs::path>& files, bool overwrite) {
+  for (const fs::path& file : files)
+    if (!overwrite && fs::exists(file))
+      throw InputError(fmt::format("{}: is there already; --overwrite replaces it", file.string()));
 }
 
 FolderLock study_folder(const fs::path& folder, const std::string& line, bool overwrite) {
@@ -154,39 +119,83 @@ FolderLock study_folder(const fs::path& folder, const std::string& line, bool ov
   return lock;
 }
 
-void run_jobs(const std::vector<Job>& jobs, Ledger& ledger) {
+void StudyArguments::offer_first(const Subcommand& command) {
+  command.option("scene", scene, "a scene's file or name").required();
+  command.option("--methods", methods, "which (all of `taut methods`)");
+  command.option("--dt-fs", dt_fs, "step length [fs]");
+  command.option("--set", settings, "any key of the scene").key_values();
+}
+
+void StudyArguments::offer_last(const Subcommand& command, const char* quick_means) {
+  command.flag("--quick", quick, quick_means);
+  command.option("--out", out, "folder of the pictures and report.html");
+  command.flag("--overwrite", overwrite, kOverwrite);
+}
+
+Scene StudyArguments::read() const {
+  const auto overrides = overrides_said({{"--dt-fs", "run.dt_fs", dt_fs}}, settings);
+  refuse_without_effect(name, overrides);
+  return prepared_for_study(read_scene(find_scene(scene), overrides));
+}
+
+std::vector<std::string> StudyArguments::methods_or_all() const {
+  if (const auto all = method_names(); methods.empty()) return {all.begin(), all.end()};
+  for (const auto& method : methods) default_options(method);
+  return methods;
+}
+
+std::string StudyArguments::command(const std::function<void(CommandLine&)>& own) const {
+  CommandLine line(name, scene);
+  line.option("--methods", methods);
+  line.option("--dt-fs", dt_fs);
+  line.option("--set", settings);
+  own(line);
+  line.flag("--quick", quick);
+  line.option("--out", {out.string()});
+  return line.text();
+}
+
+Study::Study(const StudyArguments& arguments, const std::string& command, const std::vector<Scene>& scenes)
+    : line_(study_line(command, scenes)),
+      lock_(study_folder(arguments.out, line_, arguments.overwrite)),
+      ledger_(arguments.out / kLedger, line_),
+      files_(arguments.out),
+      page_{.title = {}, .command = command, .notes = {}, .parts = {}} {}
+
+void Study::run(const std::vector<Job>& jobs, const std::vector<std::string>& notes) {
+  print_notes(notes);
+  page_.notes = notes;
   const StoppedAtOnce stopped_at_once;
   long left = 0, done = 0;
-  for (const Job& job : jobs) left += !ledger.has(job.name);
+  for (const Job& job : jobs) left += !ledger_.has(job.name);
   if (left < static_cast<long>(jobs.size()))
     fmt::print("going on: {} of {} trials are there\n", static_cast<long>(jobs.size()) - left, jobs.size());
   std::fflush(stdout);  // a signal would not
   Progress progress(left);
   for (const Job& job : jobs) {
-    if (ledger.has(job.name)) continue;
-    ledger.once(job.name, job.make);
+    if (ledger_.has(job.name)) continue;
+    ledger_.once(job.name, job.make);
     progress.at(++done);
   }
   progress.clear();
 }
 
-void write_report(const ReportPage& page, StudyFiles& files) {
-  std::string html = fmt::format(
-      "<!doctype html>\n<html lang=en><meta charset=utf-8><title>{0}</title>\n"
-      "<style>body{{font:16px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em;color:#222}}"
-      "svg{{max-width:100%;height:auto}}table{{border-collapse:collapse;font-size:12px}}"
-      "td,th{{padding:1px 8px;border-bottom:1px solid #ddd;text-align:left}}"
-      ".scroll{{max-height:24em;overflow:auto}}code{{background:#f3f3f3;padding:2px 4px}}</style>\n"
-      "<h1>{0}</h1>\n<p>Made by <code>{1}</code></p>\n"
-      "<p>Processor {2}, {3} threads. Compiler {4}, flags <code>{5}</code>.</p>\n",
-      escaped(page.title), escaped(page.command), escaped(processor()), available_threads(), TAUT_COMPILER,
-      TAUT_FLAGS);
-  for (const auto& part : page.parts) {
-    html += fmt::format("<h2>{}</h2>\n<p>{}</p>\n", escaped(part.title), escaped(part.text));
-    if (!part.svg_file.empty()) html += inline_svg(files.folder() / part.svg_file) + "\n";
-    html += fmt::format("<details><summary>The figures</summary>\n{}</details>\n", table_of(part.csv));
-  }
-  files.write("report.html", html + "</html>\n");
+void Study::show(const Picture& picture, const std::string& heading, const std::string& text) {
+  files_.draw(picture);
+  page_.parts.push_back({heading, text, picture.name + ".svg", picture.csv});
+}
+
+void Study::show_table(const std::string& file, const std::string& csv, ReportPage::Part part) {
+  files_.write(file, csv);
+  part.csv = csv;
+  page_.parts.push_back(std::move(part));
+}
+
+void Study::finish(const std::string& title) {
+  page_.title = title;
+  write_report(page_, files_);
+  ledger_.close();
+  files_.tell();
 }
 
 }  // namespace taut

@@ -1,10 +1,14 @@
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "command_line.hpp"
+#include "commands.hpp"
 #include "files/folder_lock.hpp"
-#include "pictures.hpp"
+#include "report.hpp"
 #include "studies/ledger.hpp"
 
 namespace taut {
@@ -13,11 +17,10 @@ namespace taut {
 void refuse_without_effect(const char* subcommand, const std::vector<std::string>& overrides);
 
 // What was changed in a scene or is worth knowing of its start, a line each.
-void print_notes(const Scene& scene);
+void print_notes(const std::vector<std::string>& notes);
 
-// What a study is kept as: its command, and a number for the texts its scenes were read from. Where either is
-// another, so is the study.
-std::string study_line(const std::string& command, const std::vector<Scene>& scenes);
+// Throws InputError where one of these files is there, but for `overwrite`.
+void expect_no_file(const std::vector<std::filesystem::path>& files, bool overwrite);
 
 // The folder of a study, this process's alone. Where there is one that was stopped, and `line` is its own, it
 // goes on. Throws InputError where there is another one, finished or not: `overwrite` moves that to FOLDER.1,
@@ -25,22 +28,47 @@ std::string study_line(const std::string& command, const std::vector<Scene>& sce
 FolderLock study_folder(const std::filesystem::path& folder, const std::string& line, bool overwrite);
 
 constexpr const char* kOverwrite = "move the study that is in --out to OUT.1, OUT.2, ..., and start";
-constexpr const char* kLedger = "unfinished.tsv";  // there until a study is finished
 
-// Runs what the ledger has not yet, with the time left on the terminal. SIGINT, SIGTERM and SIGHUP end it at
-// once, with what is finished in the ledger.
-void run_jobs(const std::vector<Job>& jobs, Ledger& ledger);
+// What chart and stability are both asked.
+struct StudyArguments {
+  const char* name;  // the subcommand's, and its folder's if not said
+  std::string scene{};
+  std::vector<std::string> methods{}, settings{};
+  std::optional<double> dt_fs{};
+  bool quick = false, overwrite = false;
+  std::filesystem::path out = name;
 
-// A page that needs nothing else: pictures (as SVG, inside it), tables, how it was made and on what.
-struct ReportPage {
-  std::string title, command;
-  struct Part {
-    std::string title, text;  // text: plain, in sentences
-    std::string svg_file;     // in the same folder; none: empty
-    std::string csv;          // shown as a table
-  };
-  std::vector<Part> parts;
+  void offer_first(const Subcommand& command);
+  void offer_last(const Subcommand& command, const char* quick_means);
+
+  Scene read() const;                               // as studies run it
+  std::vector<std::string> methods_or_all() const;  // refuses unknown names before anything runs
+  // As typed; `own` adds what the subcommand has besides.
+  std::string command(const std::function<void(CommandLine&)>& own) const;
 };
-void write_report(const ReportPage& page, StudyFiles& files);  // report.html
+
+// A study of many trials that can be stopped, from its folder to its report.
+class Study {
+ public:
+  // What it is kept as: its command, and a number for the texts its scenes were read from. Where either is
+  // another, so is the study.
+  Study(const StudyArguments& arguments, const std::string& command, const std::vector<Scene>& scenes);
+
+  const Ledger& ledger() const { return ledger_; }
+  // Runs what the ledger has not yet, with the time left on the terminal. SIGINT, SIGTERM and SIGHUP end it
+  // at once, with what is finished in the ledger.
+  void run(const std::vector<Job>& jobs, const std::vector<std::string>& notes);
+  StudyFiles& files() { return files_; }
+  void show(const Picture& picture, const std::string& heading, const std::string& text);
+  void show_table(const std::string& file, const std::string& csv, ReportPage::Part part);
+  void finish(const std::string& title);
+
+ private:
+  std::string line_;
+  FolderLock lock_;
+  Ledger ledger_;
+  StudyFiles files_;
+  ReportPage page_;
+};
 
 }  // namespace taut

@@ -14,8 +14,6 @@
 namespace taut {
 namespace {
 
-constexpr int kOrderSteps = 16;  // of the scene's own length, to the end of the comparison
-
 // Constraint time a bond and step [ns].
 Quartiles cost(const std::string& point, int repeats, int bonds, const Ledger& ledger) {
   const double each = 1000.0 / std::max(1, bonds);
@@ -185,7 +183,7 @@ std::string drift_csv(const ChartPlan& plan, const Ledger& ledger) {
     const Quartiles ns = cost(work_name(s), plan.repeats, plan.scene.system.bond_count(), ledger);
     text += t.failed() ? fmt::format("{},,,,,{},{}\n", columns(s), t.steps, csv_cell(t.failure))
                        : fmt::format("{},{:.4g},{:.6e},{:.6e},{:.6e},{},\n", columns(s), ns.median, t.drift,
-                                     t.drift_low, t.drift_high, t.steps);
+                                     t.drift_low(), t.drift_high(), t.steps);
   }
   return text;
 }

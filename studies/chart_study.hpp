@@ -7,6 +7,9 @@
 
 namespace taut {
 
+constexpr int kOrderSteps = 16;  // of the scene's own length, over which trajectories are compared
+constexpr long kStepsForInterval = 10 * kRowsForInterval;  // of drift_steps: with fewer it has no interval
+
 // A work–precision study: what each method costs against what it gets wrong.
 struct ChartPlan {
   Scene scene;

@@ -68,7 +68,7 @@ std::string precision_csv(const ChartPlan& plan, const Ledger& ledger) {
       text += t.failed() ? fmt::format("{},{},,,,,,,,,{}\n", method, name_of(precision), csv_cell(t.failure))
                          : fmt::format("{},{},{:.5g},{:.5g},{:.5g},{:.6e},{:.6e},{:.6e},{:.6e},{:.6e},\n",
                                        method, name_of(precision), us.low, us.median, us.high, t.drift,
-                                       t.drift_low, t.drift_high, t.rms_error, t.max_error);
+                                       t.drift_low(), t.drift_high(), t.rms_error, t.max_error);
     }
   return text;
 }

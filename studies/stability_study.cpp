@@ -130,7 +130,7 @@ std::string plane_csv(const StabilityPlan& plan, const Ledger& ledger) {
         const double limit = stability_limit(ah, damping);
         text += t.failed() ? fmt::format("{},,,,,,{:.4g},1,{}\n", head, limit, csv_cell(t.failure))
                            : fmt::format("{},{:.5e},{:.5e},{:.5e},{:.4e},{:.4e},{:.4g},0,\n", head, t.drift,
-                                         t.drift_low, t.drift_high, t.rms_error, t.max_error, limit);
+                                         t.drift_low(), t.drift_high(), t.rms_error, t.max_error, limit);
       }
   return text;
 }

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "md/errors.hpp"
-#include "md/random.hpp"
 #include "simulation/simulation.hpp"
 #include "systems/scene_file.hpp"
 
@@ -69,68 +68,33 @@ std::string in_few_words(const std::string& failure) {
   return line;
 }
 
-Interval bootstrap_slope(const std::vector<double>& t, const std::vector<double>& y) {
-  Slope whole;
-  for (std::size_t n = 0; n < y.size(); ++n) whole.add(t[n], y[n]);
-  const double slope = whole.value();
-  if (y.size() < kRowsForInterval) return {slope, slope};
-  double middle_t = 0, middle_y = 0;
-  for (std::size_t n = 0; n < y.size(); ++n) {
-    middle_t += t[n] / static_cast<double>(y.size());
-    middle_y += y[n] / static_cast<double>(y.size());
-  }
-  std::vector<double> residual(y.size());
-  for (std::size_t n = 0; n < y.size(); ++n) residual[n] = y[n] - middle_y - slope * (t[n] - middle_t);
-
-  constexpr int kDraws = 400;
-  const std::size_t block = y.size() / 10, starts = y.size() - block + 1;
-  Random random(1);
-  std::vector<double> slopes;
-  for (int draw = 0; draw < kDraws; ++draw) {
-    Slope one;
-    std::size_t from = 0;
-    for (std::size_t n = 0; n < y.size(); ++n) {
-      if (n % block == 0) from = static_cast<std::size_t>(random.uniform() * static_cast<double>(starts));
-      one.add(t[n], residual[from + n % block]);
-    }
-    slopes.push_back(slope + one.value());
-  }
-  std::ranges::sort(slopes);
-  return {slopes[kDraws / 40], slopes[kDraws - 1 - kDraws / 40]};
-}
-
 Trial try_setting(Scene scene, const Setting& setting, const TrialPlan& plan, State& end) {
   Trial trial;
-  std::vector<double> t, energy;
-  double largest_kinetic = 0, squares = 0;
+  int rows = 0;
+  double first_energy = 0, largest_kinetic = 0, squares = 0;
   const auto watch = [&](const Record& r) {
     trial.steps = r.step;
     trial.max_error = std::max(trial.max_error, r.bonds.max);
     squares += r.bonds.rms * r.bonds.rms;
-    t.push_back(r.t);
-    energy.push_back(r.total());
+    if (rows++ == 0) first_energy = r.total();
     largest_kinetic = std::max(largest_kinetic, r.kinetic);
-    trial.rms_error = std::sqrt(squares / static_cast<double>(t.size()));
-    if (std::abs(energy.back() - energy.front()) > plan.broken_energy * largest_kinetic &&
-        largest_kinetic > 0)
+    trial.rms_error = std::sqrt(squares / rows);
+    if (std::abs(r.total() - first_energy) > plan.broken_energy * largest_kinetic && largest_kinetic > 0)
       throw SimulationFailure("the energy blew up");
     if (r.bonds.max > plan.broken_bond)
       throw SimulationFailure(fmt::format("bonds {:g} % off", 100 * plan.broken_bond));
   };
-  int dof = 1;
   try {
     apply_overrides(scene, setting.overrides);
     scene.run.steps = plan.steps;
     scene.run.log_every = std::max(1L, plan.steps / plan.rows);
     Simulation simulation(std::move(scene));
-    dof = std::max(1, simulation.dof().total());
     const Summary summary = simulation.run(watch);
     trial.constraint_us = summary.constraint_us_per_step;
     trial.step_us = summary.us_per_step;
-    trial.drift = summary.drift.value_or(Estimate{}).value;
-    const Interval interval = bootstrap_slope(t, energy);
-    trial.drift_low = interval.low / dof * 1000;  // per ps to per ns
-    trial.drift_high = interval.high / dof * 1000;
+    const Estimate drift = summary.drift.value_or(Estimate{});
+    trial.drift = drift.value;
+    if (rows >= kRowsForInterval) trial.drift_error = drift.error;
     end = simulation.state();
   } catch (const SimulationFailure& e) {
     trial.failure = in_few_words(e.what());

@@ -28,11 +28,13 @@ struct Trial {
   double constraint_us = 0, step_us = 0;  // a step
   double max_error = 0, rms_error = 0;    // relative, of a bond, over the rows
   double drift = 0;                       // [kJ/mol/ns/degree of freedom]
-  double drift_low = 0, drift_high = 0;   // 95 % of block bootstraps; of too few rows both are drift
+  double drift_error = 0;                 // its standard error, as the run has it; 0 for too few rows
   double figure = 0;    // what the study asks for besides: rms distance [nm], largest stable step [fs]
   std::string failure;  // how it failed, in a few words; empty: it did not
 
   bool failed() const { return !failure.empty(); }
+  double drift_low() const { return drift - 1.96 * drift_error; }  // 95 %
+  double drift_high() const { return drift + 1.96 * drift_error; }
 };
 
 struct TrialPlan {
@@ -51,12 +53,6 @@ Trial try_setting(Scene scene, const Setting& setting, const TrialPlan& plan, St
 // "A is singular" from a failure's whole paragraph.
 std::string in_few_words(const std::string& failure);
 
-// 95 % interval of the slope of y against t: residuals drawn again in blocks, a tenth of the rows long, that
-// may begin anywhere (Künsch 1989, doi:10.1214/aos/1176347265).
-struct Interval {
-  double low, high;
-};
-constexpr int kRowsForInterval = 20;  // with fewer both ends are the slope
-Interval bootstrap_slope(const std::vector<double>& t, const std::vector<double>& y);
+constexpr int kRowsForInterval = 20;  // with fewer a drift has no error
 
 }  // namespace taut

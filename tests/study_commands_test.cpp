@@ -114,80 +114,23 @@ TEST(StudyCommands, TheCommandInAReportCanBeTyped) {
   EXPECT_THAT(page(out), HasSubstr("<code>taut " + command + "</code>"));
 }
 
-// A scene of some name: what is in it is text to the shell, to gnuplot, to a table and to a page.
-std::string scene_named(const fs::path& folder, const std::string& name) {
-  const fs::path file = folder / (name + ".toml");
-  fs::copy_file(fs::path(TAUT_SCENES) / "diatomic.toml", file);
-  std::string quoted = "'";
-  for (const char c : file.string()) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
-
-class HostileNames : public ::testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(Of, HostileNames,
-                         ::testing::Values("a`touch x`'\"\\n$(touch y)", "a\nb\tc'.system(\"touch x\").'",
-                                           "<script>x<&amp;%s%n@x{:b ^2}#\\", "1,2;\"3\"\"\",\u00b5"));
-
-TEST_P(HostileNames, AreTextEverywhere) {
+// A file that is there is replaced only where that is asked for.
+TEST(StudyCommands, ReplaceNoFileUnasked) {
   const TemporaryFolder folder;
-  const std::string scene = scene_named(folder.path(), GetParam()), at = " --out " + folder.path().string();
-  for (const auto& [command, out, picture] :
-       {std::tuple{"chart " + scene + " --quick --methods newton none --drift-steps 100", "/chart", "work"},
-        {"stability " + scene + " --quick --steps 20 --methods shake", "/stability", "steps"}}) {
-    const fs::path files = folder.path().string() + out;
-    const auto [exit_code, text] = taut(command + at + out);
-    EXPECT_EQ(exit_code, 0) << text;
-    EXPECT_TRUE(fs::exists(files / (std::string(picture) + ".png"))) << text;
-    EXPECT_FALSE(fs::exists(files / "x") || fs::exists(files / "y")) << "a command was run";
-    EXPECT_FALSE(fs::exists("x") || fs::exists("y")) << "a command was run";
-    EXPECT_THAT(contents(files / "report.html"), Not(HasSubstr("<script")));
-    EXPECT_FALSE(fs::exists(files / "unfinished.tsv"));
+  const std::string prefix = (folder.path() / "a").string();
+  for (const auto& [command, file] :
+       {std::pair("calibrate diatomic --json " + prefix + ".json", prefix + ".json"),
+        {"crosscheck diatomic --steps 2 --method newton --speed-seconds 0 --export " + prefix,
+         prefix + ".state.xml"}}) {
+    std::ofstream(file) << "mine";
+    const auto refused = taut(command);
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_EQ(lines(refused.text), 1) << refused.text;
+    EXPECT_THAT(refused.text, HasSubstr(file + ": is there already; --overwrite replaces it"));
+    EXPECT_EQ(contents(file), "mine");
+    EXPECT_EQ(taut(command + " --overwrite").exit_code, 0);
+    EXPECT_NE(contents(file), "mine");
   }
-  const auto rows = csv_rows(contents(folder.path() / "stability" / "steps.csv"));
-  ASSERT_EQ(rows.size(), 2u);
-  EXPECT_EQ(rows[1].size(), rows[0].size());
-  std::string name = GetParam();
-  for (char& c : name) c = c == '"' ? '\'' : c < ' ' && c > 0 ? ' ' : c;
-  EXPECT_EQ(rows[1][0], name);
-}
-
-// Whatever gnuplot does, only what is there is said to be written.
-struct Gnuplot {
-  const char *name, *script;  // empty: there is none
-  int exit_code;
-  const char* says;
-};
-class Gnuplots : public ::testing::TestWithParam<Gnuplot> {};
-INSTANTIATE_TEST_SUITE_P(
-    That, Gnuplots,
-    ::testing::Values(Gnuplot{"IsNotThere", "", 0, "gnuplot is not installed"},
-                      Gnuplot{"Fails", "echo no >&2; exit 1", 3, "work.gnuplot.log"},
-                      Gnuplot{"DrawsNothing", "exit 0", 3, "gnuplot could not draw work, drift"},
-                      Gnuplot{"DrawsHalf", ": > ${1%.gp}.svg", 3, "gnuplot could not draw work, drift"}),
-    [](const auto& test) { return test.param.name; });
-
-TEST_P(Gnuplots, AreNotTakenAtTheirWord) {
-  const TemporaryFolder folder;
-  const fs::path out = folder.path() / "chart", bin = folder.path() / "bin";
-  fs::create_directory(bin);
-  if (*GetParam().script) {
-    std::ofstream(bin / "gnuplot") << "#!/bin/sh\n" << GetParam().script << "\n";
-    fs::permissions(bin / "gnuplot", fs::perms::owner_all);
-  }
-  const auto [exit_code, text] =
-      taut("chart diatomic --quick --methods newton --drift-steps 100 --out " + out.string(),
-           "PATH=" + bin.string());
-  EXPECT_EQ(exit_code, GetParam().exit_code) << text;
-  EXPECT_THAT(text, HasSubstr(GetParam().says));
-  const std::string line = text.substr(text.find("wrote into"),
-                                       text.find('\n', text.find("wrote into")) - text.find("wrote into"));
-  for (const char* name : {"work", "drift", "order", "length"})
-    for (const char* kind : {".csv", ".gp", ".svg", ".png"}) {
-      const std::string file = std::string(name) + kind;
-      EXPECT_EQ(fs::exists(out / file), line.find(file) != line.npos) << file << ": " << line;
-    }
-  EXPECT_THAT(line, HasSubstr("report.html"));
-  EXPECT_THAT(contents(out / "report.html"), HasSubstr("newton"));
 }
 
 // A folder holds one study: another is refused, and moved aside where that is asked for; nothing is lost.
@@ -263,7 +206,7 @@ TEST(StudyCommands, SayWhatTheyPassOver) {
   const std::string thermostat = " --set run.thermostat=langevin run.temperature_k=300 run.minimise=true";
   const auto chart = taut("chart pair --quick --methods newton none --drift-steps 100 --out " +
                           (folder.path() / "chart").string() + thermostat);
-  const auto stability = taut("stability diatomic --quick --methods newton --steps 20 --out " +
+  const auto stability = taut("stability diatomic --quick --steps 20 --out " +
                               (folder.path() / "stability").string() + thermostat);
   const auto calibration = taut("calibrate diatomic" + thermostat);
   for (const auto& [exit_code, text] : {chart, stability, calibration}) {
@@ -274,6 +217,9 @@ TEST(StudyCommands, SayWhatTheyPassOver) {
   for (const char* note : {"note: quick, so rough", "note: no intervals of the drift"})
     EXPECT_THAT(chart.text, HasSubstr(note));
   EXPECT_THAT(stability.text, HasSubstr("of 60 gains failed or were refused"));
+  EXPECT_THAT(contents(folder.path() / "stability" / "steps.csv"), HasSubstr(",feedforward,"));  // of all
+  for (const char* folder_name : {"chart", "stability"})
+    EXPECT_THAT(page(folder.path() / folder_name), HasSubstr("its thermostat (langevin) is left out"));
   for (const char* command : {"chart", "stability", "calibrate", "crosscheck"})
     for (const char* key : {"method.tolerance=1e-3", "run.log_every=7", "run.trajectory_every=7"}) {
       const auto [exit_code, text] = taut(std::string(command) + " pair --set " + key);

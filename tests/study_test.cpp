@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "md/errors.hpp"
+#include "simulation/simulation.hpp"
 #include "studies/chart_study.hpp"
 #include "studies/stability_study.hpp"
 #include "systems/scene_file.hpp"
@@ -224,21 +225,20 @@ TEST(Ledger, GoesOnWhereItWasStopped) {
   EXPECT_THROW(Ledger(file, "another study"), InputError);
 }
 
-TEST(BootstrapSlope, IntervalHoldsTheSlope) {
-  std::vector<double> t, line, noisy;
-  double noise = 0;
-  for (int n = 0; n < 400; ++n) {
-    noise = 0.7 * noise + std::sin(37.0 * n * n);  // correlated over a few rows
-    t.push_back(n);
-    line.push_back(0.02 * n);
-    noisy.push_back(0.02 * n + noise);
-  }
-  EXPECT_NEAR(bootstrap_slope(t, line).low, 0.02, 1e-12);
-  EXPECT_NEAR(bootstrap_slope(t, line).high, 0.02, 1e-12);
-  const auto [low, high] = bootstrap_slope(t, noisy);
-  EXPECT_LT(low, 0.02);
-  EXPECT_GT(high, 0.02);
-  EXPECT_LT(high - low, 0.01);
+// A drift is uncertain by what the run itself says, and by nothing of the study's own.
+TEST(Trial, HasTheRunsOwnErrorOfTheDrift) {
+  const Scene scene = read_scene(find_scene("freely_jointed"), {"build.chains=5"});
+  const Setting newton{"newton", "", "", {"method.name=newton"}};
+  Scene same = scene;
+  apply_overrides(same, {"method.name=newton", "run.steps=400", "run.log_every=10"});
+  const Estimate drift = *Simulation(same).run({}).drift;
+  const Trial trial = try_setting(scene, newton, {.steps = 400, .rows = 40});
+  ASSERT_GT(drift.error, 0);
+  EXPECT_EQ(trial.drift, drift.value);
+  EXPECT_EQ(trial.drift_error, drift.error);
+  EXPECT_NEAR(trial.drift_high() - trial.drift_low(), 2 * 1.96 * drift.error, 1e-12 * drift.error);
+  const Trial of_few_rows = try_setting(scene, newton, {.steps = 400, .rows = 10});
+  EXPECT_EQ(of_few_rows.drift_low(), of_few_rows.drift);
 }
 
 }  // namespace
