@@ -3,6 +3,7 @@
 #include <limits>
 #include <memory>
 
+#include "command_line.hpp"
 #include "commands.hpp"
 #include "going_on.hpp"
 #include "md/errors.hpp"
@@ -17,7 +18,7 @@ struct ResumeArguments {
   bool yes = false;
 
   KeyValues changes(long taken) const {
-    KeyValues changes = key_values(settings);
+    KeyValues changes = key_values(overrides_said({}, settings));
     if (!steps) return changes;
     if (changes.contains("run.steps"))
       throw InputError("--steps and --set run.steps: one of them, the steps to come or all in all");

@@ -496,6 +496,9 @@ TEST_F(LongRuns, WhatMayChangeChangesAndTheRestIsRefused) {
   expect_one_line(run({"resume", out.string(), "--steps", "20", "--set", "run.trajectory_every=4"}), 2);
   expect_one_line(run({"resume", out.string(), "--steps", "20", "--set", "run.log_every=0"}), 2);
   expect_one_line(run({"resume", out.string(), "--steps", "9223372036854775807"}), 2);
+  const Outcome twice = run({"resume", out.string(), "--set", "run.log_every=5", "run.log_every=10"});
+  expect_one_line(twice, 2);
+  EXPECT_THAT(twice.error, HasSubstr("run.log_every is said twice"));
   EXPECT_EQ(all_files(out), before);
 
   ASSERT_EQ(

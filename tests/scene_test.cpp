@@ -348,6 +348,9 @@ TEST(SceneErrors, CountsAndLengths) {
   EXPECT_EQ(with("cutoff_nm = 2.5", ""), "scene.toml:10: missing key \"cutoff_nm\" in [forcefield]");
   EXPECT_EQ(with("cutoff_nm = 2.5", "cutoff_nm = 2.5\nswitch_nm = 2.6"),
             "scene.toml:15: forcefield.switch_nm: expected less than forcefield.cutoff_nm");
+  EXPECT_THAT(
+      with("cutoff_nm = 2.5", "cutoff_nm = 2.5\nrf_dielectric = 5"),
+      HasSubstr("scene.toml:15: forcefield.rf_dielectric: has no effect, it counts only between charges"));
   EXPECT_EQ(with("cutoff_nm = 2.5", "cutoff_nm = 2.5\nprecision = \"single\""),
             "scene.toml:15: forcefield.precision: there is no \"single\"; expected one of double, mixed");
   EXPECT_EQ(with("cutoff_nm = 2.5", "cutoff_nm = 2.5\nprecision = \"mixed\""), "no error");

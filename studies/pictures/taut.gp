@@ -21,6 +21,7 @@ own_colour(method) = \
   method eq 'shake'       ? 0x56B4E9 : \
   method eq 'rattle'      ? 0x0072B2 : \
   method eq 'newton'      ? 0x009E73 : \
+  method eq 'mshake'      ? 0x9ACD32 : \
   method eq 'lincs'       ? 0xCC79A7 : \
   method eq 'settle'      ? 0xE69F00 : \
   method eq 'penalty'     ? 0x8C564B : \
@@ -31,6 +32,7 @@ own_mark(method) = \
   method eq 'shake'       ? 8 : \
   method eq 'rattle'      ? 9 : \
   method eq 'newton'      ? 13 : \
+  method eq 'mshake'      ? 10 : \
   method eq 'lincs'       ? 12 : \
   method eq 'settle'      ? 11 : \
   method eq 'penalty'     ? 4 : \

@@ -91,6 +91,8 @@ void read_cutoff(const TomlTable& forcefield, const Box& box, Nonbonded& nonbond
   forcefield.read("cutoff_nm", nonbonded.cutoff, kPositive);
   forcefield.read("switch_nm", nonbonded.switch_distance, kPositive);
   forcefield.read("rf_dielectric", nonbonded.rf_dielectric, Range{.min = 1});
+  forcefield.counts("rf_dielectric", nonbonded.cutoff && (nonbonded.charge.array() != 0).any(),
+                    "between charges, with forcefield.cutoff_nm");
   forcefield.read("dispersion_correction", nonbonded.dispersion_correction);
   if (nonbonded.switch_distance && !(nonbonded.cutoff && *nonbonded.switch_distance < *nonbonded.cutoff))
     forcefield.fail("switch_nm", "expected less than forcefield.cutoff_nm");
