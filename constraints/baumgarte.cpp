@@ -7,7 +7,7 @@
 namespace taut {
 
 Baumgarte::Baumgarte(const System& sys, const Options& options, double h)
-    : damping_(damping_named(checked(options).damping)),
+    : damping_(damping_named(options.damping)),
       gains_(choose_gains(options.choice(), damping_, sys, h)),
       passes_(options.passes),
       sweeps_(options.sweeps),

@@ -7,7 +7,7 @@
 namespace taut {
 
 Feedforward::Feedforward(const System& sys, const Options& options, double h)
-    : options_(checked(options)),
+    : options_(options),
       h_(h),
       solver_(sys),
       r_(3, sys.bond_count()),

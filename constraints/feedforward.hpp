@@ -34,7 +34,7 @@ class Feedforward : public ConstraintMethod {
                {.range = kTolerances}},
               {"extrapolation",
                &extrapolation,
-               "order in which λ is extrapolated: 0, 1 or 2",
+               "order in which λ is extrapolated",
                {.range = {.min = 0, .max = 2}}},
               {"max_solves", &max_solves, "solves after which a step has failed", {.range = {.min = 1}}}};
     }

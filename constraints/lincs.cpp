@@ -40,7 +40,7 @@ Eigen::Index triangles_first(const System& sys, Couplings& couplings) {
 }  // namespace
 
 Lincs::Lincs(const System& sys, const Options& options, double)
-    : options_(checked(options)),
+    : options_(options),
       couplings_(sys),
       in_triangles_(triangles_first(sys, couplings_)),
       directions_(3, sys.bond_count()),

@@ -83,6 +83,8 @@ const MethodEntry& MethodOptions::method_with(const std::type_info& options) {
 std::unique_ptr<ConstraintMethod> MethodOptions::make(MethodEntry::Factory factory, const System& sys,
                                                       double h) const {
   if (!(h > 0)) throw InputError(fmt::format("a step of {} ps, expected more than 0", h));
+  std::any values = values_;
+  check(method_->describe(values));
   return factory(sys, values_, h);
 }
 

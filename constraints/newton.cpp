@@ -9,7 +9,7 @@ namespace taut {
 Newton::Newton(const System& sys, const Options& options, double)
     : r_(3, sys.bond_count()),
       r_old_(3, sys.bond_count()),
-      options_(checked(options)),
+      options_(options),
       solver_(sys),
       g_(Eigen::VectorXd::Zero(sys.bond_count())),
       dg_(g_),

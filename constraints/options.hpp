@@ -38,10 +38,4 @@ inline constexpr Range kTolerances{.min = 1e-15, .max = 0.1};
 // Throws InputError for the first number that counts and is out of its range.
 void check(const std::vector<Option>& options);
 
-template <class Options>
-Options checked(Options options) {
-  check(options.describe());
-  return options;
-}
-
 }  // namespace taut

@@ -1,13 +1,11 @@
 #include "constraints/rattle.hpp"
 
-#include <fmt/format.h>
-
 namespace taut {
 
 Rattle::Rattle(const System& sys, const Options& options, double)
-    : options_(checked(options)),
-      positions_(sys, {options.tolerance, options.max_sweeps, options.sweeps}),
-      velocities_(sys, {options.tolerance, options.max_sweeps, options.sweeps}),
+    : options_(options),
+      positions_(sys, options),
+      velocities_(sys, options),
       g_(Eigen::VectorXd::Zero(sys.bond_count())),
       lambda_(g_) {}
 
@@ -32,9 +30,7 @@ SolveStats Rattle::project_velocities(const System& sys, double h, State& s) {
 }
 
 std::string Rattle::setting() const {
-  const char* start = options_.warm_start ? "" : ", cold start";
-  if (options_.sweeps > 0) return fmt::format("{} sweeps{}", options_.sweeps, start);
-  return fmt::format("tolerance {:g}{}", options_.tolerance, start);
+  return options_.setting() + (options_.warm_start ? "" : ", cold start");
 }
 
 }  // namespace taut

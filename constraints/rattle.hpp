@@ -1,9 +1,7 @@
 #pragma once
 
-#include <limits>
 #include <string>
 
-#include "constraints/options.hpp"
 #include "constraints/sweeps.hpp"
 #include "md/constraint_method.hpp"
 
@@ -16,25 +14,13 @@ namespace taut {
 // each sets out from the other (warm start).
 class Rattle : public ConstraintMethod {
  public:
-  struct Options {
-    double tolerance = 1e-10;
-    int max_sweeps = 1000;
-    int sweeps = 0;
+  struct Options : SweepLimits {
     bool warm_start = true;
 
     std::vector<Option> describe() {
-      const Counts to_tolerance{sweeps == 0, "without method.sweeps"};
-      return {
-          {"tolerance",
-           &tolerance,
-           "relative bond error, and |r·v|h/d², at which sweeps stop",
-           {.range = kTolerances, .counts = to_tolerance}},
-          {"max_sweeps",
-           &max_sweeps,
-           "sweeps after which a step has failed",
-           {.range = {.min = 1}, .counts = to_tolerance}},
-          {"sweeps", &sweeps, "more than 0: take just so many, whatever they leave", {.range = {.min = 0}}},
-          {"warm_start", &warm_start, "set out from the last multipliers"}};
+      std::vector<Option> options = SweepLimits::describe();
+      options.push_back({"warm_start", &warm_start, "set out from the last multipliers"});
+      return options;
     }
   };
 
@@ -45,9 +31,7 @@ class Rattle : public ConstraintMethod {
 
   void serialize(Archive& archive) override { archive(lambda_); }
   const Eigen::VectorXd& lambda() const override { return lambda_; }
-  double promised_error() const override {
-    return options_.sweeps > 0 ? std::numeric_limits<double>::infinity() : options_.tolerance;
-  }
+  double promised_error() const override { return options_.promised_error(); }
   std::string setting() const override;
 
  private:

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -11,8 +10,8 @@
 
 namespace taut {
 
-Settle::Settle(const System& sys, const Options&, double)
-    : waters_(find_waters(sys)), lambda_(Eigen::VectorXd::Zero(sys.bond_count())) {}
+Settle::Settle(const System& sys, const Options&, double h)
+    : waters_(find_waters(sys)), velocities_(sys, {}, h) {}
 
 std::vector<Settle::Water> Settle::find_waters(const System& sys) {
   std::vector<std::vector<int>> bonds_at(sys.atoms());
@@ -105,33 +104,6 @@ bool Settle::reset(const Water& w, const System& sys, double h, State& s) const 
 SolveStats Settle::project_positions(const System& sys, double h, State& s) {
   for (const Water& water : waters_)
     if (!reset(water, sys, h, s)) return {1, 0, water.bonds[0], Failure::kShapeLost};
-  return {1};
-}
-
-SolveStats Settle::project_velocities(const System& sys, double h, State& s) {
-  for (const Water& water : waters_) {
-    const std::array<int, 3> atoms = {water.apex, water.left, water.right};
-    Eigen::Matrix<double, 3, 9> J = Eigen::Matrix<double, 3, 9>::Zero();  // rows: bonds, columns: atoms
-    const auto column = [&](int atom) {
-      return 3 * static_cast<int>(std::find(atoms.begin(), atoms.end(), atom) - atoms.begin());
-    };
-    for (int b = 0; b < 3; ++b) {
-      const auto& [i, j, d] = sys.bonds[water.bonds[b]];
-      const Vec3 r = s.x.col(j) - s.x.col(i);
-      J.block<1, 3>(b, column(i)) = -r.transpose();
-      J.block<1, 3>(b, column(j)) = r.transpose();
-    }
-    Eigen::Matrix<double, 9, 1> v, inv_mass;
-    for (int n = 0; n < 3; ++n) {
-      v.segment<3>(3 * n) = s.v.col(atoms[n]);
-      inv_mass.segment<3>(3 * n).setConstant(sys.inv_mass[atoms[n]]);
-    }
-    const Eigen::Matrix3d A = J * inv_mass.asDiagonal() * J.transpose();
-    const Vec3 g = -A.ldlt().solve(J * v);
-    v += inv_mass.asDiagonal() * (J.transpose() * g);
-    for (int n = 0; n < 3; ++n) s.v.col(atoms[n]) = v.segment<3>(3 * n);
-    for (int b = 0; b < 3; ++b) lambda_[water.bonds[b]] = 2 / h * g[b];
-  }
   return {1};
 }
 

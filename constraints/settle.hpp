@@ -4,15 +4,16 @@
 #include <string>
 #include <vector>
 
-#include "constraints/options.hpp"
+#include "constraints/newton.hpp"
 #include "md/constraint_method.hpp"
 
 namespace taut {
 
 // SETTLE (Miyamoto and Kollman 1992, doi:10.1002/jcc.540130805): a rigid triangle with two equal sides and
 // equal masses at their far ends (water) is put back on its shape in closed form, three rotations φ, ψ, θ
-// about the axes of the triangle before the step; its velocities by the 3 × 3 system A g = −J v. Refuses any
-// other cluster, naming it. Cost: per water three square roots for the axes and four for the rotations.
+// about the axes of the triangle before the step; its velocities by the 3 × 3 system A g = −J v, as Newton
+// does. Refuses any other cluster, naming it. Cost: per water three square roots for the axes and four for
+// the rotations.
 class Settle : public ConstraintMethod {
  public:
   struct Options {
@@ -30,10 +31,12 @@ class Settle : public ConstraintMethod {
   Settle(const System& sys, const Options& options, double h);
 
   SolveStats project_positions(const System& sys, double h, State& s) override;
-  SolveStats project_velocities(const System& sys, double h, State& s) override;
+  SolveStats project_velocities(const System& sys, double h, State& s) override {
+    return velocities_.project_velocities(sys, h, s);
+  }
 
-  void serialize(Archive& archive) override { archive(lambda_); }
-  const Eigen::VectorXd& lambda() const override { return lambda_; }
+  void serialize(Archive& archive) override { archive(velocities_); }
+  const Eigen::VectorXd& lambda() const override { return velocities_.lambda(); }
   double promised_error() const override { return 1e-12; }
   std::string setting() const override;
 
@@ -41,7 +44,7 @@ class Settle : public ConstraintMethod {
   bool reset(const Water& water, const System& sys, double h, State& s) const;
 
   std::vector<Water> waters_;
-  Eigen::VectorXd lambda_;  // m
+  Newton velocities_;
 };
 
 }  // namespace taut

@@ -1,9 +1,7 @@
 #pragma once
 
-#include <limits>
 #include <string>
 
-#include "constraints/options.hpp"
 #include "constraints/sweeps.hpp"
 #include "md/constraint_method.hpp"
 
@@ -16,25 +14,7 @@ namespace taut {
 // Multipliers: δx = h² M⁻¹J(x_old)ᵀλ, so λ belongs to the positions before the step.
 class Shake : public ConstraintMethod {
  public:
-  struct Options {
-    double tolerance = 1e-10;
-    int max_sweeps = 1000;
-    int sweeps = 0;
-
-    std::vector<Option> describe() {
-      const Counts to_tolerance{sweeps == 0, "without method.sweeps"};
-      return {
-          {"tolerance",
-           &tolerance,
-           "relative bond error at which sweeps stop",
-           {.range = kTolerances, .counts = to_tolerance}},
-          {"max_sweeps",
-           &max_sweeps,
-           "sweeps after which a step has failed",
-           {.range = {.min = 1}, .counts = to_tolerance}},
-          {"sweeps", &sweeps, "more than 0: take just so many, whatever they leave", {.range = {.min = 0}}}};
-    }
-  };
+  struct Options : SweepLimits {};
 
   Shake(const System& sys, const Options& options, double h);
 
@@ -42,10 +22,8 @@ class Shake : public ConstraintMethod {
 
   void serialize(Archive& archive) override { archive(g_, lambda_); }
   const Eigen::VectorXd& lambda() const override { return lambda_; }
-  double promised_error() const override {
-    return options_.sweeps > 0 ? std::numeric_limits<double>::infinity() : options_.tolerance;
-  }
-  std::string setting() const override;
+  double promised_error() const override { return options_.promised_error(); }
+  std::string setting() const override { return options_.setting(); }
   Holds holds() const override { return Holds::kPositions; }
 
  private:

@@ -1,8 +1,33 @@
 #include "constraints/sweeps.hpp"
 
+#include <fmt/format.h>
+
+#include <limits>
+
 #include "constraints/bond_algebra.hpp"
 
 namespace taut {
+
+std::vector<Option> SweepLimits::describe() {
+  const Counts to_tolerance{sweeps == 0, "without method.sweeps"};
+  return {{"tolerance",
+           &tolerance,
+           "relative bond error (of rattle |r·v|h/d², too) at which sweeps stop",
+           {.range = kTolerances, .counts = to_tolerance}},
+          {"max_sweeps",
+           &max_sweeps,
+           "sweeps after which a step has failed",
+           {.range = {.min = 1}, .counts = to_tolerance}},
+          {"sweeps", &sweeps, "more than 0: take just so many, whatever they leave", {.range = {.min = 0}}}};
+}
+
+double SweepLimits::promised_error() const {
+  return sweeps > 0 ? std::numeric_limits<double>::infinity() : tolerance;
+}
+
+std::string SweepLimits::setting() const {
+  return sweeps > 0 ? fmt::format("{} sweeps", sweeps) : fmt::format("tolerance {:g}", tolerance);
+}
 
 namespace {
 

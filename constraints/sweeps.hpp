@@ -1,5 +1,9 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
+#include "constraints/options.hpp"
 #include "md/solve_stats.hpp"
 #include "md/state.hpp"
 #include "md/system.hpp"
@@ -9,9 +13,13 @@ namespace taut {
 // One bond after the other, again and again until all hold: what SHAKE and RATTLE share.
 
 struct SweepLimits {
-  double tolerance;  // relative error of a bond length at which the sweeps stop
-  int max_sweeps;    // after which they have failed
-  int sweeps = 0;    // more than 0: take just so many and accept what they leave
+  double tolerance = 1e-10;  // relative error of a bond length at which the sweeps stop
+  int max_sweeps = 1000;     // after which they have failed
+  int sweeps = 0;            // more than 0: take just so many and accept what they leave
+
+  std::vector<Option> describe();
+  double promised_error() const;
+  std::string setting() const;
 };
 
 // Positions (Ryckaert, Ciccotti, Berendsen 1977, doi:10.1016/0021-9991(77)90098-5): x += M⁻¹J(x_old)ᵀ g,

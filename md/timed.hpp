@@ -20,10 +20,6 @@ class Timed : public ConstraintMethod {
   SolveStats project_velocities(const System& sys, double h, State& s) override {
     return timed([&] { return method_.project_velocities(sys, h, s); });
   }
-  SolveStats start(const System& sys, State& s) override { return method_.start(sys, s); }
-  const Eigen::VectorXd& lambda() const override { return method_.lambda(); }
-  std::string setting() const override { return method_.setting(); }
-  void serialize(Archive& archive) override { method_.serialize(archive); }
 
   double seconds() const { return std::chrono::duration<double>(spent_).count(); }
 

@@ -158,8 +158,8 @@ MethodOptions reference_options(const CalibrationPlan& plan) {
   }
   // Cold: a warm start would carry an error's own impulse on into the next step's guess.
   if (plan.against == "rattle")
-    return Rattle::Options{.tolerance = plan.tolerance, .sweeps = plan.sweeps, .warm_start = false};
-  if (plan.against == "shake") return Shake::Options{.tolerance = plan.tolerance, .sweeps = plan.sweeps};
+    return Rattle::Options{{.tolerance = plan.tolerance, .sweeps = plan.sweeps}, false};
+  if (plan.against == "shake") return Shake::Options{{.tolerance = plan.tolerance, .sweeps = plan.sweeps}};
   throw InputError(
       fmt::format("taut calibrate: --against \"{}\", expected rattle, shake or newton", plan.against));
 }

@@ -44,7 +44,7 @@ std::vector<Speed> measure_speed(const Stage& stage) {
   std::vector<Speed> speed;
   if (!(stage.plan.speed_seconds > 0)) return speed;
   for (const auto& [name, method] : std::initializer_list<std::pair<const char*, MethodOptions>>{
-           {"taut, rattle at 1e-6", Rattle::Options{.tolerance = kTolerance}},
+           {"taut, rattle at 1e-6", Rattle::Options{{.tolerance = kTolerance}}},
            {"taut, newton at 1e-6", Newton::Options{.tolerance = kTolerance}},
            {"taut, feedforward", Feedforward::Options{}},
            {"taut, baumgarte reversible", Baumgarte::Options{}}})

@@ -318,14 +318,14 @@ TEST(Batched, NewtonIsThePlainNewton) {
 }
 
 TEST(Batched, RattleIsThePlainRattle) {
-  compare_all(Rattle::Options{.tolerance = 1e-12}, 3e-12);
-  compare_all(Rattle::Options{.sweeps = 3}, 1e-12);
-  compare_all(Rattle::Options{.tolerance = 1e-6, .warm_start = false}, 1e-12);
+  compare_all(Rattle::Options{{.tolerance = 1e-12}}, 3e-12);
+  compare_all(Rattle::Options{{.sweeps = 3}}, 1e-12);
+  compare_all(Rattle::Options{{.tolerance = 1e-6}, false}, 1e-12);
 }
 
 TEST(Batched, ShakeIsThePlainShake) {
-  compare_all(Shake::Options{.tolerance = 1e-12}, 3e-12);
-  compare_all(Shake::Options{.sweeps = 2}, 1e-12);
+  compare_all(Shake::Options{{.tolerance = 1e-12}}, 3e-12);
+  compare_all(Shake::Options{{.sweeps = 2}}, 1e-12);
 }
 
 TEST(Batched, LincsIsThePlainLincs) {
@@ -515,7 +515,7 @@ TEST(Batched, SharesOfThreadsFitTogether) {
     compare_here(start, Newton::Options{.tolerance = 1e-12}, 3e-12);
     compare_here(start, Baumgarte::Options{}, 1e-12);
     compare_here(start, Feedforward::Options{}, 1e-12);
-    compare_here(start, Rattle::Options{.sweeps = 3}, 1e-12);
+    compare_here(start, Rattle::Options{{.sweeps = 3}}, 1e-12);
     compare_here(start, Lincs::Options{}, 1e-12);
     compare_here(waters, Settle::Options{}, 1e-12);
   });
@@ -556,8 +556,8 @@ TEST(Batched, NamesTheWaterThatTurnedTooFar) {
 TEST(Batched, BlamesTheBondThatFailedNotTheOneBefore) {
   const int count = 3000, guilty = 2500;
   const std::vector<MethodOptions> limited = {Newton::Options{.tolerance = 1e-6, .max_iterations = 2},
-                                              Rattle::Options{.tolerance = 1e-6, .max_sweeps = 3},
-                                              Shake::Options{.tolerance = 1e-6, .max_sweeps = 3}};
+                                              Rattle::Options{{.tolerance = 1e-6, .max_sweeps = 3}},
+                                              Shake::Options{{.tolerance = 1e-6, .max_sweeps = 3}}};
   for (const double speed : {30.0, 1e5}) {
     std::vector<Start> dumbbells = chains(count, 2, 3);
     for (int c = 0; c < count; ++c) {

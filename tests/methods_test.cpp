@@ -155,8 +155,8 @@ TEST_P(EveryMethod, StopsBeforeNaN) {
 TEST(PlainMethods, StopBeforeNaNAfterSoManySweeps) {
   const Start start = testing::free_chain(6, 4);
   for (const MethodOptions& options :
-       {MethodOptions(Baumgarte::Options{.sweeps = 3}), MethodOptions(Shake::Options{.sweeps = 3}),
-        MethodOptions(Rattle::Options{.sweeps = 3})}) {
+       {MethodOptions(Baumgarte::Options{.sweeps = 3}), MethodOptions(Shake::Options{{.sweeps = 3}}),
+        MethodOptions(Rattle::Options{{.sweeps = 3}})}) {
     const auto method = make_plain(start.system, options, 1e-3);
     expect_it_stops_before_NaN(start, *method);
   }
@@ -301,8 +301,8 @@ TEST(Sweeps, MeetTheirToleranceAtEveryLength) {
         EXPECT_LE(bond_errors(start.system, s.x).max, 1.001 * tolerance);
       }
     };
-    meets(Rattle(start.system, {.tolerance = 1e-5}, 0.01), 1e-5);
-    meets(Shake(start.system, {.tolerance = 1e-5}, 0.01), 1e-5);
+    meets(Rattle(start.system, {{.tolerance = 1e-5}}, 0.01), 1e-5);
+    meets(Shake(start.system, {{.tolerance = 1e-5}}, 0.01), 1e-5);
     meets(Newton(start.system, {.tolerance = 1e-5}, 0.01), 1e-5);
   }
 }
@@ -438,8 +438,7 @@ TEST(Rattle, WarmStartSavesSweeps) {
   NoForce forces;
   const Start start = testing::free_chain(20, 1);
   const auto warm = verify(start.system, forces, Rattle::Options{}, 0.005, 100, start.state);
-  const auto cold =
-      verify(start.system, forces, Rattle::Options{.warm_start = false}, 0.005, 100, start.state);
+  const auto cold = verify(start.system, forces, Rattle::Options{{}, false}, 0.005, 100, start.state);
   EXPECT_LT(warm.stats.iterations, 0.85 * cold.stats.iterations);
 }
 
@@ -517,8 +516,8 @@ TEST(Methods, LimitsAreRefusedByTheirOwnKeys) {
   EXPECT_EQ(refusal(Newton::Options{.max_iterations = 0}),
             "method.max_iterations: expected at least 1, got 0");
   EXPECT_EQ(refusal(Feedforward::Options{.max_solves = 0}), "method.max_solves: expected at least 1, got 0");
-  EXPECT_EQ(refusal(Rattle::Options{.max_sweeps = 0}), "method.max_sweeps: expected at least 1, got 0");
-  EXPECT_EQ(refusal(Shake::Options{.sweeps = -1}), "method.sweeps: expected at least 0, got -1");
+  EXPECT_EQ(refusal(Rattle::Options{{.max_sweeps = 0}}), "method.max_sweeps: expected at least 1, got 0");
+  EXPECT_EQ(refusal(Shake::Options{{.sweeps = -1}}), "method.sweeps: expected at least 0, got -1");
   EXPECT_EQ(refusal(Lincs::Options{.order = -1}), "method.order: expected at least 0, got -1");
   EXPECT_EQ(refusal(Lincs::Options{.iterations = -1}), "method.iterations: expected at least 0, got -1");
   EXPECT_EQ(refusal(Baumgarte::Options{.passes = 0}), "method.passes: expected at least 1, got 0");
@@ -566,10 +565,10 @@ TEST(Sweeps, AreCounted) {
   const auto stats = [&](const MethodOptions& options) {
     return verify(start.system, forces, options, 0.01, 1, start.state).stats;
   };
-  EXPECT_EQ(stats(Shake::Options{.sweeps = 3}).iterations, 3);
-  EXPECT_EQ(stats(Rattle::Options{.sweeps = 3}).iterations, 6);
-  EXPECT_EQ(stats(Shake::Options{.max_sweeps = 2}).iterations, 2);
-  EXPECT_EQ(stats(Shake::Options{.max_sweeps = 2}).failure, Failure::kNoConvergence);
+  EXPECT_EQ(stats(Shake::Options{{.sweeps = 3}}).iterations, 3);
+  EXPECT_EQ(stats(Rattle::Options{{.sweeps = 3}}).iterations, 6);
+  EXPECT_EQ(stats(Shake::Options{{.max_sweeps = 2}}).iterations, 2);
+  EXPECT_EQ(stats(Shake::Options{{.max_sweeps = 2}}).failure, Failure::kNoConvergence);
 }
 
 TEST(Methods, UnknownNameIsRefusedWithTheNearest) {
@@ -583,8 +582,8 @@ TEST(Methods, UnknownNameIsRefusedWithTheNearest) {
 
 TEST(Methods, OptionsOutOfRangeAreRefused) {
   const System sys = testing::rotor(1).system;
-  EXPECT_THROW(make_method(sys, Rattle::Options{.tolerance = 0}, 0.01), InputError);
-  EXPECT_THROW(make_method(sys, Shake::Options{.max_sweeps = 0}, 0.01), InputError);
+  EXPECT_THROW(make_method(sys, Rattle::Options{{.tolerance = 0}}, 0.01), InputError);
+  EXPECT_THROW(make_method(sys, Shake::Options{{.max_sweeps = 0}}, 0.01), InputError);
   EXPECT_THROW(make_method(sys, Newton::Options{.tolerance = 1}, 0.01), InputError);
   EXPECT_THROW(make_method(sys, Penalty::Options{.omega_h = 2.5}, 0.01), InputError);
   EXPECT_THROW(make_method(sys, Rattle::Options{}, 0), InputError);

@@ -104,7 +104,7 @@ TEST(Scenes, RattleAndNewtonAgreeToRoundOff) {
     const auto run = [&](const MethodOptions& options) {
       return verify(scene.system, forces, options, scene.run.h(), 10, scene.start);
     };
-    const Verdict rattle = run(Rattle::Options{.tolerance = reachable, .max_sweeps = 20000});
+    const Verdict rattle = run(Rattle::Options{{.tolerance = reachable, .max_sweeps = 20000}});
     const Verdict newton = run(Newton::Options{.tolerance = reachable});
     ASSERT_TRUE(rattle.stats.converged() && newton.stats.converged());
     EXPECT_LT((rattle.end.x - newton.end.x).cwiseAbs().maxCoeff(), 1e-10);

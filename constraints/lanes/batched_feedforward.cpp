@@ -1,5 +1,6 @@
 #include "constraints/lanes/batched_feedforward.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #undef HWY_TARGET_INCLUDE
@@ -210,16 +211,13 @@ SolveStats Batched<Feedforward>::start(const System&, State& s) {
 }
 
 SolveStats Batched<Feedforward>::solve(double kick, bool start, State& s) {
-  const int order = std::min(options_.extrapolation, known_ - 1);
+  constexpr double kWeights[3][3] = {{1, 0, 0}, {2, -1, 0}, {3, -3, 1}};  // by order
+  const auto& [last, first, second] = kWeights[std::clamp(known_ - 1, 0, options_.extrapolation)];
   const FeedforwardStep step{.h = h_,
                              .kick = kick,
-                             .last = order == 1   ? 2.0
-                                     : order == 2 ? 3.0
-                                                  : 1.0,
-                             .first = order == 1   ? -1.0
-                                      : order == 2 ? -3.0
-                                                   : 0.0,
-                             .second = order == 2 ? 1.0 : 0.0,
+                             .last = last,
+                             .first = first,
+                             .second = second,
                              .shift = !start,
                              .max_solves = options_.max_solves,
                              .turn = std::sqrt(2 * options_.tolerance),

@@ -196,8 +196,8 @@ HWY_EXPORT(sweep_velocities);
 namespace {
 
 // The kept multipliers λ set out as guess·λ and are kept as keep·g.
-SweepStep sweeps(const auto& options, double h, double guess, double keep, State& s) {
-  return {{options.tolerance, options.max_sweeps, options.sweeps}, h, guess, keep, s.x.data(), s.v.data()};
+SweepStep sweeps(const SweepLimits& limits, double h, double guess, double keep, State& s) {
+  return {limits, h, guess, keep, s.x.data(), s.v.data()};
 }
 
 }  // namespace
