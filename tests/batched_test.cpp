@@ -1,7 +1,6 @@
-#include <gtest/gtest.h>
+// The fast forms, in lanes and by threads, against the plain ones.
 
-#include <numeric>
-
+#include "against_plain.hpp"
 #include "constraints/lanes/batched_baumgarte.hpp"
 #include "constraints/lanes/batched_feedforward.hpp"
 #include "constraints/lanes/batched_lincs.hpp"
@@ -9,53 +8,10 @@
 #include "constraints/lanes/batched_settle.hpp"
 #include "constraints/lanes/batched_sweeps.hpp"
 #include "constraints/lanes/elimination.hpp"
-#include "constraints/methods.hpp"
-#include "constraints/projection.hpp"
-#include "every_machine.hpp"
-#include "free_system.hpp"
 #include "md/threads.hpp"
 
 namespace taut {
 namespace {
-
-using testing::on_every_machine;
-using testing::on_one_to_three_threads;
-using testing::Start;
-
-// Several starts as one system, the k-th moved aside by k·spacing, and its atoms renumbered by `order` of all
-// atoms.
-Start together(const std::vector<Start>& parts, const std::vector<int>& order = {}, double spacing = 3) {
-  int atoms = 0;
-  for (const Start& part : parts) atoms += part.system.atoms();
-  std::vector<int> place(atoms);
-  std::iota(place.begin(), place.end(), 0);
-  if (!order.empty()) place = order;
-  Start all;
-  all.state.x.resize(3, atoms);
-  all.state.v.resize(3, atoms);
-  all.state.f = Vectors::Zero(3, atoms);
-  Eigen::VectorXd mass(atoms);
-  std::vector<RigidBond> bonds;
-  int first = 0;
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    const auto& [sys, s] = parts[p];
-    for (int a = 0; a < sys.atoms(); ++a) {
-      all.state.x.col(place[first + a]) = s.x.col(a) + Vec3(spacing * static_cast<double>(p), 0, 0);
-      all.state.v.col(place[first + a]) = s.v.col(a);
-      mass[place[first + a]] = sys.mass[a];
-    }
-    for (const auto& [i, j, d] : sys.bonds) bonds.push_back({place[first + i], place[first + j], d});
-    first += sys.atoms();
-  }
-  all.system = make_system(std::move(mass), std::move(bonds));
-  return all;
-}
-
-std::vector<Start> chains(int count, int beads, std::uint64_t seed) {
-  std::vector<Start> chains;
-  for (int c = 0; c < count; ++c) chains.push_back(testing::free_chain(beads, seed + c));
-  return chains;
-}
 
 // Hexagons, puckered and turning; every second one with an arm.
 std::vector<Start> rings(int count) {
@@ -169,55 +125,6 @@ std::vector<std::pair<const char*, Start>> cases() {
           {"pinned chains between free ones",
            together(between(chains(9, 4, 5), pinned_chains(2), chains(3, 6, 8)))},
           {"mixed", mixed}};
-}
-
-// NaN where there is one.
-double largest(const auto& differences) {
-  return differences.cwiseAbs().template maxCoeff<Eigen::PropagateNaN>();
-}
-
-// Runs both forms of a method side by side from the same start.
-void compare_here(const Start& start, const MethodOptions& options, double tolerance) {
-  constexpr double h = 0.001;
-  const System& sys = start.system;
-  const auto fast = make_method(sys, options, h), plain = make_plain(sys, options, h);
-  State a = start.state, b = start.state;
-  testing::UniformForce forces{Vec3(1, 2, -9.81)};
-  initialize({sys, forces, *fast}, a);
-  initialize({sys, forces, *plain}, b);
-  for (int n = 0; n < 12; ++n) {
-    const SolveStats got = step({sys, forces, *fast}, h, a), want = step({sys, forces, *plain}, h, b);
-    ASSERT_EQ(got.failure, Failure::kNone);
-    ASSERT_EQ(want.failure, Failure::kNone);
-    EXPECT_NEAR(got.max_residual, want.max_residual, tolerance + 1e-6 * want.max_residual);
-    if (want.max_residual > 1e3 * tolerance) {
-      EXPECT_EQ(got.worst_bond, want.worst_bond);
-    }
-    EXPECT_NEAR(got.iterations, want.iterations, 1);
-  }
-  const double lambda = 1 + largest(plain->lambda());
-  EXPECT_LT(largest(a.x - b.x), 10 * tolerance);
-  EXPECT_LT(largest(a.v - b.v), 10 * tolerance / h);
-  EXPECT_LT(largest(a.f - b.f), 1e5 * tolerance * lambda);
-  EXPECT_LT(largest(fast->lambda() - plain->lambda()), 1e5 * tolerance * lambda);
-  EXPECT_EQ(fast->setting(), plain->setting());
-  EXPECT_EQ(fast->promised_error(), plain->promised_error());
-}
-
-// What the method says of a start and a step from it that it cannot hold. Some fail in the first already.
-SolveStats start_and_step(const System& sys, const MethodOptions& options, double h, State s) {
-  testing::NoForce forces;
-  const auto method = make_method(sys, options, h);
-  Projector projector(sys);
-  projector.positions(sys, s.x);
-  projector.velocities(sys, s.x, s.v);
-  forces(sys, s);
-  SolveStats stats = method->start(sys, s);
-  return stats += step({sys, forces, *method}, h, s);
-}
-
-void compare(const Start& start, const MethodOptions& options, double tolerance) {
-  on_every_machine([&] { compare_here(start, options, tolerance); });
 }
 
 void compare_all(const MethodOptions& options, double tolerance) {
@@ -340,185 +247,6 @@ TEST(Batched, SettleIsThePlainSettle) {
   std::vector<int> turned;
   for (int w = 0; w < 9; ++w) turned.insert(turned.end(), {3 * w + 2, 3 * w, 3 * w + 1});
   compare(together({testing::waters(9, 3, 300)}, turned), Settle::Options{}, 1e-12);
-}
-
-// A chain of the masses 1, 2, 4, 1, 2, 4, …, its ends of their own, and lengths that repeat likewise.
-Start copolymer(int beads, std::uint64_t seed) {
-  Start start = testing::free_chain(beads, seed);
-  Eigen::VectorXd mass(beads);
-  for (int a = 0; a < beads; ++a) mass[a] = 1 << (a % 3);
-  mass[0] = mass[beads - 1] = 7;
-  auto bonds = start.system.bonds;
-  for (int k = 0; k + 1 < beads; ++k) {
-    bonds[k].length = k % 3 == 1 ? 1.25 : 1.0;
-    start.state.x.rightCols(beads - 1 - k).colwise() +=
-        (bonds[k].length - 1) * (start.state.x.col(k + 1) - start.state.x.col(k)).normalized();
-  }
-  start.system = make_system(mass, bonds);
-  return start;
-}
-
-// All but straight: what one end of a piece does the other feels, where a coil's bonds forget within a few.
-Start nearly_straight(int beads, std::uint64_t seed) {
-  Start start = testing::free_chain(beads, seed);
-  Random random(seed);
-  for (int a = 1; a < beads; ++a)
-    start.state.x.col(a) =
-        start.state.x.col(a - 1) + (Vec3(1, 0, 0) + 0.05 * random.normal_vector()).normalized();
-  start.state.v *= 0.1;
-  return start;
-}
-
-// Chains that are cut into pieces: such as divide and such as do not, alone and not, of several pieces a
-// lane, numbered along and not.
-std::vector<std::pair<const char*, Start>> long_chains() {
-  std::vector<int> odd_and_even(302);
-  for (int a = 0; a < 302; ++a) odd_and_even[a] = a % 2 == 0 ? a / 2 : 151 + a / 2;
-  return {{"201 bonds", testing::free_chain(202, 1)},
-          {"255 bonds", testing::free_chain(256, 2)},
-          {"1000 bonds", testing::free_chain(1001, 3)},
-          {"3 chains of 467 bonds and a dumbbell",
-           together({testing::free_chain(468, 4), testing::free_chain(468, 5), testing::free_chain(2, 6),
-                     testing::free_chain(468, 7)})},
-          {"chains of 301 and of 222", together({testing::free_chain(302, 4), testing::free_chain(223, 5)})},
-          {"a copolymer", copolymer(400, 8)},
-          {"scattered atoms", together({testing::free_chain(302, 9)}, odd_and_even)},
-          {"all but straight", nearly_straight(202, 11)},
-          {"2600 bonds", testing::free_chain(2601, 10)}};
-}
-
-void compare_long(const MethodOptions& options, double tolerance) {
-  for (const auto& [name, start] : long_chains()) {
-    SCOPED_TRACE(name);
-    EXPECT_TRUE(find_clusters(start.system, ClusterLimits::cutting()).rest.empty());
-    EXPECT_FALSE(find_clusters(start.system, ClusterLimits::cutting()).chains.empty());
-    compare(start, options, tolerance);
-  }
-}
-
-TEST(CutChains, SolveAsThePlainMethods) {
-  for (const char* damping : {"centred", "lagged"})
-    for (int passes : {1, 3}) compare_long(Baumgarte::Options{.damping = damping, .passes = passes}, 1e-12);
-  for (int order : {0, 2}) compare_long(Feedforward::Options{.extrapolation = order}, 1e-12);
-  compare_long(Newton::Options{.tolerance = 1e-12}, 3e-12);
-}
-
-// However many threads there are while a method is made and while it works, the bits are the same: chains
-// that are cut and such as are left whole, whose number lanes or threads might have a say in.
-TEST(CutChains, TheSameBitsOnAnyNumberOfThreads) {
-  constexpr double h = 0.001;
-  for (const auto& [count, beads] :
-       {std::pair{1, 10001}, std::pair{3, 1201}, std::pair{8, 401}, std::pair{12, 401}}) {
-    const Start start = together(chains(count, beads, 40), {}, 0);
-    for (const char* name : {"newton", "feedforward", "baumgarte", "rattle"}) {
-      if (count > 1 && name == std::string_view("rattle")) continue;
-      std::vector<State> ends;
-      on_one_to_three_threads([&] {
-        testing::NoForce forces;
-        const auto method = make_method(start.system, default_options(name), h);
-        State& end = ends.emplace_back(start.state);
-        initialize({start.system, forces, *method}, end);
-        for (int n = 0; n < 3; ++n) ASSERT_TRUE(step({start.system, forces, *method}, h, end).converged());
-      });
-      for (const State& end : ends) {
-        EXPECT_EQ(end.x, ends[0].x) << count << " chains under " << name;
-        EXPECT_EQ(end.v, ends[0].v) << count << " chains under " << name;
-      }
-    }
-  }
-}
-
-TEST(CutChains, ACopyGoesOnAsTheOriginal) {
-  constexpr double h = 0.001;
-  const Start start = testing::free_chain(1001, 1);
-  testing::NoForce forces;
-  on_every_machine([&] {
-    Batched<Newton> method(start.system, {}, h);
-    State s = start.state;
-    initialize({start.system, forces, method}, s);
-    EXPECT_TRUE(step({start.system, forces, method}, h, s).converged());
-    Batched<Newton> copy = method;
-    State t = s;
-    EXPECT_TRUE(step({start.system, forces, method}, h, s).converged());
-    EXPECT_TRUE(step({start.system, forces, copy}, h, t).converged());
-    EXPECT_EQ(s.x, t.x);
-    EXPECT_EQ(s.v, t.v);
-  });
-}
-
-TEST(CutChains, NameTheBondThatTurnedTooFar) {
-  for (int bond : {3, 128, 129, 130, 131, 132, 133, 134, 135, 499}) {
-    Start start = testing::free_chain(501, 1);
-    start.state.v.setZero();
-    start.state.v.col(bond) = Vec3(1e4, 0, 0);
-    for (const char* name : {"newton", "feedforward"}) {
-      SCOPED_TRACE(name);
-      const SolveStats stats = start_and_step(start.system, default_options(name), 0.01, start.state);
-      EXPECT_FALSE(stats.converged());
-      EXPECT_NEAR(stats.worst_bond, bond, 40);
-    }
-  }
-}
-
-TEST(CutChains, AreEightTimesAsManyEqualPiecesAndTwoEnds) {
-  const BondClusters found = find_clusters(testing::free_chain(2601, 1).system, ClusterLimits::cutting());
-  ASSERT_EQ(found.chains.size(), 1u);
-  ASSERT_EQ(found.chains[0].size(), 18u);
-  ASSERT_EQ(found.pieces.size(), 3u);
-  EXPECT_EQ(found.pieces[1].count, 16);
-  int own = 0;
-  for (const ClusterBatch& batch : found.pieces)
-    own += batch.count * (batch.shape.atoms() - batch.shape.left - batch.shape.right);
-  EXPECT_EQ(own, 2601);
-  EXPECT_TRUE(found.rest.empty());
-}
-
-// Masses or lengths that do not repeat, or a branch: left to the plain method.
-TEST(CutChains, MustRepeat) {
-  const Start chain = testing::free_chain(400, 1);
-  const auto left_whole = [](const Start& start) {
-    const BondClusters found = find_clusters(start.system, ClusterLimits::cutting());
-    EXPECT_EQ(static_cast<int>(found.rest.size()), start.system.bond_count());
-    compare(start, Baumgarte::Options{}, 1e-12);
-  };
-  Start heavier = chain;
-  Eigen::VectorXd mass = chain.system.mass;
-  mass[200] = 3;
-  heavier.system = make_system(mass, chain.system.bonds);
-  left_whole(heavier);
-
-  Start longer = chain;
-  auto bonds = longer.system.bonds;
-  bonds[200].length = 1.5;
-  longer.state.x.rightCols(199).colwise() += 0.5 * Vec3(chain.state.x.col(201) - chain.state.x.col(200));
-  longer.system = make_system(longer.system.mass, bonds);
-  left_whole(longer);
-
-  Start branched = chain;
-  bonds = branched.system.bonds;
-  bonds.back() = {200, 399, 1.0};
-  branched.state.x.col(399) = chain.state.x.col(200) + Vec3(0, 0, 1);
-  branched.system = make_system(branched.system.mass, bonds);
-  left_whole(branched);
-}
-
-// Enough bonds for three threads, in batches of two shapes so that a thread's share ends inside one of them.
-TEST(Batched, SharesOfThreadsFitTogether) {
-  std::vector<Start> many = chains(300, 21, 200);
-  for (Start& start : chains(500, 8, 600)) many.push_back(std::move(start));
-  for (Start& start : many) start.state.x.colwise() -= start.state.x.col(0).eval();
-  const Start start = together(many, {}, 0);
-  Start waters = testing::waters(2100, 3, 300);
-  for (int w = 0; w < 2100; ++w)
-    waters.state.x.middleCols<3>(3 * w).colwise() -= waters.state.x.col(3 * w).eval();
-  on_one_to_three_threads([&] {
-    compare_here(start, Newton::Options{.tolerance = 1e-12}, 3e-12);
-    compare_here(start, Baumgarte::Options{}, 1e-12);
-    compare_here(start, Feedforward::Options{}, 1e-12);
-    compare_here(start, Rattle::Options{{.sweeps = 3}}, 1e-12);
-    compare_here(start, Lincs::Options{}, 1e-12);
-    compare_here(waters, Settle::Options{}, 1e-12);
-  });
 }
 
 TEST(Batched, NamesTheBondThatTurnedTooFarInItsLane) {

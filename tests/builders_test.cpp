@@ -10,16 +10,12 @@
 #include "forcefield/force_field.hpp"
 #include "md/observables.hpp"
 #include "md/units.hpp"
-#include "systems/scene_file.hpp"
+#include "named_scene.hpp"
 #include "systems/start_file.hpp"
 #include "temporary_folder.hpp"
 
 namespace taut {
 namespace {
-
-Scene scene_of(const std::string& name, const std::vector<std::string>& overrides = {}) {
-  return read_scene(find_scene(name), overrides);
-}
 
 std::vector<std::string> all_scenes() {
   std::vector<std::string> names;
@@ -315,100 +311,6 @@ TEST(Water, DropletIsRoundAndDense) {
     const double ideal = std::cbrt(0.75 * molecules * std::pow(1.872, 3) / 216 / std::numbers::pi);
     EXPECT_NEAR(radius, ideal, 0.1);
   }
-}
-
-TEST(Start, ReadsBackExactlyAndContinues) {
-  const TemporaryFolder folder;
-  Scene scene = scene_of("melt");
-  scene.start.x.array() += 1.0 / 3;
-  const auto file = folder.path() / "final.start.toml";
-  write_start(file, scene.system, scene.start);
-  const Start back = read_start(file);
-  EXPECT_EQ(back.state.x, scene.start.x);
-  EXPECT_EQ(back.state.v, scene.start.v);
-  EXPECT_EQ(back.box.edge, scene.system.box.edge);
-
-  // The scene draws velocities for the start it ships with; another's are kept, with a thermostat and
-  // without.
-  for (const char* thermostat : {"run.thermostat=none", "run.thermostat=langevin"}) {
-    const Scene next = scene_of("melt", {"build.start=" + file.string(), thermostat});
-    EXPECT_EQ(next.start.x, scene.start.x);
-    EXPECT_EQ(next.start.v, scene.start.v);
-  }
-  const Scene drawn = scene_of("melt", {"build.start=" + file.string(), "run.velocities=draw", "run.seed=2"});
-  EXPECT_EQ(drawn.start.x, scene.start.x);
-  EXPECT_EQ(drawn.start.v, scene_of("melt", {"run.seed=2"}).start.v);
-}
-
-// One that somebody asked for is not set aside in silence.
-TEST(Start, ThatAnOverrideNamesHasToFit) {
-  const auto complaint = [](const std::string& scene, const std::vector<std::string>& overrides) {
-    try {
-      scene_of(scene, overrides);
-    } catch (const InputError& e) {
-      return std::string(e.what());
-    }
-    return std::string("no error");
-  };
-  using testing::HasSubstr;
-  const std::string melt = "build.start=" + (scenes_folder() / "melt.start.toml").string();
-  EXPECT_THAT(complaint("melt", {melt, "build.chains=21"}), HasSubstr("it has another number of atoms"));
-  EXPECT_THAT(complaint("water", {water_start(), "build.molecules=100"}),
-              HasSubstr("build.start: 100 molecules are not n³ times the 216 it has"));
-  EXPECT_EQ(complaint("water", {water_start(), "build.molecules=1728"}), "no error");
-}
-
-// Other counts or another density than the start's: what was built stands, and a note says so.
-TEST(Start, IsSetAsideWhereItDoesNotFit) {
-  using testing::ElementsAre;
-  using testing::HasSubstr;
-  EXPECT_THAT(scene_of("melt").notes, testing::IsEmpty());
-  const auto notes = [](const std::vector<std::string>& overrides) {
-    return scene_of("melt", overrides).notes;
-  };
-  EXPECT_THAT(notes({"build.chains=21"}),
-              ElementsAre(HasSubstr("melt"), HasSubstr("another number of atoms")));
-  EXPECT_THAT(notes({"build.density_per_nm3=0.8"}), ElementsAre(HasSubstr("melt"), HasSubstr("another box")));
-  const std::vector<std::string> longer = {"build.chains=10", "build.beads=100"};
-  EXPECT_THAT(notes(longer), ElementsAre(HasSubstr("melt"), HasSubstr("other bonds")));
-  EXPECT_THAT(notes({longer[0], longer[1], "build.bonds=fene"}),
-              ElementsAre(HasSubstr("melt"), HasSubstr("other springs")));
-}
-
-// Springs longer than they can be: a chain's start whose bonds of 0.97 are stretched past r₀ = 1.5.
-TEST(Start, DoesNotFitWhereASpringCannotReach) {
-  const TemporaryFolder folder;
-  Scene scene = scene_of("melt", {"build.bonds=fene"});
-  const auto read = [&](double stretch) {
-    State s = scene.start;
-    s.x.col(0) = s.x.col(1) + stretch * Vec3(s.x.col(0) - s.x.col(1)).normalized();
-    write_start(folder.path() / "long.start.toml", scene.system, s);
-    return scene_of("melt",
-                    {"build.bonds=fene", "build.start=" + (folder.path() / "long.start.toml").string()});
-  };
-  EXPECT_THAT(read(1.49).notes, testing::IsEmpty());
-  EXPECT_THROW(read(1.51), InputError);
-}
-
-TEST(Start, SaysWhatIsWrongWithIt) {
-  const TemporaryFolder folder;
-  const auto complaint = [&](const std::string& text) -> std::string {
-    const auto file = folder.write("bad.start.toml", text);
-    try {
-      read_start(file);
-    } catch (const InputError& e) {
-      return std::string(e.what()).substr(folder.path().string().size() + 1);
-    }
-    return "no error";
-  };
-  EXPECT_EQ(complaint("atoms = [\n[1, 2, 3, 4, 5, 6],\n[1, 2, 3]]"),
-            "bad.start.toml:3: atoms[1]: expected 6 numbers, got 3");
-  EXPECT_EQ(complaint("box_nm = [1, 2, 0]\natoms = []"), "bad.start.toml:1: box_nm: expected edges above 0");
-  EXPECT_EQ(complaint("atoms = [[1, 2, 3, 4, 5, inf]]"),
-            "bad.start.toml:1: atoms[0]: expected finite numbers");
-  EXPECT_EQ(complaint("box_nm = [1, 1, 1]"), "bad.start.toml: missing key \"atoms\"");
-  EXPECT_EQ(complaint("atoms = []\nbox = 1"),
-            "bad.start.toml:2: unknown key \"box\"; did you mean \"box_nm\"?");
 }
 
 }  // namespace

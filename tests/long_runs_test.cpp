@@ -1,174 +1,15 @@
 // Runs that are stopped, killed, or refused by the disk, as a user meets them. TAUT_KILLS=200 kills more
 // often.
 
-#include <fcntl.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
+#include "long_runs.hpp"
+
 #include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include <array>
-#include <chrono>
-#include <csignal>
 #include <cstdlib>
-#include <fstream>
-#include <map>
-#include <nlohmann/json.hpp>
 #include <random>
-#include <sstream>
-#include <thread>
-
-#include "temporary_folder.hpp"
 
 namespace taut {
 namespace {
-
-namespace fs = std::filesystem;
-using ::testing::HasSubstr;
-using ::testing::Not;
-using Arguments = std::vector<std::string>;
-using std::chrono::milliseconds;
-
-std::string contents(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
-
-// taut as a process of its own, its streams in files.
-class Process {
- public:
-  Process(const Arguments& arguments, const fs::path& streams)
-      : out_(streams / "out"), error_(streams / "error") {
-    std::vector<char*> words = {const_cast<char*>(TAUT_BINARY)};
-    for (const auto& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
-    words.push_back(nullptr);
-    pid_ = fork();
-    if (pid_ != 0) return;
-    dup2(open(out_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDOUT_FILENO);
-    dup2(open(error_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDERR_FILENO);
-    execv(TAUT_BINARY, words.data());
-    _exit(127);
-  }
-
-  void send(int signal) const { kill(pid_, signal); }
-
-  void halt() const {  // returns when it stands still
-    kill(pid_, SIGSTOP);
-    waitpid(pid_, nullptr, WUNTRACED);
-  }
-
-  // The exit code, or minus the signal it died of.
-  int wait() const {
-    int status = 0;
-    waitpid(pid_, &status, 0);
-    return WIFSIGNALED(status) ? -WTERMSIG(status) : WEXITSTATUS(status);
-  }
-
-  std::string out() const { return contents(out_); }
-  std::string error() const { return contents(error_); }
-
- private:
-  fs::path out_, error_;
-  pid_t pid_;
-};
-
-struct Outcome {
-  int code;
-  std::string out, error;
-};
-
-Outcome taut(const Arguments& arguments, const fs::path& streams) {
-  const Process process(arguments, streams);
-  const int code = process.wait();
-  return {code, process.out(), process.error()};
-}
-
-void wait_until(const auto& so) {
-  for (int n = 0; n < 20000 && !so(); ++n) std::this_thread::sleep_for(milliseconds(1));
-}
-
-void wait_for(const fs::path& file) {
-  wait_until([&] { return fs::exists(file); });
-}
-
-// What a run gets that is killed after a while.
-void kill_when_the_log_has(std::uintmax_t bytes, const Process& process, const fs::path& folder) {
-  wait_for(folder / "checkpoint.cbor");
-  wait_until([&] { return fs::file_size(folder / "log.csv") > bytes; });
-  process.send(SIGKILL);
-  ASSERT_EQ(process.wait(), -SIGKILL);
-}
-
-std::map<std::string, std::string> all_files(const fs::path& folder) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : fs::directory_iterator(folder))
-    files[entry.path().filename().string()] = contents(entry.path());
-  return files;
-}
-
-void expect_one_line(const Outcome& outcome, int code) {
-  EXPECT_EQ(outcome.code, code) << outcome.error;
-  EXPECT_EQ(std::count(outcome.error.begin(), outcome.error.end(), '\n'), 1) << outcome.error;
-}
-
-// The log but for its speeds, column 7.
-std::string steady_log(const fs::path& folder) {
-  std::istringstream log(contents(folder / "log.csv"));
-  std::string text;
-  for (std::string line; std::getline(log, line);) {
-    std::istringstream cells(line);
-    std::string cell;
-    for (int column = 1; std::getline(cells, cell, ','); ++column)
-      if (column != 7) text += cell + ",";
-    text += "\n";
-  }
-  return text;
-}
-
-// But for the times it took.
-nlohmann::json steady_summary(const fs::path& folder) {
-  auto summary = nlohmann::json::parse(contents(folder / "summary.json"));
-  for (const char* time : {"us_per_step", "constraint_us_per_step", "ns_per_day"}) summary.erase(time);
-  return summary;
-}
-
-void expect_same_run(const fs::path& a, const fs::path& b) {
-  EXPECT_EQ(steady_log(a), steady_log(b));
-  EXPECT_EQ(steady_summary(a), steady_summary(b));
-  EXPECT_EQ(contents(a / "final.start.toml"), contents(b / "final.start.toml"));
-}
-
-// 64 waters in a droplet, a thermostat that draws, and steps enough to be killed in.
-Arguments droplet(const fs::path& out, const std::string& steps) {
-  return {"run",
-          "water_cluster",
-          "--method",
-          "rattle",
-          "--steps",
-          steps,
-          "--set",
-          "run.log_every=7",
-          "run.thermostat_ps=0.1",
-          "run.temperature_k=250",
-          "run.checkpoint_every=20",
-          "--out",
-          out.string()};
-}
-
-Arguments with(Arguments arguments, const Arguments& more) {
-  arguments.insert(arguments.end(), more.begin(), more.end());
-  return arguments;
-}
-
-class LongRuns : public ::testing::Test {
- protected:
-  fs::path in(const char* name) const { return folder_.path() / name; }
-  Outcome run(const Arguments& arguments) const { return taut(arguments, folder_.path()); }
-
-  TemporaryFolder folder_;
-};
 
 TEST_F(LongRuns, KilledAtAnyInstantTheyGoOn) {
   const char* wanted = std::getenv("TAUT_KILLS");
@@ -232,24 +73,6 @@ TEST_F(LongRuns, FourHundredAndSixHundredAreAThousand) {
   EXPECT_EQ(summary["steps"], 1000);
 }
 
-TEST_F(LongRuns, WhatIsNoCheckpointGetsOneLine) {
-  fs::create_directories(in("bad"));
-  const auto refused = [&](const std::string& bytes) {
-    std::ofstream(in("bad") / "checkpoint.cbor", std::ios::binary) << bytes;
-    const Outcome outcome = run({"resume", in("bad").string()});
-    expect_one_line(outcome, 2);
-    EXPECT_THAT(outcome.error, HasSubstr("checkpoint.cbor: "));
-  };
-  EXPECT_EQ(run({"resume", in("nowhere").string()}).code, 2);
-  ASSERT_EQ(run(droplet(in("good"), "20")).code, 0);
-  std::string bytes = contents(in("good") / "checkpoint.cbor");
-  refused("");
-  refused("hello");
-  refused(bytes.substr(0, bytes.size() / 2));
-  bytes[bytes.size() / 2] = static_cast<char>(~bytes[bytes.size() / 2]);
-  refused(bytes);
-}
-
 // The last checkpoint stays good, and the run goes on once there is room.
 TEST_F(LongRuns, AFullDiskIsOneLineAndLosesNothing) {
   const fs::path out = in("full");
@@ -293,35 +116,6 @@ TEST_F(LongRuns, AFolderThatVanishesIsOneLine) {
   EXPECT_THAT(error, HasSubstr("gone"));
 }
 
-// A second one is turned away, and harms nothing; the lock goes with the process that died.
-TEST_F(LongRuns, OneProcessAtATimeWritesToAFolder) {
-  const fs::path out = in("shared");
-  ASSERT_EQ(run(droplet(in("whole"), "600")).code, 0);
-  const Process first(droplet(out, "600"), folder_.path());
-  wait_for(out / "checkpoint.cbor");
-  first.halt();
-  const std::string checkpoint = contents(out / "checkpoint.cbor"), log = contents(out / "log.csv");
-  for (const Arguments& second :
-       {Arguments{"resume", out.string()}, with(droplet(out, "600"), {"--continue"}),
-        with(droplet(out, "600"), {"--overwrite"}),
-        Arguments{"chart", "diatomic", "--quick", "--out", out.string()},
-        Arguments{"stability", "diatomic", "--quick", "--out", out.string()}}) {
-    const Outcome refused = run(second);
-    EXPECT_EQ(refused.code, 2) << second[0];
-    EXPECT_EQ(refused.error,
-              "taut: " + out.string() +
-                  ": another taut is still writing there; wait until it ends, or give another folder\n");
-  }
-  EXPECT_EQ(contents(out / "checkpoint.cbor"), checkpoint);
-  EXPECT_EQ(contents(out / "log.csv"), log);
-  first.send(SIGKILL);
-  ASSERT_EQ(first.wait(), -SIGKILL);
-  ASSERT_EQ(run({"resume", out.string()}).code, 0);
-  expect_same_run(in("whole"), out);
-  EXPECT_EQ(run({"resume", folder_.path().string()}).code, 2);
-  EXPECT_FALSE(fs::exists(folder_.path() / ".lock"));  // no run's folder: left as it was
-}
-
 TEST_F(LongRuns, AFailureIsWrittenWithTheLastGoodFrame) {
   const fs::path out = in("failed");
   const Outcome failed = run({"run", "water", "--method", "newton", "--dt-fs", "6", "--steps", "1000",
@@ -341,74 +135,6 @@ TEST_F(LongRuns, AFailureIsWrittenWithTheLastGoodFrame) {
                  "build.start=" + (out / "last_good.start.toml").string()})
                 .code,
             0);
-}
-
-TEST_F(LongRuns, ARunIsNotOverwrittenUnasked) {
-  const fs::path out = in("runs");
-  ASSERT_EQ(run(droplet(out, "40")).code, 0);
-  std::ofstream(out / "notes.txt") << "mine";
-  const auto before = all_files(out);
-  const Outcome refused = run(droplet(out, "60"));
-  expect_one_line(refused, 2);
-  EXPECT_THAT(refused.error, HasSubstr("--continue"));
-  EXPECT_THAT(refused.error, HasSubstr("--overwrite"));
-  EXPECT_EQ(all_files(out), before);
-
-  const Outcome anew = run(with(droplet(out, "60"), {"--overwrite"}));
-  ASSERT_EQ(anew.code, 0);
-  EXPECT_THAT(anew.out, HasSubstr("what was there is kept in " + fs::canonical(out).string() + ".1\n"));
-  auto kept = all_files(out.string() + ".1");
-  kept.merge(std::map<std::string, std::string>{{"notes.txt", "mine"}, {".lock", ""}});
-  EXPECT_EQ(kept, before);
-  EXPECT_EQ(contents(out / "notes.txt"), "mine");
-  EXPECT_EQ(steady_summary(out)["steps"], 60);
-  ASSERT_EQ(run(with(droplet(out, "20"), {"--overwrite"})).code, 0);
-  EXPECT_EQ(steady_summary(out.string() + ".2")["steps"], 60);
-}
-
-// log.csv is not a run's alone.
-TEST_F(LongRuns, FilesOfOthersAreNotOverwrittenUnasked) {
-  const fs::path out = in("mine");
-  fs::create_directories(out);
-  for (const char* name : {"log.csv", ".lock"}) std::ofstream(out / name) << "mine";
-  expect_one_line(run(droplet(out, "20")), 2);
-  EXPECT_EQ(contents(out / "log.csv"), "mine");
-  ASSERT_EQ(run(with(droplet(out, "20"), {"--continue"})).code, 0);
-  EXPECT_EQ(contents(out.string() + ".1/log.csv"), "mine");
-  EXPECT_EQ(contents(out / ".lock"), "mine");
-}
-
-TEST_F(LongRuns, ContinueIsWhatAQueueNeeds) {
-  const fs::path out = in("queued");
-  ASSERT_EQ(run(with(droplet(out, "40"), {"--continue"})).code, 0);
-  const auto done = all_files(out);
-  const Outcome again = run(with(droplet(out, "40"), {"--continue"}));
-  EXPECT_EQ(again.code, 0);
-  EXPECT_THAT(again.out, HasSubstr("all 40 steps are taken"));
-  EXPECT_EQ(all_files(out), done);
-  for (const Arguments& other :
-       {Arguments{"--dt-fs", "0.25"}, {"--set", "run.seed=9"}, {"--set", "method.tolerance=1e-9"}}) {
-    const Outcome refused = run(with(droplet(out, "40"), with(other, {"--continue"})));
-    expect_one_line(refused, 2);
-    EXPECT_THAT(refused.error, ::testing::ContainsRegex("(dt_fs|seed|tolerance) is "));
-  }
-  EXPECT_EQ(all_files(out), done);
-  ASSERT_EQ(run(with(droplet(out, "100"), {"--continue"})).code, 0);
-  ASSERT_EQ(run(droplet(in("whole"), "100")).code, 0);
-  expect_same_run(in("whole"), out);
-  EXPECT_EQ(run({"run", "pair", "--continue"}).code, 2);  // of which folder?
-}
-
-Arguments by_the_clock(const fs::path& out, const std::string& steps, const char* minutes) {
-  return {"run",
-          "diatomic",
-          "--steps",
-          steps,
-          "--set",
-          "run.log_every=10",
-          std::string("run.checkpoint_minutes=") + minutes,
-          "--out",
-          out.string()};
 }
 
 TEST_F(LongRuns, CheckpointsAreTakenByTheClock) {
@@ -436,98 +162,6 @@ TEST_F(LongRuns, TheFirstCheckpointsComeSoon) {
   process.wait();
   const Outcome resumed = run({"resume", out.string(), "--set", "run.steps=0"});
   EXPECT_THAT(resumed.out, ::testing::ContainsRegex("goes on from step [1-9]")) << resumed.error;
-}
-
-TEST_F(LongRuns, MoreThanHalfIsCutOffOnlyWhereSaid) {
-  ASSERT_EQ(run(by_the_clock(in("whole"), "100000", "0")).code, 0);
-  const fs::path out = in("killed");
-  const Process process(by_the_clock(out, "100000", "0"), folder_.path());
-  kill_when_the_log_has(20000, process, out);
-  const auto before = all_files(out);
-  const Outcome refused = run({"resume", out.string()});
-  expect_one_line(refused, 2);
-  EXPECT_THAT(refused.error, HasSubstr("the checkpoint is of step 0, log.csv is cut back to less than half"));
-  EXPECT_THAT(refused.error, HasSubstr("--yes"));
-  EXPECT_EQ(all_files(out), before);
-  ASSERT_EQ(run({"resume", out.string(), "--yes"}).code, 0);
-  expect_same_run(in("whole"), out);
-}
-
-TEST_F(LongRuns, AnOutputThatIsGoneIsPutBackOrBegunAnew) {
-  const fs::path out = in("parts");
-  ASSERT_EQ(run(with(droplet(out, "40"), {"--set", "run.trajectory_every=5", "run.trajectory=both"})).code,
-            0);
-  for (const char* name : {"trajectory.dcd", "trajectory.h5md", "log.csv"}) {
-    fs::rename(out / name, in(name));
-    const auto before = all_files(out);
-    const Outcome refused = run({"resume", out.string(), "--steps", "20"});
-    expect_one_line(refused, 3);
-    EXPECT_THAT(refused.error, HasSubstr(std::string(": ") + name + "; put it back, or `taut resume " +
-                                         out.string() + " --yes` begins it anew"));
-    EXPECT_EQ(all_files(out), before);
-    if (name != std::string("log.csv")) fs::rename(in(name), out / name);
-  }
-  ASSERT_EQ(run({"resume", out.string(), "--steps", "20", "--yes"}).code, 0);
-  EXPECT_THAT(contents(out / "log.csv"), ::testing::StartsWith("#\"Step\""));
-  EXPECT_THAT(contents(out / "log.csv"), HasSubstr("\n42,"));
-}
-
-TEST_F(LongRuns, AStartOfAnyNameIsRemembered) {
-  ASSERT_EQ(run({"run", "water", "--steps", "5", "--out", in("first").string()}).code, 0);
-  const fs::path start = in("a \"good\" \\start.toml"), out = in("second");
-  fs::copy(in("first") / "final.start.toml", start);
-  ASSERT_EQ(
-      run({"run", "water", "--steps", "5", "--set", "build.start=" + start.string(), "--out", out.string()})
-          .code,
-      0);
-  EXPECT_EQ(run({"resume", out.string(), "--steps", "5"}).code, 0);
-}
-
-TEST_F(LongRuns, WhatMayChangeChangesAndTheRestIsRefused) {
-  const fs::path out = in("changed");
-  ASSERT_EQ(run(with(droplet(out, "40"), {"--set", "run.trajectory_every=10"})).code, 0);
-  const auto before = all_files(out);
-  for (const std::string key : {"run.dt_fs=1", "method.name=newton", "method.tolerance=1e-9", "run.seed=3",
-                                "build.molecules=27", "forcefield.cutoff_nm=0.8", "run.minimise=true"}) {
-    const Outcome refused = run({"resume", out.string(), "--steps", "20", "--set", key});
-    expect_one_line(refused, 2);
-    EXPECT_THAT(refused.error, HasSubstr(key.substr(0, key.find('=')) + " cannot change"));
-  }
-  expect_one_line(run({"resume", out.string(), "--steps", "20", "--set", "run.trajectory_every=4"}), 2);
-  expect_one_line(run({"resume", out.string(), "--steps", "20", "--set", "run.log_every=0"}), 2);
-  expect_one_line(run({"resume", out.string(), "--steps", "9223372036854775807"}), 2);
-  const Outcome twice = run({"resume", out.string(), "--set", "run.log_every=5", "run.log_every=10"});
-  expect_one_line(twice, 2);
-  EXPECT_THAT(twice.error, HasSubstr("run.log_every is said twice"));
-  EXPECT_EQ(all_files(out), before);
-
-  ASSERT_EQ(
-      run({"resume", out.string(), "--steps", "20", "--set", "run.log_every=10", "run.trajectory_every=0"})
-          .code,
-      0);
-  EXPECT_THAT(contents(out / "log.csv"), HasSubstr("\n35,"));
-  EXPECT_THAT(contents(out / "log.csv"), Not(HasSubstr("\n42,")));
-  EXPECT_THAT(contents(out / "log.csv"), HasSubstr("\n50,"));
-  EXPECT_EQ(contents(out / "trajectory.dcd"), before.at("trajectory.dcd"));
-
-  // A trajectory begun again does not take the place of the one before; another thermostat is not refused.
-  const Outcome again = run({"resume", out.string(), "--steps", "20", "--set", "run.trajectory_every=4",
-                             "run.thermostat=langevin", "run.friction_per_ps=5", "run.temperature_k=310"});
-  ASSERT_EQ(again.code, 0) << again.error;
-  EXPECT_THAT(again.out, HasSubstr("Langevin's thermostat at 310 K, friction 5/ps"));
-  EXPECT_EQ(contents(out.string() + ".1/trajectory.dcd"), before.at("trajectory.dcd"));
-  EXPECT_EQ(run({"resume", out.string(), "--steps", "20", "--set", "run.thermostat=none"}).code, 0);
-  expect_one_line(run({"resume", out.string(), "--steps", "20", "--set", "run.temperature_k=320"}), 2);
-
-  // A thermostat's temperature goes with it where velocities were the start's.
-  const fs::path kept = in("kept");
-  ASSERT_EQ(run({"run", "water_cluster", "--steps", "20", "--set", "run.thermostat=langevin",
-                 "run.temperature_k=310", "build.start=" + (out / "final.start.toml").string(), "--out",
-                 kept.string()})
-                .code,
-            0);
-  const Outcome free = run({"resume", kept.string(), "--steps", "20", "--set", "run.thermostat=none"});
-  EXPECT_EQ(free.code, 0) << free.error;
 }
 
 }  // namespace

@@ -3,8 +3,8 @@
 #include "md/errors.hpp"
 #include "md/nearest_name.hpp"
 #include "md/observables.hpp"
+#include "md/random.hpp"
 #include "md/run.hpp"
-#include "md/thermostat.hpp"
 #include "md/units.hpp"
 
 namespace taut {
@@ -335,60 +335,6 @@ TEST(Run, StopsWhereABondBreaks) {
     else
       EXPECT_TRUE(go());
   }
-}
-
-// One step from K: ⟨K'⟩ = cK + (1 − c)K̄, c = exp(−h/τ).
-TEST(VelocityRescaling, RelaxesInItsTime) {
-  const System sys = make_system(Eigen::VectorXd::Ones(4), {});
-  const Vectors hot = Vectors::Constant(3, 4, 2.0);
-  const double c = std::exp(-0.05 / 0.1), kinetic = kinetic_energy(sys, hot), wanted = 0.5 * 12;
-  VelocityRescaling thermostat(1 / kBoltzmann, 0.1, 12, 3);  // kT = 1
-  double mean = 0;
-  constexpr int kSamples = 20000;
-  for (int n = 0; n < kSamples; ++n) {
-    Vectors v = hot;
-    thermostat(kinetic_energy(sys, v), 0.05, v);
-    mean += kinetic_energy(sys, v) / kSamples;
-  }
-  EXPECT_NEAR(mean, c * kinetic + (1 - c) * wanted, 0.15);
-}
-
-// The law of few degrees of freedom, whose squares are summed one by one, and of more, drawn at once.
-TEST(VelocityRescaling, IsCanonicalForFewDegreesOfFreedom) {
-  const System sys = particle();
-  for (const int dof : {1, 2, 4, 5, 6}) {
-    VelocityRescaling thermostat(1 / kBoltzmann, 0.01, dof, 4);  // forgotten at once
-    Vectors v = Vectors::Ones(3, 1);
-    double mean = 0, square = 0;
-    constexpr int kSamples = 40000;
-    for (int n = 0; n < kSamples; ++n) {
-      thermostat(kinetic_energy(sys, v), 1, v);
-      const double kinetic = kinetic_energy(sys, v);
-      mean += kinetic / kSamples;
-      square += kinetic * kinetic / kSamples;
-    }
-    EXPECT_NEAR(mean / (0.5 * dof), 1, 0.03) << dof;
-    EXPECT_NEAR((square - mean * mean) / (0.5 * dof), 1, 0.08) << dof;
-  }
-}
-
-// Sampled velocities of 10 free particles: mean and variance of the kinetic energy are canonical.
-TEST(VelocityRescaling, GivesTheCanonicalKineticEnergy) {
-  const int dof = 30;
-  const double kT = kBoltzmann * 300;
-  const System sys = make_system(Eigen::VectorXd::Ones(10), {});
-  Vectors v = Vectors::Random(3, 10);
-  VelocityRescaling thermostat(300, 0.1, dof, 1);
-  double mean = 0, square = 0;
-  const int samples = 40000;
-  for (int n = 0; n < samples; ++n) {
-    for (int k = 0; k < 3; ++k) thermostat(kinetic_energy(sys, v), 0.1, v);
-    const double kinetic = kinetic_energy(sys, v);
-    mean += kinetic / samples;
-    square += kinetic * kinetic / samples;
-  }
-  EXPECT_NEAR(mean / (0.5 * dof * kT), 1, 0.01);
-  EXPECT_NEAR((square - mean * mean) / (0.5 * dof * kT * kT), 1, 0.05);
 }
 
 TEST(NearestName, SuggestsTheFewestEdits) {

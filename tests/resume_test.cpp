@@ -5,22 +5,16 @@
 
 #include <cstring>
 #include <limits>
-#include <nlohmann/json.hpp>
 
 #include "md/errors.hpp"
+#include "named_scene.hpp"
 #include "simulation/checkpoint.hpp"
 #include "simulation/simulation.hpp"
-#include "systems/scene_file.hpp"
-#include "systems/toml_reader.hpp"
 
 namespace taut {
 namespace {
 
 using Overrides = std::vector<std::string>;
-
-Scene read(const std::string& name, const Overrides& overrides) {
-  return read_scene(find_scene(name), overrides);
-}
 
 std::string kept(Simulation& simulation) {
   std::string bytes;
@@ -56,7 +50,7 @@ struct Course {
 
 Course in_one_go(const std::string& scene, const Overrides& overrides) {
   Course course;
-  Simulation simulation(read(scene, overrides));
+  Simulation simulation(scene_of(scene, overrides));
   course.finish(simulation);
   return course;
 }
@@ -92,7 +86,7 @@ Simulation made_from(const std::string& bytes) {
 // Through a checkpoint's bytes, into a simulation made of nothing else.
 Course with_a_stop(const std::string& name, const Overrides& overrides, long stop) {
   Course course;
-  Simulation simulation(read(name, overrides));
+  Simulation simulation(scene_of(name, overrides));
   const std::string bytes = stopped_at(stop, simulation, overrides, course);
   Simulation again = made_from(bytes);
   course.finish(again);
@@ -209,10 +203,10 @@ TEST_P(ChangedThermostat, GoesOnFromACheckpointAsWithoutOne) {
   Overrides before = keys, after = keys;
   before.insert(before.end(), GetParam().before.begin(), GetParam().before.end());
   after.insert(after.end(), GetParam().after.begin(), GetParam().after.end());
-  const RunSettings settings = read("water", after).run;
+  const RunSettings settings = scene_of("water", after).run;
   Course whole, parts;
   const auto changed = [&](Course& course) {
-    Simulation simulation(read("water", before));
+    Simulation simulation(scene_of("water", before));
     stopped_at(50, simulation, before, course);
     simulation.change(settings);
     return simulation;
@@ -241,7 +235,8 @@ INSTANTIATE_TEST_SUITE_P(
 // A thermostat takes its temperature from the change on; one that is as it was, is left as it was.
 TEST(Changing, IsOfTheStepsToCome) {
   const auto ended_at = [](const char* temperature) {
-    Simulation simulation(read("water", {"run.thermostat_ps=0.005", "run.steps=200", "run.log_every=10"}));
+    Simulation simulation(
+        scene_of("water", {"run.thermostat_ps=0.005", "run.steps=200", "run.log_every=10"}));
     Course course;
     stopped_at(100, simulation, {}, course);
     RunSettings settings = simulation.scene().run;
@@ -255,7 +250,7 @@ TEST(Changing, IsOfTheStepsToCome) {
   EXPECT_NEAR(ended_at("298.15"), 298, 25);
   EXPECT_NEAR(ended_at("450"), 440, 30);
 
-  Simulation simulation(read("water", {"run.steps=60"}));
+  Simulation simulation(scene_of("water", {"run.steps=60"}));
   Course whole = in_one_go("water", {"run.steps=60", "run.log_every=10"}), course;
   stopped_at(30, simulation, {}, course);
   RunSettings settings = simulation.scene().run;
@@ -268,12 +263,12 @@ TEST(Changing, IsOfTheStepsToCome) {
 // What this file would not see if nothing depended on it.
 TEST(Resuming, DependsOnMoreThanTheState) {
   const Overrides overrides = {"run.steps=60", "method.name=\"rattle\""};
-  Simulation whole(read("water", overrides));
+  Simulation whole(scene_of("water", overrides));
   State middle;
   whole.run({}, [&](long step) {
     if (step == 30) middle = whole.state();
   });
-  Scene scene = read("water", {"run.steps=30", "method.name=\"rattle\""});
+  Scene scene = scene_of("water", {"run.steps=30", "method.name=\"rattle\""});
   scene.start = middle;
   Simulation again(std::move(scene));
   again.run({});
@@ -282,57 +277,15 @@ TEST(Resuming, DependsOnMoreThanTheState) {
 }
 
 TEST(Resuming, RefusesTheMemoryOfAnother) {
-  Simulation waters(read("water", {})), chains(read("freely_jointed", {}));
+  Simulation waters(scene_of("water")), chains(scene_of("freely_jointed"));
   EXPECT_THROW(waters.restore(kept(chains)), InputError);
   std::string longer = kept(waters) + "x";
   EXPECT_THROW(waters.restore(longer), InputError);
   EXPECT_THROW(waters.restore(std::string_view(longer).substr(0, longer.size() / 2)), InputError);
 }
 
-// What a checkpoint keeps of them is what was said, to the last bit, each key once.
-TEST(KeyValues, SayBackWhatWasSaid) {
-  const KeyValues values =
-      key_values({"run.dt_fs=2", "run.dt_fs=0.12345678901234568", "build.start=a \"b\" \\ c",
-                  "build = {x = [[1, 2.5e-300], [3, 1e22]], y = true}", "method.name=rattle"});
-  EXPECT_EQ(values, (KeyValues{{"build.start", R"("a \"b\" \\ c")"},
-                               {"build.x", "[[1, 2.5e-300], [3, 1e+22]]"},
-                               {"build.y", "true"},
-                               {"method.name", "\"rattle\""},
-                               {"run.dt_fs", "0.12345678901234568"}}));
-  EXPECT_EQ(key_values(overrides_of(values)), values);
-}
-
-// Counts that point beyond what they count are nobody's.
-TEST(Recalling, RefusesCountsBeyondWhatTheyCount) {
-  RunningMean mean;
-  for (int n = 0; n < 100; ++n) mean.add(n);
-  std::string bytes;
-  Archive save = Archive::saving_to(bytes);
-  save(mean);
-  const auto restored_with = [&](std::size_t at, auto value) {
-    std::string changed = bytes;
-    std::memcpy(&changed[at], &value, sizeof value);
-    Archive archive = Archive::loading_from(changed);
-    RunningMean other;
-    archive(other);
-  };
-  const std::size_t length = 8 + 32 * 8, full = length + 8, in_open = full + 4 + 8 + 8, count = in_open + 8;
-  EXPECT_NO_THROW(restored_with(full, 31));
-  EXPECT_THROW(restored_with(full, 32), InputError);  // the next would be written behind the last
-  EXPECT_THROW(restored_with(full, -1), InputError);
-  EXPECT_THROW(restored_with(length, 0L), InputError);
-  EXPECT_THROW(restored_with(length, std::numeric_limits<long>::max()), InputError);
-  EXPECT_THROW(restored_with(in_open, -1L), InputError);
-  EXPECT_THROW(restored_with(count, std::numeric_limits<long>::max()), InputError);
-
-  std::string two("\2", 1);
-  Archive archive = Archive::loading_from(two);
-  bool yes = false;
-  EXPECT_THROW(archive(yes), InputError);
-}
-
 TEST(Recalling, RefusesAStepThatIsNone) {
-  Simulation simulation(read("pair", {}));
+  Simulation simulation(scene_of("pair"));
   const State& s = simulation.state();
   std::string bytes = kept(simulation);
   const auto matrix = [](const Vectors& x) { return 8 + static_cast<std::size_t>(x.size()) * 8; };
@@ -343,75 +296,11 @@ TEST(Recalling, RefusesAStepThatIsNone) {
   }
 }
 
-Checkpoint some_checkpoint() {
-  return {{true, {{"a.xml", "<a>\xff\n"}, {"b.xml", ""}}, {"run.seed=3"}},
-          41,
-          0.1,
-          2,
-          std::string("\0\1\2", 3),
-          {{"log.csv", 123456}}};
-}
-
-TEST(CheckpointFormat, SaysBackWhatItWasTold) {
-  const Checkpoint c = some_checkpoint(), back = read_checkpoint(to_bytes(c));
-  EXPECT_EQ(back.source.openmm, true);
-  ASSERT_EQ(back.source.files.size(), 2u);
-  EXPECT_EQ(back.source.files[0].name, "a.xml");
-  EXPECT_EQ(back.source.files[0].text, c.source.files[0].text);
-  EXPECT_EQ(back.source.overrides, c.source.overrides);
-  EXPECT_EQ(back.step, 41);
-  EXPECT_EQ(back.t, 0.1);
-  EXPECT_EQ(back.threads, 2);
-  EXPECT_EQ(back.memory, c.memory);
-  EXPECT_EQ(back.marks, c.marks);
-}
-
-TEST(CheckpointFormat, NoDamageGoesUnseen) {
-  const std::string whole = to_bytes(some_checkpoint());
-  for (std::size_t n = 0; n < whole.size(); ++n) {
-    EXPECT_THROW(read_checkpoint(whole.substr(0, n)), InputError) << n;
-    std::string damaged = whole;
-    damaged[n] = static_cast<char>(damaged[n] ^ 0x10);
-    EXPECT_THROW(read_checkpoint(damaged), InputError) << n;
-  }
-  EXPECT_THROW(read_checkpoint(whole + "x"), InputError);
-}
-
-std::string refusal(std::string_view bytes) {
-  try {
-    read_checkpoint(bytes);
-  } catch (const InputError& e) {
-    return e.what();
-  }
-  return "none";
-}
-
-TEST(CheckpointFormat, SaysWhatIsWrong) {
-  using nlohmann::json;
-  json envelope = json::from_cbor(to_bytes(some_checkpoint()));
-  envelope["version"] = 7;
-  const auto later = json::to_cbor(envelope);
-  EXPECT_EQ(refusal({reinterpret_cast<const char*>(later.data()), later.size()}),
-            "a checkpoint of version 7, this taut reads version 2");
-  EXPECT_EQ(refusal("[run]\nsteps = 3\n"), "not a checkpoint, or not all of it");
-  EXPECT_EQ(refusal(""), "not a checkpoint, or not all of it");
-}
-
-// Sizes are taken on trust by nobody: neither the stack nor the heap follows them.
-TEST(CheckpointFormat, LiesAboutSizesAndDepthAreRefused) {
-  EXPECT_THROW(read_checkpoint(std::string(1000000, '\x81')), InputError);  // an array in an array in ...
-  EXPECT_THROW(read_checkpoint(std::string("\x5b\x00\x00\x10\x00\x00\x00\x00\x00", 9)),
-               InputError);  // 2⁴⁴ bytes
-  EXPECT_THROW(read_checkpoint(std::string("\x9b\x00\x00\x10\x00\x00\x00\x00\x00", 9)),
-               InputError);  // 2⁴⁴ things
-  EXPECT_THROW(read_checkpoint_body(std::string("\xbf\x64step\xfb\x7f\xf0\0\0\0\0\0\0\xff", 16)), InputError);
-}
-
 // The state after diagnose() is that of a run one step shorter; the failing step is found, not the row after.
 TEST(Diagnosed, LastGoodStateIsTheOneBefore) {
   const Overrides hot = {"run.dt_fs=6", "run.temperature_k=3000", "method.name=\"newton\"",
                          "run.log_every=1000", "run.steps=1000"};
-  Simulation failing(read("water", hot));
+  Simulation failing(scene_of("water", hot));
   EXPECT_THROW(failing.run({}), SimulationFailure);
   const long failed = failing.step();
   ASSERT_LT(failed, 1000);
@@ -422,7 +311,7 @@ TEST(Diagnosed, LastGoodStateIsTheOneBefore) {
 
   Overrides shorter = hot;
   shorter.push_back("run.steps=" + std::to_string(failed - 1));
-  Simulation good(read("water", shorter));
+  Simulation good(scene_of("water", shorter));
   good.run({});
   EXPECT_TRUE(good.state().x == failing.state().x);
   EXPECT_TRUE(good.state().v == failing.state().v);
@@ -437,7 +326,7 @@ TEST(Diagnosed, LastGoodStateIsTheOneBefore) {
 TEST(Diagnosed, NoneFailsByItsNature) {
   std::vector<double> lasted;  // [ps]
   for (const char* step : {"run.dt_fs=1", "run.dt_fs=2"}) {
-    Simulation failing(read("water", {step, "method.name=\"none\"", "run.steps=1000"}));
+    Simulation failing(scene_of("water", {step, "method.name=\"none\"", "run.steps=1000"}));
     EXPECT_THROW(failing.run({}), SimulationFailure);
     const auto diagnosis = failing.diagnose();
     ASSERT_TRUE(diagnosis);
@@ -451,13 +340,13 @@ TEST(Diagnosed, NoneFailsByItsNature) {
 }
 
 TEST(Diagnosed, NothingWhereAnObserverThrew) {
-  Simulation simulation(read("pendulum", {}));
+  Simulation simulation(scene_of("pendulum"));
   EXPECT_THROW(simulation.run([](const Record&) { throw SimulationFailure("enough"); }), SimulationFailure);
   EXPECT_FALSE(simulation.diagnose());
 }
 
 TEST(MemoryInUse, DoesNotGrowWithSteps) {
-  Simulation simulation(read("melt", {"run.steps=4000", "run.log_every=50", "run.thermostat_ps=0.1"}));
+  Simulation simulation(scene_of("melt", {"run.steps=4000", "run.log_every=50", "run.thermostat_ps=0.1"}));
   std::size_t early = 0, late = 0;
   simulation.run([](const Record&) {},
                  [&](long step) {

@@ -63,4 +63,11 @@ inline Verdict verify(const System& sys, ForceLaw& forces, const MethodOptions& 
   return verdict;
 }
 
+template <class Options>
+MethodOptions tight() {
+  Options options;
+  options.tolerance = 1e-14;
+  return options;
+}
+
 }  // namespace taut::testing

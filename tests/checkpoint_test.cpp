@@ -1,0 +1,125 @@
+// A checkpoint's bytes: they say back what they were told, and nothing that is not theirs is believed.
+
+#include "simulation/checkpoint.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "md/block_average.hpp"
+#include "md/errors.hpp"
+#include "systems/toml_reader.hpp"
+
+namespace taut {
+namespace {
+
+// What a checkpoint keeps of them is what was said, to the last bit, each key once.
+TEST(KeyValues, SayBackWhatWasSaid) {
+  const KeyValues values =
+      key_values({"run.dt_fs=2", "run.dt_fs=0.12345678901234568", "build.start=a \"b\" \\ c",
+                  "build = {x = [[1, 2.5e-300], [3, 1e22]], y = true}", "method.name=rattle"});
+  EXPECT_EQ(values, (KeyValues{{"build.start", R"("a \"b\" \\ c")"},
+                               {"build.x", "[[1, 2.5e-300], [3, 1e+22]]"},
+                               {"build.y", "true"},
+                               {"method.name", "\"rattle\""},
+                               {"run.dt_fs", "0.12345678901234568"}}));
+  EXPECT_EQ(key_values(overrides_of(values)), values);
+}
+
+// Counts that point beyond what they count are nobody's.
+TEST(Recalling, RefusesCountsBeyondWhatTheyCount) {
+  RunningMean mean;
+  for (int n = 0; n < 100; ++n) mean.add(n);
+  std::string bytes;
+  Archive save = Archive::saving_to(bytes);
+  save(mean);
+  const auto restored_with = [&](std::size_t at, auto value) {
+    std::string changed = bytes;
+    std::memcpy(&changed[at], &value, sizeof value);
+    Archive archive = Archive::loading_from(changed);
+    RunningMean other;
+    archive(other);
+  };
+  const std::size_t length = 8 + 32 * 8, full = length + 8, in_open = full + 4 + 8 + 8, count = in_open + 8;
+  EXPECT_NO_THROW(restored_with(full, 31));
+  EXPECT_THROW(restored_with(full, 32), InputError);  // the next would be written behind the last
+  EXPECT_THROW(restored_with(full, -1), InputError);
+  EXPECT_THROW(restored_with(length, 0L), InputError);
+  EXPECT_THROW(restored_with(length, std::numeric_limits<long>::max()), InputError);
+  EXPECT_THROW(restored_with(in_open, -1L), InputError);
+  EXPECT_THROW(restored_with(count, std::numeric_limits<long>::max()), InputError);
+
+  std::string two("\2", 1);
+  Archive archive = Archive::loading_from(two);
+  bool yes = false;
+  EXPECT_THROW(archive(yes), InputError);
+}
+
+Checkpoint some_checkpoint() {
+  return {{true, {{"a.xml", "<a>\xff\n"}, {"b.xml", ""}}, {"run.seed=3"}},
+          41,
+          0.1,
+          2,
+          std::string("\0\1\2", 3),
+          {{"log.csv", 123456}}};
+}
+
+TEST(CheckpointFormat, SaysBackWhatItWasTold) {
+  const Checkpoint c = some_checkpoint(), back = read_checkpoint(to_bytes(c));
+  EXPECT_EQ(back.source.openmm, true);
+  ASSERT_EQ(back.source.files.size(), 2u);
+  EXPECT_EQ(back.source.files[0].name, "a.xml");
+  EXPECT_EQ(back.source.files[0].text, c.source.files[0].text);
+  EXPECT_EQ(back.source.overrides, c.source.overrides);
+  EXPECT_EQ(back.step, 41);
+  EXPECT_EQ(back.t, 0.1);
+  EXPECT_EQ(back.threads, 2);
+  EXPECT_EQ(back.memory, c.memory);
+  EXPECT_EQ(back.marks, c.marks);
+}
+
+TEST(CheckpointFormat, NoDamageGoesUnseen) {
+  const std::string whole = to_bytes(some_checkpoint());
+  for (std::size_t n = 0; n < whole.size(); ++n) {
+    EXPECT_THROW(read_checkpoint(whole.substr(0, n)), InputError) << n;
+    std::string damaged = whole;
+    damaged[n] = static_cast<char>(damaged[n] ^ 0x10);
+    EXPECT_THROW(read_checkpoint(damaged), InputError) << n;
+  }
+  EXPECT_THROW(read_checkpoint(whole + "x"), InputError);
+}
+
+std::string refusal(std::string_view bytes) {
+  try {
+    read_checkpoint(bytes);
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "none";
+}
+
+TEST(CheckpointFormat, SaysWhatIsWrong) {
+  using nlohmann::json;
+  json envelope = json::from_cbor(to_bytes(some_checkpoint()));
+  envelope["version"] = 7;
+  const auto later = json::to_cbor(envelope);
+  EXPECT_EQ(refusal({reinterpret_cast<const char*>(later.data()), later.size()}),
+            "a checkpoint of version 7, this taut reads version 2");
+  EXPECT_EQ(refusal("[run]\nsteps = 3\n"), "not a checkpoint, or not all of it");
+  EXPECT_EQ(refusal(""), "not a checkpoint, or not all of it");
+}
+
+// Sizes are taken on trust by nobody: neither the stack nor the heap follows them.
+TEST(CheckpointFormat, LiesAboutSizesAndDepthAreRefused) {
+  EXPECT_THROW(read_checkpoint(std::string(1000000, '\x81')), InputError);  // an array in an array in ...
+  EXPECT_THROW(read_checkpoint(std::string("\x5b\x00\x00\x10\x00\x00\x00\x00\x00", 9)),
+               InputError);  // 2⁴⁴ bytes
+  EXPECT_THROW(read_checkpoint(std::string("\x9b\x00\x00\x10\x00\x00\x00\x00\x00", 9)),
+               InputError);  // 2⁴⁴ things
+  EXPECT_THROW(read_checkpoint_body(std::string("\xbf\x64step\xfb\x7f\xf0\0\0\0\0\0\0\xff", 16)), InputError);
+}
+
+}  // namespace
+}  // namespace taut

@@ -1,0 +1,206 @@
+// A folder that holds a run: gone on with, refused, moved aside, changed in what may change.
+
+#include "long_runs.hpp"
+
+namespace taut {
+namespace {
+
+class RunFolders : public LongRuns {};
+
+TEST_F(RunFolders, WhatIsNoCheckpointGetsOneLine) {
+  fs::create_directories(in("bad"));
+  const auto refused = [&](const std::string& bytes) {
+    std::ofstream(in("bad") / "checkpoint.cbor", std::ios::binary) << bytes;
+    const Outcome outcome = run({"resume", in("bad").string()});
+    expect_one_line(outcome, 2);
+    EXPECT_THAT(outcome.error, HasSubstr("checkpoint.cbor: "));
+  };
+  EXPECT_EQ(run({"resume", in("nowhere").string()}).code, 2);
+  ASSERT_EQ(run(droplet(in("good"), "20")).code, 0);
+  std::string bytes = contents(in("good") / "checkpoint.cbor");
+  refused("");
+  refused("hello");
+  refused(bytes.substr(0, bytes.size() / 2));
+  bytes[bytes.size() / 2] = static_cast<char>(~bytes[bytes.size() / 2]);
+  refused(bytes);
+}
+
+// A second one is turned away, and harms nothing; the lock goes with the process that died.
+TEST_F(RunFolders, OneProcessAtATimeWritesToAFolder) {
+  const fs::path out = in("shared");
+  ASSERT_EQ(run(droplet(in("whole"), "600")).code, 0);
+  const Process first(droplet(out, "600"), folder_.path());
+  wait_for(out / "checkpoint.cbor");
+  first.halt();
+  const std::string checkpoint = contents(out / "checkpoint.cbor"), log = contents(out / "log.csv");
+  for (const Arguments& second :
+       {Arguments{"resume", out.string()}, with(droplet(out, "600"), {"--continue"}),
+        with(droplet(out, "600"), {"--overwrite"}),
+        Arguments{"chart", "diatomic", "--quick", "--out", out.string()},
+        Arguments{"stability", "diatomic", "--quick", "--out", out.string()}}) {
+    const Outcome refused = run(second);
+    EXPECT_EQ(refused.code, 2) << second[0];
+    EXPECT_EQ(refused.error,
+              "taut: " + out.string() +
+                  ": another taut is still writing there; wait until it ends, or give another folder\n");
+  }
+  EXPECT_EQ(contents(out / "checkpoint.cbor"), checkpoint);
+  EXPECT_EQ(contents(out / "log.csv"), log);
+  first.send(SIGKILL);
+  ASSERT_EQ(first.wait(), -SIGKILL);
+  ASSERT_EQ(run({"resume", out.string()}).code, 0);
+  expect_same_run(in("whole"), out);
+  EXPECT_EQ(run({"resume", folder_.path().string()}).code, 2);
+  EXPECT_FALSE(fs::exists(folder_.path() / ".lock"));  // no run's folder: left as it was
+}
+
+TEST_F(RunFolders, ARunIsNotOverwrittenUnasked) {
+  const fs::path out = in("runs");
+  ASSERT_EQ(run(droplet(out, "40")).code, 0);
+  std::ofstream(out / "notes.txt") << "mine";
+  const auto before = all_files(out);
+  const Outcome refused = run(droplet(out, "60"));
+  expect_one_line(refused, 2);
+  EXPECT_THAT(refused.error, HasSubstr("--continue"));
+  EXPECT_THAT(refused.error, HasSubstr("--overwrite"));
+  EXPECT_EQ(all_files(out), before);
+
+  const Outcome anew = run(with(droplet(out, "60"), {"--overwrite"}));
+  ASSERT_EQ(anew.code, 0);
+  EXPECT_THAT(anew.out, HasSubstr("what was there is kept in " + fs::canonical(out).string() + ".1\n"));
+  auto kept = all_files(out.string() + ".1");
+  kept.merge(std::map<std::string, std::string>{{"notes.txt", "mine"}, {".lock", ""}});
+  EXPECT_EQ(kept, before);
+  EXPECT_EQ(contents(out / "notes.txt"), "mine");
+  EXPECT_EQ(steady_summary(out)["steps"], 60);
+  ASSERT_EQ(run(with(droplet(out, "20"), {"--overwrite"})).code, 0);
+  EXPECT_EQ(steady_summary(out.string() + ".2")["steps"], 60);
+}
+
+// log.csv is not a run's alone.
+TEST_F(RunFolders, FilesOfOthersAreNotOverwrittenUnasked) {
+  const fs::path out = in("mine");
+  fs::create_directories(out);
+  for (const char* name : {"log.csv", ".lock"}) std::ofstream(out / name) << "mine";
+  expect_one_line(run(droplet(out, "20")), 2);
+  EXPECT_EQ(contents(out / "log.csv"), "mine");
+  ASSERT_EQ(run(with(droplet(out, "20"), {"--continue"})).code, 0);
+  EXPECT_EQ(contents(out.string() + ".1/log.csv"), "mine");
+  EXPECT_EQ(contents(out / ".lock"), "mine");
+}
+
+TEST_F(RunFolders, ContinueIsWhatAQueueNeeds) {
+  const fs::path out = in("queued");
+  ASSERT_EQ(run(with(droplet(out, "40"), {"--continue"})).code, 0);
+  const auto done = all_files(out);
+  const Outcome again = run(with(droplet(out, "40"), {"--continue"}));
+  EXPECT_EQ(again.code, 0);
+  EXPECT_THAT(again.out, HasSubstr("all 40 steps are taken"));
+  EXPECT_EQ(all_files(out), done);
+  for (const Arguments& other :
+       {Arguments{"--dt-fs", "0.25"}, {"--set", "run.seed=9"}, {"--set", "method.tolerance=1e-9"}}) {
+    const Outcome refused = run(with(droplet(out, "40"), with(other, {"--continue"})));
+    expect_one_line(refused, 2);
+    EXPECT_THAT(refused.error, ::testing::ContainsRegex("(dt_fs|seed|tolerance) is "));
+  }
+  EXPECT_EQ(all_files(out), done);
+  ASSERT_EQ(run(with(droplet(out, "100"), {"--continue"})).code, 0);
+  ASSERT_EQ(run(droplet(in("whole"), "100")).code, 0);
+  expect_same_run(in("whole"), out);
+  EXPECT_EQ(run({"run", "pair", "--continue"}).code, 2);  // of which folder?
+}
+
+TEST_F(RunFolders, MoreThanHalfIsCutOffOnlyWhereSaid) {
+  ASSERT_EQ(run(by_the_clock(in("whole"), "100000", "0")).code, 0);
+  const fs::path out = in("killed");
+  const Process process(by_the_clock(out, "100000", "0"), folder_.path());
+  kill_when_the_log_has(20000, process, out);
+  const auto before = all_files(out);
+  const Outcome refused = run({"resume", out.string()});
+  expect_one_line(refused, 2);
+  EXPECT_THAT(refused.error, HasSubstr("the checkpoint is of step 0, log.csv is cut back to less than half"));
+  EXPECT_THAT(refused.error, HasSubstr("--yes"));
+  EXPECT_EQ(all_files(out), before);
+  ASSERT_EQ(run({"resume", out.string(), "--yes"}).code, 0);
+  expect_same_run(in("whole"), out);
+}
+
+TEST_F(RunFolders, AnOutputThatIsGoneIsPutBackOrBegunAnew) {
+  const fs::path out = in("parts");
+  ASSERT_EQ(run(with(droplet(out, "40"), {"--set", "run.trajectory_every=5", "run.trajectory=both"})).code,
+            0);
+  for (const char* name : {"trajectory.dcd", "trajectory.h5md", "log.csv"}) {
+    fs::rename(out / name, in(name));
+    const auto before = all_files(out);
+    const Outcome refused = run({"resume", out.string(), "--steps", "20"});
+    expect_one_line(refused, 3);
+    EXPECT_THAT(refused.error, HasSubstr(std::string(": ") + name + "; put it back, or `taut resume " +
+                                         out.string() + " --yes` begins it anew"));
+    EXPECT_EQ(all_files(out), before);
+    if (name != std::string("log.csv")) fs::rename(in(name), out / name);
+  }
+  ASSERT_EQ(run({"resume", out.string(), "--steps", "20", "--yes"}).code, 0);
+  EXPECT_THAT(contents(out / "log.csv"), ::testing::StartsWith("#\"Step\""));
+  EXPECT_THAT(contents(out / "log.csv"), HasSubstr("\n42,"));
+}
+
+TEST_F(RunFolders, AStartOfAnyNameIsRemembered) {
+  ASSERT_EQ(run({"run", "water", "--steps", "5", "--out", in("first").string()}).code, 0);
+  const fs::path start = in("a \"good\" \\start.toml"), out = in("second");
+  fs::copy(in("first") / "final.start.toml", start);
+  ASSERT_EQ(
+      run({"run", "water", "--steps", "5", "--set", "build.start=" + start.string(), "--out", out.string()})
+          .code,
+      0);
+  EXPECT_EQ(run({"resume", out.string(), "--steps", "5"}).code, 0);
+}
+
+TEST_F(RunFolders, WhatMayChangeChangesAndTheRestIsRefused) {
+  const fs::path out = in("changed");
+  ASSERT_EQ(run(with(droplet(out, "40"), {"--set", "run.trajectory_every=10"})).code, 0);
+  const auto before = all_files(out);
+  for (const std::string key : {"run.dt_fs=1", "method.name=newton", "method.tolerance=1e-9", "run.seed=3",
+                                "build.molecules=27", "forcefield.cutoff_nm=0.8", "run.minimise=true"}) {
+    const Outcome refused = run({"resume", out.string(), "--steps", "20", "--set", key});
+    expect_one_line(refused, 2);
+    EXPECT_THAT(refused.error, HasSubstr(key.substr(0, key.find('=')) + " cannot change"));
+  }
+  expect_one_line(run({"resume", out.string(), "--steps", "20", "--set", "run.trajectory_every=4"}), 2);
+  expect_one_line(run({"resume", out.string(), "--steps", "20", "--set", "run.log_every=0"}), 2);
+  expect_one_line(run({"resume", out.string(), "--steps", "9223372036854775807"}), 2);
+  const Outcome twice = run({"resume", out.string(), "--set", "run.log_every=5", "run.log_every=10"});
+  expect_one_line(twice, 2);
+  EXPECT_THAT(twice.error, HasSubstr("run.log_every is said twice"));
+  EXPECT_EQ(all_files(out), before);
+
+  ASSERT_EQ(
+      run({"resume", out.string(), "--steps", "20", "--set", "run.log_every=10", "run.trajectory_every=0"})
+          .code,
+      0);
+  EXPECT_THAT(contents(out / "log.csv"), HasSubstr("\n35,"));
+  EXPECT_THAT(contents(out / "log.csv"), Not(HasSubstr("\n42,")));
+  EXPECT_THAT(contents(out / "log.csv"), HasSubstr("\n50,"));
+  EXPECT_EQ(contents(out / "trajectory.dcd"), before.at("trajectory.dcd"));
+
+  // A trajectory begun again does not take the place of the one before; another thermostat is not refused.
+  const Outcome again = run({"resume", out.string(), "--steps", "20", "--set", "run.trajectory_every=4",
+                             "run.thermostat=langevin", "run.friction_per_ps=5", "run.temperature_k=310"});
+  ASSERT_EQ(again.code, 0) << again.error;
+  EXPECT_THAT(again.out, HasSubstr("Langevin's thermostat at 310 K, friction 5/ps"));
+  EXPECT_EQ(contents(out.string() + ".1/trajectory.dcd"), before.at("trajectory.dcd"));
+  EXPECT_EQ(run({"resume", out.string(), "--steps", "20", "--set", "run.thermostat=none"}).code, 0);
+  expect_one_line(run({"resume", out.string(), "--steps", "20", "--set", "run.temperature_k=320"}), 2);
+
+  // A thermostat's temperature goes with it where velocities were the start's.
+  const fs::path kept = in("kept");
+  ASSERT_EQ(run({"run", "water_cluster", "--steps", "20", "--set", "run.thermostat=langevin",
+                 "run.temperature_k=310", "build.start=" + (out / "final.start.toml").string(), "--out",
+                 kept.string()})
+                .code,
+            0);
+  const Outcome free = run({"resume", kept.string(), "--steps", "20", "--set", "run.thermostat=none"});
+  EXPECT_EQ(free.code, 0) << free.error;
+}
+
+}  // namespace
+}  // namespace taut

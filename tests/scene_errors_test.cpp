@@ -1,0 +1,227 @@
+// What every bad input of a scene is told: one line with the file, the line and the key.
+
+#include "constraints/baumgarte.hpp"
+#include "scene_text.hpp"
+
+namespace taut {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+// What nothing reads, as the other keys are, is refused with what it takes; an override that makes a key of
+// the file idle sets it aside.
+TEST(SceneErrors, KeysWithoutEffect) {
+  const SceneText good;
+  const auto in_run = [&](const std::string& keys) { return complaint(good.with("steps = 20", keys).text); };
+  EXPECT_EQ(in_run("friction_per_ps = 1"),
+            "scene.toml:17: run.friction_per_ps: has no effect, it counts only with run.thermostat = "
+            "\"langevin\"");
+  EXPECT_THAT(in_run("temperature_k = 300\nthermostat = \"langevin\"\nthermostat_ps = 1"),
+              HasSubstr("scene.toml:19: run.thermostat_ps: has no effect"));
+  EXPECT_THAT(in_run("temperature_k = 300\nthermostat = \"none\"\nthermostat_ps = 1"),
+              HasSubstr("scene.toml:19: run.thermostat_ps: has no effect"));
+  EXPECT_THAT(in_run("minimise_force_kj_mol_nm = 10"), HasSubstr("with run.minimise = true"));
+  EXPECT_THAT(in_run("trajectory = \"h5md\""), HasSubstr("with run.trajectory_every above 0"));
+  EXPECT_EQ(in_run("temperature_k = 300\nthermostat = \"langevin\"\nfriction_per_ps = 1"), "no error");
+  EXPECT_EQ(in_run("trajectory_every = 5\ntrajectory = \"h5md\""), "no error");
+
+  const std::string langevin =
+      good.with("steps = 20", "temperature_k = 300\nthermostat = \"langevin\"\nfriction_per_ps = 1").text;
+  EXPECT_EQ(complaint(langevin, {"run.thermostat=none"}), "no error");
+  EXPECT_THAT(complaint(langevin, {"run.thermostat_ps=1"}),
+              HasSubstr("--set run.thermostat_ps=1: run.thermostat_ps: has no effect"));
+  EXPECT_THAT(complaint(langevin, {"run.thermostat=none", "run.friction_per_ps=2"}),
+              HasSubstr("--set run.friction_per_ps=2: run.friction_per_ps: has no effect"));
+}
+
+TEST(SceneErrors, MethodKeysWithoutEffect) {
+  const std::string good = SceneText{}.text;
+  const auto idle = [&](std::vector<std::string> overrides) {
+    const std::string said = complaint(good, overrides);
+    const auto at = said.find("has no effect, it counts only ");
+    return at == said.npos ? said : said.substr(at + 30);
+  };
+  EXPECT_EQ(idle({"method.reduction=0.1"}), "with method.gains = \"rattle\"");
+  EXPECT_EQ(idle({"method.gains=rattle", "method.reduction=0.1"}), "no error");
+  EXPECT_EQ(idle({"method.stiffness=1e5"}), "with method.gains = \"physical\"");
+  EXPECT_EQ(idle({"method.gains=physical", "method.stiffness=1e5"}), "no error");
+  EXPECT_EQ(idle({"method.gains=physical", "method.stiffness=1e5", "method.beta_per_ps=1"}),
+            "without both alpha_per_ps and beta_per_ps");
+  EXPECT_EQ(idle({"method.gains=numbers", "method.beta_per_ps=1"}), "no error");
+  for (const std::string name : {"shake", "rattle"}) {
+    EXPECT_EQ(idle({"method.name=" + name, "method.sweeps=3", "method.tolerance=1e-6"}),
+              "without method.sweeps");
+    EXPECT_EQ(idle({"method.name=" + name, "method.sweeps=3", "method.max_sweeps=6"}),
+              "without method.sweeps");
+    EXPECT_EQ(idle({"method.name=" + name, "method.max_sweeps=6", "method.tolerance=1e-6"}), "no error");
+  }
+  EXPECT_EQ(idle({"method.name=penalty", "method.k=1e4", "method.omega_h=0.1"}), "without method.k");
+}
+
+TEST(SceneErrors, Keys) {
+  const SceneText good;
+  EXPECT_EQ(complaint(good.with("dt_fs", "dt_sf").text),
+            "scene.toml:16: unknown key \"dt_sf\" in [run]; did you mean \"dt_fs\"?");
+  EXPECT_EQ(complaint(good.with("steps = 20", "temprature_k = 300").text),
+            "scene.toml:17: unknown key \"temprature_k\" in [run]; did you mean \"temperature_k\"?");
+  EXPECT_EQ(complaint(good.with("passes", "pases").text),
+            "scene.toml:21: unknown key \"pases\" in [method]; did you mean \"passes\"?");
+  EXPECT_EQ(complaint(good.with("passes", "tolerance").text),
+            "scene.toml:21: unknown key \"tolerance\" in [method]; expected one of alpha_per_ps, "
+            "beta_per_ps, damping, "
+            "gains, name, passes, reduction, stiffness, sweeps");
+  EXPECT_EQ(complaint(good.with("[run]", "[rum]").text),
+            "scene.toml:15: unknown section \"rum\"; did you mean \"run\"?");
+  EXPECT_EQ(complaint(good.with("gravity_nm_ps2", "gravity").text),
+            "scene.toml:13: unknown key \"gravity\" in [build]; did you mean \"gravity_nm_ps2\"?");
+  EXPECT_EQ(complaint(good.with("[run]", "[forcefield]\ncutoff_nm = 1\n[run]").text),
+            "scene.toml:16: unknown key \"cutoff_nm\" in [forcefield]");
+  EXPECT_EQ(complaint(good.with("hard_on = \"a test\"", "").text), "scene.toml: missing key \"hard_on\"");
+  EXPECT_EQ(complaint(good.with("kind = \"atoms\"", "").text),
+            "scene.toml:2: missing key \"kind\" in [build]");
+  EXPECT_EQ(complaint("hard_on = 'x'"), "scene.toml: missing key \"kind\" in [build]");
+}
+
+TEST(SceneErrors, Values) {
+  const SceneText good;
+  EXPECT_EQ(complaint(good.with("0.5", "\"fast\"").text),
+            "scene.toml:16: run.dt_fs: expected a number, got a string");
+  EXPECT_EQ(complaint(good.with("20", "2.5").text),
+            "scene.toml:17: run.steps: expected an integer, got a number");
+  EXPECT_EQ(complaint(good.with("0.5", "0").text), "scene.toml:16: run.dt_fs: expected more than 0, got 0");
+  EXPECT_EQ(complaint(good.with("0.5", "nan").text),
+            "scene.toml:16: run.dt_fs: expected a finite number, got nan");
+  EXPECT_EQ(complaint(good.with("steps = 20", "steps = -1").text),
+            "scene.toml:17: run.steps: expected at least 0, got -1");
+  EXPECT_EQ(complaint(good.with("passes = 2", "passes = 1e10").text),
+            "scene.toml:21: method.passes: out of range");
+  EXPECT_EQ(complaint(good.with("steps = 20", "steps = 1e30").text),
+            "scene.toml:17: run.steps: out of range");
+  EXPECT_EQ(complaint(good.with("steps = 20", "thermostat_ps = 0.1").text),
+            "scene.toml:17: run.thermostat_ps: a thermostat needs a run.temperature_k above 0");
+  EXPECT_EQ(complaint(good.with("steps = 20", "thermostat = \"langevin\"").text),
+            "scene.toml:17: run.thermostat: a thermostat needs a run.temperature_k above 0");
+  EXPECT_EQ(complaint(good.with("\"atoms\"", "\"atom\"").text),
+            "scene.toml:3: build.kind: there is no \"atom\"; did you mean \"atoms\"?");
+  EXPECT_THAT(
+      complaint(good.with("\"baumgarte\"", "\"ratle\"").text),
+      HasSubstr("scene.toml:19: method.name: there is no method \"ratle\"; did you mean \"rattle\"?"));
+  EXPECT_EQ(complaint(good.with("[0, -9.81, 0]", "[0, -9.81]").text),
+            "scene.toml:13: build.gravity_nm_ps2: expected three numbers [x, y, z], got an array");
+  EXPECT_EQ(complaint("build = 3\nhard_on = ''"), "scene.toml:1: build: expected a section, got an integer");
+}
+
+TEST(SceneErrors, AtomsAndBonds) {
+  const SceneText good;
+  EXPECT_EQ(complaint(good.with("[1, 2, 1]", "[1, 0, 2]").text),
+            "scene.toml:11: build.bonds[1]: bond 1 (1-0): repeats bond 0, two bonds on the same pair");
+  EXPECT_EQ(complaint(good.with("[1, 2, 1]", "[1, 3, 1]").text),
+            "scene.toml:11: build.bonds[1]: bond 1: atom 3 is out of range, the system has atoms 0 to 2");
+  EXPECT_EQ(complaint(good.with("[0, 1, 1]", "[0, 1, 0]").text),
+            "scene.toml:10: build.bonds[0]: bond 0 (0-1): length 0 nm, expected more than 0");
+  EXPECT_EQ(complaint(good.with("[1, 0, 0, 1]", "[1, 0, 0, 0]").text),
+            "scene.toml:10: build.bonds[0]: bond 0 (0-1): both ends are anchored (mass 0)");
+  EXPECT_EQ(complaint(good.with("[1, 2, 1]", "[1, 1, 1]").text),
+            "scene.toml:11: build.bonds[1]: bond 1: ties atom 1 to itself");
+  EXPECT_EQ(complaint(good.with("[1, 2, 1]", "[1, 1.5, 1]").text),
+            "scene.toml:11: build.bonds[1]: expected an atom's index, counted from 0");
+  EXPECT_EQ(complaint(good.with("[1, 2, 1]", "[1, 2]").text),
+            "scene.toml:11: build.bonds[1]: expected 3 numbers, got 2");
+  EXPECT_EQ(complaint(good.with("[1, 2, 1]", "[1, 2, 1, 4]").text),
+            "scene.toml:11: build.bonds[1]: expected 3 numbers, got 4");
+  EXPECT_EQ(complaint(good.with("[1, 2, 1]", "[1, 2, inf]").text),
+            "scene.toml:11: build.bonds[1]: expected finite numbers");
+  EXPECT_EQ(complaint(good.with("[1, 2, 1]", "7").text),
+            "scene.toml:11: build.bonds[1]: expected a row of numbers, got an integer");
+  EXPECT_EQ(complaint(good.with("1.5]", "\"a\"]").text),
+            "scene.toml:7: build.atoms[2]: expected numbers, got a string");
+  EXPECT_EQ(complaint(good.with("1.5]", "-1]").text),
+            "scene.toml:7: build.atoms[2]: expected a mass above 0, or 0 for an anchor");
+  EXPECT_EQ(complaint(good.with("[2, 1, 2, 3]", "[3, 1, 2, 3]").text),
+            "scene.toml:14: build.pulls[0]: there is no such atom");
+  EXPECT_EQ(complaint(good.with("pulls", "velocities = [[0, 0, 0]]\npulls").text),
+            "scene.toml:14: build.velocities: expected one for each atom");
+}
+
+TEST(SceneErrors, CountsAndLengths) {
+  EXPECT_EQ(complaint(kMelt, {"run.steps=0"}), "no error");
+  const auto with = [](const char* old, const char* changed) {
+    return complaint(SceneText{kMelt}.with(old, changed).text);
+  };
+  EXPECT_EQ(with("chains = 10", "chains = -10"), "scene.toml:4: build.chains: expected at least 1, got -10");
+  EXPECT_EQ(with("chains = 10", "chains = 1e12"),
+            "scene.toml:4: build.chains: 1000000000000 make 20000000000000 atoms, more than the 5000000 taut "
+            "takes");
+  EXPECT_THAT(with("beads = 20", "beads = 9000000000000000000"),
+              HasSubstr("scene.toml:4: build.chains: 10 make 9e+19"));
+  EXPECT_EQ(with("bond_nm = 0.97", "bond_nm = 0"),
+            "scene.toml:6: build.bond_nm: expected more than 0, got 0");
+  EXPECT_EQ(with("cutoff_nm = 2.5", "cutoff_nm = 3.5"),
+            "scene.toml:14: forcefield.cutoff_nm: 3.5 is over half the box, 2.855");
+  EXPECT_EQ(with("cutoff_nm = 2.5", ""), "scene.toml:10: missing key \"cutoff_nm\" in [forcefield]");
+  EXPECT_EQ(with("cutoff_nm = 2.5", "cutoff_nm = 2.5\nswitch_nm = 2.6"),
+            "scene.toml:15: forcefield.switch_nm: expected less than forcefield.cutoff_nm");
+  EXPECT_THAT(
+      with("cutoff_nm = 2.5", "cutoff_nm = 2.5\nrf_dielectric = 5"),
+      HasSubstr("scene.toml:15: forcefield.rf_dielectric: has no effect, it counts only between charges"));
+  EXPECT_EQ(with("cutoff_nm = 2.5", "cutoff_nm = 2.5\nprecision = \"single\""),
+            "scene.toml:15: forcefield.precision: there is no \"single\"; expected one of double, mixed");
+  EXPECT_EQ(with("cutoff_nm = 2.5", "cutoff_nm = 2.5\nprecision = \"mixed\""), "no error");
+  EXPECT_THAT(with("0.85", "0.05"), HasSubstr("scene.toml:8: build.density_per_nm3: 0.05 is too low"));
+  EXPECT_THAT(with("0.85", "5"), HasSubstr("scene.toml:8: build.density_per_nm3: 5 is too high"));
+}
+
+TEST(SceneErrors, Overrides) {
+  const std::string good = SceneText{}.text;
+  EXPECT_EQ(complaint(good, {"run.dt_fs=abc"}),
+            "--set run.dt_fs=abc: run.dt_fs: expected a number, got a string");
+  EXPECT_EQ(complaint(good, {"run.dt=2"}),
+            "--set run.dt=2: unknown key \"dt\" in [run]; did you mean \"dt_fs\"?");
+  EXPECT_EQ(complaint(good, {"rum.dt_fs=2"}),
+            "--set rum.dt_fs=2: unknown section \"rum\"; did you mean \"run\"?");
+  EXPECT_EQ(complaint(good, {"build.molecules=2"}),
+            "--set build.molecules=2: unknown key \"molecules\" in [build]; expected one of atoms, bonds, "
+            "gravity_nm_ps2, kind, pulls, start, velocities");
+  EXPECT_EQ(complaint(good, {"run.steps"}), "--set run.steps: expected key=value, such as run.dt_fs=2");
+  EXPECT_EQ(complaint(good, {"=3"}), "--set =3: expected key=value, such as run.dt_fs=2");
+  EXPECT_EQ(complaint(good, {"a b=3"}), "--set a b=3: expected key=value, such as run.dt_fs=2");
+  EXPECT_EQ(complaint(good, {"run=3"}), "--set run=3: run: expected a section, got an integer");
+  EXPECT_EQ(complaint(good, {"method.name=newton", "method.passes=1"}),
+            "--set method.passes=1: unknown key \"passes\" in [method]; expected one of max_iterations, "
+            "name, tolerance");
+  EXPECT_THAT(
+      complaint(good, {"method.name=newtom"}),
+      HasSubstr("--set method.name=newtom: method.name: there is no method \"newtom\"; did you mean"));
+  EXPECT_EQ(
+      complaint(kMelt, {"build.chains=1e12"}),
+      "--set build.chains=1e12: build.chains: 1000000000000 make 20000000000000 atoms, more than the 5000000 "
+      "taut takes");
+}
+
+TEST(SceneErrors, Files) {
+  EXPECT_EQ(complaint("hard_on = \"a test\"\n[build\n").substr(0, 35), "scene.toml:2: not valid TOML: Error");
+  EXPECT_THAT(complaint("\x01\x02 this is no TOML"), HasSubstr("scene.toml:1: not valid TOML"));
+  EXPECT_THAT(complaint("<?xml version=\"1.0\"?>"), HasSubstr("scene.toml:1: not valid TOML"));
+  EXPECT_THAT(complaint(""), HasSubstr("missing key \"hard_on\""));
+  EXPECT_THAT(complaint(SceneText{}.with("[run]", "start = \"nowhere.start.toml\"\n[run]").text),
+              HasSubstr("nowhere.start.toml: no such file"));
+  try {
+    read_scene("/nowhere/at/all.toml");
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_STREQ(e.what(), "/nowhere/at/all.toml: no such file");
+  }
+}
+
+// What only the system or the force field can find carries the file's name too.
+TEST(SceneErrors, OfTheForceFieldNameTheFile) {
+  const std::string small =
+      SceneText{kMelt}.with("chains = 10", "chains = 1").with("beads = 20", "beads = 3").text;
+  EXPECT_THAT(complaint(small, {"forcefield.pair=wca"}), HasSubstr("unknown key \"cutoff_nm\""));
+  EXPECT_THAT(complaint(SceneText{small}.with("cutoff_nm = 2.5", "").text, {"forcefield.pair=wca"}),
+              testing::StartsWith("scene.toml: "));
+}
+
+}  // namespace
+}  // namespace taut

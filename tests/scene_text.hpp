@@ -1,0 +1,82 @@
+#pragma once
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "md/errors.hpp"
+#include "systems/scene_file.hpp"
+#include "temporary_folder.hpp"
+
+namespace taut {
+
+// A scene in a file, changed by replacing one text with another.
+struct SceneText {
+  std::string text = R"(hard_on = "a test"
+[build]
+kind = "atoms"
+atoms = [
+  [0, 0, 0, 0],
+  [1, 0, 0, 1],
+  [2, 0, 0, 1.5],
+]
+bonds = [
+  [0, 1, 1],
+  [1, 2, 1],
+]
+gravity_nm_ps2 = [0, -9.81, 0]
+pulls = [[2, 1, 2, 3]]
+[run]
+dt_fs = 0.5
+steps = 20
+[method]
+name = "baumgarte"
+alpha_per_ps = 3.0
+passes = 2
+)";
+
+  inline SceneText with(const std::string& old, const std::string& changed) const {
+    const auto at = text.find(old);
+    EXPECT_NE(at, std::string::npos) << old;
+    return {std::string(text).replace(at, old.size(), changed)};
+  }
+};
+
+inline const std::string kMelt = R"(hard_on = "a test"
+[build]
+kind = "melt"
+chains = 10
+beads = 20
+bond_nm = 0.97
+mass_u = 1.0
+density_per_nm3 = 0.85
+bonds = "rigid"
+[forcefield]
+pair = "lennard-jones"
+sigma_nm = 1.0
+epsilon_kj_mol = 1.0
+cutoff_nm = 2.5
+)";
+
+// What reading says, with the file's folder taken out; the folder is left as it was.
+inline std::string complaint(const std::string& text, const std::vector<std::string>& overrides = {}) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("scene.toml", text);
+  std::string message = "no error";
+  try {
+    read_scene(file, overrides);
+  } catch (const InputError& e) {
+    message = e.what();
+  }
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
+  EXPECT_THAT(message, testing::Not(testing::HasSubstr("\n")));
+  const std::string prefix = folder.path().string() + "/";
+  if (const auto at = message.find(prefix); at != std::string::npos) message.erase(at, prefix.size());
+  return message;
+}
+
+inline Scene read(const std::string& text, const std::vector<std::string>& overrides = {}) {
+  const TemporaryFolder folder;
+  return read_scene(folder.write("scene.toml", text), overrides);
+}
+
+}  // namespace taut
