@@ -84,6 +84,7 @@ void check_torsions(const Terms& terms, int n) {
 
 void check_cutoff(const Nonbonded& nb, const Box& box) {
   if (!nb.cutoff) {
+    require(!nb.pme, "nonbonded: PME needs a cutoff in a periodic box");
     require(!nb.switch_distance, "nonbonded: a switch at {} nm needs a cutoff",
             nb.switch_distance.value_or(0));
     require(!nb.dispersion_correction,
@@ -96,6 +97,7 @@ void check_cutoff(const Nonbonded& nb, const Box& box) {
     const double half = 0.5 * box.edge.minCoeff();
     require(rc <= half, "nonbonded: cutoff {} nm is over half the box's shortest edge, {} nm", rc, half);
   }
+  require(box.periodic() || !nb.pme, "nonbonded: PME needs a periodic box");
   require(box.periodic() || !nb.dispersion_correction,
           "nonbonded: the dispersion correction needs a periodic box");
   require(nb.rf_dielectric > 0 && std::isfinite(nb.rf_dielectric),

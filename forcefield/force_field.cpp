@@ -9,12 +9,15 @@
 #include "forcefield/dispersion.hpp"
 #include "forcefield/exceptions.hpp"
 #include "forcefield/fields.hpp"
+#include "forcefield/pme/parameters.hpp"
+#include "forcefield/pme/pme.hpp"
 
 namespace taut {
 
 struct ForceField::Impl {
   Terms terms;
   std::optional<ClusterPairs> lj_coulomb, wca;
+  std::optional<Pme> pme;
   std::vector<PairException> exceptions;  // those that interact
   BondedForces bonded;
   std::optional<double> dispersion;  // a constant [kJ/mol]
@@ -24,6 +27,10 @@ struct ForceField::Impl {
   Impl(const System& sys, Terms given) : terms(std::move(given)) {
     check_terms(sys, terms);
     if (terms.nonbonded) {
+      if (auto& parameters = terms.nonbonded->pme) {
+        *parameters = chosen_parameters(*parameters, sys.box, *terms.nonbonded->cutoff);
+        pme.emplace(*terms.nonbonded, sys.box);
+      }
       lj_coulomb.emplace(*terms.nonbonded, sys.box, terms.precision);
       exceptions = interacting(terms.nonbonded->exceptions);
     }
@@ -40,6 +47,7 @@ struct ForceField::Impl {
     if (terms.gravity) outer.emplace_back("gravity", add_gravity(*terms.gravity, sys.mass, x, f));
     if (!terms.pulls.empty()) outer.emplace_back("pull", add_pulls(terms.pulls, x, f));
     if (lj_coulomb) lj_coulomb->add_forces(x, f);
+    if (pme) pme->add_forces(x, f);
     if (wca) wca->add_forces(x, f);
     evaluated = true;
   }
@@ -47,7 +55,9 @@ struct ForceField::Impl {
   std::vector<std::pair<std::string, double>> energies() {
     if (!evaluated) return {};
     auto all = bonded.energies();
-    if (lj_coulomb) all.emplace_back("lj_coulomb", lj_coulomb->energy() + bonded.exception_energy());
+    if (lj_coulomb)
+      all.emplace_back("lj_coulomb",
+                       lj_coulomb->energy() + bonded.exception_energy() + (pme ? pme->energy() : 0.0));
     if (dispersion) all.emplace_back("dispersion", *dispersion);
     if (wca) all.emplace_back("wca", wca->energy());
     all.insert(all.end(), outer.begin(), outer.end());
@@ -70,6 +80,7 @@ double ForceField::virial(const Vectors& x) const {
   double sum =
       taut::virial(terms.bonds, x) + taut::virial(terms.fene, x) + taut::virial(impl_->exceptions, x);
   if (impl_->lj_coulomb) sum += impl_->lj_coulomb->virial();
+  if (impl_->pme) sum += impl_->pme->virial();
   if (impl_->wca) sum += impl_->wca->virial();
   return sum + 3 * impl_->dispersion.value_or(0);
 }

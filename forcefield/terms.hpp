@@ -50,6 +50,14 @@ struct PairException {
   double epsilon;         // [kJ/mol]
 };
 
+// Coulomb of all periodic images by particle mesh Ewald (pme/pme.hpp). Zeros are chosen by the tolerance.
+struct PmeParameters {
+  double tolerance = 5e-4;    // about what forces are wrong by, as a share
+  int order = 5;              // of the splines, 4 to 8
+  double alpha = 0;           // [1/nm]
+  std::array<int, 3> grid{};  // points along the edges
+};
+
 // Lennard-Jones with Lorentz–Berthelot mixing, and Coulomb.
 struct Nonbonded {
   Eigen::VectorXd charge;   // [e], n
@@ -58,7 +66,8 @@ struct Nonbonded {
   std::vector<PairException> exceptions;
   std::optional<double> cutoff;           // [nm]; none: every pair
   std::optional<double> switch_distance;  // [nm]: Lennard-Jones switched to zero from here to the cutoff
-  double rf_dielectric = 78.3;            // ε of the reaction field beyond the cutoff
+  double rf_dielectric = 78.3;            // ε of the reaction field beyond the cutoff; 1: a shifted cutoff
+  std::optional<PmeParameters> pme;       // in place of the reaction field
   bool dispersion_correction = false;     // long-range Lennard-Jones, periodic only
 };
 

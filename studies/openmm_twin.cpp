@@ -10,6 +10,7 @@
 #include <sstream>
 #include <vector>
 
+#include "forcefield/pme/parameters.hpp"
 #include "md/errors.hpp"
 #include "systems/openmm/openmm_export.hpp"
 #include "systems/openmm/openmm_xml.hpp"
@@ -58,6 +59,24 @@ OpenMM::Platform& platform_by_name(const std::string& name) {
 void drop_momentum_removers(OpenMM::System& system) {
   for (int k = system.getNumForces() - 1; k >= 0; --k)
     if (dynamic_cast<const OpenMM::CMMotionRemover*>(&system.getForce(k)) != nullptr) system.removeForce(k);
+}
+
+// PME's parameters said, where OpenMM would choose the grid, each of its platforms another.
+void say_pme_parameters(OpenMM::System& system, const OpenMM::State& start) {
+  OpenMM::Vec3 a, b, c;
+  start.getPeriodicBoxVectors(a, b, c);
+  for (int k = 0; k < system.getNumForces(); ++k) {
+    auto* force = dynamic_cast<OpenMM::NonbondedForce*>(&system.getForce(k));
+    if (!force || force->getNonbondedMethod() != OpenMM::NonbondedForce::PME) continue;
+    double alpha;
+    std::array<int, 3> grid;
+    force->getPMEParameters(alpha, grid[0], grid[1], grid[2]);
+    if (alpha != 0) continue;
+    PmeParameters chosen;
+    chosen.tolerance = force->getEwaldErrorTolerance();
+    chosen = chosen_parameters(chosen, {Vec3(a[0], b[1], c[2])}, force->getCutoffDistance());
+    force->setPMEParameters(chosen.alpha, chosen.grid[0], chosen.grid[1], chosen.grid[2]);
+  }
 }
 
 std::unique_ptr<OpenMM::Integrator> make_integrator(const TwinSettings& settings) {
@@ -165,6 +184,7 @@ OpenMMTwin::OpenMMTwin(const std::filesystem::path& system_xml, const std::files
   auto system = deserialize<OpenMM::System>(system_file);
   const auto from = deserialize<OpenMM::State>(state_file);
   try {
+    say_pme_parameters(*system, *from);
     start(std::move(system), settings);
   } catch (const InputError& e) {
     system_file.refuse(e.what());

@@ -35,11 +35,13 @@ void PrintTo(const Space& space, std::ostream* out) {
 class ClusterPairsInSpace : public ::testing::TestWithParam<Space> {};
 
 TEST_P(ClusterPairsInSpace, MissNoPairWhileAtomsMove) {
-  const auto& [name, n, extent, periodic] = GetParam();
+  const Space& space = GetParam();
+  const int n = space.atoms;
+  const Vec3 extent = space.extent;
   std::mt19937_64 rng(7);
   std::uniform_real_distribution<double> uniform(0, 1);
   std::normal_distribution<double> normal(0, 0.008);
-  const Box box{periodic ? extent : Vec3::Zero()};
+  const Box box{space.periodic ? extent : Vec3::Zero()};
   Vectors x(3, n);
   for (int a = 0; a < n; ++a) {
     x.col(a) = extent.cwiseProduct(Vec3(uniform(rng), uniform(rng), uniform(rng)));

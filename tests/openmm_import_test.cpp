@@ -141,11 +141,34 @@ TEST(OpenMMImport, StandsStillWithoutVelocities) {
 
 TEST(OpenMMImportRefuses, MethodsItLacks) {
   using Force = OpenMM::NonbondedForce;
-  for (const auto& [method, name] :
-       {std::pair(Force::Ewald, "Ewald"), {Force::PME, "PME"}, {Force::LJPME, "LJPME"}})
+  for (const auto& [method, name] : {std::pair(Force::Ewald, "Ewald"), {Force::LJPME, "LJPME"}})
     EXPECT_THAT(refusal_of([m = method](Melt& melt) { melt.nonbonded->setNonbondedMethod(m); }),
                 one_line_with("melt.system.xml:", "force 2: NonbondedForce: uses " + std::string(name) + ":",
                               "CutoffPeriodic"));
+}
+
+// Exclusions take no nearest images; in PME they have a force.
+TEST(OpenMMImportRefuses, PmeOfMoleculesBrokenAcrossTheBox) {
+  using Force = OpenMM::NonbondedForce;
+  const auto broken = [](Force::NonbondedMethod method) {
+    Melt melt(1);
+    melt.make_periodic();
+    melt.break_across_box();
+    melt.nonbonded->setExceptionsUsePeriodicBoundaryConditions(false);
+    melt.nonbonded->setNonbondedMethod(method);
+    int i, j;
+    double charge, sigma, epsilon;
+    for (int k = 0; k < melt.nonbonded->getNumExceptions(); ++k) {
+      melt.nonbonded->getExceptionParameters(k, i, j, charge, sigma, epsilon);
+      melt.nonbonded->setExceptionParameters(k, i, j, 0, 1, 0);
+    }
+    const Folder folder;
+    const Files files = melt.write(folder);
+    return refusal(files.system, files.state);
+  };
+  EXPECT_THAT(broken(Force::PME),
+              one_line_with("force 2: NonbondedForce: exception", "is broken across the box"));
+  EXPECT_EQ(broken(Force::CutoffPeriodic), "nothing was refused");
 }
 
 TEST(OpenMMImportRefuses, ForcesItLacks) {

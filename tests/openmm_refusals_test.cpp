@@ -26,8 +26,8 @@ TEST_P(Refuses, ByNameAndLine) {
 INSTANTIATE_TEST_SUITE_P(
     WhatIsNotCarriedOut, Refuses,
     ::testing::Values(
-        Change{"method=\"2\" name=\"NonbondedForce\"", "method=\"4\" name=\"NonbondedForce\"",
-               "force 4: NonbondedForce: uses PME: taut has"},
+        Change{"method=\"2\" name=\"NonbondedForce\"", "method=\"3\" name=\"NonbondedForce\"",
+               "force 4: NonbondedForce: uses Ewald: taut has"},
         Change{"method=\"2\" name=\"NonbondedForce\"", "method=\"1\" name=\"NonbondedForce\"",
                "force 4: NonbondedForce: its pairs are not periodic, but force 0: HarmonicBondForce "
                "\"stretch\" is"},

@@ -10,6 +10,7 @@
 
 #include "forcefield/force_field.hpp"
 #include "md/errors.hpp"
+#include "md/units.hpp"
 #include "openmm_models.hpp"
 #include "studies/openmm_twin.hpp"
 #include "systems/openmm/openmm_read.hpp"
@@ -33,13 +34,14 @@ void expect_agreement(double energy, const Vectors& f, double their_energy, cons
   EXPECT_LT((f - their_f).cwiseAbs().maxCoeff(), 1e-7 * rms(their_f));
 }
 
-// taut's potential and forces against those of the twin, live.
-void expect_parity(const Files& files) {
+// taut's potential and forces against those of the twin, live. `more`: what taut's potential has and OpenMM's
+// not.
+void expect_parity(const Files& files, double more = 0) {
   OpenMMInput input = read_openmm(files.system, files.state);
   ForceField forces(input.system, input.terms);
   forces(input.system, input.start);
   const OpenMMTwin twin(files.system, files.state, {0.001});
-  expect_agreement(forces.potential(), input.start.f, twin.potential(), twin.state().f);
+  expect_agreement(forces.potential(), input.start.f, twin.potential() + more, twin.state().f);
 }
 
 class SharedSystem : public ::testing::TestWithParam<const char*> {};
@@ -118,6 +120,31 @@ TEST(OpenMMParity, PeriodicSwitchWithAndWithoutDispersionCorrection) {
       melt.nonbonded->setUseSwitchingFunction(true);
       melt.nonbonded->setSwitchingDistance(from);
       expect_parity(melt.write(Folder()));
+    }
+}
+
+// As OpenMM would choose its parameters, and as they are given; charges that add to zero, and others:
+// OpenMM 7.7 leaves out the background that they take, a constant.
+TEST(OpenMMParity, ParticleMeshEwald) {
+  for (const bool given : {false, true})
+    for (const double surplus : {0.0, 3.0}) {
+      Melt melt(8);
+      melt.make_periodic();
+      melt.nonbonded->setNonbondedMethod(OpenMM::NonbondedForce::PME);
+      melt.nonbonded->setEwaldErrorTolerance(2e-4);
+      if (given) melt.nonbonded->setPMEParameters(2.7, 21, 23, 26);
+      double charge, sigma, epsilon, total = 0;
+      for (int a = 0; a < Melt::kAtoms; ++a) {
+        melt.nonbonded->getParticleParameters(a, charge, sigma, epsilon);
+        total += charge;
+      }
+      for (int a = 0; a < Melt::kAtoms; ++a) {
+        melt.nonbonded->getParticleParameters(a, charge, sigma, epsilon);
+        melt.nonbonded->setParticleParameters(a, charge + (surplus - total) / Melt::kAtoms, sigma, epsilon);
+      }
+      const double alpha = given ? 2.7 : std::sqrt(-std::log(4e-4));
+      expect_parity(melt.write(Folder()),
+                    -kCoulomb * M_PI * surplus * surplus / (2 * std::pow(Melt::kEdge, 3) * alpha * alpha));
     }
 }
 

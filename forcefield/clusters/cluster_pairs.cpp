@@ -307,7 +307,7 @@ std::unique_ptr<ClusterPairs::Engine> make_engine(PairProblem problem, Precision
 }  // namespace
 
 ClusterPairs::ClusterPairs(const Nonbonded& nb, const Box& box, Precision precision)
-    : engine_(make_engine(problem_of(nb, box), precision)) {}
+    : engine_(make_engine(problem_of(nb, box, precision), precision)) {}
 ClusterPairs::ClusterPairs(const Wca& wca, int atoms, const Box& box, Precision precision)
     : engine_(make_engine(problem_of(wca, atoms, box), precision)) {}
 ClusterPairs::~ClusterPairs() = default;

@@ -7,6 +7,7 @@
 #include "forcefield/clusters/aligned.hpp"
 #include "forcefield/clusters/cluster_list.hpp"
 #include "forcefield/clusters/rounded_positions.hpp"
+#include "forcefield/pme/screening.hpp"
 
 namespace taut {
 
@@ -16,6 +17,7 @@ namespace taut {
 //     switch:   S = 1 − 6x⁵ + 15x⁴ − 10x³, x = (r − rs)/(rc − rs); 1 below rs
 //     Coulomb:  k q_i q_j (1/r + k_rf r² − c_rf), k_rf = (ε−1)/((2ε+1)rc³), c_rf = 3ε/((2ε+1)rc)
 //               (Tironi et al. 1995, doi:10.1063/1.469273); without a cutoff both are zero
+//     or        k q_i q_j erfc(αr)/r, Ewald's real space, by pme/screening.hpp
 //     WCA:      4ε((σ/r)¹² − (σ/r)⁶) + ε up to 2^(1/6)σ, its minimum, where energy and force reach zero
 //               (Weeks, Chandler and Andersen 1971, doi:10.1063/1.1674820)
 // A pair is summed for what both its atoms have, Lennard-Jones, charge or both.
@@ -28,6 +30,7 @@ struct PairLaw {
   double cutoff = std::numeric_limits<double>::infinity();  // [nm]
   double switch_distance = std::numeric_limits<double>::infinity();  // [nm]
   double k_rf = 0, c_rf = 0;                                         // [1/nm³], [1/nm]
+  Screening screening;                                               // with Ewald's sum
 
   bool switched() const { return lj && switch_distance < cutoff; }
   double sigma6() const { return sigma * sigma * sigma * sigma * sigma * sigma; }

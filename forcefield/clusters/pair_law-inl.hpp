@@ -48,7 +48,11 @@ class LawInLanes {
         sigma6_(set(law.sigma6())),
         six_sigma6_(set(6 * law.sigma6())),
         twelve_sigma12_(set(12 * law.sigma6() * law.sigma6())),
-        lift_(set(law.lift / 4)) {
+        lift_(set(law.lift / 4)),
+        screening_scale_(set(law.screening.scale)) {
+    const auto& of = C::kEnergy ? law.screening.energy : law.screening.force;
+    screening_terms_ = static_cast<int>(of.size());
+    for (int k = 0; k < screening_terms_; ++k) screening_[k] = static_cast<T>(of[k]);
     if constexpr (C::kSwitched) {
       const double width = law.cutoff - law.switch_distance;
       inv_width_ = set(1 / width);
@@ -81,7 +85,7 @@ class LawInLanes {
   HWY_INLINE void pairs(const Atoms& atoms, const std::ptrdiff_t (&j)[K], const V (&r2)[K], V (&guess)[K],
                         V (&term)[K]) const {
     const D d;
-    V inv_r3[K];
+    V inv_r3[K], coulomb[K];
     if constexpr (C::kFromCube) {
       inverse_cube<K>(d, r2, guess);
     } else if constexpr (C::kFromRoot) {
@@ -92,17 +96,46 @@ class LawInLanes {
     for (int k = 0; k < K; ++k) {
       if constexpr (C::kFromCube) inv_r3[k] = guess[k];
       if constexpr (C::kFromRoot) inv_r3[k] = hn::Mul(guess[k], hn::Mul(guess[k], guess[k]));
+    }
+    if constexpr (C::kCharge) {
+      if (screening_terms_ > 0) {
+        screen<K>(r2, coulomb);
+        for (int k = 0; k < K; ++k) coulomb[k] = hn::Sub(C::kEnergy ? guess[k] : inv_r3[k], coulomb[k]);
+      } else {
+        for (int k = 0; k < K; ++k)
+          coulomb[k] =
+              C::kEnergy ? hn::Sub(hn::MulAdd(k_rf_, r2[k], guess[k]), c_rf_) : hn::Sub(inv_r3[k], two_k_rf_);
+      }
+    }
+    for (int k = 0; k < K; ++k) {
       if constexpr (C::kLj) term[k] = lennard_jones(atoms, j[k], r2[k], guess[k]);
       if constexpr (C::kCharge) {
         const V qq = hn::Mul(atoms.q, load_columns(d, charge_ + j[k]));
-        const V coulomb =
-            C::kEnergy ? hn::Sub(hn::MulAdd(k_rf_, r2[k], guess[k]), c_rf_) : hn::Sub(inv_r3[k], two_k_rf_);
-        term[k] = C::kLj ? hn::MulAdd(qq, coulomb, term[k]) : hn::Mul(qq, coulomb);
+        term[k] = C::kLj ? hn::MulAdd(qq, coulomb[k], term[k]) : hn::Mul(qq, coulomb[k]);
       }
     }
   }
 
  private:
+  // Σ c_k tᵏ, t = scale r² − 1: even and odd powers apart, so that one need not wait for the other.
+  template <int K>
+  HWY_INLINE void screen(const V (&r2)[K], V (&out)[K]) const {
+    const D d;
+    V t[K], t2[K], odd[K];
+    for (int k = 0; k < K; ++k) {
+      t[k] = hn::MulSub(r2[k], screening_scale_, set(1));
+      t2[k] = hn::Mul(t[k], t[k]);
+      out[k] = hn::Set(d, screening_[screening_terms_ - 2]);
+      odd[k] = hn::Set(d, screening_[screening_terms_ - 1]);
+    }
+    for (int c = screening_terms_ - 4; c >= 0; c -= 2)
+      for (int k = 0; k < K; ++k) {
+        out[k] = hn::MulAdd(out[k], t2[k], hn::Set(d, screening_[c]));
+        odd[k] = hn::MulAdd(odd[k], t2[k], hn::Set(d, screening_[c + 1]));
+      }
+    for (int k = 0; k < K; ++k) out[k] = hn::MulAdd(odd[k], t[k], out[k]);
+  }
+
   static HWY_INLINE V set(double value) { return hn::Set(D(), static_cast<T>(value)); }
 
   // `inverse`: 1/r³, 1/r or 1/r².
@@ -154,6 +187,9 @@ class LawInLanes {
   const T* HWY_RESTRICT two_sqrt_epsilon_;
   V k_rf_, two_k_rf_, c_rf_, sigma6_, six_sigma6_, twelve_sigma12_, lift_;
   V start_{}, inv_width_{}, slope_width_{};
+  V screening_scale_;
+  int screening_terms_;
+  T screening_[kMostScreeningTerms];
 };
 
 }  // namespace taut::HWY_NAMESPACE

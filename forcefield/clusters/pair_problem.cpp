@@ -36,14 +36,18 @@ void choose_buffers(PairProblem& p, double inner_share, double outer_share) {
 
 }  // namespace
 
-PairProblem problem_of(const Nonbonded& nb, const Box& box) {
+PairProblem problem_of(const Nonbonded& nb, const Box& box, Precision precision) {
   PairProblem p;
   p.law.cutoff = nb.cutoff.value_or(kInfinity);
   p.law.switch_distance = nb.switch_distance.value_or(kInfinity);
   if (nb.cutoff) {
     const double rc = *nb.cutoff, eps = nb.rf_dielectric;
-    p.law.k_rf = (eps - 1) / ((2 * eps + 1) * rc * rc * rc);
-    p.law.c_rf = 3 * eps / ((2 * eps + 1) * rc);
+    if (nb.pme) {
+      p.law.screening = Screening(nb.pme->alpha, rc, precision == Precision::kDouble ? 1e-15 : 2e-8);
+    } else {
+      p.law.k_rf = (eps - 1) / ((2 * eps + 1) * rc * rc * rc);
+      p.law.c_rf = 3 * eps / ((2 * eps + 1) * rc);
+    }
     p.box = box;  // without a cutoff there are no images
     choose_buffers(p, 0.07, 0.38);
   }

@@ -25,7 +25,7 @@ struct PairProblem {
   AtomClusters::Layout layout() const;
 };
 
-PairProblem problem_of(const Nonbonded& nb, const Box& box);
+PairProblem problem_of(const Nonbonded& nb, const Box& box, Precision precision);
 PairProblem problem_of(const Wca& wca, int atoms, const Box& box);
 
 }  // namespace taut

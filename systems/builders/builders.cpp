@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "forcefield/pme/parameters.hpp"
+#include "md/errors.hpp"
 #include "md/observables.hpp"
 #include "systems/start_file.hpp"
 #include "systems/whole_molecules.hpp"
@@ -87,13 +89,51 @@ Names bead_names(int polymers, int beads) {
   return names;
 }
 
+namespace {
+
+// A shifted cutoff is a reaction field of 1.
+void read_coulomb(const TomlTable& forcefield, const Box& box, Nonbonded& nonbonded) {
+  const bool charged = (nonbonded.charge.array() != 0).any();
+  forcefield.counts("rf_dielectric", nonbonded.cutoff && charged,
+                    "between charges, with forcefield.cutoff_nm");
+  forcefield.counts("coulomb", charged, "between charges");
+  const std::string coulomb = forcefield.has("coulomb")
+                                  ? forcefield.choice("coulomb", {"reaction-field", "cutoff", "pme"})
+                                  : "reaction-field";
+  const bool field = coulomb == "reaction-field", pme = coulomb == "pme";
+  if (forcefield.overridden("rf_dielectric") ||
+      !forcefield.overridden("coulomb"))  // else the file's goes with it
+    forcefield.counts("rf_dielectric", field, "with forcefield.coulomb = \"reaction-field\"");
+  for (const char* key : {"ewald_tolerance", "ewald_alpha_per_nm", "pme_order", "pme_grid"})
+    forcefield.counts(key, pme, "with forcefield.coulomb = \"pme\"");
+  if (field) forcefield.read("rf_dielectric", nonbonded.rf_dielectric, Range{.min = 1});
+  if (coulomb == "cutoff") nonbonded.rf_dielectric = 1;
+  if (!field && !nonbonded.cutoff)
+    forcefield.fail("coulomb", fmt::format("{} needs forcefield.cutoff_nm", coulomb));
+  if (!pme) return;
+  if (!box.periodic()) forcefield.fail("coulomb", "pme needs a box");
+  PmeParameters& p = nonbonded.pme.emplace();
+  Vec3 grid = Vec3::Zero();
+  forcefield.read("ewald_tolerance", p.tolerance, kPositive);
+  forcefield.read("ewald_alpha_per_nm", p.alpha, kPositive);
+  forcefield.read("pme_order", p.order);
+  if (forcefield.read("pme_grid", grid) && !(grid.array() == grid.array().floor() && grid.array() >= 1).all())
+    forcefield.fail("pme_grid", "expected three whole numbers");
+  for (int d = 0; d < 3; ++d) p.grid[d] = static_cast<int>(std::min(grid[d], 1e9));
+  try {
+    chosen_parameters(p, box, *nonbonded.cutoff);
+  } catch (const InputError& e) {
+    forcefield.fail("coulomb", e.what());
+  }
+}
+
+}  // namespace
+
 void read_cutoff(const TomlTable& forcefield, const Box& box, Nonbonded& nonbonded) {
   forcefield.read("cutoff_nm", nonbonded.cutoff, kPositive);
   forcefield.read("switch_nm", nonbonded.switch_distance, kPositive);
-  forcefield.read("rf_dielectric", nonbonded.rf_dielectric, Range{.min = 1});
-  forcefield.counts("rf_dielectric", nonbonded.cutoff && (nonbonded.charge.array() != 0).any(),
-                    "between charges, with forcefield.cutoff_nm");
   forcefield.read("dispersion_correction", nonbonded.dispersion_correction);
+  read_coulomb(forcefield, box, nonbonded);
   if (nonbonded.switch_distance && !(nonbonded.cutoff && *nonbonded.switch_distance < *nonbonded.cutoff))
     forcefield.fail("switch_nm", "expected less than forcefield.cutoff_nm");
   if (nonbonded.dispersion_correction && !(nonbonded.cutoff && box.periodic()))

@@ -39,8 +39,9 @@ int atoms_of(const TomlTable& keys, std::string_view key, double copies, double 
 // Polymers of beads, of no element.
 Names bead_names(int polymers, int beads);
 
-// The pair forces' keys: cutoff_nm, switch_nm, rf_dielectric, dispersion_correction. With a box the cutoff
-// is required, and at most half the box.
+// The pair forces' keys: cutoff_nm, switch_nm, dispersion_correction; coulomb = "reaction-field" with
+// rf_dielectric, "cutoff", or "pme" with ewald_tolerance, ewald_alpha_per_nm, pme_order, pme_grid. With a box
+// the cutoff is required, and at most half the box.
 void read_cutoff(const TomlTable& forcefield, const Box& box, Nonbonded& nonbonded);
 
 }  // namespace taut

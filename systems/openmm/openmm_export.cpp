@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "files/atomic_file.hpp"
+#include "forcefield/pme/parameters.hpp"
 #include "md/errors.hpp"
 #include "systems/openmm/openmm_expressions.hpp"
 #include "systems/openmm/openmm_forces.hpp"
@@ -81,6 +82,12 @@ void write_nonbonded(Node forces, const Nonbonded& from, const Box& box) {
   if (from.cutoff) {
     x.method = box.periodic() ? NonbondedXml::kCutoffPeriodic : NonbondedXml::kCutoffNonPeriodic;
     x.cutoff = *from.cutoff;
+  }
+  if (from.pme) {
+    x.method = NonbondedXml::kPME;
+    x.pme = chosen_parameters(*from.pme, box, *from.cutoff);
+    if (x.pme.order != 5)
+      throw InputError(fmt::format("OpenMM's PME is of order 5: {} cannot be written", x.pme.order));
   }
   Node force = write_force(forces, "NonbondedForce", x.fields());
   for (const auto& [name, value] : NonbondedXml::kUnused) put(force, name, value);

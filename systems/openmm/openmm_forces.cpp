@@ -47,8 +47,8 @@ void read_particles(const Reading& r, Nonbonded& t) {
 
 void refuse_unless_carried_out(const Element& force, const NonbondedXml& x) {
   constexpr std::array kNames = {"NoCutoff", "CutoffNonPeriodic", "CutoffPeriodic", "Ewald", "PME", "LJPME"};
-  if (x.method > NonbondedXml::kCutoffPeriodic)
-    force.refuse(fmt::format("uses {}: taut has NoCutoff, CutoffNonPeriodic and CutoffPeriodic",
+  if (x.method == NonbondedXml::kEwald || x.method == NonbondedXml::kLJPME)
+    force.refuse(fmt::format("uses {}: taut has NoCutoff, CutoffNonPeriodic, CutoffPeriodic and PME",
                              kNames.at(static_cast<std::size_t>(x.method))));
   if (!x.direct_space) force.refuse("leaves its direct space out: taut does not");
   for (const char* list : NonbondedXml::kEmpty)
@@ -70,7 +70,10 @@ void read_nonbonded(const Reading& r) {
 
   // OpenMM ignores switch and dielectric without a cutoff, and the dispersion correction without a box.
   r.to.takes_images = x.takes_images;
-  r.to.periodic_pairs = x.method == NonbondedXml::kCutoffPeriodic;
+  // It takes a grid with an alpha alone.
+  r.to.periodic_pairs = x.method >= NonbondedXml::kCutoffPeriodic;
+  if (x.method == NonbondedXml::kPME)
+    t.pme = x.pme.alpha == 0 ? PmeParameters{.tolerance = x.pme.tolerance} : x.pme;
   t.rf_dielectric = x.rf_dielectric;
   t.dispersion_correction = x.dispersion_correction && *r.to.periodic_pairs;
   if (x.method == NonbondedXml::kNoCutoff) return;

@@ -53,7 +53,8 @@ void check_images(const Element& at, const OpenMMForce& force, const WholeMolecu
   for (const auto& t : terms.fene) images.check("bond", k++, std::array{t.i, t.j});
   if (!terms.nonbonded) return;
   for (const auto& t : terms.nonbonded->exceptions) {
-    if (t.charge_product != 0 || t.epsilon != 0) images.check("exception", k, std::array{t.i, t.j});
+    if (t.charge_product != 0 || t.epsilon != 0 || terms.nonbonded->pme)
+      images.check("exception", k, std::array{t.i, t.j});
     ++k;
   }
 }

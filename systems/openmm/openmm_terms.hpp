@@ -4,6 +4,7 @@
 // of each of its elements, and their attributes.
 
 #include <array>
+#include <limits>
 
 #include "forcefield/check_terms.hpp"
 #include "forcefield/terms.hpp"
@@ -123,9 +124,18 @@ struct NonbondedXml {
   int method = kNoCutoff;
   double cutoff = 1, rf_dielectric = 78.3, switch_distance = -1;
   bool switched = false, dispersion_correction = true, takes_images = false, direct_space = true;
+  PmeParameters pme{};
 
   std::vector<Field> fields() {
+    const auto points = [this](int d) {
+      return Field::Integer{&pme.grid[d], 0, std::numeric_limits<int>::max()};
+    };
     return {{"method", Field::Integer{&method, kNoCutoff, kLJPME}},
+            {"ewaldTolerance", &pme.tolerance},
+            {"alpha", &pme.alpha},
+            {"nx", points(0)},
+            {"ny", points(1)},
+            {"nz", points(2)},
             {"cutoff", &cutoff},
             {"rfDielectric", &rf_dielectric},
             {"useSwitchingFunction", &switched},
@@ -134,17 +144,9 @@ struct NonbondedXml {
             {"exceptionsUsePeriodic", &takes_images},
             {"includeDirectSpace", &direct_space}};
   }
-  // Of PME, which there is none of; the values are OpenMM's own at the start.
-  static constexpr std::pair<const char*, const char*> kUnused[] = {{"recipForceGroup", "-1"},
-                                                                    {"ewaldTolerance", "0.0005"},
-                                                                    {"alpha", "0"},
-                                                                    {"nx", "0"},
-                                                                    {"ny", "0"},
-                                                                    {"nz", "0"},
-                                                                    {"ljAlpha", "0"},
-                                                                    {"ljnx", "0"},
-                                                                    {"ljny", "0"},
-                                                                    {"ljnz", "0"}};
+  // Of groups, and of Lennard-Jones by PME; the values are OpenMM's own at the start.
+  static constexpr std::pair<const char*, const char*> kUnused[] = {
+      {"recipForceGroup", "-1"}, {"ljAlpha", "0"}, {"ljnx", "0"}, {"ljny", "0"}, {"ljnz", "0"}};
   static constexpr const char* kEmpty[] = {"GlobalParameters", "ParticleOffsets", "ExceptionOffsets"};
 };
 

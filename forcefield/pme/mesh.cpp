@@ -1,0 +1,221 @@
+#include "forcefield/pme/mesh.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <numeric>
+
+#include "forcefield/pme/fourier.hpp"
+#include "forcefield/pme/mesh_kernels.hpp"
+#include "md/threads.hpp"
+
+namespace taut {
+namespace {
+
+constexpr int kAtomsPerThread = 200;  // fewer are not worth a thread
+
+// |b(m)|⁻² = |Σ_k M_n(k + 1) e^(2πimk/size)|² (eq. 4.4), m = 0 … size − 1. Where it is zero, at size/2 of odd
+// orders, the mean of its neighbours, as OpenMM has it.
+std::vector<double> spline_moduli(int order, int size) {
+  MeshAtom on_a_point;
+  find_splines(order, {0, 0, 0}, on_a_point);
+  std::vector<double> moduli(size);
+  for (int m = 0; m < size; ++m) {
+    std::complex<double> sum = 0;
+    for (int k = 0; k < order; ++k)
+      sum +=
+          on_a_point.weight[0][k] * std::polar(1.0, 2 * std::numbers::pi * double(long(m) * k % size) / size);
+    moduli[m] = std::norm(sum);
+  }
+  for (int m = 0; m < size; ++m)
+    if (moduli[m] < 1e-7) moduli[m] = (moduli[(m + size - 1) % size] + moduli[(m + 1) % size]) / 2;
+  return moduli;
+}
+
+}  // namespace
+
+class PmeMesh::Impl {
+ public:
+  Impl(const Eigen::VectorXd& charge, const PmeParameters& p, const Box& box)
+      : order_(p.order), alpha_(p.alpha), size_(p.grid), edge_(box.edge), grid_(p.grid, kMostOrder) {
+    for (int a = 0; a < charge.size(); ++a)
+      if (charge[a] != 0) charged_.push_back({a, charge[a]});
+    const std::size_t n = charged_.size();
+    place_.resize(n);
+    atoms_.resize(n);
+    slot_.resize(n);
+    begin_.resize(size_[0] + 1);
+    for (int d = 0; d < 3; ++d) lay_waves(d);
+    energy_of_.resize(size_[1]);
+    virial_of_.resize(size_[1]);
+  }
+
+  void add_forces(const Vectors& x, Vectors& f) {
+    const int n = static_cast<int>(charged_.size());
+    const int threads = std::clamp(n / kAtomsPerThread, 1, available_threads());
+    in_parallel(threads, [&](int t) { place(x, Share(n, t, threads)); });
+    sort_by_plane();
+    in_parallel(threads, [&](int t) { lay_splines(Share(n, t, threads)); });
+    in_parallel(threads, [&](int t) {
+      const Share share(size_[0], t, threads);
+      for (int plane = share.begin; plane < share.end; ++plane) {
+        spread(plane);
+        grid_.transform_plane(plane);
+      }
+    });
+    in_parallel(threads, [&](int t) {
+      const Share share(size_[1], t, threads);
+      for (int row = share.begin; row < share.end; ++row) {
+        grid_.transform_across(row);
+        apply_influence(row);
+        grid_.transform_back_across(row);
+      }
+    });
+    in_parallel(threads, [&](int t) {
+      const Share share(size_[0], t, threads);
+      for (int plane = share.begin; plane < share.end; ++plane) {
+        grid_.transform_plane_back(plane);
+        repeat_row_starts(plane);
+      }
+    });
+    in_parallel(threads, [&](int t) { gather(Share(n, t, threads), f); });
+  }
+
+  double energy() const { return std::accumulate(energy_of_.begin(), energy_of_.end(), 0.0); }
+  double virial() const { return std::accumulate(virial_of_.begin(), virial_of_.end(), 0.0); }
+
+ private:
+  struct Charged {
+    int atom;
+    double charge;
+  };
+  struct Place {
+    std::array<int, 3> point;     // of the grid, the one below
+    std::array<double, 3> above;  // it, 0 … 1
+  };
+
+  // Along an edge: m², and the edge's factor of G.
+  void lay_waves(int d) {
+    const int size = size_[d];
+    const auto moduli = spline_moduli(order_, size);
+    const double pi = std::numbers::pi;
+    for (int k = 0; k < size; ++k) {
+      const double m = (k <= size / 2 ? k : k - size) / edge_[d];
+      wave2_[d].push_back(m * m);
+      factor_[d].push_back(std::exp(-pi * pi * m * m / (alpha_ * alpha_)) / moduli[k]);
+    }
+    if (d == 0)
+      for (double& g : factor_[d]) g /= pi * edge_.prod();
+  }
+
+  void place(const Vectors& x, const Share& share) {
+    for (int c = share.begin; c < share.end; ++c)
+      for (int d = 0; d < 3; ++d) {
+        const double u = x(d, charged_[c].atom) / edge_[d], at = (u - std::floor(u)) * size_[d];
+        const int point = std::min(static_cast<int>(at), size_[d] - 1);  // rounding on a wall
+        place_[c].point[d] = point;
+        place_[c].above[d] = at - point;
+      }
+  }
+
+  // Where each atom comes, plane by plane and in their own order.
+  void sort_by_plane() {
+    std::fill(begin_.begin(), begin_.end(), 0);
+    for (const Place& place : place_) ++begin_[place.point[0] + 1];
+    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+    next_ = begin_;
+    for (std::size_t c = 0; c < place_.size(); ++c) slot_[c] = next_[place_[c].point[0]]++;
+  }
+
+  void lay_splines(const Share& share) {
+    for (int c = share.begin; c < share.end; ++c) {
+      MeshAtom& atom = atoms_[slot_[c]];
+      atom.point = place_[c].point;
+      atom.atom = charged_[c].atom;
+      atom.charge = charged_[c].charge;
+      find_splines(order_, place_[c].above, atom);
+    }
+  }
+
+  // All charges of a plane: of the atoms below it, near enough.
+  void spread(int plane) {
+    double* grid = grid_.plane(plane);
+    std::fill_n(grid, std::ptrdiff_t{size_[1]} * grid_.stride(), 0.0);
+    for (int k = order_ - 1; k >= 0; --k) {
+      const int below = ((plane - k) % size_[0] + size_[0]) % size_[0];
+      spread_charges(mesh(), plane, {atoms_.data() + begin_[below], atoms_.data() + begin_[below + 1]}, k);
+    }
+    for (int row = 0; row < size_[1]; ++row, grid += grid_.stride())
+      for (int k = 0; k < order_ - 1; ++k) grid[k % size_[2]] += grid[size_[2] + k];
+  }
+
+  void apply_influence(int row) {
+    double energy = 0, virial = 0;
+    const double inv = 2 * std::numbers::pi * std::numbers::pi / (alpha_ * alpha_);
+    for (int k1 = 0; k1 < size_[0]; ++k1) {
+      FourierGrid::Complex* z = grid_.row(k1, row);
+      const double g12 = factor_[0][k1] * factor_[1][row], m12 = wave2_[0][k1] + wave2_[1][row];
+      for (int k3 = 0; k3 < grid_.half(); ++k3) {
+        const double m2 = m12 + wave2_[2][k3];
+        const double g = m2 > 0 ? g12 * factor_[2][k3] / m2 : 0;
+        const double twice = k3 == 0 || 2 * k3 == size_[2] ? 0.5 : 1;  // ½, and the half of m₃ left out
+        const double part = twice * g * std::norm(z[k3]);
+        energy += part;
+        virial += part * (1 - inv * m2);
+        z[k3] *= g;
+      }
+    }
+    energy_of_[row] = energy;
+    virial_of_[row] = virial;
+  }
+
+  // What splines reach beyond a row's end.
+  void repeat_row_starts(int plane) {
+    double* row = grid_.plane(plane);
+    for (int k2 = 0; k2 < size_[1]; ++k2, row += grid_.stride())
+      for (int k = 0; k < kMostOrder; ++k) row[size_[2] + k] = row[k % size_[2]];
+  }
+
+  void gather(const Share& share, Vectors& f) {
+    const MeshGrid grid = mesh();
+    for (int c = share.begin; c < share.end; ++c) {
+      const MeshAtom& atom = atoms_[c];
+      const Vec3 slope = slope_at(grid, atom);
+      for (int d = 0; d < 3; ++d) f(d, atom.atom) -= atom.charge * slope[d] * size_[d] / edge_[d];
+    }
+  }
+
+  MeshGrid mesh() { return {grid_.plane(0), size_, grid_.stride(), order_}; }
+
+  int order_;
+  double alpha_;  // [1/nm]
+  std::array<int, 3> size_;
+  Vec3 edge_;  // [nm]
+  FourierGrid grid_;
+  std::vector<Charged> charged_;
+  std::vector<Place> place_;                           // as charged_
+  std::vector<int> slot_;                              // as charged_: where in atoms_
+  std::vector<MeshAtom> atoms_;                        // by plane
+  std::vector<int> begin_, next_;                      // of a plane's, in atoms_
+  std::array<std::vector<double>, 3> wave2_, factor_;  // [1/nm²]; G's [nm²/nm³] but for 1/m²
+  std::vector<double> energy_of_, virial_of_;          // by row
+};
+
+PmeMesh::PmeMesh(const Eigen::VectorXd& charge, const PmeParameters& parameters, const Box& box)
+    : impl_(std::make_unique<Impl>(charge, parameters, box)) {}
+PmeMesh::~PmeMesh() = default;
+PmeMesh::PmeMesh(PmeMesh&&) noexcept = default;
+PmeMesh& PmeMesh::operator=(PmeMesh&&) noexcept = default;
+
+void PmeMesh::add_forces(const Vectors& x, Vectors& f) {
+  impl_->add_forces(x, f);
+}
+double PmeMesh::energy() const {
+  return impl_->energy();
+}
+double PmeMesh::virial() const {
+  return impl_->virial();
+}
+
+}  // namespace taut

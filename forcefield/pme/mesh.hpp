@@ -1,0 +1,38 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "forcefield/terms.hpp"
+#include "md/box.hpp"
+
+namespace taut {
+
+// The reciprocal part of Ewald's sum by smooth particle mesh Ewald (Essmann et al. 1995,
+// doi:10.1063/1.470117, eqs. 4.7 and 4.8): with Q the charges on the grid, F its transform and V the volume,
+//     E = ½ Σ_{m≠0} G(m) |F(m)|²,   G = exp(−π²m²/α²)/(πV m²) / |b|⁻²(m₁)|b|⁻²(m₂)|b|⁻²(m₃)
+//     −3V dE/dV = ½ Σ_{m≠0} G(m) |F(m)|² (1 − 2π²m²/α²)
+//     φ = the transform back of G F = dE/dQ;   f = −q Σ φ dw/dx, w the spline's weights.
+//
+// A plane of the grid, all its charges and its transform, is one thread's at a time; so are the transforms
+// across planes of a row of it. No sum depends on how many threads there are.
+class PmeMesh {
+ public:
+  // charge: √k q [√(kJ/mol·nm)], n; parameters as chosen.
+  PmeMesh(const Eigen::VectorXd& charge, const PmeParameters& parameters, const Box& box);
+  ~PmeMesh();
+  PmeMesh(PmeMesh&&) noexcept;
+  PmeMesh& operator=(PmeMesh&&) noexcept;
+
+  void add_forces(const Vectors& x, Vectors& f);
+  // Of the last add_forces [kJ/mol].
+  double energy() const;
+  double virial() const;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace taut

@@ -1,0 +1,47 @@
+#include "forcefield/pme/pme.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "md/units.hpp"
+
+namespace taut {
+Pme::Pme(const Nonbonded& nb, const Box& box)
+    : alpha_(nb.pme->alpha),
+      screening_(alpha_, *nb.cutoff, 1e-15),
+      mesh_(std::sqrt(kCoulomb) * nb.charge, *nb.pme, box) {
+  const double pi = std::numbers::pi, total = nb.charge.sum();
+  constant_ = -kCoulomb * alpha_ / std::sqrt(pi) * nb.charge.squaredNorm();
+  background_ = -kCoulomb * pi * total * total / (2 * box.volume() * alpha_ * alpha_);
+  for (const auto& e : nb.exceptions)
+    if (const double qq = nb.charge[e.i] * nb.charge[e.j]; qq != 0)
+      excluded_.push_back({e.i, e.j, kCoulomb * qq});
+}
+
+void Pme::add_forces(const Vectors& x, Vectors& f) {
+  mesh_.add_forces(x, f);
+  subtract_excluded(x, f);
+}
+
+void Pme::subtract_excluded(const Vectors& x, Vectors& f) {
+  excluded_energy_ = excluded_virial_ = 0;
+  const std::size_t n = excluded_.size();
+  for (std::size_t first = 0; first < n; first += kScreenedPairs) {
+    const std::size_t some = std::min<std::size_t>(n - first, kScreenedPairs);
+    const Excluded* pair = excluded_.data() + first;
+    ScreenedPairs pairs;
+    for (std::size_t k = 0; k < some; ++k) pairs.r2[k] = (x.col(pair[k].i) - x.col(pair[k].j)).squaredNorm();
+    screen(screening_, pairs);
+    for (std::size_t k = 0; k < some; ++k) {
+      const auto& [i, j, qq] = pair[k];
+      const Vec3 pull = qq * pairs.force[k] * (x.col(i) - x.col(j));
+      excluded_energy_ -= qq * pairs.energy[k];
+      excluded_virial_ -= qq * pairs.force[k] * pairs.r2[k];
+      f.col(i) -= pull;
+      f.col(j) += pull;
+    }
+  }
+}
+
+}  // namespace taut

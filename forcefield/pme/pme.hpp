@@ -1,0 +1,43 @@
+#pragma once
+
+#include "forcefield/pme/mesh.hpp"
+#include "forcefield/pme/screening.hpp"
+#include "forcefield/terms.hpp"
+#include "md/box.hpp"
+
+namespace taut {
+
+// Coulomb of all periodic images, what of it is no pair within the cutoff (Ewald 1921; Essmann et al. 1995,
+// doi:10.1063/1.470117), in OpenMM's conventions:
+//     the reciprocal part, on a mesh
+//     self:        −k α/√π Σ q²
+//     background:  −k π Q²/(2Vα²), Q = Σ q: a uniform charge that makes up for what charges do not add to
+//     exceptions:  −k q q' erf(αr)/r of every pair left out of the general sum, which the mesh has in it
+// The pairs' own part, k q q' erfc(αr)/r, is one of the laws of clusters/pair_kernels.hpp.
+class Pme {
+ public:
+  // nb.pme as chosen.
+  Pme(const Nonbonded& nb, const Box& box);
+
+  void add_forces(const Vectors& x, Vectors& f);
+  // Of the last add_forces [kJ/mol].
+  double energy() const { return constant_ + background_ + excluded_energy_ + mesh_.energy(); }
+  double virial() const { return 3 * background_ + excluded_virial_ + mesh_.virial(); }
+
+ private:
+  struct Excluded {
+    int i, j;
+    double qq;  // k q q' [kJ/mol·nm]
+  };
+
+  void subtract_excluded(const Vectors& x, Vectors& f);
+
+  double alpha_;  // [1/nm]
+  Screening screening_;
+  double constant_, background_;
+  std::vector<Excluded> excluded_;
+  double excluded_energy_ = 0, excluded_virial_ = 0;
+  PmeMesh mesh_;
+};
+
+}  // namespace taut

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <vector>
+
+namespace taut {
+
+// What Ewald's sum takes from a pair's 1/r, smooth through r = 0, so that no kernel needs erfc or exp:
+//     erfc(αr)/r = 1/r − α H(s),   H = erf(√s)/√s,   s = α²r²
+//     −(d/dr erfc(αr)/r)/r = 1/r³ − α³ G(s),   G = (erf(√s) − 2√(s/π) e⁻ˢ)/s^(3/2)
+// Polynomials in t = scale r² − 1, −1 at r = 0 and 1 at the cutoff, interpolated at Chebyshev's points and
+// cut where what is left out is below `error` of the largest value. An even number of coefficients.
+inline constexpr int kMostScreeningTerms = 96;
+struct Screening {
+  double alpha = 0;                   // [1/nm]
+  double scale = 0;                   // [1/nm²]
+  std::vector<double> energy, force;  // α H [1/nm], α³ G [1/nm³]
+
+  Screening() = default;
+  Screening(double alpha, double cutoff, double error);
+};
+
+// Pairs side by side: α H and α³ G of each, at any distance.
+inline constexpr int kScreenedPairs = 8;
+struct ScreenedPairs {
+  double r2[kScreenedPairs] = {};                        // [nm²]
+  double energy[kScreenedPairs], force[kScreenedPairs];  // [1/nm], [1/nm³]
+};
+void screen(const Screening& s, ScreenedPairs& pairs);
+
+}  // namespace taut

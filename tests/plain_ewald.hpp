@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "plain_pairs.hpp"
+
+namespace taut::testing {
+
+// Coulomb of charges and all their periodic images, the surroundings a conductor (Ewald 1921,
+// doi:10.1002/andp.19213690304), as it is written down: images and waves up to where erfc and exp are 1e-17.
+//     ½ Σ_{ij,n}' k q q' erfc(αr)/r + ½ Σ_{m≠0} k exp(−π²m²/α²)/(πV m²) |Σ q e^(2πi m·x)|² − k α/√π Σ q²
+//     − k πQ²/(2Vα²) − Σ_exceptions k q q'/r + exceptions by their own charges
+// It depends on α by its rounding alone. Virial: −3V dE/dV.
+inline PairSums plain_ewald(const Nonbonded& nb, const Box& box, const Vectors& x, double alpha) {
+  using std::numbers::pi;
+  const int n = static_cast<int>(x.cols());
+  const double V = box.volume();
+  PairSums sum{0, 0, Vectors::Zero(3, n)};
+
+  const double reach = 6.2 / alpha;
+  const Eigen::Array3i images = (reach / box.edge.array()).ceil().cast<int>();
+  for (int i = 0; i < n; ++i)
+    for (int j = i; j < n; ++j) {
+      const Vec3 nearest = box.nearest_image(x.col(i) - x.col(j));
+      const double kqq = kCoulomb * nb.charge[i] * nb.charge[j] * (i == j ? 0.5 : 1);
+      for (int a = -images[0]; a <= images[0]; ++a)
+        for (int b = -images[1]; b <= images[1]; ++b)
+          for (int c = -images[2]; c <= images[2]; ++c) {
+            const Vec3 d = nearest + box.edge.cwiseProduct(Vec3(a, b, c));
+            const double r = d.norm(), u = alpha * r;
+            if (r > reach || (i == j && r == 0)) continue;
+            const double energy = kqq * std::erfc(u) / r;
+            sum.add(i, j, d, {energy, energy + kqq * 2 * alpha / std::sqrt(pi) * std::exp(-u * u)});
+          }
+    }
+
+  const Eigen::Array3i waves = (2 * alpha * box.edge.array()).ceil().cast<int>();  // exp(−4π²) is 7e-18
+  for (int a = -waves[0]; a <= waves[0]; ++a)
+    for (int b = -waves[1]; b <= waves[1]; ++b)
+      for (int c = -waves[2]; c <= waves[2]; ++c) {
+        const Vec3 m = Vec3(a, b, c).cwiseQuotient(box.edge);
+        const double m2 = m.squaredNorm(), decay = pi * pi * m2 / (alpha * alpha);
+        if (m2 == 0 || decay > 40) continue;
+        std::complex<double> S = 0;
+        for (int i = 0; i < n; ++i) S += std::polar(nb.charge[i], 2 * pi * m.dot(x.col(i)));
+        const double G = kCoulomb * std::exp(-decay) / (pi * V * m2);
+        sum.energy += 0.5 * G * std::norm(S);
+        sum.virial += 0.5 * G * std::norm(S) * (1 - 2 * decay);
+        for (int i = 0; i < n; ++i)
+          sum.f.col(i) += 2 * pi * nb.charge[i] * G *
+                          std::imag(std::conj(S) * std::polar(1.0, 2 * pi * m.dot(x.col(i)))) * m;
+      }
+
+  const double Q = nb.charge.sum(), background = -kCoulomb * pi * Q * Q / (2 * V * alpha * alpha);
+  sum.energy += background - kCoulomb * alpha / std::sqrt(pi) * nb.charge.squaredNorm();
+  sum.virial += 3 * background;
+  for (const auto& e : nb.exceptions) {
+    const Vec3 d = x.col(e.i) - x.col(e.j);
+    const double energy = kCoulomb * (e.charge_product - nb.charge[e.i] * nb.charge[e.j]) / d.norm();
+    sum.add(e.i, e.j, d, {energy, energy});
+  }
+  return sum;
+}
+
+}  // namespace taut::testing

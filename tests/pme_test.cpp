@@ -1,0 +1,226 @@
+#include "forcefield/clusters/machines.hpp"
+// before Highway
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "every_machine.hpp"
+#include "force_checks.hpp"
+#include "forcefield/pme/parameters.hpp"
+#include "forcefield/pme/screening.hpp"
+#include "md/errors.hpp"
+#include "plain_ewald.hpp"
+
+namespace taut {
+namespace {
+
+using namespace testing;
+
+// Rock salt, an edge of two ions 1 apart: E = −M k q² per pair of ions, M = 1.747564594633.
+TEST(Ewald, HasTheMadelungConstantOfRockSalt) {
+  const int side = 2;
+  const int n = side * side * side;
+  Vectors x(3, n);
+  Nonbonded nb;
+  nb.charge.resize(n);
+  for (int a = 0; a < n; ++a) {
+    const int i = a % 2, j = a / 2 % 2, k = a / 4;
+    x.col(a) = Vec3(i, j, k);
+    nb.charge[a] = (i + j + k) % 2 ? -1 : 1;
+  }
+  const Box box{Vec3::Constant(2)};
+  for (const double alpha : {1.5, 2.0, 3.0}) {
+    const auto sum = plain_ewald(nb, box, x, alpha);
+    EXPECT_NEAR(sum.energy / kCoulomb, -1.747564594633 * n / 2, 1e-9 * n / 2) << alpha;
+    EXPECT_NEAR(sum.virial, sum.energy, 1e-9 * kCoulomb) << "of 1/r, all of it";
+    EXPECT_LT(sum.f.norm(), 1e-9 * kCoulomb);
+  }
+}
+
+// Ions on a jittered lattice, some of them boxes away; pairs of them bonded. `surplus`: what charges add to.
+struct Salt {
+  Nonbonded nb;
+  Box box;
+  Vectors x;
+
+  explicit Salt(double surplus, int side = 6, Vec3 edge = {1.9, 2.1, 2.3}) : box{edge} {
+    const int n = side * side * side;
+    std::mt19937_64 rng(7);
+    std::uniform_real_distribution<double> jitter(-0.1, 0.1);
+    x.resize(3, n);
+    nb.charge.resize(n);
+    nb.sigma.setConstant(n, 0.2);
+    nb.epsilon.setZero(n);
+    for (int a = 0; a < n; ++a) {
+      const Vec3 cell(a % side + jitter(rng), a / side % side + jitter(rng), a / side / side + jitter(rng));
+      x.col(a) = edge.cwiseProduct(cell) / side;
+      x.col(a) += edge.cwiseProduct(Vec3(a / 2 % 3 - 1, a / 2 % 5 - 2, a / 2 % 2));
+      nb.charge[a] = (a % 2 ? -0.8 : 0.8) + (a % 7 == 0 ? 0.1 : 0.0);
+      if (a % 10 == 1) nb.exceptions.push_back({a - 1, a, a % 20 == 1 ? 0.25 : 0.0, 0.2, 0.0});
+    }
+    if (n > 100) nb.exceptions.push_back({3, 100, 0.0, 0.2, 0.0});  // further off than any cutoff
+    nb.charge.array() += (surplus - nb.charge.sum()) / n;
+    nb.cutoff = 0.94;
+  }
+};
+
+// Where α and the grid leave no error but rounding.
+PmeParameters converged() {
+  return {.order = 8, .alpha = 5.5, .grid = {160, 168, 192}};
+}
+
+TEST(Pme, ConvergesToEwaldsSum) {
+  for (const double surplus : {0.0, 3.0}) {
+    Salt salt(surplus);
+    const auto plain = plain_ewald(salt.nb, salt.box, salt.x, 4);
+    const auto other = plain_ewald(salt.nb, salt.box, salt.x, 3);
+    EXPECT_NEAR(plain.energy, other.energy, 1e-12 * std::abs(plain.energy));
+    EXPECT_LT((plain.f - other.f).norm(), 1e-12 * plain.f.norm());
+    EXPECT_NEAR(plain.virial, plain.energy, 1e-11 * std::abs(plain.energy));
+    salt.nb.pme = converged();
+    Bench bench(static_cast<int>(salt.x.cols()), {.nonbonded = salt.nb}, salt.box.edge);
+    const auto ours = bench.at(salt.x);
+    EXPECT_NEAR(ours.energy, plain.energy, 1e-10 * std::abs(plain.energy)) << surplus;
+    EXPECT_LT((ours.f - plain.f).norm(), 1e-10 * plain.f.norm()) << surplus;
+    EXPECT_NEAR(bench.forces.virial(salt.x), plain.virial, 1e-9 * std::abs(plain.virial)) << surplus;
+  }
+}
+
+// The finer the grid, by the spacing to the power of the order, or of one less where that is even: forces are
+// slopes.
+TEST(Pme, GoesToEwaldsSumAsItsOrderSays) {
+  Salt salt(0);
+  const auto plain = plain_ewald(salt.nb, salt.box, salt.x, 4);
+  constexpr std::array kMost = {1.2e-3, 3e-5, 7e-6, 4e-7, 8e-8};
+  for (int order = 4; order <= 8; ++order) {
+    const auto error = [&](std::array<int, 3> grid) {
+      salt.nb.pme = PmeParameters{.order = order, .alpha = 5.5, .grid = grid};
+      const auto ours = evaluate({.nonbonded = salt.nb}, salt.x, salt.box.edge);
+      return (ours.f - plain.f).norm() / plain.f.norm();
+    };
+    const double coarse = error({28, 30, 35}), fine = error({56, 60, 70});
+    EXPECT_GT(coarse / fine, std::pow(2, order - 1.5)) << order << ": " << coarse << " " << fine;
+    EXPECT_LT(fine, kMost[order - 4]) << order;
+  }
+}
+
+TEST(Pme, IsAsExactAsItsToleranceSays) {
+  Salt salt(0);
+  const auto plain = plain_ewald(salt.nb, salt.box, salt.x, 4);
+  for (const double tolerance : {1e-3, 5e-4, 1e-5, 1e-6}) {
+    salt.nb.pme = PmeParameters{.tolerance = tolerance};
+    const auto ours = evaluate({.nonbonded = salt.nb}, salt.x, salt.box.edge);
+    EXPECT_LT((ours.f - plain.f).norm(), 3 * tolerance * plain.f.norm());
+    EXPECT_GT((ours.f - plain.f).norm(), 0.001 * tolerance * plain.f.norm()) << "wasteful";
+  }
+}
+
+TEST(Pme, MixedPrecisionAgreesToItsDigits) {
+  Salt salt(0);
+  salt.nb.pme = PmeParameters{};
+  Terms terms;
+  terms.nonbonded = salt.nb;
+  const auto exact = evaluate(terms, salt.x, salt.box.edge);
+  terms.precision = Precision::kMixed;
+  const auto mixed = evaluate(terms, salt.x, salt.box.edge);
+  EXPECT_LT((mixed.f - exact.f).norm(), 2e-6 * exact.f.norm());
+  EXPECT_GT((mixed.f - exact.f).norm(), 1e-10 * exact.f.norm()) << "is it mixed?";
+  EXPECT_NEAR(mixed.energy, exact.energy, 1e-6 * std::abs(exact.energy));
+}
+
+TEST(Pme, ForcesAreMinusTheSlope) {
+  Salt salt(1, 3, {1.0, 1.1, 1.2});
+  salt.nb.cutoff = 0.5;
+  salt.nb.epsilon.setConstant(0.1);
+  salt.nb.sigma.setConstant(0.1);
+  salt.nb.pme = PmeParameters{.alpha = 7};  // the cut at the cutoff is out of the way
+  salt.nb.pme->grid = {20, 24, 24};
+  expect_forces_are_minus_the_slope({.nonbonded = salt.nb}, salt.x, salt.box.edge);
+}
+
+TEST(Pme, VirialIsHowTheEnergyGoesWithTheVolume) {
+  Salt salt(1);
+  salt.nb.pme = PmeParameters{.alpha = 5.5};
+  salt.nb.pme->grid = {32, 36, 40};
+  const int n = static_cast<int>(salt.x.cols());
+  Bench bench(n, {.nonbonded = salt.nb}, salt.box.edge);
+  bench.at(salt.x);
+  const double step = 1e-5;
+  const auto scaled = [&](double by) {
+    return evaluate({.nonbonded = salt.nb}, by * salt.x, by * salt.box.edge).energy;
+  };
+  const double expected = -(scaled(1 + step) - scaled(1 - step)) / (2 * step);
+  EXPECT_NEAR(bench.forces.virial(salt.x), expected, 1e-6 * std::abs(expected));
+}
+
+// But for the pairs', whose sums go by threads: here there are none.
+TEST(Pme, IsTheSameBitsOnAnyNumberOfThreads) {
+  Salt salt(0, 9);
+  salt.nb.cutoff = 0.05;
+  salt.nb.pme = PmeParameters{.alpha = 4};
+  const auto once = evaluate({.nonbonded = salt.nb}, salt.x, salt.box.edge);
+  EXPECT_GT(once.f.norm(), 0);
+  on_one_to_three_threads([&] {
+    const auto again = evaluate({.nonbonded = salt.nb}, salt.x, salt.box.edge);
+    EXPECT_EQ(once.f, again.f);
+    EXPECT_EQ(once.energy, again.energy);
+  });
+}
+
+// Whichever vectors it has.
+TEST(Pme, IsTheSameSumOnEveryMachine) {
+  Salt salt(1);
+  salt.nb.pme = PmeParameters{.tolerance = 1e-5};
+  const auto once = evaluate({.nonbonded = salt.nb}, salt.x, salt.box.edge);
+  on_every_machine([&] {
+    const auto again = evaluate({.nonbonded = salt.nb}, salt.x, salt.box.edge);
+    EXPECT_LT((once.f - again.f).norm(), 1e-13 * once.f.norm());
+    EXPECT_NEAR(once.energy, again.energy, 1e-13 * std::abs(once.energy));
+  });
+}
+
+TEST(PmeParameters, AreThoseOfOpenMM) {
+  const auto p = chosen_parameters({}, {Vec3(3, 4, 5)}, 0.9);
+  EXPECT_NEAR(p.alpha, std::sqrt(-std::log(1e-3)) / 0.9, 1e-15);
+  EXPECT_EQ(p.grid, (std::array{27, 36, 45}));  // 26.7, 35.6, 44.5
+  EXPECT_EQ(chosen_parameters({.grid = {22, 23, 26}}, {Vec3(3, 4, 5)}, 0.9).grid, (std::array{22, 23, 26}));
+  EXPECT_EQ(chosen_parameters({}, {Vec3(0.2, 2.8, 3.2)}, 0.9).grid,
+            (std::array{6, 25, 30}));  // 24.9 and 28.5
+}
+
+TEST(PmeParameters, ThatNoSumCanBeMadeOfAreRefused) {
+  const Box box{Vec3(3, 3, 3)};
+  for (const PmeParameters& p :
+       {PmeParameters{.tolerance = 1e-14}, PmeParameters{.tolerance = 0}, PmeParameters{.tolerance = 0.5},
+        PmeParameters{.order = 3}, PmeParameters{.order = 9}, PmeParameters{.alpha = -1},
+        PmeParameters{.alpha = 9}, PmeParameters{.grid = {4, 20, 20}},
+        PmeParameters{.grid = {2000, 2000, 2000}}})
+    EXPECT_THROW(chosen_parameters(p, box, 0.9), InputError);
+}
+
+TEST(Screening, IsWhatItsPolynomialsSay) {
+  for (const double alpha : {0.5, 2.9, 5.0, 8.0})
+    for (const double error : {1e-15, 2e-8}) {
+      const Screening screening(alpha, 1, error);
+      const auto value = [&](const std::vector<double>& c, double t) {
+        double sum = 0;
+        for (std::size_t k = c.size(); k-- > 0;) sum = sum * t + c[k];
+        return sum;
+      };
+      for (double r = 0.01; r <= 1; r += 0.01) {
+        const double t = screening.scale * r * r - 1;
+        const long double u = (long double)(alpha)*r, energy = std::erf(u) / r;
+        const long double decay = 2 * alpha / std::sqrt(std::numbers::pi_v<long double>) * std::exp(-u * u);
+        const double force = static_cast<double>((energy - decay) / r / r);
+        EXPECT_NEAR(value(screening.energy, t), static_cast<double>(energy),
+                    std::max(4e-15, 3 * error) * 1.13 * alpha);
+        EXPECT_NEAR(value(screening.force, t), force, std::max(4e-15, 3 * error) * std::pow(alpha, 3)) << r;
+      }
+      if (alpha == 2.9) {
+        EXPECT_LE(screening.force.size(), error < 1e-10 ? 22u : 14u);
+      }
+    }
+}
+
+}  // namespace
+}  // namespace taut
