@@ -8,6 +8,7 @@
 #include "commands.hpp"
 #include "crosscheck_report.hpp"
 #include "md/errors.hpp"
+#include "progress.hpp"
 #include "studies/openmm_twin.hpp"
 #include "study.hpp"
 #include "systems/openmm/openmm_export.hpp"
@@ -57,13 +58,13 @@ void run(CrosscheckArguments arguments) {
   }
   arguments.plan.contestants = contestants(arguments.methods);
   if (!arguments.openmm.empty()) arguments.plan.files = OpenMMFiles{arguments.openmm[0], arguments.openmm[1]};
-  Doing doing;
+  Progress progress;
   std::optional<FolderLock> lock;
   const Crosscheck result = crosscheck(scene, arguments.plan, [&](const std::string& what) {
     if (arguments.out && !lock) lock.emplace(study_folder(*arguments.out, "", arguments.overwrite));
-    doing.now(what);
+    progress.now(what);
   });
-  doing.clear();
+  progress.clear();
   print_crosscheck(result);
   if (arguments.out) write_crosscheck(result, *arguments.out);
 }

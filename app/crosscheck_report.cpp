@@ -1,7 +1,6 @@
 #include "crosscheck_report.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -150,16 +149,6 @@ std::string distances_csv(const Crosscheck& c) {
 }
 
 }  // namespace
-
-Doing::Doing() : terminal_(isatty(STDERR_FILENO) != 0) {}
-
-void Doing::now(const std::string& what) {
-  if (terminal_) fmt::print(stderr, "\r{} ... \x1b[K", what);
-}
-
-void Doing::clear() {
-  if (terminal_) fmt::print(stderr, "\r\x1b[K");
-}
 
 void print_crosscheck(const Crosscheck& c) {
   fmt::print("{} against OpenMM {} ({}): {} atoms, {} bonds, {} steps of {:g} fs\n", c.scene, c.openmm,

@@ -7,17 +7,6 @@
 
 namespace taut {
 
-// What is being run, on a line of the terminal that is taken away again; nothing where stderr is none.
-class Doing {
- public:
-  Doing();
-  void now(const std::string& what);
-  void clear();
-
- private:
-  bool terminal_;
-};
-
 void print_crosscheck(const Crosscheck& c);
 
 // crosscheck.json (all figures and verdicts), crosscheck.csv (every sample of every run), of liquid water

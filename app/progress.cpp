@@ -5,18 +5,8 @@
 
 #include <cmath>
 #include <cstdio>
-#include <string>
 
 namespace taut {
-namespace {
-
-// A terminal that is gone is no reason to stop.
-void draw(const std::string& line) {
-  std::fputs(line.c_str(), stderr);
-  std::fflush(stderr);
-}
-
-}  // namespace
 
 Progress::Progress(long total)
     : total_(total), terminal_(isatty(STDERR_FILENO) != 0), start_(Clock::now()), next_(start_) {}
@@ -28,16 +18,26 @@ void Progress::at(long done) {
   next_ = now + std::chrono::milliseconds(200);
   const double spent = std::chrono::duration<double>(now - start_).count();
   const long left = std::lround(spent / static_cast<double>(done) * static_cast<double>(total_ - done));
-  draw(fmt::format("\r{:5.1f} %   {}:{:02}:{:02} left \x1b[K",
+  draw(fmt::format("{:5.1f} %   {}:{:02}:{:02} left ",
                    100.0 * static_cast<double>(done) / static_cast<double>(total_), left / 3600,
                    left / 60 % 60, left % 60));
-  drawn_ = true;
+}
+
+void Progress::now(const std::string& what) {
+  draw(what + " ... ");
 }
 
 void Progress::clear() {
-  if (!drawn_) return;
-  draw("\r\x1b[K");
+  if (drawn_) draw("");
   drawn_ = false;
+}
+
+// A terminal that is gone is no reason to stop.
+void Progress::draw(const std::string& line) {
+  if (!terminal_) return;
+  std::fputs(fmt::format("\r{}\x1b[K", line).c_str(), stderr);
+  std::fflush(stderr);
+  drawn_ = true;
 }
 
 }  // namespace taut

@@ -1,17 +1,21 @@
 #pragma once
 
 #include <chrono>
+#include <string>
 
 namespace taut {
 
-// A line with the share done and the time left on a terminal; nothing where stderr is a file or a pipe.
+// A line on a terminal; nothing where stderr is a file or a pipe.
 class Progress {
  public:
-  explicit Progress(long total);
-  void at(long done);  // redraws a few times a second
-  void clear();        // takes the line away, before something else is printed
+  explicit Progress(long total = 0);
+  void at(long done);                 // the share done and the time left; redraws a few times a second
+  void now(const std::string& what);  // or what is being done
+  void clear();                       // takes the line away, before something else is printed
 
  private:
+  void draw(const std::string& line);
+
   using Clock = std::chrono::steady_clock;
   long total_;
   bool terminal_, drawn_ = false;

@@ -39,6 +39,9 @@ TEST_P(HostileNames, AreTextEverywhere) {
     EXPECT_TRUE(fs::exists(files / (std::string(picture) + ".png"))) << text;
     EXPECT_FALSE(fs::exists(files / "x") || fs::exists(files / "y")) << "a command was run";
     EXPECT_FALSE(fs::exists("x") || fs::exists("y")) << "a command was run";
+    if (std::string_view(GetParam()).find("%s%n") != std::string_view::npos) {
+      EXPECT_THAT(contents(files / (std::string(picture) + ".svg")), HasSubstr("%s%n@x{:b ^2}#"));
+    }
     EXPECT_THAT(contents(files / "report.html"), Not(HasSubstr("<script")));
     EXPECT_FALSE(fs::exists(files / "unfinished.tsv"));
   }
