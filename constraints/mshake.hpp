@@ -11,7 +11,7 @@ namespace taut {
 // factored anew at every x: each iteration squares the error, however far the bonds have turned. Velocities
 // as Newton's. Differs from the paper: the velocities are projected too, as in RATTLE, and multipliers set
 // out from those of the step before. Cost: a factorization (not symmetric) an iteration, and one for the
-// velocities. Pays where bonds turn far in a step; else newton takes cheaper iterations, hardly more of them.
+// velocities; newton takes two to three times the iterations, each without one (constraints/README.md).
 class MShake final : public Newton {
  public:
   struct Options : Newton::Options {};

@@ -53,7 +53,7 @@ TEST(MShake, NamesTheBondThatTurnedTooFar) {
   NoForce forces;
   const Start start = testing::rotor(300);
   const auto stats = verify(start.system, forces, MShake::Options{}, 0.01, 5, start.state).stats;
-  EXPECT_FALSE(stats.converged());
+  EXPECT_EQ(stats.failure, Failure::kSingularOrTurned);
   EXPECT_EQ(stats.worst_bond, 0);
 }
 
@@ -288,6 +288,17 @@ TEST(Sweeps, AsPlainMethodsNameItToo) {
   };
   EXPECT_EQ(failure(Shake(start.system, {}, 0.01)), Failure::kTurned);
   EXPECT_EQ(failure(Rattle(start.system, {}, 0.01)), Failure::kTurned);
+}
+
+// Who takes so many sweeps, whatever they leave, answers for no error.
+TEST(Sweeps, OfAFixedNumberPromiseNothing) {
+  const System sys = testing::rotor(1).system;
+  for (const auto make : {make_method, make_plain}) {
+    EXPECT_EQ(make(sys, Shake::Options{{.tolerance = 1e-6}}, 0.01)->promised_error(), 1e-6);
+    EXPECT_EQ(make(sys, Rattle::Options{{.tolerance = 1e-6}}, 0.01)->promised_error(), 1e-6);
+    EXPECT_TRUE(std::isinf(make(sys, Shake::Options{{.sweeps = 3}}, 0.01)->promised_error()));
+    EXPECT_TRUE(std::isinf(make(sys, Rattle::Options{{.sweeps = 3}}, 0.01)->promised_error()));
+  }
 }
 
 // As many sweeps as asked for, in each half of the step; none more than allowed.
