@@ -121,7 +121,7 @@ void add_calibrate(Commands& commands) {
   command
       .option("--sweeps", arguments->plan.sweeps, "that method takes just so many, in place of a tolerance")
       .excludes(tolerance);
-  command.option("--damping", arguments->plan.damping, "centred, implicit or lagged");
+  command.option("--damping", arguments->plan.damping, "discrete, centred, implicit or lagged");
   command.option("--passes", arguments->plan.passes, "solves a step of Baumgarte's").positive();
   command.option("--dt-fs", arguments->dt_fs, "step length [fs]");
   command.option("--set", arguments->settings, "any key of the scene").key_values();

@@ -75,7 +75,10 @@ SolveStats Baumgarte::add_forces(const System& sys, double h, State& s) {
       const Vec3 y_ij = y_.col(j) - y_.col(i);
       const Vec3 v_ij = w_ij_.col(k) + 0.5 * h * y_ij;
       double rest = known_[k] + v_ij.squaredNorm();
-      if (damping_ == Damping::kCentred) rest += alpha * h * h * v_ij.dot(a_ij_.col(k) + y_ij);
+      const Vec3 a_ij = a_ij_.col(k) + y_ij;
+      if (damping_ == Damping::kDiscrete || damping_ == Damping::kCentred)
+        rest += alpha * h * h * v_ij.dot(a_ij);
+      if (damping_ == Damping::kDiscrete) rest += 0.25 * h * h * a_ij.squaredNorm();
       wanted_[k] = -rest / (damping_ == Damping::kLagged ? 1 : 1 + alpha * h);
     }
     if (sweeps_ > 0) {

@@ -18,8 +18,12 @@ namespace taut {
 //     (1 + αh) A λ = −(J M⁻¹F + |v*_ij|² + 2α J w + β²σ),   v* = w + (h/2) M⁻¹Jᵀλ*   (implicit).
 // On a motion that keeps every σ = 0 the rate J v is not zero but −½h² v_ij·a_ij, and damping it costs
 // energy, as αh³. Damping the bond's own centred rate (σ₊ − σ₋)/2h = J v + ½h² v_ij·a_ij does not:
-//     (1 + αh) A λ = −(J M⁻¹F + |v*_ij|² + 2α (J w + ½h² v*_ij·a*_ij) + β²σ)                 (centred, the
-//     default).
+//     (1 + αh) A λ = −(J M⁻¹F + |v*_ij|² + 2α (J w + ½h² v*_ij·a*_ij) + β²σ)                 (centred).
+// Nor is J a + |v_ij|² what the step makes of σ: (σ₊ − 2σ + σ₋)/h² holds ¼h²|a_ij|² besides, which drives σ
+// and, through the damping's lag, pumps energy into what swings. With both as differences,
+//     (1 + αh) A λ = −(J M⁻¹F + |v*_ij|² + ¼h²|a*_ij|² + 2α (J w + ½h² v*_ij·a*_ij) + β²σ)   (discrete, the
+//     default),
+// nothing is fed but what λ* misses: −(1 + αh)h³ (v_ij + ½h(a_ij + y_ij))·y_ij, y = M⁻¹Jᵀ(λ* − λ).
 // Or the damping takes v_half, as older codes do:
 //     A λ = −(J M⁻¹F + |v*_ij|² + 2α J v_half + β²σ)                                        (lagged).
 // λ* is λ₁ + (λ₁ − λ₂)/3 from the two steps before: it misses by −⅔hλ̇ + 0·h²λ̈, and
@@ -32,7 +36,7 @@ class Baumgarte : public ConstraintMethod {
  public:
   struct Options {
     std::string gains = "reversible";
-    std::string damping = "centred";
+    std::string damping = "discrete";
     std::optional<double> alpha_per_ps = {}, beta_per_ps = {};
     double reduction = 0;
     double stiffness = 4.5e5;
@@ -46,7 +50,7 @@ class Baumgarte : public ConstraintMethod {
                "reversible, dead-beat, rattle, critical, physical, hoomd, box2d or numbers",
                {.counts = {named || gains == "numbers", "without both alpha_per_ps and beta_per_ps"}}},
               {"damping", &damping,
-               "acts on the bond's centred rate, the end velocity (implicit) or the half-step's (lagged)"},
+               "discrete, centred, implicit or lagged: whose rate is damped, and which σ̈ is asked for"},
               {"alpha_per_ps", &alpha_per_ps, "damping α, in place of the named one", {.unit = "1/ps"}},
               {"beta_per_ps", &beta_per_ps, "stiffness β, in place of the named one", {.unit = "1/ps"}},
               {"reduction",

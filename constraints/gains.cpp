@@ -15,7 +15,9 @@ constexpr double kCap = 0.95;  // of the stability limit, for gains that come fr
 
 DimensionlessGains named(const GainChoice& choice, Damping damping, double mu, double h) {
   const std::string& name = choice.name;
-  if (name == "reversible") return {0.1, std::numbers::sqrt2};
+  if (name == "reversible")
+    return damping == Damping::kDiscrete ? DimensionlessGains{0.3, std::sqrt(2.5)}
+                                         : DimensionlessGains{0.1, std::numbers::sqrt2};
   if (name == "dead-beat" || name == "hoomd") return gains_for_root(0, damping);
   if (name == "rattle") return gains_for_decay(choice.reduction, damping);
   if (name == "critical")
@@ -44,7 +46,7 @@ void check(const Gains& g, Damping damping, double h) {
   if (limit == 0)
     throw InputError(
         fmt::format("method: αh = {:.4g} is unstable with {} damping, which bears less than 1; take "
-                    "damping = \"centred\", a smaller α or a shorter step",
+                    "damping = \"discrete\", a smaller α or a shorter step",
                     g.alpha * h, name_of(damping)));
   if (!(g.beta >= 0 && g.beta * h < limit))
     throw InputError(

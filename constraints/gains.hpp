@@ -16,20 +16,21 @@ struct Gains {
 };
 
 // How Baumgarte's gains are chosen: by name, for a step h.
-//   reversible   αh = 0.1, (βh)² = 2: weakly damped; with centred damping nearly time-reversible, keeps
-//   energy dead-beat    both roots 0: an error is gone in two steps, as under a converged RATTLE hoomd the
-//   same, under implicit damping: what HOOMD-blue's distance constraints come to. Their condition, linear in
-//                the acceleration, σ/h² + σ̇_half/h + ½|v_half|² + (r + h v_half)·a = 0 (Yoneya 2001,
-//                doi:10.1006/jcph.2001.6718), is r·a + |v_half|² + 2σ̇/h + 2σ/h² + 2h v_half·a = 0 in the end
-//                velocity's σ̇
-//   rattle       roots `reduction` and 0: an error shrinks by `reduction` a step, as RATTLE does (taut
-//   calibrate) critical     α = β = 1/h physical     α = β = √(stiffness/μ), the bond as the real one swings,
-//   critically damped; capped, where the
-//                step cannot bear it, at βh = 1.9
-//   box2d        β = 2π·¼/h, α = 2β: Box2D 3.1's joint softness (60 Hz, damping ratio 2) where its clamp of a
-//   quarter of
-//                the step's frequency holds
-//   numbers      alpha_per_ps and beta_per_ps as given
+// clang-format off
+//   reversible  αh = 0.3, (βh)² = 2.5 (0.1 and 2 where damping is not discrete): weakly damped, nearly time-reversible
+//   dead-beat   both roots 0: an error is gone in two steps, as under a converged RATTLE
+//   hoomd       the same, under implicit damping: what HOOMD-blue's distance constraints come to. Their condition,
+//               linear in the acceleration, σ/h² + σ̇_half/h + ½|v_half|² + (r + h v_half)·a = 0 (Yoneya 2001,
+//               doi:10.1006/jcph.2001.6718), is r·a + |v_half|² + 2σ̇/h + 2σ/h² + 2h v_half·a = 0 in the end
+//               velocity's σ̇
+//   rattle      roots `reduction` and 0: an error shrinks by `reduction` a step, as RATTLE does (taut calibrate)
+//   critical    α = β = 1/h
+//   physical    α = β = √(stiffness/μ), the bond as the real one swings, critically damped; capped, where the
+//               step cannot bear it, at βh = 1.9
+//   box2d       β = 2π·¼/h, α = 2β: Box2D 3.1's joint softness (60 Hz, damping ratio 2) where its clamp of a
+//               quarter of the step's frequency holds
+//   numbers     alpha_per_ps and beta_per_ps as given
+// clang-format on
 // A given α or β stands in place of the named one.
 struct GainChoice {
   std::string name = "reversible";

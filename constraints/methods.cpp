@@ -21,7 +21,9 @@ namespace {
 // Baumgarte without gains: σ̈ = 0, and nothing that brings an error back. The bonds drift as t², shown.
 struct WithoutGains {
   std::vector<Option> describe() { return {}; }
-  operator Baumgarte::Options() const { return {.gains = "numbers", .alpha_per_ps = 0, .beta_per_ps = 0}; }
+  operator Baumgarte::Options() const {
+    return {.gains = "numbers", .damping = "centred", .alpha_per_ps = 0, .beta_per_ps = 0};
+  }
 };
 
 template <class M, class Options>

@@ -10,6 +10,8 @@ namespace taut {
 
 std::string_view name_of(Damping damping) {
   switch (damping) {
+    case Damping::kDiscrete:
+      return "discrete";
     case Damping::kCentred:
       return "centred";
     case Damping::kImplicit:
@@ -21,9 +23,10 @@ std::string_view name_of(Damping damping) {
 }
 
 Damping damping_named(std::string_view name) {
-  for (const Damping damping : {Damping::kCentred, Damping::kImplicit, Damping::kLagged})
+  for (const Damping damping : {Damping::kDiscrete, Damping::kCentred, Damping::kImplicit, Damping::kLagged})
     if (name == name_of(damping)) return damping;
-  throw InputError(fmt::format("method.damping: \"{}\" is not one of centred, implicit, lagged", name));
+  throw InputError(
+      fmt::format("method.damping: \"{}\" is not one of discrete, centred, implicit, lagged", name));
 }
 
 Propagator::Propagator(double ah, double bh, Damping damping) {
@@ -74,6 +77,7 @@ DimensionlessGains gains_for_root(double r, Damping damping) {
 }
 
 double floor_of(double ah, double bh, double h, const Motion& m, Damping damping) {
+  if (damping == Damping::kDiscrete) return 0;
   double fed = 0.25 * std::pow(h, 4) * m.a_squared;
   if (damping == Damping::kImplicit) fed += ah * std::pow(h, 3) * m.va;
   if (damping == Damping::kLagged) fed -= ah * h * h * (m.v_squared - h * m.va + 0.25 * h * h * m.a_squared);

@@ -13,6 +13,7 @@ namespace taut {
 // σ.
 
 enum class Damping {
+  kDiscrete,  // as centred, and σ̈ too is the step's own difference, (σ₊ − 2σ + σ₋)/h²: nothing is fed
   kCentred,   // 2α (J v + ½h² v_ij·a_ij) = 2α (σ₊ − σ₋)/2h, the bond's own rate
   kImplicit,  // 2α J v, v the velocity at the end of the step
   kLagged,    // 2α J v_half, half a step behind
@@ -24,7 +25,7 @@ struct Propagator {
   double trace, determinant;
 
   // ah = αh, bh = βh
-  //   centred, implicit: trace (2 − (βh)²)/(1 + αh),  determinant (1 − αh)/(1 + αh)
+  //   discrete, centred, implicit: trace (2 − (βh)²)/(1 + αh),  determinant (1 − αh)/(1 + αh)
   //   lagged:            trace 2 − 2αh − (βh)²,       determinant 1 − 2αh
   Propagator(double ah, double bh, Damping damping);
 
@@ -37,7 +38,8 @@ struct Propagator {
 };
 
 // The βh from which it is unstable at this αh; 0 where it is at any.
-//   centred, implicit: 2 for αh ≥ 0 (at αh = 0 errors ring for ever);   lagged: 2√(1 − αh) for 0 ≤ αh < 1
+//   discrete, centred, implicit: 2 for αh ≥ 0 (at αh = 0 errors ring for ever);   lagged: 2√(1 − αh) for 0 ≤
+//   αh < 1
 double stability_limit(double ah, Damping damping);
 
 struct DimensionlessGains {
@@ -46,15 +48,17 @@ struct DimensionlessGains {
 
 // (αh, βh) with roots r and 0: from its second step on an error shrinks by r a step, σ_{n+1} = r σ_n, which
 // is RATTLE's own law where RATTLE reduces errors by r a step. 0 ≤ r < 1; r = 0 is dead-beat.
-//   centred, implicit: αh = 1, (βh)² = 2(1−r);   lagged: αh = ½, (βh)² = 1−r
+//   discrete, centred, implicit: αh = 1, (βh)² = 2(1−r);   lagged: αh = ½, (βh)² = 1−r
 DimensionlessGains gains_for_decay(double r, Damping damping);
 
 // (αh, βh) with both roots equal to r, 0 ≤ r < 1: an error goes as (a + bn)rⁿ, critically damped.
-//   centred, implicit: αh = (1−r²)/(1+r²), (βh)² = 2(1−r)²/(1+r²);   lagged: αh = (1−r²)/2, βh = 1−r
+//   discrete, centred, implicit: αh = (1−r²)/(1+r²), (βh)² = 2(1−r)²/(1+r²);   lagged: αh = (1−r²)/2, βh =
+//   1−r
 DimensionlessGains gains_for_root(double r, Damping damping);
 
 // What no gain removes: the σ [nm²] at which a bond settles that moves with v = |v_ij| [nm/ps], a = |a_ij|
 // [nm/ps²] and v·a = va, taken as slowly varying, λ known:
+//   discrete: 0
 //   centred:  ¼h⁴a²/(βh)²
 //   implicit: (¼h⁴a² + αh·h³ v·a)/(βh)²
 //   lagged:   (¼h⁴a² − αh·h² |v − ½ha|²)/(βh)²

@@ -35,7 +35,7 @@ class Residuals {
     differences(sys, s.x, r_);
     const Vectors a = s.f * sys.inv_mass.asDiagonal() + pulled(sys, exact);
     for (int k = 0; k < sys.bond_count(); ++k) next_[k] = residual(k, motion(sys.bonds[k], s.v, a));
-    add_miss(sys, s.v, exact);
+    add_miss(sys, s.v, a, exact);
     before_ = now_;
     now_ = next_;
     ++steps_;
@@ -62,13 +62,18 @@ class Residuals {
            (1 - p.trace + p.determinant) * floor_of(ah, bh, h_, m, damping_);
   }
 
-  // With one pass |v_ij|² is taken with λ* = λ₁ + (λ₁ − λ₂)/3, which misses λ and so adds −h³ v_ij·(M⁻¹Jᵀ(λ*
-  // − λ))_ij to σ_{n+1}: nothing for a bond alone, whose v_ij is across it, but as much as the floor where
-  // bonds meet.
-  void add_miss(const System& sys, const Vectors& v, const Eigen::VectorXd& exact) {
-    Eigen::VectorXd lambda(sys.bond_count());  // what the feedback adds: A⁻¹(−2ασ̇ − β²σ)
+  // With one pass |v_ij|² is taken with λ* = λ₁ + (λ₁ − λ₂)/3, which misses λ and so adds −h³ v_ij·y_ij,
+  // y = M⁻¹Jᵀ(λ* − λ), to σ_{n+1}: nothing for a bond alone, whose v_ij is across it, but as much as the
+  // floor where bonds meet. The discrete law takes |a_ij|² so, too, and adds −½h⁴ (a_ij + y_ij)·y_ij.
+  void add_miss(const System& sys, const Vectors& v, const Vectors& a, const Eigen::VectorXd& exact) {
+    const bool discrete = damping_ == Damping::kDiscrete;
+    const auto of = [&](const Vectors& of_atoms, int k) -> Vec3 {
+      return of_atoms.col(sys.bonds[k].j) - of_atoms.col(sys.bonds[k].i);
+    };
+    Eigen::VectorXd lambda(sys.bond_count());  // what the law adds: A⁻¹(−2ασ̇ − β²σ), discrete −¼h²|a|² too
     for (int k = 0; k < sys.bond_count(); ++k)
-      lambda[k] = -gains_[k].alpha / h_ * (next_[k] - before_[k]) - std::pow(gains_[k].beta, 2) * now_[k];
+      lambda[k] = -gains_[k].alpha / h_ * (next_[k] - before_[k]) - std::pow(gains_[k].beta, 2) * now_[k] -
+                  (discrete ? 0.25 * h_ * h_ * of(a, k).squaredNorm() : 0);
     solver_.factor(r_);
     solver_.solve(lambda);
     if (steps_ == 0) lambda.setZero();
@@ -77,9 +82,10 @@ class Residuals {
       const Vectors missed =
           pulled(sys, last_ + (steps_ > 1 ? 1.0 / 3 : 0.0) * (last_ - last_but_one_) - lambda);
       for (int k = 0; k < sys.bond_count(); ++k) {
-        const auto& [i, j, d] = sys.bonds[k];
         const double share = damping_ == Damping::kImplicit ? 1 / (1 + gains_[k].alpha * h_) : 1.0;
-        next_[k] -= share * std::pow(h_, 3) * (v.col(j) - v.col(i)).dot(missed.col(j) - missed.col(i));
+        const Vec3 y = of(missed, k);
+        next_[k] -= share * std::pow(h_, 3) * of(v, k).dot(y);
+        if (discrete) next_[k] -= 0.5 * std::pow(h_, 4) * (of(a, k) + y).dot(y);
       }
     }
     last_but_one_ = steps_ > 0 ? last_ : lambda;

@@ -54,6 +54,7 @@ HWY_INLINE void right_hand_side(const Shape shape, const BaumgarteTerms* terms_o
     b = hn::MulAdd(broadcast(terms.rate_v), dot(r, w), b);
     b = hn::MulAdd(broadcast(terms.square_v), dot(w, w), b);
     b = hn::MulAdd(broadcast(terms.cross), dot(w, a), b);
+    b = hn::MulAdd(broadcast(terms.square_a), dot(a, a), b);
     b = hn::MulAdd(broadcast(terms.offset), offset, b);
     store(hn::Neg(b), eq.b + k * kLanes);
     if constexpr (kFirst) {
@@ -160,7 +161,8 @@ Batched<Baumgarte>::Batched(const System& sys, const Options& options, double h)
 void Batched<Baumgarte>::set_terms(double h) {
   if (h == h_of_terms_) return;
   h_of_terms_ = h;
-  const bool lagged = damping_ == Damping::kLagged, centred = damping_ == Damping::kCentred;
+  const bool lagged = damping_ == Damping::kLagged, discrete = damping_ == Damping::kDiscrete;
+  const bool centred = discrete || damping_ == Damping::kCentred;
   batches_.for_each([&](BaumgarteBatch& batch) {
     for (std::size_t k = 0; k < batch.gains.size(); ++k) {
       const auto [alpha, beta] = batch.gains[k];
@@ -169,6 +171,7 @@ void Batched<Baumgarte>::set_terms(double h) {
                         .rate_v = 2 * alpha / q,
                         .square_v = 1 / q,
                         .cross = centred ? alpha * h * h / q : 0,
+                        .square_a = discrete ? 0.25 * h * h / q : 0,
                         .offset = 0.5 * beta * beta / q};
     }
   });
