@@ -91,9 +91,13 @@ void print_summary(const Simulation& simulation, const Summary& s) {
   if (const int bonds = simulation.scene().system.bond_count(); bonds > 0)
     fmt::print(" ({:.3g} ns a bond)", s.constraint_us_per_step * 1000 / bonds);
   fmt::print("; {:.4g} ns/day\n", s.ns_per_day);
-  if (s.drift)
-    fmt::print("energy drift {:.2e}{} kJ/mol/ns/degree of freedom\n", s.drift->value,
-               s.drift->error > 0 ? fmt::format(" ± {:.1e}", s.drift->error) : "");
+  const auto drift = [](const Estimate& e) {
+    return fmt::format("{:.2e}", e.value) + (e.error > 0 ? fmt::format(" ± {:.1e}", e.error) : "");
+  };
+  if (s.drift) fmt::print("energy drift {} kJ/mol/ns/degree of freedom\n", drift(*s.drift));
+  if (s.drift && simulation.scene().system.bond_count() > 0)
+    fmt::print("  of it the bonds' {}, the forces' {:.2e}\n", drift(*s.constraint_drift),
+               s.drift->value - s.constraint_drift->value);
   fmt::print("mean temperature {:.2f} K", s.temperature);
   print_temperatures(simulation.temperatures());
   if (s.pressure) fmt::print("pressure {} bar\n", with_error(*s.pressure, 1));

@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kStretched = 0.05;  // of a bond
 constexpr double kErrors = 5;
+constexpr double kWarm = 0.25;  // of kT a nanosecond and degree of freedom, by constraints alone
 
 }  // namespace
 
@@ -25,7 +26,17 @@ std::vector<std::string> doubts(const Summary& s) {
     all.push_back(fmt::format("bonds are off by up to {:.2g} %; take method newton, or a shorter step",
                               100 * s.max_rel_bond_error));
   if (!s.drift || s.drift->error == 0) return all;
-  const double heat = s.drift->value / (kBoltzmann * s.temperature);  // kT per ns
+  const double kT = kBoltzmann * s.temperature;
+  const double heat = s.drift->value / kT;  // per ns
+  const auto& bonds = s.constraint_drift;
+  if (bonds && std::abs(bonds->value) > kWarm * kT && std::abs(bonds->value) > kErrors * bonds->error &&
+      std::abs(bonds->value) > 0.5 * std::abs(s.drift->value)) {
+    all.push_back(
+        fmt::format("the constraints {} by {:.2g} kJ/mol a nanosecond and degree of freedom; {}",
+                    bonds->value > 0 ? "heat" : "cool", std::abs(bonds->value),
+                    s.converged ? "take a shorter step" : "feedforward at the same price does not"));
+    return all;
+  }
   if (std::abs(heat) > 1 && std::abs(s.drift->value) > kErrors * s.drift->error)
     all.push_back(fmt::format(
         "the energy drifts by {:.2g} kT a nanosecond and degree of freedom; {}", heat,

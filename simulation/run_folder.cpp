@@ -21,13 +21,14 @@ constexpr std::string_view kLogHeader =
     "#\"Step\",\"Time (ps)\",\"Potential Energy (kJ/mole)\",\"Kinetic Energy (kJ/mole)\","
     "\"Total Energy (kJ/mole)\",\"Temperature (K)\",\"Speed (ns/day)\",\"Max Relative Bond Error\","
     "\"RMS Relative Bond Error\",\"Energy Drift (kJ/mole/ns/dof)\",\"Iterations per Step\",\"Pressure "
-    "(bar)\"\n";
+    "(bar)\",\"Constraint Work (kJ/mole)\"\n";
 
 std::string log_row(const Record& r) {
-  return fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{:.9g},{:.4g},{:.6e},{:.6e},{},{:.4g},{}\n", r.step,
-                     r.t, r.potential, r.kinetic, r.total(), r.temperature, r.ns_per_day, r.bonds.max,
+  return fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{:.9g},{:.4g},{:.6e},{:.6e},{},{:.4g},{},{}\n",
+                     r.step, r.t, r.potential, r.kinetic, r.total(), r.temperature, r.ns_per_day, r.bonds.max,
                      r.bonds.rms, r.drift ? fmt::format("{:.6e}", *r.drift) : "", r.iterations,
-                     r.pressure ? fmt::format("{:.9g}", *r.pressure) : "");
+                     r.pressure ? fmt::format("{:.9g}", *r.pressure) : "",
+                     r.constraint_work ? fmt::format("{:.9g}", *r.constraint_work) : "");
 }
 
 // Where there are too few rows for an error, it is null.
@@ -64,6 +65,9 @@ ordered_json summary_json(const Simulation& simulation, const Summary& s) {
       {"energy_drift_kj_mol_ns_dof", s.drift ? ordered_json(s.drift->value) : ordered_json()},
       {"energy_drift_standard_error",
        s.drift && s.drift->error > 0 ? ordered_json(s.drift->error) : ordered_json()},
+      {"constraint_drift_kj_mol_ns_dof",
+       s.constraint_drift ? ordered_json(s.constraint_drift->value) : ordered_json()},
+      {"constraint_work_kj_mol", s.constraint_work ? ordered_json(*s.constraint_work) : ordered_json()},
       {"temperature_k", s.temperature},
       {"potential_kj_mol", s.potential},
       {"total_kj_mol", s.total},

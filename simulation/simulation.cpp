@@ -73,6 +73,7 @@ Simulation::Simulation(Scene scene)
       redundancy_(find_redundancy(scene.system, scene.start.x)),
       scene_(reduced(std::move(scene), redundancy_)),
       forces_(scene_.system, scene_.terms),
+      metered_(forces_, scene_.run.h()),
       method_(make_method(scene_.system, scene_.method, scene_.run.h())),
       projector_(scene_.system),
       state_(scene_.start) {
@@ -83,6 +84,7 @@ Simulation::Simulation(Scene scene)
   refuse_unreachable_tolerance(sys, state_.x, method_->promised_error());
   if (sys.box.periodic()) barometer_.emplace(sys, has_springs());
   count_degrees_of_freedom(momentum_stays_zero(scene_, state_.v));
+  unaccounted_at_start_ = unaccounted(record());
 }
 
 void Simulation::bring_to_the_bonds() {
@@ -130,7 +132,7 @@ void Simulation::make_thermostat() {
 
 Dynamics Simulation::dynamics() {
   Bath& bath = langevin_ ? static_cast<Bath&>(*langevin_) : *this;
-  return {scene_.system, forces_, *method_, bath};
+  return {scene_.system, metered_, *method_, bath};
 }
 
 // What is drawn from here on was not drawn before: a thermostat taken away and given back.
@@ -199,6 +201,7 @@ void Simulation::change(const RunSettings& run) {
   if (same_kind) serialize_thermostat(load);
   const long last_row = std::exchange(sums_, LogSums{}).last_row;
   sums_.last_row = last_row;
+  unaccounted_at_start_ = unaccounted(record());
 }
 
 // The thing itself is made anew, from the same scene; this is what its steps have changed.
@@ -212,12 +215,13 @@ void Simulation::serialize(Archive& archive) {
   archive(sums_);
   archive.demand(0 <= sums_.last_row && sums_.last_row <= progress_.step && 0 <= sums_.rows &&
                  sums_.rows <= progress_.step + 1);
-  archive(*temperatures_, forces_);
+  archive(*temperatures_, forces_, metered_, unaccounted_at_start_);
   archive(*method_);
   serialize_thermostat(archive);
   if (!archive.loading()) return;
   State evaluated = state_;  // its f holds no constraint forces
   forces_(scene_.system, evaluated);
+  metered_.recall(evaluated.f);
 }
 
 void Simulation::serialize_thermostat(Archive& archive) {

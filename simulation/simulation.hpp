@@ -11,6 +11,7 @@
 #include "constraints/projection.hpp"
 #include "constraints/redundancy.hpp"
 #include "forcefield/force_field.hpp"
+#include "md/metered_forces.hpp"
 #include "md/observables.hpp"
 #include "md/run.hpp"
 #include "md/thermostat.hpp"
@@ -29,7 +30,10 @@ struct Record {
   double temperature = 0;             // of Simulation::thermal_velocity() [K]
   BondErrors bonds;
   std::optional<double> drift;  // of the total energy so far [kJ/mol/ns/dof]; none under a thermostat
-  double iterations = 0;        // a step, since the last row
+  // Of the total energy since the start, what the bonds did and not the forces (md/metered_forces.hpp)
+  // [kJ/mol].
+  std::optional<double> constraint_work;
+  double iterations = 0;  // a step, since the last row
   double ns_per_day = 0;
   std::optional<double> pressure;  // in a box [bar]
 
@@ -40,14 +44,16 @@ struct Record {
 struct Summary {
   long steps = 0;
   double us_per_step = 0, constraint_us_per_step = 0, ns_per_day = 0;
-  double max_rel_bond_error = 0;     // over all rows
-  double rms_rel_bond_error = 0;     // root mean square over all rows
-  std::optional<Estimate> drift;     // [kJ/mol/ns/degree of freedom]; none under a thermostat
-  double temperature = 0;            // mean over the rows [K]
-  std::optional<Estimate> pressure;  // mean over the rows, in a box [bar]
-  double potential = 0, total = 0;   // at the end [kJ/mol]
-  std::optional<bool> converged;     // every step to twice the error the method promises; none: promises none
-  std::vector<std::string> doubts;   // systems/doubts.hpp
+  double max_rel_bond_error = 0;             // over all rows
+  double rms_rel_bond_error = 0;             // root mean square over all rows
+  std::optional<Estimate> drift;             // [kJ/mol/ns/degree of freedom]; none under a thermostat
+  std::optional<Estimate> constraint_drift;  // the bonds' share of it
+  std::optional<double> constraint_work;     // since the start [kJ/mol]
+  double temperature = 0;                    // mean over the rows [K]
+  std::optional<Estimate> pressure;          // mean over the rows, in a box [bar]
+  double potential = 0, total = 0;           // at the end [kJ/mol]
+  std::optional<bool> converged;    // every step to twice the error the method promises; none: promises none
+  std::vector<std::string> doubts;  // systems/doubts.hpp
 };
 
 // What it took to bring the start to the bonds.
@@ -121,19 +127,22 @@ class Simulation : private Bath {
   Vectors without_stretching(Vectors v) const;
   class Stopwatch;
   struct LogSums {  // over the rows of the log
-    RunningSlope energy;
+    RunningSlope energy, constraint_work;
     RunningMean pressure;
     long rows = 0, last_row = 0;
     double largest_error = 0, largest_residual = 0, squares = 0, temperatures = 0;
 
     void add(const Record& r, double residual);
     void serialize(Archive& archive) {
-      archive(energy, pressure, rows, last_row, largest_error, largest_residual, squares, temperatures);
+      archive(energy, constraint_work, pressure, rows, last_row, largest_error, largest_residual, squares,
+              temperatures);
     }
   };
 
   RunPlan plan() const;
   double per_ns_and_dof() const;
+  // The energy but for the potential's and the work of its forces: what bonds alone can change [kJ/mol].
+  double unaccounted(const Record& r) const { return r.total() - forces_.potential() - metered_.work(); }
   Record row(const SolveStats& since, const Stopwatch& watch, long steps);
   Summary summary(const Record& end, double seconds, double constraint_seconds, long steps) const;
   void keep_snapshot();
@@ -143,6 +152,8 @@ class Simulation : private Bath {
   Redundancy redundancy_;
   Scene scene_;
   mutable ForceField forces_;  // measuring tensions evaluates them again, where the state is
+  MeteredForces metered_;
+  double unaccounted_at_start_ = 0;  // or at the change to a run without a thermostat
   std::unique_ptr<ConstraintMethod> method_;
   mutable Projector projector_;
   State state_;

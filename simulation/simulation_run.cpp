@@ -41,6 +41,7 @@ class Simulation::Stopwatch {
 
 void Simulation::LogSums::add(const Record& r, double residual) {
   energy.add(r.t, r.total());
+  if (r.constraint_work) constraint_work.add(r.t, *r.constraint_work);
   ++rows;
   last_row = r.step;
   largest_error = std::max(largest_error, r.bonds.max);
@@ -70,6 +71,7 @@ Record Simulation::row(const SolveStats& since, const Stopwatch& watch, long ste
     RunningSlope energy = sums_.energy;
     energy.add(r.t, r.total());
     r.drift = energy.value() * per_ns_and_dof();
+    r.constraint_work = unaccounted(r) - unaccounted_at_start_;
   }
   if (barometer_) {
     const bool springs_move = has_springs() && !langevin_;  // and the pressure has their part in it
@@ -141,8 +143,13 @@ Summary Simulation::summary(const Record& end, double seconds, double constraint
   s.max_rel_bond_error = sums_.largest_error;
   s.rms_rel_bond_error = std::sqrt(sums_.squares / rows);
   if (!scene_.run.thermostatted()) {
-    const Estimate slope = sums_.energy.estimate();
-    s.drift = Estimate{slope.value * per_ns_and_dof(), slope.error * per_ns_and_dof()};
+    const auto drift = [&](const RunningSlope& of) {
+      const Estimate slope = of.estimate();
+      return Estimate{slope.value * per_ns_and_dof(), slope.error * per_ns_and_dof()};
+    };
+    s.drift = drift(sums_.energy);
+    s.constraint_drift = drift(sums_.constraint_work);
+    s.constraint_work = end.constraint_work;
   }
   s.temperature = sums_.temperatures / rows;
   if (barometer_) s.pressure = sums_.pressure.estimate();

@@ -139,7 +139,7 @@ TEST(Batched, NoneIsThePlainNone) {
 }
 
 TEST(Batched, BaumgarteIsThePlainBaumgarte) {
-  for (const char* damping : {"centred", "implicit", "lagged"})
+  for (const char* damping : {"discrete", "centred", "implicit", "lagged"})
     for (int passes : {1, 3}) {
       SCOPED_TRACE(damping);
       compare_all(Baumgarte::Options{.gains = "numbers",
@@ -161,7 +161,7 @@ TEST(Batched, FeedforwardIsThePlainFeedforward) {
 // A step of another length has terms of its own.
 TEST(Batched, BaumgarteTakesStepsOfAnyLength) {
   const Start start = together({testing::waters(9, 3, 300), testing::free_chain(4, 2)});
-  for (const char* damping : {"centred", "implicit", "lagged"}) {
+  for (const char* damping : {"discrete", "centred", "implicit", "lagged"}) {
     SCOPED_TRACE(damping);
     const Baumgarte::Options options{
         .gains = "numbers", .damping = damping, .alpha_per_ps = 300, .beta_per_ps = 900};

@@ -68,7 +68,7 @@ void compare_long(const MethodOptions& options, double tolerance) {
 }
 
 TEST(CutChains, SolveAsThePlainMethods) {
-  for (const char* damping : {"centred", "lagged"})
+  for (const char* damping : {"discrete", "centred", "lagged"})
     for (int passes : {1, 3}) compare_long(Baumgarte::Options{.damping = damping, .passes = passes}, 1e-12);
   for (int order : {0, 2}) compare_long(Feedforward::Options{.extrapolation = order}, 1e-12);
   compare_long(Newton::Options{.tolerance = 1e-12}, 3e-12);

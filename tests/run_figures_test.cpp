@@ -154,8 +154,9 @@ TEST(Doubts, OfMethodsThatDoNotWork) {
   };
   const Summary lincs = with("method.name=lincs"), newton = with("method.name=newton");
   ASSERT_EQ(lincs.doubts.size(), 1u);
-  EXPECT_NE(lincs.doubts[0].find("kT a nanosecond and degree of freedom; take method newton"),
-            std::string::npos)
+  EXPECT_NE(
+      lincs.doubts[0].find("a nanosecond and degree of freedom; feedforward at the same price does not"),
+      std::string::npos)
       << lincs.doubts[0];
   EXPECT_EQ(lincs.converged, std::nullopt);
   EXPECT_TRUE(newton.doubts.empty());
@@ -185,6 +186,41 @@ TEST(Doubts, OfFigures) {
   EXPECT_TRUE(doubts(s).empty());
   s.max_rel_bond_error = 0.06;
   EXPECT_EQ(doubts(s).size(), 1u);
+}
+
+// Where most of the drift is the bonds', they are blamed, and from a quarter of kT on.
+TEST(Doubts, OfConstraintsThatHeat) {
+  Summary s;
+  s.temperature = 300;
+  const auto said = [&](Estimate drift, Estimate of_bonds) {
+    s.drift = drift;
+    s.constraint_drift = of_bonds;
+    const std::vector<std::string> all = doubts(s);
+    return all.empty() ? "" : all[0];
+  };
+  const std::string heat = "the constraints heat by 4.5 kJ/mol a nanosecond and degree of freedom; ";
+  EXPECT_EQ(said({5, 0.9}, {4.5, 0.1}), heat + "feedforward at the same price does not");
+  EXPECT_EQ(said({-1, 0.1}, {-0.9, 0.1}).substr(0, 31), "the constraints cool by 0.9 kJ/");
+  EXPECT_EQ(said({1, 0.01}, {0.5, 0.01}), "");  // a fifth of kT
+  EXPECT_EQ(said({1, 0.01}, {0.9, 0.3}), "");   // chance
+  EXPECT_NE(said({5, 0.1}, {0.9, 0.1}).find("the energy drifts by 2 kT"), std::string::npos);
+  s.converged = true;
+  EXPECT_EQ(said({5, 0.9}, {4.5, 0.1}), heat + "take a shorter step");
+}
+
+// Implicit damping, dead-beat, heats water by its bonds alone; newton's do nothing.
+TEST(Account, SaysWhoseTheDriftIs) {
+  const auto run = [](std::vector<std::string> method) {
+    method.insert(method.end(), {"run.steps=1000", "run.log_every=10", "forcefield.switch_nm=0.75"});
+    return summary_of("water", method);
+  };
+  const Summary implicit =
+      run({"method.name=baumgarte", "method.damping=implicit", "method.gains=dead-beat"});
+  const Summary newton = run({"method.name=newton"});
+  EXPECT_GT(implicit.constraint_drift->value, 50);
+  EXPECT_NEAR(implicit.constraint_drift->value / implicit.drift->value, 1, 0.1);
+  EXPECT_LT(std::abs(newton.constraint_drift->value), 0.03 * implicit.constraint_drift->value);
+  EXPECT_LT(std::abs(*newton.constraint_work), 0.03 * *implicit.constraint_work);
 }
 
 }  // namespace

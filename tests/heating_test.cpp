@@ -1,0 +1,186 @@
+// What constraints do to the energy: the account's identity for every method, and why a bond that follows its
+// neighbours' vibrations heats them.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "constraints/baumgarte.hpp"
+#include "constraints/bond_algebra.hpp"
+#include "constraints/methods.hpp"
+#include "constraints/projection.hpp"
+#include "free_system.hpp"
+#include "md/metered_forces.hpp"
+#include "md/observables.hpp"
+
+namespace taut {
+namespace {
+
+// Every atom on a spring to the origin.
+struct Trap : ForceLaw {
+  void operator()(const System&, State& s) override {
+    s.f = -kStiffness * s.x;
+    energy = 0.5 * kStiffness * s.x.squaredNorm();
+  }
+  double potential() const override { return energy; }
+  static constexpr double kStiffness = 2;
+  double energy = 0;
+};
+
+double squares_over_mass(const System& sys, const Vectors& f) {
+  return (f.array().square().rowwise() * sys.inv_mass.transpose().array()).sum();
+}
+
+// ΔK − ½(F_n + F_{n+1})·Δx beside what the motion shows of the constraints' forces: C = 2M(v_half − v_n)/h −
+// F_n before the drift, C' = 2M(v_{n+1} − v_half)/h − F_{n+1} after it.
+TEST(Account, ClosesForEveryMethod) {
+  const double h = 0.004;
+  for (const MethodEntry& entry : methods()) {
+    SCOPED_TRACE(entry.name);
+    auto [sys, s] = entry.name == "settle" ? testing::waters(2, 1, 300) : testing::free_chain(6, 1);
+    const MethodOptions options = default_options(entry.name);
+    const auto method = make_method(sys, options, h);
+    Trap trap;
+    MeteredForces metered(trap, h);
+    const Dynamics dynamics{sys, metered, *method};
+    initialize(dynamics, s);
+    const auto unaccounted = [&, &start = s, &system = sys] {
+      return kinetic_energy(system, start.v) - metered.work();
+    };
+    const double at_start = unaccounted(), scale = kinetic_energy(sys, s.v);
+    double work = 0;
+    for (int n = 0; n < 200; ++n) {
+      const State before = s;
+      ASSERT_TRUE(step(dynamics, h, s).converged());
+      const Vectors moved = s.x - before.x, half = moved / h;
+      const Vectors f = 2 / h * (half - before.v) * sys.mass.asDiagonal();  // F + C
+      const Vectors f_next = 2 / h * (s.v - half) * sys.mass.asDiagonal();  // F + C'
+      work += 0.5 * (f + f_next + Trap::kStiffness * (before.x + s.x)).cwiseProduct(moved).sum() +
+              h * h / 8 * (squares_over_mass(sys, f_next) - squares_over_mass(sys, f));
+      ASSERT_NEAR(unaccounted() - at_start, work, 1e-11 * scale) << "step " << n;
+    }
+  }
+}
+
+// Of methods that steer by forces, C = Jᵀλ: the work is Σ ½(λ_n + λ_{n+1})Δσ + ¼(λ_{n+1} − λ_n)|Δr|².
+TEST(Account, IsWhatMultipliersDo) {
+  const double h = 0.004;
+  for (const char* name : {"none", "baumgarte", "feedforward"}) {
+    SCOPED_TRACE(name);
+    auto [sys, s] = testing::free_chain(6, 1);
+    const auto method = make_method(sys, default_options(name), h);
+    Trap trap;
+    MeteredForces metered(trap, h);
+    const Dynamics dynamics{sys, metered, *method};
+    initialize(dynamics, s);
+    const auto kept = [&, &system = sys, &state = s] {
+      return kinetic_energy(system, state.v) - h * h / 8 * squares_over_mass(system, state.f) -
+             metered.work();
+    };
+    const double at_start = kept(), scale = kinetic_energy(sys, s.v);
+    double work = 0;
+    Vectors r(3, sys.bond_count()), r_next = r;
+    for (int n = 0; n < 200; ++n) {
+      const Eigen::VectorXd lambda = method->lambda();
+      differences(sys, s.x, r);
+      ASSERT_TRUE(step(dynamics, h, s).converged());
+      differences(sys, s.x, r_next);
+      const Eigen::VectorXd& next = method->lambda();
+      for (int k = 0; k < sys.bond_count(); ++k)
+        work += 0.25 * (lambda[k] + next[k]) * (r_next.col(k).squaredNorm() - r.col(k).squaredNorm()) +
+                0.25 * (next[k] - lambda[k]) * (r_next.col(k) - r.col(k)).squaredNorm();
+    }
+    EXPECT_NEAR(kept() - at_start, work, 1e-11 * scale);
+  }
+}
+
+// A rigid bond on a wall, held to a direction by a spring: U = ½kφ². Small swings have the frequency ω with
+// 2 − 2cos ωh = kh²/(md²), in steps of length h.
+struct Swing : ForceLaw {
+  Swing(double omega_h, double h) : stiffness((2 - 2 * std::cos(omega_h)) / (h * h)) {}
+  void operator()(const System&, State& s) override {
+    const double x = s.x(0, 1), y = s.x(1, 1);
+    angle = std::atan2(y, x);
+    s.f.setZero();
+    s.f.col(1) = -stiffness * angle / (x * x + y * y) * Vec3(-y, x, 0);
+  }
+  double potential() const override { return 0.5 * stiffness * angle * angle; }
+  double stiffness, angle = 0;
+};
+
+struct Shares {
+  double bonds, forces;  // of the energy's change a step
+};
+
+Shares shares_of_swing(double omega_h, double amplitude, const Baumgarte::Options& options, double h) {
+  const System sys = make_system(Eigen::Vector2d(0, 1), {{0, 1, 1.0}});
+  State s;
+  s.x = s.v = s.f = Vectors::Zero(3, 2);
+  s.x.col(1) = Vec3(std::cos(amplitude), std::sin(amplitude), 0);
+  Swing swing(omega_h, h);
+  MeteredForces metered(swing, h);
+  Baumgarte method(sys, options, h);
+  const Dynamics dynamics{sys, metered, method};
+  initialize(dynamics, s);
+  Slope bonds, forces;
+  for (int n = 0; n < 4000; ++n) {
+    EXPECT_TRUE(step(dynamics, h, s).converged());
+    if (n < 500) continue;
+    bonds.add(n, kinetic_energy(sys, s.v) - h * h / 8 * s.f.squaredNorm() - metered.work());
+    forces.add(n, swing.potential() + metered.work());
+  }
+  return {bonds.value(), forces.value()};
+}
+
+Baumgarte::Options gains(double ah, double bh_squared, const char* damping, double h) {
+  return {.gains = "numbers",
+          .damping = damping,
+          .alpha_per_ps = ah / h,
+          .beta_per_ps = std::sqrt(bh_squared) / h};
+}
+
+// What a step of the centred law pumps into a swing of amplitude A (constraints/README.md): with ϑ = 2ωh,
+//     8 (md²/h²) A⁴ αh sin⁶(ωh/2) sin(ωh) sin ϑ / |D|²,   |D|² = (2cos ϑ − 2 + (βh)²)² + (2αh sin ϑ)².
+double pumped(double omega_h, double amplitude, double ah, double bh_squared, double h) {
+  const double theta = 2 * omega_h, s = std::sin(omega_h / 2);
+  const double d2 = std::pow(2 * std::cos(theta) - 2 + bh_squared, 2) + std::pow(2 * ah * std::sin(theta), 2);
+  return 8 / (h * h) * std::pow(amplitude, 4) * ah * std::pow(s, 6) * std::sin(omega_h) * std::sin(theta) /
+         d2;
+}
+
+// The forces take sin² of it back: a spring at an arm that changes its length.
+TEST(Heating, ABondPumpsASwing) {
+  const double h = 0.002, amplitude = 0.02;
+  for (const double omega_h : {0.3, 0.565, 0.75})
+    for (const auto& [ah, bh2] : {std::pair{0.1, 2.0}, {0.1, 3.0}, {0.5, 2.0}, {1.0, 2.5}}) {
+      const Shares shares = shares_of_swing(omega_h, amplitude, gains(ah, bh2, "centred", h), h);
+      const double foretold = pumped(omega_h, amplitude, ah, bh2, h);
+      EXPECT_NEAR(shares.bonds / foretold, 1, 0.05) << omega_h << " " << ah << " " << bh2;
+      EXPECT_NEAR(shares.forces / foretold, -2 * std::pow(std::sin(omega_h / 2), 2), 0.05) << omega_h;
+    }
+}
+
+// Where σ̈ is the step's own difference, nothing drives σ, and nothing is pumped.
+TEST(Heating, TheDiscreteLawPumpsNothing) {
+  const double h = 0.002, amplitude = 0.02;
+  for (const double omega_h : {0.3, 0.565, 0.7}) {
+    const double centred = pumped(omega_h, amplitude, 0.3, 2.5, h);
+    const Shares discrete = shares_of_swing(omega_h, amplitude, gains(0.3, 2.5, "discrete", h), h);
+    EXPECT_LT(std::abs(discrete.bonds), 0.01 * centred) << omega_h;
+  }
+}
+
+// The two edges. The filter's pole, 2cos 2ωh = 2 − (βh)², is where weak damping pumps most; and weak damping
+// cannot hold the parasitic root at 120°, (βh)² = 3, where quadratic terms turn in step with it.
+TEST(Heating, IsWorstAtTheFiltersPole) {
+  const double h = 0.002, amplitude = 0.005;
+  const auto bonds = [&](double bh2) {
+    return shares_of_swing(0.565, amplitude, gains(0.05, bh2, "centred", h), h).bonds;
+  };
+  const double pole = 2 - 2 * std::cos(2 * 0.565);
+  EXPECT_GT(bonds(pole), 5 * bonds(0.8 * pole));
+  EXPECT_GT(bonds(pole), 5 * bonds(1.2 * pole));
+}
+
+}  // namespace
+}  // namespace taut
