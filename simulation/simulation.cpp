@@ -73,7 +73,6 @@ Simulation::Simulation(Scene scene)
       redundancy_(find_redundancy(scene.system, scene.start.x)),
       scene_(reduced(std::move(scene), redundancy_)),
       forces_(scene_.system, scene_.terms),
-      metered_(forces_, scene_.run.h()),
       method_(make_method(scene_.system, scene_.method, scene_.run.h())),
       projector_(scene_.system),
       state_(scene_.start) {
@@ -132,7 +131,12 @@ void Simulation::make_thermostat() {
 
 Dynamics Simulation::dynamics() {
   Bath& bath = langevin_ ? static_cast<Bath&>(*langevin_) : *this;
-  return {scene_.system, metered_, *method_, bath};
+  return {scene_.system, *this, *method_, bath};
+}
+
+void Simulation::operator()(const System& sys, State& s) {
+  forces_(sys, s);
+  meter_.see(scene_.run.h(), s);
 }
 
 // What is drawn from here on was not drawn before: a thermostat taken away and given back.
@@ -215,13 +219,13 @@ void Simulation::serialize(Archive& archive) {
   archive(sums_);
   archive.demand(0 <= sums_.last_row && sums_.last_row <= progress_.step && 0 <= sums_.rows &&
                  sums_.rows <= progress_.step + 1);
-  archive(*temperatures_, forces_, metered_, unaccounted_at_start_);
+  archive(*temperatures_, forces_, meter_, unaccounted_at_start_);
   archive(*method_);
   serialize_thermostat(archive);
   if (!archive.loading()) return;
   State evaluated = state_;  // its f holds no constraint forces
   forces_(scene_.system, evaluated);
-  metered_.recall(evaluated.f);
+  meter_.recall(evaluated.f);
 }
 
 void Simulation::serialize_thermostat(Archive& archive) {

@@ -11,10 +11,10 @@
 #include "constraints/projection.hpp"
 #include "constraints/redundancy.hpp"
 #include "forcefield/force_field.hpp"
-#include "md/metered_forces.hpp"
 #include "md/observables.hpp"
 #include "md/run.hpp"
 #include "md/thermostat.hpp"
+#include "md/work_meter.hpp"
 #include "simulation/barometer.hpp"
 #include "simulation/minimise.hpp"
 #include "simulation/temperatures.hpp"
@@ -30,7 +30,7 @@ struct Record {
   double temperature = 0;             // of Simulation::thermal_velocity() [K]
   BondErrors bonds;
   std::optional<double> drift;  // of the total energy so far [kJ/mol/ns/dof]; none under a thermostat
-  // Of the total energy since the start, what the bonds did and not the forces (md/metered_forces.hpp)
+  // Of the total energy since the start, what the bonds did and not the forces (md/work_meter.hpp)
   // [kJ/mol].
   std::optional<double> constraint_work;
   double iterations = 0;  // a step, since the last row
@@ -65,7 +65,7 @@ struct StartReport {
 };
 
 // A scene ready to run: forces and method made, the start brought to the bonds.
-class Simulation : private Bath {
+class Simulation : private Bath, private ForceLaw {
  public:
   explicit Simulation(Scene scene);
 
@@ -118,6 +118,7 @@ class Simulation : private Bath {
   void bring_to_the_bonds();
   void note_start();
   void after_step(const System& sys, double h, State& s) override;  // rescales, where that is the thermostat
+  void operator()(const System& sys, State& s) override;            // the forces, their work metered
   std::uint64_t seed_here() const;
   void make_thermostat();
   void serialize_thermostat(Archive& archive);
@@ -142,7 +143,7 @@ class Simulation : private Bath {
   RunPlan plan() const;
   double per_ns_and_dof() const;
   // The energy but for the potential's and the work of its forces: what bonds alone can change [kJ/mol].
-  double unaccounted(const Record& r) const { return r.total() - forces_.potential() - metered_.work(); }
+  double unaccounted(const Record& r) const { return r.total() - forces_.potential() - meter_.work(); }
   Record row(const SolveStats& since, const Stopwatch& watch, long steps);
   Summary summary(const Record& end, double seconds, double constraint_seconds, long steps) const;
   void keep_snapshot();
@@ -152,7 +153,7 @@ class Simulation : private Bath {
   Redundancy redundancy_;
   Scene scene_;
   mutable ForceField forces_;  // measuring tensions evaluates them again, where the state is
-  MeteredForces metered_;
+  WorkMeter meter_;
   double unaccounted_at_start_ = 0;  // or at the change to a run without a thermostat
   std::unique_ptr<ConstraintMethod> method_;
   mutable Projector projector_;

@@ -112,6 +112,50 @@ TEST(Calibration, ItsSettingsAreTheMethodItMeasured) {
   }
 }
 
+// RATTLE of K sweeps, T = (I − A(D+L)⁻¹)^K: σ₊ = T(σ + σ̇h), σ̇₊h = T(σ₊ − σ), from random σ/d² on a water's
+// bonds.
+std::vector<double> course_of_sweeps(int sweeps, int steps) {
+  const Scene scene = water(1);
+  const System& sys = scene.system;
+  Eigen::Matrix3d a, lower = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d squares;
+  const auto across = [&](int k) -> Vec3 {
+    return scene.start.x.col(sys.bonds[k].j) - scene.start.x.col(sys.bonds[k].i);
+  };
+  for (int k = 0; k < 3; ++k) {
+    squares[k] = std::pow(sys.bonds[k].length, 2);
+    for (int l = 0; l < 3; ++l) {
+      const auto &p = sys.bonds[k], &q = sys.bonds[l];
+      const auto share = [&](int atom, int of) { return atom == of ? sys.inv_mass[atom] : 0.0; };
+      const double weight = share(p.i, q.i) + share(p.j, q.j) - share(p.i, q.j) - share(p.j, q.i);
+      a(k, l) = weight * across(k).dot(across(l));
+      if (l <= k) lower(k, l) = a(k, l);
+    }
+  }
+  const Eigen::Matrix3d one = Eigen::Matrix3d::Identity(), sweep = one - a * lower.inverse();
+  Eigen::Matrix3d t = one;
+  for (int n = 0; n < sweeps; ++n) t *= sweep;
+  Eigen::Matrix3d stretch = squares.asDiagonal(), rate = Eigen::Matrix3d::Zero();
+  std::vector<double> course;
+  for (int n = 0; n <= steps; ++n) {
+    course.push_back((squares.cwiseInverse().asDiagonal() * stretch).norm());
+    const Eigen::Matrix3d next = t * (stretch + rate);
+    rate = t * (next - stretch);
+    stretch = next;
+  }
+  return course;
+}
+
+TEST(Calibration, CappedRattleFollowsItsSweeps) {
+  for (const int sweeps : {1, 2, 4}) {
+    const std::vector<double> measured = calibrate(water(1), {.sweeps = sweeps}).reference.stretch;
+    const std::vector<double> foretold = course_of_sweeps(sweeps, 2);
+    const auto ratio = [](const std::vector<double>& course, int n) { return course[n + 1] / course[n]; };
+    EXPECT_NEAR(ratio(measured, 0) / ratio(foretold, 0), 1, 0.05) << sweeps;
+    EXPECT_NEAR(ratio(measured, 1) / ratio(foretold, 1), 1, 0.2) << sweeps;
+  }
+}
+
 TEST(Calibration, RefusesWhatItCannotDo) {
   EXPECT_THROW(calibrate(chain(10), {.against = "lincs"}), InputError);
   EXPECT_THROW(calibrate(chain(10), {.against = "newton", .sweeps = 3}), InputError);

@@ -108,8 +108,10 @@ void expect_foretold(Scene scene, long steps) {
   scene.run.steps = steps;
   CrosscheckPlan plan;
   plan.contestants = contestants({"baumgarte"});
-  for (const char* damping : {"implicit", "lagged"})
+  for (const char* damping : {"centred", "implicit", "lagged"})
     plan.contestants.push_back({damping, Baumgarte::Options{.damping = damping}});
+  plan.contestants.push_back(
+      {"centred physical", Baumgarte::Options{.gains = "physical", .damping = "centred"}});
   plan.contestants.push_back({"two passes", Baumgarte::Options{.gains = "critical", .passes = 2}});
   plan.parting_steps = steps;
   plan.samples = 5;
@@ -121,10 +123,11 @@ void expect_foretold(Scene scene, long steps) {
     const auto& [judged, bond_rms, apart] = *track.foretold;
     EXPECT_EQ(judged, steps);
     EXPECT_GT(apart, 1e-7) << "there is something to foretell";
-    EXPECT_NEAR(bond_rms / track.rms_bond(steps), 1, 0.01);
-    // Gains that differ from bond to bond of a water (physical) are foretold 1.6 times too far: why is not
-    // known.
-    const bool mixed = track.name == "baumgarte physical" && scene.name == "water";
+    // Physical gains leave the discrete law little, and the next order in h more of that.
+    EXPECT_NEAR(bond_rms / track.rms_bond(steps), 1, track.name == "baumgarte physical" ? 0.03 : 0.01);
+    // Centred, gains that differ from bond to bond of a water (physical) are foretold 1.6 times too far: why
+    // is not known.
+    const bool mixed = track.name == "centred physical" && scene.name == "water";
     EXPECT_NEAR(apart / track.apart_at(steps), mixed ? 1.6 : 1, 0.05);
   }
 }
