@@ -9,6 +9,7 @@ taut=${TAUT:-$(dirname "$0")/../build/taut}
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 methods=("newton" "feedforward" "baumgarte" "baumgarte --set method.gains=dead-beat"
+         "baumgarte --set method.damping=centred" "baumgarte --set method.damping=centred --set method.gains=dead-beat"
          "baumgarte --set method.damping=implicit" "baumgarte --set method.damping=implicit --set method.gains=dead-beat")
 value() { sed -n "s/^ *\"$1\": \(.*[^,]\),*$/\1/p" "$out/summary.json"; }
 

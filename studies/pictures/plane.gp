@@ -22,15 +22,15 @@ do for [kind in 'svg png'] {
   set style fill solid noborder
   unset key
   do for [row = 0:1] {
-    do for [n = 1:3] {
-      damping = word('centred implicit lagged', n)
-      set lmargin screen 0.08 + 0.265 * (n - 1)
-      set rmargin screen 0.08 + 0.265 * (n - 1) + 0.25
+    do for [n = 1:4] {
+      damping = word('discrete centred implicit lagged', n)
+      set lmargin screen 0.07 + 0.2 * (n - 1)
+      set rmargin screen 0.07 + 0.2 * (n - 1) + 0.185
       set tmargin screen 0.88 - 0.45 * row
       set bmargin screen 0.54 - 0.45 * row
       if (n == 1) { set ylabel 'βh' offset 1; set format y '%g' } else { unset ylabel; set format y '' }
       if (row == 1) { set xlabel 'αh' offset 0,0.6 } else { unset xlabel }
-      if (n == 3) { set colorbox user origin 0.88, 0.54 - 0.45 * row size 0.02, 0.34 } else { unset colorbox }
+      if (n == 4) { set colorbox user origin 0.88, 0.54 - 0.45 * row size 0.02, 0.34 } else { unset colorbox }
       set title damping.' damping' offset 0,-0.7
       set logscale cb
       if (row == 0) {
