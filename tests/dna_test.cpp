@@ -18,7 +18,7 @@ namespace {
 Scene dna(std::vector<std::string> settings) {
   const std::string data = std::string(TAUT_TEST_DATA) + "/dna-hbonds.";
   Scene scene = import_openmm(data + "system.xml", data + "state.xml");
-  settings.insert(settings.end(), {"run.dt_fs=2", "run.steps=3000", "run.log_every=20", "run.seed=1",
+  settings.insert(settings.end(), {"run.dt_fs=2", "run.steps=5000", "run.log_every=20", "run.seed=1",
                                    "run.velocities=draw", "run.temperature_k=300"});
   apply_overrides(scene, settings);
   return scene;
