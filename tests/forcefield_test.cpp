@@ -148,7 +148,7 @@ TEST(ForceField, NamesOnlyTheTermsThereAre) {
             .gravity = Vec3(1, 0, 0),
             .pulls = {{0, {1, 2, 3}}}};
   const Eigen::VectorXd ones = Eigen::VectorXd::Ones(4);
-  all.nonbonded = Nonbonded{ones, 0.1 * ones, ones, {}, 0.9, {}, 78.3, true};
+  all.nonbonded = Nonbonded{ones, 0.1 * ones, ones, {}, 0.9, {}, 78.3, {}, true};
   Bench bench(4, all, {2, 2, 2});
   const double potential = bench.at(kBent).energy;
   std::vector<std::string> names;
