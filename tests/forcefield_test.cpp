@@ -167,7 +167,8 @@ TEST(ForceField, NamesOnlyTheTermsThereAre) {
 TEST(ForceField, RefusesTermsThatDoNotFit) {
   const auto message = [](const std::function<void(Terms&)>& spoil, const Vec3& edge = Vec3::Zero()) {
     const Eigen::VectorXd ones = Eigen::VectorXd::Ones(4);
-    Terms terms{.nonbonded = Nonbonded{ones, ones, ones, {}, 0.9, {}, 78.3, {}, false}, .wca = Wca{0.3, 1, {}}};
+    Terms terms{.nonbonded = Nonbonded{ones, ones, ones, {}, 0.9, {}, 78.3, {}, false},
+                .wca = Wca{0.3, 1, {}}};
     spoil(terms);
     try {
       Bench(4, terms, edge);
