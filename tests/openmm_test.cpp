@@ -132,7 +132,7 @@ TEST(OpenMMParity, ParticleMeshEwald) {
       melt.make_periodic();
       melt.nonbonded->setNonbondedMethod(OpenMM::NonbondedForce::PME);
       melt.nonbonded->setEwaldErrorTolerance(2e-4);
-      if (given) melt.nonbonded->setPMEParameters(2.7, 21, 23, 26);
+      if (given) melt.nonbonded->setPMEParameters(2.7, 8, 9, 10);
       double charge, sigma, epsilon, total = 0;
       for (int a = 0; a < Melt::kAtoms; ++a) {
         melt.nonbonded->getParticleParameters(a, charge, sigma, epsilon);
