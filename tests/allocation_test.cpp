@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <new>
 
+#include "constraints/langevin.hpp"
 #include "constraints/methods.hpp"
 #include "constraints/projection.hpp"
 #include "free_system.hpp"
@@ -70,6 +71,14 @@ void operator delete(void* place, std::size_t, std::align_val_t) noexcept {
 namespace taut {
 namespace {
 
+void expect_no_allocations(const Dynamics& dynamics, double h, State& s) {
+  initialize(dynamics, s);
+  for (int n = 0; n < 5; ++n) EXPECT_TRUE(step(dynamics, h, s).converged());
+  const long before = allocations;
+  for (int n = 0; n < 20; ++n) EXPECT_TRUE(step(dynamics, h, s).converged());
+  EXPECT_EQ(allocations, before) << dynamics.sys.atoms() << " atoms";
+}
+
 class EveryMethod : public ::testing::TestWithParam<std::string_view> {};
 
 // A few waters, chains in lanes, a chain cut in pieces, an anchored one that is not in lanes.
@@ -86,12 +95,9 @@ TEST_P(EveryMethod, AllocatesNothingInAStep) {
     const double h = system.bond_count() == 63 ? 1e-3 : 2e-3;
     testing::NoForce forces;
     const auto method = make_method(system, default_options(GetParam()), h);
-    const Dynamics dynamics{system, forces, *method};
-    initialize(dynamics, s);
-    for (int n = 0; n < 5; ++n) EXPECT_TRUE(step(dynamics, h, s).converged());
-    const long before = allocations;
-    for (int n = 0; n < 20; ++n) EXPECT_TRUE(step(dynamics, h, s).converged());
-    EXPECT_EQ(allocations, before) << system.atoms() << " atoms";
+    expect_no_allocations({system, forces, *method}, h, s);
+    Langevin langevin(system, {.temperature = 300, .friction = 1, .seed = 5}, h);
+    expect_no_allocations({system, forces, *method, langevin}, h, s);
   }
 }
 

@@ -216,7 +216,7 @@ TEST(StudyCommands, SayWhatTheyPassOver) {
   }
   for (const char* note : {"note: quick, so rough", "note: no intervals of the drift"})
     EXPECT_THAT(chart.text, HasSubstr(note));
-  EXPECT_THAT(stability.text, HasSubstr("of 60 gains failed or were refused"));
+  EXPECT_THAT(stability.text, HasSubstr("of 80 gains failed or were refused"));
   EXPECT_THAT(contents(folder.path() / "stability" / "steps.csv"), HasSubstr(",feedforward,"));  // of all
   for (const char* folder_name : {"chart", "stability"})
     EXPECT_THAT(page(folder.path() / folder_name), HasSubstr("its thermostat (langevin) is left out"));
