@@ -2,56 +2,66 @@
 
 namespace taut {
 
-Couplings::Couplings(const System& sys) : reduced_inv_mass(sys.bond_count()) {
-  std::vector<std::vector<int>> bonds_at(sys.atoms());
-  for (int k = 0; k < sys.bond_count(); ++k) {
-    const auto& [i, j, d] = sys.bonds[k];
-    bonds_at[i].push_back(k);
-    bonds_at[j].push_back(k);
-    reduced_inv_mass[k] = sys.inv_mass[i] + sys.inv_mass[j];
+DirectSolver::DirectSolver(const System& sys) : DirectSolver(Couplings(sys)) {}
+
+DirectSolver::DirectSolver(const Couplings& couplings)
+    : reduced_inv_mass_(couplings.reduced_inv_mass),
+      plan_(couplings, {}, Elimination::Order::kMinimumDegree),
+      l_(plan_.entries()),
+      u_(plan_.entries()),
+      a_(plan_.size()),
+      d_(plan_.size()),
+      inv_d_(plan_.size()),
+      work_(plan_.size()) {
+  dependent_.reserve(plan_.size());
+}
+
+void DirectSolver::factor(const Vectors& r_new, const Vectors& r, double threshold) {
+  const int n = plan_.size(), *order = plan_.order.data(), *start = plan_.column_start.data();
+  const std::ptrdiff_t* row = plan_.row.data();
+  const bool symmetric = &r_new == &r;
+  for (int k = 0; k < n; ++k) {
+    const Vec3 now = r.col(order[k]), next = r_new.col(order[k]);
+    a_[k] = reduced_inv_mass_[order[k]] * next.dot(now);
+    for (int p = start[k]; p < start[k + 1]; ++p) {
+      const int other = order[row[p]];
+      const double s = plan_.signed_inv_mass[p];
+      l_[p] = s * r_new.col(other).dot(now);
+      u_[p] = symmetric ? l_[p] : s * next.dot(r.col(other));
+    }
   }
-  for (int a = 0; a < sys.atoms(); ++a) {
-    if (sys.inv_mass[a] == 0) continue;
-    for (std::size_t p = 0; p < bonds_at[a].size(); ++p)
-      for (std::size_t q = p + 1; q < bonds_at[a].size(); ++q) {
-        const int k = bonds_at[a][p], l = bonds_at[a][q];
-        const bool same_end = (sys.bonds[k].i == a) == (sys.bonds[l].i == a);
-        pairs.push_back({k, l});
-        signed_inv_mass.push_back(same_end ? sys.inv_mass[a] : -sys.inv_mass[a]);
+  d_ = a_;
+  dependent_.clear();
+  const std::ptrdiff_t* update = plan_.update.data();
+  for (int k = 0; k < n; ++k) {
+    const bool independent = d_[k] > threshold * a_[k];  // false for NaN
+    inv_d_[k] = independent ? 1 / d_[k] : 0.0;
+    if (!independent) dependent_.push_back(order[k]);
+    for (int p = start[k]; p < start[k + 1]; ++p) {
+      const double above = u_[p];
+      l_[p] *= inv_d_[k];
+      u_[p] *= inv_d_[k];
+      d_[row[p]] -= l_[p] * above;
+      for (int q = p + 1; q < start[k + 1]; ++q, ++update) {
+        l_[*update] -= u_[p] * l_[q];
+        u_[*update] -= l_[p] * u_[q];
       }
+    }
   }
 }
 
-DirectSolver::DirectSolver(const System& sys)
-    : couplings_(sys),
-      ldlt_(sys.bond_count(), couplings_.pairs),
-      diagonal_(sys.bond_count()),
-      values_(couplings_.pairs.size()) {}
-
-void DirectSolver::factor(const Vectors& r, double threshold) {
-  diagonal_ = couplings_.reduced_inv_mass.array() * r.colwise().squaredNorm().transpose().array();
-  for (std::size_t e = 0; e < couplings_.pairs.size(); ++e) {
-    const auto [k, l] = couplings_.pairs[e];
-    values_[e] = couplings_.signed_inv_mass[e] * r.col(k).dot(r.col(l));
+void DirectSolver::solve(Eigen::VectorXd& b) {
+  const int n = plan_.size(), *order = plan_.order.data(), *start = plan_.column_start.data();
+  const std::ptrdiff_t* row = plan_.row.data();
+  for (int k = 0; k < n; ++k) work_[k] = b[order[k]];
+  for (int k = 0; k < n; ++k)
+    for (int p = start[k]; p < start[k + 1]; ++p) work_[row[p]] -= l_[p] * work_[k];
+  for (int k = n - 1; k >= 0; --k) {
+    double z = work_[k] * inv_d_[k];
+    for (int p = start[k]; p < start[k + 1]; ++p) z -= u_[p] * work_[row[p]];
+    work_[k] = z;
   }
-  ldlt_.factor(diagonal_, values_, threshold);
-}
-
-UnsymmetricSolver::UnsymmetricSolver(const System& sys)
-    : couplings_(sys),
-      ldu_(sys.bond_count(), couplings_.pairs),
-      diagonal_(sys.bond_count()),
-      values_(couplings_.pairs.size()),
-      mirrored_(values_.size()) {}
-
-void UnsymmetricSolver::factor(const Vectors& r_new, const Vectors& r) {
-  diagonal_ = couplings_.reduced_inv_mass.array() * r_new.cwiseProduct(r).colwise().sum().transpose().array();
-  for (std::size_t e = 0; e < couplings_.pairs.size(); ++e) {
-    const auto [k, l] = couplings_.pairs[e];
-    values_[e] = couplings_.signed_inv_mass[e] * r_new.col(k).dot(r.col(l));
-    mirrored_[e] = couplings_.signed_inv_mass[e] * r_new.col(l).dot(r.col(k));
-  }
-  ldu_.factor(diagonal_, values_, mirrored_);
+  for (int k = 0; k < n; ++k) b[order[k]] = work_[k];
 }
 
 }  // namespace taut

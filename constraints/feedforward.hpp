@@ -57,7 +57,7 @@ class Feedforward : public ConstraintMethod {
 
   Options options_;
   double h_;
-  UnsymmetricSolver solver_;
+  DirectSolver solver_;
   Vectors r_, r_next_;                             // 3 × m
   Vectors y_;                                      // 3 × n, M⁻¹Jᵀλ
   Eigen::VectorXd b_;                              // m

@@ -21,7 +21,7 @@ class MShake final : public Newton {
  private:
   bool solve(Eigen::VectorXd& b, SolveStats& stats) override;
 
-  UnsymmetricSolver exact_;
+  DirectSolver exact_;
 };
 
 }  // namespace taut

@@ -78,7 +78,7 @@ System without(const System& sys, const std::vector<int>& bonds) {
 Eigen::VectorXd least_norm_multipliers(const System& full, const Vectors& x, const std::vector<int>& left_out,
                                        const Eigen::VectorXd& lambda) {
   Eigen::VectorXd all = Eigen::VectorXd::Zero(full.bond_count());  // the left-out bonds carry nothing yet
-  std::vector<SparsePattern::Pair> ties;
+  std::vector<IndexPair> ties;
   for (int k = 0, kept = 0; k < full.bond_count(); ++k) {
     ties.push_back({full.bonds[k].i, full.bonds[k].j});
     if (std::find(left_out.begin(), left_out.end(), k) == left_out.end()) all[k] = lambda[kept++];

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "constraints/bond_algebra.hpp"
+#include "constraints/bond_graph.hpp"
 #include "md/errors.hpp"
 
 namespace taut {
@@ -14,11 +14,7 @@ Settle::Settle(const System& sys, const Options&, double h)
     : waters_(find_waters(sys)), velocities_(sys, {}, h) {}
 
 std::vector<Settle::Water> Settle::find_waters(const System& sys) {
-  std::vector<std::vector<int>> bonds_at(sys.atoms());
-  for (int k = 0; k < sys.bond_count(); ++k) {
-    bonds_at[sys.bonds[k].i].push_back(k);
-    bonds_at[sys.bonds[k].j].push_back(k);
-  }
+  const auto bonds_at = bonds_at_atoms(sys.atoms(), sys.bonds);
   const auto other_end = [&](int k, int a) { return sys.bonds[k].i == a ? sys.bonds[k].j : sys.bonds[k].i; };
   const auto bond_between = [&](int a, int b) {
     for (int k : bonds_at[a])

@@ -1,13 +1,13 @@
 // The fast forms, in lanes and by threads, against the plain ones.
 
 #include "against_plain.hpp"
+#include "constraints/elimination.hpp"
 #include "constraints/lanes/batched_baumgarte.hpp"
 #include "constraints/lanes/batched_feedforward.hpp"
 #include "constraints/lanes/batched_lincs.hpp"
 #include "constraints/lanes/batched_newton.hpp"
 #include "constraints/lanes/batched_settle.hpp"
 #include "constraints/lanes/batched_sweeps.hpp"
-#include "constraints/lanes/elimination.hpp"
 #include "md/threads.hpp"
 
 namespace taut {
@@ -373,7 +373,8 @@ TEST(BondClusters, MoleculesNumberedAlikeFormOneBatch) {
 
 TEST(Elimination, ChainsGoFromBothEndsWithoutFill) {
   const BondClusters found = find_clusters(testing::free_chain(8, 1).system);
-  const Elimination plan(found.batches[0].shape);
+  const ClusterShape& shape = found.batches[0].shape;
+  const Elimination plan(Couplings(shape.bonds, shape.inv_mass));
   EXPECT_EQ(plan.order, (std::vector<int>{0, 6, 1, 5, 2, 4, 3}));
   EXPECT_EQ(plan.entries(), 6);
   EXPECT_TRUE(plan.update.empty());

@@ -1,13 +1,13 @@
 // Long chains, cut into pieces that are solved side by side.
 
 #include "against_plain.hpp"
+#include "constraints/elimination.hpp"
 #include "constraints/lanes/batched_baumgarte.hpp"
 #include "constraints/lanes/batched_feedforward.hpp"
 #include "constraints/lanes/batched_lincs.hpp"
 #include "constraints/lanes/batched_newton.hpp"
 #include "constraints/lanes/batched_settle.hpp"
 #include "constraints/lanes/batched_sweeps.hpp"
-#include "constraints/lanes/elimination.hpp"
 #include "md/threads.hpp"
 
 namespace taut {

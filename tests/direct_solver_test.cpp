@@ -4,7 +4,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
-#include <Eigen/SparseCholesky>
 
 #include "constraints/bond_algebra.hpp"
 #include "free_system.hpp"
@@ -44,6 +43,12 @@ const Shape kShapes[] = {
     {"triangle and chain apart", 6, {{0, 1}, {1, 2}, {2, 0}, {3, 4}, {4, 5}}, 0},
 };
 
+System system_of(const Shape& shape, const Eigen::VectorXd& mass) {
+  std::vector<RigidBond> bonds;
+  for (const auto& [i, j] : shape.bonds) bonds.push_back({i, j, 1});
+  return make_system(mass, bonds);
+}
+
 TEST(DirectSolver, SolvesWithAOfTheDefinitionForEveryShape) {
   for (const Shape& shape : kShapes) {
     SCOPED_TRACE(shape.name);
@@ -51,9 +56,7 @@ TEST(DirectSolver, SolvesWithAOfTheDefinitionForEveryShape) {
     Eigen::VectorXd mass(shape.atoms);
     for (auto& m : mass) m = 0.5 + random.uniform();
     mass[1] = 0;  // an anchor
-    std::vector<RigidBond> bonds;
-    for (const auto& [i, j] : shape.bonds) bonds.push_back({i, j, 1});
-    const System sys = make_system(mass, bonds);
+    const System sys = system_of(shape, mass);
     Vectors x(3, shape.atoms);
     for (int a = 0; a < shape.atoms; ++a) x.col(a) = random.normal_vector();
     Vectors r(3, sys.bond_count());
@@ -73,58 +76,54 @@ TEST(DirectSolver, SolvesWithAOfTheDefinitionForEveryShape) {
     Vectors r_new = r;
     for (int k = 0; k < sys.bond_count(); ++k)
       r_new.col(k) = Eigen::AngleAxisd(random.uniform() - 0.5, random.unit_vector()) * r.col(k);
-    UnsymmetricSolver turned(sys);
-    turned.factor(r_new, r);
-    EXPECT_FALSE(turned.singular());
+    solver.factor(r_new, r);
+    EXPECT_FALSE(solver.singular());
     got = b;
-    turned.solve(got);
+    solver.solve(got);
     const Eigen::VectorXd want_turned = dense_A(sys, r_new, r).partialPivLu().solve(b);
     EXPECT_LT((got - want_turned).norm(), 1e-11 * want_turned.norm());
   }
 }
 
-TEST(SparsePattern, ChainsAndTreesHaveNoFillAndRingsLittle) {
+TEST(Elimination, ChainsAndTreesHaveNoFillAndRingsLittle) {
   for (const Shape& shape : kShapes) {
     SCOPED_TRACE(shape.name);
-    std::vector<SparsePattern::Pair> pairs;
-    for (int k = 0; k < static_cast<int>(shape.bonds.size()); ++k)
-      for (int l = k + 1; l < static_cast<int>(shape.bonds.size()); ++l)
-        for (int a : shape.bonds[k])
-          for (int b : shape.bonds[l])
-            if (a == b) pairs.push_back({k, l});
-    const SparsePattern pattern(static_cast<int>(shape.bonds.size()), pairs);
-    EXPECT_EQ(pattern.fill(), shape.fill);
-    EXPECT_EQ(pattern.components, std::string_view(shape.name).ends_with("apart") ? 2 : 1);
+    const System sys = system_of(shape, Eigen::VectorXd::Ones(shape.atoms));
+    const Couplings couplings(sys);
+    const Elimination plan(couplings);
+    EXPECT_EQ(plan.entries() - static_cast<int>(couplings.pairs.size()), shape.fill);
+    EXPECT_EQ(plan.clusters(), std::string_view(shape.name).ends_with("apart") ? 2 : 1);
   }
 }
 
-TEST(SparseLdlt, AgreesWithEigensOnARandomPattern) {
-  constexpr int n = 60;
+TEST(Elimination, RingsGoByEverySecondBond) {
+  const Elimination plan(Couplings(system_of(kShapes[4], Eigen::VectorXd::Ones(6))));
+  EXPECT_EQ(plan.order, (std::vector<int>{0, 2, 4, 1, 3, 5}));
+}
+
+TEST(DirectSolver, AgreesWithEigensOnARandomGraph) {
+  constexpr int n = 40;
   Random random(3);
-  std::vector<SparsePattern::Pair> pairs;
+  Shape shape{"random", n, {}, 0};
   for (int a = 0; a < n; ++a)
     for (int b = a + 1; b < n; ++b)
       if (random.uniform() < 0.08)
-        pairs.push_back(random.uniform() < 0.5 ? SparsePattern::Pair{a, b} : SparsePattern::Pair{b, a});
-  Eigen::VectorXd diagonal = Eigen::VectorXd::Constant(n, 20), values(pairs.size()), b(n);
-  std::vector<Eigen::Triplet<double>> entries;
-  for (int a = 0; a < n; ++a) entries.emplace_back(a, a, 20.0);
-  for (std::size_t e = 0; e < pairs.size(); ++e) {
-    values[e] = random.normal();
-    entries.emplace_back(pairs[e][0], pairs[e][1], values[e]);
-    entries.emplace_back(pairs[e][1], pairs[e][0], values[e]);
-  }
+        shape.bonds.push_back(random.uniform() < 0.5 ? IndexPair{a, b} : IndexPair{b, a});
+  const System sys = system_of(shape, Eigen::VectorXd::Ones(n));
+  const Couplings couplings(sys);
+  EXPECT_GT(Elimination(couplings).entries(), 1.2 * static_cast<double>(couplings.pairs.size()));
+  Vectors r(3, sys.bond_count());
+  Eigen::VectorXd b(sys.bond_count());
+  for (auto& value : r.reshaped()) value = random.normal();
   for (auto& value : b) value = random.normal();
-  Eigen::SparseMatrix<double> A(n, n);
-  A.setFromTriplets(entries.begin(), entries.end());
 
-  SparseLdlt ldlt(n, pairs);
-  ldlt.factor(diagonal, values);
+  DirectSolver solver(sys);
+  solver.factor(r);
   Eigen::VectorXd got = b;
-  ldlt.solve(got);
-  EXPECT_TRUE(ldlt.dependent_rows().empty());
-  const Eigen::VectorXd want = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(A).solve(b);
-  EXPECT_LT((got - want).norm(), 1e-13 * want.norm());
+  solver.solve(got);
+  EXPECT_FALSE(solver.singular());
+  const Eigen::VectorXd want = dense_A(sys, r, r).ldlt().solve(b);
+  EXPECT_LT((got - want).norm(), 1e-11 * want.norm());
 }
 
 // A square closed in a plane with both diagonals: six bonds, but a plane quadrilateral bears five.

@@ -13,7 +13,7 @@ struct SweepBatch {
   LaneRows lambda;
 
   explicit SweepBatch(const ClusterBatch& batch)
-      : lanes(batch, Elimination::none(batch.shape)), lambda(rows_of_bonds(lanes)) {}
+      : lanes(batch, Elimination::none(batch.shape.bond_count())), lambda(rows_of_bonds(lanes)) {}
 
   void serialize(Archive& archive) { archive(lambda); }
 };

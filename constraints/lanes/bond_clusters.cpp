@@ -5,6 +5,7 @@
 #include <map>
 #include <numeric>
 
+#include "constraints/bond_graph.hpp"
 #include "constraints/lanes/cut_chains.hpp"
 
 namespace taut {
@@ -12,20 +13,12 @@ namespace {
 
 // Of each bond: the smallest mobile atom of its cluster.
 std::vector<int> cluster_of_bond(const System& sys) {
-  std::vector<int> root(sys.atoms());
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](int a) {
-    while (root[a] != a) a = root[a] = root[root[a]];
-    return a;
-  };
-  for (const auto& [i, j, d] : sys.bonds) {
-    if (sys.inv_mass[i] == 0 || sys.inv_mass[j] == 0) continue;
-    const auto [low, high] = std::minmax({find(i), find(j)});
-    root[high] = low;
-  }
-  std::vector<int> cluster(sys.bond_count());
-  for (int k = 0; k < sys.bond_count(); ++k)
-    cluster[k] = find(sys.inv_mass[sys.bonds[k].i] == 0 ? sys.bonds[k].j : sys.bonds[k].i);
+  std::vector<IndexPair> tied;
+  for (const auto& [i, j, d] : sys.bonds)
+    if (sys.inv_mass[i] != 0 && sys.inv_mass[j] != 0) tied.push_back({i, j});
+  const std::vector<int> of_atom = connected_components(sys.atoms(), tied);
+  std::vector<int> cluster;
+  for (const auto& [i, j, d] : sys.bonds) cluster.push_back(of_atom[sys.inv_mass[i] == 0 ? j : i]);
   return cluster;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "constraints/bond_graph.hpp"
 #include "constraints/lanes/lanes.hpp"
 
 namespace taut {
@@ -14,11 +15,7 @@ struct Path {
 };
 
 std::optional<Path> path_of(const ClusterShape& shape) {
-  std::vector<std::vector<int>> bonds_at(shape.atoms());
-  for (int k = 0; k < shape.bond_count(); ++k) {
-    bonds_at[shape.bonds[k].i].push_back(k);
-    bonds_at[shape.bonds[k].j].push_back(k);
-  }
+  const auto bonds_at = bonds_at_atoms(shape.atoms(), shape.bonds);
   const auto is_end = [](const std::vector<int>& bonds) { return bonds.size() == 1; };
   const auto end = std::find_if(bonds_at.begin(), bonds_at.end(), is_end);
   const bool branched = std::any_of(bonds_at.begin(), bonds_at.end(), [](auto& b) { return b.size() > 2; });

@@ -257,7 +257,7 @@ HWY_INLINE void for_each_part(const LaneBatch& batch, int begin, int end, double
   HWY_ALIGN double few[TriangleShape::kScratchRows * kLanes];
   if (batch.triangle)
     each(TriangleShape(batch), few);
-  else if (batch.plan.chain)
+  else if (batch.chain)
     each(ChainShape(batch), scratch);
   else
     each(AnyShape(batch), scratch);

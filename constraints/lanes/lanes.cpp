@@ -2,28 +2,36 @@
 
 namespace taut {
 
-LanePlan::LanePlan(const Elimination& plan)
-    : eliminated(plan.eliminated),
-      solved(plan.solved),
-      chain(plan.eliminated == plan.size() && plan.entries() == plan.size() - 1),
-      column_start(plan.column_start),
-      signed_inv_mass(plan.signed_inv_mass) {
-  for (int k = 0; k < plan.entries(); ++k) chain = chain && plan.column_start[k] == k;
-  for (int p : plan.row) row.push_back(p * kLanes);
-  for (int p : plan.update) update.push_back(p * kLanes);
+namespace {
+
+// Of a piece: the bonds between it and its neighbours stay, those beyond are none of its own.
+Elimination plan_of(const ClusterShape& shape) {
+  std::vector<Elimination::Stage> stage(shape.bond_count(), Elimination::kEliminated);
+  if (shape.left > 0) std::tie(stage[0], stage[1]) = std::pair(Elimination::kApart, Elimination::kKept);
+  if (shape.right > 0)
+    std::tie(stage.end()[-1], stage.end()[-2]) = std::pair(Elimination::kApart, Elimination::kKept);
+  return Elimination(Couplings(shape.bonds, shape.inv_mass), stage);
 }
 
-LaneBatch::LaneBatch(const ClusterBatch& batch, const Elimination& elimination)
-    : plan(elimination),
+}  // namespace
+
+LaneBatch::LaneBatch(const ClusterBatch& batch) : LaneBatch(batch, plan_of(batch.shape)) {}
+
+LaneBatch::LaneBatch(const ClusterBatch& batch, Elimination elimination)
+    : plan(std::move(elimination)),
       atoms(batch.shape.atoms()),
       clusters(batch.count),
       groups((batch.count + kLanes - 1) / kLanes),
       inv_mass(batch.shape.inv_mass),
       contiguous(true),
+      chain(plan.eliminated == plan.size() && plan.entries() == plan.size() - 1),
       triangle(false),
       left(batch.shape.left),
       right(batch.shape.right) {
-  for (int k : elimination.order) {
+  for (int k = 0; k < plan.entries(); ++k) chain = chain && plan.column_start[k] == k;
+  for (auto& place_of : {&plan.row, &plan.update})
+    for (std::ptrdiff_t& p : *place_of) p *= kLanes;
+  for (int k : plan.order) {
     const auto& [i, j, d] = batch.shape.bonds[k];
     const double reduced = batch.shape.reduced_inv_mass(k), length2 = d * d;
     bonds.push_back({3 * kLanes * i, 3 * kLanes * j, inv_mass[i], inv_mass[j], reduced, length2,
@@ -42,7 +50,7 @@ LaneBatch::LaneBatch(const ClusterBatch& batch, const Elimination& elimination)
     const auto cluster = [&](int lane) { return std::min(g * kLanes + lane, clusters - 1); };
     for (int a = 0; a < (contiguous ? 1 : atoms); ++a)
       for (int l = 0; l < kLanes; ++l) place.push_back(3 * batch.atoms[cluster(l) * atoms + a]);
-    for (int k : elimination.order)
+    for (int k : plan.order)
       for (int l = 0; l < kLanes; ++l) bond_index.push_back(batch.bonds[cluster(l) * bond_count() + k]);
   }
 }

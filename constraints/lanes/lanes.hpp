@@ -7,8 +7,8 @@
 #include <new>
 #include <vector>
 
+#include "constraints/elimination.hpp"
 #include "constraints/lanes/bond_clusters.hpp"
-#include "constraints/lanes/elimination.hpp"
 #include "md/archive.hpp"
 #include "md/solve_stats.hpp"
 #include "md/threads.hpp"
@@ -30,32 +30,19 @@ struct LaneBond {
   double least_pivot;       // below it the bond depends on others
 };
 
-// An elimination as the kernels want it: rows and updates as places of their rows.
-struct LanePlan {
-  explicit LanePlan(const Elimination& plan);
-
-  int eliminated, solved;               // elimination.hpp
-  bool chain;                           // column k has one entry, k, and nothing is updated twice
-  std::vector<int> column_start;        // n + 1
-  std::vector<std::ptrdiff_t> row;      // of each entry
-  std::vector<double> signed_inv_mass;  // of each entry [1/u]
-  std::vector<std::ptrdiff_t> update;
-
-  int entries() const { return static_cast<int>(row.size()); }
-};
-
 // A batch, its bonds in the order they are worked on.
 struct LaneBatch {
-  explicit LaneBatch(const ClusterBatch& batch) : LaneBatch(batch, Elimination(batch.shape)) {}
-  LaneBatch(const ClusterBatch& batch, const Elimination& plan);
+  explicit LaneBatch(const ClusterBatch& batch);
+  LaneBatch(const ClusterBatch& batch, Elimination plan);
 
-  LanePlan plan;
+  Elimination plan;  // rows and updates as places of rows: × kLanes
   int atoms, clusters, groups;
   std::vector<double> inv_mass;  // atoms
   std::vector<LaneBond> bonds;   // in the order of elimination
   // Of each group and lane: 3 × the first atom, where every cluster's atoms follow each other; else 3 × each
   // atom, [group][atom][lane]. Lanes left over in the last group repeat the last cluster.
   bool contiguous;
+  bool chain;     // column k has one entry, k, and nothing is updated twice
   bool triangle;  // three atoms that follow each other, bonds 0–1, 0–2, 1–2
   std::vector<int> place;
   std::vector<int> bond_index;  // [group][bond][lane], as the system numbers them

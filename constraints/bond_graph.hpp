@@ -1,0 +1,33 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "md/system.hpp"
+
+namespace taut {
+
+using IndexPair = std::array<int, 2>;
+
+// The bonds of each atom, in ascending order.
+std::vector<std::vector<int>> bonds_at_atoms(int atoms, std::span<const RigidBond> bonds);
+
+// The smallest index of each index's connected component.
+std::vector<int> connected_components(int n, const std::vector<IndexPair>& pairs);
+
+// Two bonds k, l couple where they share an atom a that can move; the coupling is ±1/m_a, + where a is the
+// same end (i or j) of both, − otherwise.
+struct Couplings {
+  Couplings(std::span<const RigidBond> bonds, std::span<const double> inv_mass);
+  explicit Couplings(const System& sys);
+  explicit Couplings(int bonds) : reduced_inv_mass(bonds) {}  // none
+
+  std::vector<IndexPair> pairs;         // (k, l)
+  std::vector<double> signed_inv_mass;  // [1/u]
+  Eigen::VectorXd reduced_inv_mass;     // 1/m_i + 1/m_j [1/u], m
+
+  int bond_count() const { return static_cast<int>(reduced_inv_mass.size()); }
+};
+
+}  // namespace taut
