@@ -3,7 +3,7 @@
 cmake_minimum_required(VERSION 3.25)
 set(folder ${BUILD}/tests/installed)
 set(prefix ${folder}/moved)
-set(example ${CMAKE_CURRENT_LIST_DIR}/../examples/library)
+set(example ${CMAKE_CURRENT_LIST_DIR}/library)
 
 function(carry_out)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE failed OUTPUT_VARIABLE said ERROR_VARIABLE said)
