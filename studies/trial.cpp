@@ -38,11 +38,11 @@ Setting setting(const std::string& method, const std::string& parameter, const s
   Setting s{method, parameter, value, {"method.name=" + method, "method." + parameter + "=" + value}};
   if (method == "baumgarte" &&
       parameter == "sweeps") {  // αh = 1, βh = ½: what one sweep bears (README there)
-    s.overrides.push_back("method.gains=numbers");
+    s.overrides.emplace_back("method.gains=numbers");
     s.overrides.push_back(fmt::format("method.alpha_per_ps={:.17g}", 1 / h));
     s.overrides.push_back(fmt::format("method.beta_per_ps={:.17g}", 0.5 / h));
   } else if (parameter == "iterations") {
-    s.overrides.push_back("method.order=8");
+    s.overrides.emplace_back("method.order=8");
   }
   return s;
 }
