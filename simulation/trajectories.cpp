@@ -39,6 +39,8 @@ Trajectories::Trajectories(const std::filesystem::path& folder, const Simulation
   };
   if (!std::filesystem::exists(folder / kPdb))
     write_pdb(folder / kPdb, setup.sys, scene.names, simulation.state().x);
+  dcd_has_start_ = mark_of(kDcd) > 0;
+  h5md_has_start_ = mark_of(kH5md) > 0;
   if (wants_dcd(scene.run)) dcd_ = std::make_unique<DcdFile>(folder / kDcd, setup, mark_of(kDcd));
   if (wants_h5md(scene.run)) h5md_ = std::make_unique<H5mdFile>(folder / kH5md, setup, mark_of(kH5md));
 }
@@ -55,8 +57,8 @@ std::map<std::string, std::uint64_t> Trajectories::extents(const std::filesystem
 void Trajectories::add(const Simulation& simulation, long step) {
   const Eigen::VectorXd tension = h5md_ ? simulation.bond_tensions() : Eigen::VectorXd();
   const Frame frame{step, simulation.state(), tension};
-  if (dcd_) dcd_->add(frame);
-  if (h5md_) h5md_->add(frame);
+  if (dcd_ && !(step == 0 && dcd_has_start_)) dcd_->add(frame);
+  if (h5md_ && !(step == 0 && h5md_has_start_)) h5md_->add(frame);
 }
 
 void Trajectories::mark(std::map<std::string, std::uint64_t>& marks) {

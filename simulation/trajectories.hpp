@@ -26,11 +26,12 @@ class Trajectories {
                                                       const Simulation& simulation);
 
   bool due(long step) const { return every_ > 0 && step % every_ == 0; }
-  void add(const Simulation& simulation, long step);
+  void add(const Simulation& simulation, long step);       // the start's frame only where it is not there
   void mark(std::map<std::string, std::uint64_t>& marks);  // of each file, by its name
 
  private:
   long every_;
+  bool dcd_has_start_ = false, h5md_has_start_ = false;  // a run killed before its first step has it
   std::unique_ptr<DcdFile> dcd_;
   std::unique_ptr<H5mdFile> h5md_;
 };
