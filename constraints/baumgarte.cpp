@@ -56,9 +56,9 @@ SolveStats Baumgarte::add_forces(const System& sys, double h, State& s) {
     const Vec3 v_half = s.v.col(j) - s.v.col(i);
     w_ij_.col(k) = v_half + 0.5 * h * a_ij_.col(k);
     const double rate = r_.col(k).dot(damping_ == Damping::kLagged ? v_half : Vec3(w_ij_.col(k)));
-    const double c = sigma(r_.col(k), d);
-    known_[k] = r_.col(k).dot(a_ij_.col(k)) + 2 * alpha * rate + beta * beta * c;
-    residual.see(std::abs(c) / (d * d), k);
+    const double sigma_k = sigma(r_.col(k), d);
+    known_[k] = r_.col(k).dot(a_ij_.col(k)) + 2 * alpha * rate + beta * beta * sigma_k;
+    residual.see(std::abs(sigma_k) / (d * d), k);
   }
   if (sweeps_ == 0) {
     solver_.factor(r_);

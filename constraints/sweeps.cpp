@@ -73,12 +73,12 @@ SolveStats PositionSweeps::run(const System& sys, double h, State& s, Eigen::Vec
     for (int k = 0; k < sys.bond_count(); ++k) {
       const auto& [i, j, d] = sys.bonds[k];
       const Vec3 r = s.x.col(j) - s.x.col(i);
-      const double c = sigma(r, d), relative = std::abs(c) / (d * d);
+      const double sigma_k = sigma(r, d), relative = std::abs(sigma_k) / (d * d);
       residual.see(relative, k);
       if (relative <= tolerance) continue;
       const double along = r.dot(r_old_.col(k));
       if (!(along > 1e-6 * d * d)) return turned_too_far(k);
-      const double dg = -c / ((sys.inv_mass[i] + sys.inv_mass[j]) * along);
+      const double dg = -sigma_k / ((sys.inv_mass[i] + sys.inv_mass[j]) * along);
       s.x.col(i) -= sys.inv_mass[i] * dg * r_old_.col(k);
       s.x.col(j) += sys.inv_mass[j] * dg * r_old_.col(k);
       g[k] += dg;

@@ -9,17 +9,16 @@
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
-// Scratch of one part.
 struct BaumgarteRows {
   double *x, *v, *f;  // of the atoms
   double* r;          // of the bonds
-};
 
-template <class Shape>
-HWY_INLINE BaumgarteRows baumgarte_rows(const Shape shape, double* scratch) {
-  const int atoms = 3 * shape.atoms() * kLanes;
-  return {scratch, scratch + atoms, scratch + 2 * atoms, scratch + 3 * atoms};
-}
+  HWY_INLINE BaumgarteRows(const auto shape, Scratch& scratch)
+      : x(scratch.take(3 * shape.atoms())),
+        v(scratch.take(3 * shape.atoms())),
+        f(scratch.take(3 * shape.atoms())),
+        r(scratch.take(3 * shape.size())) {}
+};
 
 // f += Jᵀλ*; λ becomes λ*, before becomes λ. r is found on the way.
 template <class Shape>
@@ -33,7 +32,7 @@ HWY_INLINE void apply_guess(const Shape shape, double guess, double* lambda, dou
     const V guessed = hn::MulAdd(weight, hn::Sub(last, load(before + k * kLanes)), last);
     store(last, before + k * kLanes);
     store(guessed, lambda + k * kLanes);
-    pull(shape, k, guessed, r, rows.f);
+    add_constraint_force(shape, k, guessed, r, rows.f);
   }
 }
 
@@ -49,16 +48,16 @@ HWY_INLINE void right_hand_side(const Shape shape, const BaumgarteTerms* terms_o
     const V3 a = neg_mul_add(broadcast(bond.inv_mass_i), load3(rows.f + shape.i(k)),
                              broadcast(bond.inv_mass_j) * load3(rows.f + shape.j(k)));
     const V3 w = mul_add(half_h, a, difference(shape, k, rows.v));
-    const V rr = dot(r, r), offset = hn::Sub(rr, broadcast(bond.length2));
+    const V rr = dot(r, r), twice_sigma = hn::Sub(rr, broadcast(bond.length2));
     V b = hn::Mul(broadcast(terms.rate_a), dot(r, a));
     b = hn::MulAdd(broadcast(terms.rate_v), dot(r, w), b);
     b = hn::MulAdd(broadcast(terms.square_v), dot(w, w), b);
     b = hn::MulAdd(broadcast(terms.cross), dot(w, a), b);
     b = hn::MulAdd(broadcast(terms.square_a), dot(a, a), b);
-    b = hn::MulAdd(broadcast(terms.offset), offset, b);
+    b = hn::MulAdd(broadcast(terms.sigma), twice_sigma, b);
     store(hn::Neg(b), eq.b + k * kLanes);
     if constexpr (kFirst) {
-      worst.see(hn::Mul(hn::Abs(offset), broadcast(bond.half_inv_length2)));
+      worst.see(bond, twice_sigma);
       store(hn::Mul(broadcast(bond.reduced_inv_mass), rr), eq.A.d + k * kLanes);
     }
   }
@@ -70,7 +69,7 @@ HWY_INLINE void apply_change(const Shape shape, const double* b, double* lambda,
   for (int k = 0; k < shape.size(); ++k) {
     const V change = load(b + k * kLanes);
     store(hn::Add(load(lambda + k * kLanes), change), lambda + k * kLanes);
-    pull(shape, k, change, load3(rows.r + 3 * k * kLanes), rows.f);
+    add_constraint_force(shape, k, change, load3(rows.r + 3 * k * kLanes), rows.f);
   }
 }
 
@@ -88,7 +87,7 @@ struct BaumgarteKernel {
   Worst worst;
 
   HWY_INLINE BaumgarteKernel(const Shape its_shape, BaumgarteBatch& batch, const BaumgarteStep& its_step,
-                             const Part& its_part, double* scratch)
+                             const Part& its_part, Scratch& scratch)
       : shape(its_shape),
         step(its_step),
         part(its_part),
@@ -96,7 +95,7 @@ struct BaumgarteKernel {
         lambda(batch.lambda.of(part.group) + part.first_lane),
         before(batch.before.of(part.group) + part.first_lane),
         eq(equations(shape, scratch)),
-        rows(baumgarte_rows(shape, eq.rest)),
+        rows(shape, scratch),
         x(rows.x) {}
 
   HWY_INLINE SolveNext next(int solves) const {
@@ -133,7 +132,7 @@ struct BaumgarteKernel {
 };
 
 SolveStats baumgarte_groups(BaumgarteBatch& batch, const BaumgarteStep& step, const SolveCall& call,
-                            int begin, int end, double* scratch) {
+                            int begin, int end, const Scratch& scratch) {
   return solve_groups<BaumgarteKernel>(batch, step, call, begin, end, scratch);
 }
 
@@ -172,7 +171,7 @@ void Batched<Baumgarte>::set_terms(double h) {
                         .square_v = 1 / q,
                         .cross = centred ? alpha * h * h / q : 0,
                         .square_a = discrete ? 0.25 * h * h / q : 0,
-                        .offset = 0.5 * beta * beta / q};
+                        .sigma = 0.5 * beta * beta / q};
     }
   });
 }

@@ -7,13 +7,13 @@
 namespace taut {
 
 // What a bond's gains and the damping come to at a given h, the guess λ* already part of the forces:
-//     A (λ − λ*) = −(rate_a r·a + rate_v r·w + square_v |w|² + cross w·a + square_a |a|² + offset (|r|² −
+//     A (λ − λ*) = −(rate_a r·a + rate_v r·w + square_v |w|² + cross w·a + square_a |a|² + sigma (|r|² −
 //     d²)),
 // a and w of the bond with λ* in them. With q = 1 + αh (lagged damping: 1), rate_v = 2α/q, square_v = 1/q,
-// offset = β²/2q; rate_a = 1/q (lagged: 1 − αh, since v_half = w − ½ha); cross = αh²/q (discrete, centred);
+// sigma = β²/2q; rate_a = 1/q (lagged: 1 − αh, since v_half = w − ½ha); cross = αh²/q (discrete, centred);
 // square_a = ¼h²/q (discrete).
 struct BaumgarteTerms {
-  double rate_a, rate_v, square_v, cross, square_a, offset;
+  double rate_a, rate_v, square_v, cross, square_a, sigma;
 };
 
 // A batch and what Baumgarte keeps of it.

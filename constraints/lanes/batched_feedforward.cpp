@@ -27,18 +27,17 @@ struct FeedforwardStep {
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
-// Scratch of one part.
 struct FeedforwardRows {
   double *x, *v, *f;   // of the atoms
   double *r, *r_next;  // of the bonds
-};
 
-template <class Shape>
-HWY_INLINE FeedforwardRows feedforward_rows(const Shape shape, double* scratch) {
-  const int atoms = 3 * shape.atoms() * kLanes;
-  double* r = scratch + 3 * atoms;
-  return {scratch, scratch + atoms, scratch + 2 * atoms, r, r + 3 * shape.size() * kLanes};
-}
+  HWY_INLINE FeedforwardRows(const auto shape, Scratch& scratch)
+      : x(scratch.take(3 * shape.atoms())),
+        v(scratch.take(3 * shape.atoms())),
+        f(scratch.take(3 * shape.atoms())),
+        r(scratch.take(3 * shape.size())),
+        r_next(scratch.take(3 * shape.size())) {}
+};
 
 // λ of the last three steps, for one part.
 struct Past {
@@ -55,8 +54,7 @@ HWY_INLINE Worst extrapolate(const Shape shape, const FeedforwardStep& step, con
   for (int k = 0; k < shape.size(); ++k) {
     const V3 r = difference(shape, k, rows.x);
     store3(r, rows.r + 3 * k * kLanes);
-    const V offset = hn::Sub(dot(r, r), broadcast(shape.bonds[k].length2));
-    worst.see(hn::Mul(hn::Abs(offset), broadcast(shape.bonds[k].half_inv_length2)));
+    worst.see(shape.bonds[k], twice_sigma(shape.bonds[k], r));
     V guess = load(past.lambda + k * kLanes);
     if (shift) {
       const V one = guess, two = load(past.before + k * kLanes);
@@ -66,7 +64,7 @@ HWY_INLINE Worst extrapolate(const Shape shape, const FeedforwardStep& step, con
       store(one, past.before + k * kLanes);
       store(guess, past.lambda + k * kLanes);
     }
-    pull(shape, k, guess, r, rows.f);
+    add_constraint_force(shape, k, guess, r, rows.f);
   }
   return worst;
 }
@@ -91,11 +89,11 @@ HWY_INLINE Ahead look_ahead(const Shape shape, const FeedforwardStep& step, cons
                              broadcast(bond.inv_mass_j) * load3(rows.f + shape.j(k)));
     const V3 r_next = mul_add(kick, a, mul_add(h, difference(shape, k, rows.v), r));
     store3(r_next, rows.r_next + 3 * k * kLanes);
-    const V twice_sigma = hn::Sub(dot(r_next, r_next), broadcast(bond.length2)), along = dot(r_next, r);
-    const V size = hn::Mul(broadcast(0.5), hn::Abs(twice_sigma)), reach = hn::Abs(along);
+    const V off = twice_sigma(bond, r_next), along = dot(r_next, r);
+    const V size = hn::Mul(broadcast(0.5), hn::Abs(off)), reach = hn::Abs(along);
     ahead.near = hn::And(ahead.near, hn::Le(size, hn::Mul(turn, reach)));
     ahead.sane = hn::And(ahead.sane, hn::Lt(size, hn::Mul(broadcast(1e3), reach)));
-    store(hn::Mul(scale, twice_sigma), eq.b + k * kLanes);
+    store(hn::Mul(scale, off), eq.b + k * kLanes);
     store(hn::Mul(broadcast(bond.reduced_inv_mass), along), eq.A.d + k * kLanes);
   }
   return ahead;
@@ -108,7 +106,7 @@ HWY_INLINE void correct(const Shape shape, const double* change, const Past past
   for (int k = 0; k < shape.size(); ++k) {
     const V b = load(change + k * kLanes);
     store(hn::Add(load(past.lambda + k * kLanes), b), past.lambda + k * kLanes);
-    pull(shape, k, b, load3(rows.r + 3 * k * kLanes), rows.f);
+    add_constraint_force(shape, k, b, load3(rows.r + 3 * k * kLanes), rows.f);
   }
 }
 
@@ -138,14 +136,14 @@ struct FeedforwardKernel {
   Worst worst;
 
   HWY_INLINE FeedforwardKernel(const Shape its_shape, FeedforwardBatch& batch,
-                               const FeedforwardStep& its_step, const Part& its_part, double* scratch)
+                               const FeedforwardStep& its_step, const Part& its_part, Scratch& scratch)
       : shape(its_shape),
         step(its_step),
         part(its_part),
         past{batch.lambda.of(part.group) + part.first_lane, batch.before.of(part.group) + part.first_lane,
              batch.before_that.of(part.group) + part.first_lane},
         eq(equations(shape, scratch)),
-        rows(feedforward_rows(shape, eq.rest)),
+        rows(shape, scratch),
         x(rows.x) {}
 
   // Where σ_next is small, one solve leaves less than the tolerance.
@@ -186,7 +184,7 @@ struct FeedforwardKernel {
 };
 
 SolveStats feedforward_groups(FeedforwardBatch& batch, const FeedforwardStep& step, const SolveCall& call,
-                              int begin, int end, double* scratch) {
+                              int begin, int end, const Scratch& scratch) {
   return solve_groups<FeedforwardKernel>(batch, step, call, begin, end, scratch);
 }
 

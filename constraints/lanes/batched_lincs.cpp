@@ -23,19 +23,22 @@ struct LincsStep {
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
-// Scratch of one part: lincs.hpp has the letters.
+// lincs.hpp has the letters.
 struct LincsRows {
   double *x, *v;                      // of the atoms
   double *B, *rhs, *power, *sum, *g;  // of the bonds
   double* C;                          // entries below the diagonal
-};
 
-template <class Shape>
-HWY_INLINE LincsRows lincs_rows(const Shape shape, double* scratch) {
-  const int atoms = 3 * shape.atoms() * kLanes, bonds = shape.size() * kLanes;
-  double *B = scratch + 2 * atoms, *rhs = B + 3 * bonds;
-  return {scratch, scratch + atoms, B, rhs, rhs + bonds, rhs + 2 * bonds, rhs + 3 * bonds, rhs + 4 * bonds};
-}
+  HWY_INLINE LincsRows(const auto shape, Scratch scratch)
+      : x(scratch.take(3 * shape.atoms())),
+        v(scratch.take(3 * shape.atoms())),
+        B(scratch.take(3 * shape.size())),
+        rhs(scratch.take(shape.size())),
+        power(scratch.take(shape.size())),
+        sum(scratch.take(shape.size())),
+        g(scratch.take(shape.size())),
+        C(scratch.take(shape.entries())) {}
+};
 
 // The direction of bond k.
 template <class Shape>
@@ -90,7 +93,7 @@ HWY_INLINE void apply(const Shape shape, const LincsBatch& batch, int order, con
   for (int k = 0; k < shape.size(); ++k) {
     const V dg = hn::Mul(broadcast(-batch.scale[k]), load(rows.sum + k * kLanes));
     store(hn::Add(load(rows.g + k * kLanes), dg), rows.g + k * kLanes);
-    move(shape, k, dg, load3(rows.B + 3 * k * kLanes), y);
+    add_constraint_acceleration(shape, k, dg, load3(rows.B + 3 * k * kLanes), y);
   }
 }
 
@@ -101,8 +104,8 @@ HWY_INLINE Worst find_lengthening(const Shape shape, const LincsBatch& batch, co
   for (int k = 0; k < shape.size(); ++k) {
     const LaneBond& bond = shape.bonds[k];
     const V3 r = difference(shape, k, rows.x);
-    const V square = dot(r, r), offset = hn::Sub(square, broadcast(bond.length2));
-    worst.see(hn::Mul(hn::Abs(offset), broadcast(bond.half_inv_length2)));
+    const V square = dot(r, r);
+    worst.see(bond, hn::Sub(square, broadcast(bond.length2)));
     const V rest = hn::Max(hn::Zero(D()), hn::Sub(broadcast(2 * bond.length2), square));
     store(hn::Mul(broadcast(batch.scale[k]), hn::Sub(broadcast(batch.length[k]), hn::Sqrt(rest))),
           rows.rhs + k * kLanes);
@@ -112,8 +115,8 @@ HWY_INLINE Worst find_lengthening(const Shape shape, const LincsBatch& batch, co
 
 template <class Shape>
 HWY_INLINE void lincs_positions_of(const Shape shape, LincsBatch& batch, const LincsStep& step,
-                                   const Part& part, double* scratch, SolveStats& stats) {
-  const LincsRows rows = lincs_rows(shape, scratch);
+                                   const Part& part, const Scratch& scratch, SolveStats& stats) {
+  const LincsRows rows(shape, scratch);
   const double* scale = batch.scale.data();
   gather(part, shape.atoms(), step.x, rows.x);
   gather(part, shape.atoms(), step.v, rows.v);
@@ -132,8 +135,8 @@ HWY_INLINE void lincs_positions_of(const Shape shape, LincsBatch& batch, const L
     worst = find_lengthening(shape, batch, rows);
   }
   for (int k = 0; k < shape.size(); ++k)
-    move(shape, k, hn::Mul(broadcast(1 / step.h), load(rows.g + k * kLanes)), load3(rows.B + 3 * k * kLanes),
-         rows.v);
+    add_constraint_acceleration(shape, k, hn::Mul(broadcast(1 / step.h), load(rows.g + k * kLanes)),
+                                load3(rows.B + 3 * k * kLanes), rows.v);
   scatter(shape, part, rows.x, step.x);
   scatter(shape, part, rows.v, step.v);
   if (worst.within(stats.max_residual)) return;
@@ -143,8 +146,8 @@ HWY_INLINE void lincs_positions_of(const Shape shape, LincsBatch& batch, const L
 
 template <class Shape>
 HWY_INLINE void lincs_velocities_of(const Shape shape, LincsBatch& batch, const LincsStep& step,
-                                    const Part& part, double* scratch) {
-  const LincsRows rows = lincs_rows(shape, scratch);
+                                    const Part& part, const Scratch& scratch) {
+  const LincsRows rows(shape, scratch);
   const double* scale = batch.scale.data();
   double* lambda = batch.lambda.of(part.group) + part.first_lane;
   gather(part, shape.atoms(), step.x, rows.x);
@@ -160,18 +163,20 @@ HWY_INLINE void lincs_velocities_of(const Shape shape, LincsBatch& batch, const 
   scatter(shape, part, rows.v, step.v);
 }
 
-SolveStats lincs_positions(LincsBatch& batch, const LincsStep& step, int begin, int end, double* scratch) {
+SolveStats lincs_positions(LincsBatch& batch, const LincsStep& step, int begin, int end,
+                           const Scratch& scratch) {
   SolveStats stats{.iterations = step.options.iterations + 1};
-  for_each_part(batch.lanes, begin, end, scratch, [&](auto shape, const Part& part, double* rows) HWY_ATTR {
-    lincs_positions_of(shape, batch, step, part, rows, stats);
-  });
+  for_each_part(batch.lanes, begin, end, scratch,
+                [&](auto shape, const Part& part, const Scratch& rows)
+                    HWY_ATTR { lincs_positions_of(shape, batch, step, part, rows, stats); });
   return stats;
 }
 
-SolveStats lincs_velocities(LincsBatch& batch, const LincsStep& step, int begin, int end, double* scratch) {
-  for_each_part(batch.lanes, begin, end, scratch, [&](auto shape, const Part& part, double* rows) HWY_ATTR {
-    lincs_velocities_of(shape, batch, step, part, rows);
-  });
+SolveStats lincs_velocities(LincsBatch& batch, const LincsStep& step, int begin, int end,
+                            const Scratch& scratch) {
+  for_each_part(batch.lanes, begin, end, scratch,
+                [&](auto shape, const Part& part, const Scratch& rows)
+                    HWY_ATTR { lincs_velocities_of(shape, batch, step, part, rows); });
   return {.iterations = 1};
 }
 

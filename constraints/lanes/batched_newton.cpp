@@ -21,23 +21,21 @@ struct NewtonStep {
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
-// Scratch of one part.
 struct NewtonRows {
   double *x, *v;  // of the atoms
   double *r, *g;  // of the bonds
-};
 
-template <class Shape>
-HWY_INLINE NewtonRows newton_rows(const Shape shape, double* scratch) {
-  const int atoms = 3 * shape.atoms() * kLanes;
-  double* r = scratch + 2 * atoms;
-  return {scratch, scratch + atoms, r, r + 3 * shape.size() * kLanes};
-}
+  HWY_INLINE NewtonRows(const auto shape, Scratch& scratch)
+      : x(scratch.take(3 * shape.atoms())),
+        v(scratch.take(3 * shape.atoms())),
+        r(scratch.take(3 * shape.size())),
+        g(scratch.take(shape.size())) {}
+};
 
 // 1/d and L live with the batch from step to step.
 template <class Shape>
 HWY_INLINE Equations newton_equations(const Shape shape, NewtonBatch& batch, const Part& part,
-                                      double* scratch) {
+                                      Scratch& scratch) {
   Equations eq = equations(shape, scratch);
   if (part.batch.piece()) return eq;
   eq.A.inv_d = batch.factors.of(part.group) + part.first_lane;
@@ -59,9 +57,9 @@ HWY_INLINE Worst find_sigma(const Shape shape, const double* x, double* b) {
   Worst worst;
   for (int k = 0; k < shape.solved(); ++k) {
     const V3 r = difference(shape, k, x);
-    const V offset = hn::Sub(dot(r, r), broadcast(shape.bonds[k].length2));
-    worst.see(hn::Mul(hn::Abs(offset), broadcast(shape.bonds[k].half_inv_length2)));
-    store(hn::Mul(broadcast(-0.5), offset), b + k * kLanes);
+    const V off = twice_sigma(shape.bonds[k], r);
+    worst.see(shape.bonds[k], off);
+    store(hn::Mul(broadcast(-0.5), off), b + k * kLanes);
   }
   return worst;
 }
@@ -72,7 +70,7 @@ HWY_INLINE void correct(const Shape shape, const double* change, const NewtonRow
   for (int k = 0; k < shape.size(); ++k) {
     const V b = load(change + k * kLanes);
     store(hn::Add(load(rows.g + k * kLanes), b), rows.g + k * kLanes);
-    move(shape, k, b, load3(rows.r + 3 * k * kLanes), rows.x);
+    add_constraint_acceleration(shape, k, b, load3(rows.r + 3 * k * kLanes), rows.x);
   }
 }
 
@@ -89,13 +87,13 @@ struct NewtonKernel {
   Worst worst;
 
   HWY_INLINE NewtonKernel(const Shape its_shape, NewtonBatch& batch, const NewtonStep& its_step,
-                          const Part& its_part, double* scratch)
+                          const Part& its_part, Scratch& scratch)
       : shape(its_shape),
         step(its_step),
         part(its_part),
         lambda(batch.lambda.of(part.group) + part.first_lane),
         eq(newton_equations(shape, batch, part, scratch)),
-        rows(newton_rows(shape, eq.rest)),
+        rows(shape, scratch),
         x(rows.x) {}
 
   HWY_INLINE SolveNext start(SolveStats& stats) {
@@ -106,7 +104,7 @@ struct NewtonKernel {
     for (int k = 0; k < shape.size(); ++k) {
       const V g = hn::Mul(broadcast(0.5 * step.h * step.h), load(lambda + k * kLanes));
       store(g, rows.g + k * kLanes);
-      move(shape, k, g, load3(rows.r + 3 * k * kLanes), rows.x);
+      add_constraint_acceleration(shape, k, g, load3(rows.r + 3 * k * kLanes), rows.x);
     }
     return look(0, stats);
   }
@@ -138,7 +136,8 @@ struct NewtonKernel {
   HWY_INLINE void end(SolveStats& stats) {
     for (int k = 0; k < shape.size(); ++k) {
       const V g = load(rows.g + k * kLanes);
-      move(shape, k, hn::Mul(broadcast(1 / step.h), g), load3(rows.r + 3 * k * kLanes), rows.v);
+      add_constraint_acceleration(shape, k, hn::Mul(broadcast(1 / step.h), g), load3(rows.r + 3 * k * kLanes),
+                                  rows.v);
       store(hn::Mul(broadcast(2 / (step.h * step.h)), g), lambda + k * kLanes);
     }
     scatter(shape, part, rows.x, step.x);
@@ -152,18 +151,18 @@ struct NewtonKernel {
 template <class Shape>
 struct NewtonVelocityKernel : VelocityKernel<Shape> {
   HWY_INLINE NewtonVelocityKernel(const Shape its_shape, NewtonBatch& batch, const VelocityStep& its_step,
-                                  const Part& its_part, double* scratch)
+                                  const Part& its_part, Scratch& scratch)
       : VelocityKernel<Shape>(its_shape, batch.lambda, its_step, its_part,
-                              newton_equations(its_shape, batch, its_part, scratch)) {}
+                              newton_equations(its_shape, batch, its_part, scratch), scratch) {}
 };
 
 SolveStats newton_positions(NewtonBatch& batch, const NewtonStep& step, const SolveCall& call, int begin,
-                            int end, double* scratch) {
+                            int end, const Scratch& scratch) {
   return solve_groups<NewtonKernel>(batch, step, call, begin, end, scratch);
 }
 
 SolveStats newton_velocities(NewtonBatch& batch, const VelocityStep& step, const SolveCall& call, int begin,
-                             int end, double* scratch) {
+                             int end, const Scratch& scratch) {
   return solve_groups<NewtonVelocityKernel>(batch, step, call, begin, end, scratch);
 }
 

@@ -36,10 +36,10 @@ HWY_INLINE V3 along(V x, const V3& X, V y, const V3& Y, V z, const V3& Z) {
 }
 
 // settle.cpp has the derivation and the names: 0 before the step, 1 drifted, 2 after φ and ψ, 3 after θ.
-void settle_positions_of(const SettleBatch& batch, const SettleStep& step, const Part& part, double* scratch,
+void settle_positions_of(const SettleBatch& batch, const SettleStep& step, const Part& part, Scratch scratch,
                          SolveStats& stats) {
   constexpr int a = 0, b = 3 * kLanes, c = 6 * kLanes;  // rows of apex, left, right
-  double *x = scratch, *v = scratch + 9 * kLanes;
+  double *x = scratch.take(9), *v = scratch.take(9);
   gather(part, 3, step.x, x);
   gather(part, 3, step.v, v);
   // the hydrogen's share of the mass
@@ -97,20 +97,22 @@ void settle_positions_of(const SettleBatch& batch, const SettleStep& step, const
 template <class Shape>
 struct SettleVelocityKernel : VelocityKernel<Shape> {
   HWY_INLINE SettleVelocityKernel(const Shape its_shape, SettleBatch& batch, const VelocityStep& its_step,
-                                  const Part& its_part, double* scratch)
-      : VelocityKernel<Shape>(its_shape, batch.lambda, its_step, its_part, equations(its_shape, scratch)) {}
+                                  const Part& its_part, Scratch& scratch)
+      : VelocityKernel<Shape>(its_shape, batch.lambda, its_step, its_part, equations(its_shape, scratch),
+                              scratch) {}
 };
 
-SolveStats settle_positions(SettleBatch& batch, const SettleStep& step, int begin, int end, double* scratch) {
+SolveStats settle_positions(SettleBatch& batch, const SettleStep& step, int begin, int end,
+                            const Scratch& scratch) {
   SolveStats stats{.iterations = 1};
-  for_each_part(batch.lanes, begin, end, scratch, [&](auto, const Part& part, double* rows) HWY_ATTR {
+  for_each_part(batch.lanes, begin, end, scratch, [&](auto, const Part& part, const Scratch& rows) HWY_ATTR {
     settle_positions_of(batch, step, part, rows, stats);
   });
   return stats;
 }
 
 SolveStats settle_velocities(SettleBatch& batch, const VelocityStep& step, const SolveCall& call, int begin,
-                             int end, double* scratch) {
+                             int end, const Scratch& scratch) {
   return solve_groups<SettleVelocityKernel>(batch, step, call, begin, end, scratch);
 }
 

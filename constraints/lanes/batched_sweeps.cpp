@@ -20,17 +20,18 @@ struct SweepStep {
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
-// Scratch of one part.
 struct SweepRows {
   double *x, *v;                   // of the atoms
   double *r, *g, *inv, *relative;  // of the bonds; r: along which corrections act
-};
 
-HWY_INLINE SweepRows sweep_rows(const AnyShape shape, double* scratch) {
-  const int atoms = 3 * shape.atoms() * kLanes, bonds = shape.size() * kLanes;
-  double *r = scratch + 2 * atoms, *g = r + 3 * bonds;
-  return {scratch, scratch + atoms, r, g, g + bonds, g + 2 * bonds};
-}
+  HWY_INLINE SweepRows(const AnyShape shape, Scratch scratch)
+      : x(scratch.take(3 * shape.atoms())),
+        v(scratch.take(3 * shape.atoms())),
+        r(scratch.take(3 * shape.size())),
+        g(scratch.take(shape.size())),
+        inv(scratch.take(shape.size())),
+        relative(scratch.take(shape.size())) {}
+};
 
 // g = guess·λ, y += M⁻¹Jᵀg
 HWY_INLINE void set_out(const AnyShape shape, double guess, const double* lambda, const SweepRows rows,
@@ -38,7 +39,7 @@ HWY_INLINE void set_out(const AnyShape shape, double guess, const double* lambda
   for (int k = 0; k < shape.size(); ++k) {
     const V g = hn::Mul(broadcast(guess), load(lambda + k * kLanes));
     store(g, rows.g + k * kLanes);
-    move(shape, k, g, load3(rows.r + 3 * k * kLanes), y);
+    add_constraint_acceleration(shape, k, g, load3(rows.r + 3 * k * kLanes), y);
   }
 }
 
@@ -49,7 +50,7 @@ HWY_INLINE void keep(const AnyShape shape, double scale, const SweepRows rows, d
 
 HWY_INLINE void correct(const AnyShape shape, int k, V dg, const SweepRows rows, double* y) {
   store(hn::Add(load(rows.g + k * kLanes), dg), rows.g + k * kLanes);
-  move(shape, k, dg, load3(rows.r + 3 * k * kLanes), y);
+  add_constraint_acceleration(shape, k, dg, load3(rows.r + 3 * k * kLanes), y);
 }
 
 struct SweepOfPositions {
@@ -60,19 +61,16 @@ struct SweepOfPositions {
     for (int k = 0; k < shape.size(); ++k) {
       const LaneBond& bond = shape.bonds[k];
       const V3 r = difference(shape, k, rows.x);
-      const V offset = hn::Sub(dot(r, r), broadcast(bond.length2)),
-              along = dot(r, load3(rows.r + 3 * k * kLanes));
-      const V relative = hn::Mul(hn::Abs(offset), broadcast(bond.half_inv_length2));
-      worst.see(relative);
+      const V off = twice_sigma(bond, r), along = dot(r, load3(rows.r + 3 * k * kLanes));
+      const V relative = worst.see(bond, off);
       store(relative, rows.relative + k * kLanes);
-      const auto off = hn::Gt(relative, broadcast(tolerance));
+      const auto wrong = hn::Gt(relative, broadcast(tolerance));
       const V margin =
-          hn::IfThenElse(off, hn::NegMulAdd(broadcast(1e-6), broadcast(bond.length2), along), broadcast(1));
+          hn::IfThenElse(wrong, hn::NegMulAdd(broadcast(1e-6), broadcast(bond.length2), along), broadcast(1));
       sound = hn::And(sound, hn::Gt(margin, hn::Zero(D())));
       store(margin, rows.inv + k * kLanes);
-      const V dg =
-          hn::Div(hn::Mul(broadcast(-0.5), offset), hn::Mul(broadcast(bond.reduced_inv_mass), along));
-      correct(shape, k, hn::IfThenElseZero(off, dg), rows, rows.x);
+      const V dg = hn::Div(hn::Mul(broadcast(-0.5), off), hn::Mul(broadcast(bond.reduced_inv_mass), along));
+      correct(shape, k, hn::IfThenElseZero(wrong, dg), rows, rows.x);
     }
     return sound;
   }
@@ -129,10 +127,10 @@ HWY_INLINE void repeat(const Sweep& sweep, const AnyShape shape, const SweepLimi
   }
 }
 
-void sweep_positions_of(SweepBatch& batch, const SweepStep& step, const Part& part, double* scratch,
+void sweep_positions_of(SweepBatch& batch, const SweepStep& step, const Part& part, const Scratch& scratch,
                         SolveStats& stats) {
   const AnyShape shape(batch.lanes);
-  const SweepRows rows = sweep_rows(shape, scratch);
+  const SweepRows rows(shape, scratch);
   double* lambda = batch.lambda.of(part.group) + part.first_lane;
   gather(part, shape.atoms(), step.x, rows.x);
   gather(part, shape.atoms(), step.v, rows.v);
@@ -142,17 +140,17 @@ void sweep_positions_of(SweepBatch& batch, const SweepStep& step, const Part& pa
   set_out(shape, step.guess, lambda, rows, rows.x);
   repeat(SweepOfPositions{}, shape, step.limits, part, rows, stats);
   for (int k = 0; k < shape.size(); ++k)
-    move(shape, k, hn::Mul(broadcast(1 / step.h), load(rows.g + k * kLanes)), load3(rows.r + 3 * k * kLanes),
-         rows.v);
+    add_constraint_acceleration(shape, k, hn::Mul(broadcast(1 / step.h), load(rows.g + k * kLanes)),
+                                load3(rows.r + 3 * k * kLanes), rows.v);
   keep(shape, step.keep, rows, lambda);
   scatter(shape, part, rows.x, step.x);
   scatter(shape, part, rows.v, step.v);
 }
 
-void sweep_velocities_of(SweepBatch& batch, const SweepStep& step, const Part& part, double* scratch,
+void sweep_velocities_of(SweepBatch& batch, const SweepStep& step, const Part& part, const Scratch& scratch,
                          SolveStats& stats) {
   const AnyShape shape(batch.lanes);
-  const SweepRows rows = sweep_rows(shape, scratch);
+  const SweepRows rows(shape, scratch);
   double* lambda = batch.lambda.of(part.group) + part.first_lane;
   gather(part, shape.atoms(), step.x, rows.x);
   gather(part, shape.atoms(), step.v, rows.v);
@@ -168,17 +166,19 @@ void sweep_velocities_of(SweepBatch& batch, const SweepStep& step, const Part& p
   scatter(shape, part, rows.v, step.v);
 }
 
-SolveStats sweep_positions(SweepBatch& batch, const SweepStep& step, int begin, int end, double* scratch) {
+SolveStats sweep_positions(SweepBatch& batch, const SweepStep& step, int begin, int end,
+                           const Scratch& scratch) {
   SolveStats stats;
-  for_each_part(batch.lanes, begin, end, scratch, [&](auto, const Part& part, double* rows) HWY_ATTR {
+  for_each_part(batch.lanes, begin, end, scratch, [&](auto, const Part& part, const Scratch& rows) HWY_ATTR {
     sweep_positions_of(batch, step, part, rows, stats);
   });
   return stats;
 }
 
-SolveStats sweep_velocities(SweepBatch& batch, const SweepStep& step, int begin, int end, double* scratch) {
+SolveStats sweep_velocities(SweepBatch& batch, const SweepStep& step, int begin, int end,
+                            const Scratch& scratch) {
   SolveStats stats;
-  for_each_part(batch.lanes, begin, end, scratch, [&](auto, const Part& part, double* rows) HWY_ATTR {
+  for_each_part(batch.lanes, begin, end, scratch, [&](auto, const Part& part, const Scratch& rows) HWY_ATTR {
     sweep_velocities_of(batch, step, part, rows, stats);
   });
   return stats;

@@ -233,7 +233,6 @@ struct ChainShape : AnyShape {
 struct TriangleShape : AnyShape {
   using AnyShape::AnyShape;
   static constexpr bool kPieces = false;
-  static constexpr int kScratchRows = 60;  // LaneBatch::scratch_rows
   static constexpr int size() { return 3; }
   static constexpr int eliminated() { return 3; }
   static constexpr int solved() { return 3; }
@@ -249,14 +248,16 @@ struct TriangleShape : AnyShape {
 
 // work(shape, part, scratch) for every part of the groups begin … end − 1
 template <class Work>
-HWY_INLINE void for_each_part(const LaneBatch& batch, int begin, int end, double* scratch, const Work& work) {
-  const auto each = [&](const auto shape, double* rows) HWY_ATTR {
+HWY_INLINE void for_each_part(const LaneBatch& batch, int begin, int end, const Scratch& scratch,
+                              const Work& work) {
+  const auto each = [&](const auto shape, const Scratch& rows) HWY_ATTR {
     for (int g = begin; g < end; ++g)
       for (int l = 0; l < batch.filled(g); l += kWidth) work(shape, Part{batch, g, l}, rows);
   };
-  HWY_ALIGN double few[TriangleShape::kScratchRows * kLanes];
+  constexpr int kFew = scratch_rows(3, 3, 3) * kLanes;
+  HWY_ALIGN double few[kFew];
   if (batch.triangle)
-    each(TriangleShape(batch), few);
+    each(TriangleShape(batch), Scratch{few, few + kFew});
   else if (batch.chain)
     each(ChainShape(batch), scratch);
   else
@@ -271,7 +272,7 @@ HWY_INLINE void scatter(const Shape shape, const Part& part, const double* rows,
 
 // f += Jᵀλ for one bond
 template <class Shape>
-HWY_INLINE void pull(const Shape shape, int k, V lambda, const V3& r, double* f) {
+HWY_INLINE void add_constraint_force(const Shape shape, int k, V lambda, const V3& r, double* f) {
   const V3 force = lambda * r;
   double *f_i = f + shape.i(k), *f_j = f + shape.j(k);
   store3(load3(f_i) - force, f_i);
@@ -280,11 +281,16 @@ HWY_INLINE void pull(const Shape shape, int k, V lambda, const V3& r, double* f)
 
 // y += M⁻¹Jᵀλ for one bond
 template <class Shape>
-HWY_INLINE void move(const Shape shape, int k, V lambda, const V3& r, double* y) {
+HWY_INLINE void add_constraint_acceleration(const Shape shape, int k, V lambda, const V3& r, double* y) {
   const V3 force = lambda * r;
   double *y_i = y + shape.i(k), *y_j = y + shape.j(k);
   store3(neg_mul_add(broadcast(shape.bonds[k].inv_mass_i), force, load3(y_i)), y_i);
   store3(mul_add(broadcast(shape.bonds[k].inv_mass_j), force, load3(y_j)), y_j);
+}
+
+// |r|² − d²
+HWY_INLINE V twice_sigma(const LaneBond& bond, const V3& r) {
+  return hn::Sub(dot(r, r), broadcast(bond.length2));
 }
 
 // x_j − x_i
@@ -302,6 +308,11 @@ struct Worst {
     largest = hn::Max(largest, relative);
     sum = hn::Add(sum, relative);
   }
+  HWY_INLINE V see(const LaneBond& bond, V twice_sigma) {
+    const V relative = hn::Mul(hn::Abs(twice_sigma), broadcast(bond.half_inv_length2));
+    see(relative);
+    return relative;
+  }
   // All of them numbers and at most so large.
   HWY_INLINE bool within(double limit) const {
     return hn::AllTrue(D(), hn::And(hn::Le(largest, broadcast(limit)), hn::Eq(sum, sum)));
@@ -314,10 +325,7 @@ inline HWY_NOINLINE Worst find_residuals(const LaneBatch& batch, const double* x
   for (int k = 0; k < batch.plan.solved; ++k) {
     const LaneBond& bond = batch.bonds[k];
     const V3 r = load3(x + bond.j) - load3(x + bond.i);
-    const V offset = hn::Sub(dot(r, r), broadcast(bond.length2));
-    const V residual = hn::Mul(hn::Abs(offset), broadcast(bond.half_inv_length2));
-    worst.see(residual);
-    store(residual, relative + k * kLanes);
+    store(worst.see(bond, twice_sigma(bond, r)), relative + k * kLanes);
   }
   return worst;
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <hwy/base.h>
+
 #include <Eigen/Core>
 #include <algorithm>
 #include <concepts>
@@ -19,6 +21,22 @@ namespace taut {
 // each of a group's clusters; rows of a group follow each other in memory. Machines with narrower vectors
 // take a group in parts.
 inline constexpr int kLanes = 8;
+
+// What a kernel needs for one part, handed out piece by piece.
+struct Scratch {
+  double *next, *end;
+
+  HWY_INLINE double* take(int rows) {
+    double* taken = next;
+    next += rows * kLanes;
+    HWY_ASSERT(next <= end);
+    return taken;
+  }
+};
+// As many as any kernel takes.
+constexpr int scratch_rows(int atoms, int bonds, int entries) {
+  return 9 * atoms + 9 * bonds + 2 * entries;
+}
 
 // A bond as the kernels want it.
 struct LaneBond {
@@ -58,8 +76,7 @@ struct LaneBatch {
   int bond(int group, int k, int lane) const {
     return bond_index[(group * bonds.size() + k) * kLanes + lane];
   }
-  // More rows than any kernel needs at once.
-  int scratch_rows() const { return 9 * atoms + 9 * bond_count() + 2 * plan.entries(); }
+  int scratch_rows() const { return taut::scratch_rows(atoms, bond_count(), plan.entries()); }
 };
 
 // Numbers at an address that any lane width can load from; copied as a value, as a method is.
@@ -126,8 +143,8 @@ class LaneRunner {
       for (std::size_t b = 0; b + 1 < first_group_.size(); ++b) {
         const int from = std::max(begin, first_group_[b]), to = std::min(end, first_group_[b + 1]);
         if (from < to)
-          stats.beside(
-              work(static_cast<int>(b), from - first_group_[b], to - first_group_[b], scratch_[t].data()));
+          stats.beside(work(static_cast<int>(b), from - first_group_[b], to - first_group_[b],
+                            Scratch{scratch_[t].data(), scratch_[t].data() + scratch_[t].size()}));
       }
       stats_[t] = stats;
     });
@@ -168,7 +185,7 @@ class LaneBatches {
   // kernel(batch, step, …, group begin, group end, scratch) → SolveStats
   template <class Kernel, class... Asked>
   SolveStats run(Kernel& kernel, const Asked&... asked) {
-    return runner_.run([&](int b, int begin, int end, double* scratch) {
+    return runner_.run([&](int b, int begin, int end, const Scratch& scratch) {
       return kernel(batches_[b], asked..., begin, end, scratch);
     });
   }

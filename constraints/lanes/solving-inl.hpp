@@ -17,16 +17,15 @@ namespace taut::HWY_NAMESPACE {
 struct Equations {
   double* b;
   Matrix A;
-  double* rest;  // of the scratch
 };
 
 template <class Shape>
-HWY_INLINE Equations equations(const Shape shape, double* scratch) {
+HWY_INLINE Equations equations(const Shape shape, Scratch& scratch) {
   const SystemRows rows(shape.size(), shape.entries());
-  return {scratch + rows.b * kLanes,
-          {scratch + rows.d * kLanes, scratch + rows.inv_d * kLanes, scratch + rows.l * kLanes,
-           scratch + rows.u * kLanes},
-          scratch + rows.end * kLanes};
+  double* first = scratch.take(rows.end);
+  return {first + rows.b * kLanes,
+          {first + rows.d * kLanes, first + rows.inv_d * kLanes, first + rows.l * kLanes,
+           first + rows.u * kLanes}};
 }
 
 // A separator's own row is the business of the piece before it; the one after adds what it eliminates.
@@ -130,11 +129,11 @@ HWY_INLINE SolveNext solve_piece(Kernel& kernel, const Part& part, const SolveCa
 // A call of the kernel for the groups begin … end − 1 of a batch. For pieces, iterations says what is next.
 template <template <class> class Kernel, class Batch, class Step>
 HWY_INLINE SolveStats solve_groups(Batch& batch, const Step& step, const SolveCall& call, int begin, int end,
-                                   double* scratch) {
+                                   const Scratch& scratch) {
   SolveStats all;
   if (call.stage == SolveStage::kWhole) {
     for_each_part(batch.lanes, begin, end, scratch,
-                  [&](const auto shape, const Part& part, double* rows) HWY_ATTR {
+                  [&](const auto shape, const Part& part, Scratch rows) HWY_ATTR {
                     Kernel<std::remove_const_t<decltype(shape)>> kernel(shape, batch, step, part, rows);
                     SolveStats own{.max_residual = all.max_residual};
                     solve_whole(kernel, part, own);
@@ -146,7 +145,9 @@ HWY_INLINE SolveStats solve_groups(Batch& batch, const Step& step, const SolveCa
   for (int g = begin; g < end; ++g)
     for (int l = 0; l < batch.lanes.filled(g); l += kWidth) {
       const Part part{batch.lanes, g, l};
-      Kernel<AnyShape> kernel(shape, batch, step, part, batch.scratch.of(g) + l);
+      double* const kept = batch.scratch.of(g);
+      Scratch rows{kept + l, kept + l + batch.lanes.scratch_rows() * kLanes};
+      Kernel<AnyShape> kernel(shape, batch, step, part, rows);
       SolveStats stats;
       stats.iterations = static_cast<int>(solve_piece(kernel, part, call, all.max_residual, stats));
       all.beside(stats);

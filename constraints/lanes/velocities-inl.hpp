@@ -23,15 +23,15 @@ struct VelocityKernel {
   static constexpr const double* x = nullptr;  // no positions change
 
   HWY_INLINE VelocityKernel(const Shape its_shape, LaneRows& multipliers, const VelocityStep& its_step,
-                            const Part& its_part, const Equations& equations)
+                            const Part& its_part, const Equations& equations, Scratch& scratch)
       : shape(its_shape),
         step(its_step),
         part(its_part),
         lambda(multipliers.of(part.group) + part.first_lane),
         eq(equations),
-        x_rows(eq.rest),
-        v(x_rows + 3 * shape.atoms() * kLanes),
-        r(v + 3 * shape.atoms() * kLanes) {}
+        x_rows(scratch.take(3 * shape.atoms())),
+        v(scratch.take(3 * shape.atoms())),
+        r(scratch.take(3 * shape.size())) {}
 
   HWY_INLINE SolveNext start(SolveStats&) {
     gather(part, shape.atoms(), step.x, x_rows);
@@ -50,7 +50,7 @@ struct VelocityKernel {
     for (int k = 0; k < shape.solved(); ++k) {
       const V g = load(eq.b + k * kLanes);
       store(hn::Mul(broadcast(2 / step.h), g), lambda + k * kLanes);
-      move(shape, k, g, load3(r + 3 * k * kLanes), v);
+      add_constraint_acceleration(shape, k, g, load3(r + 3 * k * kLanes), v);
     }
     return SolveNext::kEnd;
   }
