@@ -151,22 +151,4 @@ double add_fene(const std::vector<Fene>& bonds, const Vectors& x, Vectors& f) {
   return energy;
 }
 
-double virial(const std::vector<HarmonicBond>& bonds, const Vectors& x) {
-  double sum = 0;
-  for (const auto& [i, j, length, k] : bonds) {
-    const double r = (x.col(j) - x.col(i)).norm();
-    sum -= k * (r - length) * r;
-  }
-  return sum;
-}
-
-double virial(const std::vector<Fene>& bonds, const Vectors& x) {
-  double sum = 0;
-  for (const auto& [i, j, k, r0] : bonds) {
-    const double r2 = (x.col(j) - x.col(i)).squaredNorm();
-    sum -= k * r2 / (1 - r2 / (r0 * r0));
-  }
-  return sum;
-}
-
 }  // namespace taut

@@ -19,9 +19,4 @@ double add_rb_torsions(const std::vector<RyckaertBellemans>& torsions, const Vec
 double add_fene(const std::vector<Fene>& bonds, const Vectors& x, Vectors& f);
 [[noreturn]] void throw_broken(const std::vector<Fene>& bonds, const Vectors& x);  // names the worst
 
-// Σ x·f, the virial of one molecule's terms. That of angles and torsions is zero: no angle changes when all
-// lengths are scaled.
-double virial(const std::vector<HarmonicBond>& bonds, const Vectors& x);
-double virial(const std::vector<Fene>& bonds, const Vectors& x);
-
 }  // namespace taut

@@ -13,39 +13,20 @@ std::vector<PairException> interacting(const std::vector<PairException>& excepti
   return some;
 }
 
-namespace {
-
-// E = 4ε((σ/r)¹² − (σ/r)⁶) + k qq/r, and its virial −r dE/dr
-struct Pair {
-  double energy, virial, inv_r2;
-
-  Pair(const PairException& e, const Vec3& d) : inv_r2(1 / d.squaredNorm()) {
-    const double s2 = e.sigma * e.sigma * inv_r2, s6 = s2 * s2 * s2;
-    const double coulomb = kCoulomb * e.charge_product * std::sqrt(inv_r2);
-    energy = 4 * e.epsilon * (s6 - 1) * s6 + coulomb;
-    virial = 4 * e.epsilon * (12 * s6 - 6) * s6 + coulomb;
-  }
-};
-
-}  // namespace
-
+// E = 4ε((σ/r)¹² − (σ/r)⁶) + k qq/r
 double add_exceptions(const std::vector<PairException>& exceptions, const Vectors& x, Vectors& f) {
   double energy = 0;
   for (const auto& e : exceptions) {
     const Vec3 d = x.col(e.i) - x.col(e.j);
-    const Pair pair(e, d);
-    energy += pair.energy;
-    const Vec3 push = pair.virial * pair.inv_r2 * d;
+    const double inv_r2 = 1 / d.squaredNorm();
+    const double s2 = e.sigma * e.sigma * inv_r2, s6 = s2 * s2 * s2;
+    const double coulomb = kCoulomb * e.charge_product * std::sqrt(inv_r2);
+    energy += 4 * e.epsilon * (s6 - 1) * s6 + coulomb;
+    const Vec3 push = (4 * e.epsilon * (12 * s6 - 6) * s6 + coulomb) * inv_r2 * d;
     f.col(e.i) += push;
     f.col(e.j) -= push;
   }
   return energy;
-}
-
-double virial(const std::vector<PairException>& exceptions, const Vectors& x) {
-  double sum = 0;
-  for (const auto& e : exceptions) sum += Pair(e, x.col(e.i) - x.col(e.j)).virial;
-  return sum;
 }
 
 }  // namespace taut

@@ -13,6 +13,4 @@ std::vector<PairException> interacting(const std::vector<PairException>& excepti
 // Adds the forces to f and returns the energy [kJ/mol]. A plain loop, as those of bonded.hpp.
 double add_exceptions(const std::vector<PairException>& exceptions, const Vectors& x, Vectors& f);
 
-double virial(const std::vector<PairException>& exceptions, const Vectors& x);  // Σ r·f [kJ/mol]
-
 }  // namespace taut

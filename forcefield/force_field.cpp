@@ -18,14 +18,15 @@ struct ForceField::Impl {
   Terms terms;
   std::optional<ClusterPairs> lj_coulomb, wca;
   std::optional<Pme> pme;
-  std::vector<PairException> exceptions;  // those that interact
   BondedForces bonded;
   std::optional<double> dispersion;  // a constant [kJ/mol]
+  Vectors bonded_forces;             // of the last virial
   bool evaluated = false;
   std::vector<std::pair<std::string, double>> outer;  // of the last evaluation [kJ/mol]
 
   Impl(const System& sys, Terms given) : terms(std::move(given)) {
     check_terms(sys, terms);
+    std::vector<PairException> exceptions;  // those that interact
     if (terms.nonbonded) {
       if (auto& parameters = terms.nonbonded->pme) {
         *parameters = chosen_parameters(*parameters, sys.box, *terms.nonbonded->cutoff);
@@ -75,14 +76,16 @@ void ForceField::operator()(const System& sys, State& s) {
   impl_->evaluate(sys, s.x, s.f);
 }
 
-double ForceField::virial(const Vectors& x) const {
-  const Terms& terms = impl_->terms;
-  double sum =
-      taut::virial(terms.bonds, x) + taut::virial(terms.fene, x) + taut::virial(impl_->exceptions, x);
+Eigen::Matrix3d ForceField::virial(const Vectors& x) const {
+  Vectors& f = impl_->bonded_forces;
+  f.setZero(3, x.cols());
+  impl_->bonded.add_forces(x, f);
+  Eigen::Matrix3d sum = x.lazyProduct(f.transpose());  // which allocates nothing
   if (impl_->lj_coulomb) sum += impl_->lj_coulomb->virial();
-  if (impl_->pme) sum += impl_->pme->virial();
+  if (impl_->pme) sum += impl_->pme->virial(x);
   if (impl_->wca) sum += impl_->wca->virial();
-  return sum + 3 * impl_->dispersion.value_or(0);
+  sum.diagonal().array() += impl_->dispersion.value_or(0);
+  return sum;
 }
 
 void ForceField::serialize(Archive& archive) {

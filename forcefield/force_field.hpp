@@ -31,9 +31,10 @@ class ForceField final : public ForceLaw {
   // the same, a term at a time, only the terms there are: ("angle", 12.3), ...
   std::vector<std::pair<std::string, double>> energies() const;
 
-  // −3V dE/dV of that evaluation, all lengths scaled [kJ/mol]: Σ r·f of pairs at their nearest images and of
-  // bonds, and three times the dispersion correction, which goes as 1/V. Fields from outside have none.
-  double virial(const Vectors& x) const;
+  // −dE/dstrain of that evaluation, atoms and box strained alike [kJ/mol]; its trace is −3V dE/dV. Σ r⊗f of
+  // pairs at their nearest images, Σ x⊗f of what acts within molecules, which are whole, and the dispersion
+  // correction, which goes as 1/V. Fields from outside have none.
+  Eigen::Matrix3d virial(const Vectors& x) const;
 
   // Which pairs are listed, in which order: what the order of the sums depends on. Recalled, the forces are
   // to be evaluated before energies are asked for.

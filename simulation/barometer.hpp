@@ -2,13 +2,13 @@
 
 #include "constraints/projection.hpp"
 #include "forcefield/force_field.hpp"
+#include "md/units.hpp"
 
 namespace taut {
 
-inline constexpr double kBarPerUnit = 16.6053906717;  // 1 kJ/mol/nm³ [bar]
-
-// The pressure of a periodic box, all lengths scaled:
-//     P = (2K + Ξ)/(3V),   Ξ = Ξ_forces + Σ λ|r|².
+// The pressure of a periodic box, atoms and box strained alike:
+//     P = (Σ m v⊗v + Ξ)/V,   Ξ = Ξ_forces + Σ λ r⊗r,
+// whose trace is three times the scalar pressure.
 // The multipliers are those that hold the bonds at this very instant, A λ = −(J M⁻¹F + |v_ij|²), whatever
 // method runs: right at the start as later, free of a method's lag and of a thermostat's noise. With them the
 // pressure of rigid molecules is that of their centres of mass, instant by instant.
@@ -17,9 +17,9 @@ class Barometer {
   // With `springs` the bonds are a penalty's: they pull by multipliers of their own.
   explicit Barometer(const System& sys, bool springs = false);
 
-  // Of positions x and velocities v [bar]. `spring_lambda`: only with springs.
-  double operator()(const System& sys, ForceField& forces, const Vectors& x, const Vectors& v,
-                    const Eigen::VectorXd& spring_lambda);
+  // The tensor, of positions x and velocities v [bar]. `spring_lambda`: only with springs.
+  Eigen::Matrix3d operator()(const System& sys, ForceField& forces, const Vectors& x, const Vectors& v,
+                             const Eigen::VectorXd& spring_lambda);
 
  private:
   bool springs_;

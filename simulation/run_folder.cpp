@@ -21,14 +21,22 @@ constexpr std::string_view kLogHeader =
     "#\"Step\",\"Time (ps)\",\"Potential Energy (kJ/mole)\",\"Kinetic Energy (kJ/mole)\","
     "\"Total Energy (kJ/mole)\",\"Temperature (K)\",\"Speed (ns/day)\",\"Max Relative Bond Error\","
     "\"RMS Relative Bond Error\",\"Energy Drift (kJ/mole/ns/dof)\",\"Iterations per Step\",\"Pressure "
-    "(bar)\",\"Constraint Work (kJ/mole)\"\n";
+    "(bar)\",\"Constraint Work (kJ/mole)\"";
+constexpr std::string_view kBoxHeader =
+    ",\"Box Volume (nm^3)\",\"Density (kg/m^3)\",\"Pressure XX (bar)\",\"Pressure YY (bar)\",\"Pressure ZZ "
+    "(bar)\","
+    "\"Pressure XY (bar)\",\"Pressure XZ (bar)\",\"Pressure YZ (bar)\"";
 
 std::string log_row(const Record& r) {
-  return fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{:.9g},{:.4g},{:.6e},{:.6e},{},{:.4g},{},{}\n",
+  std::string in_box;
+  if (r.pressure)
+    in_box =
+        fmt::format(",{:.12g},{:.9g},{:.9g}", r.volume, r.density, fmt::join(six_of(r.pressure_tensor), ","));
+  return fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{:.9g},{:.4g},{:.6e},{:.6e},{},{:.4g},{},{}{}\n",
                      r.step, r.t, r.potential, r.kinetic, r.total(), r.temperature, r.ns_per_day, r.bonds.max,
                      r.bonds.rms, r.drift ? fmt::format("{:.6e}", *r.drift) : "", r.iterations,
                      r.pressure ? fmt::format("{:.9g}", *r.pressure) : "",
-                     r.constraint_work ? fmt::format("{:.9g}", *r.constraint_work) : "");
+                     r.constraint_work ? fmt::format("{:.9g}", *r.constraint_work) : "", in_box);
 }
 
 // Where there are too few rows for an error, it is null.
@@ -77,7 +85,12 @@ ordered_json summary_json(const Simulation& simulation, const Summary& s) {
       {"seed", scene.run.seed},
       {"temperatures_k", temperatures_json(simulation.temperatures())},
   };
-  if (s.pressure) json["pressure_bar"] = json_of(*s.pressure);
+  if (!s.pressure) return json;
+  json["pressure_bar"] = json_of(*s.pressure);
+  json["volume_nm3"] = json_of(s.volume);
+  json["density_kg_m3"] = json_of(s.density);
+  for (std::size_t k = 0; k < kTensorNames.size(); ++k)
+    json["pressure_tensor_bar"][kTensorNames[k]] = json_of(s.pressure_tensor[k]);
   return json;
 }
 
@@ -134,7 +147,10 @@ RunFolder::RunFolder(FolderLock folder, SceneSource source, const Simulation& si
       source_(std::move(source)),
       log_(path() / kLog, mark_of(marks, kLog)),
       trajectories_(path(), simulation, marks) {
-  if (log_.size() == 0) log_.write(kLogHeader);
+  if (log_.size() == 0) {
+    const bool box = simulation.scene().system.box.periodic();
+    log_.write(fmt::format("{}{}\n", kLogHeader, box ? kBoxHeader : ""));
+  }
   if (marks.empty()) return;
   kept_step_ = simulation.step();
   std::error_code ignored;

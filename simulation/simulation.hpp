@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -22,6 +23,12 @@
 
 namespace taut {
 
+// A symmetric tensor's numbers, and what they are called.
+inline constexpr std::array<const char*, 6> kTensorNames = {"xx", "yy", "zz", "xy", "xz", "yz"};
+inline std::array<double, 6> six_of(const Eigen::Matrix3d& t) {
+  return {t(0, 0), t(1, 1), t(2, 2), t(0, 1), t(0, 2), t(1, 2)};
+}
+
 // One row of the log.
 struct Record {
   long step = 0;
@@ -35,7 +42,9 @@ struct Record {
   std::optional<double> constraint_work;
   double iterations = 0;  // a step, since the last row
   double ns_per_day = 0;
-  std::optional<double> pressure;  // in a box [bar]
+  std::optional<double> pressure;   // in a box [bar], as what follows
+  double volume = 0, density = 0;   // [nm³], [kg/m³]
+  Eigen::Matrix3d pressure_tensor;  // [bar]
 
   double total() const { return potential + kinetic; }
 };
@@ -50,7 +59,9 @@ struct Summary {
   std::optional<Estimate> constraint_drift;  // the bonds' share of it
   std::optional<double> constraint_work;     // since the start [kJ/mol]
   double temperature = 0;                    // mean over the rows [K]
-  std::optional<Estimate> pressure;          // mean over the rows, in a box [bar]
+  std::optional<Estimate> pressure;          // mean over the rows, in a box [bar], as what follows
+  Estimate volume, density;                  // [nm³], [kg/m³]
+  std::array<Estimate, 6> pressure_tensor;   // kTensorNames [bar]
   double potential = 0, total = 0;           // at the end [kJ/mol]
   std::optional<bool> converged;    // every step to twice the error the method promises; none: promises none
   std::vector<std::string> doubts;  // systems/doubts.hpp
@@ -129,14 +140,16 @@ class Simulation : private Bath, private ForceLaw {
   class Stopwatch;
   struct LogSums {  // over the rows of the log
     RunningSlope energy, constraint_work;
-    RunningMean pressure;
+    RunningMean pressure, volume, density;
+    std::array<RunningMean, 6> pressure_tensor;
     long rows = 0, last_row = 0;
     double largest_error = 0, largest_residual = 0, squares = 0, temperatures = 0;
 
     void add(const Record& r, double residual);
     void serialize(Archive& archive) {
-      archive(energy, constraint_work, pressure, rows, last_row, largest_error, largest_residual, squares,
-              temperatures);
+      archive(energy, constraint_work, pressure, volume, density, rows, last_row, largest_error,
+              largest_residual, squares, temperatures);
+      for (RunningMean& mean : pressure_tensor) archive(mean);
     }
   };
 

@@ -48,7 +48,12 @@ void Simulation::LogSums::add(const Record& r, double residual) {
   largest_residual = std::max(largest_residual, residual);
   squares += r.bonds.rms * r.bonds.rms;
   temperatures += r.temperature;
-  if (r.pressure) pressure.add(*r.pressure);
+  if (!r.pressure) return;
+  pressure.add(*r.pressure);
+  volume.add(r.volume);
+  density.add(r.density);
+  const auto tensor = six_of(r.pressure_tensor);
+  for (std::size_t k = 0; k < tensor.size(); ++k) pressure_tensor[k].add(tensor[k]);
 }
 
 // From kJ/mol/ps of the whole.
@@ -75,8 +80,11 @@ Record Simulation::row(const SolveStats& since, const Stopwatch& watch, long ste
   }
   if (barometer_) {
     const bool springs_move = has_springs() && !langevin_;  // and the pressure has their part in it
-    r.pressure = (*barometer_)(scene_.system, forces_, state_.x, springs_move ? state_.v : thermal_velocity(),
-                               method_->lambda());
+    r.pressure_tensor = (*barometer_)(scene_.system, forces_, state_.x,
+                                      springs_move ? state_.v : thermal_velocity(), method_->lambda());
+    r.pressure = r.pressure_tensor.trace() / 3;
+    r.volume = scene_.system.box.volume();
+    r.density = kDensityPerUnit * scene_.system.mass.sum() / r.volume;
   }
   const long gone = r.step - sums_.last_row;
   r.iterations = gone > 0 ? static_cast<double>(since.iterations) / static_cast<double>(gone) : 0.0;
@@ -152,7 +160,13 @@ Summary Simulation::summary(const Record& end, double seconds, double constraint
     s.constraint_work = end.constraint_work;
   }
   s.temperature = sums_.temperatures / rows;
-  if (barometer_) s.pressure = sums_.pressure.estimate();
+  if (barometer_) {
+    s.pressure = sums_.pressure.estimate();
+    s.volume = sums_.volume.estimate();
+    s.density = sums_.density.estimate();
+    for (std::size_t k = 0; k < kTensorNames.size(); ++k)
+      s.pressure_tensor[k] = sums_.pressure_tensor[k].estimate();
+  }
   s.potential = end.potential;
   s.total = end.total();
   if (std::isfinite(method_->promised_error()))

@@ -83,7 +83,7 @@ TEST_P(ClusterPairsIn, AgreesInMixedPrecisionToItsDigits) {
 }
 
 TEST_P(ClusterPairsIn, HasTheVirialOfItsPairs) {
-  const double expected = plain_pairs(nb, box, x).virial;
+  const Eigen::Matrix3d expected = plain_pairs(nb, box, x).virial;
   on_every_machine([&] {
     on_one_to_three_threads([&] {
       for (const auto& [precision, digits] :
@@ -91,7 +91,7 @@ TEST_P(ClusterPairsIn, HasTheVirialOfItsPairs) {
         ClusterPairs clusters(nb, box, precision);
         Vectors f = Vectors::Zero(3, x.cols());
         clusters.add_forces(x, f);
-        EXPECT_NEAR(clusters.virial(), expected, digits * std::abs(expected));
+        EXPECT_LT((clusters.virial() - expected).norm(), digits * expected.norm());
       }
     });
   });
@@ -173,7 +173,7 @@ TEST(ClusterPairs, WcaAgreesWithThePlainLoop) {
           Vectors f = Vectors::Zero(3, n);
           clusters.add_forces(moved, f);
           const double digits = precision == Precision::kDouble ? 2e-14 : 1e-5;
-          EXPECT_NEAR(clusters.virial(), virial, digits * 10 * virial);
+          EXPECT_LT((clusters.virial() - virial).norm(), digits * 10 * virial.norm());
           EXPECT_LT((f - witness).norm(), digits * witness.norm());
           EXPECT_NEAR(clusters.energy(), energy, digits * 10 * energy);
           for (int a = 0; a < n; ++a) moved.col(a) += 0.02 * Vec3(normal(rng), normal(rng), normal(rng));

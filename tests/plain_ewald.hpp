@@ -12,12 +12,12 @@ namespace taut::testing {
 // doi:10.1002/andp.19213690304), as it is written down: images and waves up to where erfc and exp are 1e-17.
 //     ½ Σ_{ij,n}' k q q' erfc(αr)/r + ½ Σ_{m≠0} k exp(−π²m²/α²)/(πV m²) |Σ q e^(2πi m·x)|² − k α/√π Σ q²
 //     − k πQ²/(2Vα²) − Σ_exceptions k q q'/r + exceptions by their own charges
-// It depends on α by its rounding alone. Virial: −3V dE/dV.
+// It depends on α by its rounding alone. Virial: −dE/dstrain.
 inline PairSums plain_ewald(const Nonbonded& nb, const Box& box, const Vectors& x, double alpha) {
   using std::numbers::pi;
   const int n = static_cast<int>(x.cols());
   const double V = box.volume();
-  PairSums sum{0, 0, Vectors::Zero(3, n)};
+  PairSums sum(n);
 
   const double reach = 6.2 / alpha;
   const Eigen::Array3i images = (reach / box.edge.array()).ceil().cast<int>();
@@ -47,7 +47,8 @@ inline PairSums plain_ewald(const Nonbonded& nb, const Box& box, const Vectors& 
         for (int i = 0; i < n; ++i) S += std::polar(nb.charge[i], 2 * pi * m.dot(x.col(i)));
         const double G = kCoulomb * std::exp(-decay) / (pi * V * m2);
         sum.energy += 0.5 * G * std::norm(S);
-        sum.virial += 0.5 * G * std::norm(S) * (1 - 2 * decay);
+        sum.virial +=
+            0.5 * G * std::norm(S) * (Eigen::Matrix3d::Identity() - 2 * (1 + decay) / m2 * m * m.transpose());
         for (int i = 0; i < n; ++i)
           sum.f.col(i) += 2 * pi * nb.charge[i] * G *
                           std::imag(std::conj(S) * std::polar(1.0, 2 * pi * m.dot(x.col(i)))) * m;
@@ -55,7 +56,7 @@ inline PairSums plain_ewald(const Nonbonded& nb, const Box& box, const Vectors& 
 
   const double Q = nb.charge.sum(), background = -kCoulomb * pi * Q * Q / (2 * V * alpha * alpha);
   sum.energy += background - kCoulomb * alpha / std::sqrt(pi) * nb.charge.squaredNorm();
-  sum.virial += 3 * background;
+  sum.virial.diagonal().array() += background;
   for (const auto& e : nb.exceptions) {
     const Vec3 d = x.col(e.i) - x.col(e.j);
     const double energy = kCoulomb * (e.charge_product - nb.charge[e.i] * nb.charge[e.j]) / d.norm();

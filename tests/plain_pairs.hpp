@@ -13,14 +13,17 @@
 namespace taut::testing {
 
 struct PairSums {
-  double energy = 0, virial = 0;  // virial: Σ r·f [kJ/mol]
-  Vectors f;                      // [kJ/mol/nm]
+  double energy = 0;       // [kJ/mol]
+  Eigen::Matrix3d virial;  // Σ r⊗f [kJ/mol]
+  Vectors f;               // [kJ/mol/nm]
+
+  explicit PairSums(Eigen::Index atoms = 0) : virial(Eigen::Matrix3d::Zero()), f(Vectors::Zero(3, atoms)) {}
 
   // E and −r dE/dr of a pair that is d apart.
   void add(int i, int j, const Vec3& d, std::pair<double, double> pair) {
     energy += pair.first;
-    virial += pair.second;
     const Vec3 push = pair.second / d.squaredNorm() * d;
+    virial += d * push.transpose();
     f.col(i) += push;
     f.col(j) -= push;
   }
@@ -49,7 +52,7 @@ inline std::pair<double, double> coulomb(const Nonbonded& nb, double qq, double 
 
 // All but the exceptions, at their nearest images within the cutoff; without a cutoff there are no images.
 inline PairSums plain_pairs(const Nonbonded& nb, const Box& box, const Vectors& x) {
-  PairSums sum{0, 0, Vectors::Zero(3, x.cols())};
+  PairSums sum(x.cols());
   std::set<std::pair<int, int>> excluded;
   for (const auto& e : nb.exceptions) excluded.insert(std::minmax(e.i, e.j));
   const double rc = nb.cutoff.value_or(HUGE_VAL);
@@ -82,7 +85,7 @@ inline PairSums plain_nonbonded(const Nonbonded& nb, const Box& box, const Vecto
 
 // 4ε((σ/r)¹² − (σ/r)⁶) + ε up to its minimum.
 inline PairSums plain_wca(const Wca& wca, const Box& box, const Vectors& x) {
-  PairSums sum{0, 0, Vectors::Zero(3, x.cols())};
+  PairSums sum(x.cols());
   std::set<std::pair<int, int>> excluded;
   for (const auto& [i, j] : wca.exclusions) excluded.insert(std::minmax(i, j));
   for (int i = 0; i < x.cols(); ++i)

@@ -30,7 +30,7 @@ class ClusterPairs::Engine {
   virtual ~Engine() = default;
   virtual void add_forces(const Vectors& x, Vectors& f) = 0;
   virtual double energy() = 0;
-  virtual double virial() = 0;
+  virtual Eigen::Matrix3d virial() = 0;
   virtual void serialize(Archive& archive) = 0;
   long searches = 0, prunings = 0;
 };
@@ -59,12 +59,16 @@ class EngineIn final : public ClusterPairs::Engine {
   }
 
   double energy() override {
-    if (!energy_known_) energy_ = sum_over_lists(pair_energy<T>);
+    if (!energy_known_)
+      energy_ = over_lists([](const auto&... of) { return SixSums{pair_energy<T>(of...)}; })[0];
     energy_known_ = true;
     return energy_;
   }
 
-  double virial() override { return sum_over_lists(pair_virial<T>); }
+  Eigen::Matrix3d virial() override {
+    const SixSums s = over_lists(pair_virial<T>);
+    return Eigen::Matrix3d{{s[0], s[3], s[4]}, {s[3], s[1], s[5]}, {s[4], s[5], s[2]}};
+  }
 
   // Where every pair counts, the lists do not depend on where atoms are.
   void serialize(Archive& archive) override {
@@ -81,11 +85,12 @@ class EngineIn final : public ClusterPairs::Engine {
  private:
   static constexpr int kRowAtoms = PairPrecision<T>::kRowAtoms;
 
-  double sum_over_lists(double (*sum)(const PairLaw&, const PairAtoms<T>&, const ClusterList&)) const {
-    std::vector<double> parts(threads_);
-    in_parallel(threads_, [&](int t) { parts[t] = sum(p_.law, atoms_, inner_list(t)); });
-    double total = 0;
-    for (double part : parts) total += part;
+  SixSums over_lists(const auto& sum) {
+    parts_.resize(threads_);
+    in_parallel(threads_, [&](int t) { parts_[t] = sum(p_.law, atoms_, inner_list(t)); });
+    SixSums total{};
+    for (const SixSums& part : parts_)
+      for (std::size_t k = 0; k < total.size(); ++k) total[k] += part[k];
     return total;
   }
 
@@ -271,6 +276,7 @@ class EngineIn final : public ClusterPairs::Engine {
   std::vector<ClusterSearch> search_;
   SearchSpace space_{clusters_, exclusions_, kind_, rounded_, p_.box.edge, p_.law.cutoff + p_.outer};
   std::vector<Aligned<T>> force_;
+  std::vector<SixSums> parts_;
   double energy_ = 0;
   bool energy_known_ = false;
 };
@@ -288,7 +294,7 @@ class MixedWithoutCutoff final : public ClusterPairs::Engine {
     searches = mixed_.searches + double_.searches;
   }
   double energy() override { return used_->energy(); }
-  double virial() override { return used_->virial(); }
+  Eigen::Matrix3d virial() override { return used_->virial(); }
   void serialize(Archive& archive) override { used_->serialize(archive); }
 
  private:
@@ -320,7 +326,7 @@ void ClusterPairs::add_forces(const Vectors& x, Vectors& f) {
 double ClusterPairs::energy() {
   return engine_->energy();
 }
-double ClusterPairs::virial() {
+Eigen::Matrix3d ClusterPairs::virial() {
   return engine_->virial();
 }
 void ClusterPairs::serialize(Archive& archive) {

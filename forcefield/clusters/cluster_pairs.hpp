@@ -29,7 +29,7 @@ class ClusterPairs {
   void add_forces(const Vectors& x, Vectors& f);
   // At the positions of the last add_forces [kJ/mol].
   double energy();
-  double virial();  // Σ r·f
+  Eigen::Matrix3d virial();  // Σ r⊗f
 
   void serialize(Archive& archive);  // where the lists were made; loaded, they are made again there
 

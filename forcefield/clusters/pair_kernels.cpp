@@ -32,8 +32,9 @@ class RowSum {
         f_(f),
         law_(law, atoms),
         cutoff2_(set(law.cutoff * law.cutoff)),
-        unit2_(set(atoms.unit * atoms.unit)),
-        sum_(set(0)) {}
+        unit2_(set(atoms.unit * atoms.unit)) {
+    for (V& sum : sum_) sum = set(0);
+  }
 
   HWY_INLINE void add(const PairRow& row, const ClusterList& list) {
     load(row);
@@ -44,15 +45,17 @@ class RowSum {
     const int* clusters = list.clusters.data();
     if constexpr (C::kSum) {
       for (int k = row.begin; k < row.end; ++k) meet<1, false>(clusters + k);
-      total_ += double(hn::GetLane(hn::SumOfLanes(D(), sum_)));
-      sum_ = set(0);
+      for (int k = 0; k < kSums; ++k) {
+        total_[k] += double(hn::GetLane(hn::SumOfLanes(D(), sum_[k])));
+        sum_[k] = set(0);
+      }
     } else {
       meet_all(clusters + row.begin, row.end - row.begin);
       store(row);
     }
   }
 
-  double total() const { return total_; }
+  const SixSums& total() const { return total_; }
 
  private:
   static HWY_INLINE V set(double value) { return hn::Set(D(), static_cast<T>(value)); }
@@ -112,9 +115,20 @@ class RowSum {
     if constexpr (!C::kSum) add_forces(clusters, terms);
     for (int place = 0; place < kPlaces; ++place)
       for (int k = 0; k < K; ++k) {
-        if constexpr (C::kEnergy) sum_ = hn::Add(sum_, terms.of[place][k]);
-        if constexpr (C::kVirial) sum_ = hn::MulAdd(terms.of[place][k], distances.r2[place][k], sum_);
+        if constexpr (C::kEnergy) sum_[0] = hn::Add(sum_[0], terms.of[place][k]);
+        if constexpr (C::kVirial) add_virial(clusters[k], place, terms.of[place][k]);
       }
+  }
+
+  HWY_INLINE void add_virial(std::ptrdiff_t cluster, int place, V term) {
+    V r[3];
+    subtract(cluster, place, r);
+    if constexpr (sizeof(T) == 4) term = hn::Mul(term, unit2_);
+    const V f[3] = {hn::Mul(term, r[0]), hn::Mul(term, r[1]), hn::Mul(term, r[2])};
+    for (int k = 0; k < 3; ++k) sum_[k] = hn::MulAdd(r[k], f[k], sum_[k]);
+    sum_[3] = hn::MulAdd(r[0], f[1], sum_[3]);
+    sum_[4] = hn::MulAdd(r[0], f[2], sum_[4]);
+    sum_[5] = hn::MulAdd(r[1], f[2], sum_[5]);
   }
 
   HWY_INLINE void subtract(std::ptrdiff_t cluster, int place, V (&r)[3]) const {
@@ -213,8 +227,9 @@ class RowSum {
   T* HWY_RESTRICT f_;
   Law law_;
   V cutoff2_, unit2_;
-  V sum_;
-  double total_ = 0;
+  static constexpr int kSums = C::kVirial ? 6 : 1;  // the energy, or the virial
+  V sum_[kSums];
+  SixSums total_{};
   std::uint32_t mask_ = 0;
   VX x_[3][kVectors];
   V own_f_[3][kVectors];
@@ -228,7 +243,7 @@ struct Rows {
 };
 
 template <class T, class C>
-HWY_NOINLINE double sum_kind(const Rows& rows, const PairAtoms<T>& atoms, int kind, T* f) {
+HWY_NOINLINE SixSums sum_kind(const Rows& rows, const PairAtoms<T>& atoms, int kind, T* f) {
   RowSum<T, C> sum(rows.law, atoms, f);
   for (std::size_t r = rows.begin; r < rows.end; ++r)
     if (rows.list.rows[r].kind == kind) sum.add(rows.list.rows[r], rows.list);
@@ -236,7 +251,7 @@ HWY_NOINLINE double sum_kind(const Rows& rows, const PairAtoms<T>& atoms, int ki
 }
 
 template <class T, bool lj, bool charge, Ask ask>
-double choose_law(const Rows& rows, const PairAtoms<T>& atoms, T* f) {
+SixSums choose_law(const Rows& rows, const PairAtoms<T>& atoms, T* f) {
   const int kind = (lj ? kHasLj : 0) | (charge ? kHasCharge : 0);
   if constexpr (!lj) return sum_kind<T, Choice<false, charge, true, false, ask>>(rows, atoms, kind, f);
   if (rows.law.switched())
@@ -248,14 +263,17 @@ double choose_law(const Rows& rows, const PairAtoms<T>& atoms, T* f) {
 
 // Kinds take turns, so that rows near each other find the same clusters still in the cache.
 template <class T, Ask ask>
-double sum_all(const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList& list, T* f) {
+SixSums sum_all(const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList& list, T* f) {
   constexpr std::size_t kTurn = 256;  // rows
-  double sum = 0;
+  SixSums sum{};
+  const auto add = [&](const SixSums& part) {
+    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += part[k];
+  };
   for (std::size_t begin = 0; begin < list.rows.size(); begin += kTurn) {
     const Rows rows{law, list, begin, std::min(begin + kTurn, list.rows.size())};
-    if (law.charge) sum += choose_law<T, false, true, ask>(rows, atoms, f);
-    if (law.lj) sum += choose_law<T, true, false, ask>(rows, atoms, f);
-    if (law.lj && law.charge) sum += choose_law<T, true, true, ask>(rows, atoms, f);
+    if (law.charge) add(choose_law<T, false, true, ask>(rows, atoms, f));
+    if (law.lj) add(choose_law<T, true, false, ask>(rows, atoms, f));
+    if (law.lj && law.charge) add(choose_law<T, true, true, ask>(rows, atoms, f));
   }
   return sum;
 }
@@ -267,15 +285,15 @@ void forces_float(const PairLaw& law, const PairAtoms<float>& atoms, const Clust
   sum_all<float, Ask::kForces>(law, atoms, list, f);
 }
 double energy_double(const PairLaw& law, const PairAtoms<double>& atoms, const ClusterList& list) {
-  return sum_all<double, Ask::kEnergy>(law, atoms, list, nullptr);
+  return sum_all<double, Ask::kEnergy>(law, atoms, list, nullptr)[0];
 }
 double energy_float(const PairLaw& law, const PairAtoms<float>& atoms, const ClusterList& list) {
-  return sum_all<float, Ask::kEnergy>(law, atoms, list, nullptr);
+  return sum_all<float, Ask::kEnergy>(law, atoms, list, nullptr)[0];
 }
-double virial_double(const PairLaw& law, const PairAtoms<double>& atoms, const ClusterList& list) {
+SixSums virial_double(const PairLaw& law, const PairAtoms<double>& atoms, const ClusterList& list) {
   return sum_all<double, Ask::kVirial>(law, atoms, list, nullptr);
 }
-double virial_float(const PairLaw& law, const PairAtoms<float>& atoms, const ClusterList& list) {
+SixSums virial_float(const PairLaw& law, const PairAtoms<float>& atoms, const ClusterList& list) {
   return sum_all<float, Ask::kVirial>(law, atoms, list, nullptr);
 }
 int copies_double() {
@@ -325,11 +343,11 @@ double pair_energy(const PairLaw& law, const PairAtoms<float>& atoms, const Clus
   return HWY_DYNAMIC_DISPATCH(energy_float)(law, atoms, list);
 }
 template <>
-double pair_virial(const PairLaw& law, const PairAtoms<double>& atoms, const ClusterList& list) {
+SixSums pair_virial(const PairLaw& law, const PairAtoms<double>& atoms, const ClusterList& list) {
   return HWY_DYNAMIC_DISPATCH(virial_double)(law, atoms, list);
 }
 template <>
-double pair_virial(const PairLaw& law, const PairAtoms<float>& atoms, const ClusterList& list) {
+SixSums pair_virial(const PairLaw& law, const PairAtoms<float>& atoms, const ClusterList& list) {
   return HWY_DYNAMIC_DISPATCH(virial_float)(law, atoms, list);
 }
 

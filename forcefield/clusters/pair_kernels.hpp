@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <limits>
@@ -82,9 +83,10 @@ void add_pair_forces(const PairLaw& law, const PairAtoms<T>& atoms, const Cluste
 template <class T>
 double pair_energy(const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList& list);  // [kJ/mol]
 
-// Σ r·f, the pairs' virial [kJ/mol].
+// Σ r⊗f, the pairs' virial: xx, yy, zz, xy, xz, yz [kJ/mol].
+using SixSums = std::array<double, 6>;
 template <class T>
-double pair_virial(const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList& list);
+SixSums pair_virial(const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList& list);
 
 // What of a list of clusters' rows is within `range` [nm] now, in rows of row_atoms. `kind` is by slot.
 void prune_list(const RoundedPositions& x, const std::vector<std::uint8_t>& kind, const ClusterList& list,

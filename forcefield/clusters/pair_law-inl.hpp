@@ -20,7 +20,7 @@ template <bool lj, bool charge, bool one_sigma_, bool switched_, Ask ask>
 struct Choice {
   static constexpr bool kLj = lj, kCharge = charge, kOneSigma = one_sigma_, kSwitched = switched_;
   static constexpr bool kEnergy = ask == Ask::kEnergy, kVirial = ask == Ask::kVirial;
-  static constexpr bool kSum = kEnergy || kVirial;  // one number, no forces
+  static constexpr bool kSum = kEnergy || kVirial;  // no forces
   // What the law starts from: 1/r, for energies and switches; 1/r³, for charges; 1/r², without them.
   static constexpr bool kFromRoot = kSwitched || (charge && kEnergy), kFromCube = charge && !kFromRoot;
 };

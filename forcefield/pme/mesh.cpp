@@ -33,6 +33,10 @@ std::vector<double> spline_moduli(int order, int size) {
   return moduli;
 }
 
+double square(double a) {
+  return a * a;
+}
+
 }  // namespace
 
 class PmeMesh::Impl {
@@ -52,18 +56,8 @@ class PmeMesh::Impl {
   }
 
   void add_forces(const Vectors& x, Vectors& f) {
-    const int n = static_cast<int>(charged_.size());
-    const int threads = std::clamp(n / kAtomsPerThread, 1, available_threads());
-    in_parallel(threads, [&](int t) { place(x, Share(n, t, threads)); });
-    sort_by_plane();
-    in_parallel(threads, [&](int t) { lay_splines(Share(n, t, threads)); });
-    in_parallel(threads, [&](int t) {
-      const Share share(size_[0], t, threads);
-      for (int plane = share.begin; plane < share.end; ++plane) {
-        spread(plane);
-        grid_.transform_plane(plane);
-      }
-    });
+    const int n = static_cast<int>(charged_.size()), threads = this->threads();
+    spread_and_transform(x);
     in_parallel(threads, [&](int t) {
       const Share share(size_[1], t, threads);
       for (int row = share.begin; row < share.end; ++row) {
@@ -83,7 +77,21 @@ class PmeMesh::Impl {
   }
 
   double energy() const { return std::accumulate(energy_of_.begin(), energy_of_.end(), 0.0); }
-  double virial() const { return std::accumulate(virial_of_.begin(), virial_of_.end(), 0.0); }
+
+  Eigen::Matrix3d virial(const Vectors& x) {
+    const int threads = this->threads();
+    spread_and_transform(x);
+    in_parallel(threads, [&](int t) {
+      const Share share(size_[1], t, threads);
+      for (int row = share.begin; row < share.end; ++row) {
+        grid_.transform_across(row);
+        virial_of_[row] = virial_of(row);
+      }
+    });
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    for (const Eigen::Matrix3d& of_row : virial_of_) sum += of_row;
+    return sum;
+  }
 
  private:
   struct Charged {
@@ -95,14 +103,33 @@ class PmeMesh::Impl {
     std::array<double, 3> above;  // it, 0 … 1
   };
 
-  // Along an edge: m², and the edge's factor of G.
+  int threads() const {
+    return std::clamp(static_cast<int>(charged_.size()) / kAtomsPerThread, 1, available_threads());
+  }
+
+  // The charges on the grid, transformed within each plane.
+  void spread_and_transform(const Vectors& x) {
+    const int n = static_cast<int>(charged_.size()), threads = this->threads();
+    in_parallel(threads, [&](int t) { place(x, Share(n, t, threads)); });
+    sort_by_plane();
+    in_parallel(threads, [&](int t) { lay_splines(Share(n, t, threads)); });
+    in_parallel(threads, [&](int t) {
+      const Share share(size_[0], t, threads);
+      for (int plane = share.begin; plane < share.end; ++plane) {
+        spread(plane);
+        grid_.transform_plane(plane);
+      }
+    });
+  }
+
+  // Along an edge: m, and the edge's factor of G.
   void lay_waves(int d) {
     const int size = size_[d];
     const auto moduli = spline_moduli(order_, size);
     const double pi = std::numbers::pi;
     for (int k = 0; k < size; ++k) {
       const double m = (k <= size / 2 ? k : k - size) / edge_[d];
-      wave2_[d].push_back(m * m);
+      wave_[d].push_back(m);
       factor_[d].push_back(std::exp(-pi * pi * m * m / (alpha_ * alpha_)) / moduli[k]);
     }
     if (d == 0)
@@ -151,23 +178,38 @@ class PmeMesh::Impl {
   }
 
   void apply_influence(int row) {
-    double energy = 0, virial = 0;
-    const double inv = 2 * std::numbers::pi * std::numbers::pi / (alpha_ * alpha_);
+    double energy = 0;
     for (int k1 = 0; k1 < size_[0]; ++k1) {
       FourierGrid::Complex* z = grid_.row(k1, row);
-      const double g12 = factor_[0][k1] * factor_[1][row], m12 = wave2_[0][k1] + wave2_[1][row];
+      const double g12 = factor_[0][k1] * factor_[1][row], m12 = square(wave_[0][k1]) + square(wave_[1][row]);
       for (int k3 = 0; k3 < grid_.half(); ++k3) {
-        const double m2 = m12 + wave2_[2][k3];
+        const double m2 = m12 + square(wave_[2][k3]);
         const double g = m2 > 0 ? g12 * factor_[2][k3] / m2 : 0;
-        const double twice = k3 == 0 || 2 * k3 == size_[2] ? 0.5 : 1;  // ½, and the half of m₃ left out
-        const double part = twice * g * std::norm(z[k3]);
-        energy += part;
-        virial += part * (1 - inv * m2);
+        energy += share_of(k3) * g * std::norm(z[k3]);
         z[k3] *= g;
       }
     }
     energy_of_[row] = energy;
-    virial_of_[row] = virial;
+  }
+
+  double share_of(int k3) const { return k3 == 0 || 2 * k3 == size_[2] ? 0.5 : 1; }  // ½, and m₃'s other half
+
+  Eigen::Matrix3d virial_of(int row) {
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    const double inv = square(std::numbers::pi / alpha_);
+    for (int k1 = 0; k1 < size_[0]; ++k1) {
+      const FourierGrid::Complex* z = grid_.row(k1, row);
+      for (int k3 = 0; k3 < grid_.half(); ++k3) {
+        const Vec3 m(wave_[0][k1], wave_[1][row], wave_[2][k3]);
+        const double m2 = m.squaredNorm();
+        if (m2 == 0) continue;
+        const double g = factor_[0][k1] * factor_[1][row] * factor_[2][k3] / m2;
+        const double part = share_of(k3) * g * std::norm(z[k3]);
+        sum.diagonal().array() += part;
+        sum -= 2 * part * (1 / m2 + inv) * m * m.transpose();
+      }
+    }
+    return sum;
   }
 
   // What splines reach beyond a row's end.
@@ -194,12 +236,13 @@ class PmeMesh::Impl {
   Vec3 edge_;  // [nm]
   FourierGrid grid_;
   std::vector<Charged> charged_;
-  std::vector<Place> place_;                           // as charged_
-  std::vector<int> slot_;                              // as charged_: where in atoms_
-  std::vector<MeshAtom> atoms_;                        // by plane
-  std::vector<int> begin_, next_;                      // of a plane's, in atoms_
-  std::array<std::vector<double>, 3> wave2_, factor_;  // [1/nm²]; G's [nm²/nm³] but for 1/m²
-  std::vector<double> energy_of_, virial_of_;          // by row
+  std::vector<Place> place_;                          // as charged_
+  std::vector<int> slot_;                             // as charged_: where in atoms_
+  std::vector<MeshAtom> atoms_;                       // by plane
+  std::vector<int> begin_, next_;                     // of a plane's, in atoms_
+  std::array<std::vector<double>, 3> wave_, factor_;  // [1/nm]; G's [nm²/nm³] but for 1/m²
+  std::vector<double> energy_of_;                     // by row, as what follows
+  std::vector<Eigen::Matrix3d> virial_of_;
 };
 
 PmeMesh::PmeMesh(const Eigen::VectorXd& charge, const PmeParameters& parameters, const Box& box)
@@ -214,8 +257,8 @@ void PmeMesh::add_forces(const Vectors& x, Vectors& f) {
 double PmeMesh::energy() const {
   return impl_->energy();
 }
-double PmeMesh::virial() const {
-  return impl_->virial();
+Eigen::Matrix3d PmeMesh::virial(const Vectors& x) {
+  return impl_->virial(x);
 }
 
 }  // namespace taut

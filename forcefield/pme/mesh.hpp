@@ -12,7 +12,7 @@ namespace taut {
 // The reciprocal part of Ewald's sum by smooth particle mesh Ewald (Essmann et al. 1995,
 // doi:10.1063/1.470117, eqs. 4.7 and 4.8): with Q the charges on the grid, F its transform and V the volume,
 //     E = ½ Σ_{m≠0} G(m) |F(m)|²,   G = exp(−π²m²/α²)/(πV m²) / |b|⁻²(m₁)|b|⁻²(m₂)|b|⁻²(m₃)
-//     −3V dE/dV = ½ Σ_{m≠0} G(m) |F(m)|² (1 − 2π²m²/α²)
+//     −dE/dstrain = ½ Σ_{m≠0} G(m) |F(m)|² (1 − 2(1/m² + π²/α²) m⊗m)   (eq. 2.7)
 //     φ = the transform back of G F = dE/dQ;   f = −q Σ φ dw/dx, w the spline's weights.
 //
 // A plane of the grid, all its charges and its transform, is one thread's at a time; so are the transforms
@@ -26,9 +26,9 @@ class PmeMesh {
   PmeMesh& operator=(PmeMesh&&) noexcept;
 
   void add_forces(const Vectors& x, Vectors& f);
-  // Of the last add_forces [kJ/mol].
-  double energy() const;
-  double virial() const;
+  double energy() const;  // of the last add_forces [kJ/mol]
+  // At x [kJ/mol]: charges are spread and transformed again, so that a step that does not ask does not pay.
+  Eigen::Matrix3d virial(const Vectors& x);
 
  private:
   class Impl;

@@ -25,7 +25,8 @@ void Pme::add_forces(const Vectors& x, Vectors& f) {
 }
 
 void Pme::subtract_excluded(const Vectors& x, Vectors& f) {
-  excluded_energy_ = excluded_virial_ = 0;
+  excluded_energy_ = 0;
+  excluded_virial_.setZero();
   const std::size_t n = excluded_.size();
   for (std::size_t first = 0; first < n; first += kScreenedPairs) {
     const std::size_t some = std::min<std::size_t>(n - first, kScreenedPairs);
@@ -35,9 +36,9 @@ void Pme::subtract_excluded(const Vectors& x, Vectors& f) {
     screen(screening_, pairs);
     for (std::size_t k = 0; k < some; ++k) {
       const auto& [i, j, qq] = pair[k];
-      const Vec3 pull = qq * pairs.force[k] * (x.col(i) - x.col(j));
+      const Vec3 r = x.col(i) - x.col(j), pull = qq * pairs.force[k] * r;
       excluded_energy_ -= qq * pairs.energy[k];
-      excluded_virial_ -= qq * pairs.force[k] * pairs.r2[k];
+      excluded_virial_ -= r * pull.transpose();
       f.col(i) -= pull;
       f.col(j) += pull;
     }

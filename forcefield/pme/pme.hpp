@@ -22,7 +22,10 @@ class Pme {
   void add_forces(const Vectors& x, Vectors& f);
   // Of the last add_forces [kJ/mol].
   double energy() const { return constant_ + background_ + excluded_energy_ + mesh_.energy(); }
-  double virial() const { return 3 * background_ + excluded_virial_ + mesh_.virial(); }
+  // At x, −dE/dstrain [kJ/mol].
+  Eigen::Matrix3d virial(const Vectors& x) {
+    return background_ * Eigen::Matrix3d::Identity() + excluded_virial_ + mesh_.virial(x);
+  }
 
  private:
   struct Excluded {
@@ -36,7 +39,8 @@ class Pme {
   Screening screening_;
   double constant_, background_;
   std::vector<Excluded> excluded_;
-  double excluded_energy_ = 0, excluded_virial_ = 0;
+  double excluded_energy_ = 0;
+  Eigen::Matrix3d excluded_virial_;
   PmeMesh mesh_;
 };
 
