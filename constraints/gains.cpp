@@ -29,14 +29,10 @@ DimensionlessGains named(const GainChoice& choice, Damping damping, double mu, d
     return {bh, bh};
   }
   if (name == "box2d") return {std::numbers::pi, std::numbers::pi / 2};
-  if (name == "numbers") {
-    if (!choice.alpha_per_ps || !choice.beta_per_ps)
-      throw InputError("method.gains = \"numbers\": expected alpha_per_ps and beta_per_ps");
-    return {0, 0};
-  }
-  const std::vector<std::string_view> names = {"reversible", "dead-beat", "rattle", "critical",
-                                               "physical",   "hoomd",     "box2d",  "numbers"};
-  throw InputError(fmt::format("method.gains: there is no \"{}\"{}", name, did_you_mean(name, names)));
+  // "numbers"
+  if (!choice.alpha_per_ps || !choice.beta_per_ps)
+    throw InputError("method.gains = \"numbers\": expected alpha_per_ps and beta_per_ps");
+  return {0, 0};
 }
 
 void check(const Gains& g, Damping damping, double h) {
@@ -57,7 +53,12 @@ void check(const Gains& g, Damping damping, double h) {
 
 }  // namespace
 
+std::vector<std::string_view> gain_names() {
+  return {"reversible", "dead-beat", "rattle", "critical", "physical", "hoomd", "box2d", "numbers"};
+}
+
 std::vector<Gains> choose_gains(const GainChoice& choice, Damping damping, const System& sys, double h) {
+  expect_name("method.gains", choice.name, gain_names());
   std::vector<Gains> gains;
   for (const auto& [i, j, d] : sys.bonds) {
     const auto [ah, bh] = named(choice, damping, 1 / (sys.inv_mass[i] + sys.inv_mass[j]), h);

@@ -39,6 +39,8 @@ struct GainChoice {
   double stiffness = 4.5e5;                                   // of a real bond, for "physical" [kJ/mol/nm²]
 };
 
+std::vector<std::string_view> gain_names();
+
 // A bond's gains each. Throws InputError for an unknown name, missing numbers, or gains the step cannot bear.
 std::vector<Gains> choose_gains(const GainChoice& choice, Damping damping, const System& sys, double h);
 

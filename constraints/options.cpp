@@ -1,8 +1,10 @@
 #include "constraints/options.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "md/errors.hpp"
+#include "md/nearest_name.hpp"
 
 namespace taut {
 namespace {
@@ -26,13 +28,17 @@ std::string Option::value() const {
 std::string Option::in_words() const {
   const std::string unit = *about.unit ? fmt::format(" [{}]", about.unit) : "";
   const std::string range = about.range.any() ? "" : fmt::format(" ({})", about.range.in_words());
-  return fmt::format("{} = {}: {}{}{}", key, value(), meaning, unit, range);
+  const std::string words =
+      about.words.empty() ? "" : fmt::format(" (one of {})", fmt::join(about.words, ", "));
+  return fmt::format("{} = {}: {}{}{}{}", key, value(), meaning, unit, range, words);
 }
 
 void check(const std::vector<Option>& options) {
   for (const Option& option : options) {
     const auto given = number(option);
-    const auto& [unit, range, counts] = option.about;
+    const auto& [unit, range, counts, words] = option.about;
+    if (!words.empty())
+      expect_name(fmt::format("method.{}", option.key), **std::get_if<std::string*>(&option.field), words);
     if (given && counts.read && !range.holds(*given))
       throw InputError(fmt::format("method.{}: expected {}, got {}", option.key, range.in_words(), *given));
   }

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -22,6 +23,7 @@ struct Option {
     const char* unit = "";
     Range range = kAnyNumber;
     Counts counts = {};
+    std::vector<std::string_view> words = {};  // a text is one of them
   };
 
   const char* key;
@@ -35,7 +37,7 @@ struct Option {
 
 inline constexpr Range kTolerances{.min = 1e-15, .max = 0.1};
 
-// Throws InputError for the first number that counts and is out of its range.
+// Throws InputError for the first number that counts and is out of its range, and for a word there is not.
 void check(const std::vector<Option>& options);
 
 }  // namespace taut

@@ -2,9 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
-#include "md/errors.hpp"
+#include "md/nearest_name.hpp"
 
 namespace taut {
 
@@ -22,11 +23,15 @@ std::string_view name_of(Damping damping) {
   return "lagged";
 }
 
+std::vector<std::string_view> damping_names() {
+  std::vector<std::string_view> names;
+  for (const Damping damping : kDampings) names.push_back(name_of(damping));
+  return names;
+}
+
 Damping damping_named(std::string_view name) {
-  for (const Damping damping : {Damping::kDiscrete, Damping::kCentred, Damping::kImplicit, Damping::kLagged})
-    if (name == name_of(damping)) return damping;
-  throw InputError(
-      fmt::format("method.damping: \"{}\" is not one of discrete, centred, implicit, lagged", name));
+  expect_name("method.damping", name, damping_names());
+  return *std::ranges::find(kDampings, name, name_of);
 }
 
 Propagator::Propagator(double ah, double bh, Damping damping) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <complex>
 #include <string_view>
+#include <vector>
 
 namespace taut {
 
@@ -18,7 +19,10 @@ enum class Damping {
   kImplicit,  // 2α J v, v the velocity at the end of the step
   kLagged,    // 2α J v_half, half a step behind
 };
+inline constexpr Damping kDampings[] = {Damping::kDiscrete, Damping::kCentred, Damping::kImplicit,
+                                        Damping::kLagged};
 std::string_view name_of(Damping damping);
+std::vector<std::string_view> damping_names();
 Damping damping_named(std::string_view name);  // throws InputError
 
 struct Propagator {

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "md/errors.hpp"
+
 namespace taut {
 namespace {
 
@@ -44,6 +46,11 @@ std::string did_you_mean(std::string_view typed, const std::vector<std::string_v
   if (const auto nearest = nearest_name(typed, names); !nearest.empty())
     return fmt::format("; did you mean \"{}\"?", nearest);
   return names.empty() ? "" : fmt::format("; expected one of {}", fmt::join(names, ", "));
+}
+
+void expect_name(std::string_view key, std::string_view name, const std::vector<std::string_view>& names) {
+  if (std::ranges::find(names, name) == names.end())
+    throw InputError(fmt::format("{}: there is no \"{}\"{}", key, name, did_you_mean(name, names)));
 }
 
 }  // namespace taut

@@ -14,4 +14,8 @@ std::string_view nearest_name(std::string_view typed, const std::vector<std::str
 // "; expected one of shake, rattle", or nothing where there are none.
 std::string did_you_mean(std::string_view typed, const std::vector<std::string_view>& names);
 
+// Throws InputError, "method.gains: there is no \"dead-beet\"; did you mean …", unless the name is one of
+// them.
+void expect_name(std::string_view key, std::string_view name, const std::vector<std::string_view>& names);
+
 }  // namespace taut

@@ -19,8 +19,8 @@ struct Range {
   }
   bool any() const { return *this == Range{}; }
   std::string in_words() const {
-    const std::string least = fmt::format("{} {}", above_min ? "more than" : "at least", min);
-    const std::string most = fmt::format("{} {}", below_max ? "less than" : "at most", max);
+    std::string least = fmt::format("{} {}", above_min ? "more than" : "at least", min);
+    std::string most = fmt::format("{} {}", below_max ? "less than" : "at most", max);
     if (max == std::numeric_limits<double>::infinity()) return least;
     return min == -std::numeric_limits<double>::infinity() ? most : least + " and " + most;
   }

@@ -21,7 +21,6 @@ struct StabilityPlan {
 };
 
 constexpr double kSearch = 64;  // a stable step is looked for from 1/64 to 64 times the scene's
-constexpr Damping kDampings[] = {Damping::kDiscrete, Damping::kCentred, Damping::kImplicit, Damping::kLagged};
 
 //   plane   steps survived, drift and bond errors of Baumgarte at (αh, βh), for each damping
 //   steps   the largest stable step of each method on each scene, by bisection, and how it fails beyond

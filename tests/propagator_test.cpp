@@ -15,7 +15,6 @@ namespace {
 
 using testing::NoForce;
 
-constexpr Damping kDampings[] = {Damping::kDiscrete, Damping::kCentred, Damping::kImplicit, Damping::kLagged};
 
 Baumgarte::Options options_for(double ah, double bh, Damping damping, double h) {
   return {.gains = "numbers",
