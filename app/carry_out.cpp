@@ -94,10 +94,12 @@ void print_summary(const Simulation& simulation, const Summary& s) {
   const auto drift = [](const Estimate& e) {
     return fmt::format("{:.2e}", e.value) + (e.error > 0 ? fmt::format(" ± {:.1e}", e.error) : "");
   };
-  if (s.drift) fmt::print("energy drift {} kJ/mol/ns/degree of freedom\n", drift(*s.drift));
-  if (s.drift && simulation.scene().system.bond_count() > 0)
-    fmt::print("  of it the bonds' {}, the forces' {:.2e}\n", drift(*s.constraint_drift),
-               s.drift->value - s.constraint_drift->value);
+  fmt::print("energy drift{} {} kJ/mol/ns/degree of freedom\n", s.heat ? ", but for the heat," : "",
+             drift(s.drift));
+  if (simulation.scene().system.bond_count() > 0)
+    fmt::print("  of it the bonds' {}, the forces' {:.2e}\n", drift(s.constraint_drift),
+               s.drift.value - s.constraint_drift.value);
+  if (s.heat) fmt::print("heat taken up {:.4g} kJ/mol\n", *s.heat);
   fmt::print("mean temperature {:.2f} K", s.temperature);
   print_temperatures(simulation.temperatures());
   if (s.pressure) fmt::print("pressure {} bar\n", with_error(*s.pressure, 1));

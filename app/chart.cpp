@@ -65,13 +65,14 @@ void show(const ChartPlan& plan, Study& study) {
       fmt::format("A curve a method; its points are the values of the named setting. Bars: quartiles of "
                   "{} interleaved repeats of {} steps.",
                   plan.repeats, plan.steps));
-  study.show({"drift",
-              fmt::format("{}energy drift {} over {} steps (lower left is better)", of, at, plan.drift_steps),
-              drift_csv(plan, ledger)},
-             "Constraint time against energy drift",
-             fmt::format("Slope of the total energy over {} steps; bars: 95 %, from the run's own standard "
-                         "error. A bar to the left edge: zero is inside.",
-                         plan.drift_steps));
+  study.show(
+      {"drift",
+       fmt::format("{}energy drift {} over {} steps (lower left is better)", of, at, plan.drift_steps),
+       drift_csv(plan, ledger)},
+      "Constraint time against energy drift",
+      fmt::format("Slope of the total energy over {} steps; bars: 95 %, from the run's own standard "
+                  "error. A bar to the left edge: zero is inside. The figures have the bonds' share of it.",
+                  plan.drift_steps));
   study.show(
       {"order",
        fmt::format("{}distance from the exact trajectory after {:g} fs", of,

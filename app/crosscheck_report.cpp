@@ -37,11 +37,12 @@ void print_row(const Crosscheck& c, const Track& track) {
   const bool ran = track.samples.size() > 1, compared = ran && &track != &c.twin && &track != &c.fine;
   const auto parted = track.parted_at(c.agreement);
   fmt::print(
-      "{:<20} {:>8} {:>7} {:>8} {:>8} {:>8} {:>18} {:>7}\n", track.name,
+      "{:<20} {:>8} {:>7} {:>8} {:>8} {:>8} {:>18} {:>9} {:>7}\n", track.name,
       or_dash(track.apart_at(c.parting), compared), parted ? fmt::format("{}", *parted) : "–",
       or_dash(last_from_truth(track), last_from_truth(track) >= 0),
       or_dash(track.worst_bond(), ran && c.bonds > 0), or_dash(track.rms_bond(c.steps), ran && c.bonds > 0),
       track.drift.error > 0 ? fmt::format("{:.1e} ± {:.0e}", track.drift.value, track.drift.error) : "–",
+      or_dash(track.constraint_drift ? track.constraint_drift->value : 0, track.constraint_drift.has_value()),
       ran ? fmt::format("{:.2f}", track.temperature.value) : "–");
 }
 
@@ -83,6 +84,7 @@ Json json_of(const Crosscheck& c, const Track& track) {
     json["foretold"] = {{"steps", track.foretold->steps},
                         {"rms_rel_bond_error", track.foretold->bond_rms},
                         {"apart_nm", track.foretold->apart}};
+  if (track.constraint_drift) json["constraint_drift_kj_mol_ns_dof"] = json_of(*track.constraint_drift);
   if (track.end_to_end.value > 0) json["end_to_end_nm"] = json_of(track.end_to_end);
   return json;
 }
@@ -162,10 +164,10 @@ void print_crosscheck(const Crosscheck& c) {
              c.chaos.growth > 100
                  ? fmt::format("growing by {:.2g} ± {:.1g} /ps", c.chaos.rate.value, c.chaos.rate.error)
                  : "too little for a rate");
-  fmt::print("{:<20} {:>8} {:>7} {:>8} {:>17} {:>18} {:>7}\n", "", "apart", "parted", "off fine",
-             "bond error  ", "energy drift", "T");
-  fmt::print("{:<20} {:>8} {:>7} {:>8} {:>8} {:>8} {:>18} {:>7}\n", "", "[nm]", "at step", "run [nm]", "max",
-             "rms", "[kJ/mol/ns/dof]", "[K]");
+  fmt::print("{:<20} {:>8} {:>7} {:>8} {:>17} {:>18} {:>9} {:>7}\n", "", "apart", "parted", "off fine",
+             "bond error  ", "energy drift", "bonds'", "T");
+  fmt::print("{:<20} {:>8} {:>7} {:>8} {:>8} {:>8} {:>18} {:>9} {:>7}\n", "", "[nm]", "at step", "run [nm]",
+             "max", "rms", "[kJ/mol/ns/dof]", "share", "[K]");
   for (const Track* track : all_tracks(c)) print_row(c, *track);
   fmt::print("\n");
   for (const Verdict& v : verdicts(c))

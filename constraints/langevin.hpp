@@ -44,6 +44,8 @@ class Langevin final : public Bath {
   SolveStats start(const System& sys, State& s) override;
   void second_half(State& s) override;
 
+  const Vectors& half_jump() const { return half_jump_; }  // ½Δ of the drift under way, until draw() [nm/ps]
+
   void serialize(Archive& archive) { archive(half_jump_, random_); }
 
   // The velocity that Δ is about to change, P(v + (h/2)M⁻¹f): canonical for free and for harmonic motion at

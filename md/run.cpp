@@ -5,7 +5,6 @@
 #include <string_view>
 
 #include "md/errors.hpp"
-#include "md/observables.hpp"
 
 namespace taut {
 namespace {
@@ -61,12 +60,9 @@ bool holds(const SolveStats& stats, const RunPlan& plan) {
   return stats.converged() && stats.max_residual < plan.broken_at;
 }
 
-SolveStats take_step(const Dynamics& dynamics, const RunPlan& plan, long n, State& s) {
+SolveStats take_step(const Dynamics& dynamics, const RunPlan& plan, State& s) {
   const SolveStats stats = step(dynamics, plan.h, s);
-  if (!holds(stats, plan)) return stats;
-  dynamics.bath.after_step(dynamics.sys, plan.h, s);
-  if (plan.remove_momentum_every > 0 && n % plan.remove_momentum_every == 0)
-    remove_momentum(dynamics.sys, s.v);
+  if (holds(stats, plan)) dynamics.bath.after_step(dynamics.sys, plan.h, s);
   return stats;
 }
 
@@ -76,7 +72,7 @@ bool run(const Dynamics& dynamics, const RunPlan& plan, RunProgress& progress, S
   };
   while (progress.step < plan.steps) {
     const long n = ++progress.step;
-    const SolveStats stats = take_step(dynamics, plan, n, s);
+    const SolveStats stats = take_step(dynamics, plan, s);
     if (!holds(stats, plan)) fail(stats);
     progress.since += stats;
     if (n % plan.observe_every == 0) {

@@ -10,9 +10,8 @@ namespace taut {
 struct RunPlan {
   double h = 0;  // [ps]
   long steps = 0;
-  long observe_every = 100;        // steps
-  long remove_momentum_every = 0;  // steps; 0: never
-  double broken_at = 0.5;          // |σ|/d² from which a bond counts as broken
+  long observe_every = 100;  // steps
+  double broken_at = 0.5;    // |σ|/d² from which a bond counts as broken
 };
 
 // What an observer sees.
@@ -40,8 +39,8 @@ Diagnosis diagnose(const System& sys, const State& s, const SolveStats& stats, l
 // Throws SimulationFailure, the diagnosis, where a solve has failed.
 void demand_converged(const System& sys, const State& s, const SolveStats& stats, long step);
 
-// Step n of a run. Where it does not hold nothing more is done.
-SolveStats take_step(const Dynamics& dynamics, const RunPlan& plan, long n, State& s);
+// A step of a run. Where it does not hold nothing more is done.
+SolveStats take_step(const Dynamics& dynamics, const RunPlan& plan, State& s);
 bool holds(const SolveStats& stats, const RunPlan& plan);
 
 // How far a run has come. Kept in a checkpoint, it goes on as if nothing had been.

@@ -9,13 +9,15 @@ namespace taut {
 VelocityRescaling::VelocityRescaling(double temperature, double relaxation, int dof, std::uint64_t seed)
     : target_(0.5 * dof * kBoltzmann * temperature), relaxation_(relaxation), dof_(dof), random_(seed) {}
 
-void VelocityRescaling::operator()(double kinetic, double h, Vectors& v) {
-  if (kinetic == 0) return;
+double VelocityRescaling::operator()(double kinetic, double h, Vectors& v) {
+  if (kinetic == 0) return 1;
   const double c = std::exp(-h / relaxation_), share = target_ / dof_ / kinetic;
   const double first = random_.normal();
   const double squares = first * first + sum_of_squares(dof_ - 1);
-  const double scale = c + share * (1 - c) * squares + 2 * first * std::sqrt(c * (1 - c) * share);
-  v *= std::sqrt(std::max(0.0, scale));
+  const double scale =
+      std::max(0.0, c + share * (1 - c) * squares + 2 * first * std::sqrt(c * (1 - c) * share));
+  v *= std::sqrt(scale);
+  return scale;
 }
 
 // Half of it has the gamma distribution of shape n/2: Marsaglia and Tsang 2000, doi:10.1145/358407.358414.

@@ -15,8 +15,8 @@ class VelocityRescaling {
   // temperature [K], relaxation time [ps]; dof: degrees of freedom, at least 1.
   VelocityRescaling(double temperature, double relaxation, int dof, std::uint64_t seed);
 
-  // The velocities' kinetic energy [kJ/mol] is told: not all of it need be thermal.
-  void operator()(double kinetic, double h, Vectors& v);
+  // The velocities' kinetic energy [kJ/mol] is told: not all of it need be thermal. Returns K'/K.
+  double operator()(double kinetic, double h, Vectors& v);
   void serialize(Archive& archive) { archive(random_); }
 
  private:

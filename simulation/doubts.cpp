@@ -13,6 +13,7 @@ namespace {
 constexpr double kStretched = 0.05;  // of a bond
 constexpr double kErrors = 5;
 constexpr double kWarm = 0.25;  // of kT a nanosecond and degree of freedom, by constraints alone
+constexpr double kOff = 0.01;   // of the temperature, where a thermostat bears the drift
 
 }  // namespace
 
@@ -25,21 +26,27 @@ std::vector<std::string> doubts(const Summary& s) {
   else if (s.max_rel_bond_error > kStretched)
     all.push_back(fmt::format("bonds are off by up to {:.2g} %; take method newton, or a shorter step",
                               100 * s.max_rel_bond_error));
-  if (!s.drift || s.drift->error == 0) return all;
+  if (s.drift.error == 0) return all;
   const double kT = kBoltzmann * s.temperature;
-  const double heat = s.drift->value / kT;  // per ns
-  const auto& bonds = s.constraint_drift;
-  if (bonds && std::abs(bonds->value) > kWarm * kT && std::abs(bonds->value) > kErrors * bonds->error &&
-      std::abs(bonds->value) > 0.5 * std::abs(s.drift->value)) {
+  const double heat = s.drift.value / kT;  // per ns
+  std::string thermostat;
+  if (s.off_by_k) {
+    if (std::abs(*s.off_by_k) < kOff * s.temperature) return all;
+    thermostat = fmt::format(", which the thermostat leaves {:.2g} K too {}", std::abs(*s.off_by_k),
+                             *s.off_by_k > 0 ? "warm" : "cold");
+  }
+  const Estimate& bonds = s.constraint_drift;
+  if (std::abs(bonds.value) > kWarm * kT && std::abs(bonds.value) > kErrors * bonds.error &&
+      std::abs(bonds.value) > 0.5 * std::abs(s.drift.value)) {
     all.push_back(
-        fmt::format("the constraints {} by {:.2g} kJ/mol a nanosecond and degree of freedom; {}",
-                    bonds->value > 0 ? "heat" : "cool", std::abs(bonds->value),
+        fmt::format("the constraints {} by {:.2g} kJ/mol a nanosecond and degree of freedom{}; {}",
+                    bonds.value > 0 ? "heat" : "cool", std::abs(bonds.value), thermostat,
                     s.converged ? "take a shorter step" : "feedforward at the same price does not"));
     return all;
   }
-  if (std::abs(heat) > 1 && std::abs(s.drift->value) > kErrors * s.drift->error)
+  if (std::abs(heat) > 1 && std::abs(s.drift.value) > kErrors * s.drift.error)
     all.push_back(fmt::format(
-        "the energy drifts by {:.2g} kT a nanosecond and degree of freedom; {}", heat,
+        "the energy drifts by {:.2g} kT a nanosecond and degree of freedom{}; {}", heat, thermostat,
         s.converged == true ? "take a shorter step, or let pair forces end smoothly (forcefield.switch_nm)"
                             : "take method newton, or a shorter step"));
   return all;

@@ -21,7 +21,7 @@ constexpr std::string_view kLogHeader =
     "#\"Step\",\"Time (ps)\",\"Potential Energy (kJ/mole)\",\"Kinetic Energy (kJ/mole)\","
     "\"Total Energy (kJ/mole)\",\"Temperature (K)\",\"Speed (ns/day)\",\"Max Relative Bond Error\","
     "\"RMS Relative Bond Error\",\"Energy Drift (kJ/mole/ns/dof)\",\"Iterations per Step\",\"Pressure "
-    "(bar)\",\"Constraint Work (kJ/mole)\"";
+    "(bar)\",\"Constraint Work (kJ/mole)\",\"Heat (kJ/mole)\"";
 constexpr std::string_view kBoxHeader =
     ",\"Box Volume (nm^3)\",\"Density (kg/m^3)\",\"Pressure XX (bar)\",\"Pressure YY (bar)\",\"Pressure ZZ "
     "(bar)\","
@@ -32,11 +32,11 @@ std::string log_row(const Record& r) {
   if (r.pressure)
     in_box =
         fmt::format(",{:.12g},{:.9g},{:.9g}", r.volume, r.density, fmt::join(six_of(r.pressure_tensor), ","));
-  return fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{:.9g},{:.4g},{:.6e},{:.6e},{},{:.4g},{},{}{}\n",
-                     r.step, r.t, r.potential, r.kinetic, r.total(), r.temperature, r.ns_per_day, r.bonds.max,
-                     r.bonds.rms, r.drift ? fmt::format("{:.6e}", *r.drift) : "", r.iterations,
-                     r.pressure ? fmt::format("{:.9g}", *r.pressure) : "",
-                     r.constraint_work ? fmt::format("{:.9g}", *r.constraint_work) : "", in_box);
+  return fmt::format(
+      "{},{:.17g},{:.17g},{:.17g},{:.17g},{:.9g},{:.4g},{:.6e},{:.6e},{:.6e},{:.4g},{},{:.9g},{}{}\n", r.step,
+      r.t, r.potential, r.kinetic, r.total(), r.temperature, r.ns_per_day, r.bonds.max, r.bonds.rms, r.drift,
+      r.iterations, r.pressure ? fmt::format("{:.9g}", *r.pressure) : "", r.constraint_work,
+      r.heat ? fmt::format("{:.9g}", *r.heat) : "", in_box);
 }
 
 // Where there are too few rows for an error, it is null.
@@ -70,12 +70,11 @@ ordered_json summary_json(const Simulation& simulation, const Summary& s) {
       {"ns_per_day", s.ns_per_day},
       {"max_rel_bond_error", s.max_rel_bond_error},
       {"rms_rel_bond_error", s.rms_rel_bond_error},
-      {"energy_drift_kj_mol_ns_dof", s.drift ? ordered_json(s.drift->value) : ordered_json()},
-      {"energy_drift_standard_error",
-       s.drift && s.drift->error > 0 ? ordered_json(s.drift->error) : ordered_json()},
-      {"constraint_drift_kj_mol_ns_dof",
-       s.constraint_drift ? ordered_json(s.constraint_drift->value) : ordered_json()},
-      {"constraint_work_kj_mol", s.constraint_work ? ordered_json(*s.constraint_work) : ordered_json()},
+      {"energy_drift_kj_mol_ns_dof", s.drift.value},
+      {"energy_drift_standard_error", s.drift.error > 0 ? ordered_json(s.drift.error) : ordered_json()},
+      {"constraint_drift_kj_mol_ns_dof", s.constraint_drift.value},
+      {"constraint_work_kj_mol", s.constraint_work},
+      {"heat_kj_mol", s.heat ? ordered_json(*s.heat) : ordered_json()},
       {"temperature_k", s.temperature},
       {"potential_kj_mol", s.potential},
       {"total_kj_mol", s.total},

@@ -130,13 +130,15 @@ void Simulation::make_thermostat() {
 }
 
 Dynamics Simulation::dynamics() {
-  Bath& bath = langevin_ ? static_cast<Bath&>(*langevin_) : *this;
-  return {scene_.system, *this, *method_, bath};
+  return {scene_.system, *this, *method_, *this};
 }
 
 void Simulation::operator()(const System& sys, State& s) {
   forces_(sys, s);
-  meter_.see(scene_.run.h(), s);
+  if (langevin_)
+    meter_.see(scene_.run.h(), sys, s, langevin_->half_jump());
+  else
+    meter_.see(scene_.run.h(), s);
 }
 
 // What is drawn from here on was not drawn before: a thermostat taken away and given back.
@@ -206,6 +208,7 @@ void Simulation::change(const RunSettings& run) {
   const long last_row = std::exchange(sums_, LogSums{}).last_row;
   sums_.last_row = last_row;
   unaccounted_at_start_ = unaccounted(record());
+  heat_at_start_ = meter_.heat();
 }
 
 // The thing itself is made anew, from the same scene; this is what its steps have changed.
@@ -219,7 +222,7 @@ void Simulation::serialize(Archive& archive) {
   archive(sums_);
   archive.demand(0 <= sums_.last_row && sums_.last_row <= progress_.step && 0 <= sums_.rows &&
                  sums_.rows <= progress_.step + 1);
-  archive(*temperatures_, forces_, meter_, unaccounted_at_start_);
+  archive(*temperatures_, forces_, meter_, unaccounted_at_start_, heat_at_start_);
   archive(*method_);
   serialize_thermostat(archive);
   if (!archive.loading()) return;

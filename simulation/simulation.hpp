@@ -36,33 +36,37 @@ struct Record {
   double potential = 0, kinetic = 0;  // of Simulation::velocity() [kJ/mol]
   double temperature = 0;             // of Simulation::thermal_velocity() [K]
   BondErrors bonds;
-  std::optional<double> drift;  // of the total energy so far [kJ/mol/ns/dof]; none under a thermostat
-  // Of the total energy since the start, what the bonds did and not the forces (md/work_meter.hpp)
-  // [kJ/mol].
-  std::optional<double> constraint_work;
-  double iterations = 0;  // a step, since the last row
+  double drift = 0;  // of the energy but for the heat, so far [kJ/mol/ns/dof]
+  // Of the energy since the start, or since the thermostat was changed (md/work_meter.hpp) [kJ/mol]: what the
+  // bonds did,
+  double constraint_work = 0;
+  std::optional<double> heat;  // and what the thermostat gave and the momentum taken out took, if any is
+  double iterations = 0;       // a step, since the last row
   double ns_per_day = 0;
   std::optional<double> pressure;   // in a box [bar], as what follows
   double volume = 0, density = 0;   // [nm³], [kg/m³]
   Eigen::Matrix3d pressure_tensor;  // [bar]
 
   double total() const { return potential + kinetic; }
+  double but_for_heat() const { return total() - heat.value_or(0); }
 };
 
 // What a run came to.
 struct Summary {
   long steps = 0;
   double us_per_step = 0, constraint_us_per_step = 0, ns_per_day = 0;
-  double max_rel_bond_error = 0;             // over all rows
-  double rms_rel_bond_error = 0;             // root mean square over all rows
-  std::optional<Estimate> drift;             // [kJ/mol/ns/degree of freedom]; none under a thermostat
-  std::optional<Estimate> constraint_drift;  // the bonds' share of it
-  std::optional<double> constraint_work;     // since the start [kJ/mol]
-  double temperature = 0;                    // mean over the rows [K]
-  std::optional<Estimate> pressure;          // mean over the rows, in a box [bar], as what follows
-  Estimate volume, density;                  // [nm³], [kg/m³]
-  std::array<Estimate, 6> pressure_tensor;   // kTensorNames [bar]
-  double potential = 0, total = 0;           // at the end [kJ/mol]
+  double max_rel_bond_error = 0;  // over all rows
+  double rms_rel_bond_error = 0;  // root mean square over all rows
+  Estimate drift;                 // of the energy but for the heat [kJ/mol/ns/degree of freedom]
+  Estimate constraint_drift;      // the bonds' share of it
+  double constraint_work = 0;     // and heat: as in the last row [kJ/mol]
+  std::optional<double> heat;
+  std::optional<double> off_by_k;           // what the drift adds to the thermostat's temperature
+  double temperature = 0;                   // mean over the rows [K]
+  std::optional<Estimate> pressure;         // mean over the rows, in a box [bar], as what follows
+  Estimate volume, density;                 // [nm³], [kg/m³]
+  std::array<Estimate, 6> pressure_tensor;  // kTensorNames [bar]
+  double potential = 0, total = 0;          // at the end [kJ/mol]
   std::optional<bool> converged;    // every step to twice the error the method promises; none: promises none
   std::vector<std::string> doubts;  // systems/doubts.hpp
 };
@@ -128,8 +132,16 @@ class Simulation : private Bath, private ForceLaw {
  private:
   void bring_to_the_bonds();
   void note_start();
-  void after_step(const System& sys, double h, State& s) override;  // rescales, where that is the thermostat
-  void operator()(const System& sys, State& s) override;            // the forces, their work metered
+  // The thermostat, and what is taken out of the momentum; its heat metered.
+  Bath& bath() { return langevin_ ? static_cast<Bath&>(*langevin_) : no_bath(); }
+  void first_half(State& s) override { bath().first_half(s); }
+  SolveStats draw(const System& sys, double h, State& s) override { return bath().draw(sys, h, s); }
+  SolveStats start(const System& sys, State& s) override { return bath().start(sys, s); }
+  void second_half(State& s) override { bath().second_half(s); }
+  void after_step(const System& sys, double h, State& s) override;
+  void rescale(double h, State& s);
+  void take_momentum_out(State& s);
+  void operator()(const System& sys, State& s) override;  // the forces, their work metered
   std::uint64_t seed_here() const;
   void make_thermostat();
   void serialize_thermostat(Archive& archive);
@@ -155,8 +167,12 @@ class Simulation : private Bath, private ForceLaw {
 
   RunPlan plan() const;
   double per_ns_and_dof() const;
-  // The energy but for the potential's and the work of its forces: what bonds alone can change [kJ/mol].
-  double unaccounted(const Record& r) const { return r.total() - forces_.potential() - meter_.work(); }
+  std::optional<double> off_by_k(double drift) const;
+  // The energy but for the potential's, the work of its forces and the heat: what bonds alone can change
+  // [kJ/mol].
+  double unaccounted(const Record& r) const {
+    return r.total() - forces_.potential() - meter_.work() - meter_.heat();
+  }
   Record row(const SolveStats& since, const Stopwatch& watch, long steps);
   Summary summary(const Record& end, double seconds, double constraint_seconds, long steps) const;
   void keep_snapshot();
@@ -167,7 +183,7 @@ class Simulation : private Bath, private ForceLaw {
   Scene scene_;
   mutable ForceField forces_;  // measuring tensions evaluates them again, where the state is
   WorkMeter meter_;
-  double unaccounted_at_start_ = 0;  // or at the change to a run without a thermostat
+  double unaccounted_at_start_ = 0, heat_at_start_ = 0;  // or where the thermostat was changed
   std::unique_ptr<ConstraintMethod> method_;
   mutable Projector projector_;
   State state_;

@@ -5,6 +5,7 @@
 
 #include "md/errors.hpp"
 #include "md/timed.hpp"
+#include "md/units.hpp"
 #include "simulation/doubts.hpp"
 #include "simulation/simulation.hpp"
 
@@ -40,8 +41,8 @@ class Simulation::Stopwatch {
 };
 
 void Simulation::LogSums::add(const Record& r, double residual) {
-  energy.add(r.t, r.total());
-  if (r.constraint_work) constraint_work.add(r.t, *r.constraint_work);
+  energy.add(r.t, r.but_for_heat());
+  constraint_work.add(r.t, r.constraint_work);
   ++rows;
   last_row = r.step;
   largest_error = std::max(largest_error, r.bonds.max);
@@ -62,22 +63,19 @@ double Simulation::per_ns_and_dof() const {
 }
 
 RunPlan Simulation::plan() const {
-  return {.h = scene_.run.h(),
-          .steps = scene_.run.steps,
-          .observe_every = scene_.run.log_every,
-          .remove_momentum_every = scene_.run.remove_momentum_every};
+  return {.h = scene_.run.h(), .steps = scene_.run.steps, .observe_every = scene_.run.log_every};
 }
 
 // The row of the log for the state as it is.
 Record Simulation::row(const SolveStats& since, const Stopwatch& watch, long steps) {
   Record r = record();
   r.step = progress_.step;
-  if (!scene_.run.thermostatted()) {
-    RunningSlope energy = sums_.energy;
-    energy.add(r.t, r.total());
-    r.drift = energy.value() * per_ns_and_dof();
-    r.constraint_work = unaccounted(r) - unaccounted_at_start_;
-  }
+  if (scene_.run.thermostatted() || scene_.run.remove_momentum_every > 0)
+    r.heat = meter_.heat() - heat_at_start_;
+  RunningSlope energy = sums_.energy;
+  energy.add(r.t, r.but_for_heat());
+  r.drift = energy.value() * per_ns_and_dof();
+  r.constraint_work = unaccounted(r) - unaccounted_at_start_;
   if (barometer_) {
     const bool springs_move = has_springs() && !langevin_;  // and the pressure has their part in it
     r.pressure_tensor = (*barometer_)(scene_.system, forces_, state_.x,
@@ -132,13 +130,37 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
   return summary(last, watch.seconds(), timed.seconds(), progress_.step - first);
 }
 
-// What is thermal of the kinetic energy tells how to scale.
-void Simulation::after_step(const System& sys, double h, State& s) {
-  if (!rescaling_) return;
+void Simulation::after_step(const System&, double h, State& s) {
+  if (rescaling_) rescale(h, s);
+  const long every = scene_.run.remove_momentum_every;
+  if (every > 0 && progress_.step % every == 0) take_momentum_out(s);
+}
+
+// What is thermal of the kinetic energy tells how to scale; springs' velocities are scaled, too.
+void Simulation::rescale(double h, State& s) {
+  const System& sys = scene_.system;
   const bool all_thermal = method_->holds() == ConstraintMethod::Holds::kAll;
-  const double kinetic =
+  const double thermal =
       all_thermal ? kinetic_energy(sys, s.v) : kinetic_energy(sys, without_stretching(s.v));
-  (*rescaling_)(kinetic, h, s.v);
+  const double kinetic = has_springs() ? kinetic_energy(sys, s.v) : thermal;
+  meter_.take_up(((*rescaling_)(thermal, h, s.v) - 1) * kinetic);
+}
+
+// It has |P|²/2M of the kinetic energy.
+void Simulation::take_momentum_out(State& s) {
+  const System& sys = scene_.system;
+  const double mass = sys.mass.sum();
+  if (mass > 0) meter_.take_up(-momentum(sys, s.v).squaredNorm() / (2 * mass));
+  remove_momentum(sys, s.v);
+}
+
+// A thermostat takes ½kδT·r off a degree of freedom that is δT too warm, r = 1/τ where it rescales, 2γ of
+// Langevin's: that balances the drift. None without thermostat [K].
+std::optional<double> Simulation::off_by_k(double drift) const {
+  const RunSettings& run = scene_.run;
+  if (!run.thermostatted()) return {};
+  const double rate = run.langevin() ? 2 * run.friction_per_ps : 1 / run.thermostat_ps;  // [1/ps]
+  return 2 * drift / 1000 / (kBoltzmann * rate);
 }
 
 Summary Simulation::summary(const Record& end, double seconds, double constraint_seconds, long steps) const {
@@ -150,15 +172,15 @@ Summary Simulation::summary(const Record& end, double seconds, double constraint
   s.ns_per_day = end.ns_per_day;
   s.max_rel_bond_error = sums_.largest_error;
   s.rms_rel_bond_error = std::sqrt(sums_.squares / rows);
-  if (!scene_.run.thermostatted()) {
-    const auto drift = [&](const RunningSlope& of) {
-      const Estimate slope = of.estimate();
-      return Estimate{slope.value * per_ns_and_dof(), slope.error * per_ns_and_dof()};
-    };
-    s.drift = drift(sums_.energy);
-    s.constraint_drift = drift(sums_.constraint_work);
-    s.constraint_work = end.constraint_work;
-  }
+  const auto drift = [&](const RunningSlope& of) {
+    const Estimate slope = of.estimate();
+    return Estimate{slope.value * per_ns_and_dof(), slope.error * per_ns_and_dof()};
+  };
+  s.drift = drift(sums_.energy);
+  s.constraint_drift = drift(sums_.constraint_work);
+  s.constraint_work = end.constraint_work;
+  s.heat = end.heat;
+  s.off_by_k = off_by_k(s.drift.value);
   s.temperature = sums_.temperatures / rows;
   if (barometer_) {
     s.pressure = sums_.pressure.estimate();
@@ -207,8 +229,9 @@ std::optional<Diagnosis> Simulation::wrong_with_next_step() {
   const RunPlan plan = this->plan();
   SolveStats stats;
   std::string thrown;  // by a force
+  ++progress_.step;
   try {
-    stats = take_step(dynamics(), plan, ++progress_.step, state_);
+    stats = take_step(dynamics(), plan, state_);
   } catch (const SimulationFailure& e) {
     thrown = e.what();
   }

@@ -176,14 +176,14 @@ std::string work_csv(const ChartPlan& plan, const Ledger& ledger) {
 
 std::string drift_csv(const ChartPlan& plan, const Ledger& ledger) {
   std::string text =
-      "curve,method,parameter,value,ns_per_bond_step,drift_kj_mol_ns_dof,drift_low,drift_high,steps,"
-      "failure\n";
+      "curve,method,parameter,value,ns_per_bond_step,drift_kj_mol_ns_dof,drift_low,drift_high,"
+      "constraint_drift_kj_mol_ns_dof,steps,failure\n";
   for (const Setting& s : plan.settings()) {
     const Trial& t = ledger.at(drift_name(s));
     const Quartiles ns = cost(work_name(s), plan.repeats, plan.scene.system.bond_count(), ledger);
-    text += t.failed() ? fmt::format("{},,,,,{},{}\n", columns(s), t.steps, csv_cell(t.failure))
-                       : fmt::format("{},{:.4g},{:.6e},{:.6e},{:.6e},{},\n", columns(s), ns.median, t.drift,
-                                     t.drift_low(), t.drift_high(), t.steps);
+    text += t.failed() ? fmt::format("{},,,,,,{},{}\n", columns(s), t.steps, csv_cell(t.failure))
+                       : fmt::format("{},{:.4g},{:.6e},{:.6e},{:.6e},{:.6e},{},\n", columns(s), ns.median,
+                                     t.drift, t.drift_low(), t.drift_high(), t.constraint_drift, t.steps);
   }
   return text;
 }

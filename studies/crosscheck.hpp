@@ -63,12 +63,13 @@ struct Track {
   std::string name;
   std::string setting;  // gains, tolerance, ...
   std::vector<Sample> samples;
-  std::string failure;               // why it ended early; empty: it did not
-  Estimate drift;                    // of the total energy [kJ/mol/ns/degree of freedom]
-  Estimate temperature;              // [K]
-  Distances oxygens;                 // empty without water or in runs too short
-  Estimate end_to_end;               // [nm], 0 without chains
-  std::optional<Foretold> foretold;  // of Baumgarte
+  std::string failure;                            // why it ended early; empty: it did not
+  Estimate drift;                                 // of the total energy [kJ/mol/ns/degree of freedom]
+  std::optional<Estimate> constraint_drift = {};  // the bonds' share of it, in taut's runs
+  Estimate temperature;                           // [K]
+  Distances oxygens;                              // empty without water or in runs too short
+  Estimate end_to_end;                            // [nm], 0 without chains
+  std::optional<Foretold> foretold;               // of Baumgarte
 
   double most_apart() const;                       // [nm]
   double apart_at(long step) const;                // at the last sample up to there [nm]

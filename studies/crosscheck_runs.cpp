@@ -78,6 +78,7 @@ class Recorder {
   }
 
   void fail(const std::string& why) { followed_.track.failure = first_line(why); }
+  void share(const Estimate& of_bonds) { followed_.track.constraint_drift = of_bonds; }
   void set(const std::string& setting) { followed_.track.setting = setting; }
 
   bool keep_frames = false;
@@ -141,10 +142,11 @@ Followed follow(const Stage& stage, const Contestant& contestant, long steps, co
       recorder.see(step, simulation.state(), simulation.record().potential);
     };
     see(0);
-    simulation.run({}, [&](long fine_step) {
+    const Summary summary = simulation.run({}, [&](long fine_step) {
       if (each) each(simulation.state());
       if (fine_step % finer == 0 && stage.samples(fine_step / finer)) see(fine_step / finer);
     });
+    recorder.share(summary.constraint_drift);
   } catch (const SimulationFailure& e) {
     recorder.fail(e.what());
   } catch (const InputError& e) {  // a method that does not take this scene

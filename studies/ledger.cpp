@@ -13,16 +13,16 @@ namespace {
 
 // name, figures and failure, between tabs.
 std::string line_of(const std::string& name, const Trial& t) {
-  return fmt::format("{}\t{}\t{:.17g}\t{:.17g}\t{:.17g}\t{:.17g}\t{:.17g}\t{:.17g}\t{:.17g}\t{}\n", name,
-                     t.steps, t.constraint_us, t.step_us, t.max_error, t.rms_error, t.drift, t.drift_error,
-                     t.figure, t.failure);
+  return fmt::format("{}\t{}\t{:.17g}\t{:.17g}\t{:.17g}\t{:.17g}\t{:.17g}\t{:.17g}\t{:.17g}\t{:.17g}\t{}\n",
+                     name, t.steps, t.constraint_us, t.step_us, t.max_error, t.rms_error, t.drift,
+                     t.drift_error, t.constraint_drift, t.figure, t.failure);
 }
 
 bool read_line(const std::string& line, std::string& name, Trial& t) {
   std::istringstream fields(line);
   std::getline(fields, name, '\t');
   fields >> t.steps >> t.constraint_us >> t.step_us >> t.max_error >> t.rms_error >> t.drift >>
-      t.drift_error >> t.figure;
+      t.drift_error >> t.constraint_drift >> t.figure;
   if (!fields) return false;
   fields.ignore(1);
   std::getline(fields, t.failure);

@@ -59,16 +59,18 @@ std::vector<std::pair<std::string, Trial>> precision_trials(const ChartPlan& pla
 std::string precision_csv(const ChartPlan& plan, const Ledger& ledger) {
   std::string text =
       "method,precision,step_us_q1,step_us,step_us_q3,drift_kj_mol_ns_dof,drift_low,drift_high,"
+      "constraint_drift_kj_mol_ns_dof,"
       "rms_rel_bond_error,max_rel_bond_error,failure\n";
   for (const auto& method : plan.methods)
     for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
       const Trial& t = ledger.at(point_name("precision", method, precision));
       const Quartiles us =
           over_repeats(point_name("step", method, precision), plan.repeats, ledger, &Trial::step_us);
-      text += t.failed() ? fmt::format("{},{},,,,,,,,,{}\n", method, name_of(precision), csv_cell(t.failure))
-                         : fmt::format("{},{},{:.5g},{:.5g},{:.5g},{:.6e},{:.6e},{:.6e},{:.6e},{:.6e},\n",
-                                       method, name_of(precision), us.low, us.median, us.high, t.drift,
-                                       t.drift_low(), t.drift_high(), t.rms_error, t.max_error);
+      text += t.failed()
+                  ? fmt::format("{},{},,,,,,,,,,{}\n", method, name_of(precision), csv_cell(t.failure))
+                  : fmt::format("{},{},{:.5g},{:.5g},{:.5g},{:.6e},{:.6e},{:.6e},{:.6e},{:.6e},{:.6e},\n",
+                                method, name_of(precision), us.low, us.median, us.high, t.drift,
+                                t.drift_low(), t.drift_high(), t.constraint_drift, t.rms_error, t.max_error);
     }
   return text;
 }

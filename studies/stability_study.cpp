@@ -118,9 +118,8 @@ Trial largest_stable_step(const StabilityPlan& plan, const Scene& scene, const s
 
 std::string plane_csv(const StabilityPlan& plan, const Ledger& ledger) {
   std::string text =
-      "damping,alpha_h,beta_h,steps_survived,of_steps,drift_kj_mol_ns_dof,drift_low,drift_high,rms_rel_bond_"
-      "error,"
-      "max_rel_bond_error,limit_beta_h,failed,failure\n";
+      "damping,alpha_h,beta_h,steps_survived,of_steps,drift_kj_mol_ns_dof,drift_low,drift_high,"
+      "constraint_drift_kj_mol_ns_dof,rms_rel_bond_error,max_rel_bond_error,limit_beta_h,failed,failure\n";
   for (const Damping damping : kDampings)
     for (const double ah : plan.ah())
       for (const double bh : plan.bh()) {
@@ -128,9 +127,10 @@ std::string plane_csv(const StabilityPlan& plan, const Ledger& ledger) {
         const std::string head =
             fmt::format("{},{:g},{:g},{},{}", name_of(damping), ah, bh, t.steps, plan.plane_steps);
         const double limit = stability_limit(ah, damping);
-        text += t.failed() ? fmt::format("{},,,,,,{:.4g},1,{}\n", head, limit, csv_cell(t.failure))
-                           : fmt::format("{},{:.5e},{:.5e},{:.5e},{:.4e},{:.4e},{:.4g},0,\n", head, t.drift,
-                                         t.drift_low(), t.drift_high(), t.rms_error, t.max_error, limit);
+        text += t.failed() ? fmt::format("{},,,,,,,{:.4g},1,{}\n", head, limit, csv_cell(t.failure))
+                           : fmt::format("{},{:.5e},{:.5e},{:.5e},{:.5e},{:.4e},{:.4e},{:.4g},0,\n", head,
+                                         t.drift, t.drift_low(), t.drift_high(), t.constraint_drift,
+                                         t.rms_error, t.max_error, limit);
       }
   return text;
 }

@@ -31,7 +31,8 @@ const std::vector<Sweep>& sweeps() {
 
 bool has_key(const std::string& method, std::string_view parameter) {
   MethodOptions options = default_options(method);
-  return std::ranges::any_of(options.describe(), [&](const Option& option) { return option.key == parameter; });
+  return std::ranges::any_of(options.describe(),
+                             [&](const Option& option) { return option.key == parameter; });
 }
 
 Setting setting(const std::string& method, const std::string& parameter, const std::string& value, double h) {
@@ -92,9 +93,9 @@ Trial try_setting(Scene scene, const Setting& setting, const TrialPlan& plan, St
     const Summary summary = simulation.run(watch);
     trial.constraint_us = summary.constraint_us_per_step;
     trial.step_us = summary.us_per_step;
-    const Estimate drift = summary.drift.value_or(Estimate{});
-    trial.drift = drift.value;
-    if (rows >= kRowsForInterval) trial.drift_error = drift.error;
+    trial.drift = summary.drift.value;
+    trial.constraint_drift = summary.constraint_drift.value;
+    if (rows >= kRowsForInterval) trial.drift_error = summary.drift.error;
     end = simulation.state();
   } catch (const SimulationFailure& e) {
     trial.failure = in_few_words(e.what());

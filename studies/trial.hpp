@@ -29,6 +29,7 @@ struct Trial {
   double max_error = 0, rms_error = 0;    // relative, of a bond, over the rows
   double drift = 0;                       // [kJ/mol/ns/degree of freedom]
   double drift_error = 0;                 // its standard error, as the run has it; 0 for too few rows
+  double constraint_drift = 0;            // the bonds' share of it
   double figure = 0;    // what the study asks for besides: rms distance [nm], largest stable step [fs]
   std::string failure;  // how it failed, in a few words; empty: it did not
 

@@ -7,24 +7,28 @@
 
 #include "constraints/baumgarte.hpp"
 #include "constraints/bond_algebra.hpp"
+#include "constraints/langevin.hpp"
 #include "constraints/methods.hpp"
 #include "constraints/projection.hpp"
 #include "free_system.hpp"
 #include "md/observables.hpp"
+#include "md/units.hpp"
 #include "md/work_meter.hpp"
 
 namespace taut {
 namespace {
 
 struct MeteredForces : ForceLaw {
-  MeteredForces(ForceLaw& its_forces, double its_h) : forces(its_forces), h(its_h) {}
+  MeteredForces(ForceLaw& its_forces, double its_h, const Langevin* its_bath = nullptr)
+      : forces(its_forces), h(its_h), bath(its_bath) {}
   void operator()(const System& sys, State& s) override {
     forces(sys, s);
-    meter.see(h, s);
+    bath ? meter.see(h, sys, s, bath->half_jump()) : meter.see(h, s);
   }
   double work() const { return meter.work(); }
   ForceLaw& forces;
   double h;
+  const Langevin* bath;
   WorkMeter meter;
 };
 
@@ -103,6 +107,43 @@ TEST(Account, IsWhatMultipliersDo) {
                 0.25 * (next[k] - lambda[k]) * (r_next.col(k) - r.col(k)).squaredNorm();
     }
     EXPECT_NEAR(kept() - at_start, work, 1e-11 * scale);
+  }
+}
+
+// Under Langevin's thermostat Δ changes the velocity in the middle of the drift: the heat is what that does
+// to the kinetic energy, and what is left of the forces' kicks is the constraints' alone.
+TEST(Account, ClosesForEveryMethodInABath) {
+  const double h = 0.004;
+  for (const MethodEntry& entry : methods()) {
+    SCOPED_TRACE(entry.name);
+    auto [sys, s] = entry.name == "settle" ? testing::waters(2, 1, 300) : testing::free_chain(6, 1);
+    const auto method = make_method(sys, default_options(entry.name), h);
+    Langevin bath(sys, {.temperature = 1 / kBoltzmann, .friction = 10}, h);
+    Trap trap;
+    MeteredForces metered(trap, h, &bath);
+    const Dynamics dynamics{sys, metered, *method, bath};
+    initialize(dynamics, s);
+    const auto unaccounted = [&, &start = s, &system = sys] {
+      return kinetic_energy(system, start.v) - metered.work();
+    };
+    const double at_start = unaccounted(), scale = kinetic_energy(sys, s.v);
+    double work = 0, heat = 0, largest = 0;
+    for (int n = 0; n < 200; ++n) {
+      const State before = s;
+      const Vectors half_jump = bath.half_jump();
+      ASSERT_TRUE(step(dynamics, h, s).converged());
+      const Vectors half = (s.x - before.x) / h, first = half - half_jump, second = half + half_jump;
+      heat += kinetic_energy(sys, second) - kinetic_energy(sys, first);
+      largest = std::max(largest, std::abs(heat));
+      const Vectors f = 2 / h * (first - before.v) * sys.mass.asDiagonal();   // F + C
+      const Vectors f_next = 2 / h * (s.v - second) * sys.mass.asDiagonal();  // F + C'
+      work += 0.5 * h * (f + Trap::kStiffness * before.x).cwiseProduct(first).sum() +
+              0.5 * h * (f_next + Trap::kStiffness * s.x).cwiseProduct(second).sum() +
+              h * h / 8 * (squares_over_mass(sys, f_next) - squares_over_mass(sys, f));
+      ASSERT_NEAR(unaccounted() - at_start, work + heat, 1e-10 * scale) << "step " << n;
+      ASSERT_NEAR(metered.meter.heat(), heat, 1e-10 * scale) << "step " << n;
+    }
+    EXPECT_GT(largest, 0.1 * scale);
   }
 }
 

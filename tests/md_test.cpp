@@ -299,26 +299,6 @@ TEST(Run, ObservesWhatHappenedSinceTheLastObservation) {
   EXPECT_EQ(progress.since.iterations, 7);
 }
 
-TEST(Run, TakesOutMomentumAsOftenAsAsked) {
-  const System sys = particle();
-  State s = at_rest(1);
-  ConstraintMethod free;
-  RunProgress progress;
-  std::vector<long> at_rest_after;
-  struct NoForce : ForceLaw {
-    void operator()(const System&, State&) override {}
-  } no_force;
-  struct Push : Bath {
-    void after_step(const System&, double, State& state) override { state.v(0, 0) += 1; }
-  } push;
-  run({sys, no_force, free, push}, {.h = 0.1, .steps = 7, .remove_momentum_every = 3}, progress, s,
-      {.go_on = [&](long n) {
-        if (s.v.norm() == 0) at_rest_after.push_back(n);
-        return true;
-      }});
-  EXPECT_EQ(at_rest_after, (std::vector<long>{3, 6}));
-}
-
 // A bond is broken where |σ|/d² reaches plan.broken_at.
 TEST(Run, StopsWhereABondBreaks) {
   const System sys = make_system(Eigen::VectorXd::Ones(3), {{0, 1, 1}, {1, 2, 1}});

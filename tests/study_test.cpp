@@ -158,6 +158,8 @@ TEST_F(Study, RattlesEnergyIsFlat) {
   const double rattle = drift.number("drift_kj_mol_ns_dof", {{"method", "rattle"}, {"value", "1e-8"}});
   const double none = drift.number("drift_kj_mol_ns_dof", {{"method", "none"}});
   EXPECT_LT(std::abs(rattle), 2e-3 * std::abs(none));
+  const double of_bonds = drift.number("constraint_drift_kj_mol_ns_dof", {{"method", "none"}});
+  EXPECT_NEAR(of_bonds / none, 1, 1e-3);  // there are no other forces
 }
 
 // Beyond the propagator's limit gains are refused; well inside it nothing fails.
@@ -212,6 +214,7 @@ TEST(Ledger, GoesOnWhereItWasStopped) {
     ++runs;
     Trial trial;
     trial.drift = 0.1 * runs;
+    trial.constraint_drift = 0.2 * runs;
     trial.failure = "a reason, with a comma";
     return trial;
   };
@@ -222,6 +225,7 @@ TEST(Ledger, GoesOnWhereItWasStopped) {
   EXPECT_EQ(again.at("a").failure, "a reason, with a comma");
   EXPECT_FALSE(again.has("b"));
   EXPECT_EQ(again.once("b", make).drift, 0.2);
+  EXPECT_EQ(again.once("a", make).constraint_drift, 0.2);
   EXPECT_EQ(Ledger(file, "study").at("b").drift, 0.2);
   EXPECT_THROW(Ledger(file, "another study"), InputError);
 }
@@ -232,11 +236,12 @@ TEST(Trial, HasTheRunsOwnErrorOfTheDrift) {
   const Setting newton{"newton", "", "", {"method.name=newton"}};
   Scene same = scene;
   apply_overrides(same, {"method.name=newton", "run.steps=400", "run.log_every=10"});
-  const Estimate drift = *Simulation(same).run({}).drift;
+  const Estimate drift = Simulation(same).run({}).drift;
   const Trial trial = try_setting(scene, newton, {.steps = 400, .rows = 40});
   ASSERT_GT(drift.error, 0);
   EXPECT_EQ(trial.drift, drift.value);
   EXPECT_EQ(trial.drift_error, drift.error);
+  EXPECT_EQ(trial.constraint_drift, Simulation(same).run({}).constraint_drift.value);
   EXPECT_NEAR(trial.drift_high() - trial.drift_low(), 2 * 1.96 * drift.error, 1e-12 * drift.error);
   const Trial of_few_rows = try_setting(scene, newton, {.steps = 400, .rows = 10});
   EXPECT_EQ(of_few_rows.drift_low(), of_few_rows.drift);
