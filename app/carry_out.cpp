@@ -49,15 +49,16 @@ void print_header(const Simulation& simulation) {
   for (const auto& note : scene.notes) fmt::print("  note: {}\n", note);
   fmt::print("  atoms {}   bonds {}   clusters {}   degrees of freedom {}\n", sys.atoms(), sys.bond_count(),
              simulation.clusters(), simulation.dof().sum());
-  if (sys.box.periodic())
-    fmt::print("  box {:.6g} × {:.6g} × {:.6g} nm\n", sys.box.edge.x(), sys.box.edge.y(), sys.box.edge.z());
+  const Box& box = simulation.state().box;
+  if (box.periodic())
+    fmt::print("  box {:.6g} × {:.6g} × {:.6g} nm\n", box.edge.x(), box.edge.y(), box.edge.z());
   fmt::print("  method {}: {}\n", scene.method.name(), simulation.method().setting());
   fmt::print("  {} steps of {:g} fs = {:.6g} ps, seed {}, velocities {}{}\n\n", scene.run.steps,
              scene.run.dt_fs, static_cast<double>(scene.run.steps) * scene.run.h(), scene.run.seed,
              describe_velocities(scene), thermostat_line(scene.run));
   if (simulation.step() > 0) fmt::print("goes on from step {}\n", simulation.step());
   fmt::print("{:>8} {:>10} {:>12} {:>12} {:>8} {:>9} {:>5}{}\n", "step", "t [ps]", "E_pot [kJ]",
-             "E_total [kJ]", "T [K]", "bond err", "iter", sys.box.periodic() ? "  P [bar]" : "");
+             "E_total [kJ]", "T [K]", "bond err", "iter", box.periodic() ? "  P [bar]" : "");
 }
 
 void print_row(const Record& r) {

@@ -1,7 +1,7 @@
 // What holding the bonds costs: ns per bond (per molecule for water) and step, positions and velocities
 // together, the first decile over the steps: what one takes when nothing else runs on its core. Real steps on
-// states that evolve: free flight, each stage of the step between two readings of the clock (md/timed.hpp), and
-// what the readings themselves take, found with a method that does nothing, taken off.
+// states that evolve: free flight, each stage of the step between two readings of the clock (md/timed.hpp),
+// and what the readings themselves take, found with a method that does nothing, taken off.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
@@ -34,7 +34,7 @@ struct Free : ForceLaw {
 double stopwatch_cost() {
   static const double cost = [] {
     const System sys = make_system(Eigen::VectorXd::Ones(1), {});
-    State s{Vectors::Zero(3, 1), Vectors::Zero(3, 1), Vectors::Zero(3, 1)};
+    State s{Vectors::Zero(3, 1), Vectors::Zero(3, 1), Vectors::Zero(3, 1), 0, {}};
     ConstraintMethod nothing;
     Timed timed(nothing);
     Free forces;

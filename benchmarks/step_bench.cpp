@@ -87,7 +87,7 @@ struct Running {
 
   explicit Running(const Setting& setting)
       : scene(setting.scene()),
-        forces(scene.system, scene.terms),
+        forces(scene.system, scene.start.box, scene.terms),
         method(make_method(scene.system, scene.method, scene.run.h())),
         state(scene.start) {
     initialize(dynamics(), state);

@@ -76,7 +76,7 @@ std::string row(const Plan& plan) {
   Temperatures temperatures(sys, scene.terms, simulation.state().x, true, simulation.dof().momentum_fixed);
   Histogram histogram(scene.run.temperature_k);
   Barometer barometer(sys);
-  ForceField forces(sys, scene.terms);
+  ForceField forces(sys, scene.start.box, scene.terms);
   RunningMean pressure;
   std::vector<double> t, energy;
   double kinetic = 0;
@@ -88,7 +88,7 @@ std::string row(const Plan& plan) {
     const Vectors v = simulation.thermal_velocity();
     temperatures.see(sys, simulation.state().x, v);
     histogram.see(sys, v);
-    pressure.add(barometer(sys, forces, simulation.state().x, v, {}).trace() / 3);
+    pressure.add(barometer(sys, forces, simulation.state(), v, {}).trace() / 3);
   });
   const double percent = 100 * 100 / (kinetic / static_cast<double>(t.size()));  // per 100 ps
   const Estimate drift = block_slope(t, energy), translation = temperatures.of_all(MotionClass::kTranslation),

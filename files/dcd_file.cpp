@@ -43,8 +43,8 @@ std::string header(const TrajectorySetup& setup) {
   control[2] = static_cast<std::int32_t>(setup.every);
   const auto step = static_cast<float>(setup.h / kAkma);
   std::memcpy(&control[9], &step, sizeof step);
-  control[10] = setup.sys.box.periodic() ? 1 : 0;  // with a unit cell
-  control[19] = 24;                                // CHARMM's version that brought the format
+  control[10] = setup.periodic ? 1 : 0;  // with a unit cell
+  control[19] = 24;                      // CHARMM's version that brought the format
   Records records;
   records.bound(84).text("CORD", 4).put(control).bound(84);
   records.bound(4 + kTitle).put(std::int32_t{1}).text("taut: positions, unwrapped", kTitle).bound(4 + kTitle);
@@ -55,10 +55,7 @@ std::string header(const TrajectorySetup& setup) {
 }  // namespace
 
 DcdFile::DcdFile(const std::filesystem::path& path, const TrajectorySetup& setup, std::uint64_t mark)
-    : file_(path, mark),
-      edge_(setup.sys.box.periodic() ? setup.sys.box.edge : Vec3::Zero()),
-      atoms_(setup.sys.atoms()),
-      every_(setup.every) {
+    : file_(path, mark), periodic_(setup.periodic), atoms_(setup.sys.atoms()), every_(setup.every) {
   if (mark == 0) file_.write(header(setup));
   if (file_.size() < kHeader || (file_.size() - kHeader) % frame_bytes() != 0)
     throw OutsideError(fmt::format("{}: cannot go on: its frames are of another size", path.string()));
@@ -66,7 +63,7 @@ DcdFile::DcdFile(const std::filesystem::path& path, const TrajectorySetup& setup
 }
 
 std::uint64_t DcdFile::frame_bytes() const {
-  const std::uint64_t cell = edge_.x() > 0 ? 4 + 48 + 4 : 0;
+  const std::uint64_t cell = periodic_ ? 4 + 48 + 4 : 0;
   return cell + 3 * (4 + 4 * static_cast<std::uint64_t>(atoms_) + 4);
 }
 
@@ -78,8 +75,8 @@ void DcdFile::count_frames(std::uint64_t frames) {
 
 void DcdFile::add(const Frame& frame) {
   Records records;
-  if (edge_.x() > 0) {
-    const Vec3 edge = 10 * edge_;
+  if (periodic_) {
+    const Vec3 edge = 10 * frame.state.box.edge;
     records.bound(48).put(edge.x()).put(90.0).put(edge.y()).put(90.0).put(90.0).put(edge.z()).bound(48);
   }
   const std::size_t length = 4 * static_cast<std::size_t>(atoms_);

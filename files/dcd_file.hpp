@@ -21,7 +21,7 @@ class DcdFile : public Output {
   void count_frames(std::uint64_t frames);
 
   GrowingFile file_;
-  Vec3 edge_;  // [nm]; zero: no box
+  bool periodic_;
   long atoms_, every_;
 };
 

@@ -13,10 +13,11 @@ struct TrajectorySetup {
   double h = 0;    // [ps]
   long every = 1;  // steps from frame to frame
   double t0 = 0;   // of the first frame [ps]
+  bool periodic = false;
 };
 
 // What it says again and again. Positions are written as they are in the state, unwrapped: molecules stay
-// whole, and leave the box as they diffuse.
+// whole, and leave the box as they diffuse. The box is the frame's own.
 struct Frame {
   long step;
   const State& state;

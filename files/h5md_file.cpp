@@ -83,7 +83,7 @@ struct H5mdFile::Contents {
                     : H5Fopen(path.c_str(), H5F_ACC_RDWR, access_),
               H5Fclose),
         make_(file_, [this](const std::string& what) { refuse(what); }),
-        edge_(setup.sys.box.periodic() ? setup.sys.box.edge : Vec3::Zero()),
+        periodic_(setup.periodic),
         bonds_(setup.sys.bond_count()),
         atoms_(setup.sys.atoms()) {
     if (file_ < 0) refuse("it");
@@ -113,8 +113,8 @@ struct H5mdFile::Contents {
     make_.append(position_, H5T_NATIVE_DOUBLE, frame.state.x.data());
     make_.append(velocity_, H5T_NATIVE_DOUBLE, frame.state.v.data());
     make_.append(force_, H5T_NATIVE_DOUBLE, frame.state.f.data());
-    const Eigen::Matrix3d edges = edge_.asDiagonal();
-    if (edge_.x() > 0) make_.append(edges_, H5T_NATIVE_DOUBLE, edges.data());
+    const Eigen::Matrix3d edges = frame.state.box.vectors();  // a row a vector, as HDF5 has it
+    if (periodic_) make_.append(edges_, H5T_NATIVE_DOUBLE, edges.data());
     if (bonds_ > 0) make_.append(tension_, H5T_NATIVE_DOUBLE, frame.tension.data());
     if (!medium_.refusal.empty()) refuse("a frame");
     if (!ever_ || Clock::now() - last_ > kCommitEvery || medium_.file.pending() > kMostPending) commit();
@@ -159,8 +159,8 @@ struct H5mdFile::Contents {
     write_series(kAll + "/force", {n, 3}, kForceUnit);
     const H5Handle box = make_.group(kAll + "/box");
     make_.attribute(box, "dimension", std::vector<int>{3});
-    make_.attribute(box, "boundary", std::vector<std::string>(3, edge_.x() > 0 ? "periodic" : "none"));
-    if (edge_.x() > 0) write_series(kAll + "/box/edges", {3, 3}, "nm");
+    make_.attribute(box, "boundary", std::vector<std::string>(3, periodic_ ? "periodic" : "none"));
+    if (periodic_) write_series(kAll + "/box/edges", {3, 3}, "nm");
     if (bonds_ > 0) write_series("/observables/tension", {static_cast<hsize_t>(bonds_)}, kForceUnit);
     make_.attribute(make_.fixed(kAll + "/mass", H5T_NATIVE_DOUBLE, {n}, setup.sys.mass.data()), "unit",
                     std::string("u"));
@@ -174,7 +174,7 @@ struct H5mdFile::Contents {
     position_ = make_.open(kAll + "/position/value");
     velocity_ = make_.open(kAll + "/velocity/value");
     force_ = make_.open(kAll + "/force/value");
-    if (edge_.x() > 0) edges_ = make_.open(kAll + "/box/edges/value");
+    if (periodic_) edges_ = make_.open(kAll + "/box/edges/value");
     if (bonds_ > 0) tension_ = make_.open("/observables/tension/value");
   }
 
@@ -182,7 +182,7 @@ struct H5mdFile::Contents {
   Hdf5Medium medium_;
   H5Handle access_, file_;
   H5Maker make_;
-  Vec3 edge_;  // [nm]; zero: no box
+  bool periodic_;
   int bonds_, atoms_;
   H5Handle step_, time_, position_, velocity_, force_, edges_, tension_;
   Clock::time_point last_;

@@ -33,19 +33,19 @@ std::string upper(std::string text) {
 
 }  // namespace
 
-void write_pdb(const std::filesystem::path& file, const System& sys, const Names& names, const Vectors& x) {
+void write_pdb(const std::filesystem::path& file, const System& sys, const Names& names, const State& s) {
   std::string text = "REMARK   1 written by taut: positions unwrapped, molecules whole\n";
   const auto out = std::back_inserter(text);
-  const Vec3 edge = 10 * sys.box.edge;
-  if (sys.box.periodic())
+  const Vec3 edge = 10 * s.box.edge;
+  if (s.box.periodic())
     fmt::format_to(out, "CRYST1{:9.3f}{:9.3f}{:9.3f}  90.00  90.00  90.00 P 1           1\n", edge.x(),
                    edge.y(), edge.z());
   for (int a = 0; a < sys.atoms(); ++a) {
     const AtomKind& kind = names.kinds[names.kind[a]];
-    fmt::format_to(out, "HETATM{:5} {} {:<4} {:4}    {}{}{}  1.00  0.00          {:>2}\n",
-                   (a + 1) % (kMostNumbered + 1), atom_name(kind),
-                   fmt::format("{:>3}", kind.residue.substr(0, 4)), (names.residue[a] + 1) % 10000,
-                   columns(10 * x(0, a)), columns(10 * x(1, a)), columns(10 * x(2, a)), upper(kind.element));
+    fmt::format_to(
+        out, "HETATM{:5} {} {:<4} {:4}    {}{}{}  1.00  0.00          {:>2}\n", (a + 1) % (kMostNumbered + 1),
+        atom_name(kind), fmt::format("{:>3}", kind.residue.substr(0, 4)), (names.residue[a] + 1) % 10000,
+        columns(10 * s.x(0, a)), columns(10 * s.x(1, a)), columns(10 * s.x(2, a)), upper(kind.element));
   }
   if (sys.atoms() <= kMostNumbered)
     for (const auto& [i, j, length] : sys.bonds) fmt::format_to(out, "CONECT{:5}{:5}\n", i + 1, j + 1);

@@ -93,10 +93,6 @@ void check_cutoff(const Nonbonded& nb, const Box& box) {
   }
   const double rc = *nb.cutoff;
   require(rc > 0 && std::isfinite(rc), "nonbonded: cutoff {} nm, expected more than 0", rc);
-  if (box.periodic()) {
-    const double half = 0.5 * box.edge.minCoeff();
-    require(rc <= half, "nonbonded: cutoff {} nm is over half the box's shortest edge, {} nm", rc, half);
-  }
   require(box.periodic() || !nb.pme, "nonbonded: PME needs a periodic box");
   require(box.periodic() || !nb.dispersion_correction,
           "nonbonded: the dispersion correction needs a periodic box");
@@ -130,28 +126,38 @@ void check_nonbonded(const Nonbonded& nb, int n, const Box& box) {
   check_cutoff(nb, box);
 }
 
-void check_wca(const Wca& wca, int n, const Box& box) {
+void check_wca(const Wca& wca, int n) {
   require(wca.sigma > 0 && std::isfinite(wca.sigma), "wca: sigma {} nm, expected more than 0", wca.sigma);
   require(wca.epsilon >= 0 && std::isfinite(wca.epsilon), "wca: epsilon {}, expected 0 or more", wca.epsilon);
   for (std::size_t e = 0; e < wca.exclusions.size(); ++e)
     check_atoms({"wca exclusion", e}, {wca.exclusions[e][0], wca.exclusions[e][1]}, n);
-  if (!box.periodic()) return;
-  const double reach = wca.reach(), half = 0.5 * box.edge.minCoeff();
-  require(reach <= half, "wca: beads reach {} nm, over half the box's shortest edge, {} nm", reach, half);
 }
 
 }  // namespace
 
-void check_terms(const System& sys, const Terms& terms) {
+void check_room(const Terms& terms, const Box& box) {
+  if (!box.periodic()) return;
+  const double half = 0.5 * box.edge.minCoeff();
+  if (terms.nonbonded && terms.nonbonded->cutoff)
+    require(*terms.nonbonded->cutoff <= half,
+            "nonbonded: cutoff {} nm is over half the box's shortest edge, {} nm", *terms.nonbonded->cutoff,
+            half);
+  if (terms.wca)
+    require(terms.wca->reach() <= half, "wca: beads reach {} nm, over half the box's shortest edge, {} nm",
+            terms.wca->reach(), half);
+}
+
+void check_terms(const System& sys, const Box& box, const Terms& terms) {
   const int n = sys.atoms();
   check_bonded(terms, n);
   check_torsions(terms, n);
-  if (sys.box.periodic())
-    require(sys.box.edge.minCoeff() > 0 && sys.box.edge.allFinite(),
-            "box: edges {} x {} x {} nm, expected more than 0", sys.box.edge[0], sys.box.edge[1],
-            sys.box.edge[2]);
-  if (terms.nonbonded) check_nonbonded(*terms.nonbonded, n, sys.box);
-  if (terms.wca) check_wca(*terms.wca, n, sys.box);
+  if (box.periodic()) {
+    const std::string flaw = Box::flaw(box.vectors());
+    require(flaw.empty(), "box: {}", flaw);
+  }
+  if (terms.nonbonded) check_nonbonded(*terms.nonbonded, n, box);
+  if (terms.wca) check_wca(*terms.wca, n);
+  check_room(terms, box);
   if (terms.gravity) require(terms.gravity->allFinite(), "gravity: not a finite vector");
   for (std::size_t p = 0; p < terms.pulls.size(); ++p) {
     check_atoms({"pull", p}, {terms.pulls[p].atom}, n);

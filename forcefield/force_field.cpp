@@ -1,5 +1,7 @@
 #include "forcefield/force_field.hpp"
 
+#include <fmt/format.h>
+
 #include <optional>
 
 #include "forcefield/bonded.hpp"
@@ -11,6 +13,7 @@
 #include "forcefield/fields.hpp"
 #include "forcefield/pme/parameters.hpp"
 #include "forcefield/pme/pme.hpp"
+#include "md/errors.hpp"
 
 namespace taut {
 
@@ -19,39 +22,56 @@ struct ForceField::Impl {
   std::optional<ClusterPairs> lj_coulomb, wca;
   std::optional<Pme> pme;
   BondedForces bonded;
-  std::optional<double> dispersion;  // a constant [kJ/mol]
+  std::optional<double> dispersion;  // times the volume [kJ/mol·nm³]
+  Box box;                           // of the last evaluation
   Vectors bonded_forces;             // of the last virial
   bool evaluated = false;
   std::vector<std::pair<std::string, double>> outer;  // of the last evaluation [kJ/mol]
 
-  Impl(const System& sys, Terms given) : terms(std::move(given)) {
-    check_terms(sys, terms);
+  Impl(const System& sys, const Box& start, Terms given) : terms(std::move(given)), box(start) {
+    check_terms(sys, box, terms);
     std::vector<PairException> exceptions;  // those that interact
     if (terms.nonbonded) {
       if (auto& parameters = terms.nonbonded->pme) {
-        *parameters = chosen_parameters(*parameters, sys.box, *terms.nonbonded->cutoff);
-        pme.emplace(*terms.nonbonded, sys.box);
+        *parameters = chosen_parameters(*parameters, box, *terms.nonbonded->cutoff);
+        pme.emplace(*terms.nonbonded);
+        pme->set_box(box);
       }
-      lj_coulomb.emplace(*terms.nonbonded, sys.box, terms.precision);
+      lj_coulomb.emplace(*terms.nonbonded, box.periodic(), terms.precision);
       exceptions = interacting(terms.nonbonded->exceptions);
     }
     bonded = BondedForces(terms, exceptions);
     if (terms.nonbonded && terms.nonbonded->dispersion_correction)
-      dispersion = dispersion_coefficient(*terms.nonbonded) / sys.box.volume();
-    if (terms.wca) wca.emplace(*terms.wca, sys.atoms(), sys.box, terms.precision);
+      dispersion = dispersion_coefficient(*terms.nonbonded);
+    if (terms.wca) wca.emplace(*terms.wca, sys.atoms(), box.periodic(), terms.precision);
   }
 
-  void evaluate(const System& sys, const Vectors& x, Vectors& f) {
+  void change_box(const Box& to) {
+    try {
+      check_room(terms, to);
+    } catch (const InputError& e) {
+      throw SimulationFailure(
+          fmt::format("the box has shrunk: {}; take a larger system or a shorter cutoff", e.what()));
+    }
+    if (pme) pme->set_box(to);
+    box = to;
+  }
+
+  void evaluate(const System& sys, const State& s, Vectors& f) {
+    if (s.box != box) change_box(s.box);
+    const Vectors& x = s.x;
     f.setZero(3, x.cols());
     outer.clear();
     bonded.add_forces(x, f);
     if (terms.gravity) outer.emplace_back("gravity", add_gravity(*terms.gravity, sys.mass, x, f));
     if (!terms.pulls.empty()) outer.emplace_back("pull", add_pulls(terms.pulls, x, f));
-    if (lj_coulomb) lj_coulomb->add_forces(x, f);
+    if (lj_coulomb) lj_coulomb->add_forces(x, box, f);
     if (pme) pme->add_forces(x, f);
-    if (wca) wca->add_forces(x, f);
+    if (wca) wca->add_forces(x, box, f);
     evaluated = true;
   }
+
+  double dispersion_energy() const { return dispersion ? *dispersion / box.volume() : 0; }
 
   std::vector<std::pair<std::string, double>> energies() {
     if (!evaluated) return {};
@@ -59,21 +79,21 @@ struct ForceField::Impl {
     if (lj_coulomb)
       all.emplace_back("lj_coulomb",
                        lj_coulomb->energy() + bonded.exception_energy() + (pme ? pme->energy() : 0.0));
-    if (dispersion) all.emplace_back("dispersion", *dispersion);
+    if (dispersion) all.emplace_back("dispersion", dispersion_energy());
     if (wca) all.emplace_back("wca", wca->energy());
     all.insert(all.end(), outer.begin(), outer.end());
     return all;
   }
 };
 
-ForceField::ForceField(const System& sys, Terms terms)
-    : impl_(std::make_unique<Impl>(sys, std::move(terms))) {}
+ForceField::ForceField(const System& sys, const Box& box, Terms terms)
+    : impl_(std::make_unique<Impl>(sys, box, std::move(terms))) {}
 ForceField::~ForceField() = default;
 ForceField::ForceField(ForceField&&) noexcept = default;
 ForceField& ForceField::operator=(ForceField&&) noexcept = default;
 
 void ForceField::operator()(const System& sys, State& s) {
-  impl_->evaluate(sys, s.x, s.f);
+  impl_->evaluate(sys, s, s.f);
 }
 
 Eigen::Matrix3d ForceField::virial(const Vectors& x) const {
@@ -84,7 +104,7 @@ Eigen::Matrix3d ForceField::virial(const Vectors& x) const {
   if (impl_->lj_coulomb) sum += impl_->lj_coulomb->virial();
   if (impl_->pme) sum += impl_->pme->virial(x);
   if (impl_->wca) sum += impl_->wca->virial();
-  sum.diagonal().array() += impl_->dispersion.value_or(0);
+  sum.diagonal().array() += impl_->dispersion_energy();
   return sum;
 }
 

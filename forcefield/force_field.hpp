@@ -16,13 +16,15 @@ namespace taut {
 // Adds up the forces of the terms a scene has.
 class ForceField final : public ForceLaw {
  public:
-  // Throws InputError for an atom out of range, wrong array sizes, a cutoff over half the box,
-  // a switch outside (0, cutoff), a dispersion correction without a periodic cutoff, ...
-  ForceField(const System& sys, Terms terms);
+  // Throws InputError for an atom out of range, wrong array sizes, a cutoff over half the
+  // box's shortest edge, a switch outside (0, cutoff), a dispersion correction without a periodic cutoff, ...
+  ForceField(const System& sys, const Box& box, Terms terms);
   ~ForceField() override;
   ForceField(ForceField&&) noexcept;
   ForceField& operator=(ForceField&&) noexcept;
 
+  // What hangs on the box is made anew where it has changed: lists, the mesh's influence function (its grid
+  // and α stay), constants that go as 1/V. Throws SimulationFailure where a cutoff no longer fits it.
   void operator()(const System& sys, State& s) override;
 
   // Of the last evaluation [kJ/mol]. The energies of pairs are summed when first asked for: a step that does

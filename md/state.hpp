@@ -1,5 +1,6 @@
 #pragma once
 
+#include "md/box.hpp"
 #include "md/vectors.hpp"
 
 namespace taut {
@@ -10,6 +11,7 @@ struct State {
   Vectors v;     // velocity [nm/ps]
   Vectors f;     // force [kJ/mol/nm], always evaluated at x
   double t = 0;  // time [ps]
+  Box box;       // what is periodic in it; a barostat changes it
 };
 
 }  // namespace taut

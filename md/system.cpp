@@ -19,7 +19,7 @@ void check_atom(const Eigen::VectorXd& mass, int a, int bond) {
 
 }  // namespace
 
-System make_system(Eigen::VectorXd mass, std::vector<RigidBond> bonds, Box box) {
+System make_system(Eigen::VectorXd mass, std::vector<RigidBond> bonds) {
   for (Eigen::Index a = 0; a < mass.size(); ++a)
     if (!(mass[a] >= 0) || !std::isfinite(mass[a]))
       throw InputError(
@@ -45,7 +45,6 @@ System make_system(Eigen::VectorXd mass, std::vector<RigidBond> bonds, Box box) 
   sys.inv_mass = mass.unaryExpr([](double m) { return m == 0 ? 0.0 : 1 / m; });
   sys.mass = std::move(mass);
   sys.bonds = std::move(bonds);
-  sys.box = std::move(box);
   return sys;
 }
 

@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include "md/box.hpp"
 #include "md/vectors.hpp"
 
 namespace taut {
@@ -18,7 +17,6 @@ struct System {
   Eigen::VectorXd mass;          // [u], n; 0 for an anchored atom
   Eigen::VectorXd inv_mass;      // [1/u], n; 0 for an anchored atom
   std::vector<RigidBond> bonds;  // m
-  Box box;
 
   int atoms() const { return static_cast<int>(mass.size()); }
   int bond_count() const { return static_cast<int>(bonds.size()); }
@@ -27,6 +25,6 @@ struct System {
 // Mass 0 anchors an atom: it never moves (OpenMM's convention).
 // Throws InputError for a bond out of range, between an atom and itself, repeated, of no length, or
 // between two anchored atoms, and for a negative or non-finite mass.
-System make_system(Eigen::VectorXd mass, std::vector<RigidBond> bonds, Box box = {});
+System make_system(Eigen::VectorXd mass, std::vector<RigidBond> bonds);
 
 }  // namespace taut

@@ -4,9 +4,10 @@ namespace taut {
 
 Barometer::Barometer(const System& sys, bool springs) : springs_(springs), projector_(sys) {}
 
-Eigen::Matrix3d Barometer::operator()(const System& sys, ForceField& forces, const Vectors& x,
+Eigen::Matrix3d Barometer::operator()(const System& sys, ForceField& forces, const State& at,
                                       const Vectors& v, const Eigen::VectorXd& spring_lambda) {
-  now_.x = x;
+  const Vectors& x = now_.x = at.x;
+  now_.box = at.box;
   now_.v = v;
   forces(sys, now_);
   const Eigen::VectorXd& lambda = springs_ ? spring_lambda : projector_.multipliers(sys, now_);
@@ -15,7 +16,7 @@ Eigen::Matrix3d Barometer::operator()(const System& sys, ForceField& forces, con
     const Vec3 r = x.col(sys.bonds[k].j) - x.col(sys.bonds[k].i);
     sum += lambda[k] * r * r.transpose();
   }
-  return kBarPerUnit / sys.box.volume() * sum;
+  return kBarPerUnit / at.box.volume() * sum;
 }
 
 }  // namespace taut

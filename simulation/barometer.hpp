@@ -17,8 +17,8 @@ class Barometer {
   // With `springs` the bonds are a penalty's: they pull by multipliers of their own.
   explicit Barometer(const System& sys, bool springs = false);
 
-  // The tensor, of positions x and velocities v [bar]. `spring_lambda`: only with springs.
-  Eigen::Matrix3d operator()(const System& sys, ForceField& forces, const Vectors& x, const Vectors& v,
+  // The tensor, of a state's positions and velocities v [bar]. `spring_lambda`: only with springs.
+  Eigen::Matrix3d operator()(const System& sys, ForceField& forces, const State& at, const Vectors& v,
                              const Eigen::VectorXd& spring_lambda);
 
  private:

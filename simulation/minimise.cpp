@@ -22,9 +22,10 @@ double largest(const Vectors& f) {
 
 class Descent {
  public:
-  Descent(const System& sys, ForceField& forces, const Vectors& x)
+  Descent(const System& sys, ForceField& forces, const State& start)
       : real_(sys), sys_(with_unit_masses(sys)), forces_(forces), projector_(sys_) {
-    here_.x = x;
+    here_.x = start.x;
+    here_.box = start.box;
     projector_.positions(sys_, here_.x);
     energy_ = evaluate(here_);
     if (!std::isfinite(energy_) || !here_.f.allFinite())
@@ -71,15 +72,15 @@ class Descent {
 
 }  // namespace
 
-Minimised minimise(const System& sys, ForceField& forces, double force, Vectors& x) {
-  Descent descent(sys, forces, x);
+Minimised minimise(const System& sys, ForceField& forces, double force, State& s) {
+  Descent descent(sys, forces, s);
   Minimised result{.energy_before = descent.energy()};
   double length = 0.2 * kLongestMove;
   while (descent.force() > force && length > kShortestMove && result.moves < kMostMoves) {
     ++result.moves;
     length = descent.move(length) ? std::min(1.2 * length, kLongestMove) : 0.5 * length;
   }
-  x = descent.x();
+  s.x = descent.x();
   result.energy = descent.energy();
   result.largest_force = descent.force();
   return result;

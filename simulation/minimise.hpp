@@ -19,8 +19,8 @@ struct Minimised {
 inline constexpr double kLongestMove = 0.05;  // [nm]
 inline constexpr int kMostMoves = 5000;
 
-// x [nm], first brought to the bonds' lengths, ends with them exact. Throws SimulationFailure for a start
+// s.x, first brought to the bonds' lengths, ends with them exact. Throws SimulationFailure for a start
 // whose energy is no number (two atoms in one place).
-Minimised minimise(const System& sys, ForceField& forces, double force, Vectors& x);
+Minimised minimise(const System& sys, ForceField& forces, double force, State& s);
 
 }  // namespace taut

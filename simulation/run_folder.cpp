@@ -147,7 +147,7 @@ RunFolder::RunFolder(FolderLock folder, SceneSource source, const Simulation& si
       log_(path() / kLog, mark_of(marks, kLog)),
       trajectories_(path(), simulation, marks) {
   if (log_.size() == 0) {
-    const bool box = simulation.scene().system.box.periodic();
+    const bool box = simulation.state().box.periodic();
     log_.write(fmt::format("{}{}\n", kLogHeader, box ? kBoxHeader : ""));
   }
   if (marks.empty()) return;
@@ -181,13 +181,13 @@ void RunFolder::keep(Simulation& simulation) {
 
 void RunFolder::write_end(const Simulation& simulation, const Summary& summary) {
   log_.mark();
-  write_start(path() / "final.start.toml", simulation.scene().system, simulation.state());
+  write_start(path() / "final.start.toml", simulation.state());
   write_aside(path() / "summary.json", summary_json(simulation, summary));
 }
 
 void RunFolder::write_failure(const Simulation& simulation, const Diagnosis& diagnosis) {
   log_.mark();
-  write_start(path() / "last_good.start.toml", simulation.scene().system, simulation.state());
+  write_start(path() / "last_good.start.toml", simulation.state());
   write_aside(path() / "failure.json", failure_json(diagnosis));
 }
 

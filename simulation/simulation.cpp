@@ -72,7 +72,7 @@ Simulation::Simulation(Scene scene)
     : full_(scene.system),
       redundancy_(find_redundancy(scene.system, scene.start.x)),
       scene_(reduced(std::move(scene), redundancy_)),
-      forces_(scene_.system, scene_.terms),
+      forces_(scene_.system, scene_.start.box, scene_.terms),
       method_(make_method(scene_.system, scene_.method, scene_.run.h())),
       projector_(scene_.system),
       state_(scene_.start) {
@@ -81,7 +81,7 @@ Simulation::Simulation(Scene scene)
   make_thermostat();
   bring_to_the_bonds();
   refuse_unreachable_tolerance(sys, state_.x, method_->promised_error());
-  if (sys.box.periodic()) barometer_.emplace(sys, has_springs());
+  if (state_.box.periodic()) barometer_.emplace(sys, has_springs());
   count_degrees_of_freedom(momentum_stays_zero(scene_, state_.v));
   unaccounted_at_start_ = unaccounted(record());
 }
@@ -89,7 +89,7 @@ Simulation::Simulation(Scene scene)
 void Simulation::bring_to_the_bonds() {
   const System& sys = scene_.system;
   if (scene_.run.minimise)
-    start_report_.minimised = minimise(sys, forces_, scene_.run.minimise_force, state_.x);
+    start_report_.minimised = minimise(sys, forces_, scene_.run.minimise_force, state_);
   start_report_.anchors_stopped = rest_anchors(sys, state_.v);
   const Vectors x = state_.x;
   const double kinetic = kinetic_energy(sys, state_.v);
@@ -164,7 +164,7 @@ Eigen::VectorXd Simulation::bond_tensions() const {
   if (has_springs()) {
     lambda = method_->lambda();
   } else {
-    State now{state_.x, state_.v, {}, state_.t};
+    State now{state_.x, state_.v, {}, state_.t, state_.box};
     forces_(sys, now);
     lambda = projector_.multipliers(sys, now);
   }
@@ -214,7 +214,7 @@ void Simulation::change(const RunSettings& run) {
 // The thing itself is made anew, from the same scene; this is what its steps have changed.
 void Simulation::serialize(Archive& archive) {
   bool momentum_fixed = dof_.momentum_fixed;  // as it was when the thermostat was changed
-  archive(state_.x, state_.v, state_.f, state_.t, progress_, momentum_fixed);
+  archive(state_.x, state_.v, state_.f, state_.t, state_.box, progress_, momentum_fixed);
   constexpr int kMostIterations = 1 << 30;
   archive.demand(progress_.step >= 0 && 0 <= progress_.since.iterations &&
                  progress_.since.iterations <= kMostIterations);

@@ -78,10 +78,10 @@ Record Simulation::row(const SolveStats& since, const Stopwatch& watch, long ste
   r.constraint_work = unaccounted(r) - unaccounted_at_start_;
   if (barometer_) {
     const bool springs_move = has_springs() && !langevin_;  // and the pressure has their part in it
-    r.pressure_tensor = (*barometer_)(scene_.system, forces_, state_.x,
+    r.pressure_tensor = (*barometer_)(scene_.system, forces_, state_,
                                       springs_move ? state_.v : thermal_velocity(), method_->lambda());
     r.pressure = r.pressure_tensor.trace() / 3;
-    r.volume = scene_.system.box.volume();
+    r.volume = state_.box.volume();
     r.density = kDensityPerUnit * scene_.system.mass.sum() / r.volume;
   }
   const long gone = r.step - sums_.last_row;

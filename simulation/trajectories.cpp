@@ -14,8 +14,12 @@ TrajectorySetup setup_of(const Simulation& simulation) {
   const Scene& scene = simulation.scene();
   const long every = scene.run.trajectory_every, step = simulation.step();
   const long first = (step / every + (step > 0 ? 1 : 0)) * every;  // to be written from here
-  return {simulation.system_as_given(), scene.names, scene.run.h(), every,
-          scene.start.t + static_cast<double>(first) * scene.run.h()};
+  return {simulation.system_as_given(),
+          scene.names,
+          scene.run.h(),
+          every,
+          scene.start.t + static_cast<double>(first) * scene.run.h(),
+          scene.start.box.periodic()};
 }
 
 bool wants_dcd(const RunSettings& run) {
@@ -38,7 +42,7 @@ Trajectories::Trajectories(const std::filesystem::path& folder, const Simulation
     return mark == marks.end() ? 0 : mark->second;
   };
   if (!std::filesystem::exists(folder / kPdb))
-    write_pdb(folder / kPdb, setup.sys, scene.names, simulation.state().x);
+    write_pdb(folder / kPdb, setup.sys, scene.names, simulation.state());
   dcd_has_start_ = mark_of(kDcd) > 0;
   h5md_has_start_ = mark_of(kH5md) > 0;
   if (wants_dcd(scene.run)) dcd_ = std::make_unique<DcdFile>(folder / kDcd, setup, mark_of(kDcd));

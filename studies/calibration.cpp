@@ -41,7 +41,7 @@ class Bench {
       : scene_(scene),
         plan_(plan),
         h_(scene.run.h()),
-        forces_(scene.system, scene.terms),
+        forces_(scene.system, scene.start.box, scene.terms),
         method_(make_method(scene.system, options, h_)),
         state_(scene.start) {
     initialize({scene_.system, forces_, *method_}, state_);

@@ -45,7 +45,7 @@ double apart_after(const Stage& stage, const Scene& scene, long steps) {
 }  // namespace
 
 StartDifference compare_start(const Stage& stage, OpenMMTwin& twin) {
-  ForceField forces(stage.scene.system, stage.scene.terms);
+  ForceField forces(stage.scene.system, stage.scene.start.box, stage.scene.terms);
   State s = stage.scene.start;
   forces(stage.scene.system, s);
   Vectors theirs;

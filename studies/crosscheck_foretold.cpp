@@ -110,7 +110,7 @@ Foretold foretell(const Stage& stage, const Baumgarte::Options& options, const F
   const double h = stage.scene.run.h();
   const std::vector<RigidBond>& bonds = stage.scene.system.bonds;
   System sys = stage.scene.system;
-  ForceField forces(sys, stage.scene.terms);
+  ForceField forces(sys, stage.scene.start.box, stage.scene.terms);
   State s = stage.scene.start;
   forces(sys, s);
   Residuals residuals(sys, options, h);

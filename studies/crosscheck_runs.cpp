@@ -34,7 +34,9 @@ std::string first_line(const std::string& text) {
 class Recorder {
  public:
   Recorder(const Stage& stage, std::string name, const Against& against)
-      : stage_(stage), against_(against), structure_(stage.scene.system, stage.scene.terms) {
+      : stage_(stage),
+        against_(against),
+        structure_(stage.scene.system, stage.scene.terms, stage.scene.start.box) {
     followed_.track.name = std::move(name);
   }
 
@@ -55,7 +57,7 @@ class Recorder {
                                        .bond_max = bonds.max,
                                        .bond_rms = bonds.rms});
     if (keep_frames) followed_.frames.push_back(s.x);
-    if (stage_.long_enough() && stage_.uniform(step)) structure_.see(s.x);
+    if (stage_.long_enough() && stage_.uniform(step)) structure_.see(s);
   }
 
   Followed finish() {

@@ -33,7 +33,7 @@ std::vector<int> ends_of(const std::vector<int>& atoms, const std::vector<int>& 
 
 }  // namespace
 
-LiquidStructure::LiquidStructure(const System& sys, const Terms& terms) : box_(sys.box) {
+LiquidStructure::LiquidStructure(const System& sys, const Terms& terms, const Box& box) {
   const std::vector<BondedPair> pairs = bonded_pairs(sys, terms);
   std::vector<int> degree(sys.atoms(), 0);
   for (const auto& [i, j] : pairs) ++degree[i], ++degree[j];
@@ -44,15 +44,16 @@ LiquidStructure::LiquidStructure(const System& sys, const Terms& terms) : box_(s
     atoms[molecule[a]].push_back(a);
   }
   for (const auto& members : atoms) {
-    if (const int oxygen = oxygen_of(members, degree, sys); oxygen >= 0 && box_.periodic())
+    if (const int oxygen = oxygen_of(members, degree, sys); oxygen >= 0 && box.periodic())
       oxygens_.push_back(oxygen);
     if (const std::vector<int> ends = ends_of(members, degree); !ends.empty())
       ends_.push_back({ends[0], ends[1]});
   }
-  if (has_water()) reach_ = std::min(1.0, box_.edge.minCoeff() / 2);
+  if (has_water()) reach_ = std::min(1.0, box.edge.minCoeff() / 2);
 }
 
-void LiquidStructure::see(const Vectors& x) {
+void LiquidStructure::see(const State& s) {
+  const Vectors& x = s.x;
   if (has_chains()) {
     double sum = 0;
     for (const auto& [i, j] : ends_) sum += (x.col(j) - x.col(i)).squaredNorm();
@@ -62,8 +63,9 @@ void LiquidStructure::see(const Vectors& x) {
   std::vector<double> count(static_cast<std::size_t>(reach_ / kBin), 0.0);
   for (std::size_t p = 0; p < oxygens_.size(); ++p)
     for (std::size_t q = 0; q < p; ++q) {
-      const double r = box_.nearest_image(x.col(oxygens_[p]) - x.col(oxygens_[q])).norm();
-      if (const auto bin = static_cast<std::size_t>(r / kBin); bin < count.size()) ++count[bin];
+      const double r = s.box.nearest_image(x.col(oxygens_[p]) - x.col(oxygens_[q])).norm();
+      if (const auto bin = static_cast<std::size_t>(r / kBin); bin < count.size())
+        count[bin] += s.box.volume();
     }
   counts_.push_back(std::move(count));
 }
@@ -75,8 +77,7 @@ Distances LiquidStructure::oxygen_distances() const {
   const double n = static_cast<double>(oxygens_.size()), pairs = n * (n - 1) / 2;
   for (std::size_t bin = 0; bin < counts_[0].size(); ++bin) {
     const double low = kBin * static_cast<double>(bin), high = low + kBin;
-    const double ideal =
-        pairs * 4 / 3 * std::numbers::pi * (std::pow(high, 3) - std::pow(low, 3)) / box_.volume();
+    const double ideal = pairs * 4 / 3 * std::numbers::pi * (std::pow(high, 3) - std::pow(low, 3));
     std::vector<double> g;
     for (const auto& row : counts_) g.push_back(row[bin] / ideal);
     d.r.push_back(low + kBin / 2);

@@ -55,6 +55,19 @@ OpenMM::Platform& platform_by_name(const std::string& name) {
   }
 }
 
+void set_box(OpenMM::Context& context, const Box& box) {
+  if (!box.periodic()) return;
+  const Eigen::Matrix3d m = box.vectors();
+  const auto column = [&](int d) { return OpenMM::Vec3(m(0, d), m(1, d), m(2, d)); };
+  context.setPeriodicBoxVectors(column(0), column(1), column(2));
+}
+
+Box box_of(const OpenMM::State& state) {
+  OpenMM::Vec3 a, b, c;
+  state.getPeriodicBoxVectors(a, b, c);
+  return {{a[0], b[1], c[2]}, {b[0], c[0], c[1]}};
+}
+
 // Removed where the caller asks for momentum to be left alone: VerletIntegrator would heed it.
 void drop_momentum_removers(OpenMM::System& system) {
   for (int k = system.getNumForces() - 1; k >= 0; --k)
@@ -63,8 +76,6 @@ void drop_momentum_removers(OpenMM::System& system) {
 
 // PME's parameters said, where OpenMM would choose the grid, each of its platforms another.
 void say_pme_parameters(OpenMM::System& system, const OpenMM::State& start) {
-  OpenMM::Vec3 a, b, c;
-  start.getPeriodicBoxVectors(a, b, c);
   for (int k = 0; k < system.getNumForces(); ++k) {
     auto* force = dynamic_cast<OpenMM::NonbondedForce*>(&system.getForce(k));
     if (!force || force->getNonbondedMethod() != OpenMM::NonbondedForce::PME) continue;
@@ -74,7 +85,7 @@ void say_pme_parameters(OpenMM::System& system, const OpenMM::State& start) {
     if (alpha != 0) continue;
     PmeParameters chosen;
     chosen.tolerance = force->getEwaldErrorTolerance();
-    chosen = chosen_parameters(chosen, {Vec3(a[0], b[1], c[2])}, force->getCutoffDistance());
+    chosen = chosen_parameters(chosen, box_of(start), force->getCutoffDistance());
     force->setPMEParameters(chosen.alpha, chosen.grid[0], chosen.grid[1], chosen.grid[2]);
   }
 }
@@ -118,9 +129,7 @@ std::unique_ptr<T> deserialize(const XmlFile& file) {
 
 // As Context::setState, but for what belongs to the State's integrator, which is another.
 void set_state(OpenMM::Context& context, const OpenMM::State& from) {
-  OpenMM::Vec3 a, b, c;
-  from.getPeriodicBoxVectors(a, b, c);
-  context.setPeriodicBoxVectors(a, b, c);
+  set_box(context, box_of(from));
   context.setTime(from.getTime());
   context.setPositions(from.getPositions());
   if (from.getDataTypes() & OpenMM::State::Velocities) context.setVelocities(from.getVelocities());
@@ -142,6 +151,7 @@ struct OpenMMTwin::Impl {
 
   OpenMM::State get(int what) const { return context->getState(what); }
   Vectors velocities() const { return from_openmm(get(OpenMM::State::Velocities).getVelocities()); }
+  bool periodic() const { return system->usesPeriodicBoundaryConditions(); }
   bool lags() const { return settings.integrator == TwinIntegrator::kVerlet; }
 
   // v + share·hf/m
@@ -204,6 +214,7 @@ OpenMMTwin::OpenMMTwin(const OpenMMInput& input, const TwinSettings& settings) {
 OpenMMTwin::~OpenMMTwin() = default;
 
 void OpenMMTwin::set(const State& s) {
+  set_box(*impl_->context, s.box);
   impl_->context->setTime(s.t);
   impl_->context->setPositions(to_openmm(s.x));
   const bool lags = impl_->lags();
@@ -230,7 +241,7 @@ State OpenMMTwin::state(double& potential) const {
   potential = s.getPotentialEnergy();
   const Vectors f = from_openmm(s.getForces());
   return {from_openmm(s.getPositions()), impl_->lags() ? impl_->full_step_velocities(f) : impl_->velocities(),
-          f, s.getTime()};
+          f, s.getTime(), impl_->periodic() ? box_of(s) : Box{}};
 }
 
 Vectors OpenMMTwin::kept_velocities() const {

@@ -48,7 +48,7 @@ class OpenMMTwin {
   OpenMMTwin(const OpenMMInput& input, const TwinSettings& settings);
   ~OpenMMTwin();
 
-  void set(const State& s);  // positions, full-step velocities and time; nothing is constrained
+  void set(const State& s);  // positions, full-step velocities, time and box; nothing is constrained
   void step(int n);
   State state() const;  // x (unwrapped), full-step v, t, f: OpenMM's forces, without constraint forces
   Vectors kept_velocities() const;       // as the integrator keeps them: kVerlet's lag by half a step [nm/ps]

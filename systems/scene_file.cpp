@@ -119,7 +119,7 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
   build_keys.reject_unknown();
   forcefield_keys.reject_unknown();
   // Refuses what does not fit together while the file is known.
-  [[maybe_unused]] const ForceField fitting(scene.system, scene.terms);
+  [[maybe_unused]] const ForceField fitting(scene.system, scene.start.box, scene.terms);
   return scene;
 }
 

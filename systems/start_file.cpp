@@ -9,33 +9,33 @@
 
 namespace taut {
 
-Start read_start(const std::filesystem::path& file) {
+State read_start(const std::filesystem::path& file) {
   return read_start(parse_toml_file(file), file);
 }
 
-Start read_start(const toml::table& table, const std::filesystem::path& file) {
+State read_start(const toml::table& table, const std::filesystem::path& file) {
   const TomlTable keys(table, file.string());
-  Start start;
-  keys.read("time_ps", start.state.t);
+  State start;
+  keys.read("time_ps", start.t);
   keys.read("box_nm", start.box.edge);
   if (keys.has("box_nm") && !(start.box.edge.minCoeff() > 0)) keys.fail("box_nm", "expected edges above 0");
   const Rows atoms = keys.get<Rows>("atoms", Columns{6, 6});
   keys.reject_unknown();
 
-  start.state.x.resize(3, atoms.size());
-  start.state.v.resize(3, atoms.size());
+  start.x.resize(3, atoms.size());
+  start.v.resize(3, atoms.size());
   for (std::size_t a = 0; a < atoms.size(); ++a) {
-    start.state.x.col(a) = Vec3(atoms[a].data());
-    start.state.v.col(a) = Vec3(atoms[a].data() + 3);
+    start.x.col(a) = Vec3(atoms[a].data());
+    start.v.col(a) = Vec3(atoms[a].data() + 3);
   }
   return start;
 }
 
-void write_start(const std::filesystem::path& file, const System& sys, const State& s) {
+void write_start(const std::filesystem::path& file, const State& s) {
   std::string text = fmt::format("time_ps = {}\n", s.t);
   const auto out = std::back_inserter(text);
-  const Vec3& edge = sys.box.edge;
-  if (sys.box.periodic()) fmt::format_to(out, "box_nm = [{}, {}, {}]\n", edge.x(), edge.y(), edge.z());
+  const Vec3& edge = s.box.edge;
+  if (s.box.periodic()) fmt::format_to(out, "box_nm = [{}, {}, {}]\n", edge.x(), edge.y(), edge.z());
   fmt::format_to(out, "atoms = [  # x, y, z [nm], vx, vy, vz [nm/ps]\n");
   for (Eigen::Index a = 0; a < s.x.cols(); ++a) {
     const auto x = s.x.col(a), v = s.v.col(a);

@@ -4,9 +4,7 @@
 
 #include <filesystem>
 
-#include "md/box.hpp"
 #include "md/state.hpp"
-#include "md/system.hpp"
 
 namespace taut {
 
@@ -15,16 +13,11 @@ namespace taut {
 //     box_nm = [1.872, 1.872, 1.872]          only with a box
 //     atoms = [ [x, y, z, vx, vy, vz], ... ]  [nm], [nm/ps], positions never wrapped
 // Numbers are written so that they read back exactly.
-struct Start {
-  Box box;
-  State state;  // f is not there
-};
-
-// Throws InputError with one line naming file, line and key.
-Start read_start(const std::filesystem::path& file);
-Start read_start(const toml::table& table, const std::filesystem::path& file);  // of a file parsed already
+// f is not there. Throws InputError with one line naming file, line and key.
+State read_start(const std::filesystem::path& file);
+State read_start(const toml::table& table, const std::filesystem::path& file);  // of a file parsed already
 
 // Written aside and renamed. Throws OutsideError.
-void write_start(const std::filesystem::path& file, const System& sys, const State& s);
+void write_start(const std::filesystem::path& file, const State& s);
 
 }  // namespace taut

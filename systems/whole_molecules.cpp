@@ -34,11 +34,6 @@ std::vector<int> walk(int atoms, const std::vector<BondedPair>& pairs, Step step
   return molecule;
 }
 
-// How far a separation is from its nearest image: whole edges, exactly zero for a near pair.
-Vec3 whole_edges(const Box& box, const Vec3& d) {
-  return box.edge.cwiseProduct(d.cwiseQuotient(box.edge).array().round().matrix());
-}
-
 }  // namespace
 
 std::vector<BondedPair> bonded_pairs(const System& sys, const Terms& terms) {
@@ -61,7 +56,7 @@ Names guessed_names(const System& sys, const Terms& terms) {
 void make_whole(const Box& box, const std::vector<BondedPair>& pairs, Vectors& x) {
   if (!box.periodic()) return;
   walk(static_cast<int>(x.cols()), pairs,
-       [&](int from, int to) { x.col(to) -= whole_edges(box, x.col(to) - x.col(from)); });
+       [&](int from, int to) { x.col(to) -= box.steps(box.bricks(x.col(to) - x.col(from), std::round)); });
 
   // The pairs that closed a ring were not walked. One that is still an edge long (a pair half an edge long
   // is a matter of rounding) closes it around the box.

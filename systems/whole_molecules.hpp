@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "forcefield/terms.hpp"
+#include "md/box.hpp"
 #include "md/names.hpp"
 #include "md/system.hpp"
 
@@ -18,8 +19,8 @@ std::vector<BondedPair> bonded_pairs(const System& sys, const Terms& terms);
 // The molecule of each atom, numbered in the order of their first atoms.
 std::vector<int> molecules(int atoms, const std::vector<BondedPair>& pairs);
 
-// Moves atoms by whole box edges until every bonded pair is its own nearest image. The first atom of each
-// molecule stays, and so does a molecule that was whole. Without a box nothing moves. Linear time.
+// Moves atoms by whole steps of the lattice until every bonded pair is its own nearest image. The first atom
+// of each molecule stays, and so does a molecule that was whole. Without a box nothing moves. Linear time.
 // Throws InputError for a molecule that is bonded to its own image: it can never be whole.
 void make_whole(const Box& box, const std::vector<BondedPair>& pairs, Vectors& x);
 

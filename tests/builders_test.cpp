@@ -31,7 +31,7 @@ TEST_P(EveryScene, StartsWithExactBondsAndFiniteForces) {
   Scene scene = scene_of(GetParam());
   EXPECT_GT(scene.hard_on.size(), 20u);
   EXPECT_LT(bond_errors(scene.system, scene.start.x).max, 1e-12);
-  ForceField forces(scene.system, scene.terms);
+  ForceField forces(scene.system, scene.start.box, scene.terms);
   forces(scene.system, scene.start);
   EXPECT_TRUE(scene.start.f.allFinite());
   EXPECT_TRUE(scene.start.v.allFinite());
@@ -132,7 +132,7 @@ double least_distance(const Scene& scene, int bonds_apart) {
   for (int a = 0; a < scene.system.atoms(); ++a)
     for (int b = a + bonds_apart + 1; b < scene.system.atoms(); ++b)
       least =
-          std::min(least, scene.system.box.nearest_image(scene.start.x.col(b) - scene.start.x.col(a)).norm());
+          std::min(least, scene.start.box.nearest_image(scene.start.x.col(b) - scene.start.x.col(a)).norm());
   return least;
 }
 
@@ -149,11 +149,11 @@ TEST(Melt, FillsABoxWithoutOverlap) {
         scene_of("melt", {"build.chains=" + std::to_string(chains), "build.beads=" + std::to_string(beads)});
     SCOPED_TRACE(testing::Message() << chains << " × " << beads);
     EXPECT_EQ(scene.system.bond_count(), chains * (beads - 1));
-    EXPECT_NEAR(scene.system.atoms() / scene.system.box.volume(), 0.85, 1e-12);
+    EXPECT_NEAR(scene.system.atoms() / scene.start.box.volume(), 0.85, 1e-12);
     EXPECT_GT(least_distance(scene, 1), 0.9699);
     EXPECT_LT(bond_errors(scene.system, scene.start.x).max, 1e-12);
     State s = scene.start;
-    ForceField forces(scene.system, scene.terms);
+    ForceField forces(scene.system, scene.start.box, scene.terms);
     forces(scene.system, s);
     EXPECT_LT(forces.potential() / scene.system.atoms(), 0.5);  // in kT
   }
@@ -172,7 +172,7 @@ TEST(Alkane, HasItsDensityAndNoOverlap) {
   for (const int molecules : {128, 200}) {
     const Scene scene = scene_of("decane", {"build.molecules=" + std::to_string(molecules)});
     // 142.286 g/mol; 1 g/cm³ is 602.214076 u/nm³
-    EXPECT_NEAR(scene.system.mass.sum() / scene.system.box.volume() / 602.214076, 0.73, 1e-12);
+    EXPECT_NEAR(scene.system.mass.sum() / scene.start.box.volume() / 602.214076, 0.73, 1e-12);
     EXPECT_NEAR(scene.system.mass.sum() / molecules, 142.286, 1e-9);
   }
   EXPECT_GT(least_distance(scene_of("decane", {"build.molecules=200"}), 9), 0.33);
@@ -189,7 +189,7 @@ TEST(Alkane, TorsionIsTraPPEs) {
   const System four = make_system(Eigen::VectorXd::Ones(4), {});
   Terms terms;
   terms.rb_torsions.push_back(scene.terms.rb_torsions.front());
-  ForceField forces(four, terms);
+  ForceField forces(four, {}, terms);
   for (int degrees = -180; degrees <= 180; degrees += 15) {
     const double phi = degrees * std::numbers::pi / 180;
     State s;
@@ -219,7 +219,7 @@ TEST(Alkane, StartsAllTransAtTheAngle) {
   EXPECT_NEAR(scene.terms.angles[0].stiffness, 519.65391, 1e-4);  // 62500 K
   EXPECT_NEAR(scene.terms.angles[0].angle, 114 * std::numbers::pi / 180, 1e-15);
   scene.terms.nonbonded.reset();
-  ForceField forces(scene.system, scene.terms);
+  ForceField forces(scene.system, scene.start.box, scene.terms);
   forces(scene.system, scene.start);
   EXPECT_NEAR(forces.potential(), 0, 1e-9);
 }
@@ -243,7 +243,7 @@ TEST(Water, ModelsHaveTheirNumbers) {
 
 double potential(const Scene& scene) {
   State s = scene.start;
-  ForceField forces(scene.system, scene.terms);
+  ForceField forces(scene.system, scene.start.box, scene.terms);
   forces(scene.system, s);
   return forces.potential();
 }
@@ -254,7 +254,7 @@ TEST(Water, IsTiledFromAnEquilibratedStart) {
       "forcefield.dispersion_correction=false";  // the correction counts self-pairs
   const Scene one = scene_of("water", {pairs_alone});
   const Scene eight = scene_of("water", {pairs_alone, "build.molecules=1728"});
-  EXPECT_NEAR(eight.system.box.edge.x(), 2 * one.system.box.edge.x(), 1e-12);
+  EXPECT_NEAR(eight.start.box.edge.x(), 2 * one.start.box.edge.x(), 1e-12);
   EXPECT_NEAR(potential(eight) / potential(one), 8, 1e-9);
   EXPECT_NEAR(potential(one) / 216, -40, 1.5);  // of liquid TIP3P, not of a lattice
   EXPECT_TRUE(eight.notes.empty());
@@ -263,12 +263,12 @@ TEST(Water, IsTiledFromAnEquilibratedStart) {
 TEST(Water, OfAnyOtherNumberStandsOnALattice) {
   const Scene scene = scene_of("water", {"build.molecules=500"});
   EXPECT_EQ(scene.notes.size(), 2u);
-  EXPECT_NEAR(scene.system.box.volume() / 500, std::pow(1.872, 3) / 216, 1e-12);
+  EXPECT_NEAR(scene.start.box.volume() / 500, std::pow(1.872, 3) / 216, 1e-12);
   double least = 1e9;
   for (int a = 0; a < 1500; a += 3)
     for (int b = a + 3; b < 1500; b += 3)
       least =
-          std::min(least, scene.system.box.nearest_image(scene.start.x.col(b) - scene.start.x.col(a)).norm());
+          std::min(least, scene.start.box.nearest_image(scene.start.x.col(b) - scene.start.x.col(a)).norm());
   EXPECT_GT(least, 0.3);
 }
 
@@ -280,22 +280,22 @@ TEST(Water, OnALatticeHasTheDensityAskedFor) {
                                  "[forcefield]\ncutoff_nm = 0.9\n");
   const Scene scene = read_scene(file);
   EXPECT_NEAR(scene.system.mass.sum(), 300 * 18.0154, 1e-9);
-  EXPECT_NEAR(scene.system.mass.sum() / scene.system.box.volume() / 602.214076, 0.9, 1e-12);
+  EXPECT_NEAR(scene.system.mass.sum() / scene.start.box.volume() / 602.214076, 0.9, 1e-12);
 }
 
 // A droplet's waters move as those of the start they are cut from.
 TEST(Water, OfADropletKeepTheirVelocities) {
-  const Start bulk = read_start(scenes_folder() / "water216.start.toml");
+  const State bulk = read_start(scenes_folder() / "water216.start.toml");
   const Scene drop = scene_of("water_cluster", {water_start(), "build.molecules=20", "run.temperature_k=0"});
   for (int m = 0; m < 20; ++m) {
     Eigen::Index nearest = 0;
     double least = 1e9;
     for (Eigen::Index o = 0; o < 3 * 216; o += 3) {
-      const Vec3 apart = drop.start.x.col(3 * m) - bulk.state.x.col(o);
+      const Vec3 apart = drop.start.x.col(3 * m) - bulk.x.col(o);
       if (const double d = bulk.box.nearest_image(apart).norm(); d < least) least = d, nearest = o;
     }
     EXPECT_LT(least, 1e-12);
-    EXPECT_EQ(Vectors(drop.start.v.middleCols(3 * m, 3)), Vectors(bulk.state.v.middleCols(nearest, 3)));
+    EXPECT_EQ(Vectors(drop.start.v.middleCols(3 * m, 3)), Vectors(bulk.v.middleCols(nearest, 3)));
   }
 }
 
@@ -303,7 +303,7 @@ TEST(Water, DropletIsRoundAndDense) {
   for (const int molecules : {64, 400}) {  // within the start, and beyond it
     const Scene scene =
         scene_of("water_cluster", {water_start(), "build.molecules=" + std::to_string(molecules)});
-    EXPECT_FALSE(scene.system.box.periodic());
+    EXPECT_FALSE(scene.start.box.periodic());
     EXPECT_FALSE(scene.terms.nonbonded->cutoff.has_value());
     Vectors o(3, molecules);
     for (int m = 0; m < molecules; ++m) o.col(m) = scene.start.x.col(3 * m);

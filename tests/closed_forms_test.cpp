@@ -236,7 +236,7 @@ TEST(RattleStep, IsOfSecondOrder) {
 TEST(RattleStep, IsReversible) {
   const Scene scene = scene_of("water_cluster");
   const System& sys = scene.system;
-  ForceField forces(sys, scene.terms);
+  ForceField forces(sys, scene.start.box, scene.terms);
   Newton method(sys, {.tolerance = 1e-13}, 0.001);
   State s = scene.start;
   initialize({sys, forces, method}, s);

@@ -47,11 +47,11 @@ class ClusterPairsIn : public ::testing::TestWithParam<Liquid> {
 TEST_P(ClusterPairsIn, AgreesWithThePlainLoopWhileAtomsMove) {
   const auto frames = wander(40);
   on_every_machine([&] {
-    ClusterPairs clusters(nb, box, Precision::kDouble);
+    ClusterPairs clusters(nb, box.periodic(), Precision::kDouble);
     for (int n = 0; n < 40; ++n) {
       const auto& [moved, plain] = frames[n];
       Vectors f = Vectors::Zero(3, x.cols());
-      clusters.add_forces(moved, f);
+      clusters.add_forces(moved, box, f);
       EXPECT_LT((f - plain.f).cwiseAbs().maxCoeff(), 1e-13 * plain.f.cwiseAbs().maxCoeff()) << n;
       EXPECT_LT((f - plain.f).norm(), 1e-13 * plain.f.norm()) << n;
       if (n % 5 == 0) {
@@ -69,11 +69,11 @@ TEST_P(ClusterPairsIn, AgreesWithThePlainLoopWhileAtomsMove) {
 TEST_P(ClusterPairsIn, AgreesInMixedPrecisionToItsDigits) {
   const auto frames = wander(5);
   on_every_machine([&] {
-    ClusterPairs clusters(nb, box, Precision::kMixed);
+    ClusterPairs clusters(nb, box.periodic(), Precision::kMixed);
     for (int n = 0; n < 5; ++n) {
       const auto& [moved, plain] = frames[n];
       Vectors f = Vectors::Zero(3, x.cols());
-      clusters.add_forces(moved, f);
+      clusters.add_forces(moved, box, f);
       const Eigen::RowVectorXd clear = clear_of_cutoff(liquid.cutoff, moved, box);
       EXPECT_LT(rms((f - plain.f) * clear.asDiagonal()), 1e-5 * rms(plain.f)) << n;
       EXPECT_GT(rms(f - plain.f), 1e-12 * rms(plain.f)) << "is it mixed?";
@@ -88,9 +88,9 @@ TEST_P(ClusterPairsIn, HasTheVirialOfItsPairs) {
     on_one_to_three_threads([&] {
       for (const auto& [precision, digits] :
            {std::pair{Precision::kDouble, 1e-11}, std::pair{Precision::kMixed, 1e-5}}) {
-        ClusterPairs clusters(nb, box, precision);
+        ClusterPairs clusters(nb, box.periodic(), precision);
         Vectors f = Vectors::Zero(3, x.cols());
-        clusters.add_forces(x, f);
+        clusters.add_forces(x, box, f);
         EXPECT_LT((clusters.virial() - expected).norm(), digits * expected.norm());
       }
     });
@@ -103,18 +103,18 @@ TEST_P(ClusterPairsIn, GivesTheSameBitsTwiceOnAnyNumberOfThreads) {
   on_every_machine([&] {
     on_one_to_three_threads([&] {
       for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
-        ClusterPairs one(nb, box, precision), other(nb, box, precision);
+        ClusterPairs one(nb, box.periodic(), precision), other(nb, box.periodic(), precision);
         Vectors f = Vectors::Zero(3, x.cols()), g = f;
-        one.add_forces(x, f);
-        other.add_forces(x, g);
+        one.add_forces(x, box, f);
+        other.add_forces(x, box, g);
         EXPECT_EQ(f, g);
         EXPECT_EQ(one.energy(), other.energy());
         const double digits = precision == Precision::kDouble ? 2e-14 : 1e-5;
         EXPECT_LT(rms((f - plain.f) * clear.asDiagonal()), digits * rms(plain.f));
         EXPECT_NEAR(one.energy(), plain.energy, 10 * digits * std::abs(plain.energy));
         const Vectors moved = x + step();
-        one.add_forces(moved, f);
-        other.add_forces(moved, g);
+        one.add_forces(moved, box, f);
+        other.add_forces(moved, box, g);
         EXPECT_EQ(f, g);
       }
     });
@@ -124,15 +124,15 @@ TEST_P(ClusterPairsIn, GivesTheSameBitsTwiceOnAnyNumberOfThreads) {
 // Whichever thread has it, and where nothing else moves.
 TEST_P(ClusterPairsIn, MissesNoPairOfOneAtomThatGoesFar) {
   on_one_to_three_threads([&] {
-    ClusterPairs clusters(nb, box, Precision::kDouble);
+    ClusterPairs clusters(nb, box.periodic(), Precision::kDouble);
     Vectors moved = x, f = Vectors::Zero(3, x.cols());
-    clusters.add_forces(moved, f);
+    clusters.add_forces(moved, box, f);
     for (int a = 1; a < x.cols(); a += static_cast<int>(x.cols()) / 6)
       for (const double step : {0.02, 0.05, 0.4}) {
         moved.col(a) += step * Vec3(2, -1, 2) / 3;
         const Vectors witness = plain_pairs(nb, box, moved).f;
         f.setZero();
-        clusters.add_forces(moved, f);
+        clusters.add_forces(moved, box, f);
         EXPECT_LT((f.col(a) - witness.col(a)).norm(), 1e-11 * witness.norm()) << a;
         EXPECT_LT((f - witness).norm(), 1e-11 * witness.norm()) << a;
       }
@@ -166,12 +166,12 @@ TEST(ClusterPairs, WcaAgreesWithThePlainLoop) {
                  0.05 * Vec3(normal(rng), normal(rng), normal(rng));
     on_every_machine([&] {
       for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
-        ClusterPairs clusters(wca, n, box, precision);
+        ClusterPairs clusters(wca, n, box.periodic(), precision);
         Vectors moved = x;
         for (int step = 0; step < 10; ++step) {
           const auto [energy, virial, witness] = plain_wca(wca, box, moved);
           Vectors f = Vectors::Zero(3, n);
-          clusters.add_forces(moved, f);
+          clusters.add_forces(moved, box, f);
           const double digits = precision == Precision::kDouble ? 2e-14 : 1e-5;
           EXPECT_LT((clusters.virial() - virial).norm(), digits * 10 * virial.norm());
           EXPECT_LT((f - witness).norm(), digits * witness.norm());

@@ -53,11 +53,11 @@ TEST_P(ClusterPairsInSpace, MissNoPairWhileAtomsMove) {
   nb.cutoff = 0.5;
   on_every_machine([&, start = x] {
     x = start;
-    ClusterPairs clusters(nb, box, Precision::kDouble);
+    ClusterPairs clusters(nb, box.periodic(), Precision::kDouble);
     for (int step = 0; step < 25; ++step) {
       const auto [energy, virial, witness] = plain_pairs(nb, box, x);
       Vectors f = Vectors::Zero(3, n);
-      clusters.add_forces(x, f);
+      clusters.add_forces(x, box, f);
       EXPECT_LE((f - witness).norm(), 1e-11 * witness.norm()) << "at step " << step;
       EXPECT_NEAR(clusters.energy(), energy, 1e-9 * (1 + std::abs(energy)));
       x += Vectors::NullaryExpr(3, n, [&] { return normal(rng); });
@@ -101,12 +101,12 @@ TEST(ClusterPairs, MissNoPairOfThoseThatMeet) {
           x.col(drop + a) = x.col(a) + aside + 1.2 * along;
         }
         on_every_machine([&] {
-          ClusterPairs clusters(nb, box, Precision::kDouble);
+          ClusterPairs clusters(nb, box.periodic(), Precision::kDouble);
           Vectors moved = x;
           for (double way = 0; way < 0.25; way += speed) {
             const Vectors witness = plain_pairs(nb, box, moved).f;
             Vectors f = Vectors::Zero(3, n);
-            clusters.add_forces(moved, f);
+            clusters.add_forces(moved, box, f);
             ASSERT_LE((f - witness).norm(), 1e-12 * witness.norm()) << way << " " << speed << " " << drop;
             moved.leftCols(drop).colwise() += speed * along;
             moved.rightCols(drop).colwise() -= speed * along;
@@ -131,10 +131,10 @@ TEST(ClusterPairs, AtomsFarApartAndUnevenlySpread) {
   nb.sigma = Eigen::VectorXd::Constant(n, 0.1);
   nb.epsilon = Eigen::VectorXd::Zero(n);
   nb.cutoff = 0.7;
-  ClusterPairs clusters(nb, {}, Precision::kDouble);
+  ClusterPairs clusters(nb, false, Precision::kDouble);
   const Vectors witness = plain_pairs(nb, {}, x).f;
   Vectors f = Vectors::Zero(3, n);
-  clusters.add_forces(x, f);
+  clusters.add_forces(x, {}, f);
   EXPECT_LT((f - witness).norm(), 1e-12 * witness.norm());
 }
 
@@ -146,11 +146,11 @@ TEST(ClusterPairs, MissNoPairFarFromTheOrigin) {
   Vectors x = place(droplet, rng);
   x.array() += 1e6;
   const Nonbonded nb = forces_of(droplet);
-  ClusterPairs clusters(nb, {}, Precision::kDouble);
+  ClusterPairs clusters(nb, false, Precision::kDouble);
   for (int n = 0; n < 20; ++n) {
     const Vectors witness = plain_pairs(nb, {}, x).f;
     Vectors f = Vectors::Zero(3, x.cols());
-    clusters.add_forces(x, f);
+    clusters.add_forces(x, {}, f);
     EXPECT_LT((f - witness).norm(), 1e-12 * witness.norm()) << n;
     x += Vectors::NullaryExpr(3, x.cols(), [&] { return normal(rng); });
   }
@@ -158,10 +158,10 @@ TEST(ClusterPairs, MissNoPairFarFromTheOrigin) {
 
 // The error of forces in mixed precision, against the plain loop in double: a share of them.
 double mixed_error(const Nonbonded& nb, const Box& box, const Vectors& x) {
-  ClusterPairs clusters(nb, box, Precision::kMixed);
+  ClusterPairs clusters(nb, box.periodic(), Precision::kMixed);
   const auto [energy, virial, witness] = plain_pairs(nb, box, x);
   Vectors f = Vectors::Zero(3, x.cols());
-  clusters.add_forces(x, f);
+  clusters.add_forces(x, box, f);
   EXPECT_NEAR(clusters.energy(), energy, 1e-5 * std::abs(energy));
   const Eigen::RowVectorXd clear = clear_of_cutoff(nb.cutoff.value_or(0), x, box);
   return rms((f - witness) * clear.asDiagonal()) / rms(witness);
@@ -228,8 +228,8 @@ TEST(AtomClusters, LeaveEmptySpaceOut) {
     if (a % 9 == 0) x.col(a) += Vec3(0, 1e5, 1e7);
     if (a == 50) x.col(a) = Vec3(-1e12, 1e12, 0);
   }
-  AtomClusters clusters({{}, range, std::vector<std::uint8_t>(n, 1), std::vector<std::uint8_t>(n, 0)});
-  clusters.build(x);
+  AtomClusters clusters({false, range, std::vector<std::uint8_t>(n, 1), std::vector<std::uint8_t>(n, 0)});
+  clusters.build(x, {});
   const auto seen = [&](int a) { return Vec3(x.col(a) + clusters.offset(clusters.slot_of(a))); };
   for (int i = 0; i < n; ++i) {
     EXPECT_LT(seen(i).cwiseAbs().maxCoeff(), 30);
@@ -252,15 +252,16 @@ TEST(AtomClusters, LeaveEmptySpaceOut) {
 TEST(ClusterPairs, RefusesPositionsThatAreNotFinite) {
   const Liquid liquid{"", 5, 0.33, true, 0.8, 0, 1, true};
   std::mt19937_64 rng(1);
+  const Box box = box_of(liquid);
   Vectors x = place(liquid, rng), f = Vectors::Zero(3, x.cols());
   for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
-    ClusterPairs clusters(forces_of(liquid), box_of(liquid), precision);
-    clusters.add_forces(x, f);
+    ClusterPairs clusters(forces_of(liquid), true, precision);
+    clusters.add_forces(x, box, f);
     Vectors bad = x;
     bad(1, 12) = std::nan("");
-    EXPECT_THROW(clusters.add_forces(bad, f), SimulationFailure);
+    EXPECT_THROW(clusters.add_forces(bad, box, f), SimulationFailure);
     bad(1, 12) = HUGE_VAL;
-    EXPECT_THROW(clusters.add_forces(bad, f), SimulationFailure);
+    EXPECT_THROW(clusters.add_forces(bad, box, f), SimulationFailure);
   }
 }
 

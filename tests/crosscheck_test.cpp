@@ -158,9 +158,8 @@ TEST(Contestants, ByName) {
 // Beads with everything OpenMM has no class for.
 OpenMMInput custom_terms(bool periodic) {
   OpenMMInput input;
-  const double edge = 4;
-  input.system = make_system((Eigen::VectorXd(6) << 1, 2, 3, 0, 5, 6).finished(), {{0, 1, 0.9}},
-                             periodic ? Box{{edge, edge, edge}} : Box{});
+  input.system = make_system((Eigen::VectorXd(6) << 1, 2, 3, 0, 5, 6).finished(), {{0, 1, 0.9}});
+  if (periodic) input.start.box.edge.setConstant(4);
   input.terms.gravity = Vec3(1, -9.81, 2);
   input.terms.pulls = {{2, Vec3(3, -4, 5)}, {5, Vec3(0, 1, 0)}};
   input.terms.fene = {{1, 2, 30, 1.5}, {4, 5, 20, 1.6}};
@@ -179,7 +178,7 @@ TEST(OpenMMExport, CustomForcesAreThoseOfTaut) {
   for (const bool periodic : {false, true}) {
     OpenMMInput input = custom_terms(periodic);
     OpenMMTwin twin(input, {.h = 0.001});
-    ForceField forces(input.system, input.terms);
+    ForceField forces(input.system, input.start.box, input.terms);
     forces(input.system, input.start);
     Vectors theirs;
     const double energy = twin.forces_at(input.start.x, theirs);

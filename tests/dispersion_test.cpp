@@ -97,9 +97,9 @@ TEST(Dispersion, IsAConstantOverTheVolume) {
   nb.cutoff = 0.9;
   const Terms plain{.nonbonded = nb};
   nb.dispersion_correction = true;
-  const Vec3 edge(2, 2.5, 3);
+  const Box box{Vec3(2, 2.5, 3)};
   const Vectors x = columns({{0, 0, 0}, {0.4, 0, 0}});
-  const Evaluated with = evaluate({.nonbonded = nb}, x, edge), without = evaluate(plain, x, edge);
+  const Evaluated with = evaluate({.nonbonded = nb}, x, box), without = evaluate(plain, x, box);
   EXPECT_NEAR(with.energy - without.energy, dispersion_coefficient(nb) / 15, 1e-15);
   EXPECT_EQ(with.f, without.f);
 }

@@ -36,7 +36,7 @@ double foretold(double ah, double bh_squared) {
   const System& sys = scene.system;
   const double h = scene.run.h();
   const int m = sys.bond_count();
-  ForceField forces(sys, scene.terms);
+  ForceField forces(sys, scene.start.box, scene.terms);
   Feedforward method(sys, {}, h);
   const Dynamics dynamics{sys, forces, method};
   State s = scene.start;

@@ -39,11 +39,11 @@ namespace {
 using namespace testing;
 
 // Over the same way twice, far enough for searches.
-long allocated_the_second_time(const Terms& terms, const Vectors& start, const Vec3& edge) {
+long allocated_the_second_time(const Terms& terms, const Vectors& start, const Box& box) {
   const int n = static_cast<int>(start.cols());
-  const System sys = make_system(Eigen::VectorXd::Constant(n, 2.0), {}, {edge});
-  ForceField forces(sys, terms);
-  State s{start, Vectors::Zero(3, n), Vectors::Zero(3, n), 0};
+  const System sys = make_system(Eigen::VectorXd::Constant(n, 2.0), {});
+  ForceField forces(sys, box, terms);
+  State s{start, Vectors::Zero(3, n), Vectors::Zero(3, n), 0, box};
   const auto wander = [&] {
     std::mt19937_64 rng(3);
     std::normal_distribution<double> normal(0, 0.02);
@@ -69,10 +69,10 @@ TEST(Forces, AllocateNothingOnceTheyHaveRoom) {
       terms.nonbonded = forces_of(liquid);
       terms.precision = precision;
       const Vectors x = place(liquid, rng);
-      EXPECT_EQ(allocated_the_second_time(terms, x, box_of(liquid).edge), 0) << liquid.name;
+      EXPECT_EQ(allocated_the_second_time(terms, x, box_of(liquid)), 0) << liquid.name;
       if (!liquid.periodic) continue;
       terms.nonbonded->pme = PmeParameters{};
-      EXPECT_EQ(allocated_the_second_time(terms, x, box_of(liquid).edge), 0) << "with PME";
+      EXPECT_EQ(allocated_the_second_time(terms, x, box_of(liquid)), 0) << "with PME";
     }
 }
 

@@ -22,26 +22,26 @@ struct Evaluated {
 
 struct Bench {
   System sys;
+  Box box;
   ForceField forces;
 
-  Bench(int n, const Terms& terms, const Vec3& edge = Vec3::Zero())
-      : sys(make_system(Eigen::VectorXd::Constant(n, 2.0), {}, {edge})), forces(sys, terms) {}
+  Bench(int n, const Terms& terms, const Box& in = {})
+      : sys(make_system(Eigen::VectorXd::Constant(n, 2.0), {})), box(in), forces(sys, box, terms) {}
 
   Evaluated at(const Vectors& x) {
-    State s{x, Vectors::Zero(3, x.cols()), {}, 0};
+    State s{x, Vectors::Zero(3, x.cols()), {}, 0, box};
     forces(sys, s);
     return {forces.potential(), s.f};
   }
 };
 
-inline Evaluated evaluate(const Terms& terms, const Vectors& x, const Vec3& edge = Vec3::Zero()) {
-  return Bench(static_cast<int>(x.cols()), terms, edge).at(x);
+inline Evaluated evaluate(const Terms& terms, const Vectors& x, const Box& box = {}) {
+  return Bench(static_cast<int>(x.cols()), terms, box).at(x);
 }
 
 // f = −dE/dx by central differences, to a part in 10⁷ of the largest force.
-inline void expect_forces_are_minus_the_slope(const Terms& terms, const Vectors& x,
-                                              const Vec3& edge = Vec3::Zero()) {
-  Bench bench(static_cast<int>(x.cols()), terms, edge);
+inline void expect_forces_are_minus_the_slope(const Terms& terms, const Vectors& x, const Box& box = {}) {
+  Bench bench(static_cast<int>(x.cols()), terms, box);
   const Vectors f = bench.at(x).f;
   const double step = 1e-5, largest = f.cwiseAbs().maxCoeff();
   EXPECT_GT(largest, 0);

@@ -124,8 +124,8 @@ TEST(Fields, GravityAndPullsAreUniform) {
   Eigen::VectorXd mass(2);
   mass << 3, 0;  // the second is an anchor
   const System sys = make_system(mass, {});
-  ForceField forces(sys, {.gravity = Vec3(0, 0, -9.81), .pulls = {{1, {1, 2, 3}}, {0, {0, 5, 0}}}});
-  State s{columns({{0, 1, 2}, {4, 5, 6}}), Vectors::Zero(3, 2), {}, 0};
+  ForceField forces(sys, {}, {.gravity = Vec3(0, 0, -9.81), .pulls = {{1, {1, 2, 3}}, {0, {0, 5, 0}}}});
+  State s{columns({{0, 1, 2}, {4, 5, 6}}), Vectors::Zero(3, 2), {}, 0, {}};
   forces(sys, s);
   EXPECT_NEAR((s.f - columns({{0, 5, -29.43}, {1, 2, 3}})).norm(), 0, 1e-14);
   const auto energies = forces.energies();
@@ -149,7 +149,7 @@ TEST(ForceField, NamesOnlyTheTermsThereAre) {
             .pulls = {{0, {1, 2, 3}}}};
   const Eigen::VectorXd ones = Eigen::VectorXd::Ones(4);
   all.nonbonded = Nonbonded{ones, 0.1 * ones, ones, {}, 0.9, {}, 78.3, {}, true};
-  Bench bench(4, all, {2, 2, 2});
+  Bench bench(4, all, Box{Vec3(2, 2, 2)});
   const double potential = bench.at(kBent).energy;
   std::vector<std::string> names;
   double sum = 0;
@@ -171,7 +171,7 @@ TEST(ForceField, RefusesTermsThatDoNotFit) {
                 .wca = Wca{0.3, 1, {}}};
     spoil(terms);
     try {
-      Bench(4, terms, edge);
+      Bench(4, terms, Box{edge});
     } catch (const InputError& e) {
       return std::string(e.what());
     }

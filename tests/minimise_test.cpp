@@ -24,8 +24,8 @@ void push(Vectors& x, int size, double far) {
 TEST(Minimise, OverlappingWatersComeApart) {
   Scene scene = read_scene(find_scene("water"), {"build.molecules=216"});
   push(scene.start.x, 3, 0.15);
-  ForceField forces(scene.system, scene.terms);
-  const Minimised result = minimise(scene.system, forces, 1000, scene.start.x);
+  ForceField forces(scene.system, scene.start.box, scene.terms);
+  const Minimised result = minimise(scene.system, forces, 1000, scene.start);
   EXPECT_GT(result.energy_before, 1e5);
   EXPECT_LT(result.energy, -5000);
   EXPECT_LE(result.largest_force, 1000);
@@ -35,8 +35,8 @@ TEST(Minimise, OverlappingWatersComeApart) {
 TEST(Minimise, OverlappingChainsComeApart) {
   Scene scene = read_scene(find_scene("melt"));
   push(scene.start.x, 50, 0.5);
-  ForceField forces(scene.system, scene.terms);
-  const Minimised result = minimise(scene.system, forces, 100, scene.start.x);
+  ForceField forces(scene.system, scene.start.box, scene.terms);
+  const Minimised result = minimise(scene.system, forces, 100, scene.start);
   EXPECT_GT(result.energy_before, 100 * std::abs(result.energy));
   EXPECT_LE(result.largest_force, 100);
   EXPECT_LT(bond_errors(scene.system, scene.start.x).max, 1e-12);
@@ -45,10 +45,11 @@ TEST(Minimise, OverlappingChainsComeApart) {
 // A pendulum falls to its lowest point and stays on its circle; its anchor stays where it is.
 TEST(Minimise, PendulumHangs) {
   const System sys = make_system(Eigen::Vector2d(0, 3), {{0, 1, 0.5}});
-  ForceField forces(sys, {.gravity = Vec3(0, 0, -10)});
-  Vectors x = Vectors::Zero(3, 2);
+  ForceField forces(sys, {}, {.gravity = Vec3(0, 0, -10)});
+  State s;
+  Vectors& x = s.x = Vectors::Zero(3, 2);
   x(0, 1) = 0.5;
-  const Minimised result = minimise(sys, forces, 1e-4, x);
+  const Minimised result = minimise(sys, forces, 1e-4, s);
   EXPECT_EQ(Vec3(x.col(0)), Vec3::Zero());
   EXPECT_NEAR(x(2, 1), -0.5, 1e-9);
   EXPECT_NEAR(result.energy, -15, 1e-6);
@@ -58,10 +59,11 @@ TEST(Minimise, PendulumHangs) {
 // Pulled or not, an anchor stays, and what hangs from it comes to rest below.
 TEST(Minimise, APulledAnchorStays) {
   const System sys = make_system(Eigen::Vector2d(0, 3), {{0, 1, 0.5}});
-  ForceField forces(sys, {.gravity = Vec3(0, 0, -10), .pulls = {{0, Vec3(100, 0, 0)}}});
-  Vectors x = Vectors::Zero(3, 2);
+  ForceField forces(sys, {}, {.gravity = Vec3(0, 0, -10), .pulls = {{0, Vec3(100, 0, 0)}}});
+  State s;
+  Vectors& x = s.x = Vectors::Zero(3, 2);
   x(0, 1) = 0.5;
-  minimise(sys, forces, 1e-4, x);
+  minimise(sys, forces, 1e-4, s);
   EXPECT_EQ(Vec3(x.col(0)), Vec3::Zero());
   EXPECT_NEAR(x(2, 1), -0.5, 1e-9);
 }
@@ -71,10 +73,12 @@ TEST(Minimise, MassesHaveNoSay) {
   const std::vector<RigidBond> bonds = {{0, 1, 0.5}, {1, 2, 0.5}};
   const auto end = [&](const Eigen::VectorXd& mass) {
     const System sys = make_system(mass, bonds);
-    ForceField forces(sys, {.pulls = {{0, Vec3(1, 2, 0)}, {1, Vec3(0, -5, 1)}, {2, Vec3(-1, 3, -1)}}});
-    Vectors x(3, 3);
+    ForceField forces(sys, {}, {.pulls = {{0, Vec3(1, 2, 0)}, {1, Vec3(0, -5, 1)}, {2, Vec3(-1, 3, -1)}}});
+    State s;
+    Vectors& x = s.x;
+    x.resize(3, 3);
     x << 0, 0.5, 0.5, 0, 0, 0.5, 0, 0, 0;
-    const Minimised result = minimise(sys, forces, 1, x);
+    const Minimised result = minimise(sys, forces, 1, s);
     EXPECT_GT(result.moves, 3);
     return x;
   };
@@ -84,9 +88,10 @@ TEST(Minimise, MassesHaveNoSay) {
 // Falling for ever: every move helps, none is longer than the longest, and there is a last one.
 TEST(Minimise, GoesNoFurtherThanItsLongestMoves) {
   const System sys = make_system(Eigen::VectorXd::Ones(1), {});
-  ForceField forces(sys, {.gravity = Vec3(0, 0, -10)});
-  Vectors x = Vectors::Zero(3, 1);
-  const Minimised result = minimise(sys, forces, 1e-4, x);
+  ForceField forces(sys, {}, {.gravity = Vec3(0, 0, -10)});
+  State s;
+  Vectors& x = s.x = Vectors::Zero(3, 1);
+  const Minimised result = minimise(sys, forces, 1e-4, s);
   EXPECT_EQ(result.moves, kMostMoves);
   EXPECT_NEAR(-x(2, 0), kMostMoves * kLongestMove, 20 * kLongestMove);
 }

@@ -51,7 +51,7 @@ TEST(LennardJones, IsCutPlainlyOrSwitchedOff) {
 
 TEST(Coulomb, IsPlainWithoutACutoff) {
   const auto [energy, f] =
-      evaluate({.nonbonded = without_lj(two_kinds(2))}, apart(2), {3, 3, 3});  // no images
+      evaluate({.nonbonded = without_lj(two_kinds(2))}, apart(2), Box{Vec3(3, 3, 3)});  // no images
   EXPECT_NEAR(energy, kCoulomb * -0.4 / 2, 1e-12);
   EXPECT_NEAR(f(0, 1), kCoulomb * -0.4 / 4, 1e-12);  // drawn to the first
   EXPECT_NEAR(f(0, 0), kCoulomb * 0.4 / 4, 1e-12);
@@ -65,8 +65,8 @@ TEST(Coulomb, HasAReactionFieldWithinACutoff) {
     nb.rf_dielectric = eps;
     const double k_rf = (eps - 1) / ((2 * eps + 1) * rc * rc * rc), c_rf = 3 * eps / ((2 * eps + 1) * rc);
     for (double r : {0.2, 0.6, 0.89})
-      for (const Vec3& edge : {Vec3(0, 0, 0), Vec3(2, 2, 2)}) {
-        const auto [energy, f] = evaluate({.nonbonded = nb}, apart(r), edge);
+      for (const Box& box : {Box{}, Box{Vec3(2, 2, 2)}}) {
+        const auto [energy, f] = evaluate({.nonbonded = nb}, apart(r), box);
         EXPECT_NEAR(energy, kCoulomb * -0.4 * (1 / r + k_rf * r * r - c_rf), 1e-11);
         EXPECT_NEAR(f(0, 1), kCoulomb * -0.4 * (1 / (r * r) - 2 * k_rf * r), 1e-10);
       }
@@ -82,7 +82,7 @@ TEST(Exceptions, GoByTheirOwnNumbersWithoutCutoffOrImages) {
   nb.exceptions = {{1, 0, 0.3, 0.4, 0.5}};
   for (double r : {0.4, 0.8, 1.7}) {
     const double s6 = std::pow(0.4 / r, 6);
-    const auto [energy, f] = evaluate({.nonbonded = nb}, apart(r), {2, 2, 2});
+    const auto [energy, f] = evaluate({.nonbonded = nb}, apart(r), Box{Vec3(2, 2, 2)});
     EXPECT_NEAR(energy, lj(0.4, 0.5, r) + kCoulomb * 0.3 / r, 1e-11);
     EXPECT_NEAR(f(0, 1), (24 * 0.5 * (2 * s6 * s6 - s6) + kCoulomb * 0.3 / r) / r, 1e-9);
   }
@@ -95,15 +95,16 @@ TEST(Exceptions, GoByTheirOwnNumbersWithoutCutoffOrImages) {
 TEST(Wca, IsRepulsionUpToTheMinimum) {
   const double sigma = 0.3, epsilon = 2;
   const Terms terms{.wca = Wca{sigma, epsilon, {}}};
-  for (const Vec3& edge : {Vec3(0, 0, 0), Vec3(1, 1, 1)}) {
-    EXPECT_NEAR(evaluate(terms, apart(sigma), edge).energy, epsilon, 1e-12);
-    EXPECT_NEAR(evaluate(terms, apart(sigma), edge).f(0, 1), 24 * epsilon / sigma, 1e-10);
-    EXPECT_NEAR(evaluate(terms, apart(0.25), edge).energy, lj(sigma, epsilon, 0.25) + epsilon, 1e-10);
+  for (const Box& box : {Box{}, Box{Vec3(1, 1, 1)}}) {
+    EXPECT_NEAR(evaluate(terms, apart(sigma), box).energy, epsilon, 1e-12);
+    EXPECT_NEAR(evaluate(terms, apart(sigma), box).f(0, 1), 24 * epsilon / sigma, 1e-10);
+    EXPECT_NEAR(evaluate(terms, apart(0.25), box).energy, lj(sigma, epsilon, 0.25) + epsilon, 1e-10);
     const double reach = std::pow(2, 1.0 / 6) * sigma;
-    EXPECT_NEAR(evaluate(terms, apart(reach - 1e-9), edge).energy, 0, 1e-12);
-    EXPECT_EQ(evaluate(terms, apart(reach + 1e-9), edge).energy, 0);
+    EXPECT_NEAR(evaluate(terms, apart(reach - 1e-9), box).energy, 0, 1e-12);
+    EXPECT_EQ(evaluate(terms, apart(reach + 1e-9), box).energy, 0);
   }
-  EXPECT_NEAR(evaluate(terms, apart(0.7), {1, 1, 1}).energy, evaluate(terms, apart(0.3)).energy, 1e-12);
+  EXPECT_NEAR(evaluate(terms, apart(0.7), Box{Vec3(1, 1, 1)}).energy, evaluate(terms, apart(0.3)).energy,
+              1e-12);
   EXPECT_EQ(evaluate({.wca = Wca{sigma, epsilon, {{1, 0}}}}, apart(0.25)).energy, 0);
 }
 
@@ -166,7 +167,7 @@ class NonbondedIn : public ::testing::TestWithParam<Setting> {
 class NonbondedInABox : public NonbondedIn {};
 
 TEST_P(NonbondedIn, AgreesWithADoubleLoop) {
-  Bench bench(n, {.nonbonded = nb}, box.edge);
+  Bench bench(n, {.nonbonded = nb}, box);
   std::mt19937_64 rng(1);
   std::normal_distribution<double> normal;
   for (int step = 0; step < 4; ++step) {
@@ -180,7 +181,7 @@ TEST_P(NonbondedIn, AgreesWithADoubleLoop) {
 }
 
 TEST_P(NonbondedInABox, IsTheSameForAMoleculeMovedByABoxEdge) {
-  Bench bench(n, {.nonbonded = nb}, box.edge);
+  Bench bench(n, {.nonbonded = nb}, box);
   const Evaluated before = bench.at(x);
   Vectors moved = x;
   for (int a : {4, 5}) moved.col(a) += Vec3(box.edge[0], -2 * box.edge[1], 0);  // a pair tied by an exception
@@ -192,8 +193,8 @@ TEST_P(NonbondedInABox, IsTheSameForAMoleculeMovedByABoxEdge) {
 }
 
 TEST_P(NonbondedIn, GivesTheSameBitsTwice) {
-  const Evaluated once = Bench(n, {.nonbonded = nb}, box.edge).at(x),
-                  twice = Bench(n, {.nonbonded = nb}, box.edge).at(x);
+  const Evaluated once = Bench(n, {.nonbonded = nb}, box).at(x),
+                  twice = Bench(n, {.nonbonded = nb}, box).at(x);
   EXPECT_EQ(once.energy, twice.energy);
   EXPECT_EQ(once.f, twice.f);
 }
@@ -211,20 +212,20 @@ INSTANTIATE_TEST_SUITE_P(Boxes, NonbondedInABox, kBoxes, kName);
 
 TEST(Nonbonded, ForcesAreMinusTheSlope) {
   const Vectors x = crowd(3, 0.35, false);
-  const Vec3 none = Vec3::Zero(), edge(1.05, 1.1, 1.2);
+  const Box none, box{Vec3(1.05, 1.1, 1.2)};
   for (const auto& change : std::initializer_list<std::function<Nonbonded(Nonbonded)>>{
            [](Nonbonded nb) { return nb; }, without_charges, without_lj}) {
     Nonbonded nb = change(mixed(27));
     expect_forces_are_minus_the_slope({.nonbonded = nb}, x, none);
     nb.cutoff = 0.5;
     expect_forces_are_minus_the_slope({.nonbonded = nb}, x, none);
-    expect_forces_are_minus_the_slope({.nonbonded = nb}, x, edge);
+    expect_forces_are_minus_the_slope({.nonbonded = nb}, x, box);
     nb.switch_distance = 0.3;  // most pairs are in the switch
     expect_forces_are_minus_the_slope({.nonbonded = nb}, x, none);
-    expect_forces_are_minus_the_slope({.nonbonded = nb}, x, edge);
+    expect_forces_are_minus_the_slope({.nonbonded = nb}, x, box);
   }
   expect_forces_are_minus_the_slope({.wca = Wca{0.35, 1.5, {{0, 1}, {4, 7}}}}, x, none);
-  expect_forces_are_minus_the_slope({.wca = Wca{0.35, 1.5, {{0, 1}, {4, 7}}}}, x, edge);
+  expect_forces_are_minus_the_slope({.wca = Wca{0.35, 1.5, {{0, 1}, {4, 7}}}}, x, box);
 }
 
 TEST(Wca, AgreesWithADoubleLoop) {
@@ -234,7 +235,7 @@ TEST(Wca, AgreesWithADoubleLoop) {
     const Box box{Vec3::Constant(side * 0.33)};
     Wca given = wca;
     if (side == 3) given.exclusions.pop_back();
-    const Evaluated ours = evaluate({.wca = given}, x, box.edge);
+    const Evaluated ours = evaluate({.wca = given}, x, box);
     const auto plain = plain_wca(given, box, x);
     EXPECT_NEAR(ours.energy, plain.energy, 1e-11 * plain.energy);
     EXPECT_LT((ours.f - plain.f).norm(), 1e-12 * plain.f.norm());

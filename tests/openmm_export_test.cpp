@@ -31,7 +31,7 @@ class Numbers {
  public:
   explicit Numbers(const OpenMMInput& input) {
     const Terms& t = input.terms;
-    add(input.system.mass, input.system.box.edge, input.start.x, input.start.v, input.start.t,
+    add(input.system.mass, input.start.box.edge, input.start.x, input.start.v, input.start.t,
         input.remove_momentum_every, input.has_velocities);
     list(input.system.bonds, [&](const auto& b) { add(b.i, b.j, b.length); });
     list(t.bonds, [&](const auto& b) { add(b.i, b.j, b.length, b.k); });
@@ -100,7 +100,7 @@ TEST(OpenMMExport, IsReadBackToTheLastBitOfEveryNumber) {
   input.start.x /= 3;
   input.start.v *= 1e-9 / 3;
   input.start.t = 1e7 / 3;
-  input.system.box.edge *= 4.0 / 3;
+  input.start.box.edge *= 4.0 / 3;
   for (auto& bond : input.terms.bonds) bond.k *= 1e4 / 3;
   expect_read_back(input);
 }
@@ -113,7 +113,7 @@ TEST(OpenMMExport, IsReadBackHoweverPairsAreCutOff) {
   pairs.switch_distance.reset();
   pairs.rf_dielectric = 3;
   expect_read_back(input);
-  input.system.box = {};
+  input.start.box = {};
   expect_read_back(input);
   pairs.cutoff.reset();
   expect_read_back(input);

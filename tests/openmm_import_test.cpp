@@ -73,7 +73,7 @@ TEST(OpenMMImport, ReadsWhatIsThere) {
   const Files files = testing::data("ala2-hbonds-rf");
   const OpenMMInput input = read_openmm(files.system, files.state);
   EXPECT_EQ(input.system.atoms(), input.start.x.cols());
-  EXPECT_NEAR(input.system.box.edge.x(), 3.2852863, 1e-12);
+  EXPECT_NEAR(input.start.box.edge.x(), 3.2852863, 1e-12);
   EXPECT_DOUBLE_EQ(input.start.x(2, 1), 1.5401023457131502);
   EXPECT_EQ(input.terms.angles.size(), 36u);
   ASSERT_TRUE(input.terms.nonbonded);
@@ -96,7 +96,7 @@ TEST(OpenMMImport, TakesMomentumRemovalAndAnchors) {
   EXPECT_GT(input.start.v.col(5).norm(), 0);
   EXPECT_EQ(input.system.bond_count(), melt.system.getNumConstraints() - 1)
       << "nothing to hold between anchors";
-  EXPECT_FALSE(input.system.box.periodic()) << "nothing in it is periodic";
+  EXPECT_FALSE(input.start.box.periodic()) << "nothing in it is periodic";
 }
 
 TEST(OpenMMImport, MakesMoleculesWhole) {
@@ -126,7 +126,7 @@ TEST(OpenMMImport, TheStatesBoxWins) {
   const Files files = melt.write(folder);
   std::string state = text_of(files.state);
   replace(state, "<A x=\"2.4", "<A x=\"2.5");
-  EXPECT_EQ(read_openmm(files.system, folder.write("s.xml", state)).system.box.edge, Vec3(2.5, 2.4, 2.4));
+  EXPECT_EQ(read_openmm(files.system, folder.write("s.xml", state)).start.box.edge, Vec3(2.5, 2.4, 2.4));
 }
 
 TEST(OpenMMImport, StandsStillWithoutVelocities) {

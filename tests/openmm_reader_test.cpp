@@ -22,7 +22,7 @@ double number_after(const std::string& text, const std::string& key, std::size_t
 
 double potential_of(const Texts& texts) {
   OpenMMInput input = read(texts);
-  ForceField forces(input.system, input.terms);
+  ForceField forces(input.system, input.start.box, input.terms);
   forces(input.system, input.start);
   return forces.potential();
 }
@@ -30,7 +30,7 @@ double potential_of(const Texts& texts) {
 TEST(OpenMMReader, HasTheEnergyAndForcesOpenMM86WroteOfEveryForce) {
   const Texts texts = every_force();
   OpenMMInput input = read(texts);
-  ForceField forces(input.system, input.terms);
+  ForceField forces(input.system, input.start.box, input.terms);
   forces(input.system, input.start);
   const double theirs = number_after(texts.state, "PotentialEnergy=\"");
   EXPECT_NEAR(forces.potential(), theirs, 1e-9 * std::abs(theirs));

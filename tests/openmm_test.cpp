@@ -38,7 +38,7 @@ void expect_agreement(double energy, const Vectors& f, double their_energy, cons
 // not.
 void expect_parity(const Files& files, double more = 0) {
   OpenMMInput input = read_openmm(files.system, files.state);
-  ForceField forces(input.system, input.terms);
+  ForceField forces(input.system, input.start.box, input.terms);
   forces(input.system, input.start);
   const OpenMMTwin twin(files.system, files.state, {0.001});
   expect_agreement(forces.potential(), input.start.f, twin.potential() + more, twin.state().f);
@@ -55,7 +55,7 @@ TEST_P(SharedSystem, HasThePotentialAndForcesOfTheStateFile) {
   std::ifstream in(files.state);
   const std::unique_ptr<OpenMM::State> state(OpenMM::XmlSerializer::deserialize<OpenMM::State>(in));
   OpenMMInput input = read_openmm(files.system, files.state);
-  ForceField forces(input.system, input.terms);
+  ForceField forces(input.system, input.start.box, input.terms);
   forces(input.system, input.start);
 
   Vectors f(3, input.system.atoms());
@@ -292,7 +292,7 @@ TEST(OpenMMTwinTest, GivesForcesAnywhere) {
   input.start.x(1, 5) += 0.01;
   Vectors f;
   const double energy = twin.forces_at(input.start.x, f);
-  ForceField forces(input.system, input.terms);
+  ForceField forces(input.system, input.start.box, input.terms);
   forces(input.system, input.start);
   expect_agreement(forces.potential(), input.start.f, energy, f);
 }

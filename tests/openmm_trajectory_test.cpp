@@ -41,7 +41,7 @@ Apart apart_after(const Files& files, int steps) {
   constexpr double h = 0.001;
   Scene scene = import_openmm(files.system, files.state);
   const System& sys = scene.system;
-  ForceField forces(sys, scene.terms);
+  ForceField forces(sys, scene.start.box, scene.terms);
   Rattle::Options options;
   options.tolerance = 1e-12;
   Rattle rattle(sys, options, h);

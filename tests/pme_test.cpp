@@ -78,7 +78,7 @@ TEST(Pme, ConvergesToEwaldsSum) {
     EXPECT_LT((plain.f - other.f).norm(), 1e-12 * plain.f.norm());
     EXPECT_NEAR(plain.virial.trace(), plain.energy, 1e-11 * std::abs(plain.energy));
     salt.nb.pme = converged();
-    Bench bench(static_cast<int>(salt.x.cols()), {.nonbonded = salt.nb}, salt.box.edge);
+    Bench bench(static_cast<int>(salt.x.cols()), {.nonbonded = salt.nb}, salt.box);
     const auto ours = bench.at(salt.x);
     EXPECT_NEAR(ours.energy, plain.energy, 1e-10 * std::abs(plain.energy)) << surplus;
     EXPECT_LT((ours.f - plain.f).norm(), 1e-10 * plain.f.norm()) << surplus;
@@ -95,7 +95,7 @@ TEST(Pme, GoesToEwaldsSumAsItsOrderSays) {
   for (int order = 4; order <= 8; ++order) {
     const auto error = [&](std::array<int, 3> grid) {
       salt.nb.pme = PmeParameters{.order = order, .alpha = 5.5, .grid = grid};
-      const auto ours = evaluate({.nonbonded = salt.nb}, salt.x, salt.box.edge);
+      const auto ours = evaluate({.nonbonded = salt.nb}, salt.x, salt.box);
       return (ours.f - plain.f).norm() / plain.f.norm();
     };
     const double coarse = error({28, 30, 35}), fine = error({56, 60, 70});
@@ -109,7 +109,7 @@ TEST(Pme, IsAsExactAsItsToleranceSays) {
   const auto plain = plain_ewald(salt.nb, salt.box, salt.x, 4);
   for (const double tolerance : {1e-3, 5e-4, 1e-5, 1e-6}) {
     salt.nb.pme = PmeParameters{.tolerance = tolerance};
-    const auto ours = evaluate({.nonbonded = salt.nb}, salt.x, salt.box.edge);
+    const auto ours = evaluate({.nonbonded = salt.nb}, salt.x, salt.box);
     EXPECT_LT((ours.f - plain.f).norm(), 3 * tolerance * plain.f.norm());
     EXPECT_GT((ours.f - plain.f).norm(), 0.001 * tolerance * plain.f.norm()) << "wasteful";
   }
@@ -120,9 +120,9 @@ TEST(Pme, MixedPrecisionAgreesToItsDigits) {
   salt.nb.pme = PmeParameters{};
   Terms terms;
   terms.nonbonded = salt.nb;
-  const auto exact = evaluate(terms, salt.x, salt.box.edge);
+  const auto exact = evaluate(terms, salt.x, salt.box);
   terms.precision = Precision::kMixed;
-  const auto mixed = evaluate(terms, salt.x, salt.box.edge);
+  const auto mixed = evaluate(terms, salt.x, salt.box);
   EXPECT_LT((mixed.f - exact.f).norm(), 2e-6 * exact.f.norm());
   EXPECT_GT((mixed.f - exact.f).norm(), 1e-10 * exact.f.norm()) << "is it mixed?";
   EXPECT_NEAR(mixed.energy, exact.energy, 1e-6 * std::abs(exact.energy));
@@ -135,7 +135,7 @@ TEST(Pme, ForcesAreMinusTheSlope) {
   salt.nb.sigma.setConstant(0.1);
   salt.nb.pme = PmeParameters{.alpha = 7};  // the cut at the cutoff is out of the way
   salt.nb.pme->grid = {20, 24, 24};
-  expect_forces_are_minus_the_slope({.nonbonded = salt.nb}, salt.x, salt.box.edge);
+  expect_forces_are_minus_the_slope({.nonbonded = salt.nb}, salt.x, salt.box);
 }
 
 TEST(Pme, VirialIsHowTheEnergyGoesWithTheEdges) {
@@ -143,7 +143,7 @@ TEST(Pme, VirialIsHowTheEnergyGoesWithTheEdges) {
   salt.nb.pme = PmeParameters{.alpha = 5.5};
   salt.nb.pme->grid = {32, 36, 40};
   const int n = static_cast<int>(salt.x.cols());
-  Bench bench(n, {.nonbonded = salt.nb}, salt.box.edge);
+  Bench bench(n, {.nonbonded = salt.nb}, salt.box);
   bench.at(salt.x);
   const double step = 1e-5;
   const Eigen::Matrix3d virial = bench.forces.virial(salt.x);
@@ -151,8 +151,7 @@ TEST(Pme, VirialIsHowTheEnergyGoesWithTheEdges) {
     const auto scaled = [&](double by) {
       Vec3 scale = Vec3::Ones();
       scale[d] += by;
-      return evaluate({.nonbonded = salt.nb}, scale.asDiagonal() * salt.x, scale.cwiseProduct(salt.box.edge))
-          .energy;
+      return evaluate({.nonbonded = salt.nb}, scale.asDiagonal() * salt.x, salt.box.scaled(scale)).energy;
     };
     const double expected = -(scaled(step) - scaled(-step)) / (2 * step);
     EXPECT_NEAR(virial(d, d), expected, 1e-6 * std::abs(expected));
@@ -164,10 +163,10 @@ TEST(Pme, IsTheSameBitsOnAnyNumberOfThreads) {
   Salt salt(0, 9);
   salt.nb.cutoff = 0.05;
   salt.nb.pme = PmeParameters{.alpha = 4};
-  const auto once = evaluate({.nonbonded = salt.nb}, salt.x, salt.box.edge);
+  const auto once = evaluate({.nonbonded = salt.nb}, salt.x, salt.box);
   EXPECT_GT(once.f.norm(), 0);
   on_one_to_three_threads([&] {
-    const auto again = evaluate({.nonbonded = salt.nb}, salt.x, salt.box.edge);
+    const auto again = evaluate({.nonbonded = salt.nb}, salt.x, salt.box);
     EXPECT_EQ(once.f, again.f);
     EXPECT_EQ(once.energy, again.energy);
   });
@@ -177,20 +176,21 @@ TEST(Pme, IsTheSameBitsOnAnyNumberOfThreads) {
 TEST(Pme, IsTheSameSumOnEveryMachine) {
   Salt salt(1);
   salt.nb.pme = PmeParameters{.tolerance = 1e-5};
-  const auto once = evaluate({.nonbonded = salt.nb}, salt.x, salt.box.edge);
+  const auto once = evaluate({.nonbonded = salt.nb}, salt.x, salt.box);
   on_every_machine([&] {
-    const auto again = evaluate({.nonbonded = salt.nb}, salt.x, salt.box.edge);
+    const auto again = evaluate({.nonbonded = salt.nb}, salt.x, salt.box);
     EXPECT_LT((once.f - again.f).norm(), 1e-13 * once.f.norm());
     EXPECT_NEAR(once.energy, again.energy, 1e-13 * std::abs(once.energy));
   });
 }
 
 TEST(PmeParameters, AreThoseOfOpenMM) {
-  const auto p = chosen_parameters({}, {Vec3(3, 4, 5)}, 0.9);
+  const auto p = chosen_parameters({}, Box{Vec3(3, 4, 5)}, 0.9);
   EXPECT_NEAR(p.alpha, std::sqrt(-std::log(1e-3)) / 0.9, 1e-15);
   EXPECT_EQ(p.grid, (std::array{27, 36, 45}));  // 26.7, 35.6, 44.5
-  EXPECT_EQ(chosen_parameters({.grid = {22, 23, 26}}, {Vec3(3, 4, 5)}, 0.9).grid, (std::array{22, 23, 26}));
-  EXPECT_EQ(chosen_parameters({}, {Vec3(0.2, 2.8, 3.2)}, 0.9).grid,
+  EXPECT_EQ(chosen_parameters({.grid = {22, 23, 26}}, Box{Vec3(3, 4, 5)}, 0.9).grid,
+            (std::array{22, 23, 26}));
+  EXPECT_EQ(chosen_parameters({}, Box{Vec3(0.2, 2.8, 3.2)}, 0.9).grid,
             (std::array{6, 25, 30}));  // 24.9 and 28.5
 }
 

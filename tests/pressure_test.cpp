@@ -33,8 +33,8 @@ Vectors spread(int atoms, std::uint64_t seed) {
 
 // Ξ = −dE/dε, box and positions strained by 1 + ε: along the edges, without a box in every direction.
 void expect_virial_is_the_slope(const Terms& terms, const Vectors& x, bool box = true) {
-  const Vec3 edge = box ? Vec3::Constant(kEdge) : Vec3::Zero();
-  Bench bench(static_cast<int>(x.cols()), terms, edge);
+  const Box edges = box ? Box{Vec3::Constant(kEdge)} : Box{};
+  Bench bench(static_cast<int>(x.cols()), terms, edges);
   bench.at(x);
   const Eigen::Matrix3d virial = bench.forces.virial(x);
   EXPECT_GT(virial.norm(), 1e-3);
@@ -44,7 +44,8 @@ void expect_virial_is_the_slope(const Terms& terms, const Vectors& x, bool box =
       const auto strained = [&](double by) {
         Eigen::Matrix3d strain = Eigen::Matrix3d::Identity();
         strain(a, b) += by;
-        return evaluate(terms, strain * x, strain * edge).energy;
+        return evaluate(terms, strain * x, edges.periodic() ? Box::of(strain * edges.vectors()) : Box{})
+            .energy;
       };
       const double step = 1e-6, slope = (strained(step) - strained(-step)) / (2 * step);
       EXPECT_NEAR(virial(a, b), -slope, 1e-6 * virial.norm()) << a << b;
@@ -118,14 +119,13 @@ Scene water(std::vector<std::string> more = {}) {
 
 // The centres of molecules of three and the box scaled by s, the molecules as they are.
 double energy_scaled(const Scene& scene, const Vectors& x, double s) {
-  System sys = scene.system;
-  sys.box.edge *= s;
-  State state{x, {}, {}, 0};
+  const System& sys = scene.system;
+  State state{x, {}, {}, 0, scene.start.box.scaled(Vec3::Constant(s))};
   for (int o = 0; o < sys.atoms(); o += 3) {
     const Vec3 centre = x.middleCols<3>(o) * sys.mass.segment<3>(o) / sys.mass.segment<3>(o).sum();
     state.x.middleCols<3>(o).colwise() += (s - 1) * centre;
   }
-  ForceField forces(sys, scene.terms);
+  ForceField forces(sys, state.box, scene.terms);
   forces(sys, state);
   return forces.potential();
 }
@@ -141,12 +141,12 @@ double molecular_pressure(const Scene& scene, const State& state) {
   for (int o = 0; o < sys.atoms(); o += 3)
     twice_kinetic +=
         (state.v.middleCols<3>(o) * sys.mass.segment<3>(o)).squaredNorm() / sys.mass.segment<3>(o).sum();
-  return kBarPerUnit * (twice_kinetic - slope) / (3 * sys.box.volume());
+  return kBarPerUnit * (twice_kinetic - slope) / (3 * scene.start.box.volume());
 }
 
 double atomic_pressure(const Scene& scene, const State& state) {
-  ForceField forces(scene.system, scene.terms);
-  return Barometer(scene.system)(scene.system, forces, state.x, state.v, {}).trace() / 3;
+  ForceField forces(scene.system, state.box, scene.terms);
+  return Barometer(scene.system)(scene.system, forces, state, state.v, {}).trace() / 3;
 }
 
 TEST(Pressure, OfRigidWatersIsThatOfTheirCentresAtTheStartAndLater) {
@@ -191,13 +191,14 @@ TEST(Pressure, OfAnIdealGasOfRigidDimers) {
     s.x.col(2 * d + 1) = s.x.col(2 * d) + 0.3 * random.unit_vector();
     for (int a : {2 * d, 2 * d + 1}) s.v.col(a) = random.normal_vector();
   }
-  const System sys = make_system(mass, bonds, {{kEdge, kEdge, kEdge}});
+  const System sys = make_system(mass, bonds);
+  s.box.edge.setConstant(kEdge);
   Projector(sys).velocities(sys, s.x, s.v);
-  ForceField none(sys, {});
+  ForceField none(sys, s.box, {});
   double twice_kinetic = 0;
   for (int d = 0; d < 40; d += 2)
     twice_kinetic += (s.v.middleCols<2>(d) * mass.segment<2>(d)).squaredNorm() / 4;
-  EXPECT_NEAR(Barometer(sys)(sys, none, s.x, s.v, {}).trace(), kBarPerUnit * twice_kinetic / sys.box.volume(),
+  EXPECT_NEAR(Barometer(sys)(sys, none, s, s.v, {}).trace(), kBarPerUnit * twice_kinetic / s.box.volume(),
               1e-9);
 }
 
@@ -205,13 +206,14 @@ TEST(Pressure, OfAnIdealGasOfRigidDimers) {
 TEST(Pressure, OfPenaltySpringsIsThatOfHarmonicBonds) {
   const Box box{{kEdge, kEdge, kEdge}};
   const Eigen::VectorXd mass = Eigen::VectorXd::Ones(2);
-  const System rigid = make_system(mass, {{0, 1, 0.3}}, box), soft = make_system(mass, {}, box);
-  State s{columns({{0, 0, 0}, {0.2, 0.2, 0.2}}), columns({{0, 1, 0}, {1, 0, 0}}), Vectors::Zero(3, 2), 0};
+  const System rigid = make_system(mass, {{0, 1, 0.3}}), soft = make_system(mass, {});
+  State s{columns({{0, 0, 0}, {0.2, 0.2, 0.2}}), columns({{0, 1, 0}, {1, 0, 0}}), Vectors::Zero(3, 2), 0,
+          box};
   Penalty penalty(rigid, {.k = 500}, 1e-3);
   EXPECT_TRUE(penalty.add_forces(rigid, 0, s).converged());
-  ForceField none(rigid, {}), bond(soft, {.bonds = {{0, 1, 0.3, 500}}});
-  const Eigen::Matrix3d pressure = Barometer(rigid, true)(rigid, none, s.x, s.v, penalty.lambda());
-  EXPECT_LT((pressure - Barometer(soft)(soft, bond, s.x, s.v, {})).norm(), 1e-9);
+  ForceField none(rigid, box, {}), bond(soft, box, {.bonds = {{0, 1, 0.3, 500}}});
+  const Eigen::Matrix3d pressure = Barometer(rigid, true)(rigid, none, s, s.v, penalty.lambda());
+  EXPECT_LT((pressure - Barometer(soft)(soft, bond, s, s.v, {})).norm(), 1e-9);
 }
 
 }  // namespace

@@ -53,7 +53,7 @@ TEST_P(Scenes, HoldTheirBonds) {
   const Scene scene = read(name);
   const MethodOptions options = default_options(method);
   const double h = scene.run.h();
-  ForceField forces(scene.system, scene.terms);
+  ForceField forces(scene.system, scene.start.box, scene.terms);
   const Verdict verdict = verify(scene.system, forces, options, h, steps_for(scene), scene.start);
 
   ASSERT_TRUE(verdict.stats.converged()) << in_words(verdict.stats.failure);
@@ -98,7 +98,7 @@ TEST(Scenes, RattleAndNewtonAgreeToRoundOff) {
   for (const auto& summary : list_scenes()) {
     SCOPED_TRACE(summary.name);
     const Scene scene = read(summary.name);
-    ForceField forces(scene.system, scene.terms);
+    ForceField forces(scene.system, scene.start.box, scene.terms);
     const double reachable =
         std::max(1e-13, 4e-16 * scene.start.x.cwiseAbs().maxCoeff() / scene.system.bonds[0].length);
     const auto run = [&](const MethodOptions& options) {

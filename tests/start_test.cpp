@@ -20,11 +20,11 @@ TEST(Start, ReadsBackExactlyAndContinues) {
   Scene scene = scene_of("melt");
   scene.start.x.array() += 1.0 / 3;
   const auto file = folder.path() / "final.start.toml";
-  write_start(file, scene.system, scene.start);
-  const Start back = read_start(file);
-  EXPECT_EQ(back.state.x, scene.start.x);
-  EXPECT_EQ(back.state.v, scene.start.v);
-  EXPECT_EQ(back.box.edge, scene.system.box.edge);
+  write_start(file, scene.start);
+  const State back = read_start(file);
+  EXPECT_EQ(back.x, scene.start.x);
+  EXPECT_EQ(back.v, scene.start.v);
+  EXPECT_EQ(back.box.edge, scene.start.box.edge);
 
   // The scene draws velocities for the start it ships with; another's are kept, with a thermostat and
   // without.
@@ -80,7 +80,7 @@ TEST(Start, DoesNotFitWhereASpringCannotReach) {
   const auto read = [&](double stretch) {
     State s = scene.start;
     s.x.col(0) = s.x.col(1) + stretch * Vec3(s.x.col(0) - s.x.col(1)).normalized();
-    write_start(folder.path() / "long.start.toml", scene.system, s);
+    write_start(folder.path() / "long.start.toml", s);
     return scene_of("melt",
                     {"build.bonds=fene", "build.start=" + (folder.path() / "long.start.toml").string()});
   };

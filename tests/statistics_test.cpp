@@ -53,6 +53,8 @@ TEST(BlockAverage, DeviationsAreInCommonErrors) {
 
 constexpr double kEdge = 2;  // [nm]
 
+const Box kBox{{kEdge, kEdge, kEdge}};
+
 // Rigid waters with their oxygens anywhere: an ideal gas.
 System waters(int count) {
   Eigen::VectorXd mass(3 * count);
@@ -63,20 +65,21 @@ System waters(int count) {
     bonds.push_back({3 * w, 3 * w + 2, 0.1});
     bonds.push_back({3 * w + 1, 3 * w + 2, 0.16});
   }
-  return make_system(mass, bonds, Box{{kEdge, kEdge, kEdge}});
+  return make_system(mass, bonds);
 }
 
 TEST(LiquidStructure, AnIdealGasHasAFlatDistribution) {
   const System sys = waters(60);
-  LiquidStructure structure(sys, {});
+  LiquidStructure structure(sys, {}, kBox);
   ASSERT_TRUE(structure.has_water());
   EXPECT_FALSE(structure.has_chains());
   Random random(3);
   for (int frame = 0; frame < 400; ++frame) {
-    Vectors x(3, sys.atoms());
+    State s{Vectors(3, sys.atoms()), {}, {}, 0, kBox};
+    Vectors& x = s.x;
     for (int a = 0; a < sys.atoms(); ++a)
       x.col(a) = kEdge * Vec3(random.uniform(), random.uniform(), random.uniform());
-    structure.see(x);
+    structure.see(s);
   }
   const Distances g = structure.oxygen_distances();
   ASSERT_EQ(g.r.size(), 100u);
@@ -91,10 +94,11 @@ TEST(LiquidStructure, AnIdealGasHasAFlatDistribution) {
 // Two oxygens, one frame, seen across the box: one pair in one bin.
 TEST(LiquidStructure, CountsThePairAtItsNearestImage) {
   const System sys = waters(2);
-  LiquidStructure structure(sys, {});
-  Vectors x = Vectors::Zero(3, 6);
+  LiquidStructure structure(sys, {}, kBox);
+  State s{Vectors::Zero(3, 6), {}, {}, 0, kBox};
+  Vectors& x = s.x;
   x.col(3) << kEdge - 0.305, 0, 0;
-  structure.see(x);
+  structure.see(s);
   const Distances g = structure.oxygen_distances();
   const double shell = 4.0 / 3 * M_PI * (std::pow(0.31, 3) - std::pow(0.30, 3));
   EXPECT_NEAR(g.g[30].value, kEdge * kEdge * kEdge / shell, 1e-9 * g.g[30].value);
@@ -104,12 +108,13 @@ TEST(LiquidStructure, CountsThePairAtItsNearestImage) {
 
 TEST(LiquidStructure, EndsOfAChain) {
   const System sys = make_system(Eigen::VectorXd::Ones(8), {{0, 1, 1}, {1, 2, 1}, {2, 3, 1}, {4, 5, 1}});
-  LiquidStructure structure(sys, {});
+  LiquidStructure structure(sys, {}, kBox);
   EXPECT_FALSE(structure.has_water());
   ASSERT_TRUE(structure.has_chains()) << "0-1-2-3; 4-5 is no chain";
-  Vectors x = Vectors::Zero(3, 8);
+  State s{Vectors::Zero(3, 8), {}, {}, 0, kBox};
+  Vectors& x = s.x;
   x.col(3) << 2, 2, 1;
-  structure.see(x);
+  structure.see(s);
   EXPECT_DOUBLE_EQ(structure.end_to_end().value, 3);
 }
 

@@ -94,11 +94,11 @@ TEST(JournaledFile, CarriesOutTheJournalItFinds) {
 // Two waters and an atom, in motion.
 struct Sample {
   System sys = make_system(Eigen::VectorXd{{15.999, 1.008, 1.008, 15.999, 1.008, 1.008, 39.95}},
-                           {{0, 1, 0.1}, {0, 2, 0.1}, {3, 4, 0.1}, {3, 5, 0.1}}, Box{Vec3(2, 3, 4)});
+                           {{0, 1, 0.1}, {0, 2, 0.1}, {3, 4, 0.1}, {3, 5, 0.1}});
   Names names = guessed_names({sys.mass.begin(), sys.mass.end()}, {0, 0, 0, 1, 1, 1, 2});
-  State state{Vectors::Random(3, 7), Vectors::Random(3, 7), Vectors::Random(3, 7), 0};
+  State state{Vectors::Random(3, 7), Vectors::Random(3, 7), Vectors::Random(3, 7), 0, Box{Vec3(2, 3, 4)}};
   Eigen::VectorXd tension = Eigen::VectorXd::Random(4);
-  TrajectorySetup setup{sys, names, 0.002, 10, 0};
+  TrajectorySetup setup{sys, names, 0.002, 10, 0, true};
 
   Frame at(long frame) {
     state.t = 0.02 * static_cast<double>(frame);
@@ -213,7 +213,7 @@ TEST(PdbFile, HasEveryThingInItsColumns) {
   const TemporaryFolder folder;
   Sample sample;
   sample.state.x.col(0) << 0.1234, -0.5, 12345.678;
-  write_pdb(folder.path() / "s.pdb", sample.sys, sample.names, sample.state.x);
+  write_pdb(folder.path() / "s.pdb", sample.sys, sample.names, sample.state);
   const std::string text = contents(folder.path() / "s.pdb");
   EXPECT_THAT(text, HasSubstr("CRYST1   20.000   30.000   40.000  90.00  90.00  90.00 P 1           1\n"));
   EXPECT_THAT(text,

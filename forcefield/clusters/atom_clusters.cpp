@@ -29,20 +29,20 @@ std::uint64_t mix(std::int64_t a, std::int64_t b, std::int64_t c = 0) {
 
 // The volume of the cubes of an edge of `range` that hold atoms, by marking hashes of their places: two
 // cubes that share a hash count as one, which is good enough for a density.
-double AtomClusters::crowded_volume(const Vectors& x) const {
-  const Box& box = layout_.box;
+double AtomClusters::crowded_volume(const Vectors& x) {
   Vec3 edge = Vec3::Constant(layout_.range);
-  if (box.periodic()) edge = box.edge.array() / (box.edge / layout_.range).array().floor().max(1);
-  std::vector<bool> marked(std::bit_ceil(4 * std::size_t(x.cols())));
+  if (layout_.periodic) edge = box_.edge.array() / (box_.edge / layout_.range).array().floor().max(1);
+  marked_.assign(std::bit_ceil(4 * std::size_t(x.cols())), false);
   long cubes = 0;
   for (int a = 0; a < x.cols(); ++a) {
     if (!layout_.present[a]) continue;
     Vec3 p = x.col(a);
-    if (box.periodic()) p -= box.edge.cwiseProduct(Vec3(p.cwiseQuotient(box.edge).array().floor()));
+    if (layout_.periodic) p += offset_of(p);
     p = p.cwiseQuotient(edge).array().floor();
     for (double c : p)
       if (!(std::abs(c) < kFarthest)) ran_away(a, x.col(a).cwiseAbs().maxCoeff());
-    auto mark = marked[mix(std::int64_t(p[0]), std::int64_t(p[1]), std::int64_t(p[2])) & (marked.size() - 1)];
+    auto mark =
+        marked_[mix(std::int64_t(p[0]), std::int64_t(p[1]), std::int64_t(p[2])) & (marked_.size() - 1)];
     cubes += !mark;
     mark = true;
   }
@@ -79,49 +79,51 @@ void AtomClusters::leave_gaps_out(const Vectors& x) {
 }
 
 double AtomClusters::offset_along(int d, double x) const {
-  const double edge = layout_.box.edge[d];
-  if (layout_.box.periodic()) return -edge * std::floor(x / edge);
   const auto next = std::upper_bound(stretches_[d].begin() + 1, stretches_[d].end(), x,
                                      [](double u, const Stretch& s) { return u < s.begin; });
   return std::prev(next)->offset;
 }
 
+Vec3 AtomClusters::offset_of(const Vec3& x) const {
+  if (layout_.periodic) return -box_.steps(box_.bricks(x, std::floor));
+  return {offset_along(0, x[0]), offset_along(1, x[1]), offset_along(2, x[2])};
+}
+
 // As wide as the cube of eight atoms, at the density there is: narrower, there are fewer near each other to
 // choose from; wider, more that are not.
 void AtomClusters::choose_columns(const Vectors& x) {
-  if (builds_++ % kBuildsPerSurvey != 0) return;
-  const auto present = std::count(layout_.present.begin(), layout_.present.end(), 1);
-  const double ideal = std::cbrt(2 * kClusterAtoms * crowded_volume(x) / double(std::max(1L, long(present))));
-  for (int d = 0; d < 2; ++d) {
-    const double edge = layout_.box.edge[d];
-    count_[d] = layout_.box.periodic() ? std::max(1L, std::lround(edge / ideal)) : 0;
-    width_[d] = layout_.box.periodic() ? edge / double(count_[d]) : ideal;
+  if (builds_++ % kBuildsPerSurvey == 0) {
+    const auto present = std::count(layout_.present.begin(), layout_.present.end(), 1);
+    const double ideal =
+        std::cbrt(2 * kClusterAtoms * crowded_volume(x) / double(std::max(1L, long(present))));
+    for (int d = 0; d < 2; ++d) {
+      count_[d] = layout_.periodic ? std::max(1L, std::lround(box_.edge[d] / ideal)) : 0;
+      width_[d] = ideal;
+    }
   }
+  for (int d = 0; d < 2 && layout_.periodic; ++d) width_[d] = box_.edge[d] / double(count_[d]);
 }
 
 void AtomClusters::serialize(Archive& archive) {
   int before = std::max(0, builds_ - 1);  // none where every pair counts
-  archive(before, width_, count_);
+  archive(box_, before, width_, count_);
   if (!archive.loading()) return;
   builds_ = before;
   archive.demand(before >= 0);
   for (int d = 0; d < 2 && before > 0; ++d) {
     archive.demand(width_[d] > 1e-3 * layout_.range);
-    archive.demand(!layout_.box.periodic() ||
-                   std::abs(width_[d] * double(count_[d]) / layout_.box.edge[d] - 1) < 1e-9);
+    archive.demand(!layout_.periodic ||
+                   (count_[d] > 0 && box_.edge[d] / double(count_[d]) > 1e-3 * layout_.range));
   }
 }
 
-AtomClusters::Place AtomClusters::locate(int a, const Vec3& x, Vec3& offset) const {
-  const Box& box = layout_.box;
+AtomClusters::Place AtomClusters::locate(int a, const Vec3& x) const {
   Place place;
-  for (int d = 0; d < 3; ++d) {
-    offset[d] = offset_along(d, x[d]);
-    if (d == 2) break;
-    const double c = std::floor((x[d] + offset[d]) / width_[d]);
+  for (int d = 0; d < 2; ++d) {
+    const double c = std::floor((x[d] + wrap_[a][d]) / width_[d]);
     if (!(std::abs(c) < kFarthest)) ran_away(a, x[d]);
     place[d] = static_cast<std::int64_t>(c);
-    if (box.periodic())
+    if (layout_.periodic)
       place[d] = std::clamp<std::int64_t>(place[d], 0, count_[d] - 1);  // rounding on a wall
   }
   return place;
@@ -133,10 +135,11 @@ std::size_t AtomClusters::table_entry(const Place& place) const {
   return e;
 }
 
-void AtomClusters::build(const Vectors& x) {
+void AtomClusters::build(const Vectors& x, const Box& box) {
   const int n = static_cast<int>(x.cols());
+  if (layout_.periodic) box_ = box;
   choose_columns(x);
-  if (!layout_.box.periodic()) leave_gaps_out(x);
+  if (!layout_.periodic) leave_gaps_out(x);
   columns_.clear();
   table_.assign(std::bit_ceil(2 * std::size_t(n) + 1), -1);
   column_of_.assign(n, -1);
@@ -144,7 +147,8 @@ void AtomClusters::build(const Vectors& x) {
   wrapped_.resize(n);
   for (int a = 0; a < n; ++a) {
     if (!layout_.present[a]) continue;
-    const Place place = locate(a, x.col(a), wrap_[a]);
+    wrap_[a] = offset_of(x.col(a));
+    const Place place = locate(a, x.col(a));
     wrapped_[a] = x.col(a) + wrap_[a];
     int& column = table_[table_entry(place)];
     if (column < 0) {
@@ -255,35 +259,56 @@ void AtomClusters::build_in_order(const Vectors& x) {
   columns_.assign(1, {{0, 0}, 0, count()});
 }
 
-// A column's place d further on, in the endless grid of all images, is that of a column of the box moved by
-// whole edges. Of d and −d only one is taken.
-void AtomClusters::neighbours(const Column& column, std::vector<Neighbour>& out) const {
+// A cluster moved by s meets another where that one moved by −s meets it: of the two, taken is the one that
+// has the other further along x; or else along y; or else along z, where it is of the same column or another
+// layer's.
+void AtomClusters::neighbours(const Column& column, int up, std::vector<Neighbour>& out) const {
   out.clear();
-  const bool periodic = layout_.box.periodic();
-  const double range2 = layout_.range * layout_.range;
-  std::array<std::int64_t, 2> reach;
-  for (int d = 0; d < 2; ++d) reach[d] = static_cast<std::int64_t>(layout_.range / width_[d]) + 1;
-  const auto gap = [&](int d, std::int64_t steps) {
-    return steps == 0 ? 0.0 : double(std::abs(steps) - 1) * width_[d];
-  };
-  for (std::int64_t dx = 0; dx <= reach[0]; ++dx)
-    for (std::int64_t dy = dx > 0 ? -reach[1] : 0; dy <= reach[1]; ++dy) {
-      if (gap(0, dx) * gap(0, dx) + gap(1, dy) * gap(1, dy) > range2 * (1 + 1e-9)) continue;
-      Place place = {column.place[0] + dx, column.place[1] + dy};
-      Vec3 shift = Vec3::Zero();
-      int image = 0;
-      for (int d = 0; d < 2 && periodic; ++d) {
-        const auto edges = static_cast<std::int64_t>(std::floor(double(place[d]) / double(count_[d])));
-        place[d] -= edges * count_[d];
-        shift[d] = -double(edges) * layout_.box.edge[d];
-        image = image * 32 + static_cast<int>(edges) + 16;
-      }
-      const int found = table_[table_entry(place)];
-      if (found >= 0) out.push_back({columns_[found].begin, columns_[found].end, image, shift});
-    }
+  if (!layout_.periodic) {
+    meet(column, Vec3::Zero(), out);
+  } else {
+    // where the column's own corner comes to lie, so that it is within range of the brick
+    const double range = layout_.range;
+    const double y = double(column.place[1]) * width_[1] + up * box_.tilt[2];
+    const double x = double(column.place[0]) * width_[0] + up * box_.tilt[1];
+    for (double b = std::ceil((-range - width_[1] - y) / box_.edge[1]);
+         y + b * box_.edge[1] < box_.edge[1] + range; ++b)
+      for (double a = std::ceil((-range - width_[0] - x - b * box_.tilt[0]) / box_.edge[0]);
+           x + b * box_.tilt[0] + a * box_.edge[0] < box_.edge[0] + range; ++a)
+        meet(column, {a, b, double(up)}, out);
+  }
   std::sort(out.begin(), out.end(), [](const Neighbour& a, const Neighbour& b) {
     return a.image != b.image ? a.image < b.image : a.begin < b.begin;
   });
+}
+
+// Of one image of the column, the neighbours.
+void AtomClusters::meet(const Column& column, const Vec3& steps, std::vector<Neighbour>& out) const {
+  const Vec3 shift = box_.steps(steps);
+  const int image = (16 - static_cast<int>(steps[0])) * 32 + 16 - static_cast<int>(steps[1]);
+  const double range2 = layout_.range * layout_.range;
+  Place first, last;
+  for (int d = 0; d < 2; ++d) {
+    const auto place = column.place[d] + std::int64_t(std::floor(shift[d] / width_[d]));
+    const auto reach = static_cast<std::int64_t>(layout_.range / width_[d]) + 2;
+    first[d] = place - reach;
+    last[d] = place + reach;
+    if (!layout_.periodic) continue;
+    first[d] = std::max<std::int64_t>(first[d], 0);
+    last[d] = std::min(last[d], count_[d] - 1);
+  }
+  const auto further = [&](int d, std::int64_t place) {  // the other is, corner from corner [nm]
+    return double(place - column.place[d]) * width_[d] - shift[d];
+  };
+  const auto gap = [&](int d, double corners) { return std::max(0.0, std::abs(corners) - width_[d]); };
+  for (std::int64_t px = first[0]; px <= last[0]; ++px)
+    for (std::int64_t py = first[1]; py <= last[1]; ++py) {
+      const double dx = further(0, px), dy = further(1, py), gx = gap(0, dx), gy = gap(1, dy);
+      if (dx < 0 || (dx == 0 && (dy < 0 || (dy == 0 && steps[2] < 0)))) continue;
+      if (gx * gx + gy * gy > range2 * (1 + 1e-9)) continue;
+      const int found = table_[table_entry({px, py})];
+      if (found >= 0) out.push_back({columns_[found].begin, columns_[found].end, image, shift});
+    }
 }
 
 }  // namespace taut

@@ -97,31 +97,31 @@ void ClusterSearch::add_row(const SearchSpace& space, int cluster, const Vec3& s
 void ClusterSearch::run(const SearchSpace& space, int begin_column, int end_column, ClusterList& list) {
   list.clear();
   prepare(space);
-  const double height = space.edge[2];
+  const double height = space.clusters.box().edge[2];
   const int images = height > 0 ? 1 : 0;  // along z: the column one box down, where it is, one box up
   for (int column = begin_column; column < end_column; ++column) {
     const auto& own = space.clusters.columns()[column];
-    space.clusters.neighbours(own, neighbours_);
     for (int image = -images; image <= images; ++image) {
+      space.clusters.neighbours(own, image, neighbours_);
       start_.clear();
       for (const auto& n : neighbours_) start_.push_back(n.begin);
       for (int c = own.begin; c < own.end; ++c) {
         if (image < 0 && space.high[2][c] - height < -space.reach) continue;
         if (image > 0 && space.low[2][c] > space.reach) continue;
         mask_exclusions(space, c);
-        meet_neighbours(space, {c, own.begin, image}, list);
+        meet_neighbours(space, c, own.begin, list);
         unmask(space, c);
       }
     }
   }
 }
 
-void ClusterSearch::meet_neighbours(const SearchSpace& space, const Seeker& seeker, ClusterList& list) {
-  const int c = seeker.cluster;
+// Of cluster c, of the column that begins with column_begin.
+void ClusterSearch::meet_neighbours(const SearchSpace& space, int c, int column_begin, ClusterList& list) {
   ClusterScan scan{};
   for (std::size_t n = 0; n < neighbours_.size();) {
     const int image = neighbours_[n].image;
-    const Vec3 shift = neighbours_[n].shift + Vec3(0, 0, seeker.image_z * space.edge[2]);
+    const Vec3 shift = neighbours_[n].shift;
     const double lowest = space.low[2][c] + shift[2] - space.reach;
     bool itself = false;
     ranges_.clear();
@@ -130,10 +130,9 @@ void ClusterSearch::meet_neighbours(const SearchSpace& space, const Seeker& seek
       int& start = start_[n];
       while (start < other.end && space.high[2][start] < lowest) ++start;  // for those to come, too
       int begin = start;
-      if (other.begin == seeker.column_begin && shift[0] == 0 && shift[1] == 0) {
-        if (seeker.image_z < 0) continue;
-        itself = seeker.image_z == 0;
-        if (itself) begin = std::max(begin, c + 1);
+      if (other.begin == column_begin && shift.isZero(0)) {
+        itself = true;
+        begin = std::max(begin, c + 1);
       }
       if (begin < other.end) ranges_.push_back({begin, other.end});
     }

@@ -48,7 +48,6 @@ struct SearchSpace {
   const Adjacency& exclusions;
   const std::vector<std::uint8_t>& kind;  // by slot
   const RoundedPositions& x;
-  Vec3 edge;     // of the box [nm]; zero: none
   double range;  // [nm]
 
   double reach = 0;  // a range that misses none [nm]
@@ -71,13 +70,8 @@ class ClusterSearch {
                ClusterList& list);
 
  private:
-  struct Seeker {
-    int cluster;
-    int column_begin;  // first cluster of its column
-    int image_z;       // how many boxes up it looks from
-  };
   void prepare(const SearchSpace& space);
-  void meet_neighbours(const SearchSpace& space, const Seeker& seeker, ClusterList& list);
+  void meet_neighbours(const SearchSpace& space, int c, int column_begin, ClusterList& list);
   void mask_exclusions(const SearchSpace& space, int cluster);
   void unmask(const SearchSpace& space, int cluster);
   void add_row(const SearchSpace& space, int cluster, const Vec3& shift, bool itself, ClusterList& list);

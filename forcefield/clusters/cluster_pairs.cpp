@@ -28,7 +28,7 @@ double spread(const Vectors& x) {
 class ClusterPairs::Engine {
  public:
   virtual ~Engine() = default;
-  virtual void add_forces(const Vectors& x, Vectors& f) = 0;
+  virtual void add_forces(const Vectors& x, const Box& box, Vectors& f) = 0;
   virtual double energy() = 0;
   virtual Eigen::Matrix3d virial() = 0;
   virtual void serialize(Archive& archive) = 0;
@@ -47,9 +47,10 @@ class EngineIn final : public ClusterPairs::Engine {
     copies_ = force_copies<T>();
   }
 
-  void add_forces(const Vectors& x, Vectors& f) override {
+  void add_forces(const Vectors& x, const Box& box, Vectors& f) override {
     if (p_.all_pairs() && x.cols() > 0) choose_unit(2 * spread(x), x.cwiseAbs().maxCoeff());
-    if (!(searches > 0 && place(x))) renew_lists(x);
+    if (p_.periodic && box != clusters_.box()) searched_in_box_ = false;
+    if (!(searched_in_box_ && place(x))) renew_lists(x, box);
     in_parallel(threads_, [&](int t) {
       force_[t].assign(12 * copies_ * clusters_.count(), T(0));
       add_pair_forces(p_.law, atoms_, inner_list(t), force_[t].data());
@@ -76,7 +77,7 @@ class EngineIn final : public ClusterPairs::Engine {
     archive(clusters_, searched_at_, pruned_at_);
     if (!archive.loading()) return;
     const Vectors searched = searched_at_, pruned = pruned_at_;
-    search(searched);
+    search(searched, clusters_.box());
     place(pruned);
     prune(pruned);
     energy_known_ = false;
@@ -96,9 +97,9 @@ class EngineIn final : public ClusterPairs::Engine {
 
   const ClusterList& inner_list(int t) const { return p_.all_pairs() ? outer_[t] : inner_[t]; }
 
-  void renew_lists(const Vectors& x) {
-    if (searches == 0 || !within(searched_, (p_.outer - p_.inner) / 2, Share(clusters_.count(), 0, 1))) {
-      search(x);
+  void renew_lists(const Vectors& x, const Box& box) {
+    if (!searched_in_box_ || !within(searched_, (p_.outer - p_.inner) / 2, Share(clusters_.count(), 0, 1))) {
+      search(x, box);
       place(x);
     }
     prune(x);
@@ -160,12 +161,12 @@ class EngineIn final : public ClusterPairs::Engine {
     for (int k = 12 * share.begin; k < 12 * share.end; ++k) rounded_.x[k] = static_cast<float>(position[k]);
   }
 
-  void search(const Vectors& x) {
+  void search(const Vectors& x, const Box& box) {
     for (Eigen::Index a = 0; a < x.cols(); ++a)
       if (!x.col(a).allFinite())
         throw SimulationFailure(
             fmt::format("atom {}: position ({}, {}, {}) nm is not finite", a, x(0, a), x(1, a), x(2, a)));
-    p_.all_pairs() ? clusters_.build_in_order(x) : clusters_.build(x);
+    p_.all_pairs() ? clusters_.build_in_order(x) : clusters_.build(x, box);
     const int clusters = clusters_.count();
     threads_ = std::clamp(clusters / kClustersPerThread, 1, available_threads());
     load(x);
@@ -183,6 +184,7 @@ class EngineIn final : public ClusterPairs::Engine {
                   [&](int t) { search_[t].run(space_, column_share(t), column_share(t + 1), outer_[t]); });
     }
     searched_at_ = x;
+    searched_in_box_ = true;
     ++searches;
   }
 
@@ -211,7 +213,7 @@ class EngineIn final : public ClusterPairs::Engine {
       atoms_.two_sqrt_epsilon[slot] = static_cast<T>(p_.two_sqrt_epsilon[a]);
     }
     limit_ = p_.all_pairs() ? kEverywhere : p_.inner / 2;
-    rounded_.extent = extent + p_.box.edge.maxCoeff();
+    rounded_.extent = extent + clusters_.box().edge.maxCoeff();
     rounded_.x.resize(3 * slots);
     round(searched_, Share(clusters_.count(), 0, 1));
     if (!p_.all_pairs()) choose_unit(2 * (p_.law.cutoff + p_.outer + clusters_.widest()), extent);
@@ -269,12 +271,13 @@ class EngineIn final : public ClusterPairs::Engine {
       searched_;                     // now and when the lists were made, as PairAtoms has them [nm]
   Vectors searched_at_, pruned_at_;  // the same, as they were given [nm]
   std::vector<std::uint8_t> kind_;
-  double limit_ = 0;  // how far an atom may go until the inner list is made again [nm]
+  bool searched_in_box_ = false;  // the box there is
+  double limit_ = 0;              // how far an atom may go until the inner list is made again [nm]
   int threads_ = 1, copies_ = 1;
   std::vector<char> within_;
   std::vector<ClusterList> outer_, inner_;  // by thread, as what follows
   std::vector<ClusterSearch> search_;
-  SearchSpace space_{clusters_, exclusions_, kind_, rounded_, p_.box.edge, p_.law.cutoff + p_.outer};
+  SearchSpace space_{clusters_, exclusions_, kind_, rounded_, p_.law.cutoff + p_.outer};
   std::vector<Aligned<T>> force_;
   std::vector<SixSums> parts_;
   double energy_ = 0;
@@ -287,10 +290,10 @@ class MixedWithoutCutoff final : public ClusterPairs::Engine {
  public:
   explicit MixedWithoutCutoff(const PairProblem& problem) : mixed_(problem), double_(problem) {}
 
-  void add_forces(const Vectors& x, Vectors& f) override {
+  void add_forces(const Vectors& x, const Box& box, Vectors& f) override {
     constexpr double kWidest = 64;  // [nm]
     used_ = spread(x) <= kWidest ? static_cast<Engine*>(&mixed_) : &double_;
-    used_->add_forces(x, f);
+    used_->add_forces(x, box, f);
     searches = mixed_.searches + double_.searches;
   }
   double energy() override { return used_->energy(); }
@@ -312,16 +315,16 @@ std::unique_ptr<ClusterPairs::Engine> make_engine(PairProblem problem, Precision
 
 }  // namespace
 
-ClusterPairs::ClusterPairs(const Nonbonded& nb, const Box& box, Precision precision)
-    : engine_(make_engine(problem_of(nb, box, precision), precision)) {}
-ClusterPairs::ClusterPairs(const Wca& wca, int atoms, const Box& box, Precision precision)
-    : engine_(make_engine(problem_of(wca, atoms, box), precision)) {}
+ClusterPairs::ClusterPairs(const Nonbonded& nb, bool periodic, Precision precision)
+    : engine_(make_engine(problem_of(nb, periodic, precision), precision)) {}
+ClusterPairs::ClusterPairs(const Wca& wca, int atoms, bool periodic, Precision precision)
+    : engine_(make_engine(problem_of(wca, atoms, periodic), precision)) {}
 ClusterPairs::~ClusterPairs() = default;
 ClusterPairs::ClusterPairs(ClusterPairs&&) noexcept = default;
 ClusterPairs& ClusterPairs::operator=(ClusterPairs&&) noexcept = default;
 
-void ClusterPairs::add_forces(const Vectors& x, Vectors& f) {
-  engine_->add_forces(x, f);
+void ClusterPairs::add_forces(const Vectors& x, const Box& box, Vectors& f) {
+  engine_->add_forces(x, box, f);
 }
 double ClusterPairs::energy() {
   return engine_->energy();

@@ -19,14 +19,15 @@ namespace taut {
 // the lists and the number of threads.
 class ClusterPairs {
  public:
-  ClusterPairs(const Nonbonded& nb, const Box& box, Precision precision);
-  ClusterPairs(const Wca& wca, int atoms, const Box& box, Precision precision);
+  ClusterPairs(const Nonbonded& nb, bool periodic, Precision precision);
+  ClusterPairs(const Wca& wca, int atoms, bool periodic, Precision precision);
   ~ClusterPairs();
   ClusterPairs(ClusterPairs&&) noexcept;
   ClusterPairs& operator=(ClusterPairs&&) noexcept;
 
   // Throws SimulationFailure for a position that is not finite.
-  void add_forces(const Vectors& x, Vectors& f);
+  // In another box than before lists are made anew. Its shortest edge must be at least twice the cutoff.
+  void add_forces(const Vectors& x, const Box& box, Vectors& f);
   // At the positions of the last add_forces [kJ/mol].
   double energy();
   Eigen::Matrix3d virial();  // Σ r⊗f

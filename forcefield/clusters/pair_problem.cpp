@@ -26,17 +26,16 @@ void add_kinds(PairProblem& p) {
   p.law.sigma = 2 * high;
 }
 
-// How far beyond the cutoff the lists look: what they save in lists made against the pairs they add.
+// How far beyond the cutoff the lists look: what they save in lists made against the pairs they add. The
+// cutoff is at most half the shortest edge of a box: what the outer one looks for stays within one.
 void choose_buffers(PairProblem& p, double inner_share, double outer_share) {
   p.inner = inner_share * p.law.cutoff;
   p.outer = outer_share * p.law.cutoff;
-  if (p.box.periodic()) p.outer = std::min(p.outer, 0.4 * p.box.edge.minCoeff());
-  p.inner = std::min(p.inner, p.outer / 2);
 }
 
 }  // namespace
 
-PairProblem problem_of(const Nonbonded& nb, const Box& box, Precision precision) {
+PairProblem problem_of(const Nonbonded& nb, bool periodic, Precision precision) {
   PairProblem p;
   p.law.cutoff = nb.cutoff.value_or(kInfinity);
   p.law.switch_distance = nb.switch_distance.value_or(kInfinity);
@@ -48,7 +47,7 @@ PairProblem problem_of(const Nonbonded& nb, const Box& box, Precision precision)
       p.law.k_rf = (eps - 1) / ((2 * eps + 1) * rc * rc * rc);
       p.law.c_rf = 3 * eps / ((2 * eps + 1) * rc);
     }
-    p.box = box;  // without a cutoff there are no images
+    p.periodic = periodic;  // without a cutoff there are no images
     choose_buffers(p, 0.07, 0.38);
   }
   p.charge = std::sqrt(kCoulomb) * nb.charge;
@@ -59,11 +58,11 @@ PairProblem problem_of(const Nonbonded& nb, const Box& box, Precision precision)
   return p;
 }
 
-PairProblem problem_of(const Wca& wca, int atoms, const Box& box) {
+PairProblem problem_of(const Wca& wca, int atoms, bool periodic) {
   PairProblem p;
   p.law.cutoff = wca.reach();
   p.law.lift = 1;
-  p.box = box;
+  p.periodic = periodic;
   choose_buffers(p, 0.12, 0.4);
   p.charge = Eigen::VectorXd::Zero(atoms);
   p.half_sigma = Eigen::VectorXd::Constant(atoms, wca.sigma / 2);
@@ -74,7 +73,7 @@ PairProblem problem_of(const Wca& wca, int atoms, const Box& box) {
 }
 
 AtomClusters::Layout PairProblem::layout() const {
-  AtomClusters::Layout layout{box, law.cutoff + outer, {}, {}};
+  AtomClusters::Layout layout{periodic, law.cutoff + outer, {}, {}};
   for (const auto k : kind) {
     layout.present.push_back(k != 0);
     layout.first.push_back((k & kHasLj) != 0);

@@ -8,14 +8,13 @@
 #include "forcefield/clusters/atom_clusters.hpp"
 #include "forcefield/clusters/pair_kernels.hpp"
 #include "forcefield/terms.hpp"
-#include "md/box.hpp"
 
 namespace taut {
 
 // Atoms and what happens between them, before there are clusters.
 struct PairProblem {
   PairLaw law;
-  Box box;
+  bool periodic = false;
   double inner = 0, outer = 0;                           // buffers [nm]
   std::vector<std::uint8_t> kind;                        // n
   Eigen::VectorXd charge, half_sigma, two_sqrt_epsilon;  // as PairAtoms has them, n
@@ -25,7 +24,7 @@ struct PairProblem {
   AtomClusters::Layout layout() const;
 };
 
-PairProblem problem_of(const Nonbonded& nb, const Box& box, Precision precision);
-PairProblem problem_of(const Wca& wca, int atoms, const Box& box);
+PairProblem problem_of(const Nonbonded& nb, bool periodic, Precision precision);
+PairProblem problem_of(const Wca& wca, int atoms, bool periodic);
 
 }  // namespace taut

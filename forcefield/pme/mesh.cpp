@@ -41,8 +41,8 @@ double square(double a) {
 
 class PmeMesh::Impl {
  public:
-  Impl(const Eigen::VectorXd& charge, const PmeParameters& p, const Box& box)
-      : order_(p.order), alpha_(p.alpha), size_(p.grid), edge_(box.edge), grid_(p.grid, kMostOrder) {
+  Impl(const Eigen::VectorXd& charge, const PmeParameters& p)
+      : order_(p.order), alpha_(p.alpha), size_(p.grid), grid_(p.grid, kMostOrder) {
     for (int a = 0; a < charge.size(); ++a)
       if (charge[a] != 0) charged_.push_back({a, charge[a]});
     const std::size_t n = charged_.size();
@@ -50,9 +50,19 @@ class PmeMesh::Impl {
     atoms_.resize(n);
     slot_.resize(n);
     begin_.resize(size_[0] + 1);
-    for (int d = 0; d < 3; ++d) lay_waves(d);
+    for (int d = 0; d < 3; ++d) moduli_[d] = spline_moduli(order_, size_[d]);
+    influence_.resize(std::size_t(size_[0]) * size_[1] * grid_.half());
     energy_of_.resize(size_[1]);
     virial_of_.resize(size_[1]);
+  }
+
+  void set_box(const Box& box) {
+    box_ = box;
+    const int threads = available_threads();
+    in_parallel(threads, [&](int t) {
+      const Share share(size_[1], t, threads);
+      for (int row = share.begin; row < share.end; ++row) lay_influence(row);
+    });
   }
 
   void add_forces(const Vectors& x, Vectors& f) {
@@ -122,28 +132,42 @@ class PmeMesh::Impl {
     });
   }
 
-  // Along an edge: m, and the edge's factor of G.
-  void lay_waves(int d) {
-    const int size = size_[d];
-    const auto moduli = spline_moduli(order_, size);
-    const double pi = std::numbers::pi;
-    for (int k = 0; k < size; ++k) {
-      const double m = (k <= size / 2 ? k : k - size) / edge_[d];
-      wave_[d].push_back(m);
-      factor_[d].push_back(std::exp(-pi * pi * m * m / (alpha_ * alpha_)) / moduli[k]);
-    }
-    if (d == 0)
-      for (double& g : factor_[d]) g /= pi * edge_.prod();
+  // The wave vectors m of the row k₂ of plane k₁ [1/nm].
+  struct Waves {
+    Vec3 first;   // k₃ = 0
+    double step;  // along z
+    Vec3 operator[](int k3) const { return {first.x(), first.y(), first.z() + k3 * step}; }
+  };
+  Waves waves(int k1, int k2) const {
+    const auto whole = [&](int d, int k) { return double(k <= size_[d] / 2 ? k : k - size_[d]); };
+    return {box_.reciprocal({whole(0, k1), whole(1, k2), 0}), 1 / box_.edge.z()};
   }
 
+  // G of a row of every plane.
+  void lay_influence(int row) {
+    const double pi = std::numbers::pi, inv = pi * pi / (alpha_ * alpha_);
+    double* g = influence_of(row);
+    for (int k1 = 0; k1 < size_[0]; ++k1) {
+      const Waves m = waves(k1, row);
+      const double factor = pi * box_.volume() * moduli_[0][k1] * moduli_[1][row];
+      for (int k3 = 0; k3 < grid_.half(); ++k3, ++g) {
+        const double m2 = m[k3].squaredNorm();
+        *g = m2 > 0 ? std::exp(-inv * m2) / (factor * moduli_[2][k3] * m2) : 0;
+      }
+    }
+  }
+  double* influence_of(int row) { return influence_.data() + std::ptrdiff_t{row} * size_[0] * grid_.half(); }
+
   void place(const Vectors& x, const Share& share) {
-    for (int c = share.begin; c < share.end; ++c)
+    for (int c = share.begin; c < share.end; ++c) {
+      const Vec3 s = box_.fractional(x.col(charged_[c].atom));
       for (int d = 0; d < 3; ++d) {
-        const double u = x(d, charged_[c].atom) / edge_[d], at = (u - std::floor(u)) * size_[d];
+        const double at = (s[d] - std::floor(s[d])) * size_[d];
         const int point = std::min(static_cast<int>(at), size_[d] - 1);  // rounding on a wall
         place_[c].point[d] = point;
         place_[c].above[d] = at - point;
       }
+    }
   }
 
   // Where each atom comes, plane by plane and in their own order.
@@ -179,14 +203,12 @@ class PmeMesh::Impl {
 
   void apply_influence(int row) {
     double energy = 0;
+    const double* g = influence_of(row);
     for (int k1 = 0; k1 < size_[0]; ++k1) {
       FourierGrid::Complex* z = grid_.row(k1, row);
-      const double g12 = factor_[0][k1] * factor_[1][row], m12 = square(wave_[0][k1]) + square(wave_[1][row]);
-      for (int k3 = 0; k3 < grid_.half(); ++k3) {
-        const double m2 = m12 + square(wave_[2][k3]);
-        const double g = m2 > 0 ? g12 * factor_[2][k3] / m2 : 0;
-        energy += share_of(k3) * g * std::norm(z[k3]);
-        z[k3] *= g;
+      for (int k3 = 0; k3 < grid_.half(); ++k3, ++g) {
+        energy += share_of(k3) * *g * std::norm(z[k3]);
+        z[k3] *= *g;
       }
     }
     energy_of_[row] = energy;
@@ -197,14 +219,15 @@ class PmeMesh::Impl {
   Eigen::Matrix3d virial_of(int row) {
     Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
     const double inv = square(std::numbers::pi / alpha_);
+    const double* g = influence_of(row);
     for (int k1 = 0; k1 < size_[0]; ++k1) {
       const FourierGrid::Complex* z = grid_.row(k1, row);
-      for (int k3 = 0; k3 < grid_.half(); ++k3) {
-        const Vec3 m(wave_[0][k1], wave_[1][row], wave_[2][k3]);
+      const Waves waves = this->waves(k1, row);
+      for (int k3 = 0; k3 < grid_.half(); ++k3, ++g) {
+        const Vec3 m = waves[k3];
         const double m2 = m.squaredNorm();
         if (m2 == 0) continue;
-        const double g = factor_[0][k1] * factor_[1][row] * factor_[2][k3] / m2;
-        const double part = share_of(k3) * g * std::norm(z[k3]);
+        const double part = share_of(k3) * *g * std::norm(z[k3]);
         sum.diagonal().array() += part;
         sum -= 2 * part * (1 / m2 + inv) * m * m.transpose();
       }
@@ -223,8 +246,9 @@ class PmeMesh::Impl {
     const MeshGrid grid = mesh();
     for (int c = share.begin; c < share.end; ++c) {
       const MeshAtom& atom = atoms_[c];
-      const Vec3 slope = slope_at(grid, atom);
-      for (int d = 0; d < 3; ++d) f(d, atom.atom) -= atom.charge * slope[d] * size_[d] / edge_[d];
+      Vec3 slope = slope_at(grid, atom);
+      for (int d = 0; d < 3; ++d) slope[d] *= size_[d];
+      f.col(atom.atom) -= atom.charge * box_.reciprocal(slope);
     }
   }
 
@@ -233,24 +257,28 @@ class PmeMesh::Impl {
   int order_;
   double alpha_;  // [1/nm]
   std::array<int, 3> size_;
-  Vec3 edge_;  // [nm]
+  Box box_;
   FourierGrid grid_;
   std::vector<Charged> charged_;
-  std::vector<Place> place_;                          // as charged_
-  std::vector<int> slot_;                             // as charged_: where in atoms_
-  std::vector<MeshAtom> atoms_;                       // by plane
-  std::vector<int> begin_, next_;                     // of a plane's, in atoms_
-  std::array<std::vector<double>, 3> wave_, factor_;  // [1/nm]; G's [nm²/nm³] but for 1/m²
-  std::vector<double> energy_of_;                     // by row, as what follows
+  std::vector<Place> place_;       // as charged_
+  std::vector<int> slot_;          // as charged_: where in atoms_
+  std::vector<MeshAtom> atoms_;    // by plane
+  std::vector<int> begin_, next_;  // of a plane's, in atoms_
+  std::array<std::vector<double>, 3> moduli_;
+  std::vector<double> influence_;  // G, row by row, in it plane by plane [1/nm]
+  std::vector<double> energy_of_;  // by row, as what follows
   std::vector<Eigen::Matrix3d> virial_of_;
 };
 
-PmeMesh::PmeMesh(const Eigen::VectorXd& charge, const PmeParameters& parameters, const Box& box)
-    : impl_(std::make_unique<Impl>(charge, parameters, box)) {}
+PmeMesh::PmeMesh(const Eigen::VectorXd& charge, const PmeParameters& parameters)
+    : impl_(std::make_unique<Impl>(charge, parameters)) {}
 PmeMesh::~PmeMesh() = default;
 PmeMesh::PmeMesh(PmeMesh&&) noexcept = default;
 PmeMesh& PmeMesh::operator=(PmeMesh&&) noexcept = default;
 
+void PmeMesh::set_box(const Box& box) {
+  impl_->set_box(box);
+}
 void PmeMesh::add_forces(const Vectors& x, Vectors& f) {
   impl_->add_forces(x, f);
 }

@@ -14,17 +14,19 @@ namespace taut {
 //     E = ½ Σ_{m≠0} G(m) |F(m)|²,   G = exp(−π²m²/α²)/(πV m²) / |b|⁻²(m₁)|b|⁻²(m₂)|b|⁻²(m₃)
 //     −dE/dstrain = ½ Σ_{m≠0} G(m) |F(m)|² (1 − 2(1/m² + π²/α²) m⊗m)   (eq. 2.7)
 //     φ = the transform back of G F = dE/dQ;   f = −q Σ φ dw/dx, w the spline's weights.
+// m are the vectors of the reciprocal lattice; splines and grid go along a, b and c.
 //
 // A plane of the grid, all its charges and its transform, is one thread's at a time; so are the transforms
 // across planes of a row of it. No sum depends on how many threads there are.
 class PmeMesh {
  public:
-  // charge: √k q [√(kJ/mol·nm)], n; parameters as chosen.
-  PmeMesh(const Eigen::VectorXd& charge, const PmeParameters& parameters, const Box& box);
+  // charge: √k q [√(kJ/mol·nm)], n; parameters as chosen. Of no box yet.
+  PmeMesh(const Eigen::VectorXd& charge, const PmeParameters& parameters);
   ~PmeMesh();
   PmeMesh(PmeMesh&&) noexcept;
   PmeMesh& operator=(PmeMesh&&) noexcept;
 
+  void set_box(const Box& box);  // the grid stays, and is stretched with it
   void add_forces(const Vectors& x, Vectors& f);
   double energy() const;  // of the last add_forces [kJ/mol]
   // At x [kJ/mol]: charges are spread and transformed again, so that a step that does not ask does not pay.

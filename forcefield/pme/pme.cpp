@@ -7,16 +7,21 @@
 #include "md/units.hpp"
 
 namespace taut {
-Pme::Pme(const Nonbonded& nb, const Box& box)
+
+Pme::Pme(const Nonbonded& nb)
     : alpha_(nb.pme->alpha),
       screening_(alpha_, *nb.cutoff, 1e-15),
-      mesh_(std::sqrt(kCoulomb) * nb.charge, *nb.pme, box) {
-  const double pi = std::numbers::pi, total = nb.charge.sum();
-  constant_ = -kCoulomb * alpha_ / std::sqrt(pi) * nb.charge.squaredNorm();
-  background_ = -kCoulomb * pi * total * total / (2 * box.volume() * alpha_ * alpha_);
+      total_(nb.charge.sum()),
+      constant_(-kCoulomb * alpha_ / std::sqrt(std::numbers::pi) * nb.charge.squaredNorm()),
+      mesh_(std::sqrt(kCoulomb) * nb.charge, *nb.pme) {
   for (const auto& e : nb.exceptions)
     if (const double qq = nb.charge[e.i] * nb.charge[e.j]; qq != 0)
       excluded_.push_back({e.i, e.j, kCoulomb * qq});
+}
+
+void Pme::set_box(const Box& box) {
+  background_ = -kCoulomb * std::numbers::pi * total_ * total_ / (2 * box.volume() * alpha_ * alpha_);
+  mesh_.set_box(box);
 }
 
 void Pme::add_forces(const Vectors& x, Vectors& f) {

@@ -17,8 +17,9 @@ namespace taut {
 class Pme {
  public:
   // nb.pme as chosen.
-  Pme(const Nonbonded& nb, const Box& box);
+  explicit Pme(const Nonbonded& nb);
 
+  void set_box(const Box& box);
   void add_forces(const Vectors& x, Vectors& f);
   // Of the last add_forces [kJ/mol].
   double energy() const { return constant_ + background_ + excluded_energy_ + mesh_.energy(); }
@@ -37,7 +38,8 @@ class Pme {
 
   double alpha_;  // [1/nm]
   Screening screening_;
-  double constant_, background_;
+  double total_;  // Q [e]
+  double constant_, background_ = 0;
   std::vector<Excluded> excluded_;
   double excluded_energy_ = 0;
   Eigen::Matrix3d excluded_virial_;

@@ -40,7 +40,7 @@ struct Liquid {
 };
 
 // All-trans chains along z, each turned about its axis at random, in hexagonal columns of layers.
-void place(const Liquid& liquid, Random& random, Box& box, Vectors& x) {
+void place(const Liquid& liquid, Random& random, State& start) {
   const double rise = kBond * std::sin(kAngle / 2), half_width = kBond * std::cos(kAngle / 2) / 2;
   const double layer = rise * (liquid.carbons - 1) + kEndGap;
   const auto ideal = HexagonalColumns::of_area(liquid.volume() / liquid.molecules / layer);
@@ -48,8 +48,9 @@ void place(const Liquid& liquid, Random& random, Box& box, Vectors& x) {
   const double height = layer * grid.nz;
   const auto columns =
       HexagonalColumns::of_area(liquid.volume() / height / static_cast<double>(grid.columns()));
-  box.edge = columns.cell(height).cwiseProduct(Vec3(grid.nx, grid.ny, 1));
+  start.box.edge = columns.cell(height).cwiseProduct(Vec3(grid.nx, grid.ny, 1));
 
+  Vectors& x = start.x;
   x.resize(3, liquid.atoms());
   for (int m = 0; m < liquid.molecules; ++m) {
     const long site = m * grid.sites() / liquid.molecules;  // empty sites are spread evenly
@@ -99,8 +100,7 @@ void build_alkane(const BuildRequest& request, Scene& scene) {
 
   Random random(request.run.seed);
   scene.positions_drawn = true;
-  Box box;
-  place(liquid, random, box, scene.start.x);
+  place(liquid, random, scene.start);
 
   Eigen::VectorXd mass(liquid.atoms());
   std::vector<RigidBond> bonds;
@@ -117,8 +117,8 @@ void build_alkane(const BuildRequest& request, Scene& scene) {
   }
   for (int m = 0; m < liquid.molecules; ++m) add_forces_of_molecule(liquid, m * liquid.carbons, scene.terms);
   scene.names = repeated_names(united_atoms(liquid.carbons), liquid.molecules);
-  read_cutoff(request.forcefield, box, lj);
-  scene.system = make_system(std::move(mass), std::move(bonds), box);
+  read_cutoff(request.forcefield, scene.start.box, lj);
+  scene.system = make_system(std::move(mass), std::move(bonds));
   scene.notes.emplace_back("start: all-trans chains side by side, which a run of its own should first melt");
 }
 

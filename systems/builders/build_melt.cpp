@@ -102,7 +102,7 @@ void add_pair_force(const BuildRequest& request, const Beads& melt, Scene& scene
     lj.sigma = Eigen::VectorXd::Constant(melt.atoms(), melt.sigma);
     lj.epsilon = Eigen::VectorXd::Constant(melt.atoms(), melt.epsilon);
     for (const auto& [i, j, length] : bonds) lj.exceptions.push_back({i, j, 0, melt.sigma, 0});
-    read_cutoff(request.forcefield, scene.system.box, lj);
+    read_cutoff(request.forcefield, scene.start.box, lj);
   }
 }
 
@@ -115,13 +115,12 @@ void add_pair_force(const BuildRequest& request, const Beads& melt, Scene& scene
 //   pair = "wca" | "lennard-jones", sigma_nm, epsilon_kj_mol, and for Lennard-Jones the keys of read_cutoff
 void build_melt(const BuildRequest& request, Scene& scene) {
   const Beads melt = read_beads(request);
-  Box box;
-  const Path path = lay_path(request.keys, melt, box);
+  const Path path = lay_path(request.keys, melt, scene.start.box);
   scene.start.x.resize(3, melt.atoms());
   for (int a = 0; a < melt.atoms(); ++a) scene.start.x.col(a) = path.bead(a);
   std::vector<RigidBond> bonds;
   tie(melt, bonds, scene.terms.fene);
-  scene.system = make_system(Eigen::VectorXd::Constant(melt.atoms(), melt.mass), std::move(bonds), box);
+  scene.system = make_system(Eigen::VectorXd::Constant(melt.atoms(), melt.mass), std::move(bonds));
   scene.names = bead_names(melt.chains, melt.beads);
   add_pair_force(request, melt, scene);
   scene.notes.emplace_back("start: straight columns of beads, which a run of its own should first melt");

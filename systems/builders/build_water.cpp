@@ -49,52 +49,52 @@ void set_geometry(const WaterModel& model, Eigen::Ref<Vectors> x) {
 }
 
 // n³ or fewer molecules on a cubic lattice, empty sites spread evenly, turned at random, at rest.
-Start lattice_of_water(const WaterModel& model, long molecules, double edge, Random& random) {
-  Start start;
+State lattice_of_water(const WaterModel& model, long molecules, double edge, Random& random) {
+  State start;
   start.box.edge.setConstant(edge);
-  start.state.x.resize(3, 3 * molecules);
-  start.state.v = Vectors::Zero(3, 3 * molecules);
+  start.x.resize(3, 3 * molecules);
+  start.v = Vectors::Zero(3, 3 * molecules);
   const auto n = static_cast<int>(std::ceil(std::cbrt(static_cast<double>(molecules)) - 1e-9));
   for (long m = 0; m < molecules; ++m) {
     const Vec3 o = edge / n * (cube_cell(m * n * n * n / molecules, n).array() + 0.5);
-    start.state.x.col(3 * m) = o;
-    start.state.x.col(3 * m + 1) = o + random.unit_vector();
-    start.state.x.col(3 * m + 2) = o + random.unit_vector();
-    set_geometry(model, start.state.x.middleCols(3 * m, 3));
+    start.x.col(3 * m) = o;
+    start.x.col(3 * m + 1) = o + random.unit_vector();
+    start.x.col(3 * m + 2) = o + random.unit_vector();
+    set_geometry(model, start.x.middleCols(3 * m, 3));
   }
   return start;
 }
 
 // The start side by side with itself, n times along each edge, every O in its own image of the box.
-Start tiled(const Start& unit, int n) {
-  const Eigen::Index atoms = unit.state.x.cols();
-  Vectors home = unit.state.x;
+State tiled(const State& unit, int n) {
+  const Eigen::Index atoms = unit.x.cols();
+  Vectors home = unit.x;
   for (Eigen::Index o = 0; o < atoms; o += 3) {
-    const Vec3 image = unit.state.x.col(o).cwiseQuotient(unit.box.edge).array().floor();
+    const Vec3 image = unit.x.col(o).cwiseQuotient(unit.box.edge).array().floor();
     home.middleCols(o, 3).colwise() -= unit.box.edge.cwiseProduct(image);
   }
-  Start all;
+  State all;
   all.box.edge = n * unit.box.edge;
-  all.state.x.resize(3, atoms * n * n * n);
-  all.state.v = unit.state.v.replicate(1, n * n * n);
+  all.x.resize(3, atoms * n * n * n);
+  all.v = unit.v.replicate(1, n * n * n);
   for (int t = 0; t < n * n * n; ++t)
-    all.state.x.middleCols(t * atoms, atoms) = home.colwise() + unit.box.edge.cwiseProduct(cube_cell(t, n));
+    all.x.middleCols(t * atoms, atoms) = home.colwise() + unit.box.edge.cwiseProduct(cube_cell(t, n));
   return all;
 }
 
 // The molecules nearest the middle, without the box.
-Start droplet(const Start& bulk, long molecules) {
-  std::vector<Eigen::Index> order(bulk.state.x.cols() / 3);
+State droplet(const State& bulk, long molecules) {
+  std::vector<Eigen::Index> order(bulk.x.cols() / 3);
   std::iota(order.begin(), order.end(), 0);
   const Vec3 middle = bulk.box.edge / 2;
   std::ranges::stable_sort(order, {},
-                           [&](Eigen::Index m) { return (bulk.state.x.col(3 * m) - middle).squaredNorm(); });
-  Start drop;
-  drop.state.x.resize(3, 3 * molecules);
-  drop.state.v.resize(3, 3 * molecules);
+                           [&](Eigen::Index m) { return (bulk.x.col(3 * m) - middle).squaredNorm(); });
+  State drop;
+  drop.x.resize(3, 3 * molecules);
+  drop.v.resize(3, 3 * molecules);
   for (long m = 0; m < molecules; ++m) {
-    drop.state.x.middleCols(3 * m, 3) = bulk.state.x.middleCols(3 * order[m], 3);
-    drop.state.v.middleCols(3 * m, 3) = bulk.state.v.middleCols(3 * order[m], 3);
+    drop.x.middleCols(3 * m, 3) = bulk.x.middleCols(3 * order[m], 3);
+    drop.v.middleCols(3 * m, 3) = bulk.v.middleCols(3 * order[m], 3);
   }
   return drop;
 }
@@ -115,13 +115,13 @@ class WaterSource {
       density_ = keys_.get<double>("density_g_cm3", kPositive) * kGramPerCm3 / model.mass();
       return;
     }
-    if (start_->state.x.cols() == 0 || start_->state.x.cols() % 3 != 0)
+    if (start_->x.cols() == 0 || start_->x.cols() % 3 != 0)
       keys_.fail("start", "expected waters: O, H, H, ...");
     if (keys_.has("density_g_cm3")) keys_.fail("density_g_cm3", "build.start has a density of its own");
     density_ = static_cast<double>(molecules_of_start()) / start_->box.volume();
   }
 
-  Start box_of(long molecules, std::vector<std::string>& notes) {
+  State box_of(long molecules, std::vector<std::string>& notes) {
     if (start_) {
       require_box();
       const double times = static_cast<double>(molecules) / static_cast<double>(molecules_of_start());
@@ -138,13 +138,13 @@ class WaterSource {
     return lattice_of_water(model_, molecules, std::cbrt(static_cast<double>(molecules) / density_), random_);
   }
 
-  Start droplet_of(long molecules, std::vector<std::string>& notes) {
+  State droplet_of(long molecules, std::vector<std::string>& notes) {
     if (start_ && !start_->box.periodic() && molecules_of_start() == molecules) return *start_;
     if (start_) require_box();
     const double edge = droplet_edge(molecules, density_);
     const double n = std::ceil(start_ ? edge / start_->box.edge.minCoeff() : edge * std::cbrt(density_));
     atoms_of(keys_, start_ ? "start" : "density_g_cm3", n * n * n,
-             start_ ? static_cast<double>(start_->state.x.cols()) : 3.0);
+             start_ ? static_cast<double>(start_->x.cols()) : 3.0);
     if (start_) return droplet(tiled(*start_, static_cast<int>(n)), molecules);
     return droplet(box_of(static_cast<long>(n * n * n), notes), molecules);
   }
@@ -152,7 +152,7 @@ class WaterSource {
   bool drawn() const { return drawn_; }
 
  private:
-  long molecules_of_start() const { return start_->state.x.cols() / 3; }
+  long molecules_of_start() const { return start_->x.cols() / 3; }
   void require_box() const {
     if (!start_->box.periodic())
       keys_.fail("start", fmt::format("a droplet of {}, which serves for a droplet of as many alone",
@@ -162,7 +162,7 @@ class WaterSource {
   const TomlTable& keys_;
   const WaterModel& model_;
   Random random_;
-  std::optional<Start> start_;
+  std::optional<State> start_;
   double density_;  // [molecules/nm³]
   bool drawn_ = false;
 };
@@ -201,7 +201,7 @@ void build_water(const BuildRequest& request, Scene& scene) {
   const int atoms = atoms_of(keys, "molecules", static_cast<double>(molecules), 3);
   const bool box = keys.choice("shape", {"box", "droplet"}) == "box";
   WaterSource source(request, model);
-  Start start = box ? source.box_of(molecules, scene.notes) : source.droplet_of(molecules, scene.notes);
+  State start = box ? source.box_of(molecules, scene.notes) : source.droplet_of(molecules, scene.notes);
 
   Nonbonded& pairs = scene.terms.nonbonded.emplace();
   pairs.charge.resize(atoms);
@@ -210,16 +210,17 @@ void build_water(const BuildRequest& request, Scene& scene) {
   Eigen::VectorXd mass(atoms);
   std::vector<RigidBond> bonds;
   for (int o = 0; o < atoms; o += 3) {
-    set_geometry(model, start.state.x.middleCols(o, 3));
+    set_geometry(model, start.x.middleCols(o, 3));
     mass.segment<3>(o) << model.mass_o, model.mass_h, model.mass_h;
     add_molecule(model, o, pairs, bonds);
   }
   scene.names = repeated_names({{"OW", "HOH", "O"}, {"HW1", "HOH", "H"}, {"HW2", "HOH", "H"}}, atoms / 3);
   read_cutoff(request.forcefield, start.box, pairs);
-  scene.start.x = std::move(start.state.x);
-  scene.start.v = std::move(start.state.v);
+  scene.start.x = std::move(start.x);
+  scene.start.v = std::move(start.v);
+  scene.start.box = start.box;
   scene.positions_drawn = source.drawn();
-  scene.system = make_system(std::move(mass), std::move(bonds), start.box);
+  scene.system = make_system(std::move(mass), std::move(bonds));
 }
 
 }  // namespace taut

@@ -33,10 +33,10 @@ const Kind& chosen_kind(const TomlTable& keys) {
 }
 
 // What keeps a start from being one of this scene; null: nothing.
-const char* misfit(const Start& start, const Scene& scene) {
-  const Vectors& x = start.state.x;
+const char* misfit(const State& start, const Scene& scene) {
+  const Vectors& x = start.x;
   if (x.cols() != scene.system.atoms()) return "another number of atoms";
-  if (!start.box.edge.isApprox(scene.system.box.edge, 1e-9)) return "another box";
+  if (!start.box.edge.isApprox(scene.start.box.edge, 1e-9)) return "another box";
   if (bond_errors(scene.system, x).max > 0.01) return "other bonds";
   for (const Fene& spring : scene.terms.fene)
     if ((x.col(spring.j) - x.col(spring.i)).norm() >= spring.r0) return "other springs";
@@ -47,14 +47,14 @@ const char* misfit(const Start& start, const Scene& scene) {
 void lay_start(const BuildRequest& request, Scene& scene) {
   std::filesystem::path file;
   if (!request.keys.read("start", file)) return;
-  Start start = read_start(file);
+  State start = read_start(file);
   if (const char* reason = misfit(start, scene)) {
     if (request.keys.overridden("start")) request.keys.fail("start", fmt::format("it has {}", reason));
     scene.notes.push_back(fmt::format("start: {} is set aside, it has {}", file.filename().string(), reason));
     return;
   }
-  scene.start.x = std::move(start.state.x);
-  scene.start.v = std::move(start.state.v);
+  scene.start.x = std::move(start.x);
+  scene.start.v = std::move(start.v);
   scene.notes.clear();
   scene.positions_drawn = false;
 }

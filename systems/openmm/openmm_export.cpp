@@ -151,17 +151,17 @@ void write_fene(Node forces, const std::vector<Fene>& springs) {
     write_term(list, "Bond", {atom_field("p1", i, 0), atom_field("p2", j, 0)}, {k, r0});
 }
 
-void write_wca(Node forces, const System& sys, const Wca& wca) {
+void write_wca(Node forces, int atoms, const Box& box, const Wca& wca) {
   CustomNonbondedXml x{
       .energy = kWcaEnergy,
-      .method = sys.box.periodic() ? NonbondedXml::kCutoffPeriodic : NonbondedXml::kCutoffNonPeriodic,
+      .method = box.periodic() ? NonbondedXml::kCutoffPeriodic : NonbondedXml::kCutoffNonPeriodic,
       .cutoff = wca.reach()};
   Node force = write_force(forces, "CustomNonbondedForce", x.fields());
   put(force, "switchingDistance", -1);
   write_parameters(force, "PerParticleParameters", {}, {{"sigma", wca.sigma}, {"epsilon", wca.epsilon}});
   force.append_child("EnergyParameterDerivatives");
   Node particles = force.append_child("Particles");
-  for (int a = 0; a < sys.atoms(); ++a) particles.append_child("Particle");
+  for (int a = 0; a < atoms; ++a) particles.append_child("Particle");
   write_list(force, wca.exclusions);
   for (const char* list : {"Functions", "InteractionGroups"}) force.append_child(list);
 }
@@ -172,11 +172,11 @@ void write_forces(Node forces, const OpenMMInput& from) {
   write_bonded(forces, terms.angles);
   write_bonded(forces, terms.torsions);
   write_bonded(forces, terms.rb_torsions);
-  if (terms.nonbonded) write_nonbonded(forces, *terms.nonbonded, from.system.box);
+  if (terms.nonbonded) write_nonbonded(forces, *terms.nonbonded, from.start.box);
   if (terms.gravity) write_gravity(forces, from.system, *terms.gravity);
   if (!terms.pulls.empty()) write_pulls(forces, terms.pulls);
   if (!terms.fene.empty()) write_fene(forces, terms.fene);
-  if (terms.wca) write_wca(forces, from.system, *terms.wca);
+  if (terms.wca) write_wca(forces, from.system.atoms(), from.start.box, *terms.wca);
   if (from.remove_momentum_every > 0)
     put(write_force(forces, "CMMotionRemover", {}), "frequency", from.remove_momentum_every);
 }
@@ -199,7 +199,7 @@ std::string whole_file(const char* type, auto fill) {
 std::string openmm_system_xml(const OpenMMInput& from) {
   refuse_bonds_to_anchors(from.system);
   return whole_file("System", [&](Node root) {
-    write_box(root, from.system.box);
+    write_box(root, from.start.box);
     write_masses(root, from.system.mass);
     write_list(root, from.system.bonds);
     write_forces(root.append_child("Forces"), from);
@@ -210,7 +210,7 @@ std::string openmm_state_xml(const OpenMMInput& from) {
   return whole_file("State", [&](Node root) {
     put(root, "time", from.start.t);
     put(root, "stepCount", 0);
-    write_box(root, from.system.box);
+    write_box(root, from.start.box);
     write_vectors(root, "Positions", "Position", from.start.x);
     write_vectors(root, "Velocities", "Velocity", from.start.v);
   });

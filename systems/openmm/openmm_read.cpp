@@ -139,9 +139,9 @@ Box box_of(const PlacedForces& forces, const Element& state) {
   return read_box(state.part("PeriodicBoxVectors"));
 }
 
-void check_forces(const PlacedForces& forces, const System& system) {
+void check_forces(const PlacedForces& forces, const System& system, const Box& box) {
   for (const PlacedForce& f : forces) try {
-      check_terms(system, f.force.terms);
+      check_terms(system, box, f.force.terms);
     } catch (const InputError& e) {
       f.at.refuse(e.what());
     }
@@ -158,11 +158,11 @@ void mend_molecules(const PlacedForces& forces, const std::vector<RigidBond>& co
   }
   const Vectors as_given = input.start.x;
   try {
-    make_whole(input.system.box, pairs, input.start.x);
+    make_whole(input.start.box, pairs, input.start.x);
   } catch (const InputError& e) {
     state.part("Positions").refuse(e.what());
   }
-  const WholeMolecules molecules{input.system.box, as_given, input.start.x,
+  const WholeMolecules molecules{input.start.box, as_given, input.start.x,
                                  taut::molecules(input.system.atoms(), pairs)};
   for (const PlacedForce& f : forces) check_images(f.at, f.force, molecules);
 }
@@ -213,9 +213,9 @@ OpenMMInput read_openmm(const std::filesystem::path& system_xml, const std::file
 
   PlacedForces forces;
   read_forces(system.part("Forces"), state, input.system, forces);
-  input.system.box = box_of(forces, state);
-  check_forces(forces, input.system);
-  if (input.system.box.periodic()) mend_molecules(forces, constraints, state, input);
+  input.start.box = box_of(forces, state);
+  check_forces(forces, input.system, input.start.box);
+  if (input.start.box.periodic()) mend_molecules(forces, constraints, state, input);
   for (PlacedForce& f : forces) add(f, input);
   return input;
 }

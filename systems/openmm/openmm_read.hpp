@@ -12,9 +12,9 @@ namespace taut {
 
 // What OpenMM's two files hold.
 struct OpenMMInput {
-  System system;  // its box is the State's, where any force is periodic
+  System system;
   Terms terms;
-  State start;                       // molecules whole, anchors at rest
+  State start;                       // molecules whole, anchors at rest; a box where any force is periodic
   long remove_momentum_every = 0;    // steps; 0: never
   bool has_velocities = true;        // in the State; if not, all is at rest
   std::vector<std::string> notes{};  // what of the State is not used, a line each

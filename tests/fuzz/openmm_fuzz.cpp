@@ -35,7 +35,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const MemoryFile system(text.substr(0, cut));
     const MemoryFile state(text.substr(std::min(cut + kCut.size(), text.size())));
     taut::Scene scene = taut::import_openmm(system.path(), state.path());
-    taut::ForceField forces(scene.system, scene.terms);
+    taut::ForceField forces(scene.system, scene.start.box, scene.terms);
     forces(scene.system, scene.start);
   });
 }
