@@ -54,6 +54,8 @@ BondedForces::BondedForces(const Terms& terms, const std::vector<PairException>&
   std::get<Sorted<HarmonicAngle>>(kinds_).terms = terms.angles;
   for (const auto& t : terms.torsions) std::get<Sorted<ExpandedTorsion>>(kinds_).terms.emplace_back(t);
   std::get<Sorted<RyckaertBellemans>>(kinds_).terms = terms.rb_torsions;
+  for (const auto& t : terms.harmonic_torsions) std::get<Sorted<TurnedTorsion>>(kinds_).terms.emplace_back(t);
+  std::get<Sorted<CmapPair>>(kinds_).terms = cmap_pairs(terms.maps, terms.cmaps);
   std::get<Sorted<Fene>>(kinds_).terms = terms.fene;
   std::get<Sorted<PairException>>(kinds_).terms = exceptions;
   sort_and_cut();
@@ -106,6 +108,8 @@ std::vector<std::pair<std::string, double>> BondedForces::energies() const {
   add("angle", std::get<Sorted<HarmonicAngle>>(kinds_));
   add("torsion", std::get<Sorted<ExpandedTorsion>>(kinds_));
   add("rb_torsion", std::get<Sorted<RyckaertBellemans>>(kinds_));
+  add("harmonic_torsion", std::get<Sorted<TurnedTorsion>>(kinds_));
+  add("cmap", std::get<Sorted<CmapPair>>(kinds_));
   add("fene", std::get<Sorted<Fene>>(kinds_));
   return all;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "forcefield/bonded_lanes.hpp"
+#include "forcefield/cmap.hpp"
 
 namespace taut {
 
@@ -39,7 +40,7 @@ class BondedForces {
   void sort_and_cut();
 
   std::tuple<Sorted<HarmonicBond>, Sorted<HarmonicAngle>, Sorted<ExpandedTorsion>, Sorted<RyckaertBellemans>,
-             Sorted<Fene>, Sorted<PairException>>
+             Sorted<TurnedTorsion>, Sorted<CmapPair>, Sorted<Fene>, Sorted<PairException>>
       kinds_;
   int pieces_ = 0;
   int terms_ = 0;

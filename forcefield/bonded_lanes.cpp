@@ -163,6 +163,22 @@ struct Law<RyckaertBellemans> {
   }
 };
 
+// d = φ − φ₀ from its own cosine and sine.
+template <>
+struct Law<TurnedTorsion> {
+  static std::array<double, 3> numbers(const TurnedTorsion& t) { return {t.stiffness, t.cosine, t.sine}; }
+
+  static HWY_INLINE V forces(const V3* x, const V* p, V3* f) {
+    return torsion_forces(x, f, [p](V cosine, V sine) HWY_ATTR {
+      const V cos_d = hn::MulAdd(cosine, p[1], hn::Mul(sine, p[2]));
+      const V sin_d = hn::MulSub(sine, p[1], hn::Mul(cosine, p[2]));
+      const V turn = hn::CopySign(Law<HarmonicAngle>::angle(hn::Abs(sin_d), cos_d), sin_d);
+      const V moment = hn::Mul(p[0], turn);
+      return TorsionEnergy{hn::Mul(hn::Mul(broadcast(0.5), moment), turn), moment};
+    });
+  }
+};
+
 // Terms go by blocks: positions and numbers to rows, all lanes through the law, forces from the rows to the
 // atoms, term by term, as terms of one vector may share an atom.
 template <class Term>
@@ -243,6 +259,9 @@ double torsions(std::span<const ExpandedTorsion> terms, const double* x, double*
 double rb_torsions(std::span<const RyckaertBellemans> terms, const double* x, double* f) {
   return Block<RyckaertBellemans>::add_all(terms, x, f);
 }
+double harmonic_torsions(std::span<const TurnedTorsion> terms, const double* x, double* f) {
+  return Block<TurnedTorsion>::add_all(terms, x, f);
+}
 double fene(std::span<const Fene> terms, const double* x, double* f) {
   return Block<Fene>::add_all(terms, x, f);
 }
@@ -260,6 +279,7 @@ HWY_EXPORT(bonds);
 HWY_EXPORT(angles);
 HWY_EXPORT(torsions);
 HWY_EXPORT(rb_torsions);
+HWY_EXPORT(harmonic_torsions);
 HWY_EXPORT(fene);
 HWY_EXPORT(exceptions);
 
@@ -273,6 +293,15 @@ ExpandedTorsion::ExpandedTorsion(const PeriodicTorsion& t)
       of_cosine(t.amplitude * std::cos(t.phase)),
       of_sine(t.amplitude * std::sin(t.phase)) {}
 
+TurnedTorsion::TurnedTorsion(const HarmonicTorsion& t)
+    : i(t.i),
+      j(t.j),
+      k(t.k),
+      l(t.l),
+      stiffness(t.stiffness),
+      cosine(std::cos(t.angle)),
+      sine(std::sin(t.angle)) {}
+
 double add_in_lanes(std::span<const HarmonicBond> terms, const Vectors& x, Vectors& f) {
   return HWY_DYNAMIC_DISPATCH(bonds)(terms, x.data(), f.data());
 }
@@ -284,6 +313,9 @@ double add_in_lanes(std::span<const ExpandedTorsion> terms, const Vectors& x, Ve
 }
 double add_in_lanes(std::span<const RyckaertBellemans> terms, const Vectors& x, Vectors& f) {
   return HWY_DYNAMIC_DISPATCH(rb_torsions)(terms, x.data(), f.data());
+}
+double add_in_lanes(std::span<const TurnedTorsion> terms, const Vectors& x, Vectors& f) {
+  return HWY_DYNAMIC_DISPATCH(harmonic_torsions)(terms, x.data(), f.data());
 }
 double add_in_lanes(std::span<const Fene> terms, const Vectors& x, Vectors& f) {
   return HWY_DYNAMIC_DISPATCH(fene)(terms, x.data(), f.data());

@@ -80,6 +80,27 @@ void check_torsions(const Terms& terms, int n) {
     check_atoms({"rb_torsion", t}, {i, j, k, l}, n);
     check_numbers({"rb_torsion", t}, {c[0], c[1], c[2], c[3], c[4], c[5]});
   }
+  for (std::size_t t = 0; t < terms.harmonic_torsions.size(); ++t) {
+    const auto& [i, j, k, l, angle, stiffness] = terms.harmonic_torsions[t];
+    check_atoms({"harmonic_torsion", t}, {i, j, k, l}, n);
+    check_numbers({"harmonic_torsion", t}, {angle, stiffness});
+  }
+}
+
+void check_cmaps(const Terms& terms, int n) {
+  for (std::size_t m = 0; m < terms.maps.size(); ++m) {
+    const Eigen::MatrixXd& map = terms.maps[m];
+    require(map.rows() == map.cols() && map.rows() >= 2, "map {}: {} x {} points, expected a square", m,
+            map.rows(), map.cols());
+    require(map.allFinite(), "map {}: an energy is not a finite number", m);
+  }
+  for (std::size_t t = 0; t < terms.cmaps.size(); ++t) {
+    const auto& [a, b, map] = terms.cmaps[t];
+    check_atoms({"cmap", t}, {a[0], a[1], a[2], a[3]}, n);
+    check_atoms({"cmap", t}, {b[0], b[1], b[2], b[3]}, n);
+    require(map >= 0 && map < std::ssize(terms.maps), "cmap {}: map {}, there are {}", t, map,
+            terms.maps.size());
+  }
 }
 
 void check_cutoff(const Nonbonded& nb, const Box& box) {
@@ -112,6 +133,14 @@ void check_nonbonded(const Nonbonded& nb, int n, const Box& box) {
     check_numbers(at, {nb.charge[i]});
     check_not_negative(at, "sigma", nb.sigma[i]);
     check_not_negative(at, "epsilon", nb.epsilon[i]);
+  }
+  if (nb.lj_table) {
+    const auto& [type, a, b] = *nb.lj_table;
+    const auto types = a.rows();
+    require(std::ssize(type) == n, "nonbonded: {} types for {} atoms", type.size(), n);
+    require(a.cols() == types && b.rows() == types && b.cols() == types && a.allFinite() && b.allFinite(),
+            "nonbonded: a table of Lennard-Jones that is not of {} x {} finite numbers", types, types);
+    for (const int t : type) require(t >= 0 && t < types, "nonbonded: type {}, there are {}", t, types);
   }
   std::set<std::pair<int, int>> seen;
   for (std::size_t e = 0; e < nb.exceptions.size(); ++e) {
@@ -151,6 +180,7 @@ void check_terms(const System& sys, const Box& box, const Terms& terms) {
   const int n = sys.atoms();
   check_bonded(terms, n);
   check_torsions(terms, n);
+  check_cmaps(terms, n);
   if (box.periodic()) {
     const std::string flaw = Box::flaw(box.vectors());
     require(flaw.empty(), "box: {}", flaw);

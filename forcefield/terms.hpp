@@ -35,6 +35,18 @@ struct RyckaertBellemans {  // Σ c_n cosⁿ(φ − π)
   std::array<double, 6> c;  // [kJ/mol]
 };
 
+struct HarmonicTorsion {  // ½k(φ − angle)², the shorter way round
+  int i, j, k, l;
+  double angle;      // [rad]
+  double stiffness;  // [kJ/mol/rad²]
+};
+
+// A CHARMM correction map (cmap.hpp): E of two dihedrals, between the points of one of Terms::maps.
+struct CmapTorsion {
+  std::array<int, 4> phi, psi;
+  int map;
+};
+
 struct Fene {  // −½k r₀² ln(1 − (r/r₀)²)
   int i, j;
   double k;   // [kJ/mol/nm²]
@@ -58,7 +70,13 @@ struct PmeParameters {
   std::array<int, 3> grid{};  // points along the edges
 };
 
-// Lennard-Jones with Lorentz–Berthelot mixing, and Coulomb.
+// Lennard-Jones between types of atoms, a/r¹² − b/r⁶, where no rule of mixing has it.
+struct LennardJonesTable {
+  std::vector<int> type;  // n
+  Eigen::MatrixXd a, b;   // types x types, symmetric [kJ/mol·nm¹², kJ/mol·nm⁶]
+};
+
+// Lennard-Jones with Lorentz–Berthelot mixing or by a table, and Coulomb.
 struct Nonbonded {
   Eigen::VectorXd charge;   // [e], n
   Eigen::VectorXd sigma;    // [nm], n
@@ -69,6 +87,7 @@ struct Nonbonded {
   double rf_dielectric = 78.3;            // ε of the reaction field beyond the cutoff; 1: a shifted cutoff
   std::optional<PmeParameters> pme;       // in place of the reaction field
   bool dispersion_correction = false;     // long-range Lennard-Jones, periodic only
+  std::optional<LennardJonesTable> lj_table{};  // in place of sigma and epsilon
 };
 
 // Purely repulsive beads of one kind: 4ε((σ/r)¹² − (σ/r)⁶) + ε up to r = 2^(1/6)σ.
@@ -95,6 +114,9 @@ struct Terms {
   std::vector<HarmonicAngle> angles{};
   std::vector<PeriodicTorsion> torsions{};
   std::vector<RyckaertBellemans> rb_torsions{};
+  std::vector<HarmonicTorsion> harmonic_torsions{};
+  std::vector<Eigen::MatrixXd> maps{};  // n x n: E at φ = 2π row/n, ψ = 2π column/n [kJ/mol]
+  std::vector<CmapTorsion> cmaps{};
   std::vector<Fene> fene{};
   std::optional<Nonbonded> nonbonded{};
   std::optional<Wca> wca{};

@@ -33,6 +33,8 @@ struct Chains {
     for (int a = 0; a < x.cols(); ++a)
       x.col(a) = a % length == 0 ? Vec3(5 * random.normal_vector())
                                  : Vec3(x.col(a - 1) + 0.15 * random.unit_vector());
+    for (int size : {5, 24})
+      terms.maps.push_back(Eigen::MatrixXd::NullaryExpr(size, size, [&] { return 20 * random.uniform(); }));
     const auto about = [&](double value) { return value * (0.5 + random.uniform()); };
     for (int a = 0; a < x.cols(); ++a) {
       const int left = length - 1 - a % length;
@@ -44,6 +46,8 @@ struct Chains {
         terms.torsions.push_back({a, a + 1, a + 2, a + 3, n, about(1), about(5)});
       terms.rb_torsions.push_back(
           {a, a + 1, a + 2, a + 3, {about(9), about(12), about(-13), about(-3), about(26), about(-31)}});
+      terms.harmonic_torsions.push_back({a, a + 1, a + 2, a + 3, pi * (2 * random.uniform() - 1), about(40)});
+      if (left >= 4) terms.cmaps.push_back({{a, a + 1, a + 2, a + 3}, {a + 1, a + 2, a + 3, a + 4}, a % 2});
       exceptions.push_back({a, a + 3, random.uniform() - 0.5, about(0.1), about(0.5)});
     }
   }
@@ -75,10 +79,11 @@ const auto kInLanes = [](const auto& terms, const Vectors& x, Vectors& f) {
 template <class Term, class Add>
 void expect_lanes_as_plain(std::vector<Term> terms, const Vectors& x, const Add& plain) {
   while (!terms.empty()) {
-    if constexpr (std::is_same_v<Term, PeriodicTorsion>) {
-      std::vector<ExpandedTorsion> expanded;
-      for (const auto& t : terms) expanded.emplace_back(t);
-      expect_equal(sum(expanded, x, kInLanes), sum(terms, x, plain));
+    if constexpr (std::is_same_v<Term, PeriodicTorsion> || std::is_same_v<Term, HarmonicTorsion>) {
+      using Prepared =
+          std::conditional_t<std::is_same_v<Term, PeriodicTorsion>, ExpandedTorsion, TurnedTorsion>;
+      const std::vector<Prepared> prepared(terms.begin(), terms.end());
+      expect_equal(sum(prepared, x, kInLanes), sum(terms, x, plain));
     } else {
       expect_equal(sum(terms, x, kInLanes), sum(terms, x, plain));
     }
@@ -93,6 +98,7 @@ TEST(BondedLanes, AddWhatThePlainLoopsAddOnEveryKindOfMachine) {
     expect_lanes_as_plain(c.terms.angles, c.x, add_angles);
     expect_lanes_as_plain(c.terms.torsions, c.x, add_torsions);
     expect_lanes_as_plain(c.terms.rb_torsions, c.x, add_rb_torsions);
+    expect_lanes_as_plain(c.terms.harmonic_torsions, c.x, add_harmonic_torsions);
     expect_lanes_as_plain(c.terms.fene, c.x, add_fene);
     expect_lanes_as_plain(c.exceptions, c.x, add_exceptions);
   });
@@ -140,7 +146,9 @@ TEST(BondedLanes, AtomsInLineGiveFiniteForces) {
     const std::vector<PeriodicTorsion> torsions = {{0, 1, 2, 3, 3, 0.5, 7}};
     const std::vector<ExpandedTorsion> expanded = {ExpandedTorsion(torsions[0])};
     const std::vector<RyckaertBellemans> rb = {{0, 1, 2, 3, {1, 2, 3, 4, 5, 6}}};
+    const std::vector<HarmonicTorsion> harmonic = {{0, 1, 2, 3, 0.5, 7}};
     on_every_machine([&] {
+      expect_lanes_as_plain(harmonic, x, add_harmonic_torsions);
       const Sum bends = sum(angles, x, kInLanes);
       EXPECT_NEAR(bends.energy, sum(angles, x, add_angles).energy, 1e-9 * bends.energy);
       EXPECT_LT(bends.f.cwiseAbs().maxCoeff(), 4 * 400 * pi / 0.1);  // not for NaN
@@ -179,6 +187,7 @@ TEST(BondedLanes, LetANanShow) {
   expect_shown(c.terms.angles);
   expect_shown(std::vector{ExpandedTorsion(c.terms.torsions[0])});
   expect_shown(c.terms.rb_torsions);
+  expect_shown(std::vector{TurnedTorsion(c.terms.harmonic_torsions[0])});
   expect_shown(c.terms.fene);
   expect_shown(std::vector<PairException>{{1, 2, 0.1, 0.1, 0.1}});
 }
@@ -187,6 +196,8 @@ Sum plain_sum(const Chains& c) {
   Sum s{0, Vectors::Zero(3, c.x.cols())};
   s.energy = add_bonds(c.terms.bonds, c.x, s.f) + add_angles(c.terms.angles, c.x, s.f) +
              add_torsions(c.terms.torsions, c.x, s.f) + add_rb_torsions(c.terms.rb_torsions, c.x, s.f) +
+             add_harmonic_torsions(c.terms.harmonic_torsions, c.x, s.f) +
+             add_in_lanes(cmap_pairs(c.terms.maps, c.terms.cmaps), c.x, s.f) +
              add_fene(c.terms.fene, c.x, s.f) + add_exceptions(c.exceptions, c.x, s.f);
   return s;
 }

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "force_checks.hpp"
+#include "forcefield/cmap.hpp"
 #include "forcefield/force_field.hpp"
 #include "md/errors.hpp"
 
@@ -23,6 +24,17 @@ void expect_no_net_force_or_torque(const Terms& terms, const Vectors& x) {
 }
 
 const Vectors kBent = columns({{0.1, 0.02, -0.03}, {0.0, 0.15, 0.01}, {0.12, 0.24, 0.05}, {0.1, 0.3, 0.19}});
+
+const Vectors kBentChain =
+    columns({{0.1, 0.02, -0.03}, {0.0, 0.15, 0.01}, {0.12, 0.24, 0.05}, {0.1, 0.3, 0.19}, {0.2, 0.41, 0.17}});
+
+// Two dihedrals side by side under a map of 5 x 5 points.
+const Terms kCorrected = [] {
+  Terms terms{.cmaps = {{{0, 1, 2, 3}, {1, 2, 3, 4}, 0}}};
+  terms.maps.emplace_back(Eigen::MatrixXd::NullaryExpr(
+      5, 5, [](Eigen::Index i, Eigen::Index j) { return std::sin(3.0 * double(i) + 7.0 * double(j * j)); }));
+  return terms;
+}();
 
 // ---- bonded: closed forms ----
 
@@ -72,6 +84,39 @@ TEST(RbTorsions, ArePolynomialsInTheCosineFromTrans) {
   }
 }
 
+// Round the circle, the shorter way: at its rest, either side of ±π, and about the far side.
+TEST(HarmonicTorsions, TakeTheShorterWay) {
+  for (const double rest : {0.0, 0.4, 3.0, pi, -pi, -2.5})
+    for (const double turn : {0.0, 1e-9, -1e-9, 0.3, -0.3, 2.0, -2.0, 3.1, -3.1}) {
+      const auto [energy, f] =
+          evaluate({.harmonic_torsions = {{0, 1, 2, 3, rest, 40}}}, dihedral_at(rest + turn));
+      EXPECT_NEAR(energy, 20 * turn * turn, 1e-12 + 1e-13 * energy) << rest << " " << turn;
+    }
+}
+
+// E = sin φ + cos 2ψ + sin(φ + ψ), whose splines through 48 points are right to 1e-5 or so; and exactly at
+// points that are given.
+TEST(Cmaps, GoThroughTheirPointsAndAreSmoothBetween) {
+  const auto energy = [](double phi, double psi) {
+    return std::sin(phi) + std::cos(2 * psi) + std::sin(phi + psi);
+  };
+  const int n = 48;
+  Eigen::MatrixXd points(n, n);
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) points(i, j) = energy(2 * pi * i / n, 2 * pi * j / n);
+  const CmapSurface surface(points);
+  for (const double phi : {-3.1, -1.0, 0.0, 0.3, 2.2, pi})
+    for (const double psi : {-2.7, -0.4, 0.0, 1.7, 3.0, -pi}) {
+      const auto at = surface.at(phi, psi);
+      EXPECT_NEAR(at.energy, energy(phi, psi), 2e-5);
+      EXPECT_NEAR(at.of_phi, std::cos(phi) + std::cos(phi + psi), 3e-4);
+      EXPECT_NEAR(at.of_psi, -2 * std::sin(2 * psi) + std::cos(phi + psi), 3e-4);
+    }
+  for (int i = -3; i < n; i += 5)
+    for (int j = -3; j < n; j += 7)
+      EXPECT_NEAR(surface.at(2 * pi * i / n, 2 * pi * j / n).energy, points((i + n) % n, (j + n) % n), 1e-12);
+}
+
 TEST(FeneBonds, PullHarderTowardsTheirReachAndBreakThere) {
   const double k = 30, r0 = 1.5, r = r0 / std::sqrt(2);
   const Terms terms{.fene = {{0, 1, k, r0}}};
@@ -89,6 +134,8 @@ TEST(Bonded, ForcesAreMinusTheSlope) {
     expect_forces_are_minus_the_slope({.torsions = {{0, 1, 2, 3, n, 0.5, 7}}}, kBent);
   expect_forces_are_minus_the_slope({.rb_torsions = {{0, 1, 2, 3, {9.3, 12.2, -13.1, -3.1, 26.2, -31.5}}}},
                                     kBent);
+  expect_forces_are_minus_the_slope({.harmonic_torsions = {{0, 1, 2, 3, 2.9, 40}}}, kBent);
+  expect_forces_are_minus_the_slope(kCorrected, kBentChain);
   expect_forces_are_minus_the_slope({.fene = {{0, 1, 30, 0.2}, {2, 3, 30, 0.3}}}, kBent);
 }
 
@@ -98,6 +145,8 @@ TEST(Bonded, ForcesHaveNoSumAndNoTorque) {
   expect_no_net_force_or_torque({.torsions = {{0, 1, 2, 3, 3, 0.5, 7}}}, kBent);
   expect_no_net_force_or_torque({.rb_torsions = {{0, 1, 2, 3, {9.3, 12.2, -13.1, -3.1, 26.2, -31.5}}}},
                                 kBent);
+  expect_no_net_force_or_torque({.harmonic_torsions = {{0, 1, 2, 3, 2.9, 40}}}, kBent);
+  expect_no_net_force_or_torque(kCorrected, kBentChain);
   expect_no_net_force_or_torque({.fene = {{0, 1, 30, 0.2}}}, kBent);
 }
 
@@ -198,6 +247,22 @@ TEST(ForceField, RefusesTermsThatDoNotFit) {
             }),
             "torsion 1: periodicity 2000000000, expected 1 to 64");
   EXPECT_EQ(message([](Terms& t) { t.torsions = {{0, 1, 2, 3, 64, 0, 1}}; }), "accepted");
+  expect_in(message([&](Terms& t) { t.harmonic_torsions = {{0, 1, 2, 3, nan, 1}}; }), "harmonic_torsion 0");
+  expect_in(message([](Terms& t) {
+              t.harmonic_torsions = {{0, 1, 2, 9, 0, 1}};
+            }),
+            "harmonic_torsion 0: atom 9");
+  const auto with_map = [&](int size, const CmapTorsion& torsion) {
+    return message([&](Terms& t) {
+      t.maps = {Eigen::MatrixXd::Zero(size, 3)};
+      t.cmaps = {torsion};
+    });
+  };
+  EXPECT_EQ(with_map(3, {{0, 1, 2, 3}, {1, 2, 3, 0}, 0}), "accepted");
+  expect_in(with_map(2, {{0, 1, 2, 3}, {1, 2, 3, 0}, 0}), "map 0: 2 x 3 points");
+  expect_in(with_map(3, {{0, 1, 2, 3}, {1, 2, 3, 0}, 1}), "cmap 0: map 1, there are 1");
+  expect_in(with_map(3, {{0, 1, 2, 4}, {1, 2, 3, 0}, 0}), "cmap 0: atom 4");
+  expect_in(with_map(3, {{0, 1, 2, 3}, {1, 2, 1, 0}, 0}), "cmap 0: atom 1 is in it twice");
   expect_in(message([](Terms& t) { t.rb_torsions = {{0, 1, 2, 7, {}}}; }), "rb_torsion 0: atom 7");
   expect_in(message([](Terms& t) { t.fene = {{0, 1, 30, 0}}; }), "fene 0: r0");
   expect_in(message([](Terms& t) { t.pulls = {{4, Vec3::Zero()}}; }), "pull 0: atom 4");
