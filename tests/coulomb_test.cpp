@@ -33,12 +33,10 @@ TEST(CoulombKeys, AreRead) {
   EXPECT_FALSE(pairs_of({"forcefield.coulomb=reaction-field"}).pme);
   EXPECT_EQ(pairs_of({"forcefield.coulomb=reaction-field", "forcefield.rf_dielectric=5"}).rf_dielectric, 5);
   EXPECT_EQ(pairs_of({"forcefield.coulomb=cutoff"}).rf_dielectric, 1) << "1/r − 1/rc, the force as it is";
-  const auto pme =
-      pairs_of({"forcefield.coulomb=pme", "forcefield.ewald_tolerance=1e-5", "forcefield.pme_order=6",
-                "forcefield.ewald_alpha_per_nm=3", "forcefield.pme_grid=[20, 24, 25]"})
-          .pme;
+  const auto pme = pairs_of({"forcefield.coulomb=pme", "forcefield.pme_order=6",
+                             "forcefield.ewald_alpha_per_nm=3", "forcefield.pme_grid=[20, 24, 25]"})
+                       .pme;
   ASSERT_TRUE(pme);
-  EXPECT_EQ(pme->tolerance, 1e-5);
   EXPECT_EQ(pme->order, 6);
   EXPECT_EQ(pme->alpha, 3);
   EXPECT_EQ(pme->grid, (std::array{20, 24, 25}));
@@ -54,6 +52,14 @@ TEST(CoulombKeys, ThatHaveNoEffectOrCannotBeAreRefused) {
               HasSubstr("forcefield.rf_dielectric: has no effect"));
   EXPECT_THAT(complaint({"forcefield.coulomb=pme", "forcefield.ewald_tolerance=1e-14"}),
               HasSubstr("forcefield.coulomb: pme: a tolerance of 1e-14 asks for a grid"));
+  EXPECT_THAT(
+      complaint({"forcefield.coulomb=pme", "forcefield.ewald_tolerance=1e-5",
+                 "forcefield.ewald_alpha_per_nm=3", "forcefield.pme_grid=[20, 24, 25]"}),
+      HasSubstr("forcefield.ewald_tolerance: has no effect, it counts only where ewald_alpha_per_nm or "
+                "pme_grid is left to it"));
+  for (const char* one : {"forcefield.ewald_alpha_per_nm=3", "forcefield.pme_grid=[20, 24, 25]"})
+    EXPECT_EQ(pairs_of({"forcefield.coulomb=pme", "forcefield.ewald_tolerance=1e-5", one}).pme->tolerance,
+              1e-5);
   EXPECT_THAT(complaint({"forcefield.coulomb=pme", "forcefield.pme_order=9"}),
               HasSubstr("order 9, expected 4 to 8"));
   EXPECT_THAT(complaint({"forcefield.coulomb=pme", "forcefield.pme_grid=[20, 20.5, 20]"}),

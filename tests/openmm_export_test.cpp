@@ -39,6 +39,12 @@ class Numbers {
     list(t.torsions, [&](const auto& a) { add(a.i, a.j, a.k, a.l, a.periodicity, a.phase, a.amplitude); });
     list(t.rb_torsions,
          [&](const auto& a) { add(a.i, a.j, a.k, a.l, a.c[0], a.c[1], a.c[2], a.c[3], a.c[4], a.c[5]); });
+    list(t.harmonic_torsions, [&](const auto& a) { add(a.i, a.j, a.k, a.l, a.angle, a.stiffness); });
+    list(t.maps, [&](const auto& map) { add(map); });
+    list(t.cmaps, [&](const auto& c) {
+      for (int a = 0; a < 4; ++a) add(c.phi[a], c.psi[a]);
+      add(c.map);
+    });
     list(t.fene, [&](const auto& b) { add(b.i, b.j, b.k, b.r0); });
     list(t.pulls, [&](const auto& p) { add(p.atom, p.force); });
     add(t.gravity.value_or(Vec3::Constant(kNone)));
@@ -86,9 +92,9 @@ OpenMMInput every_force() {
 TEST(OpenMMExport, IsReadBackToTheLastBit) {
   const OpenMMInput input = every_force();
   const Terms& t = input.terms;
-  for (const std::size_t terms :
-       {t.bonds.size(), t.angles.size(), t.torsions.size(), t.rb_torsions.size(), t.fene.size(),
-        t.pulls.size(), t.nonbonded->exceptions.size(), t.wca->exclusions.size()})
+  for (const std::size_t terms : {t.bonds.size(), t.angles.size(), t.torsions.size(), t.rb_torsions.size(),
+                                  t.harmonic_torsions.size(), t.maps.size(), t.cmaps.size(), t.fene.size(),
+                                  t.pulls.size(), t.nonbonded->exceptions.size(), t.wca->exclusions.size()})
     EXPECT_GT(terms, 0u);
   EXPECT_TRUE(t.gravity && t.nonbonded->switch_distance && input.remove_momentum_every > 0);
   expect_read_back(input);
@@ -132,7 +138,7 @@ TEST(OpenMMExport, ForeignExpressionsAreRefused) {
   const TemporaryFolder folder;
   const std::string text = openmm_system_xml(every_force());
   for (const auto& [from, to] :
-       {std::pair("-0.5*k", "-0.6*k"), {"-mass*(gx", "-mass*(2*gx"}, {"4*epsilon", "3*epsilon"}}) {
+       {std::pair("1-(r/r0)^2", "1-(r/r0)^3"), {"-mass*(gx", "-mass*(2*gx"}, {"4*epsilon", "3*epsilon"}}) {
     std::string changed = text;
     const auto at = changed.find(from);
     ASSERT_NE(at, std::string::npos) << from;

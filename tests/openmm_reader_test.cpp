@@ -57,7 +57,8 @@ TEST(OpenMMReader, BindsParametersByTheirNames) {
 TEST(OpenMMReader, TakesDefaultsWhereTheStateHasNoParameters) {
   Texts texts = every_force();
   replace(texts.state,
-          "<Parameters epsilon=\".7\" fy=\"3\" gx=\"-1.25\" gy=\"0\" gz=\"-9.81\" k=\"5000\" sigma=\".45\"/>",
+          "<Parameters AndersenCollisionFrequency=\"1.5\" AndersenTemperature=\"310\" bend=\"28.25\" "
+          "epsilon=\".7\" fy=\"3\" gx=\"-1.25\" gy=\"0\" gz=\"-9.81\" k=\"5000\" sigma=\".45\"/>",
           "");
   const OpenMMInput input = read(texts);
   EXPECT_EQ(input.terms.fene[0].k, 4000);
@@ -72,7 +73,7 @@ TEST(OpenMMReader, NoNumberOfAForceIsPassedOver) {
   int tried = 0;
   for (const char* key : {" d=\"", " k=\"", " a=\"", " phase=\"", " c0=\"", " c1=\"", " c2=\"", " c3=\"",
                           " c4=\"", " c5=\"", " q=\"", " sig=\"", " eps=\"", " rfDielectric=\"",
-                          " switchingDistance=\"", " param1=\"", " param2=\""}) {
+                          " switchingDistance=\"", " param1=\"", " param2=\"", " e=\""}) {
     for (auto at = texts.system.find(key, forces); at != std::string::npos;
          at = texts.system.find(key, at + 1)) {
       const auto digits = at + std::string(key).size(), end = texts.system.find('"', digits);
@@ -109,9 +110,26 @@ TEST(OpenMMReader, SaysWhetherTheStateHasVelocities) {
 
 TEST(OpenMMReader, SaysThatAnIntegratorsParametersAreNotUsed) {
   Texts texts = every_force();
-  EXPECT_THAT(read(texts).notes, ElementsAre(HasSubstr("IntegratorParameters")));
+  EXPECT_THAT(read(texts).notes, ElementsAre(HasSubstr("IntegratorParameters"), HasSubstr("Andersen")));
   replace(texts.state, "<IntegratorParameters version=\"1\"/>", "<IntegratorParameters/>");
-  EXPECT_TRUE(read(texts).notes.empty());
+  EXPECT_THAT(read(texts).notes, ElementsAre(HasSubstr("Andersen")));
+}
+
+TEST(OpenMMReader, SaysThatAThermostatIsTheRunsOwnToSet) {
+  Texts texts = every_force();
+  replace(texts.state, "AndersenTemperature=\"310\"", "AndersenTemperature=\"320\"");
+  EXPECT_THAT(read(texts).notes.back(),
+              one_line_with("force 14: AndersenThermostat (320 K, 1.5 collisions per ps) is left to "
+                            "run.thermostat"));
+}
+
+TEST(OpenMMReader, SumsEwaldsSumByMesh) {
+  Texts texts = every_force();
+  replace(texts.system, "method=\"2\" name=\"NonbondedForce\"", "method=\"3\" name=\"NonbondedForce\"");
+  const OpenMMInput input = read(texts);
+  ASSERT_TRUE(input.terms.nonbonded->pme);
+  EXPECT_EQ(input.terms.nonbonded->pme->tolerance, 5e-4);
+  EXPECT_THAT(input.notes, ::testing::Contains(HasSubstr("force 4: NonbondedForce is summed by PME")));
 }
 
 // What does not change the forces is no reason to refuse.

@@ -26,8 +26,24 @@ TEST_P(Refuses, ByNameAndLine) {
 INSTANTIATE_TEST_SUITE_P(
     WhatIsNotCarriedOut, Refuses,
     ::testing::Values(
-        Change{"method=\"2\" name=\"NonbondedForce\"", "method=\"3\" name=\"NonbondedForce\"",
-               "force 4: NonbondedForce: uses Ewald: taut has"},
+        Change{"k*min(dtheta, 2*pi-dtheta)^2", "k*min(dtheta, pi-dtheta)^2",
+               "force 11: CustomTorsionForce \"impropers\": has the energy k*min(dtheta, pi-dtheta)^2"},
+        Change{
+            "k*min(dtheta, 2*pi-dtheta)^2; dtheta = abs(theta-theta0)", "k*(theta-theta0)^2",
+            "force 11: CustomTorsionForce \"impropers\": jumps where theta goes from pi to -pi, as theta0 is "
+            "2.75"},
+        Change{"k*min(dtheta, 2*pi-dtheta)^2", "k*min(dtheta 2*pi-dtheta)^2", "expected ), found \"2*pi"},
+        Change{"param2=\"2.75\"", "param2=\"3.75\"",
+               "has its least energy at 3.75 rad, expected from -pi to pi"},
+        Change{"bend*(theta-rest)^2", "bend*(theta-rest)^4",
+               "force 12: CustomAngleForce: has the energy bend*"},
+        Change{"stiff*(r-d)^2", "stiff*(r-d)^2+wall", "does not declare wall, which its energy names"},
+        Change{"4*epsilon*((sigma/r)^12-(sigma/r)^6)+epsilon", "epsilon*exp(-r/sigma)",
+               "force 8: CustomNonbondedForce: has the energy epsilon*exp(-r/sigma): taut knows"},
+        Change{"4*epsilon*((sigma/r)^12-(sigma/r)^6)+epsilon", "4*epsilon*((sigma/r)^12-(sigma/r)^6)",
+               "force 8: CustomNonbondedForce: adds to the Lennard-Jones of a NonbondedForce"},
+        Change{"method=\"2\" name=\"NonbondedForce\"", "method=\"5\" name=\"NonbondedForce\"",
+               "force 4: NonbondedForce: uses LJPME: taut has"},
         Change{"method=\"2\" name=\"NonbondedForce\"", "method=\"1\" name=\"NonbondedForce\"",
                "force 4: NonbondedForce: its pairs are not periodic, but force 0: HarmonicBondForce "
                "\"stretch\" is"},
@@ -55,13 +71,17 @@ INSTANTIATE_TEST_SUITE_P(
                "force 5: CustomBondForce \"springs\": has EnergyParameterDerivatives: taut carries out none"},
         Change{"<ComputedValues/>", "<ComputedValues><Value expression=\"1\" name=\"c\"/></ComputedValues>",
                "has ComputedValues"},
-        Change{"<Functions/>", "<Functions><Function name=\"f\"/></Functions>", "has Functions"},
+        Change{"<Functions/>", "<Functions><Function name=\"f\"/></Functions>", "Function lacks type"},
+        Change{"<Functions/>",
+               "<Functions><Function max=\"2\" min=\"0\" name=\"f\" type=\"Continuous1DFunction\" "
+               "version=\"1\"/></Functions>",
+               "has the function f of a kind (Continuous1DFunction) taut does not know"},
         Change{"<InteractionGroups/>", "<InteractionGroups><InteractionGroup/></InteractionGroups>",
                "has InteractionGroups"},
-        Change{"type=\"RBTorsionForce\"", "type=\"CMAPTorsionForce\"",
-               "force 3: CMAPTorsionForce \"RBTorsionForce\": is not one taut knows"},
-        Change{"-mass*(gx*x+gy*y+gz*z)", "mass*(gx*x+gy*y+gz*z)",
-               "has the energy mass*(gx*x+gy*y+gz*z): taut knows -mass"},
+        Change{"type=\"RBTorsionForce\"", "type=\"AmoebaTorsionForce\"",
+               "force 3: AmoebaTorsionForce \"RBTorsionForce\": is not one taut knows"},
+        Change{"-mass*(gx*x+gy*y+gz*z)", "-mass*(gx*x^2+gy*y+gz*z)",
+               "has the energy -mass*(gx*x^2+gy*y+gz*z): taut knows -mass"},
         Change{
             "<Particle mass=\"0\"/>",
             "<Particle mass=\"0\"><TwoParticleAverageSite p1=\"1\" p2=\"2\" w1=\".5\" w2=\".5\"/></Particle>",
@@ -88,6 +108,10 @@ INSTANTIATE_TEST_SUITE_P(
                "has version=\"3\", expected 2"},
         Change{"type=\"System\" version=\"1\"", "type=\"System\" version=\"2\"",
                "a.system.xml:2: has version=\"2\""},
+        Change{"map=\"1\"", "map=\"2\"", "force 10: CMAPTorsionForce: cmap 1: map 2, there are 2"},
+        Change{"<Map size=\"2\">", "<Map size=\"3\">", "has 4 energies, expected 3 x 3"},
+        Change{"a2=\"1\"", "a2=\"12\"", "force 10: CMAPTorsionForce: Torsion has a2=\"12\""},
+        Change{"<Energy e=\"-4.7166\"/>", "<Energy/>", "Energy lacks e"},
         Change{"periodicity=\"2\"", "periodicity=\"2000000000\"", "expected an integer from 1 to 64"},
         Change{"periodicity=\"2\"", "periodicity=\"0\"", "expected an integer from 1 to 64"},
         Change{"periodicity=\"2\"", "periodicity=\"2.5\"", "expected an integer from 1 to 64"},
@@ -132,7 +156,7 @@ TEST(OpenMMReader, RefusesTwoOfWhatThereIsOneOf) {
     const auto to = leaf ? texts.system.find("/>", from) + 2 : texts.system.find("</Force>", from) + 8;
     texts.system.insert(texts.system.find("</Forces>"), texts.system.substr(from, to - from));
     EXPECT_THAT(refusal(texts),
-                one_line_with(std::string("force 10: ") + type + ": is the second of its kind"))
+                one_line_with(std::string("force 15: ") + type + ": is the second of its kind"))
         << type;
   }
 }
@@ -148,6 +172,24 @@ TEST(OpenMMReader, RefusesGravityThatIsNotUniform) {
   const auto copy = texts.system.substr(at, texts.system.find("/>", at) + 2 - at);
   texts.system.insert(at, copy);
   EXPECT_THAT(refusal(texts), one_line_with("pulls on atom 0 twice"));
+}
+
+// Pairs of Lennard-Jones are those a NonbondedForce leaves to them.
+TEST(OpenMMReader, RefusesASecondLennardJonesOfAPair) {
+  Texts texts = every_force();
+  replace(texts.system, "stiff*(r-d)^2", "4*stiff*((d/r)^12-(d/r)^6)");
+  EXPECT_THAT(refusal(texts), HasSubstr("nothing was refused"));  // 0-2 is excluded
+  Texts other = texts;
+  replace(other.system, "<Bond p1=\"0\" p2=\"2\" param1=\"1250\"", "<Bond p1=\"0\" p2=\"9\" param1=\"1250\"");
+  replace(other.system, "type=\"CustomBondForce\" usesPeriodic=\"1\"",
+          "type=\"CustomBondForce\" usesPeriodic=\"0\"");
+  EXPECT_THAT(refusal(other),
+              one_line_with("force 13: CustomBondForce \"UreyBradley\": has the pair 0-9, which is no "
+                            "exception of a NonbondedForce"));
+  replace(texts.system, "<Bond p1=\"0\" p2=\"2\" param1=\"1250\" param2=\".2375\"/>",
+          "<Bond p1=\"0\" p2=\"2\" param1=\"1250\" param2=\".2375\"/><Bond p1=\"2\" p2=\"0\" param1=\"1\" "
+          "param2=\".2\"/>");
+  EXPECT_THAT(refusal(texts), one_line_with("has the pair 2-0, which has Lennard-Jones already"));
 }
 
 TEST(OpenMMReader, RefusesATermBetweenMolecules) {

@@ -8,41 +8,19 @@
 #include <fstream>
 #include <memory>
 
-#include "forcefield/force_field.hpp"
 #include "md/errors.hpp"
 #include "md/units.hpp"
-#include "openmm_models.hpp"
-#include "studies/openmm_twin.hpp"
-#include "systems/openmm/openmm_read.hpp"
+#include "openmm_parity.hpp"
 
 namespace taut {
 namespace {
 
 using testing::data;
+using testing::expect_agreement;
+using testing::expect_parity;
 using testing::Files;
 using testing::Folder;
 using testing::Melt;
-
-double rms(const Vectors& f) {
-  return std::sqrt(f.squaredNorm() / static_cast<double>(f.size()));
-}
-
-// Energy to 1e-9, every force component to 1e-7 of their rms.
-void expect_agreement(double energy, const Vectors& f, double their_energy, const Vectors& their_f) {
-  EXPECT_NEAR(energy, their_energy, 1e-9 * std::abs(their_energy));
-  ASSERT_EQ(f.cols(), their_f.cols());
-  EXPECT_LT((f - their_f).cwiseAbs().maxCoeff(), 1e-7 * rms(their_f));
-}
-
-// taut's potential and forces against those of the twin, live. `more`: what taut's potential has and OpenMM's
-// not.
-void expect_parity(const Files& files, double more = 0) {
-  OpenMMInput input = read_openmm(files.system, files.state);
-  ForceField forces(input.system, input.start.box, input.terms);
-  forces(input.system, input.start);
-  const OpenMMTwin twin(files.system, files.state, {0.001});
-  expect_agreement(forces.potential(), input.start.f, twin.potential() + more, twin.state().f);
-}
 
 class SharedSystem : public ::testing::TestWithParam<const char*> {};
 
@@ -182,83 +160,6 @@ TEST(OpenMMParity, MoleculesBrokenAcrossTheBox) {
   melt.add_rb_torsions()->setUsesPeriodicBoundaryConditions(true);
   melt.break_across_box();
   expect_parity(melt.write(Folder()));
-}
-
-// The custom forces taut knows, their parameters declared in every order, of each term (true) or of all.
-using Declared = std::vector<std::pair<std::string, bool>>;
-const auto kEither = [](const auto& a, const auto& b) {
-  return std::vector<Declared>{{{a, true}, {b, true}},
-                               {{b, true}, {a, true}},
-                               {{a, true}, {b, false}},
-                               {{a, false}, {b, true}},
-                               {{b, false}, {a, false}}};
-};
-
-TEST(OpenMMParity, FeneHoweverItIsDeclared) {
-  for (const Declared& declared : kEither("k", "r0"))
-    for (const bool changed : {false, true}) {
-      Melt melt(12);
-      auto* force = new OpenMM::CustomBondForce("-0.5*k*r0^2*log(1-(r/r0)^2)");
-      for (const auto& [name, each] : declared)
-        if (each)
-          force->addPerBondParameter(name);
-        else
-          force->addGlobalParameter(name, name == "k" ? 900 : 0.6);
-      for (int a = 0; a + 1 < Melt::kAtoms; a += Melt::kLength) {
-        std::vector<double> of_bond;
-        for (const auto& [name, each] : declared)
-          if (each) of_bond.push_back(name == "k" ? melt.uniform(500, 2000) : melt.uniform(0.4, 0.8));
-        force->addBond(a, a + 1, of_bond);
-      }
-      melt.system.addForce(force);
-      if (changed)
-        for (const auto& [name, each] : declared)
-          if (!each) melt.parameters[name] = name == "k" ? 1200 : 0.5;
-      expect_parity(melt.write(Folder()));
-    }
-}
-
-TEST(OpenMMParity, GravityAndPullsHoweverTheyAreDeclared) {
-  std::vector<std::string> axes = {"x", "y", "z"};
-  do {
-    Melt melt(13);
-    auto* gravity = new OpenMM::CustomExternalForce("-mass*(gx*x+gy*y+gz*z)");
-    auto* pull = new OpenMM::CustomExternalForce("-(fx*x+fy*y+fz*z)");
-    gravity->addPerParticleParameter("mass");
-    for (const auto& c : axes) {
-      gravity->addGlobalParameter("g" + c, melt.uniform(-10, 10));
-      if (c == "y")
-        pull->addGlobalParameter("fy", 7);
-      else
-        pull->addPerParticleParameter("f" + c);
-    }
-    for (int a = Melt::kAtoms - 1; a >= 0; --a) gravity->addParticle(a, {melt.system.getParticleMass(a)});
-    for (const int a : {5, 3, 200, 5}) pull->addParticle(a, {melt.uniform(-9, 9), melt.uniform(-9, 9)});
-    melt.system.addForce(gravity);
-    melt.system.addForce(pull);
-    melt.parameters = {{"gy", 3.5}, {"fy", -2}};
-    expect_parity(melt.write(Folder()));
-  } while (std::next_permutation(axes.begin(), axes.end()));
-}
-
-TEST(OpenMMParity, RepulsiveBeadsHoweverTheyAreDeclared) {
-  for (const bool periodic : {false, true})
-    for (const char* first : {"sigma", "epsilon"}) {
-      Melt melt(14);
-      if (periodic) melt.make_periodic();
-      auto* beads = new OpenMM::CustomNonbondedForce("4*epsilon*((sigma/r)^12-(sigma/r)^6)+epsilon");
-      for (const char* name : {first, *first == 's' ? "epsilon" : "sigma"})
-        beads->addGlobalParameter(name, *name == 's' ? 0.31 : 0.9);
-      for (int a = 0; a < Melt::kAtoms; ++a) beads->addParticle();
-      for (int a = 1; a < Melt::kAtoms; ++a)
-        if (a % Melt::kLength != 0) beads->addExclusion(a, a - 1);
-      beads->setNonbondedMethod(periodic ? OpenMM::CustomNonbondedForce::CutoffPeriodic
-                                         : OpenMM::CustomNonbondedForce::CutoffNonPeriodic);
-      beads->setCutoffDistance(std::pow(2.0, 1.0 / 6) * 0.3);
-      melt.system.addForce(beads);
-      melt.parameters = {{"sigma", 0.3}};
-      expect_parity(melt.write(Folder()));
-    }
 }
 
 // The State's velocities, time and parameters, as OpenMM itself takes them.

@@ -178,6 +178,14 @@ std::vector<Case> cases() {
   for (const char* precision : {"double", "mixed"})
     for (const char* scene : {"water", "melt", "water_cluster"})
       all.push_back({scene, "newton", {std::string("forcefield.precision=\"") + precision + "\""}, 130, 300});
+  for (const char* precision : {"double", "mixed"})
+    for (const char* method : {"newton", "feedforward"})
+      all.push_back(
+          {"water",
+           method,
+           {"forcefield.coulomb=\"pme\"", std::string("forcefield.precision=\"") + precision + "\""},
+           130,
+           300});
   all.push_back({"water", "rattle", {"run.remove_momentum_every=7"}, 50, 120});
   return all;
 }

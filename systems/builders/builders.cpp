@@ -106,6 +106,8 @@ void read_coulomb(const TomlTable& forcefield, const Box& box, Nonbonded& nonbon
     forcefield.counts("rf_dielectric", field, "with forcefield.coulomb = \"reaction-field\"");
   for (const char* key : {"ewald_tolerance", "ewald_alpha_per_nm", "pme_order", "pme_grid"})
     forcefield.counts(key, pme, "with forcefield.coulomb = \"pme\"");
+  forcefield.counts("ewald_tolerance", !(forcefield.has("ewald_alpha_per_nm") && forcefield.has("pme_grid")),
+                    "where ewald_alpha_per_nm or pme_grid is left to it");
   if (field) forcefield.read("rf_dielectric", nonbonded.rf_dielectric, Range{.min = 1});
   if (coulomb == "cutoff") nonbonded.rf_dielectric = 1;
   if (!field && !nonbonded.cutoff)

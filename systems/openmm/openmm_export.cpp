@@ -2,13 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <numbers>
 #include <sstream>
 
 #include "files/atomic_file.hpp"
 #include "forcefield/pme/parameters.hpp"
 #include "md/errors.hpp"
-#include "systems/openmm/openmm_expressions.hpp"
 #include "systems/openmm/openmm_forces.hpp"
+#include "systems/openmm/openmm_known.hpp"
 #include "systems/openmm/openmm_terms.hpp"
 
 namespace taut {
@@ -94,7 +96,8 @@ void write_nonbonded(Node forces, const Nonbonded& from, const Box& box) {
   for (const char* list : NonbondedXml::kEmpty) force.append_child(list);
   Node particles = force.append_child("Particles");
   for (Eigen::Index a = 0; a < from.charge.size(); ++a) {
-    SiteXml site{from.charge[a], from.sigma[a], from.epsilon[a]};
+    const bool mixed = !from.lj_table;
+    SiteXml site{from.charge[a], mixed ? from.sigma[a] : 1, mixed ? from.epsilon[a] : 0};
     append(particles, "Particle", site.fields());
   }
   write_list(force, from.exceptions);
@@ -120,6 +123,66 @@ void write_term(Node list, const char* name, const std::vector<Field>& atoms,
   Node term = append(list, name, atoms);
   int n = 0;
   for (const double p : parameters) put(term, fmt::format("param{}", ++n).c_str(), p);
+}
+
+void write_harmonic_torsions(Node forces, const std::vector<HarmonicTorsion>& torsions) {
+  std::string energy = kTorsionEnergy;
+  bool takes_images = false;
+  Node force =
+      write_force(forces, "CustomTorsionForce", {{"energy", &energy}, {"usesPeriodic", &takes_images}});
+  write_parameters(force, "PerTorsionParameters", {"k", "theta0"}, {});
+  force.append_child("EnergyParameterDerivatives");
+  Node list = force.append_child("Torsions");
+  for (auto t : torsions)
+    write_term(list, "Torsion", torsion_fields(t, 0, {}),
+               {t.stiffness, std::remainder(t.angle, 2 * std::numbers::pi)});
+}
+
+void write_cmaps(Node forces, const Terms& terms) {
+  bool takes_images = false;
+  Node force = write_force(forces, InXml<CmapTorsion>::kForce, {{"usesPeriodic", &takes_images}});
+  Node maps = force.append_child("Maps");
+  for (const Eigen::MatrixXd& energies : terms.maps) {
+    Node map = maps.append_child("Map");
+    put(map, "size", energies.rows());
+    for (double e : energies.reshaped()) append(map, "Energy", {{"e", &e}});
+  }
+  write_list(force, terms.cmaps);
+}
+
+void write_table(Node functions, const char* name, const Eigen::MatrixXd& table) {
+  Node function = functions.append_child("Function");
+  put(function, "type", "Discrete2DFunction");
+  put(function, "version", 1);
+  put(function, "name", name);
+  put(function, "xsize", table.rows());
+  put(function, "ysize", table.cols());
+  Node values = function.append_child("Values");
+  for (double v : table.reshaped()) append(values, "Value", {{"v", &v}});
+}
+
+// Lennard-Jones by types, whose pairs are those of the NonbondedForce.
+void write_lj_table(Node forces, const Nonbonded& from, const Box& box) {
+  CustomNonbondedXml x{.energy = kLennardJonesEnergy,
+                       .method = NonbondedXml::kNoCutoff,
+                       .cutoff = from.cutoff.value_or(1),
+                       .switch_distance = from.switch_distance.value_or(-1),
+                       .switched = from.switch_distance.has_value(),
+                       .corrected = from.dispersion_correction};
+  if (from.cutoff)
+    x.method = box.periodic() ? NonbondedXml::kCutoffPeriodic : NonbondedXml::kCutoffNonPeriodic;
+  Node force = write_force(forces, "CustomNonbondedForce", x.fields());
+  write_parameters(force, "PerParticleParameters", {"type"}, {});
+  force.append_child("EnergyParameterDerivatives");
+  Node particles = force.append_child("Particles");
+  for (const int type : from.lj_table->type) write_term(particles, "Particle", {}, {double(type)});
+  std::vector<std::array<int, 2>> exclusions;
+  for (const auto& e : from.exceptions) exclusions.push_back({e.i, e.j});
+  write_list(force, exclusions);
+  Node functions = force.append_child("Functions");
+  write_table(functions, "a", from.lj_table->a);
+  write_table(functions, "b", from.lj_table->b);
+  force.append_child("InteractionGroups");
 }
 
 Node write_external(Node forces, std::string energy, Names of_each, Values of_all) {
@@ -157,7 +220,6 @@ void write_wca(Node forces, int atoms, const Box& box, const Wca& wca) {
       .method = box.periodic() ? NonbondedXml::kCutoffPeriodic : NonbondedXml::kCutoffNonPeriodic,
       .cutoff = wca.reach()};
   Node force = write_force(forces, "CustomNonbondedForce", x.fields());
-  put(force, "switchingDistance", -1);
   write_parameters(force, "PerParticleParameters", {}, {{"sigma", wca.sigma}, {"epsilon", wca.epsilon}});
   force.append_child("EnergyParameterDerivatives");
   Node particles = force.append_child("Particles");
@@ -172,7 +234,10 @@ void write_forces(Node forces, const OpenMMInput& from) {
   write_bonded(forces, terms.angles);
   write_bonded(forces, terms.torsions);
   write_bonded(forces, terms.rb_torsions);
+  if (!terms.harmonic_torsions.empty()) write_harmonic_torsions(forces, terms.harmonic_torsions);
+  if (!terms.cmaps.empty()) write_cmaps(forces, terms);
   if (terms.nonbonded) write_nonbonded(forces, *terms.nonbonded, from.start.box);
+  if (terms.nonbonded && terms.nonbonded->lj_table) write_lj_table(forces, *terms.nonbonded, from.start.box);
   if (terms.gravity) write_gravity(forces, from.system, *terms.gravity);
   if (!terms.pulls.empty()) write_pulls(forces, terms.pulls);
   if (!terms.fene.empty()) write_fene(forces, terms.fene);

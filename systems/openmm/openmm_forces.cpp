@@ -27,6 +27,35 @@ void read_momentum_remover(const Reading& r) {
   r.to.remove_momentum_every = every;
 }
 
+// Only noted: which thermostat a run has is for its own settings to say.
+void read_thermostat(const Reading& r) {
+  double temperature = 0, frequency = 0;
+  r.read({{"temperature", &temperature}, {"frequency", &frequency}}, {"randomSeed"});
+  r.force.check_parts({});
+  temperature = r.context.declare(r.force, "AndersenTemperature", temperature);
+  frequency = r.context.declare(r.force, "AndersenCollisionFrequency", frequency);
+  r.to.notes.push_back(
+      fmt::format("({} K, {} collisions per ps) is left to run.thermostat and "
+                  "run.temperature_k, which rule",
+                  temperature, frequency));
+}
+
+void read_cmap(const Reading& r) {
+  Terms& t = r.to.terms;
+  r.read({{"usesPeriodic", &r.to.takes_images}});
+  r.force.check_parts({"Maps", "Torsions"});
+  r.force.part("Maps").each("Map", [&](const Element& map) {
+    int size = 0;
+    map.read({{"size", Field::Integer{&size, 2, 1000}}});
+    if (map.count() != static_cast<std::size_t>(size) * size)
+      map.refuse(fmt::format("has {} energies, expected {} x {}", map.count(), size, size));
+    Eigen::MatrixXd& to = t.maps.emplace_back(size, size);
+    double* next = to.data();  // OpenMM's order: phi first
+    map.each_of("Energy", [&](const Element& energy) { energy.read_leaf({{"e", next++}}); });
+  });
+  read_list(r.force, t.cmaps, r.system.atoms());
+}
+
 void read_particles(const Reading& r, Nonbonded& t) {
   const Element particles = r.force.part("Particles");
   const int n = r.system.atoms();
@@ -46,10 +75,11 @@ void read_particles(const Reading& r, Nonbonded& t) {
 }
 
 void refuse_unless_carried_out(const Element& force, const NonbondedXml& x) {
-  constexpr std::array kNames = {"NoCutoff", "CutoffNonPeriodic", "CutoffPeriodic", "Ewald", "PME", "LJPME"};
-  if (x.method == NonbondedXml::kEwald || x.method == NonbondedXml::kLJPME)
-    force.refuse(fmt::format("uses {}: taut has NoCutoff, CutoffNonPeriodic, CutoffPeriodic and PME",
-                             kNames.at(static_cast<std::size_t>(x.method))));
+  if (x.method == NonbondedXml::kLJPME)
+    force.refuse(
+        "uses LJPME: taut has NoCutoff, CutoffNonPeriodic, CutoffPeriodic, Ewald and PME; Lennard-Jones is "
+        "cut off, "
+        "with a dispersion correction if asked for");
   if (!x.direct_space) force.refuse("leaves its direct space out: taut does not");
   for (const char* list : NonbondedXml::kEmpty)
     if (force.part(list).count() > 0)
@@ -72,8 +102,12 @@ void read_nonbonded(const Reading& r) {
   r.to.takes_images = x.takes_images;
   // It takes a grid with an alpha alone.
   r.to.periodic_pairs = x.method >= NonbondedXml::kCutoffPeriodic;
-  if (x.method == NonbondedXml::kPME)
-    t.pme = x.pme.alpha == 0 ? PmeParameters{.tolerance = x.pme.tolerance} : x.pme;
+  const bool by_tolerance = x.method == NonbondedXml::kEwald || x.pme.alpha == 0;
+  if (x.method == NonbondedXml::kPME || x.method == NonbondedXml::kEwald)
+    t.pme = by_tolerance ? PmeParameters{.tolerance = x.pme.tolerance} : x.pme;
+  if (x.method == NonbondedXml::kEwald)
+    r.to.notes.push_back(
+        fmt::format("is summed by PME, as exact as its plain Ewald sum: to {}", x.pme.tolerance));
   t.rf_dielectric = x.rf_dielectric;
   t.dispersion_correction = x.dispersion_correction && *r.to.periodic_pairs;
   if (x.method == NonbondedXml::kNoCutoff) return;
@@ -92,9 +126,13 @@ constexpr std::array kKinds = {
     Kind{InXml<HarmonicAngle>::kForce, 2, 2, read_bonded<HarmonicAngle, &Terms::angles>},
     Kind{InXml<PeriodicTorsion>::kForce, 2, 2, read_bonded<PeriodicTorsion, &Terms::torsions>},
     Kind{InXml<RyckaertBellemans>::kForce, 2, 2, read_bonded<RyckaertBellemans, &Terms::rb_torsions>},
+    Kind{"CMAPTorsionForce", 2, 2, read_cmap},
     Kind{"NonbondedForce", 4, 4, read_nonbonded},
     Kind{"CMMotionRemover", 1, 1, read_momentum_remover},
+    Kind{"AndersenThermostat", 1, 1, read_thermostat},
     Kind{"CustomBondForce", 3, 3, read_custom_bonds},
+    Kind{"CustomAngleForce", 3, 3, read_custom_angles},
+    Kind{"CustomTorsionForce", 3, 3, read_custom_torsions},
     Kind{"CustomExternalForce", 1, 1, read_custom_external},
     Kind{"CustomNonbondedForce", 2, 3, read_custom_nonbonded},
 };

@@ -3,6 +3,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "forcefield/terms.hpp"
 #include "md/system.hpp"
@@ -28,9 +29,12 @@ class ContextParameters {
 // What one <Force> is made of.
 struct OpenMMForce {
   Terms terms;
-  bool takes_images = false;           // bonded terms and exceptions, between nearest images
-  std::optional<bool> periodic_pairs;  // of a pair force
-  long remove_momentum_every = 0;      // steps; 0: never
+  std::optional<Nonbonded> lennard_jones;  // of a CustomNonbondedForce, its exceptions plain exclusions
+  std::vector<PairException> pairs;        // Lennard-Jones of a CustomBondForce
+  bool takes_images = false;               // bonded terms and exceptions, between nearest images
+  std::optional<bool> periodic_pairs;      // of a pair force
+  long remove_momentum_every = 0;          // steps; 0: never
+  std::vector<std::string> notes{};        // what of it is carried out otherwise
 };
 
 // Reads a <Force> of a System with these atoms. Throws InputError, with file and line, for what taut does not
@@ -54,6 +58,8 @@ struct ForceReading {
 };
 void read_custom_external(const ForceReading& r);
 void read_custom_bonds(const ForceReading& r);
+void read_custom_angles(const ForceReading& r);
+void read_custom_torsions(const ForceReading& r);
 void read_custom_nonbonded(const ForceReading& r);
 
 }  // namespace taut

@@ -50,6 +50,12 @@ void check_images(const Element& at, const OpenMMForce& force, const WholeMolecu
   for (const auto& t : terms.angles) images.check("angle", k++, std::array{t.i, t.j, t.k});
   for (const auto& t : terms.torsions) images.check("torsion", k++, std::array{t.i, t.j, t.k, t.l});
   for (const auto& t : terms.rb_torsions) images.check("torsion", k++, std::array{t.i, t.j, t.k, t.l});
+  for (const auto& t : terms.harmonic_torsions) images.check("torsion", k++, std::array{t.i, t.j, t.k, t.l});
+  for (const auto& t : terms.cmaps) {
+    images.check("torsion", k, t.phi);
+    images.check("torsion", k++, t.psi);
+  }
+  for (const auto& t : force.pairs) images.check("bond", k++, std::array{t.i, t.j});
   for (const auto& t : terms.fene) images.check("bond", k++, std::array{t.i, t.j});
   if (!terms.nonbonded) return;
   for (const auto& t : terms.nonbonded->exceptions) {

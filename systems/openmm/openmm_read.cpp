@@ -9,6 +9,7 @@
 #include "md/errors.hpp"
 #include "systems/openmm/openmm_forces.hpp"
 #include "systems/openmm/openmm_images.hpp"
+#include "systems/openmm/openmm_lennard_jones.hpp"
 #include "systems/openmm/openmm_terms.hpp"
 #include "systems/openmm/openmm_xml.hpp"
 #include "systems/whole_molecules.hpp"
@@ -139,12 +140,17 @@ Box box_of(const PlacedForces& forces, const Element& state) {
   return read_box(state.part("PeriodicBoxVectors"));
 }
 
+// What is thrown is said of the force.
+void of_force(const PlacedForce& f, const auto& act) {
+  try {
+    act();
+  } catch (const InputError& e) {
+    f.at.refuse(e.what());
+  }
+}
+
 void check_forces(const PlacedForces& forces, const System& system, const Box& box) {
-  for (const PlacedForce& f : forces) try {
-      check_terms(system, box, f.force.terms);
-    } catch (const InputError& e) {
-      f.at.refuse(e.what());
-    }
+  for (const PlacedForce& f : forces) of_force(f, [&] { check_terms(system, box, f.force.terms); });
 }
 
 // Moves the atoms of broken molecules. `constraints`: with those of anchors.
@@ -184,11 +190,16 @@ void add(PlacedForce& placed, OpenMMInput& input) {
   append(to.angles, from.angles);
   append(to.torsions, from.torsions);
   append(to.rb_torsions, from.rb_torsions);
+  append(to.harmonic_torsions, from.harmonic_torsions);
+  for (CmapTorsion& t : from.cmaps) t.map += static_cast<int>(to.maps.size());
+  append(to.maps, from.maps);
+  append(to.cmaps, from.cmaps);
   append(to.fene, from.fene);
   append(to.pulls, from.pulls);
   add_one(placed.at, to.nonbonded, from.nonbonded);
   add_one(placed.at, to.wca, from.wca);
   add_one(placed.at, to.gravity, from.gravity);
+  for (const auto& note : placed.force.notes) input.notes.push_back(fmt::format("{} {}", placed.name, note));
   if (placed.force.remove_momentum_every == 0) return;
   if (input.remove_momentum_every != 0) placed.at.refuse("is the second of its kind: one is enough");
   input.remove_momentum_every = placed.force.remove_momentum_every;
@@ -217,6 +228,15 @@ OpenMMInput read_openmm(const std::filesystem::path& system_xml, const std::file
   check_forces(forces, input.system, input.start.box);
   if (input.start.box.periodic()) mend_molecules(forces, constraints, state, input);
   for (PlacedForce& f : forces) add(f, input);
+  bool has_types = false;
+  for (PlacedForce& f : forces)
+    of_force(f, [&] {
+      if (!f.force.lennard_jones) return;
+      if (has_types) f.at.refuse("is the second of its kind: taut has one");
+      add_lennard_jones(std::move(*f.force.lennard_jones), input.terms.nonbonded);
+      has_types = true;
+    });
+  for (PlacedForce& f : forces) of_force(f, [&] { add_pairs(f.force.pairs, input.terms.nonbonded); });
   return input;
 }
 

@@ -99,6 +99,18 @@ struct InXml<RyckaertBellemans> {
 };
 
 template <>
+struct InXml<CmapTorsion> {
+  static constexpr const char *kForce = "CMAPTorsionForce", *kList = "Torsions", *kEach = "Torsion";
+  static std::vector<Field> fields(CmapTorsion& t, int atoms) {
+    constexpr std::array kPhi = {"a1", "a2", "a3", "a4"}, kPsi = {"b1", "b2", "b3", "b4"};
+    std::vector<Field> all = {{"map", Field::Integer{&t.map, 0, std::numeric_limits<int>::max()}}};
+    for (int a = 0; a < 4; ++a) all.push_back(atom_field(kPhi[a], t.phi[a], atoms));
+    for (int a = 0; a < 4; ++a) all.push_back(atom_field(kPsi[a], t.psi[a], atoms));
+    return all;
+  }
+};
+
+template <>
 struct InXml<PairException> {
   static constexpr const char *kList = "Exceptions", *kEach = "Exception";
   static std::vector<Field> fields(PairException& t, int atoms) {
@@ -154,7 +166,7 @@ struct NonbondedXml {
 struct CustomNonbondedXml {
   std::string energy{};
   int method = NonbondedXml::kNoCutoff;
-  double cutoff = 1;
+  double cutoff = 1, switch_distance = -1;
   bool switched = false, corrected = false;
 
   std::vector<Field> fields() {
@@ -162,6 +174,7 @@ struct CustomNonbondedXml {
             {"method", Field::Integer{&method, NonbondedXml::kNoCutoff, NonbondedXml::kCutoffPeriodic}},
             {"cutoff", &cutoff},
             {"useSwitchingFunction", &switched},
+            {"switchingDistance", &switch_distance},
             {"useLongRangeCorrection", &corrected}};
   }
 };

@@ -85,6 +85,11 @@ class Element {
   template <class Use>
   void each(std::string_view name, Use use) const {
     read({});
+    each_of(name, use);
+  }
+  // The same of one that may have attributes.
+  template <class Use>
+  void each_of(std::string_view name, Use use) const {
     for (const pugi::xml_node node : node_.children()) {
       const Element element(*file_, node, within_);
       if (element.name() != name) element.refuse_as_unknown(this->name());

@@ -1,0 +1,106 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "systems/openmm/openmm_custom.hpp"
+#include "systems/openmm/openmm_terms.hpp"
+
+namespace taut {
+namespace {
+
+using std::numbers::pi;
+using Atoms = std::array<int, 4>;
+
+// A known energy and what is made of a term of it, whose element is `at`.
+struct Bonded {
+  KnownEnergy known;
+  void (*add)(OpenMMForce& to, const CustomForce& p, const Atoms& atoms, const Element& at);
+};
+
+void add_harmonic_torsion(OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element& at) {
+  const double angle = p["theta0"];
+  if (!(std::abs(angle) <= pi * (1 + 1e-9)))
+    at.refuse(fmt::format("has its least energy at {} rad, expected from -pi to pi", angle));
+  to.terms.harmonic_torsions.push_back({a[0], a[1], a[2], a[3], angle, p.factor() * p["k"]});
+}
+
+// OpenMM's θ ends at ±π: only about zero is this the shorter way round.
+void add_unwound_torsion(OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element& at) {
+  if (p["theta0"] != 0)
+    at.refuse(fmt::format("jumps where theta goes from pi to -pi, as theta0 is {}: write the energy as {}",
+                          p["theta0"], kTorsionEnergy));
+  add_harmonic_torsion(to, p, a, at);
+}
+
+// σ and ε from A/r¹² − C/r⁶ = 4ε((σ/r)¹² − (σ/r)⁶).
+void add_pair_of_powers(OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element& at) {
+  const double A = p.factor() * p["A"], C = p.factor() * p["C"];
+  if (A == 0 && C == 0) return to.pairs.push_back({a[0], a[1], 0, 1, 0});
+  if (!(A > 0 && C > 0)) at.refuse(fmt::format("has A = {} and C = {}: taut takes both or none", A, C));
+  to.pairs.push_back({a[0], a[1], 0, std::pow(A / C, 1.0 / 6), C * C / (4 * A)});
+}
+
+const std::vector<Bonded> kBonds = {
+    {{kFeneEnergy, {{"k"}, {"r0"}}},
+     [](OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element&) {
+       to.terms.fene.push_back({a[0], a[1], p.factor() * p["k"], p["r0"]});
+     }},
+    {{"0.5*k*(r-r0)^2", {{"k"}, {"r0"}}},
+     [](OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element&) {
+       to.terms.bonds.push_back({a[0], a[1], p["r0"], p.factor() * p["k"]});
+     }},
+    {{"4*epsilon*((sigma/r)^12-(sigma/r)^6)", {{"epsilon"}, {"sigma"}}},
+     [](OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element&) {
+       to.pairs.push_back({a[0], a[1], 0, p["sigma"], p.factor() * p["epsilon"]});
+     }},
+    {{"A/r^12-C/r^6", {{"A"}, {"C"}}}, add_pair_of_powers}};
+const std::vector<Bonded> kAngles = {
+    {{"0.5*k*(theta-theta0)^2", {{"k"}, {"theta0"}}},
+     [](OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element&) {
+       to.terms.angles.push_back({a[0], a[1], a[2], p["theta0"], p.factor() * p["k"]});
+     }}};
+const std::vector<Bonded> kTorsions = {
+    {{kTorsionEnergy, {{"k"}, {"theta0", -pi, pi}}}, add_harmonic_torsion},
+    {{"0.5*k*(theta-theta0)^2", {{"k"}, {"theta0", -pi, pi}}}, add_unwound_torsion}};
+
+// What OpenMM calls a custom force between so many atoms, its parts, and its coordinate.
+struct Shape {
+  const char *parameters, *list, *each;
+  Quantity coordinate;
+  int atoms;
+};
+
+void read_custom(const ForceReading& r, const Shape& shape, const std::vector<Bonded>& kinds) {
+  std::string energy;
+  r.read({{"energy", &energy}, {"usesPeriodic", &r.to.takes_images}});
+  r.force.check_parts({shape.parameters, "GlobalParameters", "EnergyParameterDerivatives", shape.list});
+  refuse_any(r.force, {"EnergyParameterDerivatives"});
+  std::vector<KnownEnergy> known;
+  for (const Bonded& kind : kinds) known.push_back(kind.known);
+  CustomForce p(r, {shape.parameters, {shape.coordinate}}, energy);
+  const int kind = p.recognize(known);
+  if (kind < 0) p.refuse_energy(known);
+  r.force.part(shape.list).each(shape.each, [&](const Element& term) {
+    Atoms atoms{};
+    std::vector<Field> fields;
+    constexpr std::array kNames = {"p1", "p2", "p3", "p4"};
+    for (int a = 0; a < shape.atoms; ++a) fields.push_back(atom_field(kNames[a], atoms[a], r.system.atoms()));
+    p.read(term, fields);
+    kinds[kind].add(r.to, p, atoms, term);
+  });
+}
+
+}  // namespace
+
+void read_custom_bonds(const ForceReading& r) {
+  read_custom(r, {"PerBondParameters", "Bonds", "Bond", {"r", 0.3, 0.45}, 2}, kBonds);
+}
+void read_custom_angles(const ForceReading& r) {
+  read_custom(r, {"PerAngleParameters", "Angles", "Angle", {"theta", 0, pi}, 3}, kAngles);
+}
+void read_custom_torsions(const ForceReading& r) {
+  read_custom(r, {"PerTorsionParameters", "Torsions", "Torsion", {"theta", -pi, pi}, 4}, kTorsions);
+}
+
+}  // namespace taut

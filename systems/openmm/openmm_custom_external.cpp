@@ -1,0 +1,54 @@
+#include <fmt/format.h>
+
+#include "systems/openmm/openmm_custom.hpp"
+#include "systems/openmm/openmm_terms.hpp"
+
+namespace taut {
+namespace {
+
+void read_gravity(const ForceReading& r, CustomForce& p) {
+  std::vector<bool> moved(static_cast<std::size_t>(r.system.atoms()));
+  r.force.part("Particles").each("Particle", [&](const Element& particle) {
+    int atom = 0;
+    p.read(particle, {atom_field("index", atom, r.system.atoms())});
+    const auto a = static_cast<std::size_t>(atom);
+    if (p["mass"] != r.system.mass[atom])
+      particle.refuse(fmt::format("pulls on atom {} by another mass than its own", atom));
+    if (moved[a]) particle.refuse(fmt::format("pulls on atom {} twice", atom));
+    moved[a] = true;
+  });
+  for (std::size_t a = 0; a < moved.size(); ++a)
+    if (r.system.mass[static_cast<int>(a)] > 0 && !moved[a])
+      r.force.refuse(fmt::format("leaves atom {} out: taut's gravity acts on all", a));
+  r.to.terms.gravity = p.factor() * Vec3(p.of_all("gx"), p.of_all("gy"), p.of_all("gz"));
+}
+
+void read_pulls(const ForceReading& r, CustomForce& p) {
+  r.force.part("Particles").each("Particle", [&](const Element& particle) {
+    Pull pull{};
+    p.read(particle, {atom_field("index", pull.atom, r.system.atoms())});
+    pull.force = p.factor() * Vec3(p["fx"], p["fy"], p["fz"]);
+    r.to.terms.pulls.push_back(pull);
+  });
+}
+
+}  // namespace
+
+void read_custom_external(const ForceReading& r) {
+  static const std::vector<KnownEnergy> kKnown = {{kGravityEnergy, {{"mass"}, {"gx"}, {"gy"}, {"gz"}}},
+                                                  {kPullEnergy, {{"fx"}, {"fy"}, {"fz"}}}};
+  std::string energy;
+  r.read({{"energy", &energy}});
+  r.force.check_parts({"PerParticleParameters", "GlobalParameters", "Particles"});
+  CustomForce p(r, {"PerParticleParameters", {{"x", -1, 1}, {"y", -1, 1}, {"z", -1, 1}}}, energy);
+  switch (p.recognize(kKnown)) {
+    case 0:
+      return read_gravity(r, p);
+    case 1:
+      return read_pulls(r, p);
+    default:
+      p.refuse_energy(kKnown);
+  }
+}
+
+}  // namespace taut

@@ -1,0 +1,258 @@
+#include "systems/openmm/openmm_expression.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+namespace taut {
+namespace {
+
+using Values = Expression::Values;
+using Arguments = std::span<const double>;
+
+// Functions of an expression's own, as OpenMM has them.
+const Expression::Tables& own_functions() {
+  static const Expression::Tables kAll = [] {
+    Expression::Tables all;
+    const auto one = [&](const char* name, double (*f)(double)) {
+      all[name] = {1, [f](Arguments a) { return f(a[0]); }};
+    };
+    const auto two = [&](const char* name, double (*f)(double, double)) {
+      all[name] = {2, [f](Arguments a) { return f(a[0], a[1]); }};
+    };
+    one("sqrt", [](double x) { return std::sqrt(x); });
+    one("exp", [](double x) { return std::exp(x); });
+    one("log", [](double x) { return std::log(x); });
+    one("sin", [](double x) { return std::sin(x); });
+    one("cos", [](double x) { return std::cos(x); });
+    one("tan", [](double x) { return std::tan(x); });
+    one("asin", [](double x) { return std::asin(x); });
+    one("acos", [](double x) { return std::acos(x); });
+    one("atan", [](double x) { return std::atan(x); });
+    one("sinh", [](double x) { return std::sinh(x); });
+    one("cosh", [](double x) { return std::cosh(x); });
+    one("tanh", [](double x) { return std::tanh(x); });
+    one("erf", [](double x) { return std::erf(x); });
+    one("erfc", [](double x) { return std::erfc(x); });
+    one("abs", [](double x) { return std::abs(x); });
+    one("floor", [](double x) { return std::floor(x); });
+    one("ceil", [](double x) { return std::ceil(x); });
+    one("square", [](double x) { return x * x; });
+    one("cube", [](double x) { return x * x * x; });
+    one("recip", [](double x) { return 1 / x; });
+    one("step", [](double x) { return x >= 0 ? 1.0 : 0.0; });
+    one("delta", [](double x) { return x == 0 ? 1.0 : 0.0; });
+    two("atan2", [](double x, double y) { return std::atan2(x, y); });
+    two("min", [](double x, double y) { return std::min(x, y); });
+    two("max", [](double x, double y) { return std::max(x, y); });
+    all["select"] = {3, [](Arguments a) { return a[0] != 0 ? a[1] : a[2]; }};
+    return all;
+  }();
+  return kAll;
+}
+
+}  // namespace
+
+// By recursive descent. Precedence: + -, then * /, then the sign, then ^, which goes from right to left.
+class ExpressionParser {
+ public:
+  ExpressionParser(Expression& to, const Expression::Tables& tables) : to_(to), tables_(tables) {}
+
+  // From the last definition to the energy.
+  void parse(std::string_view text) {
+    if (text.size() > kLongest) throw Expression::Error("is too long");
+    while (!text.empty() && (std::isspace(static_cast<unsigned char>(text.back())) || text.back() == ';'))
+      text.remove_suffix(1);
+    for (;;) {
+      const auto cut = text.rfind(';');
+      text_ = cut == text.npos ? text : text.substr(cut + 1);
+      if (cut == text.npos) break;
+      const std::string name = identifier();
+      expect('=');
+      Node value = whole_sum();
+      if (!definitions_.emplace(name, std::move(value)).second)
+        throw Expression::Error(fmt::format("defines {} twice", name));
+      text = text.substr(0, cut);
+    }
+    const Node energy = whole_sum();
+    to_.value_ = *energy.value;
+    to_.names_ = energy.names;
+  }
+
+ private:
+  using Value = std::function<double(const Values&)>;
+  // Shared, as a definition stands wherever it is named. `work`: how many it is made of, counted each time.
+  struct Node {
+    std::shared_ptr<const Value> value;
+    std::set<std::string> names;
+    long work = 1;
+  };
+  static constexpr std::size_t kLongest = 4000;  // characters
+  static constexpr long kMostWork = 4000;
+  static constexpr int kDeepest = 100;
+
+  Node node(Value value, std::initializer_list<const Node*> of) {
+    Node made{std::make_shared<const Value>(std::move(value)), {}, 1};
+    for (const Node* part : of) add(made, *part);
+    return made;
+  }
+
+  static void add(Node& to, const Node& part) {
+    to.names.insert(part.names.begin(), part.names.end());
+    to.work += part.work;
+    if (to.work > kMostWork) throw Expression::Error("is too long");
+  }
+
+  template <class Operator>
+  Node joined(const Node& a, const Node& b, Operator op) {
+    return node([a = a.value, b = b.value, op](const Values& v) { return op((*a)(v), (*b)(v)); }, {&a, &b});
+  }
+
+  Node whole_sum() {
+    Node value = sum();
+    if (peek() != '\0') fail("an operator");
+    return value;
+  }
+
+  Node sum() {
+    if (++depth_ > kDeepest) throw Expression::Error("is nested too deep");
+    Node value = product();
+    for (;;) {
+      if (accept('+'))
+        value = joined(value, product(), std::plus<>());
+      else if (accept('-'))
+        value = joined(value, product(), std::minus<>());
+      else
+        break;
+    }
+    --depth_;
+    return value;
+  }
+
+  Node product() {
+    Node value = with_sign();
+    for (;;) {
+      if (accept('*'))
+        value = joined(value, with_sign(), std::multiplies<>());
+      else if (accept('/'))
+        value = joined(value, with_sign(), std::divides<>());
+      else
+        return value;
+    }
+  }
+
+  Node with_sign() {
+    bool minus = false;
+    while (peek() == '-' || peek() == '+') minus ^= take() == '-';
+    const Node value = power();
+    return minus ? node([a = value.value](const Values& v) { return -(*a)(v); }, {&value}) : value;
+  }
+
+  Node power() {
+    const Node base = atom();
+    if (!accept('^')) return base;
+    if (++depth_ > kDeepest) throw Expression::Error("is nested too deep");
+    const Node exponent = with_sign();
+    --depth_;
+    return joined(base, exponent, [](double a, double b) { return std::pow(a, b); });
+  }
+
+  Node atom() {
+    if (accept('(')) {
+      Node value = sum();
+      expect(')');
+      return value;
+    }
+    const char c = peek();
+    if (std::isdigit(static_cast<unsigned char>(c)) || c == '.') return number();
+    const std::string name = identifier();
+    if (accept('(')) return call(name);
+    if (const auto known = definitions_.find(name); known != definitions_.end()) return known->second;
+    Node value = node([name](const Values& v) { return v.find(name)->second; }, {});
+    value.names.insert(name);
+    return value;
+  }
+
+  Node number() {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text_.data(), text_.data() + text_.size(), value);
+    if (error != std::errc()) fail("a number");
+    text_.remove_prefix(static_cast<std::size_t>(end - text_.data()));
+    return node([value](const Values&) { return value; }, {});
+  }
+
+  Node call(const std::string& name) {
+    std::vector<Node> arguments;
+    do arguments.push_back(sum());
+    while (accept(','));
+    expect(')');
+    const auto own = own_functions().find(name), table = tables_.find(name);
+    if (own == own_functions().end() && table == tables_.end())
+      throw Expression::Error(fmt::format("calls {}, which is no function of it", name));
+    const Expression::Table& function = table == tables_.end() ? own->second : table->second;
+    if (std::ssize(arguments) != function.arguments)
+      throw Expression::Error(
+          fmt::format("calls {} of {} arguments with {}", name, function.arguments, arguments.size()));
+    std::vector<std::shared_ptr<const Value>> values;
+    for (const Node& a : arguments) values.push_back(a.value);
+    Node made = node(
+        [values, f = function.value](const Values& v) {
+          double x[3] = {};
+          for (std::size_t k = 0; k < values.size(); ++k) x[k] = (*values[k])(v);
+          return f(Arguments(x, values.size()));
+        },
+        {});
+    for (const Node& a : arguments) add(made, a);
+    return made;
+  }
+
+  std::string identifier() {
+    peek();
+    std::size_t length = 0;
+    while (length < text_.size() &&
+           (std::isalnum(static_cast<unsigned char>(text_[length])) || text_[length] == '_'))
+      ++length;
+    if (length == 0 || std::isdigit(static_cast<unsigned char>(text_[0]))) fail("a name");
+    const std::string name(text_.substr(0, length));
+    text_.remove_prefix(length);
+    return name;
+  }
+
+  char peek() {
+    while (!text_.empty() && std::isspace(static_cast<unsigned char>(text_.front()))) text_.remove_prefix(1);
+    return text_.empty() ? '\0' : text_.front();
+  }
+  char take() {
+    const char c = peek();
+    text_.remove_prefix(1);
+    return c;
+  }
+  bool accept(char c) {
+    if (peek() != c) return false;
+    take();
+    return true;
+  }
+  void expect(char c) {
+    if (!accept(c)) fail(std::string(1, c));
+  }
+  [[noreturn]] void fail(const std::string& expected) {
+    throw Expression::Error(fmt::format("expected {}, found \"{}\"", expected,
+                                        text_.substr(0, std::min<std::size_t>(20, text_.size()))));
+  }
+
+  Expression& to_;
+  const Expression::Tables& tables_;
+  std::string_view text_;
+  std::map<std::string, Node> definitions_;
+  int depth_ = 0;
+};
+
+Expression::Expression(std::string_view text, const Tables& tables) {
+  ExpressionParser(*this, tables).parse(text);
+}
+
+}  // namespace taut
