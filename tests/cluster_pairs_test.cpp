@@ -146,6 +146,8 @@ const auto kLiquids =
                       Liquid{"switched", 6, 0.33, true, 0.8, 0.6, 1, true},
                       Liquid{"two_sigmas", 6, 0.33, true, 0.8, 0, 2, true},
                       Liquid{"two_sigmas_switched_without_charges", 6, 0.33, true, 0.8, 0.6, 2, false},
+                      Liquid{"by_a_table", 6, 0.33, true, 0.8, 0, 3, true},
+                      Liquid{"by_a_table_switched_without_charges", 6, 0.33, true, 0.8, 0.6, 3, false},
                       Liquid{"without_lennard_jones", 6, 0.33, true, 0.8, 0, 0, true},
                       Liquid{"droplet", 7, 0.33, false, 0.7, 0, 1, true},
                       Liquid{"everything_with_everything", 5, 0.33, false, 0, 0, 2, true});

@@ -92,6 +92,26 @@ TEST(Dispersion, CoefficientAgreesWithQuadratureOverAllPairs) {
   EXPECT_LT(dispersion_coefficient(nb), 1.1 * plain);  // the switch took more away
 }
 
+TEST(Dispersion, IsTheSameWhereATableSaysWhatMixingGives) {
+  Nonbonded nb = two_kinds(7);
+  nb.cutoff = 0.9;
+  nb.switch_distance = 0.7;
+  const double mixed = dispersion_coefficient(nb);
+  LennardJonesTable table{{0, 1, 0, 1, 0, 1, 0}, Eigen::MatrixXd(2, 2), Eigen::MatrixXd(2, 2)};
+  for (int i = 0; i < 2; ++i)
+    for (int j = 0; j < 2; ++j) {
+      const double s6 = std::pow((nb.sigma[i] + nb.sigma[j]) / 2, 6),
+                   e = std::sqrt(nb.epsilon[i] * nb.epsilon[j]);
+      table.a(i, j) = 4 * e * s6 * s6;
+      table.b(i, j) = 4 * e * s6;
+    }
+  nb.lj_table = table;
+  EXPECT_NEAR(dispersion_coefficient(nb), mixed, 1e-13 * std::abs(mixed));
+  nb.lj_table->b(0, 1) *= 2;
+  nb.lj_table->b(1, 0) *= 2;
+  EXPECT_LT(dispersion_coefficient(nb), 1.1 * mixed);
+}
+
 TEST(Dispersion, IsAConstantOverTheVolume) {
   Nonbonded nb = without_charges(two_kinds(2));
   nb.cutoff = 0.9;

@@ -18,7 +18,7 @@ struct Liquid {
   bool periodic;
   double cutoff;     // [nm]; 0: none
   double switch_at;  // [nm]; 0: none
-  int sigmas;        // kinds of atoms with Lennard-Jones; 0: no Lennard-Jones at all
+  int sigmas;        // kinds of atoms with Lennard-Jones; 0: no Lennard-Jones at all; 3: two, by a table
   bool charges;
 };
 
@@ -43,6 +43,20 @@ inline Vectors place(const Liquid& liquid, std::mt19937_64& rng) {
   return x;
 }
 
+// Types 0 and 1 meet by numbers no rule of mixing gives; 2 has none.
+inline LennardJonesTable table_of(const Nonbonded& nb) {
+  LennardJonesTable table{{}, Eigen::MatrixXd::Zero(3, 3), Eigen::MatrixXd::Zero(3, 3)};
+  for (int i = 0; i < 2; ++i)
+    for (int j = 0; j < 2; ++j) {
+      const double s6 = std::pow(i == j ? 0.25 - 0.04 * i : 0.27, 6), epsilon = i == j ? 0.6 : 0.2;
+      table.a(i, j) = 4 * epsilon * s6 * s6;
+      table.b(i, j) = 4 * epsilon * s6;
+    }
+  for (Eigen::Index a = 0; a < nb.epsilon.size(); ++a)
+    table.type.push_back(nb.epsilon[a] == 0 ? 2 : static_cast<int>(a / 3 % 2));
+  return table;
+}
+
 inline Nonbonded forces_of(const Liquid& liquid) {
   const int n = 3 * liquid.molecules * liquid.molecules * liquid.molecules;
   Nonbonded nb;
@@ -57,6 +71,7 @@ inline Nonbonded forces_of(const Liquid& liquid) {
     if (a % 3 == 2) nb.exceptions.push_back({a - 1, a, 0, 1, 0});
     if (a % 9 == 3) nb.exceptions.push_back({a, (a + 5) % n, 0, 1, 0});
   }
+  if (liquid.sigmas == 3) nb.lj_table = table_of(nb);
   if (liquid.cutoff > 0) nb.cutoff = liquid.cutoff;
   if (liquid.switch_at > 0) nb.switch_distance = liquid.switch_at;
   return nb;

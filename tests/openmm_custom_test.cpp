@@ -92,9 +92,9 @@ void types_beside_charges(Melt& melt, bool special, const char* text) {
   types->addPerParticleParameter("type");
   types->addTabulatedFunction("acoef", new OpenMM::Discrete2DFunction(kTypes, kTypes, a));
   types->addTabulatedFunction("bcoef", new OpenMM::Discrete2DFunction(kTypes, kTypes, b));
-  auto* near = new OpenMM::CustomBondForce("4*epsilon*((sigma/r)^12-(sigma/r)^6)");
-  near->addPerBondParameter("sigma");
-  near->addPerBondParameter("epsilon");
+  auto* near = new OpenMM::CustomBondForce(power ? "-C/r^6+A/r^12" : "4*epsilon*((sigma/r)^12-(sigma/r)^6)");
+  near->addPerBondParameter(power ? "C" : "sigma");
+  near->addPerBondParameter(power ? "A" : "epsilon");
   double charge, size, depth;
   for (int atom = 0; atom < Melt::kAtoms; ++atom) {
     melt.nonbonded->getParticleParameters(atom, charge, size, depth);
@@ -107,7 +107,10 @@ void types_beside_charges(Melt& melt, bool special, const char* text) {
     melt.nonbonded->getExceptionParameters(e, i, j, product, size, depth);
     melt.nonbonded->setExceptionParameters(e, i, j, product, 1, 0);
     types->addExclusion(j, i);
-    if (depth > 0) near->addBond(i, j, {size, depth});
+    const double s6 = std::pow(size, 6);
+    if (depth > 0)
+      near->addBond(i, j,
+                    power ? std::vector{4 * depth * s6, 4 * depth * s6 * s6} : std::vector{size, depth});
   }
   if (melt.nonbonded->usesPeriodicBoundaryConditions()) {
     types->setNonbondedMethod(OpenMM::CustomNonbondedForce::CutoffPeriodic);
@@ -120,14 +123,15 @@ void types_beside_charges(Melt& melt, bool special, const char* text) {
 }
 
 TEST(OpenMMParity, LennardJonesOfTypesBesideCharges) {
-  for (const bool periodic : {false, true})
-    for (const char* text : {"acoef(type1, type2)/r^12 - bcoef(type1, type2)/r^6;",
-                             "(a/r6)^2-b/r6; r6=r^6;a=acoef(type1, type2);b=bcoef(type1, type2)"}) {
-      Melt melt(23);
-      if (periodic) melt.make_periodic();
-      types_beside_charges(melt, false, text);
-      expect_parity(melt.write(Folder()));
-    }
+  for (const bool special : {false, true})
+    for (const bool periodic : {false, true})
+      for (const char* text : {"acoef(type1, type2)/r^12 - bcoef(type1, type2)/r^6;",
+                               "(a/r6)^2-b/r6; r6=r^6;a=acoef(type1, type2);b=bcoef(type1, type2)"}) {
+        Melt melt(23);
+        if (periodic) melt.make_periodic();
+        types_beside_charges(melt, special, text);
+        expect_parity(melt.write(Folder()));
+      }
 }
 
 // The custom forces taut knows, their parameters declared in every order, of each term (true) or of all.

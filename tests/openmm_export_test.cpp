@@ -125,6 +125,26 @@ TEST(OpenMMExport, IsReadBackHoweverPairsAreCutOff) {
   expect_read_back(input);
 }
 
+// Lennard-Jones by a table goes into a force of its own, whose numbers are found again but for rounding.
+TEST(OpenMMExport, IsReadBackWithATableOfTypes) {
+  OpenMMInput input = every_force();
+  Nonbonded& pairs = *input.terms.nonbonded;
+  pairs.epsilon.setZero();
+  LennardJonesTable table{{}, Eigen::MatrixXd(2, 2), Eigen::MatrixXd(2, 2)};
+  for (int a = 0; a < input.system.atoms(); ++a) table.type.push_back(a % 2);
+  table.a << 1e-6, 3e-6, 3e-6, 0;
+  table.b << 2e-3, 0, 0, 5e-3;
+  pairs.lj_table = table;
+  const Nonbonded back = *read_back(input).terms.nonbonded;
+  ASSERT_TRUE(back.lj_table);
+  EXPECT_EQ(back.lj_table->type, table.type);
+  EXPECT_LT((back.lj_table->a - table.a).norm(), 1e-14 * table.a.norm());
+  EXPECT_LT((back.lj_table->b - table.b).norm(), 1e-14 * table.b.norm());
+  EXPECT_EQ(back.switch_distance, pairs.switch_distance);
+  EXPECT_EQ(back.dispersion_correction, pairs.dispersion_correction);
+  EXPECT_EQ(back.exceptions.size(), pairs.exceptions.size());
+}
+
 // As taut's own scenes have them, of a file or built.
 TEST(OpenMMExport, EverySceneComesBackWithItsForces) {
   for (const char* name : {"decane", "melt", "pair", "water_cluster"}) {

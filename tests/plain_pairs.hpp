@@ -36,6 +36,12 @@ inline std::pair<double, double> lennard_jones(double sigma, double epsilon, dou
   return {4 * epsilon * (s6 - 1) * s6, 4 * epsilon * (12 * s6 - 6) * s6};
 }
 
+inline std::pair<double, double> of_table(const LennardJonesTable& table, int i, int j, double r) {
+  const double a = table.a(table.type[i], table.type[j]) / std::pow(r, 12),
+               b = table.b(table.type[i], table.type[j]) / std::pow(r, 6);
+  return {a - b, 12 * a - 6 * b};
+}
+
 // (E S, −r (E' S + E S')), S = 1 − 10u³ + 15u⁴ − 6u⁵, S' = −30 u²(1 − u)²/w, u = (r − rs)/w, w = rc − rs
 inline std::pair<double, double> switched(std::pair<double, double> pair, double r, double rs, double rc) {
   if (r <= rs) return pair;
@@ -62,11 +68,14 @@ inline PairSums plain_pairs(const Nonbonded& nb, const Box& box, const Vectors& 
       if (nb.cutoff) d = box.nearest_image(d);
       const double r = d.norm();
       if (r > rc || excluded.contains({i, j})) continue;
-      if (nb.epsilon[i] * nb.epsilon[j] != 0)
+      const double rs = nb.switch_distance.value_or(rc);
+      if (nb.lj_table)
+        sum.add(i, j, d, switched(of_table(*nb.lj_table, i, j, r), r, rs, rc));
+      else if (nb.epsilon[i] * nb.epsilon[j] != 0)
         sum.add(i, j, d,
                 switched(lennard_jones((nb.sigma[i] + nb.sigma[j]) / 2,
                                        std::sqrt(nb.epsilon[i] * nb.epsilon[j]), r),
-                         r, nb.switch_distance.value_or(rc), rc));
+                         r, rs, rc));
       if (nb.charge[i] * nb.charge[j] != 0) sum.add(i, j, d, coulomb(nb, nb.charge[i] * nb.charge[j], r));
     }
   return sum;

@@ -198,6 +198,7 @@ class EngineIn final : public ClusterPairs::Engine {
     atoms_.x.resize(3 * slots);
     for (auto* numbers : {&atoms_.charge, &atoms_.half_sigma, &atoms_.two_sqrt_epsilon})
       numbers->assign(slots, T(0));
+    load_table(slots);
     double extent = 0;
     for (int slot = 0; slot < slots; ++slot) {
       const int a = clusters_.atom(slot);
@@ -211,12 +212,25 @@ class EngineIn final : public ClusterPairs::Engine {
       atoms_.charge[slot] = static_cast<T>(p_.charge[a]);
       atoms_.half_sigma[slot] = static_cast<T>(p_.half_sigma[a]);
       atoms_.two_sqrt_epsilon[slot] = static_cast<T>(p_.two_sqrt_epsilon[a]);
+      if (p_.law.mixing == Mixing::kTable) atoms_.type[slot] = static_cast<T>(p_.table.type[a]);
     }
     limit_ = p_.all_pairs() ? kEverywhere : p_.inner / 2;
     rounded_.extent = extent + clusters_.box().edge.maxCoeff();
     rounded_.x.resize(3 * slots);
     round(searched_, Share(clusters_.count(), 0, 1));
     if (!p_.all_pairs()) choose_unit(2 * (p_.law.cutoff + p_.outer + clusters_.widest()), extent);
+  }
+
+  // Fillers are of the last type.
+  void load_table(int slots) {
+    if (p_.law.mixing != Mixing::kTable) return;
+    atoms_.type.assign(slots, static_cast<T>(p_.law.types - 1));
+    const auto copy = [](const Eigen::MatrixXd& from, Aligned<T>& to) {
+      to.resize(from.size());
+      for (Eigen::Index k = 0; k < from.size(); ++k) to[k] = static_cast<T>(from.data()[k]);
+    };
+    copy(p_.table.a, atoms_.table_a);
+    copy(p_.table.b, atoms_.table_b);
   }
 
   // Coordinates are kept modulo 2³²: atoms of clusters that meet, less than `widest` apart, tell how far they

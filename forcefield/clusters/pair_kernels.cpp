@@ -253,12 +253,18 @@ HWY_NOINLINE SixSums sum_kind(const Rows& rows, const PairAtoms<T>& atoms, int k
 template <class T, bool lj, bool charge, Ask ask>
 SixSums choose_law(const Rows& rows, const PairAtoms<T>& atoms, T* f) {
   const int kind = (lj ? kHasLj : 0) | (charge ? kHasCharge : 0);
-  if constexpr (!lj) return sum_kind<T, Choice<false, charge, true, false, ask>>(rows, atoms, kind, f);
-  if (rows.law.switched())
-    return rows.law.one_sigma ? sum_kind<T, Choice<lj, charge, true, true, ask>>(rows, atoms, kind, f)
-                              : sum_kind<T, Choice<lj, charge, false, true, ask>>(rows, atoms, kind, f);
-  return rows.law.one_sigma ? sum_kind<T, Choice<lj, charge, true, false, ask>>(rows, atoms, kind, f)
-                            : sum_kind<T, Choice<lj, charge, false, false, ask>>(rows, atoms, kind, f);
+  const auto mixed = [&]<Mixing mixing>() {
+    return rows.law.switched() ? sum_kind<T, Choice<lj, charge, mixing, true, ask>>(rows, atoms, kind, f)
+                               : sum_kind<T, Choice<lj, charge, mixing, false, ask>>(rows, atoms, kind, f);
+  };
+  if constexpr (!lj)
+    return sum_kind<T, Choice<false, charge, Mixing::kOneSigma, false, ask>>(rows, atoms, kind, f);
+  else if (rows.law.mixing == Mixing::kTable)
+    return mixed.template operator()<Mixing::kTable>();
+  else if (rows.law.mixing == Mixing::kOneSigma)
+    return mixed.template operator()<Mixing::kOneSigma>();
+  else
+    return mixed.template operator()<Mixing::kTwoSigmas>();
 }
 
 // Kinds take turns, so that rows near each other find the same clusters still in the cache.

@@ -12,6 +12,10 @@
 
 namespace taut {
 
+// How a pair's σ and ε are found: σ is the same of all that have ε, so that √ε_i √ε_j is all a pair needs;
+// Lorentz and Berthelot's rule; a table.
+enum class Mixing { kOneSigma, kTwoSigmas, kTable };
+
 // What pairs do, in the conventions of OpenMM's NonbondedForce (no cutoff; cutoff with reaction field, in a
 // periodic box or without one):
 //     LJ:       4ε((σ/r)¹² − (σ/r)⁶) S(r),   σ = ½(σ_i + σ_j), ε = √(ε_i ε_j)   (Lorentz–Berthelot)
@@ -21,12 +25,13 @@ namespace taut {
 //     or        k q_i q_j erfc(αr)/r, Ewald's real space, by pme/screening.hpp
 //     WCA:      4ε((σ/r)¹² − (σ/r)⁶) + ε up to 2^(1/6)σ, its minimum, where energy and force reach zero
 //               (Weeks, Chandler and Andersen 1971, doi:10.1063/1.1674820)
+//     LJ by a table: a/r¹² − b/r⁶, a and b of the atoms' types
 // A pair is summed for what both its atoms have, Lennard-Jones, charge or both.
 struct PairLaw {
   bool lj = false, charge = false;
-  bool one_sigma =
-      false;  // all that have ε share σ: a product of two numbers, √ε_i √ε_j, is all a pair needs
-  double sigma = 0;                                         // that one [nm]
+  Mixing mixing = Mixing::kTwoSigmas;
+  double sigma = 0;                                         // the one [nm]
+  double types = 0;                                         // of the table: its lines are as long
   double lift = 0;                                          // of a pair's energy, in its ε: 1 for WCA
   double cutoff = std::numeric_limits<double>::infinity();  // [nm]
   double switch_distance = std::numeric_limits<double>::infinity();  // [nm]
@@ -68,6 +73,8 @@ struct PairAtoms {
   Aligned<T> charge;                                 // √k q [√(kJ/mol·nm)]
   Aligned<T> half_sigma;                             // [nm]
   Aligned<T> two_sqrt_epsilon;                       // [√(kJ/mol)]; 0 in fillers, as is the charge
+  Aligned<T> type;                                   // a whole number
+  Aligned<T> table_a, table_b;                       // [kJ/mol·nm¹², kJ/mol·nm⁶]
   double unit = 1;                                   // of x [nm]; 1 in double
 };
 

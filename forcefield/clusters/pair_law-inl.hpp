@@ -16,9 +16,10 @@ namespace taut::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-template <bool lj, bool charge, bool one_sigma_, bool switched_, Ask ask>
+template <bool lj, bool charge, Mixing mixing, bool switched_, Ask ask>
 struct Choice {
-  static constexpr bool kLj = lj, kCharge = charge, kOneSigma = one_sigma_, kSwitched = switched_;
+  static constexpr bool kLj = lj, kCharge = charge, kSwitched = switched_;
+  static constexpr bool kOneSigma = mixing == Mixing::kOneSigma, kTable = mixing == Mixing::kTable;
   static constexpr bool kEnergy = ask == Ask::kEnergy, kVirial = ask == Ask::kVirial;
   static constexpr bool kSum = kEnergy || kVirial;  // no forces
   // What the law starts from: 1/r, for energies and switches; 1/r³, for charges; 1/r², without them.
@@ -36,12 +37,17 @@ class LawInLanes {
   struct Atoms {
     V q, eps, half_sigma;
     V repulsion, attraction;  // 12 σ¹² and 6 σ⁶, times eps
+    V line;                   // of the table
   };
 
   HWY_INLINE LawInLanes(const PairLaw& law, const PairAtoms<T>& atoms)
       : charge_(atoms.charge.data()),
         half_sigma_(atoms.half_sigma.data()),
         two_sqrt_epsilon_(atoms.two_sqrt_epsilon.data()),
+        type_(atoms.type.data()),
+        table_a_(atoms.table_a.data()),
+        table_b_(atoms.table_b.data()),
+        types_(set(law.types)),
         k_rf_(set(law.k_rf)),
         two_k_rf_(set(2 * law.k_rf)),
         c_rf_(set(law.c_rf)),
@@ -66,7 +72,9 @@ class LawInLanes {
     const D d;
     Atoms a{};
     if constexpr (C::kCharge) a.q = load_rows(d, charge_ + first);
-    if constexpr (C::kLj) {
+    if constexpr (C::kTable) {
+      a.line = hn::MulAdd(load_rows(d, type_ + first), types_, set(kWhole));
+    } else if constexpr (C::kLj) {
       a.eps = load_rows(d, two_sqrt_epsilon_ + first);
       a.repulsion = hn::Mul(a.eps, twelve_sigma12_);
       a.attraction = hn::Mul(a.eps, six_sigma6_);
@@ -141,7 +149,6 @@ class LawInLanes {
   // `inverse`: 1/r³, 1/r or 1/r².
   HWY_INLINE V lennard_jones(const Atoms& atoms, std::ptrdiff_t j, V r2, V inverse) const {
     const D d;
-    const V eps_j = load_columns(d, two_sqrt_epsilon_ + j);
     V inv_r2, inv_r4, inv_r6;
     if constexpr (C::kFromCube) {
       inv_r6 = hn::Mul(inverse, inverse);
@@ -152,39 +159,63 @@ class LawInLanes {
       inv_r4 = hn::Mul(inv_r2, inv_r2);
       inv_r6 = hn::Mul(inv_r4, inv_r2);
     }
-    if constexpr (C::kOneSigma && !C::kSwitched && !C::kEnergy)
-      return hn::Mul(hn::Mul(inv_r4, hn::Mul(inv_r4, eps_j)),
-                     hn::MulSub(atoms.repulsion, inv_r6, atoms.attraction));
-    V s6;
-    if constexpr (C::kOneSigma) {
-      s6 = hn::Mul(sigma6_, inv_r6);
+    V slope{}, energy{}, four_eps{};
+    constexpr bool needs_slope = !C::kEnergy || C::kSwitched, needs_energy = C::kEnergy || C::kSwitched;
+    if constexpr (C::kTable) {
+      const auto at = place_in_table(hn::Add(atoms.line, load_columns(d, type_ + j)));
+      const V b = hn::GatherIndex(d, table_b_, at),
+              a_over_r6 = hn::Mul(hn::GatherIndex(d, table_a_, at), inv_r6);
+      if constexpr (needs_slope)
+        slope = hn::Mul(hn::Mul(inv_r4, inv_r4), hn::MulSub(set(12), a_over_r6, hn::Mul(set(6), b)));
+      if constexpr (needs_energy) energy = hn::Mul(inv_r6, hn::Sub(a_over_r6, b));
     } else {
-      const V sigma = hn::Add(atoms.half_sigma, load_columns(d, half_sigma_ + j)),
-              sigma2 = hn::Mul(sigma, sigma);
-      s6 = hn::Mul(hn::Mul(hn::Mul(sigma2, sigma2), sigma2), inv_r6);
+      const V eps_j = load_columns(d, two_sqrt_epsilon_ + j);
+      if constexpr (C::kOneSigma && !C::kSwitched && !C::kEnergy)
+        return hn::Mul(hn::Mul(inv_r4, hn::Mul(inv_r4, eps_j)),
+                       hn::MulSub(atoms.repulsion, inv_r6, atoms.attraction));
+      V s6;
+      if constexpr (C::kOneSigma) {
+        s6 = hn::Mul(sigma6_, inv_r6);
+      } else {
+        const V sigma = hn::Add(atoms.half_sigma, load_columns(d, half_sigma_ + j)),
+                sigma2 = hn::Mul(sigma, sigma);
+        s6 = hn::Mul(hn::Mul(hn::Mul(sigma2, sigma2), sigma2), inv_r6);
+      }
+      four_eps = hn::Mul(atoms.eps, eps_j);
+      const V depth = hn::Mul(four_eps, s6);
+      if constexpr (needs_slope) slope = hn::Mul(hn::Mul(depth, hn::MulSub(set(12), s6, set(6))), inv_r2);
+      if constexpr (needs_energy) energy = hn::MulSub(depth, s6, depth);
     }
-    const V four_eps = hn::Mul(atoms.eps, eps_j), depth = hn::Mul(four_eps, s6);
-    V slope{}, energy{};
-    if constexpr (!C::kEnergy || C::kSwitched)
-      slope = hn::Mul(hn::Mul(depth, hn::MulSub(set(12), s6, set(6))), inv_r2);
-    if constexpr (C::kEnergy || C::kSwitched) energy = hn::MulSub(depth, s6, depth);
-    if constexpr (C::kSwitched) {
-      // S = 1 − u³(10 − 15u + 6u²), S' = −30 (u − u²)²; the force gains −E S'/r
-      const V inv_r = inverse;
-      const V u = hn::Max(hn::MulSub(hn::Mul(r2, inv_r), inv_width_, start_), hn::Zero(d));
-      const V u2 = hn::Mul(u, u), u_less_u2 = hn::Sub(u, u2);
-      const V fade =
-          hn::MulAdd(hn::Mul(u2, u), hn::MulAdd(u, hn::NegMulAdd(set(6), u, set(15)), set(-10)), set(1));
-      const V fade_slope = hn::Mul(hn::Mul(u_less_u2, u_less_u2), slope_width_);
-      slope = hn::MulAdd(hn::Mul(energy, fade_slope), inv_r, hn::Mul(slope, fade));
-      energy = hn::Mul(energy, fade);
-    }
-    return C::kEnergy ? hn::MulAdd(lift_, four_eps, energy) : slope;
+    if constexpr (C::kSwitched) fade(r2, inverse, slope, energy);
+    if constexpr (!C::kEnergy) return slope;
+    return C::kTable ? energy : hn::MulAdd(lift_, four_eps, energy);
+  }
+
+  // S = 1 − u³(10 − 15u + 6u²), S' = −30 (u − u²)²; the force gains −E S'/r
+  HWY_INLINE void fade(V r2, V inv_r, V& slope, V& energy) const {
+    const V u = hn::Max(hn::MulSub(hn::Mul(r2, inv_r), inv_width_, start_), hn::Zero(D()));
+    const V u2 = hn::Mul(u, u), u_less_u2 = hn::Sub(u, u2);
+    const V left =
+        hn::MulAdd(hn::Mul(u2, u), hn::MulAdd(u, hn::NegMulAdd(set(6), u, set(15)), set(-10)), set(1));
+    const V slope_of_it = hn::Mul(hn::Mul(u_less_u2, u_less_u2), slope_width_);
+    slope = hn::MulAdd(hn::Mul(energy, slope_of_it), inv_r, hn::Mul(slope, left));
+    energy = hn::Mul(energy, left);
+  }
+
+  // Whole numbers are in the low bits of kWhole and them together.
+  static constexpr double kWhole = sizeof(T) == 8 ? 0x1p52 : 0x1p23;
+  static HWY_INLINE auto place_in_table(V line_and_column) {
+    const hn::RebindToSigned<D> d;
+    return hn::And(hn::BitCast(d, line_and_column), hn::Set(d, (hn::TFromD<decltype(d)>{1} << 22) - 1));
   }
 
   const T* HWY_RESTRICT charge_;
   const T* HWY_RESTRICT half_sigma_;
   const T* HWY_RESTRICT two_sqrt_epsilon_;
+  const T* HWY_RESTRICT type_;
+  const T* HWY_RESTRICT table_a_;
+  const T* HWY_RESTRICT table_b_;
+  V types_;
   V k_rf_, two_k_rf_, c_rf_, sigma6_, six_sigma6_, twelve_sigma12_, lift_;
   V start_{}, inv_width_{}, slope_width_{};
   V screening_scale_;

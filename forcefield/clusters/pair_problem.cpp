@@ -22,8 +22,19 @@ void add_kinds(PairProblem& p) {
     low = std::min(low, p.half_sigma[i]);
     high = std::max(high, p.half_sigma[i]);
   }
-  p.law.one_sigma = low == high;
+  if (low == high) p.law.mixing = Mixing::kOneSigma;
   p.law.sigma = 2 * high;
+}
+
+// Of atoms whose types have no Lennard-Jones with any, two_sqrt_epsilon is 0; of others it says no more.
+void take_table(const LennardJonesTable& from, PairProblem& p) {
+  const Eigen::Index n = from.a.rows();
+  p.table = {from.type, Eigen::MatrixXd::Zero(n + 1, n + 1), Eigen::MatrixXd::Zero(n + 1, n + 1)};
+  p.table.a.topLeftCorner(n, n) = from.a;
+  p.table.b.topLeftCorner(n, n) = from.b;
+  p.law.types = static_cast<double>(n + 1);
+  for (Eigen::Index i = 0; i < p.two_sqrt_epsilon.size(); ++i)
+    p.two_sqrt_epsilon[i] = from.a.col(from.type[i]).any() || from.b.col(from.type[i]).any() ? 1 : 0;
 }
 
 // How far beyond the cutoff the lists look: what they save in lists made against the pairs they add. The
@@ -54,7 +65,9 @@ PairProblem problem_of(const Nonbonded& nb, bool periodic, Precision precision) 
   p.half_sigma = 0.5 * nb.sigma;
   p.two_sqrt_epsilon = 2 * nb.epsilon.cwiseSqrt();
   for (const auto& e : nb.exceptions) p.exclusions.push_back({e.i, e.j});
+  if (nb.lj_table) take_table(*nb.lj_table, p);
   add_kinds(p);
+  if (nb.lj_table) p.law.mixing = Mixing::kTable;
   return p;
 }
 

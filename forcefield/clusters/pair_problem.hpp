@@ -18,6 +18,7 @@ struct PairProblem {
   double inner = 0, outer = 0;                           // buffers [nm]
   std::vector<std::uint8_t> kind;                        // n
   Eigen::VectorXd charge, half_sigma, two_sqrt_epsilon;  // as PairAtoms has them, n
+  LennardJonesTable table;                               // with a last type for what has no Lennard-Jones
   std::vector<std::array<int, 2>> exclusions;
 
   bool all_pairs() const { return law.cutoff == std::numeric_limits<double>::infinity(); }

@@ -93,12 +93,12 @@ void read_types(const ForceReading& r, CustomForce& p, LennardJonesTable& table)
   });
   const auto n = static_cast<Eigen::Index>(types.size());
   table.a = table.b = Eigen::MatrixXd::Zero(n, n);
-  for (const auto& [one, i] : types)
-    for (const auto& [two, j] : types) {
-      const PowerLaw law([&](double at) { return p.pair_energy(one, two, at); });
+  for (const auto& one : types)
+    for (const auto& two : types) {
+      const PowerLaw law([&](double at) { return p.pair_energy(one.first, two.first, at); });
       if (!law.fits) p.refuse_energy(known());
-      table.a(i, j) = law.a;
-      table.b(i, j) = law.b;
+      table.a(one.second, two.second) = law.a;
+      table.b(one.second, two.second) = law.b;
     }
   const auto uneven = [](const Eigen::MatrixXd& m) {
     return ((m - m.transpose()).array().abs() > 1e-12 * m.array().abs()).any();

@@ -76,10 +76,10 @@ void add_lennard_jones(Nonbonded types, std::optional<Nonbonded>& to) {
   to->switch_distance = types.switch_distance;
   to->dispersion_correction = types.dispersion_correction;
   const OfTypes of(*types.lj_table);
-  if (!of.mix_to(*types.lj_table))
-    throw InputError(
-        "has pairs of types that Lorentz and Berthelot's mixing does not give (NBFIX, or another rule): taut "
-        "has no other yet");
+  if (!of.mix_to(*types.lj_table)) {
+    to->lj_table = std::move(types.lj_table);
+    return;
+  }
   to->lj_table.reset();
   for (Eigen::Index a = 0; a < n; ++a) {
     to->sigma[a] = of.sigma[types.lj_table->type[a]];
