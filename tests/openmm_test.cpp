@@ -43,7 +43,8 @@ TEST_P(SharedSystem, HasThePotentialAndForcesOfTheStateFile) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Data, SharedSystem,
-                         ::testing::Values("tip3p-216", "tip3p-1000", "ala2-hbonds-rf", "ala2-allbonds-rf"),
+                         ::testing::Values("tip3p-216", "tip3p-1000", "ala2-hbonds-rf", "ala2-allbonds-rf",
+                                           "ala3-charmm36"),
                          [](const auto& name) {
                            std::string s = name.param;
                            std::replace(s.begin(), s.end(), '-', '_');
