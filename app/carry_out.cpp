@@ -42,6 +42,16 @@ std::string thermostat_line(const RunSettings& run) {
   return "";
 }
 
+std::string barostat_line(const RunSettings& run) {
+  if (run.barostat == "c-rescale")
+    return fmt::format(", the box rescaled to {:g} bar within {:g} ps, {}", run.pressure_bar, run.barostat_ps,
+                       run.coupling);
+  if (run.barostat == "monte-carlo")
+    return fmt::format(", the box by Monte Carlo at {:g} bar, every {} steps", run.pressure_bar,
+                       run.barostat_every);
+  return "";
+}
+
 void print_header(const Simulation& simulation) {
   const Scene& scene = simulation.scene();
   const System& sys = scene.system;
@@ -53,9 +63,9 @@ void print_header(const Simulation& simulation) {
   if (box.periodic())
     fmt::print("  box {:.6g} × {:.6g} × {:.6g} nm\n", box.edge.x(), box.edge.y(), box.edge.z());
   fmt::print("  method {}: {}\n", scene.method.name(), simulation.method().setting());
-  fmt::print("  {} steps of {:g} fs = {:.6g} ps, seed {}, velocities {}{}\n\n", scene.run.steps,
+  fmt::print("  {} steps of {:g} fs = {:.6g} ps, seed {}, velocities {}{}{}\n\n", scene.run.steps,
              scene.run.dt_fs, static_cast<double>(scene.run.steps) * scene.run.h(), scene.run.seed,
-             describe_velocities(scene), thermostat_line(scene.run));
+             describe_velocities(scene), thermostat_line(scene.run), barostat_line(scene.run));
   if (simulation.step() > 0) fmt::print("goes on from step {}\n", simulation.step());
   fmt::print("{:>8} {:>10} {:>12} {:>12} {:>8} {:>9} {:>5}{}\n", "step", "t [ps]", "E_pot [kJ]",
              "E_total [kJ]", "T [K]", "bond err", "iter", box.periodic() ? "  P [bar]" : "");
@@ -95,15 +105,22 @@ void print_summary(const Simulation& simulation, const Summary& s) {
   const auto drift = [](const Estimate& e) {
     return fmt::format("{:.2e}", e.value) + (e.error > 0 ? fmt::format(" ± {:.1e}", e.error) : "");
   };
-  fmt::print("energy drift{} {} kJ/mol/ns/degree of freedom\n", s.heat ? ", but for the heat," : "",
-             drift(s.drift));
-  if (simulation.scene().system.bond_count() > 0)
+  const bool metered = !simulation.scene().run.barostatted();
+  if (metered)
+    fmt::print("energy drift{} {} kJ/mol/ns/degree of freedom\n", s.heat ? ", but for the heat," : "",
+               drift(s.drift));
+  else
+    fmt::print("energy drift by bonds {} kJ/mol/ns/degree of freedom; the box's work is not metered\n",
+               drift(s.constraint_drift));
+  if (metered && simulation.scene().system.bond_count() > 0)
     fmt::print("  of it the bonds' {}, the forces' {:.2e}\n", drift(s.constraint_drift),
                s.drift.value - s.constraint_drift.value);
   if (s.heat) fmt::print("heat taken up {:.4g} kJ/mol\n", *s.heat);
   fmt::print("mean temperature {:.2f} K", s.temperature);
   print_temperatures(simulation.temperatures());
   if (s.pressure) fmt::print("pressure {} bar\n", with_error(*s.pressure, 1));
+  if (simulation.scene().run.barostatted())
+    fmt::print("density {} kg/m³, volume {} nm³\n", with_error(s.density, 2), with_error(s.volume, 4));
   fmt::print("bond error (relative): largest {:.1e}, rms {:.1e}\n", s.max_rel_bond_error,
              s.rms_rel_bond_error);
   if (const int bonds = simulation.scene().system.bond_count(); bonds > 0) {

@@ -23,10 +23,16 @@ namespace fs = std::filesystem;
 constexpr std::array<std::string_view, 3> kOfNoConsequence = {"run.checkpoint_every",
                                                               "run.checkpoint_minutes", "run.steps"};
 
-constexpr std::array<std::string_view, 10> kMayChange = {"run.checkpoint_every",
+constexpr std::array<std::string_view, 16> kMayChange = {"run.barostat",
+                                                         "run.barostat_every",
+                                                         "run.barostat_ps",
+                                                         "run.checkpoint_every",
                                                          "run.checkpoint_minutes",
+                                                         "run.compressibility_per_bar",
+                                                         "run.coupling",
                                                          "run.friction_per_ps",
                                                          "run.log_every",
+                                                         "run.pressure_bar",
                                                          "run.steps",
                                                          "run.temperature_k",
                                                          "run.thermostat",
@@ -69,11 +75,15 @@ Simulation restored(const Checkpoint& checkpoint, const fs::path& folder) {
   }
 }
 
-// What a thermostat leaves behind that is taken away goes with it.
+// What a thermostat or a barostat leaves behind that is taken away goes with it.
 SceneSource changed(SceneSource source, bool velocities_drawn, const KeyValues& changes) {
   KeyValues values = key_values(source.overrides);
   if (changes.contains("run.thermostat"))
     for (const char* of_the_old : {"run.thermostat_ps", "run.friction_per_ps"}) values.erase(of_the_old);
+  if (changes.contains("run.barostat"))
+    for (const char* of_the_old : {"run.barostat_every", "run.barostat_ps", "run.compressibility_per_bar",
+                                   "run.coupling", "run.pressure_bar"})
+      values.erase(of_the_old);
   const auto thermostat = changes.find("run.thermostat");
   if (thermostat != changes.end() && thermostat->second == toml_quoted("none") && !velocities_drawn)
     values.erase("run.temperature_k");

@@ -52,7 +52,8 @@ void add_resume(Commands& commands) {
       .positive();
   command
       .option("--set", arguments->settings,
-              "what may change: run.log_every, run.trajectory_every, run.checkpoint_minutes, the thermostat")
+              "what may change: run.log_every, run.trajectory_every, run.checkpoint_minutes, thermostat "
+              "and barostat")
       .key_values();
   command.flag("--yes", arguments->yes,
                "go on though log or trajectories are cut back to less than half, or are gone and begin anew");

@@ -43,21 +43,18 @@ double cut_tail(double rs, double rc, int n) {
   return integrate(weighted, static_cast<int>(std::ceil(std::min(L, 1e3) / 0.05))) / (n - 1);
 }
 
-// ε(σ¹² K₁₀ − σ⁶ K₄) of all pairs, where 4εσ¹² = a and 4εσ⁶ = b.
-static double mean_of_types(const LennardJonesTable& table, double tail12, double tail6) {
+namespace {
+
+// ε(σ¹² tail12 − σ⁶ tail6) of all pairs, where 4εσ¹² = a and 4εσ⁶ = b.
+double mean_of_types(const LennardJonesTable& table, double tail12, double tail6) {
   Eigen::VectorXd atoms = Eigen::VectorXd::Zero(table.a.rows());
   for (const int type : table.type) ++atoms[type];
   const Eigen::MatrixXd u = (table.a * tail12 - table.b * tail6) / 4;
   return (atoms.dot(u * atoms) + atoms.dot(u.diagonal())) / 2;
 }
 
-// E V = ½N² ⟨∫ (1 − S) U 4πr² dr⟩ = 8πN² ⟨ε(σ¹² K₁₀ − σ⁶ K₄)⟩,   K_n = ∫ (1 − S) r⁻ⁿ dr.
-// OpenMM's convention: the mean is over all N(N+1)/2 pairs, an atom with itself included, excluded or not
-// (Shirts et al. 2007, doi:10.1021/jp0735987, has the correction; the self pairs are OpenMM's).
-double dispersion_coefficient(const Nonbonded& nb) {
-  const double rc = *nb.cutoff, rs = nb.switch_distance.value_or(rc);
-  const double tail12 = cut_tail(rs, rc, 10), tail6 = cut_tail(rs, rc, 4);
-
+// 8πN² ⟨ε(σ¹² tail12 − σ⁶ tail6)⟩
+double over_pairs(const Nonbonded& nb, double tail12, double tail6) {
   const double n = double(nb.sigma.size());
   const double scale = n > 0 ? 8 * std::numbers::pi * n * n / (n * (n + 1) / 2) : 0.0;
   if (nb.lj_table) return scale * mean_of_types(*nb.lj_table, tail12, tail6);
@@ -74,6 +71,24 @@ double dispersion_coefficient(const Nonbonded& nb) {
       sum += pairs * epsilon * sigma6 * (sigma6 * tail12 - tail6);
     }
   return scale * sum;
+}
+
+}  // namespace
+
+// E V = ½N² ⟨∫ (1 − S) U 4πr² dr⟩ = 8πN² ⟨ε(σ¹² K₁₀ − σ⁶ K₄)⟩,   K_n = ∫ (1 − S) r⁻ⁿ dr.
+// OpenMM's convention: the mean is over all N(N+1)/2 pairs, an atom with itself included, excluded or not
+// (Shirts et al. 2007, doi:10.1021/jp0735987, has the correction; the self pairs are OpenMM's).
+double dispersion_coefficient(const Nonbonded& nb) {
+  const double rc = *nb.cutoff, rs = nb.switch_distance.value_or(rc);
+  return over_pairs(nb, cut_tail(rs, rc, 10), cut_tail(rs, rc, 4));
+}
+
+// ⅓Ξ V = −½N² ⟨∫ r d((1 − S) U)/dr 4πr² dr⟩/3 = E V + ½N² ⟨4π r_c³ U(r_c)⟩/3, the last where there is no
+// switch (Frenkel and Smit, Understanding Molecular Simulation, 3.2.2).
+double dispersion_virial_coefficient(const Nonbonded& nb) {
+  const double energy = dispersion_coefficient(nb), rc = *nb.cutoff;
+  if (nb.switch_distance.value_or(rc) < rc) return energy;
+  return energy + over_pairs(nb, std::pow(rc, -9) / 3, std::pow(rc, -3) / 3);
 }
 
 }  // namespace taut

@@ -23,6 +23,7 @@ struct ForceField::Impl {
   std::optional<Pme> pme;
   BondedForces bonded;
   std::optional<double> dispersion;  // times the volume [kJ/mol·nm³]
+  double dispersion_virial = 0;      // a third of it, times the volume
   Box box;                           // of the last evaluation
   Vectors bonded_forces;             // of the last virial
   bool evaluated = false;
@@ -41,8 +42,10 @@ struct ForceField::Impl {
       exceptions = interacting(terms.nonbonded->exceptions);
     }
     bonded = BondedForces(terms, exceptions);
-    if (terms.nonbonded && terms.nonbonded->dispersion_correction)
+    if (terms.nonbonded && terms.nonbonded->dispersion_correction) {
       dispersion = dispersion_coefficient(*terms.nonbonded);
+      dispersion_virial = dispersion_virial_coefficient(*terms.nonbonded);
+    }
     if (terms.wca) wca.emplace(*terms.wca, sys.atoms(), box.periodic(), terms.precision);
   }
 
@@ -104,7 +107,7 @@ Eigen::Matrix3d ForceField::virial(const Vectors& x) const {
   if (impl_->lj_coulomb) sum += impl_->lj_coulomb->virial();
   if (impl_->pme) sum += impl_->pme->virial(x);
   if (impl_->wca) sum += impl_->wca->virial();
-  sum.diagonal().array() += impl_->dispersion_energy();
+  if (impl_->dispersion) sum.diagonal().array() += impl_->dispersion_virial / impl_->box.volume();
   return sum;
 }
 

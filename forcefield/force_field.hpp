@@ -35,7 +35,7 @@ class ForceField final : public ForceLaw {
 
   // −dE/dstrain of that evaluation, atoms and box strained alike [kJ/mol]; its trace is −3V dE/dV. Σ r⊗f of
   // pairs at their nearest images, Σ x⊗f of what acts within molecules, which are whole, and the dispersion
-  // correction, which goes as 1/V. Fields from outside have none.
+  // correction's (dispersion.hpp). Fields from outside have none.
   Eigen::Matrix3d virial(const Vectors& x) const;
 
   // Which pairs are listed, in which order: what the order of the sums depends on. Recalled, the forces are

@@ -38,6 +38,7 @@ class WorkMeter {
 
   double work() const { return work_; }  // Σ of the forces', so far [kJ/mol]
   double heat() const { return heat_; }  // Σ Q so far [kJ/mol]
+  const Vectors& forces() const { return before_; }  // F of the last step [kJ/mol/nm]
 
   void serialize(Archive& archive) { archive(work_, heat_); }
   void recall(const Vectors& f) { before_ = f; }  // F where the state is, after another one's serialize()

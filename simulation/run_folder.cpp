@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "files/atomic_file.hpp"
@@ -33,9 +34,10 @@ std::string log_row(const Record& r) {
     in_box =
         fmt::format(",{:.12g},{:.9g},{:.9g}", r.volume, r.density, fmt::join(six_of(r.pressure_tensor), ","));
   return fmt::format(
-      "{},{:.17g},{:.17g},{:.17g},{:.17g},{:.9g},{:.4g},{:.6e},{:.6e},{:.6e},{:.4g},{},{:.9g},{}{}\n", r.step,
-      r.t, r.potential, r.kinetic, r.total(), r.temperature, r.ns_per_day, r.bonds.max, r.bonds.rms, r.drift,
-      r.iterations, r.pressure ? fmt::format("{:.9g}", *r.pressure) : "", r.constraint_work,
+      "{},{:.17g},{:.17g},{:.17g},{:.17g},{:.9g},{:.4g},{:.6e},{:.6e},{},{:.4g},{},{:.9g},{}{}\n", r.step,
+      r.t, r.potential, r.kinetic, r.total(), r.temperature, r.ns_per_day, r.bonds.max, r.bonds.rms,
+      std::isnan(r.drift) ? "" : fmt::format("{:.6e}", r.drift), r.iterations,
+      r.pressure ? fmt::format("{:.9g}", *r.pressure) : "", r.constraint_work,
       r.heat ? fmt::format("{:.9g}", *r.heat) : "", in_box);
 }
 

@@ -53,6 +53,13 @@ bool same_thermostat(const RunSettings& a, const RunSettings& b) {
          a.friction_per_ps == b.friction_per_ps;
 }
 
+bool same_barostat(const RunSettings& a, const RunSettings& b) {
+  return a.barostat == b.barostat && a.pressure_bar == b.pressure_bar &&
+         a.barostat_every == b.barostat_every && a.barostat_ps == b.barostat_ps &&
+         a.compressibility_per_bar == b.compressibility_per_bar && a.coupling == b.coupling &&
+         (a.barostat == "none" || a.temperature_k == b.temperature_k);
+}
+
 // A coordinate is known to 1e-16 of itself, so a bond's length to no better than that over its length.
 void refuse_unreachable_tolerance(const System& sys, const Vectors& x, double tolerance) {
   if (sys.bonds.empty()) return;
@@ -83,6 +90,7 @@ Simulation::Simulation(Scene scene)
   refuse_unreachable_tolerance(sys, state_.x, method_->promised_error());
   if (state_.box.periodic()) barometer_.emplace(sys, has_springs());
   count_degrees_of_freedom(momentum_stays_zero(scene_, state_.v));
+  barostat_ = make_barostat(scene_, ~seed_here(), forces_);
   unaccounted_at_start_ = unaccounted(record());
 }
 
@@ -134,6 +142,7 @@ Dynamics Simulation::dynamics() {
 }
 
 void Simulation::operator()(const System& sys, State& s) {
+  if (barostat_) meter_.take_up(barostat_->move(sys, s));
   forces_(sys, s);
   if (langevin_)
     meter_.see(scene_.run.h(), sys, s, langevin_->half_jump());
@@ -196,7 +205,8 @@ Record Simulation::record() const {
 
 void Simulation::change(const RunSettings& run) {
   const RunSettings before = std::exchange(scene_.run, run);
-  if (same_thermostat(before, run)) return;
+  if (same_thermostat(before, run) && same_barostat(before, run)) return;
+  if (!same_barostat(before, run)) barostat_ = make_barostat(scene_, ~seed_here(), forces_);
   std::string drawn;  // the numbers of a thermostat that stays go on
   Archive save = Archive::saving_to(drawn);
   const bool same_kind = before.langevin() == run.langevin() && before.rescaling() == run.rescaling();
@@ -225,6 +235,7 @@ void Simulation::serialize(Archive& archive) {
   archive(*temperatures_, forces_, meter_, unaccounted_at_start_, heat_at_start_);
   archive(*method_);
   serialize_thermostat(archive);
+  if (barostat_) archive(*barostat_);
   if (!archive.loading()) return;
   State evaluated = state_;  // its f holds no constraint forces
   forces_(scene_.system, evaluated);

@@ -17,6 +17,7 @@
 #include "md/thermostat.hpp"
 #include "md/work_meter.hpp"
 #include "simulation/barometer.hpp"
+#include "simulation/barostat.hpp"
 #include "simulation/minimise.hpp"
 #include "simulation/temperatures.hpp"
 #include "systems/scene.hpp"
@@ -36,12 +37,14 @@ struct Record {
   double potential = 0, kinetic = 0;  // of Simulation::velocity() [kJ/mol]
   double temperature = 0;             // of Simulation::thermal_velocity() [K]
   BondErrors bonds;
-  double drift = 0;  // of the energy but for the heat, so far [kJ/mol/ns/dof]
+  // Of the energy but for the heat, so far [kJ/mol/ns/dof]; NaN under a barostat, whose work is not metered.
+  double drift = 0;
   // Of the energy since the start, or since the thermostat was changed (md/work_meter.hpp) [kJ/mol]: what the
   // bonds did,
   double constraint_work = 0;
-  std::optional<double> heat;  // and what the thermostat gave and the momentum taken out took, if any is
-  double iterations = 0;       // a step, since the last row
+  std::optional<double>
+      heat;               // and what thermostat and barostat gave to velocities, and the momentum taken out
+  double iterations = 0;  // a step, since the last row
   double ns_per_day = 0;
   std::optional<double> pressure;   // in a box [bar], as what follows
   double volume = 0, density = 0;   // [nm³], [kg/m³]
@@ -120,8 +123,8 @@ class Simulation : private Bath, private ForceLaw {
   void serialize(Archive& archive);
   void restore(std::string_view kept);
 
-  // Other settings for the steps to come: steps, how often there are rows, frames and checkpoints, and the
-  // thermostat. Another thermostat is another ensemble: means and the drift set out anew.
+  // Other settings for the steps to come: steps, how often there are rows, frames and checkpoints, thermostat
+  // and barostat. Another one is another ensemble: means and the drift set out anew.
   void change(const RunSettings& run);
 
   // After run() failed: goes back to the last snapshot it kept in memory (every 100 steps) and takes the
@@ -195,6 +198,7 @@ class Simulation : private Bath, private ForceLaw {
   LogSums sums_;
   std::optional<Temperatures> temperatures_;
   std::optional<Barometer> barometer_;
+  std::unique_ptr<Barostat> barostat_;
   std::string snapshot_;  // what serialize() kept
   bool stop_ = false;
 };

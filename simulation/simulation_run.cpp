@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "md/errors.hpp"
 #include "md/timed.hpp"
@@ -15,6 +16,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr long kStepsPerSnapshot = 100;
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kLeeway = 2;  // feedforward judges a bond by itself, where bonds are coupled
 
 bool finite(const State& s) {
@@ -74,7 +76,7 @@ Record Simulation::row(const SolveStats& since, const Stopwatch& watch, long ste
     r.heat = meter_.heat() - heat_at_start_;
   RunningSlope energy = sums_.energy;
   energy.add(r.t, r.but_for_heat());
-  r.drift = energy.value() * per_ns_and_dof();
+  r.drift = barostat_ ? kUnknown : energy.value() * per_ns_and_dof();
   r.constraint_work = unaccounted(r) - unaccounted_at_start_;
   if (barometer_) {
     const bool springs_move = has_springs() && !langevin_;  // and the pressure has their part in it
@@ -134,6 +136,7 @@ void Simulation::after_step(const System&, double h, State& s) {
   if (rescaling_) rescale(h, s);
   const long every = scene_.run.remove_momentum_every;
   if (every > 0 && progress_.step % every == 0) take_momentum_out(s);
+  if (barostat_) barostat_->after_step(s, meter_.forces());
 }
 
 // What is thermal of the kinetic energy tells how to scale; springs' velocities are scaled, too.
@@ -158,7 +161,7 @@ void Simulation::take_momentum_out(State& s) {
 // Langevin's: that balances the drift. None without thermostat [K].
 std::optional<double> Simulation::off_by_k(double drift) const {
   const RunSettings& run = scene_.run;
-  if (!run.thermostatted()) return {};
+  if (!run.thermostatted() || barostat_) return {};
   const double rate = run.langevin() ? 2 * run.friction_per_ps : 1 / run.thermostat_ps;  // [1/ps]
   return 2 * drift / 1000 / (kBoltzmann * rate);
 }
@@ -176,7 +179,7 @@ Summary Simulation::summary(const Record& end, double seconds, double constraint
     const Estimate slope = of.estimate();
     return Estimate{slope.value * per_ns_and_dof(), slope.error * per_ns_and_dof()};
   };
-  s.drift = drift(sums_.energy);
+  s.drift = barostat_ ? Estimate{kUnknown, 0} : drift(sums_.energy);
   s.constraint_drift = drift(sums_.constraint_work);
   s.constraint_work = end.constraint_work;
   s.heat = end.heat;
@@ -237,7 +240,11 @@ std::optional<Diagnosis> Simulation::wrong_with_next_step() {
   }
   if (thrown.empty() && holds(stats, plan) && finite(state_) && std::isfinite(record().total())) return {};
   Diagnosis d = taut::diagnose(scene_.system, state_, stats, progress_.step);
-  if (!thrown.empty()) d.cause = thrown;
+  if (!thrown.empty()) {  // "what; what to do", or what alone
+    const std::size_t end = thrown.find("; ");
+    d.cause = thrown.substr(0, end);
+    if (end != std::string::npos) d.advice = thrown.substr(end + 2);
+  }
   if (scene_.method.name() == "none" && stats.converged() && stats.max_residual >= plan.broken_at)
     explain_none(d);
   return d;

@@ -15,6 +15,10 @@ Scene prepared_for_study(Scene scene) {
     run.thermostat = "none";
     run.thermostat_ps = 0;
   }
+  if (run.barostatted()) {
+    scene.notes.push_back(fmt::format("its barostat ({}) is left out, as the thermostat is", run.barostat));
+    run.barostat = "none";
+  }
   if (run.minimise) {
     const Simulation relaxed(scene);
     scene.start = relaxed.state();

@@ -29,13 +29,23 @@ struct RunSettings {
   std::string thermostat;      // "langevin", "rescaling", "none"; "": rescaling where thermostat_ps is given
   double thermostat_ps = 0;    // relaxation time of velocity rescaling to temperature_k
   double friction_per_ps = 1;  // of Langevin's thermostat
-  bool minimise = false;       // relax the start first (systems/minimise.hpp)
+  std::string barostat = "none";            // "c-rescale", "monte-carlo" or "none" (simulation/barostat.hpp)
+  double pressure_bar = 1;                  // it keeps
+  long barostat_every = 10;                 // steps
+  double barostat_ps = 1;                   // relaxation time of c-rescale
+  double compressibility_per_bar = 4.5e-5;  // c-rescale's guess of it: water's
+  std::string coupling =
+      "isotropic";               // which edges change alike: "semi-isotropic" x and y, "anisotropic" none
+  bool minimise = false;         // relax the start first (systems/minimise.hpp)
   double minimise_force = 1000;  // until no atom's force is above this [kJ/mol/nm]
 
   double h() const { return dt_fs * 1e-3; }  // [ps]
   bool langevin() const { return thermostat == "langevin"; }
   bool rescaling() const { return thermostat == "rescaling" || (thermostat.empty() && thermostat_ps > 0); }
   bool thermostatted() const { return langevin() || rescaling(); }
+  bool barostatted() const {
+    return barostat != "none" && thermostatted();
+  }  // of itself it has no temperature
 };
 
 // A system with a start, a step and what it is hard on.

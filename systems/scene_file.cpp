@@ -9,6 +9,33 @@
 namespace taut {
 namespace {
 
+void read_barostat(const TomlTable& table, RunSettings& run) {
+  if (table.has("barostat")) run.barostat = table.choice("barostat", {"none", "c-rescale", "monte-carlo"});
+  table.read("pressure_bar", run.pressure_bar);
+  table.read("barostat_every", run.barostat_every, Range{.min = 1});
+  table.read("barostat_ps", run.barostat_ps, kPositive);
+  table.read("compressibility_per_bar", run.compressibility_per_bar, kPositive);
+  if (table.has("coupling"))
+    run.coupling = table.choice("coupling", {"isotropic", "semi-isotropic", "anisotropic"});
+
+  for (const char* key : {"pressure_bar", "barostat_every"})
+    table.counts(key, run.barostat != "none", "with run.barostat = \"c-rescale\" or \"monte-carlo\"");
+  for (const char* key : {"barostat_ps", "compressibility_per_bar", "coupling"})
+    table.counts(key, run.barostat == "c-rescale", "with run.barostat = \"c-rescale\"");
+}
+
+// Of a scene that is there: what a barostat needs.
+void check_barostat(const TomlTable& run, const Scene& scene) {
+  if (scene.run.barostat == "none") return;
+  if (!scene.run.thermostatted())
+    run.fail("barostat", "a barostat needs a thermostat: run.thermostat = \"langevin\" or \"rescaling\"");
+  if (!scene.start.box.periodic()) run.fail("barostat", "there is no box to change; leave the key out");
+  if (!scene.closed())
+    run.fail("barostat",
+             "an anchored atom (mass 0), gravity or a pull holds on to what the box would move; leave the "
+             "key out");
+}
+
 void read_run(const TomlTable& table, RunSettings& run) {
   table.read("dt_fs", run.dt_fs, kPositive);
   table.read("steps", run.steps, kNotNegative);
@@ -38,6 +65,7 @@ void read_run(const TomlTable& table, RunSettings& run) {
     table.fail(key, "a thermostat needs a run.temperature_k above 0");
   if (run.rescaling() && run.thermostat_ps == 0)
     table.fail("thermostat", "rescaling needs its relaxation time, run.thermostat_ps above 0");
+  read_barostat(table, run);
   table.reject_unknown();
 }
 
@@ -116,6 +144,7 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
                     another_start || run_keys.overridden("velocities") || of_file.thermostatted() ||
                         of_file.velocities == "draw",
                     scene);
+  check_barostat(run_keys, scene);
   build_keys.reject_unknown();
   forcefield_keys.reject_unknown();
   // Refuses what does not fit together while the file is known.
@@ -146,7 +175,10 @@ void apply_overrides(Scene& scene, const std::vector<std::string>& overrides) {
   const TomlTable root(table, "--set");
   read_settings(root, scene);
   root.reject_unknown();
-  if (root.has("run")) settle_velocities(root.section("run"), false, scene);
+  const TomlTable run = root.section("run");
+  if (root.has("run")) settle_velocities(run, false, scene);
+  if (!run.has("barostat") && !scene.run.thermostatted()) scene.run.barostat = "none";  // what was imported
+  check_barostat(run, scene);
 }
 
 }  // namespace taut

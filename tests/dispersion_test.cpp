@@ -124,5 +124,20 @@ TEST(Dispersion, IsAConstantOverTheVolume) {
   EXPECT_EQ(with.f, without.f);
 }
 
+// One kind alone: Frenkel and Smit, Understanding Molecular Simulation, eq. 3.2.8 (energy) and 3.2.10
+// (pressure),
+//     U/N = 8πρεσ³ (⅓(σ/r_c)⁹ − (σ/r_c)³)/3,   P = 16πρ²εσ³ (⅔(σ/r_c)⁹ − (σ/r_c)³)/3.
+TEST(Dispersion, VirialOfAPlainCutoffHasItsJump) {
+  Nonbonded nb;
+  nb.sigma.setConstant(8, 0.3);
+  nb.epsilon.setConstant(8, 0.7);
+  nb.cutoff = 0.9;
+  const double s3 = 1 / 27.0, per = 8 * pi * 64 * 0.7 * std::pow(0.3, 3) / 3;
+  EXPECT_NEAR(dispersion_coefficient(nb), per * (s3 * s3 * s3 / 3 - s3), 1e-12);
+  EXPECT_NEAR(dispersion_virial_coefficient(nb), 2 * per * (2 * s3 * s3 * s3 / 3 - s3), 1e-12);
+  nb.switch_distance = 0.8;
+  EXPECT_EQ(dispersion_virial_coefficient(nb), dispersion_coefficient(nb));
+}
+
 }  // namespace
 }  // namespace taut

@@ -38,7 +38,7 @@ namespace {
 
 using namespace testing;
 
-// Over the same way twice, far enough for searches.
+// Over the same way twice, far enough for searches, in a box that breathes.
 long allocated_the_second_time(const Terms& terms, const Vectors& start, const Box& box) {
   const int n = static_cast<int>(start.cols());
   const System sys = make_system(Eigen::VectorXd::Constant(n, 2.0), {});
@@ -48,9 +48,13 @@ long allocated_the_second_time(const Terms& terms, const Vectors& start, const B
     std::mt19937_64 rng(3);
     std::normal_distribution<double> normal(0, 0.02);
     s.x = start;
+    s.box = box;
     for (int step = 0; step < 10; ++step) {
       for (int k = 0; k < s.x.size(); ++k) s.x.data()[k] += normal(rng);
       forces(sys, s);
+      if (!box.periodic()) continue;
+      EXPECT_TRUE(forces.virial(s.x).allFinite());
+      s.box = s.box.scaled({1.001, 1.002, 0.999});
     }
   };
   wander();

@@ -7,6 +7,7 @@
 #include "forcefield/force_field.hpp"
 #include "openmm_texts.hpp"
 #include "systems/openmm/openmm_import.hpp"
+#include "systems/scene_file.hpp"
 
 namespace taut {
 namespace {
@@ -63,6 +64,32 @@ TEST(OpenMMReader, TakesDefaultsWhereTheStateHasNoParameters) {
   const OpenMMInput input = read(texts);
   EXPECT_EQ(input.terms.fene[0].k, 4000);
   EXPECT_EQ(input.terms.gravity->x(), 0.5);
+}
+
+// It acts where there is a thermostat, and a run's own settings rule.
+TEST(OpenMMReader, CarriesABarostatOutAtARunsTemperature) {
+  Texts texts{text_of("tip3p-216.system.xml"), text_of("tip3p-216.state.xml")};
+  replace(texts.system, "<Forces>",
+          "<Forces><Force forceGroup=\"0\" frequency=\"25\" name=\"MonteCarloBarostat\" pressure=\"2\" "
+          "randomSeed=\"0\" rigidScaling=\"1\" temperature=\"300\" type=\"MonteCarloBarostat\" "
+          "version=\"1\"/>");
+  const TemporaryFolder folder;
+  const auto system = folder.write("a.system.xml", texts.system),
+             state = folder.write("a.state.xml", texts.state);
+  const auto run = [&](const std::vector<std::string>& overrides) {
+    Scene scene = import_openmm(system, state);
+    apply_overrides(scene, overrides);
+    return scene.run;
+  };
+  const std::vector<std::string> warm = {"run.thermostat=langevin", "run.temperature_k=300"};
+  EXPECT_FALSE(run({}).barostatted());
+  EXPECT_TRUE(run(warm).barostatted());
+  EXPECT_EQ(run(warm).barostat, "monte-carlo");
+  EXPECT_EQ(run(warm).pressure_bar, 2);
+  EXPECT_EQ(run(warm).barostat_every, 25);
+  EXPECT_FALSE(run({warm[0], warm[1], "run.barostat=none"}).barostatted());
+  EXPECT_EQ(run({warm[0], warm[1], "run.barostat=c-rescale", "run.pressure_bar=5"}).pressure_bar, 5);
+  EXPECT_THROW(run({"run.barostat=monte-carlo"}), InputError);
 }
 
 // Each number of the files makes the energy or the forces what they are.

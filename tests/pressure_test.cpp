@@ -31,7 +31,7 @@ Vectors spread(int atoms, std::uint64_t seed) {
   return x;
 }
 
-// Ξ = −dE/dε, box and positions strained by 1 + ε: along the edges, without a box in every direction.
+// Ξ = −dE/dε, box and positions strained by 1 + ε, in every direction.
 void expect_virial_is_the_slope(const Terms& terms, const Vectors& x, bool box = true) {
   const Box edges = box ? Box{Vec3::Constant(kEdge)} : Box{};
   Bench bench(static_cast<int>(x.cols()), terms, edges);
@@ -40,7 +40,7 @@ void expect_virial_is_the_slope(const Terms& terms, const Vectors& x, bool box =
   EXPECT_GT(virial.norm(), 1e-3);
   for (int a = 0; a < 3; ++a)
     for (int b = 0; b < 3; ++b) {
-      if (box && a != b) continue;
+      if (box && a > b) continue;  // it stays in reduced form
       const auto strained = [&](double by) {
         Eigen::Matrix3d strain = Eigen::Matrix3d::Identity();
         strain(a, b) += by;
@@ -49,6 +49,7 @@ void expect_virial_is_the_slope(const Terms& terms, const Vectors& x, bool box =
       };
       const double step = 1e-6, slope = (strained(step) - strained(-step)) / (2 * step);
       EXPECT_NEAR(virial(a, b), -slope, 1e-6 * virial.norm()) << a << b;
+      EXPECT_NEAR(virial(b, a), virial(a, b), 1e-9 * virial.norm()) << a << b;
     }
 }
 

@@ -35,6 +35,34 @@ TEST(SceneErrors, KeysWithoutEffect) {
               HasSubstr("--set run.friction_per_ps=2: run.friction_per_ps: has no effect"));
 }
 
+TEST(SceneErrors, BarostatsWithoutWhatTheyNeed) {
+  const std::string water = R"(hard_on = "pressed"
+build = {kind = "water", model = "tip3p", shape = "box", molecules = 216, density_g_cm3 = 0.99}
+forcefield = {cutoff_nm = 0.9, rf_dielectric = 78.3}
+[run]
+temperature_k = 300
+)";
+  EXPECT_EQ(complaint(water, {"run.barostat=c-rescale"}),
+            "--set run.barostat=c-rescale: run.barostat: a barostat needs a thermostat: run.thermostat = "
+            "\"langevin\" or \"rescaling\"");
+  const std::vector<std::string> warm = {"run.thermostat=langevin", "run.barostat=c-rescale"};
+  EXPECT_EQ(complaint(water, warm), "no error");
+  const auto with = [&](const char* key) {
+    std::vector<std::string> keys = warm;
+    keys.emplace_back(key);
+    return complaint(water, keys);
+  };
+  EXPECT_EQ(with("run.coupling=anisotropic"), "no error");
+  EXPECT_THAT(with("run.coupling=triclinic"), HasSubstr("there is no \"triclinic\""));
+  EXPECT_THAT(with("run.compressibility_per_bar=0"), HasSubstr("expected more than 0"));
+  EXPECT_THAT(with("run.barostat_every=0"), HasSubstr("expected at least 1"));
+  EXPECT_THAT(complaint(water, {"run.pressure_bar=1"}), HasSubstr("counts only with run.barostat"));
+  EXPECT_THAT(complaint(water, {"run.thermostat=langevin", "run.barostat=monte-carlo", "run.barostat_ps=1"}),
+              HasSubstr("has no effect, it counts only with run.barostat = \"c-rescale\""));
+  EXPECT_THAT(complaint(SceneText{}.text, {"run.temperature_k=300", warm[0], warm[1]}),
+              HasSubstr("run.barostat: there is no box to change; leave the key out"));
+}
+
 TEST(SceneErrors, MethodKeysWithoutEffect) {
   const std::string good = SceneText{}.text;
   const auto idle = [&](std::vector<std::string> overrides) {

@@ -56,6 +56,23 @@ void read_cmap(const Reading& r) {
   read_list(r.force, t.cmaps, r.system.atoms());
 }
 
+// Its temperature is the thermostat's, for a run's own settings to say.
+void read_barostat(const Reading& r) {
+  double pressure = 0, temperature = 0;
+  int every = 0;
+  r.read({{"pressure", &pressure},
+          {"temperature", &temperature},
+          {"frequency", Field::Integer{&every, 0, std::numeric_limits<int>::max()}}},
+         {"randomSeed", "rigidScaling"});
+  r.force.check_parts({});
+  pressure = r.context.declare(r.force, "MonteCarloPressure", pressure);
+  r.context.declare(r.force, "MonteCarloTemperature", temperature);
+  if (every == 0) return;
+  r.to.barostat = {pressure, every};
+  r.to.notes.push_back(fmt::format(
+      "({:g} bar, every {} steps) acts where run.thermostat is said, at run.temperature_k", pressure, every));
+}
+
 void read_particles(const Reading& r, Nonbonded& t) {
   const Element particles = r.force.part("Particles");
   const int n = r.system.atoms();
@@ -130,6 +147,7 @@ constexpr std::array kKinds = {
     Kind{"NonbondedForce", 4, 4, read_nonbonded},
     Kind{"CMMotionRemover", 1, 1, read_momentum_remover},
     Kind{"AndersenThermostat", 1, 1, read_thermostat},
+    Kind{"MonteCarloBarostat", 1, 1, read_barostat},
     Kind{"CustomBondForce", 3, 3, read_custom_bonds},
     Kind{"CustomAngleForce", 3, 3, read_custom_angles},
     Kind{"CustomTorsionForce", 3, 3, read_custom_torsions},
@@ -143,6 +161,10 @@ constexpr auto kind_named(std::string_view type) {
 
 const Kind& kind_of(const Element& force) {
   const std::string type = force.text("type");
+  if (type.starts_with("MonteCarlo") && type != "MonteCarloBarostat")
+    force.refuse(
+        "is a barostat taut has not: take it out, and say run.barostat = \"c-rescale\" with run.coupling = "
+        "\"anisotropic\" or \"semi-isotropic\"");
   const auto kind = kind_named(type);
   if (kind == kKinds.end()) {
     std::vector<std::string_view> known;

@@ -7,6 +7,7 @@
 
 #include "forcefield/terms.hpp"
 #include "md/system.hpp"
+#include "systems/openmm/openmm_read.hpp"
 #include "systems/openmm/openmm_xml.hpp"
 
 namespace taut {
@@ -35,6 +36,7 @@ struct OpenMMForce {
   std::optional<bool> periodic_pairs;      // of a pair force
   long remove_momentum_every = 0;          // steps; 0: never
   std::vector<std::string> notes{};        // what of it is carried out otherwise
+  std::optional<OpenMMBarostat> barostat{};
 };
 
 // Reads a <Force> of a System with these atoms. Throws InputError, with file and line, for what taut does not

@@ -25,6 +25,11 @@ Scene import_openmm(const std::filesystem::path& system_xml, const std::filesyst
   scene.start = std::move(input.start);
   scene.notes = std::move(input.notes);
   scene.run.remove_momentum_every = input.remove_momentum_every;
+  if (input.barostat) {
+    scene.run.barostat = "monte-carlo";
+    scene.run.pressure_bar = input.barostat->pressure_bar;
+    scene.run.barostat_every = input.barostat->every;
+  }
   scene.method = default_options("rattle");
   return scene;
 }

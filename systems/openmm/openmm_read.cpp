@@ -200,6 +200,7 @@ void add(PlacedForce& placed, OpenMMInput& input) {
   add_one(placed.at, to.wca, from.wca);
   add_one(placed.at, to.gravity, from.gravity);
   for (const auto& note : placed.force.notes) input.notes.push_back(fmt::format("{} {}", placed.name, note));
+  add_one(placed.at, input.barostat, placed.force.barostat);
   if (placed.force.remove_momentum_every == 0) return;
   if (input.remove_momentum_every != 0) placed.at.refuse("is the second of its kind: one is enough");
   input.remove_momentum_every = placed.force.remove_momentum_every;

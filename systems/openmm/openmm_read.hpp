@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,13 +11,19 @@
 
 namespace taut {
 
+struct OpenMMBarostat {  // a MonteCarloBarostat
+  double pressure_bar;
+  long every;  // steps
+};
+
 // What OpenMM's two files hold.
 struct OpenMMInput {
   System system;
   Terms terms;
-  State start;                       // molecules whole, anchors at rest; a box where any force is periodic
-  long remove_momentum_every = 0;    // steps; 0: never
-  bool has_velocities = true;        // in the State; if not, all is at rest
+  State start;                     // molecules whole, anchors at rest; a box where any force is periodic
+  long remove_momentum_every = 0;  // steps; 0: never
+  bool has_velocities = true;      // in the State; if not, all is at rest
+  std::optional<OpenMMBarostat> barostat{};
   std::vector<std::string> notes{};  // what of the State is not used, a line each
 };
 

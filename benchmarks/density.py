@@ -1,0 +1,88 @@
+#!/usr/bin/env python3
+"""Density and compressibility of liquid water at constant pressure, by model, method and barostat.
+
+    benchmarks/density.py [--ps 200] [--models tip3p spce] [--methods newton feedforward baumgarte]
+                          [--barostats c-rescale monte-carlo] [--set KEY=VALUE ...] > density.csv
+
+216 molecules at 298.15 K and 1 bar, PME, Langevin's thermostat at 1/ps. The first tenth of a run is left out. Errors
+are standard errors of means over ten blocks; the compressibility is (<V^2> - <V>^2)/(kT <V>), its error by leaving one
+block out at a time.
+"""
+import argparse
+import csv
+import math
+import pathlib
+import statistics
+import subprocess
+import sys
+import tempfile
+
+K_T = 8.31446261815324e-3 * 298.15 * 16.6053906717  # kT [bar nm^3]
+BLOCKS = 10
+SCENES = {"tip3p": "water", "spce": "spce"}
+
+
+def compressibility(volumes):
+    return statistics.pvariance(volumes) / (K_T * statistics.fmean(volumes))
+
+
+def cut(values):
+    length = len(values) // BLOCKS
+    return [values[n * length : (n + 1) * length] for n in range(BLOCKS)]
+
+
+def figures(log):
+    with open(log) as file:
+        rows = list(csv.DictReader(file))
+    rows = rows[len(rows) // 10 :]
+    density = cut([float(r["Density (kg/m^3)"]) for r in rows])
+    volume = cut([float(r["Box Volume (nm^3)"]) for r in rows])
+    means = [statistics.fmean(block) for block in density]
+    left_out = [
+        compressibility([v for m, block in enumerate(volume) if m != n for v in block]) for n in range(BLOCKS)
+    ]
+    return {
+        "density_kg_m3": statistics.fmean(means),
+        "density_error": statistics.stdev(means) / math.sqrt(BLOCKS),
+        "compressibility_1e-6_per_bar": 1e6 * compressibility(sum(volume, [])),
+        "compressibility_error": 1e6 * math.sqrt((BLOCKS - 1) * statistics.pvariance(left_out)),
+        "rms_rel_bond_error": math.sqrt(statistics.fmean(float(r["RMS Relative Bond Error"]) ** 2 for r in rows)),
+    }
+
+
+def run(options, model, method, barostat):
+    with tempfile.TemporaryDirectory() as folder:
+        command = [options.taut, "run", SCENES[model], "--method", method, "--steps", str(500 * options.ps)]
+        settings = ["forcefield.coulomb=pme", "run.thermostat=langevin", f"run.barostat={barostat}",
+                    "run.log_every=25", *options.set]
+        for setting in settings:
+            command += ["--set", setting]
+        subprocess.run([*command, "--out", folder + "/out"], check=True, stdout=subprocess.DEVNULL)
+        return figures(folder + "/out/log.csv")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--taut", default=str(pathlib.Path(__file__).resolve().parent.parent / "build/taut"))
+    parser.add_argument("--ps", type=int, default=200)
+    parser.add_argument("--models", nargs="+", default=["tip3p", "spce"], choices=SCENES)
+    parser.add_argument("--methods", nargs="+", default=["newton", "feedforward", "baumgarte"])
+    parser.add_argument("--barostats", nargs="+", default=["c-rescale"])
+    parser.add_argument("--set", nargs="+", default=[])
+    options = parser.parse_args()
+    out = None
+    for model in options.models:
+        for barostat in options.barostats:
+            for method in options.methods:
+                row = {"model": model, "method": method, "barostat": barostat, "ps": options.ps}
+                row.update({k: f"{v:.4g}" if "rms" in k else f"{v:.2f}"
+                            for k, v in run(options, model, method, barostat).items()})
+                if out is None:
+                    out = csv.DictWriter(sys.stdout, row, lineterminator="\n")
+                    out.writeheader()
+                out.writerow(row)
+                sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main()

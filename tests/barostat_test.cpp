@@ -1,0 +1,217 @@
+// Volumes against closed forms, where there are any; what the box moves against what it must not.
+
+#include "simulation/barostat.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "force_checks.hpp"
+#include "md/block_average.hpp"
+#include "md/errors.hpp"
+#include "md/units.hpp"
+#include "named_scene.hpp"
+#include "simulation/simulation.hpp"
+
+namespace taut {
+namespace {
+
+constexpr double kT = 2.5;  // [kJ/mol]
+
+// Rigid dimers, or atoms, that do not meet.
+struct IdealGas {
+  Scene scene;
+  State s;
+  Random random{11};
+
+  IdealGas(int molecules, int atoms_each, std::vector<RigidBond> bonds = {}) {
+    const int n = molecules * atoms_each;
+    scene.system = make_system(Eigen::VectorXd::LinSpaced(n, 1, 5), std::move(bonds));
+    scene.run.dt_fs = 1000;
+    scene.run.temperature_k = kT / kBoltzmann;
+    scene.run.thermostat = "langevin";
+    scene.run.pressure_bar = 40 * kBarPerUnit;  // 40 kJ/mol/nm³
+    scene.run.compressibility_per_bar = 1 / scene.run.pressure_bar;
+    scene.run.barostat_every = 1;
+    scene.run.barostat_ps = 40;
+    s.box.edge = Vec3::Constant(std::cbrt(molecules * kT / 40));
+    s.x = Vectors::Random(3, n);
+    s.v = Vectors::Zero(3, n);
+    s.f = s.v;
+    scene.start.box = s.box;
+  }
+
+  // Means over many steps of V P₀/kT and its square, from the middle on of each block; velocities are drawn
+  // anew each step.
+  struct Volumes {
+    Estimate mean, square;
+  };
+  Volumes volumes(const std::string& barostat, const std::string& coupling, long steps) {
+    scene.run.barostat = barostat;
+    scene.run.coupling = coupling;
+    ForceField forces(scene.system, s.box, {});
+    const auto box = make_barostat(scene, 5, forces);
+    RunningMean mean, square;
+    for (long n = 0; n < steps; ++n) {
+      for (int a = 0; a < scene.system.atoms(); ++a)
+        s.v.col(a) = std::sqrt(kT / scene.system.mass[a]) * random.normal_vector();
+      for (const auto& [i, j, d] : scene.system.bonds) rigid_rotor(i, j);
+      box->after_step(s, s.f);
+      box->move(scene.system, s);
+      if (n < steps / 20) continue;
+      const double v = s.box.volume() * 40 / kT;
+      mean.add(v);
+      square.add(v * v);
+    }
+    return {mean.estimate(), square.estimate()};
+  }
+
+  // Takes the part along the bond out, as masses have it.
+  void rigid_rotor(int i, int j) {
+    const Vec3 r = s.x.col(j) - s.x.col(i);
+    const auto& m = scene.system.inv_mass;
+    const double impulse = r.dot(s.v.col(j) - s.v.col(i)) / (r.squaredNorm() * (m[i] + m[j]));
+    s.v.col(i) += m[i] * impulse * r;
+    s.v.col(j) -= m[j] * impulse * r;
+  }
+};
+
+// V of N free molecules at T and P has the density V^N exp(−PV/kT): the gamma distribution of shape N + 1,
+// ⟨V⟩ = (N + 1) kT/P,   ⟨V²⟩ = (N + 1)(N + 2)(kT/P)².
+void expect_gamma(const IdealGas::Volumes& volumes, int molecules) {
+  const double N = molecules;
+  EXPECT_GT(volumes.mean.error, 0);
+  EXPECT_LT(volumes.mean.error, 0.2);  // so that N would show
+  EXPECT_NEAR(volumes.mean.value, N + 1, 4 * volumes.mean.error);
+  EXPECT_NEAR(volumes.square.value, (N + 1) * (N + 2), 4 * volumes.square.error);
+}
+
+struct Case {
+  const char *barostat, *coupling;
+};
+class Barostats : public ::testing::TestWithParam<Case> {};
+
+TEST_P(Barostats, GiveAnIdealGasItsVolumes) {
+  IdealGas gas(30, 1);
+  expect_gamma(gas.volumes(GetParam().barostat, GetParam().coupling, 200000), 30);
+}
+
+// Only the centres count.
+TEST_P(Barostats, GiveAGasOfRigidDimersItsVolumes) {
+  std::vector<RigidBond> bonds;
+  for (int k = 0; k < 20; ++k) bonds.push_back({2 * k, 2 * k + 1, 0.1});
+  IdealGas gas(20, 2, bonds);
+  for (const auto& [i, j, d] : bonds) gas.s.x.col(j) = gas.s.x.col(i) + d * gas.random.unit_vector();
+  expect_gamma(gas.volumes(GetParam().barostat, GetParam().coupling, 200000), 20);
+  EXPECT_LT(bond_errors(gas.scene.system, gas.s.x).max, 1e-6);  // rounding, of all these moves
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Barostats,
+                         ::testing::Values(Case{"c-rescale", "isotropic"},
+                                           Case{"c-rescale", "semi-isotropic"},
+                                           Case{"c-rescale", "anisotropic"},
+                                           Case{"monte-carlo", "isotropic"}),
+                         [](const auto& test) { return "case" + std::to_string(test.index); });
+
+// All forces end at zero: switched, and in a conductor's reaction field or under Ewald's sum.
+Scene water(std::vector<std::string> more, bool pme = false) {
+  for (const char* key : {"forcefield.switch_nm=0.75", "run.dt_fs=1"}) more.push_back(key);
+  more.push_back(pme ? "forcefield.coulomb=pme" : "forcefield.rf_dielectric=1e9");
+  return scene_of("water", more);
+}
+
+// The centres of molecules of three and the box strained by 1 + ε along an edge, the molecules as they are.
+double energy_strained(const Scene& scene, State s, int edge, double by) {
+  const System& sys = scene.system;
+  Vec3 scale = Vec3::Ones();
+  scale[edge] += by;
+  s.box = s.box.scaled(scale);
+  for (int o = 0; o < sys.atoms(); o += 3) {
+    const Vec3 centre = s.x.middleCols<3>(o) * sys.mass.segment<3>(o) / sys.mass.segment<3>(o).sum();
+    s.x.middleCols<3>(o).row(edge).array() += by * centre[edge];
+  }
+  ForceField forces(sys, s.box, scene.terms);
+  forces(sys, s);
+  return forces.potential();
+}
+
+// V P = Σ M V² − dE/dε, the bonds held: virtual work.
+TEST(CellRescaling, IsDrivenByThePressureOfTheCentres) {
+  for (const bool pme : {false, true}) {
+    const Scene scene = water({}, pme);
+    State s = scene.start;
+    ForceField forces(scene.system, s.box, scene.terms);
+    forces(scene.system, s);
+    const Vec3 P = CellRescaling(scene.system, scene.run, 1, forces).pressure(s, s.f);
+    for (int edge = 0; edge < 3; ++edge) {
+      double expected = 0;
+      for (int o = 0; o < scene.system.atoms(); o += 3) {
+        const auto mass = scene.system.mass.segment<3>(o);
+        expected += std::pow(s.v.middleCols<3>(o).row(edge).dot(mass), 2) / mass.sum();
+      }
+      const double step = 1e-7;  // so that no pair crosses the cutoff
+      expected -=
+          (energy_strained(scene, s, edge, step) - energy_strained(scene, s, edge, -step)) / (2 * step);
+      EXPECT_NEAR(P[edge] * s.box.volume(), expected, 1e-4 * std::abs(expected)) << pme << edge;
+    }
+  }
+}
+
+// What no barostat does is done by a barostat no worse: bonds, and what methods know of them.
+class Held : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(Held, BondsAreWhatTheyAreWithoutABarostat) {
+  const auto errors = [&](std::vector<std::string> keys) {
+    for (const char* key : {"run.steps=300", "run.log_every=5", "run.thermostat=langevin"})
+      keys.push_back(key);
+    keys.push_back(std::string("method.name=") + GetParam());
+    Simulation simulation(water(std::move(keys)));
+    const double before = simulation.state().box.volume();
+    const Summary summary = simulation.run({});
+    return std::pair(summary, simulation.state().box.volume() / before);
+  };
+  const auto [fixed, same] = errors({});
+  EXPECT_EQ(same, 1);
+  // Pushed hard, every step: by 2000 bar, which takes some percent of the volume.
+  for (const char* barostat : {"c-rescale", "monte-carlo"}) {
+    const auto [moved, shrunk] = errors({std::string("run.barostat=") + barostat, "run.barostat_every=1",
+                                         "run.pressure_bar=2000", "forcefield.cutoff_nm=0.85"});
+    EXPECT_LT(shrunk, 0.995) << barostat;
+    // A trial of Monte Carlo's is a jump of all forces, which feedforward does not foresee.
+    const bool jumps = barostat == std::string("monte-carlo") && GetParam() == std::string("feedforward");
+    const double leeway = jumps ? 20 : 1;
+    EXPECT_LT(moved.rms_rel_bond_error, leeway * 1.3 * fixed.rms_rel_bond_error + 1e-13) << barostat;
+    EXPECT_LT(moved.max_rel_bond_error, leeway * 2 * fixed.max_rel_bond_error + 1e-12) << barostat;
+  }
+}
+INSTANTIATE_TEST_SUITE_P(All, Held, ::testing::Values("newton", "feedforward", "baumgarte", "settle"),
+                         [](const auto& test) { return std::string(test.param); });
+
+// Each edge by itself, two of them alike, all alike.
+TEST(CellRescaling, CouplesEdgesAsItIsTold) {
+  for (const auto& [coupling, xy, xz] : {std::tuple{"isotropic", true, true},
+                                         {"semi-isotropic", true, false},
+                                         {"anisotropic", false, false}}) {
+    Simulation simulation(water({"run.steps=50", "run.thermostat=langevin", "run.barostat=c-rescale",
+                                 std::string("run.coupling=") + coupling}));
+    simulation.run({});
+    const Vec3 edge = simulation.state().box.edge;
+    EXPECT_EQ(std::abs(edge.x() / edge.y() - 1) < 1e-12, xy) << coupling;
+    EXPECT_EQ(std::abs(edge.x() / edge.z() - 1) < 1e-12, xz) << coupling;
+    EXPECT_NE(edge.x(), simulation.scene().start.box.edge.x()) << coupling;
+  }
+}
+
+TEST(Barostat, StopsBeforeTheBoxIsTooSmallForTheCutoff) {
+  Simulation simulation(water({"run.steps=2000", "run.thermostat=langevin", "run.barostat=c-rescale",
+                               "run.pressure_bar=20000", "run.log_every=1000"}));
+  try {
+    simulation.run({});
+    FAIL() << "it went on in a box of " << simulation.state().box.edge.x() << " nm";
+  } catch (const SimulationFailure& e) {
+    EXPECT_NE(std::string(e.what()).find("the box has shrunk"), std::string::npos) << e.what();
+  }
+}
+
+}  // namespace
+}  // namespace taut
