@@ -65,11 +65,11 @@ int CustomForce::recognize(const std::vector<KnownEnergy>& known) {
   return -1;
 }
 
-void CustomForce::refuse_energy(const std::vector<KnownEnergy>& known) const {
+void CustomForce::refuse_energy(const std::vector<KnownEnergy>& known, const char* remedy) const {
   std::vector<std::string_view> texts;
   for (const auto& k : known) texts.emplace_back(k.text);
-  force_.refuse(fmt::format("has the energy {}: taut knows {}, or what equals a multiple of one", text_,
-                            fmt::join(texts, " and ")));
+  force_.refuse(fmt::format("has the energy {}: taut knows {}, or what equals a multiple of one{}", text_,
+                            fmt::join(texts, " and "), remedy));
 }
 
 void CustomForce::read(const Element& term, std::vector<Field> fields) {

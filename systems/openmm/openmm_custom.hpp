@@ -26,7 +26,8 @@ class CustomForce {
 
   // Which of the known energies it has; its parameters go by their names from then on. None: -1.
   int recognize(const std::vector<KnownEnergy>& known);
-  [[noreturn]] void refuse_energy(const std::vector<KnownEnergy>& known) const;
+  // `remedy`: what to do instead, if anything.
+  [[noreturn]] void refuse_energy(const std::vector<KnownEnergy>& known, const char* remedy = "") const;
 
   // Reads a term: its own fields, and the parameters it gives.
   void read(const Element& term, std::vector<Field> fields);

@@ -10,6 +10,8 @@ namespace taut {
 namespace {
 
 constexpr std::size_t kMostTypes = 500;
+// CHARMM's force switch comes as an energy of its own.
+constexpr const char* kRemedy = "; to switch Lennard-Jones off give the force a switchingDistance";
 
 const std::vector<KnownEnergy>& known() {
   static const std::vector<KnownEnergy> kAll = {{kWcaEnergy, {{"sigma"}, {"epsilon"}}},
@@ -96,7 +98,7 @@ void read_types(const ForceReading& r, CustomForce& p, LennardJonesTable& table)
   for (const auto& one : types)
     for (const auto& two : types) {
       const PowerLaw law([&](double at) { return p.pair_energy(one.first, two.first, at); });
-      if (!law.fits) p.refuse_energy(known());
+      if (!law.fits) p.refuse_energy(known(), kRemedy);
       table.a(one.second, two.second) = law.a;
       table.b(one.second, two.second) = law.b;
     }
