@@ -118,6 +118,7 @@ TEST(KnownEnergies, AreNotWhatLooksLikeThem) {
 TEST(KnownEnergies, HaveEverySpellingOfTheHarmonicImproper) {
   for (const char* text :
        {"k*min(dtheta, 2*pi-dtheta)^2; dtheta = abs(theta-theta0);pi = 3.141593;",
+        "k*min(dtheta, 2*pi-dtheta)^2; dtheta = abs(theta-theta0);pi = 3.141592;",
         "k*min(dtheta, 2*3.141592653589793-dtheta)^2; dtheta = abs(theta-theta0)",
         "k*dtheta_torus^2; dtheta_torus = dtheta - floor(dtheta/(2*pi)+0.5)*(2*pi); dtheta = theta - theta0; "
         "pi = 3.14159265359",
