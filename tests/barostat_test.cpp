@@ -187,6 +187,29 @@ TEST_P(Held, BondsAreWhatTheyAreWithoutABarostat) {
 INSTANTIATE_TEST_SUITE_P(All, Held, ::testing::Values("newton", "feedforward", "baumgarte", "settle"),
                          [](const auto& test) { return std::string(test.param); });
 
+// Momentum and length change by opposite factors, what turns within a group by none: and the heat is told.
+TEST(CellRescaling, ScalesVelocitiesOfCentresAgainstTheBox) {
+  IdealGas gas(3, 2, {{0, 1, 0.1}, {2, 3, 0.1}, {4, 5, 0.1}});
+  gas.s.v.setRandom();
+  const System& sys = gas.scene.system;
+  gas.scene.run.barostat = "c-rescale";
+  gas.scene.run.coupling = "anisotropic";
+  ForceField forces(sys, gas.s.box, {});
+  const auto barostat = make_barostat(gas.scene, 7, forces);
+  const State before = gas.s;
+  barostat->after_step(gas.s, gas.s.f);
+  const double given = barostat->move(sys, gas.s);
+  EXPECT_NEAR(given, kinetic_energy(sys, gas.s.v) - kinetic_energy(sys, before.v), 1e-12);
+  EXPECT_GT(std::abs(given), 1e-3);
+  const auto scaled = [](const Vec3& sum, const State& s) { return sum.cwiseProduct(s.box.edge).eval(); };
+  for (int a = 0; a < 6; a += 2) {
+    const Vec3 now = gas.s.v.middleCols<2>(a) * sys.mass.segment<2>(a);
+    const Vec3 then = before.v.middleCols<2>(a) * sys.mass.segment<2>(a);
+    EXPECT_LT((scaled(now, gas.s) - scaled(then, before)).norm(), 1e-12);
+    EXPECT_LT((gas.s.v.col(a) - gas.s.v.col(a + 1) - before.v.col(a) + before.v.col(a + 1)).norm(), 1e-12);
+  }
+}
+
 // Each edge by itself, two of them alike, all alike.
 TEST(CellRescaling, CouplesEdgesAsItIsTold) {
   for (const auto& [coupling, xy, xz] : {std::tuple{"isotropic", true, true},
