@@ -31,6 +31,17 @@ void print_course(const char* name, const std::vector<double>& values) {
   fmt::print("\n");
 }
 
+// What so many sweeps are known to leave, and what the reference's did; molecules alike in a line each.
+void print_shapes(const Calibration& c) {
+  constexpr std::size_t kMost = 6;
+  for (std::size_t n = 0; n < std::min(c.shapes.size(), kMost); ++n) {
+    fmt::print("  its {}\n", c.shapes[n].name);
+    print_course("  foretold", c.shapes[n].foretold);
+    print_course("  measured", c.shapes[n].measured);
+  }
+  if (c.shapes.size() > kMost) fmt::print("  and {} shapes more (--json has all)\n", c.shapes.size() - kMost);
+}
+
 // What makes `taut run` run what was measured.
 std::string run_line(const CalibrateArguments& arguments, const Calibration& c) {
   CommandLine line("run", arguments.scene);
@@ -52,10 +63,15 @@ void print(const Scene& scene, const CalibrateArguments& arguments, const Calibr
   fmt::print("\n");
   print_course(plan.against.c_str(), c.reference.stretch);
   print_course("baumgarte", c.baumgarte.stretch);
+  print_course("  foretold", c.foretold);
+  print_shapes(c);
   fmt::print(
-      "\n{} ({}) reduces it by {:.4g} a step, over {} steps\n", plan.against,
+      "\n{} ({}) reduces it by {:.4g} a step, {}\n", plan.against,
       plan.sweeps > 0 ? fmt::format("{} sweeps", plan.sweeps) : fmt::format("tolerance {:g}", plan.tolerance),
-      c.reduction_reference, c.window);
+      c.reduction_reference,
+      plan.copies == "slowest" ? "where its sweeps leave most"
+      : plan.copies == "first" ? "its first"
+                               : fmt::format("over {} steps", c.window));
   fmt::print(
       "baumgarte, {} damping, {} a step, does so with\n"
       "  alpha_per_ps = {:.6g}   beta_per_ps = {:.6g}   (αh = {:.4g}, βh = {:.4g}), that is\n  {}\n\n",
@@ -65,9 +81,9 @@ void print(const Scene& scene, const CalibrateArguments& arguments, const Calibr
   const auto row = [](const char* what, double predicted, double measured) {
     fmt::print("{:34} {:>10.4g} {:>10.4g}\n", what, predicted, measured);
   };
-  row("reduction a step, σ of a stretch", c.reduction_predicted, c.reduction_measured);
-  row("reduction a step, σ̇ of a stretch", c.reduction_predicted, c.reduction_of_rate);
-  row("reduction a step, σ of a rate", c.reduction_predicted, c.reduction_after_rate);
+  row("reduction a step, σ of a stretch", c.of_stretch.predicted, c.of_stretch.measured);
+  row("reduction a step, σ̇ of a stretch", c.of_rate.predicted, c.of_rate.measured);
+  row("reduction a step, σ of a rate", c.after_rate.predicted, c.after_rate.measured);
   row("floor, rms σ/d²", c.floor_predicted, c.floor_measured);
   if (const std::string why = disagreement(plan, c); !why.empty()) fmt::print("\n{}\n", why);
 }
@@ -80,10 +96,11 @@ void calibrate_scene(const CalibrateArguments& arguments) {
   const Calibration c = calibrate(scene, arguments.plan);
   print(scene, arguments, c);
   if (!arguments.json) return;
-  const nlohmann::ordered_json json = {
+  nlohmann::ordered_json json = {
       {"scene", scene.name},
       {"against", arguments.plan.against},
       {"sweeps", arguments.plan.sweeps},
+      {"copies", arguments.plan.copies},
       {"dt_fs", scene.run.dt_fs},
       {"method",
        {{"name", "baumgarte"},
@@ -95,14 +112,20 @@ void calibrate_scene(const CalibrateArguments& arguments) {
       {"reduction_rattle", c.reduction_reference},
       {"alpha_per_ps", c.alpha_per_ps},
       {"beta_per_ps", c.beta_per_ps},
-      {"reduction_predicted", c.reduction_predicted},
-      {"reduction_measured", c.reduction_measured},
-      {"reduction_measured_rate", c.reduction_of_rate},
+      {"reduction_predicted", c.of_stretch.predicted},
+      {"reduction_measured", c.of_stretch.measured},
+      {"reduction_predicted_rate", c.of_rate.predicted},
+      {"reduction_measured_rate", c.of_rate.measured},
+      {"reduction_predicted_after_rate", c.after_rate.predicted},
+      {"reduction_measured_after_rate", c.after_rate.measured},
       {"floor_predicted", c.floor_predicted},
       {"floor_measured", c.floor_measured},
       {"left_whatever_the_gains", c.left},
       {"disagreement", disagreement(arguments.plan, c)},
   };
+  for (const ShapeCourse& shape : c.shapes)
+    json["shapes"].push_back(
+        {{"name", shape.name}, {"foretold", shape.foretold}, {"measured", shape.measured}});
   AtomicFile file(*arguments.json);
   file.write(json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   file.commit();
@@ -121,6 +144,8 @@ void add_calibrate(Commands& commands) {
   command
       .option("--sweeps", arguments->plan.sweeps, "that method takes just so many, in place of a tolerance")
       .excludes(tolerance);
+  command.option("--copies", arguments->plan.copies,
+                 "mean, first or slowest: what of an error's course gains copy where steps are not alike");
   command.option("--damping", arguments->plan.damping, "discrete, centred, implicit or lagged");
   command.option("--passes", arguments->plan.passes, "solves a step of Baumgarte's").positive();
   command.option("--dt-fs", arguments->dt_fs, "step length [fs]");

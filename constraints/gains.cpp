@@ -20,6 +20,7 @@ DimensionlessGains named(const GainChoice& choice, Damping damping, double mu, d
                                          : DimensionlessGains{0.1, std::numbers::sqrt2};
   if (name == "dead-beat" || name == "hoomd") return gains_for_root(0, damping);
   if (name == "rattle") return gains_for_decay(choice.reduction, damping);
+  if (name == "swept") return gains_for_sweeps(choice.reduction, damping);
   if (name == "critical")
     return damping == Damping::kLagged ? DimensionlessGains{0.5, 0.5} : DimensionlessGains{1, 1};
   if (name == "physical") {
@@ -54,7 +55,7 @@ void check(const Gains& g, Damping damping, double h) {
 }  // namespace
 
 std::vector<std::string_view> gain_names() {
-  return {"reversible", "dead-beat", "rattle", "critical", "physical", "hoomd", "box2d", "numbers"};
+  return {"reversible", "dead-beat", "rattle", "swept", "critical", "physical", "hoomd", "box2d", "numbers"};
 }
 
 std::vector<Gains> choose_gains(const GainChoice& choice, Damping damping, const System& sys, double h) {

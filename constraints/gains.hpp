@@ -24,6 +24,8 @@ struct Gains {
 //               doi:10.1006/jcph.2001.6718), is r·a + |v_half|² + 2σ̇/h + 2σ/h² + 2h v_half·a = 0 in the end
 //               velocity's σ̇
 //   rattle      roots `reduction` and 0: an error shrinks by `reduction` a step, as RATTLE does (taut calibrate)
+//   swept       a pair of roots of modulus `reduction`: what a fixed number of sweeps of RATTLE's does to an error of
+//               which they leave that share (taut calibrate --copies slowest)
 //   critical    α = β = 1/h
 //   physical    α = β = √(stiffness/μ), the bond as the real one swings, critically damped; capped, where the
 //               step cannot bear it, at βh = 1.9
@@ -35,7 +37,7 @@ struct Gains {
 struct GainChoice {
   std::string name = "reversible";
   std::optional<double> alpha_per_ps = {}, beta_per_ps = {};  // [1/ps]
-  double reduction = 0;                                       // of an error a step, for "rattle"
+  double reduction = 0;                                       // of an error a step, for "rattle" and "swept"
   double stiffness = 4.5e5;                                   // of a real bond, for "physical" [kJ/mol/nm²]
 };
 

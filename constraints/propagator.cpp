@@ -81,6 +81,12 @@ DimensionlessGains gains_for_root(double r, Damping damping) {
   return {(1 - r * r) / q, std::sqrt(2 / q) * (1 - r)};
 }
 
+DimensionlessGains gains_for_sweeps(double t, Damping damping) {
+  const double q = 1 + t * t;
+  if (damping == Damping::kLagged) return {(1 - t * t) / 2, std::sqrt(1 - t)};
+  return {(1 - t * t) / q, std::sqrt(2 - 2 * t * (1 + t) / q)};
+}
+
 double floor_of(double ah, double bh, double h, const Motion& m, Damping damping) {
   if (damping == Damping::kDiscrete) return 0;
   double fed = 0.25 * std::pow(h, 4) * m.a_squared;

@@ -60,6 +60,13 @@ DimensionlessGains gains_for_decay(double r, Damping damping);
 //   1−r
 DimensionlessGains gains_for_root(double r, Damping damping);
 
+// (αh, βh) of the recurrence σ₊ = (t + t²)σ − t²σ₋, a pair of roots of modulus t: what RATTLE with a fixed
+// number of sweeps does to an error of which they leave the share t (studies/swept_errors.hpp), to the last
+// step of it. 0 ≤ t < 1; t = 0 is dead-beat.
+//   discrete, centred, implicit: αh = (1−t²)/(1+t²), (βh)² = 2 − 2t(1+t)/(1+t²);   lagged: αh = (1−t²)/2,
+//   (βh)² = 1−t
+DimensionlessGains gains_for_sweeps(double t, Damping damping);
+
 // What no gain removes: the σ [nm²] at which a bond settles that moves with v = |v_ij| [nm/ps], a = |a_ij|
 // [nm/ps²] and v·a = va, taken as slowly varying, λ known:
 //   discrete: 0

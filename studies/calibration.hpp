@@ -18,6 +18,12 @@ struct CalibrationPlan {
   std::string against = "rattle";  // rattle, shake or newton
   double tolerance = 1e-10;        // of the reference method, where sweeps = 0
   int sweeps = 0;                  // more than 0: the reference (rattle, shake) takes just so many
+  // What gains copy of a reference whose errors do not shrink alike from step to step:
+  //   mean     its mean reduction down to a twentieth: roots that and 0
+  //   first    its first step's: roots that and 0
+  //   slowest  the course of the error that its sweeps leave most of (swept_errors.hpp): rattle and sweeps
+  //   alone
+  std::string copies = "mean";
   std::string damping = "centred";
   int passes = 2;  // of Baumgarte; one leaves what its guess of λ misses by, which hides small reductions
   double size = 1e-6;  // of the error put in, relative
@@ -31,24 +37,35 @@ struct Course {
   std::vector<double> rate;
 };
 
+// The reference's course where bonds are tied together alike, beside what its sweeps are known to do.
+struct ShapeCourse {
+  std::string name;  // "216 of 3 bonds"
+  std::vector<double> foretold, measured;
+};
+
 struct Calibration {
   int window = 0;                            // steps over which reductions are taken
-  double reduction_reference = 0;            // a step, of a stretch, from the step that first sees it
+  double reduction_reference = 0;            // a step, of a stretch, as plan.copies asks
+  std::vector<ShapeCourse> shapes;           // of rattle with so many sweeps
   Baumgarte::Options method;                 // what was measured, to the last digit: gains = "rattle"
   double alpha_per_ps = 0, beta_per_ps = 0;  // what that comes to
   double left = 0;                           // share of a stretch that no gain takes away, rms
-  double reduction_predicted = 0;            // by the propagator
-  // by Baumgarte with these gains: a stretch's σ and σ̇, and the σ of a rate put in
-  double reduction_measured = 0, reduction_of_rate = 0, reduction_after_rate = 0;
+  // A step, by Baumgarte with these gains: a stretch's σ and σ̇, and the σ of a rate put in; by the
+  // propagator, and measured. Of an error that swings: of its squares' sums.
+  struct Reduction {
+    double predicted = 0, measured = 0;
+  };
+  Reduction of_stretch, of_rate, after_rate;
   double floor_predicted = 0, floor_measured = 0;  // rms over bonds and steps of σ/d², nothing put in
+  std::vector<double> foretold;                    // Baumgarte's course of the stretch, by the propagator
   Course reference, baumgarte;                     // of a stretch
 };
 
 // Throws InputError for a scene without bonds or a reference that is not one of the three.
 Calibration calibrate(const Scene& scene, const CalibrationPlan& plan);
 
-// Where a measured figure is more than a tenth off the predicted one: which, why, and what to do, in a line;
-// else empty.
+// Where a measured figure is more than a twentieth off the predicted one: which, why, and what to do, in a
+// line; else empty.
 std::string disagreement(const CalibrationPlan& plan, const Calibration& c);
 
 // The method measured as `taut run --set` takes it, {"method.name=baumgarte", ...}.

@@ -154,7 +154,8 @@ TEST(Gains, ReversibleOnesAreWeaklyDamped) {
 
 TEST(Gains, NamesAreKnownAndOthersRefused) {
   const System sys = testing::rotor(1).system;
-  for (const char* name : {"reversible", "dead-beat", "rattle", "critical", "physical", "hoomd", "box2d"})
+  for (const char* name :
+       {"reversible", "dead-beat", "rattle", "swept", "critical", "physical", "hoomd", "box2d"})
     EXPECT_NO_THROW(choose_gains({.name = name}, Damping::kCentred, sys, 0.001)) << name;
   EXPECT_THROW(choose_gains({.name = "dead-beet"}, Damping::kCentred, sys, 0.001), InputError);
   EXPECT_THROW(choose_gains({.name = "numbers", .alpha_per_ps = 1.0}, Damping::kCentred, sys, 0.001),
@@ -176,12 +177,14 @@ TEST(Gains, AreThoseOfTheirNames) {
     expect("dead-beat", damping, 1, root2);
     expect("hoomd", damping, 1, root2);  // 2ασ̇ = 2σ̇/h, β²σ = 2σ/h²
     expect("rattle", damping, 1, std::sqrt(1.5));
+    expect("swept", damping, 15 / 17.0, std::sqrt(2 - 10 / 17.0));  // 2 − ½(1 + ¼)/(1 + 1/16)
     expect("critical", damping, 1, 1);
     expect("box2d", damping, pi, pi / 2);  // a spring of ¼/h hertz, β = 2π·¼/h, damping ratio α/β = 2
   }
   expect("critical", Damping::kLagged, 0.5, 0.5);
   expect("dead-beat", Damping::kLagged, 0.5, 1);
   expect("rattle", Damping::kLagged, 0.5, std::sqrt(0.75));
+  expect("swept", Damping::kLagged, 15 / 32.0, std::sqrt(0.75));
 }
 
 // |v|² and, under centred damping, v·a are taken with λ*: where bonds meet one pass feeds

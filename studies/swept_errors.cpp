@@ -1,0 +1,87 @@
+#include "studies/swept_errors.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <map>
+
+#include "constraints/bond_graph.hpp"
+
+namespace taut {
+
+Eigen::VectorXd SweptErrors::swept(const Eigen::VectorXd& sigma) const {
+  Vectors moved = Vectors::Zero(3, sys_.atoms());
+  const auto left = [&](int k) {
+    const auto& [i, j, d] = sys_.bonds[k];
+    return sigma[k] + (x_.col(j) - x_.col(i)).dot(moved.col(j) - moved.col(i));
+  };
+  for (int sweep = 0; sweep < sweeps_; ++sweep)
+    for (int k = 0; k < sys_.bond_count(); ++k) {
+      const auto& [i, j, d] = sys_.bonds[k];
+      const Vec3 r = x_.col(j) - x_.col(i);
+      const double g = -left(k) / ((sys_.inv_mass[i] + sys_.inv_mass[j]) * r.squaredNorm());
+      moved.col(i) -= sys_.inv_mass[i] * g * r;
+      moved.col(j) += sys_.inv_mass[j] * g * r;
+    }
+  Eigen::VectorXd after(sigma.size());
+  for (int k = 0; k < sys_.bond_count(); ++k) after[k] = left(k);
+  return after;
+}
+
+std::vector<Eigen::VectorXd> SweptErrors::course(Eigen::VectorXd stretch, int steps) const {
+  std::vector<Eigen::VectorXd> course = {std::move(stretch)};
+  Eigen::VectorXd rate = Eigen::VectorXd::Zero(course[0].size());
+  for (int n = 0; n < steps; ++n) {
+    const Eigen::VectorXd next = swept(course[n] + rate);
+    rate = swept(next - course[n]);
+    course.push_back(next);
+  }
+  return course;
+}
+
+// By its powers, from an error that has a part of all; pairs that turn average out over half of them.
+double SweptErrors::slowest() const {
+  constexpr int kPowers = 200;
+  Eigen::VectorXd error(sys_.bond_count());
+  for (int k = 0; k < sys_.bond_count(); ++k) error[k] = std::pow(sys_.bonds[k].length, 2) * (1 + k % 7);
+  double log_of_half = 0;
+  for (int n = 0; n < kPowers; ++n) {
+    const double before = error.norm();
+    error = swept(error);
+    const double after = error.norm();
+    if (!(after > 1e-12 * before)) return 0;
+    if (n >= kPowers / 2) log_of_half += std::log(after / before);
+    error /= after;
+  }
+  return std::exp(log_of_half / (kPowers - kPowers / 2));
+}
+
+std::vector<ClusterShape> cluster_shapes(const System& sys) {
+  std::vector<IndexPair> pairs;
+  for (const auto& [i, j, d] : sys.bonds)
+    if (sys.mass[i] > 0 && sys.mass[j] > 0) pairs.push_back({i, j});
+  const std::vector<int> cluster_of_atom = connected_components(sys.atoms(), pairs);
+  std::map<int, std::vector<int>> clusters;  // their bonds
+  for (int k = 0; k < sys.bond_count(); ++k) {
+    const auto& [i, j, d] = sys.bonds[k];
+    clusters[cluster_of_atom[sys.mass[i] > 0 ? i : j]].push_back(k);
+  }
+  std::map<std::vector<double>, std::size_t> known;
+  std::vector<ClusterShape> shapes;
+  std::vector<int> counts;
+  for (const auto& [first, bonds] : clusters) {
+    std::vector<double> kind;
+    for (const int k : bonds)
+      for (const double number : {sys.mass[sys.bonds[k].i], sys.mass[sys.bonds[k].j], sys.bonds[k].length})
+        kind.push_back(number);
+    const std::size_t shape = known.try_emplace(kind, known.size()).first->second;
+    shapes.resize(known.size());
+    counts.resize(known.size(), 0);
+    shapes[shape].name =
+        fmt::format("{} of {} bond{}", ++counts[shape], bonds.size(), bonds.size() == 1 ? "" : "s");
+    shapes[shape].bonds.insert(shapes[shape].bonds.end(), bonds.begin(), bonds.end());
+  }
+  return shapes;
+}
+
+}  // namespace taut
