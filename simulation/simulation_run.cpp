@@ -23,6 +23,12 @@ bool finite(const State& s) {
   return s.x.allFinite() && s.v.allFinite() && s.f.allFinite();
 }
 
+// Its own limit is that of the λ it starts from: extrapolated, that runs ahead of bonds that turn far in a
+// step.
+void explain_feedforward(Diagnosis& d) {
+  d.advice = "take a shorter step, or method.extrapolation = 0, which bears steps as long as shake's";
+}
+
 // It fails by its nature, whatever the scene: a bond turning at ω is too long by (ωh)²(ωt)²/8 of itself.
 void explain_none(Diagnosis& d) {
   d.cause = "a bond ran off: with none nothing brings an error back, it grows as (time × step)²";
@@ -247,6 +253,8 @@ std::optional<Diagnosis> Simulation::wrong_with_next_step() {
   }
   if (scene_.method.name() == "none" && stats.converged() && stats.max_residual >= plan.broken_at)
     explain_none(d);
+  if (scene_.method.name() == "feedforward" && stats.failure == Failure::kSingularOrTurned)
+    explain_feedforward(d);
   return d;
 }
 

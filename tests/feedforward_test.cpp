@@ -111,6 +111,24 @@ TEST(Feedforward, TakesASecondSolveAtACollisionOnly) {
   EXPECT_LT(bond_errors(p.system, p.state.x).max, 1e-5);
 }
 
+// λ is found before a thermostat rescales the velocities: the next step is off by ½h²(c² − 1)|v|², the one
+// after is not.
+TEST(Feedforward, IsOffForAStepWhereVelocitiesAreRescaled) {
+  const double h = 0.01, c = 1.01, omega = 3;
+  const auto start = testing::rotor(omega);
+  State s = start.state;
+  NoForce forces;
+  Feedforward method(start.system, {}, h);
+  initialize({start.system, forces, method}, s);
+  for (int n = 0; n < 10; ++n) EXPECT_TRUE(step({start.system, forces, method}, h, s).converged());
+  s.v *= c;
+  EXPECT_TRUE(step({start.system, forces, method}, h, s).converged());
+  const double off = bond_errors(start.system, s.x).max;  // of the length: σ/d²
+  EXPECT_NEAR(off / (0.5 * h * h * (c * c - 1) * omega * omega), 1, 0.02);
+  EXPECT_TRUE(step({start.system, forces, method}, h, s).converged());
+  EXPECT_LT(bond_errors(start.system, s.x).max, 1e-4 * off);
+}
+
 // Sideways so fast that |σ_next| is over 10³·|r_next·r|: no force along the bond brings it back.
 TEST(Feedforward, SaysThatBondsRunAway) {
   const auto start = testing::rotor(6000);  // 60 lengths a step

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "md/errors.hpp"
 #include "md/random.hpp"
 #include "md/units.hpp"
 #include "simulation/doubts.hpp"
@@ -291,6 +292,23 @@ TEST(Account, SaysHowFarADriftKeepsTheThermostatOff) {
   EXPECT_NEAR((s.temperature - 298.15) / *s.off_by_k, 1, 0.4);
   ASSERT_EQ(s.doubts.size(), 1u);
   EXPECT_NE(s.doubts[0].find("which the thermostat leaves"), std::string::npos);
+}
+
+// Its own limit, below shake's, is that of the λ it extrapolates to: it says so, and without it holds what
+// shake holds.
+TEST(Feedforward, TellsOfItsExtrapolation) {
+  const auto longest = [](const char* method, const char* setting) {
+    return Simulation(scene_of("water", {method, setting, "run.dt_fs=8", "run.steps=200"})).run({});
+  };
+  EXPECT_EQ(longest("method.name=shake", "method.tolerance=1e-8").steps, 200);
+  const Summary unextrapolated = longest("method.name=feedforward", "method.extrapolation=0");
+  EXPECT_EQ(unextrapolated.steps, 200);
+  EXPECT_LT(unextrapolated.max_rel_bond_error, 4e-5);
+  Simulation failing(scene_of("water", {"method.name=feedforward", "run.dt_fs=8", "run.steps=200"}));
+  EXPECT_THROW(failing.run({}), SimulationFailure);
+  const auto diagnosis = failing.diagnose();
+  ASSERT_TRUE(diagnosis);
+  EXPECT_NE(diagnosis->advice.find("method.extrapolation = 0"), std::string::npos) << diagnosis->advice;
 }
 
 }  // namespace
