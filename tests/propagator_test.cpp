@@ -15,7 +15,6 @@ namespace {
 
 using testing::NoForce;
 
-
 Baumgarte::Options options_for(double ah, double bh, Damping damping, double h) {
   return {.gains = "numbers",
           .damping = std::string(name_of(damping)),
@@ -80,6 +79,10 @@ TEST(Propagator, WantedRootsAreFound) {
       const Propagator q(one.ah, one.bh, damping);
       EXPECT_NEAR(q.trace, r, 1e-14);
       EXPECT_NEAR(q.determinant, 0, 1e-14);
+      const auto swept = gains_for_sweeps(r, damping);
+      const Propagator s(swept.ah, swept.bh, damping);
+      EXPECT_NEAR(s.trace, r + r * r, 1e-14);
+      EXPECT_NEAR(s.determinant, r * r, 1e-14);
     }
 }
 
@@ -207,6 +210,52 @@ TEST(Floor, IsWhatIsSaidOfEachDamping) {
               1e-15);
   EXPECT_NEAR(floor_of(ah, bh, h, motion, Damping::kLagged),
               (fed - ah * h * h * (v - 0.5 * h * a).squaredNorm()) / (bh * bh), 1e-15);
+}
+
+// The smallest stretch from which a bond at rest does not come back, (βh)² = bh2; to 6 %.
+double bearable_stretch(double ah, double bh2, const char* damping, int passes) {
+  const double h = 0.01;
+  const auto comes_back = [&](double stretch) {
+    auto [sys, s] = testing::rotor(0);
+    Baumgarte method(sys,
+                     {.gains = "numbers",
+                      .damping = damping,
+                      .alpha_per_ps = ah / h,
+                      .beta_per_ps = std::sqrt(bh2) / h,
+                      .passes = passes},
+                     h);
+    NoForce forces;
+    initialize({sys, forces, method}, s);
+    s.x(0, 1) += stretch;
+    for (int n = 0; n < 3000; ++n)
+      if (!step({sys, forces, method}, h, s).converged() || !(std::abs(s.x(0, 1) - s.x(0, 0) - 1) < 0.5))
+        return false;
+    return true;
+  };
+  double stretch = 5e-4;
+  while (stretch < 0.5 && comes_back(stretch)) stretch *= 1.06;
+  return stretch;
+}
+
+// A third of a turn a step, (βh)² = 3: ¼h⁴|a|² is quadratic in σ and turns twice as far, which is the same
+// the other way round. Its amplitude, ΔA = −αh A − i (9/4)/(2 sin 120°) Ā²/d², grows from 0.93 αh on;
+// elsewhere little damping is enough.
+TEST(Propagator, AThirdOfATurnResonates) {
+  for (const double ah : {0.01, 0.02, 0.05}) {
+    EXPECT_NEAR(bearable_stretch(ah, 3, "centred", 6) / ah, 0.93, 0.07) << ah;
+    EXPECT_GT(bearable_stretch(ah, 2, "centred", 6), 0.2) << ah;
+    EXPECT_GT(bearable_stretch(ah, 2.5, "centred", 6), 0.2) << ah;
+  }
+}
+
+// With one pass y = M⁻¹Jᵀ(λ* − λ) is quadratic, too, in every law; the default gains bear a fifteenth.
+TEST(Propagator, AThirdOfATurnResonatesWithOnePass) {
+  for (const char* damping : {"centred", "discrete"})
+    for (const double ah : {0.01, 0.02}) {
+      EXPECT_LT(bearable_stretch(ah, 3, damping, 1), 0.35 * ah) << damping << ah;
+      EXPECT_GT(bearable_stretch(ah, 2, damping, 1), 0.05) << damping << ah;
+    }
+  EXPECT_GT(bearable_stretch(0.3, 2.5, "discrete", 1), 0.06);
 }
 
 }  // namespace
