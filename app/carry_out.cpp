@@ -61,7 +61,10 @@ void print_header(const Simulation& simulation) {
              simulation.clusters(), simulation.dof().sum());
   const Box& box = simulation.state().box;
   if (box.periodic())
-    fmt::print("  box {:.6g} × {:.6g} × {:.6g} nm\n", box.edge.x(), box.edge.y(), box.edge.z());
+    fmt::print("  box {:.6g} × {:.6g} × {:.6g} nm{}\n", box.edge.x(), box.edge.y(), box.edge.z(),
+               box.tilt.isZero(0) ? ""
+                                  : fmt::format(", tilted by {:.6g}, {:.6g}, {:.6g}", box.tilt.x(),
+                                                box.tilt.y(), box.tilt.z()));
   fmt::print("  method {}: {}\n", scene.method.name(), simulation.method().setting());
   fmt::print("  {} steps of {:g} fs = {:.6g} ps, seed {}, velocities {}{}{}\n\n", scene.run.steps,
              scene.run.dt_fs, static_cast<double>(scene.run.steps) * scene.run.h(), scene.run.seed,

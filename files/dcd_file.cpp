@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "files/unit_cell.hpp"
 #include "md/errors.hpp"
 
 namespace taut {
@@ -76,8 +77,9 @@ void DcdFile::count_frames(std::uint64_t frames) {
 void DcdFile::add(const Frame& frame) {
   Records records;
   if (periodic_) {
-    const Vec3 edge = 10 * frame.state.box.edge;
-    records.bound(48).put(edge.x()).put(90.0).put(edge.y()).put(90.0).put(90.0).put(edge.z()).bound(48);
+    const auto [length, angle] = unit_cell(frame.state.box);
+    records.bound(48).put(length[0]).put(angle[2]).put(length[1]).put(angle[1]).put(angle[0]).put(length[2]);
+    records.bound(48);
   }
   const std::size_t length = 4 * static_cast<std::size_t>(atoms_);
   for (int axis = 0; axis < 3; ++axis) {

@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "files/atomic_file.hpp"
+#include "files/unit_cell.hpp"
 
 namespace taut {
 namespace {
@@ -36,10 +37,11 @@ std::string upper(std::string text) {
 void write_pdb(const std::filesystem::path& file, const System& sys, const Names& names, const State& s) {
   std::string text = "REMARK   1 written by taut: positions unwrapped, molecules whole\n";
   const auto out = std::back_inserter(text);
-  const Vec3 edge = 10 * s.box.edge;
-  if (s.box.periodic())
-    fmt::format_to(out, "CRYST1{:9.3f}{:9.3f}{:9.3f}  90.00  90.00  90.00 P 1           1\n", edge.x(),
-                   edge.y(), edge.z());
+  if (s.box.periodic()) {
+    const auto [length, angle] = unit_cell(s.box);
+    fmt::format_to(out, "CRYST1{:9.3f}{:9.3f}{:9.3f}{:7.2f}{:7.2f}{:7.2f} P 1           1\n", length[0],
+                   length[1], length[2], angle[0], angle[1], angle[2]);
+  }
   for (int a = 0; a < sys.atoms(); ++a) {
     const AtomKind& kind = names.kinds[names.kind[a]];
     fmt::format_to(

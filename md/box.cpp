@@ -27,9 +27,8 @@ std::string Box::flaw(const Eigen::Matrix3d& m) {
   const Vec3 most = kRounding / 2 * Vec3(box.edge[0], box.edge[0], box.edge[1]);
   for (int t = 0; t < 3; ++t)
     if (std::abs(box.tilt[t]) > most[t])
-      return fmt::format(
-          "{} = {} nm is too skewed, expected at most half of {} = {} nm: take whole vectors off",
-          std::array{"bx", "cx", "cy"}[t], box.tilt[t], t < 2 ? "ax" : "by", box.edge[t / 2]);
+      return fmt::format("{} = {} nm, expected at most half of {} = {} nm: take whole vectors off it",
+                         std::array{"bx", "cx", "cy"}[t], box.tilt[t], t < 2 ? "ax" : "by", box.edge[t / 2]);
   return "";
 }
 

@@ -9,6 +9,32 @@
 
 namespace taut {
 
+namespace {
+
+Box read_box(const TomlTable& keys) {
+  std::vector<double> numbers;
+  if (!keys.read("box_nm", numbers)) return {};
+  Eigen::Matrix3d vectors = Eigen::Matrix3d::Zero();
+  if (numbers.size() == 3)
+    vectors.diagonal() = Vec3(numbers.data());
+  else if (numbers.size() == 9)
+    vectors = Eigen::Matrix3d(numbers.data());
+  else
+    keys.fail("box_nm",
+              fmt::format("expected 3 numbers, its edges, or 9, its vectors; got {}", numbers.size()));
+  if (const std::string flaw = Box::flaw(vectors); !flaw.empty()) keys.fail("box_nm", flaw);
+  return Box::of(vectors);
+}
+
+std::string box_line(const Box& box) {
+  if (!box.periodic()) return "";
+  const Eigen::Matrix3d m = box.vectors();
+  if (box.tilt.isZero(0)) return fmt::format("box_nm = [{}, {}, {}]\n", m(0, 0), m(1, 1), m(2, 2));
+  return fmt::format("box_nm = [{}]\n", fmt::join(m.data(), m.data() + 9, ", "));
+}
+
+}  // namespace
+
 State read_start(const std::filesystem::path& file) {
   return read_start(parse_toml_file(file), file);
 }
@@ -17,8 +43,7 @@ State read_start(const toml::table& table, const std::filesystem::path& file) {
   const TomlTable keys(table, file.string());
   State start;
   keys.read("time_ps", start.t);
-  keys.read("box_nm", start.box.edge);
-  if (keys.has("box_nm") && !(start.box.edge.minCoeff() > 0)) keys.fail("box_nm", "expected edges above 0");
+  start.box = read_box(keys);
   const Rows atoms = keys.get<Rows>("atoms", Columns{6, 6});
   keys.reject_unknown();
 
@@ -34,8 +59,7 @@ State read_start(const toml::table& table, const std::filesystem::path& file) {
 void write_start(const std::filesystem::path& file, const State& s) {
   std::string text = fmt::format("time_ps = {}\n", s.t);
   const auto out = std::back_inserter(text);
-  const Vec3& edge = s.box.edge;
-  if (s.box.periodic()) fmt::format_to(out, "box_nm = [{}, {}, {}]\n", edge.x(), edge.y(), edge.z());
+  text += box_line(s.box);
   fmt::format_to(out, "atoms = [  # x, y, z [nm], vx, vy, vz [nm/ps]\n");
   for (Eigen::Index a = 0; a < s.x.cols(); ++a) {
     const auto x = s.x.col(a), v = s.v.col(a);

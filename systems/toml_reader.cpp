@@ -145,14 +145,23 @@ bool TomlTable::read(std::string_view key, std::filesystem::path& into) const {
 }
 
 bool TomlTable::read(std::string_view key, Vec3& into) const {
+  std::vector<double> numbers;
+  if (!read(key, numbers)) return false;
+  if (numbers.size() != 3) wrong_type(key, *find(key), "three numbers [x, y, z]");
+  into = Vec3(numbers.data());
+  return true;
+}
+
+bool TomlTable::read(std::string_view key, std::vector<double>& into) const {
   const toml::node* node = find(key);
   if (!node) return false;
   const toml::array* array = node->as_array();
-  if (!array || array->size() != 3) wrong_type(key, *node, "three numbers [x, y, z]");
-  for (int a = 0; a < 3; ++a) {
-    const auto value = number_of((*array)[a]);
-    if (!value) wrong_type(key, (*array)[a], "three numbers [x, y, z]");
-    into[a] = checked(key, *value, kAnyNumber);
+  if (!array) wrong_type(key, *node, "numbers [x, y, z]");
+  into.clear();
+  for (const toml::node& cell : *array) {
+    const auto value = number_of(cell);
+    if (!value) wrong_type(key, cell, "numbers [x, y, z]");
+    into.push_back(checked(key, *value, kAnyNumber));
   }
   return true;
 }

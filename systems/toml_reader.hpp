@@ -50,6 +50,7 @@ class TomlTable {
   // A path is relative to the file that says it, in an override to the current folder.
   bool read(std::string_view key, std::filesystem::path& into) const;
   bool read(std::string_view key, Vec3& into) const;
+  bool read(std::string_view key, std::vector<double>& into) const;  // finite ones
   bool read(std::string_view key, Rows& into, Columns columns) const;
   bool read(std::string_view key, std::optional<double>& into, Range range = kAnyNumber) const;
   template <std::integral Integer>

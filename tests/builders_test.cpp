@@ -272,6 +272,49 @@ TEST(Water, OfAnyOtherNumberStandsOnALattice) {
   EXPECT_GT(least, 0.3);
 }
 
+TEST(Water, FillsBoxesOfOtherShapes) {
+  const double volume = std::pow(1.872, 3) / 216 * 500;
+  for (const auto& [shape, share, height] :
+       {std::tuple{"octahedron", 4 * std::sqrt(3.0) / 9, std::sqrt(6.0) / 3},
+        {"dodecahedron", std::sqrt(0.5), std::sqrt(0.5)}}) {
+    const Scene scene = scene_of("water", {"build.molecules=500", std::string("build.box=") + shape});
+    const Box& box = scene.start.box;
+    EXPECT_EQ(Box::flaw(box.vectors()), "");
+    EXPECT_NEAR(box.volume(), volume, 1e-12);
+    for (int d = 0; d < 3; ++d) EXPECT_NEAR(box.vectors().col(d).norm(), std::cbrt(volume / share), 1e-12);
+    EXPECT_NEAR(box.edge.minCoeff(), height * box.edge.x(), 1e-12);
+    double least = 1e9;
+    for (int a = 0; a < 1500; a += 3)
+      for (int b = a + 3; b < 1500; b += 3)
+        least = std::min(least, box.nearest_image(scene.start.x.col(b) - scene.start.x.col(a)).norm());
+    EXPECT_GT(least, 0.25);
+  }
+  EXPECT_THROW(scene_of("water", {"build.box=octahedron", water_start()}), InputError);
+  EXPECT_THROW(scene_of("water_cluster", {"build.box=octahedron"}), InputError);
+}
+
+// The last state of a run in one is a start of it, and of eight side by side.
+TEST(Water, GoesOnInABoxOfAnotherShape) {
+  const TemporaryFolder folder;
+  const auto shape = "build.box=dodecahedron";
+  const Scene one = scene_of("water", {"build.molecules=500", shape});
+  write_start(folder.path() / "a.start.toml", one.start);
+  const std::string start = "build.start=" + (folder.path() / "a.start.toml").string();
+  const auto energy = [](const Scene& scene) {
+    State s = scene.start;
+    Terms terms = scene.terms;
+    terms.nonbonded->dispersion_correction = false;
+    ForceField forces(scene.system, s.box, terms);
+    forces(scene.system, s);
+    return forces.potential();
+  };
+  const Scene again = scene_of("water", {"build.molecules=500", start});
+  EXPECT_EQ(again.start.box, one.start.box);
+  EXPECT_NEAR(energy(again), energy(one), 1e-9 * std::abs(energy(one)));
+  const Scene eight = scene_of("water", {"build.molecules=4000", start, shape});
+  EXPECT_NEAR(energy(eight), 8 * energy(one), 1e-8 * std::abs(energy(one)));
+}
+
 TEST(Water, OnALatticeHasTheDensityAskedFor) {
   const TemporaryFolder folder;
   const auto file = folder.write("lattice.toml",

@@ -24,8 +24,9 @@ using namespace testing;
 struct Space {
   const char* name;
   int atoms;
-  Vec3 extent;    // filled with atoms [nm]
-  bool periodic;  // the extent is a box
+  Vec3 extent;               // filled with atoms [nm]
+  bool periodic;             // the extent is a box
+  Vec3 tilt = Vec3::Zero();  // of it [nm]
 };
 
 void PrintTo(const Space& space, std::ostream* out) {
@@ -41,11 +42,11 @@ TEST_P(ClusterPairsInSpace, MissNoPairWhileAtomsMove) {
   std::mt19937_64 rng(7);
   std::uniform_real_distribution<double> uniform(0, 1);
   std::normal_distribution<double> normal(0, 0.008);
-  const Box box{space.periodic ? extent : Vec3::Zero()};
+  const Box box{space.periodic ? extent : Vec3::Zero(), space.tilt};
   Vectors x(3, n);
   for (int a = 0; a < n; ++a) {
     x.col(a) = extent.cwiseProduct(Vec3(uniform(rng), uniform(rng), uniform(rng)));
-    x.col(a) += box.edge.cwiseProduct(Vec3(a % 5 - 2, a % 3 - 1, a % 7 - 3));
+    x.col(a) += box.steps(Vec3(a % 5 - 2, a % 3 - 1, a % 7 - 3));
   }
   Nonbonded nb;
   nb.charge = nb.sigma = nb.epsilon = Eigen::VectorXd::Zero(n);
@@ -72,6 +73,9 @@ INSTANTIATE_TEST_SUITE_P(Spaces, ClusterPairsInSpace,
                                            Space{"sparse", 60, {1.81, 1.9, 2.3}, true},
                                            Space{"slab", 250, {1.3, 5.0, 5.0}, true},
                                            Space{"large", 300, {4.0, 5.0, 6.0}, true},
+                                           Space{"skewed", 120, {1.0, 1.1, 1.2}, true, {-0.5, 0.5, 0.55}},
+                                           Space{"skewed_slab", 250, {1.3, 5.0, 5.0}, true, {0.6, -0.4, 2.4}},
+                                           Space{"sheared", 250, {4.0, 1.4, 2.0}, true, {1.9, -1.7, 0.7}},
                                            Space{"nearly_empty", 40, {90, 90, 90}, true},
                                            Space{"drop", 300, {2.0, 2.0, 2.0}, false},
                                            Space{"thread", 300, {30.0, 0.1, 0.1}, false},
@@ -86,7 +90,7 @@ TEST(ClusterPairs, MissNoPairOfThoseThatMeet) {
   std::normal_distribution<double> normal;
   const auto direction = [&] { return Vec3(normal(rng), normal(rng), normal(rng)).normalized(); };
   for (const int drop : {1, 1, 1, 5, 30})
-    for (const Box& box : {Box{}, Box{Vec3(2.2, 2.5, 3)}}) {
+    for (const Box& box : {Box{}, Box{Vec3(2.2, 2.5, 3)}, Box{Vec3(2.2, 2.5, 3), Vec3(1.1, -0.9, 1.2)}}) {
       const int n = 2 * drop;
       Nonbonded nb;
       nb.charge = Eigen::VectorXd::Constant(n, 0.4);

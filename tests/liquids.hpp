@@ -20,10 +20,16 @@ struct Liquid {
   double switch_at;  // [nm]; 0: none
   int sigmas;        // kinds of atoms with Lennard-Jones; 0: no Lennard-Jones at all; 3: two, by a table
   bool charges;
+  Vec3 tilt = Vec3::Zero();  // of the box, in edges
 };
 
 inline void PrintTo(const Liquid& liquid, std::ostream* out) {
   *out << liquid.name;
+}
+
+inline Box box_of(const Liquid& liquid) {
+  const double edge = liquid.molecules * liquid.spacing;
+  return liquid.periodic ? Box{Vec3::Constant(edge), edge * liquid.tilt} : Box{};
 }
 
 // Bent molecules of three on a jittered lattice, turned at random, some of them boxes away. No two atoms of
@@ -35,7 +41,7 @@ inline Vectors place(const Liquid& liquid, std::mt19937_64& rng) {
   const auto direction = [&] { return Vec3(normal(rng), normal(rng), normal(rng)).normalized(); };
   for (int k = 0; k < m * m * m; ++k) {
     Vec3 o = liquid.spacing * (Vec3(k % m, k / m % m, k / m / m) + 0.06 * direction());
-    if (liquid.periodic) o += m * liquid.spacing * Vec3(k % 3 - 1, k % 5 - 2, k % 2);
+    if (liquid.periodic) o += box_of(liquid).steps(Vec3(k % 3 - 1, k % 5 - 2, k % 2));
     x.col(3 * k) = o;
     x.col(3 * k + 1) = o + 0.1 * direction();
     x.col(3 * k + 2) = o + 0.1 * direction();
@@ -75,10 +81,6 @@ inline Nonbonded forces_of(const Liquid& liquid) {
   if (liquid.cutoff > 0) nb.cutoff = liquid.cutoff;
   if (liquid.switch_at > 0) nb.switch_distance = liquid.switch_at;
   return nb;
-}
-
-inline Box box_of(const Liquid& liquid) {
-  return liquid.periodic ? Box{Vec3::Constant(liquid.molecules * liquid.spacing)} : Box{};
 }
 
 inline double rms(const Vectors& f) {

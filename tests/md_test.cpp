@@ -158,6 +158,55 @@ TEST(Box, NearestImageIsTheShortest) {
   EXPECT_EQ(Box{}.nearest_image(Vec3(9, 9, 9)), Vec3(9, 9, 9));
 }
 
+const Box kSkewed{Vec3(2, 1.8, 1.7), Vec3(-0.9, 0.8, -0.85)};
+
+// Within half the shortest edge of it, of all images.
+TEST(Box, NearestImageInASkewedOneIsTheShortest) {
+  int near = 0;
+  for (int n = 0; n < 2000; ++n) {
+    const Vec3 d = 8 * Vec3::Random(), image = kSkewed.nearest_image(d);
+    double shortest = HUGE_VAL;
+    for (int c = 0; c < 21 * 21 * 21; ++c) {
+      const Vec3 other = d + kSkewed.steps(Vec3(c % 21 - 10, c / 21 % 21 - 10, c / 21 / 21 - 10));
+      shortest = std::min(shortest, other.norm());
+    }
+    if (shortest > 0.85) continue;
+    ++near;
+    EXPECT_NEAR(image.norm(), shortest, 1e-12);
+    const Vec3 steps = kSkewed.fractional(d - image);
+    EXPECT_LT((steps - Vec3(steps.array().round())).norm(), 1e-12) << "an image of it";
+  }
+  EXPECT_GT(near, 500);
+}
+
+TEST(Box, FractionalAndReciprocalBelongToItsVectors) {
+  const Eigen::Matrix3d m = kSkewed.vectors();
+  const Vec3 x(0.3, -0.7, 2.1), g(2, -3, 5);
+  EXPECT_LT((m * kSkewed.fractional(x) - x).norm(), 1e-14);
+  EXPECT_LT((m.transpose() * kSkewed.reciprocal(g) - g).norm(), 1e-14);
+  EXPECT_NEAR(kSkewed.volume(), m.determinant(), 1e-14);
+  EXPECT_EQ(Box::of(m), kSkewed);
+  const Vec3 by(1.1, 0.9, 1.3);
+  EXPECT_LT((kSkewed.scaled(by).vectors() - by.asDiagonal() * m).norm(), 1e-14);
+}
+
+TEST(Box, SaysWhatIsWrongWithVectors) {
+  const auto flaw = [](int row, int column, double value) {
+    Eigen::Matrix3d m = kSkewed.vectors();
+    m(row, column) = value;
+    return Box::flaw(m);
+  };
+  EXPECT_EQ(flaw(0, 0, 2), "");
+  EXPECT_EQ(flaw(2, 2, 0), "edges of 2 x 1.8 x 0 nm, expected more than 0");
+  EXPECT_EQ(flaw(1, 0, 0.1),
+            "vectors not in reduced form, expected a = (ax, 0, 0), b = (bx, by, 0), c = (cx, cy, cz)");
+  EXPECT_EQ(flaw(0, 1, -1.1), "bx = -1.1 nm, expected at most half of ax = 2 nm: take whole vectors off it");
+  EXPECT_EQ(flaw(0, 2, 1.1).substr(0, 11), "cx = 1.1 nm");
+  EXPECT_EQ(flaw(1, 2, 0.95),
+            "cy = 0.95 nm, expected at most half of by = 1.8 nm: take whole vectors off it");
+  EXPECT_EQ(flaw(0, 1, std::nan("")).substr(0, 5), "edges");
+}
+
 TEST(DegreesOfFreedom, SpellsItsSum) {
   const System sys = make_system(Eigen::VectorXd::Ones(3), {{0, 1, 1}});
   const auto dof = degrees_of_freedom(sys, 1, true);

@@ -221,12 +221,13 @@ TEST(OpenMMImportRefuses, AtomsThatAreNotThere) {
               one_line_with("melt.state.xml", "224 positions", "225 atoms"));
 }
 
-TEST(OpenMMImportRefuses, TriclinicBoxes) {
+TEST(OpenMMImportRefuses, BoxesNotReduced) {
   const auto tilt = [](std::string& system, std::string& state) {
     replace(system, "method=\"0\"", "method=\"2\"");
-    replace(state, "<B x=\"0\"", "<B x=\".3\"");
+    replace(state, "<B x=\"0\"", "<B x=\"1.3\"");
   };
-  EXPECT_THAT(refusal_of_text(tilt), one_line_with("melt.state.xml", "triclinic"));
+  EXPECT_THAT(refusal_of_text(tilt),
+              one_line_with("melt.state.xml", "bx = 1.3 nm, expected at most half of ax"));
 }
 
 TEST(OpenMMImportRefuses, TwoMindsAboutTheBox) {

@@ -87,13 +87,20 @@ void Melt::make_periodic() {
   nonbonded->setCutoffDistance(1.0);
 }
 
+void Melt::skew() {
+  box.tilt = Vec3(-0.9, 0.7, -1.1);
+  system.setDefaultPeriodicBoxVectors({kEdge, 0, 0}, {-0.9, kEdge, 0}, {0.7, -1.1, kEdge});
+}
+
 void Melt::break_across_box() {
   bonds->setUsesPeriodicBoundaryConditions(true);
   angles->setUsesPeriodicBoundaryConditions(true);
   nonbonded->setExceptionsUsePeriodicBoundaryConditions(true);
-  const OpenMM::Vec3 corner(0.3, 0.04, 0);  // each of its three planes cuts chains
-  for (auto& r : x)
-    for (int c = 0; c < 3; ++c) r[c] -= kEdge * std::floor((r[c] - corner[c]) / kEdge);
+  const Vec3 corner(0.3, 0.04, 0);  // each of its three planes cuts chains
+  for (auto& r : x) {
+    const Vec3 steps = box.steps(box.bricks(Vec3(r[0], r[1], r[2]) - corner, std::floor));
+    r -= OpenMM::Vec3(steps[0], steps[1], steps[2]);
+  }
 }
 
 fs::path Melt::write_system(const Folder& folder) const {

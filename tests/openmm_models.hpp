@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "md/box.hpp"
 #include "openmm_folder.hpp"
 
 namespace taut::testing {
@@ -21,6 +22,7 @@ class Melt {
  public:
   static constexpr int kChains = 32, kLength = 7, kAtoms = kChains * kLength;
   static constexpr double kEdge = 2.4;  // [nm]
+  Box box{Vec3(kEdge, kEdge, kEdge)};
 
   explicit Melt(unsigned seed);
 
@@ -36,6 +38,7 @@ class Melt {
   double uniform(double low, double high) { return std::uniform_real_distribution(low, high)(random_); }
 
   void make_periodic();  // cutoff 1 nm
+  void skew();           // its box
 
   // Puts every atom into the box on its own, so that molecules break, and has OpenMM mend them.
   void break_across_box();

@@ -91,8 +91,8 @@ INSTANTIATE_TEST_SUITE_P(
             "<Particle mass=\"0\"/>",
             "<Particle mass=\"0\"><TwoParticleAverageSite p1=\"1\" p2=\"2\" w1=\".5\" w2=\".5\"/></Particle>",
             "atom 11 is a virtual site: taut has none"},
-        Change{"<C x=\"0\" y=\"0\" z=\"3\"/>", "<C x=\"0\" y=\".5\" z=\"3\"/>",
-               "a.state.xml:3: its box is triclinic"},
+        Change{"<C x=\"0\" y=\"0\" z=\"3\"/>", "<C x=\"0\" y=\"9\" z=\"3\"/>",
+               "a.state.xml:3: its box has cy = 9 nm, expected at most half of by"},
         Change{"gx=\"-1.25\"", "gx=\"-1.25\" lambda=\"1\"",
                "a.state.xml:8: the State sets the parameter lambda, which no force"}));
 

@@ -20,7 +20,14 @@ inline PairSums plain_ewald(const Nonbonded& nb, const Box& box, const Vectors& 
   PairSums sum(n);
 
   const double reach = 6.2 / alpha;
-  const Eigen::Array3i images = (reach / box.edge.array()).ceil().cast<int>();
+  Vec3 corner = Vec3::Zero();  // of the brick, as steps
+  for (int k = 0; k < 4; ++k) {
+    const Vec3 of(k % 2 ? 0.5 : -0.5, k / 2 ? 0.5 : -0.5, 0.5);
+    corner = corner.cwiseMax(box.fractional(box.edge.cwiseProduct(of)).cwiseAbs());
+  }
+  Eigen::Array3i images;  // of the nearest
+  for (int d = 0; d < 3; ++d)
+    images[d] = static_cast<int>(reach * box.reciprocal(Vec3::Unit(d)).norm() + corner[d]);
   for (int i = 0; i < n; ++i)
     for (int j = i; j < n; ++j) {
       const Vec3 nearest = box.nearest_image(x.col(i) - x.col(j));
@@ -28,7 +35,7 @@ inline PairSums plain_ewald(const Nonbonded& nb, const Box& box, const Vectors& 
       for (int a = -images[0]; a <= images[0]; ++a)
         for (int b = -images[1]; b <= images[1]; ++b)
           for (int c = -images[2]; c <= images[2]; ++c) {
-            const Vec3 d = nearest + box.edge.cwiseProduct(Vec3(a, b, c));
+            const Vec3 d = nearest + box.steps(Vec3(a, b, c));
             const double r = d.norm(), u = alpha * r;
             if (r > reach || (i == j && r == 0)) continue;
             const double energy = kqq * std::erfc(u) / r;
@@ -36,11 +43,13 @@ inline PairSums plain_ewald(const Nonbonded& nb, const Box& box, const Vectors& 
           }
     }
 
-  const Eigen::Array3i waves = (2 * alpha * box.edge.array()).ceil().cast<int>();  // exp(−4π²) is 7e-18
+  const Eigen::Array3i waves = (2 * alpha * box.vectors().colwise().norm().transpose().array())
+                                   .ceil()
+                                   .cast<int>();  // exp(−4π²) is 7e-18
   for (int a = -waves[0]; a <= waves[0]; ++a)
     for (int b = -waves[1]; b <= waves[1]; ++b)
       for (int c = -waves[2]; c <= waves[2]; ++c) {
-        const Vec3 m = Vec3(a, b, c).cwiseQuotient(box.edge);
+        const Vec3 m = box.reciprocal(Vec3(a, b, c));
         const double m2 = m.squaredNorm(), decay = pi * pi * m2 / (alpha * alpha);
         if (m2 == 0 || decay > 40) continue;
         std::complex<double> S = 0;

@@ -37,13 +37,15 @@ TEST(Ewald, HasTheMadelungConstantOfRockSalt) {
   }
 }
 
+const Box kBox{Vec3(1.9, 2.1, 2.3)}, kSkewed{Vec3(1.9, 2.1, 2.3), Vec3(-0.8, 0.6, 1.05)};
+
 // Ions on a jittered lattice, some of them boxes away; pairs of them bonded. `surplus`: what charges add to.
 struct Salt {
   Nonbonded nb;
   Box box;
   Vectors x;
 
-  explicit Salt(double surplus, int side = 6, Vec3 edge = {1.9, 2.1, 2.3}) : box{edge} {
+  explicit Salt(double surplus, int side = 6, const Box& in = kBox) : box(in) {
     const int n = side * side * side;
     std::mt19937_64 rng(7);
     std::uniform_real_distribution<double> jitter(-0.1, 0.1);
@@ -53,8 +55,8 @@ struct Salt {
     nb.epsilon.setZero(n);
     for (int a = 0; a < n; ++a) {
       const Vec3 cell(a % side + jitter(rng), a / side % side + jitter(rng), a / side / side + jitter(rng));
-      x.col(a) = edge.cwiseProduct(cell) / side;
-      x.col(a) += edge.cwiseProduct(Vec3(a / 2 % 3 - 1, a / 2 % 5 - 2, a / 2 % 2));
+      x.col(a) = box.edge.cwiseProduct(cell) / side;
+      x.col(a) += box.steps(Vec3(a / 2 % 3 - 1, a / 2 % 5 - 2, a / 2 % 2));
       nb.charge[a] = (a % 2 ? -0.8 : 0.8) + (a % 7 == 0 ? 0.1 : 0.0);
       if (a % 10 == 1) nb.exceptions.push_back({a - 1, a, a % 20 == 1 ? 0.25 : 0.0, 0.2, 0.0});
     }
@@ -70,8 +72,8 @@ PmeParameters converged() {
 }
 
 TEST(Pme, ConvergesToEwaldsSum) {
-  for (const double surplus : {0.0, 3.0}) {
-    Salt salt(surplus);
+  for (const auto& [surplus, box] : {std::pair{0.0, kBox}, {3.0, kBox}, {3.0, kSkewed}}) {
+    Salt salt(surplus, 6, box);
     const auto plain = plain_ewald(salt.nb, salt.box, salt.x, 4);
     const auto other = plain_ewald(salt.nb, salt.box, salt.x, 3);
     EXPECT_NEAR(plain.energy, other.energy, 1e-12 * std::abs(plain.energy));
@@ -129,17 +131,20 @@ TEST(Pme, MixedPrecisionAgreesToItsDigits) {
 }
 
 TEST(Pme, ForcesAreMinusTheSlope) {
-  Salt salt(1, 3, {1.0, 1.1, 1.2});
-  salt.nb.cutoff = 0.5;
-  salt.nb.epsilon.setConstant(0.1);
-  salt.nb.sigma.setConstant(0.1);
-  salt.nb.pme = PmeParameters{.alpha = 7};  // the cut at the cutoff is out of the way
-  salt.nb.pme->grid = {20, 24, 24};
-  expect_forces_are_minus_the_slope({.nonbonded = salt.nb}, salt.x, salt.box);
+  const Vec3 edge(1.0, 1.1, 1.2);
+  for (const Vec3& tilt : {Vec3(0, 0, 0), Vec3(0.5, -0.3, 0.4)}) {
+    Salt salt(1, 3, {edge, tilt});
+    salt.nb.cutoff = 0.5;
+    salt.nb.epsilon.setConstant(0.1);
+    salt.nb.sigma.setConstant(0.1);
+    salt.nb.pme = PmeParameters{.alpha = 7};  // the cut at the cutoff is out of the way
+    salt.nb.pme->grid = {20, 24, 24};
+    expect_forces_are_minus_the_slope({.nonbonded = salt.nb}, salt.x, salt.box);
+  }
 }
 
 TEST(Pme, VirialIsHowTheEnergyGoesWithTheEdges) {
-  Salt salt(1);
+  Salt salt(1, 6, kSkewed);
   salt.nb.pme = PmeParameters{.alpha = 5.5};
   salt.nb.pme->grid = {32, 36, 40};
   const int n = static_cast<int>(salt.x.cols());
@@ -156,6 +161,36 @@ TEST(Pme, VirialIsHowTheEnergyGoesWithTheEdges) {
     const double expected = -(scaled(step) - scaled(-step)) / (2 * step);
     EXPECT_NEAR(virial(d, d), expected, 1e-6 * std::abs(expected));
   }
+}
+
+// A crystal of two cells of a rectangular box, by skewed vectors: the forces in either are the same.
+TEST(Pme, IsTheSameCrystalByOtherVectors) {
+  const Salt salt(0);
+  const int n = static_cast<int>(salt.x.cols());
+  Nonbonded twice = salt.nb;
+  const auto doubled = [](Eigen::VectorXd& v) { v = v.replicate(2, 1).eval(); };
+  for (auto* v : {&twice.charge, &twice.sigma, &twice.epsilon}) doubled(*v);
+  for (auto e : salt.nb.exceptions) {
+    e.i += n, e.j += n;
+    twice.exceptions.push_back(e);
+  }
+  const Box cell{Vec3(3.8, 2.1, 2.3), Vec3(1.9, -1.9, 0)};
+  Vectors x(3, 2 * n);
+  x << salt.x, salt.x.colwise() + Vec3(1.9, 0, 0);
+  const auto compare = [&](double digits, auto change) {
+    Nonbonded one = salt.nb, two = twice;
+    change(one, 1);
+    change(two, 2);
+    const auto once = evaluate({.nonbonded = one}, salt.x, salt.box),
+               both = evaluate({.nonbonded = two}, x, cell);
+    EXPECT_NEAR(both.energy, 2 * once.energy, digits * std::abs(once.energy));
+    EXPECT_LT((both.f.leftCols(n) - once.f).norm(), digits * once.f.norm());
+    EXPECT_LT((both.f.rightCols(n) - once.f).norm(), digits * once.f.norm());
+  };
+  compare(1e-11, [](Nonbonded& nb, int) { nb.epsilon.setConstant(0.2); });
+  compare(3e-7, [](Nonbonded& nb, int cells) {
+    nb.pme = PmeParameters{.order = 8, .alpha = 5.5, .grid = {80 * cells, 84, 96}};
+  });
 }
 
 // But for the pairs', whose sums go by threads: here there are none.

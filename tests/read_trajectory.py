@@ -48,6 +48,22 @@ class Read:
         return self.file[f"particles/all/{name}/value"][:]
 
 
+class Octahedron(unittest.TestCase):
+    """Waters in a box that is not rectangular."""
+
+    def test_box(self):
+        with tempfile.TemporaryDirectory() as folder:
+            read = Read(run(folder, "run", "water", "--steps", "2", "--set", "build.box=octahedron", "--set",
+                            "build.molecules=400", "--set", "run.trajectory_every=1", "--set", "run.trajectory=both"))
+            vectors = 10 * np.array(read.end["box_nm"]).reshape(3, 3)
+            edge = vectors[0, 0]
+            for universe in (read.start, read.dcd, read.h5md):
+                for frame in universe.trajectory:
+                    np.testing.assert_allclose(frame.dimensions, [edge, edge, edge, 70.528779, 109.471221, 70.528779],
+                                               rtol=1e-4)
+            np.testing.assert_allclose(read.file["particles/all/box/edges/value"][-1], vectors / 10, rtol=1e-12)
+
+
 class Water(unittest.TestCase):
     """216 waters in a box, a frame for every row of the log."""
 

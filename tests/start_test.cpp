@@ -73,6 +73,15 @@ TEST(Start, IsSetAsideWhereItDoesNotFit) {
               ElementsAre(HasSubstr("melt"), HasSubstr("other springs")));
 }
 
+TEST(Start, KeepsASkewedBoxToTheBit) {
+  const TemporaryFolder folder;
+  State s;
+  s.x = s.v = Vectors::Random(3, 2);
+  s.box = {Vec3(2, 1.9, 1.7), Vec3(-1.0 / 3, 0.7, -0.1)};
+  write_start(folder.path() / "skewed.start.toml", s);
+  EXPECT_EQ(read_start(folder.path() / "skewed.start.toml").box, s.box);
+}
+
 // Springs longer than they can be: a chain's start whose bonds of 0.97 are stretched past r₀ = 1.5.
 TEST(Start, DoesNotFitWhereASpringCannotReach) {
   const TemporaryFolder folder;
@@ -101,7 +110,13 @@ TEST(Start, SaysWhatIsWrongWithIt) {
   };
   EXPECT_EQ(complaint("atoms = [\n[1, 2, 3, 4, 5, 6],\n[1, 2, 3]]"),
             "bad.start.toml:3: atoms[1]: expected 6 numbers, got 3");
-  EXPECT_EQ(complaint("box_nm = [1, 2, 0]\natoms = []"), "bad.start.toml:1: box_nm: expected edges above 0");
+  EXPECT_EQ(complaint("box_nm = [1, 2, 0]\natoms = []"),
+            "bad.start.toml:1: box_nm: edges of 1 x 2 x 0 nm, expected more than 0");
+  EXPECT_EQ(complaint("box_nm = [1, 2, 3, 4]\natoms = []"),
+            "bad.start.toml:1: box_nm: expected 3 numbers, its edges, or 9, its vectors; got 4");
+  EXPECT_EQ(
+      complaint("box_nm = [2, 0, 0, 1.1, 2, 0, 0, 0, 2]\natoms = []"),
+      "bad.start.toml:1: box_nm: bx = 1.1 nm, expected at most half of ax = 2 nm: take whole vectors off it");
   EXPECT_EQ(complaint("atoms = [[1, 2, 3, 4, 5, inf]]"),
             "bad.start.toml:1: atoms[0]: expected finite numbers");
   EXPECT_EQ(complaint("box_nm = [1, 1, 1]"), "bad.start.toml: missing key \"atoms\"");

@@ -209,6 +209,23 @@ TEST(DcdFile, HasTheCellAndEachAxisInTurn) {
   }
 }
 
+TEST(DcdFile, HasASkewedCellsAngles) {
+  const TemporaryFolder folder;
+  Sample sample;
+  sample.state.box = {Vec3(4, 2, 4), Vec3(1.5, 0, 0)};  // b = (1.5, 2, 0): 2.5 long
+  DcdFile file(folder.path() / "t.dcd", sample.setup, 0);
+  file.add({0, sample.state, sample.tension});
+  double cell[6];
+  std::memcpy(cell, contents(folder.path() / "t.dcd").data() + 196 + 4, sizeof cell);
+  const double gamma = std::acos(0.6) * 180 / M_PI;
+  EXPECT_THAT(cell, testing::ElementsAre(40, testing::DoubleNear(gamma, 1e-9), testing::DoubleNear(25, 1e-12),
+                                         90, 90, 40));
+  sample.state.box = {Vec3(4, 2.5, 2), Vec3(0, 1.5, 0)};  // c = (1.5, 0, 2)
+  write_pdb(folder.path() / "s.pdb", sample.sys, sample.names, sample.state);
+  EXPECT_THAT(contents(folder.path() / "s.pdb"),
+              HasSubstr("CRYST1   40.000   25.000   25.000  90.00  53.13  90.00 P 1           1\n"));
+}
+
 TEST(PdbFile, HasEveryThingInItsColumns) {
   const TemporaryFolder folder;
   Sample sample;

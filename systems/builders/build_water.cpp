@@ -48,15 +48,28 @@ void set_geometry(const WaterModel& model, Eigen::Ref<Vectors> x) {
   x.col(2) = o + along * bisector - aside * across;
 }
 
-// n³ or fewer molecules on a cubic lattice, empty sites spread evenly, turned at random, at rest.
-State lattice_of_water(const WaterModel& model, long molecules, double edge, Random& random) {
+// The shapes of a box, of a first vector of 1, by the cell of points nearest to one of the lattice. Of the
+// same width, a truncated octahedron takes 0.77 and a rhombic dodecahedron 0.71 of a cube's water.
+Box unit_box(const std::string& shape) {
+  if (shape == "octahedron")
+    return {Vec3(1, std::sqrt(8.0) / 3, std::sqrt(6.0) / 3), Vec3(1, -1, std::sqrt(2.0)) / 3};
+  if (shape == "dodecahedron") return {Vec3(1, 1, std::sqrt(0.5)), Vec3(0, 0.5, 0.5)};
+  return {Vec3::Ones()};
+}
+
+// On a grid in the box's brick, empty sites spread evenly, turned at random, at rest.
+State lattice_of_water(const WaterModel& model, long molecules, const Box& box, Random& random) {
   State start;
-  start.box.edge.setConstant(edge);
+  start.box = box;
   start.x.resize(3, 3 * molecules);
   start.v = Vectors::Zero(3, 3 * molecules);
-  const auto n = static_cast<int>(std::ceil(std::cbrt(static_cast<double>(molecules)) - 1e-9));
+  const double apart = std::cbrt(box.volume() / static_cast<double>(molecules));
+  const Eigen::Matrix<long, 3, 1> n = (box.edge.array() / apart - 1e-9).ceil().cast<long>();
   for (long m = 0; m < molecules; ++m) {
-    const Vec3 o = edge / n * (cube_cell(m * n * n * n / molecules, n).array() + 0.5);
+    const long site = m * n.prod() / molecules;
+    const Eigen::Array3d cell =
+        Eigen::Array<long, 3, 1>(site % n[0], site / n[0] % n[1], site / n[0] / n[1]).cast<double>();
+    const Vec3 o = box.edge.array() / n.cast<double>().array() * (cell + 0.5);
     start.x.col(3 * m) = o;
     start.x.col(3 * m + 1) = o + random.unit_vector();
     start.x.col(3 * m + 2) = o + random.unit_vector();
@@ -70,15 +83,14 @@ State tiled(const State& unit, int n) {
   const Eigen::Index atoms = unit.x.cols();
   Vectors home = unit.x;
   for (Eigen::Index o = 0; o < atoms; o += 3) {
-    const Vec3 image = unit.x.col(o).cwiseQuotient(unit.box.edge).array().floor();
-    home.middleCols(o, 3).colwise() -= unit.box.edge.cwiseProduct(image);
+    home.middleCols(o, 3).colwise() -= unit.box.steps(unit.box.bricks(unit.x.col(o), std::floor));
   }
   State all;
-  all.box.edge = n * unit.box.edge;
+  all.box = unit.box.scaled(Vec3::Constant(n));
   all.x.resize(3, atoms * n * n * n);
   all.v = unit.v.replicate(1, n * n * n);
   for (int t = 0; t < n * n * n; ++t)
-    all.x.middleCols(t * atoms, atoms) = home.colwise() + unit.box.edge.cwiseProduct(cube_cell(t, n));
+    all.x.middleCols(t * atoms, atoms) = home.colwise() + unit.box.steps(cube_cell(t, n));
   return all;
 }
 
@@ -122,10 +134,17 @@ class WaterSource {
   }
 
   State box_of(long molecules, std::vector<std::string>& notes) {
+    const Box unit =
+        unit_box(keys_.has("box") ? keys_.choice("box", {"cube", "octahedron", "dodecahedron"}) : "cube");
     if (start_) {
       require_box();
       const double times = static_cast<double>(molecules) / static_cast<double>(molecules_of_start());
       const int n = static_cast<int>(std::lround(std::cbrt(times)));
+      if (keys_.has("box") && !start_->box.vectors().isApprox(start_->box.edge.x() * unit.vectors(), 1e-6)) {
+        if (keys_.overridden("start")) keys_.fail("start", "its box is of another shape than build.box");
+        notes.emplace_back("start: the equilibrated start's box is of another shape");
+        return drawn_in(unit, molecules, notes);
+      }
       if (n * n * n * molecules_of_start() == molecules) return tiled(*start_, n);
       if (keys_.overridden("start"))
         keys_.fail("start", fmt::format("{} molecules are not n³ times the {} it has", molecules,
@@ -133,14 +152,13 @@ class WaterSource {
       notes.push_back(fmt::format("start: {} molecules are not n³ times the {} of the equilibrated start",
                                   molecules, molecules_of_start()));
     }
-    notes.emplace_back("start: molecules on a lattice, turned at random; equilibrate with run.thermostat_ps");
-    drawn_ = true;
-    return lattice_of_water(model_, molecules, std::cbrt(static_cast<double>(molecules) / density_), random_);
+    return drawn_in(unit, molecules, notes);
   }
 
   State droplet_of(long molecules, std::vector<std::string>& notes) {
     if (start_ && !start_->box.periodic() && molecules_of_start() == molecules) return *start_;
     if (start_) require_box();
+    if (start_ && !start_->box.tilt.isZero(0)) keys_.fail("start", "a droplet is cut from a rectangular box");
     const double edge = droplet_edge(molecules, density_);
     const double n = std::ceil(start_ ? edge / start_->box.edge.minCoeff() : edge * std::cbrt(density_));
     atoms_of(keys_, start_ ? "start" : "density_g_cm3", n * n * n,
@@ -152,6 +170,13 @@ class WaterSource {
   bool drawn() const { return drawn_; }
 
  private:
+  State drawn_in(const Box& unit, long molecules, std::vector<std::string>& notes) {
+    notes.emplace_back("start: molecules on a lattice, turned at random; equilibrate with run.thermostat_ps");
+    drawn_ = true;
+    const double edge = std::cbrt(static_cast<double>(molecules) / density_ / unit.volume());
+    return lattice_of_water(model_, molecules, unit.scaled(Vec3::Constant(edge)), random_);
+  }
+
   long molecules_of_start() const { return start_->x.cols() / 3; }
   void require_box() const {
     if (!start_->box.periodic())
@@ -192,6 +217,7 @@ void add_molecule(const WaterModel& model, int o, Nonbonded& pairs, std::vector<
 //   start = "water216.start.toml"   equilibrated waters in a box, from which n³ times as many are tiled and
 //                                   droplets cut; any other number stands on a lattice of its density.
 //                                   Or a droplet, for a droplet of as many
+//   box = "cube" (unless said) | "octahedron" | "dodecahedron"    the shape of a box
 //   density_g_cm3                   without a start: a lattice
 // [forcefield] the keys of read_cutoff
 void build_water(const BuildRequest& request, Scene& scene) {
@@ -200,6 +226,7 @@ void build_water(const BuildRequest& request, Scene& scene) {
   const auto molecules = keys.get<long>("molecules", Range{.min = 1});
   const int atoms = atoms_of(keys, "molecules", static_cast<double>(molecules), 3);
   const bool box = keys.choice("shape", {"box", "droplet"}) == "box";
+  keys.counts("box", box, "with build.shape = \"box\"");
   WaterSource source(request, model);
   State start = box ? source.box_of(molecules, scene.notes) : source.droplet_of(molecules, scene.notes);
 

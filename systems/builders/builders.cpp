@@ -36,7 +36,7 @@ const Kind& chosen_kind(const TomlTable& keys) {
 const char* misfit(const State& start, const Scene& scene) {
   const Vectors& x = start.x;
   if (x.cols() != scene.system.atoms()) return "another number of atoms";
-  if (!start.box.edge.isApprox(scene.start.box.edge, 1e-9)) return "another box";
+  if (!start.box.vectors().isApprox(scene.start.box.vectors(), 1e-9)) return "another box";
   if (bond_errors(scene.system, x).max > 0.01) return "other bonds";
   for (const Fene& spring : scene.terms.fene)
     if ((x.col(spring.j) - x.col(spring.i)).norm() >= spring.r0) return "other springs";

@@ -35,8 +35,7 @@ void write_vectors(Node of, const char* list_name, const char* each, const Vecto
 
 // Where there is none, OpenMM's own, which means nothing then.
 void write_box(Node of, const Box& box) {
-  const Vec3 edge = box.periodic() ? box.edge : Vec3(2, 2, 2);
-  const Vectors vectors = edge.asDiagonal().toDenseMatrix();
+  const Vectors vectors = (box.periodic() ? box : Box{Vec3(2, 2, 2)}).vectors();
   Node list = of.append_child("PeriodicBoxVectors");
   for (int c = 0; c < 3; ++c) {
     Vec3 v = vectors.col(c);

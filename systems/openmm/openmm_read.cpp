@@ -86,13 +86,8 @@ Box read_box(const Element& vectors) {
   Eigen::Matrix3d edges;
   int c = 0;
   for (const char* name : {"A", "B", "C"}) edges.col(c++) = read_vector(vectors.part(name));
-  const Box box{edges.diagonal()};
-  edges.diagonal().setZero();
-  if (!edges.isZero(0)) vectors.refuse("its box is triclinic: taut has rectangular boxes");
-  if (!(box.edge.minCoeff() > 0))
-    vectors.refuse(fmt::format("its box is {} x {} x {} nm, expected edges over 0", box.edge[0], box.edge[1],
-                               box.edge[2]));
-  return box;
+  if (const std::string flaw = Box::flaw(edges); !flaw.empty()) vectors.refuse("its box has " + flaw);
+  return Box::of(edges);
 }
 
 void read_start(const Element& state, OpenMMInput& to) {
