@@ -83,6 +83,25 @@ INSTANTIATE_TEST_SUITE_P(Spaces, ClusterPairsInSpace,
                                            Space{"pair", 2, {0.3, 0.3, 0.3}, false}),
                          [](const auto& test) { return std::string(test.param.name); });
 
+// A box that changes under the atoms: they stay where they are, their images do not.
+TEST(ClusterPairs, FollowABoxThatChanges) {
+  const Liquid liquid{"", 6, 0.33, true, 0.8, 0, 1, true};
+  std::mt19937_64 rng(3);
+  const Nonbonded nb = forces_of(liquid);
+  const Vectors x = place(liquid, rng);
+  const Box box = box_of(liquid);
+  for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
+    ClusterPairs clusters(nb, true, precision);
+    for (const Box& now :
+         {box, box.scaled({1.001, 1, 1}), box, Box{box.edge, {0.01, 0, 0}}, box.scaled({1, 1, 1.2})}) {
+      const Vectors witness = plain_pairs(nb, now, x).f;
+      Vectors f = Vectors::Zero(3, x.cols());
+      clusters.add_forces(x, now, f);
+      EXPECT_LE((f - witness).norm(), (precision == Precision::kDouble ? 1e-12 : 1e-5) * witness.norm());
+    }
+  }
+}
+
 // Two atoms, or two drops, come from beyond all lists' reach with any speed, each its half of the way, so
 // that lists are used as long as they may be: the first force must not be late.
 TEST(ClusterPairs, MissNoPairOfThoseThatMeet) {

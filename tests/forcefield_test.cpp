@@ -186,6 +186,31 @@ TEST(Fields, GravityAndPullsAreUniform) {
   EXPECT_EQ(forces.potential(), energies[0].second + energies[1].second);
 }
 
+// What hangs on the box is made anew: lists, PME's waves, the background, the dispersion correction.
+TEST(ForceField, FollowsABoxThatChangesAndStopsWhereItIsTooSmall) {
+  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(4);
+  Terms terms{.nonbonded = Nonbonded{ones, 0.1 * ones, ones, {}, 0.9, {}, 78.3, {}, true}};
+  terms.nonbonded->pme = PmeParameters{.alpha = 3};
+  terms.nonbonded->pme->grid = {20, 22, 24};
+  const Box before{Vec3(2, 2, 2)}, after{Vec3(2.1, 1.9, 2.2), Vec3(0.3, -0.4, 0.5)};
+  Bench bench(4, terms, before);
+  bench.at(kBent);
+  bench.box = after;
+  const Evaluated changed = bench.at(kBent), made = Bench(4, terms, after).at(kBent);
+  EXPECT_NEAR(changed.energy, made.energy, 1e-12 * std::abs(made.energy));
+  EXPECT_LT((changed.f - made.f).norm(), 1e-12 * made.f.norm());
+  bench.box = before.scaled(Vec3(1, 0.89, 1));
+  try {
+    bench.at(kBent);
+    FAIL();
+  } catch (const SimulationFailure& e) {
+    EXPECT_STREQ(
+        e.what(),
+        "the box has shrunk: nonbonded: cutoff 0.9 nm is over half the box's shortest edge, 0.89 nm; "
+        "take a larger system or a shorter cutoff");
+  }
+}
+
 TEST(ForceField, NamesOnlyTheTermsThereAre) {
   EXPECT_TRUE(Bench(3, {}).forces.energies().empty());
   Terms all{.bonds = {{0, 1, 0.1, 3000}},
