@@ -57,8 +57,10 @@ void print_header(const Simulation& simulation) {
   const System& sys = scene.system;
   fmt::print("{}: {}\n", scene.name, scene.hard_on);
   for (const auto& note : scene.notes) fmt::print("  note: {}\n", note);
-  fmt::print("  atoms {}   bonds {}   clusters {}   degrees of freedom {}\n", sys.atoms(), sys.bond_count(),
-             simulation.clusters(), simulation.dof().sum());
+  const std::string sites =
+      sys.sites.empty() ? "" : fmt::format(", of them {} virtual sites", sys.sites.size());
+  fmt::print("  atoms {}{}   bonds {}   clusters {}   degrees of freedom {}\n", sys.atoms(), sites,
+             sys.bond_count(), simulation.clusters(), simulation.dof().sum());
   const Box& box = simulation.state().box;
   if (box.periodic())
     fmt::print("  box {:.6g} × {:.6g} × {:.6g} nm{}\n", box.edge.x(), box.edge.y(), box.edge.z(),

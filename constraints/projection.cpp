@@ -75,7 +75,7 @@ std::vector<int> rest_anchors(const System& sys, Vectors& v) {
   std::vector<int> moved;
   for (int a = 0; a < sys.atoms(); ++a) {
     if (sys.mass[a] > 0 || v.col(a).isZero(0)) continue;
-    moved.push_back(a);
+    if (sys.is_anchor(a)) moved.push_back(a);
     v.col(a).setZero();
   }
   return moved;

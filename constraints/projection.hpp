@@ -31,7 +31,7 @@ class Projector {
   Eigen::VectorXd b_;  // m
 };
 
-// v ← 0 for anchors (mass 0), which no force could stop. Which of them moved.
+// v ← 0 for atoms of mass 0, which no force could stop. Which of the anchors moved.
 std::vector<int> rest_anchors(const System& sys, Vectors& v);
 
 // Makes the start satisfy the bonds, and gives f its first value, constraint forces included. Throws

@@ -27,7 +27,8 @@ struct ForceField::Impl {
   Box box;                           // of the last evaluation
   Vectors bonded_forces;             // of the last virial
   bool evaluated = false;
-  std::vector<std::pair<std::string, double>> outer;  // of the last evaluation [kJ/mol]
+  Eigen::Matrix3d handed_virial = Eigen::Matrix3d::Zero();  // by handing sites' forces to their parents
+  std::vector<std::pair<std::string, double>> outer;        // of the last evaluation [kJ/mol]
 
   Impl(const System& sys, const Box& start, Terms given) : terms(std::move(given)), box(start) {
     check_terms(sys, box, terms);
@@ -96,7 +97,9 @@ ForceField::ForceField(ForceField&&) noexcept = default;
 ForceField& ForceField::operator=(ForceField&&) noexcept = default;
 
 void ForceField::operator()(const System& sys, State& s) {
+  place_sites(sys.sites, s.x);
   impl_->evaluate(sys, s, s.f);
+  impl_->handed_virial = hand_to_parents(sys.sites, s.x, s.f);
 }
 
 Eigen::Matrix3d ForceField::virial(const Vectors& x) const {
@@ -108,7 +111,7 @@ Eigen::Matrix3d ForceField::virial(const Vectors& x) const {
   if (impl_->pme) sum += impl_->pme->virial(x);
   if (impl_->wca) sum += impl_->wca->virial();
   if (impl_->dispersion) sum.diagonal().array() += impl_->dispersion_virial / impl_->box.volume();
-  return sum;
+  return sum + impl_->handed_virial;
 }
 
 void ForceField::serialize(Archive& archive) {

@@ -13,7 +13,8 @@
 
 namespace taut {
 
-// Adds up the forces of the terms a scene has.
+// Adds up the forces of the terms a scene has. Virtual sites are put in their places first; what pulls at
+// them pulls at their parents, and the force on a site is zero.
 class ForceField final : public ForceLaw {
  public:
   // Throws InputError for an atom out of range, wrong array sizes, a cutoff over half the

@@ -1,5 +1,6 @@
 #include "md/names.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -29,8 +30,11 @@ std::string_view element_of(double mass) {
   return {};
 }
 
+// With up to two further sites, which have no element.
 bool is_water(const std::vector<std::string_view>& elements) {
-  return elements.size() == 3 && elements[0] == "O" && elements[1] == "H" && elements[2] == "H";
+  const auto further = std::count(elements.begin(), elements.end(), "");
+  return further <= 2 && std::ssize(elements) - further == 3 && elements[0] == "O" && elements[1] == "H" &&
+         elements[2] == "H";
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ void remove_momentum(const System& sys, Vectors& v) {
 
 DegreesOfFreedom degrees_of_freedom(const System& sys, int rank, bool momentum_fixed) {
   const int mobile = static_cast<int>((sys.mass.array() > 0).count());
-  return {mobile, rank, momentum_fixed && mobile == sys.atoms()};
+  return {mobile, rank, momentum_fixed && sys.anchors() == 0};
 }
 
 std::string DegreesOfFreedom::sum() const {

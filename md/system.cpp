@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -17,14 +18,63 @@ void check_atom(const Eigen::VectorXd& mass, int a, int bond) {
                                  mass.size() - 1));
 }
 
+// Parents that are there, no sites and each another; weights to OpenMM's 1e-6.
+void check_parents(const VirtualSite& site, const std::vector<bool>& is_site) {
+  const auto demand = [&](bool good, const std::string& what) {
+    if (!good) throw InputError(fmt::format("atom {}: its virtual site {}", site.atom, what));
+  };
+  std::vector<int> seen;
+  double w = 0, w_x = 0, w_y = 0;
+  for (const auto& parent : site.parents) {
+    const int a = parent.atom;
+    demand(a >= 0 && a < std::ssize(is_site),
+           fmt::format("has parent {}, expected one of the atoms 0 to {}", a, is_site.size() - 1));
+    demand(!is_site[a], fmt::format("has parent {}, which is a virtual site itself", a));
+    demand(std::ranges::find(seen, a) == seen.end(), fmt::format("has atom {} as a parent twice", a));
+    seen.push_back(a);
+    w += parent.w, w_x += parent.w_x, w_y += parent.w_y;
+  }
+  demand(!seen.empty(), "has no parents");
+  demand(std::abs(w - 1) < 1e-6, fmt::format("has weights that add to {}, expected 1", w));
+  demand(std::abs(w_x) < 1e-6 && std::abs(w_y) < 1e-6,
+         fmt::format("has weights of its axes that add to {} and {}, expected 0", w_x, w_y));
+  demand(site.p.allFinite(), "is not at a finite place");
+}
+
+// Which atoms are sites.
+std::vector<bool> checked_sites(const Eigen::VectorXd& mass, const VirtualSites& sites) {
+  std::vector<bool> is_site(mass.size());
+  for (const VirtualSite& site : sites) {
+    if (site.atom < 0 || site.atom >= mass.size())
+      throw InputError(fmt::format("virtual site: atom {} is out of range", site.atom));
+    if (mass[site.atom] != 0)
+      throw InputError(
+          fmt::format("atom {}: a virtual site of mass {} u, expected 0", site.atom, mass[site.atom]));
+    if (is_site[site.atom]) throw InputError(fmt::format("atom {}: is a virtual site twice", site.atom));
+    is_site[site.atom] = true;
+  }
+  for (const VirtualSite& site : sites) check_parents(site, is_site);
+  return is_site;
+}
+
 }  // namespace
 
-System make_system(Eigen::VectorXd mass, std::vector<RigidBond> bonds) {
+bool System::is_site(int a) const {
+  const auto at = std::ranges::lower_bound(sites, a, {}, &VirtualSite::atom);
+  return at != sites.end() && at->atom == a;
+}
+
+int System::anchors() const {
+  return static_cast<int>((mass.array() == 0).count() - std::ssize(sites));
+}
+
+System make_system(Eigen::VectorXd mass, std::vector<RigidBond> bonds, VirtualSites sites) {
   for (Eigen::Index a = 0; a < mass.size(); ++a)
     if (!(mass[a] >= 0) || !std::isfinite(mass[a]))
       throw InputError(
           fmt::format("atom {}: mass {} u, expected a positive number, or 0 for an anchor", a, mass[a]));
 
+  const std::vector<bool> is_site = checked_sites(mass, sites);
   std::map<std::pair<int, int>, int> seen;
   for (int k = 0; k < static_cast<int>(bonds.size()); ++k) {
     const auto& [i, j, length] = bonds[k];
@@ -33,6 +83,9 @@ System make_system(Eigen::VectorXd mass, std::vector<RigidBond> bonds) {
     if (i == j) throw InputError(fmt::format("bond {}: ties atom {} to itself", k, i));
     if (!(length > 0) || !std::isfinite(length))
       throw InputError(fmt::format("bond {} ({}-{}): length {} nm, expected more than 0", k, i, j, length));
+    if (is_site[i] || is_site[j])
+      throw InputError(fmt::format("bond {} ({}-{}): atom {} is a virtual site, expected atoms that move", k,
+                                   i, j, is_site[i] ? i : j));
     if (mass[i] == 0 && mass[j] == 0)
       throw InputError(fmt::format("bond {} ({}-{}): both ends are anchored (mass 0)", k, i, j));
     const auto [first, fresh] = seen.try_emplace(std::minmax(i, j), k);
@@ -45,6 +98,8 @@ System make_system(Eigen::VectorXd mass, std::vector<RigidBond> bonds) {
   sys.inv_mass = mass.unaryExpr([](double m) { return m == 0 ? 0.0 : 1 / m; });
   sys.mass = std::move(mass);
   sys.bonds = std::move(bonds);
+  sys.sites = std::move(sites);
+  std::ranges::sort(sys.sites, {}, &VirtualSite::atom);
   return sys;
 }
 

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "md/vectors.hpp"
+#include "md/virtual_sites.hpp"
 
 namespace taut {
 
@@ -14,17 +15,22 @@ struct RigidBond {
 
 // What does not change during a run. Build it with make_system.
 struct System {
-  Eigen::VectorXd mass;          // [u], n; 0 for an anchored atom
-  Eigen::VectorXd inv_mass;      // [1/u], n; 0 for an anchored atom
+  Eigen::VectorXd mass;          // [u], n; 0 for an anchored atom, and for a virtual site
+  Eigen::VectorXd inv_mass;      // [1/u], n; 0 likewise
   std::vector<RigidBond> bonds;  // m
+  VirtualSites sites;            // in the order of their atoms
 
   int atoms() const { return static_cast<int>(mass.size()); }
   int bond_count() const { return static_cast<int>(bonds.size()); }
+  bool is_site(int a) const;
+  bool is_anchor(int a) const { return mass[a] == 0 && !is_site(a); }
+  int anchors() const;
 };
 
-// Mass 0 anchors an atom: it never moves (OpenMM's convention).
-// Throws InputError for a bond out of range, between an atom and itself, repeated, of no length, or
-// between two anchored atoms, and for a negative or non-finite mass.
-System make_system(Eigen::VectorXd mass, std::vector<RigidBond> bonds);
+// Mass 0 anchors an atom that is no virtual site: it never moves (OpenMM's convention).
+// Throws InputError for a bond out of range, between an atom and itself, repeated, of no length, to a virtual
+// site or between two anchored atoms, for a negative or non-finite mass, and for a virtual site with a mass,
+// without parents, with a parent out of range, repeated or itself a site, or with weights that do not add up.
+System make_system(Eigen::VectorXd mass, std::vector<RigidBond> bonds, VirtualSites sites = {});
 
 }  // namespace taut

@@ -183,13 +183,13 @@ void RunFolder::keep(Simulation& simulation) {
 
 void RunFolder::write_end(const Simulation& simulation, const Summary& summary) {
   log_.mark();
-  write_start(path() / "final.start.toml", simulation.state());
+  write_start(path() / "final.start.toml", simulation.state_to_write());
   write_aside(path() / "summary.json", summary_json(simulation, summary));
 }
 
 void RunFolder::write_failure(const Simulation& simulation, const Diagnosis& diagnosis) {
   log_.mark();
-  write_start(path() / "last_good.start.toml", simulation.state());
+  write_start(path() / "last_good.start.toml", simulation.state_to_write());
   write_aside(path() / "failure.json", failure_json(diagnosis));
 }
 

@@ -96,6 +96,7 @@ Simulation::Simulation(Scene scene)
 
 void Simulation::bring_to_the_bonds() {
   const System& sys = scene_.system;
+  place_sites(sys.sites, state_.x);
   if (scene_.run.minimise)
     start_report_.minimised = minimise(sys, forces_, scene_.run.minimise_force, state_);
   start_report_.anchors_stopped = rest_anchors(sys, state_.v);
@@ -178,6 +179,12 @@ Eigen::VectorXd Simulation::bond_tensions() const {
     lambda = projector_.multipliers(sys, now);
   }
   return tensions(full_, least_norm_multipliers(full_, state_.x, redundancy_.redundant, lambda));
+}
+
+State Simulation::state_to_write() const {
+  State s = state_;
+  place_site_velocities(scene_.system.sites, s.x, s.v);
+  return s;
 }
 
 Vectors Simulation::without_stretching(Vectors v) const {

@@ -89,7 +89,8 @@ class Simulation : private Bath, private ForceLaw {
 
   const Scene& scene() const { return scene_; }
   const System& system_as_given() const { return full_; }  // with the bonds that were left out, if any were
-  const State& state() const { return state_; }
+  const State& state() const { return state_; }            // virtual sites have no velocity in it
+  State state_to_write() const;                            // there they have
   const DegreesOfFreedom& dof() const { return dof_; }
   int clusters() const { return projector_.clusters(); }
   const StartReport& start_report() const { return start_report_; }

@@ -45,7 +45,7 @@ struct Body {
 
 bool anchored(const System& sys, const std::vector<int>& atoms) {
   for (int a : atoms)
-    if (sys.mass[a] == 0) return true;
+    if (sys.is_anchor(a)) return true;
   return false;
 }
 
@@ -86,7 +86,7 @@ Temperatures::Temperatures(const System& sys, const Terms& terms, const Vectors&
   for (std::size_t m = 0; m < molecules_.size(); ++m) {
     Molecule& molecule = molecules_[m];
     std::vector<double> kind;
-    for (int a : molecule.atoms) kind.push_back(sys.mass[a]);
+    for (int a : molecule.atoms) kind.push_back(sys.is_site(a) ? -1 : sys.mass[a]);
     kind.push_back(bonds[m]);
     molecule.type = known.try_emplace(kind, static_cast<int>(known.size())).first->second;
     types_.resize(known.size());

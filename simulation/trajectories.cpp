@@ -60,7 +60,8 @@ std::map<std::string, std::uint64_t> Trajectories::extents(const std::filesystem
 
 void Trajectories::add(const Simulation& simulation, long step) {
   const Eigen::VectorXd tension = h5md_ ? simulation.bond_tensions() : Eigen::VectorXd();
-  const Frame frame{step, simulation.state(), tension};
+  const State state = simulation.state_to_write();
+  const Frame frame{step, state, tension};
   if (dcd_ && !(step == 0 && dcd_has_start_)) dcd_->add(frame);
   if (h5md_ && !(step == 0 && h5md_has_start_)) h5md_->add(frame);
 }

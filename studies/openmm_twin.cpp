@@ -31,14 +31,32 @@ std::vector<OpenMM::Vec3> to_openmm(const Vectors& columns) {
   return to;
 }
 
-void build_integrator(OpenMM::CustomIntegrator& twin) {
+// OpenMM places virtual sites at the end of its integrator's steps. With sites a step is two of these, so
+// that they are placed where the force at its end is taken.
+void build_integrator(OpenMM::CustomIntegrator& twin, bool in_halves) {
   twin.addPerDofVariable("x1", 0);
+  if (in_halves) {
+    twin.addGlobalVariable("first", 0);
+    twin.addComputeGlobal("first", "1 - first");
+    twin.beginIfBlock("first = 1");
+  }
   twin.addComputePerDof("v", "v + 0.5*dt*f/m");
   twin.addComputePerDof("x", "x + dt*v");
   twin.addComputePerDof("x1", "x");
   twin.addConstrainPositions();
+  if (in_halves) {
+    twin.endBlock();
+    twin.beginIfBlock("first = 0");
+  }
   twin.addComputePerDof("v", "v + 0.5*dt*f/m + (x - x1)/dt");
   twin.addConstrainVelocities();
+  if (in_halves) twin.endBlock();
+}
+
+bool has_sites(const OpenMM::System& system) {
+  for (int a = 0; a < system.getNumParticles(); ++a)
+    if (system.isVirtualSite(a)) return true;
+  return false;
 }
 
 OpenMM::Platform& platform_by_name(const std::string& name) {
@@ -90,13 +108,13 @@ void say_pme_parameters(OpenMM::System& system, const OpenMM::State& start) {
   }
 }
 
-std::unique_ptr<OpenMM::Integrator> make_integrator(const TwinSettings& settings) {
+std::unique_ptr<OpenMM::Integrator> make_integrator(const TwinSettings& settings, bool in_halves) {
   std::unique_ptr<OpenMM::Integrator> integrator;
   if (settings.integrator == TwinIntegrator::kVerlet) {
     integrator = std::make_unique<OpenMM::VerletIntegrator>(settings.h);
   } else {
     auto twin = std::make_unique<OpenMM::CustomIntegrator>(settings.h);
-    build_integrator(*twin);
+    build_integrator(*twin, in_halves);
     integrator = std::move(twin);
   }
   integrator->setConstraintTolerance(settings.constraint_tolerance);
@@ -132,6 +150,7 @@ void set_state(OpenMM::Context& context, const OpenMM::State& from) {
   set_box(context, box_of(from));
   context.setTime(from.getTime());
   context.setPositions(from.getPositions());
+  context.computeVirtualSites();
   if (from.getDataTypes() & OpenMM::State::Velocities) context.setVelocities(from.getVelocities());
   if (from.getDataTypes() & OpenMM::State::Parameters)
     for (const auto& [name, value] : from.getParameters()) context.setParameter(name, value);
@@ -152,7 +171,21 @@ struct OpenMMTwin::Impl {
   OpenMM::State get(int what) const { return context->getState(what); }
   Vectors velocities() const { return from_openmm(get(OpenMM::State::Velocities).getVelocities()); }
   bool periodic() const { return system->usesPeriodicBoundaryConditions(); }
+  bool in_halves() const { return !lags() && has_sites(*system); }
   bool lags() const { return settings.integrator == TwinIntegrator::kVerlet; }
+
+  // OpenMM leaves at a site what it has handed to the parents.
+  Vectors forces(const OpenMM::State& of) const {
+    Vectors f = from_openmm(of.getForces());
+    for (int a = 0; a < f.cols(); ++a)
+      if (system->isVirtualSite(a)) f.col(a).setZero();
+    return f;
+  }
+
+  void place(const Vectors& x) const {
+    context->setPositions(to_openmm(x));
+    context->computeVirtualSites();
+  }
 
   // v + share·hf/m
   Vectors kicked(Vectors v, double share, const Vectors& f) const {
@@ -175,7 +208,9 @@ struct OpenMMTwin::Impl {
 
 void OpenMMTwin::start(std::unique_ptr<OpenMM::System> system, const TwinSettings& settings) {
   drop_momentum_removers(*system);
-  impl_.reset(new Impl{settings, std::move(system), make_integrator(settings), {}});
+  const bool verlet = settings.integrator == TwinIntegrator::kVerlet;
+  auto integrator = make_integrator(settings, !verlet && has_sites(*system));
+  impl_.reset(new Impl{settings, std::move(system), std::move(integrator), {}});
   std::map<std::string, std::string> properties;
   if (settings.platform == "CPU" && settings.threads > 0)
     properties["Threads"] = std::to_string(settings.threads);
@@ -216,15 +251,17 @@ OpenMMTwin::~OpenMMTwin() = default;
 void OpenMMTwin::set(const State& s) {
   set_box(*impl_->context, s.box);
   impl_->context->setTime(s.t);
-  impl_->context->setPositions(to_openmm(s.x));
+  impl_->place(s.x);
   const bool lags = impl_->lags();
-  const Vectors f = lags ? from_openmm(impl_->get(OpenMM::State::Forces).getForces()) : Vectors();
+  const Vectors f = lags ? impl_->forces(impl_->get(OpenMM::State::Forces)) : Vectors();
   impl_->context->setVelocities(to_openmm(lags ? impl_->kicked(s.v, -0.5, f) : s.v));
 }
 
 void OpenMMTwin::step(int n) {
   try {
-    impl_->integrator->step(n);
+    const double t = impl_->get(0).getTime();
+    impl_->integrator->step(impl_->in_halves() ? 2 * n : n);
+    if (impl_->in_halves()) impl_->context->setTime(t + n * impl_->settings.h);
   } catch (const OpenMM::OpenMMException& e) {
     throw SimulationFailure(fmt::format("OpenMM, run beside taut, stopped: {}", e.what()));
   }
@@ -239,7 +276,7 @@ State OpenMMTwin::state(double& potential) const {
   using OpenMM::State;
   const State s = impl_->get(State::Positions | State::Forces | State::Energy);
   potential = s.getPotentialEnergy();
-  const Vectors f = from_openmm(s.getForces());
+  const Vectors f = impl_->forces(s);
   return {from_openmm(s.getPositions()), impl_->lags() ? impl_->full_step_velocities(f) : impl_->velocities(),
           f, s.getTime(), impl_->periodic() ? box_of(s) : Box{}};
 }
@@ -253,9 +290,9 @@ double OpenMMTwin::potential() const {
 }
 
 double OpenMMTwin::forces_at(const Vectors& x, Vectors& f) {
-  impl_->context->setPositions(to_openmm(x));
+  impl_->place(x);
   const OpenMM::State s = impl_->get(OpenMM::State::Forces | OpenMM::State::Energy);
-  f = from_openmm(s.getForces());
+  f = impl_->forces(s);
   return s.getPotentialEnergy();
 }
 

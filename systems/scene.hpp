@@ -63,7 +63,7 @@ struct Scene {
   std::vector<std::string> notes;            // what the reader should know of the start, a line each
 
   // Nothing outside holds or pulls: the momentum is conserved.
-  bool closed() const { return !terms.gravity && terms.pulls.empty() && (system.mass.array() > 0).all(); }
+  bool closed() const { return !terms.gravity && terms.pulls.empty() && system.anchors() == 0; }
 };
 
 }  // namespace taut

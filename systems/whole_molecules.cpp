@@ -36,12 +36,22 @@ std::vector<int> walk(int atoms, const std::vector<BondedPair>& pairs, Step step
 
 }  // namespace
 
+void tie_sites(const VirtualSites& sites, std::vector<BondedPair>& pairs) {
+  for (const auto& site : sites) {
+    const int first = site.parents.front().atom;
+    pairs.push_back({first, site.atom});
+    for (const auto& parent : site.parents)
+      if (parent.atom != first) pairs.push_back({first, parent.atom});
+  }
+}
+
 std::vector<BondedPair> bonded_pairs(const System& sys, const Terms& terms) {
   std::vector<BondedPair> pairs;
   pairs.reserve(sys.bonds.size() + terms.bonds.size() + terms.fene.size());
   for (const auto& b : sys.bonds) pairs.push_back({b.i, b.j});
   for (const auto& b : terms.bonds) pairs.push_back({b.i, b.j});
   for (const auto& b : terms.fene) pairs.push_back({b.i, b.j});
+  tie_sites(sys.sites, pairs);
   return pairs;
 }
 

@@ -13,7 +13,10 @@ namespace taut {
 // Two atoms that belong to one molecule.
 using BondedPair = std::array<int, 2>;
 
-// The rigid, harmonic and FENE bonds: what makes atoms one molecule.
+// A virtual site belongs to its parents, and they to each other.
+void tie_sites(const VirtualSites& sites, std::vector<BondedPair>& pairs);
+
+// The rigid, harmonic and FENE bonds, and virtual sites: what makes atoms one molecule.
 std::vector<BondedPair> bonded_pairs(const System& sys, const Terms& terms);
 
 // The molecule of each atom, numbered in the order of their first atoms.

@@ -38,10 +38,20 @@ namespace {
 
 using namespace testing;
 
+// A few atoms, three of them virtual sites.
+System with_sites(int n) {
+  Eigen::VectorXd mass = Eigen::VectorXd::Constant(n, 2.0);
+  mass.segment<3>(5).setZero();
+  return make_system(
+      mass, {},
+      {VirtualSite::average(5, {{0, 0.5}, {1, 0.5}}), VirtualSite::out_of_plane(6, 0, 1, 2, {0.3, 0.3, 2}),
+       VirtualSite::local(7, {{0, 1, -1, -1}, {1, 0, 1, 0}, {2, 0, 0, 1}}, {0.1, 0.1, 0.1})});
+}
+
 // Over the same way twice, far enough for searches, in a box that breathes.
 long allocated_the_second_time(const Terms& terms, const Vectors& start, const Box& box) {
   const int n = static_cast<int>(start.cols());
-  const System sys = make_system(Eigen::VectorXd::Constant(n, 2.0), {});
+  const System sys = with_sites(n);
   ForceField forces(sys, box, terms);
   State s{start, Vectors::Zero(3, n), Vectors::Zero(3, n), 0, box};
   const auto wander = [&] {

@@ -196,12 +196,12 @@ TEST(OpenMMImportRefuses, DirectSpaceLeftOut) {
               one_line_with("melt.system.xml:", "direct space"));
 }
 
-TEST(OpenMMImportRefuses, VirtualSites) {
+TEST(OpenMMImportRefuses, VirtualSitesInABond) {
   EXPECT_THAT(refusal_of([](Melt& m) {
                 m.system.setParticleMass(2, 0);
                 m.system.setVirtualSite(2, new OpenMM::TwoParticleAverageSite(3, 4, 0.5, 0.5));
               }),
-              one_line_with("melt.system.xml", "atom 2 is a virtual site"));
+              one_line_with("melt.system.xml:", "(2-3): atom 2 is a virtual site"));
 }
 
 TEST(OpenMMImportRefuses, BadConstraints) {

@@ -87,14 +87,40 @@ INSTANTIATE_TEST_SUITE_P(
                "is a barostat taut has not: take it out, and say run.barostat = \"c-rescale\""},
         Change{"-mass*(gx*x+gy*y+gz*z)", "-mass*(gx*x^2+gy*y+gz*z)",
                "has the energy -mass*(gx*x^2+gy*y+gz*z): taut knows -mass"},
-        Change{
-            "<Particle mass=\"0\"/>",
-            "<Particle mass=\"0\"><TwoParticleAverageSite p1=\"1\" p2=\"2\" w1=\".5\" w2=\".5\"/></Particle>",
-            "atom 11 is a virtual site: taut has none"},
         Change{"<C x=\"0\" y=\"0\" z=\"3\"/>", "<C x=\"0\" y=\"9\" z=\"3\"/>",
                "a.state.xml:3: its box has cy = 9 nm, expected at most half of by"},
         Change{"gx=\"-1.25\"", "gx=\"-1.25\" lambda=\"1\"",
                "a.state.xml:8: the State sets the parameter lambda, which no force"}));
+
+// The last atom, which is anchored, made a virtual site.
+struct Site {
+  const char *element, *complaint;
+};
+class RefusesSite : public ::testing::TestWithParam<Site> {};
+
+TEST_P(RefusesSite, ByNameAndLine) {
+  const auto& [element, complaint] = GetParam();
+  const std::string particle = std::string("<Particle mass=\"0\">") + element + "</Particle>";
+  EXPECT_THAT(refusal("<Particle mass=\"0\"/>", particle),
+              AllOf(one_line_with(complaint), ::testing::ContainsRegex("a\\.(system|state)\\.xml:[0-9]+: ")));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    ThatCannotBe, RefusesSite,
+    ::testing::Values(
+        Site{"<SymmetrySite p=\"0\"/>",
+             "atom 11 is a virtual site of a kind taut does not know: it has TwoParticleAverageSite, Three"},
+        Site{"<TwoParticleAverageSite p1=\"1\" p2=\"2\" w1=\".5\" w2=\".5\"/><OutOfPlaneSite/>",
+             "Particle has an element OutOfPlaneSite"},
+        Site{"<TwoParticleAverageSite p1=\"1\" p2=\"2\" w1=\".5\"/>", "TwoParticleAverageSite lacks w2"},
+        Site{"<TwoParticleAverageSite p1=\"1\" p2=\"12\" w1=\".5\" w2=\".5\"/>", "has p2=\"12\", expected"},
+        Site{"<TwoParticleAverageSite p1=\"1\" p2=\"11\" w1=\".5\" w2=\".5\"/>",
+             "has parent 11, which is a virtual site itself"},
+        Site{"<TwoParticleAverageSite p1=\"1\" p2=\"2\" w1=\".5\" w2=\".6\"/>", "weights that add to 1.1"},
+        Site{"<LocalCoordinatesSite pos1=\"0\" pos2=\"0\" pos3=\"1\"/>", "has no parents"},
+        Site{"<LocalCoordinatesSite pos1=\"0\" pos2=\"0\" pos3=\"1\" p1=\"1\" wo1=\"1\" wx1=\"0\" "
+             "wy1=\"0\"/>",
+             "(the first is atom 1) are in line or in one place"}));
 
 INSTANTIATE_TEST_SUITE_P(
     WhatDoesNotFit, Refuses,

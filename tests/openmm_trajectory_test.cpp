@@ -81,6 +81,14 @@ TEST(OpenMMTrajectory, MeltWithAnchors) {
   expect_same_trajectory(apart_after(testing::anchored_melt(folder), 100));
 }
 
+// OpenMM's sites are where the force at a step's end is taken.
+TEST(OpenMMTrajectory, WatersWithVirtualSitesWithoutSettle) {
+  for (const char* name : {"tip4pew-64", "tip5p-64"}) {
+    const Folder folder;
+    expect_same_trajectory(apart_after(testing::without_settle(data(name), folder), 100));
+  }
+}
+
 // With SETTLE the two part at once by a float's rounding of the distances, and chaos does the rest.
 TEST(OpenMMTrajectory, Waters) {
   const Apart apart = apart_after(data("tip3p-216"), 200);

@@ -8,44 +8,42 @@
 #include "md/random.hpp"
 #include "systems/builders/builders.hpp"
 #include "systems/builders/lattice.hpp"
+#include "systems/builders/water_models.hpp"
 #include "systems/start_file.hpp"
 
 namespace taut {
 namespace {
 
-// Rigid three-site water: charges on O and on both H, Lennard-Jones on O alone.
-struct WaterModel {
-  std::string_view name;
-  double charge;          // of O [e]; each H has −½ of it
-  double sigma;           // [nm]
-  double epsilon;         // [kJ/mol]
-  double oh;              // [nm]
-  double angle;           // [°]
-  double mass_o, mass_h;  // [u]
-
-  double half_angle() const { return angle * std::numbers::pi / 360; }
-  double hh() const { return 2 * oh * std::sin(half_angle()); }
-  double mass() const { return mass_o + 2 * mass_h; }
-};
-constexpr std::array kModels = {
-    // Jorgensen et al. 1983, doi:10.1063/1.445869; numbers of OpenMM's tip3p.xml
-    WaterModel{"tip3p", -0.834, 0.315061, 0.6364, 0.09572, 104.52, 15.99943, 1.007947},
-    // Berendsen, Grigera and Straatsma 1987, doi:10.1021/j100308a038
-    WaterModel{"spce", -0.8476, 0.3166, 0.650, 0.1, 109.47, 15.9994, 1.008}};
-
 const WaterModel& chosen_model(const TomlTable& keys) {
-  const std::string name = keys.choice("model", {kModels[0].name, kModels[1].name});
-  return *std::ranges::find(kModels, name, &WaterModel::name);
+  std::vector<std::string_view> names;
+  for (const WaterModel& model : water_models()) names.push_back(model.name);
+  const std::string name = keys.choice("model", names);
+  return *std::ranges::find(water_models(), name, &WaterModel::name);
 }
 
-// O where it is, both H at the model's distances in the molecule's own plane, about its own bisector.
-void set_geometry(const WaterModel& model, Eigen::Ref<Vectors> x) {
-  const Vec3 o = x.col(0), bisector = (x.col(1) + x.col(2) - 2 * o).normalized();
-  Vec3 across = x.col(1) - x.col(2);
-  across = (across - bisector.dot(across) * bisector).normalized();
-  const double along = model.oh * std::cos(model.half_angle()), aside = model.hh() / 2;
-  x.col(1) = o + along * bisector + aside * across;
-  x.col(2) = o + along * bisector - aside * across;
+// Leaves O, H, H of each molecule; the sites of other models stand behind them, nearer than the next O.
+// False where there are none.
+bool keep_atoms(Vectors& x, Vectors& v) {
+  constexpr double kNearest = 0.2;  // two O are further apart [nm]
+  Eigen::Index each = 0;
+  while (each < x.cols() && (x.col(each) - x.col(0)).norm() < kNearest) ++each;
+  if (each < 3 || x.cols() % each != 0) return false;
+  const Eigen::Index molecules = x.cols() / each;
+  for (Vectors* of : {&x, &v}) {
+    for (Eigen::Index m = 0; m < molecules; ++m)
+      of->middleCols<3>(3 * m) = of->middleCols<3>(each * m).eval();
+    of->conservativeResize(3, 3 * molecules);
+  }
+  return true;
+}
+
+// Room for the model's sites behind the atoms of each molecule.
+Vectors with_sites(const WaterModel& model, const Vectors& atoms) {
+  const Eigen::Index molecules = atoms.cols() / 3;
+  Vectors all = Vectors::Zero(3, model.atoms() * molecules);
+  for (Eigen::Index m = 0; m < molecules; ++m)
+    all.middleCols<3>(model.atoms() * m) = atoms.middleCols<3>(3 * m);
+  return all;
 }
 
 // The shapes of a box, of a first vector of 1, by the cell of points nearest to one of the lattice. Of the
@@ -73,7 +71,7 @@ State lattice_of_water(const WaterModel& model, long molecules, const Box& box, 
     start.x.col(3 * m) = o;
     start.x.col(3 * m + 1) = o + random.unit_vector();
     start.x.col(3 * m + 2) = o + random.unit_vector();
-    set_geometry(model, start.x.middleCols(3 * m, 3));
+    model.set_geometry(start.x.middleCols(3 * m, 3));
   }
   return start;
 }
@@ -127,8 +125,7 @@ class WaterSource {
       density_ = keys_.get<double>("density_g_cm3", kPositive) * kGramPerCm3 / model.mass();
       return;
     }
-    if (start_->x.cols() == 0 || start_->x.cols() % 3 != 0)
-      keys_.fail("start", "expected waters: O, H, H, ...");
+    if (!keep_atoms(start_->x, start_->v)) keys_.fail("start", "expected waters: O, H, H, ...");
     if (keys_.has("density_g_cm3")) keys_.fail("density_g_cm3", "build.start has a density of its own");
     density_ = static_cast<double>(molecules_of_start()) / start_->box.volume();
   }
@@ -193,30 +190,34 @@ class WaterSource {
 };
 
 void add_molecule(const WaterModel& model, int o, Nonbonded& pairs, std::vector<RigidBond>& bonds) {
-  const int h1 = o + 1, h2 = o + 2;
-  for (const int h : {h1, h2}) {
-    pairs.charge[h] = -model.charge / 2;
-    pairs.sigma[h] = 1;  // of no account: ε is 0
-    pairs.epsilon[h] = 0;
+  const int h1 = o + 1, h2 = o + 2, end = o + model.atoms();
+  for (int a = o; a < end; ++a) {
+    pairs.charge[a] = a == o ? model.charge_o() : a <= h2 ? model.charge_h : model.charge_of_site();
+    pairs.sigma[a] = a == o ? model.sigma : 1;  // of no account where ε is 0
+    pairs.epsilon[a] = a == o ? model.epsilon : 0;
+    for (int b = a + 1; b < end; ++b) pairs.exceptions.push_back({a, b, 0, 1, 0});
   }
-  pairs.charge[o] = model.charge;
-  pairs.sigma[o] = model.sigma;
-  pairs.epsilon[o] = model.epsilon;
-  for (const auto& [i, j] : {std::pair{o, h1}, {o, h2}, {h1, h2}})
-    pairs.exceptions.push_back({i, j, 0, 1, 0});
   bonds.push_back({o, h1, model.oh});
   bonds.push_back({o, h2, model.oh});
   bonds.push_back({h1, h2, model.hh()});
 }
 
+Names names_of(const WaterModel& model, int molecules) {
+  std::vector<AtomKind> atoms = {{"OW", "HOH", "O"}, {"HW1", "HOH", "H"}, {"HW2", "HOH", "H"}};
+  if (model.sites == 1) atoms.push_back({"MW", "HOH", ""});
+  if (model.sites == 2) atoms.insert(atoms.end(), {{"LP1", "HOH", ""}, {"LP2", "HOH", ""}});
+  return repeated_names(atoms, molecules);
+}
+
 }  // namespace
 
-// kind = "water": rigid three-site water.
-//   molecules, model = "tip3p" | "spce"
+// kind = "water": rigid water, of three to five sites.
+//   molecules, model = "tip3p" | "spce" | "tip4pew" | "tip4p2005" | "opc" | "tip5p"
 //   shape = "box" | "droplet"       a droplet has no box
 //   start = "water216.start.toml"   equilibrated waters in a box, from which n³ times as many are tiled and
 //                                   droplets cut; any other number stands on a lattice of its density.
-//                                   Or a droplet, for a droplet of as many
+//                                   Or a droplet, for a droplet of as many. Of any model: O stays, H and
+//                                   sites move to the model's places
 //   box = "cube" (unless said) | "octahedron" | "dodecahedron"    the shape of a box
 //   density_g_cm3                   without a start: a lattice
 // [forcefield] the keys of read_cutoff
@@ -224,30 +225,33 @@ void build_water(const BuildRequest& request, Scene& scene) {
   const TomlTable& keys = request.keys;
   const WaterModel& model = chosen_model(keys);
   const auto molecules = keys.get<long>("molecules", Range{.min = 1});
-  const int atoms = atoms_of(keys, "molecules", static_cast<double>(molecules), 3);
+  const int each = model.atoms(), atoms = atoms_of(keys, "molecules", static_cast<double>(molecules), each);
   const bool box = keys.choice("shape", {"box", "droplet"}) == "box";
   keys.counts("box", box, "with build.shape = \"box\"");
   WaterSource source(request, model);
-  State start = box ? source.box_of(molecules, scene.notes) : source.droplet_of(molecules, scene.notes);
+  const State start = box ? source.box_of(molecules, scene.notes) : source.droplet_of(molecules, scene.notes);
+  scene.start.box = start.box;
+  Vectors& x = scene.start.x = with_sites(model, start.x);
+  scene.start.v = with_sites(model, start.v);
 
   Nonbonded& pairs = scene.terms.nonbonded.emplace();
   pairs.charge.resize(atoms);
   pairs.sigma.resize(atoms);
   pairs.epsilon.resize(atoms);
-  Eigen::VectorXd mass(atoms);
+  Eigen::VectorXd mass = Eigen::VectorXd::Zero(atoms);
   std::vector<RigidBond> bonds;
-  for (int o = 0; o < atoms; o += 3) {
-    set_geometry(model, start.x.middleCols(o, 3));
+  VirtualSites sites;
+  for (int o = 0; o < atoms; o += each) {
+    model.set_geometry(x.middleCols(o, 3));
     mass.segment<3>(o) << model.mass_o, model.mass_h, model.mass_h;
     add_molecule(model, o, pairs, bonds);
+    for (VirtualSite& site : model.sites_of(o)) sites.push_back(std::move(site));
   }
-  scene.names = repeated_names({{"OW", "HOH", "O"}, {"HW1", "HOH", "H"}, {"HW2", "HOH", "H"}}, atoms / 3);
+  place_sites(sites, x);
+  scene.names = names_of(model, atoms / each);
   read_cutoff(request.forcefield, start.box, pairs);
-  scene.start.x = std::move(start.x);
-  scene.start.v = std::move(start.v);
-  scene.start.box = start.box;
   scene.positions_drawn = source.drawn();
-  scene.system = make_system(std::move(mass), std::move(bonds));
+  scene.system = make_system(std::move(mass), std::move(bonds), std::move(sites));
 }
 
 }  // namespace taut

@@ -30,7 +30,7 @@ void build_chains(const BuildRequest& request, Scene& scene);  // freely jointed
 void build_rings(const BuildRequest& request, Scene& scene);   // closed rings without forces
 void build_melt(const BuildRequest& request, Scene& scene);    // dense bead chains, Lennard-Jones or WCA
 void build_alkane(const BuildRequest& request, Scene& scene);  // liquid n-alkanes, united atoms
-void build_water(const BuildRequest& request, Scene& scene);   // rigid three-site water, box or droplet
+void build_water(const BuildRequest& request, Scene& scene);   // rigid water, box or droplet
 
 // The atoms of `copies` things of `atoms_each`, as an int. Throws LocatedError at `key` for more than taut
 // takes, before anything is allocated.

@@ -11,6 +11,7 @@
 #include "md/errors.hpp"
 #include "systems/openmm/openmm_forces.hpp"
 #include "systems/openmm/openmm_known.hpp"
+#include "systems/openmm/openmm_sites.hpp"
 #include "systems/openmm/openmm_terms.hpp"
 
 namespace taut {
@@ -43,9 +44,14 @@ void write_box(Node of, const Box& box) {
   }
 }
 
-void write_masses(Node of, const Eigen::VectorXd& mass) {
+void write_atoms(Node of, const System& sys) {
   Node list = of.append_child("Particles");
-  for (double m : mass) append(list, "Particle", {{"mass", &m}});
+  auto site = sys.sites.begin();
+  for (int a = 0; a < sys.atoms(); ++a) {
+    double mass = sys.mass[a];
+    Node particle = append(list, "Particle", {{"mass", &mass}});
+    if (site != sys.sites.end() && site->atom == a) write_site(particle, *site++);
+  }
 }
 
 void refuse_bonds_to_anchors(const System& sys) {
@@ -264,7 +270,7 @@ std::string openmm_system_xml(const OpenMMInput& from) {
   refuse_bonds_to_anchors(from.system);
   return whole_file("System", [&](Node root) {
     write_box(root, from.start.box);
-    write_masses(root, from.system.mass);
+    write_atoms(root, from.system);
     write_list(root, from.system.bonds);
     write_forces(root.append_child("Forces"), from);
   });

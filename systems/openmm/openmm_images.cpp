@@ -19,11 +19,11 @@ class Images {
       const Vec3 d = m_.whole.col(j) - m_.whole.col(i);
       const char* problem = nullptr;
       if (!taken_) {
-        if (!near(d, m_.as_given.col(j) - m_.as_given.col(i)))
+        if (!m_.near(d, m_.as_given.col(j) - m_.as_given.col(i)))
           problem = "is broken across the box and usesPeriodic is 0: give a State of whole molecules";
       } else if (m_.molecule[i] != m_.molecule[j]) {
         problem = "joins two molecules: taut takes no nearest image there";
-      } else if (!near(d, m_.box.nearest_image(d))) {
+      } else if (!m_.near(d, m_.box.nearest_image(d))) {
         problem = "is longer than half the box: taut takes no nearest image there";
       }
       if (problem) at_.refuse(fmt::format("{} {} ({}) {}", kind, index, fmt::join(atoms, "-"), problem));
@@ -31,10 +31,6 @@ class Images {
   }
 
  private:
-  bool near(const Vec3& a, const Vec3& b) const {
-    return ((a - b).cwiseAbs().array() < 1e-6 * m_.box.edge.array()).all();
-  }
-
   const Element& at_;
   bool taken_;
   const WholeMolecules& m_;
@@ -63,6 +59,18 @@ void check_images(const Element& at, const OpenMMForce& force, const WholeMolecu
       images.check("exception", k, std::array{t.i, t.j});
     ++k;
   }
+}
+
+void check_images(const Element& at, const VirtualSites& sites, const WholeMolecules& m) {
+  for (const VirtualSite& site : sites)
+    for (const auto& parent : site.parents) {
+      const int i = site.parents.front().atom, j = parent.atom;
+      if (!m.near(m.whole.col(j) - m.whole.col(i), m.as_given.col(j) - m.as_given.col(i)))
+        at.refuse(
+            fmt::format("the parents of virtual site {} ({}-{}) are broken across the box: give a State of "
+                        "whole molecules",
+                        site.atom, i, j));
+    }
 }
 
 }  // namespace taut

@@ -10,6 +10,7 @@
 #include "systems/openmm/openmm_forces.hpp"
 #include "systems/openmm/openmm_images.hpp"
 #include "systems/openmm/openmm_lennard_jones.hpp"
+#include "systems/openmm/openmm_sites.hpp"
 #include "systems/openmm/openmm_terms.hpp"
 #include "systems/openmm/openmm_xml.hpp"
 #include "systems/whole_molecules.hpp"
@@ -49,23 +50,30 @@ Vec3 read_vector(const Element& element) {
   return v;
 }
 
-Eigen::VectorXd read_masses(const Element& particles) {
+System read_atoms(const Element& particles) {
   Eigen::VectorXd mass(static_cast<Eigen::Index>(particles.count()));
-  Eigen::Index a = 0;
+  const int atoms = static_cast<int>(mass.size());
+  VirtualSites sites;
+  int a = 0;
   particles.each("Particle", [&](const Element& particle) {
-    if (particle.count() > 0) particle.refuse(fmt::format("atom {} is a virtual site: taut has none", a));
-    particle.read_leaf({{"mass", &mass[a]}});
+    particle.read({{"mass", &mass[a]}});
     if (mass[a] < 0) particle.refuse(fmt::format("atom {} has mass {}, expected 0 or more", a, mass[a]));
+    if (particle.count() > 0) sites.push_back(read_site(particle, a, atoms));
     ++a;
   });
-  return mass;
+  try {
+    return make_system(std::move(mass), {}, std::move(sites));
+  } catch (const InputError& e) {
+    particles.refuse(e.what());
+  }
 }
 
-System masses_and_bonds(const Element& constraints, Eigen::VectorXd mass, std::vector<RigidBond> bonds) {
+System with_bonds(const Element& constraints, const System& atoms, std::vector<RigidBond> bonds) {
   // Between two anchors there is nothing to hold: OpenMM, too, passes over such a constraint.
-  std::erase_if(bonds, [&](const RigidBond& b) { return b.i != b.j && mass[b.i] == 0 && mass[b.j] == 0; });
+  std::erase_if(
+      bonds, [&](const RigidBond& b) { return b.i != b.j && atoms.is_anchor(b.i) && atoms.is_anchor(b.j); });
   try {
-    return make_system(std::move(mass), std::move(bonds));
+    return make_system(atoms.mass, std::move(bonds), atoms.sites);
   } catch (const InputError& e) {
     constraints.refuse(fmt::format("among its constraints, {}", e.what()));
   }
@@ -90,6 +98,16 @@ Box read_box(const Element& vectors) {
   return Box::of(edges);
 }
 
+// The virtual sites, wherever the State has them.
+void place(const Element& state, OpenMMInput& input) {
+  try {
+    place_sites(input.system.sites, input.start.x);
+  } catch (const SimulationFailure& e) {
+    state.part("Positions").refuse(e.what());
+  }
+  if (!input.start.x.allFinite()) state.part("Positions").refuse("a virtual site is at no finite place");
+}
+
 void read_start(const Element& state, OpenMMInput& to) {
   const int atoms = to.system.atoms();
   state.read({{"time", &to.start.t}}, {"openmmVersion", "stepCount", "type", "version"});
@@ -102,8 +120,10 @@ void read_start(const Element& state, OpenMMInput& to) {
   to.start.v = to.has_velocities ? read_vectors(state.part("Velocities"), "Velocity", "velocities", atoms)
                                  : Vectors::Zero(3, atoms);
   for (int a = 0; a < atoms; ++a)
-    if (to.system.mass[a] == 0) to.start.v.col(a).setZero();  // an anchor keeps its place, whatever it says
+    if (to.system.mass[a] == 0)
+      to.start.v.col(a).setZero();  // what has no mass is not moved by it, whatever it says
   to.start.f = Vectors::Zero(3, atoms);
+  place(state, to);
   if (state.has("IntegratorParameters") && !state.part("IntegratorParameters").empty())
     to.notes.emplace_back(
         "start: what the State has of OpenMM's integrator (IntegratorParameters) is not used");
@@ -157,6 +177,7 @@ void mend_molecules(const PlacedForces& forces, const std::vector<RigidBond>& co
     for (const auto& b : f.force.terms.bonds) pairs.push_back({b.i, b.j});
     for (const auto& b : f.force.terms.fene) pairs.push_back({b.i, b.j});
   }
+  tie_sites(input.system.sites, pairs);
   const Vectors as_given = input.start.x;
   try {
     make_whole(input.start.box, pairs, input.start.x);
@@ -165,6 +186,8 @@ void mend_molecules(const PlacedForces& forces, const std::vector<RigidBond>& co
   }
   const WholeMolecules molecules{input.start.box, as_given, input.start.x,
                                  taut::molecules(input.system.atoms(), pairs)};
+  check_images(state.part("Positions"), input.system.sites, molecules);
+  place(state, input);
   for (const PlacedForce& f : forces) check_images(f.at, f.force, molecules);
 }
 
@@ -212,10 +235,10 @@ OpenMMInput read_openmm(const std::filesystem::path& system_xml, const std::file
       {"PeriodicBoxVectors", "Particles", "Constraints", "Forces"});  // the State's box prevails
 
   OpenMMInput input;
-  Eigen::VectorXd mass = read_masses(system.part("Particles"));
+  const System atoms = read_atoms(system.part("Particles"));
   std::vector<RigidBond> constraints;
-  read_list(system, constraints, static_cast<int>(mass.size()));
-  input.system = masses_and_bonds(system.part("Constraints"), std::move(mass), constraints);
+  read_list(system, constraints, atoms.atoms());
+  input.system = with_bonds(system.part("Constraints"), atoms, constraints);
   read_start(state, input);
 
   PlacedForces forces;

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "md/virtual_sites.hpp"
+
+namespace taut {
+
+// Rigid water: Lennard-Jones on O alone, a charge on each H, and what makes up for them on O (no sites), on M
+// on the bisector (one), or on two lone pairs (two).
+struct WaterModel {
+  std::string_view name;
+  double charge_h;        // [e]
+  double sigma;           // [nm]
+  double epsilon;         // [kJ/mol]
+  double oh;              // [nm]
+  double angle;           // H–O–H [°]
+  double mass_o, mass_h;  // [u]
+  int sites = 0;
+  double site = 0;        // from O [nm]
+  double site_angle = 0;  // between the lone pairs [°]
+
+  int atoms() const { return 3 + sites; }  // O, H, H, and the sites
+  double charge_o() const { return sites == 0 ? -2 * charge_h : 0; }
+  double charge_of_site() const { return -2 * charge_h / sites; }
+  double half_angle() const;  // [rad]
+  double hh() const;          // [nm]
+  double mass() const { return mass_o + 2 * mass_h; }
+
+  // O where it is, both H at the model's distances in the molecule's own plane, about its own bisector.
+  void set_geometry(Eigen::Ref<Vectors> x) const;
+  // Those of the molecule whose O is atom o.
+  VirtualSites sites_of(int o) const;
+};
+
+const std::vector<WaterModel>& water_models();
+
+}  // namespace taut

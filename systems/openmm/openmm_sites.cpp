@@ -1,0 +1,94 @@
+#include "systems/openmm/openmm_sites.hpp"
+
+#include <fmt/format.h>
+
+#include <deque>
+
+#include "systems/openmm/openmm_terms.hpp"
+
+namespace taut {
+namespace {
+
+using Kind = VirtualSite::Kind;
+
+struct SiteKind {
+  const char* element;
+  Kind kind;
+  std::size_t parents;  // 0: any number
+};
+constexpr SiteKind kKinds[] = {{"TwoParticleAverageSite", Kind::kAverage, 2},
+                               {"ThreeParticleAverageSite", Kind::kAverage, 3},
+                               {"OutOfPlaneSite", Kind::kOutOfPlane, 3},
+                               {"LocalCoordinatesSite", Kind::kLocal, 0}};
+
+// A site's attributes, read into it or written from it.
+class SiteAttributes {
+ public:
+  SiteAttributes(VirtualSite& site, int atoms) : site_(site), atoms_(atoms) {
+    if (site.kind == Kind::kLocal)
+      for (int d = 0; d < 3; ++d) add("pos", d + 1, &site.p[d]);
+    for (std::size_t k = 0; k < site.parents.size(); ++k) add_parent(k);
+    if (site.kind == Kind::kOutOfPlane) {
+      add("w", 12, &site.parents[1].w);
+      add("w", 13, &site.parents[2].w);
+      fields_.push_back({"wc", &site.p[2]});
+    }
+  }
+  const std::vector<Field>& fields() const { return fields_; }
+
+ private:
+  void add_parent(std::size_t k) {
+    auto& [atom, w, w_x, w_y] = site_.parents[k];
+    const int n = static_cast<int>(k) + 1;
+    fields_.push_back(atom_field(named("p", n), atom, atoms_));
+    if (site_.kind == Kind::kAverage) add("w", n, &w);
+    if (site_.kind != Kind::kLocal) return;
+    add("wo", n, &w);
+    add("wx", n, &w_x);
+    add("wy", n, &w_y);
+  }
+  std::string_view named(const char* what, int n) {
+    return names_.emplace_back(fmt::format("{}{}", what, n));
+  }
+  void add(const char* what, int n, double* to) { fields_.push_back({named(what, n), to}); }
+
+  VirtualSite& site_;
+  int atoms_;
+  std::deque<std::string> names_;
+  std::vector<Field> fields_;
+};
+
+std::size_t count_parents(const Element& site) {
+  std::size_t n = 0;
+  while (site.has_attribute(fmt::format("p{}", n + 1).c_str())) ++n;
+  return n;
+}
+
+}  // namespace
+
+VirtualSite read_site(const Element& particle, int atom, int atoms) {
+  std::vector<std::string_view> known;
+  for (const auto& [element, kind, parents] : kKinds) {
+    known.emplace_back(element);
+    if (!particle.has(element)) continue;
+    particle.check_parts({element});
+    const Element at = particle.part(element);
+    VirtualSite site{atom, kind, std::vector<VirtualSite::Parent>(parents ? parents : count_parents(at))};
+    at.read_leaf(SiteAttributes(site, atoms).fields());
+    if (kind != Kind::kOutOfPlane) return site;
+    const auto& of = site.parents;
+    return VirtualSite::out_of_plane(atom, of[0].atom, of[1].atom, of[2].atom, {of[1].w, of[2].w, site.p[2]});
+  }
+  particle.refuse(fmt::format("atom {} is a virtual site of a kind taut does not know: it has {}", atom,
+                              fmt::join(known, ", ")));
+}
+
+void write_site(pugi::xml_node particle, VirtualSite site) {
+  for (const auto& [element, kind, parents] : kKinds)
+    if (kind == site.kind && (parents == 0 || parents == site.parents.size())) {
+      append(particle, element, SiteAttributes(site, 0).fields());
+      return;
+    }
+}
+
+}  // namespace taut
