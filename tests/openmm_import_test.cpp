@@ -170,8 +170,8 @@ TEST(OpenMMImportRefuses, PmeOfMoleculesBrokenAcrossTheBox) {
 }
 
 TEST(OpenMMImportRefuses, ForcesItLacks) {
-  EXPECT_THAT(refusal_of([](Melt& m) { m.system.addForce(new OpenMM::MonteCarloBarostat(1, 300)); }),
-              one_line_with("melt.system.xml:", "force 3: MonteCarloBarostat: is not one taut knows",
+  EXPECT_THAT(refusal_of([](Melt& m) { m.system.addForce(new OpenMM::GBSAOBCForce); }),
+              one_line_with("melt.system.xml:", "force 3: GBSAOBCForce: is not one taut knows",
                             "HarmonicAngleForce"));
   EXPECT_THAT(refusal_of([](Melt& m) { m.system.addForce(new OpenMM::CustomBondForce("r^4")); }),
               one_line_with("melt.system.xml:", "force 3: CustomBondForce"));
