@@ -109,20 +109,9 @@ void calibrate_scene(const CalibrateArguments& arguments) {
         {"reduction", c.method.reduction},
         {"passes", c.method.passes}}},
       {"run", run_line(arguments, c)},
-      {"reduction_rattle", c.reduction_reference},
-      {"alpha_per_ps", c.alpha_per_ps},
-      {"beta_per_ps", c.beta_per_ps},
-      {"reduction_predicted", c.of_stretch.predicted},
-      {"reduction_measured", c.of_stretch.measured},
-      {"reduction_predicted_rate", c.of_rate.predicted},
-      {"reduction_measured_rate", c.of_rate.measured},
-      {"reduction_predicted_after_rate", c.after_rate.predicted},
-      {"reduction_measured_after_rate", c.after_rate.measured},
-      {"floor_predicted", c.floor_predicted},
-      {"floor_measured", c.floor_measured},
-      {"left_whatever_the_gains", c.left},
-      {"disagreement", disagreement(arguments.plan, c)},
   };
+  for (const auto& [name, value] : figures_of(c)) json[name] = value;
+  json["disagreement"] = disagreement(arguments.plan, c);
   for (const ShapeCourse& shape : c.shapes)
     json["shapes"].push_back(
         {{"name", shape.name}, {"foretold", shape.foretold}, {"measured", shape.measured}});

@@ -4,13 +4,13 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <chrono>
 #include <csignal>
 #include <system_error>
 
 #include "command_line.hpp"
 #include "md/errors.hpp"
 #include "progress.hpp"
+#include "simulation/recorded_run.hpp"
 #include "stop_request.hpp"
 #include "systems/velocities.hpp"
 
@@ -164,94 +164,49 @@ const char* name_of(int signal) {
   throw Stopped{128 + signal};
 }
 
-// In place of what was thrown, where looking back tells more.
-[[noreturn]] void explain(Simulation& simulation, RunFolder* folder, const SimulationFailure& failure) {
-  const std::optional<Diagnosis> diagnosis = simulation.diagnose();
-  if (!diagnosis) throw failure;
-  if (!folder) throw SimulationFailure(diagnosis->text());
+// What is known of the failure, what of it is kept, and how to go on.
+[[noreturn]] void explain(const ExplainedFailure& failure, const RunFolder* folder) {
+  if (!failure.unwritten.empty()) std::fputs(fmt::format("taut: {}\n", failure.unwritten).c_str(), stderr);
   std::string kept;
-  try {
-    folder->write_failure(simulation, *diagnosis);
+  if (folder && failure.unwritten.empty())
     kept = fmt::format("\n  kept: {0}/last_good.start.toml, the state one step before, and {0}/failure.json",
                        folder->path().string());
-  } catch (const OutsideError& e) {
-    std::fputs(fmt::format("taut: {}\n", e.what()).c_str(), stderr);
-  }
-  if (folder->kept_step()) kept += fmt::format("\n  {}", to_go_on(*folder, *folder->kept_step()));
-  throw SimulationFailure(diagnosis->text() + kept);
-}
-
-// When checkpoints are due: every so many steps, and by the clock, at first as soon as the run has gone on
-// for as long again. So a kill takes half of a short run at most, and checkpoint_minutes of a long one.
-class CheckpointSchedule {
- public:
-  explicit CheckpointSchedule(const RunSettings& run)
-      : every_(run.checkpoint_every), interval_(60 * run.checkpoint_minutes) {}
-
-  bool due(long step) const {
-    if (every_ > 0 && step % every_ == 0) return true;
-    const Seconds whole = last_ - start_, since = Clock::now() - last_;
-    return interval_.count() > 0 && since >= std::min(interval_, std::max(whole, Seconds(1)));
-  }
-  void taken() { last_ = Clock::now(); }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  using Seconds = std::chrono::duration<double>;
-  long every_;
-  Seconds interval_;
-  Clock::time_point start_ = Clock::now(), last_ = start_;
-};
-
-// Takes the steps that are left. Throws what a step or the disk throws.
-Summary take_steps(Simulation& simulation, RunFolder* folder, const StopRequest& request,
-                   Progress& progress) {
-  const RunSettings& settings = simulation.scene().run;
-  const long first = simulation.step();
-  CheckpointSchedule schedule(settings);
-  const auto on_record = [&](const Record& r) {
-    progress.clear();
-    if (folder) folder->add_row(r);
-    if (folder || request.signal())
-      if_anybody_listens([&] { print_row(r); });
-    else
-      print_row(r);
-  };
-  const auto on_step = [&](long step) {
-    progress.at(step - first);
-    if (folder) folder->add_frame(simulation);
-    if (folder && (request.signal() || step == settings.steps || schedule.due(step))) {
-      folder->keep(simulation);
-      schedule.taken();
-    }
-    if (request.signal()) simulation.stop();
-  };
-  return simulation.run(on_record, on_step);
+  if (folder && folder->kept_step()) kept += fmt::format("\n  {}", to_go_on(*folder, *folder->kept_step()));
+  throw SimulationFailure(failure.what() + kept);
 }
 
 }  // namespace
 
 void carry_out(Simulation& simulation, RunFolder* folder) {
   const StopRequest request;
-  const long steps = simulation.scene().run.steps;
-  Progress progress(steps - simulation.step());
+  const long first = simulation.step(), steps = simulation.scene().run.steps;
+  Progress progress(steps - first);
+  const auto on_record = [&](const Record& r) {
+    progress.clear();
+    if (folder || request.signal())
+      if_anybody_listens([&] { print_row(r); });
+    else
+      print_row(r);
+  };
+  const auto go_on = [&](long step) {
+    progress.at(step - first);
+    return request.signal() == 0;
+  };
   Summary summary;
   try {
-    if (folder && simulation.step() == 0) folder->add_frame(simulation);
-    if (folder) folder->keep(simulation);
+    if (folder) folder->begin(simulation);
     print_header(simulation);
-    summary = take_steps(simulation, folder, request, progress);
+    summary = take_steps(simulation, folder, {on_record, go_on});
     progress.clear();
-    if (simulation.step() < steps) say_how_to_go_on(simulation, folder, request.signal());
-    if (folder) folder->write_end(simulation, summary);
-  } catch (const SimulationFailure& failure) {
+  } catch (const ExplainedFailure& failure) {
     progress.clear();
-    explain(simulation, folder, failure);
+    explain(failure, folder);
   } catch (const OutsideError& e) {
     progress.clear();
     if (!folder || !folder->kept_step()) throw;
     throw OutsideError(fmt::format("{}; that mended, {}", e.what(), to_go_on(*folder, *folder->kept_step())));
   }
+  if (simulation.step() < steps) say_how_to_go_on(simulation, folder, request.signal());
   print_summary(simulation, summary);
   if (folder) fmt::print("wrote {}\n", fmt::join(written(*folder), ", "));
 }

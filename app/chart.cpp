@@ -22,12 +22,8 @@ struct ChartArguments : StudyArguments {
 };
 
 ChartPlan plan_of(const ChartArguments& arguments) {
-  ChartPlan plan{.scene = arguments.read(), .methods = arguments.methods_or_all(), .quick = arguments.quick};
-  if (plan.quick) {
-    plan.repeats = 2;
-    plan.steps = 20;
-    plan.drift_steps = 300;
-  }
+  ChartPlan plan{.scene = arguments.read(), .methods = arguments.methods_or_all()};
+  if (arguments.quick) plan.make_quick();
   plan.repeats = arguments.repeats.value_or(plan.repeats);
   plan.steps = arguments.steps.value_or(plan.steps);
   plan.drift_steps = arguments.drift_steps.value_or(plan.drift_steps);
@@ -100,10 +96,7 @@ void chart(const ChartArguments& arguments) {
   const ChartPlan plan = plan_of(arguments);
   Study study(arguments, arguments.command(), {plan.scene});
   const Ledger& ledger = study.ledger();
-  std::vector<Job> jobs;
-  for (const auto& panel : {work_jobs(plan, ledger), drift_jobs(plan), order_jobs(plan),
-                            length_jobs(plan, ledger), precision_jobs(plan, ledger)})
-    jobs.insert(jobs.end(), panel.begin(), panel.end());
+  const std::vector<Job> jobs = chart_jobs(plan, ledger);
   fmt::print("{}: {} bonds, step {:g} fs; {} settings of {} methods, {} trials\n", plan.scene.name,
              plan.scene.system.bond_count(), plan.scene.run.dt_fs, plan.settings().size(),
              plan.methods.size(), jobs.size());

@@ -10,6 +10,7 @@
 #include "md/errors.hpp"
 #include "progress.hpp"
 #include "studies/openmm_twin.hpp"
+#include "studies/study_scene.hpp"
 #include "study.hpp"
 #include "systems/openmm/openmm_export.hpp"
 #include "systems/openmm/openmm_import.hpp"

@@ -1,16 +1,8 @@
 #pragma once
 
-#include "files/folder_lock.hpp"
-#include "simulation/checkpoint.hpp"
-#include "systems/toml_reader.hpp"
+#include "simulation/resumption.hpp"
 
 namespace taut {
-
-// What may happen to outputs that are not as the checkpoint knows them.
-struct Consent {
-  bool cut_back = false;    // to less than half: what is cut off is computed again
-  bool begin_anew = false;  // where one is not there any more, or shorter
-};
 
 // Goes on from a folder's checkpoint, with other settings where `changes` says so, or says that all steps are
 // taken. Throws InputError for a setting that cannot change in a run that has begun, and where consent is

@@ -35,7 +35,8 @@ void resume(const ResumeArguments& arguments) {
   FolderLock lock(arguments.folder);  // before it is read: who holds it may be writing the next
   Checkpoint checkpoint = load_checkpoint(arguments.folder);
   const KeyValues changes = arguments.changes(checkpoint.step);
-  go_on(std::move(lock), std::move(checkpoint), changes, {arguments.yes, arguments.yes});
+  go_on(std::move(lock), std::move(checkpoint), changes,
+        {.cut_back = arguments.yes, .begin_anew = arguments.yes, .how = {}});
 }
 
 }  // namespace

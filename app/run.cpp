@@ -70,7 +70,7 @@ void run_in_folder(const RunArguments& arguments, Scene scene) {
     Checkpoint checkpoint = load_checkpoint(folder);
     expect_same_input(folder, checkpoint.source, source);
     go_on(std::move(lock), std::move(checkpoint), {{"run.steps", std::to_string(scene.run.steps)}},
-          {.cut_back = true});
+          {.cut_back = true, .begin_anew = false, .how = {}});
     return;
   }
   const bool may_move = arguments.go_on || arguments.overwrite;

@@ -23,12 +23,11 @@ struct StabilityArguments : StudyArguments {
 };
 
 StabilityPlan plan_of(const StabilityArguments& arguments) {
-  StabilityPlan plan{
-      .scenes = {arguments.read()}, .methods = arguments.methods_or_all(), .quick = arguments.quick};
+  StabilityPlan plan{.scenes = {arguments.read()}, .methods = arguments.methods_or_all()};
   if (arguments.hard)
     for (const auto& [name, hard_on] : list_scenes(scenes_folder() / "hard"))
       plan.scenes.push_back(prepared_for_study(read_scene(scenes_folder() / "hard" / (name + ".toml"))));
-  if (plan.quick) plan.plane_steps = plan.step_steps = 200;
+  if (arguments.quick) plan.make_quick();
   plan.plane_steps = arguments.steps.value_or(plan.plane_steps);
   return plan;
 }

@@ -89,17 +89,6 @@ std::string study_line(const std::string& command, const std::vector<Scene>& sce
 
 }  // namespace
 
-void refuse_without_effect(const char* subcommand, const std::vector<std::string>& overrides) {
-  for (const auto& override : overrides) {
-    const std::string key = override.substr(0, override.find_first_of(" ="));
-    const bool own = key == "method" || key.starts_with("method.");
-    if (own || key == "run.log_every" || key.starts_with("run.checkpoint") ||
-        key.starts_with("run.trajectory"))
-      throw InputError(fmt::format("--set {}: no effect, taut {} {}", override, subcommand,
-                                   own ? "chooses methods and their settings itself" : "keeps no such file"));
-  }
-}
-
 void print_notes(const std::vector<std::string>& notes) {
   for (const auto& note : notes) fmt::print("  note: {}\n", note);
 }

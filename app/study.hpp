@@ -13,9 +13,6 @@
 
 namespace taut {
 
-// Throws InputError for a key among `overrides` that a study sets itself: it would have no effect.
-void refuse_without_effect(const char* subcommand, const std::vector<std::string>& overrides);
-
 // What was changed in a scene or is worth knowing of its start, a line each.
 void print_notes(const std::vector<std::string>& notes);
 

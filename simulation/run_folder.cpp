@@ -57,7 +57,7 @@ ordered_json temperatures_json(const Temperatures& temperatures) {
   return json;
 }
 
-ordered_json summary_json(const Simulation& simulation, const Summary& s) {
+ordered_json json_of(const Simulation& simulation, const Summary& s) {
   const Scene& scene = simulation.scene();
   ordered_json json = {
       {"scene", scene.name},
@@ -159,6 +159,11 @@ RunFolder::RunFolder(FolderLock folder, SceneSource source, const Simulation& si
     fs::remove(path() / name, ignored);  // they are of a step that is not the last any more
 }
 
+void RunFolder::begin(Simulation& simulation) {
+  if (simulation.step() == 0) add_frame(simulation);
+  keep(simulation);
+}
+
 void RunFolder::add_row(const Record& record) {
   log_.write(log_row(record));
 }
@@ -184,13 +189,17 @@ void RunFolder::keep(Simulation& simulation) {
 void RunFolder::write_end(const Simulation& simulation, const Summary& summary) {
   log_.mark();
   write_start(path() / "final.start.toml", simulation.state_to_write());
-  write_aside(path() / "summary.json", summary_json(simulation, summary));
+  write_aside(path() / "summary.json", json_of(simulation, summary));
 }
 
 void RunFolder::write_failure(const Simulation& simulation, const Diagnosis& diagnosis) {
   log_.mark();
   write_start(path() / "last_good.start.toml", simulation.state_to_write());
   write_aside(path() / "failure.json", failure_json(diagnosis));
+}
+
+std::string summary_json(const Simulation& simulation, const Summary& summary) {
+  return json_of(simulation, summary).dump();
 }
 
 std::vector<std::string> run_files(const fs::path& folder) {

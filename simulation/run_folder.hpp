@@ -26,6 +26,8 @@ class RunFolder {
   RunFolder(FolderLock folder, SceneSource source, const Simulation& simulation, const Marks& marks = {});
 
   const std::filesystem::path& path() const { return folder_.path(); }
+  void made_from(SceneSource source) { source_ = std::move(source); }  // other settings from here on
+  void begin(Simulation& simulation);  // a checkpoint; at the start the first frame before it
   void add_row(const Record& record);
   void add_frame(const Simulation& simulation);                 // to the trajectories, if one is due
   void keep(Simulation& simulation);                            // a checkpoint
@@ -40,6 +42,9 @@ class RunFolder {
   Trajectories trajectories_;
   std::optional<long> kept_step_;
 };
+
+// What summary.json holds.
+std::string summary_json(const Simulation& simulation, const Summary& summary);
 
 // What there is of a run in a folder: names of files.
 std::vector<std::string> run_files(const std::filesystem::path& folder);

@@ -86,7 +86,8 @@ Simulation::Simulation(Scene scene)
   const System& sys = scene_.system;
   refuse_momentum_of_anchored_bonds(scene_);
   make_thermostat();
-  bring_to_the_bonds();
+  bring_to_the_bonds(scene_.run.minimise ? scene_.run.minimise_force : 0);
+  note_start();
   refuse_unreachable_tolerance(sys, state_.x, method_->promised_error());
   if (state_.box.periodic()) barometer_.emplace(sys, has_springs());
   count_degrees_of_freedom(momentum_stays_zero(scene_, state_.v));
@@ -94,18 +95,33 @@ Simulation::Simulation(Scene scene)
   unaccounted_at_start_ = unaccounted(record());
 }
 
-void Simulation::bring_to_the_bonds() {
+void Simulation::bring_to_the_bonds(double minimise_force) {
   const System& sys = scene_.system;
   place_sites(sys.sites, state_.x);
-  if (scene_.run.minimise)
-    start_report_.minimised = minimise(sys, forces_, scene_.run.minimise_force, state_);
+  if (minimise_force > 0) start_report_.minimised = minimise(sys, forces_, minimise_force, state_);
   start_report_.anchors_stopped = rest_anchors(sys, state_.v);
   const Vectors x = state_.x;
   const double kinetic = kinetic_energy(sys, state_.v);
   initialize(dynamics(), state_);
   start_report_.largest_move = x.cols() > 0 ? (state_.x - x).colwise().norm().maxCoeff() : 0.0;
   if (kinetic > 0) start_report_.kinetic_removed = 1 - kinetic_energy(sys, state_.v) / kinetic;
-  note_start();
+}
+
+void Simulation::set_out_anew(double minimise_force) {
+  langevin_.reset();  // it knows the method
+  method_ = make_method(scene_.system, scene_.method, scene_.run.h());
+  make_thermostat();
+  bring_to_the_bonds(minimise_force);
+  begin_means();
+}
+
+// From here on, of the log's rows and of the energy's account.
+void Simulation::begin_means() {
+  count_degrees_of_freedom(momentum_stays_zero(scene_, state_.v));
+  const long last_row = std::exchange(sums_, LogSums{}).last_row;
+  sums_.last_row = last_row;
+  unaccounted_at_start_ = unaccounted(record());
+  heat_at_start_ = meter_.heat();
 }
 
 // For the header.
@@ -210,6 +226,17 @@ Record Simulation::record() const {
   return r;
 }
 
+std::optional<Eigen::Matrix3d> Simulation::pressure_tensor() const {
+  if (!barometer_) return {};
+  const bool springs_move = has_springs() && !langevin_;  // and the pressure has their part in it
+  return (*barometer_)(scene_.system, forces_, state_, springs_move ? state_.v : thermal_velocity(),
+                       method_->lambda());
+}
+
+double Simulation::constraint_work() const {
+  return unaccounted(record()) - unaccounted_at_start_;
+}
+
 void Simulation::change(const RunSettings& run) {
   const RunSettings before = std::exchange(scene_.run, run);
   if (same_thermostat(before, run) && same_barostat(before, run)) return;
@@ -219,13 +246,9 @@ void Simulation::change(const RunSettings& run) {
   const bool same_kind = before.langevin() == run.langevin() && before.rescaling() == run.rescaling();
   if (same_kind) serialize_thermostat(save);
   make_thermostat();
-  count_degrees_of_freedom(momentum_stays_zero(scene_, state_.v));
+  begin_means();
   Archive load = Archive::loading_from(drawn);
   if (same_kind) serialize_thermostat(load);
-  const long last_row = std::exchange(sums_, LogSums{}).last_row;
-  sums_.last_row = last_row;
-  unaccounted_at_start_ = unaccounted(record());
-  heat_at_start_ = meter_.heat();
 }
 
 // The thing itself is made anew, from the same scene; this is what its steps have changed.

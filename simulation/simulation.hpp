@@ -100,7 +100,9 @@ class Simulation : private Bath, private ForceLaw {
   Eigen::VectorXd bond_tensions() const;
   const ForceField& forces() const { return forces_; }
 
-  Record record() const;  // the state as it is now
+  Record record() const;  // the state as it is now, but for what belongs to a run
+  std::optional<Eigen::Matrix3d> pressure_tensor() const;  // in a box [bar]
+  double constraint_work() const;                          // as a row of the log has it [kJ/mol]
   // That of full steps [nm/ps], without what shake leaves of it along the bonds.
   Vectors velocity() const;
   // What temperatures are taken of: under Langevin's thermostat the velocity it acts on, or else velocity();
@@ -128,13 +130,20 @@ class Simulation : private Bath, private ForceLaw {
   // and barostat. Another one is another ensemble: means and the drift set out anew.
   void change(const RunSettings& run);
 
+  // The state for somebody who moves atoms between steps. The steps to come set out from there as from a
+  // start: set_out_anew() brings it to the bonds, minimised first if `force` is above 0 [kJ/mol/nm]; means
+  // and the energy's account begin again. Throws SimulationFailure where bonds or method cannot hold it.
+  State& state() { return state_; }
+  void set_out_anew(double minimise_force = 0);
+
   // After run() failed: goes back to the last snapshot it kept in memory (every 100 steps) and takes the
   // steps again, up to the first after which something is wrong. The state is then the one before that step.
   // Nothing where no step fails: then someone who watched threw.
   std::optional<Diagnosis> diagnose();
 
  private:
-  void bring_to_the_bonds();
+  void bring_to_the_bonds(double minimise_force);
+  void begin_means();
   void note_start();
   // The thermostat, and what is taken out of the momentum; its heat metered.
   Bath& bath() { return langevin_ ? static_cast<Bath&>(*langevin_) : no_bath(); }
@@ -198,7 +207,7 @@ class Simulation : private Bath, private ForceLaw {
   RunProgress progress_;
   LogSums sums_;
   std::optional<Temperatures> temperatures_;
-  std::optional<Barometer> barometer_;
+  mutable std::optional<Barometer> barometer_;
   std::unique_ptr<Barostat> barostat_;
   std::string snapshot_;  // what serialize() kept
   bool stop_ = false;

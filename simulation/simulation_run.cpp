@@ -84,11 +84,9 @@ Record Simulation::row(const SolveStats& since, const Stopwatch& watch, long ste
   energy.add(r.t, r.but_for_heat());
   r.drift = barostat_ ? kUnknown : energy.value() * per_ns_and_dof();
   r.constraint_work = unaccounted(r) - unaccounted_at_start_;
-  if (barometer_) {
-    const bool springs_move = has_springs() && !langevin_;  // and the pressure has their part in it
-    r.pressure_tensor = (*barometer_)(scene_.system, forces_, state_,
-                                      springs_move ? state_.v : thermal_velocity(), method_->lambda());
-    r.pressure = r.pressure_tensor.trace() / 3;
+  if (const auto tensor = pressure_tensor()) {
+    r.pressure_tensor = *tensor;
+    r.pressure = tensor->trace() / 3;
     r.volume = state_.box.volume();
     r.density = kDensityPerUnit * scene_.system.mass.sum() / r.volume;
   }

@@ -197,6 +197,7 @@ MethodOptions reference_options(const CalibrationPlan& plan) {
   if (plan.against == "rattle")
     return Rattle::Options{{.tolerance = plan.tolerance, .sweeps = plan.sweeps}, false};
   if (plan.against == "shake") return Shake::Options{{.tolerance = plan.tolerance, .sweeps = plan.sweeps}};
+  if (const MethodEntry& method = method_named(plan.against); method.added) return MethodOptions(method);
   throw InputError(
       fmt::format("taut calibrate: --against \"{}\", expected rattle, shake or newton", plan.against));
 }
@@ -312,6 +313,21 @@ Calibration calibrate(const Scene& scene, const CalibrationPlan& plan) {
   c.floor_measured = floors.measured;
   c.floor_predicted = floors.predicted;
   return c;
+}
+
+std::vector<std::pair<const char*, double>> figures_of(const Calibration& c) {
+  return {{"reduction_rattle", c.reduction_reference},
+          {"alpha_per_ps", c.alpha_per_ps},
+          {"beta_per_ps", c.beta_per_ps},
+          {"reduction_predicted", c.of_stretch.predicted},
+          {"reduction_measured", c.of_stretch.measured},
+          {"reduction_predicted_rate", c.of_rate.predicted},
+          {"reduction_measured_rate", c.of_rate.measured},
+          {"reduction_predicted_after_rate", c.after_rate.predicted},
+          {"reduction_measured_after_rate", c.after_rate.measured},
+          {"floor_predicted", c.floor_predicted},
+          {"floor_measured", c.floor_measured},
+          {"left_whatever_the_gains", c.left}};
 }
 
 std::string disagreement(const CalibrationPlan& plan, const Calibration& c) {

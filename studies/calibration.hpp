@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "constraints/baumgarte.hpp"
@@ -15,7 +16,7 @@ namespace taut {
 // are followed side by side; the difference of their σ, rms over bonds in units of d², is the error's own
 // course, free of the floor that both share.
 struct CalibrationPlan {
-  std::string against = "rattle";  // rattle, shake or newton
+  std::string against = "rattle";  // rattle, shake, newton, or one that was added
   double tolerance = 1e-10;        // of the reference method, where sweeps = 0
   int sweeps = 0;                  // more than 0: the reference (rattle, shake) takes just so many
   // What gains copy of a reference whose errors do not shrink alike from step to step:
@@ -63,6 +64,9 @@ struct Calibration {
 
 // Throws InputError for a scene without bonds or a reference that is not one of the three.
 Calibration calibrate(const Scene& scene, const CalibrationPlan& plan);
+
+// All figures of one, by name.
+std::vector<std::pair<const char*, double>> figures_of(const Calibration& c);
 
 // Where a measured figure is more than a twentieth off the predicted one: which, why, and what to do, in a
 // line; else empty.

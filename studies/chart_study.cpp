@@ -112,6 +112,13 @@ Trial run_length(const ChartPlan& plan, const std::string& method, int bonds) {
 
 }  // namespace
 
+void ChartPlan::make_quick() {
+  quick = true;
+  repeats = 2;
+  steps = 20;
+  drift_steps = 300;
+}
+
 std::vector<Setting> ChartPlan::settings() const {
   std::vector<Setting> all;
   for (const auto& method : methods)
@@ -156,6 +163,14 @@ std::vector<Job> length_jobs(const ChartPlan& plan, const Ledger& ledger) {
       points.push_back(
           {length_name(method, bonds), [&plan, method, bonds] { return run_length(plan, method, bonds); }});
   return interleaved(points, plan.repeats, ledger);
+}
+
+std::vector<Job> chart_jobs(const ChartPlan& plan, const Ledger& ledger) {
+  std::vector<Job> jobs;
+  for (const auto& panel : {work_jobs(plan, ledger), drift_jobs(plan), order_jobs(plan),
+                            length_jobs(plan, ledger), precision_jobs(plan, ledger)})
+    jobs.insert(jobs.end(), panel.begin(), panel.end());
+  return jobs;
 }
 
 std::string work_csv(const ChartPlan& plan, const Ledger& ledger) {

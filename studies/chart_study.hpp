@@ -19,6 +19,7 @@ struct ChartPlan {
   long steps = 40;          // of a timed run; short, so that few of them meet another process
   long drift_steps = 4000;  // of a run whose energy is watched
 
+  void make_quick();                      // rough: few settings, repeats and steps
   std::vector<Setting> settings() const;  // of all methods
 };
 
@@ -34,6 +35,7 @@ std::vector<Job> drift_jobs(const ChartPlan& plan);
 std::vector<Job> order_jobs(const ChartPlan& plan);
 std::vector<Job> length_jobs(const ChartPlan& plan, const Ledger& ledger);
 std::vector<Job> precision_jobs(const ChartPlan& plan, const Ledger& ledger);
+std::vector<Job> chart_jobs(const ChartPlan& plan, const Ledger& ledger);  // of all panels
 
 std::string work_csv(const ChartPlan& plan, const Ledger& ledger);
 std::string drift_csv(const ChartPlan& plan, const Ledger& ledger);

@@ -56,6 +56,11 @@ std::string short_reason(const std::string& failure) {
 
 }  // namespace
 
+void StabilityPlan::make_quick() {
+  quick = true;
+  plane_steps = step_steps = 200;
+}
+
 std::vector<double> StabilityPlan::ah() const {
   if (quick) return {0.05, 0.1, 0.2, 0.4, 0.8};
   return {0.01, 0.0178, 0.0316, 0.0562, 0.1, 0.178, 0.316, 0.562, 1, 1.78};

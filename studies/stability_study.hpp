@@ -16,6 +16,7 @@ struct StabilityPlan {
   long plane_steps = 2000;
   long step_steps = 500;  // a step is stable that gets through so many
 
+  void make_quick();               // rough: few gains and steps
   std::vector<double> ah() const;  // αh over the plane
   std::vector<double> bh() const;  // βh
 };

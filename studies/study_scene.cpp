@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "md/errors.hpp"
 #include "simulation/simulation.hpp"
 
 namespace taut {
@@ -26,6 +27,17 @@ Scene prepared_for_study(Scene scene) {
     run.minimise = false;
   }
   return scene;
+}
+
+void refuse_without_effect(const char* study, const std::vector<std::string>& overrides) {
+  for (const auto& override : overrides) {
+    const std::string key = override.substr(0, override.find_first_of(" ="));
+    const bool own = key == "method" || key.starts_with("method.");
+    if (own || key == "run.log_every" || key.starts_with("run.checkpoint") ||
+        key.starts_with("run.trajectory"))
+      throw InputError(fmt::format("--set {}: no effect, taut {} {}", override, study,
+                                   own ? "chooses methods and their settings itself" : "keeps no such file"));
+  }
 }
 
 }  // namespace taut

@@ -9,4 +9,7 @@ namespace taut {
 // Throws InputError for a start that cannot be relaxed.
 Scene prepared_for_study(Scene scene);
 
+// Throws InputError for a key among `overrides` that a study sets itself: it would have no effect.
+void refuse_without_effect(const char* study, const std::vector<std::string>& overrides);
+
 }  // namespace taut
