@@ -34,7 +34,7 @@ std::unique_ptr<ConstraintMethod> make(const System& sys, const std::any& option
 template <class Plain, class Fast = Plain, class Options = typename Plain::Options>
 MethodEntry entry(std::string_view name, std::string_view summary) {
   const auto describe = [](std::any& options) { return std::any_cast<Options&>(options).describe(); };
-  return {name, summary, Options{}, describe, make<Fast, Options>, make<Plain, Options>};
+  return {name, summary, Options{}, describe, make<Fast, Options>, make<Plain, Options>, false};
 }
 
 template <class Plain>
@@ -42,10 +42,8 @@ MethodEntry in_lanes(std::string_view name, std::string_view summary) {
   return entry<Plain, Batched<Plain>>(name, summary);
 }
 
-}  // namespace
-
-const std::vector<MethodEntry>& methods() {
-  static const std::vector<MethodEntry> kMethods = {
+std::list<MethodEntry>& list() {
+  static std::list<MethodEntry> methods = {
       entry<Baumgarte, Batched<Baumgarte>, WithoutGains>(
           "none", "constrained accelerations alone, no correction: shows the drift"),
       entry<Penalty>("penalty", "stiff springs in place of rigid bonds"),
@@ -61,7 +59,22 @@ const std::vector<MethodEntry>& methods() {
       in_lanes<Lincs>("lincs", "the inverse of A expanded in powers, as GROMACS does"),
       in_lanes<Settle>("settle", "three-site water in closed form"),
   };
-  return kMethods;
+  return methods;
+}
+
+}  // namespace
+
+const std::list<MethodEntry>& methods() {
+  return list();
+}
+
+void add_method(MethodEntry method) {
+  method.added = true;
+  const auto known = std::ranges::find(list(), method.name, &MethodEntry::name);
+  if (known == list().end()) return list().push_back(std::move(method));
+  if (!known->added)
+    throw InputError(fmt::format("\"{}\" is a method of taut's: give yours another name", method.name));
+  *known = std::move(method);
 }
 
 std::vector<std::string_view> method_names() {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <any>
+#include <list>
 #include <memory>
 #include <string_view>
 #include <typeinfo>
@@ -20,10 +21,15 @@ struct MethodEntry {
   std::vector<Option> (*describe)(std::any& options);
   Factory make;        // what runs
   Factory make_plain;  // the same to round-off, to read and to compare with
+  bool added = false;  // by add_method
 };
 
 // The one list of methods (constraints/README.md says how to add one).
-const std::vector<MethodEntry>& methods();
+const std::list<MethodEntry>& methods();
+
+// Adds somebody's own, which then goes by its name wherever a method does; one of that name that was added
+// before is replaced. Before simulations run in other threads. Throws InputError for the name of one of ours.
+void add_method(MethodEntry method);
 std::vector<std::string_view> method_names();
 
 // Throws InputError for an unknown name, with the one that was meant.

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <mutex>
 
 #include "files/h5_objects.hpp"
 #include "files/hdf5_driver.hpp"
@@ -189,15 +190,26 @@ struct H5mdFile::Contents {
   bool ever_ = false;
 };
 
+// HDF5 as Debian builds it knows no threads, and simulations may run side by side.
+static std::unique_lock<std::mutex> one_at_a_time() {
+  static std::mutex hdf5;
+  return std::unique_lock(hdf5);
+}
+
 H5mdFile::H5mdFile(const std::filesystem::path& path, const TrajectorySetup& setup, std::uint64_t mark) {
+  const auto alone = one_at_a_time();
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are told by us, in one line
   contents_ = std::make_unique<Contents>(path, setup, mark == 0);
   if (mark > 0) contents_->cut(mark);
 }
 
-H5mdFile::~H5mdFile() = default;
+H5mdFile::~H5mdFile() {
+  const auto alone = one_at_a_time();
+  contents_.reset();
+}
 
 std::uint64_t H5mdFile::frames(const std::filesystem::path& path, const TrajectorySetup& setup) {
+  const auto alone = one_at_a_time();
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   try {
     return Contents(path, setup, false).frames();
@@ -207,10 +219,12 @@ std::uint64_t H5mdFile::frames(const std::filesystem::path& path, const Trajecto
 }
 
 void H5mdFile::add(const Frame& frame) {
+  const auto alone = one_at_a_time();
   contents_->add(frame);
 }
 
 std::uint64_t H5mdFile::mark() {
+  const auto alone = one_at_a_time();
   contents_->commit();
   if (!contents_->still_there()) contents_->refuse("it: it was removed while it was written");
   return contents_->frames();

@@ -2,7 +2,9 @@
 
 #include <array>
 #include <cmath>
+#include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "md/vectors.hpp"
@@ -104,6 +106,14 @@ struct Pull {  // a constant force on one atom
   Vec3 force;  // [kJ/mol/nm]
 };
 
+// A field from outside that somebody else computes: a bias, a wall.
+class OwnField {
+ public:
+  virtual ~OwnField() = default;
+  virtual std::string name() const = 0;
+  virtual double add(const Vectors& x, Vectors& f) = 0;  // f += F(x) [kJ/mol/nm]; its energy [kJ/mol]
+};
+
 // What pair forces are computed in. Mixed: geometry and force of a pair in single precision, the rest in
 // double.
 enum class Precision { kDouble, kMixed };
@@ -122,6 +132,7 @@ struct Terms {
   std::optional<Wca> wca{};
   std::optional<Vec3> gravity{};  // uniform acceleration [nm/ps²]
   std::vector<Pull> pulls{};
+  std::vector<std::shared_ptr<OwnField>> own{};
   Precision precision = Precision::kDouble;
 };
 

@@ -63,7 +63,9 @@ struct Scene {
   std::vector<std::string> notes;            // what the reader should know of the start, a line each
 
   // Nothing outside holds or pulls: the momentum is conserved.
-  bool closed() const { return !terms.gravity && terms.pulls.empty() && system.anchors() == 0; }
+  bool closed() const {
+    return !terms.gravity && terms.pulls.empty() && terms.own.empty() && system.anchors() == 0;
+  }
 };
 
 }  // namespace taut

@@ -1,5 +1,7 @@
 #include "forcefield/pme/fourier.hpp"
 
+#include <mutex>
+
 namespace taut {
 namespace {
 
@@ -9,6 +11,12 @@ fftw_complex* fftw(std::complex<double>* z) {
 
 constexpr unsigned kByRule = FFTW_ESTIMATE;
 
+// FFTW makes and destroys plans on one thread at a time.
+std::mutex& planner() {
+  static std::mutex one_at_a_time;
+  return one_at_a_time;
+}
+
 }  // namespace
 
 FourierGrid::FourierGrid(std::array<int, 3> size, int beyond)
@@ -16,6 +24,7 @@ FourierGrid::FourierGrid(std::array<int, 3> size, int beyond)
       stride_((size[2] + beyond + 1) / 2 * 2),
       real_(std::size_t(n_[0]) * n_[1] * stride_),
       complex_(std::size_t(n_[0]) * n_[1] * half()) {
+  const std::lock_guard alone(planner());
   const int real_rows[] = {n_[1], stride_}, complex_rows[] = {n_[1], half()};
   plane_.reset(fftw_plan_many_dft_r2c(2, &n_[1], 1, plane(0), real_rows, 1, 0, fftw(row(0, 0)), complex_rows,
                                       1, 0, kByRule));
@@ -26,6 +35,11 @@ FourierGrid::FourierGrid(std::array<int, 3> size, int beyond)
     (sign == FFTW_FORWARD ? across_ : across_back_)
         .reset(fftw_plan_many_dft(1, n_.data(), half(), fftw(row(0, 0)), nullptr, apart, 1, fftw(row(0, 0)),
                                   nullptr, apart, 1, sign, kByRule));
+}
+
+void FourierGrid::Destroy::operator()(fftw_plan_s* plan) const {
+  const std::lock_guard alone(planner());
+  fftw_destroy_plan(plan);
 }
 
 void FourierGrid::transform_plane(int k1) {

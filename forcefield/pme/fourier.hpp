@@ -33,7 +33,7 @@ class FourierGrid {
 
  private:
   struct Destroy {
-    void operator()(fftw_plan_s* plan) const { fftw_destroy_plan(plan); }
+    void operator()(fftw_plan_s* plan) const;
   };
   using Plan = std::unique_ptr<fftw_plan_s, Destroy>;
 

@@ -54,6 +54,12 @@ void write_atoms(Node of, const System& sys) {
   }
 }
 
+void refuse_own_fields(const Terms& terms) {
+  if (!terms.own.empty())
+    throw InputError(fmt::format("OpenMM cannot express it: the force {} is no formula, but code",
+                                 terms.own.front()->name()));
+}
+
 void refuse_bonds_to_anchors(const System& sys) {
   for (int k = 0; k < sys.bond_count(); ++k) {
     const auto& [i, j, length] = sys.bonds[k];
@@ -268,6 +274,7 @@ std::string whole_file(const char* type, auto fill) {
 
 std::string openmm_system_xml(const OpenMMInput& from) {
   refuse_bonds_to_anchors(from.system);
+  refuse_own_fields(from.terms);
   return whole_file("System", [&](Node root) {
     write_box(root, from.start.box);
     write_atoms(root, from.system);
