@@ -1,0 +1,60 @@
+#!/usr/bin/env python3
+"""What Python costs beside the command: PYTHONPATH=build/python python3 benchmarks/python_overhead.py
+
+A run by the command, the same called from Python, the same with a callback every 100 steps, in turns; and what a step
+costs more where the constraint method is written in Python: an empty one, and SHAKE of python/examples.
+"""
+import json
+import statistics
+import subprocess
+import tempfile
+from pathlib import Path
+
+import taut
+
+ROOT = Path(__file__).resolve().parents[1]
+STEPS, TURNS = 2000, 9
+
+
+def command():
+    with tempfile.TemporaryDirectory() as folder:
+        subprocess.run([ROOT / "build" / "taut", "run", "water", "--method", "feedforward", "--steps", str(STEPS),
+                        "--out", folder + "/run"], check=True, capture_output=True)
+        return json.loads((Path(folder) / "run" / "summary.json").read_text())["us_per_step"]
+
+
+def python(callback=None, method="feedforward", steps=STEPS, dt_fs=2):
+    sim = taut.Simulation("water", method=method, dt_fs=dt_fs)
+    sim.run(steps, every=100, callback=callback)
+    return sim.summary["us_per_step"], sim.summary["constraint_us_per_step"]
+
+
+def wall(callback):
+    import time
+
+    sim = taut.Simulation("water", method="feedforward")
+    sim.run(100)
+    start = time.perf_counter()
+    sim.run(STEPS, every=100, callback=callback)
+    return (time.perf_counter() - start) / STEPS * 1e6
+
+
+rows = [(command(), python()[0], wall(None), wall(lambda row: row.temperature_k)) for _ in range(TURNS)]
+there, here, quiet, called = (statistics.median(column) for column in zip(*rows))
+print(f"command {there:.1f} µs a step, from Python {here:.1f}: {100 * (here / there - 1):+.1f} %")
+print(f"wall {quiet:.1f} µs a step, with a callback every 100 steps {called:.1f}: {100 * (called / quiet - 1):+.1f} %")
+
+
+class Empty(taut.ConstraintMethod):
+    def project_positions(self, system, h, state):
+        pass
+
+    def project_velocities(self, system, h, state):
+        pass
+
+
+names = {}
+text = (ROOT / "python" / "examples" / "own_method.py").read_text()
+exec(text[:text.index("\n\n\ncharted")], names)
+for method, dt_fs in ((Empty, 0.01), (names["MyShake"](tolerance=1e-6), 2)):
+    print(f"{method}: {statistics.median(python(method=method, steps=100, dt_fs=dt_fs)[1] for _ in range(5)):.0f} µs a step")

@@ -1,0 +1,32 @@
+"""A freely jointed chain's end-to-end distance: ⟨R²⟩ = N b² (and a little more, the bonds being rigid). Draws
+polymer.png."""
+
+import numpy as np
+from matplotlib import pyplot
+
+import taut
+
+CHAINS, BEADS = 200, 21
+sim = taut.Simulation("freely_jointed", method="feedforward", dt_fs=10, set={
+    "build.chains": CHAINS, "build.beads": BEADS, "run.thermostat": "langevin", "run.temperature_k": 300,
+    "run.velocities": "draw"})
+length, distances = sim.lengths[0], []
+
+
+def look(row):
+    chains = sim.positions.reshape(CHAINS, BEADS, 3)
+    distances.append(np.linalg.norm(chains[:, -1] - chains[:, 0], axis=1))
+
+
+sim.run(4000, every=100, callback=look)
+mean = (np.array(distances) ** 2).mean() / ((BEADS - 1) * length**2)
+print(f"<R²> = {mean:.3f} N b², {CHAINS} chains, {len(distances)} looks")
+
+figure, axis = pyplot.subplots(layout="constrained")
+axis.hist(np.ravel(distances), 40, density=True, label="taut")
+r = np.linspace(0, (BEADS - 1) * length, 200)
+s2 = (BEADS - 1) * length**2 / 3
+axis.plot(r, 4 * np.pi * r**2 * (2 * np.pi * s2) ** -1.5 * np.exp(-r**2 / (2 * s2)), label="Gaussian chain")
+axis.set(xlabel="end-to-end distance [nm]", ylabel="density [1/nm]")
+axis.legend()
+figure.savefig("polymer.png", dpi=150)

@@ -1,0 +1,143 @@
+#include "core.hpp"
+
+#include <fmt/format.h>
+
+#include "constraints/methods.hpp"
+#include "md/errors.hpp"
+#include "md/threads.hpp"
+#include "systems/openmm/openmm_import.hpp"
+#include "systems/scene_file.hpp"
+#include "systems/toml_reader.hpp"
+
+namespace taut {
+
+py::object python_class(const char* module, const char* name) {
+  return py::module_::import(module).attr(name);
+}
+
+py::array_t<double> rows_of(const Vectors& columns, py::handle owner) {
+  const py::ssize_t n = columns.cols(), each = sizeof(double);
+  return {{n, py::ssize_t{3}}, {3 * each, each}, columns.data(), owner};
+}
+
+py::array_t<double> array_of(const Eigen::VectorXd& values) {
+  return py::array_t<double>(values.size(), values.data());
+}
+
+namespace {
+
+void raise(const char* kind, const char* words) {
+  PyErr_SetString(python_class("taut.errors", kind).ptr(), words);
+}
+
+// taut's failures as the package's exceptions. What is thrown here has not been looked back at.
+void translate(std::exception_ptr thrown) {
+  try {
+    if (thrown) std::rethrow_exception(thrown);
+  } catch (const InputError& e) {
+    raise("InputError", e.what());
+  } catch (const SimulationFailure& e) {
+    raise("SimulationFailure", e.what());
+  } catch (const OutsideError& e) {
+    raise("OutsideError", e.what());
+  }
+}
+
+// The start that a scene's file names is read from the disk, the scene itself is here.
+Input of_toml(const std::string& text, const std::vector<std::string>& overrides) {
+  const std::filesystem::path name = "scene.toml";
+  Input input{read_scene(parse_toml_text(text, name), name, overrides), {}};
+  std::vector<std::filesystem::path> files{std::move(input.scene.files)};
+  input.scene.files.assign(files.begin() + 1, files.end());
+  input.source = source_of(input.scene, false, overrides);
+  input.source.files.insert(input.source.files.begin(), {name.string(), text});
+  return input;
+}
+
+Input of_scene(const std::string& name_or_path, const std::vector<std::string>& overrides) {
+  Input input{read_scene(find_scene(name_or_path), overrides), {}};
+  input.source = source_of(input.scene, false, overrides);
+  return input;
+}
+
+Input of_openmm(const std::string& system, const std::string& state,
+                const std::vector<std::string>& overrides) {
+  SceneSource source{true, {{"openmm.system.xml", system}, {"openmm.state.xml", state}}, overrides};
+  return {source.read(), source};
+}
+
+// Atoms' and residues' names and elements, and which residue each atom is of.
+void name_atoms(Input& input, const std::vector<std::string>& atoms, const std::vector<std::string>& residues,
+                const std::vector<std::string>& elements, const std::vector<int>& residue) {
+  Names names;
+  std::map<AtomKind, int> known;
+  for (std::size_t a = 0; a < atoms.size(); ++a) {
+    const AtomKind kind{atoms[a], residues[a], elements[a]};
+    const auto [at, fresh] = known.try_emplace(kind, static_cast<int>(names.kinds.size()));
+    if (fresh) names.kinds.push_back(kind);
+    names.kind.push_back(at->second);
+  }
+  names.residue = residue;
+  input.scene.names = std::move(names);
+}
+
+py::object value_of(const Option& option) {
+  return std::visit([](auto* field) { return py::cast(*field); }, option.field);
+}
+
+// Every method of the list: name, summary, and its options with default, unit and meaning.
+py::list describe_methods() {
+  py::list all;
+  for (const MethodEntry& method : methods()) {
+    if (method.added) continue;
+    MethodOptions defaults(method);
+    py::list options;
+    for (const Option& option : defaults.describe())
+      options.append(
+          py::dict(py::arg("key") = option.key, py::arg("default") = value_of(option),
+                   py::arg("number") = std::holds_alternative<std::optional<double>*>(option.field),
+                   py::arg("unit") = option.about.unit, py::arg("meaning") = option.meaning,
+                   py::arg("range") = option.about.range.any() ? "" : option.about.range.in_words()));
+    all.append(py::dict(py::arg("name") = method.name, py::arg("summary") = method.summary,
+                        py::arg("options") = options));
+  }
+  return all;
+}
+
+py::dict scenes() {
+  py::dict all;
+  for (const auto& [name, hard_on] : list_scenes()) all[py::str(name)] = hard_on;
+  return all;
+}
+
+}  // namespace
+}  // namespace taut
+
+PYBIND11_MODULE(_core, m) {
+  using namespace taut;
+  m.doc() = "taut's engine; the package taut is what to use.";
+  py::register_exception_translator(translate);
+  py::class_<Input>(m, "Input")
+      .def_static("of_scene", of_scene)
+      .def_static("of_toml", of_toml)
+      .def_static("of_openmm", of_openmm)
+      .def("name_atoms", name_atoms)
+      .def_property_readonly("atoms", [](const Input& input) { return input.scene.system.atoms(); })
+      .def_property(
+          "name", [](const Input& input) { return input.scene.name; },
+          [](Input& input, const std::string& name) { input.scene.name = name; });
+  m.def("describe_methods", describe_methods);
+  m.def("scenes", scenes, "The scenes that come with taut: name to what it is hard on.");
+  m.def("quoted", [](const std::string& text) { return toml_quoted(text); });
+  m.def("threads", available_threads, "How many threads a simulation may use.");
+  m.def(
+      "use_threads",
+      [](int threads) {
+        if (threads < 1) throw InputError(fmt::format("use_threads({}): expected at least 1", threads));
+        use_threads(threads);
+      },
+      "So many from now on; else as OMP_NUM_THREADS says, or one. Bits depend on how many.");
+  bind_simulations(m);
+  bind_studies(m);
+  bind_parts(m);
+}

@@ -1,0 +1,230 @@
+#include "simulation_object.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "md/errors.hpp"
+#include "md/threads.hpp"
+
+namespace taut {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr auto kLookEvery = std::chrono::milliseconds(50);  // for Ctrl-C
+
+struct Busy {
+  explicit Busy(std::atomic<bool>& flag) : running(flag) { running = true; }
+  ~Busy() { running = false; }
+  std::atomic<bool>& running;
+};
+
+std::string trajectory_key(const RunSettings& run) {
+  return run.trajectory_every > 0 ? "trajectory_every" : run.checkpoint_every > 0 ? "checkpoint_every" : "";
+}
+
+}  // namespace
+
+PythonSimulation::PythonSimulation(Input input, const std::string& out, bool overwrite)
+    : source_(std::move(input.source)), simulation_(std::make_unique<Simulation>(std::move(input.scene))) {
+  note_state();
+  if (const std::string key = trajectory_key(simulation_->scene().run); out.empty() && !key.empty())
+    throw InputError(fmt::format("run.{}: nowhere to write, give out=\"a folder\"", key));
+  if (out.empty()) return;
+  FolderLock lock(out);
+  if (const auto files = run_files(out); !files.empty() && !overwrite)
+    throw InputError(
+        fmt::format("{}: holds a run ({}); Simulation.resume goes on with it, overwrite=True first "
+                    "moves it aside, to {}.1 or the next number that is free",
+                    out, fmt::join(files, ", "), out));
+  folder_.emplace(std::move(lock), source_, *simulation_);
+}
+
+PythonSimulation::PythonSimulation(const std::string& bytes, const std::string& folder,
+                                   const std::vector<std::string>& overrides, bool yes) {
+  std::optional<FolderLock> lock;
+  if (!folder.empty()) expect_checkpoint(folder), lock.emplace(folder);
+  Checkpoint checkpoint = lock ? load_checkpoint(folder) : read_checkpoint(bytes);
+  simulation_ =
+      resumed(lock ? checkpoint_file(folder).string() : "the checkpoint", checkpoint, key_values(overrides));
+  source_ = checkpoint.source;
+  note_state();
+  if (!lock) return;
+  const Consent consent{.cut_back = yes, .begin_anew = yes, .how = "resume(..., yes=True)"};
+  folder_.emplace(resumed_folder(std::move(*lock), checkpoint, *simulation_, consent));
+}
+
+void PythonSimulation::run(long steps, long every, const py::object& callback, bool to_end) {
+  expect_idle();
+  if (steps < 1 || steps > 1L << 50) throw InputError(fmt::format("run({}): expected 1 step or more", steps));
+  if (every < 0) throw InputError(fmt::format("run(every={}): expected 1 or more", every));
+  take_over_changes();
+  const Busy busy(running_);
+  set_steps(simulation_->step() + steps + (to_end ? 0 : 1), every);
+  const long first = simulation_->step(), last = first + steps;
+  if (folder_) folder_->made_from(source_);
+  if (folder_ && !begun_) folder_->begin(*simulation_);
+  begun_ = true;
+  std::exception_ptr thrown;
+  std::optional<Record> row;
+  auto next_look = Clock::now() + kLookEvery;
+  bool stopped = false;
+  const auto look = [&] {  // holds the interpreter
+    try {
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+      if (!row || callback.is_none()) return;
+      note_state();
+      const Busy looked_at(in_callback_);
+      stopped = callback(py::cast(*std::exchange(row, {}))).is(py::bool_(false));
+      take_over_changes();
+    } catch (...) {
+      thrown = std::current_exception();
+      stopped = true;
+    }
+  };
+  const RunWatch watch{.on_record =
+                           [&](const Record& r) {
+                             log_.push_back(r);
+                             row = r;
+                             if (r.step > first) return;
+                             const py::gil_scoped_acquire interpreter;
+                             look();
+                             if (thrown) std::rethrow_exception(thrown);
+                           },
+                       .go_on =
+                           [&](long step) {
+                             const bool due = row && !callback.is_none();
+                             if (due || Clock::now() >= next_look) {
+                               const py::gil_scoped_acquire interpreter;
+                               next_look = Clock::now() + kLookEvery;
+                               look();
+                             }
+                             return !stopped && (to_end || step < last);
+                           }};
+  forget_python_error();
+  try {
+    const py::gil_scoped_release interpreter;
+    summary_ = take_steps(*simulation_, folder_ ? &*folder_ : nullptr, watch);
+  } catch (const ExplainedFailure& failure) {
+    note_state();
+    rethrow_python_error();
+    raise(failure);
+  } catch (...) {
+    note_state();
+    rethrow_python_error();
+    throw;
+  }
+  note_state();
+  if (!thrown && row) look();
+  if (thrown) std::rethrow_exception(thrown);
+}
+
+void PythonSimulation::minimise(double force) {
+  expect_idle();
+  if (!(force > 0)) throw InputError(fmt::format("minimise({}): expected more than 0 kJ/mol/nm", force));
+  expect_finite();
+  set_out_anew(force);
+}
+
+py::bytes PythonSimulation::checkpoint() {
+  expect_between_steps();
+  take_over_changes();
+  Checkpoint checkpoint{.source = source_,
+                        .step = simulation_->step(),
+                        .t = simulation_->state().t,
+                        .threads = available_threads(),
+                        .memory = {},
+                        .marks = {}};
+  Archive archive = Archive::saving_to(checkpoint.memory);
+  simulation_->serialize(archive);
+  return to_bytes(checkpoint);
+}
+
+Simulation& PythonSimulation::settled() {
+  expect_between_steps();
+  take_over_changes();
+  return *simulation_;
+}
+
+void PythonSimulation::expect_idle() const {
+  if (running_) throw std::runtime_error("it is running: in another thread, or this is its callback");
+  if (getpid() != made_in_)
+    throw std::runtime_error(
+        "it was made in another process, before a fork; make it in this one, or start "
+        "processes with multiprocessing's \"spawn\"");
+}
+
+void PythonSimulation::expect_between_steps() const {
+  if (running_ && !in_callback_) throw std::runtime_error("it is running in another thread");
+}
+
+void PythonSimulation::set_steps(long steps, long every) {
+  RunSettings settings = simulation_->scene().run;
+  settings.steps = steps;
+  if (every > 0) settings.log_every = every;
+  simulation_->change(settings);
+  KeyValues values = key_values(source_.overrides);
+  values["run.steps"] = std::to_string(settings.steps);
+  if (every > 0) values["run.log_every"] = std::to_string(every);
+  source_.overrides = overrides_of(values);
+}
+
+void PythonSimulation::note_state() {
+  seen_.x = simulation_->state().x;
+  seen_.v = simulation_->state().v;
+}
+
+void PythonSimulation::expect_finite() const {
+  const State& s = simulation_->state();
+  for (const auto& [name, now] : {std::pair("positions", &s.x), std::pair("velocities", &s.v)})
+    for (Eigen::Index a = 0; a < now->cols(); ++a)
+      if (!now->col(a).allFinite())
+        throw InputError(fmt::format("{}[{}]: {}, {}, {} was written there, expected finite numbers", name, a,
+                                     (*now)(0, a), (*now)(1, a), (*now)(2, a)));
+}
+
+void PythonSimulation::take_over_changes() {
+  const State& s = simulation_->state();
+  if (s.x == seen_.x && s.v == seen_.v) return;
+  expect_finite();
+  set_out_anew(0);
+}
+
+void PythonSimulation::set_out_anew(double force) {
+  try {
+    simulation_->set_out_anew(force);
+    note_state();
+  } catch (const SimulationFailure&) {
+    simulation_->state().x = seen_.x;
+    simulation_->state().v = seen_.v;
+    simulation_->set_out_anew();
+    throw;
+  }
+}
+
+void PythonSimulation::raise(const ExplainedFailure& failure) const {
+  const Diagnosis& d = failure.diagnosis;
+  const py::object error = python_class("taut.errors", "SimulationFailure")(py::str(failure.what()));
+  const auto if_blamed = [&](py::object value) { return d.bond >= 0 ? value : py::none(); };
+  error.attr("step") = d.step, error.attr("time_ps") = d.t;
+  error.attr("cause") = d.cause, error.attr("advice") = d.advice;
+  error.attr("bond") = if_blamed(py::int_(d.bond));
+  error.attr("atoms") = if_blamed(py::make_tuple(d.held.i, d.held.j));
+  error.attr("length_nm") = if_blamed(py::float_(d.length));
+  error.attr("length_before_nm") = if_blamed(py::float_(d.length_before));
+  error.attr("target_nm") = if_blamed(py::float_(d.held.length));
+  error.attr("largest_force_kj_mol_nm") = d.largest_force, error.attr("atom") = d.atom;
+  error.attr("positions") = rows_of(simulation_->state().x);
+  error.attr("velocities") = rows_of(simulation_->state().v);
+  PyErr_SetObject(py::type::of(error).ptr(), error.ptr());
+  throw py::error_already_set();
+}
+
+pid_t PythonSimulation::this_process() {
+  return getpid();
+}
+
+}  // namespace taut

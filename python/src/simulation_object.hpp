@@ -1,0 +1,53 @@
+#pragma once
+
+#include <atomic>
+#include <vector>
+
+#include "core.hpp"
+#include "simulation/recorded_run.hpp"
+#include "simulation/resumption.hpp"
+
+namespace taut {
+
+// A simulation as Python has one: with its folder, its log, and an eye on what is written to its views.
+class PythonSimulation {
+ public:
+  PythonSimulation(Input input, const std::string& out, bool overwrite);
+  // From a checkpoint's bytes, or with a folder from its own, which it then goes on with.
+  PythonSimulation(const std::string& bytes, const std::string& folder,
+                   const std::vector<std::string>& overrides, bool yes);
+
+  // `every`: steps from row to row, 0: as before. With `to_end` the last step has a row, too.
+  void run(long steps, long every, const py::object& callback, bool to_end);
+  void minimise(double force);
+  py::bytes checkpoint();
+
+  const Simulation& engine() const { return *simulation_; }
+  Simulation& settled();  // with forces where the atoms are
+  const std::vector<Record>& rows() const { return log_; }
+  std::string summary() const { return summary_ ? summary_json(*simulation_, *summary_) : "null"; }
+  std::string folder() const { return folder_ ? folder_->path().string() : ""; }
+
+ private:
+  void expect_idle() const;
+  void expect_between_steps() const;  // idle, or in a callback
+  void set_steps(long steps, long every);
+  void note_state();
+  void expect_finite() const;
+  void take_over_changes();         // somebody may have written to the views
+  void set_out_anew(double force);  // where that fails, all is as it was
+  [[noreturn]] void raise(const ExplainedFailure& failure) const;
+  static pid_t this_process();
+
+  SceneSource source_;
+  std::unique_ptr<Simulation> simulation_;
+  std::optional<RunFolder> folder_;
+  bool begun_ = false;
+  std::vector<Record> log_;
+  std::optional<Summary> summary_;
+  State seen_;  // x and v as they were left
+  std::atomic<bool> running_ = false, in_callback_ = false;
+  pid_t made_in_ = this_process();
+};
+
+}  // namespace taut

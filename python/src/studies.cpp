@@ -1,0 +1,151 @@
+// Studies, whole: the package turns their tables into columns.
+
+#include <fmt/format.h>
+
+#include <set>
+
+#include "core.hpp"
+#include "md/errors.hpp"
+#include "studies/calibration.hpp"
+#include "studies/chart_study.hpp"
+#include "studies/crosscheck_tables.hpp"
+#include "studies/stability_study.hpp"
+#include "studies/study_scene.hpp"
+#include "systems/scene_file.hpp"
+
+namespace taut {
+namespace {
+
+Scene scene_for(const Input& input, const char* study) {
+  refuse_without_effect(study, input.source.overrides);
+  return prepared_for_study(input.scene);
+}
+
+// Job by job, so that Ctrl-C is heard between them; `progress` is told how many of how many are done.
+void carry_out(const std::vector<Job>& jobs, Ledger& ledger, const py::object& progress) {
+  std::size_t done = 0;
+  for (const Job& job : jobs) {
+    {
+      const py::gil_scoped_release interpreter;
+      ledger.once(job.name, job.make);
+    }
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    progress(++done, jobs.size());
+  }
+}
+
+// Numbers of steps and repeats: 0 is the study's own.
+template <class Number>
+void replace(Number& number, const py::dict& asked, const char* key) {
+  const auto value = asked[key].cast<Number>();
+  if (value < 0) throw InputError(fmt::format("{}: {}, expected 1 or more", key, value));
+  if (value > 0) number = value;
+}
+
+py::dict chart(const Input& input, const std::vector<std::string>& methods, const py::dict& asked,
+               const std::string& folder, const py::object& progress) {
+  ChartPlan plan{.scene = scene_for(input, "chart"), .methods = methods};
+  if (asked["quick"].cast<bool>()) plan.make_quick();
+  replace(plan.repeats, asked, "repeats");
+  replace(plan.steps, asked, "steps");
+  replace(plan.drift_steps, asked, "drift_steps");
+  Ledger ledger(std::filesystem::path(folder) / "ledger.tsv", "chart");
+  const auto said = asked["panels"].cast<std::vector<std::string>>();
+  const std::set<std::string> wanted(said.begin(), said.end());
+  std::vector<Job> jobs = chart_jobs(plan, ledger);
+  std::erase_if(jobs,
+                [&](const Job& job) { return !wanted.contains(job.name.substr(0, job.name.find('/'))); });
+  carry_out(jobs, ledger, progress);
+  py::dict tables;
+  const struct {
+    const char* name;
+    std::string (*csv)(const ChartPlan&, const Ledger&);
+  } panels[] = {{"work", work_csv},
+                {"drift", drift_csv},
+                {"order", order_csv},
+                {"length", length_csv},
+                {"precision", precision_csv}};
+  for (const auto& [panel, csv] : panels)
+    if (wanted.contains(panel) && (std::string_view(panel) != "precision" || has_precisions(plan.scene)))
+      tables[panel] = csv(plan, ledger);
+  if (wanted.size() == 5) tables["failures"] = failures_csv(plan, ledger);
+  return tables;
+}
+
+py::dict stability(const Input& input, const std::vector<std::string>& methods, const py::dict& asked,
+                   const std::string& folder, const py::object& progress) {
+  StabilityPlan plan{.scenes = {scene_for(input, "stability")}, .methods = methods};
+  if (asked["quick"].cast<bool>()) plan.make_quick();
+  replace(plan.plane_steps, asked, "steps"), replace(plan.step_steps, asked, "steps");
+  Ledger ledger(std::filesystem::path(folder) / "ledger.tsv", "stability");
+  std::vector<Job> jobs;
+  if (asked["plane"].cast<bool>()) jobs = plane_jobs(plan);
+  const std::vector<Job> steps = step_jobs(plan);
+  jobs.insert(jobs.end(), steps.begin(), steps.end());
+  carry_out(jobs, ledger, progress);
+  py::dict tables;
+  if (asked["plane"].cast<bool>()) tables["plane"] = plane_csv(plan, ledger);
+  tables["steps"] = steps_csv(plan, ledger), tables["limits"] = limits_csv();
+  return tables;
+}
+
+py::dict course(const Course& of) {
+  return py::dict(py::arg("stretch") = py::array_t<double>(py::cast(of.stretch)),
+                  py::arg("rate") = py::array_t<double>(py::cast(of.rate)));
+}
+
+py::dict calibrate_scene(const Input& input, const py::dict& asked) {
+  CalibrationPlan plan;
+  plan.against = asked["against"].cast<std::string>();
+  plan.tolerance = asked["tolerance"].cast<double>();
+  plan.sweeps = asked["sweeps"].cast<int>();
+  plan.copies = asked["copies"].cast<std::string>();
+  plan.damping = asked["damping"].cast<std::string>();
+  plan.passes = asked["passes"].cast<int>();
+  if (plan.passes < 1) throw InputError(fmt::format("passes: {}, expected 1 or more", plan.passes));
+  const Scene scene = scene_for(input, "calibrate");
+  const Calibration c = [&] {
+    const py::gil_scoped_release interpreter;
+    return calibrate(scene, plan);
+  }();
+  py::dict result;
+  for (const auto& [name, value] : figures_of(c)) result[name] = value;
+  result["window"] = c.window;
+  result["gains"] = c.method.gains, result["damping"] = c.method.damping;
+  result["reduction"] = c.method.reduction, result["passes"] = c.method.passes;
+  result["reference"] = course(c.reference), result["baumgarte"] = course(c.baumgarte);
+  result["disagreement"] = disagreement(plan, c);
+  return result;
+}
+
+py::dict crosscheck_scene(const Input& input, const std::vector<std::string>& methods, const py::dict& asked,
+                          const py::object& progress) {
+  refuse_without_effect("crosscheck", input.source.overrides);
+  CrosscheckPlan plan{.contestants = contestants(methods), .files = {}};
+  plan.platform = asked["platform"].cast<std::string>();
+  plan.speed_seconds = asked["speed_seconds"].cast<double>();
+  const auto tell = [&](const std::string& what) {
+    const py::gil_scoped_acquire interpreter;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    progress(what);
+  };
+  const Crosscheck c = [&] {
+    const py::gil_scoped_release interpreter;
+    return crosscheck(input.scene, plan, tell);
+  }();
+  py::dict result;
+  result["json"] = crosscheck_json(c), result["samples"] = samples_csv(c);
+  if (!c.twin.oxygens.r.empty()) result["distances"] = distances_csv(c);
+  return result;
+}
+
+}  // namespace
+
+void bind_studies(py::module_& m) {
+  m.def("chart", chart);
+  m.def("stability", stability);
+  m.def("calibrate", calibrate_scene);
+  m.def("crosscheck", crosscheck_scene);
+}
+
+}  // namespace taut

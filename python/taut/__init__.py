@@ -1,0 +1,26 @@
+"""Molecular dynamics of rigid bonds, and every serious way of holding them.
+
+    >>> import taut
+    >>> sim = taut.Simulation("water", method="feedforward", dt_fs=2)
+    >>> sim.run(1000, every=100, callback=print)
+    >>> sim.positions, sim.velocities      # numpy, (n, 3), live
+    >>> sim.log["temperature_k"], sim.summary
+
+taut.scenes(), taut.methods()      what there is: name to what it is
+taut.Simulation                    a scene, a dict, or OpenMM's objects made to run
+taut.Baumgarte, taut.Rattle, ...   a method's options
+taut.ConstraintMethod, taut.Force  methods and forces of your own
+taut.chart, taut.stability         methods' speed against accuracy, and where they fail
+taut.calibrate, taut.crosscheck    Baumgarte's gains; whether OpenMM agrees
+
+Units: nm, ps, u, kJ/mol, K; steps in fs. Errors: InputError (a ValueError), SimulationFailure, OutsideError.
+"""
+
+from ._core import Row, scenes, threads, use_threads
+from .errors import InputError, OutsideError, SimulationFailure
+from .options import *  # noqa: F401,F403
+from .parts import ConstraintMethod, Force, NotConverged, State, System, register
+from .simulation import Simulation
+from .studies import calibrate, chart, crosscheck, stability
+
+__version__ = "0.1"

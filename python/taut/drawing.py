@@ -1,0 +1,78 @@
+"""Pictures of what studies found, by matplotlib."""
+
+from __future__ import annotations
+
+from typing import Any, Dict
+
+import numpy as np
+
+
+def _figure(columns: int) -> Any:
+    from matplotlib import pyplot
+
+    return pyplot.subplots(1, columns, figsize=(5.5 * columns, 4.2), layout="constrained")
+
+
+def _curves(axis: Any, table: Any, by: str, x: str, y: str) -> None:
+    """A line for each name in a column; what failed is left out."""
+    names, across, up = np.array(table[by]), abs(np.array(table[x], float)), np.array(table[y], float)
+    for name in dict.fromkeys(names):
+        of = (names == name) & np.isfinite(across) & np.isfinite(up) & (up != 0)
+        if of.any():
+            axis.plot(across[of], up[of], "o-", label=name, markersize=4)
+    axis.set(xscale="log", yscale="log")
+    axis.legend(fontsize=7)
+
+
+def chart(tables: Dict[str, Any]) -> Any:
+    panels = {"work": ("curve", "rms_rel_bond_error", "ns_per_bond_step"),
+              "drift": ("curve", "drift_kj_mol_ns_dof", "ns_per_bond_step"),
+              "order": ("method", "dt_fs", "rms_distance_nm"),
+              "length": ("method", "bonds", "ns_per_bond_step")}
+    words = {"rms_rel_bond_error": "bond error, rms relative",
+             "ns_per_bond_step": "constraint time [ns a bond and step]",
+             "drift_kj_mol_ns_dof": "energy drift, absolute [kJ/mol/ns/dof]", "dt_fs": "step [fs]",
+             "rms_distance_nm": "distance from the exact run [nm]", "bonds": "bonds of a chain"}
+    there = [panel for panel in panels if panel in tables]
+    figure, axes = _figure(len(there))
+    for axis, panel in zip(np.atleast_1d(axes), there):
+        by, x, y = panels[panel]
+        _curves(axis, tables[panel], by, x, y)
+        axis.set(xlabel=words[x], ylabel=words[y])
+    return figure
+
+
+def stability(tables: Dict[str, Any]) -> Any:
+    figure, axes = _figure(2 if "plane" in tables else 1)
+    axes = np.atleast_1d(axes)
+    steps = tables["steps"]
+    axes[0].barh(list(steps["method"]), np.array(steps["largest_stable_fs"], float))
+    axes[0].set(xlabel="largest stable step [fs]")
+    if "plane" in tables:
+        plane, limits = tables["plane"], tables["limits"]
+        of = np.array(plane["damping"]) == "discrete"
+        ah, bh = np.array(plane["alpha_h"], float)[of], np.array(plane["beta_h"], float)[of]
+        survived = np.array(plane["steps_survived"], float)[of]
+        points = axes[1].scatter(ah, bh, c=survived, s=60)
+        figure.colorbar(points, label="steps survived")
+        edge = np.array(limits["damping"]) == "discrete"
+        axes[1].plot(np.array(limits["alpha_h"], float)[edge], np.array(limits["limit_beta_h"], float)[edge], "k--")
+        axes[1].set(xscale="log", xlabel="αh", ylabel="βh", title="Baumgarte, discrete damping")
+    return figure
+
+
+def calibration(found: Dict[str, Any]) -> Any:
+    figure, axis = _figure(1)
+    courses = found["courses"]
+    for name in ("reference", "baumgarte"):
+        axis.semilogy(courses["step"], courses[name], "o-", label=name, markersize=4)
+    axis.set(xlabel="step", ylabel="an error's course, rms σ/d²")
+    axis.legend()
+    return figure
+
+
+def crosscheck(found: Dict[str, Any]) -> Any:
+    figure, axis = _figure(1)
+    _curves(axis, found["samples"], "run", "t_ps", "apart_nm")
+    axis.set(xlabel="time [ps]", ylabel="distance from OpenMM's run [nm]")
+    return figure

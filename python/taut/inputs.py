@@ -1,0 +1,90 @@
+"""From what a user has, a name, a file, a dict or OpenMM's objects, to what the engine reads."""
+
+from __future__ import annotations
+
+import numbers
+from pathlib import Path
+from typing import Any, Dict, Iterable, List, Mapping, Optional, Union
+
+from . import _core, options, parts
+from .errors import InputError
+
+#: A scene: its name, as in taut.scenes(); its file; or what a file would say, section by section.
+Scene = Union[str, Path, Mapping[str, Any]]
+#: A method: its name, a class of options, or a class of your own.
+Method = Union[str, "options.Options", type, "parts.ConstraintMethod"]
+
+
+def toml(value: Any, key: str) -> str:
+    """A value as TOML has it."""
+    if hasattr(value, "tolist"):  # numpy's
+        value = value.tolist()
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (str, Path)):
+        return _core.quoted(str(value))
+    if isinstance(value, numbers.Integral):
+        return str(int(value))
+    if isinstance(value, numbers.Real):
+        return repr(float(value))
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(toml(one, key) for one in value) + "]"
+    raise InputError(f"{key}: expected a number, a text, a truth value or a list of these, got {value!r}")
+
+
+def scene_text(scene: Mapping[str, Any]) -> str:
+    """A scene's file from a dict of sections."""
+    top, sections = [], []
+    for name, content in {"hard_on": "what a dict says", **scene}.items():
+        if isinstance(content, Mapping):
+            lines = [f"{_core.quoted(str(key))} = {toml(value, f'{name}.{key}')}" for key, value in content.items()
+                     if value is not None]
+            sections.append("\n".join([f"[{_core.quoted(str(name))}]"] + lines))
+        else:
+            top.append(f"{_core.quoted(str(name))} = {toml(content, str(name))}")
+    return "\n".join(top + sections) + "\n"
+
+
+def overrides(given: Optional[Mapping[str, Any]], method: Optional[Method], dt_fs: Optional[float]) -> List[str]:
+    """What is laid over a scene's keys, ``"run.dt_fs=2"``."""
+    said: Dict[str, Any] = {}
+    if isinstance(method, str):
+        said["method.name"] = method
+    elif isinstance(method, options.Options):
+        said.update(method.settings())
+    elif isinstance(method, type) and issubclass(method, options.Options):
+        said.update(method().settings())
+    elif method is not None and parts.is_method(method):
+        said.update(parts.settings_of(method))
+    elif method is not None:
+        raise InputError(f"method: expected a name, taut.Rattle(...) or the like, or a class derived from "
+                         f"taut.ConstraintMethod, got {method!r}")
+    if dt_fs is not None:
+        said["run.dt_fs"] = dt_fs
+    if given is not None and not isinstance(given, Mapping):
+        raise InputError(f"set: expected a dict of a scene's keys, {{\"run.seed\": 7}}, got {given!r}")
+    for key, value in (given or {}).items():
+        if not isinstance(key, str):
+            raise InputError(f"set: expected a scene's keys, \"run.seed\", got {key!r}")
+        if key in said and said[key] != value:
+            raise InputError(f"{key} is said twice, {said[key]!r} and {value!r}; leave one out")
+        said[key] = value
+    return [f"{key}={toml(value, key)}" for key, value in said.items() if value is not None]
+
+
+def add_forces(to: "_core.Input", forces: Iterable[Any]) -> "_core.Input":
+    for force in forces:
+        if not callable(getattr(force, "add", None)):
+            raise InputError(f"forces: expected instances of classes derived from taut.Force, got {force!r}")
+        _core.add_force(to, force)
+    return to
+
+
+def read(scene: Scene, said: List[str]) -> "_core.Input":
+    """Reads a scene, with overrides laid over it."""
+    if isinstance(scene, Mapping):
+        return _core.Input.of_toml(scene_text(scene), said)
+    if isinstance(scene, (str, Path)):
+        return _core.Input.of_scene(str(scene), said)
+    raise InputError(f"expected a scene's name, its file or a dict, got {scene!r}; OpenMM's objects go to "
+                     "Simulation.from_openmm")

@@ -1,0 +1,209 @@
+import gc
+import os
+import pickle
+import threading
+
+import numpy as np
+import pytest
+
+import taut
+
+
+@pytest.mark.parametrize("arguments, words", [
+    (("watre",), 'watre: no such file, and no scene of that name; did you mean "water"'),
+    ((7,), "expected a scene's name, its file or a dict, got 7"),
+    (({"build": {"kind": "chain"}},), "scene.toml:.*build.kind"),
+    (({"build": {"kind": object()}},), "build.kind: expected a number, a text"),
+    (({"build": {"kind": "chains", "chains": -1, "beads": 5}, "run": {}},), "build.chains"),
+    (({"biuld": {}},), "build"),
+])
+def test_scenes(arguments, words):
+    with pytest.raises(taut.InputError, match=words):
+        taut.Simulation(*arguments)
+
+
+@pytest.mark.parametrize("named, words", [
+    ({"method": "ratle"}, 'did you mean "rattle"'),
+    ({"method": 3}, "method: expected a name"),
+    ({"method": taut.Rattle(tolerance=1)}, "tolerance.*at most 0.1, got 1"),
+    ({"method": taut.Baumgarte(gains="rattel")}, "rattel"),
+    ({"dt_fs": -1}, "run.dt_fs"),
+    ({"dt_fs": float("nan")}, "run.dt_fs"),
+    ({"set": {"run.sedd": 1}}, "did you mean \"seed\""),
+    ({"set": {"run.dt_fs": "fast"}}, "run.dt_fs"),
+    ({"set": {"run.dt_fs": None, "run.seed": []}}, "run.seed"),
+    ({"set": {5: 1}}, "expected a scene's keys"),
+    ({"set": [("run.seed", 1)]}, "set: expected a dict"),
+    ({"set": {"method.name": "shake"}, "method": "rattle"}, "said twice"),
+    ({"set": {"run.trajectory_every": 10}}, "trajectory_every: nowhere to write"),
+])
+def test_settings(named, words):
+    with pytest.raises(taut.InputError, match=words):
+        taut.Simulation("chain", **named)
+
+
+def test_values_of_numpy_are_values():
+    sim = taut.Simulation("freely_jointed", dt_fs=np.float32(2), set={"run.seed": np.int64(3),
+                                                                      "build.chains": np.uint8(2)})
+    assert sim.dt_fs == 2 and len(sim.masses) > 2
+
+
+@pytest.mark.parametrize("steps, named", [(0, {}), (-5, {}), (10, {"every": -1})])
+def test_runs(steps, named):
+    with pytest.raises(taut.InputError, match="expected 1"):
+        taut.Simulation("chain").run(steps, **named)
+
+
+@pytest.mark.parametrize("steps, named", [("ten", {}), (1.5, {}), (2**80, {}), (10, {"callback": 7})])
+def test_types(steps, named):
+    with pytest.raises((TypeError, OverflowError)):
+        taut.Simulation("chain").run(steps, **named)
+
+
+def test_what_is_written_to_views():
+    sim = taut.Simulation("chain")
+    before = sim.positions.copy()
+    for wrong in (np.zeros((2, 3)), "text", np.zeros(7)):
+        with pytest.raises((ValueError, TypeError)):
+            sim.positions[:] = wrong
+    with pytest.raises(AttributeError):
+        sim.positions = before
+    sim.positions[::2, ::-1][:] = before[::2, ::-1].astype(np.float32)  # neither contiguous nor of its type
+    sim.positions[:] = before
+    sim.positions[1, 2] = np.nan
+    for asks in (lambda: sim.run(1), lambda: sim.energies, sim.checkpoint, lambda: sim.minimise()):
+        with pytest.raises(taut.InputError, match=r"positions\[1\]: .*nan was written there, expected finite"):
+            asks()
+    sim.positions[:] = before
+    sim.run(1)
+
+
+def test_what_no_bonds_can_follow_is_put_back():
+    sim = taut.Simulation("chain")
+    before = sim.positions.copy()
+    sim.positions[:] = 0
+    with pytest.raises(taut.SimulationFailure, match="the start"):
+        sim.run(1)
+    assert np.allclose(sim.positions, before)
+    sim.run(1)
+
+
+def test_failures_say_what_they_know():
+    sim = taut.Simulation("freely_jointed", method="newton", dt_fs=10)
+    sim.run(10)
+    sim.velocities[:] *= 60
+    with pytest.raises(taut.SimulationFailure) as failed:
+        sim.run(5000)
+    error = failed.value
+    assert error.step == sim.steps_taken + 1 and error.cause and error.advice in str(error)
+    assert error.bond >= 0 and len(error.atoms) == 2 and error.target_nm > 0 and error.length_before_nm > 0
+    assert np.array_equal(error.positions, sim.positions) and np.array_equal(error.velocities, sim.velocities)
+    assert abs(sim.bond_errors).max() < 1e-6
+    assert isinstance(error, RuntimeError) and isinstance(taut.InputError("x"), ValueError)
+
+
+def test_folders(tmp_path):
+    taut.Simulation("chain", out=tmp_path / "run").run(2)
+    gc.collect()
+    with pytest.raises(taut.InputError, match="holds a run .*overwrite=True"):
+        taut.Simulation("chain", out=tmp_path / "run")
+    taut.Simulation("chain", out=tmp_path / "run", overwrite=True).run(2)
+    assert (tmp_path / "run.1" / "log.csv").exists()
+    (tmp_path / "file").write_text("")
+    with pytest.raises(OSError):
+        taut.Simulation("chain", out=tmp_path / "file" / "run")
+    with pytest.raises(taut.InputError, match="there is none"):
+        taut.Simulation.resume(tmp_path / "nowhere")
+    with pytest.raises(taut.InputError, match="not a checkpoint"):
+        taut.Simulation.resume(b"junk")
+    with pytest.raises(taut.InputError, match="cannot change in a run that has begun"):
+        taut.Simulation.resume(taut.Simulation("chain").checkpoint(), set={"run.dt_fs": 1})
+
+
+def test_only_one_runs_it():
+    sim = taut.Simulation("double_pendulum")
+
+    def again(row):
+        with pytest.raises(RuntimeError, match="it is running"):
+            sim.run(1)
+
+    sim.run(10, every=5, callback=again)
+    thread = threading.Thread(target=sim.run, args=(10_000_000,), kwargs={
+        "every": 1000, "callback": lambda row: not done.wait(0)})
+    done = threading.Event()
+    thread.start()
+    refused = 0
+    while not refused:
+        try:
+            sim.run(1)
+        except RuntimeError:
+            refused += 1
+    done.set()
+    thread.join()
+    assert refused == 1
+
+
+def test_a_fork_cannot_go_on_with_it():
+    sim = taut.Simulation("chain")
+    read, write = os.pipe()
+    child = os.fork()
+    if child == 0:
+        try:
+            sim.run(1)
+            os.write(write, b"ran")
+        except RuntimeError as error:
+            taut.Simulation("chain").run(5)
+            os.write(write, str(error).encode())
+        os._exit(0)
+    os.close(write)
+    assert b"made in another process" in os.read(read, 1000)
+    assert os.waitpid(child, 0)[1] == 0
+
+
+def test_pickles():
+    row = []
+    sim = taut.Simulation("chain")
+    sim.run(1, every=1, callback=row.append)
+    with pytest.raises(TypeError, match="pickle"):
+        pickle.dumps(row[0])
+    error = taut.InputError("words")
+    assert str(pickle.loads(pickle.dumps(error))) == "words"
+    assert pickle.loads(pickle.dumps(taut.Rattle(tolerance=1e-6))) == taut.Rattle(tolerance=1e-6)
+
+
+def test_threads():
+    with pytest.raises(taut.InputError, match="expected at least 1"):
+        taut.use_threads(0)
+    assert taut.threads() >= 1
+
+
+def test_made_without_init():
+    half = taut.Simulation.__new__(taut.Simulation)
+    for asks in (lambda: half.run(1), lambda: half.positions, lambda: repr(half), lambda: pickle.dumps(half)):
+        with pytest.raises(AttributeError):
+            asks()
+
+
+def resident_kb():
+    with open("/proc/self/statm") as status:
+        return int(status.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") // 1024
+
+
+def test_nothing_leaks_over_many_creations():
+    class Mine(taut.ConstraintMethod):
+        def project_positions(self, system, h, state):
+            state.positions[0, 0] += 0
+
+    def create(times):
+        for n in range(times):
+            sim = taut.Simulation("pair", method=Mine if n % 2 else "rattle")
+            x = sim.positions
+            sim.run(1)
+            del sim
+            assert np.isfinite(x).all()
+        gc.collect()
+
+    create(500)
+    before = resident_kb()
+    create(10_000)
+    assert resident_kb() - before < 3000  # 0.3 kB each

@@ -1,0 +1,149 @@
+"""Systems that openmm.app makes from its own bundled files, against OpenMM's Reference platform."""
+
+import os
+
+import numpy as np
+import pytest
+
+import taut
+
+openmm = pytest.importorskip("openmm", reason="needs OpenMM from PyPI: pip install openmm")
+app, unit = pytest.importorskip("openmm.app"), pytest.importorskip("openmm.unit")
+DATA = os.path.join(os.path.dirname(app.__file__), "data")
+KJ, NM = unit.kilojoule_per_mole, unit.nanometer
+BONDS = unit.kilojoule_per_mole / unit.nanometer
+
+
+def made(pdb, files, **named):
+    """System and Modeller of a bundled PDB file under a force field."""
+    read = app.PDBFile(os.path.join(DATA, pdb))
+    field = app.ForceField(*files)
+    model = app.Modeller(read.topology, read.positions)
+    model.addExtraParticles(field)
+    named = {"nonbondedMethod": app.PME, "nonbondedCutoff": 0.8 * NM, "constraints": app.HBonds, **named}
+    system = field.createSystem(model.topology, **named)
+    for force in system.getForces():
+        if isinstance(force, openmm.NonbondedForce) and named["nonbondedMethod"] is app.PME:
+            force.setPMEParameters(3.0, 60, 60, 60)  # else each picks a grid of its own
+    return system, model
+
+
+def reference(system, sim, what="forces"):
+    context = openmm.Context(system, openmm.VerletIntegrator(0.001), openmm.Platform.getPlatformByName("Reference"))
+    if sim.box is not None:
+        context.setPeriodicBoxVectors(*sim.box)
+    context.setPositions(sim.positions)
+    state = context.getState(getEnergy=True, getForces=True)
+    return state.getPotentialEnergy().value_in_unit(KJ), state.getForces(asNumpy=True).value_in_unit(BONDS)
+
+
+SYSTEMS = [
+    ("test.pdb", ["amber14-all.xml", "amber14/tip3pfb.xml"], {}),
+    ("test.pdb", ["amber14-all.xml", "amber14/tip3pfb.xml"], {"nonbondedMethod": app.CutoffPeriodic}),
+    ("test.pdb", ["amber14-all.xml", "amber14/tip3pfb.xml"], {"constraints": app.AllBonds}),
+    ("tip3p.pdb", ["tip3p.xml"], {}),
+    ("spce.pdb", ["spce.xml"], {"nonbondedMethod": app.CutoffPeriodic}),
+    ("tip4pew.pdb", ["amber14/tip4pew.xml"], {}),
+    ("test.pdb", ["charmm36.xml", "charmm36/water.xml"], {}),
+]
+
+
+@pytest.mark.parametrize("pdb, files, named", SYSTEMS, ids=[f"{p} {f[0]} {i}" for i, (p, f, n) in enumerate(SYSTEMS)])
+def test_energies_and_forces(pdb, files, named):
+    system, model = made(pdb, files, **named)
+    try:
+        sim = taut.Simulation.from_openmm(system, model.positions, topology=model.topology, method="newton", dt_fs=1)
+    except taut.InputError as error:
+        if pdb == "tip4pew.pdb" and "virtual" in str(error):
+            pytest.xfail(f"refused by name: {error}")
+        raise
+    energy, forces = reference(system, sim)
+    rms = np.sqrt((forces**2).mean())
+    assert sim.energies["potential"] == pytest.approx(energy, rel=1e-9)
+    assert abs(sim.forces - forces).max() < 1e-7 * rms
+    assert list(sim.names["atom"]) == [atom.name for atom in model.topology.atoms()]
+
+
+def test_bond_lengths_of_trajectories():
+    system, model = made("test.pdb", ["amber14-all.xml", "amber14/tip3pfb.xml"])
+    sim = taut.Simulation.from_openmm(system, model.positions, method="newton", dt_fs=1)
+    sim.minimise(5000)
+    integrator = openmm.VerletIntegrator(0.001)
+    integrator.setConstraintTolerance(1e-10)
+    context = openmm.Context(system, integrator, openmm.Platform.getPlatformByName("Reference"))
+    context.setPositions(sim.positions)
+    sim.run(20)
+    integrator.step(20)
+    there = context.getState(getPositions=True).getPositions(asNumpy=True).value_in_unit(NM)
+    lengths = [np.linalg.norm(x[sim.bonds[:, 1]] - x[sim.bonds[:, 0]], axis=1) for x in (sim.positions, there)]
+    assert abs(lengths[0] - lengths[1]).max() < 1e-8
+    assert abs(sim.positions - there).max() < 1e-3
+
+
+def test_states_boxes_and_units():
+    system, model = made("tip3p.pdb", ["tip3p.xml"])
+    velocities = np.full((system.getNumParticles(), 3), 0.1)
+    context = openmm.Context(system, openmm.VerletIntegrator(0.001), openmm.Platform.getPlatformByName("Reference"))
+    context.setPositions(model.positions)
+    context.setVelocities(velocities)
+    state = context.getState(getPositions=True, getVelocities=True)
+    box = system.getDefaultPeriodicBoxVectors()
+    positions = np.array(model.positions.value_in_unit(NM))
+    sims = [taut.Simulation.from_openmm(system, *given, dt_fs=1, **named) for given, named in [
+        ((state,), {}),
+        ((model.positions,), {"velocities": velocities * unit.nanometer / unit.picosecond}),
+        ((positions,), {"velocities": velocities, "box": box}),
+        ((openmm.XmlSerializer.serialize(state),), {"topology": model})]]
+    text = openmm.XmlSerializer.serialize(system)
+    sims.append(taut.Simulation.from_openmm(text, state, dt_fs=1))
+    for sim in sims[1:]:
+        assert np.allclose(sim.positions, sims[0].positions, atol=1e-12)
+        assert np.allclose(sim.velocities, sims[0].velocities, atol=1e-12)
+        assert np.allclose(sim.box, sims[0].box)
+
+
+def test_there_and_back():
+    sim = taut.Simulation("water", set={"build.molecules": 27, "forcefield.cutoff_nm": 0.45,
+                                        "forcefield.switch_nm": 0.4})
+    system, state = sim.to_openmm()
+    energy, forces = reference(system, sim)
+    assert sim.energies["potential"] == pytest.approx(energy, rel=1e-9)
+    again = taut.Simulation.from_openmm(system, state, method="rattle", dt_fs=2)
+    assert np.allclose(again.positions, sim.positions, atol=1e-12)
+    assert again.energies["potential"] == pytest.approx(energy, rel=1e-9)
+
+
+def test_what_is_not_there_is_refused_by_name():
+    system, model = made("tip3p.pdb", ["tip3p.xml"])
+    torsion = openmm.CustomTorsionForce("k*theta^7")
+    torsion.addPerTorsionParameter("k")
+    torsion.addTorsion(0, 1, 2, 3, [1])
+    system.addForce(torsion)
+    with pytest.raises(taut.InputError, match="CustomTorsionForce"):
+        taut.Simulation.from_openmm(system, model.positions, dt_fs=1)
+
+
+@pytest.mark.parametrize("positions, named, words", [
+    (np.zeros((5, 3)), {}, "648|rows|positions"),
+    (np.zeros((648, 2)), {}, "positions: expected n rows of three numbers"),
+    (7, {}, "positions: expected n rows"),
+    (np.full((648, 3), np.nan), {}, "positions: expected finite numbers"),
+    (np.zeros((648, 3)), {"velocities": np.zeros((2, 3))}, "velocities: expected 648 rows"),
+    (np.zeros((648, 3)), {"topology": app.Topology()}, "topology: has 0 atoms"),
+])
+def test_bad_positions(positions, named, words):
+    system, _ = made("tip3p.pdb", ["tip3p.xml"])
+    if np.shape(positions) and len(positions) == 648:
+        positions = np.resize(positions, (system.getNumParticles(), np.shape(positions)[1]))
+        words = words.replace("648", str(system.getNumParticles()))
+    with pytest.raises(taut.InputError, match=words):
+        taut.Simulation.from_openmm(system, positions, dt_fs=1, **named)
+
+
+def test_what_is_no_system():
+    with pytest.raises(taut.InputError, match="system: expected an object of OpenMM's"):
+        taut.Simulation.from_openmm(7, np.zeros((1, 3)), box=[2, 2, 2])
+    with pytest.raises(taut.InputError, match="cannot be read"):
+        taut.Simulation.from_openmm("nowhere.xml", "nowhere.xml")
+    with pytest.raises(taut.InputError, match="openmm.system.xml"):
+        taut.Simulation.from_openmm("<System", "<State/>")

@@ -1,0 +1,218 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import taut
+
+WATER = {"build.molecules": 27, "forcefield.cutoff_nm": 0.45, "forcefield.switch_nm": 0.4}
+
+
+EXAMPLE = (Path(__file__).resolve().parents[1] / "examples" / "own_method.py").read_text()
+WORKED = EXAMPLE[:EXAMPLE.index("\n\n\ncharted")]
+
+
+@pytest.fixture(scope="module")
+def my_shake():
+    names = {"__name__": "own_method"}
+    exec(compile(WORKED, "own_method.py", "exec", dont_inherit=True), names)
+    return names["MyShake"]
+
+
+def test_the_worked_example_is_short():
+    assert len([line for line in WORKED[WORKED.index("@dataclass"):].splitlines() if line.strip()]) <= 25
+
+
+def test_own_shake_is_shake(my_shake):
+    ours = taut.Simulation("water", method=my_shake(tolerance=1e-12), dt_fs=1, set=WATER)
+    theirs = taut.Simulation("water", method=taut.Shake(tolerance=1e-12), dt_fs=1, set=WATER)
+    for sim in (ours, theirs):
+        sim.run(20)
+    assert abs(ours.positions - theirs.positions).max() < 1e-10
+    assert abs(ours.velocities - theirs.velocities).max() < 1e-7
+    assert ours.setting == "tolerance = 1e-12" and ours.summary["converged"]
+
+
+def test_own_shake_lies_on_shakes_curve(my_shake):
+    chains = {"build.chains": 4}
+    work = taut.chart("freely_jointed", ["shake", my_shake], quick=True, panels="work", set=chains)["work"]
+    curve, error = np.array(work["curve"]), np.array(work["rms_rel_bond_error"])
+    parameter, value = np.array(work["parameter"]), np.array(work["value"])
+    of = {name: dict(zip(value[(curve == name)], error[curve == name]))
+          for name in ("shake (tolerance)", "MyShake (tolerance)")}
+    assert len(of["MyShake (tolerance)"]) == 3 and "tolerance" in parameter
+    for tolerance, theirs in of["shake (tolerance)"].items():
+        assert theirs / 5 < of["MyShake (tolerance)"][tolerance] < 2 * theirs  # bonds in another order
+
+
+def test_own_method_in_calibrate_and_stability(my_shake):
+    chains = {"build.chains": 2}
+    ours = taut.calibrate("freely_jointed", against=my_shake, set=chains)
+    theirs = taut.calibrate("freely_jointed", against="shake", tolerance=1e-8, set=chains)
+    assert ours["alpha_per_ps"] == pytest.approx(theirs["alpha_per_ps"], rel=0.2)
+    steps = taut.stability("double_pendulum", [my_shake, "shake"], quick=True, steps=20, plane=False)["steps"]
+    largest = dict(zip(steps["method"], steps["largest_stable_fs"]))
+    assert largest["MyShake"] == pytest.approx(largest["shake"], rel=0.3) and largest["shake"] > 10
+
+
+class Baumgarte(taut.ConstraintMethod):
+    """The bond's acceleration with feedback, solved densely."""
+
+    kept = ("multipliers",)
+
+    def __init__(self, ah=0.5, bh=0.5):
+        self.ah, self.bh = ah, bh
+
+    def prepare(self, system, h):
+        self.h = h
+        self.multipliers = np.zeros(len(system.lengths))
+
+    def add_forces(self, system, h, state):
+        (i, j), w = system.bonds.T, system.inverse_masses
+        r, v = state.positions[j] - state.positions[i], state.velocities[j] - state.velocities[i]
+        jacobian = np.zeros((len(i), len(w), 3))
+        k = np.arange(len(i))
+        jacobian[k, j], jacobian[k, i] = r, -r
+        flat = jacobian.reshape(len(i), -1)
+        inverse = np.repeat(w, 3)
+        sigma = ((r * r).sum(1) - system.lengths**2) / 2
+        a, b = self.ah / self.h, self.bh / self.h
+        target = flat @ (inverse * state.forces.ravel()) + (v * v).sum(1) + 2 * a * (r * v).sum(1) + b * b * sigma
+        self.multipliers = np.linalg.solve(flat * inverse @ flat.T, -target)
+        state.forces += (flat.T @ self.multipliers).reshape(-1, 3)
+
+
+def test_a_method_of_forces_holds_bonds_and_is_kept_by_checkpoints():
+    sim = taut.Simulation("double_pendulum", method=Baumgarte, dt_fs=0.5)
+    sim.run(100)
+    assert 1e-12 < abs(sim.bond_errors).max() < 1e-3
+    again = taut.Simulation.resume(sim.checkpoint())
+    for one in (sim, again):
+        one.run(50)
+    assert np.array_equal(sim.positions, again.positions)
+
+
+def test_options_are_the_class_arguments():
+    sim = taut.Simulation("double_pendulum", method=Baumgarte, set={"method.bh": 0.25})
+    assert sim.setting == "ah = 0.5, bh = 0.25"
+    with pytest.raises(taut.InputError, match=r"method\.gamma.*"):
+        taut.Simulation("double_pendulum", method=Baumgarte, set={"method.gamma": 1})
+
+    class Bare(taut.ConstraintMethod):
+        def __init__(self, matrix):
+            pass
+
+    with pytest.raises(taut.InputError, match="Bare: its argument matrix is an option, and needs a default"):
+        taut.Simulation("double_pendulum", method=Bare)
+
+    class Rattle(taut.ConstraintMethod):
+        pass
+
+    Rattle.__name__ = "rattle"
+    with pytest.raises(taut.InputError, match="is a method of taut's"):
+        taut.Simulation("double_pendulum", method=Rattle)
+
+
+@pytest.mark.parametrize("stage", ["project_positions", "add_forces", "project_velocities"])
+def test_an_exception_in_a_stage_is_its_own_and_leaves_the_step_before(stage):
+    class Breaks(taut.ConstraintMethod):
+        steps = 0
+
+    def act(self, system, h, state):
+        state.positions[:] += 1
+        if h > 0:
+            self.steps += 1
+        if state.time_ps > 0.0085:
+            raise ZeroDivisionError("mine")
+        state.positions[:] -= 1
+
+    setattr(Breaks, stage, act)
+    sim = taut.Simulation("double_pendulum", method=Breaks, dt_fs=1)
+    with pytest.raises(ZeroDivisionError, match="mine"):
+        sim.run(100)
+    assert sim.steps_taken == 9 and np.isfinite(sim.positions).all()
+    undisturbed = taut.Simulation("double_pendulum", method=taut.ConstraintMethod, dt_fs=1)
+    undisturbed.run(9)
+    assert np.allclose(sim.positions, undisturbed.positions, atol=1e-9)
+
+
+@pytest.mark.parametrize("left, words", [
+    (lambda x: x[:2], "expected numbers of shape"), (lambda x: x.ravel(), "expected numbers of shape"),
+    (lambda x: x.astype(str), "could not convert|expected numbers"), (lambda x: None, "expected numbers"),
+    (lambda x: [[1, 2]] * len(x), "expected numbers")])
+def test_what_a_stage_may_not_leave(left, words):
+    class Leaves(taut.ConstraintMethod):
+        def project_positions(self, system, h, state):
+            state.positions = left(state.positions)
+
+    with pytest.raises((TypeError, ValueError), match=words):
+        taut.Simulation("double_pendulum", method=Leaves).run(5)
+
+
+def test_other_arrays_of_the_right_shape_are_taken():
+    class Turns(taut.ConstraintMethod):
+        def project_positions(self, system, h, state):
+            state.positions = np.asfortranarray(state.positions + 0.0)[::-1][::-1].astype(np.float64)
+
+    sim, plain = (taut.Simulation("double_pendulum", method=m, dt_fs=0.1) for m in (Turns, taut.ConstraintMethod))
+    for one in (sim, plain):
+        one.run(5)
+    assert np.array_equal(sim.positions, plain.positions)
+
+
+def test_nan_and_not_converged_fail_the_step():
+    class Nan(taut.ConstraintMethod):
+        def project_positions(self, system, h, state):
+            state.positions[2] = np.nan
+
+    class GivesUp(taut.ConstraintMethod):
+        def project_positions(self, system, h, state):
+            return taut.NotConverged(7, bond=1)
+
+    with pytest.raises(taut.SimulationFailure) as failed:
+        taut.Simulation("double_pendulum", method=Nan).run(5)
+    assert failed.value.step == 1 and np.isfinite(failed.value.positions).all()
+    with pytest.raises(taut.SimulationFailure, match="no convergence") as failed:
+        taut.Simulation("double_pendulum", method=GivesUp).run(5)
+    assert failed.value.bond == 1 and failed.value.atoms == (1, 2)
+
+
+class Wall(taut.Force):
+    """½k z² below z = 0."""
+
+    def add(self, positions, forces):
+        z = np.minimum(positions[:, 2], 0)
+        forces[:, 2] -= 500 * z
+        return 250 * (z**2).sum()
+
+
+def test_a_force_pushes_and_its_energy_counts():
+    start = {"build.chains": 3, "run.seed": 5}
+    sim = taut.Simulation("freely_jointed", method="newton", dt_fs=1, set=start, forces=[Wall()])
+    free = taut.Simulation("freely_jointed", method="newton", dt_fs=1, set=start)
+    z = np.minimum(sim.positions[:, 2], 0)
+    assert sim.energies["Wall"] == pytest.approx(250 * (z**2).sum()) and sim.energies["Wall"] > 0
+    for one in (sim, free):
+        one.run(300, every=10)
+    assert abs(sim.positions - free.positions).max() > 1e-3
+    total = sim.log["total_kj_mol"]
+    assert np.ptp(total) < 1e-3 * sim.log["kinetic_kj_mol"].mean()
+    with pytest.raises(taut.InputError, match="the force Wall is no formula, but code"):
+        sim.to_openmm_xml()
+
+
+def test_a_force_that_is_wrong():
+    class Silent(taut.Force):
+        def add(self, positions, forces):
+            forces[0] += 1
+
+    class Shape(taut.Force):
+        def add(self, positions, forces):
+            forces += np.ones(7)
+
+    with pytest.raises(taut.SimulationFailure, match="Silent.add.*expected it to return its energy"):
+        taut.Simulation("double_pendulum", forces=[Silent()])
+    with pytest.raises(taut.SimulationFailure, match="Shape.add: ValueError"):
+        taut.Simulation("double_pendulum", forces=[Shape()])
+    with pytest.raises(taut.InputError, match="forces: expected instances"):
+        taut.Simulation("double_pendulum", forces=[7])

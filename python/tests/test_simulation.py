@@ -1,0 +1,220 @@
+import gc
+import itertools
+import pickle
+import subprocess
+import sys
+import threading
+
+import numpy as np
+import pytest
+
+import taut
+
+
+def final_of(command, folder, *arguments):
+    subprocess.run([command, "run", *map(str, arguments), "--out", str(folder)], check=True, capture_output=True)
+    return (folder / "final.start.toml").read_text()
+
+
+@pytest.mark.parametrize("scene, method, settings", [
+    ("water", "feedforward", {"build.molecules": 64, "forcefield.cutoff_nm": 0.6}),
+    ("chain", "rattle", {}),
+    ("water", "newton", {"run.thermostat": "langevin", "run.temperature_k": 300, "build.molecules": 64,
+                         "forcefield.cutoff_nm": 0.6}),
+    ("melt", "baumgarte", {"forcefield.precision": "mixed"}),
+])
+def test_same_bits_as_the_command(command, tmp_path, scene, method, settings):
+    said = [f"{key}={value}" for key, value in settings.items()]
+    there = final_of(command, tmp_path / "command", scene, "--method", method, "--steps", 120, "--set", *said,
+                     "run.log_every=50")
+    sim = taut.Simulation(scene, method=method, set=settings, out=tmp_path / "python")
+    seen = []
+    sim.run(120, every=50, callback=lambda row: seen.append(row.step))
+    assert (tmp_path / "python" / "final.start.toml").read_text() == there
+    assert seen == [0, 50, 100, 120]
+    rows = [(tmp_path / who / "log.csv").read_text().splitlines() for who in ("command", "python")]
+    speed = 6
+    for a, b in zip(*rows):
+        a, b = a.split(","), b.split(",")
+        assert a[:speed] + a[speed + 1:] == b[:speed] + b[speed + 1:]
+    assert len(rows[0]) == len(rows[1]) == 5
+
+
+def test_trajectories_as_the_command_writes_them(command, tmp_path):
+    every = {"run.trajectory_every": 10, "run.trajectory": "dcd"}
+    final_of(command, tmp_path / "command", "chain", "--steps", 30, "--set", "run.trajectory_every=10")
+    sim = taut.Simulation("chain", set=every, out=tmp_path / "python")
+    sim.run(20)
+    sim.run(10)
+    for name in ("trajectory.dcd", "start.pdb"):
+        assert (tmp_path / "python" / name).read_bytes() == (tmp_path / "command" / name).read_bytes()
+
+
+def test_a_dict_is_a_scene():
+    sim = taut.Simulation({
+        "build": {"kind": "chains", "chains": 2, "beads": 5, "bond_nm": 0.15, "mass_u": 14},
+        "run": {"dt_fs": 10, "temperature_k": 300, "seed": 3}, "method": {"name": "newton"}})
+    sim.run(10)
+    assert sim.positions.shape == (10, 3) and abs(sim.bond_errors).max() < 1e-9
+
+
+def test_views_are_live_and_keep_their_owner():
+    sim = taut.Simulation("chain")
+    x, f = sim.positions, sim.forces
+    before = x.copy()
+    sim.run(10)
+    assert not np.array_equal(x, before) and np.shares_memory(x, sim.positions)
+    assert x.flags.writeable and not f.flags.writeable
+    with pytest.raises(ValueError):
+        f[0] = 0
+    kept = x.copy()
+    del sim, f
+    gc.collect()
+    junk = [np.ones(x.shape) for _ in range(100)]
+    assert np.array_equal(x, kept) and len(junk) == 100
+
+
+def test_what_is_written_is_brought_to_the_bonds():
+    sim = taut.Simulation("freely_jointed", method="newton", set={"build.chains": 2})
+    energy = sim.energies["total"]
+    sim.velocities[:] = 0
+    assert sim.energies["total"] != energy and sim.energies["kinetic"] == 0
+    sim.positions[0] += [0, 0, 0.01]
+    sim.run(1)
+    assert abs(sim.bond_errors).max() < 1e-9
+    assert sim.energies["kinetic"] == pytest.approx(0, abs=1e-20)
+
+
+def test_written_in_a_callback():
+    sim = taut.Simulation("freely_jointed", method="newton", set={"build.chains": 2})
+
+    def freeze(row):
+        sim.velocities[:] = 0
+
+    sim.run(20, every=10, callback=freeze)
+    assert sim.temperature == pytest.approx(0, abs=1e-12) and sim.steps_taken == 20
+
+
+def test_log_and_summary():
+    sim = taut.Simulation("water", dt_fs=1, set={"build.molecules": 27, "forcefield.cutoff_nm": 0.45,
+                                                 "forcefield.switch_nm": 0.4})
+    assert sim.summary is None
+    sim.run(100, every=20)
+    log = sim.log
+    assert list(log["step"]) == [0, 20, 40, 60, 80, 100]
+    assert all(len(column) == 6 for column in log.values())
+    assert np.allclose(log["total_kj_mol"], log["potential_kj_mol"] + log["kinetic_kj_mol"])
+    assert log["pressure_bar"][-1] == pytest.approx(sim.pressure)
+    assert log["temperature_k"][-1] == pytest.approx(sim.temperature)
+    assert log["constraint_work_kj_mol"][-1] == pytest.approx(sim.constraint_work)
+    assert sim.summary["steps"] == 100 and sim.summary["dof"] == sim.degrees_of_freedom
+    assert sim.energies["total"] == pytest.approx(log["total_kj_mol"][-1], abs=1e-12)
+    assert sim.tensions.shape == sim.bond_errors.shape == sim.lengths.shape == (81,)
+
+
+def test_step_is_run_without_rows():
+    one, many = taut.Simulation("chain"), taut.Simulation("chain")
+    for _ in range(7):
+        one.step()
+    one.step(3)
+    many.run(10)
+    assert np.array_equal(one.positions, many.positions) and np.array_equal(one.velocities, many.velocities)
+    assert one.steps_taken == 10 and list(one.log["step"]) == [0]
+
+
+def test_checkpoints_go_on_to_the_last_bit(tmp_path):
+    settings = {"run.thermostat": "rescaling", "run.thermostat_ps": 0.1, "run.temperature_k": 300}
+    sim = taut.Simulation("freely_jointed", method="feedforward", set=settings)
+    sim.run(15)
+    kept = sim.checkpoint(tmp_path / "kept.cbor")
+    assert (tmp_path / "kept.cbor").read_bytes() == kept
+    again, pickled = taut.Simulation.resume(kept), pickle.loads(pickle.dumps(sim))
+    for one in (sim, again, pickled):
+        one.run(15)
+    assert np.array_equal(sim.positions, again.positions) and np.array_equal(sim.positions, pickled.positions)
+    assert np.array_equal(sim.velocities, again.velocities) and again.steps_taken == 30
+
+
+def test_a_folder_goes_on(tmp_path, command):
+    sim = taut.Simulation("chain", method="newton", out=tmp_path / "run", set={"run.trajectory_every": 10})
+    sim.run(20)
+    del sim
+    gc.collect()
+    again = taut.Simulation.resume(tmp_path / "run")
+    assert again.steps_taken == 20
+    again.run(20)
+    del again
+    gc.collect()
+    subprocess.run([command, "resume", str(tmp_path / "run"), "--steps", "20"], check=True, capture_output=True)
+    there = final_of(command, tmp_path / "command", "chain", "--method", "newton", "--steps", 60)
+    assert (tmp_path / "run" / "final.start.toml").read_text() == there
+
+
+def test_minimise():
+    sim = taut.Simulation("decane", method="newton")
+    before = sim.energies["potential"]
+    sim.minimise(200)
+    assert sim.energies["potential"] < before and abs(sim.bond_errors).max() < 1e-9
+    sim.run(2)
+
+
+def test_a_callback_stops_it():
+    sim = taut.Simulation("chain")
+    sim.run(1000, every=10, callback=lambda row: row.step < 30)
+    assert sim.steps_taken == 30
+
+
+def test_an_exception_in_a_callback_leaves_all_whole():
+    sim, other = taut.Simulation("chain"), taut.Simulation("chain")
+    count = itertools.count()
+
+    def raises(row):
+        if next(count) == 2:
+            raise KeyError("mine")
+
+    with pytest.raises(KeyError, match="mine"):
+        sim.run(100, every=10, callback=raises)
+    assert sim.steps_taken == 20
+    sim.run(30)
+    other.run(50)
+    assert np.array_equal(sim.positions, other.positions)
+    with pytest.raises(KeyError):
+        taut.Simulation("chain").run(10, callback={}.__getitem__)
+
+
+def test_ctrl_c_stops_between_steps():
+    program = """
+import os, signal, threading, taut
+sim = taut.Simulation("water", set={"build.molecules": 64, "forcefield.cutoff_nm": 0.6})
+threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+try:
+    sim.run(100_000_000)
+except KeyboardInterrupt:
+    taken = sim.steps_taken
+    sim.run(5)
+    print("stopped", 0 < taken and sim.steps_taken == taken + 5)
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+    assert done.stdout == "stopped True\n", done.stderr
+
+
+def test_two_simulations_in_two_threads():
+    settings = {"build.molecules": 64, "forcefield.cutoff_nm": 0.6}
+    sims = [taut.Simulation("water", set={**settings, "run.seed": seed}) for seed in (1, 1)]
+    threads = [threading.Thread(target=sim.run, args=(200,)) for sim in sims]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert np.array_equal(sims[0].positions, sims[1].positions) and sims[0].steps_taken == 200
+
+
+def test_universe():
+    pytest.importorskip("MDAnalysis", reason="needs MDAnalysis (Debian: python3-mdanalysis)")
+    sim = taut.Simulation("water", set={"build.molecules": 27, "forcefield.cutoff_nm": 0.45,
+                                        "forcefield.switch_nm": 0.4})
+    universe = sim.universe()
+    assert len(universe.residues) == 27 and len(universe.bonds) == 81
+    assert np.allclose(universe.atoms.positions, 10 * sim.positions, atol=1e-5)
+    assert np.allclose(universe.dimensions[:3], 10 * np.diag(sim.box), atol=1e-5)
+    assert universe.select_atoms("name O*").n_atoms == 27
