@@ -116,6 +116,7 @@ py::dict scenes() {
 PYBIND11_MODULE(_core, m) {
   using namespace taut;
   m.doc() = "taut's engine; the package taut is what to use.";
+  m.attr("knows_numpy_2") = PYBIND11_VERSION_HEX >= 0x020C0000;  // before, strides come out wrong with it
   py::register_exception_translator(translate);
   py::class_<Input>(m, "Input")
       .def_static("of_scene", of_scene)

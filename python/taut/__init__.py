@@ -16,6 +16,14 @@ taut.calibrate, taut.crosscheck    Baumgarte's gains; whether OpenMM agrees
 Units: nm, ps, u, kJ/mol, K; steps in fs. Errors: InputError (a ValueError), SimulationFailure, OutsideError.
 """
 
+import numpy
+
+from . import _core
+
+if int(numpy.__version__.split(".")[0]) >= 2 and not _core.knows_numpy_2:
+    raise ImportError("taut was built with a pybind11 that does not know numpy 2: build it where this numpy is, "
+                      "pip install .")
+
 from ._core import Row, scenes, threads, use_threads
 from .errors import InputError, OutsideError, SimulationFailure
 from .options import *  # noqa: F401,F403
