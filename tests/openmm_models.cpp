@@ -138,3 +138,9 @@ Files anchored_melt(const Folder& folder) {
 }
 
 }  // namespace taut::testing
+
+// OpenMM 7.7 does not free the two-dimensional tables it reads from XML.
+extern "C" const char* __lsan_default_suppressions();
+extern "C" const char* __lsan_default_suppressions() {
+  return "leak:Discrete2DFunctionProxy";
+}
