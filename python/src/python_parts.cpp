@@ -26,6 +26,8 @@ thread_local std::shared_ptr<py::error_already_set> last_error;
 using Shared = std::shared_ptr<py::object>;
 Shared shared(py::object object) {
   return {new py::object(std::move(object)), [](py::object* held) {
+            if (!Py_IsInitialized())
+              return;  // the list of methods outlives Python, whose lock nobody gives back then
             const py::gil_scoped_acquire interpreter;
             delete held;
           }};

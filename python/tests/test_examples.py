@@ -20,7 +20,7 @@ def test_example(example, tmp_path):
     if "from openmm" in text:
         pytest.importorskip("openmm", reason="needs OpenMM from PyPI: pip install openmm")
     done = subprocess.run([sys.executable, str(example)], cwd=tmp_path, capture_output=True, text=True,
-                          env={**os.environ, "MPLBACKEND": "Agg"})
+                          env={**os.environ, "MPLBACKEND": "Agg"}, timeout=120)
     assert done.returncode == 0, done.stderr
     promised = re.search(r"Draws\s+(\w+\.png)", text).group(1)
     assert (tmp_path / promised).stat().st_size > 10_000
