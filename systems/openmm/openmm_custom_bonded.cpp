@@ -46,15 +46,15 @@ const std::vector<Bonded> kBonds = {
      [](OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element&) {
        to.terms.fene.push_back({a[0], a[1], p.factor() * p["k"], p["r0"]});
      }},
-    {{"0.5*k*(r-r0)^2", {{"k"}, {"r0"}}},
+    {{"0.5*k*(r-r0)^2", {{"k"}, {"r0", 0.2, 2}}, {{"r", 0.05, 3}}},
      [](OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element&) {
        to.terms.bonds.push_back({a[0], a[1], p["r0"], p.factor() * p["k"]});
      }},
-    {{"4*epsilon*((sigma/r)^12-(sigma/r)^6)", {{"epsilon"}, {"sigma"}}},
+    {{"4*epsilon*((sigma/r)^12-(sigma/r)^6)", {{"epsilon"}, {"sigma", 0.25, 0.5}}, {{"r", 0.2, 1.5}}},
      [](OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element&) {
        to.pairs.push_back({a[0], a[1], 0, p["sigma"], p.factor() * p["epsilon"]});
      }},
-    {{"A/r^12-C/r^6", {{"A"}, {"C"}}}, add_pair_of_powers}};
+    {{"A/r^12-C/r^6", {{"A", 1e-3, 3e-3}, {"C"}}, {{"r", 0.2, 1.5}}}, add_pair_of_powers}};
 const std::vector<Bonded> kAngles = {
     {{"0.5*k*(theta-theta0)^2", {{"k"}, {"theta0"}}},
      [](OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element&) {

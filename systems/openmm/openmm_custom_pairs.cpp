@@ -14,7 +14,7 @@ constexpr std::size_t kMostTypes = 500;
 constexpr const char* kRemedy = "; to switch Lennard-Jones off give the force a switchingDistance";
 
 const std::vector<KnownEnergy>& known() {
-  static const std::vector<KnownEnergy> kAll = {{kWcaEnergy, {{"sigma"}, {"epsilon"}}},
+  static const std::vector<KnownEnergy> kAll = {{kWcaEnergy, {{"sigma", 0.41, 0.47}, {"epsilon"}}},
                                                 {kLennardJonesEnergy, {}}};  // known by its values, below
   return kAll;
 }

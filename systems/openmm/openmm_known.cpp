@@ -24,7 +24,8 @@ class Comparison {
       Point& point = points_.emplace_back();
       for (const auto& name : declared) point.others[name] = draw({"", 0.5, 1.5});
       for (const Quantity& q : known.parameters) point.values[q.name] = draw(q);
-      for (const Quantity& q : coordinates) point.others[q.name] = point.values[q.name] = draw(q);
+      for (const Quantity& q : known.within.empty() ? coordinates : known.within)
+        point.others[q.name] = point.values[q.name] = draw(q);
     }
   }
 

@@ -9,7 +9,8 @@
 
 namespace taut {
 
-// A number of an energy, and the range in which energies are compared.
+// A number of an energy, and the range in which energies are compared: on both sides of wherever a like
+// energy may end (a spring that only pulls, a Lennard-Jones that only repels).
 struct Quantity {
   const char* name;
   double low = 0.5, high = 1.5;
@@ -20,6 +21,7 @@ struct Quantity {
 struct KnownEnergy {
   const char* text;
   std::vector<Quantity> parameters;
+  std::vector<Quantity> within = {};  // where it is compared, if not where the force's coordinates say
 };
 
 // How an energy is a known one: factor times that, whose parameters go by other names.
