@@ -162,10 +162,11 @@ void Simulation::take_momentum_out(State& s) {
 }
 
 // A thermostat takes ½kδT·r off a degree of freedom that is δT too warm, r = 1/τ where it rescales, 2γ of
-// Langevin's: that balances the drift. None without thermostat [K].
+// Langevin's: that balances the drift, of which the bonds' share alone is known under a barostat. None without
+// thermostat [K].
 std::optional<double> Simulation::off_by_k(double drift) const {
   const RunSettings& run = scene_.run;
-  if (!run.thermostatted() || barostat_) return {};
+  if (!run.thermostatted()) return {};
   const double rate = run.langevin() ? 2 * run.friction_per_ps : 1 / run.thermostat_ps;  // [1/ps]
   return 2 * drift / 1000 / (kBoltzmann * rate);
 }
@@ -187,7 +188,7 @@ Summary Simulation::summary(const Record& end, double seconds, double constraint
   s.constraint_drift = drift(sums_.constraint_work);
   s.constraint_work = end.constraint_work;
   s.heat = end.heat;
-  s.off_by_k = off_by_k(s.drift.value);
+  s.off_by_k = off_by_k((barostat_ ? s.constraint_drift : s.drift).value);
   s.temperature = sums_.temperatures / rows;
   if (barometer_) {
     s.pressure = sums_.pressure.estimate();

@@ -212,8 +212,11 @@ TEST(Doubts, OfADriftThatAThermostatBears) {
   ASSERT_EQ(doubts(s).size(), 1u);
   EXPECT_NE(doubts(s)[0].find("degree of freedom, which the thermostat leaves 3.1 K too warm; feedforward"),
             std::string::npos);
+  s.drift = Estimate{std::nan(""), 0};  // under a barostat
+  ASSERT_EQ(doubts(s).size(), 1u);
+  EXPECT_NE(doubts(s)[0].find("the constraints heat by 40 kJ/mol"), std::string::npos);
   s.constraint_drift.value = 0;
-  s.drift.value = -40;
+  s.drift = Estimate{-40, 1};
   s.off_by_k = -3.1;
   EXPECT_NE(doubts(s)[0].find("degree of freedom, which the thermostat leaves 3.1 K too cold; take"),
             std::string::npos);
