@@ -25,12 +25,15 @@ std::string Option::value() const {
   return given ? fmt::format("{:g}", *given) : "not set";
 }
 
+std::string Option::allowed() const {
+  if (!about.words.empty()) return fmt::format("one of {}", fmt::join(about.words, ", "));
+  return about.range.any() ? "" : about.range.in_words();
+}
+
 std::string Option::in_words() const {
   const std::string unit = *about.unit ? fmt::format(" [{}]", about.unit) : "";
-  const std::string range = about.range.any() ? "" : fmt::format(" ({})", about.range.in_words());
-  const std::string words =
-      about.words.empty() ? "" : fmt::format(" (one of {})", fmt::join(about.words, ", "));
-  return fmt::format("{} = {}: {}{}{}{}", key, value(), meaning, unit, range, words);
+  const std::string is = allowed();
+  return fmt::format("{} = {}: {}{}{}", key, value(), meaning, unit, is.empty() ? "" : " (" + is + ")");
 }
 
 void check(const std::vector<Option>& options) {

@@ -32,6 +32,7 @@ struct Option {
   About about = {};
 
   std::string value() const;     // as a scene has it
+  std::string allowed() const;   // "more than 0 and less than 2", "one of a, b"; "" where anything is
   std::string in_words() const;  // "omega_h = 0.7: ωh of each bond … (more than 0 and less than 2)"
 };
 

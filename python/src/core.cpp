@@ -97,7 +97,7 @@ py::list describe_methods() {
           py::dict(py::arg("key") = option.key, py::arg("default") = value_of(option),
                    py::arg("number") = std::holds_alternative<std::optional<double>*>(option.field),
                    py::arg("unit") = option.about.unit, py::arg("meaning") = option.meaning,
-                   py::arg("range") = option.about.range.any() ? "" : option.about.range.in_words()));
+                   py::arg("allowed") = option.allowed()));
     all.append(py::dict(py::arg("name") = method.name, py::arg("summary") = method.summary,
                         py::arg("options") = options));
   }

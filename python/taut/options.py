@@ -27,7 +27,7 @@ def _type_of(option: Dict[str, Any]) -> Any:
 
 def _line(option: Dict[str, Any]) -> str:
     unit = f" [{option['unit']}]" if option["unit"] else ""
-    limits = f" ({option['range']})" if option["range"] else ""
+    limits = f" ({option['allowed']})" if option["allowed"] else ""
     return f"    {option['key']} = {option['default']!r}: {option['meaning']}{unit}{limits}"
 
 
