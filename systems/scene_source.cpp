@@ -39,6 +39,14 @@ class Unpacked {
     fs::remove_all(folder_, ignored);
   }
 
+  // As said of the files by the names they came with.
+  std::string named(std::string words) const {
+    for (const fs::path& path : paths)
+      for (std::size_t at; (at = words.find(path.string())) != std::string::npos;)
+        words.replace(at, path.string().size(), path.filename().string());
+    return words;
+  }
+
   std::vector<fs::path> paths;
 
  private:
@@ -52,12 +60,14 @@ Scene SceneSource::read() const {
     throw InputError("the files of the scene are not all there");
   const Unpacked unpacked(files);
   const auto& paths = unpacked.paths;
-  if (openmm) {
+  try {
+    if (!openmm) return read_scene(paths[0], overrides, paths.size() == 2 ? paths[1] : fs::path());
     Scene scene = import_openmm(paths[0], paths[1]);
     apply_overrides(scene, overrides);
     return scene;
+  } catch (const InputError& e) {
+    throw InputError(unpacked.named(e.what()));
   }
-  return read_scene(paths[0], overrides, paths.size() == 2 ? paths[1] : fs::path());
 }
 
 SceneSource source_of(const Scene& scene, bool openmm, const std::vector<std::string>& overrides) {
