@@ -1,5 +1,8 @@
 #include "systems/scene_file.hpp"
 
+#include <algorithm>
+#include <array>
+
 #include "forcefield/force_field.hpp"
 #include "md/errors.hpp"
 #include "systems/builders/builders.hpp"
@@ -9,14 +12,22 @@
 namespace taut {
 namespace {
 
+constexpr Range kCounts{.min = 1};
+constexpr std::string_view kUsualMethod = "rattle";
+
 void read_barostat(const TomlTable& table, RunSettings& run) {
-  if (table.has("barostat")) run.barostat = table.choice("barostat", {"none", "c-rescale", "monte-carlo"});
-  table.read("pressure_bar", run.pressure_bar);
-  table.read("barostat_every", run.barostat_every, Range{.min = 1});
-  table.read("barostat_ps", run.barostat_ps, kPositive);
-  table.read("compressibility_per_bar", run.compressibility_per_bar, kPositive);
-  if (table.has("coupling"))
-    run.coupling = table.choice("coupling", {"isotropic", "semi-isotropic", "anisotropic"});
+  table.read("barostat", run.barostat,
+             {"what keeps the pressure: stochastic cell rescaling, or whole molecules by Monte Carlo",
+              {"none", "c-rescale", "monte-carlo"}});
+  table.read("pressure_bar", run.pressure_bar, {"pressure the barostat keeps", "bar"});
+  table.read("barostat_every", run.barostat_every,
+             {"from one change of the box to the next", "steps", kCounts});
+  table.read("barostat_ps", run.barostat_ps, {"relaxation time of the box", "ps", kPositive});
+  table.read("compressibility_per_bar", run.compressibility_per_bar,
+             {"a guess of the compressibility, which sets the pace alone; water's", "1/bar", kPositive});
+  table.read(
+      "coupling", run.coupling,
+      {"which edges change alike: all, x and y, none", {"isotropic", "semi-isotropic", "anisotropic"}});
 
   for (const char* key : {"pressure_bar", "barostat_every"})
     table.counts(key, run.barostat != "none", "with run.barostat = \"c-rescale\" or \"monte-carlo\"");
@@ -37,23 +48,35 @@ void check_barostat(const TomlTable& run, const Scene& scene) {
 }
 
 void read_run(const TomlTable& table, RunSettings& run) {
-  table.read("dt_fs", run.dt_fs, kPositive);
-  table.read("steps", run.steps, kNotNegative);
-  table.read("temperature_k", run.temperature_k, kNotNegative);
-  table.read("seed", run.seed, kNotNegative);
-  table.read("log_every", run.log_every, Range{.min = 1});
-  table.read("remove_momentum_every", run.remove_momentum_every, kNotNegative);
-  table.read("trajectory_every", run.trajectory_every, kNotNegative);
-  if (table.has("trajectory")) run.trajectory = table.choice("trajectory", {"dcd", "h5md", "both"});
-  table.read("checkpoint_every", run.checkpoint_every, kNotNegative);
-  table.read("checkpoint_minutes", run.checkpoint_minutes, kNotNegative);
-  if (table.has("redundant")) run.redundant = table.choice("redundant", {"refuse", "drop"});
-  if (table.has("thermostat")) run.thermostat = table.choice("thermostat", {"none", "langevin", "rescaling"});
-  table.read("thermostat_ps", run.thermostat_ps, kNotNegative);
-  table.read("friction_per_ps", run.friction_per_ps, kNotNegative);
-  table.read("minimise", run.minimise);
-  table.read("minimise_force_kj_mol_nm", run.minimise_force, kPositive);
-  if (table.has("velocities")) run.velocities = table.choice("velocities", {"keep", "draw"});
+  table.read("dt_fs", run.dt_fs, {"length of a step", "fs", kPositive});
+  table.read("steps", run.steps, {"how many steps", "", kNotNegative});
+  table.read("temperature_k", run.temperature_k,
+             {"of velocities that are drawn, and of the thermostat; 0: none", "K", kNotNegative});
+  table.read("seed", run.seed, {"of all that is drawn", "", kNotNegative});
+  table.read("log_every", run.log_every, {"from row to row of the log", "steps", kCounts});
+  table.read("remove_momentum_every", run.remove_momentum_every,
+             {"from one removal of the whole's momentum to the next; 0: never", "steps", kNotNegative});
+  table.read("trajectory_every", run.trajectory_every,
+             {"from frame to frame; 0: no trajectory", "steps", kNotNegative});
+  table.read("trajectory", run.trajectory, {"its format", {"dcd", "h5md", "both"}});
+  table.read(
+      "checkpoint_every", run.checkpoint_every,
+      {"a checkpoint every so many, besides those by the clock; 0: none besides", "steps", kNotNegative});
+  table.read("checkpoint_minutes", run.checkpoint_minutes,
+             {"of computing from checkpoint to checkpoint; 0: not by the clock", "min", kNotNegative});
+  table.read("redundant", run.redundant, {"bonds that follow from others", {"refuse", "drop"}});
+  table.read("thermostat", run.thermostat,
+             {"what keeps the temperature; if not said, rescaling where thermostat_ps is above 0",
+              {"none", "langevin", "rescaling"}});
+  table.read("thermostat_ps", run.thermostat_ps,
+             {"relaxation time of velocity rescaling; 0: none", "ps", kNotNegative});
+  table.read("friction_per_ps", run.friction_per_ps,
+             {"friction of Langevin's thermostat", "1/ps", kNotNegative});
+  table.read("minimise", run.minimise, {"relax the start first"});
+  table.read("minimise_force_kj_mol_nm", run.minimise_force,
+             {"until no atom's force is above this", "kJ/mol/nm", kPositive});
+  table.read("velocities", run.velocities,
+             {"those of the start, or drawn; if not said, drawn where it has none", {"keep", "draw"}});
 
   table.counts("minimise_force_kj_mol_nm", run.minimise, "with run.minimise = true");
   table.counts("trajectory", run.trajectory_every > 0, "with run.trajectory_every above 0");
@@ -70,26 +93,22 @@ void read_run(const TomlTable& table, RunSettings& run) {
 }
 
 // Another name sets out from that method's defaults: see scene_file.hpp.
-void read_method(const TomlTable& table, MethodOptions& method) {
+void read_name(const TomlTable& table, MethodOptions& method) {
   std::string name(method.name());
-  table.read("name", name);
-  if (name != method.name()) try {
-      method = default_options(name);
-    } catch (const InputError& e) {
-      table.fail("name", e.what());
-    }
-  for (const Option& option : method.describe())
-    std::visit(
-        [&]<class T>(T* field) {
-          if constexpr (std::is_same_v<T, bool> || std::is_same_v<T, std::string>)
-            table.read(option.key, *field);
-          else
-            table.read(option.key, *field, option.about.range);
-        },
-        option.field);
+  table.read("name", name, {"who holds the bonds (see `taut methods`)", method_names()});
+  if (name == method.name()) return;
+  table.anew("name");
+  method = default_options(name);
+}
+
+void read_options(const TomlTable& table, MethodOptions& method) {
+  for (const Option& option : method.describe()) {
+    About about(option.meaning, option.about.unit, option.about.range);
+    about.words = option.about.words;
+    std::visit([&](auto* field) { table.read(option.key, *field, about); }, option.field);
+  }
   for (const Option& option : method.describe())
     table.counts(option.key, option.about.counts.read, option.about.counts.where);
-  table.reject_unknown();
 }
 
 // Of a scene whose atoms are placed. What the file says for a start, or for velocities, that overrides have
@@ -108,9 +127,16 @@ void settle_velocities(const TomlTable& run, bool set_aside, Scene& scene) {
                "where something is drawn: here positions and velocities are the start's");
 }
 
+void read_words(const TomlTable& root, Scene& scene) {
+  root.read("hard_on", scene.hard_on, {"what the scene is hard on, in a sentence"});
+}
+
 void read_settings(const TomlTable& root, Scene& scene) {
   read_run(root.section("run"), scene.run);
-  read_method(root.section("method"), scene.method);
+  const TomlTable method = root.section("method");
+  read_name(method, scene.method);
+  read_options(method, scene.method);
+  method.reject_unknown();
 }
 
 // The start that is meant has moved; who names it, the file or an override, stays.
@@ -119,21 +145,21 @@ void move_start(toml::table& root, const std::filesystem::path& start) {
 }
 
 Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::table overrides,
-                  const std::filesystem::path& start) {
+                  const SceneReading& how) {
   Scene scene;
   scene.name = file.stem().string();
   scene.files = {file};
-  scene.method = default_options("rattle");
-  read_settings(TomlTable(base, file.string()), scene);
+  scene.method = default_options(kUsualMethod);
+  read_settings(TomlTable(base, file.string(), how.keys), scene);
   const RunSettings of_file = scene.run;
   const bool another_start = bool(overrides["build"]["start"]);
   if (another_start) scene.run.velocities.clear();
-  read_settings(TomlTable(overrides, "--set"), scene);
+  read_settings(TomlTable(overrides, "--set", how.keys), scene);
 
   lay_over(base, std::move(overrides));
-  if (!start.empty()) move_start(base, start);
-  const TomlTable root(base, file.string());
-  scene.hard_on = root.get<std::string>("hard_on");
+  if (!how.start.empty()) move_start(base, how.start);
+  const TomlTable root(base, file.string(), how.keys);
+  read_words(root, scene);
   for (const char* read_above : {"run", "method"}) root.has(read_above);
   const TomlTable build_keys = root.section("build"), forcefield_keys = root.section("forcefield");
   const TomlTable run_keys = root.section("run");
@@ -152,17 +178,62 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
   return scene;
 }
 
+// As scenes have their sections.
+int order_of(const Key& key) {
+  constexpr std::array<std::string_view, 5> kSections = {"", "build", "forcefield", "run", "method"};
+  return static_cast<int>(std::ranges::find(kSections, key.section) - kSections.begin());
+}
+
+// Keys of one kind, or of one method, into those of all.
+void merge(std::vector<Key>& all, KeysRead&& described, std::string_view kind) {
+  for (Key& key : described.all) {
+    if (!key.read) continue;
+    const auto alike = [&](const Key& other) { return other.described_as(key); };
+    auto known = std::ranges::find_if(all, alike);
+    if (known == all.end()) known = all.insert(all.end(), std::move(key));
+    if (!kind.empty()) known->kinds.emplace_back(kind);
+  }
+}
+
 }  // namespace
 
+std::vector<Key> every_key() {
+  const toml::table empty;
+  std::vector<Key> all;
+  const auto describe = [&](std::string_view kind, const auto& read) {
+    KeysRead described{.describing = true};
+    Scene scene;
+    read(TomlTable(empty, "", &described), scene);
+    merge(all, std::move(described), kind);
+  };
+  describe("", [](const TomlTable& root, Scene& scene) {
+    read_words(root, scene);
+    read_run(root.section("run"), scene.run);
+    scene.method = default_options(kUsualMethod);
+    read_name(root.section("method"), scene.method);
+  });
+  for (const std::string_view kind : kinds())
+    describe(kind, [&](const TomlTable& root, Scene& scene) {
+      build({root.section("build"), root.section("forcefield"), scene.run}, scene, kind);
+    });
+  for (const std::string_view name : method_names())
+    describe(name, [&](const TomlTable& root, Scene& scene) {
+      scene.method = default_options(name);
+      read_options(root.section("method"), scene.method);
+    });
+  std::ranges::stable_sort(all, [](const Key& a, const Key& b) { return order_of(a) < order_of(b); });
+  return all;
+}
+
 Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides,
-                 const std::filesystem::path& start) {
-  return read_scene(parse_toml_file(file), file, overrides, start);
+                 const SceneReading& how) {
+  return read_scene(parse_toml_file(file), file, overrides, how);
 }
 
 Scene read_scene(toml::table&& table, const std::filesystem::path& file,
-                 const std::vector<std::string>& overrides, const std::filesystem::path& start) {
+                 const std::vector<std::string>& overrides, const SceneReading& how) {
   try {
-    return read_parsed(file, std::move(table), parse_overrides(overrides), start);
+    return read_parsed(file, std::move(table), parse_overrides(overrides), how);
   } catch (const LocatedError&) {
     throw;
   } catch (const InputError& e) {
@@ -170,9 +241,9 @@ Scene read_scene(toml::table&& table, const std::filesystem::path& file,
   }
 }
 
-void apply_overrides(Scene& scene, const std::vector<std::string>& overrides) {
+void apply_overrides(Scene& scene, const std::vector<std::string>& overrides, KeysRead* keys) {
   const toml::table table = parse_overrides(overrides);
-  const TomlTable root(table, "--set");
+  const TomlTable root(table, "--set", keys);
   read_settings(root, scene);
   root.reject_unknown();
   const TomlTable run = root.section("run");

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "systems/keys.hpp"
 #include "systems/scene.hpp"
 
 namespace taut {
@@ -13,7 +14,7 @@ namespace taut {
 // Reads a scene, `overrides` ("run.dt_fs=2", "build.molecules=1000", "method.name=rattle") laid over the
 // file's keys. Throws InputError with one line naming file, line and key, or the override.
 //
-//   hard_on = "one sentence"
+//   hard_on = "one sentence"      if you like
 //   [build]       kind = "water", and the keys of that kind (builders.hpp)
 //   [forcefield]  the pair forces, for the kinds that have them
 //   [run]         the keys of RunSettings
@@ -25,17 +26,24 @@ namespace taut {
 //
 // A key that nothing reads, as the others are, is refused: friction_per_ps without Langevin's thermostat.
 //
-// `start`, if not empty, is where the file that build.start names is read from.
+struct SceneReading {
+  std::filesystem::path start{};  // not empty: where the file that build.start names is read from
+  KeysRead* keys = nullptr;       // takes every key that was read, with its value and who said it
+};
 Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides = {},
-                 const std::filesystem::path& start = {});
+                 const SceneReading& how = {});
 
 // The same of a file parsed already.
 Scene read_scene(toml::table&& table, const std::filesystem::path& file,
-                 const std::vector<std::string>& overrides = {}, const std::filesystem::path& start = {});
+                 const std::vector<std::string>& overrides = {}, const SceneReading& how = {});
 
 // The [run] and [method] sections alone, from overrides over what the scene has, by the same rules: for
 // systems that come from elsewhere. Velocities are drawn as run.velocities says.
-void apply_overrides(Scene& scene, const std::vector<std::string>& overrides);
+void apply_overrides(Scene& scene, const std::vector<std::string>& overrides, KeysRead* keys = nullptr);
+
+// Every key there is, of every kind and method, with what there is to know of it: what a scene without keys
+// is asked for. A key that kinds or methods describe alike is there once.
+std::vector<Key> every_key();
 
 struct SceneSummary {
   std::string name, hard_on;

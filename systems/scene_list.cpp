@@ -31,7 +31,8 @@ std::vector<SceneSummary> list_scenes(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {
     if (!is_scene(entry.path())) continue;
     const toml::table table = parse_toml_file(entry.path());
-    const auto hard_on = TomlTable(table, entry.path().string()).get<std::string>("hard_on");
+    std::string hard_on;
+    TomlTable(table, entry.path().string()).read("hard_on", hard_on);
     scenes.push_back({entry.path().stem().string(), hard_on});
   }
   std::ranges::sort(scenes, {}, &SceneSummary::name);

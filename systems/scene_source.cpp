@@ -61,7 +61,7 @@ Scene SceneSource::read() const {
   const Unpacked unpacked(files);
   const auto& paths = unpacked.paths;
   try {
-    if (!openmm) return read_scene(paths[0], overrides, paths.size() == 2 ? paths[1] : fs::path());
+    if (!openmm) return read_scene(paths[0], overrides, {.start = paths.size() == 2 ? paths[1] : fs::path()});
     Scene scene = import_openmm(paths[0], paths[1]);
     apply_overrides(scene, overrides);
     return scene;

@@ -44,7 +44,7 @@ State read_start(const toml::table& table, const std::filesystem::path& file) {
   State start;
   keys.read("time_ps", start.t);
   start.box = read_box(keys);
-  const Rows atoms = keys.get<Rows>("atoms", Columns{6, 6});
+  const Rows atoms = keys.get_rows("atoms", Columns{6, 6});
   keys.reject_unknown();
 
   start.x.resize(3, atoms.size());

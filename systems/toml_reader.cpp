@@ -105,21 +105,21 @@ TomlTable TomlTable::section(std::string_view key) const {
   static const toml::table kEmpty;
   const std::string name = full(key);
   const toml::node* node = find(key);
-  if (!node) return TomlTable(kEmpty, name, where_);
+  if (!node) return TomlTable(kEmpty, name, where_, keys_);
   if (!node->is_table()) wrong_type(key, *node, "a section");
-  return TomlTable(*node->as_table(), name, place(node));
+  return TomlTable(*node->as_table(), name, place(node), keys_);
 }
 
-bool TomlTable::read(std::string_view key, double& into, Range range) const {
+bool TomlTable::fetch(std::string_view key, double& into, const About& about) const {
   const toml::node* node = find(key);
   if (!node) return false;
   const auto value = number_of(*node);
   if (!value) wrong_type(key, *node, "a number");
-  into = checked(key, *value, range);
+  into = checked(key, *value, about.range);
   return true;
 }
 
-bool TomlTable::read(std::string_view key, bool& into) const {
+bool TomlTable::fetch(std::string_view key, bool& into, const About&) const {
   const toml::node* node = find(key);
   if (!node) return false;
   if (!node->is_boolean()) wrong_type(key, *node, "true or false");
@@ -127,32 +127,35 @@ bool TomlTable::read(std::string_view key, bool& into) const {
   return true;
 }
 
-bool TomlTable::read(std::string_view key, std::string& into) const {
+bool TomlTable::fetch(std::string_view key, std::string& into, const About& about) const {
   const toml::node* node = find(key);
   if (!node) return false;
   if (!node->is_string()) wrong_type(key, *node, "a string");
-  into = node->as_string()->get();
+  const std::string& word = node->as_string()->get();
+  if (!about.words.empty() && std::ranges::find(about.words, word) == about.words.end())
+    fail(key, fmt::format("there is no \"{}\"{}", one_line(word), did_you_mean(word, about.words)));
+  into = word;
   return true;
 }
 
-bool TomlTable::read(std::string_view key, std::filesystem::path& into) const {
+bool TomlTable::fetch(std::string_view key, std::filesystem::path& into, const About&) const {
   std::string text;
-  if (!read(key, text)) return false;
+  if (!fetch(key, text, {})) return false;
   const auto& source = find(key)->source().path;
   into = source && !source->starts_with(kOverride) ? std::filesystem::path(*source).parent_path() / text
                                                    : std::filesystem::path(text);
   return true;
 }
 
-bool TomlTable::read(std::string_view key, Vec3& into) const {
+bool TomlTable::fetch(std::string_view key, Vec3& into, const About&) const {
   std::vector<double> numbers;
-  if (!read(key, numbers)) return false;
+  if (!fetch(key, numbers, {})) return false;
   if (numbers.size() != 3) wrong_type(key, *find(key), "three numbers [x, y, z]");
   into = Vec3(numbers.data());
   return true;
 }
 
-bool TomlTable::read(std::string_view key, std::vector<double>& into) const {
+bool TomlTable::fetch(std::string_view key, std::vector<double>& into, const About&) const {
   const toml::node* node = find(key);
   if (!node) return false;
   const toml::array* array = node->as_array();
@@ -166,9 +169,12 @@ bool TomlTable::read(std::string_view key, std::vector<double>& into) const {
   return true;
 }
 
-bool TomlTable::read(std::string_view key, Rows& into, Columns columns) const {
+bool TomlTable::read(std::string_view key, Rows& into, Columns columns, const About& about) const {
   const toml::node* node = find(key);
-  if (!node) return false;
+  if (!node) {
+    note(key, into, about);
+    return false;
+  }
   if (!node->is_array()) wrong_type(key, *node, "an array of rows");
   const toml::array& rows = *node->as_array();
   into.clear();
@@ -186,25 +192,43 @@ bool TomlTable::read(std::string_view key, Rows& into, Columns columns) const {
       numbers.push_back(*value);
     }
   }
+  note(key, into, about);
   return true;
 }
 
-bool TomlTable::read(std::string_view key, std::optional<double>& into, Range range) const {
-  double value = 0;
-  if (!read(key, value, range)) return false;
-  into = value;
-  return true;
+Rows TomlTable::get_rows(std::string_view key, Columns columns, const About& about) const {
+  Rows rows;
+  if (!read(key, rows, columns, about)) missing(key);
+  return rows;
 }
 
-std::string TomlTable::choice(std::string_view key, const std::vector<std::string_view>& words) const {
-  auto word = get<std::string>(key);
-  if (std::ranges::find(words, word) == words.end())
-    fail(key, fmt::format("there is no \"{}\"{}", one_line(word), did_you_mean(word, words)));
-  return word;
+std::string TomlTable::choice(std::string_view key, const std::vector<std::string_view>& words,
+                              const char* meaning) const {
+  const auto word = get<std::string>(key, About(meaning, words));
+  return describing() ? std::string(words.front()) : word;
+}
+
+void TomlTable::note(std::string_view key, const About& about, const char* type, std::string value) const {
+  Key& noted = keys_->of(name_, key);
+  noted.about = about;
+  noted.type = type;
+  noted.value = std::move(value);
+  noted.read = true;
+  noted.idle = false;
+  if (const toml::node* node = find(key)) noted.from = place(node);
 }
 
 void TomlTable::counts(std::string_view key, bool read, std::string_view where) const {
   if (has(key) && !read) fail(key, fmt::format("has no effect, it counts only {}", where));
+  if (!keys_) return;
+  Key& noted = keys_->of(name_, key);
+  noted.idle |= !read;
+  if (noted.counts_only.find(where) == std::string::npos)
+    noted.counts_only += (noted.counts_only.empty() ? "" : "; ") + std::string(where);
+}
+
+void TomlTable::anew(std::string_view but) const {
+  if (keys_) keys_->forget(name_, but);
 }
 
 bool TomlTable::overridden(std::string_view key) const {
@@ -264,6 +288,10 @@ std::string TomlTable::place(const toml::node* node) const {
 }
 
 void TomlTable::missing(std::string_view key) const {
+  if (describing()) {
+    keys_->of(name_, key).required = true;
+    return;
+  }
   throw LocatedError(fmt::format("{}: missing key \"{}\"{}", where_, key,
                                  name_.empty() ? "" : fmt::format(" in [{}]", name_)));
 }

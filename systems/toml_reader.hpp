@@ -19,6 +19,7 @@
 #include "md/errors.hpp"
 #include "md/range.hpp"
 #include "md/vectors.hpp"
+#include "systems/keys.hpp"
 
 namespace taut {
 
@@ -27,49 +28,48 @@ struct LocatedError : InputError {
   using InputError::InputError;
 };
 
-// Rows of numbers, [[1, 2, 3], [4, 5, 6]], and how many a row may have.
-using Rows = std::vector<std::vector<double>>;
-struct Columns {
+struct Columns {  // how many numbers a row may have
   std::size_t min, max;
 };
 
 class TomlTable {
  public:
-  // The root. `where` names the file, or what stands for one.
-  TomlTable(const toml::table& table, std::string where) : TomlTable(table, "", std::move(where)) {}
+  // The root. `where` names the file, or what stands for one; `keys` takes what is read.
+  TomlTable(const toml::table& table, std::string where, KeysRead* keys = nullptr)
+      : TomlTable(table, "", std::move(where), keys) {}
   TomlTable(const TomlTable&) = delete;  // keeps track of the keys asked for: one table, one track
   TomlTable& operator=(const TomlTable&) = delete;
 
   bool has(std::string_view key) const { return find(key) != nullptr; }
   TomlTable section(std::string_view key) const;  // empty if it is not there
+  bool describing() const { return keys_ && keys_->describing; }
 
   // Reads a key into a variable, which keeps its value where there is no such key. Whether there is.
-  bool read(std::string_view key, double& into, Range range = kAnyNumber) const;
-  bool read(std::string_view key, bool& into) const;
-  bool read(std::string_view key, std::string& into) const;
-  // A path is relative to the file that says it, in an override to the current folder.
-  bool read(std::string_view key, std::filesystem::path& into) const;
-  bool read(std::string_view key, Vec3& into) const;
-  bool read(std::string_view key, std::vector<double>& into) const;  // finite ones
-  bool read(std::string_view key, Rows& into, Columns columns) const;
-  bool read(std::string_view key, std::optional<double>& into, Range range = kAnyNumber) const;
-  template <std::integral Integer>
-  bool read(std::string_view key, Integer& into, Range range = kAnyNumber) const;
+  template <class T>
+  bool read(std::string_view key, T& into, const About& about = {}) const {
+    const bool there = fetch(key, into, about);
+    note(key, into, about);
+    return there;
+  }
+  bool read(std::string_view key, Rows& into, Columns columns, const About& about = {}) const;
 
   // The same for a key that must be there.
-  template <class T, class... Limits>
-  T get(std::string_view key, Limits... limits) const {
+  template <class T>
+  T get(std::string_view key, const About& about = {}) const {
     T value{};
-    if (!read(key, value, limits...)) missing(key);
+    if (!read(key, value, about)) missing(key);
     return value;
   }
+  Rows get_rows(std::string_view key, Columns columns, const About& about = {}) const;
 
-  // One of several words.
-  std::string choice(std::string_view key, const std::vector<std::string_view>& words) const;
+  // One of several words, that must be there.
+  std::string choice(std::string_view key, const std::vector<std::string_view>& words,
+                     const char* meaning = "") const;
 
   // Throws LocatedError where a key is there that nothing reads: it counts only `where` something is said.
   //     table.counts("friction_per_ps", run.langevin(), "with run.thermostat = \"langevin\"");
   void counts(std::string_view key, bool read, std::string_view where) const;
+  void anew(std::string_view but) const;  // what was read of this section before counts no more, but one key
   bool overridden(std::string_view key) const;  // an override says it, not the file
 
   // Throws LocatedError at a key, or at one row of its array.
@@ -80,26 +80,50 @@ class TomlTable {
   void reject_unknown() const;
 
  private:
-  TomlTable(const toml::table& table, std::string name, std::string where)
-      : table_(table), name_(std::move(name)), where_(std::move(where)) {}
+  TomlTable(const toml::table& table, std::string name, std::string where, KeysRead* keys)
+      : table_(table), name_(std::move(name)), where_(std::move(where)), keys_(keys) {}
+
+  bool fetch(std::string_view key, double& into, const About& about) const;
+  bool fetch(std::string_view key, bool& into, const About&) const;
+  bool fetch(std::string_view key, std::string& into, const About& about) const;
+  // A path is relative to the file that says it, in an override to the current folder.
+  bool fetch(std::string_view key, std::filesystem::path& into, const About&) const;
+  bool fetch(std::string_view key, Vec3& into, const About&) const;
+  bool fetch(std::string_view key, std::vector<double>& into, const About&) const;  // finite ones
+  template <class T>
+  bool fetch(std::string_view key, std::optional<T>& into, const About& about) const {
+    T value{};
+    if (!fetch(key, value, about)) return false;
+    into = value;
+    return true;
+  }
+  template <std::integral Integer>
+  bool fetch(std::string_view key, Integer& into, const About& about) const;
+
+  template <class T>
+  void note(std::string_view key, const T& value, const About& about) const {
+    if (keys_) note(key, about, type_text<T>(), value_text(value));
+  }
+  void note(std::string_view key, const About& about, const char* type, std::string value) const;
 
   const toml::node* find(std::string_view key) const;
   std::optional<std::int64_t> integer(std::string_view key, Range range) const;
   std::string full(std::string_view key) const;  // "run.dt_fs"
   std::string place(const toml::node* node) const;
-  [[noreturn]] void missing(std::string_view key) const;
+  void missing(std::string_view key) const;  // throws, but where keys are only described
   [[noreturn]] void wrong_type(std::string_view key, const toml::node& got, const char* expected) const;
   double checked(std::string_view key, double value, Range range) const;
 
   const toml::table& table_;
   std::string name_;   // "run"; empty: the root
   std::string where_;  // "water.toml:11"
+  KeysRead* keys_;
   mutable std::set<std::string, std::less<>> asked_;
 };
 
 template <std::integral Integer>
-bool TomlTable::read(std::string_view key, Integer& into, Range range) const {
-  const auto value = integer(key, range);
+bool TomlTable::fetch(std::string_view key, Integer& into, const About& about) const {
+  const auto value = integer(key, about.range);
   if (value && !std::in_range<Integer>(*value)) fail(key, "out of range");
   if (value) into = static_cast<Integer>(*value);
   return value.has_value();

@@ -105,7 +105,7 @@ TEST(SceneErrors, Keys) {
             "scene.toml:13: unknown key \"gravity\" in [build]; did you mean \"gravity_nm_ps2\"?");
   EXPECT_EQ(complaint(good.with("[run]", "[forcefield]\ncutoff_nm = 1\n[run]").text),
             "scene.toml:16: unknown key \"cutoff_nm\" in [forcefield]");
-  EXPECT_EQ(complaint(good.with("hard_on = \"a test\"", "").text), "scene.toml: missing key \"hard_on\"");
+  EXPECT_EQ(complaint(good.with("hard_on = \"a test\"", "").text), "no error");
   EXPECT_EQ(complaint(good.with("kind = \"atoms\"", "").text),
             "scene.toml:2: missing key \"kind\" in [build]");
   EXPECT_EQ(complaint("hard_on = 'x'"), "scene.toml: missing key \"kind\" in [build]");
@@ -134,7 +134,7 @@ TEST(SceneErrors, Values) {
             "scene.toml:3: build.kind: there is no \"atom\"; did you mean \"atoms\"?");
   EXPECT_THAT(
       complaint(good.with("\"baumgarte\"", "\"ratle\"").text),
-      HasSubstr("scene.toml:19: method.name: there is no method \"ratle\"; did you mean \"rattle\"?"));
+      HasSubstr("scene.toml:19: method.name: there is no \"ratle\"; did you mean \"rattle\"?"));
   EXPECT_EQ(complaint(good.with("[0, -9.81, 0]", "[0, -9.81]").text),
             "scene.toml:13: build.gravity_nm_ps2: expected three numbers [x, y, z], got an array");
   EXPECT_EQ(complaint("build = 3\nhard_on = ''"), "scene.toml:1: build: expected a section, got an integer");
@@ -220,7 +220,7 @@ TEST(SceneErrors, Overrides) {
             "name, tolerance");
   EXPECT_THAT(
       complaint(good, {"method.name=newtom"}),
-      HasSubstr("--set method.name=newtom: method.name: there is no method \"newtom\"; did you mean"));
+      HasSubstr("--set method.name=newtom: method.name: there is no \"newtom\"; did you mean"));
   EXPECT_EQ(
       complaint(kMelt, {"build.chains=1e12"}),
       "--set build.chains=1e12: build.chains: 1000000000000 make 20000000000000 atoms, more than the 5000000 "
@@ -231,7 +231,7 @@ TEST(SceneErrors, Files) {
   EXPECT_EQ(complaint("hard_on = \"a test\"\n[build\n").substr(0, 35), "scene.toml:2: not valid TOML: Error");
   EXPECT_THAT(complaint("\x01\x02 this is no TOML"), HasSubstr("scene.toml:1: not valid TOML"));
   EXPECT_THAT(complaint("<?xml version=\"1.0\"?>"), HasSubstr("scene.toml:1: not valid TOML"));
-  EXPECT_THAT(complaint(""), HasSubstr("missing key \"hard_on\""));
+  EXPECT_THAT(complaint(""), HasSubstr("missing key \"kind\" in [build]"));
   EXPECT_THAT(complaint(SceneText{}.with("[run]", "start = \"nowhere.start.toml\"\n[run]").text),
               HasSubstr("nowhere.start.toml: no such file"));
   try {

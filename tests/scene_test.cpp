@@ -1,5 +1,8 @@
 // Scene files: what is read, what overrides do, which velocities count, and how scenes are found.
 
+#include <algorithm>
+#include <set>
+
 #include "constraints/baumgarte.hpp"
 #include "constraints/rattle.hpp"
 #include "scene_text.hpp"
@@ -29,6 +32,55 @@ TEST(Scene, ReadsWhatTheFileSays) {
   EXPECT_EQ(options.alpha_per_ps, 3.0);
   EXPECT_EQ(options.beta_per_ps, std::nullopt);
   EXPECT_EQ(options.passes, 2);
+}
+
+// Every key a scene can have says what it means; numbers with a unit in their name say the same unit.
+TEST(Scene, KeysAreDescribed) {
+  const std::vector<Key> keys = every_key();
+  std::set<std::string> names;
+  for (const Key& key : keys) {
+    EXPECT_STRNE(key.about.meaning, "") << key.name();
+    EXPECT_NE(key.type, "") << key.name();
+    names.insert(key.name());
+  }
+  for (const char* name :
+       {"hard_on", "build.kind", "build.atoms", "build.gravity_nm_ps2", "build.chains", "build.rings",
+        "build.carbons", "build.model", "build.start", "forcefield.pair", "forcefield.coulomb",
+        "forcefield.pme_grid", "forcefield.precision", "run.dt_fs", "run.coupling", "method.name",
+        "method.gains", "method.tolerance", "method.omega_h"})
+    EXPECT_TRUE(names.contains(name)) << name;
+  const auto one = [&](const std::string& name) { return *std::ranges::find(keys, name, &Key::name); };
+  EXPECT_EQ(one("run.dt_fs").value, "1");
+  EXPECT_STREQ(one("run.dt_fs").about.unit, "fs");
+  EXPECT_EQ(one("run.dt_fs").allowed(), "more than 0");
+  EXPECT_EQ(one("run.friction_per_ps").counts_only, "with run.thermostat = \"langevin\"");
+  EXPECT_EQ(one("run.trajectory").allowed(), "one of dcd, h5md, both");
+  EXPECT_EQ(one("build.kind").kinds.size(), 6u);
+  EXPECT_TRUE(one("build.molecules").required);
+  EXPECT_EQ(one("forcefield.precision").kinds, (std::vector<std::string>{"melt", "alkane", "water"}));
+  EXPECT_EQ(one("method.omega_h").kinds, std::vector<std::string>{"penalty"});
+}
+
+// Who said it, and what counts; what nothing reads is idle.
+TEST(Scene, KeysSayWhereTheyCameFrom) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("scene.toml", SceneText{}.text);
+  KeysRead read;
+  read_scene(file, {"run.steps=7", "method.name=rattle", "method.tolerance=1e-7"}, {.keys = &read});
+  const auto one = [&](const char* section, const char* key) { return read.of(section, key); };
+  EXPECT_EQ(one("run", "dt_fs").value, "0.5");
+  EXPECT_EQ(one("run", "dt_fs").from, file.string() + ":16");
+  EXPECT_EQ(one("run", "steps").value, "7");
+  EXPECT_EQ(one("run", "steps").from, "--set run.steps=7");
+  EXPECT_EQ(one("run", "seed").from, "");
+  EXPECT_EQ(one("method", "name").value, "\"rattle\"");
+  EXPECT_EQ(one("method", "tolerance").value, "1e-07");
+  EXPECT_FALSE(one("method", "passes").read);  // the file's, of another method
+  EXPECT_TRUE(one("run", "friction_per_ps").idle);
+  EXPECT_FALSE(one("run", "dt_fs").idle);
+  EXPECT_EQ(one("build", "atoms").value, "3 rows");
+  read_scene(file, {"run.thermostat=langevin", "run.temperature_k=300"}, {.keys = &read});
+  EXPECT_FALSE(one("run", "friction_per_ps").idle);
 }
 
 TEST(Scene, OverridesPrevail) {

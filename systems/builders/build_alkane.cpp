@@ -87,16 +87,16 @@ void add_forces_of_molecule(const Liquid& liquid, int first, Terms& terms) {
 
 }  // namespace
 
-// kind = "alkane": a liquid of n-alkanes.
-//   molecules, carbons, density_g_cm3
-// [forcefield] the keys of read_cutoff
+// kind = "alkane": a liquid of n-alkanes, with the keys of read_cutoff.
 void build_alkane(const BuildRequest& request, Scene& scene) {
   const TomlTable& keys = request.keys;
-  const auto molecules = keys.get<long>("molecules", Range{.min = 1});
-  const auto carbons = keys.get<long>("carbons", Range{.min = 2});
+  const auto molecules = keys.get<long>("molecules", {"how many", Range{.min = 1}});
+  const auto carbons = keys.get<long>("carbons", {"carbons in each", Range{.min = 2}});
   atoms_of(keys, "molecules", static_cast<double>(molecules), static_cast<double>(carbons));
-  const Liquid liquid{static_cast<int>(molecules), static_cast<int>(carbons),
-                      keys.get<double>("density_g_cm3", kPositive) * kGramPerCm3};
+  const Liquid liquid{
+      static_cast<int>(molecules), static_cast<int>(carbons),
+      keys.get<double>("density_g_cm3", {"density of the box", "g/cm³", kPositive}) * kGramPerCm3};
+  if (keys.describing()) return read_cutoff(request.forcefield, {}, scene.terms.nonbonded.emplace());
 
   Random random(request.run.seed);
   scene.positions_drawn = true;

@@ -12,9 +12,22 @@ int index_at(const TomlTable& keys, const char* key, std::size_t row, double num
   return static_cast<int>(number);
 }
 
-std::vector<RigidBond> read_bonds(const TomlTable& keys) {
-  Rows rows;
-  keys.read("bonds", rows, Columns{3, 3});
+struct Given {
+  Rows atoms, bonds, velocities, pulls;
+  std::optional<Vec3> gravity;
+
+  explicit Given(const TomlTable& keys)
+      : atoms(keys.get_rows("atoms", Columns{4, 4},
+                            "[x, y, z, mass] of each, in nm and u; mass 0 is an anchor")) {
+    keys.read("velocities", velocities, Columns{3, 3},
+              "[vx, vy, vz] of each atom, in nm/ps; not said: at rest");
+    keys.read("bonds", bonds, Columns{3, 3}, "rigid bonds [i, j, length in nm], atoms counted from 0");
+    keys.read("gravity_nm_ps2", gravity, {"uniform acceleration [x, y, z]", "nm/ps²"});
+    keys.read("pulls", pulls, Columns{4, 4}, "constant forces [atom, fx, fy, fz], in kJ/mol/nm");
+  }
+};
+
+std::vector<RigidBond> read_bonds(const TomlTable& keys, const Rows& rows) {
   std::vector<RigidBond> bonds;
   for (std::size_t k = 0; k < rows.size(); ++k)
     bonds.push_back(
@@ -46,9 +59,7 @@ System make_located(const TomlTable& keys, const Eigen::VectorXd& mass, const st
   }
 }
 
-std::vector<Pull> read_pulls(const TomlTable& keys, int atoms) {
-  Rows rows;
-  keys.read("pulls", rows, Columns{4, 4});
+std::vector<Pull> read_pulls(const TomlTable& keys, const Rows& rows, int atoms) {
   std::vector<Pull> pulls;
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const int atom = index_at(keys, "pulls", k, rows[k][0]);
@@ -58,9 +69,8 @@ std::vector<Pull> read_pulls(const TomlTable& keys, int atoms) {
   return pulls;
 }
 
-Vectors read_velocities(const TomlTable& keys, std::size_t atoms) {
-  Rows rows;
-  if (!keys.read("velocities", rows, Columns{3, 3})) return {};
+Vectors read_velocities(const TomlTable& keys, const Rows& rows, std::size_t atoms) {
+  if (!keys.has("velocities")) return {};
   if (rows.size() != atoms) keys.fail("velocities", "expected one for each atom");
   Vectors v(3, atoms);
   for (std::size_t a = 0; a < atoms; ++a) v.col(a) = Vec3(rows[a].data());
@@ -70,14 +80,11 @@ Vectors read_velocities(const TomlTable& keys, std::size_t atoms) {
 }  // namespace
 
 // kind = "atoms": everything one by one.
-//   atoms = [[x, y, z, mass], ...]         [nm], [u]; mass 0 is an anchor
-//   bonds = [[i, j, length], ...]          atoms counted from 0 [nm]
-//   velocities = [[vx, vy, vz], ...]       [nm/ps]; without them: at rest
-//   gravity_nm_ps2 = [gx, gy, gz]
-//   pulls = [[atom, fx, fy, fz], ...]      a constant force on an atom [kJ/mol/nm]
 void build_atoms(const BuildRequest& request, Scene& scene) {
   const TomlTable& keys = request.keys;
-  const Rows atoms = keys.get<Rows>("atoms", Columns{4, 4});
+  const Given given(keys);
+  const Rows& atoms = given.atoms;
+  if (keys.describing()) return;
   if (atoms.empty()) keys.fail("atoms", "expected at least one");
   scene.start.x.resize(3, atoms.size());
   Eigen::VectorXd mass(atoms.size());
@@ -86,11 +93,10 @@ void build_atoms(const BuildRequest& request, Scene& scene) {
     mass[a] = atoms[a][3];
     if (mass[a] < 0) keys.fail("atoms", a, "expected a mass above 0, or 0 for an anchor");
   }
-  scene.start.v = read_velocities(keys, atoms.size());
-  scene.system = make_located(keys, mass, read_bonds(keys));
-  Vec3 gravity;
-  if (keys.read("gravity_nm_ps2", gravity)) scene.terms.gravity = gravity;
-  scene.terms.pulls = read_pulls(keys, scene.system.atoms());
+  scene.start.v = read_velocities(keys, given.velocities, atoms.size());
+  scene.system = make_located(keys, mass, read_bonds(keys, given.bonds));
+  scene.terms.gravity = given.gravity;
+  scene.terms.pulls = read_pulls(keys, given.pulls, scene.system.atoms());
 }
 
 }  // namespace taut

@@ -65,12 +65,13 @@ Vectors ring_directions(int bonds) {
 }
 
 Polymer read_polymer(const TomlTable& keys, const char* copies_key, int least_beads) {
-  const auto copies = keys.get<long>(copies_key, Range{.min = 1});
-  const auto beads = keys.get<long>("beads", Range{.min = static_cast<double>(least_beads)});
+  const auto copies = keys.get<long>(copies_key, {"how many", Range{.min = 1}});
+  const auto beads =
+      keys.get<long>("beads", {"beads in each", Range{.min = static_cast<double>(least_beads)}});
   atoms_of(keys, copies_key, static_cast<double>(copies), static_cast<double>(beads));
   Polymer polymer{static_cast<int>(copies), static_cast<int>(beads), 1, 1};
-  polymer.bond = keys.get<double>("bond_nm", kPositive);
-  polymer.mass = keys.get<double>("mass_u", kPositive);
+  polymer.bond = keys.get<double>("bond_nm", {"length of a bond", "nm", kPositive});
+  polymer.mass = keys.get<double>("mass_u", {"mass of a bead", "u", kPositive});
   return polymer;
 }
 
@@ -98,11 +99,10 @@ void place(const Polymer& polymer, bool closed, auto&& directions, Scene& scene)
 }  // namespace
 
 // kind = "chains": freely jointed chains without forces, independent of each other.
-//   chains, beads        how many, and how many beads in each
-//   bond_nm, mass_u
 // Up to 50 bonds a chain, the start is drawn from the chain's own equilibrium.
 void build_chains(const BuildRequest& request, Scene& scene) {
   const Polymer polymer = read_polymer(request.keys, "chains", 2);
+  if (request.keys.describing()) return;
   Random random(request.run.seed);
   scene.positions_drawn = true;
   if (polymer.beads - 1 > kMostWeighedBonds)
@@ -112,9 +112,9 @@ void build_chains(const BuildRequest& request, Scene& scene) {
 }
 
 // kind = "rings": closed rings without forces, independent of each other, puckered.
-//   rings, beads, bond_nm, mass_u
 void build_rings(const BuildRequest& request, Scene& scene) {
   const Polymer polymer = read_polymer(request.keys, "rings", 4);
+  if (request.keys.describing()) return;
   place(
       polymer, true, [&] { return ring_directions(polymer.beads); }, scene);
 }

@@ -18,24 +18,28 @@ struct Beads {
   double sigma;    // [nm]
   double epsilon;  // [kJ/mol]
   bool rigid;      // or FENE
+  bool repulsive;  // or with Lennard-Jones' attraction
 
   int atoms() const { return chains * beads; }
 };
 
 Beads read_beads(const BuildRequest& request) {
   const TomlTable& keys = request.keys;
-  const auto chains = keys.get<long>("chains", Range{.min = 1});
-  const auto beads = keys.get<long>("beads", Range{.min = 1});
+  const auto chains = keys.get<long>("chains", {"how many", Range{.min = 1}});
+  const auto beads = keys.get<long>("beads", {"beads in each", Range{.min = 1}});
   atoms_of(keys, "chains", static_cast<double>(chains), static_cast<double>(beads));
   Beads melt{};
   melt.chains = static_cast<int>(chains);
   melt.beads = static_cast<int>(beads);
-  melt.bond = keys.get<double>("bond_nm", kPositive);
-  melt.mass = keys.get<double>("mass_u", kPositive);
-  melt.density = keys.get<double>("density_per_nm3", kPositive);
-  melt.rigid = keys.choice("bonds", {"rigid", "fene"}) == "rigid";
-  melt.sigma = request.forcefield.get<double>("sigma_nm", kPositive);
-  melt.epsilon = request.forcefield.get<double>("epsilon_kj_mol", kNotNegative);
+  melt.bond = keys.get<double>("bond_nm", {"length of a bond", "nm", kPositive});
+  melt.mass = keys.get<double>("mass_u", {"mass of a bead", "u", kPositive});
+  melt.density = keys.get<double>("density_per_nm3", {"beads in a volume", "1/nm³", kPositive});
+  melt.rigid = keys.choice("bonds", {"rigid", "fene"}, "what ties the beads of a chain") == "rigid";
+  melt.sigma = request.forcefield.get<double>("sigma_nm", {"σ of a pair of beads", "nm", kPositive});
+  melt.epsilon =
+      request.forcefield.get<double>("epsilon_kj_mol", {"ε of a pair of beads", "kJ/mol", kNotNegative});
+  melt.repulsive = request.forcefield.choice("pair", {"wca", "lennard-jones"},
+                                             "the force between beads: purely repulsive, or not") == "wca";
   return melt;
 }
 
@@ -93,7 +97,7 @@ void tie(const Beads& melt, std::vector<RigidBond>& rigid, std::vector<Fene>& fe
 
 void add_pair_force(const BuildRequest& request, const Beads& melt, Scene& scene) {
   const auto& bonds = scene.system.bonds;
-  if (request.forcefield.choice("pair", {"wca", "lennard-jones"}) == "wca") {
+  if (melt.repulsive) {
     Wca& wca = scene.terms.wca.emplace(Wca{melt.sigma, melt.epsilon, {}});
     for (const auto& [i, j, length] : bonds) wca.exclusions.push_back({i, j});
   } else {
@@ -108,13 +112,11 @@ void add_pair_force(const BuildRequest& request, const Beads& melt, Scene& scene
 
 }  // namespace
 
-// kind = "melt": chains of beads that fill a box, every pair of beads but those tied rigidly in contact.
-//   chains, beads, bond_nm, mass_u, density_per_nm3
-//   bonds = "rigid" | "fene"
-// [forcefield]
-//   pair = "wca" | "lennard-jones", sigma_nm, epsilon_kj_mol, and for Lennard-Jones the keys of read_cutoff
+// kind = "melt": chains of beads that fill a box, every pair of beads but those tied rigidly in contact; for
+// Lennard-Jones with the keys of read_cutoff.
 void build_melt(const BuildRequest& request, Scene& scene) {
   const Beads melt = read_beads(request);
+  if (request.keys.describing()) return read_cutoff(request.forcefield, {}, scene.terms.nonbonded.emplace());
   const Path path = lay_path(request.keys, melt, scene.start.box);
   scene.start.x.resize(3, melt.atoms());
   for (int a = 0; a < melt.atoms(); ++a) scene.start.x.col(a) = path.bead(a);

@@ -17,7 +17,7 @@ namespace {
 const WaterModel& chosen_model(const TomlTable& keys) {
   std::vector<std::string_view> names;
   for (const WaterModel& model : water_models()) names.push_back(model.name);
-  const std::string name = keys.choice("model", names);
+  const std::string name = keys.choice("model", names, "the water");
   return *std::ranges::find(water_models(), name, &WaterModel::name);
 }
 
@@ -120,9 +120,18 @@ class WaterSource {
   WaterSource(const BuildRequest& request, const WaterModel& model)
       : keys_(request.keys), model_(model), random_(request.run.seed) {
     std::filesystem::path file;
-    if (keys_.read("start", file)) start_ = read_start(file);
+    std::optional<double> density;
+    if (keys_.read("start", file,
+                   "equilibrated waters of any model in a box, from which n³ times as many are tiled and "
+                   "droplets cut "
+                   "(any other number stands on a lattice); or a droplet, for one of as many"))
+      start_ = read_start(file);
+    keys_.read("density_g_cm3", density,
+               {"of a lattice of molecules; required without a start", "g/cm³", kPositive});
+    keys_.read("box", shape_, {"shape of the box", {"cube", "octahedron", "dodecahedron"}});
+    if (keys_.describing()) return;
     if (!start_) {
-      density_ = keys_.get<double>("density_g_cm3", kPositive) * kGramPerCm3 / model.mass();
+      density_ = (density ? *density : keys_.get<double>("density_g_cm3")) * kGramPerCm3 / model.mass();
       return;
     }
     if (!keep_atoms(start_->x, start_->v)) keys_.fail("start", "expected waters: O, H, H, ...");
@@ -131,8 +140,7 @@ class WaterSource {
   }
 
   State box_of(long molecules, std::vector<std::string>& notes) {
-    const Box unit =
-        unit_box(keys_.has("box") ? keys_.choice("box", {"cube", "octahedron", "dodecahedron"}) : "cube");
+    const Box unit = unit_box(shape_);
     if (start_) {
       require_box();
       const double times = static_cast<double>(molecules) / static_cast<double>(molecules_of_start());
@@ -185,6 +193,7 @@ class WaterSource {
   const WaterModel& model_;
   Random random_;
   std::optional<State> start_;
+  std::string shape_ = "cube";
   double density_;  // [molecules/nm³]
   bool drawn_ = false;
 };
@@ -211,24 +220,17 @@ Names names_of(const WaterModel& model, int molecules) {
 
 }  // namespace
 
-// kind = "water": rigid water, of three to five sites.
-//   molecules, model = "tip3p" | "spce" | "tip4pew" | "tip4p2005" | "opc" | "tip5p"
-//   shape = "box" | "droplet"       a droplet has no box
-//   start = "water216.start.toml"   equilibrated waters in a box, from which n³ times as many are tiled and
-//                                   droplets cut; any other number stands on a lattice of its density.
-//                                   Or a droplet, for a droplet of as many. Of any model: O stays, H and
-//                                   sites move to the model's places
-//   box = "cube" (unless said) | "octahedron" | "dodecahedron"    the shape of a box
-//   density_g_cm3                   without a start: a lattice
-// [forcefield] the keys of read_cutoff
+// kind = "water": rigid water, of three to five sites, with the keys of read_cutoff. Of a start of another
+// model O stays; H and sites move to the model's places.
 void build_water(const BuildRequest& request, Scene& scene) {
   const TomlTable& keys = request.keys;
   const WaterModel& model = chosen_model(keys);
-  const auto molecules = keys.get<long>("molecules", Range{.min = 1});
+  const auto molecules = keys.get<long>("molecules", {"how many", Range{.min = 1}});
   const int each = model.atoms(), atoms = atoms_of(keys, "molecules", static_cast<double>(molecules), each);
-  const bool box = keys.choice("shape", {"box", "droplet"}) == "box";
-  keys.counts("box", box, "with build.shape = \"box\"");
+  const bool box = keys.choice("shape", {"box", "droplet"}, "a droplet has no box") == "box";
   WaterSource source(request, model);
+  keys.counts("box", box, "with build.shape = \"box\"");
+  if (keys.describing()) return read_cutoff(request.forcefield, {}, scene.terms.nonbonded.emplace());
   const State start = box ? source.box_of(molecules, scene.notes) : source.droplet_of(molecules, scene.notes);
   scene.start.box = start.box;
   Vectors& x = scene.start.x = with_sites(model, start.x);

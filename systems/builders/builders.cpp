@@ -14,6 +14,7 @@
 namespace taut {
 namespace {
 
+constexpr Range kDielectric{.min = 1};
 constexpr double kMostAtoms = 5e6;  // about 2 GB of arrays and lists
 
 struct Kind {
@@ -26,9 +27,7 @@ constexpr std::array kKinds = {Kind{"atoms", build_atoms},   Kind{"chains", buil
                                Kind{"alkane", build_alkane}, Kind{"water", build_water, true}};
 
 const Kind& chosen_kind(const TomlTable& keys) {
-  std::vector<std::string_view> names(kKinds.size());
-  std::ranges::transform(kKinds, names.begin(), &Kind::name);
-  const std::string name = keys.choice("kind", names);
+  const std::string name = keys.choice("kind", kinds(), "what is built");
   return *std::ranges::find(kKinds, name, &Kind::name);
 }
 
@@ -46,7 +45,7 @@ const char* misfit(const State& start, const Scene& scene) {
 // The last state of a run of the same scene in place of the built one.
 void lay_start(const BuildRequest& request, Scene& scene) {
   std::filesystem::path file;
-  if (!request.keys.read("start", file)) return;
+  if (!request.keys.read("start", file, "positions and velocities, of a run of the same scene")) return;
   State start = read_start(file);
   if (const char* reason = misfit(start, scene)) {
     if (request.keys.overridden("start")) request.keys.fail("start", fmt::format("it has {}", reason));
@@ -60,18 +59,27 @@ void lay_start(const BuildRequest& request, Scene& scene) {
 }
 
 void read_precision(const TomlTable& forcefield, Terms& terms) {
-  if (forcefield.has("precision") && forcefield.choice("precision", {"double", "mixed"}) == "mixed")
-    terms.precision = Precision::kMixed;
+  std::string precision = "double";
+  forcefield.read("precision", precision, {"what pair forces are computed in", {"double", "mixed"}});
+  if (precision == "mixed") terms.precision = Precision::kMixed;
 }
 
 }  // namespace
 
-void build(const BuildRequest& request, Scene& scene) {
-  const Kind& kind = chosen_kind(request.keys);
+std::vector<std::string_view> kinds() {
+  std::vector<std::string_view> names(kKinds.size());
+  std::ranges::transform(kKinds, names.begin(), &Kind::name);
+  return names;
+}
+
+void build(const BuildRequest& request, Scene& scene, std::string_view described) {
+  const Kind& chosen = chosen_kind(request.keys);
+  const Kind& kind = described.empty() ? chosen : *std::ranges::find(kKinds, described, &Kind::name);
   kind.build(request, scene);
-  if (scene.names.empty()) scene.names = guessed_names(scene.system, scene.terms);
   if (scene.terms.nonbonded || scene.terms.wca) read_precision(request.forcefield, scene.terms);
   if (!kind.own_start) lay_start(request, scene);
+  if (request.keys.describing()) return;
+  if (scene.names.empty()) scene.names = guessed_names(scene.system, scene.terms);
   scene.start.f = Vectors::Zero(3, scene.system.atoms());
   if (scene.start.v.cols() == 0) scene.start.v = scene.start.f;
 }
@@ -92,15 +100,33 @@ Names bead_names(int polymers, int beads) {
 namespace {
 
 // A shifted cutoff is a reaction field of 1.
+struct Coulomb {
+  std::string kind = "reaction-field";
+  double rf_dielectric = Nonbonded{}.rf_dielectric;
+  PmeParameters pme{};
+  std::optional<double> alpha;
+  std::optional<Vec3> grid;
+
+  Coulomb(const TomlTable& keys) {
+    keys.read("coulomb", kind, {"between charges", {"reaction-field", "cutoff", "pme"}});
+    keys.read("rf_dielectric", rf_dielectric,
+              {"ε of the reaction field beyond the cutoff; 1: a shifted cutoff", kDielectric});
+    keys.read("ewald_tolerance", pme.tolerance,
+              {"about what forces are wrong by, as a share; gives α and grid", kPositive});
+    keys.read("ewald_alpha_per_nm", alpha,
+              {"α of Ewald's sum; not said: by the tolerance", "1/nm", kPositive});
+    keys.read("pme_order", pme.order, {"order of the splines, 4 to 8"});
+    keys.read("pme_grid", grid, {"points of the grid along the edges; not said: by the tolerance"});
+  }
+};
+
 void read_coulomb(const TomlTable& forcefield, const Box& box, Nonbonded& nonbonded) {
+  const Coulomb coulomb(forcefield);
   const bool charged = (nonbonded.charge.array() != 0).any();
   forcefield.counts("rf_dielectric", nonbonded.cutoff && charged,
                     "between charges, with forcefield.cutoff_nm");
   forcefield.counts("coulomb", charged, "between charges");
-  const std::string coulomb = forcefield.has("coulomb")
-                                  ? forcefield.choice("coulomb", {"reaction-field", "cutoff", "pme"})
-                                  : "reaction-field";
-  const bool field = coulomb == "reaction-field", pme = coulomb == "pme";
+  const bool field = coulomb.kind == "reaction-field", pme = coulomb.kind == "pme";
   if (forcefield.overridden("rf_dielectric") ||
       !forcefield.overridden("coulomb"))  // else the file's goes with it
     forcefield.counts("rf_dielectric", field, "with forcefield.coulomb = \"reaction-field\"");
@@ -108,20 +134,19 @@ void read_coulomb(const TomlTable& forcefield, const Box& box, Nonbonded& nonbon
     forcefield.counts(key, pme, "with forcefield.coulomb = \"pme\"");
   forcefield.counts("ewald_tolerance", !(forcefield.has("ewald_alpha_per_nm") && forcefield.has("pme_grid")),
                     "where ewald_alpha_per_nm or pme_grid is left to it");
-  if (field) forcefield.read("rf_dielectric", nonbonded.rf_dielectric, Range{.min = 1});
-  if (coulomb == "cutoff") nonbonded.rf_dielectric = 1;
+  if (field) nonbonded.rf_dielectric = coulomb.rf_dielectric;
+  if (coulomb.kind == "cutoff") nonbonded.rf_dielectric = 1;
   if (!field && !nonbonded.cutoff)
-    forcefield.fail("coulomb", fmt::format("{} needs forcefield.cutoff_nm", coulomb));
+    forcefield.fail("coulomb", fmt::format("{} needs forcefield.cutoff_nm", coulomb.kind));
   if (!pme) return;
   if (!box.periodic()) forcefield.fail("coulomb", "pme needs a box");
-  PmeParameters& p = nonbonded.pme.emplace();
-  Vec3 grid = Vec3::Zero();
-  forcefield.read("ewald_tolerance", p.tolerance, kPositive);
-  forcefield.read("ewald_alpha_per_nm", p.alpha, kPositive);
-  forcefield.read("pme_order", p.order);
-  if (forcefield.read("pme_grid", grid) && !(grid.array() == grid.array().floor() && grid.array() >= 1).all())
-    forcefield.fail("pme_grid", "expected three whole numbers");
-  for (int d = 0; d < 3; ++d) p.grid[d] = static_cast<int>(std::min(grid[d], 1e9));
+  PmeParameters& p = nonbonded.pme.emplace(coulomb.pme);
+  p.alpha = coulomb.alpha.value_or(0);
+  if (const auto& grid = coulomb.grid) {
+    if (!(grid->array() == grid->array().floor() && grid->array() >= 1).all())
+      forcefield.fail("pme_grid", "expected three whole numbers");
+    for (int d = 0; d < 3; ++d) p.grid[d] = static_cast<int>(std::min((*grid)[d], 1e9));
+  }
   try {
     chosen_parameters(p, box, *nonbonded.cutoff);
   } catch (const InputError& e) {
@@ -132,9 +157,12 @@ void read_coulomb(const TomlTable& forcefield, const Box& box, Nonbonded& nonbon
 }  // namespace
 
 void read_cutoff(const TomlTable& forcefield, const Box& box, Nonbonded& nonbonded) {
-  forcefield.read("cutoff_nm", nonbonded.cutoff, kPositive);
-  forcefield.read("switch_nm", nonbonded.switch_distance, kPositive);
-  forcefield.read("dispersion_correction", nonbonded.dispersion_correction);
+  forcefield.read("cutoff_nm", nonbonded.cutoff,
+                  {"pair forces end there; required with a box, at most half of it", "nm", kPositive});
+  forcefield.read("switch_nm", nonbonded.switch_distance,
+                  {"Lennard-Jones is switched to zero from there to the cutoff", "nm", kPositive});
+  forcefield.read("dispersion_correction", nonbonded.dispersion_correction,
+                  {"Lennard-Jones beyond the cutoff, on the average"});
   read_coulomb(forcefield, box, nonbonded);
   if (nonbonded.switch_distance && !(nonbonded.cutoff && *nonbonded.switch_distance < *nonbonded.cutoff))
     forcefield.fail("switch_nm", "expected less than forcefield.cutoff_nm");

@@ -20,11 +20,14 @@ struct BuildRequest {
 // another density) is set aside with a note: a scene ships with the start of its own numbers, and others may
 // be asked for. One that an override names has to fit.
 // Throws InputError, LocatedError where a key is to blame.
-void build(const BuildRequest& request, Scene& scene);
+//
+// Where keys are only described, it is the kind `described` whose keys are read, and nothing is built.
+void build(const BuildRequest& request, Scene& scene, std::string_view described = {});
+std::vector<std::string_view> kinds();
 
 // [forcefield] precision = "double" (unless said) | "mixed" goes for all kinds with pair forces.
 
-// The one list of kinds. Each builder's keys stand above it, lengths in nm.
+// The one list of kinds. A builder first reads its keys, and returns where they are only described.
 void build_atoms(const BuildRequest& request, Scene& scene);   // atoms and bonds one by one
 void build_chains(const BuildRequest& request, Scene& scene);  // freely jointed chains without forces
 void build_rings(const BuildRequest& request, Scene& scene);   // closed rings without forces

@@ -1,0 +1,65 @@
+#include "systems/keys.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <tuple>
+
+#include "systems/toml_reader.hpp"
+
+namespace taut {
+
+bool Key::described_as(const Key& other) const {
+  const auto all = [](const Key& s) {
+    return std::tuple(s.name(), std::string_view(s.about.meaning), std::string_view(s.about.unit),
+                      s.allowed(), s.type, s.value, s.counts_only, s.required);
+  };
+  return all(*this) == all(other);
+}
+
+std::string Key::allowed() const {
+  if (!about.words.empty()) return fmt::format("one of {}", fmt::join(about.words, ", "));
+  return about.range.any() ? "" : about.range.in_words();
+}
+
+Key& KeysRead::of(std::string_view section, std::string_view key) {
+  const auto found =
+      std::ranges::find_if(all, [&](const Key& one) { return one.section == section && one.key == key; });
+  if (found != all.end()) return *found;
+  return all.emplace_back(Key{std::string(section), std::string(key)});
+}
+
+void KeysRead::forget(std::string_view section, std::string_view but) {
+  std::erase_if(all, [&](const Key& one) { return one.section == section && one.key != but; });
+}
+
+std::string value_text(double value) {
+  return fmt::format("{}", value);
+}
+
+std::string value_text(bool value) {
+  return value ? "true" : "false";
+}
+
+std::string value_text(const std::string& value) {
+  return value.empty() ? "" : toml_quoted(value);
+}
+
+std::string value_text(const std::filesystem::path& value) {
+  return value_text(value.string());
+}
+
+std::string value_text(const Vec3& value) {
+  return value_text(std::vector<double>(value.data(), value.data() + 3));
+}
+
+std::string value_text(const std::vector<double>& value) {
+  return value.empty() ? "" : fmt::format("[{}]", fmt::join(value, ", "));
+}
+
+std::string value_text(const Rows& value) {
+  return value.empty() ? "" : fmt::format("{} row{}", value.size(), value.size() == 1 ? "" : "s");
+}
+
+}  // namespace taut
