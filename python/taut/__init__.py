@@ -10,6 +10,7 @@ taut.scenes(), taut.methods()      what there is: name to what it is
 taut.Simulation                    a scene, a dict, or OpenMM's objects made to run
 taut.Baumgarte, taut.Rattle, ...   a method's options
 taut.ConstraintMethod, taut.Force  methods and forces of your own
+taut.verify                        whether a method does what every method must
 taut.chart, taut.stability         methods' speed against accuracy, and where they fail
 taut.calibrate, taut.crosscheck    Baumgarte's gains; whether OpenMM agrees
 
@@ -30,5 +31,6 @@ from .options import *  # noqa: F401,F403
 from .parts import ConstraintMethod, Force, NotConverged, State, System, register
 from .simulation import Simulation
 from .studies import calibrate, chart, crosscheck, stability
+from .verifying import verify
 
 __version__ = "0.1"

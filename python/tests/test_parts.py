@@ -33,6 +33,44 @@ def test_own_shake_is_shake(my_shake):
     assert ours.setting == "tolerance = 1e-12" and ours.summary["converged"]
 
 
+@pytest.mark.parametrize("method", ["rattle", "newton", "feedforward", taut.Shake(tolerance=1e-6), "own"])
+def test_verify_passes_what_is_right(method, my_shake):
+    found = taut.verify(my_shake if method == "own" else method, steps=10)
+    assert found["bond_error"] < 2e-6 and found["energy"] < 1e-4
+    assert found["momentum"] < 1e-12 and found["across_bonds"] < 1e-9
+    assert found["same_again"] and found["resumes"]
+
+
+def test_verify_sees_what_is_wrong():
+    class Central(taut.ConstraintMethod):
+        def add_forces(self, system, h, state):
+            state.forces -= state.positions
+
+    class Forgetful(taut.ConstraintMethod):
+        def prepare(self, system, h):
+            self.count = 0
+
+        def add_forces(self, system, h, state):
+            self.count += 1
+            i, j = system.bonds[0]
+            pull = 0.1 * self.count * (state.positions[j] - state.positions[i])
+            state.forces[i] += pull
+            state.forces[j] -= pull
+
+    class Mindful(Forgetful):
+        kept = ("count",)
+
+    class Chancy(taut.ConstraintMethod):
+        def project_velocities(self, system, h, state):
+            state.velocities *= 1 + 1e-9 * np.random.random()
+
+    central, forgetful, mindful, chancy = (taut.verify(m, steps=6) for m in (Central, Forgetful, Mindful, Chancy))
+    assert central["momentum"] > 1e-6 and central["across_bonds"] > 1e-3
+    assert forgetful["same_again"] and not forgetful["resumes"] and forgetful["across_bonds"] < 1e-9
+    assert mindful["resumes"] and not chancy["same_again"]
+    assert np.isnan(taut.verify("rattle", "water", set=WATER, steps=2)["across_bonds"])
+
+
 def test_own_shake_lies_on_shakes_curve(my_shake):
     chains = {"build.chains": 4}
     work = taut.chart("freely_jointed", ["shake", my_shake], quick=True, panels="work", set=chains)["work"]
