@@ -59,8 +59,10 @@ void print_header(const Simulation& simulation) {
   for (const auto& note : scene.notes) fmt::print("  note: {}\n", note);
   const std::string sites =
       sys.sites.empty() ? "" : fmt::format(", of them {} virtual sites", sys.sites.size());
-  fmt::print("  atoms {}{}   bonds {}   clusters {}   degrees of freedom {}\n", sys.atoms(), sites,
-             sys.bond_count(), simulation.clusters(), simulation.dof().sum());
+  const std::string one_sided =
+      sys.one_sided.empty() ? "" : fmt::format(", besides {} one-sided", sys.one_sided.size());
+  fmt::print("  atoms {}{}   bonds {}{}   clusters {}   degrees of freedom {}\n", sys.atoms(), sites,
+             sys.bond_count(), one_sided, simulation.clusters(), simulation.dof().sum());
   const Box& box = simulation.state().box;
   if (box.periodic())
     fmt::print("  box {:.6g} × {:.6g} × {:.6g} nm{}\n", box.edge.x(), box.edge.y(), box.edge.z(),
@@ -132,6 +134,14 @@ void print_summary(const Simulation& simulation, const Summary& s) {
     const Eigen::VectorXd tension = simulation.bond_tensions();
     fmt::print("bond tension at the end: {:.4g} to {:.4g}, mean {:.4g} kJ/mol/nm\n", tension.minCoeff(),
                tension.maxCoeff(), tension.mean());
+  }
+  if (const System& sys = simulation.scene().system; !sys.one_sided.empty()) {
+    const auto lambda = simulation.method().lambda().tail(std::ssize(sys.one_sided));
+    double strongest = 0;
+    for (int k = 0; k < lambda.size(); ++k)
+      strongest = std::max(strongest, std::abs(lambda[k]) * sys.one_sided[k].length);
+    fmt::print("one-sided bonds at the end: {} of {} act, the strongest with {:.4g} kJ/mol/nm\n",
+               (lambda.array() != 0).count(), lambda.size(), strongest);
   }
   for (const auto& doubt : s.doubts) fmt::print("in doubt: {}\n", doubt);
 }

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "constraints/active_set.hpp"
 #include "constraints/direct_solver.hpp"
 #include "constraints/gains.hpp"
 #include "constraints/options.hpp"
@@ -31,6 +33,10 @@ namespace taut {
 // Roots, limits and floors: constraints/propagator.hpp, derived in constraints/README.md.
 // With `sweeps` the system is not solved but swept, bond by bond, from λ* (Gauss–Seidel, as rigid-body
 // engines do; no factorization): what a sweep leaves, σ feeds back in the next step. Cost: one factorization
+// A one-sided bond must not pass through in the step to come, s(σ₊ − 0) ≥ 0 with s = 1 of a strut, −1 of a
+// rope: the discrete law at dead-beat as an inequality, where sλ ≥ 0 and λσ₊ = 0 (ActiveSet). Before σ gets
+// there λ is 0. With α = β = 0 it only has sσ̈ ≥ 0 once sσ ≤ 0, which leaves it the speed it came with.
+// Cost: one factorization
 // and one solve a step; each further pass (v*, a* with the λ just found) one more solve.
 class Baumgarte : public ConstraintMethod {
  public:
@@ -93,6 +99,10 @@ class Baumgarte : public ConstraintMethod {
  private:
   void guess_lambda();
   void solve_by_sweeps(const System& sys);
+  void look_ahead(const System& sys, double h, const State& s, int k);
+  void want_one_sided(const System& sys, double h, int k);
+  // [ps²] by which a force moves in the step to come: λ acts in both its kicks, at the start in one.
+  double reach(double h) const { return h > 0 ? h_ * h_ : 0.5 * h_ * h_; }
 
   Damping damping_;
   std::vector<Gains> gains_;  // m
@@ -104,6 +114,9 @@ class Baumgarte : public ConstraintMethod {
   Eigen::VectorXd lambda_, before_;  // m, of the last two steps
   int steps_ = 0;                    // how many of them there are
   std::string setting_;
+  std::optional<ActiveSet> active_set_;  // where there are one-sided bonds
+  double h_ = 0;
+  bool corrects_ = true;
 };
 
 // Gains, damping and solves of a run in one line.

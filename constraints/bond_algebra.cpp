@@ -3,21 +3,21 @@
 namespace taut {
 
 void differences(const System& sys, const Vectors& x, Vectors& r) {
-  for (int k = 0; k < sys.bond_count(); ++k) r.col(k) = x.col(sys.bonds[k].j) - x.col(sys.bonds[k].i);
+  for (int k = 0; k < r.cols(); ++k) r.col(k) = x.col(sys.bond(k).j) - x.col(sys.bond(k).i);
 }
 
 void add_constraint_force(const System& sys, const Vectors& r, const Eigen::VectorXd& lambda, Vectors& f) {
-  for (int k = 0; k < sys.bond_count(); ++k) {
+  for (int k = 0; k < r.cols(); ++k) {
     const Vec3 pull = lambda[k] * r.col(k);
-    f.col(sys.bonds[k].i) -= pull;
-    f.col(sys.bonds[k].j) += pull;
+    f.col(sys.bond(k).i) -= pull;
+    f.col(sys.bond(k).j) += pull;
   }
 }
 
 void add_constraint_acceleration(const System& sys, const Vectors& r, const Eigen::VectorXd& lambda,
                                  Vectors& y) {
-  for (int k = 0; k < sys.bond_count(); ++k) {
-    const auto& [i, j, d] = sys.bonds[k];
+  for (int k = 0; k < r.cols(); ++k) {
+    const auto& [i, j, d] = sys.bond(k);
     const Vec3 pull = lambda[k] * r.col(k);
     y.col(i) -= sys.inv_mass[i] * pull;
     y.col(j) += sys.inv_mass[j] * pull;

@@ -8,7 +8,8 @@ namespace taut {
 // The algebra of rigid bonds. For bond k = (i, j): r = x_j − x_i, v_ij = v_j − v_i,
 //     σ = ½(|r|² − d²),   σ̇ = r·v_ij,   σ̈ = r·a_ij + |v_ij|²,
 // row k of J has −r at i and +r at j, and a constraint force is f_c = Jᵀλ.
-// Arrays over bonds are 3 × m or m, arrays over atoms 3 × n.
+// Arrays over bonds are 3 × m or m, arrays over atoms 3 × n. Arrays of all bonds have the one-sided ones
+// last.
 
 inline double sigma(const Vec3& r, double d) {
   return 0.5 * (r.squaredNorm() - d * d);
@@ -24,7 +25,8 @@ void add_constraint_force(const System& sys, const Vectors& r, const Eigen::Vect
 void add_constraint_acceleration(const System& sys, const Vectors& r, const Eigen::VectorXd& lambda,
                                  Vectors& y);
 
-// Tension of each bond, −λd [kJ/mol/nm], positive when it pulls its atoms together.
+// Tension of each bond that is held from both sides, −λd [kJ/mol/nm], positive when it pulls its atoms
+// together.
 Eigen::VectorXd tensions(const System& sys, const Eigen::VectorXd& lambda);
 
 // Largest |σ|/d² over the bonds and where it is (−1 without bonds). NaN counts as largest.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "constraints/elimination.hpp"
@@ -15,6 +16,7 @@ namespace taut {
 class DirectSolver {
  public:
   explicit DirectSolver(const System& sys);
+  DirectSolver(const System& sys, std::span<const RigidBond> bonds);
 
   // r: 3 × m bond vectors. Bonds whose pivot is below `threshold` of the diagonal depend on others: they get
   // λ = 0 and are named by dependent_bonds().

@@ -13,6 +13,7 @@ namespace {
 
 System with_bonds(System sys, bool wanted) {
   if (!wanted) sys.bonds.clear();
+  sys.one_sided.clear();
   return sys;
 }
 

@@ -1,6 +1,7 @@
 #include "constraints/methods.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -34,7 +35,7 @@ std::unique_ptr<ConstraintMethod> make(const System& sys, const std::any& option
 template <class Plain, class Fast = Plain, class Options = typename Plain::Options>
 MethodEntry entry(std::string_view name, std::string_view summary) {
   const auto describe = [](std::any& options) { return std::any_cast<Options&>(options).describe(); };
-  return {name, summary, Options{}, describe, make<Fast, Options>, make<Plain, Options>, false};
+  return {name, summary, Options{}, describe, make<Fast, Options>, make<Plain, Options>};
 }
 
 template <class Plain>
@@ -42,18 +43,23 @@ MethodEntry in_lanes(std::string_view name, std::string_view summary) {
   return entry<Plain, Batched<Plain>>(name, summary);
 }
 
+MethodEntry also_one_sided(MethodEntry entry) {
+  entry.one_sided = true;
+  return entry;
+}
+
 std::list<MethodEntry>& list() {
   static std::list<MethodEntry> methods = {
-      entry<Baumgarte, Batched<Baumgarte>, WithoutGains>(
-          "none", "constrained accelerations alone, no correction: shows the drift"),
+      also_one_sided(entry<Baumgarte, Batched<Baumgarte>, WithoutGains>(
+          "none", "constrained accelerations alone, no correction: shows the drift")),
       entry<Penalty>("penalty", "stiff springs in place of rigid bonds"),
-      in_lanes<Baumgarte>("baumgarte",
-                          "feedback on the bond error in the acceleration, one linear solve a step"),
+      also_one_sided(in_lanes<Baumgarte>(
+          "baumgarte", "feedback on the bond error in the acceleration, one linear solve a step")),
       in_lanes<Feedforward>("feedforward",
                             "Baumgarte with its truncation fed forward, mostly one linear solve a step"),
-      in_lanes<Shake>("shake", "sweeps over the bonds, positions only"),
-      in_lanes<Rattle>("rattle", "sweeps over the bonds, positions and velocities"),
-      in_lanes<Newton>("newton", "RATTLE by a direct solve of all bonds at once"),
+      also_one_sided(in_lanes<Shake>("shake", "sweeps over the bonds, positions only")),
+      also_one_sided(in_lanes<Rattle>("rattle", "sweeps over the bonds, positions and velocities")),
+      also_one_sided(in_lanes<Newton>("newton", "RATTLE by a direct solve of all bonds at once")),
       entry<MShake>("mshake",
                     "newton with the exact matrix of every iteration (M-SHAKE, ILVES): few, dear ones"),
       in_lanes<Lincs>("lincs", "the inverse of A expanded in powers, as GROMACS does"),
@@ -95,16 +101,28 @@ const MethodEntry& MethodOptions::method_with(const std::type_info& options) {
   return *std::ranges::find_if(methods(), has);
 }
 
+void MethodOptions::refuse_one_sided(const System& sys) const {
+  if (sys.one_sided.empty() || method_->one_sided) return;
+  std::vector<std::string_view> able;
+  for (const MethodEntry& method : methods())
+    if (method.one_sided) able.push_back(method.name);
+  throw InputError(
+      fmt::format("method \"{}\" holds no one-sided bonds (at_least, at_most), and there are {}: expected {}",
+                  name(), sys.one_sided.size(), fmt::join(able, ", ")));
+}
+
 std::unique_ptr<ConstraintMethod> MethodOptions::make(MethodEntry::Factory factory, const System& sys,
                                                       double h) const {
   if (!(h > 0)) throw InputError(fmt::format("a step of {} ps, expected more than 0", h));
   std::any values = values_;
   check(method_->describe(values));
+  refuse_one_sided(sys);
   return factory(sys, values_, h);
 }
 
 std::unique_ptr<ConstraintMethod> make_method(const System& sys, const MethodOptions& options, double h) {
-  return options.make(options.method().make, sys, h);
+  const MethodEntry& method = options.method();
+  return options.make(sys.one_sided.empty() ? method.make : method.make_plain, sys, h);
 }
 
 std::unique_ptr<ConstraintMethod> make_plain(const System& sys, const MethodOptions& options, double h) {

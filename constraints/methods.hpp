@@ -19,9 +19,10 @@ struct MethodEntry {
   std::string_view name, summary;  // as `taut methods` prints them
   std::any defaults;               // its Options
   std::vector<Option> (*describe)(std::any& options);
-  Factory make;        // what runs
-  Factory make_plain;  // the same to round-off, to read and to compare with
-  bool added = false;  // by add_method
+  Factory make;            // what runs
+  Factory make_plain;      // the same to round-off, to read and to compare with
+  bool added = false;      // by add_method
+  bool one_sided = false;  // its plain form holds one-sided bonds, too
 };
 
 // The one list of methods (constraints/README.md says how to add one).
@@ -54,6 +55,8 @@ class MethodOptions {
     return std::any_cast<Options>(&values_);
   }
 
+  // Throws InputError where the method would not hold all bonds.
+  void refuse_one_sided(const System& sys) const;
   std::unique_ptr<ConstraintMethod> make(MethodEntry::Factory factory, const System& sys, double h) const;
 
  private:
@@ -67,7 +70,7 @@ inline MethodOptions default_options(std::string_view name) {
   return MethodOptions(method_named(name));
 }
 
-// Both throw InputError for options out of range.
+// Both throw InputError for options out of range. With one-sided bonds both are the plain form.
 std::unique_ptr<ConstraintMethod> make_method(const System& sys, const MethodOptions& options, double h);
 std::unique_ptr<ConstraintMethod> make_plain(const System& sys, const MethodOptions& options, double h);
 

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
+#include "constraints/active_set.hpp"
 #include "constraints/direct_solver.hpp"
 #include "constraints/options.hpp"
 #include "md/constraint_method.hpp"
@@ -15,7 +17,7 @@ namespace taut {
 // a Newton iteration with the matrix of the old bond vectors in place of J(x)M⁻¹J(x_old)ᵀ: symmetric, and
 // each iteration gains a factor of the bonds' turning in the step. Velocities: A(x) g = −J v, exact.
 // Cost: one factorization a step (that of the velocities serves the next positions), one solve an iteration,
-// one for the velocities.
+// one for the velocities. With one-sided bonds each of the two linear systems becomes an ActiveSet.
 class Newton : public ConstraintMethod {
  public:
   struct Options {
@@ -54,10 +56,16 @@ class Newton : public ConstraintMethod {
   Vectors r_, r_old_;  // 3 × m, now and before the drift
 
  private:
+  bool solve_one_sided(const System& sys, const Vectors& r, SolveStats& stats);
+  SolveStats project_one_sided_velocities(const System& sys, double h, State& s);
+
   Options options_;
   DirectSolver solver_;
   bool factored_ = false;
-  Eigen::VectorXd g_, dg_, lambda_;  // m
+  Eigen::VectorXd g_, dg_, lambda_;      // m
+  std::optional<ActiveSet> active_set_;  // where there are one-sided bonds, whose working arrays follow
+  Eigen::VectorXd total_;
+  Vectors y_;
 };
 
 }  // namespace taut

@@ -6,7 +6,7 @@ Rattle::Rattle(const System& sys, const Options& options, double)
     : options_(options),
       positions_(sys, options),
       velocities_(sys, options),
-      g_(Eigen::VectorXd::Zero(sys.bond_count())),
+      g_(Eigen::VectorXd::Zero(sys.all_bonds())),
       lambda_(g_) {}
 
 SolveStats Rattle::project_positions(const System& sys, double h, State& s) {
@@ -24,7 +24,7 @@ SolveStats Rattle::project_velocities(const System& sys, double h, State& s) {
     g_ = 0.5 * h * lambda_;
   else
     g_.setZero();
-  const SolveStats stats = velocities_.run(sys, h, s, g_);
+  const SolveStats stats = velocities_.run(sys, h, s, lambda_, g_);
   lambda_ = 2 / h * g_;
   return stats;
 }

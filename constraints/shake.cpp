@@ -3,7 +3,7 @@
 namespace taut {
 
 Shake::Shake(const System& sys, const Options& options, double)
-    : options_(options), positions_(sys, options), g_(Eigen::VectorXd::Zero(sys.bond_count())), lambda_(g_) {}
+    : options_(options), positions_(sys, options), g_(Eigen::VectorXd::Zero(sys.all_bonds())), lambda_(g_) {}
 
 SolveStats Shake::project_positions(const System& sys, double h, State& s) {
   const SolveStats stats = positions_.run(sys, h, s, g_);  // warm: from the g of the step before

@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "constraints/active_set.hpp"
 #include "constraints/bond_algebra.hpp"
 
 namespace taut {
@@ -59,34 +60,37 @@ SolveStats repeat(const SweepLimits& limits, Failure failure, auto&& sweep) {
 }  // namespace
 
 PositionSweeps::PositionSweeps(const System& sys, SweepLimits limits)
-    : limits_(limits), r_old_(3, sys.bond_count()) {}
+    : limits_(limits), r_old_(3, sys.all_bonds()) {}
 
 SolveStats PositionSweeps::run(const System& sys, double h, State& s, Eigen::VectorXd& g) {
-  for (int k = 0; k < sys.bond_count(); ++k) {
-    const auto& [i, j, d] = sys.bonds[k];
+  for (int k = 0; k < sys.all_bonds(); ++k) {
+    const auto& [i, j, d] = sys.bond(k);
     r_old_.col(k) = s.x.col(j) - s.x.col(i) - h * (s.v.col(j) - s.v.col(i));
   }
   add_constraint_acceleration(sys, r_old_, g, s.x);
 
   const SolveStats stats = repeat(limits_, Failure::kNoConvergence, [&](double tolerance) {
     Residual residual;
-    for (int k = 0; k < sys.bond_count(); ++k) {
-      const auto& [i, j, d] = sys.bonds[k];
+    for (int k = 0; k < sys.all_bonds(); ++k) {
+      const auto& [i, j, d] = sys.bond(k);
       const Vec3 r = s.x.col(j) - s.x.col(i);
       const double sigma_k = sigma(r, d), relative = std::abs(sigma_k) / (d * d);
+      const int side = sys.side(k);
+      if (side * sigma_k > 0 && g[k] == 0) continue;  // slack
       residual.see(relative, k);
       if (relative <= tolerance) continue;
       const double along = r.dot(r_old_.col(k));
       if (!(along > 1e-6 * d * d)) return turned_too_far(k);
-      const double dg = -sigma_k / ((sys.inv_mass[i] + sys.inv_mass[j]) * along);
+      double dg = -sigma_k / ((sys.inv_mass[i] + sys.inv_mass[j]) * along);
+      if (side != 0) dg = one_sided(side, g[k] + dg) - g[k];
       s.x.col(i) -= sys.inv_mass[i] * dg * r_old_.col(k);
       s.x.col(j) += sys.inv_mass[j] * dg * r_old_.col(k);
       g[k] += dg;
     }
     return Sweep{residual};
   });
-  for (int k = 0; k < sys.bond_count(); ++k) {
-    const auto& [i, j, d] = sys.bonds[k];
+  for (int k = 0; k < sys.all_bonds(); ++k) {
+    const auto& [i, j, d] = sys.bond(k);
     const Vec3 dv = g[k] / h * r_old_.col(k);
     s.v.col(i) -= sys.inv_mass[i] * dv;
     s.v.col(j) += sys.inv_mass[j] * dv;
@@ -95,24 +99,29 @@ SolveStats PositionSweeps::run(const System& sys, double h, State& s, Eigen::Vec
 }
 
 VelocitySweeps::VelocitySweeps(const System& sys, SweepLimits limits)
-    : limits_(limits), r_(3, sys.bond_count()), inv_(sys.bond_count()) {}
+    : limits_(limits), r_(3, sys.all_bonds()), inv_(sys.all_bonds()) {}
 
-SolveStats VelocitySweeps::run(const System& sys, double h, State& s, Eigen::VectorXd& g) {
+SolveStats VelocitySweeps::run(const System& sys, double h, State& s, const Eigen::VectorXd& held,
+                               Eigen::VectorXd& g) {
   differences(sys, s.x, r_);
-  for (int k = 0; k < sys.bond_count(); ++k) {
-    const auto& [i, j, d] = sys.bonds[k];
+  for (int k = 0; k < sys.all_bonds(); ++k) {
+    const auto& [i, j, d] = sys.bond(k);
     inv_[k] = 1 / ((sys.inv_mass[i] + sys.inv_mass[j]) * r_.col(k).squaredNorm());
   }
+  for (int k = sys.bond_count(); k < sys.all_bonds(); ++k)
+    if (held[k] == 0) r_.col(k).setZero();
   add_constraint_acceleration(sys, r_, g, s.v);
 
   return repeat(limits_, Failure::kVelocitiesNoConvergence, [&](double tolerance) {
     Residual residual;
-    for (int k = 0; k < sys.bond_count(); ++k) {
-      const auto& [i, j, d] = sys.bonds[k];
+    for (int k = 0; k < sys.all_bonds(); ++k) {
+      const auto& [i, j, d] = sys.bond(k);
       const double rate = r_.col(k).dot(s.v.col(j) - s.v.col(i)), relative = std::abs(rate) * h / (d * d);
+      if (sys.side(k) * rate > 0 && g[k] == 0) continue;  // parting
       residual.see(relative, k);
       if (relative <= tolerance) continue;
-      const double dg = -rate * inv_[k];
+      double dg = -rate * inv_[k];
+      if (sys.side(k) != 0) dg = one_sided(sys.side(k), g[k] + dg) - g[k];
       s.v.col(i) -= sys.inv_mass[i] * dg * r_.col(k);
       s.v.col(j) += sys.inv_mass[j] * dg * r_.col(k);
       g[k] += dg;

@@ -27,6 +27,8 @@ struct SweepLimits {
 //     σ + g (1/m_i + 1/m_j) r_old·r = 0.
 // Stops where every |σ|/d² ≤ tolerance, or after so many sweeps as asked for. Fails where a bond has turned
 // by 90° within the step (r_old·r ≤ 0, no g along r_old can mend it), or sweeps run out.
+// The g of a one-sided bond stays on its side (projected Gauss–Seidel: Jourdan, Alart, Jean 1998,
+// doi:10.1016/S0045-7825(97)00137-0): a strut that has g = 0 and σ ≥ 0 is slack.
 class PositionSweeps {
  public:
   PositionSweeps(const System& sys, SweepLimits limits);
@@ -41,11 +43,15 @@ class PositionSweeps {
 
 // Velocities (Andersen 1983, doi:10.1016/0021-9991(83)90014-1): v += M⁻¹Jᵀ g with r·v_ij = 0 on every bond.
 // Stops where every |r·v_ij| h/d² ≤ tolerance: what the bond would stretch in one step, relatively.
+// One-sided bonds that held the positions (whose λ there is not 0) keep their atoms from coming on, and let
+// them part: a touch takes the velocity along the bond, which is Newton's law of impact without rebound
+// (Moreau 1988, doi:10.1007/978-3-7091-2624-0_1), and never makes energy (constraints/README.md).
 class VelocitySweeps {
  public:
   VelocitySweeps(const System& sys, SweepLimits limits);
 
-  SolveStats run(const System& sys, double h, State& s, Eigen::VectorXd& g);
+  // held: λ of the positions.
+  SolveStats run(const System& sys, double h, State& s, const Eigen::VectorXd& held, Eigen::VectorXd& g);
 
  private:
   SweepLimits limits_;

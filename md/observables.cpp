@@ -41,10 +41,12 @@ double temperature(double kinetic, int dof) {
 BondErrors bond_errors(const System& sys, const Vectors& x) {
   BondErrors e;
   double sum = 0;
-  for (int k = 0; k < sys.bond_count(); ++k) {
-    const auto& [i, j, d] = sys.bonds[k];
-    const double error = std::abs((x.col(j) - x.col(i)).norm() - d) / d;
-    sum += error * error;
+  for (int k = 0; k < sys.all_bonds(); ++k) {
+    const auto& [i, j, d] = sys.bond(k);
+    const double off = (x.col(j) - x.col(i)).norm() - d;
+    if (sys.side(k) * off > 0) continue;  // slack
+    const double error = std::abs(off) / d;
+    if (k < sys.bond_count()) sum += error * error;
     if (worse(error, e.max)) {
       e.max = error;
       e.worst = k;

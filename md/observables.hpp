@@ -30,9 +30,9 @@ DegreesOfFreedom degrees_of_freedom(const System& sys, int rank, bool momentum_f
 double temperature(double kinetic, int dof);  // 2E/(dof·k) [K]; 0 for no degrees of freedom
 
 struct BondErrors {
-  double max = 0;  // largest ||r|−d|/d; a NaN is larger than any
-  double rms = 0;  // root mean square of the same
-  int worst = -1;  // the bond of the largest, -1 without bonds
+  double max = 0;  // largest ||r|−d|/d, of one-sided bonds where they are passed; a NaN is larger than any
+  double rms = 0;  // root mean square of the same, of bonds held from both sides
+  int worst = -1;  // the bond of the largest (System::bond), -1 without bonds
 };
 BondErrors bond_errors(const System& sys, const Vectors& x);
 

@@ -34,7 +34,7 @@ Diagnosis diagnose(const System& sys, const State& s, const SolveStats& stats, l
   d.advice = advice(stats.failure);
   if (stats.worst_bond >= 0) {
     d.bond = stats.worst_bond;
-    d.held = sys.bonds[d.bond];
+    d.held = sys.bond(d.bond);
     d.length = (s.x.col(d.held.j) - s.x.col(d.held.i)).norm();
   }
   Eigen::Index atom = 0;

@@ -12,11 +12,46 @@
 namespace taut {
 namespace {
 
-void check_atom(const Eigen::VectorXd& mass, int a, int bond) {
-  if (a < 0 || a >= mass.size())
-    throw InputError(fmt::format("bond {}: atom {} is out of range, the system has atoms 0 to {}", bond, a,
-                                 mass.size() - 1));
+// A bond under test, and what to call it.
+struct Tested {
+  const char* name;
+  int k;
+  RigidBond bond;
+
+  [[noreturn]] void refuse(const std::string& what) const {
+    throw InputError(fmt::format("{} {} ({}-{}): {}", name, k, bond.i, bond.j, what));
+  }
+};
+
+void check_bond(const Eigen::VectorXd& mass, const std::vector<bool>& is_site, const Tested& tested) {
+  const auto& [name, k, bond] = tested;
+  const auto& [i, j, length] = bond;
+  for (const int a : {i, j})
+    if (a < 0 || a >= mass.size())
+      throw InputError(fmt::format("{} {}: atom {} is out of range, the system has atoms 0 to {}", name, k, a,
+                                   mass.size() - 1));
+  if (i == j) throw InputError(fmt::format("{} {}: ties atom {} to itself", name, k, i));
+  if (!(length > 0) || !std::isfinite(length))
+    tested.refuse(fmt::format("length {} nm, expected more than 0", length));
+  if (is_site[i] || is_site[j])
+    tested.refuse(fmt::format("atom {} is a virtual site, expected atoms that move", is_site[i] ? i : j));
+  if (mass[i] == 0 && mass[j] == 0) tested.refuse("both ends are anchored (mass 0)");
 }
+
+// No two on one pair, but for a strut beside a rope.
+class PairsSeen {
+ public:
+  void add(const Tested& tested, Side side) {
+    auto& on_pair = seen_[std::minmax(tested.bond.i, tested.bond.j)];
+    for (const auto& [other, its_side] : on_pair)
+      if (side == its_side || side == Side::kBoth || its_side == Side::kBoth)
+        tested.refuse(fmt::format("repeats {} {}, two bonds on the same pair", other.name, other.k));
+    on_pair.push_back({tested, side});
+  }
+
+ private:
+  std::map<std::pair<int, int>, std::vector<std::pair<Tested, Side>>> seen_;
+};
 
 // Parents that are there, no sites and each another; weights to OpenMM's 1e-6.
 void check_parents(const VirtualSite& site, const std::vector<bool>& is_site) {
@@ -68,36 +103,29 @@ int System::anchors() const {
   return static_cast<int>((mass.array() == 0).count() - std::ssize(sites));
 }
 
-System make_system(Eigen::VectorXd mass, std::vector<RigidBond> bonds, VirtualSites sites) {
+System make_system(Eigen::VectorXd mass, std::vector<RigidBond> bonds, VirtualSites sites,
+                   std::vector<OneSidedBond> one_sided) {
   for (Eigen::Index a = 0; a < mass.size(); ++a)
     if (!(mass[a] >= 0) || !std::isfinite(mass[a]))
       throw InputError(
           fmt::format("atom {}: mass {} u, expected a positive number, or 0 for an anchor", a, mass[a]));
 
   const std::vector<bool> is_site = checked_sites(mass, sites);
-  std::map<std::pair<int, int>, int> seen;
-  for (int k = 0; k < static_cast<int>(bonds.size()); ++k) {
-    const auto& [i, j, length] = bonds[k];
-    check_atom(mass, i, k);
-    check_atom(mass, j, k);
-    if (i == j) throw InputError(fmt::format("bond {}: ties atom {} to itself", k, i));
-    if (!(length > 0) || !std::isfinite(length))
-      throw InputError(fmt::format("bond {} ({}-{}): length {} nm, expected more than 0", k, i, j, length));
-    if (is_site[i] || is_site[j])
-      throw InputError(fmt::format("bond {} ({}-{}): atom {} is a virtual site, expected atoms that move", k,
-                                   i, j, is_site[i] ? i : j));
-    if (mass[i] == 0 && mass[j] == 0)
-      throw InputError(fmt::format("bond {} ({}-{}): both ends are anchored (mass 0)", k, i, j));
-    const auto [first, fresh] = seen.try_emplace(std::minmax(i, j), k);
-    if (!fresh)
-      throw InputError(fmt::format("bond {} ({}-{}): repeats bond {}, two bonds on the same pair", k, i, j,
-                                   first->second));
+  PairsSeen seen;
+  for (int k = 0; k < std::ssize(bonds); ++k) {
+    check_bond(mass, is_site, {"bond", k, bonds[k]});
+    seen.add({"bond", k, bonds[k]}, Side::kBoth);
+  }
+  for (int k = 0; k < std::ssize(one_sided); ++k) {
+    check_bond(mass, is_site, {"one-sided bond", k, one_sided[k]});
+    seen.add({"one-sided bond", k, one_sided[k]}, one_sided[k].side);
   }
 
   System sys;
   sys.inv_mass = mass.unaryExpr([](double m) { return m == 0 ? 0.0 : 1 / m; });
   sys.mass = std::move(mass);
   sys.bonds = std::move(bonds);
+  sys.one_sided = std::move(one_sided);
   sys.sites = std::move(sites);
   std::ranges::sort(sys.sites, {}, &VirtualSite::atom);
   return sys;

@@ -276,6 +276,10 @@ std::vector<ShapeCourse> courses_of_shapes(const System& sys, const std::vector<
 Calibration calibrate(const Scene& scene, const CalibrationPlan& plan) {
   if (scene.system.bonds.empty())
     throw InputError(fmt::format("{}: has no bonds to calibrate on", scene.name));
+  if (!scene.system.one_sided.empty())
+    throw InputError(fmt::format(
+        "{}: has one-sided bonds (at_least, at_most), whose touches no gain copies: take them out",
+        scene.name));
   const Damping damping = damping_named(plan.damping);
   const double h = scene.run.h();
   Calibration c;

@@ -47,6 +47,17 @@ void check_barostat(const TomlTable& run, const Scene& scene) {
              "key out");
 }
 
+// What does not know of struts and ropes.
+void check_one_sided(const TomlTable& run, const TomlTable& method, const Scene& scene) {
+  if (scene.run.minimise)
+    run.fail("minimise", "moves atoms through one-sided bonds (build.at_least, build.at_most): leave it out");
+  try {
+    scene.method.refuse_one_sided(scene.system);
+  } catch (const InputError& e) {
+    method.fail("name", e.what());
+  }
+}
+
 void read_run(const TomlTable& table, RunSettings& run) {
   table.read("dt_fs", run.dt_fs, {"length of a step", "fs", kPositive});
   table.read("steps", run.steps, {"how many steps", "", kNotNegative});
@@ -171,6 +182,7 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
                         of_file.velocities == "draw",
                     scene);
   check_barostat(run_keys, scene);
+  if (!scene.system.one_sided.empty()) check_one_sided(run_keys, root.section("method"), scene);
   build_keys.reject_unknown();
   forcefield_keys.reject_unknown();
   // Refuses what does not fit together while the file is known.

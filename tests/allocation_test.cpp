@@ -91,6 +91,14 @@ TEST_P(EveryMethod, AllocatesNothingInAStep) {
     starts.push_back(testing::free_chain(1502, 2));
     starts.push_back(anchored);
   }
+  if (method_named(GetParam()).one_sided) {
+    testing::Start cramped = testing::free_chain(21, 6);
+    for (int a = 2; a < 21; ++a) cramped.system.one_sided.push_back({{0, a, 1}, Side::kAtLeast});
+    for (int a = 3; a < 21; ++a) cramped.system.one_sided.push_back({{1, a, 19}, Side::kAtMost});
+    cramped.state.x.row(0).setLinSpaced(0, 20 * std::cos(0.5));
+    for (int a = 0; a < 21; ++a) cramped.state.x(1, a) = (a % 2) * std::sin(0.5), cramped.state.x(2, a) = 0;
+    starts.push_back(cramped);
+  }
   for (auto& [system, s] : starts) {
     const double h = system.bond_count() == 63 ? 1e-3 : 2e-3;
     testing::NoForce forces;

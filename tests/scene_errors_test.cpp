@@ -172,6 +172,42 @@ TEST(SceneErrors, AtomsAndBonds) {
             "scene.toml:14: build.velocities: expected one for each atom");
 }
 
+TEST(SceneErrors, StrutsRopesAndSprings) {
+  const SceneText good;
+  const auto with = [&](const std::string& line) {
+    return complaint(good.with("pulls", line + "\npulls").text);
+  };
+  EXPECT_EQ(with("at_least = [[0, 2, 2]]\nat_most = [[0, 2, 2]]\nsprings = [[0, 2, 1, 5]]"), "no error");
+  EXPECT_EQ(
+      with("at_least = [[0, 2, 1], [0, 2, 2.5]]"),
+      "scene.toml:14: build.at_least[1]: one-sided bond 1 (0-2): repeats one-sided bond 0, two bonds on "
+      "the same pair");
+  EXPECT_EQ(
+      with("at_least = [[0, 2, 2.5]]"),
+      "scene.toml:14: build.at_least[0]: atoms 0 and 2 stand 2 nm apart at the start, less than the 2.5 "
+      "nm of this strut: move them, or change the length");
+  EXPECT_EQ(
+      with("at_least = [[0, 2, 1]]\nat_most = [[0, 2, 1.5]]"),
+      "scene.toml:15: build.at_most[0]: atoms 0 and 2 stand 2 nm apart at the start, more than the 1.5 nm "
+      "of this rope: move them, or change the length");
+  EXPECT_EQ(with("at_most = [[0, 2, 3], [0, 1, 1]]"),
+            "scene.toml:14: build.at_most[1]: one-sided bond 1 (0-1): repeats bond 0, two bonds on the same "
+            "pair");
+  EXPECT_EQ(with("springs = [[0, 3, 1, 5]]"), "scene.toml:14: build.springs[0]: there is no such atom");
+  EXPECT_EQ(with("springs = [[0, 0, 1, 5]]"), "scene.toml:14: build.springs[0]: ties an atom to itself");
+  EXPECT_EQ(with("springs = [[0, 1, 1, -5]]"),
+            "scene.toml:14: build.springs[0]: expected a length and a stiffness of 0 or more");
+  const auto rope = good.with("pulls", "at_most = [[0, 2, 3]]\npulls");
+  EXPECT_EQ(
+      complaint(rope.text, {"method.name=lincs"}),
+      "--set method.name=lincs: method.name: method \"lincs\" holds no one-sided bonds (at_least, at_most), and there "
+      "are 1: expected none, baumgarte, shake, rattle, newton");
+  EXPECT_EQ(
+      complaint(rope.with("steps = 20", "minimise = true").text),
+      "scene.toml:18: run.minimise: moves atoms through one-sided bonds (build.at_least, build.at_most): "
+      "leave it out");
+}
+
 TEST(SceneErrors, CountsAndLengths) {
   EXPECT_EQ(complaint(kMelt, {"run.steps=0"}), "no error");
   const auto with = [](const char* old, const char* changed) {
@@ -209,8 +245,8 @@ TEST(SceneErrors, Overrides) {
   EXPECT_EQ(complaint(good, {"rum.dt_fs=2"}),
             "--set rum.dt_fs=2: unknown section \"rum\"; did you mean \"run\"?");
   EXPECT_EQ(complaint(good, {"build.molecules=2"}),
-            "--set build.molecules=2: unknown key \"molecules\" in [build]; expected one of atoms, bonds, "
-            "gravity_nm_ps2, kind, pulls, start, velocities");
+            "--set build.molecules=2: unknown key \"molecules\" in [build]; expected one of at_least, "
+            "at_most, atoms, bonds, gravity_nm_ps2, kind, pulls, springs, start, velocities");
   EXPECT_EQ(complaint(good, {"run.steps"}), "--set run.steps: expected key=value, such as run.dt_fs=2");
   EXPECT_EQ(complaint(good, {"=3"}), "--set =3: expected key=value, such as run.dt_fs=2");
   EXPECT_EQ(complaint(good, {"a b=3"}), "--set a b=3: expected key=value, such as run.dt_fs=2");

@@ -60,6 +60,14 @@ void refuse_own_fields(const Terms& terms) {
                                  terms.own.front()->name()));
 }
 
+void refuse_one_sided_bonds(const System& sys) {
+  if (sys.one_sided.empty()) return;
+  const OneSidedBond& bond = sys.one_sided.front();
+  throw InputError(fmt::format(
+      "OpenMM cannot express it: one-sided bond 0 ({}-{}), and OpenMM's constraints hold from both sides",
+      bond.i, bond.j));
+}
+
 void refuse_bonds_to_anchors(const System& sys) {
   for (int k = 0; k < sys.bond_count(); ++k) {
     const auto& [i, j, length] = sys.bonds[k];
@@ -274,6 +282,7 @@ std::string whole_file(const char* type, auto fill) {
 
 std::string openmm_system_xml(const OpenMMInput& from) {
   refuse_bonds_to_anchors(from.system);
+  refuse_one_sided_bonds(from.system);
   refuse_own_fields(from.terms);
   return whole_file("System", [&](Node root) {
     write_box(root, from.start.box);
