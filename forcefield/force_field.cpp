@@ -14,8 +14,12 @@
 #include "forcefield/pme/parameters.hpp"
 #include "forcefield/pme/pme.hpp"
 #include "md/errors.hpp"
+#include "md/shares.hpp"
 
 namespace taut {
+namespace {
+constexpr int kAtomsOfThread = 8000;  // fewer are not worth waking a thread for
+}
 
 struct ForceField::Impl {
   Terms terms;
@@ -64,7 +68,9 @@ struct ForceField::Impl {
   void evaluate(const System& sys, const State& s, Vectors& f) {
     if (s.box != box) change_box(s.box);
     const Vectors& x = s.x;
-    f.setZero(3, x.cols());
+    f.resize(3, x.cols());
+    in_shares(static_cast<int>(x.cols()), kAtomsOfThread,
+              [&](const Share& share) { f.middleCols(share.begin, share.end - share.begin).setZero(); });
     outer.clear();
     bonded.add_forces(x, f);
     if (terms.gravity) outer.emplace_back("gravity", add_gravity(*terms.gravity, sys.mass, x, f));

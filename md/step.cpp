@@ -1,8 +1,6 @@
 #include "md/step.hpp"
 
-#include <algorithm>
-
-#include "md/threads.hpp"
+#include "md/shares.hpp"
 
 namespace taut {
 namespace {
@@ -10,11 +8,8 @@ namespace {
 // work(first, count) of all atoms, by threads.
 void by_atoms(Eigen::Index atoms, const auto& work) {
   constexpr int kAtomsOfThread = 2000;  // fewer are not worth waking a thread for
-  const int all = static_cast<int>(atoms), threads = std::clamp(all / kAtomsOfThread, 1, available_threads());
-  in_parallel(threads, [&](int t) {
-    const Share share(all, t, threads);
-    work(share.begin, share.end - share.begin);
-  });
+  in_shares(static_cast<int>(atoms), kAtomsOfThread,
+            [&](const Share& share) { work(share.begin, share.end - share.begin); });
 }
 
 }  // namespace

@@ -1,5 +1,12 @@
 #include "md/threads.hpp"
 
+#include <time.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "md/thread_meter.hpp"
+
 #ifdef _OPENMP
 #include <omp.h>
 
@@ -7,10 +14,21 @@
 #endif
 
 namespace taut {
+namespace {
+
+double processor_time() {  // of this thread [s]
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
+}
+
+// Of the one meter there is.
+bool metered = false;
+ThreadAccount total;
+double serial_since = 0;
+std::vector<double> spent;  // by thread, in the region at hand
 
 #ifdef _OPENMP
-
-namespace {
 // OpenMP's own default is every core.
 bool one_unless_asked() {
   if (!std::getenv("OMP_NUM_THREADS")) omp_set_num_threads(1);
@@ -20,7 +38,42 @@ void start() {
   static const bool started = one_unless_asked();
   static_cast<void>(started);
 }
+#endif
+
+void run(int threads, void (*work)(const void*, int), const void* argument) {
+#ifdef _OPENMP
+#pragma omp parallel num_threads(threads)
+  for (int t = omp_get_thread_num(); t < threads; t += omp_get_num_threads()) work(argument, t);
+#else
+  for (int t = 0; t < threads; ++t) work(argument, t);
+#endif
+}
+
+struct Metered {
+  void (*work)(const void*, int);
+  const void* argument;
+
+  static void run(const void* self, int t) {
+    const auto& [work, argument] = *static_cast<const Metered*>(self);
+    const double start = processor_time();
+    work(argument, t);
+    spent[t] = processor_time() - start;
+  }
+};
+
+void run_metered(int threads, const Metered& work) {
+  total.serial += processor_time() - serial_since;
+  spent.assign(threads, 0);
+  run(threads, Metered::run, &work);
+  ++total.regions;
+  total.longest += *std::max_element(spent.begin(), spent.end());
+  for (const double s : spent) total.busy += s;
+  serial_since = processor_time();
+}
+
 }  // namespace
+
+#ifdef _OPENMP
 
 int available_threads() {
   start();
@@ -32,11 +85,6 @@ void use_threads(int threads) {
   omp_set_num_threads(threads);
 }
 
-void detail::run_on_threads(int threads, void (*work)(const void*, int), const void* argument) {
-#pragma omp parallel num_threads(threads)
-  for (int t = omp_get_thread_num(); t < threads; t += omp_get_num_threads()) work(argument, t);
-}
-
 #else
 
 int available_threads() {
@@ -45,10 +93,24 @@ int available_threads() {
 
 void use_threads(int) {}
 
+#endif
+
 void detail::run_on_threads(int threads, void (*work)(const void*, int), const void* argument) {
-  for (int t = 0; t < threads; ++t) work(argument, t);
+  metered ? run_metered(threads, {work, argument}) : run(threads, work, argument);
 }
 
-#endif
+ThreadMeter::ThreadMeter() {
+  total = {};
+  metered = true;
+  serial_since = processor_time();
+}
+ThreadMeter::~ThreadMeter() {
+  metered = false;
+}
+ThreadAccount ThreadMeter::account() const {
+  ThreadAccount so_far = total;
+  so_far.serial += processor_time() - serial_since;
+  return so_far;
+}
 
 }  // namespace taut

@@ -198,6 +198,11 @@ TEST(Pme, IsTheSameBitsOnAnyNumberOfThreads) {
   Salt salt(0, 9);
   salt.nb.cutoff = 0.05;
   salt.nb.pme = PmeParameters{.alpha = 4};
+  salt.nb.exceptions.clear();
+  for (int first = 0; first + 4 <= salt.x.cols(); first += 4)
+    for (int i = first; i < first + 4; ++i)
+      for (int j = i + 1; j < first + 4; ++j) salt.nb.exceptions.push_back({i, j, 0.0, 0.2, 0.0});
+  ASSERT_GT(salt.nb.exceptions.size(), 1024u);  // enough for two threads
   const auto once = evaluate({.nonbonded = salt.nb}, salt.x, salt.box);
   EXPECT_GT(once.f.norm(), 0);
   on_one_to_three_threads([&] {

@@ -8,12 +8,15 @@
 #include <numeric>
 
 #include "md/errors.hpp"
+#include "md/shares.hpp"
 
 namespace taut {
 namespace {
 
 constexpr int kBuildsPerSurvey = 100;  // how often the density is looked at again
 constexpr double kFarthest = 1e15;     // columns
+constexpr int kAtomsOfThread = 400;    // fewer are not worth waking a thread for
+constexpr int kColumnsOfThread = 8;
 
 std::uint64_t mix(std::int64_t a, std::int64_t b, std::int64_t c = 0) {
   const std::uint64_t h = (std::uint64_t(a) * 0x9E3779B97F4A7C15u) ^
@@ -117,11 +120,12 @@ void AtomClusters::serialize(Archive& archive) {
   }
 }
 
-AtomClusters::Place AtomClusters::locate(int a, const Vec3& x) const {
+// Not where the atom has run away.
+std::optional<AtomClusters::Place> AtomClusters::locate(const Vec3& wrapped) const {
   Place place;
   for (int d = 0; d < 2; ++d) {
-    const double c = std::floor((x[d] + wrap_[a][d]) / width_[d]);
-    if (!(std::abs(c) < kFarthest)) ran_away(a, x[d]);
+    const double c = std::floor(wrapped[d] / width_[d]);
+    if (!(std::abs(c) < kFarthest)) return {};
     place[d] = static_cast<std::int64_t>(c);
     if (layout_.periodic)
       place[d] = std::clamp<std::int64_t>(place[d], 0, count_[d] - 1);  // rounding on a wall
@@ -135,76 +139,98 @@ std::size_t AtomClusters::table_entry(const Place& place) const {
   return e;
 }
 
+// What goes by threads gives the same on any number of them.
 void AtomClusters::build(const Vectors& x, const Box& box) {
   const int n = static_cast<int>(x.cols());
   if (layout_.periodic) box_ = box;
   choose_columns(x);
   if (!layout_.periodic) leave_gaps_out(x);
+  wrap_.resize(n);
+  wrapped_.resize(n);
+  place_.resize(n);
+  in_shares(n, kAtomsOfThread, [&](const Share& atoms) {
+    for (int a = atoms.begin; a < atoms.end; ++a) {
+      if (!layout_.present[a]) continue;
+      wrap_[a] = offset_of(x.col(a));
+      wrapped_[a] = x.col(a) + wrap_[a];
+      place_[a] = locate(wrapped_[a]);
+    }
+  });
+  find_columns(x);
+  fill_columns();
+  in_shares(static_cast<int>(columns_.size()), kColumnsOfThread, [&](const Share& columns) {
+    for (int c = columns.begin; c < columns.end; ++c) bring_near(columns_[c]);
+  });
+  int clusters = 0;
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    next_[c] = clusters;
+    for (int e = columns_[c].begin; e < columns_[c].end; ++e) clusters += entries_[e].first;
+  }
+  make_room(clusters);
+  in_shares(static_cast<int>(columns_.size()), kColumnsOfThread, [&](const Share& columns) {
+    for (int c = columns.begin; c < columns.end; ++c) cut(columns_[c], next_[c]);
+  });
+}
+
+// The occupied columns, in the order of the grid.
+void AtomClusters::find_columns(const Vectors& x) {
+  const int n = static_cast<int>(x.cols());
   columns_.clear();
   table_.assign(std::bit_ceil(2 * std::size_t(n) + 1), -1);
   column_of_.assign(n, -1);
-  wrap_.resize(n);
-  wrapped_.resize(n);
   for (int a = 0; a < n; ++a) {
     if (!layout_.present[a]) continue;
-    wrap_[a] = offset_of(x.col(a));
-    const Place place = locate(a, x.col(a));
-    wrapped_[a] = x.col(a) + wrap_[a];
-    int& column = table_[table_entry(place)];
+    if (!place_[a]) ran_away(a, x.col(a).cwiseAbs().maxCoeff());
+    int& column = table_[table_entry(*place_[a])];
     if (column < 0) {
       column = static_cast<int>(columns_.size());
-      columns_.push_back({place, 0, 0});
+      columns_.push_back({*place_[a], 0, 0});
     }
     column_of_[a] = column;
     ++columns_[column].end;  // counts atoms for now
   }
-  sort_columns();
-
-  atom_.clear();
-  offset_.clear();
-  slot_of_.assign(n, -1);
-  for (Column& column : columns_) {
-    const int end = column.end;
-    int first = column.begin;
-    column.begin = count();
-    while (first < end) {
-      const int next = first + bring_near(first, end);
-      cut(first, next);
-      first = next;
-    }
-    column.end = count();
-  }
-}
-
-// Columns in the order of the grid, and their atoms by z. Ends with begin and end counting entries.
-void AtomClusters::sort_columns() {
   order_.resize(columns_.size());
   std::iota(order_.begin(), order_.end(), 0);
   std::sort(order_.begin(), order_.end(),
             [&](int a, int b) { return columns_[a].place < columns_[b].place; });
   rank_.resize(columns_.size());
   unsorted_ = columns_;
-  int begin = 0;
-  next_.resize(columns_.size());
   for (std::size_t r = 0; r < order_.size(); ++r) {
     rank_[order_[r]] = static_cast<int>(r);
     columns_[r] = unsorted_[order_[r]];
-    next_[r] = columns_[r].begin = begin;
-    begin = columns_[r].end += begin;
   }
   for (int& column : table_)
     if (column >= 0) column = rank_[column];
+}
+
+// Ends with begin and end counting entries.
+void AtomClusters::fill_columns() {
+  next_.resize(columns_.size());
+  int begin = 0;
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    next_[c] = columns_[c].begin = begin;
+    begin = columns_[c].end += begin;
+  }
   entries_.resize(begin);
   for (std::size_t a = 0; a < column_of_.size(); ++a)
-    if (column_of_[a] >= 0) entries_[next_[rank_[column_of_[a]]]++] = {wrapped_[a][2], static_cast<int>(a)};
-  for (const Column& column : columns_)
-    std::sort(entries_.begin() + column.begin, entries_.begin() + column.end,
-              [](const Entry& a, const Entry& b) { return a.z != b.z ? a.z < b.z : a.atom < b.atom; });
+    if (column_of_[a] >= 0)
+      entries_[next_[rank_[column_of_[a]]]++] = {wrapped_[a][2], static_cast<int>(a), false};
+}
+
+// A column's atoms by z, and cluster by cluster.
+void AtomClusters::bring_near(const Column& column) {
+  std::sort(entries_.begin() + column.begin, entries_.begin() + column.end,
+            [](const Entry& a, const Entry& b) { return a.z != b.z ? a.z < b.z : a.atom < b.atom; });
+  for (int first = column.begin; first < column.end;) {
+    const int taken = take_near(first, column.end);
+    entries_[first].first = true;
+    first += taken;
+  }
 }
 
 // The next cluster, of the entries left: the lowest and, three times, of the next few the one nearest to the
 // middle of those taken, none of them too high. Says how many there are. What is left stays in its order.
-int AtomClusters::bring_near(int first, int end) {
+int AtomClusters::take_near(int first, int end) {
   constexpr int kFew = 6;
   const double highest = entries_[first].z + tallest();
   const auto place = [&](int e) -> const Vec3& { return wrapped_[entries_[e].atom]; };
@@ -227,23 +253,35 @@ int AtomClusters::bring_near(int first, int end) {
   return kClusterAtoms;
 }
 
-// Clusters of the entries begin .. end.
-void AtomClusters::cut(int begin, int end) {
-  for (; begin < end; begin += kClusterAtoms) {
-    const int last = std::min(end, begin + kClusterAtoms);
+void AtomClusters::make_room(int clusters) {
+  atom_.resize(std::size_t(kClusterAtoms) * clusters);
+  offset_.resize(atom_.size());
+  slot_of_.assign(wrap_.size(), -1);
+}
+
+// Clusters of a column's entries, from `cluster` on. Ends with its begin and end counting clusters.
+void AtomClusters::cut(Column& column, int cluster) {
+  const int begin = cluster;
+  for (int e = column.begin; e < column.end; ++cluster) {
+    int last = e + 1;
+    while (last < column.end && !entries_[last].first) ++last;
+    int slot = kClusterAtoms * cluster;
     for (const bool first : {true, false})
-      for (int e = begin; e < last; ++e) {
-        const int a = entries_[e].atom;
+      for (int k = e; k < last; ++k) {
+        const int a = entries_[k].atom;
         if (bool(layout_.first[a]) != first) continue;
-        slot_of_[a] = slots();
-        atom_.push_back(a);
-        offset_.push_back(wrap_[a]);
+        slot_of_[a] = slot;
+        atom_[slot] = a;
+        offset_[slot++] = wrap_[a];
       }
-    while (slots() % kClusterAtoms != 0) {
-      atom_.push_back(atom_.back());
-      offset_.push_back(offset_.back());
+    for (; slot % kClusterAtoms != 0; ++slot) {
+      atom_[slot] = atom_[slot - 1];
+      offset_[slot] = offset_[slot - 1];
     }
+    e = last;
   }
+  column.begin = begin;
+  column.end = cluster;
 }
 
 void AtomClusters::build_in_order(const Vectors& x) {
@@ -251,12 +289,11 @@ void AtomClusters::build_in_order(const Vectors& x) {
   wrap_.assign(n, Vec3::Zero());
   entries_.clear();
   for (int a = 0; a < n; ++a)
-    if (layout_.present[a]) entries_.push_back({0, a});
-  atom_.clear();
-  offset_.clear();
-  slot_of_.assign(n, -1);
-  cut(0, static_cast<int>(entries_.size()));
-  columns_.assign(1, {{0, 0}, 0, count()});
+    if (layout_.present[a]) entries_.push_back({0, a, entries_.size() % kClusterAtoms == 0});
+  const int atoms = static_cast<int>(entries_.size());
+  make_room((atoms + kClusterAtoms - 1) / kClusterAtoms);
+  columns_.assign(1, {{0, 0}, 0, atoms});
+  cut(columns_[0], 0);
 }
 
 // A cluster moved by s meets another where that one moved by −s meets it: of the two, taken is the one that

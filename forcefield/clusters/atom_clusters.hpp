@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "md/archive.hpp"
@@ -72,6 +73,7 @@ class AtomClusters {
   struct Entry {
     double z;
     int atom;
+    bool first;  // of a cluster
   };
 
   // Between gaps, along an axis: atoms from `begin` on are moved by `offset` [nm].
@@ -85,12 +87,15 @@ class AtomClusters {
   void choose_columns(const Vectors& x);
   double crowded_volume(const Vectors& x);
   Vec3 offset_of(const Vec3& x) const;
-  Place locate(int a, const Vec3& x) const;
+  std::optional<Place> locate(const Vec3& wrapped) const;
   void meet(const Column& column, const Vec3& steps, std::vector<Neighbour>& out) const;
   std::size_t table_entry(const Place& place) const;
-  void sort_columns();
-  int bring_near(int first, int end);
-  void cut(int begin, int end);
+  void find_columns(const Vectors& x);
+  void fill_columns();
+  void bring_near(const Column& column);
+  int take_near(int first, int end);
+  void make_room(int clusters);
+  void cut(Column& column, int cluster);
 
   Layout layout_;
   Box box_;
@@ -102,9 +107,10 @@ class AtomClusters {
   std::vector<bool> marked_;
   std::array<std::vector<Stretch>, 3> stretches_;
   std::vector<double> along_;
-  std::vector<int> column_of_;  // by atom
-  std::vector<Vec3> wrap_;      // by atom: what moves it into the box
+  std::vector<int> column_of_;  // by atom, as what follows
+  std::vector<Vec3> wrap_;      // what moves it into the box
   std::vector<Vec3> wrapped_;   // where it is then
+  std::vector<std::optional<Place>> place_;
   std::vector<int> rank_, order_, next_;
   std::vector<Entry> entries_;
   std::vector<int> atom_;

@@ -23,18 +23,22 @@ std::uint16_t met_once(const AtomClusters& clusters, int cluster) {
 
 }  // namespace
 
-void SearchSpace::find_bounds() {
-  const int n = clusters.count();
+void SearchSpace::make_room() {
   reach = x.safely(range);
-  for (int d = 0; d < 3; ++d) {
-    low[d].assign(n + kWidest, std::numeric_limits<float>::max());
-    high[d].assign(n + kWidest, std::numeric_limits<float>::max());
-    for (int c = 0; c < n; ++c) {
+  for (auto* bounds : {&low, &high})
+    for (auto& along : *bounds) {
+      along.resize(clusters.count() + kWidest);
+      std::fill_n(along.end() - kWidest, kWidest, std::numeric_limits<float>::max());
+    }
+}
+
+void SearchSpace::find_bounds(int begin, int end) {
+  for (int d = 0; d < 3; ++d)
+    for (int c = begin; c < end; ++c) {
       const float* p = x.x.data() + 12 * c + 4 * d;
       low[d][c] = std::min({p[0], p[1], p[2], p[3]});
       high[d][c] = std::max({p[0], p[1], p[2], p[3]});
     }
-  }
 }
 
 void ClusterSearch::prepare(const SearchSpace& space) {
@@ -94,26 +98,27 @@ void ClusterSearch::add_row(const SearchSpace& space, int cluster, const Vec3& s
   if (row.end > row.begin || row.masked_end > row.masked_begin) list.rows.push_back(row);
 }
 
-void ClusterSearch::run(const SearchSpace& space, int begin_column, int end_column, ClusterList& list) {
+void ClusterSearch::run(const SearchSpace& space, int begin, int end, ClusterList& list) {
   list.clear();
   prepare(space);
   const double height = space.clusters.box().edge[2];
   const int images = height > 0 ? 1 : 0;  // along z: the column one box down, where it is, one box up
-  for (int column = begin_column; column < end_column; ++column) {
-    const auto& own = space.clusters.columns()[column];
+  const auto& columns = space.clusters.columns();
+  auto own = std::partition_point(columns.begin(), columns.end(),
+                                  [&](const AtomClusters::Column& c) { return c.end <= begin; });
+  for (; own != columns.end() && own->begin < end; ++own)
     for (int image = -images; image <= images; ++image) {
-      space.clusters.neighbours(own, image, neighbours_);
+      space.clusters.neighbours(*own, image, neighbours_);
       start_.clear();
       for (const auto& n : neighbours_) start_.push_back(n.begin);
-      for (int c = own.begin; c < own.end; ++c) {
+      for (int c = std::max(begin, own->begin); c < std::min(end, own->end); ++c) {
         if (image < 0 && space.high[2][c] - height < -space.reach) continue;
         if (image > 0 && space.low[2][c] > space.reach) continue;
         mask_exclusions(space, c);
-        meet_neighbours(space, c, own.begin, list);
+        meet_neighbours(space, c, own->begin, list);
         unmask(space, c);
       }
     }
-  }
 }
 
 // Of cluster c, of the column that begins with column_begin.

@@ -55,15 +55,16 @@ struct SearchSpace {
   std::array<std::vector<float>, 3> low = {};
   std::array<std::vector<float>, 3> high = {};
 
-  void find_bounds();
+  void make_room();
+  void find_bounds(int begin, int end);  // of those clusters
 };
 
 // Lists the clusters within range of each other: none in range is missed, and of those listed most hold a
 // pair in range. One of these a thread: it keeps its own room.
 class ClusterSearch {
  public:
-  // The rows of the clusters begin .. end of the columns' clusters: columns begin .. end. Rows of four.
-  void run(const SearchSpace& space, int begin_column, int end_column, ClusterList& list);
+  // The rows of the clusters begin .. end. Rows of four.
+  void run(const SearchSpace& space, int begin, int end, ClusterList& list);
   // The rows of row_atoms of clusters begin .. end, where every pair counts. list.clusters becomes 0, 1, 2,
   // ...
   void run_all(const SearchSpace& space, int begin_cluster, int end_cluster, int row_atoms,

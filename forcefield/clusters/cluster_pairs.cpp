@@ -8,8 +8,11 @@
 
 #include "forcefield/clusters/pair_kernels.hpp"
 #include "forcefield/clusters/pair_problem.hpp"
+#include "forcefield/clusters/prune_list.hpp"
+#include "forcefield/clusters/row_shares.hpp"
+#include "forcefield/clusters/thread_forces.hpp"
 #include "md/errors.hpp"
-#include "md/threads.hpp"
+#include "md/shares.hpp"
 
 namespace taut {
 namespace {
@@ -43,19 +46,14 @@ class EngineIn final : public ClusterPairs::Engine {
   explicit EngineIn(PairProblem problem)
       : p_(std::move(problem)),
         exclusions_(static_cast<int>(p_.kind.size()), p_.exclusions),
-        clusters_(p_.layout()) {
-    copies_ = force_copies<T>();
-  }
+        clusters_(p_.layout()) {}
 
   void add_forces(const Vectors& x, const Box& box, Vectors& f) override {
     if (p_.all_pairs() && x.cols() > 0) choose_unit(2 * spread(x), x.cwiseAbs().maxCoeff());
     if (p_.periodic && box != clusters_.box()) searched_in_box_ = false;
     if (!(searched_in_box_ && place(x))) renew_lists(x, box);
-    in_parallel(threads_, [&](int t) {
-      force_[t].assign(12 * copies_ * clusters_.count(), T(0));
-      add_pair_forces(p_.law, atoms_, inner_list(t), force_[t].data());
-    });
-    in_parallel(threads_, [&](int t) { gather_forces(Share(clusters_.count(), t, threads_), f); });
+    in_parallel(threads_, [&](int t) { add_pair_forces(p_.law, atoms_, inner_list(t), force_.cleared(t)); });
+    by_clusters([&](const Share& share) { gather_forces(share, f); });
     energy_known_ = false;
   }
 
@@ -97,8 +95,19 @@ class EngineIn final : public ClusterPairs::Engine {
 
   const ClusterList& inner_list(int t) const { return p_.all_pairs() ? outer_[t] : inner_[t]; }
 
+  void by_clusters(const auto& work) {
+    in_parallel(threads_, [&](int t) { work(Share(clusters_.count(), t, threads_)); });
+  }
+  // Whether it holds of all shares of the clusters.
+  bool everywhere(const auto& holds) {
+    holds_.assign(threads_, 1);
+    in_parallel(threads_, [&](int t) { holds_[t] = holds(Share(clusters_.count(), t, threads_)); });
+    return std::all_of(holds_.begin(), holds_.end(), [](char h) { return h; });
+  }
+
   void renew_lists(const Vectors& x, const Box& box) {
-    if (!searched_in_box_ || !within(searched_, (p_.outer - p_.inner) / 2, Share(clusters_.count(), 0, 1))) {
+    const double limit = (p_.outer - p_.inner) / 2;
+    if (!searched_in_box_ || !everywhere([&](const Share& s) { return within(searched_, limit, s); })) {
       search(x, box);
       place(x);
     }
@@ -107,25 +116,31 @@ class EngineIn final : public ClusterPairs::Engine {
 
   // The inner list from the outer one. The atoms are placed at x already.
   void prune(const Vectors& x) {
-    pruned_at_ = x;
-    pruned_ = position_;
-    if (p_.all_pairs()) return;
-    in_parallel(threads_, [&](int t) { round(position_, Share(clusters_.count(), t, threads_)); });
+    pruned_at_.resize(3, x.cols());
     in_parallel(threads_, [&](int t) {
-      prune_list(rounded_, kind_, outer_[t], p_.law.cutoff + p_.inner, kRowAtoms, inner_[t]);
+      const Share atoms(static_cast<int>(x.cols()), t, threads_), share(clusters_.count(), t, threads_);
+      pruned_at_.middleCols(atoms.begin, atoms.end - atoms.begin) =
+          x.middleCols(atoms.begin, atoms.end - atoms.begin);
+      std::copy(position_.begin() + 12 * share.begin, position_.begin() + 12 * share.end,
+                pruned_.begin() + 12 * share.begin);
+      if (!p_.all_pairs()) round(position_, share);
+    });
+    if (p_.all_pairs()) return;
+    const Pruning pruning{rounded_, kind_, p_.law.cutoff + p_.inner, kRowAtoms};
+    in_parallel(threads_, [&](int t) {
+      inner_[t].rows.clear();
+      inner_[t].masked.clear();
+      for (const auto& [list, rows] : shares_.pieces(t)) pruning.add(outer_[list], rows, inner_[t]);
     });
     ++prunings;
   }
 
   // Puts the atoms where they are now. False where the inner list no longer serves, or an atom is nowhere.
   bool place(const Vectors& x) {
-    within_.assign(threads_, 1);
-    in_parallel(threads_, [&](int t) {
-      const Share share(clusters_.count(), t, threads_);
+    return everywhere([&](const Share& share) {
       place(x, share);
-      within_[t] = within(pruned_, limit_, share);
+      return within(pruned_, limit_, share);
     });
-    return std::all_of(within_.begin(), within_.end(), [](char w) { return w; });
   }
 
   void place(const Vectors& x, const Share& share) {
@@ -167,22 +182,31 @@ class EngineIn final : public ClusterPairs::Engine {
         throw SimulationFailure(
             fmt::format("atom {}: position ({}, {}, {}) nm is not finite", a, x(0, a), x(1, a), x(2, a)));
     p_.all_pairs() ? clusters_.build_in_order(x) : clusters_.build(x, box);
-    const int clusters = clusters_.count();
-    threads_ = std::clamp(clusters / kClustersPerThread, 1, available_threads());
+    threads_ = threads_for(clusters_.count(), kClustersPerThread);
     load(x);
     outer_.resize(threads_);
     inner_.resize(threads_);
     search_.resize(threads_);
-    force_.resize(threads_);
-    if (p_.all_pairs()) {
-      in_parallel(threads_, [&](int t) {
+    shares_.make_room(threads_);
+    force_.make_room(threads_, clusters_.count());
+    space_.make_room();
+    if (!p_.all_pairs()) by_clusters([&](const Share& share) { space_.find_bounds(share.begin, share.end); });
+    in_parallel(threads_, [&](int t) {
+      if (p_.all_pairs()) {
         search_[t].run_all(space_, triangle_share(t), triangle_share(t + 1), kRowAtoms, outer_[t]);
-      });
-    } else {
-      space_.find_bounds();
-      in_parallel(threads_,
-                  [&](int t) { search_[t].run(space_, column_share(t), column_share(t + 1), outer_[t]); });
-    }
+      } else {
+        const Share share(clusters_.count(), t, threads_);
+        search_[t].run(space_, share.begin, share.end, outer_[t]);
+      }
+      shares_.count(t, outer_[t]);
+    });
+    shares_.add_up();
+    in_parallel(threads_, [&](int t) {
+      force_.forget(t);
+      if (p_.all_pairs()) return force_.reach(t, outer_[t], {0, static_cast<int>(outer_[t].rows.size())});
+      shares_.take(t, outer_);
+      for (const auto& [list, rows] : shares_.pieces(t)) force_.reach(t, outer_[list], rows);
+    });
     searched_at_ = x;
     searched_in_box_ = true;
     ++searches;
@@ -191,34 +215,44 @@ class EngineIn final : public ClusterPairs::Engine {
   // Positions and parameters by slot.
   void load(const Vectors& x) {
     const int slots = clusters_.slots();
-    searched_.resize(3 * slots);
-    position_.resize(3 * slots);
-    pruned_ = searched_;
+    for (auto* numbers : {&searched_, &position_, &pruned_}) numbers->resize(3 * slots);
     kind_.resize(slots);
     atoms_.x.resize(3 * slots);
     for (auto* numbers : {&atoms_.charge, &atoms_.half_sigma, &atoms_.two_sqrt_epsilon})
-      numbers->assign(slots, T(0));
+      numbers->resize(slots);
     load_table(slots);
+    rounded_.x.resize(3 * slots);
+    extent_.assign(threads_, 0);
+    in_parallel(threads_, [&](int t) {
+      const Share share(clusters_.count(), t, threads_);
+      extent_[t] = load(x, share);
+      round(searched_, share);
+    });
+    const double extent = *std::max_element(extent_.begin(), extent_.end());
+    limit_ = p_.all_pairs() ? kEverywhere : p_.inner / 2;
+    rounded_.extent = extent + clusters_.box().edge.maxCoeff();
+    if (!p_.all_pairs()) choose_unit(2 * (p_.law.cutoff + p_.outer + clusters_.widest()), extent);
+  }
+
+  // The largest coordinate of them.
+  double load(const Vectors& x, const Share& share) {
     double extent = 0;
-    for (int slot = 0; slot < slots; ++slot) {
+    for (int slot = 4 * share.begin; slot < 4 * share.end; ++slot) {
       const int a = clusters_.atom(slot);
       for (int d = 0; d < 3; ++d) {
         const double q = x(d, a) + clusters_.offset(slot)[d];
         searched_[12 * (slot / 4) + 4 * d + slot % 4] = q;
         extent = std::max(extent, std::abs(q));
       }
-      kind_[slot] = clusters_.filler(slot) ? 0 : p_.kind[a];
-      if (clusters_.filler(slot)) continue;
-      atoms_.charge[slot] = static_cast<T>(p_.charge[a]);
-      atoms_.half_sigma[slot] = static_cast<T>(p_.half_sigma[a]);
-      atoms_.two_sqrt_epsilon[slot] = static_cast<T>(p_.two_sqrt_epsilon[a]);
-      if (p_.law.mixing == Mixing::kTable) atoms_.type[slot] = static_cast<T>(p_.table.type[a]);
+      const bool filler = clusters_.filler(slot);
+      const auto unless_filler = [&](double value) { return filler ? T(0) : static_cast<T>(value); };
+      kind_[slot] = filler ? 0 : p_.kind[a];
+      atoms_.charge[slot] = unless_filler(p_.charge[a]);
+      atoms_.half_sigma[slot] = unless_filler(p_.half_sigma[a]);
+      atoms_.two_sqrt_epsilon[slot] = unless_filler(p_.two_sqrt_epsilon[a]);
+      if (p_.law.mixing == Mixing::kTable && !filler) atoms_.type[slot] = static_cast<T>(p_.table.type[a]);
     }
-    limit_ = p_.all_pairs() ? kEverywhere : p_.inner / 2;
-    rounded_.extent = extent + clusters_.box().edge.maxCoeff();
-    rounded_.x.resize(3 * slots);
-    round(searched_, Share(clusters_.count(), 0, 1));
-    if (!p_.all_pairs()) choose_unit(2 * (p_.law.cutoff + p_.outer + clusters_.widest()), extent);
+    return extent;
   }
 
   // Fillers are of the last type.
@@ -240,32 +274,16 @@ class EngineIn final : public ClusterPairs::Engine {
       atoms_.unit = std::exp2(std::ceil(std::log2(std::max({widest * 0x1p-31, extent * 0x1p-50, 1e-12}))));
   }
 
-  // Columns of about as many clusters for each thread.
-  int column_share(int t) const {
-    const auto& columns = clusters_.columns();
-    const long cluster = static_cast<long>(clusters_.count()) * t / threads_;
-    const auto at = std::lower_bound(columns.begin(), columns.end(), cluster,
-                                     [](const AtomClusters::Column& c, long k) { return c.begin < k; });
-    return static_cast<int>(at - columns.begin());
-  }
-
   // Clusters of about as many pairs for each thread, each with all that come after it.
   int triangle_share(int t) const {
     const double left = 1 - double(t) / threads_;
     return static_cast<int>(std::lround(clusters_.count() * (1 - std::sqrt(left))));
   }
 
-  // Adds up threads and copies, in their order.
   void gather_forces(const Share& share, Vectors& f) {
     const int last = 4 * share.end - 1;
     for (int c = share.begin; c < share.end; ++c) {
-      double sum[3][kClusterAtoms] = {};
-      for (int t = 0; t < threads_; ++t) {
-        const T* force = force_[t].data() + 12 * copies_ * c;
-        for (auto& of : sum)
-          for (int copy = 0; copy < copies_; ++copy, force += kClusterAtoms)
-            for (int i = 0; i < kClusterAtoms; ++i) of[i] += double(force[i]);
-      }
+      const auto sum = force_.sum(c);
       for (int i = 0; i < kClusterAtoms; ++i) {
         const int slot = 4 * c + i;
         hwy::Prefetch(f.data() + 3 * clusters_.atom(std::min(slot + kAhead, last)));
@@ -287,12 +305,14 @@ class EngineIn final : public ClusterPairs::Engine {
   std::vector<std::uint8_t> kind_;
   bool searched_in_box_ = false;  // the box there is
   double limit_ = 0;              // how far an atom may go until the inner list is made again [nm]
-  int threads_ = 1, copies_ = 1;
-  std::vector<char> within_;
+  int threads_ = 1;
   std::vector<ClusterList> outer_, inner_;  // by thread, as what follows
+  std::vector<char> holds_;
+  std::vector<double> extent_;
   std::vector<ClusterSearch> search_;
   SearchSpace space_{clusters_, exclusions_, kind_, rounded_, p_.law.cutoff + p_.outer};
-  std::vector<Aligned<T>> force_;
+  RowShares shares_;  // of the outer list, which make the inner one
+  ThreadForces<T> force_;
   std::vector<SixSums> parts_;
   double energy_ = 0;
   bool energy_known_ = false;

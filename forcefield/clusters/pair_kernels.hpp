@@ -95,8 +95,4 @@ using SixSums = std::array<double, 6>;
 template <class T>
 SixSums pair_virial(const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList& list);
 
-// What of a list of clusters' rows is within `range` [nm] now, in rows of row_atoms. `kind` is by slot.
-void prune_list(const RoundedPositions& x, const std::vector<std::uint8_t>& kind, const ClusterList& list,
-                double range, int row_atoms, ClusterList& pruned);
-
 }  // namespace taut

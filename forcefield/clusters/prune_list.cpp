@@ -1,4 +1,6 @@
-#include "forcefield/clusters/pair_kernels.hpp"
+#include "forcefield/clusters/prune_list.hpp"
+
+#include <algorithm>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "forcefield/clusters/prune_list.cpp"
@@ -21,18 +23,18 @@ void add_masks(const ClusterList& list, const PairRow& whole, int first, int ato
   row.masked_end = static_cast<int>(pruned.masked.size());
 }
 
-// Cuts a row of four into rows of `atoms`, four or two, each with the clusters that hold a pair in range with
-// it.
-void prune_rows(const RoundedPositions& x, const std::vector<std::uint8_t>& kind, const ClusterList& list,
-                double range, int atoms, ClusterList& pruned) {
-  const int rows = atoms == kClusterAtoms ? 1 : 2;
+// Cuts a row of four into rows of row_atoms, four or two, each with the clusters that hold a pair in range
+// with it.
+void prune_rows(const Pruning& how, const ClusterList& list, RowRange range, ClusterList& pruned) {
+  const int atoms = how.row_atoms, rows = atoms == kClusterAtoms ? 1 : 2;
   const unsigned first_row = (1u << (4 * atoms)) - 1;
-  pruned.rows.clear();
-  pruned.masked.clear();
-  pruned.clusters.resize(rows * list.clusters.size());  // room
-  InRange in_range(x.x.data(), x.safely(range));
-  int* next = pruned.clusters.data();
-  for (const PairRow& whole : list.rows) {
+  const int used = pruned.rows.empty() ? 0 : pruned.rows.back().end;
+  const int most = list.rows[range.end - 1].end - list.rows[range.begin].begin;
+  pruned.clusters.resize(std::max(pruned.clusters.size(), std::size_t(used) + std::size_t(rows) * most));
+  InRange in_range(how.x.x.data(), how.x.safely(how.range));
+  int* next = pruned.clusters.data() + used;
+  for (int r = range.begin; r < range.end; ++r) {
+    const PairRow& whole = list.rows[r];
     in_range.take(whole.first / kClusterAtoms, whole.shift);
     int* const begin[] = {next, next + (whole.end - whole.begin)};
     int* end[] = {begin[0], begin[1]};
@@ -44,14 +46,14 @@ void prune_rows(const RoundedPositions& x, const std::vector<std::uint8_t>& kind
       *end[1] = list.clusters[k];
       end[1] += (bits & ~first_row) != 0;
     }
-    for (int r = 0; r < rows; ++r) {
+    for (int part = 0; part < rows; ++part) {
       PairRow row{};
-      row.first = whole.first + r * atoms;
+      row.first = whole.first + part * atoms;
       row.shift = whole.shift;
-      for (int i = 0; i < atoms; ++i) row.kind |= kind[row.first + i];
-      row.begin = static_cast<int>(begin[r] - pruned.clusters.data());
-      row.end = static_cast<int>(end[r] - pruned.clusters.data());
-      add_masks(list, whole, r * atoms, atoms, row, pruned);
+      for (int i = 0; i < atoms; ++i) row.kind |= how.kind[row.first + i];
+      row.begin = static_cast<int>(begin[part] - pruned.clusters.data());
+      row.end = static_cast<int>(end[part] - pruned.clusters.data());
+      add_masks(list, whole, part * atoms, atoms, row, pruned);
       if (row.end > row.begin || row.masked_end > row.masked_begin) pruned.rows.push_back(row);
     }
     next = end[rows - 1];
@@ -65,9 +67,8 @@ HWY_AFTER_NAMESPACE();
 namespace taut {
 
 HWY_EXPORT(prune_rows);
-void prune_list(const RoundedPositions& x, const std::vector<std::uint8_t>& kind, const ClusterList& list,
-                double range, int row_atoms, ClusterList& pruned) {
-  HWY_DYNAMIC_DISPATCH(prune_rows)(x, kind, list, range, row_atoms, pruned);
+void Pruning::add(const ClusterList& list, RowRange rows, ClusterList& pruned) const {
+  if (rows.begin < rows.end) HWY_DYNAMIC_DISPATCH(prune_rows)(*this, list, rows, pruned);
 }
 
 }  // namespace taut

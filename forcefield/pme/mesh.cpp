@@ -5,6 +5,7 @@
 #include <complex>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 #include "forcefield/pme/fourier.hpp"
 #include "forcefield/pme/mesh_kernels.hpp"
@@ -48,7 +49,6 @@ class PmeMesh::Impl {
     const std::size_t n = charged_.size();
     place_.resize(n);
     atoms_.resize(n);
-    slot_.resize(n);
     begin_.resize(size_[0] + 1);
     for (int d = 0; d < 3; ++d) moduli_[d] = spline_moduli(order_, size_[d]);
     influence_.resize(std::size_t(size_[0]) * size_[1] * grid_.half());
@@ -120,9 +120,10 @@ class PmeMesh::Impl {
   // The charges on the grid, transformed within each plane.
   void spread_and_transform(const Vectors& x) {
     const int n = static_cast<int>(charged_.size()), threads = this->threads();
-    in_parallel(threads, [&](int t) { place(x, Share(n, t, threads)); });
-    sort_by_plane();
-    in_parallel(threads, [&](int t) { lay_splines(Share(n, t, threads)); });
+    next_.resize(std::size_t(threads) * size_[0]);
+    in_parallel(threads, [&](int t) { place(x, Share(n, t, threads), next_of(t)); });
+    sort_by_plane(threads);
+    in_parallel(threads, [&](int t) { lay_splines(Share(n, t, threads), next_of(t)); });
     in_parallel(threads, [&](int t) {
       const Share share(size_[0], t, threads);
       for (int plane = share.begin; plane < share.end; ++plane) {
@@ -158,7 +159,9 @@ class PmeMesh::Impl {
   }
   double* influence_of(int row) { return influence_.data() + std::ptrdiff_t{row} * size_[0] * grid_.half(); }
 
-  void place(const Vectors& x, const Share& share) {
+  // Where they are, and how many in each plane.
+  void place(const Vectors& x, const Share& share, int* count) {
+    std::fill_n(count, size_[0], 0);
     for (int c = share.begin; c < share.end; ++c) {
       const Vec3 s = box_.fractional(x.col(charged_[c].atom));
       for (int d = 0; d < 3; ++d) {
@@ -167,21 +170,24 @@ class PmeMesh::Impl {
         place_[c].point[d] = point;
         place_[c].above[d] = at - point;
       }
+      ++count[place_[c].point[0]];
     }
   }
+  int* next_of(int thread) { return next_.data() + std::ptrdiff_t{thread} * size_[0]; }
 
-  // Where each atom comes, plane by plane and in their own order.
-  void sort_by_plane() {
-    std::fill(begin_.begin(), begin_.end(), 0);
-    for (const Place& place : place_) ++begin_[place.point[0] + 1];
-    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
-    next_ = begin_;
-    for (std::size_t c = 0; c < place_.size(); ++c) slot_[c] = next_[place_[c].point[0]]++;
+  // Where each thread's atoms come, plane by plane and in their own order.
+  void sort_by_plane(int threads) {
+    int begin = 0;
+    for (int plane = 0; plane < size_[0]; ++plane) {
+      begin_[plane] = begin;
+      for (int t = 0; t < threads; ++t) begin += std::exchange(next_of(t)[plane], begin);
+    }
+    begin_[size_[0]] = begin;
   }
 
-  void lay_splines(const Share& share) {
+  void lay_splines(const Share& share, int* next) {
     for (int c = share.begin; c < share.end; ++c) {
-      MeshAtom& atom = atoms_[slot_[c]];
+      MeshAtom& atom = atoms_[next[place_[c].point[0]]++];
       atom.point = place_[c].point;
       atom.atom = charged_[c].atom;
       atom.charge = charged_[c].charge;
@@ -260,10 +266,10 @@ class PmeMesh::Impl {
   Box box_;
   FourierGrid grid_;
   std::vector<Charged> charged_;
-  std::vector<Place> place_;       // as charged_
-  std::vector<int> slot_;          // as charged_: where in atoms_
-  std::vector<MeshAtom> atoms_;    // by plane
-  std::vector<int> begin_, next_;  // of a plane's, in atoms_
+  std::vector<Place> place_;     // as charged_
+  std::vector<MeshAtom> atoms_;  // by plane
+  std::vector<int> begin_;       // of a plane's, in atoms_
+  std::vector<int> next_;        // the same of a thread's, thread by thread
   std::array<std::vector<double>, 3> moduli_;
   std::vector<double> influence_;  // G, row by row, in it plane by plane [1/nm]
   std::vector<double> energy_of_;  // by row, as what follows

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include "forcefield/pme/mesh.hpp"
 #include "forcefield/pme/screening.hpp"
 #include "forcefield/terms.hpp"
@@ -22,10 +25,10 @@ class Pme {
   void set_box(const Box& box);
   void add_forces(const Vectors& x, Vectors& f);
   // Of the last add_forces [kJ/mol].
-  double energy() const { return constant_ + background_ + excluded_energy_ + mesh_.energy(); }
+  double energy() const { return constant_ + background_ + excluded_sums_.energy + mesh_.energy(); }
   // At x, −dE/dstrain [kJ/mol].
   Eigen::Matrix3d virial(const Vectors& x) {
-    return background_ * Eigen::Matrix3d::Identity() + excluded_virial_ + mesh_.virial(x);
+    return background_ * Eigen::Matrix3d::Identity() + excluded_sums_.virial + mesh_.virial(x);
   }
 
  private:
@@ -34,15 +37,23 @@ class Pme {
     double qq;  // k q q' [kJ/mol·nm]
   };
 
+  struct ExcludedSums {
+    double energy = 0;                                 // [kJ/mol]
+    Eigen::Matrix3d virial = Eigen::Matrix3d::Zero();  // Σ r⊗f
+  };
+
+  void cut_excluded();
   void subtract_excluded(const Vectors& x, Vectors& f);
+  ExcludedSums subtract(std::span<const Excluded> pairs, const Vectors& x, Vectors& f) const;
 
   double alpha_;  // [1/nm]
   Screening screening_;
   double total_;  // Q [e]
   double constant_, background_ = 0;
   std::vector<Excluded> excluded_;
-  double excluded_energy_ = 0;
-  Eigen::Matrix3d excluded_virial_;
+  std::vector<int> cuts_;  // into pieces: no atom is on both sides of one
+  std::vector<ExcludedSums> pieces_;
+  ExcludedSums excluded_sums_;
   PmeMesh mesh_;
 };
 

@@ -1,9 +1,10 @@
-#include "forcefield/clusters/pair_kernels.hpp"
-
+// The kernels in one precision, TAUT_PAIR_REAL: included once by the source file of each.
 #include <algorithm>
 
+#include "forcefield/clusters/pair_kernels.hpp"
+
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "forcefield/clusters/pair_kernels.cpp"
+#define HWY_TARGET_INCLUDE "forcefield/clusters/pair_kernels-inl.hpp"
 #include "forcefield/clusters/simd_targets.hpp"
 // after the targets: once a target
 #include "forcefield/clusters/pair_law-inl.hpp"
@@ -40,17 +41,22 @@ class RowSum {
     load(row);
     for (int k = row.masked_begin; k < row.masked_end; ++k) {
       mask_ = list.masked[k].mask;
-      meet<1, true>(&list.masked[k].cluster);
+      meet<1>(&list.masked[k].cluster);
     }
+    mask_ = ~0u;
     const int* clusters = list.clusters.data();
+    int k = row.begin;
+    if constexpr (kStaged) {
+      if (row.end - k >= kLong) k += meet_staged(clusters + k, row.end - k);
+      for (; k + 3 <= row.end; k += 3) meet<3>(clusters + k);
+    }
+    for (; k < row.end; ++k) meet<1>(clusters + k);
     if constexpr (C::kSum) {
-      for (int k = row.begin; k < row.end; ++k) meet<1, false>(clusters + k);
-      for (int k = 0; k < kSums; ++k) {
-        total_[k] += double(hn::GetLane(hn::SumOfLanes(D(), sum_[k])));
-        sum_[k] = set(0);
+      for (int i = 0; i < kSums; ++i) {
+        total_[i] += double(hn::GetLane(hn::SumOfLanes(D(), sum_[i])));
+        sum_[i] = set(0);
       }
     } else {
-      meet_all(clusters + row.begin, row.end - row.begin);
       store(row);
     }
   }
@@ -81,43 +87,42 @@ class RowSum {
   };
 
   // One stage waits for another longer than the processor can look ahead: so they take turns, each with
-  // clusters of its own.
+  // clusters of its own. There are many kernels to compile: each stage stands here once.
+  static constexpr bool kStaged = !C::kSum && kLanes > 1;
   static constexpr int kLong = 10;  // clusters: with fewer in a row it does not pay
-  HWY_INLINE void meet_all(const int* clusters, int count) {
+  HWY_INLINE int meet_staged(const int* clusters, int count) {
     constexpr int K = 2;
-    int k = 0;
-    if (count >= kLong) {
-      Distances<K> distances, next;
-      Terms<K> terms;
-      measure(clusters, distances);
-      apply_law<K, false>(clusters, distances, terms);
-      measure(clusters + K, distances);
-      for (k = 2 * K; k + K <= count; k += K) {
-        measure(clusters + k, next);
-        add_forces(clusters + k - 2 * K, terms);
-        apply_law<K, false>(clusters + k - K, distances, terms);
-        distances = next;
-      }
-      add_forces(clusters + k - 2 * K, terms);
-      apply_law<K, false>(clusters + k - K, distances, terms);
-      add_forces(clusters + k - K, terms);
+    const int end = count - count % K;
+    Distances<K> distances, next;
+    Terms<K> terms;
+    measure(clusters, distances);
+    for (int k = K; k <= end; k += K) {
+      if (k < end) measure(clusters + k, next);
+      if (k > K) add_forces(clusters + k - 2 * K, terms);
+      apply_law(clusters + k - K, distances, terms);
+      distances = next;
     }
-    for (; k + 3 <= count; k += 3) meet<3, false>(clusters + k);
-    for (; k < count; ++k) meet<1, false>(clusters + k);
+    add_forces(clusters + end - K, terms);
+    return end;
   }
 
-  template <int K, bool kMasked>
+  // A mask is of one cluster.
+  template <int K>
   HWY_INLINE void meet(const int* clusters) {
     Distances<K> distances;
     Terms<K> terms;
     measure(clusters, distances);
-    apply_law<K, kMasked>(clusters, distances, terms);
-    if constexpr (!C::kSum) add_forces(clusters, terms);
-    for (int place = 0; place < kPlaces; ++place)
+    apply_law(clusters, distances, terms);
+    for (int place = 0; place < kPlaces; ++place) {
+      auto& term = terms.of[place];
+      if constexpr (K == 1)
+        term[0] = hn::IfThenElseZero(counted(mask_, place % kVectors, place / kVectors), term[0]);
       for (int k = 0; k < K; ++k) {
-        if constexpr (C::kEnergy) sum_[0] = hn::Add(sum_[0], terms.of[place][k]);
-        if constexpr (C::kVirial) add_virial(clusters[k], place, terms.of[place][k]);
+        if constexpr (C::kEnergy) sum_[0] = hn::Add(sum_[0], term[k]);
+        if constexpr (C::kVirial) add_virial(clusters[k], place, term[k]);
       }
+    }
+    if constexpr (!C::kSum) add_forces(clusters, terms);
   }
 
   HWY_INLINE void add_virial(std::ptrdiff_t cluster, int place, V term) {
@@ -152,7 +157,7 @@ class RowSum {
     }
   }
 
-  template <int K, bool kMasked>
+  template <int K>
   HWY_INLINE void apply_law(const int* clusters, Distances<K>& at, Terms<K>& out) const {
     for (int place = 0; place < kPlaces; ++place) {
       const int v = place % kVectors, part = place / kVectors;
@@ -161,10 +166,8 @@ class RowSum {
       const V(&r2)[K] = at.r2[place];
       V(&term)[K] = out.of[place];
       law_.template pairs<K>(atoms_[v], j, r2, at.guess[place], term);
-      for (int k = 0; k < K; ++k) {
+      for (int k = 0; k < K; ++k)
         term[k] = hn::IfThenElseZero(hn::Not(hn::Gt(r2[k], cutoff2_)), term[k]);  // NaN must show
-        if constexpr (kMasked) term[k] = hn::IfThenElseZero(counted(mask_, v, part), term[k]);
-      }
     }
   }
 
@@ -230,7 +233,7 @@ class RowSum {
   static constexpr int kSums = C::kVirial ? 6 : 1;  // the energy, or the virial
   V sum_[kSums];
   SixSums total_{};
-  std::uint32_t mask_ = 0;
+  std::uint32_t mask_ = 0;  // of pairs that count
   VX x_[3][kVectors];
   V own_f_[3][kVectors];
   typename Law::Atoms atoms_[kVectors];
@@ -284,29 +287,19 @@ SixSums sum_all(const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList
   return sum;
 }
 
-void forces_double(const PairLaw& law, const PairAtoms<double>& atoms, const ClusterList& list, double* f) {
-  sum_all<double, Ask::kForces>(law, atoms, list, f);
+using Real = TAUT_PAIR_REAL;
+
+void forces(const PairLaw& law, const PairAtoms<Real>& atoms, const ClusterList& list, Real* f) {
+  sum_all<Real, Ask::kForces>(law, atoms, list, f);
 }
-void forces_float(const PairLaw& law, const PairAtoms<float>& atoms, const ClusterList& list, float* f) {
-  sum_all<float, Ask::kForces>(law, atoms, list, f);
+double energy(const PairLaw& law, const PairAtoms<Real>& atoms, const ClusterList& list) {
+  return sum_all<Real, Ask::kEnergy>(law, atoms, list, nullptr)[0];
 }
-double energy_double(const PairLaw& law, const PairAtoms<double>& atoms, const ClusterList& list) {
-  return sum_all<double, Ask::kEnergy>(law, atoms, list, nullptr)[0];
+SixSums virial(const PairLaw& law, const PairAtoms<Real>& atoms, const ClusterList& list) {
+  return sum_all<Real, Ask::kVirial>(law, atoms, list, nullptr);
 }
-double energy_float(const PairLaw& law, const PairAtoms<float>& atoms, const ClusterList& list) {
-  return sum_all<float, Ask::kEnergy>(law, atoms, list, nullptr)[0];
-}
-SixSums virial_double(const PairLaw& law, const PairAtoms<double>& atoms, const ClusterList& list) {
-  return sum_all<double, Ask::kVirial>(law, atoms, list, nullptr);
-}
-SixSums virial_float(const PairLaw& law, const PairAtoms<float>& atoms, const ClusterList& list) {
-  return sum_all<float, Ask::kVirial>(law, atoms, list, nullptr);
-}
-int copies_double() {
-  return Shape<double>::kRows;
-}
-int copies_float() {
-  return Shape<float>::kRows;
+int copies(const Real*) {
+  return Shape<Real>::kRows;
 }
 
 }  // namespace taut::HWY_NAMESPACE
@@ -315,46 +308,28 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace taut {
 
-HWY_EXPORT(forces_double);
-HWY_EXPORT(forces_float);
-HWY_EXPORT(energy_double);
-HWY_EXPORT(energy_float);
-HWY_EXPORT(virial_double);
-HWY_EXPORT(virial_float);
-HWY_EXPORT(copies_double);
-HWY_EXPORT(copies_float);
+using Real = TAUT_PAIR_REAL;
+
+HWY_EXPORT(forces);
+HWY_EXPORT(energy);
+HWY_EXPORT(virial);
+HWY_EXPORT(copies);
 
 template <>
-int force_copies<double>() {
-  return HWY_DYNAMIC_DISPATCH(copies_double)();
+int force_copies<Real>() {
+  return HWY_DYNAMIC_DISPATCH(copies)(nullptr);
 }
 template <>
-int force_copies<float>() {
-  return HWY_DYNAMIC_DISPATCH(copies_float)();
+void add_pair_forces(const PairLaw& law, const PairAtoms<Real>& atoms, const ClusterList& list, Real* f) {
+  HWY_DYNAMIC_DISPATCH(forces)(law, atoms, list, f);
 }
 template <>
-void add_pair_forces(const PairLaw& law, const PairAtoms<double>& atoms, const ClusterList& list, double* f) {
-  HWY_DYNAMIC_DISPATCH(forces_double)(law, atoms, list, f);
+double pair_energy(const PairLaw& law, const PairAtoms<Real>& atoms, const ClusterList& list) {
+  return HWY_DYNAMIC_DISPATCH(energy)(law, atoms, list);
 }
 template <>
-void add_pair_forces(const PairLaw& law, const PairAtoms<float>& atoms, const ClusterList& list, float* f) {
-  HWY_DYNAMIC_DISPATCH(forces_float)(law, atoms, list, f);
-}
-template <>
-double pair_energy(const PairLaw& law, const PairAtoms<double>& atoms, const ClusterList& list) {
-  return HWY_DYNAMIC_DISPATCH(energy_double)(law, atoms, list);
-}
-template <>
-double pair_energy(const PairLaw& law, const PairAtoms<float>& atoms, const ClusterList& list) {
-  return HWY_DYNAMIC_DISPATCH(energy_float)(law, atoms, list);
-}
-template <>
-SixSums pair_virial(const PairLaw& law, const PairAtoms<double>& atoms, const ClusterList& list) {
-  return HWY_DYNAMIC_DISPATCH(virial_double)(law, atoms, list);
-}
-template <>
-SixSums pair_virial(const PairLaw& law, const PairAtoms<float>& atoms, const ClusterList& list) {
-  return HWY_DYNAMIC_DISPATCH(virial_float)(law, atoms, list);
+SixSums pair_virial(const PairLaw& law, const PairAtoms<Real>& atoms, const ClusterList& list) {
+  return HWY_DYNAMIC_DISPATCH(virial)(law, atoms, list);
 }
 
 }  // namespace taut

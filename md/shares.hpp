@@ -1,0 +1,21 @@
+#pragma once
+
+#include <algorithm>
+
+#include "md/threads.hpp"
+
+namespace taut {
+
+// How many threads n things are worth, where fewer than `least` are not worth waking one for.
+inline int threads_for(long n, int least) {
+  return static_cast<int>(std::clamp(n / least, 1L, static_cast<long>(available_threads())));
+}
+
+// work(share) of n things on so many threads.
+template <class Work>
+void in_shares(int n, int least, const Work& work) {
+  const int threads = threads_for(n, least);
+  in_parallel(threads, [&](int t) { work(Share(n, t, threads)); });
+}
+
+}  // namespace taut
