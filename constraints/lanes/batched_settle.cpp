@@ -35,63 +35,101 @@ HWY_INLINE V3 along(V x, const V3& X, V y, const V3& Y, V z, const V3& Z) {
   return mul_add(x, X, mul_add(y, Y, z * Z));
 }
 
-// settle.cpp has the derivation and the names: 0 before the step, 1 drifted, 2 after φ and ψ, 3 after θ.
-void settle_positions_of(const SettleBatch& batch, const SettleStep& step, const Part& part, Scratch scratch,
-                         SolveStats& stats) {
-  constexpr int a = 0, b = 3 * kLanes, c = 6 * kLanes;  // rows of apex, left, right
-  double *x = scratch.take(9), *v = scratch.take(9);
-  gather(part, 3, step.x, x);
-  gather(part, 3, step.v, v);
-  // the hydrogen's share of the mass
-  const V share = broadcast(1 / (2 + batch.lanes.inv_mass[1] / batch.lanes.inv_mass[0])),
-          h = broadcast(step.h);
-  const V ra = broadcast(batch.ra), rb = broadcast(batch.rb), rc = broadcast(batch.rc);
+// settle.cpp has the derivation and the names: 0 before the step, 1 drifted, 2 after φ and ψ, 3 after θ. Each
+// root and division waits for the one before: so rows of waters go side by side, stage by stage.
+struct Waters {
+  V3 a1, b1, c1, X, Y, Z;
+  V xb0, yb0, xc0, yc0, za1, zb1, zc1, gamma;  // along X, Y, Z
+  V cos_psi, ya2, xb2, yb2, yc2;
+};
 
+HWY_INLINE void lay_axes(const SettleBatch& batch, double step, const double* x, const double* v, Waters& w) {
+  constexpr int a = 0, b = 3 * kLanes, c = 6 * kLanes;  // rows of apex, left, right
+  // the hydrogen's share of the mass
+  const V share = broadcast(1 / (2 + batch.lanes.inv_mass[1] / batch.lanes.inv_mass[0])), h = broadcast(step);
   const V3 left = load3(x + b) - load3(x + a), right = load3(x + c) - load3(x + a), v_a = load3(v + a);
   const V3 b0 = neg_mul_add(h, load3(v + b) - v_a, left), c0 = neg_mul_add(h, load3(v + c) - v_a, right);
   const V3 centre = share * (left + right);
-  const V3 a1 = -centre, b1 = left - centre, c1 = right - centre;
+  w.a1 = -centre;
+  w.b1 = left - centre;
+  w.c1 = right - centre;
 
-  const V3 Z = normalized(cross(b0, c0)), X = normalized(cross(a1, Z)), Y = cross(Z, X);
-  const V xb0 = dot(X, b0), yb0 = dot(Y, b0), xc0 = dot(X, c0), yc0 = dot(Y, c0);
-  const V za1 = dot(Z, a1), xb1 = dot(X, b1), yb1 = dot(Y, b1), zb1 = dot(Z, b1);
-  const V xc1 = dot(X, c1), yc1 = dot(Y, c1), zc1 = dot(Z, c1);
+  w.Z = normalized(cross(b0, c0));
+  w.X = normalized(cross(w.a1, w.Z));
+  w.Y = cross(w.Z, w.X);
+  w.xb0 = dot(w.X, b0);
+  w.yb0 = dot(w.Y, b0);
+  w.xc0 = dot(w.X, c0);
+  w.yc0 = dot(w.Y, c0);
+  w.za1 = dot(w.Z, w.a1);
+  w.zb1 = dot(w.Z, w.b1);
+  w.zc1 = dot(w.Z, w.c1);
+  const V xb1 = dot(w.X, w.b1), yb1 = dot(w.Y, w.b1), xc1 = dot(w.X, w.c1), yc1 = dot(w.Y, w.c1);
+  w.gamma = hn::Add(hn::MulSub(w.xb0, yb1, hn::Mul(xb1, w.yb0)), hn::MulSub(w.xc0, yc1, hn::Mul(xc1, w.yc0)));
+}
 
-  const V sin_phi = hn::Mul(za1, broadcast(1 / batch.ra)), cos_phi = cosine(sin_phi);
-  const V sin_psi = hn::Div(hn::Sub(zb1, zc1), hn::Mul(hn::Add(rc, rc), cos_phi)), cos_psi = cosine(sin_psi);
-  const V ya2 = hn::Mul(ra, cos_phi), xb2 = hn::Neg(hn::Mul(rc, cos_psi));
+HWY_INLINE void tilt_triangles(const SettleBatch& batch, Waters& w) {
+  const V ra = broadcast(batch.ra), rb = broadcast(batch.rb), rc = broadcast(batch.rc);
+  const V sin_phi = hn::Mul(w.za1, broadcast(1 / batch.ra)), cos_phi = cosine(sin_phi);
+  const V sin_psi = hn::Div(hn::Sub(w.zb1, w.zc1), hn::Mul(hn::Add(rc, rc), cos_phi));
+  w.cos_psi = cosine(sin_psi);
+  w.ya2 = hn::Mul(ra, cos_phi);
+  w.xb2 = hn::Neg(hn::Mul(rc, w.cos_psi));
   const V tilt = hn::Mul(hn::Mul(rc, sin_psi), sin_phi), base = hn::Neg(hn::Mul(rb, cos_phi));
-  const V yb2 = hn::Sub(base, tilt), yc2 = hn::Add(base, tilt);
+  w.yb2 = hn::Sub(base, tilt);
+  w.yc2 = hn::Add(base, tilt);
+}
 
-  const V alpha = hn::MulAdd(xb2, hn::Sub(xb0, xc0), hn::MulAdd(yb0, yb2, hn::Mul(yc0, yc2)));
-  const V beta = hn::MulAdd(xb2, hn::Sub(yc0, yb0), hn::MulAdd(xb0, yb2, hn::Mul(xc0, yc2)));
-  const V gamma = hn::Add(hn::MulSub(xb0, yb1, hn::Mul(xb1, yb0)), hn::MulSub(xc0, yc1, hn::Mul(xc1, yc0)));
+// Shifts the rows; where a lane has no solution, says which lanes have and leaves them.
+HWY_INLINE M turn_triangles(double h, const Waters& w, double* x, double* v) {
+  const V alpha = hn::MulAdd(w.xb2, hn::Sub(w.xb0, w.xc0), hn::MulAdd(w.yb0, w.yb2, hn::Mul(w.yc0, w.yc2)));
+  const V beta = hn::MulAdd(w.xb2, hn::Sub(w.yc0, w.yb0), hn::MulAdd(w.xb0, w.yb2, hn::Mul(w.xc0, w.yc2)));
   const V norm = hn::MulAdd(alpha, alpha, hn::Mul(beta, beta));
-  const V root = hn::Sqrt(hn::NegMulAdd(gamma, gamma, norm));
-  const V sin_theta = hn::Div(hn::MulSub(alpha, gamma, hn::Mul(beta, root)), norm),
+  const V root = hn::Sqrt(hn::NegMulAdd(w.gamma, w.gamma, norm));
+  const V sin_theta = hn::Div(hn::MulSub(alpha, w.gamma, hn::Mul(beta, root)), norm),
           cos_theta = cosine(sin_theta);
 
-  const V sum = hn::Add(hn::Add(sin_theta, cos_theta), cos_psi);
-  const auto found = hn::Eq(hn::Sub(sum, sum), hn::Zero(D()));
-  if (!hn::AllTrue(D(), found)) {
-    const int lane = part.first_lane + static_cast<int>(hn::FindFirstTrue(D(), hn::Not(found)));
-    stats.beside({.worst_bond = batch.lanes.bond(part.group, 0, lane), .failure = Failure::kShapeLost});
-    return;
-  }
-  const V3 a3 = along(hn::Neg(hn::Mul(ya2, sin_theta)), X, hn::Mul(ya2, cos_theta), Y, za1, Z);
-  const V3 b3 = along(hn::MulSub(xb2, cos_theta, hn::Mul(yb2, sin_theta)), X,
-                      hn::MulAdd(xb2, sin_theta, hn::Mul(yb2, cos_theta)), Y, zb1, Z);
-  const V3 c3 = along(hn::Neg(hn::MulAdd(xb2, cos_theta, hn::Mul(yc2, sin_theta))), X,
-                      hn::MulSub(yc2, cos_theta, hn::Mul(xb2, sin_theta)), Y, zc1, Z);
-  const V inv_h = broadcast(1 / step.h);
-  const V3 shifts[] = {a3 - a1, b3 - b1, c3 - c1};
+  const V sum = hn::Add(hn::Add(sin_theta, cos_theta), w.cos_psi);
+  const M found = hn::Eq(hn::Sub(sum, sum), hn::Zero(D()));
+  const V3 a3 = along(hn::Neg(hn::Mul(w.ya2, sin_theta)), w.X, hn::Mul(w.ya2, cos_theta), w.Y, w.za1, w.Z);
+  const V3 b3 = along(hn::MulSub(w.xb2, cos_theta, hn::Mul(w.yb2, sin_theta)), w.X,
+                      hn::MulAdd(w.xb2, sin_theta, hn::Mul(w.yb2, cos_theta)), w.Y, w.zb1, w.Z);
+  const V3 c3 = along(hn::Neg(hn::MulAdd(w.xb2, cos_theta, hn::Mul(w.yc2, sin_theta))), w.X,
+                      hn::MulSub(w.yc2, cos_theta, hn::Mul(w.xb2, sin_theta)), w.Y, w.zc1, w.Z);
+  const V inv_h = broadcast(1 / h);
+  const V3 shifts[] = {a3 - w.a1, b3 - w.b1, c3 - w.c1};
   for (int n = 0; n < 3; ++n) {
     double *x_n = x + 3 * n * kLanes, *v_n = v + 3 * n * kLanes;
     store3(load3(x_n) + shifts[n], x_n);
     store3(mul_add(inv_h, shifts[n], load3(v_n)), v_n);
   }
-  scatter(part, 0, 3, x, step.x);
-  scatter(part, 0, 3, v, step.v);
+  return found;
+}
+
+// So many parts of groups, from one on.
+template <int kParts>
+HWY_INLINE void settle_positions_of(const SettleBatch& batch, const SettleStep& step,
+                                    const Part (&parts)[kParts], SolveStats& stats) {
+  HWY_ALIGN double x[kParts][9 * kLanes], v[kParts][9 * kLanes];
+  Waters w[kParts];
+  for (int p = 0; p < kParts; ++p) {
+    gather(parts[p], 3, step.x, x[p]);
+    gather(parts[p], 3, step.v, v[p]);
+  }
+  for (int p = 0; p < kParts; ++p) lay_axes(batch, step.h, x[p], v[p], w[p]);
+  for (int p = 0; p < kParts; ++p) tilt_triangles(batch, w[p]);
+  M found[kParts];
+  for (int p = 0; p < kParts; ++p) found[p] = turn_triangles(step.h, w[p], x[p], v[p]);
+  for (int p = 0; p < kParts; ++p) {
+    const Part& part = parts[p];
+    if (!hn::AllTrue(D(), found[p])) {
+      const int lane = part.first_lane + static_cast<int>(hn::FindFirstTrue(D(), hn::Not(found[p])));
+      stats.beside({.worst_bond = batch.lanes.bond(part.group, 0, lane), .failure = Failure::kShapeLost});
+      continue;
+    }
+    scatter(part, 0, 3, x[p], step.x);
+    scatter(part, 0, 3, v[p], step.v);
+  }
 }
 
 template <class Shape>
@@ -102,12 +140,15 @@ struct SettleVelocityKernel : VelocityKernel<Shape> {
                               scratch) {}
 };
 
-SolveStats settle_positions(SettleBatch& batch, const SettleStep& step, int begin, int end,
-                            const Scratch& scratch) {
+SolveStats settle_positions(SettleBatch& batch, const SettleStep& step, int begin, int end, const Scratch&) {
   SolveStats stats{.iterations = 1};
-  for_each_part(batch.lanes, begin, end, scratch, [&](auto, const Part& part, const Scratch& rows) HWY_ATTR {
-    settle_positions_of(batch, step, part, rows, stats);
-  });
+  constexpr int kOfGroup = kLanes / kWidth;
+  const int last = (batch.lanes.filled(end - 1) + kWidth - 1) / kWidth;  // parts of the last group
+  const int parts = (end - 1 - begin) * kOfGroup + last;
+  const auto part = [&](int n) { return Part{batch.lanes, begin + n / kOfGroup, n % kOfGroup * kWidth}; };
+  int n = 0;
+  for (; n + 2 <= parts; n += 2) settle_positions_of<2>(batch, step, {part(n), part(n + 1)}, stats);
+  if (n < parts) settle_positions_of<1>(batch, step, {part(n)}, stats);
   return stats;
 }
 
