@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""What peers pay for rigid bonds on this machine, beside benchmarks/results/constraints.csv.
+"""What taut and its peers pay for rigid bonds: on the same molecules, in the same run.
 
-    benchmarks/compare_peers.py [--steps 20000] [--build build]
+    benchmarks/compare_peers.py [--steps 20000] [--build build] [--repeats 5]
 
-On the same molecules as ours, without forces between them, one thread, medians of five; what is not installed is
-skipped.
-- GROMACS (`gmx`, Debian: gromacs): its own cycle accounting, the row "Constraints" of one `mdrun`, leap-frog
+Without forces between molecules, one thread, medians; all take turns in every repeat, so that they meet the same
+machine. What is not installed is skipped. Writes benchmarks/results/peers.csv.
+- taut: `constraints_bench`, positions and velocities, double precision.
+- GROMACS (`gmx`, Debian: gromacs; the variable GMX names another, such as one built for this machine's SIMD, which is
+  the fair rival; the table says what it was built for): its own cycle accounting, the row "Constraints" of one `mdrun`, leap-frog
   (constraints applied once a step, to positions; ours are applied to positions and velocities), mixed precision: LINCS
   as it comes (order 4, 1 iteration) on 100 chains of 20, SETTLE on 1000 waters.
 - OpenMM (`openmm_bonds` of the build): whole steps with bonds less whole steps without, positions and velocities, CPU
@@ -14,7 +16,10 @@ skipped.
   timing, less that of the same run without the fix. It holds clusters of at most four atoms: no chains.
 """
 
-import argparse, csv, math, os, pathlib, random, re, shutil, statistics, subprocess, sys, tempfile
+import argparse, csv, json, math, os, pathlib, random, re, shutil, statistics, subprocess, sys, tempfile
+
+import machine
+import peer_gromacs
 
 HERE = pathlib.Path(__file__).parent
 MDP = """integrator = md
@@ -80,7 +85,7 @@ def waters(count):
     return places, TOP.format(exclusions=2, atoms=atoms, bonds=settle, count=count), 3
 
 
-def gromacs(molecules, units, steps):
+def gromacs(program, molecules, units, steps):
     """ns a unit and step of the row "Constraints"."""
     places, top, per_molecule = molecules
     with tempfile.TemporaryDirectory() as folder:
@@ -91,13 +96,12 @@ def gromacs(molecules, units, steps):
         (folder / "in.gro").write_text("bench\n%d\n%s\n%g %g %g\n" % (len(places), "\n".join(lines), side, side, side))
         (folder / "in.top").write_text(top)
         (folder / "in.mdp").write_text(MDP.format(steps=steps))
-        run = lambda *a: subprocess.run(["gmx", "-nobackup", *a], cwd=folder, check=True, capture_output=True)
+        run = lambda *a: subprocess.run([program, "-nobackup", *a], cwd=folder, check=True, capture_output=True)
         run("grompp", "-f", "in.mdp", "-c", "in.gro", "-p", "in.top", "-o", "in.tpr", "-maxwarn", "9")
         run("mdrun", "-s", "in.tpr", "-nt", "1", "-g", "md.log", "-noconfout", "-pin", "off")
         log = (folder / "md.log").read_text()
     row = re.search(r"^ Constraints\s+\d+\s+\d+\s+(\d+)\s+([\d.]+)", log, re.M)
-    simd = re.search(r"SIMD instructions:\s*(\S+)", log).group(1)
-    return float(row.group(2)) / int(row.group(1)) / units * 1e9, simd
+    return float(row.group(2)) / int(row.group(1)) / units * 1e9
 
 
 LAMMPS = """units real
@@ -156,38 +160,32 @@ def openmm(program):
     return [(platform, system, float(ns)) for platform, system, ns in csv.reader(run.stdout.splitlines())]
 
 
-def ours(system, method):
-    lines = [line for line in (HERE / "results/constraints.csv").open() if not line.startswith("#")]
-    for row in csv.DictReader(lines):
-        if (row["system"], row["method"], row["form"], row["threads"]) == (system, method, "fast", "1"):
-            return float(row["ns_per_unit"])
-    return math.nan
+UNIT = {"chains-100x20": "bond", "water-1000": "water"}
+METHODS = ("baumgarte", "feedforward", "newton", "settle")
+
+
+def ours(program):
+    """[(method, system, ns a unit and step)]"""
+    run = subprocess.run([program, f"--benchmark_filter=^({'|'.join(METHODS)})/({'|'.join(UNIT)})/fast/1/",
+                          "--benchmark_min_time=0.1", "--benchmark_format=json"], check=True, capture_output=True, text=True)
+    return [(*row["name"].split("/")[:2], row["ns_per_unit"]) for row in json.loads(run.stdout)["benchmarks"]]
 
 
 def measure(steps, build):
-    """[(system, peer, ns a unit and step)], medians of five."""
-    rows = []
-    if shutil.which("gmx"):
-        for molecules, system, units, algorithm in ((chains(100, 20), "chains-100x20", 2000, "LINCS"),
-                                                    (waters(1000), "water-1000", 1000, "SETTLE")):
-            times = sorted(gromacs(molecules, units, steps) for _ in range(5))
-            rows.append((system, f"GROMACS {algorithm} ({times[2][1]})", times[2][0]))
-    else:
-        print("gmx is not installed: GROMACS skipped", file=sys.stderr)
-    program = build / "openmm_bonds"
-    if program.exists():
-        runs = [row for _ in range(5) for row in openmm(program)]
-        for platform, system in dict.fromkeys(row[:2] for row in runs):
+    """[(engine, system, ns a unit and step)], each once."""
+    rows = ours(build / "constraints_bench")
+    for gmx in peer_gromacs.engines():
+        if peer_gromacs.precision(gmx) != "mixed":
+            continue
+        name = peer_gromacs.version(gmx)
+        rows.append((f"LINCS, {name}", "chains-100x20", gromacs(gmx, chains(100, 20), 2000, steps)))
+        rows.append((f"SETTLE, {name}", "water-1000", gromacs(gmx, waters(1000), 1000, steps)))
+    if (build / "openmm_bonds").exists():
+        for platform, system, ns in openmm(build / "openmm_bonds"):
             algorithm = "SETTLE" if system.startswith("water") else "CCMA"
-            rows.append((system, f"OpenMM {platform} {algorithm}",
-                         statistics.median(ns for *key, ns in runs if key == [platform, system])))
-    else:
-        print(f"{program} is not built: OpenMM skipped", file=sys.stderr)
+            rows.append((f"{algorithm}, OpenMM {platform}", system, ns))
     if shutil.which("lmp"):
-        times = [lammps(waters(1000), 1000, steps // 10) for _ in range(5)]
-        rows.append(("water-1000", "LAMMPS fix rattle", statistics.median(times)))
-    else:
-        print("lmp is not installed: LAMMPS skipped", file=sys.stderr)
+        rows.append(("RATTLE, LAMMPS", "water-1000", lammps(waters(1000), 1000, steps // 10)))
     return rows
 
 
@@ -195,16 +193,22 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--steps", type=int, default=20000)
     parser.add_argument("--build", type=pathlib.Path, default=HERE.parent / "build")
+    parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--out", type=pathlib.Path, default=HERE / "results" / "peers.csv")
     options = parser.parse_args()
-    rows = measure(options.steps, options.build)
-    for system, unit in (("chains-100x20", "bond"), ("water-1000", "water")):
-        mine = {method: ours(system, method) for method in ("baumgarte", "feedforward", "newton", "settle")}
-        mine = {method: ns for method, ns in mine.items() if ns == ns}
-        print(f"{system}, ns a {unit} and step: " + ", ".join(f"{method} {ns:.1f}" for method, ns in mine.items()))
-        for where, peer, ns in rows:
-            if where == system:
-                print(f"    {peer:28} {ns:8.1f}   times: "
-                      + ", ".join(f"{method} {ns / its:.1f}" for method, its in mine.items()))
+    seen = {}
+    for _ in range(options.repeats):
+        for engine, system, ns in measure(options.steps, options.build):
+            seen.setdefault((system, engine), []).append(ns)
+    median = {key: statistics.median(times) for key, times in seen.items()}
+    with options.out.open("w", newline="") as file:
+        file.write(f"# {machine.describe()}; ns a unit and step, and over each method's; medians of {options.repeats}\n")
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["system", "unit", "engine", "ns", *(f"over_{m}" for m in METHODS)])
+        for (system, engine), ns in sorted(median.items(), key=lambda item: (item[0][0], item[1])):
+            over = [f"{ns / median[system, m]:.2f}" if (system, m) in median else "" for m in METHODS]
+            writer.writerow([system, UNIT[system], engine, f"{ns:.1f}", *over])
+    print(options.out.read_text(), end="")
 
 
 if __name__ == "__main__":

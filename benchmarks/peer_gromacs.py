@@ -1,16 +1,19 @@
-"""GROMACS on a peer_systems.Molecules: µs a step by its own clock, the second half of a run counted."""
+"""GROMACS on a peer_systems.Molecules: µs a step by its own clock, the second half of a run counted. The programs are
+gmx and gmx_d, or what the variable GMX names, with commas: a build for this machine's SIMD is the fair rival."""
+import os
 import pathlib
 import re
 import shutil
 import subprocess
 import tempfile
 
+import machine
+
 MDP = """integrator = md
 dt = {dt}
 nsteps = {steps}
 cutoff-scheme = Verlet
-coulombtype = reaction-field
-epsilon-rf = 78.3
+{coulomb}
 rcoulomb = {cutoff}
 rvdw = {cutoff}
 vdw-modifier = {modifier}
@@ -42,13 +45,29 @@ def coordinates(m):
 
 
 def engines():
-    return [program for program in ("gmx", "gmx_d") if shutil.which(program)]
+    named = os.environ.get("GMX", "gmx,gmx_d").split(",")
+    return [program for program in named if shutil.which(program)]
+
+
+def of_version(program, key):
+    text = subprocess.run([program, "--version"], capture_output=True, text=True).stdout
+    return re.search(key + r":\s*(\S+)", text).group(1)
+
+
+def precision(program):
+    return of_version(program, "Precision")
 
 
 def version(program):
-    text = subprocess.run([program, "--version"], capture_output=True, text=True).stdout
-    find = lambda key: re.search(key + r":\s*(\S+)", text).group(1)
-    return f"GROMACS {find('GROMACS version')} ({find('Precision')}, {find('SIMD instructions')})"
+    simd = of_version(program, "SIMD instructions")
+    lacking = "" if simd == machine.simd() else f", not built for this machine's {machine.simd()}"
+    return f"GROMACS {of_version(program, 'GROMACS version')} ({precision(program)}, {simd}{lacking})"
+
+
+def coulomb(m):
+    if not m.mesh:
+        return "coulombtype = reaction-field\nepsilon-rf = 78.3"
+    return "coulombtype = PME\npme-order = 4\newald-rtol = 1e-5\n" + "\n".join(f"fourier-n{d} = {m.mesh}" for d in "xyz")
 
 
 def us_per_step(program, m, threads, seconds):
@@ -59,12 +78,12 @@ def us_per_step(program, m, threads, seconds):
 
         def measure(steps):
             (folder / "in.mdp").write_text(MDP.format(
-                dt=m.dt_fs * 1e-3, steps=steps, cutoff=m.cutoff, switch=m.switch,
+                dt=m.dt_fs * 1e-3, steps=steps, cutoff=m.cutoff, switch=m.switch, coulomb=coulomb(m),
                 modifier="potential-switch" if m.switch else "none"))
             run = lambda *a: subprocess.run([program, "-nobackup", *a], cwd=folder, check=True, capture_output=True)
             run("grompp", "-f", "in.mdp", "-c", "in.gro", "-p", "in.top", "-o", "in.tpr", "-maxwarn", "9")
             run("mdrun", "-s", "in.tpr", "-ntmpi", "1", "-ntomp", str(threads), "-g", "md.log", "-noconfout", "-pin", "off",
-                "-resethway")
+                "-resethway", "-notunepme")
             core, wall = map(float, re.search(r"^\s+Time:\s+([\d.]+)\s+([\d.]+)", (folder / "md.log").read_text(), re.M).groups())
             return wall / (steps - steps // 2 + 1) * 1e6
 

@@ -15,6 +15,7 @@ class Molecules:
     cutoff: float  # [nm]
     switch: float  # of Lennard-Jones, from here on [nm]; 0: none
     dt_fs: float
+    mesh: int = 0  # PME's points along an edge; 0: reaction field
     x: list = dataclasses.field(default_factory=list)  # [nm]
     v: list = dataclasses.field(default_factory=list)  # [nm/ps]
     box: list = dataclasses.field(default_factory=list)  # [nm]
@@ -44,6 +45,12 @@ def water(taut, count):
     return start_of(taut, molecules, ["water", "--set", f"build.molecules={count}", "--steps", "100"])
 
 
+def pme(taut, count):
+    """The same with PME, 1e-5 at the cutoff, order 4: step_bench's."""
+    molecules = water(taut, count)
+    return dataclasses.replace(molecules, name=f"pme{count}", mesh=round(16 / 6 * count ** (1 / 3)))
+
+
 def chains(taut):
     """100 chains of 20 Lennard-Jones beads: systems/chain.toml."""
     molecules = Molecules("chain", 100, [(f"B{b}", 14.0, 0, 0.39, 2.479) for b in range(20)],
@@ -53,5 +60,5 @@ def chains(taut):
 
 def make(taut, names):
     """What GROMACS and LAMMPS are given; the dipeptide goes to OpenMM alone."""
-    return [chains(taut) if name == "chain" else water(taut, int(name.removeprefix("water")))
-            for name in names if name != "dipeptide"]
+    waters = lambda name: pme(taut, int(name[3:])) if name.startswith("pme") else water(taut, int(name.removeprefix("water")))
+    return [chains(taut) if name == "chain" else waters(name) for name in names if name != "dipeptide"]

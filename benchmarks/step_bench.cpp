@@ -3,8 +3,12 @@
 // step: whole steps of the scene as it comes, nothing observed; forces: the force field at positions that
 // stay; lists: the same, everything moved so far that all lists are made anew; bonds: the method's share of
 // the step; kicks: both half kicks and the drift; bonded: springs, angles and torsions alone, plain_bonded:
-// by the plain loops. openmm: whole steps of OpenMM's CPU platform on the same system and threads (its
-// leap-frog Verlet, constraints to 1e-6), where taut was built with it.
+// by the plain loops; mesh: what Ewald's sum has beside the pairs, alone (pme scenes: order 4, points 0.116
+// nm apart, as GROMACS has it by default); account: whole steps, and in them what threads do: the processor
+// time [µs a step] of what one thread does alone (serial), of the busiest in each parallel region (longest)
+// and of all in them (busy), and regions a step; wake: a region with nothing to do. openmm: whole steps of
+// OpenMM's CPU platform on the same system and threads (its leap-frog Verlet, constraints to 1e-6), where
+// taut was built with it.
 //
 // dipeptide is alanine dipeptide in 749 waters as OpenMM's files tests/data/ala2-hbonds-rf have it, bonds
 // with hydrogen rigid and the others springs, by newton at 2 fs; it is measured where taut was built with
@@ -18,7 +22,10 @@
 #include "forcefield/bonded.hpp"
 #include "forcefield/bonded_forces.hpp"
 #include "forcefield/force_field.hpp"
+#include "forcefield/pme/parameters.hpp"
+#include "forcefield/pme/pme.hpp"
 #include "md/run.hpp"
+#include "md/thread_meter.hpp"
 #include "md/threads.hpp"
 #include "md/timed.hpp"
 #include "studies/openmm_twin.hpp"
@@ -62,6 +69,15 @@ std::vector<Case> cases() {
     all.push_back({fmt::format("water{}", molecules),
                    "water",
                    {fmt::format("build.molecules={}", molecules), "method.name=settle"}});
+  for (const int side : {6, 12, 18, 36, 48}) {
+    const int molecules = side * side * side, grid = 16 * side / 6;  // 0.116 nm apart
+    all.push_back(
+        {fmt::format("pme{}", molecules),
+         "water",
+         {fmt::format("build.molecules={}", molecules), "method.name=settle", "forcefield.coulomb=pme",
+          "forcefield.pme_order=4", "forcefield.ewald_alpha_per_nm=3.4705",
+          fmt::format("forcefield.pme_grid=[{0},{0},{0}]", grid)}});
+  }
   all.push_back({"decane", "decane", {"method.name=newton"}});
   all.push_back({"melt", "melt", {"method.name=newton"}});
   all.push_back({"chain", "chain", {"method.name=newton"}});
@@ -109,6 +125,23 @@ void whole_step(benchmark::State& bench, const Setting& setting) {
   Running run(setting);
   for (auto _ : bench) run.go(kStride);
   count(bench, bench.iterations() * kStride, run.scene.system.atoms());
+}
+
+void accounted_step(benchmark::State& bench, const Setting& setting) {
+  use_threads(setting.threads);
+  Running run(setting);
+  const ThreadMeter meter;
+  for (auto _ : bench) run.go(kStride);
+  const ThreadAccount account = meter.account();
+  const double steps = double(bench.iterations() * kStride);
+  bench.counters["regions"] = double(account.regions) / steps;
+  bench.counters["serial"] = 1e6 * account.serial / steps;
+  bench.counters["longest"] = 1e6 * account.longest / steps;
+  bench.counters["busy"] = 1e6 * account.busy / steps;
+}
+
+void empty_region(benchmark::State& bench, const Setting& setting) {
+  for (auto _ : bench) in_parallel(setting.threads, [](int) {});
 }
 
 void forces_alone(benchmark::State& bench, const Setting& setting) {
@@ -180,6 +213,18 @@ void plain_bonded(benchmark::State& bench, const Setting& setting) {
   count(bench, bench.iterations(), scene.system.atoms());
 }
 
+void mesh_alone(benchmark::State& bench, const Setting& setting) {
+  use_threads(setting.threads);
+  Scene scene = setting.scene();
+  Nonbonded& nb = *scene.terms.nonbonded;
+  nb.pme = chosen_parameters(*nb.pme, scene.start.box, *nb.cutoff);
+  Pme pme(nb);
+  pme.set_box(scene.start.box);
+  Vectors f = Vectors::Zero(3, scene.system.atoms());
+  for (auto _ : bench) pme.add_forces(scene.start.x, f);
+  count(bench, bench.iterations(), scene.system.atoms());
+}
+
 void openmm_step(benchmark::State& bench, const Setting& setting) {
   const Scene scene = setting.scene();
   OpenMMInput input{scene.system, scene.terms, scene.start, 0};
@@ -216,11 +261,19 @@ void add_all() {
       const Setting setting{what, Precision::kDouble, threads};
       add("bonds", bonds_alone, setting, "double");
       add("kicks", kicks_and_drift, setting, "double");
+      if (what.name.starts_with("pme")) add("mesh", mesh_alone, setting, "double");
       const bool bonded = what.name == "decane" || what.name == "dipeptide";
       if (bonded) add("bonded", bonded_alone, setting, "double");
       if (bonded && threads == 1) add("plain_bonded", plain_bonded, setting, "double");
       if (built_with_openmm()) add("openmm", openmm_step, setting, "single");
     }
+  for (const int threads : {1, 2, 4, 8, 16, 32, 64, 128}) {
+    for (const Case& what : cases())
+      for (const auto& [precision, name] :
+           {std::pair{Precision::kDouble, "double"}, {Precision::kMixed, "mixed"}})
+        add("account", accounted_step, {what, precision, threads}, name);
+    if (threads > 1) add("wake", empty_region, {{"none", "", {}}, Precision::kDouble, threads}, "double");
+  }
 }
 
 }  // namespace

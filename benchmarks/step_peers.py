@@ -3,24 +3,24 @@
 
     benchmarks/step_peers.py [--build build] [--systems water1728,water5832,chain,dipeptide] [--threads 1,2] [--repeats 5]
 
-Prints medians in µs a step and how many times longer than taut's each takes, at equal threads, and writes
+Systems pme1728, pme5832, … are waters with PME (order 4, points 0.116 nm apart, all programs alike but OpenMM, which has
+order 5). Prints medians in µs a step and how many times longer than taut's each takes, at equal threads, and writes
 benchmarks/results/step_peers.csv. All take turns in every repeat, so that they meet the same machine. taut and OpenMM
 go through step_bench; GROMACS (gmx, gmx_d) and LAMMPS (lmp, waters only: its RATTLE takes four atoms at most) are given
-the same positions, cutoffs and bonds, but not the dipeptide; what is not installed is skipped. Two threads need an idle
+the same positions, cutoffs and bonds, but not the dipeptide (peer_gromacs.py says which build of it); what is not installed is skipped. Two threads need an idle
 machine: threads wait for each other spinning (OMP_WAIT_POLICY=passive makes them sleep, which costs more than a small step
 takes).
 """
 import argparse
 import csv
-import datetime
 import json
 import math
-import os
 import pathlib
 import statistics
 import subprocess
 import sys
 
+import machine
 import peer_gromacs
 import peer_lammps
 import peer_systems
@@ -48,9 +48,9 @@ def through_peers(systems, threads, seconds):
     for molecules in systems:
         for n in threads:
             for program in peer_gromacs.engines():
-                runs[f"GROMACS {program}", "double" if program == "gmx_d" else "mixed", molecules.name, n] = \
+                runs[f"GROMACS {pathlib.Path(program).name}", peer_gromacs.precision(program), molecules.name, n] = \
                     peer_gromacs.us_per_step(program, molecules, n, seconds)
-            for _ in peer_lammps.engines():
+            for _ in [] if molecules.mesh else peer_lammps.engines():
                 runs["LAMMPS", "double", molecules.name, n] = peer_lammps.us_per_step(molecules, n, seconds)
     return {key: us for key, us in runs.items() if not math.isnan(us)}
 
@@ -59,13 +59,6 @@ def versions():
     openmm = subprocess.run(["dpkg-query", "-W", "-f=${Version}", "libopenmm-dev"], capture_output=True, text=True).stdout
     return [f"OpenMM {openmm or 'unknown'}", *(peer_gromacs.version(p) for p in peer_gromacs.engines()),
             *(peer_lammps.version() for _ in peer_lammps.engines())]
-
-
-def cpu_name():
-    for line in pathlib.Path("/proc/cpuinfo").read_text().splitlines():
-        if line.startswith("model name"):
-            return line.split(":", 1)[1].strip()
-    return "unknown"
 
 
 def main():
@@ -91,8 +84,7 @@ def main():
 
     median = {key: statistics.median(values) for key, values in seen.items()}
     with open(arguments.out, "w", newline="") as file:
-        file.write(f"# {datetime.date.today()}; {cpu_name()}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}; "
-                   f"{'; '.join(versions())}; medians of {arguments.repeats}\n")
+        file.write(f"# {machine.describe()}; {'; '.join(versions())}; medians of {arguments.repeats}\n")
         writer = csv.writer(file)
         writer.writerow(["system", "threads", "engine", "precision", "us_per_step", "over_taut_double", "over_taut_mixed"])
         for system in names:

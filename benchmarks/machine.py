@@ -1,0 +1,24 @@
+"""What stands above a table of times: where and when they were taken."""
+import datetime
+import os
+import pathlib
+import re
+
+
+def cpuinfo(key):
+    found = re.search(rf"^{key}\s*: (.*)$", pathlib.Path("/proc/cpuinfo").read_text(), re.M)
+    return found.group(1) if found else "?"
+
+
+def simd():
+    """The widest that GROMACS could be built for here, by its own name."""
+    flags = cpuinfo("flags").split()
+    for flag, name in (("avx512f", "AVX_512"), ("avx2", "AVX2_256"), ("avx", "AVX_256"), ("sse4_1", "SSE4.1")):
+        if flag in flags:
+            return name
+    return "None"
+
+
+def describe():
+    return (f"{datetime.date.today()}; {cpuinfo('model name')} (family {cpuinfo('cpu family')} model {cpuinfo('model')}), "
+            f"{simd()}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}")

@@ -1,0 +1,79 @@
+#!/usr/bin/env python3
+"""What more threads gain, foretold from counts and, where the machine has the cores, measured.
+
+    benchmarks/threads.py [--build build] [--scenes water1728 chain] [--precisions mixed] [--threads 2 8 16 64]
+                          [--wake 2] [--csv FILE]
+
+step_bench keeps account of each thread's processor time (`account/`): of what one thread does alone, and in each
+parallel region of the thread with most to do. It is the same on a machine that others use too, and with more threads
+than cores; what threads share, caches and memory, it does not see. A step on T threads is foretold to take
+
+    serial + longest + regions x wake
+
+of which `longest` less what all of them do, divided by T, is imbalance. `wake`, a region with nothing to do [us], is
+measured where there are T cores and taken from --wake where there are not; so is the speed-up itself.
+"""
+
+import argparse, csv, json, os, pathlib, statistics, subprocess, sys
+
+HERE = pathlib.Path(__file__).parent
+
+
+def run(bench, names, policy, seconds):
+    """{name without its suffixes: row}, medians of three."""
+    pattern = "^(" + "|".join(names) + ")/process_time"
+    rows = {}
+    for _ in range(3):
+        out = subprocess.run([bench, f"--benchmark_filter={pattern}", f"--benchmark_min_time={seconds}",
+                              "--benchmark_format=json"], capture_output=True, text=True,
+                             env={**os.environ, "OMP_WAIT_POLICY": policy})
+        if out.returncode != 0:
+            sys.exit(f"{bench}: {out.stderr.strip()}")
+        for row in json.loads(out.stdout)["benchmarks"]:
+            rows.setdefault(row["name"].split("/process_time")[0], []).append(row)
+    keys = ("real_time", "regions", "serial", "longest", "busy")
+    return {name: {k: statistics.median(r[k] for r in of) for k in keys if k in of[0]} for name, of in rows.items()}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--build", type=pathlib.Path, default=HERE.parent / "build")
+    parser.add_argument("--scenes", nargs="+", default=["water1728", "water5832", "water46656", "chain", "decane"])
+    parser.add_argument("--precisions", nargs="+", default=["double", "mixed"])
+    parser.add_argument("--threads", nargs="+", type=int, default=[2, 8, 16, 64])
+    parser.add_argument("--wake", type=float, default=2, help="us, where it cannot be measured")
+    parser.add_argument("--seconds", type=float, default=0.5, help="of each measurement")
+    parser.add_argument("--csv", type=pathlib.Path)
+    options = parser.parse_args()
+    bench, cores = options.build / "step_bench", len(os.sched_getaffinity(0))
+    out = []
+    for scene in options.scenes:
+        for precision in options.precisions:
+            name = lambda part, threads: f"{part}/{scene}/{precision}/{threads}"
+            one = run(bench, [name("account", 1)], "passive", options.seconds)[name("account", 1)]["serial"]
+            for threads in options.threads:
+                account = run(bench, [name("account", threads)], "passive", options.seconds)[name("account", threads)]
+                wake, measured = options.wake, ""
+                if threads <= cores:
+                    wake = run(bench, [f"wake/none/double/{threads}"], "active", 0.1)
+                    wake = next(iter(wake.values()))["real_time"]
+                    both = {}
+                    for t in (1, threads):  # a benchmark of accounts: there is one for any number of threads
+                        both[t] = run(bench, [name("account", t)], "active", options.seconds)[name("account", t)]["real_time"]
+                    measured = both[1] / both[threads]
+                step = account["serial"] + account["longest"] + account["regions"] * wake
+                row = {"scene": scene, "precision": precision, "threads": threads, "one_us": one,
+                       "regions": account["regions"], "serial_us": account["serial"],
+                       "imbalance_us": account["longest"] - account["busy"] / threads, "busy_us": account["busy"],
+                       "wake_us": wake, "foretold": one / step, "measured": measured}
+                out.append({k: f"{v:.4g}" if isinstance(v, float) else v for k, v in row.items()})
+                print("  ".join(f"{k} {v}" for k, v in out[-1].items() if v != ""), flush=True)
+    if options.csv:
+        with options.csv.open("w", newline="") as file:
+            writer = csv.DictWriter(file, out[0].keys(), lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(out)
+
+
+if __name__ == "__main__":
+    main()
