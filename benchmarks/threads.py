@@ -2,7 +2,7 @@
 """What more threads gain, foretold from counts and, where the machine has the cores, measured.
 
     benchmarks/threads.py [--build build] [--scenes water1728 chain] [--precisions mixed] [--threads 2 8 16 64]
-                          [--wake 2] [--csv FILE]
+                          [--wake 2] [--foretell] [--csv FILE]
 
 step_bench keeps account of each thread's processor time (`account/`): of what one thread does alone, and in each
 parallel region of the thread with most to do. It is the same on a machine that others use too, and with more threads
@@ -11,10 +11,13 @@ than cores; what threads share, caches and memory, it does not see. A step on T 
     serial + longest + regions x wake
 
 of which `longest` less what all of them do, divided by T, is imbalance. `wake`, a region with nothing to do [us], is
-measured where there are T cores and taken from --wake where there are not; so is the speed-up itself.
+measured where there are T cores and taken from --wake where there are not; so is the speed-up itself. --foretell
+measures nothing by the clock: for a machine that others use too.
 """
 
 import argparse, csv, json, os, pathlib, statistics, subprocess, sys
+
+import machine
 
 HERE = pathlib.Path(__file__).parent
 
@@ -43,6 +46,7 @@ def main():
     parser.add_argument("--threads", nargs="+", type=int, default=[2, 8, 16, 64])
     parser.add_argument("--wake", type=float, default=2, help="us, where it cannot be measured")
     parser.add_argument("--seconds", type=float, default=0.5, help="of each measurement")
+    parser.add_argument("--foretell", action="store_true")
     parser.add_argument("--csv", type=pathlib.Path)
     options = parser.parse_args()
     bench, cores = options.build / "step_bench", len(os.sched_getaffinity(0))
@@ -54,13 +58,11 @@ def main():
             for threads in options.threads:
                 account = run(bench, [name("account", threads)], "passive", options.seconds)[name("account", threads)]
                 wake, measured = options.wake, ""
-                if threads <= cores:
-                    wake = run(bench, [f"wake/none/double/{threads}"], "active", 0.1)
-                    wake = next(iter(wake.values()))["real_time"]
-                    both = {}
-                    for t in (1, threads):  # a benchmark of accounts: there is one for any number of threads
-                        both[t] = run(bench, [name("account", t)], "active", options.seconds)[name("account", t)]["real_time"]
-                    measured = both[1] / both[threads]
+                if threads <= cores and not options.foretell:
+                    wake = run(bench, [f"wake/none/double/{threads}"], "active", 0.1).popitem()[1]["real_time"]
+                    clock = {t: run(bench, [name("account", t)], "active", options.seconds)[name("account", t)]["real_time"]
+                             for t in (1, threads)}
+                    measured = clock[1] / clock[threads]
                 step = account["serial"] + account["longest"] + account["regions"] * wake
                 row = {"scene": scene, "precision": precision, "threads": threads, "one_us": one,
                        "regions": account["regions"], "serial_us": account["serial"],
@@ -70,6 +72,7 @@ def main():
                 print("  ".join(f"{k} {v}" for k, v in out[-1].items() if v != ""), flush=True)
     if options.csv:
         with options.csv.open("w", newline="") as file:
+            file.write(f"# {machine.describe()}; us a step\n")
             writer = csv.DictWriter(file, out[0].keys(), lineterminator="\n")
             writer.writeheader()
             writer.writerows(out)
