@@ -88,6 +88,11 @@ void Baumgarte::want_one_sided(const System& sys, double h, int k) {
 }
 
 SolveStats Baumgarte::add_forces(const System& sys, double h, State& s) {
+  guess_lambda();
+  return again(sys, h, s);
+}
+
+SolveStats Baumgarte::again(const System& sys, double h, State& s) {
   differences(sys, s.x, r_);
   Residual residual;
   for (int k = 0; k < sys.bond_count(); ++k) {
@@ -111,7 +116,6 @@ SolveStats Baumgarte::add_forces(const System& sys, double h, State& s) {
     if (solver_.singular()) return {0, residual.value, solver_.dependent_bonds().front(), Failure::kSingular};
   }
 
-  guess_lambda();
   for (int pass = 0; pass < passes_; ++pass) {
     y_.setZero();
     add_constraint_acceleration(sys, r_, lambda_, y_);

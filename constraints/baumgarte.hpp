@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <limits>
 #include <optional>
 #include <string>
@@ -91,9 +92,12 @@ class Baumgarte : public ConstraintMethod {
 
   SolveStats add_forces(const System& sys, double h, State& s) override;
   SolveStats start(const System& sys, State& s) override { return add_forces(sys, 0, s); }  // w = v
+  SolveStats again(const System& sys, double h, State& s);  // from λ as it is
 
   void serialize(Archive& archive) override { archive(lambda_, before_, steps_); }
   const Eigen::VectorXd& lambda() const override { return lambda_; }
+  std::array<Eigen::VectorXd*, 2> past() { return {&lambda_, &before_}; }
+  int& steps_known() { return steps_; }
   std::string setting() const override { return setting_; }
 
  private:

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 
 #include "constraints/direct_solver.hpp"
@@ -44,9 +45,12 @@ class Feedforward : public ConstraintMethod {
 
   SolveStats add_forces(const System& sys, double h, State& s) override;
   SolveStats start(const System& sys, State& s) override;
+  SolveStats again(const System& sys, double, State& s) { return add_forces_for(h_ * h_, sys, s); }
 
   void serialize(Archive& archive) override { archive(lambda_, before_, before_that_, known_); }
   const Eigen::VectorXd& lambda() const override { return lambda_; }
+  std::array<Eigen::VectorXd*, 3> past() { return {&lambda_, &before_, &before_that_}; }
+  int& steps_known() { return known_; }
   double promised_error() const override { return options_.tolerance; }
   std::string setting() const override;
 

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "constraints/lanes/lanes.hpp"
+#include "constraints/lanes/multiplier_history.hpp"
 #include "md/constraint_method.hpp"
 
 namespace taut {
@@ -33,6 +34,21 @@ class Leftover {
 
   void write_lambda(Eigen::VectorXd& lambda) const {
     for (std::size_t k = 0; k < bonds_.size(); ++k) lambda[bonds_[k]] = method_.lambda()[k];
+  }
+  // What the method keeps of its multipliers, a column a step.
+  void read_past(Eigen::MatrixXd& past) {
+    const auto kept = method_.past();
+    for (std::size_t k = 0; k < bonds_.size(); ++k)
+      for (std::size_t n = 0; n < kept.size(); ++n) past(bonds_[k], n) = (*kept[n])[k];
+  }
+  void write_past(const Eigen::MatrixXd& past, int known) {
+    const auto kept = method_.past();
+    for (std::size_t k = 0; k < bonds_.size(); ++k)
+      for (std::size_t n = 0; n < kept.size(); ++n) (*kept[n])[k] = past(bonds_[k], n);
+    method_.steps_known() = known;
+  }
+  SolveStats again(double h, State& s) {
+    return bonds_.empty() ? SolveStats{} : numbered(method_.again(system_, h, s));
   }
   void serialize(Archive& archive) { archive(method_); }
   const Plain& method() const { return method_; }
@@ -86,6 +102,37 @@ class BatchedMethod : public ConstraintMethod {
 
  private:
   mutable Eigen::VectorXd lambda_;  // m
+};
+
+// One that extrapolates its multipliers.
+template <class PlainMethod, class Batches>
+class ExtrapolatingMethod : public BatchedMethod<PlainMethod, Batches>, public MultiplierHistory {
+ public:
+  int steps_kept() const final {
+    return static_cast<int>(std::tuple_size_v<decltype(std::declval<PlainMethod&>().past())>);
+  }
+  int steps_known() const final { return known_; }
+  void read(Eigen::MatrixXd& past) final {
+    this->batches_.for_each([&](auto& batch) {
+      for (int n = 0; LaneRows * rows : batch.past()) rows_to_bonds(batch.lanes, *rows, past.col(n++));
+    });
+    this->leftover_.read_past(past);
+  }
+  void write(const Eigen::MatrixXd& past, int known) final {
+    this->batches_.for_each([&](auto& batch) {
+      for (int n = 0; LaneRows * rows : batch.past()) rows_from_bonds(batch.lanes, past.col(n++), *rows);
+    });
+    this->leftover_.write_past(past, known);
+    known_ = known;
+  }
+  void serialize(Archive& archive) final {
+    BatchedMethod<PlainMethod, Batches>::serialize(archive);
+    archive(known_);
+  }
+
+ protected:
+  using BatchedMethod<PlainMethod, Batches>::BatchedMethod;
+  int known_ = 0;  // how many λ of the past there are
 };
 
 }  // namespace taut

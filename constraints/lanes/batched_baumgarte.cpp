@@ -20,17 +20,18 @@ struct BaumgarteRows {
         r(scratch.take(3 * shape.size())) {}
 };
 
-// f += Jᵀλ*; λ becomes λ*, before becomes λ. r is found on the way.
+// f += Jᵀλ*; λ becomes λ*, before becomes λ (with `shift`). r is found on the way.
 template <class Shape>
-HWY_INLINE void apply_guess(const Shape shape, double guess, double* lambda, double* before,
+HWY_INLINE void apply_guess(const Shape shape, const BaumgarteStep& step, double* lambda, double* before,
                             const BaumgarteRows rows) {
-  const V weight = broadcast(guess);
+  const V weight = broadcast(step.guess);
+  const bool shift = step.shift;
   for (int k = 0; k < shape.size(); ++k) {
     const V3 r = difference(shape, k, rows.x);
     store3(r, rows.r + 3 * k * kLanes);
     const V last = load(lambda + k * kLanes);
     const V guessed = hn::MulAdd(weight, hn::Sub(last, load(before + k * kLanes)), last);
-    store(last, before + k * kLanes);
+    if (shift) store(last, before + k * kLanes);
     store(guessed, lambda + k * kLanes);
     add_constraint_force(shape, k, guessed, r, rows.f);
   }
@@ -105,7 +106,7 @@ struct BaumgarteKernel {
     gather(part, shape.atoms(), step.x, rows.x);
     gather(part, shape.atoms(), step.v, rows.v);
     gather(part, shape.atoms(), step.f, rows.f);
-    apply_guess(shape, step.guess, lambda, before, rows);
+    apply_guess(shape, step, lambda, before, rows);
     right_hand_side<true>(shape, terms, step.h, rows, eq, worst);
     return next(0);
   }
@@ -145,8 +146,9 @@ namespace taut {
 HWY_EXPORT(baumgarte_groups);
 
 Batched<Baumgarte>::Batched(const System& sys, const Options& options, double h)
-    : BatchedMethod(sys, options, h,
-                    find_clusters(sys, options.sweeps > 0 ? ClusterLimits{0, 0} : ClusterLimits::cutting())),
+    : ExtrapolatingMethod(
+          sys, options, h,
+          find_clusters(sys, options.sweeps > 0 ? ClusterLimits{0, 0} : ClusterLimits::cutting())),
       damping_(damping_named(options.damping)) {
   const std::vector<Gains> gains = choose_gains(options.choice(), damping_, sys, h);
   setting_ = describe_baumgarte(options, gains, h);
@@ -177,20 +179,25 @@ void Batched<Baumgarte>::set_terms(double h) {
 }
 
 SolveStats Batched<Baumgarte>::add_forces(const System&, double h, State& s) {
+  const SolveStats stats = solve(h, known_ >= 2 ? 1.0 / 3 : 0.0, true, s).beside(leftover_.add_forces(h, s));
+  known_ = std::min(known_ + 1, 2);
+  return stats;
+}
+
+SolveStats Batched<Baumgarte>::again(const System&, double h, State& s) {
+  return solve(h, 0, false, s).beside(leftover_.again(h, s));
+}
+
+SolveStats Batched<Baumgarte>::solve(double h, double guess, bool shift, State& s) {
   set_terms(h);
   const BaumgarteStep step{.h = h,
-                           .guess = steps_ >= 2 ? 1.0 / 3 : 0.0,
+                           .guess = guess,
+                           .shift = shift,
                            .passes = options_.passes,
                            .x = s.x.data(),
                            .v = s.v.data(),
                            .f = s.f.data()};
-  if (steps_ < 2) ++steps_;
-  return batches_.run(HWY_DYNAMIC_DISPATCH(baumgarte_groups), step).beside(leftover_.add_forces(h, s));
-}
-
-void Batched<Baumgarte>::serialize(Archive& archive) {
-  BatchedMethod::serialize(archive);
-  archive(steps_);
+  return batches_.run(HWY_DYNAMIC_DISPATCH(baumgarte_groups), step);
 }
 
 }  // namespace taut

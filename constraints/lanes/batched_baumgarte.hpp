@@ -24,34 +24,36 @@ struct BaumgarteBatch : SolvedBatch {
 
   explicit BaumgarteBatch(const ClusterBatch& batch) : SolvedBatch(batch), before(rows_of_bonds(lanes)) {}
 
+  std::array<LaneRows*, 2> past() { return {&lambda, &before}; }
   void serialize(Archive& archive) { archive(lambda, before); }
 };
 
 struct BaumgarteStep {
   double h;
   double guess;  // λ* = λ + guess (λ − before)
+  bool shift;    // λ becomes the past
   int passes;
   const double *x, *v;
   double* f;
 };
 
 template <>
-class Batched<Baumgarte> final : public BatchedMethod<Baumgarte, SolvedBatches<BaumgarteBatch>> {
+class Batched<Baumgarte> final : public ExtrapolatingMethod<Baumgarte, SolvedBatches<BaumgarteBatch>> {
  public:
   Batched(const System& sys, const Options& options, double h);
 
   SolveStats add_forces(const System& sys, double h, State& s) override;
   SolveStats start(const System& sys, State& s) override { return add_forces(sys, 0, s); }  // w = v
+  SolveStats again(const System& sys, double h, State& s) override;
 
-  void serialize(Archive& archive) override;
   std::string setting() const override { return setting_; }
 
  private:
   void set_terms(double h);
+  SolveStats solve(double h, double guess, bool shift, State& s);
 
   Damping damping_;
   std::string setting_;
-  int steps_ = 0;  // how many λ of the past there are
   double h_of_terms_ = -1;
 };
 

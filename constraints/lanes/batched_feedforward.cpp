@@ -197,18 +197,25 @@ namespace taut {
 HWY_EXPORT(feedforward_groups);
 
 Batched<Feedforward>::Batched(const System& sys, const Options& options, double h)
-    : BatchedMethod(sys, options, h, find_clusters(sys, ClusterLimits::cutting())), h_(h) {}
+    : ExtrapolatingMethod(sys, options, h, find_clusters(sys, ClusterLimits::cutting())), h_(h) {}
 
 SolveStats Batched<Feedforward>::add_forces(const System&, double h, State& s) {
-  return solve(h_ * h_, false, s).beside(leftover_.add_forces(h, s));
+  const SolveStats stats = solve(h_ * h_, true, s).beside(leftover_.add_forces(h, s));
+  known_ = std::min(known_ + 1, 3);
+  return stats;
 }
 
 // v is the full-step velocity and the coming kick half as long.
 SolveStats Batched<Feedforward>::start(const System&, State& s) {
-  return solve(0.5 * h_ * h_, true, s).beside(leftover_.start(s));
+  known_ = 1;
+  return solve(0.5 * h_ * h_, false, s).beside(leftover_.start(s));
 }
 
-SolveStats Batched<Feedforward>::solve(double kick, bool start, State& s) {
+SolveStats Batched<Feedforward>::again(const System&, double h, State& s) {
+  return solve(h_ * h_, false, s).beside(leftover_.again(h, s));
+}
+
+SolveStats Batched<Feedforward>::solve(double kick, bool shift, State& s) {
   constexpr double kWeights[3][3] = {{1, 0, 0}, {2, -1, 0}, {3, -3, 1}};  // by order
   const auto& [last, first, second] = kWeights[std::clamp(known_ - 1, 0, options_.extrapolation)];
   const FeedforwardStep step{.h = h_,
@@ -216,19 +223,13 @@ SolveStats Batched<Feedforward>::solve(double kick, bool start, State& s) {
                              .last = last,
                              .first = first,
                              .second = second,
-                             .shift = !start,
+                             .shift = shift,
                              .max_solves = options_.max_solves,
                              .turn = std::sqrt(2 * options_.tolerance),
                              .x = s.x.data(),
                              .v = s.v.data(),
                              .f = s.f.data()};
-  known_ = start ? 1 : std::min(known_ + 1, 3);
   return batches_.run(HWY_DYNAMIC_DISPATCH(feedforward_groups), step);
-}
-
-void Batched<Feedforward>::serialize(Archive& archive) {
-  BatchedMethod::serialize(archive);
-  archive(known_);
 }
 
 }  // namespace taut

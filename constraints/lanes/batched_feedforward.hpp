@@ -13,24 +13,23 @@ struct FeedforwardBatch : SolvedBatch {
   explicit FeedforwardBatch(const ClusterBatch& batch)
       : SolvedBatch(batch), before(rows_of_bonds(lanes)), before_that(before) {}
 
+  std::array<LaneRows*, 3> past() { return {&lambda, &before, &before_that}; }
   void serialize(Archive& archive) { archive(lambda, before, before_that); }
 };
 
 template <>
-class Batched<Feedforward> final : public BatchedMethod<Feedforward, SolvedBatches<FeedforwardBatch>> {
+class Batched<Feedforward> final : public ExtrapolatingMethod<Feedforward, SolvedBatches<FeedforwardBatch>> {
  public:
   Batched(const System& sys, const Options& options, double h);
 
   SolveStats add_forces(const System& sys, double h, State& s) override;
   SolveStats start(const System& sys, State& s) override;
-
-  void serialize(Archive& archive) override;
+  SolveStats again(const System& sys, double h, State& s) override;
 
  private:
-  SolveStats solve(double kick, bool start, State& s);
+  SolveStats solve(double kick, bool shift, State& s);
 
   double h_;
-  int known_ = 0;  // how many λ of the past there are
 };
 
 }  // namespace taut

@@ -66,10 +66,17 @@ void LaneRows::swap(LaneRows& other) noexcept {
   std::swap(size_of_group_, other.size_of_group_);
 }
 
-void rows_to_bonds(const LaneBatch& batch, const LaneRows& rows, Eigen::VectorXd& values) {
+void rows_to_bonds(const LaneBatch& batch, const LaneRows& rows, Eigen::Ref<Eigen::VectorXd> values) {
   for (int g = 0; g < batch.groups; ++g)
     for (int k = 0; k < batch.plan.solved; ++k)
       for (int l = 0; l < batch.filled(g); ++l) values[batch.bond(g, k, l)] = rows.of(g)[k * kLanes + l];
+}
+
+void rows_from_bonds(const LaneBatch& batch, const Eigen::Ref<const Eigen::VectorXd>& values,
+                     LaneRows& rows) {
+  for (int g = 0; g < batch.groups; ++g)
+    for (int k = 0; k < batch.bond_count(); ++k)
+      for (int l = 0; l < kLanes; ++l) rows.of(g)[k * kLanes + l] = values[batch.bond(g, k, l)];
 }
 
 void LaneRunner::add(const LaneBatch& batch) {

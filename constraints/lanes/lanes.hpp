@@ -114,7 +114,9 @@ inline LaneRows rows_of_bonds(const LaneBatch& batch) {
 }
 
 // Scatters one row a bond of every group to a number a bond of the system.
-void rows_to_bonds(const LaneBatch& batch, const LaneRows& rows, Eigen::VectorXd& values);
+void rows_to_bonds(const LaneBatch& batch, const LaneRows& rows, Eigen::Ref<Eigen::VectorXd> values);
+// ... and back, lanes left over and what a piece sees of its neighbours included.
+void rows_from_bonds(const LaneBatch& batch, const Eigen::Ref<const Eigen::VectorXd>& values, LaneRows& rows);
 
 // Where in a group's scratch the system of equations lies, what every solving method begins with: the first
 // row of each part.

@@ -1,0 +1,363 @@
+#include "lammps/fix_taut.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "md/errors.hpp"
+#include "md/threads.hpp"
+
+namespace LAMMPS_NS {
+
+using namespace FixConst;
+using taut::SolveStats;
+
+FixTaut::FixTaut(LAMMPS* engine, int narg, char** arg)
+    : Fix(engine, narg, arg), held_(*atom), lengths_(*force) {
+  if (atom->molecular != Atom::MOLECULAR)
+    refuse("expected an atom style with bonds, which are not a template's");
+  if (atom->map_style == Atom::MAP_NONE)
+    refuse("expected an atom map; give atom_modify map yes before the box is made");
+  try {
+    const taut::TypeCounts types{atom->nbondtypes, atom->nangletypes, atom->ntypes};
+    keys_ = taut::read_keywords({arg + 3, arg + narg}, types);
+  } catch (const taut::InputError& wrong) {
+    refuse(wrong.what());
+  }
+  restart_peratom = create_attribute = dof_flag = 1;
+  virial_global_flag = virial_peratom_flag = thermo_virial = 1;
+  energy_global_flag = thermo_energy = 1;  // of the springs, in minimisation
+  scalar_flag = extscalar = 1;
+  vector_flag = 1;
+  extvector = 0;
+  size_vector = 5;
+  global_freq = 1;
+  nevery = std::max(1, keys_.every);
+  if (keys_.store) {
+    peratom_flag = local_flag = peratom_freq = local_freq = 1;
+    size_peratom_cols = size_local_cols = 3;
+    size_local_rows = 0;
+  }
+
+  hold_bonds();
+  comm_border = maxexchange = held_.largest_pack();
+  comm_forward = kNewsRoom + most_upward_;
+  grow_arrays(atom->nmax);
+  for (int callback : {Atom::GROW, Atom::RESTART, Atom::BORDER}) atom->add_callback(callback);
+}
+
+FixTaut::~FixTaut() {
+  for (int callback : {Atom::GROW, Atom::RESTART, Atom::BORDER}) atom->delete_callback(id, callback);
+  taut::set_type_signs(*atom, held_, keys_.held.angles, 1);
+}
+
+void FixTaut::refuse(const std::string& what) const {
+  error->all(FLERR, fmt::format("Fix taut {}: {}", id, what));
+}
+void FixTaut::stop(const std::string& what) const {
+  error->one(FLERR, fmt::format("Fix taut {}, step {}: {}", id, update->ntimestep, what));
+}
+
+double FixTaut::all_max(double value) const {
+  double all;
+  MPI_Allreduce(&value, &all, 1, MPI_DOUBLE, MPI_MAX, world);
+  return all;
+}
+double FixTaut::all_sum(double value) const {
+  double all;
+  MPI_Allreduce(&value, &all, 1, MPI_DOUBLE, MPI_SUM, world);
+  return all;
+}
+
+void FixTaut::hold_bonds() {
+  std::vector<std::vector<taut::HeldBond>> found;
+  std::string wrong;
+  try {
+    found = taut::find_held_bonds(lmp, keys_.held, groupbit);
+  } catch (const taut::InputError& refusal) {
+    wrong = refusal.what();
+  }
+  if (all_max(!wrong.empty()) > 0) wrong.empty() ? refuse("a bond is held by another fix") : stop(wrong);
+  std::size_t most = 0;
+  double ends = 0, angle_ends = 0;
+  for (int i = 0; i < atom->nlocal; ++i) {
+    most = std::max(most, found[i].size());
+    for (const taut::HeldBond& bond : found[i]) (bond.kind.is_bond() ? ends : angle_ends) += 1;
+  }
+  const double bonds = all_sum(ends) / 2, angles = all_sum(angle_ends) / 2;
+  if (bonds == 0) refuse("no bond of the group is of the types and masses given");
+  if (!keys_.held.angles.empty() && angles == 0)
+    refuse("a: no angle of these types is between two held bonds");
+  held_.assign(found, static_cast<int>(all_max(static_cast<double>(most))), atom->nmax);
+  int upward = 0;
+  for (int i = 0; i < atom->nlocal; ++i) upward = std::max(upward, held_.count(i) - held_.first_upward(i));
+  most_upward_ = static_cast<int>(all_max(upward));
+  taut::set_type_signs(*atom, held_, keys_.held.angles, -1);
+  if (comm->me == 0)
+    utils::logmesg(lmp, fmt::format("Fix taut {}: {} holds {} bonds and {} angles\n", id, keys_.method.name(),
+                                    bonds, angles));
+}
+
+int FixTaut::setmask() {
+  int mask = PRE_EXCHANGE | PRE_NEIGHBOR | POST_FORCE | MIN_PRE_EXCHANGE | MIN_POST_FORCE;
+  if (keys_.clear) mask |= FINAL_INTEGRATE;
+  if (keys_.every > 0) mask |= END_OF_STEP;
+  return mask;
+}
+
+void FixTaut::init() {
+  if (utils::strmatch(update->integrate_style, "^respa"))
+    refuse("run_style respa is not carried out; take verlet");
+  if (domain->deform_vremap) refuse("fix deform remap v is not carried out; take remap x");
+  refuse_other_fixes();
+  lengths_ = taut::Lengths(*force);
+  try {
+    for (int i = 0; i < atom->nlocal; ++i)
+      for (const taut::HeldBond& bond : held_.of(i)) lengths_(bond.kind);
+  } catch (const taut::InputError& wrong) {
+    stop(wrong.what());
+  }
+}
+
+// Forces that come after this fix's it knows nothing of, and bonds held twice are no bonds.
+void FixTaut::refuse_other_fixes() const {
+  bool after = false;
+  for (int k = 0; k < modify->nfix; ++k) {
+    const Fix* other = modify->fix[k];
+    if (other == this) {
+      after = true;
+      continue;
+    }
+    if (after && (modify->fmask[k] & POST_FORCE))
+      refuse(fmt::format("fix {} ({}) adds forces afterwards; define fix taut after it", other->id,
+                         other->style));
+    if (after && keys_.clear && (modify->fmask[k] & FINAL_INTEGRATE) && other->time_integrate)
+      refuse(fmt::format("clear: fix {} ({}) moves velocities afterwards; define fix taut after it",
+                         other->id, other->style));
+  }
+}
+
+void FixTaut::keep_past() {
+  if (!past_is_new_) return;
+  solve_->keep_past();
+  held_.steps_known = solve_->steps_known();
+  past_is_new_ = false;
+}
+
+void FixTaut::make_solve(taut::Pieces pieces) {
+  try {
+    solve_ = std::make_unique<taut::LocalSolve>(std::move(pieces), keys_.method, update->dt);
+  } catch (const taut::InputError& wrong) {
+    stop(wrong.what());
+  }
+  solve_->load_past(held_.steps_known);
+  past_is_new_ = false;
+}
+
+void FixTaut::reset_dt() {
+  if (!solve_) return;
+  keep_past();
+  make_solve(solve_->pieces());
+}
+
+// --- the step ---
+
+void FixTaut::post_force(int vflag) {
+  v_init(vflag);
+  find_multipliers();
+  apply();
+  if (evflag) tally_virial();
+}
+
+void FixTaut::setup(int vflag) {
+  v_init(vflag);
+  find_first_multipliers();
+  apply();
+  if (evflag) tally_virial();
+}
+
+void FixTaut::find_multipliers() {
+  restraint_energy_ = 0;
+  const double h = update->dt;
+  kick_ = h * h;
+  solve_->load_positions(atom->x, *domain);
+  tell(News::kMotion);
+  read_motion(kick_);
+  if (cut_) {
+    hear_outer(true);
+    see_mismatch();
+    outer_is_fresh_ = false;
+    solve_->guess_outer(std::min(guess_order_, solve_->steps_known() - 1));
+    solve_->add_outer_pull(kick_);
+  }
+  SolveStats stats = solve_->step();
+  demand(stats);
+  past_is_new_ = true;
+  for (int n = 0; n < exchanges_; ++n) {
+    keep_past();
+    past_is_new_ = true;
+    tell(News::kMultipliers);
+    hear_outer(false);
+    read_motion(kick_);
+    solve_->add_outer_pull(kick_);
+    const SolveStats again = solve_->again();
+    demand(again);
+    stats.iterations += again.iterations;
+  }
+  if (cut_) {
+    keep_past();
+    past_is_new_ = true;
+  }
+  residual_ = stats.max_residual;
+  solves_ += stats.iterations;
+  ++steps_;
+}
+
+// Velocities are those of full steps. Multipliers that are still right, after another run or a restart, stay:
+// the run goes on as if it had not stopped.
+void FixTaut::find_first_multipliers() {
+  const double h = update->dt;
+  constexpr int kRounds = 50;  // from a guess of nothing beyond
+  constexpr double kStillRight = 1e-8;
+  kick_ = 0.5 * h * h;
+  solve_->load_positions(atom->x, *domain);
+  tell(News::kMotion);
+  read_motion(kick_);
+  if (held_.steps_known > 0) {
+    hear_outer(true);
+    solve_->guess_outer(0);
+    solve_->add_outer_pull(kick_);
+    if (all_max(solve_->error_ahead(kick_)) < kStillRight + 10 * all_max(residual_)) {
+      read_motion(kick_);
+      solve_->add_past_forces();
+      return;
+    }
+  }
+  const int rounds = cut_ ? kRounds : 1;
+  project_velocities(rounds);
+  std::ranges::fill(solve_->outer_lambda, 0);
+  for (int n = 0; n < rounds; ++n) {
+    tell(News::kMotion);
+    read_motion(kick_);
+    if (n > 0) hear_outer(false);
+    solve_->add_outer_pull(kick_);
+    demand(solve_->start());
+    past_is_new_ = true;
+    keep_past();
+    held_.steps_known = 1;
+    solve_->load_past(1);
+  }
+}
+
+void FixTaut::read_motion(double kick) {
+  taut::State& s = solve_->state();
+  const auto& images = solve_->pieces().images;
+  const double h = update->dt, factor = kick / h;
+  const bool w = solve_->feedforward();
+  const int stride = comm_forward;
+  for (std::size_t a = 0; a < images.size(); ++a) {
+    const int i = images[a].atom;
+    double* const v = &s.v(0, static_cast<Eigen::Index>(a));
+    double* const f = &s.f(0, static_cast<Eigen::Index>(a));
+    const double* const news = &inbox_[static_cast<std::size_t>(i) * stride];
+    const double over_mass = factor * solve_->system().inv_mass[static_cast<Eigen::Index>(a)];
+    for (int c = 0; c < 3; ++c) {
+      if (i >= atom->nlocal) {
+        v[c] = news[c];
+        f[c] = w ? 0 : news[3 + c];
+      } else {
+        v[c] = w ? atom->v[i][c] + over_mass * atom->f[i][c] : atom->v[i][c];
+        f[c] = w ? 0 : atom->f[i][c];
+      }
+    }
+  }
+}
+
+void FixTaut::demand(const SolveStats& stats) const {
+  constexpr double kBroken = 0.1;
+  if (stats.converged() && stats.max_residual < kBroken) return;
+  const int k = std::max(stats.worst_bond, 0);
+  if (solve_->system().bond_count() == 0) return;
+  const auto& [i, j, d] = solve_->system().bonds[k];
+  const auto& images = solve_->pieces().images;
+  const double now = (solve_->state().x.col(j) - solve_->state().x.col(i)).norm();
+  stop(fmt::format(
+      "the bond of atoms {} and {} is lost: {:.6g} long, held at {:.6g}; {}; take a shorter step, or see "
+      "what drives these atoms",
+      atom->tag[images[i].atom], atom->tag[images[j].atom], now, d,
+      stats.converged() ? "it is off by more than a tenth" : in_words(stats.failure)));
+}
+
+void FixTaut::apply() {
+  const taut::State& s = solve_->state();
+  const auto& images = solve_->pieces().images;
+  const bool add = solve_->feedforward();
+  if (keys_.store) std::fill(forces_.begin(), forces_.end(), 0);
+  for (std::size_t a = 0; a < images.size(); ++a) {
+    const int i = images[a].atom;
+    if (i >= atom->nlocal) continue;
+    for (int c = 0; c < 3; ++c) {
+      const double before = atom->f[i][c], found = s.f(c, static_cast<Eigen::Index>(a));
+      atom->f[i][c] = add ? before + found : found;
+      if (keys_.store) forces_[3 * static_cast<std::size_t>(i) + c] = atom->f[i][c] - before;
+    }
+  }
+  if (keys_.store) update_local();
+}
+
+void FixTaut::read_velocities() {
+  taut::State& s = solve_->state();
+  const auto& images = solve_->pieces().images;
+  for (std::size_t a = 0; a < images.size(); ++a) {
+    const int i = images[a].atom;
+    const double* const v =
+        i < atom->nlocal ? atom->v[i] : &inbox_[static_cast<std::size_t>(i) * comm_forward];
+    s.v.col(static_cast<Eigen::Index>(a)) = Eigen::Map<const taut::Vec3>(v);
+  }
+}
+
+void FixTaut::write_velocities() {
+  const taut::State& s = solve_->state();
+  const auto& images = solve_->pieces().images;
+  for (std::size_t a = 0; a < images.size(); ++a)
+    if (const int i = images[a].atom; i < atom->nlocal)
+      Eigen::Map<taut::Vec3>(atom->v[i]) = s.v.col(static_cast<Eigen::Index>(a));
+}
+
+// Before the first step: v loses its part along the bonds, M⁻¹Jᵀμ. Where chains are cut, processors tell each
+// other their μ, in the place of λ, until they agree.
+void FixTaut::project_velocities(int rounds) {
+  std::ranges::fill(solve_->outer_lambda, 0);
+  tell(News::kVelocities);
+  for (int n = 0; n < rounds; ++n) {
+    read_velocities();
+    if (n > 0) {
+      tell(News::kMultipliers);
+      hear_outer(false);
+    }
+    demand(solve_->project_velocities_at_start());
+  }
+  write_velocities();
+}
+
+// RATTLE's velocities beside SHAKE's positions: v loses its part along the bonds, M⁻¹Jᵀμ, and f gains
+// −(2/h)Jᵀμ, so that the coming step, v + ½h M⁻¹f, is what it was.
+void FixTaut::final_integrate() {
+  const auto& images = solve_->pieces().images;
+  cleared_from_.resize(3 * images.size());
+  for (std::size_t a = 0; a < images.size(); ++a)
+    if (images[a].atom < atom->nlocal) std::copy_n(atom->v[images[a].atom], 3, &cleared_from_[3 * a]);
+  tell(News::kVelocities);
+  read_velocities();
+  demand(solve_->project_velocities());
+  write_velocities();
+  for (std::size_t a = 0; a < images.size(); ++a) {
+    const int i = images[a].atom;
+    if (i >= atom->nlocal) continue;
+    const double factor = 2 / (update->dt * solve_->system().inv_mass[static_cast<Eigen::Index>(a)]);
+    for (int c = 0; c < 3; ++c) atom->f[i][c] -= factor * (atom->v[i][c] - cleared_from_[3 * a + c]);
+  }
+}
+
+}  // namespace LAMMPS_NS

@@ -1,0 +1,118 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "lammps/local_solve.hpp"
+
+namespace LAMMPS_NS {
+
+// fix ID group taut METHOD keyword value ...
+// Holds bonds by the methods of `constraints`: in post_force, where velocities are those of the half step, it
+// adds Jᵀλ. A step has one forward communication for the ghosts of clusters; every processor solves the bonds
+// of its own atoms, and what it finds it applies to its own atoms alone: nothing is sent back.
+class FixTaut : public Fix {
+ public:
+  FixTaut(LAMMPS*, int narg, char** arg);
+  ~FixTaut() override;
+
+  int setmask() override;
+  void init() override;
+
+  // The step.
+  void setup_pre_exchange() override { keep_past(); }
+  void pre_exchange() override { keep_past(); }
+  void setup_pre_neighbor() override { find_pieces(); }
+  void pre_neighbor() override { find_pieces(); }
+  void setup(int vflag) override;
+  void post_force(int vflag) override;
+  void final_integrate() override;
+  void end_of_step() override;
+  void reset_dt() override;
+
+  // Minimisation: springs in place of held bonds.
+  void min_pre_exchange() override { keep_past(); }
+  void min_setup(int vflag) override { min_post_force(vflag); }
+  void min_post_force(int vflag) override;
+
+  int dof(int of_group) override;
+  double compute_scalar() override;
+  double compute_vector(int which) override;
+
+  // What is known with atoms.
+  void grow_arrays(int room) override;
+  void copy_arrays(int from, int to, int) override { held_.copy(from, to); }
+  void set_arrays(int i) override { held_.clear(i); }
+  int pack_exchange(int i, double* buffer) override { return held_.pack(i, buffer); }
+  int unpack_exchange(int i, double* buffer) override { return held_.unpack(i, buffer); }
+  int pack_border(int n, int* list, double* buffer) override;
+  int unpack_border(int n, int first, double* buffer) override;
+  int size_restart(int i) override;
+  int maxsize_restart() override { return 2 + held_.largest_pack(); }
+  int pack_restart(int i, double* buffer) override;
+  void unpack_restart(int i, int nth) override;
+  int pack_forward_comm(int n, int* list, double* buffer, int, int*) override;
+  void unpack_forward_comm(int n, int first, double* buffer) override;
+  double memory_usage() override;
+
+ private:
+  // What ghosts are told of their atoms.
+  enum class News { kMotion, kVelocities, kMultipliers };
+
+  [[noreturn]] void refuse(const std::string& what) const;  // all processors
+  [[noreturn]] void stop(const std::string& what) const;    // this one
+  void hold_bonds();
+  void refuse_other_fixes() const;
+
+  void keep_past();
+  void find_pieces();
+  void make_solve(taut::Pieces pieces);
+  void tell(News news);
+  int numbers_of_motion() const;
+  bool tells_multipliers() const { return cut_ && news_ != News::kVelocities; }
+  std::string missing_partner(tagint atom, tagint partner) const;
+  void choose_exchanges();
+  void write_news(int i, double* to) const;
+  void read_motion(double kick);
+  void hear_outer(bool next_step);
+  void see_mismatch();
+  void find_multipliers();
+  void find_first_multipliers();
+  void read_velocities();
+  void write_velocities();
+  void project_velocities(int rounds);
+  void apply();
+  void demand(const taut::SolveStats& stats) const;
+  void tally_virial();
+  void update_local();
+  double all_max(double value) const;
+  double all_sum(double value) const;
+  double mass(int i) const { return atom->rmass ? atom->rmass[i] : atom->mass[atom->type[i]]; }
+
+  taut::Keywords keys_;
+  taut::HeldBonds held_;
+  taut::Lengths lengths_;
+  int most_upward_ = 0;  // bonds to higher tags of one atom
+  std::unique_ptr<taut::LocalSolve> solve_;
+  bool past_is_new_ = false;  // the method's past is newer than the atoms'
+
+  // Of all processors:
+  bool ghosts_ = false, cut_ = false;
+  int overlap_ = 0, exchanges_ = 0, guess_order_ = 0;
+
+  News news_ = News::kMotion;
+  double kick_ = 0;              // h² or, the first time, ½h²
+  bool outer_is_fresh_ = false;  // the past of multipliers beyond has the last step's already
+  std::vector<double> cleared_from_;
+  std::vector<double> inbox_;  // kNewsRoom + most_upward_ numbers an atom
+  static constexpr int kNewsRoom = 6;
+
+  // Of the last step, and since statistics were last printed.
+  double residual_ = 0, mismatch_ = 0;
+  long solves_ = 0, steps_ = 0;
+  double restraint_energy_ = 0;
+  std::vector<double> forces_, tensions_;  // of `store`
+  std::vector<double*> force_rows_, tension_rows_;
+};
+
+}  // namespace LAMMPS_NS

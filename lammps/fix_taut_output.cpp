@@ -1,0 +1,118 @@
+// What is seen of the fix: degrees of freedom, virial, statistics, numbers and tables for output.
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "lammps/fix_taut.hpp"
+
+namespace LAMMPS_NS {
+
+// A held distance takes one; half of it with each atom in the group.
+int FixTaut::dof(int of_group) {
+  double ends = 0;
+  for (int i = 0; i < atom->nlocal; ++i)
+    if (atom->mask[i] & group->bitmask[of_group]) ends += held_.count(i);
+  return static_cast<int>(all_sum(0.5 * ends));
+}
+
+// Of a bond Σ r⊗f = λ r⊗r; an atom of this processor's own has half of it.
+void FixTaut::tally_virial() {
+  const taut::State& s = solve_->state();
+  const taut::System& system = solve_->system();
+  const auto& images = solve_->pieces().images;
+  const auto& lambda = solve_->lambda();
+  for (int k = 0; k < system.bond_count(); ++k) {
+    const auto& [i, j, d] = system.bonds[k];
+    int own[2], count = 0;
+    for (int a : {images[i].atom, images[j].atom})
+      if (a < atom->nlocal) own[count++] = a;
+    if (count == 0) continue;
+    const taut::Vec3 r = s.x.col(j) - s.x.col(i), f = lambda[k] * r;
+    double v[6] = {r.x() * f.x(), r.y() * f.y(), r.z() * f.z(), r.x() * f.y(), r.x() * f.z(), r.y() * f.z()};
+    v_tally(count, own, 2.0, v);
+  }
+}
+
+// Rows of atom i, atom j, tension: a bond is listed where its first atom is.
+void FixTaut::update_local() {
+  const taut::State& s = solve_->state();
+  const taut::System& system = solve_->system();
+  const auto& images = solve_->pieces().images;
+  const auto& lambda = solve_->lambda();
+  tensions_.clear();
+  for (int k = 0; k < system.bond_count(); ++k) {
+    const auto& [i, j, d] = system.bonds[k];
+    if (images[i].atom >= atom->nlocal) continue;
+    for (double number :
+         {static_cast<double>(atom->tag[images[i].atom]), static_cast<double>(atom->tag[images[j].atom]),
+          -lambda[k] * (s.x.col(j) - s.x.col(i)).norm()})
+      tensions_.push_back(number);
+  }
+  size_local_rows = static_cast<int>(tensions_.size() / 3);
+  tension_rows_.resize(tensions_.size() / 3 + 1);
+  for (int n = 0; n < size_local_rows; ++n) tension_rows_[n] = &tensions_[3 * static_cast<std::size_t>(n)];
+  array_local = tension_rows_.data();
+}
+
+// Energy of the springs in minimisation.
+double FixTaut::compute_scalar() {
+  return all_sum(restraint_energy_);
+}
+
+double FixTaut::compute_vector(int which) {
+  switch (which) {
+    case 0:
+      return all_max(residual_);
+    case 1:
+      return all_max(steps_ > 0 ? static_cast<double>(solves_) / static_cast<double>(steps_) : 0);
+    case 2:
+      return cut_ ? overlap_ : 0;
+    case 3:
+      return exchanges_;
+    default:
+      return all_max(mismatch_);
+  }
+}
+
+double FixTaut::memory_usage() {
+  return static_cast<double>(inbox_.capacity() * sizeof(double)) + held_.memory_usage();
+}
+
+namespace {
+struct Lengths {
+  double count = 0, sum = 0, least = 1e300, most = 0;
+};
+}  // namespace
+
+// As fix shake prints them: a line a type, mean length, largest less smallest, count.
+void FixTaut::end_of_step() {
+  const int bonds = atom->nbondtypes, kinds = bonds + atom->nangletypes;
+  std::vector<double> sum(2 * kinds), range(2 * kinds, -1e300), all_sums(2 * kinds), all_ranges(2 * kinds);
+  for (int i = 0; i < atom->nlocal; ++i)
+    for (const taut::HeldBond& bond : held_.of(i)) {
+      const int kind = bond.kind.is_bond() ? bond.kind.bond - 1 : bonds + bond.kind.angle - 1;
+      double d[3];
+      const double* other = atom->x[atom->map(bond.partner)];
+      for (int c = 0; c < 3; ++c) d[c] = other[c] - atom->x[i][c];
+      domain->minimum_image(d);
+      const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+      sum[2 * kind] += 0.5;
+      sum[2 * kind + 1] += 0.5 * length;
+      range[2 * kind] = std::max(range[2 * kind], length);
+      range[2 * kind + 1] = std::max(range[2 * kind + 1], -length);
+    }
+  MPI_Reduce(sum.data(), all_sums.data(), 2 * kinds, MPI_DOUBLE, MPI_SUM, 0, world);
+  MPI_Reduce(range.data(), all_ranges.data(), 2 * kinds, MPI_DOUBLE, MPI_MAX, 0, world);
+  if (comm->me != 0) return;
+  std::string text = fmt::format("Taut stats (type/ave/delta/count) on step {}\n", update->ntimestep);
+  for (int kind = 0; kind < kinds; ++kind)
+    if (all_sums[2 * kind] > 0)
+      text += fmt::format("{} {:>4} {:>12.9g} {:>12.6g} {:>9.9g}\n",
+                          kind < bonds ? "Bond: " : "Angle:", kind < bonds ? kind + 1 : kind - bonds + 1,
+                          all_sums[2 * kind + 1] / all_sums[2 * kind],
+                          all_ranges[2 * kind] + all_ranges[2 * kind + 1], all_sums[2 * kind]);
+  utils::logmesg(lmp, text);
+}
+
+}  // namespace LAMMPS_NS

@@ -1,0 +1,68 @@
+// Which bonds this processor solves, and how it hears of the others: found anew when atoms change processors.
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "lammps/cut.hpp"
+#include "lammps/fix_taut.hpp"
+#include "md/errors.hpp"
+
+namespace LAMMPS_NS {
+
+std::string FixTaut::missing_partner(tagint of, tagint partner) const {
+  return fmt::format(
+      "atom {} is held to atom {}, which is not there or farther than ghost atoms reach; give comm_modify "
+      "cutoff more than {:g}",
+      of, partner, comm->get_comm_cutoff());
+}
+
+void FixTaut::find_pieces() {
+  constexpr int kLeastOverlap = 1;
+  taut::PieceFinder finder(lmp, held_, lengths_);
+  const taut::Unknown unknown = finder.find_depths(keys_.overlap + 2);
+  const int reach = -static_cast<int>(all_max(-unknown.depth));
+  overlap_ = std::min(keys_.overlap, reach - 3);
+  if (overlap_ < std::min(kLeastOverlap, keys_.overlap) && unknown.depth == reach)
+    stop(missing_partner(unknown.partner, unknown.atom));
+  if (overlap_ < 0) overlap_ = 0;  // another processor stops all
+
+  taut::Pieces pieces;
+  try {
+    pieces = finder.find(overlap_);
+  } catch (const std::runtime_error& wrong) {
+    stop(wrong.what());
+  }
+  const double mine[2] = {static_cast<double>(pieces.ghosts), static_cast<double>(!pieces.outer.empty())};
+  double all[2];
+  MPI_Allreduce(mine, all, 2, MPI_DOUBLE, MPI_MAX, world);
+  ghosts_ = all[0] > 0;
+  cut_ = all[1] > 0;
+  make_solve(std::move(pieces));
+  outer_is_fresh_ = true;
+  exchanges_ = 0;
+  if (cut_) choose_exchanges();
+}
+
+void FixTaut::choose_exchanges() {
+  constexpr int kMostExchanges = 30;
+  if (keys_.clear)
+    refuse("clear: clusters are cut between processors, and velocities are cleared in whole ones alone");
+  solve_->load_positions(atom->x, *domain);
+  const double rho =
+      all_max(taut::contraction(solve_->pieces(), solve_->state().x, solve_->outer_r(), atom->nlocal));
+  const bool given = keys_.exchanges >= 0;
+  const taut::Cut cut = given ? taut::Cut{keys_.exchanges, taut::guess_order_for(rho, keys_.exchanges)}
+                              : taut::choose_cut(rho, kMostExchanges);
+  if (cut.guess_order < 0)
+    refuse(fmt::format(
+        "step {}: chains are so straight that an error beyond a processor's part is felt there by {:.2g}, "
+        "overlap {}: {}; give overlap more, and comm_modify cutoff more than {:g}",
+        update->ntimestep, rho, overlap_,
+        given ? fmt::format("exchanges {} are too few", keys_.exchanges) : "no exchanges will do",
+        comm->get_comm_cutoff()));
+  exchanges_ = cut.exchanges;
+  guess_order_ = std::min(cut.guess_order, solve_->steps_kept() - 1);
+}
+
+}  // namespace LAMMPS_NS

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <memory>
+
+#include "constraints/lanes/multiplier_history.hpp"
+#include "constraints/methods.hpp"
+#include "lammps/pieces.hpp"
+
+namespace taut {
+
+// The bonds of one processor as a system of their own, in LAMMPS's units, solved by a method of
+// `constraints`.
+//
+// feedforward needs of its atoms where they would go without constraint forces, δ = h v + κ M⁻¹f with κ = h²
+// (the first time ½h²): it is given v = δ/h and no forces, and what comes out are the constraint forces.
+// Baumgarte needs v and f.
+//
+// A bond that ends where this processor's part does is pulled on by the next bond beyond, with λ r: its
+// multiplier is a guess from what its own processor has found in the steps before.
+class LocalSolve {
+ public:
+  LocalSolve(Pieces pieces, const MethodOptions& method, double h);
+
+  const System& system() const { return pieces_.system; }
+  const Pieces& pieces() const { return pieces_; }
+  State& state() { return s_; }
+  bool feedforward() const { return feedforward_; }
+  const Vectors& outer_r() const { return outer_r_; }
+  const Eigen::VectorXd& lambda() const { return method_->lambda(); }
+
+  // The past of multipliers, from the atoms and to them. `known`: how many steps of it count.
+  void load_past(int known);
+  void keep_past();
+  int steps_kept() const { return history_->steps_kept(); }
+  int steps_known() const { return history_->steps_known(); }
+
+  // x of the images, in a box.
+  void load_positions(double** x, const LAMMPS_NS::Domain& box);
+  // The pull of bonds beyond, with multipliers as guessed or told, on what the method is given.
+  void add_outer_pull(double kick);
+  // Multipliers beyond: the past's next value. The last one, the line or the
+  // parabola through the last two or three, by order.
+  void guess_outer(int order);
+
+  SolveStats step() { return method_->add_forces(pieces_.system, h_, s_); }
+  SolveStats again() { return history_->again(pieces_.system, h_, s_); }
+  SolveStats start() { return method_->start(pieces_.system, s_); }
+
+  // |σ|/d² of the coming step, at most, if the constraint forces are Jᵀλ of the past.
+  double error_ahead(double kick) const;
+  // f += Jᵀλ of the past.
+  void add_past_forces();
+
+  // Takes the velocities' part along the bonds, M⁻¹Jᵀμ, out: at once; or at the start, where bonds beyond
+  // have a μ of their own (outer_lambda), and μ is left with the atoms as their multipliers' past.
+  SolveStats project_velocities();
+  SolveStats project_velocities_at_start();
+
+  std::vector<double> outer_lambda;  // of pieces().outer
+
+ private:
+  Pieces pieces_;
+  double h_;
+  bool feedforward_;
+  std::unique_ptr<ConstraintMethod> method_, projection_;
+  MultiplierHistory* history_;
+  State s_;
+  Eigen::MatrixXd past_;  // m × steps kept
+  Vectors outer_r_;       // from the inner atom to the outer
+};
+
+}  // namespace taut

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "lammps/held_bonds.hpp"
+#include "md/state.hpp"
+#include "md/system.hpp"
+
+namespace taut {
+
+// An atom of this processor or a ghost, moved by whole box vectors to where its cluster is.
+struct Image {
+  int atom;  // as LAMMPS numbers them
+  std::array<int, 3> vectors;
+};
+
+// A bond next to the last one solved here: its multiplier is told by the processor that solves it, of the
+// steps before.
+struct OuterBond {
+  int inner;         // its atom that is in the system
+  Image outer;       // and the other
+  HeldBond* source;  // as the one of its atoms knows it that tells it: that of the lower tag
+  int teller, slot;  // that atom, and the how-manieth of its bonds to higher tags it is
+};
+
+// A bond between an atom of this processor and a ghost of lower tag, whose processor tells what it found.
+struct SharedBond {
+  int bond, teller, slot;
+};
+
+// A cluster that goes on beyond what is solved here: its bonds and outer bonds.
+struct CutCluster {
+  int first_bond, end_bond, first_outer, end_outer;
+};
+
+// What one processor solves: all bonds of its own atoms, and besides those within `overlap` bonds of them.
+// Clusters that are not larger than that are whole. Atoms of a cluster follow each other, by tags, so that
+// every processor that has a cluster does the same sums.
+struct Pieces {
+  System system;
+  std::vector<Image> images;                     // of the system's atoms
+  std::vector<std::array<HeldBond*, 2>> places;  // of the system's bonds: what their atoms know
+  std::vector<OuterBond> outer;
+  std::vector<SharedBond> shared;
+  std::vector<CutCluster> cut;
+  bool ghosts = false;  // one of the atoms is a ghost
+};
+
+// An atom that is held to one known here, but is not known here itself.
+struct Unknown {
+  static constexpr int kNone = 1 << 20;
+  int depth = kNone;  // bonds from the nearest atom that is this processor's own
+  LAMMPS_NS::tagint partner = 0, atom = 0;
+};
+
+class PieceFinder {
+ public:
+  PieceFinder(LAMMPS_NS::LAMMPS* lmp, HeldBonds& held, Lengths& lengths)
+      : lmp_(lmp), held_(held), lengths_(lengths) {}
+
+  // Looks as many bonds as `limit` beyond this processor's own atoms. Returns the nearest atom that is not
+  // known.
+  Unknown find_depths(int limit);
+
+  // After find_depths(limit), limit ≥ overlap + 2, and nothing unknown so near.
+  Pieces find(int overlap);
+
+ private:
+  int local(LAMMPS_NS::tagint tag) const { return lmp_->atom->map(tag); }
+  void collect_cluster(int first, int overlap);
+  void add_atoms(Pieces& pieces);
+  void add_bonds(int overlap, Pieces& pieces);
+  Image image_beside(const Image& known, int atom) const;
+  bool solved(int a, int b, int overlap) const {
+    return depth_[a] >= 0 && depth_[b] >= 0 && std::min(depth_[a], depth_[b]) <= overlap;
+  }
+
+  LAMMPS_NS::LAMMPS* lmp_;
+  HeldBonds& held_;
+  Lengths& lengths_;
+  std::vector<int> depth_;   // bonds from the nearest own atom; −1: none, or too many
+  std::vector<int> number_;  // in the system; −1: not yet
+  std::vector<int> order_;
+  std::vector<Image> cluster_;
+};
+
+}  // namespace taut

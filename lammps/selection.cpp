@@ -1,0 +1,167 @@
+// Which bonds are held. A bond is listed with one of its atoms or, with newton off, with both; every atom
+// knows its bonded partners (special neighbours), on whichever processor they are. Each atom writes to its
+// partners what it knows of their bond, and both then decide alike.
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "lammps/held_bonds.hpp"
+#include "lammps/mail.hpp"
+#include "md/errors.hpp"
+
+namespace taut {
+namespace {
+
+using namespace LAMMPS_NS;
+
+// From an atom to its bonded partner.
+struct Note {
+  int to, from;
+  int bond_type;  // as listed with `from`; 0: not listed there
+  int chosen;     // by type or mass of `from`
+};
+
+// From the atom in the middle of an angle to an end.
+struct AngleEnd {
+  int to, other_end;
+  HeldKind kind;
+};
+
+int listed_type(const Atom& atom, int i, tagint partner) {
+  for (int m = 0; m < atom.num_bond[i]; ++m)
+    if (atom.bond_atom[i][m] == partner) return atom.bond_type[i][m];
+  return 0;
+}
+
+bool chosen(const Atom& atom, int i, const Selection& selection) {
+  constexpr double kNear = 0.1;  // as fix shake
+  const int type = atom.type[i];
+  const double mass = atom.rmass ? atom.rmass[i] : atom.mass[type];
+  const auto near = [&](double m) { return std::abs(mass - m) <= kNear; };
+  return selection.types.count(type) > 0 ||
+         std::any_of(selection.masses.begin(), selection.masses.end(), near);
+}
+
+using Held = std::vector<std::vector<HeldBond>>;
+
+void add(Held& held, int i, tagint partner, const HeldKind& kind) {
+  for (const HeldBond& bond : held[i])
+    if (bond.partner == partner) return;
+  held[i].push_back({partner, kind, {}});
+}
+
+const HeldKind* kind_of(const Held& held, int i, tagint partner) {
+  for (const HeldBond& bond : held[i])
+    if (bond.partner == partner && bond.kind.is_bond()) return &bond.kind;
+  return nullptr;
+}
+
+std::vector<Note> notes_to_partners(const Atom& atom, const Selection& selection, int groupbit) {
+  std::vector<Note> notes;
+  for (int i = 0; i < atom.nlocal; ++i) {
+    if (!(atom.mask[i] & groupbit)) continue;
+    for (int s = 0; s < atom.nspecial[i][0]; ++s) {
+      const tagint partner = atom.special[i][s];
+      notes.push_back({partner, atom.tag[i], listed_type(atom, i, partner), chosen(atom, i, selection)});
+    }
+  }
+  return notes;
+}
+
+std::vector<AngleEnd> sides_of_angles(const Atom& atom, const Selection& selection, const Held& held) {
+  std::vector<AngleEnd> sides;
+  if (!atom.num_angle) return sides;
+  for (int j = 0; j < atom.nlocal; ++j)
+    for (int m = 0; m < atom.num_angle[j]; ++m) {
+      const int type = atom.angle_type[j][m];
+      if (atom.angle_atom2[j][m] != atom.tag[j] || selection.angles.count(type) == 0) continue;
+      const tagint a = atom.angle_atom1[j][m], c = atom.angle_atom3[j][m];
+      const HeldKind *first = kind_of(held, j, a), *second = kind_of(held, j, c);
+      if (!first || !second) continue;
+      const HeldKind kind{std::min(first->bond, second->bond), std::max(first->bond, second->bond), type};
+      sides.push_back({a, c, kind});
+      sides.push_back({c, a, kind});
+    }
+  return sides;
+}
+
+// Whether the angle m of atom i is held, as far as atom i can know.
+bool holds_angle(const Atom& atom, const HeldBonds& held, int i, int m) {
+  const tagint a = atom.angle_atom1[i][m], b = atom.angle_atom2[i][m], c = atom.angle_atom3[i][m],
+               me = atom.tag[i];
+  const int type = std::abs(atom.angle_type[i][m]);
+  const auto has = [&](tagint partner, int angle) {
+    for (const HeldBond& bond : held.of(i))
+      if (bond.partner == partner && bond.kind.angle == angle) return true;
+    return false;
+  };
+  if (me == b) return has(a, 0) && has(c, 0);
+  return has(me == a ? c : a, type);
+}
+
+}  // namespace
+
+Held find_held_bonds(LAMMPS* lmp, const Selection& selection, int groupbit) {
+  const Atom& atom = *lmp->atom;
+  const PostOffice post(atom.tag, atom.nlocal, lmp->world);
+  Held held(atom.nlocal);
+  std::unordered_map<tagint, int> own;
+  for (int i = 0; i < atom.nlocal; ++i) own[atom.tag[i]] = i;
+  for (const Note& note : post.deliver(notes_to_partners(atom, selection, groupbit))) {
+    const int i = own.at(note.to);
+    if (!(atom.mask[i] & groupbit)) continue;
+    const int listed = listed_type(atom, i, note.from), type = listed != 0 ? listed : note.bond_type;
+    const bool held_type = selection.bonds.count(std::abs(type)) > 0;
+    if (!held_type && !note.chosen && !chosen(atom, i, selection)) continue;
+    if (type < 0)
+      throw InputError(fmt::format("the bond of atoms {} and {} is held by another fix", note.to, note.from));
+    if (type > 0) add(held, i, note.from, {type});
+  }
+  for (const AngleEnd& side : post.deliver(sides_of_angles(atom, selection, held)))
+    add(held, own.at(side.to), side.other_end, side.kind);
+  return held;
+}
+
+void set_type_signs(Atom& atom, const HeldBonds& held, const std::set<int>& angles, int sign) {
+  for (int i = 0; i < atom.nlocal; ++i) {
+    if (held.count(i) == 0) continue;
+    for (int m = 0; m < atom.num_bond[i]; ++m)
+      for (const HeldBond& bond : held.of(i))
+        if (bond.partner == atom.bond_atom[i][m] && bond.kind.is_bond())
+          atom.bond_type[i][m] = sign * std::abs(atom.bond_type[i][m]);
+    if (!atom.num_angle) continue;
+    for (int m = 0; m < atom.num_angle[i]; ++m)
+      if (const int type = std::abs(atom.angle_type[i][m]);
+          angles.count(type) > 0 && holds_angle(atom, held, i, m))
+        atom.angle_type[i][m] = sign * type;
+  }
+}
+
+double Lengths::operator()(const HeldKind& kind) {
+  const auto [known, fresh] = known_.try_emplace({kind.bond, kind.other_bond, kind.angle});
+  if (fresh) known->second = find(kind);
+  return known->second;
+}
+
+double Lengths::of_bond(int type) {
+  if (!force_->bond) throw InputError("there is no bond style, which has the lengths of held bonds");
+  const double length = force_->bond->equilibrium_distance(type);
+  if (!(length > 0) || !std::isfinite(length))
+    throw InputError(
+        fmt::format("bond type {}: bond style {} gives it no length; take one that has, as harmonic", type,
+                    force_->bond_style));
+  return length;
+}
+
+double Lengths::find(const HeldKind& kind) {
+  const double a = of_bond(kind.bond);
+  if (kind.is_bond()) return a;
+  if (!force_->angle) throw InputError("there is no angle style, which has the angles of a TYPES");
+  const double b = of_bond(kind.other_bond), angle = force_->angle->equilibrium_angle(kind.angle);
+  const double length = std::sqrt(a * a + b * b - 2 * a * b * std::cos(angle));
+  if (!(length > 0)) throw InputError(fmt::format("angle type {}: its style gives it no angle", kind.angle));
+  return length;
+}
+
+}  // namespace taut

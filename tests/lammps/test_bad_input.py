@@ -1,0 +1,88 @@
+"""What cannot be done is refused by one line that names the fix."""
+
+import pytest
+
+import inputs
+import lammps
+import systems
+
+WATER = [
+    ("taut nonsense b 1", 'there is no "nonsense"'),
+    ("taut feedforward", "no bonds are named"),
+    ("taut feedforward b 2", "expected types from 1 to 1"),
+    ("taut feedforward m 300", "no bond of the group"),
+    ("taut feedforward b 1 tol 1e-8 toll 3", 'no keyword "toll"; did you mean "tol"'),
+    ("taut feedforward b 1 tol much", 'tol: expected a number, got "much"'),
+    ("taut feedforward b 1 tol -1", "tolerance"),
+    ("taut baumgarte b 1 gains dead-beet", "dead-beat"),
+    ("taut feedforward b 1 clear maybe", "expected yes or no"),
+    ("taut feedforward a 1 b 1 kbond 0", "more than 0"),
+]
+
+
+@pytest.mark.parametrize("fix, said", WATER)
+def test_keywords(run, fix, said):
+    text = inputs.of(inputs.WATER).replace("fix hold all taut feedforward b 1 a 1", f"fix hold all {fix}") + "run 0\n"
+    with pytest.raises(lammps.Failed) as failed:
+        run(text)
+    assert "Fix taut hold" in str(failed.value) and said in str(failed.value)
+
+
+def failing(run, text, ranks=1):
+    with pytest.raises(lammps.Failed) as failed:
+        run(text, ranks)
+    assert "Fix taut hold" in str(failed.value)
+    return str(failed.value)
+
+
+def test_ghosts_that_reach_too_little_name_the_remedy(run):
+    text = inputs.of(inputs.CHAINS, cutoff=1.5, dt=0.002, rest="run 0\n")
+    assert "comm_modify cutoff" in failing(run, text, ranks=2)
+
+
+def test_a_bond_style_without_lengths(run):
+    text = inputs.of(inputs.METHANE, dt=0.002, rest="run 0\n")
+    assert "gives it no length" in failing(run, text.replace("bond_coeff 1 100 1.0", "bond_coeff 1 100 0.0"))
+
+
+def test_no_bond_style(run):
+    text = inputs.of(inputs.METHANE, dt=0.002, rest="run 0\n")
+    text = text.replace("bond_style harmonic\nbond_coeff 1 100 1.0", "bond_style none")
+    assert "no bond style" in failing(run, text)
+
+
+def test_dependent_bonds(folder, run):
+    """Methane with all ten distances held: one follows from the others."""
+    braced = systems.methane()
+    pairs = [(i, j) for i in range(2, 5) for j in range(i + 1, 6)]
+    braced.bonds += [(2, 5 * m + i, 5 * m + j) for m in range(27) for i, j in pairs]
+    (folder / "methane.data").write_text(braced.text([12.0, 1.0]))
+    text = inputs.of(inputs.METHANE, dt=0.002, rest="run 0\n").replace("bond_coeff 1", "bond_coeff 2 100 1.6329931618554521\nbond_coeff 1")
+    run(text)
+    assert "A is singular" in failing(run, text.replace("b 1\n", "b *\n"))
+
+
+def test_atoms_without_a_map_or_bonds(run):
+    text = "units lj\natom_style atomic\nlattice fcc 0.8\nregion b block 0 2 0 2 0 2\ncreate_box 1 b\ncreate_atoms 1 box\n" \
+           "mass 1 1\nfix hold all taut feedforward b 1\n"
+    assert "atom style" in failing(run, text)
+
+
+def test_fixes_that_push_afterwards(run):
+    text = inputs.of(inputs.METHANE, dt=0.002, rest="fix warm all langevin 1 1 1 4711\nrun 0\n")
+    assert "warm" in failing(run, text)
+
+
+def test_respa(run):
+    text = inputs.of(inputs.METHANE, dt=0.002, rest="run_style respa 2 2 bond 1 pair 2\nrun 0\n")
+    assert "respa" in failing(run, text)
+
+
+def test_bonds_held_twice(run):
+    text = inputs.of(inputs.METHANE, dt=0.002, rest="").replace("fix hold", "fix other all taut feedforward b 1\nfix hold")
+    assert "held by another fix" in failing(run, text)
+
+
+def test_a_lost_bond_names_its_atoms(run):
+    text = inputs.of(inputs.METHANE, dt=0.002, rest="velocity all scale 1e5\nrun 10\n")
+    assert "the bond of atoms" in failing(run, text)
