@@ -29,8 +29,11 @@ TEST(ThreadMeter, TellsWhatOneThreadDoesFromWhatTheyShare) {
   for (int n = 0; n < 10; ++n) in_parallel(4, [](int t) { work(t == 2 ? 6 : 2); });
   const ThreadAccount a = meter.account();
   EXPECT_EQ(a.regions, 10);
-  EXPECT_NEAR(a.serial / a.longest, 40.0 / 60, 0.25);
-  EXPECT_NEAR(a.busy / a.longest, 120.0 / 60, 0.6);
+  // 40 / 60 and 120 / 60, but the same work may take twice as long beside others
+  EXPECT_GT(a.serial / a.longest, 0.25);
+  EXPECT_LT(a.serial / a.longest, 1.8);
+  EXPECT_GT(a.busy / a.longest, 1.1);
+  EXPECT_LT(a.busy / a.longest, 4);
 }
 
 TEST(ThreadMeter, CountsNoRegionOfOneThread) {
@@ -50,7 +53,7 @@ TEST(RowShares, GiveEachThreadAsMuchWorkInTheOrderOfTheRows) {
     for (int r = 0; r < (t == 3 ? 0 : 40 * (t + 1)); ++r) {
       PairRow row{};
       row.end = 1 + (7 * r + t) % 11;
-      row.masked_end = r % 3;
+      row.masked_end = t == 4 ? 15 : r % 3;
       lists[t].rows.push_back(row);
       all += row.end + row.masked_end;
       longest = std::max(longest, long{row.end} + row.masked_end);
