@@ -127,7 +127,7 @@ void add_calibrate(Commands& commands) {
   const Subcommand command =
       commands.add("calibrate", "find the gains with which Baumgarte reduces errors as RATTLE does",
                    [arguments] { calibrate_scene(*arguments); });
-  command.option("scene", arguments->scene, "a scene's file or name").required();
+  command.option("scene", arguments->scene, "a scene's file or name").words(0, "SCENE").required();
   command.option("--against", arguments->plan.against, "rattle, shake or newton");
   const Argument tolerance = command.option("--tolerance", arguments->plan.tolerance, "of that method");
   command

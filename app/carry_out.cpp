@@ -8,11 +8,12 @@
 #include <system_error>
 
 #include "command_line.hpp"
+#include "commands.hpp"
+#include "header.hpp"
 #include "md/errors.hpp"
 #include "progress.hpp"
 #include "simulation/recorded_run.hpp"
 #include "stop_request.hpp"
-#include "systems/velocities.hpp"
 
 namespace taut {
 namespace {
@@ -30,58 +31,6 @@ std::vector<std::string> written(const RunFolder& folder) {
   std::vector<std::string> files = run_files(folder.path());
   for (std::string& file : files) file = (folder.path() / file).string();
   return files;
-}
-
-std::string thermostat_line(const RunSettings& run) {
-  if (run.langevin())
-    return fmt::format(", Langevin's thermostat at {:g} K, friction {:g}/ps", run.temperature_k,
-                       run.friction_per_ps);
-  if (run.rescaling())
-    return fmt::format(", velocities rescaled to {:g} K within {:g} ps", run.temperature_k,
-                       run.thermostat_ps);
-  return "";
-}
-
-std::string barostat_line(const RunSettings& run) {
-  if (run.barostat == "c-rescale")
-    return fmt::format(", the box rescaled to {:g} bar within {:g} ps, {}", run.pressure_bar, run.barostat_ps,
-                       run.coupling);
-  if (run.barostat == "monte-carlo")
-    return fmt::format(", the box by Monte Carlo at {:g} bar, every {} steps", run.pressure_bar,
-                       run.barostat_every);
-  return "";
-}
-
-void print_header(const Simulation& simulation) {
-  const Scene& scene = simulation.scene();
-  const System& sys = scene.system;
-  fmt::print("{}: {}\n", scene.name, scene.hard_on);
-  for (const auto& note : scene.notes) fmt::print("  note: {}\n", note);
-  const std::string sites =
-      sys.sites.empty() ? "" : fmt::format(", of them {} virtual sites", sys.sites.size());
-  const std::string one_sided =
-      sys.one_sided.empty() ? "" : fmt::format(", besides {} one-sided", sys.one_sided.size());
-  fmt::print("  atoms {}{}   bonds {}{}   clusters {}   degrees of freedom {}\n", sys.atoms(), sites,
-             sys.bond_count(), one_sided, simulation.clusters(), simulation.dof().sum());
-  const Box& box = simulation.state().box;
-  if (box.periodic())
-    fmt::print("  box {:.6g} × {:.6g} × {:.6g} nm{}\n", box.edge.x(), box.edge.y(), box.edge.z(),
-               box.tilt.isZero(0) ? ""
-                                  : fmt::format(", tilted by {:.6g}, {:.6g}, {:.6g}", box.tilt.x(),
-                                                box.tilt.y(), box.tilt.z()));
-  fmt::print("  method {}: {}\n", scene.method.name(), simulation.method().setting());
-  fmt::print("  {} steps of {:g} fs = {:.6g} ps, seed {}, velocities {}{}{}\n\n", scene.run.steps,
-             scene.run.dt_fs, static_cast<double>(scene.run.steps) * scene.run.h(), scene.run.seed,
-             describe_velocities(scene), thermostat_line(scene.run), barostat_line(scene.run));
-  if (simulation.step() > 0) fmt::print("goes on from step {}\n", simulation.step());
-  fmt::print("{:>8} {:>10} {:>12} {:>12} {:>8} {:>9} {:>5}{}\n", "step", "t [ps]", "E_pot [kJ]",
-             "E_total [kJ]", "T [K]", "bond err", "iter", box.periodic() ? "  P [bar]" : "");
-}
-
-void print_row(const Record& r) {
-  fmt::print("{:>8} {:>10.4f} {:>12.6g} {:>12.8g} {:>8.2f} {:>9.1e} {:>5.3g}{}\n", r.step, r.t, r.potential,
-             r.total(), r.temperature, r.bonds.max, r.iterations,
-             r.pressure ? fmt::format(" {:>8.1f}", *r.pressure) : "");
 }
 
 // A few rows are too few for an error.
@@ -104,10 +53,12 @@ void print_temperatures(const Temperatures& temperatures) {
   fmt::print("\n");
 }
 
-void print_summary(const Simulation& simulation, const Summary& s) {
+// What steps cost, and what they did to the energy.
+void print_steps(const Simulation& simulation, const Summary& s) {
+  const int bonds = simulation.scene().system.bond_count();
   fmt::print("\n{:.4g} µs a step, of it constraints {:.3g} µs", s.us_per_step, s.constraint_us_per_step);
-  if (const int bonds = simulation.scene().system.bond_count(); bonds > 0)
-    fmt::print(" ({:.3g} ns a bond)", s.constraint_us_per_step * 1000 / bonds);
+  const double each = bonds > 0 ? s.constraint_us_per_step * 1000 / bonds : 0;
+  if (bonds > 0) fmt::print(" ({:.{}f} ns a bond)", each, each < 100 ? 1 : 0);
   fmt::print("; {:.4g} ns/day\n", s.ns_per_day);
   const auto drift = [](const Estimate& e) {
     return fmt::format("{:.2e}", e.value) + (e.error > 0 ? fmt::format(" ± {:.1e}", e.error) : "");
@@ -119,18 +70,25 @@ void print_summary(const Simulation& simulation, const Summary& s) {
   else
     fmt::print("energy drift by bonds {} kJ/mol/ns/degree of freedom; the box's work is not metered\n",
                drift(s.constraint_drift));
-  if (metered && simulation.scene().system.bond_count() > 0)
+  if (metered && bonds > 0)
     fmt::print("  of it the bonds' {}, the forces' {:.2e}\n", drift(s.constraint_drift),
                s.drift.value - s.constraint_drift.value);
   if (s.heat) fmt::print("heat taken up {:.4g} kJ/mol\n", *s.heat);
+}
+
+void print_summary(const Simulation& simulation, const Summary& s, bool stepped) {
+  if (stepped)
+    print_steps(simulation, s);
+  else
+    fmt::print("\nno step was taken\n");
   fmt::print("mean temperature {:.2f} K", s.temperature);
   print_temperatures(simulation.temperatures());
   if (s.pressure) fmt::print("pressure {} bar\n", with_error(*s.pressure, 1));
   if (simulation.scene().run.barostatted())
     fmt::print("density {} kg/m³, volume {} nm³\n", with_error(s.density, 2), with_error(s.volume, 4));
-  fmt::print("bond error (relative): largest {:.1e}, rms {:.1e}\n", s.max_rel_bond_error,
-             s.rms_rel_bond_error);
-  if (const int bonds = simulation.scene().system.bond_count(); bonds > 0) {
+  if (simulation.scene().system.bond_count() > 0) {
+    fmt::print("bond error (relative): largest {:.1e}, rms {:.1e}\n", s.max_rel_bond_error,
+               s.rms_rel_bond_error);
     const Eigen::VectorXd tension = simulation.bond_tensions();
     fmt::print("bond tension at the end: {:.4g} to {:.4g}, mean {:.4g} kJ/mol/nm\n", tension.minCoeff(),
                tension.maxCoeff(), tension.mean());
@@ -143,7 +101,11 @@ void print_summary(const Simulation& simulation, const Summary& s) {
     fmt::print("one-sided bonds at the end: {} of {} act, the strongest with {:.4g} kJ/mol/nm\n",
                (lambda.array() != 0).count(), lambda.size(), strongest);
   }
-  for (const auto& doubt : s.doubts) fmt::print("in doubt: {}\n", doubt);
+}
+
+// Where results are printed; with --quiet where errors are.
+void print_doubts(const Summary& s) {
+  for (const auto& doubt : s.doubts) fmt::print(quiet() ? stderr : stdout, "in doubt: {}\n", doubt);
 }
 
 std::string to_go_on(const RunFolder& folder, long step) {
@@ -187,12 +149,13 @@ const char* name_of(int signal) {
 
 }  // namespace
 
-void carry_out(Simulation& simulation, RunFolder* folder) {
+void carry_out(Simulation& simulation, RunFolder* folder, bool json) {
   const StopRequest request;
   const long first = simulation.step(), steps = simulation.scene().run.steps;
   Progress progress(steps - first);
   const auto on_record = [&](const Record& r) {
     progress.clear();
+    if (json) return;
     if (folder || request.signal())
       if_anybody_listens([&] { print_row(r); });
     else
@@ -205,7 +168,7 @@ void carry_out(Simulation& simulation, RunFolder* folder) {
   Summary summary;
   try {
     if (folder) folder->begin(simulation);
-    print_header(simulation);
+    if (!json) print_header(simulation);
     summary = take_steps(simulation, folder, {on_record, go_on});
     progress.clear();
   } catch (const ExplainedFailure& failure) {
@@ -217,7 +180,9 @@ void carry_out(Simulation& simulation, RunFolder* folder) {
     throw OutsideError(fmt::format("{}; that mended, {}", e.what(), to_go_on(*folder, *folder->kept_step())));
   }
   if (simulation.step() < steps) say_how_to_go_on(simulation, folder, request.signal());
-  print_summary(simulation, summary);
+  if (json) return fmt::print("{}\n", summary_json(simulation, summary));
+  print_summary(simulation, summary, simulation.step() > first);
+  print_doubts(summary);
   if (folder) fmt::print("wrote {}\n", fmt::join(written(*folder), ", "));
 }
 

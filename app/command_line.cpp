@@ -37,7 +37,7 @@ std::string quoted_for_shell(const std::string& word) {
 }
 
 CommandLine::CommandLine(const char* subcommand, const std::string& scene) {
-  text_ += fmt::format(" {} {}", subcommand, quoted_for_shell(scene));
+  text_ += fmt::format(" {}{}", subcommand, scene.empty() ? "" : " " + quoted_for_shell(scene));
 }
 
 void CommandLine::option(const char* name, const std::vector<std::string>& values) {

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <memory>
+#include <string>
 
 namespace CLI {
 class App;
@@ -17,6 +18,7 @@ class Argument {
 
   const Argument& required() const;
   const Argument& positive() const;
+  const Argument& at_least(int least) const;
   const Argument& words(int count, const char* shown) const;  // takes so many; in the help they are `shown`
   const Argument& key_values() const { return words(0, "KEY=VALUE"); }  // as many as there are
   const Argument& excludes(const Argument& other) const;
@@ -49,10 +51,18 @@ class Commands {
   // Does what was asked for. Returns the exit code: 2 where that cannot be read.
   int act(int argc, char** argv);
 
+  std::string help(const std::string& name) const;  // of a subcommand, "": of all; empty: there is none
+
+  // From the same description: "bash" or "zsh" completes what is typed, "man" is the page.
+  std::string generated(const std::string& what) const;
+
  private:
   struct Parser;
   std::unique_ptr<Parser> parser_;
 };
+
+// What goes for all subcommands: --threads, --quiet.
+bool quiet();  // results and doubts alone, no progress
 
 // A file a subcommand.
 void add_run(Commands& commands);
@@ -62,5 +72,9 @@ void add_crosscheck(Commands& commands);
 void add_chart(Commands& commands);
 void add_stability(Commands& commands);
 void add_lists(Commands& commands);
+void add_info(Commands& commands);
+void add_help(Commands& commands);
+void add_measure(Commands& commands);
+void add_generate(Commands& commands);
 
 }  // namespace taut

@@ -37,6 +37,25 @@ struct CrosscheckArguments {
     return all;
   }
 
+  std::string command() const {
+    CommandLine line("crosscheck", scene);
+    line.option("--openmm", openmm);
+    line.option("--method", methods);
+    line.option("--steps", steps);
+    line.option("--dt-fs", dt_fs);
+    line.option("--set", settings);
+    const CrosscheckPlan usual;
+    const auto unless = [&](const char* name, const auto& value, const auto& otherwise) {
+      if (value != otherwise) line.option(name, std::optional(value));
+    };
+    unless("--platform", plan.platform, usual.platform);
+    unless("--agreement-nm", plan.agreement, usual.agreement);
+    unless("--parting-steps", plan.parting_steps, usual.parting_steps);
+    unless("--speed-seconds", plan.speed_seconds, usual.speed_seconds);
+    unless("--threads", plan.threads, usual.threads);
+    return line.text();
+  }
+
   Scene read() const {
     if (scene.empty() == openmm.empty())
       throw InputError("taut crosscheck: expected a scene, or --openmm system.xml state.xml");
@@ -67,7 +86,7 @@ void run(CrosscheckArguments arguments) {
   });
   progress.clear();
   print_crosscheck(result);
-  if (arguments.out) write_crosscheck(result, *arguments.out);
+  if (arguments.out) write_crosscheck(result, arguments.command(), *arguments.out);
 }
 
 }  // namespace
@@ -77,11 +96,14 @@ void add_crosscheck(Commands& commands) {
   CrosscheckPlan& plan = arguments->plan;
   const Subcommand command =
       commands.add("crosscheck", "hold a scene's runs against OpenMM's", [arguments] { run(*arguments); });
-  command.option("scene", arguments->scene, "a scene's file, or its name as `taut scenes` lists it");
+  command.option("scene", arguments->scene, "a scene's file, or its name as `taut scenes` lists it")
+      .words(0, "SCENE");
   command.option("--openmm", arguments->openmm, "OpenMM System and State, as XML")
       .words(2, "SYSTEM.XML STATE.XML");
-  command.option("--method", arguments->methods,
-                 "to hold against OpenMM: a name, baumgarte:GAINS; several; the usual ones if none is given");
+  command
+      .option("--method", arguments->methods,
+              "to hold against OpenMM: a name, baumgarte:GAINS; several; the usual ones if none is given")
+      .words(0, "METHOD");
   command.option("--steps", arguments->steps, "number of steps (200)").positive();
   command.option("--dt-fs", arguments->dt_fs, "step length [fs]");
   command.option("--set", arguments->settings, "any key of the scene: run.seed=7").key_values();

@@ -2,11 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <sstream>
-
 #include "pictures.hpp"
+#include "report.hpp"
 #include "studies/crosscheck_tables.hpp"
 #include "studies/crosscheck_verdict.hpp"
+#include "studies/csv.hpp"
+#include "words.hpp"
 
 namespace taut {
 namespace {
@@ -30,22 +31,11 @@ void print_row(const Crosscheck& c, const Track& track) {
       ran ? fmt::format("{:.2f}", track.temperature.value) : "–");
 }
 
-// Text after a label, wrapped to 110 columns with a hanging indent.
-void print_wrapped(const std::string& label, const std::string& text) {
-  constexpr std::size_t kWidth = 110, kIndent = 39;
-  std::istringstream words(text);
-  std::string word;
-  fmt::print("{}", label);
-  std::size_t column = kIndent;
-  while (words >> word) {
-    if (column + word.size() + 1 > kWidth) {
-      fmt::print("\n{:{}}", "", kIndent);
-      column = kIndent;
-    }
-    fmt::print("{} ", word);
-    column += word.size() + 1;
-  }
-  fmt::print("\n");
+std::string verdicts_csv(const Crosscheck& c) {
+  std::string text = "run,finding,why\n";
+  for (const Verdict& v : verdicts(c))
+    text += fmt::format("{},{},{}\n", csv_cell(v.who), name_of(v.finding), csv_cell(v.why));
+  return text;
 }
 
 }  // namespace
@@ -68,8 +58,9 @@ void print_crosscheck(const Crosscheck& c) {
              "max", "rms", "[kJ/mol/ns/dof]", "share", "[K]");
   for (const Track* track : all_tracks(c)) print_row(c, *track);
   fmt::print("\n");
+  constexpr int kWidth = 110;
   for (const Verdict& v : verdicts(c))
-    print_wrapped(fmt::format("{:<30} {:<7} ", v.who, name_of(v.finding)), v.why);
+    fmt::print("{:<30} {:<7} {}\n", v.who, name_of(v.finding), wrapped(v.why, kWidth, 39));
   if (!c.long_enough)
     fmt::print(
         "\nToo short for averages: temperatures, g(r) and end-to-end distances are held together from 5 ps "
@@ -79,13 +70,25 @@ void print_crosscheck(const Crosscheck& c) {
   for (const auto& [who, us] : c.speed) fmt::print("  {:<46} {:>9.1f} µs\n", who, us);
 }
 
-void write_crosscheck(const Crosscheck& c, const fs::path& folder) {
+void write_crosscheck(const Crosscheck& c, const std::string& command, const fs::path& folder) {
   StudyFiles files(folder);
   files.write("crosscheck.json", crosscheck_json(c) + "\n");
-  files.draw({"crosscheck", fmt::format("{}: taut against OpenMM {}, {}", c.scene, c.openmm, c.platform),
-              samples_csv(c)});
+  const std::string title = fmt::format("{}: taut against OpenMM {}, {}", c.scene, c.openmm, c.platform);
+  ReportPage page{title, command, c.notes, {}};
+  const auto show = [&](const Picture& picture, const char* heading, const char* text) {
+    files.draw(picture);
+    page.parts.push_back({heading, text, picture.name + ".svg", picture.csv});
+  };
+  show({"crosscheck", title, samples_csv(c)}, "Runs beside OpenMM's",
+       "Every run sets out from OpenMM's start. The fine run takes a quarter of the step: what is as near to "
+       "it as "
+       "OpenMM's own run is as right.");
   if (!c.twin.oxygens.r.empty())
-    files.draw({"distances", c.scene + ": O–O radial distribution, bars: standard errors", distances_csv(c)});
+    show({"distances", c.scene + ": O–O radial distribution, bars: standard errors", distances_csv(c)},
+         "What the liquid looks like", "The radial distribution of the oxygens.");
+  page.parts.push_back(
+      {"Verdicts", "Of each run: whether it agrees with OpenMM's, and why.", {}, verdicts_csv(c)});
+  write_report(page, files);
   files.tell();
 }
 

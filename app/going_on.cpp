@@ -30,7 +30,7 @@ bool agreed(const std::string& question) {
 
 }  // namespace
 
-void go_on(FolderLock lock, Checkpoint checkpoint, const KeyValues& changes, Consent consent) {
+void go_on(FolderLock lock, Checkpoint checkpoint, const KeyValues& changes, Consent consent, bool json) {
   const fs::path folder = lock.path();
   const std::unique_ptr<Simulation> simulation =
       resumed(checkpoint_file(folder).string(), checkpoint, changes);
@@ -42,7 +42,7 @@ void go_on(FolderLock lock, Checkpoint checkpoint, const KeyValues& changes, Con
   consent.how = fmt::format("`taut resume {} --yes`", quoted_for_shell(folder.string()));
   consent.ask = agreed;
   RunFolder run_folder = resumed_folder(std::move(lock), checkpoint, *simulation, consent);
-  carry_out(*simulation, &run_folder);
+  carry_out(*simulation, &run_folder, json);
 }
 
 void expect_same_input(const fs::path& folder, const SceneSource& kept, const SceneSource& given) {

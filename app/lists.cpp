@@ -1,30 +1,89 @@
 #include <fmt/format.h>
 
+#include <memory>
+#include <nlohmann/json.hpp>
+
 #include "commands.hpp"
 #include "constraints/methods.hpp"
 #include "systems/scene_file.hpp"
+#include "words.hpp"
 
 namespace taut {
 namespace {
 
-void print_methods() {
-  for (const MethodEntry& method : methods()) {
-    fmt::print("{:<11} {}\n", method.name, method.summary);
-    MethodOptions defaults(method);
-    for (const Option& option : defaults.describe())
-      fmt::print("{:11}   {}\n", "", option.in_words());
-  }
+using nlohmann::ordered_json;
+
+struct ListArguments {
+  std::string name;
+  bool json = false, names = false;
+};
+
+ordered_json as_json(const MethodEntry& method) {
+  ordered_json options = ordered_json::array();
+  MethodOptions defaults(method);
+  for (const Option& option : defaults.describe())
+    options.push_back({{"key", option.key},
+                       {"value", option.value()},
+                       {"meaning", option.meaning},
+                       {"unit", option.about.unit}});
+  return {{"name", method.name}, {"summary", method.summary}, {"options", options}};
 }
 
-void print_scenes() {
-  for (const auto& [name, hard_on] : list_scenes()) fmt::print("{:<15} {}\n", name, hard_on);
+void print(const MethodEntry& method) {
+  constexpr int kName = 12;
+  fmt::print("{:<11} {}\n", method.name, wrapped(std::string(method.summary), terminal_width(), kName));
+  MethodOptions defaults(method);
+  for (const Option& option : defaults.describe())
+    fmt::print("{:{}}  {}\n", "", kName, wrapped(option.in_words(), terminal_width(), kName + 4));
+}
+
+void print_methods(const ListArguments& arguments) {
+  std::vector<const MethodEntry*> listed;
+  for (const MethodEntry& method : methods())
+    if (arguments.name.empty() || method.name == arguments.name) listed.push_back(&method);
+  if (listed.empty()) listed.push_back(&method_named(arguments.name));  // says which was meant
+  ordered_json json = ordered_json::array();
+  for (const MethodEntry* method : listed) {
+    if (arguments.json)
+      json.push_back(as_json(*method));
+    else if (arguments.names)
+      fmt::print("{}\n", method->name);
+    else
+      print(*method);
+  }
+  if (arguments.json) fmt::print("{}\n", json.dump(2));
+}
+
+void print_scenes(const ListArguments& arguments) {
+  ordered_json json = ordered_json::array();
+  for (const SceneFolder& folder : scene_folders()) {
+    std::vector<std::vector<std::string>> rows;
+    for (const auto& [name, hard_on] : list_scenes(folder.path)) {
+      json.push_back({{"name", name}, {"hard_on", hard_on}, {"among", folder.title}});
+      if (arguments.names) fmt::print("{}\n", name);
+      rows.push_back({name, hard_on});
+    }
+    if (arguments.names || arguments.json) continue;
+    if (*folder.title) fmt::print("\n{}:\n", folder.title);
+    fmt::print("{}", table_text(rows, terminal_width()));
+  }
+  if (arguments.json) fmt::print("{}\n", json.dump(2));
 }
 
 }  // namespace
 
 void add_lists(Commands& commands) {
-  commands.add("methods", "list the constraint methods and their settings", print_methods);
-  commands.add("scenes", "list the scenes, with what each is hard on", print_scenes);
+  auto of_methods = std::make_shared<ListArguments>();
+  const Subcommand methods_command = commands.add("methods", "list the constraint methods and their settings",
+                                                  [of_methods] { print_methods(*of_methods); });
+  methods_command.option("method", of_methods->name, "one alone").words(0, "METHOD");
+  methods_command.flag("--json", of_methods->json, "as JSON");
+  methods_command.flag("--names", of_methods->names, "their names alone");
+  auto of_scenes = std::make_shared<ListArguments>();
+  const Subcommand scenes_command = commands.add("scenes", "list the scenes, with what each is hard on",
+                                                 [of_scenes] { print_scenes(*of_scenes); });
+  scenes_command.flag("--json", of_scenes->json, "as JSON");
+  scenes_command.flag("--names", of_scenes->names, "their names alone");
 }
 
 }  // namespace taut

@@ -58,7 +58,8 @@ int main(int argc, char** argv) {
   taut::Commands commands(
       "taut: molecular dynamics of rigid bonds, by several methods, with what each costs and gets wrong");
   for (const auto add : {taut::add_run, taut::add_resume, taut::add_calibrate, taut::add_crosscheck,
-                         taut::add_chart, taut::add_stability, taut::add_lists})
+                         taut::add_chart, taut::add_stability, taut::add_lists, taut::add_info,
+                         taut::add_measure, taut::add_help, taut::add_generate})
     add(commands);
   return said(carry_out(commands, argc, argv));
 }

@@ -8,8 +8,7 @@
 #include "commands.hpp"
 #include "going_on.hpp"
 #include "md/errors.hpp"
-#include "systems/openmm/openmm_import.hpp"
-#include "systems/scene_file.hpp"
+#include "scene_argument.hpp"
 #include "systems/scene_source.hpp"
 
 namespace taut {
@@ -17,31 +16,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct RunArguments {
-  std::string scene;
-  std::vector<std::string> openmm;  // system.xml, state.xml
-  std::optional<std::string> method;
-  std::optional<long> steps;
-  std::optional<double> dt_fs;
-  std::vector<std::string> settings;
+struct RunArguments : SceneArgument {
   std::optional<fs::path> out;
-  bool go_on = false, overwrite = false;
-
-  std::vector<std::string> overrides() const {
-    return overrides_said({{"--method", "method.name", method},
-                           {"--steps", "run.steps", steps},
-                           {"--dt-fs", "run.dt_fs", dt_fs}},
-                          settings);
-  }
-
-  Scene read() const {
-    if (scene.empty() == openmm.empty())
-      throw InputError("taut run: expected a scene, or --openmm system.xml state.xml");
-    if (openmm.empty()) return read_scene(find_scene(scene), overrides());
-    Scene imported = import_openmm(openmm[0], openmm[1]);
-    apply_overrides(imported, overrides());
-    return imported;
-  }
+  bool go_on = false, overwrite = false, json = false;
 };
 
 // What a run without a folder could only forget.
@@ -70,7 +47,7 @@ void run_in_folder(const RunArguments& arguments, Scene scene) {
     Checkpoint checkpoint = load_checkpoint(folder);
     expect_same_input(folder, checkpoint.source, source);
     go_on(std::move(lock), std::move(checkpoint), {{"run.steps", std::to_string(scene.run.steps)}},
-          {.cut_back = true, .begin_anew = false, .how = {}});
+          {.cut_back = true, .begin_anew = false, .how = {}}, arguments.json);
     return;
   }
   const bool may_move = arguments.go_on || arguments.overwrite;
@@ -79,7 +56,7 @@ void run_in_folder(const RunArguments& arguments, Scene scene) {
   FolderLock lock(folder);
   if (!may_move) refuse_a_run_there(folder);  // another may have been faster
   RunFolder run_folder(std::move(lock), source, simulation);
-  carry_out(simulation, &run_folder);
+  carry_out(simulation, &run_folder, arguments.json);
 }
 
 void run(const RunArguments& arguments) {
@@ -90,7 +67,7 @@ void run(const RunArguments& arguments) {
         fmt::format("{}: of which folder? give --out DIR", arguments.go_on ? "--continue" : "--overwrite"));
   refuse_files_without_folder(scene.run);
   Simulation simulation(std::move(scene));
-  carry_out(simulation, nullptr);
+  carry_out(simulation, nullptr, arguments.json);
 }
 
 }  // namespace
@@ -99,14 +76,7 @@ void add_run(Commands& commands) {
   auto arguments = std::make_shared<RunArguments>();
   const Subcommand command =
       commands.add("run", "run a scene, or a system prepared for OpenMM", [arguments] { run(*arguments); });
-  command.option("scene", arguments->scene, "a scene's file, or its name as `taut scenes` lists it");
-  command.option("--openmm", arguments->openmm, "OpenMM System and State, as XML")
-      .words(2, "SYSTEM.XML STATE.XML");
-  command.option("--method", arguments->method, "constraint method (see `taut methods`)");
-  command.option("--steps", arguments->steps, "number of steps");
-  command.option("--dt-fs", arguments->dt_fs, "step length [fs]");
-  command.option("--set", arguments->settings, "any key of the scene: run.seed=7, method.tolerance=1e-12")
-      .key_values();
+  arguments->offer(command);
   command.option("--out", arguments->out,
                  "folder for log.csv, checkpoint.cbor, summary.json and the final state");
   const Argument go_on = command.flag(
@@ -115,6 +85,7 @@ void add_run(Commands& commands) {
   command
       .flag("--overwrite", arguments->overwrite, "move what run is in --out to OUT.1, OUT.2, ..., and start")
       .excludes(go_on);
+  command.flag("--json", arguments->json, "print what summary.json holds, in place of the tables");
 }
 
 }  // namespace taut

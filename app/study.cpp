@@ -109,8 +109,8 @@ FolderLock study_folder(const fs::path& folder, const std::string& line, bool ov
 }
 
 void StudyArguments::offer_first(const Subcommand& command) {
-  command.option("scene", scene, "a scene's file or name").required();
-  command.option("--methods", methods, "which (all of `taut methods`)");
+  command.option("scene", scene, "a scene's file or name").words(0, "SCENE").required();
+  command.option("--methods", methods, "which (all of `taut methods`)").words(0, "METHOD");
   command.option("--dt-fs", dt_fs, "step length [fs]");
   command.option("--set", settings, "any key of the scene").key_values();
 }

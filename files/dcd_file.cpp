@@ -6,14 +6,13 @@
 #include <cmath>
 #include <cstring>
 
+#include "files/akma.hpp"
 #include "files/unit_cell.hpp"
 #include "md/errors.hpp"
 
 namespace taut {
 namespace {
 
-// √(u·Å²/(kcal/mol)), CHARMM's unit of time [ps].
-constexpr double kAkma = 0.04888821;
 constexpr int kTitle = 80;  // characters
 constexpr std::uint64_t kHeader = (4 + 84 + 4) + (4 + 4 + kTitle + 4) + (4 + 4 + 4);
 constexpr std::uint64_t kFramesAt = 8, kStepsAt = 20;  // where the header has them

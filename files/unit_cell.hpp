@@ -26,4 +26,19 @@ inline UnitCell unit_cell(const Box& box) {
   return cell;
 }
 
+// And back: a along x, b in the plane of x and y.
+inline Box box_of(const UnitCell& cell) {
+  const auto cosine = [&](int d) {
+    return cell.angle[d] == 90 ? 0 : std::cos(cell.angle[d] * std::numbers::pi / 180);
+  };
+  const auto& [a, b, c] = cell.length;
+  const double sine = std::sqrt(1 - cosine(2) * cosine(2));
+  const double cx = cosine(1), cy = (cosine(0) - cosine(1) * cosine(2)) / sine;
+  Eigen::Matrix3d m = Eigen::Matrix3d::Zero();
+  m.col(0) << a, 0, 0;
+  m.col(1) << b * cosine(2), b * sine, 0;
+  m.col(2) << c * cx, c * cy, c * std::sqrt(1 - cx * cx - cy * cy);
+  return Box::of(m / 10);
+}
+
 }  // namespace taut

@@ -1,6 +1,7 @@
 #include "simulation/simulation.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <limits>
@@ -133,12 +134,15 @@ void Simulation::note_start() {
                     anchors.size() > 1 ? fmt::format(" and {} more are", anchors.size() - 1) : " is"));
   if (minimised)
     scene_.notes.push_back(
-        fmt::format("minimised in {} moves from {:.6g} to {:.6g} kJ/mol, largest force {:.4g} kJ/mol/nm",
-                    minimised->moves, minimised->energy_before, minimised->energy, minimised->largest_force));
-  if (largest_move > 1e-6 || kinetic_removed > 1e-6)
-    scene_.notes.push_back(fmt::format(
-        "brought to the bonds: atoms moved by up to {:.2g} nm, {:.1f} % of the kinetic energy taken out",
-        largest_move, 100 * kinetic_removed));
+        fmt::format("minimised in {} move{} from {:.6g} to {:.6g} kJ/mol, largest force {:.4g} kJ/mol/nm",
+                    minimised->moves, minimised->moves == 1 ? "" : "s", minimised->energy_before,
+                    minimised->energy, minimised->largest_force));
+  constexpr double kNoise = 1e-6;
+  std::vector<std::string> what;
+  if (largest_move > kNoise) what.push_back(fmt::format("atoms moved by up to {:.2g} nm", largest_move));
+  if (kinetic_removed > kNoise)
+    what.push_back(fmt::format("{:.3g} % of the kinetic energy taken out", 100 * kinetic_removed));
+  if (!what.empty()) scene_.notes.push_back(fmt::format("brought to the bonds: {}", fmt::join(what, ", ")));
 }
 
 void Simulation::make_thermostat() {

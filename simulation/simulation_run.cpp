@@ -175,6 +175,7 @@ Summary Simulation::summary(const Record& end, double seconds, double constraint
   const double taken = static_cast<double>(std::max(1L, steps)), rows = static_cast<double>(sums_.rows);
   Summary s;
   s.steps = progress_.step;
+  if (steps == 0) seconds = 0;  // no step, no speed
   s.us_per_step = seconds / taken * 1e6;
   s.constraint_us_per_step = constraint_seconds / taken * 1e6;
   s.ns_per_day = end.ns_per_day;

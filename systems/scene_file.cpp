@@ -1,7 +1,6 @@
 #include "systems/scene_file.hpp"
 
 #include <algorithm>
-#include <array>
 
 #include "forcefield/force_field.hpp"
 #include "md/errors.hpp"
@@ -192,7 +191,6 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
 
 // As scenes have their sections.
 int order_of(const Key& key) {
-  constexpr std::array<std::string_view, 5> kSections = {"", "build", "forcefield", "run", "method"};
   return static_cast<int>(std::ranges::find(kSections, key.section) - kSections.begin());
 }
 

@@ -2,8 +2,10 @@
 
 #include <toml++/toml.h>
 
+#include <array>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "systems/keys.hpp"
@@ -44,6 +46,7 @@ void apply_overrides(Scene& scene, const std::vector<std::string>& overrides, Ke
 // Every key there is, of every kind and method, with what there is to know of it: what a scene without keys
 // is asked for. A key that kinds or methods describe alike is there once.
 std::vector<Key> every_key();
+inline constexpr std::array<std::string_view, 5> kSections = {"", "build", "forcefield", "run", "method"};
 
 struct SceneSummary {
   std::string name, hard_on;
@@ -52,10 +55,17 @@ struct SceneSummary {
 // The scenes that come with taut. Throws OutsideError where they did not.
 std::filesystem::path scenes_folder();
 
+// Where they lie, and what they are: the first for everybody, worlds of linkages, what is hard on methods.
+struct SceneFolder {
+  std::filesystem::path path;
+  const char* title;
+};
+std::vector<SceneFolder> scene_folders();
+
 // Every scene of a folder, by name.
 std::vector<SceneSummary> list_scenes(const std::filesystem::path& folder = scenes_folder());
 
-// The file of a scene named by its path, or as "water" for one of scenes_folder().
+// The file of a scene named by its path, or as "water" for one of scene_folders().
 // Throws InputError, with the nearest name.
 std::filesystem::path find_scene(const std::string& name_or_path);
 

@@ -26,6 +26,12 @@ fs::path scenes_folder() {
   return resource_folder("scenes");
 }
 
+std::vector<SceneFolder> scene_folders() {
+  return {{scenes_folder(), ""},
+          {scenes_folder() / "worlds", "worlds of linkages"},
+          {scenes_folder() / "hard", "hard ones, to try a method on"}};
+}
+
 std::vector<SceneSummary> list_scenes(const fs::path& folder) {
   std::vector<SceneSummary> scenes;
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {
@@ -41,12 +47,13 @@ std::vector<SceneSummary> list_scenes(const fs::path& folder) {
 
 fs::path find_scene(const std::string& name_or_path) {
   if (fs::is_regular_file(name_or_path, ignored)) return name_or_path;
-  fs::path named = scenes_folder() / (name_or_path + ".toml");
-  if (name_or_path.find('/') == std::string::npos && fs::is_regular_file(named, ignored)) return named;
-
   std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(scenes_folder(), ignored))
-    if (is_scene(entry.path())) names.push_back(entry.path().stem().string());
+  for (const auto& [folder, title] : scene_folders()) {
+    fs::path named = folder / (name_or_path + ".toml");
+    if (name_or_path.find('/') == std::string::npos && fs::is_regular_file(named, ignored)) return named;
+    for (const auto& entry : fs::directory_iterator(folder, ignored))
+      if (is_scene(entry.path())) names.push_back(entry.path().stem().string());
+  }
   std::ranges::sort(names);
   throw InputError(
       fmt::format("{}: no such file, and no scene of that name{}", name_or_path,

@@ -17,6 +17,12 @@ file(REMOVE_RECURSE ${folder})
 carry_out(${CMAKE_COMMAND} --install ${BUILD} --prefix ${folder}/first)
 file(RENAME ${folder}/first ${prefix})
 carry_out(${prefix}/bin/taut run pair --steps 10)
+foreach(made share/man/man1/taut.1 share/bash-completion/completions/taut share/zsh/site-functions/_taut)
+  file(SIZE ${prefix}/${made} size)  # fails where it is not there
+  if(size LESS 2000)
+    message(FATAL_ERROR "${made}: ${size} bytes")
+  endif()
+endforeach()
 carry_out(${CMAKE_COMMAND} -S ${example} -B ${folder}/example -G Ninja -DCMAKE_PREFIX_PATH=${prefix}
   -DCMAKE_CXX_COMPILER=${COMPILER} "-DCMAKE_CXX_FLAGS=${FLAGS}")
 carry_out(${CMAKE_COMMAND} --build ${folder}/example)

@@ -279,10 +279,11 @@ TEST_F(CrosscheckCommand, WritesVerdictsSamplesAndPictures) {
     EXPECT_EQ(sample.first, 41) << run;
     EXPECT_EQ(sample.second, "40") << run;
   }
-  for (const char* file : {"crosscheck.gp", "crosscheck.svg", "crosscheck.png"}) {
+  for (const char* file : {"crosscheck.gp", "crosscheck.svg", "crosscheck.png", "report.html"}) {
     EXPECT_TRUE(fs::exists(out_ / file)) << file;
     EXPECT_THAT(text, HasSubstr(file));
   }
+  for (const char* part : {"<svg", "Verdicts", "taut crosscheck "}) EXPECT_THAT(page(out_), HasSubstr(part));
   for (const char* run : {"newton", "openmm verlet", "baumgarte dead-beat"})
     EXPECT_THAT(contents(out_ / "crosscheck.svg"), HasSubstr(std::string(">") + run + "<"));
 }

@@ -33,6 +33,11 @@ do for [kind in 'svg png'] {
       if (n == 4) { set colorbox user origin 0.88, 0.54 - 0.45 * row size 0.02, 0.34 } else { unset colorbox }
       set title damping.' damping' offset 0,-0.7
       set logscale cb
+      if (row == 1 && n == 1) {
+        set label 1 'failed' at screen 0.3, 0.935 offset 1, 0 point pt 2 ps 0.8 lc rgb '#555555'
+        set arrow 1 from screen 0.44, 0.935 to screen 0.5, 0.935 nohead lc rgb 'black' lw 3 dt 2
+        set label 2 'limit of one bond' at screen 0.51, 0.935
+      } else { unset label; unset arrow }
       if (row == 0) {
         set palette defined (0 '#222255', 0.5 '#7788bb', 1 '#ffffcc')
         set format cb '%g'

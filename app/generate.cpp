@@ -1,0 +1,20 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "commands.hpp"
+#include "md/nearest_name.hpp"
+
+namespace taut {
+
+void add_generate(Commands& commands) {
+  auto what = std::make_shared<std::string>();
+  const Subcommand command =
+      commands.add("generate", "print completions for a shell, or the man page", [what, &commands] {
+        expect_name("taut generate", *what, {"bash", "zsh", "man"});
+        fmt::print("{}", commands.generated(*what));
+      });
+  command.option("what", *what, "bash, zsh or man").required();
+}
+
+}  // namespace taut

@@ -1,0 +1,197 @@
+#include "generated.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <string_view>
+#include <vector>
+
+namespace taut {
+namespace {
+
+std::vector<const CLI::App*> subcommands(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App* sub) { return !sub->get_name().empty(); });
+}
+
+std::string long_name(const CLI::Option& option) {
+  return option.get_lnames().empty() ? "" : "--" + option.get_lnames()[0];
+}
+
+bool takes_value(const CLI::Option& option) {
+  return option.get_items_expected_max() > 0;
+}
+
+// Characters that mean something to somebody, each with a backslash before it.
+std::string escaped(std::string_view text, std::string_view special) {
+  std::string out;
+  for (const char c : text) {
+    if (special.find(c) != special.npos) out += '\\';
+    out += c;
+  }
+  return out;
+}
+
+// In roff a line must not begin with a dot or a quote, and "-" is a hyphen.
+std::string roff(std::string_view text) {
+  const std::string line = escaped(text, "-\\");
+  return !line.empty() && (line[0] == '.' || line[0] == '\'') ? "\\&" + line : line;
+}
+
+std::string option_entry(const CLI::Option& option) {
+  const std::string name = long_name(option), value = takes_value(option) ? option.get_type_name() : "";
+  const std::string head = name.empty() ? roff(option.get_name(true)) : roff(name);
+  const std::string with = value.empty() || name.empty() ? "" : fmt::format(" \\fI{}\\fR", roff(value));
+  const std::string unless = option.get_default_str();
+  return fmt::format(".TP\n\\fB{}\\fR{}\n{}{}\n", head, with, roff(option.get_description()),
+                     unless.empty() ? "" : fmt::format(" (if not said: {})", roff(unless)));
+}
+
+// What a word of that type may be: the command that lists them, nothing for a file.
+std::string lister(const CLI::Option& option) {
+  const std::string type = option.get_type_name();
+  if (type == "SCENE") return "taut scenes --names";
+  if (type == "METHOD") return "taut methods --names";
+  if (type == "KEY" || type == "KEY=VALUE") return "taut help --names";
+  return "";
+}
+
+std::vector<const CLI::Option*> positionals(const CLI::App& app) {
+  return app.get_options([](const CLI::Option* option) { return option->get_positional(); });
+}
+
+std::vector<std::string> flags_of(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options())
+    if (const std::string name = long_name(*option); !name.empty()) names.push_back(name);
+  return names;
+}
+
+}  // namespace
+
+std::string man_page(const CLI::App& app) {
+  std::string page = fmt::format(
+      ".TH TAUT 1 \"\" \"taut {}\" \"User commands\"\n.SH NAME\ntaut \\- {}\n"
+      ".SH SYNOPSIS\n.B taut\n\\fICOMMAND\\fR [\\fIOPTION\\fR...]\n.SH COMMANDS\n",
+      TAUT_VERSION, roff(app.get_description().substr(6)));
+  for (const CLI::App* sub : subcommands(app)) {
+    page += fmt::format(".SS taut {}", roff(sub->get_name()));
+    for (const CLI::Option* option : positionals(*sub))
+      page += option->get_required() ? " " + roff(option->get_type_name())
+                                     : fmt::format(" [{}]", roff(option->get_type_name()));
+    page += fmt::format("\n{}\n", roff(sub->get_description()));
+    for (const CLI::Option* option : sub->get_options())
+      if (long_name(*option) != "--help") page += option_entry(*option);
+  }
+  page += ".SH OPTIONS\nFor every command:\n";
+  for (const CLI::Option* option : app.get_options()) page += option_entry(*option);
+  page +=
+      ".SH EXIT STATUS\n0 done; 1 the simulation failed; 2 the input is wrong; 3 something outside (disk, "
+      "memory, an "
+      "output that is not taken); 128 + the signal where one asked it to stop.\n"
+      ".SH ENVIRONMENT\n.TP\n.B OMP_NUM_THREADS\nhow many threads compute, unless \\-\\-threads says so\n"
+      ".SH SEE ALSO\n\\fBtaut help\\fR \\fIKEY\\fR explains each key of a scene.\n";
+  return page;
+}
+
+// One function: what stands before the word says what may follow.
+std::string bash_completion(const CLI::App& app) {
+  std::string cases;
+  std::vector<std::string> names;
+  for (const CLI::App* sub : subcommands(app)) {
+    names.push_back(sub->get_name());
+    std::string values;
+    for (const CLI::Option* option : sub->get_options()) {
+      if (long_name(*option).empty()) continue;
+      if (const std::string list = lister(*option); !list.empty())
+        values += fmt::format("        {}) words=$({} 2>/dev/null) ;;\n", long_name(*option), list);
+      else if (takes_value(*option))
+        values += fmt::format("        {}) ;;\n", long_name(*option));
+    }
+    std::string plain;
+    for (const CLI::Option* option : positionals(*sub))
+      if (const std::string list = lister(*option); !list.empty())
+        plain = fmt::format(" $({} 2>/dev/null)", list);
+    cases += fmt::format("    {}) case $last in\n{}        *) words=\"{}{}\" ;;\n      esac ;;\n",
+                         sub->get_name(), values, fmt::join(flags_of(*sub), " "), plain);
+  }
+  return fmt::format(
+      R"(# taut: what can follow, for bash.
+_taut() {{
+  local word=${{COMP_WORDS[COMP_CWORD]}} command= last= words= k
+  for ((k = 1; k < COMP_CWORD; ++k)); do
+    case ${{COMP_WORDS[k]}} in
+      -*) last=${{COMP_WORDS[k]}} ;;
+      *) [[ -z $command ]] && command=${{COMP_WORDS[k]}}
+         [[ $last != --set && $last != --methods && $last != --method || ${{COMP_WORDS[k]}} == "$word" ]] && last= ;;
+    esac
+  done
+  [[ $word == -* ]] && last=
+  case $command in
+{}    *) words="{} {}" ;;
+  esac
+  COMPREPLY=($(compgen -W "$words" -- "$word"))
+  if [[ $last == --set ]]; then
+    COMPREPLY=("${{COMPREPLY[@]/%/=}}")
+    compopt -o nospace
+  fi
+  [[ ${{#COMPREPLY[@]}} -eq 0 ]] && compopt -o default
+  return 0
+}}
+complete -F _taut taut
+)",
+      cases, fmt::join(names, " "), fmt::join(flags_of(app), " "));
+}
+
+std::string zsh_completion(const CLI::App& app) {
+  std::string commands, cases;
+  for (const CLI::App* sub : subcommands(app)) {
+    commands += fmt::format("    '{}:{}'\n", sub->get_name(), escaped(sub->get_description(), ":\\"));
+    std::string arguments;
+    for (const CLI::Option* option : sub->get_options()) {
+      const std::string list = lister(*option), name = long_name(*option);
+      std::string meaning;
+      for (const char c : option->get_description()) meaning += c == '\'' ? "'\\''" : std::string(1, c);
+      meaning = escaped(meaning, "[]:");
+      const std::string action =
+          !list.empty() ? fmt::format("{{compadd -- $({} 2>/dev/null)}}", list) : std::string("_files");
+      if (name.empty())
+        arguments += fmt::format(" \\\n        '*:{}:{}'", meaning, action);
+      else if (takes_value(*option))
+        arguments += fmt::format(" \\\n        '*{}[{}]:value:{}'", name, meaning, action);
+      else
+        arguments += fmt::format(" \\\n        '{}[{}]'", name, meaning);
+    }
+    cases += fmt::format("      {}) _arguments{} ;;\n", sub->get_name(), arguments);
+  }
+  return fmt::format(
+      R"(#compdef taut
+# taut: what can follow, for zsh.
+_taut() {{
+  local -a commands
+  commands=(
+{}  )
+  if (( CURRENT == 2 )); then
+    _describe 'command' commands
+    _arguments {}
+  else
+    local command=$words[2]
+    shift words
+    (( CURRENT-- ))
+    case $command in
+{}    esac
+  fi
+}}
+_taut "$@"
+)",
+      commands,
+      [&] {
+        std::string all;
+        for (const std::string& flag : flags_of(app)) all += fmt::format("'{}' ", flag);
+        return all;
+      }(),
+      cases);
+}
+
+}  // namespace taut

@@ -1,0 +1,157 @@
+#include "help.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "commands.hpp"
+#include "md/errors.hpp"
+#include "md/nearest_name.hpp"
+#include "systems/builders/builders.hpp"
+#include "systems/scene_file.hpp"
+#include "words.hpp"
+
+namespace taut {
+namespace {
+
+// "run.dt_fs = 1 fs", "build.molecules (required)".
+std::string head_of(const Key& key) {
+  const std::string unit = *key.about.unit ? fmt::format(" {}", key.about.unit) : "";
+  if (key.required) return fmt::format("{} (required{})", key.name(), unit.empty() ? "" : "," + unit);
+  if (key.value.empty()) return key.name() + (unit.empty() ? "" : fmt::format(" ({})", unit.substr(1)));
+  return fmt::format("{} = {}{}", key.name(), key.value, unit);
+}
+
+std::string whose(const Key& key) {
+  const bool every = key.section == "build" && key.kinds.size() == kinds().size();
+  if (key.kinds.empty() || every) return "";
+  const char* of = key.section == "method" ? "" : "kind ";
+  return fmt::format("; of {}{}", of, fmt::join(key.kinds, ", "));
+}
+
+// "length of a step; number, more than 0".
+std::string sentence(const Key& key) {
+  const std::string allowed = key.allowed();
+  std::string text = key.about.meaning;
+  text += fmt::format("; {}", key.about.words.empty() ? key.type : allowed);
+  if (key.about.words.empty() && !allowed.empty()) text += ", " + allowed;
+  if (!key.counts_only.empty()) text += "; counts only " + key.counts_only;
+  return text + whose(key);
+}
+
+// What a name stands for: a key, all keys of a section, or of one kind or method ("build.water").
+std::vector<Key> keys_named(const std::string& name, const std::vector<Key>& all) {
+  std::vector<Key> found;
+  const auto dot = name.find('.');
+  for (const Key& key : all) {
+    const bool of_kind = dot != name.npos && std::ranges::count(key.kinds, name.substr(dot + 1)) > 0 &&
+                         (key.section == name.substr(0, dot));
+    if (key.name() == name || key.section == name || of_kind) found.push_back(key);
+  }
+  return found;
+}
+
+[[noreturn]] void refuse(const std::string& name, const std::vector<Key>& all) {
+  std::set<std::string> names;
+  for (const Key& key : all) {
+    names.insert({key.name(), key.section});
+    for (const auto& kind : key.kinds) names.insert(key.section + "." + kind);
+  }
+  names.erase("");
+  std::string meant(nearest_name(name, {names.begin(), names.end()}));
+  if (meant.empty())  // "dt_fs" for run.dt_fs
+    for (const Key& key : all)
+      if (key.key == name) meant = key.name();
+  throw InputError(fmt::format("there is no key and no section \"{}\"{}", name,
+                               meant.empty() ? "; sections: build, forcefield, run, method"
+                                             : fmt::format("; did you mean \"{}\"?", meant)));
+}
+
+struct HelpArguments {
+  std::vector<std::string> names;
+  bool json = false, page = false, list = false;
+};
+
+void help(const HelpArguments& arguments, const Commands& commands) {
+  const std::vector<Key> all = every_key();
+  if (arguments.page) return fmt::print("{}", keys_page(all));
+  if (arguments.list) {
+    std::set<std::string> names;
+    for (const Key& key : all) names.insert(key.name());
+    return fmt::print("{}\n", fmt::join(names, "\n"));
+  }
+  if (arguments.names.empty() && !arguments.json)
+    return fmt::print(
+        "{}\n{}\n", commands.help(""),
+        wrapped("`taut help KEY` explains a key of a scene, such as run.dt_fs, or a section of them: build, "
+                "forcefield, run, method; build.water, method.rattle",
+                terminal_width(), 0));
+  std::vector<Key> keys;
+  for (const std::string& name : arguments.names) {
+    const std::vector<Key> named = keys_named(name, all);
+    const std::string command = commands.help(name);
+    if (named.empty() && command.empty()) refuse(name, all);
+    if (named.empty()) fmt::print("{}", command);
+    std::ranges::copy(named, std::back_inserter(keys));
+  }
+  if (arguments.json) {
+    auto json = nlohmann::ordered_json::array();
+    for (const Key& key : arguments.names.empty() ? all : keys) json.push_back(key_json(key));
+    return fmt::print("{}\n", json.dump(2));
+  }
+  for (const Key& key : keys) fmt::print("{}", key_text(key, terminal_width()));
+  if (std::ranges::count(arguments.names, "run")) fmt::print("(the command: taut run --help)\n");
+}
+
+}  // namespace
+
+std::string key_text(const Key& key, int width) {
+  return fmt::format("{}\n    {}\n", head_of(key), wrapped(sentence(key), width, 4));
+}
+
+nlohmann::ordered_json key_json(const Key& key) {
+  nlohmann::ordered_json json = {{"key", key.name()}, {"meaning", key.about.meaning}, {"type", key.type}};
+  if (*key.about.unit) json["unit"] = key.about.unit;
+  if (!key.value.empty()) json["value"] = key.value;
+  if (!key.from.empty()) json["from"] = key.from;
+  if (key.required) json["required"] = true;
+  if (!key.allowed().empty()) json["allowed"] = key.allowed();
+  if (!key.counts_only.empty()) json["counts_only"] = key.counts_only;
+  if (!key.kinds.empty()) json["kinds"] = key.kinds;
+  return json;
+}
+
+std::string keys_page(const std::vector<Key>& keys) {
+  std::string page = wrapped("# The keys of a scene\n", 120, 0) + "\n\n" +
+                     wrapped(
+                         "What `taut help --page` prints: every key of a scene's file, its value where it is "
+                         "not said, its unit, "
+                         "what it means and what it may be. `--set KEY=VALUE` lays another value over it.",
+                         120, 0) +
+                     "\n";
+  std::string section = "-";
+  for (const Key& key : keys) {
+    if (key.section != section) {
+      section = key.section;
+      page += section.empty() ? "\n## Of the scene\n" : fmt::format("\n## [{}]\n", section);
+    }
+    page += wrapped(fmt::format("- `{}`: {}", head_of(key), sentence(key)), 120, 2) + "\n";
+  }
+  return page;
+}
+
+void add_help(Commands& commands) {
+  auto arguments = std::make_shared<HelpArguments>();
+  const Subcommand command = commands.add("help", "explain a key of a scene, a section of them, or a command",
+                                          [arguments, &commands] { help(*arguments, commands); });
+  command.option("key", arguments->names, "run.dt_fs, run, build.water, method.rattle").words(0, "KEY");
+  command.flag("--json", arguments->json, "as JSON");
+  command.flag("--page", arguments->page, "all of them, in Markdown: systems/KEYS.md");
+  command.flag("--names", arguments->list, "their names alone");
+}
+
+}  // namespace taut

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "systems/keys.hpp"
+
+namespace taut {
+
+// "run.dt_fs = 1 fs" and what it means, in lines.
+std::string key_text(const Key& key, int width);
+nlohmann::ordered_json key_json(const Key& key);
+
+// The page of all keys, in Markdown: systems/KEYS.md.
+std::string keys_page(const std::vector<Key>& keys);
+
+}  // namespace taut

@@ -1,0 +1,37 @@
+#include "scene_argument.hpp"
+
+#include "md/errors.hpp"
+#include "systems/openmm/openmm_import.hpp"
+
+namespace taut {
+
+void SceneArgument::offer(const Subcommand& command) {
+  command.option("scene", scene, "a scene's file, or its name as `taut scenes` lists it").words(0, "SCENE");
+  command.option("--openmm", openmm, "OpenMM System and State, as XML").words(2, "SYSTEM.XML STATE.XML");
+  command.option("--method", method, "constraint method (see `taut methods`)").words(0, "METHOD");
+  command.option("--steps", steps, "number of steps");
+  command.option("--dt-fs", dt_fs, "step length [fs]");
+  command
+      .option("--set", settings,
+              "any key of the scene: run.seed=7, method.tolerance=1e-12 (see `taut help KEY`)")
+      .key_values();
+}
+
+std::vector<KeyFlag> SceneArgument::flags() const {
+  return {
+      {"--method", "method.name", method}, {"--steps", "run.steps", steps}, {"--dt-fs", "run.dt_fs", dt_fs}};
+}
+
+std::vector<std::string> SceneArgument::overrides() const {
+  return overrides_said(flags(), settings);
+}
+
+Scene SceneArgument::read(KeysRead* keys) const {
+  if (scene.empty() == openmm.empty()) throw InputError("expected a scene, or --openmm system.xml state.xml");
+  if (openmm.empty()) return read_scene(find_scene(scene), overrides(), {.keys = keys});
+  Scene imported = import_openmm(openmm[0], openmm[1]);
+  apply_overrides(imported, overrides(), keys);
+  return imported;
+}
+
+}  // namespace taut

@@ -1,0 +1,123 @@
+#include "studies/measures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace taut {
+namespace {
+
+// Of values that are independent already.
+Estimate mean_of(const std::vector<double>& values) {
+  const double n = static_cast<double>(values.size());
+  double mean = 0, spread = 0;
+  for (const double value : values) mean += value / n;
+  for (const double value : values) spread += (value - mean) * (value - mean);
+  return {mean, n > 1 ? std::sqrt(spread / (n * (n - 1))) : 0};
+}
+
+}  // namespace
+
+RadialDistribution::RadialDistribution(std::vector<int> a, std::vector<int> b, std::vector<int> molecule,
+                                       double reach)
+    : a_(std::move(a)), b_(std::move(b)), molecule_(std::move(molecule)), alike_(a_ == b_), reach_(reach) {
+  for (const int i : a_)
+    for (const int j : b_) pairs_ += counts(i, j) ? 1 : 0;
+}
+
+bool RadialDistribution::counts(int i, int j) const {
+  return molecule_[i] != molecule_[j] && (!alike_ || j < i);
+}
+
+void RadialDistribution::see(const Vectors& x, const Box& box) {
+  std::vector<double> count(static_cast<std::size_t>(reach_ / kBin), 0.0);
+  for (const int i : a_)
+    for (const int j : b_) {
+      if (!counts(i, j)) continue;
+      const double r = box.nearest_image(x.col(i) - x.col(j)).norm();
+      if (const auto bin = static_cast<std::size_t>(r / kBin); bin < count.size()) count[bin] += box.volume();
+    }
+  counts_.push_back(std::move(count));
+}
+
+Distances RadialDistribution::result() const {
+  Distances d;
+  if (counts_.empty()) return d;
+  for (std::size_t bin = 0; bin < counts_[0].size(); ++bin) {
+    const double low = kBin * static_cast<double>(bin), high = low + kBin;
+    const double ideal = pairs_ * 4 / 3 * std::numbers::pi * (std::pow(high, 3) - std::pow(low, 3));
+    std::vector<double> g;
+    for (const auto& row : counts_) g.push_back(row[bin] / ideal);
+    d.r.push_back(low + kBin / 2);
+    d.g.push_back(block_mean(g));
+  }
+  return d;
+}
+
+void EndToEnd::see(const Vectors& x) {
+  double sum = 0;
+  for (const auto& [i, j] : ends_) sum += (x.col(j) - x.col(i)).squaredNorm();
+  squared_.push_back(sum / static_cast<double>(ends_.size()));
+}
+
+// √ of the mean, its error by the slope of √
+Estimate EndToEnd::root() const {
+  const Estimate of = squared();
+  const double root = std::sqrt(of.value);
+  return {root, root > 0 ? of.error / (2 * root) : 0.0};
+}
+
+MeanSquareDisplacement::MeanSquareDisplacement(Eigen::VectorXd mass, std::vector<int> molecule,
+                                               double interval)
+    : mass_(std::move(mass)), molecule_(std::move(molecule)), interval_(interval) {}
+
+void MeanSquareDisplacement::see(const Vectors& x) {
+  const int molecules = *std::ranges::max_element(molecule_) + 1;
+  Vectors centre = Vectors::Zero(3, molecules);
+  Eigen::VectorXd whole = Eigen::VectorXd::Zero(molecules);
+  for (Eigen::Index a = 0; a < x.cols(); ++a) {
+    centre.col(molecule_[a]) += mass_[a] * x.col(a);
+    whole[molecule_[a]] += mass_[a];
+  }
+  for (int m = 0; m < molecules; ++m)
+    if (whole[m] > 0) centre.col(m) /= whole[m];
+  centres_.push_back(std::move(centre));
+}
+
+MeanSquareDisplacement::Result MeanSquareDisplacement::result() const {
+  constexpr std::size_t kMostLags = 50, kMostOrigins = 100;
+  const std::size_t block = centres_.size() / kBlocks, furthest = block / 2;
+  Result result;
+  if (furthest < 2) return result;
+  const std::size_t lag_step = std::max<std::size_t>(1, furthest / kMostLags);
+  const std::size_t origin_step = std::max<std::size_t>(1, (block - furthest) / kMostOrigins);
+  std::vector<std::size_t> lags;
+  for (std::size_t lag = lag_step; lag <= furthest; lag += lag_step) lags.push_back(lag);
+
+  std::vector<std::vector<double>> squared(lags.size());  // of each lag: of each block
+  std::vector<double> slopes;
+  for (std::size_t first = 0; first + block <= centres_.size(); first += block) {
+    Slope upper;
+    for (std::size_t k = 0; k < lags.size(); ++k) {
+      double sum = 0, samples = 0;
+      for (std::size_t o = first; o + lags[k] < first + block; o += origin_step, ++samples)
+        sum += (centres_[o + lags[k]] - centres_[o]).squaredNorm() / static_cast<double>(centres_[o].cols());
+      squared[k].push_back(sum / samples);
+      if (2 * lags[k] >= furthest) upper.add(interval_ * static_cast<double>(lags[k]), squared[k].back());
+    }
+    slopes.push_back(upper.value());
+  }
+  for (std::size_t k = 0; k < lags.size(); ++k) {
+    result.t.push_back(interval_ * static_cast<double>(lags[k]));
+    result.squared.push_back(mean_of(squared[k]));
+  }
+  const auto half = std::ranges::lower_bound(result.t, result.t.back() / 2) - result.t.begin();
+  if (const double before = result.squared[static_cast<std::size_t>(half)].value; before > 0)
+    result.exponent = std::log(result.squared.back().value / before) /
+                      std::log(result.t.back() / result.t[static_cast<std::size_t>(half)]);
+  const Estimate slope = mean_of(slopes);
+  result.diffusion = {slope.value / 6, slope.error / 6};
+  return result;
+}
+
+}  // namespace taut

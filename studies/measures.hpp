@@ -1,0 +1,80 @@
+#pragma once
+
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "md/block_average.hpp"
+#include "md/box.hpp"
+#include "md/vectors.hpp"
+
+namespace taut {
+
+// What is measured along a trajectory, frame by frame; errors come from blocks (md/block_average.hpp).
+
+struct Distances {        // g(r)
+  std::vector<double> r;  // middle of each bin [nm]
+  std::vector<Estimate> g;
+};
+
+// The radial distribution of atoms `a` about atoms `b` of other molecules, up to `reach`:
+//     g(r) = pairs seen / pairs of an ideal gas,  P · ⁴⁄₃π(r₊³ − r₋³)/V of P pairs.
+class RadialDistribution {
+ public:
+  RadialDistribution(std::vector<int> a, std::vector<int> b, std::vector<int> molecule, double reach);
+
+  bool empty() const { return pairs_ == 0; }
+  void see(const Vectors& x, const Box& box);
+  Distances result() const;
+
+ private:
+  static constexpr double kBin = 0.01;  // [nm]
+
+  bool counts(int i, int j) const;  // each pair of a group with itself once
+
+  std::vector<int> a_, b_, molecule_;
+  bool alike_;
+  double reach_, pairs_ = 0;
+  std::vector<std::vector<double>> counts_;  // pairs per bin times the volume, a row a frame [nm³]
+};
+
+// The distance between the ends of unbranched chains of three atoms or more.
+class EndToEnd {
+ public:
+  explicit EndToEnd(std::vector<std::array<int, 2>> ends) : ends_(std::move(ends)) {}
+
+  bool empty() const { return ends_.empty(); }
+  void see(const Vectors& x);
+  Estimate squared() const { return block_mean(squared_); }  // ⟨R²⟩ [nm²]
+  Estimate root() const;                                     // √⟨R²⟩ [nm]
+
+ private:
+  std::vector<std::array<int, 2>> ends_;
+  std::vector<double> squared_;  // mean over the chains, a frame each [nm²]
+};
+
+// How far the molecules' centres of mass move, positions unwrapped: ⟨|c(t₀ + t) − c(t₀)|²⟩ over molecules and
+// origins, and D = slope/6 (Einstein 1905, doi:10.1002/andp.19053220806). Errors from ten blocks, each with
+// origins of its own; so lags go up to half a block, and the slope is that of their upper half.
+class MeanSquareDisplacement {
+ public:
+  // `molecule` of each atom, numbered from 0; `interval` from frame to frame [ps].
+  MeanSquareDisplacement(Eigen::VectorXd mass, std::vector<int> molecule, double interval);
+
+  void see(const Vectors& x);
+  struct Result {
+    std::vector<double> t;          // [ps]; none where there are too few frames
+    std::vector<Estimate> squared;  // [nm²]
+    Estimate diffusion;             // [nm²/ps]
+    double exponent = 1;            // it grows as t to this power at the end: 1 where D is one, 2 straight on
+  };
+  Result result() const;
+
+ private:
+  Eigen::VectorXd mass_;
+  std::vector<int> molecule_;
+  double interval_;
+  std::vector<Vectors> centres_;  // a frame each
+};
+
+}  // namespace taut

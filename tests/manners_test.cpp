@@ -1,0 +1,187 @@
+// The command explains itself: help, info, lists, what it says of typing errors, completions and the man
+// page.
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "taut_command.hpp"
+#include "temporary_folder.hpp"
+
+namespace taut {
+namespace {
+
+using nlohmann::json;
+using ::testing::AllOf;
+using ::testing::ContainsRegex;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::string said(const std::string& arguments, int exit_code = 0) {
+  const Outcome outcome = taut(arguments);
+  EXPECT_EQ(outcome.exit_code, exit_code) << arguments << "\n" << outcome.text;
+  return outcome.text;
+}
+
+TEST(Manners, Version) {
+  EXPECT_THAT(said("--version"), ContainsRegex("^taut [0-9]+\\.[0-9]+\n$"));
+}
+
+TEST(Manners, AKeyIsExplained) {
+  EXPECT_EQ(said("help run.dt_fs"), "run.dt_fs = 1 fs\n    length of a step; number, more than 0\n");
+  EXPECT_EQ(taut("help run.friction_per_ps", "COLUMNS=80").text,
+            "run.friction_per_ps = 1 1/ps\n    friction of Langevin's thermostat; number, at least 0; counts "
+            "only with\n"
+            "    run.thermostat = \"langevin\"\n");
+  EXPECT_THAT(said("help method.gains"),
+              AllOf(HasSubstr("one of "), HasSubstr("dead-beat"), HasSubstr("baumgarte")));
+  EXPECT_THAT(said("help build.density_g_cm3"), HasSubstr("g/cm³"));
+  EXPECT_THAT(said("help method.rattle"),
+              AllOf(HasSubstr("method.max_sweeps"), Not(HasSubstr("method.gains"))));
+  EXPECT_THAT(said("help build.water"), AllOf(HasSubstr("build.model"), Not(HasSubstr("build.carbons"))));
+  EXPECT_THAT(said("help forcefield"), HasSubstr("forcefield.pme_order = 5"));
+  EXPECT_THAT(said("help resume"), HasSubstr("--yes"));
+  EXPECT_THAT(said("help run"), AllOf(HasSubstr("run.barostat"), HasSubstr("taut run --help")));
+  EXPECT_THAT(said("help run.dt_sf", 2), EndsWith("did you mean \"run.dt_fs\"?\n"));
+  EXPECT_THAT(said("help dt_fs", 2), EndsWith("did you mean \"run.dt_fs\"?\n"));
+  const json key = json::parse(said("help run.dt_fs --json"));
+  EXPECT_EQ(key[0]["unit"], "fs");
+  EXPECT_EQ(key[0]["allowed"], "more than 0");
+}
+
+// systems/KEYS.md is what the keys say of themselves today: build/taut help --page > systems/KEYS.md
+TEST(Manners, ThePageOfKeysIsCurrent) {
+  const std::string page = said("help --page");
+  EXPECT_TRUE(page == contents(fs::path(TAUT_SCENES) / "KEYS.md"))
+      << "build/taut help --page > systems/KEYS.md";
+  EXPECT_GT(lines(page), 60);
+}
+
+TEST(Manners, MethodsAndScenes) {
+  EXPECT_THAT(said("methods rattle"), AllOf(HasSubstr("tolerance = 1e-10"), Not(HasSubstr("baumgarte"))));
+  EXPECT_THAT(said("methods ratle", 2), EndsWith("did you mean \"rattle\"?\n"));
+  EXPECT_EQ(json::parse(said("methods shake --json"))[0]["name"], "shake");
+  EXPECT_THAT(said("scenes"), AllOf(HasSubstr("pendulum"), HasSubstr("knee"), HasSubstr("flat_ring")));
+  EXPECT_THAT(said("scenes --names"), AllOf(HasSubstr("\nwater\n"), HasSubstr("\nheme\n")));
+  bool hard = false;
+  for (const json& scene : json::parse(said("scenes --json")))
+    hard |= scene["name"] == "heme" && scene["among"] != "";
+  EXPECT_TRUE(hard);
+  said("run flat_ring --steps 1");
+  for (const char* list : {"methods", "scenes", "help run", "help method", "info water"}) {
+    std::istringstream text(taut(list, "COLUMNS=80").text);
+    for (std::string line; std::getline(text, line);)
+      EXPECT_LE(std::count_if(line.begin(), line.end(), [](char c) { return (c & 0xC0) != 0x80; }), 80)
+          << line;
+  }
+}
+
+TEST(Manners, WhatWasMeant) {
+  EXPECT_EQ(said("rnu water", 2), "taut: there is no command \"rnu\"; did you mean \"run\"?\n");
+  EXPECT_EQ(said("--threads 1 stabilty", 2),
+            "taut: there is no command \"stabilty\"; did you mean \"stability\"?\n");
+  EXPECT_EQ(said("run water --stpes 3", 2), "taut: run: there is no option --stpes; did you mean --steps?\n");
+  EXPECT_THAT(said("resume nowhere --steps 0", 2), HasSubstr("expected more than 0, got 0"));
+  EXPECT_THAT(said("--threads 0 scenes", 2), HasSubstr("at least 1, got 0"));
+  EXPECT_EQ(lines(said("", 2)), 1);
+}
+
+// All settings in force, each with who said it; what another setting leaves idle is not among them.
+TEST(Manners, InfoSaysWhoSaidIt) {
+  const std::string text = said("info water --dt-fs 1 --method shake --set run.seed=3");
+  EXPECT_THAT(text, HasSubstr("648 atoms; 648 rigid bonds"));
+  EXPECT_THAT(text, HasSubstr("216 molecules of 3 atoms"));
+  EXPECT_THAT(text, HasSubstr("Lennard-Jones and Coulomb"));
+  EXPECT_THAT(text, ContainsRegex("run\\.dt_fs +1 fs +--dt-fs 1\n"));
+  EXPECT_THAT(text, ContainsRegex("run\\.seed +3 +--set run\\.seed=3\n"));
+  EXPECT_THAT(text, ContainsRegex("method\\.name +\"shake\" +--method shake\n"));
+  EXPECT_THAT(text, ContainsRegex("build\\.molecules +216 +water\\.toml:[0-9]+\n"));
+  EXPECT_THAT(text, ContainsRegex("run\\.log_every +100 steps +default\n"));
+  EXPECT_THAT(text, Not(HasSubstr("friction_per_ps")));
+  const json info = json::parse(said("info decane --json"));
+  EXPECT_EQ(info["scene"], "decane");
+  EXPECT_GT(info["keys"].size(), 20u);
+  EXPECT_THAT(said("info", 2), HasSubstr("expected a scene"));
+}
+
+TEST(Manners, RunsAreQuietWhereAsked) {
+  EXPECT_EQ(said("run pair --steps 5 --quiet"), "");
+  const json summary = json::parse(said("run pair --steps 5 --json"));
+  EXPECT_EQ(summary["steps"], 5);
+  const std::string text = said("run pair --steps 1");
+  EXPECT_THAT(text, HasSubstr("  1 step of "));
+  EXPECT_THAT(text, ContainsRegex("threads 1 of [0-9]+ core"));
+  EXPECT_THAT(text, HasSubstr("[kJ/mol]"));
+  EXPECT_THAT(said("run pair --steps 1 --threads 2"), HasSubstr("threads 2 of "));
+  const std::string none = said("run pair --steps 0");
+  EXPECT_THAT(none, HasSubstr("no step was taken"));
+  EXPECT_THAT(none, AllOf(Not(HasSubstr("ns/day")), Not(HasSubstr("drift"))));
+  std::istringstream table(said("run water --steps 10 --set run.log_every=5"));
+  for (std::string line; std::getline(table, line) && !line.starts_with("mean");)
+    EXPECT_TRUE(line.find_first_not_of(" 0123456789.-+e") != line.npos || line.size() <= 80) << line;
+}
+
+// A run that goes on keeps to --threads, as to OMP_NUM_THREADS.
+TEST(Manners, ResumedRunsKeepToThreads) {
+  const TemporaryFolder folder;
+  const std::string out = (folder.path() / "run").string();
+  said("run pair --steps 5 --out " + out);
+  EXPECT_THAT(said("resume " + out + " --steps 5 --threads 2"), HasSubstr("threads 2 of "));
+}
+
+// As a shell asks: words so far, the last of them to be completed.
+std::string completed(const std::string& words, int last) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("taut.bash", said("generate bash"));
+  const std::string script = fmt::format(
+      "taut() {{ {} \"$@\"; }}; compopt() {{ :; }}; source {}; COMP_WORDS=({}); COMP_CWORD={}; _taut; "
+      "echo \"${{COMPREPLY[*]}}\"",
+      TAUT_BINARY, file.string(), words, last);
+  return taut("-c '" + script + "'", "", "bash").text;
+}
+
+TEST(Manners, Completions) {
+  EXPECT_EQ(completed("taut cal", 1), "calibrate\n");
+  EXPECT_EQ(completed("taut run wate", 2), "water water_cluster\n");
+  EXPECT_EQ(completed("taut run --dt", 2), "--dt-fs\n");
+  EXPECT_EQ(completed("taut run water --method ratt", 4), "rattle\n");
+  EXPECT_EQ(completed("taut run water --set run.dt", 4), "run.dt_fs=\n");
+  EXPECT_EQ(completed("taut run water --set run.dt_fs=1 --ou", 5), "--out\n");
+  EXPECT_EQ(completed("taut help run.tempera", 2), "run.temperature_k\n");
+  const std::string zsh = said("generate zsh");
+  EXPECT_THAT(zsh, ::testing::StartsWith("#compdef taut\n"));
+  EXPECT_THAT(zsh, HasSubstr("'calibrate:"));
+  said("generate fish", 2);
+}
+
+TEST(Manners, ManPage) {
+  const std::string page = said("generate man");
+  for (const char* part :
+       {".TH TAUT 1", ".SS taut run", "\\-\\-dt\\-fs", ".SS taut measure", ".SH EXIT STATUS"})
+    EXPECT_THAT(page, HasSubstr(part));
+}
+
+// Two runs' worth of chains, whose law is known: ⟨R²⟩ = 19 b², without forces D = what velocities make of it.
+TEST(Manners, Measures) {
+  const TemporaryFolder folder;
+  const std::string out = (folder.path() / "run").string(), at = (folder.path() / "measured").string();
+  EXPECT_THAT(said("measure " + out, 2), HasSubstr("run"));
+  said("run freely_jointed --steps 400 --set run.trajectory_every=10 --out " + out);
+  const json measured = json::parse(said("measure " + out + " --json --out " + at));
+  EXPECT_EQ(measured["frames"], 41);
+  EXPECT_NEAR(measured["interval_ps"], 0.1, 1e-6);
+  EXPECT_NEAR(measured["end_to_end_squared_nm2"]["value"], 19, 5);
+  EXPECT_TRUE(fs::exists(fs::path(at) / "displacement.csv"));
+  EXPECT_NEAR(measured["displacement_exponent"].get<double>(), 2, 0.01) << "no force, no bath: straight on";
+  EXPECT_THAT(said("measure " + out),
+              AllOf(HasSubstr("no D yet"), HasSubstr("⟨R²⟩"), HasSubstr("41 frames of 2000 atoms")));
+  EXPECT_THAT(said("measure " + out + " --atoms BEAD BEED", 2), HasSubstr("did you mean \"BEAD\"?"));
+  said("run pair --steps 5 --out " + at + "2");
+  EXPECT_THAT(said("measure " + at + "2", 2), HasSubstr("run.trajectory_every=100"));
+}
+
+}  // namespace
+}  // namespace taut
