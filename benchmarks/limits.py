@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The largest step at which feedforward, shake and newton hold a case, and what they say beyond it:
 
-    benchmarks/limits.py [FOLDER] > benchmarks/results/limits.csv
+    benchmarks/limits.py [CASE ...] > benchmarks/results/limits.csv
 
 A step holds where 1000 of it run to their end. It is found within 3 %. TAUT names the command, if it is not build/taut.
 """
@@ -14,6 +14,7 @@ import tempfile
 TAUT = os.environ.get("TAUT", "build/taut")
 STEPS = 1000
 DNA = "--openmm tests/data/dna-hbonds.system.xml tests/data/dna-hbonds.state.xml"
+BAROSTAT = "water --set run.thermostat=langevin run.barostat_every=1 run.barostat="
 # name: arguments, a step that holds [fs]
 CASES = {
     "one rotor": ("diatomic", 50),
@@ -31,6 +32,9 @@ CASES = {
     "minimised: water": ("water --set run.minimise=true run.velocities=draw", 5),
     "rescaling, 0.02 ps: water": ("water --set run.thermostat_ps=0.02", 5),
     "Langevin, 1/ps: water": ("water --set run.thermostat=langevin run.friction_per_ps=1", 5),
+    "c-rescale every step: water": (BAROSTAT + "c-rescale run.barostat_ps=0.1", 5),
+    "Monte Carlo every step: water": (BAROSTAT + "monte-carlo", 5),
+    "restart from a step of 1 fs: water": ("water --set build.start={start}", 5),
     "Langevin, 100/ps: water": ("water --set run.thermostat=langevin run.friction_per_ps=100", 5),
 }
 METHODS = {"feedforward": "feedforward", "feedforward (order 0)": "feedforward --set method.extrapolation=0",
@@ -66,15 +70,26 @@ def largest(arguments, method, step):
     return good, error, said
 
 
-def main():
-    wanted = sys.argv[1:]
+def ran_at_1_fs(folder):
+    """The last state of such a run of water."""
+    subprocess.run(f"{TAUT} run water --method newton --dt-fs 1 --steps 500 --out {folder}/run", shell=True, check=True,
+                   stdout=subprocess.DEVNULL)
+    return f"{folder}/run/final.start.toml"
+
+
+def table(wanted, start):
     print("case,method,largest_step_fs,largest_bond_error,beyond_it", flush=True)
     for name, (arguments, step) in CASES.items():
         if wanted and not any(name.startswith(w) for w in wanted):
             continue
         for method, how in METHODS.items():
-            good, error, said = largest(arguments, how, step)
+            good, error, said = largest(arguments.replace("{start}", start), how, step)
             print(f'"{name}",{method},{good:.3g},{error},"{said}"', flush=True)
+
+
+def main():
+    with tempfile.TemporaryDirectory() as folder:
+        table(sys.argv[1:], ran_at_1_fs(folder))
 
 
 main()

@@ -15,6 +15,7 @@ constexpr int kPassesOfATouch = 3;  // no past λ is a guess of it; each pass ga
 Baumgarte::Baumgarte(const System& sys, const Options& options, double h)
     : damping_(damping_named(options.damping)),
       gains_(choose_gains(options.choice(), damping_, sys, h)),
+      guesses_(guesses_of(sys, damping_)),
       passes_(options.passes),
       sweeps_(options.sweeps),
       solver_(sys),
@@ -26,6 +27,7 @@ Baumgarte::Baumgarte(const System& sys, const Options& options, double h)
       wanted_(sys.all_bonds()),
       lambda_(Eigen::VectorXd::Zero(sys.all_bonds())),
       before_(lambda_),
+      before_that_(lambda_),
       setting_(describe_baumgarte(options, gains_, h)) {
   if (sys.one_sided.empty()) return;
   active_set_.emplace(sys);
@@ -34,14 +36,26 @@ Baumgarte::Baumgarte(const System& sys, const Options& options, double h)
   if (corrects_) passes_ = std::max(passes_, kPassesOfATouch);
 }
 
-// λ* = λ₁ + (λ₁ − λ₂)/3; λ₁ while there is no λ₂, and on one-sided bonds.
+std::vector<Guess> guesses_of(const System& sys, Damping damping) {
+  std::vector<Guess> guesses(sys.all_bonds());  // of one-sided bonds λ₁ alone
+  std::fill_n(guesses.begin(), sys.bond_count(), kThird);
+  if (damping != Damping::kDiscrete) return guesses;
+  const std::vector<bool> small = meets_all_others(sys);
+  for (int k = 0; k < sys.bond_count(); ++k)
+    if (small[k]) guesses[k] = kOfSmallClusters;
+  return guesses;
+}
+
 void Baumgarte::guess_lambda() {
   for (Eigen::Index k = 0; k < lambda_.size(); ++k) {
-    const double last = lambda_[k];
-    if (steps_ >= 2 && k < std::ssize(gains_)) lambda_[k] += (last - before_[k]) / 3;
-    before_[k] = last;
+    const auto [first, second] = known(guesses_[k], steps_);
+    const double guess =
+        lambda_[k] + first * (lambda_[k] - before_[k]) + second * (before_[k] - before_that_[k]);
+    before_that_[k] = before_[k];
+    before_[k] = lambda_[k];
+    lambda_[k] = guess;
   }
-  if (steps_ < 2) ++steps_;
+  steps_ = std::min(steps_ + 1, 3);
 }
 
 // A λ = wanted from where λ and y = M⁻¹Jᵀλ are: bond k is off by wanted_k − r_k·y_ij, and λ_k takes that over

@@ -9,6 +9,7 @@
 #include "constraints/active_set.hpp"
 #include "constraints/direct_solver.hpp"
 #include "constraints/gains.hpp"
+#include "constraints/guess.hpp"
 #include "constraints/options.hpp"
 #include "md/constraint_method.hpp"
 
@@ -29,8 +30,7 @@ namespace taut {
 // nothing is fed but what λ* misses: −(1 + αh)h³ (v_ij + ½h(a_ij + y_ij))·y_ij, y = M⁻¹Jᵀ(λ* − λ).
 // Or the damping takes v_half, as older codes do:
 //     A λ = −(J M⁻¹F + |v*_ij|² + 2α J v_half + β²σ)                                        (lagged).
-// λ* is λ₁ + (λ₁ − λ₂)/3 from the two steps before: it misses by −⅔hλ̇ + 0·h²λ̈, and
-// the odd term alone is harmless, while one in λ̈ would make the step irreversible and heat or cool.
+// λ* is foretold of the steps before (guess.hpp).
 // Roots, limits and floors: constraints/propagator.hpp, derived in constraints/README.md.
 // With `sweeps` the system is not solved but swept, bond by bond, from λ* (Gauss–Seidel, as rigid-body
 // engines do; no factorization): what a sweep leaves, σ feeds back in the next step. Cost: one factorization
@@ -94,9 +94,9 @@ class Baumgarte : public ConstraintMethod {
   SolveStats start(const System& sys, State& s) override { return add_forces(sys, 0, s); }  // w = v
   SolveStats again(const System& sys, double h, State& s);  // from λ as it is
 
-  void serialize(Archive& archive) override { archive(lambda_, before_, steps_); }
+  void serialize(Archive& archive) override { archive(lambda_, before_, before_that_, steps_); }
   const Eigen::VectorXd& lambda() const override { return lambda_; }
-  std::array<Eigen::VectorXd*, 2> past() { return {&lambda_, &before_}; }
+  std::array<Eigen::VectorXd*, 3> past() { return {&lambda_, &before_, &before_that_}; }
   int& steps_known() { return steps_; }
   std::string setting() const override { return setting_; }
 
@@ -109,19 +109,23 @@ class Baumgarte : public ConstraintMethod {
   double reach(double h) const { return h > 0 ? h_ * h_ : 0.5 * h_ * h_; }
 
   Damping damping_;
-  std::vector<Gains> gains_;  // m
+  std::vector<Gains> gains_;    // m
+  std::vector<Guess> guesses_;  // m
   int passes_, sweeps_;
   DirectSolver solver_;
-  Vectors r_, w_ij_, a_ij_;          // 3 × m, a_ij without constraint forces
-  Vectors y_;                        // 3 × n, M⁻¹Jᵀλ
-  Eigen::VectorXd known_, wanted_;   // m
-  Eigen::VectorXd lambda_, before_;  // m, of the last two steps
-  int steps_ = 0;                    // how many of them there are
+  Vectors r_, w_ij_, a_ij_;                        // 3 × m, a_ij without constraint forces
+  Vectors y_;                                      // 3 × n, M⁻¹Jᵀλ
+  Eigen::VectorXd known_, wanted_;                 // m
+  Eigen::VectorXd lambda_, before_, before_that_;  // m, of the last three steps
+  int steps_ = 0;                                  // how many of them there are
   std::string setting_;
   std::optional<ActiveSet> active_set_;  // where there are one-sided bonds
   double h_ = 0;
   bool corrects_ = true;
 };
+
+// Each bond's λ*.
+std::vector<Guess> guesses_of(const System& sys, Damping damping);
 
 // Gains, damping and solves of a run in one line.
 std::string describe_baumgarte(const Baumgarte::Options& options, const std::vector<Gains>& gains, double h);

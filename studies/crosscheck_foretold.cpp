@@ -22,9 +22,11 @@ class Residuals {
         passes_(options.passes),
         damping_(damping_named(options.damping)),
         gains_(choose_gains(options.choice(), damping_, sys, h)),
+        guesses_(guesses_of(sys, damping_)),
         now_(Eigen::VectorXd::Zero(sys.bond_count())),
         before_(now_),
         next_(now_),
+        past_{now_, now_, now_},
         r_(3, sys.bond_count()),
         projector_(sys),
         solver_(sys) {}
@@ -62,7 +64,7 @@ class Residuals {
            (1 - p.trace + p.determinant) * floor_of(ah, bh, h_, m, damping_);
   }
 
-  // With one pass |v_ij|² is taken with λ* = λ₁ + (λ₁ − λ₂)/3, which misses λ and so adds −h³ v_ij·y_ij,
+  // With one pass |v_ij|² is taken with a guess λ*, which misses λ and so adds −h³ v_ij·y_ij,
   // y = M⁻¹Jᵀ(λ* − λ), to σ_{n+1}: nothing for a bond alone, whose v_ij is across it, but as much as the
   // floor where bonds meet. The discrete law takes |a_ij|² so, too, and adds −½h⁴ (a_ij + y_ij)·y_ij.
   void add_miss(const System& sys, const Vectors& v, const Vectors& a, const Eigen::VectorXd& exact) {
@@ -79,8 +81,7 @@ class Residuals {
     if (steps_ == 0) lambda.setZero();
     lambda += exact;
     if (steps_ > 0 && passes_ == 1) {
-      const Vectors missed =
-          pulled(sys, last_ + (steps_ > 1 ? 1.0 / 3 : 0.0) * (last_ - last_but_one_) - lambda);
+      const Vectors missed = pulled(sys, guessed() - lambda);
       for (int k = 0; k < sys.bond_count(); ++k) {
         const double share = damping_ == Damping::kImplicit ? 1 / (1 + gains_[k].alpha * h_) : 1.0;
         const Vec3 y = of(missed, k);
@@ -88,16 +89,25 @@ class Residuals {
         if (discrete) next_[k] -= 0.5 * std::pow(h_, 4) * (of(a, k) + y).dot(y);
       }
     }
-    last_but_one_ = steps_ > 0 ? last_ : lambda;
-    last_ = lambda;
+    past_ = {lambda, past_[0], past_[1]};
+  }
+
+  Eigen::VectorXd guessed() const {  // λ*
+    Eigen::VectorXd guess(past_[0].size());
+    for (int k = 0; k < guess.size(); ++k) {
+      const auto [first, second] = known(guesses_[k], static_cast<int>(std::min(steps_, 3L)));
+      guess[k] = past_[0][k] + first * (past_[0][k] - past_[1][k]) + second * (past_[1][k] - past_[2][k]);
+    }
+    return guess;
   }
 
   double h_;
   int passes_;
   Damping damping_;
   std::vector<Gains> gains_;
+  std::vector<Guess> guesses_;
   Eigen::VectorXd now_, before_, next_;  // σ_n, σ_{n−1}, σ_{n+1} [nm²]
-  Eigen::VectorXd last_, last_but_one_;  // λ of the steps before
+  std::array<Eigen::VectorXd, 3> past_;  // λ of the steps before
   Vectors r_;                            // 3 × m
   Projector projector_;
   DirectSolver solver_;

@@ -4,7 +4,7 @@
 #define HWY_TARGET_INCLUDE "constraints/lanes/batched_baumgarte.cpp"
 #include <hwy/foreach_target.h>
 
-#include "constraints/lanes/solving-inl.hpp"
+#include "constraints/lanes/past_lambda-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
@@ -20,19 +20,18 @@ struct BaumgarteRows {
         r(scratch.take(3 * shape.size())) {}
 };
 
-// f += Jᵀλ*; λ becomes λ*, before becomes λ (with `shift`). r is found on the way.
+// f += Jᵀλ*; λ becomes λ*, and what it was is past (with `shift`: else λ* is λ). r is found on the way.
 template <class Shape>
-HWY_INLINE void apply_guess(const Shape shape, const BaumgarteStep& step, double* lambda, double* before,
+HWY_INLINE void apply_guess(const Shape shape, const Guess& guess, bool shift, const PastLambda past,
                             const BaumgarteRows rows) {
-  const V weight = broadcast(step.guess);
-  const bool shift = step.shift;
+  const V first = broadcast(guess.first), second = broadcast(guess.second);
+  const auto foretold = [&](V one, V two, V three) HWY_ATTR {
+    return hn::MulAdd(second, hn::Sub(two, three), hn::MulAdd(first, hn::Sub(one, two), one));
+  };
   for (int k = 0; k < shape.size(); ++k) {
     const V3 r = difference(shape, k, rows.x);
     store3(r, rows.r + 3 * k * kLanes);
-    const V last = load(lambda + k * kLanes);
-    const V guessed = hn::MulAdd(weight, hn::Sub(last, load(before + k * kLanes)), last);
-    if (shift) store(last, before + k * kLanes);
-    store(guessed, lambda + k * kLanes);
+    const V guessed = shift ? past.shift(k, foretold) : load(past.lambda + k * kLanes);
     add_constraint_force(shape, k, guessed, r, rows.f);
   }
 }
@@ -81,7 +80,8 @@ struct BaumgarteKernel {
   const BaumgarteStep& step;
   const Part& part;
   const BaumgarteTerms* terms;
-  double *lambda, *before;
+  const Guess wanted;
+  PastLambda past;
   Equations eq;
   BaumgarteRows rows;
   double* x;
@@ -93,8 +93,8 @@ struct BaumgarteKernel {
         step(its_step),
         part(its_part),
         terms(batch.terms.data()),
-        lambda(batch.lambda.of(part.group) + part.first_lane),
-        before(batch.before.of(part.group) + part.first_lane),
+        wanted(batch.guess),
+        past(batch, part),
         eq(equations(shape, scratch)),
         rows(shape, scratch),
         x(rows.x) {}
@@ -106,7 +106,7 @@ struct BaumgarteKernel {
     gather(part, shape.atoms(), step.x, rows.x);
     gather(part, shape.atoms(), step.v, rows.v);
     gather(part, shape.atoms(), step.f, rows.f);
-    apply_guess(shape, step, lambda, before, rows);
+    apply_guess(shape, known(wanted, step.known), step.shift, past, rows);
     right_hand_side<true>(shape, terms, step.h, rows, eq, worst);
     return next(0);
   }
@@ -119,7 +119,7 @@ struct BaumgarteKernel {
   }
   HWY_INLINE void back() { substitute_back(shape, eq.A.inv_d, eq.A.l, eq.b); }
   HWY_INLINE SolveNext apply(SolveNext last, int solves, SolveStats&) {
-    apply_change(shape, eq.b, lambda, rows);
+    apply_change(shape, eq.b, past.lambda, rows);
     if (last == SolveNext::kLastSolve) return SolveNext::kEnd;
     right_hand_side<false>(shape, terms, step.h, rows, eq, worst);
     return next(solves);
@@ -151,11 +151,13 @@ Batched<Baumgarte>::Batched(const System& sys, const Options& options, double h)
           find_clusters(sys, options.sweeps > 0 ? ClusterLimits{0, 0} : ClusterLimits::cutting())),
       damping_(damping_named(options.damping)) {
   const std::vector<Gains> gains = choose_gains(options.choice(), damping_, sys, h);
+  const std::vector<Guess> guesses = guesses_of(sys, damping_);
   setting_ = describe_baumgarte(options, gains, h);
   batches_.for_each([&](BaumgarteBatch& batch) {
     for (int k = 0; k < batch.lanes.bond_count(); ++k)
       batch.gains.push_back(gains[batch.lanes.bond(0, k, 0)]);
     batch.terms.resize(batch.gains.size());
+    batch.guess = guesses[batch.lanes.bond(0, 0, 0)];
   });
 }
 
@@ -179,19 +181,19 @@ void Batched<Baumgarte>::set_terms(double h) {
 }
 
 SolveStats Batched<Baumgarte>::add_forces(const System&, double h, State& s) {
-  const SolveStats stats = solve(h, known_ >= 2 ? 1.0 / 3 : 0.0, true, s).beside(leftover_.add_forces(h, s));
-  known_ = std::min(known_ + 1, 2);
+  const SolveStats stats = solve(h, true, s).beside(leftover_.add_forces(h, s));
+  known_ = std::min(known_ + 1, 3);
   return stats;
 }
 
 SolveStats Batched<Baumgarte>::again(const System&, double h, State& s) {
-  return solve(h, 0, false, s).beside(leftover_.again(h, s));
+  return solve(h, false, s).beside(leftover_.again(h, s));
 }
 
-SolveStats Batched<Baumgarte>::solve(double h, double guess, bool shift, State& s) {
+SolveStats Batched<Baumgarte>::solve(double h, bool shift, State& s) {
   set_terms(h);
   const BaumgarteStep step{.h = h,
-                           .guess = guess,
+                           .known = known_,
                            .shift = shift,
                            .passes = options_.passes,
                            .x = s.x.data(),

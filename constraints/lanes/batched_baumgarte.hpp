@@ -2,7 +2,7 @@
 
 #include "constraints/baumgarte.hpp"
 #include "constraints/lanes/batched.hpp"
-#include "constraints/lanes/solving.hpp"
+#include "constraints/lanes/past_lambda.hpp"
 
 namespace taut {
 
@@ -17,21 +17,18 @@ struct BaumgarteTerms {
 };
 
 // A batch and what Baumgarte keeps of it.
-struct BaumgarteBatch : SolvedBatch {
+struct BaumgarteBatch : RememberingBatch {
   std::vector<Gains> gains;           // of each bond
   std::vector<BaumgarteTerms> terms;  // of each bond, at the last h
-  LaneRows before;                    // λ of the step before the last
+  Guess guess;                        // of every bond: they are of one shape
 
-  explicit BaumgarteBatch(const ClusterBatch& batch) : SolvedBatch(batch), before(rows_of_bonds(lanes)) {}
-
-  std::array<LaneRows*, 2> past() { return {&lambda, &before}; }
-  void serialize(Archive& archive) { archive(lambda, before); }
+  using RememberingBatch::RememberingBatch;
 };
 
 struct BaumgarteStep {
   double h;
-  double guess;  // λ* = λ + guess (λ − before)
-  bool shift;    // λ becomes the past
+  int known;   // steps of the past
+  bool shift;  // λ becomes the past
   int passes;
   const double *x, *v;
   double* f;
@@ -50,7 +47,7 @@ class Batched<Baumgarte> final : public ExtrapolatingMethod<Baumgarte, SolvedBat
 
  private:
   void set_terms(double h);
-  SolveStats solve(double h, double guess, bool shift, State& s);
+  SolveStats solve(double h, bool shift, State& s);
 
   Damping damping_;
   std::string setting_;

@@ -7,7 +7,7 @@
 #define HWY_TARGET_INCLUDE "constraints/lanes/batched_feedforward.cpp"
 #include <hwy/foreach_target.h>
 
-#include "constraints/lanes/solving-inl.hpp"
+#include "constraints/lanes/past_lambda-inl.hpp"
 
 #ifndef TAUT_FEEDFORWARD_STEP
 #define TAUT_FEEDFORWARD_STEP
@@ -15,7 +15,7 @@ namespace taut {
 struct FeedforwardStep {
   double h, kick;              // δ = h v + kick·M⁻¹f
   double last, first, second;  // λ ← last·λ₁ + first·λ₂ + second·λ₃
-  bool shift;                  // λ₁ and λ₂ become the past
+  bool shift;                  // λ becomes the guess, and what it was is past
   int max_solves;
   double turn;  // |σ_next / r_next·r| up to which one solve leaves less than the tolerance
   const double *x, *v;
@@ -39,31 +39,21 @@ struct FeedforwardRows {
         r_next(scratch.take(3 * shape.size())) {}
 };
 
-// λ of the last three steps, for one part.
-struct Past {
-  double *lambda, *before, *before_that;
-};
-
 // r; λ extrapolated, and f += Jᵀλ. Returns the residuals at x.
 template <class Shape>
-HWY_INLINE Worst extrapolate(const Shape shape, const FeedforwardStep& step, const Past past,
+HWY_INLINE Worst extrapolate(const Shape shape, const FeedforwardStep& step, const PastLambda past,
                              const FeedforwardRows rows) {
   const V last = broadcast(step.last), first = broadcast(step.first), second = broadcast(step.second);
+  const auto foretold = [&](V one, V two, V three) HWY_ATTR {
+    return hn::MulAdd(last, one, hn::MulAdd(first, two, hn::Mul(second, three)));
+  };
   const bool shift = step.shift;
   Worst worst;
   for (int k = 0; k < shape.size(); ++k) {
     const V3 r = difference(shape, k, rows.x);
     store3(r, rows.r + 3 * k * kLanes);
     worst.see(shape.bonds[k], twice_sigma(shape.bonds[k], r));
-    V guess = load(past.lambda + k * kLanes);
-    if (shift) {
-      const V one = guess, two = load(past.before + k * kLanes);
-      guess =
-          hn::MulAdd(last, one, hn::MulAdd(first, two, hn::Mul(second, load(past.before_that + k * kLanes))));
-      store(two, past.before_that + k * kLanes);
-      store(one, past.before + k * kLanes);
-      store(guess, past.lambda + k * kLanes);
-    }
+    const V guess = shift ? past.shift(k, foretold) : load(past.lambda + k * kLanes);
     add_constraint_force(shape, k, guess, r, rows.f);
   }
   return worst;
@@ -101,7 +91,7 @@ HWY_INLINE Ahead look_ahead(const Shape shape, const FeedforwardStep& step, cons
 
 // λ += b, f += Jᵀb
 template <class Shape>
-HWY_INLINE void correct(const Shape shape, const double* change, const Past past,
+HWY_INLINE void correct(const Shape shape, const double* change, const PastLambda past,
                         const FeedforwardRows rows) {
   for (int k = 0; k < shape.size(); ++k) {
     const V b = load(change + k * kLanes);
@@ -129,19 +119,18 @@ struct FeedforwardKernel {
   const Shape shape;
   const FeedforwardStep& step;
   const Part& part;
-  Past past;
+  PastLambda past;
   Equations eq;
   FeedforwardRows rows;
   double* x;
   Worst worst;
 
-  HWY_INLINE FeedforwardKernel(const Shape its_shape, FeedforwardBatch& batch,
+  HWY_INLINE FeedforwardKernel(const Shape its_shape, RememberingBatch& batch,
                                const FeedforwardStep& its_step, const Part& its_part, Scratch& scratch)
       : shape(its_shape),
         step(its_step),
         part(its_part),
-        past{batch.lambda.of(part.group) + part.first_lane, batch.before.of(part.group) + part.first_lane,
-             batch.before_that.of(part.group) + part.first_lane},
+        past(batch, part),
         eq(equations(shape, scratch)),
         rows(shape, scratch),
         x(rows.x) {}
@@ -183,7 +172,7 @@ struct FeedforwardKernel {
   }
 };
 
-SolveStats feedforward_groups(FeedforwardBatch& batch, const FeedforwardStep& step, const SolveCall& call,
+SolveStats feedforward_groups(RememberingBatch& batch, const FeedforwardStep& step, const SolveCall& call,
                               int begin, int end, const Scratch& scratch) {
   return solve_groups<FeedforwardKernel>(batch, step, call, begin, end, scratch);
 }
