@@ -13,6 +13,7 @@
 #include "constraints/lanes/batched_sweeps.hpp"
 #include "constraints/mshake.hpp"
 #include "constraints/penalty.hpp"
+#include "constraints/settle_beside.hpp"
 #include "md/errors.hpp"
 #include "md/nearest_name.hpp"
 
@@ -48,6 +49,13 @@ MethodEntry also_one_sided(MethodEntry entry) {
   return entry;
 }
 
+MethodEntry settle() {
+  MethodEntry entry = in_lanes<Settle>("settle", "three-site water in closed form");
+  entry.make = make<SettleBeside<Batched<Settle>>, Settle::Options>;
+  entry.make_plain = make<SettleBeside<Settle>, Settle::Options>;
+  return entry;
+}
+
 std::list<MethodEntry>& list() {
   static std::list<MethodEntry> methods = {
       also_one_sided(entry<Baumgarte, Batched<Baumgarte>, WithoutGains>(
@@ -63,7 +71,7 @@ std::list<MethodEntry>& list() {
       entry<MShake>("mshake",
                     "newton with the exact matrix of every iteration (M-SHAKE, ILVES): few, dear ones"),
       in_lanes<Lincs>("lincs", "the inverse of A expanded in powers, as GROMACS does"),
-      in_lanes<Settle>("settle", "three-site water in closed form"),
+      settle(),
   };
   return methods;
 }

@@ -13,7 +13,7 @@ namespace taut {
 Settle::Settle(const System& sys, const Options&, double h)
     : waters_(find_waters(sys)), velocities_(sys, {}, h) {}
 
-std::vector<Settle::Water> Settle::find_waters(const System& sys) {
+std::vector<Settle::Water> Settle::waters_in(const System& sys) {
   const auto bonds_at = bonds_at_atoms(sys.atoms(), sys.bonds);
   const auto other_end = [&](int k, int a) { return sys.bonds[k].i == a ? sys.bonds[k].j : sys.bonds[k].i; };
   const auto bond_between = [&](int a, int b) {
@@ -39,14 +39,28 @@ std::vector<Settle::Water> Settle::find_waters(const System& sys) {
     waters.push_back({a, left, right, {p, q, base}, ra, height - ra, half});
     held[p] = held[q] = held[base] = true;
   }
-  for (int k = 0; k < sys.bond_count(); ++k)
-    if (!held[k])
-      throw InputError(
-          fmt::format("method settle: bond {} ({}-{}) is not part of a three-site water (a triangle by "
-                      "itself, two sides and the "
-                      "masses at their ends equal, none anchored); take newton or rattle",
-                      k, sys.bonds[k].i, sys.bonds[k].j));
   return waters;
+}
+
+Settle::Parts Settle::parts_of(const System& sys) {
+  Parts parts;
+  std::vector<char> held(sys.bond_count(), false);
+  for (const Water& water : waters_in(sys))
+    for (const int k : water.bonds) held[k] = true;
+  for (int k = 0; k < sys.bond_count(); ++k) (held[k] ? parts.of_waters : parts.rest).push_back(k);
+  return parts;
+}
+
+std::vector<Settle::Water> Settle::find_waters(const System& sys) {
+  if (const Parts parts = parts_of(sys); !parts.rest.empty()) {
+    const int k = parts.rest.front();
+    throw InputError(
+        fmt::format("method settle: bond {} ({}-{}) is not part of a three-site water (a triangle by "
+                    "itself, two sides and the masses at their ends equal, none anchored); take newton or "
+                    "rattle, or settle with method.solute = \"newton\"",
+                    k, sys.bonds[k].i, sys.bonds[k].j));
+  }
+  return waters_in(sys);
 }
 
 // The paper's names: 0 before the step, 1 drifted, 2 after the rotations φ and ψ, 3 after θ; the axes X'Y'Z'
