@@ -189,6 +189,12 @@ std::vector<Case> cases() {
            {"forcefield.coulomb=\"pme\"", std::string("forcefield.precision=\"") + precision + "\""},
            130,
            300});
+  const Overrides skewed = {"build.box=\"octahedron\"", "build.molecules=300", "run.dt_fs=0.5",
+                            "forcefield.coulomb=\"pme\""};
+  all.push_back({"water", "newton", skewed, 130, 300});
+  Overrides pressed = skewed;
+  pressed.insert(pressed.end(), {"run.thermostat=\"langevin\"", "run.barostat=\"c-rescale\""});
+  all.push_back({"water", "feedforward", pressed, 130, 300});
   all.push_back({"water", "rattle", {"run.remove_momentum_every=7"}, 50, 120});
   for (const char* barostat : {"run.barostat=\"c-rescale\"", "run.barostat=\"monte-carlo\""})
     for (const char* method : {"feedforward", "baumgarte"})
