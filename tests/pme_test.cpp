@@ -2,6 +2,7 @@
 // before Highway
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "every_machine.hpp"
@@ -205,6 +206,11 @@ TEST(Pme, IsTheSameBitsOnAnyNumberOfThreads) {
   ASSERT_GT(salt.nb.exceptions.size(), 1024u);  // enough for two threads
   const auto once = evaluate({.nonbonded = salt.nb}, salt.x, salt.box);
   EXPECT_GT(once.f.norm(), 0);
+  std::reverse(salt.nb.exceptions.begin(), salt.nb.exceptions.end());  // cannot be cut into pieces
+  const auto whole = evaluate({.nonbonded = salt.nb}, salt.x, salt.box);
+  EXPECT_NEAR(once.energy, whole.energy, 1e-12 * std::abs(once.energy));
+  EXPECT_LT((once.f - whole.f).norm(), 1e-12 * once.f.norm());
+  std::reverse(salt.nb.exceptions.begin(), salt.nb.exceptions.end());
   on_one_to_three_threads([&] {
     const auto again = evaluate({.nonbonded = salt.nb}, salt.x, salt.box);
     EXPECT_EQ(once.f, again.f);
