@@ -7,6 +7,8 @@
 namespace taut {
 namespace {
 
+constexpr char kIdle = 0, kActs = 1;
+constexpr char kPassedOver = 2;      // idle until another one joins
 constexpr double kRounding = 1e-10;  // of the terms of w
 
 std::vector<RigidBond> all_of(const System& sys) {
@@ -25,7 +27,7 @@ ActiveSet::ActiveSet(const System& sys)
       acts_(sys.all_bonds()) {}
 
 void ActiveSet::solve_acting(const Vectors& r, const Eigen::VectorXd& b) {
-  for (int k = 0; k < r.cols(); ++k) acting_.col(k) = acts_[k] ? Vec3(r.col(k)) : Vec3::Zero();
+  for (int k = 0; k < r.cols(); ++k) acting_.col(k) = acts_[k] == kActs ? Vec3(r.col(k)) : Vec3::Zero();
   solver_.factor(acting_);
   target_ = b;
   solver_.solve(target_);  // 0 where the vector is 0, and of a bond that depends on others
@@ -36,7 +38,7 @@ bool ActiveSet::drop_guesses(const System& sys) {
   bool all = false, dropped = false;
   for (const int k : solver_.dependent_bonds()) all |= sys.side(k) == 0;
   for (int k = sys.bond_count(); k < sys.all_bonds(); ++k)
-    if (acts_[k] && (all || sys.side(k) * target_[k] <= 0)) acts_[k] = 0, dropped = true;
+    if (acts_[k] == kActs && (all || sys.side(k) * target_[k] <= 0)) acts_[k] = kIdle, dropped = true;
   return dropped;
 }
 
@@ -47,7 +49,7 @@ int ActiveSet::most_wrong(const System& sys, const Vectors& r, const Eigen::Vect
   int worst = -1;
   double most = 0;
   for (int k = sys.bond_count(); k < sys.all_bonds(); ++k) {
-    if (acts_[k]) continue;
+    if (acts_[k] != kIdle) continue;
     const auto& [i, j, d] = sys.bond(k);
     const double w = r.col(k).dot(y_.col(j) - y_.col(i)) - b[k];
     const double terms = std::abs(b[k]) + r.col(k).norm() * (y_.col(i).norm() + y_.col(j).norm());
@@ -61,20 +63,21 @@ void ActiveSet::go_as_far_as_allowed(const System& sys, Eigen::VectorXd& lambda)
   double alpha = 1;
   int first = -1;
   for (int k = sys.bond_count(); k < sys.all_bonds(); ++k) {
-    if (!acts_[k] || sys.side(k) * target_[k] > 0) continue;
+    if (acts_[k] != kActs || sys.side(k) * target_[k] > 0) continue;
     const double share = lambda[k] == target_[k] ? 0 : lambda[k] / (lambda[k] - target_[k]);
     if (first < 0 || share < alpha) alpha = share, first = k;
   }
   lambda += alpha * (target_ - lambda);
   for (int k = sys.bond_count(); k < sys.all_bonds(); ++k) {
-    if (acts_[k] && (k == first || sys.side(k) * lambda[k] <= 0)) acts_[k] = 0;
-    if (!acts_[k]) lambda[k] = 0;
+    if (acts_[k] == kActs && (k == first || sys.side(k) * lambda[k] <= 0)) acts_[k] = kIdle;
+    if (acts_[k] != kActs) lambda[k] = 0;
   }
 }
 
 Failure ActiveSet::solve(const System& sys, const Vectors& r, const Eigen::VectorXd& b,
                          Eigen::VectorXd& lambda) {
-  for (int k = 0; k < sys.all_bonds(); ++k) acts_[k] = sys.side(k) == 0 || sys.side(k) * lambda[k] > 0;
+  for (int k = 0; k < sys.all_bonds(); ++k)
+    acts_[k] = sys.side(k) == 0 || sys.side(k) * lambda[k] > 0 ? kActs : kIdle;
   do solve_acting(r, b);
   while (drop_guesses(sys));
   for (const int k : solver_.dependent_bonds())
@@ -83,18 +86,26 @@ Failure ActiveSet::solve(const System& sys, const Vectors& r, const Eigen::Vecto
   const int most_changes = 20 + 10 * sys.all_bonds();
   int changes = 0;
   while ((blamed_ = most_wrong(sys, r, b)) >= 0) {
-    acts_[blamed_] = 1;
+    if (++changes > most_changes) return Failure::kNoConvergence;
+    acts_[blamed_] = kActs;
+    solve_acting(r, b);
+    if (!(sys.side(blamed_) * target_[blamed_] > 0)) {  // to rounding it depends on those that act
+      acts_[blamed_] = kPassedOver;
+      solve_acting(r, b);
+      continue;
+    }
+    std::ranges::replace(acts_, kPassedOver, kIdle);
     const auto on_wrong_side = [&] {
       for (int k = sys.bond_count(); k < sys.all_bonds(); ++k)
-        if (acts_[k] && sys.side(k) * target_[k] <= 0) return true;
+        if (acts_[k] == kActs && sys.side(k) * target_[k] <= 0) return true;
       return false;
     };
-    while (solve_acting(r, b), on_wrong_side()) {
+    while (on_wrong_side()) {
       if (++changes > most_changes) return Failure::kNoConvergence;
       go_as_far_as_allowed(sys, lambda);
+      solve_acting(r, b);
     }
     lambda = target_;
-    if (++changes > most_changes) return Failure::kNoConvergence;
   }
   return Failure::kNone;
 }

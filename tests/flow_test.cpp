@@ -1,0 +1,69 @@
+// Incompressibility held as bonds are: by the same recurrence.
+
+#include "studies/flow.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "constraints/propagator.hpp"
+
+namespace taut {
+namespace {
+
+double rms(const Flow::Field& f) {
+  return std::sqrt(f.square().mean());
+}
+
+// Cell by cell, to rounding, whatever the flow does meanwhile.
+TEST(Flow, CellsObeyTheBondsPropagator) {
+  for (const auto& [ah, bh] : {std::pair(0.3, std::sqrt(2.5)), {0.1, 0.5}, {1.0, std::sqrt(2.0)}}) {
+    Flow flow({.cells = 12, .viscosity = 0.05, .h = 0.02, .ah = ah, .bh = bh}, 0.1);
+    const Flow::Field at_start = -0.02 * flow.divergence();  // σ₋ of a step that came with this divergence
+    const double scale = at_start.abs().maxCoeff();
+    const Propagator propagator(ah, bh, Damping::kDiscrete);
+    for (int n = 1; n < 40; ++n) {
+      flow.step();
+      for (int cell = 0; cell < 144; ++cell)
+        ASSERT_NEAR(flow.taken_in()(cell), propagator.residual(at_start(cell), 0, n + 1), 1e-10 * scale) << n;
+    }
+  }
+}
+
+// What a coarse pressure leaves of D u̇ adds up in D u; a projection clears it, feedback keeps it small at no
+// second solve.
+TEST(Flow, ABarePressureLetsTheDivergenceDrift) {
+  const auto left = [](Flow::Keeps keeps, int steps) {
+    Flow flow({.cells = 16, .viscosity = 0.01, .h = 0.02, .keeps = keeps, .tolerance = 1e-3});
+    for (int n = 0; n < steps; ++n) flow.step();
+    return rms(flow.divergence());
+  };
+  EXPECT_GT(left(Flow::Keeps::kBare, 800), 1.5 * left(Flow::Keeps::kBare, 200));
+  EXPECT_LT(left(Flow::Keeps::kFeedsBack, 800), 0.1 * left(Flow::Keeps::kBare, 800));
+  EXPECT_LT(left(Flow::Keeps::kProjects, 800), 0.1 * left(Flow::Keeps::kBare, 800));
+}
+
+// A divergence put in stays under the bare form, to rounding.
+TEST(Flow, ABarePressureKeepsWhatIsPutIn) {
+  Flow flow({.cells = 16, .keeps = Flow::Keeps::kBare}, 0.1);
+  const Flow::Field put_in = flow.divergence();
+  for (int n = 0; n < 50; ++n) flow.step();
+  EXPECT_LT((flow.divergence() - put_in).abs().maxCoeff(), 1e-10);
+}
+
+// Second order in Δx, and exact but for that: e^(−2νt), whoever keeps D u = 0.
+TEST(Flow, TheVortexDecaysAsTaylorAndGreenFound) {
+  const auto error = [](int cells, Flow::Keeps keeps) {
+    Flow flow({.cells = cells, .viscosity = 0.1, .h = 0.01, .keeps = keeps, .tolerance = 1e-10});
+    for (int n = 0; n < 100; ++n) flow.step();
+    return flow.error();
+  };
+  for (const auto keeps : {Flow::Keeps::kBare, Flow::Keeps::kProjects, Flow::Keeps::kFeedsBack}) {
+    const double coarse = error(8, keeps), fine = error(16, keeps);
+    EXPECT_NEAR(coarse / fine, 4, 0.3);
+    EXPECT_LT(fine, 2e-3);
+  }
+}
+
+}  // namespace
+}  // namespace taut
