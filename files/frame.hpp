@@ -1,5 +1,8 @@
 #pragma once
 
+#include <array>
+#include <vector>
+
 #include "md/names.hpp"
 #include "md/state.hpp"
 #include "md/system.hpp"
@@ -14,6 +17,7 @@ struct TrajectorySetup {
   long every = 1;  // steps from frame to frame
   double t0 = 0;   // of the first frame [ps]
   bool periodic = false;
+  std::vector<std::array<int, 2>> further_bonds{};  // to be drawn: springs, and what ties virtual sites
 };
 
 // What it says again and again. Positions are written as they are in the state, unwrapped: molecules stay

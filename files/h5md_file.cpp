@@ -64,12 +64,13 @@ void write_names(const H5Maker& make, const Names& names) {
   make.words(topology + "element", elements);
 }
 
-void write_bonds(const H5Maker& make, const System& sys) {
-  if (sys.bonds.empty()) return;
-  std::vector<int> pairs;
-  for (const auto& [i, j, length] : sys.bonds) pairs.insert(pairs.end(), {i, j});
+void write_bonds(const H5Maker& make, const TrajectorySetup& setup) {
+  std::vector<int> atoms;
+  for (const RigidBond& bond : setup.sys.bonds) atoms.insert(atoms.end(), {bond.i, bond.j});
+  for (const auto& [i, j] : setup.further_bonds) atoms.insert(atoms.end(), {i, j});
+  if (atoms.empty()) return;
   const H5Handle bonds =
-      make.fixed("/connectivity/bonds", H5T_NATIVE_INT, {sys.bonds.size(), 2}, pairs.data());
+      make.fixed("/connectivity/bonds", H5T_NATIVE_INT, {atoms.size() / 2, 2}, atoms.data());
   make.reference(bonds, "particles_group", kAll);
 }
 
@@ -166,7 +167,7 @@ struct H5mdFile::Contents {
     make_.attribute(make_.fixed(kAll + "/mass", H5T_NATIVE_DOUBLE, {n}, setup.sys.mass.data()), "unit",
                     std::string("u"));
     write_names(make_, setup.names);
-    write_bonds(make_, setup.sys);
+    write_bonds(make_, setup);
   }
 
   void open_sets() {

@@ -11,7 +11,7 @@ namespace taut {
 // nongnu.org/h5md), in double precision and taut's own units:
 //     /particles/all    position, velocity, force, box/edges (3 × 3, with a box) in time; mass, species
 //     /observables/tension      of each rigid bond, in time: an addition of ours
-//     /connectivity/bonds       the atoms of each rigid bond
+//     /connectivity/bonds       the atoms of each rigid bond, and behind them of each spring
 //     /parameters/topology      names: kind and residue of each atom; atom, residue, element of each kind
 // Positions are unwrapped. On disk the file is at any instant what it was at a commit (JournaledFile):
 // readable by others while it is written, and after a kill. It commits at a mark, on closing, and ten

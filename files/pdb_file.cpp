@@ -34,7 +34,9 @@ std::string upper(std::string text) {
 
 }  // namespace
 
-void write_pdb(const std::filesystem::path& file, const System& sys, const Names& names, const State& s) {
+void write_pdb(const std::filesystem::path& file, const TrajectorySetup& setup, const State& s) {
+  const System& sys = setup.sys;
+  const Names& names = setup.names;
   std::string text = "REMARK   1 written by taut: positions unwrapped, molecules whole\n";
   const auto out = std::back_inserter(text);
   if (s.box.periodic()) {
@@ -49,8 +51,11 @@ void write_pdb(const std::filesystem::path& file, const System& sys, const Names
         atom_name(kind), fmt::format("{:>3}", kind.residue.substr(0, 4)), (names.residue[a] + 1) % 10000,
         columns(10 * s.x(0, a)), columns(10 * s.x(1, a)), columns(10 * s.x(2, a)), upper(kind.element));
   }
-  if (sys.atoms() <= kMostNumbered)
-    for (const auto& [i, j, length] : sys.bonds) fmt::format_to(out, "CONECT{:5}{:5}\n", i + 1, j + 1);
+  const auto connect = [&](int i, int j) { fmt::format_to(out, "CONECT{:5}{:5}\n", i + 1, j + 1); };
+  if (sys.atoms() <= kMostNumbered) {
+    for (const RigidBond& bond : sys.bonds) connect(bond.i, bond.j);
+    for (const auto& [i, j] : setup.further_bonds) connect(i, j);
+  }
   text += "END\n";
   AtomicFile aside(file);
   aside.write(text);

@@ -2,6 +2,7 @@
 
 #include "files/output.hpp"
 #include "files/pdb_file.hpp"
+#include "systems/whole_molecules.hpp"
 
 namespace taut {
 namespace {
@@ -19,7 +20,8 @@ TrajectorySetup setup_of(const Simulation& simulation) {
           scene.run.h(),
           every,
           scene.start.t + static_cast<double>(first) * scene.run.h(),
-          scene.start.box.periodic()};
+          scene.start.box.periodic(),
+          further_bonds(scene.system, scene.terms)};
 }
 
 bool wants_dcd(const RunSettings& run) {
@@ -41,8 +43,7 @@ Trajectories::Trajectories(const std::filesystem::path& folder, const Simulation
     const auto mark = marks.find(name);
     return mark == marks.end() ? 0 : mark->second;
   };
-  if (!std::filesystem::exists(folder / kPdb))
-    write_pdb(folder / kPdb, setup.sys, scene.names, simulation.state());
+  if (!std::filesystem::exists(folder / kPdb)) write_pdb(folder / kPdb, setup, simulation.state());
   dcd_has_start_ = mark_of(kDcd) > 0;
   h5md_has_start_ = mark_of(kH5md) > 0;
   if (wants_dcd(scene.run)) dcd_ = std::make_unique<DcdFile>(folder / kDcd, setup, mark_of(kDcd));

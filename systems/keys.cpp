@@ -62,4 +62,17 @@ std::string value_text(const Rows& value) {
   return value.empty() ? "" : fmt::format("{} row{}", value.size(), value.size() == 1 ? "" : "s");
 }
 
+std::string toml_quoted(std::string_view text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (static_cast<unsigned char>(c) < ' ' || c == '\x7f')
+      quoted += fmt::format("\\u{:04x}", c);
+    else if (c == '"' || c == '\\')
+      quoted += {'\\', c};
+    else
+      quoted += c;
+  }
+  return quoted + "\"";
+}
+
 }  // namespace taut

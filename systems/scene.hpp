@@ -59,8 +59,9 @@ struct Scene {
   bool positions_drawn = false, velocities_drawn = false;  // by run.seed
   RunSettings run;
   MethodOptions method;
-  std::vector<std::filesystem::path> files;  // it was read from: the scene and its start, or OpenMM's two
-  std::vector<std::string> notes;            // what the reader should know of the start, a line each
+  std::vector<std::filesystem::path>
+      files;                       // it was read from: the scene's and those it names, or OpenMM's two
+  std::vector<std::string> notes;  // what the reader should know of the start, a line each
 
   // Nothing outside holds or pulls: the momentum is conserved.
   bool closed() const {

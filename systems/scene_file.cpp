@@ -149,9 +149,26 @@ void read_settings(const TomlTable& root, Scene& scene) {
   method.reject_unknown();
 }
 
-// The start that is meant has moved; who names it, the file or an override, stays.
-void move_start(toml::table& root, const std::filesystem::path& start) {
-  if (auto named = root["build"]["start"].as_string()) *named = start.string();
+// Where a scene names further files: build.start, and the coordinates of molecules and places.
+std::vector<toml::value<std::string>*> file_names(toml::table& root) {
+  std::vector<toml::value<std::string>*> names;
+  const auto add = [&](toml::node_view<toml::node> section, std::string_view key) {
+    if (auto* name = section[key].as_string()) names.push_back(name);
+  };
+  add(root["build"], "start");
+  if (auto* molecules = root["molecule"].as_table())
+    for (auto&& [name, molecule] : *molecules) add(toml::node_view<toml::node>(molecule), "file");
+  if (auto* places = root["place"].as_array())
+    for (toml::node& place : *places) add(toml::node_view<toml::node>(place), "file");
+  return names;
+}
+
+// They have moved; who names them, the file or an override, stays.
+void move_files(toml::table& root, const std::vector<std::filesystem::path>& moved) {
+  if (moved.empty()) return;
+  const auto names = file_names(root);
+  if (names.size() != moved.size()) throw InputError("the files of the scene are not all there");
+  for (std::size_t k = 0; k < names.size(); ++k) *names[k] = moved[k].string();
 }
 
 Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::table overrides,
@@ -167,15 +184,15 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
   read_settings(TomlTable(overrides, "--set", how.keys), scene);
 
   lay_over(base, std::move(overrides));
-  if (!how.start.empty()) move_start(base, how.start);
+  move_files(base, how.files);
   const TomlTable root(base, file.string(), how.keys);
   read_words(root, scene);
-  for (const char* read_above : {"run", "method"}) root.has(read_above);
+  for (const char* known : {"run", "method", "atom", "molecule", "place"}) root.has(known);
   const TomlTable build_keys = root.section("build"), forcefield_keys = root.section("forcefield");
   const TomlTable run_keys = root.section("run");
   root.reject_unknown();
-  build({build_keys, forcefield_keys, scene.run}, scene);
-  if (std::filesystem::path named; build_keys.read("start", named)) scene.files.push_back(named);
+  build({root, build_keys, forcefield_keys, scene.run}, scene);
+  for (const auto* name : file_names(base)) scene.files.push_back(path_of(*name));
   settle_velocities(run_keys,
                     another_start || run_keys.overridden("velocities") || of_file.thermostatted() ||
                         of_file.velocities == "draw",
@@ -224,7 +241,7 @@ std::vector<Key> every_key() {
   });
   for (const std::string_view kind : kinds())
     describe(kind, [&](const TomlTable& root, Scene& scene) {
-      build({root.section("build"), root.section("forcefield"), scene.run}, scene, kind);
+      build({root, root.section("build"), root.section("forcefield"), scene.run}, scene, kind);
     });
   for (const std::string_view name : method_names())
     describe(name, [&](const TomlTable& root, Scene& scene) {

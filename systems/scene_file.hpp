@@ -18,6 +18,7 @@ namespace taut {
 //
 //   hard_on = "one sentence"      if you like
 //   [build]       kind = "water", and the keys of that kind (builders.hpp)
+//   [atom.NAME], [molecule.NAME], [[place]]      molecules of one's own (build_molecules.cpp)
 //   [forcefield]  the pair forces, for the kinds that have them
 //   [run]         the keys of RunSettings
 //   [method]      name = "rattle", and the keys of that method's Options; what is not said is its default
@@ -29,8 +30,8 @@ namespace taut {
 // A key that nothing reads, as the others are, is refused: friction_per_ps without Langevin's thermostat.
 //
 struct SceneReading {
-  std::filesystem::path start{};  // not empty: where the file that build.start names is read from
-  KeysRead* keys = nullptr;       // takes every key that was read, with its value and who said it
+  std::vector<std::filesystem::path> files{};  // where those that it names are read from, if not from there
+  KeysRead* keys = nullptr;  // takes every key that was read, with its value and who said it
 };
 Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides = {},
                  const SceneReading& how = {});
@@ -46,7 +47,8 @@ void apply_overrides(Scene& scene, const std::vector<std::string>& overrides, Ke
 // Every key there is, of every kind and method, with what there is to know of it: what a scene without keys
 // is asked for. A key that kinds or methods describe alike is there once.
 std::vector<Key> every_key();
-inline constexpr std::array<std::string_view, 5> kSections = {"", "build", "forcefield", "run", "method"};
+inline constexpr std::array<std::string_view, 8> kSections = {
+    "", "atom.NAME", "molecule.NAME", "place", "build", "forcefield", "run", "method"};
 
 struct SceneSummary {
   std::string name, hard_on;

@@ -56,12 +56,12 @@ class Unpacked {
 }  // namespace
 
 Scene SceneSource::read() const {
-  if (files.empty() || files.size() > 2 || (openmm && files.size() != 2))
+  if (files.empty() || (openmm && files.size() != 2))
     throw InputError("the files of the scene are not all there");
   const Unpacked unpacked(files);
   const auto& paths = unpacked.paths;
   try {
-    if (!openmm) return read_scene(paths[0], overrides, {.start = paths.size() == 2 ? paths[1] : fs::path()});
+    if (!openmm) return read_scene(paths[0], overrides, {.files = {paths.begin() + 1, paths.end()}});
     Scene scene = import_openmm(paths[0], paths[1]);
     apply_overrides(scene, overrides);
     return scene;

@@ -13,8 +13,8 @@ struct SceneSource {
   struct File {
     std::string name, text;
   };
-  bool openmm = false;                 // a System and a State of OpenMM's, not a scene's file and its start
-  std::vector<File> files;             // as Scene::files names them
+  bool openmm = false;      // a System and a State of OpenMM's, not a scene's file and those it names
+  std::vector<File> files;  // as Scene::files names them
   std::vector<std::string> overrides;  // each key once
 
   Scene read() const;  // throws InputError

@@ -5,26 +5,12 @@
 #include <iterator>
 
 #include "files/atomic_file.hpp"
+#include "systems/box_keys.hpp"
 #include "systems/toml_reader.hpp"
 
 namespace taut {
 
 namespace {
-
-Box read_box(const TomlTable& keys) {
-  std::vector<double> numbers;
-  if (!keys.read("box_nm", numbers)) return {};
-  Eigen::Matrix3d vectors = Eigen::Matrix3d::Zero();
-  if (numbers.size() == 3)
-    vectors.diagonal() = Vec3(numbers.data());
-  else if (numbers.size() == 9)
-    vectors = Eigen::Matrix3d(numbers.data());
-  else
-    keys.fail("box_nm",
-              fmt::format("expected 3 numbers, its edges, or 9, its vectors; got {}", numbers.size()));
-  if (const std::string flaw = Box::flaw(vectors); !flaw.empty()) keys.fail("box_nm", flaw);
-  return Box::of(vectors);
-}
 
 std::string box_line(const Box& box) {
   if (!box.periodic()) return "";

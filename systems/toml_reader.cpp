@@ -110,6 +110,31 @@ TomlTable TomlTable::section(std::string_view key) const {
   return TomlTable(*node->as_table(), name, place(node), keys_);
 }
 
+std::vector<std::string> TomlTable::keys() const {
+  std::vector<std::string> all;
+  for (const auto& entry : table_) all.emplace_back(entry.first.str());
+  return all;
+}
+
+std::size_t TomlTable::size(std::string_view key, const About& about) const {
+  const toml::node* node = find(key);
+  if (node && !node->is_array()) wrong_type(key, *node, "an array");
+  const std::size_t size = node ? node->as_array()->size() : 0;
+  if (keys_) note(key, about, "list", size > 0 ? fmt::format("{} of them", size) : "");
+  return size;
+}
+
+TomlTable TomlTable::section(std::string_view key, std::size_t k) const {
+  const toml::node& node = (*find(key)->as_array())[k];
+  const std::string name = fmt::format("{}[{}]", full(key), k);
+  if (!node.is_table()) fail(key, k, fmt::format("expected a section, got {}", type_name(node)));
+  return TomlTable(*node.as_table(), name, place(&node), keys_);
+}
+
+std::optional<std::string> TomlTable::word(std::string_view key, std::size_t k) const {
+  return (*find(key)->as_array())[k].value_exact<std::string>();
+}
+
 bool TomlTable::fetch(std::string_view key, double& into, const About& about) const {
   const toml::node* node = find(key);
   if (!node) return false;
@@ -141,9 +166,7 @@ bool TomlTable::fetch(std::string_view key, std::string& into, const About& abou
 bool TomlTable::fetch(std::string_view key, std::filesystem::path& into, const About&) const {
   std::string text;
   if (!fetch(key, text, {})) return false;
-  const auto& source = find(key)->source().path;
-  into = source && !source->starts_with(kOverride) ? std::filesystem::path(*source).parent_path() / text
-                                                   : std::filesystem::path(text);
+  into = path_of(*find(key)->as_string());
   return true;
 }
 
@@ -158,9 +181,10 @@ bool TomlTable::fetch(std::string_view key, Vec3& into, const About&) const {
 bool TomlTable::fetch(std::string_view key, std::vector<double>& into, const About&) const {
   const toml::node* node = find(key);
   if (!node) return false;
+  into.clear();
+  if (const auto lone = number_of(*node)) return into = {checked(key, *lone, kAnyNumber)}, true;
   const toml::array* array = node->as_array();
   if (!array) wrong_type(key, *node, "numbers [x, y, z]");
-  into.clear();
   for (const toml::node& cell : *array) {
     const auto value = number_of(cell);
     if (!value) wrong_type(key, cell, "numbers [x, y, z]");
@@ -307,6 +331,12 @@ double TomlTable::checked(std::string_view key, double value, Range range) const
   return value;
 }
 
+std::filesystem::path path_of(const toml::value<std::string>& name) {
+  const auto& source = name.source().path;
+  const bool in_file = source && !source->starts_with(kOverride);
+  return (in_file ? std::filesystem::path(*source).parent_path() : std::filesystem::path()) / name.get();
+}
+
 toml::table parse_toml_file(const std::filesystem::path& file) {
   std::error_code unreadable;
   if (!std::filesystem::exists(file, unreadable)) throw LocatedError(file.string() + ": no such file");
@@ -330,19 +360,6 @@ toml::table parse_overrides(const std::vector<std::string>& overrides) {
   toml::table all;
   for (const std::string& text : overrides) lay_over(all, parse_override(text));
   return all;
-}
-
-std::string toml_quoted(std::string_view text) {
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (static_cast<unsigned char>(c) < ' ' || c == '\x7f')
-      quoted += fmt::format("\\u{:04x}", c);
-    else if (c == '"' || c == '\\')
-      quoted += {'\\', c};
-    else
-      quoted += c;
-  }
-  return quoted + "\"";
 }
 
 KeyValues key_values(const std::vector<std::string>& overrides) {

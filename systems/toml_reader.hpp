@@ -42,6 +42,14 @@ class TomlTable {
 
   bool has(std::string_view key) const { return find(key) != nullptr; }
   TomlTable section(std::string_view key) const;  // empty if it is not there
+  std::vector<std::string> keys() const;
+
+  // An array whose elements are sections, [[place]], or words: how many there are, 0 if it is not there; one
+  // of them; the word where it is one.
+  std::size_t size(std::string_view key, const About& about = {}) const;
+  TomlTable section(std::string_view key, std::size_t k) const;
+  std::optional<std::string> word(std::string_view key, std::size_t k) const;
+
   bool describing() const { return keys_ && keys_->describing; }
 
   // Reads a key into a variable, which keeps its value where there is no such key. Whether there is.
@@ -128,6 +136,9 @@ bool TomlTable::fetch(std::string_view key, Integer& into, const About& about) c
   if (value) into = static_cast<Integer>(*value);
   return value.has_value();
 }
+
+// A path is relative to the file that says it, in an override to the current folder.
+std::filesystem::path path_of(const toml::value<std::string>& name);
 
 toml::table parse_toml_file(const std::filesystem::path& file);
 toml::table parse_toml_text(std::string_view text, const std::filesystem::path& file);  // named in errors

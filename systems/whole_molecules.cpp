@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <set>
+
 #include "md/adjacency.hpp"
 #include "md/errors.hpp"
 
@@ -52,6 +54,17 @@ std::vector<BondedPair> bonded_pairs(const System& sys, const Terms& terms) {
   for (const auto& b : terms.bonds) pairs.push_back({b.i, b.j});
   for (const auto& b : terms.fene) pairs.push_back({b.i, b.j});
   tie_sites(sys.sites, pairs);
+  return pairs;
+}
+
+std::vector<BondedPair> further_bonds(const System& sys, const Terms& terms) {
+  std::set<std::pair<int, int>> ends;  // Urey and Bradley's springs
+  for (const auto& angle : terms.angles) ends.insert(std::minmax(angle.i, angle.k));
+  std::vector<BondedPair> pairs;
+  for (const auto& spring : terms.bonds)
+    if (!ends.contains(std::minmax(spring.i, spring.j))) pairs.push_back({spring.i, spring.j});
+  for (const auto& spring : terms.fene) pairs.push_back({spring.i, spring.j});
+  for (const auto& site : sys.sites) pairs.push_back({site.parents.front().atom, site.atom});
   return pairs;
 }
 

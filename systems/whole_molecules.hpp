@@ -19,6 +19,10 @@ void tie_sites(const VirtualSites& sites, std::vector<BondedPair>& pairs);
 // The rigid, harmonic and FENE bonds, and virtual sites: what makes atoms one molecule.
 std::vector<BondedPair> bonded_pairs(const System& sys, const Terms& terms);
 
+// What is drawn as bonds beside the rigid ones: springs, but for those between the ends of an angle, and
+// FENE; a virtual site and its first parent.
+std::vector<BondedPair> further_bonds(const System& sys, const Terms& terms);
+
 // The molecule of each atom, numbered in the order of their first atoms.
 std::vector<int> molecules(int atoms, const std::vector<BondedPair>& pairs);
 

@@ -260,16 +260,25 @@ TEST(Water, IsTiledFromAnEquilibratedStart) {
   EXPECT_TRUE(eight.notes.empty());
 }
 
-TEST(Water, OfAnyOtherNumberStandsOnALattice) {
-  const Scene scene = scene_of("water", {"build.molecules=500"});
-  EXPECT_EQ(scene.notes.size(), 2u);
-  EXPECT_NEAR(scene.start.box.volume() / 500, std::pow(1.872, 3) / 216, 1e-12);
-  double least = 1e9;
-  for (int a = 0; a < 1500; a += 3)
-    for (int b = a + 3; b < 1500; b += 3)
-      least =
-          std::min(least, scene.start.box.nearest_image(scene.start.x.col(b) - scene.start.x.col(a)).norm());
-  EXPECT_GT(least, 0.3);
+// Cut from it and settled: as dense, with a molecule's energy what it was, and no two in one place.
+TEST(Water, OfAnyOtherNumberIsCutFromAnEquilibratedStart) {
+  for (const int molecules : {150, 500}) {
+    const Scene scene =
+        scene_of("water", {"build.molecules=" + std::to_string(molecules), "forcefield.cutoff_nm=0.8"});
+    EXPECT_TRUE(scene.notes.empty());
+    EXPECT_FALSE(scene.positions_drawn);
+    EXPECT_NEAR(scene.start.box.volume() / molecules, std::pow(1.872, 3) / 216, 1e-12);
+    EXPECT_LT(bond_errors(scene.system, scene.start.x).max, 1e-12);
+    EXPECT_NEAR(potential(scene) / molecules,
+                potential(scene_of("water", {"forcefield.cutoff_nm=0.8"})) / 216, 0.2);
+    EXPECT_GT(least_distance(scene, 2), 0.13);  // of a hydrogen bond
+    double o_o = 1e9;
+    for (int a = 0; a < 3 * molecules; a += 3)
+      for (int b = a + 3; b < 3 * molecules; b += 3)
+        o_o =
+            std::min(o_o, scene.start.box.nearest_image(scene.start.x.col(b) - scene.start.x.col(a)).norm());
+    EXPECT_GT(o_o, 0.235);
+  }
 }
 
 TEST(Water, FillsBoxesOfOtherShapes) {
@@ -287,9 +296,10 @@ TEST(Water, FillsBoxesOfOtherShapes) {
     for (int a = 0; a < 1500; a += 3)
       for (int b = a + 3; b < 1500; b += 3)
         least = std::min(least, box.nearest_image(scene.start.x.col(b) - scene.start.x.col(a)).norm());
-    EXPECT_GT(least, 0.25);
+    EXPECT_GT(least, 0.235);
+    EXPECT_TRUE(scene.notes.empty());
+    EXPECT_NEAR(potential(scene) / 500, -40, 1.5);
   }
-  EXPECT_THROW(scene_of("water", {"build.box=octahedron", water_start()}), InputError);
   EXPECT_THROW(scene_of("water_cluster", {"build.box=octahedron"}), InputError);
 }
 

@@ -43,11 +43,30 @@ TEST(Scene, KeysAreDescribed) {
     EXPECT_NE(key.type, "") << key.name();
     names.insert(key.name());
   }
-  for (const char* name :
-       {"hard_on", "build.kind", "build.atoms", "build.gravity_nm_ps2", "build.chains", "build.rings",
-        "build.carbons", "build.model", "build.start", "forcefield.pair", "forcefield.coulomb",
-        "forcefield.pme_grid", "forcefield.precision", "run.dt_fs", "run.coupling", "method.name",
-        "method.gains", "method.tolerance", "method.omega_h"})
+  for (const char* name : {"hard_on",
+                           "build.kind",
+                           "build.atoms",
+                           "build.gravity_nm_ps2",
+                           "build.chains",
+                           "build.rings",
+                           "build.carbons",
+                           "build.model",
+                           "build.start",
+                           "forcefield.pair",
+                           "forcefield.coulomb",
+                           "forcefield.pme_grid",
+                           "forcefield.precision",
+                           "run.dt_fs",
+                           "run.coupling",
+                           "method.name",
+                           "method.gains",
+                           "method.tolerance",
+                           "method.omega_h",
+                           "atom.NAME.mass_u",
+                           "molecule.NAME.atoms",
+                           "molecule.NAME.exclude",
+                           "place.count",
+                           "build.box_nm"})
     EXPECT_TRUE(names.contains(name)) << name;
   const auto one = [&](const std::string& name) { return *std::ranges::find(keys, name, &Key::name); };
   EXPECT_EQ(one("run.dt_fs").value, "1");
@@ -55,9 +74,10 @@ TEST(Scene, KeysAreDescribed) {
   EXPECT_EQ(one("run.dt_fs").allowed(), "more than 0");
   EXPECT_EQ(one("run.friction_per_ps").counts_only, "with run.thermostat = \"langevin\"");
   EXPECT_EQ(one("run.trajectory").allowed(), "one of dcd, h5md, both");
-  EXPECT_EQ(one("build.kind").kinds.size(), 6u);
+  EXPECT_EQ(one("build.kind").kinds.size(), 7u);
   EXPECT_TRUE(one("build.molecules").required);
-  EXPECT_EQ(one("forcefield.precision").kinds, (std::vector<std::string>{"melt", "alkane", "water"}));
+  EXPECT_EQ(one("forcefield.precision").kinds,
+            (std::vector<std::string>{"melt", "alkane", "water", "molecules"}));
   EXPECT_EQ(one("method.omega_h").kinds, std::vector<std::string>{"penalty"});
 }
 

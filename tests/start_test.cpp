@@ -51,8 +51,10 @@ TEST(Start, ThatAnOverrideNamesHasToFit) {
   using testing::HasSubstr;
   const std::string melt = "build.start=" + (scenes_folder() / "melt.start.toml").string();
   EXPECT_THAT(complaint("melt", {melt, "build.chains=21"}), HasSubstr("it has another number of atoms"));
-  EXPECT_THAT(complaint("water", {water_start(), "build.molecules=100"}),
-              HasSubstr("build.start: 100 molecules are not n³ times the 216 it has"));
+  EXPECT_THAT(
+      complaint("water_cluster", {"build.start=" + (scenes_folder() / "water_cluster.start.toml").string(),
+                                  "build.molecules=100"}),
+      HasSubstr("build.start: a droplet of 64, which serves for a droplet of as many alone"));
   EXPECT_EQ(complaint("water", {water_start(), "build.molecules=1728"}), "no error");
 }
 

@@ -221,7 +221,7 @@ TEST(DcdFile, HasASkewedCellsAngles) {
   EXPECT_THAT(cell, testing::ElementsAre(40, testing::DoubleNear(gamma, 1e-9), testing::DoubleNear(25, 1e-12),
                                          90, 90, 40));
   sample.state.box = {Vec3(4, 2.5, 2), Vec3(0, 1.5, 0)};  // c = (1.5, 0, 2)
-  write_pdb(folder.path() / "s.pdb", sample.sys, sample.names, sample.state);
+  write_pdb(folder.path() / "s.pdb", sample.setup, sample.state);
   EXPECT_THAT(contents(folder.path() / "s.pdb"),
               HasSubstr("CRYST1   40.000   25.000   25.000  90.00  53.13  90.00 P 1           1\n"));
 }
@@ -230,7 +230,7 @@ TEST(PdbFile, HasEveryThingInItsColumns) {
   const TemporaryFolder folder;
   Sample sample;
   sample.state.x.col(0) << 0.1234, -0.5, 12345.678;
-  write_pdb(folder.path() / "s.pdb", sample.sys, sample.names, sample.state);
+  write_pdb(folder.path() / "s.pdb", sample.setup, sample.state);
   const std::string text = contents(folder.path() / "s.pdb");
   EXPECT_THAT(text, HasSubstr("CRYST1   20.000   30.000   40.000  90.00  90.00  90.00 P 1           1\n"));
   EXPECT_THAT(text,
@@ -238,6 +238,9 @@ TEST(PdbFile, HasEveryThingInItsColumns) {
   EXPECT_THAT(text, HasSubstr("HETATM    5  H1  HOH     2    "));
   EXPECT_THAT(text, HasSubstr("HETATM    7 Ar1  MOL     3    "));
   EXPECT_THAT(text, HasSubstr("CONECT    4    6\n"));
+  sample.setup.further_bonds = {{0, 6}};
+  write_pdb(folder.path() / "s.pdb", sample.setup, sample.state);
+  EXPECT_THAT(contents(folder.path() / "s.pdb"), HasSubstr("CONECT    1    7\nEND"));
 }
 
 }  // namespace

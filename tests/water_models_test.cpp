@@ -135,6 +135,19 @@ TEST(WaterModels, PressureIsThatOfTheCentres) {
   }
 }
 
+// Water of a number that no box was equilibrated of: it stays as warm as it is drawn.
+TEST(WaterModels, CutFromABoxDoNotHeat) {
+  for (const char* shape : {"build.box=cube", "build.box=dodecahedron"}) {
+    Simulation simulation(
+        scene_of("water", {shape, "build.molecules=350", "forcefield.cutoff_nm=0.8",
+                           "forcefield.switch_nm=0.7", "run.steps=400", "run.log_every=20"}));
+    double kelvin = 0;
+    int rows = 0;
+    simulation.run([&](const Record& row) { kelvin += row.temperature, ++rows; });
+    EXPECT_NEAR(kelvin / rows, 298.15, 20) << shape;
+  }
+}
+
 // Stopped, kept and gone on with by another simulation: the run that never stopped, to the last bit.
 TEST(WaterModels, GoOnWhereTheyWereStopped) {
   for (const char* method : {"newton", "feedforward", "baumgarte"}) {

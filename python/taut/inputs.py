@@ -29,13 +29,16 @@ def toml(value: Any, key: str) -> str:
         return repr(float(value))
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(toml(one, key) for one in value) + "]"
-    raise InputError(f"{key}: expected a number, a text, a truth value or a list of these, got {value!r}")
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{_core.quoted(str(name))} = {toml(one, f'{key}.{name}')}"
+                               for name, one in value.items() if one is not None) + "}"
+    raise InputError(f"{key}: expected a number, a text, a truth value, a list or a dict of these, got {value!r}")
 
 
 def scene_text(scene: Mapping[str, Any]) -> str:
     """A scene's file from a dict of sections."""
     top, sections = [], []
-    for name, content in {"hard_on": "what a dict says", **scene}.items():
+    for name, content in scene.items():
         if isinstance(content, Mapping):
             lines = [f"{_core.quoted(str(key))} = {toml(value, f'{name}.{key}')}" for key, value in content.items()
                      if value is not None]

@@ -6,8 +6,10 @@
 #include <numeric>
 
 #include "md/random.hpp"
+#include "systems/box_keys.hpp"
 #include "systems/builders/builders.hpp"
 #include "systems/builders/lattice.hpp"
+#include "systems/builders/solvent.hpp"
 #include "systems/builders/water_models.hpp"
 #include "systems/start_file.hpp"
 
@@ -17,24 +19,7 @@ namespace {
 const WaterModel& chosen_model(const TomlTable& keys) {
   std::vector<std::string_view> names;
   for (const WaterModel& model : water_models()) names.push_back(model.name);
-  const std::string name = keys.choice("model", names, "the water");
-  return *std::ranges::find(water_models(), name, &WaterModel::name);
-}
-
-// Leaves O, H, H of each molecule; the sites of other models stand behind them, nearer than the next O.
-// False where there are none.
-bool keep_atoms(Vectors& x, Vectors& v) {
-  constexpr double kNearest = 0.2;  // two O are further apart [nm]
-  Eigen::Index each = 0;
-  while (each < x.cols() && (x.col(each) - x.col(0)).norm() < kNearest) ++each;
-  if (each < 3 || x.cols() % each != 0) return false;
-  const Eigen::Index molecules = x.cols() / each;
-  for (Vectors* of : {&x, &v}) {
-    for (Eigen::Index m = 0; m < molecules; ++m)
-      of->middleCols<3>(3 * m) = of->middleCols<3>(each * m).eval();
-    of->conservativeResize(3, 3 * molecules);
-  }
-  return true;
+  return *water_model(keys.choice("model", names, "the water"));
 }
 
 // Room for the model's sites behind the atoms of each molecule.
@@ -46,50 +31,21 @@ Vectors with_sites(const WaterModel& model, const Vectors& atoms) {
   return all;
 }
 
-// The shapes of a box, of a first vector of 1, by the cell of points nearest to one of the lattice. Of the
-// same width, a truncated octahedron takes 0.77 and a rhombic dodecahedron 0.71 of a cube's water.
-Box unit_box(const std::string& shape) {
-  if (shape == "octahedron")
-    return {Vec3(1, std::sqrt(8.0) / 3, std::sqrt(6.0) / 3), Vec3(1, -1, std::sqrt(2.0)) / 3};
-  if (shape == "dodecahedron") return {Vec3(1, 1, std::sqrt(0.5)), Vec3(0, 0.5, 0.5)};
-  return {Vec3::Ones()};
-}
-
-// On a grid in the box's brick, empty sites spread evenly, turned at random, at rest.
+// On a grid, turned at random, at rest.
 State lattice_of_water(const WaterModel& model, long molecules, const Box& box, Random& random) {
   State start;
   start.box = box;
   start.x.resize(3, 3 * molecules);
   start.v = Vectors::Zero(3, 3 * molecules);
-  const double apart = std::cbrt(box.volume() / static_cast<double>(molecules));
-  const Eigen::Matrix<long, 3, 1> n = (box.edge.array() / apart - 1e-9).ceil().cast<long>();
+  const BrickGrid grid(box, molecules);
   for (long m = 0; m < molecules; ++m) {
-    const long site = m * n.prod() / molecules;
-    const Eigen::Array3d cell =
-        Eigen::Array<long, 3, 1>(site % n[0], site / n[0] % n[1], site / n[0] / n[1]).cast<double>();
-    const Vec3 o = box.edge.array() / n.cast<double>().array() * (cell + 0.5);
+    const Vec3 o = grid.site(m);
     start.x.col(3 * m) = o;
     start.x.col(3 * m + 1) = o + random.unit_vector();
     start.x.col(3 * m + 2) = o + random.unit_vector();
     model.set_geometry(start.x.middleCols(3 * m, 3));
   }
   return start;
-}
-
-// The start side by side with itself, n times along each edge, every O in its own image of the box.
-State tiled(const State& unit, int n) {
-  const Eigen::Index atoms = unit.x.cols();
-  Vectors home = unit.x;
-  for (Eigen::Index o = 0; o < atoms; o += 3) {
-    home.middleCols(o, 3).colwise() -= unit.box.steps(unit.box.bricks(unit.x.col(o), std::floor));
-  }
-  State all;
-  all.box = unit.box.scaled(Vec3::Constant(n));
-  all.x.resize(3, atoms * n * n * n);
-  all.v = unit.v.replicate(1, n * n * n);
-  for (int t = 0; t < n * n * n; ++t)
-    all.x.middleCols(t * atoms, atoms) = home.colwise() + unit.box.steps(cube_cell(t, n));
-  return all;
 }
 
 // The molecules nearest the middle, without the box.
@@ -122,42 +78,41 @@ class WaterSource {
     std::filesystem::path file;
     std::optional<double> density;
     if (keys_.read("start", file,
-                   "equilibrated waters of any model in a box, from which n³ times as many are tiled and "
-                   "droplets cut "
-                   "(any other number stands on a lattice); or a droplet, for one of as many"))
+                   "equilibrated waters of any model in a box, of which n³ times as many are tiled, and any "
+                   "other number and droplets cut; or a droplet, for one of as many"))
       start_ = read_start(file);
     keys_.read("density_g_cm3", density,
                {"of a lattice of molecules; required without a start", "g/cm³", kPositive});
-    keys_.read("box", shape_, {"shape of the box", {"cube", "octahedron", "dodecahedron"}});
+    unit_ = read_shape(keys_);
     if (keys_.describing()) return;
     if (!start_) {
       density_ = (density ? *density : keys_.get<double>("density_g_cm3")) * kGramPerCm3 / model.mass();
       return;
     }
-    if (!keep_atoms(start_->x, start_->v)) keys_.fail("start", "expected waters: O, H, H, ...");
+    if (!keep_atoms(*start_)) keys_.fail("start", "expected waters: O, H, H, ...");
     if (keys_.has("density_g_cm3")) keys_.fail("density_g_cm3", "build.start has a density of its own");
     density_ = static_cast<double>(molecules_of_start()) / start_->box.volume();
   }
 
   State box_of(long molecules, std::vector<std::string>& notes) {
-    const Box unit = unit_box(shape_);
-    if (start_) {
-      require_box();
-      const double times = static_cast<double>(molecules) / static_cast<double>(molecules_of_start());
-      const int n = static_cast<int>(std::lround(std::cbrt(times)));
-      if (keys_.has("box") && !start_->box.vectors().isApprox(start_->box.edge.x() * unit.vectors(), 1e-6)) {
-        if (keys_.overridden("start")) keys_.fail("start", "its box is of another shape than build.box");
-        notes.emplace_back("start: the equilibrated start's box is of another shape");
-        return drawn_in(unit, molecules, notes);
-      }
-      if (n * n * n * molecules_of_start() == molecules) return tiled(*start_, n);
-      if (keys_.overridden("start"))
-        keys_.fail("start", fmt::format("{} molecules are not n³ times the {} it has", molecules,
-                                        molecules_of_start()));
-      notes.push_back(fmt::format("start: {} molecules are not n³ times the {} of the equilibrated start",
-                                  molecules, molecules_of_start()));
+    const auto count = static_cast<double>(molecules);
+    if (!start_) {
+      const Box box = unit_.scaled(Vec3::Constant(std::cbrt(count / density_ / unit_.volume())));
+      notes.emplace_back(
+          "start: molecules on a lattice, turned at random, heat up by hundreds of kelvin: equilibrate with "
+          "run.thermostat_ps, or set out from equilibrated water, build.start");
+      drawn_ = true;
+      return lattice_of_water(model_, molecules, box, random_);
     }
-    return drawn_in(unit, molecules, notes);
+    require_box();
+    const bool same_shape =
+        !keys_.has("box") || start_->box.vectors().isApprox(start_->box.edge.x() * unit_.vectors(), 1e-6);
+    const int n = static_cast<int>(std::lround(std::cbrt(count / static_cast<double>(molecules_of_start()))));
+    if (same_shape && n * n * n * molecules_of_start() == molecules) return tiled(*start_, n);
+    const Box shape = keys_.has("box") ? unit_ : start_->box;
+    is_cut_ = true;
+    return cut(*start_, shape.scaled(Vec3::Constant(std::cbrt(count / density_ / shape.volume()))),
+               molecules);
   }
 
   State droplet_of(long molecules, std::vector<std::string>& notes) {
@@ -173,15 +128,15 @@ class WaterSource {
   }
 
   bool drawn() const { return drawn_; }
+  bool is_cut() const { return is_cut_; }  // molecules have neighbours they are not used to
 
- private:
-  State drawn_in(const Box& unit, long molecules, std::vector<std::string>& notes) {
-    notes.emplace_back("start: molecules on a lattice, turned at random; equilibrate with run.thermostat_ps");
-    drawn_ = true;
-    const double edge = std::cbrt(static_cast<double>(molecules) / density_ / unit.volume());
-    return lattice_of_water(model_, molecules, unit.scaled(Vec3::Constant(edge)), random_);
+  // Equilibrated, with room for a cutoff.
+  State bulk(double cutoff) const {
+    return tiled(*start_,
+                 static_cast<int>(std::ceil(std::max(1.0, 2 * cutoff / start_->box.edge.minCoeff()))));
   }
 
+ private:
   long molecules_of_start() const { return start_->x.cols() / 3; }
   void require_box() const {
     if (!start_->box.periodic())
@@ -193,29 +148,37 @@ class WaterSource {
   const WaterModel& model_;
   Random random_;
   std::optional<State> start_;
-  std::string shape_ = "cube";
+  Box unit_;        // the shape asked for
   double density_;  // [molecules/nm³]
-  bool drawn_ = false;
+  bool drawn_ = false, is_cut_ = false;
 };
 
-void add_molecule(const WaterModel& model, int o, Nonbonded& pairs, std::vector<RigidBond>& bonds) {
-  const int h1 = o + 1, h2 = o + 2, end = o + model.atoms();
-  for (int a = o; a < end; ++a) {
-    pairs.charge[a] = a == o ? model.charge_o() : a <= h2 ? model.charge_h : model.charge_of_site();
-    pairs.sigma[a] = a == o ? model.sigma : 1;  // of no account where ε is 0
-    pairs.epsilon[a] = a == o ? model.epsilon : 0;
-    for (int b = a + 1; b < end; ++b) pairs.exceptions.push_back({a, b, 0, 1, 0});
-  }
-  bonds.push_back({o, h1, model.oh});
-  bonds.push_back({o, h2, model.oh});
-  bonds.push_back({h1, h2, model.hh()});
+// Molecules of the model, where these waters are.
+void fill(const WaterModel& model, const State& waters, Scene& scene) {
+  const Molecule molecule = model.molecule();
+  put_together({{&molecule, static_cast<int>(waters.x.cols() / 3)}}, scene);
+  scene.start.box = waters.box;
+  scene.start.v = with_sites(model, waters.v);
+  scene.start.x = model.placed(waters.x);
 }
 
-Names names_of(const WaterModel& model, int molecules) {
-  std::vector<AtomKind> atoms = {{"OW", "HOH", "O"}, {"HW1", "HOH", "H"}, {"HW2", "HOH", "H"}};
-  if (model.sites == 1) atoms.push_back({"MW", "HOH", ""});
-  if (model.sites == 2) atoms.insert(atoms.end(), {{"LP1", "HOH", ""}, {"LP2", "HOH", ""}});
-  return repeated_names(atoms, molecules);
+// Down to the energy that a molecule has in the equilibrated start.
+void settle(const BuildRequest& request, const WaterModel& model, const WaterSource& source, Scene& scene) {
+  Scene bulk;
+  fill(model, source.bulk(scene.terms.nonbonded->cutoff.value_or(0)), bulk);
+  read_cutoff(request.forcefield, bulk.start.box, *bulk.terms.nonbonded);
+  const auto energy_of = [](Scene& of) {
+    ForceField forces(of.system, of.start.box, of.terms);
+    of.start.f = Vectors::Zero(3, of.system.atoms());
+    forces(of.system, of.start);
+    return forces.potential();
+  };
+  const double each = energy_of(bulk) / bulk.system.atoms();
+  ForceField forces(scene.system, scene.start.box, scene.terms);
+  if (!relax(scene.system, forces, model.atoms(), each * scene.system.atoms(), scene.start))
+    scene.notes.emplace_back(
+        "start: cut from equilibrated water, whose faces do not settle here: it heats up; run.minimise = "
+        "true");
 }
 
 }  // namespace
@@ -226,34 +189,15 @@ void build_water(const BuildRequest& request, Scene& scene) {
   const TomlTable& keys = request.keys;
   const WaterModel& model = chosen_model(keys);
   const auto molecules = keys.get<long>("molecules", {"how many", Range{.min = 1}});
-  const int each = model.atoms(), atoms = atoms_of(keys, "molecules", static_cast<double>(molecules), each);
+  atoms_of(keys, "molecules", static_cast<double>(molecules), model.atoms());
   const bool box = keys.choice("shape", {"box", "droplet"}, "a droplet has no box") == "box";
   WaterSource source(request, model);
   keys.counts("box", box, "with build.shape = \"box\"");
   if (keys.describing()) return read_cutoff(request.forcefield, {}, scene.terms.nonbonded.emplace());
-  const State start = box ? source.box_of(molecules, scene.notes) : source.droplet_of(molecules, scene.notes);
-  scene.start.box = start.box;
-  Vectors& x = scene.start.x = with_sites(model, start.x);
-  scene.start.v = with_sites(model, start.v);
-
-  Nonbonded& pairs = scene.terms.nonbonded.emplace();
-  pairs.charge.resize(atoms);
-  pairs.sigma.resize(atoms);
-  pairs.epsilon.resize(atoms);
-  Eigen::VectorXd mass = Eigen::VectorXd::Zero(atoms);
-  std::vector<RigidBond> bonds;
-  VirtualSites sites;
-  for (int o = 0; o < atoms; o += each) {
-    model.set_geometry(x.middleCols(o, 3));
-    mass.segment<3>(o) << model.mass_o, model.mass_h, model.mass_h;
-    add_molecule(model, o, pairs, bonds);
-    for (VirtualSite& site : model.sites_of(o)) sites.push_back(std::move(site));
-  }
-  place_sites(sites, x);
-  scene.names = names_of(model, atoms / each);
-  read_cutoff(request.forcefield, start.box, pairs);
+  fill(model, box ? source.box_of(molecules, scene.notes) : source.droplet_of(molecules, scene.notes), scene);
+  read_cutoff(request.forcefield, scene.start.box, *scene.terms.nonbonded);
   scene.positions_drawn = source.drawn();
-  scene.system = make_system(std::move(mass), std::move(bonds), std::move(sites));
+  if (source.is_cut()) settle(request, model, source, scene);
 }
 
 }  // namespace taut

@@ -8,6 +8,7 @@
 #include "forcefield/pme/parameters.hpp"
 #include "md/errors.hpp"
 #include "md/observables.hpp"
+#include "systems/molecules/read_molecule.hpp"
 #include "systems/start_file.hpp"
 #include "systems/whole_molecules.hpp"
 
@@ -15,19 +16,24 @@ namespace taut {
 namespace {
 
 constexpr Range kDielectric{.min = 1};
-constexpr double kMostAtoms = 5e6;  // about 2 GB of arrays and lists
 
 struct Kind {
   std::string_view name;
   void (*build)(const BuildRequest&, Scene&);
   bool own_start = false;  // reads build.start itself
 };
-constexpr std::array kKinds = {Kind{"atoms", build_atoms},   Kind{"chains", build_chains},
-                               Kind{"rings", build_rings},   Kind{"melt", build_melt},
-                               Kind{"alkane", build_alkane}, Kind{"water", build_water, true}};
+constexpr std::array kKinds = {Kind{"atoms", build_atoms},        Kind{"chains", build_chains},
+                               Kind{"rings", build_rings},        Kind{"melt", build_melt},
+                               Kind{"alkane", build_alkane},      Kind{"water", build_water, true},
+                               Kind{"molecules", build_molecules}};
 
-const Kind& chosen_kind(const TomlTable& keys) {
-  const std::string name = keys.choice("kind", kinds(), "what is built");
+// Molecules that are placed need no kind; with another they would do nothing.
+const Kind& chosen_kind(const TomlTable& root, const TomlTable& keys) {
+  std::string name = root.has("place") ? "molecules" : "";
+  if (name.empty() || keys.has("kind"))
+    name = keys.choice("kind", kinds(), "what is built; not said beside [[place]]: molecules");
+  for (const char* key : {"place", "molecule", "atom"})
+    root.counts(key, name == "molecules", "with build.kind = \"molecules\"");
   return *std::ranges::find(kKinds, name, &Kind::name);
 }
 
@@ -42,11 +48,14 @@ const char* misfit(const State& start, const Scene& scene) {
   return nullptr;
 }
 
-// The last state of a run of the same scene in place of the built one.
-void lay_start(const BuildRequest& request, Scene& scene) {
+// The last state of a run of the same scene in place of the built one; where asked for, in the box it came
+// to.
+void lay_start(const BuildRequest& request, bool any_box, Scene& scene) {
   std::filesystem::path file;
   if (!request.keys.read("start", file, "positions and velocities, of a run of the same scene")) return;
   State start = read_start(file);
+  if (any_box && request.keys.overridden("start") && start.box.periodic() && scene.start.box.periodic())
+    scene.start.box = start.box;
   if (const char* reason = misfit(start, scene)) {
     if (request.keys.overridden("start")) request.keys.fail("start", fmt::format("it has {}", reason));
     scene.notes.push_back(fmt::format("start: {} is set aside, it has {}", file.filename().string(), reason));
@@ -73,11 +82,11 @@ std::vector<std::string_view> kinds() {
 }
 
 void build(const BuildRequest& request, Scene& scene, std::string_view described) {
-  const Kind& chosen = chosen_kind(request.keys);
+  const Kind& chosen = chosen_kind(request.root, request.keys);
   const Kind& kind = described.empty() ? chosen : *std::ranges::find(kKinds, described, &Kind::name);
   kind.build(request, scene);
   if (scene.terms.nonbonded || scene.terms.wca) read_precision(request.forcefield, scene.terms);
-  if (!kind.own_start) lay_start(request, scene);
+  if (!kind.own_start) lay_start(request, &kind == &kKinds.back(), scene);
   if (request.keys.describing()) return;
   if (scene.names.empty()) scene.names = guessed_names(scene.system, scene.terms);
   scene.start.f = Vectors::Zero(3, scene.system.atoms());

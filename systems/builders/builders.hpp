@@ -10,6 +10,7 @@ namespace taut {
 
 // What a builder is given. Everything it draws comes from run.seed.
 struct BuildRequest {
+  const TomlTable& root;
   const TomlTable& keys;        // [build]
   const TomlTable& forcefield;  // [forcefield]
   const RunSettings& run;
@@ -28,12 +29,13 @@ std::vector<std::string_view> kinds();
 // [forcefield] precision = "double" (unless said) | "mixed" goes for all kinds with pair forces.
 
 // The one list of kinds. A builder first reads its keys, and returns where they are only described.
-void build_atoms(const BuildRequest& request, Scene& scene);   // atoms and bonds one by one
-void build_chains(const BuildRequest& request, Scene& scene);  // freely jointed chains without forces
-void build_rings(const BuildRequest& request, Scene& scene);   // closed rings without forces
-void build_melt(const BuildRequest& request, Scene& scene);    // dense bead chains, Lennard-Jones or WCA
-void build_alkane(const BuildRequest& request, Scene& scene);  // liquid n-alkanes, united atoms
-void build_water(const BuildRequest& request, Scene& scene);   // rigid water, box or droplet
+void build_atoms(const BuildRequest& request, Scene& scene);      // atoms and bonds one by one
+void build_chains(const BuildRequest& request, Scene& scene);     // freely jointed chains without forces
+void build_rings(const BuildRequest& request, Scene& scene);      // closed rings without forces
+void build_melt(const BuildRequest& request, Scene& scene);       // dense bead chains, Lennard-Jones or WCA
+void build_alkane(const BuildRequest& request, Scene& scene);     // liquid n-alkanes, united atoms
+void build_water(const BuildRequest& request, Scene& scene);      // rigid water, box or droplet
+void build_molecules(const BuildRequest& request, Scene& scene);  // any molecules, said in the scene
 
 // The atoms of `copies` things of `atoms_each`, as an int. Throws LocatedError at `key` for more than taut
 // takes, before anything is allocated.

@@ -52,6 +52,18 @@ Grid fit_grid(long cells, const Vec3& cell, int ny_step) {
   return best;
 }
 
+BrickGrid::BrickGrid(const Box& box, long count) : edge_(box.edge), count_(count) {
+  const double apart = std::cbrt(box.volume() / static_cast<double>(count));
+  n_ = (edge_.array() / apart - 1e-9).ceil().cast<long>();
+}
+
+Vec3 BrickGrid::site(long m) const {
+  const long site = m * n_.prod() / count_;
+  const Eigen::Array3d cell =
+      Eigen::Array<long, 3, 1>(site % n_[0], site / n_[0] % n_[1], site / n_[0] / n_[1]).cast<double>();
+  return edge_.array() / n_.cast<double>().array() * (cell + 0.5);
+}
+
 HexagonalColumns HexagonalColumns::of_area(double area) {
   return {std::sqrt(area / kRowHeight)};
 }

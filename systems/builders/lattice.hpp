@@ -2,7 +2,7 @@
 
 // Where builders put molecules: grids of cells that fill a box.
 
-#include "md/vectors.hpp"
+#include "md/box.hpp"
 
 namespace taut {
 
@@ -21,6 +21,18 @@ Vec3 cube_cell(long c, long n);
 // At least `cells` cells of the given shape [nm]: near to a cube, and with few left over. ny is a multiple of
 // ny_step. Throws InputError for a shape that no such box can be made of.
 Grid fit_grid(long cells, const Vec3& cell, int ny_step = 1);
+
+// A grid in the box's brick, for so many; sites left empty are spread evenly.
+class BrickGrid {
+ public:
+  BrickGrid(const Box& box, long count);
+  Vec3 site(long m) const;  // the middle of the cell that the m-th has [nm]
+
+ private:
+  Vec3 edge_;
+  long count_;
+  Eigen::Matrix<long, 3, 1> n_;
+};
 
 // Columns along z on a hexagonal lattice: every column has its six neighbours at `spacing`. Periodic for an
 // even ny.

@@ -1,5 +1,6 @@
 #include "systems/builders/water_models.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -40,18 +41,68 @@ void WaterModel::set_geometry(Eigen::Ref<Vectors> x) const {
   x.col(2) = o + along * bisector - aside * across;
 }
 
+namespace {
+
 // r₁₂ + r₁₃ is the bisector, 2 OH cos ½HOH long; r₁₂ × r₁₃ is normal to it, OH² sin HOH long.
-VirtualSites WaterModel::sites_of(int o) const {
-  const double bisector = 2 * oh * std::cos(half_angle()), normal = oh * oh * std::sin(2 * half_angle());
-  if (sites == 0) return {};
-  if (sites == 1) {
-    const double w = site / bisector;
-    return {VirtualSite::average(o + 3, {{o, 1 - 2 * w}, {o + 1, w}, {o + 2, w}})};
+VirtualSites sites_of(const WaterModel& model) {
+  const double bisector = 2 * model.oh * std::cos(model.half_angle());
+  const double normal = model.oh * model.oh * std::sin(2 * model.half_angle());
+  if (model.sites == 0) return {};
+  if (model.sites == 1) {
+    const double w = model.site / bisector;
+    return {VirtualSite::average(3, {{0, 1 - 2 * w}, {1, w}, {2, w}})};
   }
-  const double half = site_angle * std::numbers::pi / 360;
-  const double w = -site * std::cos(half) / bisector, c = site * std::sin(half) / normal;
-  return {VirtualSite::out_of_plane(o + 3, o, o + 1, o + 2, {w, w, -c}),
-          VirtualSite::out_of_plane(o + 4, o, o + 1, o + 2, {w, w, c})};
+  const double half = model.site_angle * std::numbers::pi / 360;
+  const double w = -model.site * std::cos(half) / bisector, c = model.site * std::sin(half) / normal;
+  return {VirtualSite::out_of_plane(3, 0, 1, 2, {w, w, -c}),
+          VirtualSite::out_of_plane(4, 0, 1, 2, {w, w, c})};
+}
+
+}  // namespace
+
+const WaterModel* water_model(std::string_view name) {
+  const auto& all = water_models();
+  const auto found = std::ranges::find(all, name, &WaterModel::name);
+  return found == all.end() ? nullptr : &*found;
+}
+
+Molecule WaterModel::molecule() const {
+  Molecule water;
+  water.name = name;
+  water.kinds = {{"OW", "HOH", "O"}, {"HW1", "HOH", "H"}, {"HW2", "HOH", "H"}};
+  if (sites == 1) water.kinds.push_back({"MW", "HOH", ""});
+  if (sites == 2) water.kinds.insert(water.kinds.end(), {{"LP1", "HOH", ""}, {"LP2", "HOH", ""}});
+  Eigen::VectorXd mass = Eigen::VectorXd::Zero(atoms());
+  mass.head<3>() << mass_o, mass_h, mass_h;
+  Nonbonded& pairs = water.terms.nonbonded.emplace();
+  pairs.charge = Eigen::VectorXd::Constant(atoms(), charge_of_site());
+  pairs.charge.head<3>() << charge_o(), charge_h, charge_h;
+  pairs.sigma = Eigen::VectorXd::Ones(atoms());  // of no account where ε is 0
+  pairs.epsilon = Eigen::VectorXd::Zero(atoms());
+  pairs.sigma[0] = sigma;
+  pairs.epsilon[0] = epsilon;
+  for (int a = 0; a < atoms(); ++a)
+    for (int b = a + 1; b < atoms(); ++b) pairs.exceptions.push_back({a, b, 0, 1, 0});
+  water.system = make_system(std::move(mass), {{0, 1, oh}, {0, 2, oh}, {1, 2, hh()}}, sites_of(*this));
+  water.x = Vectors::Zero(3, atoms());
+  water.x.col(1) = Vec3(1, 1, 0);
+  water.x.col(2) = Vec3(1, -1, 0);
+  set_geometry(water.x.leftCols<3>());
+  place_sites(water.system.sites, water.x);
+  return water;
+}
+
+Vectors WaterModel::placed(const Vectors& waters) const {
+  const VirtualSites of_one = sites_of(*this);
+  Vectors all(3, waters.cols() / 3 * atoms());
+  Vectors one = Vectors::Zero(3, atoms());
+  for (Eigen::Index m = 0; m < waters.cols() / 3; ++m) {
+    one.leftCols<3>() = waters.middleCols<3>(3 * m);
+    set_geometry(one.leftCols<3>());
+    place_sites(of_one, one);
+    all.middleCols(m * atoms(), atoms()) = one;
+  }
+  return all;
 }
 
 }  // namespace taut

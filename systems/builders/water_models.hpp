@@ -3,7 +3,7 @@
 #include <string_view>
 #include <vector>
 
-#include "md/virtual_sites.hpp"
+#include "systems/molecules/molecule.hpp"
 
 namespace taut {
 
@@ -30,10 +30,12 @@ struct WaterModel {
 
   // O where it is, both H at the model's distances in the molecule's own plane, about its own bisector.
   void set_geometry(Eigen::Ref<Vectors> x) const;
-  // Those of the molecule whose O is atom o.
-  VirtualSites sites_of(int o) const;
+  Molecule molecule() const;
+  // Molecules where waters of three atoms are, O, H, H: O stays.
+  Vectors placed(const Vectors& waters) const;
 };
 
 const std::vector<WaterModel>& water_models();
+const WaterModel* water_model(std::string_view name);  // null: there is none of that name
 
 }  // namespace taut

@@ -1,0 +1,184 @@
+#include "files/coordinate_file.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <numbers>
+#include <sstream>
+#include <vector>
+
+#include "md/errors.hpp"
+
+namespace taut {
+namespace {
+
+std::string trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t\r");
+  if (first == text.npos) return "";
+  return std::string(text.substr(first, text.find_last_not_of(" \t\r") + 1 - first));
+}
+
+// A file's lines, one after the other, by columns.
+class Lines {
+ public:
+  explicit Lines(const std::filesystem::path& file) : file_(file.string()), in_(file, std::ios::binary) {
+    if (!std::filesystem::is_regular_file(file) || !in_) throw InputError(file_ + ": no such file");
+  }
+
+  bool next() {
+    ++number_;
+    return static_cast<bool>(std::getline(in_, line));
+  }
+  std::string columns(std::size_t first, std::size_t width) const {
+    return first < line.size() ? trimmed(std::string_view(line).substr(first, width)) : "";
+  }
+  double number(std::size_t first, std::size_t width, const char* what) const {
+    return to_number(columns(first, width), what);
+  }
+  double to_number(const std::string& text, const char* what) const {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+      fail(fmt::format("expected {}, got \"{}\"", what, text));
+    return value;
+  }
+  [[noreturn]] void fail(const std::string& message) const {
+    throw InputError(fmt::format("{}:{}: {}", file_, number_, message));
+  }
+
+  std::string line;
+
+ private:
+  std::string file_;
+  std::ifstream in_;
+  int number_ = 0;
+};
+
+// Atoms as they come.
+class Collected {
+ public:
+  // `residue` changes from one residue to the next.
+  void add(const Vec3& x, const AtomKind& kind, const std::string& residue) {
+    x_.push_back(x);
+    const auto [at, fresh] = known_.try_emplace(kind, static_cast<int>(names_.kinds.size()));
+    if (fresh) names_.kinds.push_back(kind);
+    names_.kind.push_back(at->second);
+    if (!names_.residue.empty() && residue != last_) ++count_;
+    names_.residue.push_back(count_);
+    last_ = residue;
+  }
+  void add_velocity(const Vec3& v) { v_.push_back(v); }
+
+  Coordinates made(const Box& box) const { return {columns(x_), columns(v_), box, names_}; }
+  std::size_t size() const { return x_.size(); }
+
+ private:
+  static Vectors columns(const std::vector<Vec3>& all) {
+    Vectors x(3, all.size());
+    for (std::size_t a = 0; a < all.size(); ++a) x.col(a) = all[a];
+    return x;
+  }
+
+  std::vector<Vec3> x_, v_;
+  Names names_;
+  std::map<AtomKind, int> known_;
+  std::string last_;
+  int count_ = 0;
+};
+
+Box checked(const Eigen::Matrix3d& vectors, const Lines& lines) {
+  if (const std::string flaw = Box::flaw(vectors); !flaw.empty()) lines.fail("its box: " + flaw);
+  return Box::of(vectors);
+}
+
+// CRYST1's lengths and angles as vectors. A cell of 1 Å stands for none (wwPDB's convention).
+Box read_cell(const Lines& lines) {
+  std::array<double, 3> length, cosine;
+  for (int d = 0; d < 3; ++d) {
+    length[d] = 0.1 * lines.number(6 + 9 * d, 9, "an edge");
+    const double angle = lines.number(33 + 7 * d, 7, "an angle");
+    cosine[d] = angle == 90 ? 0 : std::cos(angle * std::numbers::pi / 180);
+  }
+  if (length == std::array{0.1, 0.1, 0.1} || length == std::array{0.0, 0.0, 0.0}) return {};
+  const auto& [alpha, beta, gamma] = cosine;
+  const double sine = std::sqrt(1 - gamma * gamma), cy = (alpha - beta * gamma) / sine;
+  Eigen::Matrix3d m;
+  m << length[0], length[1] * gamma, length[2] * beta, 0, length[1] * sine, length[2] * cy, 0, 0,
+      length[2] * std::sqrt(1 - beta * beta - cy * cy);
+  return checked(m, lines);
+}
+
+Coordinates read_pdb(Lines& lines) {
+  Collected atoms;
+  Box box;
+  while (lines.next()) {
+    const std::string record = lines.columns(0, 6);
+    if (record == "CRYST1") box = read_cell(lines);
+    if (record == "ENDMDL") break;
+    if (record != "ATOM" && record != "HETATM") continue;
+    if (const std::string other = lines.columns(16, 1); !other.empty() && other != "A")
+      lines.fail(fmt::format("alternate location {}, expected one place for each atom", other));
+    Vec3 x;
+    for (int d = 0; d < 3; ++d) x[d] = 0.1 * lines.number(30 + 8 * d, 8, "a position");
+    std::string element = lines.columns(76, 2);
+    if (element.size() == 2) element[1] = static_cast<char>(std::tolower(element[1]));
+    atoms.add(x, {lines.columns(12, 4), lines.columns(17, 4), element}, lines.columns(17, 10));
+  }
+  if (atoms.size() == 0) lines.fail("there are no atoms in it");
+  return atoms.made(box);
+}
+
+// The box: three edges, or v1(x) v2(y) v3(z) v1(y) v1(z) v2(x) v2(z) v3(x) v3(y).
+Box read_gro_box(Lines& lines) {
+  std::istringstream words(lines.line);
+  std::vector<double> n;
+  for (std::string word; words >> word;) n.push_back(lines.to_number(word, "an edge of the box"));
+  if (n.size() != 3 && n.size() != 9) lines.fail("expected the box, 3 or 9 numbers");
+  n.resize(9);
+  if (n == std::vector<double>(9)) return {};
+  Eigen::Matrix3d m;
+  m << n[0], n[5], n[7], n[3], n[1], n[8], n[4], n[6], n[2];
+  return checked(m, lines);
+}
+
+Coordinates read_gro(Lines& lines) {
+  lines.next();
+  lines.next();
+  const double count = lines.to_number(trimmed(lines.line), "the number of atoms");
+  Collected atoms;
+  for (double a = 0; a < count; ++a) {
+    if (!lines.next()) lines.fail(fmt::format("expected {} atoms, got {}", count, a));
+    // Columns are as wide as decimal points are apart.
+    const auto point = lines.line.find('.', 20);
+    const auto second = point == std::string::npos ? point : lines.line.find('.', point + 1);
+    if (second == std::string::npos) lines.fail("expected three positions");
+    const auto width = second - point;
+    Vec3 x, v;
+    for (int d = 0; d < 3; ++d) x[d] = lines.number(20 + d * width, width, "a position");
+    atoms.add(x, {lines.columns(10, 5), lines.columns(5, 5), ""}, lines.columns(0, 10));
+    if (lines.columns(20 + 3 * width, 3 * width).empty()) continue;
+    for (int d = 0; d < 3; ++d) v[d] = lines.number(20 + (3 + d) * width, width, "a velocity");
+    atoms.add_velocity(v);
+  }
+  if (!lines.next()) lines.fail("expected the box, 3 or 9 numbers");
+  Coordinates made = atoms.made(read_gro_box(lines));
+  if (made.v.cols() != 0 && made.v.cols() != made.x.cols())
+    lines.fail("some atoms have velocities, others none");
+  return made;
+}
+
+}  // namespace
+
+Coordinates read_coordinates(const std::filesystem::path& file) {
+  const std::string ending = file.extension().string();
+  const bool pdb = ending == ".pdb" || ending == ".ent";
+  if (!pdb && ending != ".gro")
+    throw InputError(fmt::format("{}: expected a file of coordinates, .pdb or .gro", file.string()));
+  Lines lines(file);
+  return pdb ? read_pdb(lines) : read_gro(lines);
+}
+
+}  // namespace taut

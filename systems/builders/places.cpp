@@ -1,0 +1,157 @@
+#include "systems/builders/places.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "systems/box_keys.hpp"
+#include "systems/builders/lattice.hpp"
+#include "systems/whole_molecules.hpp"
+
+namespace taut {
+namespace {
+
+std::vector<BondedPair> repeated_pairs(const Molecule& molecule, Eigen::Index atoms) {
+  std::vector<BondedPair> pairs;
+  for (int first = 0; first < atoms; first += molecule.atoms())
+    for (const auto& [i, j] : bonded_pairs(molecule.system, molecule.terms))
+      pairs.push_back({first + i, first + j});
+  return pairs;
+}
+
+// How many there are, by what gives their places; without any of it, how many are asked for.
+long copies_given(const TomlTable& keys, Place& place) {
+  Rows rows;
+  const bool centred =
+      keys.read("centres_nm", rows, Columns{3, 3},
+                "[x, y, z] of each copy: its middle, or the first atom of one without a shape");
+  const auto file = read_file(keys);
+  if (centred && file) keys.fail("file", "centres_nm are said already; leave one out");
+  std::string arrange = "random";
+  keys.read("arrange", arrange, {"where copies are put", {"random", "lattice"}});
+  place.lattice = arrange == "lattice";
+  keys.counts("arrange", !centred && !file, "without centres_nm and file");
+  if (centred) {
+    place.centres.resize(3, rows.size());
+    for (std::size_t k = 0; k < rows.size(); ++k) place.centres.col(k) = Vec3(rows[k].data());
+    return std::ssize(rows);
+  }
+  if (!file) return place.count;
+  const Molecule& molecule = *place.molecule;
+  place.given = *file;
+  Vectors& x = place.given.x;
+  if (x.cols() % molecule.atoms() != 0)
+    keys.fail("file",
+              fmt::format("{} atoms are no whole number of molecules of {}", x.cols(), molecule.atoms()));
+  make_whole(place.given.box, repeated_pairs(molecule, x.cols()), x);
+  if (const std::string wrong = wrong_bonds(molecule, x); !wrong.empty()) keys.fail("file", wrong);
+  return x.cols() / molecule.atoms();
+}
+
+// What [build] says of the box.
+struct BoxKeys {
+  std::vector<double> edges;
+  std::optional<double> grams, atoms;  // [g/cm³], [1/nm³]
+  Box shape;
+
+  explicit BoxKeys(const TomlTable& keys) {
+    keys.read("box_nm", edges,
+              {"a box's edges, or its vectors in reduced form, or one number, of the shape `box`", "nm"});
+    keys.read("density_g_cm3", grams, {"density of the box", "g/cm³", kPositive});
+    keys.read("density_per_nm3", atoms, {"atoms in a volume", "1/nm³", kPositive});
+    shape = read_shape(keys);
+    for (const char* key : {"density_g_cm3", "density_per_nm3"})
+      keys.counts(key, edges.empty(), "without build.box_nm");
+    keys.counts("density_per_nm3", !grams, "without build.density_g_cm3");
+    keys.counts("box", edges.size() == 1 || grams || atoms, "with a density, or one number for build.box_nm");
+  }
+};
+
+}  // namespace
+
+Library read_library(const TomlTable& root) {
+  KnownAtoms known;
+  const TomlTable atoms = root.section("atom");
+  for (const std::string& name : atoms.keys()) {
+    const TomlTable keys = atoms.section(name);
+    known.emplace(name, read_atom(keys, name));
+    keys.reject_unknown();
+  }
+  Library library;
+  const TomlTable said = root.section("molecule");
+  for (const std::string& name : said.keys()) {
+    const TomlTable keys = said.section(name);
+    library.molecules.emplace(name, read_molecule(keys, name, known));
+    keys.reject_unknown();
+  }
+  for (const WaterModel& model : water_models()) {
+    const auto [at, fresh] = library.molecules.try_emplace(std::string(model.name), model.molecule());
+    if (fresh) library.water[&at->second] = &model;
+  }
+  return library;
+}
+
+Place read_place(const TomlTable& keys, const Library& library) {
+  std::vector<std::string_view> names;
+  for (const auto& [name, molecule] : library.molecules) names.push_back(name);
+  Place place;
+  place.molecule =
+      &library.molecules.at(keys.choice("molecule", names, "[molecule.NAME], or one of taut's waters"));
+  place.equilibrated = library.water.contains(place.molecule);
+  const bool counted =
+      keys.read("count", place.count, {"copies; water without it fills what room there is", Range{.min = 1}});
+  const long given = copies_given(keys, place);
+  if (counted && given != place.count)
+    keys.fail("count", fmt::format("{}, but {} copies are given", place.count, given));
+  place.count = given;
+  place.fills = given == 0;
+  if (place.fills && !place.equilibrated) keys.get<long>("count");  // says it is missing
+  if (place.lattice) place.equilibrated = false;
+  if (place.fills && place.lattice) keys.fail("arrange", "water without a count fills what room there is");
+  keys.reject_unknown();
+  return place;
+}
+
+std::vector<Place> read_places(const TomlTable& root, const Library& library) {
+  std::vector<Place> places;
+  double atoms = 0;
+  for (std::size_t k = 0; k < root.size("place"); ++k) {
+    places.push_back(read_place(root.section("place", k), library));
+    atoms += places.back().atoms();
+    if (atoms > kMostAtoms)
+      root.fail("place", k,
+                fmt::format("makes it {:.3g} atoms, more than the {} taut takes", atoms, kMostAtoms));
+  }
+  if (places.empty()) root.fail("place", "expected at least one [[place]]");
+  for (const auto& [name, molecule] : library.molecules)
+    if (!library.water.contains(&molecule) &&
+        std::ranges::find(places, &molecule, &Place::molecule) == places.end())
+      root.section("molecule").fail(name, "no [[place]] has it");
+  return places;
+}
+
+Box box_of(const TomlTable& keys, const std::vector<Place>& places) {
+  const BoxKeys said(keys);
+  double mass = 0, atoms = 0;
+  for (const Place& place : places) {
+    mass += static_cast<double>(place.count) * place.molecule->system.mass.sum();
+    atoms += place.atoms();
+  }
+  if (said.edges.size() > 1) return read_box(keys);
+  if (!said.edges.empty() && !(said.edges[0] > 0)) keys.fail("box_nm", "expected more than 0");
+  if (!said.edges.empty()) return said.shape.scaled(Vec3::Constant(said.edges[0]));
+  if (said.grams && mass == 0) keys.fail("density_g_cm3", "there is no mass");
+  if ((said.grams || said.atoms) && std::ranges::any_of(places, &Place::fills))
+    keys.fail(said.grams ? "density_g_cm3" : "density_per_nm3",
+              "water without a count fills a box: say build.box_nm, or a count");
+  if (said.grams || said.atoms) {
+    const double volume = said.grams ? mass / (*said.grams * kGramPerCm3) : atoms / *said.atoms;
+    return said.shape.scaled(Vec3::Constant(std::cbrt(volume / said.shape.volume())));
+  }
+  for (const Place& place : places)
+    if (place.given.box.periodic()) return place.given.box;
+  return {};
+}
+
+}  // namespace taut

@@ -1,0 +1,249 @@
+#include "systems/molecules/conformation.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+
+#include "forcefield/dihedral.hpp"
+#include "md/errors.hpp"
+
+namespace taut {
+namespace {
+
+constexpr int kDirections = 64;       // to choose from, for every atom
+constexpr int kShapes = 100;          // tried before a molecule is said to have none
+constexpr int kSweeps = 4000;         // over all distances
+constexpr double kClosed = 1e-10;     // of a length
+constexpr double kTouch = 0.85 / 2;   // radius of a sphere, in σ: two come as near as 0.85 σ in a liquid
+constexpr double kBareCharge = 0.05;  // of a charge without Lennard-Jones [nm]
+constexpr int kNear = 3;              // ties apart
+
+Vec3 at_angle(const Vec3& axis, double angle, Random& random) {
+  const Vec3 u = axis.normalized(), w = random.unit_vector();
+  return std::cos(angle) * u + std::sin(angle) * (w - w.dot(u) * u).normalized();
+}
+
+Eigen::Matrix3d random_turn(Random& random) {  // Shoemake 1992, doi:10.1016/B978-0-08-050755-2.50036-1
+  const double s = random.uniform(), a = 2 * std::numbers::pi * random.uniform(),
+               b = 2 * std::numbers::pi * random.uniform();
+  const double p = std::sqrt(1 - s), q = std::sqrt(s);
+  return Eigen::Quaterniond(q * std::cos(b), p * std::sin(a), p * std::cos(a), q * std::sin(b))
+      .toRotationMatrix();
+}
+
+double radius_of(const Molecule& molecule, int a) {
+  if (!molecule.terms.nonbonded) return 0;
+  const Nonbonded& pairs = *molecule.terms.nonbonded;
+  if (pairs.epsilon[a] > 0) return kTouch * pairs.sigma[a];
+  return pairs.charge[a] != 0 ? kBareCharge : 0;
+}
+
+}  // namespace
+
+Conformations::Conformations(const Molecule& molecule, double kT)
+    : molecule_(molecule), kT_(kT), shaped_(molecule.x.cols() > 0), near_(molecule.atoms()) {
+  for (int a = 0; a < molecule.atoms(); ++a) radius_.push_back(radius_of(molecule, a));
+  if (shaped_) return;
+  for (const auto& [i, j, apart] : near_pairs(molecule, kNear)) {
+    near_[i].push_back(j);
+    near_[j].push_back(i);
+  }
+  for (auto& near : near_) std::ranges::sort(near);
+  plan_torsions();
+  plan_growth();
+  plan_distances();
+  Random random(1);
+  for (int shape = 0; shape < kShapes; ++shape) {
+    Room empty({}, widest());
+    if (put(Vec3::Zero(), shape < kShapes / 2 ? 1 : 0.5, empty, random)) return;
+  }
+  throw InputError(
+      "no shape found in which all bonds have their lengths and no atoms overlap; give coordinates_nm or "
+      "file");
+}
+
+void Conformations::plan_torsions() {
+  const auto add = [&](const auto& list, auto member) {
+    for (const auto& term : list) {
+      Torsion& torsion = torsions_.emplace_back(Torsion{{term.i, term.j, term.k, term.l}});
+      torsion.*member = term;
+    }
+  };
+  add(molecule_.terms.torsions, &Torsion::periodic);
+  add(molecule_.terms.rb_torsions, &Torsion::powers);
+  add(molecule_.terms.harmonic_torsions, &Torsion::harmonic);
+}
+
+// Breadth first from atom 0.
+void Conformations::plan_growth() {
+  std::vector<std::vector<std::pair<int, double>>> next(molecule_.atoms());
+  for (const auto& [i, j, length, k] : ties(molecule_)) {
+    const double grown =
+        length == 0 && k > 0 ? std::sqrt(3 * kT_ / k) : length;  // √⟨r²⟩ of a spring of length 0
+    next[i].emplace_back(j, grown);
+    next[j].emplace_back(i, grown);
+  }
+  std::vector<int> rank(molecule_.atoms(), -1);
+  order_.push_back({0});
+  rank[0] = 0;
+  for (std::size_t k = 0; k < order_.size(); ++k)
+    for (const auto& [atom, length] : next[order_[k].atom]) {
+      if (rank[atom] >= 0) continue;
+      rank[atom] = static_cast<int>(order_.size());
+      order_.push_back({atom, order_[k].atom, -1, length});
+    }
+  closes_ = std::ssize(ties(molecule_)) > molecule_.atoms() - 1;
+  for (const auto& [i, j, k, angle, stiffness] : molecule_.terms.angles) {
+    const int last = rank[i] > rank[k] ? i : k;
+    Growth& growth = order_[rank[last]];
+    if (growth.parent != j) continue;
+    closes_ = closes_ || growth.grand >= 0;
+    growth.grand = last == i ? k : i;
+    growth.angle = angle;
+  }
+  for (std::size_t t = 0; t < torsions_.size(); ++t) {
+    int last = 0;
+    for (const int a : torsions_[t].atoms) last = std::max(last, rank[a]);
+    order_[last].torsions.push_back(static_cast<int>(t));
+  }
+}
+
+void Conformations::plan_distances() {
+  std::map<std::pair<int, int>, double> length;
+  for (const Tie& tie : ties(molecule_)) {
+    if (tie.length == 0) continue;
+    length[std::minmax(tie.i, tie.j)] = tie.length;
+    distances_.push_back({tie.i, tie.j, tie.length, true});
+  }
+  for (const auto& [i, j, k, angle, stiffness] : molecule_.terms.angles) {
+    const auto a = length.find(std::minmax(i, j)), b = length.find(std::minmax(j, k));
+    if (a == length.end() || b == length.end() || length.contains(std::minmax(i, k))) continue;
+    const double p = a->second, q = b->second;
+    distances_.push_back({i, k, std::sqrt(p * p + q * q - 2 * p * q * std::cos(angle)), false});
+  }
+}
+
+std::optional<Vectors> Conformations::put(const Vec3& at, double scale, Room& room, Random& random) const {
+  if (shaped_) {
+    const Vec3 middle = molecule_.x.rowwise().mean();
+    return place((random_turn(random) * (molecule_.x.colwise() - middle)).colwise() + at, scale, room);
+  }
+  if (!closes_) return grow(at, scale, room, random);
+  Room alone({}, widest());
+  auto shape = grow(at, 0, alone, random);
+  return shape && close(*shape) ? place(std::move(*shape), scale, room) : std::nullopt;
+}
+
+std::optional<Vectors> Conformations::place(Vectors x, double scale, Room& room) const {
+  const int first = room.taken();
+  for (int a = 0; a < x.cols(); ++a) {
+    const auto may = [&](int n) { return n >= first && (shaped_ || near(a, n - first)); };
+    if (!room.free(x.col(a), scale * radius_[a], may)) {
+      room.release(first);
+      return {};
+    }
+    room.take(x.col(a), scale * radius_[a]);
+  }
+  return x;
+}
+
+// One of several things is chosen by its weight w where each has −ln w + ln(−ln u) and the least is taken,
+// with u uniform (Gumbel): no sum is needed.
+std::optional<Vectors> Conformations::grow(const Vec3& at, double scale, Room& room, Random& random) const {
+  const int first = room.taken();
+  Vectors x(3, molecule_.atoms());
+  for (const Growth& growth : order_) {
+    const double radius = scale * radius_[growth.atom];
+    const auto may = [&](int n) { return n >= first && near(growth.atom, order_[n - first].atom); };
+    Vec3 best = Vec3::Zero();
+    double least = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < (growth.parent < 0 ? 1 : kDirections); ++k) {
+      auto here = x.col(growth.atom);
+      here = at;
+      if (growth.parent >= 0) {
+        const Vec3 parent = x.col(growth.parent);
+        here = parent + growth.length * (growth.grand < 0
+                                             ? random.unit_vector()
+                                             : at_angle(x.col(growth.grand) - parent, growth.angle, random));
+      }
+      if (!room.free(here, radius, may)) continue;
+      if (growth.torsions.empty()) {
+        best = here, least = 0;
+        break;
+      }
+      double cost = std::log(-std::log(1 - random.uniform()));
+      for (const int t : growth.torsions) cost += energy(torsions_[t], x) / kT_;
+      if (cost < least || least == std::numeric_limits<double>::infinity()) least = cost, best = here;
+    }
+    if (least == std::numeric_limits<double>::infinity()) {
+      room.release(first);
+      return {};
+    }
+    x.col(growth.atom) = best;
+    room.take(best, radius);
+  }
+  return x;
+}
+
+// First with the angles, which may not all fit; then the ties alone.
+bool Conformations::close(Vectors& x) const {
+  double worst = 1;
+  for (const bool ties_alone : {false, true}) {
+    worst = 1;
+    for (int sweep = 0; sweep < kSweeps && worst > kClosed; ++sweep) {
+      worst = 0;
+      for (const auto& [i, j, length, tie] : distances_) {
+        if (ties_alone && !tie) continue;
+        const Vec3 d = x.col(j) - x.col(i);
+        const double r = d.norm(), off = r - length;
+        worst = std::max(worst, std::abs(off) / length);
+        if (r == 0) return false;
+        x.col(i) += 0.5 * off / r * d;
+        x.col(j) -= 0.5 * off / r * d;
+      }
+    }
+  }
+  return worst <= kClosed;
+}
+
+double Conformations::energy(const Torsion& torsion, const Vectors& x) const {
+  const auto& [i, j, k, l] = torsion.atoms;
+  const double phi = Dihedral(x.col(i), x.col(j), x.col(k), x.col(l)).phi;
+  double sum = torsion.periodic.amplitude *
+               (1 + std::cos(torsion.periodic.periodicity * phi - torsion.periodic.phase));
+  double power = 1;
+  for (const double c : torsion.powers.c) {
+    sum += c * power;
+    power *= -std::cos(phi);
+  }
+  const double off = std::remainder(phi - torsion.harmonic.angle, 2 * std::numbers::pi);
+  return sum + 0.5 * torsion.harmonic.stiffness * off * off;
+}
+
+bool Conformations::near(int a, int b) const {
+  return std::ranges::binary_search(near_[a], b);
+}
+
+double Conformations::widest() const {
+  return radius_.empty() ? 0 : *std::ranges::max_element(radius_);
+}
+
+double Conformations::extent() const {
+  double across = 0;
+  if (shaped_) {
+    const Vec3 middle = molecule_.x.rowwise().mean();
+    across = 2 * (molecule_.x.colwise() - middle).colwise().norm().maxCoeff();
+  } else {
+    double longest = 0;
+    for (const Growth& growth : order_) longest = std::max(longest, growth.length);
+    across = longest * std::min(std::max(molecule_.atoms() - 1.0, 0.0), 3 * std::sqrt(molecule_.atoms()));
+  }
+  return across + 8 * widest();
+}
+
+}  // namespace taut

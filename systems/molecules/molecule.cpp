@@ -1,0 +1,128 @@
+#include "systems/molecules/molecule.hpp"
+
+#include <algorithm>
+#include <concepts>
+#include <map>
+
+#include "md/adjacency.hpp"
+#include "systems/whole_molecules.hpp"
+
+namespace taut {
+namespace {
+
+// Of a FENE spring with k = 30 ε/σ², r₀ = 1.5 σ, between beads that repel each other (Kremer and Grest 1990,
+// doi:10.1063/1.458541): 0.97 σ.
+constexpr double kFeneLength = 0.97 / 1.5;
+
+// A term of the atoms i, j, k, l, as many as it has, further on by `by`.
+template <class Term>
+Term moved(Term term, int by) {
+  term.i += by, term.j += by;
+  if constexpr (requires {
+                  { term.k } -> std::same_as<int&>;
+                })
+    term.k += by;
+  if constexpr (requires { term.l; }) term.l += by;
+  return term;
+}
+Pull moved(Pull pull, int by) {
+  pull.atom += by;
+  return pull;
+}
+VirtualSite moved(VirtualSite site, int by) {
+  site.atom += by;
+  for (auto& parent : site.parents) parent.atom += by;
+  return site;
+}
+
+template <class Term>
+void copy(const std::vector<Term>& from, int by, std::vector<Term>& to) {
+  for (const Term& term : from) to.push_back(moved(term, by));
+}
+
+void copy_terms(const Terms& one, int by, Terms& all) {
+  copy(one.bonds, by, all.bonds);
+  copy(one.angles, by, all.angles);
+  copy(one.torsions, by, all.torsions);
+  copy(one.rb_torsions, by, all.rb_torsions);
+  copy(one.harmonic_torsions, by, all.harmonic_torsions);
+  copy(one.fene, by, all.fene);
+  copy(one.pulls, by, all.pulls);
+  if (!one.nonbonded) return;
+  const auto n = one.nonbonded->charge.size();
+  all.nonbonded->charge.segment(by, n) = one.nonbonded->charge;
+  all.nonbonded->sigma.segment(by, n) = one.nonbonded->sigma;
+  all.nonbonded->epsilon.segment(by, n) = one.nonbonded->epsilon;
+  copy(one.nonbonded->exceptions, by, all.nonbonded->exceptions);
+}
+
+void add_names(const Molecule& molecule, int count, Names& all) {
+  const Names names = repeated_names(molecule.kinds, count);
+  const int kinds = static_cast<int>(all.kinds.size());
+  const int residues = all.residue.empty() ? 0 : all.residue.back() + 1;
+  all.kinds.insert(all.kinds.end(), names.kinds.begin(), names.kinds.end());
+  for (const int kind : names.kind) all.kind.push_back(kinds + kind);
+  for (const int residue : names.residue) all.residue.push_back(residues + residue);
+}
+
+}  // namespace
+
+std::vector<Tie> ties(const Molecule& molecule) {
+  std::vector<Tie> all;
+  for (const auto& bond : molecule.system.bonds) all.push_back({bond.i, bond.j, bond.length});
+  for (const auto& spring : molecule.terms.bonds)
+    all.push_back({spring.i, spring.j, spring.length, spring.k});
+  for (const auto& spring : molecule.terms.fene) all.push_back({spring.i, spring.j, kFeneLength * spring.r0});
+  return all;
+}
+
+std::vector<NearPair> near_pairs(const Molecule& molecule, int most) {
+  const Adjacency next(molecule.atoms(), bonded_pairs(molecule.system, molecule.terms));
+  std::vector<NearPair> pairs;
+  for (int a = 0; a < molecule.atoms(); ++a) {
+    std::map<int, int> apart = {{a, 0}};
+    std::vector<int> front = {a};
+    for (int ties = 1; ties <= most; ++ties) {
+      std::vector<int> further;
+      for (const int b : front)
+        for (int k = next.begin[b]; k < next.begin[b + 1]; ++k)
+          if (apart.try_emplace(next.partner[k], ties).second) further.push_back(next.partner[k]);
+      front = std::move(further);
+    }
+    for (const auto& [b, ties] : apart)
+      if (b > a) pairs.push_back({a, b, ties});
+  }
+  return pairs;
+}
+
+void put_together(const std::vector<Copies>& all, Scene& scene) {
+  int atoms = 0;
+  bool pairs = false;
+  for (const auto& [of, count] : all) {
+    atoms += count * of->atoms();
+    pairs = pairs || (count > 0 && of->terms.nonbonded);
+  }
+  Terms& terms = scene.terms;
+  if (pairs) {
+    Nonbonded& nb = terms.nonbonded.emplace();
+    nb.charge = nb.epsilon = Eigen::VectorXd::Zero(atoms);
+    nb.sigma = Eigen::VectorXd::Ones(atoms);
+  }
+  Eigen::VectorXd mass(atoms);
+  std::vector<RigidBond> bonds;
+  VirtualSites sites;
+  scene.names = {};
+  int first = 0;
+  for (const auto& [of, count] : all) {
+    for (int c = 0; c < count; ++c, first += of->atoms()) {
+      mass.segment(first, of->atoms()) = of->system.mass;
+      copy(of->system.bonds, first, bonds);
+      copy(of->system.sites, first, sites);
+      copy_terms(of->terms, first, terms);
+    }
+    add_names(*of, count, scene.names);
+  }
+  scene.system = make_system(std::move(mass), std::move(bonds), std::move(sites));
+}
+
+}  // namespace taut

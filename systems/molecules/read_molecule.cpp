@@ -1,0 +1,309 @@
+#include "systems/molecules/read_molecule.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <list>
+#include <numbers>
+#include <set>
+
+#include "forcefield/check_terms.hpp"
+#include "md/nearest_name.hpp"
+#include "systems/whole_molecules.hpp"
+
+namespace taut {
+namespace {
+
+constexpr double kFarthestOff = 0.5;  // a bond in coordinates, of its length
+
+double radians(double degrees) {
+  return degrees * std::numbers::pi / 180;
+}
+
+// A row of one unit, or its copy in another.
+struct Row {
+  std::size_t line;
+  std::array<int, 4> atom;
+  const double* number;  // those behind the atoms
+};
+
+// Units of atoms behind one another, and rows that are said of one and count in all.
+struct Units {
+  int each, count;
+  bool ring;
+
+  int atoms() const { return each * count; }
+};
+
+class RowReader {
+ public:
+  RowReader(const TomlTable& keys, const Units& units) : keys_(keys), units_(units) {}
+
+  // Rows of so many atoms and numbers, for every unit.
+  std::vector<Row> read(const char* key, int atoms, std::size_t numbers, const char* meaning) {
+    Rows& rows = kept_.emplace_back();
+    keys_.read(key, rows, Columns{atoms + numbers, atoms + numbers}, meaning);
+    for (std::size_t k = 0; k < rows.size(); ++k)
+      check_atoms(key, k, {rows[k].data(), rows[k].data() + atoms});
+    std::vector<Row> all;
+    for (int u = 0; u < units_.count; ++u)
+      for (std::size_t k = 0; k < rows.size(); ++k) {
+        Row row{k, {}, rows[k].data() + atoms};
+        bool within = true;
+        for (int a = 0; a < atoms; ++a) {
+          const int atom = static_cast<int>(rows[k][a]) + u * units_.each;
+          within = within && (atom < units_.atoms() || units_.ring);
+          row.atom[a] = atom % units_.atoms();
+        }
+        if (within) all.push_back(row);
+      }
+    return all;
+  }
+
+  // The same of two atoms, each pair once.
+  std::vector<Row> pairs(const char* key, std::size_t numbers, const char* meaning) {
+    std::vector<Row> all = read(key, 2, numbers, meaning);
+    std::map<std::pair<int, int>, std::size_t> seen;
+    for (const Row& row : all) {
+      const auto [first, fresh] = seen.try_emplace(std::minmax(row.atom[0], row.atom[1]), row.line);
+      if (!fresh)
+        keys_.fail(key, row.line, fmt::format("repeats {}[{}], the same two atoms", key, first->second));
+    }
+    return all;
+  }
+
+ private:
+  void check_atoms(const char* key, std::size_t k, const std::vector<double>& atoms) const {
+    for (const double a : atoms) {
+      if (a != std::floor(a) || a < 0) keys_.fail(key, k, "expected atoms' indices, counted from 0");
+      if (a >= units_.atoms())
+        keys_.fail(key, k, fmt::format("there is no atom {}, only 0 to {}", a, units_.atoms() - 1));
+    }
+    if (std::set(atoms.begin(), atoms.end()).size() < atoms.size())
+      keys_.fail(key, k, "names the same atom twice");
+    if (*std::ranges::min_element(atoms) >= units_.each)
+      keys_.fail(key, k,
+                 fmt::format("expected one of its atoms in the first unit, 0 to {}", units_.each - 1));
+  }
+
+  const TomlTable& keys_;
+  const Units units_;
+  std::list<Rows> kept_;  // what rows point into
+};
+
+AtomNumbers known_atom(const TomlTable& keys, const char* key, const std::string& name,
+                       const KnownAtoms& known) {
+  const auto found = known.find(name);
+  if (found == known.end()) {
+    std::vector<std::string_view> names;
+    for (const auto& [one, numbers] : known) names.push_back(one);
+    keys.fail(key, fmt::format("there is no [atom.{}]{}", name, did_you_mean(name, names)));
+  }
+  return found->second;
+}
+
+std::vector<AtomNumbers> read_unit(const TomlTable& keys, const KnownAtoms& known) {
+  std::vector<AtomNumbers> atoms;
+  const std::size_t said =
+      keys.size("atoms", "names of [atom.NAME], or {name = \"C\", mass_u = 12.011} and so on");
+  for (std::size_t a = 0; a < said; ++a) {
+    if (const auto word = keys.word("atoms", a)) {
+      atoms.push_back(known_atom(keys, "atoms", *word, known));
+      continue;
+    }
+    const TomlTable atom = keys.section("atoms", a);
+    atoms.push_back(read_atom(atom, atom.get<std::string>("name")));
+    atom.reject_unknown();
+  }
+  if (keys.describing()) return {AtomNumbers{}};
+  if (atoms.empty())
+    keys.fail("atoms", "expected names of [atom.NAME], or {name = \"C\", mass_u = 12.011, ...}");
+  return atoms;
+}
+
+Units read_units(const TomlTable& keys, int each) {
+  long count = 1;
+  bool ring = false;
+  keys.read("units", count,
+            {"the atoms and all rows so many times; a row may count on into the next units, and what reaches "
+             "beyond the last is left out",
+             Range{.min = 1}});
+  keys.read("ring", ring, "what reaches beyond the last unit goes on with the first");
+  keys.counts("ring", count > 1, "with units, the links of the ring");
+  if (static_cast<double>(count) * each > kMostAtoms)
+    keys.fail("units",
+              fmt::format("{} of {} atoms are more than the {} taut takes", count, each, kMostAtoms));
+  return {each, static_cast<int>(count), ring};
+}
+
+// Numbers of atoms, and the pair force between them if there is any.
+void set_atoms(const std::vector<AtomNumbers>& atoms, Eigen::VectorXd& mass, Molecule& molecule) {
+  const auto n = std::ssize(atoms);
+  mass.resize(n);
+  Nonbonded pairs{};
+  for (Eigen::VectorXd* numbers : {&pairs.charge, &pairs.sigma, &pairs.epsilon}) numbers->resize(n);
+  for (int a = 0; a < n; ++a) {
+    mass[a] = atoms[a].mass;
+    pairs.charge[a] = atoms[a].charge;
+    pairs.sigma[a] = atoms[a].sigma;
+    pairs.epsilon[a] = atoms[a].epsilon;
+    molecule.kinds.push_back(atoms[a].kind);
+  }
+  if (!pairs.charge.isZero(0) || !pairs.epsilon.isZero(0)) molecule.terms.nonbonded = std::move(pairs);
+}
+
+void read_springs(const TomlTable& keys, RowReader& rows, Terms& terms) {
+  for (const auto& [line, a, number] :
+       rows.pairs("springs", 2, "[i, j, length in nm, k in kJ/mol/nm²] each: ½k(r − length)²")) {
+    if (number[0] < 0 || number[1] < 0) keys.fail("springs", line, "expected a length and a k of 0 or more");
+    terms.bonds.push_back({a[0], a[1], number[0], number[1]});
+  }
+  for (const auto& [line, a, number] :
+       rows.pairs("fene", 2, "[i, j, k in kJ/mol/nm², r0 in nm] each: −½k r0² ln(1 − (r/r0)²)")) {
+    if (number[0] < 0 || !(number[1] > 0)) keys.fail("fene", line, "expected k, and r0 above 0");
+    terms.fene.push_back({a[0], a[1], number[0], number[1]});
+  }
+}
+
+void read_bends(const TomlTable& keys, RowReader& rows, Terms& terms) {
+  for (const auto& [line, a, number] :
+       rows.read("angles", 3, 2, "[i, j, k, angle in °, k in kJ/mol/rad²] each: ½k(θ − angle)²")) {
+    if (number[0] < 0 || number[0] > 180 || number[1] < 0)
+      keys.fail("angles", line, "expected an angle of 0 to 180 degrees, and k of 0 or more");
+    terms.angles.push_back({a[0], a[1], a[2], radians(number[0]), number[1]});
+  }
+  for (const auto& [line, a, number] :
+       rows.read("torsions", 4, 3, "[i, j, k, l, n, phase in °, k in kJ/mol] each: k(1 + cos(nφ − phase))")) {
+    if (number[0] != std::floor(number[0]) || number[0] < 1 || number[0] > kMostPeriodicity)
+      keys.fail("torsions", line, fmt::format("expected a periodicity of 1 to {}", kMostPeriodicity));
+    terms.torsions.push_back(
+        {a[0], a[1], a[2], a[3], static_cast<int>(number[0]), radians(number[1]), number[2]});
+  }
+  for (const auto& [line, a, c] :
+       rows.read("rb_torsions", 4, 6, "[i, j, k, l, c0, ..., c5 in kJ/mol] each: Σ c_n cosⁿ(φ − 180°)"))
+    terms.rb_torsions.push_back({a[0], a[1], a[2], a[3], {c[0], c[1], c[2], c[3], c[4], c[5]}});
+  for (const auto& [line, a, number] :
+       rows.read("impropers", 4, 2, "[i, j, k, l, angle in °, k in kJ/mol/rad²] each: ½k(φ − angle)²"))
+    terms.harmonic_torsions.push_back({a[0], a[1], a[2], a[3], radians(number[0]), number[1]});
+}
+
+// What pairs near along the molecule have in place of the pair force: nothing, or at 1-4 a share of it.
+void read_exclusions(const TomlTable& keys, Molecule& molecule) {
+  static const std::vector<std::string_view> kFurthest = {"none", "1-2", "1-3", "1-4"};
+  std::string furthest = "1-3";
+  keys.read("exclude", furthest, {"the furthest pairs along the molecule without pair forces", kFurthest});
+  const auto excluded = std::ranges::find(kFurthest, furthest) - kFurthest.begin();
+  double lennard_jones = 1, coulomb = 1;
+  keys.read("lennard_jones_14", lennard_jones,
+            {"what is left of it between atoms three ties apart", kNotNegative});
+  keys.read("coulomb_14", coulomb, {"the same of charges", kNotNegative});
+  for (const char* key : {"lennard_jones_14", "coulomb_14"})
+    keys.counts(key, excluded < 3, "where exclude is not \"1-4\"");
+  if (!molecule.terms.nonbonded) return;
+  Nonbonded& nb = *molecule.terms.nonbonded;
+  for (const auto& [i, j, apart] : near_pairs(molecule, 3)) {
+    const double sigma = (nb.sigma[i] + nb.sigma[j]) / 2;
+    if (apart <= excluded)
+      nb.exceptions.push_back({i, j, 0, sigma, 0});
+    else if (apart == 3 && (lennard_jones != 1 || coulomb != 1))
+      nb.exceptions.push_back({i, j, coulomb * nb.charge[i] * nb.charge[j], sigma,
+                               lennard_jones * std::sqrt(nb.epsilon[i] * nb.epsilon[j])});
+  }
+}
+
+void read_shape(const TomlTable& keys, Molecule& molecule) {
+  Rows rows;
+  const bool said = keys.read("coordinates_nm", rows, Columns{3, 3},
+                              "[x, y, z] of each atom: its shape; without, one is drawn for every copy");
+  const auto file = read_file(keys);
+  if (file && said) keys.fail("file", "coordinates_nm are said already; leave one out");
+  if (!file && !said) return;
+  molecule.x = file ? file->x : Vectors(3, rows.size());
+  for (std::size_t a = 0; a < rows.size(); ++a) molecule.x.col(a) = Vec3(rows[a].data());
+  const char* key = said ? "coordinates_nm" : "file";
+  if (molecule.x.cols() != molecule.atoms())
+    keys.fail(key, fmt::format("{} atoms, expected {}", molecule.x.cols(), molecule.atoms()));
+  if (const std::string wrong = wrong_bonds(molecule, molecule.x); !wrong.empty()) keys.fail(key, wrong);
+}
+
+}  // namespace
+
+std::optional<Coordinates> read_file(const TomlTable& keys) {
+  std::filesystem::path file;
+  if (!keys.read("file", file, "coordinates of all atoms, .pdb or .gro")) return {};
+  try {
+    return read_coordinates(file);
+  } catch (const InputError& e) {
+    keys.fail("file", e.what());
+  }
+}
+
+std::string wrong_bonds(const Molecule& molecule, const Vectors& x) {
+  for (Eigen::Index first = 0; first < x.cols(); first += molecule.atoms())
+    for (const auto& [i, j, length, k] : ties(molecule)) {
+      const double r = (x.col(first + j) - x.col(first + i)).norm();
+      if (k == 0 && std::abs(r - length) > kFarthestOff * length)
+        return fmt::format(
+            "atoms {} and {} are {:.3g} nm apart, their bond is {:.3g}: are they in the molecule's order?",
+            first + i, first + j, r, length);
+    }
+  return "";
+}
+
+AtomNumbers read_atom(const TomlTable& keys, const std::string& name) {
+  AtomNumbers atom;
+  atom.kind.atom = name;
+  atom.mass = keys.get<double>("mass_u", {"mass; 0: an anchor", "u", kNotNegative});
+  keys.read("element", atom.kind.element, "its symbol, for files; a bead has none");
+  keys.read("charge_e", atom.charge, {"charge", "e"});
+  keys.read("epsilon_kj_mol", atom.epsilon, {"ε of Lennard-Jones; 0: none", "kJ/mol", kNotNegative});
+  keys.read("sigma_nm", atom.sigma, {"σ of Lennard-Jones", "nm", kPositive});
+  if (atom.epsilon > 0 && !keys.has("sigma_nm")) keys.fail("epsilon_kj_mol", "needs a sigma_nm beside it");
+  keys.counts("sigma_nm", atom.epsilon > 0, "with epsilon_kj_mol above 0");
+  return atom;
+}
+
+Molecule read_molecule(const TomlTable& keys, const std::string& name, const KnownAtoms& known) {
+  Molecule molecule;
+  molecule.name = name;
+  const std::vector<AtomNumbers> unit = read_unit(keys, known);
+  const Units units = read_units(keys, static_cast<int>(std::ssize(unit)));
+  std::vector<AtomNumbers> atoms;
+  for (int u = 0; u < units.count; ++u) atoms.insert(atoms.end(), unit.begin(), unit.end());
+  if (std::string end; keys.read("ends", end, "[atom.NAME] that the first and the last atom are instead")) {
+    keys.counts("ends", !units.ring, "without ring");
+    atoms.front() = atoms.back() = known_atom(keys, "ends", end, known);
+  }
+  std::string residue = name.substr(0, 4);
+  keys.read("residue", residue, "its name in files");
+  for (AtomNumbers& atom : atoms) atom.kind.residue = residue;
+
+  Eigen::VectorXd mass;
+  set_atoms(atoms, mass, molecule);
+  RowReader rows(keys, units);
+  std::vector<RigidBond> bonds;
+  for (const auto& [line, a, number] :
+       rows.pairs("bonds", 1, "rigid bonds [i, j, length in nm], atoms counted from 0")) {
+    if (!(number[0] > 0)) keys.fail("bonds", line, "expected a length above 0");
+    if (mass[a[0]] == 0 && mass[a[1]] == 0) keys.fail("bonds", line, "both its atoms are anchored (mass 0)");
+    bonds.push_back({a[0], a[1], number[0]});
+  }
+  molecule.system = make_system(std::move(mass), std::move(bonds));
+  read_springs(keys, rows, molecule.terms);
+  read_bends(keys, rows, molecule.terms);
+  for (const auto& [line, a, force] :
+       rows.read("pulls", 1, 3, "constant forces [i, fx, fy, fz], in kJ/mol/nm"))
+    molecule.terms.pulls.push_back({a[0], Vec3(force)});
+
+  const std::vector<int> piece = molecules(molecule.atoms(), bonded_pairs(molecule.system, molecule.terms));
+  const auto apart = std::ranges::find_if(piece, [](int p) { return p > 0; }) - piece.begin();
+  if (apart < std::ssize(piece))
+    keys.fail("atoms", fmt::format("nothing ties atom {} to atom 0: this is more than one molecule", apart));
+  read_exclusions(keys, molecule);
+  read_shape(keys, molecule);
+  return molecule;
+}
+
+}  // namespace taut
