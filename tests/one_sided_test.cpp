@@ -315,6 +315,17 @@ TEST(OneSidedBonds, WithoutCorrectionABallPassesThrough) {
   EXPECT_GT(least("rattle"), 1 - 1e-9);
 }
 
+// And leaves alone what is slack.
+TEST(OneSidedBonds, WithoutCorrectionASlackRopeLetsFly) {
+  Start start = ball(Side::kAtMost, {0.1, 0, 0}, {1, 2, 3});
+  NoForce none;
+  const auto method = make_method(start.system, default_options("none"), 1e-3);
+  const Dynamics dynamics{start.system, none, *method};
+  initialize(dynamics, start.state);
+  for (int n = 0; n < 100; ++n) ASSERT_TRUE(step(dynamics, 1e-3, start.state).converged());
+  EXPECT_LT((start.state.x.col(1) - Vec3(0.2, 0.2, 0.3)).norm(), 1e-12);
+}
+
 // Those that never touch change nothing.
 TEST(OneSidedBonds, SlackOnesChangeNothing) {
   const double h = 2e-3;
