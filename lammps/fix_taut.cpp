@@ -182,6 +182,7 @@ void FixTaut::find_multipliers() {
   const double h = update->dt;
   kick_ = h * h;
   solve_->load_positions(atom->x, *domain);
+  find_strain();
   tell(News::kMotion);
   read_motion(kick_);
   if (cut_) {
@@ -221,6 +222,8 @@ void FixTaut::find_first_multipliers() {
   constexpr int kRounds = 50;  // from a guess of nothing beyond
   constexpr double kStillRight = 1e-8;
   kick_ = 0.5 * h * h;
+  strain_.setZero();
+  box_before_ = taut::box_of(*domain);
   solve_->load_positions(atom->x, *domain);
   tell(News::kMotion);
   read_motion(kick_);
@@ -271,6 +274,19 @@ void FixTaut::read_motion(double kick) {
         f[c] = w ? 0 : atom->f[i][c];
       }
     }
+  }
+  if (!strain_.isZero(0)) s.v += strain_ * s.x;
+}
+
+// A barostat moves atoms with the box, after this fix has looked where they go. It will do so in the coming step about as
+// in the last: as if atoms were faster by that strain a time, times x.
+void FixTaut::find_strain() {
+  const Eigen::Matrix3d box = taut::box_of(*domain);
+  if (box == box_before_) {
+    strain_.setZero();
+  } else {
+    strain_ = (box * box_before_.inverse() - Eigen::Matrix3d::Identity()) / update->dt;
+    box_before_ = box;
   }
 }
 

@@ -76,6 +76,7 @@ class FixTaut : public Fix {
   void read_motion(double kick);
   void hear_outer(bool next_step);
   void see_mismatch();
+  void find_strain();
   void find_multipliers();
   void find_first_multipliers();
   void read_velocities();
@@ -101,6 +102,7 @@ class FixTaut : public Fix {
   int overlap_ = 0, exchanges_ = 0, guess_order_ = 0;
 
   News news_ = News::kMotion;
+  Eigen::Matrix3d box_before_ = Eigen::Matrix3d::Identity(), strain_ = Eigen::Matrix3d::Zero();  // [1/time]
   double kick_ = 0;              // h² or, the first time, ½h²
   bool outer_is_fresh_ = false;  // the past of multipliers beyond has the last step's already
   std::vector<double> cleared_from_;

@@ -7,6 +7,12 @@
 
 namespace taut {
 
+Eigen::Matrix3d box_of(const LAMMPS_NS::Domain& box) {
+  Eigen::Matrix3d vectors;
+  vectors << box.xprd, box.xy, box.xz, 0, box.yprd, box.yz, 0, 0, box.zprd;
+  return vectors;
+}
+
 LocalSolve::LocalSolve(Pieces pieces, const MethodOptions& method, double h)
     : outer_lambda(pieces.outer.size()),
       pieces_(std::move(pieces)),
@@ -33,11 +39,12 @@ void LocalSolve::keep_past() {
 }
 
 void LocalSolve::load_positions(double** x, const LAMMPS_NS::Domain& box) {
+  const Eigen::Matrix3d vectors = box_of(box);
   const auto at = [&](const Image& image) -> Vec3 {
     const auto& [a, b, c] = image.vectors;
     const Vec3 place = Eigen::Map<const Vec3>(x[image.atom]);
     if (a == 0 && b == 0 && c == 0) return place;
-    return place + Vec3(a * box.xprd + b * box.xy + c * box.xz, b * box.yprd + c * box.yz, c * box.zprd);
+    return place + vectors * Vec3(a, b, c);
   };
   for (Eigen::Index a = 0; a < s_.x.cols(); ++a) s_.x.col(a) = at(pieces_.images[a]);
   for (Eigen::Index b = 0; b < outer_r_.cols(); ++b)

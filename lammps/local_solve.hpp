@@ -8,6 +8,9 @@
 
 namespace taut {
 
+// The box vectors, as columns.
+Eigen::Matrix3d box_of(const LAMMPS_NS::Domain& box);
+
 // The bonds of one processor as a system of their own, in LAMMPS's units, solved by a method of
 // `constraints`.
 //

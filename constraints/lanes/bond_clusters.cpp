@@ -35,6 +35,14 @@ std::vector<double> key_of(const ClusterShape& shape) {
   return key;
 }
 
+bool alike(const ClusterShape& a, const ClusterShape& b) {
+  const auto same = [](const RigidBond& k, const RigidBond& l) {
+    return k.i == l.i && k.j == l.j && k.length == l.length;
+  };
+  return a.left == b.left && a.right == b.right && a.inv_mass == b.inv_mass &&
+         std::ranges::equal(a.bonds, b.bonds, same);
+}
+
 // How many bonds a cluster may have for its shape to be looked at.
 int most_bonds_of(const ClusterLimits& limits) {
   return limits.piece > 0 ? std::numeric_limits<int>::max()
@@ -45,31 +53,37 @@ int most_bonds_of(const ClusterLimits& limits) {
 
 int ClusterBatches::add(const ClusterShape& shape, const std::vector<int>& atoms,
                         const std::vector<int>& bonds) {
-  const auto [place, fresh] = batch_of_.try_emplace(key_of(shape), batches.size());
-  if (fresh) batches.push_back({shape, 0, {}, {}});
-  ClusterBatch& batch = batches[place->second];
+  if (batches.empty() || !alike(shape, batches[last_].shape)) {  // equal clusters often follow each other
+    const auto [place, fresh] = batch_of_.try_emplace(key_of(shape), batches.size());
+    if (fresh) batches.push_back({shape, 0, {}, {}});
+    last_ = place->second;
+  }
+  ClusterBatch& batch = batches[last_];
   ++batch.count;
   batch.atoms.insert(batch.atoms.end(), atoms.begin(), atoms.end());
   batch.bonds.insert(batch.bonds.end(), bonds.begin(), bonds.end());
-  return static_cast<int>(place->second);
+  return static_cast<int>(last_);
 }
 
 BondClusters find_clusters(const System& sys, const ClusterLimits& limits) {
   const std::vector<int> cluster = cluster_of_bond(sys);
   std::vector<int> by_cluster(sys.bond_count());
   std::iota(by_cluster.begin(), by_cluster.end(), 0);
-  std::stable_sort(by_cluster.begin(), by_cluster.end(),
-                   [&](int k, int l) { return cluster[k] < cluster[l]; });
+  const auto before = [&](int k, int l) { return cluster[k] < cluster[l]; };
+  if (!std::ranges::is_sorted(by_cluster, before))
+    std::stable_sort(by_cluster.begin(), by_cluster.end(), before);
 
   BondClusters found;
   ClusterBatches whole;
+  std::vector<int> bonds, atoms;
+  ClusterShape shape;
   for (auto begin = by_cluster.begin(); begin != by_cluster.end();) {
     const auto end =
         std::find_if(begin, by_cluster.end(), [&](int k) { return cluster[k] != cluster[*begin]; });
-    const std::vector<int> bonds(begin, end);
+    bonds.assign(begin, end);
     begin = end;
 
-    std::vector<int> atoms;
+    atoms.clear();
     for (int k : bonds) {
       atoms.push_back(sys.bonds[k].i);
       atoms.push_back(sys.bonds[k].j);
@@ -83,7 +97,8 @@ BondClusters find_clusters(const System& sys, const ClusterLimits& limits) {
       continue;
     }
 
-    ClusterShape shape;
+    shape.inv_mass.clear();
+    shape.bonds.clear();
     for (int a : atoms) shape.inv_mass.push_back(sys.inv_mass[a]);
     const auto local = [&](int a) {
       return static_cast<int>(std::lower_bound(atoms.begin(), atoms.end(), a) - atoms.begin());

@@ -17,6 +17,7 @@ class ClusterBatches {
 
  private:
   std::map<std::vector<double>, std::size_t> batch_of_;
+  std::size_t last_ = 0;  // the batch of the cluster before
 };
 
 // Cuts long chains so that one alone fills all lanes and several threads: at *separators*, bonds that leave

@@ -52,12 +52,15 @@ def test_what_changes_between_runs_is_noticed(run, change):
     assert lammps.table(output)["f_hold[1]"][1:].max() < 1e-9
 
 
-@pytest.mark.parametrize("ensemble", ["fix move all npt temp 1 1 0.2 iso 0.1 0.1 2.0", "fix move all nvt temp 1 1 0.2",
-                                      "fix warm all langevin 1 1 0.5 4711\nfix move all nve"])
+@pytest.mark.parametrize("ensemble, off", [
+    ("fix move all npt temp 1 1 0.2 iso 0.1 0.1 2.0", 2e-6),  # with the box's strain unknown: 1e-4
+    ("fix move all nvt temp 1 1 0.2", 1e-7),
+    ("fix warm all langevin 1 1 0.5 4711\nfix move all nve", 1e-5),
+])
 @pytest.mark.parametrize("ranks", [1, 2])
-def test_ensembles(run, ensemble, ranks):
+def test_ensembles(run, ensemble, off, ranks):
     output = methane(run, "run 200\n", ranks, fix="taut feedforward", integrate=ensemble)
-    assert lammps.table(output)["f_hold[1]"][1:].max() < 1e-5
+    assert lammps.table(output)["f_hold[1]"][1:].max() < off
 
 
 @pytest.mark.parametrize("ranks", [1, 2])

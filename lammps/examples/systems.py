@@ -1,5 +1,10 @@
-"""Small systems as LAMMPS data files: water, a molecule like methane, chains of beads. Lengths are exact to the bit of
-what a data file can say, velocities have no part along the bonds."""
+"""Systems as LAMMPS data files: water, a molecule like methane, chains of beads, with bonds of exact lengths.
+
+    python3 systems.py water 12 > water.data            # 12³ molecules of SPC/E or TIP3P
+    python3 systems.py melt 20 500 > melt.data          # 20 chains of 500 beads, at density 0.85
+"""
+
+import sys
 
 import numpy as np
 
@@ -45,10 +50,11 @@ def repeated(shape, types, charges, bonds, angles, side, spacing, seed=1):
     return Topology(atoms, all_bonds, all_angles, [side * spacing] * 3)
 
 
-def water(side=4):
-    half = np.radians(109.47) / 2
-    shape = np.array([[0, 0, 0], [np.sin(half), np.cos(half), 0], [-np.sin(half), np.cos(half), 0]])
-    return repeated(shape, [1, 2, 2], [-0.8476, 0.4238, 0.4238], [(1, 1, 2), (1, 1, 3)], [(1, 2, 1, 3)], side, 3.1)
+def water(side=4, model="spce"):
+    bond, angle = {"spce": (1.0, 109.47), "tip3p": (0.9572, 104.52)}[model]
+    half = np.radians(angle) / 2
+    shape = bond * np.array([[0, 0, 0], [np.sin(half), np.cos(half), 0], [-np.sin(half), np.cos(half), 0]])
+    return repeated(shape, [1, 2, 2], [-0.8476, 0.4238, 0.4238] if model == "spce" else [-0.834, 0.417, 0.417], [(1, 1, 2), (1, 1, 3)], [(1, 2, 1, 3)], side, 3.1)
 
 
 def methane(side=3):
@@ -57,10 +63,10 @@ def methane(side=3):
     return repeated(shape, [1, 2, 2, 2, 2], [0] * 5, [(1, 1, k) for k in (2, 3, 4, 5)], [], side, 3.2)
 
 
-def chains(count, beads, spacing=1.2, straight=False, seed=2):
-    """Chains of unit bonds: random walks that do not turn back, or straight along x; beads are to be soft."""
+def chains(count, beads, straight=False, bond=1.0, density=0.5, seed=2):
+    """Chains of unit bonds: random walks that do not turn back, or straight along x; beads are to be soft at first."""
     rng = np.random.default_rng(seed)
-    box = (count * beads / 0.5) ** (1 / 3)
+    box = (count * beads / density) ** (1 / 3)
     box = max(box, beads + 1.0) if straight else box
     x, bonds = [], []
     for c in range(count):
@@ -75,9 +81,17 @@ def chains(count, beads, spacing=1.2, straight=False, seed=2):
             if straight:
                 step = np.array([1.0, 0.02 * rng.normal(), 0.02 * rng.normal()])
                 step /= np.linalg.norm(step)
-            here, last = here + step, step
+            here, last = here + bond * step, step
             if b:
                 bonds.append((1, c * beads + b, c * beads + b + 1))
     n = count * beads
     atoms = ([1] * n, [c + 1 for c in range(count) for _ in range(beads)], [0] * n, np.array(x))
     return Topology(atoms, bonds, [], [box] * 3)
+
+
+if __name__ == "__main__":
+    kind, *numbers = sys.argv[1:]
+    if kind == "melt":
+        print(chains(int(numbers[0]), int(numbers[1]), bond=0.97, density=0.85).text([1.0]), end="")
+    else:
+        print(water(int(numbers[0]), *numbers[1:]).text([15.9994, 1.008]), end="")
