@@ -5,6 +5,7 @@ import pytest
 
 import inputs
 import lammps
+import systems
 
 OUTPUT = """
 thermo_style custom step temp etotal press f_hold[1] f_hold[2] f_hold[3] f_hold[4] f_hold[5]
@@ -25,4 +26,23 @@ def test_parts_of_chains_move_as_the_whole(folder, run, method, near):
     cut, cut_atoms = trajectory(folder, run, f"taut {method} overlap 6", ranks=2)
     assert cut["f_hold[3]"].max() > 0 and whole["f_hold[3]"].max() == 0  # it is cut, and was not
     assert np.abs(cut_atoms[:, :3] - atoms[:, :3]).max() < near
+    assert np.abs(cut_atoms[:, 3:].sum(axis=0) - atoms[:, 3:].sum(axis=0)).max() < 10 * near  # momentum
     assert cut["f_hold[1]"].max() < 2 * whole["f_hold[1]"].max() + 1e-9
+
+
+def test_exchanges_make_up_for_a_short_overlap(folder, run):
+    whole, atoms = trajectory(folder, run, "taut feedforward", steps=40)
+    cut, cut_atoms = trajectory(folder, run, "taut feedforward overlap 2 exchanges 5", ranks=2, steps=40)
+    assert cut["f_hold[3]"].max() == 2 and cut["f_hold[4]"].max() == 5
+    assert np.abs(cut_atoms[:, :3] - atoms[:, :3]).max() < 1e-8
+
+
+def test_straight_chains_take_exchanges_and_live(folder, run):
+    """Influence does not decay along them. Fewer exchanges than they need are refused."""
+    (folder / "chains.data").write_text(systems.chains(4, 30, straight=True).text([1.0]))
+    given = dict(ranks=2, processors="2 1 1", cutoff=12, steps=60, dt=0.005)
+    cut, _ = trajectory(folder, run, "taut feedforward overlap 3", **given)
+    assert cut["f_hold[4]"].max() > 5
+    assert cut["f_hold[1]"].max() < 1e-5
+    with pytest.raises(lammps.Failed, match="so straight"):
+        trajectory(folder, run, "taut feedforward overlap 3 exchanges 0", **given)
