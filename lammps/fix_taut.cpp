@@ -100,7 +100,7 @@ void FixTaut::hold_bonds() {
 }
 
 int FixTaut::setmask() {
-  int mask = PRE_EXCHANGE | PRE_NEIGHBOR | POST_FORCE | MIN_PRE_EXCHANGE | MIN_POST_FORCE;
+  int mask = PRE_EXCHANGE | PRE_NEIGHBOR | PRE_FORCE | POST_FORCE | MIN_PRE_EXCHANGE | MIN_POST_FORCE;
   if (keys_.clear) mask |= FINAL_INTEGRATE;
   if (keys_.every > 0) mask |= END_OF_STEP;
   return mask;
@@ -219,7 +219,6 @@ void FixTaut::find_multipliers() {
 // the run goes on as if it had not stopped.
 void FixTaut::find_first_multipliers() {
   const double h = update->dt;
-  constexpr int kRounds = 50;  // from a guess of nothing beyond
   constexpr double kStillRight = 1e-8;
   kick_ = 0.5 * h * h;
   strain_.setZero();
@@ -278,8 +277,8 @@ void FixTaut::read_motion(double kick) {
   if (!strain_.isZero(0)) s.v += strain_ * s.x;
 }
 
-// A barostat moves atoms with the box, after this fix has looked where they go. It will do so in the coming step about as
-// in the last: as if atoms were faster by that strain a time, times x.
+// A barostat moves atoms with the box, after this fix has looked where they go. It will do so in the coming
+// step about as in the last: as if atoms were faster by that strain a time, times x.
 void FixTaut::find_strain() {
   const Eigen::Matrix3d box = taut::box_of(*domain);
   if (box == box_before_) {

@@ -24,6 +24,7 @@ class FixTaut : public Fix {
   void pre_exchange() override { keep_past(); }
   void setup_pre_neighbor() override { find_pieces(); }
   void pre_neighbor() override { find_pieces(); }
+  void setup_pre_force(int vflag) override;
   void setup(int vflag) override;
   void post_force(int vflag) override;
   void final_integrate() override;
@@ -32,7 +33,10 @@ class FixTaut : public Fix {
 
   // Minimisation: springs in place of held bonds.
   void min_pre_exchange() override { keep_past(); }
-  void min_setup(int vflag) override { min_post_force(vflag); }
+  void min_setup(int vflag) override {
+    held_.steps_known = 0;
+    min_post_force(vflag);
+  }
   void min_post_force(int vflag) override;
 
   int dof(int of_group) override;
@@ -108,6 +112,7 @@ class FixTaut : public Fix {
   std::vector<double> cleared_from_;
   std::vector<double> inbox_;  // kNewsRoom + most_upward_ numbers an atom
   static constexpr int kNewsRoom = 6;
+  static constexpr int kRounds = 50;  // at the start, from a guess of nothing beyond a cut
 
   // Of the last step, and since statistics were last printed.
   double residual_ = 0, mismatch_ = 0;

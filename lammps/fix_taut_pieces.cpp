@@ -65,4 +65,31 @@ void FixTaut::choose_exchanges() {
   guess_order_ = std::min(cut.guess_order, solve_->steps_kept() - 1);
 }
 
+// Before the first forces, after minimisation say: bonds that are off would be brought back within one step,
+// and their atoms fly apart. Where chains are cut each processor moves its own atoms, until nothing is off.
+void FixTaut::setup_pre_force(int) {
+  if (held_.steps_known > 0) return;  // a run that goes on stays as it is
+  constexpr double kSmall = 1e-6,
+                   kLost = 0.1;  // what the first step may clear; what is no small displacement
+  solve_->load_positions(atom->x, *domain);
+  const double off = all_max(solve_->error_now());
+  if (!(off > kSmall && off < kLost)) return;
+  const auto& images = solve_->pieces().images;
+  for (int n = 0; n < (cut_ ? kRounds : 1); ++n) {
+    const taut::Vectors before = solve_->state().x;
+    try {
+      solve_->project_positions();
+    } catch (const taut::SimulationFailure& failure) {
+      stop(failure.what());
+    }
+    for (std::size_t a = 0; a < images.size(); ++a) {
+      const auto column = static_cast<Eigen::Index>(a);
+      if (const int i = images[a].atom; i < atom->nlocal)
+        Eigen::Map<taut::Vec3>(atom->x[i]) += solve_->state().x.col(column) - before.col(column);
+    }
+    comm->forward_comm();
+    solve_->load_positions(atom->x, *domain);
+  }
+}
+
 }  // namespace LAMMPS_NS

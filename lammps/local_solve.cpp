@@ -89,6 +89,13 @@ double LocalSolve::error_ahead(double kick) const {
   return worst;
 }
 
+double LocalSolve::error_now() const {
+  double worst = 0;
+  for (const auto& [i, j, d] : pieces_.system.bonds)
+    worst = std::max(worst, 0.5 * std::abs((s_.x.col(j) - s_.x.col(i)).squaredNorm() / (d * d) - 1));
+  return worst;
+}
+
 void LocalSolve::add_past_forces() {
   const System& system = pieces_.system;
   for (int k = 0; k < system.bond_count(); ++k) {

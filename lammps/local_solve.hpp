@@ -4,6 +4,7 @@
 
 #include "constraints/lanes/multiplier_history.hpp"
 #include "constraints/methods.hpp"
+#include "constraints/projection.hpp"
 #include "lammps/pieces.hpp"
 
 namespace taut {
@@ -51,6 +52,9 @@ class LocalSolve {
 
   // |σ|/d² of the coming step, at most, if the constraint forces are Jᵀλ of the past.
   double error_ahead(double kick) const;
+  // |σ|/d², at most; and x to where it is none. Throws SimulationFailure.
+  double error_now() const;
+  void project_positions() { Projector(pieces_.system).positions(pieces_.system, s_.x); }
   // f += Jᵀλ of the past.
   void add_past_forces();
 

@@ -1,6 +1,7 @@
 """Systems as LAMMPS data files: water, a molecule like methane, chains of beads, with bonds of exact lengths.
 
     python3 systems.py water 12 > water.data            # 12³ molecules of SPC/E or TIP3P
+    python3 systems.py solution 20 8 > solution.data    # a chain of 20 among what is left of 8³ waters
     python3 systems.py melt 20 500 > melt.data          # 20 chains of 500 beads, at density 0.85
 """
 
@@ -89,9 +90,29 @@ def chains(count, beads, straight=False, bond=1.0, density=0.5, seed=2):
     return Topology(atoms, bonds, [], [box] * 3)
 
 
+def solution(beads, side):
+    """A chain of CH2 beads along a zigzag, and water on a lattice where the chain is not."""
+    box = water(side)
+    along = np.arange(beads)
+    half = np.radians(56)
+    chain = 1.54 * np.column_stack([along * np.sin(half), (along % 2) * np.cos(half), 0 * along])
+    chain += box.box / 2 - chain.mean(axis=0)
+    waters = box.x.reshape(-1, 3, 3)
+    far = [w for w in waters if np.linalg.norm(chain - w[0], axis=1).min() > 3.2]
+    n = 3 * len(far)
+    atoms = ([1, 2, 2] * len(far) + [3] * beads, [m + 1 for m in range(len(far)) for _ in range(3)] + [len(far) + 1] * beads,
+             [-0.8476, 0.4238, 0.4238] * len(far) + [0] * beads, np.concatenate([np.concatenate(far), chain]))
+    bonds = [(1, 3 * m + 1, 3 * m + k) for m in range(len(far)) for k in (2, 3)]
+    bonds += [(2, n + b, n + b + 1) for b in range(1, beads)]
+    angles = [(1, 3 * m + 2, 3 * m + 1, 3 * m + 3) for m in range(len(far))]
+    return Topology(atoms, bonds, angles, box.box)
+
+
 if __name__ == "__main__":
     kind, *numbers = sys.argv[1:]
     if kind == "melt":
         print(chains(int(numbers[0]), int(numbers[1]), bond=0.97, density=0.85).text([1.0]), end="")
+    elif kind == "solution":
+        print(solution(int(numbers[0]), int(numbers[1])).text([15.9994, 1.008, 14.027]), end="")
     else:
         print(water(int(numbers[0]), *numbers[1:]).text([15.9994, 1.008]), end="")
