@@ -7,16 +7,16 @@
 #include "command_line.hpp"
 #include "commands.hpp"
 #include "files/atomic_file.hpp"
+#include "scene_argument.hpp"
 #include "studies/calibration.hpp"
 #include "studies/study_scene.hpp"
 #include "study.hpp"
-#include "systems/scene_file.hpp"
 
 namespace taut {
 namespace {
 
 struct CalibrateArguments {
-  std::string scene;
+  NamedScene scene;
   CalibrationPlan plan;
   std::optional<double> dt_fs;
   std::vector<std::string> settings;
@@ -44,7 +44,7 @@ void print_shapes(const Calibration& c) {
 
 // What makes `taut run` run what was measured.
 std::string run_line(const CalibrateArguments& arguments, const Calibration& c) {
-  CommandLine line("run", arguments.scene);
+  CommandLine line = arguments.scene.line("run");
   line.option("--dt-fs", arguments.dt_fs);
   std::vector<std::string> settings = arguments.settings;
   std::ranges::copy(settings_of(c), std::back_inserter(settings));
@@ -92,7 +92,7 @@ void calibrate_scene(const CalibrateArguments& arguments) {
   const auto overrides = overrides_said({{"--dt-fs", "run.dt_fs", arguments.dt_fs}}, arguments.settings);
   refuse_without_effect("calibrate", overrides);
   if (arguments.json) expect_no_file({*arguments.json}, arguments.overwrite);
-  const Scene scene = prepared_for_study(read_scene(find_scene(arguments.scene), overrides));
+  const Scene scene = prepared_for_study(arguments.scene.read(overrides));
   const Calibration c = calibrate(scene, arguments.plan);
   print(scene, arguments, c);
   if (!arguments.json) return;
@@ -127,7 +127,7 @@ void add_calibrate(Commands& commands) {
   const Subcommand command =
       commands.add("calibrate", "find the gains with which Baumgarte reduces errors as RATTLE does",
                    [arguments] { calibrate_scene(*arguments); });
-  command.option("scene", arguments->scene, "a scene's file or name").words(0, "SCENE").required();
+  arguments->scene.offer(command);
   command.option("--against", arguments->plan.against, "rattle, shake or newton");
   const Argument tolerance = command.option("--tolerance", arguments->plan.tolerance, "of that method");
   command

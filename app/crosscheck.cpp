@@ -9,19 +9,18 @@
 #include "crosscheck_report.hpp"
 #include "md/errors.hpp"
 #include "progress.hpp"
+#include "scene_argument.hpp"
 #include "studies/openmm_twin.hpp"
 #include "studies/study_scene.hpp"
 #include "study.hpp"
 #include "systems/openmm/openmm_export.hpp"
 #include "systems/openmm/openmm_import.hpp"
-#include "systems/scene_file.hpp"
 
 namespace taut {
 namespace {
 
 struct CrosscheckArguments {
-  std::string scene;
-  std::vector<std::string> openmm;  // system.xml, state.xml
+  NamedScene scene;
   std::vector<std::string> methods;
   std::optional<long> steps;
   std::optional<double> dt_fs;
@@ -38,8 +37,7 @@ struct CrosscheckArguments {
   }
 
   std::string command() const {
-    CommandLine line("crosscheck", scene);
-    line.option("--openmm", openmm);
+    CommandLine line = scene.line("crosscheck");
     line.option("--method", methods);
     line.option("--steps", steps);
     line.option("--dt-fs", dt_fs);
@@ -55,20 +53,11 @@ struct CrosscheckArguments {
     unless("--threads", plan.threads, usual.threads);
     return line.text();
   }
-
-  Scene read() const {
-    if (scene.empty() == openmm.empty())
-      throw InputError("taut crosscheck: expected a scene, or --openmm system.xml state.xml");
-    if (openmm.empty()) return read_scene(find_scene(scene), overrides());
-    Scene imported = import_openmm(openmm[0], openmm[1]);
-    apply_overrides(imported, overrides());
-    return imported;
-  }
 };
 
 void run(CrosscheckArguments arguments) {
   refuse_without_effect("crosscheck", arguments.settings);
-  const Scene scene = arguments.read();
+  const Scene scene = arguments.scene.read(arguments.overrides());
   if (arguments.prefix) {
     expect_no_file({*arguments.prefix + ".system.xml", *arguments.prefix + ".state.xml"},
                    arguments.overwrite);
@@ -77,7 +66,8 @@ void run(CrosscheckArguments arguments) {
     if (!built_with_openmm()) return fmt::print("held against nothing: taut was built without OpenMM\n");
   }
   arguments.plan.contestants = contestants(arguments.methods);
-  if (!arguments.openmm.empty()) arguments.plan.files = OpenMMFiles{arguments.openmm[0], arguments.openmm[1]};
+  if (const auto& files = arguments.scene.openmm; !files.empty())
+    arguments.plan.files = OpenMMFiles{files[0], files[1]};
   Progress progress;
   std::optional<FolderLock> lock;
   const Crosscheck result = crosscheck(scene, arguments.plan, [&](const std::string& what) {
@@ -96,10 +86,7 @@ void add_crosscheck(Commands& commands) {
   CrosscheckPlan& plan = arguments->plan;
   const Subcommand command =
       commands.add("crosscheck", "hold a scene's runs against OpenMM's", [arguments] { run(*arguments); });
-  command.option("scene", arguments->scene, "a scene's file, or its name as `taut scenes` lists it")
-      .words(0, "SCENE");
-  command.option("--openmm", arguments->openmm, "OpenMM System and State, as XML")
-      .words(2, "SYSTEM.XML STATE.XML");
+  arguments->scene.offer(command);
   command
       .option("--method", arguments->methods,
               "to hold against OpenMM: a name, baumgarte:GAINS; several; the usual ones if none is given")

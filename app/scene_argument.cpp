@@ -5,9 +5,27 @@
 
 namespace taut {
 
-void SceneArgument::offer(const Subcommand& command) {
+void NamedScene::offer(const Subcommand& command) {
   command.option("scene", scene, "a scene's file, or its name as `taut scenes` lists it").words(0, "SCENE");
   command.option("--openmm", openmm, "OpenMM System and State, as XML").words(2, "SYSTEM.XML STATE.XML");
+}
+
+CommandLine NamedScene::line(const char* subcommand) const {
+  CommandLine line(subcommand, scene);
+  line.option("--openmm", openmm);
+  return line;
+}
+
+Scene NamedScene::read(const std::vector<std::string>& overrides, KeysRead* keys) const {
+  if (scene.empty() == openmm.empty()) throw InputError("expected a scene, or --openmm system.xml state.xml");
+  if (openmm.empty()) return read_scene(find_scene(scene), overrides, {.keys = keys});
+  Scene imported = import_openmm(openmm[0], openmm[1]);
+  apply_overrides(imported, overrides, keys);
+  return imported;
+}
+
+void SceneArgument::offer(const Subcommand& command) {
+  NamedScene::offer(command);
   command.option("--method", method, "constraint method (see `taut methods`)").words(0, "METHOD");
   command.option("--steps", steps, "number of steps");
   command.option("--dt-fs", dt_fs, "step length [fs]");
@@ -27,11 +45,7 @@ std::vector<std::string> SceneArgument::overrides() const {
 }
 
 Scene SceneArgument::read(KeysRead* keys) const {
-  if (scene.empty() == openmm.empty()) throw InputError("expected a scene, or --openmm system.xml state.xml");
-  if (openmm.empty()) return read_scene(find_scene(scene), overrides(), {.keys = keys});
-  Scene imported = import_openmm(openmm[0], openmm[1]);
-  apply_overrides(imported, overrides(), keys);
-  return imported;
+  return NamedScene::read(overrides(), keys);
 }
 
 }  // namespace taut

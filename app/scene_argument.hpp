@@ -10,10 +10,19 @@
 
 namespace taut {
 
+// A scene's file or name, or a System and a State that OpenMM wrote.
+struct NamedScene {
+  std::string scene{};
+  std::vector<std::string> openmm{};  // system.xml, state.xml
+
+  void offer(const Subcommand& command);
+  CommandLine line(const char* subcommand) const;  // as typed, so far
+  // Throws InputError where both or neither were given.
+  Scene read(const std::vector<std::string>& overrides, KeysRead* keys = nullptr) const;
+};
+
 // Which scene, and what is laid over its keys: what `run` and `info` are both asked.
-struct SceneArgument {
-  std::string scene;
-  std::vector<std::string> openmm;  // system.xml, state.xml
+struct SceneArgument : NamedScene {
   std::optional<std::string> method;
   std::optional<long> steps;
   std::optional<double> dt_fs;

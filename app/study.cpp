@@ -13,7 +13,6 @@
 #include "md/errors.hpp"
 #include "progress.hpp"
 #include "studies/study_scene.hpp"
-#include "systems/scene_file.hpp"
 #include "systems/scene_source.hpp"
 
 namespace taut {
@@ -109,7 +108,7 @@ FolderLock study_folder(const fs::path& folder, const std::string& line, bool ov
 }
 
 void StudyArguments::offer_first(const Subcommand& command) {
-  command.option("scene", scene, "a scene's file or name").words(0, "SCENE").required();
+  scene.offer(command);
   command.option("--methods", methods, "which (all of `taut methods`)").words(0, "METHOD");
   command.option("--dt-fs", dt_fs, "step length [fs]");
   command.option("--set", settings, "any key of the scene").key_values();
@@ -124,7 +123,7 @@ void StudyArguments::offer_last(const Subcommand& command, const char* quick_mea
 Scene StudyArguments::read() const {
   const auto overrides = overrides_said({{"--dt-fs", "run.dt_fs", dt_fs}}, settings);
   refuse_without_effect(name, overrides);
-  return prepared_for_study(read_scene(find_scene(scene), overrides));
+  return prepared_for_study(scene.read(overrides));
 }
 
 std::vector<std::string> StudyArguments::methods_or_all() const {
@@ -134,7 +133,7 @@ std::vector<std::string> StudyArguments::methods_or_all() const {
 }
 
 std::string StudyArguments::command(const std::function<void(CommandLine&)>& own) const {
-  CommandLine line(name, scene);
+  CommandLine line = scene.line(name);
   line.option("--methods", methods);
   line.option("--dt-fs", dt_fs);
   line.option("--set", settings);

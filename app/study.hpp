@@ -9,6 +9,7 @@
 #include "commands.hpp"
 #include "files/folder_lock.hpp"
 #include "report.hpp"
+#include "scene_argument.hpp"
 #include "studies/ledger.hpp"
 
 namespace taut {
@@ -29,7 +30,7 @@ constexpr const char* kOverwrite = "move the study that is in --out to OUT.1, OU
 // What chart and stability are both asked.
 struct StudyArguments {
   const char* name;  // the subcommand's, and its folder's if not said
-  std::string scene{};
+  NamedScene scene{};
   std::vector<std::string> methods{}, settings{};
   std::optional<double> dt_fs{};
   bool quick = false, overwrite = false;

@@ -2,11 +2,11 @@
 """Density and compressibility of liquid water at constant pressure, by model, method and barostat.
 
     benchmarks/density.py [--ps 200] [--models tip3p spce] [--methods newton feedforward baumgarte]
-                          [--barostats c-rescale monte-carlo] [--set KEY=VALUE ...] > density.csv
+                          [--barostats c-rescale monte-carlo] [--set KEY=VALUE ...] [--runs DIR] > density.csv
 
 216 molecules at 298.15 K and 1 bar, PME, Langevin's thermostat at 1/ps. The first tenth of a run is left out. Errors
 are standard errors of means over ten blocks; the compressibility is (<V^2> - <V>^2)/(kT <V>), its error by leaving one
-block out at a time.
+block out at a time. Runs are kept in DIR, and go on from there where they were stopped.
 """
 import argparse
 import csv
@@ -19,7 +19,7 @@ import tempfile
 
 K_T = 8.31446261815324e-3 * 298.15 * 16.6053906717  # kT [bar nm^3]
 BLOCKS = 10
-SCENES = {"tip3p": "water", "spce": "spce"}
+SCENES = {"tip3p": ["water"], "spce": ["spce"], "tip4p2005": ["water", "--set", "build.model=tip4p2005"]}
 
 
 def compressibility(volumes):
@@ -42,6 +42,7 @@ def figures(log):
         compressibility([v for m, block in enumerate(volume) if m != n for v in block]) for n in range(BLOCKS)
     ]
     return {
+        "ps": round(float(rows[-1]["Time (ps)"])),
         "density_kg_m3": statistics.fmean(means),
         "density_error": statistics.stdev(means) / math.sqrt(BLOCKS),
         "compressibility_1e-6_per_bar": 1e6 * compressibility(sum(volume, [])),
@@ -50,15 +51,30 @@ def figures(log):
     }
 
 
-def run(options, model, method, barostat):
-    with tempfile.TemporaryDirectory() as folder:
-        command = [options.taut, "run", SCENES[model], "--method", method, "--steps", str(500 * options.ps)]
-        settings = ["forcefield.coulomb=pme", "run.thermostat=langevin", f"run.barostat={barostat}",
-                    "run.log_every=25", *options.set]
-        for setting in settings:
-            command += ["--set", setting]
-        subprocess.run([*command, "--out", folder + "/out"], check=True, stdout=subprocess.DEVNULL)
-        return figures(folder + "/out/log.csv")
+def run(options, folder, model, method, barostat):
+    command = [options.taut, "run", *SCENES[model], "--method", method, "--steps", str(500 * options.ps)]
+    settings = ["forcefield.coulomb=pme", "run.thermostat=langevin", f"run.barostat={barostat}", "run.log_every=25",
+                *options.set]
+    for setting in settings:
+        command += ["--set", setting]
+    out = folder / f"{model}-{method}-{barostat}"
+    subprocess.run([*command, "--continue", "--out", out], check=True, stdout=subprocess.DEVNULL)
+    return figures(out / "log.csv")
+
+
+def table(options, folder):
+    out = None
+    for model in options.models:
+        for barostat in options.barostats:
+            for method in options.methods:
+                row = {"model": model, "method": method, "barostat": barostat}
+                row.update({k: f"{v:.4g}" if "rms" in k or k == "ps" else f"{v:.2f}"
+                            for k, v in run(options, folder, model, method, barostat).items()})
+                if out is None:
+                    out = csv.DictWriter(sys.stdout, row, lineterminator="\n")
+                    out.writeheader()
+                out.writerow(row)
+                sys.stdout.flush()
 
 
 def main():
@@ -69,19 +85,13 @@ def main():
     parser.add_argument("--methods", nargs="+", default=["newton", "feedforward", "baumgarte"])
     parser.add_argument("--barostats", nargs="+", default=["c-rescale"])
     parser.add_argument("--set", nargs="+", default=[])
+    parser.add_argument("--runs", type=pathlib.Path)
     options = parser.parse_args()
-    out = None
-    for model in options.models:
-        for barostat in options.barostats:
-            for method in options.methods:
-                row = {"model": model, "method": method, "barostat": barostat, "ps": options.ps}
-                row.update({k: f"{v:.4g}" if "rms" in k else f"{v:.2f}"
-                            for k, v in run(options, model, method, barostat).items()})
-                if out is None:
-                    out = csv.DictWriter(sys.stdout, row, lineterminator="\n")
-                    out.writeheader()
-                out.writerow(row)
-                sys.stdout.flush()
+    if options.runs:
+        table(options, options.runs)
+    else:
+        with tempfile.TemporaryDirectory() as folder:
+            table(options, pathlib.Path(folder))
 
 
 if __name__ == "__main__":

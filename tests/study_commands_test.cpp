@@ -97,6 +97,32 @@ TEST(StudyCommands, StabilitySaysHowEachMethodFails) {
                 out.string() + "</code>"));
 }
 
+// What OpenMM wrote is studied as a scene is, and the commands in reports and lines say so.
+TEST(StudyCommands, TakeASystemOfOpenMMs) {
+  const TemporaryFolder folder;
+  const std::string prefix = TAUT_SCENES "/../tests/data/dna-hbonds.";
+  const std::string files = "--openmm " + prefix + "system.xml " + prefix + "state.xml";
+  const std::string plane = "stability " + files + " --methods baumgarte --dt-fs 2 --steps 5 --quick --out " +
+                            (folder.path() / "plane").string();
+  const auto stability = taut(plane);
+  ASSERT_EQ(stability.exit_code, 0) << stability.text;
+  EXPECT_THAT(stability.text, HasSubstr("dna-hbonds: 80 points"));
+  EXPECT_THAT(page(folder.path() / "plane"), HasSubstr("<code>taut " + plane + "</code>"));
+  const auto chart = taut("chart " + files + " --quick --methods newton --steps 2 --drift-steps 20 --out " +
+                          (folder.path() / "chart").string());
+  EXPECT_EQ(chart.exit_code, 0) << chart.text;
+  const auto calibration = taut("calibrate " + files + " --dt-fs 1");
+  ASSERT_EQ(calibration.exit_code, 0) << calibration.text;
+  EXPECT_THAT(calibration.text, HasSubstr("taut run " + files + " --dt-fs 1 --set method.name=baumgarte"));
+  for (const char* command : {"stability", "chart", "calibrate"})
+    for (const std::string& about : {std::string(), "water " + files}) {
+      const auto [exit_code, text] = taut(std::string(command) + " " + about);
+      EXPECT_EQ(exit_code, 2) << text;
+      EXPECT_EQ(lines(text), 1) << text;
+      EXPECT_THAT(text, HasSubstr("expected a scene, or --openmm system.xml state.xml"));
+    }
+}
+
 // Whatever the folder is called: pictures are drawn, and the report's command can be typed again.
 TEST(StudyCommands, TheCommandInAReportCanBeTyped) {
   const TemporaryFolder folder;
