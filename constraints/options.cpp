@@ -1,7 +1,6 @@
 #include "constraints/options.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "md/errors.hpp"
 #include "md/nearest_name.hpp"
@@ -26,8 +25,7 @@ std::string Option::value() const {
 }
 
 std::string Option::allowed() const {
-  if (!about.words.empty()) return fmt::format("one of {}", fmt::join(about.words, ", "));
-  return about.range.any() ? "" : about.range.in_words();
+  return taut::allowed(about.range, about.words);
 }
 
 std::string Option::in_words() const {

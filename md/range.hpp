@@ -1,9 +1,9 @@
 #pragma once
 
-#include <fmt/format.h>
-
 #include <limits>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace taut {
 
@@ -18,15 +18,13 @@ struct Range {
     return (above_min ? value > min : value >= min) && (below_max ? value < max : value <= max);
   }
   bool any() const { return *this == Range{}; }
-  std::string in_words() const {
-    std::string least = fmt::format("{} {}", above_min ? "more than" : "at least", min);
-    std::string most = fmt::format("{} {}", below_max ? "less than" : "at most", max);
-    if (max == std::numeric_limits<double>::infinity()) return least;
-    return min == -std::numeric_limits<double>::infinity() ? most : least + " and " + most;
-  }
+  std::string in_words() const;  // "more than 0 and at most 2"
 };
 inline constexpr Range kAnyNumber{};
 inline constexpr Range kNotNegative{.min = 0};
 inline constexpr Range kPositive{.min = 0, .above_min = true};
+
+// What a setting may be: one of the words, else a number of the range; "" where anything is.
+std::string allowed(const Range& range, const std::vector<std::string_view>& words);
 
 }  // namespace taut

@@ -86,6 +86,7 @@ struct StartReport {
 class Simulation : private Bath, private ForceLaw {
  public:
   explicit Simulation(Scene scene);
+  Simulation(Simulation&&) = delete;  // its barostat refers into it
 
   const Scene& scene() const { return scene_; }
   const System& system_as_given() const { return full_; }  // with the bonds that were left out, if any were

@@ -19,8 +19,7 @@ bool Key::described_as(const Key& other) const {
 }
 
 std::string Key::allowed() const {
-  if (!about.words.empty()) return fmt::format("one of {}", fmt::join(about.words, ", "));
-  return about.range.any() ? "" : about.range.in_words();
+  return taut::allowed(about.range, {about.words.begin(), about.words.end()});
 }
 
 Key& KeysRead::of(std::string_view section, std::string_view key) {

@@ -25,13 +25,13 @@ struct About {
   About(const char* meant, const char* in = "", Range allowed = kAnyNumber)
       : meaning(meant), unit(in), range(allowed) {}
   About(const char* meant, Range allowed) : meaning(meant), range(allowed) {}
-  About(const char* meant, std::vector<std::string_view> allowed)
-      : meaning(meant), words(std::move(allowed)) {}
+  About(const char* meant, const std::vector<std::string_view>& allowed)
+      : meaning(meant), words(allowed.begin(), allowed.end()) {}
 
   const char* meaning = "";
   const char* unit = "";
   Range range = kAnyNumber;
-  std::vector<std::string_view> words{};  // a text is one of them
+  std::vector<std::string> words{};  // a text is one of them
 };
 
 // A key that was read.

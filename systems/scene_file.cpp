@@ -114,7 +114,7 @@ void read_name(const TomlTable& table, MethodOptions& method) {
 void read_options(const TomlTable& table, MethodOptions& method) {
   for (const Option& option : method.describe()) {
     About about(option.meaning, option.about.unit, option.about.range);
-    about.words = option.about.words;
+    about.words.assign(option.about.words.begin(), option.about.words.end());
     std::visit([&](auto* field) { table.read(option.key, *field, about); }, option.field);
   }
   for (const Option& option : method.describe())

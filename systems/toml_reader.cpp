@@ -158,7 +158,8 @@ bool TomlTable::fetch(std::string_view key, std::string& into, const About& abou
   if (!node->is_string()) wrong_type(key, *node, "a string");
   const std::string& word = node->as_string()->get();
   if (!about.words.empty() && std::ranges::find(about.words, word) == about.words.end())
-    fail(key, fmt::format("there is no \"{}\"{}", one_line(word), did_you_mean(word, about.words)));
+    fail(key, fmt::format("there is no \"{}\"{}", one_line(word),
+                          did_you_mean(word, {about.words.begin(), about.words.end()})));
   into = word;
   return true;
 }

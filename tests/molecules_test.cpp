@@ -1,5 +1,7 @@
 // Molecules that are said in a scene, and where they are placed.
 
+#include <fmt/format.h>
+
 #include <numbers>
 
 #include "forcefield/force_field.hpp"

@@ -94,10 +94,7 @@ Library read_library(const TomlTable& root) {
 
 Place read_place(const TomlTable& keys, const Library& library) {
   std::vector<std::string_view> names;
-  for (const auto& [name, molecule] : library.molecules) {
-    const auto water = library.water.find(&molecule);  // whose names outlive the library, as descriptions do
-    names.push_back(water == library.water.end() ? std::string_view(name) : water->second->name);
-  }
+  for (const auto& [name, molecule] : library.molecules) names.push_back(name);
   Place place;
   place.molecule =
       &library.molecules.at(keys.choice("molecule", names, "[molecule.NAME], or one of taut's waters"));
