@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Do the tests notice? Breaks the code on purpose, one line at a time, and runs the tests that should fail.
 
-    python3 tests/mutants/run.py [--list FILE] [PATTERN]
+    python3 tests/mutants/run.py [--list FILE] [--check] [PATTERN]
 
 PATTERN, a regular expression, chooses mutants by "file: before  →  after". Works in a git worktree of HEAD in a
 temporary folder ($TMPDIR), with a build folder of its own; tests/mutants/list.txt says how mutants are written.
-Ends with 1 unless every mutant is noticed, or is said to change nothing.
+Ends with 1 unless every mutant is noticed, or is said to change nothing. --check only sees that each one's line
+stands in its file, once.
 """
 import argparse, collections, pathlib, re, shutil, signal, subprocess, sys, tempfile, time
 
@@ -58,11 +59,17 @@ def failure(tree, test):
     return done.returncode and (failed.group(1) if failed else test)
 
 
+def misplaced(tree, mutant):
+    path = tree / mutant["file"]
+    found = path.read_text().count(mutant["before"]) if path.is_file() else 0
+    return {0: "not found", 1: ""}.get(found, "found twice")
+
+
 def verdict(tree, mutant):
     path = tree / mutant["file"]
+    if wrong := misplaced(tree, mutant):
+        return wrong
     text = path.read_text()
-    if text.count(mutant["before"]) != 1:
-        return "not found" if mutant["before"] not in text else "found twice"
     try:
         path.write_text(text.replace(mutant["before"], mutant["after"]))
         if not build(tree, mutant["tests"]):
@@ -78,8 +85,12 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("pattern", nargs="?", default="")
     parser.add_argument("--list", type=pathlib.Path, default=HERE / "list.txt")
+    parser.add_argument("--check", action="store_true")
     options = parser.parse_args()
     mutants = [m for m in read(options.list) if re.search(options.pattern, name_of(m))]
+    if options.check:
+        wrong = [f"{misplaced(HERE.parents[1], m)}: {name_of(m)}" for m in mutants if misplaced(HERE.parents[1], m)]
+        sys.exit("\n".join(wrong) if wrong else 0)
     counts = collections.Counter()
     with tempfile.TemporaryDirectory(prefix="mutants-") as folder:
         tree = pathlib.Path(folder) / "tree"
