@@ -1,15 +1,27 @@
-// Methods and forces written in Python. They see copies that belong to Python, so that no array outlives what
-// it shows; what they leave in them is taken back, checked.
+// Methods and forces written in Python. A method's stages see the state's own numbers, a force copies.
 
 #include <fmt/format.h>
 
 #include "constraints/bond_algebra.hpp"
 #include "constraints/methods.hpp"
 #include "core.hpp"
+#include "lent_state.hpp"
 #include "md/errors.hpp"
 
 namespace taut {
 namespace {
+
+// May be copied and destroyed by threads that do not hold the interpreter, and after Python has ended: then
+// nobody gives its lock back.
+template <class T>
+std::shared_ptr<T> shared(T object) {
+  return {new T(std::move(object)), [](T* held) {
+            if (!Py_IsInitialized()) return;
+            const py::gil_scoped_acquire interpreter;
+            delete held;
+          }};
+}
+using Shared = std::shared_ptr<py::object>;
 
 thread_local std::shared_ptr<py::error_already_set> last_error;
 
@@ -18,29 +30,8 @@ thread_local std::shared_ptr<py::error_already_set> last_error;
   if (error.matches(PyExc_KeyboardInterrupt) || error.matches(PyExc_SystemExit)) throw error;
   std::string words = error.what();
   words = words.substr(0, words.find('\n'));
-  last_error = std::make_shared<py::error_already_set>(error);
+  last_error = shared(error);
   throw SimulationFailure(fmt::format("{}: {}", who, words));
-}
-
-// May be copied and destroyed by threads that do not hold the interpreter.
-using Shared = std::shared_ptr<py::object>;
-Shared shared(py::object object) {
-  return {new py::object(std::move(object)), [](py::object* held) {
-            if (!Py_IsInitialized())
-              return;  // the list of methods outlives Python, whose lock nobody gives back then
-            const py::gil_scoped_acquire interpreter;
-            delete held;
-          }};
-}
-
-// Takes over what Python left in an array.
-void take_back(const py::handle& object, const char* name, Vectors& into) {
-  const py::object given = object.attr(name);
-  const auto rows = py::array_t<double, py::array::c_style>::ensure(given);
-  if (!rows || rows.ndim() != 2 || rows.shape(0) != into.cols() || rows.shape(1) != 3)
-    throw py::type_error(fmt::format("state.{}: expected numbers of shape ({}, 3), got {}", name, into.cols(),
-                                     std::string(py::str(py::getattr(given, "shape", py::type::of(given))))));
-  std::copy_n(rows.data(), into.size(), into.data());
 }
 
 struct Own {
@@ -77,7 +68,8 @@ class PythonMethod final : public ConstraintMethod {
       const py::object base = python_class("taut.parts", "ConstraintMethod");
       for (int n = 0; n < kStages; ++n)
         has_[n] = !py::type::of(method).attr(kStage[n]).is(base.attr(kStage[n]));
-      parts_ = shared(py::make_tuple(method, system_of(sys), python_class("taut.parts", "State")()));
+      parts_ =
+          shared<py::object>(py::make_tuple(method, system_of(sys), python_class("taut.parts", "State")()));
       method.attr("prepare")(part(1), h);
       promised_ = method.attr("promised_error").cast<double>();
       holds_ = method.attr("holds").cast<std::string>() == "positions" ? Holds::kPositions : Holds::kAll;
@@ -125,8 +117,12 @@ class PythonMethod final : public ConstraintMethod {
       atoms.insert(atoms.end(), {bond.i, bond.j});
     }
     const py::array_t<int> bonds({py::ssize_t{sys.bond_count()}, py::ssize_t{2}}, atoms.data());
-    return python_class("taut.parts", "System")(array_of(sys.mass), array_of(sys.inv_mass), bonds,
-                                                array_of(lengths));
+    const auto fixed = [](py::array array) {
+      array.attr("setflags")(py::arg("write") = false);
+      return array;
+    };
+    return python_class("taut.parts", "System")(fixed(array_of(sys.mass)), fixed(array_of(sys.inv_mass)),
+                                                fixed(bonds), fixed(array_of(lengths)));
   }
 
   py::object part(int n) const { return py::reinterpret_borrow<py::tuple>(*parts_)[n]; }
@@ -136,16 +132,10 @@ class PythonMethod final : public ConstraintMethod {
     if (has_[stage]) {
       const py::gil_scoped_acquire interpreter;
       try {
-        const py::object state = part(2);
-        state.attr("positions") = rows_of(s.x);
-        state.attr("velocities") = rows_of(s.v);
-        state.attr("forces") = rows_of(s.f);
-        state.attr("time_ps") = s.t;
-        const py::object iterations = part(0).attr(kStage[stage])(part(1), h, state);
-        take_back(state, "positions", s.x);
-        take_back(state, "velocities", s.v);
-        take_back(state, "forces", s.f);
-        stats = said(iterations);
+        LentState state(part(2), s);
+        const py::object answer = part(0).attr(kStage[stage])(part(1), h, part(2));
+        state.take_back();
+        stats = said(answer);
       } catch (py::error_already_set& error) {
         fail(error, fmt::format("{}.{}", name_, kStage[stage]));
       } catch (py::builtin_exception& error) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core.hpp"
+#include "lent_state.hpp"
 #include "simulation/recorded_run.hpp"
 #include "simulation/resumption.hpp"
 
@@ -16,6 +17,7 @@ class PythonSimulation {
   // From a checkpoint's bytes, or with a folder from its own, which it then goes on with.
   PythonSimulation(const std::string& bytes, const std::string& folder,
                    const std::vector<std::string>& overrides, bool yes);
+  ~PythonSimulation() { forget_owner(simulation_->state()); }
 
   // `every`: steps from row to row, 0: as before. With `to_end` the last step has a row, too.
   void run(long steps, long every, const py::object& callback, bool to_end);

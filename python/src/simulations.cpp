@@ -5,6 +5,7 @@
 #include <array>
 #include <limits>
 
+#include "lent_state.hpp"
 #include "simulation_object.hpp"
 #include "systems/openmm/openmm_export.hpp"
 #include "systems/openmm/openmm_import.hpp"
@@ -76,6 +77,7 @@ py::tuple to_openmm(Self& self) {
 
 py::array view(const py::object& self, Vectors State::*part, bool writeable) {
   const State& state = self.cast<const Self&>().engine().state();
+  remember_owner(state, self);
   py::array_t<double> rows = rows_of(state.*part, self);
   if (!writeable) rows.attr("setflags")(py::arg("write") = false);
   return rows;

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import inspect
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import count
-from typing import Any, Dict, List, Sequence, Set, Union
+from typing import TYPE_CHECKING, Any, Dict, List, Sequence, Set, Union
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from .errors import InputError
 
 @dataclass(frozen=True)
 class System:
-    """What does not change during a run. Arrays are copies."""
+    """What does not change during a run. Its arrays cannot be written to, and may be kept."""
 
     masses: np.ndarray  #: (n,) [u]; 0 for an anchored atom
     inverse_masses: np.ndarray  #: (n,) [1/u]; 0 for an anchored atom
@@ -36,14 +36,22 @@ class System:
         return [np.flatnonzero(np.array(of_bond) == group) for group in range(max(of_bond, default=-1) + 1)]
 
 
-@dataclass
 class State:
-    """What a stage may change, in place or by giving it other arrays of the same shape."""
+    """What a stage may change, in place or by giving it other arrays of the same shape.
 
-    positions: np.ndarray = field(default_factory=lambda: np.empty((0, 3)))  #: (n, 3) [nm], never wrapped
-    velocities: np.ndarray = field(default_factory=lambda: np.empty((0, 3)))  #: (n, 3) [nm/ps]
-    forces: np.ndarray = field(default_factory=lambda: np.empty((0, 3)))  #: (n, 3) [kJ/mol/nm]
-    time_ps: float = 0.0
+    The arrays are the engine's own numbers, and there for the length of a stage alone. A stage that keeps one, or a
+    view of one (``self.before = state.positions[3:]``), fails with a BufferError: keep a copy.
+    """
+
+    positions: np.ndarray  #: (n, 3) [nm], never wrapped
+    velocities: np.ndarray  #: (n, 3) [nm/ps]
+    forces: np.ndarray  #: (n, 3) [kJ/mol/nm]
+    time_ps: float
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name):
+            raise AttributeError(f"state.{name}: a state has positions, velocities and forces, during a stage alone")
 
 
 @dataclass
