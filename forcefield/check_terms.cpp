@@ -189,9 +189,15 @@ void check_terms(const System& sys, const Box& box, const Terms& terms) {
   if (terms.wca) check_wca(*terms.wca, n);
   check_room(terms, box);
   if (terms.gravity) require(terms.gravity->allFinite(), "gravity: not a finite vector");
-  for (std::size_t p = 0; p < terms.pulls.size(); ++p) {
-    check_atoms({"pull", p}, {terms.pulls[p].atom}, n);
-    check_numbers({"pull", p}, {terms.pulls[p].force[0], terms.pulls[p].force[1], terms.pulls[p].force[2]});
+  const auto check_one = [n](const Place& term, int atom, const Vec3& v) {
+    check_atoms(term, {atom}, n);
+    check_numbers(term, {v.x(), v.y(), v.z()});
+  };
+  for (std::size_t p = 0; p < terms.pulls.size(); ++p)
+    check_one({"pull", p}, terms.pulls[p].atom, terms.pulls[p].force);
+  for (std::size_t r = 0; r < terms.restraints.size(); ++r) {
+    check_one({"restraint", r}, terms.restraints[r].atom, terms.restraints[r].at);
+    check_numbers({"restraint", r}, {terms.restraints[r].k});
   }
 }
 

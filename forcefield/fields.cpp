@@ -20,4 +20,15 @@ double add_pulls(const std::vector<Pull>& pulls, const Vectors& x, Vectors& f) {
   return energy;
 }
 
+double add_restraints(const std::vector<Restraint>& restraints, const Box& box, const Vectors& x,
+                      Vectors& f) {
+  double energy = 0;
+  for (const auto& [atom, at, k] : restraints) {
+    const Vec3 off = box.nearest_image(x.col(atom) - at);
+    energy += 0.5 * k * off.squaredNorm();
+    f.col(atom) -= k * off;
+  }
+  return energy;
+}
+
 }  // namespace taut

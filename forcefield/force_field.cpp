@@ -75,6 +75,8 @@ struct ForceField::Impl {
     bonded.add_forces(x, f);
     if (terms.gravity) outer.emplace_back("gravity", add_gravity(*terms.gravity, sys.mass, x, f));
     if (!terms.pulls.empty()) outer.emplace_back("pull", add_pulls(terms.pulls, x, f));
+    if (!terms.restraints.empty())
+      outer.emplace_back("restraint", add_restraints(terms.restraints, box, x, f));
     for (const auto& field : terms.own) outer.emplace_back(field->name(), field->add(x, f));
     if (lj_coulomb) lj_coulomb->add_forces(x, box, f);
     if (pme) pme->add_forces(x, f);

@@ -106,6 +106,12 @@ struct Pull {  // a constant force on one atom
   Vec3 force;  // [kJ/mol/nm]
 };
 
+struct Restraint {  // ½k|x − at|² on one atom, from the nearest image of where it is held
+  int atom;
+  Vec3 at;   // [nm]
+  double k;  // [kJ/mol/nm²]
+};
+
 // A field from outside that somebody else computes: a bias, a wall.
 class OwnField {
  public:
@@ -132,6 +138,7 @@ struct Terms {
   std::optional<Wca> wca{};
   std::optional<Vec3> gravity{};  // uniform acceleration [nm/ps²]
   std::vector<Pull> pulls{};
+  std::vector<Restraint> restraints{};
   std::vector<std::shared_ptr<OwnField>> own{};
   Precision precision = Precision::kDouble;
 };

@@ -64,7 +64,8 @@ struct Scene {
   std::vector<std::string> notes;  // what the reader should know of the start, a line each
 
   // Nothing outside holds or pulls: the momentum is conserved.
-  bool closed() const {
+  bool closed() const { return closed_but_for_restraints() && terms.restraints.empty(); }
+  bool closed_but_for_restraints() const {
     return !terms.gravity && terms.pulls.empty() && terms.own.empty() && system.anchors() == 0;
   }
 };

@@ -40,10 +40,13 @@ void check_barostat(const TomlTable& run, const Scene& scene) {
   if (!scene.run.thermostatted())
     run.fail("barostat", "a barostat needs a thermostat: run.thermostat = \"langevin\" or \"rescaling\"");
   if (!scene.start.box.periodic()) run.fail("barostat", "there is no box to change; leave the key out");
-  if (!scene.closed())
+  if (!scene.closed_but_for_restraints())
     run.fail("barostat",
              "an anchored atom (mass 0), gravity or a pull holds on to what the box would move; leave the "
              "key out");
+  if (!scene.closed() && scene.run.barostat != "monte-carlo")
+    run.fail("barostat",
+             "restraints hold on to what the box would move, and have no virial: take \"monte-carlo\"");
 }
 
 // What does not know of struts and ropes.

@@ -162,6 +162,7 @@ OpenMMInput custom_terms(bool periodic) {
   if (periodic) input.start.box.edge.setConstant(4);
   input.terms.gravity = Vec3(1, -9.81, 2);
   input.terms.pulls = {{2, Vec3(3, -4, 5)}, {5, Vec3(0, 1, 0)}};
+  input.terms.restraints = {{1, Vec3(0.8, 0.1, 0), 700}, {5, Vec3(2, 0.7, 1), 300}};
   input.terms.fene = {{1, 2, 30, 1.5}, {4, 5, 20, 1.6}};
   input.terms.wca = Wca{1.0, 1.5, {{0, 1}, {1, 2}}};
   input.start.x.resize(3, 6);

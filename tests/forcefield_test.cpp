@@ -186,6 +186,17 @@ TEST(Fields, GravityAndPullsAreUniform) {
   EXPECT_EQ(forces.potential(), energies[0].second + energies[1].second);
 }
 
+// Half a box and more away it is the other image that is held.
+TEST(Fields, RestraintsTakeTheNearestImage) {
+  const Terms terms{.restraints = {{0, {0.1, 0.2, 0.3}, 100}, {1, {0.1, 0, 1.9}, 50}}};
+  const Vectors x = columns({{0.2, 0.2, 0.3}, {2.0, 4, 0.1}});
+  const Evaluated open = evaluate(terms, x), boxed = Bench(2, terms, Box{Vec3(2, 2, 2)}).at(x);
+  EXPECT_NEAR((open.f - columns({{-10, 0, 0}, {-95, -200, 90}})).norm(), 0, 1e-12);
+  EXPECT_NEAR(open.energy, 0.5 + 25 * (1.9 * 1.9 + 16 + 1.8 * 1.8), 1e-12);
+  EXPECT_NEAR((boxed.f - columns({{-10, 0, 0}, {5, 0, -10}})).norm(), 0, 1e-12);
+  EXPECT_NEAR(boxed.energy, 0.5 + 25 * (0.01 + 0.04), 1e-12);
+}
+
 // What hangs on the box is made anew: lists, PME's waves, the background, the dispersion correction.
 TEST(ForceField, FollowsABoxThatChangesAndStopsWhereItIsTooSmall) {
   const Eigen::VectorXd ones = Eigen::VectorXd::Ones(4);
@@ -220,7 +231,8 @@ TEST(ForceField, NamesOnlyTheTermsThereAre) {
             .fene = {{0, 1, 30, 1}},
             .wca = Wca{0.1, 1, {}},
             .gravity = Vec3(1, 0, 0),
-            .pulls = {{0, {1, 2, 3}}}};
+            .pulls = {{0, {1, 2, 3}}},
+            .restraints = {{2, {0, 0, 1}, 5}}};
   const Eigen::VectorXd ones = Eigen::VectorXd::Ones(4);
   all.nonbonded = Nonbonded{ones, 0.1 * ones, ones, {}, 0.9, {}, 78.3, {}, true};
   Bench bench(4, all, Box{Vec3(2, 2, 2)});
@@ -232,7 +244,7 @@ TEST(ForceField, NamesOnlyTheTermsThereAre) {
     sum += energy;
   }
   EXPECT_EQ(names, (std::vector<std::string>{"bond", "angle", "torsion", "rb_torsion", "fene", "lj_coulomb",
-                                             "dispersion", "wca", "gravity", "pull"}));
+                                             "dispersion", "wca", "gravity", "pull", "restraint"}));
   EXPECT_EQ(sum, potential);
 }
 
@@ -291,6 +303,8 @@ TEST(ForceField, RefusesTermsThatDoNotFit) {
   expect_in(message([](Terms& t) { t.rb_torsions = {{0, 1, 2, 7, {}}}; }), "rb_torsion 0: atom 7");
   expect_in(message([](Terms& t) { t.fene = {{0, 1, 30, 0}}; }), "fene 0: r0");
   expect_in(message([](Terms& t) { t.pulls = {{4, Vec3::Zero()}}; }), "pull 0: atom 4");
+  expect_in(message([](Terms& t) { t.restraints = {{4, Vec3::Zero(), 1}}; }), "restraint 0: atom 4");
+  expect_in(message([](Terms& t) { t.restraints = {{1, Vec3::Zero(), std::nan("")}}; }), "restraint 0: nan");
   expect_in(message([&](Terms& t) { t.gravity = Vec3(0, nan, 0); }), "gravity");
   expect_in(message([](Terms& t) { t.nonbonded->sigma.resize(3); }), "3 values of sigma for 4 atoms");
   expect_in(message([](Terms& t) { t.nonbonded->charge.setZero(5); }), "5 values of charge for 4 atoms");

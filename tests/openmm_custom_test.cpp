@@ -1,8 +1,11 @@
 // Terms OpenMM has no class of its own for in every case, however they are declared and spelled: energies and
 // forces against its Reference platform.
 
+#include <gmock/gmock.h>
+
 #include <algorithm>
 
+#include "md/errors.hpp"
 #include "openmm_parity.hpp"
 
 namespace taut {
@@ -189,6 +192,45 @@ TEST(OpenMMParity, GravityAndPullsHoweverTheyAreDeclared) {
     melt.parameters = {{"gy", 3.5}, {"fy", -2}};
     expect_parity(melt.write(Folder()));
   } while (std::next_permutation(axes.begin(), axes.end()));
+}
+
+TEST(OpenMMParity, RestraintsHoweverTheyAreWritten) {
+  for (const char* energy :
+       {"k*periodicdistance(x, y, z, x0, y0, z0)^2;", "0.5*k*d2; d2=periodicdistance(x0,y0,z0,x,y,z)^2",
+        "k*((x-x0)^2+(y-y0)^2+(z-z0)^2)"}) {
+    const bool images = std::string_view(energy).find("periodic") != std::string_view::npos;
+    for (const bool periodic : {false, true}) {
+      if (images && !periodic) continue;
+      Melt melt(15);
+      if (periodic) melt.make_periodic();
+      auto* held = new OpenMM::CustomExternalForce(energy);
+      held->addGlobalParameter("k", 900);
+      for (const char* name : {"x0", "y0", "z0"}) held->addPerParticleParameter(name);
+      for (const int a : {7, 3, 100}) {
+        const OpenMM::Vec3 x = melt.x[static_cast<std::size_t>(a)];
+        const double image = images ? Melt::kEdge : 0;
+        held->addParticle(a, {x[0] + melt.uniform(-0.1, 0.1), x[1] + image, x[2] - 0.05});
+      }
+      melt.system.addForce(held);
+      melt.parameters = {{"k", 350}};
+      expect_parity(melt.write(Folder()));
+    }
+  }
+}
+
+// Without periodicdistance OpenMM pulls across the box, which the nearest image would not.
+TEST(OpenMMParity, RestraintsThatTakeNoImageStayNear) {
+  Melt melt(16);
+  melt.make_periodic();
+  auto* held = new OpenMM::CustomExternalForce("k*((x-x0)^2+(y-y0)^2+(z-z0)^2)");
+  for (const char* name : {"x0", "y0", "z0", "k"}) held->addPerParticleParameter(name);
+  held->addParticle(7, {melt.x[7][0], melt.x[7][1] + 0.6 * Melt::kEdge, melt.x[7][2], 100});
+  melt.system.addForce(held);
+  const Folder folder;
+  const auto files = melt.write(folder);
+  EXPECT_THAT([&] { read_openmm(files.system, files.state); },
+              ::testing::ThrowsMessage<InputError>(::testing::HasSubstr(
+                  "holds atom 7 over half the box away and takes no nearest image: write 0.5*k*periodic")));
 }
 
 TEST(OpenMMParity, RepulsiveBeadsHoweverTheyAreDeclared) {

@@ -90,6 +90,15 @@ TEST(OpenMMReader, CarriesABarostatOutAtARunsTemperature) {
   EXPECT_FALSE(run({warm[0], warm[1], "run.barostat=none"}).barostatted());
   EXPECT_EQ(run({warm[0], warm[1], "run.barostat=c-rescale", "run.pressure_bar=5"}).pressure_bar, 5);
   EXPECT_THROW(run({"run.barostat=monte-carlo"}), InputError);
+  replace(texts.system, "<Forces>",
+          "<Forces><Force energy=\"k*periodicdistance(x,y,z,x0,y0,z0)^2\" forceGroup=\"0\" name=\"hold\" "
+          "type=\"CustomExternalForce\" version=\"1\"><PerParticleParameters><Parameter name=\"x0\"/>"
+          "<Parameter name=\"y0\"/><Parameter name=\"z0\"/></PerParticleParameters><GlobalParameters>"
+          "<Parameter default=\"500\" name=\"k\"/></GlobalParameters><Particles>"
+          "<Particle index=\"3\" param1=\"0.1\" param2=\"0.2\" param3=\"0.3\"/></Particles></Force>");
+  folder.write("a.system.xml", texts.system);
+  EXPECT_EQ(run(warm).barostat, "monte-carlo");
+  EXPECT_THROW(run({warm[0], warm[1], "run.barostat=c-rescale"}), InputError);
 }
 
 // Each number of the files makes the energy or the forces what they are.

@@ -132,9 +132,8 @@ TEST(SceneErrors, Values) {
             "scene.toml:17: run.thermostat: a thermostat needs a run.temperature_k above 0");
   EXPECT_EQ(complaint(good.with("\"atoms\"", "\"atom\"").text),
             "scene.toml:3: build.kind: there is no \"atom\"; did you mean \"atoms\"?");
-  EXPECT_THAT(
-      complaint(good.with("\"baumgarte\"", "\"ratle\"").text),
-      HasSubstr("scene.toml:19: method.name: there is no \"ratle\"; did you mean \"rattle\"?"));
+  EXPECT_THAT(complaint(good.with("\"baumgarte\"", "\"ratle\"").text),
+              HasSubstr("scene.toml:19: method.name: there is no \"ratle\"; did you mean \"rattle\"?"));
   EXPECT_EQ(complaint(good.with("[0, -9.81, 0]", "[0, -9.81]").text),
             "scene.toml:13: build.gravity_nm_ps2: expected three numbers [x, y, z], got an array");
   EXPECT_EQ(complaint("build = 3\nhard_on = ''"), "scene.toml:1: build: expected a section, got an integer");
@@ -197,11 +196,16 @@ TEST(SceneErrors, StrutsRopesAndSprings) {
   EXPECT_EQ(with("springs = [[0, 0, 1, 5]]"), "scene.toml:14: build.springs[0]: ties an atom to itself");
   EXPECT_EQ(with("springs = [[0, 1, 1, -5]]"),
             "scene.toml:14: build.springs[0]: expected a length and a stiffness of 0 or more");
+  EXPECT_EQ(with("restraints = [[0, 0, 0, 0, 100]]"), "no error");
+  EXPECT_EQ(with("restraints = [[3, 0, 0, 0, 100]]"),
+            "scene.toml:14: build.restraints[0]: there is no such atom");
+  EXPECT_EQ(with("restraints = [[0, 0, 0, 0, -1]]"),
+            "scene.toml:14: build.restraints[0]: expected a stiffness of 0 or more");
   const auto rope = good.with("pulls", "at_most = [[0, 2, 3]]\npulls");
-  EXPECT_EQ(
-      complaint(rope.text, {"method.name=lincs"}),
-      "--set method.name=lincs: method.name: method \"lincs\" holds no one-sided bonds (at_least, at_most), and there "
-      "are 1: expected none, baumgarte, shake, rattle, newton");
+  EXPECT_EQ(complaint(rope.text, {"method.name=lincs"}),
+            "--set method.name=lincs: method.name: method \"lincs\" holds no one-sided bonds (at_least, "
+            "at_most), and there "
+            "are 1: expected none, baumgarte, shake, rattle, newton");
   EXPECT_EQ(
       complaint(rope.with("steps = 20", "minimise = true").text),
       "scene.toml:18: run.minimise: moves atoms through one-sided bonds (build.at_least, build.at_most): "
@@ -246,7 +250,7 @@ TEST(SceneErrors, Overrides) {
             "--set rum.dt_fs=2: unknown section \"rum\"; did you mean \"run\"?");
   EXPECT_EQ(complaint(good, {"build.molecules=2"}),
             "--set build.molecules=2: unknown key \"molecules\" in [build]; expected one of at_least, "
-            "at_most, atoms, bonds, gravity_nm_ps2, kind, pulls, springs, start, velocities");
+            "at_most, atoms, bonds, gravity_nm_ps2, kind, pulls, restraints, springs, start, velocities");
   EXPECT_EQ(complaint(good, {"run.steps"}), "--set run.steps: expected key=value, such as run.dt_fs=2");
   EXPECT_EQ(complaint(good, {"=3"}), "--set =3: expected key=value, such as run.dt_fs=2");
   EXPECT_EQ(complaint(good, {"a b=3"}), "--set a b=3: expected key=value, such as run.dt_fs=2");
@@ -254,9 +258,8 @@ TEST(SceneErrors, Overrides) {
   EXPECT_EQ(complaint(good, {"method.name=newton", "method.passes=1"}),
             "--set method.passes=1: unknown key \"passes\" in [method]; expected one of max_iterations, "
             "name, tolerance");
-  EXPECT_THAT(
-      complaint(good, {"method.name=newtom"}),
-      HasSubstr("--set method.name=newtom: method.name: there is no \"newtom\"; did you mean"));
+  EXPECT_THAT(complaint(good, {"method.name=newtom"}),
+              HasSubstr("--set method.name=newtom: method.name: there is no \"newtom\"; did you mean"));
   EXPECT_EQ(
       complaint(kMelt, {"build.chains=1e12"}),
       "--set build.chains=1e12: build.chains: 1000000000000 make 20000000000000 atoms, more than the 5000000 "

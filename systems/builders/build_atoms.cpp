@@ -15,7 +15,7 @@ int index_at(const TomlTable& keys, const char* key, std::size_t row, double num
 }
 
 struct Given {
-  Rows atoms, bonds, at_least, at_most, springs, velocities, pulls;
+  Rows atoms, bonds, at_least, at_most, springs, velocities, pulls, restraints;
   std::optional<Vec3> gravity;
 
   explicit Given(const TomlTable& keys)
@@ -30,6 +30,8 @@ struct Given {
               "springs ½k(|r| − length)², [i, j, length in nm, k in kJ/mol/nm²]");
     keys.read("gravity_nm_ps2", gravity, {"uniform acceleration [x, y, z]", "nm/ps²"});
     keys.read("pulls", pulls, Columns{4, 4}, "constant forces [atom, fx, fy, fz], in kJ/mol/nm");
+    keys.read("restraints", restraints, Columns{5, 5},
+              "springs to a place [atom, x, y, z, k], k in kJ/mol/nm²: ½k|x − place|²");
   }
 };
 
@@ -105,14 +107,26 @@ std::vector<HarmonicBond> read_springs(const TomlTable& keys, const Rows& rows, 
   return springs;
 }
 
+int atom_at(const TomlTable& keys, const char* key, const Rows& rows, std::size_t k, int atoms) {
+  const int atom = index_at(keys, key, k, rows[k][0]);
+  if (atom < 0 || atom >= atoms) keys.fail(key, k, "there is no such atom");
+  return atom;
+}
+
 std::vector<Pull> read_pulls(const TomlTable& keys, const Rows& rows, int atoms) {
   std::vector<Pull> pulls;
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    const int atom = index_at(keys, "pulls", k, rows[k][0]);
-    if (atom < 0 || atom >= atoms) keys.fail("pulls", k, "there is no such atom");
-    pulls.push_back({atom, Vec3(rows[k].data() + 1)});
-  }
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    pulls.push_back({atom_at(keys, "pulls", rows, k, atoms), Vec3(rows[k].data() + 1)});
   return pulls;
+}
+
+std::vector<Restraint> read_restraints(const TomlTable& keys, const Rows& rows, int atoms) {
+  std::vector<Restraint> restraints;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    restraints.push_back({atom_at(keys, "restraints", rows, k, atoms), Vec3(rows[k].data() + 1), rows[k][4]});
+    if (!(rows[k][4] >= 0)) keys.fail("restraints", k, "expected a stiffness of 0 or more");
+  }
+  return restraints;
 }
 
 Vectors read_velocities(const TomlTable& keys, const Rows& rows, std::size_t atoms) {
@@ -149,6 +163,7 @@ void build_atoms(const BuildRequest& request, Scene& scene) {
   scene.terms.gravity = given.gravity;
   scene.terms.bonds = read_springs(keys, given.springs, scene.system.atoms());
   scene.terms.pulls = read_pulls(keys, given.pulls, scene.system.atoms());
+  scene.terms.restraints = read_restraints(keys, given.restraints, scene.system.atoms());
 }
 
 }  // namespace taut

@@ -32,11 +32,23 @@ void read_pulls(const ForceReading& r, CustomForce& p) {
   });
 }
 
+void read_restraints(const ForceReading& r, CustomForce& p) {
+  r.force.part("Particles").each("Particle", [&](const Element& particle) {
+    Restraint one{};
+    p.read(particle, {atom_field("index", one.atom, r.system.atoms())});
+    one.at = Vec3(p["x0"], p["y0"], p["z0"]);
+    one.k = p.factor() * p["k"];
+    r.to.terms.restraints.push_back(one);
+  });
+}
+
 }  // namespace
 
 void read_custom_external(const ForceReading& r) {
   static const std::vector<KnownEnergy> kKnown = {{kGravityEnergy, {{"mass"}, {"gx"}, {"gy"}, {"gz"}}},
-                                                  {kPullEnergy, {{"fx"}, {"fy"}, {"fz"}}}};
+                                                  {kPullEnergy, {{"fx"}, {"fy"}, {"fz"}}},
+                                                  {kRestraintEnergy, {{"x0"}, {"y0"}, {"z0"}, {"k"}}},
+                                                  {kRestraintWithoutBox, {{"x0"}, {"y0"}, {"z0"}, {"k"}}}};
   std::string energy;
   r.read({{"energy", &energy}});
   r.force.check_parts({"PerParticleParameters", "GlobalParameters", "Particles"});
@@ -46,6 +58,11 @@ void read_custom_external(const ForceReading& r) {
       return read_gravity(r, p);
     case 1:
       return read_pulls(r, p);
+    case 2:
+      r.to.takes_images = true;
+      [[fallthrough]];
+    case 3:
+      return read_restraints(r, p);
     default:
       p.refuse_energy(kKnown);
   }

@@ -222,6 +222,13 @@ void write_pulls(Node forces, const std::vector<Pull>& pulls) {
     write_term(list, "Particle", {atom_field("index", atom, 0)}, {f.x(), f.y(), f.z()});
 }
 
+void write_restraints(Node forces, const std::vector<Restraint>& restraints, const Box& box) {
+  Node list = write_external(forces, box.periodic() ? kRestraintEnergy : kRestraintWithoutBox,
+                             {"x0", "y0", "z0", "k"}, {});
+  for (auto [atom, at, k] : restraints)
+    write_term(list, "Particle", {atom_field("index", atom, 0)}, {at.x(), at.y(), at.z(), k});
+}
+
 void write_fene(Node forces, const std::vector<Fene>& springs) {
   std::string energy = kFeneEnergy;
   bool takes_images = false;
@@ -259,6 +266,7 @@ void write_forces(Node forces, const OpenMMInput& from) {
   if (terms.nonbonded && terms.nonbonded->lj_table) write_lj_table(forces, *terms.nonbonded, from.start.box);
   if (terms.gravity) write_gravity(forces, from.system, *terms.gravity);
   if (!terms.pulls.empty()) write_pulls(forces, terms.pulls);
+  if (!terms.restraints.empty()) write_restraints(forces, terms.restraints, from.start.box);
   if (!terms.fene.empty()) write_fene(forces, terms.fene);
   if (terms.wca) write_wca(forces, from.system.atoms(), from.start.box, *terms.wca);
   if (from.remove_momentum_every > 0)

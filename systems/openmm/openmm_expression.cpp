@@ -14,6 +14,18 @@ namespace {
 using Values = Expression::Values;
 using Arguments = std::span<const double>;
 
+// Between nearest images in a cube. Expressions are only compared with one another: of this edge, numbers of
+// the order of 1 have images that tell.
+double periodic_distance(Arguments a) {
+  constexpr double kEdge = 1;
+  double square = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double d = a[c] - a[c + 3];
+    square += std::pow(d - kEdge * std::round(d / kEdge), 2);
+  }
+  return std::sqrt(square);
+}
+
 // Functions of an expression's own, as OpenMM has them.
 const Expression::Tables& own_functions() {
   static const Expression::Tables kAll = [] {
@@ -49,6 +61,7 @@ const Expression::Tables& own_functions() {
     two("atan2", [](double x, double y) { return std::atan2(x, y); });
     two("min", [](double x, double y) { return std::min(x, y); });
     two("max", [](double x, double y) { return std::max(x, y); });
+    all["periodicdistance"] = {6, periodic_distance};
     all["select"] = {3, [](Arguments a) { return a[0] != 0 ? a[1] : a[2]; }};
     return all;
   }();
@@ -201,7 +214,7 @@ class ExpressionParser {
     for (const Node& a : arguments) values.push_back(a.value);
     Node made = node(
         [values, f = function.value](const Values& v) {
-          double x[3] = {};
+          double x[6] = {};
           for (std::size_t k = 0; k < values.size(); ++k) x[k] = (*values[k])(v);
           return f(Arguments(x, values.size()));
         },

@@ -4,6 +4,8 @@
 
 #include <array>
 
+#include "systems/openmm/openmm_known.hpp"
+
 namespace taut {
 namespace {
 
@@ -30,6 +32,13 @@ class Images {
     }
   }
 
+  void check_place(int atom, const Vec3& place) const {
+    const Vec3 d = m_.as_given.col(atom) - place;
+    if (!m_.near(d, m_.box.nearest_image(d)))
+      at_.refuse(fmt::format("holds atom {} over half the box away and takes no nearest image: write {}",
+                             atom, kRestraintEnergy));
+  }
+
  private:
   const Element& at_;
   bool taken_;
@@ -53,6 +62,9 @@ void check_images(const Element& at, const OpenMMForce& force, const WholeMolecu
   }
   for (const auto& t : force.pairs) images.check("bond", k++, std::array{t.i, t.j});
   for (const auto& t : terms.fene) images.check("bond", k++, std::array{t.i, t.j});
+  // What takes no nearest image stays what it is while an atom is nearer to its place than half the box.
+  if (!force.takes_images)
+    for (const auto& t : terms.restraints) images.check_place(t.atom, t.at);
   if (!terms.nonbonded) return;
   for (const auto& t : terms.nonbonded->exceptions) {
     if (t.charge_product != 0 || t.epsilon != 0 || terms.nonbonded->pme)

@@ -37,6 +37,8 @@ std::optional<Recognized> recognize(const Expression& energy, const std::vector<
 // The texts that are written where OpenMM has no class for a term.
 constexpr const char* kGravityEnergy = "-mass*(gx*x+gy*y+gz*z)";  // g of all
 constexpr const char* kPullEnergy = "-(fx*x+fy*y+fz*z)";
+constexpr const char* kRestraintEnergy = "0.5*k*periodicdistance(x,y,z,x0,y0,z0)^2";
+constexpr const char* kRestraintWithoutBox = "0.5*k*((x-x0)^2+(y-y0)^2+(z-z0)^2)";
 constexpr const char* kFeneEnergy = "-0.5*k*r0^2*log(1-(r/r0)^2)";
 constexpr const char* kWcaEnergy =
     "4*epsilon*((sigma/r)^12-(sigma/r)^6)+epsilon";  // of all; ends at 2^(1/6)σ

@@ -214,6 +214,7 @@ void add(PlacedForce& placed, OpenMMInput& input) {
   append(to.cmaps, from.cmaps);
   append(to.fene, from.fene);
   append(to.pulls, from.pulls);
+  append(to.restraints, from.restraints);
   add_one(placed.at, to.nonbonded, from.nonbonded);
   add_one(placed.at, to.wca, from.wca);
   add_one(placed.at, to.gravity, from.gravity);
