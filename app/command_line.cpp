@@ -64,6 +64,12 @@ std::vector<std::string> overrides_said(const std::vector<KeyFlag>& flags,
   return all;
 }
 
+std::string KeyFlag::blamed(const std::string& message) const {
+  const std::string other =
+      fmt::format("--set {}: {}: ", override_, override_.substr(0, override_.find('=')));
+  return !said.empty() && message.starts_with(other) ? said + ": " + message.substr(other.size()) : message;
+}
+
 void CommandLine::flag(const char* name, bool given) {
   if (given) text_ += fmt::format(" {}", name);
 }

@@ -37,6 +37,9 @@ struct KeyFlag {
       : said(value ? fmt::format("{} {}", flag, *value) : ""),
         override_(value ? fmt::format("{}={}", key, *value) : "") {}
 
+  // What blames the override, by what was typed: "--set run.dt_fs=-2: run.dt_fs: …" becomes "--dt-fs -2: …".
+  std::string blamed(const std::string& message) const;
+
   std::string said, override_;  // empty: it was not given
 };
 

@@ -45,7 +45,13 @@ std::vector<std::string> SceneArgument::overrides() const {
 }
 
 Scene SceneArgument::read(KeysRead* keys) const {
-  return NamedScene::read(overrides(), keys);
+  try {
+    return NamedScene::read(overrides(), keys);
+  } catch (const InputError& e) {
+    std::string message = e.what();
+    for (const KeyFlag& flag : flags()) message = flag.blamed(message);
+    throw InputError(message);
+  }
 }
 
 }  // namespace taut
