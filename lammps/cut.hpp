@@ -10,7 +10,7 @@ namespace taut {
 // the overlap. An acceleration that is off by e_n displaces the bonds by h² e_n; for the next σ to vanish λ
 // has to take back 2e_n − e_{n−1}, so that λ differs from that of an uncut chain by
 //     d_n = e_n − 2e_{n−1} + e_{n−2} = (1 − s)² e_n,     s: one step back,
-// and so does what neighbours are told. A guess by a polynomial of order p through the past, 1 − (1 −
+// and so does what neighbours receive. A guess by a polynomial of order p through the past, 1 − (1 −
 // s)^(p+1) of d, is off from what is wanted, −(2s − s²)e, by (1 − (1 − s)^(p+3)) e: both parts of the chain
 // together obey
 //     e = ρ (1 − (1 − s)^(p+3)) e.

@@ -42,7 +42,7 @@ FixTaut::FixTaut(LAMMPS* engine, int narg, char** arg)
 
   hold_bonds();
   comm_border = maxexchange = held_.largest_pack();
-  comm_forward = kNewsRoom + most_upward_;
+  comm_forward = kMotionSize + most_upward_;
   grow_arrays(atom->nmax);
   for (int callback : {Atom::GROW, Atom::RESTART, Atom::BORDER}) atom->add_callback(callback);
 }
@@ -100,7 +100,7 @@ void FixTaut::hold_bonds() {
 }
 
 int FixTaut::setmask() {
-  int mask = PRE_EXCHANGE | PRE_NEIGHBOR | PRE_FORCE | POST_FORCE | MIN_PRE_EXCHANGE | MIN_POST_FORCE;
+  int mask = PRE_EXCHANGE | PRE_NEIGHBOR | PRE_FORCE | POST_FORCE | POST_RUN | MIN_POST_FORCE;
   if (keys_.clear) mask |= FINAL_INTEGRATE;
   if (keys_.every > 0) mask |= END_OF_STEP;
   return mask;
@@ -138,11 +138,20 @@ void FixTaut::refuse_other_fixes() const {
   }
 }
 
-void FixTaut::keep_past() {
+void FixTaut::store_past() {
   if (!past_is_new_) return;
   solve_->keep_past();
   held_.steps_known = solve_->steps_known();
   past_is_new_ = false;
+}
+
+// Before atoms change processors or a run ends. impulse_time: how long the last forces have acted.
+void FixTaut::leave_lists(double impulse_time) {
+  store_past();
+  if (!cut_) return;
+  forward_comm(Forward::kMultipliers);
+  compare_shared(impulse_time);
+  give_missing_impulses();
 }
 
 void FixTaut::make_solve(taut::Pieces pieces) {
@@ -157,7 +166,7 @@ void FixTaut::make_solve(taut::Pieces pieces) {
 
 void FixTaut::reset_dt() {
   if (!solve_) return;
-  keep_past();
+  store_past();
   make_solve(solve_->pieces());
 }
 
@@ -181,34 +190,35 @@ void FixTaut::find_multipliers() {
   restraint_energy_ = 0;
   const double h = update->dt;
   kick_ = h * h;
+  if (cut_) give_missing_impulses();
   solve_->load_positions(atom->x, *domain);
   find_strain();
-  tell(News::kMotion);
+  forward_comm(Forward::kMotion);
   read_motion(kick_);
   if (cut_) {
-    hear_outer(true);
-    see_mismatch();
-    outer_is_fresh_ = false;
+    read_outer(true);
+    compare_shared(acted_ + 0.5 * h);
+    outer_is_shifted_ = false;
     solve_->guess_outer(std::min(guess_order_, solve_->steps_known() - 1));
     solve_->add_outer_pull(kick_);
   }
   SolveStats stats = solve_->step();
-  demand(stats);
+  require_solved(stats);
   past_is_new_ = true;
   for (int n = 0; n < exchanges_; ++n) {
-    keep_past();
-    past_is_new_ = true;
-    tell(News::kMultipliers);
-    hear_outer(false);
+    store_past();
+    forward_comm(Forward::kMultipliers);
+    read_outer(false);
     read_motion(kick_);
     solve_->add_outer_pull(kick_);
     const SolveStats again = solve_->again();
-    demand(again);
+    require_solved(again);
+    past_is_new_ = true;
     stats.iterations += again.iterations;
   }
   if (cut_) {
-    keep_past();
-    past_is_new_ = true;
+    store_past();
+    remember_shared(0.5 * h);
   }
   residual_ = stats.max_residual;
   solves_ += stats.iterations;
@@ -224,10 +234,10 @@ void FixTaut::find_first_multipliers() {
   strain_.setZero();
   box_before_ = taut::box_of(*domain);
   solve_->load_positions(atom->x, *domain);
-  tell(News::kMotion);
+  forward_comm(Forward::kMotion);
   read_motion(kick_);
   if (held_.steps_known > 0) {
-    hear_outer(true);
+    read_outer(true);
     solve_->guess_outer(0);
     solve_->add_outer_pull(kick_);
     if (all_max(solve_->error_ahead(kick_)) < kStillRight + 10 * all_max(residual_)) {
@@ -240,16 +250,17 @@ void FixTaut::find_first_multipliers() {
   project_velocities(rounds);
   std::ranges::fill(solve_->outer_lambda, 0);
   for (int n = 0; n < rounds; ++n) {
-    tell(News::kMotion);
+    forward_comm(Forward::kMotion);
     read_motion(kick_);
-    if (n > 0) hear_outer(false);
+    if (n > 0) read_outer(false);
     solve_->add_outer_pull(kick_);
-    demand(solve_->start());
+    require_solved(solve_->start());
     past_is_new_ = true;
-    keep_past();
+    store_past();
     held_.steps_known = 1;
     solve_->load_past(1);
   }
+  if (cut_) remember_shared(0);
 }
 
 void FixTaut::read_motion(double kick) {
@@ -262,7 +273,7 @@ void FixTaut::read_motion(double kick) {
     const int i = images[a].atom;
     double* const v = &s.v(0, static_cast<Eigen::Index>(a));
     double* const f = &s.f(0, static_cast<Eigen::Index>(a));
-    const double* const news = &inbox_[static_cast<std::size_t>(i) * stride];
+    const double* const news = &ghost_values_[static_cast<std::size_t>(i) * stride];
     const double over_mass = factor * solve_->system().inv_mass[static_cast<Eigen::Index>(a)];
     for (int c = 0; c < 3; ++c) {
       if (i >= atom->nlocal) {
@@ -289,7 +300,7 @@ void FixTaut::find_strain() {
   }
 }
 
-void FixTaut::demand(const SolveStats& stats) const {
+void FixTaut::require_solved(const SolveStats& stats) const {
   constexpr double kBroken = 0.1;
   if (stats.converged() && stats.max_residual < kBroken) return;
   const int k = std::max(stats.worst_bond, 0);
@@ -319,60 +330,6 @@ void FixTaut::apply() {
     }
   }
   if (keys_.store) update_local();
-}
-
-void FixTaut::read_velocities() {
-  taut::State& s = solve_->state();
-  const auto& images = solve_->pieces().images;
-  for (std::size_t a = 0; a < images.size(); ++a) {
-    const int i = images[a].atom;
-    const double* const v =
-        i < atom->nlocal ? atom->v[i] : &inbox_[static_cast<std::size_t>(i) * comm_forward];
-    s.v.col(static_cast<Eigen::Index>(a)) = Eigen::Map<const taut::Vec3>(v);
-  }
-}
-
-void FixTaut::write_velocities() {
-  const taut::State& s = solve_->state();
-  const auto& images = solve_->pieces().images;
-  for (std::size_t a = 0; a < images.size(); ++a)
-    if (const int i = images[a].atom; i < atom->nlocal)
-      Eigen::Map<taut::Vec3>(atom->v[i]) = s.v.col(static_cast<Eigen::Index>(a));
-}
-
-// Before the first step: v loses its part along the bonds, M⁻¹Jᵀμ. Where chains are cut, processors tell each
-// other their μ, in the place of λ, until they agree.
-void FixTaut::project_velocities(int rounds) {
-  std::ranges::fill(solve_->outer_lambda, 0);
-  tell(News::kVelocities);
-  for (int n = 0; n < rounds; ++n) {
-    read_velocities();
-    if (n > 0) {
-      tell(News::kMultipliers);
-      hear_outer(false);
-    }
-    demand(solve_->project_velocities_at_start());
-  }
-  write_velocities();
-}
-
-// RATTLE's velocities beside SHAKE's positions: v loses its part along the bonds, M⁻¹Jᵀμ, and f gains
-// −(2/h)Jᵀμ, so that the coming step, v + ½h M⁻¹f, is what it was.
-void FixTaut::final_integrate() {
-  const auto& images = solve_->pieces().images;
-  cleared_from_.resize(3 * images.size());
-  for (std::size_t a = 0; a < images.size(); ++a)
-    if (images[a].atom < atom->nlocal) std::copy_n(atom->v[images[a].atom], 3, &cleared_from_[3 * a]);
-  tell(News::kVelocities);
-  read_velocities();
-  demand(solve_->project_velocities());
-  write_velocities();
-  for (std::size_t a = 0; a < images.size(); ++a) {
-    const int i = images[a].atom;
-    if (i >= atom->nlocal) continue;
-    const double factor = 2 / (update->dt * solve_->system().inv_mass[static_cast<Eigen::Index>(a)]);
-    for (int c = 0; c < 3; ++c) atom->f[i][c] -= factor * (atom->v[i][c] - cleared_from_[3 * a + c]);
-  }
 }
 
 }  // namespace LAMMPS_NS

@@ -20,8 +20,7 @@ class FixTaut : public Fix {
   void init() override;
 
   // The step.
-  void setup_pre_exchange() override { keep_past(); }
-  void pre_exchange() override { keep_past(); }
+  void pre_exchange() override { leave_lists(acted_ + 0.5 * update->dt); }
   void setup_pre_neighbor() override { find_pieces(); }
   void pre_neighbor() override { find_pieces(); }
   void setup_pre_force(int vflag) override;
@@ -29,17 +28,18 @@ class FixTaut : public Fix {
   void post_force(int vflag) override;
   void final_integrate() override;
   void end_of_step() override;
+  void post_run() override { leave_lists(acted_); }
   void reset_dt() override;
 
   // Minimisation: springs in place of held bonds.
-  void min_pre_exchange() override { keep_past(); }
   void min_setup(int vflag) override {
     held_.steps_known = 0;
     min_post_force(vflag);
   }
   void min_post_force(int vflag) override;
 
-  int dof(int of_group) override;
+  using Count = decltype(std::declval<Fix&>().dof(0));  // int, or bigint since 2025
+  Count dof(int of_group) override;
   double compute_scalar() override;
   double compute_vector(int which) override;
 
@@ -60,26 +60,32 @@ class FixTaut : public Fix {
   double memory_usage() override;
 
  private:
-  // What ghosts are told of their atoms.
-  enum class News { kMotion, kVelocities, kMultipliers };
+  // What a forward communication brings ghosts.
+  enum class Forward { kMotion, kVelocities, kMultipliers };
 
   [[noreturn]] void refuse(const std::string& what) const;  // all processors
   [[noreturn]] void stop(const std::string& what) const;    // this one
   void hold_bonds();
   void refuse_other_fixes() const;
 
-  void keep_past();
+  void store_past();
+  void leave_lists(double impulse_time);
   void find_pieces();
   void make_solve(taut::Pieces pieces);
-  void tell(News news);
-  int numbers_of_motion() const;
-  bool tells_multipliers() const { return cut_ && news_ != News::kVelocities; }
+  void forward_comm(Forward what);
+  int motion_size() const;
+  bool forwards_multipliers() const { return cut_ && forward_ != Forward::kVelocities; }
   std::string missing_partner(tagint atom, tagint partner) const;
   void choose_exchanges();
-  void write_news(int i, double* to) const;
+  void write_values(int i);
+  double* values_of(int i) { return &ghost_values_[static_cast<std::size_t>(i) * comm_forward]; }
+  const double* values_of(int i) const { return &ghost_values_[static_cast<std::size_t>(i) * comm_forward]; }
+  double received_multiplier(int ghost, int slot) const { return values_of(ghost)[kMotionSize + slot]; }
   void read_motion(double kick);
-  void hear_outer(bool next_step);
-  void see_mismatch();
+  void read_outer(bool next_step);
+  void remember_shared(double acted);
+  void compare_shared(double impulse_time);
+  void give_missing_impulses();
   void find_strain();
   void find_multipliers();
   void find_first_multipliers();
@@ -87,7 +93,7 @@ class FixTaut : public Fix {
   void write_velocities();
   void project_velocities(int rounds);
   void apply();
-  void demand(const taut::SolveStats& stats) const;
+  void require_solved(const taut::SolveStats& stats) const;
   void tally_virial();
   void update_local();
   double all_max(double value) const;
@@ -105,13 +111,15 @@ class FixTaut : public Fix {
   bool ghosts_ = false, cut_ = false;
   int overlap_ = 0, exchanges_ = 0, guess_order_ = 0;
 
-  News news_ = News::kMotion;
+  Forward forward_ = Forward::kMotion;
   Eigen::Matrix3d box_before_ = Eigen::Matrix3d::Identity(), strain_ = Eigen::Matrix3d::Zero();  // [1/time]
-  double kick_ = 0;              // h² or, the first time, ½h²
-  bool outer_is_fresh_ = false;  // the past of multipliers beyond has the last step's already
+  double kick_ = 0;                            // h² or, the first time, ½h²
+  bool outer_is_shifted_ = false;              // the past of multipliers beyond has the last step's already
+  taut::Vectors shared_r_, missing_impulses_;  // of bonds between two processors
+  double acted_ = 0;                           // how long the last forces have, when their step ends
   std::vector<double> cleared_from_;
-  std::vector<double> inbox_;  // kNewsRoom + most_upward_ numbers an atom
-  static constexpr int kNewsRoom = 6;
+  std::vector<double> ghost_values_;  // kMotionSize + most_upward_ numbers an atom
+  static constexpr int kMotionSize = 6;
   static constexpr int kRounds = 50;  // at the start, from a guess of nothing beyond a cut
 
   // Of the last step, and since statistics were last printed.

@@ -18,7 +18,7 @@ void FixTaut::min_post_force(int vflag) {
       if (partner < 0) stop(missing_partner(atom->tag[i], bond.partner));
       double r[3];
       for (int c = 0; c < 3; ++c) r[c] = atom->x[partner][c] - atom->x[i][c];
-      domain->minimum_image(r);
+      taut::minimum_image(*domain, r);
       const double length = std::sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
       const double stretch = length - lengths_(bond.kind), pull = 2 * stiffness * stretch / length;
       for (int c = 0; c < 3; ++c) atom->f[i][c] += pull * r[c];

@@ -9,11 +9,11 @@
 namespace LAMMPS_NS {
 
 // A held distance takes one; half of it with each atom in the group.
-int FixTaut::dof(int of_group) {
+FixTaut::Count FixTaut::dof(int of_group) {
   double ends = 0;
   for (int i = 0; i < atom->nlocal; ++i)
     if (atom->mask[i] & group->bitmask[of_group]) ends += held_.count(i);
-  return static_cast<int>(all_sum(0.5 * ends));
+  return static_cast<Count>(all_sum(0.5 * ends));
 }
 
 // Of a bond Σ r⊗f = λ r⊗r; an atom of this processor's own has half of it.
@@ -76,7 +76,7 @@ double FixTaut::compute_vector(int which) {
 }
 
 double FixTaut::memory_usage() {
-  return static_cast<double>(inbox_.capacity() * sizeof(double)) + held_.memory_usage();
+  return static_cast<double>(ghost_values_.capacity() * sizeof(double)) + held_.memory_usage();
 }
 
 namespace {
@@ -95,7 +95,7 @@ void FixTaut::end_of_step() {
       double d[3];
       const double* other = atom->x[atom->map(bond.partner)];
       for (int c = 0; c < 3; ++c) d[c] = other[c] - atom->x[i][c];
-      domain->minimum_image(d);
+      taut::minimum_image(*domain, d);
       const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
       sum[2 * kind] += 0.5;
       sum[2 * kind + 1] += 0.5 * length;

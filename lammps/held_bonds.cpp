@@ -43,7 +43,8 @@ int HeldBonds::pack(int i, double* buffer) const {
   double* next = buffer;
   *next++ = count_[i];
   for (const auto& [partner, kind, past] : of(i)) {
-    for (int number : {partner, kind.bond, kind.other_bond, kind.angle}) *next++ = number;
+    *next++ = static_cast<double>(partner);
+    for (int type : {kind.bond, kind.other_bond, kind.angle}) *next++ = type;
     next = std::copy(past.begin(), past.end(), next);
   }
   return static_cast<int>(next - buffer);
@@ -53,8 +54,8 @@ int HeldBonds::unpack(int i, const double* buffer) {
   const double* next = buffer;
   count_[i] = static_cast<int>(*next++);
   for (auto& [partner, kind, past] : of(i)) {
-    for (int* number : {&partner, &kind.bond, &kind.other_bond, &kind.angle})
-      *number = static_cast<int>(*next++);
+    partner = static_cast<LAMMPS_NS::tagint>(*next++);
+    for (int* type : {&kind.bond, &kind.other_bond, &kind.angle}) *type = static_cast<int>(*next++);
     std::copy_n(next, past.size(), past.begin());
     next += past.size();
   }

@@ -24,7 +24,7 @@ struct Keywords {
   bool store = false;     // forces by atom, tensions by bond
   double restraint = -1;  // of the springs during minimize [energy/length²]; less than 0: as fix shake's
   int overlap = 8;        // bonds solved beyond a processor's own, at most
-  int exchanges = -1;  // multipliers are told to neighbours so often a step besides; less than 0: as needed
+  int exchanges = -1;     // of multipliers with neighbours in a step, besides; less than 0: as many as needed
 };
 
 // What follows the style's name. Throws InputError.

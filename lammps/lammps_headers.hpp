@@ -27,3 +27,24 @@ auto make_args_checked(const S&, const std::remove_reference_t<Args>&... args)
 #include <lammps/neighbor.h>
 #include <lammps/update.h>
 #include <lammps/utils.h>
+
+namespace taut {
+
+// What has another name in LAMMPS since 2022 than in that of January 2022.
+template <class Domain>
+void minimum_image(const Domain& box, double* d) {
+  if constexpr (requires { box.minimum_image(FLERR, d); })
+    box.minimum_image(FLERR, d);
+  else
+    const_cast<Domain&>(box).minimum_image(d);
+}
+
+template <class Comm>
+void forward_comm(Comm& comm, LAMMPS_NS::Fix* fix) {
+  if constexpr (requires { comm.forward_comm(fix); })
+    comm.forward_comm(fix);
+  else
+    comm.forward_comm_fix(fix);
+}
+
+}  // namespace taut

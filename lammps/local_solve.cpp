@@ -64,7 +64,7 @@ void LocalSolve::add_outer_pull(double kick) {
 
 void LocalSolve::guess_outer(int order) {
   for (std::size_t b = 0; b < outer_lambda.size(); ++b) {
-    const auto& past = pieces_.outer[b].source->past;
+    const auto& past = pieces_.outer[b].held->past;
     const double guess[] = {past[0], 2 * past[0] - past[1], 3 * (past[0] - past[1]) + past[2]};
     outer_lambda[b] = guess[std::max(order, 0)];
   }

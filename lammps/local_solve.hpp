@@ -40,7 +40,7 @@ class LocalSolve {
 
   // x of the images, in a box.
   void load_positions(double** x, const LAMMPS_NS::Domain& box);
-  // The pull of bonds beyond, with multipliers as guessed or told, on what the method is given.
+  // The pull of bonds beyond, with multipliers as guessed or received, on what the method is given.
   void add_outer_pull(double kick);
   // Multipliers beyond: the past's next value. The last one, the line or the
   // parabola through the last two or three, by order.

@@ -11,7 +11,7 @@ namespace taut {
 
 using namespace LAMMPS_NS;
 
-Unknown PieceFinder::find_depths(int limit) {
+MissingAtom PieceFinder::find_depths(int limit) {
   const Atom& atom = *lmp_->atom;
   depth_.assign(atom.nlocal + atom.nghost, -1);
   order_.clear();
@@ -20,21 +20,21 @@ Unknown PieceFinder::find_depths(int limit) {
       depth_[i] = 0;
       order_.push_back(i);
     }
-  Unknown unknown;
+  MissingAtom missing;
   for (std::size_t n = 0; n < order_.size(); ++n) {
     const int i = order_[n], next = depth_[i] + 1;
     if (next > limit) break;
     for (const HeldBond& bond : held_.of(i)) {
       const int partner = local(bond.partner);
       if (partner < 0) {
-        if (next < unknown.depth) unknown = {next, atom.tag[i], bond.partner};
+        if (next < missing.depth) missing = {next, atom.tag[i], bond.partner};
       } else if (depth_[partner] < 0) {
         depth_[partner] = next;
         order_.push_back(partner);
       }
     }
   }
-  return unknown;
+  return missing;
 }
 
 Pieces PieceFinder::find(int overlap) {
@@ -99,15 +99,12 @@ void PieceFinder::add_bonds(int overlap, Pieces& pieces) {
     const int i = here.atom;
     for (HeldBond& bond : held_.of(i)) {
       const int partner = local(bond.partner);
-      if (partner < 0 || depth_[partner] < 0) continue;  // beyond reach, and find_depths has told of it
+      if (partner < 0 || depth_[partner] < 0) continue;  // beyond reach, as find_depths has said
       HeldBond* const other = held_.find(partner, tag[i]);
       if (!other) throw SimulationFailure("held bonds are not the same with both their atoms");
       if (!solved(i, partner, overlap)) {
-        const bool told_here = tag[i] < bond.partner;
-        HeldBond* const source = told_here ? &bond : other;
-        const int teller = told_here ? i : partner;
-        pieces.outer.push_back(
-            {number_[i], image_beside(here, partner), source, teller, slot(teller, source)});
+        const auto [ghost, held] = tag[i] < bond.partner ? std::pair(i, &bond) : std::pair(partner, other);
+        pieces.outer.push_back({number_[i], image_beside(here, partner), held, ghost, slot(ghost, held)});
       } else if (tag[i] < bond.partner) {
         if (image_beside(here, partner).vectors != pieces.images[number_[partner]].vectors)
           throw InputError(fmt::format("the bonds of atom {} close around the periodic box", tag[i]));
@@ -127,7 +124,7 @@ Image PieceFinder::image_beside(const Image& known, int atom) const {
   for (int c = 0; c < 3; ++c) d[c] = before[c] = y[c] - x[c];
   if (!(std::abs(d[0]) + std::abs(d[1]) + std::abs(d[2]) < 1e100))
     throw SimulationFailure("positions are no numbers");
-  lmp_->domain->minimum_image(d);
+  minimum_image(box, d);
   Image image{atom, known.vectors};
   if (d[0] == before[0] && d[1] == before[1] && d[2] == before[2]) return image;
   const double c = std::round((d[2] - before[2]) / box.zprd);

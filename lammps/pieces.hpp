@@ -15,18 +15,19 @@ struct Image {
   std::array<int, 3> vectors;
 };
 
-// A bond next to the last one solved here: its multiplier is told by the processor that solves it, of the
-// steps before.
+// A bond next to the last one solved here. Its multiplier of the step before, as the processor finds it that
+// owns its atom of the lower tag, comes with that atom, a ghost here, in the forward communication.
 struct OuterBond {
-  int inner;         // its atom that is in the system
-  Image outer;       // and the other
-  HeldBond* source;  // as the one of its atoms knows it that tells it: that of the lower tag
-  int teller, slot;  // that atom, and the how-manieth of its bonds to higher tags it is
+  int inner;        // its atom that is in the system
+  Image outer;      // and the other
+  HeldBond* held;   // as the ghost knows it
+  int ghost, slot;  // the ghost, and the how-manieth of its bonds to higher tags it is
 };
 
-// A bond between an atom of this processor and a ghost of lower tag, whose processor tells what it found.
+// A bond between an atom of this processor and a ghost of lower tag: two processors find its multiplier, and
+// that of the other comes with the ghost.
 struct SharedBond {
-  int bond, teller, slot;
+  int bond, ghost, slot;
 };
 
 // A cluster that goes on beyond what is solved here: its bonds and outer bonds.
@@ -48,7 +49,7 @@ struct Pieces {
 };
 
 // An atom that is held to one known here, but is not known here itself.
-struct Unknown {
+struct MissingAtom {
   static constexpr int kNone = 1 << 20;
   int depth = kNone;  // bonds from the nearest atom that is this processor's own
   LAMMPS_NS::tagint partner = 0, atom = 0;
@@ -61,7 +62,7 @@ class PieceFinder {
 
   // Looks as many bonds as `limit` beyond this processor's own atoms. Returns the nearest atom that is not
   // known.
-  Unknown find_depths(int limit);
+  MissingAtom find_depths(int limit);
 
   // After find_depths(limit), limit ≥ overlap + 2, and nothing unknown so near.
   Pieces find(int overlap);

@@ -1,5 +1,5 @@
 // Which bonds are held. A bond is listed with one of its atoms or, with newton off, with both; every atom
-// knows its bonded partners (special neighbours), on whichever processor they are. Each atom writes to its
+// knows its bonded partners (special neighbours), on whichever processor they are. Each atom sends its
 // partners what it knows of their bond, and both then decide alike.
 
 #include <fmt/format.h>
@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "lammps/held_bonds.hpp"
-#include "lammps/mail.hpp"
+#include "lammps/rendezvous.hpp"
 #include "md/errors.hpp"
 
 namespace taut {
@@ -16,15 +16,15 @@ namespace {
 using namespace LAMMPS_NS;
 
 // From an atom to its bonded partner.
-struct Note {
-  int to, from;
+struct Listing {
+  tagint to, from;
   int bond_type;  // as listed with `from`; 0: not listed there
   int chosen;     // by type or mass of `from`
 };
 
 // From the atom in the middle of an angle to an end.
 struct AngleEnd {
-  int to, other_end;
+  tagint to, other_end;
   HeldKind kind;
 };
 
@@ -57,16 +57,16 @@ const HeldKind* kind_of(const Held& held, int i, tagint partner) {
   return nullptr;
 }
 
-std::vector<Note> notes_to_partners(const Atom& atom, const Selection& selection, int groupbit) {
-  std::vector<Note> notes;
+std::vector<Listing> listings_for_partners(const Atom& atom, const Selection& selection, int groupbit) {
+  std::vector<Listing> listings;
   for (int i = 0; i < atom.nlocal; ++i) {
     if (!(atom.mask[i] & groupbit)) continue;
     for (int s = 0; s < atom.nspecial[i][0]; ++s) {
       const tagint partner = atom.special[i][s];
-      notes.push_back({partner, atom.tag[i], listed_type(atom, i, partner), chosen(atom, i, selection)});
+      listings.push_back({partner, atom.tag[i], listed_type(atom, i, partner), chosen(atom, i, selection)});
     }
   }
-  return notes;
+  return listings;
 }
 
 std::vector<AngleEnd> sides_of_angles(const Atom& atom, const Selection& selection, const Held& held) {
@@ -104,21 +104,22 @@ bool holds_angle(const Atom& atom, const HeldBonds& held, int i, int m) {
 
 Held find_held_bonds(LAMMPS* lmp, const Selection& selection, int groupbit) {
   const Atom& atom = *lmp->atom;
-  const PostOffice post(atom.tag, atom.nlocal, lmp->world);
+  const Rendezvous rendezvous(atom.tag, atom.nlocal, lmp->world);
   Held held(atom.nlocal);
   std::unordered_map<tagint, int> own;
   for (int i = 0; i < atom.nlocal; ++i) own[atom.tag[i]] = i;
-  for (const Note& note : post.deliver(notes_to_partners(atom, selection, groupbit))) {
-    const int i = own.at(note.to);
+  for (const Listing& listing : rendezvous.send(listings_for_partners(atom, selection, groupbit))) {
+    const int i = own.at(listing.to);
     if (!(atom.mask[i] & groupbit)) continue;
-    const int listed = listed_type(atom, i, note.from), type = listed != 0 ? listed : note.bond_type;
+    const int listed = listed_type(atom, i, listing.from), type = listed != 0 ? listed : listing.bond_type;
     const bool held_type = selection.bonds.count(std::abs(type)) > 0;
-    if (!held_type && !note.chosen && !chosen(atom, i, selection)) continue;
+    if (!held_type && !listing.chosen && !chosen(atom, i, selection)) continue;
     if (type < 0)
-      throw InputError(fmt::format("the bond of atoms {} and {} is held by another fix", note.to, note.from));
-    if (type > 0) add(held, i, note.from, {type});
+      throw InputError(
+          fmt::format("the bond of atoms {} and {} is held by another fix", listing.to, listing.from));
+    if (type > 0) add(held, i, listing.from, {type});
   }
-  for (const AngleEnd& side : post.deliver(sides_of_angles(atom, selection, held)))
+  for (const AngleEnd& side : rendezvous.send(sides_of_angles(atom, selection, held)))
     add(held, own.at(side.to), side.other_end, side.kind);
   return held;
 }

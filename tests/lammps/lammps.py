@@ -7,6 +7,7 @@ import subprocess
 
 import numpy as np
 
+MPIRUN = os.environ.get("TAUT_MPIRUN", "mpirun --allow-run-as-root --oversubscribe --bind-to none").split()
 PROGRAM = os.environ.get("TAUT_LAMMPS", str(pathlib.Path(__file__).parents[2] / "build/taut-lammps"))
 
 
@@ -18,8 +19,7 @@ def run(folder, text, ranks=1, **variables):
     """The output of an input; Failed, with the error line, if LAMMPS stops."""
     script = pathlib.Path(folder) / f"in.{len(list(pathlib.Path(folder).glob('in.*')))}"
     script.write_text(text)
-    command = ["mpirun", "--allow-run-as-root", "--oversubscribe", "--bind-to", "none", "-np", str(ranks), PROGRAM, "-in",
-               script.name, "-log", "none"]
+    command = [*MPIRUN, "-np", str(ranks), PROGRAM, "-in", script.name, "-log", "none"]
     for name, value in variables.items():
         command += ["-var", name, str(value)]
     environment = dict(os.environ, OMP_NUM_THREADS="1", OMPI_MCA_btl_vader_single_copy_mechanism="none",

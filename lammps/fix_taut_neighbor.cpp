@@ -20,11 +20,11 @@ std::string FixTaut::missing_partner(tagint of, tagint partner) const {
 void FixTaut::find_pieces() {
   constexpr int kLeastOverlap = 1;
   taut::PieceFinder finder(lmp, held_, lengths_);
-  const taut::Unknown unknown = finder.find_depths(keys_.overlap + 2);
-  const int reach = -static_cast<int>(all_max(-unknown.depth));
+  const taut::MissingAtom missing = finder.find_depths(keys_.overlap + 2);
+  const int reach = -static_cast<int>(all_max(-missing.depth));
   overlap_ = std::min(keys_.overlap, reach - 3);
-  if (overlap_ < std::min(kLeastOverlap, keys_.overlap) && unknown.depth == reach)
-    stop(missing_partner(unknown.partner, unknown.atom));
+  if (overlap_ < std::min(kLeastOverlap, keys_.overlap) && missing.depth == reach)
+    stop(missing_partner(missing.partner, missing.atom));
   if (overlap_ < 0) overlap_ = 0;  // another processor stops all
 
   taut::Pieces pieces;
@@ -38,8 +38,10 @@ void FixTaut::find_pieces() {
   MPI_Allreduce(mine, all, 2, MPI_DOUBLE, MPI_MAX, world);
   ghosts_ = all[0] > 0;
   cut_ = all[1] > 0;
+  shared_r_.resize(3, 0);
+  missing_impulses_.setZero(3, static_cast<Eigen::Index>(pieces.shared.size()));
   make_solve(std::move(pieces));
-  outer_is_fresh_ = true;
+  outer_is_shifted_ = true;
   exchanges_ = 0;
   if (cut_) choose_exchanges();
 }
