@@ -33,8 +33,12 @@ def topology(m):
         bonds = f"[ settles ]\n1 1 {m.bonds[0][2]} {m.bonds[2][2]}\n[ exclusions ]\n1 2 3\n2 1 3\n3 1 2"
     else:
         bonds = "[ constraints ]\n" + "\n".join(f"{i + 1} {j + 1} 1 {d}" for i, j, d in m.bonds)
+        for name, of, function, numbers in (("angles", 3, 1, m.angle), ("dihedrals", 4, 3, m.torsion)):
+            if numbers:
+                rows = [" ".join(map(str, (*range(k + 1, k + 1 + of), function, *numbers))) for k in range(len(m.atoms) + 1 - of)]
+                bonds += "\n".join([f"\n[ {name} ]", *rows])
     kinds = "\n".join(f"{name} {mass} 0 A {sigma} {epsilon}" for (mass, sigma, epsilon), name in types.items())
-    return (f"[ defaults ]\n1 2 no 1 1\n[ atomtypes ]\n{kinds}\n[ moleculetype ]\nM 1\n[ atoms ]\n{atoms}\n{bonds}\n"
+    return (f"[ defaults ]\n1 2 no 1 1\n[ atomtypes ]\n{kinds}\n[ moleculetype ]\nM {m.excluded}\n[ atoms ]\n{atoms}\n{bonds}\n"
             f"[ system ]\n{m.name}\n[ molecules ]\nM {m.count}\n")
 
 
@@ -79,7 +83,7 @@ def us_per_step(program, m, threads, seconds):
         def measure(steps):
             (folder / "in.mdp").write_text(MDP.format(
                 dt=m.dt_fs * 1e-3, steps=steps, cutoff=m.cutoff, switch=m.switch, coulomb=coulomb(m),
-                modifier="potential-switch" if m.switch else "none"))
+                modifier="potential-switch" if m.switch else "potential-shift" if m.shifted else "none"))
             run = lambda *a: subprocess.run([program, "-nobackup", *a], cwd=folder, check=True, capture_output=True)
             run("grompp", "-f", "in.mdp", "-c", "in.gro", "-p", "in.top", "-o", "in.tpr", "-maxwarn", "9")
             run("mdrun", "-s", "in.tpr", "-ntmpi", "1", "-ntomp", str(threads), "-g", "md.log", "-noconfout", "-pin", "off",

@@ -16,6 +16,10 @@ class Molecules:
     switch: float  # of Lennard-Jones, from here on [nm]; 0: none
     dt_fs: float
     mesh: int = 0  # PME's points along an edge; 0: reaction field
+    shifted: bool = False  # Lennard-Jones is zero at the cutoff
+    excluded: int = 1  # bonds apart, up to which chains have no pair forces
+    angle: tuple = ()  # of every three in a row: (degrees, k [kJ/mol/rad^2])
+    torsion: tuple = ()  # of every four: Ryckaert and Bellemans's coefficients [kJ/mol]
     x: list = dataclasses.field(default_factory=list)  # [nm]
     v: list = dataclasses.field(default_factory=list)  # [nm/ps]
     box: list = dataclasses.field(default_factory=list)  # [nm]
@@ -58,7 +62,26 @@ def chains(taut):
     return start_of(taut, molecules, ["chain", "--steps", "100"])
 
 
+def melt(taut):
+    """20 Kremer-Grest chains of 50, rigid bonds, beads that only repel: systems/melt.toml."""
+    molecules = Molecules("melt", 20, [(f"B{b}", 1.0, 0, 1.0, 1.0) for b in range(50)],
+                          [(b, b + 1, 0.97) for b in range(49)], 2 ** (1 / 6), 0, 5, shifted=True)
+    return start_of(taut, molecules, ["melt", "--steps", "100"])
+
+
+def decane(taut):
+    """128 n-decanes, TraPPE-UA (doi:10.1021/jp972543+), whose energies are in kelvin: systems/decane.toml."""
+    kelvin = 8.31446261815324e-3
+    end, middle = (15.035, 0, 0.375, 98 * kelvin), (14.027, 0, 0.395, 46 * kelvin)
+    c1, c2, c3 = 355.03 * kelvin, -68.19 * kelvin, 791.32 * kelvin
+    molecules = Molecules("decane", 128, [(f"C{c}", *(end if c in (0, 9) else middle)) for c in range(10)],
+                          [(c, c + 1, 0.154) for c in range(9)], 1.4, 0, 2, excluded=3, angle=(114, 62500 * kelvin),
+                          torsion=(c1 + 2 * c2 + c3, 3 * c3 - c1, -2 * c2, -4 * c3, 0, 0))
+    return start_of(taut, molecules, ["decane", "--steps", "100"])
+
+
 def make(taut, names):
     """What GROMACS and LAMMPS are given; the dipeptide goes to OpenMM alone."""
     waters = lambda name: pme(taut, int(name[3:])) if name.startswith("pme") else water(taut, int(name.removeprefix("water")))
-    return [chains(taut) if name == "chain" else waters(name) for name in names if name != "dipeptide"]
+    polymers = {"chain": chains, "melt": melt, "decane": decane}
+    return [polymers[name](taut) if name in polymers else waters(name) for name in names if name != "dipeptide"]

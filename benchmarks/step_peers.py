@@ -3,13 +3,13 @@
 
     benchmarks/step_peers.py [--build build] [--systems water1728,water5832,chain,dipeptide] [--threads 1,2] [--repeats 5]
 
-Systems pme1728, pme5832, … are waters with PME (order 4, points 0.116 nm apart, all programs alike but OpenMM, which has
-order 5). Prints medians in µs a step and how many times longer than taut's each takes, at equal threads, and writes
-benchmarks/results/step_peers.csv. All take turns in every repeat, so that they meet the same machine. taut and OpenMM
-go through step_bench; GROMACS (gmx, gmx_d) and LAMMPS (lmp, waters only: its RATTLE takes four atoms at most) are given
-the same positions, cutoffs and bonds, but not the dipeptide (peer_gromacs.py says which build of it); what is not installed is skipped. Two threads need an idle
-machine: threads wait for each other spinning (OMP_WAIT_POLICY=passive makes them sleep, which costs more than a small step
-takes).
+Systems pme1728, pme5832, … are waters with PME (order 4, points 0.116 nm apart, all programs alike but OpenMM, which
+has order 5); decane and melt are taut's own scenes. Prints medians in µs a step and how many times longer than taut's
+each takes, at equal threads, and writes benchmarks/results/step_peers.csv. All take turns in every repeat, so that they
+meet the same machine. taut and OpenMM go through step_bench; GROMACS (gmx, gmx_d; peer_gromacs.py says which build of
+it) and LAMMPS (lmp, waters only: its RATTLE takes four atoms at most) are given the same positions, cutoffs, bonds,
+angles and torsions, but not the dipeptide; what is not installed is skipped. Two threads need an idle machine: threads
+wait for each other spinning (OMP_WAIT_POLICY=passive makes them sleep, which costs more than a small step takes).
 """
 import argparse
 import csv
