@@ -95,6 +95,7 @@ std::string to_bytes(const Checkpoint& c) {
   const json body = {{"openmm", c.source.openmm},
                      {"files", std::move(files)},
                      {"overrides", c.source.overrides},
+                     {"own", c.source.own},
                      {"step", c.step},
                      {"time_ps", c.t},
                      {"threads", c.threads},
@@ -115,6 +116,7 @@ Checkpoint read_checkpoint_body(std::string_view body) {
     for (const json& file : j.at("files"))
       c.source.files.push_back({file.at("name").get<std::string>(), bytes_of(file.at("text"))});
     c.source.overrides = j.at("overrides").get<std::vector<std::string>>();
+    if (j.contains("own")) c.source.own = j.at("own").get<std::vector<std::string>>();
     c.step = static_cast<long>(count_of(j.at("step"), std::numeric_limits<long>::max()));
     c.t = j.at("time_ps").get<double>();
     c.threads = static_cast<int>(count_of(j.at("threads"), 4096));

@@ -52,9 +52,12 @@ void refuse_other_frames(const RunSettings& before, const RunSettings& after) {
 }
 
 // The run as it was at its checkpoint.
-std::unique_ptr<Simulation> restored(const std::string& where, const Checkpoint& checkpoint) {
+std::unique_ptr<Simulation> restored(const std::string& where, const Checkpoint& checkpoint,
+                                     const std::vector<std::shared_ptr<OwnField>>& own) {
   try {
-    auto simulation = std::make_unique<Simulation>(checkpoint.source.read());
+    Scene scene = checkpoint.source.read();
+    checkpoint.source.bring(own, scene);
+    auto simulation = std::make_unique<Simulation>(std::move(scene));
     simulation->restore(checkpoint.memory);
     if (simulation->step() != checkpoint.step) throw InputError("damaged: two numbers of steps");
     return simulation;
@@ -113,10 +116,11 @@ void settle_outputs(const fs::path& folder, const Simulation& simulation, const 
 }  // namespace
 
 std::unique_ptr<Simulation> resumed(const std::string& where, Checkpoint& checkpoint,
-                                    const KeyValues& changes) {
+                                    const KeyValues& changes,
+                                    const std::vector<std::shared_ptr<OwnField>>& own) {
   refuse_fixed(changes);
   if (!std::getenv("OMP_NUM_THREADS")) use_threads(std::max(1, checkpoint.threads));
-  std::unique_ptr<Simulation> simulation = restored(where, checkpoint);
+  std::unique_ptr<Simulation> simulation = restored(where, checkpoint, own);
   SceneSource source = changed(checkpoint.source, simulation->scene().velocities_drawn, changes);
   if (source.overrides != checkpoint.source.overrides) change(*simulation, source, changes);
   checkpoint.source = std::move(source);

@@ -1,9 +1,13 @@
 #include "systems/scene_source.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <stdlib.h>  // mkdtemp
 
 #include <fstream>
 #include <iterator>
+#include <map>
+#include <sstream>
 
 #include "files/atomic_file.hpp"
 #include "md/errors.hpp"
@@ -53,16 +57,38 @@ class Unpacked {
   fs::path folder_;
 };
 
+// A line an atom: its name, its residue's, its element, the residue it is in, with tabs between.
+Names read_names(const SceneSource::File& file, int atoms) {
+  Names names;
+  std::map<AtomKind, int> known;
+  std::istringstream lines(file.text);
+  for (std::string line; std::getline(lines, line) && !line.empty();) {
+    std::istringstream words(line);
+    AtomKind kind;
+    int residue = -1;
+    for (std::string* word : {&kind.atom, &kind.residue, &kind.element}) std::getline(words, *word, '\t');
+    if (!(words >> residue) || residue < 0) throw InputError(file.name + ": not an atom: " + line);
+    const auto [at, fresh] = known.try_emplace(kind, static_cast<int>(names.kinds.size()));
+    if (fresh) names.kinds.push_back(kind);
+    names.kind.push_back(at->second);
+    names.residue.push_back(residue);
+  }
+  if (std::ssize(names.kind) != atoms)
+    throw InputError(fmt::format("{}: has {} atoms, the System {}", file.name, names.kind.size(), atoms));
+  return names;
+}
+
 }  // namespace
 
 Scene SceneSource::read() const {
-  if (files.empty() || (openmm && files.size() != 2))
+  if (files.empty() || (openmm && files.size() != 2 && files.size() != 3))
     throw InputError("the files of the scene are not all there");
   const Unpacked unpacked(files);
   const auto& paths = unpacked.paths;
   try {
     if (!openmm) return read_scene(paths[0], overrides, {.files = {paths.begin() + 1, paths.end()}});
     Scene scene = import_openmm(paths[0], paths[1]);
+    if (files.size() == 3) scene.names = read_names(files[2], scene.system.atoms());
     apply_overrides(scene, overrides);
     return scene;
   } catch (const InputError& e) {
@@ -70,8 +96,19 @@ Scene SceneSource::read() const {
   }
 }
 
+void SceneSource::bring(const std::vector<std::shared_ptr<OwnField>>& fields, Scene& scene) const {
+  std::vector<std::string> names;
+  for (const auto& field : fields) names.push_back(field->name());
+  if (names != own)
+    throw InputError(
+        fmt::format("its forces [{}] are code, which no file has, and [{}] came with it; in Python: "
+                    "Simulation.resume(..., forces=[...]), the same ones",
+                    fmt::join(own, ", "), fmt::join(names, ", ")));
+  scene.terms.own = fields;
+}
+
 SceneSource source_of(const Scene& scene, bool openmm, const std::vector<std::string>& overrides) {
-  SceneSource source{openmm, {}, overrides_of(key_values(overrides))};
+  SceneSource source{openmm, {}, overrides_of(key_values(overrides)), {}};
   for (const fs::path& path : scene.files) {
     std::ifstream in(path, std::ios::binary);
     if (!in) throw InputError(path.string() + ": cannot be read");

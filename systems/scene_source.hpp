@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -13,11 +14,14 @@ struct SceneSource {
   struct File {
     std::string name, text;
   };
-  bool openmm = false;      // a System and a State of OpenMM's, not a scene's file and those it names
-  std::vector<File> files;  // as Scene::files names them
+  bool openmm = false;  // a System and a State of OpenMM's, and what a Topology names, not a scene's file and
+                        // those it names
+  std::vector<File> files;             // as Scene::files names them
   std::vector<std::string> overrides;  // each key once
+  std::vector<std::string> own;  // names of its forces that are code, which whoever reads it has to bring
 
-  Scene read() const;  // throws InputError
+  Scene read() const;  // without them; throws InputError
+  void bring(const std::vector<std::shared_ptr<OwnField>>& fields, Scene& scene) const;  // throws InputError
 };
 
 // Of a scene just read. Throws InputError for a file that has gone meanwhile.

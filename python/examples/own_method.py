@@ -36,4 +36,4 @@ class MyShake(taut.ConstraintMethod):
 
 charted = taut.chart("freely_jointed", methods=["shake", "rattle", MyShake], quick=True, panels="work", draw=True)
 charted["figure"].savefig("own_method.png", dpi=150)
-print("own_method.png: constraint time against bond error; MyShake has shake's errors, at Python's cost")
+print("own_method.png: constraint time against bond error; MyShake holds bonds as shake does, at Python's cost")

@@ -34,5 +34,5 @@ figure, (above, below) = pyplot.subplots(2, 1, sharex=True, layout="constrained"
 above.plot(time, temperature)
 above.set(ylabel="temperature [K]")
 below.plot(time, moved)
-below.set(xlabel="time [ps]", ylabel="protein, rms distance from its start [nm]")
+below.set(xlabel="time [ps]", ylabel="protein: rms distance\nfrom its start [nm]")
 figure.savefig("protein.png", dpi=150)

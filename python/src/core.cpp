@@ -60,25 +60,11 @@ Input of_scene(const std::string& name_or_path, const std::vector<std::string>& 
   return input;
 }
 
-Input of_openmm(const std::string& system, const std::string& state,
+Input of_openmm(const std::string& system, const std::string& state, const std::string& names,
                 const std::vector<std::string>& overrides) {
-  SceneSource source{true, {{"openmm.system.xml", system}, {"openmm.state.xml", state}}, overrides};
+  SceneSource source{true, {{"openmm.system.xml", system}, {"openmm.state.xml", state}}, overrides, {}};
+  if (!names.empty()) source.files.push_back({"topology", names});
   return {source.read(), source};
-}
-
-// Atoms' and residues' names and elements, and which residue each atom is of.
-void name_atoms(Input& input, const std::vector<std::string>& atoms, const std::vector<std::string>& residues,
-                const std::vector<std::string>& elements, const std::vector<int>& residue) {
-  Names names;
-  std::map<AtomKind, int> known;
-  for (std::size_t a = 0; a < atoms.size(); ++a) {
-    const AtomKind kind{atoms[a], residues[a], elements[a]};
-    const auto [at, fresh] = known.try_emplace(kind, static_cast<int>(names.kinds.size()));
-    if (fresh) names.kinds.push_back(kind);
-    names.kind.push_back(at->second);
-  }
-  names.residue = residue;
-  input.scene.names = std::move(names);
 }
 
 py::object value_of(const Option& option) {
@@ -122,8 +108,6 @@ PYBIND11_MODULE(_core, m) {
       .def_static("of_scene", of_scene)
       .def_static("of_toml", of_toml)
       .def_static("of_openmm", of_openmm)
-      .def("name_atoms", name_atoms)
-      .def_property_readonly("atoms", [](const Input& input) { return input.scene.system.atoms(); })
       .def_property(
           "name", [](const Input& input) { return input.scene.name; },
           [](Input& input, const std::string& name) { input.scene.name = name; });
@@ -137,7 +121,7 @@ PYBIND11_MODULE(_core, m) {
         if (threads < 1) throw InputError(fmt::format("use_threads({}): expected at least 1", threads));
         use_threads(threads);
       },
-      "So many from now on; else as OMP_NUM_THREADS says, or one. Bits depend on how many.");
+      py::arg("threads"), "So many from now on; else as OMP_NUM_THREADS says, or one. Bits depend on how many.");
   bind_simulations(m);
   bind_studies(m);
   bind_parts(m);

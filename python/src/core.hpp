@@ -19,6 +19,10 @@ struct Input {
   SceneSource source;
 };
 
+using OwnFields = std::vector<std::shared_ptr<OwnField>>;
+// Instances of classes derived from taut.Force, as the engine's.
+OwnFields own_fields(const py::list& forces);
+
 // A class of the package's own Python files.
 py::object python_class(const char* module, const char* name);
 

@@ -238,10 +238,18 @@ void rethrow_python_error() {
   throw py::error_already_set(*error);
 }
 
+OwnFields own_fields(const py::list& forces) {
+  OwnFields fields;
+  for (const py::handle force : forces)
+    fields.push_back(std::make_shared<PythonField>(py::reinterpret_borrow<py::object>(force)));
+  return fields;
+}
+
 void bind_parts(py::module_& m) {
   m.def("add_method", add_python_method);
-  m.def("add_force", [](Input& input, py::object field) {
-    input.scene.terms.own.push_back(std::make_shared<PythonField>(std::move(field)));
+  m.def("add_forces", [](Input& input, const py::list& forces) {
+    input.scene.terms.own = own_fields(forces);
+    for (const auto& field : input.scene.terms.own) input.source.own.push_back(field->name());
   });
 }
 

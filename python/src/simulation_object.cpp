@@ -44,12 +44,13 @@ PythonSimulation::PythonSimulation(Input input, const std::string& out, bool ove
 }
 
 PythonSimulation::PythonSimulation(const std::string& bytes, const std::string& folder,
-                                   const std::vector<std::string>& overrides, bool yes) {
+                                   const std::vector<std::string>& overrides, bool yes,
+                                   const py::list& forces) {
   std::optional<FolderLock> lock;
   if (!folder.empty()) expect_checkpoint(folder), lock.emplace(folder);
   Checkpoint checkpoint = lock ? load_checkpoint(folder) : read_checkpoint(bytes);
-  simulation_ =
-      resumed(lock ? checkpoint_file(folder).string() : "the checkpoint", checkpoint, key_values(overrides));
+  simulation_ = resumed(lock ? checkpoint_file(folder).string() : "the checkpoint", checkpoint,
+                        key_values(overrides), own_fields(forces));
   source_ = checkpoint.source;
   note_state();
   if (!lock) return;
@@ -151,6 +152,11 @@ Simulation& PythonSimulation::settled() {
 
 void PythonSimulation::expect_idle() const {
   if (running_) throw std::runtime_error("it is running: in another thread, or this is its callback");
+  expect_this_process();
+}
+
+// Threads that another process had are not in this one.
+void PythonSimulation::expect_this_process() const {
   if (getpid() != made_in_)
     throw std::runtime_error(
         "it was made in another process, before a fork; make it in this one, or start "
@@ -175,6 +181,7 @@ void PythonSimulation::set_steps(long steps, long every) {
 void PythonSimulation::note_state() {
   seen_.x = simulation_->state().x;
   seen_.v = simulation_->state().v;
+  if (simulation_->state().box.periodic()) box_ = simulation_->state().box.vectors();
 }
 
 void PythonSimulation::expect_finite() const {
@@ -189,6 +196,7 @@ void PythonSimulation::expect_finite() const {
 void PythonSimulation::take_over_changes() {
   const State& s = simulation_->state();
   if (s.x == seen_.x && s.v == seen_.v) return;
+  expect_this_process();
   expect_finite();
   set_out_anew(0);
 }

@@ -16,7 +16,7 @@ class PythonSimulation {
   PythonSimulation(Input input, const std::string& out, bool overwrite);
   // From a checkpoint's bytes, or with a folder from its own, which it then goes on with.
   PythonSimulation(const std::string& bytes, const std::string& folder,
-                   const std::vector<std::string>& overrides, bool yes);
+                   const std::vector<std::string>& overrides, bool yes, const py::list& forces);
   ~PythonSimulation() { forget_owner(simulation_->state()); }
 
   // `every`: steps from row to row, 0: as before. With `to_end` the last step has a row, too.
@@ -25,13 +25,15 @@ class PythonSimulation {
   py::bytes checkpoint();
 
   const Simulation& engine() const { return *simulation_; }
-  Simulation& settled();  // with forces where the atoms are
+  Simulation& settled();                       // with forces where the atoms are
+  const Vectors& box() const { return box_; }  // a, b and c in columns, as note_state found them
   const std::vector<Record>& rows() const { return log_; }
   std::string summary() const { return summary_ ? summary_json(*simulation_, *summary_) : "null"; }
   std::string folder() const { return folder_ ? folder_->path().string() : ""; }
 
  private:
   void expect_idle() const;
+  void expect_this_process() const;
   void expect_between_steps() const;  // idle, or in a callback
   void set_steps(long steps, long every);
   void note_state();
@@ -48,6 +50,7 @@ class PythonSimulation {
   std::vector<Record> log_;
   std::optional<Summary> summary_;
   State seen_;  // x and v as they were left
+  Vectors box_;
   std::atomic<bool> running_ = false, in_callback_ = false;
   pid_t made_in_ = this_process();
 };

@@ -83,10 +83,12 @@ py::array view(const py::object& self, Vectors State::*part, bool writeable) {
   return rows;
 }
 
-py::object box(const Self& self) {
-  const Box& box = self.engine().state().box;
-  if (!box.periodic()) return py::none();
-  return rows_of(box.vectors());
+py::object box(const py::object& self) {
+  const Self& simulation = self.cast<const Self&>();
+  if (!simulation.engine().state().box.periodic()) return py::none();
+  py::array_t<double> rows = rows_of(simulation.box(), self);
+  rows.attr("setflags")(py::arg("write") = false);
+  return rows;
 }
 
 py::array bonds(const Self& self) {
@@ -139,8 +141,10 @@ void bind_views(py::class_<Self>& simulation) {
       .def_property_readonly(
           "forces", [](const py::object& self) { return view(self, &State::f, false); },
           "(n, 3) [kJ/mol/nm], what the method added included. A live view that cannot be written to.")
-      .def_property_readonly("box", box,
-                             "The three vectors of the periodic box, (3, 3) [nm]; None without one.")
+      .def_property_readonly(
+          "box", box,
+          "The three vectors of the periodic box, (3, 3) [nm], in rows and reduced form: a along "
+          "x, b in the xy plane. A live view that cannot be written to; None without a box.")
       .def_property_readonly("bonds", bonds, "The two atoms of each rigid bond, (m, 2).")
       .def_property_readonly("lengths", lengths, "What each rigid bond is held at, (m,) [nm].")
       .def_property_readonly(
@@ -157,7 +161,8 @@ void bind_simulations(py::module_& m) {
   bind_rows(m);
   py::class_<Self> simulation(m, "Simulation");
   simulation.def(py::init<Input, const std::string&, bool>())
-      .def(py::init<const std::string&, const std::string&, const std::vector<std::string>&, bool>())
+      .def(py::init<const std::string&, const std::string&, const std::vector<std::string>&, bool,
+                    const py::list&>())
       .def("_run", &Self::run)
       .def("_minimise", &Self::minimise)
       .def("_checkpoint", &Self::checkpoint)

@@ -14,6 +14,8 @@ taut.verify                        whether a method does what every method must
 taut.chart, taut.stability         methods' speed against accuracy, and where they fail
 taut.calibrate, taut.crosscheck    Baumgarte's gains; whether OpenMM agrees
 
+help(taut.Simulation), help(taut.Baumgarte), ... say more.
+
 Units: nm, ps, u, kJ/mol, K; steps in fs. Errors: InputError (a ValueError), SimulationFailure, OutsideError.
 """
 

@@ -75,12 +75,11 @@ def overrides(given: Optional[Mapping[str, Any]], method: Optional[Method], dt_f
     return [f"{key}={toml(value, key)}" for key, value in said.items() if value is not None]
 
 
-def add_forces(to: "_core.Input", forces: Iterable[Any]) -> "_core.Input":
-    for force in forces:
-        if not callable(getattr(force, "add", None)):
+def own_forces(forces: Iterable[Any]) -> List[Any]:
+    for force in (listed := list(forces)):
+        if isinstance(force, type) or not callable(getattr(force, "add", None)):
             raise InputError(f"forces: expected instances of classes derived from taut.Force, got {force!r}")
-        _core.add_force(to, force)
-    return to
+    return listed
 
 
 def read(scene: Scene, said: List[str]) -> "_core.Input":

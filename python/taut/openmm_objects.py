@@ -36,6 +36,9 @@ def vectors(given: Any, unit: str, what: str, rows: Optional[int] = None) -> np.
 
         return quantity.value_in_unit(units.nanometer if unit == "nm" else units.nanometer / units.picosecond)
 
+    kind = getattr(getattr(bare(given), "dtype", None), "kind", "f")
+    if kind not in "fiuO":
+        raise InputError(f"{what}: expected {rows or 'n'} rows of three numbers [{unit}], got dtype {bare(given).dtype}")
     try:
         array = np.array([[float(c) for c in bare(row)] for row in bare(given)])
     except (TypeError, ValueError):
@@ -86,14 +89,12 @@ def state_xml(system: Any, positions: Any, velocities: Any, box: Any) -> str:
 
 def read(system: Any, state: str, said: List[str], topology: Any) -> "_core.Input":
     """What OpenMM's two texts hold, with names from a Topology."""
-    made = _core.Input.of_openmm(xml_of(system, "system"), state, said)
-    if topology is not None:
-        atoms = list(getattr(topology, "topology", topology).atoms())
-        if len(atoms) != made.atoms:
-            raise InputError(f"topology: has {len(atoms)} atoms, the System {made.atoms}")
-        made.name_atoms([a.name for a in atoms], [a.residue.name for a in atoms],
-                        [a.element.symbol if a.element else "" for a in atoms], [a.residue.index for a in atoms])
-    return made
+    lines = []
+    for atom in [] if topology is None else getattr(topology, "topology", topology).atoms():
+        element = atom.element.symbol if atom.element else ""
+        lines.append(f"{atom.name}\t{atom.residue.name}\t{element}\t{atom.residue.index}\n")
+    names = "".join(lines) if topology is None or lines else "\n"  # a topology without atoms is not none
+    return _core.Input.of_openmm(xml_of(system, "system"), state, names, said)
 
 
 def objects_of(system: str, state: str) -> Tuple[Any, Any]:

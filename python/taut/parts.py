@@ -135,10 +135,14 @@ def options_of(method: type) -> Dict[str, Any]:
     return options
 
 
+REGISTERED: Dict[str, type] = {}  #: methods written in Python, by name
+
+
 def register(method: type) -> str:
     """Puts a class derived from ConstraintMethod on the list of methods; returns its name."""
     summary = (inspect.getdoc(method) or "").split("\n")[0]
     _core.add_method(method, method.__name__, summary, options_of(method))
+    REGISTERED[method.__name__] = method
     return method.__name__
 
 

@@ -8,12 +8,19 @@ from typing import Any, Callable, Dict, Iterable, Mapping, Optional, Tuple, Unio
 
 import numpy as np
 
-from . import _core, inputs, openmm_objects
+from . import _core, inputs, openmm_objects, parts
 
 
 def _shown(name: str) -> Any:
     """A property of the engine's."""
     return property(lambda self: getattr(self._engine, name), doc=getattr(_core.Simulation, name).__doc__)
+
+
+def _unpickled(kind: Any, checkpoint: bytes, forces: Any, method: Optional[type]) -> "Simulation":
+    if method is not None:
+        parts.register(method)
+    simulation: Simulation = kind.resume(checkpoint, forces=forces)
+    return simulation
 
 
 class Simulation:
@@ -48,8 +55,12 @@ class Simulation:
     def __init__(self, scene: inputs.Scene, *, method: Optional[inputs.Method] = None, dt_fs: Optional[float] = None,
                  set: Optional[Mapping[str, Any]] = None, forces: Iterable[Any] = (),
                  out: Union[str, Path, None] = None, overwrite: bool = False) -> None:
-        read = inputs.read(scene, inputs.overrides(set, method, dt_fs))
-        self._engine = _core.Simulation(inputs.add_forces(read, forces), str(out or ""), overwrite)
+        self._make(inputs.read(scene, inputs.overrides(set, method, dt_fs)), forces, out, overwrite)
+
+    def _make(self, read: "_core.Input", forces: Iterable[Any], out: Union[str, Path, None], overwrite: bool) -> None:
+        self._forces = inputs.own_forces(forces)
+        _core.add_forces(read, self._forces)
+        self._engine = _core.Simulation(read, str(out or ""), overwrite)
 
     @classmethod
     def from_openmm(cls, system: Any, positions: Any, *, velocities: Any = None, box: Any = None, topology: Any = None,
@@ -68,24 +79,26 @@ class Simulation:
         state = openmm_objects.state_xml(system, positions, velocities, box)
         read = openmm_objects.read(system, state, inputs.overrides(set, method, dt_fs), topology)
         simulation = cls.__new__(cls)
-        simulation._engine = _core.Simulation(inputs.add_forces(read, forces), str(out or ""), overwrite)
+        simulation._make(read, forces, out, overwrite)
         return simulation
 
     @classmethod
     def resume(cls, checkpoint: Union[bytes, str, Path], *, set: Optional[Mapping[str, Any]] = None,
-               yes: bool = False) -> "Simulation":
+               forces: Iterable[Any] = (), yes: bool = False) -> "Simulation":
         """A run as it was at a checkpoint: goes on from there to the last bit.
 
         checkpoint  what checkpoint() gave, or the folder of a run, which is then gone on with
         set         what may change in a run that has begun: steps, log_every, trajectory_every, the thermostat, ...
+        forces      the forces of your own that it had, in their order: they are code, which no checkpoint has
         yes         go on though outputs in the folder are cut back to less than half, or begin anew
 
-        Methods of your own have to be registered again (``taut.register``); forces of your own are not kept.
+        Methods of your own have to be registered again (``taut.register``).
         """
         folder = "" if isinstance(checkpoint, bytes) else str(checkpoint)
         kept = checkpoint if isinstance(checkpoint, bytes) else b""
         simulation = cls.__new__(cls)
-        simulation._engine = _core.Simulation(kept, folder, inputs.overrides(set, None, None), yes)
+        simulation._forces = inputs.own_forces(forces)
+        simulation._engine = _core.Simulation(kept, folder, inputs.overrides(set, None, None), yes, simulation._forces)
         return simulation
 
     def run(self, steps: int, *, every: int = 0, callback: Optional[Callable[["_core.Row"], Any]] = None) -> None:
@@ -195,7 +208,7 @@ class Simulation:
         return universe
 
     def __reduce__(self) -> Tuple[Any, ...]:
-        return type(self).resume, (self.checkpoint(),)
+        return _unpickled, (type(self), self.checkpoint(), self._forces, parts.REGISTERED.get(self.method))
 
     def __repr__(self) -> str:
         return (f"<taut.Simulation {self.name}: {len(self.masses)} atoms, {len(self.lengths)} rigid bonds, "

@@ -1,6 +1,8 @@
 import gc
 import os
 import pickle
+import subprocess
+import sys
 import threading
 
 import numpy as np
@@ -88,6 +90,49 @@ def test_what_no_bonds_can_follow_is_put_back():
     sim.run(1)
 
 
+@pytest.fixture(scope="module")
+def water():
+    sim = taut.Simulation("water", set={"build.molecules": 27, "forcefield.cutoff_nm": 0.45,
+                                        "forcefield.switch_nm": 0.4})
+    return sim.to_openmm_xml()[0], sim.positions, sim.box
+
+
+@pytest.mark.parametrize("spoil, words", [
+    (lambda x: x[:, :2], r"positions: expected n rows of three numbers \[nm\], got shape \(81, 2\)"),
+    (lambda x: x[:5], "5|81"),
+    (lambda x: x.astype(str), "positions: .*got dtype <U"),
+    (lambda x: x.astype(complex), "positions: .*got dtype complex128"),
+    (lambda x: x > 0, "positions: .*got dtype bool"),
+    (lambda x: np.full(x.shape, None), "positions: expected n rows of three numbers"),
+    (lambda x: [[1, 2, 3], [1, 2]], "positions: expected n rows of three numbers"),
+    (lambda x: np.where(x == x.max(), np.inf, x), "positions: expected finite numbers"),
+    (lambda x: None, "positions: expected n rows of three numbers"),
+])
+def test_positions_that_are_none(water, spoil, words):
+    system, x, box = water
+    with pytest.raises(taut.InputError, match=words):
+        taut.Simulation.from_openmm(system, spoil(x), box=box, dt_fs=1)
+
+
+@pytest.mark.parametrize("box, words", [
+    ([2, 2], "box: expected 3 rows"), (np.full((3, 3), np.nan), "box: expected finite"), ("2", "box: expected 3 rows"),
+    (np.zeros((3, 3)), "box"), (-2 * np.eye(3), "box"), ([[2, 1.5, 0], [0, 2, 0], [0, 0, 2]], "box"),
+    ([0.5] * 3, "cutoff"),
+])
+def test_boxes_that_are_none(water, box, words):
+    with pytest.raises(taut.InputError, match=words):
+        taut.Simulation.from_openmm(water[0], water[1], box=box, dt_fs=1)
+
+
+def test_positions_of_any_layout_and_precision(water):
+    system, x, box = water
+    first, *others = (taut.Simulation.from_openmm(system, given, box=box, dt_fs=1).positions for given in (
+        x, x.tolist(), np.asfortranarray(x), np.repeat(x, 2, axis=0)[::2], x[::-1][::-1], x.astype(">f8")))
+    assert all(np.array_equal(first, other) for other in others)
+    single = taut.Simulation.from_openmm(system, x.astype(np.float32), box=box.tolist(), dt_fs=1).positions
+    assert 0 < abs(first - single).max() < 1e-6
+
+
 def test_failures_say_what_they_know():
     sim = taut.Simulation("freely_jointed", method="newton", dt_fs=10)
     sim.run(10)
@@ -143,21 +188,50 @@ def test_only_one_runs_it():
     assert refused == 1
 
 
-def test_a_fork_cannot_go_on_with_it():
+def written_to(sim):
+    sim.velocities[:] = 0
+    return sim.energies
+
+
+@pytest.mark.parametrize("asks", [lambda sim: sim.run(1), lambda sim: sim.minimise(), written_to],
+                         ids=["run", "minimise", "written to"])
+def test_a_fork_cannot_go_on_with_it(asks):
     sim = taut.Simulation("chain")
     read, write = os.pipe()
     child = os.fork()
     if child == 0:
         try:
-            sim.run(1)
+            looks = sim.energies["total"] + sim.positions.sum() + sim.tensions.sum() + len(sim.checkpoint())
+            asks(sim)
             os.write(write, b"ran")
         except RuntimeError as error:
             taut.Simulation("chain").run(5)
-            os.write(write, str(error).encode())
+            os.write(write, f"{error} {np.isfinite(looks)}".encode())
         os._exit(0)
     os.close(write)
-    assert b"made in another process" in os.read(read, 1000)
+    said = os.read(read, 1000)
+    assert b"made in another process" in said and said.endswith(b"True")
     assert os.waitpid(child, 0)[1] == 0
+
+
+def test_a_fork_of_threads_says_so_and_does_not_hang():
+    program = """
+import os, taut
+taut.use_threads(2)
+sim = taut.Simulation("water", set={"build.molecules": 216})
+sim.run(5)
+if os.fork() == 0:
+    looks = sim.energies, sim.tensions, sim.pressure, len(sim.checkpoint()), sim.to_openmm_xml()
+    sim.velocities[:] = 0
+    try:
+        sim.energies
+    except RuntimeError as error:
+        print(error, flush=True)
+    os._exit(0)
+os.wait()
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+    assert "made in another process" in done.stdout, done.stderr
 
 
 def test_pickles():

@@ -57,7 +57,10 @@ def test_energies_and_forces(pdb, files, named):
     rms = np.sqrt((forces**2).mean())  # hands to its parents
     assert sim.energies["potential"] == pytest.approx(energy, rel=1e-9)
     assert abs(sim.forces - forces)[real].max() < 1e-7 * rms
-    assert list(sim.names["atom"]) == [atom.name for atom in model.topology.atoms()]
+    again = taut.Simulation.resume(sim.checkpoint())
+    for one in (sim, again):
+        assert list(one.names["atom"]) == [atom.name for atom in model.topology.atoms()]
+        assert list(one.names["residue_index"]) == [atom.residue.index for atom in model.topology.atoms()]
 
 
 def test_bond_lengths_of_trajectories():

@@ -1,5 +1,4 @@
-import gc
-import inspect
+import pickle
 import subprocess
 import sys
 from pathlib import Path
@@ -260,105 +259,6 @@ def test_a_force_that_is_wrong():
         taut.Simulation("double_pendulum", forces=[7])
 
 
-class Passive(taut.ConstraintMethod):
-    """Does nothing; what a test hands it does."""
-
-    act = None
-
-    def project_positions(self, system, h, state):
-        return None if self.act is None else type(self).act(system, h, state)
-
-
-def acting(act):
-    return type("Acting", (Passive,), {"act": staticmethod(act)})
-
-
-def test_stages_see_the_engines_own_numbers():
-    seen = []
-
-    def look(system, h, state):
-        seen.append(np.shares_memory(state.positions, sim.positions) if sim else None)
-        assert all(a.flags.writeable and not a.flags.owndata and a.shape == (len(system.masses), 3)
-                   for a in (state.positions, state.velocities, state.forces))
-
-    sim = None
-    sim = taut.Simulation("double_pendulum", method=acting(look))
-    sim.positions
-    sim.run(3)
-    assert seen[-3:] == [True] * 3
-
-
-def test_the_system_cannot_be_written_to_and_may_be_kept():
-    kept = []
-
-    def keep(system, h, state):
-        kept.append(system.masses)
-        for array in (system.masses, system.inverse_masses, system.bonds, system.lengths):
-            with pytest.raises(ValueError, match="read-only"):
-                array[:] = 0
-
-    taut.Simulation("double_pendulum", method=acting(keep)).run(3)
-    gc.collect()
-    assert np.array_equal(kept[0], kept[-1]) and kept[0].sum() > 0
-
-
-@pytest.mark.parametrize("viewed", [False, True], ids=["", "viewed before"])
-@pytest.mark.parametrize("keep", [
-    lambda s: s.positions, lambda s: s.velocities[1:].T, lambda s: memoryview(s.forces), lambda s: s.positions.flat,
-], ids=["array", "slice", "buffer", "iterator"])
-def test_a_stage_that_keeps_a_view_fails_and_what_it_kept_stays_readable(keep, viewed):
-    kept = []
-    method = acting(lambda system, h, state: kept.append(keep(state)) if state.time_ps > 0.0025 else None)
-    sim = taut.Simulation("double_pendulum", method=method, dt_fs=1)
-    before = sim.positions if viewed else None
-    with pytest.raises(BufferError, match=r"it kept a view of state\.(positions|velocities|forces).*copy\(\)"):
-        sim.run(10)
-    assert sim.steps_taken == 3
-    assert not viewed or np.shares_memory(before, sim.positions)
-    sim.velocities[:] = 0
-    del sim, before, method
-    gc.collect()
-    junk = [np.full((3, 3), 7.0) for _ in range(1000)]
-    assert len(junk) == 1000 and all(np.isfinite(np.array(list(np.ravel(k)))).all() for k in kept)
-    assert not any((np.ravel(k) == 7.0).any() for k in kept)
-
-
-def test_views_in_a_traceback_stay_readable():
-    def breaks(system, h, state):
-        x = state.positions  # noqa: F841  in the traceback
-        raise ZeroDivisionError
-
-    def run():
-        with pytest.raises((ZeroDivisionError, taut.SimulationFailure)) as failed:
-            sim = taut.Simulation("double_pendulum", method=acting(breaks), dt_fs=1)
-            sim.run(5)
-        return failed
-
-    failed = run()
-    gc.collect()
-    frames = [frame.frame for frame in inspect.getinnerframes(failed.value.__traceback__) if frame.function == "breaks"]
-    assert frames and all(np.isfinite(frame.f_locals["x"]).all() for frame in frames)
-
-
-def test_a_state_is_empty_between_stages():
-    kept = []
-    taut.Simulation("double_pendulum", method=acting(lambda system, h, state: kept.append(state))).run(3)
-    with pytest.raises(AttributeError, match=r"state\.positions: .*during a stage alone"):
-        kept[0].positions
-
-
-@pytest.mark.parametrize("turned", [lambda x: x, lambda x: x[::-1][::-1], np.array, np.asfortranarray])
-def test_arrays_that_change_places(turned):
-    class Turns(taut.ConstraintMethod):
-        def project_velocities(self, system, h, state):
-            state.velocities, state.forces = turned(state.forces), turned(state.velocities)
-
-    sim, plain = (taut.Simulation("double_pendulum", method=m, dt_fs=0.1) for m in (Turns, taut.ConstraintMethod))
-    for one in (sim, plain):
-        one.step()
-    assert np.array_equal(sim.velocities, plain.forces) and np.array_equal(sim.forces, plain.velocities)
-
-
 def test_python_ends_after_a_part_failed_at_the_start():
     program = """
 import taut
@@ -372,3 +272,48 @@ except taut.SimulationFailure as error:
 """
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
     assert done.returncode == 0 and "Fails.add: KeyError" in done.stdout, done.stderr
+
+
+class Pull(taut.Force):
+    def __init__(self, strength=5.0):
+        self.strength = strength
+
+    def add(self, positions, forces):
+        forces[:, 0] += self.strength
+        return -self.strength * positions[:, 0].sum()
+
+
+def test_forces_of_ones_own_go_on_from_a_checkpoint_or_are_asked_for(tmp_path, command):
+    sim = taut.Simulation("chain", forces=[Pull(3.0)], out=tmp_path / "run")
+    sim.run(10)
+    kept, pickled = sim.checkpoint(), pickle.loads(pickle.dumps(sim))
+    again = taut.Simulation.resume(kept, forces=[Pull(3.0)])
+    for one in (sim, again, pickled):
+        one.run(10)
+        assert np.array_equal(sim.positions, one.positions) and "Pull" in one.energies
+    for forces in ([], [Wall()], [Pull(), Pull()]):
+        with pytest.raises(taut.InputError, match=r"its forces \[Pull\] are code.*Simulation.resume\(..., forces="):
+            taut.Simulation.resume(kept, forces=forces)
+    with pytest.raises(taut.InputError, match=r"its forces \[\] are code.*\[Pull\] came with it"):
+        taut.Simulation.resume(taut.Simulation("chain").checkpoint(), forces=[Pull()])
+    with pytest.raises(taut.InputError, match="forces: expected instances"):
+        taut.Simulation.resume(kept, forces=[Pull])
+    del sim
+    done = subprocess.run([command, "resume", str(tmp_path / "run"), "--steps", "30"], capture_output=True, text=True)
+    assert done.returncode == 2 and "its forces [Pull] are code" in done.stderr
+
+
+def test_a_simulation_with_ones_own_method_is_pickled_with_its_class():
+    sim = taut.Simulation("double_pendulum", method=Baumgarte, dt_fs=0.5)
+    sim.run(5)
+    program = """
+import pickle, sys
+sys.path.insert(0, sys.argv[1])
+sim = pickle.load(sys.stdin.buffer)
+sim.run(5)
+print(sim.method, sim.positions[2].tolist())
+"""
+    done = subprocess.run([sys.executable, "-c", program, str(Path(__file__).parent)], input=pickle.dumps(sim),
+                          capture_output=True)
+    sim.run(5)
+    assert done.stdout.decode() == f"Baumgarte {sim.positions[2].tolist()}\n", done.stderr.decode()

@@ -58,6 +58,66 @@ def test_a_dict_is_a_scene():
     assert sim.positions.shape == (10, 3) and abs(sim.bond_errors).max() < 1e-9
 
 
+def test_molecules_and_places_of_a_dict(tmp_path):
+    polymer = {"atoms": [{"name": "B", "mass_u": 72, "sigma_nm": 0.47, "epsilon_kj_mol": 3.5}], "units": 8,
+               "bonds": [[0, 1, 0.35]], "angles": [[0, 1, 2, 120, 25]]}
+    scene = {"molecule": {"polymer": polymer}, "place": [{"molecule": "polymer", "count": np.int64(3)}],
+             "build": {"box_nm": 4}, "forcefield": {"cutoff_nm": 1.1},
+             "run": {"dt_fs": 10, "temperature_k": 300, "seed": 3, "minimise": True}}
+    sim = taut.Simulation(scene, set={"molecule.polymer.units": 10})
+    sim.run(20)
+    assert sim.positions.shape == (30, 3) and len(sim.bonds) == 27 and set(sim.names["atom"]) == {"B"}
+    assert abs(sim.bond_errors).max() < 1e-6 and np.array_equal(sim.box, 4 * np.eye(3))
+    file = tmp_path / "polymers.toml"
+    file.write_text("""
+[molecule.polymer]
+atoms  = [{name = "B", mass_u = 72, sigma_nm = 0.47, epsilon_kj_mol = 3.5}]
+units  = 10
+bonds  = [[0, 1, 0.35]]
+angles = [[0, 1, 2, 120, 25]]
+[[place]]
+molecule = "polymer"
+count = 3
+[build]
+box_nm = 4
+[forcefield]
+cutoff_nm = 1.1
+[run]
+dt_fs = 10
+temperature_k = 300
+seed = 3
+minimise = true
+""")
+    of_file = taut.Simulation(file)
+    of_file.run(20)
+    assert np.array_equal(sim.positions, of_file.positions)
+    for wrong, words in [({"place": {"molecule": "polymer"}}, "place"),
+                         ({"place": [{"molecule": "polimer"}]}, "polymer"),
+                         ({"molecule": {"polymer": {**polymer, "unit": 3}}}, "did you mean \"units\""),
+                         ({"place": [7]}, "place")]:
+        with pytest.raises(taut.InputError, match=words):
+            taut.Simulation({**scene, **wrong})
+
+
+@pytest.mark.parametrize("shape", ["cube", "dodecahedron"])
+def test_the_box_is_a_live_view(shape):
+    sim = taut.Simulation("water", set={
+        "build.molecules": 216, "build.box": shape, "forcefield.cutoff_nm": 0.6, "forcefield.switch_nm": 0.5,
+        "run.thermostat": "langevin", "run.temperature_k": 300, "run.barostat": "c-rescale"})
+    box, before = sim.box, sim.box.copy()
+    assert box.shape == (3, 3) and np.array_equal(box, np.tril(box)) and (abs(box[2, 0]) > 0.1) == (shape != "cube")
+    seen = []
+    sim.run(40, every=20, callback=lambda row: seen.append(np.linalg.det(box) / row.volume_nm3))
+    assert not np.array_equal(box, before) and np.allclose(seen, 1, rtol=1e-12) and np.shares_memory(box, sim.box)
+    with pytest.raises(ValueError, match="read-only"):
+        box[0, 0] = 1
+    kept = box.copy()
+    del sim
+    gc.collect()
+    junk = [np.ones((3, 3)) for _ in range(100)]
+    assert np.array_equal(box, kept) and len(junk) == 100
+
+
 def test_views_are_live_and_keep_their_owner():
     sim = taut.Simulation("chain")
     x, f = sim.positions, sim.forces
@@ -186,6 +246,7 @@ def test_ctrl_c_stops_between_steps():
     program = """
 import os, signal, threading, taut
 sim = taut.Simulation("water", set={"build.molecules": 64, "forcefield.cutoff_nm": 0.6})
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background ignores it
 threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
 try:
     sim.run(100_000_000)
