@@ -36,15 +36,6 @@ def test_a_restart_goes_on_with_its_multipliers(folder, run, ranks):
     assert lammps.table(output)["f_hold[1]"].max() < 1e-9
 
 
-def test_cut_chains_restart_on_other_processors(folder, run):
-    rest = THERMO + "run 20\nwrite_restart half\nrun 40\n" + inputs.END.format(dump="whole.dump")
-    run(inputs.of(inputs.CHAINS, dt=0.002, rest=rest), 2)
-    text = inputs.of(inputs.CHAINS, dt=0.002, rest=THERMO + "run 40\n" + inputs.END.format(dump="parts.dump"))
-    text = text.replace("read_data chains.data", "read_restart half").replace("velocity all create", "#")
-    run(text.replace("atom_style full", ""), 1)
-    assert np.abs(lammps.dump(folder / "whole.dump")[:, :3] - lammps.dump(folder / "parts.dump")[:, :3]).max() < 1e-7
-
-
 @pytest.mark.parametrize("change", ["timestep 0.001\n", "velocity all create 2.0 99 loop geom\n",
                                     "displace_atoms all random 0.001 0.001 0.001 5\n"])
 def test_what_changes_between_runs_is_noticed(run, change):
