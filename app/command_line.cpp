@@ -45,6 +45,11 @@ void CommandLine::option(const char* name, const std::vector<std::string>& value
   for (const auto& value : values) text_ += fmt::format(" {}", quoted_for_shell(value));
 }
 
+void CommandLine::option(const char* name, const std::vector<double>& values) {
+  flag(name, !values.empty());
+  for (const double value : values) text_ += fmt::format(" {}", value);
+}
+
 std::vector<std::string> overrides_said(const std::vector<KeyFlag>& flags,
                                         const std::vector<std::string>& settings) {
   std::vector<std::string> all;

@@ -19,6 +19,7 @@ class CommandLine {
   CommandLine(const char* subcommand, const std::string& scene);
 
   void option(const char* name, const std::vector<std::string>& values);
+  void option(const char* name, const std::vector<double>& values);
   template <class T>
   void option(const char* name, const std::optional<T>& value) {
     if (value) option(name, std::vector{fmt::format("{}", *value)});

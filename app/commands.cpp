@@ -72,6 +72,7 @@ template Argument Subcommand::option(const char*, double&, const char*) const;
 template Argument Subcommand::option(const char*, std::string&, const char*) const;
 template Argument Subcommand::option(const char*, std::filesystem::path&, const char*) const;
 template Argument Subcommand::option(const char*, std::vector<std::string>&, const char*) const;
+template Argument Subcommand::option(const char*, std::vector<double>&, const char*) const;
 template Argument Subcommand::option(const char*, std::optional<int>&, const char*) const;
 template Argument Subcommand::option(const char*, std::optional<long>&, const char*) const;
 template Argument Subcommand::option(const char*, std::optional<double>&, const char*) const;

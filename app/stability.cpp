@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <ranges>
 
+#include "md/errors.hpp"
 #include "studies/stability_study.hpp"
 #include "studies/study_scene.hpp"
 #include "study.hpp"
@@ -12,11 +14,14 @@ namespace {
 
 struct StabilityArguments : StudyArguments {
   std::optional<long> steps{};
+  std::vector<double> ah{}, bh{};
   bool hard = false;
 
   std::string command() const {
     return StudyArguments::command([&](CommandLine& line) {
       line.option("--steps", steps);
+      line.option("--alpha-h", ah);
+      line.option("--beta-h", bh);
       line.flag("--hard", hard);
     });
   }
@@ -29,6 +34,10 @@ StabilityPlan plan_of(const StabilityArguments& arguments) {
       plan.scenes.push_back(prepared_for_study(read_scene(scenes_folder() / "hard" / (name + ".toml"))));
   if (arguments.quick) plan.make_quick();
   plan.plane_steps = arguments.steps.value_or(plan.plane_steps);
+  for (const auto& [flag, given] : {std::pair{"--alpha-h", &arguments.ah}, {"--beta-h", &arguments.bh}})
+    if (given->size() == 1) throw InputError(fmt::format("{}: expected at least two numbers, got one", flag));
+  plan.ah = arguments.ah;
+  plan.bh = arguments.bh;
   return plan;
 }
 
@@ -57,10 +66,10 @@ std::vector<std::string> notes_of(const StabilityPlan& plan, const StabilityArgu
 }
 
 void print_plane(const std::vector<Job>& plane, const Ledger& ledger) {
-  const auto failed =
-      std::ranges::count_if(plane, [&](const Job& job) { return ledger.at(job.name).failed(); });
+  const auto failed = std::ranges::count_if(plane | std::views::drop(1),
+                                            [&](const Job& job) { return ledger.at(job.name).failed(); });
   fmt::print("\n{} of {} gains failed or were refused: × in the picture, reasons in plane.csv\n", failed,
-             plane.size());
+             plane.size() - 1);  // one is newton's
 }
 
 void stability(const StabilityArguments& arguments) {
@@ -72,7 +81,7 @@ void stability(const StabilityArguments& arguments) {
   std::vector<Job> jobs = plane_points;
   jobs.insert(jobs.end(), steps.begin(), steps.end());
   fmt::print("{}: {} points in the plane of gains, {} methods on {} scenes\n", scene.name,
-             plane_points.size(), plan.methods.size(), plan.scenes.size());
+             plane_points.size() - 1, plan.methods.size(), plan.scenes.size());
   study.run(jobs, notes_of(plan, arguments));
   print_plane(plane_points, ledger);
   print_steps(plan, steps, ledger);
@@ -84,6 +93,7 @@ void stability(const StabilityArguments& arguments) {
        plane_csv(plan, ledger)},
       "Baumgarte's gains",
       fmt::format("Above: steps survived of {}. Below: energy drift where all were survived, × where not. "
+                  "The drift of newton in as many steps is beside them. "
                   "Dashed: the limit by the propagator's roots, for one bond; gains beyond it are refused.",
                   plan.plane_steps));
   study.show(
@@ -106,6 +116,12 @@ void add_stability(Commands& commands) {
   arguments->offer_first(command);
   command.flag("--hard", arguments->hard, "the scenes made to break methods (systems/hard) beside it");
   command.option("--steps", arguments->steps, "at each point of the plane (2000)").positive();
+  command.option("--alpha-h", arguments->ah, "the plane's αh, rising by one factor (0.01 to 1.78)")
+      .positive()
+      .words(0, "NUMBER");
+  command.option("--beta-h", arguments->bh, "its βh, evenly spaced (0.2 to 2.2)")
+      .positive()
+      .words(0, "NUMBER");
   arguments->offer_last(command, "rough: few points, few steps");
 }
 

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Baumgarte over its gains on liquids and DNA, each damping, 3000 steps a point:
+# Baumgarte over its gains on a chain, liquids and DNA, each damping, beside newton's drift in as many steps:
 #     benchmarks/planes.sh [FOLDER [NAME ...]]
-# About twelve minutes on an idle core. TAUT names the command, if it is not build/taut; STEPS other steps.
+# Four αh by five βh of the part that lives; the chain all of it. TAUT names the command, if it is not build/taut;
+# STEPS other steps.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 out=${1:-benchmarks/results/planes}
@@ -9,13 +10,15 @@ shift || true
 export OMP_NUM_THREADS=1
 dna="tests/data/dna-hbonds"
 declare -A scenes=(
-  [water_1fs]="water --dt-fs 1" [water_2fs]="water --dt-fs 2"
-  [decane_2fs]="decane --dt-fs 2" [decane_4fs]="decane --dt-fs 4"
+  [chain]="freely_jointed" [water_1fs]="water --dt-fs 1" [water_2fs]="water --dt-fs 2"
+  [decane_2fs]="decane --dt-fs 2"
   [dna_2fs]="--openmm $dna.system.xml $dna.state.xml --dt-fs 2 --set run.velocities=draw run.temperature_k=300")
 names=("$@")
 [ ${#names[@]} -gt 0 ] || names=("${!scenes[@]}")
 for name in "${names[@]}"; do
+  gains=(--alpha-h 0.03 0.1 0.3 1 --beta-h 1 1.2 1.4 1.6 1.8)
+  [ "$name" != chain ] || gains=()
   # shellcheck disable=SC2086
-  "${TAUT:-build/taut}" stability ${scenes[$name]} --steps "${STEPS:-3000}" --methods baumgarte \
+  "${TAUT:-build/taut}" stability ${scenes[$name]} --steps "${STEPS:-3000}" --methods baumgarte "${gains[@]}" \
     --out "$out/$name" --overwrite
 done

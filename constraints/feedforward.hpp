@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <string>
 
@@ -15,7 +16,8 @@ namespace taut {
 // λ is extrapolated from the steps before and corrected by one linear solve,
 //     A' Δλ = −σ_next/h²,   A' = J(x + δ) M⁻¹ J(x)ᵀ = ∂σ_next/∂λ / h²   (exact: a Newton step),
 // which leaves ½|h²M⁻¹JᵀΔλ|², the square of what extrapolation missed. What is left returns as σ in the next
-// step: the feedback of a Baumgarte law with (βh)² = 2, αh = 1 on the error alone.
+// step: the feedback of a Baumgarte law with (βh)² = 2, αh = 1 on the error alone. It cools, by h¹¹
+// (README.md, "feedforward"): the default tolerance is where that no longer counts.
 // Where ½(σ_next/(r_next·r))² before the solve (of one bond alone, just what the solve leaves, over d²)
 // passes `tolerance`, the step takes another solve: large steps, collisions. stats.iterations tells. The
 // velocities are leap-frog's mean velocities: J v = −½h² v·a, not zero; they are not projected. Start-up: λ
@@ -24,7 +26,7 @@ namespace taut {
 class Feedforward : public ConstraintMethod {
  public:
   struct Options {
-    double tolerance = 1e-5;
+    double tolerance = 1e-7;
     int extrapolation = 2;
     int max_solves = 20;
 
@@ -51,7 +53,8 @@ class Feedforward : public ConstraintMethod {
   const Eigen::VectorXd& lambda() const override { return lambda_; }
   std::array<Eigen::VectorXd*, 3> past() { return {&lambda_, &before_, &before_that_}; }
   int& steps_known() { return known_; }
-  double promised_error() const override { return options_.tolerance; }
+  // A thermostat that rescales velocities leaves what no solve of this step knew of.
+  double promised_error() const override { return std::max(options_.tolerance, 1e-5); }
   std::string setting() const override;
 
  private:

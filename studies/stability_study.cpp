@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "studies/csv.hpp"
 
@@ -19,9 +20,14 @@ std::string step_name(std::size_t scene, const std::string& method) {
   return fmt::format("steps/{}/{}", scene, method);
 }
 
+constexpr const char* kReference = "plane/newton";
+
+Trial over_the_plane(const StabilityPlan& plan, const Setting& setting) {
+  return try_setting(plan.scenes.front(), setting, {.steps = plan.plane_steps, .rows = plan.plane_steps / 5});
+}
+
 Trial run_gains(const StabilityPlan& plan, Damping damping, DimensionlessGains gains) {
-  const Scene& scene = plan.scenes.front();
-  const double h = scene.run.h();
+  const double h = plan.scenes.front().run.h();
   const Setting setting{
       "baumgarte",
       "",
@@ -29,7 +35,7 @@ Trial run_gains(const StabilityPlan& plan, Damping damping, DimensionlessGains g
       {"method.name=baumgarte", "method.gains=numbers", fmt::format("method.damping={}", name_of(damping)),
        fmt::format("method.alpha_per_ps={:.17g}", gains.ah / h),
        fmt::format("method.beta_per_ps={:.17g}", gains.bh / h)}};
-  return try_setting(scene, setting, {.steps = plan.plane_steps, .rows = plan.plane_steps / 5});
+  return over_the_plane(plan, setting);
 }
 
 // "the bond turned by 90° in one step" → "bond turned 90°": what fits beside a mark.
@@ -61,22 +67,26 @@ void StabilityPlan::make_quick() {
   plane_steps = step_steps = 200;
 }
 
-std::vector<double> StabilityPlan::ah() const {
+std::vector<double> StabilityPlan::all_ah() const {
+  if (!ah.empty()) return ah;
   if (quick) return {0.05, 0.1, 0.2, 0.4, 0.8};
   return {0.01, 0.0178, 0.0316, 0.0562, 0.1, 0.178, 0.316, 0.562, 1, 1.78};
 }
 
-std::vector<double> StabilityPlan::bh() const {
+std::vector<double> StabilityPlan::all_bh() const {
+  if (!bh.empty()) return bh;
   std::vector<double> all;
-  for (double bh = quick ? 0.4 : 0.2; bh < 2.25; bh += quick ? 0.6 : 0.2) all.push_back(bh);
+  for (double one = quick ? 0.4 : 0.2; one < 2.25; one += quick ? 0.6 : 0.2) all.push_back(one);
   return all;
 }
 
 std::vector<Job> plane_jobs(const StabilityPlan& plan) {
-  std::vector<Job> jobs;
+  std::vector<Job> jobs = {{kReference, [&plan] {
+                              return over_the_plane(plan, {"newton", "", "", {"method.name=newton"}});
+                            }}};
   for (const Damping damping : kDampings)
-    for (const double ah : plan.ah())
-      for (const double bh : plan.bh())
+    for (const double ah : plan.all_ah())
+      for (const double bh : plan.all_bh())
         jobs.push_back({plane_name(damping, ah, bh), [&plan, damping, ah, bh] {
                           return run_gains(plan, damping, {ah, bh});
                         }});
@@ -124,18 +134,22 @@ Trial largest_stable_step(const StabilityPlan& plan, const Scene& scene, const s
 std::string plane_csv(const StabilityPlan& plan, const Ledger& ledger) {
   std::string text =
       "damping,alpha_h,beta_h,steps_survived,of_steps,drift_kj_mol_ns_dof,drift_low,drift_high,"
-      "constraint_drift_kj_mol_ns_dof,rms_rel_bond_error,max_rel_bond_error,limit_beta_h,failed,failure\n";
+      "constraint_drift_kj_mol_ns_dof,rms_rel_bond_error,max_rel_bond_error,limit_beta_h,newton_drift,failed,"
+      "failure\n";
+  const Trial& reference = ledger.at(kReference);
+  const double newton = reference.failed() ? std::numeric_limits<double>::quiet_NaN() : reference.drift;
   for (const Damping damping : kDampings)
-    for (const double ah : plan.ah())
-      for (const double bh : plan.bh()) {
+    for (const double ah : plan.all_ah())
+      for (const double bh : plan.all_bh()) {
         const Trial& t = ledger.at(plane_name(damping, ah, bh));
         const std::string head =
             fmt::format("{},{:g},{:g},{},{}", name_of(damping), ah, bh, t.steps, plan.plane_steps);
         const double limit = stability_limit(ah, damping);
-        text += t.failed() ? fmt::format("{},,,,,,,{:.4g},1,{}\n", head, limit, csv_cell(t.failure))
-                           : fmt::format("{},{:.5e},{:.5e},{:.5e},{:.5e},{:.4e},{:.4e},{:.4g},0,\n", head,
-                                         t.drift, t.drift_low(), t.drift_high(), t.constraint_drift,
-                                         t.rms_error, t.max_error, limit);
+        text += t.failed()
+                    ? fmt::format("{},,,,,,,{:.4g},{:.5e},1,{}\n", head, limit, newton, csv_cell(t.failure))
+                    : fmt::format("{},{:.5e},{:.5e},{:.5e},{:.5e},{:.4e},{:.4e},{:.4g},{:.5e},0,\n", head,
+                                  t.drift, t.drift_low(), t.drift_high(), t.constraint_drift, t.rms_error,
+                                  t.max_error, limit, newton);
       }
   return text;
 }

@@ -14,16 +14,18 @@ struct StabilityPlan {
   std::vector<std::string> methods = {};
   bool quick = false;
   long plane_steps = 2000;
-  long step_steps = 500;  // a step is stable that gets through so many
+  long step_steps = 500;                 // a step is stable that gets through so many
+  std::vector<double> ah = {}, bh = {};  // αh and βh of the plane's points, as asked; empty: all of it
 
-  void make_quick();               // rough: few gains and steps
-  std::vector<double> ah() const;  // αh over the plane
-  std::vector<double> bh() const;  // βh
+  void make_quick();  // rough: few gains and steps
+  std::vector<double> all_ah() const;
+  std::vector<double> all_bh() const;
 };
 
 constexpr double kSearch = 64;  // a stable step is looked for from 1/64 to 64 times the scene's
 
-//   plane   steps survived, drift and bond errors of Baumgarte at (αh, βh), for each damping
+//   plane   steps survived, drift and bond errors of Baumgarte at (αh, βh), for each damping;
+//           newton's drift is the one to beat (NAN: it failed)
 //   steps   the largest stable step of each method on each scene, by bisection, and how it fails beyond
 std::vector<Job> plane_jobs(const StabilityPlan& plan);
 std::vector<Job> step_jobs(const StabilityPlan& plan);

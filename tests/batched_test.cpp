@@ -154,7 +154,9 @@ TEST(Batched, BaumgarteIsThePlainBaumgarte) {
 }
 
 TEST(Batched, FeedforwardIsThePlainFeedforward) {
-  for (int order : {0, 1, 2}) compare_all(Feedforward::Options{.extrapolation = order}, 1e-12);
+  // A tolerance at which no group alone takes a second solve, which the plain form takes for all.
+  for (int order : {0, 1, 2})
+    compare_all(Feedforward::Options{.tolerance = 1e-5, .extrapolation = order}, 1e-12);
   compare_all(Feedforward::Options{.tolerance = 1e-13}, 1e-12);
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "constraints/bond_algebra.hpp"
+#include "constraints/guess.hpp"
 #include "constraints/methods.hpp"
 #include "constraints/projection.hpp"
 #include "free_system.hpp"
@@ -249,6 +250,14 @@ void expect_fed_as_foretold(const testing::Start& from, double h, const Guess& g
     EXPECT_GT(std::sqrt(size), 1e-11);
     EXPECT_LT(std::sqrt(off / size), damping == Damping::kDiscrete ? 1e-4 : 0.05) << name_of(damping);
   }
+}
+
+// Of λ = t it misses −⅔ of a step, of t² nothing; extrapolation to first order misses −2 of t².
+TEST(Guess, OfAThirdMissesNoSecondDerivative) {
+  const auto guess = [](const Guess& g, double one, double two) { return one + g.first * (one - two); };
+  EXPECT_NEAR(guess(kThird, -1, -2), -2.0 / 3, 1e-15);
+  EXPECT_NEAR(guess(kThird, 1, 4), 0, 1e-15);
+  EXPECT_EQ(guess({1, 0}, 1, 4), -2);
 }
 
 TEST(Baumgarte, OnePassFeedsWhatTheGuessMisses) {

@@ -101,7 +101,7 @@ TEST(Feedforward, ClearsAnInjectedErrorInTwoSteps) {
 // A blow between two steps makes the extrapolation useless: that step, and only that, takes more solves.
 TEST(Feedforward, TakesASecondSolveAtACollisionOnly) {
   Pendulum p = pendulum();
-  Feedforward method(p.system, {}, 0.005);
+  Feedforward method(p.system, {.tolerance = 1e-5}, 0.005);
   initialize({p.system, p.forces, method}, p.state);
   for (int n = 0; n < 20; ++n) EXPECT_EQ(step({p.system, p.forces, method}, 0.005, p.state).iterations, 1);
   p.state.v(2, 1) -= 8;

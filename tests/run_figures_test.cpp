@@ -158,6 +158,14 @@ TEST(Doubts, OfMethodsThatDoNotWork) {
   EXPECT_TRUE(with("method.name=feedforward").doubts.empty());
 }
 
+// What rescaled velocities leave of the bonds is over feedforward's tolerance, and no reason to doubt.
+TEST(Doubts, NotOfRescaledVelocities) {
+  const Summary s = summary_of("water", {"run.dt_fs=1", "run.steps=600", "run.log_every=5",
+                                         "run.thermostat_ps=1", "method.name=feedforward"});
+  EXPECT_GT(s.max_rel_bond_error, 2e-7);
+  EXPECT_TRUE(s.doubts.empty());
+}
+
 TEST(Doubts, OfFigures) {
   Summary s;
   s.temperature = 300;

@@ -8,6 +8,9 @@ next_a = 1e9; next_b = 1e9; least = 1e9; most = 0
 after_first(a, b) = (next_a = a > gain_min_x && a < next_a ? a : next_a, next_b = b > gain_min_y && b < next_b ? b : next_b)
 drifted(d) = d > 0 ? (least = d < least ? d : least, most = d > most ? d : most) : 0
 stats csv using (after_first(column('alpha_h'), column('beta_h')), column('failed') == 0 ? drifted(abs(column('drift_kj_mol_ns_dof'))) : 0) nooutput
+newton = 'failed'
+said(d) = d == d ? (newton = sprintf('%.2g', d), 0) : 0
+stats csv using (said(column('newton_drift'))) nooutput
 wide = sqrt(next_a / gain_min_x)
 half = (next_b - gain_min_y) / 2
 
@@ -37,6 +40,7 @@ do for [kind in 'svg png'] {
         set label 1 'failed' at screen 0.3, 0.935 offset 1, 0 point pt 2 ps 0.8 lc rgb '#555555'
         set arrow 1 from screen 0.44, 0.935 to screen 0.5, 0.935 nohead lc rgb 'black' lw 3 dt 2
         set label 2 'limit of one bond' at screen 0.51, 0.935
+        set label 3 'newton: '.newton at screen 0.99, 0.04 right
       } else { unset label; unset arrow }
       if (row == 0) {
         set palette defined (0 '#222255', 0.5 '#7788bb', 1 '#ffffcc')
