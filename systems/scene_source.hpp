@@ -18,7 +18,7 @@ struct SceneSource {
                         // those it names
   std::vector<File> files;             // as Scene::files names them
   std::vector<std::string> overrides;  // each key once
-  std::vector<std::string> own;  // names of its forces that are code, which whoever reads it has to bring
+  std::vector<std::string> own = {};   // names of its forces that are code: whoever reads it brings them
 
   Scene read() const;  // without them; throws InputError
   void bring(const std::vector<std::shared_ptr<OwnField>>& fields, Scene& scene) const;  // throws InputError
