@@ -9,7 +9,7 @@ namespace taut {
 
 Box read_box(const TomlTable& keys) {
   std::vector<double> numbers;
-  if (!keys.read("box_nm", numbers)) return {};
+  if (!keys.read("box_nm", numbers, {"a box's edges, or its vectors in reduced form", "nm"})) return {};
   Eigen::Matrix3d vectors = Eigen::Matrix3d::Zero();
   if (numbers.size() == 3)
     vectors.diagonal() = Vec3(numbers.data());

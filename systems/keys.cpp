@@ -58,7 +58,8 @@ std::string value_text(const std::vector<double>& value) {
 }
 
 std::string value_text(const Rows& value) {
-  return value.empty() ? "" : fmt::format("{} row{}", value.size(), value.size() == 1 ? "" : "s");
+  if (value.size() == 1) return fmt::format("[{}]", value_text(value[0]));
+  return value.empty() ? "" : fmt::format("{} rows", value.size());
 }
 
 std::string toml_quoted(std::string_view text) {

@@ -60,7 +60,7 @@ struct KeysRead {
   void forget(std::string_view section, std::string_view but);
 };
 
-// As TOML has them, rows by their number.
+// As TOML has them, several rows by their number.
 std::string value_text(double value);
 std::string value_text(bool value);
 std::string value_text(const std::string& value);
@@ -80,7 +80,7 @@ std::string value_text(const std::optional<T>& value) {
 template <class T>
 constexpr const char* type_text() {
   if constexpr (std::is_same_v<T, bool>) return "true or false";
-  if constexpr (std::is_integral_v<T>) return "whole number";
+  if constexpr (std::is_integral_v<T> || std::is_same_v<T, std::optional<long>>) return "whole number";
   if constexpr (std::is_same_v<T, std::string>) return "text";
   if constexpr (std::is_same_v<T, std::filesystem::path>) return "file";
   if constexpr (std::is_same_v<T, Vec3> || std::is_same_v<T, std::optional<Vec3>>) return "three numbers";

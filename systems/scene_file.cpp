@@ -5,6 +5,7 @@
 #include "forcefield/force_field.hpp"
 #include "md/errors.hpp"
 #include "systems/builders/builders.hpp"
+#include "systems/start_file.hpp"
 #include "systems/toml_reader.hpp"
 #include "systems/velocities.hpp"
 
@@ -52,7 +53,7 @@ void check_barostat(const TomlTable& run, const Scene& scene) {
 // What does not know of struts and ropes.
 void check_one_sided(const TomlTable& run, const TomlTable& method, const Scene& scene) {
   if (scene.run.minimise)
-    run.fail("minimise", "moves atoms through one-sided bonds (build.at_least, build.at_most): leave it out");
+    run.fail("minimise", "moves atoms through one-sided bonds (at_least, at_most): leave it out");
   try {
     scene.method.refuse_one_sided(scene.system);
   } catch (const InputError& e) {
@@ -176,6 +177,8 @@ void move_files(toml::table& root, const std::vector<std::filesystem::path>& mov
 
 Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::table overrides,
                   const SceneReading& how) {
+  if (base.contains("atoms") && !base.contains("build"))
+    throw InputError("a start, not a scene; a scene goes on from it: --set build.start=" + file.string());
   Scene scene;
   scene.name = file.stem().string();
   scene.files = {file};
@@ -251,6 +254,7 @@ std::vector<Key> every_key() {
       scene.method = default_options(name);
       read_options(root.section("method"), scene.method);
     });
+  describe("", [](const TomlTable& root, Scene&) { read_start(root.section("start")); });
   std::ranges::stable_sort(all, [](const Key& a, const Key& b) { return order_of(a) < order_of(b); });
   return all;
 }

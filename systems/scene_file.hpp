@@ -47,8 +47,9 @@ void apply_overrides(Scene& scene, const std::vector<std::string>& overrides, Ke
 // Every key there is, of every kind and method, with what there is to know of it: what a scene without keys
 // is asked for. A key that kinds or methods describe alike is there once.
 std::vector<Key> every_key();
-inline constexpr std::array<std::string_view, 8> kSections = {
-    "", "atom.NAME", "molecule.NAME", "place", "build", "forcefield", "run", "method"};
+// "start": those of the file that build.start names.
+inline constexpr std::array<std::string_view, 9> kSections = {
+    "", "atom.NAME", "molecule.NAME", "place", "build", "forcefield", "run", "method", "start"};
 
 struct SceneSummary {
   std::string name, hard_on;

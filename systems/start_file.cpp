@@ -6,7 +6,6 @@
 
 #include "files/atomic_file.hpp"
 #include "systems/box_keys.hpp"
-#include "systems/toml_reader.hpp"
 
 namespace taut {
 
@@ -27,11 +26,17 @@ State read_start(const std::filesystem::path& file) {
 
 State read_start(const toml::table& table, const std::filesystem::path& file) {
   const TomlTable keys(table, file.string());
-  State start;
-  keys.read("time_ps", start.t);
-  start.box = read_box(keys);
-  const Rows atoms = keys.get_rows("atoms", Columns{6, 6});
+  State start = read_start(keys);
   keys.reject_unknown();
+  return start;
+}
+
+State read_start(const TomlTable& keys) {
+  State start;
+  keys.read("time_ps", start.t, {"time of the state", "ps"});
+  start.box = read_box(keys);
+  const Rows atoms =
+      keys.get_rows("atoms", Columns{6, 6}, "[x, y, z, vx, vy, vz] of each, in nm and nm/ps; never wrapped");
 
   start.x.resize(3, atoms.size());
   start.v.resize(3, atoms.size());

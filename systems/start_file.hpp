@@ -1,10 +1,9 @@
 #pragma once
 
-#include <toml++/toml.h>
-
 #include <filesystem>
 
 #include "md/state.hpp"
+#include "systems/toml_reader.hpp"
 
 namespace taut {
 
@@ -16,6 +15,7 @@ namespace taut {
 // Numbers are written so that they read back exactly.
 // f is not there. Throws InputError with one line naming file, line and key.
 State read_start(const std::filesystem::path& file);
+State read_start(const TomlTable& keys);
 State read_start(const toml::table& table, const std::filesystem::path& file);  // of a file parsed already
 
 // Written aside and renamed. Throws OutsideError.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -89,6 +90,30 @@ std::string value_text(const toml::node& node) {
   return text.str();
 }
 
+// Sections are listed by their own keys.
+std::string list_text(const toml::array& list) {
+  const bool words = std::ranges::none_of(list, [](const toml::node& one) { return one.is_table(); });
+  return words ? value_text(list) : fmt::format("{} of them", list.size());
+}
+
+// Of an array, elements that overrides name by their numbers, counted from 0: place.0.count.
+void lay_over_elements(toml::array& base, toml::table&& upper) {
+  for (auto&& [name, node] : upper) {
+    const std::string_view number = name.str();
+    std::size_t k = 0;
+    const auto read = std::from_chars(number.begin(), number.end(), k);
+    if (read.ec != std::errc() || read.ptr != number.end() || k >= base.size())
+      throw LocatedError(fmt::format("{}: there is no \"{}\" in a list of {}, counted from 0",
+                                     *node.source().path, one_line(number), base.size()));
+    if (base[k].is_table() && node.is_table())
+      lay_over(*base[k].as_table(), std::move(*node.as_table()));
+    else
+      node.visit([&](auto& value) {
+        base.replace(base.cbegin() + static_cast<std::ptrdiff_t>(k), std::move(value));
+      });
+  }
+}
+
 void collect(const toml::table& table, const std::string& above, KeyValues& values) {
   for (const auto& [name, node] : table) {
     const std::string key = above + std::string(name.str());
@@ -120,13 +145,13 @@ std::size_t TomlTable::size(std::string_view key, const About& about) const {
   const toml::node* node = find(key);
   if (node && !node->is_array()) wrong_type(key, *node, "an array");
   const std::size_t size = node ? node->as_array()->size() : 0;
-  if (keys_) note(key, about, "list", size > 0 ? fmt::format("{} of them", size) : "");
+  if (keys_) note(key, about, "list", size > 0 ? list_text(*node->as_array()) : "");
   return size;
 }
 
 TomlTable TomlTable::section(std::string_view key, std::size_t k) const {
   const toml::node& node = (*find(key)->as_array())[k];
-  const std::string name = fmt::format("{}[{}]", full(key), k);
+  const std::string name = fmt::format("{}.{}", full(key), k);
   if (!node.is_table()) fail(key, k, fmt::format("expected a section, got {}", type_name(node)));
   return TomlTable(*node.as_table(), name, place(&node), keys_);
 }
@@ -268,9 +293,9 @@ void TomlTable::fail(std::string_view key, const std::string& message) const {
 void TomlTable::fail(std::string_view key, std::size_t row, const std::string& message) const {
   const toml::node* node = find(key);
   const toml::array* rows = node ? node->as_array() : nullptr;
-  const bool there = rows && row < rows->size();
-  throw LocatedError(
-      fmt::format("{}: {}[{}]: {}", place(there ? &(*rows)[row] : node), full(key), row, message));
+  const toml::node* one = rows && row < rows->size() ? &(*rows)[row] : nullptr;
+  const std::string which = one && one->is_table() ? fmt::format(".{}", row) : fmt::format("[{}]", row);
+  throw LocatedError(fmt::format("{}: {}{}: {}", place(one ? one : node), full(key), which, message));
 }
 
 void TomlTable::reject_unknown() const {
@@ -382,6 +407,8 @@ void lay_over(toml::table& base, toml::table&& upper) {
     toml::node* below = base.get(key);
     if (below && below->is_table() && node.is_table())
       lay_over(*below->as_table(), std::move(*node.as_table()));
+    else if (below && below->is_array() && node.is_table())
+      lay_over_elements(*below->as_array(), std::move(*node.as_table()));
     else  // moved, not copied: a copy forgets where it came from
       node.visit([&](auto& value) { base.insert_or_assign(key, std::move(value)); });
   }

@@ -154,7 +154,8 @@ std::vector<std::string> overrides_of(const KeyValues& values);
 
 std::string toml_quoted(std::string_view text);  // a string as TOML has it, in one line
 
-// The tables' keys together; where both have one, the upper's counts.
+// The tables' keys together; where both have one, the upper's counts. A table over an array has keys of its
+// elements, by their numbers. Throws LocatedError where there is none.
 void lay_over(toml::table& base, toml::table&& upper);
 
 }  // namespace taut

@@ -35,13 +35,13 @@ TEST(MoleculeErrors, Atoms) {
   EXPECT_EQ(said("[\"C\"", "[3"),
             "scene.toml:4: molecule.chain.atoms[0]: expected a section, got an integer");
   EXPECT_EQ(said("mass_u = 72", "mass = 72"),
-            "scene.toml:4: missing key \"mass_u\" in [molecule.chain.atoms[1]]");
+            "scene.toml:4: missing key \"mass_u\" in [molecule.chain.atoms.1]");
   EXPECT_EQ(said("mass_u = 72", "mass_u = -72"),
-            "scene.toml:4: molecule.chain.atoms[1].mass_u: expected at least 0, got -72");
+            "scene.toml:4: molecule.chain.atoms.1.mass_u: expected at least 0, got -72");
   EXPECT_EQ(said("mass_u = 12", "mass_u = 12\nmas = 1"),
             "scene.toml:3: unknown key \"mas\" in [atom.C]; did you mean \"mass_u\"?");
   EXPECT_EQ(said(", sigma_nm = 0.47", ""),
-            "scene.toml:4: molecule.chain.atoms[1].epsilon_kj_mol: needs a sigma_nm beside it");
+            "scene.toml:4: molecule.chain.atoms.1.epsilon_kj_mol: needs a sigma_nm beside it");
   EXPECT_EQ(said("bonds", "units = 1e9\nbonds"),
             "scene.toml:5: molecule.chain.units: 1000000000 of 2 atoms are more than the 5000000 taut takes");
   EXPECT_THAT(
@@ -86,30 +86,55 @@ TEST(MoleculeErrors, Rows) {
   EXPECT_THAT(said_of_rows("file = \"none.pdb\""), HasSubstr("none.pdb: no such file"));
 }
 
+// A strut that starts too short, a rope too long, and what can never be.
+TEST(MoleculeErrors, StrutsAndRopes) {
+  EXPECT_EQ(said_of_rows("at_most = [[0, 1, 0.3]]"),
+            "scene.toml:6: molecule.chain.at_most[0]: its atoms are tied by a rigid bond already");
+  EXPECT_EQ(said_of_rows("at_least = [[0, 2, 0.3]]"),
+            "scene.toml:6: molecule.chain.at_least[0]: there is no atom 2, only 0 to 1");
+  EXPECT_EQ(said_of_rows("at_least = [[0, 1, 0]]"),
+            "scene.toml:6: molecule.chain.at_least[0]: expected a length above 0");
+  const std::string three = kGood.with("0.35]]", "0.35]]\nunits = 2\n@").text;
+  const auto with = [&](const std::string& rows) { return complaint(SceneText{three}.with("@", rows).text); };
+  EXPECT_EQ(with("springs = [[0, 2, 0.3, 0]]\nat_least = [[0, 2, 0.4]]\nat_most = [[0, 2, 0.3]]"),
+            "scene.toml:9: molecule.chain.at_most[0]: shorter than the strut of 0.4 nm there");
+  const std::string straight =
+      "springs = [[0, 2, 0.4, 0]]\ncoordinates_nm = [[0, 0, 0], [0.35, 0, 0], [0, 0.4, 0], [0.35, 0.4, 0]]\n";
+  EXPECT_EQ(with(straight + "at_least = [[0, 2, 0.4]]\nat_most = [[1, 3, 0.4]]"), "no error");
+  EXPECT_EQ(
+      with(straight + "at_least = [[0, 2, 0.5]]"),
+      "scene.toml:8: molecule.chain.coordinates_nm: atoms 0 and 2 stand 0.4 nm apart at the start, less "
+      "than the 0.5 nm of this strut: move them, or change the length");
+  EXPECT_THAT(with(straight + "at_most = [[0, 2, 0.3]]"), HasSubstr("more than the 0.3 nm of this rope"));
+  EXPECT_EQ(with("springs = [[0, 2, 0.3, 100]]\nat_least = [[0, 2, 0.5]]"), "no error");  // a spring pressed
+  EXPECT_THAT(with("springs = [[1, 2, 0.3, 100]]\nat_least = [[0, 2, 0.9]]"), HasSubstr("no shape found"));
+}
+
 // No three sides of 1, 1 and 3.
 TEST(MoleculeErrors, NoShapeHasAllItsBonds) {
-  EXPECT_EQ(complaint(R"([molecule.flat]
+  EXPECT_EQ(
+      complaint(R"([molecule.flat]
 atoms = [{name = "A", mass_u = 1}, {name = "B", mass_u = 1}, {name = "C", mass_u = 1}]
 bonds = [[0, 1, 1], [1, 2, 1], [0, 2, 3]]
 [[place]]
 molecule = "flat"
 count = 1
 )"),
-            "scene.toml:1: molecule.flat: no shape found in which all bonds have their lengths and no atoms "
-            "overlap; give coordinates_nm or file");
+      "scene.toml:1: molecule.flat: no shape found in which all bonds have their lengths, struts and ropes "
+      "too, and no atoms overlap; give coordinates_nm or file");
 }
 
 TEST(MoleculeErrors, Places) {
   EXPECT_EQ(said("\"chain\"", "\"chian\""),
-            "scene.toml:7: place[0].molecule: there is no \"chian\"; did you mean \"chain\"?");
-  EXPECT_EQ(said("count = 3", ""), "scene.toml:6: missing key \"count\" in [place[0]]");
-  EXPECT_EQ(said("count = 3", "count = 0"), "scene.toml:8: place[0].count: expected at least 1, got 0");
+            "scene.toml:7: place.0.molecule: there is no \"chian\"; did you mean \"chain\"?");
+  EXPECT_EQ(said("count = 3", ""), "scene.toml:6: missing key \"count\" in [place.0]");
+  EXPECT_EQ(said("count = 3", "count = 0"), "scene.toml:8: place.0.count: expected at least 1, got 0");
   EXPECT_EQ(said("count = 3", "count = 3e6"),
-            "scene.toml:6: place[0]: makes it 6e+06 atoms, more than the 5000000 taut takes");
-  EXPECT_THAT(said("count = 3", "count = 1e300"), HasSubstr("scene.toml:8: place[0].count: out of range"));
-  EXPECT_THAT(said("count = 3", "count = 9e18"), HasSubstr("place[0]: makes it 1.8e+19 atoms"));
+            "scene.toml:6: place.0: makes it 6e+06 atoms, more than the 5000000 taut takes");
+  EXPECT_THAT(said("count = 3", "count = 1e300"), HasSubstr("scene.toml:8: place.0.count: out of range"));
+  EXPECT_THAT(said("count = 3", "count = 9e18"), HasSubstr("place.0: makes it 1.8e+19 atoms"));
   EXPECT_EQ(said("count = 3", "count = 3\ncoutn = 4"),
-            "scene.toml:9: unknown key \"coutn\" in [place[0]]; did you mean \"count\"?");
+            "scene.toml:9: unknown key \"coutn\" in [place.0]; did you mean \"count\"?");
   EXPECT_EQ(said("box_nm = 5", "box_nm = 0.7\n[molecule.idle]\natoms = [\"C\"]"),
             "scene.toml:11: molecule.idle: no [[place]] has it");
   EXPECT_EQ(said("box_nm = 5", "kind = \"chains\""),
@@ -123,7 +148,7 @@ TEST(MoleculeErrors, Places) {
 TEST(MoleculeErrors, WhatDoesNotFitIsSaid) {
   EXPECT_EQ(
       complaint(kGood.with("box_nm = 5", "box_nm = 1").with("0.47", "0.94").with("1.1", "0.5").text),
-      "scene.toml:6: place[0]: there is no room for copy 3 of 3 of \"chain\": take fewer, or a wider box");
+      "scene.toml:6: place.0: there is no room for copy 3 of 3 of \"chain\": take fewer, or a wider box");
 }
 
 TEST(MoleculeErrors, Boxes) {
@@ -137,7 +162,7 @@ TEST(MoleculeErrors, Boxes) {
             "build.box_nm");
   EXPECT_EQ(box("density_per_nm3 = 0.1"), "no error");
   EXPECT_EQ(box("[[place]]\nmolecule = \"tip3p\""),
-            "scene.toml:10: place[1]: water without a count fills a box: say build.box_nm, or a count");
+            "scene.toml:10: place.1: water without a count fills a box: say build.box_nm, or a count");
   EXPECT_THAT(box("box_nm = 1000\n[[place]]\nmolecule = \"tip3p\""), HasSubstr("more than taut takes"));
 }
 

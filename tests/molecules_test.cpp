@@ -17,37 +17,6 @@ namespace {
 
 using testing::HasSubstr;
 
-// n-Decane as build_alkane.cpp has it.
-std::string decane(int molecules) {
-  const double k = kBoltzmann, c1 = 355.03 * k, c2 = -68.19 * k, c3 = 791.32 * k;
-  return fmt::format(R"([atom.CH3]
-mass_u = 15.035
-sigma_nm = 0.375
-epsilon_kj_mol = {}
-[atom.CH2]
-mass_u = 14.027
-sigma_nm = 0.395
-epsilon_kj_mol = {}
-[molecule.decane]
-atoms = ["CH2"]
-units = 10
-ends = "CH3"
-bonds = [[0, 1, 0.154]]
-angles = [[0, 1, 2, 114, {}]]
-rb_torsions = [[0, 1, 2, 3, {}, {}, {}, {}, 0, 0]]
-exclude = "1-4"
-[[place]]
-molecule = "decane"
-count = {}
-[build]
-density_g_cm3 = 0.73
-[forcefield]
-cutoff_nm = 1.4
-dispersion_correction = true
-)",
-                     98 * k, 46 * k, 62500 * k, c1 + 2 * c2 + c3, 3 * c3 - c1, -2 * c2, -4 * c3, molecules);
-}
-
 const std::string kPolymers = R"([molecule.polymer]
 atoms = [{name = "B", mass_u = 72, sigma_nm = 0.47, epsilon_kj_mol = 3.5}]
 units = 20
@@ -88,22 +57,6 @@ double nearest(const Scene& scene) {
       least = std::min(least, 2 * r / (nb.sigma[a] + nb.sigma[b]));
     }
   return least;
-}
-
-// Said in the language and built in C++, the same molecule has the same numbers, in the same order.
-TEST(Molecules, AreTheSameAsBuiltOnes) {
-  const Scene said = read(decane(128)), built = scene_of("decane");
-  EXPECT_EQ(said.system.mass, built.system.mass);
-  ASSERT_EQ(said.system.bond_count(), built.system.bond_count());
-  for (int k = 0; k < built.system.bond_count(); ++k) {
-    EXPECT_EQ(said.system.bonds[k].i, built.system.bonds[k].i);
-    EXPECT_EQ(said.system.bonds[k].length, built.system.bonds[k].length);
-  }
-  EXPECT_NEAR(said.start.box.volume(), built.start.box.volume(), 1e-9);
-  EXPECT_EQ(said.terms.nonbonded->exceptions.size(), built.terms.nonbonded->exceptions.size());
-  Scene there = said;
-  there.start.box = built.start.box;
-  EXPECT_NEAR(energy(there, built.start.x), energy(built, built.start.x), 1e-9);
 }
 
 TEST(Molecules, AreGrownAtTheirLengthsAndAnglesWithoutOverlap) {
@@ -148,6 +101,37 @@ count = 4000
     sum += across(x.col(t.i) - x.col(t.j)).dot(across(x.col(t.l) - x.col(t.k)));
   }
   EXPECT_NEAR(sum / 4000, -0.44639, 0.03);
+}
+
+// Struts and ropes count on with the units; what is grown keeps to them, rings too.
+TEST(Molecules, AreGrownWithinReachOfStrutsAndRopes) {
+  const Scene scene = read(R"([molecule.chain]
+atoms = [{name = "B", mass_u = 1}]
+units = 8
+bonds = [[0, 1, 1]]
+at_least = [[0, 2, 1.2]]
+at_most = [[0, 3, 2.5], [0, 7, 4.5]]
+[molecule.ring]
+atoms = [{name = "B", mass_u = 1}]
+units = 6
+ring = true
+bonds = [[0, 1, 1]]
+at_least = [[0, 3, 1.5]]
+[[place]]
+molecule = "chain"
+count = 20
+[[place]]
+molecule = "ring"
+count = 20
+)");
+  const System& sys = scene.system;
+  ASSERT_EQ(sys.one_sided.size(), 20u * (6 + 5 + 1 + 3));
+  EXPECT_EQ(sys.one_sided[15 - 3].i, 8);  // the second chain's
+  for (const auto& bond : sys.one_sided) {
+    const double r = (scene.start.x.col(bond.j) - scene.start.x.col(bond.i)).norm();
+    EXPECT_GT(static_cast<int>(bond.side) * (r - bond.length), -1e-5);
+  }
+  EXPECT_LT(bond_errors(sys, scene.start.x).max, 1e-5);
 }
 
 // Rings and branched molecules: all lengths, and the angles that fit.
@@ -288,7 +272,21 @@ TEST(Place, WaterFillsWhatIsLeft) {
   EXPECT_EQ(fewer.system.atoms(), 60 + 4 * 500 + 4);
   EXPECT_EQ(fewer.system.sites.size(), 500u);
   EXPECT_THAT(complaint(with(kSolution, "\"tip3p\"", "\"spce\"\ncount = 9000")),
-              HasSubstr("place[1]: there is room for"));
+              HasSubstr("place.1: there is room for"));
+}
+
+// Elements of a list are named by their numbers.
+TEST(Place, IsOverriddenByItsNumber) {
+  EXPECT_EQ(read(kPolymers, {"place.0.count=5"}).system.atoms(), 100);
+  const Scene heavy =
+      read(kPolymers, {"molecule.polymer.atoms.0.mass_u=9", "molecule.polymer.bonds.0=[0, 1, 0.5]"});
+  EXPECT_EQ(heavy.system.mass[0], 9);
+  EXPECT_EQ(heavy.system.bonds[3].length, 0.5);
+  EXPECT_THAT(complaint(kPolymers, {"place.1.count=5"}),
+              HasSubstr("--set place.1.count=5: there is no \"1\" in a list of 1, counted from 0"));
+  EXPECT_THAT(complaint(kPolymers, {"place.0.count=x"}),
+              HasSubstr("--set place.0.count=x: place.0.count: expected an integer, got a string"));
+  EXPECT_THAT(complaint(kPolymers, {"build.molecules=5"}), HasSubstr("place.0.count"));
 }
 
 TEST(Place, OnALatticeAboutCentresAndInShapes) {
@@ -342,18 +340,17 @@ file = "two.gro"
     }
     return std::string("no error");
   };
-  EXPECT_EQ(
-      said("0.15", "0.9"),
-      "scene.toml:6: place[0].file: atoms 0 and 1 are 0.15 nm apart, their bond is 0.9: are they in the "
-      "molecule's order?");
+  EXPECT_EQ(said("0.15", "0.9"),
+            "scene.toml:6: place.0.file: atoms 0 and 1 are 0.15 nm apart, their bond is 0.9: are they in the "
+            "molecule's order?");
   EXPECT_EQ(said("\"two.gro\"", "\"two.gro\"\ncount = 3"),
-            "scene.toml:7: place[0].count: 3, but 2 copies are given");
-  EXPECT_THAT(said("\"two.gro\"", "\"none.gro\""), HasSubstr("scene.toml:6: place[0].file: "));
+            "scene.toml:7: place.0.count: 3, but 2 copies are given");
+  EXPECT_THAT(said("\"two.gro\"", "\"none.gro\""), HasSubstr("scene.toml:6: place.0.file: "));
   EXPECT_THAT(said("\"two.gro\"", "\"none.gro\""), HasSubstr("none.gro: no such file"));
   EXPECT_EQ(said("{name = \"B\", mass_u = 12}]",
                  "{name = \"B\", mass_u = 12}, {name = \"D\", mass_u = 1}]\n"
                  "springs = [[1, 2, 0.1, 5]]"),
-            "scene.toml:7: place[0].file: 4 atoms are no whole number of molecules of 3");
+            "scene.toml:7: place.0.file: 4 atoms are no whole number of molecules of 3");
 }
 
 // The last state of a run is a start, in the box that a barostat has come to.
@@ -376,6 +373,7 @@ TEST(Place, NotesOfTheStart) {
   const std::string dense = with(kPolymers, "count = 3", "count = 60");
   EXPECT_THAT(read(dense).notes, testing::Contains(HasSubstr("run.minimise = true relaxes it")));
   EXPECT_THAT(read(dense, {"run.minimise=true"}).notes, testing::IsEmpty());
+  EXPECT_THAT(read(kSolution).notes, testing::Contains(HasSubstr("water cut to fit settles")));
 }
 
 }  // namespace

@@ -45,6 +45,7 @@ class Builder {
   }
 
   bool drawn() const { return drawn_; }
+  bool cut_to_fit() const { return cut_to_fit_; }  // water, among other molecules
 
  private:
   void give(std::size_t k, Placing& placing) {
@@ -104,6 +105,7 @@ class Builder {
       there = placing.fitting(of(place), water.x, 3);
       if (std::ssize(there) >= place.count) break;
     }
+    cut_to_fit_ = cut_to_fit_ || std::ssize(there) < water.x.cols() / 3;
     if (place.fills) place.count = std::max<long>(std::ssize(there), 1);
     if (std::ssize(there) < place.count)
       root_.fail("place", k,
@@ -126,7 +128,7 @@ class Builder {
   Box within_;  // where copies are put; it is no box of the scene's where there is none
   Random random_;
   std::map<const Molecule*, Conformations> conformations_;
-  bool drawn_ = false;
+  bool drawn_ = false, cut_to_fit_ = false;
 };
 
 // Atoms and residues as files call them.
@@ -194,9 +196,14 @@ void describe(const BuildRequest& request, Scene& scene) {
   read_forces(request, scene);
 }
 
-void note_start(const BuildRequest& request, bool drawn, Scene& scene) {
-  if (!drawn || request.run.minimise) return;
-  scene.notes.emplace_back("start: molecules where there was room; equilibrate with run.thermostat_ps");
+void note_start(const BuildRequest& request, const Builder& built, Scene& scene) {
+  if (!(built.drawn() || built.cut_to_fit()) || request.run.minimise) return;
+  if (built.drawn())
+    scene.notes.emplace_back("start: molecules where there was room; equilibrate with run.thermostat_ps");
+  if (built.cut_to_fit())
+    scene.notes.emplace_back(
+        "start: water cut to fit settles, which heats it by some 70 K within 0.2 ps; by 20 K after "
+        "run.minimise = true");
   ForceField forces(scene.system, scene.start.box, scene.terms);
   State s = scene.start;
   s.f = Vectors::Zero(3, s.x.cols());
@@ -215,6 +222,9 @@ void note_start(const BuildRequest& request, bool drawn, Scene& scene) {
 // kind = "molecules": [[place]]s of [molecule.NAME]s, with the keys of read_cutoff.
 void build_molecules(const BuildRequest& request, Scene& scene) {
   if (request.keys.describing()) return describe(request, scene);
+  for (const char* key : {"molecules", "chains"})
+    if (request.keys.has(key))
+      request.keys.fail(key, "copies are counted where they are placed: place.0.count");
   const Library library = read_library(request.root);
   std::vector<Place> places = read_places(request.root, library);
   scene.start.box = box_of(request.keys, places);
@@ -242,7 +252,7 @@ void build_molecules(const BuildRequest& request, Scene& scene) {
   place_sites(scene.system.sites, scene.start.x);
   read_forces(request, scene);
   scene.positions_drawn = built.drawn();
-  note_start(request, built.drawn(), scene);
+  note_start(request, built, scene);
 }
 
 }  // namespace taut

@@ -22,14 +22,15 @@ struct Kind {
   void (*build)(const BuildRequest&, Scene&);
   bool own_start = false;  // reads build.start itself
 };
-constexpr std::array kKinds = {Kind{"atoms", build_atoms},        Kind{"chains", build_chains},
-                               Kind{"rings", build_rings},        Kind{"melt", build_melt},
-                               Kind{"alkane", build_alkane},      Kind{"water", build_water, true},
-                               Kind{"molecules", build_molecules}};
+constexpr std::array kKinds = {Kind{"atoms", build_atoms},       Kind{"chains", build_chains},
+                               Kind{"rings", build_rings},       Kind{"melt", build_melt},
+                               Kind{"water", build_water, true}, Kind{"molecules", build_molecules}};
 
 // Molecules that are placed need no kind; with another they would do nothing.
 const Kind& chosen_kind(const TomlTable& root, const TomlTable& keys) {
   std::string name = root.has("place") ? "molecules" : "";
+  if (std::string said; !keys.describing() && keys.read("kind", said) && said == "alkane")
+    keys.fail("kind", "alkanes are [molecule]s now, with bonds, angles and torsions: start from decane.toml");
   if (name.empty() || keys.has("kind"))
     name = keys.choice("kind", kinds(), "what is built; not said beside [[place]]: molecules");
   for (const char* key : {"place", "molecule", "atom"})
@@ -49,15 +50,19 @@ const char* misfit(const State& start, const Scene& scene) {
 }
 
 // The last state of a run of the same scene in place of the built one; where asked for, in the box it came
-// to.
+// to. A density leaves open what shape the box has.
 void lay_start(const BuildRequest& request, bool any_box, Scene& scene) {
   std::filesystem::path file;
   if (!request.keys.read("start", file, "positions and velocities, of a run of the same scene")) return;
   State start = read_start(file);
-  if (any_box && request.keys.overridden("start") && start.box.periodic() && scene.start.box.periodic())
+  const Box built = scene.start.box;
+  if (any_box && start.box.periodic() && built.periodic() &&
+      (request.keys.overridden("start") ||
+       (!request.keys.has("box_nm") && std::abs(start.box.volume() / built.volume() - 1) < 1e-9)))
     scene.start.box = start.box;
   if (const char* reason = misfit(start, scene)) {
     if (request.keys.overridden("start")) request.keys.fail("start", fmt::format("it has {}", reason));
+    scene.start.box = built;
     scene.notes.push_back(fmt::format("start: {} is set aside, it has {}", file.filename().string(), reason));
     return;
   }

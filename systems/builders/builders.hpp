@@ -33,7 +33,6 @@ void build_atoms(const BuildRequest& request, Scene& scene);      // atoms and b
 void build_chains(const BuildRequest& request, Scene& scene);     // freely jointed chains without forces
 void build_rings(const BuildRequest& request, Scene& scene);      // closed rings without forces
 void build_melt(const BuildRequest& request, Scene& scene);       // dense bead chains, Lennard-Jones or WCA
-void build_alkane(const BuildRequest& request, Scene& scene);     // liquid n-alkanes, united atoms
 void build_water(const BuildRequest& request, Scene& scene);      // rigid water, box or droplet
 void build_molecules(const BuildRequest& request, Scene& scene);  // any molecules, said in the scene
 

@@ -99,11 +99,11 @@ Place read_place(const TomlTable& keys, const Library& library) {
   place.molecule =
       &library.molecules.at(keys.choice("molecule", names, "[molecule.NAME], or one of taut's waters"));
   place.equilibrated = library.water.contains(place.molecule);
-  const bool counted =
-      keys.read("count", place.count, {"copies; water without it fills what room there is", Range{.min = 1}});
+  std::optional<long> count;
+  keys.read("count", count, {"copies; water without it fills what room there is", Range{.min = 1}});
+  place.count = count.value_or(0);
   const long given = copies_given(keys, place);
-  if (counted && given != place.count)
-    keys.fail("count", fmt::format("{}, but {} copies are given", place.count, given));
+  if (count && given != *count) keys.fail("count", fmt::format("{}, but {} copies are given", *count, given));
   place.count = given;
   place.fills = given == 0;
   if (place.fills && !place.equilibrated) keys.get<long>("count");  // says it is missing

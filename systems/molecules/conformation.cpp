@@ -11,6 +11,7 @@
 
 #include "forcefield/dihedral.hpp"
 #include "md/errors.hpp"
+#include "systems/molecules/rows.hpp"
 
 namespace taut {
 namespace {
@@ -63,8 +64,9 @@ Conformations::Conformations(const Molecule& molecule, double kT)
     if (put(Vec3::Zero(), shape < kShapes / 2 ? 1 : 0.5, empty, random)) return;
   }
   throw InputError(
-      "no shape found in which all bonds have their lengths and no atoms overlap; give coordinates_nm or "
-      "file");
+      "no shape found in which all bonds have their lengths, struts and ropes too, and no atoms overlap; "
+      "give "
+      "coordinates_nm or file");
 }
 
 void Conformations::plan_torsions() {
@@ -106,6 +108,8 @@ void Conformations::plan_growth() {
     growth.grand = last == i ? k : i;
     growth.angle = angle;
   }
+  for (const OneSidedBond& bond : molecule_.system.one_sided)
+    order_[std::max(rank[bond.i], rank[bond.j])].one_sided.push_back(bond);
   for (std::size_t t = 0; t < torsions_.size(); ++t) {
     int last = 0;
     for (const int a : torsions_[t].atoms) last = std::max(last, rank[a]);
@@ -136,7 +140,8 @@ std::optional<Vectors> Conformations::put(const Vec3& at, double scale, Room& ro
   if (!closes_) return grow(at, scale, room, random);
   Room alone({}, widest());
   auto shape = grow(at, 0, alone, random);
-  return shape && close(*shape) ? place(std::move(*shape), scale, room) : std::nullopt;
+  if (!shape || !close(*shape) || !reach(molecule_.system.one_sided, *shape)) return {};
+  return place(std::move(*shape), scale, room);
 }
 
 std::optional<Vectors> Conformations::place(Vectors x, double scale, Room& room) const {
@@ -171,7 +176,7 @@ std::optional<Vectors> Conformations::grow(const Vec3& at, double scale, Room& r
                                              ? random.unit_vector()
                                              : at_angle(x.col(growth.grand) - parent, growth.angle, random));
       }
-      if (!room.free(here, radius, may)) continue;
+      if (!room.free(here, radius, may) || !reach(growth.one_sided, x)) continue;
       if (growth.torsions.empty()) {
         best = here, least = 0;
         break;
@@ -188,6 +193,10 @@ std::optional<Vectors> Conformations::grow(const Vec3& at, double scale, Room& r
     room.take(best, radius);
   }
   return x;
+}
+
+bool Conformations::reach(const std::vector<OneSidedBond>& bonds, const Vectors& x) {
+  return std::ranges::all_of(bonds, [&](const OneSidedBond& bond) { return within_reach(bond, x); });
 }
 
 // First with the angles, which may not all fit; then the ties alone.

@@ -12,10 +12,10 @@ namespace taut {
 
 // Puts copies of a molecule where there is room. One that has a shape is turned at random. Another is grown,
 // an atom after the other along its ties, each at the length of its tie and at its angle if it has one; of
-// several directions with room, one is chosen by the Boltzmann weight of the torsions it completes: a step of
-// the configurational-bias method (Siepmann and Frenkel 1992, doi:10.1080/00268979200100061). Where ties
-// close rings, or two angles meet, all lengths are then brought to what they should be, one after the other
-// again and again, as SHAKE does it.
+// several directions with room, and within reach of struts and ropes, one is chosen by the Boltzmann weight
+// of the torsions it completes: a step of the configurational-bias method (Siepmann and Frenkel 1992,
+// doi:10.1080/00268979200100061). Where ties close rings, or two angles meet, all lengths are then brought to
+// what they should be, one after the other again and again, as SHAKE does it.
 class Conformations {
  public:
   // Torsions at kT [kJ/mol]. Throws InputError where no shape is found that has all its ties.
@@ -36,6 +36,7 @@ class Conformations {
     double length = 0;                  // [nm]
     double angle = 0;                   // [rad]
     std::vector<int> torsions{};        // it completes: indices into torsions_
+    std::vector<OneSidedBond> one_sided{};
   };
   struct Torsion {
     std::array<int, 4> atoms;
@@ -56,7 +57,8 @@ class Conformations {
   std::optional<Vectors> place(Vectors x, double scale, Room& room) const;
   bool close(Vectors& x) const;
   double energy(const Torsion& torsion, const Vectors& x) const;
-  bool near(int a, int b) const;  // so that they may overlap
+  static bool reach(const std::vector<OneSidedBond>& bonds, const Vectors& x);  // all as far as they may
+  bool near(int a, int b) const;                                                // so that they may overlap
 
   const Molecule& molecule_;
   double kT_;

@@ -65,13 +65,22 @@ void add_names(const Molecule& molecule, int count, Names& all) {
   for (const int residue : names.residue) all.residue.push_back(residues + residue);
 }
 
+// A spring's length, or that of the strut or rope beside it.
+double held(const System& sys, int i, int j, double length) {
+  for (const OneSidedBond& bond : sys.one_sided)
+    if (std::minmax(bond.i, bond.j) == std::minmax(i, j) &&
+        static_cast<int>(bond.side) * (length - bond.length) < 0)
+      length = bond.length;
+  return length;
+}
+
 }  // namespace
 
 std::vector<Tie> ties(const Molecule& molecule) {
   std::vector<Tie> all;
   for (const auto& bond : molecule.system.bonds) all.push_back({bond.i, bond.j, bond.length});
-  for (const auto& spring : molecule.terms.bonds)
-    all.push_back({spring.i, spring.j, spring.length, spring.k});
+  for (const auto& [i, j, length, k] : molecule.terms.bonds)
+    all.push_back({i, j, held(molecule.system, i, j, length), k});
   for (const auto& spring : molecule.terms.fene) all.push_back({spring.i, spring.j, kFeneLength * spring.r0});
   return all;
 }
@@ -110,6 +119,7 @@ void put_together(const std::vector<Copies>& all, Scene& scene) {
   }
   Eigen::VectorXd mass(atoms);
   std::vector<RigidBond> bonds;
+  std::vector<OneSidedBond> one_sided;
   VirtualSites sites;
   scene.names = {};
   int first = 0;
@@ -117,12 +127,13 @@ void put_together(const std::vector<Copies>& all, Scene& scene) {
     for (int c = 0; c < count; ++c, first += of->atoms()) {
       mass.segment(first, of->atoms()) = of->system.mass;
       copy(of->system.bonds, first, bonds);
+      copy(of->system.one_sided, first, one_sided);
       copy(of->system.sites, first, sites);
       copy_terms(of->terms, first, terms);
     }
     add_names(*of, count, scene.names);
   }
-  scene.system = make_system(std::move(mass), std::move(bonds), std::move(sites));
+  scene.system = make_system(std::move(mass), std::move(bonds), std::move(sites), std::move(one_sided));
 }
 
 }  // namespace taut

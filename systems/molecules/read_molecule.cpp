@@ -3,14 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <list>
 #include <numbers>
-#include <set>
 
 #include "forcefield/check_terms.hpp"
 #include "md/nearest_name.hpp"
+#include "systems/molecules/rows.hpp"
 #include "systems/whole_molecules.hpp"
 
 namespace taut {
@@ -21,77 +19,6 @@ constexpr double kFarthestOff = 0.5;  // a bond in coordinates, of its length
 double radians(double degrees) {
   return degrees * std::numbers::pi / 180;
 }
-
-// A row of one unit, or its copy in another.
-struct Row {
-  std::size_t line;
-  std::array<int, 4> atom;
-  const double* number;  // those behind the atoms
-};
-
-// Units of atoms behind one another, and rows that are said of one and count in all.
-struct Units {
-  int each, count;
-  bool ring;
-
-  int atoms() const { return each * count; }
-};
-
-class RowReader {
- public:
-  RowReader(const TomlTable& keys, const Units& units) : keys_(keys), units_(units) {}
-
-  // Rows of so many atoms and numbers, for every unit.
-  std::vector<Row> read(const char* key, int atoms, std::size_t numbers, const char* meaning) {
-    Rows& rows = kept_.emplace_back();
-    keys_.read(key, rows, Columns{atoms + numbers, atoms + numbers}, meaning);
-    for (std::size_t k = 0; k < rows.size(); ++k)
-      check_atoms(key, k, {rows[k].data(), rows[k].data() + atoms});
-    std::vector<Row> all;
-    for (int u = 0; u < units_.count; ++u)
-      for (std::size_t k = 0; k < rows.size(); ++k) {
-        Row row{k, {}, rows[k].data() + atoms};
-        bool within = true;
-        for (int a = 0; a < atoms; ++a) {
-          const int atom = static_cast<int>(rows[k][a]) + u * units_.each;
-          within = within && (atom < units_.atoms() || units_.ring);
-          row.atom[a] = atom % units_.atoms();
-        }
-        if (within) all.push_back(row);
-      }
-    return all;
-  }
-
-  // The same of two atoms, each pair once.
-  std::vector<Row> pairs(const char* key, std::size_t numbers, const char* meaning) {
-    std::vector<Row> all = read(key, 2, numbers, meaning);
-    std::map<std::pair<int, int>, std::size_t> seen;
-    for (const Row& row : all) {
-      const auto [first, fresh] = seen.try_emplace(std::minmax(row.atom[0], row.atom[1]), row.line);
-      if (!fresh)
-        keys_.fail(key, row.line, fmt::format("repeats {}[{}], the same two atoms", key, first->second));
-    }
-    return all;
-  }
-
- private:
-  void check_atoms(const char* key, std::size_t k, const std::vector<double>& atoms) const {
-    for (const double a : atoms) {
-      if (a != std::floor(a) || a < 0) keys_.fail(key, k, "expected atoms' indices, counted from 0");
-      if (a >= units_.atoms())
-        keys_.fail(key, k, fmt::format("there is no atom {}, only 0 to {}", a, units_.atoms() - 1));
-    }
-    if (std::set(atoms.begin(), atoms.end()).size() < atoms.size())
-      keys_.fail(key, k, "names the same atom twice");
-    if (*std::ranges::min_element(atoms) >= units_.each)
-      keys_.fail(key, k,
-                 fmt::format("expected one of its atoms in the first unit, 0 to {}", units_.each - 1));
-  }
-
-  const TomlTable& keys_;
-  const Units units_;
-  std::list<Rows> kept_;  // what rows point into
-};
 
 AtomNumbers known_atom(const TomlTable& keys, const char* key, const std::string& name,
                        const KnownAtoms& known) {
@@ -154,16 +81,11 @@ void set_atoms(const std::vector<AtomNumbers>& atoms, Eigen::VectorXd& mass, Mol
   if (!pairs.charge.isZero(0) || !pairs.epsilon.isZero(0)) molecule.terms.nonbonded = std::move(pairs);
 }
 
-void read_springs(const TomlTable& keys, RowReader& rows, Terms& terms) {
-  for (const auto& [line, a, number] :
-       rows.pairs("springs", 2, "[i, j, length in nm, k in kJ/mol/nm²] each: ½k(r − length)²")) {
-    if (number[0] < 0 || number[1] < 0) keys.fail("springs", line, "expected a length and a k of 0 or more");
-    terms.bonds.push_back({a[0], a[1], number[0], number[1]});
-  }
-  for (const auto& [line, a, number] :
-       rows.pairs("fene", 2, "[i, j, k in kJ/mol/nm², r0 in nm] each: −½k r0² ln(1 − (r/r0)²)")) {
-    if (number[0] < 0 || !(number[1] > 0)) keys.fail("fene", line, "expected k, and r0 above 0");
-    terms.fene.push_back({a[0], a[1], number[0], number[1]});
+void read_fene(RowReader& rows, Terms& terms) {
+  const char* meaning = "[i, j, k in kJ/mol/nm², r0 in nm]: −½k r0² ln(1 − (r/r0)²)";
+  for (const Row& row : rows.pairs("fene", 2, meaning)) {
+    if (row.number[0] < 0 || !(row.number[1] > 0)) rows.fail("fene", row, "expected k, and r0 above 0");
+    terms.fene.push_back({row.atom[0], row.atom[1], row.number[0], row.number[1]});
   }
 }
 
@@ -249,6 +171,9 @@ std::string wrong_bonds(const Molecule& molecule, const Vectors& x) {
             "atoms {} and {} are {:.3g} nm apart, their bond is {:.3g}: are they in the molecule's order?",
             first + i, first + j, r, length);
     }
+  for (Eigen::Index first = 0; first < x.cols(); first += molecule.atoms())
+    for (const OneSidedBond& bond : molecule.system.one_sided)
+      if (std::string wrong = beyond(bond, x, first); !wrong.empty()) return wrong;
   return "";
 }
 
@@ -283,19 +208,11 @@ Molecule read_molecule(const TomlTable& keys, const std::string& name, const Kno
   Eigen::VectorXd mass;
   set_atoms(atoms, mass, molecule);
   RowReader rows(keys, units);
-  std::vector<RigidBond> bonds;
-  for (const auto& [line, a, number] :
-       rows.pairs("bonds", 1, "rigid bonds [i, j, length in nm], atoms counted from 0")) {
-    if (!(number[0] > 0)) keys.fail("bonds", line, "expected a length above 0");
-    if (mass[a[0]] == 0 && mass[a[1]] == 0) keys.fail("bonds", line, "both its atoms are anchored (mass 0)");
-    bonds.push_back({a[0], a[1], number[0]});
-  }
-  molecule.system = make_system(std::move(mass), std::move(bonds));
-  read_springs(keys, rows, molecule.terms);
+  molecule.system = read_system(rows, std::move(mass));
+  read_springs(rows, molecule.terms);
+  read_fene(rows, molecule.terms);
   read_bends(keys, rows, molecule.terms);
-  for (const auto& [line, a, force] :
-       rows.read("pulls", 1, 3, "constant forces [i, fx, fy, fz], in kJ/mol/nm"))
-    molecule.terms.pulls.push_back({a[0], Vec3(force)});
+  read_pulls(rows, molecule.terms);
 
   const std::vector<int> piece = molecules(molecule.atoms(), bonded_pairs(molecule.system, molecule.terms));
   const auto apart = std::ranges::find_if(piece, [](int p) { return p > 0; }) - piece.begin();

@@ -11,7 +11,7 @@ bool is_slow(const toml::table& scene) {
   const toml::table* build = scene["build"].as_table();
   if (build == nullptr) return false;
   double product = 1;
-  for (const char* key : {"molecules", "carbons", "chains", "rings", "beads"})
+  for (const char* key : {"molecules", "chains", "rings", "beads"})
     product *= std::abs((*build)[key].value_or(1.0));
   return product > 2000 && product <= 5e6;
 }

@@ -1,0 +1,119 @@
+#include "systems/molecules/rows.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+namespace taut {
+
+std::vector<Row> RowReader::read(const char* key, int atoms, std::size_t numbers, const char* meaning) {
+  Rows& rows = kept_.emplace_back();
+  keys_.read(key, rows, Columns{atoms + numbers, atoms + numbers}, meaning);
+  for (std::size_t k = 0; k < rows.size(); ++k) check_atoms(key, k, {rows[k].data(), rows[k].data() + atoms});
+  std::vector<Row> all;
+  for (int u = 0; u < units_.count; ++u)
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      Row row{k, {}, rows[k].data() + atoms};
+      bool within = true;
+      for (int a = 0; a < atoms; ++a) {
+        const int atom = static_cast<int>(rows[k][a]) + u * units_.each;
+        within = within && (atom < units_.atoms() || units_.ring);
+        row.atom[a] = atom % units_.atoms();
+      }
+      if (within) all.push_back(row);
+    }
+  return all;
+}
+
+std::vector<Row> RowReader::pairs(const char* key, std::size_t numbers, const char* meaning) {
+  std::vector<Row> all;
+  std::map<std::pair<int, int>, std::size_t> seen;
+  for (const Row& row : read(key, 2, numbers, meaning)) {
+    const auto [first, fresh] = seen.try_emplace(std::minmax(row.atom[0], row.atom[1]), row.line);
+    if (fresh)
+      all.push_back(row);
+    else if (first->second != row.line)  // else the pair across a ring, met from its other end
+      fail(key, row, fmt::format("repeats {}[{}], the same two atoms", key, first->second));
+  }
+  return all;
+}
+
+void RowReader::check_atoms(const char* key, std::size_t k, const std::vector<double>& atoms) const {
+  for (const double a : atoms) {
+    if (a != std::floor(a) || a < 0) keys_.fail(key, k, "expected atoms' indices, counted from 0");
+    if (a >= units_.atoms())
+      keys_.fail(key, k, fmt::format("there is no atom {}, only 0 to {}", a, units_.atoms() - 1));
+  }
+  if (std::set(atoms.begin(), atoms.end()).size() < atoms.size())
+    keys_.fail(key, k, "names the same atom twice");
+  if (*std::ranges::min_element(atoms) >= units_.each)
+    keys_.fail(key, k, fmt::format("expected one of its atoms in the first unit, 0 to {}", units_.each - 1));
+}
+
+System read_system(RowReader& rows, Eigen::VectorXd mass) {
+  std::vector<RigidBond> bonds;
+  std::vector<OneSidedBond> one_sided;
+  std::map<std::pair<int, int>, OneSidedBond> tied;
+  const auto read = [&](const char* key, Side side, const char* meaning) {
+    for (const Row& row : rows.pairs(key, 1, meaning)) {
+      const OneSidedBond bond{{row.atom[0], row.atom[1], row.number[0]}, side};
+      if (!(bond.length > 0)) rows.fail(key, row, "expected a length above 0");
+      if (mass[bond.i] == 0 && mass[bond.j] == 0) rows.fail(key, row, "both its atoms are anchored (mass 0)");
+      const auto [other, fresh] = tied.try_emplace(std::minmax(row.atom[0], row.atom[1]), bond);
+      if (!fresh && other->second.side == Side::kBoth)
+        rows.fail(key, row, "its atoms are tied by a rigid bond already");
+      if (!fresh && other->second.length > bond.length)
+        rows.fail(key, row, fmt::format("shorter than the strut of {:.6g} nm there", other->second.length));
+      if (side == Side::kBoth)
+        bonds.push_back(bond);
+      else
+        one_sided.push_back(bond);
+    }
+  };
+  read("bonds", Side::kBoth, "rigid bonds [i, j, length in nm], atoms counted from 0");
+  read("at_least", Side::kAtLeast, "struts [i, j, length in nm]: no closer than that");
+  read("at_most", Side::kAtMost, "ropes [i, j, length in nm]: no farther than that");
+  return make_system(std::move(mass), std::move(bonds), {}, std::move(one_sided));
+}
+
+void read_springs(RowReader& rows, Terms& terms) {
+  for (const Row& row :
+       rows.read("springs", 2, 2, "[i, j, length in nm, k in kJ/mol/nm²]: ½k(r − length)²")) {
+    if (row.number[0] < 0 || row.number[1] < 0)
+      rows.fail("springs", row, "expected a length and a k of 0 or more");
+    terms.bonds.push_back({row.atom[0], row.atom[1], row.number[0], row.number[1]});
+  }
+}
+
+void read_pulls(RowReader& rows, Terms& terms) {
+  for (const Row& row : rows.read("pulls", 1, 3, "constant forces [i, fx, fy, fz], in kJ/mol/nm"))
+    terms.pulls.push_back({row.atom[0], Vec3(row.number)});
+}
+
+namespace {
+
+double length_of(const OneSidedBond& bond, const Vectors& x, Eigen::Index first) {
+  return (x.col(first + bond.j) - x.col(first + bond.i)).norm();
+}
+
+}  // namespace
+
+bool within_reach(const OneSidedBond& bond, const Vectors& x, Eigen::Index first) {
+  constexpr double kTouching = 1e-6;  // of the length
+  return static_cast<int>(bond.side) * (length_of(bond, x, first) - bond.length) >= -kTouching * bond.length;
+}
+
+std::string beyond(const OneSidedBond& bond, const Vectors& x, Eigen::Index first) {
+  if (within_reach(bond, x, first)) return "";
+  const bool strut = bond.side == Side::kAtLeast;
+  return fmt::format(
+      "atoms {} and {} stand {:.6g} nm apart at the start, {} than the {:.6g} nm of {}: move them, or change "
+      "the length",
+      first + bond.i, first + bond.j, length_of(bond, x, first), strut ? "less" : "more", bond.length,
+      strut ? "this strut" : "this rope");
+}
+
+}  // namespace taut
