@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 namespace taut {
@@ -16,27 +17,83 @@ Estimate mean_of(const std::vector<double>& values) {
   return {mean, n > 1 ? std::sqrt(spread / (n * (n - 1))) : 0};
 }
 
+// Atoms in cells of a box, none narrower than `reach`: all within reach of a place are in the cell there and
+// the 26 about it.
+class Cells {
+ public:
+  Cells(const Box& box, double reach) : inverse_(box.vectors().inverse()) {
+    for (int d = 0; d < 3; ++d) n_[d] = static_cast<long>(1 / (inverse_.row(d).norm() * reach));
+  }
+  bool serve() const { return n_.minCoeff() >= 3; }  // else a cell is about itself
+
+  void fill(const Vectors& x, const std::vector<int>& atoms) {
+    cells_.resize(static_cast<std::size_t>(n_.prod()));
+    for (const int a : atoms) cells_[at(of(x.col(a)))].push_back(a);
+  }
+  void for_each_near(const Vec3& x, auto&& act) const {
+    const Cell middle = of(x);
+    for (int k = 0; k < 27; ++k)
+      for (const int a : cells_[at(middle + Cell(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1))]) act(a);
+  }
+
+ private:
+  using Cell = Eigen::Array<long, 3, 1>;
+
+  Cell of(const Vec3& x) const {
+    const Eigen::Array3d part = (inverse_ * x).array();
+    return ((part - part.floor()) * n_.cast<double>()).cast<long>();
+  }
+  std::size_t at(const Cell& cell) const {
+    const Cell c = cell - (cell >= n_).select(n_, 0) + (cell < 0).select(n_, 0);
+    return static_cast<std::size_t>((c[2] * n_[1] + c[1]) * n_[0] + c[0]);
+  }
+
+  Eigen::Matrix3d inverse_;
+  Cell n_;
+  std::vector<std::vector<int>> cells_;
+};
+
 }  // namespace
 
 RadialDistribution::RadialDistribution(std::vector<int> a, std::vector<int> b, std::vector<int> molecule,
                                        double reach)
-    : a_(std::move(a)), b_(std::move(b)), molecule_(std::move(molecule)), alike_(a_ == b_), reach_(reach) {
-  for (const int i : a_)
-    for (const int j : b_) pairs_ += counts(i, j) ? 1 : 0;
-}
+    : a_(std::move(a)),
+      b_(std::move(b)),
+      molecule_(std::move(molecule)),
+      alike_(a_ == b_),
+      reach_(reach),
+      pairs_(pairs()) {}
 
 bool RadialDistribution::counts(int i, int j) const {
   return molecule_[i] != molecule_[j] && (!alike_ || j < i);
 }
 
+// All, without those of one molecule.
+double RadialDistribution::pairs() const {
+  std::map<int, double> here;  // atoms of b in a molecule
+  for (const int j : b_) ++here[molecule_[j]];
+  double all = 0;
+  for (const int i : a_) {
+    const auto own = here.find(molecule_[i]);
+    all += static_cast<double>(b_.size()) - (own == here.end() ? 0 : own->second);
+  }
+  return alike_ ? all / 2 : all;
+}
+
 void RadialDistribution::see(const Vectors& x, const Box& box) {
   std::vector<double> count(static_cast<std::size_t>(reach_ / kBin), 0.0);
+  const auto add = [&](int i, int j) {
+    if (!counts(i, j)) return;
+    const double r = box.nearest_image(x.col(i) - x.col(j)).norm();
+    if (const auto bin = static_cast<std::size_t>(r / kBin); bin < count.size()) count[bin] += box.volume();
+  };
+  Cells cells(box, reach_);
+  if (cells.serve()) cells.fill(x, b_);
   for (const int i : a_)
-    for (const int j : b_) {
-      if (!counts(i, j)) continue;
-      const double r = box.nearest_image(x.col(i) - x.col(j)).norm();
-      if (const auto bin = static_cast<std::size_t>(r / kBin); bin < count.size()) count[bin] += box.volume();
-    }
+    if (cells.serve())
+      cells.for_each_near(x.col(i), [&](int j) { add(i, j); });
+    else
+      for (const int j : b_) add(i, j);
   counts_.push_back(std::move(count));
 }
 
@@ -56,8 +113,19 @@ Distances RadialDistribution::result() const {
 
 void EndToEnd::see(const Vectors& x) {
   double sum = 0;
-  for (const auto& [i, j] : ends_) sum += (x.col(j) - x.col(i)).squaredNorm();
+  for (std::size_t c = 0; c < ends_.size(); ++c) {
+    const double squared = (x.col(ends_[c][1]) - x.col(ends_[c][0])).squaredNorm();
+    sum += squared;
+    of_chain_[c] += squared;
+  }
   squared_.push_back(sum / static_cast<double>(ends_.size()));
+}
+
+Estimate EndToEnd::squared() const {
+  const Estimate of_frames = block_mean(squared_);
+  const double of_chains =
+      mean_of(of_chain_).error / static_cast<double>(std::max<std::size_t>(squared_.size(), 1));
+  return {of_frames.value, std::max(of_frames.error, of_chains)};
 }
 
 // √ of the mean, its error by the slope of √

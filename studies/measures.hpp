@@ -19,6 +19,7 @@ struct Distances {        // g(r)
 
 // The radial distribution of atoms `a` about atoms `b` of other molecules, up to `reach`:
 //     g(r) = pairs seen / pairs of an ideal gas,  P · ⁴⁄₃π(r₊³ − r₋³)/V of P pairs.
+// A frame takes a time that grows as the number of atoms where the box is three reaches wide.
 class RadialDistribution {
  public:
   RadialDistribution(std::vector<int> a, std::vector<int> b, std::vector<int> molecule, double reach);
@@ -31,6 +32,7 @@ class RadialDistribution {
   static constexpr double kBin = 0.01;  // [nm]
 
   bool counts(int i, int j) const;  // each pair of a group with itself once
+  double pairs() const;
 
   std::vector<int> a_, b_, molecule_;
   bool alike_;
@@ -38,19 +40,23 @@ class RadialDistribution {
   std::vector<std::vector<double>> counts_;  // pairs per bin times the volume, a row a frame [nm³]
 };
 
-// The distance between the ends of unbranched chains of three atoms or more.
+// The distance between the ends of unbranched chains of three atoms or more. Chains turn slowly: frames of a
+// run may all be correlated, and blocks of them too, but each chain's own mean is independent of the others'
+// but for what neighbours do to each other. The error is the larger of what blocks say, and the chains'
+// spread.
 class EndToEnd {
  public:
-  explicit EndToEnd(std::vector<std::array<int, 2>> ends) : ends_(std::move(ends)) {}
+  explicit EndToEnd(std::vector<std::array<int, 2>> ends) : ends_(std::move(ends)), of_chain_(ends_.size()) {}
 
   bool empty() const { return ends_.empty(); }
   void see(const Vectors& x);
-  Estimate squared() const { return block_mean(squared_); }  // ⟨R²⟩ [nm²]
-  Estimate root() const;                                     // √⟨R²⟩ [nm]
+  Estimate squared() const;  // ⟨R²⟩ [nm²]
+  Estimate root() const;     // √⟨R²⟩ [nm]
 
  private:
   std::vector<std::array<int, 2>> ends_;
-  std::vector<double> squared_;  // mean over the chains, a frame each [nm²]
+  std::vector<double> squared_;   // mean over the chains, a frame each [nm²]
+  std::vector<double> of_chain_;  // sum over the frames, a chain each [nm²]
 };
 
 // How far the molecules' centres of mass move, positions unwrapped: ⟨|c(t₀ + t) − c(t₀)|²⟩ over molecules and

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
 #include <numeric>
 
 #include "files/dcd_file.hpp"
@@ -110,6 +111,68 @@ TEST(Measures, FreelyJointedChainsEndWhereTheyShould) {
   const double expected = 19 * 0.25, spread = std::sqrt(2.0 / 3) * expected / std::sqrt(3000.0);
   EXPECT_NEAR(chains.squared().value, expected, 4 * spread);
   EXPECT_NEAR(chains.root().value, std::sqrt(expected), 4 * spread);
+}
+
+// Chains that forget their ends within 50 frames, seen for 200: each R² is an AR(1) process of mean 10 and
+// spread 2, so that its mean over the frames has a spread known in closed form. Blocks of 20 frames see a
+// third of it.
+TEST(Measures, ErrorsOfSlowChainsAreNotTooSmall) {
+  constexpr int kChains = 400, kFrames = 200;
+  const double rho = std::exp(-1.0 / 50);
+  Random random(7);
+  std::vector<std::array<int, 2>> ends;
+  for (int c = 0; c < kChains; ++c) ends.push_back({2 * c, 2 * c + 1});
+  EndToEnd chains(ends);
+  std::vector<double> squared(kChains), means;
+  for (double& r2 : squared) r2 = 10 + 2 * random.normal_vector().x();
+  Vectors x = Vectors::Zero(3, 2 * kChains);
+  for (int frame = 0; frame < kFrames; ++frame) {
+    for (int c = 0; c < kChains; ++c) {
+      x(0, 2 * c + 1) = std::sqrt(squared[static_cast<std::size_t>(c)]);
+      squared[static_cast<std::size_t>(c)] += (1 - rho) * (10 - squared[static_cast<std::size_t>(c)]) +
+                                              2 * std::sqrt(1 - rho * rho) * random.normal_vector().x();
+    }
+    chains.see(x);
+  }
+  double correlated = 0;
+  for (int i = 0; i < kFrames; ++i)
+    for (int j = 0; j < kFrames; ++j) correlated += std::pow(rho, std::abs(i - j)) / kFrames / kFrames;
+  const double exact = 2 * std::sqrt(correlated / kChains);
+  EXPECT_NEAR(chains.squared().value, 10, 4 * exact);
+  EXPECT_NEAR(chains.squared().error, exact, 0.15 * exact);
+}
+
+// In cells as pair by pair, in a skewed box too.
+TEST(Measures, CellsMissNoPair) {
+  const Box box{Vec3(4, 3.6, 3.3), Vec3(-1.3, 1.7, 0.9)};
+  const int n = 300;
+  Random random(9);
+  Vectors x(3, n);
+  for (int a = 0; a < n; ++a)
+    x.col(a) = 9 * Vec3(random.uniform(), random.uniform(), random.uniform()) - Vec3(3, 3, 3);
+  std::vector<int> molecule = numbers(n), some(molecule.begin(), molecule.begin() + 200);
+  for (int a = 0; a < n; a += 2) molecule[static_cast<std::size_t>(a + 1)] = a;
+  for (const auto& other : {some, numbers(n)}) {
+    RadialDistribution pairs(some, other, molecule, 0.95);
+    pairs.see(x, box);
+    const Distances g = pairs.result();
+    std::vector<double> count(g.r.size(), 0.0);
+    double all = 0;
+    for (const int i : some)
+      for (const int j : other) {
+        if (molecule[static_cast<std::size_t>(i)] == molecule[static_cast<std::size_t>(j)] ||
+            (other == some && j > i))
+          continue;
+        ++all;
+        const double r = box.nearest_image(x.col(i) - x.col(j)).norm();
+        if (r < 0.95) ++count[static_cast<std::size_t>(r / 0.01)];
+      }
+    for (std::size_t k = 0; k < g.r.size(); ++k) {
+      const double low = g.r[k] - 0.005, high = g.r[k] + 0.005;
+      const double ideal = all * 4 / 3 * std::numbers::pi * (std::pow(high, 3) - std::pow(low, 3));
+      EXPECT_NEAR(g.g[k].value * ideal / box.volume(), count[k], 1e-9 * (1 + count[k])) << k;
+    }
+  }
 }
 
 // Frames come back as they were written, to single precision; a frame cut short is none.
