@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "command_line.hpp"
@@ -149,12 +150,15 @@ const char* name_of(int signal) {
 
 }  // namespace
 
-void carry_out(Simulation& simulation, RunFolder* folder, bool json) {
+void carry_out(Simulation& simulation, RunFolder* folder, const Telling& telling) {
+  const auto& [json, measured] = telling;
   const StopRequest request;
   const long first = simulation.step(), steps = simulation.scene().run.steps;
   Progress progress(steps - first);
   const auto on_record = [&](const Record& r) {
     progress.clear();
+    if (measured && r.step % simulation.scene().run.log_every == 0)
+      measured->see(simulation.state().x, simulation.state().box);
     if (json) return;
     if (folder || request.signal())
       if_anybody_listens([&] { print_row(r); });
@@ -180,8 +184,13 @@ void carry_out(Simulation& simulation, RunFolder* folder, bool json) {
     throw OutsideError(fmt::format("{}; that mended, {}", e.what(), to_go_on(*folder, *folder->kept_step())));
   }
   if (simulation.step() < steps) say_how_to_go_on(simulation, folder, request.signal());
-  if (json) return fmt::print("{}\n", summary_json(simulation, summary));
+  if (json) {
+    auto all = nlohmann::ordered_json::parse(summary_json(simulation, summary));
+    if (measured) all["measured"] = measured->json();
+    return fmt::print("{}\n", all.dump());
+  }
   print_summary(simulation, summary, simulation.step() > first);
+  if (measured) measured->print();
   print_doubts(summary);
   if (folder) fmt::print("wrote {}\n", fmt::join(written(*folder), ", "));
 }

@@ -7,12 +7,15 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
 #include <optional>
+#include <sstream>
 
 #include "generated.hpp"
 #include "md/errors.hpp"
 #include "md/nearest_name.hpp"
 #include "md/threads.hpp"
+#include "words.hpp"
 
 namespace taut {
 
@@ -83,6 +86,39 @@ Argument Subcommand::flag(const char* name, bool& given, const char* meaning) co
   return Argument(app_->add_flag(name, given, meaning));
 }
 
+namespace {
+
+// As wide as the terminal, and without what usage and words say: "REQUIRED", "x 2", "Excludes: --overwrite".
+class HelpFormat : public CLI::Formatter {
+ public:
+  std::string make_description(const CLI::App* app) const override {
+    return fitted(app->get_description(), 0) + "\n";
+  }
+  std::string make_option_opts(const CLI::Option* option) const override {
+    if (option->get_type_size() == 0) return "";
+    const std::string unless = option->get_default_str();
+    const bool many = option->get_expected_max() == CLI::detail::expected_max_vector_size;
+    return fmt::format(" {}{}{}", option->get_type_name(), unless.empty() ? "" : "=" + unless,
+                       many ? " ..." : "");
+  }
+  std::string make_option_desc(const CLI::Option* option) const override {
+    return fitted(option->get_description(), kColumn);
+  }
+  std::string make_subcommand(const CLI::App* sub) const override {
+    std::ostringstream out;
+    CLI::detail::format_help(out, sub->get_name(), fitted(sub->get_description(), kColumn), kColumn);
+    return out.str();
+  }
+
+ private:
+  static constexpr int kColumn = 30;  // CLI11's own
+  static std::string fitted(const std::string& text, int column) {
+    return wrapped(text, std::min(terminal_width(), 100) - column, 0);
+  }
+};
+
+}  // namespace
+
 struct Commands::Parser {
   CLI::App app;
   std::vector<std::pair<CLI::App*, std::function<void()>>> actions;
@@ -149,6 +185,7 @@ bool quiet() {
 Commands::Commands(const char* about) : parser_(new Parser{CLI::App{about}, {}, {}}) {
   CLI::App& app = parser_->app;
   app.name("taut");
+  app.formatter(std::make_shared<HelpFormat>());
   app.require_subcommand(1);
   app.set_version_flag("--version", "taut " TAUT_VERSION);
   const Subcommand root(&app);

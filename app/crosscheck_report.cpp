@@ -18,17 +18,35 @@ std::string or_dash(double value, bool known) {
   return known ? fmt::format("{:.1e}", value) : "–";
 }
 
-void print_row(const Crosscheck& c, const Track& track) {
-  const bool ran = track.samples.size() > 1, compared = ran && &track != &c.twin && &track != &c.fine;
-  const auto parted = track.parted_at(c.agreement);
-  fmt::print(
-      "{:<20} {:>8} {:>7} {:>8} {:>8} {:>8} {:>18} {:>9} {:>7}\n", track.name,
-      or_dash(track.apart_at(c.parting), compared), parted ? fmt::format("{}", *parted) : "–",
-      or_dash(last_from_truth(track), last_from_truth(track) >= 0),
-      or_dash(track.worst_bond(), ran && c.bonds > 0), or_dash(track.rms_bond(c.steps), ran && c.bonds > 0),
-      track.drift.error > 0 ? fmt::format("{:.1e} ± {:.0e}", track.drift.value, track.drift.error) : "–",
-      or_dash(track.constraint_drift ? track.constraint_drift->value : 0, track.constraint_drift.has_value()),
-      ran ? fmt::format("{:.2f}", track.temperature.value) : "–");
+constexpr int kWidth = 80;
+
+void print_positions(const Crosscheck& c) {
+  constexpr auto kRow = "{:<24} {:>9} {:>8} {:>9} {:>10} {:>9}\n";
+  fmt::print(kRow, "", "apart", "parted", "off fine", "bond error", "");
+  fmt::print(kRow, "", "[nm]", "at step", "run [nm]", "max", "rms");
+  for (const Track* track : all_tracks(c)) {
+    const bool ran = track->samples.size() > 1, bonded = ran && c.bonds > 0;
+    const auto parted = track->parted_at(c.agreement);
+    fmt::print(kRow, track->name,
+               or_dash(track->apart_at(c.parting), ran && track != &c.twin && track != &c.fine),
+               parted ? fmt::format("{}", *parted) : "–",
+               or_dash(last_from_truth(*track), last_from_truth(*track) >= 0),
+               or_dash(track->worst_bond(), bonded), or_dash(track->rms_bond(c.steps), bonded));
+  }
+}
+
+void print_energies(const Crosscheck& c) {
+  constexpr auto kRow = "{:<24} {:>18} {:>14} {:>10}\n";
+  fmt::print(kRow, "", "energy drift", "bonds' share", "T");
+  fmt::print(kRow, "", "[kJ/mol/ns/dof]", "", "[K]");
+  for (const Track* track : all_tracks(c)) {
+    const auto& share = track->constraint_drift;
+    const Estimate& drift = track->drift;
+    fmt::print(kRow, track->name,
+               drift.error > 0 ? fmt::format("{:.1e} ± {:.0e}", drift.value, drift.error) : "–",
+               or_dash(share ? share->value : 0, share.has_value()),
+               track->samples.size() > 1 ? fmt::format("{:.2f}", track->temperature.value) : "–");
+  }
 }
 
 std::string verdicts_csv(const Crosscheck& c) {
@@ -41,30 +59,30 @@ std::string verdicts_csv(const Crosscheck& c) {
 }  // namespace
 
 void print_crosscheck(const Crosscheck& c) {
-  fmt::print("{} against OpenMM {} ({}): {} atoms, {} bonds, {} steps of {:g} fs\n", c.scene, c.openmm,
-             c.platform, c.atoms, c.bonds, c.steps, c.h * 1000);
-  for (const auto& note : c.notes) fmt::print("  note: {}\n", note);
-  fmt::print(
-      "at the start: energy {:.10g} kJ/mol, OpenMM {:.10g}; forces {:.4g} kJ/mol/nm rms, apart by {:.1e}\n",
-      c.start.energy, c.start.openmm_energy, c.start.force_rms, c.start.force_difference);
-  fmt::print("chaos: two OpenMM runs 1e-10 nm apart are {:.1e} nm apart after {} steps, {}\n\n",
-             1e-10 * c.chaos.growth, c.chaos.steps,
-             c.chaos.growth > 100
-                 ? fmt::format("growing by {:.2g} ± {:.1g} /ps", c.chaos.rate.value, c.chaos.rate.error)
-                 : "too little for a rate");
-  fmt::print("{:<20} {:>8} {:>7} {:>8} {:>17} {:>18} {:>9} {:>7}\n", "", "apart", "parted", "off fine",
-             "bond error  ", "energy drift", "bonds'", "T");
-  fmt::print("{:<20} {:>8} {:>7} {:>8} {:>8} {:>8} {:>18} {:>9} {:>7}\n", "", "[nm]", "at step", "run [nm]",
-             "max", "rms", "[kJ/mol/ns/dof]", "share", "[K]");
-  for (const Track* track : all_tracks(c)) print_row(c, *track);
+  const auto say = [](const std::string& text) { fmt::print("{}\n", wrapped(text, kWidth, 2)); };
+  say(fmt::format("{} against OpenMM {} ({}): {} atoms, {} bonds, {} steps of {:g} fs", c.scene, c.openmm,
+                  c.platform, c.atoms, c.bonds, c.steps, c.h * 1000));
+  for (const auto& note : c.notes) say("note: " + note);
+  say(fmt::format(
+      "at the start: energy {:.10g} kJ/mol, OpenMM {:.10g}; forces {:.4g} kJ/mol/nm rms, apart by {:.1e}",
+      c.start.energy, c.start.openmm_energy, c.start.force_rms, c.start.force_difference));
+  say(fmt::format("chaos: two OpenMM runs 1e-10 nm apart are {:.1e} nm apart after {} steps, {}",
+                  1e-10 * c.chaos.growth, c.chaos.steps,
+                  c.chaos.growth > 100
+                      ? fmt::format("growing by {:.2g} ± {:.1g} /ps", c.chaos.rate.value, c.chaos.rate.error)
+                      : "too little for a rate"));
   fmt::print("\n");
-  constexpr int kWidth = 110;
+  print_positions(c);
+  fmt::print("\n");
+  print_energies(c);
+  fmt::print("\n");
   for (const Verdict& v : verdicts(c))
-    fmt::print("{:<30} {:<7} {}\n", v.who, name_of(v.finding), wrapped(v.why, kWidth, 39));
-  if (!c.long_enough)
-    fmt::print(
-        "\nToo short for averages: temperatures, g(r) and end-to-end distances are held together from 5 ps "
-        "on.\n");
+    fmt::print("{:<24} {:<7} {}\n", v.who, name_of(v.finding), wrapped(v.why, kWidth, 33));
+  if (!c.long_enough) {
+    fmt::print("\n");
+    say("Too short for averages: temperatures, g(r) and end-to-end distances are held together from 5 ps "
+        "on.");
+  }
   if (c.speed.empty()) return;
   fmt::print("\nwhole step, equal threads\n");
   for (const auto& [who, us] : c.speed) fmt::print("  {:<46} {:>9.1f} µs\n", who, us);

@@ -144,18 +144,25 @@ complete -F _taut taut
       cases, fmt::join(names, " "), fmt::join(flags_of(app), " "));
 }
 
+// Within a shell's single quotes.
+std::string in_quotes(const std::string& text) {
+  std::string quoted;
+  for (const char c : text) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+  return quoted;
+}
+
 std::string zsh_completion(const CLI::App& app) {
   std::string commands, cases;
   for (const CLI::App* sub : subcommands(app)) {
-    commands += fmt::format("    '{}:{}'\n", sub->get_name(), escaped(sub->get_description(), ":\\"));
+    commands +=
+        fmt::format("    '{}:{}'\n", sub->get_name(), in_quotes(escaped(sub->get_description(), ":\\")));
     std::string arguments;
     for (const CLI::Option* option : sub->get_options()) {
       const std::string list = lister(*option), name = long_name(*option);
-      std::string meaning;
-      for (const char c : option->get_description()) meaning += c == '\'' ? "'\\''" : std::string(1, c);
-      meaning = escaped(meaning, "[]:");
+      const std::string meaning = in_quotes(escaped(option->get_description(), "[]:"));
+      const char* behind = name == "--set" ? "-S = " : "";
       const std::string action =
-          !list.empty() ? fmt::format("{{compadd -- $({} 2>/dev/null)}}", list) : std::string("_files");
+          !list.empty() ? fmt::format("{{compadd {}-- $({} 2>/dev/null)}}", behind, list) : "_files";
       if (name.empty())
         arguments += fmt::format(" \\\n        '*:{}:{}'", meaning, action);
       else if (takes_value(*option))

@@ -42,7 +42,7 @@ void go_on(FolderLock lock, Checkpoint checkpoint, const KeyValues& changes, Con
   consent.how = fmt::format("`taut resume {} --yes`", quoted_for_shell(folder.string()));
   consent.ask = agreed;
   RunFolder run_folder = resumed_folder(std::move(lock), checkpoint, *simulation, consent);
-  carry_out(*simulation, &run_folder, json);
+  carry_out(*simulation, &run_folder, {.json = json});
 }
 
 void expect_same_input(const fs::path& folder, const SceneSource& kept, const SceneSource& given) {

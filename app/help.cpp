@@ -137,7 +137,9 @@ std::string keys_page(const std::vector<Key>& keys) {
   for (const Key& key : keys) {
     if (key.section != section) {
       section = key.section;
-      page += section.empty() ? "\n## Of the scene\n" : fmt::format("\n## [{}]\n", section);
+      page += section.empty()      ? "\n## Of the scene\n"
+              : section == "start" ? "\n## Of a start, the file that build.start names\n"
+                                   : fmt::format("\n## [{}]\n", section);
     }
     page += wrapped(fmt::format("- `{}`: {}", head_of(key), sentence(key)), 120, 2) + "\n";
   }

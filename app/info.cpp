@@ -92,8 +92,12 @@ std::vector<Key> in_force(const KeysRead& read, const InfoArguments& arguments) 
       keys.push_back(key);
       keys.back().from = from(key, arguments, usual);
     }
-  std::ranges::stable_sort(
-      keys, {}, [](const Key& key) { return std::ranges::find(kSections, key.section) - kSections.begin(); });
+  // By their sections' first words: place.0.count with place.
+  std::ranges::stable_sort(keys, {}, [](const Key& key) {
+    const auto first = [](std::string_view name) { return name.substr(0, name.find('.')); };
+    const std::string name = key.name();
+    return std::ranges::find(kSections, first(name), first) - kSections.begin();
+  });
   return keys;
 }
 
@@ -106,8 +110,11 @@ ordered_json as_json(const Scene& scene, const std::vector<Key>& keys) {
                        {"bonds", scene.system.bond_count()},
                        {"molecules", molecules_of(scene)},
                        {"forces", forces_of(scene)}};
-  if (scene.start.box.periodic())
-    json["box_nm"] = {scene.start.box.edge.x(), scene.start.box.edge.y(), scene.start.box.edge.z()};
+  if (const Box& box = scene.start.box; box.periodic()) {  // as a scene says it
+    const Eigen::Matrix3d m = box.vectors();
+    json["box_nm"] = box.tilt.isZero(0) ? std::vector<double>(box.edge.begin(), box.edge.end())
+                                        : std::vector<double>(m.data(), m.data() + 9);
+  }
   for (const Key& key : keys) json["keys"].push_back(key_json(key));
   return json;
 }

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 struct RunArguments : SceneArgument {
   std::optional<fs::path> out;
-  bool go_on = false, overwrite = false, json = false;
+  bool go_on = false, overwrite = false, json = false, measure = false;
 };
 
 // What a run without a folder could only forget.
@@ -39,6 +39,16 @@ void refuse_a_run_there(const fs::path& folder) {
       folder.string(), fmt::join(files, ", "), folder.string()));
 }
 
+void run_to_end(const RunArguments& arguments, Simulation& simulation, RunFolder* folder) {
+  std::optional<Measured> measured;
+  if (arguments.measure) {
+    const RunSettings& run = simulation.scene().run;
+    measured.emplace(simulation.scene(), std::vector<std::string>{},
+                     static_cast<double>(run.log_every) * run.h());
+  }
+  carry_out(simulation, folder, {arguments.json, measured ? &*measured : nullptr});
+}
+
 void run_in_folder(const RunArguments& arguments, Scene scene) {
   const fs::path& folder = *arguments.out;
   const SceneSource source = source_of(scene, !arguments.openmm.empty(), arguments.overrides());
@@ -56,7 +66,7 @@ void run_in_folder(const RunArguments& arguments, Scene scene) {
   FolderLock lock(folder);
   if (!may_move) refuse_a_run_there(folder);  // another may have been faster
   RunFolder run_folder(std::move(lock), source, simulation);
-  carry_out(simulation, &run_folder, arguments.json);
+  run_to_end(arguments, simulation, &run_folder);
 }
 
 void run(const RunArguments& arguments) {
@@ -67,7 +77,7 @@ void run(const RunArguments& arguments) {
         fmt::format("{}: of which folder? give --out DIR", arguments.go_on ? "--continue" : "--overwrite"));
   refuse_files_without_folder(scene.run);
   Simulation simulation(std::move(scene));
-  carry_out(simulation, nullptr, arguments.json);
+  run_to_end(arguments, simulation, nullptr);
 }
 
 }  // namespace
@@ -84,6 +94,10 @@ void add_run(Commands& commands) {
       "go on with the run of the same input in --out, or start it where there is none: for queues");
   command
       .flag("--overwrite", arguments->overwrite, "move what run is in --out to OUT.1, OUT.2, ..., and start")
+      .excludes(go_on);
+  command
+      .flag("--measure", arguments->measure,
+            "at the end tell radial distribution, displacement and length of chains, of what is logged")
       .excludes(go_on);
   command.flag("--json", arguments->json, "print what summary.json holds, in place of the tables");
 }

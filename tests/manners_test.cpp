@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "taut_command.hpp"
@@ -41,7 +42,7 @@ TEST(Manners, AKeyIsExplained) {
   EXPECT_THAT(said("help build.density_g_cm3"), HasSubstr("g/cm³"));
   EXPECT_THAT(said("help method.rattle"),
               AllOf(HasSubstr("method.max_sweeps"), Not(HasSubstr("method.gains"))));
-  EXPECT_THAT(said("help build.water"), AllOf(HasSubstr("build.model"), Not(HasSubstr("build.carbons"))));
+  EXPECT_THAT(said("help build.water"), AllOf(HasSubstr("build.model"), Not(HasSubstr("build.beads"))));
   EXPECT_THAT(said("help forcefield"), HasSubstr("forcefield.pme_order = 5"));
   EXPECT_THAT(said("help resume"), HasSubstr("--yes"));
   EXPECT_THAT(said("help run"), AllOf(HasSubstr("run.barostat"), HasSubstr("taut run --help")));
@@ -107,6 +108,61 @@ TEST(Manners, InfoSaysWhoSaidIt) {
   EXPECT_THAT(said("info", 2), HasSubstr("expected a scene"));
 }
 
+// Places and molecules key by key, where their sections stand, by the names that --set takes.
+TEST(Manners, InfoListsWhatAUserSaid) {
+  const TemporaryFolder folder;
+  const std::string scene = folder
+                                .write("rods.toml",
+                                       "[atom.B]\nmass_u = 72\n"
+                                       "[molecule.rod]\natoms = [\"B\", \"B\"]\nbonds = [[0, 1, 0.35]]\n"
+                                       "[[place]]\nmolecule = \"rod\"\ncount = 3\n"
+                                       "[[place]]\nmolecule = \"rod\"\ncount = 4\n"
+                                       "[build]\nbox_nm = [3, 0, 0, 1, 3, 0, -1, 1, 3]\n")
+                                .string();
+  const std::string text = said("info " + scene + " --set place.1.count=5");
+  EXPECT_THAT(text, ContainsRegex("\n  place\\.0\\.molecule +\"rod\" +rods\\.toml:7\n"));
+  EXPECT_THAT(text, ContainsRegex("\n  place\\.1\\.count +5 +--set place\\.1\\.count=5\n"));
+  EXPECT_THAT(text, ContainsRegex("\n  molecule\\.rod\\.atoms +\\[\"B\", \"B\"\\] +rods\\.toml:4\n"));
+  EXPECT_LT(text.find("atom.B.mass_u"), text.find("molecule.rod.bonds"));
+  EXPECT_LT(text.find("molecule.rod.file"), text.find("place.0.molecule"));
+  EXPECT_LT(text.find("place.1.count"), text.find("build.box_nm"));
+  const json info = json::parse(said("info " + scene + " --json"));
+  EXPECT_EQ(info["box_nm"], (std::vector<double>{3, 0, 0, 1, 3, 0, -1, 1, 3}));
+  const auto& keys = info["keys"];
+  const auto place =
+      std::ranges::find_if(keys, [](const json& key) { return key["key"] == "place.0.molecule"; });
+  ASSERT_NE(place, keys.end());
+  EXPECT_EQ((*place)["allowed"], "one of opc, rod, spce, tip3p, tip4p2005, tip4pew, tip5p");
+  EXPECT_EQ(json::parse(said("info water --json"))["box_nm"].size(), 3u);
+  EXPECT_THAT(said("help start.box_nm"), HasSubstr("its vectors in reduced form"));
+}
+
+// A run tells of itself what `taut measure` tells of its trajectory.
+TEST(Manners, RunsMeasureWhatTheyLog) {
+  const TemporaryFolder folder;
+  const std::string out = (folder.path() / "run").string();
+  const std::string run =
+      "run freely_jointed --steps 400 --set run.log_every=10 run.trajectory_every=10 --measure ";
+  const json summary = json::parse(said(run + "--json --out " + out));
+  const json measured = json::parse(said("measure " + out + " --json"));
+  EXPECT_EQ(summary["measured"]["frames"], 41);
+  EXPECT_EQ(summary["steps"], 400);
+  EXPECT_NEAR(summary["measured"]["end_to_end_squared_nm2"]["value"],
+              measured["end_to_end_squared_nm2"]["value"], 1e-5);
+  EXPECT_GT(summary["measured"]["end_to_end_squared_nm2"]["error"], 0.5);  // of 100 chains, all frames alike
+  EXPECT_THAT(said(run), AllOf(HasSubstr("41 frames of 2000 atoms, 0.1 ps apart"), HasSubstr("⟨R²⟩")));
+  said(run + "--continue --out " + out, 2);
+}
+
+// No line of help is wider than the terminal.
+TEST(Manners, HelpFitsTheTerminal) {
+  for (const char* command :
+       {"", "run", "calibrate", "chart", "stability", "crosscheck", "measure", "info", "resume"}) {
+    std::istringstream help(taut(std::string(command) + " --help", "COLUMNS=80").text);
+    for (std::string line; std::getline(help, line);) EXPECT_LE(line.size(), 83u) << command << ": " << line;
+  }
+}
+
 TEST(Manners, RunsAreQuietWhereAsked) {
   EXPECT_EQ(said("run pair --steps 5 --quiet"), "");
   const json summary = json::parse(said("run pair --steps 5 --json"));
@@ -153,7 +209,8 @@ TEST(Manners, Completions) {
   EXPECT_EQ(completed("taut help run.tempera", 2), "run.temperature_k\n");
   const std::string zsh = said("generate zsh");
   EXPECT_THAT(zsh, ::testing::StartsWith("#compdef taut\n"));
-  EXPECT_THAT(zsh, HasSubstr("'calibrate:"));
+  EXPECT_THAT(zsh, AllOf(HasSubstr("'calibrate:"), HasSubstr("chart each method'\\''s"),
+                         HasSubstr("compadd -S = -- $(taut help")));
   said("generate fish", 2);
 }
 

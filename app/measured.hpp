@@ -1,0 +1,40 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "pictures.hpp"
+#include "studies/liquid_structure.hpp"
+#include "systems/scene.hpp"
+
+namespace taut {
+
+// What is measured frame by frame, of a trajectory or of a run as it goes on.
+class Measured {
+ public:
+  // `atoms`: the two names of the radial distribution; none: the heaviest. Frames are `interval` apart [ps].
+  // The scene has to outlive it. Throws InputError for a name that no atom has.
+  Measured(const Scene& scene, std::vector<std::string> atoms, double interval);
+
+  void see(const Vectors& x, const Box& box);
+  long frames() const { return frames_; }
+
+  void print() const;
+  nlohmann::ordered_json json() const;
+  void draw(StudyFiles& files) const;
+
+ private:
+  std::string of_pairs() const { return atoms_[0] + "–" + atoms_[1]; }
+
+  const Scene& scene_;
+  std::vector<std::string> atoms_;
+  double reach_;
+  RadialDistribution pairs_;
+  EndToEnd chains_;
+  MeanSquareDisplacement motion_;
+  long frames_ = 0;
+  double interval_;
+};
+
+}  // namespace taut
