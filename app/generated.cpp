@@ -57,6 +57,11 @@ std::string lister(const CLI::Option& option) {
   return "";
 }
 
+bool names_a_file(const CLI::Option& option) {
+  const std::string type = option.get_type_name();
+  return type == "PATH" || type == "PREFIX" || type.ends_with(".XML");
+}
+
 std::vector<const CLI::Option*> positionals(const CLI::App& app) {
   return app.get_options([](const CLI::Option* option) { return option->get_positional(); });
 }
@@ -161,8 +166,11 @@ std::string zsh_completion(const CLI::App& app) {
       const std::string list = lister(*option), name = long_name(*option);
       const std::string meaning = in_quotes(escaped(option->get_description(), "[]:"));
       const char* behind = name == "--set" ? "-S = " : "";
+      const char* besides = option->get_type_name() == "SCENE" ? "; _files -g \"*.toml\"" : "";
       const std::string action =
-          !list.empty() ? fmt::format("{{compadd {}-- $({} 2>/dev/null)}}", behind, list) : "_files";
+          !list.empty()           ? fmt::format("{{compadd {}-- $({} 2>/dev/null){}}}", behind, list, besides)
+          : names_a_file(*option) ? "_files"
+                                  : " ";
       if (name.empty())
         arguments += fmt::format(" \\\n        '*:{}:{}'", meaning, action);
       else if (takes_value(*option))

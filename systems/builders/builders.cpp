@@ -29,7 +29,7 @@ constexpr std::array kKinds = {Kind{"atoms", build_atoms},       Kind{"chains", 
 // Molecules that are placed need no kind; with another they would do nothing.
 const Kind& chosen_kind(const TomlTable& root, const TomlTable& keys) {
   std::string name = root.has("place") ? "molecules" : "";
-  if (std::string said; !keys.describing() && keys.read("kind", said) && said == "alkane")
+  if (std::string said; keys.has("kind") && keys.read("kind", said) && said == "alkane")
     keys.fail("kind", "alkanes are [molecule]s now, with bonds, angles and torsions: start from decane.toml");
   if (name.empty() || keys.has("kind"))
     name = keys.choice("kind", kinds(), "what is built; not said beside [[place]]: molecules");
