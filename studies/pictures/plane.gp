@@ -13,6 +13,12 @@ said(d) = d == d ? (newton = sprintf('%.2g', d), 0) : 0
 stats csv using (said(column('newton_drift'))) nooutput
 wide = sqrt(next_a / gain_min_x)
 half = (next_b - gain_min_y) / 2
+seen = ''
+stats csv using (seen = strstrt(seen, strcol('damping')) ? seen : seen.' '.strcol('damping'), 1) nooutput
+dampings = ''
+do for [damping in 'discrete centred implicit lagged'] { if (strstrt(seen, damping)) { dampings = dampings.' '.damping } }
+last = words(dampings)
+pitch = 0.8 / last
 
 do for [kind in 'svg png'] {
   eval page(kind, 800, 600)
@@ -25,15 +31,15 @@ do for [kind in 'svg png'] {
   set style fill solid noborder
   unset key
   do for [row = 0:1] {
-    do for [n = 1:4] {
-      damping = word('discrete centred implicit lagged', n)
-      set lmargin screen 0.07 + 0.2 * (n - 1)
-      set rmargin screen 0.07 + 0.2 * (n - 1) + 0.185
+    do for [n = 1:last] {
+      damping = word(dampings, n)
+      set lmargin screen 0.07 + pitch * (n - 1)
+      set rmargin screen 0.07 + pitch * n - 0.015
       set tmargin screen 0.88 - 0.45 * row
       set bmargin screen 0.54 - 0.45 * row
       if (n == 1) { set ylabel 'βh' offset 1; set format y '%g' } else { unset ylabel; set format y '' }
       if (row == 1) { set xlabel 'αh' offset 0,0.6 } else { unset xlabel }
-      if (n == 4) { set colorbox user origin 0.88, 0.54 - 0.45 * row size 0.02, 0.34 } else { unset colorbox }
+      if (n == last) { set colorbox user origin 0.88, 0.54 - 0.45 * row size 0.02, 0.34 } else { unset colorbox }
       set title damping.' damping' offset 0,-0.7
       set logscale cb
       if (row == 1 && n == 1) {
