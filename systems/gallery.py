@@ -2,7 +2,7 @@
 """Draws systems/gallery/NAME.png of every scene, from its start: systems/gallery.py [build/taut [NAME ...]]
 
 Needs gnuplot. Atoms and rigid bonds as `taut run` writes them; of scenes that say their atoms one by one also
-anchors (squares), springs (dotted), struts and ropes (dashed).
+anchors (squares), springs (dotted), struts and ropes (dashed), constant forces (arrows).
 """
 
 import math
@@ -60,7 +60,7 @@ def draw(taut, scene):
     at = seen(atoms)
     sizes = [max(a[d] for a in at) - min(a[d] for a in at) for d in (0, 1)]
     middle = [(max(a[d] for a in at) + min(a[d] for a in at)) / 2 for d in (0, 1)]
-    middle, half = CLOSE.get(pathlib.Path(scene).stem, (middle, 0.56 * max(sizes) or 1))
+    middle, half = CLOSE.get(pathlib.Path(scene).stem, (middle, (0.7 if build.get("pulls") else 0.56) * max(sizes) or 1))
     point = min(2.2, max(0.35, 6 / math.sqrt(len(at))))
     order = sorted(range(len(at)), key=lambda a: at[a][2])
     near, far = at[order[-1]][2], at[order[0]][2]
@@ -73,6 +73,15 @@ def draw(taut, scene):
         if pairs:
             text += lines(name, pairs, at)
             plots.append(f"${name} using 1:2 with lines {style}")
+    pulls = build.get("pulls", [])
+    if pulls:
+        most = max(math.hypot(*row[1:]) for row in pulls)
+        feet = [atoms[int(row[0])] for row in pulls]
+        heads = [[a + 0.22 * half * f / most for a, f in zip(foot, row[1:])] for foot, row in zip(feet, pulls)]
+        ends = seen([*atoms, *feet, *heads])[len(atoms) :]
+        arrows = [f"{x:.3f} {y:.3f} {u - x:.3f} {v - y:.3f}\n" for (x, y, _), (u, v, _) in zip(ends, ends[len(pulls) :])]
+        text += f"$pulls << EOD\n{''.join(arrows)}EOD\n"
+        plots.append("$pulls using 1:2:3:4 with vectors filled lw 1.5 lc rgb '#D55E00'")
     text += "$atoms << EOD\n"
     for a in order:
         kind = kinds[a] if kinds[a] in COLOUR else ""
