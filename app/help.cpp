@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 
 #include "commands.hpp"
 #include "md/errors.hpp"
@@ -41,6 +42,17 @@ std::string sentence(const Key& key) {
   if (key.about.words.empty() && !allowed.empty()) text += ", " + allowed;
   if (!key.counts_only.empty()) text += "; counts only " + key.counts_only;
   return text + whose(key);
+}
+
+// A scene's own names as they are described: molecule.NAME.units for molecule.decane.units, place.count for
+// place.0.count.
+std::string described(const std::string& name) {
+  std::istringstream words(name);
+  std::vector<std::string> path;
+  for (std::string word; std::getline(words, word, '.');)
+    if (word.find_first_not_of("0123456789") != word.npos) path.push_back(word);
+  if (path.size() > 1 && (path[0] == "molecule" || path[0] == "atom")) path[1] = "NAME";
+  return fmt::format("{}", fmt::join(path, "."));
 }
 
 // What a name stands for: a key, all keys of a section, or of one kind or method ("build.water").
@@ -92,7 +104,7 @@ void help(const HelpArguments& arguments, const Commands& commands) {
                 terminal_width(), 0));
   std::vector<Key> keys;
   for (const std::string& name : arguments.names) {
-    const std::vector<Key> named = keys_named(name, all);
+    const std::vector<Key> named = keys_named(described(name), all);
     const std::string command = commands.help(name);
     if (named.empty() && command.empty()) refuse(name, all);
     if (named.empty()) fmt::print("{}", command);

@@ -44,6 +44,8 @@ TEST(Manners, AKeyIsExplained) {
               AllOf(HasSubstr("method.max_sweeps"), Not(HasSubstr("method.gains"))));
   EXPECT_THAT(said("help build.water"), AllOf(HasSubstr("build.model"), Not(HasSubstr("build.beads"))));
   EXPECT_THAT(said("help forcefield"), HasSubstr("forcefield.pme_order = 5"));
+  EXPECT_THAT(said("help place.0.count"), HasSubstr("place.count\n"));
+  EXPECT_THAT(said("help molecule.decane.units"), HasSubstr("molecule.NAME.units = 1\n"));
   EXPECT_THAT(said("help resume"), HasSubstr("--yes"));
   EXPECT_THAT(said("help run"), AllOf(HasSubstr("run.barostat"), HasSubstr("taut run --help")));
   EXPECT_THAT(said("help run.dt_sf", 2), EndsWith("did you mean \"run.dt_fs\"?\n"));

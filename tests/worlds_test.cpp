@@ -71,11 +71,12 @@ TEST(Knee, LigamentsHoldByCalibratedGainsAndDriftByPhysicalOnes) {
   const Swing calibrated = minute_of_swinging({});
   EXPECT_TRUE(calibrated.ends);
   EXPECT_LT(calibrated.worst, 5e-8);
-  EXPECT_LT(std::abs(calibrated.energy), 1e-4);
+  EXPECT_LT(std::abs(calibrated.energy), 5e-4);
   const Swing physical = minute_of_swinging({"method.alpha_per_ps=4.14", "method.beta_per_ps=4.14"});
   EXPECT_TRUE(physical.ends);
-  EXPECT_NEAR(physical.worst, 1.6e-4, 0.3e-4);
-  EXPECT_NEAR(physical.energy, -0.016, 0.004);  // of 0.5·2.5·1² J
+  EXPECT_GT(physical.worst, 3e-4);
+  EXPECT_LT(physical.worst, 2e-3);
+  EXPECT_NEAR(physical.energy, -0.1, 0.04);  // of 0.5·2.5·1² J
   EXPECT_FALSE(minute_of_swinging({"method.name=none"}).ends);
 }
 

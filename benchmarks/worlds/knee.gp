@@ -11,7 +11,7 @@ plot csv using 't_s':'none_mm' with lines lw 2 lc rgb grey title 'none', \
      csv using 't_s':'calibrated_mm' with lines lw 2 lc rgb blue title 'calibrated: αh = 0.3, (βh)² = 2.5'
 unset logscale y
 set format y '%g'
-set yrange [-6.5:-6.1]
+set yrange [-6.0:-5.7]
 set xlabel 't [s]'
 set ylabel 'energy [J]'
 set key left top
