@@ -1,8 +1,7 @@
 #!/usr/bin/env bash
 # Baumgarte over its gains on a chain, liquids and DNA, each damping, beside newton's drift in as many steps:
 #     benchmarks/planes.sh [FOLDER [NAME ...]]
-# Four αh by five βh of the part that lives; the chain all of it. TAUT names the command, if it is not build/taut;
-# STEPS other steps.
+# Four αh by five βh of the part that lives. TAUT names the command, if it is not build/taut; STEPS other steps.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 out=${1:-benchmarks/results/planes}
@@ -16,9 +15,7 @@ declare -A scenes=(
 names=("$@")
 [ ${#names[@]} -gt 0 ] || names=("${!scenes[@]}")
 for name in "${names[@]}"; do
-  gains=(--alpha-h 0.03 0.1 0.3 1 --beta-h 1 1.2 1.4 1.6 1.8)
-  [ "$name" != chain ] || gains=()
   # shellcheck disable=SC2086
-  "${TAUT:-build/taut}" stability ${scenes[$name]} --steps "${STEPS:-3000}" --methods baumgarte "${gains[@]}" \
-    --out "$out/$name" --overwrite
+  "${TAUT:-build/taut}" stability ${scenes[$name]} --steps "${STEPS:-3000}" --methods baumgarte \
+    --alpha-h 0.03 0.1 0.3 1 --beta-h 1 1.2 1.4 1.6 1.8 --out "$out/$name" --overwrite
 done
