@@ -58,7 +58,7 @@ TEST(Recalling, RefusesCountsBeyondWhatTheyCount) {
 }
 
 Checkpoint some_checkpoint() {
-  return {{true, {{"a.xml", "<a>\xff\n"}, {"b.xml", ""}}, {"run.seed=3"}},
+  return {{true, {{"a.xml", "<a>\xff\n"}, {"b.xml", ""}}, {"run.seed=3"}, {"Wall"}},
           41,
           0.1,
           2,
@@ -73,11 +73,56 @@ TEST(CheckpointFormat, SaysBackWhatItWasTold) {
   EXPECT_EQ(back.source.files[0].name, "a.xml");
   EXPECT_EQ(back.source.files[0].text, c.source.files[0].text);
   EXPECT_EQ(back.source.overrides, c.source.overrides);
+  EXPECT_EQ(back.source.own, c.source.own);
   EXPECT_EQ(back.step, 41);
   EXPECT_EQ(back.t, 0.1);
   EXPECT_EQ(back.threads, 2);
   EXPECT_EQ(back.memory, c.memory);
   EXPECT_EQ(back.marks, c.marks);
+}
+
+struct Wall final : OwnField {
+  std::string name() const override { return "Wall"; }
+  double add(const Vectors&, Vectors&) override { return 0; }
+};
+
+// Forces that are code are brought by who resumes, the same ones.
+TEST(SceneSource, AsksForForcesThatAreCode) {
+  SceneSource source;
+  Scene scene;
+  const auto wall = std::make_shared<Wall>();
+  EXPECT_NO_THROW(source.bring({}, scene));
+  EXPECT_THROW(source.bring({wall}, scene), InputError);
+  source.own = {"Wall"};
+  EXPECT_THROW(source.bring({}, scene), InputError);
+  EXPECT_THROW(source.bring({wall, wall}, scene), InputError);
+  source.bring({wall}, scene);
+  EXPECT_EQ(scene.terms.own.size(), 1u);
+}
+
+const std::string kBox =
+    R"(<PeriodicBoxVectors><A x="2" y="0" z="0"/><B x="0" y="2" z="0"/><C x="0" y="0" z="2"/></PeriodicBoxVectors>)";
+const std::string kSystem = R"(<System openmmVersion="8.0" type="System" version="1">)" + kBox + R"(
+  <Particles><Particle mass="1"/><Particle mass="2"/></Particles>
+  <Constraints><Constraint d="0.1" p1="0" p2="1"/></Constraints><Forces/></System>)";
+const std::string kState = R"(<State time="0" type="State" version="1">)" + kBox + R"(
+  <Positions><Position x="0" y="0" z="0"/><Position x="0.1" y="0" z="0"/></Positions></State>)";
+
+TEST(SceneSource, TakesNamesThatATopologyHas) {
+  const auto named = [](const std::string& names) {
+    return SceneSource{true, {{"s.xml", kSystem}, {"t.xml", kState}, {"topology", names}}, {"run.dt_fs=1"}}
+        .read()
+        .names;
+  };
+  const Names names = named("OW\tHOH\tO\t3\nX\tALA\t\t4\n");
+  ASSERT_EQ(names.kinds.size(), 2u);
+  EXPECT_EQ(names.kinds[names.kind[0]].residue, "HOH");
+  EXPECT_EQ(names.kinds[names.kind[1]].atom, "X");
+  EXPECT_EQ(names.kinds[names.kind[1]].element, "");
+  EXPECT_EQ(names.residue, (std::vector<int>{3, 4}));
+  EXPECT_THROW(named("OW\tHOH\tO\t3\n"), InputError);
+  EXPECT_THROW(named("OW\tHOH\tO\t3\nX\tALA\n"), InputError);
+  EXPECT_THROW(named("OW\tHOH\tO\t3\nX\tALA\t\t-4\n"), InputError);
 }
 
 TEST(CheckpointFormat, NoDamageGoesUnseen) {
