@@ -88,7 +88,7 @@ class RowSum {
 
   // One stage waits for another longer than the processor can look ahead: so they take turns, each with
   // clusters of its own. There are many kernels to compile: each stage stands here once.
-  static constexpr bool kStaged = !C::kSum && kLanes > 1;
+  static constexpr bool kStaged = !C::kSum && kLanes > 1 && !C::kFine;
   static constexpr int kLong = 10;  // clusters: with fewer in a row it does not pay
   HWY_INLINE int meet_staged(const int* clusters, int count) {
     constexpr int K = 2;
@@ -253,15 +253,21 @@ HWY_NOINLINE SixSums sum_kind(const Rows& rows, const PairAtoms<T>& atoms, int k
   return sum.total();
 }
 
-template <class T, bool lj, bool charge, Ask ask>
+template <class T, bool lj, bool charge, Ask ask, bool fine = false>
 SixSums choose_law(const Rows& rows, const PairAtoms<T>& atoms, T* f) {
+  if constexpr (charge && !fine && ScreeningPieces<typename Shape<T>::D>::kMany) {
+    const Screening& screening = rows.law.screening;
+    if (ScreeningPieces<typename Shape<T>::D>::fine(ask == Ask::kEnergy ? screening.energy : screening.force))
+      return choose_law<T, lj, charge, ask, true>(rows, atoms, f);
+  }
   const int kind = (lj ? kHasLj : 0) | (charge ? kHasCharge : 0);
   const auto mixed = [&]<Mixing mixing>() {
-    return rows.law.switched() ? sum_kind<T, Choice<lj, charge, mixing, true, ask>>(rows, atoms, kind, f)
-                               : sum_kind<T, Choice<lj, charge, mixing, false, ask>>(rows, atoms, kind, f);
+    return rows.law.switched()
+               ? sum_kind<T, Choice<lj, charge, mixing, true, ask, fine>>(rows, atoms, kind, f)
+               : sum_kind<T, Choice<lj, charge, mixing, false, ask, fine>>(rows, atoms, kind, f);
   };
   if constexpr (!lj)
-    return sum_kind<T, Choice<false, charge, Mixing::kOneSigma, false, ask>>(rows, atoms, kind, f);
+    return sum_kind<T, Choice<false, charge, Mixing::kOneSigma, false, ask, fine>>(rows, atoms, kind, f);
   else if (rows.law.mixing == Mixing::kTable)
     return mixed.template operator()<Mixing::kTable>();
   else if (rows.law.mixing == Mixing::kOneSigma)
@@ -301,6 +307,9 @@ SixSums virial(const PairLaw& law, const PairAtoms<Real>& atoms, const ClusterLi
 int copies(const Real*) {
   return Shape<Real>::kRows;
 }
+ScreeningFit fit(const Real*) {
+  return ScreeningPieces<Shape<Real>::D>::fit();
+}
 
 }  // namespace taut::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -314,10 +323,15 @@ HWY_EXPORT(forces);
 HWY_EXPORT(energy);
 HWY_EXPORT(virial);
 HWY_EXPORT(copies);
+HWY_EXPORT(fit);
 
 template <>
 int force_copies<Real>() {
   return HWY_DYNAMIC_DISPATCH(copies)(nullptr);
+}
+template <>
+ScreeningFit screening_fit<Real>() {
+  return HWY_DYNAMIC_DISPATCH(fit)(nullptr);
 }
 template <>
 void add_pair_forces(const PairLaw& law, const PairAtoms<Real>& atoms, const ClusterList& list, Real* f) {

@@ -82,6 +82,10 @@ struct PairAtoms {
 template <class T>
 int force_copies();
 
+// What the machine's kernels want of PairLaw::screening.
+template <class T>
+ScreeningFit screening_fit();
+
 // Adds the forces of a list's pairs to f [kJ/mol/nm/unit·nm]: 12·force_copies() a cluster, x of all copies,
 // y, z, copy by copy.
 template <class T>

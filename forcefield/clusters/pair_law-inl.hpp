@@ -10,15 +10,17 @@
 
 #include "forcefield/clusters/inverses-inl.hpp"
 #include "forcefield/clusters/pair_lanes-inl.hpp"
+#include "forcefield/clusters/screening-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-template <bool lj, bool charge, Mixing mixing, bool switched_, Ask ask>
+// fine: Ewald's screening with more terms than the usual kernels have.
+template <bool lj, bool charge, Mixing mixing, bool switched_, Ask ask, bool fine>
 struct Choice {
-  static constexpr bool kLj = lj, kCharge = charge, kSwitched = switched_;
+  static constexpr bool kLj = lj, kCharge = charge, kSwitched = switched_, kFine = fine;
   static constexpr bool kOneSigma = mixing == Mixing::kOneSigma, kTable = mixing == Mixing::kTable;
   static constexpr bool kEnergy = ask == Ask::kEnergy, kVirial = ask == Ask::kVirial;
   static constexpr bool kSum = kEnergy || kVirial;  // no forces
@@ -55,10 +57,7 @@ class LawInLanes {
         six_sigma6_(set(6 * law.sigma6())),
         twelve_sigma12_(set(12 * law.sigma6() * law.sigma6())),
         lift_(set(law.lift / 4)),
-        screening_scale_(set(law.screening.scale)) {
-    const auto& of = C::kEnergy ? law.screening.energy : law.screening.force;
-    screening_terms_ = static_cast<int>(of.size());
-    for (int k = 0; k < screening_terms_; ++k) screening_[k] = static_cast<T>(of[k]);
+        screen_(law.screening.scale, C::kEnergy ? law.screening.energy : law.screening.force) {
     if constexpr (C::kSwitched) {
       const double width = law.cutoff - law.switch_distance;
       inv_width_ = set(1 / width);
@@ -106,8 +105,8 @@ class LawInLanes {
       if constexpr (C::kFromRoot) inv_r3[k] = hn::Mul(guess[k], hn::Mul(guess[k], guess[k]));
     }
     if constexpr (C::kCharge) {
-      if (screening_terms_ > 0) {
-        screen<K>(r2, coulomb);
+      if (screen_.wanted()) {
+        screen_(r2, coulomb);
         for (int k = 0; k < K; ++k) coulomb[k] = hn::Sub(C::kEnergy ? guess[k] : inv_r3[k], coulomb[k]);
       } else {
         for (int k = 0; k < K; ++k)
@@ -125,25 +124,6 @@ class LawInLanes {
   }
 
  private:
-  // Σ c_k tᵏ, t = scale r² − 1: even and odd powers apart, so that one need not wait for the other.
-  template <int K>
-  HWY_INLINE void screen(const V (&r2)[K], V (&out)[K]) const {
-    const D d;
-    V t[K], t2[K], odd[K];
-    for (int k = 0; k < K; ++k) {
-      t[k] = hn::MulSub(r2[k], screening_scale_, set(1));
-      t2[k] = hn::Mul(t[k], t[k]);
-      out[k] = hn::Set(d, screening_[screening_terms_ - 2]);
-      odd[k] = hn::Set(d, screening_[screening_terms_ - 1]);
-    }
-    for (int c = screening_terms_ - 4; c >= 0; c -= 2)
-      for (int k = 0; k < K; ++k) {
-        out[k] = hn::MulAdd(out[k], t2[k], hn::Set(d, screening_[c]));
-        odd[k] = hn::MulAdd(odd[k], t2[k], hn::Set(d, screening_[c + 1]));
-      }
-    for (int k = 0; k < K; ++k) out[k] = hn::MulAdd(odd[k], t[k], out[k]);
-  }
-
   static HWY_INLINE V set(double value) { return hn::Set(D(), static_cast<T>(value)); }
 
   // `inverse`: 1/r³, 1/r or 1/r².
@@ -218,9 +198,7 @@ class LawInLanes {
   V types_;
   V k_rf_, two_k_rf_, c_rf_, sigma6_, six_sigma6_, twelve_sigma12_, lift_;
   V start_{}, inv_width_{}, slope_width_{};
-  V screening_scale_;
-  int screening_terms_;
-  T screening_[kMostScreeningTerms];
+  ScreenInLanes<D, C::kFine> screen_;
 };
 
 }  // namespace taut::HWY_NAMESPACE

@@ -53,7 +53,9 @@ PairProblem problem_of(const Nonbonded& nb, bool periodic, Precision precision) 
   if (nb.cutoff) {
     const double rc = *nb.cutoff, eps = nb.rf_dielectric;
     if (nb.pme) {
-      p.law.screening = Screening(nb.pme->alpha, rc, precision == Precision::kDouble ? 1e-15 : 2e-8);
+      p.law.screening =
+          Screening(nb.pme->alpha, rc,
+                    precision == Precision::kDouble ? screening_fit<double>() : screening_fit<float>());
     } else {
       p.law.k_rf = (eps - 1) / ((2 * eps + 1) * rc * rc * rc);
       p.law.c_rf = 3 * eps / ((2 * eps + 1) * rc);

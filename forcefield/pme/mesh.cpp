@@ -19,14 +19,15 @@ constexpr int kAtomsPerThread = 200;  // fewer are not worth a thread
 // |b(m)|⁻² = |Σ_k M_n(k + 1) e^(2πimk/size)|² (eq. 4.4), m = 0 … size − 1. Where it is zero, at size/2 of odd
 // orders, the mean of its neighbours, as OpenMM has it.
 std::vector<double> spline_moduli(int order, int size) {
-  MeshAtom on_a_point;
-  find_splines(order, {0, 0, 0}, on_a_point);
+  double weight[3 * kMostOrder], slope[3 * kMostOrder];
+  const std::array<double, 3> on_a_point{};
+  const int first = 0;
+  find_splines(order, {&on_a_point, &first, 1}, {weight, slope});
   std::vector<double> moduli(size);
   for (int m = 0; m < size; ++m) {
     std::complex<double> sum = 0;
     for (int k = 0; k < order; ++k)
-      sum +=
-          on_a_point.weight[0][k] * std::polar(1.0, 2 * std::numbers::pi * double(long(m) * k % size) / size);
+      sum += weight[k] * std::polar(1.0, 2 * std::numbers::pi * double(long(m) * k % size) / size);
     moduli[m] = std::norm(sum);
   }
   for (int m = 0; m < size; ++m)
@@ -47,8 +48,11 @@ class PmeMesh::Impl {
     for (int a = 0; a < charge.size(); ++a)
       if (charge[a] != 0) charged_.push_back({a, charge[a]});
     const std::size_t n = charged_.size();
+    point_.resize(n);
+    above_.resize(n);
     place_.resize(n);
     atoms_.resize(n);
+    for (auto* of_splines : {&weight_, &slope_}) of_splines->resize(3 * MeshSplines::room(order_) * n);
     begin_.resize(size_[0] + 1);
     for (int d = 0; d < 3; ++d) moduli_[d] = spline_moduli(order_, size_[d]);
     influence_.resize(std::size_t(size_[0]) * size_[1] * grid_.half());
@@ -108,10 +112,6 @@ class PmeMesh::Impl {
     int atom;
     double charge;
   };
-  struct Place {
-    std::array<int, 3> point;     // of the grid, the one below
-    std::array<double, 3> above;  // it, 0 … 1
-  };
 
   int threads() const {
     return std::clamp(static_cast<int>(charged_.size()) / kAtomsPerThread, 1, available_threads());
@@ -121,7 +121,7 @@ class PmeMesh::Impl {
   void spread_and_transform(const Vectors& x) {
     const int n = static_cast<int>(charged_.size()), threads = this->threads();
     next_.resize(std::size_t(threads) * size_[0]);
-    in_parallel(threads, [&](int t) { place(x, Share(n, t, threads), next_of(t)); });
+    in_parallel(threads, [&](int t) { find_points(x, Share(n, t, threads), next_of(t)); });
     sort_by_plane(threads);
     in_parallel(threads, [&](int t) { lay_splines(Share(n, t, threads), next_of(t)); });
     in_parallel(threads, [&](int t) {
@@ -160,17 +160,17 @@ class PmeMesh::Impl {
   double* influence_of(int row) { return influence_.data() + std::ptrdiff_t{row} * size_[0] * grid_.half(); }
 
   // Where they are, and how many in each plane.
-  void place(const Vectors& x, const Share& share, int* count) {
+  void find_points(const Vectors& x, const Share& share, int* count) {
     std::fill_n(count, size_[0], 0);
     for (int c = share.begin; c < share.end; ++c) {
       const Vec3 s = box_.fractional(x.col(charged_[c].atom));
       for (int d = 0; d < 3; ++d) {
         const double at = (s[d] - std::floor(s[d])) * size_[d];
         const int point = std::min(static_cast<int>(at), size_[d] - 1);  // rounding on a wall
-        place_[c].point[d] = point;
-        place_[c].above[d] = at - point;
+        point_[c][d] = point;
+        above_[c][d] = at - point;
       }
-      ++count[place_[c].point[0]];
+      ++count[point_[c][0]];
     }
   }
   int* next_of(int thread) { return next_.data() + std::ptrdiff_t{thread} * size_[0]; }
@@ -187,12 +187,11 @@ class PmeMesh::Impl {
 
   void lay_splines(const Share& share, int* next) {
     for (int c = share.begin; c < share.end; ++c) {
-      MeshAtom& atom = atoms_[next[place_[c].point[0]]++];
-      atom.point = place_[c].point;
-      atom.atom = charged_[c].atom;
-      atom.charge = charged_[c].charge;
-      find_splines(order_, place_[c].above, atom);
+      place_[c] = next[point_[c][0]]++;
+      atoms_[place_[c]] = {point_[c], charged_[c].atom, charged_[c].charge};
     }
+    find_splines(order_, {above_.data() + share.begin, place_.data() + share.begin, share.end - share.begin},
+                 splines());
   }
 
   // All charges of a plane: of the atoms below it, near enough.
@@ -201,10 +200,11 @@ class PmeMesh::Impl {
     std::fill_n(grid, std::ptrdiff_t{size_[1]} * grid_.stride(), 0.0);
     for (int k = order_ - 1; k >= 0; --k) {
       const int below = ((plane - k) % size_[0] + size_[0]) % size_[0];
-      spread_charges(mesh(), plane, {atoms_.data() + begin_[below], atoms_.data() + begin_[below + 1]}, k);
+      spread_charges(mesh(), plane, atoms({begin_[below], begin_[below + 1]}), k);
     }
     for (int row = 0; row < size_[1]; ++row, grid += grid_.stride())
-      for (int k = 0; k < order_ - 1; ++k) grid[k % size_[2]] += grid[size_[2] + k];
+      for (int k = order_ - 2; k >= 0; --k)
+        grid[k] += grid[size_[2] + k];  // a short row is passed again and again
   }
 
   void apply_influence(int row) {
@@ -245,19 +245,28 @@ class PmeMesh::Impl {
   void repeat_row_starts(int plane) {
     double* row = grid_.plane(plane);
     for (int k2 = 0; k2 < size_[1]; ++k2, row += grid_.stride())
-      for (int k = 0; k < kMostOrder; ++k) row[size_[2] + k] = row[k % size_[2]];
+      for (int k = 0; k < kMostOrder; ++k) row[size_[2] + k] = row[k];
   }
 
   void gather(const Share& share, Vectors& f) {
-    const MeshGrid grid = mesh();
-    for (int c = share.begin; c < share.end; ++c) {
-      const MeshAtom& atom = atoms_[c];
-      Vec3 slope = slope_at(grid, atom);
-      for (int d = 0; d < 3; ++d) slope[d] *= size_[d];
-      f.col(atom.atom) -= atom.charge * box_.reciprocal(slope);
+    constexpr int kTogether = 64;
+    std::array<Vec3, kTogether> slopes;
+    for (int begin = share.begin; begin < share.end; begin += kTogether) {
+      const int end = std::min(begin + kTogether, share.end);
+      find_slopes(mesh(), atoms({begin, end}), slopes.data());
+      for (int c = begin; c < end; ++c) {
+        Vec3& slope = slopes[c - begin];
+        for (int d = 0; d < 3; ++d) slope[d] *= size_[d];
+        f.col(atoms_[c].atom) -= atoms_[c].charge * box_.reciprocal(slope);
+      }
     }
   }
 
+  struct Places {
+    int begin, end;
+  };
+  MeshAtoms atoms(Places p) { return {atoms_.data(), splines(), p.begin, p.end}; }
+  MeshSplines splines() { return {weight_.data(), slope_.data()}; }
   MeshGrid mesh() { return {grid_.plane(0), size_, grid_.stride(), order_}; }
 
   int order_;
@@ -266,10 +275,14 @@ class PmeMesh::Impl {
   Box box_;
   FourierGrid grid_;
   std::vector<Charged> charged_;
-  std::vector<Place> place_;     // as charged_
-  std::vector<MeshAtom> atoms_;  // by plane
-  std::vector<int> begin_;       // of a plane's, in atoms_
-  std::vector<int> next_;        // the same of a thread's, thread by thread
+  // As charged_: the point of the grid below, how far above it, 0 … 1, and the place by plane.
+  std::vector<std::array<int, 3>> point_;
+  std::vector<std::array<double, 3>> above_;
+  std::vector<int> place_;
+  std::vector<MeshAtom> atoms_;  // by plane, as what follows
+  std::vector<double> weight_, slope_;
+  std::vector<int> begin_;  // of a plane's, in atoms_
+  std::vector<int> next_;   // the same of a thread's, thread by thread
   std::array<std::vector<double>, 3> moduli_;
   std::vector<double> influence_;  // G, row by row, in it plane by plane [1/nm]
   std::vector<double> energy_of_;  // by row, as what follows

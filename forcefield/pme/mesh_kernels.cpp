@@ -12,7 +12,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 // A row of weights: as few vectors as hold the order.
 template <int order>
 struct RowOf {
-  static constexpr int kRoom = order <= 4 ? 4 : kMostOrder;
+  static constexpr int kRoom = MeshSplines::room(order);
   using D = hn::CappedTag<double, kRoom>;
   using V = hn::Vec<D>;
   static constexpr int kLanes = static_cast<int>(hn::MaxLanes(D())), kVectors = kRoom / kLanes;
@@ -41,10 +41,32 @@ HWY_INLINE auto of_order(int order, const auto& kernel) {
   }
 }
 
-// Three edges at once, and a fourth for the vector's sake.
+constexpr int kEdges = 4;  // three, and a fourth for the vector's sake
+
+// out[edge][k] = in[k][edge]
+template <int room>
+HWY_INLINE void turn(const double (&in)[kMostOrder][kEdges], double* out) {
+#if HWY_TARGET != HWY_SCALAR
+  const hn::CappedTag<double, 4> d;
+  if constexpr (hn::MaxLanes(d) == 4) {
+    for (int k = 0; k < room; k += 4, out += 4) {
+      const auto a = hn::LoadU(d, in[k]), b = hn::LoadU(d, in[k + 1]), c = hn::LoadU(d, in[k + 2]),
+                 e = hn::LoadU(d, in[k + 3]);
+      const auto even = hn::InterleaveLower(d, a, b), odd = hn::InterleaveUpper(d, a, b),
+                 even_after = hn::InterleaveLower(d, c, e), odd_after = hn::InterleaveUpper(d, c, e);
+      hn::StoreU(hn::ConcatLowerLower(d, even_after, even), d, out);
+      hn::StoreU(hn::ConcatLowerLower(d, odd_after, odd), d, out + room);
+      hn::StoreU(hn::ConcatUpperUpper(d, even_after, even), d, out + 2 * room);
+    }
+    return;
+  }
+#endif
+  for (int edge = 0; edge < 3; ++edge)
+    for (int k = 0; k < room; ++k) out[room * edge + k] = in[k][edge];
+}
+
 template <int order>
-HWY_INLINE void splines_of(const std::array<double, 3>& above, MeshAtom& atom) {
-  constexpr int kEdges = 4;
+HWY_INLINE void splines_of(const std::array<double, 3>& above, double* weight, double* its_slope) {
   double w[kEdges] = {above[0], above[1], above[2], 0}, value[kMostOrder][kEdges] = {},
          slope[kMostOrder][kEdges] = {};
   for (int d = 0; d < kEdges; ++d) {
@@ -65,15 +87,17 @@ HWY_INLINE void splines_of(const std::array<double, 3>& above, MeshAtom& atom) {
         value[k][d] = inv * ((w[d] + (n - 1 - k)) * value[k - 1][d] + (k + 1 - w[d]) * value[k][d]);
     for (int d = 0; d < kEdges; ++d) value[0][d] *= inv * (1 - w[d]);
   }
-  for (int d = 0; d < 3; ++d)
-    for (int k = 0; k < kMostOrder; ++k) {
-      atom.weight[d][k] = value[k][d];
-      atom.slope[d][k] = slope[k][d];
-    }
+  turn<MeshSplines::room(order)>(value, weight);
+  turn<MeshSplines::room(order)>(slope, its_slope);
 }
 
-void splines(int order, const std::array<double, 3>& above, MeshAtom& atom) {
-  of_order(order, [&]<int kOrder>() HWY_ATTR { splines_of<kOrder>(above, atom); });
+void splines(int order, const AbovePoints& atoms, const MeshSplines& splines) {
+  of_order(order, [&]<int kOrder>() HWY_ATTR {
+    for (int c = 0; c < atoms.count; ++c) {
+      const std::ptrdiff_t at = 3 * MeshSplines::room(kOrder) * std::ptrdiff_t{atoms.place[c]};
+      splines_of<kOrder>(atoms.above[c], splines.weight + at, splines.slope + at);
+    }
+  });
 }
 
 // The atom's row k of a plane, from its point on.
@@ -87,29 +111,32 @@ HWY_INLINE double* plane_of(const MeshGrid& grid, int k) {
 }
 
 template <int order>
-HWY_INLINE void spread_of(const MeshGrid& grid, int plane, MeshAtoms atoms, int k) {
+HWY_INLINE void spread_of(const MeshGrid& grid, int plane, const MeshAtoms& atoms, int k) {
   using Row = RowOf<order>;
   const typename Row::D d;
   double* const to = plane_of(grid, plane);
-  for (const MeshAtom* atom = atoms.begin; atom != atoms.end; ++atom) {
-    const double q = atom->charge * atom->weight[0][k];
-    const Row w = Row::from(atom->weight[2].data());
+  const double* weight = atoms.splines.weight + std::ptrdiff_t{atoms.begin} * 3 * Row::kRoom;
+  for (int a = atoms.begin; a < atoms.end; ++a, weight += 3 * Row::kRoom) {
+    const MeshAtom& atom = atoms.atom[a];
+    const double q = atom.charge * weight[k];
+    const Row w = Row::from(weight + 2 * Row::kRoom);
     for (int j = 0; j < order; ++j) {
-      double* row = row_of(grid, to, *atom, j);
-      const auto c = hn::Set(d, q * atom->weight[1][j]);
+      double* row = row_of(grid, to, atom, j);
+      const auto c = hn::Set(d, q * weight[Row::kRoom + j]);
       for (int v = 0; v < Row::kVectors; ++v, row += Row::kLanes)
         hn::StoreU(hn::MulAdd(c, w.v[v], hn::LoadU(d, row)), d, row);
     }
   }
 }
 
-void spread(const MeshGrid& grid, int plane, MeshAtoms atoms, int k) {
+void spread(const MeshGrid& grid, int plane, const MeshAtoms& atoms, int k) {
   of_order(grid.order, [&]<int kOrder>() HWY_ATTR { spread_of<kOrder>(grid, plane, atoms, k); });
 }
 
 // Along a row last: Σ φ w₁w₂, Σ φ dw₁w₂ and Σ φ w₁dw₂ there.
 template <int order>
-HWY_INLINE Vec3 slope_of_order(const MeshGrid& grid, const MeshAtom& atom) {
+HWY_INLINE Vec3 slope_of(const MeshGrid& grid, const MeshAtom& atom, const double* weight,
+                         const double* slope) {
   using Row = RowOf<order>;
   const typename Row::D d;
   const auto zero = hn::Zero(d);
@@ -122,20 +149,20 @@ HWY_INLINE Vec3 slope_of_order(const MeshGrid& grid, const MeshAtom& atom) {
     for (int v = 0; v < Row::kVectors; ++v) of.v[v] = tilt.v[v] = zero;
     for (int j = 0; j < order; ++j) {
       const Row phi = Row::from(row_of(grid, plane, atom, j));
-      const auto wj = hn::Set(d, atom.weight[1][j]), dj = hn::Set(d, atom.slope[1][j]);
+      const auto wj = hn::Set(d, weight[Row::kRoom + j]), dj = hn::Set(d, slope[Row::kRoom + j]);
       for (int v = 0; v < Row::kVectors; ++v) {
         of.v[v] = hn::MulAdd(wj, phi.v[v], of.v[v]);
         tilt.v[v] = hn::MulAdd(dj, phi.v[v], tilt.v[v]);
       }
     }
-    const auto wk = hn::Set(d, atom.weight[0][k]), dk = hn::Set(d, atom.slope[0][k]);
+    const auto wk = hn::Set(d, weight[k]), dk = hn::Set(d, slope[k]);
     for (int v = 0; v < Row::kVectors; ++v) {
       level.v[v] = hn::MulAdd(wk, of.v[v], level.v[v]);
       first.v[v] = hn::MulAdd(dk, of.v[v], first.v[v]);
       second.v[v] = hn::MulAdd(wk, tilt.v[v], second.v[v]);
     }
   }
-  const Row w = Row::from(atom.weight[2].data()), dw = Row::from(atom.slope[2].data());
+  const Row w = Row::from(weight + 2 * Row::kRoom), dw = Row::from(slope + 2 * Row::kRoom);
   auto x = zero, y = zero, z = zero;
   for (int v = 0; v < Row::kVectors; ++v) {
     x = hn::MulAdd(first.v[v], w.v[v], x);
@@ -146,8 +173,13 @@ HWY_INLINE Vec3 slope_of_order(const MeshGrid& grid, const MeshAtom& atom) {
           hn::GetLane(hn::SumOfLanes(d, z))};
 }
 
-Vec3 slope_of(const MeshGrid& grid, const MeshAtom& atom) {
-  return of_order(grid.order, [&]<int kOrder>() HWY_ATTR { return slope_of_order<kOrder>(grid, atom); });
+void slopes(const MeshGrid& grid, const MeshAtoms& atoms, Vec3* slope) {
+  of_order(grid.order, [&]<int kOrder>() HWY_ATTR {
+    for (int a = atoms.begin; a < atoms.end; ++a) {
+      const std::ptrdiff_t at = 3 * MeshSplines::room(kOrder) * std::ptrdiff_t{a};
+      *slope++ = slope_of<kOrder>(grid, atoms.atom[a], atoms.splines.weight + at, atoms.splines.slope + at);
+    }
+  });
 }
 
 }  // namespace taut::HWY_NAMESPACE
@@ -158,15 +190,15 @@ namespace taut {
 
 HWY_EXPORT(splines);
 HWY_EXPORT(spread);
-HWY_EXPORT(slope_of);
-void find_splines(int order, const std::array<double, 3>& above, MeshAtom& atom) {
-  HWY_DYNAMIC_DISPATCH(splines)(order, above, atom);
+HWY_EXPORT(slopes);
+void find_splines(int order, const AbovePoints& atoms, const MeshSplines& to) {
+  HWY_DYNAMIC_DISPATCH(splines)(order, atoms, to);
 }
-void spread_charges(const MeshGrid& grid, int plane, MeshAtoms atoms, int k) {
+void spread_charges(const MeshGrid& grid, int plane, const MeshAtoms& atoms, int k) {
   HWY_DYNAMIC_DISPATCH(spread)(grid, plane, atoms, k);
 }
-Vec3 slope_at(const MeshGrid& grid, const MeshAtom& atom) {
-  return HWY_DYNAMIC_DISPATCH(slope_of)(grid, atom);
+void find_slopes(const MeshGrid& grid, const MeshAtoms& atoms, Vec3* slope) {
+  HWY_DYNAMIC_DISPATCH(slopes)(grid, atoms, slope);
 }
 
 }  // namespace taut

@@ -16,7 +16,7 @@ constexpr int kPairsOfThread = 512;  // fewer are not worth waking a thread for
 
 Pme::Pme(const Nonbonded& nb)
     : alpha_(nb.pme->alpha),
-      screening_(alpha_, *nb.cutoff, 1e-15),
+      screening_(alpha_, *nb.cutoff, {.error = 1e-15}),
       total_(nb.charge.sum()),
       constant_(-kCoulomb * alpha_ / std::sqrt(std::numbers::pi) * nb.charge.squaredNorm()),
       mesh_(std::sqrt(kCoulomb) * nb.charge, *nb.pme) {

@@ -1,5 +1,7 @@
 #include "forcefield/pme/screening.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -16,7 +18,7 @@ void screen_pairs(const Screening& s, ScreenedPairs& pairs) {
   using D = hn::CappedTag<double, kScreenedPairs>;
   const D d;
   for (int l = 0; l < kScreenedPairs; l += static_cast<int>(hn::MaxLanes(d))) {
-    const auto t = hn::MulSub(hn::LoadU(d, pairs.r2 + l), hn::Set(d, s.scale), hn::Set(d, 1.0));
+    const auto t = hn::MulSub(hn::LoadU(d, pairs.r2 + l), hn::Set(d, s.scale), hn::Set(d, 0.5));
     auto energy = hn::Zero(d), force = energy;
     for (std::size_t k = s.energy.size(); k-- > 0;) energy = hn::MulAdd(energy, t, hn::Set(d, s.energy[k]));
     for (std::size_t k = s.force.size(); k-- > 0;) force = hn::MulAdd(force, t, hn::Set(d, s.force[k]));
@@ -48,45 +50,74 @@ Real screened(Real s, int first) {
   return first == 1 ? std::erf(u) / u : (std::erf(u) - 2 * u / std::sqrt(kPi) * std::exp(-s)) / (s * u);
 }
 
-// f(t), −1 ≤ t ≤ 1, as Σ c_k t^k.
-template <class Function>
-std::vector<double> polynomial(const Function& f, double error) {
-  constexpr int kPoints = kMostScreeningTerms;
-  std::vector<Real> chebyshev(kPoints);
-  Real largest = 0;
-  for (int p = 0; p < kPoints; ++p) {
-    const auto wave = [p](int k) {
-      return std::cos(kPi * (k * (2 * p + 1) % (4 * kPoints)) / (2 * kPoints));
-    };
-    const Real value = f(wave(1));
-    largest = std::max(largest, std::abs(value));
-    for (int k = 0; k < kPoints; ++k) chebyshev[k] += (k == 0 ? 1 : 2) * value * wave(k) / kPoints;
-  }
-  int terms = 2;  // they fall steadily
-  while (terms < kPoints && std::abs(chebyshev[terms]) > error * largest) ++terms;
-  terms += terms % 2;
+constexpr int kPoints = 96;
+using Terms = std::array<Real, kPoints>;
 
-  // T₀ = 1, T₁ = t, T_{k+1} = 2t T_k − T_{k−1}
-  std::vector<Real> sum(terms), before(terms), now(terms), next(terms);
+// cos(πn/2kPoints)
+Real wave(int n) {
+  static const auto kWaves = [] {
+    std::array<Real, 4 * kPoints> waves;
+    for (int m = 0; m < 4 * kPoints; ++m) waves[m] = std::cos(kPi * m / (2 * kPoints));
+    return waves;
+  }();
+  return kWaves[n % (4 * kPoints)];
+}
+
+// f(t), −½ ≤ t ≤ ½, as Σ c_k T_k(2t).
+Terms interpolate(const auto& f) {
+  Terms c{};
+  for (int p = 0; p < kPoints; ++p) {
+    const Real value = f(wave(2 * p + 1) / 2);
+    for (int k = 0; k < kPoints; ++k) c[k] += (k == 0 ? 1 : 2) * value * wave(k * (2 * p + 1)) / kPoints;
+  }
+  return c;
+}
+
+// The first of those terms as Σ c_k t^k: T₀ = 1, T₁ = 2t, T_{k+1} = 4t T_k − T_{k−1}.
+Terms powers(const Terms& c, int terms) {
+  Terms sum{}, before{}, now{}, next{};
   now[0] = 1;
   for (int k = 0; k < terms; ++k) {
-    for (int c = 0; c < terms; ++c) {
-      sum[c] += chebyshev[k] * now[c];
-      next[c] = (k == 0 ? 1 : 2) * (c > 0 ? now[c - 1] : 0) - before[c];
+    for (int n = 0; n < terms; ++n) {
+      sum[n] += c[k] * now[n];
+      next[n] = (k == 0 ? 2 : 4) * (n > 0 ? now[n - 1] : 0) - before[n];
     }
     before = now;
     now = next;
   }
-  return {sum.begin(), sum.end()};
+  return sum;
+}
+
+// f(scale r²) in pieces. Within the cutoff the nearest whole number is a piece.
+Real centre(const ScreeningFit& fit, int piece) {
+  return fit.pieces == 1 ? 0.5L : piece;
+}
+
+std::vector<double> polynomials(const auto& f, const ScreeningFit& fit) {
+  std::vector<Terms> pieces;
+  for (int p = 0; p < fit.pieces; ++p)
+    pieces.push_back(interpolate([&](Real t) { return f(centre(fit, p) + t); }));
+  const Real largest = f(0);
+  int terms = fit.terms;  // what they add falls steadily
+  const auto matters = [&](const Terms& c) { return std::abs(c[terms]) > fit.error * largest; };
+  while (terms + 2 < kPoints && std::any_of(pieces.begin(), pieces.end(), matters)) terms += 2;
+
+  std::vector<double> numbers(std::size_t(terms) * fit.pieces);
+  for (int p = 0; p < fit.pieces; ++p) {
+    const Terms c = powers(pieces[p], terms);
+    for (int k = 0; k < terms; ++k) numbers[k * fit.pieces + p] = static_cast<double>(c[k]);
+  }
+  return numbers;
 }
 
 }  // namespace
 
-Screening::Screening(double given_alpha, double cutoff, double error)
-    : alpha(given_alpha), scale(2 / (cutoff * cutoff)) {
-  const Real a = alpha, s = a * a * cutoff * cutoff / 2;
-  energy = polynomial([&](Real t) { return a * screened(s * (t + 1), 1); }, error);
-  force = polynomial([&](Real t) { return a * a * a * screened(s * (t + 1), 2); }, error);
+Screening::Screening(double given_alpha, double cutoff, const ScreeningFit& fit)
+    : alpha(given_alpha),
+      scale((static_cast<double>(centre(fit, fit.pieces - 1)) + 0.4999) / (cutoff * cutoff)) {
+  const Real a = alpha, squared = a * a / scale;
+  energy = polynomials([&](Real u) { return a * screened(squared * u, 1); }, fit);
+  force = polynomials([&](Real u) { return a * a * a * screened(squared * u, 2); }, fit);
 }
 
 // Further off than the polynomials go, by erf itself.
@@ -94,7 +125,7 @@ void screen(const Screening& s, ScreenedPairs& pairs) {
   HWY_DYNAMIC_DISPATCH(screen_pairs)(s, pairs);
   for (int l = 0; l < kScreenedPairs; ++l) {
     const double r2 = pairs.r2[l], r = std::sqrt(r2), u = s.alpha * r;
-    if (s.scale * r2 <= 2) continue;
+    if (s.scale * r2 <= 1) continue;
     pairs.energy[l] = std::erf(u) / r;
     pairs.force[l] = (pairs.energy[l] - 2 * std::numbers::inv_sqrtpi * s.alpha * std::exp(-u * u)) / r2;
   }
