@@ -59,8 +59,8 @@ def figures(log):
     }
 
 
-def log_of(options, out, model, method, steps, *settings):
-    command = [options.taut, "run", *SCENES[model], "--method", method, "--steps", str(steps)]
+def log_of(options, out, model, method, *settings):
+    command = [options.taut, "run", *SCENES[model], "--method", method]
     for setting in ["forcefield.coulomb=pme", "run.thermostat=langevin", *settings, *options.set]:
         command += ["--set", setting]
     subprocess.run([*command, "--continue", "--out", out], check=True, stdout=subprocess.DEVNULL)
@@ -68,13 +68,13 @@ def log_of(options, out, model, method, steps, *settings):
 
 
 def run(options, folder, model, method, barostat):
-    return figures(log_of(options, folder / f"{model}-{method}-{barostat}", model, method, 500 * options.ps,
-                          f"run.barostat={barostat}", "run.log_every=25"))
+    return figures(log_of(options, folder / f"{model}-{method}-{barostat}", model, method,
+                          f"run.steps={500 * options.ps}", f"run.barostat={barostat}", "run.log_every=25"))
 
 
 def pressures(options, folder, model, method, seed):
     out = folder / f"{model}-{method}-{seed}"
-    log = log_of(options, out, model, method, 100, "run.log_every=1", f"run.seed={seed}")
+    log = log_of(options, out, model, method, "run.steps=100", "run.log_every=1", f"run.seed={seed}")
     with open(log) as file:
         return [float(row["Pressure (bar)"]) for row in csv.DictReader(file)][1:]
 
