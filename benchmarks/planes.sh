@@ -9,7 +9,7 @@ shift || true
 export OMP_NUM_THREADS=1
 dna="tests/data/dna-hbonds"
 declare -A scenes=(
-  [chain]="freely_jointed" [water_1fs]="water --dt-fs 1" [water_2fs]="water --dt-fs 2"
+  [chain]="freely_jointed" [water_2fs]="water --dt-fs 2"
   [decane_2fs]="decane --dt-fs 2"
   [dna_2fs]="--openmm $dna.system.xml $dna.state.xml --dt-fs 2 --set run.velocities=draw run.temperature_k=300")
 names=("$@")

@@ -84,17 +84,21 @@ TEST(StudyCommands, ChartsWithAReportThatNeedsNothingElse) {
 TEST(StudyCommands, StabilitySaysHowEachMethodFails) {
   const TemporaryFolder folder;
   const fs::path out = folder.path() / "stability";
-  const auto [exit_code, text] =
-      taut("stability diatomic --quick --steps 100 --dt-fs 2.5 --methods shake settle --out " + out.string());
+  const std::string gains = "--alpha-h 0.1 0.3 --beta-h 1 1.4 ";
+  const auto [exit_code, text] = taut("stability diatomic --quick --steps 100 " + gains +
+                                      "--dt-fs 2.5 --methods shake settle --out " + out.string());
   ASSERT_EQ(exit_code, 0) << text;
+  EXPECT_THAT(text, HasSubstr("16 points in the plane"));  // of four dampings
+  EXPECT_THAT(contents(out / "plane.csv"), HasSubstr("centred,0.3,1.4,"));
   EXPECT_THAT(text, HasSubstr("the bond turned by 90° in one step"));
   for (const char* name : {"plane.csv", "plane.gp", "steps.csv", "steps.gp", "limits.csv", "report.html"})
     EXPECT_TRUE(fs::exists(out / name)) << name;
-  EXPECT_THAT(
-      page(out),
-      HasSubstr("<code>taut stability diatomic --methods shake settle --dt-fs 2.5 --steps 100 --quick "
-                "--out " +
-                out.string() + "</code>"));
+  EXPECT_THAT(page(out),
+              HasSubstr("<code>taut stability diatomic --methods shake settle --dt-fs 2.5 --steps 100 " +
+                        gains + "--quick --out " + out.string() + "</code>"));
+  const auto refused = taut("stability diatomic --beta-h 1 --out " + out.string() + "2");
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.text, HasSubstr("--beta-h: expected at least two numbers"));
 }
 
 // What OpenMM wrote is studied as a scene is, and the commands in reports and lines say so.
