@@ -1,5 +1,7 @@
 #include "forcefield/pme/mesh.hpp"
 
+#include <hwy/cache_control.h>
+
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -253,6 +255,7 @@ class PmeMesh::Impl {
     std::array<Vec3, kTogether> slopes;
     for (int begin = share.begin; begin < share.end; begin += kTogether) {
       const int end = std::min(begin + kTogether, share.end);
+      for (int c = begin; c < end; ++c) hwy::Prefetch(f.data() + 3 * std::ptrdiff_t{atoms_[c].atom});
       find_slopes(mesh(), atoms({begin, end}), slopes.data());
       for (int c = begin; c < end; ++c) {
         Vec3& slope = slopes[c - begin];

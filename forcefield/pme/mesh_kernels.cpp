@@ -1,5 +1,9 @@
 #include "forcefield/pme/mesh_kernels.hpp"
 
+#include <hwy/cache_control.h>
+
+#include <algorithm>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "forcefield/pme/mesh_kernels.cpp"
 #include "forcefield/clusters/simd_targets.hpp"
@@ -93,8 +97,15 @@ HWY_INLINE void splines_of(const std::array<double, 3>& above, double* weight, d
 
 void splines(int order, const AbovePoints& atoms, const MeshSplines& splines) {
   of_order(order, [&]<int kOrder>() HWY_ATTR {
+    constexpr int kNumbers = 3 * MeshSplines::room(kOrder), kAhead = 16;  // asked for: places lie anywhere
     for (int c = 0; c < atoms.count; ++c) {
-      const std::ptrdiff_t at = 3 * MeshSplines::room(kOrder) * std::ptrdiff_t{atoms.place[c]};
+      const std::ptrdiff_t ahead =
+          kNumbers * std::ptrdiff_t{atoms.place[std::min(c + kAhead, atoms.count - 1)]};
+      for (int n = 0; n < kNumbers; n += 8) {
+        hwy::Prefetch(splines.weight + ahead + n);
+        hwy::Prefetch(splines.slope + ahead + n);
+      }
+      const std::ptrdiff_t at = kNumbers * std::ptrdiff_t{atoms.place[c]};
       splines_of<kOrder>(atoms.above[c], splines.weight + at, splines.slope + at);
     }
   });
