@@ -37,11 +37,11 @@ void subtract(const std::array<int, 4>& a, const Dihedral& d, double slope, Vect
 }
 
 // The cell an angle is in, and how far, from 0 to 1.
-struct Place {
+struct PlaceOnMap {
   int cell;
   double within;
 
-  Place(double angle, int n) {
+  PlaceOnMap(double angle, int n) {
     const double turns = angle / (2 * std::numbers::pi), at = (turns - std::floor(turns)) * n;
     cell = std::min(static_cast<int>(at), n - 1);
     within = at - cell;
@@ -69,7 +69,7 @@ CmapSurface::CmapSurface(const Eigen::MatrixXd& points) : n_(static_cast<int>(po
 }
 
 CmapSurface::Value CmapSurface::at(double phi, double psi) const {
-  const Place a(phi, n_), b(psi, n_);
+  const PlaceOnMap a(phi, n_), b(psi, n_);
   const double t = a.within, u = b.within, per_radian = n_ / (2 * std::numbers::pi);
   const Eigen::RowVector4d power(1, t, t * t, t * t * t), slope(0, 1, 2 * t, 3 * t * t);
   const Eigen::Vector4d of_u = cells_[a.cell * n_ + b.cell] * Eigen::Vector4d(1, u, u * u, u * u * u);

@@ -48,18 +48,18 @@ ordered_json json_of(const Estimate& e) {
 
 // Of each type of molecule; classes without degrees of freedom are left out.
 ordered_json temperatures_json(const Temperatures& temperatures) {
-  ordered_json json;
+  ordered_json object;
   for (std::size_t type = 0; type < temperatures.types().size(); ++type)
     for (int motion = 0; motion < 3; ++motion)
       if (temperatures.types()[type].dof[motion] > 0.5)
-        json[temperatures.types()[type].name][kMotionNames[motion]] =
+        object[temperatures.types()[type].name][kMotionNames[motion]] =
             json_of(temperatures.temperature(static_cast<int>(type), MotionClass(motion)));
-  return json;
+  return object;
 }
 
 ordered_json json_of(const Simulation& simulation, const Summary& s) {
   const Scene& scene = simulation.scene();
-  ordered_json json = {
+  ordered_json object = {
       {"scene", scene.name},
       {"method", scene.method.name()},
       {"atoms", scene.system.atoms()},
@@ -86,31 +86,31 @@ ordered_json json_of(const Simulation& simulation, const Summary& s) {
       {"seed", scene.run.seed},
       {"temperatures_k", temperatures_json(simulation.temperatures())},
   };
-  if (!s.pressure) return json;
-  json["pressure_bar"] = json_of(*s.pressure);
-  json["volume_nm3"] = json_of(s.volume);
-  json["density_kg_m3"] = json_of(s.density);
+  if (!s.pressure) return object;
+  object["pressure_bar"] = json_of(*s.pressure);
+  object["volume_nm3"] = json_of(s.volume);
+  object["density_kg_m3"] = json_of(s.density);
   for (std::size_t k = 0; k < kTensorNames.size(); ++k)
-    json["pressure_tensor_bar"][kTensorNames[k]] = json_of(s.pressure_tensor[k]);
-  return json;
+    object["pressure_tensor_bar"][kTensorNames[k]] = json_of(s.pressure_tensor[k]);
+  return object;
 }
 
 ordered_json failure_json(const Diagnosis& d) {
-  ordered_json json = {{"step", d.step}, {"time_ps", d.t}, {"cause", d.cause}, {"try", d.advice}};
+  ordered_json object = {{"step", d.step}, {"time_ps", d.t}, {"cause", d.cause}, {"try", d.advice}};
   if (d.bond >= 0)
-    json["bond"] = {{"index", d.bond},
+    object["bond"] = {{"index", d.bond},
                     {"atoms", {d.held.i, d.held.j}},
                     {"length_nm", d.length},
                     {"length_before_nm", d.length_before},
                     {"target_nm", d.held.length}};
-  json["largest_force"] = {{"kj_mol_nm", d.largest_force}, {"atom", d.atom}};
-  json["last_good_frame"] = {{"file", "last_good.start.toml"}, {"step", d.step - 1}};
-  return json;
+  object["largest_force"] = {{"kj_mol_nm", d.largest_force}, {"atom", d.atom}};
+  object["last_good_frame"] = {{"file", "last_good.start.toml"}, {"step", d.step - 1}};
+  return object;
 }
 
-void write_aside(const fs::path& path, const ordered_json& json) {
+void write_aside(const fs::path& path, const ordered_json& object) {
   AtomicFile file(path);
-  file.write(json.dump(2) + "\n");
+  file.write(object.dump(2) + "\n");
   file.commit();
 }
 

@@ -266,7 +266,7 @@ double reduction_to_copy(const CalibrationPlan& plan, const Bench& reference, co
 std::vector<ShapeCourse> courses_of_shapes(const System& sys, const std::vector<Errors>& foretold,
                                            const std::vector<Errors>& measured) {
   std::vector<ShapeCourse> courses;
-  for (const ClusterShape& shape : cluster_shapes(sys))
+  for (const SweptShape& shape : cluster_shapes(sys))
     courses.push_back({shape.name, course_of(foretold, shape.bonds), course_of(measured, shape.bonds)});
   return courses;
 }

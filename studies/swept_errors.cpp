@@ -56,7 +56,7 @@ double SweptErrors::slowest() const {
   return std::exp(log_of_half / (kPowers - kPowers / 2));
 }
 
-std::vector<ClusterShape> cluster_shapes(const System& sys) {
+std::vector<SweptShape> cluster_shapes(const System& sys) {
   std::vector<IndexPair> pairs;
   for (const auto& [i, j, d] : sys.bonds)
     if (sys.mass[i] > 0 && sys.mass[j] > 0) pairs.push_back({i, j});
@@ -67,7 +67,7 @@ std::vector<ClusterShape> cluster_shapes(const System& sys) {
     clusters[cluster_of_atom[sys.mass[i] > 0 ? i : j]].push_back(k);
   }
   std::map<std::vector<double>, std::size_t> known;
-  std::vector<ClusterShape> shapes;
+  std::vector<SweptShape> shapes;
   std::vector<int> counts;
   for (const auto& [first, bonds] : clusters) {
     std::vector<double> kind;

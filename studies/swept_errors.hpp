@@ -28,10 +28,10 @@ class SweptErrors {
 };
 
 // Bonds tied together alike: the same masses and lengths in the same order.
-struct ClusterShape {
+struct SweptShape {
   std::string name;        // "216 of 3 bonds"
   std::vector<int> bonds;  // of all its clusters
 };
-std::vector<ClusterShape> cluster_shapes(const System& sys);
+std::vector<SweptShape> cluster_shapes(const System& sys);
 
 }  // namespace taut

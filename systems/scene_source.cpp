@@ -39,8 +39,8 @@ class Unpacked {
   Unpacked(const Unpacked&) = delete;
   Unpacked& operator=(const Unpacked&) = delete;
   ~Unpacked() {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
+    std::error_code left_there;
+    fs::remove_all(folder_, left_there);
   }
 
   // As said of the files by the names they came with.

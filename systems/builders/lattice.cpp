@@ -15,9 +15,9 @@ constexpr double kMostStretched = 8;  // a layer of cells beside all of them, be
 const double kRowHeight = std::sqrt(0.75);  // of a hexagonal lattice, in spacings
 
 // The counts worth trying along an edge that should have `ideal` cells.
-struct Counts {
+struct CountsToTry {
   int least, most;
-  Counts(double ideal, int step)
+  CountsToTry(double ideal, int step)
       : least(std::max(step, static_cast<int>(0.7 * ideal) / step * step)),
         most(static_cast<int>(std::ceil(1.4 * ideal)) + step) {}
 };
@@ -34,7 +34,7 @@ Grid fit_grid(long cells, const Vec3& cell, int ny_step) {
   if (!((ideal_y + 1) * (ideal_z + 1) < kMostStretched * static_cast<double>(cells + 8)))
     throw InputError(fmt::format("no box near to a cube holds {} cells of {:.3g} × {:.3g} × {:.3g} nm", cells,
                                  cell.x(), cell.y(), cell.z()));
-  const Counts y(ideal_y, ny_step), z(ideal_z, 1);
+  const CountsToTry y(ideal_y, ny_step), z(ideal_z, 1);
   Grid best{};
   double least_cost = std::numeric_limits<double>::infinity();
   for (int nz = z.least; nz <= z.most; ++nz)

@@ -22,7 +22,7 @@ constexpr int kSweeps = 4000;         // over all distances
 constexpr double kClosed = 1e-10;     // of a length
 constexpr double kTouch = 0.85 / 2;   // radius of a sphere, in σ: two come as near as 0.85 σ in a liquid
 constexpr double kBareCharge = 0.05;  // of a charge without Lennard-Jones [nm]
-constexpr int kNear = 3;              // ties apart
+constexpr int kNeighbours = 3;              // ties apart
 
 Vec3 at_angle(const Vec3& axis, double angle, Random& random) {
   const Vec3 u = axis.normalized(), w = random.unit_vector();
@@ -50,7 +50,7 @@ Conformations::Conformations(const Molecule& molecule, double kT)
     : molecule_(molecule), kT_(kT), shaped_(molecule.x.cols() > 0), near_(molecule.atoms()) {
   for (int a = 0; a < molecule.atoms(); ++a) radius_.push_back(radius_of(molecule, a));
   if (shaped_) return;
-  for (const auto& [i, j, apart] : near_pairs(molecule, kNear)) {
+  for (const auto& [i, j, apart] : near_pairs(molecule, kNeighbours)) {
     near_[i].push_back(j);
     near_[j].push_back(i);
   }

@@ -62,9 +62,9 @@ struct PowerLaw {
   template <class Energy>
   explicit PowerLaw(const Energy& energy) {
     const auto inv_r6 = [](double r) { return std::pow(r, -6); };
-    constexpr double kFar = 1e3, kNear = 1e-3;  // [nm]
+    constexpr double kFar = 1e3, kClose = 1e-3;  // [nm]
     b = -energy(kFar) / inv_r6(kFar);
-    a = (energy(kNear) / inv_r6(kNear) + b) / inv_r6(kNear);
+    a = (energy(kClose) / inv_r6(kClose) + b) / inv_r6(kClose);
     if (std::abs(a) < 1e-20 * std::abs(b)) a = 0;  // rounding
     if (std::abs(b) < 1e-12 * std::abs(a)) b = 0;
     for (const double r : {0.02, 0.1, 0.17, 0.25, 0.33, 0.41, 0.6, 0.9, 1.2, 3.0}) {

@@ -124,8 +124,8 @@ void write_nonbonded(Node forces, const Nonbonded& from, const Box& box) {
 
 // The names of a custom force's parameters: `each` those of every term, and those of all with their values.
 using Names = std::initializer_list<const char*>;
-using Values = std::initializer_list<std::pair<const char*, double>>;
-void write_parameters(Node force, const char* each, Names of_each, Values of_all) {
+using NamedValues = std::initializer_list<std::pair<const char*, double>>;
+void write_parameters(Node force, const char* each, Names of_each, NamedValues of_all) {
   Node list = force.append_child(each);
   for (const char* name : of_each) put(list.append_child("Parameter"), "name", name);
   list = force.append_child("GlobalParameters");
@@ -176,7 +176,7 @@ void write_table(Node functions, const char* name, const Eigen::MatrixXd& table)
   put(function, "name", name);
   put(function, "xsize", table.rows());
   put(function, "ysize", table.cols());
-  Node values = function.append_child("Values");
+  Node values = function.append_child("NamedValues");
   for (double v : table.reshaped()) append(values, "Value", {{"v", &v}});
 }
 
@@ -204,7 +204,7 @@ void write_lj_table(Node forces, const Nonbonded& from, const Box& box) {
   force.append_child("InteractionGroups");
 }
 
-Node write_external(Node forces, std::string energy, Names of_each, Values of_all) {
+Node write_external(Node forces, std::string energy, Names of_each, NamedValues of_all) {
   Node force = write_force(forces, "CustomExternalForce", {{"energy", &energy}});
   write_parameters(force, "PerParticleParameters", of_each, of_all);
   return force.append_child("Particles");

@@ -133,42 +133,42 @@ void read_nonbonded(const Reading& r) {
 }
 
 // With the version OpenMM 7.7 writes, which 8.6 reads too, and that 8.6 writes.
-struct Kind {
+struct ForceKind {
   const char* type;
   int oldest, newest;
   void (*read)(const Reading&);
 };
-constexpr std::array kKinds = {
-    Kind{InXml<HarmonicBond>::kForce, 2, 2, read_bonded<HarmonicBond, &Terms::bonds>},
-    Kind{InXml<HarmonicAngle>::kForce, 2, 2, read_bonded<HarmonicAngle, &Terms::angles>},
-    Kind{InXml<PeriodicTorsion>::kForce, 2, 2, read_bonded<PeriodicTorsion, &Terms::torsions>},
-    Kind{InXml<RyckaertBellemans>::kForce, 2, 2, read_bonded<RyckaertBellemans, &Terms::rb_torsions>},
-    Kind{"CMAPTorsionForce", 2, 2, read_cmap},
-    Kind{"NonbondedForce", 4, 4, read_nonbonded},
-    Kind{"CMMotionRemover", 1, 1, read_momentum_remover},
-    Kind{"AndersenThermostat", 1, 1, read_thermostat},
-    Kind{"MonteCarloBarostat", 1, 1, read_barostat},
-    Kind{"CustomBondForce", 3, 3, read_custom_bonds},
-    Kind{"CustomAngleForce", 3, 3, read_custom_angles},
-    Kind{"CustomTorsionForce", 3, 3, read_custom_torsions},
-    Kind{"CustomExternalForce", 1, 1, read_custom_external},
-    Kind{"CustomNonbondedForce", 2, 3, read_custom_nonbonded},
+constexpr std::array kForceKinds = {
+    ForceKind{InXml<HarmonicBond>::kForce, 2, 2, read_bonded<HarmonicBond, &Terms::bonds>},
+    ForceKind{InXml<HarmonicAngle>::kForce, 2, 2, read_bonded<HarmonicAngle, &Terms::angles>},
+    ForceKind{InXml<PeriodicTorsion>::kForce, 2, 2, read_bonded<PeriodicTorsion, &Terms::torsions>},
+    ForceKind{InXml<RyckaertBellemans>::kForce, 2, 2, read_bonded<RyckaertBellemans, &Terms::rb_torsions>},
+    ForceKind{"CMAPTorsionForce", 2, 2, read_cmap},
+    ForceKind{"NonbondedForce", 4, 4, read_nonbonded},
+    ForceKind{"CMMotionRemover", 1, 1, read_momentum_remover},
+    ForceKind{"AndersenThermostat", 1, 1, read_thermostat},
+    ForceKind{"MonteCarloBarostat", 1, 1, read_barostat},
+    ForceKind{"CustomBondForce", 3, 3, read_custom_bonds},
+    ForceKind{"CustomAngleForce", 3, 3, read_custom_angles},
+    ForceKind{"CustomTorsionForce", 3, 3, read_custom_torsions},
+    ForceKind{"CustomExternalForce", 1, 1, read_custom_external},
+    ForceKind{"CustomNonbondedForce", 2, 3, read_custom_nonbonded},
 };
 
 constexpr auto kind_named(std::string_view type) {
-  return std::find_if(kKinds.begin(), kKinds.end(), [&](const Kind& k) { return k.type == type; });
+  return std::find_if(kForceKinds.begin(), kForceKinds.end(), [&](const ForceKind& k) { return k.type == type; });
 }
 
-const Kind& kind_of(const Element& force) {
+const ForceKind& kind_of(const Element& force) {
   const std::string type = force.text("type");
   if (type.starts_with("MonteCarlo") && type != "MonteCarloBarostat")
     force.refuse(
         "is a barostat taut has not: take it out, and say run.barostat = \"c-rescale\" with run.coupling = "
         "\"anisotropic\" or \"semi-isotropic\"");
   const auto kind = kind_named(type);
-  if (kind == kKinds.end()) {
+  if (kind == kForceKinds.end()) {
     std::vector<std::string_view> known;
-    for (const Kind& k : kKinds) known.emplace_back(k.type);
+    for (const ForceKind& k : kForceKinds) known.emplace_back(k.type);
     force.refuse(fmt::format("is not one taut knows: it has {}", fmt::join(known, ", ")));
   }
   const std::string version = force.text("version");

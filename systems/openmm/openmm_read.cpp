@@ -192,7 +192,7 @@ void mend_molecules(const PlacedForces& forces, const std::vector<RigidBond>& co
 }
 
 template <class Term>
-void append(std::vector<Term>& to, const std::vector<Term>& from) {
+void add_all(std::vector<Term>& to, const std::vector<Term>& from) {
   to.insert(to.end(), from.begin(), from.end());
 }
 
@@ -204,17 +204,17 @@ void add_one(const Element& at, std::optional<Part>& to, std::optional<Part>& fr
 
 void add(PlacedForce& placed, OpenMMInput& input) {
   Terms &from = placed.force.terms, &to = input.terms;
-  append(to.bonds, from.bonds);
-  append(to.angles, from.angles);
-  append(to.torsions, from.torsions);
-  append(to.rb_torsions, from.rb_torsions);
-  append(to.harmonic_torsions, from.harmonic_torsions);
+  add_all(to.bonds, from.bonds);
+  add_all(to.angles, from.angles);
+  add_all(to.torsions, from.torsions);
+  add_all(to.rb_torsions, from.rb_torsions);
+  add_all(to.harmonic_torsions, from.harmonic_torsions);
   for (CmapTorsion& t : from.cmaps) t.map += static_cast<int>(to.maps.size());
-  append(to.maps, from.maps);
-  append(to.cmaps, from.cmaps);
-  append(to.fene, from.fene);
-  append(to.pulls, from.pulls);
-  append(to.restraints, from.restraints);
+  add_all(to.maps, from.maps);
+  add_all(to.cmaps, from.cmaps);
+  add_all(to.fene, from.fene);
+  add_all(to.pulls, from.pulls);
+  add_all(to.restraints, from.restraints);
   add_one(placed.at, to.nonbonded, from.nonbonded);
   add_one(placed.at, to.wca, from.wca);
   add_one(placed.at, to.gravity, from.gravity);

@@ -9,26 +9,24 @@
 namespace taut {
 namespace {
 
-using Kind = VirtualSite::Kind;
-
 struct SiteKind {
   const char* element;
-  Kind kind;
+  VirtualSite::Kind kind;
   std::size_t parents;  // 0: any number
 };
-constexpr SiteKind kKinds[] = {{"TwoParticleAverageSite", Kind::kAverage, 2},
-                               {"ThreeParticleAverageSite", Kind::kAverage, 3},
-                               {"OutOfPlaneSite", Kind::kOutOfPlane, 3},
-                               {"LocalCoordinatesSite", Kind::kLocal, 0}};
+constexpr SiteKind kSiteKinds[] = {{"TwoParticleAverageSite", VirtualSite::Kind::kAverage, 2},
+                               {"ThreeParticleAverageSite", VirtualSite::Kind::kAverage, 3},
+                               {"OutOfPlaneSite", VirtualSite::Kind::kOutOfPlane, 3},
+                               {"LocalCoordinatesSite", VirtualSite::Kind::kLocal, 0}};
 
 // A site's attributes, read into it or written from it.
 class SiteAttributes {
  public:
   SiteAttributes(VirtualSite& site, int atoms) : site_(site), atoms_(atoms) {
-    if (site.kind == Kind::kLocal)
+    if (site.kind == VirtualSite::Kind::kLocal)
       for (int d = 0; d < 3; ++d) add("pos", d + 1, &site.p[d]);
     for (std::size_t k = 0; k < site.parents.size(); ++k) add_parent(k);
-    if (site.kind == Kind::kOutOfPlane) {
+    if (site.kind == VirtualSite::Kind::kOutOfPlane) {
       add("w", 12, &site.parents[1].w);
       add("w", 13, &site.parents[2].w);
       fields_.push_back({"wc", &site.p[2]});
@@ -41,8 +39,8 @@ class SiteAttributes {
     auto& [atom, w, w_x, w_y] = site_.parents[k];
     const int n = static_cast<int>(k) + 1;
     fields_.push_back(atom_field(named("p", n), atom, atoms_));
-    if (site_.kind == Kind::kAverage) add("w", n, &w);
-    if (site_.kind != Kind::kLocal) return;
+    if (site_.kind == VirtualSite::Kind::kAverage) add("w", n, &w);
+    if (site_.kind != VirtualSite::Kind::kLocal) return;
     add("wo", n, &w);
     add("wx", n, &w_x);
     add("wy", n, &w_y);
@@ -68,14 +66,14 @@ std::size_t count_parents(const Element& site) {
 
 VirtualSite read_site(const Element& particle, int atom, int atoms) {
   std::vector<std::string_view> known;
-  for (const auto& [element, kind, parents] : kKinds) {
+  for (const auto& [element, kind, parents] : kSiteKinds) {
     known.emplace_back(element);
     if (!particle.has(element)) continue;
     particle.check_parts({element});
     const Element at = particle.part(element);
     VirtualSite site{atom, kind, std::vector<VirtualSite::Parent>(parents ? parents : count_parents(at))};
     at.read_leaf(SiteAttributes(site, atoms).fields());
-    if (kind != Kind::kOutOfPlane) return site;
+    if (kind != VirtualSite::Kind::kOutOfPlane) return site;
     const auto& of = site.parents;
     return VirtualSite::out_of_plane(atom, of[0].atom, of[1].atom, of[2].atom, {of[1].w, of[2].w, site.p[2]});
   }
@@ -84,7 +82,7 @@ VirtualSite read_site(const Element& particle, int atom, int atoms) {
 }
 
 void write_site(pugi::xml_node particle, VirtualSite site) {
-  for (const auto& [element, kind, parents] : kKinds)
+  for (const auto& [element, kind, parents] : kSiteKinds)
     if (kind == site.kind && (parents == 0 || parents == site.parents.size())) {
       append(particle, element, SiteAttributes(site, 0).fields());
       return;
