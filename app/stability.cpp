@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <ranges>
 
 #include "md/errors.hpp"
 #include "studies/stability_study.hpp"
@@ -66,8 +65,8 @@ std::vector<std::string> notes_of(const StabilityPlan& plan, const StabilityArgu
 }
 
 void print_plane(const std::vector<Job>& plane, const Ledger& ledger) {
-  const auto failed = std::ranges::count_if(plane | std::views::drop(1),
-                                            [&](const Job& job) { return ledger.at(job.name).failed(); });
+  const auto failed = std::count_if(plane.begin() + 1, plane.end(),
+                                    [&](const Job& job) { return ledger.at(job.name).failed(); });
   fmt::print("\n{} of {} gains failed or were refused: × in the picture, reasons in plane.csv\n", failed,
              plane.size() - 1);  // one is newton's
 }
