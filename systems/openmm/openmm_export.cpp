@@ -176,7 +176,7 @@ void write_table(Node functions, const char* name, const Eigen::MatrixXd& table)
   put(function, "name", name);
   put(function, "xsize", table.rows());
   put(function, "ysize", table.cols());
-  Node values = function.append_child("NamedValues");
+  Node values = function.append_child("Values");
   for (double v : table.reshaped()) append(values, "Value", {{"v", &v}});
 }
 
