@@ -86,7 +86,8 @@ def us_per_step(program, m, threads, seconds):
                 modifier="potential-switch" if m.switch else "potential-shift" if m.shifted else "none"))
             run = lambda *a: subprocess.run([program, "-nobackup", *a], cwd=folder, check=True, capture_output=True)
             run("grompp", "-f", "in.mdp", "-c", "in.gro", "-p", "in.top", "-o", "in.tpr", "-maxwarn", "9")
-            run("mdrun", "-s", "in.tpr", "-ntmpi", "1", "-ntomp", str(threads), "-g", "md.log", "-noconfout", "-pin", "off",
+            ranks = ["-ntmpi", "1"] if of_version(program, "MPI (?:library|version)") == "thread_mpi" else []
+            run("mdrun", "-s", "in.tpr", *ranks, "-ntomp", str(threads), "-g", "md.log", "-noconfout", "-pin", "off",
                 "-resethway", "-notunepme")
             core, wall = map(float, re.search(r"^\s+Time:\s+([\d.]+)\s+([\d.]+)", (folder / "md.log").read_text(), re.M).groups())
             return wall / (steps - steps // 2 + 1) * 1e6
