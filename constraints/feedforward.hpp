@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <string>
 
@@ -53,8 +52,11 @@ class Feedforward : public ConstraintMethod {
   const Eigen::VectorXd& lambda() const override { return lambda_; }
   std::array<Eigen::VectorXd*, 3> past() { return {&lambda_, &before_, &before_that_}; }
   int& steps_known() { return known_; }
-  // A thermostat that rescales velocities leaves what no solve of this step knew of.
-  double promised_error() const override { return std::max(options_.tolerance, 1e-5); }
+  // The default promises what a thermostat that rescales velocities leaves, of which no solve of its step
+  // knew; a tolerance that is said promises itself.
+  double promised_error() const override {
+    return options_.tolerance == Options{}.tolerance ? 1e-5 : options_.tolerance;
+  }
   std::string setting() const override;
 
  private:
