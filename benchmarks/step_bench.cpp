@@ -218,7 +218,7 @@ void mesh_alone(benchmark::State& bench, const Setting& setting) {
   Scene scene = setting.scene();
   Nonbonded& nb = *scene.terms.nonbonded;
   nb.pme = chosen_parameters(*nb.pme, scene.start.box, *nb.cutoff);
-  Pme pme(nb);
+  Pme pme(nb, setting.precision);
   pme.set_box(scene.start.box);
   Vectors f = Vectors::Zero(3, scene.system.atoms());
   for (auto _ : bench) pme.add_forces(scene.start.x, f);
@@ -258,11 +258,11 @@ void add_all() {
         add("step", whole_step, setting, name);
         add("forces", forces_alone, setting, name);
         add("lists", forces_and_lists, setting, name);
+        if (what.name.starts_with("pme")) add("mesh", mesh_alone, setting, name);
       }
       const Setting setting{what, Precision::kDouble, threads};
       add("bonds", bonds_alone, setting, "double");
       add("kicks", kicks_and_drift, setting, "double");
-      if (what.name.starts_with("pme")) add("mesh", mesh_alone, setting, "double");
       const bool bonded = what.name == "decane" || what.name == "dipeptide";
       if (bonded) add("bonded", bonded_alone, setting, "double");
       if (bonded && threads == 1) add("plain_bonded", plain_bonded, setting, "double");

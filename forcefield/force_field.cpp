@@ -40,7 +40,7 @@ struct ForceField::Impl {
     if (terms.nonbonded) {
       if (auto& parameters = terms.nonbonded->pme) {
         *parameters = chosen_parameters(*parameters, box, *terms.nonbonded->cutoff);
-        pme.emplace(*terms.nonbonded);
+        pme.emplace(*terms.nonbonded, terms.precision);
         pme->set_box(box);
       }
       lj_coulomb.emplace(*terms.nonbonded, box.periodic(), terms.precision);

@@ -120,8 +120,8 @@ class OwnField {
   virtual double add(const Vectors& x, Vectors& f) = 0;  // f += F(x) [kJ/mol/nm]; its energy [kJ/mol]
 };
 
-// What pair forces are computed in. Mixed: geometry and force of a pair in single precision, the rest in
-// double.
+// What pair forces are computed in. Mixed: geometry and force of a pair, and Ewald's mesh, in single
+// precision, sums and the rest in double.
 enum class Precision { kDouble, kMixed };
 
 // All of a scene's forces. What is empty costs nothing.

@@ -106,7 +106,7 @@ TEST(PublishedWater, HasTheEnergiesOfWavesAndOfWhatTheyCountTooMuch) {
       }
   EXPECT_NEAR(beyond, 7.889, 1e-3);
 
-  Pme pme(water.nb);
+  Pme pme(water.nb, Precision::kDouble);
   pme.set_box(water.box);
   Vectors f = Vectors::Zero(3, 300);
   pme.add_forces(water.x, f);

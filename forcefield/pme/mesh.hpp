@@ -17,11 +17,12 @@ namespace taut {
 // m are the vectors of the reciprocal lattice; splines and grid go along a, b and c.
 //
 // A plane of the grid, all its charges and its transform, is one thread's at a time; so are the transforms
-// across planes of a row of it. No sum depends on how many threads there are.
+// across planes of a row of it. No sum depends on how many threads there are. In mixed precision splines,
+// grid and transforms are single, places, forces and sums of energies double.
 class PmeMesh {
  public:
   // charge: √k q [√(kJ/mol·nm)], n; parameters as chosen. Of no box yet.
-  PmeMesh(const Eigen::VectorXd& charge, const PmeParameters& parameters);
+  PmeMesh(const Eigen::VectorXd& charge, const PmeParameters& parameters, Precision precision);
   ~PmeMesh();
   PmeMesh(PmeMesh&&) noexcept;
   PmeMesh& operator=(PmeMesh&&) noexcept;
@@ -32,9 +33,10 @@ class PmeMesh {
   // At x [kJ/mol]: charges are spread and transformed again, so that a step that does not ask does not pay.
   Eigen::Matrix3d virial(const Vectors& x);
 
+  class Engine;  // in one of the precisions
+
  private:
-  class Impl;
-  std::unique_ptr<Impl> impl_;
+  std::unique_ptr<Engine> engine_;
 };
 
 }  // namespace taut

@@ -14,12 +14,12 @@ constexpr int kPairsOfPiece = 256;   // summed together, on however many threads
 constexpr int kPairsOfThread = 512;  // fewer are not worth waking a thread for
 }  // namespace
 
-Pme::Pme(const Nonbonded& nb)
+Pme::Pme(const Nonbonded& nb, Precision precision)
     : alpha_(nb.pme->alpha),
       screening_(alpha_, *nb.cutoff, {.error = 1e-15}),
       total_(nb.charge.sum()),
       constant_(-kCoulomb * alpha_ / std::sqrt(std::numbers::pi) * nb.charge.squaredNorm()),
-      mesh_(std::sqrt(kCoulomb) * nb.charge, *nb.pme) {
+      mesh_(std::sqrt(kCoulomb) * nb.charge, *nb.pme, precision) {
   for (const auto& e : nb.exceptions)
     if (const double qq = nb.charge[e.i] * nb.charge[e.j]; qq != 0)
       excluded_.push_back({e.i, e.j, kCoulomb * qq});

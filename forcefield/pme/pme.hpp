@@ -20,7 +20,7 @@ namespace taut {
 class Pme {
  public:
   // nb.pme as chosen.
-  explicit Pme(const Nonbonded& nb);
+  Pme(const Nonbonded& nb, Precision precision);
 
   void set_box(const Box& box);
   void add_forces(const Vectors& x, Vectors& f);

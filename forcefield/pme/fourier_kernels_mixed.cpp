@@ -1,0 +1,2 @@
+#define TAUT_FOURIER_REAL float
+#include "forcefield/pme/fourier_kernels-inl.hpp"
