@@ -11,6 +11,7 @@
 #include "studies/calibration.hpp"
 #include "studies/study_scene.hpp"
 #include "study.hpp"
+#include "words.hpp"
 
 namespace taut {
 namespace {
@@ -55,8 +56,8 @@ std::string run_line(const CalibrateArguments& arguments, const Calibration& c) 
 void print(const Scene& scene, const CalibrateArguments& arguments, const Calibration& c) {
   const CalibrationPlan& plan = arguments.plan;
   const double h = scene.run.h();
-  fmt::print("{}: {} bonds, h = {:g} fs; errors of {:g} put on every bond, seed {}\n", scene.name,
-             scene.system.bond_count(), scene.run.dt_fs, plan.size, scene.run.seed);
+  fmt::print("{}: {}, h = {:g} fs; errors of {:g} put on every bond, seed {}\n", scene.name,
+             counted(scene.system.bond_count(), "bond"), scene.run.dt_fs, plan.size, scene.run.seed);
   print_notes(scene.notes);
   fmt::print("\na stretch's course, rms σ/d² after\n  {:<12}", "steps");
   for (int n = 0; n < 7; ++n) fmt::print(" {:>8}", n);
@@ -91,7 +92,9 @@ void print(const Scene& scene, const CalibrateArguments& arguments, const Calibr
 void calibrate_scene(const CalibrateArguments& arguments) {
   const auto overrides = overrides_said({{"--dt-fs", "run.dt_fs", arguments.dt_fs}}, arguments.settings);
   refuse_without_effect("calibrate", overrides);
-  if (arguments.json) expect_no_file({*arguments.json}, arguments.overwrite);
+  if (arguments.json && arguments.json != "-") expect_no_file({*arguments.json}, arguments.overwrite);
+  const bool alone = arguments.json == "-";
+  JsonAlone printed(alone);
   const Scene scene = prepared_for_study(arguments.scene.read(overrides));
   const Calibration c = calibrate(scene, arguments.plan);
   print(scene, arguments, c);
@@ -115,8 +118,10 @@ void calibrate_scene(const CalibrateArguments& arguments) {
   for (const ShapeCourse& shape : c.shapes)
     json["shapes"].push_back(
         {{"name", shape.name}, {"foretold", shape.foretold}, {"measured", shape.measured}});
+  const std::string text = json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
+  if (alone) return printed.print(text);
   AtomicFile file(*arguments.json);
-  file.write(json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+  file.write(text + "\n");
   file.commit();
 }
 
@@ -139,7 +144,7 @@ void add_calibrate(Commands& commands) {
   command.option("--passes", arguments->plan.passes, "solves a step of Baumgarte's").positive();
   command.option("--dt-fs", arguments->dt_fs, "step length [fs]");
   command.option("--set", arguments->settings, "any key of the scene").key_values();
-  command.option("--json", arguments->json, "write the figures there");
+  command.option("--json", arguments->json, "write the figures there; -: print them alone");
   command.flag("--overwrite", arguments->overwrite, "though there is such a file");
 }
 

@@ -185,7 +185,7 @@ void carry_out(Simulation& simulation, RunFolder* folder, const Telling& telling
   }
   if (simulation.step() < steps) say_how_to_go_on(simulation, folder, request.signal());
   if (json) {
-    auto all = nlohmann::ordered_json::parse(summary_json(simulation, summary));
+    auto all = summary_json(simulation, summary);
     if (measured) all["measured"] = measured->json();
     return fmt::print("{}\n", all.dump());
   }

@@ -10,6 +10,7 @@
 #include "md/errors.hpp"
 #include "progress.hpp"
 #include "scene_argument.hpp"
+#include "studies/crosscheck_tables.hpp"
 #include "studies/openmm_twin.hpp"
 #include "studies/study_scene.hpp"
 #include "study.hpp"
@@ -26,7 +27,7 @@ struct CrosscheckArguments {
   std::optional<double> dt_fs;
   std::vector<std::string> settings;
   std::optional<std::filesystem::path> out;
-  bool overwrite = false;
+  bool overwrite = false, json = false;
   std::optional<std::string> prefix;  // of the exported files
   CrosscheckPlan plan;
 
@@ -56,6 +57,7 @@ struct CrosscheckArguments {
 };
 
 void run(CrosscheckArguments arguments) {
+  JsonAlone printed(arguments.json);
   refuse_without_effect("crosscheck", arguments.settings);
   const Scene scene = arguments.scene.read(arguments.overrides());
   if (arguments.prefix) {
@@ -77,6 +79,7 @@ void run(CrosscheckArguments arguments) {
   progress.clear();
   print_crosscheck(result);
   if (arguments.out) write_crosscheck(result, arguments.command(), *arguments.out);
+  printed.print(crosscheck_json(result));
 }
 
 }  // namespace
@@ -104,6 +107,7 @@ void add_crosscheck(Commands& commands) {
                "move the study that is in --out to OUT.1, OUT.2, ...; replace what --export writes");
   command.option("--export", arguments->prefix, "write PREFIX.system.xml and PREFIX.state.xml for OpenMM")
       .words(0, "PREFIX");
+  command.flag("--json", arguments->json, "print all figures and verdicts, as JSON");
 }
 
 }  // namespace taut

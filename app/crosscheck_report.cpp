@@ -60,8 +60,8 @@ std::string verdicts_csv(const Crosscheck& c) {
 
 void print_crosscheck(const Crosscheck& c) {
   const auto say = [](const std::string& text) { fmt::print("{}\n", wrapped(text, kWidth, 2)); };
-  say(fmt::format("{} against OpenMM {} ({}): {} atoms, {} bonds, {} steps of {:g} fs", c.scene, c.openmm,
-                  c.platform, c.atoms, c.bonds, c.steps, c.h * 1000));
+  say(fmt::format("{} against OpenMM {} ({}): {}, {}, {} of {:g} fs", c.scene, c.openmm, c.platform,
+                  counted(c.atoms, "atom"), counted(c.bonds, "bond"), counted(c.steps, "step"), c.h * 1000));
   for (const auto& note : c.notes) say("note: " + note);
   say(fmt::format(
       "at the start: energy {:.10g} kJ/mol, OpenMM {:.10g}; forces {:.4g} kJ/mol/nm rms, apart by {:.1e}",

@@ -10,6 +10,7 @@
 #include "carry_out.hpp"
 #include "command_line.hpp"
 #include "md/errors.hpp"
+#include "pictures.hpp"
 
 namespace taut {
 namespace {
@@ -35,6 +36,7 @@ void go_on(FolderLock lock, Checkpoint checkpoint, const KeyValues& changes, Con
   const std::unique_ptr<Simulation> simulation =
       resumed(checkpoint_file(folder).string(), checkpoint, changes);
   if (simulation->step() >= simulation->scene().run.steps && fs::exists(folder / "summary.json")) {
+    if (json) return fmt::print("{}", contents_of(folder / "summary.json"));
     fmt::print("{}: all {} steps are taken; `taut resume {} --steps N` takes N more\n", folder.string(),
                simulation->step(), quoted_for_shell(folder.string()));
     return;

@@ -7,6 +7,7 @@
 #include "studies/study_scene.hpp"
 #include "study.hpp"
 #include "systems/scene_file.hpp"
+#include "words.hpp"
 
 namespace taut {
 namespace {
@@ -79,8 +80,9 @@ void stability(const StabilityArguments& arguments) {
   const std::vector<Job> plane_points = plane_jobs(plan), steps = step_jobs(plan);
   std::vector<Job> jobs = plane_points;
   jobs.insert(jobs.end(), steps.begin(), steps.end());
-  fmt::print("{}: {} points in the plane of gains, {} methods on {} scenes\n", scene.name,
-             plane_points.size() - 1, plan.methods.size(), plan.scenes.size());
+  fmt::print("{}: {} in the plane of gains, {} on {}\n", scene.name,
+             counted(std::ssize(plane_points) - 1, "point"), counted(std::ssize(plan.methods), "method"),
+             counted(std::ssize(plan.scenes), "scene"));
   study.run(jobs, notes_of(plan, arguments));
   print_plane(plane_points, ledger);
   print_steps(plan, steps, ledger);

@@ -6,12 +6,15 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <csignal>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "files/set_aside.hpp"
 #include "md/errors.hpp"
 #include "progress.hpp"
+#include "studies/csv.hpp"
 #include "studies/study_scene.hpp"
 #include "systems/scene_source.hpp"
 
@@ -48,6 +51,14 @@ class StoppedAtOnce {
   static constexpr std::array kSignals = {SIGINT, SIGTERM, SIGHUP};
   std::array<void (*)(int), kSignals.size()> before_;
 };
+
+nlohmann::ordered_json number_or_text(const std::string& cell) {
+  double number = 0;
+  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), number);
+  if (cell.empty()) return {};
+  if (error == std::errc() && end == cell.data() + cell.size()) return number;
+  return cell;
+}
 
 std::string first_line(const fs::path& file) {
   std::string line;
@@ -118,6 +129,7 @@ void StudyArguments::offer_last(const Subcommand& command, const char* quick_mea
   command.flag("--quick", quick, quick_means);
   command.option("--out", out, "folder of the pictures and report.html");
   command.flag("--overwrite", overwrite, kOverwrite);
+  command.flag("--json", json, "print all figures, as JSON");
 }
 
 Scene StudyArguments::read() const {
@@ -144,7 +156,8 @@ std::string StudyArguments::command(const std::function<void(CommandLine&)>& own
 }
 
 Study::Study(const StudyArguments& arguments, const std::string& command, const std::vector<Scene>& scenes)
-    : line_(study_line(command, scenes)),
+    : printed_(arguments.json),
+      line_(study_line(command, scenes)),
       lock_(study_folder(arguments.out, line_, arguments.overwrite)),
       ledger_(arguments.out / kLedger, line_),
       files_(arguments.out),
@@ -170,11 +183,13 @@ void Study::run(const std::vector<Job>& jobs, const std::vector<std::string>& no
 
 void Study::show(const Picture& picture, const std::string& heading, const std::string& text) {
   files_.draw(picture);
+  tables_.emplace_back(picture.name, picture.csv);
   page_.parts.push_back({heading, text, picture.name + ".svg", picture.csv});
 }
 
 void Study::show_table(const std::string& file, const std::string& csv, ReportPage::Part part) {
   files_.write(file, csv);
+  tables_.emplace_back(fs::path(file).stem().string(), csv);
   part.csv = csv;
   page_.parts.push_back(std::move(part));
 }
@@ -184,6 +199,22 @@ void Study::finish(const std::string& title) {
   write_report(page_, files_);
   ledger_.close();
   files_.tell();
+  printed_.print(json());
+}
+
+// A row of a table is an object, its columns by their names.
+std::string Study::json() const {
+  nlohmann::ordered_json all = {{"command", page_.command}, {"notes", page_.notes}};
+  for (const auto& [name, csv] : tables_) {
+    const auto rows = csv_rows(csv);
+    auto& table = all[name] = nlohmann::ordered_json::array();
+    for (std::size_t k = 1; k < rows.size(); ++k) {
+      auto& row = table.emplace_back();
+      for (std::size_t c = 0; c < std::min(rows[k].size(), rows[0].size()); ++c)
+        row[rows[0][c]] = number_or_text(rows[k][c]);
+    }
+  }
+  return all.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 }  // namespace taut

@@ -8,6 +8,7 @@
 #include "command_line.hpp"
 #include "commands.hpp"
 #include "files/folder_lock.hpp"
+#include "json_alone.hpp"
 #include "report.hpp"
 #include "scene_argument.hpp"
 #include "studies/ledger.hpp"
@@ -33,7 +34,7 @@ struct StudyArguments {
   NamedScene scene{};
   std::vector<std::string> methods{}, settings{};
   std::optional<double> dt_fs{};
-  bool quick = false, overwrite = false;
+  bool quick = false, overwrite = false, json = false;
   std::filesystem::path out = name;
 
   void offer_first(const Subcommand& command);
@@ -59,14 +60,19 @@ class Study {
   StudyFiles& files() { return files_; }
   void show(const Picture& picture, const std::string& heading, const std::string& text);
   void show_table(const std::string& file, const std::string& csv, ReportPage::Part part);
+  // Writes report.html, and tells of it; as JSON, all tables in place of what else is printed.
   void finish(const std::string& title);
 
  private:
+  std::string json() const;
+
+  JsonAlone printed_;
   std::string line_;
   FolderLock lock_;
   Ledger ledger_;
   StudyFiles files_;
   ReportPage page_;
+  std::vector<std::pair<std::string, std::string>> tables_;  // by name, as CSV
 };
 
 }  // namespace taut

@@ -57,7 +57,9 @@ ordered_json temperatures_json(const Temperatures& temperatures) {
   return object;
 }
 
-ordered_json json_of(const Simulation& simulation, const Summary& s) {
+}  // namespace
+
+ordered_json summary_json(const Simulation& simulation, const Summary& s) {
   const Scene& scene = simulation.scene();
   ordered_json object = {
       {"scene", scene.name},
@@ -95,14 +97,16 @@ ordered_json json_of(const Simulation& simulation, const Summary& s) {
   return object;
 }
 
+namespace {
+
 ordered_json failure_json(const Diagnosis& d) {
   ordered_json object = {{"step", d.step}, {"time_ps", d.t}, {"cause", d.cause}, {"try", d.advice}};
   if (d.bond >= 0)
     object["bond"] = {{"index", d.bond},
-                    {"atoms", {d.held.i, d.held.j}},
-                    {"length_nm", d.length},
-                    {"length_before_nm", d.length_before},
-                    {"target_nm", d.held.length}};
+                      {"atoms", {d.held.i, d.held.j}},
+                      {"length_nm", d.length},
+                      {"length_before_nm", d.length_before},
+                      {"target_nm", d.held.length}};
   object["largest_force"] = {{"kj_mol_nm", d.largest_force}, {"atom", d.atom}};
   object["last_good_frame"] = {{"file", "last_good.start.toml"}, {"step", d.step - 1}};
   return object;
@@ -189,17 +193,13 @@ void RunFolder::keep(Simulation& simulation) {
 void RunFolder::write_end(const Simulation& simulation, const Summary& summary) {
   log_.mark();
   write_start(path() / "final.start.toml", simulation.state_to_write());
-  write_aside(path() / "summary.json", json_of(simulation, summary));
+  write_aside(path() / "summary.json", summary_json(simulation, summary));
 }
 
 void RunFolder::write_failure(const Simulation& simulation, const Diagnosis& diagnosis) {
   log_.mark();
   write_start(path() / "last_good.start.toml", simulation.state_to_write());
   write_aside(path() / "failure.json", failure_json(diagnosis));
-}
-
-std::string summary_json(const Simulation& simulation, const Summary& summary) {
-  return json_of(simulation, summary).dump();
 }
 
 std::vector<std::string> run_files(const fs::path& folder) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -44,7 +45,7 @@ class RunFolder {
 };
 
 // What summary.json holds.
-std::string summary_json(const Simulation& simulation, const Summary& summary);
+nlohmann::ordered_json summary_json(const Simulation& simulation, const Summary& summary);
 
 // What there is of a run in a folder: names of files.
 std::vector<std::string> run_files(const std::filesystem::path& folder);

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "taut_command.hpp"
@@ -189,6 +190,41 @@ TEST(Manners, ResumedRunsKeepToThreads) {
   const std::string out = (folder.path() / "run").string();
   said("run pair --steps 5 --out " + out);
   EXPECT_THAT(said("resume " + out + " --steps 5 --threads 2"), HasSubstr("threads 2 of "));
+}
+
+// Every command that prints tables has them as JSON, and nothing else beside.
+TEST(Manners, WhatPrintsTablesPrintsJson) {
+  const TemporaryFolder folder;
+  const std::string out = (folder.path() / "run").string(), study = (folder.path() / "study").string();
+  std::map<std::string, std::string> asked = {
+      {"run", "pair --steps 5 --set run.trajectory_every=1 --out " + out},
+      {"resume", out},  // all its steps are taken
+      {"measure", out},
+      {"calibrate", "pair --sweeps 1 --json -"},
+      {"crosscheck", "pair --steps 5"},
+      {"chart", "freely_jointed --set build.chains=2 --quick --out " + study + "1"},
+      {"stability", "pair --methods rattle --steps 5 --quick --out " + study + "2"},
+      {"methods", ""},
+      {"scenes", ""},
+      {"info", "pair"},
+      {"help", "run"},
+      {"generate", ""}};
+  if (!TAUT_WITH_OPENMM_TWIN) asked["crosscheck"] = "";
+  std::istringstream help(said("--help"));
+  for (std::string line; std::getline(help, line) && line != "Subcommands:";) continue;
+  for (std::string line; std::getline(help, line) && !line.empty();) {
+    std::istringstream words(line);
+    std::string command;
+    words >> command;
+    if (line[2] == ' ') continue;  // of a meaning's second line
+    ASSERT_TRUE(asked.contains(command)) << command << " is new: has it --json?";
+    if (command == "generate" || (command == "crosscheck" && !TAUT_WITH_OPENMM_TWIN)) continue;
+    const bool shown = asked[command].find("--json") != std::string::npos;
+    const std::string text = said(command + " " + asked[command] + (shown ? "" : " --json"));
+    EXPECT_TRUE(json::accept(text)) << command << "\n" << text;
+    asked[command].clear();
+  }
+  EXPECT_EQ(json::parse(said("resume " + out + " --json"))["steps"], 5);
 }
 
 // As a shell asks: words so far, the last of them to be completed.

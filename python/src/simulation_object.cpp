@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "md/errors.hpp"
 #include "md/threads.hpp"
@@ -128,6 +129,10 @@ void PythonSimulation::minimise(double force) {
   if (!(force > 0)) throw InputError(fmt::format("minimise({}): expected more than 0 kJ/mol/nm", force));
   expect_finite();
   set_out_anew(force);
+}
+
+std::string PythonSimulation::summary() const {
+  return summary_ ? summary_json(*simulation_, *summary_).dump() : "null";
 }
 
 py::bytes PythonSimulation::checkpoint() {

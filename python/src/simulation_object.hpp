@@ -28,7 +28,7 @@ class PythonSimulation {
   Simulation& settled();                       // with forces where the atoms are
   const Vectors& box() const { return box_; }  // a, b and c in columns, as note_state found them
   const std::vector<Record>& rows() const { return log_; }
-  std::string summary() const { return summary_ ? summary_json(*simulation_, *summary_) : "null"; }
+  std::string summary() const;  // as summary.json has it, or "null"
   std::string folder() const { return folder_ ? folder_->path().string() : ""; }
 
  private:
