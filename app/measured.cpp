@@ -8,6 +8,7 @@
 
 #include "md/errors.hpp"
 #include "md/nearest_name.hpp"
+#include "systems/whole_molecules.hpp"
 #include "words.hpp"
 
 namespace taut {
@@ -52,9 +53,9 @@ Measured::Measured(const Scene& scene, std::vector<std::string> atoms, double in
       atoms_(or_heaviest(std::move(atoms), scene)),
       reach_(reach_in(scene.start.box)),
       pairs_(atoms_named(scene, atoms_[0]), atoms_named(scene, atoms_[1]),
-             molecules_of(scene.system, scene.terms), reach_),
+             molecules(scene.system, scene.terms), reach_),
       chains_(chain_ends(scene.system, scene.terms)),
-      motion_(scene.system.mass, molecules_of(scene.system, scene.terms), interval),
+      motion_(scene.system.mass, molecules(scene.system, scene.terms), interval),
       interval_(interval) {}
 
 void Measured::see(const Vectors& x, const Box& box) {

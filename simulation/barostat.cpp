@@ -8,7 +8,7 @@
 namespace taut {
 CellRescaling::CellRescaling(const System& sys, const RunSettings& run, std::uint64_t seed,
                              ForceField& forces)
-    : centres_(sys, molecules(sys.atoms(), bonded_pairs(sys, {}))),
+    : centres_(sys, molecules(sys, {})),
       forces_(forces),
       alike_(run.coupling == "anisotropic"      ? std::array{0, 1, 2}
              : run.coupling == "semi-isotropic" ? std::array{0, 0, 1}
@@ -102,8 +102,7 @@ std::unique_ptr<Barostat> make_barostat(const Scene& scene, std::uint64_t seed, 
   const System& sys = scene.system;
   if (!run.barostatted()) return nullptr;
   if (run.barostat == "c-rescale") return std::make_unique<CellRescaling>(sys, run, seed, forces);
-  return std::make_unique<MonteCarloBarostat>(sys, molecules(sys.atoms(), bonded_pairs(sys, scene.terms)),
-                                              run, seed, forces);
+  return std::make_unique<MonteCarloBarostat>(sys, molecules(sys, scene.terms), run, seed, forces);
 }
 
 }  // namespace taut

@@ -140,7 +140,7 @@ void Simulation::note_start() {
   constexpr double kNoise = 1e-6;
   std::vector<std::string> what;
   if (largest_move > kNoise) what.push_back(fmt::format("atoms moved by up to {:.2g} nm", largest_move));
-  if (kinetic_removed > kNoise)
+  if (kinetic_removed > kNoise && !scene_.velocities_drawn)  // else along the bonds, as it has to be
     what.push_back(fmt::format("{:.3g} % of the kinetic energy taken out", 100 * kinetic_removed));
   if (!what.empty()) scene_.notes.push_back(fmt::format("brought to the bonds: {}", fmt::join(what, ", ")));
 }

@@ -71,7 +71,7 @@ int count_mobile(const System& sys, const std::vector<int>& atoms) {
 
 Temperatures::Temperatures(const System& sys, const Terms& terms, const Vectors& x, bool bonds_held,
                            bool momentum_fixed) {
-  const std::vector<int> molecule_of = molecules(sys.atoms(), bonded_pairs(sys, terms));
+  const std::vector<int> molecule_of = molecules(sys, terms);
   for (int a = 0; a < sys.atoms(); ++a) {
     if (molecule_of[a] >= static_cast<int>(molecules_.size())) molecules_.resize(molecule_of[a] + 1);
     molecules_[molecule_of[a]].atoms.push_back(a);

@@ -14,7 +14,7 @@ struct Molecules {
 
   Molecules(const System& sys, const Terms& terms) : degree(sys.atoms(), 0) {
     for (const auto& [i, j] : bonded_pairs(sys, terms)) ++degree[i], ++degree[j];
-    const std::vector<int> molecule = molecules_of(sys, terms);
+    const std::vector<int> molecule = molecules(sys, terms);
     for (int a = 0; a < sys.atoms(); ++a) {
       atoms.resize(std::max<std::size_t>(atoms.size(), molecule[a] + 1));
       atoms[molecule[a]].push_back(a);
@@ -55,10 +55,6 @@ std::vector<int> oxygens(const System& sys, const Terms& terms, const Box& box) 
 
 }  // namespace
 
-std::vector<int> molecules_of(const System& sys, const Terms& terms) {
-  return molecules(sys.atoms(), bonded_pairs(sys, terms));
-}
-
 std::vector<std::array<int, 2>> chain_ends(const System& sys, const Terms& terms) {
   const Molecules all(sys, terms);
   std::vector<std::array<int, 2>> chains;
@@ -69,7 +65,7 @@ std::vector<std::array<int, 2>> chain_ends(const System& sys, const Terms& terms
 }
 
 LiquidStructure::LiquidStructure(const System& sys, const Terms& terms, const Box& box)
-    : oxygens_(oxygens(sys, terms, box), oxygens(sys, terms, box), molecules_of(sys, terms),
+    : oxygens_(oxygens(sys, terms, box), oxygens(sys, terms, box), molecules(sys, terms),
                std::min(1.0, box.edge.minCoeff() / 2)),
       chains_(chain_ends(sys, terms)) {}
 

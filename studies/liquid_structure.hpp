@@ -9,9 +9,6 @@
 
 namespace taut {
 
-// Of each atom.
-std::vector<int> molecules_of(const System& sys, const Terms& terms);
-
 // Ends of the unbranched chains of three atoms or more.
 std::vector<std::array<int, 2>> chain_ends(const System& sys, const Terms& terms);
 

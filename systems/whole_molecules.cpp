@@ -57,6 +57,12 @@ std::vector<BondedPair> bonded_pairs(const System& sys, const Terms& terms) {
   return pairs;
 }
 
+std::vector<BondedPair> tied_pairs(const System& sys, const Terms& terms) {
+  std::vector<BondedPair> pairs = bonded_pairs(sys, terms);
+  for (const auto& b : sys.one_sided) pairs.push_back({b.i, b.j});
+  return pairs;
+}
+
 std::vector<BondedPair> further_bonds(const System& sys, const Terms& terms) {
   std::set<std::pair<int, int>> ends;  // Urey and Bradley's springs
   for (const auto& angle : terms.angles) ends.insert(std::minmax(angle.i, angle.k));
@@ -72,8 +78,12 @@ std::vector<int> molecules(int atoms, const std::vector<BondedPair>& pairs) {
   return walk(atoms, pairs, [](int, int) {});
 }
 
+std::vector<int> molecules(const System& sys, const Terms& terms) {
+  return molecules(sys.atoms(), tied_pairs(sys, terms));
+}
+
 Names guessed_names(const System& sys, const Terms& terms) {
-  return guessed_names({sys.mass.begin(), sys.mass.end()}, molecules(sys.atoms(), bonded_pairs(sys, terms)));
+  return guessed_names({sys.mass.begin(), sys.mass.end()}, molecules(sys, terms));
 }
 
 void make_whole(const Box& box, const std::vector<BondedPair>& pairs, Vectors& x) {

@@ -19,12 +19,16 @@ void tie_sites(const VirtualSites& sites, std::vector<BondedPair>& pairs);
 // The rigid, harmonic and FENE bonds, and virtual sites: what makes atoms one molecule.
 std::vector<BondedPair> bonded_pairs(const System& sys, const Terms& terms);
 
+// The same with struts and ropes: what a change of the box must not draw apart.
+std::vector<BondedPair> tied_pairs(const System& sys, const Terms& terms);
+
 // What is drawn as bonds beside the rigid ones: springs, but for those between the ends of an angle, and
 // FENE; a virtual site and its first parent.
 std::vector<BondedPair> further_bonds(const System& sys, const Terms& terms);
 
 // The molecule of each atom, numbered in the order of their first atoms.
 std::vector<int> molecules(int atoms, const std::vector<BondedPair>& pairs);
+std::vector<int> molecules(const System& sys, const Terms& terms);  // by tied_pairs
 
 // Moves atoms by whole steps of the lattice until every bonded pair is its own nearest image. The first atom
 // of each molecule stays, and so does a molecule that was whole. Without a box nothing moves. Linear time.

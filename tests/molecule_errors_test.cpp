@@ -44,9 +44,9 @@ TEST(MoleculeErrors, Atoms) {
             "scene.toml:4: molecule.chain.atoms.1.epsilon_kj_mol: needs a sigma_nm beside it");
   EXPECT_EQ(said("bonds", "units = 1e9\nbonds"),
             "scene.toml:5: molecule.chain.units: 1000000000 of 2 atoms are more than the 5000000 taut takes");
-  EXPECT_THAT(
-      said("bonds = [[0, 1, 0.35]]", ""),
-      HasSubstr("molecule.chain.atoms: nothing ties atom 1 to atom 0: this is more than one molecule"));
+  EXPECT_THAT(said("bonds = [[0, 1, 0.35]]", ""),
+              HasSubstr("molecule.chain.atoms: nothing ties atom 1 to atom 0: give it a bond, spring or "
+                        "rope, or make it a [molecule] of its own"));
 }
 
 TEST(MoleculeErrors, Rows) {
@@ -55,8 +55,8 @@ TEST(MoleculeErrors, Rows) {
   EXPECT_EQ(bond("[1, 1, 0.35]"), "scene.toml:5: molecule.chain.bonds[0]: names the same atom twice");
   EXPECT_EQ(bond("[0, 1.5, 0.35]"),
             "scene.toml:5: molecule.chain.bonds[0]: expected atoms' indices, counted from 0");
-  EXPECT_EQ(bond("[0, -1, 0.35]"),
-            "scene.toml:5: molecule.chain.bonds[0]: expected atoms' indices, counted from 0");
+  EXPECT_EQ(bond("[0, -3, 0.35]"), "scene.toml:5: molecule.chain.bonds[0]: there is no atom -3, only 0 to 1");
+  EXPECT_EQ(bond("[1, -1, 0.35]"), "scene.toml:5: molecule.chain.bonds[0]: names the same atom twice");
   EXPECT_EQ(bond("[0, 1, 0]"), "scene.toml:5: molecule.chain.bonds[0]: expected a length above 0");
   EXPECT_EQ(bond("[0, 1]"), "scene.toml:5: molecule.chain.bonds[0]: expected 3 numbers, got 2");
   EXPECT_EQ(bond("[0, 1, 0.35],\n[1, 0, 0.3]"),
@@ -74,6 +74,12 @@ TEST(MoleculeErrors, Rows) {
   EXPECT_THAT(said_of_rows("units = 2\nangles = [[2, 3, 4, 100, 1]]"), HasSubstr("there is no atom 4"));
   EXPECT_THAT(said_of_rows("units = 2\npulls = [[2, 1, 1, 1]]"),
               HasSubstr("pulls[0]: expected one of its atoms in the first unit, 0 to 1"));
+  EXPECT_EQ(said_of_rows("restraints = [[0, 0, 0, 0, -1]]"),
+            "scene.toml:6: molecule.chain.restraints[0]: expected a stiffness of 0 or more");
+  for (const std::string key : {"cmap", "virtual_sites"})
+    EXPECT_EQ(said_of_rows(key + " = [[0, 1, 2, 3, 4]]"),
+              "scene.toml:6: molecule.chain." + key +
+                  ": is read of OpenMM's files alone: taut run --openmm system.xml state.xml");
   EXPECT_EQ(said_of_rows("exclude = \"1-5\""),
             "scene.toml:6: molecule.chain.exclude: there is no \"1-5\"; did you mean \"1-2\"?");
   EXPECT_THAT(said_of_rows("exclude = \"1-4\"\ncoulomb_14 = 0.5"),
@@ -133,6 +139,12 @@ TEST(MoleculeErrors, Places) {
             "scene.toml:6: place.0: makes it 6e+06 atoms, more than the 5000000 taut takes");
   EXPECT_THAT(said("count = 3", "count = 1e300"), HasSubstr("scene.toml:8: place.0.count: out of range"));
   EXPECT_THAT(said("count = 3", "count = 9e18"), HasSubstr("place.0: makes it 1.8e+19 atoms"));
+  EXPECT_EQ(said("count = 3", "count = 3\nwithin_nm = [0, 0, 0, 1, 1]"),
+            "scene.toml:9: place.0.within_nm: expected six numbers, the lower and the upper corner");
+  EXPECT_EQ(said("count = 3", "count = 3\nwithin_nm = [0, 0, 2, 1, 1, 1]"),
+            "scene.toml:9: place.0.within_nm: the upper corner is not above the lower");
+  EXPECT_EQ(said("\"chain\"\ncount = 3", "\"tip3p\"\nwithin_nm = [0, 0, 0, 1, 1, 1]"),
+            "scene.toml:8: place.0.within_nm: water without a count fills what room there is");
   EXPECT_EQ(said("count = 3", "count = 3\ncoutn = 4"),
             "scene.toml:9: unknown key \"coutn\" in [place.0]; did you mean \"count\"?");
   EXPECT_EQ(said("box_nm = 5", "box_nm = 0.7\n[molecule.idle]\natoms = [\"C\"]"),

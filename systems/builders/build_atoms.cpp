@@ -40,12 +40,7 @@ void build_atoms(const BuildRequest& request, Scene& scene) {
   }
   read_springs(rows, scene.terms);
   keys.read("gravity_nm_ps2", scene.terms.gravity, {"uniform acceleration [x, y, z]", "nm/ps²"});
-  read_pulls(rows, scene.terms);
-  const char* held = "springs to a place [i, x, y, z, k], k in kJ/mol/nm²: ½k|x − place|²";
-  for (const Row& row : rows.read("restraints", 1, 4, held)) {
-    if (!(row.number[3] >= 0)) rows.fail("restraints", row, "expected a stiffness of 0 or more");
-    scene.terms.restraints.push_back({row.atom[0], Vec3(row.number), row.number[3]});
-  }
+  read_outer(rows, scene.terms);
 }
 
 }  // namespace taut

@@ -19,7 +19,7 @@ namespace {
 constexpr double kUsualKelvin = 300;     // torsions are drawn at, if nothing is said
 constexpr double kStrongForce = 20'000;  // on one atom: some ten times what liquids have [kJ/mol/nm]
 
-// Places all copies: those with places of their own first, water last.
+// Places all copies: those that have no choice first, water last.
 class Builder {
  public:
   Builder(const BuildRequest& request, std::vector<Place>& places, const Box& box)
@@ -39,7 +39,7 @@ class Builder {
     within_ = box.periodic() ? box : Box{Vec3::Constant(std::max(std::cbrt(room), 1e-6))};
     Placing placing(box, widest, random_);
     for (const auto& step :
-         {&Builder::give, &Builder::centre, &Builder::line_up, &Builder::draw, &Builder::fill})
+         {&Builder::give, &Builder::line_up, &Builder::centre, &Builder::draw, &Builder::fill})
       for (std::size_t k = 0; k < places.size(); ++k)
         if (places[k].x.cols() == 0) (this->*step)(k, placing);
   }
@@ -63,14 +63,18 @@ class Builder {
 
   void line_up(std::size_t k, Placing& placing) {
     if (!places_[k].lattice) return;
-    const BrickGrid grid(within_, places_[k].count);
-    put(k, placing, [&](long m) { return grid.site(m); });
+    const auto [corner, edge] = brick_of(places_[k]);
+    const BrickGrid grid(edge, places_[k].count);
+    put(k, placing, [&](long m) { return Vec3(corner + grid.site(m)); });
   }
 
   void draw(std::size_t k, Placing& placing) {
     if (places_[k].fills || (places_[k].equilibrated && box_.periodic())) return;
-    put(k, placing,
-        [&](long) { return within_.steps(Vec3(random_.uniform(), random_.uniform(), random_.uniform())); });
+    const auto [corner, edge] = brick_of(places_[k]);
+    put(k, placing, [&](long) {
+      const Vec3 share(random_.uniform(), random_.uniform(), random_.uniform());
+      return places_[k].within ? Vec3(corner + share.cwiseProduct(edge)) : within_.steps(share);
+    });
   }
 
   template <class Where>
@@ -120,6 +124,9 @@ class Builder {
     place.x = water_model(place.molecule->name)->placed(atoms);
   }
 
+  Brick brick_of(const Place& place) const {
+    return place.within.value_or(Brick{Vec3::Zero(), within_.edge});
+  }
   const Conformations& of(const Place& place) const { return conformations_.at(place.molecule); }
 
   const TomlTable& root_;

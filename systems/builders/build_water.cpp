@@ -37,7 +37,7 @@ State lattice_of_water(const WaterModel& model, long molecules, const Box& box, 
   start.box = box;
   start.x.resize(3, 3 * molecules);
   start.v = Vectors::Zero(3, 3 * molecules);
-  const BrickGrid grid(box, molecules);
+  const BrickGrid grid(box.edge, molecules);
   for (long m = 0; m < molecules; ++m) {
     const Vec3 o = grid.site(m);
     start.x.col(3 * m) = o;

@@ -52,8 +52,10 @@ Grid fit_grid(long cells, const Vec3& cell, int ny_step) {
   return best;
 }
 
-BrickGrid::BrickGrid(const Box& box, long count) : edge_(box.edge), count_(count) {
-  const double apart = std::cbrt(box.volume() / static_cast<double>(count));
+BrickGrid::BrickGrid(const Vec3& edge, long count) : edge_(edge), count_(count) {
+  const double all = static_cast<double>(count);
+  double apart = std::cbrt(edge.prod() / all);
+  if (const double flat = edge.minCoeff(); flat < apart) apart = std::sqrt(edge.prod() / flat / all);
   n_ = (edge_.array() / apart - 1e-9).ceil().cast<long>();
 }
 

@@ -22,11 +22,11 @@ Vec3 cube_cell(long c, long n);
 // ny_step. Throws InputError for a shape that no such box can be made of.
 Grid fit_grid(long cells, const Vec3& cell, int ny_step = 1);
 
-// A grid in the box's brick, for so many; sites left empty are spread evenly.
+// A grid in a brick, for so many; sites left empty are spread evenly. A flat brick has one layer.
 class BrickGrid {
  public:
-  BrickGrid(const Box& box, long count);
-  Vec3 site(long m) const;  // the middle of the cell that the m-th has [nm]
+  BrickGrid(const Vec3& edge, long count);  // [nm]
+  Vec3 site(long m) const;                  // the middle of the cell that the m-th has [nm]
 
  private:
   Vec3 edge_;

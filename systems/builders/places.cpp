@@ -15,7 +15,7 @@ namespace {
 std::vector<BondedPair> repeated_pairs(const Molecule& molecule, Eigen::Index atoms) {
   std::vector<BondedPair> pairs;
   for (int first = 0; first < atoms; first += molecule.atoms())
-    for (const auto& [i, j] : bonded_pairs(molecule.system, molecule.terms))
+    for (const auto& [i, j] : tied_pairs(molecule.system, molecule.terms))
       pairs.push_back({first + i, first + j});
   return pairs;
 }
@@ -31,7 +31,17 @@ long copies_given(const TomlTable& keys, Place& place) {
   std::string arrange = "random";
   keys.read("arrange", arrange, {"where copies are put", {"random", "lattice"}});
   place.lattice = arrange == "lattice";
-  keys.counts("arrange", !centred && !file, "without centres_nm and file");
+  std::vector<double> within;
+  if (keys.read("within_nm", within,
+                {"lower and upper corner of what they are put into; not said: the box", "nm"})) {
+    if (within.size() != 6) keys.fail("within_nm", "expected six numbers, the lower and the upper corner");
+    const Vec3 lower(within.data()), upper(within.data() + 3);
+    if (!(upper.array() > lower.array()).all())
+      keys.fail("within_nm", "the upper corner is not above the lower");
+    place.within = {lower, upper - lower};
+  }
+  for (const char* key : {"arrange", "within_nm"})
+    keys.counts(key, !centred && !file, "without centres_nm and file");
   if (centred) {
     place.centres.resize(3, rows.size());
     for (std::size_t k = 0; k < rows.size(); ++k) place.centres.col(k) = Vec3(rows[k].data());
@@ -107,8 +117,9 @@ Place read_place(const TomlTable& keys, const Library& library) {
   place.count = given;
   place.fills = given == 0;
   if (place.fills && !place.equilibrated) keys.get<long>("count");  // says it is missing
-  if (place.lattice) place.equilibrated = false;
-  if (place.fills && place.lattice) keys.fail("arrange", "water without a count fills what room there is");
+  if (place.lattice || place.within) place.equilibrated = false;
+  if (place.fills && !place.equilibrated)
+    keys.fail(place.lattice ? "arrange" : "within_nm", "water without a count fills what room there is");
   keys.reject_unknown();
   return place;
 }

@@ -9,6 +9,11 @@
 
 namespace taut {
 
+// A part of the box.
+struct Brick {
+  Vec3 corner, edge;  // [nm]
+};
+
 // One [[place]].
 struct Place {
   const Molecule* molecule = nullptr;
@@ -16,9 +21,10 @@ struct Place {
   bool fills = false;         // with as many as there is room for
   bool lattice = false;
   long count = 0;
-  Vectors centres{};    // [nm]
-  Coordinates given{};  // of all atoms
-  Vectors x{};          // once they are placed
+  std::optional<Brick> within{};  // or all the box
+  Vectors centres{};              // [nm]
+  Coordinates given{};            // of all atoms
+  Vectors x{};                    // once they are placed
 
   double atoms() const { return static_cast<double>(count) * molecule->atoms(); }
 };

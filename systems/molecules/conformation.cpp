@@ -22,7 +22,7 @@ constexpr int kSweeps = 4000;         // over all distances
 constexpr double kClosed = 1e-10;     // of a length
 constexpr double kTouch = 0.85 / 2;   // radius of a sphere, in σ: two come as near as 0.85 σ in a liquid
 constexpr double kBareCharge = 0.05;  // of a charge without Lennard-Jones [nm]
-constexpr int kNeighbours = 3;              // ties apart
+constexpr int kNeighbours = 3;        // ties apart
 
 Vec3 at_angle(const Vec3& axis, double angle, Random& random) {
   const Vec3 u = axis.normalized(), w = random.unit_vector();
@@ -84,7 +84,7 @@ void Conformations::plan_torsions() {
 // Breadth first from atom 0.
 void Conformations::plan_growth() {
   std::vector<std::vector<std::pair<int, double>>> next(molecule_.atoms());
-  for (const auto& [i, j, length, k] : ties(molecule_)) {
+  for (const auto& [i, j, length, k, slack] : ties(molecule_)) {
     const double grown =
         length == 0 && k > 0 ? std::sqrt(3 * kT_ / k) : length;  // √⟨r²⟩ of a spring of length 0
     next[i].emplace_back(j, grown);

@@ -14,20 +14,21 @@ namespace {
 // doi:10.1063/1.458541): 0.97 σ.
 constexpr double kFeneLength = 0.97 / 1.5;
 
+constexpr double kPlay = 0.1;  // of a strut or rope that ties what nothing else does
+
 // A term of the atoms i, j, k, l, as many as it has, further on by `by`.
 template <class Term>
 Term moved(Term term, int by) {
-  term.i += by, term.j += by;
+  if constexpr (requires { term.atom; })
+    term.atom += by;
+  else
+    term.i += by, term.j += by;
   if constexpr (requires {
                   { term.k } -> std::same_as<int&>;
                 })
     term.k += by;
   if constexpr (requires { term.l; }) term.l += by;
   return term;
-}
-Pull moved(Pull pull, int by) {
-  pull.atom += by;
-  return pull;
 }
 VirtualSite moved(VirtualSite site, int by) {
   site.atom += by;
@@ -48,6 +49,7 @@ void copy_terms(const Terms& one, int by, Terms& all) {
   copy(one.harmonic_torsions, by, all.harmonic_torsions);
   copy(one.fene, by, all.fene);
   copy(one.pulls, by, all.pulls);
+  copy(one.restraints, by, all.restraints);
   if (!one.nonbonded) return;
   const auto n = one.nonbonded->charge.size();
   all.nonbonded->charge.segment(by, n) = one.nonbonded->charge;
@@ -82,6 +84,14 @@ std::vector<Tie> ties(const Molecule& molecule) {
   for (const auto& [i, j, length, k] : molecule.terms.bonds)
     all.push_back({i, j, held(molecule.system, i, j, length), k});
   for (const auto& spring : molecule.terms.fene) all.push_back({spring.i, spring.j, kFeneLength * spring.r0});
+  std::vector<int> piece = molecules(molecule.atoms(), bonded_pairs(molecule.system, molecule.terms));
+  for (const OneSidedBond& bond : molecule.system.one_sided) {
+    const int from = piece[bond.i], to = piece[bond.j];
+    if (from == to) continue;
+    const double length = (1 + kPlay * static_cast<int>(bond.side)) * bond.length;
+    all.push_back({bond.i, bond.j, held(molecule.system, bond.i, bond.j, length), 0, true});
+    std::ranges::replace(piece, from, to);
+  }
   return all;
 }
 

@@ -18,15 +18,17 @@ struct Molecule {
   int atoms() const { return system.atoms(); }
 };
 
-// The rigid bonds and springs, and how long they are; a FENE spring, as long as among repulsive beads.
+// The rigid bonds and springs, and how long they are; a FENE spring, as long as among repulsive beads; a
+// strut or rope where nothing else ties what it joins, not quite touching.
 struct Tie {
   int i, j;
-  double length;  // [nm]
-  double k = 0;   // of a harmonic spring [kJ/mol/nm²]
+  double length;       // [nm]
+  double k = 0;        // of a harmonic spring [kJ/mol/nm²]
+  bool slack = false;  // a strut or rope
 };
 std::vector<Tie> ties(const Molecule& molecule);
 
-// All pairs of atoms that are `most` ties apart at most, by their atoms.
+// All pairs of atoms that are at most `most` bonds and springs apart, by their atoms.
 struct NearPair {
   int i, j, apart;
 };

@@ -15,6 +15,7 @@ namespace taut {
 namespace {
 
 constexpr double kFarthestOff = 0.5;  // a bond in coordinates, of its length
+constexpr std::array<std::string_view, 4> kOfOpenMM = {"cmap", "cmaps", "sites", "virtual_sites"};
 
 double radians(double degrees) {
   return degrees * std::numbers::pi / 180;
@@ -53,10 +54,11 @@ std::vector<AtomNumbers> read_unit(const TomlTable& keys, const KnownAtoms& know
 Units read_units(const TomlTable& keys, int each) {
   long count = 1;
   bool ring = false;
-  keys.read("units", count,
-            {"the atoms and all rows so many times; a row may count on into the next units, and what reaches "
-             "beyond the last is left out",
-             Range{.min = 1}});
+  keys.read(
+      "units", count,
+      {"the atoms and all rows so many times; a row may count on into the next units, and what reaches "
+       "beyond the last is left out; -1 is the last atom of all, and a row with such a number counts once",
+       Range{.min = 1}});
   keys.read("ring", ring, "what reaches beyond the last unit goes on with the first");
   keys.counts("ring", count > 1, "with units, the links of the ring");
   if (static_cast<double>(count) * each > kMostAtoms)
@@ -164,9 +166,9 @@ std::optional<Coordinates> read_file(const TomlTable& keys) {
 
 std::string wrong_bonds(const Molecule& molecule, const Vectors& x) {
   for (Eigen::Index first = 0; first < x.cols(); first += molecule.atoms())
-    for (const auto& [i, j, length, k] : ties(molecule)) {
+    for (const auto& [i, j, length, k, slack] : ties(molecule)) {
       const double r = (x.col(first + j) - x.col(first + i)).norm();
-      if (k == 0 && std::abs(r - length) > kFarthestOff * length)
+      if (k == 0 && !slack && std::abs(r - length) > kFarthestOff * length)
         return fmt::format(
             "atoms {} and {} are {:.3g} nm apart, their bond is {:.3g}: are they in the molecule's order?",
             first + i, first + j, r, length);
@@ -212,12 +214,18 @@ Molecule read_molecule(const TomlTable& keys, const std::string& name, const Kno
   read_springs(rows, molecule.terms);
   read_fene(rows, molecule.terms);
   read_bends(keys, rows, molecule.terms);
-  read_pulls(rows, molecule.terms);
+  read_outer(rows, molecule.terms);
+  for (const std::string& key : keys.keys())
+    if (std::ranges::find(kOfOpenMM, key) != kOfOpenMM.end())
+      keys.fail(key, "is read of OpenMM's files alone: taut run --openmm system.xml state.xml");
 
-  const std::vector<int> piece = molecules(molecule.atoms(), bonded_pairs(molecule.system, molecule.terms));
+  const std::vector<int> piece = molecules(molecule.system, molecule.terms);
   const auto apart = std::ranges::find_if(piece, [](int p) { return p > 0; }) - piece.begin();
   if (apart < std::ssize(piece))
-    keys.fail("atoms", fmt::format("nothing ties atom {} to atom 0: this is more than one molecule", apart));
+    keys.fail("atoms",
+              fmt::format("nothing ties atom {} to atom 0: give it a bond, spring or rope, or make it a "
+                          "[molecule] of its own",
+                          apart));
   read_exclusions(keys, molecule);
   read_shape(keys, molecule);
   return molecule;

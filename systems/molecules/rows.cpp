@@ -17,9 +17,12 @@ std::vector<Row> RowReader::read(const char* key, int atoms, std::size_t numbers
   for (int u = 0; u < units_.count; ++u)
     for (std::size_t k = 0; k < rows.size(); ++k) {
       Row row{k, {}, rows[k].data() + atoms};
-      bool within = true;
+      const auto behind = rows[k].begin() + atoms;
+      const bool once = std::any_of(rows[k].begin(), behind, [](double a) { return a < 0; });
+      bool within = !once || u == 0;
       for (int a = 0; a < atoms; ++a) {
-        const int atom = static_cast<int>(rows[k][a]) + u * units_.each;
+        const int said = static_cast<int>(rows[k][a]);
+        const int atom = said + (said < 0 ? units_.atoms() : u * units_.each);
         within = within && (atom < units_.atoms() || units_.ring);
         row.atom[a] = atom % units_.atoms();
       }
@@ -42,15 +45,21 @@ std::vector<Row> RowReader::pairs(const char* key, std::size_t numbers, const ch
 }
 
 void RowReader::check_atoms(const char* key, std::size_t k, const std::vector<double>& atoms) const {
+  const int all = units_.atoms();
+  std::set<double> named;
   for (const double a : atoms) {
-    if (a != std::floor(a) || a < 0) keys_.fail(key, k, "expected atoms' indices, counted from 0");
-    if (a >= units_.atoms())
-      keys_.fail(key, k, fmt::format("there is no atom {}, only 0 to {}", a, units_.atoms() - 1));
+    if (a != std::floor(a)) keys_.fail(key, k, "expected atoms' indices, counted from 0");
+    if (a < -all || a >= all)
+      keys_.fail(key, k, fmt::format("there is no atom {}, only 0 to {}", a, all - 1));
+    named.insert(a < 0 ? a + all : a);
   }
-  if (std::set(atoms.begin(), atoms.end()).size() < atoms.size())
-    keys_.fail(key, k, "names the same atom twice");
+  if (named.size() < atoms.size()) keys_.fail(key, k, "names the same atom twice");
   if (*std::ranges::min_element(atoms) >= units_.each)
-    keys_.fail(key, k, fmt::format("expected one of its atoms in the first unit, 0 to {}", units_.each - 1));
+    keys_.fail(
+        key, k,
+        fmt::format("expected one of its atoms in the first unit, 0 to {}: a row counts for every unit; for "
+                    "one row alone count from the end, -1 is the last atom",
+                    units_.each - 1));
 }
 
 System read_system(RowReader& rows, Eigen::VectorXd mass) {
@@ -88,9 +97,15 @@ void read_springs(RowReader& rows, Terms& terms) {
   }
 }
 
-void read_pulls(RowReader& rows, Terms& terms) {
+void read_outer(RowReader& rows, Terms& terms) {
   for (const Row& row : rows.read("pulls", 1, 3, "constant forces [i, fx, fy, fz], in kJ/mol/nm"))
     terms.pulls.push_back({row.atom[0], Vec3(row.number)});
+  const char* held =
+      "springs to a place [i, x, y, z, k], k in kJ/mol/nm²: ½k|x − place|², of its nearest image";
+  for (const Row& row : rows.read("restraints", 1, 4, held)) {
+    if (!(row.number[3] >= 0)) rows.fail("restraints", row, "expected a stiffness of 0 or more");
+    terms.restraints.push_back({row.atom[0], Vec3(row.number), row.number[3]});
+  }
 }
 
 namespace {

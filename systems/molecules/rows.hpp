@@ -27,7 +27,8 @@ struct Row {
   const double* number;  // those behind the atoms
 };
 
-// Reads what is said in rows of atoms, counted from 0, and numbers: [i, j, length].
+// Reads what is said in rows of atoms, counted from 0, and numbers: [i, j, length]. A row of one unit counts
+// in all. One with an atom that is counted from the end (-1 is the last of all) counts once.
 class RowReader {
  public:
   RowReader(const TomlTable& keys, const Units& units) : keys_(keys), units_(units) {}
@@ -54,7 +55,8 @@ class RowReader {
 System read_system(RowReader& rows, Eigen::VectorXd mass);
 
 void read_springs(RowReader& rows, Terms& terms);
-void read_pulls(RowReader& rows, Terms& terms);
+// What acts on atoms from outside: pulls, and restraints to a place.
+void read_outer(RowReader& rows, Terms& terms);
 
 // A strut's atoms, those `first` further on, are not too close, a rope's not too far apart; what is wrong
 // where they are, else nothing.
