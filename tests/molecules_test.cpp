@@ -71,6 +71,7 @@ TEST(Molecules, AreGrownAtTheirLengthsAndAnglesWithoutOverlap) {
     EXPECT_NEAR(a.dot(b) / (a.norm() * b.norm()), -0.5, 1e-12);
   }
   EXPECT_GT(nearest(scene), 0.84);
+  EXPECT_GT(nearest(read(with(kPolymers, "angles = [[0, 1, 2, 120, 25]]", ""))), 0.84);
   EXPECT_EQ(scene.start.box.edge, Vec3::Constant(5));
   EXPECT_EQ(scene.names.residue[59], 2);
   EXPECT_EQ(scene.names.kinds[scene.names.kind[59]].residue, "poly");

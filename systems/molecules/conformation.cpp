@@ -22,7 +22,6 @@ constexpr int kSweeps = 4000;         // over all distances
 constexpr double kClosed = 1e-10;     // of a length
 constexpr double kTouch = 0.85 / 2;   // radius of a sphere, in σ: two come as near as 0.85 σ in a liquid
 constexpr double kBareCharge = 0.05;  // of a charge without Lennard-Jones [nm]
-constexpr int kNeighbours = 3;        // ties apart
 
 Vec3 at_angle(const Vec3& axis, double angle, Random& random) {
   const Vec3 u = axis.normalized(), w = random.unit_vector();
@@ -50,10 +49,14 @@ Conformations::Conformations(const Molecule& molecule, double kT)
     : molecule_(molecule), kT_(kT), shaped_(molecule.x.cols() > 0), near_(molecule.atoms()) {
   for (int a = 0; a < molecule.atoms(); ++a) radius_.push_back(radius_of(molecule, a));
   if (shaped_) return;
-  for (const auto& [i, j, apart] : near_pairs(molecule, kNeighbours)) {
+  const auto may_overlap = [&](int i, int j) {
     near_[i].push_back(j);
     near_[j].push_back(i);
-  }
+  };
+  for (const Tie& tie : ties(molecule)) may_overlap(tie.i, tie.j);
+  for (const auto& angle : molecule.terms.angles) may_overlap(angle.i, angle.k);
+  if (molecule.terms.nonbonded)
+    for (const auto& pair : molecule.terms.nonbonded->exceptions) may_overlap(pair.i, pair.j);
   for (auto& near : near_) std::ranges::sort(near);
   plan_torsions();
   plan_growth();

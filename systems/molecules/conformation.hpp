@@ -58,7 +58,7 @@ class Conformations {
   bool close(Vectors& x) const;
   double energy(const Torsion& torsion, const Vectors& x) const;
   static bool reach(const std::vector<OneSidedBond>& bonds, const Vectors& x);  // all as far as they may
-  bool near(int a, int b) const;                                                // so that they may overlap
+  bool near(int a, int b) const;  // ties or angles hold them apart, or their pair force is another
 
   const Molecule& molecule_;
   double kT_;
