@@ -62,4 +62,10 @@ Cut choose_cut(double contraction, int most) {
   return {-1, -1};
 }
 
+int change_of_exchanges(const LeftByCuts& left, double tolerance) {
+  constexpr double kWellBelow = 0.1;  // what comes and goes asks for no change back and forth
+  if (left.now > 0.5 * tolerance) return 1;
+  return left.one_exchange_less >= 0 && left.one_exchange_less < 0.5 * kWellBelow * tolerance ? -1 : 0;
+}
+
 }  // namespace taut

@@ -32,4 +32,13 @@ Cut choose_cut(double contraction, int most);
 // With so many exchanges; guess_order −1: unstable.
 int guess_order_for(double contraction, int exchanges);
 
+// What cuts leave of bonds, |σ|/d² of the step to come, at most, since it was last looked at: after all
+// exchanges of a step, and after all but the last. Less than 0: not known.
+struct LeftByCuts {
+  double now = -1, one_exchange_less = -1;
+};
+// One more, 1, or one less, −1, or neither, so that they leave no more than half of the tolerance. Noise that
+// nobody foresees, of a thermostat say, is so told instead.
+int change_of_exchanges(const LeftByCuts& left, double tolerance);
+
 }  // namespace taut

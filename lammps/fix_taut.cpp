@@ -208,6 +208,7 @@ void FixTaut::find_multipliers() {
   for (int n = 0; n < exchanges_; ++n) {
     store_past();
     forward_comm(Forward::kMultipliers);
+    if (n + 1 == exchanges_) look_before_last_exchange();
     read_outer(false);
     read_motion(kick_);
     solve_->add_outer_pull(kick_);

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 
+#include "lammps/cut.hpp"
 #include "lammps/local_solve.hpp"
 
 namespace LAMMPS_NS {
@@ -76,7 +77,8 @@ class FixTaut : public Fix {
   int motion_size() const;
   bool forwards_multipliers() const { return cut_ && forward_ != Forward::kVelocities; }
   std::string missing_partner(tagint atom, tagint partner) const;
-  void choose_exchanges();
+  void choose_exchanges(const taut::LeftByCuts& left);
+  void warn_of_cuts(double left);
   void write_values(int i);
   double* values_of(int i) { return &ghost_values_[static_cast<std::size_t>(i) * comm_forward]; }
   const double* values_of(int i) const { return &ghost_values_[static_cast<std::size_t>(i) * comm_forward]; }
@@ -84,6 +86,9 @@ class FixTaut : public Fix {
   void read_motion(double kick);
   void read_outer(bool next_step);
   void remember_shared(double acted);
+  double difference_of(const taut::SharedBond& shared) const;
+  double left_by(const taut::SharedBond& shared) const;
+  void look_before_last_exchange();
   void compare_shared(double impulse_time);
   void give_missing_impulses();
   void find_strain();
@@ -110,6 +115,8 @@ class FixTaut : public Fix {
   // Of all processors:
   bool ghosts_ = false, cut_ = false;
   int overlap_ = 0, exchanges_ = 0, guess_order_ = 0;
+  int exchanges_enough_ = -1;  // by what cuts have left; less than 0: not known
+  bool warned_ = false;
 
   Forward forward_ = Forward::kMotion;
   Eigen::Matrix3d box_before_ = Eigen::Matrix3d::Identity(), strain_ = Eigen::Matrix3d::Zero();  // [1/time]
@@ -117,6 +124,7 @@ class FixTaut : public Fix {
   bool outer_is_shifted_ = false;              // the past of multipliers beyond has the last step's already
   taut::Vectors shared_r_, missing_impulses_;  // of bonds between two processors
   double acted_ = 0;                           // how long the last forces have, when their step ends
+  taut::LeftByCuts left_;                      // since lists were built, by this processor's
   std::vector<double> cleared_from_;
   std::vector<double> ghost_values_;  // kMotionSize + most_upward_ numbers an atom
   static constexpr int kMotionSize = 6;

@@ -23,13 +23,31 @@ void FixTaut::remember_shared(double acted) {
   }
 }
 
-// After the other processors' multipliers have come.
+// λ' − λ, after the other processor's multiplier has come.
+double FixTaut::difference_of(const taut::SharedBond& shared) const {
+  return received_multiplier(shared.ghost, shared.slot) - solve_->pieces().places[shared.bond][1]->past[0];
+}
+
+// |σ|/d² of the next step that this difference leaves.
+double FixTaut::left_by(const taut::SharedBond& shared) const {
+  const auto& [i, j, d] = solve_->system().bonds[shared.bond];
+  const auto& inv_mass = solve_->system().inv_mass;
+  return update->dt * update->dt * std::abs(difference_of(shared)) * (inv_mass[i] + inv_mass[j]);
+}
+
+// In a step's last exchange the multipliers come that its exchanges but one have led to.
+void FixTaut::look_before_last_exchange() {
+  for (const taut::SharedBond& shared : solve_->pieces().shared)
+    left_.one_exchange_less = std::max(left_.one_exchange_less, left_by(shared));
+}
+
 void FixTaut::compare_shared(double impulse_time) {
   if (shared_r_.cols() > 0) mismatch_ = 0;
   for (Eigen::Index b = 0; b < shared_r_.cols(); ++b) {
-    const auto& [bond, ghost, slot] = solve_->pieces().shared[b];
-    const double difference = received_multiplier(ghost, slot) - solve_->pieces().places[bond][1]->past[0];
-    mismatch_ = std::max(mismatch_, std::abs(difference) * solve_->system().bonds[bond].length);
+    const taut::SharedBond& shared = solve_->pieces().shared[b];
+    const double difference = difference_of(shared);
+    left_.now = std::max(left_.now, left_by(shared));
+    mismatch_ = std::max(mismatch_, std::abs(difference) * solve_->system().bonds[shared.bond].length);
     missing_impulses_.col(b) += impulse_time * difference * shared_r_.col(b);
   }
   shared_r_.resize(3, 0);

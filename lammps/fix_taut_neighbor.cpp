@@ -33,9 +33,10 @@ void FixTaut::find_pieces() {
   } catch (const std::runtime_error& wrong) {
     stop(wrong.what());
   }
-  const double mine[2] = {static_cast<double>(pieces.ghosts), static_cast<double>(!pieces.outer.empty())};
-  double all[2];
-  MPI_Allreduce(mine, all, 2, MPI_DOUBLE, MPI_MAX, world);
+  const double mine[] = {static_cast<double>(pieces.ghosts), static_cast<double>(!pieces.outer.empty()),
+                         left_.now, left_.one_exchange_less};
+  double all[4];
+  MPI_Allreduce(mine, all, 4, MPI_DOUBLE, MPI_MAX, world);
   ghosts_ = all[0] > 0;
   cut_ = all[1] > 0;
   shared_r_.resize(3, 0);
@@ -43,11 +44,12 @@ void FixTaut::find_pieces() {
   make_solve(std::move(pieces));
   outer_is_shifted_ = true;
   exchanges_ = 0;
-  if (cut_) choose_exchanges();
+  left_ = {};
+  if (cut_) choose_exchanges({all[2], all[3]});
 }
 
-void FixTaut::choose_exchanges() {
-  constexpr int kMostExchanges = 30;
+void FixTaut::choose_exchanges(const taut::LeftByCuts& left) {
+  constexpr int kMostExchanges = 30, kBeforeKnown = 2;
   if (keys_.clear)
     refuse("clear: clusters are cut between processors, and velocities are cleared in whole ones alone");
   solve_->load_positions(atom->x, *domain);
@@ -64,7 +66,25 @@ void FixTaut::choose_exchanges() {
         given ? fmt::format("exchanges {} are too few", keys_.exchanges) : "no exchanges will do",
         comm->get_comm_cutoff()));
   exchanges_ = cut.exchanges;
-  guess_order_ = std::min(cut.guess_order, solve_->steps_kept() - 1);
+  if (!given) {
+    const bool known = exchanges_enough_ >= 0;
+    exchanges_enough_ = known ? exchanges_enough_ + taut::change_of_exchanges(left, keys_.tolerance())
+                              : cut.exchanges + kBeforeKnown;
+    exchanges_enough_ = std::clamp(exchanges_enough_, cut.exchanges, kMostExchanges);
+    exchanges_ = exchanges_enough_;
+    while (taut::guess_order_for(rho, exchanges_) < 0) ++exchanges_;  // odd and even numbers differ
+  }
+  guess_order_ = std::min(taut::guess_order_for(rho, exchanges_), solve_->steps_kept() - 1);
+  if (left.now > keys_.tolerance() && (given || exchanges_ >= kMostExchanges)) warn_of_cuts(left.now);
+}
+
+void FixTaut::warn_of_cuts(double left) {
+  if (!warned_ && comm->me == 0)
+    error->warning(
+        FLERR, fmt::format("Fix taut {}, step {}: bonds between processors are left off by {:.2g}, more than "
+                           "{:g}; take more exchanges than {}, or more overlap than {}",
+                           id, update->ntimestep, left, keys_.tolerance(), exchanges_, overlap_));
+  warned_ = true;
 }
 
 // Before the first forces, after minimisation say: bonds that are off would be brought back within one step,

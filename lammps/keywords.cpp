@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "constraints/feedforward.hpp"
 #include "md/errors.hpp"
 #include "md/nearest_name.hpp"
 
@@ -137,6 +138,11 @@ class Reader {
 };
 
 }  // namespace
+
+double Keywords::tolerance() const {
+  const auto* options = method.get_if<Feedforward::Options>();
+  return options ? options->tolerance : Feedforward::Options{}.tolerance;
+}
 
 Keywords read_keywords(const std::vector<std::string>& words, const TypeCounts& types) {
   return Reader(words, types).read();

@@ -25,6 +25,8 @@ struct Keywords {
   double restraint = -1;  // of the springs during minimize [energy/length²]; less than 0: as fix shake's
   int overlap = 8;        // bonds solved beyond a processor's own, at most
   int exchanges = -1;     // of multipliers with neighbours in a step, besides; less than 0: as many as needed
+
+  double tolerance() const;  // what cuts may leave of bonds, |σ|/d²: the method's, or feedforward's default
 };
 
 // What follows the style's name. Throws InputError.

@@ -33,7 +33,8 @@ def run(folder, text, ranks=1, **variables):
 
 def table(output, which=-1):
     """The columns of the thermo output of one run, by name."""
-    blocks = re.findall(r"^\s*(Step .*)\n((?:\s*[-\d].*\n)+)", output, re.M)
+    lines = re.sub(r"^WARNING.*\n", "", output, flags=re.M)
+    blocks = re.findall(r"^\s*(Step .*)\n((?:\s*[-\d].*\n)+)", lines, re.M)
     names = blocks[which][0].split()
     rows = [[float(word) for word in line.split()] for line in blocks[which][1].splitlines()
             if len(line.split()) == len(names)]

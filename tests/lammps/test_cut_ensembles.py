@@ -7,7 +7,7 @@ import inputs
 import lammps
 import systems
 
-OUTPUT = "thermo_style custom step temp etotal press f_hold[1] f_hold[3]\nthermo_modify format float %.15g\nthermo 50\n"
+OUTPUT = "thermo_style custom step temp etotal press f_hold[1] f_hold[3] f_hold[4]\nthermo_modify format float %.15g\nthermo 50\n"
 CASES = {
     "nve": {},
     "newton off": dict(newton="off"),
@@ -40,20 +40,38 @@ def test_any_processors_give_the_same(folder, run, name):
         assert np.abs(cut_atoms[:, 3:].sum(axis=0)).max() < (1e-9 if "integrate" in CASES[name] else 1e-11)
 
 
-def test_langevin_forces_leave_bonds_at_their_floor(folder, run):
-    """Nobody foresees random forces: what lies beyond a cut is guessed worse, and exchanges tell it. Each processor has
-    random numbers of its own, so that no trajectory is another's."""
-    def residual_and_temperature(ranks, more=""):
-        integrate = "fix warm all langevin 1 1 0.5 4711\nfix move all nve"
-        text = inputs.of(inputs.CHAINS, dt=0.002, integrate=integrate, rest=OUTPUT + "run 500\n")
-        found = lammps.table(run(text.replace(" b 1\n", f" b 1 {more}\n"), ranks))
-        assert (found["f_hold[3]"].max() > 0) == (ranks > 1)
-        return found["f_hold[1]"][1:].max(), found["Temp"][5:].mean()
+def langevin(run, ranks, more=""):
+    """What it printed, and the table. Each processor has random numbers of its own: no trajectory is another's."""
+    text = inputs.of(inputs.CHAINS, dt=0.002, integrate="fix warm all langevin 1 1 0.5 4711\nfix move all nve",
+                     rest=OUTPUT.replace("thermo 50", "thermo 1") + "run 300\n")
+    output = run(text.replace(" b 1\n", f" b 1 {more}\n"), ranks)
+    return output, lammps.table(output)
 
-    whole, temperature = residual_and_temperature(1)
-    cut, cut_temperature = residual_and_temperature(3)
-    assert cut < 1e-5 and cut_temperature == pytest.approx(temperature, abs=0.3)
-    assert residual_and_temperature(3, "exchanges 2")[0] < 2 * whole
+
+@pytest.mark.parametrize("overlap", [3, 8])
+def test_what_random_forces_leave_is_exchanged(run, overlap):
+    """Nobody foresees them: what lies beyond a cut is guessed worse, and exchanges tell it, as many as it takes."""
+    whole, (output, cut) = langevin(run, 1)[1], langevin(run, 3, f"overlap {overlap}")
+    assert cut["f_hold[3]"][1:].min() == overlap
+    assert cut["f_hold[1]"].max() < 1e-7  # the tolerance
+    assert 1 <= cut["f_hold[4]"][-50:].mean() < 3 and "left off" not in output
+    assert cut["Temp"][50:].mean() == pytest.approx(whole["Temp"][50:].mean(), abs=0.3)
+
+
+def test_too_few_exchanges_are_not_passed_over(run):
+    output, cut = langevin(run, 3, "exchanges 0")
+    assert cut["f_hold[1]"].max() > 1e-7
+    assert "bonds between processors are left off by" in output
+
+
+def test_exchanges_come_and_go_with_random_forces(run):
+    noise = "fix warm all langevin {} 4711\n"  # in its place before fix taut, also the second time
+    text = inputs.of(inputs.CHAINS, dt=0.002, integrate=noise.format("0 0 1e9") + "fix move all nve",
+                     rest=OUTPUT + "run 150\n" + noise.format("1 1 0.5") + "run 200\n")
+    output = run(text, 2)
+    calm, warm = (lammps.table(output, n)["f_hold[4]"] for n in (-2, -1))
+    assert calm[0] == 2 and calm[-1] == 0 and warm[0] == 0 and warm[-1] >= 1
+    assert lammps.table(output)["f_hold[1]"][-2:].max() < 1e-7
 
 
 @pytest.mark.parametrize("ranks", [1, 3])
