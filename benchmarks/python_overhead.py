@@ -1,14 +1,20 @@
 #!/usr/bin/env python3
-"""What Python costs beside the command: PYTHONPATH=build/python python3 benchmarks/python_overhead.py
+"""What Python costs beside the command: PYTHONPATH=build/python python3 benchmarks/python_overhead.py [--instructions]
 
 A run by the command, the same called from Python, the same with a callback every 100 steps, in turns; and what a step
 costs more where the constraint method is written in Python: an empty one, and SHAKE of python/examples.
+
+--instructions: what a busy machine cannot blur. Instructions of the three, counted by valgrind in runs of two lengths,
+so that what a run costs once is taken off; some ten minutes.
 """
 import json
 import os
+import re
 import statistics
 import subprocess
+import sys
 import tempfile
+import time
 from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # its threads wait longer than such matrices take
@@ -19,12 +25,28 @@ import taut
 
 ROOT = Path(__file__).resolve().parents[1]
 STEPS, TURNS = 2000, 9
+TAUT = [str(ROOT / "build" / "taut"), "run", "water", "--method", "feedforward", "--set", "run.log_every=100", "--steps"]
+
+
+def instructions(command):
+    counting = ["valgrind", "--tool=cachegrind", "--cache-sim=no", "--cachegrind-out-file=/dev/null"]
+    done = subprocess.run(counting + command, check=True, capture_output=True, text=True,
+                          env={**os.environ, "OMP_NUM_THREADS": "1"})
+    return int(re.search(r"I +refs: +([\d,]+)", done.stderr).group(1).replace(",", ""))
+
+
+def compare_instructions(few=200, many=600):
+    run = "import sys, taut; taut.Simulation('water', method='feedforward').run(int(sys.argv[1]), every=100, callback={})"
+    called, watched = ([sys.executable, "-c", run.format(what)] for what in ("None", "lambda row: row.temperature_k"))
+    names = "command", "called from Python", "with a callback every 100 steps"
+    each = [(instructions(c + [str(many)]) - instructions(c + [str(few)])) / (many - few) for c in (TAUT, called, watched)]
+    for name, count in zip(names, each):
+        print(f"{name}: {count:.0f} instructions a step, {100 * (count / each[0] - 1):+.3f} %", flush=True)
 
 
 def command():
     with tempfile.TemporaryDirectory() as folder:
-        subprocess.run([ROOT / "build" / "taut", "run", "water", "--method", "feedforward", "--steps", str(STEPS),
-                        "--out", folder + "/run"], check=True, capture_output=True)
+        subprocess.run([*TAUT, str(STEPS), "--out", folder + "/run"], check=True, capture_output=True)
         return json.loads((Path(folder) / "run" / "summary.json").read_text())["us_per_step"]
 
 
@@ -35,8 +57,6 @@ def python(callback=None, method="feedforward", steps=STEPS, dt_fs=2):
 
 
 def wall(callback):
-    import time
-
     sim = taut.Simulation("water", method="feedforward")
     sim.run(100)
     start = time.perf_counter()
@@ -44,10 +64,11 @@ def wall(callback):
     return (time.perf_counter() - start) / STEPS * 1e6
 
 
-rows = [(command(), python()[0], wall(None), wall(lambda row: row.temperature_k)) for _ in range(TURNS)]
-there, here, quiet, called = (statistics.median(column) for column in zip(*rows))
-print(f"command {there:.1f} µs a step, from Python {here:.1f}: {100 * (here / there - 1):+.1f} %")
-print(f"wall {quiet:.1f} µs a step, with a callback every 100 steps {called:.1f}: {100 * (called / quiet - 1):+.1f} %")
+def compare_times():
+    rows = [(command(), python()[0], wall(None), wall(lambda row: row.temperature_k)) for _ in range(TURNS)]
+    there, here, quiet, called = (statistics.median(column) for column in zip(*rows))
+    print(f"command {there:.1f} µs a step, from Python {here:.1f}: {100 * (here / there - 1):+.1f} %")
+    print(f"wall {quiet:.1f} µs a step, with a callback every 100 steps {called:.1f}: {100 * (called / quiet - 1):+.1f} %")
 
 
 class Empty(taut.ConstraintMethod):
@@ -89,8 +110,17 @@ class Triangles(taut.ConstraintMethod):
         return taut.NotConverged(20)
 
 
-names = {}
-text = (ROOT / "python" / "examples" / "own_method.py").read_text()
-exec(text[:text.index("\n\n\ncharted")], names)
-for method, dt_fs in ((Empty, 0.01), (Triangles, 2), (names["MyShake"](tolerance=1e-6), 2)):
-    print(f"{method}: {statistics.median(python(method=method, steps=100, dt_fs=dt_fs)[1] for _ in range(5)):.0f} µs a step")
+def methods_in_python():
+    names = {}
+    text = (ROOT / "python" / "examples" / "own_method.py").read_text()
+    exec(text[:text.index("\n\n\ncharted")], names)
+    for method, dt_fs in ((Empty, 0.01), (Triangles, 2), (names["MyShake"](tolerance=1e-6), 2)):
+        each = [python(method=method, steps=100, dt_fs=dt_fs)[1] for _ in range(TURNS)]
+        print(f"{method}: {statistics.median(each):.0f} µs a step, at best {min(each):.0f}")
+
+
+if "--instructions" in sys.argv:
+    compare_instructions()
+else:
+    compare_times()
+    methods_in_python()

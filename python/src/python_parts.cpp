@@ -1,4 +1,4 @@
-// Methods and forces written in Python. A method's stages see the state's own numbers, a force copies.
+// Methods and forces written in Python. They see the state's own numbers.
 
 #include <fmt/format.h>
 
@@ -32,6 +32,21 @@ thread_local std::shared_ptr<py::error_already_set> last_error;
   words = words.substr(0, words.find('\n'));
   last_error = shared(error);
   throw SimulationFailure(fmt::format("{}: {}", who, words));
+}
+
+// Has Python's code called; what it throws fails the step.
+template <class Call>
+auto asked(const std::string& whose, const char* what, const Call& call) {
+  const py::gil_scoped_acquire interpreter;
+  try {
+    return call();
+  } catch (py::error_already_set& error) {
+    fail(error, fmt::format("{}.{}", whose, what));
+  } catch (py::builtin_exception& error) {
+    error.set_error();
+    py::error_already_set set;
+    fail(set, fmt::format("{}.{}", whose, what));
+  }
 }
 
 struct Own {
@@ -129,21 +144,13 @@ class PythonMethod final : public ConstraintMethod {
 
   SolveStats act(int stage, const System& sys, double h, State& s) {
     SolveStats stats;
-    if (has_[stage]) {
-      const py::gil_scoped_acquire interpreter;
-      try {
+    if (has_[stage])
+      stats = asked(name_, kStage[stage], [&] {
         LentState state(part(2), s);
         const py::object answer = part(0).attr(kStage[stage])(part(1), h, part(2));
         state.take_back();
-        stats = said(answer);
-      } catch (py::error_already_set& error) {
-        fail(error, fmt::format("{}.{}", name_, kStage[stage]));
-      } catch (py::builtin_exception& error) {
-        error.set_error();
-        py::error_already_set set;
-        fail(set, fmt::format("{}.{}", name_, kStage[stage]));
-      }
-    }
+        return said(answer);
+      });
     if (stage == 0 && stats.converged()) look_at(sys, s, stats);
     return stats;
   }
@@ -182,25 +189,32 @@ class PythonField final : public OwnField {
 
   std::string name() const override { return name_; }
   double add(const Vectors& x, Vectors& f) override {
-    const py::gil_scoped_acquire interpreter;
-    try {
-      py::array_t<double> forces({x.cols(), Eigen::Index{3}});
-      std::fill_n(forces.mutable_data(), x.size(), 0.0);
-      const double energy = field_->attr("add")(rows_of(x), forces).cast<double>();
-      f += Eigen::Map<const Vectors>(forces.data(), 3, x.cols());
-      return energy;
-    } catch (py::error_already_set& error) {
-      fail(error, name_ + ".add");
-    } catch (const py::cast_error&) {
-      PyErr_SetString(PyExc_TypeError, "expected it to return its energy [kJ/mol], a number");
-      py::error_already_set error;
-      fail(error, name_ + ".add");
-    }
+    added_.setZero(3, x.cols());
+    const double energy = asked(name_, "add", [&] {
+      // Where they are kept the state goes on with a copy: no state is const where it was made.
+      const Lent positions("positions", const_cast<Vectors&>(x), owner_of(x));
+      const Lent forces("forces", added_, owner_of(added_));
+      positions.view().attr("setflags")(py::arg("write") = false);
+      const py::object answer = field_->attr("add")(positions.view(), forces.view());
+      positions.expect_back(), forces.expect_back();
+      return number(answer);
+    });
+    f += added_;
+    return energy;
   }
 
  private:
+  static double number(const py::object& energy) {
+    try {
+      return energy.cast<double>();
+    } catch (const py::cast_error&) {
+      throw py::type_error("expected it to return its energy [kJ/mol], a number");
+    }
+  }
+
   std::string name_;
   Shared field_;
+  Vectors added_;  // so that others' forces are not seen, nor overwritten
 };
 
 Own option_of(const std::string& key, const py::object& value) {

@@ -17,7 +17,7 @@ class PythonSimulation {
   // From a checkpoint's bytes, or with a folder from its own, which it then goes on with.
   PythonSimulation(const std::string& bytes, const std::string& folder,
                    const std::vector<std::string>& overrides, bool yes, const py::list& forces);
-  ~PythonSimulation() { forget_owner(simulation_->state()); }
+  ~PythonSimulation() { forget_owner(simulation_->state().x); }
 
   // `every`: steps from row to row, 0: as before. With `to_end` the last step has a row, too.
   void run(long steps, long every, const py::object& callback, bool to_end);

@@ -17,25 +17,35 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 // What a row of the log holds, in its order.
 struct Column {
-  const char* name;
+  const char *name, *meaning;
   double (*of)(const Record&);
 };
 constexpr std::array kColumns = {
-    Column{"time_ps", [](const Record& r) { return r.t; }},
-    Column{"potential_kj_mol", [](const Record& r) { return r.potential; }},
-    Column{"kinetic_kj_mol", [](const Record& r) { return r.kinetic; }},
-    Column{"total_kj_mol", [](const Record& r) { return r.total(); }},
-    Column{"temperature_k", [](const Record& r) { return r.temperature; }},
-    Column{"pressure_bar", [](const Record& r) { return r.pressure.value_or(kNone); }},
-    Column{"volume_nm3", [](const Record& r) { return r.pressure ? r.volume : kNone; }},
-    Column{"density_kg_m3", [](const Record& r) { return r.pressure ? r.density : kNone; }},
-    Column{"max_rel_bond_error", [](const Record& r) { return r.bonds.max; }},
-    Column{"rms_rel_bond_error", [](const Record& r) { return r.bonds.rms; }},
-    Column{"drift_kj_mol_ns_dof", [](const Record& r) { return r.drift; }},
-    Column{"constraint_work_kj_mol", [](const Record& r) { return r.constraint_work; }},
-    Column{"heat_kj_mol", [](const Record& r) { return r.heat.value_or(kNone); }},
-    Column{"iterations", [](const Record& r) { return r.iterations; }},
-    Column{"ns_per_day", [](const Record& r) { return r.ns_per_day; }}};
+    Column{"time_ps", "Time [ps].", [](const Record& r) { return r.t; }},
+    Column{"potential_kj_mol", "Potential energy [kJ/mol].", [](const Record& r) { return r.potential; }},
+    Column{"kinetic_kj_mol", "Kinetic energy [kJ/mol].", [](const Record& r) { return r.kinetic; }},
+    Column{"total_kj_mol", "Their sum [kJ/mol].", [](const Record& r) { return r.total(); }},
+    Column{"temperature_k", "At this instant [K].", [](const Record& r) { return r.temperature; }},
+    Column{"pressure_bar", "At this instant [bar]; without a box nan.",
+           [](const Record& r) { return r.pressure.value_or(kNone); }},
+    Column{"volume_nm3", "The box's [nm³]; without one nan.",
+           [](const Record& r) { return r.pressure ? r.volume : kNone; }},
+    Column{"density_kg_m3", "Mass of all atoms over the box's volume [kg/m³]; without one nan.",
+           [](const Record& r) { return r.pressure ? r.density : kNone; }},
+    Column{"max_rel_bond_error", "Largest relative error of a rigid bond's length.",
+           [](const Record& r) { return r.bonds.max; }},
+    Column{"rms_rel_bond_error", "Root mean square of all of them.",
+           [](const Record& r) { return r.bonds.rms; }},
+    Column{"drift_kj_mol_ns_dof", "Trend so far of the energy less the heat [kJ/mol/ns/degree of freedom].",
+           [](const Record& r) { return r.drift; }},
+    Column{"constraint_work_kj_mol", "Of the energy since the start, what the bonds did [kJ/mol].",
+           [](const Record& r) { return r.constraint_work; }},
+    Column{"heat_kj_mol", "What thermostat and barostat gave since the start [kJ/mol]; without them nan.",
+           [](const Record& r) { return r.heat.value_or(kNone); }},
+    Column{"iterations", "The method's, a step, since the row before.",
+           [](const Record& r) { return r.iterations; }},
+    Column{"ns_per_day", "Simulated time [ns] that a day takes at this pace.",
+           [](const Record& r) { return r.ns_per_day; }}};
 
 std::string in_words(const Record& r) {
   return fmt::format(
@@ -52,7 +62,7 @@ py::dict log(const Self& self) {
   py::array_t<long> steps(rows);
   for (py::ssize_t n = 0; n < rows; ++n) steps.mutable_at(n) = all[n].step;
   columns["step"] = steps;
-  for (const auto& [name, of] : kColumns) {
+  for (const auto& [name, meaning, of] : kColumns) {
     py::array_t<double> column(rows);
     for (py::ssize_t n = 0; n < rows; ++n) column.mutable_at(n) = of(all[n]);
     columns[name] = column;
@@ -77,7 +87,7 @@ py::tuple to_openmm(Self& self) {
 
 py::array view(const py::object& self, Vectors State::*part, bool writeable) {
   const State& state = self.cast<const Self&>().engine().state();
-  remember_owner(state, self);
+  remember_owner(state.x, self);
   py::array_t<double> rows = rows_of(state.*part, self);
   if (!writeable) rows.attr("setflags")(py::arg("write") = false);
   return rows;
@@ -127,7 +137,8 @@ void bind_rows(py::module_& m) {
   py::class_<Record> row(m, "Row",
                          "A row of the log: the state at a step. Numbers that a run has not are nan.");
   row.def_readonly("step", &Record::step, "Steps taken.").def("__repr__", in_words);
-  for (const Column& column : kColumns) row.def_property_readonly(column.name, py::cpp_function(column.of));
+  for (const auto& [name, meaning, of] : kColumns)
+    row.def_property_readonly(name, py::cpp_function(of), meaning);
 }
 
 void bind_views(py::class_<Self>& simulation) {

@@ -27,6 +27,7 @@ if int(numpy.__version__.split(".")[0]) >= 2 and not _core.knows_numpy_2:
     raise ImportError("taut was built with a pybind11 that does not know numpy 2: build it where this numpy is, "
                       "pip install .")
 
+from . import options
 from ._core import Row, scenes, threads, use_threads
 from .errors import InputError, OutsideError, SimulationFailure
 from .options import *  # noqa: F401,F403
@@ -36,3 +37,10 @@ from .studies import calibrate, chart, crosscheck, stability
 from .verifying import verify
 
 __version__ = "0.1"
+__all__ = ["ConstraintMethod", "Force", "InputError", "NotConverged", "OutsideError", "Row", "Simulation",
+           "SimulationFailure", "State", "System", "calibrate", "chart", "crosscheck", "register", "scenes",
+           "stability", "threads", "use_threads", "verify"]
+__all__ += options.__all__
+
+for _name in __all__:  # all is of taut, wherever it is written: so help has it
+    globals()[_name].__module__ = __name__

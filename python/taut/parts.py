@@ -117,7 +117,8 @@ class Force:
     def add(self, positions: np.ndarray, forces: np.ndarray) -> float:
         """Adds to `forces`, which come as zeros, (n, 3) [kJ/mol/nm], at `positions`, (n, 3) [nm], never wrapped.
 
-        Returns the energy [kJ/mol]. Called once a step and whenever the forces are looked at.
+        Returns the energy [kJ/mol]. Called once a step and whenever the forces are looked at. Both arrays are the
+        engine's own, as those of a State; positions cannot be written to. Who keeps one keeps a copy.
         """
         raise NotImplementedError(f"{type(self).__name__}.add is not written")
 

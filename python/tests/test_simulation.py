@@ -4,6 +4,7 @@ import pickle
 import subprocess
 import sys
 import threading
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -208,6 +209,34 @@ def test_a_folder_goes_on(tmp_path, command):
     subprocess.run([command, "resume", str(tmp_path / "run"), "--steps", "20"], check=True, capture_output=True)
     there = final_of(command, tmp_path / "command", "chain", "--method", "newton", "--steps", 60)
     assert (tmp_path / "run" / "final.start.toml").read_text() == there
+
+
+class Waters:
+    """Names of atoms as an openmm.app.Topology has them."""
+
+    def atoms(self):
+        for n in range(648):
+            residue, name = SimpleNamespace(name="SOL", index=n // 3), ("OX", "HA", "HB")[n % 3]
+            yield SimpleNamespace(name=name, element=SimpleNamespace(symbol=name[0]), residue=residue)
+
+
+def test_the_command_goes_on_with_a_run_that_has_names(tmp_path, command, data):
+    system, state = data / "tip3p-216.system.xml", data / "tip3p-216.state.xml"
+    taut.Simulation.from_openmm(system, state, topology=Waters(), dt_fs=1, out=tmp_path / "run").run(5)
+    gc.collect()
+    go_on = [command, "run", "--dt-fs", "1", "--steps", "10", "--continue", "--out", str(tmp_path / "run"), "--openmm"]
+    subprocess.run([*go_on, system, state], check=True, capture_output=True)
+    resumed = taut.Simulation.resume(tmp_path / "run")
+    assert resumed.steps_taken == 10 and list(resumed.names["atom"][:3]) == ["OX", "HA", "HB"]
+    whole = taut.Simulation.from_openmm(system, state, dt_fs=1)
+    whole.run(10)
+    assert np.array_equal(resumed.positions, whole.positions)
+    del resumed
+    gc.collect()
+    other = tmp_path / "state.xml"
+    other.write_text(state.read_text() + "<!-- another -->")
+    refused = subprocess.run([*go_on, system, other], capture_output=True, text=True)
+    assert refused.returncode == 2 and "state.xml has changed since" in refused.stderr
 
 
 def test_minimise():

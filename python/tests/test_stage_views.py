@@ -1,4 +1,4 @@
-"""What a stage of a method in Python sees: the engine's own numbers, for the length of the stage."""
+"""What a stage of a method or a force in Python sees: the engine's own numbers, for the length of the call."""
 
 import gc
 import inspect
@@ -106,3 +106,56 @@ def test_arrays_that_change_places(turned):
     for one in (sim, plain):
         one.step()
     assert np.array_equal(sim.velocities, plain.forces) and np.array_equal(sim.forces, plain.velocities)
+
+
+def pulling(act):
+    class Pulling(taut.Force):
+        def add(self, positions, forces):
+            act(positions, forces)
+            forces[:, 2] += 1
+            return -positions[:, 2].sum()
+
+    return Pulling()
+
+
+def test_a_force_sees_the_states_own_positions_and_zeros():
+    seen = []
+
+    def look(positions, forces):
+        assert not positions.flags.writeable and not forces.any() and forces.shape == positions.shape
+        with pytest.raises(ValueError, match="read-only"):
+            positions[:] = 0
+        seen.append(sim is not None and np.shares_memory(positions, sim.positions))
+        forces[:] = 7  # it may set what it adds: others' forces are not in there
+        forces[:] = 0
+
+    sim = None
+    sim = taut.Simulation("chain", forces=[pulling(look), pulling(look)])
+    plain = taut.Simulation("chain")
+    assert np.array_equal(sim.positions, plain.positions)
+    assert np.allclose(sim.forces.sum(0) - plain.forces.sum(0), [0, 0, 2 * len(sim.masses)])
+    sim.run(3)
+    assert sum(seen) == 2 * 3, seen
+
+
+@pytest.mark.parametrize("viewed", [False, True], ids=["", "viewed before"])
+@pytest.mark.parametrize("which", [0, 1], ids=["positions", "forces"])
+def test_a_force_that_keeps_a_view_fails_and_what_it_kept_stays_readable(which, viewed):
+    kept, calls = [], []
+
+    def keep(*arrays):
+        calls.append(None)
+        if len(calls) > 4:
+            kept.append(arrays[which][1:])
+
+    sim = taut.Simulation("chain", forces=[pulling(keep)])
+    before = sim.positions if viewed else None
+    with pytest.raises(BufferError, match=f"it kept a view of {['positions', 'forces'][which]}, .*copy"):
+        sim.run(10)
+    assert not viewed or np.shares_memory(before, sim.positions)
+    x = sim.positions.copy()
+    del sim, before
+    gc.collect()
+    junk = [np.full(x.shape, 7.0) for _ in range(1000)]
+    expected = np.array([[0, 0, 1.0]] * (len(x) - 1)) if which else x[1:]
+    assert len(junk) == 1000 and np.allclose(kept[0], expected, atol=0.1)

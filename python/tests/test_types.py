@@ -1,5 +1,6 @@
 import inspect
 import os
+import pydoc
 import shutil
 import subprocess
 import sys
@@ -46,3 +47,19 @@ def test_everything_says_what_it_is():
     for name, member in inspect.getmembers(taut.Simulation):
         if not name.startswith("_"):
             assert inspect.getdoc(member), f"Simulation.{name}"
+
+
+def test_help_shows_all_there_is():
+    text = pydoc.plain(pydoc.render_doc(taut))
+    public = {name for name in vars(taut) if not name.startswith("_") and not inspect.ismodule(getattr(taut, name))}
+    assert public == set(taut.__all__) and len(public) == len(taut.__all__) > 25
+    for name in public:
+        thing = getattr(taut, name)
+        assert thing.__module__ == "taut", name
+        assert f"\n    class {name}(" in text if inspect.isclass(thing) else f"\n    {name}(" in text, name
+        assert inspect.getdoc(thing).splitlines()[0] in text, name
+
+
+def test_a_row_says_what_its_numbers_are():
+    for name, member in inspect.getmembers(taut.Row, inspect.isdatadescriptor):
+        assert name.startswith("_") or inspect.getdoc(member), f"Row.{name}"
