@@ -19,10 +19,10 @@ struct Gains {
 // clang-format off
 //   reversible  αh = 0.3, (βh)² = 2.5 (0.1 and 2 where damping is not discrete): weakly damped, nearly time-reversible
 //   dead-beat   both roots 0: an error is gone in two steps, as under a converged RATTLE
-//   hoomd       the same, under implicit damping: what HOOMD-blue's distance constraints come to. Their condition,
-//               linear in the acceleration, σ/h² + σ̇_half/h + ½|v_half|² + (r + h v_half)·a = 0 (Yoneya 2001,
-//               doi:10.1006/jcph.2001.6718), is r·a + |v_half|² + 2σ̇/h + 2σ/h² + 2h v_half·a = 0 in the end
-//               velocity's σ̇
+//   hoomd       the same: what HOOMD-blue's distance constraints come to. Their condition, linear in the acceleration,
+//               σ/h² + σ̇_half/h + ½|v_half|² + (r + h v_half)·a = 0 (Yoneya 2001, doi:10.1006/jcph.2001.6718), is in the
+//               end velocity's σ̇ the centred law with −¾h²|a|², the discrete one with −h²|a|²: it leaves
+//               σ₊ = ½h⁴|a|²
 //   rattle      roots `reduction` and 0: an error shrinks by `reduction` a step, as RATTLE does (taut calibrate)
 //   swept       a pair of roots of modulus `reduction`: what a fixed number of sweeps of RATTLE's does to an error of
 //               which they leave that share (taut calibrate --copies slowest)

@@ -14,14 +14,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The shared object this function is in, or else the program: ld.so gives that one no name of its own.
+// The shared object this function is in, or else the program: ld.so gives that one no name of its own. The
+// link names the program's folder even where the file has been replaced while it runs.
 fs::path own_file() {
   Dl_info info;
   link_map* object = nullptr;
   const auto here = reinterpret_cast<const void*>(&own_file);
   if (dladdr1(here, &info, reinterpret_cast<void**>(&object), RTLD_DL_LINKMAP) && *object->l_name)
-    return object->l_name;
-  return "/proc/self/exe";
+    return fs::weakly_canonical(object->l_name);
+  return fs::read_symlink("/proc/self/exe");
 }
 
 }  // namespace
@@ -34,7 +35,7 @@ fs::path resource_folder(const std::string& name) {
       throw OutsideError(fmt::format("TAUT_SHARE={}: {} is no folder", share, said.string()));
     return said;
   }
-  const fs::path program = fs::canonical(own_file(), ignored), folder = program.parent_path();
+  const fs::path program = own_file(), folder = program.parent_path();
   for (const fs::path& beside : {folder, folder.parent_path()})
     if (fs::path found = beside / "share/taut" / name; fs::is_directory(found, ignored)) return found;
   throw OutsideError(fmt::format(

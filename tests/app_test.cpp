@@ -225,6 +225,9 @@ TEST(App, ScenesAreFoundFromTheCommand) {
   fs::create_directories(folder.path() / "share/taut");
   fs::create_directory_symlink(share + "/scenes", folder.path() / "share/taut/scenes");
   EXPECT_EQ(taut("scenes", "", moved).text, taut("scenes").text);
+  // a build or a package may replace the command while it runs
+  const auto replaced = taut("3<" + moved + "; rm " + moved + "; /proc/self/fd/3 scenes", "", "exec");
+  EXPECT_EQ(replaced.text, taut("scenes").text);
 }
 
 // The pipe's reader has gone: stopped as by a signal, with a checkpoint.

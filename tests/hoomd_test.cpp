@@ -1,0 +1,103 @@
+// HOOMD-blue's distance constraints (md.constrain.Distance) beside Baumgarte's law and feedforward.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "constraints/baumgarte.hpp"
+#include "constraints/bond_algebra.hpp"
+#include "constraints/feedforward.hpp"
+#include "constraints/projection.hpp"
+#include "free_system.hpp"
+
+namespace taut {
+namespace {
+
+constexpr double kStep = 0.01;
+
+// As its documentation and its source (Yoneya 2001, doi:10.1006/jcph.2001.6718) have it. Forces are evaluated
+// between the kicks, with v_half. q = r + h v_half is where a bond would be a step on without forces; of
+// |q + h²(a + M⁻¹Jᵀλ)_ij|² = d² what is quadratic in forces is left out:
+//     q·(M⁻¹Jᵀλ)_ij = −(|q|² − d²)/2h² − q·a_ij,     an unsymmetric matrix, solved densely here.
+class HoomdDistance : public ConstraintMethod {
+ public:
+  SolveStats add_forces(const System& sys, double h, State& s) override {
+    const int m = sys.bond_count();
+    Vectors r(3, m), q(3, m), y_ij(3, m), y(3, sys.atoms());
+    differences(sys, s.x, r);
+    differences(sys, s.x + h * s.v, q);
+    differences(sys, s.f * sys.inv_mass.asDiagonal(), y_ij);
+    Eigen::MatrixXd matrix(m, m);
+    Eigen::VectorXd wanted(m);
+    for (int k = 0; k < m; ++k)
+      wanted[k] = -sigma(q.col(k), sys.bonds[k].length) / (h * h) - q.col(k).dot(y_ij.col(k));
+    for (int l = 0; l < m; ++l) {
+      y.setZero();
+      add_constraint_acceleration(sys, r, Eigen::VectorXd::Unit(m, l), y);
+      differences(sys, y, y_ij);
+      matrix.col(l) = q.cwiseProduct(y_ij).colwise().sum();
+    }
+    lambda_ = matrix.partialPivLu().solve(wanted);
+    add_constraint_force(sys, r, lambda_, s.f);
+    return {1, 0, 0};
+  }
+  SolveStats start(const System& sys, State& s) override { return add_forces(sys, kStep, s); }
+  const Eigen::VectorXd& lambda() const override { return lambda_; }
+
+ private:
+  Eigen::VectorXd lambda_;
+};
+
+// Every atom on a spring to the origin.
+struct Springs : ForceLaw {
+  void operator()(const System&, State& s) override { s.f = -3 * s.x; }
+};
+
+// Put into |v_half|² and σ̇_half, v_half = v − ½ha, its condition is
+//     r·a + |v|² + 2/h (r·v + ½h² v·a) + 2/h² σ − ¾h²|a|² = 0,
+// a of all forces: αh = 1, (βh)² = 2 under centred damping with −¾h²|a|², under the discrete law with
+// −h²|a|². So it leaves σ₊ = ½h⁴|a|², and is the discrete law at dead-beat aimed at a bond of length √(d² +
+// h⁴|a|²).
+TEST(Hoomd, IsTheDiscreteLawAtDeadBeatAimedAtALongerBond) {
+  auto [sys, hoomds] = testing::free_chain(10, 1);
+  Springs forces;
+  HoomdDistance hoomd;
+  Baumgarte ours(sys, {.gains = "hoomd", .passes = 12}, kStep), unaimed(sys, {.gains = "hoomd"}, kStep);
+  initialize({sys, forces, hoomd}, hoomds);
+  System aimed = sys;
+  State at_longer = hoomds, at_length = hoomds;
+  Vectors a_ij(3, sys.bond_count()), r = a_ij;
+  Eigen::VectorXd left;  // ½h⁴|a|² of the step before
+  for (int n = 0; n < 200; ++n) {
+    ASSERT_TRUE(step({sys, forces, hoomd}, kStep, hoomds).converged());
+    differences(sys, hoomds.x, r);
+    for (int k = 0; k < left.size(); ++k) ASSERT_NEAR(sigma(r.col(k), 1), left[k], 1e-14) << n;
+    differences(sys, hoomds.f * sys.inv_mass.asDiagonal(), a_ij);
+    for (int k = 0; k < sys.bond_count(); ++k)
+      aimed.bonds[k].length = std::sqrt(1 + std::pow(kStep, 4) * a_ij.col(k).squaredNorm());
+    left = 0.5 * std::pow(kStep, 4) * a_ij.colwise().squaredNorm();
+    ASSERT_TRUE(step({aimed, forces, ours}, kStep, at_longer).converged());
+    ASSERT_TRUE(step({sys, forces, unaimed}, kStep, at_length).converged());
+    ASSERT_LT((at_longer.x - hoomds.x).cwiseAbs().maxCoeff(), 1e-12) << n;
+    ASSERT_LT((at_longer.v - hoomds.v).cwiseAbs().maxCoeff(), 1e-10) << n;
+  }
+  EXPECT_GT((at_length.x - hoomds.x).cwiseAbs().maxCoeff(), 1e-6);
+}
+
+// Where no other forces act, it is the Newton iteration of feedforward from λ = 0.
+TEST(Hoomd, IsFeedforwardWithoutAPastInFreeFlight) {
+  auto [sys, hoomds] = testing::free_chain(10, 1);
+  testing::NoForce forces;
+  HoomdDistance hoomd;
+  initialize({sys, forces, hoomd}, hoomds);
+  State ours = hoomds;
+  for (int n = 0; n < 200; ++n) {
+    ASSERT_TRUE(step({sys, forces, hoomd}, kStep, hoomds).converged());
+    Feedforward forgetful(sys, {.tolerance = 0.1}, kStep);
+    ASSERT_EQ(step({sys, forces, forgetful}, kStep, ours).iterations, 1);
+    ASSERT_LT((ours.x - hoomds.x).cwiseAbs().maxCoeff(), 1e-12) << n;
+  }
+}
+
+}  // namespace
+}  // namespace taut
