@@ -220,7 +220,7 @@ bool apart(double predicted, double measured) {
   return !(std::abs(predicted - measured) <= 0.05 * std::max(predicted, measured));
 }
 
-// What the propagator leaves out (constraints/README.md, Calibration).
+// What the propagator leaves out (constraints/README.md, "Copying RATTLE").
 std::string why_apart(const CalibrationPlan& plan, const Calibration& c) {
   if (plan.passes == 1)
     return "one pass leaves what its guess of λ misses by, where bonds meet; take --passes 2";
