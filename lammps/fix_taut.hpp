@@ -22,8 +22,8 @@ class FixTaut : public Fix {
 
   // The step.
   void pre_exchange() override { leave_lists(acted_ + 0.5 * update->dt); }
-  void setup_pre_neighbor() override { find_pieces(); }
-  void pre_neighbor() override { find_pieces(); }
+  void setup_pre_neighbor() override { find_pieces(true); }
+  void pre_neighbor() override { find_pieces(false); }
   void setup_pre_force(int vflag) override;
   void setup(int vflag) override;
   void post_force(int vflag) override;
@@ -71,7 +71,7 @@ class FixTaut : public Fix {
 
   void store_past();
   void leave_lists(double impulse_time);
-  void find_pieces();
+  void find_pieces(bool anew);
   void make_solve(taut::Pieces pieces);
   void forward_comm(Forward what);
   int motion_size() const;

@@ -25,7 +25,8 @@ void FixTaut::remember_shared(double acted) {
 
 // λ' − λ, after the other processor's multiplier has come.
 double FixTaut::difference_of(const taut::SharedBond& shared) const {
-  return received_multiplier(shared.ghost, shared.slot) - solve_->pieces().places[shared.bond][1]->past[0];
+  const int ghost = solve_->pieces().images[solve_->system().bonds[shared.bond].i].atom;
+  return received_multiplier(ghost, shared.slot) - solve_->pieces().places[shared.bond][1]->past[0];
 }
 
 // |σ|/d² of the next step that this difference leaves.

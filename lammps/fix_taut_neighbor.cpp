@@ -17,22 +17,27 @@ std::string FixTaut::missing_partner(tagint of, tagint partner) const {
       of, partner, comm->get_comm_cutoff());
 }
 
-void FixTaut::find_pieces() {
+// anew: atoms, masses and lengths may be others than in the steps before.
+void FixTaut::find_pieces(bool anew) {
   constexpr int kLeastOverlap = 1;
   taut::PieceFinder finder(lmp, held_, lengths_);
-  const taut::MissingAtom missing = finder.find_depths(keys_.overlap + 2);
+  const bool same = !anew && !cut_ && finder.find_again(solve_->pieces());
+  const taut::MissingAtom missing = same ? taut::MissingAtom{} : finder.find_depths(keys_.overlap + 2);
   const int reach = -static_cast<int>(all_max(-missing.depth));
   overlap_ = std::min(keys_.overlap, reach - 3);
   if (overlap_ < std::min(kLeastOverlap, keys_.overlap) && missing.depth == reach)
     stop(missing_partner(missing.partner, missing.atom));
   if (overlap_ < 0) overlap_ = 0;  // another processor stops all
 
-  taut::Pieces pieces;
-  try {
-    pieces = finder.find(overlap_);
-  } catch (const std::runtime_error& wrong) {
-    stop(wrong.what());
+  if (!same || overlap_ < keys_.overlap) {
+    if (same) finder.find_depths(keys_.overlap + 2);
+    try {
+      make_solve(finder.find(overlap_));
+    } catch (const std::runtime_error& wrong) {
+      stop(wrong.what());
+    }
   }
+  const taut::Pieces& pieces = solve_->pieces();
   const double mine[] = {static_cast<double>(pieces.ghosts), static_cast<double>(!pieces.outer.empty()),
                          left_.now, left_.one_exchange_less};
   double all[4];
@@ -41,7 +46,6 @@ void FixTaut::find_pieces() {
   cut_ = all[1] > 0;
   shared_r_.resize(3, 0);
   missing_impulses_.setZero(3, static_cast<Eigen::Index>(pieces.shared.size()));
-  make_solve(std::move(pieces));
   outer_is_shifted_ = true;
   exchanges_ = 0;
   left_ = {};

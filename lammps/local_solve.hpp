@@ -27,6 +27,7 @@ class LocalSolve {
 
   const System& system() const { return pieces_.system; }
   const Pieces& pieces() const { return pieces_; }
+  Pieces& pieces() { return pieces_; }
   State& state() { return s_; }
   bool feedforward() const { return feedforward_; }
   const Vectors& outer_r() const { return outer_r_; }

@@ -61,13 +61,40 @@ Pieces PieceFinder::find(int overlap) {
     pieces.system.mass[a] = mass;
     pieces.system.inv_mass[a] = 1 / mass;
     pieces.ghosts = pieces.ghosts || i >= atom.nlocal;
+    pieces.tags.push_back(atom.tag[i]);
+    pieces.own.push_back(i < atom.nlocal);
   }
   return pieces;
+}
+
+bool PieceFinder::find_again(Pieces& pieces) const {
+  const Atom& atom = *lmp_->atom;
+  if (atom.rmass || !pieces.outer.empty()) return false;  // masses of atoms may change
+  int more_own = 0;
+  for (int i = 0; i < atom.nlocal; ++i) more_own += held_.count(i) > 0;
+  for (std::size_t a = 0; a < pieces.images.size(); ++a) {
+    const int i = local(pieces.tags[a]);
+    if (i < 0 || (i < atom.nlocal) != pieces.own[a]) return false;
+    pieces.images[a].atom = i;
+    more_own -= pieces.own[a];
+  }
+  if (more_own != 0) return false;
+  for (const auto& [image, known] : pieces.path) {
+    Image& here = pieces.images[image];
+    here = known < 0 ? Image{here.atom, {}} : image_beside(pieces.images[known], here.atom);
+  }
+  for (std::size_t k = 0; k < pieces.places.size(); ++k) {
+    const RigidBond& bond = pieces.system.bonds[k];
+    pieces.places[k] = {&held_.of(pieces.images[bond.i].atom)[pieces.slots[k][0]],
+                        &held_.of(pieces.images[bond.j].atom)[pieces.slots[k][1]]};
+  }
+  return true;
 }
 
 // All atoms that solved bonds tie to `first`, in the order of their tags.
 void PieceFinder::collect_cluster(int first, int overlap) {
   cluster_.assign(1, {first, {}});
+  path_.assign(1, {first, -1});
   number_[first] = 0;
   for (std::size_t n = 0; n < cluster_.size(); ++n) {
     const Image here = cluster_[n];
@@ -76,6 +103,7 @@ void PieceFinder::collect_cluster(int first, int overlap) {
       if (partner < 0 || !solved(here.atom, partner, overlap) || number_[partner] >= 0) continue;
       number_[partner] = 0;
       cluster_.push_back(image_beside(here, partner));
+      path_.push_back({partner, here.atom});
     }
   }
   const tagint* tag = lmp_->atom->tag;
@@ -88,12 +116,14 @@ void PieceFinder::add_atoms(Pieces& pieces) {
     number_[image.atom] = static_cast<int>(pieces.images.size());
     pieces.images.push_back(image);
   }
+  for (const auto& [atom, known] : path_)
+    pieces.path.push_back({number_[atom], known < 0 ? -1 : number_[known]});
 }
 
 void PieceFinder::add_bonds(int overlap, Pieces& pieces) {
   const tagint* tag = lmp_->atom->tag;
   const auto slot = [&](int atom, const HeldBond* bond) {
-    return static_cast<int>(bond - &held_.of(atom)[0]) - held_.first_upward(atom);
+    return static_cast<int>(bond - &held_.of(atom)[0]);
   };
   for (const Image& here : cluster_) {
     const int i = here.atom;
@@ -104,14 +134,17 @@ void PieceFinder::add_bonds(int overlap, Pieces& pieces) {
       if (!other) throw SimulationFailure("held bonds are not the same with both their atoms");
       if (!solved(i, partner, overlap)) {
         const auto [ghost, held] = tag[i] < bond.partner ? std::pair(i, &bond) : std::pair(partner, other);
-        pieces.outer.push_back({number_[i], image_beside(here, partner), held, ghost, slot(ghost, held)});
+        pieces.outer.push_back({number_[i], image_beside(here, partner), held, ghost,
+                                slot(ghost, held) - held_.first_upward(ghost)});
       } else if (tag[i] < bond.partner) {
         if (image_beside(here, partner).vectors != pieces.images[number_[partner]].vectors)
           throw InputError(fmt::format("the bonds of atom {} close around the periodic box", tag[i]));
         pieces.system.bonds.push_back({number_[i], number_[partner], lengths_(bond.kind)});
         pieces.places.push_back({&bond, other});
+        pieces.slots.push_back({slot(i, &bond), slot(partner, other)});
         if (i >= lmp_->atom->nlocal && partner < lmp_->atom->nlocal)
-          pieces.shared.push_back({static_cast<int>(pieces.places.size()) - 1, i, slot(i, &bond)});
+          pieces.shared.push_back(
+              {static_cast<int>(pieces.places.size()) - 1, slot(i, &bond) - held_.first_upward(i)});
       }
     }
   }
@@ -124,8 +157,10 @@ Image PieceFinder::image_beside(const Image& known, int atom) const {
   for (int c = 0; c < 3; ++c) d[c] = before[c] = y[c] - x[c];
   if (!(std::abs(d[0]) + std::abs(d[1]) + std::abs(d[2]) < 1e100))
     throw SimulationFailure("positions are no numbers");
-  minimum_image(box, d);
   Image image{atom, known.vectors};
+  if (std::abs(d[0]) < box.xprd_half && std::abs(d[1]) < box.yprd_half && std::abs(d[2]) < box.zprd_half)
+    return image;
+  minimum_image(box, d);
   if (d[0] == before[0] && d[1] == before[1] && d[2] == before[2]) return image;
   const double c = std::round((d[2] - before[2]) / box.zprd);
   const double b = std::round((d[1] - before[1] - c * box.yz) / box.yprd);

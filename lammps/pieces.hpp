@@ -24,15 +24,21 @@ struct OuterBond {
   int ghost, slot;  // the ghost, and the how-manieth of its bonds to higher tags it is
 };
 
-// A bond between an atom of this processor and a ghost of lower tag: two processors find its multiplier, and
-// that of the other comes with the ghost.
+// A bond between an atom of this processor and a ghost of lower tag, its i: two processors find its
+// multiplier, and that of the other comes with the ghost.
 struct SharedBond {
-  int bond, ghost, slot;
+  int bond, slot;
 };
 
 // A cluster that goes on beyond what is solved here: its bonds and outer bonds.
 struct CutCluster {
   int first_bond, end_bond, first_outer, end_outer;
+};
+
+// How an atom's image was found: beside that of an atom it is bonded to; less than 0: the first of its
+// cluster.
+struct FoundBeside {
+  int image, known;
 };
 
 // What one processor solves: all bonds of its own atoms, and besides those within `overlap` bonds of them.
@@ -42,10 +48,16 @@ struct Pieces {
   System system;
   std::vector<Image> images;                     // of the system's atoms
   std::vector<std::array<HeldBond*, 2>> places;  // of the system's bonds: what their atoms know
+  std::vector<std::array<int, 2>> slots;         // of these among their atoms' bonds
   std::vector<OuterBond> outer;
   std::vector<SharedBond> shared;
   std::vector<CutCluster> cut;
   bool ghosts = false;  // one of the atoms is a ghost
+
+  // To find the same again where atoms have other numbers.
+  std::vector<LAMMPS_NS::tagint> tags;  // of the images' atoms
+  std::vector<char> own;                // whether they are this processor's
+  std::vector<FoundBeside> path;        // through each cluster
 };
 
 // An atom that is held to one known here, but is not known here itself.
@@ -67,6 +79,10 @@ class PieceFinder {
   // After find_depths(limit), limit ≥ overlap + 2, and nothing unknown so near.
   Pieces find(int overlap);
 
+  // Whether this processor's atoms are those for which `pieces` were found, whole clusters all: then they are
+  // the same, and only know their atoms by new numbers.
+  bool find_again(Pieces& pieces) const;
+
  private:
   int local(LAMMPS_NS::tagint tag) const { return lmp_->atom->map(tag); }
   void collect_cluster(int first, int overlap);
@@ -84,6 +100,7 @@ class PieceFinder {
   std::vector<int> number_;  // in the system; −1: not yet
   std::vector<int> order_;
   std::vector<Image> cluster_;
+  std::vector<std::array<int, 2>> path_;  // of the cluster: atom, and the one it was found beside
 };
 
 }  // namespace taut

@@ -125,3 +125,14 @@ def test_statistics_and_stored_forces(folder, run):
     text = (folder / "bonds.dump").read_text()
     rows = np.array([line.split() for line in text[text.rindex("ITEM: ENTRIES"):].splitlines()[1:]], float)
     assert len(rows) == 108 and len({(a, b) for a, b, _ in rows}) == 108
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_molecules_that_drift_through_the_box(folder, run, ranks):
+    """Lists are built at every fifth step, atoms sorted at every tenth: all cross the boundary, and move as if at rest."""
+    drift, time = np.array([3.0, 2.0, -2.5]), 0.4
+    often = "neigh_modify every 5 delay 0 check no\natom_modify sort 10 2.0\n"
+    methane(run, often + "run 200\n" + inputs.END.format(dump="rest.dump"))
+    methane(run, often + "velocity all set 3.0 2.0 -2.5 sum yes\nrun 200\n" + inputs.END.format(dump="drift.dump"), ranks)
+    rest, drifted = lammps.dump(folder / "rest.dump"), lammps.dump(folder / "drift.dump")
+    assert np.abs(drifted - rest - np.concatenate([drift * time, drift])).max() < 1e-9
