@@ -142,10 +142,25 @@ struct RowsOf {
   }
 };
 
-HWY_INLINE Real* plane_of(const MeshGrid<Real>& grid, const MeshAtom<Real>& atom, int k) {
-  const int above = atom.point[0] + k, wrapped = above < grid.size[0] ? above : above - grid.size[0];
-  return grid.plane + std::ptrdiff_t{wrapped} * grid.size[1] * grid.stride;
-}
+// The atom's planes, one after the other.
+class PlanesOf {
+ public:
+  HWY_INLINE PlanesOf(const MeshGrid<Real>& grid, const MeshAtom<Real>& atom)
+      : apart_(std::ptrdiff_t{grid.size[1]} * grid.stride),
+        at_(grid.plane + atom.point[0] * apart_),
+        end_(grid.plane + grid.size[0] * apart_),
+        first_(grid.plane) {}
+  HWY_INLINE Real* next() {
+    Real* const plane = at_;
+    at_ += apart_;
+    at_ = at_ < end_ ? at_ : first_;
+    return plane;
+  }
+
+ private:
+  std::ptrdiff_t apart_;
+  Real *at_, *end_, *first_;
+};
 
 template <int order>
 HWY_INLINE void spread_of(const MeshGrid<Real>& grid, const PlanesAbove& planes, MeshAtoms<Real> atoms,
@@ -162,8 +177,11 @@ HWY_INLINE void spread_of(const MeshGrid<Real>& grid, const PlanesAbove& planes,
 #pragma GCC unroll 8
       for (int v = 0; v < Row::kVectors; ++v) of[j].v[v] = hn::Mul(c, w.v[v]);
     }
-    for (int k = planes.first; k <= planes.last; ++k) {
-      Real* const plane = plane_of(grid, atoms[a], k);
+    PlanesOf all(grid, atoms[a]);
+#pragma GCC unroll 8
+    for (int k = 0; k < order; ++k) {
+      Real* const plane = all.next();
+      if (k < planes.first || k > planes.last) continue;
       const auto c = hn::Set(d, atoms[a].charge * number(splines.weight[0], a, k));
 #pragma GCC unroll 8
       for (int j = 0; j < order; ++j) {
@@ -184,12 +202,13 @@ HWY_INLINE Vec3 slope_of(const MeshGrid<Real>& grid, const MeshAtom<Real>& atom,
   const typename Row::D d;
   const auto zero = hn::Zero(d);
   const RowsOf<order> rows(grid, atom);
+  PlanesOf planes(grid, atom);
   Row level, first, second;
 #pragma GCC unroll 8
   for (int v = 0; v < Row::kVectors; ++v) level.v[v] = first.v[v] = second.v[v] = zero;
 #pragma GCC unroll 8
   for (int k = 0; k < order; ++k) {
-    const Real* const plane = plane_of(grid, atom, k);
+    const Real* const plane = planes.next();
     Row of, tilt;
 #pragma GCC unroll 8
     for (int v = 0; v < Row::kVectors; ++v) of.v[v] = tilt.v[v] = zero;
