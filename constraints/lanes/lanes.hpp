@@ -156,7 +156,7 @@ class LaneRunner {
   }
 
  private:
-  static constexpr long kBondsOfThread = 2048;  // fewer are not worth waking a thread for
+  static constexpr long kBondsOfThread = 480;  // fewer are not worth waking a thread for
 
   int share(int t, int threads) const;  // the first group of thread t
   void reserve(int threads);
