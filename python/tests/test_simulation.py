@@ -299,6 +299,23 @@ def test_two_simulations_in_two_threads():
     assert np.array_equal(sims[0].positions, sims[1].positions) and sims[0].steps_taken == 200
 
 
+@pytest.mark.parametrize("kind", ["dcd", "h5md"])
+def test_trajectories_are_read_by_mdanalysis(tmp_path, kind):
+    analysis = pytest.importorskip("MDAnalysis", reason="needs MDAnalysis (Debian: python3-mdanalysis)")
+    pytest.importorskip("h5py", reason="needs h5py (Debian: python3-h5py)")
+    sim = taut.Simulation("water", set={"run.trajectory_every": 5, "run.trajectory": kind, "build.molecules": 64,
+                                        "forcefield.cutoff_nm": 0.6}, out=tmp_path)
+    sim.run(20)
+    box, positions, velocities = 10 * np.diag(sim.box), 10 * sim.positions, 10 * sim.velocities
+    del sim
+    gc.collect()
+    read = analysis.Universe(str(tmp_path / "start.pdb"), str(tmp_path / f"trajectory.{kind}"))
+    assert [frame.time for frame in read.trajectory] == pytest.approx([0, 0.01, 0.02, 0.03, 0.04], abs=1e-6)
+    read.trajectory[-1]
+    assert np.allclose(read.atoms.positions, positions, atol=1e-4) and np.allclose(read.dimensions[:3], box, atol=1e-4)
+    assert kind == "dcd" or np.allclose(read.atoms.velocities, velocities, atol=1e-4)
+
+
 def test_universe():
     pytest.importorskip("MDAnalysis", reason="needs MDAnalysis (Debian: python3-mdanalysis)")
     sim = taut.Simulation("water", set={"build.molecules": 27, "forcefield.cutoff_nm": 0.45,
