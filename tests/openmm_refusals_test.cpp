@@ -262,18 +262,22 @@ TEST(OpenMMReader, RefusesATermLongerThanHalfTheBox) {
   const std::string angles =
       R"(<Force type="HarmonicAngleForce" usesPeriodic="1" version="2"><Angles>
          <Angle a="1" k="1" p1="0" p2="2" p3="1"/></Angles></Force>)";
-  const std::string system =
-      R"(<System type="System" version="1">)" + vectors("1") +
-      R"(<Particles><Particle mass="1"/><Particle mass="1"/><Particle mass="1"/></Particles>
+  const auto system = [&](const char* edge) {
+    return R"(<System type="System" version="1">)" + vectors(edge) +
+           R"(<Particles><Particle mass="1"/><Particle mass="1"/><Particle mass="1"/></Particles>
          <Constraints><Constraint d=".8" p1="0" p2="1"/><Constraint d=".8" p1="1" p2="2"/></Constraints><Forces>)" +
-      angles + "</Forces></System>";
+           angles + "</Forces></System>";
+  };
   const auto state = [&](const char* edge) {
-    return R"(<State time="0" type="State" version="1">)" + vectors(edge) +
+    return R"(<State time="0" type="State" version="1">)" + (edge ? vectors(edge) : "") +
            R"(<Positions><Position x="0" y="0" z="0"/>
          <Position x=".8" y="0" z="0"/><Position x="1.6" y="0" z="0"/></Positions></State>)";
   };
-  EXPECT_THAT(refusal({system, state("3.4")}), HasSubstr("nothing was refused"));
-  EXPECT_THAT(refusal({system, state("2.4")}), one_line_with("angle 0 (0-2-1) is longer than half the box"));
+  const char* const too_long = "angle 0 (0-2-1) is longer than half the box";
+  EXPECT_THAT(refusal({system("1"), state("3.4")}), HasSubstr("nothing was refused"));
+  EXPECT_THAT(refusal({system("3.4"), state("2.4")}), one_line_with(too_long));
+  EXPECT_THAT(refusal({system("3.4"), state(nullptr)}), HasSubstr("nothing was refused"));
+  EXPECT_THAT(refusal({system("2.4"), state(nullptr)}), one_line_with(too_long));
 }
 
 TEST(OpenMMReader, RefusesDeepNestingWithoutGoingDeep) {

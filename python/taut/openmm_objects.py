@@ -24,7 +24,10 @@ def xml_of(thing: Any, what: str) -> str:
         raise InputError(f"{what}: expected an object of OpenMM's, its XML or a file of it, got {thing!r}")
     from openmm import XmlSerializer
 
-    return str(XmlSerializer.serialize(thing))
+    try:
+        return str(XmlSerializer.serialize(thing))
+    except Exception as error:  # a force that is code
+        raise InputError(f"{what}: OpenMM cannot write it as XML, which is what taut reads: {error}") from None
 
 
 def vectors(given: Any, unit: str, what: str, rows: Optional[int] = None) -> np.ndarray:
@@ -55,20 +58,14 @@ def _rows(tag: str, array: np.ndarray) -> str:
     return "".join(f'<{tag} x="{x!r}" y="{y!r}" z="{z!r}"/>' for x, y, z in array.tolist())
 
 
-def _box(system: Any, given: Any) -> np.ndarray:
-    if given is None:
-        if isinstance(system, (str, Path)):
-            return np.array([])
-        if not system.usesPeriodicBoundaryConditions():
-            return np.array([])
-        given = system.getDefaultPeriodicBoxVectors()
+def _box(given: Any) -> np.ndarray:
     given = list(given)
     if len(given) == 3 and all(isinstance(edge, (int, float)) for edge in given):
         given = np.diag(given).tolist()
     return vectors(given, "nm", "box", 3)
 
 
-def state_xml(system: Any, positions: Any, velocities: Any, box: Any) -> str:
+def state_xml(positions: Any, velocities: Any, box: Any) -> str:
     """A State as OpenMM writes it: what is given, if it is one, or else from positions, velocities and box."""
     as_state = isinstance(positions, (str, Path)) or type(positions).__name__ == "State"
     if as_state:
@@ -77,8 +74,8 @@ def state_xml(system: Any, positions: Any, velocities: Any, box: Any) -> str:
         return xml_of(positions, "positions")
     x = vectors(positions, "nm", "positions")
     text = '<?xml version="1.0" ?>\n<State openmmVersion="8.0" time="0" type="State" version="1">'
-    edges = _box(system, box)
-    if edges.size:
+    if box is not None:
+        edges = _box(box)
         text += "<PeriodicBoxVectors>"
         text += "".join(_rows(name, edges[n:n + 1]) for n, name in enumerate("ABC")) + "</PeriodicBoxVectors>"
     text += "<Positions>" + _rows("Position", x) + "</Positions>"

@@ -76,7 +76,7 @@ class Simulation:
 
         The rest as for the class. Raises InputError for what taut does not have, by name.
         """
-        state = openmm_objects.state_xml(system, positions, velocities, box)
+        state = openmm_objects.state_xml(positions, velocities, box)
         read = openmm_objects.read(system, state, inputs.overrides(set, method, dt_fs), topology)
         simulation = cls.__new__(cls)
         simulation._make(read, forces, out, overwrite)

@@ -124,6 +124,11 @@ def test_boxes_that_are_none(water, box, words):
         taut.Simulation.from_openmm(water[0], water[1], box=box, dt_fs=1)
 
 
+def test_a_box_that_is_not_said_is_the_systems(water):
+    system, x, box = water
+    assert np.array_equal(taut.Simulation.from_openmm(system, x, dt_fs=1).box, box)
+
+
 def test_positions_of_any_layout_and_precision(water):
     system, x, box = water
     first, *others = (taut.Simulation.from_openmm(system, given, box=box, dt_fs=1).positions for given in (

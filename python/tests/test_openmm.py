@@ -14,11 +14,14 @@ KJ, NM = unit.kilojoule_per_mole, unit.nanometer
 BONDS = unit.kilojoule_per_mole / unit.nanometer
 
 
-def made(pdb, files, **named):
-    """System and Modeller of a bundled PDB file under a force field."""
+def made(pdb, files, dry=False, **named):
+    """System and Modeller of a bundled PDB file under a force field; dry: of its first chain alone."""
     read = app.PDBFile(os.path.join(DATA, pdb))
     field = app.ForceField(*files)
     model = app.Modeller(read.topology, read.positions)
+    if dry:
+        model.delete(list(read.topology.chains())[1:])
+        model.topology.setPeriodicBoxVectors(None)
     model.addExtraParticles(field)
     named = {"nonbondedMethod": app.PME, "nonbondedCutoff": 0.8 * NM, "constraints": app.HBonds, **named}
     system = field.createSystem(model.topology, **named)
@@ -45,6 +48,8 @@ SYSTEMS = [
     ("spce.pdb", ["spce.xml"], {"nonbondedMethod": app.CutoffPeriodic}),
     ("tip4pew.pdb", ["amber14/tip4pew.xml"], {}),
     ("test.pdb", ["charmm36.xml", "charmm36/water.xml"], {}),
+    ("test.pdb", ["amber14-all.xml"], {"dry": True, "nonbondedMethod": app.NoCutoff}),
+    ("test.pdb", ["amber19-all.xml", "amber19/opc.xml"], {"constraints": app.HAngles}),
 ]
 
 
@@ -112,13 +117,36 @@ def test_there_and_back():
     assert again.energies["potential"] == pytest.approx(energy, rel=1e-9)
 
 
-def test_what_is_not_there_is_refused_by_name():
+def seventh_power():
     system, model = made("tip3p.pdb", ["tip3p.xml"])
     torsion = openmm.CustomTorsionForce("k*theta^7")
     torsion.addPerTorsionParameter("k")
     torsion.addTorsion(0, 1, 2, 3, [1])
     system.addForce(torsion)
-    with pytest.raises(taut.InputError, match="CustomTorsionForce"):
+    return system, model
+
+
+def code():
+    system, model = made("tip3p.pdb", ["tip3p.xml"])
+    system.addForce(openmm.PythonForce(lambda state: (0, np.zeros((2685, 3)))))
+    return system, model
+
+
+VACUUM = {"dry": True, "nonbondedMethod": app.NoCutoff}
+
+
+@pytest.mark.parametrize("make, words", [
+    (seventh_power, "CustomTorsionForce"),
+    (code, "system: OpenMM cannot write it as XML.*PythonForce"),
+    (lambda: made("tip3p.pdb", ["amoeba2018.xml"], constraints=None, rigidWater=False), "AmoebaBondForce"),
+    (lambda: made("tip3p.pdb", ["swm4ndp.xml"]), "DrudeForce: is not one taut knows"),
+    (lambda: made("test.pdb", ["amber14-all.xml", "implicit/obc2.xml"], **VACUUM), "CustomGBForce: is not one taut"),
+    (lambda: made("test.pdb", ["amber99sb.xml", "amber99_obc.xml"], **VACUUM), "GBSAOBCForce: is not one taut knows"),
+    (lambda: made("tip3p.pdb", ["tip3p.xml"], nonbondedMethod=app.LJPME), "NonbondedForce: uses LJPME"),
+], ids=["seventh power", "code", "amoeba", "drude", "obc2", "obc", "ljpme"])
+def test_what_is_not_there_is_refused_by_name(make, words):
+    system, model = make()
+    with pytest.raises(taut.InputError, match=words):
         taut.Simulation.from_openmm(system, model.positions, dt_fs=1)
 
 

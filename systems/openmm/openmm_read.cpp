@@ -112,8 +112,8 @@ void read_start(const Element& state, OpenMMInput& to) {
   const int atoms = to.system.atoms();
   state.read({{"time", &to.start.t}}, {"openmmVersion", "stepCount", "type", "version"});
   check_version(state);
-  state.check_parts({"PeriodicBoxVectors"},
-                    {"Parameters", "Energies", "Positions", "Velocities", "Forces", "IntegratorParameters"});
+  state.check_parts({}, {"PeriodicBoxVectors", "Parameters", "Energies", "Positions", "Velocities", "Forces",
+                         "IntegratorParameters"});
   if (!state.has("Positions")) state.refuse("has no positions");
   to.start.x = read_vectors(state.part("Positions"), "Position", "positions", atoms);
   to.has_velocities = state.has("Velocities");
@@ -144,15 +144,15 @@ void read_forces(const Element& list, const Element& state, const System& system
         .refuse(fmt::format("the State sets the parameter {}, which no force of the System declares", *name));
 }
 
-// One box for all forces, the State's.
-Box box_of(const PlacedForces& forces, const Element& state) {
+// One box for all forces: the State's, or where it has none the System's.
+Box box_of(const PlacedForces& forces, const Element& system, const Element& state) {
   const auto periodic = std::find_if(forces.begin(), forces.end(), std::mem_fn(&PlacedForce::periodic));
   if (periodic == forces.end()) return {};
   for (const PlacedForce& f : forces)
     if (f.force.periodic_pairs == false)
       f.at.refuse(
           fmt::format("its pairs are not periodic, but {} is: taut has one box for all", periodic->name));
-  return read_box(state.part("PeriodicBoxVectors"));
+  return read_box((state.has("PeriodicBoxVectors") ? state : system).part("PeriodicBoxVectors"));
 }
 
 // What is thrown is said of the force.
@@ -244,7 +244,7 @@ OpenMMInput read_openmm(const std::filesystem::path& system_xml, const std::file
 
   PlacedForces forces;
   read_forces(system.part("Forces"), state, input.system, forces);
-  input.start.box = box_of(forces, state);
+  input.start.box = box_of(forces, system, state);
   check_forces(forces, input.system, input.start.box);
   if (input.start.box.periodic()) mend_molecules(forces, constraints, state, input);
   for (PlacedForce& f : forces) add(f, input);

@@ -1,0 +1,119 @@
+#!/usr/bin/env python3
+"""What rigid bonds of a protein in water cost: villin of openmm.app in 2,759 waters (Amber14, PME), bonds with
+hydrogen rigid, and all of them.
+
+    python benchmarks/protein_bonds.py [--taut build/taut] [--steps 100] [--turns 5] > protein_bonds.csv
+
+taut: the constraints' part of whole steps of 2 fs, from its summary, on one thread. OpenMM's CPU platform, one thread:
+steps with bonds less steps without, nothing else acting, of velocity Verlet that constrains positions and velocities,
+to the tolerance of 1e-6. All take turns; medians, and the least. Needs openmm (8.6, from PyPI).
+"""
+import argparse
+import json
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import openmm as mm
+from openmm import unit
+
+from openmm_parity import brought, reference
+
+SYSTEMS = {"hydrogens": "villin-amber14", "all": "villin-all-bonds"}
+SETTLE = ["settle", "--set", "method.solute=newton"]
+METHODS = {"baumgarte": ["baumgarte"], "feedforward": ["feedforward"], "newton": ["newton"], "shake 1e-6":
+           ["shake", "--set", "method.tolerance=1e-6"], "rattle 1e-6": ["rattle", "--set", "method.tolerance=1e-6"],
+           "settle, solute newton": SETTLE, "settle, solute feedforward": [*SETTLE[:-1], "method.solute=feedforward"]}
+
+
+def constraint_us(options, folder, method):
+    ran = subprocess.run(
+        [options.taut, "run", "--openmm", folder / "system.xml", folder / "state.xml", "--dt-fs", "2", "--json",
+         "--steps", str(options.steps), "--method", *METHODS[method]], capture_output=True, text=True)
+    if ran.returncode:
+        raise RuntimeError(f"{method}: {ran.stderr.strip().splitlines()[0]}")
+    return json.loads(ran.stdout)["constraint_us_per_step"]
+
+
+def without_forces(system, rigid):
+    bare = mm.System()
+    for atom in range(system.getNumParticles()):
+        bare.addParticle(system.getParticleMass(atom))
+    for bond in range(system.getNumConstraints() if rigid else 0):
+        bare.addConstraint(*system.getConstraintParameters(bond))
+    return bare
+
+
+def velocity_verlet():
+    rattle = mm.CustomIntegrator(0.002)
+    rattle.addPerDofVariable("free", 0)
+    rattle.addComputePerDof("v", "v + 0.5*dt*f/m")
+    rattle.addComputePerDof("x", "x + dt*v")
+    rattle.addComputePerDof("free", "x")
+    rattle.addConstrainPositions()
+    rattle.addComputePerDof("v", "v + 0.5*dt*f/m + (x - free)/dt")
+    rattle.addConstrainVelocities()
+    rattle.setConstraintTolerance(1e-6)
+    return rattle
+
+
+class OpenMM:
+    def __init__(self, system, state):
+        platform = mm.Platform.getPlatformByName("CPU")
+        self.contexts = [mm.Context(without_forces(system, rigid), velocity_verlet(), platform, {"Threads": "1"})
+                         for rigid in (True, False)]
+        self.start = state
+
+    def us_a_step(self, context, steps):
+        context.setPositions(self.start.getPositions())
+        context.setVelocities(self.start.getVelocities())
+        context.getIntegrator().step(2)
+        begin = time.perf_counter()
+        context.getIntegrator().step(steps)
+        context.getState(getPositions=True)
+        return (time.perf_counter() - begin) / steps * 1e6
+
+    def constraint_us(self, steps):
+        rigid, free = (self.us_a_step(context, steps) for context in self.contexts)
+        return rigid - free
+
+
+def measure(options, bonds):
+    system, positions = brought()[SYSTEMS[bonds]]()
+    context = reference(system, positions)
+    mm.LocalEnergyMinimizer.minimize(context, 100, 20)
+    context.setVelocitiesToTemperature(300 * unit.kelvin, 1)
+    state = context.getState(getPositions=True, getVelocities=True)
+    theirs = OpenMM(system, state)
+    times = {name: [] for name in (*METHODS, "OpenMM CPU 1e-6")}
+    with tempfile.TemporaryDirectory() as folder:
+        for name, what in (("system", system), ("state", state)):
+            (Path(folder) / f"{name}.xml").write_text(mm.XmlSerializer.serialize(what))
+        for _ in range(options.turns):
+            for method in METHODS:
+                times[method].append(constraint_us(options, Path(folder), method))
+            times["OpenMM CPU 1e-6"].append(theirs.constraint_us(options.steps))
+    for name, us in times.items():
+        per_bond = 1000 * statistics.median(us) / system.getNumConstraints()
+        print(f"{bonds},{system.getNumConstraints()},{name},{statistics.median(us):.0f},{min(us):.0f},{per_bond:.1f}",
+              flush=True)
+
+
+def main():
+    arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    arguments.add_argument("--taut", default=str(Path(__file__).resolve().parent.parent / "build/taut"))
+    arguments.add_argument("--steps", type=int, default=100)
+    arguments.add_argument("--turns", type=int, default=5)
+    options = arguments.parse_args()
+    os.environ["OMP_NUM_THREADS"] = "1"
+    print("rigid,bonds,method,us_a_step,least_us_a_step,ns_a_bond")
+    for bonds in SYSTEMS:
+        measure(options, bonds)
+
+
+if __name__ == "__main__":
+    main()
