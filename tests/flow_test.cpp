@@ -65,5 +65,23 @@ TEST(Flow, TheVortexDecaysAsTaylorAndGreenFound) {
   }
 }
 
+// The table of systems/README.md: 400 steps, rms divergence, error of u, iterations.
+TEST(Flow, CostsAndKeepsWhatTheTableSays) {
+  struct Row {
+    Flow::Keeps keeps;
+    double divergence, error;
+    double iterations;
+  };
+  for (const Row& row : {Row{Flow::Keeps::kBare, 1.3e-3, 2.4e-3, 1616},
+                         {Flow::Keeps::kFeedsBack, 1.8e-5, 2.2e-4, 3142},
+                         {Flow::Keeps::kProjects, 7e-9, 2.2e-4, 7613}}) {
+    Flow flow({.cells = 32, .h = 0.02, .keeps = row.keeps, .tolerance = 1e-3});
+    for (int n = 0; n < 400; ++n) flow.step();
+    EXPECT_NEAR(rms(flow.divergence()) / row.divergence, 1, 0.08);
+    EXPECT_NEAR(flow.error() / row.error, 1, 0.03);
+    EXPECT_NEAR(static_cast<double>(flow.iterations()), row.iterations, 0.01 * row.iterations);
+  }
+}
+
 }  // namespace
 }  // namespace taut
