@@ -128,6 +128,7 @@ struct Commands::Parser {
 
 namespace {
 
+constexpr int kMostThreads = 1024;
 bool be_quiet = false;
 
 const CLI::App* named(const CLI::App& app, const std::string& name) {
@@ -165,6 +166,8 @@ std::string complaint(const CLI::App& app, const CLI::ParseError& e, int argc, c
   const std::string before = name.empty() ? "" : name + ": ";
   std::string what = e.what();
   std::ranges::replace(what, '\n', ' ');
+  if (dynamic_cast<const CLI::ConversionError*>(&e))  // "Could not convert: --steps = two"
+    what = fmt::format("expected a number{}", what.substr(std::min(what.find(": "), what.size())));
   if (dynamic_cast<const CLI::ExtrasError*>(&e)) {
     std::vector<std::string> names = option_names(app);
     if (!parsed.empty()) std::ranges::copy(option_names(*parsed[0]), std::back_inserter(names));
@@ -212,6 +215,9 @@ int Commands::act(int argc, char** argv) {
     throw InputError(complaint(app, e, argc, argv));
   }
   if (parser_->threads) {
+    if (*parser_->threads > kMostThreads)
+      throw InputError(
+          fmt::format("--threads: expected at most {}, got {}", kMostThreads, *parser_->threads));
     const std::string asked = std::to_string(*parser_->threads);
     setenv("OMP_NUM_THREADS", asked.c_str(), 1);  // as if said there: what goes on keeps to it, too
     use_threads(*parser_->threads);

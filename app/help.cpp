@@ -51,7 +51,10 @@ std::string described(const std::string& name) {
   std::vector<std::string> path;
   for (std::string word; std::getline(words, word, '.');)
     if (word.find_first_not_of("0123456789") != word.npos) path.push_back(word);
-  if (path.size() > 1 && (path[0] == "molecule" || path[0] == "atom")) path[1] = "NAME";
+  if (!path.empty() && (path[0] == "molecule" || path[0] == "atom")) {
+    path.resize(std::max<std::size_t>(path.size(), 2));
+    path[1] = "NAME";
+  }
   return fmt::format("{}", fmt::join(path, "."));
 }
 
@@ -67,6 +70,17 @@ std::vector<Key> keys_named(const std::string& name, const std::vector<Key>& all
   return found;
 }
 
+// Where a name stands for none: what speaks of it, "rope", or a kind or method, "water".
+std::vector<Key> keys_about(const std::string& word, const std::vector<Key>& all) {
+  std::vector<Key> found;
+  for (const Key& key : all)
+    if (key.name().find(word) != std::string::npos ||
+        std::string_view(key.about.meaning).find(word) != std::string_view::npos ||
+        std::ranges::count(key.kinds, word) + std::ranges::count(key.about.words, word) > 0)
+      found.push_back(key);
+  return found;
+}
+
 [[noreturn]] void refuse(const std::string& name, const std::vector<Key>& all) {
   std::set<std::string> names;
   for (const Key& key : all) {
@@ -74,13 +88,11 @@ std::vector<Key> keys_named(const std::string& name, const std::vector<Key>& all
     for (const auto& kind : key.kinds) names.insert(key.section + "." + kind);
   }
   names.erase("");
-  std::string meant(nearest_name(name, {names.begin(), names.end()}));
-  if (meant.empty())  // "dt_fs" for run.dt_fs
-    for (const Key& key : all)
-      if (key.key == name) meant = key.name();
-  throw InputError(fmt::format("there is no key and no section \"{}\"{}", name,
-                               meant.empty() ? "; sections: build, forcefield, run, method"
-                                             : fmt::format("; did you mean \"{}\"?", meant)));
+  const std::string meant(nearest_name(name, {names.begin(), names.end()}));
+  throw InputError(
+      fmt::format("there is no key and no section \"{}\"{}", name,
+                  meant.empty() ? "; sections: atom, molecule, place, build, forcefield, run, method, start"
+                                : fmt::format("; did you mean \"{}\"?", meant)));
 }
 
 struct HelpArguments {
@@ -97,17 +109,18 @@ void help(const HelpArguments& arguments, const Commands& commands) {
     return fmt::print("{}\n", fmt::join(names, "\n"));
   }
   if (arguments.names.empty() && !arguments.json)
-    return fmt::print(
-        "{}\n{}\n", commands.help(""),
-        wrapped("`taut help KEY` explains a key of a scene, such as run.dt_fs, or a section of them: build, "
-                "forcefield, run, method; build.water, method.rattle",
-                terminal_width(), 0));
+    return fmt::print("{}\n{}\n", commands.help(""),
+                      wrapped("`taut help KEY` explains a key of a scene, such as run.dt_fs, or a section of "
+                              "them: atom, molecule, "
+                              "place, build, forcefield, run, method; build.water, method.rattle",
+                              terminal_width(), 0));
   std::vector<Key> keys;
   for (const std::string& name : arguments.names) {
-    const std::vector<Key> named = keys_named(described(name), all);
-    const std::string command = commands.help(name);
+    std::vector<Key> named = keys_named(described(name), all);
+    const std::string command = named.empty() ? commands.help(name) : "";
+    if (!arguments.json) fmt::print("{}", command);
+    if (named.empty() && command.empty()) named = keys_about(name, all);
     if (named.empty() && command.empty()) refuse(name, all);
-    if (named.empty()) fmt::print("{}", command);
     std::ranges::copy(named, std::back_inserter(keys));
   }
   if (arguments.json) {
@@ -162,7 +175,8 @@ void add_help(Commands& commands) {
   auto arguments = std::make_shared<HelpArguments>();
   const Subcommand command = commands.add("help", "explain a key of a scene, a section of them, or a command",
                                           [arguments, &commands] { help(*arguments, commands); });
-  command.option("key", arguments->names, "run.dt_fs, run, build.water, method.rattle").words(0, "KEY");
+  command.option("key", arguments->names, "run.dt_fs, run, build.water, method.rattle, or any word: rope")
+      .words(0, "KEY");
   command.flag("--json", arguments->json, "as JSON");
   command.flag("--page", arguments->page, "all of them, in Markdown: systems/KEYS.md");
   command.flag("--names", arguments->list, "their names alone");

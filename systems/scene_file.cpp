@@ -1,9 +1,12 @@
 #include "systems/scene_file.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "forcefield/force_field.hpp"
 #include "md/errors.hpp"
+#include "md/nearest_name.hpp"
 #include "systems/builders/builders.hpp"
 #include "systems/start_file.hpp"
 #include "systems/toml_reader.hpp"
@@ -175,6 +178,21 @@ void move_files(toml::table& root, const std::vector<std::filesystem::path>& mov
   for (std::size_t k = 0; k < names.size(); ++k) *names[k] = moved[k].string();
 }
 
+// An override changes a molecule or atom that is there: another name is a misspelt one.
+void refuse_new_names(const toml::table& base, const toml::table& overrides) {
+  for (const char* section : {"atom", "molecule"}) {
+    const toml::table *there = base[section].as_table(), *changed = overrides[section].as_table();
+    if (!changed) continue;
+    std::vector<std::string_view> names;
+    if (there)
+      for (const auto& entry : *there) names.push_back(entry.first.str());
+    for (const auto& [name, node] : *changed)
+      if (std::ranges::find(names, name.str()) == names.end())
+        throw LocatedError(fmt::format("{}: there is no [{}.{}]{}", *node.source().path, section, name.str(),
+                                       did_you_mean(name.str(), names)));
+  }
+}
+
 Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::table overrides,
                   const SceneReading& how) {
   if (base.contains("atoms") && !base.contains("build"))
@@ -189,6 +207,7 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
   if (another_start) scene.run.velocities.clear();
   read_settings(TomlTable(overrides, "--set", how.keys), scene);
 
+  refuse_new_names(base, overrides);
   lay_over(base, std::move(overrides));
   move_files(base, how.files);
   const TomlTable root(base, file.string(), how.keys);

@@ -47,6 +47,7 @@ std::vector<SceneSummary> list_scenes(const fs::path& folder) {
 
 fs::path find_scene(const std::string& name_or_path) {
   if (fs::is_regular_file(name_or_path, ignored)) return name_or_path;
+  const bool there = fs::exists(name_or_path, ignored);
   std::vector<std::string> names;
   for (const auto& [folder, title] : scene_folders()) {
     fs::path named = folder / (name_or_path + ".toml");
@@ -54,6 +55,7 @@ fs::path find_scene(const std::string& name_or_path) {
     for (const auto& entry : fs::directory_iterator(folder, ignored))
       if (is_scene(entry.path())) names.push_back(entry.path().stem().string());
   }
+  if (there) throw InputError(name_or_path + ": not a file");
   std::ranges::sort(names);
   throw InputError(
       fmt::format("{}: no such file, and no scene of that name{}", name_or_path,

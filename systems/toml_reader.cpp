@@ -124,6 +124,8 @@ std::vector<std::string> TomlTable::keys() const {
 
 std::size_t TomlTable::size(std::string_view key, const About& about) const {
   const toml::node* node = find(key);
+  if (node && node->is_table())
+    fail(key, fmt::format("expected a list of sections: write [[{}]]", full(key)));
   if (node && !node->is_array()) wrong_type(key, *node, "an array");
   const std::size_t size = node ? node->as_array()->size() : 0;
   if (keys_) note(key, about, "list", size > 0 ? list_text(*node->as_array()) : "");
@@ -277,6 +279,11 @@ void TomlTable::fail(std::string_view key, std::size_t row, const std::string& m
   const toml::node* one = rows && row < rows->size() ? &(*rows)[row] : nullptr;
   const std::string which = one && one->is_table() ? fmt::format(".{}", row) : fmt::format("[{}]", row);
   throw LocatedError(fmt::format("{}: {}{}: {}", place(one ? one : node), full(key), which, message));
+}
+
+void TomlTable::refuse(std::initializer_list<std::string_view> keys, const char* message) const {
+  for (const std::string_view key : keys)
+    if (table_.contains(key)) fail(key, message);
 }
 
 void TomlTable::reject_unknown() const {

@@ -84,6 +84,9 @@ class TomlTable {
   [[noreturn]] void fail(std::string_view key, const std::string& message) const;
   [[noreturn]] void fail(std::string_view key, std::size_t row, const std::string& message) const;
 
+  // Throws LocatedError where one of these keys is there, which are another's: nobody is pointed to them.
+  void refuse(std::initializer_list<std::string_view> keys, const char* message) const;
+
   // Throws LocatedError for a key nobody asked for, with the nearest one that was.
   void reject_unknown() const;
 

@@ -50,7 +50,9 @@ TEST(Manners, AKeyIsExplained) {
   EXPECT_THAT(said("help resume"), HasSubstr("--yes"));
   EXPECT_THAT(said("help run"), AllOf(HasSubstr("run.barostat"), HasSubstr("taut run --help")));
   EXPECT_THAT(said("help run.dt_sf", 2), EndsWith("did you mean \"run.dt_fs\"?\n"));
-  EXPECT_THAT(said("help dt_fs", 2), EndsWith("did you mean \"run.dt_fs\"?\n"));
+  EXPECT_EQ(said("help dt_fs"), said("help run.dt_fs"));
+  EXPECT_THAT(said("help rope"), AllOf(HasSubstr("molecule.NAME.at_most"), Not(HasSubstr("at_least"))));
+  EXPECT_THAT(said("help spce"), HasSubstr("place.molecule"));
   const json key = json::parse(said("help run.dt_fs --json"));
   EXPECT_EQ(key[0]["unit"], "fs");
   EXPECT_EQ(key[0]["allowed"], "more than 0");
@@ -90,6 +92,9 @@ TEST(Manners, WhatWasMeant) {
   EXPECT_EQ(said("run water --stpes 3", 2), "taut: run: there is no option --stpes; did you mean --steps?\n");
   EXPECT_THAT(said("resume nowhere --steps 0", 2), HasSubstr("expected more than 0, got 0"));
   EXPECT_THAT(said("--threads 0 scenes", 2), HasSubstr("at least 1, got 0"));
+  EXPECT_EQ(said("--threads 100000 scenes", 2), "taut: --threads: expected at most 1024, got 100000\n");
+  EXPECT_EQ(said("run pair --steps two", 2),
+            "taut: run: expected a number: --steps = two (taut run --help)\n");
   EXPECT_EQ(lines(said("", 2)), 1);
 }
 
@@ -137,6 +142,7 @@ TEST(Manners, InfoListsWhatAUserSaid) {
   ASSERT_NE(place, keys.end());
   EXPECT_EQ((*place)["allowed"], "one of opc, rod, spce, tip3p, tip4p2005, tip4pew, tip5p");
   EXPECT_EQ(json::parse(said("info water --json"))["box_nm"].size(), 3u);
+  EXPECT_THAT(said("help molecule"), HasSubstr("molecule.NAME.at_most"));
   EXPECT_THAT(said("help start.box_nm"), HasSubstr("its vectors in reduced form"));
 }
 

@@ -40,6 +40,15 @@ TEST(MoleculeErrors, Atoms) {
             "scene.toml:4: molecule.chain.atoms.1.mass_u: expected at least 0, got -72");
   EXPECT_EQ(said("mass_u = 12", "mass_u = 12\nmas = 1"),
             "scene.toml:3: unknown key \"mas\" in [atom.C]; did you mean \"mass_u\"?");
+  EXPECT_EQ(
+      said("\"B\"", "\"B\\n\""),
+      "scene.toml:4: molecule.chain.atoms.1.name: expected a name of letters and figures, for files; got "
+      "\"B\\u000a\"");
+  EXPECT_THAT(said("bonds", "residue = \"ß\"\nbonds"), HasSubstr("residue: expected a name of letters"));
+  EXPECT_EQ(said("[0, 1, 0.35]]", "[0, 2, 0.35]]\nunit = 5"),
+            "scene.toml:6: unknown key \"unit\" in [molecule.chain]; did you mean \"units\"?");
+  EXPECT_EQ(complaint(kGood.text, {"molecule.chian.units=3"}),
+            "--set molecule.chian.units=3: there is no [molecule.chian]; did you mean \"chain\"?");
   EXPECT_EQ(said(", sigma_nm = 0.47", ""),
             "scene.toml:4: molecule.chain.atoms.1.epsilon_kj_mol: needs a sigma_nm beside it");
   EXPECT_EQ(said("bonds", "units = 1e9\nbonds"),
@@ -145,6 +154,10 @@ TEST(MoleculeErrors, Places) {
             "scene.toml:9: place.0.within_nm: the upper corner is not above the lower");
   EXPECT_EQ(said("\"chain\"\ncount = 3", "\"tip3p\"\nwithin_nm = [0, 0, 0, 1, 1, 1]"),
             "scene.toml:8: place.0.within_nm: water without a count fills what room there is");
+  EXPECT_EQ(said("[[place]]", "[place]"),
+            "scene.toml:6: place: expected a list of sections: write [[place]]");
+  EXPECT_EQ(said("box_nm = 5", "box_nm = 5\nmolecules = 3"),
+            "scene.toml:11: build.molecules: copies are counted where they are placed: place.0.count");
   EXPECT_EQ(said("count = 3", "count = 3\ncoutn = 4"),
             "scene.toml:9: unknown key \"coutn\" in [place.0]; did you mean \"count\"?");
   EXPECT_EQ(said("box_nm = 5", "box_nm = 0.7\n[molecule.idle]\natoms = [\"C\"]"),

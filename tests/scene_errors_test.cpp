@@ -108,9 +108,11 @@ TEST(SceneErrors, Keys) {
   EXPECT_EQ(complaint(good.with("hard_on = \"a test\"", "").text), "no error");
   EXPECT_THAT(complaint(good.with("kind = \"atoms\"", "kind = \"alkane\"").text),
               HasSubstr("build.kind: alkanes are [molecule]s now"));
-  EXPECT_EQ(complaint(good.with("kind = \"atoms\"", "").text),
-            "scene.toml:2: missing key \"kind\" in [build]");
-  EXPECT_EQ(complaint("hard_on = 'x'"), "scene.toml: missing key \"kind\" in [build]");
+  EXPECT_EQ(
+      complaint(good.with("kind = \"atoms\"", "").text),
+      "scene.toml:2: build.kind: not said: place molecules ([[place]]), or say one of atoms, chains, rings, "
+      "melt, water, molecules");
+  EXPECT_THAT(complaint("hard_on = 'x'"), HasSubstr("scene.toml: build.kind: not said"));
 }
 
 TEST(SceneErrors, Values) {
@@ -279,7 +281,7 @@ TEST(SceneErrors, Files) {
   EXPECT_EQ(complaint("hard_on = \"a test\"\n[build\n").substr(0, 35), "scene.toml:2: not valid TOML: Error");
   EXPECT_THAT(complaint("\x01\x02 this is no TOML"), HasSubstr("scene.toml:1: not valid TOML"));
   EXPECT_THAT(complaint("<?xml version=\"1.0\"?>"), HasSubstr("scene.toml:1: not valid TOML"));
-  EXPECT_THAT(complaint(""), HasSubstr("missing key \"kind\" in [build]"));
+  EXPECT_THAT(complaint(""), HasSubstr("build.kind: not said"));
   EXPECT_THAT(complaint(SceneText{}.with("[run]", "start = \"nowhere.start.toml\"\n[run]").text),
               HasSubstr("nowhere.start.toml: no such file"));
   try {

@@ -200,6 +200,12 @@ TEST(SceneList, FindsScenesByNameAndPath) {
   } catch (const InputError& e) {
     EXPECT_STREQ(e.what(), "watre: no such file, and no scene of that name; did you mean \"water\"?");
   }
+  try {
+    find_scene("/tmp");
+    FAIL() << "a folder";
+  } catch (const InputError& e) {
+    EXPECT_STREQ(e.what(), "/tmp: not a file");
+  }
 }
 
 TEST(SceneList, ListsEverySceneAndNoStart) {

@@ -229,9 +229,7 @@ void note_start(const BuildRequest& request, const Builder& built, Scene& scene)
 // kind = "molecules": [[place]]s of [molecule.NAME]s, with the keys of read_cutoff.
 void build_molecules(const BuildRequest& request, Scene& scene) {
   if (request.keys.describing()) return describe(request, scene);
-  for (const char* key : {"molecules", "chains"})
-    if (request.keys.has(key))
-      request.keys.fail(key, "copies are counted where they are placed: place.0.count");
+  request.keys.refuse({"molecules", "chains"}, "copies are counted where they are placed: place.0.count");
   const Library library = read_library(request.root);
   std::vector<Place> places = read_places(request.root, library);
   scene.start.box = box_of(request.keys, places);

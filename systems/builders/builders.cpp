@@ -1,6 +1,7 @@
 #include "systems/builders/builders.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <array>
 #include <cmath>
@@ -31,6 +32,9 @@ const Kind& chosen_kind(const TomlTable& root, const TomlTable& keys) {
   std::string name = root.has("place") ? "molecules" : "";
   if (std::string said; keys.has("kind") && keys.read("kind", said) && said == "alkane")
     keys.fail("kind", "alkanes are [molecule]s now, with bonds, angles and torsions: start from decane.toml");
+  if (name.empty() && !keys.has("kind") && !keys.describing())
+    keys.fail("kind", fmt::format("not said: place molecules ([[place]]), or say one of {}",
+                                  fmt::join(kinds(), ", ")));
   if (name.empty() || keys.has("kind"))
     name = keys.choice("kind", kinds(), "what is built; not said beside [[place]]: molecules");
   for (const char* key : {"place", "molecule", "atom"})

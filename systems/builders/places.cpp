@@ -90,8 +90,15 @@ Library read_library(const TomlTable& root) {
   }
   Library library;
   const TomlTable said = root.section("molecule");
+  KeysRead there_are{.describing = true};
+  const toml::table none;
+  if (!root.describing()) read_molecule(TomlTable(none, "", &there_are), "", {});
   for (const std::string& name : said.keys()) {
     const TomlTable keys = said.section(name);
+    keys.refuse({"cmap", "cmaps", "sites", "virtual_sites"},
+                "is read of OpenMM's files alone: taut run --openmm system.xml state.xml");
+    for (const Key& key : there_are.all) keys.has(key.key);
+    keys.reject_unknown();  // before what comes of a key that is not read
     library.molecules.emplace(name, read_molecule(keys, name, known));
     keys.reject_unknown();
   }

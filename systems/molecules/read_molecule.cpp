@@ -15,10 +15,17 @@ namespace taut {
 namespace {
 
 constexpr double kFarthestOff = 0.5;  // a bond in coordinates, of its length
-constexpr std::array<std::string_view, 4> kOfOpenMM = {"cmap", "cmaps", "sites", "virtual_sites"};
 
 double radians(double degrees) {
   return degrees * std::numbers::pi / 180;
+}
+
+// Of an atom or residue, for files with columns of ASCII.
+void check_name(const TomlTable& keys, const char* key, const std::string& name) {
+  const auto plain = [](char c) { return c > ' ' && c < '\x7f'; };
+  if (name.empty() || !std::ranges::all_of(name, plain))
+    keys.fail(key,
+              fmt::format("expected a name of letters and figures, for files; got {}", toml_quoted(name)));
 }
 
 AtomNumbers known_atom(const TomlTable& keys, const char* key, const std::string& name,
@@ -181,6 +188,7 @@ std::string wrong_bonds(const Molecule& molecule, const Vectors& x) {
 
 AtomNumbers read_atom(const TomlTable& keys, const std::string& name) {
   AtomNumbers atom;
+  check_name(keys, "name", name);
   atom.kind.atom = name;
   atom.mass = keys.get<double>("mass_u", {"mass; 0: an anchor", "u", kNotNegative});
   keys.read("element", atom.kind.element, "its symbol, for files; a bead has none");
@@ -205,6 +213,7 @@ Molecule read_molecule(const TomlTable& keys, const std::string& name, const Kno
   }
   std::string residue = name.substr(0, 4);
   keys.read("residue", residue, "its name in files");
+  if (!keys.describing()) check_name(keys, "residue", residue);
   for (AtomNumbers& atom : atoms) atom.kind.residue = residue;
 
   Eigen::VectorXd mass;
@@ -215,9 +224,6 @@ Molecule read_molecule(const TomlTable& keys, const std::string& name, const Kno
   read_fene(rows, molecule.terms);
   read_bends(keys, rows, molecule.terms);
   read_outer(rows, molecule.terms);
-  for (const std::string& key : keys.keys())
-    if (std::ranges::find(kOfOpenMM, key) != kOfOpenMM.end())
-      keys.fail(key, "is read of OpenMM's files alone: taut run --openmm system.xml state.xml");
 
   const std::vector<int> piece = molecules(molecule.system, molecule.terms);
   const auto apart = std::ranges::find_if(piece, [](int p) { return p > 0; }) - piece.begin();
