@@ -1,6 +1,7 @@
 // What the guess of λ misses, and the work that it does: the closed form of constraints/README.md.
 
 #include "foretold.hpp"
+#include "systems/openmm/openmm_import.hpp"
 #include "systems/scene_file.hpp"
 
 namespace taut {
@@ -113,7 +114,13 @@ TEST(Guess, NoWeightsThatMissServeEveryCluster) {
   const Averages chain = averages_of(scene_named("freely_jointed", "run.dt_fs=10", "run.steps=2000")),
                  water = averages_of(scene_named("water", "run.dt_fs=1", "run.steps=2000")),
                  decane = averages_of(scene_named("decane", "run.dt_fs=1", "run.steps=1000"));
-  for (const Averages& of : {chain, water, decane}) EXPECT_GT(of.d(), 0);
+  const std::string data = std::string(TAUT_TEST_DATA) + "/dna-hbonds.";
+  Scene hydrogens = import_openmm(data + "system.xml", data + "state.xml");
+  apply_overrides(hydrogens, {"run.dt_fs=1", "run.steps=800", "run.seed=1", "run.velocities=draw",
+                              "run.temperature_k=300"});
+  const Averages dna = averages_of(hydrogens);
+  EXPECT_NEAR(ratio(dna), -15, 5);
+  for (const Averages& of : {chain, water, decane, dna}) EXPECT_GT(of.d(), 0);
   EXPECT_LT(std::abs(water.r() / water.p), 0.01);
   EXPECT_NEAR(chain.r() / chain.p, -1.9, 0.3);
   EXPECT_NEAR(ratio(chain), -1.5, 0.25);
