@@ -17,10 +17,8 @@ namespace taut {
 namespace {
 
 struct CalibrateArguments {
-  NamedScene scene;
+  SceneArgument scene;
   CalibrationPlan plan;
-  std::optional<double> dt_fs;
-  std::vector<std::string> settings;
   std::optional<std::filesystem::path> json;
   bool overwrite = false;
 };
@@ -46,8 +44,8 @@ void print_shapes(const Calibration& c) {
 // What makes `taut run` run what was measured.
 std::string run_line(const CalibrateArguments& arguments, const Calibration& c) {
   CommandLine line = arguments.scene.line("run");
-  line.option("--dt-fs", arguments.dt_fs);
-  std::vector<std::string> settings = arguments.settings;
+  line.option("--dt-fs", arguments.scene.dt_fs);
+  std::vector<std::string> settings = arguments.scene.settings;
   std::ranges::copy(settings_of(c), std::back_inserter(settings));
   line.option("--set", settings);
   return line.text();
@@ -90,12 +88,11 @@ void print(const Scene& scene, const CalibrateArguments& arguments, const Calibr
 }
 
 void calibrate_scene(const CalibrateArguments& arguments) {
-  const auto overrides = overrides_said({{"--dt-fs", "run.dt_fs", arguments.dt_fs}}, arguments.settings);
-  refuse_without_effect("calibrate", overrides);
+  refuse_without_effect("calibrate", arguments.scene.overrides());
   if (arguments.json && arguments.json != "-") expect_no_file({*arguments.json}, arguments.overwrite);
   const bool alone = arguments.json == "-";
   JsonAlone printed(alone);
-  const Scene scene = prepared_for_study(arguments.scene.read(overrides));
+  const Scene scene = prepared_for_study(arguments.scene.read());
   const Calibration c = calibrate(scene, arguments.plan);
   print(scene, arguments, c);
   if (!arguments.json) return;
@@ -132,7 +129,7 @@ void add_calibrate(Commands& commands) {
   const Subcommand command =
       commands.add("calibrate", "find the gains with which Baumgarte reduces errors as RATTLE does",
                    [arguments] { calibrate_scene(*arguments); });
-  arguments->scene.offer(command);
+  arguments->scene.NamedScene::offer(command);
   command.option("--against", arguments->plan.against, "rattle, shake or newton");
   const Argument tolerance = command.option("--tolerance", arguments->plan.tolerance, "of that method");
   command
@@ -142,8 +139,7 @@ void add_calibrate(Commands& commands) {
                  "mean, first or slowest: what of an error's course gains copy where steps are not alike");
   command.option("--damping", arguments->plan.damping, "discrete, centred, implicit or lagged");
   command.option("--passes", arguments->plan.passes, "solves a step of Baumgarte's").positive();
-  command.option("--dt-fs", arguments->dt_fs, "step length [fs]");
-  command.option("--set", arguments->settings, "any key of the scene").key_values();
+  arguments->scene.offer_settings(command);
   command.option("--json", arguments->json, "write the figures there; -: print them alone");
   command.flag("--overwrite", arguments->overwrite, "though there is such a file");
 }

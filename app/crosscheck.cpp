@@ -21,28 +21,19 @@ namespace taut {
 namespace {
 
 struct CrosscheckArguments {
-  NamedScene scene;
+  SceneArgument scene;
   std::vector<std::string> methods;
-  std::optional<long> steps;
-  std::optional<double> dt_fs;
-  std::vector<std::string> settings;
   std::optional<std::filesystem::path> out;
   bool overwrite = false, json = false;
   std::optional<std::string> prefix;  // of the exported files
   CrosscheckPlan plan;
 
-  std::vector<std::string> overrides() const {
-    auto all = overrides_said({{"--steps", "run.steps", steps}, {"--dt-fs", "run.dt_fs", dt_fs}}, settings);
-    all.insert(all.begin(), "run.steps=200");  // unless said
-    return all;
-  }
-
   std::string command() const {
     CommandLine line = scene.line("crosscheck");
     line.option("--method", methods);
-    line.option("--steps", steps);
-    line.option("--dt-fs", dt_fs);
-    line.option("--set", settings);
+    line.option("--steps", scene.steps);
+    line.option("--dt-fs", scene.dt_fs);
+    line.option("--set", scene.settings);
     const CrosscheckPlan usual;
     const auto unless = [&](const char* name, const auto& value, const auto& otherwise) {
       if (value != otherwise) line.option(name, std::optional(value));
@@ -58,8 +49,8 @@ struct CrosscheckArguments {
 
 void run(CrosscheckArguments arguments) {
   JsonAlone printed(arguments.json);
-  refuse_without_effect("crosscheck", arguments.settings);
-  const Scene scene = arguments.scene.read(arguments.overrides());
+  refuse_without_effect("crosscheck", arguments.scene.settings);
+  const Scene scene = arguments.scene.read(nullptr, {"run.steps=200"});
   if (arguments.prefix) {
     expect_no_file({*arguments.prefix + ".system.xml", *arguments.prefix + ".state.xml"},
                    arguments.overwrite);
@@ -89,14 +80,13 @@ void add_crosscheck(Commands& commands) {
   CrosscheckPlan& plan = arguments->plan;
   const Subcommand command =
       commands.add("crosscheck", "hold a scene's runs against OpenMM's", [arguments] { run(*arguments); });
-  arguments->scene.offer(command);
+  arguments->scene.NamedScene::offer(command);
   command
       .option("--method", arguments->methods,
               "to hold against OpenMM: a name, baumgarte:GAINS; several; the usual ones if none is given")
       .words(0, "METHOD");
-  command.option("--steps", arguments->steps, "number of steps (200)").positive();
-  command.option("--dt-fs", arguments->dt_fs, "step length [fs]");
-  command.option("--set", arguments->settings, "any key of the scene: run.seed=7").key_values();
+  command.option("--steps", arguments->scene.steps, "number of steps (200)").positive();
+  arguments->scene.offer_settings(command);
   command.option("--platform", plan.platform, "OpenMM's: Reference (double precision) or CPU");
   command.option("--agreement-nm", plan.agreement, "apart by more than this, runs have parted");
   command.option("--parting-steps", plan.parting_steps, "where runs that only explain end");

@@ -1,5 +1,8 @@
 #include "scene_argument.hpp"
 
+#include <algorithm>
+#include <iterator>
+
 #include "md/errors.hpp"
 #include "systems/openmm/openmm_import.hpp"
 
@@ -28,6 +31,10 @@ void SceneArgument::offer(const Subcommand& command) {
   NamedScene::offer(command);
   command.option("--method", method, "constraint method (see `taut methods`)").words(0, "METHOD");
   command.option("--steps", steps, "number of steps");
+  offer_settings(command);
+}
+
+void SceneArgument::offer_settings(const Subcommand& command) {
   command.option("--dt-fs", dt_fs, "step length [fs]");
   command
       .option("--set", settings,
@@ -44,9 +51,10 @@ std::vector<std::string> SceneArgument::overrides() const {
   return overrides_said(flags(), settings);
 }
 
-Scene SceneArgument::read(KeysRead* keys) const {
+Scene SceneArgument::read(KeysRead* keys, std::vector<std::string> unless) const {
+  std::ranges::copy(overrides(), std::back_inserter(unless));
   try {
-    return NamedScene::read(overrides(), keys);
+    return NamedScene::read(unless, keys);
   } catch (const InputError& e) {
     std::string message = e.what();
     for (const KeyFlag& flag : flags()) message = flag.blamed(message);

@@ -21,17 +21,19 @@ struct NamedScene {
   Scene read(const std::vector<std::string>& overrides, KeysRead* keys = nullptr) const;
 };
 
-// Which scene, and what is laid over its keys: what `run` and `info` are both asked.
+// Which scene, and what is laid over its keys.
 struct SceneArgument : NamedScene {
   std::optional<std::string> method;
   std::optional<long> steps;
   std::optional<double> dt_fs;
   std::vector<std::string> settings;
 
-  void offer(const Subcommand& command);
+  void offer(const Subcommand& command);           // all, to what runs it or tells of it
+  void offer_settings(const Subcommand& command);  // --dt-fs and --set, to studies
   std::vector<KeyFlag> flags() const;
   std::vector<std::string> overrides() const;  // of keys: flags and settings
-  Scene read(KeysRead* keys = nullptr) const;
+  // `unless`: overrides that those said go before.
+  Scene read(KeysRead* keys = nullptr, std::vector<std::string> unless = {}) const;
 };
 
 }  // namespace taut

@@ -59,7 +59,7 @@ std::vector<std::string> notes_of(const StabilityPlan& plan, const StabilityArgu
   if (plan.quick)
     notes.push_back(
         fmt::format("quick, so rough: few gains, {} steps a point, steps to 20 %", plan.plane_steps));
-  if (arguments.hard && (arguments.dt_fs || !arguments.settings.empty()))
+  if (arguments.hard && (arguments.scene.dt_fs || !arguments.scene.settings.empty()))
     notes.push_back(
         fmt::format("--dt-fs and --set are for {} alone, not for the hard scenes", plan.scenes.front().name));
   return notes;

@@ -119,10 +119,9 @@ FolderLock study_folder(const fs::path& folder, const std::string& line, bool ov
 }
 
 void StudyArguments::offer_first(const Subcommand& command) {
-  scene.offer(command);
+  scene.NamedScene::offer(command);
   command.option("--methods", methods, "which (all of `taut methods`)").words(0, "METHOD");
-  command.option("--dt-fs", dt_fs, "step length [fs]");
-  command.option("--set", settings, "any key of the scene").key_values();
+  scene.offer_settings(command);
 }
 
 void StudyArguments::offer_last(const Subcommand& command, const char* quick_means) {
@@ -133,9 +132,8 @@ void StudyArguments::offer_last(const Subcommand& command, const char* quick_mea
 }
 
 Scene StudyArguments::read() const {
-  const auto overrides = overrides_said({{"--dt-fs", "run.dt_fs", dt_fs}}, settings);
-  refuse_without_effect(name, overrides);
-  return prepared_for_study(scene.read(overrides));
+  refuse_without_effect(name, scene.overrides());
+  return prepared_for_study(scene.read());
 }
 
 std::vector<std::string> StudyArguments::methods_or_all() const {
@@ -147,8 +145,8 @@ std::vector<std::string> StudyArguments::methods_or_all() const {
 std::string StudyArguments::command(const std::function<void(CommandLine&)>& own) const {
   CommandLine line = scene.line(name);
   line.option("--methods", methods);
-  line.option("--dt-fs", dt_fs);
-  line.option("--set", settings);
+  line.option("--dt-fs", scene.dt_fs);
+  line.option("--set", scene.settings);
   own(line);
   line.flag("--quick", quick);
   line.option("--out", {out.string()});

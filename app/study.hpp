@@ -31,9 +31,8 @@ constexpr const char* kOverwrite = "move the study that is in --out to OUT.1, OU
 // What chart and stability are both asked.
 struct StudyArguments {
   const char* name;  // the subcommand's, and its folder's if not said
-  NamedScene scene{};
-  std::vector<std::string> methods{}, settings{};
-  std::optional<double> dt_fs{};
+  SceneArgument scene{};
+  std::vector<std::string> methods{};
   bool quick = false, overwrite = false, json = false;
   std::filesystem::path out = name;
 

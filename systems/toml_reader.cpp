@@ -330,8 +330,13 @@ void TomlTable::missing(std::string_view key) const {
     keys_->of(name_, key).required = true;
     return;
   }
-  throw LocatedError(fmt::format("{}: missing key \"{}\"{}", where_, key,
-                                 name_.empty() ? "" : fmt::format(" in [{}]", name_)));
+  std::vector<std::string_view> unread;  // one of them may be meant for it
+  for (const auto& entry : table_)
+    if (!asked_.contains(entry.first.str())) unread.push_back(entry.first.str());
+  const std::string_view near = nearest_name(key, unread);
+  throw LocatedError(fmt::format("{}: missing key \"{}\"{}{}", where_, key,
+                                 name_.empty() ? "" : fmt::format(" in [{}]", name_),
+                                 near.empty() ? "" : fmt::format("; is \"{}\" meant for it?", near)));
 }
 
 void TomlTable::wrong_type(std::string_view key, const toml::node& got, const char* expected) const {

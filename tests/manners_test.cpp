@@ -64,6 +64,13 @@ TEST(Manners, ThePageOfKeysIsCurrent) {
   EXPECT_TRUE(page == contents(fs::path(TAUT_SCENES) / "KEYS.md"))
       << "build/taut help --page > systems/KEYS.md";
   EXPECT_GT(lines(page), 60);
+  std::istringstream names(said("help --names"));
+  std::string all;
+  for (std::string name; std::getline(names, name);) {
+    EXPECT_THAT(page, ContainsRegex("- `" + name + "[ `]")) << name;
+    all += " " + name;
+  }
+  EXPECT_GE(lines(said("help" + all)), 2 * lines(said("help --names")));
 }
 
 TEST(Manners, MethodsAndScenes) {
@@ -95,6 +102,9 @@ TEST(Manners, WhatWasMeant) {
   EXPECT_EQ(said("--threads 100000 scenes", 2), "taut: --threads: expected at most 1024, got 100000\n");
   EXPECT_EQ(said("run pair --steps two", 2),
             "taut: run: expected a number: --steps = two (taut run --help)\n");
+  for (const char* command : {"run", "info", "calibrate", "chart", "stability", "crosscheck"})
+    EXPECT_EQ(said(std::string(command) + " pair --dt-fs -1", 2),
+              "taut: --dt-fs -1: expected more than 0, got -1\n");
   EXPECT_EQ(lines(said("", 2)), 1);
 }
 

@@ -35,7 +35,7 @@ TEST(MoleculeErrors, Atoms) {
   EXPECT_EQ(said("[\"C\"", "[3"),
             "scene.toml:4: molecule.chain.atoms[0]: expected a section, got an integer");
   EXPECT_EQ(said("mass_u = 72", "mass = 72"),
-            "scene.toml:4: missing key \"mass_u\" in [molecule.chain.atoms.1]");
+            "scene.toml:4: missing key \"mass_u\" in [molecule.chain.atoms.1]; is \"mass\" meant for it?");
   EXPECT_EQ(said("mass_u = 72", "mass_u = -72"),
             "scene.toml:4: molecule.chain.atoms.1.mass_u: expected at least 0, got -72");
   EXPECT_EQ(said("mass_u = 12", "mass_u = 12\nmas = 1"),

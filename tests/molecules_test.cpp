@@ -371,6 +371,8 @@ TEST(Place, GoesOnInTheBoxOfAStart) {
 // A start that heats up is said to.
 TEST(Place, NotesOfTheStart) {
   EXPECT_THAT(read(kPolymers).notes, testing::ElementsAre(HasSubstr("equilibrate")));
+  EXPECT_THAT(read(kPolymers, {"run.temperature_k=300", "run.thermostat=langevin"}).notes,
+              testing::IsEmpty());
   const std::string dense = with(kPolymers, "count = 3", "count = 60");
   EXPECT_THAT(read(dense).notes, testing::Contains(HasSubstr("run.minimise = true relaxes it")));
   EXPECT_THAT(read(dense, {"run.minimise=true"}).notes, testing::IsEmpty());

@@ -205,7 +205,7 @@ void describe(const BuildRequest& request, Scene& scene) {
 
 void note_start(const BuildRequest& request, const Builder& built, Scene& scene) {
   if (!(built.drawn() || built.cut_to_fit()) || request.run.minimise) return;
-  if (built.drawn())
+  if (built.drawn() && !request.run.thermostatted())
     scene.notes.emplace_back("start: molecules where there was room; equilibrate with run.thermostat_ps");
   if (built.cut_to_fit())
     scene.notes.emplace_back(
