@@ -42,7 +42,8 @@ FixTaut::FixTaut(LAMMPS* engine, int narg, char** arg)
 
   hold_bonds();
   comm_border = maxexchange = held_.largest_pack();
-  comm_forward = kMotionSize + most_upward_;
+  if (keys_.method.name() == "feedforward") motion_size_ = 3;
+  comm_forward = motion_size_ + most_upward_;
   grow_arrays(atom->nmax);
   for (int callback : {Atom::GROW, Atom::RESTART, Atom::BORDER}) atom->add_callback(callback);
 }
@@ -194,7 +195,7 @@ void FixTaut::find_multipliers() {
   solve_->load_positions(atom->x, *domain);
   find_strain();
   forward_comm(Forward::kMotion);
-  read_motion(kick_);
+  read_motion();
   if (cut_) {
     read_outer(true);
     compare_shared(acted_ + 0.5 * h);
@@ -210,7 +211,7 @@ void FixTaut::find_multipliers() {
     forward_comm(Forward::kMultipliers);
     if (n + 1 == exchanges_) look_before_last_exchange();
     read_outer(false);
-    read_motion(kick_);
+    read_motion();
     solve_->add_outer_pull(kick_);
     const SolveStats again = solve_->again();
     require_solved(again);
@@ -236,13 +237,13 @@ void FixTaut::find_first_multipliers() {
   box_before_ = taut::box_of(*domain);
   solve_->load_positions(atom->x, *domain);
   forward_comm(Forward::kMotion);
-  read_motion(kick_);
+  read_motion();
   if (held_.steps_known > 0) {
     read_outer(true);
     solve_->guess_outer(0);
     solve_->add_outer_pull(kick_);
     if (all_max(solve_->error_ahead(kick_)) < kStillRight + 10 * all_max(residual_)) {
-      read_motion(kick_);
+      read_motion();
       solve_->add_past_forces();
       return;
     }
@@ -252,7 +253,7 @@ void FixTaut::find_first_multipliers() {
   std::ranges::fill(solve_->outer_lambda, 0);
   for (int n = 0; n < rounds; ++n) {
     forward_comm(Forward::kMotion);
-    read_motion(kick_);
+    read_motion();
     if (n > 0) read_outer(false);
     solve_->add_outer_pull(kick_);
     require_solved(solve_->start());
@@ -264,27 +265,17 @@ void FixTaut::find_first_multipliers() {
   if (cut_) remember_shared(0);
 }
 
-void FixTaut::read_motion(double kick) {
+void FixTaut::read_motion() {
   taut::State& s = solve_->state();
   const auto& images = solve_->pieces().images;
-  const double h = update->dt, factor = kick / h;
-  const bool w = solve_->feedforward();
-  const int stride = comm_forward;
+  if (motion_size_ == 3) s.f.setZero();
   for (std::size_t a = 0; a < images.size(); ++a) {
-    const int i = images[a].atom;
+    const double* const motion = motion_of(images[a].atom);
     double* const v = &s.v(0, static_cast<Eigen::Index>(a));
     double* const f = &s.f(0, static_cast<Eigen::Index>(a));
-    const double* const news = &ghost_values_[static_cast<std::size_t>(i) * stride];
-    const double over_mass = factor * solve_->system().inv_mass[static_cast<Eigen::Index>(a)];
-    for (int c = 0; c < 3; ++c) {
-      if (i >= atom->nlocal) {
-        v[c] = news[c];
-        f[c] = w ? 0 : news[3 + c];
-      } else {
-        v[c] = w ? atom->v[i][c] + over_mass * atom->f[i][c] : atom->v[i][c];
-        f[c] = w ? 0 : atom->f[i][c];
-      }
-    }
+    for (int c = 0; c < 3; ++c) v[c] = motion[c];
+    if (motion_size_ > 3)
+      for (int c = 0; c < 3; ++c) f[c] = motion[3 + c];
   }
   if (!strain_.isZero(0)) s.v += strain_ * s.x;
 }

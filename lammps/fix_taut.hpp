@@ -74,16 +74,18 @@ class FixTaut : public Fix {
   void find_pieces(bool anew);
   void make_solve(taut::Pieces pieces);
   void forward_comm(Forward what);
-  int motion_size() const;
+  int motion_sent() const;
   bool forwards_multipliers() const { return cut_ && forward_ != Forward::kVelocities; }
   std::string missing_partner(tagint atom, tagint partner) const;
   void choose_exchanges(const taut::LeftByCuts& left);
   void warn_of_cuts(double left);
-  void write_values(int i);
-  double* values_of(int i) { return &ghost_values_[static_cast<std::size_t>(i) * comm_forward]; }
-  const double* values_of(int i) const { return &ghost_values_[static_cast<std::size_t>(i) * comm_forward]; }
-  double received_multiplier(int ghost, int slot) const { return values_of(ghost)[kMotionSize + slot]; }
-  void read_motion(double kick);
+  void set_own_values();
+  double* motion_of(int i) { return &motion_[static_cast<std::size_t>(i) * motion_size_]; }
+  double* multipliers_of(int i) { return &multipliers_[static_cast<std::size_t>(i) * most_upward_]; }
+  const double* multipliers_of(int i) const {
+    return &multipliers_[static_cast<std::size_t>(i) * most_upward_];
+  }
+  void read_motion();
   void read_outer(bool next_step);
   void remember_shared(double acted);
   double difference_of(const taut::SharedBond& shared) const;
@@ -126,8 +128,9 @@ class FixTaut : public Fix {
   double acted_ = 0;                           // how long the last forces have, when their step ends
   taut::LeftByCuts left_;                      // since lists were built, by this processor's
   std::vector<double> cleared_from_;
-  std::vector<double> ghost_values_;  // kMotionSize + most_upward_ numbers an atom
-  static constexpr int kMotionSize = 6;
+  int motion_size_ = 6;  // 3 of feedforward
+  std::vector<double> motion_,
+      multipliers_;                   // motion_size_ and most_upward_ numbers an atom, ghosts included
   static constexpr int kRounds = 50;  // at the start, from a guess of nothing beyond a cut
 
   // Of the last step, and since statistics were last printed.

@@ -9,7 +9,8 @@ namespace LAMMPS_NS {
 
 void FixTaut::grow_arrays(int room) {
   held_.grow(room);
-  ghost_values_.resize(static_cast<std::size_t>(room) * (kMotionSize + most_upward_));
+  motion_.resize(static_cast<std::size_t>(room) * motion_size_);
+  multipliers_.resize(static_cast<std::size_t>(room) * most_upward_);
   if (!keys_.store) return;
   forces_.resize(3 * static_cast<std::size_t>(room));
   force_rows_.resize(room);
@@ -32,7 +33,7 @@ int FixTaut::unpack_border(int n, int first, double* buffer) {
 // Of an atom in a restart file: how many numbers, how many steps are known, the bonds.
 int FixTaut::size_restart(int i) {
   store_past();
-  return 2 + 1 + 7 * held_.count(i);
+  return 2 + held_.packed(i);
 }
 
 int FixTaut::pack_restart(int i, double* buffer) {
@@ -53,63 +54,64 @@ void FixTaut::unpack_restart(int i, int nth) {
 // --- forward communication ---
 
 void FixTaut::forward_comm(Forward what) {
-  if (!ghosts_) return;
   forward_ = what;
-  taut::forward_comm(*comm, this);
-}
-
-int FixTaut::motion_size() const {
-  if (forward_ == Forward::kMultipliers) return 0;
-  return forward_ == Forward::kVelocities || solve_->feedforward() ? 3 : 6;
+  set_own_values();
+  if (ghosts_) taut::forward_comm(*comm, this);
 }
 
 // Motion: h v + h² f/m as a velocity, or v and f; and where chains are cut, multipliers of the atom's bonds
 // to higher tags.
-void FixTaut::write_values(int i) {
-  double* const to = values_of(i);
-  const double *v = atom->v[i], *f = atom->f[i];
-  if (forward_ == Forward::kVelocities) {
-    std::copy_n(v, 3, to);
-  } else if (forward_ == Forward::kMotion && solve_->feedforward()) {
-    const double factor = kick_ / update->dt * force->ftm2v / mass(i);
-    for (int c = 0; c < 3; ++c) to[c] = v[c] + factor * f[c];
-  } else if (forward_ == Forward::kMotion) {
-    std::copy_n(v, 3, to);
-    std::copy_n(f, 3, to + 3);
+void FixTaut::set_own_values() {
+  const double factor = kick_ / update->dt * force->ftm2v;
+  const bool foretold = forward_ == Forward::kMotion && motion_size_ == 3;
+  for (int i = 0; i < atom->nlocal && forward_ != Forward::kMultipliers; ++i) {
+    double* const to = motion_of(i);
+    const double *v = atom->v[i], *f = atom->f[i], push = foretold ? factor / mass(i) : 0;
+    for (int c = 0; c < 3; ++c) to[c] = v[c] + push * f[c];
+    if (motion_size_ > 3)
+      for (int c = 0; c < 3; ++c) to[3 + c] = f[c];
   }
-  if (!cut_) return;
-  const auto bonds = held_.of(i);
-  const std::size_t first = held_.first_upward(i);
-  for (int k = 0; k < most_upward_; ++k)
-    to[kMotionSize + k] = first + k < bonds.size() ? bonds[first + k].past[0] : 0;
+  for (int i = 0; i < atom->nlocal && forwards_multipliers(); ++i) {
+    const auto bonds = held_.of(i);
+    const std::size_t first = held_.first_upward(i);
+    for (int k = 0; k < most_upward_; ++k)
+      multipliers_of(i)[k] = first + k < bonds.size() ? bonds[first + k].past[0] : 0;
+  }
+}
+
+int FixTaut::motion_sent() const {
+  if (forward_ == Forward::kMultipliers) return 0;
+  return forward_ == Forward::kVelocities ? 3 : motion_size_;
 }
 
 int FixTaut::pack_forward_comm(int n, int* list, double* buffer, int, int*) {
   double* next = buffer;
+  const int motion = motion_sent(), more = forwards_multipliers() ? most_upward_ : 0;
   for (int k = 0; k < n; ++k) {
     const int i = list[k];
-    if (i < atom->nlocal) write_values(i);
-    next = std::copy_n(values_of(i), motion_size(), next);
-    if (forwards_multipliers()) next = std::copy_n(values_of(i) + kMotionSize, most_upward_, next);
+    const double* const from = motion_of(i);
+    for (int m = 0; m < motion; m += 3, next += 3)
+      for (int c = 0; c < 3; ++c) next[c] = from[m + c];
+    for (int m = 0; m < more; ++m) *next++ = multipliers_of(i)[m];
   }
   return static_cast<int>(next - buffer);
 }
 
 void FixTaut::unpack_forward_comm(int n, int first, double* buffer) {
   const double* next = buffer;
+  const int motion = motion_sent(), more = forwards_multipliers() ? most_upward_ : 0;
   for (int i = first; i < first + n; ++i) {
-    std::copy_n(next, motion_size(), values_of(i));
-    next += motion_size();
-    if (!forwards_multipliers()) continue;
-    std::copy_n(next, most_upward_, values_of(i) + kMotionSize);
-    next += most_upward_;
+    double* const to = motion_of(i);
+    for (int m = 0; m < motion; m += 3, next += 3)
+      for (int c = 0; c < 3; ++c) to[m + c] = next[c];
+    for (int m = 0; m < more; ++m) multipliers_of(i)[m] = *next++;
   }
 }
 
 void FixTaut::read_outer(bool next_step) {
   const auto& outer = solve_->pieces().outer;
   for (std::size_t b = 0; b < outer.size(); ++b) {
-    const double lambda = received_multiplier(outer[b].ghost, outer[b].slot);
+    const double lambda = multipliers_of(outer[b].ghost)[outer[b].slot];
     auto& past = outer[b].held->past;
     if (!next_step) {
       solve_->outer_lambda[b] = lambda;

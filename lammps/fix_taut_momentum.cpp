@@ -26,7 +26,7 @@ void FixTaut::remember_shared(double acted) {
 // λ' − λ, after the other processor's multiplier has come.
 double FixTaut::difference_of(const taut::SharedBond& shared) const {
   const int ghost = solve_->pieces().images[solve_->system().bonds[shared.bond].i].atom;
-  return received_multiplier(ghost, shared.slot) - solve_->pieces().places[shared.bond][1]->past[0];
+  return multipliers_of(ghost)[shared.slot] - solve_->pieces().places[shared.bond][1]->past[0];
 }
 
 // |σ|/d² of the next step that this difference leaves.

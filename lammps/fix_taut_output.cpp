@@ -76,7 +76,8 @@ double FixTaut::compute_vector(int which) {
 }
 
 double FixTaut::memory_usage() {
-  return static_cast<double>(ghost_values_.capacity() * sizeof(double)) + held_.memory_usage();
+  const std::size_t values = motion_.capacity() + multipliers_.capacity();
+  return static_cast<double>(values * sizeof(double)) + held_.memory_usage();
 }
 
 namespace {

@@ -11,10 +11,8 @@ void FixTaut::read_velocities() {
   taut::State& s = solve_->state();
   const auto& images = solve_->pieces().images;
   for (std::size_t a = 0; a < images.size(); ++a) {
-    const int i = images[a].atom;
-    const double* const v =
-        i < atom->nlocal ? atom->v[i] : &ghost_values_[static_cast<std::size_t>(i) * comm_forward];
-    s.v.col(static_cast<Eigen::Index>(a)) = Eigen::Map<const taut::Vec3>(v);
+    const auto v = Eigen::Map<const taut::Vec3>(motion_of(images[a].atom));
+    s.v.col(static_cast<Eigen::Index>(a)) = v;
   }
 }
 

@@ -1,6 +1,7 @@
 #include "lammps/held_bonds.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 namespace taut {
 
@@ -40,33 +41,22 @@ void HeldBonds::copy(int from, int to) {
 }
 
 int HeldBonds::pack(int i, double* buffer) const {
-  double* next = buffer;
-  *next++ = count_[i];
-  for (const auto& [partner, kind, past] : of(i)) {
-    *next++ = static_cast<double>(partner);
-    for (int type : {kind.bond, kind.other_bond, kind.angle}) *next++ = type;
-    next = std::copy(past.begin(), past.end(), next);
-  }
-  return static_cast<int>(next - buffer);
+  buffer[0] = count_[i];
+  std::memcpy(buffer + 1, of(i).data(), of(i).size_bytes());
+  return packed(i);
 }
 
 int HeldBonds::unpack(int i, const double* buffer) {
-  const double* next = buffer;
-  count_[i] = static_cast<int>(*next++);
-  for (auto& [partner, kind, past] : of(i)) {
-    partner = static_cast<LAMMPS_NS::tagint>(*next++);
-    for (int* type : {&kind.bond, &kind.other_bond, &kind.angle}) *type = static_cast<int>(*next++);
-    std::copy_n(next, past.size(), past.begin());
-    next += past.size();
-  }
-  return static_cast<int>(next - buffer);
+  count_[i] = static_cast<int>(buffer[0]);
+  std::memcpy(static_cast<void*>(of(i).data()), buffer + 1, of(i).size_bytes());
+  return packed(i);
 }
 
 void HeldBonds::unpack_past(int i, const double* buffer) {
-  const int count = static_cast<int>(*buffer++);
-  for (int k = 0; k < count; ++k, buffer += kPacked)
-    if (HeldBond* const bond = find(i, static_cast<LAMMPS_NS::tagint>(buffer[0])))
-      std::copy_n(buffer + 4, bond->past.size(), bond->past.begin());
+  std::vector<HeldBond> stored(static_cast<std::size_t>(buffer[0]));
+  std::memcpy(static_cast<void*>(stored.data()), buffer + 1, stored.size() * sizeof(HeldBond));
+  for (const HeldBond& known : stored)
+    if (HeldBond* const bond = find(i, known.partner)) bond->past = known.past;
 }
 
 }  // namespace taut

@@ -3,6 +3,7 @@
 #include <array>
 #include <map>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "lammps/keywords.hpp"
@@ -48,6 +49,7 @@ class HeldBonds {
   void copy(int from, int to);
   void clear(int i) { count_[i] = 0; }
   int largest_pack() const { return 1 + kPacked * most_; }
+  int packed(int i) const { return 1 + kPacked * count_[i]; }
   int pack(int i, double* buffer) const;
   int unpack(int i, const double* buffer);  // returns how many numbers it took
   double memory_usage() const { return static_cast<double>(held_.capacity() * sizeof(HeldBond)); }
@@ -55,7 +57,9 @@ class HeldBonds {
   void unpack_past(int i, const double* buffer);
 
  private:
-  static constexpr int kPacked = 7;
+  // Among numbers that travel a bond is so many of them, of the same bytes.
+  static constexpr int kPacked = sizeof(HeldBond) / sizeof(double);
+  static_assert(sizeof(HeldBond) % sizeof(double) == 0 && std::is_trivially_copyable_v<HeldBond>);
 
   const LAMMPS_NS::Atom* atom_;
   int most_ = 0;
