@@ -20,18 +20,28 @@ class SimulationFailure(RuntimeError):
 
     The simulation is then as it was one step before, and can be looked at. Where a step is to blame, and not the
     start, the exception knows more; otherwise these are None.
+
+    step, time_ps            the step that failed, its time [ps]
+    cause, advice            the method's or the force's words; what to try
+    bond, atoms              index of the bond to blame and its atoms; None if there is none
+    length_nm                its length after that step [nm]
+    length_before_nm         and before [nm]
+    target_nm                what it is held at [nm]
+    largest_force_kj_mol_nm  [kJ/mol/nm]
+    atom                     the atom it acts on
+    positions, velocities    the last good state, (n, 3) [nm], [nm/ps]
     """
 
-    step: Optional[int] = None  #: the step that failed
-    time_ps: Optional[float] = None  #: [ps]
-    cause: Optional[str] = None  #: the method's or the force's words
-    advice: Optional[str] = None  #: what to try
-    bond: Optional[int] = None  #: index of the bond to blame; None if there is none
-    atoms: Optional[Tuple[int, int]] = None  #: its atoms
-    length_nm: Optional[float] = None  #: its length after that step [nm]
-    length_before_nm: Optional[float] = None  #: and before [nm]
-    target_nm: Optional[float] = None  #: what it is held at [nm]
-    largest_force_kj_mol_nm: Optional[float] = None  #: [kJ/mol/nm]
-    atom: Optional[int] = None  #: the atom it acts on
-    positions: Optional[np.ndarray] = None  #: the last good state, (n, 3) [nm]
-    velocities: Optional[np.ndarray] = None  #: (n, 3) [nm/ps]
+    step: Optional[int] = None
+    time_ps: Optional[float] = None
+    cause: Optional[str] = None
+    advice: Optional[str] = None
+    bond: Optional[int] = None
+    atoms: Optional[Tuple[int, int]] = None
+    length_nm: Optional[float] = None
+    length_before_nm: Optional[float] = None
+    target_nm: Optional[float] = None
+    largest_force_kj_mol_nm: Optional[float] = None
+    atom: Optional[int] = None
+    positions: Optional[np.ndarray] = None
+    velocities: Optional[np.ndarray] = None

@@ -16,12 +16,18 @@ from .errors import InputError
 
 @dataclass(frozen=True)
 class System:
-    """What does not change during a run. Its arrays cannot be written to, and may be kept."""
+    """What does not change during a run. Its arrays cannot be written to, and may be kept.
 
-    masses: np.ndarray  #: (n,) [u]; 0 for an anchored atom
-    inverse_masses: np.ndarray  #: (n,) [1/u]; 0 for an anchored atom
-    bonds: np.ndarray  #: (m, 2) the two atoms of each rigid bond
-    lengths: np.ndarray  #: (m,) what each is held at [nm]
+    masses          (n,) [u]; 0 for an anchored atom
+    inverse_masses  (n,) [1/u]; 0 for an anchored atom
+    bonds           (m, 2) the two atoms of each rigid bond
+    lengths         (m,) what each is held at [nm]
+    """
+
+    masses: np.ndarray
+    inverse_masses: np.ndarray
+    bonds: np.ndarray
+    lengths: np.ndarray
 
     @cached_property
     def groups(self) -> List[np.ndarray]:
@@ -39,13 +45,18 @@ class System:
 class State:
     """What a stage may change, in place or by giving it other arrays of the same shape.
 
+    positions   (n, 3) [nm], never wrapped
+    velocities  (n, 3) [nm/ps]
+    forces      (n, 3) [kJ/mol/nm]
+    time_ps     [ps], to be read alone
+
     The arrays are the engine's own numbers, and there for the length of a stage alone. A stage that keeps one, or a
     view of one (``self.before = state.positions[3:]``), fails with a BufferError: keep a copy.
     """
 
-    positions: np.ndarray  #: (n, 3) [nm], never wrapped
-    velocities: np.ndarray  #: (n, 3) [nm/ps]
-    forces: np.ndarray  #: (n, 3) [kJ/mol/nm]
+    positions: np.ndarray
+    velocities: np.ndarray
+    forces: np.ndarray
     time_ps: float
 
     if not TYPE_CHECKING:
@@ -81,14 +92,15 @@ class ConstraintMethod:
     Its options are the arguments of its class, each with a default that is a number, a truth value or a text, and
     kept under its own name, as by ``@dataclass``. Each simulation makes an instance of its own. An exception in a
     stage ends the run and leaves the simulation as it was one step before.
+
+    promised_error  the relative bond error it answers for: a run says if it was worse
+    holds           "all": lengths and velocities; "positions": velocities keep a part along the bonds (SHAKE's do)
+    kept            names of the attributes, arrays or floats, that it takes from one step to the next: checkpoints
+                    keep them. They are there, in their size, from prepare() on
     """
 
-    #: The relative bond error it answers for. A run says if it was worse.
     promised_error: float = float("inf")
-    #: "all": lengths and velocities; "positions": velocities keep a part along the bonds (as SHAKE's do).
     holds: str = "all"
-    #: Names of the attributes, arrays or floats, that it takes from one step to the next: checkpoints keep them.
-    #: They are there, in their size, from prepare() on.
     kept: Sequence[str] = ()
 
     def prepare(self, system: System, h: float) -> None:

@@ -63,3 +63,9 @@ def test_help_shows_all_there_is():
 def test_a_row_says_what_its_numbers_are():
     for name, member in inspect.getmembers(taut.Row, inspect.isdatadescriptor):
         assert name.startswith("_") or inspect.getdoc(member), f"Row.{name}"
+
+
+@pytest.mark.parametrize("kind", [taut.System, taut.State, taut.ConstraintMethod, taut.SimulationFailure])
+def test_help_says_what_attributes_are(kind):
+    for name in kind.__annotations__:
+        assert name in inspect.getdoc(kind), name
