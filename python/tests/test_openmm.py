@@ -15,12 +15,12 @@ BONDS = unit.kilojoule_per_mole / unit.nanometer
 
 
 def made(pdb, files, dry=False, **named):
-    """System and Modeller of a bundled PDB file under a force field; dry: of its first chain alone."""
+    """System and Modeller of a bundled PDB file under a force field; dry: without water and ions."""
     read = app.PDBFile(os.path.join(DATA, pdb))
     field = app.ForceField(*files)
     model = app.Modeller(read.topology, read.positions)
     if dry:
-        model.delete(list(read.topology.chains())[1:])
+        model.delete([one for one in read.topology.residues() if one.name in ("HOH", "Cl")])
         model.topology.setPeriodicBoxVectors(None)
     model.addExtraParticles(field)
     named = {"nonbondedMethod": app.PME, "nonbondedCutoff": 0.8 * NM, "constraints": app.HBonds, **named}
