@@ -151,7 +151,8 @@ const char* name_of(int signal) {
 }  // namespace
 
 void carry_out(Simulation& simulation, RunFolder* folder, const Telling& telling) {
-  const auto& [json, measured] = telling;
+  const bool json = telling.json;
+  Measured* const measured = telling.measured;
   const StopRequest request;
   const long first = simulation.step(), steps = simulation.scene().run.steps;
   Progress progress(steps - first);

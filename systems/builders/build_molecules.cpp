@@ -63,17 +63,17 @@ class Builder {
 
   void line_up(std::size_t k, Placing& placing) {
     if (!places_[k].lattice) return;
-    const auto [corner, edge] = brick_of(places_[k]);
-    const BrickGrid grid(edge, places_[k].count);
-    put(k, placing, [&](long m) { return Vec3(corner + grid.site(m)); });
+    const Brick brick = brick_of(places_[k]);
+    const BrickGrid grid(brick.edge, places_[k].count);
+    put(k, placing, [&](long m) { return Vec3(brick.corner + grid.site(m)); });
   }
 
   void draw(std::size_t k, Placing& placing) {
     if (places_[k].fills || (places_[k].equilibrated && box_.periodic())) return;
-    const auto [corner, edge] = brick_of(places_[k]);
+    const Brick brick = brick_of(places_[k]);
     put(k, placing, [&](long) {
       const Vec3 share(random_.uniform(), random_.uniform(), random_.uniform());
-      return places_[k].within ? Vec3(corner + share.cwiseProduct(edge)) : within_.steps(share);
+      return places_[k].within ? Vec3(brick.corner + share.cwiseProduct(brick.edge)) : within_.steps(share);
     });
   }
 
