@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -70,12 +71,19 @@ std::vector<Key> keys_named(const std::string& name, const std::vector<Key>& all
   return found;
 }
 
+// At the beginning of one of its words.
+bool speaks_of(std::string_view text, const std::string& word) {
+  const auto letter = [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; };
+  for (auto at = text.find(word); at != text.npos; at = text.find(word, at + 1))
+    if (at == 0 || !letter(text[at - 1])) return true;
+  return false;
+}
+
 // Where a name stands for none: what speaks of it, "rope", or a kind or method, "water".
 std::vector<Key> keys_about(const std::string& word, const std::vector<Key>& all) {
   std::vector<Key> found;
   for (const Key& key : all)
-    if (key.name().find(word) != std::string::npos ||
-        std::string_view(key.about.meaning).find(word) != std::string_view::npos ||
+    if (speaks_of(key.name(), word) || speaks_of(key.about.meaning, word) ||
         std::ranges::count(key.kinds, word) + std::ranges::count(key.about.words, word) > 0)
       found.push_back(key);
   return found;
