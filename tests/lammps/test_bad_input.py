@@ -83,6 +83,7 @@ def test_bonds_held_twice(run):
     assert "held by another fix" in failing(run, text)
 
 
-def test_a_lost_bond_names_its_atoms(run):
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_a_lost_bond_names_its_atoms(run, ranks):
     text = inputs.of(inputs.METHANE, dt=0.002, rest="velocity all scale 1e5\nrun 10\n")
-    assert "the bond of atoms" in failing(run, text)
+    assert "the bond of atoms" in failing(run, text, ranks)
