@@ -183,7 +183,8 @@ void join(int size, const Columns<Real>& parts, const Columns<Real>& both) {
     for (int k = 0; k <= size / 2; ++k) {
       const Columns<Real> z{both.re + lane, both.im + lane, both.apart};
       const Columns<Real> at{parts.re + lane, parts.im + lane, parts.apart};
-      const Complex a = number(at, k), b = number({at.re + kLanes, at.im + kLanes, at.apart}, k);
+      Complex a = number(at, k), b = number({at.re + kLanes, at.im + kLanes, at.apart}, k);
+      if (k == 0 || 2 * k == size) a.im = b.im = hn::Zero(D());  // or what is left of a's would be b's
       put({hn::Sub(a.re, b.im), hn::Add(a.im, b.re)}, z, k);
       if (k > 0) put({hn::Add(a.re, b.im), hn::Sub(b.re, a.im)}, z, size - k);
     }

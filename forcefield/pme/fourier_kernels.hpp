@@ -44,7 +44,8 @@ template <class T>
 void transform(const FourierPlan<T>& plan, const Columns<T>& from, const Columns<T>& to, T* room);
 
 // Transforms of real sequences a and b in that of a + ib: a's (its numbers 0 … size/2), and b's a vector
-// further on; and back, without the half.
+// further on; and back, without the half. Back, first and middle numbers count as real: in a skewed box a
+// wave at the grid's end and its mirror image are damped unlike, and their mean is what counts.
 template <class T>
 void part_real(int size, const Columns<T>& both, const Columns<T>& parts);
 template <class T>
