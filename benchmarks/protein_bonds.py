@@ -96,7 +96,7 @@ def measure(options, bonds):
         for _ in range(options.turns):
             for method in METHODS:
                 times[method].append(constraint_us(options, Path(folder), method))
-            theirs.measure(options.steps, rigid, free)
+            theirs.measure(min(options.steps, 20), rigid, free)  # of all bonds its free flight ends in NaN by 100
     figures = {name: (statistics.median(us), min(us)) for name, us in times.items()}
     figures["OpenMM CPU 1e-6"] = statistics.median(rigid) - statistics.median(free), min(rigid) - min(free)
     count = system.getNumConstraints()
