@@ -28,7 +28,7 @@ SYSTEMS = {"hydrogens": "villin-amber14", "all": "villin-all-bonds"}
 SETTLE = ["settle", "--set", "method.solute=newton"]
 METHODS = {"baumgarte": ["baumgarte"], "feedforward": ["feedforward"], "newton": ["newton"], "shake 1e-6":
            ["shake", "--set", "method.tolerance=1e-6"], "rattle 1e-6": ["rattle", "--set", "method.tolerance=1e-6"],
-           "settle, solute newton": SETTLE, "settle, solute feedforward": [*SETTLE[:-1], "method.solute=feedforward"]}
+           "settle and newton": SETTLE, "settle and feedforward": [*SETTLE[:-1], "method.solute=feedforward"]}
 
 
 def constraint_us(options, folder, method):
