@@ -21,19 +21,21 @@ JsonAlone::JsonAlone(bool asked) {
 }
 
 JsonAlone::~JsonAlone() {
-  if (stdout_ < 0) return;
-  std::fflush(stdout);
-  dup2(stdout_, STDOUT_FILENO);
-  close(stdout_);
+  print_again();
 }
 
 void JsonAlone::print(const std::string& json) {
+  if (stdout_ < 0) return;
+  print_again();
+  fmt::print("{}\n", json);
+}
+
+void JsonAlone::print_again() {
   if (stdout_ < 0) return;
   std::fflush(stdout);
   dup2(stdout_, STDOUT_FILENO);
   close(stdout_);
   stdout_ = -1;
-  fmt::print("{}\n", json);
 }
 
 }  // namespace taut

@@ -15,6 +15,8 @@ class JsonAlone {
   void print(const std::string& json);  // nothing where it is not asked for
 
  private:
+  void print_again();
+
   int stdout_ = -1;  // where it went
 };
 
