@@ -8,6 +8,7 @@
 
 #include "every_machine.hpp"
 #include "forcefield/pme/fourier.hpp"
+#include "forcefield/pme/mesh_kernels.hpp"
 
 namespace taut {
 namespace {
@@ -65,17 +66,15 @@ void compare(const Sizes& n, double digits) {
   });
   double error = 0, sum = 0;
   for (int k1 = 0; k1 < n[0]; ++k1) grid.transform_plane(k1, 0);
-  const std::vector<T> two(std::size_t(kLanes) * n[2], T(2));
-  for (int k2 = 0; k2 < grid.half(); ++k2)
-    grid.filter_row(k2, 0, [&](int batch, const Columns<T>& z) {
-      for (int k1 = kLanes * batch; k1 < std::min(kLanes * (batch + 1), n[0]); ++k1)
-        for (int k3 = 0; k3 < n[2]; ++k3) {
-          const int at = kLanes * k3 + k1 % kLanes;
-          error =
-              std::max(error, std::abs(waves.at({k1, k2, k3}) - std::complex<double>(z.re[at], z.im[at])));
-        }
-      sum += (k2 == 0 || 2 * k2 == n[1] ? 1 : 2) * filter(n[2], two.data(), z);
-    });
+  const auto two = std::vector<T>(n[0] * n[2], T(2));
+  for (int k2 = 0; k2 < grid.half(); ++k2) {
+    auto* const z = grid.transform_row(k2, 0);
+    for (int k1 = 0; k1 < n[0]; ++k1)
+      for (int k3 = 0; k3 < n[2]; ++k3)
+        error = std::max(error, std::abs(waves.at({k1, k2, k3}) - std::complex<double>(z[k1 * n[2] + k3])));
+    sum += (k2 == 0 || 2 * k2 == n[1] ? 1 : 2) * filter(std::span<const T>(two), z);
+    grid.transform_row_back(k2, 0);
+  }
   EXPECT_LT(error, digits * std::sqrt(points));
   double squares = 0;
   for (const auto& z : plain.z) squares += std::norm(z);

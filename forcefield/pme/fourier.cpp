@@ -1,114 +1,146 @@
 #include "forcefield/pme/fourier.hpp"
 
+#include <fftw3.h>
+
 #include <algorithm>
-#include <cmath>
-#include <numbers>
+#include <mutex>
 
 namespace taut {
 namespace {
 
-// Fours first, then primes. At least two: no pass then writes where it reads.
-std::vector<int> radices(int size) {
-  std::vector<int> all;
-  for (; size % 4 == 0; size /= 4) all.push_back(4);
-  for (int prime = 2; size > 1; ++prime)
-    for (; size % prime == 0; size /= prime) all.push_back(prime);
-  if (all.size() < 2) all.insert(all.begin(), 2 - all.size(), 1);
-  return all;
+template <class T>
+struct Fftw;
+template <>
+struct Fftw<double> {
+  using Number = fftw_complex;
+  using Plan = fftw_plan;
+  static constexpr auto kPlan = fftw_plan_many_dft;
+  static constexpr auto kExecute = fftw_execute_dft;
+  static constexpr auto kDestroy = fftw_destroy_plan;
+};
+template <>
+struct Fftw<float> {
+  using Number = fftwf_complex;
+  using Plan = fftwf_plan;
+  static constexpr auto kPlan = fftwf_plan_many_dft;
+  static constexpr auto kExecute = fftwf_execute_dft;
+  static constexpr auto kDestroy = fftwf_destroy_plan;
+};
+
+// It makes and destroys plans on one thread at a time.
+std::mutex& planner() {
+  static std::mutex one_at_a_time;
+  return one_at_a_time;
 }
+
+template <class T>
+auto* fftw(std::complex<T>* z) {
+  return reinterpret_cast<typename Fftw<T>::Number*>(z);
+}
+template <class T>
+std::complex<T>* pairs(T* numbers) {
+  return reinterpret_cast<std::complex<T>*>(numbers);
+}
+
+template <class T>
+void destroy(void* plan) {
+  const std::lock_guard alone(planner());
+  Fftw<T>::kDestroy(static_cast<typename Fftw<T>::Plan>(plan));
+}
+
+// By a plan made for other places, in memory aligned alike.
+template <class T>
+void execute(const std::shared_ptr<void>& plan, std::complex<T>* from, std::complex<T>* to) {
+  Fftw<T>::kExecute(static_cast<typename Fftw<T>::Plan>(plan.get()), fftw(from), fftw(to));
+}
+
+constexpr int kWhole = 8;  // numbers a row: all rows are aligned alike
 
 int whole(int n, int of) {
   return (n + of - 1) / of * of;
 }
 
 template <class T>
-Columns<T> exchanged(const Columns<T>& z) {
-  return {z.im, z.re, z.apart};
+std::complex<T> i_times(const std::complex<T>& z) {
+  return {-z.imag(), z.real()};
 }
 
 }  // namespace
 
 template <class T>
-FourierPlan<T>::FourierPlan(int n) : size(n) {
-  const auto add_root = [&](long numerator, int denominator) {
-    const double angle = 2 * std::numbers::pi * double(numerator % denominator) / denominator;
-    roots.push_back(static_cast<T>(std::cos(angle)));
-    roots.push_back(static_cast<T>(-std::sin(angle)));
-  };
-  int left = n;
-  for (const int radix : radices(n)) {
-    passes.push_back({radix, left / radix, n / left, roots.size()});
-    for (int j = 0; j < radix; ++j) add_root(j, radix);
-    for (long p = 0; p < left / radix; ++p)
-      for (int k = 1; k < radix; ++k) add_root(p * k, left);
-    left /= radix;
-  }
-}
-
-template <class T>
 FourierGrid<T>::FourierGrid(std::array<int, 3> size, int beyond)
     : n_(size),
-      width_(whole(size[2], 2 * kLanes)),
-      stride_(std::max(width_, whole(size[2] + beyond, kLanes))),
-      longest_(whole(*std::max_element(size.begin(), size.end()), kLanes)),
-      plan_{FourierPlan<T>(size[0]), FourierPlan<T>(size[1]), FourierPlan<T>(size[2])},
+      width_(whole(size[2], kWhole)),
+      stride_(whole(size[2] + beyond, kWhole)),
       real_(std::size_t(n_[0]) * n_[1] * stride_),
-      complex_(std::size_t(batches()) * kLanes * plane_apart()) {}
+      complex_(std::size_t(n_[0]) * half() * width_) {
+  make_room(1);
+  const int pairs_of_row = width_ / 2, row_of_next_plane = half() * width_;
+  along_[1] = plan(1, pairs_of_row, {pairs(plane(0)), stride_ / 2, 1}, {one(0), pairs_of_row, 1});
+  along_[0] = plan(0, n_[2], {row(0, 0), row_of_next_plane, 1}, {one(0), 1, n_[0]});
+  along_[2] = plan(2, n_[0], {one(0), n_[0], 1}, {other(0), 1, n_[2]});
+}
 
-// Two vectors' columns are the real and the imaginary parts of one.
+template <class T>
+auto FourierGrid<T>::plan(int edge, int sequences, const Layout& from, const Layout& to) const -> Ways {
+  const auto of = [&](const Layout& a, const Layout& b, int sign) {
+    const std::lock_guard alone(planner());
+    return Plan(Fftw<T>::kPlan(1, &n_[edge], sequences, fftw(a.first), nullptr, a.along, a.across,
+                               fftw(b.first), nullptr, b.along, b.across, sign, FFTW_ESTIMATE),
+                destroy<T>);
+  };
+  return {of(from, to, FFTW_FORWARD), of(to, from, FFTW_BACKWARD)};
+}
+
+template <class T>
+void FourierGrid<T>::make_room(int threads) {
+  const std::size_t numbers = whole(std::max(n_[1] * width_ / 2, n_[0] * n_[2]), kWhole);
+  if (threads > static_cast<int>(room_.size())) room_.resize(threads, Aligned<Complex>(2 * numbers));
+}
+
+// a = (Z(k) + Z*(−k))/2, b = (Z(k) − Z*(−k))/2i of Z, the transform of a + ib.
 template <class T>
 void FourierGrid<T>::transform_plane(int k1, int thread) {
-  const Columns<T> both = columns(thread);
-  for (int k3 = 0; k3 < n_[2]; k3 += 2 * kLanes) {
-    T *const in = plane(k1) + k3, *const out = row(k1, 0) + k3;
-    transform(plan_[1], {in, in + kLanes, stride_}, both, on_the_way(thread));
-    part_real(n_[1], both, {out, out + width_, 2 * width_});
+  execute(along_[1].there, pairs(plane(k1)), one(thread));
+  for (int k2 = 0; k2 < half(); ++k2) {
+    const Complex *up = both(k2, thread), *down = both(-k2, thread);
+    Complex* const parts = row(k1, k2);
+    for (int j = 0; j < width_ / 2; ++j) {
+      parts[2 * j] = T(0.5) * (up[j] + std::conj(down[j]));
+      parts[2 * j + 1] = T(0.5) * i_times(std::conj(down[j]) - up[j]);
+    }
   }
 }
 
+// Without the half. First and middle numbers count as real: in a skewed box a wave at the grid's end and its
+// mirror image are damped unlike, and their mean is what counts.
 template <class T>
 void FourierGrid<T>::transform_plane_back(int k1, int thread) {
-  const Columns<T> both = columns(thread);
-  for (int k3 = 0; k3 < n_[2]; k3 += 2 * kLanes) {
-    T *const in = row(k1, 0) + k3, *const out = plane(k1) + k3;
-    join_real(n_[1], {in, in + width_, 2 * width_}, both);
-    transform(plan_[1], exchanged(both), {out + kLanes, out, stride_}, on_the_way(thread));
+  for (int k2 = 0; k2 < half(); ++k2) {
+    Complex *up = both(k2, thread), *down = both(-k2, thread);
+    const Complex* const parts = row(k1, k2);
+    if (up == down)
+      for (int j = 0; j < width_ / 2; ++j) up[j] = {parts[2 * j].real(), parts[2 * j + 1].real()};
+    else
+      for (int j = 0; j < width_ / 2; ++j) {
+        up[j] = parts[2 * j] + i_times(parts[2 * j + 1]);
+        down[j] = std::conj(parts[2 * j] - i_times(parts[2 * j + 1]));
+      }
   }
+  execute(along_[1].back, one(thread), pairs(plane(k1)));
 }
 
 template <class T>
-void FourierGrid<T>::transform_across(int k2, int thread) {
-  for (int k3 = 0; k3 < n_[2]; k3 += kLanes) {
-    const Columns<T> z{row(0, k2) + k3, row(0, k2) + width_ + k3, plane_apart()};
-    transform(plan_[0], z, z, on_the_way(thread));
-  }
+auto FourierGrid<T>::transform_row(int k2, int thread) -> Complex* {
+  execute(along_[0].there, row(0, k2), one(thread));
+  execute(along_[2].there, one(thread), other(thread));
+  return other(thread);
 }
 
 template <class T>
-void FourierGrid<T>::transform_back_across(int k2, int thread) {
-  for (int k3 = 0; k3 < n_[2]; k3 += kLanes) {
-    const Columns<T> z{row(0, k2) + width_ + k3, row(0, k2) + k3, plane_apart()};
-    transform(plan_[0], z, z, on_the_way(thread));
-  }
-}
-
-template <class T>
-Columns<T> FourierGrid<T>::transform_along(int batch, int k2, int thread) {
-  const Columns<T> z = columns(thread);
-  const T* rows = row(kLanes * batch, k2);
-  rows_to_columns(n_[2], rows, plane_apart(), z.re);
-  rows_to_columns(n_[2], rows + width_, plane_apart(), z.im);
-  transform(plan_[2], z, z, on_the_way(thread));
-  return z;
-}
-
-template <class T>
-void FourierGrid<T>::transform_back_along(int batch, int k2, int thread) {
-  const Columns<T> z = columns(thread);
-  T* rows = row(kLanes * batch, k2);
-  transform(plan_[2], exchanged(z), exchanged(z), on_the_way(thread));
-  columns_to_rows(n_[2], z.re, rows, plane_apart());
-  columns_to_rows(n_[2], z.im, rows + width_, plane_apart());
+void FourierGrid<T>::transform_row_back(int k2, int thread) {
+  execute(along_[2].back, other(thread), one(thread));
+  execute(along_[0].back, one(thread), row(0, k2));
 }
 
 template class FourierGrid<double>;

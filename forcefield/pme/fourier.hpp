@@ -1,74 +1,69 @@
 #pragma once
 
 #include <array>
+#include <complex>
+#include <memory>
 #include <vector>
 
-#include "forcefield/pme/fourier_kernels.hpp"
+#include "forcefield/clusters/aligned.hpp"
 
 namespace taut {
 
-// Transforms of a real grid of n₁ × n₂ × n₃: along the second edge plane by plane, real to complex, then
-// along the first and the third, a row k₂ of all planes at a time: in parts that threads can share out. Eight
-// sequences lie side by side, as neighbours along the third edge; along that edge itself, rows of eight
-// planes are turned into columns and back, which costs about as much as a pass over them.
+// Transforms of a real grid of n₁ × n₂ × n₃, not normalized, Z(k) = Σ z(j) e^(−2πijk/n) along each edge, by
+// FFTW (Frigo & Johnson 2005, doi:10.1109/JPROC.2004.840301): along the second edge plane by plane, real to
+// complex, then along the first and the third, a row k₂ of all planes at a time: in parts that threads can
+// share out. FFTW is given what it does fastest, many sequences side by side from one place to another; two
+// real ones, neighbours along the third edge, are the real and the imaginary part of one. Its plans are made
+// by rule, not by the clock: the same bits each time.
 template <class T>
 class FourierGrid {
  public:
+  using Complex = std::complex<T>;
+
   // Rows of real numbers have room for `beyond` more.
   FourierGrid(std::array<int, 3> size, int beyond);
 
   // Before what follows, which each thread does in room of its own.
-  void make_room(int threads) {
-    if (threads > static_cast<int>(room_.size())) room_.resize(threads, Aligned<T>(room()));
-  }
+  void make_room(int threads);
 
-  int half() const { return n_[1] / 2 + 1; }                     // rows of complex numbers a plane
-  int batches() const { return (n_[0] + kLanes - 1) / kLanes; }  // of planes
-  int stride() const { return stride_; }                         // real numbers a row
+  int half() const { return n_[1] / 2 + 1; }  // rows of complex numbers a plane
+  int stride() const { return stride_; }      // real numbers a row
   T* plane(int k1) { return real_.data() + std::ptrdiff_t{k1} * n_[1] * stride_; }
 
   void transform_plane(int k1, int thread);
   void transform_plane_back(int k1, int thread);
-
-  // Of the row k₂ of all planes, transformed: use(batch, z), with z(k₁, k₂, k₃) at 8k₃ + k₁ mod 8 in re and
-  // im.
-  void with_row(int k2, int thread, auto use) {
-    transform_across(k2, thread);
-    for (int batch = 0; batch < batches(); ++batch) use(batch, transform_along(batch, k2, thread));
-  }
-  // The same, and then transformed back along both edges.
-  void filter_row(int k2, int thread, auto use) {
-    with_row(k2, thread, [&](int batch, const Columns<T>& z) {
-      use(batch, z);
-      transform_back_along(batch, k2, thread);
-    });
-    transform_back_across(k2, thread);
-  }
+  // The row k₂ of all planes, transformed: z(k₁, k₂, k₃) at n₃k₁ + k₃, the thread's until it asks for
+  // another; and back what it then is.
+  Complex* transform_row(int k2, int thread);
+  void transform_row_back(int k2, int thread);
 
  private:
-  // The row k₂ of plane k₁, of as many planes as fill the batches.
-  T* row(int k1, int k2) { return complex_.data() + (std::ptrdiff_t{k1} * half() + k2) * 2 * width_; }
-  std::ptrdiff_t plane_apart() const { return std::ptrdiff_t{2} * half() * width_; }
-  // By thread: numbers of eight sequences, and what transforms of them take.
-  std::size_t room() const { return longest_ * std::size_t{2} * kLanes + fourier_room(longest_); }
-  Columns<T> columns(int thread) {
-    T* const begin = room_[thread].data();
-    return {begin, begin + std::ptrdiff_t{longest_} * kLanes, kLanes};
-  }
-  T* on_the_way(int thread) { return room_[thread].data() + std::ptrdiff_t{longest_} * 2 * kLanes; }
+  using Plan = std::shared_ptr<void>;  // FFTW's
+  struct Ways {
+    Plan there, back;
+  };
+  // Of `edge`, so many sequences: neighbouring numbers of one, and of neighbouring ones, so far apart.
+  struct Layout {
+    Complex* first;
+    int along, across;
+  };
+  Ways plan(int edge, int sequences, const Layout& from, const Layout& to) const;
 
-  void transform_across(int k2, int thread);
-  void transform_back_across(int k2, int thread);
-  Columns<T> transform_along(int batch, int k2, int thread);
-  void transform_back_along(int batch, int k2, int thread);
+  Complex* row(int k1, int k2) { return complex_.data() + (std::ptrdiff_t{k1} * half() + k2) * width_; }
+  Complex* one(int thread) { return room_[thread].data(); }
+  // The row k₂ of a plane on its way, from −n₂/2 on.
+  Complex* both(int k2, int thread) {
+    return one(thread) + std::ptrdiff_t{k2 < 0 ? k2 + n_[1] : k2} * (width_ / 2);
+  }
+  Complex* other(int thread) { return one(thread) + room_[thread].size() / 2; }
 
   std::array<int, 3> n_;
-  int width_;  // complex numbers a row: real ones and imaginary ones, each in whole vectors, two and two
+  int width_;  // complex numbers a row
   int stride_;
-  int longest_;  // edge, in whole vectors
-  std::array<FourierPlan<T>, 3> plan_;
-  Aligned<T> real_, complex_;
-  std::vector<Aligned<T>> room_;
+  Aligned<T> real_;
+  Aligned<Complex> complex_;
+  std::vector<Aligned<Complex>> room_;  // by thread
+  std::array<Ways, 3> along_;           // each edge
 };
 
 extern template class FourierGrid<double>;

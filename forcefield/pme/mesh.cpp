@@ -91,10 +91,8 @@ class MeshIn final : public PmeMesh::Engine {
     const int n = static_cast<int>(charged_.size()), threads = this->threads();
     spread_and_transform(x, threads);
     by_rows(threads, [&](int row, int t) {
-      energy_of_[row] = 0;
-      grid_.filter_row(row, t, [&](int batch, const Columns<T>& z) {
-        energy_of_[row] += share_of(row) * filter(size_[2], influence_of(row, batch), z);
-      });
+      energy_of_[row] = share_of(row) * filter(influence_of(row), grid_.transform_row(row, t));
+      grid_.transform_row_back(row, t);
     });
     in_parallel(threads, [&](int t) {
       const Share share(size_[0], t, threads);
@@ -111,11 +109,7 @@ class MeshIn final : public PmeMesh::Engine {
   Eigen::Matrix3d virial(const Vectors& x) override {
     const int threads = this->threads();
     spread_and_transform(x, threads);
-    by_rows(threads, [&](int row, int t) {
-      virial_of_[row].setZero();
-      grid_.with_row(row, t,
-                     [&](int batch, const Columns<T>& z) { virial_of_[row] += virial_of(row, batch, z); });
-    });
+    by_rows(threads, [&](int row, int t) { virial_of_[row] = virial_of(row, grid_.transform_row(row, t)); });
     Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
     for (const Eigen::Matrix3d& of_row : virial_of_) sum += of_row;
     return sum;
@@ -199,34 +193,33 @@ class MeshIn final : public PmeMesh::Engine {
   }
   double share_of(int k2) const { return k2 == 0 || 2 * k2 == size_[1] ? 0.5 : 1; }  // ½, and m₂'s other half
 
-  // G of a row of every plane, as the transforms come. None of planes that only fill a batch.
+  // G of a row of every plane, as the transforms come.
   void lay_influence(int row) {
     const double pi = std::numbers::pi, inv = pi * pi / (alpha_ * alpha_);
     for (int k1 = 0; k1 < size_[0]; ++k1) {
       const double factor = pi * box_.volume() * moduli_[0][k1] * moduli_[1][row];
-      T* const g = influence_of(row, k1 / kLanes) + k1 % kLanes;
+      T* const g = influence_.data() + row * of_row() + k1 * size_[2];
       for (int k3 = 0; k3 < size_[2]; ++k3) {
         const double m2 = wave(k1, row, k3).squaredNorm();
-        g[kLanes * k3] = static_cast<T>(m2 > 0 ? std::exp(-inv * m2) / (factor * moduli_[2][k3] * m2) : 0.0);
+        g[k3] = static_cast<T>(m2 > 0 ? std::exp(-inv * m2) / (factor * moduli_[2][k3] * m2) : 0.0);
       }
     }
   }
-  std::size_t of_row() const { return std::size_t(grid_.batches()) * kLanes * size_[2]; }
-  T* influence_of(int row, int batch) {
-    return influence_.data() + row * of_row() + std::size_t(batch) * kLanes * size_[2];
+  std::ptrdiff_t of_row() const { return std::ptrdiff_t{size_[0]} * size_[2]; }
+  std::span<const T> influence_of(int row) const {
+    return std::span(influence_).subspan(row * of_row(), of_row());
   }
 
-  Eigen::Matrix3d virial_of(int row, int batch, const Columns<T>& z) {
+  Eigen::Matrix3d virial_of(int row, const std::complex<T>* z) const {
     Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
     const double inv = square(std::numbers::pi / alpha_);
-    for (int k1 = kLanes * batch; k1 < std::min(kLanes * (batch + 1), size_[0]); ++k1)
-      for (int k3 = 0; k3 < size_[2]; ++k3) {
+    const T* g = influence_of(row).data();
+    for (int k1 = 0; k1 < size_[0]; ++k1)
+      for (int k3 = 0; k3 < size_[2]; ++k3, ++g, ++z) {
         const Vec3 m = wave(k1, row, k3);
         const double m2 = m.squaredNorm();
         if (m2 == 0) continue;
-        const int at = kLanes * k3 + k1 % kLanes;
-        const double part = share_of(row) * double(influence_of(row, batch)[at]) *
-                            (square(double(z.re[at])) + square(double(z.im[at])));
+        const double part = share_of(row) * double(*g) * std::norm(std::complex<double>(*z));
         sum.diagonal().array() += part;
         sum -= 2 * part * (1 / m2 + inv) * m * m.transpose();
       }
@@ -266,7 +259,7 @@ class MeshIn final : public PmeMesh::Engine {
   std::vector<int> begin_;                  // of a plane's, in atoms_
   std::vector<int> next_;                   // of a bucket's, the same, thread by thread
   std::array<std::vector<double>, 3> moduli_;
-  std::vector<T> influence_;       // G, row by row, in it batch by batch [1/nm]
+  std::vector<T> influence_;       // G, row by row k₂, in it plane by plane [1/nm]
   std::vector<double> energy_of_;  // by row, as what follows
   std::vector<Eigen::Matrix3d> virial_of_;
 };

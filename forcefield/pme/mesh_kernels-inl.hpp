@@ -2,6 +2,7 @@
 #include <hwy/cache_control.h>
 
 #include <algorithm>
+#include <numeric>
 
 #include "forcefield/pme/mesh_kernels.hpp"
 
@@ -308,6 +309,29 @@ void points(const MeshFrame& frame, const Vectors& x, std::span<const Charged> c
   }
 }
 
+double filter_all(std::span<const Real> factor, std::complex<Real>* z) {
+  const D d;
+  constexpr int kMost = static_cast<int>(hn::MaxLanes(d));
+  const int lanes = static_cast<int>(hn::Lanes(d)), n = static_cast<int>(factor.size());
+  double sum[kMost] = {};
+  HWY_ALIGN Real part[kMost];
+  int k = 0;
+  for (; k + lanes <= n; k += lanes) {
+    Real* const numbers = reinterpret_cast<Real*>(z + k);
+    V re, im;
+    hn::LoadInterleaved2(d, numbers, re, im);
+    const V g = hn::LoadU(d, &factor[k]);
+    hn::StoreInterleaved2(hn::Mul(g, re), hn::Mul(g, im), d, numbers);
+    hn::Store(hn::Mul(g, hn::MulAdd(re, re, hn::Mul(im, im))), d, part);
+    for (int l = 0; l < kMost; ++l) sum[l] += double(part[l]);
+  }
+  for (; k < n; ++k) {
+    sum[0] += double(factor[k] * std::norm(z[k]));
+    z[k] *= factor[k];
+  }
+  return std::accumulate(sum, sum + kMost, 0.0);
+}
+
 }  // namespace taut::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -319,6 +343,7 @@ using Real = TAUT_MESH_REAL;
 HWY_EXPORT(points);
 HWY_EXPORT(spread);
 HWY_EXPORT(slopes);
+HWY_EXPORT(filter_all);
 template <>
 void find_points(const MeshFrame& frame, const Vectors& x, std::span<const Charged> charged,
                  MeshAtom<Real>* out) {
@@ -331,6 +356,10 @@ void spread_charges(const MeshGrid<Real>& grid, const PlanesAbove& planes, MeshA
 template <>
 void find_slopes(const MeshGrid<Real>& grid, MeshAtoms<Real> atoms, Vec3* slope) {
   HWY_DYNAMIC_DISPATCH(slopes)(grid, atoms, slope);
+}
+template <>
+double filter(std::span<const Real> factor, std::complex<Real>* z) {
+  return HWY_DYNAMIC_DISPATCH(filter_all)(factor, z);
 }
 
 }  // namespace taut

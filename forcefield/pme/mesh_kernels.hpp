@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <complex>
 #include <span>
 
 #include "forcefield/pme/parameters.hpp"
@@ -56,5 +57,9 @@ void spread_charges(const MeshGrid<T>& grid, const PlanesAbove& planes, MeshAtom
 // Σ φ dw/du at each of the atoms, u in grid points along each edge.
 template <class T>
 void find_slopes(const MeshGrid<T>& grid, MeshAtoms<T> atoms, Vec3* slope);
+
+// Each number times its factor g ≥ 0, and what Σ g|z|² then is, of what z was.
+template <class T>
+double filter(std::span<const T> factor, std::complex<T>* z);
 
 }  // namespace taut

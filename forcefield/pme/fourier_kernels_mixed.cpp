@@ -1,2 +1,0 @@
-#define TAUT_FOURIER_REAL float
-#include "forcefield/pme/fourier_kernels-inl.hpp"
