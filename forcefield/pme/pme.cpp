@@ -4,19 +4,21 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 
 #include "md/shares.hpp"
 #include "md/units.hpp"
 
 namespace taut {
 namespace {
-constexpr int kPairsOfPiece = 256;   // summed together, on however many threads
-constexpr int kPairsOfThread = 512;  // fewer are not worth waking a thread for
+constexpr int kPairsOfPiece = 256;    // summed together, on however many threads
+constexpr int kPairsOfThread = 512;   // fewer are not worth waking a thread for
+constexpr double kMixedError = 1e-8;  // of erf(αr)/r, where the mesh has 1e-7 of its own
 }  // namespace
 
 Pme::Pme(const Nonbonded& nb, Precision precision)
     : alpha_(nb.pme->alpha),
-      screening_(alpha_, *nb.cutoff, {.error = 1e-15}),
+      screening_(alpha_, *nb.cutoff, {.error = precision == Precision::kMixed ? kMixedError : 1e-15}),
       total_(nb.charge.sum()),
       constant_(-kCoulomb * alpha_ / std::sqrt(std::numbers::pi) * nb.charge.squaredNorm()),
       mesh_(std::sqrt(kCoulomb) * nb.charge, *nb.pme, precision) {
@@ -44,42 +46,51 @@ void Pme::set_box(const Box& box) {
 
 void Pme::add_forces(const Vectors& x, Vectors& f) {
   mesh_.add_forces(x, f);
-  subtract_excluded(x, f);
+  const auto add = [&f](ExcludedSums& sums, const Excluded& e, const Screened& s) {
+    const Vec3 pull = e.qq * s.force * s.r;
+    sums.energy -= e.qq * s.energy;
+    f.col(e.i) -= pull;
+    f.col(e.j) += pull;
+  };
+  excluded_energy_ = over_excluded(x, add).energy;
 }
 
-void Pme::subtract_excluded(const Vectors& x, Vectors& f) {
+Eigen::Matrix3d Pme::virial(const Vectors& x) {
+  const auto add = [](ExcludedSums& sums, const Excluded& e, const Screened& s) {
+    sums.virial -= e.qq * s.force * s.r * s.r.transpose();
+  };
+  return background_ * Eigen::Matrix3d::Identity() + over_excluded(x, add).virial + mesh_.virial(x);
+}
+
+Pme::ExcludedSums Pme::over_excluded(const Vectors& x, const auto& add) {
   const int pieces = static_cast<int>(cuts_.size()) - 1;
   pieces_.resize(pieces);
   const int threads = threads_for(static_cast<int>(excluded_.size()), kPairsOfThread);
   in_parallel(threads, [&](int t) {
     const Share share(pieces, t, threads);
-    for (int p = share.begin; p < share.end; ++p)
-      pieces_[p] = subtract({excluded_.begin() + cuts_[p], excluded_.begin() + cuts_[p + 1]}, x, f);
+    for (int p = share.begin; p < share.end; ++p) {
+      pieces_[p] = {};
+      for (int first = cuts_[p]; first < cuts_[p + 1]; first += kScreenedPairs)
+        pieces_[p] += over_some(
+            std::span(excluded_).subspan(first, std::min(cuts_[p + 1] - first, kScreenedPairs)), x, add);
+    }
   });
-  excluded_sums_ = {};
-  for (const ExcludedSums& piece : pieces_) {
-    excluded_sums_.energy += piece.energy;
-    excluded_sums_.virial += piece.virial;
-  }
+  return std::accumulate(pieces_.begin(), pieces_.end(), ExcludedSums());
 }
 
-Pme::ExcludedSums Pme::subtract(std::span<const Excluded> excluded, const Vectors& x, Vectors& f) const {
-  ExcludedSums sums;
-  for (std::size_t first = 0; first < excluded.size(); first += kScreenedPairs) {
-    const auto some = excluded.subspan(first, std::min<std::size_t>(excluded.size() - first, kScreenedPairs));
-    ScreenedPairs pairs;
-    for (std::size_t k = 0; k < some.size(); ++k)
-      pairs.r2[k] = (x.col(some[k].i) - x.col(some[k].j)).squaredNorm();
-    screen(screening_, pairs);
-    for (std::size_t k = 0; k < some.size(); ++k) {
-      const auto& [i, j, qq] = some[k];
-      const Vec3 r = x.col(i) - x.col(j), pull = qq * pairs.force[k] * r;
-      sums.energy -= qq * pairs.energy[k];
-      sums.virial -= r * pull.transpose();
-      f.col(i) -= pull;
-      f.col(j) += pull;
-    }
+Pme::ExcludedSums Pme::over_some(std::span<const Excluded> excluded, const Vectors& x,
+                                 const auto& add) const {
+  ScreenedPairs pairs;
+  Vec3 r[kScreenedPairs];
+  for (std::size_t k = 0; k < excluded.size(); ++k) {
+    r[k] = x.col(excluded[k].i) - x.col(excluded[k].j);
+    pairs.r2[k] = r[k].squaredNorm();
   }
+  std::fill(pairs.r2 + excluded.size(), std::end(pairs.r2), 0.0);
+  screen(screening_, pairs);
+  ExcludedSums sums;
+  for (std::size_t k = 0; k < excluded.size(); ++k)
+    add(sums, excluded[k], Screened{r[k], pairs.energy[k], pairs.force[k]});
   return sums;
 }
 

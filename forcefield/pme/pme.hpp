@@ -25,11 +25,9 @@ class Pme {
   void set_box(const Box& box);
   void add_forces(const Vectors& x, Vectors& f);
   // Of the last add_forces [kJ/mol].
-  double energy() const { return constant_ + background_ + excluded_sums_.energy + mesh_.energy(); }
-  // At x, −dE/dstrain [kJ/mol].
-  Eigen::Matrix3d virial(const Vectors& x) {
-    return background_ * Eigen::Matrix3d::Identity() + excluded_sums_.virial + mesh_.virial(x);
-  }
+  double energy() const { return constant_ + background_ + excluded_energy_ + mesh_.energy(); }
+  // At x, −dE/dstrain [kJ/mol]. What it takes is done when it is asked for.
+  Eigen::Matrix3d virial(const Vectors& x);
 
  private:
   struct Excluded {
@@ -40,11 +38,24 @@ class Pme {
   struct ExcludedSums {
     double energy = 0;                                 // [kJ/mol]
     Eigen::Matrix3d virial = Eigen::Matrix3d::Zero();  // Σ r⊗f
+
+    ExcludedSums& operator+=(const ExcludedSums& more) {
+      energy += more.energy;
+      virial += more.virial;
+      return *this;
+    }
+    friend ExcludedSums operator+(ExcludedSums a, const ExcludedSums& b) { return a += b; }
+  };
+
+  struct Screened {
+    Vec3 r;
+    double energy, force;  // as those of ScreenedPairs
   };
 
   void cut_excluded();
-  void subtract_excluded(const Vectors& x, Vectors& f);
-  ExcludedSums subtract(std::span<const Excluded> pairs, const Vectors& x, Vectors& f) const;
+  // add(sums, excluded, screened) for every pair, at x.
+  ExcludedSums over_excluded(const Vectors& x, const auto& add);
+  ExcludedSums over_some(std::span<const Excluded> excluded, const Vectors& x, const auto& add) const;
 
   double alpha_;  // [1/nm]
   Screening screening_;
@@ -53,7 +64,7 @@ class Pme {
   std::vector<Excluded> excluded_;
   std::vector<int> cuts_;  // into pieces: no atom is on both sides of one
   std::vector<ExcludedSums> pieces_;
-  ExcludedSums excluded_sums_;
+  double excluded_energy_ = 0;
   PmeMesh mesh_;
 };
 

@@ -14,16 +14,33 @@ namespace taut::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
+// Σ c_k t^k, several vectors at a time: one waits for itself.
+constexpr int kVectors = 4;
+template <class V>
+HWY_INLINE void polynomial(const std::vector<double>& c, const V* t, double* out) {
+  const hn::DFromV<V> d;
+  V sum[kVectors];
+#pragma GCC unroll 4
+  for (int v = 0; v < kVectors; ++v) sum[v] = hn::Zero(d);
+  for (std::size_t k = c.size(); k-- > 0;) {
+    const V next = hn::Set(d, c[k]);
+#pragma GCC unroll 4
+    for (int v = 0; v < kVectors; ++v) sum[v] = hn::MulAdd(sum[v], t[v], next);
+  }
+#pragma GCC unroll 4
+  for (int v = 0; v < kVectors; ++v) hn::StoreU(sum[v], d, out + v * hn::Lanes(d));
+}
+
 void screen_pairs(const Screening& s, ScreenedPairs& pairs) {
-  using D = hn::CappedTag<double, kScreenedPairs>;
-  const D d;
-  for (int l = 0; l < kScreenedPairs; l += static_cast<int>(hn::MaxLanes(d))) {
-    const auto t = hn::MulSub(hn::LoadU(d, pairs.r2 + l), hn::Set(d, s.scale), hn::Set(d, 0.5));
-    auto energy = hn::Zero(d), force = energy;
-    for (std::size_t k = s.energy.size(); k-- > 0;) energy = hn::MulAdd(energy, t, hn::Set(d, s.energy[k]));
-    for (std::size_t k = s.force.size(); k-- > 0;) force = hn::MulAdd(force, t, hn::Set(d, s.force[k]));
-    hn::StoreU(energy, d, pairs.energy + l);
-    hn::StoreU(force, d, pairs.force + l);
+  const hn::CappedTag<double, kScreenedPairs / kVectors> d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  for (int l = 0; l < kScreenedPairs; l += kVectors * lanes) {
+    hn::Vec<decltype(d)> t[kVectors];
+#pragma GCC unroll 4
+    for (int v = 0; v < kVectors; ++v)
+      t[v] = hn::MulSub(hn::LoadU(d, pairs.r2 + l + v * lanes), hn::Set(d, s.scale), hn::Set(d, 0.5));
+    polynomial(s.energy, t, pairs.energy + l);
+    polynomial(s.force, t, pairs.force + l);
   }
 }
 
@@ -123,6 +140,7 @@ Screening::Screening(double given_alpha, double cutoff, const ScreeningFit& fit)
 // Further off than the polynomials go, by erf itself.
 void screen(const Screening& s, ScreenedPairs& pairs) {
   HWY_DYNAMIC_DISPATCH(screen_pairs)(s, pairs);
+  if (s.scale * *std::max_element(pairs.r2, pairs.r2 + kScreenedPairs) <= 1) return;
   for (int l = 0; l < kScreenedPairs; ++l) {
     const double r2 = pairs.r2[l], r = std::sqrt(r2), u = s.alpha * r;
     if (s.scale * r2 <= 1) continue;

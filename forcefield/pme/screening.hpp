@@ -28,9 +28,9 @@ struct Screening {
 };
 
 // Pairs side by side: α H and α³ G of each, at any distance.
-inline constexpr int kScreenedPairs = 8;
+inline constexpr int kScreenedPairs = 32;
 struct ScreenedPairs {
-  double r2[kScreenedPairs] = {};                        // [nm²]
+  double r2[kScreenedPairs];                             // [nm²]
   double energy[kScreenedPairs], force[kScreenedPairs];  // [1/nm], [1/nm³]
 };
 void screen(const Screening& s, ScreenedPairs& pairs);
