@@ -81,6 +81,9 @@ std::vector<Case> cases() {
   all.push_back({"decane", "decane", {"method.name=newton"}});
   all.push_back({"melt", "melt", {"method.name=newton"}});
   all.push_back({"chain", "chain", {"method.name=newton"}});
+  all.push_back({"decane5120", "decane", {"method.name=newton", "place.0.count=512"}});  // of so many atoms
+  all.push_back({"melt6000", "melt", {"method.name=newton", "build.chains=120"}});
+  all.push_back({"chain6000", "chain", {"method.name=newton", "build.chains=300"}});
   all.push_back({"droplet", "water_cluster", {"method.name=settle"}});
   if (built_with_openmm())
     all.push_back({"dipeptide", "ala2-hbonds-rf", {"method.name=newton", "run.dt_fs=2"}, true});
@@ -184,8 +187,7 @@ void kicks_and_drift(benchmark::State& bench, const Setting& setting) {
   use_threads(setting.threads);
   Running run(setting);
   for (auto _ : bench) {
-    half_kick(run.scene.system, 1e-9, run.state);
-    drift(1e-9, run.state);
+    half_kick_and_drift(run.scene.system, 1e-9, nullptr, run.state);
     half_kick(run.scene.system, 1e-9, run.state);
     benchmark::DoNotOptimize(run.state.x.data());
   }
@@ -263,7 +265,7 @@ void add_all() {
       const Setting setting{what, Precision::kDouble, threads};
       add("bonds", bonds_alone, setting, "double");
       add("kicks", kicks_and_drift, setting, "double");
-      const bool bonded = what.name == "decane" || what.name == "dipeptide";
+      const bool bonded = what.scene == "decane" || what.name == "dipeptide";
       if (bonded) add("bonded", bonded_alone, setting, "double");
       if (bonded && threads == 1) add("plain_bonded", plain_bonded, setting, "double");
       if (built_with_openmm()) add("openmm", openmm_step, setting, "single");

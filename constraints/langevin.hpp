@@ -39,12 +39,11 @@ class Langevin final : public Bath {
 
   Langevin(const System& sys, const Settings& settings, double h);
 
-  void first_half(State& s) override { s.v += half_jump_; }
   SolveStats draw(const System& sys, double h, State& s) override;
   SolveStats start(const System& sys, State& s) override;
   void second_half(State& s) override;
 
-  const Vectors& half_jump() const { return half_jump_; }  // ½Δ of the drift under way, until draw() [nm/ps]
+  const Vectors* half_jump() const override { return &half_jump_; }  // [nm/ps]
 
   void serialize(Archive& archive) { archive(half_jump_, random_); }
 

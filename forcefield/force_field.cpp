@@ -17,10 +17,6 @@
 #include "md/shares.hpp"
 
 namespace taut {
-namespace {
-constexpr int kAtomsOfThread = 8000;  // fewer are not worth waking a thread for
-}
-
 struct ForceField::Impl {
   Terms terms;
   std::optional<ClusterPairs> lj_coulomb, wca;
@@ -69,8 +65,7 @@ struct ForceField::Impl {
     if (s.box != box) change_box(s.box);
     const Vectors& x = s.x;
     f.resize(3, x.cols());
-    in_shares(static_cast<int>(x.cols()), kAtomsOfThread,
-              [&](const Share& share) { f.middleCols(share.begin, share.end - share.begin).setZero(); });
+    by_atoms(sys.atoms(), [&](int first, int last) { f.middleCols(first, last - first).setZero(); });
     outer.clear();
     bonded.add_forces(x, f);
     if (terms.gravity) outer.emplace_back("gravity", add_gravity(*terms.gravity, sys.mass, x, f));

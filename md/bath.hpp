@@ -12,7 +12,7 @@ class Bath {
  public:
   virtual ~Bath() = default;
 
-  virtual void first_half(State&) {}  // v += ½Δ
+  virtual const Vectors* half_jump() const { return nullptr; }  // ½Δ of the drift under way, until draw()
   // The next Δ; f is told of it, for those who steer by forces.
   virtual SolveStats draw(const System&, double /*h*/, State&) { return {}; }
   // The first Δ: v is the full-step velocity, and there is none before.

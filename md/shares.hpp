@@ -18,4 +18,11 @@ void in_shares(int n, int least, const Work& work) {
   in_parallel(threads, [&](int t) { work(Share(n, t, threads)); });
 }
 
+// work(first, last + 1) of all atoms, something short with each.
+template <class Work>
+void by_atoms(int atoms, const Work& work) {
+  constexpr int kAtomsOfThread = 2000;
+  in_shares(atoms, kAtomsOfThread, [&](const Share& share) { work(share.begin, share.end); });
+}
+
 }  // namespace taut

@@ -17,8 +17,8 @@ struct Dynamics {
 // One step of velocity Verlet, length h [ps].
 SolveStats step(const Dynamics& dynamics, double h, State& s);
 
-// The step's parts: v += (h/2) M⁻¹f and x += hv.
+// The step's parts: v += (h/2) M⁻¹f, and the same, a bath's ½Δ where there is one, and x += hv.
 void half_kick(const System& sys, double h, State& s);
-void drift(double h, State& s);
+void half_kick_and_drift(const System& sys, double h, const Vectors* jump, State& s);
 
 }  // namespace taut

@@ -166,7 +166,7 @@ void Simulation::operator()(const System& sys, State& s) {
   if (barostat_) meter_.take_up(barostat_->move(sys, s));
   forces_(sys, s);
   if (langevin_)
-    meter_.see(scene_.run.h(), sys, s, langevin_->half_jump());
+    meter_.see(scene_.run.h(), sys, s, *langevin_->half_jump());
   else
     meter_.see(scene_.run.h(), s);
 }

@@ -148,7 +148,7 @@ class Simulation : private Bath, private ForceLaw {
   void note_start();
   // The thermostat, and what is taken out of the momentum; its heat metered.
   Bath& bath() { return langevin_ ? static_cast<Bath&>(*langevin_) : no_bath(); }
-  void first_half(State& s) override { bath().first_half(s); }
+  const Vectors* half_jump() const override { return langevin_ ? langevin_->half_jump() : nullptr; }
   SolveStats draw(const System& sys, double h, State& s) override { return bath().draw(sys, h, s); }
   SolveStats start(const System& sys, State& s) override { return bath().start(sys, s); }
   void second_half(State& s) override { bath().second_half(s); }

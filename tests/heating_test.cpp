@@ -23,7 +23,7 @@ struct MeteredForces : ForceLaw {
       : forces(its_forces), h(its_h), bath(its_bath) {}
   void operator()(const System& sys, State& s) override {
     forces(sys, s);
-    bath ? meter.see(h, sys, s, bath->half_jump()) : meter.see(h, s);
+    bath ? meter.see(h, sys, s, *bath->half_jump()) : meter.see(h, s);
   }
   double work() const { return meter.work(); }
   ForceLaw& forces;
@@ -130,7 +130,7 @@ TEST(Account, ClosesForEveryMethodInABath) {
     double work = 0, heat = 0, largest = 0;
     for (int n = 0; n < 200; ++n) {
       const State before = s;
-      const Vectors half_jump = bath.half_jump();
+      const Vectors half_jump = *bath.half_jump();
       ASSERT_TRUE(step(dynamics, h, s).converged());
       const Vectors half = (s.x - before.x) / h, first = half - half_jump, second = half + half_jump;
       heat += kinetic_energy(sys, second) - kinetic_energy(sys, first);
