@@ -1,6 +1,7 @@
 """The systems that whole steps are compared on, as taut starts them: what a peer needs to run the same."""
 import dataclasses
 import pathlib
+import re
 import subprocess
 import tempfile
 import tomllib
@@ -55,33 +56,40 @@ def pme(taut, count):
     return dataclasses.replace(molecules, name=f"pme{count}", mesh=round(16 / 6 * count ** (1 / 3)))
 
 
-def chains(taut):
-    """100 chains of 20 Lennard-Jones beads: systems/chain.toml."""
-    molecules = Molecules("chain", 100, [(f"B{b}", 14.0, 0, 0.39, 2.479) for b in range(20)],
+def chains(taut, name, count=100):
+    """Chains of 20 Lennard-Jones beads: systems/chain.toml."""
+    molecules = Molecules(name, count, [(f"B{b}", 14.0, 0, 0.39, 2.479) for b in range(20)],
                           [(b, b + 1, 0.3783) for b in range(19)], 0.975, 0.85, 5)
-    return start_of(taut, molecules, ["chain", "--steps", "100"])
+    return start_of(taut, molecules, ["chain", "--set", f"build.chains={count}", "--steps", "100"])
 
 
-def melt(taut):
-    """20 Kremer-Grest chains of 50, rigid bonds, beads that only repel: systems/melt.toml."""
-    molecules = Molecules("melt", 20, [(f"B{b}", 1.0, 0, 1.0, 1.0) for b in range(50)],
+def melt(taut, name, count=20):
+    """Kremer-Grest chains of 50, rigid bonds, beads that only repel: systems/melt.toml."""
+    molecules = Molecules(name, count, [(f"B{b}", 1.0, 0, 1.0, 1.0) for b in range(50)],
                           [(b, b + 1, 0.97) for b in range(49)], 2 ** (1 / 6), 0, 5, shifted=True)
-    return start_of(taut, molecules, ["melt", "--steps", "100"])
+    return start_of(taut, molecules, ["melt", "--set", f"build.chains={count}", "--steps", "100"])
 
 
-def decane(taut):
-    """128 n-decanes, TraPPE-UA (doi:10.1021/jp972543+), whose energies are in kelvin: systems/decane.toml."""
+def decane(taut, name, count=128):
+    """n-Decane, TraPPE-UA (doi:10.1021/jp972543+), whose energies are in kelvin: systems/decane.toml."""
     kelvin = 8.31446261815324e-3
     end, middle = (15.035, 0, 0.375, 98 * kelvin), (14.027, 0, 0.395, 46 * kelvin)
     c1, c2, c3 = 355.03 * kelvin, -68.19 * kelvin, 791.32 * kelvin
-    molecules = Molecules("decane", 128, [(f"C{c}", *(end if c in (0, 9) else middle)) for c in range(10)],
+    molecules = Molecules(name, count, [(f"C{c}", *(end if c in (0, 9) else middle)) for c in range(10)],
                           [(c, c + 1, 0.154) for c in range(9)], 1.4, 0, 2, excluded=3, angle=(114, 62500 * kelvin),
                           torsion=(c1 + 2 * c2 + c3, 3 * c3 - c1, -2 * c2, -4 * c3, 0, 0))
-    return start_of(taut, molecules, ["decane", "--steps", "100"])
+    return start_of(taut, molecules, ["decane", "--set", f"place.0.count={count}", "--steps", "100"])
 
 
 def make(taut, names):
-    """What GROMACS and LAMMPS are given; the dipeptide goes to OpenMM alone."""
-    waters = lambda name: pme(taut, int(name[3:])) if name.startswith("pme") else water(taut, int(name.removeprefix("water")))
-    polymers = {"chain": chains, "melt": melt, "decane": decane}
-    return [polymers[name](taut) if name in polymers else waters(name) for name in names if name != "dipeptide"]
+    """What GROMACS and LAMMPS are given; the dipeptide goes to OpenMM alone. A polymer's number is of its atoms."""
+    polymers = {"chain": (chains, 20), "melt": (melt, 50), "decane": (decane, 10)}
+
+    def system(name):
+        kind, number = re.fullmatch(r"([a-z]+)(\d*)", name).groups()
+        if kind in polymers:
+            build, length = polymers[kind]
+            return build(taut, name, *([int(number) // length] if number else []))
+        return {"pme": pme, "water": water}[kind](taut, int(number))
+
+    return [system(name) for name in names if name != "dipeptide"]

@@ -4,18 +4,21 @@
     benchmarks/step_peers.py [--build build] [--systems water1728,water5832,chain,dipeptide] [--threads 1,2] [--repeats 5]
 
 Systems pme1728, pme5832, … are waters with PME (order 4, points 0.116 nm apart, all programs alike but OpenMM, which
-has order 5); decane and melt are taut's own scenes. Prints medians in µs a step and how many times longer than taut's
-each takes, at equal threads, and writes benchmarks/results/step_peers.csv. All take turns in every repeat, so that they
-meet the same machine. taut and OpenMM go through step_bench; GROMACS (gmx, gmx_d; peer_gromacs.py says which build of
-it) and LAMMPS (lmp, waters only: its RATTLE takes four atoms at most) are given the same positions, cutoffs, bonds,
-angles and torsions, but not the dipeptide; what is not installed is skipped. Two threads need an idle machine: threads
-wait for each other spinning (OMP_WAIT_POLICY=passive makes them sleep, which costs more than a small step takes).
+has order 5); decane, melt and chain are taut's own scenes, decane5120, melt6000 and chain6000 the same of so many
+atoms. Prints medians in µs a step and how many times longer than taut's each takes, at equal threads, and writes
+benchmarks/results/step_peers.csv, where rows of other systems stay if they are of the same machine, programs and day:
+a table can be made in parts. All take turns in every repeat, so that they meet the same machine. taut and OpenMM go
+through step_bench; GROMACS (gmx, gmx_d; peer_gromacs.py says which build of it) and LAMMPS (lmp, waters only: its
+RATTLE takes four atoms at most) are given the same positions, cutoffs, bonds, angles and torsions, but not the
+dipeptide; what is not installed is skipped. Two threads need an idle machine: threads wait for each other spinning
+(OMP_WAIT_POLICY=passive makes them sleep, which costs more than a small step takes).
 """
 import argparse
 import csv
 import json
 import math
 import pathlib
+import re
 import statistics
 import subprocess
 import sys
@@ -61,6 +64,13 @@ def versions():
             *(peer_lammps.version() for _ in peer_lammps.engines())]
 
 
+def kept_rows(path, head, systems):
+    """The file's rows of other systems, where it tells of the same machine, programs and day: all but the load."""
+    first, *lines = path.read_text().splitlines() if path.exists() else [""]
+    same = lambda line: re.sub(r", load [\d.]+", "", line)
+    return [row for row in csv.reader(lines[1:]) if row[0] not in systems] if same(first) == same(head) else []
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     here = pathlib.Path(__file__).parent
@@ -83,10 +93,13 @@ def main():
                 seen.setdefault(key, []).append(us)
 
     median = {key: statistics.median(values) for key, values in seen.items()}
+    head = f"# {machine.describe()}; {'; '.join(versions())}; medians of {arguments.repeats}"
+    kept = kept_rows(arguments.out, head, names)
     with open(arguments.out, "w", newline="") as file:
-        file.write(f"# {machine.describe()}; {'; '.join(versions())}; medians of {arguments.repeats}\n")
+        file.write(f"{head}\n")
         writer = csv.writer(file)
         writer.writerow(["system", "threads", "engine", "precision", "us_per_step", "over_taut_double", "over_taut_mixed"])
+        writer.writerows(kept)
         for system in names:
             for n in threads:
                 print(f"{system}, {n} thread{'s' * (n > 1)}")

@@ -41,7 +41,8 @@ def run(bench, names, policy, seconds):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", type=pathlib.Path, default=HERE.parent / "build")
-    parser.add_argument("--scenes", nargs="+", default=["water1728", "water5832", "water46656", "chain", "decane"])
+    parser.add_argument("--scenes", nargs="+", default=["water1728", "water5832", "water46656",
+                                                              "chain", "decane", "chain6000", "melt6000", "decane5120"])
     parser.add_argument("--precisions", nargs="+", default=["double", "mixed"])
     parser.add_argument("--threads", nargs="+", type=int, default=[2, 8, 16, 64])
     parser.add_argument("--wake", type=float, default=2, help="us, where it cannot be measured")

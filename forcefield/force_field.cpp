@@ -65,7 +65,8 @@ struct ForceField::Impl {
     if (s.box != box) change_box(s.box);
     const Vectors& x = s.x;
     f.resize(3, x.cols());
-    by_atoms(sys.atoms(), [&](int first, int last) { f.middleCols(first, last - first).setZero(); });
+    if (!pairs_first())
+      by_atoms(sys.atoms(), [&](int first, int last) { f.middleCols(first, last - first).setZero(); });
     outer.clear();
     bonded.add_forces(x, f);
     if (terms.gravity) outer.emplace_back("gravity", add_gravity(*terms.gravity, sys.mass, x, f));
@@ -73,10 +74,18 @@ struct ForceField::Impl {
     if (!terms.restraints.empty())
       outer.emplace_back("restraint", add_restraints(terms.restraints, box, x, f));
     for (const auto& field : terms.own) outer.emplace_back(field->name(), field->add(x, f));
-    if (lj_coulomb) lj_coulomb->add_forces(x, box, f);
+    using enum ClusterPairs::Onto;
+    if (lj_coulomb) lj_coulomb->add_forces(x, box, f, pairs_first() ? kNothing : kWhatIs);
     if (pme) pme->add_forces(x, f);
-    if (wca) wca->add_forces(x, box, f);
+    if (wca) wca->add_forces(x, box, f, pairs_first() && !lj_coulomb ? kNothing : kWhatIs);
     evaluated = true;
+  }
+
+  // Nothing acts before them, and they on every atom: forces need not be cleared.
+  bool pairs_first() const {
+    const bool on_every_atom = lj_coulomb ? lj_coulomb->on_every_atom() : wca && wca->on_every_atom();
+    return on_every_atom && bonded.pieces() == 0 && !terms.gravity && terms.pulls.empty() &&
+           terms.restraints.empty() && terms.own.empty();
   }
 
   double dispersion_energy() const { return dispersion ? *dispersion / box.volume() : 0; }

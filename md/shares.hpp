@@ -18,11 +18,12 @@ void in_shares(int n, int least, const Work& work) {
   in_parallel(threads, [&](int t) { work(Share(n, t, threads)); });
 }
 
+inline constexpr int kAtomsOfShortWork = 2000;
+
 // work(first, last + 1) of all atoms, something short with each.
 template <class Work>
 void by_atoms(int atoms, const Work& work) {
-  constexpr int kAtomsOfThread = 2000;
-  in_shares(atoms, kAtomsOfThread, [&](const Share& share) { work(share.begin, share.end); });
+  in_shares(atoms, kAtomsOfShortWork, [&](const Share& share) { work(share.begin, share.end); });
 }
 
 }  // namespace taut

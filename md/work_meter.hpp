@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "md/archive.hpp"
 #include "md/state.hpp"
 #include "md/system.hpp"
@@ -24,10 +26,7 @@ namespace taut {
 class WorkMeter {
  public:
   // After F is evaluated in a step: s.v is still the half step's, which came here.
-  void see(double h, const State& s) {
-    if (before_.size() > 0) work_ += 0.5 * h * (before_ + s.f).cwiseProduct(s.v).sum();
-    before_ = s.f;
-  }
+  void see(double h, const State& s);
   // The same under a bath: s.v = v_half + ½Δ.
   void see(double h, const System& sys, const State& s, const Vectors& half_jump) {
     if (before_.size() > 0) work_ += 0.5 * h * (s.f - before_).cwiseProduct(half_jump).sum();
@@ -36,8 +35,8 @@ class WorkMeter {
   }
   void take_up(double heat) { heat_ += heat; }  // velocities were changed between steps [kJ/mol]
 
-  double work() const { return work_; }  // Σ of the forces', so far [kJ/mol]
-  double heat() const { return heat_; }  // Σ Q so far [kJ/mol]
+  double work() const { return work_; }              // Σ of the forces', so far [kJ/mol]
+  double heat() const { return heat_; }              // Σ Q so far [kJ/mol]
   const Vectors& forces() const { return before_; }  // F of the last step [kJ/mol/nm]
 
   void serialize(Archive& archive) { archive(work_, heat_); }
@@ -45,7 +44,8 @@ class WorkMeter {
 
  private:
   double work_ = 0, heat_ = 0;
-  Vectors before_;  // F at the step before
+  Vectors before_;             // F at the step before
+  std::vector<double> parts_;  // of Σ (F_before + F)·v, by thread
 };
 
 }  // namespace taut

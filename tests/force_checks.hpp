@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <initializer_list>
 
 #include "forcefield/force_field.hpp"
@@ -29,8 +30,8 @@ struct Bench {
       : sys(make_system(Eigen::VectorXd::Constant(n, 2.0), {})), box(in), forces(sys, box, terms) {}
 
   Evaluated at(const Vectors& x) {
-    State s{x, Vectors::Zero(3, x.cols()), {}, 0, box};
-    forces(sys, s);
+    State s{x, Vectors::Zero(3, x.cols()), Vectors::Constant(3, x.cols(), NAN), 0, box};
+    forces(sys, s);  // whatever f was
     return {forces.potential(), s.f};
   }
 };

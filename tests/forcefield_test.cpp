@@ -222,6 +222,17 @@ TEST(ForceField, FollowsABoxThatChangesAndStopsWhereItIsTooSmall) {
   }
 }
 
+TEST(ForceField, LeavesAnAtomThatNothingActsOnWithoutForce) {
+  Eigen::VectorXd numbers(4);
+  numbers << 1, 1, 1, 0;
+  Terms pairs{.nonbonded = Nonbonded{numbers, 0.1 * numbers, numbers, {}, {}, {}, 78.3, {}, false}};
+  const Vectors f = evaluate(pairs, kBent).f;
+  EXPECT_EQ(f.col(3), Vec3::Zero());
+  EXPECT_GT(f.leftCols(3).colwise().norm().minCoeff(), 0);
+  pairs.gravity = Vec3(0, 0, -10);
+  EXPECT_EQ(evaluate(pairs, kBent).f.col(3), Vec3(0, 0, -20));
+}
+
 TEST(ForceField, NamesOnlyTheTermsThereAre) {
   EXPECT_TRUE(Bench(3, {}).forces.energies().empty());
   Terms all{.bonds = {{0, 1, 0.1, 3000}},

@@ -8,6 +8,7 @@
 #include "forcefield/clusters/row_shares.hpp"
 #include "md/shares.hpp"
 #include "md/thread_meter.hpp"
+#include "md/work_meter.hpp"
 
 namespace taut {
 namespace {
@@ -42,6 +43,22 @@ TEST(ThreadMeter, CountsNoRegionOfOneThread) {
   in_shares(1000, 600, [](const Share&) { work(1); });
   in_shares(1200, 600, [](const Share&) { work(1); });
   EXPECT_EQ(meter.account().regions, 1);
+}
+
+// Whose sums are shared: all of them, by as many threads as there are.
+TEST(WorkMeter, TakesInAllAtomsOnAnyNumberOfThreads) {
+  const int atoms = 5001;
+  State before{{}, Vectors::Random(3, atoms), Vectors::Random(3, atoms), 0, {}}, now = before;
+  now.f.setRandom();
+  const double work = 0.5 * 0.01 * (before.f + now.f).cwiseProduct(now.v).sum();
+  for (const int threads : {1, 2, 5}) {
+    const Threads some(threads);
+    WorkMeter meter;
+    meter.see(0.01, before);
+    meter.see(0.01, now);
+    EXPECT_NEAR(meter.work(), work, 1e-12);
+    EXPECT_EQ(meter.forces(), now.f);
+  }
 }
 
 // Lists of unlike lengths and rows of unlike work.

@@ -17,6 +17,8 @@
 namespace taut {
 namespace {
 
+using Onto = ClusterPairs::Onto;
+
 constexpr int kClustersPerThread = 100;  // fewer are not worth a thread
 constexpr double kEverywhere = 1e15;     // [nm]
 constexpr int kAhead = 32;               // atoms asked for before their turn: they lie anywhere in memory
@@ -31,7 +33,7 @@ double spread(const Vectors& x) {
 class ClusterPairs::Engine {
  public:
   virtual ~Engine() = default;
-  virtual void add_forces(const Vectors& x, const Box& box, Vectors& f) = 0;
+  virtual void add_forces(const Vectors& x, const Box& box, Vectors& f, Onto onto) = 0;
   virtual double energy() = 0;
   virtual Eigen::Matrix3d virial() = 0;
   virtual void serialize(Archive& archive) = 0;
@@ -48,12 +50,17 @@ class EngineIn final : public ClusterPairs::Engine {
         exclusions_(static_cast<int>(p_.kind.size()), p_.exclusions),
         clusters_(p_.layout()) {}
 
-  void add_forces(const Vectors& x, const Box& box, Vectors& f) override {
+  void add_forces(const Vectors& x, const Box& box, Vectors& f, Onto onto) override {
     if (p_.all_pairs() && x.cols() > 0) choose_unit(2 * spread(x), x.cwiseAbs().maxCoeff());
     if (p_.periodic && box != clusters_.box()) searched_in_box_ = false;
     if (!(searched_in_box_ && place(x))) renew_lists(x, box);
-    in_parallel(threads_, [&](int t) { add_pair_forces(p_.law, atoms_, inner_list(t), force_.cleared(t)); });
-    by_clusters([&](const Share& share) { gather_forces(share, f); });
+    in_parallel(threads_, [&](int t) {
+      add_pair_forces(p_.law, atoms_, inner_list(t), force_.cleared(t));
+      force_.fold(t, share_of(t));
+    });
+    in_parallel(threads_, [&](int t) {
+      onto == Onto::kNothing ? gather_forces<Onto::kNothing>(t, f) : gather_forces<Onto::kWhatIs>(t, f);
+    });
     energy_known_ = false;
   }
 
@@ -95,8 +102,10 @@ class EngineIn final : public ClusterPairs::Engine {
 
   const ClusterList& inner_list(int t) const { return p_.all_pairs() ? outer_[t] : inner_[t]; }
 
+  Share share_of(int t) const { return Share(clusters_.count(), t, threads_); }
+
   void by_clusters(const auto& work) {
-    in_parallel(threads_, [&](int t) { work(Share(clusters_.count(), t, threads_)); });
+    in_parallel(threads_, [&](int t) { work(share_of(t)); });
   }
   // Whether it holds of all shares of the clusters.
   bool everywhere(const auto& holds) {
@@ -280,16 +289,18 @@ class EngineIn final : public ClusterPairs::Engine {
     return static_cast<int>(std::lround(clusters_.count() * (1 - std::sqrt(left))));
   }
 
-  void gather_forces(const Share& share, Vectors& f) {
+  template <Onto onto>
+  void gather_forces(int t, Vectors& f) {
+    const Share share = share_of(t);
     const int last = 4 * share.end - 1;
     for (int c = share.begin; c < share.end; ++c) {
-      const auto sum = force_.sum(c);
+      const auto sum = force_.sum(c, t);
       for (int i = 0; i < kClusterAtoms; ++i) {
         const int slot = 4 * c + i;
         hwy::Prefetch(f.data() + 3 * clusters_.atom(std::min(slot + kAhead, last)));
         if (clusters_.filler(slot)) continue;
         double* out = f.data() + 3 * clusters_.atom(slot);
-        for (int d = 0; d < 3; ++d) out[d] += sum[d][i] * atoms_.unit;
+        for (int d = 0; d < 3; ++d) out[d] = (onto == Onto::kNothing ? 0 : out[d]) + sum[d][i] * atoms_.unit;
       }
     }
   }
@@ -324,10 +335,10 @@ class MixedWithoutCutoff final : public ClusterPairs::Engine {
  public:
   explicit MixedWithoutCutoff(const PairProblem& problem) : mixed_(problem), double_(problem) {}
 
-  void add_forces(const Vectors& x, const Box& box, Vectors& f) override {
+  void add_forces(const Vectors& x, const Box& box, Vectors& f, Onto onto) override {
     constexpr double kWidest = 64;  // [nm]
     used_ = spread(x) <= kWidest ? static_cast<Engine*>(&mixed_) : &double_;
-    used_->add_forces(x, box, f);
+    used_->add_forces(x, box, f, onto);
     searches = mixed_.searches + double_.searches;
   }
   double energy() override { return used_->energy(); }
@@ -350,15 +361,18 @@ std::unique_ptr<ClusterPairs::Engine> make_engine(PairProblem problem, Precision
 }  // namespace
 
 ClusterPairs::ClusterPairs(const Nonbonded& nb, bool periodic, Precision precision)
-    : engine_(make_engine(problem_of(nb, periodic, precision), precision)) {}
+    : ClusterPairs(problem_of(nb, periodic, precision), precision) {}
 ClusterPairs::ClusterPairs(const Wca& wca, int atoms, bool periodic, Precision precision)
-    : engine_(make_engine(problem_of(wca, atoms, periodic), precision)) {}
+    : ClusterPairs(problem_of(wca, atoms, periodic), precision) {}
+ClusterPairs::ClusterPairs(const PairProblem& problem, Precision precision)
+    : engine_(make_engine(problem, precision)),
+      on_every_atom_(std::ranges::all_of(problem.layout().present, [](auto p) { return p != 0; })) {}
 ClusterPairs::~ClusterPairs() = default;
 ClusterPairs::ClusterPairs(ClusterPairs&&) noexcept = default;
 ClusterPairs& ClusterPairs::operator=(ClusterPairs&&) noexcept = default;
 
-void ClusterPairs::add_forces(const Vectors& x, const Box& box, Vectors& f) {
-  engine_->add_forces(x, box, f);
+void ClusterPairs::add_forces(const Vectors& x, const Box& box, Vectors& f, Onto onto) {
+  engine_->add_forces(x, box, f, onto);
 }
 double ClusterPairs::energy() {
   return engine_->energy();

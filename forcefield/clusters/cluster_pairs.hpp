@@ -8,6 +8,8 @@
 
 namespace taut {
 
+struct PairProblem;
+
 // The pair forces of a scene (pair_kernels.hpp has the equations), in vectors over clusters of atoms sorted
 // in space, by threads. What exceptions add by their own numbers is not in them.
 //
@@ -25,9 +27,11 @@ class ClusterPairs {
   ClusterPairs(ClusterPairs&&) noexcept;
   ClusterPairs& operator=(ClusterPairs&&) noexcept;
 
+  enum class Onto { kWhatIs, kNothing };  // of f; nothing, whatever it was, only where pairs act
+  bool on_every_atom() const { return on_every_atom_; }
   // Throws SimulationFailure for a position that is not finite.
   // In another box than before lists are made anew. Its shortest edge must be at least twice the cutoff.
-  void add_forces(const Vectors& x, const Box& box, Vectors& f);
+  void add_forces(const Vectors& x, const Box& box, Vectors& f, Onto onto = Onto::kWhatIs);
   // At the positions of the last add_forces [kJ/mol].
   double energy();
   Eigen::Matrix3d virial();  // Σ r⊗f
@@ -40,7 +44,10 @@ class ClusterPairs {
   class Engine;  // in one of the precisions
 
  private:
+  ClusterPairs(const PairProblem& problem, Precision precision);
+
   std::unique_ptr<Engine> engine_;
+  bool on_every_atom_ = false;
 };
 
 }  // namespace taut
