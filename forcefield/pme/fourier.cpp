@@ -72,13 +72,14 @@ FourierGrid<T>::FourierGrid(std::array<int, 3> size, int beyond)
     : n_(size),
       width_(whole(size[2], kWhole)),
       stride_(whole(size[2] + beyond, kWhole)),
-      real_(std::size_t(n_[0]) * n_[1] * stride_),
+      rows_(size[1] + beyond),
+      real_(n_[0] * apart()),
       complex_(std::size_t(n_[0]) * half() * width_) {
   make_room(1);
   const int pairs_of_row = width_ / 2, row_of_next_plane = half() * width_;
   along_[1] = plan(1, pairs_of_row, {pairs(plane(0)), stride_ / 2, 1}, {one(0), pairs_of_row, 1});
-  along_[0] = plan(0, n_[2], {row(0, 0), row_of_next_plane, 1}, {one(0), 1, n_[0]});
-  along_[2] = plan(2, n_[0], {one(0), n_[0], 1}, {other(0), 1, n_[2]});
+  along_[2] = plan(2, n_[0], {row(0, 0), 1, row_of_next_plane}, {one(0), 1, n_[2]});
+  along_[0] = plan(0, n_[2], {one(0), n_[2], 1}, {other(0), 1, n_[0]});
 }
 
 template <class T>
@@ -132,15 +133,15 @@ void FourierGrid<T>::transform_plane_back(int k1, int thread) {
 
 template <class T>
 auto FourierGrid<T>::transform_row(int k2, int thread) -> Complex* {
-  execute(along_[0].there, row(0, k2), one(thread));
-  execute(along_[2].there, one(thread), other(thread));
+  execute(along_[2].there, row(0, k2), one(thread));
+  execute(along_[0].there, one(thread), other(thread));
   return other(thread);
 }
 
 template <class T>
 void FourierGrid<T>::transform_row_back(int k2, int thread) {
-  execute(along_[2].back, other(thread), one(thread));
-  execute(along_[0].back, one(thread), row(0, k2));
+  execute(along_[0].back, other(thread), one(thread));
+  execute(along_[2].back, one(thread), row(0, k2));
 }
 
 template class FourierGrid<double>;

@@ -11,7 +11,7 @@ namespace taut {
 
 // Transforms of a real grid of n₁ × n₂ × n₃, not normalized, Z(k) = Σ z(j) e^(−2πijk/n) along each edge, by
 // FFTW (Frigo & Johnson 2005, doi:10.1109/JPROC.2004.840301): along the second edge plane by plane, real to
-// complex, then along the first and the third, a row k₂ of all planes at a time: in parts that threads can
+// complex, then along the third and the first, a row k₂ of all planes at a time: in parts that threads can
 // share out. FFTW is given what it does fastest, many sequences side by side from one place to another; two
 // real ones, neighbours along the third edge, are the real and the imaginary part of one. Its plans are made
 // by rule, not by the clock: the same bits each time.
@@ -20,19 +20,20 @@ class FourierGrid {
  public:
   using Complex = std::complex<T>;
 
-  // Rows of real numbers have room for `beyond` more.
+  // Planes of real numbers have room for so many more rows, rows for as many more numbers, or for more.
   FourierGrid(std::array<int, 3> size, int beyond);
 
   // Before what follows, which each thread does in room of its own.
   void make_room(int threads);
 
-  int half() const { return n_[1] / 2 + 1; }  // rows of complex numbers a plane
-  int stride() const { return stride_; }      // real numbers a row
-  T* plane(int k1) { return real_.data() + std::ptrdiff_t{k1} * n_[1] * stride_; }
+  int half() const { return n_[1] / 2 + 1; }                                // rows of complex numbers a plane
+  int stride() const { return stride_; }                                    // real numbers a row
+  std::ptrdiff_t apart() const { return std::ptrdiff_t{rows_} * stride_; }  // a plane
+  T* plane(int k1) { return real_.data() + k1 * apart(); }
 
   void transform_plane(int k1, int thread);
   void transform_plane_back(int k1, int thread);
-  // The row k₂ of all planes, transformed: z(k₁, k₂, k₃) at n₃k₁ + k₃, the thread's until it asks for
+  // The row k₂ of all planes, transformed: z(k₁, k₂, k₃) at n₁k₃ + k₁, the thread's until it asks for
   // another; and back what it then is.
   Complex* transform_row(int k2, int thread);
   void transform_row_back(int k2, int thread);
@@ -59,7 +60,7 @@ class FourierGrid {
 
   std::array<int, 3> n_;
   int width_;  // complex numbers a row
-  int stride_;
+  int stride_, rows_;
   Aligned<T> real_;
   Aligned<Complex> complex_;
   std::vector<Aligned<Complex>> room_;  // by thread

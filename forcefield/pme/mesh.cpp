@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <functional>
 #include <numbers>
 #include <numeric>
 #include <utility>
@@ -66,7 +67,7 @@ class MeshIn final : public PmeMesh::Engine {
         alpha_(p.alpha),
         size_(p.grid),
         strips_((size_[1] + kStrip - 1) / kStrip),
-        grid_(p.grid, kMostOrder) {
+        grid_(p.grid, reach(p.order)) {
     for (int a = 0; a < charge.size(); ++a)
       if (charge[a] != 0) charged_.push_back({a, charge[a]});
     found_.resize(charged_.size());
@@ -98,7 +99,7 @@ class MeshIn final : public PmeMesh::Engine {
       const Share share(size_[0], t, threads);
       for (int plane = share.begin; plane < share.end; ++plane) {
         grid_.transform_plane_back(plane, t);
-        repeat_row_starts(plane);
+        repeat_starts(plane);
       }
     });
     in_parallel(threads, [&](int t) { gather(Share(n, t, threads), f); });
@@ -168,22 +169,26 @@ class MeshIn final : public PmeMesh::Engine {
   void spread(const Share& planes, int thread) {
     for (int below = planes.begin - order_ + 1; below < planes.end; ++below) {
       if (const int next = below + order_ - 1; next < planes.end)
-        std::fill_n(grid_.plane(next), std::ptrdiff_t{size_[1]} * grid_.stride(), T(0));
+        std::fill_n(grid_.plane(next), grid_.apart(), T(0));
       const int plane = (below % size_[0] + size_[0]) % size_[0];
       spread_charges<T>(mesh(),
                         {std::max(planes.begin - below, 0), std::min(planes.end - 1 - below, order_ - 1)},
                         {atoms_.data() + begin_[plane], atoms_.data() + begin_[plane + 1]});
       if (below < planes.begin) continue;
-      fold_row_ends(below);
+      fold_ends(below);
       grid_.transform_plane(below, thread);
     }
   }
 
-  void fold_row_ends(int plane) {
-    T* grid = grid_.plane(plane);
-    for (int row = 0; row < size_[1]; ++row, grid += grid_.stride())
-      for (int k = order_ - 2; k >= 0; --k)
-        grid[k] += grid[size_[2] + k];  // a short row is passed again and again
+  T* row(int plane, int k2) { return grid_.plane(plane) + std::ptrdiff_t{k2} * grid_.stride(); }
+
+  // What went beyond the last row, and beyond the last point of each, belongs to the first ones.
+  void fold_ends(int plane) {
+    for (int k2 = 0; k2 < order_ - 1; ++k2)
+      std::transform(row(plane, k2), row(plane, k2 + 1), row(plane, size_[1] + k2), row(plane, k2),
+                     std::plus());
+    for (int k2 = 0; k2 < size_[1]; ++k2)
+      for (int k3 = 0; k3 < order_ - 1; ++k3) row(plane, k2)[k3] += row(plane, k2)[size_[2] + k3];
   }
 
   // The wave vector m [1/nm].
@@ -198,10 +203,11 @@ class MeshIn final : public PmeMesh::Engine {
     const double pi = std::numbers::pi, inv = pi * pi / (alpha_ * alpha_);
     for (int k1 = 0; k1 < size_[0]; ++k1) {
       const double factor = pi * box_.volume() * moduli_[0][k1] * moduli_[1][row];
-      T* const g = influence_.data() + row * of_row() + k1 * size_[2];
+      T* const g = influence_.data() + row * of_row() + k1;
       for (int k3 = 0; k3 < size_[2]; ++k3) {
         const double m2 = wave(k1, row, k3).squaredNorm();
-        g[k3] = static_cast<T>(m2 > 0 ? std::exp(-inv * m2) / (factor * moduli_[2][k3] * m2) : 0.0);
+        g[std::ptrdiff_t{k3} * size_[0]] =
+            static_cast<T>(m2 > 0 ? std::exp(-inv * m2) / (factor * moduli_[2][k3] * m2) : 0.0);
       }
     }
   }
@@ -214,8 +220,8 @@ class MeshIn final : public PmeMesh::Engine {
     Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
     const double inv = square(std::numbers::pi / alpha_);
     const T* g = influence_of(row).data();
-    for (int k1 = 0; k1 < size_[0]; ++k1)
-      for (int k3 = 0; k3 < size_[2]; ++k3, ++g, ++z) {
+    for (int k3 = 0; k3 < size_[2]; ++k3)
+      for (int k1 = 0; k1 < size_[0]; ++k1, ++g, ++z) {
         const Vec3 m = wave(k1, row, k3);
         const double m2 = m.squaredNorm();
         if (m2 == 0) continue;
@@ -226,11 +232,12 @@ class MeshIn final : public PmeMesh::Engine {
     return sum;
   }
 
-  // What splines reach beyond a row's end.
-  void repeat_row_starts(int plane) {
-    T* row = grid_.plane(plane);
-    for (int k2 = 0; k2 < size_[1]; ++k2, row += grid_.stride())
-      for (int k = 0; k < kMostOrder; ++k) row[size_[2] + k] = row[k];
+  // There for those who read beyond.
+  void repeat_starts(int plane) {
+    for (int k2 = 0; k2 < size_[1]; ++k2)
+      for (int k3 = 0; k3 < reach(order_); ++k3) row(plane, k2)[size_[2] + k3] = row(plane, k2)[k3];
+    for (int k2 = 0; k2 < order_ - 1; ++k2)
+      std::copy(row(plane, k2), row(plane, k2 + 1), row(plane, size_[1] + k2));
   }
 
   void gather(const Share& share, Vectors& f) {
@@ -245,7 +252,7 @@ class MeshIn final : public PmeMesh::Engine {
     }
   }
 
-  MeshGrid<T> mesh() { return {grid_.plane(0), size_, grid_.stride(), order_}; }
+  MeshGrid<T> mesh() { return {grid_.plane(0), size_, grid_.stride(), grid_.apart(), order_}; }
 
   int order_;
   double alpha_;  // [1/nm]
@@ -259,7 +266,7 @@ class MeshIn final : public PmeMesh::Engine {
   std::vector<int> begin_;                  // of a plane's, in atoms_
   std::vector<int> next_;                   // of a bucket's, the same, thread by thread
   std::array<std::vector<double>, 3> moduli_;
-  std::vector<T> influence_;       // G, row by row k₂, in it plane by plane [1/nm]
+  std::vector<T> influence_;       // G, row by row k₂, as the transforms come [1/nm]
   std::vector<double> energy_of_;  // by row, as what follows
   std::vector<Eigen::Matrix3d> virial_of_;
 };

@@ -19,15 +19,17 @@ using Real = TAUT_MESH_REAL;
 
 constexpr int kTogether = 32;      // atoms whose splines are found at a time
 using Fours = Real[kTogether][4];  // of each atom, four numbers along an edge
-constexpr int room(int order) {
-  return order <= 4 ? 4 : kMostOrder;
-}
 
-// Weights of atoms along each edge, in fours, zeros beyond the order; and their slopes.
+// Of atoms along the first two edges, number by number, and along the third in fours, zeros beyond the order.
+template <int order>
+struct Numbers {
+  static constexpr int kFours = reach(order) / 4;
+  HWY_ALIGN Real across[2][order][kTogether];
+  HWY_ALIGN Fours along[kFours];
+};
 template <int order>
 struct Splines {
-  static constexpr int kFours = room(order) / 4;
-  HWY_ALIGN Fours weight[3][kFours], slope[3][kFours];
+  Numbers<order> weight, slope;
 };
 
 // kernel<order>(): loops that are known when compiled.
@@ -50,20 +52,27 @@ using D = hn::ScalableTag<Real>;
 using V = hn::Vec<D>;
 
 template <int order>
-HWY_INLINE void store_fours(const V* value, int first, Fours* out) {
+HWY_INLINE void store(const V* value, int edge, int first, Numbers<order>& out) {
   const D d;
+  if (edge < 2) {
+#pragma GCC unroll 8
+    for (int k = 0; k < order; ++k) hn::Store(value[k], d, out.across[edge][k] + first);
+    return;
+  }
   const auto of = [&](int k) HWY_ATTR { return k < order ? value[k] : hn::Zero(d); };
 #pragma GCC unroll 2
   for (int k = 0; k < order; k += 4)
-    hn::StoreInterleaved4(of(k), of(k + 1), of(k + 2), of(k + 3), d, out[k / 4][first]);
+    hn::StoreInterleaved4(of(k), of(k + 1), of(k + 2), of(k + 3), d, out.along[k / 4][first]);
 }
 
 template <int order>
 HWY_INLINE void find_splines(MeshAtoms<Real> atoms, bool slopes, Splines<order>& out) {
   const D d;
-  HWY_ALIGN Real above[3][kTogether] = {};
-  for (std::size_t a = 0; a < atoms.size(); ++a)
-    for (int edge = 0; edge < 3; ++edge) above[edge][a] = atoms[a].above[edge];
+  HWY_ALIGN Real above[3][kTogether];
+  for (int edge = 0; edge < 3; ++edge) {
+    for (std::size_t a = 0; a < atoms.size(); ++a) above[edge][a] = atoms[a].above[edge];
+    std::fill(above[edge] + atoms.size(), std::end(above[edge]), Real(0));
+  }
   const auto one = hn::Set(d, 1);
   for (int first = 0; first < static_cast<int>(atoms.size()); first += static_cast<int>(hn::Lanes(d)))
     for (int edge = 0; edge < 3; ++edge) {
@@ -79,7 +88,7 @@ HWY_INLINE void find_splines(MeshAtoms<Real> atoms, bool slopes, Splines<order>&
 #pragma GCC unroll 8
           for (int k = 1; k < n - 1; ++k) slope[k] = hn::Sub(value[k - 1], value[k]);
           slope[n - 1] = value[n - 2];
-          store_fours<order>(slope, first, out.slope[edge]);
+          store<order>(slope, edge, first, out.slope);
         }
         const auto whole = [&](int k) HWY_ATTR { return hn::Set(d, Real(k)); };
         const V inv = hn::Set(d, Real(1) / Real(n - 1));
@@ -90,15 +99,15 @@ HWY_INLINE void find_splines(MeshAtoms<Real> atoms, bool slopes, Splines<order>&
                                              hn::Mul(hn::Sub(whole(k + 1), w), value[k])));
         value[0] = hn::Mul(value[0], hn::Mul(inv, hn::Sub(one, w)));
       }
-      store_fours<order>(value, first, out.weight[edge]);
+      store<order>(value, edge, first, out.weight);
     }
 }
 
 // A row along the third edge: as few vectors as hold the order.
 template <int order>
 struct RowOf {
-  using D = hn::CappedTag<Real, room(order)>;
-  static constexpr int kLanes = static_cast<int>(hn::MaxLanes(D())), kVectors = room(order) / kLanes;
+  using D = hn::CappedTag<Real, reach(order)>;
+  static constexpr int kLanes = static_cast<int>(hn::MaxLanes(D())), kVectors = reach(order) / kLanes;
 
   hn::Vec<D> v[kVectors];
 
@@ -124,43 +133,25 @@ struct RowOf {
   }
 };
 
-// Number k of an atom's.
-HWY_INLINE Real number(const Fours* fours, int a, int k) {
-  return fours[k / 4][a][k % 4];
-}
-
-// Where an atom's rows in a plane begin.
-template <int order>
-struct RowsOf {
-  std::ptrdiff_t at[order];
-
-  HWY_INLINE RowsOf(const MeshGrid<Real>& grid, const MeshAtom<Real>& atom) {
-#pragma GCC unroll 8
-    for (int j = 0; j < order; ++j) {
-      const int row = atom.point[1] + j, wrapped = row < grid.size[1] ? row : row - grid.size[1];
-      at[j] = std::ptrdiff_t{wrapped} * grid.stride + atom.point[2];
-    }
-  }
-};
-
-// The atom's planes, one after the other.
+// Where an atom's rows begin in each of its planes, one after the other.
 class PlanesOf {
  public:
   HWY_INLINE PlanesOf(const MeshGrid<Real>& grid, const MeshAtom<Real>& atom)
-      : apart_(std::ptrdiff_t{grid.size[1]} * grid.stride),
-        at_(grid.plane + atom.point[0] * apart_),
-        end_(grid.plane + grid.size[0] * apart_),
-        first_(grid.plane) {}
+      : apart_(grid.apart),
+        all_(grid.size[0] * grid.apart),
+        end_(grid.plane + all_),
+        at_(wrapped(grid.plane + atom.point[0] * grid.apart + atom.point[1] * grid.stride + atom.point[2])) {}
   HWY_INLINE Real* next() {
-    Real* const plane = at_;
-    at_ += apart_;
-    at_ = at_ < end_ ? at_ : first_;
-    return plane;
+    Real* const rows = at_;
+    at_ = wrapped(at_ + apart_);
+    return rows;
   }
 
  private:
-  std::ptrdiff_t apart_;
-  Real *at_, *end_, *first_;
+  HWY_INLINE Real* wrapped(Real* at) const { return at < end_ ? at : at - all_; }
+
+  std::ptrdiff_t apart_, all_;
+  Real *end_, *at_;
 };
 
 template <int order>
@@ -169,28 +160,27 @@ HWY_INLINE void spread_of(const MeshGrid<Real>& grid, const PlanesAbove& planes,
   using Row = RowOf<order>;
   const typename Row::D d;
   for (int a = 0; a < static_cast<int>(atoms.size()); ++a) {
-    const RowsOf<order> rows(grid, atoms[a]);
-    const Row w = Row::from(splines.weight[2], a);
+    const Row w = Row::from(splines.weight.along, a);
     Row of[order];
 #pragma GCC unroll 8
     for (int j = 0; j < order; ++j) {
-      const auto c = hn::Set(d, number(splines.weight[1], a, j));
+      const auto c = hn::Set(d, atoms[a].charge * splines.weight.across[1][j][a]);
 #pragma GCC unroll 8
       for (int v = 0; v < Row::kVectors; ++v) of[j].v[v] = hn::Mul(c, w.v[v]);
     }
     PlanesOf all(grid, atoms[a]);
 #pragma GCC unroll 8
     for (int k = 0; k < order; ++k) {
-      Real* const plane = all.next();
+      Real* row = all.next();
       if (k < planes.first || k > planes.last) continue;
-      const auto c = hn::Set(d, atoms[a].charge * number(splines.weight[0], a, k));
+      const auto c = hn::Set(d, splines.weight.across[0][k][a]);
 #pragma GCC unroll 8
-      for (int j = 0; j < order; ++j) {
-        Real* row = plane + rows.at[j];
+      for (int j = 0; j < order; ++j, row += grid.stride)
 #pragma GCC unroll 8
-        for (int v = 0; v < Row::kVectors; ++v, row += Row::kLanes)
-          hn::StoreU(hn::MulAdd(c, of[j].v[v], hn::LoadU(d, row)), d, row);
-      }
+        for (int v = 0; v < Row::kVectors; ++v) {
+          Real* const at = row + v * Row::kLanes;
+          hn::StoreU(hn::MulAdd(c, of[j].v[v], hn::LoadU(d, at)), d, at);
+        }
     }
   }
 }
@@ -202,30 +192,29 @@ HWY_INLINE Vec3 slope_of(const MeshGrid<Real>& grid, const MeshAtom<Real>& atom,
   using Row = RowOf<order>;
   const typename Row::D d;
   const auto zero = hn::Zero(d);
-  const RowsOf<order> rows(grid, atom);
   PlanesOf planes(grid, atom);
   Row level, first, second;
 #pragma GCC unroll 8
   for (int v = 0; v < Row::kVectors; ++v) level.v[v] = first.v[v] = second.v[v] = zero;
 #pragma GCC unroll 8
   for (int k = 0; k < order; ++k) {
-    const Real* const plane = planes.next();
+    const Real* row = planes.next();
     Row of, tilt;
 #pragma GCC unroll 8
     for (int v = 0; v < Row::kVectors; ++v) of.v[v] = tilt.v[v] = zero;
 #pragma GCC unroll 8
-    for (int j = 0; j < order; ++j) {
-      const Row phi = Row::from(plane + rows.at[j]);
-      const auto wj = hn::Set(d, number(splines.weight[1], a, j)),
-                 dj = hn::Set(d, number(splines.slope[1], a, j));
+    for (int j = 0; j < order; ++j, row += grid.stride) {
+      const Row phi = Row::from(row);
+      const auto wj = hn::Set(d, splines.weight.across[1][j][a]),
+                 dj = hn::Set(d, splines.slope.across[1][j][a]);
 #pragma GCC unroll 8
       for (int v = 0; v < Row::kVectors; ++v) {
         of.v[v] = hn::MulAdd(wj, phi.v[v], of.v[v]);
         tilt.v[v] = hn::MulAdd(dj, phi.v[v], tilt.v[v]);
       }
     }
-    const auto wk = hn::Set(d, number(splines.weight[0], a, k)),
-               dk = hn::Set(d, number(splines.slope[0], a, k));
+    const auto wk = hn::Set(d, splines.weight.across[0][k][a]),
+               dk = hn::Set(d, splines.slope.across[0][k][a]);
 #pragma GCC unroll 8
     for (int v = 0; v < Row::kVectors; ++v) {
       level.v[v] = hn::MulAdd(wk, of.v[v], level.v[v]);
@@ -233,7 +222,7 @@ HWY_INLINE Vec3 slope_of(const MeshGrid<Real>& grid, const MeshAtom<Real>& atom,
       second.v[v] = hn::MulAdd(wk, tilt.v[v], second.v[v]);
     }
   }
-  const Row w = Row::from(splines.weight[2], a), dw = Row::from(splines.slope[2], a);
+  const Row w = Row::from(splines.weight.along, a), dw = Row::from(splines.slope.along, a);
   auto x = zero, y = zero, z = zero;
 #pragma GCC unroll 8
   for (int v = 0; v < Row::kVectors; ++v) {
@@ -251,7 +240,7 @@ HWY_INLINE void some_at_a_time(MeshAtoms<Real> atoms, const auto& work) {
     work(atoms.first(std::min<std::size_t>(kTogether, atoms.size())));
 }
 
-void spread(const MeshGrid<Real>& grid, const PlanesAbove& planes, MeshAtoms<Real> atoms) {
+void spread(MeshGrid<Real> grid, const PlanesAbove& planes, MeshAtoms<Real> atoms) {
   of_order(grid.order, [&]<int order>() HWY_ATTR {
     Splines<order> splines;
     some_at_a_time(atoms, [&](MeshAtoms<Real> some) HWY_ATTR {
@@ -261,7 +250,7 @@ void spread(const MeshGrid<Real>& grid, const PlanesAbove& planes, MeshAtoms<Rea
   });
 }
 
-void slopes(const MeshGrid<Real>& grid, MeshAtoms<Real> atoms, Vec3* slope) {
+void slopes(MeshGrid<Real> grid, MeshAtoms<Real> atoms, Vec3* slope) {
   of_order(grid.order, [&]<int order>() HWY_ATTR {
     Splines<order> splines;
     some_at_a_time(atoms, [&](MeshAtoms<Real> some) HWY_ATTR {

@@ -29,12 +29,17 @@ struct MeshAtom {
 template <class T>
 using MeshAtoms = std::span<const MeshAtom<T>>;
 
-// The real grid, plane by plane, row by row.
+// Splines are stored in fours: so far do they reach beyond the last row and the last point of one.
+constexpr int reach(int order) {
+  return order <= 4 ? 4 : kMostOrder;
+}
+
+// The real grid, plane by plane, row by row, with room for what they reach.
 template <class T>
 struct MeshGrid {
   T* plane;  // the first
   std::array<int, 3> size;
-  int stride;  // numbers a row: as many as the grid has, and kMostOrder that splines reach beyond it
+  std::ptrdiff_t stride, apart;  // numbers a row, a plane
   int order;
 };
 
