@@ -47,10 +47,10 @@ class RowSum {
     const int* clusters = list.clusters.data();
     int k = row.begin;
     if constexpr (kStaged) {
-      if (row.end - k >= kLong) k += meet_staged(clusters + k, row.end - k);
-      for (; k + 3 <= row.end; k += 3) meet<3>(clusters + k);
+      if (k < row.end) meet_staged(clusters + k, clusters + row.end);
+    } else {
+      for (; k < row.end; ++k) meet<1>(clusters + k);
     }
-    for (; k < row.end; ++k) meet<1>(clusters + k);
     if constexpr (C::kSum) {
       for (int i = 0; i < kSums; ++i) {
         total_[i] += double(hn::GetLane(hn::SumOfLanes(D(), sum_[i])));
@@ -75,35 +75,32 @@ class RowSum {
     }
   }
 
-  // The row against K clusters, all different: distances with the guess the law starts from, then the law,
-  // then forces or sums.
+  // The row against K clusters: separations with the guess the law starts from, then the law, then forces or
+  // sums.
   template <int K>
   struct Distances {
-    V r2[kPlaces][K], guess[kPlaces][K];
+    V r[kPlaces][K][3], r2[kPlaces][K], guess[kPlaces][K];
   };
   template <int K>
   struct Terms {
     V of[kPlaces][K];
   };
 
-  // One stage waits for another longer than the processor can look ahead: so they take turns, each with
-  // clusters of its own. There are many kernels to compile: each stage stands here once.
+  // What comes of a cluster waits for its distances longer than the processor can look ahead: so those of the
+  // next one are found before.
   static constexpr bool kStaged = !C::kSum && kLanes > 1 && !C::kFine;
-  static constexpr int kLong = 10;  // clusters: with fewer in a row it does not pay
-  HWY_INLINE int meet_staged(const int* clusters, int count) {
-    constexpr int K = 2;
-    const int end = count - count % K;
-    Distances<K> distances, next;
-    Terms<K> terms;
-    measure(clusters, distances);
-    for (int k = K; k <= end; k += K) {
-      if (k < end) measure(clusters + k, next);
-      if (k > K) add_forces(clusters + k - 2 * K, terms);
-      apply_law(clusters + k - K, distances, terms);
-      distances = next;
+  HWY_INLINE void meet_staged(const int* cluster, const int* end) {
+    Distances<1> at, next;
+    Terms<1> terms;
+    measure(cluster, at);
+    for (; cluster + 1 < end; ++cluster) {
+      measure(cluster + 1, next);
+      apply_law(cluster, at, terms);
+      add_forces(cluster, at, terms);
+      at = next;
     }
-    add_forces(clusters + end - K, terms);
-    return end;
+    apply_law(cluster, at, terms);
+    add_forces(cluster, at, terms);
   }
 
   // A mask is of one cluster.
@@ -119,15 +116,13 @@ class RowSum {
         term[0] = hn::IfThenElseZero(counted(mask_, place % kVectors, place / kVectors), term[0]);
       for (int k = 0; k < K; ++k) {
         if constexpr (C::kEnergy) sum_[0] = hn::Add(sum_[0], term[k]);
-        if constexpr (C::kVirial) add_virial(clusters[k], place, term[k]);
+        if constexpr (C::kVirial) add_virial(distances.r[place][k], term[k]);
       }
     }
-    if constexpr (!C::kSum) add_forces(clusters, terms);
+    if constexpr (!C::kSum) add_forces(clusters, distances, terms);
   }
 
-  HWY_INLINE void add_virial(std::ptrdiff_t cluster, int place, V term) {
-    V r[3];
-    subtract(cluster, place, r);
+  HWY_INLINE void add_virial(const V (&r)[3], V term) {
     if constexpr (sizeof(T) == 4) term = hn::Mul(term, unit2_);
     const V f[3] = {hn::Mul(term, r[0]), hn::Mul(term, r[1]), hn::Mul(term, r[2])};
     for (int k = 0; k < 3; ++k) sum_[k] = hn::MulAdd(r[k], f[k], sum_[k]);
@@ -146,7 +141,7 @@ class RowSum {
   template <int K>
   HWY_INLINE void measure(const int* clusters, Distances<K>& out) const {
     for (int place = 0; place < kPlaces; ++place) {
-      V r[K][3];
+      V(&r)[K][3] = out.r[place];
       for (int k = 0; k < K; ++k) subtract(clusters[k], place, r[k]);
       for (int k = 0; k < K; ++k) {
         V r2 = hn::MulAdd(r[k][0], r[k][0], hn::MulAdd(r[k][1], r[k][1], hn::Mul(r[k][2], r[k][2])));
@@ -172,13 +167,12 @@ class RowSum {
   }
 
   template <int K>
-  HWY_INLINE void add_forces(const int* clusters, const Terms<K>& terms) {
+  HWY_INLINE void add_forces(const int* clusters, const Distances<K>& at, const Terms<K>& terms) {
     const D d;
     for (int place = 0; place < kPlaces; ++place) {
       const int v = place % kVectors, part = place / kVectors;
       for (int k = 0; k < K; ++k) {
-        V r[3];
-        subtract(clusters[k], place, r);
+        const V(&r)[3] = at.r[place][k];
         const V term = terms.of[place][k];
         T* f = f_ + (3 * std::ptrdiff_t{clusters[k]} * kParts + part) * kLanes;
         for (int i = 0; i < 3; ++i) own_f_[i][v] = hn::MulAdd(term, r[i], own_f_[i][v]);
