@@ -64,25 +64,36 @@ HWY_INLINE void inverse_sqrt(D d, const V (&x)[K], V (&y)[K]) {
   }
 }
 
-// 1/√x³ = y³(1 + 3e/2 + 15e²/8 + 35e³/16 + …): sooner than by 1/√x. In float 35e³/16 is left out.
+// 1/√x³ = y³(1 + 3e/2 + 15e²/8 + 35e³/16 + …), sooner than by 1/√x, times kCubeScale: the series' last factor
+// is left to the constants that its result is multiplied by. In float 35e³/16 is left out and, where the
+// guess has 14 bits, 15e²/8.
+template <class D>
+constexpr bool kFineFloat = sizeof(hn::TFromD<D>) == 4 && HWY_TARGET <= HWY_AVX3&& hn::MaxLanes(D()) == 16;
+template <class D>
+constexpr double kCubeScale = kFineFloat<D>        ? double(5.0f / 3) - 1
+                              : kInverseGuessed<D> ? 16.0 / 35
+                                                   : 1.0;
+
 template <int K, class D, class V = hn::Vec<D>>
 HWY_INLINE void inverse_cube(D d, const V (&x)[K], V (&y)[K]) {
-  if constexpr (kRootGuessed<D>) {
-    using T = hn::TFromD<D>;
-    V y2[K], e[K];
-    for (int k = 0; k < K; ++k) y2[k] = hn::Mul(y[k], y[k]);
-    for (int k = 0; k < K; ++k) {
-      e[k] = hn::NegMulAdd(x[k], y2[k], hn::Set(d, T(1)));
-      y[k] = hn::Mul(y[k], y2[k]);
+  using T = hn::TFromD<D>;
+  V y2[K], y3[K];
+  for (int k = 0; k < K; ++k) y2[k] = hn::Mul(y[k], y[k]);
+  for (int k = 0; k < K; ++k) y3[k] = hn::Mul(y2[k], y[k]);
+  for (int k = 0; k < K; ++k) {
+    if constexpr (kFineFloat<D>) {
+      y[k] = hn::Mul(y3[k], hn::NegMulAdd(x[k], y2[k], hn::Set(d, T(5.0f / 3))));
+    } else if constexpr (kRootGuessed<D>) {
+      const V e = hn::NegMulAdd(x[k], y2[k], hn::Set(d, T(1)));
+      if constexpr (sizeof(T) == 8) {
+        const V p = hn::MulAdd(hn::Add(e, hn::Set(d, T(6.0 / 7))), e, hn::Set(d, T(24.0 / 35)));
+        y[k] = hn::Mul(y3[k], hn::MulAdd(p, e, hn::Set(d, T(16.0 / 35))));
+      } else {
+        y[k] = hn::MulAdd(hn::Mul(y3[k], e), hn::MulAdd(hn::Set(d, T(1.875)), e, hn::Set(d, T(1.5))), y3[k]);
+      }
+    } else {
+      y[k] = y3[k];
     }
-    for (int k = 0; k < K; ++k) {
-      V p = hn::Set(d, T(1.875));
-      if constexpr (sizeof(T) == 8) p = hn::MulAdd(e[k], hn::Set(d, T(2.1875)), p);
-      p = hn::MulAdd(e[k], p, hn::Set(d, T(1.5)));
-      y[k] = hn::MulAdd(hn::Mul(y[k], e[k]), p, y[k]);
-    }
-  } else {
-    for (int k = 0; k < K; ++k) y[k] = hn::Mul(y[k], hn::Mul(y[k], y[k]));
   }
 }
 

@@ -29,7 +29,7 @@ class RowSum {
  public:
   HWY_INLINE RowSum(const PairLaw& law, const PairAtoms<T>& atoms, T* f)
       : x_of_(atoms.x.data()),
-        unit_(atoms.unit),
+        inv_unit_(1 / atoms.unit),
         f_(f),
         law_(law, atoms),
         cutoff2_(set(law.cutoff * law.cutoff)),
@@ -68,9 +68,9 @@ class RowSum {
 
   HWY_INLINE void load(const PairRow& row) {
     const D d;
-    load_row<T>(x_of_, unit_, row, x_);
+    load_row<T>(x_of_, inv_unit_, row, x_);
     for (int v = 0; v < kVectors; ++v) {
-      atoms_[v] = law_.atoms(row.first + v * S::kRows);
+      law_.load(row.first + v * S::kRows, atoms_[v]);
       for (int k = 0; k < 3; ++k) own_f_[k][v] = hn::Zero(d);
     }
   }
@@ -220,7 +220,7 @@ class RowSum {
   }
 
   const typename S::Coordinate* HWY_RESTRICT x_of_;
-  double unit_;
+  double inv_unit_;
   T* HWY_RESTRICT f_;
   Law law_;
   V cutoff2_, unit2_;

@@ -59,12 +59,12 @@ HWY_INLINE hn::Vec<DT> load_rows(DT d, const hn::TFromD<DT>* p) {
 
 // The positions of a row's atoms, moved by its shift.
 template <class T, class S = Shape<T>>
-HWY_INLINE void load_row(const typename S::Coordinate* x, double unit, const PairRow& row,
+HWY_INLINE void load_row(const typename S::Coordinate* x, double inv_unit, const PairRow& row,
                          typename S::VX (&out)[3][S::kVectors]) {
   const typename S::DX d;
   x += 12 * (row.first / kClusterAtoms) + row.first % kClusterAtoms;
   for (int k = 0; k < 3; ++k) {
-    const auto shift = PairPrecision<T>::coordinate(row.shift[k] / unit);
+    const auto shift = PairPrecision<T>::coordinate(row.shift[k] * inv_unit);
     for (int v = 0; v < S::kVectors; ++v)
       out[k][v] = hn::Add(load_rows(d, x + 4 * k + v * S::kRows), hn::Set(d, shift));
   }

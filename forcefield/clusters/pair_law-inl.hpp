@@ -51,13 +51,13 @@ class LawInLanes {
         table_b_(atoms.table_b.data()),
         types_(set(law.types)),
         k_rf_(set(law.k_rf)),
-        two_k_rf_(set(2 * law.k_rf)),
+        two_k_rf_(set(2 * law.k_rf * kScale)),
         c_rf_(set(law.c_rf)),
         sigma6_(set(law.sigma6())),
-        six_sigma6_(set(6 * law.sigma6())),
-        twelve_sigma12_(set(12 * law.sigma6() * law.sigma6())),
+        six_sigma6_(set(kSix * law.sigma6())),
+        twelve_sigma12_(set(kTwelve * law.sigma6() * law.sigma6())),
         lift_(set(law.lift / 4)),
-        screen_(law.screening.scale, C::kEnergy ? law.screening.energy : law.screening.force) {
+        screen_(law.screening.scale, C::kEnergy ? law.screening.energy : law.screening.force, kScale) {
     if constexpr (C::kSwitched) {
       const double width = law.cutoff - law.switch_distance;
       inv_width_ = set(1 / width);
@@ -67,10 +67,9 @@ class LawInLanes {
   }
 
   // Those from slot `first` on.
-  HWY_INLINE Atoms atoms(int first) const {
+  HWY_INLINE void load(int first, Atoms& a) const {
     const D d;
-    Atoms a{};
-    if constexpr (C::kCharge) a.q = load_rows(d, charge_ + first);
+    if constexpr (C::kCharge) a.q = hn::Mul(load_rows(d, charge_ + first), set(1 / kScale));
     if constexpr (C::kTable) {
       a.line = hn::MulAdd(load_rows(d, type_ + first), types_, set(kWhole));
     } else if constexpr (C::kLj) {
@@ -79,7 +78,6 @@ class LawInLanes {
       a.attraction = hn::Mul(a.eps, six_sigma6_);
       if constexpr (!C::kOneSigma) a.half_sigma = load_rows(d, half_sigma_ + first);
     }
-    return a;
   }
 
   // What pairs() starts from.
@@ -126,6 +124,10 @@ class LawInLanes {
  private:
   static HWY_INLINE V set(double value) { return hn::Set(D(), static_cast<T>(value)); }
 
+  // 1/r³ comes times kScale: so do 1/r⁶ and what follows from it, times its square.
+  static constexpr double kScale = C::kFromCube ? kCubeScale<D> : 1, kScale2 = kScale * kScale;
+  static constexpr double kSix = 6 / (kScale2 * kScale2), kTwelve = 12 / (kScale2 * kScale2 * kScale2);
+
   // `inverse`: 1/r³, 1/r or 1/r².
   HWY_INLINE V lennard_jones(const Atoms& atoms, std::ptrdiff_t j, V r2, V inverse) const {
     const D d;
@@ -146,7 +148,7 @@ class LawInLanes {
       const V b = hn::GatherIndex(d, table_b_, at),
               a_over_r6 = hn::Mul(hn::GatherIndex(d, table_a_, at), inv_r6);
       if constexpr (needs_slope)
-        slope = hn::Mul(hn::Mul(inv_r4, inv_r4), hn::MulSub(set(12), a_over_r6, hn::Mul(set(6), b)));
+        slope = hn::Mul(hn::Mul(inv_r4, inv_r4), hn::MulSub(set(kTwelve), a_over_r6, hn::Mul(set(kSix), b)));
       if constexpr (needs_energy) energy = hn::Mul(inv_r6, hn::Sub(a_over_r6, b));
     } else {
       const V eps_j = load_columns(d, two_sqrt_epsilon_ + j);
@@ -163,7 +165,8 @@ class LawInLanes {
       }
       four_eps = hn::Mul(atoms.eps, eps_j);
       const V depth = hn::Mul(four_eps, s6);
-      if constexpr (needs_slope) slope = hn::Mul(hn::Mul(depth, hn::MulSub(set(12), s6, set(6))), inv_r2);
+      if constexpr (needs_slope)
+        slope = hn::Mul(hn::Mul(depth, hn::MulSub(set(kTwelve), s6, set(kSix))), inv_r2);
       if constexpr (needs_energy) energy = hn::MulSub(depth, s6, depth);
     }
     if constexpr (C::kSwitched) fade(r2, inverse, slope, energy);

@@ -44,10 +44,10 @@ class ScreenInLanes {
   static constexpr int kPieces = Pieces::kPieces;
 
  public:
-  // of: Screening's numbers.
-  HWY_INLINE ScreenInLanes(double scale, const std::vector<double>& of)
+  // of: Screening's numbers; the result comes times `factor`.
+  HWY_INLINE ScreenInLanes(double scale, const std::vector<double>& of, double factor)
       : scale_(static_cast<T>(scale)), terms_(static_cast<int>(of.size()) / kPieces) {
-    for (std::size_t k = 0; k < of.size(); ++k) number_[k] = static_cast<T>(of[k]);
+    for (std::size_t k = 0; k < of.size(); ++k) number_[k] = static_cast<T>(of[k] * factor);
   }
   bool wanted() const { return terms_ > 0; }
 
