@@ -54,12 +54,10 @@ class EngineIn final : public ClusterPairs::Engine {
     if (p_.all_pairs() && x.cols() > 0) choose_unit(2 * spread(x), x.cwiseAbs().maxCoeff());
     if (p_.periodic && box != clusters_.box()) searched_in_box_ = false;
     if (!(searched_in_box_ && place(x))) renew_lists(x, box);
-    in_parallel(threads_, [&](int t) {
-      add_pair_forces(p_.law, atoms_, inner_list(t), force_.cleared(t));
-      force_.fold(t, share_of(t));
-    });
-    in_parallel(threads_, [&](int t) {
-      onto == Onto::kNothing ? gather_forces<Onto::kNothing>(t, f) : gather_forces<Onto::kWhatIs>(t, f);
+    in_parallel(threads_, [&](int t) { add_pair_forces(p_.law, atoms_, inner_list(t), force_.cleared(t)); });
+    by_clusters([&](const Share& share) {
+      onto == Onto::kNothing ? gather_forces<Onto::kNothing>(share, f)
+                             : gather_forces<Onto::kWhatIs>(share, f);
     });
     energy_known_ = false;
   }
@@ -102,10 +100,8 @@ class EngineIn final : public ClusterPairs::Engine {
 
   const ClusterList& inner_list(int t) const { return p_.all_pairs() ? outer_[t] : inner_[t]; }
 
-  Share share_of(int t) const { return Share(clusters_.count(), t, threads_); }
-
   void by_clusters(const auto& work) {
-    in_parallel(threads_, [&](int t) { work(share_of(t)); });
+    in_parallel(threads_, [&](int t) { work(Share(clusters_.count(), t, threads_)); });
   }
   // Whether it holds of all shares of the clusters.
   bool everywhere(const auto& holds) {
@@ -290,11 +286,10 @@ class EngineIn final : public ClusterPairs::Engine {
   }
 
   template <Onto onto>
-  void gather_forces(int t, Vectors& f) {
-    const Share share = share_of(t);
+  void gather_forces(const Share& share, Vectors& f) {
     const int last = 4 * share.end - 1;
     for (int c = share.begin; c < share.end; ++c) {
-      const auto sum = force_.sum(c, t);
+      const auto sum = force_.sum(c);
       for (int i = 0; i < kClusterAtoms; ++i) {
         const int slot = 4 * c + i;
         hwy::Prefetch(f.data() + 3 * clusters_.atom(std::min(slot + kAhead, last)));

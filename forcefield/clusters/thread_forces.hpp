@@ -8,7 +8,6 @@
 #include "forcefield/clusters/aligned.hpp"
 #include "forcefield/clusters/pair_kernels.hpp"
 #include "forcefield/clusters/prune_list.hpp"
-#include "md/threads.hpp"
 
 namespace taut {
 
@@ -48,26 +47,15 @@ class ThreadForces {
     return force_[t].data();
   }
 
-  // Adds up the copies of what thread t reached of others' clusters: a third of the lines, or two, that they
-  // have to ask its core for.
-  void fold(int t, const Share& own) {
-    for (int b = 0; copies_ > 1 && kBlock * b < clusters_; ++b) {
-      if (!reached_[t][b]) continue;
-      const int begin = kBlock * b, end = std::min(kBlock * (b + 1), clusters_);
-      for (int c = begin; c < std::min(end, own.begin); ++c) fold(of(t, c));
-      for (int c = std::max(begin, own.end); c < end; ++c) fold(of(t, c));
-    }
-  }
-
-  // A cluster's, of all threads and copies: x, y, z of its four. Thread t has it in its share.
+  // A cluster's, of all threads and copies: x, y, z of its four.
   using Sum = std::array<std::array<double, kClusterAtoms>, 3>;
-  Sum sum(int cluster, int owner) {
+  Sum sum(int cluster) {
     Sum sum{};
-    for (int t = 0; t < static_cast<int>(force_.size()); ++t) {
+    for (std::size_t t = 0; t < force_.size(); ++t) {
       if (!reached_[t][cluster / kBlock]) continue;
-      const T* force = of(t, cluster);
+      const T* force = of(static_cast<int>(t), cluster);
       for (auto& along : sum)
-        for (int copy = 0; copy < (t == owner ? copies_ : 1); ++copy, force += kClusterAtoms)
+        for (int copy = 0; copy < copies_; ++copy, force += kClusterAtoms)
           for (int i = 0; i < kClusterAtoms; ++i) along[i] += double(force[i]);
     }
     return sum;
@@ -75,14 +63,6 @@ class ThreadForces {
 
  private:
   static constexpr int kBlock = 16;  // clusters
-  void fold(T* force) const {
-    for (int along = 0; along < 3; ++along)
-      for (int i = 0; i < kClusterAtoms; ++i) {
-        T sum = 0;
-        for (int copy = 0; copy < copies_; ++copy) sum += force[kClusterAtoms * (copies_ * along + copy) + i];
-        force[kClusterAtoms * along + i] = sum;
-      }
-  }
   T* of(int t, int cluster) { return force_[t].data() + std::size_t(numbers_) * cluster; }
 
   const int copies_ = force_copies<T>();
