@@ -1,7 +1,5 @@
 #include "forcefield/pme/mesh.hpp"
 
-#include <hwy/cache_control.h>
-
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -102,7 +100,10 @@ class MeshIn final : public PmeMesh::Engine {
         repeat_starts(plane);
       }
     });
-    in_parallel(threads, [&](int t) { gather(Share(n, t, threads), f); });
+    in_parallel(threads, [&](int t) {
+      const Share share(n, t, threads);
+      add_mesh_forces<T>(mesh(), {atoms_.data() + share.begin, atoms_.data() + share.end}, slope_, f);
+    });
   }
 
   double energy() const override { return std::accumulate(energy_of_.begin(), energy_of_.end(), 0.0); }
@@ -238,18 +239,6 @@ class MeshIn final : public PmeMesh::Engine {
       for (int k3 = 0; k3 < reach(order_); ++k3) row(plane, k2)[size_[2] + k3] = row(plane, k2)[k3];
     for (int k2 = 0; k2 < order_ - 1; ++k2)
       std::copy(row(plane, k2), row(plane, k2 + 1), row(plane, size_[1] + k2));
-  }
-
-  void gather(const Share& share, Vectors& f) {
-    constexpr int kTogether = 64;
-    std::array<Vec3, kTogether> slopes;
-    for (int begin = share.begin; begin < share.end; begin += kTogether) {
-      const MeshAtoms<T> atoms{atoms_.data() + begin, atoms_.data() + std::min(begin + kTogether, share.end)};
-      for (const auto& a : atoms) hwy::Prefetch(f.data() + 3 * std::ptrdiff_t{a.atom});
-      find_slopes<T>(mesh(), atoms, slopes.data());
-      const Vec3* slope = slopes.data();
-      for (const auto& a : atoms) f.col(a.atom) -= double(a.charge) * (slope_ * *slope++);
-    }
   }
 
   MeshGrid<T> mesh() { return {grid_.plane(0), size_, grid_.stride(), grid_.apart(), order_}; }

@@ -140,7 +140,7 @@ class PlanesOf {
       : apart_(grid.apart),
         all_(grid.size[0] * grid.apart),
         end_(grid.plane + all_),
-        at_(wrapped(grid.plane + atom.point[0] * grid.apart + atom.point[1] * grid.stride + atom.point[2])) {}
+        at_(grid.plane + atom.point[0] * grid.apart + atom.point[1] * grid.stride + atom.point[2]) {}
   HWY_INLINE Real* next() {
     Real* const rows = at_;
     at_ = wrapped(at_ + apart_);
@@ -187,8 +187,8 @@ HWY_INLINE void spread_of(const MeshGrid<Real>& grid, const PlanesAbove& planes,
 
 // Along a row last: Σ φ w₁w₂, Σ φ dw₁w₂ and Σ φ w₁dw₂ there.
 template <int order>
-HWY_INLINE Vec3 slope_of(const MeshGrid<Real>& grid, const MeshAtom<Real>& atom,
-                         const Splines<order>& splines, int a) {
+HWY_INLINE std::array<double, 3> slope_of(const MeshGrid<Real>& grid, const MeshAtom<Real>& atom,
+                                          const Splines<order>& splines, int a) {
   using Row = RowOf<order>;
   const typename Row::D d;
   const auto zero = hn::Zero(d);
@@ -230,8 +230,8 @@ HWY_INLINE Vec3 slope_of(const MeshGrid<Real>& grid, const MeshAtom<Real>& atom,
     y = hn::MulAdd(second.v[v], w.v[v], y);
     z = hn::MulAdd(level.v[v], dw.v[v], z);
   }
-  return {hn::GetLane(hn::SumOfLanes(d, x)), hn::GetLane(hn::SumOfLanes(d, y)),
-          hn::GetLane(hn::SumOfLanes(d, z))};
+  const auto sum = [&](auto of) HWY_ATTR { return double(hn::GetLane(hn::SumOfLanes(d, of))); };
+  return {sum(x), sum(y), sum(z)};
 }
 
 // work(some) of all of them.
@@ -250,13 +250,19 @@ void spread(MeshGrid<Real> grid, const PlanesAbove& planes, MeshAtoms<Real> atom
   });
 }
 
-void slopes(MeshGrid<Real> grid, MeshAtoms<Real> atoms, Vec3* slope) {
+void forces(MeshGrid<Real> grid, MeshAtoms<Real> atoms, const Eigen::Matrix3d& turn, Vectors& f) {
   of_order(grid.order, [&]<int order>() HWY_ATTR {
     Splines<order> splines;
     some_at_a_time(atoms, [&](MeshAtoms<Real> some) HWY_ATTR {
+      for (const auto& atom : some) hwy::Prefetch(f.data() + 3 * std::ptrdiff_t{atom.atom});
       find_splines<order>(some, true, splines);
-      for (int a = 0; a < static_cast<int>(some.size()); ++a)
-        *slope++ = slope_of<order>(grid, some[a], splines, a);
+      for (int a = 0; a < static_cast<int>(some.size()); ++a) {
+        const auto slope = slope_of<order>(grid, some[a], splines, a);
+        double* const at = f.data() + 3 * std::ptrdiff_t{some[a].atom};
+        const double q = double(some[a].charge);
+        for (int d = 0; d < 3; ++d)
+          at[d] -= q * (turn(d, 0) * slope[0] + turn(d, 1) * slope[1] + turn(d, 2) * slope[2]);
+      }
     });
   });
 }
@@ -331,7 +337,7 @@ using Real = TAUT_MESH_REAL;
 
 HWY_EXPORT(points);
 HWY_EXPORT(spread);
-HWY_EXPORT(slopes);
+HWY_EXPORT(forces);
 HWY_EXPORT(filter_all);
 template <>
 void find_points(const MeshFrame& frame, const Vectors& x, std::span<const Charged> charged,
@@ -343,8 +349,9 @@ void spread_charges(const MeshGrid<Real>& grid, const PlanesAbove& planes, MeshA
   HWY_DYNAMIC_DISPATCH(spread)(grid, planes, atoms);
 }
 template <>
-void find_slopes(const MeshGrid<Real>& grid, MeshAtoms<Real> atoms, Vec3* slope) {
-  HWY_DYNAMIC_DISPATCH(slopes)(grid, atoms, slope);
+void add_mesh_forces(const MeshGrid<Real>& grid, MeshAtoms<Real> atoms, const Eigen::Matrix3d& turn,
+                     Vectors& f) {
+  HWY_DYNAMIC_DISPATCH(forces)(grid, atoms, turn, f);
 }
 template <>
 double filter(std::span<const Real> factor, std::complex<Real>* z) {

@@ -59,9 +59,9 @@ struct PlanesAbove {
 template <class T>
 void spread_charges(const MeshGrid<T>& grid, const PlanesAbove& planes, MeshAtoms<T> atoms);
 
-// Σ φ dw/du at each of the atoms, u in grid points along each edge.
+// Adds the forces −q · turn · Σ φ dw/du on each of the atoms, u in grid points along each edge.
 template <class T>
-void find_slopes(const MeshGrid<T>& grid, MeshAtoms<T> atoms, Vec3* slope);
+void add_mesh_forces(const MeshGrid<T>& grid, MeshAtoms<T> atoms, const Eigen::Matrix3d& turn, Vectors& f);
 
 // Each number times its factor g ≥ 0, and what Σ g|z|² then is, of what z was.
 template <class T>
