@@ -17,7 +17,7 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kFormat = "taut checkpoint";
-constexpr int kVersion = 3;
+constexpr int kVersion = 4;
 
 std::uint64_t checksum(std::string_view bytes) {  // FNV-1a (Fowler, Noll and Vo)
   std::uint64_t hash = 0xcbf29ce484222325;

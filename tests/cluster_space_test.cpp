@@ -273,18 +273,20 @@ TEST(AtomClusters, LeaveEmptySpaceOut) {
 }
 
 TEST(ClusterPairs, RefusesPositionsThatAreNotFinite) {
-  const Liquid liquid{"", 5, 0.33, true, 0.8, 0, 1, true};
-  std::mt19937_64 rng(1);
-  const Box box = box_of(liquid);
-  Vectors x = place(liquid, rng), f = Vectors::Zero(3, x.cols());
-  for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
-    ClusterPairs clusters(forces_of(liquid), true, precision);
-    clusters.add_forces(x, box, f);
-    Vectors bad = x;
-    bad(1, 12) = std::nan("");
-    EXPECT_THROW(clusters.add_forces(bad, box, f), SimulationFailure);
-    bad(1, 12) = HUGE_VAL;
-    EXPECT_THROW(clusters.add_forces(bad, box, f), SimulationFailure);
+  for (const Liquid& liquid :
+       {Liquid{"", 5, 0.33, true, 0.8, 0, 1, true}, Liquid{"", 5, 0.33, false, 0, 0, 1, true}}) {
+    std::mt19937_64 rng(1);
+    const Box box = box_of(liquid);
+    Vectors x = place(liquid, rng), f = Vectors::Zero(3, x.cols());
+    for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
+      ClusterPairs clusters(forces_of(liquid), box.periodic(), precision);
+      clusters.add_forces(x, box, f);
+      Vectors bad = x;
+      bad(1, 12) = std::nan("");
+      EXPECT_THROW(clusters.add_forces(bad, box, f), SimulationFailure);
+      bad(1, 12) = HUGE_VAL;
+      EXPECT_THROW(clusters.add_forces(bad, box, f), SimulationFailure);
+    }
   }
 }
 

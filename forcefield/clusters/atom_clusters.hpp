@@ -6,13 +6,12 @@
 #include <optional>
 #include <vector>
 
+#include "forcefield/clusters/cluster_list.hpp"
 #include "md/archive.hpp"
 #include "md/box.hpp"
 #include "md/vectors.hpp"
 
 namespace taut {
-
-inline constexpr int kClusterAtoms = 4;
 
 // Atoms sorted in space into clusters of four (Páll and Hess 2013, doi:10.1016/j.cpc.2013.06.003): columns
 // along z as wide as eight atoms' cube, and from each, upwards, the lowest atom left with three near it. Only

@@ -5,7 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
+#include "forcefield/clusters/atom_tracks.hpp"
+#include "forcefield/clusters/cluster_search.hpp"
 #include "forcefield/clusters/pair_kernels.hpp"
 #include "forcefield/clusters/pair_problem.hpp"
 #include "forcefield/clusters/prune_list.hpp"
@@ -48,12 +51,13 @@ class EngineIn final : public ClusterPairs::Engine {
   explicit EngineIn(PairProblem problem)
       : p_(std::move(problem)),
         exclusions_(static_cast<int>(p_.kind.size()), p_.exclusions),
-        clusters_(p_.layout()) {}
+        clusters_(p_.layout()),
+        aim_{p_.way, p_.spare, p_.outer / 2} {}
 
   void add_forces(const Vectors& x, const Box& box, Vectors& f, Onto onto) override {
     if (p_.all_pairs() && x.cols() > 0) choose_unit(2 * spread(x), x.cwiseAbs().maxCoeff());
-    if (p_.periodic && box != clusters_.box()) searched_in_box_ = false;
-    if (!(searched_in_box_ && place(x))) renew_lists(x, box);
+    if (p_.periodic && box != clusters_.box()) forget();
+    if (!searched_in_box_ || !place(x)) renew_lists(x, box);
     in_parallel(threads_, [&](int t) { add_pair_forces(p_.law, atoms_, inner_list(t), force_.cleared(t)); });
     by_clusters([&](const Share& share) {
       onto == Onto::kNothing ? gather_forces<Onto::kNothing>(share, f)
@@ -77,12 +81,12 @@ class EngineIn final : public ClusterPairs::Engine {
   // Where every pair counts, the lists do not depend on where atoms are.
   void serialize(Archive& archive) override {
     if (p_.all_pairs()) return;
-    archive(clusters_, searched_at_, pruned_at_);
+    archive(clusters_, searched_at_);
+    if (archive.loading()) search(Vectors(searched_at_), clusters_.box());
+    archive(tracks_, listed_.x);
     if (!archive.loading()) return;
-    const Vectors searched = searched_at_, pruned = pruned_at_;
-    search(searched, clusters_.box());
-    place(pruned);
-    prune(pruned);
+    archive.demand(within_reach());
+    prune();
     energy_known_ = false;
   }
 
@@ -100,38 +104,52 @@ class EngineIn final : public ClusterPairs::Engine {
 
   const ClusterList& inner_list(int t) const { return p_.all_pairs() ? outer_[t] : inner_[t]; }
 
+  Share share_of(int t) const { return Share(clusters_.count(), t, threads_); }
+
   void by_clusters(const auto& work) {
-    in_parallel(threads_, [&](int t) { work(Share(clusters_.count(), t, threads_)); });
+    in_parallel(threads_, [&](int t) { work(share_of(t)); });
   }
   // Whether it holds of all shares of the clusters.
   bool everywhere(const auto& holds) {
     holds_.assign(threads_, 1);
-    in_parallel(threads_, [&](int t) { holds_[t] = holds(Share(clusters_.count(), t, threads_)); });
+    in_parallel(threads_, [&](int t) { holds_[t] = holds(share_of(t)); });
     return std::all_of(holds_.begin(), holds_.end(), [](char h) { return h; });
   }
 
   void renew_lists(const Vectors& x, const Box& box) {
-    const double limit = (p_.outer - p_.inner) / 2;
-    if (!searched_in_box_ || !everywhere([&](const Share& s) { return within(searched_, limit, s); })) {
+    if (!searched_in_box_ || !look_ahead()) {
       search(x, box);
-      place(x);
+      look_ahead();
     }
-    prune(x);
+    prune();
   }
 
-  // The inner list from the outer one. The atoms are placed at x already.
-  void prune(const Vectors& x) {
-    pruned_at_.resize(3, x.cols());
-    in_parallel(threads_, [&](int t) {
-      const Share atoms(static_cast<int>(x.cols()), t, threads_), share(clusters_.count(), t, threads_);
-      pruned_at_.middleCols(atoms.begin, atoms.end - atoms.begin) =
-          x.middleCols(atoms.begin, atoms.end - atoms.begin);
-      std::copy(position_.begin() + 12 * share.begin, position_.begin() + 12 * share.end,
-                pruned_.begin() + 12 * share.begin);
-      if (!p_.all_pairs()) round(position_, share);
-    });
+  void forget() {
+    searched_in_box_ = false;
+    tracks_.forget();
+  }
+
+  // Where the inner list is to be made. False if that is too far from where the atoms were searched.
+  bool look_ahead() {
+    if (p_.all_pairs()) {
+      listed_ = searched_;
+      return everywhere([&](const Share& s) { return tracks_.served(listed_, s); });
+    }
+    half_ways_.resize(threads_);
+    in_parallel(threads_, [&](int t) { half_ways_[t] = tracks_.look_ahead(aim_, share_of(t), listed_); });
+    if (!within_reach()) return false;
+    tracks_.adjust(std::accumulate(half_ways_.begin(), half_ways_.end(), 0.0), aim_);
+    return true;
+  }
+
+  bool within_reach() {
+    return everywhere([&](const Share& s) { return taut::within_reach(aim_.reach, searched_, s, listed_); });
+  }
+
+  // The inner list from the outer one.
+  void prune() {
     if (p_.all_pairs()) return;
-    const Pruning pruning{rounded_, kind_, p_.law.cutoff + p_.inner, kRowAtoms};
+    const Pruning pruning{listed_, kind_, p_.law.cutoff, kRowAtoms};
     in_parallel(threads_, [&](int t) {
       inner_[t].rows.clear();
       inner_[t].masked.clear();
@@ -142,15 +160,17 @@ class EngineIn final : public ClusterPairs::Engine {
 
   // Puts the atoms where they are now. False where the inner list no longer serves, or an atom is nowhere.
   bool place(const Vectors& x) {
+    if (!tracks_.stand_at(x, clusters_)) tracks_.advance();
     return everywhere([&](const Share& share) {
       place(x, share);
-      return within(pruned_, limit_, share);
+      return tracks_.served(listed_, share);
     });
   }
 
   void place(const Vectors& x, const Share& share) {
     const double inv_unit = 1 / atoms_.unit;
     const int last = 4 * share.end - 1;
+    double* now = tracks_.now().data();
     for (int slot = 4 * share.begin; slot <= last; ++slot) {
       const int at = 12 * (slot / 4) + slot % 4;
       hwy::Prefetch(x.data() + 3 * clusters_.atom(std::min(slot + kAhead, last)));
@@ -158,27 +178,10 @@ class EngineIn final : public ClusterPairs::Engine {
       const Vec3& offset = clusters_.offset(slot);
       for (int d = 0; d < 3; ++d) {
         const double q = p[d] + offset[d];
-        position_[at + 4 * d] = q;
+        now[at + 4 * d] = q;
         atoms_.x[at + 4 * d] = PairPrecision<T>::coordinate(q * inv_unit);
       }
     }
-  }
-
-  // Whether no atom has gone further than `limit` since it was there. Not where one is nowhere.
-  bool within(const std::vector<double>& there, double limit, const Share& share) const {
-    const double limit2 = limit * limit;
-    const double *now = position_.data(), *then = there.data();
-    bool all = true;
-    for (int c = 12 * share.begin; c < 12 * share.end; c += 12)
-      for (int i = c; i < c + 4; ++i) {
-        const double dx = now[i] - then[i], dy = now[i + 4] - then[i + 4], dz = now[i + 8] - then[i + 8];
-        all &= dx * dx + dy * dy + dz * dz <= limit2;  // false for NaN
-      }
-    return all;
-  }
-
-  void round(const std::vector<double>& position, const Share& share) {
-    for (int k = 12 * share.begin; k < 12 * share.end; ++k) rounded_.x[k] = static_cast<float>(position[k]);
   }
 
   void search(const Vectors& x, const Box& box) {
@@ -186,6 +189,7 @@ class EngineIn final : public ClusterPairs::Engine {
       if (!x.col(a).allFinite())
         throw SimulationFailure(
             fmt::format("atom {}: position ({}, {}, {}) nm is not finite", a, x(0, a), x(1, a), x(2, a)));
+    by_clusters([&](const Share& share) { tracks_.leave(clusters_, share); });
     p_.all_pairs() ? clusters_.build_in_order(x) : clusters_.build(x, box);
     threads_ = threads_for(clusters_.count(), kClustersPerThread);
     load(x);
@@ -212,6 +216,10 @@ class EngineIn final : public ClusterPairs::Engine {
       shares_.take(t, outer_);
       for (const auto& [list, rows] : shares_.pieces(t)) force_.reach(t, outer_[list], rows);
     });
+    by_clusters([&](const Share& share) {
+      place(x, share);
+      tracks_.enter(clusters_, share);
+    });
     searched_at_ = x;
     searched_in_box_ = true;
     ++searches;
@@ -220,22 +228,21 @@ class EngineIn final : public ClusterPairs::Engine {
   // Positions and parameters by slot.
   void load(const Vectors& x) {
     const int slots = clusters_.slots();
-    for (auto* numbers : {&searched_, &position_, &pruned_}) numbers->resize(3 * slots);
+    tracks_.make_room(clusters_.count(), x.cols());
     kind_.resize(slots);
     atoms_.x.resize(3 * slots);
     for (auto* numbers : {&atoms_.charge, &atoms_.half_sigma, &atoms_.two_sqrt_epsilon})
       numbers->resize(slots);
     load_table(slots);
-    rounded_.x.resize(3 * slots);
+    searched_.x.resize(4 * slots);
+    listed_.x.resize(4 * slots);
     extent_.assign(threads_, 0);
     in_parallel(threads_, [&](int t) {
       const Share share(clusters_.count(), t, threads_);
       extent_[t] = load(x, share);
-      round(searched_, share);
     });
     const double extent = *std::max_element(extent_.begin(), extent_.end());
-    limit_ = p_.all_pairs() ? kEverywhere : p_.inner / 2;
-    rounded_.extent = extent + clusters_.box().edge.maxCoeff();
+    searched_.extent = listed_.extent = extent + clusters_.box().edge.maxCoeff();
     if (!p_.all_pairs()) choose_unit(2 * (p_.law.cutoff + p_.outer + clusters_.widest()), extent);
   }
 
@@ -246,9 +253,11 @@ class EngineIn final : public ClusterPairs::Engine {
       const int a = clusters_.atom(slot);
       for (int d = 0; d < 3; ++d) {
         const double q = x(d, a) + clusters_.offset(slot)[d];
-        searched_[12 * (slot / 4) + 4 * d + slot % 4] = q;
+        searched_.x[16 * (slot / 4) + 4 * d + slot % 4] = static_cast<float>(q);
         extent = std::max(extent, std::abs(q));
       }
+      searched_.x[16 * (slot / 4) + 12 + slot % 4] =
+          static_cast<float>(p_.all_pairs() ? kEverywhere : p_.outer / 2);
       const bool filler = clusters_.filler(slot);
       const auto unless_filler = [&](double value) { return filler ? T(0) : static_cast<T>(value); };
       kind_[slot] = filler ? 0 : p_.kind[a];
@@ -304,19 +313,19 @@ class EngineIn final : public ClusterPairs::Engine {
   Adjacency exclusions_;
   AtomClusters clusters_;
   PairAtoms<T> atoms_;
-  RoundedPositions rounded_;  // where the lists were made
-  std::vector<double> position_, pruned_,
-      searched_;                     // now and when the lists were made, as PairAtoms has them [nm]
-  Vectors searched_at_, pruned_at_;  // the same, as they were given [nm]
+  AtomTracks tracks_;
+  const AtomTracks::Aim aim_;
+  RoundedPositions searched_, listed_;  // places the outer and the inner list were made for
+  Vectors searched_at_;                 // as they were given [nm]
   std::vector<std::uint8_t> kind_;
   bool searched_in_box_ = false;  // the box there is
-  double limit_ = 0;              // how far an atom may go until the inner list is made again [nm]
   int threads_ = 1;
   std::vector<ClusterList> outer_, inner_;  // by thread, as what follows
   std::vector<char> holds_;
   std::vector<double> extent_;
+  std::vector<double> half_ways_;
   std::vector<ClusterSearch> search_;
-  SearchSpace space_{clusters_, exclusions_, kind_, rounded_, p_.law.cutoff + p_.outer};
+  SearchSpace space_{clusters_, exclusions_, kind_, searched_, p_.law.cutoff, p_.outer / 2};
   RowShares shares_;  // of the outer list, which make the inner one
   ThreadForces<T> force_;
   std::vector<SixSums> parts_;

@@ -14,11 +14,11 @@ struct PairProblem;
 // in space, by threads. What exceptions add by their own numbers is not in them.
 //
 // Two lists, as GROMACS has them (Páll et al. 2020, doi:10.1063/5.0018516). The outer one, from a search,
-// holds the clusters within cutoff + outer buffer; the inner one, what of it is within cutoff + inner buffer.
-// Forces are summed over the inner one while no atom has moved more than half the inner buffer since it was
-// made; it is made again from the outer one while no atom has moved more than half of what the outer buffer
-// is wider since the search. So no pair within the cutoff is ever missed. The order of all sums is fixed by
-// the lists and the number of threads.
+// holds the clusters within cutoff + outer buffer; the inner one, what of it can come within the cutoff while
+// each atom stays near where it is to be expected (AtomTracks). Forces are summed over the inner one while
+// all do; it is made again from the outer one while what is expected is within half the outer buffer of where
+// the atoms were searched. So no pair within the cutoff is ever missed. The order of all sums is fixed by the
+// lists and the number of threads.
 class ClusterPairs {
  public:
   ClusterPairs(const Nonbonded& nb, bool periodic, Precision precision);

@@ -24,17 +24,9 @@ V gap(V low, V high, const float* lows, const float* highs) {
   return hn::Max(hn::Max(below, above), hn::Zero(d));
 }
 
-// Appends first + l for each bit l.
-HWY_INLINE int* append(int* out, int first, unsigned bits) {
-  const hn::Rebind<std::int32_t, D> d;
-  std::uint64_t mask = bits;
-  const auto bytes = reinterpret_cast<const std::uint8_t*>(&mask);
-  hn::StoreU(hn::Compress(hn::Iota(d, first), hn::LoadMaskBits(d, bytes)), d, out);
-  return out + hwy::PopCount(bits);
-}
-
 void scan_clusters_simd(ClusterScan& s, const ClusterRange* ranges, int ranges_count) {
   const D d;
+  const hn::Rebind<std::int32_t, D> indices;
   const float highest = s.own_high[2] + static_cast<float>(s.reach);
   const V reach2 = hn::Set(d, static_cast<float>(s.reach * s.reach));
   V low[3], high[3];
@@ -54,17 +46,14 @@ void scan_clusters_simd(ClusterScan& s, const ClusterRange* ranges, int ranges_c
       hn::StoreMaskBits(d, hn::Le(gap2, reach2), reinterpret_cast<std::uint8_t*>(&near));
       auto bits = static_cast<unsigned>(near);
       if (range->end - c < kLanes) bits &= (1u << (range->end - c)) - 1;
-      candidate = append(candidate, c, bits);
+      candidate = store_those(indices, hn::Iota(indices, c), bits, candidate);
     }
   // then by atoms
-  InRange in_range(s.x, s.reach);
+  InRange in_range(s.x, s.range);
   in_range.take(s.own, s.shift);
-  int* found = s.found;
-  for (const int* j = s.candidates; j != candidate; ++j) {
-    *found = *j;
-    found += in_range.with(*j) != 0;
-  }
-  s.count = static_cast<int>(found - s.found);
+  int* found[] = {s.found};
+  in_range.choose(s.candidates, static_cast<int>(candidate - s.candidates), found);
+  s.count = static_cast<int>(found[0] - s.found);
 }
 
 }  // namespace taut::HWY_NAMESPACE

@@ -13,7 +13,8 @@ struct ClusterRange {
 struct ClusterScan {
   const float* low[3];  // bounds of all clusters, and of a vector's width more [nm]
   const float* high[3];
-  double reach;                   // [nm]
+  double reach;                   // of bounds, margins included [nm]
+  double range;                   // of atoms, without [nm]
   float own_low[3], own_high[3];  // bounds of the searching cluster where it meets the others [nm]
   const float* x;                 // RoundedPositions of all clusters
   int own;                        // the searching cluster

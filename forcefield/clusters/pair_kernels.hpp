@@ -7,7 +7,6 @@
 
 #include "forcefield/clusters/aligned.hpp"
 #include "forcefield/clusters/cluster_list.hpp"
-#include "forcefield/clusters/rounded_positions.hpp"
 #include "forcefield/pme/screening.hpp"
 
 namespace taut {

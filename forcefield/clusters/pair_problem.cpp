@@ -37,11 +37,12 @@ void take_table(const LennardJonesTable& from, PairProblem& p) {
     p.two_sqrt_epsilon[i] = from.a.col(from.type[i]).any() || from.b.col(from.type[i]).any() ? 1 : 0;
 }
 
-// How far beyond the cutoff the lists look: what they save in lists made against the pairs they add. The
-// cutoff is at most half the shortest edge of a box: what the outer one looks for stays within one.
-void choose_buffers(PairProblem& p, double inner_share, double outer_share) {
-  p.inner = inner_share * p.law.cutoff;
-  p.outer = outer_share * p.law.cutoff;
+// How far beyond the cutoff the lists look, in cutoffs: what they save in lists made against the pairs they
+// add. The cutoff is at most half the shortest edge of a box: what the outer one looks for stays within one.
+void choose_buffers(PairProblem& p, double way, double spare, double outer) {
+  p.way = way * p.law.cutoff;
+  p.spare = spare * p.law.cutoff;
+  p.outer = outer * p.law.cutoff;
 }
 
 }  // namespace
@@ -61,7 +62,7 @@ PairProblem problem_of(const Nonbonded& nb, bool periodic, Precision precision) 
       p.law.c_rf = 3 * eps / ((2 * eps + 1) * rc);
     }
     p.periodic = periodic;  // without a cutoff there are no images
-    choose_buffers(p, 0.07, 0.38);
+    choose_buffers(p, 0.007, 0.006, 0.42);
   }
   p.charge = std::sqrt(kCoulomb) * nb.charge;
   p.half_sigma = 0.5 * nb.sigma;
@@ -78,7 +79,7 @@ PairProblem problem_of(const Wca& wca, int atoms, bool periodic) {
   p.law.cutoff = wca.reach();
   p.law.lift = 1;
   p.periodic = periodic;
-  choose_buffers(p, 0.12, 0.4);
+  choose_buffers(p, 0.01, 0.008, 0.44);
   p.charge = Eigen::VectorXd::Zero(atoms);
   p.half_sigma = Eigen::VectorXd::Constant(atoms, wca.sigma / 2);
   p.two_sqrt_epsilon = Eigen::VectorXd::Constant(atoms, 2 * std::sqrt(wca.epsilon));

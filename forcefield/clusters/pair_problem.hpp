@@ -15,8 +15,8 @@ namespace taut {
 struct PairProblem {
   PairLaw law;
   bool periodic = false;
-  double inner = 0, outer = 0;                           // buffers [nm]
-  std::vector<std::uint8_t> kind;                        // n
+  double way = 0, spare = 0, outer = 0;  // of the lists: AtomTracks::Aim, and the outer one's buffer [nm]
+  std::vector<std::uint8_t> kind;        // n
   Eigen::VectorXd charge, half_sigma, two_sqrt_epsilon;  // as PairAtoms has them, n
   LennardJonesTable table;                               // with a last type for what has no Lennard-Jones
   std::vector<std::array<int, 2>> exclusions;

@@ -23,41 +23,41 @@ void add_masks(const ClusterList& list, const PairRow& whole, int first, int ato
   row.masked_end = static_cast<int>(pruned.masked.size());
 }
 
-// Cuts a row of four into rows of row_atoms, four or two, each with the clusters that hold a pair in range
-// with it.
-void prune_rows(const Pruning& how, const ClusterList& list, RowRange range, ClusterList& pruned) {
-  const int atoms = how.row_atoms, rows = atoms == kClusterAtoms ? 1 : 2;
-  const unsigned first_row = (1u << (4 * atoms)) - 1;
+// Cuts rows of four into so many pieces, each with the clusters that hold a pair in range with it.
+template <int kPieces>
+HWY_INLINE void prune_in_pieces(const Pruning& how, const ClusterList& list, RowRange range,
+                                ClusterList& pruned) {
+  constexpr int kAtoms = kClusterAtoms / kPieces, kWidest = 16;
   const int used = pruned.rows.empty() ? 0 : pruned.rows.back().end;
   const int most = list.rows[range.end - 1].end - list.rows[range.begin].begin;
-  pruned.clusters.resize(std::max(pruned.clusters.size(), std::size_t(used) + std::size_t(rows) * most));
+  pruned.clusters.resize(
+      std::max(pruned.clusters.size(), std::size_t(used) + std::size_t(kPieces) * most + kWidest));
   InRange in_range(how.x.x.data(), how.x.safely(how.range));
   int* next = pruned.clusters.data() + used;
   for (int r = range.begin; r < range.end; ++r) {
     const PairRow& whole = list.rows[r];
+    const int count = whole.end - whole.begin;
     in_range.take(whole.first / kClusterAtoms, whole.shift);
-    int* const begin[] = {next, next + (whole.end - whole.begin)};
-    int* end[] = {begin[0], begin[1]};
-    for (int k = whole.begin; k < whole.end; ++k) {
-      const unsigned bits = in_range.with(list.clusters[k]);
-      *end[0] = list.clusters[k];
-      end[0] += (bits & first_row) != 0;
-      if (rows == 1) continue;
-      *end[1] = list.clusters[k];
-      end[1] += (bits & ~first_row) != 0;
-    }
-    for (int part = 0; part < rows; ++part) {
+    int *begin[kPieces], *end[kPieces];
+    for (int p = 0; p < kPieces; ++p) end[p] = begin[p] = next + p * count;
+    in_range.choose(list.clusters.data() + whole.begin, count, end);
+    for (int p = 0; p < kPieces; ++p) {
       PairRow row{};
-      row.first = whole.first + part * atoms;
+      row.first = whole.first + p * kAtoms;
       row.shift = whole.shift;
-      for (int i = 0; i < atoms; ++i) row.kind |= how.kind[row.first + i];
-      row.begin = static_cast<int>(begin[part] - pruned.clusters.data());
-      row.end = static_cast<int>(end[part] - pruned.clusters.data());
-      add_masks(list, whole, part * atoms, atoms, row, pruned);
+      for (int i = 0; i < kAtoms; ++i) row.kind |= how.kind[row.first + i];
+      row.begin = static_cast<int>(begin[p] - pruned.clusters.data());
+      row.end = static_cast<int>(end[p] - pruned.clusters.data());
+      add_masks(list, whole, p * kAtoms, kAtoms, row, pruned);
       if (row.end > row.begin || row.masked_end > row.masked_begin) pruned.rows.push_back(row);
     }
-    next = end[rows - 1];
+    next = end[kPieces - 1];
   }
+}
+
+void prune_rows(const Pruning& how, const ClusterList& list, RowRange range, ClusterList& pruned) {
+  how.row_atoms == kClusterAtoms ? prune_in_pieces<1>(how, list, range, pruned)
+                                 : prune_in_pieces<2>(how, list, range, pruned);
 }
 
 }  // namespace taut::HWY_NAMESPACE

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "forcefield/clusters/cluster_list.hpp"
+#include "forcefield/clusters/rounded_positions.hpp"
 
 namespace taut {
 

@@ -4,9 +4,10 @@
 
 namespace taut {
 
-// Positions good enough for lists: sixteen fit a vector.
+// Places good enough for lists, sixteen numbers to a vector, and how far each atom may be from its own: a
+// list for a range holds all pairs whose places are within range and both their margins.
 struct RoundedPositions {
-  Aligned<float> x;   // 12 a cluster: x of its four, y, z [nm]
+  Aligned<float> x;   // 16 a cluster: x of its four, y, z, margin [nm]
   double extent = 0;  // the largest of them, and of the shifts they are given [nm]
 
   // A range that misses none, whatever was rounded [nm].

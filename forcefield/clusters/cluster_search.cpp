@@ -1,4 +1,4 @@
-#include "forcefield/clusters/cluster_list.hpp"
+#include "forcefield/clusters/cluster_search.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +24,7 @@ std::uint16_t met_once(const AtomClusters& clusters, int cluster) {
 }  // namespace
 
 void SearchSpace::make_room() {
-  reach = x.safely(range);
+  reach = x.safely(range + 2 * margin);
   for (auto* bounds : {&low, &high})
     for (auto& along : *bounds) {
       along.resize(clusters.count() + kWidest);
@@ -35,7 +35,7 @@ void SearchSpace::make_room() {
 void SearchSpace::find_bounds(int begin, int end) {
   for (int d = 0; d < 3; ++d)
     for (int c = begin; c < end; ++c) {
-      const float* p = x.x.data() + 12 * c + 4 * d;
+      const float* p = x.x.data() + 16 * c + 4 * d;
       low[d][c] = std::min({p[0], p[1], p[2], p[3]});
       high[d][c] = std::max({p[0], p[1], p[2], p[3]});
     }
@@ -151,6 +151,7 @@ void ClusterSearch::meet_neighbours(const SearchSpace& space, int c, int column_
     scan.own = c;
     scan.shift = shift;
     scan.reach = space.reach;
+    scan.range = space.x.safely(space.range);
     scan.candidates = candidates_.data();
     scan.found = found_.data();
     scan_clusters(scan, ranges_.data(), static_cast<int>(ranges_.size()));
