@@ -8,7 +8,8 @@
 // time [µs a step] of what one thread does alone (serial), of the busiest in each parallel region (longest)
 // and of all in them (busy), and regions a step; wake: a region with nothing to do. openmm: whole steps of
 // OpenMM's CPU platform on the same system and threads (its leap-frog Verlet, constraints to 1e-6), where
-// taut was built with it.
+// taut was built with it. handover: a line of memory 4000 times from one core to another; its
+// ns_per_atom_step is one time.
 //
 // dipeptide is alanine dipeptide in 749 waters as OpenMM's files tests/data/ala2-hbonds-rf have it, bonds
 // with hydrogen rigid and the others springs, by newton at 2 fs; it is measured where taut was built with
@@ -16,6 +17,7 @@
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
+#include <atomic>
 #include <cstdlib>
 
 #include "constraints/projection.hpp"
@@ -147,6 +149,24 @@ void empty_region(benchmark::State& bench, const Setting& setting) {
   for (auto _ : bench) in_parallel(setting.threads, [](int) {});
 }
 
+// From one core to another and back: whether two cores share a cache is what the host decides, from hour to
+// hour, and two threads gain more or less with it.
+void hand_over(benchmark::State& bench, const Setting& setting) {
+  constexpr int kTimes = 2000;
+  use_threads(setting.threads);
+  if (available_threads() < 2) return bench.SkipWithError("built without threads");
+  for (auto _ : bench) {
+    std::atomic<int> turn{0};
+    in_parallel(2, [&](int t) {
+      for (int n = 0; n < kTimes; ++n) {
+        while (turn.load(std::memory_order_acquire) % 2 != t) continue;
+        turn.fetch_add(1, std::memory_order_release);
+      }
+    });
+  }
+  count(bench, bench.iterations(), 2 * kTimes);
+}
+
 void forces_alone(benchmark::State& bench, const Setting& setting) {
   use_threads(setting.threads);
   Running run(setting);
@@ -270,6 +290,7 @@ void add_all() {
       if (bonded && threads == 1) add("plain_bonded", plain_bonded, setting, "double");
       if (built_with_openmm()) add("openmm", openmm_step, setting, "single");
     }
+  add("handover", hand_over, {{"none", "", {}}, Precision::kDouble, 2}, "double");
   for (const int threads : {1, 2, 4, 8, 16, 32, 64, 128}) {
     for (const Case& what : cases())
       for (const auto& [precision, name] :

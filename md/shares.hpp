@@ -18,7 +18,7 @@ void in_shares(int n, int least, const Work& work) {
   in_parallel(threads, [&](int t) { work(Share(n, t, threads)); });
 }
 
-inline constexpr int kAtomsOfShortWork = 2000;
+inline constexpr int kAtomsOfShortWork = 500;
 
 // work(first, last + 1) of all atoms, something short with each.
 template <class Work>

@@ -3,6 +3,7 @@
 #include <time.h>
 
 #include <algorithm>
+#include <array>
 #include <vector>
 
 #include "md/thread_meter.hpp"
@@ -22,8 +23,20 @@ double processor_time() {  // of this thread [s]
   return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
 }
 
+// What two readings one after the other are apart: a call of the system's, as long as a short region.
+double reading_time() {
+  std::array<double, 101> apart;
+  for (double& t : apart) {
+    const double before = processor_time();
+    t = processor_time() - before;
+  }
+  std::nth_element(apart.begin(), apart.begin() + 50, apart.end());
+  return apart[50];
+}
+
 // Of the one meter there is.
 bool metered = false;
+double reading = 0;
 ThreadAccount total;
 double serial_since = 0;
 std::vector<double> spent;  // by thread, in the region at hand
@@ -49,6 +62,10 @@ void run(int threads, void (*work)(const void*, int), const void* argument) {
 #endif
 }
 
+double since(double start) {
+  return std::max(0.0, processor_time() - start - reading);
+}
+
 struct Metered {
   void (*work)(const void*, int);
   const void* argument;
@@ -57,12 +74,12 @@ struct Metered {
     const auto& [work, argument] = *static_cast<const Metered*>(self);
     const double start = processor_time();
     work(argument, t);
-    spent[t] = processor_time() - start;
+    spent[t] = since(start);
   }
 };
 
 void run_metered(int threads, const Metered& work) {
-  total.serial += processor_time() - serial_since;
+  total.serial += since(serial_since);
   spent.assign(threads, 0);
   run(threads, Metered::run, &work);
   ++total.regions;
@@ -102,6 +119,7 @@ void detail::run_on_threads(int threads, void (*work)(const void*, int), const v
 ThreadMeter::ThreadMeter() {
   total = {};
   metered = true;
+  reading = reading_time();
   serial_since = processor_time();
 }
 ThreadMeter::~ThreadMeter() {
@@ -109,7 +127,7 @@ ThreadMeter::~ThreadMeter() {
 }
 ThreadAccount ThreadMeter::account() const {
   ThreadAccount so_far = total;
-  so_far.serial += processor_time() - serial_since;
+  so_far.serial += since(serial_since);
   return so_far;
 }
 
