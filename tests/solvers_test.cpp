@@ -34,7 +34,7 @@ TEST(MShake, SquaresWhatIsLeftWhereNewtonGainsAFactor) {
     options.max_iterations = iterations;
     M method(start.system, options, 0.1);
     State s = start.state;
-    drift(0.1, s);
+    s.x += 0.1 * s.v;
     return method.project_positions(start.system, 0.1, s).max_residual;
   };
   double before = left(std::type_identity<MShake>{}, 1), newtons = left(std::type_identity<Newton>{}, 1);
@@ -95,7 +95,7 @@ TEST(WarmStart, OfARotorLeavesNothingToDo) {
     State s = start.state;
     initialize({start.system, forces, method}, s);
     for (int n = 0; n < 5; ++n) EXPECT_TRUE(step({start.system, forces, method}, 0.01, s).converged());
-    drift(0.01, s);
+    s.x += 0.01 * s.v;
     return method.project_positions(start.system, 0.01, s).iterations;
   };
   EXPECT_EQ(begins_with(Newton(start.system, {}, 0.01)), 0);
