@@ -160,7 +160,7 @@ class RowSum {
       for (int k = 0; k < K; ++k) j[k] = 4 * std::ptrdiff_t{clusters[k]} + part * S::kColumns;
       const V(&r2)[K] = at.r2[place];
       V(&term)[K] = out.of[place];
-      law_.template pairs<K>(atoms_[v], j, r2, at.guess[place], term);
+      law_.template pairs<K>(v, atoms_[v], j, r2, at.guess[place], term);
       for (int k = 0; k < K; ++k)
         term[k] = hn::IfThenElseZero(hn::Not(hn::Gt(r2[k], cutoff2_)), term[k]);  // NaN must show
     }
@@ -240,10 +240,18 @@ struct Rows {
 };
 
 template <class T, class C>
-HWY_NOINLINE SixSums sum_kind(const Rows& rows, const PairAtoms<T>& atoms, int kind, T* f) {
+bool chosen(const PairRow& row, const PairAtoms<T>& atoms) {
+  if (row.kind != ((C::kLj ? kHasLj : 0) | (C::kCharge ? kHasCharge : 0))) return false;
+  constexpr int half = PairPrecision<T>::kRowAtoms / 2;
+  const T* depth = atoms.two_sqrt_epsilon.data() + row.first + half;
+  return !C::kSplit || C::kHalf == std::all_of(depth, depth + half, [](T of) { return of == 0; });
+}
+
+template <class T, class C>
+HWY_NOINLINE SixSums sum_rows(const Rows& rows, const PairAtoms<T>& atoms, T* f) {
   RowSum<T, C> sum(rows.law, atoms, f);
   for (std::size_t r = rows.begin; r < rows.end; ++r)
-    if (rows.list.rows[r].kind == kind) sum.add(rows.list.rows[r], rows.list);
+    if (chosen<T, C>(rows.list.rows[r], atoms)) sum.add(rows.list.rows[r], rows.list);
   return sum.total();
 }
 
@@ -254,14 +262,15 @@ SixSums choose_law(const Rows& rows, const PairAtoms<T>& atoms, T* f) {
     if (ScreeningPieces<typename Shape<T>::D>::fine(ask == Ask::kEnergy ? screening.energy : screening.force))
       return choose_law<T, lj, charge, ask, true>(rows, atoms, f);
   }
-  const int kind = (lj ? kHasLj : 0) | (charge ? kHasCharge : 0);
   const auto mixed = [&]<Mixing mixing>() {
-    return rows.law.switched()
-               ? sum_kind<T, Choice<lj, charge, mixing, true, ask, fine>>(rows, atoms, kind, f)
-               : sum_kind<T, Choice<lj, charge, mixing, false, ask, fine>>(rows, atoms, kind, f);
+    if (rows.law.switched()) return sum_rows<T, Choice<lj, charge, mixing, true, ask, fine>>(rows, atoms, f);
+    using Whole = Choice<lj, charge, mixing, false, ask, fine>;
+    if constexpr (Whole::kSplit)
+      sum_rows<T, Choice<lj, charge, mixing, false, ask, fine, true>>(rows, atoms, f);
+    return sum_rows<T, Whole>(rows, atoms, f);
   };
   if constexpr (!lj)
-    return sum_kind<T, Choice<false, charge, Mixing::kOneSigma, false, ask, fine>>(rows, atoms, kind, f);
+    return sum_rows<T, Choice<false, charge, Mixing::kOneSigma, false, ask, fine>>(rows, atoms, f);
   else if (rows.law.mixing == Mixing::kTable)
     return mixed.template operator()<Mixing::kTable>();
   else if (rows.law.mixing == Mixing::kOneSigma)

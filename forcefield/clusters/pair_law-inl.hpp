@@ -17,15 +17,18 @@ namespace taut::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// fine: Ewald's screening with more terms than the usual kernels have.
-template <bool lj, bool charge, Mixing mixing, bool switched_, Ask ask, bool fine>
+// fine: Ewald's screening with more terms than the usual kernels have. half: of a row's atoms only the first
+// half have Lennard-Jones, as in water.
+template <bool lj, bool charge, Mixing mixing, bool switched_, Ask ask, bool fine, bool half = false>
 struct Choice {
-  static constexpr bool kLj = lj, kCharge = charge, kSwitched = switched_, kFine = fine;
+  static constexpr bool kLj = lj, kCharge = charge, kSwitched = switched_, kFine = fine, kHalf = half;
   static constexpr bool kOneSigma = mixing == Mixing::kOneSigma, kTable = mixing == Mixing::kTable;
   static constexpr bool kEnergy = ask == Ask::kEnergy, kVirial = ask == Ask::kVirial;
   static constexpr bool kSum = kEnergy || kVirial;  // no forces
   // What the law starts from: 1/r, for energies and switches; 1/r³, for charges; 1/r², without them.
   static constexpr bool kFromRoot = kSwitched || (charge && kEnergy), kFromCube = charge && !kFromRoot;
+  // Whether such rows have kernels of their own.
+  static constexpr bool kSplit = lj && charge && kOneSigma && !kSwitched && !kSum && !fine;
 };
 
 // PairLaw, for the vectors of a Shape<T> and one Choice C.
@@ -85,10 +88,10 @@ class LawInLanes {
     return C::kFromRoot || C::kFromCube ? guess_inverse_sqrt(D(), r2) : guess_inverse(D(), r2);
   }
 
-  // −(dE/dr)/r [kJ/mol/nm²], or E [kJ/mol], of a row with K clusters' atoms from slots j on.
+  // −(dE/dr)/r [kJ/mol/nm²], or E [kJ/mol], of a row's vector v with K clusters' atoms from slots j on.
   template <int K>
-  HWY_INLINE void pairs(const Atoms& atoms, const std::ptrdiff_t (&j)[K], const V (&r2)[K], V (&guess)[K],
-                        V (&term)[K]) const {
+  HWY_INLINE void pairs(int v, const Atoms& atoms, const std::ptrdiff_t (&j)[K], const V (&r2)[K],
+                        V (&guess)[K], V (&term)[K]) const {
     const D d;
     V inv_r3[K], coulomb[K];
     if constexpr (C::kFromCube) {
@@ -113,10 +116,14 @@ class LawInLanes {
       }
     }
     for (int k = 0; k < K; ++k) {
-      if constexpr (C::kLj) term[k] = lennard_jones(atoms, j[k], r2[k], guess[k]);
+      const bool has_lj = C::kLj && (!C::kHalf || 2 * v < Shape<T>::kVectors);
+      if constexpr (C::kHalf && Shape<T>::kVectors == 1)
+        term[k] = half_lennard_jones(atoms, j[k], r2[k], guess[k]);
+      else if constexpr (C::kLj)
+        if (has_lj) term[k] = lennard_jones(atoms, j[k], r2[k], guess[k]);
       if constexpr (C::kCharge) {
         const V qq = hn::Mul(atoms.q, load_columns(d, charge_ + j[k]));
-        term[k] = C::kLj ? hn::MulAdd(qq, coulomb[k], term[k]) : hn::Mul(qq, coulomb[k]);
+        term[k] = has_lj ? hn::MulAdd(qq, coulomb[k], term[k]) : hn::Mul(qq, coulomb[k]);
       }
     }
   }
@@ -173,6 +180,18 @@ class LawInLanes {
     if constexpr (!C::kEnergy) return slope;
     return C::kTable ? energy : hn::MulAdd(lift_, four_eps, energy);
   }
+
+  // With one σ and no switch, of the lower half.
+#if HWY_TARGET != HWY_SCALAR
+  HWY_INLINE V half_lennard_jones(const Atoms& atoms, std::ptrdiff_t j, V r2, V inv_r3) const {
+    const hn::Half<D> d;
+    const auto low = [d](V v) { return hn::LowerHalf(d, v); };
+    const auto inv_r6 = hn::Mul(low(inv_r3), low(inv_r3)), inv_r4 = hn::Mul(inv_r6, low(r2));
+    return hn::ZeroExtendVector(
+        D(), hn::Mul(hn::Mul(inv_r4, hn::Mul(inv_r4, load_columns(d, two_sqrt_epsilon_ + j))),
+                     hn::MulSub(low(atoms.repulsion), inv_r6, low(atoms.attraction))));
+  }
+#endif
 
   // S = 1 − u³(10 − 15u + 6u²), S' = −30 (u − u²)²; the force gains −E S'/r
   HWY_INLINE void fade(V r2, V inv_r, V& slope, V& energy) const {
