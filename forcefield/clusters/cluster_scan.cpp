@@ -27,6 +27,7 @@ V gap(V low, V high, const float* lows, const float* highs) {
 void scan_clusters_simd(ClusterScan& s, const ClusterRange* ranges, int ranges_count) {
   const D d;
   const hn::Rebind<std::int32_t, D> indices;
+  const auto first = hn::Iota(indices, 0);
   const float highest = s.own_high[2] + static_cast<float>(s.reach);
   const V reach2 = hn::Set(d, static_cast<float>(s.reach * s.reach));
   V low[3], high[3];
@@ -46,7 +47,7 @@ void scan_clusters_simd(ClusterScan& s, const ClusterRange* ranges, int ranges_c
       hn::StoreMaskBits(d, hn::Le(gap2, reach2), reinterpret_cast<std::uint8_t*>(&near));
       auto bits = static_cast<unsigned>(near);
       if (range->end - c < kLanes) bits &= (1u << (range->end - c)) - 1;
-      candidate = store_those(indices, hn::Iota(indices, c), bits, candidate);
+      candidate = store_those(indices, hn::Add(hn::Set(indices, c), first), bits, candidate);
     }
   // then by atoms
   InRange in_range(s.x, s.range);

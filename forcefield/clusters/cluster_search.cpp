@@ -44,6 +44,7 @@ void SearchSpace::find_bounds(int begin, int end) {
 void ClusterSearch::prepare(const SearchSpace& space) {
   const int n = space.clusters.count();
   mask_.assign(n, kAll);
+  masked_.clear();
   found_.resize(n + kWidest);
   candidates_.resize(n + kWidest);
 }
@@ -51,22 +52,15 @@ void ClusterSearch::prepare(const SearchSpace& space) {
 // Bits of pairs that do not count, in the clusters where the partners are.
 void ClusterSearch::mask_exclusions(const SearchSpace& space, int cluster) {
   const auto& [begin, partner] = space.exclusions;
+  for (const int j : masked_) mask_[j] = kAll;
+  masked_.clear();
   for (int i = 0; i < kClusterAtoms; ++i) {
     const int slot = kClusterAtoms * cluster + i, a = space.clusters.atom(slot);
     for (int e = begin[a]; e < begin[a + 1]; ++e) {
       const int other = space.clusters.slot_of(partner[e]);
-      if (other >= 0) mask_[other / kClusterAtoms] &= std::uint16_t(~(1u << (4 * i + other % kClusterAtoms)));
-    }
-  }
-}
-
-void ClusterSearch::unmask(const SearchSpace& space, int cluster) {
-  const auto& [begin, partner] = space.exclusions;
-  for (int i = 0; i < kClusterAtoms; ++i) {
-    const int a = space.clusters.atom(kClusterAtoms * cluster + i);
-    for (int e = begin[a]; e < begin[a + 1]; ++e) {
-      const int other = space.clusters.slot_of(partner[e]);
-      if (other >= 0) mask_[other / kClusterAtoms] = kAll;
+      if (other < 0) continue;
+      mask_[other / kClusterAtoms] &= std::uint16_t(~(1u << (4 * i + other % kClusterAtoms)));
+      masked_.push_back(other / kClusterAtoms);
     }
   }
 }
@@ -110,53 +104,59 @@ void ClusterSearch::run(const SearchSpace& space, int begin, int end, ClusterLis
     for (int image = -images; image <= images; ++image) {
       space.clusters.neighbours(*own, image, neighbours_);
       start_.clear();
-      for (const auto& n : neighbours_) start_.push_back(n.begin);
+      for (const auto& n : neighbours_) start_.push_back(n.begin - 1);
       for (int c = std::max(begin, own->begin); c < std::min(end, own->end); ++c) {
         if (image < 0 && space.high[2][c] - height < -space.reach) continue;
         if (image > 0 && space.low[2][c] > space.reach) continue;
         mask_exclusions(space, c);
         meet_neighbours(space, c, own->begin, list);
-        unmask(space, c);
       }
     }
 }
 
-// Of cluster c, of the column that begins with column_begin.
+// Of cluster c, of the column that begins with column_begin. What is below the reach of all clusters to come
+// is left behind at two clusters a turn, without branches, which would often be guessed wrong; what is not
+// yet is looked at in vain.
 void ClusterSearch::meet_neighbours(const SearchSpace& space, int c, int column_begin, ClusterList& list) {
-  ClusterScan scan{};
+  ClusterScan scan;
+  for (int d = 0; d < 3; ++d) {
+    scan.low[d] = space.low[d].data();
+    scan.high[d] = space.high[d].data();
+  }
+  scan.reach = space.reach;
+  scan.range = space.x.safely(space.range);
+  scan.x = space.x.x.data();
+  scan.own = c;
+  scan.candidates = candidates_.data();
+  scan.found = found_.data();
+  const float* high = space.high[2].data();
   for (std::size_t n = 0; n < neighbours_.size();) {
     const int image = neighbours_[n].image;
-    const Vec3 shift = neighbours_[n].shift;
-    const double lowest = space.low[2][c] + shift[2] - space.reach;
+    scan.shift = neighbours_[n].shift;
+    for (int d = 0; d < 3; ++d) {
+      scan.own_low[d] = static_cast<float>(space.low[d][c] + scan.shift[d]);
+      scan.own_high[d] = static_cast<float>(space.high[d][c] + scan.shift[d]);
+    }
+    const auto lowest = static_cast<float>(space.low[2][c] + scan.shift[2] - space.reach);
+    const bool unmoved = scan.shift.isZero(0);
     bool itself = false;
     ranges_.clear();
     for (; n < neighbours_.size() && neighbours_[n].image == image; ++n) {
       const auto& other = neighbours_[n];
       int& start = start_[n];
-      while (start < other.end && space.high[2][start] < lowest) ++start;  // for those to come, too
+      if (start < other.begin)  // the first turn
+        for (start = other.begin; start < other.end && high[start] < lowest;) ++start;
+      for (int turn = 0; turn < 2; ++turn) start += int{start < other.end} & int{high[start] < lowest};
       int begin = start;
-      if (other.begin == column_begin && shift.isZero(0)) {
+      if (other.begin == column_begin && unmoved) {
         itself = true;
         begin = std::max(begin, c + 1);
       }
       if (begin < other.end) ranges_.push_back({begin, other.end});
     }
-    for (int d = 0; d < 3; ++d) {
-      scan.low[d] = space.low[d].data();
-      scan.high[d] = space.high[d].data();
-      scan.own_low[d] = static_cast<float>(space.low[d][c] + shift[d]);
-      scan.own_high[d] = static_cast<float>(space.high[d][c] + shift[d]);
-    }
-    scan.x = space.x.x.data();
-    scan.own = c;
-    scan.shift = shift;
-    scan.reach = space.reach;
-    scan.range = space.x.safely(space.range);
-    scan.candidates = candidates_.data();
-    scan.found = found_.data();
     scan_clusters(scan, ranges_.data(), static_cast<int>(ranges_.size()));
     count_ = scan.count;
-    add_row(space, c, shift, itself, list);
+    add_row(space, c, scan.shift, itself, list);
   }
 }
 
@@ -194,7 +194,6 @@ void ClusterSearch::run_all(const SearchSpace& space, int begin_cluster, int end
       }
       add(begin, n);
     }
-    unmask(space, c);
   }
 }
 

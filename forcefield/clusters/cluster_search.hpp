@@ -46,10 +46,10 @@ class ClusterSearch {
   void prepare(const SearchSpace& space);
   void meet_neighbours(const SearchSpace& space, int c, int column_begin, ClusterList& list);
   void mask_exclusions(const SearchSpace& space, int cluster);
-  void unmask(const SearchSpace& space, int cluster);
   void add_row(const SearchSpace& space, int cluster, const Vec3& shift, bool itself, ClusterList& list);
 
   std::vector<std::uint16_t> mask_;  // by cluster: pairs with the cluster in hand that count
+  std::vector<int> masked_;          // where not all do
   std::vector<int> found_;           // partners of the cluster in hand
   int count_ = 0;                    // how many there are
   std::vector<AtomClusters::Neighbour> neighbours_;
