@@ -3,10 +3,103 @@
 #include <algorithm>
 #include <cmath>
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "forcefield/clusters/atom_tracks.cpp"
+#include "forcefield/clusters/simd_targets.hpp"
+// after the targets: once a target
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace taut::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Four = hn::CappedTag<double, 4>;  // a cluster's, or as many as fit
+using FourV = hn::Vec<Four>;
+using FourRounded = hn::Rebind<float, Four>;
+constexpr int kOfFour = static_cast<int>(hn::MaxLanes(Four()));
+
+HWY_INLINE FourV rounded(const float* p) {
+  return hn::PromoteTo(Four(), hn::LoadU(FourRounded(), p));
+}
+
+HWY_INLINE FourV squared(const FourV (&r)[3]) {
+  return hn::MulAdd(r[0], r[0], hn::MulAdd(r[1], r[1], hn::Mul(r[2], r[2])));
+}
+
+// An atom of which nothing is known yet, or that seems to go too far, as after a jump, may go anywhere.
+double look_ahead_simd(const AtomTracks::Course& course, const Share& clusters, float* places) {
+  const Four d;
+  const FourRounded f;
+  const FourV half = hn::Set(d, 0.5), farthest = hn::Set(d, course.farthest);
+  const FourV spare = hn::Set(d, course.spare), unknown = hn::Set(d, course.unknown);
+  FourV sum = hn::Zero(d);
+  for (int c = clusters.begin; c < clusters.end; ++c)
+    for (int i = 0; i < 4; i += kOfFour) {
+      float* to = places + 16 * std::ptrdiff_t{c} + i;
+      FourV x[3], way[3], off[3];
+      for (int k = 0; k < 3; ++k) {
+        const std::ptrdiff_t at = 12 * std::ptrdiff_t{c} + 4 * k + i;
+        x[k] = hn::LoadU(d, course.x[0] + at);
+        way[k] = hn::Mul(hn::Set(d, course.weight[0]), x[k]);
+        for (int n = 1; n < 3; ++n)
+          way[k] = hn::MulAdd(hn::Set(d, course.weight[n]), hn::LoadU(d, course.x[n] + at), way[k]);
+      }
+      const FourV length = hn::Mul(half, hn::Sqrt(squared(way)));
+      const auto goes = hn::Le(length, farthest);
+      for (int k = 0; k < 3; ++k) {
+        hn::StoreU(hn::DemoteTo(f, hn::Add(x[k], hn::IfThenElseZero(goes, hn::Mul(half, way[k])))), f,
+                   to + 4 * k);
+        off[k] = hn::Sub(rounded(to + 4 * k), x[k]);
+      }
+      const FourV margin = hn::Add(hn::Sqrt(squared(off)), hn::IfThenElse(goes, spare, unknown));
+      hn::StoreU(hn::DemoteTo(f, margin), f, to + 12);
+      sum = hn::Add(sum, hn::IfThenElseZero(goes, length));
+    }
+  return hn::GetLane(hn::SumOfLanes(d, sum));
+}
+
+bool served_simd(const double* x, const float* places, const Share& clusters) {
+  const Four d;
+  auto all = hn::FirstN(d, kOfFour);
+  for (int c = clusters.begin; c < clusters.end; ++c)
+    for (int i = 0; i < 4; i += kOfFour) {
+      const float* there = places + 16 * std::ptrdiff_t{c} + i;
+      FourV r[3];
+      for (int k = 0; k < 3; ++k)
+        r[k] = hn::Sub(hn::LoadU(d, x + 12 * std::ptrdiff_t{c} + 4 * k + i), rounded(there + 4 * k));
+      const FourV margin = rounded(there + 12);
+      all = hn::And(all, hn::Le(squared(r), hn::Mul(margin, margin)));  // false for NaN
+    }
+  return hn::AllTrue(d, all);
+}
+
+bool within_reach_simd(double reach, const float* searched, const Share& clusters, const float* places) {
+  const Four d;
+  auto all = hn::FirstN(d, kOfFour);
+  for (int c = clusters.begin; c < clusters.end; ++c)
+    for (int i = 0; i < 4; i += kOfFour) {
+      const std::ptrdiff_t at = 16 * std::ptrdiff_t{c} + i;
+      FourV r[3];
+      for (int k = 0; k < 3; ++k)
+        r[k] = hn::Sub(rounded(places + at + 4 * k), rounded(searched + at + 4 * k));
+      const FourV farthest = hn::Add(hn::Sqrt(squared(r)), rounded(places + at + 12));
+      all = hn::And(all, hn::Le(farthest, hn::Set(d, reach)));  // false for NaN
+    }
+  return hn::AllTrue(d, all);
+}
+
+}  // namespace taut::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace taut {
 namespace {
 
 constexpr double kFarthest = 100;  // T
+
+HWY_EXPORT(look_ahead_simd);
+HWY_EXPORT(served_simd);
+HWY_EXPORT(within_reach_simd);
 
 }  // namespace
 
@@ -47,34 +140,14 @@ void AtomTracks::enter(const AtomClusters& clusters, const Share& share) {
       }
 }
 
-// An atom of which nothing is known yet, or that seems to go too far, as after a jump, may go anywhere.
 double AtomTracks::look_ahead(const Aim& aim, const Share& clusters, RoundedPositions& list) const {
-  const double farthest = 0.4 * aim.reach, wide = 2 * (aim.way + aim.spare), T = ahead_;
-  const double now = 1.5 * T + 0.5 * T * T, before = -2 * T - T * T, long_before = 0.5 * T + 0.5 * T * T;
-  double half_ways = 0;
-  for (int c = clusters.begin; c < clusters.end; ++c) {
-    const double *x = x_[0].data() + 12 * c, *x1 = x_[1].data() + 12 * c, *x2 = x_[2].data() + 12 * c;
-    float* to = list.x.data() + 16 * c;
-    for (int i = 0; i < 4; ++i) {
-      double way[3], way2 = 0, off2 = 0;
-      for (int d = 0; d < 3; ++d) {
-        const int k = 4 * d + i;
-        way[d] = now * x[k] + before * x1[k] + long_before * x2[k];
-        way2 += way[d] * way[d];
-      }
-      const double half = 0.5 * std::sqrt(way2);
-      const bool goes = known_ == 2 && half <= farthest;
-      for (int d = 0; d < 3; ++d) {
-        const int k = 4 * d + i;
-        to[k] = static_cast<float>(x[k] + (goes ? 0.5 * way[d] : 0));
-        const double off = double(to[k]) - x[k];
-        off2 += off * off;
-      }
-      to[12 + i] = static_cast<float>(std::sqrt(off2) + (goes ? aim.spare : wide));
-      half_ways += goes ? half : 0;
-    }
-  }
-  return half_ways;
+  const double T = known_ == 2 ? ahead_ : 0;
+  const Course course{{x_[0].data(), x_[1].data(), x_[2].data()},
+                      {1.5 * T + 0.5 * T * T, -2 * T - T * T, 0.5 * T + 0.5 * T * T},
+                      0.4 * aim.reach,
+                      known_ == 2 ? aim.spare : aim.unknown(),
+                      aim.unknown()};
+  return HWY_DYNAMIC_DISPATCH(look_ahead_simd)(course, clusters, list.x.data());
 }
 
 void AtomTracks::adjust(double half_ways, const Aim& aim) {
@@ -83,31 +156,12 @@ void AtomTracks::adjust(double half_ways, const Aim& aim) {
 }
 
 bool AtomTracks::served(const RoundedPositions& list, const Share& clusters) const {
-  bool all = true;
-  for (int c = clusters.begin; c < clusters.end; ++c) {
-    const double* x = x_[0].data() + 12 * c;
-    const float* there = list.x.data() + 16 * c;
-    for (int i = 0; i < 4; ++i) {
-      const double dx = x[i] - double(there[i]), dy = x[i + 4] - double(there[i + 4]),
-                   dz = x[i + 8] - double(there[i + 8]), margin = there[i + 12];
-      all &= dx * dx + dy * dy + dz * dz <= margin * margin;  // false for NaN
-    }
-  }
-  return all;
+  return HWY_DYNAMIC_DISPATCH(served_simd)(x_[0].data(), list.x.data(), clusters);
 }
 
 bool within_reach(double reach, const RoundedPositions& searched, const Share& clusters,
                   const RoundedPositions& list) {
-  bool all = true;
-  for (int c = clusters.begin; c < clusters.end; ++c) {
-    const float *x = list.x.data() + 16 * c, *then = searched.x.data() + 16 * c;
-    for (int i = 0; i < 4; ++i) {
-      const double dx = double(x[i]) - double(then[i]), dy = double(x[i + 4]) - double(then[i + 4]),
-                   dz = double(x[i + 8]) - double(then[i + 8]);
-      all &= std::sqrt(dx * dx + dy * dy + dz * dz) + double(x[i + 12]) <= reach;  // false for NaN
-    }
-  }
-  return all;
+  return HWY_DYNAMIC_DISPATCH(within_reach_simd)(reach, searched.x.data(), clusters, list.x.data());
 }
 
 void AtomTracks::serialize(Archive& archive) {
@@ -116,3 +170,4 @@ void AtomTracks::serialize(Archive& archive) {
 }
 
 }  // namespace taut
+#endif

@@ -23,6 +23,14 @@ class AtomTracks {
     double way;    // |w|/2 in the mean [nm]
     double spare;  // e [nm]
     double reach;  // how far from where the atoms were at a search c and m together may reach [nm]
+
+    double unknown() const { return 2 * (way + spare); }  // m of an atom that may go anywhere
+  };
+  struct Course {
+    std::array<const double*, 3> x;  // x, x', x''
+    std::array<double, 3> weight;    // w is their sum, so weighted
+    double farthest;                 // |w|/2 that is believed [nm]
+    double spare, unknown;           // m is |w|/2 and the one, or the other [nm]
   };
 
   void make_room(int clusters, Eigen::Index atoms);
