@@ -8,7 +8,7 @@
 // time [µs a step] of what one thread does alone (serial), of the busiest in each parallel region (longest)
 // and of all in them (busy), and regions a step; wake: a region with nothing to do. openmm: whole steps of
 // OpenMM's CPU platform on the same system and threads (its leap-frog Verlet, constraints to 1e-6), where
-// taut was built with it. handover: a line of memory 4000 times from one core to another; its
+// taut was built with it. handover: a line of memory 1000 times from one core to another; its
 // ns_per_atom_step is one time.
 //
 // dipeptide is alanine dipeptide in 749 waters as OpenMM's files tests/data/ala2-hbonds-rf have it, bonds
@@ -152,7 +152,7 @@ void empty_region(benchmark::State& bench, const Setting& setting) {
 // From one core to another and back: whether two cores share a cache is what the host decides, from hour to
 // hour, and two threads gain more or less with it.
 void hand_over(benchmark::State& bench, const Setting& setting) {
-  constexpr int kTimes = 2000;
+  constexpr int kTimes = 500;
   use_threads(setting.threads);
   if (available_threads() < 2) return bench.SkipWithError("built without threads");
   for (auto _ : bench) {

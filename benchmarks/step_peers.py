@@ -29,6 +29,7 @@ import peer_lammps
 import peer_systems
 
 STEPS = 20  # a benchmark's iteration
+HANDOVERS = 1000
 TO_US = {"ns": 1e-3, "us": 1.0, "ms": 1e3, "s": 1e6}
 
 
@@ -64,10 +65,17 @@ def versions():
             *(peer_lammps.version() for _ in peer_lammps.engines())]
 
 
+def hand_over(program):
+    """What a line of memory takes from one core to another [ns]: two threads gain more or less with it."""
+    report = json.loads(subprocess.run([program, "--benchmark_filter=^handover/", "--benchmark_min_time=0.02",
+                                        "--benchmark_format=json"], check=True, capture_output=True, text=True).stdout)
+    return report["benchmarks"][0]["real_time"] * TO_US[report["benchmarks"][0]["time_unit"]] * 1e3 / HANDOVERS
+
+
 def kept_rows(path, head, systems):
-    """The file's rows of other systems, where it tells of the same machine, programs and day: all but the load."""
+    """The file's rows of other systems, where it tells of the same machine, programs and day."""
     first, *lines = path.read_text().splitlines() if path.exists() else [""]
-    same = lambda line: re.sub(r", load [\d.]+", "", line)
+    same = lambda line: re.sub(r", load [\d.]+|; core to core.*", "", line)
     return [row for row in csv.reader(lines[1:]) if row[0] not in systems] if same(first) == same(head) else []
 
 
@@ -84,9 +92,11 @@ def main():
     names, threads = arguments.systems.split(","), [int(n) for n in arguments.threads.split(",")]
     systems = peer_systems.make(arguments.build / "taut", names)
 
-    seen = {}
+    seen, ns = {}, []
     for repeat in range(arguments.repeats):
         print(f"repeat {repeat + 1} of {arguments.repeats}", file=sys.stderr)
+        if max(threads) > 1:
+            ns.append(hand_over(arguments.build / "step_bench"))
         for runs in (through_step_bench(arguments.build / "step_bench", names, threads, arguments.seconds),
                      through_peers(systems, threads, arguments.seconds)):
             for key, us in runs.items():
@@ -94,6 +104,7 @@ def main():
 
     median = {key: statistics.median(values) for key, values in seen.items()}
     head = f"# {machine.describe()}; {'; '.join(versions())}; medians of {arguments.repeats}"
+    head += f"; core to core {min(ns):.0f} to {max(ns):.0f} ns" if ns else ""
     kept = kept_rows(arguments.out, head, names)
     with open(arguments.out, "w", newline="") as file:
         file.write(f"{head}\n")
