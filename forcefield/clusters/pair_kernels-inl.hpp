@@ -41,7 +41,7 @@ class RowSum {
     load(row);
     for (int k = row.masked_begin; k < row.masked_end; ++k) {
       mask_ = list.masked[k].mask;
-      meet<1>(&list.masked[k].cluster);
+      meet(list.masked[k].cluster);
     }
     mask_ = ~0u;
     const int* clusters = list.clusters.data();
@@ -49,7 +49,7 @@ class RowSum {
     if constexpr (kStaged) {
       if (k < row.end) meet_staged(clusters + k, clusters + row.end);
     } else {
-      for (; k < row.end; ++k) meet<1>(clusters + k);
+      for (; k < row.end; ++k) meet(clusters[k]);
     }
     if constexpr (C::kSum) {
       for (int i = 0; i < kSums; ++i) {
@@ -75,51 +75,58 @@ class RowSum {
     }
   }
 
-  // The row against K clusters: separations with the guess the law starts from, then the law, then forces or
+  // The row against a cluster: separations with the guess the law starts from, then the law, then forces or
   // sums.
-  template <int K>
   struct Distances {
-    V r[kPlaces][K][3], r2[kPlaces][K], guess[kPlaces][K];
+    V r[kPlaces][3], r2[kPlaces][1], guess[kPlaces][1];
   };
-  template <int K>
   struct Terms {
-    V of[kPlaces][K];
+    V of[kPlaces][1];
   };
 
   // What comes of a cluster waits for its distances longer than the processor can look ahead: so those of the
-  // next one are found before.
+  // next one are found before and, where registers hold so much, inverses between.
   static constexpr bool kStaged = !C::kSum && kLanes > 1 && !C::kFine;
+  static constexpr int kAhead = kPlaces == 1 ? 2 : 1;  // clusters
   HWY_INLINE void meet_staged(const int* cluster, const int* end) {
-    Distances<1> at, next;
-    Terms<1> terms;
-    measure(cluster, at);
-    for (; cluster + 1 < end; ++cluster) {
-      measure(cluster + 1, next);
-      apply_law(cluster, at, terms);
-      add_forces(cluster, at, terms);
-      at = next;
+    Distances at, next, last;
+    measure(*cluster, at);
+    if constexpr (kAhead == 2) {
+      invert(at);
+      if (cluster + 1 < end) measure(cluster[1], next);
     }
+    for (; cluster + kAhead < end; ++cluster) {
+      measure(cluster[kAhead], last);
+      invert(kAhead == 2 ? next : at);
+      finish(*cluster, at);
+      at = kAhead == 2 ? next : last;
+      next = last;
+    }
+    if constexpr (kAhead == 1) invert(at);
+    finish(*cluster, at);
+    if (kAhead == 1 || ++cluster == end) return;
+    invert(next);
+    finish(*cluster, next);
+  }
+  HWY_INLINE void finish(int cluster, Distances& at) {
+    Terms terms;
     apply_law(cluster, at, terms);
     add_forces(cluster, at, terms);
   }
 
-  // A mask is of one cluster.
-  template <int K>
-  HWY_INLINE void meet(const int* clusters) {
-    Distances<K> distances;
-    Terms<K> terms;
-    measure(clusters, distances);
-    apply_law(clusters, distances, terms);
+  HWY_INLINE void meet(int cluster) {
+    Distances at;
+    Terms terms;
+    measure(cluster, at);
+    invert(at);
+    apply_law(cluster, at, terms);
     for (int place = 0; place < kPlaces; ++place) {
-      auto& term = terms.of[place];
-      if constexpr (K == 1)
-        term[0] = hn::IfThenElseZero(counted(mask_, place % kVectors, place / kVectors), term[0]);
-      for (int k = 0; k < K; ++k) {
-        if constexpr (C::kEnergy) sum_[0] = hn::Add(sum_[0], term[k]);
-        if constexpr (C::kVirial) add_virial(distances.r[place][k], term[k]);
-      }
+      V& term = terms.of[place][0];
+      term = hn::IfThenElseZero(counted(mask_, place % kVectors, place / kVectors), term);
+      if constexpr (C::kEnergy) sum_[0] = hn::Add(sum_[0], term);
+      if constexpr (C::kVirial) add_virial(at.r[place], term);
     }
-    if constexpr (!C::kSum) add_forces(clusters, distances, terms);
+    if constexpr (!C::kSum) add_forces(cluster, at, terms);
   }
 
   HWY_INLINE void add_virial(const V (&r)[3], V term) {
@@ -138,47 +145,41 @@ class RowSum {
     for (int k = 0; k < 3; ++k) r[k] = number(hn::Sub(x_[k][v], load_columns(d, x + 4 * k)));
   }
 
-  template <int K>
-  HWY_INLINE void measure(const int* clusters, Distances<K>& out) const {
+  HWY_INLINE void measure(int cluster, Distances& out) const {
     for (int place = 0; place < kPlaces; ++place) {
-      V(&r)[K][3] = out.r[place];
-      for (int k = 0; k < K; ++k) subtract(clusters[k], place, r[k]);
-      for (int k = 0; k < K; ++k) {
-        V r2 = hn::MulAdd(r[k][0], r[k][0], hn::MulAdd(r[k][1], r[k][1], hn::Mul(r[k][2], r[k][2])));
-        if constexpr (sizeof(T) == 4) r2 = hn::Mul(r2, unit2_);
-        out.r2[place][k] = r2;
-      }
-      for (int k = 0; k < K; ++k) out.guess[place][k] = Law::guess(out.r2[place][k]);
+      V(&r)[3] = out.r[place];
+      subtract(cluster, place, r);
+      V r2 = hn::MulAdd(r[0], r[0], hn::MulAdd(r[1], r[1], hn::Mul(r[2], r[2])));
+      if constexpr (sizeof(T) == 4) r2 = hn::Mul(r2, unit2_);
+      out.r2[place][0] = r2;
+      out.guess[place][0] = Law::guess(r2);
     }
   }
 
-  template <int K>
-  HWY_INLINE void apply_law(const int* clusters, Distances<K>& at, Terms<K>& out) const {
+  HWY_INLINE void invert(Distances& at) const {
+    for (int place = 0; place < kPlaces; ++place) Law::template invert<1>(at.r2[place], at.guess[place]);
+  }
+
+  HWY_INLINE void apply_law(std::ptrdiff_t cluster, Distances& at, Terms& out) const {
     for (int place = 0; place < kPlaces; ++place) {
       const int v = place % kVectors, part = place / kVectors;
-      std::ptrdiff_t j[K];
-      for (int k = 0; k < K; ++k) j[k] = 4 * std::ptrdiff_t{clusters[k]} + part * S::kColumns;
-      const V(&r2)[K] = at.r2[place];
-      V(&term)[K] = out.of[place];
-      law_.template pairs<K>(v, atoms_[v], j, r2, at.guess[place], term);
-      for (int k = 0; k < K; ++k)
-        term[k] = hn::IfThenElseZero(hn::Not(hn::Gt(r2[k], cutoff2_)), term[k]);  // NaN must show
+      const V(&r2)[1] = at.r2[place];
+      V(&term)[1] = out.of[place];
+      law_.template pairs<1>(v, atoms_[v], {4 * cluster + part * S::kColumns}, r2, at.guess[place], term);
+      term[0] = hn::IfThenElseZero(hn::Not(hn::Gt(r2[0], cutoff2_)), term[0]);  // NaN must show
     }
   }
 
-  template <int K>
-  HWY_INLINE void add_forces(const int* clusters, const Distances<K>& at, const Terms<K>& terms) {
+  HWY_INLINE void add_forces(std::ptrdiff_t cluster, const Distances& at, const Terms& terms) {
     const D d;
     for (int place = 0; place < kPlaces; ++place) {
       const int v = place % kVectors, part = place / kVectors;
-      for (int k = 0; k < K; ++k) {
-        const V(&r)[3] = at.r[place][k];
-        const V term = terms.of[place][k];
-        T* f = f_ + (3 * std::ptrdiff_t{clusters[k]} * kParts + part) * kLanes;
-        for (int i = 0; i < 3; ++i) own_f_[i][v] = hn::MulAdd(term, r[i], own_f_[i][v]);
-        for (int i = 0; i < 3; ++i, f += kParts * kLanes)
-          hn::Store(hn::NegMulAdd(term, r[i], hn::Load(d, f)), d, f);
-      }
+      const V(&r)[3] = at.r[place];
+      const V term = terms.of[place][0];
+      T* f = f_ + (3 * cluster * kParts + part) * kLanes;
+      for (int i = 0; i < 3; ++i) own_f_[i][v] = hn::MulAdd(term, r[i], own_f_[i][v]);
+      for (int i = 0; i < 3; ++i, f += kParts * kLanes)
+        hn::Store(hn::NegMulAdd(term, r[i], hn::Load(d, f)), d, f);
     }
   }
 

@@ -49,6 +49,15 @@ HWY_INLINE hn::Vec<DT> load_columns(DT d, const hn::TFromD<DT>* p) {
 // kRows in a row, each across the columns.
 template <class DT>
 HWY_INLINE hn::Vec<DT> load_rows(DT d, const hn::TFromD<DT>* p) {
+#if HWY_TARGET <= HWY_AVX3
+  if constexpr (hn::MaxLanes(DT()) == 16) {
+    const auto row =
+        _mm512_srli_epi32(_mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0), 2);
+    const __m128i four = _mm_load_si128(reinterpret_cast<const __m128i*>(p));
+    return hn::BitCast(d,
+                       hn::Vec512<std::int32_t>{_mm512_permutexvar_epi32(row, _mm512_castsi128_si512(four))});
+  }
+#endif
   constexpr int lanes = static_cast<int>(hn::MaxLanes(DT())), columns = std::min(lanes, 4);
   constexpr int rows = lanes / columns;
   auto v = hn::Set(d, p[rows - 1]);

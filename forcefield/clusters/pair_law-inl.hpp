@@ -88,12 +88,10 @@ class LawInLanes {
     return C::kFromRoot || C::kFromCube ? guess_inverse_sqrt(D(), r2) : guess_inverse(D(), r2);
   }
 
-  // −(dE/dr)/r [kJ/mol/nm²], or E [kJ/mol], of a row's vector v with K clusters' atoms from slots j on.
+  // The guess becomes 1/r³, 1/r or 1/r².
   template <int K>
-  HWY_INLINE void pairs(int v, const Atoms& atoms, const std::ptrdiff_t (&j)[K], const V (&r2)[K],
-                        V (&guess)[K], V (&term)[K]) const {
+  static HWY_INLINE void invert(const V (&r2)[K], V (&guess)[K]) {
     const D d;
-    V inv_r3[K], coulomb[K];
     if constexpr (C::kFromCube) {
       inverse_cube<K>(d, r2, guess);
     } else if constexpr (C::kFromRoot) {
@@ -101,6 +99,14 @@ class LawInLanes {
     } else {
       inverse<K>(d, r2, guess);
     }
+  }
+
+  // −(dE/dr)/r [kJ/mol/nm²], or E [kJ/mol], of a row's vector v with K clusters' atoms from slots j on.
+  template <int K>
+  HWY_INLINE void pairs(int v, const Atoms& atoms, const std::ptrdiff_t (&j)[K], const V (&r2)[K],
+                        V (&guess)[K], V (&term)[K]) const {
+    const D d;
+    V inv_r3[K], coulomb[K];
     for (int k = 0; k < K; ++k) {
       if constexpr (C::kFromCube) inv_r3[k] = guess[k];
       if constexpr (C::kFromRoot) inv_r3[k] = hn::Mul(guess[k], hn::Mul(guess[k], guess[k]));
@@ -168,7 +174,12 @@ class LawInLanes {
       } else {
         const V sigma = hn::Add(atoms.half_sigma, load_columns(d, half_sigma_ + j)),
                 sigma2 = hn::Mul(sigma, sigma);
-        s6 = hn::Mul(hn::Mul(hn::Mul(sigma2, sigma2), sigma2), inv_r6);
+        if constexpr (C::kFromCube) {
+          s6 = hn::Mul(hn::Mul(hn::Mul(sigma2, sigma2), sigma2), inv_r6);
+        } else {
+          const V s2 = hn::Mul(sigma2, inv_r2);
+          s6 = hn::Mul(hn::Mul(s2, s2), s2);
+        }
       }
       four_eps = hn::Mul(atoms.eps, eps_j);
       const V depth = hn::Mul(four_eps, s6);
