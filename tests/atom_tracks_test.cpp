@@ -77,6 +77,18 @@ TEST(AtomTracks, MissNoPairOfAtomsThatFlyStraightAndServeThemLong) {
   });
 }
 
+TEST(AtomTracks, LookLessFarAheadWhereAtomsThatStoodBeginToMove) {
+  Flight flight;
+  ClusterPairs clusters = flight.clusters();
+  const Vectors v = 0.0025 * flight.v.colwise().normalized();
+  flight.v = 1e-3 * v;
+  flight.v.col(1) = v.col(1);
+  calls_of(flight, clusters, 4, [] {});
+  flight.v = v;
+  calls_of(flight, clusters, 3, [] {});
+  EXPECT_GE(calls_of(flight, clusters, 3, [] {}), 15);
+}
+
 TEST(AtomTracks, MissNoPairWhereAllTurnRoundJustAfterAPruning) {
   on_every_machine([&] {
     on_one_to_three_threads([&] {

@@ -53,7 +53,7 @@ double look_ahead_simd(const AtomTracks::Course& course, const Share& clusters, 
       }
       const FourV margin = hn::Add(hn::Sqrt(squared(off)), hn::IfThenElse(goes, spare, unknown));
       hn::StoreU(hn::DemoteTo(f, margin), f, to + 12);
-      sum = hn::Add(sum, hn::IfThenElseZero(goes, length));
+      sum = hn::Add(sum, hn::IfThenElse(goes, length, farthest));
     }
   return hn::GetLane(hn::SumOfLanes(d, sum));
 }
