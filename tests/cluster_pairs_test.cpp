@@ -147,6 +147,7 @@ const auto kLiquids =
                       Liquid{"skewed", 7, 0.33, true, 0.8, 0.6, 2, true, {-0.31, 0.44, 0.27}},
                       Liquid{"octahedron", 9, 0.33, true, 0.5, 0, 1, true, {1.0 / 3, -1.0 / 3, 0.5}},
                       Liquid{"switched", 6, 0.33, true, 0.8, 0.6, 1, true},
+                      Liquid{"switched_without_charges", 9, 0.33, true, 0.8, 0.6, 1, false},
                       Liquid{"two_sigmas", 6, 0.33, true, 0.8, 0, 2, true},
                       Liquid{"two_sigmas_switched_without_charges", 6, 0.33, true, 0.8, 0.6, 2, false},
                       Liquid{"by_a_table", 6, 0.33, true, 0.8, 0, 3, true},

@@ -7,6 +7,7 @@
 #define HWY_TARGET_INCLUDE "forcefield/clusters/pair_kernels-inl.hpp"
 #include "forcefield/clusters/simd_targets.hpp"
 // after the targets: once a target
+#include "forcefield/clusters/dense_rows-inl.hpp"
 #include "forcefield/clusters/pair_law-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -17,6 +18,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 // Rows of one kind against their clusters.
 template <class T, class C>
 class RowSum {
+  friend class DenseRows<T, C>;
   using S = Shape<T>;
   using D = typename S::D;
   using V = typename S::V;
@@ -251,8 +253,17 @@ bool chosen(const PairRow& row, const PairAtoms<T>& atoms) {
 template <class T, class C>
 HWY_NOINLINE SixSums sum_rows(const Rows& rows, const PairAtoms<T>& atoms, T* f) {
   RowSum<T, C> sum(rows.law, atoms, f);
-  for (std::size_t r = rows.begin; r < rows.end; ++r)
-    if (chosen<T, C>(rows.list.rows[r], atoms)) sum.add(rows.list.rows[r], rows.list);
+  const auto add_to = [&](auto& rows_of) {
+    for (std::size_t r = rows.begin; r < rows.end; ++r)
+      if (chosen<T, C>(rows.list.rows[r], atoms)) rows_of.add(rows.list.rows[r], rows.list);
+  };
+  if constexpr (kDense<T, C>) {
+    DenseRows<T, C> dense(rows.law, atoms.unit, sum);
+    add_to(dense);
+    dense.add_forces();
+  } else {
+    add_to(sum);
+  }
   return sum.total();
 }
 

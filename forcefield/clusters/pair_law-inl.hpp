@@ -105,8 +105,56 @@ class LawInLanes {
   template <int K>
   HWY_INLINE void pairs(int v, const Atoms& atoms, const std::ptrdiff_t (&j)[K], const V (&r2)[K],
                         V (&guess)[K], V (&term)[K]) const {
+    V coulomb[K];
+    find_coulomb<K>(r2, guess, coulomb);
+    for (int k = 0; k < K; ++k) {
+      const bool has_lj = C::kLj && (!C::kHalf || 2 * v < Shape<T>::kVectors);
+      if constexpr (C::kHalf && Shape<T>::kVectors == 1)
+        term[k] = half_lennard_jones(atoms, j[k], r2[k], guess[k]);
+      else if constexpr (C::kLj)
+        if (has_lj) term[k] = lennard_jones(atoms, column(j[k]), r2[k], guess[k]);
+      if constexpr (C::kCharge) {
+        const V qq = hn::Mul(atoms.q, load_columns(D(), charge_ + j[k]));
+        term[k] = has_lj ? hn::MulAdd(qq, coulomb[k], term[k]) : hn::Mul(qq, coulomb[k]);
+      }
+    }
+  }
+
+  // The same in two steps, with one σ: what depends on the distances alone, and pairs' terms of it.
+  template <int K>
+  HWY_INLINE void of_distances(const V (&r2)[K], V (&coulomb)[K], V (&lj)[K]) const {
+    V inverse[K];
+    for (int k = 0; k < K; ++k) inverse[k] = guess(r2[k]);
+    invert<K>(r2, inverse);
+    find_coulomb<K>(r2, inverse, coulomb);
+    if constexpr (C::kLj) {
+      Atoms atoms{};
+      atoms.eps = set(1);
+      atoms.repulsion = twelve_sigma12_;
+      atoms.attraction = six_sigma6_;
+      Column column{};
+      column.eps = set(1);
+      for (int k = 0; k < K; ++k) lj[k] = lennard_jones(atoms, column, r2[k], inverse[k]);
+    }
+  }
+  HWY_INLINE V term(const Atoms& atoms, std::ptrdiff_t j, V coulomb, V lj) const {
     const D d;
-    V inv_r3[K], coulomb[K];
+    V term{};
+    if constexpr (C::kLj) term = hn::Mul(hn::Mul(atoms.eps, load_columns(d, two_sqrt_epsilon_ + j)), lj);
+    if constexpr (C::kCharge) {
+      const V qq = hn::Mul(atoms.q, load_columns(d, charge_ + j));
+      term = C::kLj ? hn::MulAdd(qq, coulomb, term) : hn::Mul(qq, coulomb);
+    }
+    return term;
+  }
+
+ private:
+  static HWY_INLINE V set(double value) { return hn::Set(D(), static_cast<T>(value)); }
+
+  // Of unit charges.
+  template <int K>
+  HWY_INLINE void find_coulomb(const V (&r2)[K], const V (&guess)[K], V (&coulomb)[K]) const {
+    V inv_r3[K];
     for (int k = 0; k < K; ++k) {
       if constexpr (C::kFromCube) inv_r3[k] = guess[k];
       if constexpr (C::kFromRoot) inv_r3[k] = hn::Mul(guess[k], hn::Mul(guess[k], guess[k]));
@@ -121,28 +169,30 @@ class LawInLanes {
               C::kEnergy ? hn::Sub(hn::MulAdd(k_rf_, r2[k], guess[k]), c_rf_) : hn::Sub(inv_r3[k], two_k_rf_);
       }
     }
-    for (int k = 0; k < K; ++k) {
-      const bool has_lj = C::kLj && (!C::kHalf || 2 * v < Shape<T>::kVectors);
-      if constexpr (C::kHalf && Shape<T>::kVectors == 1)
-        term[k] = half_lennard_jones(atoms, j[k], r2[k], guess[k]);
-      else if constexpr (C::kLj)
-        if (has_lj) term[k] = lennard_jones(atoms, j[k], r2[k], guess[k]);
-      if constexpr (C::kCharge) {
-        const V qq = hn::Mul(atoms.q, load_columns(d, charge_ + j[k]));
-        term[k] = has_lj ? hn::MulAdd(qq, coulomb[k], term[k]) : hn::Mul(qq, coulomb[k]);
-      }
-    }
   }
 
- private:
-  static HWY_INLINE V set(double value) { return hn::Set(D(), static_cast<T>(value)); }
+  // What it takes of a cluster's atoms, from slot j on.
+  struct Column {
+    V eps, half_sigma, type;
+  };
+  HWY_INLINE Column column(std::ptrdiff_t j) const {
+    const D d;
+    Column c{};
+    if constexpr (C::kTable) {
+      c.type = load_columns(d, type_ + j);
+    } else {
+      c.eps = load_columns(d, two_sqrt_epsilon_ + j);
+      if constexpr (!C::kOneSigma) c.half_sigma = load_columns(d, half_sigma_ + j);
+    }
+    return c;
+  }
 
   // 1/r³ comes times kScale: so do 1/r⁶ and what follows from it, times its square.
   static constexpr double kScale = C::kFromCube ? kCubeScale<D> : 1, kScale2 = kScale * kScale;
   static constexpr double kSix = 6 / (kScale2 * kScale2), kTwelve = 12 / (kScale2 * kScale2 * kScale2);
 
   // `inverse`: 1/r³, 1/r or 1/r².
-  HWY_INLINE V lennard_jones(const Atoms& atoms, std::ptrdiff_t j, V r2, V inverse) const {
+  HWY_INLINE V lennard_jones(const Atoms& atoms, const Column& j, V r2, V inverse) const {
     const D d;
     V inv_r2, inv_r4, inv_r6;
     if constexpr (C::kFromCube) {
@@ -157,23 +207,21 @@ class LawInLanes {
     V slope{}, energy{}, four_eps{};
     constexpr bool needs_slope = !C::kEnergy || C::kSwitched, needs_energy = C::kEnergy || C::kSwitched;
     if constexpr (C::kTable) {
-      const auto at = place_in_table(hn::Add(atoms.line, load_columns(d, type_ + j)));
+      const auto at = place_in_table(hn::Add(atoms.line, j.type));
       const V b = hn::GatherIndex(d, table_b_, at),
               a_over_r6 = hn::Mul(hn::GatherIndex(d, table_a_, at), inv_r6);
       if constexpr (needs_slope)
         slope = hn::Mul(hn::Mul(inv_r4, inv_r4), hn::MulSub(set(kTwelve), a_over_r6, hn::Mul(set(kSix), b)));
       if constexpr (needs_energy) energy = hn::Mul(inv_r6, hn::Sub(a_over_r6, b));
     } else {
-      const V eps_j = load_columns(d, two_sqrt_epsilon_ + j);
       if constexpr (C::kOneSigma && !C::kSwitched && !C::kEnergy)
-        return hn::Mul(hn::Mul(inv_r4, hn::Mul(inv_r4, eps_j)),
+        return hn::Mul(hn::Mul(inv_r4, hn::Mul(inv_r4, j.eps)),
                        hn::MulSub(atoms.repulsion, inv_r6, atoms.attraction));
       V s6;
       if constexpr (C::kOneSigma) {
         s6 = hn::Mul(sigma6_, inv_r6);
       } else {
-        const V sigma = hn::Add(atoms.half_sigma, load_columns(d, half_sigma_ + j)),
-                sigma2 = hn::Mul(sigma, sigma);
+        const V sigma = hn::Add(atoms.half_sigma, j.half_sigma), sigma2 = hn::Mul(sigma, sigma);
         if constexpr (C::kFromCube) {
           s6 = hn::Mul(hn::Mul(hn::Mul(sigma2, sigma2), sigma2), inv_r6);
         } else {
@@ -181,7 +229,7 @@ class LawInLanes {
           s6 = hn::Mul(hn::Mul(s2, s2), s2);
         }
       }
-      four_eps = hn::Mul(atoms.eps, eps_j);
+      four_eps = hn::Mul(atoms.eps, j.eps);
       const V depth = hn::Mul(four_eps, s6);
       if constexpr (needs_slope)
         slope = hn::Mul(hn::Mul(depth, hn::MulSub(set(kTwelve), s6, set(kSix))), inv_r2);
