@@ -251,18 +251,20 @@ bool chosen(const PairRow& row, const PairAtoms<T>& atoms) {
 }
 
 template <class T, class C>
+HWY_INLINE void add_chosen(const Rows& rows, const PairAtoms<T>& atoms, auto& sum) {
+  for (std::size_t r = rows.begin; r < rows.end; ++r)
+    if (chosen<T, C>(rows.list.rows[r], atoms)) sum.add(rows.list.rows[r], rows.list);
+}
+
+template <class T, class C>
 HWY_NOINLINE SixSums sum_rows(const Rows& rows, const PairAtoms<T>& atoms, T* f) {
   RowSum<T, C> sum(rows.law, atoms, f);
-  const auto add_to = [&](auto& rows_of) {
-    for (std::size_t r = rows.begin; r < rows.end; ++r)
-      if (chosen<T, C>(rows.list.rows[r], atoms)) rows_of.add(rows.list.rows[r], rows.list);
-  };
   if constexpr (kDense<T, C>) {
     DenseRows<T, C> dense(rows.law, atoms.unit, sum);
-    add_to(dense);
+    add_chosen<T, C>(rows, atoms, dense);
     dense.add_forces();
   } else {
-    add_to(sum);
+    add_chosen<T, C>(rows, atoms, sum);
   }
   return sum.total();
 }

@@ -132,7 +132,7 @@ class LawInLanes {
       atoms.eps = set(1);
       atoms.repulsion = twelve_sigma12_;
       atoms.attraction = six_sigma6_;
-      Column column{};
+      Column column;
       column.eps = set(1);
       for (int k = 0; k < K; ++k) lj[k] = lennard_jones(atoms, column, r2[k], inverse[k]);
     }
@@ -177,7 +177,7 @@ class LawInLanes {
   };
   HWY_INLINE Column column(std::ptrdiff_t j) const {
     const D d;
-    Column c{};
+    Column c;  // not cleared: what the law does not take is not loaded
     if constexpr (C::kTable) {
       c.type = load_columns(d, type_ + j);
     } else {
