@@ -88,10 +88,14 @@ inline void wait_for(const fs::path& file) {
   wait_until([&] { return fs::exists(file); });
 }
 
-// What a run gets that is killed after a while.
-inline void kill_when_the_log_has(std::uintmax_t bytes, const Process& process, const fs::path& folder) {
+inline void wait_for_log(const fs::path& folder, std::uintmax_t bytes) {
   wait_for(folder / "checkpoint.cbor");
   wait_until([&] { return fs::file_size(folder / "log.csv") > bytes; });
+}
+
+// What a run gets that is killed after a while.
+inline void kill_when_the_log_has(std::uintmax_t bytes, const Process& process, const fs::path& folder) {
+  wait_for_log(folder, bytes);
   process.send(SIGKILL);
   ASSERT_EQ(process.wait(), -SIGKILL);
 }

@@ -43,10 +43,10 @@ TEST_F(LongRuns, KilledAtAnyInstantTheyGoOn) {
 }
 
 TEST_F(LongRuns, StopWhenAskedAndSayHowToGoOn) {
-  ASSERT_EQ(run(droplet(in("whole"), "700")).code, 0);
+  ASSERT_EQ(run(droplet(in("whole"), "2000")).code, 0);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     const fs::path out = in(std::to_string(signal).c_str());
-    const Process process(droplet(out, "700"), folder_.path());
+    const Process process(droplet(out, "2000"), folder_.path());
     wait_for(out / "checkpoint.cbor");
     process.send(signal);
     if (signal == SIGHUP) process.send(signal);  // from the shell, and from the terminal

@@ -28,14 +28,14 @@ TEST_F(RunFolders, WhatIsNoCheckpointGetsOneLine) {
 // A second one is turned away, and harms nothing; the lock goes with the process that died.
 TEST_F(RunFolders, OneProcessAtATimeWritesToAFolder) {
   const fs::path out = in("shared");
-  ASSERT_EQ(run(droplet(in("whole"), "600")).code, 0);
-  const Process first(droplet(out, "600"), folder_.path());
-  wait_for(out / "checkpoint.cbor");
+  ASSERT_EQ(run(droplet(in("whole"), "2000")).code, 0);
+  const Process first(droplet(out, "2000"), folder_.path());
+  wait_for_log(out, 3000);  // more than it would ask for before it cuts it off
   first.halt();
   const std::string checkpoint = contents(out / "checkpoint.cbor"), log = contents(out / "log.csv");
   for (const Arguments& second :
-       {Arguments{"resume", out.string()}, with(droplet(out, "600"), {"--continue"}),
-        with(droplet(out, "600"), {"--overwrite"}),
+       {Arguments{"resume", out.string()}, with(droplet(out, "2000"), {"--continue"}),
+        with(droplet(out, "2000"), {"--overwrite"}),
         Arguments{"chart", "diatomic", "--quick", "--out", out.string()},
         Arguments{"stability", "diatomic", "--quick", "--out", out.string()}}) {
     const Outcome refused = run(second);
