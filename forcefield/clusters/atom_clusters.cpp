@@ -134,8 +134,9 @@ std::optional<AtomClusters::Place> AtomClusters::locate(const Vec3& wrapped) con
 }
 
 std::size_t AtomClusters::table_entry(const Place& place) const {
+  const auto another = [&](const Place& found) { return found[0] != place[0] || found[1] != place[1]; };
   std::size_t e = mix(place[0], place[1]) & (table_.size() - 1);
-  while (table_[e] >= 0 && columns_[table_[e]].place != place) e = (e + 1) & (table_.size() - 1);
+  while (table_[e] >= 0 && another(columns_[table_[e]].place)) e = (e + 1) & (table_.size() - 1);
   return e;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "forcefield/clusters/atom_tracks.cpp"
@@ -73,19 +74,24 @@ bool served_simd(const double* x, const float* places, const Share& clusters) {
   return hn::AllTrue(d, all);
 }
 
-bool within_reach_simd(double reach, const float* searched, const Share& clusters, const float* places) {
+double farthest_simd(const float* searched, const Share& clusters, const float* places, double* each) {
   const Four d;
-  auto all = hn::FirstN(d, kOfFour);
-  for (int c = clusters.begin; c < clusters.end; ++c)
+  const FourV nowhere = hn::Set(d, std::numeric_limits<double>::infinity());
+  double farthest = 0;
+  for (int c = clusters.begin; c < clusters.end; ++c) {
+    FourV of_cluster = hn::Zero(d);
     for (int i = 0; i < 4; i += kOfFour) {
       const std::ptrdiff_t at = 16 * std::ptrdiff_t{c} + i;
       FourV r[3];
       for (int k = 0; k < 3; ++k)
         r[k] = hn::Sub(rounded(places + at + 4 * k), rounded(searched + at + 4 * k));
-      const FourV farthest = hn::Add(hn::Sqrt(squared(r)), rounded(places + at + 12));
-      all = hn::And(all, hn::Le(farthest, hn::Set(d, reach)));  // false for NaN
+      const FourV far = hn::Add(hn::Sqrt(squared(r)), rounded(places + at + 12));
+      of_cluster = hn::Max(of_cluster, hn::IfThenElse(hn::Le(far, nowhere), far, nowhere));  // NaN is nowhere
     }
-  return hn::AllTrue(d, all);
+    each[c] = hn::GetLane(hn::MaxOfLanes(d, of_cluster));
+    farthest = std::max(farthest, each[c]);
+  }
+  return farthest;
 }
 
 }  // namespace taut::HWY_NAMESPACE
@@ -99,7 +105,7 @@ constexpr double kFarthest = 100;  // T
 
 HWY_EXPORT(look_ahead_simd);
 HWY_EXPORT(served_simd);
-HWY_EXPORT(within_reach_simd);
+HWY_EXPORT(farthest_simd);
 
 }  // namespace
 
@@ -159,9 +165,9 @@ bool AtomTracks::served(const RoundedPositions& list, const Share& clusters) con
   return HWY_DYNAMIC_DISPATCH(served_simd)(x_[0].data(), list.x.data(), clusters);
 }
 
-bool within_reach(double reach, const RoundedPositions& searched, const Share& clusters,
-                  const RoundedPositions& list) {
-  return HWY_DYNAMIC_DISPATCH(within_reach_simd)(reach, searched.x.data(), clusters, list.x.data());
+double farthest(const RoundedPositions& searched, const Share& clusters, const RoundedPositions& list,
+                std::vector<double>& each) {
+  return HWY_DYNAMIC_DISPATCH(farthest_simd)(searched.x.data(), clusters, list.x.data(), each.data());
 }
 
 void AtomTracks::serialize(Archive& archive) {

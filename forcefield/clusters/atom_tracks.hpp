@@ -63,9 +63,9 @@ class AtomTracks {
   double ahead_ = 1;              // T
 };
 
-// Whether no atom, within its margin of its place in `list`, is further than `reach` from its place in
-// `searched`.
-bool within_reach(double reach, const RoundedPositions& searched, const Share& clusters,
-                  const RoundedPositions& list);
+// How far at most an atom of the clusters, within its margin of its place in `list`, is from its place in
+// `searched`, infinitely where one is nowhere [nm]; and of each cluster.
+double farthest(const RoundedPositions& searched, const Share& clusters, const RoundedPositions& list,
+                std::vector<double>& each);
 
 }  // namespace taut

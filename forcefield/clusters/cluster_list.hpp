@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -27,15 +28,22 @@ struct MaskedCluster {
   std::uint32_t mask;  // bit 4i + j: atom i of the row and atom j of the cluster count
 };
 
+// A row of an outer list has its clusters in the order of how near they were when it was searched: a core,
+// which every inner list has, and shells, each of which matters once atoms have moved so far.
+inline constexpr int kShells = 4;
+using ShellEnds = std::array<int, kShells + 1>;  // in ClusterList::clusters: the core's, the shells'
+
 struct ClusterList {
   std::vector<PairRow> rows;
-  std::vector<int> clusters;
+  std::vector<int> clusters;  // may have room to spare at its end
   std::vector<MaskedCluster> masked;
+  std::vector<ShellEnds> shells;  // by row of an outer list
 
   void clear() {
     rows.clear();
     clusters.clear();
     masked.clear();
+    shells.clear();
   }
 };
 

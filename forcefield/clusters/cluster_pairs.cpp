@@ -109,11 +109,17 @@ class EngineIn final : public ClusterPairs::Engine {
   void by_clusters(const auto& work) {
     in_parallel(threads_, [&](int t) { work(share_of(t)); });
   }
-  // Whether it holds of all shares of the clusters.
+  // A number of each share of the clusters, and the largest.
+  void by_shares(const auto& of) {
+    of_share_.resize(threads_);
+    in_parallel(threads_, [&](int t) { of_share_[t] = of(share_of(t)); });
+  }
+  double most(const auto& of) {
+    by_shares(of);
+    return *std::max_element(of_share_.begin(), of_share_.end());
+  }
   bool everywhere(const auto& holds) {
-    holds_.assign(threads_, 1);
-    in_parallel(threads_, [&](int t) { holds_[t] = holds(share_of(t)); });
-    return std::all_of(holds_.begin(), holds_.end(), [](char h) { return h; });
+    return most([&](const Share& share) { return holds(share) ? 0.0 : 1.0; }) == 0;
   }
 
   void renew_lists(const Vectors& x, const Box& box) {
@@ -135,21 +141,23 @@ class EngineIn final : public ClusterPairs::Engine {
       listed_ = searched_;
       return everywhere([&](const Share& s) { return tracks_.served(listed_, s); });
     }
-    half_ways_.resize(threads_);
-    in_parallel(threads_, [&](int t) { half_ways_[t] = tracks_.look_ahead(aim_, share_of(t), listed_); });
+    by_shares([&](const Share& s) { return tracks_.look_ahead(aim_, s, listed_); });
+    const double half_ways = std::accumulate(of_share_.begin(), of_share_.end(), 0.0);
     if (!within_reach()) return false;
-    tracks_.adjust(std::accumulate(half_ways_.begin(), half_ways_.end(), 0.0), aim_);
+    tracks_.adjust(half_ways, aim_);
     return true;
   }
 
   bool within_reach() {
-    return everywhere([&](const Share& s) { return taut::within_reach(aim_.reach, searched_, s, listed_); });
+    moved_.resize(clusters_.count());
+    farthest_ = most([&](const Share& s) { return farthest(searched_, s, listed_, moved_); });
+    return farthest_ <= aim_.reach;
   }
 
   // The inner list from the outer one.
   void prune() {
     if (p_.all_pairs()) return;
-    const Pruning pruning{listed_, kind_, p_.law.cutoff, kRowAtoms};
+    const Pruning pruning{listed_, kind_, p_.law.cutoff, kRowAtoms, moved_, farthest_, p_.outer};
     in_parallel(threads_, [&](int t) {
       inner_[t].rows.clear();
       inner_[t].masked.clear();
@@ -198,15 +206,14 @@ class EngineIn final : public ClusterPairs::Engine {
     search_.resize(threads_);
     shares_.make_room(threads_);
     force_.make_room(threads_, clusters_.count());
-    space_.make_room();
-    if (!p_.all_pairs()) by_clusters([&](const Share& share) { space_.find_bounds(share.begin, share.end); });
+    if (!p_.all_pairs()) {
+      space_.bounds.make_room(clusters_.count());
+      by_clusters([&](const Share& s) { space_.bounds.find(searched_.x.data(), s.begin, s.end); });
+    }
     in_parallel(threads_, [&](int t) {
-      if (p_.all_pairs()) {
-        search_[t].run_all(space_, triangle_share(t), triangle_share(t + 1), kRowAtoms, outer_[t]);
-      } else {
-        const Share share(clusters_.count(), t, threads_);
-        search_[t].run(space_, share.begin, share.end, outer_[t]);
-      }
+      const Share share = share_of(t);
+      p_.all_pairs() ? search_[t].run_all(space_, triangle_share(t), triangle_share(t + 1), outer_[t])
+                     : search_[t].run(space_, share.begin, share.end, outer_[t]);
       shares_.count(t, outer_[t]);
     });
     shares_.add_up();
@@ -236,12 +243,7 @@ class EngineIn final : public ClusterPairs::Engine {
     load_table(slots);
     searched_.x.resize(4 * slots);
     listed_.x.resize(4 * slots);
-    extent_.assign(threads_, 0);
-    in_parallel(threads_, [&](int t) {
-      const Share share(clusters_.count(), t, threads_);
-      extent_[t] = load(x, share);
-    });
-    const double extent = *std::max_element(extent_.begin(), extent_.end());
+    const double extent = most([&](const Share& share) { return load(x, share); });
     searched_.extent = listed_.extent = extent + clusters_.box().edge.maxCoeff();
     if (!p_.all_pairs()) choose_unit(2 * (p_.law.cutoff + p_.outer + clusters_.widest()), extent);
   }
@@ -256,8 +258,7 @@ class EngineIn final : public ClusterPairs::Engine {
         searched_.x[16 * (slot / 4) + 4 * d + slot % 4] = static_cast<float>(q);
         extent = std::max(extent, std::abs(q));
       }
-      searched_.x[16 * (slot / 4) + 12 + slot % 4] =
-          static_cast<float>(p_.all_pairs() ? kEverywhere : p_.outer / 2);
+      searched_.x[16 * (slot / 4) + 12 + slot % 4] = static_cast<float>(kEverywhere);
       const bool filler = clusters_.filler(slot);
       const auto unless_filler = [&](double value) { return filler ? T(0) : static_cast<T>(value); };
       kind_[slot] = filler ? 0 : p_.kind[a];
@@ -319,13 +320,13 @@ class EngineIn final : public ClusterPairs::Engine {
   Vectors searched_at_;                 // as they were given [nm]
   std::vector<std::uint8_t> kind_;
   bool searched_in_box_ = false;  // the box there is
+  std::vector<double> moved_;     // since then, as Pruning has them
+  double farthest_ = 0;
   int threads_ = 1;
   std::vector<ClusterList> outer_, inner_;  // by thread, as what follows
-  std::vector<char> holds_;
-  std::vector<double> extent_;
-  std::vector<double> half_ways_;
+  std::vector<double> of_share_;
   std::vector<ClusterSearch> search_;
-  SearchSpace space_{clusters_, exclusions_, kind_, searched_, p_.law.cutoff, p_.outer / 2};
+  SearchSpace space_{clusters_, exclusions_, kind_, searched_, p_.law.cutoff, p_.outer, p_.core, kRowAtoms};
   RowShares shares_;  // of the outer list, which make the inner one
   ThreadForces<T> force_;
   std::vector<SixSums> parts_;

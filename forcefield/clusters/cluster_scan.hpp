@@ -1,30 +1,71 @@
 #pragma once
 
-#include "md/vectors.hpp"
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "forcefield/clusters/cluster_list.hpp"
 
 namespace taut {
 
-// Clusters of a column that a cluster may meet, sorted by z.
+// Clusters of a column, sorted by z.
 struct ClusterRange {
   int begin, end;
 };
 
-// A cluster in search of partners.
-struct ClusterScan {
-  const float* low[3];  // bounds of all clusters, and of a vector's width more [nm]
-  const float* high[3];
-  double reach;                   // of bounds, margins included [nm]
-  double range;                   // of atoms, without [nm]
-  float own_low[3], own_high[3];  // bounds of the searching cluster where it meets the others [nm]
-  const float* x;                 // RoundedPositions of all clusters
-  int own;                        // the searching cluster
-  Vec3 shift;                     // moves it there [nm]
-  int* candidates;                // room for all clusters, and a vector's width more
-  int* found;                     // the same
-  int count;                      // how many there are
+// Of clusters, number by number, and a vector's width more [nm].
+struct SideBySide {
+  static constexpr int kSpare = 16;
+  std::array<std::vector<float>, 3 * kClusterAtoms> x;  // of their four atoms, y, z
+
+  void make_room(int clusters);
 };
 
-// Appends the clusters with an atom within reach of one of the searching.
-void scan_clusters(ClusterScan& scan, const ClusterRange* ranges, int count);
+struct ClusterBounds : SideBySide {
+  std::array<std::vector<float>, 3> low, high;
+
+  void make_room(int clusters);
+  void find(const float* rounded, int begin, int end);  // of those clusters; rounded: RoundedPositions
+};
+
+// What clusters that follow each other may meet, where it is.
+struct Candidates : SideBySide {
+  std::vector<int> cluster;
+  int count = 0;
+
+  void make_room(int clusters);
+};
+
+struct Seekers {
+  std::array<float, 3> low, high;  // their bounds where they meet the others [nm]
+  float reach;                     // of bounds [nm]
+};
+
+// The clusters of the ranges within reach, and some between. What is below the reach of all seekers to come,
+// which are higher, is left behind: the ranges begin later.
+void find_candidates(const ClusterBounds& all, const Seekers& seekers, std::vector<ClusterRange>& ranges,
+                     Candidates& out);
+
+// A cluster in search of partners.
+struct Seeker {
+  std::array<float, 3 * kClusterAtoms> x;  // where it meets the others [nm]
+  int row_atoms;
+  float core2;                         // each of its rows meets a cluster of the core as near as that [nm²]
+  std::array<float, kShells> shell2;   // the shells' ends [nm²]
+  const MaskedCluster *exclude, *end;  // clusters to be kept apart
+};
+
+struct Partners {
+  std::vector<int> cluster;  // a vector's width more
+  std::vector<float> r2;     // of the nearest atoms [nm²]
+  std::vector<MaskedCluster> excluded;
+  std::array<int, kShells + 1> count;  // in the core and the shells
+
+  void make_room(int clusters);
+};
+
+// Those of the candidates from `first` on that have an atom within the last shell, the core first, then the
+// shells. `out` has room for as many as there are candidates, and a vector's width more.
+void find_partners(const Candidates& among, int first, const Seeker& seeker, Partners& found, int* out);
 
 }  // namespace taut

@@ -1,16 +1,13 @@
 #include "forcefield/clusters/cluster_search.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
-
-#include "forcefield/clusters/cluster_scan.hpp"
+#include <tuple>
 
 namespace taut {
 namespace {
 
-constexpr int kWidest = 16;  // floats a vector
 constexpr std::uint16_t kAll = 0xFFFF;
+constexpr int kTogether = 6;  // clusters that seek candidates together
 
 // Pairs of a cluster with itself are met once: i < j. Its fillers stand where another atom stands, and must
 // not meet it.
@@ -23,32 +20,6 @@ std::uint16_t met_once(const AtomClusters& clusters, int cluster) {
 
 }  // namespace
 
-void SearchSpace::make_room() {
-  reach = x.safely(range + 2 * margin);
-  for (auto* bounds : {&low, &high})
-    for (auto& along : *bounds) {
-      along.resize(clusters.count() + kWidest);
-      std::fill_n(along.end() - kWidest, kWidest, std::numeric_limits<float>::max());
-    }
-}
-
-void SearchSpace::find_bounds(int begin, int end) {
-  for (int d = 0; d < 3; ++d)
-    for (int c = begin; c < end; ++c) {
-      const float* p = x.x.data() + 16 * c + 4 * d;
-      low[d][c] = std::min({p[0], p[1], p[2], p[3]});
-      high[d][c] = std::max({p[0], p[1], p[2], p[3]});
-    }
-}
-
-void ClusterSearch::prepare(const SearchSpace& space) {
-  const int n = space.clusters.count();
-  mask_.assign(n, kAll);
-  masked_.clear();
-  found_.resize(n + kWidest);
-  candidates_.resize(n + kWidest);
-}
-
 // Bits of pairs that do not count, in the clusters where the partners are.
 void ClusterSearch::mask_exclusions(const SearchSpace& space, int cluster) {
   const auto& [begin, partner] = space.exclusions;
@@ -59,112 +30,118 @@ void ClusterSearch::mask_exclusions(const SearchSpace& space, int cluster) {
     for (int e = begin[a]; e < begin[a + 1]; ++e) {
       const int other = space.clusters.slot_of(partner[e]);
       if (other < 0) continue;
-      mask_[other / kClusterAtoms] &= std::uint16_t(~(1u << (4 * i + other % kClusterAtoms)));
-      masked_.push_back(other / kClusterAtoms);
+      std::uint16_t& mask = mask_[other / kClusterAtoms];
+      if (mask == kAll) masked_.push_back(other / kClusterAtoms);
+      mask &= std::uint16_t(~(1u << (4 * i + other % kClusterAtoms)));
     }
   }
 }
 
-// `itself`: the cluster meets itself too, each pair of its atoms once.
-void ClusterSearch::add_row(const SearchSpace& space, int cluster, const Vec3& shift, bool itself,
-                            ClusterList& list) {
-  PairRow row{};
-  row.first = kClusterAtoms * cluster;
-  row.shift = shift;
-  for (int i = 0; i < kClusterAtoms; ++i) row.kind |= space.kind[row.first + i];
-  row.begin = static_cast<int>(list.clusters.size());
-  row.masked_begin = static_cast<int>(list.masked.size());
-  const unsigned own = itself ? unsigned(mask_[cluster] & met_once(space.clusters, cluster)) : 0u;
-  if (own != 0) list.masked.push_back({cluster, own});
-  list.clusters.resize(row.begin + count_);
-  int* next = list.clusters.data() + row.begin;
-  for (int k = 0; k < count_; ++k) {
-    const int j = found_[k];
-    *next = j;
-    if (mask_[j] == kAll) [[likely]]
-      ++next;
-    else if (mask_[j] != 0)
-      list.masked.push_back({j, mask_[j]});
+void ClusterSearch::find_exclusions(const SearchSpace& space, int begin, int end) {
+  mask_.assign(space.clusters.count(), kAll);
+  masked_.clear();
+  begin_ = begin;
+  exclude_.clear();
+  exclude_begin_.assign(1, 0);
+  for (int c = begin; c < end; ++c) {
+    mask_exclusions(space, c);
+    for (const int j : masked_) exclude_.push_back({j, mask_[j]});
+    exclude_begin_.push_back(static_cast<int>(exclude_.size()));
   }
-  row.end = static_cast<int>(next - list.clusters.data());
-  list.clusters.resize(row.end);
-  row.masked_end = static_cast<int>(list.masked.size());
-  if (row.end > row.begin || row.masked_end > row.masked_begin) list.rows.push_back(row);
 }
 
 void ClusterSearch::run(const SearchSpace& space, int begin, int end, ClusterList& list) {
-  list.clear();
-  prepare(space);
-  const double height = space.clusters.box().edge[2];
-  const int images = height > 0 ? 1 : 0;  // along z: the column one box down, where it is, one box up
+  list.rows.clear();
+  list.masked.clear();
+  list.shells.clear();
+  find_exclusions(space, begin, end);
+  candidates_.make_room(space.clusters.count());
+  partners_.make_room(space.clusters.count());
+  seeker_.row_atoms = space.row_atoms;
+  seeker_.core2 = static_cast<float>(space.core * space.core);
+  for (int s = 0; s < kShells; ++s) {
+    const double reach = space.reach(double(s + 1) / kShells);
+    seeker_.shell2[s] = static_cast<float>(reach * reach);
+  }
+  // along z: the column one box down, where it is, one box up
+  const int images = space.clusters.box().periodic() ? 1 : 0;
   const auto& columns = space.clusters.columns();
   auto own = std::partition_point(columns.begin(), columns.end(),
                                   [&](const AtomClusters::Column& c) { return c.end <= begin; });
   for (; own != columns.end() && own->begin < end; ++own)
-    for (int image = -images; image <= images; ++image) {
-      space.clusters.neighbours(*own, image, neighbours_);
-      start_.clear();
-      for (const auto& n : neighbours_) start_.push_back(n.begin - 1);
-      for (int c = std::max(begin, own->begin); c < std::min(end, own->end); ++c) {
-        if (image < 0 && space.high[2][c] - height < -space.reach) continue;
-        if (image > 0 && space.low[2][c] > space.reach) continue;
-        mask_exclusions(space, c);
-        meet_neighbours(space, c, own->begin, list);
+    for (int up = -images; up <= images; ++up) {
+      space.clusters.neighbours(*own, up, neighbours_);
+      for (auto n = neighbours_.begin(); n != neighbours_.end();) {
+        const auto first = n;
+        ranges_.clear();
+        for (; n != neighbours_.end() && n->image == first->image; ++n) ranges_.push_back({n->begin, n->end});
+        meet_image(space, {std::max(begin, own->begin), std::min(end, own->end)}, first->shift, list);
       }
     }
 }
 
-// Of cluster c, of the column that begins with column_begin. What is below the reach of all clusters to come
-// is left behind at two clusters a turn, without branches, which would often be guessed wrong; what is not
-// yet is looked at in vain.
-void ClusterSearch::meet_neighbours(const SearchSpace& space, int c, int column_begin, ClusterList& list) {
-  ClusterScan scan;
-  for (int d = 0; d < 3; ++d) {
-    scan.low[d] = space.low[d].data();
-    scan.high[d] = space.high[d].data();
-  }
-  scan.reach = space.reach;
-  scan.range = space.x.safely(space.range);
-  scan.x = space.x.x.data();
-  scan.own = c;
-  scan.candidates = candidates_.data();
-  scan.found = found_.data();
-  const float* high = space.high[2].data();
-  for (std::size_t n = 0; n < neighbours_.size();) {
-    const int image = neighbours_[n].image;
-    scan.shift = neighbours_[n].shift;
+// The clusters `own` of a column, moved, against ranges_.
+void ClusterSearch::meet_image(const SearchSpace& space, ClusterRange own, const Vec3& shift,
+                               ClusterList& list) {
+  const double height = space.clusters.box().edge[2], reach = space.reach(1);
+  const bool unmoved = shift.isZero(0);
+  for (int begin = own.begin; begin < own.end; begin += kTogether) {
+    const int end = std::min(begin + kTogether, own.end);
+    Seekers seekers{{}, {}, static_cast<float>(reach)};
     for (int d = 0; d < 3; ++d) {
-      scan.own_low[d] = static_cast<float>(space.low[d][c] + scan.shift[d]);
-      scan.own_high[d] = static_cast<float>(space.high[d][c] + scan.shift[d]);
+      const auto& [low, high] = std::tie(space.bounds.low[d], space.bounds.high[d]);
+      seekers.low[d] =
+          static_cast<float>(*std::min_element(low.begin() + begin, low.begin() + end) + shift[d]);
+      seekers.high[d] =
+          static_cast<float>(*std::max_element(high.begin() + begin, high.begin() + end) + shift[d]);
     }
-    const auto lowest = static_cast<float>(space.low[2][c] + scan.shift[2] - space.reach);
-    const bool unmoved = scan.shift.isZero(0);
-    bool itself = false;
-    ranges_.clear();
-    for (; n < neighbours_.size() && neighbours_[n].image == image; ++n) {
-      const auto& other = neighbours_[n];
-      int& start = start_[n];
-      if (start < other.begin)  // the first turn
-        for (start = other.begin; start < other.end && high[start] < lowest;) ++start;
-      for (int turn = 0; turn < 2; ++turn) start += int{start < other.end} & int{high[start] < lowest};
-      int begin = start;
-      if (other.begin == column_begin && unmoved) {
-        itself = true;
-        begin = std::max(begin, c + 1);
-      }
-      if (begin < other.end) ranges_.push_back({begin, other.end});
-    }
-    scan_clusters(scan, ranges_.data(), static_cast<int>(ranges_.size()));
-    count_ = scan.count;
-    add_row(space, c, scan.shift, itself, list);
+    if (height > 0 && (seekers.high[2] < -reach || seekers.low[2] > height + reach)) continue;
+    // where it is, the column is the first of those it meets: each pair once
+    if (unmoved) ranges_[0].begin = std::max(ranges_[0].begin, begin + 1);
+    find_candidates(space.bounds, seekers, ranges_, candidates_);
+    for (int c = begin; c < end; ++c) add_row(space, c, shift, list);
   }
 }
 
-void ClusterSearch::run_all(const SearchSpace& space, int begin_cluster, int end_cluster, int row_atoms,
-                            ClusterList& list) {
+// Of candidates_, where the cluster is only those after it; there it meets itself too.
+void ClusterSearch::add_row(const SearchSpace& space, int cluster, const Vec3& shift, ClusterList& list) {
+  for (int k = 0; k < 3 * kClusterAtoms; ++k)
+    seeker_.x[k] = space.bounds.x[k][cluster] + static_cast<float>(shift[k / 4]);
+  seeker_.exclude = exclude_.data() + exclude_begin_[cluster - begin_];
+  seeker_.end = exclude_.data() + exclude_begin_[cluster + 1 - begin_];
+  PairRow row{};
+  row.first = kClusterAtoms * cluster;
+  row.shift = shift;
+  for (int i = 0; i < kClusterAtoms; ++i) row.kind |= space.kind[row.first + i];
+  row.begin = list.rows.empty() ? 0 : list.rows.back().end;
+  row.masked_begin = static_cast<int>(list.masked.size());
+  int first = 0;
+  if (shift.isZero(0)) {
+    while (first < candidates_.count && candidates_.cluster[first] <= cluster) ++first;
+    const auto* own = std::find_if(seeker_.exclude, seeker_.end,
+                                   [&](const MaskedCluster& other) { return other.cluster == cluster; });
+    const unsigned mask = (own != seeker_.end ? own->mask : kAll) & met_once(space.clusters, cluster);
+    if (mask != 0) list.masked.push_back({cluster, mask});
+  }
+  const std::size_t room = std::size_t(row.begin) + candidates_.count + SideBySide::kSpare;
+  if (list.clusters.size() < room) list.clusters.resize(room);
+  find_partners(candidates_, first, seeker_, partners_, list.clusters.data() + row.begin);
+  for (const MaskedCluster& other : partners_.excluded)
+    if (other.mask != 0) list.masked.push_back(other);
+  ShellEnds ends;
+  row.end = row.begin;
+  for (std::size_t s = 0; s < ends.size(); ++s) ends[s] = row.end += partners_.count[s];
+  row.masked_end = static_cast<int>(list.masked.size());
+  if (row.end == row.begin && row.masked_end == row.masked_begin) return;
+  list.rows.push_back(row);
+  list.shells.push_back(ends);
+}
+
+void ClusterSearch::run_all(const SearchSpace& space, int begin_cluster, int end_cluster, ClusterList& list) {
   list.clear();
-  prepare(space);
-  const int n = space.clusters.count();
+  const int n = space.clusters.count(), row_atoms = space.row_atoms;
+  mask_.assign(n, kAll);
+  masked_.clear();
   list.clusters.resize(n);
   for (int c = 0; c < n; ++c) list.clusters[c] = c;
   const int bits = 4 * row_atoms;

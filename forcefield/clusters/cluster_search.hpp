@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -20,42 +19,41 @@ struct SearchSpace {
   const std::vector<std::uint8_t>& kind;  // by slot
   const RoundedPositions& x;
   double range;   // [nm]
-  double margin;  // of every atom [nm]
+  double buffer;  // how far beyond it is looked [nm]
+  double core;    // of what is as near, inner lists have all [nm]
+  int row_atoms;  // of theirs
 
-  double reach = 0;  // a range that misses none [nm]
-  // By cluster, and a vector's width more: its bounds [nm].
-  std::array<std::vector<float>, 3> low = {};
-  std::array<std::vector<float>, 3> high = {};
+  ClusterBounds bounds = {};
 
-  void make_room();
-  void find_bounds(int begin, int end);  // of those clusters
+  double reach(double of_buffer) const { return x.safely(range + of_buffer * buffer); }
 };
 
-// Lists the clusters within range of each other: none in range is missed, and of those listed most hold a
-// pair in range. One of these a thread: it keeps its own room.
+// Lists the clusters within range of each other: none in range is missed. One of these a thread: it keeps its
+// own room.
 class ClusterSearch {
  public:
   // The rows of the clusters begin .. end. Rows of four.
   void run(const SearchSpace& space, int begin, int end, ClusterList& list);
   // The rows of row_atoms of clusters begin .. end, where every pair counts. list.clusters becomes 0, 1, 2,
   // ...
-  void run_all(const SearchSpace& space, int begin_cluster, int end_cluster, int row_atoms,
-               ClusterList& list);
+  void run_all(const SearchSpace& space, int begin_cluster, int end_cluster, ClusterList& list);
 
  private:
-  void prepare(const SearchSpace& space);
-  void meet_neighbours(const SearchSpace& space, int c, int column_begin, ClusterList& list);
+  void find_exclusions(const SearchSpace& space, int begin, int end);
   void mask_exclusions(const SearchSpace& space, int cluster);
-  void add_row(const SearchSpace& space, int cluster, const Vec3& shift, bool itself, ClusterList& list);
+  void meet_image(const SearchSpace& space, ClusterRange own, const Vec3& shift, ClusterList& list);
+  void add_row(const SearchSpace& space, int cluster, const Vec3& shift, ClusterList& list);
 
   std::vector<std::uint16_t> mask_;  // by cluster: pairs with the cluster in hand that count
   std::vector<int> masked_;          // where not all do
-  std::vector<int> found_;           // partners of the cluster in hand
-  int count_ = 0;                    // how many there are
+  int begin_ = 0;                    // the first cluster
+  std::vector<int> exclude_begin_;   // by cluster from there: where its own begin
+  std::vector<MaskedCluster> exclude_;
   std::vector<AtomClusters::Neighbour> neighbours_;
-  std::vector<int> start_;  // by neighbour: its first cluster that can still matter
   std::vector<ClusterRange> ranges_;
-  std::vector<int> candidates_;
+  Candidates candidates_;
+  Seeker seeker_;
+  Partners partners_;
 };
 
 }  // namespace taut

@@ -38,11 +38,13 @@ void take_table(const LennardJonesTable& from, PairProblem& p) {
 }
 
 // How far beyond the cutoff the lists look, in cutoffs: what they save in lists made against the pairs they
-// add. The cutoff is at most half the shortest edge of a box: what the outer one looks for stays within one.
+// add. Of the core hardly any leaves the cutoff while the outer list serves. The cutoff is at most half the
+// shortest edge of a box: what the outer one looks for stays within one.
 void choose_buffers(PairProblem& p, double way, double spare, double outer) {
   p.way = way * p.law.cutoff;
   p.spare = spare * p.law.cutoff;
   p.outer = outer * p.law.cutoff;
+  p.core = 0.97 * p.law.cutoff;
 }
 
 }  // namespace
@@ -62,7 +64,7 @@ PairProblem problem_of(const Nonbonded& nb, bool periodic, Precision precision) 
       p.law.c_rf = 3 * eps / ((2 * eps + 1) * rc);
     }
     p.periodic = periodic;  // without a cutoff there are no images
-    choose_buffers(p, 0.007, 0.006, 0.42);
+    choose_buffers(p, 0.007, 0.006, 0.48);
   }
   p.charge = std::sqrt(kCoulomb) * nb.charge;
   p.half_sigma = 0.5 * nb.sigma;
@@ -79,7 +81,7 @@ PairProblem problem_of(const Wca& wca, int atoms, bool periodic) {
   p.law.cutoff = wca.reach();
   p.law.lift = 1;
   p.periodic = periodic;
-  choose_buffers(p, 0.01, 0.008, 0.44);
+  choose_buffers(p, 0.01, 0.008, 0.5);
   p.charge = Eigen::VectorXd::Zero(atoms);
   p.half_sigma = Eigen::VectorXd::Constant(atoms, wca.sigma / 2);
   p.two_sqrt_epsilon = Eigen::VectorXd::Constant(atoms, 2 * std::sqrt(wca.epsilon));

@@ -15,8 +15,9 @@ namespace taut {
 struct PairProblem {
   PairLaw law;
   bool periodic = false;
-  double way = 0, spare = 0, outer = 0;  // of the lists: AtomTracks::Aim, and the outer one's buffer [nm]
-  std::vector<std::uint8_t> kind;        // n
+  double way = 0, spare = 0;       // of the inner list: AtomTracks::Aim [nm]
+  double outer = 0, core = 0;      // of the outer one: its buffer, and how far its core reaches [nm]
+  std::vector<std::uint8_t> kind;  // n
   Eigen::VectorXd charge, half_sigma, two_sqrt_epsilon;  // as PairAtoms has them, n
   LennardJonesTable table;                               // with a last type for what has no Lennard-Jones
   std::vector<std::array<int, 2>> exclusions;

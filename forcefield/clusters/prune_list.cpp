@@ -36,11 +36,15 @@ HWY_INLINE void prune_in_pieces(const Pruning& how, const ClusterList& list, Row
   int* next = pruned.clusters.data() + used;
   for (int r = range.begin; r < range.end; ++r) {
     const PairRow& whole = list.rows[r];
-    const int count = whole.end - whole.begin;
+    const int core = list.shells[r][0], end_of_shells = list.shells[r][how.shells(whole)];
+    const int* clusters = list.clusters.data();
     in_range.take(whole.first / kClusterAtoms, whole.shift);
     int *begin[kPieces], *end[kPieces];
-    for (int p = 0; p < kPieces; ++p) end[p] = begin[p] = next + p * count;
-    in_range.choose(list.clusters.data() + whole.begin, count, end);
+    for (int p = 0; p < kPieces; ++p) {
+      begin[p] = next + p * (end_of_shells - whole.begin);
+      end[p] = std::copy(clusters + whole.begin, clusters + core, begin[p]);
+    }
+    in_range.choose(clusters + core, end_of_shells - core, end);
     for (int p = 0; p < kPieces; ++p) {
       PairRow row{};
       row.first = whole.first + p * kAtoms;

@@ -25,9 +25,10 @@ class ThreadForces {
   // What thread t reaches: nothing, then a list's rows.
   void forget(int t) {
     force_[t].resize(std::size_t(numbers_) * clusters_);
-    reached_[t].assign(clusters_ / kBlock + 1, 0);
+    reached_[t].assign(clusters_ / kBlock + 1, alone());
   }
   void reach(int t, const ClusterList& list, RowRange rows) {
+    if (alone()) return;
     auto& reached = reached_[t];
     for (int r = rows.begin; r < rows.end; ++r) {
       const PairRow& row = list.rows[r];
@@ -62,7 +63,8 @@ class ThreadForces {
   }
 
  private:
-  static constexpr int kBlock = 16;  // clusters
+  static constexpr int kBlock = 16;                  // clusters
+  bool alone() const { return force_.size() == 1; }  // and reaches all
   T* of(int t, int cluster) { return force_[t].data() + std::size_t(numbers_) * cluster; }
 
   const int copies_ = force_copies<T>();
