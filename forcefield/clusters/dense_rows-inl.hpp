@@ -70,8 +70,13 @@ class DenseRows {
   HWY_INLINE void add(const PairRow& row, const ClusterList& list) {
     const int clusters = row.masked_end - row.masked_begin + row.end - row.begin;
     for (int taken = 0; taken < clusters;) {
-      if (room() < kFew) add_forces();
-      taken = take(row, list, taken, std::min(clusters, taken + room()));
+      int end = clusters;
+      if (room() < clusters - taken)
+          [[unlikely]] {  // else no loop's length waits for what was counted before
+        add_forces();
+        end = std::min(clusters, taken + room());
+      }
+      taken = take(row, list, taken, end);
     }
   }
 
@@ -173,7 +178,6 @@ class DenseRows {
 
   static constexpr int kAtOnce = 3;  // vectors: none waits for another, and all stay in registers
   static constexpr int kPairs = 8192 / sizeof(T), kTiles = kPairs / 2;
-  static constexpr int kFew = 8;                                 // clusters, not worth loading a row
   static constexpr int kNumbers = kPairs + kAtOnce * S::kLanes;  // up to the last vector's end
   struct Piece {
     const PairRow* row;

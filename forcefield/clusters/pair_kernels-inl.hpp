@@ -202,18 +202,20 @@ class RowSum {
     return hn::LoadMaskBits(D(), bytes);
   }
 
-  // The row's own forces go to lanes of its atoms: any copy will do.
+  // The row's own forces go to lanes of its atoms: any copy will do. (Bits put together in memory byte by
+  // byte would make the load of them all wait.)
   HWY_INLINE void store(const PairRow& row) {
     const D d;
+    constexpr std::uint64_t diagonal = [] {
+      std::uint64_t bits = 0;
+      for (int i = 0; i < S::kRows; ++i) bits |= std::uint64_t{1} << i * (S::kColumns + 1);
+      return bits;
+    }();
     const int cluster = row.first / kClusterAtoms;
     for (int v = 0; v < kVectors; ++v) {
       const int at = row.first % kClusterAtoms + v * S::kRows;
-      std::uint8_t bytes[8] = {};
-      for (int i = 0; i < S::kRows; ++i) {
-        const int lane = i * S::kColumns + (at + i) % S::kColumns;
-        bytes[lane / 8] = static_cast<std::uint8_t>(bytes[lane / 8] | 1u << lane % 8);
-      }
-      const auto own = hn::LoadMaskBits(d, bytes);
+      const std::uint64_t bits = diagonal << at % S::kColumns;
+      const auto own = hn::LoadMaskBits(d, reinterpret_cast<const std::uint8_t*>(&bits));
       T* f = f_ + (3 * cluster * kParts + at / S::kColumns % kParts) * kLanes;
       for (int k = 0; k < 3; ++k) {
         hn::Store(hn::Add(hn::Load(d, f), hn::IfThenElseZero(own, sum_columns(d, own_f_[k][v]))), d, f);

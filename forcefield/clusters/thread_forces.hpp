@@ -49,22 +49,23 @@ class ThreadForces {
   }
 
   // A cluster's, of all threads and copies: x, y, z of its four.
-  using Sum = std::array<std::array<double, kClusterAtoms>, 3>;
-  Sum sum(int cluster) {
-    Sum sum{};
-    for (std::size_t t = 0; t < force_.size(); ++t) {
-      if (!reached_[t][cluster / kBlock]) continue;
-      const T* force = of(static_cast<int>(t), cluster);
-      for (auto& along : sum)
-        for (int copy = 0; copy < copies_; ++copy, force += kClusterAtoms)
-          for (int i = 0; i < kClusterAtoms; ++i) along[i] += double(force[i]);
-    }
-    return sum;
-  }
+  using Along = std::array<double, kClusterAtoms>;
+  std::array<Along, 3> sum(int cluster) { return {sum(cluster, 0), sum(cluster, 1), sum(cluster, 2)}; }
 
  private:
   static constexpr int kBlock = 16;                  // clusters
   bool alone() const { return force_.size() == 1; }  // and reaches all
+  // Four numbers at a time stay in registers; twelve would be cleared in memory by a slow instruction.
+  Along sum(int cluster, int axis) {
+    Along sum{};
+    for (std::size_t t = 0; t < force_.size(); ++t) {
+      if (!reached_[t][cluster / kBlock]) continue;
+      const T* force = of(static_cast<int>(t), cluster) + axis * copies_ * kClusterAtoms;
+      for (int copy = 0; copy < copies_; ++copy, force += kClusterAtoms)
+        for (int i = 0; i < kClusterAtoms; ++i) sum[i] += double(force[i]);
+    }
+    return sum;
+  }
   T* of(int t, int cluster) { return force_[t].data() + std::size_t(numbers_) * cluster; }
 
   const int copies_ = force_copies<T>();
