@@ -272,6 +272,16 @@ TEST(AtomClusters, LeaveEmptySpaceOut) {
   }
 }
 
+// Two fours side by side, of heights that alternate: the lowest four are no cluster.
+TEST(AtomClusters, AreOfAtomsNearEachOther) {
+  Vectors x(3, 8);
+  for (int a = 0; a < 8; ++a) x.col(a) = Vec3(a % 2 ? 0.4 : 0.1, 0.25, 0.1 + 0.01 * a);
+  AtomClusters clusters({true, 1, std::vector<std::uint8_t>(8, 1), std::vector<std::uint8_t>(8, 0)});
+  clusters.build(x, Box{Vec3(1, 1, 2.5)});
+  ASSERT_EQ(clusters.count(), 2);
+  for (int slot = 0; slot < 8; ++slot) EXPECT_EQ(clusters.atom(slot) % 2, slot / 4);
+}
+
 TEST(ClusterPairs, RefusesPositionsThatAreNotFinite) {
   for (const Liquid& liquid :
        {Liquid{"", 5, 0.33, true, 0.8, 0, 1, true}, Liquid{"", 5, 0.33, false, 0, 0, 1, true}}) {

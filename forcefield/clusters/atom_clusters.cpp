@@ -229,27 +229,37 @@ void AtomClusters::bring_near(const Column& column) {
   }
 }
 
-// The next cluster, of the entries left: the lowest and, three times, of the next few the one nearest to the
-// middle of those taken, none of them too high. Says how many there are. What is left stays in its order.
+// The next cluster, of the entries left: the lowest and three of the next seven, none of them too high. Of n
+// entries with the sum S of their places, four with the sum P spread least about their middle, and the rest
+// about theirs, where the middles are furthest apart, |P − 4S/n| greatest. What is left stays in its order.
+// Says how many there are.
 int AtomClusters::take_near(int first, int end) {
-  constexpr int kFew = 6;
+  constexpr int kFew = 2 * kClusterAtoms;
   const double highest = entries_[first].z + tallest();
-  const auto place = [&](int e) -> const Vec3& { return wrapped_[entries_[e].atom]; };
-  Vec3 sum = place(first);
-  for (int taken = 1; taken < kClusterAtoms; ++taken) {
-    const int next = first + taken, last = std::min(end, next + kFew);
-    if (next == end || entries_[next].z > highest) return taken;
-    const Vec3 middle = sum / taken;
-    int nearest = next;
-    double least = (place(next) - middle).squaredNorm();
-    for (int e = next + 1; e < last && entries_[e].z <= highest; ++e) {
-      const double apart = (place(e) - middle).squaredNorm();
-      if (apart >= least) continue;
-      least = apart;
-      nearest = e;
+  std::array<Vec3, kFew> place;
+  Vec3 sum = Vec3::Zero();
+  int n = 0;
+  for (; n < kFew && first + n < end && entries_[first + n].z <= highest; ++n) {
+    place[n] = wrapped_[entries_[first + n].atom];
+    sum += place[n];
+  }
+  if (n <= kClusterAtoms) return n;
+  double furthest = -1;
+  unsigned three = 0;  // a digit of eight each
+  const Vec3 lowest = place[0] - kClusterAtoms * sum / n;
+  for (int i = 1; i < n; ++i)
+    for (int j = i + 1; j < n; ++j) {
+      const Vec3 rest = lowest + place[i] + place[j];
+      for (int k = j + 1; k < n; ++k) {
+        const double apart = (rest + place[k]).squaredNorm();
+        three =
+            apart > furthest ? unsigned(i << 6 | j << 3 | k) : three;  // no branch: it would be guessed wrong
+        furthest = std::max(apart, furthest);
+      }
     }
-    sum += place(nearest);
-    std::rotate(entries_.begin() + next, entries_.begin() + nearest, entries_.begin() + nearest + 1);
+  for (int to = 1; to < kClusterAtoms; ++to) {
+    const auto entry = entries_.begin() + first + (three >> (3 * (kClusterAtoms - 1 - to)) & 7);
+    std::rotate(entries_.begin() + first + to, entry, entry + 1);
   }
   return kClusterAtoms;
 }

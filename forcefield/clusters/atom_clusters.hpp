@@ -14,7 +14,7 @@
 namespace taut {
 
 // Atoms sorted in space into clusters of four (Páll and Hess 2013, doi:10.1016/j.cpc.2013.06.003): columns
-// along z as wide as eight atoms' cube, and from each, upwards, the lowest atom left with three near it. Only
+// along z as wide as eight atoms' cube, and from each, upwards, the lowest atom left with the three that leave the next four compact, too. Only
 // occupied columns are kept, in a hash table: linear in the atoms, however empty the space is. Atoms stand in
 // slots, four to a cluster; slots left over are fillers, which repeat the last atom and must not act.
 // Where atoms are is counted in the brick of the box (md/box.hpp); without one, from the first of them, and
