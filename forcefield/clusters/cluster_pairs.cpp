@@ -1,7 +1,6 @@
 #include "forcefield/clusters/cluster_pairs.hpp"
 
 #include <fmt/format.h>
-#include <hwy/cache_control.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +12,7 @@
 #include "forcefield/clusters/pair_problem.hpp"
 #include "forcefield/clusters/prune_list.hpp"
 #include "forcefield/clusters/row_shares.hpp"
+#include "forcefield/clusters/slots.hpp"
 #include "forcefield/clusters/thread_forces.hpp"
 #include "md/errors.hpp"
 #include "md/shares.hpp"
@@ -24,7 +24,6 @@ using Onto = ClusterPairs::Onto;
 
 constexpr int kClustersPerThread = 100;  // fewer are not worth a thread
 constexpr double kEverywhere = 1e15;     // [nm]
-constexpr int kAhead = 32;               // atoms asked for before their turn: they lie anywhere in memory
 
 // The largest separation of two atoms along an axis [nm].
 double spread(const Vectors& x) {
@@ -60,8 +59,7 @@ class EngineIn final : public ClusterPairs::Engine {
     if (!searched_in_box_ || !place(x)) renew_lists(x, box);
     in_parallel(threads_, [&](int t) { add_pair_forces(p_.law, atoms_, inner_list(t), force_.cleared(t)); });
     by_clusters([&](const Share& share) {
-      onto == Onto::kNothing ? gather_forces<Onto::kNothing>(share, f)
-                             : gather_forces<Onto::kWhatIs>(share, f);
+      hand_out(force_.all(), clusters_, share, {atoms_.unit, onto}, f);
     });
     energy_known_ = false;
   }
@@ -170,26 +168,9 @@ class EngineIn final : public ClusterPairs::Engine {
   bool place(const Vectors& x) {
     if (!tracks_.stand_at(x, clusters_)) tracks_.advance();
     return everywhere([&](const Share& share) {
-      place(x, share);
+      place_atoms(x, clusters_, share, tracks_.now().data(), atoms_);
       return tracks_.served(listed_, share);
     });
-  }
-
-  void place(const Vectors& x, const Share& share) {
-    const double inv_unit = 1 / atoms_.unit;
-    const int last = 4 * share.end - 1;
-    double* now = tracks_.now().data();
-    for (int slot = 4 * share.begin; slot <= last; ++slot) {
-      const int at = 12 * (slot / 4) + slot % 4;
-      hwy::Prefetch(x.data() + 3 * clusters_.atom(std::min(slot + kAhead, last)));
-      const double* p = x.data() + 3 * clusters_.atom(slot);
-      const Vec3& offset = clusters_.offset(slot);
-      for (int d = 0; d < 3; ++d) {
-        const double q = p[d] + offset[d];
-        now[at + 4 * d] = q;
-        atoms_.x[at + 4 * d] = PairPrecision<T>::coordinate(q * inv_unit);
-      }
-    }
   }
 
   void search(const Vectors& x, const Box& box) {
@@ -224,7 +205,7 @@ class EngineIn final : public ClusterPairs::Engine {
       for (const auto& [list, rows] : shares_.pieces(t)) force_.reach(t, outer_[list], rows);
     });
     by_clusters([&](const Share& share) {
-      place(x, share);
+      place_atoms(x, clusters_, share, tracks_.now().data(), atoms_);
       tracks_.enter(clusters_, share);
     });
     searched_at_ = x;
@@ -293,21 +274,6 @@ class EngineIn final : public ClusterPairs::Engine {
   int triangle_share(int t) const {
     const double left = 1 - double(t) / threads_;
     return static_cast<int>(std::lround(clusters_.count() * (1 - std::sqrt(left))));
-  }
-
-  template <Onto onto>
-  void gather_forces(const Share& share, Vectors& f) {
-    const int last = 4 * share.end - 1;
-    for (int c = share.begin; c < share.end; ++c) {
-      const auto sum = force_.sum(c);
-      for (int i = 0; i < kClusterAtoms; ++i) {
-        const int slot = 4 * c + i;
-        hwy::Prefetch(f.data() + 3 * clusters_.atom(std::min(slot + kAhead, last)));
-        if (clusters_.filler(slot)) continue;
-        double* out = f.data() + 3 * clusters_.atom(slot);
-        for (int d = 0; d < 3; ++d) out[d] = (onto == Onto::kNothing ? 0 : out[d]) + sum[d][i] * atoms_.unit;
-      }
-    }
   }
 
   PairProblem p_;

@@ -59,9 +59,10 @@ template <>
 struct PairPrecision<float> {
   using Coordinate = std::int32_t;
   static constexpr int kRowAtoms = 4;
-  // The nearest whole number, for |u| < 2⁵¹, modulo 2³².
+  // The nearest whole number, for |u| < 2⁵¹, modulo 2³²: the sum has it in its low bits.
+  static constexpr double kWholeInLowBits = 6755399441055744.0;
   static Coordinate coordinate(double u) {
-    return static_cast<Coordinate>(std::bit_cast<std::int64_t>(u + 6755399441055744.0));
+    return static_cast<Coordinate>(std::bit_cast<std::int64_t>(u + kWholeInLowBits));
   }
 };
 
