@@ -30,7 +30,7 @@ struct MaskedCluster {
 
 // A row of an outer list has its clusters in the order of how near they were when it was searched: a core,
 // which every inner list has, and shells, each of which matters once atoms have moved so far.
-inline constexpr int kShells = 4;
+inline constexpr int kShells = 6;
 using ShellEnds = std::array<int, kShells + 1>;  // in ClusterList::clusters: the core's, the shells'
 
 struct ClusterList {

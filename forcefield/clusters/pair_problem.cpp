@@ -64,7 +64,7 @@ PairProblem problem_of(const Nonbonded& nb, bool periodic, Precision precision) 
       p.law.c_rf = 3 * eps / ((2 * eps + 1) * rc);
     }
     p.periodic = periodic;  // without a cutoff there are no images
-    choose_buffers(p, 0.007, 0.006, 0.48);
+    choose_buffers(p, 0.007, 0.006, 0.54);
   }
   p.charge = std::sqrt(kCoulomb) * nb.charge;
   p.half_sigma = 0.5 * nb.sigma;

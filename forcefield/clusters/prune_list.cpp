@@ -11,6 +11,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
+constexpr int kWidest = 16;
+
 // What of a row's masks concerns the atoms from `first` on, 4 bits an atom.
 void add_masks(const ClusterList& list, const PairRow& whole, int first, int atoms, PairRow& row,
                ClusterList& pruned) {
@@ -23,11 +25,19 @@ void add_masks(const ClusterList& list, const PairRow& whole, int first, int ato
   row.masked_end = static_cast<int>(pruned.masked.size());
 }
 
+// Up to a vector's width more is read and written. Says where they end.
+HWY_INLINE int* copy_some(const int* from, int count, int* to) {
+  const hn::CappedTag<std::int32_t, kWidest> d;
+  for (int k = 0; k < count; k += static_cast<int>(hn::MaxLanes(d)))
+    hn::StoreU(hn::LoadU(d, from + k), d, to + k);
+  return to + count;
+}
+
 // Cuts rows of four into so many pieces, each with the clusters that hold a pair in range with it.
 template <int kPieces>
 HWY_INLINE void prune_in_pieces(const Pruning& how, const ClusterList& list, RowRange range,
                                 ClusterList& pruned) {
-  constexpr int kAtoms = kClusterAtoms / kPieces, kWidest = 16;
+  constexpr int kAtoms = kClusterAtoms / kPieces;
   const int used = pruned.rows.empty() ? 0 : pruned.rows.back().end;
   const int most = list.rows[range.end - 1].end - list.rows[range.begin].begin;
   pruned.clusters.resize(
@@ -42,7 +52,7 @@ HWY_INLINE void prune_in_pieces(const Pruning& how, const ClusterList& list, Row
     int *begin[kPieces], *end[kPieces];
     for (int p = 0; p < kPieces; ++p) {
       begin[p] = next + p * (end_of_shells - whole.begin);
-      end[p] = std::copy(clusters + whole.begin, clusters + core, begin[p]);
+      end[p] = copy_some(clusters + whole.begin, core - whole.begin, begin[p]);
     }
     in_range.choose(clusters + core, end_of_shells - core, end);
     for (int p = 0; p < kPieces; ++p) {
