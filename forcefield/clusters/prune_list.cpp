@@ -44,9 +44,13 @@ HWY_INLINE void prune_in_pieces(const Pruning& how, const ClusterList& list, Row
       std::max(pruned.clusters.size(), std::size_t(used) + std::size_t(kPieces) * most + kWidest));
   InRange in_range(how.x.x.data(), how.x.safely(how.range));
   int* next = pruned.clusters.data() + used;
+  const double shells_per_nm = kShells / how.buffer;
   for (int r = range.begin; r < range.end; ++r) {
     const PairRow& whole = list.rows[r];
-    const int core = list.shells[r][0], end_of_shells = list.shells[r][how.shells(whole)];
+    // a pair out of range by more than both have moved stays out of it
+    const double moved = how.moved[whole.first / kClusterAtoms] + how.farthest;
+    const int shells = std::min(1 + static_cast<int>(shells_per_nm * moved), kShells);
+    const int core = list.shells[r][0], end_of_shells = list.shells[r][shells];
     const int* clusters = list.clusters.data();
     in_range.take(whole.first / kClusterAtoms, whole.shift);
     int *begin[kPieces], *end[kPieces];
@@ -59,7 +63,8 @@ HWY_INLINE void prune_in_pieces(const Pruning& how, const ClusterList& list, Row
       PairRow row{};
       row.first = whole.first + p * kAtoms;
       row.shift = whole.shift;
-      for (int i = 0; i < kAtoms; ++i) row.kind |= how.kind[row.first + i];
+      for (int i = 0; i < kAtoms && kPieces > 1; ++i) row.kind |= how.kind[row.first + i];
+      if (kPieces == 1) row.kind = whole.kind;
       row.begin = static_cast<int>(begin[p] - pruned.clusters.data());
       row.end = static_cast<int>(end[p] - pruned.clusters.data());
       add_masks(list, whole, p * kAtoms, kAtoms, row, pruned);

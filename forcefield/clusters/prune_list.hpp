@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -20,16 +19,10 @@ struct Pruning {
   const std::vector<std::uint8_t>& kind;  // by slot
   double range;                           // [nm]
   int row_atoms;
-  const std::vector<double>&
-      moved;        // by cluster: how far its atoms may be from where they were searched [nm]
-  double farthest;  // of all [nm]
-  double buffer;    // of the outer list [nm]
+  const std::vector<double>& moved;  // by cluster: how far it may be from where it was searched [nm]
+  double farthest;                   // of all [nm]
+  double buffer;                     // of the outer list [nm]
 
-  // Of a row's shells: a pair out of range by more than both have moved stays so.
-  int shells(const PairRow& row) const {
-    const double of_buffer = (moved[row.first / kClusterAtoms] + farthest) / buffer;
-    return std::min(1 + static_cast<int>(kShells * of_buffer), kShells);
-  }
   // Adds it to `pruned`; its clusters may have room to spare at their end.
   void add(const ClusterList& list, RowRange rows, ClusterList& pruned) const;
 };
