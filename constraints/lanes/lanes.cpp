@@ -28,7 +28,8 @@ LaneBatch::LaneBatch(const ClusterBatch& batch, Elimination elimination)
       triangle(false),
       left(batch.shape.left),
       right(batch.shape.right) {
-  for (int k = 0; k < plan.entries(); ++k) chain = chain && plan.column_start[k] == k;
+  for (int k = 0; k < plan.entries(); ++k)
+    chain = chain && plan.column_start[k] == k && plan.row[k] == std::min(k + 2, plan.size() - 1);
   for (auto& place_of : {&plan.row, &plan.update})
     for (std::ptrdiff_t& p : *place_of) p *= kLanes;
   for (int k : plan.order) {

@@ -71,9 +71,9 @@ class DenseRows {
     const int clusters = row.masked_end - row.masked_begin + row.end - row.begin;
     for (int taken = 0; taken < clusters;) {
       int end = clusters;
-      if (room() < clusters - taken)
-          [[unlikely]] {  // else no loop's length waits for what was counted before
-        add_forces();
+      // A branch, so that no loop's length waits for what was counted before.
+      if (room() < clusters - taken) [[unlikely]] {
+        if (room() < kFew) add_forces();
         end = std::min(clusters, taken + room());
       }
       taken = take(row, list, taken, end);
@@ -178,6 +178,7 @@ class DenseRows {
 
   static constexpr int kAtOnce = 3;  // vectors: none waits for another, and all stay in registers
   static constexpr int kPairs = 8192 / sizeof(T), kTiles = kPairs / 2;
+  static constexpr int kFew = 8;                                 // clusters, not worth loading a row
   static constexpr int kNumbers = kPairs + kAtOnce * S::kLanes;  // up to the last vector's end
   struct Piece {
     const PairRow* row;
