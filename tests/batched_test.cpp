@@ -73,6 +73,16 @@ std::vector<Start> dumbbells_of_all_sorts() {
   return all;
 }
 
+// Bonds of which the second and the last but one have each other's number.
+std::vector<Start> renumbered(std::vector<Start> all) {
+  for (Start& start : all) {
+    auto bonds = start.system.bonds;
+    std::swap(bonds[1], bonds.end()[-2]);
+    start.system = make_system(start.system.mass, bonds);
+  }
+  return all;
+}
+
 std::vector<Start> pinned_chains(int count) {
   std::vector<Start> pinned = chains(count, 5, 70);
   for (Start& start : pinned) {
@@ -115,6 +125,7 @@ std::vector<std::pair<const char*, Start>> cases() {
           {"five long chains", together(chains(5, 231, 90))},
           {"thirteen dumbbells", together(chains(13, 2, 3))},
           {"chains with scattered atoms", together(chains(10, 4, 5), odd_and_even)},
+          {"chains with bonds out of order", together(renumbered(chains(9, 8, 6)))},
           {"rings with and without an arm", together(rings(10))},
           {"trees", together(trees(9))},
           {"stars", together(stars(9))},
