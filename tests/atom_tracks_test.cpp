@@ -86,7 +86,9 @@ TEST(AtomTracks, LookLessFarAheadWhereAtomsThatStoodBeginToMove) {
   calls_of(flight, clusters, 4, [] {});
   flight.v = v;
   calls_of(flight, clusters, 3, [] {});
-  EXPECT_GE(calls_of(flight, clusters, 3, [] {}), 15);
+  const int calls = calls_of(flight, clusters, 3, [] {});
+  EXPECT_GE(calls, 15);
+  EXPECT_LE(calls, 24);  // more with the margins of atoms that may go anywhere
 }
 
 TEST(AtomTracks, MissNoPairWhereAllTurnRoundJustAfterAPruning) {
