@@ -8,6 +8,7 @@
 #include <hwy/foreach_target.h>
 
 #include "constraints/lanes/past_lambda-inl.hpp"
+#include "constraints/lanes/triangles-inl.hpp"
 
 #ifndef TAUT_FEEDFORWARD_STEP
 #define TAUT_FEEDFORWARD_STEP
@@ -172,8 +173,90 @@ struct FeedforwardKernel {
   }
 };
 
+// The same for triangles, by what the atoms of a bond differ by. δ = h v + kick·M⁻¹f is put together where it
+// lies in memory, and Jᵀλ added to f there.
+struct FeedforwardTriangle {
+  const LaneBatch& lanes;
+  const FeedforwardStep& step;
+  InverseMasses masses;
+  Sides r, r_next;
+  Three lambda, change;  // change: not in r_next yet
+  bool near, regular;    // as above; a NaN is far
+
+  HWY_INLINE void solve() {
+    r_next = mul_add(broadcast(step.kick), Forces(change, r).accelerations(masses), r_next);
+    const TriangleMatrix A(lanes, r_next, r);
+    const Three off = twice_sigma(lanes, r_next);
+    M close = everywhere();
+    Three b;
+    for (int k = 0; k < 3; ++k) {
+      close =
+          hn::And(close, hn::Le(hn::Abs(off.k[k]), hn::Mul(broadcast(2 * step.turn), hn::Abs(A.along.k[k]))));
+      b.k[k] = hn::Mul(broadcast(-0.5 / step.kick), off.k[k]);
+    }
+    near = hn::AllTrue(D(), close);
+    regular = hn::AllTrue(D(), A.regular(lanes));
+    change = A.solve(b);
+    lambda = lambda + change;
+  }
+};
+
+HWY_INLINE bool solve_triangle(RememberingBatch& batch, const FeedforwardStep& step,
+                               const double* kick_by_mass, const Part& part, SolveStats& stats) {
+  HWY_ALIGN double copies[3][9 * kWidth];
+  const Nines nines(part);
+  const double *x = nines.open(step.x, copies[0]), *v = nines.open(step.v, copies[1]);
+  double* f = nines.open(step.f, copies[2]);
+  const LaneBatch& lanes = batch.lanes;
+  const PastLambda past(batch, part);
+
+  const Sides r = sides(rows_of(load_nine(x)));
+  const Worst worst = worst_of(lanes, twice_sigma(lanes, r));
+  Nine delta;
+  for (int k = 0; k < 9; ++k)
+    delta.n[k] = hn::MulAdd(broadcast(step.h), load_any(v + k * kWidth),
+                            hn::Mul(load(kick_by_mass + k * kWidth), load_any(f + k * kWidth)));
+  const Three one = load_three(past.lambda), two = load_three(past.before),
+              three = load_three(past.before_that);
+  Three guess;
+  for (int k = 0; k < 3; ++k)
+    guess.k[k] =
+        hn::MulAdd(broadcast(step.last), one.k[k],
+                   hn::MulAdd(broadcast(step.first), two.k[k], hn::Mul(broadcast(step.second), three.k[k])));
+  FeedforwardTriangle triangle{.lanes = lanes,
+                               .step = step,
+                               .masses = InverseMasses(lanes),
+                               .r = r,
+                               .r_next = r + sides(rows_of(delta)),
+                               .lambda = guess,
+                               .change = guess,
+                               .near = false,
+                               .regular = false};
+  triangle.solve();
+  int solves = 1;
+  for (; !triangle.near && triangle.regular && solves < step.max_solves; ++solves) triangle.solve();
+  if (!triangle.near || !triangle.regular) return false;
+  stats.iterations = solves;
+  store_three(two, past.before_that);
+  store_three(one, past.before);
+  store_three(triangle.lambda, past.lambda);
+  const Nine force = numbers_of(Forces(triangle.lambda, r).rows());
+  for (int k = 0; k < 9; ++k) store_any(hn::Add(load_any(f + k * kWidth), force.n[k]), f + k * kWidth);
+  nines.close(f, step.f);
+  if (!worst.within(stats.max_residual)) enter_residuals(part, step.x, stats);
+  return true;
+}
+
 SolveStats feedforward_groups(RememberingBatch& batch, const FeedforwardStep& step, const SolveCall& call,
                               int begin, int end, const Scratch& scratch) {
+  if (batch.lanes.triangle && step.shift) {
+    HWY_ALIGN double kick_by_mass[9 * kWidth];
+    for (int n = 0; n < 9 * kWidth; ++n) kick_by_mass[n] = step.kick * batch.lanes.inv_mass[n % 9 / 3];
+    return solve_triangles<FeedforwardKernel>(batch, step, {begin, end, scratch},
+                                              [&](const Part& part, SolveStats& stats) HWY_ATTR {
+                                                return solve_triangle(batch, step, kick_by_mass, part, stats);
+                                              });
+  }
   return solve_groups<FeedforwardKernel>(batch, step, call, begin, end, scratch);
 }
 

@@ -10,6 +10,7 @@
 #include <hwy/foreach_target.h>
 
 #include "constraints/lanes/velocities-inl.hpp"
+#include "md/inverses-inl.hpp"
 
 #ifndef TAUT_SETTLE_STEP
 #define TAUT_SETTLE_STEP
@@ -24,112 +25,94 @@ struct SettleStep {
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
-HWY_INLINE V3 normalized(const V3& a) {
-  return hn::Div(broadcast(1), hn::Sqrt(dot(a, a))) * a;
-}
-HWY_INLINE V cosine(V sine) {
-  return hn::Sqrt(hn::NegMulAdd(sine, sine, broadcast(1)));
-}
-// x·X' + y·Y' + z·Z'
-HWY_INLINE V3 along(V x, const V3& X, V y, const V3& Y, V z, const V3& Z) {
-  return mul_add(x, X, mul_add(y, Y, z * Z));
+// 1/√x
+template <int K>
+HWY_INLINE void inverse_roots(const V (&x)[K], V (&y)[K]) {
+  for (int k = 0; k < K; ++k) y[k] = guess_inverse_sqrt(D(), x[k]);
+  inverse_sqrt(D(), x, y);
 }
 
-// settle.cpp has the derivation and the names: 0 before the step, 1 drifted, 2 after φ and ψ, 3 after θ. Each
-// root and division waits for the one before: so rows of waters go side by side, stage by stage.
-struct Waters {
-  V3 a1, b1, c1, X, Y, Z;
-  V xb0, yb0, xc0, yc0, za1, zb1, zc1, gamma;  // along X, Y, Z
-  V cos_psi, ya2, xb2, yb2, yc2;
-};
+// settle.cpp has the derivation and the names: 0 before the step, 1 drifted, 2 after φ and ψ, 3 after θ. Here
+// it is one of sums and differences of the hydrogens' places, by few roots that wait for each other. n = b0 ×
+// c0 lies along Z, u = n × (b1 + c1 − 2a1) along X, w = n × u along Y. In the plane the old base e = b0 − c0
+// is (Ex, Ey); b0
+// + c0 is perpendicular to it, (−Ey, Ex) h/rc with the height h = ra + rb. With p = n·a1/ra, q = n·(b1 −
+// c1)/2rc,
+//     sin φ = p/|n|,  cos φ = √P/|n|,  sin ψ = q/√P,  cos ψ = √Q/√P,  P = |n|² − p²,  Q = P − q²,
+//     B = rb cos φ,  C = rc cos ψ,  T = rc sin ψ sin φ,  G = C + B h/rc:
+//     x2, y2 of b and c: ∓C, −B ∓ T;  α = −G Ex − T Ey,  β = G Ey − T Ex,
+//     γ = ½ Z·((b0 + c0) × (b1 + c1) + e × (b1 − c1)),  ρ = √(α² + β² − γ²),
+//     (sin θ, cos θ) = (α γ − β ρ, β γ + α ρ)/(α² + β²).
+// Nothing moves along Z. Says where there is a solution.
+HWY_INLINE M settle_triangles(const SettleBatch& batch, const Sides& now, const Sides& old, Nine& shift) {
+  const double inv_a = batch.lanes.inv_mass[0], inv_h = batch.lanes.inv_mass[1];
+  const double share = inv_a / (2 * inv_a + inv_h), slope = (batch.ra + batch.rb) / batch.rc;
+  const V half = broadcast(0.5);
+  const V3 sum = now.ab + now.ac, difference = now.ab - now.ac, e = old.ab - old.ac;
+  const V3 n = cross(old.ab, old.ac), u = cross(n, sum), w = cross(n, u);
+  const V nn = dot(n, n), uu = dot(u, u);
+  const V p = hn::Mul(broadcast(-share / batch.ra), dot(n, sum)),
+          q = hn::Mul(broadcast(0.5 / batch.rc), dot(n, difference));
+  const V P = hn::NegMulAdd(p, p, nn), Q = hn::NegMulAdd(q, q, P);
+  const V squares[] = {nn, uu, P, Q};
+  V inverse[4];
+  inverse_roots(squares, inverse);
+  const auto& [by_n, by_u, by_P, by_Q] = inverse;
+  const V by_w = hn::Mul(by_n, by_u);
 
-HWY_INLINE void lay_axes(const SettleBatch& batch, double step, const double* x, const double* v, Waters& w) {
-  constexpr int a = 0, b = 3 * kLanes, c = 6 * kLanes;  // rows of apex, left, right
-  // the hydrogen's share of the mass
-  const V share = broadcast(1 / (2 + batch.lanes.inv_mass[1] / batch.lanes.inv_mass[0])), h = broadcast(step);
-  const V3 left = load3(x + b) - load3(x + a), right = load3(x + c) - load3(x + a), v_a = load3(v + a);
-  const V3 b0 = neg_mul_add(h, load3(v + b) - v_a, left), c0 = neg_mul_add(h, load3(v + c) - v_a, right);
-  const V3 centre = share * (left + right);
-  w.a1 = -centre;
-  w.b1 = left - centre;
-  w.c1 = right - centre;
+  const V sin_phi = hn::Mul(p, by_n), cos_phi = hn::Mul(hn::Mul(P, by_P), by_n);
+  const V sin_psi = hn::Mul(q, by_P), cos_psi = hn::Mul(hn::Mul(Q, by_Q), by_P);
+  const V B = hn::Mul(broadcast(batch.rb), cos_phi), C = hn::Mul(broadcast(batch.rc), cos_psi);
+  const V T = hn::Mul(hn::Mul(broadcast(batch.rc), sin_psi), sin_phi);
+  const V G = hn::MulAdd(broadcast(slope), B, C);
 
-  w.Z = normalized(cross(b0, c0));
-  w.X = normalized(cross(w.a1, w.Z));
-  w.Y = cross(w.Z, w.X);
-  w.xb0 = dot(w.X, b0);
-  w.yb0 = dot(w.Y, b0);
-  w.xc0 = dot(w.X, c0);
-  w.yc0 = dot(w.Y, c0);
-  w.za1 = dot(w.Z, w.a1);
-  w.zb1 = dot(w.Z, w.b1);
-  w.zc1 = dot(w.Z, w.c1);
-  const V xb1 = dot(w.X, w.b1), yb1 = dot(w.Y, w.b1), xc1 = dot(w.X, w.c1), yc1 = dot(w.Y, w.c1);
-  w.gamma = hn::Add(hn::MulSub(w.xb0, yb1, hn::Mul(xb1, w.yb0)), hn::MulSub(w.xc0, yc1, hn::Mul(xc1, w.yc0)));
+  const V Ex = hn::Mul(by_u, dot(u, e)), Ey = hn::Mul(by_w, dot(w, e));
+  const V Dx = hn::Mul(by_u, dot(u, difference)), Dy = hn::Mul(by_w, dot(w, difference));
+  const V Sy = hn::Mul(broadcast(1 - 2 * share), hn::Mul(uu, by_w));  // −(b1 + c1)·Y
+  const V minus_alpha = hn::MulAdd(G, Ex, hn::Mul(T, Ey)), beta = hn::MulSub(G, Ey, hn::Mul(T, Ex));
+  const V gamma = hn::Mul(half, hn::MulAdd(Ex, Dy, hn::Mul(Ey, hn::MulSub(broadcast(slope), Sy, Dx))));
+  const V norm = hn::MulAdd(beta, beta, hn::Mul(minus_alpha, minus_alpha));
+  const V rho2[] = {hn::NegMulAdd(gamma, gamma, norm)};
+  V by_rho[1];
+  inverse_roots(rho2, by_rho);
+  const V rho = hn::Mul(rho2[0], by_rho[0]), minus_by_norm = hn::Div(broadcast(-1), norm);
+  const V sine = hn::Mul(minus_by_norm, hn::MulAdd(minus_alpha, gamma, hn::Mul(beta, rho)));
+  const V cosine = hn::Mul(minus_by_norm, hn::MulSub(minus_alpha, rho, hn::Mul(beta, gamma)));
+
+  // Half of what the sum and the difference are moved by.
+  const V3 middle = mul_add(hn::Mul(by_u, hn::Mul(B, sine)), u,
+                            hn::Mul(by_w, hn::NegMulAdd(B, cosine, hn::Mul(half, Sy))) * w);
+  const V3 apart =
+      mul_add(hn::Mul(by_u, hn::MulSub(T, sine, hn::MulAdd(C, cosine, hn::Mul(half, Dx)))), u,
+              hn::Mul(hn::Neg(by_w), hn::MulAdd(C, sine, hn::MulAdd(T, cosine, hn::Mul(half, Dy)))) * w);
+  const V3 a = broadcast(-2 * inv_a / inv_h) * middle, b = middle + apart, c = middle - apart;
+  shift = {a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z};
+  const V all = hn::Add(hn::Add(sine, cosine), by_u);
+  return hn::Eq(hn::Sub(all, all), hn::Zero(D()));
 }
 
-HWY_INLINE void tilt_triangles(const SettleBatch& batch, Waters& w) {
-  const V ra = broadcast(batch.ra), rb = broadcast(batch.rb), rc = broadcast(batch.rc);
-  const V sin_phi = hn::Mul(w.za1, broadcast(1 / batch.ra)), cos_phi = cosine(sin_phi);
-  const V sin_psi = hn::Div(hn::Sub(w.zb1, w.zc1), hn::Mul(hn::Add(rc, rc), cos_phi));
-  w.cos_psi = cosine(sin_psi);
-  w.ya2 = hn::Mul(ra, cos_phi);
-  w.xb2 = hn::Neg(hn::Mul(rc, w.cos_psi));
-  const V tilt = hn::Mul(hn::Mul(rc, sin_psi), sin_phi), base = hn::Neg(hn::Mul(rb, cos_phi));
-  w.yb2 = hn::Sub(base, tilt);
-  w.yc2 = hn::Add(base, tilt);
-}
-
-// Shifts the rows; where a lane has no solution, says which lanes have and leaves them.
-HWY_INLINE M turn_triangles(double h, const Waters& w, double* x, double* v) {
-  const V alpha = hn::MulAdd(w.xb2, hn::Sub(w.xb0, w.xc0), hn::MulAdd(w.yb0, w.yb2, hn::Mul(w.yc0, w.yc2)));
-  const V beta = hn::MulAdd(w.xb2, hn::Sub(w.yc0, w.yb0), hn::MulAdd(w.xb0, w.yb2, hn::Mul(w.xc0, w.yc2)));
-  const V norm = hn::MulAdd(alpha, alpha, hn::Mul(beta, beta));
-  const V root = hn::Sqrt(hn::NegMulAdd(w.gamma, w.gamma, norm));
-  const V sin_theta = hn::Div(hn::MulSub(alpha, w.gamma, hn::Mul(beta, root)), norm),
-          cos_theta = cosine(sin_theta);
-
-  const V sum = hn::Add(hn::Add(sin_theta, cos_theta), w.cos_psi);
-  const M found = hn::Eq(hn::Sub(sum, sum), hn::Zero(D()));
-  const V3 a3 = along(hn::Neg(hn::Mul(w.ya2, sin_theta)), w.X, hn::Mul(w.ya2, cos_theta), w.Y, w.za1, w.Z);
-  const V3 b3 = along(hn::MulSub(w.xb2, cos_theta, hn::Mul(w.yb2, sin_theta)), w.X,
-                      hn::MulAdd(w.xb2, sin_theta, hn::Mul(w.yb2, cos_theta)), w.Y, w.zb1, w.Z);
-  const V3 c3 = along(hn::Neg(hn::MulAdd(w.xb2, cos_theta, hn::Mul(w.yc2, sin_theta))), w.X,
-                      hn::MulSub(w.yc2, cos_theta, hn::Mul(w.xb2, sin_theta)), w.Y, w.zc1, w.Z);
-  const V inv_h = broadcast(1 / h);
-  const V3 shifts[] = {a3 - w.a1, b3 - w.b1, c3 - w.c1};
-  for (int n = 0; n < 3; ++n) {
-    double *x_n = x + 3 * n * kLanes, *v_n = v + 3 * n * kLanes;
-    store3(load3(x_n) + shifts[n], x_n);
-    store3(mul_add(inv_h, shifts[n], load3(v_n)), v_n);
+HWY_INLINE void settle_part(const SettleBatch& batch, const SettleStep& step, const Part& part,
+                            SolveStats& stats) {
+  HWY_ALIGN double copies[2][9 * kWidth];
+  const Nines nines(part);
+  double *x = nines.open(step.x, copies[0]), *v = nines.open(step.v, copies[1]);
+  const Sides now = sides(rows_of(load_nine(x))), rate = sides(rows_of(load_nine(v)));
+  Nine rows;
+  const M found = settle_triangles(batch, now, mul_add(broadcast(-step.h), rate, now), rows);
+  if (!hn::AllTrue(D(), found)) {
+    const int lane = part.first_lane + static_cast<int>(hn::FindFirstTrue(D(), hn::Not(found)));
+    stats.beside({.worst_bond = batch.lanes.bond(part.group, 0, lane), .failure = Failure::kShapeLost});
+    return;
   }
-  return found;
-}
-
-// So many parts of groups, from one on.
-template <int kParts>
-HWY_INLINE void settle_positions_of(const SettleBatch& batch, const SettleStep& step,
-                                    const Part (&parts)[kParts], SolveStats& stats) {
-  HWY_ALIGN double x[kParts][9 * kLanes], v[kParts][9 * kLanes];
-  Waters w[kParts];
-  for (int p = 0; p < kParts; ++p) {
-    gather(parts[p], 3, step.x, x[p]);
-    gather(parts[p], 3, step.v, v[p]);
+  const V by_h = broadcast(1 / step.h);
+  const Nine shifts = numbers_of(rows);
+  for (int k = 0; k < 9; ++k) {
+    double *x_k = x + k * kWidth, *v_k = v + k * kWidth;
+    store_any(hn::Add(load_any(x_k), shifts.n[k]), x_k);
+    store_any(hn::MulAdd(by_h, shifts.n[k], load_any(v_k)), v_k);
   }
-  for (int p = 0; p < kParts; ++p) lay_axes(batch, step.h, x[p], v[p], w[p]);
-  for (int p = 0; p < kParts; ++p) tilt_triangles(batch, w[p]);
-  M found[kParts];
-  for (int p = 0; p < kParts; ++p) found[p] = turn_triangles(step.h, w[p], x[p], v[p]);
-  for (int p = 0; p < kParts; ++p) {
-    const Part& part = parts[p];
-    if (!hn::AllTrue(D(), found[p])) {
-      const int lane = part.first_lane + static_cast<int>(hn::FindFirstTrue(D(), hn::Not(found[p])));
-      stats.beside({.worst_bond = batch.lanes.bond(part.group, 0, lane), .failure = Failure::kShapeLost});
-      continue;
-    }
-    scatter(part, 0, 3, x[p], step.x);
-    scatter(part, 0, 3, v[p], step.v);
-  }
+  nines.close(x, step.x);
+  nines.close(v, step.v);
 }
 
 template <class Shape>
@@ -142,18 +125,19 @@ struct SettleVelocityKernel : VelocityKernel<Shape> {
 
 SolveStats settle_positions(SettleBatch& batch, const SettleStep& step, int begin, int end, const Scratch&) {
   SolveStats stats{.iterations = 1};
-  constexpr int kOfGroup = kLanes / kWidth;
-  const int last = (batch.lanes.filled(end - 1) + kWidth - 1) / kWidth;  // parts of the last group
-  const int parts = (end - 1 - begin) * kOfGroup + last;
-  const auto part = [&](int n) { return Part{batch.lanes, begin + n / kOfGroup, n % kOfGroup * kWidth}; };
-  int n = 0;
-  for (; n + 2 <= parts; n += 2) settle_positions_of<2>(batch, step, {part(n), part(n + 1)}, stats);
-  if (n < parts) settle_positions_of<1>(batch, step, {part(n)}, stats);
+  for (int g = begin; g < end; ++g)
+    for (int l = 0; l < batch.lanes.filled(g); l += kWidth)
+      settle_part(batch, step, Part{batch.lanes, g, l}, stats);
   return stats;
 }
 
 SolveStats settle_velocities(SettleBatch& batch, const VelocityStep& step, const SolveCall& call, int begin,
                              int end, const Scratch& scratch) {
+  if (batch.lanes.triangle)
+    return solve_triangles<SettleVelocityKernel>(
+        batch, step, {begin, end, scratch}, [&](const Part& part, SolveStats& stats) HWY_ATTR {
+          return solve_velocities(batch.lanes, batch.lambda, step, part, stats);
+        });
   return solve_groups<SettleVelocityKernel>(batch, step, call, begin, end, scratch);
 }
 

@@ -42,10 +42,14 @@ LaneBatch::LaneBatch(const ClusterBatch& batch, Elimination elimination)
     for (int a = 0; a < atoms; ++a)
       contiguous = contiguous && batch.atoms[c * atoms + a] == batch.atoms[c * atoms] + a;
 
+  ascending = contiguous;
+  for (int c = 1; c < clusters; ++c)
+    ascending = ascending && batch.atoms[c * atoms] >= batch.atoms[(c - 1) * atoms] + atoms;
+
   const auto joins = [&](int k, int i, int j) {
     return bonds[k].i == 3 * kLanes * i && bonds[k].j == 3 * kLanes * j;
   };
-  triangle = contiguous && bond_count() == 3 && joins(0, 0, 1) && joins(1, 0, 2) && joins(2, 1, 2);
+  triangle = atoms == 3 && bond_count() == 3 && joins(0, 0, 1) && joins(1, 0, 2) && joins(2, 1, 2);
 
   for (int g = 0; g < groups; ++g) {
     const auto cluster = [&](int lane) { return std::min(g * kLanes + lane, clusters - 1); };

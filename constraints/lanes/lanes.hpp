@@ -60,8 +60,9 @@ struct LaneBatch {
   // Of each group and lane: 3 × the first atom, where every cluster's atoms follow each other; else 3 × each
   // atom, [group][atom][lane]. Lanes left over in the last group repeat the last cluster.
   bool contiguous;
-  bool chain;     // column k has one entry, k, and nothing is updated twice
-  bool triangle;  // three atoms that follow each other, bonds 0–1, 0–2, 1–2
+  bool ascending;  // contiguous, each cluster after the one before
+  bool chain;      // column k has one entry, k, and nothing is updated twice
+  bool triangle;   // bonds 0–1, 0–2, 1–2
   std::vector<int> place;
   std::vector<int> bond_index;  // [group][bond][lane], as the system numbers them
 

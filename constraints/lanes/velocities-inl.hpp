@@ -6,7 +6,7 @@
 #define TAUT_VELOCITIES_INL_H
 #endif
 
-#include "constraints/lanes/solving-inl.hpp"
+#include "constraints/lanes/triangles-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
@@ -56,6 +56,26 @@ struct VelocityKernel {
   }
   HWY_INLINE void end(SolveStats&) { scatter(shape, part, v, step.v); }
 };
+
+// The same for triangles.
+HWY_INLINE bool solve_velocities(const LaneBatch& lanes, LaneRows& multipliers, const VelocityStep& step,
+                                 const Part& part, SolveStats& stats) {
+  HWY_ALIGN double copies[2][9 * kWidth];
+  const Nines nines(part);
+  const double* x = nines.open(step.x, copies[0]);
+  double* v = nines.open(step.v, copies[1]);
+  const Sides r = sides(rows_of(load_nine(x))), w = sides(rows_of(load_nine(v)));
+  const TriangleMatrix A(lanes, r, r);
+  if (!hn::AllTrue(D(), A.regular(lanes))) return false;
+  const Three g = A.solve({hn::Neg(dot(r.ab, w.ab)), hn::Neg(dot(r.ac, w.ac)), hn::Neg(dot(r.bc(), w.bc()))});
+  double* lambda = multipliers.of(part.group) + part.first_lane;
+  for (int k = 0; k < 3; ++k) store(hn::Mul(broadcast(2 / step.h), g.k[k]), lambda + k * kLanes);
+  const Nine change = numbers_of(Forces(g, r).rows(InverseMasses(lanes)));
+  for (int k = 0; k < 9; ++k) store_any(hn::Add(load_any(v + k * kWidth), change.n[k]), v + k * kWidth);
+  nines.close(v, step.v);
+  stats.iterations = 1;
+  return true;
+}
 
 }  // namespace taut::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -8,9 +8,9 @@
 
 #include <cstddef>
 
-#include "forcefield/clusters/inverses-inl.hpp"
 #include "forcefield/clusters/pair_lanes-inl.hpp"
 #include "forcefield/clusters/screening-inl.hpp"
+#include "md/inverses-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
