@@ -9,111 +9,10 @@
 #include "constraints/lanes/batched_settle.hpp"
 #include "constraints/lanes/batched_sweeps.hpp"
 #include "md/threads.hpp"
+#include "molecules_of_all_sorts.hpp"
 
 namespace taut {
 namespace {
-
-// Hexagons, puckered and turning; every second one with an arm.
-std::vector<Start> rings(int count) {
-  std::vector<Start> rings;
-  for (int c = 0; c < count; ++c) {
-    Start start = testing::free_chain(7, 30 + c);
-    for (int i = 0; i < 6; ++i)
-      start.state.x.col(i) << std::cos(M_PI * i / 3), std::sin(M_PI * i / 3), 0.1 * (i % 2);
-    start.state.x.col(6) << 2, 0.1, 0.1 * c;
-    auto bonds = start.system.bonds;
-    bonds.pop_back();
-    bonds.push_back({5, 0, 1.0});
-    if (c % 2 == 0) bonds.push_back({6, 0, 1.0});
-    Eigen::VectorXd mass = start.system.mass;
-    mass[3] = 4;
-    start.system = make_system(mass, bonds);
-    rings.push_back(start);
-  }
-  return rings;
-}
-
-// A centre of mass 20 with three arms, the last of two bonds.
-std::vector<Start> trees(int count) {
-  std::vector<Start> trees;
-  for (int c = 0; c < count; ++c) {
-    Start start = testing::free_chain(5, 50 + c);
-    start.state.x << 0, 1, -0.5, -0.5, -1.1, 0, 0, 0.87, -0.87, -0.9, 0, 0.1, 0, 0, 0.8;
-    Eigen::VectorXd mass(5);
-    mass << 20, 1, 2, 1, 1;
-    start.system = make_system(mass, {{0, 1, 1}, {2, 0, 1}, {0, 3, 1}, {4, 3, 1}});
-    trees.push_back(start);
-  }
-  return trees;
-}
-
-// A centre with three arms, bonds 0–1, 0–2, 0–3: as many bonds as a triangle.
-std::vector<Start> stars(int count) {
-  std::vector<Start> stars;
-  for (int c = 0; c < count; ++c) {
-    Start start = testing::free_chain(4, 40 + c);
-    start.state.x << 0, 1, -0.5, -0.5, 0, 0, 0.87, -0.87, 0, 0.1, 0, 0;
-    start.system = make_system(start.system.mass, {{0, 1, 1}, {0, 2, 1}, {0, 3, 1}});
-    stars.push_back(start);
-  }
-  return stars;
-}
-
-// Dumbbells alike in all but their length, their masses or which of the two is the heavy one.
-std::vector<Start> dumbbells_of_all_sorts() {
-  std::vector<Start> all;
-  for (const double length : {1.0, 1.5})
-    for (const double first : {1.0, 3.0})
-      for (const double second : {1.0, 3.0}) {
-        Start start = testing::rotor(1 + first);
-        start.state.x *= length;
-        start.system = make_system(Eigen::VectorXd{{first, second}}, {{0, 1, length}});
-        all.push_back(start);
-      }
-  return all;
-}
-
-// Bonds of which the second and the last but one have each other's number.
-std::vector<Start> renumbered(std::vector<Start> all) {
-  for (Start& start : all) {
-    auto bonds = start.system.bonds;
-    std::swap(bonds[1], bonds.end()[-2]);
-    start.system = make_system(start.system.mass, bonds);
-  }
-  return all;
-}
-
-std::vector<Start> pinned_chains(int count) {
-  std::vector<Start> pinned = chains(count, 5, 70);
-  for (Start& start : pinned) {
-    Eigen::VectorXd mass = start.system.mass;
-    mass[0] = 0;
-    start.state.v.col(0).setZero();
-    start.system = make_system(mass, start.system.bonds);
-  }
-  return pinned;
-}
-
-// Two chains alike from one anchor, which holds both.
-Start from_one_anchor() {
-  Start start = testing::free_chain(9, 60);
-  State& s = start.state;
-  Eigen::VectorXd mass = start.system.mass;
-  mass[0] = 0;
-  s.v.col(0).setZero();
-  s.x.rightCols(4).colwise() -= Vec3(s.x.col(4) - s.x.col(0));
-  auto bonds = start.system.bonds;
-  bonds[4].i = 0;
-  start.system = make_system(mass, bonds);
-  return start;
-}
-
-std::vector<Start> between(std::vector<Start> first, const std::vector<Start>& middle,
-                           const std::vector<Start>& last) {
-  first.insert(first.end(), middle.begin(), middle.end());
-  first.insert(first.end(), last.begin(), last.end());
-  return first;
-}
 
 // Every number of lanes left over, atoms that follow each other and atoms that do not.
 std::vector<std::pair<const char*, Start>> cases() {
@@ -131,6 +30,8 @@ std::vector<std::pair<const char*, Start>> cases() {
           {"stars", together(stars(9))},
           {"dumbbells of all sorts", together(dumbbells_of_all_sorts())},
           {"waters", testing::waters(21, 3, 300)},
+          {"waters apart", together(apart(waters_alike(10, {15.99943, 1.007947, 1.007947})))},
+          {"waters of three masses", together(waters_alike(10, {15.99943, 2.014, 1.007947}))},
           {"pinned chains", together(pinned_chains(3))},
           {"two chains from one anchor", from_one_anchor()},
           {"pinned chains between free ones",
@@ -256,6 +157,7 @@ TEST(Batched, LincsIsThePlainLincs) {
 
 TEST(Batched, SettleIsThePlainSettle) {
   for (int count : {1, 8, 21}) compare(testing::waters(count, 3, 300), Settle::Options{}, 1e-12);
+  compare(together(apart(waters_alike(10, {15.99943, 1.007947, 1.007947}))), Settle::Options{}, 1e-12);
   // hydrogens first
   std::vector<int> turned;
   for (int w = 0; w < 9; ++w) turned.insert(turned.end(), {3 * w + 2, 3 * w, 3 * w + 1});

@@ -155,7 +155,6 @@ HWY_INLINE SolveStats solve_triangles(Batch& batch, const Step& step, const Grou
       const Part part{batch.lanes, g, l};
       SolveStats own{.max_residual = all.max_residual};
       if (!attempt(part, own)) {
-        own = {.max_residual = all.max_residual};
         Scratch rows = groups.scratch;
         Kernel<AnyShape> kernel(AnyShape(batch.lanes), batch, step, part, rows);
         solve_whole(kernel, part, own);
