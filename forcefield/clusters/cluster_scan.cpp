@@ -94,7 +94,7 @@ void find_partners_simd(const Candidates& among, int first, const Seeker& s, Par
     }
     const V nearest = hn::Min(half[0], half[1]), core = whole ? nearest : hn::Max(half[0], half[1]);
     const V r2 = hn::IfThenZeroElse(hn::Le(core, core2), nearest);
-    const auto chosen = hn::Le(r2, farthest2);
+    const auto chosen = hn::And(hn::Le(r2, farthest2), hn::FirstN(d, end - c));  // though that be infinite
     hn::StoreU(hn::Compress(r2, chosen), d, near2 + count);
     hn::StoreU(hn::Compress(hn::LoadU(indices, among.cluster.data() + c), hn::RebindMask(indices, chosen)),
                indices, cluster + count);
@@ -117,7 +117,7 @@ void find_partners_simd(const Candidates& among, int first, const Seeker& s, Par
     const int* begin = out;
     for (int k = 0; k < count; k += kLanes) {
       const V r2 = hn::LoadU(d, near2 + k);
-      const auto chosen = hn::And(hn::Gt(r2, inner), hn::Le(r2, outer));
+      const auto chosen = hn::And(hn::And(hn::Gt(r2, inner), hn::Le(r2, outer)), hn::FirstN(d, count - k));
       hn::StoreU(hn::Compress(hn::LoadU(indices, cluster + k), hn::RebindMask(indices, chosen)), indices,
                  out);
       out += hn::CountTrue(d, chosen);

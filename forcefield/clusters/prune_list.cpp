@@ -49,7 +49,7 @@ HWY_INLINE void prune_in_pieces(const Pruning& how, const ClusterList& list, Row
     const PairRow& whole = list.rows[r];
     // a pair out of range by more than both have moved stays out of it
     const double moved = how.moved[whole.first / kClusterAtoms] + how.farthest;
-    const int shells = std::min(1 + static_cast<int>(shells_per_nm * moved), kShells);
+    const int shells = static_cast<int>(std::min(1 + shells_per_nm * moved, double{kShells}));  // moved: or ∞
     const int core = list.shells[r][0], end_of_shells = list.shells[r][shells];
     const int* clusters = list.clusters.data();
     in_range.take(whole.first / kClusterAtoms, whole.shift);
