@@ -105,16 +105,29 @@ class Nines {
   }
 
  private:
-  static HWY_INLINE int place(const Part& part, int atom, int lane) {
-    return part.batch.contiguous ? part.places()[lane] + 3 * atom : part.places()[atom * kLanes + lane];
+  // copy(where it is in a part's copy, where in the array), of atoms, or of molecules whose numbers lie
+  // together: by vectors, since a vector read where two narrower ones have been stored waits for both.
+  static HWY_INLINE void by_pieces(const Part& part, const auto& copy_nine, const auto& copy_three) {
+    for (int lane = 0; lane < kWidth; ++lane)
+      if (part.batch.contiguous)
+        copy_nine(9 * lane, part.places()[lane]);
+      else
+        for (int atom = 0; atom < 3; ++atom)
+          copy_three(9 * lane + 3 * atom, part.places()[atom * kLanes + lane]);
+  }
+  static HWY_INLINE void copy_nine(const double* from, double* to) {
+    for (int k = 0; k + kWidth <= 9; k += kWidth) store_any(load_any(from + k), to + k);
+    to[8] = from[8];
   }
   static HWY_NOINLINE void take(const Part& part, const double* array, double* copy) {
-    for (int n = 0; n < 3 * kWidth; ++n)
-      std::memcpy(copy + 3 * n, array + place(part, n % 3, n / 3), 3 * sizeof(double));
+    by_pieces(
+        part, [&](int to, int from) HWY_ATTR { copy_nine(array + from, copy + to); },
+        [&](int to, int from) HWY_ATTR { std::memcpy(copy + to, array + from, 3 * sizeof(double)); });
   }
   static HWY_NOINLINE void give(const Part& part, const double* copy, double* array) {
-    for (int n = 0; n < 3 * kWidth; ++n)
-      std::memcpy(array + place(part, n % 3, n / 3), copy + 3 * n, 3 * sizeof(double));
+    by_pieces(
+        part, [&](int from, int to) HWY_ATTR { copy_nine(copy + from, array + to); },
+        [&](int from, int to) HWY_ATTR { std::memcpy(array + to, copy + from, 3 * sizeof(double)); });
   }
 
   const Part& part_;
