@@ -5,8 +5,8 @@
 
 PATTERN, a regular expression, chooses mutants by "file: before  →  after". Works in a git worktree of HEAD in a
 temporary folder ($TMPDIR), with a build folder of its own; tests/mutants/list.txt says how mutants are written.
-Ends with 1 unless every mutant is noticed, or is said to change nothing. --check only sees that each one's line
-stands in its file, once.
+Ends with 1 unless every mutant is noticed, or is said to change nothing. --check only looks whether each one's line
+stands in its file, once: run it after an edit of a listed line. It is no test, since no fault of the code fails it.
 """
 import argparse, collections, pathlib, re, shutil, signal, subprocess, sys, tempfile, time
 
