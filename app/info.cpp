@@ -71,8 +71,8 @@ std::string from(const Key& key, const InfoArguments& arguments, const std::vect
     return slash == key.from.npos ? key.from : key.from.substr(slash + 1);
   }
   const auto otherwise = std::ranges::find(usual, key.name(), &Key::name);
-  const bool imported = !arguments.openmm.empty() && key.section == "run" && otherwise != usual.end() &&
-                        otherwise->value != key.value;
+  const bool imported = !arguments.openmm.empty() && (key.section == "run" || key.section == "forcefield") &&
+                        otherwise != usual.end() && otherwise->value != key.value;
   return imported ? "OpenMM's files" : "default";
 }
 

@@ -31,6 +31,7 @@ void SceneArgument::offer(const Subcommand& command) {
   NamedScene::offer(command);
   command.option("--method", method, "constraint method (see `taut methods`)").words(0, "METHOD");
   command.option("--steps", steps, "number of steps");
+  command.option("--precision", precision, "of pair forces and PME: double or mixed").words(0, "WORD");
   offer_settings(command);
 }
 
@@ -43,8 +44,10 @@ void SceneArgument::offer_settings(const Subcommand& command) {
 }
 
 std::vector<KeyFlag> SceneArgument::flags() const {
-  return {
-      {"--method", "method.name", method}, {"--steps", "run.steps", steps}, {"--dt-fs", "run.dt_fs", dt_fs}};
+  return {{"--method", "method.name", method},
+          {"--steps", "run.steps", steps},
+          {"--precision", "forcefield.precision", precision},
+          {"--dt-fs", "run.dt_fs", dt_fs}};
 }
 
 std::vector<std::string> SceneArgument::overrides() const {

@@ -25,6 +25,7 @@ struct NamedScene {
 struct SceneArgument : NamedScene {
   std::optional<std::string> method;
   std::optional<long> steps;
+  std::optional<std::string> precision;
   std::optional<double> dt_fs;
   std::vector<std::string> settings;
 

@@ -8,6 +8,7 @@
 #include "md/errors.hpp"
 #include "md/nearest_name.hpp"
 #include "systems/builders/builders.hpp"
+#include "systems/openmm/force_overrides.hpp"
 #include "systems/start_file.hpp"
 #include "systems/toml_reader.hpp"
 #include "systems/velocities.hpp"
@@ -298,6 +299,7 @@ void apply_overrides(Scene& scene, const std::vector<std::string>& overrides, Ke
   const toml::table table = parse_overrides(overrides);
   const TomlTable root(table, "--set", keys);
   read_settings(root, scene);
+  if (keys || root.has("forcefield") || root.has("build")) override_forces(root, scene);
   root.reject_unknown();
   const TomlTable run = root.section("run");
   if (root.has("run")) settle_velocities(run, false, scene);

@@ -76,18 +76,18 @@ void lay_start(const BuildRequest& request, bool any_box, Scene& scene) {
   scene.positions_drawn = false;
 }
 
-void read_precision(const TomlTable& forcefield, Terms& terms) {
-  std::string precision = "double";
-  forcefield.read("precision", precision, {"what pair forces are computed in", {"double", "mixed"}});
-  if (precision == "mixed") terms.precision = Precision::kMixed;
-}
-
 }  // namespace
 
 std::vector<std::string_view> kinds() {
   std::vector<std::string_view> names(kKinds.size());
   std::ranges::transform(kKinds, names.begin(), &Kind::name);
   return names;
+}
+
+void read_precision(const TomlTable& forcefield, Terms& terms) {
+  std::string precision = "double";
+  forcefield.read("precision", precision, {"what pair forces are computed in", {"double", "mixed"}});
+  if (precision == "mixed") terms.precision = Precision::kMixed;
 }
 
 void build(const BuildRequest& request, Scene& scene, std::string_view described) {
@@ -117,15 +117,19 @@ Names bead_names(int polymers, int beads) {
 
 namespace {
 
-// A shifted cutoff is a reaction field of 1.
+// How charges act. A shifted cutoff is a reaction field of 1. What no key says stays as `given` has it; a
+// tolerance that is said chooses α and grid anew.
 struct Coulomb {
-  std::string kind = "reaction-field";
-  double rf_dielectric = Nonbonded{}.rf_dielectric;
-  PmeParameters pme{};
+  std::string kind;
+  double rf_dielectric;
+  PmeParameters pme;
   std::optional<double> alpha;
   std::optional<Vec3> grid;
 
-  Coulomb(const TomlTable& keys) {
+  Coulomb(const TomlTable& keys, const Nonbonded& given)
+      : kind(kind_of(given)), rf_dielectric(given.rf_dielectric), pme(given.pme.value_or(PmeParameters{})) {
+    if (pme.alpha > 0 && !keys.has("ewald_tolerance")) alpha = pme.alpha;
+    if (pme.grid[0] > 0 && !keys.has("ewald_tolerance")) grid = Vec3(pme.grid[0], pme.grid[1], pme.grid[2]);
     keys.read("coulomb", kind, {"between charges", {"reaction-field", "cutoff", "pme"}});
     keys.read("rf_dielectric", rf_dielectric,
               {"ε of the reaction field beyond the cutoff; 1: a shifted cutoff", kDielectric});
@@ -136,10 +140,15 @@ struct Coulomb {
     keys.read("pme_order", pme.order, {"order of the splines, 4 to 8"});
     keys.read("pme_grid", grid, {"points of the grid along the edges; not said: by the tolerance"});
   }
+
+  static std::string kind_of(const Nonbonded& nonbonded) {
+    if (nonbonded.pme) return "pme";
+    return nonbonded.cutoff && nonbonded.rf_dielectric == 1 ? "cutoff" : "reaction-field";
+  }
 };
 
 void read_coulomb(const TomlTable& forcefield, const Box& box, Nonbonded& nonbonded) {
-  const Coulomb coulomb(forcefield);
+  const Coulomb coulomb(forcefield, nonbonded);
   const bool charged = (nonbonded.charge.array() != 0).any();
   forcefield.counts("rf_dielectric", nonbonded.cutoff && charged,
                     "between charges, with forcefield.cutoff_nm");
@@ -156,10 +165,12 @@ void read_coulomb(const TomlTable& forcefield, const Box& box, Nonbonded& nonbon
   if (coulomb.kind == "cutoff") nonbonded.rf_dielectric = 1;
   if (!field && !nonbonded.cutoff)
     forcefield.fail("coulomb", fmt::format("{} needs forcefield.cutoff_nm", coulomb.kind));
+  nonbonded.pme.reset();
   if (!pme) return;
   if (!box.periodic()) forcefield.fail("coulomb", "pme needs a box");
   PmeParameters& p = nonbonded.pme.emplace(coulomb.pme);
   p.alpha = coulomb.alpha.value_or(0);
+  p.grid = {};
   if (const auto& grid = coulomb.grid) {
     if (!(grid->array() == grid->array().floor() && grid->array() >= 1).all())
       forcefield.fail("pme_grid", "expected three whole numbers");

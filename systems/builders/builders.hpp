@@ -26,7 +26,8 @@ struct BuildRequest {
 void build(const BuildRequest& request, Scene& scene, std::string_view described = {});
 std::vector<std::string_view> kinds();
 
-// [forcefield] precision = "double" (unless said) | "mixed" goes for all kinds with pair forces.
+// Reads forcefield.precision, "double" (unless said) or "mixed", which all kinds with pair forces have.
+void read_precision(const TomlTable& forcefield, Terms& terms);
 
 // The one list of kinds. A builder first reads its keys, and returns where they are only described.
 void build_atoms(const BuildRequest& request, Scene& scene);      // atoms and bonds one by one
@@ -45,7 +46,7 @@ Names bead_names(int polymers, int beads);
 
 // The pair forces' keys: cutoff_nm, switch_nm, dispersion_correction; coulomb = "reaction-field" with
 // rf_dielectric, "cutoff", or "pme" with ewald_tolerance, ewald_alpha_per_nm, pme_order, pme_grid. With a box
-// the cutoff is required, and at most half the box.
+// the cutoff is required, and at most half the box. What no key says stays as `nonbonded` has it.
 void read_cutoff(const TomlTable& forcefield, const Box& box, Nonbonded& nonbonded);
 
 }  // namespace taut
