@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <fstream>
@@ -10,6 +12,7 @@
 #include <sstream>
 #include <vector>
 
+#include "files/reduced_box.hpp"
 #include "md/errors.hpp"
 
 namespace taut {
@@ -49,6 +52,8 @@ class Lines {
     throw InputError(fmt::format("{}:{}: {}", file_, number_, message));
   }
 
+  const std::string& file() const { return file_; }
+
   std::string line;
 
  private:
@@ -72,7 +77,17 @@ class Collected {
   }
   void add_velocity(const Vec3& v) { v_.push_back(v); }
 
-  Coordinates made(const Box& box) const { return {columns(x_), columns(v_), box, names_}; }
+  Coordinates made(const ReducedBox& from, const Lines& lines) const {
+    Coordinates all{columns(x_), columns(v_), from.box, names_, ""};
+    if (!from.changes.empty()) {
+      const Vec3& tilt = from.box.tilt;
+      all.note = fmt::format(
+          "{}: its box is reduced to bx = {:.6g}, cx = {:.6g}, cy = {:.6g} nm ({}), which leaves the lattice "
+          "as it is",
+          lines.file(), tilt[0], tilt[1], tilt[2], from.changes);
+    }
+    return all;
+  }
   std::size_t size() const { return x_.size(); }
 
  private:
@@ -89,18 +104,20 @@ class Collected {
   int count_ = 0;
 };
 
-Box checked(const Eigen::Matrix3d& vectors, const Lines& lines) {
-  if (const std::string flaw = Box::flaw(vectors); !flaw.empty()) lines.fail("its box: " + flaw);
-  return Box::of(vectors);
+// `rounding` is the largest error that the format's decimals leave in a tilt [nm].
+ReducedBox checked(const Eigen::Matrix3d& vectors, double rounding, const Lines& lines) {
+  const ReducedBox read = reduced_box(vectors, rounding);
+  if (!read.flaw.empty()) lines.fail("its box: " + read.flaw);
+  return read;
 }
 
 // CRYST1's lengths and angles as vectors. A cell of 1 Å stands for none (wwPDB's convention).
-Box read_cell(const Lines& lines) {
-  std::array<double, 3> length, cosine;
+ReducedBox read_cell(const Lines& lines) {
+  std::array<double, 3> length, angle, cosine;
   for (int d = 0; d < 3; ++d) {
     length[d] = 0.1 * lines.number(6 + 9 * d, 9, "an edge");
-    const double angle = lines.number(33 + 7 * d, 7, "an angle");
-    cosine[d] = angle == 90 ? 0 : std::cos(angle * std::numbers::pi / 180);
+    angle[d] = lines.number(33 + 7 * d, 7, "an angle");
+    cosine[d] = angle[d] == 90 ? 0 : std::cos(angle[d] * std::numbers::pi / 180);
   }
   if (length == std::array{0.1, 0.1, 0.1} || length == std::array{0.0, 0.0, 0.0}) return {};
   const auto& [alpha, beta, gamma] = cosine;
@@ -108,12 +125,21 @@ Box read_cell(const Lines& lines) {
   Eigen::Matrix3d m;
   m << length[0], length[1] * gamma, length[2] * beta, 0, length[1] * sine, length[2] * cy, 0, 0,
       length[2] * std::sqrt(1 - beta * beta - cy * cy);
-  return checked(m, lines);
+  const auto [least, most] = std::ranges::minmax(angle);
+  const double sum = angle[0] + angle[1] + angle[2];
+  if (!(least > 0) || !(sum < 360) || !(2 * most < sum))
+    lines.fail(
+        fmt::format("its box: angles of {}, {} and {} degrees, expected each to be less than the other two "
+                    "together, and all to be less than 360",
+                    angle[0], angle[1], angle[2]));
+  // Lengths are of three decimals in Å. Angles are of two in degrees, which is 1e-4 rad, and act twice.
+  const double rounding = 1e-4 + 2e-4 * *std::ranges::max_element(length);
+  return checked(m, rounding, lines);
 }
 
 Coordinates read_pdb(Lines& lines) {
   Collected atoms;
-  Box box;
+  ReducedBox box;
   while (lines.next()) {
     const std::string record = lines.columns(0, 6);
     if (record == "CRYST1") box = read_cell(lines);
@@ -128,20 +154,26 @@ Coordinates read_pdb(Lines& lines) {
     atoms.add(x, {lines.columns(12, 4), lines.columns(17, 4), element}, lines.columns(17, 10));
   }
   if (atoms.size() == 0) lines.fail("there are no atoms in it");
-  return atoms.made(box);
+  return atoms.made(box, lines);
 }
 
 // The box: three edges, or v1(x) v2(y) v3(z) v1(y) v1(z) v2(x) v2(z) v3(x) v3(y).
-Box read_gro_box(Lines& lines) {
+ReducedBox read_gro_box(Lines& lines) {
   std::istringstream words(lines.line);
   std::vector<double> n;
-  for (std::string word; words >> word;) n.push_back(lines.to_number(word, "an edge of the box"));
+  std::size_t decimals = 0;
+  for (std::string word; words >> word;) {
+    n.push_back(lines.to_number(word, "an edge of the box"));
+    if (const auto point = word.find('.'); point != word.npos)
+      decimals = std::max(decimals, word.size() - point - 1);
+  }
   if (n.size() != 3 && n.size() != 9) lines.fail("expected the box, 3 or 9 numbers");
   n.resize(9);
   if (n == std::vector<double>(9)) return {};
   Eigen::Matrix3d m;
   m << n[0], n[5], n[7], n[3], n[1], n[8], n[4], n[6], n[2];
-  return checked(m, lines);
+  // Edge and tilt are each rounded to so many decimals: that is less than one unit of the last.
+  return checked(m, 1.1 * std::pow(10.0, -static_cast<double>(decimals)), lines);
 }
 
 Coordinates read_gro(Lines& lines) {
@@ -164,7 +196,7 @@ Coordinates read_gro(Lines& lines) {
     atoms.add_velocity(v);
   }
   if (!lines.next()) lines.fail("expected the box, 3 or 9 numbers");
-  Coordinates made = atoms.made(read_gro_box(lines));
+  Coordinates made = atoms.made(read_gro_box(lines), lines);
   if (made.v.cols() != 0 && made.v.cols() != made.x.cols())
     lines.fail("some atoms have velocities, others none");
   return made;

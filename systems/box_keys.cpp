@@ -5,6 +5,8 @@
 #include <cmath>
 #include <string>
 
+#include "files/reduced_box.hpp"
+
 namespace taut {
 
 Box read_box(const TomlTable& keys) {
@@ -18,8 +20,11 @@ Box read_box(const TomlTable& keys) {
   else
     keys.fail("box_nm",
               fmt::format("expected 3 numbers, its edges, or 9, its vectors; got {}", numbers.size()));
-  if (const std::string flaw = Box::flaw(vectors); !flaw.empty()) keys.fail("box_nm", flaw);
-  return Box::of(vectors);
+  constexpr double kFiveDecimals = 1.1e-5;  // as GROMACS writes them
+  const ReducedBox read = reduced_box(vectors, kFiveDecimals);
+  if (!read.flaw.empty()) keys.fail("box_nm", read.flaw);
+  if (!read.changes.empty()) keys.fail("box_nm", Box::flaw(vectors));
+  return read.box;
 }
 
 Box read_shape(const TomlTable& keys) {

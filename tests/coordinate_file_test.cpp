@@ -2,6 +2,7 @@
 
 #include "files/coordinate_file.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -109,6 +110,105 @@ TEST(CoordinateFile, ReadsWhatIsWrittenForViewers) {
   }
 }
 
+Coordinates read_box(const std::string& numbers) {
+  return read("a.gro", "one\n 1\n    1ION     NA    1   0.123   1.624   1.679\n" + numbers + "\n");
+}
+Coordinates read_cell(const std::string& numbers) {
+  return read("a.pdb", "CRYST1" + numbers + kPdb.substr(kPdb.find("\nMODEL")));
+}
+
+// How far the vectors are from those of the shape [nm].
+double off(const Box& box, const Vec3& edge, const Vec3& tilt) {
+  return std::max((box.edge - edge).cwiseAbs().maxCoeff(), (box.tilt - tilt).cwiseAbs().maxCoeff());
+}
+
+// Five decimals make a tilt of half an edge larger than that half for every second edge.
+TEST(CoordinateFile, BoxesOfGromacsAsEditconfWritesThem) {
+  const double half = std::sqrt(0.5), b = std::sqrt(8.0) / 3, c = std::sqrt(6.0) / 3;
+  for (const auto& [text, a] :
+       {std::pair("1.97321   1.97321   1.39527   0.0   0.0   0.0   0.0   0.98660   0.98660", 1.97321),
+        {"4.17320   4.17320   2.95090   0.00000   0.00000   0.00000   0.00000   2.08660   2.08660", 4.1732},
+        {"9.06207   9.06207   6.40785   0.00000   0.00000   0.00000   0.00000   4.53103   4.53103", 9.06207},
+        {"3.12345   3.12345   2.20861   0.00000   0.00000  -0.00000   0.00000   1.56173   1.56173", 3.12345},
+        {"24.86454  24.86454  17.58189   0.00000   0.00000   0.0   0.0  12.43227  12.43227", 24.86454}}) {
+    const Coordinates square = read_box(text);
+    EXPECT_LT(off(square.box, a * Vec3(1, 1, half), a * Vec3(0, 0.5, 0.5)), 2e-5) << text;
+    EXPECT_EQ(square.note, "");
+  }
+  for (const auto& [text, a] :
+       {std::pair("2.64235   2.49123   2.15747   0.0   0.0   0.88078   0.0  -0.88078   1.24561", 2.64235),
+        {"13.50655  12.73409  11.02805   0.00000   0.00000   4.50218   0.00000  -4.50218   6.36705",
+         13.50655},
+        {"20.17319  19.01946  16.47134   0.00000   0.00000   6.72440   0.00000  -6.72440   9.50973",
+         20.17319},
+        {"3.12345   2.94482   2.55029   0.00000   0.00000   1.04115   0.00000  -1.04115   1.47241",
+         3.12345}}) {
+    const Coordinates octahedron = read_box(text);
+    EXPECT_LT(off(octahedron.box, a * Vec3(1, b, c), a * Vec3(1, -1, b * 1.5) / 3), 2e-5) << text;
+    EXPECT_EQ(octahedron.note, "");
+  }
+}
+
+// Of every size: as many decimals as are asked for, by single precision as GROMACS computes them, in both
+// orientations of the dodecahedron.
+TEST(CoordinateFile, ShapesOfEverySizeAreBoxesAtTheDecimalsOfTheFile) {
+  for (const int decimals : {3, 5, 6})
+    for (int n = 0; n < 100; ++n) {
+      const double a = 1 + 0.0493827 * n, third = std::sqrt(1.0 / 3), h = std::sqrt(3.0) / 2;
+      const Box shapes[] = {
+          {Vec3(1, 1, std::sqrt(0.5)), Vec3(0, 0.5, 0.5)},
+          {Vec3(1, h, std::sqrt(2.0 / 3)), Vec3(0.5, 0.5, third / 2)},
+          {Vec3(1, h, std::sqrt(2.0 / 3)), Vec3(-0.5, -0.5, third / 2)},
+          {Vec3(1, std::sqrt(8.0) / 3, std::sqrt(6.0) / 3), Vec3(1, -1, std::sqrt(2.0)) / 3}};
+      for (const Box& shape : shapes) {
+        const Vec3 edge = a * shape.edge, tilt = a * shape.tilt;
+        std::string text;
+        for (const double x : {edge[0], edge[1], edge[2], 0.0, 0.0, tilt[0], 0.0, tilt[1], tilt[2]})
+          text += fmt::format(" {:.{}f}", static_cast<float>(x), decimals);
+        const Coordinates all = read_box(text);
+        EXPECT_LT(off(all.box, edge, tilt), std::pow(10.0, -decimals)) << text;
+        EXPECT_EQ(all.note, "") << text;
+        for (int t = 0; t < 3; ++t)
+          EXPECT_LE(std::abs(all.box.tilt[t]), (0.5 + 1e-6) * all.box.edge[t / 2]) << text;
+      }
+    }
+}
+
+// As gmx editconf and MDAnalysis write CRYST1: lengths of three decimals in Å, angles of two.
+TEST(CoordinateFile, CellsOfThreeDecimals) {
+  for (const auto& [numbers, a] : {std::pair("   31.235   31.235   31.235  60.00  60.00  90.00", 3.1235),
+                                   {"  248.645  248.645  248.645  60.00  60.00  90.00", 24.8645}}) {
+    const Coordinates all = read_cell(numbers);
+    EXPECT_LT(off(all.box, a * Vec3(1, 1, std::sqrt(0.5)), a * Vec3(0, 0.5, 0.5)), 1e-12);
+    EXPECT_EQ(all.note, "");
+  }
+  for (const double a : {1.9732, 3.1235, 9.0621, 13.5065, 24.8645, 40.0001}) {
+    const Coordinates all = read_cell(fmt::format("{0:9.3f}{0:9.3f}{0:9.3f}  70.53 109.47  70.53", 10 * a));
+    const double b = std::sqrt(8.0) / 3;
+    EXPECT_LT(off(all.box, a * Vec3(1, b, std::sqrt(6.0) / 3), a * Vec3(1, -1, b * 1.5) / 3), 1e-4 * a);
+    EXPECT_EQ(all.note, "");
+    EXPECT_LE(all.box.tilt[2], (0.5 + 1e-6) * all.box.edge[1]);
+  }
+  EXPECT_LT(off(read_cell("   31.235   31.235   50.000  90.00  90.00 120.00").box,
+                Vec3(3.1235, 3.1235 * std::sqrt(0.75), 5), Vec3(-1.56175, 0, 0)),
+            1e-12);
+}
+
+// What is no rounding is taken off by whole vectors: the lattice is the same, and a line says so.
+TEST(CoordinateFile, ReducesABoxByWholeVectors) {
+  Coordinates all = read_box("2.0 1.8 1.6  0 0  1.5 0  2.25 1.55");  // b + a, c + b + a
+  EXPECT_EQ(all.box.edge, Vec3(2, 1.8, 1.6));
+  EXPECT_TRUE(all.box.tilt.isApprox(Vec3(-0.5, 0.75, -0.25), 1e-12)) << all.box.tilt.transpose();
+  EXPECT_THAT(all.note, testing::EndsWith("a.gro: its box is reduced to bx = -0.5, cx = 0.75, cy = -0.25 nm "
+                                          "(b - a, c - b, c - a), which leaves the lattice as it is"));
+  all = read_box("2 2 2 0 0 2 0 -6 1");
+  EXPECT_EQ(all.box.tilt, Vec3(0, 0, 1));
+  EXPECT_THAT(all.note, testing::HasSubstr("(b - a, c + 3a)"));
+  all = read_cell("   30.000   40.000   50.000  90.00 125.00  90.00");  // monoclinic, as MDAnalysis writes it
+  EXPECT_TRUE(all.box.tilt.isApprox(Vec3(0, 0.1321178, 0), 1e-6)) << all.box.tilt.transpose();
+  EXPECT_THAT(all.note, testing::HasSubstr("(c + a)"));
+}
+
 TEST(CoordinateFile, ACellOfOneAngstromIsNone) {
   EXPECT_FALSE(
       read("a.pdb", with(kPdb, "20.000   25.000   30.000", " 1.000    1.000    1.000")).box.periodic());
@@ -128,6 +228,16 @@ TEST(CoordinateFile, SaysWhatIsWrong) {
             "a.gro:9: expected the box, 3 or 9 numbers");
   EXPECT_EQ(complaint("a.gro", with(kGro, "  1.9427 -0.8216 -0.0244", "")),
             "a.gro:9: some atoms have velocities, others none");
+  const auto with_box = [](const char* box) { return with(kGro, "   1.82060   1.82060   1.82060", box); };
+  EXPECT_EQ(complaint("a.gro", with_box("2 2 2  0.1 0  0 0  0 0")),
+            "a.gro:9: its box: vectors not in reduced form, expected a = (ax, 0, 0), b = (bx, by, 0), "
+            "c = (cx, cy, cz)");
+  EXPECT_EQ(complaint("a.gro", with_box("2 -2 2")),
+            "a.gro:9: its box: edges of 2 x -2 x 2 nm, expected more than 0");
+  EXPECT_EQ(complaint("a.gro", with_box("2 2 nan")), "a.gro:9: expected an edge of the box, got \"nan\"");
+  EXPECT_EQ(complaint("a.pdb", with(kPdb, "90.00  90.00  90.00", "30.00  80.00 120.00")),
+            "a.pdb:2: its box: angles of 30, 80 and 120 degrees, expected each to be less than the other two "
+            "together, and all to be less than 360");
   EXPECT_EQ(complaint("a.xyz", ""), "a.xyz: expected a file of coordinates, .pdb or .gro");
 }
 

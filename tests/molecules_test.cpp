@@ -306,11 +306,11 @@ TEST(Place, OnALatticeAboutCentresAndInShapes) {
 // A molecule's shape, and all of a place's atoms, from files; the names go with them.
 TEST(Place, FromFiles) {
   const TemporaryFolder folder;
-  folder.write(
-      "two.gro",
+  const std::string two_molecules =
       "two\n 4\n    1LEU     C1    1   0.100   0.100   0.100\n    1LEU     C2    2   1.950   0.100   0.100\n"
       "    2LEU     C1    3   1.000   1.000   1.000\n    2LEU     C2    4   1.150   1.000   1.000\n"
-      "   2.0   2.0   2.0\n");
+      "   2.0   2.0   2.0\n";
+  folder.write("two.gro", two_molecules);
   const std::string text = R"([molecule.pair]
 atoms = [{name = "A", mass_u = 12, element = "C"}, {name = "B", mass_u = 12}]
 bonds = [[0, 1, 0.15]]
@@ -328,9 +328,18 @@ file = "two.gro"
   EXPECT_EQ(scene.names.residue, (std::vector<int>{0, 0, 1, 1}));
   EXPECT_FALSE(scene.positions_drawn);
 
+  EXPECT_TRUE(scene.notes.empty());
+
   // Made again from what was read, wherever it now is.
   ASSERT_EQ(scene.files.size(), 2u);
   EXPECT_EQ(source_of(scene, false, {}).read().start.x, scene.start.x);
+
+  // A box that is not reduced is, and the run's notes say so.
+  folder.write("two.gro", with(two_molecules, "   2.0   2.0   2.0", " 2 2 2 0 0 -2 0 0 1"));
+  const Scene skewed = read_scene(file);
+  EXPECT_EQ(skewed.start.box.tilt, Vec3(0, 0, 1));
+  ASSERT_EQ(skewed.notes.size(), 1u);
+  EXPECT_THAT(skewed.notes[0], HasSubstr("two.gro: its box is reduced to bx = 0, cx = 0, cy = 1 nm (b + a)"));
 
   const auto said = [&](const std::string& old, const std::string& changed) {
     folder.write("scene.toml", with(text, old, changed));

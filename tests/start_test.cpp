@@ -119,6 +119,8 @@ TEST(Start, SaysWhatIsWrongWithIt) {
   EXPECT_EQ(
       complaint("box_nm = [2, 0, 0, 1.1, 2, 0, 0, 0, 2]\natoms = []"),
       "bad.start.toml:1: box_nm: bx = 1.1 nm, expected at most half of ax = 2 nm: take whole vectors off it");
+  EXPECT_EQ(complaint("box_nm = [3.12345, 0, 0, 0, 3.12345, 0, 1.56173, 1.56173, 2.20861]\natoms = []"),
+            "no error");  // halves of five decimals, as .gro files have them
   EXPECT_EQ(complaint("atoms = [[1, 2, 3, 4, 5, inf]]"),
             "bad.start.toml:1: atoms[0]: expected finite numbers");
   EXPECT_EQ(complaint("box_nm = [1, 1, 1]"), "bad.start.toml: missing key \"atoms\"");

@@ -257,6 +257,8 @@ void build_molecules(const BuildRequest& request, Scene& scene) {
   place_sites(scene.system.sites, scene.start.x);
   read_forces(request, scene);
   scene.positions_drawn = built.drawn();
+  for (const Place& place : places)
+    if (!place.given.note.empty()) scene.notes.push_back("start: " + place.given.note);
   note_start(request, built, scene);
 }
 
