@@ -158,6 +158,54 @@ const auto kLiquids =
 INSTANTIATE_TEST_SUITE_P(Liquids, ClusterPairsIn, kLiquids,
                          [](const auto& test) { return std::string(test.param.name); });
 
+// Two states of one atom, or a site on its parent: wherever in their clusters they come to be, and whichever
+// slots of those are left over.
+TEST(ClusterPairs, ExcludedAtomsMayBeInOnePlace) {
+  std::mt19937_64 rng(5);
+  std::uniform_real_distribution<double> jitter(-0.05, 0.05);
+  const Box box{Vec3::Constant(1.3), Vec3(0.4, -0.3, 0.5)};
+  const auto expect_agreement = [&](Nonbonded nb, const Vectors& x) {
+    for (const double cutoff : {0.0, 0.6})
+      for (const bool periodic : {false, true}) {
+        nb.cutoff.reset();
+        if (cutoff > 0) nb.cutoff = cutoff;
+        const Box in = periodic ? box : Box{};
+        const PairSums plain = plain_pairs(nb, in, x);
+        ASSERT_TRUE(plain.f.allFinite() && plain.f.norm() > 0);
+        const Eigen::RowVectorXd clear = clear_of_cutoff(cutoff, x, in);
+        on_every_machine([&] {
+          for (const auto& [precision, digits] :
+               {std::pair{Precision::kDouble, 1e-13}, std::pair{Precision::kMixed, 1e-5}}) {
+            ClusterPairs clusters(nb, periodic, precision);
+            Vectors f = Vectors::Zero(3, x.cols());
+            clusters.add_forces(x, in, f);
+            EXPECT_LT(((f - plain.f) * clear.asDiagonal()).norm(), digits * plain.f.norm());
+            EXPECT_NEAR(clusters.energy(), plain.energy, 100 * digits * plain.f.norm());
+            EXPECT_LT((clusters.virial() - plain.virial).norm(), 100 * digits * plain.virial.norm());
+          }
+        });
+      }
+  };
+  for (int n = 4; n < 10; ++n)
+    for (int first = 0; first + 1 < n; ++first)
+      for (int together = 2; together <= std::min(3, n - first); ++together) {
+        SCOPED_TRACE(::testing::Message()
+                     << together << " atoms in one place of " << n << ", from " << first);
+        Nonbonded nb;
+        nb.sigma = Eigen::VectorXd::Constant(n, 0.2);
+        nb.epsilon = Eigen::VectorXd::Constant(n, 0.5);
+        nb.charge = Eigen::VectorXd::LinSpaced(n, -0.7, 0.8);
+        Vectors x(3, n);
+        for (int a = 0; a < n; ++a) {
+          x.col(a) = 0.3 * Vec3(a % 3, a / 3 % 3, a % 2) + Vec3(jitter(rng), jitter(rng), jitter(rng));
+          if (a <= first || a >= first + together) continue;
+          x.col(a) = x.col(first);
+          for (int b = first; b < a; ++b) nb.exceptions.push_back({b, a, 0, 1, 0});
+        }
+        expect_agreement(nb, x);
+      }
+}
+
 TEST(ClusterPairs, WcaAgreesWithThePlainLoop) {
   std::mt19937_64 rng(3);
   std::normal_distribution<double> normal;

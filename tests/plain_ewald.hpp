@@ -12,7 +12,8 @@ namespace taut::testing {
 // doi:10.1002/andp.19213690304), as it is written down: images and waves up to where erfc and exp are 1e-17.
 //     ½ Σ_{ij,n}' k q q' erfc(αr)/r + ½ Σ_{m≠0} k exp(−π²m²/α²)/(πV m²) |Σ q e^(2πi m·x)|² − k α/√π Σ q²
 //     − k πQ²/(2Vα²) − Σ_exceptions k q q'/r + exceptions by their own charges
-// It depends on α by its rounding alone. Virial: −dE/dstrain.
+// It depends on α by its rounding alone. Virial: −dE/dstrain. An excluded pair may be in one place:
+// erfc(αr)/r − 1/r is −2α/√π there.
 inline PairSums plain_ewald(const Nonbonded& nb, const Box& box, const Vectors& x, double alpha) {
   using std::numbers::pi;
   const int n = static_cast<int>(x.cols());
@@ -37,7 +38,7 @@ inline PairSums plain_ewald(const Nonbonded& nb, const Box& box, const Vectors& 
           for (int c = -images[2]; c <= images[2]; ++c) {
             const Vec3 d = nearest + box.steps(Vec3(a, b, c));
             const double r = d.norm(), u = alpha * r;
-            if (r > reach || (i == j && r == 0)) continue;
+            if (r > reach || r == 0) continue;
             const double energy = kqq * std::erfc(u) / r;
             sum.add(i, j, d, {energy, energy + kqq * 2 * alpha / std::sqrt(pi) * std::exp(-u * u)});
           }
@@ -68,6 +69,10 @@ inline PairSums plain_ewald(const Nonbonded& nb, const Box& box, const Vectors& 
   sum.virial.diagonal().array() += background;
   for (const auto& e : nb.exceptions) {
     const Vec3 d = x.col(e.i) - x.col(e.j);
+    if (d.isZero(0)) {
+      sum.energy -= kCoulomb * nb.charge[e.i] * nb.charge[e.j] * 2 * alpha / std::sqrt(pi);
+      continue;
+    }
     const double energy = kCoulomb * (e.charge_product - nb.charge[e.i] * nb.charge[e.j]) / d.norm();
     sum.add(e.i, e.j, d, {energy, energy});
   }

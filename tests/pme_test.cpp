@@ -90,6 +90,37 @@ TEST(Pme, ConvergesToEwaldsSum) {
   }
 }
 
+// As two states of one atom are, or a site and its parent.
+TEST(Pme, ExcludedIonsMayBeInOnePlace) {
+  std::mt19937_64 rng(3);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  for (int n = 4; n < 16; ++n) {
+    SCOPED_TRACE(n);
+    Nonbonded nb;
+    nb.sigma = Eigen::VectorXd::Constant(n, 0.2);
+    nb.epsilon = Eigen::VectorXd::Zero(n);
+    nb.charge = Eigen::VectorXd::LinSpaced(n, -0.7, 0.9);
+    nb.cutoff = 0.9;
+    nb.pme = PmeParameters{.order = 8, .alpha = 5, .grid = {48, 54, 60}};
+    Vectors x(3, n);
+    for (int a = 0; a < n; ++a) {
+      x.col(a) = kSkewed.edge.cwiseProduct(Vec3(uniform(rng), uniform(rng), uniform(rng)));
+      if (a % 2 == 0) continue;
+      x.col(a) = x.col(a - 1);
+      nb.exceptions.push_back({a - 1, a, 0, 0.2, 0});
+    }
+    const auto plain = plain_ewald(nb, kSkewed, x, 3);
+    for (const auto& [precision, digits] : {std::pair{Precision::kDouble, 5e-6}, {Precision::kMixed, 1e-3}})
+      on_every_machine([&, digits = digits, precision = precision] {
+        Bench bench(n, {.nonbonded = nb, .precision = precision}, kSkewed);
+        const auto ours = bench.at(x);
+        EXPECT_NEAR(ours.energy, plain.energy, digits * std::abs(plain.energy));
+        EXPECT_LT((ours.f - plain.f).norm(), digits * plain.f.norm());
+        EXPECT_LT((bench.forces.virial(x) - plain.virial).norm(), 10 * digits * plain.virial.norm());
+      });
+  }
+}
+
 // The finer the grid, by the spacing to the power of the order, or of one less where that is even: forces are
 // slopes.
 TEST(Pme, GoesToEwaldsSumAsItsOrderSays) {

@@ -20,7 +20,8 @@ std::uint16_t met_once(const AtomClusters& clusters, int cluster) {
 
 }  // namespace
 
-// Bits of pairs that do not count, in the clusters where the partners are.
+// Bits of pairs that do not count, in the clusters where the partners are. The fillers that repeat a partner
+// are kept apart, too: an excluded pair may be in one place, where even a filler's zero would be 0/0.
 void ClusterSearch::mask_exclusions(const SearchSpace& space, int cluster) {
   const auto& [begin, partner] = space.exclusions;
   for (const int j : masked_) mask_[j] = kAll;
@@ -28,11 +29,12 @@ void ClusterSearch::mask_exclusions(const SearchSpace& space, int cluster) {
   for (int i = 0; i < kClusterAtoms; ++i) {
     const int slot = kClusterAtoms * cluster + i, a = space.clusters.atom(slot);
     for (int e = begin[a]; e < begin[a + 1]; ++e) {
-      const int other = space.clusters.slot_of(partner[e]);
+      int other = space.clusters.slot_of(partner[e]);
       if (other < 0) continue;
       std::uint16_t& mask = mask_[other / kClusterAtoms];
       if (mask == kAll) masked_.push_back(other / kClusterAtoms);
-      mask &= std::uint16_t(~(1u << (4 * i + other % kClusterAtoms)));
+      do mask &= std::uint16_t(~(1u << (4 * i + other % kClusterAtoms)));
+      while (++other < space.clusters.slots() && space.clusters.filler(other));
     }
   }
 }
