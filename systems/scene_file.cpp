@@ -17,7 +17,6 @@ namespace taut {
 namespace {
 
 constexpr Range kCounts{.min = 1};
-constexpr std::string_view kUsualMethod = "rattle";
 
 void read_barostat(const TomlTable& table, RunSettings& run) {
   table.read("barostat", run.barostat,

@@ -21,7 +21,7 @@ namespace taut {
 //   [atom.NAME], [molecule.NAME], [[place]]      molecules of one's own (build_molecules.cpp)
 //   [forcefield]  the pair forces, for the kinds that have them
 //   [run]         the keys of RunSettings
-//   [method]      name = "rattle", and the keys of that method's Options; what is not said is its default
+//   [method]      name = "newton", and the keys of that method's Options; what is not said is its default
 //
 // An override that changes method.name sets the file's other keys of [method] aside: they were chosen for
 // another method. Only what the overrides say of the new one counts, on top of its defaults. One that

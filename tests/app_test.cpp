@@ -19,7 +19,7 @@ TEST(App, RunsASceneAndSaysWhatItDoes) {
   EXPECT_EQ(exit_code, 0) << text;
   EXPECT_THAT(text,
               HasSubstr("atoms 648   bonds 648   clusters 216   degrees of freedom 3·648 − 648 − 3 = 1293"));
-  EXPECT_THAT(text, HasSubstr("method rattle"));
+  EXPECT_THAT(text, HasSubstr("method newton"));
   EXPECT_THAT(text, HasSubstr("energy drift"));
   EXPECT_THAT(text, HasSubstr("bond error"));
   EXPECT_THAT(text, HasSubstr("[bar]"));

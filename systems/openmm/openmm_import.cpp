@@ -30,7 +30,7 @@ Scene import_openmm(const std::filesystem::path& system_xml, const std::filesyst
     scene.run.pressure_bar = input.barostat->pressure_bar;
     scene.run.barostat_every = input.barostat->every;
   }
-  scene.method = default_options("rattle");
+  scene.method = default_options(kUsualMethod);
   return scene;
 }
 
