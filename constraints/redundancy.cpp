@@ -5,7 +5,6 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <map>
-#include <set>
 
 #include "constraints/bond_algebra.hpp"
 #include "constraints/direct_solver.hpp"
@@ -21,6 +20,13 @@ std::vector<int> dependent_at(const System& sys, const Vectors& x, DirectSolver&
   differences(sys, x, r);
   solver.factor(r, kNoPivot);
   return solver.dependent_bonds();
+}
+
+// Whether each of `count` bonds is among `listed`.
+std::vector<char> marked(int count, const std::vector<int>& listed) {
+  std::vector<char> is_listed(count, false);
+  for (const int k : listed) is_listed[k] = true;
+  return is_listed;
 }
 
 std::string list_of(const std::vector<int>& bonds, const System& sys) {
@@ -46,11 +52,8 @@ Redundancy find_redundancy(const System& sys, const Vectors& x) {
     shaken.col(i) += 0.1 * d * random.normal_vector();
     shaken.col(j) += 0.1 * d * random.normal_vector();
   }
-  const std::vector<int> anywhere = dependent_at(sys, shaken, solver);
-  for (int k : here) {
-    const bool redundant = std::find(anywhere.begin(), anywhere.end(), k) != anywhere.end();
-    (redundant ? found.redundant : found.degenerate).push_back(k);
-  }
+  const std::vector<char> anywhere = marked(sys.bond_count(), dependent_at(sys, shaken, solver));
+  for (int k : here) (anywhere[k] ? found.redundant : found.degenerate).push_back(k);
   return found;
 }
 
@@ -68,33 +71,34 @@ std::string explain(const Redundancy& redundancy, const System& sys) {
 }
 
 System without(const System& sys, const std::vector<int>& bonds) {
+  const std::vector<char> dropped = marked(sys.bond_count(), bonds);
   System kept = sys;
   kept.bonds.clear();
   for (int k = 0; k < sys.bond_count(); ++k)
-    if (std::find(bonds.begin(), bonds.end(), k) == bonds.end()) kept.bonds.push_back(sys.bonds[k]);
+    if (!dropped[k]) kept.bonds.push_back(sys.bonds[k]);
   return kept;
 }
 
 Eigen::VectorXd least_norm_multipliers(const System& full, const Vectors& x, const std::vector<int>& left_out,
                                        const Eigen::VectorXd& lambda) {
   Eigen::VectorXd all = Eigen::VectorXd::Zero(full.bond_count());  // the left-out bonds carry nothing yet
+  const std::vector<char> dropped = marked(full.bond_count(), left_out);
   std::vector<IndexPair> ties;
   for (int k = 0, kept = 0; k < full.bond_count(); ++k) {
     ties.push_back({full.bonds[k].i, full.bonds[k].j});
-    if (std::find(left_out.begin(), left_out.end(), k) == left_out.end()) all[k] = lambda[kept++];
+    if (!dropped[k]) all[k] = lambda[kept++];
   }
   const std::vector<int> cluster_of = connected_components(full.atoms(), ties);
-  std::set<int> overdetermined;
-  for (int k : left_out) overdetermined.insert(cluster_of[full.bonds[k].i]);
-  for (int cluster : overdetermined) {
-    std::vector<int> bonds;
+  std::map<int, std::vector<int>> overdetermined;  // the bonds of each cluster that had too many
+  for (const int k : left_out) overdetermined[cluster_of[full.bonds[k].i]];
+  for (int k = 0; k < full.bond_count(); ++k)
+    if (const auto at = overdetermined.find(cluster_of[full.bonds[k].i]); at != overdetermined.end())
+      at->second.push_back(k);
+  for (const auto& [cluster, bonds] : overdetermined) {
     std::map<int, int> row;  // of an atom in Jᵀ
-    for (int k = 0; k < full.bond_count(); ++k) {
-      const auto& [i, j, d] = full.bonds[k];
-      if (cluster_of[i] != cluster) continue;
-      bonds.push_back(k);
-      row.try_emplace(i, 3 * static_cast<int>(row.size()));
-      row.try_emplace(j, 3 * static_cast<int>(row.size()));
+    for (const int k : bonds) {
+      row.try_emplace(full.bonds[k].i, 3 * static_cast<int>(row.size()));
+      row.try_emplace(full.bonds[k].j, 3 * static_cast<int>(row.size()));
     }
     Eigen::MatrixXd J_t =
         Eigen::MatrixXd::Zero(3 * static_cast<int>(row.size()), static_cast<int>(bonds.size()));

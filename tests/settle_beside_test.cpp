@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "constraints/lanes/batched.hpp"
 #include "constraints/settle.hpp"
 #include "free_system.hpp"
 #include "md/errors.hpp"
@@ -75,6 +76,27 @@ TEST(SettleBeside, IsTheSameInLanesAndPlain) {
     EXPECT_THAT(method->setting(), ::testing::HasSubstr("3 waters; 5 bonds of the rest by feedforward"));
   }
   EXPECT_LT((ends[0] - ends[1]).cwiseAbs().maxCoeff(), 1e-11);
+}
+
+// Counts how often it is asked for its multipliers, which a batched method gathers anew each time.
+struct Counting : ConstraintMethod {
+  struct Options {};
+  Counting(const System& sys, const Options&, double) : multipliers(Eigen::VectorXd::Ones(sys.bond_count())) {}
+  const Eigen::VectorXd& lambda() const override {
+    ++asked;
+    return multipliers;
+  }
+  Eigen::VectorXd multipliers;
+  mutable int asked = 0;
+};
+
+TEST(SettleBeside, GathersMultipliersOnceForAllBonds) {
+  const System sys = testing::free_chain(6, 1).system;
+  const Leftover<Counting> part(sys, {1, 3, 4}, {}, 0.001);
+  Eigen::VectorXd lambda = Eigen::VectorXd::Zero(sys.bond_count());
+  part.write_lambda(lambda);
+  EXPECT_EQ(lambda, (Eigen::VectorXd(5) << 0, 1, 0, 1, 1).finished());
+  EXPECT_EQ(part.method().asked, 1);
 }
 
 TEST(SettleBeside, IsAskedForAndGoesOnFromACheckpoint) {

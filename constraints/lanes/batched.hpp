@@ -32,8 +32,10 @@ class Leftover {
     return bonds_.empty() ? SolveStats{} : numbered(method_.project_velocities(system_, h, s));
   }
 
+  // Asks the method once: a batched one gathers all its multipliers whenever it is asked.
   void write_lambda(Eigen::VectorXd& lambda) const {
-    for (std::size_t k = 0; k < bonds_.size(); ++k) lambda[bonds_[k]] = method_.lambda()[k];
+    const Eigen::VectorXd& of_method = method_.lambda();
+    for (std::size_t k = 0; k < bonds_.size(); ++k) lambda[bonds_[k]] = of_method[k];
   }
   // What the method keeps of its multipliers, a column a step.
   void read_past(Eigen::MatrixXd& past) {
