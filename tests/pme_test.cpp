@@ -8,10 +8,12 @@
 
 #include "every_machine.hpp"
 #include "force_checks.hpp"
+#include "forcefield/pme/mesh.hpp"
 #include "forcefield/pme/parameters.hpp"
 #include "forcefield/pme/screening.hpp"
 #include "md/errors.hpp"
 #include "plain_ewald.hpp"
+#include "plain_mesh.hpp"
 
 namespace taut {
 namespace {
@@ -168,6 +170,37 @@ TEST(Pme, MixedPrecisionAgreesToItsDigits) {
     EXPECT_GT((mixed.f - exact.f).norm(), 1e-10 * exact.f.norm()) << "is it mixed?";
     EXPECT_NEAR(mixed.energy, exact.energy, 1e-6 * std::abs(exact.energy));
   }
+}
+
+// On grids so coarse that the waves at their ends, m = ±K/2 of even ones, count: in skewed boxes the two
+// signs are of different lengths.
+TEST(PmeMesh, IsTheSumOverAllWavesThatIsWrittenDown) {
+  const Salt salt(1, 2);
+  const auto expect_the_sum = [&](const Box& box, const PmeParameters& p) {
+    const Vectors x = box.vectors() * kBox.vectors().inverse() * salt.x;
+    const auto plain = plain_mesh(salt.nb.charge, p, box, x);
+    on_every_machine([&] {
+      for (const auto& [precision, digits] :
+           {std::pair{Precision::kDouble, 1e-12}, std::pair{Precision::kMixed, 1e-5}}) {
+        PmeMesh mesh(salt.nb.charge, p, precision);
+        mesh.set_box(box);
+        Vectors f = Vectors::Zero(3, x.cols());
+        mesh.add_forces(x, f);
+        EXPECT_NEAR(mesh.energy(), plain.energy, digits * plain.energy);
+        EXPECT_LT((f - plain.f).norm(), digits * plain.f.norm());
+        EXPECT_LT((mesh.virial(x) - plain.virial).norm(), digits * plain.virial.norm());
+      }
+    });
+  };
+  const Vec3 edge = kBox.edge;
+  for (const Vec3& tilt : {Vec3(0, 0, 0), Vec3(-0.8, 0, 0), Vec3(0, 0.6, 0), Vec3(0, 0, 1.05),
+                           Vec3(0.95, -0.95, 0.7), kSkewed.tilt})
+    for (int odd = 0; odd < 8; ++odd) {
+      const std::array grid{12 + odd % 2, 8 + odd / 2 % 2, 10 + odd / 4};
+      SCOPED_TRACE(fmt::format("{} x {} x {}, tilted by {} {} {}", grid[0], grid[1], grid[2], tilt[0],
+                               tilt[1], tilt[2]));
+      for (const int order : {4, 5}) expect_the_sum({edge, tilt}, {.order = order, .alpha = 5, .grid = grid});
+    }
 }
 
 TEST(Pme, ForcesAreMinusTheSlope) {

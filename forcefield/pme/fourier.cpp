@@ -113,8 +113,7 @@ void FourierGrid<T>::transform_plane(int k1, int thread) {
   }
 }
 
-// Without the half. First and middle numbers count as real: in a skewed box a wave at the grid's end and its
-// mirror image are damped unlike, and their mean is what counts.
+// Without the half. First and middle numbers count as real, as those of a real row are.
 template <class T>
 void FourierGrid<T>::transform_plane_back(int k1, int thread) {
   for (int k2 = 0; k2 < half(); ++k2) {

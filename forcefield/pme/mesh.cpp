@@ -192,23 +192,35 @@ class MeshIn final : public PmeMesh::Engine {
       for (int k3 = 0; k3 < order_ - 1; ++k3) row(plane, k2)[k3] += row(plane, k2)[size_[2] + k3];
   }
 
-  // The wave vector m [1/nm].
-  Vec3 wave(int k1, int k2, int k3) const {
-    const auto whole = [&](int d, int k) { return double(k <= size_[d] / 2 ? k : k - size_[d]); };
+  // The wave vector m of a point of the transforms [1/nm]. In the middle of an even edge +K/2 and −K/2 are
+  // the same wave of the grid: `middle`, 1 or −1, chooses. The sum over all points has one of them at k and
+  // the other at −k, where |F|² is the same; so each counts for half. They differ in m² where the box is
+  // skewed.
+  Vec3 wave(int k1, int k2, int k3, int middle = 1) const {
+    const auto whole = [&](int d, int k) {
+      return double(2 * k == size_[d] ? middle * k : 2 * k < size_[d] ? k : k - size_[d]);
+    };
     return box_.reciprocal({whole(0, k1), whole(1, k2), whole(2, k3)});
+  }
+  bool in_a_middle(int k1, int k2, int k3) const {
+    return 2 * k1 == size_[0] || 2 * k2 == size_[1] || 2 * k3 == size_[2];
   }
   double share_of(int k2) const { return k2 == 0 || 2 * k2 == size_[1] ? 0.5 : 1; }  // ½, and m₂'s other half
 
   // G of a row of every plane, as the transforms come.
   void lay_influence(int row) {
     const double pi = std::numbers::pi, inv = pi * pi / (alpha_ * alpha_);
+    const bool skewed = !box_.tilt.isZero(0);
     for (int k1 = 0; k1 < size_[0]; ++k1) {
       const double factor = pi * box_.volume() * moduli_[0][k1] * moduli_[1][row];
       T* const g = influence_.data() + row * of_row() + k1;
       for (int k3 = 0; k3 < size_[2]; ++k3) {
-        const double m2 = wave(k1, row, k3).squaredNorm();
-        g[std::ptrdiff_t{k3} * size_[0]] =
-            static_cast<T>(m2 > 0 ? std::exp(-inv * m2) / (factor * moduli_[2][k3] * m2) : 0.0);
+        const auto influence = [&](double m2) {
+          return m2 > 0 ? std::exp(-inv * m2) / (factor * moduli_[2][k3] * m2) : 0.0;
+        };
+        double G = influence(wave(k1, row, k3).squaredNorm());
+        if (skewed && in_a_middle(k1, row, k3)) G = (G + influence(wave(k1, row, k3, -1).squaredNorm())) / 2;
+        g[std::ptrdiff_t{k3} * size_[0]] = static_cast<T>(G);
       }
     }
   }
@@ -219,18 +231,31 @@ class MeshIn final : public PmeMesh::Engine {
 
   Eigen::Matrix3d virial_of(int row, const std::complex<T>* z) const {
     Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-    const double inv = square(std::numbers::pi / alpha_);
     const T* g = influence_of(row).data();
     for (int k3 = 0; k3 < size_[2]; ++k3)
       for (int k1 = 0; k1 < size_[0]; ++k1, ++g, ++z) {
         const Vec3 m = wave(k1, row, k3);
-        const double m2 = m.squaredNorm();
-        if (m2 == 0) continue;
+        if (m.isZero(0)) continue;
         const double part = share_of(row) * double(*g) * std::norm(std::complex<double>(*z));
         sum.diagonal().array() += part;
-        sum -= 2 * part * (1 / m2 + inv) * m * m.transpose();
+        if (!in_a_middle(k1, row, k3)) {
+          sum -= tensor(m, part);
+          continue;
+        }
+        const Vec3 other = wave(k1, row, k3, -1);
+        const double share = share_of_first(m.squaredNorm(), other.squaredNorm());
+        sum -= tensor(m, share * part) + tensor(other, (1 - share) * part);
       }
     return sum;
+  }
+
+  Eigen::Matrix3d tensor(const Vec3& m, double energy) const {
+    return 2 * energy * (1 / m.squaredNorm() + square(std::numbers::pi / alpha_)) * m * m.transpose();
+  }
+  // Of two waves' G together, that of the first.
+  double share_of_first(double m2, double other2) const {
+    if (m2 == other2) return 0.5;
+    return 1 / (1 + std::exp(square(std::numbers::pi / alpha_) * (m2 - other2)) * m2 / other2);
   }
 
   // There for those who read beyond.

@@ -14,7 +14,8 @@ namespace taut {
 //     E = ½ Σ_{m≠0} G(m) |F(m)|²,   G = exp(−π²m²/α²)/(πV m²) / |b|⁻²(m₁)|b|⁻²(m₂)|b|⁻²(m₃)
 //     −dE/dstrain = ½ Σ_{m≠0} G(m) |F(m)|² (1 − 2(1/m² + π²/α²) m⊗m)   (eq. 2.7)
 //     φ = the transform back of G F = dE/dQ;   f = −q Σ φ dw/dx, w the spline's weights.
-// m are the vectors of the reciprocal lattice; splines and grid go along a, b and c.
+// m are the vectors of the reciprocal lattice; splines and grid go along a, b and c. A wave in the middle of
+// an even edge, m = ±K/2, has the mean of G over both signs: the sum over all K₁K₂K₃ waves comes to that.
 //
 // A plane of the grid, all its charges and its transform, is one thread's at a time; so are the transforms
 // across planes of a row of it. No sum depends on how many threads there are. In mixed precision splines,
