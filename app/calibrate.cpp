@@ -7,6 +7,7 @@
 #include "command_line.hpp"
 #include "commands.hpp"
 #include "files/atomic_file.hpp"
+#include "printing.hpp"
 #include "scene_argument.hpp"
 #include "studies/calibration.hpp"
 #include "studies/study_scene.hpp"
@@ -24,21 +25,20 @@ struct CalibrateArguments {
 };
 
 void print_course(const char* name, const std::vector<double>& values) {
-  fmt::print("  {:<12}", name);
-  for (std::size_t n = 0; n < std::min<std::size_t>(values.size(), 7); ++n)
-    fmt::print(" {:>8.1e}", values[n]);
-  fmt::print("\n");
+  say("  {:<12}", name);
+  for (std::size_t n = 0; n < std::min<std::size_t>(values.size(), 7); ++n) say(" {:>8.1e}", values[n]);
+  say("\n");
 }
 
 // What so many sweeps are known to leave, and what the reference's did; molecules alike in a line each.
 void print_shapes(const Calibration& c) {
   constexpr std::size_t kMost = 6;
   for (std::size_t n = 0; n < std::min(c.shapes.size(), kMost); ++n) {
-    fmt::print("  its {}\n", c.shapes[n].name);
+    say("  its {}\n", c.shapes[n].name);
     print_course("  foretold", c.shapes[n].foretold);
     print_course("  measured", c.shapes[n].measured);
   }
-  if (c.shapes.size() > kMost) fmt::print("  and {} shapes more (--json has all)\n", c.shapes.size() - kMost);
+  if (c.shapes.size() > kMost) say("  and {} shapes more (--json has all)\n", c.shapes.size() - kMost);
 }
 
 // What makes `taut run` run what was measured.
@@ -54,44 +54,41 @@ std::string run_line(const CalibrateArguments& arguments, const Calibration& c) 
 void print(const Scene& scene, const CalibrateArguments& arguments, const Calibration& c) {
   const CalibrationPlan& plan = arguments.plan;
   const double h = scene.run.h();
-  fmt::print("{}: {}, h = {:g} fs; errors of {:g} put on every bond, seed {}\n", scene.name,
-             counted(scene.system.bond_count(), "bond"), scene.run.dt_fs, plan.size, scene.run.seed);
+  say("{}: {}, h = {:g} fs; errors of {:g} put on every bond, seed {}\n", scene.name,
+      counted(scene.system.bond_count(), "bond"), scene.run.dt_fs, plan.size, scene.run.seed);
   print_notes(scene.notes);
-  fmt::print("\na stretch's course, rms σ/d² after\n  {:<12}", "steps");
-  for (int n = 0; n < 7; ++n) fmt::print(" {:>8}", n);
-  fmt::print("\n");
+  say("\na stretch's course, rms σ/d² after\n  {:<12}", "steps");
+  for (int n = 0; n < 7; ++n) say(" {:>8}", n);
+  say("\n");
   print_course(plan.against.c_str(), c.reference.stretch);
   print_course("baumgarte", c.baumgarte.stretch);
   print_course("  foretold", c.foretold);
   print_shapes(c);
-  fmt::print(
-      "\n{} ({}) reduces it by {:.4g} a step, {}\n", plan.against,
+  say("\n{} ({}) reduces it by {:.4g} a step, {}\n", plan.against,
       plan.sweeps > 0 ? fmt::format("{} sweeps", plan.sweeps) : fmt::format("tolerance {:g}", plan.tolerance),
       c.reduction_reference,
       plan.copies == "slowest" ? "where its sweeps leave most"
       : plan.copies == "first" ? "its first"
                                : fmt::format("over {} steps", c.window));
-  fmt::print(
-      "baumgarte, {} damping, {} a step, does so with\n"
+  say("baumgarte, {} damping, {} a step, does so with\n"
       "  alpha_per_ps = {:.6g}   beta_per_ps = {:.6g}   (αh = {:.4g}, βh = {:.4g}), that is\n  {}\n\n",
       plan.damping, plan.passes == 1 ? "1 solve" : fmt::format("{} solves", plan.passes), c.alpha_per_ps,
       c.beta_per_ps, c.alpha_per_ps * h, c.beta_per_ps * h, run_line(arguments, c));
-  fmt::print("{:34} {:>10} {:>10}\n", "", "predicted", "measured");
+  say("{:34} {:>10} {:>10}\n", "", "predicted", "measured");
   const auto row = [](const char* what, double predicted, double measured) {
-    fmt::print("{:34} {:>10.4g} {:>10.4g}\n", what, predicted, measured);
+    say("{:34} {:>10.4g} {:>10.4g}\n", what, predicted, measured);
   };
   row("reduction a step, σ of a stretch", c.of_stretch.predicted, c.of_stretch.measured);
   row("reduction a step, σ̇ of a stretch", c.of_rate.predicted, c.of_rate.measured);
   row("reduction a step, σ of a rate", c.after_rate.predicted, c.after_rate.measured);
   row("floor, rms σ/d²", c.floor_predicted, c.floor_measured);
-  if (const std::string why = disagreement(plan, c); !why.empty()) fmt::print("\n{}\n", why);
+  if (const std::string why = disagreement(plan, c); !why.empty()) say("\n{}\n", why);
 }
 
 void calibrate_scene(const CalibrateArguments& arguments) {
   refuse_without_effect("calibrate", arguments.scene.overrides());
   if (arguments.json && arguments.json != "-") expect_no_file({*arguments.json}, arguments.overwrite);
-  const bool alone = arguments.json == "-";
-  JsonAlone printed(alone);
+  if (arguments.json == "-") print_json_alone();
   const Scene scene = prepared_for_study(arguments.scene.read());
   const Calibration c = calibrate(scene, arguments.plan);
   print(scene, arguments, c);
@@ -115,10 +112,10 @@ void calibrate_scene(const CalibrateArguments& arguments) {
   for (const ShapeCourse& shape : c.shapes)
     json["shapes"].push_back(
         {{"name", shape.name}, {"foretold", shape.foretold}, {"measured", shape.measured}});
-  const std::string text = json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
-  if (alone) return printed.print(text);
+  const std::string text = json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  if (json_alone()) return write_out(text);
   AtomicFile file(*arguments.json);
-  file.write(text + "\n");
+  file.write(text);
   file.commit();
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "printing.hpp"
 #include "studies/chart_study.hpp"
 #include "study.hpp"
 #include "words.hpp"
@@ -48,8 +49,8 @@ void print_failures(const std::string& csv) {
   const auto first = csv.find('\n') + 1;
   const auto count = std::count(csv.begin(), csv.end(), '\n') - 1;
   if (count > 0)
-    fmt::print("\n{} failed, not drawn (panel, setting, steps survived, reason):\n{}",
-               counted(count, "setting"), csv.substr(first));
+    say("\n{} failed, not drawn (panel, setting, steps survived, reason):\n{}", counted(count, "setting"),
+        csv.substr(first));
 }
 
 // The panels of a finished study.
@@ -98,10 +99,10 @@ void chart(const ChartArguments& arguments) {
   Study study(arguments, arguments.command(), {plan.scene});
   const Ledger& ledger = study.ledger();
   const std::vector<Job> jobs = chart_jobs(plan, ledger);
-  fmt::print("{}: {}, step {:g} fs; {} of {}, {}\n", plan.scene.name,
-             counted(plan.scene.system.bond_count(), "bond"), plan.scene.run.dt_fs,
-             counted(std::ssize(plan.settings()), "setting"), counted(std::ssize(plan.methods), "method"),
-             counted(std::ssize(jobs), "trial"));
+  say("{}: {}, step {:g} fs; {} of {}, {}\n", plan.scene.name,
+      counted(plan.scene.system.bond_count(), "bond"), plan.scene.run.dt_fs,
+      counted(std::ssize(plan.settings()), "setting"), counted(std::ssize(plan.methods), "method"),
+      counted(std::ssize(jobs), "trial"));
   study.run(jobs, notes_of(plan));
   show(plan, study);
   const std::string failures = failures_csv(plan, ledger);

@@ -4,17 +4,18 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <sstream>
 
+#include "constraints/methods.hpp"
 #include "generated.hpp"
 #include "md/errors.hpp"
 #include "md/nearest_name.hpp"
 #include "md/threads.hpp"
+#include "printing.hpp"
 #include "words.hpp"
 
 namespace taut {
@@ -62,6 +63,8 @@ const Argument& Argument::excludes(const Argument& other) const {
 template <class T>
 Argument Subcommand::option(const char* name, T& value, const char* meaning) const {
   CLI::Option* option = app_->add_option(name, value, meaning);
+  if (!option->get_positional())
+    option->allow_extra_args(false);  // separate_lists tells a list's words apart
   if (value != T{}) option->capture_default_str();
   if constexpr (std::is_same_v<T, std::filesystem::path> ||
                 std::is_same_v<T, std::optional<std::filesystem::path>>)
@@ -86,7 +89,15 @@ Argument Subcommand::flag(const char* name, bool& given, const char* meaning) co
   return Argument(app_->add_flag(name, given, meaning));
 }
 
+void Subcommand::json(const char* meaning) const {
+  app_->add_flag_callback("--json", print_json_alone, meaning);
+}
+
 namespace {
+
+bool takes_many(const CLI::Option& option) {
+  return option.get_expected_max() == CLI::detail::expected_max_vector_size;
+}
 
 // As wide as the terminal, and without what usage and words say: "REQUIRED", "x 2", "Excludes: --overwrite".
 class HelpFormat : public CLI::Formatter {
@@ -97,9 +108,8 @@ class HelpFormat : public CLI::Formatter {
   std::string make_option_opts(const CLI::Option* option) const override {
     if (option->get_type_size() == 0) return "";
     const std::string unless = option->get_default_str();
-    const bool many = option->get_expected_max() == CLI::detail::expected_max_vector_size;
     return fmt::format(" {}{}{}", option->get_type_name(), unless.empty() ? "" : "=" + unless,
-                       many ? " ..." : "");
+                       takes_many(*option) ? " ..." : "");
   }
   std::string make_option_desc(const CLI::Option* option) const override {
     return fitted(option->get_description(), kColumn);
@@ -123,17 +133,57 @@ struct Commands::Parser {
   CLI::App app;
   std::vector<std::pair<CLI::App*, std::function<void()>>> actions;
   std::optional<int> threads;
-  bool quiet = false;
 };
 
 namespace {
 
 constexpr int kMostThreads = 1024;
-bool be_quiet = false;
 
 const CLI::App* named(const CLI::App& app, const std::string& name) {
   const auto found = app.get_subcommands([&](const CLI::App* sub) { return sub->get_name() == name; });
   return name.empty() || found.empty() ? nullptr : found[0];
+}
+
+bool is_list(const CLI::Option& option) {
+  return !option.get_positional() && takes_many(option);
+}
+
+// True if a word can be in a list of that type. A list takes its first word whatever it is.
+bool can_be_in_list(const std::string& type, const std::string& word) {
+  if (type == "KEY=VALUE") return word.find('=') != word.npos;
+  if (type == "METHOD") return std::ranges::count(method_names(), word.substr(0, word.find(':'))) > 0;
+  double number = 0;
+  return type != "NUMBER" || CLI::detail::lexical_cast(word, number);
+}
+
+// CLI11 gives a list every word up to the next option, the scene as well. So each further word of a list gets
+// the option's name before it, as in `--set a=1 --set b=2`, and a word that cannot be in the list stands
+// alone.
+std::vector<std::string> separate_lists(const CLI::App& app, int argc, char** argv) {
+  std::vector<std::string> words;
+  const CLI::App* sub = nullptr;
+  const CLI::Option* list = nullptr;
+  bool first = false;
+  for (int k = 1; k < argc; ++k) {
+    const std::string word = argv[k];
+    if (word == "--") {
+      words.insert(words.end(), argv + k, argv + argc);
+      break;
+    }
+    if (!sub) sub = named(app, word);
+    if (word.starts_with("--")) {
+      const std::string name = word.substr(0, word.find('='));
+      list = sub ? sub->get_option_no_throw(name) : nullptr;
+      if (list && !is_list(*list)) list = nullptr;
+      first = name == word;
+    } else if (list) {
+      if (!first && can_be_in_list(list->get_type_name(), word)) words.push_back(list->get_name());
+      first = false;
+    }
+    words.push_back(word);
+  }
+  std::ranges::reverse(words);  // as CLI11 takes them
+  return words;
 }
 
 // What was typed for a subcommand and is none; empty: nothing was.
@@ -175,15 +225,19 @@ std::string complaint(const CLI::App& app, const CLI::ParseError& e, int argc, c
       if (const std::string option = extra.substr(0, extra.find('=')); option.starts_with("--"))
         if (const auto near = nearest_name(option, {names.begin(), names.end()}); !near.empty())
           return fmt::format("{}there is no option {}; did you mean {}?", before, option, near);
+    for (const std::string& extra : app.remaining(true))
+      if (const auto near = nearest_name(extra, method_names()); !near.empty() && !parsed.empty())
+        return fmt::format("{}there is no method \"{}\"; did you mean \"{}\"?", before, extra, near);
+    const std::vector<std::string> extras = app.remaining(true);
+    const CLI::Option* scene = parsed.empty() ? nullptr : parsed[0]->get_option_no_throw("scene");
+    if (scene && scene->count() > 0 && !extras.empty() && !extras[0].starts_with("-"))
+      return fmt::format("{}there is no place for \"{}\": the scene is \"{}\"", before, extras[0],
+                         scene->results()[0]);
   }
   return fmt::format("{}{} (taut {}{}--help)", before, what, name, name.empty() ? "" : " ");
 }
 
 }  // namespace
-
-bool quiet() {
-  return be_quiet;
-}
 
 Commands::Commands(const char* about) : parser_(new Parser{CLI::App{about}, {}, {}}) {
   CLI::App& app = parser_->app;
@@ -194,7 +248,7 @@ Commands::Commands(const char* about) : parser_(new Parser{CLI::App{about}, {}, 
   const Subcommand root(&app);
   root.option("--threads", parser_->threads, "so many compute (if not said: OMP_NUM_THREADS, or 1)")
       .at_least(1);
-  root.flag("--quiet", parser_->quiet, "print errors and doubts alone");
+  app.add_flag_callback("--quiet", print_errors_and_doubts_alone, "print errors and doubts alone");
 }
 
 Commands::~Commands() = default;
@@ -209,9 +263,14 @@ Subcommand Commands::add(const char* name, const char* meaning, std::function<vo
 int Commands::act(int argc, char** argv) {
   CLI::App& app = parser_->app;
   try {
-    app.parse(argc, argv);
+    app.parse(separate_lists(app, argc, argv));
   } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() == 0) return app.exit(e);
+    if (e.get_exit_code() == 0) {
+      std::ostringstream text;
+      app.exit(e, text, text);
+      write_out(text.str());
+      return 0;
+    }
     throw InputError(complaint(app, e, argc, argv));
   }
   if (parser_->threads) {
@@ -224,8 +283,6 @@ int Commands::act(int argc, char** argv) {
     if (available_threads() != *parser_->threads)
       throw InputError("--threads: this taut was built without OpenMP and computes with one");
   }
-  be_quiet = parser_->quiet;
-  if (be_quiet && !std::freopen("/dev/null", "w", stdout)) throw OutsideError("/dev/null: cannot be opened");
   for (const auto& [sub, act] : parser_->actions)
     if (sub->parsed()) act();
   return 0;

@@ -36,6 +36,7 @@ class Subcommand {
   template <class T>
   Argument option(const char* name, T& value, const char* meaning) const;
   Argument flag(const char* name, bool& given, const char* meaning) const;
+  void json(const char* meaning) const;  // --json: the command prints JSON alone (printing.hpp)
 
  private:
   CLI::App* app_;
@@ -60,9 +61,6 @@ class Commands {
   struct Parser;
   std::unique_ptr<Parser> parser_;
 };
-
-// What goes for all subcommands: --threads, --quiet.
-bool quiet();  // results and doubts alone, no progress
 
 // A file a subcommand.
 void add_run(Commands& commands);

@@ -8,6 +8,7 @@
 #include "commands.hpp"
 #include "crosscheck_report.hpp"
 #include "md/errors.hpp"
+#include "printing.hpp"
 #include "progress.hpp"
 #include "scene_argument.hpp"
 #include "studies/crosscheck_tables.hpp"
@@ -24,7 +25,7 @@ struct CrosscheckArguments {
   SceneArgument scene;
   std::vector<std::string> methods;
   std::optional<std::filesystem::path> out;
-  bool overwrite = false, json = false;
+  bool overwrite = false;
   std::optional<std::string> prefix;  // of the exported files
   CrosscheckPlan plan;
 
@@ -48,15 +49,14 @@ struct CrosscheckArguments {
 };
 
 void run(CrosscheckArguments arguments) {
-  JsonAlone printed(arguments.json);
   refuse_without_effect("crosscheck", arguments.scene.settings);
   const Scene scene = arguments.scene.read(nullptr, {"run.steps=200"});
   if (arguments.prefix) {
     expect_no_file({*arguments.prefix + ".system.xml", *arguments.prefix + ".state.xml"},
                    arguments.overwrite);
     write_openmm(openmm_input(scene), *arguments.prefix);
-    fmt::print("wrote {0}.system.xml, {0}.state.xml\n", *arguments.prefix);
-    if (!built_with_openmm()) return fmt::print("held against nothing: taut was built without OpenMM\n");
+    say("wrote {0}.system.xml, {0}.state.xml\n", *arguments.prefix);
+    if (!built_with_openmm()) return say("held against nothing: taut was built without OpenMM\n");
   }
   arguments.plan.contestants = contestants(arguments.methods);
   if (const auto& files = arguments.scene.openmm; !files.empty())
@@ -70,7 +70,7 @@ void run(CrosscheckArguments arguments) {
   progress.clear();
   print_crosscheck(result);
   if (arguments.out) write_crosscheck(result, arguments.command(), *arguments.out);
-  printed.print(crosscheck_json(result));
+  if (json_alone()) write_out(crosscheck_json(result) + "\n");
 }
 
 }  // namespace
@@ -97,7 +97,7 @@ void add_crosscheck(Commands& commands) {
                "move the study that is in --out to OUT.1, OUT.2, ...; replace what --export writes");
   command.option("--export", arguments->prefix, "write PREFIX.system.xml and PREFIX.state.xml for OpenMM")
       .words(0, "PREFIX");
-  command.flag("--json", arguments->json, "print all figures and verdicts, as JSON");
+  command.json("print all figures and verdicts, as JSON");
 }
 
 }  // namespace taut

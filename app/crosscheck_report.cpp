@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "pictures.hpp"
+#include "printing.hpp"
 #include "report.hpp"
 #include "studies/crosscheck_tables.hpp"
 #include "studies/crosscheck_verdict.hpp"
@@ -22,30 +23,28 @@ constexpr int kWidth = 80;
 
 void print_positions(const Crosscheck& c) {
   constexpr auto kRow = "{:<24} {:>9} {:>8} {:>9} {:>10} {:>9}\n";
-  fmt::print(kRow, "", "apart", "parted", "off fine", "bond error", "");
-  fmt::print(kRow, "", "[nm]", "at step", "run [nm]", "max", "rms");
+  say(kRow, "", "apart", "parted", "off fine", "bond error", "");
+  say(kRow, "", "[nm]", "at step", "run [nm]", "max", "rms");
   for (const Track* track : all_tracks(c)) {
     const bool ran = track->samples.size() > 1, bonded = ran && c.bonds > 0;
     const auto parted = track->parted_at(c.agreement);
-    fmt::print(kRow, track->name,
-               or_dash(track->apart_at(c.parting), ran && track != &c.twin && track != &c.fine),
-               parted ? fmt::format("{}", *parted) : "–",
-               or_dash(last_from_truth(*track), last_from_truth(*track) >= 0),
-               or_dash(track->worst_bond(), bonded), or_dash(track->rms_bond(c.steps), bonded));
+    say(kRow, track->name, or_dash(track->apart_at(c.parting), ran && track != &c.twin && track != &c.fine),
+        parted ? fmt::format("{}", *parted) : "–",
+        or_dash(last_from_truth(*track), last_from_truth(*track) >= 0), or_dash(track->worst_bond(), bonded),
+        or_dash(track->rms_bond(c.steps), bonded));
   }
 }
 
 void print_energies(const Crosscheck& c) {
   constexpr auto kRow = "{:<24} {:>18} {:>14} {:>10}\n";
-  fmt::print(kRow, "", "energy drift", "bonds' share", "T");
-  fmt::print(kRow, "", "[kJ/mol/ns/dof]", "", "[K]");
+  say(kRow, "", "energy drift", "bonds' share", "T");
+  say(kRow, "", "[kJ/mol/ns/dof]", "", "[K]");
   for (const Track* track : all_tracks(c)) {
     const auto& share = track->constraint_drift;
     const Estimate& drift = track->drift;
-    fmt::print(kRow, track->name,
-               drift.error > 0 ? fmt::format("{:.1e} ± {:.0e}", drift.value, drift.error) : "–",
-               or_dash(share ? share->value : 0, share.has_value()),
-               track->samples.size() > 1 ? fmt::format("{:.2f}", track->temperature.value) : "–");
+    say(kRow, track->name, drift.error > 0 ? fmt::format("{:.1e} ± {:.0e}", drift.value, drift.error) : "–",
+        or_dash(share ? share->value : 0, share.has_value()),
+        track->samples.size() > 1 ? fmt::format("{:.2f}", track->temperature.value) : "–");
   }
 }
 
@@ -59,33 +58,35 @@ std::string verdicts_csv(const Crosscheck& c) {
 }  // namespace
 
 void print_crosscheck(const Crosscheck& c) {
-  const auto say = [](const std::string& text) { fmt::print("{}\n", wrapped(text, kWidth, 2)); };
-  say(fmt::format("{} against OpenMM {} ({}): {}, {}, {} of {:g} fs", c.scene, c.openmm, c.platform,
-                  counted(c.atoms, "atom"), counted(c.bonds, "bond"), counted(c.steps, "step"), c.h * 1000));
-  for (const auto& note : c.notes) say("note: " + note);
-  say(fmt::format(
+  const auto say_wrapped = [](const std::string& text) { say("{}\n", wrapped(text, kWidth, 2)); };
+  say_wrapped(fmt::format("{} against OpenMM {} ({}): {}, {}, {} of {:g} fs", c.scene, c.openmm, c.platform,
+                          counted(c.atoms, "atom"), counted(c.bonds, "bond"), counted(c.steps, "step"),
+                          c.h * 1000));
+  for (const auto& note : c.notes) say_wrapped("note: " + note);
+  say_wrapped(fmt::format(
       "at the start: energy {:.10g} kJ/mol, OpenMM {:.10g}; forces {:.4g} kJ/mol/nm rms, apart by {:.1e}",
       c.start.energy, c.start.openmm_energy, c.start.force_rms, c.start.force_difference));
-  say(fmt::format("chaos: two OpenMM runs 1e-10 nm apart are {:.1e} nm apart after {} steps, {}",
-                  1e-10 * c.chaos.growth, c.chaos.steps,
-                  c.chaos.growth > 100
-                      ? fmt::format("growing by {:.2g} ± {:.1g} /ps", c.chaos.rate.value, c.chaos.rate.error)
-                      : "too little for a rate"));
-  fmt::print("\n");
+  say_wrapped(fmt::format("chaos: two OpenMM runs 1e-10 nm apart are {:.1e} nm apart after {} steps, {}",
+                          1e-10 * c.chaos.growth, c.chaos.steps,
+                          c.chaos.growth > 100 ? fmt::format("growing by {:.2g} ± {:.1g} /ps",
+                                                             c.chaos.rate.value, c.chaos.rate.error)
+                                               : "too little for a rate"));
+  say("\n");
   print_positions(c);
-  fmt::print("\n");
+  say("\n");
   print_energies(c);
-  fmt::print("\n");
+  say("\n");
   for (const Verdict& v : verdicts(c))
-    fmt::print("{:<24} {:<7} {}\n", v.who, name_of(v.finding), wrapped(v.why, kWidth, 33));
+    say("{:<24} {:<7} {}\n", v.who, name_of(v.finding), wrapped(v.why, kWidth, 33));
   if (!c.long_enough) {
-    fmt::print("\n");
-    say("Too short for averages: temperatures, g(r) and end-to-end distances are held together from 5 ps "
+    say("\n");
+    say_wrapped(
+        "Too short for averages: temperatures, g(r) and end-to-end distances are held together from 5 ps "
         "on.");
   }
   if (c.speed.empty()) return;
-  fmt::print("\nwhole step, equal threads\n");
-  for (const auto& [who, us] : c.speed) fmt::print("  {:<46} {:>9.1f} µs\n", who, us);
+  say("\nwhole step, equal threads\n");
+  for (const auto& [who, us] : c.speed) say("  {:<46} {:>9.1f} µs\n", who, us);
 }
 
 void write_crosscheck(const Crosscheck& c, const std::string& command, const fs::path& folder) {

@@ -4,6 +4,7 @@
 
 #include "commands.hpp"
 #include "md/nearest_name.hpp"
+#include "printing.hpp"
 
 namespace taut {
 
@@ -12,7 +13,7 @@ void add_generate(Commands& commands) {
   const Subcommand command =
       commands.add("generate", "print completions for a shell, or the man page", [what, &commands] {
         expect_name("taut generate", *what, {"bash", "zsh", "man"});
-        fmt::print("{}", commands.generated(*what));
+        say_text(commands.generated(*what));
       });
   command.option("what", *what, "bash, zsh or man").required();
 }

@@ -11,6 +11,7 @@
 #include "command_line.hpp"
 #include "md/errors.hpp"
 #include "pictures.hpp"
+#include "printing.hpp"
 
 namespace taut {
 namespace {
@@ -31,20 +32,20 @@ bool agreed(const std::string& question) {
 
 }  // namespace
 
-void go_on(FolderLock lock, Checkpoint checkpoint, const KeyValues& changes, Consent consent, bool json) {
+void go_on(FolderLock lock, Checkpoint checkpoint, const KeyValues& changes, Consent consent) {
   const fs::path folder = lock.path();
   const std::unique_ptr<Simulation> simulation =
       resumed(checkpoint_file(folder).string(), checkpoint, changes);
   if (simulation->step() >= simulation->scene().run.steps && fs::exists(folder / "summary.json")) {
-    if (json) return fmt::print("{}", contents_of(folder / "summary.json"));
-    fmt::print("{}: all {} steps are taken; `taut resume {} --steps N` takes N more\n", folder.string(),
-               simulation->step(), quoted_for_shell(folder.string()));
+    if (json_alone()) return write_out(contents_of(folder / "summary.json"));
+    say("{}: all {} steps are taken; `taut resume {} --steps N` takes N more\n", folder.string(),
+        simulation->step(), quoted_for_shell(folder.string()));
     return;
   }
   consent.how = fmt::format("`taut resume {} --yes`", quoted_for_shell(folder.string()));
   consent.ask = agreed;
   RunFolder run_folder = resumed_folder(std::move(lock), checkpoint, *simulation, consent);
-  carry_out(*simulation, &run_folder, {.json = json});
+  carry_out(*simulation, &run_folder);
 }
 
 void expect_same_input(const fs::path& folder, const SceneSource& kept, const SceneSource& given) {

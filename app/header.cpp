@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "md/threads.hpp"
+#include "printing.hpp"
 #include "systems/velocities.hpp"
 #include "words.hpp"
 
@@ -42,8 +43,8 @@ std::string threads_line() {
 
 void print_title(const Scene& scene) {
   const std::string title = scene.name + (scene.hard_on.empty() ? "" : ": ") + scene.hard_on;
-  fmt::print("{}\n", wrapped(title, terminal_width(), 0));
-  for (const auto& note : scene.notes) fmt::print("  note: {}\n", wrapped(note, terminal_width(), 8));
+  say("{}\n", wrapped(title, terminal_width(), 0));
+  for (const auto& note : scene.notes) say("  note: {}\n", wrapped(note, terminal_width(), 8));
 }
 
 std::string box_line(const Box& box) {
@@ -70,24 +71,24 @@ void print_header(const Simulation& simulation) {
           : fmt::format(", of them {}", counted(static_cast<long>(sys.sites.size()), "virtual site"));
   const std::string one_sided =
       sys.one_sided.empty() ? "" : fmt::format(", besides {} one-sided", sys.one_sided.size());
-  fmt::print("  atoms {}{}   bonds {}{}   clusters {}   degrees of freedom {}\n", sys.atoms(), sites,
-             sys.bond_count(), one_sided, simulation.clusters(), simulation.dof().sum());
+  say("  atoms {}{}   bonds {}{}   clusters {}   degrees of freedom {}\n", sys.atoms(), sites,
+      sys.bond_count(), one_sided, simulation.clusters(), simulation.dof().sum());
   const Box& box = simulation.state().box;
-  if (box.periodic()) fmt::print("  {}\n", box_line(box));
-  fmt::print("  method {}: {}\n", scene.method.name(), simulation.method().setting());
-  fmt::print("  {}\n  threads {}\n\n", start_line(scene), threads_line());
-  if (simulation.step() > 0) fmt::print("goes on from step {}\n", simulation.step());
+  if (box.periodic()) say("  {}\n", box_line(box));
+  say("  method {}: {}\n", scene.method.name(), simulation.method().setting());
+  say("  {}\n  threads {}\n\n", start_line(scene), threads_line());
+  if (simulation.step() > 0) say("goes on from step {}\n", simulation.step());
   const bool pressed = box.periodic();
-  fmt::print("{:>8} {:>10} {:>12} {:>12} {:>8} {:>9} {:>5}{}\n", "step", "t", "E_pot", "E_total", "T",
-             "bond err", "iter", pressed ? "        P" : "");
-  fmt::print("{:>8} {:>10} {:>12} {:>12} {:>8} {:>9} {:>5}{}\n", "", "[ps]", "[kJ/mol]", "[kJ/mol]", "[K]",
-             "", "", pressed ? "    [bar]" : "");
+  say("{:>8} {:>10} {:>12} {:>12} {:>8} {:>9} {:>5}{}\n", "step", "t", "E_pot", "E_total", "T", "bond err",
+      "iter", pressed ? "        P" : "");
+  say("{:>8} {:>10} {:>12} {:>12} {:>8} {:>9} {:>5}{}\n", "", "[ps]", "[kJ/mol]", "[kJ/mol]", "[K]", "", "",
+      pressed ? "    [bar]" : "");
 }
 
 void print_row(const Record& r) {
-  fmt::print("{:>8} {:>10.4f} {:>12.6g} {:>12.8g} {:>8.2f} {:>9.1e} {:>5.3g}{}\n", r.step, r.t, r.potential,
-             r.total(), r.temperature, r.bonds.max, r.iterations,
-             r.pressure ? fmt::format(" {:>8.1f}", *r.pressure) : "");
+  say("{:>8} {:>10.4f} {:>12.6g} {:>12.8g} {:>8.2f} {:>9.1e} {:>5.3g}{}\n", r.step, r.t, r.potential,
+      r.total(), r.temperature, r.bonds.max, r.iterations,
+      r.pressure ? fmt::format(" {:>8.1f}", *r.pressure) : "");
 }
 
 }  // namespace taut

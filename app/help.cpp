@@ -13,6 +13,7 @@
 #include "commands.hpp"
 #include "md/errors.hpp"
 #include "md/nearest_name.hpp"
+#include "printing.hpp"
 #include "systems/builders/builders.hpp"
 #include "systems/scene_file.hpp"
 #include "words.hpp"
@@ -105,39 +106,39 @@ std::vector<Key> keys_about(const std::string& word, const std::vector<Key>& all
 
 struct HelpArguments {
   std::vector<std::string> names;
-  bool json = false, page = false, list = false;
+  bool page = false, list = false;
 };
 
 void help(const HelpArguments& arguments, const Commands& commands) {
   const std::vector<Key> all = every_key();
-  if (arguments.page) return fmt::print("{}", keys_page(all));
+  if (arguments.page) return say_text(keys_page(all));
   if (arguments.list) {
     std::set<std::string> names;
     for (const Key& key : all) names.insert(key.name());
-    return fmt::print("{}\n", fmt::join(names, "\n"));
+    return say("{}\n", fmt::join(names, "\n"));
   }
-  if (arguments.names.empty() && !arguments.json)
-    return fmt::print("{}\n{}\n", commands.help(""),
-                      wrapped("`taut help KEY` explains a key of a scene, such as run.dt_fs, or a section of "
-                              "them: atom, molecule, "
-                              "place, build, forcefield, run, method; build.water, method.rattle",
-                              terminal_width(), 0));
+  if (arguments.names.empty() && !json_alone())
+    return say("{}\n{}\n", commands.help(""),
+               wrapped("`taut help KEY` explains a key of a scene, such as run.dt_fs, or a section of "
+                       "them: atom, molecule, "
+                       "place, build, forcefield, run, method; build.water, method.rattle",
+                       terminal_width(), 0));
   std::vector<Key> keys;
   for (const std::string& name : arguments.names) {
     std::vector<Key> named = keys_named(described(name), all);
     const std::string command = named.empty() ? commands.help(name) : "";
-    if (!arguments.json) fmt::print("{}", command);
+    say_text(command);
     if (named.empty() && command.empty()) named = keys_about(name, all);
     if (named.empty() && command.empty()) refuse(name, all);
     std::ranges::copy(named, std::back_inserter(keys));
   }
-  if (arguments.json) {
+  if (json_alone()) {
     auto json = nlohmann::ordered_json::array();
     for (const Key& key : arguments.names.empty() ? all : keys) json.push_back(key_json(key));
-    return fmt::print("{}\n", json.dump(2));
+    return write_out(json.dump(2) + "\n");
   }
-  for (const Key& key : keys) fmt::print("{}", key_text(key, terminal_width()));
-  if (std::ranges::count(arguments.names, "run")) fmt::print("(the command: taut run --help)\n");
+  for (const Key& key : keys) say_text(key_text(key, terminal_width()));
+  if (std::ranges::count(arguments.names, "run")) say("(the command: taut run --help)\n");
 }
 
 }  // namespace
@@ -185,7 +186,7 @@ void add_help(Commands& commands) {
                                           [arguments, &commands] { help(*arguments, commands); });
   command.option("key", arguments->names, "run.dt_fs, run, build.water, method.rattle, or any word: rope")
       .words(0, "KEY");
-  command.flag("--json", arguments->json, "as JSON");
+  command.json("as JSON");
   command.flag("--page", arguments->page, "all of them, in Markdown: systems/KEYS.md");
   command.flag("--names", arguments->list, "their names alone");
 }

@@ -9,6 +9,7 @@
 #include "commands.hpp"
 #include "header.hpp"
 #include "help.hpp"
+#include "printing.hpp"
 #include "scene_argument.hpp"
 #include "simulation/temperatures.hpp"
 #include "words.hpp"
@@ -18,9 +19,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-struct InfoArguments : SceneArgument {
-  bool json = false;
-};
+struct InfoArguments : SceneArgument {};
 
 // What acts in a scene, and how often.
 std::vector<std::string> forces_of(const Scene& scene) {
@@ -123,15 +122,14 @@ void info(const InfoArguments& arguments) {
   KeysRead read;
   const Scene scene = arguments.read(&read);
   const std::vector<Key> keys = in_force(read, arguments);
-  if (arguments.json)
-    return fmt::print("{}\n",
-                      as_json(scene, keys).dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+  if (json_alone())
+    return write_out(as_json(scene, keys).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
+                     "\n");
   print_title(scene);
   const System& sys = scene.system;
   const auto line = [](const char* what, const std::vector<std::string>& all) {
     if (!all.empty())
-      fmt::print("  {:<10} {}\n", what,
-                 wrapped(fmt::format("{}", fmt::join(all, "; ")), terminal_width(), 13));
+      say("  {:<10} {}\n", what, wrapped(fmt::format("{}", fmt::join(all, "; ")), terminal_width(), 13));
   };
   std::vector<std::string> atoms = {counted(sys.atoms(), "atom")};
   if (!sys.sites.empty())
@@ -145,10 +143,10 @@ void info(const InfoArguments& arguments) {
   if (scene.start.box.periodic()) line("in a", {box_line(scene.start.box)});
   line("forces", forces_of(scene));
   line("runs", {start_line(scene)});
-  fmt::print("\n");
+  say("\n");
   std::vector<std::vector<std::string>> rows;
   for (const Key& key : keys) rows.push_back({"  " + key.name(), value_of(key, scene), key.from});
-  fmt::print("{}", table_text(rows, terminal_width()));
+  say_text(table_text(rows, terminal_width()));
 }
 
 }  // namespace
@@ -159,7 +157,7 @@ void add_info(Commands& commands) {
       commands.add("info", "what a scene holds, and all settings in force with who said each",
                    [arguments] { info(*arguments); });
   arguments->offer(command);
-  command.flag("--json", arguments->json, "as JSON");
+  command.json("as JSON");
 }
 
 }  // namespace taut

@@ -5,6 +5,7 @@
 
 #include "commands.hpp"
 #include "constraints/methods.hpp"
+#include "printing.hpp"
 #include "systems/scene_file.hpp"
 #include "words.hpp"
 
@@ -15,7 +16,7 @@ using nlohmann::ordered_json;
 
 struct ListArguments {
   std::string name;
-  bool json = false, names = false;
+  bool names = false;
 };
 
 ordered_json as_json(const MethodEntry& method) {
@@ -31,10 +32,10 @@ ordered_json as_json(const MethodEntry& method) {
 
 void print(const MethodEntry& method) {
   constexpr int kName = 12;
-  fmt::print("{:<11} {}\n", method.name, wrapped(std::string(method.summary), terminal_width(), kName));
+  say("{:<11} {}\n", method.name, wrapped(std::string(method.summary), terminal_width(), kName));
   MethodOptions defaults(method);
   for (const Option& option : defaults.describe())
-    fmt::print("{:{}}  {}\n", "", kName, wrapped(option.in_words(), terminal_width(), kName + 4));
+    say("{:{}}  {}\n", "", kName, wrapped(option.in_words(), terminal_width(), kName + 4));
 }
 
 void print_methods(const ListArguments& arguments) {
@@ -44,14 +45,14 @@ void print_methods(const ListArguments& arguments) {
   if (listed.empty()) listed.push_back(&method_named(arguments.name));  // says which was meant
   ordered_json json = ordered_json::array();
   for (const MethodEntry* method : listed) {
-    if (arguments.json)
+    if (json_alone())
       json.push_back(as_json(*method));
     else if (arguments.names)
-      fmt::print("{}\n", method->name);
+      say("{}\n", method->name);
     else
       print(*method);
   }
-  if (arguments.json) fmt::print("{}\n", json.dump(2));
+  if (json_alone()) write_out(json.dump(2) + "\n");
 }
 
 void print_scenes(const ListArguments& arguments) {
@@ -60,14 +61,14 @@ void print_scenes(const ListArguments& arguments) {
     std::vector<std::vector<std::string>> rows;
     for (const auto& [name, hard_on] : list_scenes(folder.path)) {
       json.push_back({{"name", name}, {"hard_on", hard_on}, {"among", folder.title}});
-      if (arguments.names) fmt::print("{}\n", name);
+      if (arguments.names) say("{}\n", name);
       rows.push_back({name, hard_on});
     }
-    if (arguments.names || arguments.json) continue;
-    if (*folder.title) fmt::print("\n{}:\n", folder.title);
-    fmt::print("{}", table_text(rows, terminal_width()));
+    if (arguments.names || json_alone()) continue;
+    if (*folder.title) say("\n{}:\n", folder.title);
+    say_text(table_text(rows, terminal_width()));
   }
-  if (arguments.json) fmt::print("{}\n", json.dump(2));
+  if (json_alone()) write_out(json.dump(2) + "\n");
 }
 
 }  // namespace
@@ -77,12 +78,12 @@ void add_lists(Commands& commands) {
   const Subcommand methods_command = commands.add("methods", "list the constraint methods and their settings",
                                                   [of_methods] { print_methods(*of_methods); });
   methods_command.option("method", of_methods->name, "one alone").words(0, "METHOD");
-  methods_command.flag("--json", of_methods->json, "as JSON");
+  methods_command.json("as JSON");
   methods_command.flag("--names", of_methods->names, "their names alone");
   auto of_scenes = std::make_shared<ListArguments>();
   const Subcommand scenes_command = commands.add("scenes", "list the scenes, with what each is hard on",
                                                  [of_scenes] { print_scenes(*of_scenes); });
-  scenes_command.flag("--json", of_scenes->json, "as JSON");
+  scenes_command.json("as JSON");
   scenes_command.flag("--names", of_scenes->names, "their names alone");
 }
 

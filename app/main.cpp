@@ -1,13 +1,13 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <cerrno>
 #include <csignal>
-#include <cstdio>
-#include <cstring>
+#include <exception>
+#include <new>
 
 #include "commands.hpp"
 #include "md/errors.hpp"
+#include "printing.hpp"
 #include "stop_request.hpp"
 
 namespace {
@@ -19,7 +19,7 @@ void fill_closed_streams() {
 }
 
 int failed(int code, const std::string& why) {
-  std::fputs(("taut: " + why + "\n").c_str(), stderr);
+  taut::complain(why);
   return code;
 }
 
@@ -39,21 +39,14 @@ int carry_out(taut::Commands& commands, int argc, char** argv) {
   }
 }
 
-// What was printed and did not get through was not said.
-int said(int code) {
-  errno = 0;
-  const bool flushed = std::fflush(stdout) == 0;
-  if (code != 0 || (flushed && !std::ferror(stdout))) return code;
-  const std::string why = errno ? std::string(": ") + std::strerror(errno) : "";
-  return failed(3, "standard output: cannot write" + why);
-}
-
 }  // namespace
 
 // Exit codes: 0 done, 1 the simulation failed, 2 the input is wrong, 3 something outside (disk, memory), 128
 // + a signal where that one asked to stop.
 int main(int argc, char** argv) {
-  std::signal(SIGXFSZ, SIG_IGN);  // a file over the limit is a write that fails
+  // A file over the limit and a pipe that nobody reads are writes that fail. What taut starts, such as
+  // gnuplot, does not inherit a handler, as it would SIG_IGN.
+  for (const int signal : {SIGXFSZ, SIGPIPE}) std::signal(signal, [](int) {});
   fill_closed_streams();
   taut::Commands commands(
       "taut: molecular dynamics of rigid bonds, by several methods, with what each costs and gets wrong");
@@ -61,5 +54,5 @@ int main(int argc, char** argv) {
                          taut::add_chart, taut::add_stability, taut::add_lists, taut::add_info,
                          taut::add_measure, taut::add_help, taut::add_generate})
     add(commands);
-  return said(carry_out(commands, argc, argv));
+  return carry_out(commands, argc, argv);
 }

@@ -8,6 +8,7 @@
 #include "files/dcd_reader.hpp"
 #include "md/errors.hpp"
 #include "measured.hpp"
+#include "printing.hpp"
 #include "simulation/checkpoint.hpp"
 #include "study.hpp"
 
@@ -20,7 +21,7 @@ struct MeasureArguments {
   fs::path folder;
   std::vector<std::string> atoms;  // of the radial distribution, by name
   std::optional<fs::path> out;
-  bool json = false, overwrite = false;
+  bool overwrite = false;
 };
 
 fs::path trajectory_of(const fs::path& folder) {
@@ -47,15 +48,13 @@ void measure_folder(const MeasureArguments& arguments) {
   Vectors x;
   for (Box box = scene.start.box; file.next(x, box);) measured.see(x, box);
   if (measured.frames() == 0) throw InputError(trajectory.string() + ": has no frame");
-  if (arguments.json)
-    fmt::print("{}\n", measured.json().dump(2));
-  else
-    measured.print();
+  measured.print();
+  if (json_alone()) write_out(measured.json().dump(2) + "\n");
   if (!arguments.out) return;
   make_folder(*arguments.out);
   StudyFiles files(*arguments.out);
   measured.draw(files);
-  if (!arguments.json) files.tell();
+  files.tell();
 }
 
 }  // namespace
@@ -72,7 +71,7 @@ void add_measure(Commands& commands) {
       .words(2, "NAME NAME");
   command.option("--out", arguments->out, "folder for distances.csv, displacement.csv and their pictures");
   command.flag("--overwrite", arguments->overwrite, "replace what --out holds");
-  command.flag("--json", arguments->json, "all figures as JSON");
+  command.json("all figures as JSON");
 }
 
 }  // namespace taut

@@ -8,6 +8,7 @@
 
 #include "md/errors.hpp"
 #include "md/nearest_name.hpp"
+#include "printing.hpp"
 #include "systems/whole_molecules.hpp"
 #include "words.hpp"
 
@@ -68,27 +69,26 @@ void Measured::see(const Vectors& x, const Box& box) {
 void Measured::print() const {
   const Distances g = pairs_.result();
   const MeanSquareDisplacement::Result moved = motion_.result();
-  fmt::print("{}: {} of {}, {:.4g} ps apart\n", scene_.name, counted(frames_, "frame"),
-             counted(scene_.system.atoms(), "atom"), interval_);
+  say("{}: {} of {}, {:.4g} ps apart\n", scene_.name, counted(frames_, "frame"),
+      counted(scene_.system.atoms(), "atom"), interval_);
   if (!g.r.empty()) {
     const auto peak = std::ranges::max_element(g.g, {}, &Estimate::value) - g.g.begin();
-    fmt::print("g(r) of {}, in other molecules: highest {} at {:.3f} nm\n", of_pairs(),
-               with_error(g.g[static_cast<std::size_t>(peak)]), g.r[static_cast<std::size_t>(peak)]);
+    say("g(r) of {}, in other molecules: highest {} at {:.3f} nm\n", of_pairs(),
+        with_error(g.g[static_cast<std::size_t>(peak)]), g.r[static_cast<std::size_t>(peak)]);
   }
   if (!chains_.empty())
-    fmt::print("end to end: ⟨R²⟩ = {} nm², √⟨R²⟩ = {} nm\n", with_error(chains_.squared()),
-               with_error(chains_.root()));
-  if (moved.t.empty())
-    return fmt::print("mean-square displacement: {} frames are too few, it takes 40\n", frames_);
-  fmt::print("molecules' displacement: ⟨Δr²⟩ = {} nm² after {:.4g} ps\n", with_error(moved.squared.back()),
-             moved.t.back());
+    say("end to end: ⟨R²⟩ = {} nm², √⟨R²⟩ = {} nm\n", with_error(chains_.squared()),
+        with_error(chains_.root()));
+  if (moved.t.empty()) return say("mean-square displacement: {} frames are too few, it takes 40\n", frames_);
+  say("molecules' displacement: ⟨Δr²⟩ = {} nm² after {:.4g} ps\n", with_error(moved.squared.back()),
+      moved.t.back());
   const Estimate& d = moved.diffusion;
   constexpr double kCm2PerS = 1e-2, kStraight = 0.2;  // of nm²/ps
   if (std::abs(moved.exponent - 1) > kStraight)
-    return fmt::print("no D yet: the displacement grows as t^{:.2f}, it takes longer until it grows as t\n",
-                      moved.exponent);
-  fmt::print("diffusion: D = {} nm²/ps ({:.3g} cm²/s), the slope from {:.4g} to {:.4g} ps\n", with_error(d),
-             d.value * kCm2PerS, moved.t.back() / 2, moved.t.back());
+    return say("no D yet: the displacement grows as t^{:.2f}, it takes longer until it grows as t\n",
+               moved.exponent);
+  say("diffusion: D = {} nm²/ps ({:.3g} cm²/s), the slope from {:.4g} to {:.4g} ps\n", with_error(d),
+      d.value * kCm2PerS, moved.t.back() / 2, moved.t.back());
 }
 
 nlohmann::ordered_json Measured::json() const {

@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 
 #include <algorithm>
+#include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
@@ -13,6 +14,8 @@
 #include "files/atomic_file.hpp"
 #include "files/resources.hpp"
 #include "md/errors.hpp"
+#include "printing.hpp"
+#include "stop_request.hpp"
 
 namespace taut {
 namespace {
@@ -20,13 +23,15 @@ namespace {
 namespace fs = std::filesystem;
 
 // What gnuplot and the shell say of a script.
-constexpr int kDrawn = 0, kNothingToDraw = 4, kNoGnuplot = 127;
+constexpr int kDrawn = 0, kNothingToDraw = 4, kNoGnuplot = 127, kInterrupted = 128 + SIGINT;
 
 int run_gnuplot(const fs::path& folder, const std::string& name) {
   const int status = std::system(fmt::format("cd -- {} && gnuplot {}.gp >{}.gnuplot.log 2>&1",
                                              quoted_for_shell(fs::absolute(folder).string()), name, name)
                                      .c_str());
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  const int code = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+  if (code == kInterrupted) throw Stopped{code};  // Ctrl-C, which std::system keeps from taut itself
+  return code;
 }
 
 // A cell between tabs; gnuplot takes a double quote for the end of one.
@@ -77,11 +82,10 @@ void StudyFiles::draw(const Picture& p) {
 }
 
 void StudyFiles::tell() const {
-  fmt::print("\nwrote into {}: {}\n", folder_.string(), fmt::join(written_, ", "));
-  if (!empty_.empty()) fmt::print("nothing to draw of {}: no setting got through\n", fmt::join(empty_, ", "));
+  say("\nwrote into {}: {}\n", folder_.string(), fmt::join(written_, ", "));
+  if (!empty_.empty()) say("nothing to draw of {}: no setting got through\n", fmt::join(empty_, ", "));
   if (without_gnuplot_)
-    fmt::print(
-        "no pictures: gnuplot is not installed (Debian: gnuplot-nox); with it, `gnuplot NAME.gp` in {} draws "
+    say("no pictures: gnuplot is not installed (Debian: gnuplot-nox); with it, `gnuplot NAME.gp` in {} draws "
         "them\n",
         folder_.string());
   if (undrawn_.empty()) return;

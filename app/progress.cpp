@@ -6,10 +6,12 @@
 #include <cmath>
 #include <cstdio>
 
+#include "printing.hpp"
+
 namespace taut {
 
 Progress::Progress(long total)
-    : total_(total), terminal_(isatty(STDERR_FILENO) != 0), start_(Clock::now()), next_(start_) {}
+    : total_(total), terminal_(isatty(STDERR_FILENO) != 0 && !quiet()), start_(Clock::now()), next_(start_) {}
 
 void Progress::at(long done) {
   if (!terminal_) return;

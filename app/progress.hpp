@@ -5,7 +5,7 @@
 
 namespace taut {
 
-// A line on a terminal; nothing where stderr is a file or a pipe.
+// A line on a terminal; nothing where stderr is a file or a pipe, or under --quiet.
 class Progress {
  public:
   explicit Progress(long total = 0);

@@ -15,7 +15,7 @@ struct ResumeArguments {
   std::filesystem::path folder;
   std::optional<long> steps;
   std::vector<std::string> settings;
-  bool yes = false, json = false;
+  bool yes = false;
 
   KeyValues changes(long taken) const {
     KeyValues changes = key_values(overrides_said({}, settings));
@@ -36,7 +36,7 @@ void resume(const ResumeArguments& arguments) {
   Checkpoint checkpoint = load_checkpoint(arguments.folder);
   const KeyValues changes = arguments.changes(checkpoint.step);
   go_on(std::move(lock), std::move(checkpoint), changes,
-        {.cut_back = arguments.yes, .begin_anew = arguments.yes, .how = {}}, arguments.json);
+        {.cut_back = arguments.yes, .begin_anew = arguments.yes, .how = {}});
 }
 
 }  // namespace
@@ -58,7 +58,7 @@ void add_resume(Commands& commands) {
       .key_values();
   command.flag("--yes", arguments->yes,
                "go on though log or trajectories are cut back to less than half, or are gone and begin anew");
-  command.flag("--json", arguments->json, "print what summary.json holds, in place of the tables");
+  command.json("print what summary.json holds, in place of the tables");
 }
 
 }  // namespace taut

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 struct RunArguments : SceneArgument {
   std::optional<fs::path> out;
-  bool go_on = false, overwrite = false, json = false, measure = false;
+  bool go_on = false, overwrite = false, measure = false;
 };
 
 // What a run without a folder could only forget.
@@ -46,7 +46,7 @@ void run_to_end(const RunArguments& arguments, Simulation& simulation, RunFolder
     measured.emplace(simulation.scene(), std::vector<std::string>{},
                      static_cast<double>(run.log_every) * run.h());
   }
-  carry_out(simulation, folder, {arguments.json, measured ? &*measured : nullptr});
+  carry_out(simulation, folder, measured ? &*measured : nullptr);
 }
 
 void run_in_folder(const RunArguments& arguments, Scene scene) {
@@ -57,7 +57,7 @@ void run_in_folder(const RunArguments& arguments, Scene scene) {
     Checkpoint checkpoint = load_checkpoint(folder);
     expect_same_input(folder, checkpoint.source, source);
     go_on(std::move(lock), std::move(checkpoint), {{"run.steps", std::to_string(scene.run.steps)}},
-          {.cut_back = true, .begin_anew = false, .how = {}}, arguments.json);
+          {.cut_back = true, .begin_anew = false, .how = {}});
     return;
   }
   const bool may_move = arguments.go_on || arguments.overwrite;
@@ -99,7 +99,7 @@ void add_run(Commands& commands) {
       .flag("--measure", arguments->measure,
             "at the end tell radial distribution, displacement and length of chains, of what is logged")
       .excludes(go_on);
-  command.flag("--json", arguments->json, "print what summary.json holds, in place of the tables");
+  command.json("print what summary.json holds, in place of the tables");
 }
 
 }  // namespace taut

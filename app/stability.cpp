@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "md/errors.hpp"
+#include "printing.hpp"
 #include "studies/stability_study.hpp"
 #include "studies/study_scene.hpp"
 #include "study.hpp"
@@ -43,12 +44,12 @@ StabilityPlan plan_of(const StabilityArguments& arguments) {
 
 void print_steps(const StabilityPlan& plan, const std::vector<Job>& jobs, const Ledger& ledger) {
   auto job = jobs.begin();
-  fmt::print("\n{:<16} {:<12} {:>18}   {}\n", "scene", "method", "largest stable fs", "and beyond");
+  say("\n{:<16} {:<12} {:>18}   {}\n", "scene", "method", "largest stable fs", "and beyond");
   for (const Scene& scene : plan.scenes)
     for (const auto& method : plan.methods) {
       const Trial& t = ledger.at((job++)->name);
-      fmt::print("{:<16} {:<12} {:>18.4g}   {}\n", scene.name, method, t.figure,
-                 t.failed() ? t.failure : fmt::format("none failed, up to {:g} times the scene's", kSearch));
+      say("{:<16} {:<12} {:>18.4g}   {}\n", scene.name, method, t.figure,
+          t.failed() ? t.failure : fmt::format("none failed, up to {:g} times the scene's", kSearch));
     }
 }
 
@@ -68,8 +69,8 @@ std::vector<std::string> notes_of(const StabilityPlan& plan, const StabilityArgu
 void print_plane(const std::vector<Job>& plane, const Ledger& ledger) {
   const auto failed = std::count_if(plane.begin() + 1, plane.end(),
                                     [&](const Job& job) { return ledger.at(job.name).failed(); });
-  fmt::print("\n{} of {} gains failed or were refused: × in the picture, reasons in plane.csv\n", failed,
-             plane.size() - 1);  // one is newton's
+  say("\n{} of {} gains failed or were refused: × in the picture, reasons in plane.csv\n", failed,
+      plane.size() - 1);  // one is newton's
 }
 
 void stability(const StabilityArguments& arguments) {
@@ -80,9 +81,8 @@ void stability(const StabilityArguments& arguments) {
   const std::vector<Job> plane_points = plane_jobs(plan), steps = step_jobs(plan);
   std::vector<Job> jobs = plane_points;
   jobs.insert(jobs.end(), steps.begin(), steps.end());
-  fmt::print("{}: {} in the plane of gains, {} on {}\n", scene.name,
-             counted(std::ssize(plane_points) - 1, "point"), counted(std::ssize(plan.methods), "method"),
-             counted(std::ssize(plan.scenes), "scene"));
+  say("{}: {} in the plane of gains, {} on {}\n", scene.name, counted(std::ssize(plane_points) - 1, "point"),
+      counted(std::ssize(plan.methods), "method"), counted(std::ssize(plan.scenes), "scene"));
   study.run(jobs, notes_of(plan, arguments));
   print_plane(plane_points, ledger);
   print_steps(plan, steps, ledger);

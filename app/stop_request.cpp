@@ -13,21 +13,24 @@ void ask(int signal) {
   std::signal(SIGINT, SIG_DFL);
   std::signal(SIGTERM, SIG_DFL);
   std::signal(SIGHUP, SIG_IGN);
-  std::signal(SIGPIPE, SIG_IGN);
 }
 
 }  // namespace
 
 StopRequest::StopRequest() {
   asked = 0;
-  for (const int signal : {SIGINT, SIGTERM, SIGPIPE}) std::signal(signal, ask);
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, ask);
   if (std::signal(SIGHUP, ask) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
 }
 
 StopRequest::~StopRequest() {
   if (asked) return;
-  for (const int signal : {SIGINT, SIGTERM, SIGPIPE}) std::signal(signal, SIG_DFL);
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
   if (std::signal(SIGHUP, SIG_DFL) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
+}
+
+void StopRequest::pipe_is_closed() const {
+  if (!asked) ask(SIGPIPE);
 }
 
 int StopRequest::signal() const {

@@ -2,9 +2,9 @@
 
 namespace taut {
 
-// While it lives, SIGINT, SIGTERM, SIGHUP (the terminal was closed) and SIGPIPE (nobody reads any more) ask
-// to stop instead of killing. Once asked, a second SIGINT or SIGTERM kills at once; a hangup comes twice by
-// itself. Under nohup, which has SIGHUP ignored, it stays so.
+// While it lives, SIGINT, SIGTERM and SIGHUP (the terminal was closed) ask to stop instead of killing. Once
+// asked, a second SIGINT or SIGTERM kills at once; a hangup comes twice by itself. Under nohup, which has
+// SIGHUP ignored, it stays so.
 class StopRequest {
  public:
   StopRequest();
@@ -12,7 +12,8 @@ class StopRequest {
   StopRequest& operator=(const StopRequest&) = delete;
   ~StopRequest();
 
-  int signal() const;  // 0: none yet
+  void pipe_is_closed() const;  // asks to stop as SIGPIPE would: nobody reads any more
+  int signal() const;           // 0: none yet
 };
 
 // Thrown where a run stopped because it was asked to: the exit code a shell gives to the signal.

@@ -13,6 +13,7 @@
 
 #include "files/set_aside.hpp"
 #include "md/errors.hpp"
+#include "printing.hpp"
 #include "progress.hpp"
 #include "studies/csv.hpp"
 #include "studies/study_scene.hpp"
@@ -100,7 +101,7 @@ std::string study_line(const std::string& command, const std::vector<Scene>& sce
 }  // namespace
 
 void print_notes(const std::vector<std::string>& notes) {
-  for (const auto& note : notes) fmt::print("  note: {}\n", note);
+  for (const auto& note : notes) say("  note: {}\n", note);
 }
 
 void expect_no_file(const std::vector<fs::path>& files, bool overwrite) {
@@ -114,7 +115,7 @@ FolderLock study_folder(const fs::path& folder, const std::string& line, bool ov
   FolderLock lock(folder);
   if (!overwrite) refuse_another_study(folder, line);  // another process may have been faster
   if (const auto files = study_files(folder); overwrite && !files.empty())
-    fmt::print("{}: what was there is kept in {}\n", folder.string(), set_aside(folder, files).string());
+    say("{}: what was there is kept in {}\n", folder.string(), set_aside(folder, files).string());
   return lock;
 }
 
@@ -128,7 +129,7 @@ void StudyArguments::offer_last(const Subcommand& command, const char* quick_mea
   command.flag("--quick", quick, quick_means);
   command.option("--out", out, "folder of the pictures and report.html");
   command.flag("--overwrite", overwrite, kOverwrite);
-  command.flag("--json", json, "print all figures, as JSON");
+  command.json("print all figures, as JSON");
 }
 
 Scene StudyArguments::read() const {
@@ -154,8 +155,7 @@ std::string StudyArguments::command(const std::function<void(CommandLine&)>& own
 }
 
 Study::Study(const StudyArguments& arguments, const std::string& command, const std::vector<Scene>& scenes)
-    : printed_(arguments.json),
-      line_(study_line(command, scenes)),
+    : line_(study_line(command, scenes)),
       lock_(study_folder(arguments.out, line_, arguments.overwrite)),
       ledger_(arguments.out / kLedger, line_),
       files_(arguments.out),
@@ -168,8 +168,7 @@ void Study::run(const std::vector<Job>& jobs, const std::vector<std::string>& no
   long left = 0, done = 0;
   for (const Job& job : jobs) left += !ledger_.has(job.name);
   if (left < static_cast<long>(jobs.size()))
-    fmt::print("going on: {} of {} trials are there\n", static_cast<long>(jobs.size()) - left, jobs.size());
-  std::fflush(stdout);  // a signal would not
+    say("going on: {} of {} trials are there\n", static_cast<long>(jobs.size()) - left, jobs.size());
   Progress progress(left);
   for (const Job& job : jobs) {
     if (ledger_.has(job.name)) continue;
@@ -197,7 +196,7 @@ void Study::finish(const std::string& title) {
   write_report(page_, files_);
   ledger_.close();
   files_.tell();
-  printed_.print(json());
+  if (json_alone()) write_out(json() + "\n");
 }
 
 // A row of a table is an object, its columns by their names.

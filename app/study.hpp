@@ -8,7 +8,6 @@
 #include "command_line.hpp"
 #include "commands.hpp"
 #include "files/folder_lock.hpp"
-#include "json_alone.hpp"
 #include "report.hpp"
 #include "scene_argument.hpp"
 #include "studies/ledger.hpp"
@@ -33,7 +32,7 @@ struct StudyArguments {
   const char* name;  // the subcommand's, and its folder's if not said
   SceneArgument scene{};
   std::vector<std::string> methods{};
-  bool quick = false, overwrite = false, json = false;
+  bool quick = false, overwrite = false;
   std::filesystem::path out = name;
 
   void offer_first(const Subcommand& command);
@@ -65,7 +64,6 @@ class Study {
  private:
   std::string json() const;
 
-  JsonAlone printed_;
   std::string line_;
   FolderLock lock_;
   Ledger ledger_;

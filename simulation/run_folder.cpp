@@ -120,10 +120,10 @@ void write_aside(const fs::path& path, const ordered_json& object) {
 
 constexpr const char* kLog = "log.csv";
 
-// What the run before wrote is another's, or of an earlier step. The checkpoint goes first: without it nobody
-// takes the rest for a run that can go on.
-FolderLock cleared(FolderLock lock, const Simulation& simulation, const Marks& marks) {
-  const fs::path& folder = lock.path();
+// Moves aside what an earlier run wrote: it is another run's, or of an earlier step. The checkpoint goes
+// first: without it nobody takes the rest for a run that can go on. Returns a sentence that says so, or
+// nothing.
+std::string clear(const fs::path& folder, const Simulation& simulation, const Marks& marks) {
   std::vector<std::string> old;
   if (marks.empty()) {
     old = run_files(folder);
@@ -135,9 +135,8 @@ FolderLock cleared(FolderLock lock, const Simulation& simulation, const Marks& m
       if (!marks.contains(name)) unmarked.insert(unmarked.end(), {name, name + ".journal"});
     old = present(folder, unmarked);
   }
-  if (!old.empty())
-    fmt::print("{}: what was there is kept in {}\n", folder.string(), set_aside(folder, old).string());
-  return lock;
+  if (old.empty()) return "";
+  return fmt::format("{}: what was there is kept in {}", folder.string(), set_aside(folder, old).string());
 }
 
 std::uint64_t mark_of(const Marks& marks, const std::string& name) {
@@ -148,7 +147,8 @@ std::uint64_t mark_of(const Marks& marks, const std::string& name) {
 }  // namespace
 
 RunFolder::RunFolder(FolderLock folder, SceneSource source, const Simulation& simulation, const Marks& marks)
-    : folder_(cleared(std::move(folder), simulation, marks)),
+    : folder_(std::move(folder)),
+      note_(clear(path(), simulation, marks)),
       source_(std::move(source)),
       log_(path() / kLog, mark_of(marks, kLog)),
       trajectories_(path(), simulation, marks) {

@@ -22,11 +22,13 @@ namespace taut {
 // Throws OutsideError where the disk refuses.
 class RunFolder {
  public:
-  // Without marks the run sets out anew, and what an earlier one left there is set aside (md/set_aside.hpp).
-  // With them it goes on from a checkpoint; an output that has no mark sets out anew.
+  // Without marks the run sets out anew, and what an earlier one left there is set aside
+  // (files/set_aside.hpp). With them it goes on from a checkpoint; an output that has no mark sets out anew.
   RunFolder(FolderLock folder, SceneSource source, const Simulation& simulation, const Marks& marks = {});
 
   const std::filesystem::path& path() const { return folder_.path(); }
+  // Says where the files of an earlier run were moved to; empty if there were none.
+  const std::string& note() const { return note_; }
   void made_from(SceneSource source) { source_ = std::move(source); }  // other settings from here on
   void begin(Simulation& simulation);  // a checkpoint; at the start the first frame before it
   void add_row(const Record& record);
@@ -38,6 +40,7 @@ class RunFolder {
 
  private:
   FolderLock folder_;
+  std::string note_;
   SceneSource source_;
   GrowingFile log_;
   Trajectories trajectories_;

@@ -135,6 +135,12 @@ std::string PythonSimulation::summary() const {
   return summary_ ? summary_json(*simulation_, *summary_).dump() : "null";
 }
 
+std::vector<std::string> PythonSimulation::notes() const {
+  std::vector<std::string> notes = simulation_->scene().notes;
+  if (folder_ && !folder_->note().empty()) notes.push_back(folder_->note());
+  return notes;
+}
+
 py::bytes PythonSimulation::checkpoint() {
   expect_between_steps();
   take_over_changes();

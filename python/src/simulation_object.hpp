@@ -30,6 +30,7 @@ class PythonSimulation {
   const std::vector<Record>& rows() const { return log_; }
   std::string summary() const;  // as summary.json has it, or "null"
   std::string folder() const { return folder_ ? folder_->path().string() : ""; }
+  std::vector<std::string> notes() const;
 
  private:
   void expect_idle() const;

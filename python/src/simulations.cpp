@@ -189,8 +189,8 @@ void bind_simulations(py::module_& m) {
       .def_property_readonly(
           "name", [](const Self& self) { return self.engine().scene().name; }, "The scene's name.")
       .def_property_readonly(
-          "notes", [](const Self& self) { return self.engine().scene().notes; },
-          "What is worth knowing of the start, a line each.")
+          "notes", &Self::notes,
+          "What is worth knowing of the start, a line each, and where the folder's earlier run is kept.")
       .def_property_readonly(
           "dt_fs", [](const Self& self) { return self.engine().scene().run.dt_fs; }, "Length of a step [fs].")
       .def_property_readonly(

@@ -152,12 +152,15 @@ def test_failures_say_what_they_know():
     assert isinstance(error, RuntimeError) and isinstance(taut.InputError("x"), ValueError)
 
 
-def test_folders(tmp_path):
+def test_folders(tmp_path, capfd):
     taut.Simulation("chain", out=tmp_path / "run").run(2)
     gc.collect()
     with pytest.raises(taut.InputError, match="holds a run .*overwrite=True"):
         taut.Simulation("chain", out=tmp_path / "run")
-    taut.Simulation("chain", out=tmp_path / "run", overwrite=True).run(2)
+    again = taut.Simulation("chain", out=tmp_path / "run", overwrite=True)
+    assert again.notes[-1].endswith(f"what was there is kept in {tmp_path.resolve()}/run.1")
+    again.run(2)
+    assert capfd.readouterr() == ("", "")
     assert (tmp_path / "run.1" / "log.csv").exists()
     (tmp_path / "file").write_text("")
     with pytest.raises(OSError):

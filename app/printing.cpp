@@ -1,0 +1,69 @@
+#include "printing.hpp"
+
+#include <poll.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <string>
+
+#include "md/errors.hpp"
+#include "stop_request.hpp"
+
+namespace taut {
+namespace {
+
+bool quietly = false, only_json = false;  // as the process's streams are one, so is what goes there
+
+// Returns 0, or the error number of what was not written.
+int write_to(int stream, std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t written = write(stream, text.data(), text.size());
+    if (written > 0) text.remove_prefix(static_cast<std::size_t>(written));
+    if (written >= 0 || errno == EINTR) continue;
+    if (errno != EAGAIN) return errno;
+    pollfd room{stream, POLLOUT, 0};  // the stream does not block, as whoever shares it wants it
+    poll(&room, 1, -1);
+  }
+  return 0;
+}
+
+}  // namespace
+
+void print_errors_and_doubts_alone() {
+  quietly = true;
+}
+
+void print_json_alone() {
+  only_json = true;
+}
+
+bool quiet() {
+  return quietly;
+}
+
+bool json_alone() {
+  return only_json;
+}
+
+void say_text(std::string_view text) {
+  if (!quietly && !only_json) write_out(text);
+}
+
+void say_always(std::string_view text) {
+  if (!quietly && !only_json) return write_out(text);
+  write_to(STDERR_FILENO, text);
+}
+
+void write_out(std::string_view text) {
+  const int error = write_to(STDOUT_FILENO, text);
+  if (error == EPIPE) throw Stopped{128 + SIGPIPE};
+  if (error != 0) throw OutsideError(fmt::format("standard output: cannot write: {}", std::strerror(error)));
+}
+
+void complain(std::string_view why) {
+  write_to(STDERR_FILENO, fmt::format("taut: {}\n", why));
+}
+
+}  // namespace taut

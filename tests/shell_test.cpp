@@ -1,0 +1,274 @@
+// The command between a shell's streams, every way of printing at every border: a pipe, a closed pipe, a full
+// disk, a terminal; --quiet, --json; options before and after the scene.
+
+#include "shell.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace taut {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// Never ends by itself, and says no more than its first row.
+const std::string kEndless = "run pendulum --steps 1000000000000 --set run.log_every=1000000000000 ";
+
+struct Words {
+  const char* name;
+  const char* words;  // OUT is a folder of its own, RUN one that holds a run
+  bool tables;        // it has --json
+};
+
+const Words kCommands[] = {
+    {"run", "run diatomic --steps 5", true},
+    {"run_in_folder", "run diatomic --steps 5 --out OUT", true},
+    {"resume", "resume RUN --steps 5", true},
+    {"resume_done", "resume RUN", true},
+    {"measure", "measure RUN", true},
+    {"calibrate", "calibrate diatomic --sweeps 1", false},
+    {"calibrate_json", "calibrate diatomic --sweeps 1 --json -", false},
+    {"chart", "chart diatomic --quick --methods newton --repeats 1 --drift-steps 20 --out OUT", true},
+    {"stability",
+     "stability diatomic --quick --methods newton --steps 20 --alpha-h 0.1 0.3 --beta-h 1 1.4 --out OUT",
+     true},
+#if TAUT_WITH_OPENMM_TWIN
+    {"crosscheck", "crosscheck diatomic --steps 5 --method newton --speed-seconds 0 --out OUT", true},
+#endif
+    {"methods", "methods", true},
+    {"scenes", "scenes", true},
+    {"info", "info diatomic", true},
+    {"help", "help run", true},
+    {"usage", "run --help", false},
+    {"version", "--version", false},
+    {"generate", "generate bash", false},
+};
+
+void PrintTo(const Words& command, std::ostream* out) {
+  *out << command.words;
+}
+
+class Borders : public ::testing::TestWithParam<std::tuple<Words, bool>> {
+ protected:
+  bool with_json() const { return std::get<1>(GetParam()); }
+  bool prints_json() const {
+    return with_json() || std::get<0>(GetParam()).name == std::string("calibrate_json");
+  }
+  fs::path out() const { return folder_.path() / "out"; }
+
+  // The words of the case, and more; a run is there if they ask for one.
+  Arguments asked(const std::string& more = "") const {
+    const auto& [command, with_json] = GetParam();
+    Arguments all = words(command.words + std::string(with_json ? " --json " : " ") + more);
+    for (std::string& word : all) {
+      if (word == "OUT") word = out().string();
+      if (word != "RUN") continue;
+      word = (folder_.path() / "run").string();
+      Shell run(
+          folder_.path(),
+          words("run freely_jointed --steps 40 --quiet --set build.chains=2 run.trajectory_every=1 --out " +
+                word),
+          [] {});
+      EXPECT_EQ(run.wait(), 0) << run.error();
+    }
+    return all;
+  }
+
+  TemporaryFolder folder_;
+};
+
+std::vector<std::tuple<Words, bool>> cases() {
+  std::vector<std::tuple<Words, bool>> all;
+  for (const Words& command : kCommands) {
+    all.emplace_back(command, false);
+    if (command.tables) all.emplace_back(command, true);
+  }
+  return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(Commands, Borders, ::testing::ValuesIn(cases()), [](const auto& test) {
+  return std::get<0>(test.param).name + std::string(std::get<1>(test.param) ? "_json_alone" : "");
+});
+
+TEST_P(Borders, APipeHasItAll) {
+  Pipe pipe;
+  Shell taut(folder_.path(), asked(), [&] { dup2(pipe.ends[1], STDOUT_FILENO); });
+  Pipe::close_end(pipe.ends[1]);
+  const std::string text = read_from(pipe.ends[0]);
+  EXPECT_EQ(taut.wait(), 0);
+  EXPECT_EQ(taut.error(), "");
+  EXPECT_EQ(json::accept(text), prints_json()) << text;
+}
+
+// Both streams may be the closed pipe, or standard output alone.
+TEST_P(Borders, AClosedPipeStopsItInSilence) {
+  for (const bool both : {false, true}) {
+    Pipe pipe;
+    Pipe::close_end(pipe.ends[0]);
+    Shell taut(folder_.path(), asked(), [&] {
+      dup2(pipe.ends[1], STDOUT_FILENO);
+      if (both) dup2(pipe.ends[1], STDERR_FILENO);
+    });
+    EXPECT_EQ(taut.wait(), 128 + SIGPIPE);
+    EXPECT_EQ(taut.error(), "");
+    fs::remove_all(out());
+    fs::remove_all(folder_.path() / "run");
+  }
+}
+
+TEST_P(Borders, AFullDiskBehindStandardOutputIsOneLine) {
+  Shell taut(folder_.path(), asked(), [] { dup2(open("/dev/full", O_WRONLY), STDOUT_FILENO); });
+  EXPECT_EQ(taut.wait(), 3);
+  EXPECT_EQ(taut.error(), "taut: standard output: cannot write: No space left on device\n");
+}
+
+// On a terminal a line of progress comes and goes; not under --quiet, which leaves JSON alone.
+TEST_P(Borders, QuietlyATerminalHasJsonOrNothing) {
+  const std::string name = std::get<0>(GetParam()).name;
+  if (name == "usage" || name == "version") return;  // they print what was asked for
+  Shell taut(folder_.path(), asked("--quiet"));
+  const std::string text = read_from(taut.terminal());
+  EXPECT_EQ(taut.wait(), 0) << text;
+  if (prints_json())
+    EXPECT_TRUE(json::accept(text)) << text;
+  else
+    EXPECT_EQ(text, "");
+}
+
+// What is moved aside is told in prose, to those who read prose.
+TEST_P(Borders, OverwritingIsToldToPeopleAlone) {
+  Arguments arguments = asked();
+  if (std::ranges::find(arguments, "--out") == arguments.end()) return;
+  arguments.emplace_back("--overwrite");
+  for (const bool again : {false, true}) {
+    Pipe pipe;
+    Shell taut(folder_.path(), arguments, [&] { dup2(pipe.ends[1], STDOUT_FILENO); });
+    Pipe::close_end(pipe.ends[1]);
+    const std::string text = read_from(pipe.ends[0]);
+    EXPECT_EQ(taut.wait(), 0) << taut.error();
+    EXPECT_EQ(json::accept(text), with_json()) << text;
+    EXPECT_EQ(text.find("what was there is kept in") != text.npos, again && !with_json());
+  }
+  EXPECT_TRUE(fs::exists(out().string() + ".1"));
+}
+
+class Streams : public ::testing::Test {
+ protected:
+  TemporaryFolder folder_;
+};
+
+// `tee`, nohup and batch systems see a row when it is there, and a kill does not lose it.
+TEST_F(Streams, APipeHasARowAsSoonAsItIsKnown) {
+  Pipe pipe;
+  Shell taut(folder_.path(), words(kEndless), [&] { dup2(pipe.ends[1], STDOUT_FILENO); });
+  EXPECT_THAT(read_from(pipe.ends[0], "\n       0     0.0000"), HasSubstr("\n       0     0.0000"));
+}
+
+TEST_F(Streams, AReaderThatLeavesStopsARunThatKeepsNothing) {
+  Pipe pipe;
+  Shell taut(folder_.path(), words("run pendulum --steps 1000000000000 --set run.log_every=1"),
+             [&] { dup2(pipe.ends[1], STDOUT_FILENO); });
+  read_from(pipe.ends[0], "\n       0     0.0000");
+  Pipe::close_end(pipe.ends[0]);
+  EXPECT_EQ(taut.wait(), 128 + SIGPIPE);
+  EXPECT_EQ(taut.error(), "");
+}
+
+// What failed is told by the exit code where nobody reads the reason.
+TEST_F(Streams, AClosedPipeForErrorsLeavesTheExitCode) {
+  Pipe pipe;
+  Pipe::close_end(pipe.ends[0]);
+  const auto code = [&](const std::string& line) {
+    return Shell(folder_.path(), words(line), [&] { dup2(pipe.ends[1], STDERR_FILENO); }).wait();
+  };
+  EXPECT_EQ(code("run nowhere"), 2);
+  EXPECT_EQ(code("run pendulum --out /proc/taut --quiet"), 3);
+  EXPECT_EQ(code("run water --dt-fs 20 --steps 1000 --quiet"), 1);
+}
+
+TEST_F(Streams, ProgressIsForTerminalsThatWantIt) {
+  const auto on_terminal = [&](const std::string& line) {
+    Shell taut(folder_.path(), words(line));
+    return read_from(taut.terminal());
+  };
+  const std::string progress = "\x1b[K", run = "run diatomic --steps 5";
+  EXPECT_THAT(on_terminal(run), HasSubstr(progress));
+  EXPECT_THAT(on_terminal(run + " --json"), HasSubstr(progress));
+  EXPECT_EQ(on_terminal(run + " --quiet"), "");
+}
+
+// A list takes the words that can be in it, so the scene may stand before it, behind it or amid it.
+TEST_F(Streams, OptionsMayStandBeforeTheScene) {
+  const auto said = [&](const std::string& line, int code) {
+    Pipe pipe;
+    Shell taut(folder_.path(), words(line), [&] {
+      dup2(pipe.ends[1], STDOUT_FILENO);
+      dup2(pipe.ends[1], STDERR_FILENO);
+    });
+    Pipe::close_end(pipe.ends[1]);
+    const std::string text = read_from(pipe.ends[0]);
+    EXPECT_EQ(taut.wait(), code) << line << "\n" << text;
+    return text;
+  };
+  for (const char* line : {"info --json diatomic --set run.log_every=7 run.steps=9",
+                           "info --json --set run.log_every=7 run.steps=9 diatomic",
+                           "info --json --set run.log_every=7 diatomic run.steps=9",
+                           "info --json --set=run.log_every=7 run.steps=9 diatomic",
+                           "info --json --set run.log_every=7 --set run.steps=9 diatomic",
+                           "info --json --set run.log_every=7 run.steps=9 -- diatomic"}) {
+    const json keys = json::parse(said(std::string("--quiet ") + line, 0))["keys"];
+    int found = 0;
+    for (const json& key : keys)
+      found += (key["key"] == "run.log_every" && key["value"] == "7") ||
+               (key["key"] == "run.steps" && key["value"] == "9");
+    EXPECT_EQ(found, 2) << line << keys;
+  }
+  int studies = 0;
+  const auto out = [&] { return " --out " + (folder_.path() / std::to_string(studies++)).string(); };
+  const std::string chart = " --quick --repeats 1 --drift-steps 20";
+  for (const char* line : {"chart diatomic --methods newton rattle", "chart --methods newton rattle diatomic",
+                           "chart --methods newton diatomic rattle"})
+    EXPECT_THAT(said(line + chart + out(), 0), HasSubstr("of 2 methods")) << line;
+  const std::string stability = " --quick --methods newton --steps 20";
+  for (const char* line : {"stability diatomic --alpha-h 0.1 0.3 --beta-h 1 1.4",
+                           "stability --alpha-h 0.1 0.3 --beta-h 1 1.4 diatomic",
+                           "stability --alpha-h 0.1 0.3 diatomic --beta-h 1 1.4"})
+    EXPECT_THAT(said(line + stability + out(), 0), HasSubstr("16 points in the plane")) << line;
+#if TAUT_WITH_OPENMM_TWIN
+  for (const char* line : {"crosscheck diatomic --method newton baumgarte:dead-beat",
+                           "crosscheck --method newton baumgarte:dead-beat diatomic"})
+    EXPECT_THAT(said(line + std::string(" --steps 5 --speed-seconds 0"), 0), HasSubstr("baumgarte dead-beat"))
+        << line;
+#endif
+  const std::string run = (folder_.path() / "run").string();
+  said("run --set run.trajectory_every=1 build.chains=2 freely_jointed --steps 40 --out " + run, 0);
+  said("resume --set run.log_every=5 " + run + " --steps 5", 0);
+  said("measure --atoms BEAD BEAD " + run, 0);
+
+  EXPECT_EQ(said("run --set diatomic", 2), "taut: --set diatomic: expected key=value, such as run.dt_fs=2\n");
+  EXPECT_EQ(said("chart diatomic --methods newton ratle", 2),
+            "taut: chart: there is no method \"ratle\"; did you mean \"rattle\"?\n");
+  EXPECT_EQ(said("run --set run.steps=1 diatomic water", 2),
+            "taut: run: there is no place for \"water\": the scene is \"diatomic\"\n");
+}
+
+// Whoever adds an option that takes a list says here that it was tried.
+TEST_F(Streams, TheseOptionsTakeLists) {
+  std::set<std::string> found;
+  for (const char* command : {"run", "resume", "measure", "calibrate", "chart", "stability", "crosscheck",
+                              "info", "methods", "scenes"}) {
+    Pipe pipe;
+    Shell taut(folder_.path(), {command, "--help"}, [&] { dup2(pipe.ends[1], STDOUT_FILENO); });
+    Pipe::close_end(pipe.ends[1]);
+    std::istringstream help(read_from(pipe.ends[0]));
+    for (std::string line; std::getline(help, line);)
+      if (line.starts_with("  --") && line.substr(0, 30).find(" ...") != line.npos)
+        found.insert(words(line)[0]);
+  }
+  EXPECT_THAT(found,
+              ::testing::UnorderedElementsAre("--set", "--methods", "--method", "--alpha-h", "--beta-h"));
+}
+
+}  // namespace
+}  // namespace taut
