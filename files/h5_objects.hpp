@@ -1,20 +1,52 @@
 #pragma once
 
-// HDF5's handles as values that close themselves, and the few things a trajectory makes of them.
+// HDF5's handles as values that close themselves, and the few things a trajectory makes of them. Every call's
+// result is checked: where HDF5 refuses, Hdf5Refusal says why.
 
 #include <hdf5.h>
 
-#include <functional>
+#include <exception>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace taut {
 
+// HDF5 refused a call. what() is HDF5's own words, of the call and of its innermost cause.
+struct Hdf5Refusal : std::runtime_error {
+  Hdf5Refusal();
+};
+
+// The result of a call to HDF5, a handle or a status; throws Hdf5Refusal where it refused.
+template <class Result>
+Result accepted(Result result) {
+  if (result < 0) throw Hdf5Refusal();
+  return result;
+}
+
+// Calls `deed` while HDF5 prints nothing of its errors. What the program has set for them stands again
+// afterwards.
+template <class Deed>
+void without_hdf5_printing(const Deed& deed) {
+  std::exception_ptr thrown;
+  H5E_BEGIN_TRY {
+    try {
+      deed();
+    } catch (...) {
+      thrown = std::current_exception();
+    }
+  }
+  H5E_END_TRY
+  if (thrown) std::rethrow_exception(thrown);
+}
+
 class H5Handle {
  public:
+  using Close = herr_t (*)(hid_t);
+
   H5Handle() = default;
-  H5Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
+  H5Handle(hid_t id, Close closing) : id_(accepted(id)), close_(closing) {}
   H5Handle(H5Handle&& other) noexcept
       : id_(std::exchange(other.id_, H5I_INVALID_HID)), close_(other.close_) {}
   H5Handle& operator=(H5Handle&& other) noexcept {
@@ -27,18 +59,21 @@ class H5Handle {
   }
   operator hid_t() const { return id_; }
 
+  void close() {
+    if (id_ >= 0) accepted(close_(std::exchange(id_, H5I_INVALID_HID)));
+  }
+
  private:
   hid_t id_ = H5I_INVALID_HID;
-  herr_t (*close_)(hid_t) = nullptr;
+  Close close_ = nullptr;
 };
 
-// Makes things in one file; where HDF5 refuses, calls `refuse(what)`, which throws.
+// Makes things in one file.
 class H5Maker {
  public:
   using Sizes = std::vector<hsize_t>;
-  using Refuse = std::function<void(const std::string&)>;
 
-  H5Maker(hid_t file, Refuse refuse) : file_(file), refuse_(std::move(refuse)) {}
+  explicit H5Maker(hid_t file) : file_(file) {}
 
   H5Handle group(const std::string& path) const;
   H5Handle open(const std::string& path) const;  // a dataset
@@ -58,16 +93,12 @@ class H5Maker {
 
   // Frames of a growing dataset.
   hsize_t frames(hid_t dataset) const;
-  Sizes sizes(hid_t dataset) const;
+  Sizes sizes(hid_t dataset) const;  // 0 for a single number
   void resize(hid_t dataset, hsize_t frames) const;
   void append(hid_t dataset, hid_t type, const void* data) const;
 
  private:
-  H5Handle checked(H5Handle handle, const std::string& what) const;
-  void checked(herr_t status, const std::string& what) const;
-
   hid_t file_;
-  Refuse refuse_;
 };
 
 }  // namespace taut

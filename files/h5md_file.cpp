@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <chrono>
 #include <cstdlib>
 #include <mutex>
@@ -40,7 +41,7 @@ void write_species(const H5Maker& make, const Names& names) {
     while (k < static_cast<int>(seen.size()) && seen[k] != kind.atom) ++k;
     if (k == static_cast<int>(seen.size())) {
       seen.push_back(kind.atom);
-      H5Tenum_insert(type, kind.atom.c_str(), &k);
+      accepted(H5Tenum_insert(type, kind.atom.c_str(), &k));
     }
     of_kind.push_back(k);
   }
@@ -78,157 +79,183 @@ void write_bonds(const H5Maker& make, const TrajectorySetup& setup) {
 
 struct H5mdFile::Contents {
   Contents(const std::filesystem::path& path, const TrajectorySetup& setup, bool fresh)
-      : path_(path),
-        medium_{JournaledFile(path, fresh ? DiskFile::kNew : DiskFile::kThere), 0, {}},
-        access_(access_to(medium_), H5Pclose),
-        file_(fresh ? H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access_)
-                    : H5Fopen(path.c_str(), H5F_ACC_RDWR, access_),
-              H5Fclose),
-        make_(file_, [this](const std::string& what) { refuse(what); }),
+      : medium_{JournaledFile(path, fresh ? DiskFile::kNew : DiskFile::kThere), 0, {}},
         periodic_(setup.periodic),
         bonds_(setup.sys.bond_count()),
         atoms_(setup.sys.atoms()) {
-    if (file_ < 0) refuse("it");
-    if (fresh) write_start(setup);
-    open_sets();
+    attempt([&] {
+      const H5Handle access = access_to(medium_);
+      file_ = {fresh ? H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access)
+                     : H5Fopen(path.c_str(), H5F_ACC_RDWR, access),
+               H5Fclose};
+      if (fresh) write_start(setup);
+      open_sets();
+      changed_ = fresh;
+    });
   }
 
   ~Contents() {
-    for (H5Handle* set : {&step_, &time_, &position_, &velocity_, &force_, &edges_, &tension_, &file_})
-      *set = H5Handle();
-    if (!medium_.refusal.empty()) return;
+    for (H5Handle* set : sets()) *set = H5Handle();
     try {
-      medium_.file.commit(medium_.end);
-    } catch (const OutsideError&) {  // on disk it is as of the commit before
+      file_.close();
+      if (changed_ && medium_.refusal.empty()) medium_.commit();
+    } catch (const std::runtime_error&) {  // on disk it is as of the commit before
     }
   }
 
-  [[noreturn]] void refuse(const std::string& what) const {
-    throw OutsideError(medium_.refusal.empty()
-                           ? fmt::format("{}: HDF5 cannot read or write {}", path_.string(), what)
-                           : medium_.refusal);
+  // Where HDF5 or the disk refuses anything in `deed`, says so of this file.
+  template <class Deed>
+  void attempt(const Deed& deed) {
+    try {
+      deed();
+    } catch (const Hdf5Refusal& e) {
+      if (medium_.refusal.empty())
+        throw OutsideError(fmt::format("{}: {}", medium_.file.path().string(), e.what()));
+    }
+    if (!medium_.refusal.empty()) throw OutsideError(medium_.refusal);
   }
 
   void add(const Frame& frame) {
-    make_.append(step_, H5T_NATIVE_LONG, &frame.step);
-    make_.append(time_, H5T_NATIVE_DOUBLE, &frame.state.t);
-    make_.append(position_, H5T_NATIVE_DOUBLE, frame.state.x.data());
-    make_.append(velocity_, H5T_NATIVE_DOUBLE, frame.state.v.data());
-    make_.append(force_, H5T_NATIVE_DOUBLE, frame.state.f.data());
+    const H5Maker make(file_);
+    changed_ = true;
+    make.append(step_, H5T_NATIVE_LONG, &frame.step);
+    make.append(time_, H5T_NATIVE_DOUBLE, &frame.state.t);
+    make.append(position_, H5T_NATIVE_DOUBLE, frame.state.x.data());
+    make.append(velocity_, H5T_NATIVE_DOUBLE, frame.state.v.data());
+    make.append(force_, H5T_NATIVE_DOUBLE, frame.state.f.data());
     const Eigen::Matrix3d edges = frame.state.box.vectors();  // a row a vector, as HDF5 has it
-    if (periodic_) make_.append(edges_, H5T_NATIVE_DOUBLE, edges.data());
-    if (bonds_ > 0) make_.append(tension_, H5T_NATIVE_DOUBLE, frame.tension.data());
-    if (!medium_.refusal.empty()) refuse("a frame");
+    if (periodic_) make.append(edges_, H5T_NATIVE_DOUBLE, edges.data());
+    if (bonds_ > 0) make.append(tension_, H5T_NATIVE_DOUBLE, frame.tension.data());
     if (!ever_ || Clock::now() - last_ > kCommitEvery || medium_.file.pending() > kMostPending) commit();
   }
 
   void commit() {
-    if (H5Fflush(file_, H5F_SCOPE_GLOBAL) < 0 || !medium_.refusal.empty()) refuse("its tables");
-    medium_.file.commit(medium_.end);
+    accepted(H5Fflush(file_, H5F_SCOPE_GLOBAL));
+    if (!medium_.refusal.empty()) return;
+    medium_.commit();
     last_ = Clock::now();
     ever_ = true;
   }
 
   void cut(std::uint64_t frames) {
-    if (static_cast<hsize_t>(atoms_) != make_.sizes(position_)[1])
-      throw OutsideError(fmt::format("{}: cannot go on: it has another number of atoms", path_.string()));
-    if (make_.frames(position_) < frames)
-      throw OutsideError(
-          fmt::format("{}: cannot go on: it is shorter than it was at the checkpoint", path_.string()));
-    for (const H5Handle* set : {&step_, &time_, &position_, &velocity_, &force_, &edges_, &tension_})
-      if (*set >= 0) make_.resize(*set, frames);
+    const H5Maker make(file_);
+    const H5Maker::Sizes sizes = make.sizes(position_);
+    if (sizes.size() != 3 || sizes[1] != static_cast<hsize_t>(atoms_))
+      refuse("it has another number of atoms");
+    for (const H5Handle* set : sets())
+      if (*set >= 0 && make.frames(*set) < frames) refuse("it is shorter than it was at the checkpoint");
+    changed_ = true;
+    for (const H5Handle* set : sets())
+      if (*set >= 0) make.resize(*set, frames);
     commit();
   }
 
-  std::uint64_t frames() const { return make_.frames(position_); }
+  std::uint64_t frames() const { return H5Maker(file_).frames(position_); }
   bool still_there() const { return medium_.file.still_there(); }
+  [[noreturn]] void refuse(const char* why) const {
+    throw OutsideError(fmt::format("{}: cannot go on: {}", medium_.file.path().string(), why));
+  }
 
  private:
   // A dataset of vectors in time, which shares its steps and times with the others.
-  void write_series(const std::string& group, const H5Maker::Sizes& frame, const char* unit) {
-    make_.attribute(make_.growing(group + "/value", H5T_IEEE_F64LE, frame), "unit", std::string(unit));
+  void write_series(const std::string& group, const H5Maker::Sizes& frame, const char* unit) const {
+    const H5Maker make(file_);
+    make.attribute(make.growing(group + "/value", H5T_IEEE_F64LE, frame), "unit", std::string(unit));
     for (const char* shared : {"/step", "/time"})
-      if (group != kAll + "/position") make_.link(kAll + "/position" + shared, group + shared);
+      if (group != kAll + "/position") make.link(kAll + "/position" + shared, group + shared);
   }
 
   void write_start(const TrajectorySetup& setup) {
+    const H5Maker make(file_);
     const hsize_t n = static_cast<hsize_t>(atoms_);
-    write_metadata(make_);
-    make_.growing(kAll + "/position/step", H5T_STD_I64LE, {});
-    make_.attribute(make_.growing(kAll + "/position/time", H5T_IEEE_F64LE, {}), "unit", std::string("ps"));
+    write_metadata(make);
+    make.growing(kAll + "/position/step", H5T_STD_I64LE, {});
+    make.attribute(make.growing(kAll + "/position/time", H5T_IEEE_F64LE, {}), "unit", std::string("ps"));
     write_series(kAll + "/position", {n, 3}, "nm");
     write_series(kAll + "/velocity", {n, 3}, "nm ps-1");
     write_series(kAll + "/force", {n, 3}, kForceUnit);
-    const H5Handle box = make_.group(kAll + "/box");
-    make_.attribute(box, "dimension", std::vector<int>{3});
-    make_.attribute(box, "boundary", std::vector<std::string>(3, periodic_ ? "periodic" : "none"));
+    const H5Handle box = make.group(kAll + "/box");
+    make.attribute(box, "dimension", std::vector<int>{3});
+    make.attribute(box, "boundary", std::vector<std::string>(3, periodic_ ? "periodic" : "none"));
     if (periodic_) write_series(kAll + "/box/edges", {3, 3}, "nm");
     if (bonds_ > 0) write_series("/observables/tension", {static_cast<hsize_t>(bonds_)}, kForceUnit);
-    make_.attribute(make_.fixed(kAll + "/mass", H5T_NATIVE_DOUBLE, {n}, setup.sys.mass.data()), "unit",
-                    std::string("u"));
-    write_names(make_, setup.names);
-    write_bonds(make_, setup);
+    make.attribute(make.fixed(kAll + "/mass", H5T_NATIVE_DOUBLE, {n}, setup.sys.mass.data()), "unit",
+                   std::string("u"));
+    write_names(make, setup.names);
+    write_bonds(make, setup);
   }
 
   void open_sets() {
-    step_ = make_.open(kAll + "/position/step");
-    time_ = make_.open(kAll + "/position/time");
-    position_ = make_.open(kAll + "/position/value");
-    velocity_ = make_.open(kAll + "/velocity/value");
-    force_ = make_.open(kAll + "/force/value");
-    if (periodic_) edges_ = make_.open(kAll + "/box/edges/value");
-    if (bonds_ > 0) tension_ = make_.open("/observables/tension/value");
+    const H5Maker make(file_);
+    step_ = make.open(kAll + "/position/step");
+    time_ = make.open(kAll + "/position/time");
+    position_ = make.open(kAll + "/position/value");
+    velocity_ = make.open(kAll + "/velocity/value");
+    force_ = make.open(kAll + "/force/value");
+    if (periodic_) edges_ = make.open(kAll + "/box/edges/value");
+    if (bonds_ > 0) tension_ = make.open("/observables/tension/value");
   }
 
-  std::filesystem::path path_;
+  std::array<H5Handle*, 7> sets() {
+    return {&step_, &time_, &position_, &velocity_, &force_, &edges_, &tension_};
+  }
+
   Hdf5Medium medium_;
-  H5Handle access_, file_;
-  H5Maker make_;
+  H5Handle file_;
   bool periodic_;
   int bonds_, atoms_;
   H5Handle step_, time_, position_, velocity_, force_, edges_, tension_;
   Clock::time_point last_;
-  bool ever_ = false;
+  bool ever_ = false;     // committed
+  bool changed_ = false;  // since it was opened
 };
 
 // HDF5 as Debian builds it knows no threads, and simulations may run side by side.
-static std::unique_lock<std::mutex> one_at_a_time() {
-  static std::mutex hdf5;
-  return std::unique_lock(hdf5);
+template <class Deed>
+static void with_hdf5(const Deed& deed) {
+  static std::mutex one_at_a_time;
+  const std::lock_guard alone(one_at_a_time);
+  without_hdf5_printing(deed);
 }
 
 H5mdFile::H5mdFile(const std::filesystem::path& path, const TrajectorySetup& setup, std::uint64_t mark) {
-  const auto alone = one_at_a_time();
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are told by us, in one line
-  contents_ = std::make_unique<Contents>(path, setup, mark == 0);
-  if (mark > 0) contents_->cut(mark);
+  with_hdf5([&] {
+    auto contents = std::make_unique<Contents>(path, setup, mark == 0);
+    if (mark > 0) contents->attempt([&] { contents->cut(mark); });
+    contents_ = std::move(contents);
+  });
 }
 
 H5mdFile::~H5mdFile() {
-  const auto alone = one_at_a_time();
-  contents_.reset();
+  with_hdf5([&] { contents_.reset(); });
 }
 
 std::uint64_t H5mdFile::frames(const std::filesystem::path& path, const TrajectorySetup& setup) {
-  const auto alone = one_at_a_time();
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  try {
-    return Contents(path, setup, false).frames();
-  } catch (const OutsideError&) {
-    return 0;
-  }
+  std::uint64_t frames = 0;
+  with_hdf5([&] {
+    try {
+      Contents contents(path, setup, false);
+      contents.attempt([&] { frames = contents.frames(); });
+    } catch (const OutsideError&) {
+    }
+  });
+  return frames;
 }
 
 void H5mdFile::add(const Frame& frame) {
-  const auto alone = one_at_a_time();
-  contents_->add(frame);
+  with_hdf5([&] { contents_->attempt([&] { contents_->add(frame); }); });
 }
 
 std::uint64_t H5mdFile::mark() {
-  const auto alone = one_at_a_time();
-  contents_->commit();
-  if (!contents_->still_there()) contents_->refuse("it: it was removed while it was written");
-  return contents_->frames();
+  std::uint64_t frames = 0;
+  with_hdf5([&] {
+    contents_->attempt([&] {
+      contents_->commit();
+      frames = contents_->frames();
+    });
+    if (!contents_->still_there()) contents_->refuse("it was removed while it was written");
+  });
+  return frames;
 }
 
 }  // namespace taut

@@ -5,7 +5,10 @@
 #include <iterator>
 #include <new>
 
-// HDF5's "virtual file driver" of the version 1.10 interface: a table of C functions.
+#include "md/errors.hpp"
+
+// HDF5's "virtual file driver": a table of C functions, the same from HDF5 1.10 to 2.0 but for its first
+// fields.
 
 namespace taut {
 namespace {
@@ -79,35 +82,42 @@ herr_t write(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t at, std::size_t bytes, con
   return 0;
 }
 
-hid_t driver() {
-  static const H5FD_class_t table = [] {
-    H5FD_class_t t{};
-    t.name = "taut_journaled";
-    t.maxaddr = (static_cast<haddr_t>(1) << 62);
-    t.fc_degree = H5F_CLOSE_STRONG;
-    t.fapl_size = sizeof(Hdf5Medium*);
-    t.open = open;
-    t.close = close;
-    t.query = query;
-    t.get_eoa = get_end_allocated;
-    t.set_eoa = set_end_allocated;
-    t.get_eof = get_end_of_file;
-    t.read = read;
-    t.write = write;
-    constexpr H5FD_mem_t kMap[] = H5FD_FLMAP_DICHOTOMY;
-    std::copy(std::begin(kMap), std::end(kMap), t.fl_map);
-    return t;
-  }();
-  static const hid_t id = H5FDregister(&table);
-  return id;
+H5FD_class_t table_of_functions() {
+  H5FD_class_t t{};
+#ifdef H5FD_CLASS_VERSION  // since HDF5 1.13; HDF5 refuses a table that does not say it
+  t.version = H5FD_CLASS_VERSION;
+  t.value = H5_VFD_RESERVED + 1;  // of the numbers that are for those who ask for none
+#endif
+  t.name = "taut_journaled";
+  t.maxaddr = (static_cast<haddr_t>(1) << 62);
+  t.fc_degree = H5F_CLOSE_STRONG;
+  t.fapl_size = sizeof(Hdf5Medium*);
+  t.open = open;
+  t.close = close;
+  t.query = query;
+  t.get_eoa = get_end_allocated;
+  t.set_eoa = set_end_allocated;
+  t.get_eof = get_end_of_file;
+  t.read = read;
+  t.write = write;
+  constexpr H5FD_mem_t kMap[] = H5FD_FLMAP_DICHOTOMY;
+  std::copy(std::begin(kMap), std::end(kMap), t.fl_map);
+  return t;
 }
 
 }  // namespace
 
-hid_t access_to(Hdf5Medium& medium) {
-  const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+void Hdf5Medium::commit() {
+  if (end == 0) throw OutsideError(file.path().string() + ": HDF5 does not write through taut's file driver");
+  file.commit(end);
+}
+
+H5Handle access_to(Hdf5Medium& medium) {
+  static const H5FD_class_t table = table_of_functions();  // HDF5 keeps its address
+  const H5Handle driver{H5FDregister(&table), H5FDunregister};
+  H5Handle access{H5Pcreate(H5P_FILE_ACCESS), H5Pclose};
   Hdf5Medium* pointer = &medium;
-  if (access >= 0) H5Pset_driver(access, driver(), &pointer);
+  accepted(H5Pset_driver(access, driver, &pointer));  // HDF5 copies the pointer
   return access;
 }
 

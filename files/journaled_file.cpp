@@ -16,7 +16,7 @@ struct Change {
 }  // namespace
 
 JournaledFile::JournaledFile(const std::filesystem::path& path, DiskFile::Opening opening)
-    : journal_(path.string() + ".journal"), file_(path, opening) {
+    : path_(path), journal_(path.string() + ".journal"), file_(path, opening) {
   std::error_code ignored;
   if (opening == DiskFile::kThere && std::filesystem::exists(journal_, ignored)) {
     const DiskFile journal(journal_, DiskFile::kThere);

@@ -23,6 +23,7 @@ class JournaledFile {
 
   std::size_t pending() const { return pages_.size() * kPage; }  // bytes kept in memory
   bool still_there() const { return file_.still_there(); }
+  const std::filesystem::path& path() const { return path_; }
 
  private:
   static constexpr std::uint64_t kPage = 4096;
@@ -31,7 +32,7 @@ class JournaledFile {
   void carry_out(std::string_view journal);
   void write_to_page(std::uint64_t at, std::string_view bytes);
 
-  std::filesystem::path journal_;
+  std::filesystem::path path_, journal_;
   DiskFile file_;
   std::uint64_t size_, settled_;         // now; at the last commit
   std::map<std::uint64_t, Page> pages_;  // changed, by address; what lies above settled_ is of no account

@@ -9,7 +9,7 @@
 
 #include "files/dcd_file.hpp"
 #include "files/h5md_file.hpp"
-#include "files/journaled_file.hpp"
+#include "files/hdf5_driver.hpp"
 #include "files/pdb_file.hpp"
 #include "md/errors.hpp"
 #include "md/random.hpp"
@@ -91,6 +91,14 @@ TEST(JournaledFile, CarriesOutTheJournalItFinds) {
   EXPECT_FALSE(fs::exists(folder.path() / "file.journal"));
 }
 
+TEST(Hdf5Medium, LeavesAFileAloneThatHdf5DoesNotWriteThroughIt) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.write("file", "of somebody else");
+  Hdf5Medium medium{JournaledFile(path, DiskFile::kThere), 0, {}};
+  EXPECT_THROW(medium.commit(), OutsideError);
+  EXPECT_EQ(contents(path), "of somebody else");
+}
+
 // Two waters and an atom, in motion.
 struct Sample {
   System sys = make_system(Eigen::VectorXd{{15.999, 1.008, 1.008, 15.999, 1.008, 1.008, 39.95}},
@@ -167,6 +175,46 @@ TYPED_TEST(Trajectories, SayThatTheDiskIsFull) {
   } catch (const OutsideError& e) {
     EXPECT_STREQ(e.what(), "/dev/full: cannot write: No space left on device");
   }
+}
+
+TEST(H5mdFile, IsOnDiskOnceItIsMarked) {
+  const TemporaryFolder folder;
+  Sample sample;
+  H5mdFile file(folder.path() / "t.h5md", sample.setup, 0);
+  for (long n = 0; n < 3; ++n) file.add(sample.at(n));
+  file.mark();
+  const H5Handle read{H5Fopen((folder.path() / "t.h5md").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose};
+  const H5Maker in(read);
+  for (const char* group : {"position", "velocity", "force", "box/edges"})
+    EXPECT_EQ(in.frames(in.open(std::string("/particles/all/") + group + "/value")), 3u) << group;
+  EXPECT_EQ(in.frames(in.open("/observables/tension/value")), 3u);
+}
+
+// A program that uses HDF5 itself may have errors told to it.
+TEST(H5mdFile, SaysWhatHdf5SaysToItsCallerAlone) {
+  const TemporaryFolder folder;
+  Sample sample;
+  int told = 0;
+  const H5E_auto2_t tell = [](hid_t, void* count) -> herr_t {
+    ++*static_cast<int*>(count);
+    return 0;
+  };
+  H5E_auto2_t before = nullptr, after = nullptr;
+  void *to_before = nullptr, *to_after = nullptr;
+  H5Eget_auto2(H5E_DEFAULT, &before, &to_before);
+  H5Eset_auto2(H5E_DEFAULT, tell, &told);
+  try {
+    H5mdFile(folder.write("words", std::string(10000, 'x')), sample.setup, 1);
+    ADD_FAILURE();
+  } catch (const OutsideError& e) {
+    EXPECT_THAT(e.what(), testing::MatchesRegex(".*/words: HDF5: unable to .*open file: .*signature.*"));
+  }
+  EXPECT_EQ(H5mdFile::frames(folder.path() / "words", sample.setup), 0u);
+  EXPECT_EQ(told, 0);
+  H5Eget_auto2(H5E_DEFAULT, &after, &to_after);
+  EXPECT_EQ(after, tell);
+  EXPECT_EQ(to_after, &told);
+  H5Eset_auto2(H5E_DEFAULT, before, to_before);
 }
 
 TEST(DcdFile, CountsItsFramesInItsHeader) {
