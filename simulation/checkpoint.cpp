@@ -19,10 +19,66 @@ using nlohmann::json;
 constexpr const char* kFormat = "taut checkpoint";
 constexpr int kVersion = 4;
 
-std::uint64_t checksum(std::string_view bytes) {  // FNV-1a (Fowler, Noll and Vo)
-  std::uint64_t hash = 0xcbf29ce484222325;
+constexpr std::uint64_t kNothingSummed = 0xcbf29ce484222325;
+
+// FNV-1a (Fowler, Noll and Vo) of what was summed so far and of `bytes` after it.
+std::uint64_t checksum(std::string_view bytes, std::uint64_t hash = kNothingSummed) {
   for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
   return hash;
+}
+
+enum Major : unsigned char { kByteString = 0x40, kArray = 0x80, kMap = 0xa0 };
+
+// The first bytes of a string, an array or a map of `count` bytes, values or pairs.
+std::string head(Major major, std::uint64_t count) {
+  std::string as_number;
+  json::to_cbor(json(count), as_number);
+  as_number[0] = static_cast<char>(major | static_cast<unsigned char>(as_number[0]));
+  return as_number;
+}
+
+std::string encoded(const json& small) {
+  std::string bytes;
+  json::to_cbor(small, bytes);
+  return bytes;
+}
+
+// Hands over the body piece by piece, so that what is large in it is never copied. Keys are in the order of
+// the alphabet, as nlohmann::json writes them.
+template <class Put>
+void put_body(const Checkpoint& c, const Put& put) {
+  const auto put_bytes = [&](std::string_view bytes) {
+    put(head(kByteString, bytes.size()));
+    put(bytes);
+  };
+  put(head(kMap, 9));
+  put(encoded("files") + head(kArray, c.source.files.size()));
+  for (const auto& [name, text] : c.source.files) {
+    put(head(kMap, 2) + encoded("name") + encoded(name) + encoded("text"));
+    put_bytes(text);
+  }
+  json marks = json::object();
+  for (const auto& [name, mark] : c.marks) marks[name] = mark;
+  put(encoded("marks") + encoded(marks) + encoded("memory"));
+  put_bytes(c.memory);
+  put(encoded("openmm") + encoded(c.source.openmm) + encoded("overrides") + encoded(c.source.overrides) +
+      encoded("own") + encoded(c.source.own) + encoded("step") + encoded(c.step) + encoded("threads") +
+      encoded(c.threads) + encoded("time_ps") + encoded(c.t));
+}
+
+// Hands over the envelope with the body in it: a first pass measures the body, a second one hands it over.
+template <class Put>
+void put_checkpoint(const Checkpoint& c, const Put& put) {
+  static_assert(std::endian::native == std::endian::little, "checkpoints hold numbers as they lie in memory");
+  std::uint64_t size = 0, sum = kNothingSummed;
+  put_body(c, [&](std::string_view piece) {
+    size += piece.size();
+    sum = checksum(piece, sum);
+  });
+  put(head(kMap, 4) + encoded("body") + head(kByteString, size));
+  put_body(c, put);
+  put(encoded("checksum") + encoded(sum) + encoded("format") + encoded(kFormat) + encoded("version") +
+      encoded(kVersion));
 }
 
 // Nothing of ours is nested deeper; the parser recurses.
@@ -53,17 +109,10 @@ json parse(std::string_view bytes) {
   return json::from_cbor(bytes.begin(), bytes.end());
 }
 
-json as_binary(std::string_view bytes) {
-  return json::binary({bytes.begin(), bytes.end()});
-}
-
-std::string bytes_of(const json& value) {
+// As long as `value` is there.
+std::string_view bytes_of(const json& value) {
   const auto& binary = value.get_binary();
-  return {binary.begin(), binary.end()};
-}
-
-std::string bytes_of(const std::vector<std::uint8_t>& bytes) {
-  return {bytes.begin(), bytes.end()};
+  return {reinterpret_cast<const char*>(binary.data()), binary.size()};
 }
 
 // Counts of ours, no larger than they can be.
@@ -86,26 +135,9 @@ auto read_or_refuse(const Read& read) {
 }  // namespace
 
 std::string to_bytes(const Checkpoint& c) {
-  static_assert(std::endian::native == std::endian::little, "checkpoints hold numbers as they lie in memory");
-  json files = json::array();
-  for (const auto& [name, text] : c.source.files)
-    files.push_back({{"name", name}, {"text", as_binary(text)}});
-  json marks = json::object();
-  for (const auto& [name, mark] : c.marks) marks[name] = mark;
-  const json body = {{"openmm", c.source.openmm},
-                     {"files", std::move(files)},
-                     {"overrides", c.source.overrides},
-                     {"own", c.source.own},
-                     {"step", c.step},
-                     {"time_ps", c.t},
-                     {"threads", c.threads},
-                     {"memory", as_binary(c.memory)},
-                     {"marks", std::move(marks)}};
-  const std::string inside = bytes_of(json::to_cbor(body));
-  return bytes_of(json::to_cbor(json{{"format", kFormat},
-                                     {"version", kVersion},
-                                     {"checksum", checksum(inside)},
-                                     {"body", as_binary(inside)}}));
+  std::string bytes;
+  put_checkpoint(c, [&](std::string_view piece) { bytes += piece; });
+  return bytes;
 }
 
 Checkpoint read_checkpoint_body(std::string_view body) {
@@ -114,7 +146,7 @@ Checkpoint read_checkpoint_body(std::string_view body) {
     Checkpoint c;
     c.source.openmm = j.at("openmm").get<bool>();
     for (const json& file : j.at("files"))
-      c.source.files.push_back({file.at("name").get<std::string>(), bytes_of(file.at("text"))});
+      c.source.files.push_back({file.at("name").get<std::string>(), std::string(bytes_of(file.at("text")))});
     c.source.overrides = j.at("overrides").get<std::vector<std::string>>();
     if (j.contains("own")) c.source.own = j.at("own").get<std::vector<std::string>>();
     c.step = static_cast<long>(count_of(j.at("step"), std::numeric_limits<long>::max()));
@@ -128,18 +160,17 @@ Checkpoint read_checkpoint_body(std::string_view body) {
 }
 
 Checkpoint read_checkpoint(std::string_view bytes) {
-  const std::string body = read_or_refuse([&] {
+  return read_or_refuse([&] {
     const json j = parse(bytes);
     if (j.at("format").get<std::string>() != kFormat) throw InputError("not a checkpoint of taut's");
     if (const json& version = j.at("version"); version != kVersion)
       throw InputError(
           fmt::format("a checkpoint of version {}, this taut reads version {}", version.dump(), kVersion));
-    std::string inside = bytes_of(j.at("body"));
+    const std::string_view inside = bytes_of(j.at("body"));
     if (j.at("checksum").get<std::uint64_t>() != checksum(inside))
       throw InputError("the checkpoint is damaged: its checksum is another");
-    return inside;
+    return read_checkpoint_body(inside);
   });
-  return read_checkpoint_body(body);
 }
 
 std::filesystem::path checkpoint_file(const std::filesystem::path& folder) {
@@ -155,7 +186,7 @@ void expect_checkpoint(const std::filesystem::path& folder) {
 
 void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& checkpoint) {
   AtomicFile file(checkpoint_file(folder));
-  file.write(to_bytes(checkpoint));
+  put_checkpoint(checkpoint, [&](std::string_view piece) { file.write(piece); });
   file.commit();
 }
 

@@ -149,7 +149,7 @@ std::uint64_t mark_of(const Marks& marks, const std::string& name) {
 RunFolder::RunFolder(FolderLock folder, SceneSource source, const Simulation& simulation, const Marks& marks)
     : folder_(std::move(folder)),
       note_(clear(path(), simulation, marks)),
-      source_(std::move(source)),
+      checkpoint_{.source = std::move(source)},
       log_(path() / kLog, mark_of(marks, kLog)),
       trajectories_(path(), simulation, marks) {
   if (log_.size() == 0) {
@@ -177,17 +177,17 @@ void RunFolder::add_frame(const Simulation& simulation) {
 }
 
 void RunFolder::keep(Simulation& simulation) {
-  Checkpoint checkpoint{.source = source_,
-                        .step = simulation.step(),
-                        .t = simulation.state().t,
-                        .threads = available_threads(),
-                        .memory = {},
-                        .marks = {{kLog, log_.mark()}}};
-  trajectories_.mark(checkpoint.marks);
-  Archive archive = Archive::saving_to(checkpoint.memory);
+  checkpoint_.step = simulation.step();
+  checkpoint_.t = simulation.state().t;
+  checkpoint_.threads = available_threads();
+  checkpoint_.marks = {{kLog, log_.mark()}};
+  trajectories_.mark(checkpoint_.marks);
+  checkpoint_.memory.clear();
+  Archive archive = Archive::saving_to(checkpoint_.memory);
   simulation.serialize(archive);
-  write_checkpoint(path(), checkpoint);
-  kept_step_ = checkpoint.step;
+  write_checkpoint(path(), checkpoint_);
+  std::string().swap(checkpoint_.memory);  // it is as large as the system: gives the memory back
+  kept_step_ = checkpoint_.step;
 }
 
 void RunFolder::write_end(const Simulation& simulation, const Summary& summary) {

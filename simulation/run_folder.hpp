@@ -29,7 +29,7 @@ class RunFolder {
   const std::filesystem::path& path() const { return folder_.path(); }
   // Says where the files of an earlier run were moved to; empty if there were none.
   const std::string& note() const { return note_; }
-  void made_from(SceneSource source) { source_ = std::move(source); }  // other settings from here on
+  void made_from(SceneSource source) { checkpoint_.source = std::move(source); }  // other settings from here on
   void begin(Simulation& simulation);  // a checkpoint; at the start the first frame before it
   void add_row(const Record& record);
   void add_frame(const Simulation& simulation);                 // to the trajectories, if one is due
@@ -41,7 +41,7 @@ class RunFolder {
  private:
   FolderLock folder_;
   std::string note_;
-  SceneSource source_;
+  Checkpoint checkpoint_;  // what it is made from; the rest only while one is written
   GrowingFile log_;
   Trajectories trajectories_;
   std::optional<long> kept_step_;

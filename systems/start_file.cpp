@@ -48,6 +48,8 @@ State read_start(const TomlTable& keys) {
 }
 
 void write_start(const std::filesystem::path& file, const State& s) {
+  constexpr std::size_t kWrittenAtOnce = 1 << 20;  // bytes
+  AtomicFile aside(file);
   std::string text = fmt::format("time_ps = {}\n", s.t);
   const auto out = std::back_inserter(text);
   text += box_line(s.box);
@@ -55,9 +57,11 @@ void write_start(const std::filesystem::path& file, const State& s) {
   for (Eigen::Index a = 0; a < s.x.cols(); ++a) {
     const auto x = s.x.col(a), v = s.v.col(a);
     fmt::format_to(out, "  [{}, {}, {}, {}, {}, {}],\n", x[0], x[1], x[2], v[0], v[1], v[2]);
+    if (text.size() < kWrittenAtOnce) continue;
+    aside.write(text);
+    text.clear();
   }
   text += "]\n";
-  AtomicFile aside(file);
   aside.write(text);
   aside.commit();
 }

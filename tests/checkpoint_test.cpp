@@ -4,13 +4,37 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <limits>
+#include <new>
 #include <nlohmann/json.hpp>
 
 #include "md/block_average.hpp"
 #include "md/errors.hpp"
 #include "systems/toml_reader.hpp"
+#include "temporary_folder.hpp"
+
+namespace {
+std::size_t largest_allocation = 0;
+
+[[gnu::noinline]] void give_back(void* place) noexcept {  // inlined, g++ takes free for new's wrong partner
+  std::free(place);
+}
+}  // namespace
+
+void* operator new(std::size_t size) {
+  largest_allocation = std::max(largest_allocation, size);
+  if (void* place = std::malloc(size)) return place;
+  throw std::bad_alloc();
+}
+void operator delete(void* place) noexcept {
+  give_back(place);
+}
+void operator delete(void* place, std::size_t) noexcept {
+  give_back(place);
+}
 
 namespace taut {
 namespace {
@@ -81,6 +105,53 @@ TEST(CheckpointFormat, SaysBackWhatItWasTold) {
   EXPECT_EQ(back.marks, c.marks);
 }
 
+using nlohmann::json;
+
+json as_binary(const std::string& bytes) {
+  return json::binary({bytes.begin(), bytes.end()});
+}
+
+// Written piece by piece, it is what an encoder makes that has all of it at hand.
+TEST(CheckpointFormat, IsWhatAnEncoderOfAllOfItWrites) {
+  for (const std::size_t size : {0, 1, 23, 24, 255, 256, 65535, 65536}) {
+    Checkpoint c = some_checkpoint();
+    c.memory.assign(size, 'm');
+    c.source.files[1].text.assign(size, 't');
+    c.source.files.resize(std::max<std::size_t>(2, size % 40), {"more", "text"});
+    json files = json::array();
+    for (const auto& [name, text] : c.source.files)
+      files.push_back({{"name", name}, {"text", as_binary(text)}});
+    const json body = {{"openmm", c.source.openmm},
+                       {"files", files},
+                       {"overrides", c.source.overrides},
+                       {"own", c.source.own},
+                       {"step", c.step},
+                       {"time_ps", c.t},
+                       {"threads", c.threads},
+                       {"memory", as_binary(c.memory)},
+                       {"marks", c.marks}};
+    const auto encoded = json::to_cbor(body);
+    const json envelope = json::from_cbor(to_bytes(c));
+    const std::vector<std::uint8_t>& inside = envelope.at("body").get_binary();
+    EXPECT_EQ(inside, encoded) << size;
+    const auto whole = json::to_cbor(envelope);
+    EXPECT_EQ(to_bytes(c), std::string(whole.begin(), whole.end())) << size;
+  }
+}
+
+// However large the system is.
+TEST(CheckpointFormat, IsWrittenWithoutACopy) {
+  const TemporaryFolder folder;
+  Checkpoint c = some_checkpoint();
+  c.memory.assign(1 << 23, 'm');
+  c.source.files[0].text.assign(1 << 22, 't');
+  largest_allocation = 0;
+  write_checkpoint(folder.path(), c);
+  EXPECT_LT(largest_allocation, 1u << 12);
+  EXPECT_GT(largest_allocation, 0u);
+  EXPECT_EQ(load_checkpoint(folder.path()).memory, c.memory);
+}
+
 struct Wall final : OwnField {
   std::string name() const override { return "Wall"; }
   double add(const Vectors&, Vectors&) override { return 0; }
@@ -146,7 +217,6 @@ std::string refusal(std::string_view bytes) {
 }
 
 TEST(CheckpointFormat, SaysWhatIsWrong) {
-  using nlohmann::json;
   json envelope = json::from_cbor(to_bytes(some_checkpoint()));
   envelope["version"] = 7;
   const auto later = json::to_cbor(envelope);
