@@ -13,11 +13,14 @@
 namespace taut {
 namespace {
 
-constexpr double kNoPivot = 1e-8;  // of the diagonal
+constexpr double kNoPivot = 1e-8;   // of A's diagonal
+constexpr double kParallel = 1e-6;  // a row of J has no more than that of its length apart from other rows
 
-std::vector<int> dependent_at(const System& sys, const Vectors& x, DirectSolver& solver) {
+// The bonds that depend on others at x, in the order of the direct solver's elimination.
+std::vector<int> dependent_at(const System& sys, const Vectors& x) {
   Vectors r(3, sys.bond_count());
   differences(sys, x, r);
+  DirectSolver solver(sys);
   solver.factor(r, kNoPivot);
   return solver.dependent_bonds();
 }
@@ -27,6 +30,45 @@ std::vector<char> marked(int count, const std::vector<int>& listed) {
   std::vector<char> is_listed(count, false);
   for (const int k : listed) is_listed[k] = true;
   return is_listed;
+}
+
+// Of each bond a number that those coupled to it have, too. Anchors couple nothing.
+std::vector<int> clusters_of_bonds(const System& sys) {
+  std::vector<IndexPair> ties;
+  for (const auto& [i, j, d] : sys.bonds)
+    if (sys.mass[i] > 0 && sys.mass[j] > 0) ties.push_back({i, j});
+  const std::vector<int> of_atom = connected_components(sys.atoms(), ties);
+  std::vector<int> of_bond;
+  for (const auto& [i, j, d] : sys.bonds) of_bond.push_back(of_atom[sys.mass[i] > 0 ? i : j]);
+  return of_bond;
+}
+
+// Of some bonds of one cluster those that follow at x from the bonds before them in the list. Rows of J are
+// made orthogonal to those before, one after the other (Gram and Schmidt, each twice for accuracy).
+std::vector<int> follow_from_those_before(const System& sys, const std::vector<int>& bonds,
+                                          const Vectors& x) {
+  std::map<int, int> place;  // of a movable atom in a row of J
+  for (int k : bonds)
+    for (int a : {sys.bonds[k].i, sys.bonds[k].j})
+      if (sys.mass[a] > 0) place.try_emplace(a, 3 * static_cast<int>(place.size()));
+  const auto width = static_cast<Eigen::Index>(3 * place.size());
+  Eigen::MatrixXd basis(width, std::min<Eigen::Index>(width, std::ssize(bonds)));
+  Eigen::Index rank = 0;
+  std::vector<int> following;
+  for (int k : bonds) {
+    const auto& [i, j, d] = sys.bonds[k];
+    Eigen::VectorXd row = Eigen::VectorXd::Zero(width);
+    const Vec3 along = (x.col(j) - x.col(i)).normalized();
+    if (sys.mass[i] > 0) row.segment<3>(place[i]) = -along;
+    if (sys.mass[j] > 0) row.segment<3>(place[j]) = along;
+    for (int pass = 0; pass < 2; ++pass)
+      row -= basis.leftCols(rank) * (basis.leftCols(rank).transpose() * row).eval();
+    if (rank < basis.cols() && row.norm() > kParallel)
+      basis.col(rank++) = row.normalized();
+    else
+      following.push_back(k);
+  }
+  return following;
 }
 
 std::string list_of(const std::vector<int>& bonds, const System& sys) {
@@ -42,8 +84,7 @@ std::string list_of(const std::vector<int>& bonds, const System& sys) {
 }  // namespace
 
 Redundancy find_redundancy(const System& sys, const Vectors& x) {
-  DirectSolver solver(sys);
-  const std::vector<int> here = dependent_at(sys, x, solver);
+  const std::vector<int> here = dependent_at(sys, x);
   Redundancy found;
   if (here.empty()) return found;
   Random random(1);
@@ -52,8 +93,22 @@ Redundancy find_redundancy(const System& sys, const Vectors& x) {
     shaken.col(i) += 0.1 * d * random.normal_vector();
     shaken.col(j) += 0.1 * d * random.normal_vector();
   }
-  const std::vector<char> anywhere = marked(sys.bond_count(), dependent_at(sys, shaken, solver));
-  for (int k : here) (anywhere[k] ? found.redundant : found.degenerate).push_back(k);
+  // Bonds that are independent here are so elsewhere. Those left over are redundant if they follow from them
+  // there as well; which bonds are chosen as independent has no part in it.
+  const std::vector<int> cluster_of = clusters_of_bonds(sys);
+  const std::vector<char> left_over = marked(sys.bond_count(), here);
+  std::map<int, std::vector<int>> clusters;  // their bonds: what is independent here, then what is left over
+  for (const int k : here) clusters[cluster_of[k]];
+  for (int k = 0; k < sys.bond_count(); ++k)
+    if (const auto at = clusters.find(cluster_of[k]); at != clusters.end() && !left_over[k])
+      at->second.push_back(k);
+  for (const int k : here) clusters[cluster_of[k]].push_back(k);
+  std::vector<char> follows(sys.bond_count(), false);
+  for (const auto& [cluster, bonds] : clusters)
+    for (const int k : follow_from_those_before(sys, bonds, shaken)) follows[k] = true;
+  for (const int k : here) (follows[k] ? found.redundant : found.degenerate).push_back(k);
+  for (int k = 0; k < sys.bond_count(); ++k)  // that the direct solver took for independent
+    if (follows[k] && !left_over[k]) found.redundant.push_back(k);
   return found;
 }
 

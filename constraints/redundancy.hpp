@@ -8,15 +8,14 @@
 namespace taut {
 
 // Bonds that follow from other bonds leave A singular. Two cases, told apart by shaking the atoms a little:
-// - redundant: the shape is overdetermined (methane with all ten distances held): the bonds follow wherever
-// the atoms
-//   are, and may be left out without changing the motion;
-// - degenerate: only this placement is singular (a straight angle held by a 1–3 bond, a flat ring fully
-// braced): there no
-//   force along the bonds can act sideways, and nothing can be left out that would mend it.
+// - redundant: the bonds follow from the others there, too. The shape is overdetermined (methane with all
+//   ten distances held, a cube with all its diagonals): they may be left out, and the motion is the same.
+// - degenerate: the bonds follow from the others in this placement alone (a straight angle that a 1-3 bond
+//   holds, a flat ring fully braced). No force along the bonds acts sideways here, and leaving something out
+//   would not mend it.
 struct Redundancy {
-  std::vector<int> redundant;   // bonds, each follows from those not listed
-  std::vector<int> degenerate;  // bonds that only here follow from others
+  std::vector<int> redundant;   // bonds, each follows from those that are not listed
+  std::vector<int> degenerate;  // bonds that follow from others only here
 
   bool none() const { return redundant.empty() && degenerate.empty(); }
   int rank(const System& sys) const {

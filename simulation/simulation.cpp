@@ -11,6 +11,7 @@
 #include "constraints/redundancy.hpp"
 #include "md/errors.hpp"
 #include "md/run.hpp"
+#include "simulation/redundant_bonds.hpp"
 
 namespace taut {
 namespace {
@@ -35,17 +36,6 @@ void refuse_momentum_of_anchored_bonds(const Scene& scene) {
         "momentum up: none is conserved; leave the key out, or give 0",
         scene.run.remove_momentum_every, k, i, j));
   }
-}
-
-// The scene with the bonds left out that follow from others, where that was asked for.
-Scene reduced(Scene scene, const Redundancy& redundancy) {
-  if (redundancy.none()) return scene;
-  if (!redundancy.degenerate.empty() || scene.run.redundant != "drop")
-    throw InputError(fmt::format("{}: {}", scene.name, explain(redundancy, scene.system)));
-  scene.system = without(scene.system, redundancy.redundant);
-  scene.notes.push_back(
-      fmt::format("{} bonds left out that follow from others", redundancy.redundant.size()));
-  return scene;
 }
 
 bool same_thermostat(const RunSettings& a, const RunSettings& b) {
@@ -79,7 +69,7 @@ void refuse_unreachable_tolerance(const System& sys, const Vectors& x, double to
 Simulation::Simulation(Scene scene)
     : full_(scene.system),
       redundancy_(find_redundancy(scene.system, scene.start.x)),
-      scene_(reduced(std::move(scene), redundancy_)),
+      scene_(without_redundant_bonds(std::move(scene), redundancy_)),
       forces_(scene_.system, scene_.start.box, scene_.terms),
       method_(make_method(scene_.system, scene_.method, scene_.run.h())),
       projector_(scene_.system),
@@ -143,6 +133,8 @@ void Simulation::note_start() {
   if (kinetic_removed > kNoise && !scene_.velocities_drawn)  // else along the bonds, as it has to be
     what.push_back(fmt::format("{:.3g} % of the kinetic energy taken out", 100 * kinetic_removed));
   if (!what.empty()) scene_.notes.push_back(fmt::format("brought to the bonds: {}", fmt::join(what, ", ")));
+  for (std::string& note : contradicted_lengths(full_, redundancy_.redundant, state_.x))
+    scene_.notes.push_back(std::move(note));
 }
 
 void Simulation::make_thermostat() {

@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include "md/errors.hpp"
+#include "simulation/redundant_bonds.hpp"
 #include "simulation/simulation.hpp"
 
 namespace taut {
 
-Scene prepared_for_study(Scene scene) {
+Scene prepared_for_study(Scene given) {
+  Scene scene = without_redundant_bonds(std::move(given));
   RunSettings& run = scene.run;
   if (run.langevin() || run.rescaling()) {
     scene.notes.push_back(fmt::format(

@@ -8,6 +8,7 @@
 
 #include "constraints/baumgarte.hpp"
 #include "md/errors.hpp"
+#include "studies/study_scene.hpp"
 #include "studies/swept_errors.hpp"
 #include "systems/scene_file.hpp"
 
@@ -201,6 +202,37 @@ TEST(Calibration, RefusesWhatItCannotDo) {
   EXPECT_THROW(calibrate(chain(10), {.copies = "slowest"}), InputError);
   EXPECT_THROW(calibrate(chain(10), {.against = "shake", .sweeps = 2, .copies = "slowest"}), InputError);
   EXPECT_THROW(calibrate(chain(10), {.sweeps = 2, .copies = "last"}), InputError);
+}
+
+// A flat hexagon held by its sides and second neighbours: refused before anything is computed, as a run
+// refuses it. A tetrahedron with its centre, all ten distances held, goes without the bond that follows from
+// the others.
+TEST(Calibration, NeedsBondsThatAreIndependent) {
+  const auto scene = [](const Vectors& x) {
+    Scene s;
+    s.name = "braced";
+    s.start.x = x;
+    s.start.v = s.start.f = Vectors::Zero(3, x.cols());
+    std::vector<RigidBond> bonds;
+    for (int i = 0; i < x.cols(); ++i)
+      for (int j = 0; j < i; ++j)
+        if (const double d = (x.col(i) - x.col(j)).norm(); d < 1.8) bonds.push_back({i, j, d});
+    s.system = make_system(Eigen::VectorXd::Ones(x.cols()), bonds);
+    s.run.redundant = "drop";
+    return s;
+  };
+  Vectors flat(3, 6), tetrahedron(3, 5);
+  for (int k = 0; k < 6; ++k) flat.col(k) << std::cos(M_PI * k / 3), std::sin(M_PI * k / 3), 0;
+  tetrahedron << 0, 1, 1, -1, -1, 0, 1, -1, 1, -1, 0, 1, -1, -1, 1;
+  try {
+    prepared_for_study(scene(flat));
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.what(), AllOf(HasSubstr("braced: bonds "), HasSubstr("cannot act in this placement")));
+  }
+  const Scene held = prepared_for_study(scene(0.5 * tetrahedron));
+  EXPECT_EQ(held.system.bond_count(), 9);
+  EXPECT_THAT(held.notes, testing::ElementsAre("1 bond is left out that follows from others"));
 }
 
 }  // namespace

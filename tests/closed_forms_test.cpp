@@ -1,5 +1,6 @@
 // Scenes against what is known of them in closed form.
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -218,6 +219,39 @@ TEST(Redundant, MethaneRunsOnRequest) {
   EXPECT_LT(bond_errors(methane.system, simulation.state().x).max, 1e-9);
   EXPECT_EQ(simulation.bond_tensions().size(), 10);
   EXPECT_GT(simulation.bond_tensions().cwiseAbs().minCoeff(), 0);
+}
+
+// Edges, both diagonals of each face and one of the body, 25 bonds on 8 atoms: 18 are held, and all 25 keep
+// their lengths.
+TEST(Redundant, ACubeWithItsDiagonalsRunsOnRequest) {
+  Scene cube;
+  cube.name = "cube";
+  cube.start.x.resize(3, 8);
+  for (int n = 0; n < 8; ++n) cube.start.x.col(n) << 0.2 * (n >> 2 & 1), 0.2 * (n >> 1 & 1), 0.2 * (n & 1);
+  std::vector<RigidBond> bonds;
+  for (int i = 0; i < 8; ++i)
+    for (int j = i + 1; j < 8; ++j)
+      if (const double d = (cube.start.x.col(j) - cube.start.x.col(i)).norm(); d < 0.29 || i == 0)
+        bonds.push_back({i, j, d});
+  cube.start.v = Vectors::Zero(3, 8);
+  cube.start.v.row(1) = 5 * cube.start.x.row(0);
+  cube.start.v.row(2) = -3 * cube.start.x.row(1);
+  cube.system = make_system(Eigen::VectorXd::LinSpaced(8, 10, 17), bonds);
+  cube.run.steps = 500;
+  cube.run.redundant = "drop";
+  for (const char* method : {"rattle", "newton", "feedforward"}) {
+    cube.method = default_options(method);
+    Simulation simulation(cube);
+    EXPECT_EQ(simulation.dof().rank, 18);
+    simulation.run({});
+    EXPECT_LT(bond_errors(cube.system, simulation.state().x).max, 1e-9) << method;
+    EXPECT_THAT(simulation.scene().notes,
+                ::testing::ElementsAre("7 bonds are left out that follow from others"));
+  }
+  cube.system.bonds.back().length *= 1.01;  // one edge that the others contradict
+  const Simulation contradicted(cube);
+  EXPECT_THAT(contradicted.scene().notes,
+              ::testing::Contains(::testing::HasSubstr("nm; the bonds it follows from make it 0.")));
 }
 
 // Velocity Verlet with RATTLE: of second order, and back where it came from with the velocities turned.

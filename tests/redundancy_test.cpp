@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "constraints/bond_algebra.hpp"
 #include "free_system.hpp"
 
@@ -91,6 +93,52 @@ TEST(Redundancy, CountsALineToATenThousandthOfARadian) {
     const System sys = braced(x, {{0, 1}, {1, 2}, {0, 2}});
     EXPECT_EQ(find_redundancy(sys, x).none(), bend > 1e-4) << bend;
   }
+}
+
+Vectors cube() {
+  Vectors x(3, 8);
+  for (int n = 0; n < 8; ++n) x.col(n) << (n >> 2 & 1), (n >> 1 & 1), (n & 1);
+  return 0.2 * x;
+}
+
+// Edges, both diagonals of each face, and `more`.
+std::vector<std::array<int, 2>> cube_bonds(std::vector<std::array<int, 2>> more) {
+  std::vector<std::array<int, 2>> pairs;
+  for (const auto& [i, j] : all_pairs(8))
+    if ((cube().col(j) - cube().col(i)).norm() < 0.29) pairs.push_back({i, j});
+  pairs.insert(pairs.end(), more.begin(), more.end());
+  return pairs;
+}
+
+// 8 atoms of a rigid body bear 18 bonds, whatever the symmetry of their placement: the flat faces make which
+// bonds follow here another matter than which follow elsewhere, but not how many.
+TEST(Redundancy, ACubeWithAllItsDiagonalsHoldsByEighteen) {
+  for (const auto& more : {std::vector<std::array<int, 2>>{}, {{0, 7}}, {{0, 7}, {1, 6}, {2, 5}, {3, 4}}})
+    for (int turn = 0; turn < 8; ++turn) {  // the bonds in other orders
+      std::vector<std::array<int, 2>> pairs = cube_bonds(more);
+      std::rotate(pairs.begin(), pairs.begin() + 3 * turn, pairs.end());
+      const System sys = braced(cube(), pairs);
+      const Redundancy found = find_redundancy(sys, cube());
+      EXPECT_TRUE(found.degenerate.empty()) << explain(found, sys);
+      EXPECT_EQ(found.rank(sys), 18);
+      EXPECT_TRUE(find_redundancy(without(sys, found.redundant), cube()).none());
+    }
+}
+
+// A flat ring beside a cube on one cluster: what is redundant of it does not hide what is degenerate.
+TEST(Redundancy, ACubeTiedToAFlatRingIsDegenerateByTheRing) {
+  Vectors x(3, 14);
+  x.leftCols(8) = cube();
+  x.rightCols(6) = hexagon(0).colwise() + Vec3(0.5, 0.1, 0.05);
+  std::vector<std::array<int, 2>> pairs = cube_bonds({{0, 7}});
+  for (const auto& [i, j] : ring_with_second_neighbours()) pairs.push_back({8 + i, 8 + j});
+  pairs.push_back({7, 11});
+  const System sys = braced(x, pairs);
+  const Redundancy found = find_redundancy(sys, x);
+  EXPECT_EQ(found.redundant.size(), 7u);
+  EXPECT_EQ(found.degenerate.size(), 3u);
+  for (int k : found.degenerate) EXPECT_GE(k, 25) << "of the cube";
+  for (int k : found.redundant) EXPECT_LT(k, 25) << "of the ring";
 }
 
 TEST(Redundancy, ManyMoleculesAreEachFound) {

@@ -1,0 +1,43 @@
+#include "simulation/redundant_bonds.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "md/errors.hpp"
+
+namespace taut {
+
+Scene without_redundant_bonds(Scene scene, const Redundancy& redundancy) {
+  if (redundancy.none()) return scene;
+  if (!redundancy.degenerate.empty() || scene.run.redundant != "drop")
+    throw InputError(fmt::format("{}: {}", scene.name, explain(redundancy, scene.system)));
+  scene.system = without(scene.system, redundancy.redundant);
+  scene.notes.push_back(
+      redundancy.redundant.size() == 1
+          ? "1 bond is left out that follows from others"
+          : fmt::format("{} bonds are left out that follow from others", redundancy.redundant.size()));
+  return scene;
+}
+
+Scene without_redundant_bonds(Scene scene) {
+  const Redundancy redundancy = find_redundancy(scene.system, scene.start.x);
+  return without_redundant_bonds(std::move(scene), redundancy);
+}
+
+std::vector<std::string> contradicted_lengths(const System& full, const std::vector<int>& left_out,
+                                              const Vectors& x) {
+  constexpr double kRounded = 1e-4;  // of a length, as the coordinates of a file leave it
+  std::vector<std::string> lines;
+  for (const int k : left_out) {
+    const auto& [i, j, d] = full.bonds[k];
+    if (const double r = (x.col(j) - x.col(i)).norm(); std::abs(r - d) > kRounded * d)
+      lines.push_back(
+          fmt::format("bond {} ({}-{}) is left out, with a length of {:.6g} nm; the bonds it follows from "
+                      "make it {:.6g} nm",
+                      k, i, j, d, r));
+  }
+  return lines;
+}
+
+}  // namespace taut
