@@ -246,7 +246,7 @@ TEST(Redundant, ACubeWithItsDiagonalsRunsOnRequest) {
     simulation.run({});
     EXPECT_LT(bond_errors(cube.system, simulation.state().x).max, 1e-9) << method;
     EXPECT_THAT(simulation.scene().notes,
-                ::testing::ElementsAre("7 bonds are left out that follow from others"));
+                ::testing::Contains("7 bonds are left out that follow from others"));
   }
   cube.system.bonds.back().length *= 1.01;  // one edge that the others contradict
   const Simulation contradicted(cube);
