@@ -1,6 +1,6 @@
 // What OpenMM pays for rigid bonds: whole steps with them less whole steps without, of the same molecules,
 // nothing else acting, ns per bond (per molecule for water) and step. The integrator is the twin of our
-// RATTLE, which constrains positions and velocities (systems/openmm/openmm_twin.hpp). Without bonds the atoms
+// RATTLE, which constrains positions and velocities (studies/openmm_twin.hpp). Without bonds the atoms
 // fly apart, which costs nothing more: there are no pair forces.
 //   openmm_bonds [tolerance]      prints platform,system,ns_per_unit
 #include <fmt/format.h>

@@ -10,7 +10,7 @@
 
 namespace taut {
 
-// How far each output of a run had been written: md/output.hpp.
+// How far each output of a run had been written: files/output.hpp.
 using Marks = std::map<std::string, std::uint64_t>;
 
 // All that a run needs to go on to the last bit: what it was made from, and what it has in mind.

@@ -71,7 +71,7 @@ struct Summary {
   std::array<Estimate, 6> pressure_tensor;  // kTensorNames [bar]
   double potential = 0, total = 0;          // at the end [kJ/mol]
   std::optional<bool> converged;    // every step to twice the error the method promises; none: promises none
-  std::vector<std::string> doubts;  // systems/doubts.hpp
+  std::vector<std::string> doubts;  // simulation/doubts.hpp
 };
 
 // What it took to bring the start to the bonds.

@@ -36,7 +36,7 @@ struct RunSettings {
   double compressibility_per_bar = 4.5e-5;  // c-rescale's guess of it: water's
   std::string coupling =
       "isotropic";               // which edges change alike: "semi-isotropic" x and y, "anisotropic" none
-  bool minimise = false;         // relax the start first (systems/minimise.hpp)
+  bool minimise = false;         // relax the start first (simulation/minimise.hpp)
   double minimise_force = 1000;  // until no atom's force is above this [kJ/mol/nm]
 
   double h() const { return dt_fs * 1e-3; }  // [ps]
