@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <fstream>
+#include <limits>
 
 #include "files/akma.hpp"
 #include "files/unit_cell.hpp"
@@ -15,7 +18,18 @@ namespace {
 
 constexpr int kTitle = 80;  // characters
 constexpr std::uint64_t kHeader = (4 + 84 + 4) + (4 + 4 + kTitle + 4) + (4 + 4 + 4);
-constexpr std::uint64_t kFramesAt = 8, kStepsAt = 20;  // where the header has them
+constexpr std::uint64_t kControlAt = 8;  // where the header has its integers, after a length and "CORD"
+
+using Control = std::array<std::int32_t, 20>;  // of which one is a real
+constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
+
+Control control_of(const std::filesystem::path& path) {
+  Control control{};
+  std::ifstream in(path, std::ios::binary);
+  in.seekg(kControlAt);
+  in.read(reinterpret_cast<char*>(control.data()), sizeof control);
+  return control;
+}
 
 // Fortran's unformatted records: each between two copies of its length.
 class Records {
@@ -36,17 +50,10 @@ class Records {
   std::string bytes_;
 };
 
-// 20 integers, of which one is a real.
+// Without its integers, which count_frames writes.
 std::string header(const TrajectorySetup& setup) {
-  std::array<std::int32_t, 20> control{};
-  control[1] = static_cast<std::int32_t>(std::lround(setup.t0 / setup.h));  // first step
-  control[2] = static_cast<std::int32_t>(setup.every);
-  const auto step = static_cast<float>(setup.h / kAkma);
-  std::memcpy(&control[9], &step, sizeof step);
-  control[10] = setup.periodic ? 1 : 0;  // with a unit cell
-  control[19] = 24;                      // CHARMM's version that brought the format
   Records records;
-  records.bound(84).text("CORD", 4).put(control).bound(84);
+  records.bound(84).text("CORD", 4).put(Control{}).bound(84);
   records.bound(4 + kTitle).put(std::int32_t{1}).text("taut: positions, unwrapped", kTitle).bound(4 + kTitle);
   records.bound(4).put(static_cast<std::int32_t>(setup.sys.atoms())).bound(4);
   return records.bytes();
@@ -55,10 +62,21 @@ std::string header(const TrajectorySetup& setup) {
 }  // namespace
 
 DcdFile::DcdFile(const std::filesystem::path& path, const TrajectorySetup& setup, std::uint64_t mark)
-    : file_(path, mark), periodic_(setup.periodic), atoms_(setup.sys.atoms()), every_(setup.every) {
+    : file_(path, mark),
+      periodic_(setup.periodic),
+      atoms_(setup.sys.atoms()),
+      first_(std::lround(setup.t0 / setup.h)),
+      every_(setup.every),
+      step_(static_cast<float>(setup.h / kAkma)) {
   if (mark == 0) file_.write(header(setup));
   if (file_.size() < kHeader || (file_.size() - kHeader) % frame_bytes() != 0)
     throw OutsideError(fmt::format("{}: cannot go on: its frames are of another size", path.string()));
+  if (mark > 0) {
+    const Control control = control_of(path);
+    first_ = control[1];
+    every_ = control[2];
+    std::memcpy(&step_, &control[9], sizeof step_);
+  }
   count_frames((file_.size() - kHeader) / frame_bytes());
 }
 
@@ -68,9 +86,22 @@ std::uint64_t DcdFile::frame_bytes() const {
 }
 
 void DcdFile::count_frames(std::uint64_t frames) {
-  const auto n = static_cast<std::int32_t>(frames);
-  file_.rewrite(kFramesAt, Records().put(n).bytes());
-  file_.rewrite(kStepsAt, Records().put(static_cast<std::int32_t>(n * every_)).bytes());
+  const auto n = static_cast<std::int64_t>(frames);
+  if (every_ > kMost || first_ > kMost || n > (kMost - first_) / every_) {
+    first_ = (first_ + every_ / 2) / every_;
+    step_ *= static_cast<float>(every_);
+    every_ = 1;
+  }
+  const auto counted = [](std::int64_t number) { return static_cast<std::int32_t>(std::min(number, kMost)); };
+  Control control{};
+  control[0] = counted(n);
+  control[1] = counted(first_);
+  control[2] = counted(every_);
+  control[3] = counted(n * every_);
+  std::memcpy(&control[9], &step_, sizeof step_);
+  control[10] = periodic_ ? 1 : 0;  // with a unit cell
+  control[19] = 24;                 // CHARMM's version that brought the format
+  file_.rewrite(kControlAt, Records().put(control).bytes());
 }
 
 void DcdFile::add(const Frame& frame) {

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <sstream>
 
+#include "files/akma.hpp"
 #include "files/dcd_file.hpp"
 #include "files/h5md_file.hpp"
 #include "files/hdf5_driver.hpp"
@@ -236,6 +237,43 @@ TEST(DcdFile, CountsItsFramesInItsHeader) {
 }
 
 // CHARMM's cell is A, γ, B, β, α, C; then all x, all y, all z, in Å.
+// A file that goes beyond the 2147483647 steps that its header can count, from its start, from a frame on, or
+// after it was opened again: readers find each frame's time, first / every + frame times every · step.
+TEST(DcdFile, TellsTheTimeBeyondTheStepsItCanCount) {
+  const long most = 2147483647;
+  for (const long before : {0L, most - 25, 5 * most})
+    for (const long every : {10L, 3 * most}) {
+      const TemporaryFolder folder;
+      const fs::path path = folder.path() / "t.dcd";
+      Sample sample;
+      sample.setup.every = every;
+      const long first = before / every * every;
+      sample.setup.t0 = static_cast<double>(first) * sample.setup.h;
+      std::uint64_t mark = 0;
+      for (int frame = 0; frame < 6; ++frame) {
+        DcdFile file(path, sample.setup, mark);
+        file.add(sample.at(0));
+        mark = file.mark();
+        std::array<std::int32_t, 20> control;
+        std::memcpy(control.data(), contents(path).data() + 8, sizeof control);
+        float step = 0;
+        std::memcpy(&step, &control[9], sizeof step);
+        EXPECT_EQ(control[0], frame + 1);
+        EXPECT_GE(control[1], 0);
+        EXPECT_GT(control[2], 0);
+        EXPECT_EQ(control[3], control[0] * static_cast<long>(control[2]));
+        const double interval = static_cast<double>(step) * kAkma * control[2];
+        const double time = (frame + static_cast<double>(control[1]) / control[2]) * interval;
+        const double expected = static_cast<double>(first + frame * every) * sample.setup.h;
+        EXPECT_NEAR(interval / (static_cast<double>(every) * sample.setup.h), 1, 1e-6);
+        EXPECT_NEAR(time, expected, 1e-6 * expected)
+            << "frame " << frame << " from step " << first << " by " << every;
+        sample.setup.t0 =
+            expected;  // of a run that goes on: its next frame's, which the header does not take
+      }
+    }
+}
+
 TEST(DcdFile, HasTheCellAndEachAxisInTurn) {
   const TemporaryFolder folder;
   Sample sample;
