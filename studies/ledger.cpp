@@ -34,11 +34,7 @@ bool read_line(const std::string& line, std::string& name, Trial& t) {
 Ledger::Ledger(std::filesystem::path file, const std::string& study) : file_(std::move(file)) {
   std::ifstream in(file_);
   std::string line;
-  if (!std::getline(in, line)) {
-    std::ofstream(file_) << study << "\n";
-    return;
-  }
-  if (line != study)
+  if (std::getline(in, line) && line != study)
     throw InputError(
         fmt::format("{}: holds another study that was stopped ({}); delete it, or take another "
                     "folder",
@@ -52,6 +48,7 @@ Ledger::Ledger(std::filesystem::path file, const std::string& study) : file_(std
   whole.write(study + "\n");
   for (const auto& [name, trial] : done_) whole.write(line_of(name, trial));
   whole.commit();
+  rows_.emplace(file_, size_of(file_));
 }
 
 const Trial& Ledger::at(const std::string& name) const {
@@ -61,9 +58,7 @@ const Trial& Ledger::at(const std::string& name) const {
 Trial Ledger::once(const std::string& name, const std::function<Trial()>& make) {
   if (const auto at = done_.find(name); at != done_.end()) return at->second;
   Trial trial = make();
-  std::ofstream out(file_, std::ios::app);
-  out << line_of(name, trial) << std::flush;
-  if (!out) throw OutsideError(file_.string() + ": cannot write");
+  rows_->write(line_of(name, trial));
   return done_[name] = trial;
 }
 

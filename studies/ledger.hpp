@@ -3,9 +3,11 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "files/output.hpp"
 #include "studies/trial.hpp"
 
 namespace taut {
@@ -20,7 +22,8 @@ struct Job {
 // goes on where it was. The first line says which study it is.
 class Ledger {
  public:
-  // Throws InputError where the file holds another study.
+  // Throws InputError where the file holds another study, and, as once() does, OutsideError where the disk
+  // refuses.
   Ledger(std::filesystem::path file, const std::string& study);
 
   // The trial of that name: from the file, or made now and written there.
@@ -34,6 +37,7 @@ class Ledger {
 
  private:
   std::filesystem::path file_;
+  std::optional<GrowingFile> rows_;
   std::map<std::string, Trial> done_;
 };
 
