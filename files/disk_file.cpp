@@ -16,9 +16,11 @@ namespace taut {
 
 DiskFile::DiskFile(const std::filesystem::path& path, Opening opening)
     : path_(path),
-      descriptor_(::open(
-          path.c_str(),
-          O_RDWR | O_CLOEXEC | (opening == kThere ? 0 : O_CREAT) | (opening == kNew ? O_TRUNC : 0), 0666)) {
+      descriptor_(::open(path.c_str(),
+                         O_CLOEXEC | (opening == kRead ? O_RDONLY : O_RDWR) |
+                             (opening == kNew || opening == kEither ? O_CREAT : 0) |
+                             (opening == kNew ? O_TRUNC : 0),
+                         0666)) {
   if (descriptor_ < 0) refuse("open");
 }
 

@@ -10,7 +10,8 @@ namespace taut {
 // names the file.
 class DiskFile {
  public:
-  enum Opening { kNew, kThere, kEither };  // empty, whatever was there; as it is; as it is or else empty
+  // Empty, whatever was there; as it is; as it is or else empty; as it is, to be read alone.
+  enum Opening { kNew, kThere, kEither, kRead };
 
   DiskFile(const std::filesystem::path& path, Opening opening);
   DiskFile(DiskFile&& other) noexcept;

@@ -78,15 +78,17 @@ void write_bonds(const H5Maker& make, const TrajectorySetup& setup) {
 }  // namespace
 
 struct H5mdFile::Contents {
-  Contents(const std::filesystem::path& path, const TrajectorySetup& setup, bool fresh)
-      : medium_{JournaledFile(path, fresh ? DiskFile::kNew : DiskFile::kThere), 0, {}},
+  Contents(const std::filesystem::path& path, const TrajectorySetup& setup, DiskFile::Opening opening)
+      : medium_{JournaledFile(path, opening), 0, {}},
         periodic_(setup.periodic),
         bonds_(setup.sys.bond_count()),
         atoms_(setup.sys.atoms()) {
     attempt([&] {
       const H5Handle access = access_to(medium_);
+      const bool fresh = opening == DiskFile::kNew;
+      const unsigned rights = opening == DiskFile::kRead ? H5F_ACC_RDONLY : H5F_ACC_RDWR;
       file_ = {fresh ? H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access)
-                     : H5Fopen(path.c_str(), H5F_ACC_RDWR, access),
+                     : H5Fopen(path.c_str(), rights, access),
                H5Fclose};
       if (fresh) write_start(setup);
       open_sets();
@@ -220,7 +222,7 @@ static void with_hdf5(const Deed& deed) {
 
 H5mdFile::H5mdFile(const std::filesystem::path& path, const TrajectorySetup& setup, std::uint64_t mark) {
   with_hdf5([&] {
-    auto contents = std::make_unique<Contents>(path, setup, mark == 0);
+    auto contents = std::make_unique<Contents>(path, setup, mark == 0 ? DiskFile::kNew : DiskFile::kThere);
     if (mark > 0) contents->attempt([&] { contents->cut(mark); });
     contents_ = std::move(contents);
   });
@@ -234,7 +236,7 @@ std::uint64_t H5mdFile::frames(const std::filesystem::path& path, const Trajecto
   std::uint64_t frames = 0;
   with_hdf5([&] {
     try {
-      Contents contents(path, setup, false);
+      Contents contents(path, setup, DiskFile::kRead);
       contents.attempt([&] { frames = contents.frames(); });
     } catch (const OutsideError&) {
     }

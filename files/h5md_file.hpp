@@ -22,7 +22,7 @@ class H5mdFile : public Output {
   H5mdFile(const std::filesystem::path& path, const TrajectorySetup& setup, std::uint64_t mark);
   ~H5mdFile() override;
 
-  // How many a file has; 0 where it is not there or cannot be read.
+  // How many a file has; 0 where it is not there or cannot be read. Changes nothing on disk.
   static std::uint64_t frames(const std::filesystem::path& path, const TrajectorySetup& setup);
 
   void add(const Frame& frame);

@@ -13,31 +13,38 @@ struct Change {
   std::uint64_t at, bytes;
 };
 
-}  // namespace
-
-JournaledFile::JournaledFile(const std::filesystem::path& path, DiskFile::Opening opening)
-    : path_(path), journal_(path.string() + ".journal"), file_(path, opening) {
-  std::error_code ignored;
-  if (opening == DiskFile::kThere && std::filesystem::exists(journal_, ignored)) {
-    const DiskFile journal(journal_, DiskFile::kThere);
-    std::string text(journal.size(), '\0');
-    text.resize(journal.read(0, text.data(), text.size()));
-    carry_out(text);
-    file_.sync();
-  }
-  std::filesystem::remove(journal_, ignored);
-  std::filesystem::remove(journal_.string() + ".part", ignored);
-  size_ = settled_ = file_.size();
-}
-
-void JournaledFile::carry_out(std::string_view journal) {
+// `write` takes each change: where it begins, and its bytes.
+void carry_out(std::string_view journal, const auto& write) {
   while (journal.size() >= sizeof(Change)) {
     Change change{};
     std::memcpy(&change, journal.data(), sizeof change);
     journal.remove_prefix(sizeof change);
-    file_.write(change.at, journal.substr(0, change.bytes));
+    write(change.at, journal.substr(0, change.bytes));
     journal.remove_prefix(std::min<std::size_t>(change.bytes, journal.size()));
   }
+}
+
+}  // namespace
+
+JournaledFile::JournaledFile(const std::filesystem::path& path, DiskFile::Opening opening)
+    : path_(path), journal_(path.string() + ".journal"), file_(path, opening) {
+  size_ = settled_ = file_.size();
+  const auto to_disk = [&](std::uint64_t at, std::string_view bytes) { file_.write(at, bytes); };
+  const auto to_memory = [&](std::uint64_t at, std::string_view bytes) { write(at, bytes); };
+  std::error_code ignored;
+  if (opening != DiskFile::kNew && std::filesystem::exists(journal_, ignored)) {
+    const DiskFile journal(journal_, DiskFile::kRead);
+    std::string text(journal.size(), '\0');
+    text.resize(journal.read(0, text.data(), text.size()));
+    if (opening == DiskFile::kRead)
+      carry_out(text, to_memory);
+    else
+      carry_out(text, to_disk), file_.sync();
+  }
+  if (opening == DiskFile::kRead) return;
+  std::filesystem::remove(journal_, ignored);
+  std::filesystem::remove(journal_.string() + ".part", ignored);
+  size_ = settled_ = file_.size();
 }
 
 void JournaledFile::read(std::uint64_t at, char* into, std::size_t bytes) const {
@@ -85,7 +92,7 @@ void JournaledFile::commit(std::uint64_t size) {
     AtomicFile aside(journal_);
     aside.write(journal);
     aside.commit();
-    carry_out(journal);
+    carry_out(journal, [&](std::uint64_t at, std::string_view change) { file_.write(at, change); });
   }
   file_.cut(size);
   file_.sync();

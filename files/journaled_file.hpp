@@ -11,7 +11,7 @@ namespace taut {
 // program or the machine stops. What lies below the end of the last commit is changed in memory only; a
 // commit writes these changes to a journal beside the file ("<file>.journal", whole or not there at all),
 // then over the file, then drops the journal. What lies above is written at once: nobody looks there yet.
-// A journal found when the file is opened is carried out first.
+// A journal found when the file is opened is carried out first; in memory alone where the file is only read.
 class JournaledFile {
  public:
   JournaledFile(const std::filesystem::path& path, DiskFile::Opening opening);
@@ -29,7 +29,6 @@ class JournaledFile {
   static constexpr std::uint64_t kPage = 4096;
   using Page = std::array<char, kPage>;
 
-  void carry_out(std::string_view journal);
   void write_to_page(std::uint64_t at, std::string_view bytes);
 
   std::filesystem::path path_, journal_;

@@ -129,6 +129,10 @@ TEST_F(RunFolders, AnOutputThatIsGoneIsPutBackOrBegunAnew) {
   const fs::path out = in("parts");
   ASSERT_EQ(run(with(droplet(out, "40"), {"--set", "run.trajectory_every=5", "run.trajectory=both"})).code,
             0);
+  // A journal, as a crash of the machine leaves one: the first eight bytes again.
+  const std::uint64_t change[] = {0, 8};
+  std::ofstream(out / "trajectory.h5md.journal", std::ios::binary)
+      << std::string(reinterpret_cast<const char*>(change), sizeof change) << "\x89HDF\r\n\x1a\n";
   for (const char* name : {"trajectory.dcd", "trajectory.h5md", "log.csv"}) {
     fs::rename(out / name, in(name));
     const auto before = all_files(out);

@@ -87,6 +87,12 @@ TEST(JournaledFile, CarriesOutTheJournalItFinds) {
   const fs::path path = folder.write("file", "0123456789");
   const std::uint64_t change[] = {3, 4};
   folder.write("file.journal", std::string(reinterpret_cast<const char*>(change), sizeof change) + "DEFG");
+  {
+    const JournaledFile read(path, DiskFile::kRead);
+    EXPECT_EQ(read_all(read), "012DEFG789");
+  }
+  EXPECT_EQ(contents(path), "0123456789");
+  EXPECT_TRUE(fs::exists(folder.path() / "file.journal"));
   const JournaledFile file(path, DiskFile::kThere);
   EXPECT_EQ(contents(path), "012DEFG789");
   EXPECT_FALSE(fs::exists(folder.path() / "file.journal"));
