@@ -140,6 +140,10 @@ void check_nonbonded(const Nonbonded& nb, int n, const Box& box) {
     require(std::ssize(type) == n, "nonbonded: {} types for {} atoms", type.size(), n);
     require(a.cols() == types && b.rows() == types && b.cols() == types && a.allFinite() && b.allFinite(),
             "nonbonded: a table of Lennard-Jones that is not of {} x {} finite numbers", types, types);
+    require(types <= kMostTypes,
+            "nonbonded: a table of Lennard-Jones of {} types, expected at most {}: give atoms with the same "
+            "numbers the same type",
+            types, kMostTypes);
     for (const int t : type) require(t >= 0 && t < types, "nonbonded: type {}, there are {}", t, types);
   }
   std::set<std::pair<int, int>> seen;
@@ -164,16 +168,16 @@ void check_wca(const Wca& wca, int n) {
 
 }  // namespace
 
-void check_room(const Terms& terms, const Box& box) {
-  if (!box.periodic()) return;
+std::string lack_of_room(const Terms& terms, const Box& box) {
+  if (!box.periodic()) return "";
   const double half = 0.5 * box.edge.minCoeff();
-  if (terms.nonbonded && terms.nonbonded->cutoff)
-    require(*terms.nonbonded->cutoff <= half,
-            "nonbonded: cutoff {} nm is over half the box's shortest edge, {} nm", *terms.nonbonded->cutoff,
-            half);
-  if (terms.wca)
-    require(terms.wca->reach() <= half, "wca: beads reach {} nm, over half the box's shortest edge, {} nm",
-            terms.wca->reach(), half);
+  if (terms.nonbonded && terms.nonbonded->cutoff && !(*terms.nonbonded->cutoff <= half))
+    return fmt::format("nonbonded: cutoff {} nm is over half the box's shortest edge, {} nm",
+                       *terms.nonbonded->cutoff, half);
+  if (terms.wca && !(terms.wca->reach() <= half))
+    return fmt::format("wca: beads reach {} nm, over half the box's shortest edge, {} nm", terms.wca->reach(),
+                       half);
+  return "";
 }
 
 void check_terms(const System& sys, const Box& box, const Terms& terms) {
@@ -187,7 +191,7 @@ void check_terms(const System& sys, const Box& box, const Terms& terms) {
   }
   if (terms.nonbonded) check_nonbonded(*terms.nonbonded, n, box);
   if (terms.wca) check_wca(*terms.wca, n);
-  check_room(terms, box);
+  if (const std::string flaw = lack_of_room(terms, box); !flaw.empty()) throw InputError(flaw);
   if (terms.gravity) require(terms.gravity->allFinite(), "gravity: not a finite vector");
   const auto check_one = [n](const Place& term, int atom, const Vec3& v) {
     check_atoms(term, {atom}, n);

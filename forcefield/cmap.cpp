@@ -36,14 +36,14 @@ void subtract(const std::array<int, 4>& a, const Dihedral& d, double slope, Vect
   f.col(a[3]) -= slope * d.grad_l;
 }
 
-// The cell an angle is in, and how far, from 0 to 1.
+// The cell an angle is in, and how far, from 0 to 1. An angle that is no number stays one.
 struct PlaceOnMap {
   int cell;
   double within;
 
   PlaceOnMap(double angle, int n) {
     const double turns = angle / (2 * std::numbers::pi), at = (turns - std::floor(turns)) * n;
-    cell = std::min(static_cast<int>(at), n - 1);
+    cell = at < n ? static_cast<int>(at) : n - 1;
     within = at - cell;
   }
 };

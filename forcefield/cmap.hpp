@@ -41,7 +41,7 @@ inline std::array<int, 8> atoms_of(const CmapPair& t) {
   return {t.phi[0], t.phi[1], t.phi[2], t.phi[3], t.psi[0], t.psi[1], t.psi[2], t.psi[3]};
 }
 
-// Adds the forces to f and returns the energy [kJ/mol]. There are few of them: one after the other.
+// Adds the forces to f and returns the energy [kJ/mol], one pair after the other: in no lanes, whatever its name.
 double add_in_lanes(std::span<const CmapPair> pairs, const Vectors& x, Vectors& f);
 
 }  // namespace taut

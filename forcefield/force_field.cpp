@@ -6,6 +6,7 @@
 
 #include "forcefield/bonded.hpp"
 #include "forcefield/bonded_forces.hpp"
+#include "forcefield/check_positions.hpp"
 #include "forcefield/check_terms.hpp"
 #include "forcefield/clusters/cluster_pairs.hpp"
 #include "forcefield/dispersion.hpp"
@@ -36,8 +37,10 @@ struct ForceField::Impl {
     if (terms.nonbonded) {
       if (auto& parameters = terms.nonbonded->pme) {
         *parameters = chosen_parameters(*parameters, box, *terms.nonbonded->cutoff);
-        pme.emplace(*terms.nonbonded, terms.precision);
-        pme->set_box(box);
+        if (!terms.nonbonded->charge.isZero(0)) {
+          pme.emplace(*terms.nonbonded, terms.precision);
+          pme->set_box(box);
+        }
       }
       lj_coulomb.emplace(*terms.nonbonded, box.periodic(), terms.precision);
       exceptions = interacting(terms.nonbonded->exceptions);
@@ -51,12 +54,9 @@ struct ForceField::Impl {
   }
 
   void change_box(const Box& to) {
-    try {
-      check_room(terms, to);
-    } catch (const InputError& e) {
+    if (const std::string flaw = taut::lack_of_room(terms, to); !flaw.empty())
       throw SimulationFailure(
-          fmt::format("the box has shrunk: {}; take a larger system or a shorter cutoff", e.what()));
-    }
+          fmt::format("the box has shrunk: {}; take a larger system or a shorter cutoff", flaw));
     if (pme) pme->set_box(to);
     box = to;
   }
@@ -64,6 +64,7 @@ struct ForceField::Impl {
   void evaluate(const System& sys, const State& s, Vectors& f) {
     if (s.box != box) change_box(s.box);
     const Vectors& x = s.x;
+    place_atoms(x);
     f.resize(3, x.cols());
     if (!pairs_first())
       by_atoms(sys.atoms(), [&](int first, int last) { f.middleCols(first, last - first).setZero(); });
@@ -75,10 +76,19 @@ struct ForceField::Impl {
       outer.emplace_back("restraint", add_restraints(terms.restraints, box, x, f));
     for (const auto& field : terms.own) outer.emplace_back(field->name(), field->add(x, f));
     using enum ClusterPairs::Onto;
-    if (lj_coulomb) lj_coulomb->add_forces(x, box, f, pairs_first() ? kNothing : kWhatIs);
+    if (lj_coulomb) lj_coulomb->add_forces(f, pairs_first() ? kNothing : kWhatIs);
     if (pme) pme->add_forces(x, f);
-    if (wca) wca->add_forces(x, box, f, pairs_first() && !lj_coulomb ? kNothing : kWhatIs);
+    if (wca) wca->add_forces(f, pairs_first() && !lj_coulomb ? kNothing : kWhatIs);
     evaluated = true;
+  }
+
+  // Throws for a position that is not finite or absurd, before any force sees it. Lists of pairs hold every
+  // atom they have to its margin; others are looked at one by one.
+  void place_atoms(const Vectors& x) {
+    if (lj_coulomb) lj_coulomb->update_lists(x, box);
+    if (wca) wca->update_lists(x, box);
+    const bool all = (lj_coulomb && lj_coulomb->on_every_atom()) || (wca && wca->on_every_atom());
+    if (!all) check_positions(x);
   }
 
   // Nothing acts before them, and they on every atom: forces need not be cleared.
@@ -113,6 +123,10 @@ void ForceField::operator()(const System& sys, State& s) {
   place_sites(sys.sites, s.x);
   impl_->evaluate(sys, s, s.f);
   impl_->handed_virial = hand_to_parents(sys.sites, s.x, s.f);
+}
+
+std::string ForceField::lack_of_room(const Box& box) const {
+  return taut::lack_of_room(impl_->terms, box);
 }
 
 Eigen::Matrix3d ForceField::virial(const Vectors& x) const {

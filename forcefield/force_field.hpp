@@ -25,8 +25,12 @@ class ForceField final : public ForceLaw {
   ForceField& operator=(ForceField&&) noexcept;
 
   // What hangs on the box is made anew where it has changed: lists, the mesh's influence function (its grid
-  // and α stay), constants that go as 1/V. Throws SimulationFailure where a cutoff no longer fits it.
+  // and α stay), constants that go as 1/V. Throws SimulationFailure where a cutoff no longer fits it, and for
+  // a position that is not finite or absurd, before any force sees it (check_positions.hpp).
   void operator()(const System& sys, State& s) override;
+
+  // What in a box would be too narrow for a cutoff; empty: nothing.
+  std::string lack_of_room(const Box& box) const;
 
   // Of the last evaluation [kJ/mol]. The energies of pairs are summed when first asked for: a step that does
   // not ask does not pay.

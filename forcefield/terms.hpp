@@ -124,7 +124,7 @@ class OwnField {
 // precision, sums and the rest in double.
 enum class Precision { kDouble, kMixed };
 
-// All of a scene's forces. What is empty costs nothing.
+// All of a scene's forces. What is empty takes no time in a step.
 struct Terms {
   std::vector<HarmonicBond> bonds{};
   std::vector<HarmonicAngle> angles{};

@@ -30,18 +30,19 @@ Vec3 CentreScaling::centre(int group, const Vectors& of) const {
   return sum;
 }
 
-void CentreScaling::scale(const Vec3& by, Vectors& of) const {
+void CentreScaling::scale(const Vec3& by, Vectors& of, Atoms which) const {
   for (int g = 0; g < groups(); ++g) {
     const Vec3 shift = (by.array() - 1).matrix().cwiseProduct(centre(g, of));
-    for (int k = begin_[g]; k < begin_[g + 1]; ++k) of.col(atom_[k]) += shift;
+    for (int k = begin_[g]; k < begin_[g + 1]; ++k)
+      if (which == Atoms::kAll || share_[k] > 0) of.col(atom_[k]) += shift;
   }
 }
 
 void CentreScaling::scale_positions(const Vec3& mu, Vectors& x) const {
-  scale(mu, x);
+  scale(mu, x, Atoms::kAll);
 }
 void CentreScaling::scale_velocities(const Vec3& mu, Vectors& v) const {
-  scale(mu.cwiseInverse(), v);
+  scale(mu.cwiseInverse(), v, Atoms::kOfMass);
 }
 
 Vec3 CentreScaling::twice_kinetic(const Vectors& v) const {

@@ -18,7 +18,7 @@ class CentreScaling {
 
   int groups() const { return static_cast<int>(begin_.size()) - 1; }
   void scale_positions(const Vec3& mu, Vectors& x) const;
-  void scale_velocities(const Vec3& mu, Vectors& v) const;
+  void scale_velocities(const Vec3& mu, Vectors& v) const;  // virtual sites have none in a State
 
   // Σ M V² along x, y and z, of the groups' centres alone [kJ/mol].
   Vec3 twice_kinetic(const Vectors& v) const;
@@ -27,7 +27,8 @@ class CentreScaling {
 
  private:
   Vec3 centre(int group, const Vectors& of) const;
-  void scale(const Vec3& by, Vectors& of) const;
+  enum class Atoms { kAll, kOfMass };
+  void scale(const Vec3& by, Vectors& of, Atoms which) const;
 
   std::vector<int> begin_, atom_;  // of a group's, in atom_
   std::vector<double> share_;      // as atom_: of the group's mass

@@ -70,6 +70,8 @@ bool run(const Dynamics& dynamics, const RunPlan& plan, RunProgress& progress, S
   const auto fail = [&](const SolveStats& stats) {
     throw SimulationFailure(diagnose(dynamics.sys, s, stats, progress.step).text());
   };
+  if (plan.observe_every < 1)
+    throw InputError(fmt::format("a run's observe_every is {}, expected 1 or more", plan.observe_every));
   while (progress.step < plan.steps) {
     const long n = ++progress.step;
     const SolveStats stats = take_step(dynamics, plan, s);

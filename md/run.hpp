@@ -10,7 +10,7 @@ namespace taut {
 struct RunPlan {
   double h = 0;  // [ps]
   long steps = 0;
-  long observe_every = 100;  // steps
+  long observe_every = 100;  // steps, at least 1: so often a run also looks whether numbers are finite
   double broken_at = 0.5;    // |σ|/d² from which a bond counts as broken
 };
 
@@ -58,7 +58,7 @@ struct Watch {
 };
 
 // Takes the steps that are left of plan.steps. Returns whether all were taken. Throws SimulationFailure
-// before numbers turn into NaN.
+// before numbers turn into NaN, and InputError for a plan that cannot be carried out.
 bool run(const Dynamics& dynamics, const RunPlan& plan, RunProgress& progress, State& s,
          const Watch& watch = {});
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <tuple>
 #include <utility>
 
@@ -35,7 +36,8 @@ struct Frame {
   Frame(const VirtualSite& site, const Sums& at) : length(at.x.norm()) {
     const Vec3 normal = at.x.cross(at.y);
     area = normal.norm();
-    if (!(area > kInLine * length * at.y.norm()))
+    // A site whose parents are nowhere is nowhere, too: which of them it is, is for others to say.
+    if (std::isfinite(area) && !(area > kInLine * length * at.y.norm()))
       throw SimulationFailure(fmt::format(
           "atom {}: the parents of its virtual site (the first is atom {}) are in line or in one place, "
           "expected three that span a plane",

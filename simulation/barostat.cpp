@@ -1,23 +1,41 @@
 #include "simulation/barostat.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
+#include "md/errors.hpp"
 #include "md/units.hpp"
 #include "systems/whole_molecules.hpp"
 
 namespace taut {
-CellRescaling::CellRescaling(const System& sys, const RunSettings& run, std::uint64_t seed,
-                             ForceField& forces)
-    : centres_(sys, molecules(sys, {})),
+namespace {
+
+constexpr double kApart = 10;  // times further apart than at the start may edges be
+
+std::string in_words(const Vec3& edge) {
+  return fmt::format("{:.4g} × {:.4g} × {:.4g} nm", edge.x(), edge.y(), edge.z());
+}
+
+// Which edges change alike, by numbers.
+std::array<int, 3> alike(const std::string& coupling) {
+  if (coupling == "anisotropic") return {0, 1, 2};
+  if (coupling == "semi-isotropic") return {0, 0, 1};
+  return {0, 0, 0};
+}
+
+}  // namespace
+
+CellRescaling::CellRescaling(const Scene& scene, std::uint64_t seed, ForceField& forces)
+    : centres_(scene.system, molecules(scene.system, {})),
       forces_(forces),
-      alike_(run.coupling == "anisotropic"      ? std::array{0, 1, 2}
-             : run.coupling == "semi-isotropic" ? std::array{0, 0, 1}
-                                                : std::array{0, 0, 0}),
-      pressure_(run.pressure_bar / kBarPerUnit),
-      kT_(kBoltzmann * run.temperature_k),
-      compressibility_(run.compressibility_per_bar * kBarPerUnit),
-      kept_(std::exp(-static_cast<double>(run.barostat_every) * run.h() / run.barostat_ps)),
-      every_(run.barostat_every),
+      start_(scene.start.box.edge),
+      alike_(alike(scene.run.coupling)),
+      pressure_(scene.run.pressure_bar / kBarPerUnit),
+      kT_(kBoltzmann * scene.run.temperature_k),
+      compressibility_(scene.run.compressibility_per_bar * kBarPerUnit),
+      kept_(std::exp(-static_cast<double>(scene.run.barostat_every) * scene.run.h() / scene.run.barostat_ps)),
+      every_(scene.run.barostat_every),
       random_(seed) {}
 
 Vec3 CellRescaling::pressure(const State& s, const Vectors& F) const {
@@ -47,11 +65,28 @@ void CellRescaling::after_step(const State& s, const Vectors& F) {
 double CellRescaling::move(const System&, State& s) {
   if (strain_.isZero(0)) return 0;
   const Vec3 mu = strain_.array().exp(), twice_kinetic = centres_.twice_kinetic(s.v);
+  demand_sound(s.box.scaled(mu));
   centres_.scale_positions(mu, s.x);
   centres_.scale_velocities(mu, s.v);
   s.box = s.box.scaled(mu);
   strain_.setZero();
   return 0.5 * twice_kinetic.dot(mu.cwiseAbs2().cwiseInverse() - Vec3::Ones());
+}
+
+void CellRescaling::demand_sound(const Box& box) const {
+  const std::string one_shape =
+      alike_[2] == 0 ? "" : ", or run.coupling = \"isotropic\": a fluid does not hold its box's shape";
+  if (const std::string flaw = forces_.lack_of_room(box); !flaw.empty())
+    throw SimulationFailure(
+        fmt::format("the box has shrunk to {} under the barostat (c-rescale): {}; take a larger system or a "
+                    "shorter cutoff{}",
+                    in_words(box.edge), flaw, one_shape));
+  const Vec3 grown = box.edge.cwiseQuotient(start_);
+  if (!(grown.maxCoeff() <= kApart * grown.minCoeff()))
+    throw SimulationFailure(
+        fmt::format("the box has run to {} under the barostat (c-rescale, {} at the start); take "
+                    "run.coupling = \"isotropic\": nothing holds the box's shape, as in a fluid",
+                    in_words(box.edge), in_words(start_)));
 }
 
 MonteCarloBarostat::MonteCarloBarostat(const System& sys, const std::vector<int>& molecule,
@@ -75,10 +110,13 @@ double MonteCarloBarostat::move(const System& sys, State& s) {
   const double V = s.box.volume(), before = energy(sys);
   if (largest_ == 0) largest_ = 0.01 * V;
   const double to = V + largest_ * (2 * random_.uniform() - 1), chance = random_.uniform();
-  if (to > 0) {
-    const Vec3 mu = Vec3::Constant(std::cbrt(to / V));
+  const Vec3 mu = Vec3::Constant(std::cbrt(std::max(to, 0.0) / V));
+  trial_.box = s.box.scaled(mu);
+  const bool too_narrow = !forces_.lack_of_room(trial_.box).empty();
+  ++trials_;
+  too_narrow_ += too_narrow;
+  if (to > 0 && !too_narrow) {
     centres_.scale_positions(mu, trial_.x);
-    trial_.box = s.box.scaled(mu);
     const double W = energy(sys) - before + pressure_ * (to - V) - centres_.groups() * kT_ * std::log(to / V);
     if (chance < std::exp(-W / kT_)) {
       s.x = trial_.x;
@@ -88,6 +126,15 @@ double MonteCarloBarostat::move(const System& sys, State& s) {
   }
   if (++tried_ == kTrials) adapt();
   return 0;
+}
+
+std::string MonteCarloBarostat::doubt() const {
+  if (too_narrow_ == 0) return "";
+  return fmt::format(
+      "the barostat refused {} of {} trial boxes as too narrow for the cutoff, which keeps the volume up; "
+      "take "
+      "a larger system or a shorter cutoff",
+      too_narrow_, trials_);
 }
 
 void MonteCarloBarostat::adapt() {
@@ -101,7 +148,9 @@ std::unique_ptr<Barostat> make_barostat(const Scene& scene, std::uint64_t seed, 
   const RunSettings& run = scene.run;
   const System& sys = scene.system;
   if (!run.barostatted()) return nullptr;
-  if (run.barostat == "c-rescale") return std::make_unique<CellRescaling>(sys, run, seed, forces);
+  if (run.barostat_every < 1)
+    throw InputError(fmt::format("run.barostat_every is {}, expected 1 or more", run.barostat_every));
+  if (run.barostat == "c-rescale") return std::make_unique<CellRescaling>(scene, seed, forces);
   return std::make_unique<MonteCarloBarostat>(sys, molecules(sys, scene.terms), run, seed, forces);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "forcefield/force_field.hpp"
 #include "md/archive.hpp"
@@ -20,6 +21,7 @@ class Barostat {
   // At a step's end; F: the forces at x but for constraints'.
   virtual void after_step(const State& s, const Vectors& F) = 0;
   virtual void serialize(Archive& archive) = 0;
+  virtual std::string doubt() const { return ""; }  // what speaks against the volumes it gave; empty: nothing
 };
 
 // Stochastic cell rescaling (Bernetti and Bussi 2020, doi:10.1063/5.0020514; along edges each for itself, Del
@@ -31,10 +33,15 @@ class Barostat {
 // Ξ is the virial of all other forces f. The equation is linear where β is the compressibility, and is taken
 // over a time t at once,
 //     Δε = (kβ/3)(1 − c)(P − P₀) + √((1 − c²) k kT β/(3V)) R,   c = exp(−t/τ),
-// so that the distribution does not depend on how often. τ only sets the pace, and so does a β that is wrong.
+// so that the distribution does not depend on how often, nor on τ, which sets the pace alone. A β that is s
+// times the compressibility sets the pace, too, while t is short for τ: it makes the variance of the volume
+// (1 + c)/(2 − s(1 − c)) times what it is, 1 + (s − 1)t/2τ.
+//
+// It stops, by a SimulationFailure, a box that shrinks to twice a cutoff, and one whose edges go apart
+// tenfold: nothing holds the shape of a fluid's box whose edges change each for itself.
 class CellRescaling final : public Barostat {
  public:
-  CellRescaling(const System& sys, const RunSettings& run, std::uint64_t seed, ForceField& forces);
+  CellRescaling(const Scene& scene, std::uint64_t seed, ForceField& forces);
 
   double move(const System& sys, State& s) override;
   void after_step(const State& s, const Vectors& F) override;
@@ -44,8 +51,11 @@ class CellRescaling final : public Barostat {
   Vec3 pressure(const State& s, const Vectors& F) const;
 
  private:
+  void demand_sound(const Box& box) const;
+
   CentreScaling centres_;  // of what rigid bonds tie together
   ForceField& forces_;
+  const Vec3 start_;          // the edges of the scene's start [nm]
   std::array<int, 3> alike_;  // edges with the same number change alike
   double pressure_, kT_;      // [kJ/mol/nm³], [kJ/mol]
   double compressibility_;    // [nm³·mol/kJ]
@@ -61,7 +71,8 @@ class CellRescaling final : public Barostat {
 //     min(1, exp(−W/kT)),   W = U' − U + P₀(V' − V) − N kT ln(V'/V),
 // velocities as they are. Every ten trials the largest ΔV changes where less than a quarter or more than
 // three quarters were taken: by a tenth at first, then less and less, or what is sampled would be another
-// distribution (Roberts and Rosenthal 2007, doi:10.1239/jap/1183667414).
+// distribution (Roberts and Rosenthal 2007, doi:10.1239/jap/1183667414). A box that is too narrow for a
+// cutoff is never taken: volumes end there as at a wall, which is a doubt.
 class MonteCarloBarostat final : public Barostat {
  public:
   // molecule: of each atom, counted from 0.
@@ -74,6 +85,7 @@ class MonteCarloBarostat final : public Barostat {
     archive(steps_, largest_, tried_, taken_, adapted_, random_);
     archive.demand(largest_ >= 0 && 0 <= taken_ && taken_ <= tried_ && tried_ < kTrials && adapted_ >= 0);
   }
+  std::string doubt() const override;
 
  private:
   static constexpr int kTrials = 10;
@@ -87,6 +99,7 @@ class MonteCarloBarostat final : public Barostat {
   double largest_ = 0;  // ΔV [nm³]
   int tried_ = 0, taken_ = 0;
   long adapted_ = 0;
+  long trials_ = 0, too_narrow_ = 0;  // since it was made
   State trial_;
   Random random_;
 };

@@ -204,6 +204,7 @@ Summary Simulation::summary(const Record& end, double seconds, double constraint
     s.converged =
         std::max(sums_.largest_residual, s.max_rel_bond_error) <= kLeeway * method_->promised_error();
   s.doubts = doubts(s);
+  if (const std::string doubt = barostat_ ? barostat_->doubt() : ""; !doubt.empty()) s.doubts.push_back(doubt);
   return s;
 }
 

@@ -44,6 +44,14 @@ void check_barostat(const TomlTable& run, const Scene& scene) {
   if (!scene.run.thermostatted())
     run.fail("barostat", "a barostat needs a thermostat: run.thermostat = \"langevin\" or \"rescaling\"");
   if (!scene.start.box.periodic()) run.fail("barostat", "there is no box to change; leave the key out");
+  const auto& pairs = scene.terms.nonbonded;
+  if (pairs && !pairs->cutoff)
+    run.fail("barostat",
+             "pairs without a cutoff act across no box, so that it cannot keep their pressure; give them a "
+             "cutoff, or leave the key out");
+  if (!pairs && !scene.terms.wca && scene.run.coupling != "isotropic")
+    run.fail("coupling",
+             "no pairs of atoms act across the box, so nothing holds its shape: take \"isotropic\"");
   if (!scene.closed_but_for_restraints())
     run.fail("barostat",
              "an anchored atom (mass 0), gravity or a pull holds on to what the box would move; leave the "

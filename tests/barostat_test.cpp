@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "force_checks.hpp"
@@ -58,6 +59,7 @@ struct IdealGas {
       for (const auto& [i, j, d] : scene.system.bonds) rigid_rotor(i, j);
       box->after_step(s, s.f);
       box->move(scene.system, s);
+      s.box.edge.setConstant(std::cbrt(s.box.volume()));  // a shape that nothing holds goes anywhere
       if (n < steps / 20) continue;
       const double v = s.box.volume() * 40 / kT;
       mean.add(v);
@@ -113,6 +115,29 @@ INSTANTIATE_TEST_SUITE_P(All, Barostats,
                                            Case{"monte-carlo", "isotropic"}),
                          [](const auto& test) { return "case" + std::to_string(test.index); });
 
+// A compressibility taken s times too large, and steps t that are not short for τ: the variance of the volume
+// is (1 + c)/(2 − s(1 − c)) times what it is.
+TEST(CellRescaling, WidensTheVolumesWhereItsCompressibilityIsWrong) {
+  constexpr int kMolecules = 200;
+  IdealGas gas(kMolecules, 1);
+  gas.scene.run.barostat = "c-rescale";
+  gas.scene.run.compressibility_per_bar *= 2;
+  gas.scene.run.barostat_ps = 4;  // steps
+  ForceField forces(gas.scene.system, gas.s.box, {});
+  const auto barostat = make_barostat(gas.scene, 5, forces);
+  RunningMean mean, square;
+  for (int step = 0; step < 40000; ++step) {
+    for (int a = 0; a < kMolecules; ++a) gas.s.v.col(a).setConstant(std::sqrt(kT / gas.scene.system.mass[a]));
+    barostat->after_step(gas.s, gas.s.f);
+    barostat->move(gas.scene.system, gas.s);
+    const double v = gas.s.box.volume() * 40 / kT / kMolecules;
+    mean.add(v);
+    square.add(v * v);
+  }
+  const double V = mean.estimate().value, variance = square.estimate().value - V * V, c = std::exp(-0.25);
+  EXPECT_NEAR(variance * kMolecules, (1 + c) / (2 - 2 * (1 - c)), 0.05);  // 1.14
+}
+
 // All forces end at zero: switched, and in a conductor's reaction field or under Ewald's sum.
 Scene water(std::vector<std::string> more, bool pme = false) {
   for (const char* key : {"forcefield.switch_nm=0.75", "run.dt_fs=1"}) more.push_back(key);
@@ -142,7 +167,7 @@ TEST(CellRescaling, IsDrivenByThePressureOfTheCentres) {
     State s = scene.start;
     ForceField forces(scene.system, s.box, scene.terms);
     forces(scene.system, s);
-    const Vec3 P = CellRescaling(scene.system, scene.run, 1, forces).pressure(s, s.f);
+    const Vec3 P = CellRescaling(scene, 1, forces).pressure(s, s.f);
     for (int edge = 0; edge < 3; ++edge) {
       double expected = 0;
       for (int o = 0; o < scene.system.atoms(); o += 3) {
@@ -186,6 +211,16 @@ TEST_P(Held, BondsAreWhatTheyAreWithoutABarostat) {
 }
 INSTANTIATE_TEST_SUITE_P(All, Held, ::testing::Values("newton", "feedforward", "baumgarte", "settle"),
                          [](const auto& test) { return std::string(test.param); });
+
+TEST(Barostats, ThatNeverActAreRefused) {
+  IdealGas gas(3, 1);
+  ForceField forces(gas.scene.system, gas.s.box, {});
+  gas.scene.run.barostat_every = 0;
+  for (const char* name : {"c-rescale", "monte-carlo"}) {
+    gas.scene.run.barostat = name;
+    EXPECT_THROW(make_barostat(gas.scene, 7, forces), InputError);
+  }
+}
 
 // Momentum and length change by opposite factors, what turns within a group by none: and the heat is told.
 TEST(CellRescaling, ScalesVelocitiesOfCentresAgainstTheBox) {
@@ -232,8 +267,71 @@ TEST(Barostat, StopsBeforeTheBoxIsTooSmallForTheCutoff) {
     simulation.run({});
     FAIL() << "it went on in a box of " << simulation.state().box.edge.x() << " nm";
   } catch (const SimulationFailure& e) {
-    EXPECT_NE(std::string(e.what()).find("the box has shrunk"), std::string::npos) << e.what();
+    for (const char* word : {"the box has shrunk", "nm under the barostat (c-rescale)", "larger system"})
+      EXPECT_NE(std::string(e.what()).find(word), std::string::npos) << e.what();
   }
+}
+
+// Nothing holds the shape of a gas: before numbers run out, or a bond is blamed.
+TEST(Barostat, StopsWhereTheBoxRunsAway) {
+  IdealGas gas(30, 1);
+  gas.scene.run.barostat = "c-rescale";
+  gas.scene.run.coupling = "anisotropic";
+  ForceField forces(gas.scene.system, gas.s.box, {});
+  const auto barostat = make_barostat(gas.scene, 5, forces);
+  const Vec3 start = gas.s.box.edge;
+  const auto apart = [&] {
+    const Vec3 grown = gas.s.box.edge.cwiseQuotient(start);
+    return grown.maxCoeff() / grown.minCoeff();
+  };
+  const auto compress_along_z = [&] {
+    for (int a = 0; a < 30; ++a) gas.s.v.col(a) = Vec3(2, 2, 0);
+    barostat->after_step(gas.s, gas.s.f);
+    const State before = gas.s;
+    try {
+      barostat->move(gas.scene.system, gas.s);
+    } catch (const SimulationFailure& e) {
+      for (const char* word : {"the box has run to", "barostat (c-rescale", "run.coupling = \"isotropic\""})
+        EXPECT_NE(std::string(e.what()).find(word), std::string::npos) << e.what();
+      EXPECT_TRUE(gas.s.box == before.box && gas.s.x == before.x && gas.s.v == before.v);
+      return false;
+    }
+    return true;
+  };
+  for (int step = 0; step < 100000 && compress_along_z(); ++step) ASSERT_LE(apart(), 10);
+  EXPECT_GT(apart(), 5);
+}
+
+// It is no move, and counts as one that was refused.
+TEST(MonteCarlo, TakesNoBoxThatIsTooNarrowForTheCutoff) {
+  Simulation simulation(water({"run.steps=200", "run.thermostat=langevin", "run.barostat=monte-carlo",
+                               "run.pressure_bar=20000", "run.barostat_every=1", "run.log_every=100",
+                               "forcefield.cutoff_nm=0.93", "forcefield.switch_nm=0.8"}));
+  const Summary summary = simulation.run({});
+  EXPECT_EQ(summary.steps, 200);
+  EXPECT_GE(simulation.state().box.edge.x(), 2 * 0.93);
+  EXPECT_LT(simulation.state().box.edge.x(), 2 * 0.932);
+  const auto tells = [](const std::string& doubt) {
+    return doubt.find("trial boxes as too narrow for the cutoff") != std::string::npos;
+  };
+  EXPECT_EQ(std::count_if(summary.doubts.begin(), summary.doubts.end(), tells), 1);
+  Simulation free(water({"run.steps=20", "run.thermostat=langevin", "run.barostat=monte-carlo",
+                         "run.barostat_every=1", "run.log_every=10"}));
+  const auto none = free.run({}).doubts;
+  EXPECT_EQ(std::count_if(none.begin(), none.end(), tells), 0);
+}
+
+// Sites go with their parents, and have no velocity of their own in a State.
+TEST(CellRescaling, GivesVirtualSitesNoVelocity) {
+  Simulation simulation(water({"build.model=tip4pew", "run.steps=50", "run.thermostat=langevin",
+                               "run.barostat=c-rescale", "run.barostat_every=1", "run.pressure_bar=5000"}));
+  const double before = simulation.state().box.volume();
+  simulation.run({});
+  EXPECT_LT(simulation.state().box.volume(), 0.999 * before);
+  const System& sys = simulation.scene().system;
+  ASSERT_FALSE(sys.sites.empty());
+  for (const VirtualSite& site : sys.sites)
+    EXPECT_EQ(simulation.state().v.col(site.atom), Vec3(Vec3::Zero())) << site.atom;
 }
 
 }  // namespace

@@ -8,9 +8,10 @@
 #include "force_checks.hpp"
 #include "liquids.hpp"
 
-static std::atomic<long> allocations{0};
+static std::atomic<long> allocations{0}, bytes{0};
 static void* counted(std::size_t size, std::size_t alignment) {
   ++allocations;
+  bytes += static_cast<long>(size);
   if (void* p = std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment)) return p;
   throw std::bad_alloc();
 }
@@ -88,6 +89,26 @@ TEST(Forces, AllocateNothingOnceTheyHaveRoom) {
       terms.nonbonded->pme = PmeParameters{};
       EXPECT_EQ(allocated_the_second_time(terms, x, box_of(liquid)), 0) << "with PME";
     }
+}
+
+// The mesh of 128 points an edge has 17 MB: where nothing has a charge there is none.
+TEST(Pme, HasNoMeshWithoutCharges) {
+  const Liquid liquid{"argon", 5, 0.4, true, 0.8, 0, 1, false};
+  std::mt19937_64 rng(5);
+  Terms terms;
+  terms.nonbonded = forces_of(liquid);
+  const Vectors x = place(liquid, rng);
+  const Evaluated without = evaluate(terms, x, box_of(liquid));
+  terms.nonbonded->pme = PmeParameters{.alpha = 3, .grid = {128, 128, 128}};
+  const long before = bytes;
+  const Evaluated ours = evaluate(terms, x, box_of(liquid));
+  EXPECT_LT(bytes - before, 8'000'000);
+  EXPECT_EQ(ours.energy, without.energy);
+  EXPECT_EQ(ours.f, without.f);
+  terms.nonbonded->charge[3] = 0.5;
+  const long then = bytes;
+  evaluate(terms, x, box_of(liquid));
+  EXPECT_GT(bytes - then, 16'000'000);
 }
 
 }  // namespace

@@ -297,6 +297,19 @@ TEST(Run, StopsBeforeNaNAndSaysWhen) {
   }
 }
 
+TEST(Run, RefusesAPlanThatNeverObserves) {
+  const System sys = particle();
+  State s = at_rest(1);
+  Spring forces;
+  ConstraintMethod free;
+  for (const long every : {0L, -5L}) {
+    RunProgress progress;
+    EXPECT_THROW(run({sys, forces, free}, {.h = 1, .steps = 5, .observe_every = every}, progress, s),
+                 InputError);
+    EXPECT_EQ(progress.step, 0);
+  }
+}
+
 TEST(Diagnosis, SaysWhenAndWhere) {
   const System sys = make_system(Eigen::VectorXd::Ones(4), {{0, 1, 1}, {2, 3, 0.5}});
   State s = at_rest(4);

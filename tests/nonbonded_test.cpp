@@ -6,6 +6,7 @@
 #include <random>
 
 #include "force_checks.hpp"
+#include "md/errors.hpp"
 #include "md/units.hpp"
 #include "plain_pairs.hpp"
 #include "two_kinds.hpp"
@@ -240,6 +241,34 @@ TEST(Wca, AgreesWithADoubleLoop) {
     EXPECT_NEAR(ours.energy, plain.energy, 1e-11 * plain.energy);
     EXPECT_LT((ours.f - plain.f).norm(), 1e-12 * plain.f.norm());
     EXPECT_LT(ours.f.rowwise().sum().norm(), 1e-12 * ours.f.norm());
+  }
+}
+
+// Types of the last rows of the largest table find their own numbers, and one more is refused.
+TEST(LennardJones, TablesAreServedUpToTheirLargest) {
+  for (const int types : {2047, 2048}) {
+    Nonbonded nb = without_lj(without_charges(two_kinds(3)));
+    LennardJonesTable table{{types - 1, types - 2, 0},
+                            Eigen::MatrixXd::Constant(types, types, 1e9),
+                            Eigen::MatrixXd::Constant(types, types, 1e9)};
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        table.a(table.type[i], table.type[j]) = 1e-7 * (1 + i + j);
+        table.b(table.type[i], table.type[j]) = 1e-4 * (2 + i + j);
+      }
+    nb.lj_table = table;
+    const Vectors x = columns({{0, 0, 0}, {0.3, 0, 0}, {0.1, 0.35, 0}});
+    const auto plain = plain_pairs(nb, {}, x);
+    for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
+      const Terms terms{.nonbonded = nb, .precision = precision};
+      if (types > 2047) {
+        EXPECT_THROW(evaluate(terms, x), InputError);
+        continue;
+      }
+      const auto ours = evaluate(terms, x);
+      EXPECT_NEAR(ours.energy, plain.energy, 1e-6 * std::abs(plain.energy));
+      EXPECT_LT((ours.f - plain.f).norm(), 1e-6 * plain.f.norm());
+    }
   }
 }
 

@@ -59,6 +59,24 @@ temperature_k = 300
   EXPECT_THAT(complaint(water, {"run.pressure_bar=1"}), HasSubstr("counts only with run.barostat"));
   EXPECT_THAT(complaint(water, {"run.thermostat=langevin", "run.barostat=monte-carlo", "run.barostat_ps=1"}),
               HasSubstr("has no effect, it counts only with run.barostat = \"c-rescale\""));
+  const std::string gas = R"(hard_on = "nothing"
+build = {kind = "molecules", box_nm = [3, 3, 3]}
+[atom.A]
+mass_u = 10
+[molecule.dimer]
+atoms = ["A", "A"]
+bonds = [[0, 1, 0.1]]
+[[place]]
+molecule = "dimer"
+count = 20
+[run]
+temperature_k = 300
+)";
+  EXPECT_EQ(complaint(gas, warm), "no error");
+  EXPECT_THAT(
+      complaint(gas, {warm[0], warm[1], "run.coupling=semi-isotropic"}),
+      HasSubstr("run.coupling: no pairs of atoms act across the box, so nothing holds its shape: take "
+                "\"isotropic\""));
   EXPECT_THAT(complaint(SceneText{}.text, {"run.temperature_k=300", warm[0], warm[1]}),
               HasSubstr("run.barostat: there is no box to change; leave the key out"));
 }

@@ -1,11 +1,10 @@
 #include "forcefield/clusters/cluster_pairs.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
+#include "forcefield/check_positions.hpp"
 #include "forcefield/clusters/atom_tracks.hpp"
 #include "forcefield/clusters/cluster_search.hpp"
 #include "forcefield/clusters/pair_kernels.hpp"
@@ -14,7 +13,6 @@
 #include "forcefield/clusters/row_shares.hpp"
 #include "forcefield/clusters/slots.hpp"
 #include "forcefield/clusters/thread_forces.hpp"
-#include "md/errors.hpp"
 #include "md/shares.hpp"
 
 namespace taut {
@@ -35,7 +33,8 @@ double spread(const Vectors& x) {
 class ClusterPairs::Engine {
  public:
   virtual ~Engine() = default;
-  virtual void add_forces(const Vectors& x, const Box& box, Vectors& f, Onto onto) = 0;
+  virtual void update_lists(const Vectors& x, const Box& box) = 0;
+  virtual void add_forces(Vectors& f, Onto onto) = 0;
   virtual double energy() = 0;
   virtual Eigen::Matrix3d virial() = 0;
   virtual void serialize(Archive& archive) = 0;
@@ -53,15 +52,18 @@ class EngineIn final : public ClusterPairs::Engine {
         clusters_(p_.layout()),
         aim_{p_.way, p_.spare, p_.outer / 2} {}
 
-  void add_forces(const Vectors& x, const Box& box, Vectors& f, Onto onto) override {
+  void update_lists(const Vectors& x, const Box& box) override {
     if (p_.all_pairs() && x.cols() > 0) choose_unit(2 * spread(x), x.cwiseAbs().maxCoeff());
     if (p_.periodic && box != clusters_.box()) forget();
     if (!searched_in_box_ || !place(x)) renew_lists(x, box);
+    energy_known_ = false;
+  }
+
+  void add_forces(Vectors& f, Onto onto) override {
     in_parallel(threads_, [&](int t) { add_pair_forces(p_.law, atoms_, inner_list(t), force_.cleared(t)); });
     by_clusters([&](const Share& share) {
       hand_out(force_.all(), clusters_, share, {atoms_.unit, onto}, f);
     });
-    energy_known_ = false;
   }
 
   double energy() override {
@@ -174,10 +176,8 @@ class EngineIn final : public ClusterPairs::Engine {
   }
 
   void search(const Vectors& x, const Box& box) {
-    for (Eigen::Index a = 0; a < x.cols(); ++a)
-      if (!x.col(a).allFinite())
-        throw SimulationFailure(
-            fmt::format("atom {}: position ({}, {}, {}) nm is not finite", a, x(0, a), x(1, a), x(2, a)));
+    searched_in_box_ = false;  // until it is done: where an atom is nowhere, no list serves
+    check_positions(x);
     by_clusters([&](const Share& share) { tracks_.leave(clusters_, share); });
     p_.all_pairs() ? clusters_.build_in_order(x) : clusters_.build(x, box);
     threads_ = threads_for(clusters_.count(), kClustersPerThread);
@@ -306,12 +306,13 @@ class MixedWithoutCutoff final : public ClusterPairs::Engine {
  public:
   explicit MixedWithoutCutoff(const PairProblem& problem) : mixed_(problem), double_(problem) {}
 
-  void add_forces(const Vectors& x, const Box& box, Vectors& f, Onto onto) override {
+  void update_lists(const Vectors& x, const Box& box) override {
     constexpr double kWidest = 64;  // [nm]
     used_ = spread(x) <= kWidest ? static_cast<Engine*>(&mixed_) : &double_;
-    used_->add_forces(x, box, f, onto);
+    used_->update_lists(x, box);
     searches = mixed_.searches + double_.searches;
   }
+  void add_forces(Vectors& f, Onto onto) override { used_->add_forces(f, onto); }
   double energy() override { return used_->energy(); }
   Eigen::Matrix3d virial() override { return used_->virial(); }
   void serialize(Archive& archive) override { used_->serialize(archive); }
@@ -342,8 +343,11 @@ ClusterPairs::~ClusterPairs() = default;
 ClusterPairs::ClusterPairs(ClusterPairs&&) noexcept = default;
 ClusterPairs& ClusterPairs::operator=(ClusterPairs&&) noexcept = default;
 
-void ClusterPairs::add_forces(const Vectors& x, const Box& box, Vectors& f, Onto onto) {
-  engine_->add_forces(x, box, f, onto);
+void ClusterPairs::update_lists(const Vectors& x, const Box& box) {
+  engine_->update_lists(x, box);
+}
+void ClusterPairs::add_forces(Vectors& f, Onto onto) {
+  engine_->add_forces(f, onto);
 }
 double ClusterPairs::energy() {
   return engine_->energy();

@@ -29,10 +29,17 @@ class ClusterPairs {
 
   enum class Onto { kWhatIs, kNothing };  // of f; nothing, whatever it was, only where pairs act
   bool on_every_atom() const { return on_every_atom_; }
-  // Throws SimulationFailure for a position that is not finite.
+  // Lists that serve atoms where they are now. Throws SimulationFailure for a position that is not finite or
+  // absurd (check_positions.hpp), of any atom when lists are made, of those that pairs act on at any time.
   // In another box than before lists are made anew. Its shortest edge must be at least twice the cutoff.
-  void add_forces(const Vectors& x, const Box& box, Vectors& f, Onto onto = Onto::kWhatIs);
-  // At the positions of the last add_forces [kJ/mol].
+  void update_lists(const Vectors& x, const Box& box);
+  // Where the atoms were at the last update_lists.
+  void add_forces(Vectors& f, Onto onto = Onto::kWhatIs);
+  void add_forces(const Vectors& x, const Box& box, Vectors& f) {
+    update_lists(x, box);
+    add_forces(f);
+  }
+  // There, too [kJ/mol].
   double energy();
   Eigen::Matrix3d virial();  // Σ r⊗f
 
