@@ -162,9 +162,9 @@ Study::Study(const StudyArguments& arguments, const std::string& command, const 
       page_{.title = {}, .command = command, .notes = {}, .parts = {}} {}
 
 void Study::run(const std::vector<Job>& jobs, const std::vector<std::string>& notes) {
+  const StoppedAtOnce stopped_at_once;
   print_notes(notes);
   page_.notes = notes;
-  const StoppedAtOnce stopped_at_once;
   long left = 0, done = 0;
   for (const Job& job : jobs) left += !ledger_.has(job.name);
   if (left < static_cast<long>(jobs.size()))

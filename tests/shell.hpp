@@ -79,11 +79,13 @@ class Shell {
   // True once the process has computed for so long, in seconds of its own; false if it has ended.
   bool has_computed(double seconds) const {
     for (;; std::this_thread::yield()) {
-      if (waitpid(pid_, nullptr, WNOHANG | WNOWAIT) != 0) return false;
-      std::string stat = contents("/proc/" + std::to_string(pid_) + "/stat"), word;
+      const std::string stat = contents("/proc/" + std::to_string(pid_) + "/stat");
       std::istringstream fields(stat.substr(std::min(stat.size(), stat.rfind(')') + 1)));
-      for (int n = 0; n < 12; ++n) fields >> word;  // the twelfth after the name: time in user mode
-      if (std::atof(word.c_str()) / static_cast<double>(sysconf(_SC_CLK_TCK)) > seconds) return true;
+      std::string state, ticks;
+      fields >> state;
+      for (int n = 0; n < 11; ++n) fields >> ticks;  // the last of them: time in user mode
+      if (state == "Z") return false;
+      if (std::atof(ticks.c_str()) / static_cast<double>(sysconf(_SC_CLK_TCK)) > seconds) return true;
     }
   }
 
