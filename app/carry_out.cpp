@@ -205,7 +205,7 @@ void carry_out(Simulation& simulation, RunFolder* folder, Measured* measured) {
   if (json_alone()) {
     auto all = summary_json(simulation, summary);
     if (measured) all["measured"] = measured->json();
-    write_out(all.dump() + "\n");
+    write_out(all.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   }
   print_summary(simulation, summary, simulation.step() > first);
   if (measured) measured->print();

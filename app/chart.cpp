@@ -1,9 +1,12 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <map>
 
 #include "printing.hpp"
 #include "studies/chart_study.hpp"
+#include "studies/csv.hpp"
 #include "study.hpp"
 #include "words.hpp"
 
@@ -45,12 +48,47 @@ std::vector<std::string> notes_of(const ChartPlan& plan) {
   return notes;
 }
 
+// Throws InputError where none of the methods holds such bonds: there would be nothing to draw.
+void refuse_unfit_methods(const ChartPlan& plan) {
+  std::vector<std::string> reasons;
+  for (const std::string& name : plan.methods) {
+    try {
+      const MethodOptions method = default_options(name);
+      if (!plan.scene.system.one_sided.empty()) method.refuse_one_sided(plan.scene.system);
+      make_method(plan.scene.system, method, plan.scene.run.h());
+      return;
+    } catch (const InputError& e) {
+      reasons.emplace_back(e.what());
+    }
+  }
+  throw InputError(fmt::format("{}: no method to chart: {}", plan.scene.name, fmt::join(reasons, "; ")));
+}
+
+// A line for each reason, however many settings it has.
 void print_failures(const std::string& csv) {
-  const auto first = csv.find('\n') + 1;
-  const auto count = std::count(csv.begin(), csv.end(), '\n') - 1;
-  if (count > 0)
-    say("\n{} failed, not drawn (panel, setting, steps survived, reason):\n{}", counted(count, "setting"),
-        csv.substr(first));
+  struct Alike {
+    std::string first;
+    long count = 0;
+    std::vector<std::string> panels{};
+  };
+  const auto rows = csv_rows(csv);
+  std::vector<std::string> reasons;
+  std::map<std::string, Alike> of;
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    const std::string &panel = rows[k][0], &setting = rows[k][1], &reason = rows[k][3];
+    const auto [at, fresh] = of.try_emplace(reason, Alike{setting});
+    if (fresh) reasons.push_back(reason);
+    Alike& alike = at->second;
+    ++alike.count;
+    if (std::ranges::find(alike.panels, panel) == alike.panels.end()) alike.panels.push_back(panel);
+  }
+  if (reasons.empty()) return;
+  say("\n{} failed, not drawn (failures.csv has them all):\n", counted(std::ssize(rows) - 1, "setting"));
+  for (const std::string& reason : reasons) {
+    const Alike& alike = of[reason];
+    say("  {}{} ({}): {}\n", alike.first, alike.count > 1 ? fmt::format(" and {} more", alike.count - 1) : "",
+        fmt::join(alike.panels, ", "), reason);
+  }
 }
 
 // The panels of a finished study.
@@ -63,14 +101,14 @@ void show(const ChartPlan& plan, Study& study) {
       fmt::format("A curve a method; its points are the values of the named setting. Bars: quartiles of "
                   "{} interleaved repeats of {} steps.",
                   plan.repeats, plan.steps));
-  study.show(
-      {"drift",
-       fmt::format("{}energy drift {} over {} steps (lower left is better)", of, at, plan.drift_steps),
-       drift_csv(plan, ledger)},
-      "Constraint time against energy drift",
-      fmt::format("Slope of the total energy over {} steps; bars: 95 %, from the run's own standard "
-                  "error. A bar to the left edge: zero is inside. The figures have the bonds' share of it.",
-                  plan.drift_steps));
+  study.show({"drift",
+              fmt::format("{}energy drift {} over {} steps (lower left is better)", of, at, plan.drift_steps),
+              drift_csv(plan, ledger)},
+             "Constraint time against energy drift",
+             fmt::format("Slope of the total energy over {} steps; bars: 95 %, from the run's own standard "
+                         "error. An arrow: zero is inside, and the drift at most that. The figures have the "
+                         "bonds' share of it.",
+                         plan.drift_steps));
   study.show(
       {"order",
        fmt::format("{}distance from the exact trajectory after {:g} fs", of,
@@ -96,6 +134,7 @@ void show(const ChartPlan& plan, Study& study) {
 
 void chart(const ChartArguments& arguments) {
   const ChartPlan plan = plan_of(arguments);
+  refuse_unfit_methods(plan);
   Study study(arguments, arguments.command(), {plan.scene});
   const Ledger& ledger = study.ledger();
   const std::vector<Job> jobs = chart_jobs(plan, ledger);

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
@@ -60,9 +61,26 @@ const Argument& Argument::excludes(const Argument& other) const {
   return *this;
 }
 
+namespace {
+
+// A number without a fraction is an integer however it is written: 1e6, as in a scene.
+std::string as_integer(std::string& text) {
+  double number = 0;
+  if (text.find_first_of(".eE") == text.npos || !CLI::detail::lexical_cast(text, number)) return "";
+  if (number == std::floor(number) && std::abs(number) < 0x1p53) text = fmt::format("{:.0f}", number);
+  return "";
+}
+
+template <class T>
+constexpr bool is_integer = std::is_same_v<T, int> || std::is_same_v<T, long> ||
+                            std::is_same_v<T, std::optional<int>> || std::is_same_v<T, std::optional<long>>;
+
+}  // namespace
+
 template <class T>
 Argument Subcommand::option(const char* name, T& value, const char* meaning) const {
   CLI::Option* option = app_->add_option(name, value, meaning);
+  if constexpr (is_integer<T>) option->transform(CLI::Validator(as_integer, ""));
   if (!option->get_positional())
     option->allow_extra_args(false);  // separate_lists tells a list's words apart
   if (value != T{}) option->capture_default_str();

@@ -52,7 +52,7 @@ void print_methods(const ListArguments& arguments) {
     else
       print(*method);
   }
-  if (json_alone()) write_out(json.dump(2) + "\n");
+  if (json_alone()) write_out(json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
 void print_scenes(const ListArguments& arguments) {
@@ -68,7 +68,7 @@ void print_scenes(const ListArguments& arguments) {
     if (*folder.title) say("\n{}:\n", folder.title);
     say_text(table_text(rows, terminal_width()));
   }
-  if (json_alone()) write_out(json.dump(2) + "\n");
+  if (json_alone()) write_out(json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace

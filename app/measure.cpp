@@ -49,7 +49,8 @@ void measure_folder(const MeasureArguments& arguments) {
   for (Box box = scene.start.box; file.next(x, box);) measured.see(x, box);
   if (measured.frames() == 0) throw InputError(trajectory.string() + ": has no frame");
   measured.print();
-  if (json_alone()) write_out(measured.json().dump(2) + "\n");
+  if (json_alone())
+    write_out(measured.json().dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   if (!arguments.out) return;
   make_folder(*arguments.out);
   StudyFiles files(*arguments.out);

@@ -6,6 +6,7 @@
 #include "carry_out.hpp"
 #include "command_line.hpp"
 #include "commands.hpp"
+#include "files/set_aside.hpp"
 #include "going_on.hpp"
 #include "md/errors.hpp"
 #include "scene_argument.hpp"
@@ -36,7 +37,7 @@ void refuse_a_run_there(const fs::path& folder) {
   throw InputError(fmt::format(
       "{}: holds a run ({}); --continue goes on with it, --overwrite first moves it aside, to {}.1 "
       "or the next number that is free",
-      folder.string(), fmt::join(files, ", "), folder.string()));
+      folder.string(), fmt::join(files, ", "), folder_to_number(folder).string()));
 }
 
 void run_to_end(const RunArguments& arguments, Simulation& simulation, RunFolder* folder) {

@@ -86,7 +86,7 @@ void refuse_another_study(const fs::path& folder, const std::string& line) {
   throw InputError(fmt::format(
       "{}: holds {} ({}); --overwrite first moves it aside, to {}.1 or the next number that is free",
       folder.string(), unfinished ? "a study that was stopped, of another command or scene" : "a study",
-      unfinished ? first_line(folder / kLedger) : files.front(), folder.string()));
+      unfinished ? first_line(folder / kLedger) : files.front(), folder_to_number(folder).string()));
 }
 
 std::string study_line(const std::string& command, const std::vector<Scene>& scenes) {

@@ -8,7 +8,7 @@ namespace taut {
 
 AtomicFile::AtomicFile(std::filesystem::path path)
     : path_(std::move(path)), aside_(path_.string() + ".part") {
-  file_.emplace(aside_, DiskFile::kNew);
+  file_.emplace(aside_, DiskFile::kNew, path_);
 }
 
 AtomicFile::~AtomicFile() {

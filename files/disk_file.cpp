@@ -14,8 +14,8 @@
 
 namespace taut {
 
-DiskFile::DiskFile(const std::filesystem::path& path, Opening opening)
-    : path_(path),
+DiskFile::DiskFile(const std::filesystem::path& path, Opening opening, std::filesystem::path named)
+    : path_(named.empty() ? path : std::move(named)),
       descriptor_(::open(path.c_str(),
                          O_CLOEXEC | (opening == kRead ? O_RDONLY : O_RDWR) |
                              (opening == kNew || opening == kEither ? O_CREAT : 0) |

@@ -13,7 +13,8 @@ class DiskFile {
   // Empty, whatever was there; as it is; as it is or else empty; as it is, to be read alone.
   enum Opening { kNew, kThere, kEither, kRead };
 
-  DiskFile(const std::filesystem::path& path, Opening opening);
+  // `named`: what refusals call it, where that is not its path.
+  DiskFile(const std::filesystem::path& path, Opening opening, std::filesystem::path named = {});
   DiskFile(DiskFile&& other) noexcept;
   DiskFile& operator=(DiskFile&&) = delete;
   ~DiskFile();

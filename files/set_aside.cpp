@@ -14,14 +14,6 @@ namespace fs = std::filesystem;
   throw OutsideError(fmt::format("{}: cannot {}: {}", path.string(), deed, error.message()));
 }
 
-// Where a link leads, so that a rename does not cross to another disk.
-fs::path resolved(const fs::path& folder) {
-  std::error_code error;
-  const fs::path real = fs::canonical(folder, error);
-  if (error) refuse(folder, "open the folder", error);
-  return real;
-}
-
 fs::path new_folder_beside(const fs::path& folder) {
   for (int n = 1;; ++n) {
     const fs::path beside = folder.string() + "." + std::to_string(n);
@@ -41,8 +33,19 @@ std::vector<std::string> present(const fs::path& folder, const std::vector<std::
   return there;
 }
 
+// Where a link leads, a rename does not cross to another disk.
+fs::path folder_to_number(const fs::path& folder) {
+  const fs::path plain = folder.has_filename() ? folder : folder.parent_path();
+  std::error_code error;
+  const fs::path name = plain.filename();
+  if (name != "." && name != ".." && fs::is_directory(fs::symlink_status(plain, error))) return plain;
+  const fs::path real = fs::canonical(folder, error);
+  if (error) refuse(folder, "open the folder", error);
+  return real;
+}
+
 fs::path set_aside(const fs::path& folder, const std::vector<std::string>& names) {
-  const fs::path from = resolved(folder), to = new_folder_beside(from);
+  const fs::path from = folder_to_number(folder), to = new_folder_beside(from);
   for (const std::string& name : names) {
     std::error_code error;
     fs::rename(from / name, to / name, error);

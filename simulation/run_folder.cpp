@@ -114,7 +114,8 @@ ordered_json failure_json(const Diagnosis& d) {
 
 void write_aside(const fs::path& path, const ordered_json& object) {
   AtomicFile file(path);
-  file.write(object.dump(2) + "\n");
+  // A name that is not UTF-8 is written with U+FFFD in place of what cannot be read.
+  file.write(object.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n");
   file.commit();
 }
 

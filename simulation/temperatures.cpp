@@ -15,12 +15,14 @@ namespace {
 constexpr double kLine = 1e-9;
 
 struct Body {
+  int massive = 0;  // atoms; one alone does not turn
   double mass = 0;
   Vec3 centre = Vec3::Zero(), momentum = Vec3::Zero(), spin = Vec3::Zero();  // L
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
 
   Body(const System& sys, const std::vector<int>& atoms, const Vectors& x, const Vectors& v) {
     for (int a : atoms) {
+      massive += sys.mass[a] > 0;
       mass += sys.mass[a];
       centre += sys.mass[a] * x.col(a);
       momentum += sys.mass[a] * v.col(a);
@@ -35,6 +37,7 @@ struct Body {
 
   // visit(moment, L along its axis), for the axes it can turn about
   void axes(auto&& visit) const {
+    if (massive < 2) return;
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
     solver.computeDirect(inertia);
     const Vec3 moments = solver.eigenvalues();

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <sstream>
 #include <system_error>
 
@@ -55,6 +56,13 @@ toml::table parse_bare(std::string_view text, std::size_t equals, std::string_vi
   return toml::parse(quoted.str(), where);
 }
 
+// TOML's integers end there.
+bool is_too_large(std::string_view value) {
+  const auto digits = value.find_first_not_of(" +-");
+  return digits != value.npos && value.find_first_not_of("0123456789_ ", digits) == value.npos &&
+         value.size() - digits > 18;
+}
+
 toml::table parse_override(const std::string& text) {
   const std::string where = one_line(std::string(kOverride) + text);
   const auto equals = text.find('=');
@@ -63,6 +71,9 @@ toml::table parse_override(const std::string& text) {
       return toml::parse(text, where);
     } catch (const toml::parse_error&) {
     }
+    if (is_too_large(std::string_view(text).substr(equals + 1)))
+      throw LocatedError(fmt::format("{}: {}: out of range, expected a whole number of at most {}", where,
+                                     text.substr(0, equals), std::numeric_limits<std::int64_t>::max()));
     try {
       return parse_bare(text, equals, where);
     } catch (const toml::parse_error&) {
@@ -84,6 +95,11 @@ std::string value_text(const toml::node& node) {
     for (const auto& [key, one] : *table)
       text << std::exchange(between, ", ") << toml_quoted(key.str()) << " = " << value_text(one);
     return fmt::format("{{{}}}", text.str());
+  }
+  if (const auto* number = node.as_floating_point()) {
+    const std::string shortest = fmt::format("{}", number->get());
+    const bool integer = shortest.find_first_not_of("+-0123456789") == shortest.npos;
+    return shortest + (integer ? ".0" : "");  // it stays a number with a fraction
   }
   node.visit([&](const auto& value) { text << value; });
   return text.str();

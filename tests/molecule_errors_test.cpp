@@ -151,7 +151,10 @@ TEST(MoleculeErrors, Places) {
   EXPECT_EQ(said("count = 3", "count = 3\nwithin_nm = [0, 0, 0, 1, 1]"),
             "scene.toml:9: place.0.within_nm: expected six numbers, the lower and the upper corner");
   EXPECT_EQ(said("count = 3", "count = 3\nwithin_nm = [0, 0, 2, 1, 1, 1]"),
-            "scene.toml:9: place.0.within_nm: the upper corner is not above the lower");
+            "scene.toml:9: place.0.within_nm: the upper corner is below the lower");
+  EXPECT_EQ(said("count = 3", "count = 3\nwithin_nm = [0, 2, 1, 0, 2, 1]"),
+            "scene.toml:9: place.0.within_nm: both corners are one point; say centres_nm for that");
+  EXPECT_EQ(said("count = 3", "count = 3\nwithin_nm = [0, 0, 2, 5, 5, 2]"), "no error");
   EXPECT_EQ(said("\"chain\"\ncount = 3", "\"tip3p\"\nwithin_nm = [0, 0, 0, 1, 1, 1]"),
             "scene.toml:8: place.0.within_nm: water without a count fills what room there is");
   EXPECT_EQ(said("[[place]]", "[place]"),

@@ -174,6 +174,24 @@ cutoff_nm = 1
   EXPECT_NEAR(wall(1, 99), 3.8, 1e-9);
   EXPECT_TRUE((balls.array() >= 1).all() && (balls.array() <= 3).all() && (balls.row(2).array() >= 2).all());
   EXPECT_GT(balls.row(0).maxCoeff() - balls.row(0).minCoeff(), 1);
+
+  const auto sheet = [](const std::string& corners, const std::string& how) {
+    const SceneText text{
+        "[molecule.wall]\natoms = [{name = \"W\", mass_u = 0, sigma_nm = 0.1, epsilon_kj_mol = 1}]\n"
+        "[[place]]\nmolecule = \"wall\"\ncount = 20\narrange = \"" +
+        how + "\"\nwithin_nm = " + corners + "\n[build]\nbox_nm = 4\n[forcefield]\ncutoff_nm = 1\n"};
+    const TemporaryFolder folder;
+    return Vectors(read_scene(folder.write("sheet.toml", text.text)).start.x);
+  };
+  // Quite flat: a layer of 5 x 4, a row of 20, and a plane with atoms here and there.
+  const Vectors layer = sheet("[0, 0, 1, 2, 1.6, 1]", "lattice"),
+                row = sheet("[0, 1, 1, 4, 1, 1]", "lattice"), drawn = sheet("[0, 0, 1, 4, 4, 1]", "random");
+  EXPECT_TRUE((layer.row(2).array() == 1).all() && (drawn.row(2).array() == 1).all());
+  for (int a = 1; a < 5; ++a) EXPECT_NEAR(layer(0, a) - layer(0, a - 1), 0.4, 1e-9);
+  EXPECT_NEAR(layer(1, 19), 1.4, 1e-9);
+  for (int a = 1; a < 20; ++a) EXPECT_NEAR(row(0, a) - row(0, a - 1), 0.2, 1e-9);
+  EXPECT_TRUE((row.bottomRows(2).array() == 1).all());
+  EXPECT_GT(drawn.row(0).maxCoeff() - drawn.row(0).minCoeff(), 1);
 }
 
 }  // namespace

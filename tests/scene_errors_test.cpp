@@ -122,7 +122,10 @@ TEST(SceneErrors, Keys) {
   EXPECT_EQ(complaint(good.with("gravity_nm_ps2", "gravity").text),
             "scene.toml:13: unknown key \"gravity\" in [build]; did you mean \"gravity_nm_ps2\"?");
   EXPECT_EQ(complaint(good.with("[run]", "[forcefield]\ncutoff_nm = 1\n[run]").text),
-            "scene.toml:16: unknown key \"cutoff_nm\" in [forcefield]");
+            "scene.toml:16: forcefield.cutoff_nm: has no effect, it counts only with pair forces: no atom has a "
+            "charge or an epsilon_kj_mol here");
+  EXPECT_EQ(complaint(good.with("[run]", "[forcefield]\ncutof_nm = 1\n[run]").text),
+            "scene.toml:16: unknown key \"cutof_nm\" in [forcefield]; did you mean \"cutoff_nm\"?");
   EXPECT_EQ(complaint(good.with("hard_on = \"a test\"", "").text), "no error");
   EXPECT_THAT(complaint(good.with("kind = \"atoms\"", "kind = \"alkane\"").text),
               HasSubstr("build.kind: alkanes are [molecule]s now"));
@@ -314,7 +317,9 @@ TEST(SceneErrors, Files) {
 TEST(SceneErrors, OfTheForceFieldNameTheFile) {
   const std::string small =
       SceneText{kMelt}.with("chains = 10", "chains = 1").with("beads = 20", "beads = 3").text;
-  EXPECT_THAT(complaint(small, {"forcefield.pair=wca"}), HasSubstr("unknown key \"cutoff_nm\""));
+  EXPECT_THAT(complaint(small, {"forcefield.pair=wca", "forcefield.cutoff_nm=1"}),
+              HasSubstr("cutoff_nm: has no effect, it counts only with forcefield.pair"));
+  EXPECT_THAT(complaint(small, {"forcefield.pair=wca"}), testing::StartsWith("scene.toml: "));
   EXPECT_THAT(complaint(SceneText{small}.with("cutoff_nm = 2.5", "").text, {"forcefield.pair=wca"}),
               testing::StartsWith("scene.toml: "));
 }

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "files/set_aside.hpp"
 #include "md/errors.hpp"
 #include "md/threads.hpp"
 
@@ -40,7 +41,7 @@ PythonSimulation::PythonSimulation(Input input, const std::string& out, bool ove
     throw InputError(
         fmt::format("{}: holds a run ({}); Simulation.resume goes on with it, overwrite=True first "
                     "moves it aside, to {}.1 or the next number that is free",
-                    out, fmt::join(files, ", "), out));
+                    out, fmt::join(files, ", "), folder_to_number(out).string()));
   folder_.emplace(std::move(lock), source_, *simulation_);
 }
 
@@ -132,7 +133,9 @@ void PythonSimulation::minimise(double force) {
 }
 
 std::string PythonSimulation::summary() const {
-  return summary_ ? summary_json(*simulation_, *summary_).dump() : "null";
+  return summary_ ? summary_json(*simulation_, *summary_)
+                        .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)
+                  : "null";
 }
 
 std::vector<std::string> PythonSimulation::notes() const {

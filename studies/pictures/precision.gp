@@ -17,5 +17,8 @@ do for [kind in 'svg png'] {
   set xlabel drift_label
   set ylabel 'time of a step [µs]'
   set key noenhanced outside right samplen 2
-  plot for [k=1:curves] csv using (named(strcol('method'), strcol('precision')) eq curve[k] ? abs(column('drift_kj_mol_ns_dof')) : 1/0):'step_us':(low(column('drift_low'), column('drift_high'))):(high(column('drift_low'), column('drift_high'))):'step_us_q1':'step_us_q3' with xyerrorbars lc rgb colour(k) pt mark(k) dt pattern(k) ps (is_mixed(k) ? 0.6 : 1) lw 1.5 title curve[k]
+  is(k) = named(strcol('method'), strcol('precision')) eq curve[k]
+  plot for [k=1:curves] csv using (only_if(is(k), @at_drift)):'step_us':'step_us_q1':'step_us_q3' with yerrorbars lc rgb colour(k) pt mark(k) dt pattern(k) ps (is_mixed(k) ? 0.6 : 1) lw 1.5 title curve[k], \
+       for [k=1:curves] csv using (only_if(is(k) && !has_zero(column('drift_low'), column('drift_high')), @at_drift)):'step_us':(low(column('drift_low'), column('drift_high'))):(high(column('drift_low'), column('drift_high'))) with xerrorbars lc rgb colour(k) pt mark(k) dt pattern(k) ps (is_mixed(k) ? 0.6 : 1) lw 1.5 notitle, \
+       for [k=1:curves] csv using (only_if(is(k) && has_zero(column('drift_low'), column('drift_high')), @at_drift)):'step_us':(-arrow_share * @at_drift):(0) with vectors head size screen 0.007,20 filled lc rgb colour(k) dt pattern(k) lw 1.5 notitle
 }

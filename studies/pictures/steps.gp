@@ -6,7 +6,7 @@ wrapped(s) = words(s) < 2 ? s : words(s) == 2 ? word(s, 1)."\n".word(s, 2) : wor
 long_as(x) = x > 0 ? sprintf('%.3g', x) : '–'
 
 do for [kind in 'svg png'] {
-  eval page(kind, 900, 120 + 62 * (last_max_y + 1))
+  eval page(kind, 150 + 94 * (last_max_x + 1), 120 + 62 * (last_max_y + 1))
   set title title noenhanced
   set xrange [-0.5 : last_max_x + 0.5]
   set yrange [last_max_y + 0.5 : -0.5] noextend

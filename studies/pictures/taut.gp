@@ -62,8 +62,14 @@ sign(k) = number[k] == 0 ? mark(k) : word('6 2 4 1 12 3 8', number[k]) + 0
 # Nothing got through: there is nothing to draw.
 expect_curves = "if (curves == 0) { exit status 4 }"
 
-# |drift| with the part of its interval on its own side of zero; one that holds zero runs to the edge.
-low(a, b) = a*b > 0 ? (abs(a) < abs(b) ? abs(a) : abs(b)) : 1e-12
+# |drift| with its interval a to b. Where that holds zero the drift is no more than its upper end: drawn there, with
+# an arrow to the left instead of a bar.
+has_zero(a, b) = a*b <= 0
+low(a, b) = abs(a) < abs(b) ? abs(a) : abs(b)
 high(a, b) = abs(a) > abs(b) ? abs(a) : abs(b)
-drift_label = '|energy drift| [kJ/mol/ns/degree of freedom], 95 % interval; to the left edge: zero is inside'
+drift_at(d, a, b) = has_zero(a, b) ? high(a, b) : abs(d)
+at_drift = 'drift_at(column("drift_kj_mol_ns_dof"), column("drift_low"), column("drift_high"))'
+only_if(is_so, value) = is_so ? value : 1/0
+arrow_share = 0.45
+drift_label = '|energy drift| [kJ/mol/ns/degree of freedom], 95 % interval; arrows: zero is inside, at most that'
 cost_label = 'constraint time a bond and step [ns]'

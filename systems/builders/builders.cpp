@@ -76,6 +76,25 @@ void lay_start(const BuildRequest& request, bool any_box, Scene& scene) {
   scene.positions_drawn = false;
 }
 
+// Keys of pair forces where nothing that they could change acts. An override that makes pairs WCA sets the
+// file's keys aside, with a note.
+void settle_idle_pair_keys(const TomlTable& forcefield, Scene& scene) {
+  if (scene.terms.nonbonded) return;
+  const bool wca = scene.terms.wca.has_value();
+  for (const char* key : {"cutoff_nm", "switch_nm", "dispersion_correction", "coulomb", "rf_dielectric",
+                          "ewald_tolerance", "ewald_alpha_per_nm", "pme_order", "pme_grid"}) {
+    if (!forcefield.has(key)) continue;
+    if (wca && forcefield.overridden("pair") && !forcefield.overridden(key))
+      scene.notes.push_back(
+          fmt::format("forcefield.{} is set aside: pairs of wca end at 2^(1/6) sigma", key));
+    else
+      forcefield.counts(
+          key, false,
+          wca ? "with forcefield.pair = \"lennard-jones\" or charges: pairs of wca end at 2^(1/6) sigma"
+              : "with pair forces: no atom has a charge or an epsilon_kj_mol here");
+  }
+}
+
 }  // namespace
 
 std::vector<std::string_view> kinds() {
@@ -97,6 +116,7 @@ void build(const BuildRequest& request, Scene& scene, std::string_view described
   if (scene.terms.nonbonded || scene.terms.wca) read_precision(request.forcefield, scene.terms);
   if (!kind.own_start) lay_start(request, &kind == &kKinds.back(), scene);
   if (request.keys.describing()) return;
+  settle_idle_pair_keys(request.forcefield, scene);
   if (scene.names.empty()) scene.names = guessed_names(scene.system, scene.terms);
   scene.start.f = Vectors::Zero(3, scene.system.atoms());
   if (scene.start.v.cols() == 0) scene.start.v = scene.start.f;
@@ -178,8 +198,12 @@ void read_coulomb(const TomlTable& forcefield, const Box& box, Nonbonded& nonbon
   }
   try {
     chosen_parameters(p, box, *nonbonded.cutoff);
-  } catch (const InputError& e) {
-    forcefield.fail("coulomb", e.what());
+  } catch (const PmeError& e) {
+    const std::string_view keys[] = {"pme_order", "ewald_tolerance",
+                                     coulomb.alpha ? "ewald_alpha_per_nm" : "ewald_tolerance",
+                                     coulomb.grid ? "pme_grid" : "ewald_tolerance"};
+    const std::string_view key = keys[e.wrong];
+    forcefield.fail(forcefield.has(key) ? key : "coulomb", e.what());
   }
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -54,9 +55,13 @@ Grid fit_grid(long cells, const Vec3& cell, int ny_step) {
 
 BrickGrid::BrickGrid(const Vec3& edge, long count) : edge_(edge), count_(count) {
   const double all = static_cast<double>(count);
+  Vec3 sorted = edge;
+  std::sort(sorted.data(), sorted.data() + 3);
+  const auto& [thinnest, middle, longest] = std::array{sorted[0], sorted[1], sorted[2]};
   double apart = std::cbrt(edge.prod() / all);
-  if (const double flat = edge.minCoeff(); flat < apart) apart = std::sqrt(edge.prod() / flat / all);
-  n_ = (edge_.array() / apart - 1e-9).ceil().cast<long>();
+  if (thinnest <= apart) apart = std::sqrt(middle * longest / all);  // one layer
+  if (middle <= apart) apart = longest / all;                        // one row
+  n_ = (edge_.array() / apart - 1e-9).ceil().max(1).cast<long>();
 }
 
 Vec3 BrickGrid::site(long m) const {

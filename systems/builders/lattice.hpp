@@ -22,7 +22,8 @@ Vec3 cube_cell(long c, long n);
 // ny_step. Throws InputError for a shape that no such box can be made of.
 Grid fit_grid(long cells, const Vec3& cell, int ny_step = 1);
 
-// A grid in a brick, for so many; sites left empty are spread evenly. A flat brick has one layer.
+// A grid in a brick, for so many; sites left empty are spread evenly. A flat brick has one layer, a
+// thin one one row.
 class BrickGrid {
  public:
   BrickGrid(const Vec3& edge, long count);  // [nm]

@@ -32,12 +32,14 @@ long copies_given(const TomlTable& keys, Place& place) {
   keys.read("arrange", arrange, {"where copies are put", {"random", "lattice"}});
   place.lattice = arrange == "lattice";
   std::vector<double> within;
-  if (keys.read("within_nm", within,
-                {"lower and upper corner of what they are put into; not said: the box", "nm"})) {
+  if (keys.read(
+          "within_nm", within,
+          {"lower and upper corner of what they are put into, which may be flat; not said: the box", "nm"})) {
     if (within.size() != 6) keys.fail("within_nm", "expected six numbers, the lower and the upper corner");
     const Vec3 lower(within.data()), upper(within.data() + 3);
-    if (!(upper.array() > lower.array()).all())
-      keys.fail("within_nm", "the upper corner is not above the lower");
+    if (!(upper.array() >= lower.array()).all())
+      keys.fail("within_nm", "the upper corner is below the lower");
+    if (upper == lower) keys.fail("within_nm", "both corners are one point; say centres_nm for that");
     place.within = {lower, upper - lower};
   }
   for (const char* key : {"arrange", "within_nm"})

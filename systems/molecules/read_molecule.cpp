@@ -61,11 +61,13 @@ std::vector<AtomNumbers> read_unit(const TomlTable& keys, const KnownAtoms& know
 Units read_units(const TomlTable& keys, int each) {
   long count = 1;
   bool ring = false;
-  keys.read(
-      "units", count,
-      {"the atoms and all rows so many times; a row may count on into the next units, and what reaches "
-       "beyond the last is left out; -1 is the last atom of all, and a row with such a number counts once",
-       Range{.min = 1}});
+  keys.read("units", count,
+            {"the atoms and all rows so many times: atom 0 of a row is that of every unit; a row may count "
+             "on into the "
+             "next units, and what reaches beyond the last is left out; a row with a number below 0 counts "
+             "once, for "
+             "the whole: -1 is the last atom of all, -N the first of N",
+             Range{.min = 1}});
   keys.read("ring", ring, "what reaches beyond the last unit goes on with the first");
   keys.counts("ring", count > 1, "with units, the links of the ring");
   if (static_cast<double>(count) * each > kMostAtoms)

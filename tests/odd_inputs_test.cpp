@@ -1,0 +1,157 @@
+// What users type and files they have that are unusual, but right; and what is told to those where it is not.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "taut_command.hpp"
+#include "temporary_folder.hpp"
+
+namespace taut {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+TEST(OddInputs, NumbersOfStepsAreWrittenAsInScenes) {
+  for (const char* steps : {"1e1", "10.0", "1E1", "10"}) {
+    const auto [exit_code, text] = taut(std::string("run pair --steps ") + steps);
+    EXPECT_EQ(exit_code, 0) << text;
+    EXPECT_THAT(text, HasSubstr("  10 steps of 1 fs")) << steps;
+  }
+  EXPECT_THAT(taut("run pair --steps 1.5").text, HasSubstr("expected a number: --steps = 1.5"));
+  EXPECT_EQ(taut("run pair --steps 1.5").exit_code, 2);
+  EXPECT_THAT(taut("run pair --threads 0.0").text, HasSubstr("expected a whole number of at least 1, got 0"));
+}
+
+// A name of bytes that are no UTF-8 is a name; JSON has U+FFFD in its place.
+TEST(OddInputs, AFileNameNeedNotBeUtf8) {
+  const TemporaryFolder folder;
+  const fs::path scene = folder.path() / "p\xe4r.toml", out = folder.path() / "out";
+  fs::copy(TAUT_SCENES "/pair.toml", scene);
+  const auto ran = taut("run '" + scene.string() + "' --steps 10 --out " + out.string());
+  ASSERT_EQ(ran.exit_code, 0) << ran.text;
+  EXPECT_EQ(nlohmann::json::parse(contents(out / "summary.json"))["scene"], "p\xef\xbf\xbdr");
+  const auto on = taut("resume " + out.string() + " --steps 10");
+  EXPECT_EQ(on.exit_code, 0) << on.text;
+  const auto json = taut("run '" + scene.string() + "' --steps 10 --json");
+  EXPECT_EQ(json.exit_code, 0) << json.text;
+  EXPECT_TRUE(nlohmann::json::accept(json.text)) << json.text;
+}
+
+// What is promised is what is done, with a slash at the end and through a link.
+TEST(OddInputs, AFolderIsMovedWhereItIsSaid) {
+  const TemporaryFolder folder;
+  const fs::path out = folder.path() / "out", link = folder.path() / "link";
+  const std::string run = "run pair --steps 10 --out ";
+  ASSERT_EQ(taut(run + out.string()).exit_code, 0);
+  fs::create_directory_symlink(out, link);
+  for (const fs::path& given : {out / "", out / ".", link}) {
+    const auto refused = taut(run + given.string());
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_THAT(refused.text, HasSubstr("moves it aside, to " + out.string() + ".1 or the next")) << given;
+  }
+  EXPECT_THAT(taut(run + out.string() + "/ --overwrite").text,
+              HasSubstr("is kept in " + out.string() + ".1\n"));
+  EXPECT_TRUE(fs::exists(out.string() + ".1/log.csv"));
+}
+
+TEST(OddInputs, SaysWhatANumberMayBe) {
+  const auto said = [](const std::string& settings) {
+    const auto [exit_code, text] = taut("run water --steps 0 --set " + settings);
+    EXPECT_EQ(exit_code, 2) << text;
+    return text;
+  };
+  EXPECT_EQ(
+      said("run.seed=18446744073709551615"),
+      "taut: --set run.seed=18446744073709551615: run.seed: out of range, expected a whole number of at most "
+      "9223372036854775807\n");
+  EXPECT_EQ(said("forcefield.coulomb=pme forcefield.pme_grid=[4000,4000,4000]"),
+            "taut: --set forcefield.pme_grid=[4000,4000,4000]: forcefield.pme_grid: pme: a grid of 4000 x "
+            "4000 x 4000 "
+            "points, expected at most 268435456 in all\n");
+  EXPECT_THAT(said("forcefield.coulomb=pme forcefield.pme_order=9"),
+              HasSubstr("--set forcefield.pme_order=9: forcefield.pme_order: pme: order 9, expected 4 to 8"));
+  EXPECT_THAT(said("forcefield.coulomb=pme forcefield.ewald_tolerance=1e-40"),
+              HasSubstr("ewald_tolerance: pme: "));
+}
+
+// A key of the file that an override leaves without effect is set aside, one that is typed beside it is
+// refused.
+TEST(OddInputs, KeysOfPairForcesSayWhereTheyCount) {
+  const auto wca = taut("run chain --steps 0 --set forcefield.pair=wca");
+  EXPECT_EQ(wca.exit_code, 0) << wca.text;
+  EXPECT_THAT(wca.text,
+              HasSubstr("note: forcefield.cutoff_nm is set aside: pairs of wca end at 2^(1/6) sigma"));
+  const auto typed = taut("run chain --steps 0 --set forcefield.pair=wca forcefield.cutoff_nm=1");
+  EXPECT_EQ(typed.exit_code, 2);
+  EXPECT_THAT(typed.text,
+              HasSubstr("forcefield.cutoff_nm: has no effect, it counts only with forcefield.pair = "
+                        "\"lennard-jones\" or charges: pairs of wca end at 2^(1/6) sigma"));
+  EXPECT_THAT(taut("run freely_jointed --set forcefield.cutoff_nm=1").text,
+              HasSubstr("it counts only with pair forces: no atom has a charge or an epsilon_kj_mol here"));
+}
+
+TEST(OddInputs, NumbersAreEchoedAsTheyWereTyped) {
+  const TemporaryFolder folder;
+  const fs::path out = folder.path() / "out";
+  ASSERT_EQ(taut("run pair --steps 10 --out " + out.string()).exit_code, 0);
+  EXPECT_THAT(taut("resume " + out.string() + " --set run.dt_fs=0.8").text,
+              HasSubstr("--set run.dt_fs=0.8: run.dt_fs cannot change"));
+}
+
+TEST(OddInputs, AChartWithoutAMethodForItsBondsIsRefused) {
+  const TemporaryFolder folder;
+  const fs::path out = folder.path() / "chart";
+  const auto refused = taut("chart freely_jointed --quick --methods settle --out " + out.string());
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.text,
+              HasSubstr("taut: freely_jointed: no method to chart: method settle: bond 0 (0-1) is not "
+                        "part of a three-site water"));
+  EXPECT_FALSE(fs::exists(out));
+}
+
+TEST(OddInputs, AFileThatCannotBeMadeIsCalledByItsName) {
+  const auto refused = taut("crosscheck pair --export /nowhere/at/all");
+  EXPECT_EQ(refused.exit_code, 3);
+  EXPECT_THAT(refused.text, HasSubstr("taut: /nowhere/at/all.system.xml: cannot open: No such file"));
+  EXPECT_THAT(refused.text, Not(HasSubstr(".part")));
+}
+
+TEST(OddInputs, AtomsAloneDoNotTurn) {
+  const TemporaryFolder folder;
+  const auto scene = folder.write("gas.toml", R"([molecule.argon]
+atoms = [{name = "Ar", mass_u = 40, sigma_nm = 0.34, epsilon_kj_mol = 1}]
+[[place]]
+molecule = "argon"
+count = 20
+[build]
+box_nm = 3.3
+[forcefield]
+cutoff_nm = 1
+[run]
+temperature_k = 100
+steps = 10
+)");
+  const auto [exit_code, text] = taut("run " + scene.string());
+  EXPECT_EQ(exit_code, 0) << text;
+  EXPECT_THAT(text, HasSubstr("20 atoms: translation "));
+  EXPECT_THAT(text, Not(HasSubstr("rotation")));
+  EXPECT_THAT(text, Not(HasSubstr("rest ")));
+}
+
+// A newcomer copies what the README says.
+TEST(OddInputs, FilesOfTheReadmeAreThere) {
+  const fs::path root = fs::path(TAUT_SCENES).parent_path();
+  const std::string text = contents(root / "README.md");
+  const std::regex file("tests/data/[A-Za-z0-9_./-]+");
+  const std::sregex_iterator begin(text.begin(), text.end(), file), end;
+  EXPECT_NE(begin, end);
+  for (auto match = begin; match != end; ++match)
+    EXPECT_TRUE(fs::exists(root / match->str())) << match->str();
+}
+
+}  // namespace
+}  // namespace taut
