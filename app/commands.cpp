@@ -155,8 +155,6 @@ struct Commands::Parser {
 
 namespace {
 
-constexpr int kMostThreads = 1024;
-
 const CLI::App* named(const CLI::App& app, const std::string& name) {
   const auto found = app.get_subcommands([&](const CLI::App* sub) { return sub->get_name() == name; });
   return name.empty() || found.empty() ? nullptr : found[0];
@@ -292,15 +290,10 @@ int Commands::act(int argc, char** argv) {
     throw InputError(complaint(app, e, argc, argv));
   }
   if (parser_->threads) {
-    if (*parser_->threads > kMostThreads)
-      throw InputError(
-          fmt::format("--threads: expected at most {}, got {}", kMostThreads, *parser_->threads));
-    const std::string asked = std::to_string(*parser_->threads);
-    setenv("OMP_NUM_THREADS", asked.c_str(), 1);  // as if said there: what goes on keeps to it, too
+    expect_threads("--threads", *parser_->threads);
     use_threads(*parser_->threads);
-    if (available_threads() != *parser_->threads)
-      throw InputError("--threads: this taut was built without OpenMP and computes with one");
   }
+  default_threads();  // an OMP_NUM_THREADS that is no number is refused here, before anything is made
   for (const auto& [sub, act] : parser_->actions)
     if (sub->parsed()) act();
   return 0;

@@ -33,8 +33,8 @@ std::string barostat_line(const RunSettings& run) {
 }
 
 // One thread computes unless told otherwise, which nobody should have to find out.
-std::string threads_line() {
-  const int threads = available_threads(), cores = static_cast<int>(std::thread::hardware_concurrency());
+std::string threads_line(int threads) {
+  const int cores = static_cast<int>(std::thread::hardware_concurrency());
   return fmt::format("{} of {}{}", threads, counted(cores, "core"),
                      threads < cores ? fmt::format(", --threads {} for more", cores) : "");
 }
@@ -76,7 +76,7 @@ void print_header(const Simulation& simulation) {
   const Box& box = simulation.state().box;
   if (box.periodic()) say("  {}\n", box_line(box));
   say("  method {}: {}\n", scene.method.name(), simulation.method().setting());
-  say("  {}\n  threads {}\n\n", start_line(scene), threads_line());
+  say("  {}\n  threads {}\n\n", start_line(scene), threads_line(simulation.threads()));
   if (simulation.step() > 0) say("goes on from step {}\n", simulation.step());
   const bool pressed = box.periodic();
   say("{:>8} {:>10} {:>12} {:>12} {:>8} {:>9} {:>5}{}\n", "step", "t", "E_pot", "E_total", "T", "bond err",

@@ -22,6 +22,7 @@ FixTaut::FixTaut(LAMMPS* engine, int narg, char** arg)
   try {
     const taut::TypeCounts types{atom->nbondtypes, atom->nangletypes, atom->ntypes};
     keys_ = taut::read_keywords({arg + 3, arg + narg}, types);
+    taut::default_threads();  // refuses an OMP_NUM_THREADS that is no number, before there are steps
   } catch (const taut::InputError& wrong) {
     refuse(wrong.what());
   }

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <exception>
+#include <vector>
+
 namespace taut {
 
 // What threads do, in processor time of each thread: as much on a machine that others use too, and with more
@@ -12,8 +15,9 @@ struct ThreadAccount {
   double busy = 0;     // all threads in them [s]
 };
 
-// Keeps the account while it lives; one at a time. Each region is slower by some 4 µs then, of which the
-// account takes off what it can: the readings of the clock that fall within its own times.
+// Keeps the account of the regions that its thread starts while it lives; one at a time on a thread. Each
+// region is slower by some 4 µs then, of which the account takes off what it can: the readings of the clock
+// that fall within its own times.
 class ThreadMeter {
  public:
   ThreadMeter();
@@ -21,6 +25,17 @@ class ThreadMeter {
   ThreadMeter(const ThreadMeter&) = delete;
   ThreadMeter& operator=(const ThreadMeter&) = delete;
   ThreadAccount account() const;  // so far
+
+  // A region of work(argument, t), t = 0 … threads − 1. What was thrown in it, by the lowest t.
+  std::exception_ptr run(int threads, void (*work)(const void*, int), const void* argument);
+
+ private:
+  double since(double start) const;  // [s]
+
+  double reading_;  // how long it takes to read the clock [s]
+  double serial_since_;
+  ThreadAccount total_;
+  std::vector<double> spent_;  // by t, in the region at hand [s]
 };
 
 }  // namespace taut

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 
 #include "md/errors.hpp"
 #include "md/threads.hpp"
@@ -53,8 +52,9 @@ void refuse_other_frames(const RunSettings& before, const RunSettings& after) {
 
 // The run as it was at its checkpoint.
 std::unique_ptr<Simulation> restored(const std::string& where, const Checkpoint& checkpoint,
-                                     const std::vector<std::shared_ptr<OwnField>>& own) {
+                                     const std::vector<std::shared_ptr<OwnField>>& own, int threads) {
   try {
+    const ThreadScope scope(threads);
     Scene scene = checkpoint.source.read();
     checkpoint.source.bring(own, scene);
     auto simulation = std::make_unique<Simulation>(std::move(scene));
@@ -117,10 +117,12 @@ void settle_outputs(const fs::path& folder, const Simulation& simulation, const 
 
 std::unique_ptr<Simulation> resumed(const std::string& where, Checkpoint& checkpoint,
                                     const KeyValues& changes,
-                                    const std::vector<std::shared_ptr<OwnField>>& own) {
+                                    const std::vector<std::shared_ptr<OwnField>>& own,
+                                    std::optional<int> threads) {
   refuse_fixed(changes);
-  if (!std::getenv("OMP_NUM_THREADS")) use_threads(std::max(1, checkpoint.threads));
-  std::unique_ptr<Simulation> simulation = restored(where, checkpoint, own);
+  if (!threads) threads = asked_threads();
+  std::unique_ptr<Simulation> simulation =
+      restored(where, checkpoint, own, threads.value_or(std::max(1, checkpoint.threads)));
   SceneSource source = changed(checkpoint.source, simulation->scene().velocities_drawn, changes);
   if (source.overrides != checkpoint.source.overrides) change(*simulation, source, changes);
   checkpoint.source = std::move(source);

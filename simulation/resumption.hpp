@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "simulation/run_folder.hpp"
 #include "systems/toml_reader.hpp"
@@ -9,12 +10,14 @@
 namespace taut {
 
 // The run as it was at a checkpoint, with other settings where `changes` says so; checkpoint.source then says
-// so, too. Its number of threads is taken where OMP_NUM_THREADS says none. Throws InputError for a checkpoint
-// that does not fit together (`where` it is), for a setting that cannot change in a run that has begun, and
-// where its forces that are code are not the ones brought, `own`.
+// so, too. It goes on with `threads` or, where none are given, as many as asked_threads() says, or else as
+// many as before. Throws InputError for a checkpoint that does not fit together (`where` it is), for a
+// setting that cannot change in a run that has begun, and where its forces that are code are not the ones
+// brought, `own`.
 std::unique_ptr<Simulation> resumed(const std::string& where, Checkpoint& checkpoint,
                                     const KeyValues& changes,
-                                    const std::vector<std::shared_ptr<OwnField>>& own = {});
+                                    const std::vector<std::shared_ptr<OwnField>>& own = {},
+                                    std::optional<int> threads = {});
 
 // What may happen to outputs that are not as the checkpoint knows them.
 struct Consent {

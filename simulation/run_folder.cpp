@@ -8,7 +8,6 @@
 #include "files/atomic_file.hpp"
 #include "files/set_aside.hpp"
 #include "md/errors.hpp"
-#include "md/threads.hpp"
 #include "systems/start_file.hpp"
 
 namespace taut {
@@ -180,7 +179,7 @@ void RunFolder::add_frame(const Simulation& simulation) {
 void RunFolder::keep(Simulation& simulation) {
   checkpoint_.step = simulation.step();
   checkpoint_.t = simulation.state().t;
-  checkpoint_.threads = available_threads();
+  checkpoint_.threads = simulation.threads();
   checkpoint_.marks = {{kLog, log_.mark()}};
   trajectories_.mark(checkpoint_.marks);
   checkpoint_.memory.clear();

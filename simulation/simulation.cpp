@@ -66,8 +66,9 @@ void refuse_unreachable_tolerance(const System& sys, const Vectors& x, double to
 
 }  // namespace
 
-Simulation::Simulation(Scene scene)
-    : full_(scene.system),
+Simulation::Simulation(Scene scene, const ThreadScope&)
+    : threads_(available_threads()),
+      full_(scene.system),
       redundancy_(find_redundancy(scene.system, scene.start.x)),
       scene_(without_redundant_bonds(std::move(scene), redundancy_)),
       forces_(scene_.system, scene_.start.box, scene_.terms),
@@ -99,6 +100,7 @@ void Simulation::bring_to_the_bonds(double minimise_force) {
 }
 
 void Simulation::set_out_anew(double minimise_force) {
+  const ThreadScope own(threads_);
   langevin_.reset();  // it knows the method
   method_ = make_method(scene_.system, scene_.method, scene_.run.h());
   make_thermostat();
@@ -181,6 +183,7 @@ void Simulation::count_degrees_of_freedom(bool momentum_fixed) {
 // A spring's multipliers are of its positions; a constraint's are solved for: those of a method's last solve
 // belong to the step before, or to a half of one.
 Eigen::VectorXd Simulation::bond_tensions() const {
+  const ThreadScope own(threads_);
   const System& sys = scene_.system;
   Eigen::VectorXd lambda;
   if (has_springs()) {
@@ -205,14 +208,17 @@ Vectors Simulation::without_stretching(Vectors v) const {
 }
 
 Vectors Simulation::velocity() const {
+  const ThreadScope own(threads_);
   return has_springs() ? state_.v : without_stretching(state_.v);
 }
 
 Vectors Simulation::thermal_velocity() const {
+  const ThreadScope own(threads_);
   return langevin_ ? langevin_->middle_velocity(scene_.system, state_) : without_stretching(state_.v);
 }
 
 Record Simulation::record() const {
+  const ThreadScope own(threads_);
   Record r;
   r.t = state_.t;
   r.potential = forces_.potential() + method_->spring_energy(scene_.system, state_.x);
@@ -224,16 +230,19 @@ Record Simulation::record() const {
 
 std::optional<Eigen::Matrix3d> Simulation::pressure_tensor() const {
   if (!barometer_) return {};
+  const ThreadScope own(threads_);
   const bool springs_move = has_springs() && !langevin_;  // and the pressure has their part in it
   return (*barometer_)(scene_.system, forces_, state_, springs_move ? state_.v : thermal_velocity(),
                        method_->lambda());
 }
 
 double Simulation::constraint_work() const {
+  const ThreadScope own(threads_);
   return unaccounted(record()) - unaccounted_at_start_;
 }
 
 void Simulation::change(const RunSettings& run) {
+  const ThreadScope own(threads_);
   const RunSettings before = std::exchange(scene_.run, run);
   if (same_thermostat(before, run) && same_barostat(before, run)) return;
   if (!same_barostat(before, run)) barostat_ = make_barostat(scene_, ~seed_here(), forces_);
@@ -249,6 +258,7 @@ void Simulation::change(const RunSettings& run) {
 
 // The thing itself is made anew, from the same scene; this is what its steps have changed.
 void Simulation::serialize(Archive& archive) {
+  const ThreadScope own(threads_);
   bool momentum_fixed = dof_.momentum_fixed;  // as it was when the thermostat was changed
   archive(state_.x, state_.v, state_.f, state_.t, state_.box, progress_, momentum_fixed);
   constexpr int kMostIterations = 1 << 30;

@@ -15,6 +15,7 @@
 #include "md/observables.hpp"
 #include "md/run.hpp"
 #include "md/thermostat.hpp"
+#include "md/threads.hpp"
 #include "md/work_meter.hpp"
 #include "simulation/barometer.hpp"
 #include "simulation/barostat.hpp"
@@ -85,9 +86,12 @@ struct StartReport {
 // A scene ready to run: forces and method made, the start brought to the bonds.
 class Simulation : private Bath, private ForceLaw {
  public:
-  explicit Simulation(Scene scene);
+  // Computes with so many threads as long as it lives, whichever thread calls it.
+  explicit Simulation(Scene scene, int threads = available_threads())
+      : Simulation(std::move(scene), ThreadScope(threads)) {}
   Simulation(Simulation&&) = delete;  // its barostat refers into it
 
+  int threads() const { return threads_; }
   const Scene& scene() const { return scene_; }
   const System& system_as_given() const { return full_; }  // with the bonds that were left out, if any were
   const State& state() const { return state_; }            // virtual sites have no velocity in it
@@ -143,6 +147,7 @@ class Simulation : private Bath, private ForceLaw {
   std::optional<Diagnosis> diagnose();
 
  private:
+  Simulation(Scene scene, const ThreadScope&);
   void bring_to_the_bonds(double minimise_force);
   void begin_means();
   void note_start();
@@ -192,6 +197,7 @@ class Simulation : private Bath, private ForceLaw {
   void keep_snapshot();
   std::optional<Diagnosis> wrong_with_next_step();
 
+  int threads_;
   System full_;  // with the bonds that were left out, if any were
   Redundancy redundancy_;
   Scene scene_;

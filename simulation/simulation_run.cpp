@@ -101,6 +101,7 @@ Record Simulation::row(const SolveStats& since, const Stopwatch& watch, long ste
 
 Summary Simulation::run(const std::function<void(const Record&)>& on_record,
                         const std::function<void(long)>& on_step) {
+  const ThreadScope own(threads_);
   const RunPlan plan = this->plan();
   const long first = progress_.step;
   Stopwatch watch;
@@ -218,6 +219,7 @@ void Simulation::keep_snapshot() {
 }
 
 std::optional<Diagnosis> Simulation::diagnose() {
+  const ThreadScope own(threads_);
   if (snapshot_.empty()) return {};
   const long failed = progress_.step;
   restore(snapshot_);

@@ -104,7 +104,7 @@ Crosscheck crosscheck(const Scene& scene, const CrosscheckPlan& plan, const Tell
   const auto now = [&](const std::string& what) {
     if (tell) tell(what);
   };
-  use_threads(plan.threads);
+  const ThreadScope equal_threads(plan.threads);
   const Stage stage(scene, plan);
   const auto twin = stage.twin({.platform = plan.platform});  // refused here, before anything is run
 

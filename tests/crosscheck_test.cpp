@@ -8,6 +8,7 @@
 #include "constraints/baumgarte.hpp"
 #include "forcefield/force_field.hpp"
 #include "md/errors.hpp"
+#include "md/threads.hpp"
 #include "openmm_folder.hpp"
 #include "studies/crosscheck_verdict.hpp"
 #include "studies/openmm_twin.hpp"
@@ -30,7 +31,11 @@ Crosscheck held_against_openmm(Scene scene, CrosscheckPlan plan, long steps, lon
   plan.parting_steps = parting;
   plan.samples = 5;
   plan.speed_seconds = 0;
-  return crosscheck(scene, plan);
+  const int others_have = default_threads();
+  plan.threads = others_have + 1;
+  const Crosscheck c = crosscheck(scene, plan);
+  EXPECT_EQ(available_threads(), others_have);
+  return c;
 }
 
 // Start, leap-frog, bonds, newton and rattle, all.

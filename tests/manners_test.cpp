@@ -99,7 +99,7 @@ TEST(Manners, WhatWasMeant) {
   EXPECT_EQ(said("run water --stpes 3", 2), "taut: run: there is no option --stpes; did you mean --steps?\n");
   EXPECT_THAT(said("resume nowhere --steps 0", 2), HasSubstr("expected more than 0, got 0"));
   EXPECT_THAT(said("--threads 0 scenes", 2), HasSubstr("at least 1, got 0"));
-  EXPECT_EQ(said("--threads 100000 scenes", 2), "taut: --threads: expected at most 1024, got 100000\n");
+  EXPECT_EQ(said("--threads 100000 scenes", 2), "taut: --threads: expected 1 to 1024 threads, got 100000\n");
   EXPECT_EQ(said("run pair --steps two", 2),
             "taut: run: expected a number: --steps = two (taut run --help)\n");
   for (const char* command : {"run", "info", "calibrate", "chart", "stability", "crosscheck"})
@@ -206,6 +206,32 @@ TEST(Manners, ResumedRunsKeepToThreads) {
   const std::string out = (folder.path() / "run").string();
   said("run pair --steps 5 --out " + out);
   EXPECT_THAT(said("resume " + out + " --steps 5 --threads 2"), HasSubstr("threads 2 of "));
+}
+
+// How many threads compute unless a run says so itself: the first number of OMP_NUM_THREADS, and what is none
+// is refused.
+TEST(Manners, OmpNumThreadsIsRead) {
+  const auto run = [](const std::string& value) {
+    return taut("run pair --steps 0", "OMP_NUM_THREADS=" + value + " OMP_DYNAMIC=true OMP_THREAD_LIMIT=2");
+  };
+  for (const auto& [value, threads] : std::map<std::string, std::string>{
+           {"3", "3"}, {"4,2", "4"}, {"' 2 , 1'", "2"}, {"''", "1"}, {"' '", "1"}, {"1024", "1024"}}) {
+    const Outcome outcome = run(value);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
+    EXPECT_THAT(outcome.text, HasSubstr("threads " + threads + " of ")) << value;
+  }
+  for (const char* value : {"0", "-1", "two", "2x", "1e3", "1025", "99999999999999999999", ",2"}) {
+    const Outcome outcome = run(value);
+    EXPECT_EQ(outcome.exit_code, 2) << value;
+    EXPECT_THAT(
+        outcome.text,
+        EndsWith(fmt::format("taut: OMP_NUM_THREADS={}: expected a whole number from 1 to 1024\n", value)));
+  }
+  const TemporaryFolder folder;
+  const std::string out = (folder.path() / "study").string();
+  EXPECT_EQ(taut("chart pair --quick --out " + out, "OMP_NUM_THREADS=two").exit_code, 2);
+  EXPECT_FALSE(fs::exists(out));
+  EXPECT_EQ(taut("run pair --steps 0 --threads 2", "OMP_NUM_THREADS=two").exit_code, 0);
 }
 
 // Every command that prints tables has them as JSON, and nothing else beside.

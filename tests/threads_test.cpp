@@ -2,13 +2,27 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <atomic>
 #include <cmath>
+#include <new>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <thread>
 #include <vector>
 
 #include "forcefield/clusters/row_shares.hpp"
+#include "md/errors.hpp"
 #include "md/shares.hpp"
 #include "md/thread_meter.hpp"
 #include "md/work_meter.hpp"
+
+// OpenMP's own, which taut is linked with where it was built with it.
+extern "C" {
+int omp_get_max_threads() __attribute__((weak));
+void omp_set_num_threads(int threads) __attribute__((weak));
+}
 
 namespace taut {
 namespace {
@@ -17,6 +31,129 @@ struct Threads {
   explicit Threads(int threads) { use_threads(threads); }
   ~Threads() { use_threads(1); }
 };
+
+// What `ask` says on a thread that has nothing to do with this one.
+template <class Ask>
+auto elsewhere(const Ask& ask) {
+  std::optional<decltype(ask())> answer;
+  std::thread([&] { answer = ask(); }).join();
+  return *answer;
+}
+
+// A program with OpenMP of its own, which told it to use five threads, and calls taut.
+TEST(NumberOfThreads, LeavesOpenMPAsTheHostSetIt) {
+  if (omp_get_max_threads == nullptr) GTEST_SKIP() << "built without OpenMP";
+  const Threads restored(1);
+  const auto host_has = [] { return omp_get_max_threads(); };
+  const int at_first = host_has(), at_first_elsewhere = elsewhere(host_has);
+  omp_set_num_threads(5);
+  EXPECT_EQ(available_threads(), 1);
+  EXPECT_EQ(host_has(), 5);
+  use_threads(2);
+  in_parallel(3, [](int) {});
+  EXPECT_EQ(host_has(), 5);
+  {
+    const ThreadScope scope(4);
+    in_shares(8, 1, [](const Share&) {});
+    EXPECT_EQ(host_has(), 5);
+  }
+  EXPECT_EQ(elsewhere(host_has), at_first_elsewhere);
+  EXPECT_EQ(available_threads(), 2);
+  omp_set_num_threads(at_first);
+}
+
+TEST(NumberOfThreads, IsOneDefaultForAllThreadsOfTheHost) {
+  const Threads three(3);
+  EXPECT_EQ(available_threads(), 3);
+  EXPECT_EQ(elsewhere(available_threads), 3);
+  std::thread([] { use_threads(2); }).join();
+  EXPECT_EQ(available_threads(), 2);
+  EXPECT_EQ(asked_threads(), 2);
+}
+
+TEST(NumberOfThreads, IsItsOwnWithinAScopeAndOnItsThreadAlone) {
+  const Threads two(2);
+  {
+    const ThreadScope scope(5);
+    EXPECT_EQ(available_threads(), 5);
+    EXPECT_EQ(elsewhere(available_threads), 2);
+    EXPECT_EQ(default_threads(), 2);
+    {
+      const ThreadScope inner(3);
+      EXPECT_EQ(available_threads(), 3);
+      EXPECT_EQ(threads_for(1000, 100), 3);
+    }
+    use_threads(4);
+    EXPECT_EQ(available_threads(), 5);
+  }
+  EXPECT_EQ(available_threads(), 4);
+}
+
+TEST(NumberOfThreads, ThatCannotBeHadIsRefused) {
+  const auto refusal = [](int threads) -> std::string {
+    try {
+      expect_threads("--threads", threads);
+      return "";
+    } catch (const InputError& e) {
+      return e.what();
+    }
+  };
+  EXPECT_EQ(refusal(1), "");
+  EXPECT_EQ(refusal(0), "--threads: expected 1 to 1024 threads, got 0");
+  EXPECT_EQ(refusal(1025), "--threads: expected 1 to 1024 threads, got 1025");
+}
+
+// Within a region OpenMP gives one thread unless it is asked for regions in regions.
+TEST(InParallel, CarriesOutAllWorkWhereItGetsFewerThreads) {
+  std::array<std::array<std::atomic<int>, 5>, 3> done{};
+  in_parallel(3, [&](int outer) { in_parallel(5, [&](int inner) { ++done[outer][inner]; }); });
+  for (const auto& row : done)
+    for (const auto& times : row) EXPECT_EQ(times, 1);
+}
+
+// Whichever thread is first: again and again, metered and not.
+TEST(InParallel, ThrowsOnWhatTheLowestOfItsThreadsThrew) {
+  std::optional<ThreadMeter> meter;
+  for (const bool metered : {false, true}) {
+    if (metered) meter.emplace();
+    for (int n = 0; n < 200; ++n) {
+      std::atomic<int> done = 0;
+      try {
+        in_parallel(4, [&](int t) {
+          ++done;
+          if (t == 1) throw InputError("of one");
+          if (t == 3) throw std::bad_alloc();
+          if (t == 2) throw 2;
+        });
+        FAIL();
+      } catch (const InputError& e) {
+        EXPECT_STREQ(e.what(), "of one");
+      }
+      EXPECT_EQ(done, 4);
+    }
+  }
+  EXPECT_EQ(meter->account().regions, 200);
+  EXPECT_THROW(in_parallel(2,
+                           [](int t) {
+                             if (t == 1) throw std::bad_alloc();
+                           }),
+               std::bad_alloc);
+  std::atomic<int> done = 0;
+  in_parallel(4, [&](int) { ++done; });
+  EXPECT_EQ(done, 4);
+  EXPECT_EQ(meter->account().regions, 202);
+}
+
+TEST(InParallel, ThrowsInTheHostsOtherThreadsToo) {
+  EXPECT_TRUE(elsewhere([] {
+    try {
+      in_parallel(3, [](int) { throw std::bad_alloc(); });
+    } catch (const std::bad_alloc&) {
+      return true;
+    }
+    return false;
+  }));
+}
 
 volatile double kept = 0;
 void work(int units) {

@@ -67,6 +67,16 @@ Input of_openmm(const std::string& system, const std::string& state, const std::
   return {source.read(), source};
 }
 
+// The same, read on so many threads or, where none are given, on as many as is the default.
+template <class... Given>
+auto on_threads(Input (*read)(const Given&...)) {
+  return [read](const Given&... given, std::optional<int> threads) {
+    if (threads) expect_threads("threads", *threads);
+    const ThreadScope scope(threads ? *threads : default_threads());
+    return read(given...);
+  };
+}
+
 py::object value_of(const Option& option) {
   return std::visit([](auto* field) { return py::cast(*field); }, option.field);
 }
@@ -105,23 +115,28 @@ PYBIND11_MODULE(_core, m) {
   m.attr("knows_numpy_2") = PYBIND11_VERSION_HEX >= 0x020C0000;  // before, strides come out wrong with it
   py::register_exception_translator(translate);
   py::class_<Input>(m, "Input")
-      .def_static("of_scene", of_scene)
-      .def_static("of_toml", of_toml)
-      .def_static("of_openmm", of_openmm)
+      .def_static("of_scene", on_threads(of_scene))
+      .def_static("of_toml", on_threads(of_toml))
+      .def_static("of_openmm", on_threads(of_openmm))
       .def_property(
           "name", [](const Input& input) { return input.scene.name; },
           [](Input& input, const std::string& name) { input.scene.name = name; });
   m.def("describe_methods", describe_methods);
   m.def("scenes", scenes, "The scenes that come with taut: name to what it is hard on.");
   m.def("quoted", [](const std::string& text) { return toml_quoted(text); });
-  m.def("threads", available_threads, "How many threads a simulation may use.");
+  m.def("threads", default_threads,
+        "How many threads compute where a simulation or study is not told: as use_threads() said, or else\n"
+        "OMP_NUM_THREADS, or one.");
   m.def(
       "use_threads",
       [](int threads) {
-        if (threads < 1) throw InputError(fmt::format("use_threads({}): expected at least 1", threads));
+        expect_threads("use_threads", threads);
         use_threads(threads);
       },
-      py::arg("threads"), "So many from now on; else as OMP_NUM_THREADS says, or one. Bits depend on how many.");
+      py::arg("threads"),
+      "So many compute, for every Python thread, in what is made from now on and not told a number of its "
+      "own.\n"
+      "Other libraries' threads stay as they are.");
   bind_simulations(m);
   bind_studies(m);
   bind_parts(m);

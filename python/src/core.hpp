@@ -7,16 +7,18 @@
 #include <optional>
 #include <string>
 
+#include "md/threads.hpp"
 #include "systems/scene_source.hpp"
 
 namespace taut {
 
 namespace py = pybind11;
 
-// A scene, and all it was read from.
+// A scene, and all it was read from, on how many threads: sums decide where a start that is relaxed ends.
 struct Input {
   Scene scene;
   SceneSource source;
+  int threads = available_threads();
 };
 
 using OwnFields = std::vector<std::shared_ptr<OwnField>>;

@@ -31,7 +31,8 @@ std::string trajectory_key(const RunSettings& run) {
 }  // namespace
 
 PythonSimulation::PythonSimulation(Input input, const std::string& out, bool overwrite)
-    : source_(std::move(input.source)), simulation_(std::make_unique<Simulation>(std::move(input.scene))) {
+    : source_(std::move(input.source)),
+      simulation_(std::make_unique<Simulation>(std::move(input.scene), input.threads)) {
   note_state();
   if (const std::string key = trajectory_key(simulation_->scene().run); out.empty() && !key.empty())
     throw InputError(fmt::format("run.{}: nowhere to write, give out=\"a folder\"", key));
@@ -45,18 +46,18 @@ PythonSimulation::PythonSimulation(Input input, const std::string& out, bool ove
   folder_.emplace(std::move(lock), source_, *simulation_);
 }
 
-PythonSimulation::PythonSimulation(const std::string& bytes, const std::string& folder,
-                                   const std::vector<std::string>& overrides, bool yes,
-                                   const py::list& forces) {
+PythonSimulation::PythonSimulation(const GoingOn& from, const py::list& forces) {
+  if (from.threads) expect_threads("threads", *from.threads);
+  const std::string& folder = from.folder;
   std::optional<FolderLock> lock;
   if (!folder.empty()) expect_checkpoint(folder), lock.emplace(folder);
-  Checkpoint checkpoint = lock ? load_checkpoint(folder) : read_checkpoint(bytes);
+  Checkpoint checkpoint = lock ? load_checkpoint(folder) : read_checkpoint(from.bytes);
   simulation_ = resumed(lock ? checkpoint_file(folder).string() : "the checkpoint", checkpoint,
-                        key_values(overrides), own_fields(forces));
+                        key_values(from.overrides), own_fields(forces), from.threads);
   source_ = checkpoint.source;
   note_state();
   if (!lock) return;
-  const Consent consent{.cut_back = yes, .begin_anew = yes, .how = "resume(..., yes=True)"};
+  const Consent consent{.cut_back = from.yes, .begin_anew = from.yes, .how = "resume(..., yes=True)"};
   folder_.emplace(resumed_folder(std::move(*lock), checkpoint, *simulation_, consent));
 }
 
@@ -150,7 +151,7 @@ py::bytes PythonSimulation::checkpoint() {
   Checkpoint checkpoint{.source = source_,
                         .step = simulation_->step(),
                         .t = simulation_->state().t,
-                        .threads = available_threads(),
+                        .threads = simulation_->threads(),
                         .memory = {},
                         .marks = {}};
   Archive archive = Archive::saving_to(checkpoint.memory);

@@ -10,13 +10,19 @@
 
 namespace taut {
 
+// What a simulation goes on from, and how.
+struct GoingOn {
+  std::string bytes, folder;  // a checkpoint's, or the folder of a run with one, which it then goes on with
+  std::vector<std::string> overrides;
+  bool yes = false;  // outputs may be cut back, or begin anew
+  std::optional<int> threads;
+};
+
 // A simulation as Python has one: with its folder, its log, and an eye on what is written to its views.
 class PythonSimulation {
  public:
   PythonSimulation(Input input, const std::string& out, bool overwrite);
-  // From a checkpoint's bytes, or with a folder from its own, which it then goes on with.
-  PythonSimulation(const std::string& bytes, const std::string& folder,
-                   const std::vector<std::string>& overrides, bool yes, const py::list& forces);
+  PythonSimulation(const GoingOn& from, const py::list& forces);
   ~PythonSimulation() { forget_owner(simulation_->state().x); }
 
   // `every`: steps from row to row, 0: as before. With `to_end` the last step has a row, too.

@@ -133,6 +133,14 @@ py::tuple names(const Self& self) {
   return py::make_tuple(atoms, residues, elements, py::cast(names.residue));
 }
 
+GoingOn going_on(const py::dict& asked) {
+  return {.bytes = asked["bytes"].cast<std::string>(),
+          .folder = asked["folder"].cast<std::string>(),
+          .overrides = asked["overrides"].cast<std::vector<std::string>>(),
+          .yes = asked["yes"].cast<bool>(),
+          .threads = asked["threads"].cast<std::optional<int>>()};
+}
+
 void bind_rows(py::module_& m) {
   py::class_<Record> row(m, "Row",
                          "A row of the log: the state at a step. Numbers that a run has not are nan.");
@@ -172,8 +180,9 @@ void bind_simulations(py::module_& m) {
   bind_rows(m);
   py::class_<Self> simulation(m, "Simulation");
   simulation.def(py::init<Input, const std::string&, bool>())
-      .def(py::init<const std::string&, const std::string&, const std::vector<std::string>&, bool,
-                    const py::list&>())
+      .def(py::init([](const py::dict& asked, const py::list& forces) {
+        return std::make_unique<Self>(going_on(asked), forces);
+      }))
       .def("_run", &Self::run)
       .def("_minimise", &Self::minimise)
       .def("_checkpoint", &Self::checkpoint)
@@ -186,6 +195,9 @@ void bind_simulations(py::module_& m) {
       .def_property_readonly("energies", energies,
                              "By term, and \"potential\", \"kinetic\", \"total\" [kJ/mol].")
       .def_property_readonly("folder", &Self::folder, "Where it writes; empty: nowhere.")
+      .def_property_readonly(
+          "threads", [](const Self& self) { return self.engine().threads(); },
+          "How many threads compute. The order of sums, and so the last bits, depend on it.")
       .def_property_readonly(
           "name", [](const Self& self) { return self.engine().scene().name; }, "The scene's name.")
       .def_property_readonly(

@@ -44,6 +44,7 @@ void replace(Number& number, const py::dict& asked, const char* key) {
 
 py::dict chart(const Input& input, const std::vector<std::string>& methods, const py::dict& asked,
                const std::string& folder, const py::object& progress) {
+  const ThreadScope scope(input.threads);
   ChartPlan plan{.scene = scene_for(input, "chart"), .methods = methods};
   if (asked["quick"].cast<bool>()) plan.make_quick();
   replace(plan.repeats, asked, "repeats");
@@ -74,6 +75,7 @@ py::dict chart(const Input& input, const std::vector<std::string>& methods, cons
 
 py::dict stability(const Input& input, const std::vector<std::string>& methods, const py::dict& asked,
                    const std::string& folder, const py::object& progress) {
+  const ThreadScope scope(input.threads);
   StabilityPlan plan{.scenes = {scene_for(input, "stability")}, .methods = methods};
   if (asked["quick"].cast<bool>()) plan.make_quick();
   replace(plan.plane_steps, asked, "steps"), replace(plan.step_steps, asked, "steps");
@@ -95,6 +97,7 @@ py::dict course(const Course& of) {
 }
 
 py::dict calibrate_scene(const Input& input, const py::dict& asked) {
+  const ThreadScope scope(input.threads);
   CalibrationPlan plan;
   plan.against = asked["against"].cast<std::string>();
   plan.tolerance = asked["tolerance"].cast<double>();

@@ -82,11 +82,11 @@ def own_forces(forces: Iterable[Any]) -> List[Any]:
     return listed
 
 
-def read(scene: Scene, said: List[str]) -> "_core.Input":
-    """Reads a scene, with overrides laid over it."""
+def read(scene: Scene, said: List[str], threads: Optional[int] = None) -> "_core.Input":
+    """Reads a scene, with overrides laid over it, for so many threads."""
     if isinstance(scene, Mapping):
-        return _core.Input.of_toml(scene_text(scene), said)
+        return _core.Input.of_toml(scene_text(scene), said, threads)
     if isinstance(scene, (str, Path)):
-        return _core.Input.of_scene(str(scene), said)
+        return _core.Input.of_scene(str(scene), said, threads)
     raise InputError(f"expected a scene's name, its file or a dict, got {scene!r}; OpenMM's objects go to "
                      "Simulation.from_openmm")

@@ -84,14 +84,14 @@ def state_xml(positions: Any, velocities: Any, box: Any) -> str:
     return text + "</State>\n"
 
 
-def read(system: Any, state: str, said: List[str], topology: Any) -> "_core.Input":
+def read(system: Any, state: str, said: List[str], topology: Any, threads: Optional[int]) -> "_core.Input":
     """What OpenMM's two texts hold, with names from a Topology."""
     lines = []
     for atom in [] if topology is None else getattr(topology, "topology", topology).atoms():
         element = atom.element.symbol if atom.element else ""
         lines.append(f"{atom.name}\t{atom.residue.name}\t{element}\t{atom.residue.index}\n")
     names = "".join(lines) if topology is None or lines else "\n"  # a topology without atoms is not none
-    return _core.Input.of_openmm(xml_of(system, "system"), state, names, said)
+    return _core.Input.of_openmm(xml_of(system, "system"), state, names, said, threads)
 
 
 def objects_of(system: str, state: str) -> Tuple[Any, Any]:

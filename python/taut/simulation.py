@@ -16,10 +16,11 @@ def _shown(name: str) -> Any:
     return property(lambda self: getattr(self._engine, name), doc=getattr(_core.Simulation, name).__doc__)
 
 
-def _unpickled(kind: Any, checkpoint: bytes, forces: Any, method: Optional[type]) -> "Simulation":
+def _unpickled(kind: Any, checkpoint: bytes, forces: Any, method: Optional[type],
+               threads: Optional[int] = None) -> "Simulation":
     if method is not None:
         parts.register(method)
-    simulation: Simulation = kind.resume(checkpoint, forces=forces)
+    simulation: Simulation = kind.resume(checkpoint, forces=forces, threads=threads)
     return simulation
 
 
@@ -41,6 +42,7 @@ class Simulation:
     out     a folder for log.csv, checkpoints, trajectories (``run.trajectory_every``) and the final state, as the
             command ``taut run --out`` writes them
     overwrite  what run is in the folder is first moved aside
+    threads  so many compute as long as it lives; None: as ``taut.threads()`` says now. The last bits depend on it
 
     Units are nm, ps, u, kJ/mol and K throughout. The same settings give the same bits as the command's.
 
@@ -54,8 +56,8 @@ class Simulation:
 
     def __init__(self, scene: inputs.Scene, *, method: Optional[inputs.Method] = None, dt_fs: Optional[float] = None,
                  set: Optional[Mapping[str, Any]] = None, forces: Iterable[Any] = (),
-                 out: Union[str, Path, None] = None, overwrite: bool = False) -> None:
-        self._make(inputs.read(scene, inputs.overrides(set, method, dt_fs)), forces, out, overwrite)
+                 out: Union[str, Path, None] = None, overwrite: bool = False, threads: Optional[int] = None) -> None:
+        self._make(inputs.read(scene, inputs.overrides(set, method, dt_fs), threads), forces, out, overwrite)
 
     def _make(self, read: "_core.Input", forces: Iterable[Any], out: Union[str, Path, None], overwrite: bool) -> None:
         self._forces = inputs.own_forces(forces)
@@ -66,7 +68,8 @@ class Simulation:
     def from_openmm(cls, system: Any, positions: Any, *, velocities: Any = None, box: Any = None, topology: Any = None,
                     method: Optional[inputs.Method] = None, dt_fs: Optional[float] = None,
                     set: Optional[Mapping[str, Any]] = None, forces: Iterable[Any] = (),
-                    out: Union[str, Path, None] = None, overwrite: bool = False) -> "Simulation":
+                    out: Union[str, Path, None] = None, overwrite: bool = False,
+                    threads: Optional[int] = None) -> "Simulation":
         """What was prepared with OpenMM.
 
         system     openmm.System, its XML, or a file of it
@@ -77,28 +80,31 @@ class Simulation:
         The rest as for the class. Raises InputError for what taut does not have, by name.
         """
         state = openmm_objects.state_xml(positions, velocities, box)
-        read = openmm_objects.read(system, state, inputs.overrides(set, method, dt_fs), topology)
+        read = openmm_objects.read(system, state, inputs.overrides(set, method, dt_fs), topology, threads)
         simulation = cls.__new__(cls)
         simulation._make(read, forces, out, overwrite)
         return simulation
 
     @classmethod
     def resume(cls, checkpoint: Union[bytes, str, Path], *, set: Optional[Mapping[str, Any]] = None,
-               forces: Iterable[Any] = (), yes: bool = False) -> "Simulation":
+               forces: Iterable[Any] = (), yes: bool = False, threads: Optional[int] = None) -> "Simulation":
         """A run as it was at a checkpoint: goes on from there to the last bit.
 
         checkpoint  what checkpoint() gave, or the folder of a run, which is then gone on with
         set         what may change in a run that has begun: steps, log_every, trajectory_every, the thermostat, ...
         forces      the forces of your own that it had, in their order: they are code, which no checkpoint has
         yes         go on though outputs in the folder are cut back to less than half, or begin anew
+        threads     None: as ``taut.use_threads()`` or OMP_NUM_THREADS says, or else as many as it had, which alone
+                    gives the same bits
 
         Methods of your own have to be registered again (``taut.register``).
         """
-        folder = "" if isinstance(checkpoint, bytes) else str(checkpoint)
-        kept = checkpoint if isinstance(checkpoint, bytes) else b""
+        kept = isinstance(checkpoint, bytes)
+        asked = {"bytes": checkpoint if kept else b"", "folder": "" if kept else str(checkpoint),
+                 "overrides": inputs.overrides(set, None, None), "yes": yes, "threads": threads}
         simulation = cls.__new__(cls)
         simulation._forces = inputs.own_forces(forces)
-        simulation._engine = _core.Simulation(kept, folder, inputs.overrides(set, None, None), yes, simulation._forces)
+        simulation._engine = _core.Simulation(asked, simulation._forces)
         return simulation
 
     def run(self, steps: int, *, every: int = 0, callback: Optional[Callable[["_core.Row"], Any]] = None) -> None:
@@ -143,6 +149,7 @@ class Simulation:
     time_ps = _shown("time_ps")
     steps_taken = _shown("steps_taken")
     dt_fs = _shown("dt_fs")
+    threads = _shown("threads")
     method = _shown("method")
     setting = _shown("setting")
     degrees_of_freedom = _shown("degrees_of_freedom")
@@ -208,7 +215,8 @@ class Simulation:
         return universe
 
     def __reduce__(self) -> Tuple[Any, ...]:
-        return _unpickled, (type(self), self.checkpoint(), self._forces, parts.REGISTERED.get(self.method))
+        return _unpickled, (type(self), self.checkpoint(), self._forces, parts.REGISTERED.get(self.method),
+                            self.threads)
 
     def __repr__(self) -> str:
         return (f"<taut.Simulation {self.name}: {len(self.masses)} atoms, {len(self.lengths)} rigid bonds, "

@@ -253,12 +253,6 @@ def test_pickles():
     assert pickle.loads(pickle.dumps(taut.Rattle(tolerance=1e-6))) == taut.Rattle(tolerance=1e-6)
 
 
-def test_threads():
-    with pytest.raises(taut.InputError, match="expected at least 1"):
-        taut.use_threads(0)
-    assert taut.threads() >= 1
-
-
 def test_made_without_init():
     half = taut.Simulation.__new__(taut.Simulation)
     for asks in (lambda: half.run(1), lambda: half.positions, lambda: repr(half), lambda: pickle.dumps(half)):

@@ -15,8 +15,9 @@ class Failed(Exception):
     pass
 
 
-def run(folder, text, ranks=1, **variables):
-    """The output of an input; Failed, with the error line, if LAMMPS stops."""
+def run(folder, text, ranks=1, omp=0, **variables):
+    """The output of an input; Failed, with the error line, if LAMMPS stops. `omp`: of its own OPENMP package so many
+    threads, OMP_NUM_THREADS not said."""
     script = pathlib.Path(folder) / f"in.{len(list(pathlib.Path(folder).glob('in.*')))}"
     script.write_text(text)
     several = [*MPIRUN, "-np", str(ranks)] if ranks > 1 else []  # mpirun takes two seconds to end after an error
@@ -25,11 +26,20 @@ def run(folder, text, ranks=1, **variables):
         command += ["-var", name, str(value)]
     environment = dict(os.environ, OMP_NUM_THREADS="1", OMPI_MCA_btl_vader_single_copy_mechanism="none",
                        OMPI_MCA_mpi_yield_when_idle="1")
+    if omp:
+        del environment["OMP_NUM_THREADS"]
+        command += ["-sf", "omp", "-pk", "omp", str(omp)]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, env=environment, timeout=600)
     error = re.search(r"ERROR.*", done.stdout + done.stderr)
     if error or done.returncode:
         raise Failed(error.group(0) if error else done.stdout[-300:] + done.stderr[-300:])
     return done.stdout
+
+
+def has_package(name):
+    """Whether the LAMMPS under test has it."""
+    told = subprocess.run([PROGRAM, "-h"], capture_output=True, text=True, timeout=60).stdout
+    return name in told.partition("Installed packages:")[2].partition("List of individual")[0].split()
 
 
 def table(output, which=-1):
