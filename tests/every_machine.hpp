@@ -8,8 +8,7 @@
 namespace taut::testing {
 
 // Runs a test with the kernels of each kind of machine that they are compiled for and that this one can be:
-// its own, and those with less. A file that includes "forcefield/clusters/machines.hpp" first leaves out the
-// kinds that clusters are not compiled for.
+// its own, and those with less.
 template <class Test>
 void on_every_machine(const Test& test) {
   struct Restored {

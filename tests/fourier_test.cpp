@@ -1,5 +1,3 @@
-#include "forcefield/clusters/machines.hpp"
-// before Highway
 #include <gtest/gtest.h>
 
 #include <complex>

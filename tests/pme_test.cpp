@@ -1,5 +1,3 @@
-#include "forcefield/clusters/machines.hpp"
-// before Highway
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

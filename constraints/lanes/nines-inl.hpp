@@ -45,7 +45,7 @@ inline constexpr int kUp = 8 / kWidth;
 // Lane j of t[k] ← lane j of t[k ± s·j]
 template <int kSign>
 HWY_INLINE void line_up(Nine& t) {
-  constexpr std::uint8_t kLanesWith[] = {0, 0xAA, 0xCC, 0, 0xF0};
+  constexpr std::uint8_t kLanesWith[4 + 8] = {0, 0xAA, 0xCC, 0, 0xF0};  // from each, 8 bytes may be read
   for (int digit = 1; digit < kWidth; digit *= 2) {
     const M with = hn::LoadMaskBits(D(), kLanesWith + digit);
     const Nine from = t;

@@ -17,6 +17,9 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using Real = TAUT_MESH_REAL;
 
+// Unnamed: the types and templates of either precision have the same names, and are others.
+namespace {
+
 constexpr int kTogether = 32;      // atoms whose splines are found at a time
 using Fours = Real[kTogether][4];  // of each atom, four numbers along an edge
 
@@ -240,6 +243,8 @@ HWY_INLINE void some_at_a_time(MeshAtoms<Real> atoms, const auto& work) {
     work(atoms.first(std::min<std::size_t>(kTogether, atoms.size())));
 }
 
+}  // namespace
+
 void spread(MeshGrid<Real> grid, const PlanesAbove& planes, MeshAtoms<Real> atoms) {
   of_order(grid.order, [&]<int order>() HWY_ATTR {
     Splines<order> splines;
@@ -268,6 +273,7 @@ void forces(MeshGrid<Real> grid, MeshAtoms<Real> atoms, const Eigen::Matrix3d& t
 }
 
 // The three edges, and a fourth for the vector's sake.
+namespace {
 struct Edges {
   using D = hn::CappedTag<double, 4>;
   static constexpr int kLanes = static_cast<int>(hn::MaxLanes(D())), kVectors = 4 / kLanes;
@@ -278,6 +284,7 @@ struct Edges {
     for (int k = 0; k < kVectors; ++k) v[k] = hn::Load(D(), all + k * kLanes);
   }
 };
+}  // namespace
 
 void points(const MeshFrame& frame, const Vectors& x, std::span<const Charged> charged, MeshAtom<Real>* out) {
   const Edges size(frame.size),
