@@ -10,6 +10,7 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::MatchesRegex;
+using ::testing::Not;
 
 int lines(const std::string& text) {
   return static_cast<int>(std::count(text.begin(), text.end(), '\n'));
@@ -214,6 +215,7 @@ TEST_P(FullDisks, AreOneLineAndLoseNothing) {
   EXPECT_EQ(full.wait(), 3) << error;
   EXPECT_EQ(lines(error), 1) << error;
   EXPECT_THAT(error, HasSubstr(GetParam().file));
+  EXPECT_THAT(error, Not(HasSubstr(".part")));
   EXPECT_THAT(error, HasSubstr("File too large"));
   for (const auto& entry : fs::recursive_directory_iterator(folder.path()))
     EXPECT_NE(entry.path().extension(), ".part") << entry.path();
