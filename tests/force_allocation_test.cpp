@@ -1,16 +1,19 @@
-// Forces allocate nothing once they have room.
+// Forces allocate nothing once they have room, and where there is none they say so and are right afterwards.
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <cstdlib>
+#include <limits>
 #include <new>
 
 #include "force_checks.hpp"
 #include "liquids.hpp"
+#include "md/threads.hpp"
 
-static std::atomic<long> allocations{0}, bytes{0};
+static std::atomic<long> allocations{0}, bytes{0}, granted{std::numeric_limits<long>::max()};
 static void* counted(std::size_t size, std::size_t alignment) {
   ++allocations;
+  if (--granted < 0) throw std::bad_alloc();
   bytes += static_cast<long>(size);
   if (void* p = std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment)) return p;
   throw std::bad_alloc();
@@ -109,6 +112,43 @@ TEST(Pme, HasNoMeshWithoutCharges) {
   const long then = bytes;
   evaluate(terms, x, box_of(liquid));
   EXPECT_GT(bytes - then, 16'000'000);
+}
+
+// Memory runs out at each of the allocations of a first evaluation, those of its parallel regions included.
+TEST(Forces, AreRightAgainAfterMemoryRanOut) {
+  const ThreadScope two(2);
+  const Liquid liquid{"water", 7, 0.33, true, 0.8, 0, 1, true};
+  std::mt19937_64 rng(5);
+  Terms terms;
+  terms.nonbonded = forces_of(liquid);
+  terms.nonbonded->pme = PmeParameters{};
+  const Vectors x = place(liquid, rng);
+  const int n = static_cast<int>(x.cols());
+  const System sys = with_sites(n);
+  const auto start = [&] { return State{x, Vectors::Zero(3, n), Vectors::Zero(3, n), 0, box_of(liquid)}; };
+  State right = start();
+  ForceField undisturbed(sys, right.box, terms);
+  const long before = allocations;
+  undisturbed(sys, right);
+  const long all = allocations - before;
+  ASSERT_GT(all, 100);
+  for (long until = 0; until < all; until += std::max(1L, all / 100)) {
+    SCOPED_TRACE(until);
+    State s = start();
+    ForceField forces(sys, s.box, terms);
+    granted = until;
+    bool ran_out = false;
+    try {
+      forces(sys, s);
+    } catch (const std::bad_alloc&) {
+      ran_out = true;
+    }
+    granted = std::numeric_limits<long>::max();
+    EXPECT_TRUE(ran_out);
+    forces(sys, s);
+    EXPECT_LT((s.f - right.f).cwiseAbs().maxCoeff(), 1e-9 * rms(right.f));
+    EXPECT_NEAR(forces.potential(), undisturbed.potential(), 1e-9 * std::abs(right.f.norm()));
+  }
 }
 
 }  // namespace

@@ -102,9 +102,8 @@ int LaneRunner::share(int t, int threads) const {
 
 void LaneRunner::reserve(int threads) {
   if (static_cast<int>(scratch_.size()) >= threads) return;
-  scratch_.resize(threads);
   stats_.resize(threads);
-  for (auto& rows : scratch_) rows.resize(std::max<std::size_t>(1, scratch_rows_) * kLanes);
+  scratch_.assign(threads, AlignedDoubles(std::max<std::size_t>(1, scratch_rows_) * kLanes));
 }
 
 }  // namespace taut

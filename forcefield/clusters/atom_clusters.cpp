@@ -95,7 +95,7 @@ Vec3 AtomClusters::offset_of(const Vec3& x) const {
 // As wide as the cube of eight atoms, at the density there is: narrower, there are fewer near each other to
 // choose from; wider, more that are not.
 void AtomClusters::choose_columns(const Vectors& x) {
-  if (builds_++ % kBuildsPerSurvey == 0) {
+  if (builds_ % kBuildsPerSurvey == 0) {
     const auto present = std::count(layout_.present.begin(), layout_.present.end(), 1);
     const double ideal =
         std::cbrt(2 * kClusterAtoms * crowded_volume(x) / double(std::max(1L, long(present))));
@@ -104,6 +104,7 @@ void AtomClusters::choose_columns(const Vectors& x) {
       width_[d] = ideal;
     }
   }
+  ++builds_;
   for (int d = 0; d < 2 && layout_.periodic; ++d) width_[d] = box_.edge[d] / double(count_[d]);
 }
 

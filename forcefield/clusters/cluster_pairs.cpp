@@ -154,9 +154,14 @@ class EngineIn final : public ClusterPairs::Engine {
     return farthest_ <= aim_.reach;
   }
 
-  // The inner list from the outer one.
+  // The inner list from the outer one. What is thrown while lists are made leaves none that serves.
   void prune() {
-    if (p_.all_pairs()) return;
+    searched_in_box_ = false;
+    if (!p_.all_pairs()) fill_inner_lists();
+    searched_in_box_ = true;
+  }
+
+  void fill_inner_lists() {
     const Pruning pruning{listed_, kind_, p_.law.cutoff, kRowAtoms, moved_, farthest_, p_.outer};
     in_parallel(threads_, [&](int t) {
       inner_[t].rows.clear();
@@ -178,7 +183,8 @@ class EngineIn final : public ClusterPairs::Engine {
   void search(const Vectors& x, const Box& box) {
     searched_in_box_ = false;  // until it is done: where an atom is nowhere, no list serves
     check_positions(x);
-    by_clusters([&](const Share& share) { tracks_.leave(clusters_, share); });
+    if (std::exchange(tracks_entered_, false))
+      by_clusters([&](const Share& share) { tracks_.leave(clusters_, share); });
     p_.all_pairs() ? clusters_.build_in_order(x) : clusters_.build(x, box);
     threads_ = threads_for(clusters_.count(), kClustersPerThread);
     load(x);
@@ -208,8 +214,8 @@ class EngineIn final : public ClusterPairs::Engine {
       place_atoms(x, clusters_, share, tracks_.now().data(), atoms_);
       tracks_.enter(clusters_, share);
     });
+    tracks_entered_ = true;
     searched_at_ = x;
-    searched_in_box_ = true;
     ++searches;
   }
 
@@ -285,7 +291,8 @@ class EngineIn final : public ClusterPairs::Engine {
   RoundedPositions searched_, listed_;  // places the outer and the inner list were made for
   Vectors searched_at_;                 // as they were given [nm]
   std::vector<std::uint8_t> kind_;
-  bool searched_in_box_ = false;  // the box there is
+  bool searched_in_box_ = false;  // the box there is, and lists are whole
+  bool tracks_entered_ = false;   // the clusters there are
   std::vector<double> moved_;     // since then, as Pruning has them
   double farthest_ = 0;
   int threads_ = 1;
