@@ -52,8 +52,8 @@ class Feedforward : public ConstraintMethod {
   const Eigen::VectorXd& lambda() const override { return lambda_; }
   std::array<Eigen::VectorXd*, 3> past() { return {&lambda_, &before_, &before_that_}; }
   int& steps_known() { return known_; }
-  // The default promises what a thermostat that rescales velocities leaves, of which no solve of its step
-  // knew; a tolerance that is said promises itself.
+  // The default's value, said or not, promises what a thermostat that rescales velocities leaves, of which no
+  // solve of its step knew; any other tolerance promises itself.
   double promised_error() const override {
     return options_.tolerance == Options{}.tolerance ? 1e-5 : options_.tolerance;
   }

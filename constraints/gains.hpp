@@ -29,8 +29,8 @@ struct Gains {
 //   critical    α = β = 1/h
 //   physical    α = β = √(stiffness/μ), the bond as the real one swings, critically damped; capped, where the
 //               step cannot bear it, at βh = 1.9
-//   box2d       β = 2π·¼/h, α = 2β: Box2D 3.1's joint softness (60 Hz, damping ratio 2) where its clamp of a
-//               quarter of the step's frequency holds
+//   box2d       β = 2π·¼/h, α = 2β: a spring of a quarter of the step's frequency, to which Box2D 3.1 clamps its
+//               contacts, with the damping ratio of its joints, 2 (joints it clamps to an eighth)
 //   numbers     alpha_per_ps and beta_per_ps as given
 // clang-format on
 // A given α or β stands in place of the named one.

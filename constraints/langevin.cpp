@@ -29,6 +29,7 @@ Langevin::Langevin(const System& sys, const Settings& settings, double h)
       half_jump_(Vectors::Zero(3, sys.atoms())),
       before_(half_jump_),
       push_(half_jump_),
+      turned_(half_jump_),
       random_(settings.seed ^ kStream) {}
 
 SolveStats Langevin::project(Vectors& x, Vectors& v) {
@@ -60,15 +61,29 @@ SolveStats Langevin::draw_knowing_springs(const System& sys, double kick, State&
   return stats;
 }
 
+// s.v is the velocity of the drift, v_half + a.
+SolveStats Langevin::account_for_turning(const System& sys, State& s) {
+  heat_of_turning_ = 0;
+  if (tangent_.bonds.empty()) return {};
+  turned_ = before_;
+  const SolveStats stats = project(s.x, turned_);
+  for (int i = 0; i < sys.atoms(); ++i)
+    heat_of_turning_ +=
+        sys.mass[i] * (s.v.col(i) + 0.5 * before_.col(i)).dot(turned_.col(i) - before_.col(i));
+  return stats;
+}
+
 SolveStats Langevin::draw_jump(const System& sys, double kick, State& s) {
   const double c = std::exp(-settings_.friction * h_);
   before_.swap(half_jump_);
+  const SolveStats turning = account_for_turning(sys, s);
   for (int i = 0; i < sys.atoms(); ++i) {
     const double width = std::sqrt((1 - c * c) * kBoltzmann * settings_.temperature * sys.inv_mass[i]);
     const Vec3 v = s.v.col(i) + before_.col(i) + kick * sys.inv_mass[i] * s.f.col(i);
     half_jump_.col(i) = 0.5 * ((c - 1) * v + width * random_.normal_vector());
   }
-  const SolveStats stats = project(s.x, half_jump_);
+  SolveStats stats = turning;
+  stats += project(s.x, half_jump_);
   if (settings_.hold_momentum) remove_momentum(sys, half_jump_);
   for (int i = 0; i < sys.atoms(); ++i)
     push_.col(i) = sys.mass[i] / kick * (before_.col(i) + half_jump_.col(i));

@@ -24,7 +24,13 @@ namespace taut {
 // follows from v_half + hM⁻¹F without it, and is drawn one step ahead. Between its two drifts the velocity
 // then changes by h(a + (½Δ_old + ½Δ)/h): to `add_forces` the noise is one more force, M(½Δ_old + ½Δ)/h, in f
 // for just as long as λ is sought, and every identity of constraints/README.md holds with that acceleration.
-// Cost: 3n normal numbers, and one factorization and solve for P.
+// Cost: 3n normal numbers, and twice a factorization and solve for P, the second time for the heat.
+//
+// Heat. Δ is tangent where the drift begins. When the drift ends the bonds have turned, and of the second half
+// a = ½Δ the constraints take out at once what is not tangent there, (1 − P')a. So the bath gives
+//     Σ m(v_half + ½a)·a  +  Σ m(v_half + (3/2)a)·P'a,
+// v_half being the velocity before Δ. With a in place of P'a the bonds would seem to take energy, whoever holds
+// them: dumbbells of reduced mass μ and length d ½γh²(kT)²/(μd²) each in a unit of time.
 class Langevin final : public Bath {
  public:
   struct Settings {
@@ -45,6 +51,10 @@ class Langevin final : public Bath {
 
   const Vectors* half_jump() const override { return &half_jump_; }  // [nm/ps]
 
+  // Of the last draw(): by how much the heat of the jump before, Σ m(v_half + ½Δ)·Δ as if all of it had been
+  // tangent, is to be changed since bonds turned [kJ/mol].
+  double heat_of_turning() const { return heat_of_turning_; }
+
   void serialize(Archive& archive) { archive(half_jump_, random_); }
 
   // The velocity that Δ is about to change, P(v + (h/2)M⁻¹f): canonical for free and for harmonic motion at
@@ -54,6 +64,7 @@ class Langevin final : public Bath {
  private:
   SolveStats draw_knowing_springs(const System& sys, double kick, State& s);
   SolveStats draw_jump(const System& sys, double kick, State& s);
+  SolveStats account_for_turning(const System& sys, State& s);
   SolveStats project(Vectors& x, Vectors& v);  // x is lent, not changed
 
   Settings settings_;
@@ -63,6 +74,8 @@ class Langevin final : public Bath {
   State scratch_;                      // x and v as the projector takes them
   Vectors half_jump_, before_, push_;  // ½Δ, ½Δ of the step before [nm/ps]; M(½Δ_old + ½Δ)/h
   Vectors pull_;                       // of springs
+  Vectors turned_;                     // P'½Δ of the step before [nm/ps]
+  double heat_of_turning_ = 0;         // [kJ/mol]
   Random random_;
 };
 

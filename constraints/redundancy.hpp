@@ -23,8 +23,8 @@ struct Redundancy {
   }
 };
 
-// At positions x [nm], 3 × n. A pivot of A below 1e-8 of its diagonal counts as none. An angle that is held by
-// its ends as well counts as straight, so, from about 1e-4 rad on (4e-5 to 2e-4, as the masses are). Two bonds
+// At positions x [nm], 3 × n. A pivot of A below 1e-8 of its diagonal counts as none. So an angle that is held
+// by its ends as well counts as straight from about 1e-4 rad on (4e-5 to 2e-4, as the masses are). Two bonds
 // alone, however they lie, never depend on each other.
 Redundancy find_redundancy(const System& sys, const Vectors& x);
 

@@ -14,8 +14,8 @@ namespace taut {
 // that in one function, which serves both ways:
 //     void serialize(Archive& archive) { archive(lambda_, before_, steps_); }
 // Numbers are kept as they lie in memory. What is loaded into must be made already, from the same scene:
-// arrays have the sizes they had, or the archive is another's, which is an InputError. Nothing is ever sized
-// by what an archive says.
+// arrays have the sizes they had, or the archive is another's, which is an InputError. Text alone is sized by
+// what an archive says, and is no longer than what is left of the archive.
 class Archive {
  public:
   static Archive saving_to(std::string& kept) { return Archive(&kept, {}); }  // at its end

@@ -6,8 +6,8 @@
 
 namespace taut {
 
-// A thermostat, or none: this one does nothing. One that changes the velocity by Δ in the middle of the drift
-// (constraints/langevin.hpp) acts about and within it, one that scales velocities after the step.
+// What acts on velocities besides forces and constraints; this one does nothing. A thermostat that changes them
+// by Δ in the middle of the drift gives ½Δ before it and ½Δ after; others act after the step, as barostats do.
 class Bath {
  public:
   virtual ~Bath() = default;

@@ -22,7 +22,8 @@ namespace taut {
 //     ΔK = ½h (f_n·v_half + f_{n+1}·(v_half + Δ)) + ⅛h² Δ(Σ|f|²/m) + Q,   Q = Σ m (v_half + ½Δ)·Δ:
 // Q, by which Δ changes the kinetic energy, is the bath's heat, the third share, and each of the two others
 // is what it was with the velocity of its own half of the step. (Heat is what the random substep gives, work
-// what the other ones do: Sivak, Chodera and Crooks 2013, doi:10.1103/PhysRevX.3.011007.)
+// what the other ones do: Sivak, Chodera and Crooks 2013, doi:10.1103/PhysRevX.3.011007.) Rigid bonds that
+// turn in the drift take a part of Δ's second half out. That is the bath's, too; langevin.hpp says how much.
 class WorkMeter {
  public:
   // After F is evaluated in a step: s.v is still the half step's, which came here.
