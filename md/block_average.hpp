@@ -31,6 +31,7 @@ class RunningMean {
  public:
   void add(double y);
   Estimate estimate() const;
+  Estimate later_half() const;  // of the later half of the full blocks; all 0 where there are fewer than 4
   std::span<const double> blocks() const { return {blocks_.data(), static_cast<std::size_t>(full_)}; }
   long block_length() const { return length_; }  // numbers
   long count() const { return count_; }

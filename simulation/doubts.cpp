@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "md/units.hpp"
 #include "simulation/simulation.hpp"
@@ -10,45 +12,117 @@
 namespace taut {
 namespace {
 
+using Doubt = std::optional<std::string>;
+
 constexpr double kStretched = 0.05;  // of a bond
 constexpr double kErrors = 5;
-constexpr double kWarm = 0.25;  // of kT a nanosecond and degree of freedom, by constraints alone
-constexpr double kOff = 0.01;   // of the temperature, where a thermostat bears the drift
+constexpr double kWarm = 0.25;     // of kT a nanosecond and degree of freedom, by constraints alone
+constexpr double kOff = 0.01;      // of the temperature, where a thermostat bears the drift
+constexpr double kRise = 0.1;      // of kT a degree of freedom, from the first row to the last
+constexpr double kOffBath = 0.05;  // of the bath's temperature
+constexpr double kSettled = 20;    // relaxation times of the bath until a temperature is judged
+constexpr int kFewest = 10;        // degrees of freedom of what has a temperature without a bath
+constexpr double kWarmer = 1.25;   // than the first row, without a bath
+constexpr double kColder = 1.0 / 3;
+constexpr double kWorkedOn = 100;  // in place of both where forces from outside do work
+
+// Five standard deviations of a kinetic energy, as a share of it.
+double scatter(int dof) {
+  return 5 * std::sqrt(2.0 / std::max(1, dof));
+}
+
+Doubt of_bonds(const Summary& s) {
+  if (s.converged == false)
+    return fmt::format("bonds are off by up to {:.1e}, more than the method promises; take a shorter step",
+                       s.max_rel_bond_error);
+  if (s.max_rel_bond_error > kStretched)
+    return fmt::format("bonds are off by up to {:.2g} %; take method newton, or a shorter step",
+                       100 * s.max_rel_bond_error);
+  return {};
+}
+
+bool much(const Summary& s, double off_by_k) {
+  return std::abs(off_by_k) >= kOff * s.temperature;
+}
+
+std::string borne(double off_by_k) {
+  return fmt::format(", which the thermostat leaves {:.2g} K too {}", std::abs(off_by_k),
+                     off_by_k > 0 ? "warm" : "cold");
+}
+
+// By the line through all rows, where there are enough of them to tell a trend from chance.
+Doubt of_drift(const Summary& s, double kT) {
+  const Estimate& bonds = s.constraint_drift;
+  if (s.drift.error == 0 && bonds.error == 0) return {};
+  if (s.off_by_k && !much(s, *s.off_by_k)) return {};
+  const std::string thermostat = s.off_by_k ? borne(*s.off_by_k) : "";
+  const double heat = s.drift.value / kT;  // per ns
+  if (std::abs(bonds.value) > kWarm * kT && std::abs(bonds.value) > kErrors * bonds.error &&
+      !(std::abs(bonds.value) <= 0.5 * std::abs(s.drift.value)))  // under a barostat: theirs alone is known
+    return fmt::format("the constraints {} by {:.2g} kJ/mol a nanosecond and degree of freedom{}; {}",
+                       bonds.value > 0 ? "heat" : "cool", std::abs(bonds.value), thermostat,
+                       s.converged ? "take a shorter step" : "feedforward at the same price does not");
+  if (std::abs(heat) > 1 && std::abs(s.drift.value) > kErrors * s.drift.error)
+    return fmt::format(
+        "the energy drifts by {:.2g} kT a nanosecond and degree of freedom{}; {}", heat, thermostat,
+        s.converged == true ? "take a shorter step, or let pair forces end smoothly (forcefield.switch_nm)"
+                            : "take method newton, or a shorter step");
+  return {};
+}
+
+// By the last row and the first, where the rows between scatter too much for a line, or are too few.
+Doubt of_rise(const Summary& s, double kT) {
+  const StartAndEnd& ends = s.start_and_end;
+  const double drift = 1000 * ends.rise / ends.time;  // kJ/mol/ns/dof
+  if (!(std::abs(ends.rise) > kRise * kT * (1 + scatter(ends.dof)) && std::abs(drift) > kT)) return {};
+  if (ends.loses_energy && ends.rise < 0) return {};
+  std::string thermostat;
+  if (s.off_by_k) {
+    const double off = *s.off_by_k / s.drift.value * drift;
+    if (!much(s, off)) return {};
+    thermostat = borne(off);
+  }
+  return fmt::format(
+      "the energy ends {:.2g} kT a degree of freedom {} its start{}; take a shorter step, or look at the "
+      "forces (cutoff_nm, Ewald's α and grid)",
+      std::abs(ends.rise) / kT, ends.rise > 0 ? "above" : "below", thermostat);
+}
+
+Doubt of_temperature(const StartAndEnd& ends) {
+  const auto& [mean, error] = ends.temperature;
+  if (!(mean > 0 && ends.expected > 0)) return {};
+  if (ends.relaxation > 0) {
+    const double off = std::abs(mean - ends.expected);
+    if (ends.time < kSettled * ends.relaxation || off < std::max(kOffBath * ends.expected, kErrors * error))
+      return {};
+    return fmt::format(
+        "the thermostat is set to {:.4g} K, and the mean temperature of the later half is {:.4g} K; take a "
+        "shorter step, or a stronger thermostat",
+        ends.expected, mean);
+  }
+  if (ends.dof < kFewest) return {};
+  const double warmer = (ends.worked_on ? kWorkedOn : kWarmer) + scatter(ends.dof);
+  const double colder = (ends.worked_on ? 1 / kWorkedOn : kColder) / (1 + scatter(ends.dof));
+  if (mean < warmer * ends.expected && mean > colder * ends.expected) return {};
+  return fmt::format(
+      "without a thermostat the temperature went from {:.4g} to {:.4g} K; relax the start (run.minimise), or "
+      "look at the forces (pulls, cutoff_nm, Ewald's α and grid)",
+      ends.expected, mean);
+}
 
 }  // namespace
 
 std::vector<std::string> doubts(const Summary& s) {
   std::vector<std::string> all;
-  if (s.converged == false)
-    all.push_back(
-        fmt::format("bonds are off by up to {:.1e}, more than the method promises; take a shorter step",
-                    s.max_rel_bond_error));
-  else if (s.max_rel_bond_error > kStretched)
-    all.push_back(fmt::format("bonds are off by up to {:.2g} %; take method newton, or a shorter step",
-                              100 * s.max_rel_bond_error));
-  const Estimate& bonds = s.constraint_drift;
-  if (s.drift.error == 0 && bonds.error == 0) return all;
+  const auto add = [&](Doubt doubt) {
+    if (!doubt) return false;
+    all.push_back(std::move(*doubt));
+    return true;
+  };
+  add(of_bonds(s));
   const double kT = kBoltzmann * s.temperature;
-  const double heat = s.drift.value / kT;  // per ns
-  std::string thermostat;
-  if (s.off_by_k) {
-    if (std::abs(*s.off_by_k) < kOff * s.temperature) return all;
-    thermostat = fmt::format(", which the thermostat leaves {:.2g} K too {}", std::abs(*s.off_by_k),
-                             *s.off_by_k > 0 ? "warm" : "cold");
-  }
-  if (std::abs(bonds.value) > kWarm * kT && std::abs(bonds.value) > kErrors * bonds.error &&
-      !(std::abs(bonds.value) <= 0.5 * std::abs(s.drift.value))) {  // under a barostat: theirs alone is known
-    all.push_back(
-        fmt::format("the constraints {} by {:.2g} kJ/mol a nanosecond and degree of freedom{}; {}",
-                    bonds.value > 0 ? "heat" : "cool", std::abs(bonds.value), thermostat,
-                    s.converged ? "take a shorter step" : "feedforward at the same price does not"));
-    return all;
-  }
-  if (std::abs(heat) > 1 && std::abs(s.drift.value) > kErrors * s.drift.error)
-    all.push_back(fmt::format(
-        "the energy drifts by {:.2g} kT a nanosecond and degree of freedom{}; {}", heat, thermostat,
-        s.converged == true ? "take a shorter step, or let pair forces end smoothly (forcefield.switch_nm)"
-                            : "take method newton, or a shorter step"));
+  if (!add(of_drift(s, kT))) add(of_rise(s, kT));
+  add(of_temperature(s.start_and_end));
   return all;
 }
 

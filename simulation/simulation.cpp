@@ -9,6 +9,7 @@
 
 #include "constraints/bond_algebra.hpp"
 #include "constraints/redundancy.hpp"
+#include "forcefield/pme/parameters.hpp"
 #include "md/errors.hpp"
 #include "md/run.hpp"
 #include "simulation/redundant_bonds.hpp"
@@ -119,6 +120,11 @@ void Simulation::begin_means() {
 
 // For the header.
 void Simulation::note_start() {
+  if (const auto& nonbonded = scene_.terms.nonbonded;
+      nonbonded && nonbonded->pme && !nonbonded->charge.isZero(0))
+    ewald_doubt_ = doubt_of(chosen_parameters(*nonbonded->pme, state_.box, *nonbonded->cutoff), state_.box,
+                            *nonbonded->cutoff);
+  if (!ewald_doubt_.empty()) scene_.notes.push_back(ewald_doubt_);
   const auto& [minimised, largest_move, kinetic_removed, anchors] = start_report_;
   if (!anchors.empty())
     scene_.notes.push_back(

@@ -55,6 +55,18 @@ struct Record {
   double but_for_heat() const { return total() - heat.value_or(0); }
 };
 
+// How the rows of a run end beside how they began, and what a temperature is to be compared with.
+struct StartAndEnd {
+  double time = 0;         // from the first row to the last [ps]
+  double rise = 0;         // of the energy but for the heat; NaN under a barostat [kJ/mol/degree of freedom]
+  int dof = 0;             // degrees of freedom
+  double expected = 0;     // temperature: a bath's, or the first row's [K]
+  Estimate temperature;    // mean over the later half of the rows [K]
+  double relaxation = 0;   // time in which the bath brings a temperature back; 0: there is none [ps]
+  bool worked_on = false;  // forces from outside do work: gravity, pulls, code
+  bool loses_energy = false;  // as bonds of one side do where they touch
+};
+
 // What a run came to.
 struct Summary {
   long steps = 0;
@@ -67,6 +79,7 @@ struct Summary {
   std::optional<double> heat;
   std::optional<double> off_by_k;           // what the drift adds to the thermostat's temperature
   double temperature = 0;                   // mean over the rows [K]
+  StartAndEnd start_and_end;                // what doubts are judged by, too
   std::optional<Estimate> pressure;         // mean over the rows, in a box [bar], as what follows
   Estimate volume, density;                 // [nm³], [kg/m³]
   std::array<Estimate, 6> pressure_tensor;  // kTensorNames [bar]
@@ -154,7 +167,7 @@ class Simulation : private Bath, private ForceLaw {
   // The thermostat, and what is taken out of the momentum; its heat metered.
   Bath& bath() { return langevin_ ? static_cast<Bath&>(*langevin_) : no_bath(); }
   const Vectors* half_jump() const override { return langevin_ ? langevin_->half_jump() : nullptr; }
-  SolveStats draw(const System& sys, double h, State& s) override { return bath().draw(sys, h, s); }
+  SolveStats draw(const System& sys, double h, State& s) override;
   SolveStats start(const System& sys, State& s) override { return bath().start(sys, s); }
   void second_half(State& s) override { bath().second_half(s); }
   void after_step(const System& sys, double h, State& s) override;
@@ -173,13 +186,15 @@ class Simulation : private Bath, private ForceLaw {
     RunningSlope energy, constraint_work;
     RunningMean pressure, volume, density;
     std::array<RunningMean, 6> pressure_tensor;
+    RunningMean temperature;
     long rows = 0, last_row = 0;
-    double largest_error = 0, largest_residual = 0, squares = 0, temperatures = 0;
+    double largest_error = 0, largest_residual = 0, squares = 0;
+    double first_t = 0, first_energy = 0, first_temperature = 0;  // of the first row; but for the heat
 
     void add(const Record& r, double residual);
     void serialize(Archive& archive) {
       archive(energy, constraint_work, pressure, volume, density, rows, last_row, largest_error,
-              largest_residual, squares, temperatures);
+              largest_residual, squares, temperature, first_t, first_energy, first_temperature);
       for (RunningMean& mean : pressure_tensor) archive(mean);
     }
   };
@@ -187,6 +202,7 @@ class Simulation : private Bath, private ForceLaw {
   RunPlan plan() const;
   double per_ns_and_dof() const;
   std::optional<double> off_by_k(double drift) const;
+  StartAndEnd start_and_end(const Record& end) const;
   // The energy but for the potential's, the work of its forces and the heat: what bonds alone can change
   // [kJ/mol].
   double unaccounted(const Record& r) const {
@@ -216,7 +232,8 @@ class Simulation : private Bath, private ForceLaw {
   std::optional<Temperatures> temperatures_;
   mutable std::optional<Barometer> barometer_;
   std::unique_ptr<Barostat> barostat_;
-  std::string snapshot_;  // what serialize() kept
+  std::string ewald_doubt_;  // what is wrong with the parameters of Ewald's sum, if anything is
+  std::string snapshot_;     // what serialize() kept
   bool stop_ = false;
 };
 

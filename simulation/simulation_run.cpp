@@ -49,14 +49,15 @@ class Simulation::Stopwatch {
 };
 
 void Simulation::LogSums::add(const Record& r, double residual) {
+  if (rows == 0) first_t = r.t, first_energy = r.but_for_heat(), first_temperature = r.temperature;
   energy.add(r.t, r.but_for_heat());
   constraint_work.add(r.t, r.constraint_work);
+  temperature.add(r.temperature);
   ++rows;
   last_row = r.step;
   largest_error = std::max(largest_error, r.bonds.max);
   largest_residual = std::max(largest_residual, residual);
   squares += r.bonds.rms * r.bonds.rms;
-  temperatures += r.temperature;
   if (!r.pressure) return;
   pressure.add(*r.pressure);
   volume.add(r.volume);
@@ -137,6 +138,12 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
   return summary(last, watch.seconds(), timed.seconds(), progress_.step - first);
 }
 
+SolveStats Simulation::draw(const System& sys, double h, State& s) {
+  const SolveStats stats = bath().draw(sys, h, s);
+  if (langevin_) meter_.take_up(langevin_->heat_of_turning());
+  return stats;
+}
+
 void Simulation::after_step(const System&, double h, State& s) {
   if (rescaling_) rescale(h, s);
   const long every = scene_.run.remove_momentum_every;
@@ -163,13 +170,28 @@ void Simulation::take_momentum_out(State& s) {
 }
 
 // A thermostat takes ½kδT·r off a degree of freedom that is δT too warm, r = 1/τ where it rescales, 2γ of
-// Langevin's: that balances the drift, of which the bonds' share alone is known under a barostat. None without
-// thermostat [K].
+// Langevin's: that balances the drift, of which the bonds' share alone is known under a barostat. None
+// without thermostat [K].
 std::optional<double> Simulation::off_by_k(double drift) const {
   const RunSettings& run = scene_.run;
   if (!run.thermostatted()) return {};
   const double rate = run.langevin() ? 2 * run.friction_per_ps : 1 / run.thermostat_ps;  // [1/ps]
-  return 2 * drift / 1000 / (kBoltzmann * rate);
+  const double a_step = -std::expm1(-rate * run.h());  // the share of the excess that a step takes
+  return 2 * drift / 1000 * run.h() / (kBoltzmann * a_step);
+}
+
+StartAndEnd Simulation::start_and_end(const Record& end) const {
+  const RunSettings& run = scene_.run;
+  const double relaxation = run.langevin() ? 1 / (2 * run.friction_per_ps) : run.thermostat_ps;
+  return {
+      .time = end.t - sums_.first_t,
+      .rise = barostat_ ? kUnknown : (end.but_for_heat() - sums_.first_energy) / std::max(1, dof_.total()),
+      .dof = dof_.total(),
+      .expected = run.thermostatted() ? run.temperature_k : sums_.first_temperature,
+      .temperature = sums_.temperature.later_half(),
+      .relaxation = run.thermostatted() ? relaxation : 0,
+      .worked_on = !scene_.closed_but_for_restraints(),
+      .loses_energy = !scene_.system.one_sided.empty()};
 }
 
 Summary Simulation::summary(const Record& end, double seconds, double constraint_seconds, long steps) const {
@@ -191,7 +213,8 @@ Summary Simulation::summary(const Record& end, double seconds, double constraint
   s.constraint_work = end.constraint_work;
   s.heat = end.heat;
   s.off_by_k = off_by_k((barostat_ ? s.constraint_drift : s.drift).value);
-  s.temperature = sums_.temperatures / rows;
+  s.temperature = sums_.temperature.estimate().value;
+  s.start_and_end = start_and_end(end);
   if (barometer_) {
     s.pressure = sums_.pressure.estimate();
     s.volume = sums_.volume.estimate();
@@ -206,6 +229,7 @@ Summary Simulation::summary(const Record& end, double seconds, double constraint
         std::max(sums_.largest_residual, s.max_rel_bond_error) <= kLeeway * method_->promised_error();
   s.doubts = doubts(s);
   if (const std::string doubt = barostat_ ? barostat_->doubt() : ""; !doubt.empty()) s.doubts.push_back(doubt);
+  if (!ewald_doubt_.empty()) s.doubts.push_back(ewald_doubt_);
   return s;
 }
 

@@ -152,6 +152,30 @@ TEST(Pme, IsAsExactAsItsToleranceSays) {
   }
 }
 
+// What is foretold of α and grids that somebody chose: by how much forces are wrong, or somewhat more.
+TEST(Pme, ErrorsAreForetold) {
+  Salt salt(0);
+  const auto plain = plain_ewald(salt.nb, salt.box, salt.x, 4);
+  const auto error = [&](const PmeParameters& p) {
+    salt.nb.pme = p;
+    return (evaluate({.nonbonded = salt.nb}, salt.x, salt.box).f - plain.f).norm() / plain.f.norm();
+  };
+  const auto expect_foretold = [&](double foretold, double measured, const PmeParameters& p) {
+    EXPECT_LT(measured, 3 * foretold) << p.alpha << " " << p.order << " " << p.grid[0];
+    EXPECT_GT(measured, 0.03 * foretold) << p.alpha << " " << p.order << " " << p.grid[0];
+  };
+  for (const double alpha : {0.01, 1.0, 2.0, 2.5, 3.0}) {
+    const PmeParameters p{.order = 8, .alpha = alpha, .grid = {48, 54, 60}};
+    expect_foretold(ewald_errors(p, salt.box, *salt.nb.cutoff).pairs, error(p), p);
+  }
+  for (const int order : {4, 5, 6, 8})
+    for (const std::array<int, 3> grid : {std::array{14, 16, 18}, {20, 21, 24}, {28, 30, 35}}) {
+      const PmeParameters p{.order = order, .alpha = 5.5, .grid = grid};
+      const double foretold = ewald_errors(p, salt.box, *salt.nb.cutoff).mesh;
+      if (foretold < 0.3) expect_foretold(foretold, error(p), p);
+    }
+}
+
 // The pairs, and with a cutoff that none are within the mesh, whose energy is much the same number less
 // another.
 TEST(Pme, MixedPrecisionAgreesToItsDigits) {

@@ -305,6 +305,40 @@ TEST(Account, SaysHowFarADriftKeepsTheThermostatOff) {
   EXPECT_NE(s.doubts[0].find("which the thermostat leaves"), std::string::npos);
 }
 
+// A trap at the origin and forces around it, which have no potential: they feed energy for ever.
+struct Swirl final : OwnField {
+  explicit Swirl(double its_strength) : strength(its_strength) {}
+  std::string name() const override { return "Swirl"; }
+  double add(const Vectors& x, Vectors& f) override {
+    f -= kStiffness * x;
+    f.row(0) -= strength * x.row(1);
+    f.row(1) += strength * x.row(0);
+    return 0.5 * kStiffness * x.squaredNorm();
+  }
+  static constexpr double kStiffness = 100;
+  double strength;
+};
+
+// Langevin's takes 1 − exp(−2γh) of what a degree of freedom has too much in a step: by weak friction and by
+// strong, where that is well below 2γh.
+TEST(Account, SaysHowFarADriftKeepsLangevinsThermostatOff) {
+  for (const auto& [friction, strength] : {std::pair{5, 20}, {40, 170}}) {
+    Scene scene = scene_of("trimer", {"build.chains=300", "method.name=none", "run.steps=6000",
+                                      "run.log_every=10", "run.dt_fs=10", "run.thermostat=langevin",
+                                      "run.friction_per_ps=" + std::to_string(friction)});
+    scene.system.bonds.clear();
+    Random random(7);
+    for (auto x : scene.start.x.colwise())
+      x = random.normal_vector() / std::sqrt(Swirl::kStiffness);  // kT = 1
+    scene.terms.own.push_back(std::make_shared<Swirl>(strength));
+    const double bath = scene.run.temperature_k;
+    const Summary s = Simulation(std::move(scene)).run({});
+    ASSERT_TRUE(s.off_by_k.has_value());
+    EXPECT_GT(s.temperature - bath, 0.05 * bath) << friction;
+    EXPECT_NEAR(*s.off_by_k / (s.temperature - bath), 1, 0.08) << friction;
+  }
+}
+
 // Its own limit, below shake's, is that of the λ it extrapolates to: it says so, and without it holds what
 // shake holds.
 TEST(Feedforward, TellsOfItsExtrapolation) {

@@ -64,4 +64,28 @@ PmeParameters chosen_parameters(const PmeParameters& given, const Box& box, doub
   return p;
 }
 
+EwaldErrors ewald_errors(const PmeParameters& p, const Box& box, double cutoff) {
+  double coarsest = 0;
+  for (int d = 0; d < 3; ++d) coarsest = std::max(coarsest, box.edge[d] / p.grid[d]);
+  return {0.5 * std::exp(-std::pow(p.alpha * cutoff, 2)), std::pow(2 * p.alpha * coarsest / 3, p.order)};
+}
+
+std::string doubt_of(const PmeParameters& p, const Box& box, double cutoff) {
+  constexpr double kFarOver = 10;
+  const EwaldErrors wrong_by = ewald_errors(p, box, cutoff);
+  const std::string beside = fmt::format("of themselves, where the tolerance is {:g}", p.tolerance);
+  if (wrong_by.pairs > kFarOver * p.tolerance)
+    return fmt::format(
+        "Ewald's sum with α = {:g}/nm leaves forces wrong by about {:.2g} {}, for pairs end at {:g} nm; give "
+        "no ewald_alpha_per_nm, or a larger one",
+        p.alpha, wrong_by.pairs, beside, cutoff);
+  if (wrong_by.mesh > kFarOver * p.tolerance)
+    return fmt::format(
+        "Ewald's sum on {} × {} × {} points with α = {:.4g}/nm and order {} leaves forces wrong by about "
+        "{:.2g} "
+        "{}; give no pme_grid, or a finer one",
+        p.grid[0], p.grid[1], p.grid[2], p.alpha, p.order, wrong_by.mesh, beside);
+  return "";
+}
+
 }  // namespace taut
