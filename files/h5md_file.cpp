@@ -220,6 +220,10 @@ static void with_hdf5(const Deed& deed) {
   without_hdf5_printing(deed);
 }
 
+bool built_with_hdf5() {
+  return true;
+}
+
 H5mdFile::H5mdFile(const std::filesystem::path& path, const TrajectorySetup& setup, std::uint64_t mark) {
   with_hdf5([&] {
     auto contents = std::make_unique<Contents>(path, setup, mark == 0 ? DiskFile::kNew : DiskFile::kThere);

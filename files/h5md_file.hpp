@@ -7,6 +7,8 @@
 
 namespace taut {
 
+bool built_with_hdf5();  // without it every H5mdFile throws InputError
+
 // H5MD 1.1 with its units module (de Buyl, Colberg and Höfling 2014, doi:10.1016/j.cpc.2014.01.018;
 // nongnu.org/h5md), in double precision and taut's own units:
 //     /particles/all    position, velocity, force, box/edges (3 × 3, with a box) in time; mass, species

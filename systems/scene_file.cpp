@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "files/h5md_file.hpp"
 #include "forcefield/force_field.hpp"
 #include "md/errors.hpp"
 #include "md/nearest_name.hpp"
@@ -105,6 +106,8 @@ void read_run(const TomlTable& table, RunSettings& run) {
 
   table.counts("minimise_force_kj_mol_nm", run.minimise, "with run.minimise = true");
   table.counts("trajectory", run.trajectory_every > 0, "with run.trajectory_every above 0");
+  if (run.trajectory_every > 0 && run.trajectory != "dcd" && !built_with_hdf5())
+    table.fail("trajectory", "taut was built without HDF5 (libhdf5-dev): \"dcd\" needs none");
   table.counts("friction_per_ps", run.langevin(), "with run.thermostat = \"langevin\"");
   table.counts("thermostat_ps", run.rescaling() || run.thermostat_ps == 0,
                "with run.thermostat = \"rescaling\"");

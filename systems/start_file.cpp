@@ -1,6 +1,7 @@
 #include "systems/start_file.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <iterator>
 

@@ -1,5 +1,6 @@
 // A folder that holds a run: gone on with, refused, moved aside, changed in what may change.
 
+#include "files/h5md_file.hpp"
 #include "long_runs.hpp"
 
 namespace taut {
@@ -126,6 +127,7 @@ TEST_F(RunFolders, MoreThanHalfIsCutOffOnlyWhereSaid) {
 }
 
 TEST_F(RunFolders, AnOutputThatIsGoneIsPutBackOrBegunAnew) {
+  if (!built_with_hdf5()) GTEST_SKIP() << "built without HDF5";
   const fs::path out = in("parts");
   ASSERT_EQ(run(with(droplet(out, "40"), {"--set", "run.trajectory_every=5", "run.trajectory=both"})).code,
             0);

@@ -24,7 +24,7 @@ TEST(SceneErrors, KeysWithoutEffect) {
   EXPECT_THAT(in_run("minimise_force_kj_mol_nm = 10"), HasSubstr("with run.minimise = true"));
   EXPECT_THAT(in_run("trajectory = \"h5md\""), HasSubstr("with run.trajectory_every above 0"));
   EXPECT_EQ(in_run("temperature_k = 300\nthermostat = \"langevin\"\nfriction_per_ps = 1"), "no error");
-  EXPECT_EQ(in_run("trajectory_every = 5\ntrajectory = \"h5md\""), "no error");
+  EXPECT_EQ(in_run("trajectory_every = 5\ntrajectory = \"dcd\""), "no error");
 
   const std::string langevin =
       good.with("steps = 20", "temperature_k = 300\nthermostat = \"langevin\"\nfriction_per_ps = 1").text;

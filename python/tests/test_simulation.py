@@ -303,8 +303,13 @@ def test_two_simulations_in_two_threads():
 def test_trajectories_are_read_by_mdanalysis(tmp_path, kind):
     analysis = pytest.importorskip("MDAnalysis", reason="needs MDAnalysis (Debian: python3-mdanalysis)")
     pytest.importorskip("h5py", reason="needs h5py (Debian: python3-h5py)")
-    sim = taut.Simulation("water", set={"run.trajectory_every": 5, "run.trajectory": kind, "build.molecules": 64,
-                                        "forcefield.cutoff_nm": 0.6}, out=tmp_path)
+    try:
+        sim = taut.Simulation("water", set={"run.trajectory_every": 5, "run.trajectory": kind, "build.molecules": 64,
+                                            "forcefield.cutoff_nm": 0.6}, out=tmp_path)
+    except ValueError as error:
+        if "built without HDF5" in str(error):
+            pytest.skip(str(error))
+        raise
     sim.run(20)
     box, positions, velocities = 10 * np.diag(sim.box), 10 * sim.positions, 10 * sim.velocities
     del sim

@@ -1,6 +1,7 @@
 #include "systems/openmm/openmm_forces.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>

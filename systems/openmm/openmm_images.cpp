@@ -1,6 +1,7 @@
 #include "systems/openmm/openmm_images.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <array>
 

@@ -1,0 +1,26 @@
+// Compiled where HDF5 is not there.
+
+#include "files/h5md_file.hpp"
+#include "md/errors.hpp"
+
+namespace taut {
+
+bool built_with_hdf5() {
+  return false;
+}
+
+struct H5mdFile::Contents {};
+
+H5mdFile::H5mdFile(const std::filesystem::path& path, const TrajectorySetup&, std::uint64_t) {
+  throw InputError(path.string() + ": taut was built without HDF5 (libhdf5-dev)");
+}
+H5mdFile::~H5mdFile() = default;
+std::uint64_t H5mdFile::frames(const std::filesystem::path&, const TrajectorySetup&) {
+  return 0;
+}
+void H5mdFile::add(const Frame&) {}
+std::uint64_t H5mdFile::mark() {
+  return 0;
+}
+
+}  // namespace taut

@@ -1,0 +1,26 @@
+// A build without HDF5 says so.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "files/h5md_file.hpp"
+#include "md/errors.hpp"
+#include "systems/scene_file.hpp"
+
+namespace taut {
+namespace {
+
+TEST(H5mdAbsent, NamesTheKeyAndThePackage) {
+  EXPECT_FALSE(built_with_hdf5());
+  for (const std::string format : {"h5md", "both"}) try {
+      read_scene(find_scene("pair"), {"run.trajectory_every=1", "run.trajectory=" + format});
+      ADD_FAILURE();
+    } catch (const InputError& e) {
+      EXPECT_THAT(e.what(), testing::HasSubstr("trajectory"));
+      EXPECT_THAT(e.what(), testing::HasSubstr("libhdf5-dev"));
+    }
+  EXPECT_EQ(read_scene(find_scene("pair"), {"run.trajectory_every=1"}).run.trajectory, "dcd");
+}
+
+}  // namespace
+}  // namespace taut
