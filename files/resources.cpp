@@ -22,7 +22,12 @@ fs::path own_file() {
   const auto here = reinterpret_cast<const void*>(&own_file);
   if (dladdr1(here, &info, reinterpret_cast<void**>(&object), RTLD_DL_LINKMAP) && *object->l_name)
     return fs::weakly_canonical(object->l_name);
-  return fs::read_symlink("/proc/self/exe");
+  std::error_code unreadable;
+  fs::path program = fs::read_symlink("/proc/self/exe", unreadable);
+  if (unreadable)
+    throw OutsideError(
+        "/proc/self/exe cannot be read, which tells where taut is: mount /proc, or let TAUT_SHARE name its share/taut");
+  return program;
 }
 
 }  // namespace
