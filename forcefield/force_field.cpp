@@ -61,7 +61,7 @@ struct ForceField::Impl {
     box = to;
   }
 
-  void evaluate(const System& sys, const State& s, Vectors& f) {
+  void evaluate(const System& sys, const State& s, Vectors& f, bool ask_own_fields) {
     if (s.box != box) change_box(s.box);
     const Vectors& x = s.x;
     place_atoms(x);
@@ -74,7 +74,8 @@ struct ForceField::Impl {
     if (!terms.pulls.empty()) outer.emplace_back("pull", add_pulls(terms.pulls, x, f));
     if (!terms.restraints.empty())
       outer.emplace_back("restraint", add_restraints(terms.restraints, box, x, f));
-    for (const auto& field : terms.own) outer.emplace_back(field->name(), field->add(x, f));
+    if (ask_own_fields)
+      for (const auto& field : terms.own) outer.emplace_back(field->name(), field->add(x, f));
     using enum ClusterPairs::Onto;
     if (lj_coulomb) lj_coulomb->add_forces(f, pairs_first() ? kNothing : kWhatIs);
     if (pme) pme->add_forces(x, f);
@@ -121,12 +122,23 @@ ForceField& ForceField::operator=(ForceField&&) noexcept = default;
 
 void ForceField::operator()(const System& sys, State& s) {
   place_sites(sys.sites, s.x);
-  impl_->evaluate(sys, s, s.f);
+  impl_->evaluate(sys, s, s.f, true);
   impl_->handed_virial = hand_to_parents(sys.sites, s.x, s.f);
 }
 
 std::string ForceField::lack_of_room(const Box& box) const {
   return taut::lack_of_room(impl_->terms, box);
+}
+
+void ForceField::note(Answers& answers) const {
+  answers.energies = impl_->outer;
+  answers.handed_virial = impl_->handed_virial;
+}
+
+void ForceField::return_to(const System& sys, State& s, const Answers& answers) {
+  impl_->evaluate(sys, s, s.f, false);
+  impl_->outer = answers.energies;
+  impl_->handed_virial = answers.handed_virial;
 }
 
 Eigen::Matrix3d ForceField::virial(const Vectors& x) const {

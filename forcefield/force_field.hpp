@@ -43,6 +43,15 @@ class ForceField final : public ForceLaw {
   // correction's (dispersion.hpp). Fields from outside have none.
   Eigen::Matrix3d virial(const Vectors& x) const;
 
+  // What own fields said in the last evaluation, so that nobody has to ask them again.
+  struct Answers {
+    std::vector<std::pair<std::string, double>> energies;  // of all fields from outside [kJ/mol]
+    Eigen::Matrix3d handed_virial;
+  };
+  void note(Answers& answers) const;
+  // As if the last evaluation had been the one at s that gave these answers. The lists are recalled before.
+  void return_to(const System& sys, State& s, const Answers& answers);
+
   // Which pairs are listed, in which order: what the order of the sums depends on. Recalled, the forces are
   // to be evaluated before energies are asked for.
   void serialize(Archive& archive);

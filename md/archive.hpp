@@ -18,14 +18,25 @@ namespace taut {
 // what an archive says, and is no longer than what is left of the archive.
 class Archive {
  public:
-  static Archive saving_to(std::string& kept) { return Archive(&kept, {}); }  // at its end
-  static Archive loading_from(std::string_view kept) { return Archive(nullptr, kept); }
+  static Archive saving_to(std::string& kept) { return Archive(&kept, {}, false); }  // at its end
+  static Archive loading_from(std::string_view kept) { return Archive(nullptr, kept, false); }
+  // The same for what this very process reads again: quicker, and not to be written to a file.
+  static Archive noting_in(std::string& kept) { return Archive(&kept, {}, true); }
+  static Archive recalling(std::string_view kept) { return Archive(nullptr, kept, true); }
 
   bool loading() const { return kept_ == nullptr; }
+  bool within_process() const { return within_process_; }
 
   template <class... Things>
   void operator()(Things&... things) {
     (one(things), ...);
+  }
+
+  // The bytes of a thing whose layout is this process's alone.
+  template <class T>
+  void as_it_lies(T& thing) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    bytes(&thing, sizeof thing);
   }
 
   // That a loaded number can be one of this thing's.
@@ -36,7 +47,8 @@ class Archive {
   void finish() const { demand(rest_.empty()); }  // loading: that nothing is left
 
  private:
-  Archive(std::string* kept, std::string_view rest) : kept_(kept), rest_(rest) {}
+  Archive(std::string* kept, std::string_view rest, bool within_process)
+      : kept_(kept), rest_(rest), within_process_(within_process) {}
 
   [[noreturn]] static void refuse();  // throws InputError
 
@@ -82,6 +94,7 @@ class Archive {
 
   std::string* kept_;
   std::string_view rest_;
+  bool within_process_;
 };
 
 }  // namespace taut

@@ -49,8 +49,9 @@ class Random {
     }
   }
 
-  // Its place in its sequence, in the standard's own words.
+  // Its place in its sequence, in the standard's own words where it is to outlive the process.
   void serialize(Archive& archive) {
+    if (archive.within_process()) return archive.as_it_lies(engine_);
     std::stringstream words;
     words << engine_;
     std::string text = words.str();

@@ -3,8 +3,7 @@
 #include <fmt/format.h>
 
 #include <string_view>
-
-#include "md/errors.hpp"
+#include <utility>
 
 namespace taut {
 namespace {
@@ -68,7 +67,7 @@ SolveStats take_step(const Dynamics& dynamics, const RunPlan& plan, State& s) {
 
 bool run(const Dynamics& dynamics, const RunPlan& plan, RunProgress& progress, State& s, const Watch& watch) {
   const auto fail = [&](const SolveStats& stats) {
-    throw SimulationFailure(diagnose(dynamics.sys, s, stats, progress.step).text());
+    throw StepFailure(diagnose(dynamics.sys, s, stats, progress.step), stats);
   };
   if (plan.observe_every < 1)
     throw InputError(fmt::format("a run's observe_every is {}, expected 1 or more", plan.observe_every));
@@ -79,8 +78,8 @@ bool run(const Dynamics& dynamics, const RunPlan& plan, RunProgress& progress, S
     progress.since += stats;
     if (n % plan.observe_every == 0) {
       if (!s.x.allFinite() || !s.f.allFinite()) fail(stats);
-      if (watch.observe) watch.observe({n, progress.since});
-      progress.since = {};
+      const SolveStats since = std::exchange(progress.since, {});  // even if the observer throws
+      if (watch.observe) watch.observe({n, since});
     }
     if (watch.go_on && !watch.go_on(n)) return false;
   }

@@ -3,6 +3,7 @@
 #include <functional>
 #include <string>
 
+#include "md/errors.hpp"
 #include "md/step.hpp"
 
 namespace taut {
@@ -36,6 +37,14 @@ struct Diagnosis {
 };
 Diagnosis diagnose(const System& sys, const State& s, const SolveStats& stats, long step);
 
+// A step was taken and its solves do not hold, or its numbers ran away.
+struct StepFailure : SimulationFailure {
+  StepFailure(const Diagnosis& diagnosis, const SolveStats& of_step)
+      : SimulationFailure(diagnosis.text()), stats(of_step) {}
+
+  SolveStats stats;
+};
+
 // Throws SimulationFailure, the diagnosis, where a solve has failed.
 void demand_converged(const System& sys, const State& s, const SolveStats& stats, long step);
 
@@ -57,8 +66,8 @@ struct Watch {
   std::function<bool(long)> go_on = {};                  // then, after every step: whether to
 };
 
-// Takes the steps that are left of plan.steps. Returns whether all were taken. Throws SimulationFailure
-// before numbers turn into NaN, and InputError for a plan that cannot be carried out.
+// Takes the steps that are left of plan.steps. Returns whether all were taken. Throws StepFailure before
+// numbers turn into NaN, and InputError for a plan that cannot be carried out.
 bool run(const Dynamics& dynamics, const RunPlan& plan, RunProgress& progress, State& s,
          const Watch& watch = {});
 

@@ -9,16 +9,17 @@ namespace taut {
 // A method with a stopwatch around each stage (an empty one costs and counts nothing worth naming).
 class Timed : public ConstraintMethod {
  public:
-  explicit Timed(ConstraintMethod& method) : method_(method) {}
+  explicit Timed(ConstraintMethod& method) : method_(&method) {}
+  void follow(ConstraintMethod& method) { method_ = &method; }  // from the next stage on
 
   SolveStats project_positions(const System& sys, double h, State& s) override {
-    return timed([&] { return method_.project_positions(sys, h, s); });
+    return timed([&] { return method_->project_positions(sys, h, s); });
   }
   SolveStats add_forces(const System& sys, double h, State& s) override {
-    return timed([&] { return method_.add_forces(sys, h, s); });
+    return timed([&] { return method_->add_forces(sys, h, s); });
   }
   SolveStats project_velocities(const System& sys, double h, State& s) override {
-    return timed([&] { return method_.project_velocities(sys, h, s); });
+    return timed([&] { return method_->project_velocities(sys, h, s); });
   }
 
   double seconds() const { return std::chrono::duration<double>(spent_).count(); }
@@ -33,7 +34,7 @@ class Timed : public ConstraintMethod {
     return stats;
   }
 
-  ConstraintMethod& method_;
+  ConstraintMethod* method_;
   Clock::duration spent_{};
 };
 

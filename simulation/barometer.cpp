@@ -6,11 +6,17 @@ Barometer::Barometer(const System& sys, bool springs) : springs_(springs), proje
 
 Eigen::Matrix3d Barometer::operator()(const System& sys, ForceField& forces, const State& at,
                                       const Vectors& v, const Eigen::VectorXd& spring_lambda) {
-  const Vectors& x = now_.x = at.x;
+  now_.x = at.x;
   now_.box = at.box;
   now_.v = v;
   forces(sys, now_);
-  const Eigen::VectorXd& lambda = springs_ ? spring_lambda : projector_.multipliers(sys, now_);
+  return evaluated(sys, forces, now_, spring_lambda);
+}
+
+Eigen::Matrix3d Barometer::evaluated(const System& sys, const ForceField& forces, const State& at,
+                                     const Eigen::VectorXd& spring_lambda) {
+  const Vectors &x = at.x, &v = at.v;
+  const Eigen::VectorXd& lambda = springs_ ? spring_lambda : projector_.multipliers(sys, at);
   Eigen::Matrix3d sum = forces.virial(x) + v * sys.mass.asDiagonal() * v.transpose();
   for (int k = 0; k < sys.bond_count(); ++k) {
     const Vec3 r = x.col(sys.bonds[k].j) - x.col(sys.bonds[k].i);

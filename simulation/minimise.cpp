@@ -72,11 +72,13 @@ class Descent {
 
 }  // namespace
 
-Minimised minimise(const System& sys, ForceField& forces, double force, State& s) {
+Minimised minimise(const System& sys, ForceField& forces, double force, State& s,
+                   const std::function<void()>& on_move) {
   Descent descent(sys, forces, s);
   Minimised result{.energy_before = descent.energy()};
   double length = 0.2 * kLongestMove;
   while (descent.force() > force && length > kShortestMove && result.moves < kMostMoves) {
+    if (on_move) on_move();
     ++result.moves;
     length = descent.move(length) ? std::min(1.2 * length, kLongestMove) : 0.5 * length;
   }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+
 #include "forcefield/force_field.hpp"
 #include "md/system.hpp"
 
@@ -20,7 +22,8 @@ inline constexpr double kLongestMove = 0.05;  // [nm]
 inline constexpr int kMostMoves = 5000;
 
 // s.x, first brought to the bonds' lengths, ends with them exact. Throws SimulationFailure for a start
-// whose energy is no number (two atoms in one place).
-Minimised minimise(const System& sys, ForceField& forces, double force, State& s);
+// whose energy is no number (two atoms in one place). `on_move` comes before every move, and may throw.
+Minimised minimise(const System& sys, ForceField& forces, double force, State& s,
+                   const std::function<void()>& on_move = {});
 
 }  // namespace taut

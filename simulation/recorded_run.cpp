@@ -64,6 +64,11 @@ Summary take_steps(Simulation& simulation, RunFolder* folder, const RunWatch& wa
     return summary;
   } catch (const SimulationFailure& failure) {
     explain(simulation, folder, failure);
+  } catch (const OutsideError&) {
+    throw;
+  } catch (...) {  // by foreign code, whose step was taken back: the run stops here
+    if (folder && simulation.runs_foreign_code()) folder->keep(simulation);
+    throw;
   }
 }
 

@@ -67,7 +67,7 @@ void refuse_unreachable_tolerance(const System& sys, const Vectors& x, double to
 
 }  // namespace
 
-Simulation::Simulation(Scene scene, const ThreadScope&)
+Simulation::Simulation(Scene scene, const ThreadScope&, const OnMove& on_move)
     : threads_(available_threads()),
       full_(scene.system),
       redundancy_(find_redundancy(scene.system, scene.start.x)),
@@ -79,7 +79,7 @@ Simulation::Simulation(Scene scene, const ThreadScope&)
   const System& sys = scene_.system;
   refuse_momentum_of_anchored_bonds(scene_);
   make_thermostat();
-  bring_to_the_bonds(scene_.run.minimise ? scene_.run.minimise_force : 0);
+  bring_to_the_bonds(scene_.run.minimise ? scene_.run.minimise_force : 0, on_move);
   note_start();
   refuse_unreachable_tolerance(sys, state_.x, method_->promised_error());
   if (state_.box.periodic()) barometer_.emplace(sys, has_springs());
@@ -88,25 +88,16 @@ Simulation::Simulation(Scene scene, const ThreadScope&)
   unaccounted_at_start_ = unaccounted(record());
 }
 
-void Simulation::bring_to_the_bonds(double minimise_force) {
+void Simulation::bring_to_the_bonds(double minimise_force, const OnMove& on_move) {
   const System& sys = scene_.system;
   place_sites(sys.sites, state_.x);
-  if (minimise_force > 0) start_report_.minimised = minimise(sys, forces_, minimise_force, state_);
+  if (minimise_force > 0) start_report_.minimised = minimise(sys, forces_, minimise_force, state_, on_move);
   start_report_.anchors_stopped = rest_anchors(sys, state_.v);
   const Vectors x = state_.x;
   const double kinetic = kinetic_energy(sys, state_.v);
   initialize(dynamics(), state_);
   start_report_.largest_move = x.cols() > 0 ? (state_.x - x).colwise().norm().maxCoeff() : 0.0;
   if (kinetic > 0) start_report_.kinetic_removed = 1 - kinetic_energy(sys, state_.v) / kinetic;
-}
-
-void Simulation::set_out_anew(double minimise_force) {
-  const ThreadScope own(threads_);
-  langevin_.reset();  // it knows the method
-  method_ = make_method(scene_.system, scene_.method, scene_.run.h());
-  make_thermostat();
-  bring_to_the_bonds(minimise_force);
-  begin_means();
 }
 
 // From here on, of the log's rows and of the energy's account.
@@ -192,13 +183,10 @@ Eigen::VectorXd Simulation::bond_tensions() const {
   const ThreadScope own(threads_);
   const System& sys = scene_.system;
   Eigen::VectorXd lambda;
-  if (has_springs()) {
+  if (has_springs())
     lambda = method_->lambda();
-  } else {
-    State now{state_.x, state_.v, {}, state_.t, state_.box};
-    forces_(sys, now);
-    lambda = projector_.multipliers(sys, now);
-  }
+  else
+    lambda = projector_.multipliers(sys, {state_.x, state_.v, meter_.forces(), state_.t, state_.box});
   return tensions(full_, least_norm_multipliers(full_, state_.x, redundancy_.redundant, lambda));
 }
 
@@ -238,8 +226,9 @@ std::optional<Eigen::Matrix3d> Simulation::pressure_tensor() const {
   if (!barometer_) return {};
   const ThreadScope own(threads_);
   const bool springs_move = has_springs() && !langevin_;  // and the pressure has their part in it
-  return (*barometer_)(scene_.system, forces_, state_, springs_move ? state_.v : thermal_velocity(),
-                       method_->lambda());
+  const State now{state_.x, springs_move ? state_.v : thermal_velocity(), meter_.forces(), state_.t,
+                  state_.box};
+  return barometer_->evaluated(scene_.system, forces_, now, method_->lambda());
 }
 
 double Simulation::constraint_work() const {
@@ -265,6 +254,14 @@ void Simulation::change(const RunSettings& run) {
 // The thing itself is made anew, from the same scene; this is what its steps have changed.
 void Simulation::serialize(Archive& archive) {
   const ThreadScope own(threads_);
+  serialize_numbers(archive);
+  if (!archive.loading()) return;
+  State evaluated = state_;  // its f holds no constraint forces
+  forces_(scene_.system, evaluated);
+  meter_.recall(evaluated.f);
+}
+
+void Simulation::serialize_numbers(Archive& archive) {
   bool momentum_fixed = dof_.momentum_fixed;  // as it was when the thermostat was changed
   archive(state_.x, state_.v, state_.f, state_.t, state_.box, progress_, momentum_fixed);
   constexpr int kMostIterations = 1 << 30;
@@ -278,10 +275,6 @@ void Simulation::serialize(Archive& archive) {
   archive(*method_);
   serialize_thermostat(archive);
   if (barostat_) archive(*barostat_);
-  if (!archive.loading()) return;
-  State evaluated = state_;  // its f holds no constraint forces
-  forces_(scene_.system, evaluated);
-  meter_.recall(evaluated.f);
 }
 
 void Simulation::serialize_thermostat(Archive& archive) {

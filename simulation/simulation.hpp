@@ -99,9 +99,11 @@ struct StartReport {
 // A scene ready to run: forces and method made, the start brought to the bonds.
 class Simulation : private Bath, private ForceLaw {
  public:
-  // Computes with so many threads as long as it lives, whichever thread calls it.
-  explicit Simulation(Scene scene, int threads = available_threads())
-      : Simulation(std::move(scene), ThreadScope(threads)) {}
+  // Computes with so many threads as long as it lives, whichever thread calls it. `on_move`, as in what
+  // follows: before every move of a minimisation; to throw there ends it.
+  using OnMove = std::function<void()>;
+  explicit Simulation(Scene scene, int threads = available_threads(), const OnMove& on_move = {})
+      : Simulation(std::move(scene), ThreadScope(threads), on_move) {}
   Simulation(Simulation&&) = delete;  // its barostat refers into it
 
   int threads() const { return threads_; }
@@ -148,20 +150,27 @@ class Simulation : private Bath, private ForceLaw {
   // and barostat. Another one is another ensemble: means and the drift set out anew.
   void change(const RunSettings& run);
 
-  // The state for somebody who moves atoms between steps. The steps to come set out from there as from a
-  // start: set_out_anew() brings it to the bonds, minimised first if `force` is above 0 [kJ/mol/nm]; means
-  // and the energy's account begin again. Throws SimulationFailure where bonds or method cannot hold it.
+  // Sets out from other positions and velocities as from a start, between steps, from on_step too: brings
+  // them to the bonds, minimised first if `force` is above 0 [kJ/mol/nm]; means and the energy's account
+  // begin again. Throws SimulationFailure where bonds or method cannot hold them. Whatever it throws, all is
+  // then as it was.
+  void set_out_anew(const Vectors& x, const Vectors& v, double minimise_force = 0,
+                    const OnMove& on_move = {});
+  // For a view of the numbers. What is written there has no effect but by set_out_anew().
   State& state() { return state_; }
-  void set_out_anew(double minimise_force = 0);
 
-  // After run() failed: goes back to the last snapshot it kept in memory (every 100 steps) and takes the
-  // steps again, up to the first after which something is wrong. The state is then the one before that step.
-  // Nothing where no step fails: then someone who watched threw.
+  // Code from outside acts in its steps: forces or a method of somebody's own, which may throw anything.
+  bool runs_foreign_code() const;
+
+  // After run() failed, why: the simulation is then as it was before the first step after which something is
+  // wrong. Where foreign code acts run() itself has taken that step back; otherwise this goes back to the
+  // last snapshot it kept in memory (every 100 steps) and takes the steps again. Nothing where no step fails:
+  // then someone who watched threw.
   std::optional<Diagnosis> diagnose();
 
  private:
-  Simulation(Scene scene, const ThreadScope&);
-  void bring_to_the_bonds(double minimise_force);
+  Simulation(Scene scene, const ThreadScope&, const OnMove& on_move);
+  void bring_to_the_bonds(double minimise_force, const OnMove& on_move);
   void begin_means();
   void note_start();
   // The thermostat, and what is taken out of the momentum; its heat metered.
@@ -210,8 +219,17 @@ class Simulation : private Bath, private ForceLaw {
   }
   Record row(const SolveStats& since, const Stopwatch& watch, long steps);
   Summary summary(const Record& end, double seconds, double constraint_seconds, long steps) const;
+  void expect_numbers() const;  // throws StepFailure where one is none
   void keep_snapshot();
   std::optional<Diagnosis> wrong_with_next_step();
+  Diagnosis explained(const SolveStats& stats, const std::string& thrown) const;
+
+  // All that a step or a new start changes is noted, and taken back if it throws
+  // (simulation/transaction.cpp).
+  void note();
+  void take_back();
+  void take_back(Diagnosis& of);  // and says how long the bond to blame was before
+  void serialize_numbers(Archive& archive);
 
   int threads_;
   System full_;  // with the bonds that were left out, if any were
@@ -234,6 +252,13 @@ class Simulation : private Bath, private ForceLaw {
   std::unique_ptr<Barostat> barostat_;
   std::string ewald_doubt_;  // what is wrong with the parameters of Ewald's sum, if anything is
   std::string snapshot_;     // what serialize() kept
+  struct Note {
+    std::string numbers;  // what serialize_numbers() kept
+    Vectors forces;       // F where the state was [kJ/mol/nm]
+    ForceField::Answers answers;
+  };
+  Note note_;
+  std::optional<Diagnosis> taken_back_;  // why the last step was
   bool stop_ = false;
 };
 

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "md/errors.hpp"
 #include "md/timed.hpp"
@@ -105,11 +106,15 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
   const ThreadScope own(threads_);
   const RunPlan plan = this->plan();
   const long first = progress_.step;
+  const bool foreign = runs_foreign_code();
+  bool in_step = false;  // foreign code may act, and what is thrown is taken back
+  taken_back_.reset();
   Stopwatch watch;
   Record last;
   const auto observe = [&](const SolveStats& since) {
     const auto pause = Clock::now();
     last = row(since, watch, progress_.step - first);
+    in_step = false;
     sums_.add(last, since.max_residual);
     temperatures_->see(scene_.system, state_.x, thermal_velocity());
     if (on_record) on_record(last);
@@ -117,25 +122,51 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
   };
   stop_ = false;
   if (progress_.step == 0 && sums_.rows == 0) observe({});
-  keep_snapshot();
 
   Timed timed(*method_);
   const Dynamics run_by = dynamics();
-  taut::run({run_by.sys, run_by.forces, timed, run_by.bath}, plan, progress_, state_,
-            {.observe = [&](const Observation& m) { observe(m.since); },
-             .go_on =
-                 [&](long step) {
-                   if (step % kStepsPerSnapshot == 0) keep_snapshot();
-                   if (on_step) on_step(step);
-                   return !stop_;
-                 }});
+  const auto before_step = [&] {
+    timed.follow(*method_);  // who watches may have set out anew
+    if (foreign) note(), in_step = true;
+  };
+  if (!foreign) keep_snapshot();
+  try {
+    if (!stop_) before_step();
+    if (!stop_)
+      taut::run({run_by.sys, run_by.forces, timed, run_by.bath}, plan, progress_, state_,
+                {.observe = [&](const Observation& m) { observe(m.since); },
+                 .go_on =
+                     [&](long step) {
+                       if (foreign)
+                         expect_numbers();
+                       else if (step % kStepsPerSnapshot == 0)
+                         keep_snapshot();
+                       in_step = false;
+                       if (on_step) on_step(step);
+                       if (!stop_) before_step();
+                       return !stop_;
+                     }});
+  } catch (const SimulationFailure& failure) {
+    if (!in_step) throw;
+    const auto* step = dynamic_cast<const StepFailure*>(&failure);
+    taken_back_ = step ? explained(step->stats, {}) : explained({}, failure.what());
+    take_back(*taken_back_);
+    throw;
+  } catch (...) {
+    if (in_step) take_back();
+    throw;
+  }
 
   const bool ended = progress_.step >= plan.steps;
-  if (ended && (sums_.rows == 0 || sums_.last_row != progress_.step))
+  if (ended && sums_.last_row != progress_.step)
     observe(progress_.since);  // a row more, after what a checkpoint keeps
   else
     last = row(progress_.since, watch, progress_.step - first);
-  return summary(last, watch.seconds(), timed.seconds(), progress_.step - first);
+  const LogSums sums = sums_;
+  if (sums.rows == 0) sums_.add(last, progress_.since.max_residual);  // means have just begun again
+  const Summary all = summary(last, watch.seconds(), timed.seconds(), progress_.step - first);
+  sums_ = sums;
+  return all;
 }
 
 SolveStats Simulation::draw(const System& sys, double h, State& s) {
@@ -233,31 +264,31 @@ Summary Simulation::summary(const Record& end, double seconds, double constraint
   return s;
 }
 
+void Simulation::expect_numbers() const {
+  if (!finite(state_)) throw StepFailure(taut::diagnose(scene_.system, state_, {}, progress_.step), {});
+}
+
 // Where a failure is looked for from: see diagnose. Where numbers have run away already, the last one stays.
 void Simulation::keep_snapshot() {
-  if (!finite(state_))
-    throw SimulationFailure(taut::diagnose(scene_.system, state_, {}, progress_.step).text());
+  expect_numbers();
   snapshot_.clear();
-  Archive archive = Archive::saving_to(snapshot_);
+  Archive archive = Archive::noting_in(snapshot_);
   serialize(archive);
 }
 
 std::optional<Diagnosis> Simulation::diagnose() {
   const ThreadScope own(threads_);
+  if (runs_foreign_code()) return std::exchange(taken_back_, {});
   if (snapshot_.empty()) return {};
   const long failed = progress_.step;
-  restore(snapshot_);
+  Archive archive = Archive::recalling(snapshot_);
+  serialize(archive);
   std::optional<Diagnosis> found;
-  State before;
   while (!found && progress_.step < failed) {
-    before = state_;
+    note();
     found = wrong_with_next_step();
   }
-  if (!found) return found;
-  if (found->bond >= 0)
-    found->length_before = (before.x.col(found->held.j) - before.x.col(found->held.i)).norm();
-  state_ = before;
-  --progress_.step;
+  if (found) take_back(*found);
   return found;
 }
 
@@ -272,13 +303,17 @@ std::optional<Diagnosis> Simulation::wrong_with_next_step() {
     thrown = e.what();
   }
   if (thrown.empty() && holds(stats, plan) && finite(state_) && std::isfinite(record().total())) return {};
+  return explained(stats, thrown);
+}
+
+Diagnosis Simulation::explained(const SolveStats& stats, const std::string& thrown) const {
   Diagnosis d = taut::diagnose(scene_.system, state_, stats, progress_.step);
   if (!thrown.empty()) {  // "what; what to do", or what alone
     const std::size_t end = thrown.find("; ");
     d.cause = thrown.substr(0, end);
     if (end != std::string::npos) d.advice = thrown.substr(end + 2);
   }
-  if (scene_.method.name() == "none" && stats.converged() && stats.max_residual >= plan.broken_at)
+  if (scene_.method.name() == "none" && stats.converged() && stats.max_residual >= plan().broken_at)
     explain_none(d);
   if (scene_.method.name() == "feedforward" && stats.failure == Failure::kSingularOrTurned)
     explain_feedforward(d);

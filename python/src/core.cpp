@@ -37,7 +37,7 @@ void translate(std::exception_ptr thrown) {
   } catch (const InputError& e) {
     raise("InputError", e.what());
   } catch (const SimulationFailure& e) {
-    raise("SimulationFailure", e.what());
+    raise_failure(python_class("taut.errors", "SimulationFailure"), e.what());
   } catch (const OutsideError& e) {
     raise("OutsideError", e.what());
   }

@@ -6,8 +6,10 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "md/threads.hpp"
+#include "simulation/simulation.hpp"
 #include "systems/scene_source.hpp"
 
 namespace taut {
@@ -36,6 +38,12 @@ py::array_t<double> array_of(const Eigen::VectorXd& values);
 // throws it on. Nothing where it was another failure.
 void forget_python_error();
 void rethrow_python_error();
+// As Python's error, with what its code threw as the cause where that is why.
+void raise_failure(const py::object& kind, const char* words);
+
+// The Python objects that a simulation's forces and method hold, each by one reference: what Python's garbage
+// collector has to know of.
+std::vector<py::object*> held_by(const Simulation& simulation);
 
 void bind_simulations(py::module_& m);
 void bind_studies(py::module_& m);

@@ -8,9 +8,17 @@
 namespace taut {
 namespace {
 
-std::map<const Vectors*, PyObject*>& owners() {
-  static std::map<const Vectors*, PyObject*> all;
+std::map<const Vectors*, std::shared_ptr<Shown>>& all_shown() {
+  static std::map<const Vectors*, std::shared_ptr<Shown>> all;
   return all;
+}
+
+constexpr const char* kShown = "taut.shown";
+
+py::object keeping(const std::shared_ptr<Shown>& shown) {
+  return py::capsule(new std::shared_ptr<Shown>(shown), kShown, [](PyObject* kept) {
+    delete static_cast<std::shared_ptr<Shown>*>(PyCapsule_GetPointer(kept, kShown));
+  });
 }
 
 // What a stage put in place of an array, as columns.
@@ -29,23 +37,26 @@ const char* attribute(const Lent& lent) {
 
 }  // namespace
 
-void remember_owner(const Vectors& positions, py::handle owner) {
-  owners()[&positions] = owner.ptr();
+void remember_shown(const Vectors& positions, const std::shared_ptr<Shown>& shown) {
+  all_shown()[&positions] = shown;
 }
 
-void forget_owner(const Vectors& positions) {
-  owners().erase(&positions);
+void leave_to_views(State& state, Shown& shown) {
+  all_shown().erase(&state.x);
+  shown.state.x.swap(state.x);
+  shown.state.v.swap(state.v);
+  shown.state.f.swap(state.f);
 }
 
 py::object owner_of(const Vectors& positions) {
-  const auto found = owners().find(&positions);
-  if (found != owners().end()) return py::reinterpret_borrow<py::object>(found->second);
+  const auto found = all_shown().find(&positions);
+  if (found != all_shown().end()) return keeping(found->second);
   return py::capsule(new Vectors, [](void* left) { delete static_cast<Vectors*>(left); });
 }
 
 Lent::~Lent() {
   const py::object base = view_.base();
-  if (!kept() || !py::isinstance<py::capsule>(base)) return;  // returned, or a simulation's
+  if (!kept() || !PyCapsule_IsValid(base.ptr(), nullptr)) return;  // returned, or shown
   Vectors* const left = base.cast<py::capsule>().get_pointer<Vectors>();
   left->swap(numbers_);
   numbers_ = *left;

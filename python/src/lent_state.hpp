@@ -1,14 +1,16 @@
 #pragma once
 
 #include <array>
+#include <memory>
 
 #include "core.hpp"
+#include "md/state.hpp"
 
 namespace taut {
 
 // An array of the engine's as numpy's, lent for the length of a call: a view of its own numbers. What is kept
-// of it longer stays safe to read: a view that belongs to a simulation of Python's keeps it alive; other
-// numbers are left to whoever kept them, and the engine goes on with a copy.
+// of it longer stays safe to read: a view of what a simulation of Python's shows keeps that; other numbers
+// are left to whoever kept them, and the engine goes on with a copy.
 class Lent {
  public:
   Lent(const char* name, Vectors& numbers, const py::object& owner)
@@ -49,10 +51,18 @@ class LentState {
   std::array<Lent, 3> all_;
 };
 
-// Views of the state with these positions keep `owner` alive, until it is forgotten: in the destructor of
-// that.
-void remember_owner(const Vectors& positions, py::handle owner);
-void forget_owner(const Vectors& positions);
-py::object owner_of(const Vectors& positions);  // where none is remembered, one of a loan's own
+// The numbers that views of a simulation show are its own; when it goes it leaves them here. So a view keeps
+// the numbers, and not the simulation, which may hold a force or method of somebody's own that holds the
+// view.
+struct Shown {
+  State state;                        // x, v and f, when it is gone
+  Vectors box = Vectors::Zero(3, 3);  // a, b and c in columns
+};
+
+// What is shown of the state with these positions, until the simulation goes.
+void remember_shown(const Vectors& positions, const std::shared_ptr<Shown>& shown);
+void leave_to_views(State& state, Shown& shown);  // and forgets it
+// What a view has to keep; where nothing is shown, a loan's own.
+py::object owner_of(const Vectors& positions);
 
 }  // namespace taut

@@ -25,9 +25,10 @@ using Shared = std::shared_ptr<py::object>;
 
 thread_local std::shared_ptr<py::error_already_set> last_error;
 
-// Throws a failure of the step with the words of what Python threw; what asks to stop stops.
+// Throws a failure of the step with the words of what Python threw; what is no Exception (KeyboardInterrupt,
+// SystemExit, GeneratorExit) asks to stop, and is thrown on.
 [[noreturn]] void fail(py::error_already_set& error, const std::string& who) {
-  if (error.matches(PyExc_KeyboardInterrupt) || error.matches(PyExc_SystemExit)) throw error;
+  if (!error.matches(PyExc_Exception)) throw error;
   std::string words = error.what();
   words = words.substr(0, words.find('\n'));
   last_error = shared(error);
@@ -49,6 +50,21 @@ auto asked(const std::string& whose, const char* what, const Call& call) {
   }
 }
 
+// The garbage collector takes objects out of what nobody can reach any more (see held_by).
+const py::object& reachable(const Shared& held) {
+  if (!*held) throw std::runtime_error("a force or method of one's own was used after it was freed");
+  return *held;
+}
+
+// Throws a failure that names who wrote what is no number.
+void expect_numbers(const Vectors& written, const std::string& who, const char* what) {
+  for (Eigen::Index a = 0; a < written.cols(); ++a)
+    if (!written.col(a).allFinite())
+      throw SimulationFailure(
+          fmt::format("{} left {}, {}, {} in {}[{}], expected finite numbers; look at what it computes there",
+                      who, written(0, a), written(1, a), written(2, a), what, a));
+}
+
 struct Own {
   std::string key;
   std::variant<double, int, bool, std::string> value;
@@ -56,7 +72,7 @@ struct Own {
 
 // The options of a method written in Python: the arguments of its class, and their defaults.
 struct PythonOptions {
-  Shared method;  // the class
+  Shared method;  // a weak reference to the class: taut.parts keeps it, and each instance does
   std::vector<Own> own;
 
   std::vector<Option> describe() {
@@ -79,7 +95,11 @@ class PythonMethod final : public ConstraintMethod {
       py::dict arguments;
       for (const Own& option : options.own)
         std::visit([&](const auto& value) { arguments[py::str(option.key)] = value; }, option.value);
-      const py::object method = (*options.method)(**arguments);
+      const py::object kind = (*options.method)();
+      if (kind.is_none())
+        throw InputError(
+            "method.name: its class was replaced by another one of that name; register it again");
+      const py::object method = kind(**arguments);
       const py::object base = python_class("taut.parts", "ConstraintMethod");
       for (int n = 0; n < kStages; ++n)
         has_[n] = !py::type::of(method).attr(kStage[n]).is(base.attr(kStage[n]));
@@ -90,7 +110,8 @@ class PythonMethod final : public ConstraintMethod {
       holds_ = method.attr("holds").cast<std::string>() == "positions" ? Holds::kPositions : Holds::kAll;
       name_ = py::type::of(method).attr("__name__").cast<std::string>();
       setting_ = method.attr("setting")().cast<std::string>();
-      kept_ = method.attr("kept").cast<std::vector<std::string>>();
+      for (const auto& name : method.attr("kept").cast<std::vector<std::string>>())
+        kept_.push_back({name, shape_of(numbers_of(name))});
     } catch (py::error_already_set& error) {
       fail(error, "the method's class");
     }
@@ -105,22 +126,38 @@ class PythonMethod final : public ConstraintMethod {
   std::string setting() const override { return setting_; }
   Holds holds() const override { return holds_; }
 
-  // Arrays of as many numbers as they were made with.
+  // Arrays and floats of the shape they were made with.
   void serialize(Archive& archive) override {
     if (kept_.empty()) return;
     const py::gil_scoped_acquire interpreter;
-    for (const std::string& name : kept_) {
-      const auto array =
-          py::array_t<double, py::array::c_style | py::array::forcecast>(part(0).attr(name.c_str()));
+    for (const auto& [name, shape] : kept_) {
+      if (archive.loading()) {
+        Numbers array(shape);
+        std::vector<double> numbers(array.size());
+        archive(numbers);
+        std::copy(numbers.begin(), numbers.end(), array.mutable_data());
+        part(0).attr(name.c_str()) = shape.empty() ? py::object(py::float_(numbers[0])) : array;
+        continue;
+      }
+      const Numbers array = numbers_of(name);
+      if (array.size() != Numbers(shape).size())
+        throw InputError(
+            fmt::format("{}.{}: it is kept, and has {} numbers where prepare() left {}; keep its shape",
+                        name_, name, array.size(), Numbers(shape).size()));
       std::vector<double> numbers(array.data(), array.data() + array.size());
       archive(numbers);
-      if (archive.loading())
-        part(0).attr(name.c_str()) = py::array_t<double>(
-            std::vector<py::ssize_t>(array.shape(), array.shape() + array.ndim()), numbers.data());
     }
   }
 
+  py::object& held() const { return *parts_; }
+
  private:
+  using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
+  using Shape = std::vector<py::ssize_t>;
+
+  Numbers numbers_of(const std::string& name) const { return Numbers(part(0).attr(name.c_str())); }
+  static Shape shape_of(const Numbers& array) { return {array.shape(), array.shape() + array.ndim()}; }
+
   static constexpr int kStages = 3;
   static constexpr const char* kStage[kStages] = {"project_positions", "add_forces", "project_velocities"};
 
@@ -140,7 +177,7 @@ class PythonMethod final : public ConstraintMethod {
                                                 fixed(bonds), fixed(array_of(lengths)));
   }
 
-  py::object part(int n) const { return py::reinterpret_borrow<py::tuple>(*parts_)[n]; }
+  py::object part(int n) const { return py::reinterpret_borrow<py::tuple>(reachable(parts_))[n]; }
 
   SolveStats act(int stage, const System& sys, double h, State& s) {
     SolveStats stats;
@@ -151,6 +188,12 @@ class PythonMethod final : public ConstraintMethod {
         state.take_back();
         return said(answer);
       });
+    if (has_[stage] && stats.converged()) {
+      const std::string who = name_ + "." + kStage[stage];
+      expect_numbers(s.x, who, "state.positions");
+      expect_numbers(s.v, who, "state.velocities");
+      expect_numbers(s.f, who, "state.forces");
+    }
     if (stage == 0 && stats.converged()) look_at(sys, s, stats);
     return stats;
   }
@@ -179,7 +222,11 @@ class PythonMethod final : public ConstraintMethod {
   double promised_ = 0;
   Holds holds_ = Holds::kAll;
   std::string name_, setting_;
-  std::vector<std::string> kept_;
+  struct Kept {
+    std::string name;
+    Shape shape;
+  };
+  std::vector<Kept> kept_;
 };
 
 class PythonField final : public OwnField {
@@ -195,13 +242,21 @@ class PythonField final : public OwnField {
       const Lent positions("positions", const_cast<Vectors&>(x), owner_of(x));
       const Lent forces("forces", added_, owner_of(added_));
       positions.view().attr("setflags")(py::arg("write") = false);
-      const py::object answer = field_->attr("add")(positions.view(), forces.view());
+      const py::object answer = reachable(field_).attr("add")(positions.view(), forces.view());
       positions.expect_back(), forces.expect_back();
       return number(answer);
     });
+    expect_numbers(added_, name_ + ".add", "forces");
+    if (!std::isfinite(energy))
+      throw SimulationFailure(
+          fmt::format("{}.add returned the energy {}, expected a finite number; look at what it "
+                      "computes there",
+                      name_, energy));
     f += added_;
     return energy;
   }
+
+  py::object& held() const { return *field_; }
 
  private:
   static double number(const py::object& energy) {
@@ -228,7 +283,7 @@ Own option_of(const std::string& key, const py::object& value) {
 void add_python_method(const py::object& method, const std::string& name, const std::string& summary,
                        const py::dict& defaults) {
   static std::set<std::string> texts;  // what the list views
-  PythonOptions options{shared(method), {}};
+  PythonOptions options{shared<py::object>(py::weakref(method)), {}};
   for (const auto& [key, value] : defaults)
     options.own.push_back(option_of(py::str(key), py::reinterpret_borrow<py::object>(value)));
   const auto describe = [](std::any& of) { return std::any_cast<PythonOptions&>(of).describe(); };
@@ -250,6 +305,23 @@ void rethrow_python_error() {
   if (!last_error) return;
   const auto error = std::exchange(last_error, nullptr);
   throw py::error_already_set(*error);
+}
+
+void raise_failure(const py::object& kind, const char* words) {
+  if (!last_error) return PyErr_SetString(kind.ptr(), words);
+  const auto cause = std::exchange(last_error, nullptr);
+  py::error_already_set error(*cause);
+  py::raise_from(error, kind.ptr(), words);
+}
+
+std::vector<py::object*> held_by(const Simulation& simulation) {
+  std::vector<py::object*> held;
+  if (!simulation.runs_foreign_code()) return held;  // it may be at work without the interpreter
+  for (const auto& field : simulation.scene().terms.own)
+    if (const auto* own = dynamic_cast<const PythonField*>(field.get())) held.push_back(&own->held());
+  if (const auto* method = dynamic_cast<const PythonMethod*>(&simulation.method()))
+    held.push_back(&method->held());
+  return held;
 }
 
 OwnFields own_fields(const py::list& forces) {

@@ -24,6 +24,31 @@ struct Busy {
   std::atomic<bool>& running;
 };
 
+// Looks for Ctrl-C now and then, for work that has let go of the interpreter; to hear it throws.
+class Listening {
+ public:
+  void operator()() {
+    if (Clock::now() < next_) return;
+    const py::gil_scoped_acquire interpreter;
+    next_ = Clock::now() + kLookEvery;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  }
+
+ private:
+  Clock::time_point next_ = Clock::now() + kLookEvery;
+};
+
+std::unique_ptr<Simulation> made_of(Scene scene, int threads) {
+  const py::gil_scoped_release interpreter;
+  return std::make_unique<Simulation>(std::move(scene), threads, Listening());
+}
+
+// numpy's False, too.
+bool is_false(const py::object& answer) {
+  if (answer.is(py::bool_(false))) return true;
+  return py::isinstance(answer, py::module_::import("numpy").attr("bool_")) && !answer.cast<bool>();
+}
+
 std::string trajectory_key(const RunSettings& run) {
   return run.trajectory_every > 0 ? "trajectory_every" : run.checkpoint_every > 0 ? "checkpoint_every" : "";
 }
@@ -31,8 +56,7 @@ std::string trajectory_key(const RunSettings& run) {
 }  // namespace
 
 PythonSimulation::PythonSimulation(Input input, const std::string& out, bool overwrite)
-    : source_(std::move(input.source)),
-      simulation_(std::make_unique<Simulation>(std::move(input.scene), input.threads)) {
+    : source_(std::move(input.source)), simulation_(made_of(std::move(input.scene), input.threads)) {
   note_state();
   if (const std::string key = trajectory_key(simulation_->scene().run); out.empty() && !key.empty())
     throw InputError(fmt::format("run.{}: nowhere to write, give out=\"a folder\"", key));
@@ -75,18 +99,14 @@ void PythonSimulation::run(long steps, long every, const py::object& callback, b
   std::exception_ptr thrown;
   std::optional<Record> row;
   auto next_look = Clock::now() + kLookEvery;
-  bool stopped = false;
+  stopped_ = false;
   const auto look = [&] {  // holds the interpreter
     try {
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-      if (!row || callback.is_none()) return;
-      note_state();
-      const Busy looked_at(in_callback_);
-      stopped = callback(py::cast(*std::exchange(row, {}))).is(py::bool_(false));
-      take_over_changes();
+      if (row && !callback.is_none()) call(callback, *std::exchange(row, {}));
     } catch (...) {
       thrown = std::current_exception();
-      stopped = true;
+      stopped_ = true;
     }
   };
   const RunWatch watch{.on_record =
@@ -97,6 +117,7 @@ void PythonSimulation::run(long steps, long every, const py::object& callback, b
                              const py::gil_scoped_acquire interpreter;
                              look();
                              if (thrown) std::rethrow_exception(thrown);
+                             if (stopped_) simulation_->stop();
                            },
                        .go_on =
                            [&](long step) {
@@ -106,7 +127,7 @@ void PythonSimulation::run(long steps, long every, const py::object& callback, b
                                next_look = Clock::now() + kLookEvery;
                                look();
                              }
-                             return !stopped && (to_end || step < last);
+                             return !stopped_ && (to_end || step < last);
                            }};
   forget_python_error();
   try {
@@ -124,6 +145,32 @@ void PythonSimulation::run(long steps, long every, const py::object& callback, b
   note_state();
   if (!thrown && row) look();
   if (thrown) std::rethrow_exception(thrown);
+}
+
+// What it wrote before it threw counts, too.
+void PythonSimulation::call(const py::object& callback, const Record& row) {
+  note_state();
+  const Busy looked_at(in_callback_);
+  const auto take_over = [&] {
+    try {
+      take_over_changes();
+    } catch (const InputError& e) {
+      put_back();
+      throw InputError(
+          fmt::format("the callback of step {}: {}; what it wrote is undone", row.step, e.what()));
+    }
+  };
+  try {
+    stopped_ = is_false(callback(py::cast(row)));
+  } catch (...) {
+    const auto thrown = std::current_exception();
+    try {
+      take_over();
+    } catch (...) {  // which says less than what was thrown first
+    }
+    std::rethrow_exception(thrown);
+  }
+  take_over();
 }
 
 void PythonSimulation::minimise(double force) {
@@ -166,7 +213,8 @@ Simulation& PythonSimulation::settled() {
 }
 
 void PythonSimulation::expect_idle() const {
-  if (running_) throw std::runtime_error("it is running: in another thread, or this is its callback");
+  if (running_ || setting_out_)
+    throw std::runtime_error("it is running: in another thread, or this is its callback, force or method");
   expect_this_process();
 }
 
@@ -179,7 +227,9 @@ void PythonSimulation::expect_this_process() const {
 }
 
 void PythonSimulation::expect_between_steps() const {
-  if (running_ && !in_callback_) throw std::runtime_error("it is running in another thread");
+  if (setting_out_ || (running_ && !in_callback_))
+    throw std::runtime_error(
+        "it is in the middle of a step: in another thread, or this is its force or method");
 }
 
 void PythonSimulation::set_steps(long steps, long every) {
@@ -196,7 +246,7 @@ void PythonSimulation::set_steps(long steps, long every) {
 void PythonSimulation::note_state() {
   seen_.x = simulation_->state().x;
   seen_.v = simulation_->state().v;
-  if (simulation_->state().box.periodic()) box_ = simulation_->state().box.vectors();
+  if (simulation_->state().box.periodic()) shown_->box = simulation_->state().box.vectors();
 }
 
 void PythonSimulation::expect_finite() const {
@@ -216,16 +266,25 @@ void PythonSimulation::take_over_changes() {
   set_out_anew(0);
 }
 
+void PythonSimulation::put_back() {
+  simulation_->state().x = seen_.x;
+  simulation_->state().v = seen_.v;
+}
+
 void PythonSimulation::set_out_anew(double force) {
+  const Busy busy(setting_out_);
+  const Vectors x = simulation_->state().x, v = simulation_->state().v;
+  put_back();
+  forget_python_error();
   try {
-    simulation_->set_out_anew(force);
-    note_state();
-  } catch (const SimulationFailure&) {
-    simulation_->state().x = seen_.x;
-    simulation_->state().v = seen_.v;
-    simulation_->set_out_anew();
+    std::optional<py::gil_scoped_release> long_work;
+    if (force > 0 && !simulation_->runs_foreign_code()) long_work.emplace();
+    simulation_->set_out_anew(x, v, force, Listening());
+  } catch (...) {
+    rethrow_python_error();
     throw;
   }
+  note_state();
 }
 
 void PythonSimulation::raise(const ExplainedFailure& failure) const {

@@ -23,7 +23,7 @@ class PythonSimulation {
  public:
   PythonSimulation(Input input, const std::string& out, bool overwrite);
   PythonSimulation(const GoingOn& from, const py::list& forces);
-  ~PythonSimulation() { forget_owner(simulation_->state().x); }
+  ~PythonSimulation() { leave_to_views(simulation_->state(), *shown_); }
 
   // `every`: steps from row to row, 0: as before. With `to_end` the last step has a row, too.
   void run(long steps, long every, const py::object& callback, bool to_end);
@@ -32,7 +32,7 @@ class PythonSimulation {
 
   const Simulation& engine() const { return *simulation_; }
   Simulation& settled();                       // with forces where the atoms are
-  const Vectors& box() const { return box_; }  // a, b and c in columns, as note_state found them
+  const std::shared_ptr<Shown>& shown() const { return shown_; }  // the box as note_state found it
   const std::vector<Record>& rows() const { return log_; }
   std::string summary() const;  // as summary.json has it, or "null"
   std::string folder() const { return folder_ ? folder_->path().string() : ""; }
@@ -42,11 +42,13 @@ class PythonSimulation {
   void expect_idle() const;
   void expect_this_process() const;
   void expect_between_steps() const;  // idle, or in a callback
+  void call(const py::object& callback, const Record& row);  // with what it wrote taken over
   void set_steps(long steps, long every);
   void note_state();
+  void put_back();  // what was written since
   void expect_finite() const;
   void take_over_changes();         // somebody may have written to the views
-  void set_out_anew(double force);  // where that fails, all is as it was
+  void set_out_anew(double force);  // where that fails, all is as it was before somebody wrote
   [[noreturn]] void raise(const ExplainedFailure& failure) const;
   static pid_t this_process();
 
@@ -57,8 +59,9 @@ class PythonSimulation {
   std::vector<Record> log_;
   std::optional<Summary> summary_;
   State seen_;  // x and v as they were left
-  Vectors box_;
-  std::atomic<bool> running_ = false, in_callback_ = false;
+  std::shared_ptr<Shown> shown_ = std::make_shared<Shown>();
+  std::atomic<bool> running_ = false, in_callback_ = false, setting_out_ = false;
+  bool stopped_ = false;  // by the callback
   pid_t made_in_ = this_process();
 };
 

@@ -87,8 +87,8 @@ py::tuple to_openmm(Self& self) {
 
 py::array view(const py::object& self, Vectors State::*part, bool writeable) {
   const State& state = self.cast<const Self&>().engine().state();
-  remember_owner(state.x, self);
-  py::array_t<double> rows = rows_of(state.*part, self);
+  remember_shown(state.x, self.cast<const Self&>().shown());
+  py::array_t<double> rows = rows_of(state.*part, owner_of(state.x));
   if (!writeable) rows.attr("setflags")(py::arg("write") = false);
   return rows;
 }
@@ -96,7 +96,8 @@ py::array view(const py::object& self, Vectors State::*part, bool writeable) {
 py::object box(const py::object& self) {
   const Self& simulation = self.cast<const Self&>();
   if (!simulation.engine().state().box.periodic()) return py::none();
-  py::array_t<double> rows = rows_of(simulation.box(), self);
+  remember_shown(simulation.engine().state().x, simulation.shown());
+  py::array_t<double> rows = rows_of(simulation.shown()->box, owner_of(simulation.engine().state().x));
   rows.attr("setflags")(py::arg("write") = false);
   return rows;
 }
@@ -174,11 +175,37 @@ void bind_views(py::class_<Self>& simulation) {
           "What each rigid bond pulls with at this instant, (m,) [kJ/mol/nm]; negative: it pushes.");
 }
 
+// Forces and methods of one's own may know the simulation that holds them: Python's garbage collector sees
+// through it. While one is made or runs somebody refers to it, and nothing of it is freed.
+Self* made(PyObject* object) {
+  const auto whole = reinterpret_cast<py::detail::instance*>(object)->get_value_and_holder();
+  return whole.holder_constructed() ? whole.value_ptr<Self>() : nullptr;
+}
+
+int visit_held(PyObject* object, visitproc visit, void* arg) {
+  Py_VISIT(Py_TYPE(object));
+  if (const Self* self = made(object))
+    for (const py::object* held : held_by(self->engine())) Py_VISIT(held->ptr());
+  return 0;
+}
+
+int let_go(PyObject* object) {
+  if (const Self* self = made(object))
+    for (py::object* held : held_by(self->engine())) const py::object gone = std::move(*held);
+  return 0;
+}
+
+void show_to_garbage_collector(PyHeapTypeObject* type) {
+  type->ht_type.tp_flags |= Py_TPFLAGS_HAVE_GC;
+  type->ht_type.tp_traverse = visit_held;
+  type->ht_type.tp_clear = let_go;
+}
+
 }  // namespace
 
 void bind_simulations(py::module_& m) {
   bind_rows(m);
-  py::class_<Self> simulation(m, "Simulation");
+  py::class_<Self> simulation(m, "Simulation", py::custom_type_setup(show_to_garbage_collector));
   simulation.def(py::init<Input, const std::string&, bool>())
       .def(py::init([](const py::dict& asked, const py::list& forces) {
         return std::make_unique<Self>(going_on(asked), forces);

@@ -91,12 +91,13 @@ class ConstraintMethod:
 
     Its options are the arguments of its class, each with a default that is a number, a truth value or a text, and
     kept under its own name, as by ``@dataclass``. Each simulation makes an instance of its own. An exception in a
-    stage ends the run and leaves the simulation as it was one step before.
+    stage, KeyboardInterrupt too, takes the step back, with the attributes that are ``kept``: the simulation is as it
+    was before, and can go on.
 
     promised_error  the relative bond error it answers for: a run says if it was worse
     holds           "all": lengths and velocities; "positions": velocities keep a part along the bonds (SHAKE's do)
     kept            names of the attributes, arrays or floats, that it takes from one step to the next: checkpoints
-                    keep them. They are there, in their size, from prepare() on
+                    keep them. They are there, in their shape, from prepare() on
     """
 
     promised_error: float = float("inf")
@@ -129,8 +130,10 @@ class Force:
     def add(self, positions: np.ndarray, forces: np.ndarray) -> float:
         """Adds to `forces`, which come as zeros, (n, 3) [kJ/mol/nm], at `positions`, (n, 3) [nm], never wrapped.
 
-        Returns the energy [kJ/mol]. Called once a step and whenever the forces are looked at. Both arrays are the
-        engine's own, as those of a State; positions cannot be written to. Who keeps one keeps a copy.
+        Returns the energy [kJ/mol]. Called once a step, more often under a Monte Carlo barostat, in a minimisation and
+        where positions were written to. Both arrays are the engine's own, as those of a State; positions cannot be
+        written to. Who keeps one keeps a copy. What it throws, KeyboardInterrupt too, takes the step back: the
+        simulation is as it was before, and can go on.
         """
         raise NotImplementedError(f"{type(self).__name__}.add is not written")
 

@@ -46,8 +46,8 @@ class Simulation:
 
     Units are nm, ps, u, kJ/mol and K throughout. The same settings give the same bits as the command's.
 
-    ``positions`` and ``velocities`` are live views, (n, 3): they show the state as it is, and keep the simulation
-    alive. Write to them between steps (in a callback, too): what you wrote is brought to the bonds, and forces are
+    ``positions`` and ``velocities`` are live views, (n, 3): they show the state as it is, and as it last was when the
+    simulation is gone. Write to them between steps (in a callback, too): what you wrote is brought to the bonds, and forces are
     evaluated, before anything else is asked of the simulation. Means and the energy's account then begin again.
     ``forces``, (n, 3) [kJ/mol/nm], cannot be written to; they hold what the method added.
 
@@ -111,10 +111,11 @@ class Simulation:
         """Takes so many steps.
 
         every     steps from row to row of the log (0: as before), the first at the start
-        callback  is called with every row; False stops the run. Other Python threads run meanwhile
+        callback  is called with every row; False, numpy's too, stops the run. Other Python threads run meanwhile
 
-        Ctrl-C, or an exception in the callback, stops it between two steps: all is whole, and can go on.
-        Raises SimulationFailure, with the state as it was one step before.
+        Ctrl-C, or any exception in the callback, in a force or a method of your own, stops it between two steps: a step
+        that was begun is taken back, all is whole, and can go on to the same numbers. Raises SimulationFailure, with
+        the state as it was one step before.
         """
         self._engine._run(steps, every, callback, True)
 
@@ -123,7 +124,10 @@ class Simulation:
         self._engine._run(steps, 0, None, False)
 
     def minimise(self, force_kj_mol_nm: float = 1000.0) -> None:
-        """Steepest descent along the bonds' manifold until no atom's force is above this [kJ/mol/nm]."""
+        """Steepest descent along the bonds' manifold until no atom's force is above this [kJ/mol/nm].
+
+        Other Python threads run meanwhile. Ctrl-C, or any exception in a force of your own, leaves all as it was.
+        """
         self._engine._minimise(force_kj_mol_nm)
 
     def checkpoint(self, file: Union[str, Path, None] = None) -> bytes:

@@ -1,0 +1,61 @@
+// What throws, a step or a new start, leaves the simulation as it was. Nothing of it is asked again: foreign
+// code may have thrown because it was interrupted, or may throw again.
+
+#include <utility>
+
+#include "simulation/simulation.hpp"
+
+namespace taut {
+
+bool Simulation::runs_foreign_code() const {
+  return scene_.method.method().added || !scene_.terms.own.empty();
+}
+
+void Simulation::note() {
+  note_.numbers.clear();
+  Archive archive = Archive::noting_in(note_.numbers);
+  serialize_numbers(archive);
+  note_.forces = meter_.forces();
+  forces_.note(note_.answers);
+}
+
+void Simulation::take_back() {
+  Archive archive = Archive::recalling(note_.numbers);
+  serialize_numbers(archive);
+  State evaluated = state_;  // its f holds no constraint forces
+  forces_.return_to(scene_.system, evaluated, note_.answers);
+  meter_.recall(note_.forces);
+}
+
+void Simulation::take_back(Diagnosis& of) {
+  take_back();
+  if (of.bond >= 0) of.length_before = (state_.x.col(of.held.j) - state_.x.col(of.held.i)).norm();
+}
+
+void Simulation::set_out_anew(const Vectors& x, const Vectors& v, double minimise_force,
+                              const OnMove& on_move) {
+  const ThreadScope own(threads_);
+  note();
+  const StartReport report = start_report_;
+  std::unique_ptr<ConstraintMethod> method = make_method(scene_.system, scene_.method, scene_.run.h());
+  method.swap(method_);
+  std::unique_ptr<Barostat> barostat = std::move(barostat_);  // a start does not change the box
+  try {
+    make_thermostat();  // it knows the method
+    state_.x = x, state_.v = v;
+    bring_to_the_bonds(minimise_force, on_move);
+    begin_means();
+    barostat_ = std::move(barostat);
+    if (!snapshot_.empty()) keep_snapshot();  // steps before are not taken again from here
+  } catch (...) {
+    method_ = std::move(method);
+    barostat_ = std::move(barostat);
+    make_thermostat();
+    count_degrees_of_freedom(dof_.momentum_fixed);
+    take_back();
+    start_report_ = report;
+    throw;
+  }
+}
+
+}  // namespace taut
