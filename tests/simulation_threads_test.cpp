@@ -61,8 +61,8 @@ struct Course {
     on_another_thread([&] { simulation.restore(before); });
     on_another_thread([&] { simulation.run([](const Record&) {}); });
     on_another_thread([&] { EXPECT_FALSE(simulation.diagnose()); });
-    simulation.state().v *= 0.9;
-    on_another_thread([&] { simulation.set_out_anew(1e5); });
+    const State& now = simulation.state();
+    on_another_thread([&] { simulation.set_out_anew(Vectors(now.x), Vectors(0.9 * now.v), 1e5); });
     look_at(simulation);
   }
 };
