@@ -51,7 +51,7 @@ TEST(CoulombKeys, ThatHaveNoEffectOrCannotBeAreRefused) {
   EXPECT_THAT(complaint({"forcefield.coulomb=pme", "forcefield.rf_dielectric=5"}),
               HasSubstr("forcefield.rf_dielectric: has no effect"));
   EXPECT_THAT(complaint({"forcefield.coulomb=pme", "forcefield.ewald_tolerance=1e-14"}),
-              HasSubstr("forcefield.coulomb: pme: a tolerance of 1e-14 asks for a grid"));
+              HasSubstr("forcefield.ewald_tolerance: pme: a tolerance of 1e-14"));
   EXPECT_THAT(
       complaint({"forcefield.coulomb=pme", "forcefield.ewald_tolerance=1e-5",
                  "forcefield.ewald_alpha_per_nm=3", "forcefield.pme_grid=[20, 24, 25]"}),

@@ -18,12 +18,12 @@ using testing::data;
 using testing::Files;
 using testing::Folder;
 
-TEST(OpenMMScene, IsNamedAfterItsFileAndRunsRattle) {
+TEST(OpenMMScene, IsNamedAfterItsFileAndRunsNewton) {
   const Files files = data("ala2-hbonds-rf");
   const Scene scene = import_openmm(files.system, files.state);
   EXPECT_TRUE(built_with_openmm());
   EXPECT_EQ(scene.name, "ala2-hbonds-rf");
-  EXPECT_EQ(scene.method.name(), "rattle");
+  EXPECT_EQ(scene.method.name(), "newton");
   EXPECT_FALSE(scene.hard_on.empty());
   EXPECT_EQ(scene.run.remove_momentum_every, 0);
   EXPECT_EQ(scene.system.atoms(), scene.start.x.cols());
