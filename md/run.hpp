@@ -66,8 +66,9 @@ struct Watch {
   std::function<bool(long)> go_on = {};                  // then, after every step: whether to
 };
 
-// Takes the steps that are left of plan.steps. Returns whether all were taken. Throws StepFailure before
-// numbers turn into NaN, and InputError for a plan that cannot be carried out.
+// Takes the steps that are left of plan.steps. Returns whether all were taken. Throws StepFailure where a
+// solve fails and, at an observation, where a number is not finite; forces refuse positions that are not finite in
+// every step. Throws InputError for a plan that cannot be carried out.
 bool run(const Dynamics& dynamics, const RunPlan& plan, RunProgress& progress, State& s,
          const Watch& watch = {});
 
