@@ -6,7 +6,6 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
-#include <limits>
 #include <sstream>
 #include <system_error>
 
@@ -14,8 +13,6 @@
 
 namespace taut {
 namespace {
-
-constexpr std::string_view kOverride = "--set ";
 
 const char* type_name(const toml::node& node) {
   switch (node.type()) {
@@ -36,6 +33,20 @@ const char* type_name(const toml::node& node) {
   }
 }
 
+std::optional<double> number_of(const toml::node& node) {
+  if (node.is_integer()) return static_cast<double>(node.as_integer()->get());
+  if (node.is_floating_point()) return node.as_floating_point()->get();
+  return {};
+}
+
+// Sections are listed by their own keys.
+std::string list_text(const toml::array& list) {
+  const bool words = std::ranges::none_of(list, [](const toml::node& one) { return one.is_table(); });
+  return words ? value_text(list) : fmt::format("{} of them", list.size());
+}
+
+}  // namespace
+
 std::string one_line(std::string_view text) {
   std::string line(text);
   for (char& c : line)
@@ -43,46 +54,6 @@ std::string one_line(std::string_view text) {
   return line;
 }
 
-std::optional<double> number_of(const toml::node& node) {
-  if (node.is_integer()) return static_cast<double>(node.as_integer()->get());
-  if (node.is_floating_point()) return node.as_floating_point()->get();
-  return {};
-}
-
-// A word without quotes, quoted.
-toml::table parse_bare(std::string_view text, std::size_t equals, std::string_view where) {
-  std::ostringstream quoted;
-  quoted << text.substr(0, equals) << "=" << toml::value<std::string>{std::string(text.substr(equals + 1))};
-  return toml::parse(quoted.str(), where);
-}
-
-// TOML's integers end there.
-bool is_too_large(std::string_view value) {
-  const auto digits = value.find_first_not_of(" +-");
-  return digits != value.npos && value.find_first_not_of("0123456789_ ", digits) == value.npos &&
-         value.size() - digits > 18;
-}
-
-toml::table parse_override(const std::string& text) {
-  const std::string where = one_line(std::string(kOverride) + text);
-  const auto equals = text.find('=');
-  if (equals != text.npos && text.find_first_of("\n\r") == text.npos) {
-    try {
-      return toml::parse(text, where);
-    } catch (const toml::parse_error&) {
-    }
-    if (is_too_large(std::string_view(text).substr(equals + 1)))
-      throw LocatedError(fmt::format("{}: {}: out of range, expected a whole number of at most {}", where,
-                                     text.substr(0, equals), std::numeric_limits<std::int64_t>::max()));
-    try {
-      return parse_bare(text, equals, where);
-    } catch (const toml::parse_error&) {
-    }
-  }
-  throw LocatedError(where + ": expected key=value, such as run.dt_fs=2");
-}
-
-// In one line, whatever its length.
 std::string value_text(const toml::node& node) {
   if (const auto* string = node.as_string()) return toml_quoted(string->get());
   std::ostringstream text;
@@ -104,24 +75,6 @@ std::string value_text(const toml::node& node) {
   node.visit([&](const auto& value) { text << value; });
   return text.str();
 }
-
-// Sections are listed by their own keys.
-std::string list_text(const toml::array& list) {
-  const bool words = std::ranges::none_of(list, [](const toml::node& one) { return one.is_table(); });
-  return words ? value_text(list) : fmt::format("{} of them", list.size());
-}
-
-void collect(const toml::table& table, const std::string& above, KeyValues& values) {
-  for (const auto& [name, node] : table) {
-    const std::string key = above + std::string(name.str());
-    if (const auto* section = node.as_table())
-      collect(*section, key + ".", values);
-    else
-      values[key] = value_text(node);
-  }
-}
-
-}  // namespace
 
 TomlTable TomlTable::section(std::string_view key) const {
   static const toml::table kEmpty;
@@ -389,24 +342,6 @@ toml::table parse_toml_text(std::string_view text, const std::filesystem::path& 
     throw LocatedError(fmt::format("{}:{}: not valid TOML: {}", file.string(), e.source().begin.line,
                                    one_line(e.description())));
   }
-}
-
-toml::table parse_overrides(const std::vector<std::string>& overrides) {
-  toml::table all;
-  for (const std::string& text : overrides) lay_over(all, parse_override(text));
-  return all;
-}
-
-KeyValues key_values(const std::vector<std::string>& overrides) {
-  KeyValues values;
-  collect(parse_overrides(overrides), "", values);
-  return values;
-}
-
-std::vector<std::string> overrides_of(const KeyValues& values) {
-  std::vector<std::string> overrides;
-  for (const auto& [key, value] : values) overrides.push_back(key + "=" + value);
-  return overrides;
 }
 
 }  // namespace taut

@@ -140,6 +140,12 @@ bool TomlTable::fetch(std::string_view key, Integer& into, const About& about) c
   return value.has_value();
 }
 
+// What stands before an override where files have their name and line.
+inline constexpr std::string_view kOverride = "--set ";
+
+std::string one_line(std::string_view text);       // control characters become spaces
+std::string value_text(const toml::node& node);    // as TOML has it, in one line whatever its length
+
 // A path is relative to the file that says it, in an override to the current folder.
 std::filesystem::path path_of(const toml::value<std::string>& name);
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "md/errors.hpp"
+#include "kept_state.hpp"
 #include "named_scene.hpp"
 #include "simulation/checkpoint.hpp"
 #include "simulation/simulation.hpp"
@@ -18,12 +19,6 @@ namespace {
 
 using Overrides = std::vector<std::string>;
 
-std::string kept(Simulation& simulation) {
-  std::string bytes;
-  Archive archive = Archive::saving_to(bytes);
-  simulation.serialize(archive);
-  return bytes;
-}
 
 struct Course {
   std::vector<Record> rows;

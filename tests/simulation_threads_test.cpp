@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "md/threads.hpp"
+#include "kept_state.hpp"
 #include "named_scene.hpp"
 #include "simulation/simulation.hpp"
 
@@ -37,13 +38,6 @@ struct Course {
     take(simulation.state().x);
     take(simulation.state().f);
     bits += kept(simulation);
-  }
-
-  static std::string kept(Simulation& simulation) {
-    std::string bytes;
-    Archive archive = Archive::saving_to(bytes);
-    simulation.serialize(archive);
-    return bytes;
   }
 
   // Everything that computes, each on a thread of its own.

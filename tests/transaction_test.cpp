@@ -8,6 +8,7 @@
 
 #include "md/errors.hpp"
 #include "md/threads.hpp"
+#include "kept_state.hpp"
 #include "named_scene.hpp"
 #include "simulation/simulation.hpp"
 
@@ -16,12 +17,6 @@ namespace {
 
 using Overrides = std::vector<std::string>;
 
-std::string kept(Simulation& simulation) {
-  std::string bytes;
-  Archive archive = Archive::saving_to(bytes);
-  simulation.serialize(archive);
-  return bytes;
-}
 
 struct Case {
   std::string method, bath, barostat;
