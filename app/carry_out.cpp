@@ -7,10 +7,10 @@
 #include <csignal>
 #include <nlohmann/json.hpp>
 
+#include "base/errors.hpp"
 #include "command_line.hpp"
 #include "commands.hpp"
 #include "header.hpp"
-#include "md/errors.hpp"
 #include "printing.hpp"
 #include "progress.hpp"
 #include "simulation/recorded_run.hpp"

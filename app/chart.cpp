@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <map>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 #include "printing.hpp"
 #include "studies/chart_study.hpp"
 #include "studies/csv.hpp"

@@ -6,7 +6,7 @@
 #include <map>
 #include <string_view>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 #include "systems/toml_reader.hpp"
 
 namespace taut {

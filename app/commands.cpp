@@ -11,11 +11,11 @@
 #include <optional>
 #include <sstream>
 
-#include "constraints/methods.hpp"
+#include "base/errors.hpp"
+#include "base/nearest_name.hpp"
+#include "base/threads.hpp"
+#include "constraints/registry.hpp"
 #include "generated.hpp"
-#include "md/errors.hpp"
-#include "md/nearest_name.hpp"
-#include "md/threads.hpp"
 #include "printing.hpp"
 #include "words.hpp"
 

@@ -4,10 +4,10 @@
 
 #include <memory>
 
+#include "base/errors.hpp"
 #include "command_line.hpp"
 #include "commands.hpp"
 #include "crosscheck_report.hpp"
-#include "md/errors.hpp"
 #include "printing.hpp"
 #include "progress.hpp"
 #include "scene_argument.hpp"

@@ -2,8 +2,8 @@
 
 #include <memory>
 
+#include "base/nearest_name.hpp"
 #include "commands.hpp"
-#include "md/nearest_name.hpp"
 #include "printing.hpp"
 
 namespace taut {

@@ -7,9 +7,9 @@
 #include <array>
 #include <iostream>
 
+#include "base/errors.hpp"
 #include "carry_out.hpp"
 #include "command_line.hpp"
-#include "md/errors.hpp"
 #include "pictures.hpp"
 #include "printing.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <thread>
 
-#include "md/threads.hpp"
+#include "base/threads.hpp"
 #include "printing.hpp"
 #include "systems/velocities.hpp"
 #include "words.hpp"

@@ -10,9 +10,9 @@
 #include <set>
 #include <sstream>
 
+#include "base/errors.hpp"
+#include "base/nearest_name.hpp"
 #include "commands.hpp"
-#include "md/errors.hpp"
-#include "md/nearest_name.hpp"
 #include "printing.hpp"
 #include "systems/builders/builders.hpp"
 #include "systems/scene_file.hpp"

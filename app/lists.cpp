@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
-#include "constraints/methods.hpp"
+#include "constraints/registry.hpp"
 #include "printing.hpp"
 #include "systems/scene_file.hpp"
 #include "words.hpp"

@@ -5,8 +5,8 @@
 #include <exception>
 #include <new>
 
+#include "base/errors.hpp"
 #include "commands.hpp"
-#include "md/errors.hpp"
 #include "printing.hpp"
 #include "stop_request.hpp"
 

@@ -3,10 +3,10 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "base/errors.hpp"
 #include "commands.hpp"
 #include "files/atomic_file.hpp"
 #include "files/dcd_reader.hpp"
-#include "md/errors.hpp"
 #include "measured.hpp"
 #include "printing.hpp"
 #include "simulation/checkpoint.hpp"

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "md/errors.hpp"
-#include "md/nearest_name.hpp"
+#include "base/errors.hpp"
+#include "base/nearest_name.hpp"
 #include "printing.hpp"
 #include "systems/whole_molecules.hpp"
 #include "words.hpp"

@@ -10,10 +10,10 @@
 #include <fstream>
 #include <sstream>
 
+#include "base/errors.hpp"
 #include "command_line.hpp"
 #include "files/atomic_file.hpp"
 #include "files/resources.hpp"
-#include "md/errors.hpp"
 #include "printing.hpp"
 #include "stop_request.hpp"
 

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <string>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 #include "stop_request.hpp"
 
 namespace taut {

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <map>
 
-#include "md/threads.hpp"
+#include "base/threads.hpp"
 #include "studies/csv.hpp"
 
 namespace taut {

@@ -3,10 +3,10 @@
 #include <limits>
 #include <memory>
 
+#include "base/errors.hpp"
 #include "command_line.hpp"
 #include "commands.hpp"
 #include "going_on.hpp"
-#include "md/errors.hpp"
 
 namespace taut {
 namespace {

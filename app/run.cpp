@@ -3,12 +3,12 @@
 
 #include <memory>
 
+#include "base/errors.hpp"
 #include "carry_out.hpp"
 #include "command_line.hpp"
 #include "commands.hpp"
 #include "files/set_aside.hpp"
 #include "going_on.hpp"
-#include "md/errors.hpp"
 #include "scene_argument.hpp"
 #include "systems/scene_source.hpp"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 #include "systems/openmm/openmm_import.hpp"
 
 namespace taut {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 #include "printing.hpp"
 #include "studies/stability_study.hpp"
 #include "studies/study_scene.hpp"

@@ -11,8 +11,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "base/errors.hpp"
 #include "files/set_aside.hpp"
-#include "md/errors.hpp"
 #include "printing.hpp"
 #include "progress.hpp"
 #include "studies/csv.hpp"

@@ -9,10 +9,10 @@
 #include <functional>
 #include <vector>
 
-#include "constraints/methods.hpp"
+#include "base/threads.hpp"
 #include "constraints/projection.hpp"
+#include "constraints/registry.hpp"
 #include "md/run.hpp"
-#include "md/threads.hpp"
 #include "md/timed.hpp"
 #include "molecules.hpp"
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "md/random.hpp"
+#include "base/random.hpp"
 #include "md/state.hpp"
 #include "md/system.hpp"
 #include "md/units.hpp"

@@ -10,7 +10,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 #include "molecules.hpp"
 #include "studies/openmm_twin.hpp"
 #include "systems/openmm/openmm_import.hpp"

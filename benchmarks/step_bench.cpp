@@ -20,15 +20,15 @@
 #include <atomic>
 #include <cstdlib>
 
+#include "base/thread_meter.hpp"
+#include "base/threads.hpp"
 #include "constraints/projection.hpp"
-#include "forcefield/bonded.hpp"
-#include "forcefield/bonded_forces.hpp"
+#include "forcefield/bonded/bonded.hpp"
+#include "forcefield/bonded/bonded_forces.hpp"
+#include "forcefield/ewald/parameters.hpp"
+#include "forcefield/ewald/pme.hpp"
 #include "forcefield/force_field.hpp"
-#include "forcefield/pme/parameters.hpp"
-#include "forcefield/pme/pme.hpp"
 #include "md/run.hpp"
-#include "md/thread_meter.hpp"
-#include "md/threads.hpp"
 #include "md/timed.hpp"
 #include "studies/openmm_twin.hpp"
 #include "systems/openmm/openmm_import.hpp"

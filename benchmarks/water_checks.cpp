@@ -11,7 +11,7 @@
 #include <array>
 #include <cmath>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 #include "md/units.hpp"
 #include "simulation/barometer.hpp"
 #include "simulation/simulation.hpp"

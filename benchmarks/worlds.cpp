@@ -9,9 +9,9 @@
 #include <functional>
 #include <utility>
 
+#include "base/errors.hpp"
 #include "constraints/bond_algebra.hpp"
-#include "constraints/propagator.hpp"
-#include "md/errors.hpp"
+#include "constraints/methods/propagator.hpp"
 #include "simulation/simulation.hpp"
 #include "studies/flow.hpp"
 #include "systems/scene_file.hpp"

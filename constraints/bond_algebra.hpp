@@ -1,7 +1,7 @@
 #pragma once
 
+#include "base/worse.hpp"
 #include "md/system.hpp"
-#include "md/worse.hpp"
 
 namespace taut {
 

@@ -3,8 +3,8 @@
 #include <span>
 #include <vector>
 
+#include "base/archive.hpp"
 #include "constraints/elimination.hpp"
-#include "md/archive.hpp"
 
 namespace taut {
 

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "md/errors.hpp"
-#include "md/nearest_name.hpp"
+#include "base/errors.hpp"
+#include "base/nearest_name.hpp"
 
 namespace taut {
 namespace {

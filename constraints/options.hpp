@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-#include "md/range.hpp"
+#include "base/range.hpp"
 
 namespace taut {
 

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "base/errors.hpp"
 #include "constraints/bond_algebra.hpp"
-#include "md/errors.hpp"
 #include "md/run.hpp"
 
 namespace taut {

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <map>
 
+#include "base/random.hpp"
 #include "constraints/bond_algebra.hpp"
 #include "constraints/direct_solver.hpp"
-#include "md/random.hpp"
 
 namespace taut {
 namespace {

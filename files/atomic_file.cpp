@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 
 namespace taut {
 

@@ -12,8 +12,8 @@
 #include <sstream>
 #include <vector>
 
+#include "base/errors.hpp"
 #include "files/reduced_box.hpp"
-#include "md/errors.hpp"
 
 namespace taut {
 namespace {

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "md/names.hpp"
+#include "base/names.hpp"
 #include "md/state.hpp"
 
 namespace taut {

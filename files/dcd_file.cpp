@@ -9,9 +9,9 @@
 #include <fstream>
 #include <limits>
 
+#include "base/errors.hpp"
 #include "files/akma.hpp"
 #include "files/unit_cell.hpp"
-#include "md/errors.hpp"
 
 namespace taut {
 namespace {

@@ -7,9 +7,9 @@
 #include <cstring>
 #include <vector>
 
+#include "base/errors.hpp"
 #include "files/akma.hpp"
 #include "files/unit_cell.hpp"
-#include "md/errors.hpp"
 
 namespace taut {
 

@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "base/vectors.hpp"
 #include "md/box.hpp"
-#include "md/vectors.hpp"
 
 namespace taut {
 

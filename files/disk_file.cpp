@@ -10,7 +10,7 @@
 #include <cstring>
 #include <utility>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 
 namespace taut {
 

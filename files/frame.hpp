@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "md/names.hpp"
+#include "base/names.hpp"
 #include "md/state.hpp"
 #include "md/system.hpp"
 

@@ -1,7 +1,7 @@
 // Compiled where HDF5 is not there.
 
+#include "base/errors.hpp"
 #include "files/h5md_file.hpp"
-#include "md/errors.hpp"
 
 namespace taut {
 

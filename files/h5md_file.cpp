@@ -7,9 +7,9 @@
 #include <cstdlib>
 #include <mutex>
 
+#include "base/errors.hpp"
 #include "files/h5_objects.hpp"
 #include "files/hdf5_driver.hpp"
-#include "md/errors.hpp"
 
 namespace taut {
 namespace {

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <new>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 
 // HDF5's "virtual file driver": a table of C functions, the same from HDF5 1.10 to 2.0 but for its first
 // fields.

@@ -1,6 +1,6 @@
 #include "files/output.hpp"
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 
 namespace taut {
 

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <system_error>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 
 namespace taut {
 namespace {
@@ -26,7 +26,8 @@ fs::path own_file() {
   fs::path program = fs::read_symlink("/proc/self/exe", unreadable);
   if (unreadable)
     throw OutsideError(
-        "/proc/self/exe cannot be read, which tells where taut is: mount /proc, or let TAUT_SHARE name its share/taut");
+        "/proc/self/exe cannot be read, which tells where taut is: mount /proc, or let TAUT_SHARE name its "
+        "share/taut");
   return program;
 }
 

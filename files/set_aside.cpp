@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "base/errors.hpp"
 #include "files/disk_file.hpp"
-#include "md/errors.hpp"
 
 namespace taut {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "md/vectors.hpp"
+#include "base/vectors.hpp"
 
 namespace taut {
 

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <utility>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 
 namespace taut {
 namespace {

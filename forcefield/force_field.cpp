@@ -4,18 +4,18 @@
 
 #include <optional>
 
-#include "forcefield/bonded.hpp"
-#include "forcefield/bonded_forces.hpp"
+#include "base/errors.hpp"
+#include "base/shares.hpp"
+#include "forcefield/bonded/bonded.hpp"
+#include "forcefield/bonded/bonded_forces.hpp"
 #include "forcefield/check_positions.hpp"
 #include "forcefield/check_terms.hpp"
-#include "forcefield/clusters/cluster_pairs.hpp"
-#include "forcefield/dispersion.hpp"
-#include "forcefield/exceptions.hpp"
-#include "forcefield/fields.hpp"
-#include "forcefield/pme/parameters.hpp"
-#include "forcefield/pme/pme.hpp"
-#include "md/errors.hpp"
-#include "md/shares.hpp"
+#include "forcefield/ewald/parameters.hpp"
+#include "forcefield/ewald/pme.hpp"
+#include "forcefield/external.hpp"
+#include "forcefield/pairs/cluster_pairs.hpp"
+#include "forcefield/pairs/dispersion.hpp"
+#include "forcefield/pairs/exceptions.hpp"
 
 namespace taut {
 struct ForceField::Impl {

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/archive.hpp"
 #include "forcefield/terms.hpp"
-#include "md/archive.hpp"
 #include "md/force_law.hpp"
 #include "md/state.hpp"
 #include "md/system.hpp"

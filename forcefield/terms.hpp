@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "md/vectors.hpp"
+#include "base/vectors.hpp"
 
 namespace taut {
 

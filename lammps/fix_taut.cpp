@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "md/errors.hpp"
-#include "md/threads.hpp"
+#include "base/errors.hpp"
+#include "base/threads.hpp"
 
 namespace LAMMPS_NS {
 

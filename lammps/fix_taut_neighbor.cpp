@@ -4,9 +4,9 @@
 
 #include <cmath>
 
+#include "base/errors.hpp"
 #include "lammps/cut.hpp"
 #include "lammps/fix_taut.hpp"
-#include "md/errors.hpp"
 
 namespace LAMMPS_NS {
 

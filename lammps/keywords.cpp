@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <charconv>
 
-#include "constraints/feedforward.hpp"
-#include "md/errors.hpp"
-#include "md/nearest_name.hpp"
+#include "base/errors.hpp"
+#include "base/nearest_name.hpp"
+#include "constraints/methods/feedforward.hpp"
 
 namespace taut {
 namespace {

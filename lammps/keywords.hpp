@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "constraints/methods.hpp"
+#include "constraints/registry.hpp"
 
 namespace taut {
 

@@ -2,9 +2,9 @@
 
 #include <memory>
 
-#include "constraints/lanes/multiplier_history.hpp"
-#include "constraints/methods.hpp"
+#include "constraints/batch/multiplier_history.hpp"
 #include "constraints/projection.hpp"
+#include "constraints/registry.hpp"
 #include "lammps/pieces.hpp"
 
 namespace taut {

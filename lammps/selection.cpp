@@ -6,9 +6,9 @@
 
 #include <cmath>
 
+#include "base/errors.hpp"
 #include "lammps/held_bonds.hpp"
 #include "lammps/rendezvous.hpp"
-#include "md/errors.hpp"
 
 namespace taut {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <string>
 
-#include "md/vectors.hpp"
+#include "base/vectors.hpp"
 
 namespace taut {
 

@@ -3,7 +3,7 @@
 #include <limits>
 #include <string>
 
-#include "md/archive.hpp"
+#include "base/archive.hpp"
 #include "md/solve_stats.hpp"
 #include "md/state.hpp"
 #include "md/system.hpp"

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
+#include "base/worse.hpp"
 #include "md/units.hpp"
-#include "md/worse.hpp"
 
 namespace taut {
 
@@ -54,26 +54,6 @@ BondErrors bond_errors(const System& sys, const Vectors& x) {
   }
   if (sys.bond_count() > 0) e.rms = std::sqrt(sum / sys.bond_count());
   return e;
-}
-
-void Slope::add(double t, double y) {  // Welford's updates
-  ++n_;
-  const double dt = t - t_, dy = y - y_;
-  t_ += dt / n_;
-  y_ += dy / n_;
-  tt_ += dt * (t - t_);
-  ty_ += dt * (y - y_);
-  yy_ += dy * (y - y_);
-}
-
-double Slope::value() const {
-  return tt_ > 0 ? ty_ / tt_ : 0.0;
-}
-
-double Slope::standard_error() const {
-  if (n_ < 3 || tt_ == 0) return 0;
-  const double residual = std::max(0.0, yy_ - ty_ * ty_ / tt_);
-  return std::sqrt(residual / (n_ - 2) / tt_);
 }
 
 }  // namespace taut

@@ -2,7 +2,6 @@
 
 #include <string>
 
-#include "md/archive.hpp"
 #include "md/state.hpp"
 #include "md/system.hpp"
 
@@ -35,18 +34,5 @@ struct BondErrors {
   int worst = -1;  // the bond of the largest (System::bond), -1 without bonds
 };
 BondErrors bond_errors(const System& sys, const Vectors& x);
-
-// Least-squares slope of y against t, both given one point at a time, with its standard error
-// (white noise assumed: correlated samples make it too small).
-class Slope {
- public:
-  void add(double t, double y);
-  double value() const;
-  double standard_error() const;
-  void serialize(Archive& archive) { archive(n_, t_, y_, tt_, ty_, yy_); }
-
- private:
-  double n_ = 0, t_ = 0, y_ = 0, tt_ = 0, ty_ = 0, yy_ = 0;  // count, means, centred sums
-};
 
 }  // namespace taut

@@ -3,7 +3,7 @@
 #include <functional>
 #include <string>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 #include "md/step.hpp"
 
 namespace taut {

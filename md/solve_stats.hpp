@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "md/worse.hpp"
+#include "base/worse.hpp"
 
 namespace taut {
 

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "base/vectors.hpp"
 #include "md/box.hpp"
-#include "md/vectors.hpp"
 
 namespace taut {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "md/shares.hpp"
+#include "base/shares.hpp"
 
 namespace taut {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "md/vectors.hpp"
+#include "base/vectors.hpp"
 #include "md/virtual_sites.hpp"
 
 namespace taut {

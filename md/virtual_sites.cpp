@@ -6,7 +6,7 @@
 #include <tuple>
 #include <utility>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 
 namespace taut {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "md/vectors.hpp"
+#include "base/vectors.hpp"
 
 namespace taut {
 

@@ -2,7 +2,7 @@
 
 #include <numeric>
 
-#include "md/shares.hpp"
+#include "base/shares.hpp"
 
 namespace taut {
 

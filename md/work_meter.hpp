@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "md/archive.hpp"
+#include "base/archive.hpp"
 #include "md/state.hpp"
 #include "md/system.hpp"
 

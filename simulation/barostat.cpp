@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 #include "md/units.hpp"
 #include "systems/whole_molecules.hpp"
 

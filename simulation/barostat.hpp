@@ -3,10 +3,10 @@
 #include <memory>
 #include <string>
 
+#include "base/archive.hpp"
+#include "base/random.hpp"
 #include "forcefield/force_field.hpp"
-#include "md/archive.hpp"
 #include "md/centre_scaling.hpp"
-#include "md/random.hpp"
 #include "systems/scene.hpp"
 
 namespace taut {

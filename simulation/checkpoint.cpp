@@ -8,8 +8,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "base/errors.hpp"
 #include "files/atomic_file.hpp"
-#include "md/errors.hpp"
 
 namespace taut {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "base/errors.hpp"
 #include "constraints/projection.hpp"
-#include "md/errors.hpp"
 
 namespace taut {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 #include "simulation/run_folder.hpp"
 
 namespace taut {

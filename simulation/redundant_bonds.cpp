@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 
 namespace taut {
 

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <array>
 
-#include "md/errors.hpp"
-#include "md/threads.hpp"
+#include "base/errors.hpp"
+#include "base/threads.hpp"
 
 namespace taut {
 namespace {

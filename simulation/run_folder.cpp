@@ -6,9 +6,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/errors.hpp"
 #include "files/atomic_file.hpp"
 #include "files/set_aside.hpp"
-#include "md/errors.hpp"
 #include "systems/start_file.hpp"
 
 namespace taut {

@@ -7,10 +7,10 @@
 #include <limits>
 #include <utility>
 
+#include "base/errors.hpp"
 #include "constraints/bond_algebra.hpp"
 #include "constraints/redundancy.hpp"
-#include "forcefield/pme/parameters.hpp"
-#include "md/errors.hpp"
+#include "forcefield/ewald/parameters.hpp"
 #include "md/run.hpp"
 #include "simulation/redundant_bonds.hpp"
 

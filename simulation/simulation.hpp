@@ -8,14 +8,14 @@
 #include <string_view>
 #include <vector>
 
-#include "constraints/langevin.hpp"
+#include "base/threads.hpp"
 #include "constraints/projection.hpp"
 #include "constraints/redundancy.hpp"
+#include "ensembles/bussi.hpp"
+#include "ensembles/langevin.hpp"
 #include "forcefield/force_field.hpp"
 #include "md/observables.hpp"
 #include "md/run.hpp"
-#include "md/thermostat.hpp"
-#include "md/threads.hpp"
 #include "md/work_meter.hpp"
 #include "simulation/barometer.hpp"
 #include "simulation/barostat.hpp"

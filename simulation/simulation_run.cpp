@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 #include "md/timed.hpp"
 #include "md/units.hpp"
 #include "simulation/doubts.hpp"
@@ -259,7 +259,8 @@ Summary Simulation::summary(const Record& end, double seconds, double constraint
     s.converged =
         std::max(sums_.largest_residual, s.max_rel_bond_error) <= kLeeway * method_->promised_error();
   s.doubts = doubts(s);
-  if (const std::string doubt = barostat_ ? barostat_->doubt() : ""; !doubt.empty()) s.doubts.push_back(doubt);
+  if (const std::string doubt = barostat_ ? barostat_->doubt() : ""; !doubt.empty())
+    s.doubts.push_back(doubt);
   if (!ewald_doubt_.empty()) s.doubts.push_back(ewald_doubt_);
   return s;
 }

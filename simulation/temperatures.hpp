@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "base/statistics.hpp"
 #include "forcefield/terms.hpp"
-#include "md/block_average.hpp"
 #include "md/system.hpp"
 
 namespace taut {

@@ -4,15 +4,15 @@
 
 #include <cmath>
 
+#include "base/errors.hpp"
+#include "base/random.hpp"
 #include "constraints/bond_algebra.hpp"
-#include "constraints/newton.hpp"
+#include "constraints/methods/newton.hpp"
+#include "constraints/methods/propagator.hpp"
+#include "constraints/methods/rattle.hpp"
+#include "constraints/methods/shake.hpp"
 #include "constraints/projection.hpp"
-#include "constraints/propagator.hpp"
-#include "constraints/rattle.hpp"
-#include "constraints/shake.hpp"
 #include "forcefield/force_field.hpp"
-#include "md/errors.hpp"
-#include "md/random.hpp"
 #include "studies/swept_errors.hpp"
 
 namespace taut {

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "constraints/baumgarte.hpp"
+#include "constraints/methods/baumgarte.hpp"
 #include "systems/scene.hpp"
 
 namespace taut {

@@ -7,8 +7,8 @@
 #include <array>
 #include <cmath>
 
-#include "md/errors.hpp"
-#include "md/threads.hpp"
+#include "base/errors.hpp"
+#include "base/threads.hpp"
 #include "studies/crosscheck_causes.hpp"
 #include "studies/crosscheck_foretold.hpp"
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/random.hpp"
 #include "constraints/projection.hpp"
 #include "forcefield/force_field.hpp"
-#include "md/random.hpp"
 
 namespace taut {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "constraints/bond_algebra.hpp"
 #include "constraints/direct_solver.hpp"
-#include "constraints/newton.hpp"
+#include "constraints/methods/newton.hpp"
 #include "constraints/projection.hpp"
 #include "forcefield/force_field.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "constraints/baumgarte.hpp"
+#include "constraints/methods/baumgarte.hpp"
 #include "studies/crosscheck_runs.hpp"
 
 namespace taut {
@@ -9,7 +9,7 @@ namespace taut {
 //
 // It puts forces along the bonds, at x_n, as SHAKE does; so its positions follow from its residuals σ_n
 // alone: newton, told to leave just those σ, takes the same ones. And the residuals are known beforehand
-// (constraints/propagator.hpp):
+// (constraints/methods/propagator.hpp):
 //     σ_{n+1} = T σ_n − D σ_{n−1} + (1 − T + D) floor(v, a),
 // from σ_0 = 0 and the σ_1 = ½h³ v·a + ⅛h⁴a² that a start with σ̇ = 0 leaves, and what its guess of λ misses
 // by. v, a and λ are newton's.

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "constraints/newton.hpp"
-#include "md/errors.hpp"
+#include "base/errors.hpp"
+#include "constraints/methods/newton.hpp"
 #include "studies/study_scene.hpp"
 #include "systems/openmm/openmm_import.hpp"
 

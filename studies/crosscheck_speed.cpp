@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <chrono>
 
-#include "constraints/baumgarte.hpp"
-#include "constraints/feedforward.hpp"
-#include "constraints/newton.hpp"
-#include "constraints/rattle.hpp"
+#include "constraints/methods/baumgarte.hpp"
+#include "constraints/methods/feedforward.hpp"
+#include "constraints/methods/newton.hpp"
+#include "constraints/methods/rattle.hpp"
 #include "studies/crosscheck_causes.hpp"
 
 namespace taut {

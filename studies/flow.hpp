@@ -10,7 +10,7 @@ namespace taut {
 // volume that a cell has taken in, σ = ∫ D u dt, for σ, the constraint is linear:
 //     u̇ = F(u) + Dᵀλ,   σ̈ + 2ασ̇ + β²σ = 0,   D Dᵀ λ = −(D F + 2α D u + β²σ).
 // λ is the pressure with its sign changed, D Dᵀ the Laplacian with its, and nothing is quadratic. In
-// leap-frog, u₊ = u₋ + h(F + Dᵀλ), the cells' σ obey constraints/propagator.hpp to rounding:
+// leap-frog, u₊ = u₋ + h(F + Dᵀλ), the cells' σ obey constraints/methods/propagator.hpp to rounding:
 //     (1 + αh)σ₊ = (2 − β²h²)σ − (1 − αh)σ₋.
 // Dead-beat it is the corrective term of Hirt and Harlow (J. Comput. Phys. 2, 1967, 114), who met
 // the same drift: where the pressure is found by iteration alone, what it leaves of D u̇ adds up in D u.

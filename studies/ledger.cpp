@@ -5,8 +5,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "base/errors.hpp"
 #include "files/atomic_file.hpp"
-#include "md/errors.hpp"
 
 namespace taut {
 namespace {

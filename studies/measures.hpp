@@ -4,13 +4,13 @@
 #include <utility>
 #include <vector>
 
-#include "md/block_average.hpp"
+#include "base/statistics.hpp"
+#include "base/vectors.hpp"
 #include "md/box.hpp"
-#include "md/vectors.hpp"
 
 namespace taut {
 
-// What is measured along a trajectory, frame by frame; errors come from blocks (md/block_average.hpp).
+// What is measured along a trajectory, frame by frame; errors come from blocks (base/statistics.hpp).
 
 struct Distances {        // g(r)
   std::vector<double> r;  // middle of each bin [nm]

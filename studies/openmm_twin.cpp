@@ -10,8 +10,8 @@
 #include <sstream>
 #include <vector>
 
-#include "forcefield/pme/parameters.hpp"
-#include "md/errors.hpp"
+#include "base/errors.hpp"
+#include "forcefield/ewald/parameters.hpp"
 #include "systems/openmm/openmm_export.hpp"
 #include "systems/openmm/openmm_xml.hpp"
 

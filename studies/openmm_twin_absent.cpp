@@ -1,6 +1,6 @@
 // Compiled where OpenMM is not there.
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 #include "studies/openmm_twin.hpp"
 
 namespace taut {

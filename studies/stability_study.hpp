@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "constraints/propagator.hpp"
+#include "constraints/methods/propagator.hpp"
 #include "studies/ledger.hpp"
 
 namespace taut {

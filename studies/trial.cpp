@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 #include "simulation/simulation.hpp"
 #include "systems/scene_file.hpp"
 

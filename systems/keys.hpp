@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "md/range.hpp"
-#include "md/vectors.hpp"
+#include "base/range.hpp"
+#include "base/vectors.hpp"
 
 namespace taut {
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "constraints/methods.hpp"
+#include "base/names.hpp"
+#include "constraints/registry.hpp"
 #include "forcefield/terms.hpp"
-#include "md/names.hpp"
 #include "md/state.hpp"
 #include "md/system.hpp"
 

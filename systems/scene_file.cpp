@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
+#include "base/errors.hpp"
+#include "base/nearest_name.hpp"
 #include "files/h5md_file.hpp"
 #include "forcefield/force_field.hpp"
-#include "md/errors.hpp"
-#include "md/nearest_name.hpp"
 #include "systems/builders/builders.hpp"
 #include "systems/openmm/force_overrides.hpp"
 #include "systems/start_file.hpp"

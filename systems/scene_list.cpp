@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <system_error>
 
+#include "base/errors.hpp"
+#include "base/nearest_name.hpp"
 #include "files/resources.hpp"
-#include "md/errors.hpp"
-#include "md/nearest_name.hpp"
 #include "systems/scene_file.hpp"
 #include "systems/toml_reader.hpp"
 

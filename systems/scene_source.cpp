@@ -9,8 +9,8 @@
 #include <map>
 #include <sstream>
 
+#include "base/errors.hpp"
 #include "files/atomic_file.hpp"
-#include "md/errors.hpp"
 #include "systems/openmm/openmm_import.hpp"
 #include "systems/scene_file.hpp"
 #include "systems/toml_reader.hpp"

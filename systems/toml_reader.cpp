@@ -9,7 +9,7 @@
 #include <sstream>
 #include <system_error>
 
-#include "md/nearest_name.hpp"
+#include "base/nearest_name.hpp"
 
 namespace taut {
 namespace {

@@ -16,9 +16,9 @@
 #include <utility>
 #include <vector>
 
-#include "md/errors.hpp"
-#include "md/range.hpp"
-#include "md/vectors.hpp"
+#include "base/errors.hpp"
+#include "base/range.hpp"
+#include "base/vectors.hpp"
 #include "systems/keys.hpp"
 
 namespace taut {
@@ -143,8 +143,8 @@ bool TomlTable::fetch(std::string_view key, Integer& into, const About& about) c
 // What stands before an override where files have their name and line.
 inline constexpr std::string_view kOverride = "--set ";
 
-std::string one_line(std::string_view text);       // control characters become spaces
-std::string value_text(const toml::node& node);    // as TOML has it, in one line whatever its length
+std::string one_line(std::string_view text);     // control characters become spaces
+std::string value_text(const toml::node& node);  // as TOML has it, in one line whatever its length
 
 // A path is relative to the file that says it, in an override to the current folder.
 std::filesystem::path path_of(const toml::value<std::string>& name);

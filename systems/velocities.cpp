@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
+#include "base/random.hpp"
 #include "md/observables.hpp"
-#include "md/random.hpp"
 #include "md/units.hpp"
 
 namespace taut {

@@ -4,8 +4,8 @@
 
 #include <set>
 
-#include "md/adjacency.hpp"
-#include "md/errors.hpp"
+#include "base/adjacency.hpp"
+#include "base/errors.hpp"
 
 namespace taut {
 namespace {

@@ -3,9 +3,9 @@
 #include <array>
 #include <vector>
 
+#include "base/names.hpp"
 #include "forcefield/terms.hpp"
 #include "md/box.hpp"
-#include "md/names.hpp"
 #include "md/system.hpp"
 
 namespace taut {

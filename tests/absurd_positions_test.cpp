@@ -9,10 +9,10 @@
 #include <map>
 #include <string>
 
+#include "base/errors.hpp"
 #include "every_machine.hpp"
 #include "force_checks.hpp"
-#include "forcefield/cmap.hpp"
-#include "md/errors.hpp"
+#include "forcefield/bonded/cmap.hpp"
 
 namespace taut {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "constraints/methods.hpp"
 #include "constraints/projection.hpp"
+#include "constraints/registry.hpp"
 #include "every_machine.hpp"
 #include "free_system.hpp"
 

@@ -5,9 +5,9 @@
 #include <cstdlib>
 #include <new>
 
-#include "constraints/langevin.hpp"
-#include "constraints/methods.hpp"
 #include "constraints/projection.hpp"
+#include "constraints/registry.hpp"
+#include "ensembles/langevin.hpp"
 #include "free_system.hpp"
 
 extern "C" {

@@ -3,10 +3,10 @@
 #include <random>
 #include <string>
 
+#include "base/errors.hpp"
 #include "every_machine.hpp"
-#include "forcefield/clusters/cluster_pairs.hpp"
+#include "forcefield/pairs/cluster_pairs.hpp"
 #include "liquids.hpp"
-#include "md/errors.hpp"
 #include "plain_pairs.hpp"
 
 // Lists are made for where atoms are going. No pair is missed, wherever they go instead.

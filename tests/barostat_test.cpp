@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/errors.hpp"
+#include "base/statistics.hpp"
 #include "force_checks.hpp"
-#include "md/block_average.hpp"
-#include "md/errors.hpp"
 #include "md/units.hpp"
 #include "named_scene.hpp"
 #include "simulation/simulation.hpp"

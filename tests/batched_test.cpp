@@ -1,14 +1,14 @@
 // The fast forms, in lanes and by threads, against the plain ones.
 
 #include "against_plain.hpp"
+#include "base/threads.hpp"
+#include "constraints/batch/batched_baumgarte.hpp"
+#include "constraints/batch/batched_feedforward.hpp"
+#include "constraints/batch/batched_lincs.hpp"
+#include "constraints/batch/batched_newton.hpp"
+#include "constraints/batch/batched_settle.hpp"
+#include "constraints/batch/batched_sweeps.hpp"
 #include "constraints/elimination.hpp"
-#include "constraints/lanes/batched_baumgarte.hpp"
-#include "constraints/lanes/batched_feedforward.hpp"
-#include "constraints/lanes/batched_lincs.hpp"
-#include "constraints/lanes/batched_newton.hpp"
-#include "constraints/lanes/batched_settle.hpp"
-#include "constraints/lanes/batched_sweeps.hpp"
-#include "md/threads.hpp"
 #include "molecules_of_all_sorts.hpp"
 
 namespace taut {

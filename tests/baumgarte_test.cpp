@@ -1,13 +1,13 @@
-#include "constraints/baumgarte.hpp"
+#include "constraints/methods/baumgarte.hpp"
 
 #include <gtest/gtest.h>
 
+#include "base/errors.hpp"
 #include "constraints/bond_algebra.hpp"
-#include "constraints/guess.hpp"
-#include "constraints/methods.hpp"
+#include "constraints/methods/guess.hpp"
 #include "constraints/projection.hpp"
+#include "constraints/registry.hpp"
 #include "free_system.hpp"
-#include "md/errors.hpp"
 #include "md/observables.hpp"
 
 namespace taut {

@@ -1,5 +1,5 @@
 // Forces of bonded terms in lanes and by threads, held against the plain loops.
-#include "forcefield/bonded.hpp"
+#include "forcefield/bonded/bonded.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,12 +9,12 @@
 #include <string>
 #include <type_traits>
 
+#include "base/errors.hpp"
+#include "base/random.hpp"
+#include "base/threads.hpp"
 #include "every_machine.hpp"
-#include "forcefield/bonded_forces.hpp"
-#include "forcefield/exceptions.hpp"
-#include "md/errors.hpp"
-#include "md/random.hpp"
-#include "md/threads.hpp"
+#include "forcefield/bonded/bonded_forces.hpp"
+#include "forcefield/pairs/exceptions.hpp"
 
 namespace taut {
 namespace {

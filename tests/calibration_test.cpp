@@ -6,8 +6,8 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "constraints/baumgarte.hpp"
-#include "md/errors.hpp"
+#include "base/errors.hpp"
+#include "constraints/methods/baumgarte.hpp"
 #include "studies/study_scene.hpp"
 #include "studies/swept_errors.hpp"
 #include "systems/scene_file.hpp"

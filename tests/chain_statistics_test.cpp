@@ -4,11 +4,11 @@
 
 #include <cmath>
 
-#include "constraints/baumgarte.hpp"
-#include "constraints/feedforward.hpp"
-#include "constraints/langevin.hpp"
-#include "constraints/newton.hpp"
+#include "constraints/methods/baumgarte.hpp"
+#include "constraints/methods/feedforward.hpp"
+#include "constraints/methods/newton.hpp"
 #include "constraints/projection.hpp"
+#include "ensembles/langevin.hpp"
 #include "free_system.hpp"
 #include "md/units.hpp"
 

@@ -11,8 +11,8 @@
 #include <new>
 #include <nlohmann/json.hpp>
 
-#include "md/block_average.hpp"
-#include "md/errors.hpp"
+#include "base/errors.hpp"
+#include "base/statistics.hpp"
 #include "systems/toml_reader.hpp"
 #include "temporary_folder.hpp"
 

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/errors.hpp"
 #include "constraints/bond_algebra.hpp"
-#include "constraints/newton.hpp"
+#include "constraints/methods/newton.hpp"
 #include "constraints/projection.hpp"
-#include "md/errors.hpp"
 #include "simulation/simulation.hpp"
 #include "systems/scene_file.hpp"
 #include "verifier.hpp"

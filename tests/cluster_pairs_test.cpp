@@ -1,3 +1,5 @@
+#include "forcefield/pairs/cluster_pairs.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -6,7 +8,6 @@
 #include <vector>
 
 #include "every_machine.hpp"
-#include "forcefield/clusters/cluster_pairs.hpp"
 #include "liquids.hpp"
 #include "plain_pairs.hpp"
 

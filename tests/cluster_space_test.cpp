@@ -4,11 +4,11 @@
 #include <random>
 #include <string>
 
+#include "base/errors.hpp"
 #include "every_machine.hpp"
-#include "forcefield/clusters/atom_clusters.hpp"
-#include "forcefield/clusters/cluster_pairs.hpp"
+#include "forcefield/pairs/atom_clusters.hpp"
+#include "forcefield/pairs/cluster_pairs.hpp"
 #include "liquids.hpp"
-#include "md/errors.hpp"
 #include "plain_pairs.hpp"
 
 // Where atoms are: far apart, far away, on the move. No pair of them is missed, whatever lists are kept.

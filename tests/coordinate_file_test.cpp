@@ -6,9 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "base/errors.hpp"
 #include "files/frame.hpp"
 #include "files/pdb_file.hpp"
-#include "md/errors.hpp"
 #include "temporary_folder.hpp"
 
 namespace taut {

@@ -5,10 +5,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "constraints/baumgarte.hpp"
+#include "base/errors.hpp"
+#include "base/threads.hpp"
+#include "constraints/methods/baumgarte.hpp"
 #include "forcefield/force_field.hpp"
-#include "md/errors.hpp"
-#include "md/threads.hpp"
 #include "openmm_folder.hpp"
 #include "studies/crosscheck_verdict.hpp"
 #include "studies/openmm_twin.hpp"

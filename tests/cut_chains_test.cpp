@@ -1,14 +1,14 @@
 // Long chains, cut into pieces that are solved side by side.
 
 #include "against_plain.hpp"
+#include "base/threads.hpp"
+#include "constraints/batch/batched_baumgarte.hpp"
+#include "constraints/batch/batched_feedforward.hpp"
+#include "constraints/batch/batched_lincs.hpp"
+#include "constraints/batch/batched_newton.hpp"
+#include "constraints/batch/batched_settle.hpp"
+#include "constraints/batch/batched_sweeps.hpp"
 #include "constraints/elimination.hpp"
-#include "constraints/lanes/batched_baumgarte.hpp"
-#include "constraints/lanes/batched_feedforward.hpp"
-#include "constraints/lanes/batched_lincs.hpp"
-#include "constraints/lanes/batched_newton.hpp"
-#include "constraints/lanes/batched_settle.hpp"
-#include "constraints/lanes/batched_sweeps.hpp"
-#include "md/threads.hpp"
 
 namespace taut {
 namespace {

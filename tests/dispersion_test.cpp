@@ -1,4 +1,4 @@
-#include "forcefield/dispersion.hpp"
+#include "forcefield/pairs/dispersion.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "constraints/baumgarte.hpp"
-#include "constraints/feedforward.hpp"
-#include "constraints/newton.hpp"
+#include "constraints/methods/baumgarte.hpp"
+#include "constraints/methods/feedforward.hpp"
+#include "constraints/methods/newton.hpp"
 #include "constraints/projection.hpp"
 #include "free_system.hpp"
 #include "md/observables.hpp"

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <hwy/highway.h>
 
-#include "md/threads.hpp"
+#include "base/threads.hpp"
 
 namespace taut::testing {
 

@@ -9,9 +9,9 @@
 #include <fstream>
 #include <numbers>
 
-#include "forcefield/clusters/cluster_pairs.hpp"
-#include "forcefield/dispersion.hpp"
-#include "forcefield/pme/pme.hpp"
+#include "forcefield/ewald/pme.hpp"
+#include "forcefield/pairs/cluster_pairs.hpp"
+#include "forcefield/pairs/dispersion.hpp"
 #include "md/units.hpp"
 
 namespace taut {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "constraints/bond_algebra.hpp"
-#include "constraints/feedforward.hpp"
+#include "constraints/methods/feedforward.hpp"
 #include "constraints/projection.hpp"
 #include "forcefield/force_field.hpp"
 #include "free_system.hpp"

@@ -1,12 +1,12 @@
-#include "constraints/feedforward.hpp"
+#include "constraints/methods/feedforward.hpp"
 
 #include <gtest/gtest.h>
 
+#include "base/errors.hpp"
+#include "constraints/batch/batched_feedforward.hpp"
 #include "constraints/bond_algebra.hpp"
-#include "constraints/lanes/batched_feedforward.hpp"
-#include "constraints/newton.hpp"
+#include "constraints/methods/newton.hpp"
 #include "free_system.hpp"
-#include "md/errors.hpp"
 #include "verifier.hpp"
 
 namespace taut {

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "constraints/propagator.hpp"
+#include "constraints/methods/propagator.hpp"
 
 namespace taut {
 namespace {

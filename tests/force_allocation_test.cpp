@@ -6,9 +6,9 @@
 #include <limits>
 #include <new>
 
+#include "base/threads.hpp"
 #include "force_checks.hpp"
 #include "liquids.hpp"
-#include "md/threads.hpp"
 
 static std::atomic<long> allocations{0}, bytes{0}, granted{std::numeric_limits<long>::max()};
 static void* counted(std::size_t size, std::size_t alignment) {

@@ -5,10 +5,10 @@
 #include <functional>
 #include <numbers>
 
+#include "base/errors.hpp"
 #include "force_checks.hpp"
-#include "forcefield/cmap.hpp"
+#include "forcefield/bonded/cmap.hpp"
 #include "forcefield/force_field.hpp"
-#include "md/errors.hpp"
 
 namespace taut {
 namespace {

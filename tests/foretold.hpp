@@ -10,10 +10,10 @@
 
 #include "constraints/bond_algebra.hpp"
 #include "constraints/direct_solver.hpp"
-#include "constraints/feedforward.hpp"
-#include "constraints/guess.hpp"
+#include "constraints/methods/feedforward.hpp"
+#include "constraints/methods/guess.hpp"
+#include "constraints/methods/propagator.hpp"
 #include "constraints/projection.hpp"
-#include "constraints/propagator.hpp"
 #include "forcefield/force_field.hpp"
 #include "md/observables.hpp"
 #include "systems/scene.hpp"

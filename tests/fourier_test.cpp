@@ -1,3 +1,5 @@
+#include "forcefield/ewald/fourier.hpp"
+
 #include <gtest/gtest.h>
 
 #include <complex>
@@ -5,8 +7,7 @@
 #include <random>
 
 #include "every_machine.hpp"
-#include "forcefield/pme/fourier.hpp"
-#include "forcefield/pme/mesh_kernels.hpp"
+#include "forcefield/ewald/mesh_kernels.hpp"
 
 namespace taut {
 namespace {

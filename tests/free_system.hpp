@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "base/random.hpp"
 #include "md/force_law.hpp"
-#include "md/random.hpp"
 #include "md/state.hpp"
 #include "md/system.hpp"
 

@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "base/errors.hpp"
 #include "files/h5md_file.hpp"
-#include "md/errors.hpp"
 #include "systems/scene_file.hpp"
 
 namespace taut {

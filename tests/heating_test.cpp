@@ -5,12 +5,12 @@
 
 #include <cmath>
 
-#include "constraints/baumgarte.hpp"
 #include "constraints/bond_algebra.hpp"
-#include "constraints/langevin.hpp"
-#include "constraints/methods.hpp"
-#include "constraints/newton.hpp"
+#include "constraints/methods/baumgarte.hpp"
+#include "constraints/methods/newton.hpp"
 #include "constraints/projection.hpp"
+#include "constraints/registry.hpp"
+#include "ensembles/langevin.hpp"
 #include "free_system.hpp"
 #include "md/observables.hpp"
 #include "md/units.hpp"

@@ -1,17 +1,17 @@
 // Langevin's thermostat: what it leaves distributed as, and what it does to the bonds.
 
-#include "constraints/langevin.hpp"
+#include "ensembles/langevin.hpp"
 
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
 
-#include "constraints/baumgarte.hpp"
-#include "constraints/feedforward.hpp"
-#include "constraints/newton.hpp"
+#include "constraints/methods/baumgarte.hpp"
+#include "constraints/methods/feedforward.hpp"
+#include "constraints/methods/newton.hpp"
+#include "constraints/methods/rattle.hpp"
 #include "constraints/projection.hpp"
-#include "constraints/rattle.hpp"
 #include "free_system.hpp"
 #include "md/observables.hpp"
 #include "md/run.hpp"

@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 
-#include "md/errors.hpp"
-#include "md/nearest_name.hpp"
+#include "base/errors.hpp"
+#include "base/nearest_name.hpp"
+#include "base/random.hpp"
 #include "md/observables.hpp"
-#include "md/random.hpp"
 #include "md/run.hpp"
 #include "md/units.hpp"
 

@@ -7,10 +7,10 @@
 #include <numbers>
 #include <numeric>
 
+#include "base/errors.hpp"
+#include "base/random.hpp"
 #include "files/dcd_file.hpp"
 #include "files/dcd_reader.hpp"
-#include "md/errors.hpp"
-#include "md/random.hpp"
 #include "studies/liquid_structure.hpp"
 #include "systems/scene_file.hpp"
 #include "temporary_folder.hpp"

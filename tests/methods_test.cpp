@@ -1,19 +1,18 @@
 // What holds of every method of the list.
 
-#include "constraints/methods.hpp"
-
 #include <gtest/gtest.h>
 
-#include "constraints/baumgarte.hpp"
-#include "constraints/lanes/batched_feedforward.hpp"
-#include "constraints/lanes/batched_lincs.hpp"
-#include "constraints/lanes/batched_newton.hpp"
-#include "constraints/lanes/batched_settle.hpp"
-#include "constraints/lanes/batched_sweeps.hpp"
-#include "constraints/mshake.hpp"
-#include "constraints/penalty.hpp"
+#include "base/errors.hpp"
+#include "constraints/batch/batched_feedforward.hpp"
+#include "constraints/batch/batched_lincs.hpp"
+#include "constraints/batch/batched_newton.hpp"
+#include "constraints/batch/batched_settle.hpp"
+#include "constraints/batch/batched_sweeps.hpp"
+#include "constraints/methods/baumgarte.hpp"
+#include "constraints/methods/mshake.hpp"
+#include "constraints/methods/penalty.hpp"
+#include "constraints/registry.hpp"
 #include "free_system.hpp"
-#include "md/errors.hpp"
 #include "md/run.hpp"
 #include "verifier.hpp"
 

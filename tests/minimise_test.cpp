@@ -6,8 +6,8 @@
 
 #include <cmath>
 
+#include "base/random.hpp"
 #include "md/observables.hpp"
-#include "md/random.hpp"
 #include "simulation/simulation.hpp"
 #include "systems/scene_file.hpp"
 

@@ -5,8 +5,8 @@
 #include <limits>
 #include <random>
 
+#include "base/errors.hpp"
 #include "force_checks.hpp"
-#include "md/errors.hpp"
 #include "md/units.hpp"
 #include "plain_pairs.hpp"
 #include "two_kinds.hpp"

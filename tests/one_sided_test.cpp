@@ -4,16 +4,16 @@
 
 #include <cmath>
 
+#include "base/errors.hpp"
 #include "constraints/active_set.hpp"
-#include "constraints/baumgarte.hpp"
 #include "constraints/bond_algebra.hpp"
-#include "constraints/methods.hpp"
-#include "constraints/newton.hpp"
+#include "constraints/methods/baumgarte.hpp"
+#include "constraints/methods/newton.hpp"
+#include "constraints/methods/rattle.hpp"
+#include "constraints/methods/shake.hpp"
 #include "constraints/projection.hpp"
-#include "constraints/rattle.hpp"
-#include "constraints/shake.hpp"
+#include "constraints/registry.hpp"
 #include "free_system.hpp"
-#include "md/errors.hpp"
 #include "md/observables.hpp"
 
 namespace taut {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 #include "studies/crosscheck.hpp"
 #include "studies/openmm_twin.hpp"
 #include "systems/scene_file.hpp"

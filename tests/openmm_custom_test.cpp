@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 #include "openmm_parity.hpp"
 
 namespace taut {

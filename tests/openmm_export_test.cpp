@@ -7,8 +7,8 @@
 
 #include <concepts>
 
+#include "base/errors.hpp"
 #include "forcefield/force_field.hpp"
-#include "md/errors.hpp"
 #include "systems/openmm/openmm_import.hpp"
 #include "systems/scene_file.hpp"
 #include "temporary_folder.hpp"

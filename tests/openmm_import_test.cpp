@@ -7,7 +7,7 @@
 #include <functional>
 #include <sstream>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 #include "md/observables.hpp"
 #include "openmm_models.hpp"
 #include "systems/openmm/openmm_read.hpp"

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <memory>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 #include "md/units.hpp"
 #include "openmm_parity.hpp"
 

@@ -5,7 +5,7 @@
 
 #include <fstream>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 #include "systems/openmm/openmm_read.hpp"
 #include "temporary_folder.hpp"
 

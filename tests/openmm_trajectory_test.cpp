@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "constraints/methods.hpp"
+#include "constraints/methods/rattle.hpp"
 #include "constraints/projection.hpp"
-#include "constraints/rattle.hpp"
+#include "constraints/registry.hpp"
 #include "forcefield/force_field.hpp"
 #include "md/observables.hpp"
 #include "openmm_folder.hpp"

@@ -6,9 +6,9 @@
 
 #include <sstream>
 
+#include "base/errors.hpp"
 #include "files/atomic_file.hpp"
 #include "files/folder_lock.hpp"
-#include "md/errors.hpp"
 #include "temporary_folder.hpp"
 
 namespace taut {

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <random>
 
+#include "base/errors.hpp"
 #include "every_machine.hpp"
 #include "force_checks.hpp"
-#include "forcefield/pme/mesh.hpp"
-#include "forcefield/pme/parameters.hpp"
-#include "forcefield/pme/screening.hpp"
-#include "md/errors.hpp"
+#include "forcefield/ewald/mesh.hpp"
+#include "forcefield/ewald/parameters.hpp"
+#include "forcefield/ewald/screening.hpp"
 #include "plain_ewald.hpp"
 #include "plain_mesh.hpp"
 

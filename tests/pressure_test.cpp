@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "constraints/penalty.hpp"
+#include "base/random.hpp"
+#include "constraints/methods/penalty.hpp"
 #include "force_checks.hpp"
 #include "md/observables.hpp"
-#include "md/random.hpp"
 #include "simulation/barometer.hpp"
 #include "simulation/simulation.hpp"
 #include "systems/scene_file.hpp"

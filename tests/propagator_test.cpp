@@ -1,14 +1,14 @@
-#include "constraints/propagator.hpp"
+#include "constraints/methods/propagator.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "constraints/baumgarte.hpp"
+#include "base/errors.hpp"
 #include "constraints/bond_algebra.hpp"
+#include "constraints/methods/baumgarte.hpp"
 #include "constraints/projection.hpp"
 #include "free_system.hpp"
-#include "md/errors.hpp"
 
 namespace taut {
 namespace {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <utility>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 #include "kept_state.hpp"
 #include "named_scene.hpp"
 #include "simulation/checkpoint.hpp"
@@ -18,7 +18,6 @@ namespace taut {
 namespace {
 
 using Overrides = std::vector<std::string>;
-
 
 struct Course {
   std::vector<Record> rows;

@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "md/errors.hpp"
-#include "md/random.hpp"
+#include "base/errors.hpp"
+#include "base/random.hpp"
 #include "md/units.hpp"
 #include "simulation/doubts.hpp"
 #include "simulation/simulation.hpp"

@@ -1,6 +1,6 @@
 // What every bad input of a scene is told: one line with the file, the line and the key.
 
-#include "constraints/baumgarte.hpp"
+#include "constraints/methods/baumgarte.hpp"
 #include "scene_text.hpp"
 
 namespace taut {
@@ -121,9 +121,10 @@ TEST(SceneErrors, Keys) {
             "scene.toml:15: unknown section \"rum\"; did you mean \"run\"?");
   EXPECT_EQ(complaint(good.with("gravity_nm_ps2", "gravity").text),
             "scene.toml:13: unknown key \"gravity\" in [build]; did you mean \"gravity_nm_ps2\"?");
-  EXPECT_EQ(complaint(good.with("[run]", "[forcefield]\ncutoff_nm = 1\n[run]").text),
-            "scene.toml:16: forcefield.cutoff_nm: has no effect, it counts only with pair forces: no atom has a "
-            "charge or an epsilon_kj_mol here");
+  EXPECT_EQ(
+      complaint(good.with("[run]", "[forcefield]\ncutoff_nm = 1\n[run]").text),
+      "scene.toml:16: forcefield.cutoff_nm: has no effect, it counts only with pair forces: no atom has a "
+      "charge or an epsilon_kj_mol here");
   EXPECT_EQ(complaint(good.with("[run]", "[forcefield]\ncutof_nm = 1\n[run]").text),
             "scene.toml:16: unknown key \"cutof_nm\" in [forcefield]; did you mean \"cutoff_nm\"?");
   EXPECT_EQ(complaint(good.with("hard_on = \"a test\"", "").text), "no error");

@@ -4,8 +4,8 @@
 
 #include <map>
 
-#include "constraints/newton.hpp"
-#include "constraints/rattle.hpp"
+#include "constraints/methods/newton.hpp"
+#include "constraints/methods/rattle.hpp"
 #include "constraints/redundancy.hpp"
 #include "forcefield/force_field.hpp"
 #include "systems/scene_file.hpp"

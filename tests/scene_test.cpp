@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <set>
 
-#include "constraints/baumgarte.hpp"
-#include "constraints/rattle.hpp"
+#include "constraints/methods/baumgarte.hpp"
+#include "constraints/methods/rattle.hpp"
 #include "scene_text.hpp"
 
 namespace taut {

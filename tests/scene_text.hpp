@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 #include "systems/scene_file.hpp"
 #include "temporary_folder.hpp"
 

@@ -3,10 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "constraints/lanes/batched.hpp"
-#include "constraints/settle.hpp"
+#include "base/errors.hpp"
+#include "constraints/batch/batched.hpp"
+#include "constraints/methods/settle.hpp"
 #include "free_system.hpp"
-#include "md/errors.hpp"
 #include "verifier.hpp"
 
 namespace taut {
@@ -81,7 +81,8 @@ TEST(SettleBeside, IsTheSameInLanesAndPlain) {
 // Counts how often it is asked for its multipliers, which a batched method gathers anew each time.
 struct Counting : ConstraintMethod {
   struct Options {};
-  Counting(const System& sys, const Options&, double) : multipliers(Eigen::VectorXd::Ones(sys.bond_count())) {}
+  Counting(const System& sys, const Options&, double)
+      : multipliers(Eigen::VectorXd::Ones(sys.bond_count())) {}
   const Eigen::VectorXd& lambda() const override {
     ++asked;
     return multipliers;

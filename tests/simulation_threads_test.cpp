@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-#include "md/threads.hpp"
+#include "base/threads.hpp"
 #include "kept_state.hpp"
 #include "named_scene.hpp"
 #include "simulation/simulation.hpp"

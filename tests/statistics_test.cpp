@@ -1,11 +1,12 @@
 // Averages with error bars, and what a liquid looks like, on data whose answer is known.
 
+#include "base/statistics.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "md/block_average.hpp"
-#include "md/random.hpp"
+#include "base/random.hpp"
 #include "studies/crosscheck_verdict.hpp"
 #include "studies/liquid_structure.hpp"
 

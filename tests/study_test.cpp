@@ -7,7 +7,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 #include "simulation/simulation.hpp"
 #include "studies/chart_study.hpp"
 #include "studies/stability_study.hpp"

@@ -1,7 +1,6 @@
-#include "md/thermostat.hpp"
-
 #include <gtest/gtest.h>
 
+#include "ensembles/bussi.hpp"
 #include "md/observables.hpp"
 #include "md/units.hpp"
 

@@ -1,4 +1,4 @@
-#include "md/threads.hpp"
+#include "base/threads.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,10 +12,10 @@
 #include <thread>
 #include <vector>
 
-#include "forcefield/clusters/row_shares.hpp"
-#include "md/errors.hpp"
-#include "md/shares.hpp"
-#include "md/thread_meter.hpp"
+#include "base/errors.hpp"
+#include "base/shares.hpp"
+#include "base/thread_meter.hpp"
+#include "forcefield/pairs/row_shares.hpp"
 #include "md/work_meter.hpp"
 
 // OpenMP's own, which taut is linked with where it was built with it.

@@ -7,13 +7,13 @@
 #include <cstring>
 #include <sstream>
 
+#include "base/errors.hpp"
+#include "base/random.hpp"
 #include "files/akma.hpp"
 #include "files/dcd_file.hpp"
 #include "files/h5md_file.hpp"
 #include "files/hdf5_driver.hpp"
 #include "files/pdb_file.hpp"
-#include "md/errors.hpp"
-#include "md/random.hpp"
 #include "temporary_folder.hpp"
 
 namespace taut {

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "md/errors.hpp"
-#include "md/threads.hpp"
+#include "base/errors.hpp"
+#include "base/threads.hpp"
 #include "kept_state.hpp"
 #include "named_scene.hpp"
 #include "simulation/simulation.hpp"
@@ -16,7 +16,6 @@ namespace taut {
 namespace {
 
 using Overrides = std::vector<std::string>;
-
 
 struct Case {
   std::string method, bath, barostat;

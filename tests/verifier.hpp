@@ -1,8 +1,8 @@
 #pragma once
 
 #include "constraints/bond_algebra.hpp"
-#include "constraints/methods.hpp"
 #include "constraints/projection.hpp"
+#include "constraints/registry.hpp"
 #include "md/observables.hpp"
 
 namespace taut::testing {

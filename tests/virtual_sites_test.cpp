@@ -5,10 +5,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "base/errors.hpp"
+#include "base/random.hpp"
 #include "force_checks.hpp"
-#include "md/errors.hpp"
 #include "md/observables.hpp"
-#include "md/random.hpp"
 #include "simulation/temperatures.hpp"
 #include "systems/whole_molecules.hpp"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 
 namespace taut {
 namespace {

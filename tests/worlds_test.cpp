@@ -9,8 +9,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "base/errors.hpp"
 #include "constraints/redundancy.hpp"
-#include "md/errors.hpp"
 #include "md/observables.hpp"
 #include "simulation/simulation.hpp"
 #include "studies/calibration.hpp"

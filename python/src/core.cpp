@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "constraints/methods.hpp"
-#include "md/errors.hpp"
-#include "md/threads.hpp"
+#include "base/errors.hpp"
+#include "base/threads.hpp"
+#include "constraints/registry.hpp"
 #include "systems/openmm/openmm_import.hpp"
 #include "systems/scene_file.hpp"
 #include "systems/toml_reader.hpp"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "md/threads.hpp"
+#include "base/threads.hpp"
 #include "simulation/simulation.hpp"
 #include "systems/scene_source.hpp"
 

@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
+#include "base/errors.hpp"
 #include "constraints/bond_algebra.hpp"
-#include "constraints/methods.hpp"
+#include "constraints/registry.hpp"
 #include "core.hpp"
 #include "lent_state.hpp"
-#include "md/errors.hpp"
 
 namespace taut {
 namespace {

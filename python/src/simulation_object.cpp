@@ -8,9 +8,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/errors.hpp"
+#include "base/threads.hpp"
 #include "files/set_aside.hpp"
-#include "md/errors.hpp"
-#include "md/threads.hpp"
 
 namespace taut {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <set>
 
+#include "base/errors.hpp"
 #include "core.hpp"
-#include "md/errors.hpp"
 #include "studies/calibration.hpp"
 #include "studies/chart_study.hpp"
 #include "studies/crosscheck_tables.hpp"

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "md/random.hpp"
+#include "base/random.hpp"
 #include "systems/builders/builders.hpp"
 #include "systems/builders/lattice.hpp"
 

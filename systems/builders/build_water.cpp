@@ -5,7 +5,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "md/random.hpp"
+#include "base/random.hpp"
 #include "systems/box_keys.hpp"
 #include "systems/builders/builders.hpp"
 #include "systems/builders/lattice.hpp"

@@ -6,8 +6,8 @@
 #include <array>
 #include <cmath>
 
-#include "forcefield/pme/parameters.hpp"
-#include "md/errors.hpp"
+#include "base/errors.hpp"
+#include "forcefield/ewald/parameters.hpp"
 #include "md/observables.hpp"
 #include "systems/molecules/read_molecule.hpp"
 #include "systems/start_file.hpp"

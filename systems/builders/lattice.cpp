@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 
 namespace taut {
 namespace {

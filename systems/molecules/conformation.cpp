@@ -9,8 +9,8 @@
 #include <map>
 #include <numbers>
 
-#include "forcefield/dihedral.hpp"
-#include "md/errors.hpp"
+#include "base/errors.hpp"
+#include "forcefield/bonded/dihedral.hpp"
 #include "systems/molecules/rows.hpp"
 
 namespace taut {

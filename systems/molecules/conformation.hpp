@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "md/random.hpp"
+#include "base/random.hpp"
 #include "systems/molecules/molecule.hpp"
 #include "systems/molecules/room.hpp"
 

@@ -4,7 +4,7 @@
 #include <concepts>
 #include <map>
 
-#include "md/adjacency.hpp"
+#include "base/adjacency.hpp"
 #include "systems/whole_molecules.hpp"
 
 namespace taut {

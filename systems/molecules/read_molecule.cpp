@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/nearest_name.hpp"
 #include "forcefield/check_terms.hpp"
-#include "md/nearest_name.hpp"
 #include "systems/molecules/rows.hpp"
 #include "systems/whole_molecules.hpp"
 

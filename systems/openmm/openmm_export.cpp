@@ -6,9 +6,9 @@
 #include <numbers>
 #include <sstream>
 
+#include "base/errors.hpp"
 #include "files/atomic_file.hpp"
-#include "forcefield/pme/parameters.hpp"
-#include "md/errors.hpp"
+#include "forcefield/ewald/parameters.hpp"
 #include "systems/openmm/openmm_forces.hpp"
 #include "systems/openmm/openmm_known.hpp"
 #include "systems/openmm/openmm_sites.hpp"

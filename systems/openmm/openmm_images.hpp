@@ -2,8 +2,8 @@
 
 #include <vector>
 
+#include "base/vectors.hpp"
 #include "md/box.hpp"
-#include "md/vectors.hpp"
 #include "systems/openmm/openmm_forces.hpp"
 
 namespace taut {

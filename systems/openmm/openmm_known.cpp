@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "md/random.hpp"
+#include "base/random.hpp"
 
 namespace taut {
 namespace {

@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 
 namespace taut {
 namespace {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <deque>
 
+#include "base/errors.hpp"
 #include "forcefield/check_terms.hpp"
-#include "md/errors.hpp"
 #include "systems/openmm/openmm_forces.hpp"
 #include "systems/openmm/openmm_images.hpp"
 #include "systems/openmm/openmm_lennard_jones.hpp"

@@ -9,7 +9,7 @@
 #include <cstring>
 #include <fstream>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 
 namespace taut {
 namespace {

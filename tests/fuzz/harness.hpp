@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "md/errors.hpp"
+#include "base/errors.hpp"
 
 namespace taut {
 

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "base/archive.hpp"
+
+namespace taut {
+
+// Least-squares slope of y against t, both given one point at a time, with its standard error
+// (white noise assumed: correlated samples make it too small).
+class Slope {
+ public:
+  void add(double t, double y);
+  double value() const;
+  double standard_error() const;
+  void serialize(Archive& archive) { archive(n_, t_, y_, tt_, ty_, yy_); }
+
+ private:
+  double n_ = 0, t_ = 0, y_ = 0, tt_ = 0, ty_ = 0, yy_ = 0;  // count, means, centred sums
+};
+
+// A value with its standard error, from blocks: means over a few long stretches of a run are all but
+// independent where single samples are not (Flyvbjerg and Petersen 1989, doi:10.1063/1.457480).
+struct Estimate {
+  double value = 0;
+  double error = 0;  // 0 where there are too few samples to tell
+};
+
+constexpr int kBlocks = 10;
+
+// y̅ ± its standard error, from the spread of block means.
+Estimate block_mean(const std::vector<double>& y, int blocks = kBlocks);
+
+// Least-squares slope of y against t, through the blocks' means.
+Estimate block_slope(const std::vector<double>& t, const std::vector<double>& y, int blocks = kBlocks);
+
+// The same, one number at a time and in fixed memory: when its blocks are full, two and two become one of
+// twice the length. The error comes from the 16 to 31 that there are in a long run; 0 for fewer than 8.
+class RunningMean {
+ public:
+  void add(double y);
+  Estimate estimate() const;
+  Estimate later_half() const;  // of the later half of the full blocks; all 0 where there are fewer than 4
+  std::span<const double> blocks() const { return {blocks_.data(), static_cast<std::size_t>(full_)}; }
+  long block_length() const { return length_; }  // numbers
+  long count() const { return count_; }
+  void serialize(Archive& archive) {
+    archive(blocks_, length_, full_, open_, sum_, in_open_, count_);
+    archive.demand(0 <= full_ && full_ < kMost && 0 <= in_open_ && in_open_ < length_);
+    archive.demand(length_ <= kLongest && 0 <= count_ && count_ <= kLongest);
+  }
+
+ private:
+  static constexpr int kMost = 32;
+  static constexpr long kLongest = 1L << 56;  // more samples than anybody takes
+
+  std::array<double, kMost> blocks_{};  // their means
+  long length_ = 1;                     // of a block
+  int full_ = 0;                        // how many there are
+  double open_ = 0, sum_ = 0;           // of the block that is not full, of all
+  long in_open_ = 0, count_ = 0;
+};
+
+// The least-squares slope of a series at even times, one point at a time and in fixed memory:
+//     y(t) = y₀ + st + W(t) + ξ(t),
+// W a random walk of ⟨W²⟩ = Dt (a run's energy makes one: what each step's errors leave adds up), ξ
+// correlated for times short beside a block, c = ∫⟨ξ(0)ξ(t)⟩dt. Means over neighbouring blocks of length L
+// then differ by sL on average, with the variance V(L) = ⅔DL + 2c/L; that of L and of 2L give both,
+//     D = (2V(2L) − V(L))/2L,   c = L(2V(L) − V(2L))/3,
+// and the slope over a time T has the variance (6/5)D/T + 12c/T³. The error is 0 for fewer than 8 blocks.
+class RunningSlope {
+ public:
+  void add(double t, double y);
+  double value() const { return line_.value(); }
+  Estimate estimate() const;
+  void serialize(Archive& archive) { archive(line_, means_, first_, last_); }
+
+ private:
+  Slope line_;
+  RunningMean means_;
+  double first_ = 0, last_ = 0;  // t
+};
+
+// |a − b| in units of their common standard error; 0 where that is not known.
+double deviations(const Estimate& a, const Estimate& b);
+
+}  // namespace taut

@@ -1,0 +1,175 @@
+#include "base/threads.hpp"
+
+#include <fmt/format.h>
+#include <time.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <charconv>
+#include <cstdlib>
+#include <mutex>
+#include <string_view>
+
+#include "base/errors.hpp"
+#include "base/thread_meter.hpp"
+
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+namespace taut {
+namespace {
+
+#ifdef _OPENMP
+constexpr bool kHasThreads = true;
+#else
+constexpr bool kHasThreads = false;
+#endif
+constexpr int kMostThreads = 1024;
+
+std::atomic<int> said = 0;    // by use_threads(); 0: nothing
+thread_local int scoped = 0;  // by the innermost ThreadScope; 0: there is none
+thread_local ThreadMeter* meter = nullptr;
+
+// Text as "4", " 4 " or "4,2".
+std::optional<int> first_number(std::string_view text) {
+  const auto skip_spaces = [&] { text.remove_prefix(std::min(text.find_first_not_of(" \t"), text.size())); };
+  skip_spaces();
+  int number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc()) return {};
+  text.remove_prefix(end - text.data());
+  skip_spaces();
+  if (!text.empty() && text.front() != ',') return {};
+  return number;
+}
+
+std::optional<int> environment_says() {
+  const char* const text = std::getenv("OMP_NUM_THREADS");
+  if (text == nullptr || std::string_view(text).find_first_not_of(" \t") == std::string_view::npos) return {};
+  const std::optional<int> threads = first_number(text);
+  if (!threads || *threads < 1 || *threads > kMostThreads)
+    throw InputError(
+        fmt::format("OMP_NUM_THREADS={}: expected a whole number from 1 to {}", text, kMostThreads));
+  return kHasThreads ? threads : 1;
+}
+
+// What is thrown by the lowest t does not depend on which thread came first.
+std::exception_ptr run(int threads, void (*work)(const void*, int), const void* argument) {
+  std::exception_ptr thrown;
+  int thrown_by = threads;
+  std::mutex one_at_a_time;
+  const auto carry_out = [&](int t) {
+    try {
+      work(argument, t);
+    } catch (...) {
+      const std::lock_guard lock(one_at_a_time);
+      if (t > thrown_by) return;
+      thrown = std::current_exception();
+      thrown_by = t;
+    }
+  };
+#ifdef _OPENMP
+#pragma omp parallel num_threads(threads)
+  for (int t = omp_get_thread_num(); t < threads; t += omp_get_num_threads()) carry_out(t);
+#else
+  for (int t = 0; t < threads; ++t) carry_out(t);
+#endif
+  return thrown;
+}
+
+double processor_time() {  // of this thread [s]
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
+}
+
+// What two readings one after the other are apart: a call of the system's, as long as a short region.
+double reading_time() {
+  std::array<double, 101> apart;
+  for (double& t : apart) {
+    const double before = processor_time();
+    t = processor_time() - before;
+  }
+  std::nth_element(apart.begin(), apart.begin() + 50, apart.end());
+  return apart[50];
+}
+
+}  // namespace
+
+std::optional<int> asked_threads() {
+  if (const int threads = said; threads > 0) return threads;
+  static const std::optional<int> by_environment = environment_says();
+  return by_environment;
+}
+
+int default_threads() {
+  return asked_threads().value_or(1);
+}
+
+void use_threads(int threads) {
+  said = kHasThreads ? threads : 1;
+}
+
+void expect_threads(const std::string& what, int threads) {
+  if (threads < 1 || threads > kMostThreads)
+    throw InputError(fmt::format("{}: expected 1 to {} threads, got {}", what, kMostThreads, threads));
+  if (threads > 1 && !kHasThreads)
+    throw InputError(fmt::format(
+        "{}: {} threads, but this taut was built without OpenMP and computes with one", what, threads));
+}
+
+ThreadScope::ThreadScope(int threads) : before_(scoped) {
+  scoped = threads;
+}
+ThreadScope::~ThreadScope() {
+  scoped = before_;
+}
+
+int available_threads() {
+  return scoped > 0 ? scoped : default_threads();
+}
+
+void detail::run_on_threads(int threads, void (*work)(const void*, int), const void* argument) {
+  const std::exception_ptr thrown =
+      meter ? meter->run(threads, work, argument) : run(threads, work, argument);
+  if (thrown) std::rethrow_exception(thrown);
+}
+
+ThreadMeter::ThreadMeter() : reading_(reading_time()), serial_since_(processor_time()) {
+  meter = this;
+}
+ThreadMeter::~ThreadMeter() {
+  meter = nullptr;
+}
+
+double ThreadMeter::since(double start) const {
+  return std::max(0.0, processor_time() - start - reading_);
+}
+
+ThreadAccount ThreadMeter::account() const {
+  ThreadAccount so_far = total_;
+  so_far.serial += since(serial_since_);
+  return so_far;
+}
+
+std::exception_ptr ThreadMeter::run(int threads, void (*work)(const void*, int), const void* argument) {
+  const auto measured = [&](int t) {
+    const double start = processor_time();
+    work(argument, t);
+    spent_[t] = since(start);
+  };
+  spent_.assign(threads, 0);
+  total_.serial += since(serial_since_);
+  const std::exception_ptr thrown = taut::run(
+      threads, [](const void* self, int t) { (*static_cast<const decltype(measured)*>(self))(t); },
+      &measured);
+  ++total_.regions;
+  total_.longest += *std::max_element(spent_.begin(), spent_.end());
+  for (const double s : spent_) total_.busy += s;
+  serial_since_ = processor_time();
+  return thrown;
+}
+
+}  // namespace taut

@@ -1,0 +1,57 @@
+#pragma once
+
+#include "constraints/batch/batched.hpp"
+#include "constraints/batch/past_lambda.hpp"
+#include "constraints/methods/baumgarte.hpp"
+
+namespace taut {
+
+// What a bond's gains and the damping come to at a given h, the guess λ* already part of the forces:
+//     A (λ − λ*) = −(rate_a r·a + rate_v r·w + square_v |w|² + cross w·a + square_a |a|² + sigma (|r|² −
+//     d²)),
+// a and w of the bond with λ* in them. With q = 1 + αh (lagged damping: 1), rate_v = 2α/q, square_v = 1/q,
+// sigma = β²/2q; rate_a = 1/q (lagged: 1 − αh, since v_half = w − ½ha); cross = αh²/q (discrete, centred);
+// square_a = ¼h²/q (discrete).
+struct BaumgarteTerms {
+  double rate_a, rate_v, square_v, cross, square_a, sigma;
+};
+
+// A batch and what Baumgarte keeps of it.
+struct BaumgarteBatch : RememberingBatch {
+  std::vector<Gains> gains;           // of each bond
+  std::vector<BaumgarteTerms> terms;  // of each bond, at the last h
+  Guess guess;                        // of every bond: they are of one shape
+
+  using RememberingBatch::RememberingBatch;
+};
+
+struct BaumgarteStep {
+  double h;
+  int known;   // steps of the past
+  bool shift;  // λ becomes the past
+  int passes;
+  const double *x, *v;
+  double* f;
+};
+
+template <>
+class Batched<Baumgarte> final : public ExtrapolatingMethod<Baumgarte, SolvedBatches<BaumgarteBatch>> {
+ public:
+  Batched(const System& sys, const Options& options, double h);
+
+  SolveStats add_forces(const System& sys, double h, State& s) override;
+  SolveStats start(const System& sys, State& s) override { return add_forces(sys, 0, s); }  // w = v
+  SolveStats again(const System& sys, double h, State& s) override;
+
+  std::string setting() const override { return setting_; }
+
+ private:
+  void set_terms(double h);
+  SolveStats solve(double h, bool shift, State& s);
+
+  Damping damping_;
+  std::string setting_;
+  double h_of_terms_ = -1;
+};
+
+}  // namespace taut

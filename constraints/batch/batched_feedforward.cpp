@@ -1,0 +1,308 @@
+#include "constraints/batch/batched_feedforward.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "constraints/batch/batched_feedforward.cpp"
+#include <hwy/foreach_target.h>
+
+#include "constraints/batch/past_lambda-inl.hpp"
+#include "constraints/batch/triangles-inl.hpp"
+
+#ifndef TAUT_FEEDFORWARD_STEP
+#define TAUT_FEEDFORWARD_STEP
+namespace taut {
+struct FeedforwardStep {
+  double h, kick;              // δ = h v + kick·M⁻¹f
+  double last, first, second;  // λ ← last·λ₁ + first·λ₂ + second·λ₃
+  bool shift;                  // λ becomes the guess, and what it was is past
+  int max_solves;
+  double turn;  // |σ_next / r_next·r| up to which one solve leaves less than the tolerance
+  const double *x, *v;
+  double* f;
+};
+}  // namespace taut
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace taut::HWY_NAMESPACE {
+
+struct FeedforwardRows {
+  double *x, *v, *f;   // of the atoms
+  double *r, *r_next;  // of the bonds
+
+  HWY_INLINE FeedforwardRows(const auto shape, Scratch& scratch)
+      : x(scratch.take(3 * shape.atoms())),
+        v(scratch.take(3 * shape.atoms())),
+        f(scratch.take(3 * shape.atoms())),
+        r(scratch.take(3 * shape.size())),
+        r_next(scratch.take(3 * shape.size())) {}
+};
+
+// r; λ extrapolated, and f += Jᵀλ. Returns the residuals at x.
+template <class Shape>
+HWY_INLINE Worst extrapolate(const Shape shape, const FeedforwardStep& step, const PastLambda past,
+                             const FeedforwardRows rows) {
+  const V last = broadcast(step.last), first = broadcast(step.first), second = broadcast(step.second);
+  const auto foretold = [&](V one, V two, V three) HWY_ATTR {
+    return hn::MulAdd(last, one, hn::MulAdd(first, two, hn::Mul(second, three)));
+  };
+  const bool shift = step.shift;
+  Worst worst;
+  for (int k = 0; k < shape.size(); ++k) {
+    const V3 r = difference(shape, k, rows.x);
+    store3(r, rows.r + 3 * k * kLanes);
+    worst.see(shape.bonds[k], twice_sigma(shape.bonds[k], r));
+    const V guess = shift ? past.shift(k, foretold) : load(past.lambda + k * kLanes);
+    add_constraint_force(shape, k, guess, r, rows.f);
+  }
+  return worst;
+}
+
+// What one look ahead finds, in all bonds of a lane; of a NaN neither holds.
+struct Ahead {
+  M near;  // |σ_next| ≤ `turn`·|r_next·r|: one solve will do
+  M sane;  // < 10³·|r_next·r|
+};
+
+// r_next, b = −σ_next/kick and A's diagonal.
+template <class Shape>
+HWY_INLINE Ahead look_ahead(const Shape shape, const FeedforwardStep& step, const FeedforwardRows rows,
+                            const Equations& eq) {
+  const V h = broadcast(step.h), kick = broadcast(step.kick), scale = broadcast(-0.5 / step.kick),
+          turn = broadcast(step.turn);
+  Ahead ahead{everywhere(), everywhere()};
+  for (int k = 0; k < shape.solved(); ++k) {
+    const LaneBond& bond = shape.bonds[k];
+    const V3 r = load3(rows.r + 3 * k * kLanes);
+    const V3 a = neg_mul_add(broadcast(bond.inv_mass_i), load3(rows.f + shape.i(k)),
+                             broadcast(bond.inv_mass_j) * load3(rows.f + shape.j(k)));
+    const V3 r_next = mul_add(kick, a, mul_add(h, difference(shape, k, rows.v), r));
+    store3(r_next, rows.r_next + 3 * k * kLanes);
+    const V off = twice_sigma(bond, r_next), along = dot(r_next, r);
+    const V size = hn::Mul(broadcast(0.5), hn::Abs(off)), reach = hn::Abs(along);
+    ahead.near = hn::And(ahead.near, hn::Le(size, hn::Mul(turn, reach)));
+    ahead.sane = hn::And(ahead.sane, hn::Lt(size, hn::Mul(broadcast(1e3), reach)));
+    store(hn::Mul(scale, off), eq.b + k * kLanes);
+    store(hn::Mul(broadcast(bond.reduced_inv_mass), along), eq.A.d + k * kLanes);
+  }
+  return ahead;
+}
+
+// λ += b, f += Jᵀb
+template <class Shape>
+HWY_INLINE void correct(const Shape shape, const double* change, const PastLambda past,
+                        const FeedforwardRows rows) {
+  for (int k = 0; k < shape.size(); ++k) {
+    const V b = load(change + k * kLanes);
+    store(hn::Add(load(past.lambda + k * kLanes), b), past.lambda + k * kLanes);
+    add_constraint_force(shape, k, b, load3(rows.r + 3 * k * kLanes), rows.f);
+  }
+}
+
+// Names the bond of the largest |b|; a NaN is largest.
+HWY_NOINLINE void fail(const Part& part, const double* b, Failure why, SolveStats& stats) {
+  stats.failure = why;
+  double largest = -1;
+  for (int k = 0; k < part.batch.plan.solved; ++k)
+    for (int l = 0; l < kWidth; ++l) {
+      const double size = std::abs(b[k * kLanes + l]);
+      if (size <= largest || largest != largest) continue;
+      largest = size;
+      stats.worst_bond = part.batch.bond(part.group, k, part.first_lane + l);
+    }
+}
+
+template <class Shape>
+struct FeedforwardKernel {
+  static constexpr bool kOnceMostly = true;
+  const Shape shape;
+  const FeedforwardStep& step;
+  const Part& part;
+  PastLambda past;
+  Equations eq;
+  FeedforwardRows rows;
+  double* x;
+  Worst worst;
+
+  HWY_INLINE FeedforwardKernel(const Shape its_shape, RememberingBatch& batch,
+                               const FeedforwardStep& its_step, const Part& its_part, Scratch& scratch)
+      : shape(its_shape),
+        step(its_step),
+        part(its_part),
+        past(batch, part),
+        eq(equations(shape, scratch)),
+        rows(shape, scratch),
+        x(rows.x) {}
+
+  // Where σ_next is small, one solve leaves less than the tolerance.
+  HWY_INLINE SolveNext look(SolveStats& stats) {
+    const Ahead ahead = look_ahead(shape, step, rows, eq);
+    if (!hn::AllTrue(D(), ahead.sane)) {
+      fail(part, eq.b, Failure::kRanAway, stats);
+      return SolveNext::kEnd;
+    }
+    return hn::AllTrue(D(), ahead.near) ? SolveNext::kLastSolve : SolveNext::kSolve;
+  }
+  HWY_INLINE SolveNext start(SolveStats& stats) {
+    gather(part, shape.atoms(), step.x, rows.x);
+    gather(part, shape.atoms(), step.v, rows.v);
+    gather(part, shape.atoms(), step.f, rows.f);
+    worst = extrapolate(shape, step, past, rows);
+    return look(stats);
+  }
+  HWY_INLINE bool forward(int, SolveStats& stats) {
+    const bool regular = factor(shape, part, eq, rows.r_next, rows.r, stats);
+    if (!regular) stats.failure = Failure::kSingularOrTurned;
+    return regular;
+  }
+  HWY_INLINE void back() { substitute_back(shape, eq.A.inv_d, eq.A.u, eq.b); }
+  HWY_INLINE SolveNext apply(SolveNext last, int solves, SolveStats& stats) {
+    correct(shape, eq.b, past, rows);
+    if (last == SolveNext::kLastSolve) return SolveNext::kEnd;
+    if (solves < step.max_solves) return look(stats);
+    fail(part, eq.b, Failure::kNoConvergence, stats);
+    return SolveNext::kEnd;
+  }
+  HWY_INLINE void end(SolveStats& stats) {
+    scatter(shape, part, rows.f, step.f);
+    if (!stats.converged() || worst.within(stats.max_residual)) return;
+    find_residuals(part.batch, rows.x, eq.b);
+    enter(part, eq.b, stats);
+  }
+};
+
+// The same for triangles, by what the atoms of a bond differ by. δ = h v + kick·M⁻¹f is put together where it
+// lies in memory, and Jᵀλ added to f there.
+struct FeedforwardTriangle {
+  const LaneBatch& lanes;
+  const FeedforwardStep& step;
+  InverseMasses masses;
+  Sides r, r_next;
+  Three lambda, change;  // change: not in r_next yet
+  bool near, regular;    // as above; a NaN is far
+
+  HWY_INLINE void solve() {
+    r_next = mul_add(broadcast(step.kick), Forces(change, r).accelerations(masses), r_next);
+    const TriangleMatrix A(lanes, r_next, r);
+    const Three off = twice_sigma(lanes, r_next);
+    M close = everywhere();
+    Three b;
+    for (int k = 0; k < 3; ++k) {
+      close =
+          hn::And(close, hn::Le(hn::Abs(off.k[k]), hn::Mul(broadcast(2 * step.turn), hn::Abs(A.along.k[k]))));
+      b.k[k] = hn::Mul(broadcast(-0.5 / step.kick), off.k[k]);
+    }
+    near = hn::AllTrue(D(), close);
+    regular = hn::AllTrue(D(), A.regular(lanes));
+    change = A.solve(b);
+    lambda = lambda + change;
+  }
+};
+
+HWY_INLINE bool solve_triangle(RememberingBatch& batch, const FeedforwardStep& step,
+                               const double* kick_by_mass, const Part& part, SolveStats& stats) {
+  HWY_ALIGN double copies[3][9 * kWidth];
+  const Nines nines(part);
+  const double *x = nines.open(step.x, copies[0]), *v = nines.open(step.v, copies[1]);
+  double* f = nines.open(step.f, copies[2]);
+  const LaneBatch& lanes = batch.lanes;
+  const PastLambda past(batch, part);
+
+  const Sides r = sides(rows_of(load_nine(x)));
+  const Worst worst = worst_of(lanes, twice_sigma(lanes, r));
+  Nine delta;
+  for (int k = 0; k < 9; ++k)
+    delta.n[k] = hn::MulAdd(broadcast(step.h), load_any(v + k * kWidth),
+                            hn::Mul(load(kick_by_mass + k * kWidth), load_any(f + k * kWidth)));
+  const Three one = load_three(past.lambda), two = load_three(past.before),
+              three = load_three(past.before_that);
+  Three guess;
+  for (int k = 0; k < 3; ++k)
+    guess.k[k] =
+        hn::MulAdd(broadcast(step.last), one.k[k],
+                   hn::MulAdd(broadcast(step.first), two.k[k], hn::Mul(broadcast(step.second), three.k[k])));
+  FeedforwardTriangle triangle{.lanes = lanes,
+                               .step = step,
+                               .masses = InverseMasses(lanes),
+                               .r = r,
+                               .r_next = r + sides(rows_of(delta)),
+                               .lambda = guess,
+                               .change = guess,
+                               .near = false,
+                               .regular = false};
+  triangle.solve();
+  int solves = 1;
+  for (; !triangle.near && triangle.regular && solves < step.max_solves; ++solves) triangle.solve();
+  if (!triangle.near || !triangle.regular) return false;
+  stats.iterations = solves;
+  store_three(two, past.before_that);
+  store_three(one, past.before);
+  store_three(triangle.lambda, past.lambda);
+  const Nine force = numbers_of(Forces(triangle.lambda, r).rows());
+  for (int k = 0; k < 9; ++k) store_any(hn::Add(load_any(f + k * kWidth), force.n[k]), f + k * kWidth);
+  nines.close(f, step.f);
+  if (!worst.within(stats.max_residual)) enter_residuals(part, step.x, stats);
+  return true;
+}
+
+SolveStats feedforward_groups(RememberingBatch& batch, const FeedforwardStep& step, const SolveCall& call,
+                              int begin, int end, const Scratch& scratch) {
+  if (batch.lanes.triangle && step.shift) {
+    HWY_ALIGN double kick_by_mass[9 * kWidth];
+    for (int n = 0; n < 9 * kWidth; ++n) kick_by_mass[n] = step.kick * batch.lanes.inv_mass[n % 9 / 3];
+    return solve_triangles<FeedforwardKernel>(batch, step, {begin, end, scratch},
+                                              [&](const Part& part, SolveStats& stats) HWY_ATTR {
+                                                return solve_triangle(batch, step, kick_by_mass, part, stats);
+                                              });
+  }
+  return solve_groups<FeedforwardKernel>(batch, step, call, begin, end, scratch);
+}
+
+}  // namespace taut::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace taut {
+
+HWY_EXPORT(feedforward_groups);
+
+Batched<Feedforward>::Batched(const System& sys, const Options& options, double h)
+    : ExtrapolatingMethod(sys, options, h, find_clusters(sys, ClusterLimits::cutting())), h_(h) {}
+
+SolveStats Batched<Feedforward>::add_forces(const System&, double h, State& s) {
+  const SolveStats stats = solve(h_ * h_, true, s).beside(leftover_.add_forces(h, s));
+  known_ = std::min(known_ + 1, 3);
+  return stats;
+}
+
+// v is the full-step velocity and the coming kick half as long.
+SolveStats Batched<Feedforward>::start(const System&, State& s) {
+  known_ = 1;
+  return solve(0.5 * h_ * h_, false, s).beside(leftover_.start(s));
+}
+
+SolveStats Batched<Feedforward>::again(const System&, double h, State& s) {
+  return solve(h_ * h_, false, s).beside(leftover_.again(h, s));
+}
+
+SolveStats Batched<Feedforward>::solve(double kick, bool shift, State& s) {
+  constexpr double kWeights[3][3] = {{1, 0, 0}, {2, -1, 0}, {3, -3, 1}};  // by order
+  const auto& [last, first, second] = kWeights[std::clamp(known_ - 1, 0, options_.extrapolation)];
+  const FeedforwardStep step{.h = h_,
+                             .kick = kick,
+                             .last = last,
+                             .first = first,
+                             .second = second,
+                             .shift = shift,
+                             .max_solves = options_.max_solves,
+                             .turn = std::sqrt(2 * options_.tolerance),
+                             .x = s.x.data(),
+                             .v = s.v.data(),
+                             .f = s.f.data()};
+  return batches_.run(HWY_DYNAMIC_DISPATCH(feedforward_groups), step);
+}
+
+}  // namespace taut
+#endif

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "constraints/batch/batched.hpp"
+#include "constraints/batch/past_lambda.hpp"
+#include "constraints/methods/feedforward.hpp"
+
+namespace taut {
+
+template <>
+class Batched<Feedforward> final : public ExtrapolatingMethod<Feedforward, SolvedBatches<RememberingBatch>> {
+ public:
+  Batched(const System& sys, const Options& options, double h);
+
+  SolveStats add_forces(const System& sys, double h, State& s) override;
+  SolveStats start(const System& sys, State& s) override;
+  SolveStats again(const System& sys, double h, State& s) override;
+
+ private:
+  SolveStats solve(double kick, bool shift, State& s);
+
+  double h_;
+};
+
+}  // namespace taut

@@ -1,0 +1,228 @@
+#include "constraints/batch/batched_sweeps.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "constraints/batch/batched_sweeps.cpp"
+#include <hwy/foreach_target.h>
+
+#include "constraints/batch/lanes-inl.hpp"
+
+#ifndef TAUT_SWEEP_STEP
+#define TAUT_SWEEP_STEP
+namespace taut {
+struct SweepStep {
+  SweepLimits limits;
+  double h, guess, keep;
+  double *x, *v;
+};
+}  // namespace taut
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace taut::HWY_NAMESPACE {
+
+struct SweepRows {
+  double *x, *v;                   // of the atoms
+  double *r, *g, *inv, *relative;  // of the bonds; r: along which corrections act
+
+  HWY_INLINE SweepRows(const AnyShape shape, Scratch scratch)
+      : x(scratch.take(3 * shape.atoms())),
+        v(scratch.take(3 * shape.atoms())),
+        r(scratch.take(3 * shape.size())),
+        g(scratch.take(shape.size())),
+        inv(scratch.take(shape.size())),
+        relative(scratch.take(shape.size())) {}
+};
+
+// g = guess·λ, y += M⁻¹Jᵀg
+HWY_INLINE void set_out(const AnyShape shape, double guess, const double* lambda, const SweepRows rows,
+                        double* y) {
+  for (int k = 0; k < shape.size(); ++k) {
+    const V g = hn::Mul(broadcast(guess), load(lambda + k * kLanes));
+    store(g, rows.g + k * kLanes);
+    add_constraint_acceleration(shape, k, g, load3(rows.r + 3 * k * kLanes), y);
+  }
+}
+
+HWY_INLINE void keep(const AnyShape shape, double scale, const SweepRows rows, double* lambda) {
+  for (int k = 0; k < shape.size(); ++k)
+    store(hn::Mul(broadcast(scale), load(rows.g + k * kLanes)), lambda + k * kLanes);
+}
+
+HWY_INLINE void correct(const AnyShape shape, int k, V dg, const SweepRows rows, double* y) {
+  store(hn::Add(load(rows.g + k * kLanes), dg), rows.g + k * kLanes);
+  add_constraint_acceleration(shape, k, dg, load3(rows.r + 3 * k * kLanes), y);
+}
+
+struct SweepOfPositions {
+  // One sweep; what it met is left in rows.relative, in rows.inv how far each bond is from having turned by
+  // 90°. Returns where none has.
+  HWY_INLINE M operator()(const AnyShape shape, double tolerance, const SweepRows rows, Worst& worst) const {
+    M sound = everywhere();
+    for (int k = 0; k < shape.size(); ++k) {
+      const LaneBond& bond = shape.bonds[k];
+      const V3 r = difference(shape, k, rows.x);
+      const V off = twice_sigma(bond, r), along = dot(r, load3(rows.r + 3 * k * kLanes));
+      const V relative = worst.see(bond, off);
+      store(relative, rows.relative + k * kLanes);
+      const auto wrong = hn::Gt(relative, broadcast(tolerance));
+      const V margin =
+          hn::IfThenElse(wrong, hn::NegMulAdd(broadcast(1e-6), broadcast(bond.length2), along), broadcast(1));
+      sound = hn::And(sound, hn::Gt(margin, hn::Zero(D())));
+      store(margin, rows.inv + k * kLanes);
+      const V dg = hn::Div(hn::Mul(broadcast(-0.5), off), hn::Mul(broadcast(bond.reduced_inv_mass), along));
+      correct(shape, k, hn::IfThenElseZero(wrong, dg), rows, rows.x);
+    }
+    return sound;
+  }
+  static constexpr Failure kNoConvergence = Failure::kNoConvergence;
+};
+
+struct SweepOfVelocities {
+  double h;
+  HWY_INLINE M operator()(const AnyShape shape, double tolerance, const SweepRows rows, Worst& worst) const {
+    for (int k = 0; k < shape.size(); ++k) {
+      const LaneBond& bond = shape.bonds[k];
+      const V3 v = difference(shape, k, rows.v);
+      const V rate = dot(load3(rows.r + 3 * k * kLanes), v);
+      const V relative = hn::Mul(hn::Abs(rate), broadcast(2 * h * bond.half_inv_length2));
+      worst.see(relative);
+      store(relative, rows.relative + k * kLanes);
+      const V dg = hn::Neg(hn::Mul(rate, load(rows.inv + k * kLanes)));
+      correct(shape, k, hn::IfThenElseZero(hn::Gt(relative, broadcast(tolerance)), dg), rows, rows.v);
+    }
+    return everywhere();
+  }
+  static constexpr Failure kNoConvergence = Failure::kVelocitiesNoConvergence;
+};
+
+// Names the first bond that turned too far.
+HWY_NOINLINE void name_turned(const Part& part, const double* margin, SolveStats& stats) {
+  stats.failure = Failure::kTurned;
+  stats.max_residual = 1;
+  for (int k = part.batch.plan.solved - 1; k >= 0; --k)
+    for (int l = kWidth - 1; l >= 0; --l)
+      if (!(margin[k * kLanes + l] > 0))
+        stats.worst_bond = part.batch.bond(part.group, k, part.first_lane + l);
+}
+
+// Sweeps until all hold, or as many as asked for. `stats` are of the parts before.
+template <class Sweep>
+HWY_INLINE void repeat(const Sweep& sweep, const AnyShape shape, const SweepLimits& limits, const Part& part,
+                       const SweepRows rows, SolveStats& stats) {
+  const bool fixed = limits.sweeps > 0;
+  const int most = fixed ? limits.sweeps : limits.max_sweeps;
+  for (int n = 1; n <= most; ++n) {
+    Worst worst;
+    const bool turned = !hn::AllTrue(D(), sweep(shape, fixed ? 0.0 : limits.tolerance, rows, worst));
+    const bool held = !fixed && worst.within(limits.tolerance);
+    if (!held && !turned && n < most) continue;
+    SolveStats own{.iterations = n};
+    if (turned)
+      name_turned(part, rows.inv, own);
+    else if (!held && !fixed)
+      own.failure = Sweep::kNoConvergence;
+    if (!turned && (!own.converged() || !worst.within(stats.max_residual))) enter(part, rows.relative, own);
+    stats.beside(own);
+    return;
+  }
+}
+
+void sweep_positions_of(SweepBatch& batch, const SweepStep& step, const Part& part, const Scratch& scratch,
+                        SolveStats& stats) {
+  const AnyShape shape(batch.lanes);
+  const SweepRows rows(shape, scratch);
+  double* lambda = batch.lambda.of(part.group) + part.first_lane;
+  gather(part, shape.atoms(), step.x, rows.x);
+  gather(part, shape.atoms(), step.v, rows.v);
+  for (int k = 0; k < shape.size(); ++k)
+    store3(neg_mul_add(broadcast(step.h), difference(shape, k, rows.v), difference(shape, k, rows.x)),
+           rows.r + 3 * k * kLanes);
+  set_out(shape, step.guess, lambda, rows, rows.x);
+  repeat(SweepOfPositions{}, shape, step.limits, part, rows, stats);
+  for (int k = 0; k < shape.size(); ++k)
+    add_constraint_acceleration(shape, k, hn::Mul(broadcast(1 / step.h), load(rows.g + k * kLanes)),
+                                load3(rows.r + 3 * k * kLanes), rows.v);
+  keep(shape, step.keep, rows, lambda);
+  scatter(shape, part, rows.x, step.x);
+  scatter(shape, part, rows.v, step.v);
+}
+
+void sweep_velocities_of(SweepBatch& batch, const SweepStep& step, const Part& part, const Scratch& scratch,
+                         SolveStats& stats) {
+  const AnyShape shape(batch.lanes);
+  const SweepRows rows(shape, scratch);
+  double* lambda = batch.lambda.of(part.group) + part.first_lane;
+  gather(part, shape.atoms(), step.x, rows.x);
+  gather(part, shape.atoms(), step.v, rows.v);
+  for (int k = 0; k < shape.size(); ++k) {
+    const V3 r = difference(shape, k, rows.x);
+    store3(r, rows.r + 3 * k * kLanes);
+    const V a_kk = hn::Mul(broadcast(shape.bonds[k].reduced_inv_mass), dot(r, r));
+    store(hn::Div(broadcast(1), a_kk), rows.inv + k * kLanes);
+  }
+  set_out(shape, step.guess, lambda, rows, rows.v);
+  repeat(SweepOfVelocities{step.h}, shape, step.limits, part, rows, stats);
+  keep(shape, step.keep, rows, lambda);
+  scatter(shape, part, rows.v, step.v);
+}
+
+SolveStats sweep_positions(SweepBatch& batch, const SweepStep& step, int begin, int end,
+                           const Scratch& scratch) {
+  SolveStats stats;
+  for_each_part(batch.lanes, begin, end, scratch, [&](auto, const Part& part, const Scratch& rows) HWY_ATTR {
+    sweep_positions_of(batch, step, part, rows, stats);
+  });
+  return stats;
+}
+
+SolveStats sweep_velocities(SweepBatch& batch, const SweepStep& step, int begin, int end,
+                            const Scratch& scratch) {
+  SolveStats stats;
+  for_each_part(batch.lanes, begin, end, scratch, [&](auto, const Part& part, const Scratch& rows) HWY_ATTR {
+    sweep_velocities_of(batch, step, part, rows, stats);
+  });
+  return stats;
+}
+
+}  // namespace taut::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace taut {
+
+HWY_EXPORT(sweep_positions);
+HWY_EXPORT(sweep_velocities);
+
+namespace {
+
+// The kept multipliers λ set out as guess·λ and are kept as keep·g.
+SweepStep sweeps(const SweepLimits& limits, double h, double guess, double keep, State& s) {
+  return {limits, h, guess, keep, s.x.data(), s.v.data()};
+}
+
+}  // namespace
+
+Batched<Shake>::Batched(const System& sys, const Options& options, double h)
+    : BatchedMethod(sys, options, h, find_clusters(sys)) {}
+
+SolveStats Batched<Shake>::project_positions(const System&, double h, State& s) {
+  const SweepStep step = sweeps(options_, h, h * h, 1 / (h * h), s);
+  return batches_.run(HWY_DYNAMIC_DISPATCH(sweep_positions), step).beside(leftover_.project_positions(h, s));
+}
+
+Batched<Rattle>::Batched(const System& sys, const Options& options, double h)
+    : BatchedMethod(sys, options, h, find_clusters(sys)) {}
+
+SolveStats Batched<Rattle>::project_positions(const System&, double h, State& s) {
+  const SweepStep step = sweeps(options_, h, options_.warm_start ? 0.5 * h * h : 0.0, 2 / (h * h), s);
+  return batches_.run(HWY_DYNAMIC_DISPATCH(sweep_positions), step).beside(leftover_.project_positions(h, s));
+}
+
+SolveStats Batched<Rattle>::project_velocities(const System&, double h, State& s) {
+  const SweepStep step = sweeps(options_, h, options_.warm_start ? 0.5 * h : 0.0, 2 / h, s);
+  return batches_.run(HWY_DYNAMIC_DISPATCH(sweep_velocities), step)
+      .beside(leftover_.project_velocities(h, s));
+}
+
+}  // namespace taut
+#endif

@@ -1,0 +1,113 @@
+#include "constraints/batch/cut_chains.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include "constraints/batch/lanes.hpp"
+#include "constraints/bond_graph.hpp"
+
+namespace taut {
+namespace {
+
+// Atoms and bonds of a chain from one end to the other; bond b joins atoms b and b + 1.
+struct Path {
+  std::vector<int> atoms, bonds;
+};
+
+std::optional<Path> path_of(const ClusterShape& shape) {
+  const auto bonds_at = bonds_at_atoms(shape.atoms(), shape.bonds);
+  const auto is_end = [](const std::vector<int>& bonds) { return bonds.size() == 1; };
+  const auto end = std::find_if(bonds_at.begin(), bonds_at.end(), is_end);
+  const bool branched = std::any_of(bonds_at.begin(), bonds_at.end(), [](auto& b) { return b.size() > 2; });
+  if (end == bonds_at.end() || branched) return std::nullopt;
+
+  Path path{{static_cast<int>(end - bonds_at.begin())}, {}};
+  for (int b = 0; b < shape.bond_count(); ++b) {
+    const int atom = path.atoms.back();
+    const int bond = b == 0 || bonds_at[atom][0] != path.bonds.back() ? bonds_at[atom][0] : bonds_at[atom][1];
+    path.bonds.push_back(bond);
+    path.atoms.push_back(shape.bonds[bond].i == atom ? shape.bonds[bond].j : shape.bonds[bond].i);
+  }
+  return path;
+}
+
+// The pieces' first atoms along the path, and where the last one ends.
+using Cuts = std::vector<int>;
+
+constexpr int kFewestAtoms = 4;
+
+// Pieces of `width` atoms, as many as there is room for between ends of a few atoms.
+Cuts cuts_of(int atoms, int pieces, int width) {
+  const int head = (atoms - pieces * width) / 2;
+  Cuts cuts{0};
+  for (int p = 0; p <= pieces; ++p) cuts.push_back(head + p * width);
+  cuts.push_back(atoms);
+  return cuts;
+}
+
+// The part of the path from atom `from` to atom `to` − 1, and what it sees of its neighbours.
+struct Piece {
+  int first, atoms;  // along the path, neighbours' atoms included
+  ClusterShape shape;
+};
+
+Piece piece_of(const ClusterShape& chain, const Path& path, int from, int to) {
+  Piece piece;
+  piece.shape.left = from == 0 ? 0 : 2;
+  piece.shape.right = to == chain.atoms() ? 0 : 2;
+  piece.first = from - piece.shape.left;
+  piece.atoms = to + piece.shape.right - piece.first;
+  for (int a = 0; a < piece.atoms; ++a)
+    piece.shape.inv_mass.push_back(chain.inv_mass[path.atoms[piece.first + a]]);
+  for (int b = 0; b + 1 < piece.atoms; ++b)
+    piece.shape.bonds.push_back({b, b + 1, chain.bonds[path.bonds[piece.first + b]].length});
+  return piece;
+}
+
+// Whether masses and lengths repeat after `width` atoms in all that pieces between the ends see.
+bool repeats(const ClusterShape& chain, const Path& path, const Cuts& cuts, int width) {
+  const int begin = cuts[1] - 2, end = cuts[cuts.size() - 2] + 2 - width;
+  for (int a = begin; a < end; ++a)
+    if (chain.inv_mass[path.atoms[a]] != chain.inv_mass[path.atoms[a + width]]) return false;
+  for (int b = begin; b + 1 < end; ++b)
+    if (chain.bonds[path.bonds[b]].length != chain.bonds[path.bonds[b + width]].length) return false;
+  return true;
+}
+
+std::optional<Cuts> find_cuts(const ClusterShape& chain, const Path& path, int piece_bonds) {
+  constexpr int kLongestPeriod = 16;
+  const int atoms = chain.atoms(), pieces = kLanes * std::max(1, atoms / (kLanes * (piece_bonds + 1)));
+  const int widest = (atoms - 2 * kFewestAtoms) / pieces;
+  for (int width = widest; width >= std::max(kFewestAtoms, widest - kLongestPeriod + 1); --width) {
+    Cuts cuts = cuts_of(atoms, pieces, width);
+    if (repeats(chain, path, cuts, width)) return cuts;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+bool cut_chains(const ClusterBatch& batch, int piece_bonds, ClusterBatches& pieces,
+                std::vector<std::vector<PieceOfChain>>& chains) {
+  const std::optional<Path> path = path_of(batch.shape);
+  if (!path) return false;
+  const std::optional<Cuts> cuts = find_cuts(batch.shape, *path, piece_bonds);
+  if (!cuts) return false;
+
+  for (int c = 0; c < batch.count; ++c) {
+    const int *atoms = &batch.atoms[c * batch.shape.atoms()], *bonds = &batch.bonds[c * path->bonds.size()];
+    std::vector<PieceOfChain> chain;
+    for (std::size_t p = 0; p + 1 < cuts->size(); ++p) {
+      const Piece piece = piece_of(batch.shape, *path, (*cuts)[p], (*cuts)[p + 1]);
+      std::vector<int> its_atoms, its_bonds;
+      for (int a = 0; a < piece.atoms; ++a) its_atoms.push_back(atoms[path->atoms[piece.first + a]]);
+      for (int b = 0; b + 1 < piece.atoms; ++b) its_bonds.push_back(bonds[path->bonds[piece.first + b]]);
+      const int where = pieces.add(piece.shape, its_atoms, its_bonds);
+      chain.push_back({where, pieces.batches[where].count - 1});
+    }
+    chains.push_back(std::move(chain));
+  }
+  return true;
+}
+
+}  // namespace taut

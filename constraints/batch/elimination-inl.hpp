@@ -1,0 +1,178 @@
+// The matrix of a group and its elimination, a cluster a lane; compiled once for each kind of machine.
+#if defined(TAUT_ELIMINATION_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef TAUT_ELIMINATION_INL_H
+#undef TAUT_ELIMINATION_INL_H
+#else
+#define TAUT_ELIMINATION_INL_H
+#endif
+
+#include "constraints/batch/lanes-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace taut::HWY_NAMESPACE {
+
+// elimination.hpp has the loops. Rows of the diagonal, of its inverse after elimination, and of the entries
+// below and, where A is not symmetric, above it.
+struct Matrix {
+  double *d, *inv_d;
+  double *l, *u;
+};
+
+// ±(r_row·r_k)/m: A's entry p in column k; 0 where there will be fill. With left and right bonds of different
+// times, A' below the diagonal; changed about, above.
+template <class Shape>
+HWY_INLINE V entry(const Shape shape, int p, const V3& r_k, const double* r) {
+  return hn::Mul(broadcast(shape.signed_inv_mass(p)), dot(load3(r + 3 * shape.row(p)), r_k));
+}
+
+template <class Shape>
+HWY_INLINE void couple(const Shape shape, const double* left, const double* right, double* entries) {
+  for (int k = 0; k < shape.size(); ++k) {
+    const V3 r_k = load3(right + 3 * k * kLanes);
+    for (int p = shape.begin(k); p < shape.end(k); ++p)
+      store(entry(shape, p, r_k, left), entries + p * kLanes);
+  }
+}
+
+// A of the bonds r, its diagonal given, becomes L D Lᵀ; b goes through the forward substitution on the way.
+// Returns where all pivots are above what a dependent bond leaves; none that is NaN is.
+template <class Shape>
+HWY_INLINE M eliminate(const Shape shape, const Matrix A, const double* r, double* b) {
+  if constexpr (Shape::kUpdates) couple(shape, r, r, A.l);
+  M regular = everywhere();
+  int update = 0;
+  for (int k = 0; k < shape.eliminated(); ++k) {
+    const V d = load(A.d + k * kLanes), inv = hn::Div(broadcast(1), d), b_k = load(b + k * kLanes);
+    regular = hn::And(regular, hn::Gt(d, broadcast(shape.bonds[k].least_pivot)));
+    store(inv, A.inv_d + k * kLanes);
+    for (int p = shape.begin(k); p < shape.end(k); ++p) {
+      V c;
+      if constexpr (Shape::kUpdates)
+        c = load(A.l + p * kLanes);
+      else
+        c = entry(shape, p, load3(r + 3 * k * kLanes), r);
+      const V l = hn::Mul(c, inv);
+      double *d_p = A.d + shape.row(p), *b_p = b + shape.row(p);
+      if constexpr (Shape::kUpdates) {
+        for (int q = p + 1; q < shape.end(k); ++q) {
+          double* c_qp = A.l + shape.update(update++);
+          store(hn::NegMulAdd(l, load(A.l + q * kLanes), load(c_qp)), c_qp);
+        }
+      }
+      store(l, A.l + p * kLanes);
+      store(hn::NegMulAdd(l, c, load(d_p)), d_p);
+      store(hn::NegMulAdd(l, b_k, load(b_p)), b_p);
+    }
+  }
+  return regular;
+}
+
+// A' of the bonds r_next and r becomes L D U; else as above. u ends as a unit upper triangle.
+template <class Shape>
+HWY_INLINE M eliminate_turned(const Shape shape, const Matrix A, const double* r_next, const double* r,
+                              double* b) {
+  if constexpr (Shape::kUpdates) {
+    couple(shape, r_next, r, A.l);
+    couple(shape, r, r_next, A.u);
+  }
+  M regular = everywhere();
+  int update = 0;
+  for (int k = 0; k < shape.eliminated(); ++k) {
+    const V d = load(A.d + k * kLanes), inv = hn::Div(broadcast(1), d), b_k = load(b + k * kLanes);
+    regular = hn::And(regular, hn::Gt(d, broadcast(shape.bonds[k].least_pivot)));
+    store(inv, A.inv_d + k * kLanes);
+    for (int p = shape.begin(k); p < shape.end(k); ++p) {
+      V below, above;
+      if constexpr (Shape::kUpdates) {
+        below = load(A.l + p * kLanes);
+        above = load(A.u + p * kLanes);
+      } else {
+        below = entry(shape, p, load3(r + 3 * k * kLanes), r_next);
+        above = entry(shape, p, load3(r_next + 3 * k * kLanes), r);
+      }
+      const V l = hn::Mul(below, inv), u = hn::Mul(above, inv);
+      double *d_p = A.d + shape.row(p), *b_p = b + shape.row(p);
+      if constexpr (Shape::kUpdates) {
+        for (int q = p + 1; q < shape.end(k); ++q, ++update) {
+          double *l_qp = A.l + shape.update(update), *u_pq = A.u + shape.update(update);
+          store(hn::NegMulAdd(load(A.l + q * kLanes), u, load(l_qp)), l_qp);
+          store(hn::NegMulAdd(l, load(A.u + q * kLanes), load(u_pq)), u_pq);
+        }
+      }
+      store(l, A.l + p * kLanes);
+      store(u, A.u + p * kLanes);
+      store(hn::NegMulAdd(l, above, load(d_p)), d_p);
+      store(hn::NegMulAdd(l, b_k, load(b_p)), b_p);
+    }
+  }
+  return regular;
+}
+
+// Names a bond whose pivot vanished. False if there is one.
+HWY_INLINE bool accept(const Part& part, M regular, const double* d, SolveStats& stats) {
+  if (hn::AllTrue(D(), regular)) return true;
+  stats.failure = Failure::kSingular;
+  for (int k = part.batch.plan.eliminated - 1; k >= 0; --k)
+    for (int l = kWidth - 1; l >= 0; --l)
+      if (!(d[k * kLanes + l] > part.batch.bonds[k].least_pivot))
+        stats.worst_bond = part.batch.bond(part.group, k, part.first_lane + l);
+  return false;
+}
+
+// b ← L⁻¹b of a chain, from both ends at once: what bond k gives goes to bond k + 2, of the last but one to
+// the last. Numbers stay in registers on their way, since through memory each would take ten cycles more.
+HWY_INLINE void substitute_forward(const ChainShape shape, const double* l, double* b) {
+  const int last = shape.size() - 1;
+  if (last < 1) return;
+  V here = load(b), next = load(b + kLanes);  // b_k, b_{k+1}
+  for (int k = 0; k + 2 <= last; ++k) {
+    double* b_p = b + (k + 2) * kLanes;
+    const V after = hn::NegMulAdd(load(l + k * kLanes), here, load(b_p));
+    store(after, b_p);
+    here = next;
+    next = after;
+  }
+  store(hn::NegMulAdd(load(l + (last - 1) * kLanes), here, next), b + last * kLanes);
+}
+
+// b ← U⁻¹D⁻¹b of a chain
+HWY_INLINE void substitute_back(const ChainShape shape, const double* inv_d, const double* u, double* b) {
+  const auto scaled = [&](int k) HWY_ATTR { return hn::Mul(load(b + k * kLanes), load(inv_d + k * kLanes)); };
+  int k = shape.size() - 1;
+  V after = scaled(k), next = after;  // b_{k+2}, b_{k+1}; of the last but one, the last for both
+  store(after, b + k * kLanes);
+  for (--k; k >= 0; --k) {
+    const V z = hn::NegMulAdd(load(u + k * kLanes), after, scaled(k));
+    store(z, b + k * kLanes);
+    after = next;
+    next = z;
+  }
+}
+
+// b ← L⁻¹b
+template <class Shape>
+HWY_INLINE void substitute_forward(const Shape shape, const double* l, double* b) {
+  for (int k = 0; k < shape.eliminated(); ++k) {
+    const V b_k = load(b + k * kLanes);
+    for (int p = shape.begin(k); p < shape.end(k); ++p) {
+      double* b_p = b + shape.row(p);
+      store(hn::NegMulAdd(load(l + p * kLanes), b_k, load(b_p)), b_p);
+    }
+  }
+}
+
+// b ← U⁻¹D⁻¹b, u unit upper triangular by rows
+template <class Shape>
+HWY_INLINE void substitute_back(const Shape shape, const double* inv_d, const double* u, double* b) {
+  for (int k = shape.eliminated() - 1; k >= 0; --k) {
+    V z = hn::Mul(load(b + k * kLanes), load(inv_d + k * kLanes));
+    for (int p = shape.begin(k); p < shape.end(k); ++p)
+      z = hn::NegMulAdd(load(u + p * kLanes), load(b + shape.row(p)), z);
+    store(z, b + k * kLanes);
+  }
+}
+
+}  // namespace taut::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,38 @@
+// λ of the last three steps, for one part; compiled once for each kind of machine.
+#if defined(TAUT_PAST_LAMBDA_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef TAUT_PAST_LAMBDA_INL_H
+#undef TAUT_PAST_LAMBDA_INL_H
+#else
+#define TAUT_PAST_LAMBDA_INL_H
+#endif
+
+#include "constraints/batch/past_lambda.hpp"
+#include "constraints/batch/solving-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace taut::HWY_NAMESPACE {
+
+struct PastLambda {
+  double *lambda, *before, *before_that;
+
+  HWY_INLINE PastLambda(RememberingBatch& batch, const Part& part)
+      : lambda(batch.lambda.of(part.group) + part.first_lane),
+        before(batch.before.of(part.group) + part.first_lane),
+        before_that(batch.before_that.of(part.group) + part.first_lane) {}
+
+  // What is foretold for bond k, by guess(λ₁, λ₂, λ₃); the last λ become the past.
+  template <class GuessOf>
+  HWY_INLINE V shift(int k, GuessOf guess) const {
+    const V one = load(lambda + k * kLanes), two = load(before + k * kLanes);
+    const V guessed = guess(one, two, load(before_that + k * kLanes));
+    store(two, before_that + k * kLanes);
+    store(one, before + k * kLanes);
+    store(guessed, lambda + k * kLanes);
+    return guessed;
+  }
+};
+
+}  // namespace taut::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <vector>
+
+#include "constraints/batch/separators.hpp"
+
+namespace taut {
+
+// What a kernel that solves systems of equations is asked to do with its parts. Whole clusters: everything.
+// Pieces of chains stop wherever they need to hear from each other.
+enum class SolveStage {
+  kWhole,
+  kStart,  // load, set up, eliminate
+  kBack,   // substitute back
+  kGoOn,   // apply what was found, set up, eliminate again
+  kLast,   // substitute back, apply, end
+  kEnd,    // end: nothing to solve
+};
+
+// What a part needs after a stage.
+enum class SolveNext { kEnd, kLastSolve, kSolve };
+
+struct SolveCall {
+  SolveStage stage = SolveStage::kWhole;
+  int solves = 0;  // so far
+};
+
+// What the kernel of velocities takes (velocities-inl.hpp).
+struct VelocityStep {
+  double h;
+  const double* x;
+  double* v;
+};
+
+// A batch and what every solving method keeps of it.
+struct SolvedBatch {
+  LaneBatch lanes;
+  LaneRows lambda;
+  LaneRows scratch;  // of pieces, from stage to stage
+
+  explicit SolvedBatch(const ClusterBatch& batch)
+      : lanes(batch),
+        lambda(rows_of_bonds(lanes)),
+        scratch(lanes.piece() ? lanes.groups : 0, lanes.piece() ? lanes.scratch_rows() : 0) {}
+};
+
+// All clusters of a method: whole ones, and chains cut into pieces.
+template <class Batch>
+class SolvedBatches {
+ public:
+  explicit SolvedBatches(const BondClusters& clusters) : whole_(clusters.batches), pieces_(clusters.pieces) {
+    std::vector<const LaneBatch*> lanes;
+    for (const Batch& batch : pieces_) lanes.push_back(&batch.lanes);
+    separators_ = Separators(clusters.chains, lanes);
+  }
+
+  // kernel(batch, step, call, group begin, group end, scratch) → SolveStats; its iterations are solves of
+  // whole clusters, and for pieces what SolveNext is.
+  template <class Kernel, class Step>
+  SolveStats run(Kernel& kernel, const Step& step) {
+    SolveStats stats = whole_.run(kernel, step, SolveCall{});
+    if (!pieces_.empty()) stats.beside(run_pieces(kernel, step));
+    return stats;
+  }
+
+  void for_each(const auto& visit) {
+    for (Batch& batch : whole_) visit(batch);
+    for (Batch& batch : pieces_) visit(batch);
+  }
+  void serialize(Archive& archive) { archive(whole_, pieces_); }
+  void write_lambda(Eigen::VectorXd& lambda) const {
+    whole_.write_lambda(lambda);
+    pieces_.write_lambda(lambda);
+  }
+
+ private:
+  template <class Kernel, class Step>
+  SolveStats run_pieces(Kernel& kernel, const Step& step) {
+    SolveCall call{SolveStage::kStart, 0};
+    const auto run = [&](SolveStage stage) {
+      call.stage = stage;
+      return pieces_.run(kernel, step, call);
+    };
+    const auto scratch = [&](int b) -> LaneRows& { return pieces_[b].scratch; };
+    separators_.share([&](int b) -> LaneRows& { return pieces_[b].lambda; });
+
+    SolveStats stats = run(SolveStage::kStart);
+    while (stats.converged() && next(stats) == SolveNext::kSolve) {
+      if (stats = separators_.solve(scratch); !stats.converged()) return stats;
+      stats = run(SolveStage::kBack);
+      separators_.share(scratch);
+      ++call.solves;
+      stats = run(SolveStage::kGoOn);
+    }
+    if (stats.converged() && next(stats) == SolveNext::kLastSolve) {
+      if (stats = separators_.solve(scratch); !stats.converged()) return stats;
+      stats = run(SolveStage::kLast);
+      ++call.solves;
+    } else if (stats.converged()) {
+      stats = run(SolveStage::kEnd);
+    }
+    stats.iterations = call.solves;
+    return stats;
+  }
+  static SolveNext next(const SolveStats& stats) { return static_cast<SolveNext>(stats.iterations); }
+
+  LaneBatches<Batch> whole_, pieces_;
+  Separators separators_;
+};
+
+}  // namespace taut

@@ -1,0 +1,170 @@
+// Triangles of bonds, a cluster a lane, that stay in registers from load to store; compiled once for each
+// kind of machine.
+#if defined(TAUT_TRIANGLES_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef TAUT_TRIANGLES_INL_H
+#undef TAUT_TRIANGLES_INL_H
+#else
+#define TAUT_TRIANGLES_INL_H
+#endif
+
+#include "constraints/batch/nines-inl.hpp"
+#include "constraints/batch/solving-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace taut::HWY_NAMESPACE {
+
+// What a bond each of a triangle has; bonds a–b, a–c, b–c.
+struct Three {
+  V k[3];
+};
+HWY_INLINE Three load_three(const double* rows) {
+  return {load(rows), load(rows + kLanes), load(rows + 2 * kLanes)};
+}
+HWY_INLINE void store_three(const Three& t, double* rows) {
+  for (int k = 0; k < 3; ++k) store(t.k[k], rows + k * kLanes);
+}
+HWY_INLINE Three operator+(const Three& a, const Three& b) {
+  return {hn::Add(a.k[0], b.k[0]), hn::Add(a.k[1], b.k[1]), hn::Add(a.k[2], b.k[2])};
+}
+
+// Differences between atoms along two of the bonds; along the third, what those differ by.
+struct Sides {
+  V3 ab, ac;
+
+  HWY_INLINE V3 bc() const { return ac - ab; }
+};
+HWY_INLINE Sides sides(const Nine& rows) {
+  return {rows.atom(1) - rows.atom(0), rows.atom(2) - rows.atom(0)};
+}
+HWY_INLINE Sides operator+(const Sides& a, const Sides& b) {
+  return {a.ab + b.ab, a.ac + b.ac};
+}
+HWY_INLINE Sides mul_add(V s, const Sides& a, const Sides& b) {
+  return {mul_add(s, a.ab, b.ab), mul_add(s, a.ac, b.ac)};
+}
+
+struct InverseMasses {
+  V a, b, c;
+
+  HWY_INLINE explicit InverseMasses(const LaneBatch& batch)
+      : a(broadcast(batch.inv_mass[0])), b(broadcast(batch.inv_mass[1])), c(broadcast(batch.inv_mass[2])) {}
+};
+
+// Jᵀλ
+struct Forces {
+  V3 a, b, c;  // on b and c; a has −a
+
+  HWY_INLINE Forces(const Three& lambda, const Sides& r) {
+    const V3 ab = lambda.k[0] * r.ab, ac = lambda.k[1] * r.ac, bc = lambda.k[2] * r.bc();
+    a = ab + ac;
+    b = ab - bc;
+    c = ac + bc;
+  }
+  // Of M⁻¹Jᵀλ, what atoms differ by.
+  HWY_INLINE Sides accelerations(const InverseMasses& m) const {
+    const V3 of_a = m.a * a;
+    return {mul_add(m.b, b, of_a), mul_add(m.c, c, of_a)};
+  }
+  HWY_INLINE Nine rows(const InverseMasses& m) const {  // M⁻¹Jᵀλ
+    const V minus = hn::Neg(m.a);
+    const V3 of_a = minus * a, of_b = m.b * b, of_c = m.c * c;
+    return {of_a.x, of_a.y, of_a.z, of_b.x, of_b.y, of_b.z, of_c.x, of_c.y, of_c.z};
+  }
+  HWY_INLINE Nine rows() const {
+    return {hn::Neg(a.x), hn::Neg(a.y), hn::Neg(a.z), b.x, b.y, b.z, c.x, c.y, c.z};
+  }
+};
+
+// |r|² − d²
+HWY_INLINE Three twice_sigma(const LaneBatch& batch, const Sides& r) {
+  return {twice_sigma(batch.bonds[0], r.ab), twice_sigma(batch.bonds[1], r.ac),
+          twice_sigma(batch.bonds[2], r.bc())};
+}
+HWY_INLINE Worst worst_of(const LaneBatch& batch, const Three& twice_sigma) {
+  Worst worst;
+  for (int k = 0; k < 3; ++k) worst.see(batch.bonds[k], twice_sigma.k[k]);
+  return worst;
+}
+
+// A' = J(r_next) M⁻¹ J(r)ᵀ, of which A is the case r_next = r; solved by Cramer's rule, whose one division
+// waits for little, where elimination has three that wait for each other.
+struct TriangleMatrix {
+  Three along;  // r_next·r
+  V a[3][3], minor[3][3];
+  V two, det;
+
+  HWY_INLINE TriangleMatrix(const LaneBatch& batch, const Sides& r_next, const Sides& r) {
+    const InverseMasses m(batch);
+    // The third bond's products follow from those of the two.
+    const V bb = dot(r_next.ab, r.ab), bc = dot(r_next.ab, r.ac), cb = dot(r_next.ac, r.ab),
+            cc = dot(r_next.ac, r.ac), b3 = hn::Sub(bb, bc), c3 = hn::Sub(cc, cb);
+    along = {bb, cc, hn::Add(b3, c3)};
+    for (int k = 0; k < 3; ++k) a[k][k] = hn::Mul(broadcast(batch.bonds[k].reduced_inv_mass), along.k[k]);
+    a[0][1] = hn::Mul(m.a, bc);
+    a[1][0] = hn::Mul(m.a, cb);
+    a[0][2] = hn::Mul(m.b, b3);
+    a[2][0] = hn::Mul(m.b, hn::Sub(bb, cb));
+    a[1][2] = hn::Mul(m.c, c3);
+    a[2][1] = hn::Mul(m.c, hn::Sub(cc, bc));
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        const int p = (i + 1) % 3, q = (i + 2) % 3, s = (j + 1) % 3, t = (j + 2) % 3;
+        minor[i][j] = hn::MulSub(a[p][s], a[q][t], hn::Mul(a[p][t], a[q][s]));
+      }
+    det = hn::MulAdd(a[0][2], minor[0][2], hn::MulAdd(a[0][1], minor[0][1], hn::Mul(a[0][0], minor[0][0])));
+  }
+
+  // Where all pivots of elimination are above what a dependent bond leaves.
+  HWY_INLINE M regular(const LaneBatch& batch) const {
+    const auto least = [&](int k) HWY_ATTR { return broadcast(batch.bonds[k].least_pivot); };
+    return hn::And(hn::And(hn::Gt(a[0][0], least(0)), hn::Gt(minor[2][2], hn::Mul(least(1), a[0][0]))),
+                   hn::Gt(det, hn::Mul(least(2), minor[2][2])));
+  }
+  HWY_INLINE Three solve(const Three& b) const {
+    const V inv = hn::Div(broadcast(1), det);
+    Three z;
+    for (int k = 0; k < 3; ++k)
+      z.k[k] = hn::Mul(inv, hn::MulAdd(minor[2][k], b.k[2],
+                                       hn::MulAdd(minor[1][k], b.k[1], hn::Mul(minor[0][k], b.k[0]))));
+    return z;
+  }
+};
+
+// The largest residual of a part, and where, entered into the stats.
+inline HWY_NOINLINE void enter_residuals(const Part& part, const double* array, SolveStats& stats) {
+  HWY_ALIGN double x[9 * kLanes], relative[3 * kLanes];
+  gather(part, 3, array, x);
+  find_residuals(part.batch, x, relative);
+  enter(part, relative, stats);
+}
+
+// The groups that a call is for, and a thread's scratch.
+struct Groups {
+  int begin, end;
+  const Scratch& scratch;
+};
+
+// attempt(part, stats) for all parts of the groups begin … end − 1. Where it comes to nothing, and has
+// changed nothing, the part is done once more as any cluster: Kernel says what is wrong with it.
+template <template <class> class Kernel, class Batch, class Step, class Attempt>
+HWY_INLINE SolveStats solve_triangles(Batch& batch, const Step& step, const Groups& groups,
+                                      const Attempt& attempt) {
+  SolveStats all;
+  for (int g = groups.begin; g < groups.end; ++g)
+    for (int l = 0; l < batch.lanes.filled(g); l += kWidth) {
+      const Part part{batch.lanes, g, l};
+      SolveStats own{.max_residual = all.max_residual};
+      if (!attempt(part, own)) {
+        Scratch rows = groups.scratch;
+        Kernel<AnyShape> kernel(AnyShape(batch.lanes), batch, step, part, rows);
+        solve_whole(kernel, part, own);
+      }
+      all.beside(own);
+    }
+  return all;
+}
+
+}  // namespace taut::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

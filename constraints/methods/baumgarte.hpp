@@ -1,0 +1,133 @@
+#pragma once
+
+#include <array>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "constraints/active_set.hpp"
+#include "constraints/direct_solver.hpp"
+#include "constraints/methods/gains.hpp"
+#include "constraints/methods/guess.hpp"
+#include "constraints/options.hpp"
+#include "md/constraint_method.hpp"
+
+namespace taut {
+
+// Acceleration-level stabilization (Baumgarte 1972, doi:10.1016/0045-7825(72)90018-7): instead of σ̈ = 0
+// demand σ̈ + 2ασ̇ + β²σ = 0, with v the velocity at the end of the step:
+//     A λ = −(J M⁻¹F + |v_ij|² + 2α J v + β²σ),   v = w + (h/2) M⁻¹Jᵀλ,   w = v_half + (h/2) M⁻¹F.
+// The damping's share of λ goes to the left, |v_ij|² is taken with a guess λ*:
+//     (1 + αh) A λ = −(J M⁻¹F + |v*_ij|² + 2α J w + β²σ),   v* = w + (h/2) M⁻¹Jᵀλ*   (implicit).
+// On a motion that keeps every σ = 0 the rate J v is not zero but −½h² v_ij·a_ij, and damping it costs
+// energy, as αh³. Damping the bond's own centred rate (σ₊ − σ₋)/2h = J v + ½h² v_ij·a_ij does not:
+//     (1 + αh) A λ = −(J M⁻¹F + |v*_ij|² + 2α (J w + ½h² v*_ij·a*_ij) + β²σ)                 (centred).
+// Nor is J a + |v_ij|² what the step makes of σ: (σ₊ − 2σ + σ₋)/h² holds ¼h²|a_ij|² besides, which drives σ
+// and, through the damping's lag, pumps energy into what swings. With both as differences,
+//     (1 + αh) A λ = −(J M⁻¹F + |v*_ij|² + ¼h²|a*_ij|² + 2α (J w + ½h² v*_ij·a*_ij) + β²σ)   (discrete, the
+//     default),
+// nothing is fed but what λ* misses: −(1 + αh)h³ (v_ij + ½h(a_ij + y_ij))·y_ij, y = M⁻¹Jᵀ(λ* − λ).
+// Or the damping takes v_half, as older codes do:
+//     A λ = −(J M⁻¹F + |v*_ij|² + 2α J v_half + β²σ)                                        (lagged).
+// λ* is foretold of the steps before (guess.hpp).
+// Roots, limits and floors: constraints/methods/propagator.hpp, derived in constraints/README.md.
+// With `sweeps` the system is not solved but swept, bond by bond, from λ* (Gauss–Seidel, as rigid-body
+// engines do; no factorization): what a sweep leaves, σ feeds back in the next step. Cost: one factorization
+// A one-sided bond must not pass through in the step to come, s(σ₊ − 0) ≥ 0 with s = 1 of a strut, −1 of a
+// rope: the discrete law at dead-beat as an inequality, where sλ ≥ 0 and λσ₊ = 0 (ActiveSet). Before σ gets
+// there λ is 0. With α = β = 0 it only has sσ̈ ≥ 0 once sσ ≤ 0, which leaves it the speed it came with.
+// Cost: one factorization
+// and one solve a step; each further pass (v*, a* with the λ just found) one more solve.
+class Baumgarte : public ConstraintMethod {
+ public:
+  struct Options {
+    std::string gains = "reversible";
+    std::string damping = "discrete";
+    std::optional<double> alpha_per_ps = {}, beta_per_ps = {};
+    double reduction = 0;
+    double stiffness = 4.5e5;
+    int passes = 1;
+    int sweeps = 0;
+
+    std::vector<Option> describe() {
+      const bool named = !(alpha_per_ps && beta_per_ps);  // at least one of them
+      return {
+          {"gains",
+           &gains,
+           "how α and β are chosen",
+           {.counts = {named || gains == "numbers", "without both alpha_per_ps and beta_per_ps"},
+            .words = gain_names()}},
+          {"damping", &damping, "whose rate is damped, and which σ̈ is asked for", {.words = damping_names()}},
+          {"alpha_per_ps", &alpha_per_ps, "damping α, in place of the named one", {.unit = "1/ps"}},
+          {"beta_per_ps", &beta_per_ps, "stiffness β, in place of the named one", {.unit = "1/ps"}},
+          {"reduction",
+           &reduction,
+           "of an error a step, for gains = \"rattle\" or \"swept\" (see taut calibrate)",
+           {.range = {.min = 0, .max = 1, .below_max = true},
+            .counts = {named && (gains == "rattle" || gains == "swept"),
+                       "with method.gains = \"rattle\" or \"swept\""}}},
+          {"stiffness",
+           &stiffness,
+           "of the real bond, for gains = \"physical\"",
+           {.unit = "kJ/mol/nm²",
+            .range = kPositive,
+            .counts = {named && gains == "physical", "with method.gains = \"physical\""}}},
+          {"passes", &passes, "solves a step", {.range = {.min = 1}}},
+          {"sweeps",
+           &sweeps,
+           "more than 0: so many sweeps from λ* in place of a factorization",
+           {.range = {.min = 0}}}};
+    }
+    GainChoice choice() const {
+      return {.name = gains,
+              .alpha_per_ps = alpha_per_ps,
+              .beta_per_ps = beta_per_ps,
+              .reduction = reduction,
+              .stiffness = stiffness};
+    }
+  };
+
+  Baumgarte(const System& sys, const Options& options, double h);
+
+  SolveStats add_forces(const System& sys, double h, State& s) override;
+  SolveStats start(const System& sys, State& s) override { return add_forces(sys, 0, s); }  // w = v
+  SolveStats again(const System& sys, double h, State& s);  // from λ as it is
+
+  void serialize(Archive& archive) override { archive(lambda_, before_, before_that_, steps_); }
+  const Eigen::VectorXd& lambda() const override { return lambda_; }
+  std::array<Eigen::VectorXd*, 3> past() { return {&lambda_, &before_, &before_that_}; }
+  int& steps_known() { return steps_; }
+  std::string setting() const override { return setting_; }
+
+ private:
+  void guess_lambda();
+  void solve_by_sweeps(const System& sys);
+  void look_ahead(const System& sys, double h, const State& s, int k);
+  void want_one_sided(const System& sys, double h, int k);
+  // [ps²] by which a force moves in the step to come: λ acts in both its kicks, at the start in one.
+  double reach(double h) const { return h > 0 ? h_ * h_ : 0.5 * h_ * h_; }
+
+  Damping damping_;
+  std::vector<Gains> gains_;    // m
+  std::vector<Guess> guesses_;  // m
+  int passes_, sweeps_;
+  DirectSolver solver_;
+  Vectors r_, w_ij_, a_ij_;                        // 3 × m, a_ij without constraint forces
+  Vectors y_;                                      // 3 × n, M⁻¹Jᵀλ
+  Eigen::VectorXd known_, wanted_;                 // m
+  Eigen::VectorXd lambda_, before_, before_that_;  // m, of the last three steps
+  int steps_ = 0;                                  // how many of them there are
+  std::string setting_;
+  std::optional<ActiveSet> active_set_;  // where there are one-sided bonds
+  double h_ = 0;
+  bool corrects_ = true;
+};
+
+// Each bond's λ*.
+std::vector<Guess> guesses_of(const System& sys, Damping damping);
+
+// Gains, damping and solves of a run in one line.
+std::string describe_baumgarte(const Baumgarte::Options& options, const std::vector<Gains>& gains, double h);
+
+}  // namespace taut

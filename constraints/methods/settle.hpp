@@ -1,0 +1,63 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "constraints/methods/newton.hpp"
+#include "md/constraint_method.hpp"
+
+namespace taut {
+
+// SETTLE (Miyamoto and Kollman 1992, doi:10.1002/jcc.540130805): a rigid triangle with two equal sides and
+// equal masses at their far ends (water) is put back on its shape in closed form, three rotations φ, ψ, θ
+// about the axes of the triangle before the step; its velocities by the 3 × 3 system A g = −J v, as Newton
+// does. Refuses any other cluster, naming it, but where `solute` says who holds it (settle_beside.hpp). Cost:
+// per water three square roots for the axes and four for the rotations.
+class Settle : public ConstraintMethod {
+ public:
+  struct Options {
+    std::string solute = "none";
+
+    std::vector<Option> describe() {
+      return {{"solute",
+               &solute,
+               "the method, at its defaults, for bonds that are no water's; none: they are refused",
+               {.words = {"none", "newton", "feedforward", "baumgarte", "rattle", "lincs", "mshake"}}}};
+    }
+  };
+
+  struct Water {
+    int apex, left, right;     // atoms
+    std::array<int, 3> bonds;  // apex–left, apex–right, left–right
+    double ra, rb, rc;         // apex to centre of mass, that to the base line, half the base [nm]
+  };
+  // Throws InputError for any bond that is not part of one.
+  static std::vector<Water> find_waters(const System& sys);
+
+  struct Parts {
+    std::vector<int> of_waters, rest;  // bonds
+  };
+  static Parts parts_of(const System& sys);
+
+  Settle(const System& sys, const Options& options, double h);
+
+  SolveStats project_positions(const System& sys, double h, State& s) override;
+  SolveStats project_velocities(const System& sys, double h, State& s) override {
+    return velocities_.project_velocities(sys, h, s);
+  }
+
+  void serialize(Archive& archive) override { archive(velocities_); }
+  const Eigen::VectorXd& lambda() const override { return velocities_.lambda(); }
+  double promised_error() const override { return 1e-12; }
+  std::string setting() const override;
+
+ private:
+  static std::vector<Water> waters_in(const System& sys);
+  bool reset(const Water& water, const System& sys, double h, State& s) const;
+
+  std::vector<Water> waters_;
+  Newton velocities_;
+};
+
+}  // namespace taut

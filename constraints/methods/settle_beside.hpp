@@ -1,0 +1,102 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <numeric>
+#include <string>
+
+#include "constraints/batch/batched.hpp"
+#include "constraints/methods/settle.hpp"
+#include "constraints/registry.hpp"
+
+namespace taut {
+
+// A method of the list, as a part of another one.
+class NamedMethod : public ConstraintMethod {
+ public:
+  using Options = MethodOptions;
+
+  NamedMethod(const System& sys, const MethodOptions& options, double h)
+      : method_(make_method(sys, options, h)) {}
+
+  SolveStats project_positions(const System& sys, double h, State& s) override {
+    return method_->project_positions(sys, h, s);
+  }
+  SolveStats add_forces(const System& sys, double h, State& s) override {
+    return method_->add_forces(sys, h, s);
+  }
+  SolveStats start(const System& sys, State& s) override { return method_->start(sys, s); }
+  SolveStats project_velocities(const System& sys, double h, State& s) override {
+    return method_->project_velocities(sys, h, s);
+  }
+  const Eigen::VectorXd& lambda() const override { return method_->lambda(); }
+  double promised_error() const override { return method_->promised_error(); }
+  std::string setting() const override { return method_->setting(); }
+  void serialize(Archive& archive) override { method_->serialize(archive); }
+
+ private:
+  std::unique_ptr<ConstraintMethod> method_;
+};
+
+// SETTLE holds the waters, the method that its options name the bonds of everything else: water and solute
+// share no bond, so each has its stages to itself. `Waters` is Settle or its fast form.
+template <class Waters>
+class SettleBeside : public ConstraintMethod {
+ public:
+  SettleBeside(const System& sys, const Settle::Options& options, double h)
+      : SettleBeside(sys, options, h,
+                     options.solute == "none" ? Settle::Parts{all_bonds(sys), {}} : Settle::parts_of(sys)) {}
+
+  SolveStats project_positions(const System&, double h, State& s) override {
+    SolveStats stats = waters_.project_positions(h, s);
+    return stats.beside(solute_.project_positions(h, s));
+  }
+  SolveStats add_forces(const System&, double h, State& s) override { return solute_.add_forces(h, s); }
+  SolveStats start(const System&, State& s) override { return solute_.start(s); }
+  SolveStats project_velocities(const System&, double h, State& s) override {
+    SolveStats stats = waters_.project_velocities(h, s);
+    return stats.beside(solute_.project_velocities(h, s));
+  }
+  const Eigen::VectorXd& lambda() const override {
+    waters_.write_lambda(lambda_);
+    solute_.write_lambda(lambda_);
+    return lambda_;
+  }
+  double promised_error() const override {
+    return solute_bonds_ == 0
+               ? waters_.method().promised_error()
+               : std::max(waters_.method().promised_error(), solute_.method().promised_error());
+  }
+  std::string setting() const override {
+    std::string text = waters_.method().setting();
+    if (solute_bonds_ > 0)
+      text +=
+          fmt::format("; {} bonds of the rest by {} {}", solute_bonds_, name_, solute_.method().setting());
+    return text;
+  }
+  void serialize(Archive& archive) override { archive(waters_, solute_); }
+
+ private:
+  SettleBeside(const System& sys, const Settle::Options& options, double h, const Settle::Parts& parts)
+      : name_(options.solute),
+        solute_bonds_(static_cast<int>(parts.rest.size())),
+        waters_(sys, parts.of_waters, options, h),
+        solute_(sys, parts.rest, default_options(name_), h),
+        lambda_(Eigen::VectorXd::Zero(sys.bond_count())) {}
+
+  static std::vector<int> all_bonds(const System& sys) {
+    std::vector<int> bonds(sys.bond_count());
+    std::iota(bonds.begin(), bonds.end(), 0);
+    return bonds;
+  }
+
+  std::string name_;
+  int solute_bonds_;
+  Leftover<Waters> waters_;
+  Leftover<NamedMethod> solute_;
+  mutable Eigen::VectorXd lambda_;  // m
+};
+
+}  // namespace taut

@@ -1,0 +1,140 @@
+#include "constraints/registry.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "base/errors.hpp"
+#include "base/nearest_name.hpp"
+#include "constraints/batch/batched_baumgarte.hpp"
+#include "constraints/batch/batched_feedforward.hpp"
+#include "constraints/batch/batched_lincs.hpp"
+#include "constraints/batch/batched_newton.hpp"
+#include "constraints/batch/batched_settle.hpp"
+#include "constraints/batch/batched_sweeps.hpp"
+#include "constraints/methods/mshake.hpp"
+#include "constraints/methods/penalty.hpp"
+#include "constraints/methods/settle_beside.hpp"
+
+namespace taut {
+namespace {
+
+// Baumgarte without gains: σ̈ = 0, and nothing that brings an error back. The bonds drift as t², shown.
+struct WithoutGains {
+  std::vector<Option> describe() { return {}; }
+  operator Baumgarte::Options() const {
+    return {.gains = "numbers", .damping = "centred", .alpha_per_ps = 0, .beta_per_ps = 0};
+  }
+};
+
+template <class M, class Options>
+std::unique_ptr<ConstraintMethod> make(const System& sys, const std::any& options, double h) {
+  return std::make_unique<M>(sys, std::any_cast<const Options&>(options), h);
+}
+
+template <class Plain, class Fast = Plain, class Options = typename Plain::Options>
+MethodEntry entry(std::string_view name, std::string_view summary) {
+  const auto describe = [](std::any& options) { return std::any_cast<Options&>(options).describe(); };
+  return {name, summary, Options{}, describe, make<Fast, Options>, make<Plain, Options>};
+}
+
+template <class Plain>
+MethodEntry in_lanes(std::string_view name, std::string_view summary) {
+  return entry<Plain, Batched<Plain>>(name, summary);
+}
+
+MethodEntry also_one_sided(MethodEntry entry) {
+  entry.one_sided = true;
+  return entry;
+}
+
+MethodEntry settle() {
+  MethodEntry entry = in_lanes<Settle>("settle", "three-site water in closed form");
+  entry.make = make<SettleBeside<Batched<Settle>>, Settle::Options>;
+  entry.make_plain = make<SettleBeside<Settle>, Settle::Options>;
+  return entry;
+}
+
+std::list<MethodEntry>& list() {
+  static std::list<MethodEntry> methods = {
+      also_one_sided(entry<Baumgarte, Batched<Baumgarte>, WithoutGains>(
+          "none", "constrained accelerations alone, no correction: shows the drift")),
+      entry<Penalty>("penalty", "stiff springs in place of rigid bonds"),
+      also_one_sided(in_lanes<Baumgarte>(
+          "baumgarte", "feedback on the bond error in the acceleration, one linear solve a step")),
+      in_lanes<Feedforward>("feedforward",
+                            "Baumgarte with its truncation fed forward, mostly one linear solve a step"),
+      also_one_sided(in_lanes<Shake>("shake", "sweeps over the bonds, positions only")),
+      also_one_sided(in_lanes<Rattle>("rattle", "sweeps over the bonds, positions and velocities")),
+      also_one_sided(in_lanes<Newton>("newton", "RATTLE by a direct solve of all bonds at once")),
+      entry<MShake>("mshake",
+                    "newton with the exact matrix of every iteration (M-SHAKE, ILVES): few, dear ones"),
+      in_lanes<Lincs>("lincs", "the inverse of A expanded in powers, as GROMACS does"),
+      settle(),
+  };
+  return methods;
+}
+
+}  // namespace
+
+const std::list<MethodEntry>& methods() {
+  return list();
+}
+
+void add_method(MethodEntry method) {
+  method.added = true;
+  const auto known = std::ranges::find(list(), method.name, &MethodEntry::name);
+  if (known == list().end()) return list().push_back(std::move(method));
+  if (!known->added)
+    throw InputError(fmt::format("\"{}\" is a method of taut's: give yours another name", method.name));
+  *known = std::move(method);
+}
+
+std::vector<std::string_view> method_names() {
+  std::vector<std::string_view> names;
+  for (const MethodEntry& method : methods()) names.push_back(method.name);
+  return names;
+}
+
+const MethodEntry& method_named(std::string_view name) {
+  const auto found = std::ranges::find(methods(), name, &MethodEntry::name);
+  if (found == methods().end())
+    throw InputError(fmt::format("there is no method \"{}\"{}", name, did_you_mean(name, method_names())));
+  return *found;
+}
+
+const MethodEntry& MethodOptions::method_with(const std::type_info& options) {
+  const auto has = [&](const MethodEntry& method) { return method.defaults.type() == options; };
+  return *std::ranges::find_if(methods(), has);
+}
+
+void MethodOptions::refuse_one_sided(const System& sys) const {
+  if (sys.one_sided.empty() || method_->one_sided) return;
+  std::vector<std::string_view> able;
+  for (const MethodEntry& method : methods())
+    if (method.one_sided) able.push_back(method.name);
+  throw InputError(
+      fmt::format("method \"{}\" holds no one-sided bonds (at_least, at_most), and there are {}: expected {}",
+                  name(), sys.one_sided.size(), fmt::join(able, ", ")));
+}
+
+std::unique_ptr<ConstraintMethod> MethodOptions::make(MethodEntry::Factory factory, const System& sys,
+                                                      double h) const {
+  if (!(h > 0)) throw InputError(fmt::format("a step of {} ps, expected more than 0", h));
+  std::any values = values_;
+  check(method_->describe(values));
+  refuse_one_sided(sys);
+  return factory(sys, values_, h);
+}
+
+std::unique_ptr<ConstraintMethod> make_method(const System& sys, const MethodOptions& options, double h) {
+  const MethodEntry& method = options.method();
+  return options.make(sys.one_sided.empty() ? method.make : method.make_plain, sys, h);
+}
+
+std::unique_ptr<ConstraintMethod> make_plain(const System& sys, const MethodOptions& options, double h) {
+  return options.make(options.method().make_plain, sys, h);
+}
+
+}  // namespace taut

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstdint>
+
+#include "base/archive.hpp"
+#include "base/random.hpp"
+#include "constraints/batch/batched_newton.hpp"
+#include "md/step.hpp"
+
+namespace taut {
+
+// Langevin's thermostat in the middle of the drift (BAOAB: Leimkuhler and Matthews 2013,
+// doi:10.1063/1.4802990; under constraints: the same 2016, doi:10.1098/rspa.2016.0138; the middle scheme:
+// Zhang et al. 2019, doi:10.1021/acs.jpca.9b02771),
+//     kick h/2 · drift h/2 · v ← v + Δ · drift h/2 · kick h/2,
+//     Δ = P (cv + √(1−c²) √(kT/m) R − v),   c = exp(−γh),   R normal numbers,
+// P = 1 − M⁻¹Jᵀ A⁻¹ J the projection on the tangent space of the bonds where the drift begins. There √(kT/m)
+// PR has the canonical distribution, so Δ leaves it as it is.
+//
+// Both half drifts together are one with the velocity v + ½Δ: one position solve a step serves, and the step
+// of md/step.hpp stays what it is, Δ in two halves about its drift.
+//
+// Who steers σ by forces must know Δ before λ is found. It can: a constraint force has no tangent part, so Δ
+// follows from v_half + hM⁻¹F without it, and is drawn one step ahead. Between its two drifts the velocity
+// then changes by h(a + (½Δ_old + ½Δ)/h): to `add_forces` the noise is one more force, M(½Δ_old + ½Δ)/h, in f
+// for just as long as λ is sought, and every identity of constraints/README.md holds with that acceleration.
+// Cost: 3n normal numbers, and twice a factorization and solve for P, the second time for the heat.
+//
+// Heat. Δ is tangent where the drift begins. When the drift ends the bonds have turned, and of the second half
+// a = ½Δ the constraints take out at once what is not tangent there, (1 − P')a. So the bath gives
+//     Σ m(v_half + ½a)·a  +  Σ m(v_half + (3/2)a)·P'a,
+// v_half being the velocity before Δ. With a in place of P'a the bonds would seem to take energy, whoever holds
+// them: dumbbells of reduced mass μ and length d ½γh²(kT)²/(μd²) each in a unit of time.
+class Langevin final : public Bath {
+ public:
+  struct Settings {
+    double temperature;          // [K]
+    double friction;             // γ [1/ps]
+    std::uint64_t seed = 1;      // of R
+    bool hold_momentum = false;  // Δ without total momentum; for systems where no bond is anchored
+    // Bonds are springs: there is no tangent space, and their force changes the velocity that friction acts
+    // on, so that Δ has to know it, where it need not know Jᵀλ.
+    ConstraintMethod* springs = nullptr;
+  };
+
+  Langevin(const System& sys, const Settings& settings, double h);
+
+  SolveStats draw(const System& sys, double h, State& s) override;
+  SolveStats start(const System& sys, State& s) override;
+  void second_half(State& s) override;
+
+  const Vectors* half_jump() const override { return &half_jump_; }  // [nm/ps]
+
+  // Of the last draw(): by how much the heat of the jump before, Σ m(v_half + ½Δ)·Δ as if all of it had been
+  // tangent, is to be changed since bonds turned [kJ/mol].
+  double heat_of_turning() const { return heat_of_turning_; }
+
+  void serialize(Archive& archive) { archive(half_jump_, random_); }
+
+  // The velocity that Δ is about to change, P(v + (h/2)M⁻¹f): canonical for free and for harmonic motion at
+  // any step, where that of the full step is too cold by (ωh)²/4. Temperatures are taken of it.
+  Vectors middle_velocity(const System& sys, const State& s);
+
+ private:
+  SolveStats draw_knowing_springs(const System& sys, double kick, State& s);
+  SolveStats draw_jump(const System& sys, double kick, State& s);
+  SolveStats account_for_turning(const System& sys, State& s);
+  SolveStats project(Vectors& x, Vectors& v);  // x is lent, not changed
+
+  Settings settings_;
+  double h_;
+  System tangent_;  // the atoms with the bonds that Δ respects
+  Batched<Newton> projector_;
+  State scratch_;                      // x and v as the projector takes them
+  Vectors half_jump_, before_, push_;  // ½Δ, ½Δ of the step before [nm/ps]; M(½Δ_old + ½Δ)/h
+  Vectors pull_;                       // of springs
+  Vectors turned_;                     // P'½Δ of the step before [nm/ps]
+  double heat_of_turning_ = 0;         // [kJ/mol]
+  Random random_;
+};
+
+}  // namespace taut

@@ -1,0 +1,328 @@
+#include "forcefield/bonded/bonded_lanes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "md/units.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "forcefield/bonded/bonded_lanes.cpp"
+#include <hwy/foreach_target.h>
+// after the targets: once a target
+#include <hwy/contrib/math/math-inl.h>
+
+#include "base/vector_lanes-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace taut::HWY_NAMESPACE {
+
+// A law takes the atoms' positions and the terms' numbers, gives the forces and returns the energies.
+template <class Term>
+struct Law;
+
+// Bonds and their like: a force along the line of two atoms, `pull` times the vector from i to j.
+HWY_INLINE void pull_together(V pull, const V3& d, V3* f) {
+  f[0] = pull * d;
+  f[1] = -f[0];
+}
+
+template <>
+struct Law<HarmonicBond> {
+  static std::array<double, 2> numbers(const HarmonicBond& t) { return {t.length, t.k}; }
+
+  static HWY_INLINE V forces(const V3* x, const V* p, V3* f) {
+    const V3 d = x[1] - x[0];
+    const V r = hn::Sqrt(dot(d, d)), stretch = hn::Sub(r, p[0]), k_stretch = hn::Mul(p[1], stretch);
+    pull_together(hn::IfThenZeroElse(hn::Eq(r, broadcast(0)), hn::Div(k_stretch, r)), d, f);
+    return hn::Mul(hn::Mul(broadcast(0.5), k_stretch), stretch);
+  }
+};
+
+template <>
+struct Law<Fene> {
+  static std::array<double, 2> numbers(const Fene& t) { return {t.k, t.r0 * t.r0}; }
+
+  static HWY_INLINE V forces(const V3* x, const V* p, V3* f) {
+    const V3 d = x[1] - x[0];
+    const V slack = hn::Sub(broadcast(1), hn::Div(dot(d, d), p[1]));
+    pull_together(hn::Div(p[0], slack), d, f);
+    const V energy = hn::Mul(hn::Mul(broadcast(-0.5), hn::Mul(p[0], p[1])), hn::Log(D(), slack));
+    return hn::IfThenElse(hn::Gt(slack, broadcast(0)), energy,
+                          broadcast(std::numeric_limits<double>::quiet_NaN()));
+  }
+};
+
+template <>
+struct Law<PairException> {
+  static std::array<double, 3> numbers(const PairException& t) {
+    return {kCoulomb * t.charge_product, t.sigma * t.sigma, 4 * t.epsilon};
+  }
+
+  static HWY_INLINE V forces(const V3* x, const V* p, V3* f) {
+    const V3 d = x[1] - x[0];
+    const V inv_r2 = hn::Div(broadcast(1), dot(d, d)), s2 = hn::Mul(p[1], inv_r2),
+            s6 = hn::Mul(s2, hn::Mul(s2, s2));
+    const V coulomb = hn::Mul(p[0], hn::Sqrt(inv_r2)), depth = hn::Mul(p[2], s6);
+    const V virial = hn::MulAdd(depth, hn::MulSub(broadcast(12), s6, broadcast(6)), coulomb);
+    pull_together(hn::Neg(hn::Mul(virial, inv_r2)), d, f);
+    return hn::MulAdd(depth, hn::Sub(s6, broadcast(1)), coulomb);
+  }
+};
+
+template <>
+struct Law<HarmonicAngle> {
+  static std::array<double, 2> numbers(const HarmonicAngle& t) { return {t.angle, t.stiffness}; }
+
+  static HWY_INLINE V forces(const V3* x, const V* p, V3* f) {
+    const V3 a = x[0] - x[1], c = x[2] - x[1], normal = cross(a, c);
+    const V sine = hn::Sqrt(dot(normal, normal)), cosine = dot(a, c);
+    const V bend = hn::Sub(angle(sine, cosine), p[0]), moment = hn::Mul(p[1], bend);
+    const V a2 = dot(a, a), c2 = dot(c, c);
+    const V over =
+        hn::IfThenZeroElse(hn::Eq(sine, broadcast(0)), hn::Div(moment, hn::Mul(hn::Mul(a2, c2), sine)));
+    f[0] = hn::Neg(hn::Mul(over, c2)) * cross(a, normal);
+    f[2] = hn::Mul(over, a2) * cross(c, normal);
+    f[1] = -(f[0] + f[2]);
+    return hn::Mul(hn::Mul(broadcast(0.5), moment), bend);
+  }
+
+  // atan2(sine, cosine), sine ≥ 0
+  static HWY_INLINE V angle(V sine, V cosine) {
+    const V acute = hn::Atan(D(), hn::Div(sine, hn::Max(hn::Abs(cosine), broadcast(1e-300))));
+    return hn::IfThenElse(hn::Lt(cosine, broadcast(0)), hn::Sub(broadcast(std::numbers::pi), acute), acute);
+  }
+};
+
+// Of a torsion at φ [kJ/mol].
+struct TorsionEnergy {
+  V energy, slope;  // E, dE/dφ
+};
+
+// What all torsions share (bonded.cpp): energy_at(cos φ, sin φ) → TorsionEnergy. B × A = −(F·B) G, thus
+//     cos φ = A·B/|A||B|,  sin φ = −|G| F·B/|A||B|.
+template <class Energy>
+HWY_INLINE V torsion_forces(const V3* x, V3* f, const Energy& energy_at) {
+  const V3 F = x[0] - x[1], G = x[1] - x[2], H = x[3] - x[2], A = cross(F, G), B = cross(H, G);
+  const V g2 = dot(G, G), a2 = dot(A, A), b2 = dot(B, B), least = hn::Mul(broadcast(1e-20), g2);
+  // not for NaN: it must show
+  const auto undefined = hn::Or(hn::Le(a2, hn::Mul(least, dot(F, F))), hn::Le(b2, hn::Mul(least, dot(H, H))));
+  const V g = hn::Sqrt(g2), inv_g = hn::IfThenZeroElse(undefined, hn::Div(broadcast(1), g));
+  const V inv_a2b2 = hn::IfThenZeroElse(undefined, hn::Div(broadcast(1), hn::Mul(a2, b2)));
+  const V inv_ab = hn::Sqrt(inv_a2b2);
+  const V cosine = hn::IfThenElse(undefined, broadcast(1), hn::Mul(dot(A, B), inv_ab));
+  const V sine = hn::Neg(hn::Mul(hn::Mul(g, dot(F, B)), inv_ab));
+
+  const TorsionEnergy at = energy_at(cosine, sine);
+  const V3 a = hn::Mul(at.slope, hn::Mul(b2, inv_a2b2)) * A, b = hn::Mul(at.slope, hn::Mul(a2, inv_a2b2)) * B;
+  const V3 s = hn::Mul(dot(F, G), inv_g) * a - hn::Mul(dot(H, G), inv_g) * b;
+  f[0] = g * a;
+  f[3] = hn::Neg(g) * b;
+  f[1] = -(s + f[0]);
+  f[2] = s - f[3];
+  return at.energy;
+}
+
+template <>
+struct Law<ExpandedTorsion> {
+  static std::array<double, 4> numbers(const ExpandedTorsion& t) {
+    return {t.periodicity, t.amplitude, t.of_cosine, t.of_sine};
+  }
+
+  static HWY_INLINE V forces(const V3* x, const V* p, V3* f) {
+    return torsion_forces(x, f, [p](V cosine, V sine) HWY_ATTR {
+      V cos_n = cosine, sin_n = sine;  // of nφ, each lane as far as its own n
+      for (double n = 2;; ++n) {
+        const auto on = hn::Ge(p[0], broadcast(n));
+        if (hn::AllFalse(D(), on)) break;
+        const V next = hn::MulSub(cos_n, cosine, hn::Mul(sin_n, sine));
+        sin_n = hn::IfThenElse(on, hn::MulAdd(sin_n, cosine, hn::Mul(cos_n, sine)), sin_n);
+        cos_n = hn::IfThenElse(on, next, cos_n);
+      }
+      return TorsionEnergy{hn::MulAdd(p[2], cos_n, hn::MulAdd(p[3], sin_n, p[1])),
+                           hn::Mul(p[0], hn::MulSub(p[3], cos_n, hn::Mul(p[2], sin_n)))};
+    });
+  }
+};
+
+template <>
+struct Law<RyckaertBellemans> {
+  static const std::array<double, 6>& numbers(const RyckaertBellemans& t) { return t.c; }
+
+  static HWY_INLINE V forces(const V3* x, const V* c, V3* f) {
+    return torsion_forces(x, f, [c](V cosine, V sine) HWY_ATTR {
+      const V u = hn::Neg(cosine);
+      V value = c[5], slope = broadcast(0);  // Horner
+      for (int n = 4; n >= 0; --n) {
+        slope = hn::MulAdd(slope, u, value);
+        value = hn::MulAdd(value, u, c[n]);
+      }
+      return TorsionEnergy{value, hn::Mul(slope, sine)};
+    });
+  }
+};
+
+// d = φ − φ₀ from its own cosine and sine.
+template <>
+struct Law<TurnedTorsion> {
+  static std::array<double, 3> numbers(const TurnedTorsion& t) { return {t.stiffness, t.cosine, t.sine}; }
+
+  static HWY_INLINE V forces(const V3* x, const V* p, V3* f) {
+    return torsion_forces(x, f, [p](V cosine, V sine) HWY_ATTR {
+      const V cos_d = hn::MulAdd(cosine, p[1], hn::Mul(sine, p[2]));
+      const V sin_d = hn::MulSub(sine, p[1], hn::Mul(cosine, p[2]));
+      const V turn = hn::CopySign(Law<HarmonicAngle>::angle(hn::Abs(sin_d), cos_d), sin_d);
+      const V moment = hn::Mul(p[0], turn);
+      return TorsionEnergy{hn::Mul(hn::Mul(broadcast(0.5), moment), turn), moment};
+    });
+  }
+};
+
+// Terms go by blocks: positions and numbers to rows, all lanes through the law, forces from the rows to the
+// atoms, term by term, as terms of one vector may share an atom.
+template <class Term>
+class Block {
+  static constexpr int kTerms = 32;
+  static constexpr int kAtoms = static_cast<int>(std::tuple_size_v<decltype(atoms_of(std::declval<Term>()))>);
+  static constexpr int kNumbers = static_cast<int>(
+      std::tuple_size_v<std::remove_cvref_t<decltype(Law<Term>::numbers(std::declval<Term>()))>>);
+
+ public:
+  static double add_all(std::span<const Term> terms, const double* HWY_RESTRICT x, double* HWY_RESTRICT f) {
+    Block block;
+    V energy = hn::Zero(D());
+    for (std::size_t first = 0; first < terms.size(); first += kTerms) {
+      const auto some = terms.subspan(first, std::min<std::size_t>(kTerms, terms.size() - first));
+      block.gather(some, x);
+      energy = hn::Add(energy, block.apply(static_cast<int>(some.size())));
+      block.scatter(some, f);
+    }
+    return hn::GetLane(hn::SumOfLanes(D(), energy));
+  }
+
+ private:
+  // The last term again in lanes left over.
+  void gather(std::span<const Term> terms, const double* HWY_RESTRICT x) {
+    const int count = static_cast<int>(terms.size()), lanes = (count + kWidth - 1) / kWidth * kWidth;
+    for (int t = 0; t < lanes; ++t) {
+      const Term& term = terms[std::min(t, count - 1)];
+      const auto atoms = atoms_of(term);
+      for (int a = 0; a < kAtoms; ++a)
+        for (int d = 0; d < 3; ++d) place_[3 * a + d][t] = x[3 * atoms[a] + d];
+      const auto& numbers = Law<Term>::numbers(term);
+      for (int n = 0; n < kNumbers; ++n) number_[n][t] = numbers[n];
+    }
+  }
+
+  // Forces take the place of positions.
+  V apply(int count) {
+    V energies = hn::Zero(D());
+    for (int t = 0; t < count; t += kWidth) {
+      V3 x[kAtoms], f[kAtoms];
+      V numbers[kNumbers];
+      for (int a = 0; a < kAtoms; ++a)
+        x[a] = {load(place_[3 * a] + t), load(place_[3 * a + 1] + t), load(place_[3 * a + 2] + t)};
+      for (int n = 0; n < kNumbers; ++n) numbers[n] = load(number_[n] + t);
+      const V energy = Law<Term>::forces(x, numbers, f);
+      energies = hn::Add(energies, hn::IfThenElseZero(hn::FirstN(D(), count - t), energy));
+      for (int a = 0; a < kAtoms; ++a) {
+        store(f[a].x, place_[3 * a] + t);
+        store(f[a].y, place_[3 * a + 1] + t);
+        store(f[a].z, place_[3 * a + 2] + t);
+      }
+    }
+    return energies;
+  }
+
+  void scatter(std::span<const Term> terms, double* HWY_RESTRICT f) const {
+    for (int t = 0; t < static_cast<int>(terms.size()); ++t) {
+      const auto atoms = atoms_of(terms[t]);
+      for (int a = 0; a < kAtoms; ++a)
+        for (int d = 0; d < 3; ++d) f[3 * atoms[a] + d] += place_[3 * a + d][t];
+    }
+  }
+
+  HWY_ALIGN double place_[3 * kAtoms][kTerms];
+  HWY_ALIGN double number_[kNumbers][kTerms];
+};
+
+double bonds(std::span<const HarmonicBond> terms, const double* x, double* f) {
+  return Block<HarmonicBond>::add_all(terms, x, f);
+}
+double angles(std::span<const HarmonicAngle> terms, const double* x, double* f) {
+  return Block<HarmonicAngle>::add_all(terms, x, f);
+}
+double torsions(std::span<const ExpandedTorsion> terms, const double* x, double* f) {
+  return Block<ExpandedTorsion>::add_all(terms, x, f);
+}
+double rb_torsions(std::span<const RyckaertBellemans> terms, const double* x, double* f) {
+  return Block<RyckaertBellemans>::add_all(terms, x, f);
+}
+double harmonic_torsions(std::span<const TurnedTorsion> terms, const double* x, double* f) {
+  return Block<TurnedTorsion>::add_all(terms, x, f);
+}
+double fene(std::span<const Fene> terms, const double* x, double* f) {
+  return Block<Fene>::add_all(terms, x, f);
+}
+double exceptions(std::span<const PairException> terms, const double* x, double* f) {
+  return Block<PairException>::add_all(terms, x, f);
+}
+
+}  // namespace taut::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace taut {
+
+HWY_EXPORT(bonds);
+HWY_EXPORT(angles);
+HWY_EXPORT(torsions);
+HWY_EXPORT(rb_torsions);
+HWY_EXPORT(harmonic_torsions);
+HWY_EXPORT(fene);
+HWY_EXPORT(exceptions);
+
+ExpandedTorsion::ExpandedTorsion(const PeriodicTorsion& t)
+    : i(t.i),
+      j(t.j),
+      k(t.k),
+      l(t.l),
+      periodicity(t.periodicity),
+      amplitude(t.amplitude),
+      of_cosine(t.amplitude * std::cos(t.phase)),
+      of_sine(t.amplitude * std::sin(t.phase)) {}
+
+TurnedTorsion::TurnedTorsion(const HarmonicTorsion& t)
+    : i(t.i),
+      j(t.j),
+      k(t.k),
+      l(t.l),
+      stiffness(t.stiffness),
+      cosine(std::cos(t.angle)),
+      sine(std::sin(t.angle)) {}
+
+double add_in_lanes(std::span<const HarmonicBond> terms, const Vectors& x, Vectors& f) {
+  return HWY_DYNAMIC_DISPATCH(bonds)(terms, x.data(), f.data());
+}
+double add_in_lanes(std::span<const HarmonicAngle> terms, const Vectors& x, Vectors& f) {
+  return HWY_DYNAMIC_DISPATCH(angles)(terms, x.data(), f.data());
+}
+double add_in_lanes(std::span<const ExpandedTorsion> terms, const Vectors& x, Vectors& f) {
+  return HWY_DYNAMIC_DISPATCH(torsions)(terms, x.data(), f.data());
+}
+double add_in_lanes(std::span<const RyckaertBellemans> terms, const Vectors& x, Vectors& f) {
+  return HWY_DYNAMIC_DISPATCH(rb_torsions)(terms, x.data(), f.data());
+}
+double add_in_lanes(std::span<const TurnedTorsion> terms, const Vectors& x, Vectors& f) {
+  return HWY_DYNAMIC_DISPATCH(harmonic_torsions)(terms, x.data(), f.data());
+}
+double add_in_lanes(std::span<const Fene> terms, const Vectors& x, Vectors& f) {
+  return HWY_DYNAMIC_DISPATCH(fene)(terms, x.data(), f.data());
+}
+double add_in_lanes(std::span<const PairException> terms, const Vectors& x, Vectors& f) {
+  return HWY_DYNAMIC_DISPATCH(exceptions)(terms, x.data(), f.data());
+}
+
+}  // namespace taut
+#endif

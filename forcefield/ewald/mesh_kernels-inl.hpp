@@ -1,0 +1,369 @@
+// The kernels in one precision, TAUT_MESH_REAL: included once by the source file of each.
+#include <hwy/cache_control.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "forcefield/ewald/mesh_kernels.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "forcefield/ewald/mesh_kernels-inl.hpp"
+#include "base/simd_targets.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace taut::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Real = TAUT_MESH_REAL;
+
+// Unnamed: the types and templates of either precision have the same names, and are others.
+namespace {
+
+constexpr int kTogether = 32;      // atoms whose splines are found at a time
+using Fours = Real[kTogether][4];  // of each atom, four numbers along an edge
+
+// Of atoms along the first two edges, number by number, and along the third in fours, zeros beyond the order.
+template <int order>
+struct Numbers {
+  static constexpr int kFours = reach(order) / 4;
+  HWY_ALIGN Real across[2][order][kTogether];
+  HWY_ALIGN Fours along[kFours];
+};
+template <int order>
+struct Splines {
+  Numbers<order> weight, slope;
+};
+
+// kernel<order>(): loops that are known when compiled.
+HWY_INLINE void of_order(int order, const auto& kernel) {
+  switch (order) {
+    case 4:
+      return kernel.template operator()<4>();
+    case 5:
+      return kernel.template operator()<5>();
+    case 6:
+      return kernel.template operator()<6>();
+    case 7:
+      return kernel.template operator()<7>();
+    default:
+      return kernel.template operator()<8>();
+  }
+}
+
+using D = hn::ScalableTag<Real>;
+using V = hn::Vec<D>;
+
+template <int order>
+HWY_INLINE void store(const V* value, int edge, int first, Numbers<order>& out) {
+  const D d;
+  if (edge < 2) {
+#pragma GCC unroll 8
+    for (int k = 0; k < order; ++k) hn::Store(value[k], d, out.across[edge][k] + first);
+    return;
+  }
+  const auto of = [&](int k) HWY_ATTR { return k < order ? value[k] : hn::Zero(d); };
+#pragma GCC unroll 2
+  for (int k = 0; k < order; k += 4)
+    hn::StoreInterleaved4(of(k), of(k + 1), of(k + 2), of(k + 3), d, out.along[k / 4][first]);
+}
+
+template <int order>
+HWY_INLINE void find_splines(MeshAtoms<Real> atoms, bool slopes, Splines<order>& out) {
+  const D d;
+  HWY_ALIGN Real above[3][kTogether];
+  for (int edge = 0; edge < 3; ++edge) {
+    for (std::size_t a = 0; a < atoms.size(); ++a) above[edge][a] = atoms[a].above[edge];
+    std::fill(above[edge] + atoms.size(), std::end(above[edge]), Real(0));
+  }
+  const auto one = hn::Set(d, 1);
+  for (int first = 0; first < static_cast<int>(atoms.size()); first += static_cast<int>(hn::Lanes(d)))
+    for (int edge = 0; edge < 3; ++edge) {
+      const V w = hn::Load(d, above[edge] + first);
+      V value[order];
+      value[0] = hn::Sub(one, w);
+      value[1] = w;
+#pragma GCC unroll 8
+      for (int n = 3; n <= order; ++n) {
+        if (n == order && slopes) {
+          V slope[order];
+          slope[0] = hn::Neg(value[0]);
+#pragma GCC unroll 8
+          for (int k = 1; k < n - 1; ++k) slope[k] = hn::Sub(value[k - 1], value[k]);
+          slope[n - 1] = value[n - 2];
+          store<order>(slope, edge, first, out.slope);
+        }
+        const auto whole = [&](int k) HWY_ATTR { return hn::Set(d, Real(k)); };
+        const V inv = hn::Set(d, Real(1) / Real(n - 1));
+        value[n - 1] = hn::Mul(hn::Mul(inv, w), value[n - 2]);
+#pragma GCC unroll 8
+        for (int k = n - 2; k > 0; --k)
+          value[k] = hn::Mul(inv, hn::MulAdd(hn::Add(w, whole(n - 1 - k)), value[k - 1],
+                                             hn::Mul(hn::Sub(whole(k + 1), w), value[k])));
+        value[0] = hn::Mul(value[0], hn::Mul(inv, hn::Sub(one, w)));
+      }
+      store<order>(value, edge, first, out.weight);
+    }
+}
+
+// A row along the third edge: as few vectors as hold the order.
+template <int order>
+struct RowOf {
+  using D = hn::CappedTag<Real, reach(order)>;
+  static constexpr int kLanes = static_cast<int>(hn::MaxLanes(D())), kVectors = reach(order) / kLanes;
+
+  hn::Vec<D> v[kVectors];
+
+  static HWY_INLINE RowOf from(const Real* p) {
+    RowOf row;
+#pragma GCC unroll 8
+    for (int k = 0; k < kVectors; ++k) row.v[k] = hn::LoadU(D(), p + k * kLanes);
+    return row;
+  }
+  // An atom's, in fours.
+  static HWY_INLINE RowOf from(const Fours* fours, int a) {
+    RowOf row;
+#if HWY_TARGET != HWY_SCALAR
+    if constexpr (kLanes == 8) {
+      const hn::Half<D> half;
+      row.v[0] = hn::Combine(D(), hn::LoadU(half, fours[1][a]), hn::LoadU(half, fours[0][a]));
+      return row;
+    } else
+#endif
+#pragma GCC unroll 8
+      for (int k = 0; k < kVectors; ++k) row.v[k] = hn::LoadU(D(), fours[k * kLanes / 4][a] + k * kLanes % 4);
+    return row;
+  }
+};
+
+// Where an atom's rows begin in each of its planes, one after the other.
+class PlanesOf {
+ public:
+  HWY_INLINE PlanesOf(const MeshGrid<Real>& grid, const MeshAtom<Real>& atom)
+      : apart_(grid.apart),
+        all_(grid.size[0] * grid.apart),
+        end_(grid.plane + all_),
+        at_(grid.plane + atom.point[0] * grid.apart + atom.point[1] * grid.stride + atom.point[2]) {}
+  HWY_INLINE Real* next() {
+    Real* const rows = at_;
+    at_ = wrapped(at_ + apart_);
+    return rows;
+  }
+
+ private:
+  HWY_INLINE Real* wrapped(Real* at) const { return at < end_ ? at : at - all_; }
+
+  std::ptrdiff_t apart_, all_;
+  Real *end_, *at_;
+};
+
+template <int order>
+HWY_INLINE void spread_of(const MeshGrid<Real>& grid, const PlanesAbove& planes, MeshAtoms<Real> atoms,
+                          const Splines<order>& splines) {
+  using Row = RowOf<order>;
+  const typename Row::D d;
+  for (int a = 0; a < static_cast<int>(atoms.size()); ++a) {
+    const Row w = Row::from(splines.weight.along, a);
+    Row of[order];
+#pragma GCC unroll 8
+    for (int j = 0; j < order; ++j) {
+      const auto c = hn::Set(d, atoms[a].charge * splines.weight.across[1][j][a]);
+#pragma GCC unroll 8
+      for (int v = 0; v < Row::kVectors; ++v) of[j].v[v] = hn::Mul(c, w.v[v]);
+    }
+    PlanesOf all(grid, atoms[a]);
+#pragma GCC unroll 8
+    for (int k = 0; k < order; ++k) {
+      Real* row = all.next();
+      if (k < planes.first || k > planes.last) continue;
+      const auto c = hn::Set(d, splines.weight.across[0][k][a]);
+#pragma GCC unroll 8
+      for (int j = 0; j < order; ++j, row += grid.stride)
+#pragma GCC unroll 8
+        for (int v = 0; v < Row::kVectors; ++v) {
+          Real* const at = row + v * Row::kLanes;
+          hn::StoreU(hn::MulAdd(c, of[j].v[v], hn::LoadU(d, at)), d, at);
+        }
+    }
+  }
+}
+
+// Along a row last: Σ φ w₁w₂, Σ φ dw₁w₂ and Σ φ w₁dw₂ there.
+template <int order>
+HWY_INLINE std::array<double, 3> slope_of(const MeshGrid<Real>& grid, const MeshAtom<Real>& atom,
+                                          const Splines<order>& splines, int a) {
+  using Row = RowOf<order>;
+  const typename Row::D d;
+  const auto zero = hn::Zero(d);
+  PlanesOf planes(grid, atom);
+  Row level, first, second;
+#pragma GCC unroll 8
+  for (int v = 0; v < Row::kVectors; ++v) level.v[v] = first.v[v] = second.v[v] = zero;
+#pragma GCC unroll 8
+  for (int k = 0; k < order; ++k) {
+    const Real* row = planes.next();
+    Row of, tilt;
+#pragma GCC unroll 8
+    for (int v = 0; v < Row::kVectors; ++v) of.v[v] = tilt.v[v] = zero;
+#pragma GCC unroll 8
+    for (int j = 0; j < order; ++j, row += grid.stride) {
+      const Row phi = Row::from(row);
+      const auto wj = hn::Set(d, splines.weight.across[1][j][a]),
+                 dj = hn::Set(d, splines.slope.across[1][j][a]);
+#pragma GCC unroll 8
+      for (int v = 0; v < Row::kVectors; ++v) {
+        of.v[v] = hn::MulAdd(wj, phi.v[v], of.v[v]);
+        tilt.v[v] = hn::MulAdd(dj, phi.v[v], tilt.v[v]);
+      }
+    }
+    const auto wk = hn::Set(d, splines.weight.across[0][k][a]),
+               dk = hn::Set(d, splines.slope.across[0][k][a]);
+#pragma GCC unroll 8
+    for (int v = 0; v < Row::kVectors; ++v) {
+      level.v[v] = hn::MulAdd(wk, of.v[v], level.v[v]);
+      first.v[v] = hn::MulAdd(dk, of.v[v], first.v[v]);
+      second.v[v] = hn::MulAdd(wk, tilt.v[v], second.v[v]);
+    }
+  }
+  const Row w = Row::from(splines.weight.along, a), dw = Row::from(splines.slope.along, a);
+  auto x = zero, y = zero, z = zero;
+#pragma GCC unroll 8
+  for (int v = 0; v < Row::kVectors; ++v) {
+    x = hn::MulAdd(first.v[v], w.v[v], x);
+    y = hn::MulAdd(second.v[v], w.v[v], y);
+    z = hn::MulAdd(level.v[v], dw.v[v], z);
+  }
+  const auto sum = [&](auto of) HWY_ATTR { return double(hn::GetLane(hn::SumOfLanes(d, of))); };
+  return {sum(x), sum(y), sum(z)};
+}
+
+// work(some) of all of them.
+HWY_INLINE void some_at_a_time(MeshAtoms<Real> atoms, const auto& work) {
+  for (; !atoms.empty(); atoms = atoms.subspan(std::min<std::size_t>(kTogether, atoms.size())))
+    work(atoms.first(std::min<std::size_t>(kTogether, atoms.size())));
+}
+
+}  // namespace
+
+void spread(MeshGrid<Real> grid, const PlanesAbove& planes, MeshAtoms<Real> atoms) {
+  of_order(grid.order, [&]<int order>() HWY_ATTR {
+    Splines<order> splines;
+    some_at_a_time(atoms, [&](MeshAtoms<Real> some) HWY_ATTR {
+      find_splines<order>(some, false, splines);
+      spread_of<order>(grid, planes, some, splines);
+    });
+  });
+}
+
+void forces(MeshGrid<Real> grid, MeshAtoms<Real> atoms, const Eigen::Matrix3d& turn, Vectors& f) {
+  of_order(grid.order, [&]<int order>() HWY_ATTR {
+    Splines<order> splines;
+    some_at_a_time(atoms, [&](MeshAtoms<Real> some) HWY_ATTR {
+      for (const auto& atom : some) hwy::Prefetch(f.data() + 3 * std::ptrdiff_t{atom.atom});
+      find_splines<order>(some, true, splines);
+      for (int a = 0; a < static_cast<int>(some.size()); ++a) {
+        const auto slope = slope_of<order>(grid, some[a], splines, a);
+        double* const at = f.data() + 3 * std::ptrdiff_t{some[a].atom};
+        const double q = double(some[a].charge);
+        for (int d = 0; d < 3; ++d)
+          at[d] -= q * (turn(d, 0) * slope[0] + turn(d, 1) * slope[1] + turn(d, 2) * slope[2]);
+      }
+    });
+  });
+}
+
+// The three edges, and a fourth for the vector's sake.
+namespace {
+struct Edges {
+  using D = hn::CappedTag<double, 4>;
+  static constexpr int kLanes = static_cast<int>(hn::MaxLanes(D())), kVectors = 4 / kLanes;
+  hn::Vec<D> v[kVectors];
+
+  HWY_INLINE explicit Edges(const auto& numbers) {
+    HWY_ALIGN double all[4] = {double(numbers[0]), double(numbers[1]), double(numbers[2]), 1};
+    for (int k = 0; k < kVectors; ++k) v[k] = hn::Load(D(), all + k * kLanes);
+  }
+};
+}  // namespace
+
+void points(const MeshFrame& frame, const Vectors& x, std::span<const Charged> charged, MeshAtom<Real>* out) {
+  const Edges size(frame.size),
+      along[] = {Edges(frame.into.col(0)), Edges(frame.into.col(1)), Edges(frame.into.col(2))};
+  const Edges::D d;
+  const hn::Rebind<std::int32_t, Edges::D> whole;
+  for (const auto& [atom, charge] : charged) {
+    const double* const p = x.data() + 3 * std::ptrdiff_t{atom};
+    HWY_ALIGN double above[4];
+    HWY_ALIGN std::int32_t point[4];
+    for (int v = 0; v < Edges::kVectors; ++v) {
+      const auto s =
+          hn::MulAdd(along[0].v[v], hn::Set(d, p[0]),
+                     hn::MulAdd(along[1].v[v], hn::Set(d, p[1]), hn::Mul(along[2].v[v], hn::Set(d, p[2]))));
+      const auto at = hn::Mul(hn::Sub(s, hn::Floor(s)), size.v[v]);
+      const auto below = hn::Min(hn::Floor(at), hn::Sub(size.v[v], hn::Set(d, 1)));  // rounding on a wall
+      hn::Store(hn::Sub(at, below), d, above + v * Edges::kLanes);
+      hn::Store(hn::DemoteTo(whole, below), whole, point + v * Edges::kLanes);
+    }
+    *out++ = {{Real(above[0]), Real(above[1]), Real(above[2])},
+              static_cast<Real>(charge),
+              {point[0], point[1], point[2]},
+              atom};
+  }
+}
+
+double filter_all(std::span<const Real> factor, std::complex<Real>* z) {
+  const D d;
+  constexpr int kMost = static_cast<int>(hn::MaxLanes(d));
+  const int lanes = static_cast<int>(hn::Lanes(d)), n = static_cast<int>(factor.size());
+  double sum[kMost] = {};
+  HWY_ALIGN Real part[kMost];
+  int k = 0;
+  for (; k + lanes <= n; k += lanes) {
+    Real* const numbers = reinterpret_cast<Real*>(z + k);
+    V re, im;
+    hn::LoadInterleaved2(d, numbers, re, im);
+    const V g = hn::LoadU(d, &factor[k]);
+    hn::StoreInterleaved2(hn::Mul(g, re), hn::Mul(g, im), d, numbers);
+    hn::Store(hn::Mul(g, hn::MulAdd(re, re, hn::Mul(im, im))), d, part);
+    for (int l = 0; l < kMost; ++l) sum[l] += double(part[l]);
+  }
+  for (; k < n; ++k) {
+    sum[0] += double(factor[k] * std::norm(z[k]));
+    z[k] *= factor[k];
+  }
+  return std::accumulate(sum, sum + kMost, 0.0);
+}
+
+}  // namespace taut::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace taut {
+
+using Real = TAUT_MESH_REAL;
+
+HWY_EXPORT(points);
+HWY_EXPORT(spread);
+HWY_EXPORT(forces);
+HWY_EXPORT(filter_all);
+template <>
+void find_points(const MeshFrame& frame, const Vectors& x, std::span<const Charged> charged,
+                 MeshAtom<Real>* out) {
+  HWY_DYNAMIC_DISPATCH(points)(frame, x, charged, out);
+}
+template <>
+void spread_charges(const MeshGrid<Real>& grid, const PlanesAbove& planes, MeshAtoms<Real> atoms) {
+  HWY_DYNAMIC_DISPATCH(spread)(grid, planes, atoms);
+}
+template <>
+void add_mesh_forces(const MeshGrid<Real>& grid, MeshAtoms<Real> atoms, const Eigen::Matrix3d& turn,
+                     Vectors& f) {
+  HWY_DYNAMIC_DISPATCH(forces)(grid, atoms, turn, f);
+}
+template <>
+double filter(std::span<const Real> factor, std::complex<Real>* z) {
+  return HWY_DYNAMIC_DISPATCH(filter_all)(factor, z);
+}
+
+}  // namespace taut
+#endif

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "forcefield/ewald/mesh.hpp"
+#include "forcefield/ewald/screening.hpp"
+#include "forcefield/terms.hpp"
+#include "md/box.hpp"
+
+namespace taut {
+
+// Coulomb of all periodic images, what of it is no pair within the cutoff (Ewald 1921; Essmann et al. 1995,
+// doi:10.1063/1.470117), in OpenMM's conventions:
+//     the reciprocal part, on a mesh
+//     self:        −k α/√π Σ q²
+//     background:  −k π Q²/(2Vα²), Q = Σ q: a uniform charge that makes up for what charges do not add to
+//     exceptions:  −k q q' erf(αr)/r of every pair left out of the general sum, which the mesh has in it
+// The pairs' own part, k q q' erfc(αr)/r, is one of the laws of clusters/pair_kernels.hpp.
+class Pme {
+ public:
+  // nb.pme as chosen.
+  Pme(const Nonbonded& nb, Precision precision);
+
+  void set_box(const Box& box);
+  void add_forces(const Vectors& x, Vectors& f);
+  // Of the last add_forces [kJ/mol].
+  double energy() const { return constant_ + background_ + excluded_energy_ + mesh_.energy(); }
+  // At x, −dE/dstrain [kJ/mol]. What it takes is done when it is asked for.
+  Eigen::Matrix3d virial(const Vectors& x);
+
+ private:
+  struct Excluded {
+    int i, j;
+    double qq;  // k q q' [kJ/mol·nm]
+  };
+
+  struct ExcludedSums {
+    double energy = 0;                                 // [kJ/mol]
+    Eigen::Matrix3d virial = Eigen::Matrix3d::Zero();  // Σ r⊗f
+
+    ExcludedSums& operator+=(const ExcludedSums& more) {
+      energy += more.energy;
+      virial += more.virial;
+      return *this;
+    }
+    friend ExcludedSums operator+(ExcludedSums a, const ExcludedSums& b) { return a += b; }
+  };
+
+  struct Screened {
+    Vec3 r;
+    double energy, force;  // as those of ScreenedPairs
+  };
+
+  void cut_excluded();
+  // add(sums, excluded, screened) for every pair, at x.
+  ExcludedSums over_excluded(const Vectors& x, const auto& add);
+  ExcludedSums over_some(std::span<const Excluded> excluded, const Vectors& x, const auto& add) const;
+
+  double alpha_;  // [1/nm]
+  Screening screening_;
+  double total_;  // Q [e]
+  double constant_, background_ = 0;
+  std::vector<Excluded> excluded_;
+  std::vector<int> cuts_;  // into pieces: no atom is on both sides of one
+  std::vector<ExcludedSums> pieces_;
+  double excluded_energy_ = 0;
+  PmeMesh mesh_;
+};
+
+}  // namespace taut

@@ -1,0 +1,363 @@
+#include "forcefield/pairs/atom_clusters.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numeric>
+
+#include "base/errors.hpp"
+#include "base/shares.hpp"
+
+namespace taut {
+namespace {
+
+constexpr int kBuildsPerSurvey = 100;  // how often the density is looked at again
+constexpr double kFarthest = 1e15;     // columns
+constexpr int kAtomsOfThread = 400;    // fewer are not worth waking a thread for
+constexpr int kColumnsOfThread = 8;
+
+std::uint64_t mix(std::int64_t a, std::int64_t b, std::int64_t c = 0) {
+  const std::uint64_t h = (std::uint64_t(a) * 0x9E3779B97F4A7C15u) ^
+                          (std::uint64_t(b) * 0xC2B2AE3D27D4EB4Fu) ^ (std::uint64_t(c) * 0x165667B19E3779F9u);
+  return h ^ (h >> 32);
+}
+
+[[noreturn]] void ran_away(int a, double x) {
+  throw SimulationFailure(fmt::format("atom {} ran away: a coordinate of {} nm", a, x));
+}
+
+}  // namespace
+
+// The volume of the cubes of an edge of `range` that hold atoms, by marking hashes of their places: two
+// cubes that share a hash count as one, which is good enough for a density.
+double AtomClusters::crowded_volume(const Vectors& x) {
+  Vec3 edge = Vec3::Constant(layout_.range);
+  if (layout_.periodic) edge = box_.edge.array() / (box_.edge / layout_.range).array().floor().max(1);
+  marked_.assign(std::bit_ceil(4 * std::size_t(x.cols())), false);
+  long cubes = 0;
+  for (int a = 0; a < x.cols(); ++a) {
+    if (!layout_.present[a]) continue;
+    Vec3 p = x.col(a);
+    if (layout_.periodic) p += offset_of(p);
+    p = p.cwiseQuotient(edge).array().floor();
+    for (double c : p)
+      if (!(std::abs(c) < kFarthest)) ran_away(a, x.col(a).cwiseAbs().maxCoeff());
+    auto mark =
+        marked_[mix(std::int64_t(p[0]), std::int64_t(p[1]), std::int64_t(p[2])) & (marked_.size() - 1)];
+    cubes += !mark;
+    mark = true;
+  }
+  return double(cubes) * edge.prod();
+}
+
+// Of a gap wider than two ranges, two ranges are kept: atoms within range of each other have none between
+// them. Where all are near the origin there is nothing to gain.
+void AtomClusters::leave_gaps_out(const Vectors& x) {
+  constexpr double kNear = 64;  // ranges
+  const double range = layout_.range, kept = 2 * range;
+  for (int d = 0; d < 3; ++d) {
+    stretches_[d].assign(1, {0, 0});
+    along_.clear();
+    double extent = 0;
+    for (int a = 0; a < x.cols(); ++a) {
+      if (!layout_.present[a]) continue;
+      along_.push_back(x(d, a));
+      extent = std::max(extent, std::abs(x(d, a)));
+      if (!(extent < kFarthest * range)) ran_away(a, x(d, a));
+    }
+    if (extent <= kNear * range) continue;
+    std::sort(along_.begin(), along_.end());
+    double last = along_.front(), offset = -last;
+    stretches_[d].assign(1, {last, offset});
+    for (const double u : along_) {
+      if (u - last > kept) {
+        offset -= u - last - kept;
+        stretches_[d].push_back({u, offset});
+      }
+      last = u;
+    }
+  }
+}
+
+double AtomClusters::offset_along(int d, double x) const {
+  const auto next = std::upper_bound(stretches_[d].begin() + 1, stretches_[d].end(), x,
+                                     [](double u, const Stretch& s) { return u < s.begin; });
+  return std::prev(next)->offset;
+}
+
+Vec3 AtomClusters::offset_of(const Vec3& x) const {
+  if (layout_.periodic) return -box_.steps(box_.bricks(x, std::floor));
+  return {offset_along(0, x[0]), offset_along(1, x[1]), offset_along(2, x[2])};
+}
+
+// As wide as the cube of eight atoms, at the density there is: narrower, there are fewer near each other to
+// choose from; wider, more that are not.
+void AtomClusters::choose_columns(const Vectors& x) {
+  if (builds_ % kBuildsPerSurvey == 0) {
+    const auto present = std::count(layout_.present.begin(), layout_.present.end(), 1);
+    const double ideal =
+        std::cbrt(2 * kClusterAtoms * crowded_volume(x) / double(std::max(1L, long(present))));
+    for (int d = 0; d < 2; ++d) {
+      count_[d] = layout_.periodic ? std::max(1L, std::lround(box_.edge[d] / ideal)) : 0;
+      width_[d] = ideal;
+    }
+  }
+  ++builds_;
+  for (int d = 0; d < 2 && layout_.periodic; ++d) width_[d] = box_.edge[d] / double(count_[d]);
+}
+
+void AtomClusters::serialize(Archive& archive) {
+  int before = std::max(0, builds_ - 1);  // none where every pair counts
+  archive(box_, before, width_, count_);
+  if (!archive.loading()) return;
+  builds_ = before;
+  archive.demand(before >= 0);
+  for (int d = 0; d < 2 && before > 0; ++d) {
+    archive.demand(width_[d] > 1e-3 * layout_.range);
+    archive.demand(!layout_.periodic ||
+                   (count_[d] > 0 && box_.edge[d] / double(count_[d]) > 1e-3 * layout_.range));
+  }
+}
+
+// Not where the atom has run away.
+std::optional<AtomClusters::Place> AtomClusters::locate(const Vec3& wrapped) const {
+  Place place;
+  for (int d = 0; d < 2; ++d) {
+    const double c = std::floor(wrapped[d] / width_[d]);
+    if (!(std::abs(c) < kFarthest)) return {};
+    place[d] = static_cast<std::int64_t>(c);
+    if (layout_.periodic)
+      place[d] = std::clamp<std::int64_t>(place[d], 0, count_[d] - 1);  // rounding on a wall
+  }
+  return place;
+}
+
+std::size_t AtomClusters::table_entry(const Place& place) const {
+  const auto another = [&](const Place& found) { return found[0] != place[0] || found[1] != place[1]; };
+  std::size_t e = mix(place[0], place[1]) & (table_.size() - 1);
+  while (table_[e] >= 0 && another(columns_[table_[e]].place)) e = (e + 1) & (table_.size() - 1);
+  return e;
+}
+
+// What goes by threads gives the same on any number of them.
+void AtomClusters::build(const Vectors& x, const Box& box) {
+  const int n = static_cast<int>(x.cols());
+  if (layout_.periodic) box_ = box;
+  choose_columns(x);
+  if (!layout_.periodic) leave_gaps_out(x);
+  wrap_.resize(n);
+  wrapped_.resize(n);
+  place_.resize(n);
+  in_shares(n, kAtomsOfThread, [&](const Share& atoms) {
+    for (int a = atoms.begin; a < atoms.end; ++a) {
+      if (!layout_.present[a]) continue;
+      wrap_[a] = offset_of(x.col(a));
+      wrapped_[a] = x.col(a) + wrap_[a];
+      place_[a] = locate(wrapped_[a]);
+    }
+  });
+  find_columns(x);
+  fill_columns();
+  in_shares(static_cast<int>(columns_.size()), kColumnsOfThread, [&](const Share& columns) {
+    for (int c = columns.begin; c < columns.end; ++c) bring_near(columns_[c]);
+  });
+  int clusters = 0;
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    next_[c] = clusters;
+    for (int e = columns_[c].begin; e < columns_[c].end; ++e) clusters += entries_[e].first;
+  }
+  make_room(clusters);
+  in_shares(static_cast<int>(columns_.size()), kColumnsOfThread, [&](const Share& columns) {
+    for (int c = columns.begin; c < columns.end; ++c) cut(columns_[c], next_[c]);
+  });
+}
+
+// The occupied columns, in the order of the grid.
+void AtomClusters::find_columns(const Vectors& x) {
+  const int n = static_cast<int>(x.cols());
+  columns_.clear();
+  table_.assign(std::bit_ceil(2 * std::size_t(n) + 1), -1);
+  column_of_.assign(n, -1);
+  for (int a = 0; a < n; ++a) {
+    if (!layout_.present[a]) continue;
+    if (!place_[a]) ran_away(a, x.col(a).cwiseAbs().maxCoeff());
+    int& column = table_[table_entry(*place_[a])];
+    if (column < 0) {
+      column = static_cast<int>(columns_.size());
+      columns_.push_back({*place_[a], 0, 0});
+    }
+    column_of_[a] = column;
+    ++columns_[column].end;  // counts atoms for now
+  }
+  order_.resize(columns_.size());
+  std::iota(order_.begin(), order_.end(), 0);
+  std::sort(order_.begin(), order_.end(),
+            [&](int a, int b) { return columns_[a].place < columns_[b].place; });
+  rank_.resize(columns_.size());
+  unsorted_ = columns_;
+  for (std::size_t r = 0; r < order_.size(); ++r) {
+    rank_[order_[r]] = static_cast<int>(r);
+    columns_[r] = unsorted_[order_[r]];
+  }
+  for (int& column : table_)
+    if (column >= 0) column = rank_[column];
+}
+
+// Ends with begin and end counting entries.
+void AtomClusters::fill_columns() {
+  next_.resize(columns_.size());
+  int begin = 0;
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    next_[c] = columns_[c].begin = begin;
+    begin = columns_[c].end += begin;
+  }
+  entries_.resize(begin);
+  for (std::size_t a = 0; a < column_of_.size(); ++a)
+    if (column_of_[a] >= 0)
+      entries_[next_[rank_[column_of_[a]]]++] = {wrapped_[a][2], static_cast<int>(a), false};
+}
+
+// A column's atoms by z, and cluster by cluster.
+void AtomClusters::bring_near(const Column& column) {
+  std::sort(entries_.begin() + column.begin, entries_.begin() + column.end,
+            [](const Entry& a, const Entry& b) { return a.z != b.z ? a.z < b.z : a.atom < b.atom; });
+  for (int first = column.begin; first < column.end;) {
+    const int taken = take_near(first, column.end);
+    entries_[first].first = true;
+    first += taken;
+  }
+}
+
+// The next cluster, of the entries left: the lowest and three of the next seven, none of them too high. Of n
+// entries with the sum S of their places, four with the sum P spread least about their middle, and the rest
+// about theirs, where the middles are furthest apart, |P − 4S/n| greatest. What is left stays in its order.
+// Says how many there are.
+int AtomClusters::take_near(int first, int end) {
+  constexpr int kFew = 2 * kClusterAtoms;
+  const double highest = entries_[first].z + tallest();
+  std::array<Vec3, kFew> place;
+  Vec3 sum = Vec3::Zero();
+  int n = 0;
+  for (; n < kFew && first + n < end && entries_[first + n].z <= highest; ++n) {
+    place[n] = wrapped_[entries_[first + n].atom];
+    sum += place[n];
+  }
+  if (n <= kClusterAtoms) return n;
+  double furthest = -1;
+  unsigned three = 0;  // a digit of eight each
+  const Vec3 lowest = place[0] - kClusterAtoms * sum / n;
+  for (int i = 1; i < n; ++i)
+    for (int j = i + 1; j < n; ++j) {
+      const Vec3 rest = lowest + place[i] + place[j];
+      for (int k = j + 1; k < n; ++k) {
+        const double apart = (rest + place[k]).squaredNorm();
+        three =
+            apart > furthest ? unsigned(i << 6 | j << 3 | k) : three;  // no branch: it would be guessed wrong
+        furthest = std::max(apart, furthest);
+      }
+    }
+  for (int to = 1; to < kClusterAtoms; ++to) {
+    const auto entry = entries_.begin() + first + (three >> (3 * (kClusterAtoms - 1 - to)) & 7);
+    std::rotate(entries_.begin() + first + to, entry, entry + 1);
+  }
+  return kClusterAtoms;
+}
+
+void AtomClusters::make_room(int clusters) {
+  atom_.resize(std::size_t(kClusterAtoms) * clusters);
+  offset_.resize(atom_.size());
+  slot_of_.assign(wrap_.size(), -1);
+}
+
+// Clusters of a column's entries, from `cluster` on. Ends with its begin and end counting clusters.
+void AtomClusters::cut(Column& column, int cluster) {
+  const int begin = cluster;
+  for (int e = column.begin; e < column.end; ++cluster) {
+    int last = e + 1;
+    while (last < column.end && !entries_[last].first) ++last;
+    int slot = kClusterAtoms * cluster;
+    for (const bool first : {true, false})
+      for (int k = e; k < last; ++k) {
+        const int a = entries_[k].atom;
+        if (bool(layout_.first[a]) != first) continue;
+        slot_of_[a] = slot;
+        atom_[slot] = a;
+        offset_[slot++] = wrap_[a];
+      }
+    for (; slot % kClusterAtoms != 0; ++slot) {
+      atom_[slot] = atom_[slot - 1];
+      offset_[slot] = offset_[slot - 1];
+    }
+    e = last;
+  }
+  column.begin = begin;
+  column.end = cluster;
+}
+
+void AtomClusters::build_in_order(const Vectors& x) {
+  const int n = static_cast<int>(x.cols());
+  wrap_.assign(n, Vec3::Zero());
+  entries_.clear();
+  for (int a = 0; a < n; ++a)
+    if (layout_.present[a]) entries_.push_back({0, a, entries_.size() % kClusterAtoms == 0});
+  const int atoms = static_cast<int>(entries_.size());
+  make_room((atoms + kClusterAtoms - 1) / kClusterAtoms);
+  columns_.assign(1, {{0, 0}, 0, atoms});
+  cut(columns_[0], 0);
+}
+
+// A cluster moved by s meets another where that one moved by −s meets it: of the two, taken is the one that
+// has the other further along x; or else along y; or else along z, where it is of the same column or another
+// layer's.
+void AtomClusters::neighbours(const Column& column, int up, std::vector<Neighbour>& out) const {
+  out.clear();
+  if (!layout_.periodic) {
+    meet(column, Vec3::Zero(), out);
+  } else {
+    // where the column's own corner comes to lie, so that it is within range of the brick
+    const double range = layout_.range;
+    const double y = double(column.place[1]) * width_[1] + up * box_.tilt[2];
+    const double x = double(column.place[0]) * width_[0] + up * box_.tilt[1];
+    for (double b = std::ceil((-range - width_[1] - y) / box_.edge[1]);
+         y + b * box_.edge[1] < box_.edge[1] + range; ++b)
+      for (double a = std::ceil((-range - width_[0] - x - b * box_.tilt[0]) / box_.edge[0]);
+           x + b * box_.tilt[0] + a * box_.edge[0] < box_.edge[0] + range; ++a)
+        meet(column, {a, b, double(up)}, out);
+  }
+  std::sort(out.begin(), out.end(), [](const Neighbour& a, const Neighbour& b) {
+    return a.image != b.image ? a.image < b.image : a.begin < b.begin;
+  });
+}
+
+// Of one image of the column, the neighbours.
+void AtomClusters::meet(const Column& column, const Vec3& steps, std::vector<Neighbour>& out) const {
+  const Vec3 shift = box_.steps(steps);
+  const int image = (16 - static_cast<int>(steps[0])) * 32 + 16 - static_cast<int>(steps[1]);
+  const double range2 = layout_.range * layout_.range;
+  Place first, last;
+  for (int d = 0; d < 2; ++d) {
+    const auto place = column.place[d] + std::int64_t(std::floor(shift[d] / width_[d]));
+    const auto reach = static_cast<std::int64_t>(layout_.range / width_[d]) + 2;
+    first[d] = place - reach;
+    last[d] = place + reach;
+    if (!layout_.periodic) continue;
+    first[d] = std::max<std::int64_t>(first[d], 0);
+    last[d] = std::min(last[d], count_[d] - 1);
+  }
+  const auto further = [&](int d, std::int64_t place) {  // the other is, corner from corner [nm]
+    return double(place - column.place[d]) * width_[d] - shift[d];
+  };
+  const auto gap = [&](int d, double corners) { return std::max(0.0, std::abs(corners) - width_[d]); };
+  for (std::int64_t px = first[0]; px <= last[0]; ++px)
+    for (std::int64_t py = first[1]; py <= last[1]; ++py) {
+      const double dx = further(0, px), dy = further(1, py), gx = gap(0, dx), gy = gap(1, dy);
+      if (dx < 0 || (dx == 0 && (dy < 0 || (dy == 0 && steps[2] < 0)))) continue;
+      if (gx * gx + gy * gy > range2 * (1 + 1e-9)) continue;
+      const int found = table_[table_entry({px, py})];
+      if (found >= 0) out.push_back({columns_[found].begin, columns_[found].end, image, shift});
+    }
+}
+
+}  // namespace taut

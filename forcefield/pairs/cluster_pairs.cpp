@@ -1,0 +1,375 @@
+#include "forcefield/pairs/cluster_pairs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "base/shares.hpp"
+#include "forcefield/check_positions.hpp"
+#include "forcefield/pairs/atom_tracks.hpp"
+#include "forcefield/pairs/cluster_search.hpp"
+#include "forcefield/pairs/pair_kernels.hpp"
+#include "forcefield/pairs/pair_problem.hpp"
+#include "forcefield/pairs/prune_list.hpp"
+#include "forcefield/pairs/row_shares.hpp"
+#include "forcefield/pairs/slots.hpp"
+#include "forcefield/pairs/thread_forces.hpp"
+
+namespace taut {
+namespace {
+
+using Onto = ClusterPairs::Onto;
+
+constexpr int kClustersPerThread = 100;  // fewer are not worth a thread
+constexpr double kEverywhere = 1e15;     // [nm]
+
+// The largest separation of two atoms along an axis [nm].
+double spread(const Vectors& x) {
+  return x.cols() > 0 ? (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).maxCoeff() : 0.0;
+}
+
+}  // namespace
+
+class ClusterPairs::Engine {
+ public:
+  virtual ~Engine() = default;
+  virtual void update_lists(const Vectors& x, const Box& box) = 0;
+  virtual void add_forces(Vectors& f, Onto onto) = 0;
+  virtual double energy() = 0;
+  virtual Eigen::Matrix3d virial() = 0;
+  virtual void serialize(Archive& archive) = 0;
+  long searches = 0, prunings = 0;
+};
+
+namespace {
+
+template <class T>
+class EngineIn final : public ClusterPairs::Engine {
+ public:
+  explicit EngineIn(PairProblem problem)
+      : p_(std::move(problem)),
+        exclusions_(static_cast<int>(p_.kind.size()), p_.exclusions),
+        clusters_(p_.layout()),
+        aim_{p_.way, p_.spare, p_.outer / 2} {}
+
+  void update_lists(const Vectors& x, const Box& box) override {
+    if (p_.all_pairs() && x.cols() > 0) choose_unit(2 * spread(x), x.cwiseAbs().maxCoeff());
+    if (p_.periodic && box != clusters_.box()) forget();
+    if (!searched_in_box_ || !place(x)) renew_lists(x, box);
+    energy_known_ = false;
+  }
+
+  void add_forces(Vectors& f, Onto onto) override {
+    in_parallel(threads_, [&](int t) { add_pair_forces(p_.law, atoms_, inner_list(t), force_.cleared(t)); });
+    by_clusters([&](const Share& share) {
+      hand_out(force_.all(), clusters_, share, {atoms_.unit, onto}, f);
+    });
+  }
+
+  double energy() override {
+    if (!energy_known_)
+      energy_ = over_lists([](const auto&... of) { return SixSums{pair_energy<T>(of...)}; })[0];
+    energy_known_ = true;
+    return energy_;
+  }
+
+  Eigen::Matrix3d virial() override {
+    const SixSums s = over_lists(pair_virial<T>);
+    return Eigen::Matrix3d{{s[0], s[3], s[4]}, {s[3], s[1], s[5]}, {s[4], s[5], s[2]}};
+  }
+
+  // Where every pair counts, the lists do not depend on where atoms are.
+  void serialize(Archive& archive) override {
+    if (p_.all_pairs()) return;
+    archive(clusters_, searched_at_);
+    if (archive.loading()) search(Vectors(searched_at_), clusters_.box());
+    archive(tracks_, listed_.x);
+    if (!archive.loading()) return;
+    archive.demand(within_reach());
+    prune();
+    energy_known_ = false;
+  }
+
+ private:
+  static constexpr int kRowAtoms = PairPrecision<T>::kRowAtoms;
+
+  SixSums over_lists(const auto& sum) {
+    parts_.resize(threads_);
+    in_parallel(threads_, [&](int t) { parts_[t] = sum(p_.law, atoms_, inner_list(t)); });
+    SixSums total{};
+    for (const SixSums& part : parts_)
+      for (std::size_t k = 0; k < total.size(); ++k) total[k] += part[k];
+    return total;
+  }
+
+  const ClusterList& inner_list(int t) const { return p_.all_pairs() ? outer_[t] : inner_[t]; }
+
+  Share share_of(int t) const { return Share(clusters_.count(), t, threads_); }
+
+  void by_clusters(const auto& work) {
+    in_parallel(threads_, [&](int t) { work(share_of(t)); });
+  }
+  // A number of each share of the clusters, and the largest.
+  void by_shares(const auto& of) {
+    of_share_.resize(threads_);
+    in_parallel(threads_, [&](int t) { of_share_[t] = of(share_of(t)); });
+  }
+  double most(const auto& of) {
+    by_shares(of);
+    return *std::max_element(of_share_.begin(), of_share_.end());
+  }
+  bool everywhere(const auto& holds) {
+    return most([&](const Share& share) { return holds(share) ? 0.0 : 1.0; }) == 0;
+  }
+
+  void renew_lists(const Vectors& x, const Box& box) {
+    if (!searched_in_box_ || !look_ahead()) {
+      search(x, box);
+      look_ahead();
+    }
+    prune();
+  }
+
+  void forget() {
+    searched_in_box_ = false;
+    tracks_.forget();
+  }
+
+  // Where the inner list is to be made. False if that is too far from where the atoms were searched.
+  bool look_ahead() {
+    if (p_.all_pairs()) {
+      listed_ = searched_;
+      return everywhere([&](const Share& s) { return tracks_.served(listed_, s); });
+    }
+    by_shares([&](const Share& s) { return tracks_.look_ahead(aim_, s, listed_); });
+    const double half_ways = std::accumulate(of_share_.begin(), of_share_.end(), 0.0);
+    if (!within_reach()) return false;
+    tracks_.adjust(half_ways, aim_);
+    return true;
+  }
+
+  bool within_reach() {
+    moved_.resize(clusters_.count());
+    farthest_ = most([&](const Share& s) { return farthest(searched_, s, listed_, moved_); });
+    return farthest_ <= aim_.reach;
+  }
+
+  // The inner list from the outer one. What is thrown while lists are made leaves none that serves.
+  void prune() {
+    searched_in_box_ = false;
+    if (!p_.all_pairs()) fill_inner_lists();
+    searched_in_box_ = true;
+  }
+
+  void fill_inner_lists() {
+    const Pruning pruning{listed_, kind_, p_.law.cutoff, kRowAtoms, moved_, farthest_, p_.outer};
+    in_parallel(threads_, [&](int t) {
+      inner_[t].rows.clear();
+      inner_[t].masked.clear();
+      for (const auto& [list, rows] : shares_.pieces(t)) pruning.add(outer_[list], rows, inner_[t]);
+    });
+    ++prunings;
+  }
+
+  // Puts the atoms where they are now. False where the inner list no longer serves, or an atom is nowhere.
+  bool place(const Vectors& x) {
+    if (!tracks_.stand_at(x, clusters_)) tracks_.advance();
+    return everywhere([&](const Share& share) {
+      place_atoms(x, clusters_, share, tracks_.now().data(), atoms_);
+      return tracks_.served(listed_, share);
+    });
+  }
+
+  void search(const Vectors& x, const Box& box) {
+    searched_in_box_ = false;  // until it is done: where an atom is nowhere, no list serves
+    check_positions(x);
+    if (std::exchange(tracks_entered_, false))
+      by_clusters([&](const Share& share) { tracks_.leave(clusters_, share); });
+    p_.all_pairs() ? clusters_.build_in_order(x) : clusters_.build(x, box);
+    threads_ = threads_for(clusters_.count(), kClustersPerThread);
+    load(x);
+    outer_.resize(threads_);
+    inner_.resize(threads_);
+    search_.resize(threads_);
+    shares_.make_room(threads_);
+    force_.make_room(threads_, clusters_.count());
+    if (!p_.all_pairs()) {
+      space_.bounds.make_room(clusters_.count());
+      by_clusters([&](const Share& s) { space_.bounds.find(searched_.x.data(), s.begin, s.end); });
+    }
+    in_parallel(threads_, [&](int t) {
+      const Share share = share_of(t);
+      p_.all_pairs() ? search_[t].run_all(space_, triangle_share(t), triangle_share(t + 1), outer_[t])
+                     : search_[t].run(space_, share.begin, share.end, outer_[t]);
+      shares_.count(t, outer_[t]);
+    });
+    shares_.add_up();
+    in_parallel(threads_, [&](int t) {
+      force_.forget(t);
+      if (p_.all_pairs()) return force_.reach(t, outer_[t], {0, static_cast<int>(outer_[t].rows.size())});
+      shares_.take(t, outer_);
+      for (const auto& [list, rows] : shares_.pieces(t)) force_.reach(t, outer_[list], rows);
+    });
+    by_clusters([&](const Share& share) {
+      place_atoms(x, clusters_, share, tracks_.now().data(), atoms_);
+      tracks_.enter(clusters_, share);
+    });
+    tracks_entered_ = true;
+    searched_at_ = x;
+    ++searches;
+  }
+
+  // Positions and parameters by slot.
+  void load(const Vectors& x) {
+    const int slots = clusters_.slots();
+    tracks_.make_room(clusters_.count(), x.cols());
+    kind_.resize(slots);
+    atoms_.x.resize(3 * slots);
+    for (auto* numbers : {&atoms_.charge, &atoms_.half_sigma, &atoms_.two_sqrt_epsilon})
+      numbers->resize(slots);
+    load_table(slots);
+    searched_.x.resize(4 * slots);
+    listed_.x.resize(4 * slots);
+    const double extent = most([&](const Share& share) { return load(x, share); });
+    searched_.extent = listed_.extent = extent + clusters_.box().edge.maxCoeff();
+    if (!p_.all_pairs()) choose_unit(2 * (p_.law.cutoff + p_.outer + clusters_.widest()), extent);
+  }
+
+  // The largest coordinate of them.
+  double load(const Vectors& x, const Share& share) {
+    double extent = 0;
+    for (int slot = 4 * share.begin; slot < 4 * share.end; ++slot) {
+      const int a = clusters_.atom(slot);
+      for (int d = 0; d < 3; ++d) {
+        const double q = x(d, a) + clusters_.offset(slot)[d];
+        searched_.x[16 * (slot / 4) + 4 * d + slot % 4] = static_cast<float>(q);
+        extent = std::max(extent, std::abs(q));
+      }
+      searched_.x[16 * (slot / 4) + 12 + slot % 4] = static_cast<float>(kEverywhere);
+      const bool filler = clusters_.filler(slot);
+      const auto unless_filler = [&](double value) { return filler ? T(0) : static_cast<T>(value); };
+      kind_[slot] = filler ? 0 : p_.kind[a];
+      atoms_.charge[slot] = unless_filler(p_.charge[a]);
+      atoms_.half_sigma[slot] = unless_filler(p_.half_sigma[a]);
+      atoms_.two_sqrt_epsilon[slot] = unless_filler(p_.two_sqrt_epsilon[a]);
+      if (p_.law.mixing == Mixing::kTable && !filler) atoms_.type[slot] = static_cast<T>(p_.table.type[a]);
+    }
+    return extent;
+  }
+
+  // Fillers are of the last type.
+  void load_table(int slots) {
+    if (p_.law.mixing != Mixing::kTable) return;
+    atoms_.type.assign(slots, static_cast<T>(p_.law.types - 1));
+    const auto copy = [](const Eigen::MatrixXd& from, Aligned<T>& to) {
+      to.resize(from.size());
+      for (Eigen::Index k = 0; k < from.size(); ++k) to[k] = static_cast<T>(from.data()[k]);
+    };
+    copy(p_.table.a, atoms_.table_a);
+    copy(p_.table.b, atoms_.table_b);
+  }
+
+  // Coordinates are kept modulo 2³²: atoms of clusters that meet, less than `widest` apart, tell how far they
+  // are from each other wherever they are. `extent`: of the coordinates [nm].
+  void choose_unit(double widest, double extent) {
+    if constexpr (sizeof(T) == 4)
+      atoms_.unit = std::exp2(std::ceil(std::log2(std::max({widest * 0x1p-31, extent * 0x1p-50, 1e-12}))));
+  }
+
+  // Clusters of about as many pairs for each thread, each with all that come after it.
+  int triangle_share(int t) const {
+    const double left = 1 - double(t) / threads_;
+    return static_cast<int>(std::lround(clusters_.count() * (1 - std::sqrt(left))));
+  }
+
+  PairProblem p_;
+  Adjacency exclusions_;
+  AtomClusters clusters_;
+  PairAtoms<T> atoms_;
+  AtomTracks tracks_;
+  const AtomTracks::Aim aim_;
+  RoundedPositions searched_, listed_;  // places the outer and the inner list were made for
+  Vectors searched_at_;                 // as they were given [nm]
+  std::vector<std::uint8_t> kind_;
+  bool searched_in_box_ = false;  // the box there is, and lists are whole
+  bool tracks_entered_ = false;   // the clusters there are
+  std::vector<double> moved_;     // since then, as Pruning has them
+  double farthest_ = 0;
+  int threads_ = 1;
+  std::vector<ClusterList> outer_, inner_;  // by thread, as what follows
+  std::vector<double> of_share_;
+  std::vector<ClusterSearch> search_;
+  SearchSpace space_{clusters_, exclusions_, kind_, searched_, p_.law.cutoff, p_.outer, p_.core, kRowAtoms};
+  RowShares shares_;  // of the outer list, which make the inner one
+  ThreadForces<T> force_;
+  std::vector<SixSums> parts_;
+  double energy_ = 0;
+  bool energy_known_ = false;
+};
+
+// Without a cutoff every separation counts. A unit of 32 bits that holds the widest is finer than single
+// precision while that is some tens of nanometres; of atoms that have gone further, all is done in double.
+class MixedWithoutCutoff final : public ClusterPairs::Engine {
+ public:
+  explicit MixedWithoutCutoff(const PairProblem& problem) : mixed_(problem), double_(problem) {}
+
+  void update_lists(const Vectors& x, const Box& box) override {
+    constexpr double kWidest = 64;  // [nm]
+    used_ = spread(x) <= kWidest ? static_cast<Engine*>(&mixed_) : &double_;
+    used_->update_lists(x, box);
+    searches = mixed_.searches + double_.searches;
+  }
+  void add_forces(Vectors& f, Onto onto) override { used_->add_forces(f, onto); }
+  double energy() override { return used_->energy(); }
+  Eigen::Matrix3d virial() override { return used_->virial(); }
+  void serialize(Archive& archive) override { used_->serialize(archive); }
+
+ private:
+  EngineIn<float> mixed_;
+  EngineIn<double> double_;
+  Engine* used_ = &mixed_;
+};
+
+std::unique_ptr<ClusterPairs::Engine> make_engine(PairProblem problem, Precision precision) {
+  if (precision == Precision::kMixed && problem.all_pairs())
+    return std::make_unique<MixedWithoutCutoff>(problem);
+  if (precision == Precision::kMixed) return std::make_unique<EngineIn<float>>(std::move(problem));
+  return std::make_unique<EngineIn<double>>(std::move(problem));
+}
+
+}  // namespace
+
+ClusterPairs::ClusterPairs(const Nonbonded& nb, bool periodic, Precision precision)
+    : ClusterPairs(problem_of(nb, periodic, precision), precision) {}
+ClusterPairs::ClusterPairs(const Wca& wca, int atoms, bool periodic, Precision precision)
+    : ClusterPairs(problem_of(wca, atoms, periodic), precision) {}
+ClusterPairs::ClusterPairs(const PairProblem& problem, Precision precision)
+    : engine_(make_engine(problem, precision)),
+      on_every_atom_(std::ranges::all_of(problem.layout().present, [](auto p) { return p != 0; })) {}
+ClusterPairs::~ClusterPairs() = default;
+ClusterPairs::ClusterPairs(ClusterPairs&&) noexcept = default;
+ClusterPairs& ClusterPairs::operator=(ClusterPairs&&) noexcept = default;
+
+void ClusterPairs::update_lists(const Vectors& x, const Box& box) {
+  engine_->update_lists(x, box);
+}
+void ClusterPairs::add_forces(Vectors& f, Onto onto) {
+  engine_->add_forces(f, onto);
+}
+double ClusterPairs::energy() {
+  return engine_->energy();
+}
+Eigen::Matrix3d ClusterPairs::virial() {
+  return engine_->virial();
+}
+void ClusterPairs::serialize(Archive& archive) {
+  engine_->serialize(archive);
+}
+long ClusterPairs::searches() const {
+  return engine_->searches;
+}
+long ClusterPairs::prunings() const {
+  return engine_->prunings;
+}
+
+}  // namespace taut

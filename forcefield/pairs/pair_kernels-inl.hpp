@@ -1,0 +1,369 @@
+// The kernels in one precision, TAUT_PAIR_REAL: included once by the source file of each.
+#include <algorithm>
+
+#include "forcefield/pairs/pair_kernels.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "forcefield/pairs/pair_kernels-inl.hpp"
+#include "base/simd_targets.hpp"
+// after the targets: once a target
+#include "forcefield/pairs/dense_rows-inl.hpp"
+#include "forcefield/pairs/pair_law-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace taut::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Rows of one kind against their clusters.
+template <class T, class C>
+class RowSum {
+  friend class DenseRows<T, C>;
+  using S = Shape<T>;
+  using D = typename S::D;
+  using V = typename S::V;
+  using DX = typename S::DX;
+  using VX = typename S::VX;
+  using Law = LawInLanes<T, C>;
+  static constexpr int kVectors = S::kVectors, kParts = S::kParts, kLanes = S::kLanes;
+  static constexpr int kPlaces = kVectors * kParts;  // vectors a cluster
+
+ public:
+  HWY_INLINE RowSum(const PairLaw& law, const PairAtoms<T>& atoms, T* f)
+      : x_of_(atoms.x.data()),
+        inv_unit_(1 / atoms.unit),
+        f_(f),
+        law_(law, atoms),
+        cutoff2_(set(law.cutoff * law.cutoff)),
+        unit2_(set(atoms.unit * atoms.unit)) {
+    for (V& sum : sum_) sum = set(0);
+  }
+
+  HWY_INLINE void add(const PairRow& row, const ClusterList& list) {
+    load(row);
+    for (int k = row.masked_begin; k < row.masked_end; ++k) {
+      mask_ = list.masked[k].mask;
+      meet(list.masked[k].cluster);
+    }
+    mask_ = ~0u;
+    const int* clusters = list.clusters.data();
+    int k = row.begin;
+    if constexpr (kStaged) {
+      if (k < row.end) meet_staged(clusters + k, clusters + row.end);
+    } else {
+      for (; k < row.end; ++k) meet(clusters[k]);
+    }
+    if constexpr (C::kSum) {
+      for (int i = 0; i < kSums; ++i) {
+        total_[i] += double(hn::GetLane(hn::SumOfLanes(D(), sum_[i])));
+        sum_[i] = set(0);
+      }
+    } else {
+      store(row);
+    }
+  }
+
+  const SixSums& total() const { return total_; }
+
+ private:
+  static HWY_INLINE V set(double value) { return hn::Set(D(), static_cast<T>(value)); }
+
+  HWY_INLINE void load(const PairRow& row) {
+    const D d;
+    load_row<T>(x_of_, inv_unit_, row, x_);
+    for (int v = 0; v < kVectors; ++v) {
+      law_.load(row.first + v * S::kRows, atoms_[v]);
+      for (int k = 0; k < 3; ++k) own_f_[k][v] = hn::Zero(d);
+    }
+  }
+
+  // The row against a cluster: separations with the guess the law starts from, then the law, then forces or
+  // sums.
+  struct Distances {
+    V r[kPlaces][3], r2[kPlaces][1], guess[kPlaces][1];
+  };
+  struct Terms {
+    V of[kPlaces][1];
+  };
+
+  // What comes of a cluster waits for its distances longer than the processor can look ahead: so those of the
+  // next one are found before and, where registers hold so much, inverses between.
+  static constexpr bool kStaged = !C::kSum && kLanes > 1 && !C::kFine;
+  static constexpr int kAhead = kPlaces == 1 ? 2 : 1;  // clusters
+  HWY_INLINE void meet_staged(const int* cluster, const int* end) {
+    Distances at, next, last;
+    measure(*cluster, at);
+    if constexpr (kAhead == 2) {
+      invert(at);
+      if (cluster + 1 < end) measure(cluster[1], next);
+    }
+    for (; cluster + kAhead < end; ++cluster) {
+      measure(cluster[kAhead], last);
+      invert(kAhead == 2 ? next : at);
+      finish(*cluster, at);
+      at = kAhead == 2 ? next : last;
+      next = last;
+    }
+    if constexpr (kAhead == 1) invert(at);
+    finish(*cluster, at);
+    if (kAhead == 1 || ++cluster == end) return;
+    invert(next);
+    finish(*cluster, next);
+  }
+  HWY_INLINE void finish(int cluster, Distances& at) {
+    Terms terms;
+    apply_law(cluster, at, terms);
+    add_forces(cluster, at, terms);
+  }
+
+  HWY_INLINE void meet(int cluster) {
+    Distances at;
+    Terms terms;
+    measure(cluster, at);
+    invert(at);
+    apply_law(cluster, at, terms);
+    for (int place = 0; place < kPlaces; ++place) {
+      V& term = terms.of[place][0];
+      term = hn::IfThenElseZero(counted(mask_, place % kVectors, place / kVectors), term);
+      if constexpr (C::kEnergy) sum_[0] = hn::Add(sum_[0], term);
+      if constexpr (C::kVirial) add_virial(at.r[place], term);
+    }
+    if constexpr (!C::kSum) add_forces(cluster, at, terms);
+  }
+
+  HWY_INLINE void add_virial(const V (&r)[3], V term) {
+    if constexpr (sizeof(T) == 4) term = hn::Mul(term, unit2_);
+    const V f[3] = {hn::Mul(term, r[0]), hn::Mul(term, r[1]), hn::Mul(term, r[2])};
+    for (int k = 0; k < 3; ++k) sum_[k] = hn::MulAdd(r[k], f[k], sum_[k]);
+    sum_[3] = hn::MulAdd(r[0], f[1], sum_[3]);
+    sum_[4] = hn::MulAdd(r[0], f[2], sum_[4]);
+    sum_[5] = hn::MulAdd(r[1], f[2], sum_[5]);
+  }
+
+  HWY_INLINE void subtract(std::ptrdiff_t cluster, int place, V (&r)[3]) const {
+    const DX d;
+    const int v = place % kVectors, part = place / kVectors;
+    const auto* x = x_of_ + 12 * cluster + part * S::kColumns;
+    for (int k = 0; k < 3; ++k) r[k] = number(hn::Sub(x_[k][v], load_columns(d, x + 4 * k)));
+  }
+
+  HWY_INLINE void measure(int cluster, Distances& out) const {
+    for (int place = 0; place < kPlaces; ++place) {
+      V(&r)[3] = out.r[place];
+      subtract(cluster, place, r);
+      V r2 = hn::MulAdd(r[0], r[0], hn::MulAdd(r[1], r[1], hn::Mul(r[2], r[2])));
+      if constexpr (sizeof(T) == 4) r2 = hn::Mul(r2, unit2_);
+      out.r2[place][0] = r2;
+      out.guess[place][0] = Law::guess(r2);
+    }
+  }
+
+  HWY_INLINE void invert(Distances& at) const {
+    for (int place = 0; place < kPlaces; ++place) Law::template invert<1>(at.r2[place], at.guess[place]);
+  }
+
+  HWY_INLINE void apply_law(std::ptrdiff_t cluster, Distances& at, Terms& out) const {
+    for (int place = 0; place < kPlaces; ++place) {
+      const int v = place % kVectors, part = place / kVectors;
+      const V(&r2)[1] = at.r2[place];
+      V(&term)[1] = out.of[place];
+      law_.template pairs<1>(v, atoms_[v], {4 * cluster + part * S::kColumns}, r2, at.guess[place], term);
+      term[0] = hn::IfThenElseZero(hn::Not(hn::Gt(r2[0], cutoff2_)), term[0]);  // NaN must show
+    }
+  }
+
+  HWY_INLINE void add_forces(std::ptrdiff_t cluster, const Distances& at, const Terms& terms) {
+    const D d;
+    for (int place = 0; place < kPlaces; ++place) {
+      const int v = place % kVectors, part = place / kVectors;
+      const V(&r)[3] = at.r[place];
+      const V term = terms.of[place][0];
+      T* f = f_ + (3 * cluster * kParts + part) * kLanes;
+      for (int i = 0; i < 3; ++i) own_f_[i][v] = hn::MulAdd(term, r[i], own_f_[i][v]);
+      for (int i = 0; i < 3; ++i, f += kParts * kLanes)
+        hn::Store(hn::NegMulAdd(term, r[i], hn::Load(d, f)), d, f);
+    }
+  }
+
+  static HWY_INLINE V number(VX difference) {
+    if constexpr (sizeof(T) == 4)
+      return hn::ConvertTo(D(), difference);
+    else
+      return difference;
+  }
+
+  // Bits 4i + j of the row's atoms i in vector v and of the cluster's part.
+  static HWY_INLINE auto counted(std::uint32_t mask, int v, int part) {
+    std::uint8_t bytes[8] = {};
+    std::uint32_t bits = mask >> (4 * v * S::kRows);
+    if constexpr (S::kColumns < 4) bits = (bits >> (part * S::kColumns)) & ((1u << S::kColumns) - 1);
+    bytes[0] = static_cast<std::uint8_t>(bits);
+    bytes[1] = static_cast<std::uint8_t>(bits >> 8);
+    return hn::LoadMaskBits(D(), bytes);
+  }
+
+  // The row's own forces go to lanes of its atoms: any copy will do. (Bits put together in memory byte by
+  // byte would make the load of them all wait.)
+  HWY_INLINE void store(const PairRow& row) {
+    const D d;
+    constexpr std::uint64_t diagonal = [] {
+      std::uint64_t bits = 0;
+      for (int i = 0; i < S::kRows; ++i) bits |= std::uint64_t{1} << i * (S::kColumns + 1);
+      return bits;
+    }();
+    const int cluster = row.first / kClusterAtoms;
+    for (int v = 0; v < kVectors; ++v) {
+      const int at = row.first % kClusterAtoms + v * S::kRows;
+      const std::uint64_t bits = diagonal << at % S::kColumns;
+      const auto own = hn::LoadMaskBits(d, reinterpret_cast<const std::uint8_t*>(&bits));
+      T* f = f_ + (3 * cluster * kParts + at / S::kColumns % kParts) * kLanes;
+      for (int k = 0; k < 3; ++k) {
+        hn::Store(hn::Add(hn::Load(d, f), hn::IfThenElseZero(own, sum_columns(d, own_f_[k][v]))), d, f);
+        f += kParts * kLanes;
+      }
+    }
+  }
+
+  const typename S::Coordinate* HWY_RESTRICT x_of_;
+  double inv_unit_;
+  T* HWY_RESTRICT f_;
+  Law law_;
+  V cutoff2_, unit2_;
+  static constexpr int kSums = C::kVirial ? 6 : 1;  // the energy, or the virial
+  V sum_[kSums];
+  SixSums total_{};
+  std::uint32_t mask_ = 0;  // of pairs that count
+  VX x_[3][kVectors];
+  V own_f_[3][kVectors];
+  typename Law::Atoms atoms_[kVectors];
+};
+
+struct Rows {
+  const PairLaw& law;
+  const ClusterList& list;
+  std::size_t begin, end;
+};
+
+template <class T, class C>
+bool chosen(const PairRow& row, const PairAtoms<T>& atoms) {
+  if (row.kind != ((C::kLj ? kHasLj : 0) | (C::kCharge ? kHasCharge : 0))) return false;
+  constexpr int half = PairPrecision<T>::kRowAtoms / 2;
+  const T* depth = atoms.two_sqrt_epsilon.data() + row.first + half;
+  return !C::kSplit || C::kHalf == std::all_of(depth, depth + half, [](T of) { return of == 0; });
+}
+
+template <class T, class C>
+HWY_INLINE void add_chosen(const Rows& rows, const PairAtoms<T>& atoms, auto& sum) {
+  for (std::size_t r = rows.begin; r < rows.end; ++r)
+    if (chosen<T, C>(rows.list.rows[r], atoms)) sum.add(rows.list.rows[r], rows.list);
+}
+
+template <class T, class C>
+HWY_NOINLINE SixSums sum_rows(const Rows& rows, const PairAtoms<T>& atoms, T* f) {
+  RowSum<T, C> sum(rows.law, atoms, f);
+  if constexpr (kDense<T, C>) {
+    DenseRows<T, C> dense(rows.law, atoms.unit, sum);
+    add_chosen<T, C>(rows, atoms, dense);
+    dense.add_forces();
+  } else {
+    add_chosen<T, C>(rows, atoms, sum);
+  }
+  return sum.total();
+}
+
+template <class T, bool lj, bool charge, Ask ask, bool fine = false>
+SixSums choose_law(const Rows& rows, const PairAtoms<T>& atoms, T* f) {
+  if constexpr (charge && !fine && ScreeningPieces<typename Shape<T>::D>::kMany) {
+    const Screening& screening = rows.law.screening;
+    if (ScreeningPieces<typename Shape<T>::D>::fine(ask == Ask::kEnergy ? screening.energy : screening.force))
+      return choose_law<T, lj, charge, ask, true>(rows, atoms, f);
+  }
+  const auto mixed = [&]<Mixing mixing>() {
+    if (rows.law.switched()) return sum_rows<T, Choice<lj, charge, mixing, true, ask, fine>>(rows, atoms, f);
+    using Whole = Choice<lj, charge, mixing, false, ask, fine>;
+    if constexpr (Whole::kSplit)
+      sum_rows<T, Choice<lj, charge, mixing, false, ask, fine, true>>(rows, atoms, f);
+    return sum_rows<T, Whole>(rows, atoms, f);
+  };
+  if constexpr (!lj)
+    return sum_rows<T, Choice<false, charge, Mixing::kOneSigma, false, ask, fine>>(rows, atoms, f);
+  else if (rows.law.mixing == Mixing::kTable)
+    return mixed.template operator()<Mixing::kTable>();
+  else if (rows.law.mixing == Mixing::kOneSigma)
+    return mixed.template operator()<Mixing::kOneSigma>();
+  else
+    return mixed.template operator()<Mixing::kTwoSigmas>();
+}
+
+// Kinds take turns, so that rows near each other find the same clusters still in the cache.
+template <class T, Ask ask>
+SixSums sum_all(const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList& list, T* f) {
+  constexpr std::size_t kTurn = 256;  // rows
+  SixSums sum{};
+  const auto add = [&](const SixSums& part) {
+    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += part[k];
+  };
+  for (std::size_t begin = 0; begin < list.rows.size(); begin += kTurn) {
+    const Rows rows{law, list, begin, std::min(begin + kTurn, list.rows.size())};
+    if (law.charge) add(choose_law<T, false, true, ask>(rows, atoms, f));
+    if (law.lj) add(choose_law<T, true, false, ask>(rows, atoms, f));
+    if (law.lj && law.charge) add(choose_law<T, true, true, ask>(rows, atoms, f));
+  }
+  return sum;
+}
+
+using Real = TAUT_PAIR_REAL;
+
+void forces(const PairLaw& law, const PairAtoms<Real>& atoms, const ClusterList& list, Real* f) {
+  sum_all<Real, Ask::kForces>(law, atoms, list, f);
+}
+double energy(const PairLaw& law, const PairAtoms<Real>& atoms, const ClusterList& list) {
+  return sum_all<Real, Ask::kEnergy>(law, atoms, list, nullptr)[0];
+}
+SixSums virial(const PairLaw& law, const PairAtoms<Real>& atoms, const ClusterList& list) {
+  return sum_all<Real, Ask::kVirial>(law, atoms, list, nullptr);
+}
+int copies(const Real*) {
+  return Shape<Real>::kRows;
+}
+ScreeningFit fit(const Real*) {
+  return ScreeningPieces<Shape<Real>::D>::fit();
+}
+
+}  // namespace taut::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace taut {
+
+using Real = TAUT_PAIR_REAL;
+
+HWY_EXPORT(forces);
+HWY_EXPORT(energy);
+HWY_EXPORT(virial);
+HWY_EXPORT(copies);
+HWY_EXPORT(fit);
+
+template <>
+int force_copies<Real>() {
+  return HWY_DYNAMIC_DISPATCH(copies)(nullptr);
+}
+template <>
+ScreeningFit screening_fit<Real>() {
+  return HWY_DYNAMIC_DISPATCH(fit)(nullptr);
+}
+template <>
+void add_pair_forces(const PairLaw& law, const PairAtoms<Real>& atoms, const ClusterList& list, Real* f) {
+  HWY_DYNAMIC_DISPATCH(forces)(law, atoms, list, f);
+}
+template <>
+double pair_energy(const PairLaw& law, const PairAtoms<Real>& atoms, const ClusterList& list) {
+  return HWY_DYNAMIC_DISPATCH(energy)(law, atoms, list);
+}
+template <>
+SixSums pair_virial(const PairLaw& law, const PairAtoms<Real>& atoms, const ClusterList& list) {
+  return HWY_DYNAMIC_DISPATCH(virial)(law, atoms, list);
+}
+
+}  // namespace taut
+#endif

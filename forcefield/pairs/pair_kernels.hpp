@@ -1,0 +1,102 @@
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <limits>
+
+#include "base/aligned.hpp"
+#include "forcefield/ewald/screening.hpp"
+#include "forcefield/pairs/cluster_list.hpp"
+
+namespace taut {
+
+// How a pair's σ and ε are found: σ is the same of all that have ε, so that √ε_i √ε_j is all a pair needs;
+// Lorentz and Berthelot's rule; a table.
+enum class Mixing { kOneSigma, kTwoSigmas, kTable };
+
+// What pairs do, in the conventions of OpenMM's NonbondedForce (no cutoff; cutoff with reaction field, in a
+// periodic box or without one):
+//     LJ:       4ε((σ/r)¹² − (σ/r)⁶) S(r),   σ = ½(σ_i + σ_j), ε = √(ε_i ε_j)   (Lorentz–Berthelot)
+//     switch:   S = 1 − 6x⁵ + 15x⁴ − 10x³, x = (r − rs)/(rc − rs); 1 below rs
+//     Coulomb:  k q_i q_j (1/r + k_rf r² − c_rf), k_rf = (ε−1)/((2ε+1)rc³), c_rf = 3ε/((2ε+1)rc)
+//               (Tironi et al. 1995, doi:10.1063/1.469273); without a cutoff both are zero
+//     or        k q_i q_j erfc(αr)/r, Ewald's real space, by pme/screening.hpp
+//     WCA:      4ε((σ/r)¹² − (σ/r)⁶) + ε up to 2^(1/6)σ, its minimum, where energy and force reach zero
+//               (Weeks, Chandler and Andersen 1971, doi:10.1063/1.1674820)
+//     LJ by a table: a/r¹² − b/r⁶, a and b of the atoms' types
+// A pair is summed for what both its atoms have, Lennard-Jones, charge or both.
+struct PairLaw {
+  bool lj = false, charge = false;
+  Mixing mixing = Mixing::kTwoSigmas;
+  double sigma = 0;                                         // the one [nm]
+  double types = 0;                                         // of the table: its lines are as long
+  double lift = 0;                                          // of a pair's energy, in its ε: 1 for WCA
+  double cutoff = std::numeric_limits<double>::infinity();  // [nm]
+  double switch_distance = std::numeric_limits<double>::infinity();  // [nm]
+  double k_rf = 0, c_rf = 0;                                         // [1/nm³], [1/nm]
+  Screening screening;                                               // with Ewald's sum
+
+  bool switched() const { return lj && switch_distance < cutoff; }
+  double sigma6() const { return sigma * sigma * sigma * sigma * sigma * sigma; }
+};
+
+enum class Ask { kForces, kEnergy, kVirial };  // what is summed over pairs
+
+// The precision pairs are computed in. Double: all of it. Float: positions are 32-bit whole multiples of a
+// unit of length, modulo 2³², so that the differences of atoms that can meet are exact however large space
+// is; from there on single precision, a lane's sum over its few tens of pairs included, and double from
+// there.
+template <class T>
+struct PairPrecision;
+template <>
+struct PairPrecision<double> {
+  using Coordinate = double;
+  static constexpr int kRowAtoms = 2;
+  static Coordinate coordinate(double u) { return u; }
+};
+template <>
+struct PairPrecision<float> {
+  using Coordinate = std::int32_t;
+  static constexpr int kRowAtoms = 4;
+  // The nearest whole number, for |u| < 2⁵¹, modulo 2³²: the sum has it in its low bits.
+  static constexpr double kWholeInLowBits = 6755399441055744.0;
+  static Coordinate coordinate(double u) {
+    return static_cast<Coordinate>(std::bit_cast<std::int64_t>(u + kWholeInLowBits));
+  }
+};
+
+// Atoms as the kernels read them, four to a cluster.
+template <class T>
+struct PairAtoms {
+  Aligned<typename PairPrecision<T>::Coordinate> x;  // 12 a cluster: x of its four, y, z [unit]
+  Aligned<T> charge;                                 // √k q [√(kJ/mol·nm)]
+  Aligned<T> half_sigma;                             // [nm]
+  Aligned<T> two_sqrt_epsilon;                       // [√(kJ/mol)]; 0 in fillers, as is the charge
+  Aligned<T> type;                                   // a whole number
+  Aligned<T> table_a, table_b;                       // [kJ/mol·nm¹², kJ/mol·nm⁶]
+  double unit = 1;                                   // of x [nm]; 1 in double
+};
+
+// Vectors of the machine hold a cluster's four, once or more: each lane adds to a force of its own.
+template <class T>
+int force_copies();
+
+// What the machine's kernels want of PairLaw::screening.
+template <class T>
+ScreeningFit screening_fit();
+
+// Adds the forces of a list's pairs to f [kJ/mol/nm/unit·nm]: 12·force_copies() a cluster, x of all copies,
+// y, z, copy by copy.
+template <class T>
+void add_pair_forces(const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList& list, T* f);
+
+template <class T>
+double pair_energy(const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList& list);  // [kJ/mol]
+
+// Σ r⊗f, the pairs' virial: xx, yy, zz, xy, xz, yz [kJ/mol].
+using SixSums = std::array<double, 6>;
+template <class T>
+SixSums pair_virial(const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList& list);
+
+}  // namespace taut

@@ -1,0 +1,288 @@
+// What pairs do, in lanes. Included once a target.
+#if defined(TAUT_PAIR_LAW_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef TAUT_PAIR_LAW_INL
+#undef TAUT_PAIR_LAW_INL
+#else
+#define TAUT_PAIR_LAW_INL
+#endif
+
+#include <cstddef>
+
+#include "base/inverses-inl.hpp"
+#include "forcefield/pairs/pair_lanes-inl.hpp"
+#include "forcefield/pairs/screening-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace taut::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// fine: Ewald's screening with more terms than the usual kernels have. half: of a row's atoms only the first
+// half have Lennard-Jones, as in water.
+template <bool lj, bool charge, Mixing mixing, bool switched_, Ask ask, bool fine, bool half = false>
+struct Choice {
+  static constexpr bool kLj = lj, kCharge = charge, kSwitched = switched_, kFine = fine, kHalf = half;
+  static constexpr bool kOneSigma = mixing == Mixing::kOneSigma, kTable = mixing == Mixing::kTable;
+  static constexpr bool kEnergy = ask == Ask::kEnergy, kVirial = ask == Ask::kVirial;
+  static constexpr bool kSum = kEnergy || kVirial;  // no forces
+  // What the law starts from: 1/r, for energies and switches; 1/r³, for charges; 1/r², without them.
+  static constexpr bool kFromRoot = kSwitched || (charge && kEnergy), kFromCube = charge && !kFromRoot;
+  // Whether such rows have kernels of their own.
+  static constexpr bool kSplit = lj && charge && kOneSigma && !kSwitched && !kSum && !fine;
+};
+
+// PairLaw, for the vectors of a Shape<T> and one Choice C.
+template <class T, class C>
+class LawInLanes {
+  using D = typename Shape<T>::D;
+  using V = typename Shape<T>::V;
+
+ public:
+  // What it takes of a vector's row.
+  struct Atoms {
+    V q, eps, half_sigma;
+    V repulsion, attraction;  // 12 σ¹² and 6 σ⁶, times eps
+    V line;                   // of the table
+  };
+
+  HWY_INLINE LawInLanes(const PairLaw& law, const PairAtoms<T>& atoms)
+      : charge_(atoms.charge.data()),
+        half_sigma_(atoms.half_sigma.data()),
+        two_sqrt_epsilon_(atoms.two_sqrt_epsilon.data()),
+        type_(atoms.type.data()),
+        table_a_(atoms.table_a.data()),
+        table_b_(atoms.table_b.data()),
+        types_(set(law.types)),
+        k_rf_(set(law.k_rf)),
+        two_k_rf_(set(2 * law.k_rf * kScale)),
+        c_rf_(set(law.c_rf)),
+        sigma6_(set(law.sigma6())),
+        six_sigma6_(set(kSix * law.sigma6())),
+        twelve_sigma12_(set(kTwelve * law.sigma6() * law.sigma6())),
+        lift_(set(law.lift / 4)),
+        screen_(law.screening.scale, C::kEnergy ? law.screening.energy : law.screening.force, kScale) {
+    if constexpr (C::kSwitched) {
+      const double width = law.cutoff - law.switch_distance;
+      inv_width_ = set(1 / width);
+      start_ = set(law.switch_distance / width);
+      slope_width_ = set(30 / width);
+    }
+  }
+
+  // Those from slot `first` on.
+  HWY_INLINE void load(int first, Atoms& a) const {
+    const D d;
+    if constexpr (C::kCharge) a.q = hn::Mul(load_rows(d, charge_ + first), set(1 / kScale));
+    if constexpr (C::kTable) {
+      a.line = hn::MulAdd(load_rows(d, type_ + first), types_, set(kWhole));
+    } else if constexpr (C::kLj) {
+      a.eps = load_rows(d, two_sqrt_epsilon_ + first);
+      a.repulsion = hn::Mul(a.eps, twelve_sigma12_);
+      a.attraction = hn::Mul(a.eps, six_sigma6_);
+      if constexpr (!C::kOneSigma) a.half_sigma = load_rows(d, half_sigma_ + first);
+    }
+  }
+
+  // What pairs() starts from.
+  static HWY_INLINE V guess(V r2) {
+    return C::kFromRoot || C::kFromCube ? guess_inverse_sqrt(D(), r2) : guess_inverse(D(), r2);
+  }
+
+  // The guess becomes 1/r³, 1/r or 1/r².
+  template <int K>
+  static HWY_INLINE void invert(const V (&r2)[K], V (&guess)[K]) {
+    const D d;
+    if constexpr (C::kFromCube) {
+      inverse_cube<K>(d, r2, guess);
+    } else if constexpr (C::kFromRoot) {
+      inverse_sqrt<K>(d, r2, guess);
+    } else {
+      inverse<K>(d, r2, guess);
+    }
+  }
+
+  // −(dE/dr)/r [kJ/mol/nm²], or E [kJ/mol], of a row's vector v with K clusters' atoms from slots j on.
+  template <int K>
+  HWY_INLINE void pairs(int v, const Atoms& atoms, const std::ptrdiff_t (&j)[K], const V (&r2)[K],
+                        V (&guess)[K], V (&term)[K]) const {
+    V coulomb[K];
+    find_coulomb<K>(r2, guess, coulomb);
+    for (int k = 0; k < K; ++k) {
+      const bool has_lj = C::kLj && (!C::kHalf || 2 * v < Shape<T>::kVectors);
+      if constexpr (C::kHalf && Shape<T>::kVectors == 1)
+        term[k] = half_lennard_jones(atoms, j[k], r2[k], guess[k]);
+      else if constexpr (C::kLj)
+        if (has_lj) term[k] = lennard_jones(atoms, column(j[k]), r2[k], guess[k]);
+      if constexpr (C::kCharge) {
+        const V qq = hn::Mul(atoms.q, load_columns(D(), charge_ + j[k]));
+        term[k] = has_lj ? hn::MulAdd(qq, coulomb[k], term[k]) : hn::Mul(qq, coulomb[k]);
+      }
+    }
+  }
+
+  // The same in two steps, with one σ: what depends on the distances alone, and pairs' terms of it.
+  template <int K>
+  HWY_INLINE void of_distances(const V (&r2)[K], V (&coulomb)[K], V (&lj)[K]) const {
+    V inverse[K];
+    for (int k = 0; k < K; ++k) inverse[k] = guess(r2[k]);
+    invert<K>(r2, inverse);
+    find_coulomb<K>(r2, inverse, coulomb);
+    if constexpr (C::kLj) {
+      Atoms atoms{};
+      atoms.eps = set(1);
+      atoms.repulsion = twelve_sigma12_;
+      atoms.attraction = six_sigma6_;
+      Column column;
+      column.eps = set(1);
+      for (int k = 0; k < K; ++k) lj[k] = lennard_jones(atoms, column, r2[k], inverse[k]);
+    }
+  }
+  HWY_INLINE V term(const Atoms& atoms, std::ptrdiff_t j, V coulomb, V lj) const {
+    const D d;
+    V term{};
+    if constexpr (C::kLj) term = hn::Mul(hn::Mul(atoms.eps, load_columns(d, two_sqrt_epsilon_ + j)), lj);
+    if constexpr (C::kCharge) {
+      const V qq = hn::Mul(atoms.q, load_columns(d, charge_ + j));
+      term = C::kLj ? hn::MulAdd(qq, coulomb, term) : hn::Mul(qq, coulomb);
+    }
+    return term;
+  }
+
+ private:
+  static HWY_INLINE V set(double value) { return hn::Set(D(), static_cast<T>(value)); }
+
+  // Of unit charges.
+  template <int K>
+  HWY_INLINE void find_coulomb(const V (&r2)[K], const V (&guess)[K], V (&coulomb)[K]) const {
+    V inv_r3[K];
+    for (int k = 0; k < K; ++k) {
+      if constexpr (C::kFromCube) inv_r3[k] = guess[k];
+      if constexpr (C::kFromRoot) inv_r3[k] = hn::Mul(guess[k], hn::Mul(guess[k], guess[k]));
+    }
+    if constexpr (C::kCharge) {
+      if (screen_.wanted()) {
+        screen_(r2, coulomb);
+        for (int k = 0; k < K; ++k) coulomb[k] = hn::Sub(C::kEnergy ? guess[k] : inv_r3[k], coulomb[k]);
+      } else {
+        for (int k = 0; k < K; ++k)
+          coulomb[k] =
+              C::kEnergy ? hn::Sub(hn::MulAdd(k_rf_, r2[k], guess[k]), c_rf_) : hn::Sub(inv_r3[k], two_k_rf_);
+      }
+    }
+  }
+
+  // What it takes of a cluster's atoms, from slot j on.
+  struct Column {
+    V eps, half_sigma, type;
+  };
+  HWY_INLINE Column column(std::ptrdiff_t j) const {
+    const D d;
+    Column c;  // not cleared: what the law does not take is not loaded
+    if constexpr (C::kTable) {
+      c.type = load_columns(d, type_ + j);
+    } else {
+      c.eps = load_columns(d, two_sqrt_epsilon_ + j);
+      if constexpr (!C::kOneSigma) c.half_sigma = load_columns(d, half_sigma_ + j);
+    }
+    return c;
+  }
+
+  // 1/r³ comes times kScale: so do 1/r⁶ and what follows from it, times its square.
+  static constexpr double kScale = C::kFromCube ? kCubeScale<D> : 1, kScale2 = kScale * kScale;
+  static constexpr double kSix = 6 / (kScale2 * kScale2), kTwelve = 12 / (kScale2 * kScale2 * kScale2);
+
+  // `inverse`: 1/r³, 1/r or 1/r².
+  HWY_INLINE V lennard_jones(const Atoms& atoms, const Column& j, V r2, V inverse) const {
+    const D d;
+    V inv_r2, inv_r4, inv_r6;
+    if constexpr (C::kFromCube) {
+      inv_r6 = hn::Mul(inverse, inverse);
+      inv_r4 = hn::Mul(inv_r6, r2);
+      inv_r2 = hn::Mul(inv_r4, r2);
+    } else {
+      inv_r2 = C::kFromRoot ? hn::Mul(inverse, inverse) : inverse;
+      inv_r4 = hn::Mul(inv_r2, inv_r2);
+      inv_r6 = hn::Mul(inv_r4, inv_r2);
+    }
+    V slope{}, energy{}, four_eps{};
+    constexpr bool needs_slope = !C::kEnergy || C::kSwitched, needs_energy = C::kEnergy || C::kSwitched;
+    if constexpr (C::kTable) {
+      const auto at = place_in_table(hn::Add(atoms.line, j.type));
+      const V b = hn::GatherIndex(d, table_b_, at),
+              a_over_r6 = hn::Mul(hn::GatherIndex(d, table_a_, at), inv_r6);
+      if constexpr (needs_slope)
+        slope = hn::Mul(hn::Mul(inv_r4, inv_r4), hn::MulSub(set(kTwelve), a_over_r6, hn::Mul(set(kSix), b)));
+      if constexpr (needs_energy) energy = hn::Mul(inv_r6, hn::Sub(a_over_r6, b));
+    } else {
+      if constexpr (C::kOneSigma && !C::kSwitched && !C::kEnergy)
+        return hn::Mul(hn::Mul(inv_r4, hn::Mul(inv_r4, j.eps)),
+                       hn::MulSub(atoms.repulsion, inv_r6, atoms.attraction));
+      V s6;
+      if constexpr (C::kOneSigma) {
+        s6 = hn::Mul(sigma6_, inv_r6);
+      } else {
+        const V sigma = hn::Add(atoms.half_sigma, j.half_sigma), sigma2 = hn::Mul(sigma, sigma);
+        if constexpr (C::kFromCube) {
+          s6 = hn::Mul(hn::Mul(hn::Mul(sigma2, sigma2), sigma2), inv_r6);
+        } else {
+          const V s2 = hn::Mul(sigma2, inv_r2);
+          s6 = hn::Mul(hn::Mul(s2, s2), s2);
+        }
+      }
+      four_eps = hn::Mul(atoms.eps, j.eps);
+      const V depth = hn::Mul(four_eps, s6);
+      if constexpr (needs_slope)
+        slope = hn::Mul(hn::Mul(depth, hn::MulSub(set(kTwelve), s6, set(kSix))), inv_r2);
+      if constexpr (needs_energy) energy = hn::MulSub(depth, s6, depth);
+    }
+    if constexpr (C::kSwitched) fade(r2, inverse, slope, energy);
+    if constexpr (!C::kEnergy) return slope;
+    return C::kTable ? energy : hn::MulAdd(lift_, four_eps, energy);
+  }
+
+  // With one σ and no switch, of the lower half.
+#if HWY_TARGET != HWY_SCALAR
+  HWY_INLINE V half_lennard_jones(const Atoms& atoms, std::ptrdiff_t j, V r2, V inv_r3) const {
+    const hn::Half<D> d;
+    const auto low = [d](V v) { return hn::LowerHalf(d, v); };
+    const auto inv_r6 = hn::Mul(low(inv_r3), low(inv_r3)), inv_r4 = hn::Mul(inv_r6, low(r2));
+    return hn::ZeroExtendVector(
+        D(), hn::Mul(hn::Mul(inv_r4, hn::Mul(inv_r4, load_columns(d, two_sqrt_epsilon_ + j))),
+                     hn::MulSub(low(atoms.repulsion), inv_r6, low(atoms.attraction))));
+  }
+#endif
+
+  // S = 1 − u³(10 − 15u + 6u²), S' = −30 (u − u²)²; the force gains −E S'/r
+  HWY_INLINE void fade(V r2, V inv_r, V& slope, V& energy) const {
+    const V u = hn::Max(hn::MulSub(hn::Mul(r2, inv_r), inv_width_, start_), hn::Zero(D()));
+    const V u2 = hn::Mul(u, u), u_less_u2 = hn::Sub(u, u2);
+    const V left =
+        hn::MulAdd(hn::Mul(u2, u), hn::MulAdd(u, hn::NegMulAdd(set(6), u, set(15)), set(-10)), set(1));
+    const V slope_of_it = hn::Mul(hn::Mul(u_less_u2, u_less_u2), slope_width_);
+    slope = hn::MulAdd(hn::Mul(energy, slope_of_it), inv_r, hn::Mul(slope, left));
+    energy = hn::Mul(energy, left);
+  }
+
+  // Whole numbers are in the low bits of kWhole and them together.
+  static constexpr double kWhole = sizeof(T) == 8 ? 0x1p52 : 0x1p23;
+  static HWY_INLINE auto place_in_table(V line_and_column) {
+    const hn::RebindToSigned<D> d;
+    return hn::And(hn::BitCast(d, line_and_column), hn::Set(d, (hn::TFromD<decltype(d)>{1} << 22) - 1));
+  }
+
+  const T* HWY_RESTRICT charge_;
+  const T* HWY_RESTRICT half_sigma_;
+  const T* HWY_RESTRICT two_sqrt_epsilon_;
+  const T* HWY_RESTRICT type_;
+  const T* HWY_RESTRICT table_a_;
+  const T* HWY_RESTRICT table_b_;
+  V types_;
+  V k_rf_, two_k_rf_, c_rf_, sigma6_, six_sigma6_, twelve_sigma12_, lift_;
+  V start_{}, inv_width_{}, slope_width_{};
+  ScreenInLanes<D, C::kFine> screen_;
+};
+
+}  // namespace taut::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

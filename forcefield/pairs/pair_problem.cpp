@@ -1,0 +1,102 @@
+#include "forcefield/pairs/pair_problem.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "md/units.hpp"
+
+namespace taut {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+void add_kinds(PairProblem& p) {
+  const auto n = p.charge.size();
+  double low = kInfinity, high = 0;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    p.kind.push_back(static_cast<std::uint8_t>((p.two_sqrt_epsilon[i] != 0 ? kHasLj : 0) |
+                                               (p.charge[i] != 0 ? kHasCharge : 0)));
+    p.law.lj |= p.two_sqrt_epsilon[i] != 0;
+    p.law.charge |= p.charge[i] != 0;
+    if (p.two_sqrt_epsilon[i] == 0) continue;
+    low = std::min(low, p.half_sigma[i]);
+    high = std::max(high, p.half_sigma[i]);
+  }
+  if (low == high) p.law.mixing = Mixing::kOneSigma;
+  p.law.sigma = 2 * high;
+}
+
+// Of atoms whose types have no Lennard-Jones with any, two_sqrt_epsilon is 0; of others it says no more.
+void take_table(const LennardJonesTable& from, PairProblem& p) {
+  const Eigen::Index n = from.a.rows();
+  p.table = {from.type, Eigen::MatrixXd::Zero(n + 1, n + 1), Eigen::MatrixXd::Zero(n + 1, n + 1)};
+  p.table.a.topLeftCorner(n, n) = from.a;
+  p.table.b.topLeftCorner(n, n) = from.b;
+  p.law.types = static_cast<double>(n + 1);
+  for (Eigen::Index i = 0; i < p.two_sqrt_epsilon.size(); ++i)
+    p.two_sqrt_epsilon[i] = from.a.col(from.type[i]).any() || from.b.col(from.type[i]).any() ? 1 : 0;
+}
+
+// How far beyond the cutoff the lists look, in cutoffs: what they save in lists made against the pairs they
+// add. Of the core hardly any leaves the cutoff while the outer list serves. The cutoff is at most half the
+// shortest edge of a box: what the outer one looks for stays within one.
+void choose_buffers(PairProblem& p, double way, double spare, double outer) {
+  p.way = way * p.law.cutoff;
+  p.spare = spare * p.law.cutoff;
+  p.outer = outer * p.law.cutoff;
+  p.core = 0.97 * p.law.cutoff;
+}
+
+}  // namespace
+
+PairProblem problem_of(const Nonbonded& nb, bool periodic, Precision precision) {
+  PairProblem p;
+  p.law.cutoff = nb.cutoff.value_or(kInfinity);
+  p.law.switch_distance = nb.switch_distance.value_or(kInfinity);
+  if (nb.cutoff) {
+    const double rc = *nb.cutoff, eps = nb.rf_dielectric;
+    if (nb.pme) {
+      p.law.screening =
+          Screening(nb.pme->alpha, rc,
+                    precision == Precision::kDouble ? screening_fit<double>() : screening_fit<float>());
+    } else {
+      p.law.k_rf = (eps - 1) / ((2 * eps + 1) * rc * rc * rc);
+      p.law.c_rf = 3 * eps / ((2 * eps + 1) * rc);
+    }
+    p.periodic = periodic;  // without a cutoff there are no images
+    choose_buffers(p, 0.007, 0.006, 0.54);
+  }
+  p.charge = std::sqrt(kCoulomb) * nb.charge;
+  p.half_sigma = 0.5 * nb.sigma;
+  p.two_sqrt_epsilon = 2 * nb.epsilon.cwiseSqrt();
+  for (const auto& e : nb.exceptions) p.exclusions.push_back({e.i, e.j});
+  if (nb.lj_table) take_table(*nb.lj_table, p);
+  add_kinds(p);
+  if (nb.lj_table) p.law.mixing = Mixing::kTable;
+  return p;
+}
+
+PairProblem problem_of(const Wca& wca, int atoms, bool periodic) {
+  PairProblem p;
+  p.law.cutoff = wca.reach();
+  p.law.lift = 1;
+  p.periodic = periodic;
+  choose_buffers(p, 0.01, 0.008, 0.5);
+  p.charge = Eigen::VectorXd::Zero(atoms);
+  p.half_sigma = Eigen::VectorXd::Constant(atoms, wca.sigma / 2);
+  p.two_sqrt_epsilon = Eigen::VectorXd::Constant(atoms, 2 * std::sqrt(wca.epsilon));
+  p.exclusions = wca.exclusions;
+  add_kinds(p);
+  return p;
+}
+
+AtomClusters::Layout PairProblem::layout() const {
+  AtomClusters::Layout layout{periodic, law.cutoff + outer, {}, {}};
+  for (const auto k : kind) {
+    layout.present.push_back(k != 0);
+    layout.first.push_back((k & kHasLj) != 0);
+  }
+  return layout;
+}
+
+}  // namespace taut

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "forcefield/pairs/atom_clusters.hpp"
+#include "forcefield/pairs/pair_kernels.hpp"
+#include "forcefield/terms.hpp"
+
+namespace taut {
+
+// Atoms and what happens between them, before there are clusters.
+struct PairProblem {
+  PairLaw law;
+  bool periodic = false;
+  double way = 0, spare = 0;       // of the inner list: AtomTracks::Aim [nm]
+  double outer = 0, core = 0;      // of the outer one: its buffer, and how far its core reaches [nm]
+  std::vector<std::uint8_t> kind;  // n
+  Eigen::VectorXd charge, half_sigma, two_sqrt_epsilon;  // as PairAtoms has them, n
+  LennardJonesTable table;                               // with a last type for what has no Lennard-Jones
+  std::vector<std::array<int, 2>> exclusions;
+
+  bool all_pairs() const { return law.cutoff == std::numeric_limits<double>::infinity(); }
+  AtomClusters::Layout layout() const;
+};
+
+PairProblem problem_of(const Nonbonded& nb, bool periodic, Precision precision);
+PairProblem problem_of(const Wca& wca, int atoms, bool periodic);
+
+}  // namespace taut

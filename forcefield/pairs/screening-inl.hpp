@@ -1,0 +1,117 @@
+// Ewald's screening in lanes. Included once a target.
+#if defined(TAUT_SCREENING_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef TAUT_SCREENING_INL
+#undef TAUT_SCREENING_INL
+#else
+#define TAUT_SCREENING_INL
+#endif
+
+#include <hwy/highway.h>
+
+#include <vector>
+
+#include "forcefield/ewald/screening.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace taut::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// α H or α³ G of vectors of squared distances. Where a vector's lanes are chosen from another's at one blow,
+// a coefficient of all pieces is one vector, and the many pieces need few terms: 11 for 22 in double, 5 for
+// 12 in single precision. Other machines have one piece.
+template <class D>
+struct ScreeningPieces {
+  static constexpr std::size_t kLanes = hn::MaxLanes(D()), kNumber = sizeof(hn::TFromD<D>);
+  static constexpr bool kMany =
+      (HWY_TARGET <= HWY_AVX3 && kLanes * kNumber == 64) || (HWY_TARGET == HWY_AVX2 && kLanes == 8);
+  static constexpr int kPieces = kMany ? int(kLanes) : 1;
+  // As many as usual tolerances need. Kernels know that there are so many, or take any number if they are
+  // fine.
+  static constexpr int kTerms = kPieces == 1 ? 2 : kNumber == 8 ? 11 : kPieces == 16 ? 5 : 7;
+
+  static constexpr ScreeningFit fit() {
+    return {kPieces, kTerms, kNumber == 4 ? 2e-6 : kMany ? 2e-13 : 1e-15};
+  }
+  static bool fine(const std::vector<double>& numbers) { return kMany && numbers.size() > kPieces * kTerms; }
+};
+
+template <class D, bool fine>
+class ScreenInLanes {
+  using T = hn::TFromD<D>;
+  using V = hn::Vec<D>;
+  using Pieces = ScreeningPieces<D>;
+  static constexpr int kPieces = Pieces::kPieces;
+
+ public:
+  // of: Screening's numbers; the result comes times `factor`.
+  HWY_INLINE ScreenInLanes(double scale, const std::vector<double>& of, double factor)
+      : scale_(static_cast<T>(scale)), terms_(static_cast<int>(of.size()) / kPieces) {
+    for (std::size_t k = 0; k < of.size(); ++k) number_[k] = static_cast<T>(of[k] * factor);
+  }
+  bool wanted() const { return terms_ > 0; }
+
+  template <int K>
+  HWY_INLINE void operator()(const V (&r2)[K], V (&out)[K]) const {
+    sum<K>(fine || kPieces == 1 ? terms_ : Pieces::kTerms, r2, out);
+  }
+
+ private:
+  using Piece = hn::Vec<hn::RebindToSigned<D>>;
+
+  // Even and odd powers apart, so that one need not wait for the other.
+  template <int K>
+  HWY_INLINE void sum(const int terms, const V (&r2)[K], V (&out)[K]) const {
+    V t[K], t2[K], next[K];
+    Piece piece[K];
+    for (int k = 0; k < K; ++k) {
+      t[k] = find_piece(r2[k], piece[k]);
+      t2[k] = hn::Mul(t[k], t[k]);
+      out[k] = number(terms - 1, piece[k]);
+      next[k] = number(terms - 2, piece[k]);
+    }
+    for (int term = terms - 3; term > 0; term -= 2)
+      for (int k = 0; k < K; ++k) {
+        out[k] = hn::MulAdd(out[k], t2[k], number(term, piece[k]));
+        next[k] = hn::MulAdd(next[k], t2[k], number(term - 1, piece[k]));
+      }
+    for (int k = 0; k < K; ++k) {
+      if (terms % 2 == 0)
+        out[k] = hn::MulAdd(out[k], t[k], next[k]);
+      else
+        out[k] = hn::MulAdd(out[k], t2[k], hn::MulAdd(next[k], t[k], number(0, piece[k])));
+    }
+  }
+
+  // The piece, a whole number, is in the low bits of kWhole and it together. Beyond the cutoff it is any.
+  HWY_INLINE V find_piece(V r2, [[maybe_unused]] Piece& piece) const {
+    const D d;
+    if constexpr (kPieces == 1) return hn::MulSub(r2, hn::Set(d, scale_), hn::Set(d, T(0.5)));
+    const V scale = hn::Set(d, scale_), whole = hn::Set(d, sizeof(T) == 8 ? T(0x1.8p52) : T(0x1.8p23)),
+            sum = hn::MulAdd(r2, scale, whole);
+    piece = hn::BitCast(hn::RebindToSigned<D>(), sum);
+    return hn::MulSub(r2, scale, hn::Sub(sum, whole));
+  }
+
+  // A lane of many is chosen by as many low bits as it takes.
+  HWY_INLINE V number(int term, [[maybe_unused]] const Piece& piece) const {
+    const T* of_pieces = number_ + kPieces * term;
+#if HWY_TARGET <= HWY_AVX3
+    if constexpr (kPieces == 8 && sizeof(T) == 8)
+      return V{_mm512_permutexvar_pd(piece.raw, _mm512_load_pd(of_pieces))};
+    if constexpr (kPieces == 16) return V{_mm512_permutexvar_ps(piece.raw, _mm512_load_ps(of_pieces))};
+#elif HWY_TARGET <= HWY_AVX2
+    if constexpr (kPieces == 8) return V{_mm256_permutevar8x32_ps(_mm256_load_ps(of_pieces), piece.raw)};
+#endif
+    return hn::Set(D(), *of_pieces);
+  }
+
+  T scale_;
+  int terms_;
+  alignas(64) T number_[kMostScreeningNumbers];
+};
+
+}  // namespace taut::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

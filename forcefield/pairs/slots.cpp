@@ -1,0 +1,168 @@
+#include "forcefield/pairs/slots.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "forcefield/pairs/slots.cpp"
+#include "base/simd_targets.hpp"
+// after the targets: once a target
+#include <hwy/cache_control.h>
+
+#include "forcefield/pairs/pair_lanes-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace taut::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Four = hn::CappedTag<double, 4>;
+using FourV = hn::Vec<Four>;
+constexpr int kAhead = 32;  // atoms asked for before their turn: they lie anywhere in memory
+
+#if HWY_TARGET <= HWY_AVX2
+// x, y, z and something of four atoms become x of all, y, z.
+HWY_INLINE void by_axes(const FourV (&atom)[4], FourV (&axis)[3]) {
+  const Four d;
+  const auto xz01 = hn::InterleaveLower(d, atom[0], atom[1]), xz23 = hn::InterleaveLower(d, atom[2], atom[3]);
+  const auto y01 = hn::InterleaveUpper(d, atom[0], atom[1]), y23 = hn::InterleaveUpper(d, atom[2], atom[3]);
+  axis[0] = hn::ConcatLowerLower(d, xz23, xz01);
+  axis[1] = hn::ConcatLowerLower(d, y23, y01);
+  axis[2] = hn::ConcatUpperUpper(d, xz23, xz01);
+}
+#endif
+
+template <class T>
+HWY_INLINE void place_cluster(const double* const (&from)[4], const Vec3* offset, double inv_unit,
+                              double* now, typename PairPrecision<T>::Coordinate* to) {
+#if HWY_TARGET <= HWY_AVX2
+  const Four d;
+  const auto three = hn::FirstN(d, 3);
+  FourV atom[4], axis[3];
+  for (int i = 0; i < 4; ++i)
+    atom[i] = hn::Add(hn::MaskedLoad(three, d, from[i]), hn::MaskedLoad(three, d, offset[i].data()));
+  by_axes(atom, axis);
+  for (int k = 0; k < 3; ++k) {
+    hn::StoreU(axis[k], d, now + 4 * k);
+    if constexpr (sizeof(T) == 8) {
+      hn::StoreU(hn::Mul(axis[k], hn::Set(d, inv_unit)), d, to + 4 * k);
+    } else {  // PairPrecision<float>::coordinate
+      const hn::Rebind<std::uint32_t, Four> low;
+      const auto moved =
+          hn::Add(hn::Mul(axis[k], hn::Set(d, inv_unit)), hn::Set(d, PairPrecision<T>::kWholeInLowBits));
+      hn::StoreU(hn::TruncateTo(low, hn::BitCast(hn::RebindToUnsigned<Four>(), moved)), low,
+                 reinterpret_cast<std::uint32_t*>(to) + 4 * k);
+    }
+  }
+#else
+  for (int i = 0; i < 4; ++i)
+    for (int k = 0; k < 3; ++k) {
+      now[4 * k + i] = from[i][k] + offset[i][k];
+      to[4 * k + i] = PairPrecision<T>::coordinate(now[4 * k + i] * inv_unit);
+    }
+#endif
+}
+
+template <class T>
+void place_all(const Vectors& x, const AtomClusters& clusters, const Share& share, double* now,
+               PairAtoms<T>& to) {
+  const double inv_unit = 1 / to.unit;
+  const int last = 4 * share.end - 1;
+  for (int c = share.begin; c < share.end; ++c) {
+    const double* from[4];
+    for (int i = 0; i < 4; ++i) {
+      from[i] = x.data() + 3 * clusters.atom(4 * c + i);
+      hwy::Prefetch(x.data() + 3 * clusters.atom(std::min(4 * c + i + kAhead, last)));
+    }
+    const std::ptrdiff_t at = 12 * std::ptrdiff_t{c};
+    place_cluster<T>(from, &clusters.offset(4 * c), inv_unit, now + at, to.x.data() + at);
+  }
+}
+
+// x, y or z of a cluster's four, of all copies of all threads that reach it.
+template <class T>
+HWY_INLINE void add_copies(const SlotForces<T>& from, int cluster, double (&sum)[3][4]) {
+  constexpr int kCopies = Shape<T>::kRows, kNumbers = 3 * 4 * kCopies;
+  const Four d;
+  for (int k = 0; k < 3; ++k)
+    for (int i = 0; i < 4; i += static_cast<int>(hn::MaxLanes(d))) {
+      FourV of_axis = hn::Zero(d);
+      for (std::size_t t = 0; t < from.force.size(); ++t) {
+        if (!from.reached[t][cluster / SlotForces<T>::kBlock]) continue;
+        const T* force = from.force[t].data() + std::size_t(kNumbers) * cluster + 4 * kCopies * k + i;
+        for (int copy = 0; copy < kCopies; ++copy, force += 4) {
+          if constexpr (sizeof(T) == 8)
+            of_axis = hn::Add(of_axis, hn::LoadU(d, force));
+          else
+            of_axis = hn::Add(of_axis, hn::PromoteTo(d, hn::LoadU(hn::Rebind<float, Four>(), force)));
+        }
+      }
+      hn::StoreU(of_axis, d, sum[k] + i);
+    }
+}
+
+template <class T>
+void hand_out_all(const SlotForces<T>& from, const AtomClusters& clusters, const Share& share,
+                  const HandOut& how, Vectors& f) {
+  const bool onto_nothing = how.onto == ClusterPairs::Onto::kNothing;
+  const int last = 4 * share.end - 1;
+  for (int c = share.begin; c < share.end; ++c) {
+    double sum[3][4];
+    add_copies(from, c, sum);
+    for (int i = 0; i < 4; ++i) {
+      const int slot = 4 * c + i;
+      hwy::Prefetch(f.data() + 3 * clusters.atom(std::min(slot + kAhead, last)));
+      if (clusters.filler(slot)) continue;
+      double* out = f.data() + 3 * clusters.atom(slot);
+      for (int k = 0; k < 3; ++k) out[k] = (onto_nothing ? 0 : out[k]) + sum[k][i] * how.unit;
+    }
+  }
+}
+
+void place_float(const Vectors& x, const AtomClusters& clusters, const Share& share, double* now,
+                 PairAtoms<float>& to) {
+  place_all(x, clusters, share, now, to);
+}
+void place_double(const Vectors& x, const AtomClusters& clusters, const Share& share, double* now,
+                  PairAtoms<double>& to) {
+  place_all(x, clusters, share, now, to);
+}
+void hand_out_float(const SlotForces<float>& from, const AtomClusters& clusters, const Share& share,
+                    const HandOut& how, Vectors& f) {
+  hand_out_all(from, clusters, share, how, f);
+}
+void hand_out_double(const SlotForces<double>& from, const AtomClusters& clusters, const Share& share,
+                     const HandOut& how, Vectors& f) {
+  hand_out_all(from, clusters, share, how, f);
+}
+
+}  // namespace taut::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace taut {
+
+HWY_EXPORT(place_float);
+HWY_EXPORT(place_double);
+HWY_EXPORT(hand_out_float);
+HWY_EXPORT(hand_out_double);
+
+template <>
+void place_atoms(const Vectors& x, const AtomClusters& clusters, const Share& share, double* now,
+                 PairAtoms<float>& to) {
+  HWY_DYNAMIC_DISPATCH(place_float)(x, clusters, share, now, to);
+}
+template <>
+void place_atoms(const Vectors& x, const AtomClusters& clusters, const Share& share, double* now,
+                 PairAtoms<double>& to) {
+  HWY_DYNAMIC_DISPATCH(place_double)(x, clusters, share, now, to);
+}
+template <>
+void hand_out(const SlotForces<float>& from, const AtomClusters& clusters, const Share& share,
+              const HandOut& how, Vectors& f) {
+  HWY_DYNAMIC_DISPATCH(hand_out_float)(from, clusters, share, how, f);
+}
+template <>
+void hand_out(const SlotForces<double>& from, const AtomClusters& clusters, const Share& share,
+              const HandOut& how, Vectors& f) {
+  HWY_DYNAMIC_DISPATCH(hand_out_double)(from, clusters, share, how, f);
+}
+
+}  // namespace taut
+#endif

@@ -1,2 +1,0 @@
-#define TAUT_MESH_REAL double
-#include "forcefield/pme/mesh_kernels-inl.hpp"
