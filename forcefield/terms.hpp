@@ -64,7 +64,7 @@ struct PairException {
   double epsilon;         // [kJ/mol]
 };
 
-// Coulomb of all periodic images by particle mesh Ewald (pme/pme.hpp). Zeros are chosen by the tolerance.
+// Coulomb of all periodic images by particle mesh Ewald (ewald/pme.hpp). Zeros are chosen by the tolerance.
 struct PmeParameters {
   double tolerance = 5e-4;    // about what forces are wrong by, as a share
   int order = 5;              // of the splines, 4 to 8

@@ -16,7 +16,7 @@ namespace taut {
 //     self:        −k α/√π Σ q²
 //     background:  −k π Q²/(2Vα²), Q = Σ q: a uniform charge that makes up for what charges do not add to
 //     exceptions:  −k q q' erf(αr)/r of every pair left out of the general sum, which the mesh has in it
-// The pairs' own part, k q q' erfc(αr)/r, is one of the laws of clusters/pair_kernels.hpp.
+// The pairs' own part, k q q' erfc(αr)/r, is one of the laws of pairs/pair_kernels.hpp.
 class Pme {
  public:
   // nb.pme as chosen.

@@ -21,7 +21,7 @@ enum class Mixing { kOneSigma, kTwoSigmas, kTable };
 //     switch:   S = 1 − 6x⁵ + 15x⁴ − 10x³, x = (r − rs)/(rc − rs); 1 below rs
 //     Coulomb:  k q_i q_j (1/r + k_rf r² − c_rf), k_rf = (ε−1)/((2ε+1)rc³), c_rf = 3ε/((2ε+1)rc)
 //               (Tironi et al. 1995, doi:10.1063/1.469273); without a cutoff both are zero
-//     or        k q_i q_j erfc(αr)/r, Ewald's real space, by pme/screening.hpp
+//     or        k q_i q_j erfc(αr)/r, Ewald's real space, by ewald/screening.hpp
 //     WCA:      4ε((σ/r)¹² − (σ/r)⁶) + ε up to 2^(1/6)σ, its minimum, where energy and force reach zero
 //               (Weeks, Chandler and Andersen 1971, doi:10.1063/1.1674820)
 //     LJ by a table: a/r¹² − b/r⁶, a and b of the atoms' types
