@@ -6,6 +6,7 @@
 #include <cmath>
 #include <memory>
 
+#include "base/statistics.hpp"
 #include "md/observables.hpp"
 #include "studies/csv.hpp"
 #include "studies/repeats.hpp"
