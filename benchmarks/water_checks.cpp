@@ -12,6 +12,7 @@
 #include <cmath>
 
 #include "base/errors.hpp"
+#include "base/statistics.hpp"
 #include "md/units.hpp"
 #include "simulation/barometer.hpp"
 #include "simulation/simulation.hpp"

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/errors.hpp"
+#include "base/statistics.hpp"
 #include "constraints/bond_algebra.hpp"
 #include "constraints/methods/newton.hpp"
 #include "constraints/projection.hpp"

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "base/statistics.hpp"
 #include "constraints/methods/baumgarte.hpp"
 #include "constraints/methods/feedforward.hpp"
 #include "constraints/methods/newton.hpp"

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "base/statistics.hpp"
 #include "constraints/bond_algebra.hpp"
 #include "constraints/methods/baumgarte.hpp"
 #include "constraints/methods/newton.hpp"

@@ -3,6 +3,7 @@
 #include "base/errors.hpp"
 #include "base/nearest_name.hpp"
 #include "base/random.hpp"
+#include "base/statistics.hpp"
 #include "md/observables.hpp"
 #include "md/run.hpp"
 #include "md/units.hpp"

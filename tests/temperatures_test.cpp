@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "base/statistics.hpp"
 #include "constraints/projection.hpp"
 #include "free_system.hpp"
 #include "md/observables.hpp"
