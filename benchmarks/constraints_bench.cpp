@@ -56,7 +56,7 @@ void run(benchmark::State& bench, const Case& c, int threads, std::string_view n
   ConstraintMethod& method = *owned;
   Free forces;
   Projector(sys).positions(sys, s.x);
-  initialize({sys, forces, method}, s);
+  initialize({sys, forces, method}, c.h, s);
   for (int n = 0; n < 20; ++n) demand_converged(sys, s, step({sys, forces, method}, c.h, s), n);
 
   SolveStats stats;

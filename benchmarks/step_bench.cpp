@@ -111,7 +111,7 @@ struct Running {
         forces(scene.system, scene.start.box, scene.terms),
         method(make_method(scene.system, scene.method, scene.run.h())),
         state(scene.start) {
-    initialize(dynamics(), state);
+    initialize(dynamics(), scene.run.h(), state);
     go(20);
   }
 
@@ -208,7 +208,7 @@ void kicks_and_drift(benchmark::State& bench, const Setting& setting) {
   Running run(setting);
   for (auto _ : bench) {
     half_kick_and_drift(run.scene.system, 1e-9, nullptr, run.state);
-    half_kick(run.scene.system, 1e-9, run.state);
+    half_kick(run.scene.system, 1e-9, nullptr, run.state);
     benchmark::DoNotOptimize(run.state.x.data());
   }
   count(bench, bench.iterations(), run.scene.system.atoms());

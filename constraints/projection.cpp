@@ -81,7 +81,7 @@ std::vector<int> rest_anchors(const System& sys, Vectors& v) {
   return moved;
 }
 
-void initialize(const Dynamics& dynamics, State& s) {
+void initialize(const Dynamics& dynamics, double h, State& s) {
   const auto& [sys, forces, method, bath] = dynamics;
   rest_anchors(sys, s.v);
   Projector projector(sys);
@@ -89,9 +89,11 @@ void initialize(const Dynamics& dynamics, State& s) {
   projector.velocities(sys, s.x, s.v);
   s.f.resize(3, sys.atoms());
   forces(sys, s);
-  SolveStats stats = bath.start(sys, s);
-  stats += method.start(sys, s);
-  bath.second_half(s);
+  Push push = Push::at_start(h);
+  const Bath::Draw drawn = bath.draw(sys, push, s);
+  push.noise = drawn.noise;
+  SolveStats stats = drawn.stats;
+  stats += method.add_forces(sys, push, s);
   demand_converged(sys, s, stats, 0);
 }
 

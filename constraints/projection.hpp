@@ -34,8 +34,9 @@ class Projector {
 // v ← 0 for atoms of mass 0, which no force could stop. Which of the anchors moved.
 std::vector<int> rest_anchors(const System& sys, Vectors& v);
 
-// Makes the start satisfy the bonds, and gives f its first value, constraint forces included. Throws
+// Makes the start of a run with steps of length h [ps] satisfy the bonds, and gives f its first value, constraint
+// forces included. Throws
 // SimulationFailure, naming the bond, where the bonds or the method cannot hold the start.
-void initialize(const Dynamics& dynamics, State& s);
+void initialize(const Dynamics& dynamics, double h, State& s);
 
 }  // namespace taut

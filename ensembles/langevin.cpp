@@ -28,41 +28,29 @@ Langevin::Langevin(const System& sys, const Settings& settings, double h)
       projector_(tangent_, {}, h),
       half_jump_(Vectors::Zero(3, sys.atoms())),
       before_(half_jump_),
-      push_(half_jump_),
+      noise_(half_jump_),
       turned_(half_jump_),
       random_(settings.seed ^ kStream) {}
 
-SolveStats Langevin::project(Vectors& x, Vectors& v) {
-  scratch_.x.swap(x);
+SolveStats Langevin::project(const Vectors& x, Vectors& v) {
+  if (tangent_.bonds.empty()) return {};
+  scratch_.x = x;
   scratch_.v.swap(v);
   const SolveStats stats = projector_.project_velocities(tangent_, h_, scratch_);
-  scratch_.x.swap(x);
   scratch_.v.swap(v);
   return {.worst_bond = stats.worst_bond, .failure = stats.failure};  // not a solve of the method
 }
 
-SolveStats Langevin::draw(const System& sys, double, State& s) {
-  return draw_knowing_springs(sys, h_, s);
-}
-
-// v is the full-step velocity, half a kick before the drift, and there is no Δ_old.
-SolveStats Langevin::start(const System& sys, State& s) {
-  half_jump_.setZero();
-  return draw_knowing_springs(sys, 0.5 * h_, s);
-}
-
-SolveStats Langevin::draw_knowing_springs(const System& sys, double kick, State& s) {
-  if (!settings_.springs) return draw_jump(sys, kick, s);
-  pull_ = s.f;
-  SolveStats stats = settings_.springs->add_forces(sys, h_, s);
-  pull_ = s.f - pull_;
-  stats += draw_jump(sys, kick, s);
-  s.f -= pull_;
-  return stats;
+const Vectors& Langevin::forces_with_springs(const System& sys, const Push& push, const State& s,
+                                             SolveStats& stats) {
+  if (!settings_.springs) return s.f;
+  scratch_ = s;
+  stats += settings_.springs->add_forces(sys, push, scratch_);
+  return scratch_.f;
 }
 
 // s.v is the velocity of the drift, v_half + a.
-SolveStats Langevin::account_for_turning(const System& sys, State& s) {
+SolveStats Langevin::account_for_turning(const System& sys, const State& s) {
   heat_of_turning_ = 0;
   if (tangent_.bonds.empty()) return {};
   turned_ = before_;
@@ -73,32 +61,27 @@ SolveStats Langevin::account_for_turning(const System& sys, State& s) {
   return stats;
 }
 
-SolveStats Langevin::draw_jump(const System& sys, double kick, State& s) {
+Bath::Draw Langevin::draw(const System& sys, const Push& push, const State& s) {
   const double c = std::exp(-settings_.friction * h_);
   before_.swap(half_jump_);
-  const SolveStats turning = account_for_turning(sys, s);
+  if (push.starts()) before_.setZero();
+  SolveStats stats = account_for_turning(sys, s);
+  const Vectors& f = forces_with_springs(sys, push, s, stats);
   for (int i = 0; i < sys.atoms(); ++i) {
     const double width = std::sqrt((1 - c * c) * kBoltzmann * settings_.temperature * sys.inv_mass[i]);
-    const Vec3 v = s.v.col(i) + before_.col(i) + kick * sys.inv_mass[i] * s.f.col(i);
+    const Vec3 v = s.v.col(i) + before_.col(i) + push.kick * sys.inv_mass[i] * f.col(i);
     half_jump_.col(i) = 0.5 * ((c - 1) * v + width * random_.normal_vector());
   }
-  SolveStats stats = turning;
   stats += project(s.x, half_jump_);
   if (settings_.hold_momentum) remove_momentum(sys, half_jump_);
   for (int i = 0; i < sys.atoms(); ++i)
-    push_.col(i) = sys.mass[i] / kick * (before_.col(i) + half_jump_.col(i));
-  s.f += push_;
-  return stats;
-}
-
-void Langevin::second_half(State& s) {
-  s.f -= push_;
-  s.v += before_;
+    noise_.col(i) = sys.mass[i] / push.kick * (before_.col(i) + half_jump_.col(i));
+  return {stats, &noise_, &before_};
 }
 
 Vectors Langevin::middle_velocity(const System& sys, const State& s) {
   State middle = s;
-  half_kick(sys, h_, middle);
+  half_kick(sys, h_, nullptr, middle);
   const SolveStats stats = project(middle.x, middle.v);
   if (!stats.converged())
     throw SimulationFailure(fmt::format("the temperature: {}", in_words(stats.failure)));

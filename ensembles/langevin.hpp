@@ -22,8 +22,8 @@ namespace taut {
 //
 // Who steers σ by forces must know Δ before λ is found. It can: a constraint force has no tangent part, so Δ
 // follows from v_half + hM⁻¹F without it, and is drawn one step ahead. Between its two drifts the velocity
-// then changes by h(a + (½Δ_old + ½Δ)/h): to `add_forces` the noise is one more force, M(½Δ_old + ½Δ)/h, in f
-// for just as long as λ is sought, and every identity of constraints/README.md holds with that acceleration.
+// then changes by h(a + (½Δ_old + ½Δ)/h): to `add_forces` the noise is one more force, M(½Δ_old + ½Δ)/h
+// (Push::noise), and every identity of constraints/README.md holds with that acceleration.
 // Cost: 3n normal numbers, and twice a factorization and solve for P, the second time for the heat.
 //
 // Heat. Δ is tangent where the drift begins. When the drift ends the bonds have turned, and of the second half
@@ -45,9 +45,7 @@ class Langevin final : public Bath {
 
   Langevin(const System& sys, const Settings& settings, double h);
 
-  SolveStats draw(const System& sys, double h, State& s) override;
-  SolveStats start(const System& sys, State& s) override;
-  void second_half(State& s) override;
+  Draw draw(const System& sys, const Push& push, const State& s) override;
 
   const Vectors* half_jump() const override { return &half_jump_; }  // [nm/ps]
 
@@ -62,20 +60,18 @@ class Langevin final : public Bath {
   Vectors middle_velocity(const System& sys, const State& s);
 
  private:
-  SolveStats draw_knowing_springs(const System& sys, double kick, State& s);
-  SolveStats draw_jump(const System& sys, double kick, State& s);
-  SolveStats account_for_turning(const System& sys, State& s);
-  SolveStats project(Vectors& x, Vectors& v);  // x is lent, not changed
+  const Vectors& forces_with_springs(const System& sys, const Push& push, const State& s, SolveStats& stats);
+  SolveStats account_for_turning(const System& sys, const State& s);
+  SolveStats project(const Vectors& x, Vectors& v);
 
   Settings settings_;
   double h_;
   System tangent_;  // the atoms with the bonds that Δ respects
   Batched<Newton> projector_;
-  State scratch_;                      // x and v as the projector takes them
-  Vectors half_jump_, before_, push_;  // ½Δ, ½Δ of the step before [nm/ps]; M(½Δ_old + ½Δ)/h
-  Vectors pull_;                       // of springs
-  Vectors turned_;                     // P'½Δ of the step before [nm/ps]
-  double heat_of_turning_ = 0;         // [kJ/mol]
+  State scratch_;                       // x and v as the projector takes them
+  Vectors half_jump_, before_, noise_;  // ½Δ, ½Δ of the step before [nm/ps]; M(½Δ_old + ½Δ)/kick [kJ/mol/nm]
+  Vectors turned_;                      // P'½Δ of the step before [nm/ps]
+  double heat_of_turning_ = 0;          // [kJ/mol]
   Random random_;
 };
 

@@ -47,9 +47,9 @@ class LocalSolve {
   // parabola through the last two or three, by order.
   void guess_outer(int order);
 
-  SolveStats step() { return method_->add_forces(pieces_.system, h_, s_); }
-  SolveStats again() { return history_->again(pieces_.system, h_, s_); }
-  SolveStats start() { return method_->start(pieces_.system, s_); }
+  SolveStats step() { return method_->add_forces(pieces_.system, Push::between_steps(h_), s_); }
+  SolveStats again() { return history_->again(pieces_.system, Push::between_steps(h_), s_); }
+  SolveStats start() { return method_->add_forces(pieces_.system, Push::at_start(h_), s_); }
 
   // |σ|/d² of the coming step, at most, if the constraint forces are Jᵀλ of the past.
   double error_ahead(double kick) const;

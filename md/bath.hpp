@@ -1,8 +1,6 @@
 #pragma once
 
-#include "md/solve_stats.hpp"
-#include "md/state.hpp"
-#include "md/system.hpp"
+#include "md/constraint_method.hpp"
 
 namespace taut {
 
@@ -12,12 +10,17 @@ class Bath {
  public:
   virtual ~Bath() = default;
 
-  virtual const Vectors* half_jump() const { return nullptr; }  // ½Δ of the drift under way, until draw()
-  // The next Δ; f is told of it, for those who steer by forces.
-  virtual SolveStats draw(const System&, double /*h*/, State&) { return {}; }
-  // The first Δ: v is the full-step velocity, and there is none before.
-  virtual SolveStats start(const System&, State&) { return {}; }
-  virtual void second_half(State&) {}  // f forgets it; v += ½ of the Δ before
+  // What a draw found for the step to come.
+  struct Draw {
+    SolveStats stats;
+    const Vectors* noise = nullptr;           // of Push, for whoever steers by forces [kJ/mol/nm]
+    const Vectors* last_half_jump = nullptr;  // the second half of the Δ before, still to be added [nm/ps]
+  };
+
+  // ½Δ of the drift under way, until draw() [nm/ps]; null: no thermostat acts in the drift.
+  virtual const Vectors* half_jump() const { return nullptr; }
+  // Draws the next Δ. f is the force at x, without those of constraints. At the start there is no Δ before.
+  virtual Draw draw(const System&, const Push&, const State&) { return {}; }
   virtual void after_step(const System&, double /*h*/, State&) {}
 };
 

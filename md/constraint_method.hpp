@@ -10,6 +10,27 @@
 
 namespace taut {
 
+// How the forces at x move the atoms to where forces act next:
+//     v_next = v + kick M⁻¹(f + noise),   x_next = x + h v_next.
+// Between two steps v is the half-step velocity, and the forces act in the second half of one step and the first
+// half of the next. At the start v is the full-step velocity, and they act in the first half alone.
+struct Push {
+  double h;                        // length of the step to come [ps]
+  double kick;                     // how long the forces act: h, and ½h at the start [ps]
+  const Vectors* noise = nullptr;  // the random force of a thermostat, no part of f [kJ/mol/nm]; null: none
+
+  static Push between_steps(double h) { return {h, h}; }
+  static Push at_start(double h) { return {h, 0.5 * h}; }
+  bool starts() const { return kick < h; }
+  double last_h() const {
+    return 2 * kick - h;
+  }                                          // length of the step that ended at x: h, 0 at the start [ps]
+  double drift() const { return h * kick; }  // x_next = x + h v + drift M⁻¹(f + noise) [ps²]
+  Vec3 force(const Vectors& f, int atom) const {  // f + noise on an atom [kJ/mol/nm]
+    return noise ? Vec3(f.col(atom) + noise->col(atom)) : Vec3(f.col(atom));
+  }
+};
+
 // An algorithm that holds the bonds. It acts in up to three stages of the step (md/step.hpp), all empty here:
 // this one holds nothing.
 class ConstraintMethod {
@@ -18,13 +39,10 @@ class ConstraintMethod {
 
   // x is drifted by h·v, so x − hv are the positions before. May move x, and v by the same over h.
   virtual SolveStats project_positions(const System&, double /*h*/, State&) { return {}; }
-  // v is the half-step velocity, f the force at x. May add Jᵀλ to f.
-  virtual SolveStats add_forces(const System&, double /*h*/, State&) { return {}; }
+  // f is the force at x; `push` says how it acts. May add Jᵀλ to f. It is called once before the first step, too.
+  virtual SolveStats add_forces(const System&, const Push& /*push*/, State&) { return {}; }
   // v is the full-step velocity. May take its part along the bonds out.
   virtual SolveStats project_velocities(const System&, double /*h*/, State&) { return {}; }
-
-  // Before the first step: as add_forces, but v is the full-step velocity, and nothing of the past is known.
-  virtual SolveStats start(const System&, State&) { return {}; }
 
   // λ of the last step, one a bond: f_c = Jᵀλ.
   virtual const Eigen::VectorXd& lambda() const {

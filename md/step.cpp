@@ -28,8 +28,11 @@ Bath& no_bath() {
   return none;
 }
 
-void half_kick(const System& sys, double h, State& s) {
-  by_atoms(sys.atoms(), [&](int first, int last) { kick(sys, 0.5 * h, first, last, s); });
+void half_kick(const System& sys, double h, const Vectors* jump, State& s) {
+  by_atoms(sys.atoms(), [&](int first, int last) {
+    if (jump) s.v.middleCols(first, last - first) += jump->middleCols(first, last - first);
+    kick(sys, 0.5 * h, first, last, s);
+  });
 }
 
 void half_kick_and_drift(const System& sys, double h, const Vectors* jump, State& s) {
@@ -49,10 +52,12 @@ SolveStats step(const Dynamics& dynamics, double h, State& s) {
   half_kick_and_drift(sys, h, bath.half_jump(), s);        // the old positions are x − hv
   SolveStats stats = method.project_positions(sys, h, s);  // SHAKE, RATTLE, ...
   forces(sys, s);                                          // f = F(x)
-  stats += bath.draw(sys, h, s);
-  stats += method.add_forces(sys, h, s);  // Baumgarte, penalty: f += Jᵀλ
-  bath.second_half(s);
-  half_kick(sys, h, s);
+  Push push = Push::between_steps(h);
+  const Bath::Draw drawn = bath.draw(sys, push, s);
+  push.noise = drawn.noise;
+  stats += drawn.stats;
+  stats += method.add_forces(sys, push, s);  // Baumgarte, penalty: f += Jᵀλ
+  half_kick(sys, h, drawn.last_half_jump, s);
   stats += method.project_velocities(sys, h, s);  // RATTLE
   s.t += h;
   return stats;

@@ -15,8 +15,8 @@ class Timed : public ConstraintMethod {
   SolveStats project_positions(const System& sys, double h, State& s) override {
     return timed([&] { return method_->project_positions(sys, h, s); });
   }
-  SolveStats add_forces(const System& sys, double h, State& s) override {
-    return timed([&] { return method_->add_forces(sys, h, s); });
+  SolveStats add_forces(const System& sys, const Push& push, State& s) override {
+    return timed([&] { return method_->add_forces(sys, push, s); });
   }
   SolveStats project_velocities(const System& sys, double h, State& s) override {
     return timed([&] { return method_->project_velocities(sys, h, s); });

@@ -95,7 +95,7 @@ void Simulation::bring_to_the_bonds(double minimise_force, const OnMove& on_move
   start_report_.anchors_stopped = rest_anchors(sys, state_.v);
   const Vectors x = state_.x;
   const double kinetic = kinetic_energy(sys, state_.v);
-  initialize(dynamics(), state_);
+  initialize(dynamics(), scene_.run.h(), state_);
   start_report_.largest_move = x.cols() > 0 ? (state_.x - x).colwise().norm().maxCoeff() : 0.0;
   if (kinetic > 0) start_report_.kinetic_removed = 1 - kinetic_energy(sys, state_.v) / kinetic;
 }

@@ -176,9 +176,7 @@ class Simulation : private Bath, private ForceLaw {
   // The thermostat, and what is taken out of the momentum; its heat metered.
   Bath& bath() { return langevin_ ? static_cast<Bath&>(*langevin_) : no_bath(); }
   const Vectors* half_jump() const override { return langevin_ ? langevin_->half_jump() : nullptr; }
-  SolveStats draw(const System& sys, double h, State& s) override;
-  SolveStats start(const System& sys, State& s) override { return bath().start(sys, s); }
-  void second_half(State& s) override { bath().second_half(s); }
+  Draw draw(const System& sys, const Push& push, const State& s) override;
   void after_step(const System& sys, double h, State& s) override;
   void rescale(double h, State& s);
   void take_momentum_out(State& s);

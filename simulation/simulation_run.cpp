@@ -169,10 +169,10 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
   return all;
 }
 
-SolveStats Simulation::draw(const System& sys, double h, State& s) {
-  const SolveStats stats = bath().draw(sys, h, s);
+Bath::Draw Simulation::draw(const System& sys, const Push& push, const State& s) {
+  const Draw drawn = bath().draw(sys, push, s);
   if (langevin_) meter_.take_up(langevin_->heat_of_turning());
-  return stats;
+  return drawn;
 }
 
 void Simulation::after_step(const System&, double h, State& s) {

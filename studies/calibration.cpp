@@ -74,7 +74,7 @@ class Bench {
         forces_(scene.system, scene.start.box, scene.terms),
         method_(make_method(scene.system, options, h_)),
         state_(scene.start) {
-    initialize({scene_.system, forces_, *method_}, state_);
+    initialize({scene_.system, forces_, *method_}, h_, state_);
     follow(plan.settle, state_);
     Archive archive = Archive::saving_to(settled_);
     archive(*method_);

@@ -61,8 +61,8 @@ inline void compare_here(const Start& start, const MethodOptions& options, doubl
   const auto fast = make_method(sys, options, h), plain = make_plain(sys, options, h);
   State a = start.state, b = start.state;
   testing::UniformForce forces{Vec3(1, 2, -9.81)};
-  initialize({sys, forces, *fast}, a);
-  initialize({sys, forces, *plain}, b);
+  initialize({sys, forces, *fast}, h, a);
+  initialize({sys, forces, *plain}, h, b);
   for (int n = 0; n < 12; ++n) {
     const SolveStats got = step({sys, forces, *fast}, h, a), want = step({sys, forces, *plain}, h, b);
     ASSERT_EQ(got.failure, Failure::kNone);
@@ -90,7 +90,7 @@ inline SolveStats start_and_step(const System& sys, const MethodOptions& options
   projector.positions(sys, s.x);
   projector.velocities(sys, s.x, s.v);
   forces(sys, s);
-  SolveStats stats = method->start(sys, s);
+  SolveStats stats = method->add_forces(sys, Push::at_start(h), s);
   return stats += step({sys, forces, *method}, h, s);
 }
 

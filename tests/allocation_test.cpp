@@ -72,7 +72,7 @@ namespace taut {
 namespace {
 
 void expect_no_allocations(const Dynamics& dynamics, double h, State& s) {
-  initialize(dynamics, s);
+  initialize(dynamics, h, s);
   for (int n = 0; n < 5; ++n) EXPECT_TRUE(step(dynamics, h, s).converged());
   const long before = allocations;
   for (int n = 0; n < 20; ++n) EXPECT_TRUE(step(dynamics, h, s).converged());

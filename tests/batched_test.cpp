@@ -101,7 +101,7 @@ TEST(Batched, CountsWhatTheSlowestClusterTook) {
     testing::NoForce forces;
     const auto iterations = [&](auto method) {
       State s = start.state;
-      initialize({start.system, forces, method}, s);
+      initialize({start.system, forces, method}, 0.01, s);
       return step({start.system, forces, method}, 0.01, s).iterations;
     };
     const auto same = [&](auto fast, auto plain) {
@@ -122,7 +122,7 @@ TEST(Batched, FeedforwardSolvesAsOftenAsThePlainOne) {
   for (double blow = 1e-3; blow < 30; blow *= 1.3) {
     const auto solves = [&](auto method) {
       State s = start.state;
-      initialize({start.system, forces, method}, s);
+      initialize({start.system, forces, method}, 0.01, s);
       s.v(1, 1) += blow;
       return step({start.system, forces, method}, 0.01, s).iterations;
     };
@@ -244,7 +244,7 @@ TEST(Batched, NamesABondOfTheClusterThatDependsOnOthers) {
   on_every_machine([&] {
     Batched<Baumgarte> method(start.system, {}, 0.01);
     State s = start.state;
-    const SolveStats stats = method.add_forces(start.system, 0.01, s);
+    const SolveStats stats = method.add_forces(start.system, Push::between_steps(0.01), s);
     EXPECT_EQ(stats.failure, Failure::kSingular);
     EXPECT_GE(stats.worst_bond, 3);
   });
@@ -259,7 +259,7 @@ TEST(Batched, NamesTheClusterInWhichABondDependsOnOthers) {
   }
   Start start = together(triangles);
   Batched<Baumgarte> method(start.system, {}, 0.01);
-  const SolveStats stats = method.add_forces(start.system, 0.01, start.state);
+  const SolveStats stats = method.add_forces(start.system, Push::between_steps(0.01), start.state);
   EXPECT_EQ(stats.failure, Failure::kSingular);
   EXPECT_EQ(stats.worst_bond / 3, 6);
 }
@@ -270,7 +270,7 @@ TEST(Batched, ANaNIsTheWorstResidual) {
   on_every_machine([&] {
     Batched<Baumgarte> method(start.system, {}, 0.01);
     State s = start.state;
-    const SolveStats stats = method.add_forces(start.system, 0.01, s);
+    const SolveStats stats = method.add_forces(start.system, Push::between_steps(0.01), s);
     EXPECT_FALSE(stats.max_residual < 1);
     EXPECT_EQ(stats.worst_bond, 2 * 4 + 1);
   });

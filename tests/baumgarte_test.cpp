@@ -43,7 +43,7 @@ TEST(Baumgarte, HalfThePullIsTheTension) {
     auto [sys, s] = testing::rotor(0);
     PullOnOne forces{pull};
     Baumgarte method(sys, numbers(10, 10), 1e-3);
-    initialize({sys, forces, method}, s);
+    initialize({sys, forces, method}, 1e-3, s);
     EXPECT_NEAR(s.f(0, 0), pull / 2, 1e-12);
     EXPECT_NEAR(s.f(0, 1), pull / 2, 1e-12);
     EXPECT_NEAR(tensions(sys, method.lambda())[0], pull / 2, 1e-12);
@@ -57,7 +57,7 @@ TEST(Baumgarte, AResidualAddsMinusBetaSquaredSigma) {
     auto [sys, s] = testing::rotor(0);
     s.x(0, 1) = -0.5 + std::sqrt(1 + 2 * c.sigma);
     Baumgarte method(sys, numbers(c.gain, c.gain), 1e-3);
-    EXPECT_TRUE(method.start(sys, s).converged());
+    EXPECT_TRUE(method.add_forces(sys, Push::at_start(1e-3), s).converged());
     const Vec3 r = s.x.col(1) - s.x.col(0);
     const double acceleration = r.dot(s.f.col(1) - s.f.col(0));  // σ̈ at rest
     EXPECT_NEAR(acceleration, c.added, 1e-12);
@@ -69,7 +69,7 @@ TEST(Baumgarte, ARateAddsMinusTwiceAlphaSigmaDot) {
   auto [sys, s] = testing::rotor(0);
   s.v(0, 1) = 0.3;
   Baumgarte method(sys, numbers(10, 10), 1e-3);
-  EXPECT_TRUE(method.start(sys, s).converged());
+  EXPECT_TRUE(method.add_forces(sys, Push::at_start(1e-3), s).converged());
   const Vec3 r = s.x.col(1) - s.x.col(0);
   EXPECT_NEAR(r.dot(s.f.col(1) - s.f.col(0)) + 0.09, -2 * 10 * 0.3, 1e-12);  // σ̈ = r·a + |v|²
 }
@@ -81,7 +81,7 @@ TEST(Baumgarte, AFineStepFollowsTheCriticallyDampedLaw) {
   s.x(0, 1) = -0.5 + std::sqrt(1 + 2 * sigma0);
   Baumgarte method(sys, numbers(alpha, alpha), h);
   NoForce forces;
-  EXPECT_TRUE(method.start(sys, s).converged());
+  EXPECT_TRUE(method.add_forces(sys, Push::at_start(h), s).converged());
   while (s.t < 0.1 - h / 2) EXPECT_TRUE(step({sys, forces, method}, h, s).converged());
   EXPECT_NEAR(sigma_of(start) / (sigma0 * (1 + alpha * s.t) * std::exp(-alpha * s.t)), 1, 1e-3);
 }
@@ -208,7 +208,7 @@ void expect_fed_as_foretold(const testing::Start& from, double h, const Guess& g
                       .beta_per_ps = bh / h},
                      h);
     NoForce forces;
-    initialize({sys, forces, method}, s);
+    initialize({sys, forces, method}, h, s);
     const auto residuals = [&] {
       Eigen::VectorXd sigmas(m);
       for (int k = 0; k < m; ++k)
@@ -287,7 +287,7 @@ TEST(Baumgarte, FreeRotorKeepsThetaToTheFourthOverEight) {
     auto& [sys, s] = start;
     Baumgarte method(sys, {.gains = "dead-beat", .damping = "implicit", .passes = 2}, h);
     NoForce forces;
-    initialize({sys, forces, method}, s);
+    initialize({sys, forces, method}, h, s);
     for (int n = 0; n < 400; ++n) EXPECT_TRUE(step({sys, forces, method}, h, s).converged());
     const double error = (s.x.col(1) - s.x.col(0)).norm() - 1;
     EXPECT_NEAR(error / (std::pow(theta, 4) / 8), 1, 0.02) << "θ " << theta;
@@ -303,7 +303,7 @@ TEST(Baumgarte, OneSweepHoldsAChainWithSoftStronglyDampedGains) {
     Baumgarte method(
         sys, {.gains = "numbers", .alpha_per_ps = ah / h, .beta_per_ps = bh / h, .sweeps = sweeps}, h);
     NoForce forces;
-    initialize({sys, forces, method}, s);
+    initialize({sys, forces, method}, h, s);
     double worst = 0;
     for (int n = 0; n < 1000 && worst < 1; ++n) {
       EXPECT_TRUE(step({sys, forces, method}, h, s).converged());
@@ -322,7 +322,7 @@ TEST(Baumgarte, CountsItsSolvesAndSweeps) {
   const auto counted = [&, &sys = sys, &start = s](int passes, int sweeps) {
     State state = start;
     Baumgarte method(sys, {.passes = passes, .sweeps = sweeps}, 0.01);
-    return method.add_forces(sys, 0.01, state).iterations;
+    return method.add_forces(sys, Push::between_steps(0.01), state).iterations;
   };
   EXPECT_EQ(counted(2, 0), 2);
   EXPECT_EQ(counted(1, 3), 3);
@@ -335,7 +335,7 @@ TEST(None, DriftsWhereGainsHold) {
     auto [sys, s] = testing::rotor(2.0);
     NoForce forces;
     const auto method = make_plain(sys, default_options(name), 0.01);
-    initialize({sys, forces, *method}, s);
+    initialize({sys, forces, *method}, 0.01, s);
     for (int n = 0; n < steps; ++n) EXPECT_TRUE(step({sys, forces, *method}, 0.01, s).converged());
     return bond_errors(sys, s.x).max;
   };

@@ -40,7 +40,7 @@ void sample(testing::Start start, long steps, auto&& see) {
   testing::NoForce forces;
   Method method(sys, {}, kStep);
   Langevin bath(sys, {.temperature = 1 / kBoltzmann, .friction = 1, .seed = 5}, kStep);
-  initialize({sys, forces, method, bath}, start.state);
+  initialize({sys, forces, method, bath}, kStep, start.state);
   for (long n = 1; n <= steps; ++n) {
     ASSERT_TRUE(step({sys, forces, method, bath}, kStep, start.state).converged());
     if (n > 1000 && n % 20 == 0) see(start.state.x);

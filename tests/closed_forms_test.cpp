@@ -274,7 +274,7 @@ TEST(RattleStep, IsReversible) {
   ForceField forces(sys, scene.start.box, scene.terms);
   Newton method(sys, {.tolerance = 1e-13}, 0.001);
   State s = scene.start;
-  initialize({sys, forces, method}, s);
+  initialize({sys, forces, method}, 0.001, s);
   const Vectors start = s.x;
   for (int n = 0; n < 50; ++n) EXPECT_TRUE(step({sys, forces, method}, 0.001, s).converged());
   EXPECT_GT((s.x - start).cwiseAbs().maxCoeff(), 0.01);

@@ -88,7 +88,7 @@ TEST(CutChains, TheSameBitsOnAnyNumberOfThreads) {
         testing::NoForce forces;
         const auto method = make_method(start.system, default_options(name), h);
         State& end = ends.emplace_back(start.state);
-        initialize({start.system, forces, *method}, end);
+        initialize({start.system, forces, *method}, h, end);
         for (int n = 0; n < 3; ++n) ASSERT_TRUE(step({start.system, forces, *method}, h, end).converged());
       });
       for (const State& end : ends) {
@@ -106,7 +106,7 @@ TEST(CutChains, ACopyGoesOnAsTheOriginal) {
   on_every_machine([&] {
     Batched<Newton> method(start.system, {}, h);
     State s = start.state;
-    initialize({start.system, forces, method}, s);
+    initialize({start.system, forces, method}, h, s);
     EXPECT_TRUE(step({start.system, forces, method}, h, s).converged());
     Batched<Newton> copy = method;
     State t = s;

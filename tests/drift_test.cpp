@@ -31,7 +31,7 @@ template <class Method>
 Drift drift_of(Method method, double ah, double bh_squared, double h, double time, std::uint64_t seed = 1) {
   auto [sys, s] = testing::free_chain(20, seed);
   testing::NoForce forces;
-  initialize({sys, forces, method}, s);
+  initialize({sys, forces, method}, h, s);
   Slope energy;
   double work = 0;
   Eigen::VectorXd lambda_before = method.lambda(), lambda_now = lambda_before, va(sys.bond_count());

@@ -28,7 +28,7 @@ TEST(FeedforwardEnergy, OneSolveLeavesTheSquareOfItsCorrection) {
   testing::NoForce forces;
   Feedforward method(sys, {.tolerance = 0.1}, h);
   const Dynamics dynamics{sys, forces, method};
-  initialize(dynamics, s);
+  initialize(dynamics, h, s);
   const int m = sys.bond_count();
   Eigen::VectorXd one = method.lambda(), two = one, three = one;
   Vectors r(3, m), y_ij(3, m);
@@ -62,7 +62,7 @@ double work(double dt_fs, int steps, const Feedforward::Options& options) {
   Feedforward method(sys, options, h);
   const Dynamics dynamics{sys, forces, method};
   State s = scene.start;
-  initialize(dynamics, s);
+  initialize(dynamics, h, s);
   Vectors r(3, sys.bond_count());
   Eigen::VectorXd before = method.lambda(), now = before, left = Eigen::VectorXd::Zero(sys.bond_count());
   double sum = 0;

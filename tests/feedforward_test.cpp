@@ -35,7 +35,7 @@ double error_with(int extrapolation, double h) {
   Pendulum p = pendulum();
   Feedforward method(p.system, {.tolerance = 0.1, .extrapolation = extrapolation},
                      h);  // never a second solve
-  initialize({p.system, p.forces, method}, p.state);
+  initialize({p.system, p.forces, method}, h, p.state);
   double worst = 0;
   for (int n = 0; n < 2 / h; ++n) {
     EXPECT_TRUE(step({p.system, p.forces, method}, h, p.state).converged());
@@ -57,7 +57,7 @@ TEST(Feedforward, FirstStepIsAsGoodAsTheOthers) {
   Pendulum p = pendulum();
   p.state.v(2, 1) = -2;
   Feedforward method(p.system, {.tolerance = 1e-14}, 0.02);
-  initialize({p.system, p.forces, method}, p.state);
+  initialize({p.system, p.forces, method}, 0.02, p.state);
   EXPECT_TRUE(step({p.system, p.forces, method}, 0.02, p.state).converged());
   EXPECT_LT(bond_errors(p.system, p.state.x).max, 1e-14);
 }
@@ -78,7 +78,7 @@ TEST(Feedforward, VelocitiesAreLeapFrogsMean) {
   Pendulum p = pendulum();
   const double h = 0.01;
   Feedforward method(p.system, {.tolerance = 1e-14}, h);
-  initialize({p.system, p.forces, method}, p.state);
+  initialize({p.system, p.forces, method}, h, p.state);
   for (int n = 0; n < 30; ++n) EXPECT_TRUE(step({p.system, p.forces, method}, h, p.state).converged());
   const Vec3 r = p.state.x.col(1), v = p.state.v.col(1), a = p.state.f.col(1);
   EXPECT_NEAR(r.dot(v), -0.5 * h * h * v.dot(a), 1e-12);
@@ -89,7 +89,7 @@ TEST(Feedforward, VelocitiesAreLeapFrogsMean) {
 TEST(Feedforward, ClearsAnInjectedErrorInTwoSteps) {
   Pendulum p = pendulum();
   Feedforward method(p.system, {.tolerance = 1e-14}, 0.01);
-  initialize({p.system, p.forces, method}, p.state);
+  initialize({p.system, p.forces, method}, 0.01, p.state);
   for (int n = 0; n < 10; ++n) EXPECT_TRUE(step({p.system, p.forces, method}, 0.01, p.state).converged());
   p.state.x.col(1) *= 1 + 1e-4;
   EXPECT_TRUE(step({p.system, p.forces, method}, 0.01, p.state).converged());
@@ -102,7 +102,7 @@ TEST(Feedforward, ClearsAnInjectedErrorInTwoSteps) {
 TEST(Feedforward, TakesASecondSolveAtACollisionOnly) {
   Pendulum p = pendulum();
   Feedforward method(p.system, {.tolerance = 1e-5}, 0.005);
-  initialize({p.system, p.forces, method}, p.state);
+  initialize({p.system, p.forces, method}, 0.005, p.state);
   for (int n = 0; n < 20; ++n) EXPECT_EQ(step({p.system, p.forces, method}, 0.005, p.state).iterations, 1);
   p.state.v(2, 1) -= 8;
   EXPECT_GT(step({p.system, p.forces, method}, 0.005, p.state).iterations, 1);
@@ -119,7 +119,7 @@ TEST(Feedforward, IsOffForAStepWhereVelocitiesAreRescaled) {
   State s = start.state;
   NoForce forces;
   Feedforward method(start.system, {}, h);
-  initialize({start.system, forces, method}, s);
+  initialize({start.system, forces, method}, h, s);
   for (int n = 0; n < 10; ++n) EXPECT_TRUE(step({start.system, forces, method}, h, s).converged());
   s.v *= c;
   EXPECT_TRUE(step({start.system, forces, method}, h, s).converged());
@@ -136,7 +136,7 @@ TEST(Feedforward, SaysThatBondsRunAway) {
     NoForce forces;
     State s = start.state;
     try {
-      initialize({start.system, forces, method}, s);
+      initialize({start.system, forces, method}, 0.01, s);
     } catch (const SimulationFailure& e) {
       return e.what();
     }

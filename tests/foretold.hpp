@@ -38,7 +38,7 @@ inline Eigen::VectorXd foretold_by_bond(const Scene& scene, const Law& law) {
   Feedforward method(sys, {}, h);
   const Dynamics dynamics{sys, forces, method};
   State s = scene.start;
-  initialize(dynamics, s);
+  initialize(dynamics, h, s);
   DirectSolver solver(sys);
   Vectors r(3, m), r_next(3, m), a = Vectors::Zero(3, sys.atoms()), a_ij(3, m), v_ij(3, m), y(a), y_ij(3, m);
   Eigen::VectorXd now = Eigen::VectorXd::Zero(m), before = now, next = now, square_before = now, fed = now;

@@ -28,7 +28,7 @@ Averages averages_of(const Scene& scene) {
   Feedforward method(sys, {}, h);
   const Dynamics dynamics{sys, forces, method};
   State s = scene.start, at = s;
-  initialize(dynamics, s);
+  initialize(dynamics, h, s);
   Eigen::VectorXd one = method.lambda(), two = one;
   Vectors r(3, m), v_ij(3, m), a_ij(3, m), y_ij(3, m), y(3, sys.atoms());
   const auto sum = [&](const Eigen::VectorXd& left, const Vectors& w, const Eigen::VectorXd& right) {

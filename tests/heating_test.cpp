@@ -61,7 +61,7 @@ TEST(Account, ClosesForEveryMethod) {
     Trap trap;
     MeteredForces metered(trap, h);
     const Dynamics dynamics{sys, metered, *method};
-    initialize(dynamics, s);
+    initialize(dynamics, h, s);
     const auto unaccounted = [&, &start = s, &system = sys] {
       return kinetic_energy(system, start.v) - metered.work();
     };
@@ -90,7 +90,7 @@ TEST(Account, IsWhatMultipliersDo) {
     Trap trap;
     MeteredForces metered(trap, h);
     const Dynamics dynamics{sys, metered, *method};
-    initialize(dynamics, s);
+    initialize(dynamics, h, s);
     const auto kept = [&, &system = sys, &state = s] {
       return kinetic_energy(system, state.v) - h * h / 8 * squares_over_mass(system, state.f) -
              metered.work();
@@ -126,7 +126,7 @@ TEST(Account, ClosesForEveryMethodInABath) {
     Trap trap;
     MeteredForces metered(trap, h, &bath);
     const Dynamics dynamics{sys, metered, *method, bath};
-    initialize(dynamics, s);
+    initialize(dynamics, h, s);
     const auto unaccounted = [&, &start = s, &system = sys] {
       return kinetic_energy(system, start.v) - metered.work();
     };
@@ -172,7 +172,7 @@ LeftOfTheEnergy left_in_a_bath(testing::Start start, int clusters, double temper
   testing::NoForce forces;
   MeteredForces metered(forces, h, &bath);
   const Dynamics dynamics{sys, metered, method, bath};
-  initialize(dynamics, s);
+  initialize(dynamics, h, s);
   const double at_start = kinetic_energy(sys, s.v);
   double turning = 0, largest = 0;
   for (int n = 0; n < steps; ++n) {
@@ -253,7 +253,7 @@ Shares shares_of(double omega_h, double amplitude, const Baumgarte::Options& opt
   MeteredForces metered(force, h);
   Baumgarte method(sys, options, h);
   const Dynamics dynamics{sys, metered, method};
-  initialize(dynamics, s);
+  initialize(dynamics, h, s);
   Slope bonds, forces;
   for (int n = 0; n < 4000; ++n) {
     EXPECT_TRUE(step(dynamics, h, s).converged());

@@ -21,7 +21,8 @@ constexpr double kStep = 0.01;
 //     q·(M⁻¹Jᵀλ)_ij = −(|q|² − d²)/2h² − q·a_ij,     an unsymmetric matrix, solved densely here.
 class HoomdDistance : public ConstraintMethod {
  public:
-  SolveStats add_forces(const System& sys, double h, State& s) override {
+  SolveStats add_forces(const System& sys, const Push&, State& s) override {
+    constexpr double h = kStep;
     const int m = sys.bond_count();
     Vectors r(3, m), q(3, m), y_ij(3, m), y(3, sys.atoms());
     differences(sys, s.x, r);
@@ -41,7 +42,6 @@ class HoomdDistance : public ConstraintMethod {
     add_constraint_force(sys, r, lambda_, s.f);
     return {1, 0, 0};
   }
-  SolveStats start(const System& sys, State& s) override { return add_forces(sys, kStep, s); }
   const Eigen::VectorXd& lambda() const override { return lambda_; }
 
  private:
@@ -63,7 +63,7 @@ TEST(Hoomd, IsTheDiscreteLawAtDeadBeatAimedAtALongerBond) {
   Springs forces;
   HoomdDistance hoomd;
   Baumgarte ours(sys, {.gains = "hoomd", .passes = 12}, kStep), unaimed(sys, {.gains = "hoomd"}, kStep);
-  initialize({sys, forces, hoomd}, hoomds);
+  initialize({sys, forces, hoomd}, kStep, hoomds);
   System aimed = sys;
   State at_longer = hoomds, at_length = hoomds;
   Vectors a_ij(3, sys.bond_count()), r = a_ij;
@@ -89,7 +89,7 @@ TEST(Hoomd, IsFeedforwardWithoutAPastInFreeFlight) {
   auto [sys, hoomds] = testing::free_chain(10, 1);
   testing::NoForce forces;
   HoomdDistance hoomd;
-  initialize({sys, forces, hoomd}, hoomds);
+  initialize({sys, forces, hoomd}, kStep, hoomds);
   State ours = hoomds;
   for (int n = 0; n < 200; ++n) {
     ASSERT_TRUE(step({sys, forces, hoomd}, kStep, hoomds).converged());

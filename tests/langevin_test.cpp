@@ -39,8 +39,8 @@ TYPED_TEST(LangevinWith, NoFrictionChangesNothing) {
   testing::NoForce forces;
   auto method = with_defaults<TypeParam>(sys, h), alone = with_defaults<TypeParam>(sys, h);
   Langevin bath(sys, {.temperature = kWarm, .friction = 0}, h);
-  initialize({sys, forces, method, bath}, s);
-  initialize({sys, forces, alone}, other);
+  initialize({sys, forces, method, bath}, h, s);
+  initialize({sys, forces, alone}, h, other);
   for (int n = 0; n < 50; ++n) {
     EXPECT_TRUE(step({sys, forces, method, bath}, h, s).converged());
     EXPECT_TRUE(step({sys, forces, alone}, h, other).converged());
@@ -56,7 +56,7 @@ TYPED_TEST(LangevinWith, JumpsAlongTheTangent) {
   testing::NoForce forces;
   auto method = with_defaults<TypeParam>(sys, h);
   Langevin bath(sys, {.temperature = kWarm, .friction = 5}, h);
-  initialize({sys, forces, method, bath}, s);
+  initialize({sys, forces, method, bath}, h, s);
   for (int n = 0; n < 5; ++n) {
     EXPECT_TRUE(step({sys, forces, method, bath}, h, s).converged());
     const Vectors& u = *bath.half_jump();
@@ -84,7 +84,7 @@ TYPED_TEST(LangevinWith, FreeWatersHaveTheCanonicalKineticEnergies) {
   testing::NoForce forces;
   auto method = with_defaults<TypeParam>(sys, h);
   Langevin bath(sys, {.temperature = temperature, .friction = friction, .seed = 11}, h);
-  initialize({sys, forces, method, bath}, s);
+  initialize({sys, forces, method, bath}, h, s);
   std::vector<double> energies;
   double translation = 0, total = 0;
   for (int n = 1; n <= 6000; ++n) {
@@ -123,7 +123,7 @@ TYPED_TEST(LangevinWith, PendulumsHangAsLangevinsFunctionSays) {
   testing::UniformForce gravity{{0, 0, -b}};
   auto method = with_defaults<TypeParam>(sys, h);
   Langevin bath(sys, {.temperature = kWarm, .friction = 2, .seed = 7}, h);
-  initialize({sys, gravity, method, bath}, s);
+  initialize({sys, gravity, method, bath}, h, s);
   double sum = 0;
   int samples = 0;
   for (int n = 1; n <= 12000; ++n) {
@@ -141,7 +141,7 @@ TYPED_TEST(LangevinWith, MiddleVelocityIsTangent) {
   testing::UniformForce forces{{1, 2, 3}};
   auto method = with_defaults<TypeParam>(sys, h);
   Langevin bath(sys, {.temperature = kWarm, .friction = 5}, h);
-  initialize({sys, forces, method, bath}, s);
+  initialize({sys, forces, method, bath}, h, s);
   for (int n = 0; n < 5; ++n) EXPECT_TRUE(step({sys, forces, method, bath}, h, s).converged());
   const Vectors u = bath.middle_velocity(sys, s);
   Vectors want = s.v;
@@ -157,11 +157,11 @@ TYPED_TEST(LangevinWith, StartsAnewWithoutAPast) {
   testing::NoForce forces;
   auto method = with_defaults<TypeParam>(sys, h);
   Langevin bath(sys, {.temperature = kWarm, .friction = 5}, h);
-  initialize({sys, forces, method, bath}, s);
+  initialize({sys, forces, method, bath}, h, s);
   for (int n = 0; n < 5; ++n) EXPECT_TRUE(step({sys, forces, method, bath}, h, s).converged());
-  initialize({sys, forces, method, bath}, s);
+  initialize({sys, forces, method, bath}, h, s);
   const Vectors v = s.v;
-  initialize({sys, forces, method, bath}, s);
+  initialize({sys, forces, method, bath}, h, s);
   EXPECT_LT((s.v - v).norm(), 1e-12 * v.norm());
 }
 
@@ -175,7 +175,7 @@ TEST(LangevinBath, FrictionSlowsAFreeParticle) {
   testing::NoForce forces;
   Newton method(sys, {}, h);
   Langevin bath(sys, {.temperature = 0, .friction = friction}, h);
-  initialize({sys, forces, method, bath}, s);
+  initialize({sys, forces, method, bath}, h, s);
   for (int n = 1; n <= 10; ++n) {
     EXPECT_TRUE(step({sys, forces, method, bath}, h, s).converged());
     EXPECT_NEAR(s.v(0, 0), std::exp(-friction * h * n), 1e-12) << n;
@@ -198,7 +198,7 @@ TEST(LangevinMiddle, IsExactForAHarmonicOscillatorAtALargeStep) {
   Springs springs{k};
   Newton method(sys, {}, h);
   Langevin bath(sys, {.temperature = kWarm, .friction = 0.7, .seed = 2}, h);
-  initialize({sys, springs, method, bath}, s);
+  initialize({sys, springs, method, bath}, h, s);
   double x2 = 0, middle2 = 0, full2 = 0, samples = 0;
   for (int n = 1; n <= 2000; ++n) {
     EXPECT_TRUE(step({sys, springs, method, bath}, h, s).converged());
@@ -219,7 +219,7 @@ struct BathedWaters {
       : bath(start.system, {.temperature = 300, .friction = friction, .seed = 3}, h) {}
   double rms_error(ConstraintMethod& method) {
     auto& [sys, s] = start;
-    initialize({sys, forces, method, bath}, s);
+    initialize({sys, forces, method, bath}, h, s);
     double sum = 0;
     for (int n = 0; n < 2000; ++n) {
       EXPECT_TRUE(step({sys, forces, method, bath}, h, s).converged());
@@ -251,33 +251,16 @@ TEST(LangevinFloor, NoiseIsNoSurprise) {
   EXPECT_LT(rms_error<Newton>(1), 1e-10);
 }
 
-// A method that is not told of the noise: what Langevin adds to the forces while λ is sought, M(½Δ_old +
-// ½Δ)/h, is taken off again before it looks.
+// A method that is not told of the noise.
 template <class Method>
 struct Untold : ConstraintMethod {
   Untold(BathedWaters& waters, const typename Method::Options& options)
-      : method(waters.start.system, options, waters.h),
-        bath(waters.bath),
-        before(Vectors::Zero(3, waters.start.system.atoms())) {}
-  SolveStats add_forces(const System& sys, double h, State& s) override {
-    return without((before + *bath.half_jump()) * sys.mass.asDiagonal() / h, s,
-                   [&] { return method.add_forces(sys, h, s); });
-  }
-  SolveStats start(const System& sys, State& s) override {
-    return without(*bath.half_jump() * sys.mass.asDiagonal() / (0.5 * BathedWaters::h), s,
-                   [&] { return method.start(sys, s); });
-  }
-  SolveStats without(const Vectors& push, State& s, const auto& solve) {
-    before = *bath.half_jump();
-    s.f -= push;
-    const SolveStats stats = solve();
-    s.f += push;
-    return stats;
+      : method(waters.start.system, options, waters.h) {}
+  SolveStats add_forces(const System& sys, const Push& push, State& s) override {
+    return method.add_forces(sys, {push.h, push.kick}, s);
   }
   const Eigen::VectorXd& lambda() const override { return method.lambda(); }
   Method method;
-  const Langevin& bath;
-  Vectors before;
 };
 
 template <class Method>
@@ -304,7 +287,7 @@ TEST(LangevinBath, RepeatsBitForBitAndItsSeedMatters) {
     testing::NoForce forces;
     Newton method(sys, {}, 0.01);
     Langevin bath(sys, {.temperature = kWarm, .friction = 1, .seed = seed}, 0.01);
-    initialize({sys, forces, method, bath}, s);
+    initialize({sys, forces, method, bath}, 0.01, s);
     for (int n = 0; n < 20; ++n) EXPECT_TRUE(step({sys, forces, method, bath}, 0.01, s).converged());
     return s.x;
   };
@@ -319,7 +302,7 @@ TEST(LangevinBath, HoldsTheMomentumWhereAsked) {
   testing::NoForce forces;
   Newton method(sys, {}, h);
   Langevin bath(sys, {.temperature = kWarm, .friction = 5, .hold_momentum = true}, h);
-  initialize({sys, forces, method, bath}, s);
+  initialize({sys, forces, method, bath}, h, s);
   for (int n = 0; n < 100; ++n) EXPECT_TRUE(step({sys, forces, method, bath}, h, s).converged());
   EXPECT_LT(momentum(sys, s.v).norm(), 1e-11);
 }

@@ -74,13 +74,13 @@ struct Failing : ConstraintMethod {
     return {.iterations = 1 << which, .failure = which == stage ? Failure::kNoConvergence : Failure::kNone};
   }
   SolveStats project_positions(const System&, double, State&) override { return at(0); }
-  SolveStats add_forces(const System&, double, State&) override { return at(1); }
+  SolveStats add_forces(const System&, const Push&, State&) override { return at(1); }
   SolveStats project_velocities(const System&, double, State&) override { return at(2); }
 };
 struct FailingBath : Bath {
   explicit FailingBath(const Failing& its_method) : method(its_method) {}
   const Failing& method;
-  SolveStats draw(const System&, double, State&) override { return method.at(3); }
+  Draw draw(const System&, const Push&, const State&) override { return {.stats = method.at(3)}; }
 };
 
 // What any stage did, and that it failed, is said of the step.
@@ -332,7 +332,7 @@ TEST(Diagnosis, SaysWhenAndWhere) {
 // Takes n solves in its n-th step and leaves 1/n.
 struct Countdown : ConstraintMethod {
   int n = 0;
-  SolveStats add_forces(const System&, double, State&) override {
+  SolveStats add_forces(const System&, const Push&, State&) override {
     ++n;
     return {.iterations = n, .max_residual = 0.4 / n, .worst_bond = n};
   }

@@ -139,7 +139,7 @@ struct Turncoat : ForceLaw {  // no force, until it is no number
 void expect_it_stops_before_NaN(const Start& start, ConstraintMethod& method) {
   Turncoat forces;
   State s = start.state;
-  initialize({start.system, forces, method}, s);
+  initialize({start.system, forces, method}, 1e-3, s);
   RunProgress progress;
   const RunPlan plan{.h = 1e-3, .steps = 100, .observe_every = 100};
   EXPECT_THROW(run({start.system, forces, method}, plan, progress, s), SimulationFailure);
@@ -226,7 +226,7 @@ TEST(Start, ThatAMethodCannotHoldIsAFailureThatNamesTheBond) {
   Batched<Feedforward> method(sys, {}, 0.01);
   NoForce forces;
   try {
-    initialize({sys, forces, method}, s);
+    initialize({sys, forces, method}, 0.01, s);
     FAIL() << "accepted";
   } catch (const SimulationFailure& e) {
     EXPECT_NE(std::string(e.what()).find("bond 0 (atoms 0-1)"), std::string::npos) << e.what();

@@ -65,7 +65,7 @@ TEST_P(OneSided, ABallOnARopeFliesFreelyUntilItIsTaut) {
   const double h = 1e-4;
   const auto method = make_method(start.system, GetParam().options, h);
   const Dynamics dynamics{start.system, gravity, *method};
-  initialize(dynamics, s);
+  initialize(dynamics, h, s);
   int n = 0;
   while (method->lambda()[0] == 0 && n < 10000) {
     ASSERT_TRUE(step(dynamics, h, s).converged());
@@ -104,7 +104,7 @@ TEST_P(OneSided, ARopeGoesSlackWhereGravityAloneTurnsTheBall) {
   UniformForce gravity(Vec3(0, -kG, 0));
   const auto method = make_method(start.system, GetParam().options, h);
   const Dynamics dynamics{start.system, gravity, *method};
-  initialize(dynamics, s);
+  initialize(dynamics, h, s);
   EXPECT_NEAR(-method->lambda()[0], kG + v * v, GetParam().options.get_if<Baumgarte::Options>() ? 0.1 : 45);
   for (int n = 0; n < 4; ++n) ASSERT_TRUE(step(dynamics, h, s).converged());
   EXPECT_NEAR(-method->lambda()[0], kG + v * v, 0.1);
@@ -137,7 +137,7 @@ TEST_P(OneSided, AStackBearsItsWeight) {
   const double h = 1e-3;
   const auto method = make_method(start.system, GetParam().options, h);
   const Dynamics dynamics{start.system, gravity, *method};
-  initialize(dynamics, s);
+  initialize(dynamics, h, s);
   for (int n = 0; n < 2000; ++n) {
     ASSERT_TRUE(step(dynamics, h, s).converged());
     ASSERT_LT(bond_errors(start.system, s.x).max, std::max(GetParam().passed, 1e-10));
@@ -191,7 +191,7 @@ TEST_P(OneSided, ActsOnlyWhereItTouchesAndMakesNoEnergy) {
     NoForce none;
     const auto method = make_method(sys, GetParam().options, h);
     const Dynamics dynamics{sys, none, *method};
-    initialize(dynamics, s);
+    initialize(dynamics, h, s);
     const bool velocities = GetParam().name[0] != 's' && GetParam().name[0] != 'b';
     const double first = kinetic_energy(sys, s.v);
     double energy = first;
@@ -249,8 +249,8 @@ TEST(OneSidedBonds, SweepsAndActiveSetAgree) {
   const auto rattle = make_method(a.system, Rattle::Options{{.tolerance = 1e-14, .max_sweeps = 20000}}, h);
   const auto newton = make_method(b.system, Newton::Options{.tolerance = 1e-14}, h);
   const Dynamics by_rattle{a.system, none, *rattle}, by_newton{b.system, none, *newton};
-  initialize(by_rattle, a.state);
-  initialize(by_newton, b.state);
+  initialize(by_rattle, h, a.state);
+  initialize(by_newton, h, b.state);
   bool touched = false;
   for (int n = 0; n < 200; ++n) {
     ASSERT_TRUE(step(by_rattle, h, a.state).converged());
@@ -302,7 +302,7 @@ TEST(OneSidedBonds, WithoutCorrectionABallPassesThrough) {
     NoForce none;
     const auto made = make_method(start.system, default_options(method), h);
     const Dynamics dynamics{start.system, none, *made};
-    initialize(dynamics, start.state);
+    initialize(dynamics, h, start.state);
     double nearest = 2;
     for (int n = 0; n < 101; ++n) {
       EXPECT_TRUE(step(dynamics, h, start.state).converged());
@@ -321,7 +321,7 @@ TEST(OneSidedBonds, WithoutCorrectionASlackRopeLetsFly) {
   NoForce none;
   const auto method = make_method(start.system, default_options("none"), 1e-3);
   const Dynamics dynamics{start.system, none, *method};
-  initialize(dynamics, start.state);
+  initialize(dynamics, 1e-3, start.state);
   for (int n = 0; n < 100; ++n) ASSERT_TRUE(step(dynamics, 1e-3, start.state).converged());
   EXPECT_LT((start.state.x.col(1) - Vec3(0.2, 0.2, 0.3)).norm(), 1e-12);
 }
@@ -340,7 +340,7 @@ TEST(OneSidedBonds, SlackOnesChangeNothing) {
       State s = start.state;
       NoForce none;
       const Dynamics dynamics{sys, none, *method};
-      initialize(dynamics, s);
+      initialize(dynamics, h, s);
       for (int n = 0; n < 100; ++n) EXPECT_TRUE(step(dynamics, h, s).converged());
       return s.x;
     };

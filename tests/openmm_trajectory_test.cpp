@@ -46,7 +46,7 @@ Apart apart_after(const Files& files, int steps) {
   options.tolerance = 1e-12;
   Rattle rattle(sys, options, h);
   State& s = scene.start;
-  initialize({sys, forces, rattle}, s);
+  initialize({sys, forces, rattle}, h, s);
 
   OpenMMTwin twin(files.system, files.state, {h});
   twin.set(s);

@@ -211,7 +211,7 @@ TEST(Pressure, OfPenaltySpringsIsThatOfHarmonicBonds) {
   State s{columns({{0, 0, 0}, {0.2, 0.2, 0.2}}), columns({{0, 1, 0}, {1, 0, 0}}), Vectors::Zero(3, 2), 0,
           box};
   Penalty penalty(rigid, {.k = 500}, 1e-3);
-  EXPECT_TRUE(penalty.add_forces(rigid, 0, s).converged());
+  EXPECT_TRUE(penalty.add_forces(rigid, Push::at_start(1e-3), s).converged());
   ForceField none(rigid, box, {}), bond(soft, box, {.bonds = {{0, 1, 0.3, 500}}});
   const Eigen::Matrix3d pressure = Barometer(rigid, true)(rigid, none, s, s.v, penalty.lambda());
   EXPECT_LT((pressure - Barometer(soft)(soft, bond, s, s.v, {})).norm(), 1e-9);

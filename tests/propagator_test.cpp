@@ -33,7 +33,7 @@ std::vector<double> errors_of_a_bond_at_rest(double ah, double bh, Damping dampi
   auto [sys, s] = testing::rotor(0);
   Baumgarte method(sys, options_for(ah, bh, damping, h), h);
   NoForce forces;
-  initialize({sys, forces, method}, s);
+  initialize({sys, forces, method}, h, s);
   s.x(0, 1) += 1e-8;
   std::vector<double> errors = {sigma_of(sys, s)};
   for (int n = 0; n < steps; ++n) {
@@ -107,7 +107,7 @@ TEST(Propagator, StabilityLimitIsWhereARunBlowsUp) {
         auto [sys, s] = testing::rotor(0);
         Baumgarte method(sys, options_for(ah / 3, bh / 3, damping, h / 3), h / 3);
         NoForce forces;
-        initialize({sys, forces, method}, s);
+        initialize({sys, forces, method}, h, s);
         s.x(0, 1) += 1e-9;
         for (int n = 0; n < 1500; ++n)
           if (!step({sys, forces, method}, h, s).converged()) return true;
@@ -141,7 +141,7 @@ TEST(Floor, OfAFreeRotor) {
       auto [sys, s] = testing::rotor(theta / h);
       Baumgarte method(sys, options_for(ah, bh, damping, h), h);
       NoForce forces;
-      initialize({sys, forces, method}, s);
+      initialize({sys, forces, method}, h, s);
       for (int n = 0; n < 400; ++n) EXPECT_TRUE(step({sys, forces, method}, h, s).converged());
       const double v = theta / h, a = theta * theta / (h * h);
       const double predicted = floor_of(ah, bh, h, {v * v, a * a, 0}, damping);
@@ -171,7 +171,7 @@ TEST(Floor, OfAPendulum) {
     testing::UniformForce forces{Vec3(0, 0, -g)};
     const double ah = 1, bh = std::sqrt(2.0);
     Baumgarte method(sys, options_for(ah, bh, damping, h), h);
-    initialize({sys, forces, method}, s);
+    initialize({sys, forces, method}, h, s);
     double error = 0, predicted = 0;
     for (int n = 0; n < 1000; ++n) {
       EXPECT_TRUE(step({sys, forces, method}, h, s).converged());
@@ -231,11 +231,11 @@ double bearable_stretch(double ah, double bh2, const char* damping, int passes,
                       .passes = passes},
                      h);
     NoForce forces;
-    initialize({sys, forces, method}, s);
+    initialize({sys, forces, method}, h, s);
     s.x(0, 1) += sign * stretch;
     if (how == Stretched::kFromTheStart) {
       forces(sys, s);
-      EXPECT_TRUE(method.start(sys, s).converged());
+      EXPECT_TRUE(method.add_forces(sys, Push::at_start(h), s).converged());
     }
     for (int n = 0; n < 3000; ++n)
       if (!step({sys, forces, method}, h, s).converged() || !(std::abs(s.x(0, 1) - s.x(0, 0) - 1) < 0.5))

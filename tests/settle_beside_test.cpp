@@ -70,7 +70,7 @@ TEST(SettleBeside, IsTheSameInLanesAndPlain) {
     const auto method =
         plain ? make_plain(start.system, options, 0.001) : make_method(start.system, options, 0.001);
     State s = start.state;
-    initialize({start.system, forces, *method}, s);
+    initialize({start.system, forces, *method}, 0.001, s);
     for (int n = 0; n < 100; ++n) ASSERT_TRUE(step({start.system, forces, *method}, 0.001, s).converged());
     ends[plain] = s.x;
     EXPECT_THAT(method->setting(), ::testing::HasSubstr("3 waters; 5 bonds of the rest by feedforward"));
@@ -109,7 +109,7 @@ TEST(SettleBeside, IsAskedForAndGoesOnFromACheckpoint) {
   };
   const auto whole = make();
   State s = start.state;
-  initialize({start.system, forces, *whole}, s);
+  initialize({start.system, forces, *whole}, 0.001, s);
   const auto steps = [&](ConstraintMethod& method, State& state) {
     for (int n = 0; n < 20; ++n) ASSERT_TRUE(step({start.system, forces, method}, 0.001, state).converged());
   };

@@ -73,7 +73,7 @@ TEST(Newton, StopsAtItsMostIterations) {
   NoForce forces;
   const auto stops = [&](auto method) {
     State s = start.state;
-    initialize({start.system, forces, method}, s);
+    initialize({start.system, forces, method}, 0.01, s);
     const SolveStats stats = method.project_positions(start.system, 0.01, s);
     EXPECT_TRUE(stats.converged());  // nothing has moved
     s.x += 0.05 * s.v;
@@ -93,7 +93,7 @@ TEST(WarmStart, OfARotorLeavesNothingToDo) {
   NoForce forces;
   const auto begins_with = [&](auto method) {
     State s = start.state;
-    initialize({start.system, forces, method}, s);
+    initialize({start.system, forces, method}, 0.01, s);
     for (int n = 0; n < 5; ++n) EXPECT_TRUE(step({start.system, forces, method}, 0.01, s).converged());
     s.x += 0.01 * s.v;
     return method.project_positions(start.system, 0.01, s).iterations;
@@ -117,7 +117,7 @@ TEST(Sweeps, MeetTheirToleranceAtEveryLength) {
     NoForce forces;
     const auto meets = [&](auto method, double tolerance) {
       State s = start.state;
-      initialize({start.system, forces, method}, s);
+      initialize({start.system, forces, method}, 0.01, s);
       for (int n = 0; n < 20; ++n) {
         const SolveStats stats = step({start.system, forces, method}, 0.01, s);
         ASSERT_TRUE(stats.converged());
@@ -139,7 +139,7 @@ TEST(Penalty, ReportsTheRelativeResidual) {
   s.x(0, 1) = 0.11;
   s.x(0, 2) = 10.2;
   Penalty method(sys, {}, 0.001);
-  const SolveStats stats = method.add_forces(sys, 0.001, s);
+  const SolveStats stats = method.add_forces(sys, Push::between_steps(0.001), s);
   EXPECT_EQ(stats.worst_bond, 0);
   EXPECT_NEAR(stats.max_residual, 0.5 * (1.1 * 1.1 - 1), 1e-12);
 }
@@ -283,7 +283,7 @@ TEST(Sweeps, AsPlainMethodsNameItToo) {
   const Start start = testing::rotor(300);
   const auto failure = [&](auto method) {
     State s = start.state;
-    initialize({start.system, forces, method}, s);
+    initialize({start.system, forces, method}, 0.01, s);
     return step({start.system, forces, method}, 0.01, s).failure;
   };
   EXPECT_EQ(failure(Shake(start.system, {}, 0.01)), Failure::kTurned);

@@ -27,7 +27,7 @@ inline Verdict verify(const System& sys, ForceLaw& forces, const MethodOptions& 
   Verdict verdict;
   const auto method = make_method(sys, options, h);
   const Dynamics dynamics{sys, forces, *method};
-  initialize(dynamics, s);
+  initialize(dynamics, h, s);
   const Vec3 momentum_before = momentum(sys, s.v);
   const auto energy = [&] {
     return kinetic_energy(sys, s.v) + forces.potential() + method->spring_energy(sys, s.x);

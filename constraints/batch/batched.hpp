@@ -24,10 +24,9 @@ class Leftover {
   SolveStats project_positions(double h, State& s) {
     return bonds_.empty() ? SolveStats{} : numbered(method_.project_positions(system_, h, s));
   }
-  SolveStats add_forces(double h, State& s) {
-    return bonds_.empty() ? SolveStats{} : numbered(method_.add_forces(system_, h, s));
+  SolveStats add_forces(const Push& push, State& s) {
+    return bonds_.empty() ? SolveStats{} : numbered(method_.add_forces(system_, push, s));
   }
-  SolveStats start(State& s) { return bonds_.empty() ? SolveStats{} : numbered(method_.start(system_, s)); }
   SolveStats project_velocities(double h, State& s) {
     return bonds_.empty() ? SolveStats{} : numbered(method_.project_velocities(system_, h, s));
   }
@@ -49,8 +48,8 @@ class Leftover {
       for (std::size_t n = 0; n < kept.size(); ++n) (*kept[n])[k] = past(bonds_[k], n);
     method_.steps_known() = known;
   }
-  SolveStats again(double h, State& s) {
-    return bonds_.empty() ? SolveStats{} : numbered(method_.again(system_, h, s));
+  SolveStats again(const Push& push, State& s) {
+    return bonds_.empty() ? SolveStats{} : numbered(method_.again(system_, push, s));
   }
   void serialize(Archive& archive) { archive(method_); }
   const Plain& method() const { return method_; }

@@ -104,8 +104,8 @@ struct BaumgarteKernel {
   }
   HWY_INLINE SolveNext start(SolveStats&) {
     gather(part, shape.atoms(), step.x, rows.x);
+    gather_sum(part, shape.atoms(), step.f, step.noise, rows.v, rows.f);
     gather(part, shape.atoms(), step.v, rows.v);
-    gather(part, shape.atoms(), step.f, rows.f);
     apply_guess(shape, known(wanted, step.known), step.shift, past, rows);
     right_hand_side<true>(shape, terms, step.h, rows, eq, worst);
     return next(0);
@@ -125,6 +125,7 @@ struct BaumgarteKernel {
     return next(solves);
   }
   HWY_INLINE void end(SolveStats& stats) {
+    if (step.noise) forces_without_noise(shape, part, step.f, past.lambda, rows.r, rows.f);
     scatter(shape, part, rows.f, step.f);
     if (worst.within(stats.max_residual)) return;
     find_residuals(part.batch, rows.x, eq.b);
@@ -180,24 +181,25 @@ void Batched<Baumgarte>::set_terms(double h) {
   });
 }
 
-SolveStats Batched<Baumgarte>::add_forces(const System&, double h, State& s) {
-  const SolveStats stats = solve(h, true, s).beside(leftover_.add_forces(h, s));
+SolveStats Batched<Baumgarte>::add_forces(const System&, const Push& push, State& s) {
+  const SolveStats stats = solve(push, true, s).beside(leftover_.add_forces(push, s));
   known_ = std::min(known_ + 1, 3);
   return stats;
 }
 
-SolveStats Batched<Baumgarte>::again(const System&, double h, State& s) {
-  return solve(h, false, s).beside(leftover_.again(h, s));
+SolveStats Batched<Baumgarte>::again(const System&, const Push& push, State& s) {
+  return solve(push, false, s).beside(leftover_.again(push, s));
 }
 
-SolveStats Batched<Baumgarte>::solve(double h, bool shift, State& s) {
-  set_terms(h);
-  const BaumgarteStep step{.h = h,
+SolveStats Batched<Baumgarte>::solve(const Push& push, bool shift, State& s) {
+  set_terms(push.last_h());
+  const BaumgarteStep step{.h = push.last_h(),
                            .known = known_,
                            .shift = shift,
                            .passes = options_.passes,
                            .x = s.x.data(),
                            .v = s.v.data(),
+                           .noise = push.noise ? push.noise->data() : nullptr,
                            .f = s.f.data()};
   return batches_.run(HWY_DYNAMIC_DISPATCH(baumgarte_groups), step);
 }

@@ -30,7 +30,7 @@ struct BaumgarteStep {
   int known;   // steps of the past
   bool shift;  // λ becomes the past
   int passes;
-  const double *x, *v;
+  const double *x, *v, *noise;  // noise: null for none
   double* f;
 };
 
@@ -39,15 +39,14 @@ class Batched<Baumgarte> final : public ExtrapolatingMethod<Baumgarte, SolvedBat
  public:
   Batched(const System& sys, const Options& options, double h);
 
-  SolveStats add_forces(const System& sys, double h, State& s) override;
-  SolveStats start(const System& sys, State& s) override { return add_forces(sys, 0, s); }  // w = v
-  SolveStats again(const System& sys, double h, State& s) override;
+  SolveStats add_forces(const System& sys, const Push& push, State& s) override;
+  SolveStats again(const System& sys, const Push& push, State& s) override;
 
   std::string setting() const override { return setting_; }
 
  private:
   void set_terms(double h);
-  SolveStats solve(double h, bool shift, State& s);
+  SolveStats solve(const Push& push, bool shift, State& s);
 
   Damping damping_;
   std::string setting_;

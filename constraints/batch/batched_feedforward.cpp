@@ -14,12 +14,12 @@
 #define TAUT_FEEDFORWARD_STEP
 namespace taut {
 struct FeedforwardStep {
-  double h, kick;              // δ = h v + kick·M⁻¹f
+  double h, drift;             // δ = h v + drift M⁻¹(f + noise)
   double last, first, second;  // λ ← last·λ₁ + first·λ₂ + second·λ₃
   bool shift;                  // λ becomes the guess, and what it was is past
   int max_solves;
-  double turn;  // |σ_next / r_next·r| up to which one solve leaves less than the tolerance
-  const double *x, *v;
+  double turn;                  // |σ_next / r_next·r| up to which one solve leaves less than the tolerance
+  const double *x, *v, *noise;  // noise: null for none
   double* f;
 };
 }  // namespace taut
@@ -66,11 +66,11 @@ struct Ahead {
   M sane;  // < 10³·|r_next·r|
 };
 
-// r_next, b = −σ_next/kick and A's diagonal.
+// r_next, b = −σ_next/drift and A's diagonal.
 template <class Shape>
 HWY_INLINE Ahead look_ahead(const Shape shape, const FeedforwardStep& step, const FeedforwardRows rows,
                             const Equations& eq) {
-  const V h = broadcast(step.h), kick = broadcast(step.kick), scale = broadcast(-0.5 / step.kick),
+  const V h = broadcast(step.h), drift = broadcast(step.drift), scale = broadcast(-0.5 / step.drift),
           turn = broadcast(step.turn);
   Ahead ahead{everywhere(), everywhere()};
   for (int k = 0; k < shape.solved(); ++k) {
@@ -78,7 +78,7 @@ HWY_INLINE Ahead look_ahead(const Shape shape, const FeedforwardStep& step, cons
     const V3 r = load3(rows.r + 3 * k * kLanes);
     const V3 a = neg_mul_add(broadcast(bond.inv_mass_i), load3(rows.f + shape.i(k)),
                              broadcast(bond.inv_mass_j) * load3(rows.f + shape.j(k)));
-    const V3 r_next = mul_add(kick, a, mul_add(h, difference(shape, k, rows.v), r));
+    const V3 r_next = mul_add(drift, a, mul_add(h, difference(shape, k, rows.v), r));
     store3(r_next, rows.r_next + 3 * k * kLanes);
     const V off = twice_sigma(bond, r_next), along = dot(r_next, r);
     const V size = hn::Mul(broadcast(0.5), hn::Abs(off)), reach = hn::Abs(along);
@@ -147,8 +147,8 @@ struct FeedforwardKernel {
   }
   HWY_INLINE SolveNext start(SolveStats& stats) {
     gather(part, shape.atoms(), step.x, rows.x);
+    gather_sum(part, shape.atoms(), step.f, step.noise, rows.v, rows.f);
     gather(part, shape.atoms(), step.v, rows.v);
-    gather(part, shape.atoms(), step.f, rows.f);
     worst = extrapolate(shape, step, past, rows);
     return look(stats);
   }
@@ -166,6 +166,7 @@ struct FeedforwardKernel {
     return SolveNext::kEnd;
   }
   HWY_INLINE void end(SolveStats& stats) {
+    if (step.noise) forces_without_noise(shape, part, step.f, past.lambda, rows.r, rows.f);
     scatter(shape, part, rows.f, step.f);
     if (!stats.converged() || worst.within(stats.max_residual)) return;
     find_residuals(part.batch, rows.x, eq.b);
@@ -173,7 +174,7 @@ struct FeedforwardKernel {
   }
 };
 
-// The same for triangles, by what the atoms of a bond differ by. δ = h v + kick·M⁻¹f is put together where it
+// The same for triangles, by what the atoms of a bond differ by. δ = h v + drift M⁻¹f is put together where it
 // lies in memory, and Jᵀλ added to f there.
 struct FeedforwardTriangle {
   const LaneBatch& lanes;
@@ -184,7 +185,7 @@ struct FeedforwardTriangle {
   bool near, regular;    // as above; a NaN is far
 
   HWY_INLINE void solve() {
-    r_next = mul_add(broadcast(step.kick), Forces(change, r).accelerations(masses), r_next);
+    r_next = mul_add(broadcast(step.drift), Forces(change, r).accelerations(masses), r_next);
     const TriangleMatrix A(lanes, r_next, r);
     const Three off = twice_sigma(lanes, r_next);
     M close = everywhere();
@@ -192,7 +193,7 @@ struct FeedforwardTriangle {
     for (int k = 0; k < 3; ++k) {
       close =
           hn::And(close, hn::Le(hn::Abs(off.k[k]), hn::Mul(broadcast(2 * step.turn), hn::Abs(A.along.k[k]))));
-      b.k[k] = hn::Mul(broadcast(-0.5 / step.kick), off.k[k]);
+      b.k[k] = hn::Mul(broadcast(-0.5 / step.drift), off.k[k]);
     }
     near = hn::AllTrue(D(), close);
     regular = hn::AllTrue(D(), A.regular(lanes));
@@ -202,10 +203,11 @@ struct FeedforwardTriangle {
 };
 
 HWY_INLINE bool solve_triangle(RememberingBatch& batch, const FeedforwardStep& step,
-                               const double* kick_by_mass, const Part& part, SolveStats& stats) {
-  HWY_ALIGN double copies[3][9 * kWidth];
+                               const double* drift_by_mass, const Part& part, SolveStats& stats) {
+  HWY_ALIGN double copies[4][9 * kWidth];
   const Nines nines(part);
   const double *x = nines.open(step.x, copies[0]), *v = nines.open(step.v, copies[1]);
+  const double* noise = step.noise ? nines.open(step.noise, copies[3]) : nullptr;
   double* f = nines.open(step.f, copies[2]);
   const LaneBatch& lanes = batch.lanes;
   const PastLambda past(batch, part);
@@ -215,7 +217,10 @@ HWY_INLINE bool solve_triangle(RememberingBatch& batch, const FeedforwardStep& s
   Nine delta;
   for (int k = 0; k < 9; ++k)
     delta.n[k] = hn::MulAdd(broadcast(step.h), load_any(v + k * kWidth),
-                            hn::Mul(load(kick_by_mass + k * kWidth), load_any(f + k * kWidth)));
+                            hn::Mul(load(drift_by_mass + k * kWidth), load_any(f + k * kWidth)));
+  if (noise)
+    for (int k = 0; k < 9; ++k)
+      delta.n[k] = hn::MulAdd(load(drift_by_mass + k * kWidth), load_any(noise + k * kWidth), delta.n[k]);
   const Three one = load_three(past.lambda), two = load_three(past.before),
               three = load_three(past.before_that);
   Three guess;
@@ -250,12 +255,12 @@ HWY_INLINE bool solve_triangle(RememberingBatch& batch, const FeedforwardStep& s
 SolveStats feedforward_groups(RememberingBatch& batch, const FeedforwardStep& step, const SolveCall& call,
                               int begin, int end, const Scratch& scratch) {
   if (batch.lanes.triangle && step.shift) {
-    HWY_ALIGN double kick_by_mass[9 * kWidth];
-    for (int n = 0; n < 9 * kWidth; ++n) kick_by_mass[n] = step.kick * batch.lanes.inv_mass[n % 9 / 3];
-    return solve_triangles<FeedforwardKernel>(batch, step, {begin, end, scratch},
-                                              [&](const Part& part, SolveStats& stats) HWY_ATTR {
-                                                return solve_triangle(batch, step, kick_by_mass, part, stats);
-                                              });
+    HWY_ALIGN double drift_by_mass[9 * kWidth];
+    for (int n = 0; n < 9 * kWidth; ++n) drift_by_mass[n] = step.drift * batch.lanes.inv_mass[n % 9 / 3];
+    return solve_triangles<FeedforwardKernel>(
+        batch, step, {begin, end, scratch}, [&](const Part& part, SolveStats& stats) HWY_ATTR {
+          return solve_triangle(batch, step, drift_by_mass, part, stats);
+        });
   }
   return solve_groups<FeedforwardKernel>(batch, step, call, begin, end, scratch);
 }
@@ -269,29 +274,23 @@ namespace taut {
 HWY_EXPORT(feedforward_groups);
 
 Batched<Feedforward>::Batched(const System& sys, const Options& options, double h)
-    : ExtrapolatingMethod(sys, options, h, find_clusters(sys, ClusterLimits::cutting())), h_(h) {}
+    : ExtrapolatingMethod(sys, options, h, find_clusters(sys, ClusterLimits::cutting())) {}
 
-SolveStats Batched<Feedforward>::add_forces(const System&, double h, State& s) {
-  const SolveStats stats = solve(h_ * h_, true, s).beside(leftover_.add_forces(h, s));
-  known_ = std::min(known_ + 1, 3);
+SolveStats Batched<Feedforward>::add_forces(const System&, const Push& push, State& s) {
+  const SolveStats stats = solve(push, !push.starts(), s).beside(leftover_.add_forces(push, s));
+  known_ = push.starts() ? 1 : std::min(known_ + 1, 3);
   return stats;
 }
 
-// v is the full-step velocity and the coming kick half as long.
-SolveStats Batched<Feedforward>::start(const System&, State& s) {
-  known_ = 1;
-  return solve(0.5 * h_ * h_, false, s).beside(leftover_.start(s));
+SolveStats Batched<Feedforward>::again(const System&, const Push& push, State& s) {
+  return solve(push, false, s).beside(leftover_.again(push, s));
 }
 
-SolveStats Batched<Feedforward>::again(const System&, double h, State& s) {
-  return solve(h_ * h_, false, s).beside(leftover_.again(h, s));
-}
-
-SolveStats Batched<Feedforward>::solve(double kick, bool shift, State& s) {
+SolveStats Batched<Feedforward>::solve(const Push& push, bool shift, State& s) {
   constexpr double kWeights[3][3] = {{1, 0, 0}, {2, -1, 0}, {3, -3, 1}};  // by order
   const auto& [last, first, second] = kWeights[std::clamp(known_ - 1, 0, options_.extrapolation)];
-  const FeedforwardStep step{.h = h_,
-                             .kick = kick,
+  const FeedforwardStep step{.h = push.h,
+                             .drift = push.drift(),
                              .last = last,
                              .first = first,
                              .second = second,
@@ -300,6 +299,7 @@ SolveStats Batched<Feedforward>::solve(double kick, bool shift, State& s) {
                              .turn = std::sqrt(2 * options_.tolerance),
                              .x = s.x.data(),
                              .v = s.v.data(),
+                             .noise = push.noise ? push.noise->data() : nullptr,
                              .f = s.f.data()};
   return batches_.run(HWY_DYNAMIC_DISPATCH(feedforward_groups), step);
 }

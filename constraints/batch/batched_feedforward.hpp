@@ -11,14 +11,11 @@ class Batched<Feedforward> final : public ExtrapolatingMethod<Feedforward, Solve
  public:
   Batched(const System& sys, const Options& options, double h);
 
-  SolveStats add_forces(const System& sys, double h, State& s) override;
-  SolveStats start(const System& sys, State& s) override;
-  SolveStats again(const System& sys, double h, State& s) override;
+  SolveStats add_forces(const System& sys, const Push& push, State& s) override;
+  SolveStats again(const System& sys, const Push& push, State& s) override;
 
  private:
-  SolveStats solve(double kick, bool shift, State& s);
-
-  double h_;
+  SolveStats solve(const Push& push, bool shift, State& s);
 };
 
 }  // namespace taut

@@ -158,6 +158,16 @@ HWY_INLINE void gather(const Part& part, const int atoms, const double* HWY_REST
     store(load_each<kWidth>(array + c, place), rows + c * kLanes);
 }
 
+// rows ← the sum of two such arrays; `other` may be null, and `scratch` is as large as `rows`.
+HWY_INLINE void gather_sum(const Part& part, const int atoms, const double* array, const double* other,
+                           double* scratch, double* HWY_RESTRICT rows) {
+  gather(part, atoms, array, rows);
+  if (!other) return;
+  gather(part, atoms, other, scratch);
+  for (int c = 0; c < 3 * atoms; ++c)
+    store(hn::Add(load(rows + c * kLanes), load(scratch + c * kLanes)), rows + c * kLanes);
+}
+
 // ... and back, so many atoms from the first of them on
 HWY_INLINE void scatter(const Part& part, const int first, const int atoms, const double* HWY_RESTRICT rows,
                         double* HWY_RESTRICT array) {
@@ -277,6 +287,15 @@ HWY_INLINE void add_constraint_force(const Shape shape, int k, V lambda, const V
   double *f_i = f + shape.i(k), *f_j = f + shape.j(k);
   store3(load3(f_i) - force, f_i);
   store3(load3(f_j) + force, f_j);
+}
+
+// rows ← f + Jᵀλ of a cluster, after a solve that added a thermostat's noise to f.
+template <class Shape>
+HWY_NOINLINE void forces_without_noise(const Shape shape, const Part& part, const double* f,
+                                       const double* lambda, const double* r, double* rows) {
+  gather(part, shape.atoms(), f, rows);
+  for (int k = 0; k < shape.size(); ++k)
+    add_constraint_force(shape, k, load(lambda + k * kLanes), load3(r + 3 * k * kLanes), rows);
 }
 
 // y += M⁻¹Jᵀλ for one bond

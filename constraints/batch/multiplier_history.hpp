@@ -2,9 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "md/solve_stats.hpp"
-#include "md/state.hpp"
-#include "md/system.hpp"
+#include "md/constraint_method.hpp"
 
 namespace taut {
 
@@ -21,7 +19,7 @@ class MultiplierHistory {
   virtual void write(const Eigen::MatrixXd& past, int known) = 0;
 
   // The last add_forces once more, from the multipliers it found, under other forces or velocities.
-  virtual SolveStats again(const System& sys, double h, State& s) = 0;
+  virtual SolveStats again(const System& sys, const Push& push, State& s) = 0;
 };
 
 }  // namespace taut

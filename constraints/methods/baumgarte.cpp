@@ -31,7 +31,6 @@ Baumgarte::Baumgarte(const System& sys, const Options& options, double h)
       setting_(describe_baumgarte(options, gains_, h)) {
   if (sys.one_sided.empty()) return;
   active_set_.emplace(sys);
-  h_ = h;
   corrects_ = !(options.alpha_per_ps == 0 && options.beta_per_ps == 0);
   if (corrects_) passes_ = std::max(passes_, kPassesOfATouch);
 }
@@ -76,43 +75,45 @@ void Baumgarte::solve_by_sweeps(const System& sys) {
 
 // What is known of one-sided bond k without λ: in w_ij_ where it will have gone in a step, Δ = hv + …, in
 // known_ σ + r·Δ. Left out, r = 0, where nothing corrects and it is slack.
-void Baumgarte::look_ahead(const System& sys, double h, const State& s, int k) {
+void Baumgarte::look_ahead(const System& sys, const Push& push, const State& s, int k) {
   const auto& [i, j, d] = sys.bond(k);
   const double sigma_k = sigma(r_.col(k), d);
-  a_ij_.col(k) = sys.inv_mass[j] * s.f.col(j) - sys.inv_mass[i] * s.f.col(i);
+  a_ij_.col(k) = sys.inv_mass[j] * push.force(s.f, j) - sys.inv_mass[i] * push.force(s.f, i);
   w_ij_.col(k) = s.v.col(j) - s.v.col(i);
   if (corrects_) {
-    w_ij_.col(k) = h_ * w_ij_.col(k) + reach(h) * a_ij_.col(k);
+    w_ij_.col(k) = push.h * w_ij_.col(k) + push.drift() * a_ij_.col(k);
     known_[k] = sigma_k + r_.col(k).dot(w_ij_.col(k));
   } else {
-    w_ij_.col(k) += 0.5 * h * a_ij_.col(k);
+    w_ij_.col(k) += 0.5 * push.last_h() * a_ij_.col(k);
     if (sys.side(k) * sigma_k > 0) r_.col(k).setZero();
     known_[k] = r_.col(k).dot(a_ij_.col(k));
   }
 }
 
 // s(σ + r·(Δ + τy) + ½|Δ + τy*|²) ≥ 0, y = M⁻¹Jᵀλ acting over τ; without correction s(r·(a + y) + |v*|²) ≥ 0.
-void Baumgarte::want_one_sided(const System& sys, double h, int k) {
+void Baumgarte::want_one_sided(const System& sys, const Push& push, int k) {
   const auto& [i, j, d] = sys.bond(k);
   const Vec3 y_ij = y_.col(j) - y_.col(i);
   if (corrects_)
-    wanted_[k] = -(known_[k] + 0.5 * (w_ij_.col(k) + reach(h) * y_ij).squaredNorm()) / reach(h);
+    wanted_[k] = -(known_[k] + 0.5 * (w_ij_.col(k) + push.drift() * y_ij).squaredNorm()) / push.drift();
   else
-    wanted_[k] = r_.col(k).isZero(0) ? 0 : -(known_[k] + (w_ij_.col(k) + 0.5 * h * y_ij).squaredNorm());
+    wanted_[k] =
+        r_.col(k).isZero(0) ? 0 : -(known_[k] + (w_ij_.col(k) + 0.5 * push.last_h() * y_ij).squaredNorm());
 }
 
-SolveStats Baumgarte::add_forces(const System& sys, double h, State& s) {
+SolveStats Baumgarte::add_forces(const System& sys, const Push& push, State& s) {
   guess_lambda();
-  return again(sys, h, s);
+  return again(sys, push, s);
 }
 
-SolveStats Baumgarte::again(const System& sys, double h, State& s) {
+SolveStats Baumgarte::again(const System& sys, const Push& push, State& s) {
+  const double h = push.last_h();  // at the start there is no motion before x to take differences with
   differences(sys, s.x, r_);
   Residual residual;
   for (int k = 0; k < sys.bond_count(); ++k) {
     const auto& [i, j, d] = sys.bonds[k];
     const auto& [alpha, beta] = gains_[k];
-    a_ij_.col(k) = sys.inv_mass[j] * s.f.col(j) - sys.inv_mass[i] * s.f.col(i);
+    a_ij_.col(k) = sys.inv_mass[j] * push.force(s.f, j) - sys.inv_mass[i] * push.force(s.f, i);
     const Vec3 v_half = s.v.col(j) - s.v.col(i);
     w_ij_.col(k) = v_half + 0.5 * h * a_ij_.col(k);
     const double rate = r_.col(k).dot(damping_ == Damping::kLagged ? v_half : Vec3(w_ij_.col(k)));
@@ -123,7 +124,7 @@ SolveStats Baumgarte::again(const System& sys, double h, State& s) {
   for (int k = sys.bond_count(); k < sys.all_bonds(); ++k) {
     const auto& [i, j, d] = sys.bond(k);
     residual.see(std::max(0.0, -sys.side(k) * sigma(r_.col(k), d)) / (d * d), k);
-    look_ahead(sys, h, s, k);
+    look_ahead(sys, push, s, k);
   }
   if (sweeps_ == 0 && !active_set_) {
     solver_.factor(r_);
@@ -145,7 +146,7 @@ SolveStats Baumgarte::again(const System& sys, double h, State& s) {
       if (damping_ == Damping::kDiscrete) rest += 0.25 * h * h * a_ij.squaredNorm();
       wanted_[k] = -rest / (damping_ == Damping::kLagged ? 1 : 1 + alpha * h);
     }
-    for (int k = sys.bond_count(); k < sys.all_bonds(); ++k) want_one_sided(sys, h, k);
+    for (int k = sys.bond_count(); k < sys.all_bonds(); ++k) want_one_sided(sys, push, k);
     if (sweeps_ > 0) {
       solve_by_sweeps(sys);
     } else if (active_set_) {

@@ -90,9 +90,8 @@ class Baumgarte : public ConstraintMethod {
 
   Baumgarte(const System& sys, const Options& options, double h);
 
-  SolveStats add_forces(const System& sys, double h, State& s) override;
-  SolveStats start(const System& sys, State& s) override { return add_forces(sys, 0, s); }  // w = v
-  SolveStats again(const System& sys, double h, State& s);  // from λ as it is
+  SolveStats add_forces(const System& sys, const Push& push, State& s) override;
+  SolveStats again(const System& sys, const Push& push, State& s);  // from λ as it is
 
   void serialize(Archive& archive) override { archive(lambda_, before_, before_that_, steps_); }
   const Eigen::VectorXd& lambda() const override { return lambda_; }
@@ -103,10 +102,8 @@ class Baumgarte : public ConstraintMethod {
  private:
   void guess_lambda();
   void solve_by_sweeps(const System& sys);
-  void look_ahead(const System& sys, double h, const State& s, int k);
-  void want_one_sided(const System& sys, double h, int k);
-  // [ps²] by which a force moves in the step to come: λ acts in both its kicks, at the start in one.
-  double reach(double h) const { return h > 0 ? h_ * h_ : 0.5 * h_ * h_; }
+  void look_ahead(const System& sys, const Push& push, const State& s, int k);
+  void want_one_sided(const System& sys, const Push& push, int k);
 
   Damping damping_;
   std::vector<Gains> gains_;    // m
@@ -120,7 +117,6 @@ class Baumgarte : public ConstraintMethod {
   int steps_ = 0;                                  // how many of them there are
   std::string setting_;
   std::optional<ActiveSet> active_set_;  // where there are one-sided bonds
-  double h_ = 0;
   bool corrects_ = true;
 };
 

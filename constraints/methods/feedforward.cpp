@@ -6,9 +6,8 @@
 
 namespace taut {
 
-Feedforward::Feedforward(const System& sys, const Options& options, double h)
+Feedforward::Feedforward(const System& sys, const Options& options, double)
     : options_(options),
-      h_(h),
       solver_(sys),
       r_(3, sys.bond_count()),
       r_next_(3, sys.bond_count()),
@@ -31,25 +30,22 @@ void Feedforward::extrapolate() {
   known_ = std::min(known_ + 1, 3);
 }
 
-SolveStats Feedforward::add_forces(const System& sys, double, State& s) {
-  extrapolate();
-  return add_forces_for(h_ * h_, sys, s);
+SolveStats Feedforward::add_forces(const System& sys, const Push& push, State& s) {
+  if (push.starts())
+    known_ = 1;
+  else
+    extrapolate();
+  return again(sys, push, s);
 }
 
-// v is the full-step velocity and the coming kick half as long: δ = h v + ½h² M⁻¹f.
-SolveStats Feedforward::start(const System& sys, State& s) {
-  known_ = 1;
-  return add_forces_for(0.5 * h_ * h_, sys, s);
-}
-
-// `kick`: δ = h v + kick·M⁻¹f
-SolveStats Feedforward::add_forces_for(double kick, const System& sys, State& s) {
-  const SolveStats stats = solve(sys, s, kick);
+SolveStats Feedforward::again(const System& sys, const Push& push, State& s) {
+  const SolveStats stats = solve(sys, push, s);
   add_constraint_force(sys, r_, lambda_, s.f);
   return stats;
 }
 
-SolveStats Feedforward::solve(const System& sys, const State& s, double kick) {
+SolveStats Feedforward::solve(const System& sys, const Push& push, const State& s) {
+  const double drift = push.drift();
   differences(sys, s.x, r_);
   SolveStats stats{.failure = Failure::kNoConvergence};
   while (!stats.converged() && stats.iterations < options_.max_solves) {
@@ -58,10 +54,11 @@ SolveStats Feedforward::solve(const System& sys, const State& s, double kick) {
     Residual now, next;
     for (int k = 0; k < sys.bond_count(); ++k) {
       const auto& [i, j, d] = sys.bonds[k];
-      const Vec3 a_ij = sys.inv_mass[j] * s.f.col(j) - sys.inv_mass[i] * s.f.col(i) + y_.col(j) - y_.col(i);
-      r_next_.col(k) = r_.col(k) + h_ * (s.v.col(j) - s.v.col(i)) + kick * a_ij;
+      const Vec3 a_ij =
+          sys.inv_mass[j] * push.force(s.f, j) - sys.inv_mass[i] * push.force(s.f, i) + y_.col(j) - y_.col(i);
+      r_next_.col(k) = r_.col(k) + push.h * (s.v.col(j) - s.v.col(i)) + drift * a_ij;
       const double sigma_next = sigma(r_next_.col(k), d);
-      b_[k] = -sigma_next / kick;
+      b_[k] = -sigma_next / drift;
       now.see(std::abs(sigma(r_.col(k), d)) / (d * d), k);
       next.see(std::abs(sigma_next / r_next_.col(k).dot(r_.col(k))), k);
     }

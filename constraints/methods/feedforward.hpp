@@ -42,11 +42,10 @@ class Feedforward : public ConstraintMethod {
     }
   };
 
-  Feedforward(const System& sys, const Options& options, double h);
+  Feedforward(const System& sys, const Options& options, double /*h*/);
 
-  SolveStats add_forces(const System& sys, double h, State& s) override;
-  SolveStats start(const System& sys, State& s) override;
-  SolveStats again(const System& sys, double, State& s) { return add_forces_for(h_ * h_, sys, s); }
+  SolveStats add_forces(const System& sys, const Push& push, State& s) override;
+  SolveStats again(const System& sys, const Push& push, State& s);  // from λ as it is
 
   void serialize(Archive& archive) override { archive(lambda_, before_, before_that_, known_); }
   const Eigen::VectorXd& lambda() const override { return lambda_; }
@@ -61,11 +60,9 @@ class Feedforward : public ConstraintMethod {
 
  private:
   void extrapolate();
-  SolveStats add_forces_for(double kick, const System& sys, State& s);
-  SolveStats solve(const System& sys, const State& s, double kick);
+  SolveStats solve(const System& sys, const Push& push, const State& s);
 
   Options options_;
-  double h_;
   DirectSolver solver_;
   Vectors r_, r_next_;                             // 3 × m
   Vectors y_;                                      // 3 × n, M⁻¹Jᵀλ

@@ -15,7 +15,7 @@ Penalty::Penalty(const System& sys, const Options& options, double h)
   }
 }
 
-SolveStats Penalty::add_forces(const System& sys, double, State& s) {
+SolveStats Penalty::add_forces(const System& sys, const Push&, State& s) {
   Residual residual;
   for (int k = 0; k < sys.bond_count(); ++k) {
     const auto& [i, j, d] = sys.bonds[k];

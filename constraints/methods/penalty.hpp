@@ -33,8 +33,7 @@ class Penalty : public ConstraintMethod {
 
   Penalty(const System& sys, const Options& options, double h);
 
-  SolveStats add_forces(const System& sys, double h, State& s) override;
-  SolveStats start(const System& sys, State& s) override { return add_forces(sys, 0, s); }  // the same force
+  SolveStats add_forces(const System& sys, const Push& push, State& s) override;
 
   void serialize(Archive& archive) override { archive(lambda_); }
   const Eigen::VectorXd& lambda() const override { return lambda_; }

@@ -24,10 +24,9 @@ class NamedMethod : public ConstraintMethod {
   SolveStats project_positions(const System& sys, double h, State& s) override {
     return method_->project_positions(sys, h, s);
   }
-  SolveStats add_forces(const System& sys, double h, State& s) override {
-    return method_->add_forces(sys, h, s);
+  SolveStats add_forces(const System& sys, const Push& push, State& s) override {
+    return method_->add_forces(sys, push, s);
   }
-  SolveStats start(const System& sys, State& s) override { return method_->start(sys, s); }
   SolveStats project_velocities(const System& sys, double h, State& s) override {
     return method_->project_velocities(sys, h, s);
   }
@@ -53,8 +52,9 @@ class SettleBeside : public ConstraintMethod {
     SolveStats stats = waters_.project_positions(h, s);
     return stats.beside(solute_.project_positions(h, s));
   }
-  SolveStats add_forces(const System&, double h, State& s) override { return solute_.add_forces(h, s); }
-  SolveStats start(const System&, State& s) override { return solute_.start(s); }
+  SolveStats add_forces(const System&, const Push& push, State& s) override {
+    return solute_.add_forces(push, s);
+  }
   SolveStats project_velocities(const System&, double h, State& s) override {
     SolveStats stats = waters_.project_velocities(h, s);
     return stats.beside(solute_.project_velocities(h, s));

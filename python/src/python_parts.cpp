@@ -117,10 +117,19 @@ class PythonMethod final : public ConstraintMethod {
     }
   }
 
-  SolveStats project_positions(const System& sys, double h, State& s) override { return act(0, sys, h, s); }
-  SolveStats add_forces(const System& sys, double h, State& s) override { return act(1, sys, h, s); }
-  SolveStats project_velocities(const System& sys, double h, State& s) override { return act(2, sys, h, s); }
-  SolveStats start(const System& sys, State& s) override { return act(1, sys, 0, s); }
+  SolveStats project_positions(const System& sys, double h, State& s) override {
+    return act(0, sys, s, [&] { return py::float_(h); });
+  }
+  SolveStats add_forces(const System& sys, const Push& push, State& s) override {
+    return act(1, sys, s, [&] {
+      py::object noise = py::none();
+      if (push.noise) noise = py::array_t<double>({push.noise->cols(), Eigen::Index{3}}, push.noise->data());
+      return python_class("taut.parts", "Push")(push.h, push.kick, noise);
+    });
+  }
+  SolveStats project_velocities(const System& sys, double h, State& s) override {
+    return act(2, sys, s, [&] { return py::float_(h); });
+  }
 
   double promised_error() const override { return promised_; }
   std::string setting() const override { return setting_; }
@@ -179,12 +188,12 @@ class PythonMethod final : public ConstraintMethod {
 
   py::object part(int n) const { return py::reinterpret_borrow<py::tuple>(reachable(parts_))[n]; }
 
-  SolveStats act(int stage, const System& sys, double h, State& s) {
+  SolveStats act(int stage, const System& sys, State& s, const auto& make_argument) {
     SolveStats stats;
     if (has_[stage])
       stats = asked(name_, kStage[stage], [&] {
         LentState state(part(2), s);
-        const py::object answer = part(0).attr(kStage[stage])(part(1), h, part(2));
+        const py::object answer = part(0).attr(kStage[stage])(part(1), make_argument(), part(2));
         state.take_back();
         return said(answer);
       });

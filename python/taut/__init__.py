@@ -31,14 +31,14 @@ from . import options
 from ._core import Row, scenes, threads, use_threads
 from .errors import InputError, OutsideError, SimulationFailure
 from .options import *  # noqa: F401,F403
-from .parts import ConstraintMethod, Force, NotConverged, State, System, register
+from .parts import ConstraintMethod, Force, NotConverged, Push, State, System, register
 from .simulation import Simulation
 from .studies import calibrate, chart, crosscheck, stability
 from .verifying import verify
 
 __version__ = "0.1"
-__all__ = ["ConstraintMethod", "Force", "InputError", "NotConverged", "OutsideError", "Row", "Simulation",
-           "SimulationFailure", "State", "System", "calibrate", "chart", "crosscheck", "register", "scenes",
+__all__ = ["ConstraintMethod", "Force", "InputError", "NotConverged", "OutsideError", "Push", "Row",
+           "Simulation", "SimulationFailure", "State", "System", "calibrate", "chart", "crosscheck", "register", "scenes",
            "stability", "threads", "use_threads", "verify"]
 __all__ += options.__all__
 

@@ -6,7 +6,7 @@ import inspect
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import count
-from typing import TYPE_CHECKING, Any, Dict, List, Sequence, Set, Union
+from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Set, Union
 
 import numpy as np
 
@@ -65,6 +65,33 @@ class State:
             raise AttributeError(f"state.{name}: a state has positions, velocities and forces, during a stage alone")
 
 
+@dataclass(frozen=True)
+class Push:
+    """How the forces move the atoms to where forces act next.
+
+    The velocities come to v + kick/m (f + noise), and the positions to x + h times that. Between two steps v is the
+    half-step velocity. At the start it is the full-step velocity, and the forces act for half a step.
+
+    h      length of the step to come [ps]
+    kick   how long the forces act: h, and h/2 at the start [ps]
+    noise  the random force of a Langevin thermostat, which is no part of ``state.forces``: (n, 3) [kJ/mol/nm], or None
+    """
+
+    h: float
+    kick: float
+    noise: Optional[np.ndarray] = None
+
+    @property
+    def starts(self) -> bool:
+        """True before the first step."""
+        return self.kick < self.h
+
+    @property
+    def last_h(self) -> float:
+        """Length of the step that ended here: h, and 0 at the start [ps]."""
+        return 2 * self.kick - self.h
+
+
 @dataclass
 class NotConverged:
     """What a stage returns that gave up: the step fails, and `bond` is to blame."""
@@ -110,8 +137,8 @@ class ConstraintMethod:
     def project_positions(self, system: System, h: float, state: State) -> Answer:
         """May move the positions, and change the velocities by the same over h."""
 
-    def add_forces(self, system: System, h: float, state: State) -> Answer:
-        """May add what holds the bonds to the forces. Called once before the first step, with h = 0."""
+    def add_forces(self, system: System, push: Push, state: State) -> Answer:
+        """May add what holds the bonds to the forces. Called once before the first step, too (``push.starts``)."""
 
     def project_velocities(self, system: System, h: float, state: State) -> Answer:
         """May take what lies along the bonds out of the velocities."""

@@ -53,8 +53,8 @@ class Own(taut.ConstraintMethod):
     def project_positions(self, system, h, state):
         self.come_to("project_positions", h, state)
 
-    def add_forces(self, system, h, state):
-        self.come_to("add_forces", h, state)
+    def add_forces(self, system, push, state):
+        self.come_to("add_forces", push.last_h, state)
 
     def project_velocities(self, system, h, state):
         self.come_to("project_velocities", h, state)
@@ -400,7 +400,7 @@ def knowing_method():
     known = []
 
     class Knows(taut.ConstraintMethod):
-        def add_forces(self, system, h, state):
+        def add_forces(self, system, push, state):
             self.sim = known[0] if known else None
 
     known.append(taut.Simulation("pair", method=Knows))
