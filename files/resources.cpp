@@ -2,7 +2,9 @@
 
 #include <dlfcn.h>
 #include <fmt/format.h>
+#ifndef __APPLE__
 #include <link.h>
+#endif
 
 #include <cstdlib>
 #include <system_error>
@@ -16,6 +18,14 @@ namespace fs = std::filesystem;
 
 // The shared object this function is in, or else the program: ld.so gives that one no name of its own. The
 // link names the program's folder even where the file has been replaced while it runs.
+#ifdef __APPLE__  // dyld names programs as it does libraries
+fs::path own_file() {
+  Dl_info info;
+  if (!dladdr(reinterpret_cast<const void*>(&own_file), &info) || !info.dli_fname)
+    throw OutsideError("dyld does not say where taut is: let TAUT_SHARE name its share/taut");
+  return fs::weakly_canonical(info.dli_fname);
+}
+#else
 fs::path own_file() {
   Dl_info info;
   link_map* object = nullptr;
@@ -30,6 +40,7 @@ fs::path own_file() {
         "share/taut");
   return program;
 }
+#endif
 
 }  // namespace
 
