@@ -23,6 +23,10 @@ foreach(made share/man/man1/taut.1 share/bash-completion/completions/taut share/
     message(FATAL_ERROR "${made}: ${size} bytes")
   endif()
 endforeach()
+file(GLOB folders RELATIVE ${prefix}/include ${prefix}/include/*)
+if(NOT folders STREQUAL "taut" OR EXISTS ${prefix}/include/taut/files)
+  message(FATAL_ERROR "headers of taut's own were installed: ${folders}")
+endif()
 carry_out(${CMAKE_COMMAND} -S ${example} -B ${folder}/example -G Ninja -DCMAKE_PREFIX_PATH=${prefix}
   -DCMAKE_CXX_COMPILER=${COMPILER} "-DCMAKE_CXX_FLAGS=${FLAGS}")
 carry_out(${CMAKE_COMMAND} --build ${folder}/example)

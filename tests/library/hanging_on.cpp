@@ -1,8 +1,7 @@
 // hanging_on SCENE.toml: the largest error of a bond that each constraint method lets pass in 200 steps.
 #include <fmt/core.h>
-
-#include "simulation/simulation.hpp"
-#include "systems/scene_file.hpp"
+#include <taut/simulation/simulation.hpp>
+#include <taut/systems/scene_file.hpp>
 
 int main(int, char** argv) {
   for (const std::string method : {"penalty", "shake", "feedforward", "newton"}) {
