@@ -33,7 +33,8 @@ void ActiveSet::solve_acting(const Vectors& r, const Eigen::VectorXd& b) {
   solver_.solve(target_);  // 0 where the vector is 0, and of a bond that depends on others
 }
 
-// Of the guess, those that would act on the wrong side; all, where a bond depends on them.
+// Makes idle those guessed bonds whose λ has the wrong sign, or all of them if an ordinary bond depends on
+// them.
 bool ActiveSet::drop_guesses(const System& sys) {
   bool all = false, dropped = false;
   for (const int k : solver_.dependent_bonds()) all |= sys.side(k) == 0;
@@ -42,7 +43,7 @@ bool ActiveSet::drop_guesses(const System& sys) {
   return dropped;
 }
 
-// The idle one whose sw is most below 0, −1 for none.
+// Returns the idle bond whose sw is most negative, or −1.
 int ActiveSet::most_wrong(const System& sys, const Vectors& r, const Eigen::VectorXd& b) {
   y_.setZero();
   add_constraint_acceleration(sys, acting_, target_, y_);
@@ -58,7 +59,8 @@ int ActiveSet::most_wrong(const System& sys, const Vectors& r, const Eigen::Vect
   return worst;
 }
 
-// λ ← λ + α (target − λ), 0 < α ≤ 1 as far as every sλ ≥ 0; who gets to 0 leaves.
+// λ ← λ + α (target − λ) with the largest α ≤ 1 that keeps every sλ ≥ 0; a bond whose λ reaches 0 becomes
+// idle.
 void ActiveSet::go_as_far_as_allowed(const System& sys, Eigen::VectorXd& lambda) {
   double alpha = 1;
   int first = -1;

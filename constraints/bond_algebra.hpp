@@ -1,6 +1,6 @@
 #pragma once
 
-#include "base/worse.hpp"
+#include "base/exceeds.hpp"
 #include "md/system.hpp"
 
 namespace taut {
@@ -8,8 +8,7 @@ namespace taut {
 // The algebra of rigid bonds. For bond k = (i, j): r = x_j − x_i, v_ij = v_j − v_i,
 //     σ = ½(|r|² − d²),   σ̇ = r·v_ij,   σ̈ = r·a_ij + |v_ij|²,
 // row k of J has −r at i and +r at j, and a constraint force is f_c = Jᵀλ.
-// Arrays over bonds are 3 × m or m, arrays over atoms 3 × n. Arrays of all bonds have the one-sided ones
-// last.
+// Arrays over bonds are 3 × m or m, arrays over atoms 3 × n. One-sided bonds come after the ordinary ones.
 
 inline double sigma(const Vec3& r, double d) {
   return 0.5 * (r.squaredNorm() - d * d);
@@ -25,17 +24,17 @@ void add_constraint_force(const System& sys, const Vectors& r, const Eigen::Vect
 void add_constraint_acceleration(const System& sys, const Vectors& r, const Eigen::VectorXd& lambda,
                                  Vectors& y);
 
-// Tension of each bond that is held from both sides, −λd [kJ/mol/nm], positive when it pulls its atoms
+// Returns the tension −λd [kJ/mol/nm] of each ordinary bond; it is positive if the bond pulls its atoms
 // together.
 Eigen::VectorXd tensions(const System& sys, const Eigen::VectorXd& lambda);
 
-// Largest |σ|/d² over the bonds and where it is (−1 without bonds). NaN counts as largest.
+// Returns the largest |σ|/d² and its bond (−1 if there are none). A NaN counts as the largest.
 struct Residual {
   double value = 0;
   int bond = -1;
 
   void see(double relative, int k) {
-    if (!worse(relative, value)) return;
+    if (!exceeds(relative, value)) return;
     value = relative;
     bond = k;
   }

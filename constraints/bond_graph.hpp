@@ -10,18 +10,18 @@ namespace taut {
 
 using IndexPair = std::array<int, 2>;
 
-// The bonds of each atom, in ascending order.
+// Returns the bonds of each atom, in ascending order.
 std::vector<std::vector<int>> bonds_at_atoms(int atoms, std::span<const RigidBond> bonds);
 
-// The smallest index of each index's connected component.
+// Returns, for each index, the smallest index of its connected component.
 std::vector<int> connected_components(int n, const std::vector<IndexPair>& pairs);
 
-// Two bonds k, l couple where they share an atom a that can move; the coupling is ±1/m_a, + where a is the
-// same end (i or j) of both, − otherwise.
+// Two bonds k and l are coupled if they share an atom a that can move. The coupling is +1/m_a if a is the
+// same end (i or j) of both bonds, and −1/m_a otherwise.
 struct Couplings {
   Couplings(std::span<const RigidBond> bonds, std::span<const double> inv_mass);
   explicit Couplings(const System& sys);
-  explicit Couplings(int bonds) : reduced_inv_mass(bonds) {}  // none
+  explicit Couplings(int bonds) : reduced_inv_mass(bonds) {}  // without couplings
 
   std::vector<IndexPair> pairs;         // (k, l)
   std::vector<double> signed_inv_mass;  // [1/u]

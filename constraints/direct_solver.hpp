@@ -10,16 +10,16 @@ namespace taut {
 
 // Assembles and solves with A = J M⁻¹Jᵀ,
 //     A_kk = (1/m_i + 1/m_j)|r_k|²,   A_kl = ±(r_k·r_l)/m_a,
-// or with A' = J(x')M⁻¹J(x)ᵀ, A'_kl = ±(r'_k·r_l)/m_a, not symmetric: the exact derivative of σ(x') by
-// multipliers that act along J(x). Plain and exact, any shape of cluster; the cost is linear in bonds for
-// chains, trees and small molecules. Straight loops, nothing allocated.
+// or with A' = J(x')M⁻¹J(x)ᵀ, A'_kl = ±(r'_k·r_l)/m_a, which is not symmetric: the exact derivative of σ(x')
+// with respect to multipliers that act along J(x). It takes clusters of any shape. The cost is linear in the
+// number of bonds for chains, trees and small molecules. Neither factor() nor solve() allocates.
 class DirectSolver {
  public:
   explicit DirectSolver(const System& sys);
   DirectSolver(const System& sys, std::span<const RigidBond> bonds);
 
-  // r: 3 × m bond vectors. Bonds whose pivot is below `threshold` of the diagonal depend on others: they get
-  // λ = 0 and are named by dependent_bonds().
+  // r: 3 × m bond vectors. A bond whose pivot is below `threshold` times its diagonal depends on other bonds:
+  // it gets λ = 0, and dependent_bonds() lists it.
   void factor(const Vectors& r, double threshold = 1e-12) { factor(r, r, threshold); }
   void factor(const Vectors& r_new, const Vectors& r, double threshold = 1e-12);
   void solve(Eigen::VectorXd& b);  // b ← A⁻¹b, m

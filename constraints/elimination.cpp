@@ -7,11 +7,12 @@
 
 namespace taut {
 
-// Finds the order; returns, of each unknown, those it is coupled to when it goes, fill included.
+// Finds the order. Returns, for each unknown, the unknowns that it is coupled to when it is eliminated, fill
+// included.
 std::vector<std::vector<int>> Elimination::find_order(const Couplings& couplings,
                                                       const std::vector<Stage>& stage, Order by) {
   const int n = couplings.bond_count();
-  std::vector<std::vector<int>> left(n);  // neighbours still there, in ascending order
+  std::vector<std::vector<int>> left(n);  // neighbours that are not eliminated yet, in ascending order
   std::vector<IndexPair> tied;
   for (const auto& [k, l] : couplings.pairs) {
     if (stage[k] == kApart || stage[l] == kApart) continue;
@@ -101,7 +102,7 @@ Elimination::Elimination(const Couplings& couplings, std::vector<Stage> stage, O
       for (int q = p + 1; q < column_start[k + 1]; ++q) update.push_back(entry(row[q], row[p]));
 }
 
-// The last unknown of each set has no row below it.
+// The last unknown of each set of coupled bonds has no row below it.
 int Elimination::clusters() const {
   int count = 0;
   for (int k = 0; k < size(); ++k) count += column_start[k] == column_start[k + 1];

@@ -20,7 +20,7 @@ Projector::Projector(const System& sys)
 
 void Projector::positions(const System& sys, Vectors& x) {
   constexpr int kMaxIterations = 100;
-  constexpr double kRoundOff = 1e-12;  // |σ|/d² that must be reached; below it, as far as it falls
+  constexpr double kRoundOff = 1e-12;  // |σ|/d² that must be reached; it goes on while σ falls
   double before = std::numeric_limits<double>::infinity();
   Residual residual;
   for (int n = 0; n < kMaxIterations; ++n) {

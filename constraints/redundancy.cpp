@@ -14,9 +14,9 @@ namespace taut {
 namespace {
 
 constexpr double kNoPivot = 1e-8;   // of A's diagonal
-constexpr double kParallel = 1e-6;  // a row of J has no more than that of its length apart from other rows
+constexpr double kParallel = 1e-6;  // a dependent row of J keeps at most this fraction of its length
 
-// The bonds that depend on others at x, in the order of the direct solver's elimination.
+// Returns the bonds that depend on others at x, in the direct solver's order of elimination.
 std::vector<int> dependent_at(const System& sys, const Vectors& x) {
   Vectors r(3, sys.bond_count());
   differences(sys, x, r);
@@ -25,14 +25,14 @@ std::vector<int> dependent_at(const System& sys, const Vectors& x) {
   return solver.dependent_bonds();
 }
 
-// Whether each of `count` bonds is among `listed`.
+// Returns, for each of `count` bonds, whether `listed` contains it.
 std::vector<char> marked(int count, const std::vector<int>& listed) {
   std::vector<char> is_listed(count, false);
   for (const int k : listed) is_listed[k] = true;
   return is_listed;
 }
 
-// Of each bond a number that those coupled to it have, too. Anchors couple nothing.
+// Returns, for each bond, the number of its cluster. Anchors couple no bonds.
 std::vector<int> clusters_of_bonds(const System& sys) {
   std::vector<IndexPair> ties;
   for (const auto& [i, j, d] : sys.bonds)
@@ -43,8 +43,8 @@ std::vector<int> clusters_of_bonds(const System& sys) {
   return of_bond;
 }
 
-// Of some bonds of one cluster those that follow at x from the bonds before them in the list. Rows of J are
-// made orthogonal to those before, one after the other (Gram and Schmidt, each twice for accuracy).
+// Returns those of some bonds of one cluster that follow, at x, from the bonds before them in the list. Each
+// row of J is orthogonalized against the rows before it (Gram–Schmidt, twice for accuracy).
 std::vector<int> follow_from_those_before(const System& sys, const std::vector<int>& bonds,
                                           const Vectors& x) {
   std::map<int, int> place;  // of a movable atom in a row of J
@@ -93,11 +93,11 @@ Redundancy find_redundancy(const System& sys, const Vectors& x) {
     shaken.col(i) += 0.1 * d * random.normal_vector();
     shaken.col(j) += 0.1 * d * random.normal_vector();
   }
-  // Bonds that are independent here are so elsewhere. Those left over are redundant if they follow from them
-  // there as well; which bonds are chosen as independent has no part in it.
+  // Bonds that are independent here are independent elsewhere, too. The dependent ones are redundant if they
+  // follow from those elsewhere as well, whichever bonds were chosen as independent.
   const std::vector<int> cluster_of = clusters_of_bonds(sys);
   const std::vector<char> left_over = marked(sys.bond_count(), here);
-  std::map<int, std::vector<int>> clusters;  // their bonds: what is independent here, then what is left over
+  std::map<int, std::vector<int>> clusters;  // of each cluster: independent bonds, then the others
   for (const int k : here) clusters[cluster_of[k]];
   for (int k = 0; k < sys.bond_count(); ++k)
     if (const auto at = clusters.find(cluster_of[k]); at != clusters.end() && !left_over[k])
@@ -107,7 +107,7 @@ Redundancy find_redundancy(const System& sys, const Vectors& x) {
   for (const auto& [cluster, bonds] : clusters)
     for (const int k : follow_from_those_before(sys, bonds, shaken)) follows[k] = true;
   for (const int k : here) (follows[k] ? found.redundant : found.degenerate).push_back(k);
-  for (int k = 0; k < sys.bond_count(); ++k)  // that the direct solver took for independent
+  for (int k = 0; k < sys.bond_count(); ++k)  // bonds that the direct solver found independent
     if (follows[k] && !left_over[k]) found.redundant.push_back(k);
   return found;
 }
@@ -136,7 +136,7 @@ System without(const System& sys, const std::vector<int>& bonds) {
 
 Eigen::VectorXd least_norm_multipliers(const System& full, const Vectors& x, const std::vector<int>& left_out,
                                        const Eigen::VectorXd& lambda) {
-  Eigen::VectorXd all = Eigen::VectorXd::Zero(full.bond_count());  // the left-out bonds carry nothing yet
+  Eigen::VectorXd all = Eigen::VectorXd::Zero(full.bond_count());  // the left-out bonds begin with λ = 0
   const std::vector<char> dropped = marked(full.bond_count(), left_out);
   std::vector<IndexPair> ties;
   for (int k = 0, kept = 0; k < full.bond_count(); ++k) {
@@ -144,13 +144,13 @@ Eigen::VectorXd least_norm_multipliers(const System& full, const Vectors& x, con
     if (!dropped[k]) all[k] = lambda[kept++];
   }
   const std::vector<int> cluster_of = connected_components(full.atoms(), ties);
-  std::map<int, std::vector<int>> overdetermined;  // the bonds of each cluster that had too many
+  std::map<int, std::vector<int>> overdetermined;  // the bonds of each overdetermined cluster
   for (const int k : left_out) overdetermined[cluster_of[full.bonds[k].i]];
   for (int k = 0; k < full.bond_count(); ++k)
     if (const auto at = overdetermined.find(cluster_of[full.bonds[k].i]); at != overdetermined.end())
       at->second.push_back(k);
   for (const auto& [cluster, bonds] : overdetermined) {
-    std::map<int, int> row;  // of an atom in Jᵀ
+    std::map<int, int> row;  // the row of an atom in Jᵀ
     for (const int k : bonds) {
       row.try_emplace(full.bonds[k].i, 3 * static_cast<int>(row.size()));
       row.try_emplace(full.bonds[k].j, 3 * static_cast<int>(row.size()));

@@ -20,7 +20,7 @@
 namespace taut {
 namespace {
 
-// Baumgarte without gains: σ̈ = 0, and nothing that brings an error back. The bonds drift as t², shown.
+// Baumgarte's law without gains, σ̈ = 0: nothing reduces an error, and bond lengths drift as t².
 struct WithoutGains {
   std::vector<Option> describe() { return {}; }
   operator Baumgarte::Options() const {
@@ -69,7 +69,7 @@ std::list<MethodEntry>& list() {
       also_one_sided(in_lanes<Rattle>("rattle", "sweeps over the bonds, positions and velocities")),
       also_one_sided(in_lanes<Newton>("newton", "RATTLE by a direct solve of all bonds at once")),
       entry<MShake>("mshake",
-                    "newton with the exact matrix of every iteration (M-SHAKE, ILVES): few, dear ones"),
+                    "newton with the exact matrix of every iteration (M-SHAKE, ILVES): few, expensive ones"),
       in_lanes<Lincs>("lincs", "the inverse of A expanded in powers, as GROMACS does"),
       settle(),
   };

@@ -12,35 +12,36 @@
 
 namespace taut {
 
-// A method of the list, whatever its type.
+// A method in the list, whatever its class.
 struct MethodEntry {
   using Factory = std::unique_ptr<ConstraintMethod> (*)(const System&, const std::any& options, double h);
 
-  std::string_view name, summary;  // as `taut methods` prints them
+  std::string_view name, summary;  // printed by `taut methods`
   std::any defaults;               // its Options
   std::vector<Option> (*describe)(std::any& options);
-  Factory make;            // what runs
-  Factory make_plain;      // the same to round-off, to read and to compare with
-  bool added = false;      // by add_method
-  bool one_sided = false;  // its plain form holds one-sided bonds, too
+  Factory make;            // makes the form in SIMD lanes, if there is one
+  Factory make_plain;      // makes the plain form, which gives the same to round-off
+  bool added = false;      // true if add_method() added it
+  bool one_sided = false;  // true if its plain form holds one-sided bonds, too
 };
 
-// The one list of methods (constraints/README.md says how to add one).
+// The list of all methods (constraints/README.md says how to add one).
 const std::list<MethodEntry>& methods();
 
-// The method that runs where nobody says one: it solves RATTLE's equations directly, in a fraction of the time
-// that sweeps take, and holds nets of bonds on which sweeps do not converge.
+// The default method. It solves RATTLE's equations directly, in a fraction of the time that sweeps take, and
+// holds nets of bonds on which sweeps do not converge.
 inline constexpr std::string_view kUsualMethod = "newton";
 
-// Adds somebody's own, which then goes by its name wherever a method does; one of that name that was added
-// before is replaced. Before simulations run in other threads. Throws InputError for the name of one of ours.
+// Adds a user's method to the list, so that its name is accepted wherever a method is named. It replaces an
+// added method of the same name, and throws InputError for the name of a built-in one. Call it before
+// simulations run in other threads.
 void add_method(MethodEntry method);
 std::vector<std::string_view> method_names();
 
-// Throws InputError for an unknown name, with the one that was meant.
+// Throws InputError, with the nearest name, for an unknown one.
 const MethodEntry& method_named(std::string_view name);
 
-// A method and its settings: any method's Options, or the defaults of one that is named.
+// A method with its options: either a method's Options struct, or the defaults of a named method.
 class MethodOptions {
  public:
   MethodOptions() : MethodOptions(methods().front()) {}
@@ -51,15 +52,15 @@ class MethodOptions {
 
   const MethodEntry& method() const { return *method_; }
   std::string_view name() const { return method_->name; }
-  std::vector<Option> describe() & { return method_->describe(values_); }  // points into this
+  std::vector<Option> describe() & { return method_->describe(values_); }  // pointers into this object
 
-  // The typed options, where they are such.
+  // Returns the options if they are of this type, else null.
   template <class Options>
   const Options* get_if() const {
     return std::any_cast<Options>(&values_);
   }
 
-  // Throws InputError where the method would not hold all bonds.
+  // Throws InputError if the system has one-sided bonds and the method cannot hold them.
   void refuse_one_sided(const System& sys) const;
   std::unique_ptr<ConstraintMethod> make(MethodEntry::Factory factory, const System& sys, double h) const;
 
@@ -74,7 +75,7 @@ inline MethodOptions default_options(std::string_view name) {
   return MethodOptions(method_named(name));
 }
 
-// Both throw InputError for options out of range. With one-sided bonds both are the plain form.
+// Both throw InputError for options out of range. For a system with one-sided bonds both make the plain form.
 std::unique_ptr<ConstraintMethod> make_method(const System& sys, const MethodOptions& options, double h);
 std::unique_ptr<ConstraintMethod> make_plain(const System& sys, const MethodOptions& options, double h);
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "base/worse.hpp"
+#include "base/exceeds.hpp"
 #include "md/units.hpp"
 
 namespace taut {
@@ -47,7 +47,7 @@ BondErrors bond_errors(const System& sys, const Vectors& x) {
     if (sys.side(k) * off > 0) continue;  // slack
     const double error = std::abs(off) / d;
     if (k < sys.bond_count()) sum += error * error;
-    if (worse(error, e.max)) {
+    if (exceeds(error, e.max)) {
       e.max = error;
       e.worst = k;
     }

@@ -4,20 +4,20 @@
 #include <cstdint>
 #include <string_view>
 
-#include "base/worse.hpp"
+#include "base/exceeds.hpp"
 
 namespace taut {
 
-// Why a solve gave up.
+// Why a method failed in a step.
 enum class Failure : std::uint8_t {
   kNone,
   kSingular,
   kNoConvergence,
   kVelocitiesNoConvergence,
-  kTurned,            // a bond by 90° or more
-  kSingularOrTurned,  // A' is singular, which a bond that turns by 90° makes it, too
+  kTurned,            // a bond turned by 90° or more
+  kSingularOrTurned,  // A' is singular: bonds depend on each other, or a bond turned by 90°
   kRanAway,
-  kShapeLost,  // a water drifted so far that no rotation brings it back
+  kShapeLost,  // no rotation restores the shape of a water that drifted too far
 };
 constexpr std::string_view in_words(Failure failure) {
   switch (failure) {
@@ -41,31 +41,30 @@ constexpr std::string_view in_words(Failure failure) {
   return "";
 }
 
-// What a method did in one step. Not to be dropped: who does not look at it goes on with broken bonds.
+// What a method did in one step. A caller must look at it, because bonds may be broken.
 struct [[nodiscard]] SolveStats {
   int iterations = 0;                // sweeps or linear solves
-  double max_residual = 0;           // largest |σ|/d² it saw and left
-  int worst_bond = -1;               // where; of a failure: the bond to blame
-  Failure failure = Failure::kNone;  // why it gave up
+  double max_residual = 0;           // largest |σ|/d²
+  int worst_bond = -1;               // its bond; after a failure, the bond that failed
+  Failure failure = Failure::kNone;
 
   bool converged() const { return failure == Failure::kNone; }
 
-  // One stage after another: iterations add up.
+  // Combines two successive stages; iterations add up.
   SolveStats& operator+=(const SolveStats& next) {
     iterations += next.iterations;
     return keep_worst(next);
   }
-  // Clusters or threads side by side: the most iterations.
+  // Combines clusters or threads that ran side by side; the larger number of iterations counts.
   SolveStats& beside(const SolveStats& other) {
     iterations = std::max(iterations, other.iterations);
     return keep_worst(other);
   }
 
  private:
-  // The first failure with the bond and the residual that are its own; where all converged the worst
-  // residual.
+  // Keeps the first failure with its bond and residual; if all converged, the largest residual.
   SolveStats& keep_worst(const SolveStats& other) {
-    const bool replaced = converged() && (!other.converged() || worse(other.max_residual, max_residual));
+    const bool replaced = converged() && (!other.converged() || exceeds(other.max_residual, max_residual));
     if (!replaced) return *this;
     max_residual = other.max_residual;
     worst_bond = other.worst_bond;

@@ -95,7 +95,7 @@ class Residuals {
   Eigen::VectorXd guessed() const {  // λ*
     Eigen::VectorXd guess(past_[0].size());
     for (int k = 0; k < guess.size(); ++k) {
-      const auto [first, second] = known(guesses_[k], static_cast<int>(std::min(steps_, 3L)));
+      const auto [first, second] = limit_to_known(guesses_[k], static_cast<int>(std::min(steps_, 3L)));
       guess[k] = past_[0][k] + first * (past_[0][k] - past_[1][k]) + second * (past_[1][k] - past_[2][k]);
     }
     return guess;

@@ -53,7 +53,7 @@ inline Eigen::VectorXd foretold_by_bond(const Scene& scene, const Law& law) {
     const Eigen::VectorXd lambda = method.lambda();
     fed = std::pow(h, 4) / 4 * a_ij.colwise().squaredNorm().transpose();
     if (law.guess) {
-      const auto [first, second] = known(*law.guess, static_cast<int>(std::min(n, 3L)));
+      const auto [first, second] = limit_to_known(*law.guess, static_cast<int>(std::min(n, 3L)));
       y.setZero();
       add_constraint_acceleration(
           sys, r, past[0] + first * (past[0] - past[1]) + second * (past[1] - past[2]) - lambda, y);

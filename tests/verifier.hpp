@@ -54,7 +54,7 @@ inline Verdict verify(const System& sys, ForceLaw& forces, const MethodOptions& 
     r_before = r;
     largest_kinetic = std::max(largest_kinetic, kinetic_energy(sys, s.v));
     const double error = bond_errors(sys, s.x).max;
-    if (worse(error, verdict.bond_error)) verdict.bond_error = error;
+    if (exceeds(error, verdict.bond_error)) verdict.bond_error = error;
   }
   verdict.momentum_change = (momentum(sys, s.v) - momentum_before).norm() / scale;
   verdict.energy_change = std::abs(energy() - energy_before) / largest_kinetic;

@@ -8,13 +8,13 @@
 
 namespace taut {
 
-// The same method as Plain, its clusters side by side in SIMD lanes and on threads. Plain stays as the recipe
-// to read, as the reference of the tests, and for clusters that fit no batch.
+// The method Plain with its clusters side by side in SIMD lanes and on threads. The plain form is the recipe
+// to read and the reference of the tests, and it holds the clusters that fit no batch.
 template <class Plain>
 class Batched;
 
-// The bonds that are left to the plain method: as a system of their own on the same atoms. It may have none;
-// the method then answers for the options alone.
+// The bonds that fit no batch, as a system of their own on the same atoms, and the plain method for them.
+// With no such bonds the method only reports its options.
 template <class Plain>
 class Leftover {
  public:
@@ -31,12 +31,12 @@ class Leftover {
     return bonds_.empty() ? SolveStats{} : numbered(method_.project_velocities(system_, h, s));
   }
 
-  // Asks the method once: a batched one gathers all its multipliers whenever it is asked.
+  // Calls lambda() once, because a method in lanes gathers all multipliers at each call.
   void write_lambda(Eigen::VectorXd& lambda) const {
     const Eigen::VectorXd& of_method = method_.lambda();
     for (std::size_t k = 0; k < bonds_.size(); ++k) lambda[bonds_[k]] = of_method[k];
   }
-  // What the method keeps of its multipliers, a column a step.
+  // Copies the multipliers of previous steps out of the method and into it; past: m × steps, newest first.
   void read_past(Eigen::MatrixXd& past) {
     const auto kept = method_.past();
     for (std::size_t k = 0; k < bonds_.size(); ++k)
@@ -73,7 +73,7 @@ class Leftover {
   Plain method_;
 };
 
-// What all of them share: batches of lanes, and what is left over.
+// The common part of all methods in lanes: the batches and the leftover bonds.
 template <class PlainMethod, class Batches>
 class BatchedMethod : public ConstraintMethod {
  public:
@@ -105,7 +105,7 @@ class BatchedMethod : public ConstraintMethod {
   mutable Eigen::VectorXd lambda_;  // m
 };
 
-// One that extrapolates its multipliers.
+// A method in lanes that extrapolates its multipliers from previous steps.
 template <class PlainMethod, class Batches>
 class ExtrapolatingMethod : public BatchedMethod<PlainMethod, Batches>, public MultiplierHistory {
  public:
@@ -133,7 +133,7 @@ class ExtrapolatingMethod : public BatchedMethod<PlainMethod, Batches>, public M
 
  protected:
   using BatchedMethod<PlainMethod, Batches>::BatchedMethod;
-  int known_ = 0;  // how many λ of the past there are
+  int known_ = 0;  // number of previous steps whose λ is known
 };
 
 }  // namespace taut

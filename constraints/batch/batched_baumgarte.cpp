@@ -10,8 +10,8 @@ HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
 struct BaumgarteRows {
-  double *x, *v, *f;  // of the atoms
-  double* r;          // of the bonds
+  double *x, *v, *f;  // 3 × atoms
+  double* r;          // 3 × bonds
 
   HWY_INLINE BaumgarteRows(const auto shape, Scratch& scratch)
       : x(scratch.take(3 * shape.atoms())),
@@ -36,7 +36,7 @@ HWY_INLINE void apply_guess(const Shape shape, const Guess& guess, bool shift, c
   }
 }
 
-// b, the right-hand side for λ − λ*; the first time also A's diagonal and the residuals.
+// Sets b, the right-hand side for λ − λ*; the first time also the diagonal of A and the residuals.
 template <bool kFirst, class Shape>
 HWY_INLINE void right_hand_side(const Shape shape, const BaumgarteTerms* terms_of, double h,
                                 const BaumgarteRows rows, const Equations& eq, Worst& worst) {
@@ -57,7 +57,7 @@ HWY_INLINE void right_hand_side(const Shape shape, const BaumgarteTerms* terms_o
     b = hn::MulAdd(broadcast(terms.sigma), twice_sigma, b);
     store(hn::Neg(b), eq.b + k * kLanes);
     if constexpr (kFirst) {
-      worst.see(bond, twice_sigma);
+      worst.include(bond, twice_sigma);
       store(hn::Mul(broadcast(bond.reduced_inv_mass), rr), eq.A.d + k * kLanes);
     }
   }
@@ -106,7 +106,7 @@ struct BaumgarteKernel {
     gather(part, shape.atoms(), step.x, rows.x);
     gather_sum(part, shape.atoms(), step.f, step.noise, rows.v, rows.f);
     gather(part, shape.atoms(), step.v, rows.v);
-    apply_guess(shape, known(wanted, step.known), step.shift, past, rows);
+    apply_guess(shape, limit_to_known(wanted, step.known), step.shift, past, rows);
     right_hand_side<true>(shape, terms, step.h, rows, eq, worst);
     return next(0);
   }
@@ -129,7 +129,7 @@ struct BaumgarteKernel {
     scatter(shape, part, rows.f, step.f);
     if (worst.within(stats.max_residual)) return;
     find_residuals(part.batch, rows.x, eq.b);
-    enter(part, eq.b, stats);
+    record_largest(part, eq.b, stats);
   }
 };
 

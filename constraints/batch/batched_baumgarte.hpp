@@ -6,29 +6,29 @@
 
 namespace taut {
 
-// What a bond's gains and the damping come to at a given h, the guess λ* already part of the forces:
-//     A (λ − λ*) = −(rate_a r·a + rate_v r·w + square_v |w|² + cross w·a + square_a |a|² + sigma (|r|² −
-//     d²)),
-// a and w of the bond with λ* in them. With q = 1 + αh (lagged damping: 1), rate_v = 2α/q, square_v = 1/q,
+// The coefficients of the law for one bond at a given h, with the guess λ* already part of the forces:
+//     A (λ − λ*) = −(rate_a r·a + rate_v r·w + square_v |w|² + cross w·a + square_a |a|²
+//                    + sigma (|r|² − d²)),
+// where a and w of the bond contain λ*. With q = 1 + αh (lagged damping: 1), rate_v = 2α/q, square_v = 1/q,
 // sigma = β²/2q; rate_a = 1/q (lagged: 1 − αh, since v_half = w − ½ha); cross = αh²/q (discrete, centred);
 // square_a = ¼h²/q (discrete).
 struct BaumgarteTerms {
   double rate_a, rate_v, square_v, cross, square_a, sigma;
 };
 
-// A batch and what Baumgarte keeps of it.
+// A batch with the data that Baumgarte keeps for it.
 struct BaumgarteBatch : RememberingBatch {
   std::vector<Gains> gains;           // of each bond
   std::vector<BaumgarteTerms> terms;  // of each bond, at the last h
-  Guess guess;                        // of every bond: they are of one shape
+  Guess guess;                        // the same for every bond of one shape
 
   using RememberingBatch::RememberingBatch;
 };
 
 struct BaumgarteStep {
   double h;
-  int known;   // steps of the past
-  bool shift;  // λ becomes the past
+  int known;   // number of previous steps whose λ is known
+  bool shift;  // whether λ is extrapolated, and the previous one stored
   int passes;
   const double *x, *v, *noise;  // noise: null for none
   double* f;

@@ -16,9 +16,9 @@ namespace taut {
 struct FeedforwardStep {
   double h, drift;             // δ = h v + drift M⁻¹(f + noise)
   double last, first, second;  // λ ← last·λ₁ + first·λ₂ + second·λ₃
-  bool shift;                  // λ becomes the guess, and what it was is past
+  bool shift;                  // whether λ is extrapolated, and the previous one stored
   int max_solves;
-  double turn;                  // |σ_next / r_next·r| up to which one solve leaves less than the tolerance
+  double turn;                  // largest |σ_next / r_next·r| for which one solve is within the tolerance
   const double *x, *v, *noise;  // noise: null for none
   double* f;
 };
@@ -29,8 +29,8 @@ HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
 struct FeedforwardRows {
-  double *x, *v, *f;   // of the atoms
-  double *r, *r_next;  // of the bonds
+  double *x, *v, *f;   // 3 × atoms
+  double *r, *r_next;  // 3 × bonds
 
   HWY_INLINE FeedforwardRows(const auto shape, Scratch& scratch)
       : x(scratch.take(3 * shape.atoms())),
@@ -40,7 +40,7 @@ struct FeedforwardRows {
         r_next(scratch.take(3 * shape.size())) {}
 };
 
-// r; λ extrapolated, and f += Jᵀλ. Returns the residuals at x.
+// Computes r, extrapolates λ, and adds Jᵀλ to f. Returns the residuals at x.
 template <class Shape>
 HWY_INLINE Worst extrapolate(const Shape shape, const FeedforwardStep& step, const PastLambda past,
                              const FeedforwardRows rows) {
@@ -53,26 +53,26 @@ HWY_INLINE Worst extrapolate(const Shape shape, const FeedforwardStep& step, con
   for (int k = 0; k < shape.size(); ++k) {
     const V3 r = difference(shape, k, rows.x);
     store3(r, rows.r + 3 * k * kLanes);
-    worst.see(shape.bonds[k], twice_sigma(shape.bonds[k], r));
+    worst.include(shape.bonds[k], twice_sigma(shape.bonds[k], r));
     const V guess = shift ? past.shift(k, foretold) : load(past.lambda + k * kLanes);
     add_constraint_force(shape, k, guess, r, rows.f);
   }
   return worst;
 }
 
-// What one look ahead finds, in all bonds of a lane; of a NaN neither holds.
+// Conditions on all bonds of a lane; a NaN fails both.
 struct Ahead {
-  M near;  // |σ_next| ≤ `turn`·|r_next·r|: one solve will do
+  M near;  // |σ_next| ≤ `turn`·|r_next·r|: one solve suffices
   M sane;  // < 10³·|r_next·r|
 };
 
-// r_next, b = −σ_next/drift and A's diagonal.
+// Computes r_next, b = −σ_next/drift and the diagonal of A.
 template <class Shape>
 HWY_INLINE Ahead look_ahead(const Shape shape, const FeedforwardStep& step, const FeedforwardRows rows,
                             const Equations& eq) {
   const V h = broadcast(step.h), drift = broadcast(step.drift), scale = broadcast(-0.5 / step.drift),
           turn = broadcast(step.turn);
-  Ahead ahead{everywhere(), everywhere()};
+  Ahead ahead{all_lanes(), all_lanes()};
   for (int k = 0; k < shape.solved(); ++k) {
     const LaneBond& bond = shape.bonds[k];
     const V3 r = load3(rows.r + 3 * k * kLanes);
@@ -101,7 +101,7 @@ HWY_INLINE void correct(const Shape shape, const double* change, const PastLambd
   }
 }
 
-// Names the bond of the largest |b|; a NaN is largest.
+// Reports the failure, and the bond of the largest |b|; a NaN counts as the largest.
 HWY_NOINLINE void fail(const Part& part, const double* b, Failure why, SolveStats& stats) {
   stats.failure = why;
   double largest = -1;
@@ -136,7 +136,7 @@ struct FeedforwardKernel {
         rows(shape, scratch),
         x(rows.x) {}
 
-  // Where σ_next is small, one solve leaves less than the tolerance.
+  // If σ_next is small, the error after one solve is below the tolerance.
   HWY_INLINE SolveNext look(SolveStats& stats) {
     const Ahead ahead = look_ahead(shape, step, rows, eq);
     if (!hn::AllTrue(D(), ahead.sane)) {
@@ -170,25 +170,25 @@ struct FeedforwardKernel {
     scatter(shape, part, rows.f, step.f);
     if (!stats.converged() || worst.within(stats.max_residual)) return;
     find_residuals(part.batch, rows.x, eq.b);
-    enter(part, eq.b, stats);
+    record_largest(part, eq.b, stats);
   }
 };
 
-// The same for triangles, by what the atoms of a bond differ by. δ = h v + drift M⁻¹f is put together where it
-// lies in memory, and Jᵀλ added to f there.
+// The same for triangles, in differences between the atoms of a bond. δ = h v + drift M⁻¹f is put together
+// where it lies in memory, and Jᵀλ added to f there.
 struct FeedforwardTriangle {
   const LaneBatch& lanes;
   const FeedforwardStep& step;
   InverseMasses masses;
   Sides r, r_next;
-  Three lambda, change;  // change: not in r_next yet
-  bool near, regular;    // as above; a NaN is far
+  Three lambda, change;  // change is not part of r_next yet
+  bool near, regular;    // as in Ahead; false for NaN
 
   HWY_INLINE void solve() {
     r_next = mul_add(broadcast(step.drift), Forces(change, r).accelerations(masses), r_next);
     const TriangleMatrix A(lanes, r_next, r);
     const Three off = twice_sigma(lanes, r_next);
-    M close = everywhere();
+    M close = all_lanes();
     Three b;
     for (int k = 0; k < 3; ++k) {
       close =

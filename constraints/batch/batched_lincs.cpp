@@ -23,10 +23,10 @@ struct LincsStep {
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
-// lincs.hpp has the letters.
+// The letters are those of lincs.hpp.
 struct LincsRows {
-  double *x, *v;                      // of the atoms
-  double *B, *rhs, *power, *sum, *g;  // of the bonds
+  double *x, *v;                      // 3 × atoms
+  double *B, *rhs, *power, *sum, *g;  // B: 3 × bonds, others: bonds
   double* C;                          // entries below the diagonal
 
   HWY_INLINE LincsRows(const auto shape, Scratch scratch)
@@ -40,7 +40,7 @@ struct LincsRows {
         C(scratch.take(shape.entries())) {}
 };
 
-// The direction of bond k.
+// Returns the direction of bond k.
 template <class Shape>
 HWY_INLINE V3 set_direction(const Shape, int k, const V3& r, const LincsRows& rows) {
   const V3 direction = hn::Div(broadcast(1), hn::Sqrt(dot(r, r))) * r;
@@ -61,7 +61,7 @@ HWY_INLINE void find_coupling(const Shape shape, const double* scale, const Linc
   }
 }
 
-// power = C·rhs, of the entries inside triangles alone where they are given; sum += power
+// power = C·rhs, with the couplings inside triangles alone if `inside` is given; sum += power
 template <class Shape>
 HWY_INLINE void multiply(const Shape shape, const LincsRows& rows, const char* inside, const double* rhs,
                          double* power) {
@@ -80,7 +80,7 @@ HWY_INLINE void multiply(const Shape shape, const LincsRows& rows, const char* i
   }
 }
 
-// y −= M⁻¹BᵀS (I − C)⁻¹ rhs, g likewise
+// y −= M⁻¹BᵀS (I − C)⁻¹ rhs; g changes by the same multipliers
 template <class Shape>
 HWY_INLINE void apply(const Shape shape, const LincsBatch& batch, int order, const LincsRows& rows,
                       double* y) {
@@ -97,7 +97,7 @@ HWY_INLINE void apply(const Shape shape, const LincsBatch& batch, int order, con
   }
 }
 
-// How much longer than d the bonds have become by turning.
+// Computes how much longer than d the bonds have become by rotation.
 template <class Shape>
 HWY_INLINE Worst find_lengthening(const Shape shape, const LincsBatch& batch, const LincsRows& rows) {
   Worst worst;
@@ -105,7 +105,7 @@ HWY_INLINE Worst find_lengthening(const Shape shape, const LincsBatch& batch, co
     const LaneBond& bond = shape.bonds[k];
     const V3 r = difference(shape, k, rows.x);
     const V square = dot(r, r);
-    worst.see(bond, hn::Sub(square, broadcast(bond.length2)));
+    worst.include(bond, hn::Sub(square, broadcast(bond.length2)));
     const V rest = hn::Max(hn::Zero(D()), hn::Sub(broadcast(2 * bond.length2), square));
     store(hn::Mul(broadcast(batch.scale[k]), hn::Sub(broadcast(batch.length[k]), hn::Sqrt(rest))),
           rows.rhs + k * kLanes);
@@ -141,7 +141,7 @@ HWY_INLINE void lincs_positions_of(const Shape shape, LincsBatch& batch, const L
   scatter(shape, part, rows.v, step.v);
   if (worst.within(stats.max_residual)) return;
   find_residuals(part.batch, rows.x, rows.rhs);
-  enter(part, rows.rhs, stats);
+  record_largest(part, rows.rhs, stats);
 }
 
 template <class Shape>
@@ -190,7 +190,7 @@ HWY_EXPORT(lincs_positions);
 HWY_EXPORT(lincs_velocities);
 
 LincsBatch::LincsBatch(const ClusterBatch& batch) : lanes(batch), lambda(rows_of_bonds(lanes)) {
-  std::vector<RigidBond> bonds;  // as they are worked on
+  std::vector<RigidBond> bonds;  // in the order of the kernel
   for (const LaneBond& bond : lanes.bonds) {
     length.push_back(std::sqrt(bond.length2));
     scale.push_back(1 / std::sqrt(bond.reduced_inv_mass));

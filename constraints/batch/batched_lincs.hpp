@@ -5,12 +5,12 @@
 
 namespace taut {
 
-// A batch and what Lincs keeps of it.
+// A batch with the data that Lincs keeps for it.
 struct LincsBatch {
   LaneBatch lanes;
   std::vector<double> length, scale;  // d and S of each bond
-  std::vector<char> inside;           // of each entry of C: whether its bonds are sides of a triangle
-  bool triangles = false;             // there are such
+  std::vector<char> inside;           // for each entry of C: whether its bonds are sides of a triangle
+  bool triangles = false;             // whether there is any such entry
   LaneRows lambda;
 
   explicit LincsBatch(const ClusterBatch& batch);

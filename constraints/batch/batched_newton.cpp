@@ -22,8 +22,8 @@ HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
 struct NewtonRows {
-  double *x, *v;  // of the atoms
-  double *r, *g;  // of the bonds
+  double *x, *v;  // 3 × atoms
+  double *r, *g;  // r: 3 × bonds, g: bonds
 
   HWY_INLINE NewtonRows(const auto shape, Scratch& scratch)
       : x(scratch.take(3 * shape.atoms())),
@@ -32,7 +32,7 @@ struct NewtonRows {
         g(scratch.take(shape.size())) {}
 };
 
-// 1/d and L live with the batch from step to step.
+// Whole clusters keep 1/d and L in the batch from step to step.
 template <class Shape>
 HWY_INLINE Equations newton_equations(const Shape shape, NewtonBatch& batch, const Part& part,
                                       Scratch& scratch) {
@@ -43,7 +43,7 @@ HWY_INLINE Equations newton_equations(const Shape shape, NewtonBatch& batch, con
   return eq;
 }
 
-// r of the positions before the drift, x − hv.
+// Computes r at the positions before the drift, x − hv.
 template <class Shape>
 HWY_INLINE void find_old_bonds(const Shape shape, double h, const NewtonRows rows) {
   for (int k = 0; k < shape.size(); ++k)
@@ -58,7 +58,7 @@ HWY_INLINE Worst find_sigma(const Shape shape, const double* x, double* b) {
   for (int k = 0; k < shape.solved(); ++k) {
     const V3 r = difference(shape, k, x);
     const V off = twice_sigma(shape.bonds[k], r);
-    worst.see(shape.bonds[k], off);
+    worst.include(shape.bonds[k], off);
     store(hn::Mul(broadcast(-0.5), off), b + k * kLanes);
   }
   return worst;
@@ -115,7 +115,7 @@ struct NewtonKernel {
     stats.failure = Failure::kNoConvergence;
     return SolveNext::kEnd;
   }
-  // The first time; b is not known yet.
+  // In the first step no factors are kept yet. b is not known here and is set to 0.
   HWY_INLINE bool factor_old_bonds(SolveStats& stats) {
     for (int k = 0; k < shape.solved(); ++k) {
       const V3 r = load3(rows.r + 3 * k * kLanes);
@@ -144,7 +144,7 @@ struct NewtonKernel {
     scatter(shape, part, rows.v, step.v);
     if (worst.within(stats.max_residual)) return;
     find_residuals(part.batch, rows.x, eq.b);
-    enter(part, eq.b, stats);
+    record_largest(part, eq.b, stats);
   }
 };
 

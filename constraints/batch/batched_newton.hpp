@@ -6,9 +6,9 @@
 
 namespace taut {
 
-// A batch and what Newton keeps of it.
+// A batch with the data that Newton keeps for it.
 struct NewtonBatch : SolvedBatch {
-  LaneRows factors;  // 1/d and L at the last velocities' positions, part by part; pieces have them in scratch
+  LaneRows factors;  // 1/d and L at the last positions; pieces have them in scratch
 
   explicit NewtonBatch(const ClusterBatch& batch)
       : SolvedBatch(batch),

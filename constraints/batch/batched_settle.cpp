@@ -32,18 +32,17 @@ HWY_INLINE void inverse_roots(const V (&x)[K], V (&y)[K]) {
   inverse_sqrt(D(), x, y);
 }
 
-// settle.cpp has the derivation and the names: 0 before the step, 1 drifted, 2 after φ and ψ, 3 after θ. Here
-// it is one of sums and differences of the hydrogens' places, by few roots that wait for each other. n = b0 ×
-// c0 lies along Z, u = n × (b1 + c1 − 2a1) along X, w = n × u along Y. In the plane the old base e = b0 − c0
-// is (Ex, Ey); b0
-// + c0 is perpendicular to it, (−Ey, Ex) h/rc with the height h = ra + rb. With p = n·a1/ra, q = n·(b1 −
-// c1)/2rc,
+// settle.cpp has the derivation and the names: 0 is before the step, 1 after the drift, 2 after φ and ψ, 3
+// after θ. Here it is written in sums and differences of the hydrogens' positions, which takes few square
+// roots that depend on each other. The vector n = b0 × c0 lies along Z, u = n × (b1 + c1 − 2a1) along X, and
+// w = n × u along Y. In the plane XY the old base e = b0 − c0 is (Ex, Ey), and b0 + c0, perpendicular to it,
+// is (−Ey, Ex) h/rc with the height h = ra + rb. With p = n·a1/ra and q = n·(b1 − c1)/2rc,
 //     sin φ = p/|n|,  cos φ = √P/|n|,  sin ψ = q/√P,  cos ψ = √Q/√P,  P = |n|² − p²,  Q = P − q²,
 //     B = rb cos φ,  C = rc cos ψ,  T = rc sin ψ sin φ,  G = C + B h/rc:
 //     x2, y2 of b and c: ∓C, −B ∓ T;  α = −G Ex − T Ey,  β = G Ey − T Ex,
 //     γ = ½ Z·((b0 + c0) × (b1 + c1) + e × (b1 − c1)),  ρ = √(α² + β² − γ²),
 //     (sin θ, cos θ) = (α γ − β ρ, β γ + α ρ)/(α² + β²).
-// Nothing moves along Z. Says where there is a solution.
+// No atom moves along Z. Returns the lanes in which a solution exists.
 HWY_INLINE M settle_triangles(const SettleBatch& batch, const Sides& now, const Sides& old, Nine& shift) {
   const double inv_a = batch.lanes.inv_mass[0], inv_h = batch.lanes.inv_mass[1];
   const double share = inv_a / (2 * inv_a + inv_h), slope = (batch.ra + batch.rb) / batch.rc;
@@ -79,7 +78,7 @@ HWY_INLINE M settle_triangles(const SettleBatch& batch, const Sides& now, const 
   const V sine = hn::Mul(minus_by_norm, hn::MulAdd(minus_alpha, gamma, hn::Mul(beta, rho)));
   const V cosine = hn::Mul(minus_by_norm, hn::MulSub(minus_alpha, rho, hn::Mul(beta, gamma)));
 
-  // Half of what the sum and the difference are moved by.
+  // Half of the displacements of the sum and of the difference.
   const V3 middle = mul_add(hn::Mul(by_u, hn::Mul(B, sine)), u,
                             hn::Mul(by_w, hn::NegMulAdd(B, cosine, hn::Mul(half, Sy))) * w);
   const V3 apart =

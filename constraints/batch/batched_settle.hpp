@@ -6,9 +6,9 @@
 
 namespace taut {
 
-// Waters of one shape: atoms apex, left, right; bonds apex–left, apex–right, left–right.
+// Waters of one shape, with atoms apex, left, right and bonds apex–left, apex–right, left–right.
 struct SettleBatch : SolvedBatch {
-  double ra, rb, rc;  // settle.hpp
+  double ra, rb, rc;  // [nm], as in settle.hpp
 
   SettleBatch(const ClusterBatch& batch, const Settle::Water& water)
       : SolvedBatch(batch), ra(water.ra), rb(water.rb), rc(water.rc) {}

@@ -21,8 +21,8 @@ HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
 struct SweepRows {
-  double *x, *v;                   // of the atoms
-  double *r, *g, *inv, *relative;  // of the bonds; r: along which corrections act
+  double *x, *v;                   // 3 × atoms
+  double *r, *g, *inv, *relative;  // r: 3 × bonds, directions of the corrections; others: bonds
 
   HWY_INLINE SweepRows(const AnyShape shape, Scratch scratch)
       : x(scratch.take(3 * shape.atoms())),
@@ -54,15 +54,15 @@ HWY_INLINE void correct(const AnyShape shape, int k, V dg, const SweepRows rows,
 }
 
 struct SweepOfPositions {
-  // One sweep; what it met is left in rows.relative, in rows.inv how far each bond is from having turned by
-  // 90°. Returns where none has.
+  // Makes one sweep. On return rows.relative has the residuals before the corrections, and rows.inv is
+  // positive for bonds that have not turned by 90°. Returns the lanes in which no bond has.
   HWY_INLINE M operator()(const AnyShape shape, double tolerance, const SweepRows rows, Worst& worst) const {
-    M sound = everywhere();
+    M sound = all_lanes();
     for (int k = 0; k < shape.size(); ++k) {
       const LaneBond& bond = shape.bonds[k];
       const V3 r = difference(shape, k, rows.x);
       const V off = twice_sigma(bond, r), along = dot(r, load3(rows.r + 3 * k * kLanes));
-      const V relative = worst.see(bond, off);
+      const V relative = worst.include(bond, off);
       store(relative, rows.relative + k * kLanes);
       const auto wrong = hn::Gt(relative, broadcast(tolerance));
       const V margin =
@@ -85,17 +85,17 @@ struct SweepOfVelocities {
       const V3 v = difference(shape, k, rows.v);
       const V rate = dot(load3(rows.r + 3 * k * kLanes), v);
       const V relative = hn::Mul(hn::Abs(rate), broadcast(2 * h * bond.half_inv_length2));
-      worst.see(relative);
+      worst.include(relative);
       store(relative, rows.relative + k * kLanes);
       const V dg = hn::Neg(hn::Mul(rate, load(rows.inv + k * kLanes)));
       correct(shape, k, hn::IfThenElseZero(hn::Gt(relative, broadcast(tolerance)), dg), rows, rows.v);
     }
-    return everywhere();
+    return all_lanes();
   }
   static constexpr Failure kNoConvergence = Failure::kVelocitiesNoConvergence;
 };
 
-// Names the first bond that turned too far.
+// Reports the first bond that has turned too far.
 HWY_NOINLINE void name_turned(const Part& part, const double* margin, SolveStats& stats) {
   stats.failure = Failure::kTurned;
   stats.max_residual = 1;
@@ -105,7 +105,8 @@ HWY_NOINLINE void name_turned(const Part& part, const double* margin, SolveStats
         stats.worst_bond = part.batch.bond(part.group, k, part.first_lane + l);
 }
 
-// Sweeps until all hold, or as many as asked for. `stats` are of the parts before.
+// Sweeps until all bonds are within tolerance, or the requested number of times. `stats` is combined with
+// this part's.
 template <class Sweep>
 HWY_INLINE void repeat(const Sweep& sweep, const AnyShape shape, const SweepLimits& limits, const Part& part,
                        const SweepRows rows, SolveStats& stats) {
@@ -121,7 +122,7 @@ HWY_INLINE void repeat(const Sweep& sweep, const AnyShape shape, const SweepLimi
       name_turned(part, rows.inv, own);
     else if (!held && !fixed)
       own.failure = Sweep::kNoConvergence;
-    if (!turned && (!own.converged() || !worst.within(stats.max_residual))) enter(part, rows.relative, own);
+    if (!turned && (!own.converged() || !worst.within(stats.max_residual))) record_largest(part, rows.relative, own);
     stats.beside(own);
     return;
   }
@@ -195,7 +196,7 @@ HWY_EXPORT(sweep_velocities);
 
 namespace {
 
-// The kept multipliers λ set out as guess·λ and are kept as keep·g.
+// The iteration starts from g = guess·λ and stores λ = keep·g.
 SweepStep sweeps(const SweepLimits& limits, double h, double guess, double keep, State& s) {
   return {limits, h, guess, keep, s.x.data(), s.v.data()};
 }

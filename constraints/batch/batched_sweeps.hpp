@@ -6,8 +6,8 @@
 
 namespace taut {
 
-// A batch, its bonds in the system's order, and the multipliers kept of it. Lanes that hold wait for those of
-// their group that do not yet.
+// A batch with its bonds in the system's order, and its multipliers. Lanes within tolerance wait for the
+// other lanes of their group.
 struct SweepBatch {
   LaneBatch lanes;
   LaneRows lambda;

@@ -11,7 +11,7 @@
 namespace taut {
 namespace {
 
-// Of each bond: the smallest mobile atom of its cluster.
+// Returns, for each bond, the smallest mobile atom of its cluster.
 std::vector<int> cluster_of_bond(const System& sys) {
   std::vector<IndexPair> tied;
   for (const auto& [i, j, d] : sys.bonds)
@@ -22,7 +22,7 @@ std::vector<int> cluster_of_bond(const System& sys) {
   return cluster;
 }
 
-// All that makes two clusters the same, as numbers that can be compared.
+// Returns numbers that are equal for two clusters if and only if the clusters are alike.
 std::vector<double> key_of(const ClusterShape& shape) {
   std::vector<double> key = shape.inv_mass;
   for (const auto& [i, j, d] : shape.bonds) {
@@ -43,7 +43,7 @@ bool alike(const ClusterShape& a, const ClusterShape& b) {
          std::ranges::equal(a.bonds, b.bonds, same);
 }
 
-// How many bonds a cluster may have for its shape to be looked at.
+// Returns the largest number of bonds of a cluster whose shape is compared with others.
 int most_bonds_of(const ClusterLimits& limits) {
   return limits.piece > 0 ? std::numeric_limits<int>::max()
                           : std::max(limits.most_bonds, limits.most_bonds_alike);

@@ -6,9 +6,9 @@
 
 namespace taut {
 
-// What equal clusters have in common; atoms and bonds are numbered within the cluster, in the system's order.
-// Those of a piece of a chain (cut_chains.hpp) go along the chain, and the first `left` and the last `right`
-// of both, two or none, are what it sees of its neighbours.
+// The shape that equal clusters share. Atoms and bonds are numbered within the cluster, in the system's
+// order. A piece of a chain (cut_chains.hpp) numbers them along the chain; its first `left` and last `right`
+// atoms and bonds (two or none) belong to its neighbours.
 struct ClusterShape {
   std::vector<RigidBond> bonds;  // i < j
   std::vector<double> inv_mass;  // [1/u], atoms
@@ -28,29 +28,29 @@ struct ClusterBatch {
   std::vector<int> bonds;  // [cluster][bond]
 };
 
-// Where a piece of a chain went: cluster `cluster` of batch `batch`.
+// A piece of a chain is cluster `cluster` of batch `batch`.
 struct PieceOfChain {
   int batch, cluster;
 };
 
-// The bonds of a system by clusters: atoms tied together, directly or by way of others that can move.
-// Clusters that match bond for bond, masses and lengths included, form a batch. They share no atom, so that
-// they can be worked on side by side.
+// The bonds of a system grouped by clusters: sets of atoms that bonds connect, directly or through other
+// mobile atoms. Clusters with the same bonds, masses and lengths form a batch. Clusters share no atom, so
+// that they can be solved side by side.
 struct BondClusters {
   std::vector<ClusterBatch> batches;
   std::vector<ClusterBatch> pieces;               // of long chains
-  std::vector<std::vector<PieceOfChain>> chains;  // of each chain cut, its pieces from end to end
+  std::vector<std::vector<PieceOfChain>> chains;  // the pieces of each cut chain, from end to end
   std::vector<int> rest;  // bonds of clusters with an anchored atom, or larger than the limits allow
 };
 
 struct ClusterLimits {
-  int most_bonds = 200;          // of a cluster
-  int most_bonds_alike = 20000;  // where there are `alike` or more of one shape
+  int most_bonds = 200;          // of any cluster
+  int most_bonds_alike = 20000;  // of a cluster of which there are `alike` or more
   int alike = 4;
-  int piece = 0;  // bonds of a piece, about, that longer chains are cut into; 0: they are not
+  int piece = 0;  // longer chains are cut into pieces of about this many bonds; 0: not cut
 
-  // Equal chains that all but fill the lanes stay whole: cutting costs half as much again. Threads have no
-  // say: a chain's bits must not depend on how many there are.
+  // Equal chains that nearly fill the lanes stay whole, since cutting costs half as much again. The number of
+  // threads has no influence, so that a chain's bits do not depend on it.
   static ClusterLimits cutting() { return {.alike = 8, .piece = 150}; }
   bool fill_lanes(int count) const {
     const int filled = (count + alike - 1) / alike * alike;

@@ -9,7 +9,7 @@
 namespace taut {
 namespace {
 
-// Atoms and bonds of a chain from one end to the other; bond b joins atoms b and b + 1.
+// Atoms and bonds of a chain from one end to the other; bond b joins the atoms b and b + 1 of the path.
 struct Path {
   std::vector<int> atoms, bonds;
 };
@@ -31,12 +31,12 @@ std::optional<Path> path_of(const ClusterShape& shape) {
   return path;
 }
 
-// The pieces' first atoms along the path, and where the last one ends.
+// The first atom of each piece along the path, and the end of the last one.
 using Cuts = std::vector<int>;
 
 constexpr int kFewestAtoms = 4;
 
-// Pieces of `width` atoms, as many as there is room for between ends of a few atoms.
+// Places as many pieces of `width` atoms as fit between ends of a few atoms.
 Cuts cuts_of(int atoms, int pieces, int width) {
   const int head = (atoms - pieces * width) / 2;
   Cuts cuts{0};
@@ -45,7 +45,7 @@ Cuts cuts_of(int atoms, int pieces, int width) {
   return cuts;
 }
 
-// The part of the path from atom `from` to atom `to` − 1, and what it sees of its neighbours.
+// The part of the path from atom `from` to atom `to` − 1, with the atoms of its neighbours that it needs.
 struct Piece {
   int first, atoms;  // along the path, neighbours' atoms included
   ClusterShape shape;
@@ -64,7 +64,7 @@ Piece piece_of(const ClusterShape& chain, const Path& path, int from, int to) {
   return piece;
 }
 
-// Whether masses and lengths repeat after `width` atoms in all that pieces between the ends see.
+// Returns whether masses and lengths repeat after `width` atoms in all pieces between the ends.
 bool repeats(const ClusterShape& chain, const Path& path, const Cuts& cuts, int width) {
   const int begin = cuts[1] - 2, end = cuts[cuts.size() - 2] + 2 - width;
   for (int a = begin; a < end; ++a)

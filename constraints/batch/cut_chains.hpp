@@ -7,31 +7,32 @@
 
 namespace taut {
 
-// Clusters on their way into batches, by shape.
+// Sorts clusters into batches by shape.
 class ClusterBatches {
  public:
-  // Returns the batch; the cluster is its last one.
+  // Appends a cluster to the batch of its shape, and returns the batch's index.
   int add(const ClusterShape& shape, const std::vector<int>& atoms, const std::vector<int>& bonds);
 
   std::vector<ClusterBatch> batches;
 
  private:
   std::map<std::vector<double>, std::size_t> batch_of_;
-  std::size_t last_ = 0;  // the batch of the cluster before
+  std::size_t last_ = 0;  // the batch of the previous cluster
 };
 
-// Cuts long chains so that one alone fills all lanes and several threads: at *separators*, bonds that leave
-// between them a multiple of 8 equal pieces and a short one at either end, which takes what does not divide
-// and what masses a chain has of its own there. Pieces share no atom, so that they are worked on side by
-// side; what ties them is solved between (separators.hpp). A piece comes with the next two atoms and bonds of
-// each neighbour, of which the inner bond is the separator:
+// Cuts long chains, so that a single chain fills all lanes and several threads. The cuts are at *separators*,
+// bonds that leave between them a multiple of 8 equal pieces and a short piece at either end, which takes the
+// remainder and the chain's special end masses. Pieces share no atom and are solved side by side;
+// separators.hpp solves for the separators. A piece comes with the next two atoms and bonds of each
+// neighbour; the inner one of these bonds is the separator:
 //
-//     o──o══●──●── … ──●──●══o──o       ● its own atoms  ══ separators
+//     o──o══●──●── … ──●──●══o──o       ● atoms of the piece  ══ separators
 //
-// Forces, velocities and displacements of its own atoms and the right-hand sides of its separators need no
-// more than these bonds' multipliers, so that the multipliers are all that pieces tell each other.
+// Forces, velocities and displacements of the piece's atoms, and the right-hand sides of its separators, need
+// the multipliers of these bonds only: multipliers are all that pieces exchange.
 //
-// False if the batch's clusters are no chains, or their pieces not equal: masses and lengths must repeat.
+// Returns false if the clusters are no chains, or if their masses and lengths do not repeat from piece to
+// piece.
 bool cut_chains(const ClusterBatch& batch, int piece_bonds, ClusterBatches& pieces,
                 std::vector<std::vector<PieceOfChain>>& chains);
 

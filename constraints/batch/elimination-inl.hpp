@@ -1,4 +1,4 @@
-// The matrix of a group and its elimination, a cluster a lane; compiled once for each kind of machine.
+// The matrix of a group and its elimination, one cluster per lane. Compiled once for each SIMD target.
 #if defined(TAUT_ELIMINATION_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef TAUT_ELIMINATION_INL_H
 #undef TAUT_ELIMINATION_INL_H
@@ -11,15 +11,15 @@
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
-// elimination.hpp has the loops. Rows of the diagonal, of its inverse after elimination, and of the entries
-// below and, where A is not symmetric, above it.
+// A factored matrix; elimination.hpp has the loops. Its rows are the diagonal, the inverse of the diagonal
+// after elimination, the entries below the diagonal, and, if A is not symmetric, those above it.
 struct Matrix {
   double *d, *inv_d;
   double *l, *u;
 };
 
-// ±(r_row·r_k)/m: A's entry p in column k; 0 where there will be fill. With left and right bonds of different
-// times, A' below the diagonal; changed about, above.
+// Returns entry p of A in column k, ±(r_row·r_k)/m; 0 for fill. With left and right bond vectors of different
+// times it is the entry of A' below the diagonal; with the two exchanged, the one above it.
 template <class Shape>
 HWY_INLINE V entry(const Shape shape, int p, const V3& r_k, const double* r) {
   return hn::Mul(broadcast(shape.signed_inv_mass(p)), dot(load3(r + 3 * shape.row(p)), r_k));
@@ -34,12 +34,12 @@ HWY_INLINE void couple(const Shape shape, const double* left, const double* righ
   }
 }
 
-// A of the bonds r, its diagonal given, becomes L D Lᵀ; b goes through the forward substitution on the way.
-// Returns where all pivots are above what a dependent bond leaves; none that is NaN is.
+// Factors A of the bonds r, whose diagonal is given, into L D Lᵀ, and applies the forward substitution to b.
+// Returns the lanes in which every pivot exceeds the threshold for dependent bonds; a NaN does not.
 template <class Shape>
 HWY_INLINE M eliminate(const Shape shape, const Matrix A, const double* r, double* b) {
   if constexpr (Shape::kUpdates) couple(shape, r, r, A.l);
-  M regular = everywhere();
+  M regular = all_lanes();
   int update = 0;
   for (int k = 0; k < shape.eliminated(); ++k) {
     const V d = load(A.d + k * kLanes), inv = hn::Div(broadcast(1), d), b_k = load(b + k * kLanes);
@@ -67,7 +67,7 @@ HWY_INLINE M eliminate(const Shape shape, const Matrix A, const double* r, doubl
   return regular;
 }
 
-// A' of the bonds r_next and r becomes L D U; else as above. u ends as a unit upper triangle.
+// Factors A' of the bonds r_next and r into L D U, otherwise as above. On return u is a unit upper triangle.
 template <class Shape>
 HWY_INLINE M eliminate_turned(const Shape shape, const Matrix A, const double* r_next, const double* r,
                               double* b) {
@@ -75,7 +75,7 @@ HWY_INLINE M eliminate_turned(const Shape shape, const Matrix A, const double* r
     couple(shape, r_next, r, A.l);
     couple(shape, r, r_next, A.u);
   }
-  M regular = everywhere();
+  M regular = all_lanes();
   int update = 0;
   for (int k = 0; k < shape.eliminated(); ++k) {
     const V d = load(A.d + k * kLanes), inv = hn::Div(broadcast(1), d), b_k = load(b + k * kLanes);
@@ -108,7 +108,7 @@ HWY_INLINE M eliminate_turned(const Shape shape, const Matrix A, const double* r
   return regular;
 }
 
-// Names a bond whose pivot vanished. False if there is one.
+// Reports a bond whose pivot vanished. Returns false if there is one.
 HWY_INLINE bool accept(const Part& part, M regular, const double* d, SolveStats& stats) {
   if (hn::AllTrue(D(), regular)) return true;
   stats.failure = Failure::kSingular;
@@ -119,8 +119,8 @@ HWY_INLINE bool accept(const Part& part, M regular, const double* d, SolveStats&
   return false;
 }
 
-// b ← L⁻¹b of a chain, from both ends at once: what bond k gives goes to bond k + 2, of the last but one to
-// the last. Numbers stay in registers on their way, since through memory each would take ten cycles more.
+// b ← L⁻¹b for a chain, from both ends at once: bond k contributes to bond k + 2, and the last but one to the
+// last. The running values stay in registers, because a round trip through memory would add ten cycles each.
 HWY_INLINE void substitute_forward(const ChainShape shape, const double* l, double* b) {
   const int last = shape.size() - 1;
   if (last < 1) return;
@@ -135,11 +135,11 @@ HWY_INLINE void substitute_forward(const ChainShape shape, const double* l, doub
   store(hn::NegMulAdd(load(l + (last - 1) * kLanes), here, next), b + last * kLanes);
 }
 
-// b ← U⁻¹D⁻¹b of a chain
+// b ← U⁻¹D⁻¹b for a chain
 HWY_INLINE void substitute_back(const ChainShape shape, const double* inv_d, const double* u, double* b) {
   const auto scaled = [&](int k) HWY_ATTR { return hn::Mul(load(b + k * kLanes), load(inv_d + k * kLanes)); };
   int k = shape.size() - 1;
-  V after = scaled(k), next = after;  // b_{k+2}, b_{k+1}; of the last but one, the last for both
+  V after = scaled(k), next = after;  // b_{k+2}, b_{k+1}; at the last but one bond both are the last
   store(after, b + k * kLanes);
   for (--k; k >= 0; --k) {
     const V z = hn::NegMulAdd(load(u + k * kLanes), after, scaled(k));

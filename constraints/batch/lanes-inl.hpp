@@ -1,4 +1,4 @@
-// What the kernels share, compiled once for each kind of machine (Highway's foreach_target).
+// Functions that all kernels share. Compiled once for each SIMD target (Highway's foreach_target).
 #if defined(TAUT_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef TAUT_LANES_INL_H
 #undef TAUT_LANES_INL_H
@@ -20,13 +20,14 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 static_assert(kWidth <= kLanes);
 
-// What holds in which lane. Conditions are joined by And, which a NaN fails; Min and Max would drop it.
+// The lanes in which a condition holds. Conditions are combined by And, so that a NaN fails them; Min and Max
+// would drop it.
 using M = hn::Mask<D>;
-HWY_INLINE M everywhere() {
+HWY_INLINE M all_lanes() {
   return hn::Eq(broadcast(0), broadcast(0));
 }
 
-// Three rows in succession: a vector of each cluster.
+// Loads and stores three consecutive rows: a 3-vector of each cluster.
 HWY_INLINE V3 load3(const double* rows) {
   return {load(rows), load(rows + kLanes), load(rows + 2 * kLanes)};
 }
@@ -36,7 +37,7 @@ HWY_INLINE void store3(const V3& a, double* rows) {
   store(a.z, rows + 2 * kLanes);
 }
 
-// Lanes of a group that are worked on at once, from the first of them.
+// The lanes of a group that a vector of this target holds, from first_lane on.
 struct Part {
   const LaneBatch& batch;
   int group, first_lane;
@@ -44,10 +45,10 @@ struct Part {
   const int* places() const { return batch.places(group) + first_lane; }
 };
 
-// Square blocks of width × width are transposed on their way: lane l ↔ a stretch of memory of its own, row n
-// ↔ place n in each stretch. Three levels, each at its cheapest: halves of vectors by where memory is read or
-// written, 16-byte blocks by swapping, neighbours by interleaving. (A gather of 8 takes 15 cycles on Zen 5, a
-// row of a block 1.5.)
+// Loading and storing transposes square blocks of kWidth × kWidth numbers: lane l is a stretch of memory of
+// its own, row n is the n-th number of each stretch. The transposition has three levels: halves of vectors by
+// the addresses that are read or written, 16-byte blocks by swapping, neighbours by interleaving. (A gather
+// of 8 takes 15 cycles on Zen 5, a row of a block 1.5.)
 #if HWY_TARGET == HWY_SCALAR
 HWY_INLINE void load_block(const double* array, const int* place, V* t) {
   t[0] = load(array + place[0]);
@@ -67,7 +68,8 @@ HWY_INLINE void store_each(V value, double* array, const int* place) {
 inline constexpr int kHalf = kWidth / 2;
 using Half = hn::Half<D>;
 
-// Even and odd neighbours of two vectors; then even and odd 16-byte blocks. Both undo themselves.
+// Exchanges odd neighbours of a with even ones of b, and the same for 16-byte blocks. Each is its own
+// inverse.
 HWY_INLINE void exchange_neighbours(V& a, V& b) {
   const V low = hn::InterleaveLower(D(), a, b), high = hn::InterleaveUpper(D(), a, b);
   a = low;
@@ -79,7 +81,7 @@ HWY_INLINE void exchange_blocks(V& a, V& b) {
   a = even;
   b = odd;
 }
-// One half of the columns, of all rows.
+// Transposes one half of the columns of all rows.
 HWY_INLINE void transpose_half([[maybe_unused]] V* t) {
   if constexpr (kWidth >= 4) {
     for (int n = 0; n < kHalf; n += 2) exchange_neighbours(t[n], t[n + 1]);
@@ -108,7 +110,7 @@ HWY_INLINE void store_block(V* t, double* array, const int* place) {
   }
 }
 
-// One number a lane, each from a place of its own, put together from neighbours.
+// Loads one number per lane, each from an address of its own, by combining pairs; stores likewise.
 template <int kCount>
 HWY_INLINE auto load_each(const double* array, const int* place) {
   const hn::CappedTag<double, kCount> d;
@@ -130,14 +132,14 @@ HWY_INLINE void store_each(const Values values, double* array, const int* place)
 }
 #endif
 
-// How many of the columns of clusters whose atoms follow each other go by blocks. The last block overlaps the
-// one before, unless what is left is so little that columns one by one are less work.
+// Returns how many columns of clusters with contiguous atoms are transposed in blocks. The last block
+// overlaps the one before it, unless so few columns remain that loading them one by one is cheaper.
 HWY_INLINE constexpr int columns_by_blocks(int width) {
   const int over = width % kWidth;
   return over <= 2 || width < kWidth ? width - over : width;
 }
 
-// rows ← the clusters' atoms in a 3 × n array
+// Copies the clusters' atoms from a 3 × n array into rows.
 HWY_INLINE void gather(const Part& part, const int atoms, const double* HWY_RESTRICT array,
                        double* HWY_RESTRICT rows) {
   const int width = 3 * atoms;
@@ -168,7 +170,7 @@ HWY_INLINE void gather_sum(const Part& part, const int atoms, const double* arra
     store(hn::Add(load(rows + c * kLanes), load(scratch + c * kLanes)), rows + c * kLanes);
 }
 
-// ... and back, so many atoms from the first of them on
+// Copies `atoms` atoms from atom `first` on back into the array.
 HWY_INLINE void scatter(const Part& part, const int first, const int atoms, const double* HWY_RESTRICT rows,
                         double* HWY_RESTRICT array) {
   const int width = 3 * atoms;
@@ -191,7 +193,7 @@ HWY_INLINE void scatter(const Part& part, const int first, const int atoms, cons
     store_each<kWidth>(load(rows + c * kLanes), array + c, place);
 }
 
-// What to loop over, and where rows lie. Any cluster:
+// The loop bounds and the addresses of rows for a cluster of any shape.
 struct AnyShape {
   explicit AnyShape(const LaneBatch& batch)
       : bonds(batch.bonds.data()),
@@ -205,8 +207,8 @@ struct AnyShape {
         atoms_(batch.atoms),
         entries_(batch.plan.entries()) {}
 
-  static constexpr bool kUpdates = true;  // eliminating one bond touches couplings of others
-  static constexpr bool kPieces = true;   // may be a piece of a chain
+  static constexpr bool kUpdates = true;  // eliminating one bond changes the couplings of others
+  static constexpr bool kPieces = true;   // the cluster may be a piece of a chain
   const LaneBond* bonds;
 
   int size() const { return size_; }
@@ -216,7 +218,7 @@ struct AnyShape {
   int entries() const { return entries_; }
   std::ptrdiff_t i(int k) const { return bonds[k].i; }
   std::ptrdiff_t j(int k) const { return bonds[k].j; }
-  int begin(int k) const { return start_[k]; }  // the entries of column k
+  int begin(int k) const { return start_[k]; }  // first entry of column k
   int end(int k) const { return start_[k + 1]; }
   std::ptrdiff_t row(int p) const { return row_[p]; }
   std::ptrdiff_t update(int n) const { return update_[n]; }
@@ -229,7 +231,7 @@ struct AnyShape {
   int size_, eliminated_, solved_, atoms_, entries_;
 };
 
-// A chain: one entry a column.
+// A chain: one entry per column.
 struct ChainShape : AnyShape {
   using AnyShape::AnyShape;
   static constexpr bool kUpdates = false, kPieces = false;
@@ -239,7 +241,7 @@ struct ChainShape : AnyShape {
   int end(int k) const { return HWY_MIN(k + 1, size_ - 1); }
 };
 
-// A water: all known when compiled, so that its rows stay in registers.
+// A water: all bounds are compile-time constants, so that its rows stay in registers.
 struct TriangleShape : AnyShape {
   using AnyShape::AnyShape;
   static constexpr bool kPieces = false;
@@ -256,7 +258,7 @@ struct TriangleShape : AnyShape {
   static constexpr std::ptrdiff_t update(int) { return 2 * kLanes; }
 };
 
-// work(shape, part, scratch) for every part of the groups begin … end − 1
+// Calls work(shape, part, scratch) for every part of the groups begin … end − 1.
 template <class Work>
 HWY_INLINE void for_each_part(const LaneBatch& batch, int begin, int end, const Scratch& scratch,
                               const Work& work) {
@@ -274,7 +276,7 @@ HWY_INLINE void for_each_part(const LaneBatch& batch, int begin, int end, const 
     each(AnyShape(batch), scratch);
 }
 
-// rows → the atoms that are the cluster's own
+// Copies the rows of the cluster's own atoms back into the array; a piece leaves out its neighbours' atoms.
 template <class Shape>
 HWY_INLINE void scatter(const Shape shape, const Part& part, const double* rows, double* array) {
   scatter(part, part.batch.left, shape.atoms() - part.batch.left - part.batch.right, rows, array);
@@ -318,43 +320,44 @@ HWY_INLINE V3 difference(const Shape shape, int k, const double* x) {
   return load3(x + shape.j(k)) - load3(x + shape.i(k));
 }
 
-// The largest |σ|/d² of a part, and whether all of them are numbers.
+// The largest |σ|/d² of a part. The sum is NaN if any of them is.
 struct Worst {
   V largest, sum;
 
   HWY_INLINE Worst() : largest(hn::Zero(D())), sum(hn::Zero(D())) {}
-  HWY_INLINE void see(V relative) {
+  HWY_INLINE void include(V relative) {
     largest = hn::Max(largest, relative);
     sum = hn::Add(sum, relative);
   }
-  HWY_INLINE V see(const LaneBond& bond, V twice_sigma) {
+  HWY_INLINE V include(const LaneBond& bond, V twice_sigma) {
     const V relative = hn::Mul(hn::Abs(twice_sigma), broadcast(bond.half_inv_length2));
-    see(relative);
+    include(relative);
     return relative;
   }
-  // All of them numbers and at most so large.
+  // True if all residuals are at most `limit`; false for NaN.
   HWY_INLINE bool within(double limit) const {
     return hn::AllTrue(D(), hn::And(hn::Le(largest, broadcast(limit)), hn::Eq(sum, sum)));
   }
 };
 
-// |σ|/d² of every bond, from positions; and the largest
+// Computes |σ|/d² of every bond from positions. Returns the largest.
 inline HWY_NOINLINE Worst find_residuals(const LaneBatch& batch, const double* x, double* relative) {
   Worst worst;
   for (int k = 0; k < batch.plan.solved; ++k) {
     const LaneBond& bond = batch.bonds[k];
     const V3 r = load3(x + bond.j) - load3(x + bond.i);
-    store(worst.see(bond, twice_sigma(bond, r)), relative + k * kLanes);
+    store(worst.include(bond, twice_sigma(bond, r)), relative + k * kLanes);
   }
   return worst;
 }
 
-// The largest of these residuals, and where, entered into the stats if it is larger. A NaN is largest.
-inline HWY_NOINLINE void enter(const Part& part, const double* relative, SolveStats& stats) {
+// Records the largest residual and its bond in the stats if it exceeds the one there. A NaN counts as the
+// largest.
+inline HWY_NOINLINE void record_largest(const Part& part, const double* relative, SolveStats& stats) {
   for (int k = 0; k < part.batch.plan.solved; ++k)
     for (int l = 0; l < kWidth; ++l) {
       const double value = relative[k * kLanes + l];
-      if (!worse(value, stats.max_residual)) continue;
+      if (!exceeds(value, stats.max_residual)) continue;
       stats.max_residual = value;
       stats.worst_bond = part.batch.bond(part.group, k, part.first_lane + l);
     }

@@ -4,7 +4,7 @@ namespace taut {
 
 namespace {
 
-// Of a piece: the bonds between it and its neighbours stay, those beyond are none of its own.
+// A piece keeps the bonds between it and its neighbours and leaves out those beyond them.
 Elimination plan_of(const ClusterShape& shape) {
   std::vector<Elimination::Stage> stage(shape.bond_count(), Elimination::kEliminated);
   if (shape.left > 0) std::tie(stage[0], stage[1]) = std::pair(Elimination::kApart, Elimination::kKept);

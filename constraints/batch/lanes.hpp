@@ -17,12 +17,12 @@
 
 namespace taut {
 
-// Equal clusters side by side: cluster 8g + l of a batch is lane l of its group g. A row is one number of
-// each of a group's clusters; rows of a group follow each other in memory. Machines with narrower vectors
-// take a group in parts.
+// Equal clusters are solved side by side: cluster 8g + l of a batch is lane l of its group g. A row holds one
+// number of each cluster of a group, and the rows of a group are contiguous in memory. Targets with narrower
+// vectors process a group in parts.
 inline constexpr int kLanes = 8;
 
-// What a kernel needs for one part, handed out piece by piece.
+// Working memory of a kernel for one part, handed out in rows.
 struct Scratch {
   double *next, *end;
 
@@ -33,40 +33,40 @@ struct Scratch {
     return taken;
   }
 };
-// As many as any kernel takes.
+// The most rows that any kernel takes.
 constexpr int scratch_rows(int atoms, int bonds, int entries) {
   return 9 * atoms + 9 * bonds + 2 * entries;
 }
 
-// A bond as the kernels want it.
+// The constants of a bond that kernels read.
 struct LaneBond {
-  std::ptrdiff_t i, j;  // where its atoms' rows begin, from the first row of a 3 × atoms array
+  std::ptrdiff_t i, j;  // offsets of its atoms' rows in a 3 × atoms array
   double inv_mass_i, inv_mass_j;
   double reduced_inv_mass;  // 1/m_i + 1/m_j
   double length2;           // d²
   double half_inv_length2;  // 1/(2d²)
-  double least_pivot;       // below it the bond depends on others
+  double least_pivot;       // a smaller pivot means that the bond depends on others
 };
 
-// A batch, its bonds in the order they are worked on.
+// A batch, with its bonds in the order of elimination.
 struct LaneBatch {
   explicit LaneBatch(const ClusterBatch& batch);
   LaneBatch(const ClusterBatch& batch, Elimination plan);
 
-  Elimination plan;  // rows and updates as places of rows: × kLanes
+  Elimination plan;  // row and update are offsets of rows (× kLanes)
   int atoms, clusters, groups;
   std::vector<double> inv_mass;  // atoms
   std::vector<LaneBond> bonds;   // in the order of elimination
-  // Of each group and lane: 3 × the first atom, where every cluster's atoms follow each other; else 3 × each
-  // atom, [group][atom][lane]. Lanes left over in the last group repeat the last cluster.
+  // If every cluster's atoms are contiguous: 3 × the first atom, [group][lane]; else 3 × each atom,
+  // [group][atom][lane]. Unused lanes of the last group repeat the last cluster.
   bool contiguous;
-  bool ascending;  // contiguous, each cluster after the one before
-  bool chain;      // column k has one entry, k, and nothing is updated twice
+  bool ascending;  // contiguous, and each cluster follows the one before it
+  bool chain;      // column k has one entry, k, and elimination makes no fill
   bool triangle;   // bonds 0–1, 0–2, 1–2
   std::vector<int> place;
   std::vector<int> bond_index;  // [group][bond][lane], as the system numbers them
 
-  int left, right;  // of a piece: so many of its first and last atoms are its neighbours'
+  int left, right;  // a piece's numbers of atoms that belong to its neighbours
 
   int bond_count() const { return static_cast<int>(bonds.size()); }
   bool piece() const { return left + right > 0; }
@@ -80,7 +80,7 @@ struct LaneBatch {
   int scratch_rows() const { return taut::scratch_rows(atoms, bond_count(), plan.entries()); }
 };
 
-// Numbers at an address that any lane width can load from; copied as a value, as a method is.
+// Aligned storage for vectors of any width.
 template <class T>
 struct LaneAllocator {
   using value_type = T;
@@ -92,7 +92,7 @@ struct LaneAllocator {
 };
 using AlignedDoubles = std::vector<double, LaneAllocator<double>>;
 
-// Rows kept from step to step, so many for each group of each batch.
+// Rows that a batch keeps from step to step, the same number for each group.
 class LaneRows {
  public:
   LaneRows() = default;
@@ -114,13 +114,13 @@ inline LaneRows rows_of_bonds(const LaneBatch& batch) {
   return {batch.groups, batch.bond_count()};
 }
 
-// Scatters one row a bond of every group to a number a bond of the system.
+// Copies one row per bond of every group to one number per bond of the system.
 void rows_to_bonds(const LaneBatch& batch, const LaneRows& rows, Eigen::Ref<Eigen::VectorXd> values);
-// ... and back, lanes left over and what a piece sees of its neighbours included.
+// Copies them back, into unused lanes and into a piece's copies of its neighbours' bonds, too.
 void rows_from_bonds(const LaneBatch& batch, const Eigen::Ref<const Eigen::VectorXd>& values, LaneRows& rows);
 
-// Where in a group's scratch the system of equations lies, what every solving method begins with: the first
-// row of each part.
+// The first rows of the system of equations in a group's scratch, with which every method that solves one
+// begins.
 struct SystemRows {
   explicit SystemRows(const LaneBatch& batch) : SystemRows(batch.bond_count(), batch.plan.entries()) {}
   constexpr SystemRows(int bonds, int entries)
@@ -128,13 +128,13 @@ struct SystemRows {
   int b, d, inv_d, l, u, end;
 };
 
-// Splits groups of several batches over threads and gives each thread scratch of its own.
+// Divides the groups of several batches among threads, and gives each thread its own scratch.
 class LaneRunner {
  public:
   void add(const LaneBatch& batch);
 
-  // work(batch, group begin, group end, scratch) → SolveStats; the worst of them all is returned, and the
-  // most iterations.
+  // Calls work(batch, group begin, group end, scratch) → SolveStats. Returns the largest residual, with its
+  // bond, and the most iterations.
   template <class Work>
   SolveStats run(const Work& work) {
     const int threads = static_cast<int>(
@@ -157,20 +157,20 @@ class LaneRunner {
   }
 
  private:
-  static constexpr long kBondsOfThread = 480;  // fewer are not worth waking a thread for
+  static constexpr long kBondsOfThread = 480;  // fewer do not pay for waking a thread
 
-  int share(int t, int threads) const;  // the first group of thread t
+  int share(int t, int threads) const;  // first group of thread t
   void reserve(int threads);
 
-  // Before each batch, and after the last: how many groups, and lanes × bonds.
+  // Prefix sums over the batches: numbers of groups, and of lanes × bonds.
   std::vector<int> first_group_ = {0};
   std::vector<long> work_before_ = {0};
   int scratch_rows_ = 0;
-  std::vector<AlignedDoubles> scratch_;  // a thread each
+  std::vector<AlignedDoubles> scratch_;  // one per thread
   std::vector<SolveStats> stats_;
 };
 
-// All batches of a method. A Batch has `lanes`, `lambda` and what else the method keeps of it.
+// All batches of a method. A Batch has `lanes`, `lambda` and further data of the method.
 template <class Batch>
 class LaneBatches {
  public:
@@ -185,7 +185,7 @@ class LaneBatches {
     runner_.add(batches_.emplace_back(arguments...).lanes);
   }
 
-  // kernel(batch, step, …, group begin, group end, scratch) → SolveStats
+  // Calls kernel(batch, asked…, group begin, group end, scratch) → SolveStats for all groups, on threads.
   template <class Kernel, class... Asked>
   SolveStats run(Kernel& kernel, const Asked&... asked) {
     return runner_.run([&](int b, int begin, int end, const Scratch& scratch) {

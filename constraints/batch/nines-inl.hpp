@@ -1,5 +1,4 @@
-// Molecules of three atoms, nine numbers each, between memory and registers; compiled once for each kind of
-// machine.
+// Loads and stores molecules of three atoms, nine numbers each. Compiled once for each SIMD target.
 #if defined(TAUT_NINES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef TAUT_NINES_INL_H
 #undef TAUT_NINES_INL_H
@@ -14,7 +13,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
-// Nine vectors: as they lie in memory, or in rows: coordinate c of a molecule a lane.
+// Nine vectors, either in memory order or in rows: row c has coordinate c of one molecule per lane.
 struct Nine {
   V n[9];
 
@@ -33,10 +32,11 @@ HWY_INLINE Nine load_nine(const double* numbers) {
   return t;
 }
 
-// w molecules one after the other are nine vectors of w. Lane j of vector k is number wk + j = 9m + c,
-// coordinate c of molecule m. Modulo w (1, 2, 4 or 8) that is j = m + c; modulo 9, where w·(8/w) = −1,
-// k = s(j − c), s = 8/w. So row c lies in vectors that go up by s from lane to lane, turned by c lanes. To
-// line it up lane j takes the vector s·j further on: a choice between two for each binary digit of j.
+// w consecutive molecules fill nine vectors of w numbers. Lane j of vector k is number wk + j = 9m + c,
+// coordinate c of molecule m. Modulo w (1, 2, 4 or 8) this gives j = m + c; modulo 9, where w·(8/w) = −1, it
+// gives k = s(j − c) with s = 8/w. Row c therefore lies in vectors whose index grows by s from lane to lane,
+// rotated by c lanes. To align it, lane j takes the vector s·j further on: one choice between two vectors for
+// each binary digit of j.
 HWY_INLINE constexpr int modulo9(int k) {
   return (k % 9 + 9) % 9;
 }
@@ -45,7 +45,7 @@ inline constexpr int kUp = 8 / kWidth;
 // Lane j of t[k] ← lane j of t[k ± s·j]
 template <int kSign>
 HWY_INLINE void line_up(Nine& t) {
-  constexpr std::uint8_t kLanesWith[4 + 8] = {0, 0xAA, 0xCC, 0, 0xF0};  // from each, 8 bytes may be read
+  constexpr std::uint8_t kLanesWith[4 + 8] = {0, 0xAA, 0xCC, 0, 0xF0};  // 8 bytes are read from each
   for (int digit = 1; digit < kWidth; digit *= 2) {
     const M with = hn::LoadMaskBits(D(), kLanesWith + digit);
     const Nine from = t;
@@ -87,8 +87,7 @@ HWY_INLINE Nine numbers_of(const Nine& rows) {
   return numbers_of(rows, std::make_index_sequence<9>());
 }
 
-// Where the numbers of a part's molecules are: in the array itself if one follows the other there, else in a
-// copy.
+// The numbers of a part's molecules: in the array itself if they are contiguous there, else in a copy.
 class Nines {
  public:
   HWY_INLINE explicit Nines(const Part& part)
@@ -105,8 +104,8 @@ class Nines {
   }
 
  private:
-  // copy(where it is in a part's copy, where in the array), of atoms, or of molecules whose numbers lie
-  // together: by vectors, since a vector read where two narrower ones have been stored waits for both.
+  // Calls copy(address in the copy, address in the array) for each atom, or for each molecule with contiguous
+  // atoms. It copies by vectors, because a load that spans two narrower stores waits for both.
   static HWY_INLINE void by_pieces(const Part& part, const auto& copy_nine, const auto& copy_three) {
     for (int lane = 0; lane < kWidth; ++lane)
       if (part.batch.contiguous)

@@ -1,4 +1,4 @@
-// λ of the last three steps, for one part; compiled once for each kind of machine.
+// λ of the last three steps for one part. Compiled once for each SIMD target.
 #if defined(TAUT_PAST_LAMBDA_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef TAUT_PAST_LAMBDA_INL_H
 #undef TAUT_PAST_LAMBDA_INL_H
@@ -20,7 +20,7 @@ struct PastLambda {
         before(batch.before.of(part.group) + part.first_lane),
         before_that(batch.before_that.of(part.group) + part.first_lane) {}
 
-  // What is foretold for bond k, by guess(λ₁, λ₂, λ₃); the last λ become the past.
+  // Sets λ of bond k to guess(λ₁, λ₂, λ₃), moves the previous ones back by one step, and returns the guess.
   template <class GuessOf>
   HWY_INLINE V shift(int k, GuessOf guess) const {
     const V one = load(lambda + k * kLanes), two = load(before + k * kLanes);

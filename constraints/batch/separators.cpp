@@ -3,7 +3,7 @@
 namespace taut {
 namespace {
 
-// Rows of a piece's bonds by what they are (Elimination: inner bonds, separators, neighbours' bonds).
+// The rows of a piece's separators and of its neighbours' bonds (elimination puts inner bonds first).
 struct EndRows {
   explicit EndRows(const LaneBatch& batch)
       : left(batch.plan.eliminated),
@@ -14,7 +14,7 @@ struct EndRows {
   int beyond_left, beyond_right;  // the neighbours' bonds
 };
 
-// The row of the inner bond next to one end.
+// Returns the row of the inner bond next to one end.
 int inner_row(const LaneBatch& batch, bool at_left) {
   const int atom = 3 * kLanes * (at_left ? batch.left : batch.atoms - 1 - batch.right);
   int row = 0;
@@ -36,7 +36,7 @@ Separators::Separators(const std::vector<std::vector<PieceOfChain>>& chains,
                        const std::vector<const LaneBatch*>& batches) {
   for (const LaneBatch* batch : batches) layout_.emplace_back(*batch);
   const auto place = [](const PieceOfChain& piece, int row) {
-    return Place{piece.batch, piece.cluster / kLanes, row * kLanes + piece.cluster % kLanes};
+    return LaneEntry{piece.batch, piece.cluster / kLanes, row * kLanes + piece.cluster % kLanes};
   };
   for (const auto& chain : chains)
     for (std::size_t p = 0; p + 1 < chain.size(); ++p) {

@@ -6,27 +6,27 @@
 
 namespace taut {
 
-// What ties the pieces of cut chains (cut_chains.hpp). With inner bonds I and separators S,
+// Solves for the separators of cut chains (cut_chains.hpp). With inner bonds I and separators S,
 //     A_II λ_I + A_IS λ_S = b_I,   A_SI λ_I + A_SS λ_S = b_S:
-// each piece eliminates its inner bonds; what that leaves for the separators,
+// each piece eliminates its inner bonds. The remaining system for the separators,
 //     (A_SS − A_SI A_II⁻¹ A_IS) λ_S = b_S − A_SI A_II⁻¹ b_I,
-// is tridiagonal along the chain, a sum of what the pieces on both sides of a separator have found; it is
-// solved here, one chain after the other; and each piece substitutes back. (Divide and conquer as in Wang
-// 1981, doi:10.1145/355945.355951.)
+// is tridiagonal along the chain. Each entry is a sum over the pieces on both sides of a separator. It is
+// solved here, one chain after the other; then each piece substitutes back (the partition method of Wang
+// 1981, doi:10.1145/355945.355951).
 class Separators {
  public:
   Separators() = default;
   Separators(const std::vector<std::vector<PieceOfChain>>& chains,
              const std::vector<const LaneBatch*>& batches);
 
-  // Copies the numbers of bonds that belong to a neighbour from there. rows(batch): LaneRows that begin with
-  // a row a bond.
+  // Copies the values of neighbours' bonds from the pieces that own them. rows(batch): LaneRows that begin
+  // with one row per bond.
   template <class RowsOf>
   void share(const RowsOf& rows) const {
     for (const auto& [to, from] : shared_) at(rows, to, 0) = at(rows, from, 0);
   }
 
-  // Solves for the separators. rows(batch): the scratch of its parts (SystemRows).
+  // Solves for the separators. rows(batch): the scratch of the batch's parts, laid out as SystemRows.
   template <class RowsOf>
   SolveStats solve(const RowsOf& rows) {
     for (std::size_t s = 0; s < separators_.size(); ++s) {
@@ -58,31 +58,31 @@ class Separators {
   }
 
  private:
-  // A number of one lane: of a bond or an entry of the matrix.
-  struct Place {
+  // The address of one number: a bond or an entry of the matrix in one lane.
+  struct LaneEntry {
     int batch, group, cell;
   };
   struct Separator {
-    Place before, after;  // in the pieces on both sides
-    Place coupling;       // the entry that ties it to the separator before, in the piece between
-    bool first;           // of its chain
+    LaneEntry before, after;  // in the pieces on both sides
+    LaneEntry coupling;       // to the previous separator, in the piece between them
+    bool first;               // whether it is the first of its chain
     double least_pivot;
     int bond;
   };
 
   template <class RowsOf>
-  static double& at(const RowsOf& rows, const Place& place, int row) {
-    return rows(place.batch).of(place.group)[row * kLanes + place.cell];
+  static double& at(const RowsOf& rows, const LaneEntry& entry, int row) {
+    return rows(entry.batch).of(entry.group)[row * kLanes + entry.cell];
   }
 
-  using Copies = std::vector<std::pair<Place, Place>>;  // to, from
+  using Copies = std::vector<std::pair<LaneEntry, LaneEntry>>;  // to, from
 
-  // Lanes left over in the last group of a batch do as the last piece.
+  // Makes unused lanes of a batch's last group repeat the last piece.
   static void repeat_last_lane(const LaneBatch& batch, int number, int first_row, int end_row,
                                Copies& copies);
 
   Copies shared_;    // bonds of neighbours
-  Copies repeated_;  // separators in lanes left over
+  Copies repeated_;  // separators in unused lanes
   std::vector<Separator> separators_;
   std::vector<SystemRows> layout_;  // of each batch
   std::vector<double> inv_d_, above_, b_;

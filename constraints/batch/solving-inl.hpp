@@ -1,5 +1,4 @@
-// How a kernel that solves systems of equations goes through its parts; compiled once for each kind of
-// machine.
+// Runs kernels that solve systems of equations over their parts. Compiled once for each SIMD target.
 #if defined(TAUT_SOLVING_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef TAUT_SOLVING_INL_H
 #undef TAUT_SOLVING_INL_H
@@ -28,15 +27,15 @@ HWY_INLINE Equations equations(const Shape shape, Scratch& scratch) {
            first + rows.u * kLanes}};
 }
 
-// A separator's own row is the business of the piece before it; the one after adds what it eliminates.
+// The piece before a separator owns its row; the piece after it only adds the result of its elimination.
 template <class Shape>
 HWY_INLINE void leave_left_separator(const Shape shape, const Part& part, double* rows) {
   if constexpr (Shape::kPieces)
     if (part.batch.left > 0) store(hn::Zero(D()), rows + shape.eliminated() * kLanes);
 }
 
-// A of the bonds r, its diagonal given, becomes L D Lᵀ (with r_next, A' becomes L D U), b goes through the
-// forward substitution. False if a bond depends on others.
+// Factors A of the bonds r, whose diagonal is given, into L D Lᵀ (with r_next, A' into L D U), and applies
+// the forward substitution to b. Returns false if a bond depends on others.
 template <class Shape>
 HWY_INLINE bool factor(const Shape shape, const Part& part, const Equations& eq, const double* r,
                        SolveStats& stats) {
@@ -45,7 +44,7 @@ HWY_INLINE bool factor(const Shape shape, const Part& part, const Equations& eq,
   const M regular = eliminate(shape, eq.A, r, eq.b);
   if constexpr (Shape::kPieces) {
     const int last =
-        (shape.entries() - 1) * kLanes;  // what ties the separators, on both sides of the diagonal
+        (shape.entries() - 1) * kLanes;  // the coupling of the separators, on both sides of the diagonal
     if (part.batch.piece()) store(load(eq.A.l + last), eq.A.u + last);
   }
   return accept(part, regular, eq.A.d, stats);
@@ -67,24 +66,24 @@ HWY_INLINE void substitute_forward(const Shape shape, const Part& part, const Eq
 
 // A kernel K<Shape>, of one part, has
 //     K(shape, batch, step, part, scratch)
-//     SolveNext start(stats)               loads, sets up the right-hand side
-//     bool forward(solves, stats)     eliminates or substitutes forward; false: there is no solution
-//     SolveNext apply(next, solves, stats) applies what was found; sets up again unless it was the last solve
-//     void end(stats)                 stores
-// and x, the rows of the positions (null: they are not touched), eq, kOnceMostly: one solve is the rule.
-// The stats are the part's own, but for the residual already known when it began: smaller ones are of no
-// interest. Where a part gives up, its own count; the bond it has named stays.
+//     SolveNext start(stats)                loads, and sets up the right-hand side
+//     bool forward(solves, stats)           eliminates or substitutes forward; false if there is no solution
+//     SolveNext apply(next, solves, stats)  applies the solution; sets up again unless it was the last solve
+//     void end(stats)                       stores
+// and x (the rows of positions, or null if they do not change), eq, and kOnceMostly (one solve is the rule).
+// The stats are the part's own, except that max_residual starts from the largest one known: smaller residuals
+// are not recorded. If a part gives up, its own residuals are recorded, but the bond that it has named stays.
 inline HWY_NOINLINE void give_up(const Part& part, const double* x, double* relative, SolveStats& stats) {
   const int named = stats.worst_bond;
   stats.max_residual = 0;
   if (x == nullptr) return;
   find_residuals(part.batch, x, relative);
-  enter(part, relative, stats);
+  record_largest(part, relative, stats);
   if (named >= 0) stats.worst_bond = named;
 }
 
-// The first solve, often the only one, is apart from the loop, and no path leads back from giving up: the
-// rows of small clusters then stay in registers.
+// The first solve, often the only one, is outside of the loop, and no path continues after giving up, so that
+// the rows of small clusters stay in registers.
 template <class Kernel>
 HWY_INLINE void solve_whole(Kernel& kernel, const Part& part, SolveStats& stats) {
   SolveNext next = kernel.start(stats);
@@ -105,7 +104,7 @@ HWY_INLINE void solve_whole(Kernel& kernel, const Part& part, SolveStats& stats)
   if (!stats.converged()) give_up(part, kernel.x, kernel.eq.b, stats);
 }
 
-// One stage of a piece; what is next. Residuals up to one already known are of no interest.
+// Runs one stage of a piece, and returns what it needs next. Residuals up to known_residual are not recorded.
 template <class Kernel>
 HWY_INLINE SolveNext solve_piece(Kernel& kernel, const Part& part, const SolveCall& call,
                                  double known_residual, SolveStats& stats) {
@@ -121,12 +120,12 @@ HWY_INLINE SolveNext solve_piece(Kernel& kernel, const Part& part, const SolveCa
     kernel.end(stats);
     if (kernel.x == nullptr) return next;
     if (!find_residuals(part.batch, kernel.x, kernel.eq.b).within(known_residual))
-      enter(part, kernel.eq.b, stats);
+      record_largest(part, kernel.eq.b, stats);
   }
   return next;
 }
 
-// A call of the kernel for the groups begin … end − 1 of a batch. For pieces, iterations says what is next.
+// Runs the kernel for the groups begin … end − 1 of a batch. For pieces, stats.iterations is a SolveNext.
 template <template <class> class Kernel, class Batch, class Step>
 HWY_INLINE SolveStats solve_groups(Batch& batch, const Step& step, const SolveCall& call, int begin, int end,
                                    const Scratch& scratch) {

@@ -6,8 +6,8 @@
 
 namespace taut {
 
-// What a kernel that solves systems of equations is asked to do with its parts. Whole clusters: everything.
-// Pieces of chains stop wherever they need to hear from each other.
+// The stage that a kernel runs for its parts. Whole clusters run all stages in one call; pieces of chains
+// stop where they need values from their neighbours.
 enum class SolveStage {
   kWhole,
   kStart,  // load, set up, eliminate
@@ -17,26 +17,26 @@ enum class SolveStage {
   kEnd,    // end: nothing to solve
 };
 
-// What a part needs after a stage.
+// What a part needs after a stage: nothing, one last solve, or a solve and another look at the residuals.
 enum class SolveNext { kEnd, kLastSolve, kSolve };
 
 struct SolveCall {
   SolveStage stage = SolveStage::kWhole;
-  int solves = 0;  // so far
+  int solves = 0;  // number of solves so far
 };
 
-// What the kernel of velocities takes (velocities-inl.hpp).
+// The arguments of the kernel of velocities (velocities-inl.hpp).
 struct VelocityStep {
   double h;
   const double* x;
   double* v;
 };
 
-// A batch and what every solving method keeps of it.
+// A batch with the data that every method with a linear solve keeps for it.
 struct SolvedBatch {
   LaneBatch lanes;
   LaneRows lambda;
-  LaneRows scratch;  // of pieces, from stage to stage
+  LaneRows scratch;  // of pieces, kept from stage to stage
 
   explicit SolvedBatch(const ClusterBatch& batch)
       : lanes(batch),
@@ -44,7 +44,7 @@ struct SolvedBatch {
         scratch(lanes.piece() ? lanes.groups : 0, lanes.piece() ? lanes.scratch_rows() : 0) {}
 };
 
-// All clusters of a method: whole ones, and chains cut into pieces.
+// All clusters of a method: whole ones and pieces of cut chains.
 template <class Batch>
 class SolvedBatches {
  public:
@@ -54,8 +54,8 @@ class SolvedBatches {
     separators_ = Separators(clusters.chains, lanes);
   }
 
-  // kernel(batch, step, call, group begin, group end, scratch) → SolveStats; its iterations are solves of
-  // whole clusters, and for pieces what SolveNext is.
+  // Calls kernel(batch, step, call, group begin, group end, scratch) → SolveStats; its iterations are the
+  // solves of whole clusters, and a SolveNext for pieces.
   template <class Kernel, class Step>
   SolveStats run(Kernel& kernel, const Step& step) {
     SolveStats stats = whole_.run(kernel, step, SolveCall{});

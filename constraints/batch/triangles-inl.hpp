@@ -1,5 +1,5 @@
-// Triangles of bonds, a cluster a lane, that stay in registers from load to store; compiled once for each
-// kind of machine.
+// Triangles of bonds, one cluster per lane, that stay in registers from load to store. Compiled once for each
+// SIMD target.
 #if defined(TAUT_TRIANGLES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef TAUT_TRIANGLES_INL_H
 #undef TAUT_TRIANGLES_INL_H
@@ -13,7 +13,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
-// What a bond each of a triangle has; bonds a–b, a–c, b–c.
+// One value for each bond of a triangle: a–b, a–c, b–c.
 struct Three {
   V k[3];
 };
@@ -27,7 +27,7 @@ HWY_INLINE Three operator+(const Three& a, const Three& b) {
   return {hn::Add(a.k[0], b.k[0]), hn::Add(a.k[1], b.k[1]), hn::Add(a.k[2], b.k[2])};
 }
 
-// Differences between atoms along two of the bonds; along the third, what those differ by.
+// Differences between the atoms of the first two bonds; the third is their difference.
 struct Sides {
   V3 ab, ac;
 
@@ -52,7 +52,7 @@ struct InverseMasses {
 
 // Jᵀλ
 struct Forces {
-  V3 a, b, c;  // on b and c; a has −a
+  V3 a, b, c;  // forces on b and c, and minus the force on a
 
   HWY_INLINE Forces(const Three& lambda, const Sides& r) {
     const V3 ab = lambda.k[0] * r.ab, ac = lambda.k[1] * r.ac, bc = lambda.k[2] * r.bc();
@@ -60,7 +60,7 @@ struct Forces {
     b = ab - bc;
     c = ac + bc;
   }
-  // Of M⁻¹Jᵀλ, what atoms differ by.
+  // Differences of M⁻¹Jᵀλ between atoms.
   HWY_INLINE Sides accelerations(const InverseMasses& m) const {
     const V3 of_a = m.a * a;
     return {mul_add(m.b, b, of_a), mul_add(m.c, c, of_a)};
@@ -82,12 +82,12 @@ HWY_INLINE Three twice_sigma(const LaneBatch& batch, const Sides& r) {
 }
 HWY_INLINE Worst worst_of(const LaneBatch& batch, const Three& twice_sigma) {
   Worst worst;
-  for (int k = 0; k < 3; ++k) worst.see(batch.bonds[k], twice_sigma.k[k]);
+  for (int k = 0; k < 3; ++k) worst.include(batch.bonds[k], twice_sigma.k[k]);
   return worst;
 }
 
-// A' = J(r_next) M⁻¹ J(r)ᵀ, of which A is the case r_next = r; solved by Cramer's rule, whose one division
-// waits for little, where elimination has three that wait for each other.
+// The matrix A' = J(r_next) M⁻¹ J(r)ᵀ, which is A if r_next = r. It is solved by Cramer's rule, which has one
+// division; elimination has three that depend on each other.
 struct TriangleMatrix {
   Three along;  // r_next·r
   V a[3][3], minor[3][3];
@@ -95,7 +95,7 @@ struct TriangleMatrix {
 
   HWY_INLINE TriangleMatrix(const LaneBatch& batch, const Sides& r_next, const Sides& r) {
     const InverseMasses m(batch);
-    // The third bond's products follow from those of the two.
+    // The products of the third bond follow from those of the first two.
     const V bb = dot(r_next.ab, r.ab), bc = dot(r_next.ab, r.ac), cb = dot(r_next.ac, r.ab),
             cc = dot(r_next.ac, r.ac), b3 = hn::Sub(bb, bc), c3 = hn::Sub(cc, cb);
     along = {bb, cc, hn::Add(b3, c3)};
@@ -114,7 +114,7 @@ struct TriangleMatrix {
     det = hn::MulAdd(a[0][2], minor[0][2], hn::MulAdd(a[0][1], minor[0][1], hn::Mul(a[0][0], minor[0][0])));
   }
 
-  // Where all pivots of elimination are above what a dependent bond leaves.
+  // Returns the lanes in which every pivot of the elimination exceeds the threshold for dependent bonds.
   HWY_INLINE M regular(const LaneBatch& batch) const {
     const auto least = [&](int k) HWY_ATTR { return broadcast(batch.bonds[k].least_pivot); };
     return hn::And(hn::And(hn::Gt(a[0][0], least(0)), hn::Gt(minor[2][2], hn::Mul(least(1), a[0][0]))),
@@ -130,22 +130,22 @@ struct TriangleMatrix {
   }
 };
 
-// The largest residual of a part, and where, entered into the stats.
+// Records the largest residual of a part and its bond in the stats.
 inline HWY_NOINLINE void enter_residuals(const Part& part, const double* array, SolveStats& stats) {
   HWY_ALIGN double x[9 * kLanes], relative[3 * kLanes];
   gather(part, 3, array, x);
   find_residuals(part.batch, x, relative);
-  enter(part, relative, stats);
+  record_largest(part, relative, stats);
 }
 
-// The groups that a call is for, and a thread's scratch.
+// The groups of a call, and the thread's scratch.
 struct Groups {
   int begin, end;
   const Scratch& scratch;
 };
 
-// attempt(part, stats) for all parts of the groups begin … end − 1. Where it comes to nothing, and has
-// changed nothing, the part is done once more as any cluster: Kernel says what is wrong with it.
+// Calls attempt(part, stats) for all parts of the groups begin … end − 1. If an attempt fails, which changes
+// nothing, the part is solved again as a general cluster, and Kernel reports what is wrong with it.
 template <template <class> class Kernel, class Batch, class Step, class Attempt>
 HWY_INLINE SolveStats solve_triangles(Batch& batch, const Step& step, const Groups& groups,
                                       const Attempt& attempt) {

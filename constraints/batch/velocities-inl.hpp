@@ -1,4 +1,5 @@
-// The velocities' half of RATTLE, solved: A g = −J v, v += M⁻¹Jᵀg; compiled once for each kind of machine.
+// RATTLE's projection of velocities by a direct solve: A g = −J v, v += M⁻¹Jᵀg. Compiled once for each SIMD
+// target.
 #if defined(TAUT_VELOCITIES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef TAUT_VELOCITIES_INL_H
 #undef TAUT_VELOCITIES_INL_H

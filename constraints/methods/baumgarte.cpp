@@ -8,7 +8,7 @@
 namespace taut {
 namespace {
 
-constexpr int kPassesOfATouch = 3;  // no past λ is a guess of it; each pass gains a factor hv/d
+constexpr int kPassesOfATouch = 3;  // no previous λ predicts a touch; a pass gains a factor hv/d
 
 }  // namespace
 
@@ -36,7 +36,7 @@ Baumgarte::Baumgarte(const System& sys, const Options& options, double h)
 }
 
 std::vector<Guess> guesses_of(const System& sys, Damping damping) {
-  std::vector<Guess> guesses(sys.all_bonds());  // of one-sided bonds λ₁ alone
+  std::vector<Guess> guesses(sys.all_bonds());  // one-sided bonds take λ₁ alone
   std::fill_n(guesses.begin(), sys.bond_count(), kThird);
   if (damping != Damping::kDiscrete) return guesses;
   const std::vector<bool> small = meets_all_others(sys);
@@ -47,7 +47,7 @@ std::vector<Guess> guesses_of(const System& sys, Damping damping) {
 
 void Baumgarte::guess_lambda() {
   for (Eigen::Index k = 0; k < lambda_.size(); ++k) {
-    const auto [first, second] = known(guesses_[k], steps_);
+    const auto [first, second] = limit_to_known(guesses_[k], steps_);
     const double guess =
         lambda_[k] + first * (lambda_[k] - before_[k]) + second * (before_[k] - before_that_[k]);
     before_that_[k] = before_[k];
@@ -57,8 +57,8 @@ void Baumgarte::guess_lambda() {
   steps_ = std::min(steps_ + 1, 3);
 }
 
-// A λ = wanted from where λ and y = M⁻¹Jᵀλ are: bond k is off by wanted_k − r_k·y_ij, and λ_k takes that over
-// A_kk.
+// Gauss–Seidel sweeps on A λ = wanted, from the present λ and y = M⁻¹Jᵀλ: the residual of bond k is
+// wanted_k − r_k·y_ij, and λ_k changes by it over A_kk.
 void Baumgarte::solve_by_sweeps(const System& sys) {
   for (int sweep = 0; sweep < sweeps_; ++sweep)
     for (int k = 0; k < sys.all_bonds(); ++k) {
@@ -73,8 +73,8 @@ void Baumgarte::solve_by_sweeps(const System& sys) {
     }
 }
 
-// What is known of one-sided bond k without λ: in w_ij_ where it will have gone in a step, Δ = hv + …, in
-// known_ σ + r·Δ. Left out, r = 0, where nothing corrects and it is slack.
+// Sets the λ-independent terms of one-sided bond k: w_ij_ = Δ = hv + drift·a, the displacement of the coming
+// step, and known_ = σ + r·Δ. Without correction a slack bond is left out (r = 0).
 void Baumgarte::look_ahead(const System& sys, const Push& push, const State& s, int k) {
   const auto& [i, j, d] = sys.bond(k);
   const double sigma_k = sigma(r_.col(k), d);
@@ -90,7 +90,8 @@ void Baumgarte::look_ahead(const System& sys, const Push& push, const State& s, 
   }
 }
 
-// s(σ + r·(Δ + τy) + ½|Δ + τy*|²) ≥ 0, y = M⁻¹Jᵀλ acting over τ; without correction s(r·(a + y) + |v*|²) ≥ 0.
+// Sets the right-hand side of one-sided bond k: s(σ + r·(Δ + τy) + ½|Δ + τy*|²) ≥ 0, where y = M⁻¹Jᵀλ and
+// τ = push.drift(); without correction s(r·(a + y) + |v*|²) ≥ 0.
 void Baumgarte::want_one_sided(const System& sys, const Push& push, int k) {
   const auto& [i, j, d] = sys.bond(k);
   const Vec3 y_ij = y_.col(j) - y_.col(i);

@@ -18,27 +18,26 @@ namespace taut {
 // Acceleration-level stabilization (Baumgarte 1972, doi:10.1016/0045-7825(72)90018-7): instead of σ̈ = 0
 // demand σ̈ + 2ασ̇ + β²σ = 0, with v the velocity at the end of the step:
 //     A λ = −(J M⁻¹F + |v_ij|² + 2α J v + β²σ),   v = w + (h/2) M⁻¹Jᵀλ,   w = v_half + (h/2) M⁻¹F.
-// The damping's share of λ goes to the left, |v_ij|² is taken with a guess λ*:
+// The part of the damping that contains λ moves to the left-hand side; |v_ij|² is taken with a guess λ*:
 //     (1 + αh) A λ = −(J M⁻¹F + |v*_ij|² + 2α J w + β²σ),   v* = w + (h/2) M⁻¹Jᵀλ*   (implicit).
-// On a motion that keeps every σ = 0 the rate J v is not zero but −½h² v_ij·a_ij, and damping it costs
-// energy, as αh³. Damping the bond's own centred rate (σ₊ − σ₋)/2h = J v + ½h² v_ij·a_ij does not:
+// In a motion with σ = 0 at every step, J v is not zero but −½h² v_ij·a_ij, and damping it loses energy in
+// proportion to αh³. Damping the centred rate of the bond, (σ₊ − σ₋)/2h = J v + ½h² v_ij·a_ij, loses none:
 //     (1 + αh) A λ = −(J M⁻¹F + |v*_ij|² + 2α (J w + ½h² v*_ij·a*_ij) + β²σ)                 (centred).
-// Nor is J a + |v_ij|² what the step makes of σ: (σ₊ − 2σ + σ₋)/h² holds ¼h²|a_ij|² besides, which drives σ
-// and, through the damping's lag, pumps energy into what swings. With both as differences,
-//     (1 + αh) A λ = −(J M⁻¹F + |v*_ij|² + ¼h²|a*_ij|² + 2α (J w + ½h² v*_ij·a*_ij) + β²σ)   (discrete, the
-//     default),
-// nothing is fed but what λ* misses: −(1 + αh)h³ (v_ij + ½h(a_ij + y_ij))·y_ij, y = M⁻¹Jᵀ(λ* − λ).
-// Or the damping takes v_half, as older codes do:
+// Likewise J a + |v_ij|² is not the second difference of σ: (σ₊ − 2σ + σ₋)/h² contains ¼h²|a_ij|² as well,
+// which drives σ and, because the damping lags, feeds energy into oscillations. With both rates as
+// differences (the default),
+//     (1 + αh) A λ = −(J M⁻¹F + |v*_ij|² + ¼h²|a*_ij|² + 2α (J w + ½h² v*_ij·a*_ij) + β²σ)   (discrete),
+// the only energy fed comes from the error of λ*: −(1 + αh)h³ (v_ij + ½h(a_ij + y_ij))·y_ij, y = M⁻¹Jᵀ(λ* −
+// λ). Older codes take v_half in the damping:
 //     A λ = −(J M⁻¹F + |v*_ij|² + 2α J v_half + β²σ)                                        (lagged).
-// λ* is foretold of the steps before (guess.hpp).
-// Roots, limits and floors: constraints/methods/propagator.hpp, derived in constraints/README.md.
-// With `sweeps` the system is not solved but swept, bond by bond, from λ* (Gauss–Seidel, as rigid-body
-// engines do; no factorization): what a sweep leaves, σ feeds back in the next step. Cost: one factorization
-// A one-sided bond must not pass through in the step to come, s(σ₊ − 0) ≥ 0 with s = 1 of a strut, −1 of a
-// rope: the discrete law at dead-beat as an inequality, where sλ ≥ 0 and λσ₊ = 0 (ActiveSet). Before σ gets
-// there λ is 0. With α = β = 0 it only has sσ̈ ≥ 0 once sσ ≤ 0, which leaves it the speed it came with.
-// Cost: one factorization
-// and one solve a step; each further pass (v*, a* with the λ just found) one more solve.
+// guess.hpp extrapolates λ* from the previous steps. propagator.hpp has roots, stability limits and floors;
+// constraints/README.md derives them. With `sweeps` > 0 the system is not factored: Gauss–Seidel sweeps over
+// the bonds start from λ*, as in rigid-body engines, and σ feeds the remaining error back in the next step. A
+// one-sided bond (s = 1 for a strut, −1 for a rope) must keep sσ₊ ≥ 0 at the end of the coming step, with sλ
+// ≥ 0 and λσ₊ = 0 (ActiveSet): the discrete law with dead-beat gains as an inequality. Its λ is 0 until σ
+// would change sign. With α = β = 0 the condition is only sσ̈ ≥ 0 once sσ ≤ 0, so that the bond keeps the
+// speed with which it arrived. Cost: one factorization and one solve a step; each further pass (v*, a* with
+// the λ just found) takes one more solve.
 class Baumgarte : public ConstraintMethod {
  public:
   struct Options {
@@ -91,7 +90,7 @@ class Baumgarte : public ConstraintMethod {
   Baumgarte(const System& sys, const Options& options, double h);
 
   SolveStats add_forces(const System& sys, const Push& push, State& s) override;
-  SolveStats again(const System& sys, const Push& push, State& s);  // from λ as it is
+  SolveStats again(const System& sys, const Push& push, State& s);  // starts from lambda()
 
   void serialize(Archive& archive) override { archive(lambda_, before_, before_that_, steps_); }
   const Eigen::VectorXd& lambda() const override { return lambda_; }
@@ -113,17 +112,17 @@ class Baumgarte : public ConstraintMethod {
   Vectors r_, w_ij_, a_ij_;                        // 3 × m, a_ij without constraint forces
   Vectors y_;                                      // 3 × n, M⁻¹Jᵀλ
   Eigen::VectorXd known_, wanted_;                 // m
-  Eigen::VectorXd lambda_, before_, before_that_;  // m, of the last three steps
-  int steps_ = 0;                                  // how many of them there are
+  Eigen::VectorXd lambda_, before_, before_that_;  // m, of the last three steps, newest first
+  int steps_ = 0;                                  // how many of the three are known
   std::string setting_;
-  std::optional<ActiveSet> active_set_;  // where there are one-sided bonds
+  std::optional<ActiveSet> active_set_;  // only with one-sided bonds
   bool corrects_ = true;
 };
 
-// Each bond's λ*.
+// Returns the coefficients of each bond's λ*.
 std::vector<Guess> guesses_of(const System& sys, Damping damping);
 
-// Gains, damping and solves of a run in one line.
+// Returns gains, damping and number of solves in one line.
 std::string describe_baumgarte(const Baumgarte::Options& options, const std::vector<Gains>& gains, double h);
 
 }  // namespace taut

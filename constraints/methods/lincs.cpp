@@ -23,7 +23,7 @@ bool BondTriangles::hold(const RigidBond& k, const RigidBond& l) const {
 
 namespace {
 
-// Moves the couplings inside triangles to the front. How many there are.
+// Moves the couplings inside triangles to the front, and returns their number.
 Eigen::Index triangles_first(const System& sys, Couplings& couplings) {
   const BondTriangles triangles(sys.bonds);
   std::size_t inside = 0;

@@ -12,7 +12,7 @@
 
 namespace taut {
 
-// Which bonds are sides of one triangle: two that share an atom, their other ends tied by a third.
+// Finds triangles of bonds: two bonds that share an atom and whose other ends a third bond joins.
 class BondTriangles {
  public:
   explicit BondTriangles(const std::vector<RigidBond>& bonds);
@@ -26,15 +26,15 @@ class BondTriangles {
 // doi:10.1002/(SICI)1096-987X(199709)18:12<1463::AID-JCC4>3.0.CO;2-H): with B the directions of the bonds
 // before the step and S = diag(1/m_i + 1/m_j)^−½,
 //     x ← x − M⁻¹BᵀS (I − C)⁻¹ S(B x − d),   C = I − S B M⁻¹Bᵀ S,
-// the inverse expanded to powers of C up to `order`; then `iterations` times a correction of what the bonds
-// have lengthened by turning, with d − √(2d² − |r|²) in place of B x − d. The velocities likewise, without
-// correction, as GROMACS's md-vv does. The expansion converges where C's eigenvalues are below 1: fast for
-// bonds alone (about 0.4), slowly in triangles (about 0.7). So bonds in triangles go on, as in GROMACS, for
-// as many powers again, with the couplings T inside triangles alone:
+// where the inverse is expanded in powers of C up to `order`. Then `iterations` corrections for the
+// lengthening of the bonds by rotation take d − √(2d² − |r|²) in place of B x − d. Velocities are projected
+// the same way, without correction, as with GROMACS's md-vv integrator. The expansion converges where C's
+// eigenvalues are below 1: fast for bonds alone (about 0.4), slowly in triangles (about 0.7). As in GROMACS,
+// bonds in triangles therefore take as many powers again, with the couplings T inside triangles alone:
 //     (I − C)⁻¹ ≈ 1 + C + … + C^order + (T + … + T^order) C^order.
-// Differs: double precision; no warning angle, the error left is reported. Cost: order + 1 products with C an
-// application, and order with T where there are triangles; 1 + iterations of them for positions and one for
-// velocities.
+// Differs from the paper: double precision; no warning angle, the remaining error is reported. Cost: an
+// application is order + 1 products with C, and order products with T if there are triangles; positions take
+// 1 + iterations applications, velocities one.
 class Lincs : public ConstraintMethod {
  public:
   struct Options {
@@ -57,7 +57,7 @@ class Lincs : public ConstraintMethod {
   std::string setting() const override;
 
  private:
-  // power = C·rhs, or with only the first so many entries; sum += power; rhs = power
+  // power = C·rhs with the first `entries` couplings; sum += power; rhs = power
   void multiply(Eigen::Index entries);
   void find_coupling();                       // C from directions_
   void apply(const System& sys, Vectors& y);  // y −= M⁻¹BᵀS (I − C)⁻¹ rhs, and g_ += its multipliers

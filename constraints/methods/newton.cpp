@@ -52,8 +52,8 @@ SolveStats Newton::project_positions(const System& sys, double h, State& s) {
   return stats;
 }
 
-// dg_ ← the change of g_ that σ = −dg_ asks for on all bonds that touch: A(g + Δg) = Ag − σ, g + Δg on its
-// side.
+// Replaces dg_ = −σ by the change Δg of the multipliers of all bonds that act: A(g + Δg) = Ag − σ, with every
+// g + Δg of the sign that its one-sided bond allows.
 bool Newton::solve_one_sided(const System& sys, const Vectors& r, SolveStats& stats) {
   y_.setZero(3, sys.atoms());
   add_constraint_acceleration(sys, r, g_, y_);
@@ -66,7 +66,7 @@ bool Newton::solve_one_sided(const System& sys, const Vectors& r, SolveStats& st
   stats.worst_bond = active_set_->blamed();
   dg_ = total_ - g_;
   if (!stats.converged()) return false;
-  stats.failure = Failure::kNoConvergence;  // until it has
+  stats.failure = Failure::kNoConvergence;  // until the iteration has converged
   return true;
 }
 
@@ -86,7 +86,7 @@ SolveStats Newton::project_velocities(const System& sys, double h, State& s) {
   return {1};
 }
 
-// As above, with those one-sided bonds that hold the positions.
+// The same with those one-sided bonds that act on the positions.
 SolveStats Newton::project_one_sided_velocities(const System& sys, double h, State& s) {
   for (int k = 0; k < sys.all_bonds(); ++k) {
     const auto& [i, j, d] = sys.bond(k);

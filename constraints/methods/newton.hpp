@@ -14,10 +14,11 @@ namespace taut {
 // doi:10.1002/1096-987X(20010415)22:5<501::AID-JCC1021>3.0.CO;2-V; ILVES: López-Villellas et al. 2023,
 // doi:10.1021/acs.jctc.2c01376). Positions: x += M⁻¹J(x_old)ᵀg with
 //     A(x_old) Δg = −σ(x),
-// a Newton iteration with the matrix of the old bond vectors in place of J(x)M⁻¹J(x_old)ᵀ: symmetric, and
-// each iteration gains a factor of the bonds' turning in the step. Velocities: A(x) g = −J v, exact.
-// Cost: one factorization a step (that of the velocities serves the next positions), one solve an iteration,
-// one for the velocities. With one-sided bonds each of the two linear systems becomes an ActiveSet.
+// a Newton iteration with the symmetric matrix of the old bond vectors in place of J(x)M⁻¹J(x_old)ᵀ. Each
+// iteration reduces the error by a factor of the order of the bonds' rotation in the step. Velocities: A(x) g
+// = −J v, exact. Cost: one factorization per step (that of the velocities serves the next positions), one
+// solve per iteration and one for the velocities. With one-sided bonds an ActiveSet solves both linear
+// systems.
 class Newton : public ConstraintMethod {
  public:
   struct Options {
@@ -47,13 +48,14 @@ class Newton : public ConstraintMethod {
   std::string setting() const override;
 
  protected:
-  // b ← the change of g that σ = −b asks for. False, and why, where there is none.
+  // Replaces b = −σ by the change of g that removes σ. Returns false, and the failure in stats, if there is
+  // none.
   virtual bool solve(Eigen::VectorXd& b, SolveStats&) {
     solver_.solve(b);
     return true;
   }
 
-  Vectors r_, r_old_;  // 3 × m, now and before the drift
+  Vectors r_, r_old_;  // 3 × m, bond vectors now and before the drift
 
  private:
   bool solve_one_sided(const System& sys, const Vectors& r, SolveStats& stats);
@@ -63,7 +65,7 @@ class Newton : public ConstraintMethod {
   DirectSolver solver_;
   bool factored_ = false;
   Eigen::VectorXd g_, dg_, lambda_;      // m
-  std::optional<ActiveSet> active_set_;  // where there are one-sided bonds, whose working arrays follow
+  std::optional<ActiveSet> active_set_;  // only with one-sided bonds, as are the arrays below
   Eigen::VectorXd total_;
   Vectors y_;
 };

@@ -10,8 +10,9 @@
 
 namespace taut {
 
-// Stiff springs ½k(|r| − d)² in place of rigid bonds: λ = −k(|r| − d)/|r|. No solve at all; the bond is
-// wrong by tension/k and swings at ω = √(k/μ), 1/μ = 1/m_i + 1/m_j, which the step must resolve.
+// Stiff springs ½k(|r| − d)² in place of rigid bonds: λ = −k(|r| − d)/|r|. There is no system to solve. The
+// error of a bond is tension/k, and it oscillates with ω = √(k/μ), 1/μ = 1/m_i + 1/m_j, which the step must
+// resolve.
 class Penalty : public ConstraintMethod {
  public:
   struct Options {

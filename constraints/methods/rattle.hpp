@@ -7,11 +7,11 @@
 
 namespace taut {
 
-// RATTLE (Andersen 1983, doi:10.1016/0021-9991(83)90014-1): SHAKE for the positions, then the velocities'
-// part along the bonds taken out, sweep by sweep, in all
+// RATTLE (Andersen 1983, doi:10.1016/0021-9991(83)90014-1): sweeps correct the positions as in SHAKE, then
+// remove the velocities along the bonds:
 //     δx = (h²/2) M⁻¹J(x_old)ᵀλ_x,   δv = δx/h,   then δv = (h/2) M⁻¹Jᵀλ_v.
-// Both multipliers estimate the same force at the same positions, one step apart in order of solution:
-// each sets out from the other (warm start).
+// Both multipliers estimate the same force at the same positions, so each solution starts from the other
+// (warm start).
 class Rattle : public ConstraintMethod {
  public:
   struct Options : SweepLimits {

@@ -63,16 +63,17 @@ std::vector<Settle::Water> Settle::find_waters(const System& sys) {
   return waters_in(sys);
 }
 
-// The paper's names: 0 before the step, 1 drifted, 2 after the rotations φ and ψ, 3 after θ; the axes X'Y'Z'
-// have their origin at the drifted centre of mass, Z' along the normal of the old triangle, and the drifted
-// apex in Y'Z'. False where no rotation exists: the drifted triangle lies too far from the old one.
+// Names follow the paper: 0 is before the step, 1 after the drift, 2 after the rotations φ and ψ, 3 after θ.
+// The axes X'Y'Z' have their origin at the drifted centre of mass, Z' along the normal of the old triangle,
+// and the drifted apex in the plane Y'Z'. Returns false if no rotation exists because the drifted triangle
+// lies too far from the old one.
 bool Settle::reset(const Water& w, const System& sys, double h, State& s) const {
   const double ma = sys.mass[w.apex], mh = sys.mass[w.left], inv_total = 1 / (ma + 2 * mh);
   const Vec3 a_new = s.x.col(w.apex), b_new = s.x.col(w.left), c_new = s.x.col(w.right);
   const Vec3 v_a = s.v.col(w.apex);
   const Vec3 b0 = b_new - a_new - h * (s.v.col(w.left) - v_a),
              c0 = c_new - a_new - h * (s.v.col(w.right) - v_a);
-  // From the apex, so that nothing large is subtracted.
+  // Positions relative to the apex, so that no large numbers are subtracted.
   const Vec3 centre = mh * inv_total * ((b_new - a_new) + (c_new - a_new));
   const Vec3 a1 = -centre, b1 = b_new - a_new - centre, c1 = c_new - a_new - centre;
 

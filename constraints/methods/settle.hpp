@@ -9,11 +9,11 @@
 
 namespace taut {
 
-// SETTLE (Miyamoto and Kollman 1992, doi:10.1002/jcc.540130805): a rigid triangle with two equal sides and
-// equal masses at their far ends (water) is put back on its shape in closed form, three rotations φ, ψ, θ
-// about the axes of the triangle before the step; its velocities by the 3 × 3 system A g = −J v, as Newton
-// does. Refuses any other cluster, naming it, but where `solute` says who holds it (settle_beside.hpp). Cost:
-// per water three square roots for the axes and four for the rotations.
+// SETTLE (Miyamoto and Kollman 1992, doi:10.1002/jcc.540130805) for rigid triangles with two equal sides and
+// equal masses at their far ends (water). Three rotations φ, ψ, θ about the axes of the triangle before the
+// step restore its shape in closed form; the 3 × 3 system A g = −J v gives its velocities, as in Newton. Any
+// other cluster is refused by name, unless the option `solute` names a method for it (settle_beside.hpp).
+// Cost: per water three square roots for the axes and four for the rotations.
 class Settle : public ConstraintMethod {
  public:
   struct Options {
@@ -30,9 +30,9 @@ class Settle : public ConstraintMethod {
   struct Water {
     int apex, left, right;     // atoms
     std::array<int, 3> bonds;  // apex–left, apex–right, left–right
-    double ra, rb, rc;         // apex to centre of mass, that to the base line, half the base [nm]
+    double ra, rb, rc;         // apex to centre of mass, centre of mass to base, half the base [nm]
   };
-  // Throws InputError for any bond that is not part of one.
+  // Throws InputError for a bond that is not part of a water.
   static std::vector<Water> find_waters(const System& sys);
 
   struct Parts {

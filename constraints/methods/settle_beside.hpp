@@ -39,8 +39,8 @@ class NamedMethod : public ConstraintMethod {
   std::unique_ptr<ConstraintMethod> method_;
 };
 
-// SETTLE holds the waters, the method that its options name the bonds of everything else: water and solute
-// share no bond, so each has its stages to itself. `Waters` is Settle or its fast form.
+// SETTLE for the waters, and the method that its options name for all other bonds. Water and solute share no
+// bond, so each method acts on its own bonds. `Waters` is Settle or its form in lanes.
 template <class Waters>
 class SettleBeside : public ConstraintMethod {
  public:

@@ -7,11 +7,11 @@
 
 namespace taut {
 
-// SHAKE (Ryckaert, Ciccotti, Berendsen 1977, doi:10.1016/0021-9991(77)90098-5) in velocity Verlet: the
-// positions alone are corrected. What RATTLE would take from the velocity along the bonds, J(x)ᵀ, is taken by
-// the next step's correction, which acts along the same J(x)ᵀ: the positions are RATTLE's, to tolerance.
-// The velocities at full steps are not: they keep a part along the bonds, up to (h/2) M⁻¹Jᵀλ.
-// Multipliers: δx = h² M⁻¹J(x_old)ᵀλ, so λ belongs to the positions before the step.
+// SHAKE (Ryckaert, Ciccotti, Berendsen 1977, doi:10.1016/0021-9991(77)90098-5) in velocity Verlet: only the
+// positions are corrected. The correction of the next step acts along the same J(x)ᵀ as RATTLE's correction
+// of the velocities would, so that the positions are RATTLE's to tolerance. The velocities at full steps are
+// not: they keep a component along the bonds, up to (h/2) M⁻¹Jᵀλ. Multipliers: δx = h² M⁻¹J(x_old)ᵀλ, so λ
+// belongs to the positions before the step.
 class Shake : public ConstraintMethod {
  public:
   struct Options : SweepLimits {};

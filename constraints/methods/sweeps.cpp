@@ -33,8 +33,8 @@ std::string SweepLimits::setting() const {
 namespace {
 
 struct Sweep {
-  Residual met;                      // before it corrected
-  Failure failure = Failure::kNone;  // why no further one can help
+  Residual met;                      // largest residual before the corrections of this sweep
+  Failure failure = Failure::kNone;  // reason to stop sweeping
 };
 
 Sweep turned_too_far(int bond) {

@@ -10,30 +10,31 @@
 
 namespace taut {
 
-// One bond after the other, again and again until all hold: what SHAKE and RATTLE share.
+// Gauss–Seidel sweeps, which SHAKE and RATTLE share: correct one bond after the other until all are within
+// tolerance.
 
 struct SweepLimits {
-  double tolerance = 1e-10;  // relative error of a bond length at which the sweeps stop
-  int max_sweeps = 1000;     // after which they have failed
-  int sweeps = 0;            // more than 0: take just so many and accept what they leave
+  double tolerance = 1e-10;  // largest relative error of a bond length
+  int max_sweeps = 1000;     // the step fails after this many
+  int sweeps = 0;            // if more than 0: exactly so many sweeps, whatever error remains
 
   std::vector<Option> describe();
   double promised_error() const;
   std::string setting() const;
 };
 
-// Positions (Ryckaert, Ciccotti, Berendsen 1977, doi:10.1016/0021-9991(77)90098-5): x += M⁻¹J(x_old)ᵀ g,
-// v by the same over h, g found bond by bond from
+// Corrects positions (Ryckaert, Ciccotti, Berendsen 1977, doi:10.1016/0021-9991(77)90098-5): x +=
+// M⁻¹J(x_old)ᵀ g and v by the same over h, with g found bond by bond from
 //     σ + g (1/m_i + 1/m_j) r_old·r = 0.
-// Stops where every |σ|/d² ≤ tolerance, or after so many sweeps as asked for. Fails where a bond has turned
-// by 90° within the step (r_old·r ≤ 0, no g along r_old can mend it), or sweeps run out.
-// The g of a one-sided bond stays on its side (projected Gauss–Seidel: Jourdan, Alart, Jean 1998,
-// doi:10.1016/S0045-7825(97)00137-0): a strut that has g = 0 and σ ≥ 0 is slack.
+// Stops when every |σ|/d² ≤ tolerance, or after the requested number of sweeps. Fails if a bond has turned by
+// 90° within the step (r_old·r ≤ 0: no g along r_old restores it), or after max_sweeps. The g of a one-sided
+// bond is clipped to its sign (projected Gauss–Seidel: Jourdan, Alart, Jean 1998,
+// doi:10.1016/S0045-7825(97)00137-0); a strut with g = 0 and σ ≥ 0 is slack.
 class PositionSweeps {
  public:
   PositionSweeps(const System& sys, SweepLimits limits);
 
-  // g_ holds the first guess and returns what was used; x is drifted by h·v.
+  // On entry x has drifted by h·v and g is the first guess; on return g is the solution.
   SolveStats run(const System& sys, double h, State& s, Eigen::VectorXd& g);
 
  private:
@@ -41,16 +42,16 @@ class PositionSweeps {
   Vectors r_old_;  // 3 × m
 };
 
-// Velocities (Andersen 1983, doi:10.1016/0021-9991(83)90014-1): v += M⁻¹Jᵀ g with r·v_ij = 0 on every bond.
-// Stops where every |r·v_ij| h/d² ≤ tolerance: what the bond would stretch in one step, relatively.
-// One-sided bonds that held the positions (whose λ there is not 0) keep their atoms from coming on, and let
-// them part: a touch takes the velocity along the bond, which is Newton's law of impact without rebound
-// (Moreau 1988, doi:10.1007/978-3-7091-2624-0_1), and never makes energy (constraints/README.md).
+// Corrects velocities (Andersen 1983, doi:10.1016/0021-9991(83)90014-1): v += M⁻¹Jᵀ g with r·v_ij = 0 on
+// every bond. Stops when every |r·v_ij| h/d² ≤ tolerance, the relative stretch of the bond in one step.
+// One-sided bonds that acted on the positions (λ ≠ 0) stop the approach of their atoms but let them part:
+// Newton's law of impact with restitution 0 (Moreau 1988, doi:10.1007/978-3-7091-2624-0_1), which never adds
+// energy (constraints/README.md).
 class VelocitySweeps {
  public:
   VelocitySweeps(const System& sys, SweepLimits limits);
 
-  // held: λ of the positions.
+  // held: λ of the positions, m.
   SolveStats run(const System& sys, double h, State& s, const Eigen::VectorXd& held, Eigen::VectorXd& g);
 
  private:

@@ -222,7 +222,7 @@ class PythonMethod final : public ConstraintMethod {
     for (int k = 0; k < sys.bond_count(); ++k) {
       const auto& [i, j, d] = sys.bonds[k];
       const double residual = std::abs(sigma(s.x.col(j) - s.x.col(i), d)) / (d * d);
-      if (worse(residual, stats.max_residual)) stats.max_residual = residual, stats.worst_bond = k;
+      if (exceeds(residual, stats.max_residual)) stats.max_residual = residual, stats.worst_bond = k;
     }
   }
 
