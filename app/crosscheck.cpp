@@ -15,8 +15,8 @@
 #include "studies/openmm_twin.hpp"
 #include "studies/study_scene.hpp"
 #include "study.hpp"
-#include "systems/openmm/openmm_export.hpp"
-#include "systems/openmm/openmm_import.hpp"
+#include "systems/openmm/export.hpp"
+#include "systems/openmm/import.hpp"
 
 namespace taut {
 namespace {

@@ -4,7 +4,7 @@
 #include <iterator>
 
 #include "base/errors.hpp"
-#include "systems/openmm/openmm_import.hpp"
+#include "systems/openmm/import.hpp"
 
 namespace taut {
 

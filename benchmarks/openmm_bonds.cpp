@@ -13,8 +13,8 @@
 #include "base/errors.hpp"
 #include "molecules.hpp"
 #include "studies/openmm_twin.hpp"
-#include "systems/openmm/openmm_import.hpp"
-#include "systems/openmm/openmm_read.hpp"
+#include "systems/openmm/import.hpp"
+#include "systems/openmm/read.hpp"
 
 namespace taut::bench {
 namespace {

@@ -31,8 +31,8 @@
 #include "md/run.hpp"
 #include "md/timed.hpp"
 #include "studies/openmm_twin.hpp"
-#include "systems/openmm/openmm_import.hpp"
-#include "systems/openmm/openmm_read.hpp"
+#include "systems/openmm/import.hpp"
+#include "systems/openmm/read.hpp"
 #include "systems/scene_file.hpp"
 
 namespace taut::bench {

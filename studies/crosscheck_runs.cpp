@@ -6,7 +6,7 @@
 #include "base/errors.hpp"
 #include "constraints/methods/newton.hpp"
 #include "studies/study_scene.hpp"
-#include "systems/openmm/openmm_import.hpp"
+#include "systems/openmm/import.hpp"
 
 namespace taut {
 namespace {

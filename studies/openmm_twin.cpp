@@ -12,8 +12,8 @@
 
 #include "base/errors.hpp"
 #include "forcefield/ewald/parameters.hpp"
-#include "systems/openmm/openmm_export.hpp"
-#include "systems/openmm/openmm_xml.hpp"
+#include "systems/openmm/export.hpp"
+#include "systems/openmm/xml.hpp"
 
 namespace taut {
 namespace {

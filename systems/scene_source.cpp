@@ -11,7 +11,7 @@
 
 #include "base/errors.hpp"
 #include "files/atomic_file.hpp"
-#include "systems/openmm/openmm_import.hpp"
+#include "systems/openmm/import.hpp"
 #include "systems/scene_file.hpp"
 #include "systems/toml_reader.hpp"
 

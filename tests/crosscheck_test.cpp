@@ -12,7 +12,7 @@
 #include "openmm_folder.hpp"
 #include "studies/crosscheck_verdict.hpp"
 #include "studies/openmm_twin.hpp"
-#include "systems/openmm/openmm_import.hpp"
+#include "systems/openmm/import.hpp"
 #include "systems/scene_file.hpp"
 
 namespace taut {

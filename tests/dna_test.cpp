@@ -7,7 +7,7 @@
 
 #include "foretold.hpp"
 #include "simulation/simulation.hpp"
-#include "systems/openmm/openmm_import.hpp"
+#include "systems/openmm/import.hpp"
 #include "systems/scene_file.hpp"
 
 namespace taut {

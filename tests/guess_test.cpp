@@ -1,7 +1,7 @@
 // What the guess of λ misses, and the work that it does: the closed form of constraints/README.md.
 
 #include "foretold.hpp"
-#include "systems/openmm/openmm_import.hpp"
+#include "systems/openmm/import.hpp"
 #include "systems/scene_file.hpp"
 
 namespace taut {

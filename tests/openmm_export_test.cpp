@@ -1,7 +1,5 @@
 // OpenMM's XML as taut writes it, read back: every number of every term. Needs no OpenMM.
 
-#include "systems/openmm/openmm_export.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,7 +7,8 @@
 
 #include "base/errors.hpp"
 #include "forcefield/force_field.hpp"
-#include "systems/openmm/openmm_import.hpp"
+#include "systems/openmm/export.hpp"
+#include "systems/openmm/import.hpp"
 #include "systems/scene_file.hpp"
 #include "temporary_folder.hpp"
 

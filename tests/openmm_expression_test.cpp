@@ -1,14 +1,13 @@
 // Energies as OpenMM's custom forces write them, and which of them are the same.
 
-#include "systems/openmm/openmm_expression.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "systems/openmm/openmm_known.hpp"
+#include "systems/openmm/expression.hpp"
+#include "systems/openmm/known.hpp"
 
 namespace taut {
 namespace {

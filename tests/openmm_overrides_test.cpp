@@ -2,7 +2,7 @@
 
 #include "forcefield/force_field.hpp"
 #include "openmm_texts.hpp"
-#include "systems/openmm/openmm_import.hpp"
+#include "systems/openmm/import.hpp"
 #include "systems/scene_file.hpp"
 
 namespace taut {
@@ -55,7 +55,8 @@ TEST(OpenMMOverrides, ANoteSaysWhereTheModelIsNotTheSystems) {
   const Scene scene = read_over("tip3p-216", {"forcefield.cutoff_nm=0.7", "forcefield.coulomb=pme"});
   EXPECT_EQ(scene.terms.nonbonded->cutoff, 0.7);
   EXPECT_TRUE(scene.terms.nonbonded->pme);
-  EXPECT_THAT(scene.notes, ::testing::Contains(HasSubstr("asks for a cutoff of 0.7 nm; the System has 0.9 nm")));
+  EXPECT_THAT(scene.notes,
+              ::testing::Contains(HasSubstr("asks for a cutoff of 0.7 nm; the System has 0.9 nm")));
   EXPECT_THAT(scene.notes, ::testing::Contains(HasSubstr("Coulomb by PME; the System has a reaction field")));
 }
 
@@ -85,8 +86,8 @@ TEST(OpenMMOverrides, ATolerancePutsTheSystemsAlphaAndGridAside) {
 
 TEST(OpenMMOverrides, PullsAndRestraintsActBesidesTheSystems) {
   const Scene bare = read_over("tip3p-216", {});
-  const Scene held = read_over("tip3p-216", {"build.pulls=[[3, 100, 0, 0]]",
-                                            "build.restraints=[[0, 1, 1, 1, 500]]"});
+  const Scene held =
+      read_over("tip3p-216", {"build.pulls=[[3, 100, 0, 0]]", "build.restraints=[[0, 1, 1, 1, 500]]"});
   const Vectors more = forces_of(held) - forces_of(bare);
   EXPECT_NEAR(more(0, 3), 100, 1e-9);
   EXPECT_GT(more.col(0).norm(), 1);

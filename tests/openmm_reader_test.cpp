@@ -6,7 +6,7 @@
 
 #include "forcefield/force_field.hpp"
 #include "openmm_texts.hpp"
-#include "systems/openmm/openmm_import.hpp"
+#include "systems/openmm/import.hpp"
 #include "systems/scene_file.hpp"
 
 namespace taut {

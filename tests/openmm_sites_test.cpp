@@ -10,7 +10,7 @@
 #include "forcefield/force_field.hpp"
 #include "openmm_models.hpp"
 #include "studies/openmm_twin.hpp"
-#include "systems/openmm/openmm_export.hpp"
+#include "systems/openmm/export.hpp"
 
 namespace taut {
 namespace {

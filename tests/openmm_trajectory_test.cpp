@@ -9,7 +9,7 @@
 #include "md/observables.hpp"
 #include "openmm_folder.hpp"
 #include "studies/openmm_twin.hpp"
-#include "systems/openmm/openmm_import.hpp"
+#include "systems/openmm/import.hpp"
 
 namespace taut {
 namespace {

@@ -14,7 +14,7 @@
 #include "md/observables.hpp"
 #include "simulation/simulation.hpp"
 #include "studies/calibration.hpp"
-#include "systems/openmm/openmm_export.hpp"
+#include "systems/openmm/export.hpp"
 #include "systems/scene_file.hpp"
 
 namespace taut {

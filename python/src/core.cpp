@@ -5,7 +5,7 @@
 #include "base/errors.hpp"
 #include "base/threads.hpp"
 #include "constraints/registry.hpp"
-#include "systems/openmm/openmm_import.hpp"
+#include "systems/openmm/import.hpp"
 #include "systems/scene_file.hpp"
 #include "systems/toml_reader.hpp"
 

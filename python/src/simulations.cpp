@@ -7,8 +7,8 @@
 
 #include "lent_state.hpp"
 #include "simulation_object.hpp"
-#include "systems/openmm/openmm_export.hpp"
-#include "systems/openmm/openmm_import.hpp"
+#include "systems/openmm/export.hpp"
+#include "systems/openmm/import.hpp"
 
 namespace taut {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "forcefield/force_field.hpp"
 #include "harness.hpp"
-#include "systems/openmm/openmm_import.hpp"
+#include "systems/openmm/import.hpp"
 
 namespace {
 

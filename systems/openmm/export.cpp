@@ -1,4 +1,4 @@
-#include "systems/openmm/openmm_export.hpp"
+#include "systems/openmm/export.hpp"
 
 #include <fmt/format.h>
 
@@ -9,10 +9,10 @@
 #include "base/errors.hpp"
 #include "files/atomic_file.hpp"
 #include "forcefield/ewald/parameters.hpp"
-#include "systems/openmm/openmm_forces.hpp"
-#include "systems/openmm/openmm_known.hpp"
-#include "systems/openmm/openmm_sites.hpp"
-#include "systems/openmm/openmm_terms.hpp"
+#include "systems/openmm/forces.hpp"
+#include "systems/openmm/known.hpp"
+#include "systems/openmm/sites.hpp"
+#include "systems/openmm/terms.hpp"
 
 namespace taut {
 namespace {

@@ -1,11 +1,11 @@
-#include "systems/openmm/openmm_sites.hpp"
+#include "systems/openmm/sites.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <deque>
 
-#include "systems/openmm/openmm_terms.hpp"
+#include "systems/openmm/terms.hpp"
 
 namespace taut {
 namespace {
@@ -16,9 +16,9 @@ struct SiteKind {
   std::size_t parents;  // 0: any number
 };
 constexpr SiteKind kSiteKinds[] = {{"TwoParticleAverageSite", VirtualSite::Kind::kAverage, 2},
-                               {"ThreeParticleAverageSite", VirtualSite::Kind::kAverage, 3},
-                               {"OutOfPlaneSite", VirtualSite::Kind::kOutOfPlane, 3},
-                               {"LocalCoordinatesSite", VirtualSite::Kind::kLocal, 0}};
+                                   {"ThreeParticleAverageSite", VirtualSite::Kind::kAverage, 3},
+                                   {"OutOfPlaneSite", VirtualSite::Kind::kOutOfPlane, 3},
+                                   {"LocalCoordinatesSite", VirtualSite::Kind::kLocal, 0}};
 
 // A site's attributes, read into it or written from it.
 class SiteAttributes {

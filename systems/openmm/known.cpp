@@ -1,4 +1,4 @@
-#include "systems/openmm/openmm_known.hpp"
+#include "systems/openmm/known.hpp"
 
 #include <algorithm>
 #include <cmath>

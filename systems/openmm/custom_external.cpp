@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
-#include "systems/openmm/openmm_custom.hpp"
-#include "systems/openmm/openmm_terms.hpp"
+#include "systems/openmm/custom.hpp"
+#include "systems/openmm/terms.hpp"
 
 namespace taut {
 namespace {

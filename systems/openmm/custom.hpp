@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "systems/openmm/openmm_expression.hpp"
-#include "systems/openmm/openmm_forces.hpp"
-#include "systems/openmm/openmm_known.hpp"
+#include "systems/openmm/expression.hpp"
+#include "systems/openmm/forces.hpp"
+#include "systems/openmm/known.hpp"
 
 namespace taut {
 

@@ -1,11 +1,11 @@
-#include "systems/openmm/openmm_images.hpp"
+#include "systems/openmm/images.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <array>
 
-#include "systems/openmm/openmm_known.hpp"
+#include "systems/openmm/known.hpp"
 
 namespace taut {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "systems/openmm/openmm_expression.hpp"
+#include "systems/openmm/expression.hpp"
 
 namespace taut {
 

@@ -7,8 +7,8 @@
 
 #include "forcefield/terms.hpp"
 #include "md/system.hpp"
-#include "systems/openmm/openmm_read.hpp"
-#include "systems/openmm/openmm_xml.hpp"
+#include "systems/openmm/read.hpp"
+#include "systems/openmm/xml.hpp"
 
 namespace taut {
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <map>
 
-#include "systems/openmm/openmm_custom.hpp"
-#include "systems/openmm/openmm_terms.hpp"
+#include "systems/openmm/custom.hpp"
+#include "systems/openmm/terms.hpp"
 
 namespace taut {
 namespace {

@@ -1,4 +1,4 @@
-#include "systems/openmm/openmm_forces.hpp"
+#include "systems/openmm/forces.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -7,7 +7,7 @@
 #include <array>
 #include <limits>
 
-#include "systems/openmm/openmm_terms.hpp"
+#include "systems/openmm/terms.hpp"
 
 namespace taut {
 namespace {
@@ -157,7 +157,8 @@ constexpr std::array kForceKinds = {
 };
 
 constexpr auto kind_named(std::string_view type) {
-  return std::find_if(kForceKinds.begin(), kForceKinds.end(), [&](const ForceKind& k) { return k.type == type; });
+  return std::find_if(kForceKinds.begin(), kForceKinds.end(),
+                      [&](const ForceKind& k) { return k.type == type; });
 }
 
 const ForceKind& kind_of(const Element& force) {

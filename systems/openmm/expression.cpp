@@ -1,4 +1,4 @@
-#include "systems/openmm/openmm_expression.hpp"
+#include "systems/openmm/expression.hpp"
 
 #include <fmt/format.h>
 

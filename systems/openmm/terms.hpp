@@ -9,7 +9,7 @@
 #include "forcefield/check_terms.hpp"
 #include "forcefield/terms.hpp"
 #include "md/system.hpp"
-#include "systems/openmm/openmm_xml.hpp"
+#include "systems/openmm/xml.hpp"
 
 namespace taut {
 

@@ -1,4 +1,4 @@
-#include "systems/openmm/openmm_custom.hpp"
+#include "systems/openmm/custom.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "md/system.hpp"
-#include "systems/openmm/openmm_xml.hpp"
+#include "systems/openmm/xml.hpp"
 
 namespace taut {
 

@@ -1,4 +1,4 @@
-#include "systems/openmm/openmm_import.hpp"
+#include "systems/openmm/import.hpp"
 
 #include "systems/whole_molecules.hpp"
 

@@ -1,4 +1,4 @@
-#include "systems/openmm/openmm_read.hpp"
+#include "systems/openmm/read.hpp"
 
 #include <fmt/format.h>
 
@@ -7,12 +7,12 @@
 
 #include "base/errors.hpp"
 #include "forcefield/check_terms.hpp"
-#include "systems/openmm/openmm_forces.hpp"
-#include "systems/openmm/openmm_images.hpp"
-#include "systems/openmm/openmm_lennard_jones.hpp"
-#include "systems/openmm/openmm_sites.hpp"
-#include "systems/openmm/openmm_terms.hpp"
-#include "systems/openmm/openmm_xml.hpp"
+#include "systems/openmm/forces.hpp"
+#include "systems/openmm/images.hpp"
+#include "systems/openmm/lennard_jones.hpp"
+#include "systems/openmm/sites.hpp"
+#include "systems/openmm/terms.hpp"
+#include "systems/openmm/xml.hpp"
 #include "systems/whole_molecules.hpp"
 
 namespace taut {

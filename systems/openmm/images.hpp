@@ -4,7 +4,7 @@
 
 #include "base/vectors.hpp"
 #include "md/box.hpp"
-#include "systems/openmm/openmm_forces.hpp"
+#include "systems/openmm/forces.hpp"
 
 namespace taut {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 // OpenMM's XML, read strictly: an attribute or element that is not asked for is refused by name, one that is
-// lacks likewise, and every refusal says file and line. For the readers of openmm_read.cpp and the twin. What
+// lacks likewise, and every refusal says file and line. For the readers of openmm/read.cpp and the twin. What
 // is read by a list of fields is written by the same.
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-#include "systems/openmm/openmm_lennard_jones.hpp"
+#include "systems/openmm/lennard_jones.hpp"
 
 #include <fmt/format.h>
 

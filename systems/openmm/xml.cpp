@@ -1,4 +1,4 @@
-#include "systems/openmm/openmm_xml.hpp"
+#include "systems/openmm/xml.hpp"
 
 #include <fmt/format.h>
 
