@@ -8,15 +8,16 @@
 
 namespace taut {
 
-// Reads what DcdFile wrote, frame by frame. Throws InputError for another kind of file.
+// Reads a file that DcdFile wrote, frame by frame. Throws InputError for other files.
 class DcdReader {
  public:
   explicit DcdReader(const std::filesystem::path& path);
 
   int atoms() const { return atoms_; }
-  double interval() const { return interval_; }  // from frame to frame [ps]
+  double interval() const { return interval_; }  // time between frames [ps]
 
-  // The next frame: positions [nm], and the box if there is one. False behind the last one that is whole.
+  // Reads the next frame: positions [nm], and the box if there is one. Returns false after the last complete
+  // frame.
   bool next(Vectors& x, Box& box);
 
  private:

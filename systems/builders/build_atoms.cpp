@@ -12,7 +12,7 @@ Vectors columns(const Rows& rows) {
 
 }  // namespace
 
-// kind = "atoms": everything one by one.
+// kind = "atoms": every atom and bond is listed.
 void build_atoms(const BuildRequest& request, Scene& scene) {
   const TomlTable& keys = request.keys;
   const Rows atoms =

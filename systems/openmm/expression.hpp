@@ -11,8 +11,8 @@
 
 namespace taut {
 
-// An energy as OpenMM's custom forces write it: "k*(r-r0)^2; r0=0.5*(a1+a2)". Numbers, names, + - * / ^,
-// functions, and after the first part definitions, each for the parts before it.
+// An energy in the language of OpenMM's custom forces: "k*(r-r0)^2; r0=0.5*(a1+a2)". It has numbers, names, +
+// - * / ^ and functions, followed by definitions, each of which the parts before it may use.
 class Expression {
  public:
   using Values = std::map<std::string, double, std::less<>>;
@@ -26,10 +26,11 @@ class Expression {
     using runtime_error::runtime_error;
   };
 
-  // Throws Error for what is no expression. `tables`: functions it may call besides its own.
+  // Throws Error if the text is not an expression. `tables`: functions that it may call besides the built-in
+  // ones.
   explicit Expression(std::string_view text, const Tables& tables = {});
 
-  const std::set<std::string>& names() const { return names_; }  // all that it needs values of
+  const std::set<std::string>& names() const { return names_; }  // all names that need values
   double operator()(const Values& values) const { return value_(values); }
 
  private:

@@ -5,7 +5,7 @@
 namespace taut {
 namespace {
 
-// "water.system.xml" -> "water"
+// Returns "water" for "water.system.xml".
 std::string scene_name(const std::filesystem::path& file) {
   const std::filesystem::path stem = file.stem();
   return (stem.extension() == ".system" ? stem.stem() : stem).string();
