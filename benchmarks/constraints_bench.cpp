@@ -27,7 +27,7 @@ struct Case {
 };
 
 struct Free : ForceLaw {
-  void operator()(const System&, State& s) override { s.f.setZero(); }
+  void evaluate(const System&, State& s) override { s.f.setZero(); }
 };
 
 // Seconds a step that the stopwatch itself takes.

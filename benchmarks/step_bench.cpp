@@ -170,7 +170,7 @@ void hand_over(benchmark::State& bench, const Setting& setting) {
 void forces_alone(benchmark::State& bench, const Setting& setting) {
   use_threads(setting.threads);
   Running run(setting);
-  for (auto _ : bench) run.forces(run.scene.system, run.state);
+  for (auto _ : bench) run.forces.evaluate(run.scene.system, run.state);
   count(bench, bench.iterations(), run.scene.system.atoms());
 }
 
@@ -183,7 +183,7 @@ void forces_and_lists(benchmark::State& bench, const Setting& setting) {
     run.state.x.array() += away;
     away = -away;
     bench.ResumeTiming();
-    run.forces(run.scene.system, run.state);
+    run.forces.evaluate(run.scene.system, run.state);
   }
   count(bench, bench.iterations(), run.scene.system.atoms());
 }

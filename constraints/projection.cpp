@@ -88,7 +88,7 @@ void initialize(const Dynamics& dynamics, double h, State& s) {
   projector.positions(sys, s.x);
   projector.velocities(sys, s.x, s.v);
   s.f.resize(3, sys.atoms());
-  forces(sys, s);
+  forces.evaluate(sys, s);
   Push push = Push::at_start(h);
   const Bath::Draw drawn = bath.draw(sys, push, s);
   push.noise = drawn.noise;

@@ -25,11 +25,8 @@ struct ForceField::Impl {
   BondedForces bonded;
   std::optional<double> dispersion;  // times the volume [kJ/mol·nm³]
   double dispersion_virial = 0;      // a third of it, times the volume
-  Box box;                           // of the last evaluation
-  Vectors bonded_forces;             // of the last virial
-  bool evaluated = false;
-  Eigen::Matrix3d handed_virial = Eigen::Matrix3d::Zero();  // by handing sites' forces to their parents
-  std::vector<std::pair<std::string, double>> outer;        // of the last evaluation [kJ/mol]
+  Box box;                           // what the mesh is made for
+  Vectors bonded_forces;             // scratch of the virial
 
   Impl(const System& sys, const Box& start, Terms given) : terms(std::move(given)), box(start) {
     check_terms(sys, box, terms);
@@ -61,55 +58,52 @@ struct ForceField::Impl {
     box = to;
   }
 
-  void evaluate(const System& sys, const State& s, Vectors& f, bool ask_own_fields) {
-    if (s.box != box) change_box(s.box);
-    const Vectors& x = s.x;
-    place_atoms(x);
-    f.resize(3, x.cols());
-    if (!pairs_first())
-      by_atoms(sys.atoms(), [&](int first, int last) { f.middleCols(first, last - first).setZero(); });
-    outer.clear();
-    bonded.add_forces(x, f);
-    if (terms.gravity) outer.emplace_back("gravity", add_gravity(*terms.gravity, sys.mass, x, f));
-    if (!terms.pulls.empty()) outer.emplace_back("pull", add_pulls(terms.pulls, x, f));
-    if (!terms.restraints.empty())
-      outer.emplace_back("restraint", add_restraints(terms.restraints, box, x, f));
-    if (ask_own_fields)
-      for (const auto& field : terms.own) outer.emplace_back(field->name(), field->add(x, f));
-    using enum ClusterPairs::Onto;
-    if (lj_coulomb) lj_coulomb->add_forces(f, pairs_first() ? kNothing : kWhatIs);
-    if (pme) pme->add_forces(x, f);
-    if (wca) wca->add_forces(f, pairs_first() && !lj_coulomb ? kNothing : kWhatIs);
-    evaluated = true;
-  }
-
-  // Throws for a position that is not finite or absurd, before any force sees it. Lists of pairs hold every
-  // atom they have to its margin; others are looked at one by one.
-  void place_atoms(const Vectors& x) {
+  // Throws for a position that is not finite or absurd, before any force sees it. A pair list checks the
+  // atoms that it holds; where it does not hold all, check_positions() looks at every atom.
+  void place_atoms(const Vectors& x, const Box& now) {
+    if (now != box) change_box(now);
     if (lj_coulomb) lj_coulomb->update_lists(x, box);
     if (wca) wca->update_lists(x, box);
     const bool all = (lj_coulomb && lj_coulomb->on_every_atom()) || (wca && wca->on_every_atom());
     if (!all) check_positions(x);
   }
 
-  // Nothing acts before them, and they on every atom: forces need not be cleared.
-  bool pairs_first() const {
+  // True where pairs are the first term and act on every atom: they overwrite the forces, which need not be
+  // cleared.
+  bool pairs_overwrite() const {
     const bool on_every_atom = lj_coulomb ? lj_coulomb->on_every_atom() : wca && wca->on_every_atom();
     return on_every_atom && bonded.pieces() == 0 && !terms.gravity && terms.pulls.empty() &&
            terms.restraints.empty() && terms.own.empty();
   }
 
-  double dispersion_energy() const { return dispersion ? *dispersion / box.volume() : 0; }
+  void evaluate(const System& sys, const State& s, Vectors& f, Evaluation& besides) {
+    const Vectors& x = s.x;
+    place_atoms(x, s.box);
+    f.resize(3, x.cols());
+    if (!pairs_overwrite())
+      by_atoms(sys.atoms(), [&](int first, int last) { f.middleCols(first, last - first).setZero(); });
+    besides.bonded = bonded.add_forces(x, f);
+    Energies& fields = besides.fields;
+    fields.clear();
+    if (terms.gravity) fields.emplace_back("gravity", add_gravity(*terms.gravity, sys.mass, x, f));
+    if (!terms.pulls.empty()) fields.emplace_back("pull", add_pulls(terms.pulls, x, f));
+    if (!terms.restraints.empty())
+      fields.emplace_back("restraint", add_restraints(terms.restraints, box, x, f));
+    for (const auto& field : terms.own) fields.emplace_back(field->name(), field->add(x, f));
+    using enum ClusterPairs::Onto;
+    if (lj_coulomb) lj_coulomb->add_forces(f, pairs_overwrite() ? kNothing : kWhatIs);
+    if (pme) besides.mesh = pme->add_forces(x, f);
+    if (wca) wca->add_forces(f, pairs_overwrite() && !lj_coulomb ? kNothing : kWhatIs);
+  }
 
-  std::vector<std::pair<std::string, double>> energies() {
-    if (!evaluated) return {};
-    auto all = bonded.energies();
+  Energies energies(const Evaluation& besides) {
+    Energies all = bonded.by_name(besides.bonded);
     if (lj_coulomb)
       all.emplace_back("lj_coulomb",
-                       lj_coulomb->energy() + bonded.exception_energy() + (pme ? pme->energy() : 0.0));
-    if (dispersion) all.emplace_back("dispersion", dispersion_energy());
+                       lj_coulomb->energy() + BondedForces::exception_energy(besides.bonded) + besides.mesh);
+    if (dispersion) all.emplace_back("dispersion", *dispersion / box.volume());
     if (wca) all.emplace_back("wca", wca->energy());
-    all.insert(all.end(), outer.begin(), outer.end());
+    all.insert(all.end(), besides.fields.begin(), besides.fields.end());
     return all;
   }
 };
@@ -120,28 +114,41 @@ ForceField::~ForceField() = default;
 ForceField::ForceField(ForceField&&) noexcept = default;
 ForceField& ForceField::operator=(ForceField&&) noexcept = default;
 
-void ForceField::operator()(const System& sys, State& s) {
+void ForceField::evaluate(const System& sys, State& s, Evaluation& besides) {
   place_sites(sys.sites, s.x);
-  impl_->evaluate(sys, s, s.f, true);
-  impl_->handed_virial = hand_to_parents(sys.sites, s.x, s.f);
+  impl_->evaluate(sys, s, s.f, besides);
+  besides.site_virial = hand_to_parents(sys.sites, s.x, s.f);
+}
+
+void ForceField::evaluate(const System& sys, State& s) {
+  Evaluation besides;
+  evaluate(sys, s, besides);
+}
+
+double ForceField::evaluate_energy(const System& sys, State& s) {
+  Evaluation besides;
+  evaluate(sys, s, besides);
+  return potential(s, besides);
 }
 
 std::string ForceField::lack_of_room(const Box& box) const {
   return taut::lack_of_room(impl_->terms, box);
 }
 
-void ForceField::note(Answers& answers) const {
-  answers.energies = impl_->outer;
-  answers.handed_virial = impl_->handed_virial;
+double ForceField::potential(const State& at, const Evaluation& besides) {
+  double sum = 0;
+  for (const auto& [term, energy] : energies(at, besides)) sum += energy;
+  return sum;
 }
 
-void ForceField::return_to(const System& sys, State& s, const Answers& answers) {
-  impl_->evaluate(sys, s, s.f, false);
-  impl_->outer = answers.energies;
-  impl_->handed_virial = answers.handed_virial;
+Energies ForceField::energies(const State& at, const Evaluation& besides) {
+  impl_->place_atoms(at.x, at.box);
+  return impl_->energies(besides);
 }
 
-Eigen::Matrix3d ForceField::virial(const Vectors& x) const {
+Eigen::Matrix3d ForceField::virial(const State& at, const Evaluation& besides) {
+  const Vectors& x = at.x;
+  impl_->place_atoms(x, at.box);
   Vectors& f = impl_->bonded_forces;
   f.setZero(3, x.cols());
   impl_->bonded.add_forces(x, f);
@@ -150,22 +157,12 @@ Eigen::Matrix3d ForceField::virial(const Vectors& x) const {
   if (impl_->pme) sum += impl_->pme->virial(x);
   if (impl_->wca) sum += impl_->wca->virial();
   if (impl_->dispersion) sum.diagonal().array() += impl_->dispersion_virial / impl_->box.volume();
-  return sum + impl_->handed_virial;
+  return sum + besides.site_virial;
 }
 
 void ForceField::serialize(Archive& archive) {
   if (impl_->lj_coulomb) archive(*impl_->lj_coulomb);
   if (impl_->wca) archive(*impl_->wca);
-}
-
-double ForceField::potential() const {
-  double sum = 0;
-  for (const auto& [term, energy] : impl_->energies()) sum += energy;
-  return sum;
-}
-
-std::vector<std::pair<std::string, double>> ForceField::energies() const {
-  return impl_->energies();
 }
 
 }  // namespace taut

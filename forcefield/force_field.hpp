@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 #include <utility>
@@ -13,8 +14,12 @@
 
 namespace taut {
 
+// Energies by term [kJ/mol].
+using Energies = std::vector<std::pair<std::string, double>>;
+
 // Adds up the forces of the terms a scene has. Virtual sites are put in their places first; what pulls at
-// them pulls at their parents, and the force on a site is zero.
+// them pulls at their parents, and the force on a site is zero. An object keeps pair lists from one call to
+// the next, which save time and decide the order of sums, and nothing else.
 class ForceField final : public ForceLaw {
  public:
   // Throws InputError for an atom out of range, wrong array sizes, a cutoff over half the
@@ -27,33 +32,36 @@ class ForceField final : public ForceLaw {
   // What hangs on the box is made anew where it has changed: lists, the mesh's influence function (its grid
   // and α stay), constants that go as 1/V. Throws SimulationFailure where a cutoff no longer fits it, and for
   // a position that is not finite or absurd, before any force sees it (check_positions.hpp).
-  void operator()(const System& sys, State& s) override;
+  void evaluate(const System& sys, State& s) override;
+
+  // What evaluating the forces at a place gives besides them, at no cost. It is kept by the caller, who hands
+  // it back for energies and the virial at that place: own fields are never asked twice.
+  struct Evaluation {
+    std::array<double, 8> bonded{};                         // energy by kind of bonded term [kJ/mol]
+    double mesh = 0;                                        // all of PME but its pairs [kJ/mol]
+    Energies fields;                                        // gravity, pulls, restraints, own fields [kJ/mol]
+    Eigen::Matrix3d site_virial = Eigen::Matrix3d::Zero();  // of handing sites' forces to parents [kJ/mol]
+  };
+  void evaluate(const System& sys, State& s, Evaluation& besides);
+
+  // Sets s.f = F(s.x) and returns the potential energy [kJ/mol].
+  double evaluate_energy(const System& sys, State& s);
 
   // What in a box would be too narrow for a cutoff; empty: nothing.
   std::string lack_of_room(const Box& box) const;
 
-  // Of the last evaluation [kJ/mol]. The energies of pairs are summed when first asked for: a step that does
-  // not ask does not pay.
-  double potential() const override;
-  // the same, a term at a time, only the terms there are: ("angle", 12.3), ...
-  std::vector<std::pair<std::string, double>> energies() const;
+  // The potential energy at `at`, where evaluate() gave `besides` [kJ/mol]. The energies of pairs are summed
+  // here: a step that needs none does not pay for them.
+  double potential(const State& at, const Evaluation& besides);
+  // The same term by term, only the terms there are: ("angle", 12.3), ...
+  Energies energies(const State& at, const Evaluation& besides);
 
-  // −dE/dstrain of that evaluation, atoms and box strained alike [kJ/mol]; its trace is −3V dE/dV. Σ r⊗f of
-  // pairs at their nearest images, Σ x⊗f of what acts within molecules, which are whole, and the dispersion
+  // −dE/dstrain there, atoms and box strained alike [kJ/mol]; its trace is −3V dE/dV. It is Σ r⊗f of pairs at
+  // their nearest images, Σ x⊗f of what acts within molecules, which are whole, and the dispersion
   // correction's (dispersion.hpp). Fields from outside have none.
-  Eigen::Matrix3d virial(const Vectors& x) const;
+  Eigen::Matrix3d virial(const State& at, const Evaluation& besides);
 
-  // What own fields said in the last evaluation, so that nobody has to ask them again.
-  struct Answers {
-    std::vector<std::pair<std::string, double>> energies;  // of all fields from outside [kJ/mol]
-    Eigen::Matrix3d handed_virial;
-  };
-  void note(Answers& answers) const;
-  // As if the last evaluation had been the one at s that gave these answers. The lists are recalled before.
-  void return_to(const System& sys, State& s, const Answers& answers);
-
-  // Which pairs are listed, in which order: what the order of the sums depends on. Recalled, the forces are
-  // to be evaluated before energies are asked for.
+  // Which pairs are listed, in which order: the order of the sums depends on it.
   void serialize(Archive& archive);
 
  private:

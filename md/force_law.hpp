@@ -5,11 +5,12 @@
 
 namespace taut {
 
+// The forces between and on atoms, all but those of constraints.
 class ForceLaw {
  public:
   virtual ~ForceLaw() = default;
-  virtual void operator()(const System& sys, State& s) = 0;  // s.f = F(s.x)
-  virtual double potential() const { return 0; }             // of the last evaluation [kJ/mol]
+  // Sets s.f = F(s.x), whatever s.f was. Virtual sites in s.x are put in their places first.
+  virtual void evaluate(const System& sys, State& s) = 0;
 };
 
 }  // namespace taut

@@ -9,15 +9,16 @@ Eigen::Matrix3d Barometer::operator()(const System& sys, ForceField& forces, con
   now_.x = at.x;
   now_.box = at.box;
   now_.v = v;
-  forces(sys, now_);
-  return evaluated(sys, forces, now_, spring_lambda);
+  forces.evaluate(sys, now_, besides_);
+  return evaluated(sys, forces, now_, besides_, spring_lambda);
 }
 
-Eigen::Matrix3d Barometer::evaluated(const System& sys, const ForceField& forces, const State& at,
+Eigen::Matrix3d Barometer::evaluated(const System& sys, ForceField& forces, const State& at,
+                                     const ForceField::Evaluation& besides,
                                      const Eigen::VectorXd& spring_lambda) {
   const Vectors &x = at.x, &v = at.v;
   const Eigen::VectorXd& lambda = springs_ ? spring_lambda : projector_.multipliers(sys, at);
-  Eigen::Matrix3d sum = forces.virial(x) + v * sys.mass.asDiagonal() * v.transpose();
+  Eigen::Matrix3d sum = forces.virial(at, besides) + v * sys.mass.asDiagonal() * v.transpose();
   for (int k = 0; k < sys.bond_count(); ++k) {
     const Vec3 r = x.col(sys.bonds[k].j) - x.col(sys.bonds[k].i);
     sum += lambda[k] * r * r.transpose();

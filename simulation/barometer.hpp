@@ -20,15 +20,16 @@ class Barometer {
   // The tensor, of a state's positions and velocities v [bar]. `spring_lambda`: only with springs.
   Eigen::Matrix3d operator()(const System& sys, ForceField& forces, const State& at, const Vectors& v,
                              const Eigen::VectorXd& spring_lambda);
-  // The same where the forces have just been evaluated: `at` has those velocities, and the forces but for
+  // The same where evaluating the forces gave `besides`: `at` has those velocities, and the forces but for
   // constraints'.
-  Eigen::Matrix3d evaluated(const System& sys, const ForceField& forces, const State& at,
-                            const Eigen::VectorXd& spring_lambda);
+  Eigen::Matrix3d evaluated(const System& sys, ForceField& forces, const State& at,
+                            const ForceField::Evaluation& besides, const Eigen::VectorXd& spring_lambda);
 
  private:
   bool springs_;
   Projector projector_;
   State now_;
+  ForceField::Evaluation besides_;
 };
 
 }  // namespace taut

@@ -38,15 +38,16 @@ CellRescaling::CellRescaling(const Scene& scene, std::uint64_t seed, ForceField&
       every_(scene.run.barostat_every),
       random_(seed) {}
 
-Vec3 CellRescaling::pressure(const State& s, const Vectors& F) const {
-  return (centres_.twice_kinetic(s.v) + forces_.virial(s.x).diagonal() - centres_.inner_virial(s.x, F)) /
+Vec3 CellRescaling::pressure(const State& s, const Vectors& F, const ForceField::Evaluation& besides) const {
+  return (centres_.twice_kinetic(s.v) + forces_.virial(s, besides).diagonal() -
+          centres_.inner_virial(s.x, F)) /
          s.box.volume();
 }
 
-void CellRescaling::after_step(const State& s, const Vectors& F) {
+void CellRescaling::after_step(const State& s, const Vectors& F, const ForceField::Evaluation& besides) {
   if (++steps_ % every_ != 0) return;
   const double V = s.box.volume();
-  const Vec3 P = pressure(s, F);
+  const Vec3 P = pressure(s, F, besides);
   for (int kind = 0; kind <= alike_[2]; ++kind) {
     double k = 0, sum = 0;
     for (int d = 0; d < 3; ++d) {
@@ -99,8 +100,7 @@ MonteCarloBarostat::MonteCarloBarostat(const System& sys, const std::vector<int>
       random_(seed) {}
 
 double MonteCarloBarostat::energy(const System& sys) {
-  forces_(sys, trial_);
-  return forces_.potential();
+  return forces_.evaluate_energy(sys, trial_);
 }
 
 double MonteCarloBarostat::move(const System& sys, State& s) {

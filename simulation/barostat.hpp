@@ -19,7 +19,7 @@ class Barostat {
   // May change the box, with it x and v. Returns what it gives to the kinetic energy [kJ/mol].
   virtual double move(const System& sys, State& s) = 0;
   // At a step's end; F: the forces at x but for constraints'.
-  virtual void after_step(const State& s, const Vectors& F) = 0;
+  virtual void after_step(const State& s, const Vectors& F, const ForceField::Evaluation& besides) = 0;
   virtual void serialize(Archive& archive) = 0;
   virtual std::string doubt() const { return ""; }  // what speaks against the volumes it gave; empty: nothing
 };
@@ -44,11 +44,11 @@ class CellRescaling final : public Barostat {
   CellRescaling(const Scene& scene, std::uint64_t seed, ForceField& forces);
 
   double move(const System& sys, State& s) override;
-  void after_step(const State& s, const Vectors& F) override;
+  void after_step(const State& s, const Vectors& F, const ForceField::Evaluation& besides) override;
   void serialize(Archive& archive) override { archive(steps_, strain_, random_); }
 
   // P along x, y and z; the forces have been evaluated at s, F but for constraints' [kJ/mol/nm³].
-  Vec3 pressure(const State& s, const Vectors& F) const;
+  Vec3 pressure(const State& s, const Vectors& F, const ForceField::Evaluation& besides) const;
 
  private:
   void demand_sound(const Box& box) const;
@@ -80,7 +80,7 @@ class MonteCarloBarostat final : public Barostat {
                      std::uint64_t seed, ForceField& forces);
 
   double move(const System& sys, State& s) override;
-  void after_step(const State&, const Vectors&) override { ++steps_; }
+  void after_step(const State&, const Vectors&, const ForceField::Evaluation&) override { ++steps_; }
   void serialize(Archive& archive) override {
     archive(steps_, largest_, tried_, taken_, adapted_, random_);
     archive.demand(largest_ >= 0 && 0 <= taken_ && taken_ <= tried_ && tried_ < kTrials && adapted_ >= 0);

@@ -56,10 +56,10 @@ class Descent {
  private:
   // The energy; f becomes tangent.
   double evaluate(State& s) {
-    forces_(real_, s);
+    const double energy = forces_.evaluate_energy(real_, s);
     for (int a = 0; a < sys_.atoms(); ++a) s.f.col(a) *= sys_.mass[a];  // an anchor's force moves nothing
     projector_.velocities(sys_, s.x, s.f);
-    return forces_.potential();
+    return energy;
   }
 
   const System& real_;

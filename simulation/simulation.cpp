@@ -85,7 +85,7 @@ Simulation::Simulation(Scene scene, const ThreadScope&, const OnMove& on_move)
   if (state_.box.periodic()) barometer_.emplace(sys, has_springs());
   count_degrees_of_freedom(momentum_stays_zero(scene_, state_.v));
   barostat_ = make_barostat(scene_, ~seed_here(), forces_);
-  unaccounted_at_start_ = unaccounted(record());
+  unaccounted_at_start_ = unaccounted();
 }
 
 void Simulation::bring_to_the_bonds(double minimise_force, const OnMove& on_move) {
@@ -105,7 +105,7 @@ void Simulation::begin_means() {
   count_degrees_of_freedom(momentum_stays_zero(scene_, state_.v));
   const long last_row = std::exchange(sums_, LogSums{}).last_row;
   sums_.last_row = last_row;
-  unaccounted_at_start_ = unaccounted(record());
+  unaccounted_at_start_ = unaccounted();
   heat_at_start_ = meter_.heat();
 }
 
@@ -153,9 +153,9 @@ Dynamics Simulation::dynamics() {
   return {scene_.system, *this, *method_, *this};
 }
 
-void Simulation::operator()(const System& sys, State& s) {
+void Simulation::evaluate(const System& sys, State& s) {
   if (barostat_) meter_.take_up(barostat_->move(sys, s));
-  forces_(sys, s);
+  forces_.evaluate(sys, s, besides_);
   if (langevin_)
     meter_.see(scene_.run.h(), sys, s, *langevin_->half_jump());
   else
@@ -190,6 +190,16 @@ Eigen::VectorXd Simulation::bond_tensions() const {
   return tensions(full_, least_norm_multipliers(full_, state_.x, redundancy_.redundant, lambda));
 }
 
+Energies Simulation::energies() const {
+  const ThreadScope own(threads_);
+  return forces_.energies(state_, besides_);
+}
+
+double Simulation::unaccounted() const {
+  const ThreadScope own(threads_);
+  return unaccounted(kinetic_energy(scene_.system, velocity()));
+}
+
 State Simulation::state_to_write() const {
   State s = state_;
   place_site_velocities(scene_.system.sites, s.x, s.v);
@@ -215,7 +225,7 @@ Record Simulation::record() const {
   const ThreadScope own(threads_);
   Record r;
   r.t = state_.t;
-  r.potential = forces_.potential() + method_->spring_energy(scene_.system, state_.x);
+  r.potential = forces_.potential(state_, besides_) + method_->spring_energy(scene_.system, state_.x);
   r.kinetic = kinetic_energy(scene_.system, velocity());
   r.temperature = temperature(kinetic_energy(scene_.system, thermal_velocity()), dof_.total());
   r.bonds = bond_errors(scene_.system, state_.x);
@@ -228,12 +238,11 @@ std::optional<Eigen::Matrix3d> Simulation::pressure_tensor() const {
   const bool springs_move = has_springs() && !langevin_;  // and the pressure has their part in it
   const State now{state_.x, springs_move ? state_.v : thermal_velocity(), meter_.forces(), state_.t,
                   state_.box};
-  return barometer_->evaluated(scene_.system, forces_, now, method_->lambda());
+  return barometer_->evaluated(scene_.system, forces_, now, besides_, method_->lambda());
 }
 
 double Simulation::constraint_work() const {
-  const ThreadScope own(threads_);
-  return unaccounted(record()) - unaccounted_at_start_;
+  return unaccounted() - unaccounted_at_start_;
 }
 
 void Simulation::change(const RunSettings& run) {
@@ -257,7 +266,7 @@ void Simulation::serialize(Archive& archive) {
   serialize_numbers(archive);
   if (!archive.loading()) return;
   State evaluated = state_;  // its f holds no constraint forces
-  forces_(scene_.system, evaluated);
+  forces_.evaluate(scene_.system, evaluated, besides_);
   meter_.recall(evaluated.f);
 }
 

@@ -118,7 +118,7 @@ class Simulation : private Bath, private ForceLaw {
   // What holds the bonds at this very instant, whatever method runs: A λ = −(J M⁻¹F + |v_ij|²), tension −λd;
   // of a penalty, what its springs pull. Least norm where bonds are redundant [kJ/mol/nm].
   Eigen::VectorXd bond_tensions() const;
-  const ForceField& forces() const { return forces_; }
+  Energies energies() const;  // of the forces, by term [kJ/mol]
 
   Record record() const;  // the state as it is now, but for what belongs to a run
   std::optional<Eigen::Matrix3d> pressure_tensor() const;  // in a box [bar]
@@ -180,7 +180,7 @@ class Simulation : private Bath, private ForceLaw {
   void after_step(const System& sys, double h, State& s) override;
   void rescale(double h, State& s);
   void take_momentum_out(State& s);
-  void operator()(const System& sys, State& s) override;  // the forces, their work metered
+  void evaluate(const System& sys, State& s) override;  // the forces, their work metered
   std::uint64_t seed_here() const;
   void make_thermostat();
   void serialize_thermostat(Archive& archive);
@@ -210,11 +210,12 @@ class Simulation : private Bath, private ForceLaw {
   double per_ns_and_dof() const;
   std::optional<double> off_by_k(double drift) const;
   StartAndEnd start_and_end(const Record& end) const;
-  // The energy but for the potential's, the work of its forces and the heat: what bonds alone can change
+  // The kinetic energy and a penalty's springs', less the work of forces and the heat: only bonds change it
   // [kJ/mol].
-  double unaccounted(const Record& r) const {
-    return r.total() - forces_.potential() - meter_.work() - meter_.heat();
+  double unaccounted(double kinetic) const {
+    return kinetic + method_->spring_energy(scene_.system, state_.x) - meter_.work() - meter_.heat();
   }
+  double unaccounted() const;
   Record row(const SolveStats& since, const Stopwatch& watch, long steps);
   Summary summary(const Record& end, double seconds, double constraint_seconds, long steps) const;
   void expect_numbers() const;  // throws StepFailure where one is none
@@ -233,7 +234,8 @@ class Simulation : private Bath, private ForceLaw {
   System full_;  // with the bonds that were left out, if any were
   Redundancy redundancy_;
   Scene scene_;
-  mutable ForceField forces_;  // measuring tensions evaluates them again, where the state is
+  mutable ForceField forces_;       // measuring energies may renew its pair lists
+  ForceField::Evaluation besides_;  // what evaluating the forces at state_ gave besides them
   WorkMeter meter_;
   double unaccounted_at_start_ = 0, heat_at_start_ = 0;  // or where the thermostat was changed
   std::unique_ptr<ConstraintMethod> method_;
@@ -251,9 +253,9 @@ class Simulation : private Bath, private ForceLaw {
   std::string ewald_doubt_;  // what is wrong with the parameters of Ewald's sum, if anything is
   std::string snapshot_;     // what serialize() kept
   struct Note {
-    std::string numbers;  // what serialize_numbers() kept
-    Vectors forces;       // F where the state was [kJ/mol/nm]
-    ForceField::Answers answers;
+    std::string numbers;             // what serialize_numbers() kept
+    Vectors forces;                  // F where the state was [kJ/mol/nm]
+    ForceField::Evaluation besides;  // and what evaluating them gave besides
   };
   Note note_;
   std::optional<Diagnosis> taken_back_;  // why the last step was

@@ -85,7 +85,7 @@ Record Simulation::row(const SolveStats& since, const Stopwatch& watch, long ste
   RunningSlope energy = sums_.energy;
   energy.add(r.t, r.but_for_heat());
   r.drift = barostat_ ? kUnknown : energy.value() * per_ns_and_dof();
-  r.constraint_work = unaccounted(r) - unaccounted_at_start_;
+  r.constraint_work = unaccounted(r.kinetic) - unaccounted_at_start_;
   if (const auto tensor = pressure_tensor()) {
     r.pressure_tensor = *tensor;
     r.pressure = tensor->trace() / 3;
@@ -179,7 +179,7 @@ void Simulation::after_step(const System&, double h, State& s) {
   if (rescaling_) rescale(h, s);
   const long every = scene_.run.remove_momentum_every;
   if (every > 0 && progress_.step % every == 0) take_momentum_out(s);
-  if (barostat_) barostat_->after_step(s, meter_.forces());
+  if (barostat_) barostat_->after_step(s, meter_.forces(), besides_);
 }
 
 // What is thermal of the kinetic energy tells how to scale; springs' velocities are scaled, too.

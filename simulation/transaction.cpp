@@ -16,14 +16,13 @@ void Simulation::note() {
   Archive archive = Archive::noting_in(note_.numbers);
   serialize_numbers(archive);
   note_.forces = meter_.forces();
-  forces_.note(note_.answers);
+  note_.besides = besides_;
 }
 
 void Simulation::take_back() {
   Archive archive = Archive::recalling(note_.numbers);
   serialize_numbers(archive);
-  State evaluated = state_;  // its f holds no constraint forces
-  forces_.return_to(scene_.system, evaluated, note_.answers);
+  besides_ = note_.besides;
   meter_.recall(note_.forces);
 }
 

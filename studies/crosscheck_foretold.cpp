@@ -122,7 +122,7 @@ Foretold foretell(const Stage& stage, const Baumgarte::Options& options, const F
   System sys = stage.scene.system;
   ForceField forces(sys, stage.scene.start.box, stage.scene.terms);
   State s = stage.scene.start;
-  forces(sys, s);
+  forces.evaluate(sys, s);
   Residuals residuals(sys, options, h);
   Foretold foretold;
   double squares = 0;

@@ -167,14 +167,14 @@ TEST(AbsurdPositions, OfParentsOfVirtualSitesAreNamed) {
   State s;
   s.x = columns({{0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0.02}, {NAN, 0, 0}, {0, NAN, 0}, {0, 0, HUGE_VAL}});
   const State good = s;
-  forces(sys, s);
+  forces.evaluate(sys, s);
   EXPECT_TRUE(s.x.allFinite() && s.f.allFinite());
   for (const double value : {double(NAN), HUGE_VAL, 1e300, 1e100, -1e20})
     for (int parent = 0; parent < 3; ++parent) {
       s = good;
       s.x(1, parent) = value;
       try {
-        forces(sys, s);
+        forces.evaluate(sys, s);
         ADD_FAILURE() << value << " was taken";
       } catch (const SimulationFailure& e) {
         EXPECT_NE(std::string(e.what()).find(fmt::format("atom {}", parent)), std::string::npos) << e.what();

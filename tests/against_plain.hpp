@@ -89,7 +89,7 @@ inline SolveStats start_and_step(const System& sys, const MethodOptions& options
   Projector projector(sys);
   projector.positions(sys, s.x);
   projector.velocities(sys, s.x, s.v);
-  forces(sys, s);
+  forces.evaluate(sys, s);
   SolveStats stats = method->add_forces(sys, Push::at_start(h), s);
   return stats += step({sys, forces, *method}, h, s);
 }

@@ -57,7 +57,7 @@ struct IdealGas {
       for (int a = 0; a < scene.system.atoms(); ++a)
         s.v.col(a) = std::sqrt(kT / scene.system.mass[a]) * random.normal_vector();
       for (const auto& [i, j, d] : scene.system.bonds) rigid_rotor(i, j);
-      box->after_step(s, s.f);
+      box->after_step(s, s.f, {});
       box->move(scene.system, s);
       s.box.edge.setConstant(std::cbrt(s.box.volume()));  // a shape that nothing holds goes anywhere
       if (n < steps / 20) continue;
@@ -128,7 +128,7 @@ TEST(CellRescaling, WidensTheVolumesWhereItsCompressibilityIsWrong) {
   RunningMean mean, square;
   for (int step = 0; step < 40000; ++step) {
     for (int a = 0; a < kMolecules; ++a) gas.s.v.col(a).setConstant(std::sqrt(kT / gas.scene.system.mass[a]));
-    barostat->after_step(gas.s, gas.s.f);
+    barostat->after_step(gas.s, gas.s.f, {});
     barostat->move(gas.scene.system, gas.s);
     const double v = gas.s.box.volume() * 40 / kT / kMolecules;
     mean.add(v);
@@ -156,8 +156,7 @@ double energy_strained(const Scene& scene, State s, int edge, double by) {
     s.x.middleCols<3>(o).row(edge).array() += by * centre[edge];
   }
   ForceField forces(sys, s.box, scene.terms);
-  forces(sys, s);
-  return forces.potential();
+  return forces.evaluate_energy(sys, s);
 }
 
 // V P = Σ M V² − dE/dε, the bonds held: virtual work.
@@ -166,8 +165,9 @@ TEST(CellRescaling, IsDrivenByThePressureOfTheCentres) {
     const Scene scene = water({}, pme);
     State s = scene.start;
     ForceField forces(scene.system, s.box, scene.terms);
-    forces(scene.system, s);
-    const Vec3 P = CellRescaling(scene, 1, forces).pressure(s, s.f);
+    ForceField::Evaluation besides;
+    forces.evaluate(scene.system, s, besides);
+    const Vec3 P = CellRescaling(scene, 1, forces).pressure(s, s.f, besides);
     for (int edge = 0; edge < 3; ++edge) {
       double expected = 0;
       for (int o = 0; o < scene.system.atoms(); o += 3) {
@@ -232,7 +232,7 @@ TEST(CellRescaling, ScalesVelocitiesOfCentresAgainstTheBox) {
   ForceField forces(sys, gas.s.box, {});
   const auto barostat = make_barostat(gas.scene, 7, forces);
   const State before = gas.s;
-  barostat->after_step(gas.s, gas.s.f);
+  barostat->after_step(gas.s, gas.s.f, {});
   const double given = barostat->move(sys, gas.s);
   EXPECT_NEAR(given, kinetic_energy(sys, gas.s.v) - kinetic_energy(sys, before.v), 1e-12);
   EXPECT_GT(std::abs(given), 1e-3);
@@ -286,7 +286,7 @@ TEST(Barostat, StopsWhereTheBoxRunsAway) {
   };
   const auto compress_along_z = [&] {
     for (int a = 0; a < 30; ++a) gas.s.v.col(a) = Vec3(2, 2, 0);
-    barostat->after_step(gas.s, gas.s.f);
+    barostat->after_step(gas.s, gas.s.f, {});
     const State before = gas.s;
     try {
       barostat->move(gas.scene.system, gas.s);

@@ -32,7 +32,7 @@ Baumgarte::Options numbers(double alpha, double beta, int passes = 2) {
 struct PullOnOne : ForceLaw {
   explicit PullOnOne(double its_pull) : pull(its_pull) {}
   double pull;
-  void operator()(const System&, State& s) override {
+  void evaluate(const System&, State& s) override {
     s.f.setZero();
     s.f(0, 1) = pull;
   }

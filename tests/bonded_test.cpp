@@ -205,10 +205,8 @@ Sum plain_sum(const Chains& c) {
 Sum sum_by_threads(BondedForces forces, const Vectors& x, int threads) {
   use_threads(threads);
   Sum s{0, Vectors::Zero(3, x.cols())};
-  forces.add_forces(x, s.f);
+  for (const double energy : forces.add_forces(x, s.f)) s.energy += energy;
   use_threads(1);
-  s.energy = forces.exception_energy();
-  for (const auto& [term, energy] : forces.energies()) s.energy += energy;
   return s;
 }
 

@@ -32,7 +32,7 @@ TEST_P(EveryScene, StartsWithExactBondsAndFiniteForces) {
   EXPECT_GT(scene.hard_on.size(), 20u);
   EXPECT_LT(bond_errors(scene.system, scene.start.x).max, 1e-12);
   ForceField forces(scene.system, scene.start.box, scene.terms);
-  forces(scene.system, scene.start);
+  forces.evaluate(scene.system, scene.start);
   EXPECT_TRUE(scene.start.f.allFinite());
   EXPECT_TRUE(scene.start.v.allFinite());
   EXPECT_LT(scene.start.f.cwiseAbs().maxCoeff(), 1e4);  // no overlap [kJ/mol/nm]
@@ -154,8 +154,7 @@ TEST(Melt, FillsABoxWithoutOverlap) {
     EXPECT_LT(bond_errors(scene.system, scene.start.x).max, 1e-12);
     State s = scene.start;
     ForceField forces(scene.system, scene.start.box, scene.terms);
-    forces(scene.system, s);
-    EXPECT_LT(forces.potential() / scene.system.atoms(), 0.5);  // in kT
+    EXPECT_LT(forces.evaluate_energy(scene.system, s) / scene.system.atoms(), 0.5);  // in kT
   }
 }
 
@@ -201,8 +200,7 @@ TEST(Decane, TorsionIsTraPPEs) {
     s.x.resize(3, 4);
     s.f = Vectors::Zero(3, 4);
     s.x << 1, 0, 0, std::cos(phi), 0, 0, 0, std::sin(phi), 0, 0, 1, 1;  // trans at φ = 180°
-    forces(four, s);
-    EXPECT_NEAR(forces.potential(), trappe(phi), 1e-12) << degrees;
+    EXPECT_NEAR(forces.evaluate_energy(four, s), trappe(phi), 1e-12) << degrees;
   }
 }
 
@@ -242,8 +240,7 @@ TEST(Water, ModelsHaveTheirNumbers) {
 double potential(const Scene& scene) {
   State s = scene.start;
   ForceField forces(scene.system, scene.start.box, scene.terms);
-  forces(scene.system, s);
-  return forces.potential();
+  return forces.evaluate_energy(scene.system, s);
 }
 
 // The cutoff is less than half the small box: eight boxes side by side have eight times its energy.
@@ -313,8 +310,7 @@ TEST(Water, GoesOnInABoxOfAnotherShape) {
     Terms terms = scene.terms;
     terms.nonbonded->dispersion_correction = false;
     ForceField forces(scene.system, s.box, terms);
-    forces(scene.system, s);
-    return forces.potential();
+    return forces.evaluate_energy(scene.system, s);
   };
   const Scene again = scene_of("water", {"build.molecules=500", start});
   EXPECT_EQ(again.start.box, one.start.box);

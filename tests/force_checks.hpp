@@ -31,8 +31,22 @@ struct Bench {
 
   Evaluated at(const Vectors& x) {
     State s{x, Vectors::Zero(3, x.cols()), Vectors::Constant(3, x.cols(), NAN), 0, box};
-    forces(sys, s);  // whatever f was
-    return {forces.potential(), s.f};
+    const double energy = forces.evaluate_energy(sys, s);  // whatever f was
+    return {energy, s.f};
+  }
+
+  Eigen::Matrix3d virial_at(const Vectors& x) {
+    State s{x, {}, {}, 0, box};
+    ForceField::Evaluation besides;
+    forces.evaluate(sys, s, besides);
+    return forces.virial(s, besides);
+  }
+
+  Energies energies_at(const Vectors& x) {
+    State s{x, {}, {}, 0, box};
+    ForceField::Evaluation besides;
+    forces.evaluate(sys, s, besides);
+    return forces.energies(s, besides);
   }
 };
 

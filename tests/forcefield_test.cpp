@@ -175,15 +175,16 @@ TEST(Fields, GravityAndPullsAreUniform) {
   const System sys = make_system(mass, {});
   ForceField forces(sys, {}, {.gravity = Vec3(0, 0, -9.81), .pulls = {{1, {1, 2, 3}}, {0, {0, 5, 0}}}});
   State s{columns({{0, 1, 2}, {4, 5, 6}}), Vectors::Zero(3, 2), {}, 0, {}};
-  forces(sys, s);
+  ForceField::Evaluation besides;
+  forces.evaluate(sys, s, besides);
   EXPECT_NEAR((s.f - columns({{0, 5, -29.43}, {1, 2, 3}})).norm(), 0, 1e-14);
-  const auto energies = forces.energies();
+  const auto energies = forces.energies(s, besides);
   ASSERT_EQ(energies.size(), 2u);
   EXPECT_EQ(energies[0].first, "gravity");
   EXPECT_NEAR(energies[0].second, 3 * 9.81 * 2, 1e-12);
   EXPECT_EQ(energies[1].first, "pull");
   EXPECT_NEAR(energies[1].second, -(4 + 10 + 18) - 5, 1e-12);
-  EXPECT_EQ(forces.potential(), energies[0].second + energies[1].second);
+  EXPECT_EQ(forces.potential(s, besides), energies[0].second + energies[1].second);
 }
 
 // Half a box and more away it is the other image that is held.
@@ -238,7 +239,7 @@ TEST(ForceField, TakesNothingFromForcesThatWere) {
 }
 
 TEST(ForceField, NamesOnlyTheTermsThereAre) {
-  EXPECT_TRUE(Bench(3, {}).forces.energies().empty());
+  EXPECT_TRUE(Bench(3, {}).energies_at(Vectors::Zero(3, 3)).empty());
   Terms all{.bonds = {{0, 1, 0.1, 3000}},
             .angles = {{0, 1, 2, 1.9, 400}},
             .torsions = {{0, 1, 2, 3, 1, 0, 7}},
@@ -254,7 +255,7 @@ TEST(ForceField, NamesOnlyTheTermsThereAre) {
   const double potential = bench.at(kBent).energy;
   std::vector<std::string> names;
   double sum = 0;
-  for (const auto& [name, energy] : bench.forces.energies()) {
+  for (const auto& [name, energy] : bench.energies_at(kBent)) {
     names.push_back(name);
     sum += energy;
   }

@@ -10,13 +10,13 @@
 namespace taut::testing {
 
 struct NoForce : ForceLaw {
-  void operator()(const System&, State& s) override { s.f.setZero(); }
+  void evaluate(const System&, State& s) override { s.f.setZero(); }
 };
 
 struct UniformForce : ForceLaw {
   explicit UniformForce(const Vec3& its_g) : g(its_g) {}
   Vec3 g;
-  void operator()(const System& sys, State& s) override {
+  void evaluate(const System& sys, State& s) override {
     for (int i = 0; i < sys.atoms(); ++i) s.f.col(i) = sys.mass[i] * g;
   }
 };

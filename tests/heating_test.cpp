@@ -23,8 +23,8 @@ namespace {
 struct MeteredForces : ForceLaw {
   MeteredForces(ForceLaw& its_forces, double its_h, const Langevin* its_bath = nullptr)
       : forces(its_forces), h(its_h), bath(its_bath) {}
-  void operator()(const System& sys, State& s) override {
-    forces(sys, s);
+  void evaluate(const System& sys, State& s) override {
+    forces.evaluate(sys, s);
     bath ? meter.see(h, sys, s, *bath->half_jump()) : meter.see(h, s);
   }
   double work() const { return meter.work(); }
@@ -36,13 +36,8 @@ struct MeteredForces : ForceLaw {
 
 // Every atom on a spring to the origin.
 struct Trap : ForceLaw {
-  void operator()(const System&, State& s) override {
-    s.f = -kStiffness * s.x;
-    energy = 0.5 * kStiffness * s.x.squaredNorm();
-  }
-  double potential() const override { return energy; }
+  void evaluate(const System&, State& s) override { s.f = -kStiffness * s.x; }
   static constexpr double kStiffness = 2;
-  double energy = 0;
 };
 
 double squares_over_mass(const System& sys, const Vectors& f) {
@@ -216,13 +211,13 @@ TEST(Account, OfFreeWatersInABathIsTheBathsAlone) {
 // 2 − 2cos ωh = kh²/(md²), in steps of length h.
 struct Swing : ForceLaw {
   Swing(double omega_h, double h) : stiffness((2 - 2 * std::cos(omega_h)) / (h * h)) {}
-  void operator()(const System&, State& s) override {
+  void evaluate(const System&, State& s) override {
     const double x = s.x(0, 1), y = s.x(1, 1);
     angle = std::atan2(y, x);
     s.f.setZero();
     s.f.col(1) = -stiffness * angle / (x * x + y * y) * Vec3(-y, x, 0);
   }
-  double potential() const override { return 0.5 * stiffness * angle * angle; }
+  double potential() const { return 0.5 * stiffness * angle * angle; }
   double stiffness, angle = 0;
 };
 
@@ -233,13 +228,13 @@ struct Shares {
 // The same, tied to a place at the bond's rest by a spring that is not across it.
 struct Tether : ForceLaw {
   Tether(double omega_h, double h) : stiffness((2 - 2 * std::cos(omega_h)) / (h * h)) {}
-  void operator()(const System&, State& s) override {
+  void evaluate(const System&, State& s) override {
     const Vec3 off = s.x.col(1) - Vec3::UnitX();
     s.f.setZero();
     s.f.col(1) = -stiffness * off;
     energy = 0.5 * stiffness * off.squaredNorm();
   }
-  double potential() const override { return energy; }
+  double potential() const { return energy; }
   double stiffness, energy = 0;
 };
 

@@ -50,7 +50,7 @@ class HoomdDistance : public ConstraintMethod {
 
 // Every atom on a spring to the origin.
 struct Springs : ForceLaw {
-  void operator()(const System&, State& s) override { s.f = -3 * s.x; }
+  void evaluate(const System&, State& s) override { s.f = -3 * s.x; }
 };
 
 // Put into |v_half|² and σ̇_half, v_half = v − ½ha, its condition is

@@ -185,7 +185,7 @@ TEST(LangevinBath, FrictionSlowsAFreeParticle) {
 struct Springs : ForceLaw {
   explicit Springs(double its_k) : k(its_k) {}
   double k;
-  void operator()(const System&, State& s) override { s.f = -k * s.x; }
+  void evaluate(const System&, State& s) override { s.f = -k * s.x; }
 };
 
 // The middle scheme is exact for springs: positions at any ωh, and the velocity that the bath acts on.

@@ -22,7 +22,7 @@ State at_rest(int atoms) {
 }
 
 struct Spring : ForceLaw {  // of constant 1, to the origin
-  void operator()(const System&, State& s) override { s.f = -s.x; }
+  void evaluate(const System&, State& s) override { s.f = -s.x; }
 };
 
 double oscillator_error(double h) {
@@ -31,7 +31,7 @@ double oscillator_error(double h) {
   s.x(0, 0) = 1;
   Spring forces;
   ConstraintMethod free;
-  forces(sys, s);
+  forces.evaluate(sys, s);
   while (s.t < 1 - h / 2) EXPECT_TRUE(step({sys, forces, free}, h, s).converged());
   return std::hypot(s.x(0, 0) - std::cos(s.t), s.v(0, 0) + std::sin(s.t));
 }
@@ -47,7 +47,7 @@ TEST(Step, IsReversible) {
   const Vectors start = s.x;
   Spring forces;
   ConstraintMethod free;
-  forces(sys, s);
+  forces.evaluate(sys, s);
   for (int n = 0; n < 900; ++n) EXPECT_TRUE(step({sys, forces, free}, 0.05, s).converged());
   EXPECT_GT((s.x - start).norm(), 0.5);
   s.v = -s.v;
@@ -61,7 +61,7 @@ TEST(Step, AnAnchorDoesNotMove) {
   s.x(0, 0) = 1;
   Spring forces;
   ConstraintMethod free;
-  forces(sys, s);
+  forces.evaluate(sys, s);
   for (int n = 0; n < 10; ++n) EXPECT_TRUE(step({sys, forces, free}, 0.1, s).converged());
   EXPECT_EQ(s.x(0, 0), 1);
 }
@@ -279,7 +279,7 @@ TEST(Slope, FitsALineAndItsUncertainty) {
 }
 
 struct Runaway : ForceLaw {
-  void operator()(const System&, State& s) override { s.f = 1e200 * (s.x.array() * s.x.array()).matrix(); }
+  void evaluate(const System&, State& s) override { s.f = 1e200 * (s.x.array() * s.x.array()).matrix(); }
 };
 
 TEST(Run, StopsBeforeNaNAndSaysWhen) {

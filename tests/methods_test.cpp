@@ -132,7 +132,7 @@ TEST_P(EveryMethod, GivesTheSameBitsTwice) {
 
 struct Turncoat : ForceLaw {  // no force, until it is no number
   int calls = 0;
-  void operator()(const System&, State& s) override { s.f.setConstant(++calls == 6 ? std::nan("") : 0.0); }
+  void evaluate(const System&, State& s) override { s.f.setConstant(++calls == 6 ? std::nan("") : 0.0); }
 };
 
 // The first residual that is no number stops a run.
@@ -172,7 +172,7 @@ TEST_P(EveryMethod, ItsMultipliersAreTheExactOnesToFirstOrder) {
   const double h = GetParam() == "settle" ? 1e-4 : 1e-3;
   const auto verdict = verify(start.system, forces, default_options(GetParam()), h, 20, start.state);
   State end = verdict.end;
-  forces(start.system, end);
+  forces.evaluate(start.system, end);
   Projector projector(start.system);
   if (GetParam() == "shake") projector.velocities(start.system, end.x, end.v);
   const Eigen::VectorXd exact = projector.multipliers(start.system, end);

@@ -48,8 +48,9 @@ temperature_k = 300
 std::map<std::string, double> energies(const Scene& scene) {
   State s = scene.start;
   ForceField forces(scene.system, s.box, scene.terms);
-  forces(scene.system, s);
-  const auto all = forces.energies();
+  ForceField::Evaluation besides;
+  forces.evaluate(scene.system, s, besides);
+  const auto all = forces.energies(s, besides);
   return {all.begin(), all.end()};
 }
 

@@ -40,8 +40,7 @@ double energy(const Scene& scene, const Vectors& x) {
   s.x = x;
   s.f = Vectors::Zero(3, x.cols());
   ForceField forces(scene.system, s.box, scene.terms);
-  forces(scene.system, s);
-  return forces.potential();
+  return forces.evaluate_energy(scene.system, s);
 }
 
 // Two atoms that no term puts close to each other, and their least distance in σ.

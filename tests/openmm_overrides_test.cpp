@@ -34,7 +34,7 @@ Vectors forces_of(const Scene& scene) {
   State state = scene.start;
   state.f = Vectors::Zero(3, state.x.cols());
   ForceField forces(scene.system, state.box, scene.terms);
-  forces(scene.system, state);
+  forces.evaluate(scene.system, state);
   return state.f;
 }
 

@@ -35,8 +35,7 @@ Vectors spread(int atoms, std::uint64_t seed) {
 void expect_virial_is_the_slope(const Terms& terms, const Vectors& x, bool box = true) {
   const Box edges = box ? Box{Vec3::Constant(kEdge)} : Box{};
   Bench bench(static_cast<int>(x.cols()), terms, edges);
-  bench.at(x);
-  const Eigen::Matrix3d virial = bench.forces.virial(x);
+  const Eigen::Matrix3d virial = bench.virial_at(x);
   EXPECT_GT(virial.norm(), 1e-3);
   for (int a = 0; a < 3; ++a)
     for (int b = 0; b < 3; ++b) {
@@ -127,8 +126,7 @@ double energy_scaled(const Scene& scene, const Vectors& x, double s) {
     state.x.middleCols<3>(o).colwise() += (s - 1) * centre;
   }
   ForceField forces(sys, state.box, scene.terms);
-  forces(sys, state);
-  return forces.potential();
+  return forces.evaluate_energy(sys, state);
 }
 
 // For rigid molecules the constraint forces turn the pressure of the atoms into that of the molecules,

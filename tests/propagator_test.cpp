@@ -234,7 +234,7 @@ double bearable_stretch(double ah, double bh2, const char* damping, int passes,
     initialize({sys, forces, method}, h, s);
     s.x(0, 1) += sign * stretch;
     if (how == Stretched::kFromTheStart) {
-      forces(sys, s);
+      forces.evaluate(sys, s);
       EXPECT_TRUE(method.add_forces(sys, Push::at_start(h), s).converged());
     }
     for (int n = 0; n < 3000; ++n)

@@ -54,7 +54,8 @@ TEST_P(Scenes, HoldTheirBonds) {
   const MethodOptions options = default_options(method);
   const double h = scene.run.h();
   ForceField forces(scene.system, scene.start.box, scene.terms);
-  const Verdict verdict = verify(scene.system, forces, options, h, steps_for(scene), scene.start);
+  const Verdict verdict = verify(scene.system, forces, options, h, steps_for(scene), scene.start,
+                                 [&](State s) { return forces.evaluate_energy(scene.system, s); });
 
   ASSERT_TRUE(verdict.stats.converged()) << in_words(verdict.stats.failure);
   const double promise = make_method(scene.system, options, h)->promised_error();

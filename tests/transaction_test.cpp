@@ -124,7 +124,7 @@ TEST_P(OfEach, AStepThatThrowsIsTakenBack) {
       if (step == simulation.step()) undisturbed.stop();
     });
     EXPECT_GT(simulation.step(), 0);
-    EXPECT_TRUE(simulation.forces().energies() == undisturbed.forces().energies());
+    EXPECT_TRUE(simulation.energies() == undisturbed.energies());
     EXPECT_EQ(simulation.pressure_tensor(), undisturbed.pressure_tensor());
     EXPECT_EQ(simulation.bond_tensions(), undisturbed.bond_tensions());
     EXPECT_TRUE(kept(simulation) == kept(undisturbed)) << simulation.step();
@@ -140,7 +140,7 @@ TEST_P(OfEach, AStartThatThrowsIsTakenBack) {
   simulation.run({}, [&](long step) {
     if (step != 20) return;
     const std::string before = kept(simulation);
-    const auto energies = simulation.forces().energies();
+    const auto energies = simulation.energies();
     for (const double minimise : {0.0, 10.0}) {
       disturbed.field->throws_at = disturbed.field->calls + (minimise > 0 ? 7 : 1);
       EXPECT_THROW(simulation.set_out_anew(simulation.state().x, simulation.state().v, minimise),
@@ -150,7 +150,7 @@ TEST_P(OfEach, AStartThatThrowsIsTakenBack) {
     Vectors nowhere = simulation.state().x;
     nowhere.setZero();
     EXPECT_THROW(simulation.set_out_anew(nowhere, simulation.state().v), SimulationFailure);
-    EXPECT_TRUE(simulation.forces().energies() == energies);
+    EXPECT_TRUE(simulation.energies() == energies);
     EXPECT_TRUE(kept(simulation) == before);
   });
   Disturbed undisturbed(GetParam());

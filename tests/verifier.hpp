@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+
 #include "constraints/bond_algebra.hpp"
 #include "constraints/projection.hpp"
 #include "constraints/registry.hpp"
@@ -21,16 +23,17 @@ struct Verdict {
   SolveStats stats;
 };
 
-// Runs `steps` steps from a start that is first brought to the bonds. `forces` must be ready to call.
+// Runs `steps` steps from a start that is first brought to the bonds. `potential`: the energy of the forces,
+// where they have one [kJ/mol].
 inline Verdict verify(const System& sys, ForceLaw& forces, const MethodOptions& options, double h, int steps,
-                      State s) {
+                      State s, const std::function<double(State)>& potential = {}) {
   Verdict verdict;
   const auto method = make_method(sys, options, h);
   const Dynamics dynamics{sys, forces, *method};
   initialize(dynamics, h, s);
   const Vec3 momentum_before = momentum(sys, s.v);
   const auto energy = [&] {
-    return kinetic_energy(sys, s.v) + forces.potential() + method->spring_energy(sys, s.x);
+    return kinetic_energy(sys, s.v) + (potential ? potential(s) : 0.0) + method->spring_energy(sys, s.x);
   };
   const double energy_before = energy();
   double largest_kinetic = kinetic_energy(sys, s.v);

@@ -69,8 +69,8 @@ TEST_P(EveryKind, GivesItsParentsMinusTheSlopeOfTheEnergy) {
   ForceField forces(sys, {}, springs());
   const auto at = [&](const Vectors& x) {
     State s{x, {}, {}, 0, {}};
-    forces(sys, s);
-    return Evaluated{forces.potential(), s.f};
+    const double energy = forces.evaluate_energy(sys, s);
+    return Evaluated{energy, s.f};
   };
   const Vectors f = at(kPlaces).f;
   EXPECT_TRUE(f.col(4).isZero(0));
@@ -94,11 +94,12 @@ TEST_P(EveryKind, HasTheVirialOfItsParents) {
     Eigen::Matrix3d strain = Eigen::Matrix3d::Identity();
     strain(a, b) += by;
     State s{strain * kPlaces, {}, {}, 0, {}};
-    forces(sys, s);
-    return forces.potential();
+    return forces.evaluate_energy(sys, s);
   };
-  strained(0, 0, 0);
-  const Eigen::Matrix3d virial = forces.virial(placed(kPlaces));
+  State s{kPlaces, {}, {}, 0, {}};
+  ForceField::Evaluation besides;
+  forces.evaluate(sys, s, besides);
+  const Eigen::Matrix3d virial = forces.virial(s, besides);
   const double step = 1e-6;
   for (int a = 0; a < 3; ++a)
     for (int b = 0; b < 3; ++b)

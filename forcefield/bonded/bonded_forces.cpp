@@ -83,7 +83,7 @@ void BondedForces::sort_and_cut() {
   std::apply([&](auto&... kind) { (divide(kind), ...); }, kinds_);
 }
 
-void BondedForces::add_forces(const Vectors& x, Vectors& f) {
+BondedForces::KindEnergies BondedForces::add_forces(const Vectors& x, Vectors& f) {
   const int threads = std::clamp(terms_ / kTermsOfThread, 1, available_threads());
   in_parallel(threads, [&](int t) {
     const Share share(pieces_, t, threads);
@@ -97,25 +97,17 @@ void BondedForces::add_forces(const Vectors& x, Vectors& f) {
   });
   const auto& fene = std::get<Sorted<Fene>>(kinds_);
   if (std::isnan(fene.total())) throw_broken(fene.terms, x);
+  return std::apply([](const auto&... kind) { return KindEnergies{kind.total()...}; }, kinds_);
 }
 
-std::vector<std::pair<std::string, double>> BondedForces::energies() const {
+std::vector<std::pair<std::string, double>> BondedForces::by_name(const KindEnergies& energies) const {
+  constexpr std::array kNames{"bond", "angle", "torsion", "rb_torsion", "harmonic_torsion", "cmap", "fene"};
+  const auto counts =
+      std::apply([](const auto&... kind) { return std::array{kind.terms.size()...}; }, kinds_);
   std::vector<std::pair<std::string, double>> all;
-  const auto add = [&](const char* name, const auto& kind) {
-    if (!kind.terms.empty()) all.emplace_back(name, kind.total());
-  };
-  add("bond", std::get<Sorted<HarmonicBond>>(kinds_));
-  add("angle", std::get<Sorted<HarmonicAngle>>(kinds_));
-  add("torsion", std::get<Sorted<ExpandedTorsion>>(kinds_));
-  add("rb_torsion", std::get<Sorted<RyckaertBellemans>>(kinds_));
-  add("harmonic_torsion", std::get<Sorted<TurnedTorsion>>(kinds_));
-  add("cmap", std::get<Sorted<CmapPair>>(kinds_));
-  add("fene", std::get<Sorted<Fene>>(kinds_));
+  for (std::size_t k = 0; k < kNames.size(); ++k)
+    if (counts[k] > 0) all.emplace_back(kNames[k], energies[k]);
   return all;
-}
-
-double BondedForces::exception_energy() const {
-  return std::get<Sorted<PairException>>(kinds_).total();
 }
 
 }  // namespace taut

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -18,12 +19,14 @@ class BondedForces {
   BondedForces() = default;
   BondedForces(const Terms& terms, const std::vector<PairException>& exceptions);
 
+  // Energies by kind of term, in the order of kinds_ [kJ/mol].
+  using KindEnergies = std::array<double, 8>;
   // Throws SimulationFailure where a fene bond is stretched to its reach or more.
-  void add_forces(const Vectors& x, Vectors& f);
+  KindEnergies add_forces(const Vectors& x, Vectors& f);
 
-  // Of the last evaluation [kJ/mol], in the order of bonded.hpp, only what there is: ("angle", 12.3), ...
-  std::vector<std::pair<std::string, double>> energies() const;
-  double exception_energy() const;
+  // The same by name, exceptions left out, only the kinds there are: ("angle", 12.3), ...
+  std::vector<std::pair<std::string, double>> by_name(const KindEnergies& energies) const;
+  static double exception_energy(const KindEnergies& energies) { return energies.back(); }
 
   int pieces() const { return pieces_; }
 

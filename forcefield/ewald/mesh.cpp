@@ -18,8 +18,7 @@ class PmeMesh::Engine {
  public:
   virtual ~Engine() = default;
   virtual void set_box(const Box& box) = 0;
-  virtual void add_forces(const Vectors& x, Vectors& f) = 0;
-  virtual double energy() const = 0;
+  virtual double add_forces(const Vectors& x, Vectors& f) = 0;
   virtual Eigen::Matrix3d virial(const Vectors& x) = 0;
 };
 
@@ -86,7 +85,7 @@ class MeshIn final : public PmeMesh::Engine {
     by_rows(available_threads(), [&](int row, int) { lay_influence(row); });
   }
 
-  void add_forces(const Vectors& x, Vectors& f) override {
+  double add_forces(const Vectors& x, Vectors& f) override {
     const int n = static_cast<int>(charged_.size()), threads = this->threads();
     spread_and_transform(x, threads);
     by_rows(threads, [&](int row, int t) {
@@ -104,9 +103,8 @@ class MeshIn final : public PmeMesh::Engine {
       const Share share(n, t, threads);
       add_mesh_forces<T>(mesh(), {atoms_.data() + share.begin, atoms_.data() + share.end}, slope_, f);
     });
+    return std::accumulate(energy_of_.begin(), energy_of_.end(), 0.0);
   }
-
-  double energy() const override { return std::accumulate(energy_of_.begin(), energy_of_.end(), 0.0); }
 
   Eigen::Matrix3d virial(const Vectors& x) override {
     const int threads = this->threads();
@@ -300,11 +298,8 @@ PmeMesh& PmeMesh::operator=(PmeMesh&&) noexcept = default;
 void PmeMesh::set_box(const Box& box) {
   engine_->set_box(box);
 }
-void PmeMesh::add_forces(const Vectors& x, Vectors& f) {
-  engine_->add_forces(x, f);
-}
-double PmeMesh::energy() const {
-  return engine_->energy();
+double PmeMesh::add_forces(const Vectors& x, Vectors& f) {
+  return engine_->add_forces(x, f);
 }
 Eigen::Matrix3d PmeMesh::virial(const Vectors& x) {
   return engine_->virial(x);

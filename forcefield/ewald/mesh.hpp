@@ -28,9 +28,8 @@ class PmeMesh {
   PmeMesh(PmeMesh&&) noexcept;
   PmeMesh& operator=(PmeMesh&&) noexcept;
 
-  void set_box(const Box& box);  // the grid stays, and is stretched with it
-  void add_forces(const Vectors& x, Vectors& f);
-  double energy() const;  // of the last add_forces [kJ/mol]
+  void set_box(const Box& box);                     // the grid stays, and is stretched with it
+  double add_forces(const Vectors& x, Vectors& f);  // returns the energy [kJ/mol]
   // At x [kJ/mol]: charges are spread and transformed again, so that a step that does not ask does not pay.
   Eigen::Matrix3d virial(const Vectors& x);
 

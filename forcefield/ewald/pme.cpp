@@ -44,15 +44,15 @@ void Pme::set_box(const Box& box) {
   mesh_.set_box(box);
 }
 
-void Pme::add_forces(const Vectors& x, Vectors& f) {
-  mesh_.add_forces(x, f);
+double Pme::add_forces(const Vectors& x, Vectors& f) {
+  const double mesh = mesh_.add_forces(x, f);
   const auto add = [&f](ExcludedSums& sums, const Excluded& e, const Screened& s) {
     const Vec3 pull = e.qq * s.force * s.r;
     sums.energy -= e.qq * s.energy;
     f.col(e.i) -= pull;
     f.col(e.j) += pull;
   };
-  excluded_energy_ = over_excluded(x, add).energy;
+  return constant_ + background_ + over_excluded(x, add).energy + mesh;
 }
 
 Eigen::Matrix3d Pme::virial(const Vectors& x) {

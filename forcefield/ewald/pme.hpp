@@ -23,9 +23,7 @@ class Pme {
   Pme(const Nonbonded& nb, Precision precision);
 
   void set_box(const Box& box);
-  void add_forces(const Vectors& x, Vectors& f);
-  // Of the last add_forces [kJ/mol].
-  double energy() const { return constant_ + background_ + excluded_energy_ + mesh_.energy(); }
+  double add_forces(const Vectors& x, Vectors& f);  // returns the energy [kJ/mol]
   // At x, −dE/dstrain [kJ/mol]. What it takes is done when it is asked for.
   Eigen::Matrix3d virial(const Vectors& x);
 
@@ -64,7 +62,6 @@ class Pme {
   std::vector<Excluded> excluded_;
   std::vector<int> cuts_;  // into pieces: no atom is on both sides of one
   std::vector<ExcludedSums> pieces_;
-  double excluded_energy_ = 0;
   PmeMesh mesh_;
 };
 

@@ -56,7 +56,6 @@ class EngineIn final : public ClusterPairs::Engine {
     if (p_.all_pairs() && x.cols() > 0) choose_unit(2 * spread(x), x.cwiseAbs().maxCoeff());
     if (p_.periodic && box != clusters_.box()) forget();
     if (!searched_in_box_ || !place(x)) renew_lists(x, box);
-    energy_known_ = false;
   }
 
   void add_forces(Vectors& f, Onto onto) override {
@@ -67,10 +66,7 @@ class EngineIn final : public ClusterPairs::Engine {
   }
 
   double energy() override {
-    if (!energy_known_)
-      energy_ = over_lists([](const auto&... of) { return SixSums{pair_energy<T>(of...)}; })[0];
-    energy_known_ = true;
-    return energy_;
+    return over_lists([](const auto&... of) { return SixSums{pair_energy<T>(of...)}; })[0];
   }
 
   Eigen::Matrix3d virial() override {
@@ -87,7 +83,6 @@ class EngineIn final : public ClusterPairs::Engine {
     if (!archive.loading()) return;
     archive.demand(within_reach());
     prune();
-    energy_known_ = false;
   }
 
  private:
@@ -303,8 +298,6 @@ class EngineIn final : public ClusterPairs::Engine {
   RowShares shares_;  // of the outer list, which make the inner one
   ThreadForces<T> force_;
   std::vector<SixSums> parts_;
-  double energy_ = 0;
-  bool energy_known_ = false;
 };
 
 // Without a cutoff every separation counts. A unit of 32 bits that holds the widest is finer than single

@@ -73,7 +73,7 @@ py::dict log(const Self& self) {
 py::dict energies(Self& self) {
   const Record now = self.settled().record();
   py::dict all;
-  for (const auto& [term, energy] : self.engine().forces().energies()) all[py::str(term)] = energy;
+  for (const auto& [term, energy] : self.engine().energies()) all[py::str(term)] = energy;
   all["potential"] = now.potential, all["kinetic"] = now.kinetic, all["total"] = now.total();
   return all;
 }

@@ -215,7 +215,7 @@ void note_start(const BuildRequest& request, const Builder& built, Scene& scene)
   ForceField forces(scene.system, scene.start.box, scene.terms);
   State s = scene.start;
   s.f = Vectors::Zero(3, s.x.cols());
-  forces(scene.system, s);
+  forces.evaluate(scene.system, s);
   Eigen::Index atom = 0;
   const double largest = std::sqrt(s.f.colwise().squaredNorm().maxCoeff(&atom));
   if (!(largest < kStrongForce))

@@ -170,8 +170,7 @@ void settle(const BuildRequest& request, const WaterModel& model, const WaterSou
   const auto energy_of = [](Scene& of) {
     ForceField forces(of.system, of.start.box, of.terms);
     of.start.f = Vectors::Zero(3, of.system.atoms());
-    forces(of.system, of.start);
-    return forces.potential();
+    return forces.evaluate_energy(of.system, of.start);
   };
   const double each = energy_of(bulk) / bulk.system.atoms();
   ForceField forces(scene.system, scene.start.box, scene.terms);

@@ -134,9 +134,8 @@ State cut(const State& unit, const Box& box, long molecules) {
 
 bool relax(const System& sys, ForceField& forces, int each, double energy, State& s) {
   s.f.resizeLike(s.x);
-  forces(sys, s);
+  double now = forces.evaluate_energy(sys, s), far = 1e-5;  // [nm per kJ/mol/nm]
   State next = s;
-  double now = forces.potential(), far = 1e-5;  // [nm per kJ/mol/nm]
   const double slack = kSlack * static_cast<double>(s.x.cols() / each);
   for (int move = 0; move < kMostMoves && now > energy + slack; ++move) {
     for (Eigen::Index m = 0; m < s.x.cols(); m += each) {
@@ -152,8 +151,7 @@ bool relax(const System& sys, ForceField& forces, int each, double energy, State
       next.x.middleCols(m, each) =
           (turned * (x.colwise() - middle)).colwise() + (middle + longest * far * force);
     }
-    forces(sys, next);
-    const double there = forces.potential();
+    const double there = forces.evaluate_energy(sys, next);
     if (!(there < now) || there < energy - slack) {
       far *= there < now ? (now - energy) / (now - there) : 0.5;
       continue;

@@ -36,6 +36,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const MemoryFile state(text.substr(std::min(cut + kCut.size(), text.size())));
     taut::Scene scene = taut::import_openmm(system.path(), state.path());
     taut::ForceField forces(scene.system, scene.start.box, scene.terms);
-    forces(scene.system, scene.start);
+    forces.evaluate(scene.system, scene.start);
   });
 }
