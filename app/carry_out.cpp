@@ -25,13 +25,13 @@ std::vector<std::string> written(const RunFolder& folder) {
   return files;
 }
 
-// Fewer rows give no error.
+// A few rows are too few for an error.
 std::string with_error(const Estimate& e, int digits) {
   return fmt::format("{:.{}f}", e.value, digits) +
          (e.error > 0 ? fmt::format(" ± {:.{}f}", e.error, digits) : "");
 }
 
-// Prints one line per kind of molecule, if there is more than one temperature.
+// One line a type of molecule, where there is more to say than the temperature of all.
 void print_temperatures(const Temperatures& temperatures) {
   for (std::size_t type = 0; type < temperatures.types().size(); ++type) {
     std::string line;
@@ -45,7 +45,7 @@ void print_temperatures(const Temperatures& temperatures) {
   say("\n");
 }
 
-// Prints the time per step and the energy drift.
+// What steps cost, and what they did to the energy.
 void print_steps(const Simulation& simulation, const Summary& s) {
   const int bonds = simulation.scene().system.bond_count();
   say("\n{:.4g} µs a step, of it constraints {:.3g} µs", s.us_per_step, s.constraint_us_per_step);
@@ -95,7 +95,7 @@ void print_summary(const Simulation& simulation, const Summary& s, bool stepped)
 }
 
 void print_doubts(const Summary& s) {
-  if (json_alone()) return;  // the JSON has them
+  if (json_alone()) return;  // which has them
   for (const auto& doubt : s.doubts) say_always(fmt::format("in doubt: {}\n", doubt));
 }
 
@@ -123,8 +123,8 @@ std::string how_to_go_on(const Simulation& simulation, const RunFolder* folder, 
       folder ? to_go_on(*folder, simulation.step()) : "nothing was kept: a run with --out can be resumed");
 }
 
-// Prints the rows of a run. If standard output fails, a run with a folder continues and ends with an error;
-// if the reader has closed the pipe, the run stops as by a signal.
+// What a run says while it goes on. A run that keeps its data in a folder goes on where its output is not
+// taken, and ends with an error; where its reader has closed the pipe, it stops as by a signal.
 class Told {
  public:
   Told(const StopRequest& request, const RunFolder* folder) : request_(request), folder_(folder) {}
@@ -149,7 +149,7 @@ class Told {
   std::optional<OutsideError> refused_;
 };
 
-// Returns the message for a failed run: the failure, the files that are kept, and how to continue.
+// What is known of the failure, what of it is kept, and how to go on.
 [[noreturn]] void explain(const ExplainedFailure& failure, const RunFolder* folder) {
   if (!failure.unwritten.empty()) complain(failure.unwritten);
   std::string kept;

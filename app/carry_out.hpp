@@ -6,9 +6,9 @@
 
 namespace taut {
 
-// Takes the remaining steps of a run, prints its rows and, with a folder, writes its files. `measured`, if
-// not null, receives each logged state and is printed at the end. Throws SimulationFailure with the cause,
-// and Stopped after a signal.
+// Takes the steps that are left of a run, printing and, with a folder, writing as it goes on. `measured`, if
+// there is one, sees what is logged and is printed at the end. Throws SimulationFailure with what is known of
+// why, and Stopped where it was asked to stop.
 void carry_out(Simulation& simulation, RunFolder* folder, Measured* measured = nullptr);
 
 }  // namespace taut

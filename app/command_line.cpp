@@ -16,7 +16,7 @@ struct Said {
   std::string words, value;
 };
 
-// True if two TOML values are equal, e.g. 2 and 2.0.
+// 2 and 2.0 are one value.
 bool same(const std::string& a, const std::string& b) {
   char *end_a = nullptr, *end_b = nullptr;
   const double x = std::strtod(a.c_str(), &end_a), y = std::strtod(b.c_str(), &end_b);
@@ -25,7 +25,7 @@ bool same(const std::string& a, const std::string& b) {
 
 }  // namespace
 
-// Within single quotes a shell takes every character literally, except a single quote.
+// Within single quotes a shell takes all as it is, but for a single quote.
 std::string quoted_for_shell(const std::string& word) {
   const auto plain = [](unsigned char c) {
     return std::isalnum(c) || std::string_view("_-./:,=+@%").find(c) != std::string_view::npos || c > 127;

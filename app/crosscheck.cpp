@@ -26,7 +26,7 @@ struct CrosscheckArguments {
   std::vector<std::string> methods;
   std::optional<std::filesystem::path> out;
   bool overwrite = false;
-  std::optional<std::string> prefix;  // prefix of the exported files
+  std::optional<std::string> prefix;  // of the exported files
   CrosscheckPlan plan;
 
   std::string command() const {

@@ -9,8 +9,8 @@ namespace taut {
 
 void print_crosscheck(const Crosscheck& c);
 
-// Writes crosscheck.json (all figures and verdicts), crosscheck.csv (every sample of every run),
-// distances.csv for liquid water, the pictures and report.html. `command` is the command line.
+// crosscheck.json (all figures and verdicts), crosscheck.csv (every sample of every run), of liquid water
+// distances.csv, pictures of them, and report.html; `command` is what was typed.
 void write_crosscheck(const Crosscheck& c, const std::string& command, const std::filesystem::path& folder);
 
 }  // namespace taut

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Keys without influence on the results.
+// Of no consequence for what was computed.
 constexpr std::array<std::string_view, 3> kOfNoConsequence = {"run.checkpoint_every",
                                                               "run.checkpoint_minutes", "run.steps"};
 
@@ -55,8 +55,8 @@ void expect_same_input(const fs::path& folder, const SceneSource& kept, const Sc
                     "resume {}` whatever it is",
                     folder.string(), difference, quoted_for_shell(folder.string())));
   };
-  // For OpenMM's input the texts of the System and the State are compared, not their file names: Python uses
-  // others, and may add names of atoms from a Topology, which the run keeps.
+  // Of OpenMM's input the System and the State count, whatever their files are called: Python has other names
+  // for them, and perhaps a Topology's names of atoms, which the run goes on with.
   const bool openmm = given.openmm;
   const std::size_t files = openmm ? 2 : given.files.size();
   if (kept.openmm != openmm || (openmm ? kept.files.size() < files : kept.files.size() != files))

@@ -32,7 +32,7 @@ std::string barostat_line(const RunSettings& run) {
   return "";
 }
 
-// The number of threads is printed, because the default is one.
+// One thread computes unless told otherwise, which nobody should have to find out.
 std::string threads_line(int threads) {
   const int cores = static_cast<int>(std::thread::hardware_concurrency());
   return fmt::format("{} of {}{}", threads, counted(cores, "core"),

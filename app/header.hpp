@@ -7,7 +7,7 @@
 
 namespace taut {
 
-// The header that `taut run` prints above its rows, and its parts, which `taut info` prints, too.
+// What a run is, above its rows; and what of it is told of a scene that does not run, too.
 void print_header(const Simulation& simulation);
 void print_title(const Scene& scene);
 std::string box_line(const Box& box);  // "box 1.86 × 1.86 × 1.86 nm"

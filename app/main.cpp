@@ -12,8 +12,7 @@
 
 namespace {
 
-// Opens /dev/null for closed standard streams. Otherwise the first file that is opened would get the stream's
-// number and be printed into.
+// Else the first file that is opened would take the place of a stream that was closed, and be printed into.
 void fill_closed_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
     if (fcntl(stream, F_GETFD) < 0) open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
@@ -42,11 +41,11 @@ int carry_out(taut::Commands& commands, int argc, char** argv) {
 
 }  // namespace
 
-// Exit codes: 0 done, 1 the simulation failed, 2 the input is wrong, 3 an error outside (disk, memory), 128 +
-// the number of the signal that stopped it.
+// Exit codes: 0 done, 1 the simulation failed, 2 the input is wrong, 3 something outside (disk, memory), 128
+// + a signal where that one asked to stop.
 int main(int argc, char** argv) {
-  // Makes writes to a file over the size limit, or to a closed pipe, fail instead of killing the process.
-  // Handlers are used, because child processes such as gnuplot would inherit SIG_IGN.
+  // A file over the limit and a pipe that nobody reads are writes that fail. What taut starts, such as
+  // gnuplot, does not inherit a handler, as it would SIG_IGN.
   for (const int signal : {SIGXFSZ, SIGPIPE}) std::signal(signal, [](int) {});
   fill_closed_streams();
   taut::Commands commands(

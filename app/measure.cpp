@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 struct MeasureArguments {
   fs::path folder;
-  std::vector<std::string> atoms;  // names of the two atoms of the radial distribution
+  std::vector<std::string> atoms;  // of the radial distribution, by name
   std::optional<fs::path> out;
   bool overwrite = false;
 };

@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Runs gnuplot on a script, and returns its messages.
+// What gnuplot and the shell say of a script.
 constexpr int kDrawn = 0, kNothingToDraw = 4, kNoGnuplot = 127, kInterrupted = 128 + SIGINT;
 
 int run_gnuplot(const fs::path& folder, const std::string& name) {
@@ -30,11 +30,11 @@ int run_gnuplot(const fs::path& folder, const std::string& name) {
                                              quoted_for_shell(fs::absolute(folder).string()), name, name)
                                      .c_str());
   const int code = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
-  if (code == kInterrupted) throw Stopped{code};  // Ctrl-C, which std::system hides from this process
+  if (code == kInterrupted) throw Stopped{code};  // Ctrl-C, which std::system keeps from taut itself
   return code;
 }
 
-// Returns a cell for a file separated by tabs; gnuplot takes a double quote for its end.
+// A cell between tabs; gnuplot takes a double quote for the end of one.
 std::string tsv_cell(std::string text) {
   std::ranges::replace(text, '"', '\'');
   std::ranges::replace_if(
@@ -64,7 +64,7 @@ void StudyFiles::draw(const Picture& p) {
   write(p.name + ".csv", p.csv);
   for (const std::string& script : {std::string("taut.gp"), p.name + ".gp"})
     write(script, contents_of(scripts / script));
-  std::error_code ignored;  // a picture of an earlier run
+  std::error_code ignored;  // of a drawing before this one
   for (const char* kind : {".svg", ".png"}) fs::remove(folder_ / (p.name + kind), ignored);
   const int status = run_gnuplot(folder_, p.name);
   bool drawn = status == kDrawn;

@@ -5,13 +5,13 @@
 
 namespace taut {
 
-// A line of progress on a terminal; nothing if stderr is a file or a pipe, or with --quiet.
+// A line on a terminal; nothing where stderr is a file or a pipe, or under --quiet.
 class Progress {
  public:
   explicit Progress(long total = 0);
-  void at(long done);                 // the fraction done and the time left
-  void now(const std::string& what);  // shows what is being done
-  void clear();                       // removes the line before something else is printed
+  void at(long done);                 // the share done and the time left; redraws a few times a second
+  void now(const std::string& what);  // or what is being done
+  void clear();                       // takes the line away, before something else is printed
 
  private:
   void draw(const std::string& line);

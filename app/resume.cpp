@@ -32,7 +32,7 @@ struct ResumeArguments {
 
 void resume(const ResumeArguments& arguments) {
   expect_checkpoint(arguments.folder);
-  FolderLock lock(arguments.folder);  // before reading, because another process may be writing a checkpoint
+  FolderLock lock(arguments.folder);  // before it is read: who holds it may be writing the next
   Checkpoint checkpoint = load_checkpoint(arguments.folder);
   const KeyValues changes = arguments.changes(checkpoint.step);
   go_on(std::move(lock), std::move(checkpoint), changes,

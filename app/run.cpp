@@ -22,7 +22,7 @@ struct RunArguments : SceneArgument {
   bool go_on = false, overwrite = false, measure = false;
 };
 
-// Options that have no effect without a folder.
+// What a run without a folder could only forget.
 void refuse_files_without_folder(const RunSettings& settings) {
   const char* key = settings.trajectory_every > 0                                     ? "trajectory_every"
                     : settings.checkpoint_every > 0                                   ? "checkpoint_every"
@@ -65,7 +65,7 @@ void run_in_folder(const RunArguments& arguments, Scene scene) {
   if (!may_move) refuse_a_run_there(folder);
   Simulation simulation(std::move(scene));
   FolderLock lock(folder);
-  if (!may_move) refuse_a_run_there(folder);  // another process may have made a run meanwhile
+  if (!may_move) refuse_a_run_there(folder);  // another may have been faster
   RunFolder run_folder(std::move(lock), source, simulation);
   run_to_end(arguments, simulation, &run_folder);
 }

@@ -2,9 +2,9 @@
 
 namespace taut {
 
-// While this object exists, SIGINT, SIGTERM and SIGHUP (a closed terminal) request a stop instead of killing
-// the process. A second SIGINT or SIGTERM kills at once; a second SIGHUP does not, because terminals send
-// two. A SIGHUP that nohup ignores stays ignored.
+// While it lives, SIGINT, SIGTERM and SIGHUP (the terminal was closed) ask to stop instead of killing. Once
+// asked, a second SIGINT or SIGTERM kills at once; a hangup comes twice by itself. Under nohup, which has
+// SIGHUP ignored, it stays so.
 class StopRequest {
  public:
   StopRequest();
@@ -12,11 +12,11 @@ class StopRequest {
   StopRequest& operator=(const StopRequest&) = delete;
   ~StopRequest();
 
-  void pipe_is_closed() const;  // requests a stop as SIGPIPE would, because the reader has closed the pipe
-  int signal() const;           // 0 if there was none
+  void pipe_is_closed() const;  // asks to stop as SIGPIPE would: nobody reads any more
+  int signal() const;           // 0: none yet
 };
 
-// Thrown after a requested stop; has the exit code that a shell gives for the signal.
+// Thrown where a run stopped because it was asked to: the exit code a shell gives to the signal.
 struct Stopped {
   int exit_code;
 };

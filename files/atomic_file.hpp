@@ -8,9 +8,9 @@
 
 namespace taut {
 
-// A file that is written under another name and renamed on commit(), so that no reader sees a part of it,
-// even after a crash of the machine. Without commit() it is deleted. Throws OutsideError, which names the
-// file, if the disk or the folder refuses.
+// A file written aside and renamed when whole: nobody ever sees half of it, not even after a crash of the
+// machine. Dropped if not committed. Throws OutsideError, naming the file, where the disk or the folder
+// refuses.
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path path);
@@ -27,7 +27,7 @@ class AtomicFile {
   std::uint64_t size_ = 0;
 };
 
-// Makes a folder and its parents.
+// Makes a folder, with those above it.
 void make_folder(const std::filesystem::path& folder);
 
 }  // namespace taut

@@ -24,7 +24,7 @@ std::string trimmed(std::string_view text) {
   return std::string(text.substr(first, text.find_last_not_of(" \t\r") + 1 - first));
 }
 
-// Reads a file line by line and splits lines by columns.
+// A file's lines, one after the other, by columns.
 class Lines {
  public:
   explicit Lines(const std::filesystem::path& file) : file_(file.string()), in_(file, std::ios::binary) {
@@ -62,10 +62,10 @@ class Lines {
   int number_ = 0;
 };
 
-// Collects atoms in the order of the file.
+// Atoms as they come.
 class Collected {
  public:
-  // `residue` differs between consecutive residues.
+  // `residue` changes from one residue to the next.
   void add(const Vec3& x, const AtomKind& kind, const std::string& residue) {
     x_.push_back(x);
     const auto [at, fresh] = known_.try_emplace(kind, static_cast<int>(names_.kinds.size()));
@@ -111,7 +111,7 @@ ReducedBox checked(const Eigen::Matrix3d& vectors, double rounding, const Lines&
   return read;
 }
 
-// Returns the box vectors of CRYST1's lengths and angles. A cell of 1 Å means no box (wwPDB's convention).
+// CRYST1's lengths and angles as vectors. A cell of 1 Å stands for none (wwPDB's convention).
 ReducedBox read_cell(const Lines& lines) {
   std::array<double, 3> length, angle, cosine;
   for (int d = 0; d < 3; ++d) {
@@ -132,7 +132,7 @@ ReducedBox read_cell(const Lines& lines) {
         fmt::format("its box: angles of {}, {} and {} degrees, expected each to be less than the other two "
                     "together, and all to be less than 360",
                     angle[0], angle[1], angle[2]));
-  // Lengths have three decimals [Å]. Angles have two [°], an error of 1e-4 rad, which enters a tilt twice.
+  // Lengths are of three decimals in Å. Angles are of two in degrees, which is 1e-4 rad, and act twice.
   const double rounding = 1e-4 + 2e-4 * *std::ranges::max_element(length);
   return checked(m, rounding, lines);
 }
@@ -172,7 +172,7 @@ ReducedBox read_gro_box(Lines& lines) {
   if (n == std::vector<double>(9)) return {};
   Eigen::Matrix3d m;
   m << n[0], n[5], n[7], n[3], n[1], n[8], n[4], n[6], n[2];
-  // Edge and tilt are both rounded to this many decimals, so the error is less than one unit of the last.
+  // Edge and tilt are each rounded to so many decimals: that is less than one unit of the last.
   return checked(m, 1.1 * std::pow(10.0, -static_cast<double>(decimals)), lines);
 }
 
@@ -183,7 +183,7 @@ Coordinates read_gro(Lines& lines) {
   Collected atoms;
   for (double a = 0; a < count; ++a) {
     if (!lines.next()) lines.fail(fmt::format("expected {} atoms, got {}", count, a));
-    // The distance between decimal points is the width of a column.
+    // Columns are as wide as decimal points are apart.
     const auto point = lines.line.find('.', 20);
     const auto second = point == std::string::npos ? point : lines.line.find('.', point + 1);
     if (second == std::string::npos) lines.fail("expected three positions");

@@ -8,19 +8,19 @@
 
 namespace taut {
 
-// The contents of a coordinate file: positions and names of the atoms, and the box and velocities if the file
-// has them.
+// What a file of coordinates says of a system: where its atoms are, what they are called; a box, if it has
+// one, and velocities.
 struct Coordinates {
   Vectors x;  // [nm]
-  Vectors v;  // [nm/ps]; empty if the file has none
+  Vectors v;  // [nm/ps]; empty where there are none
   Box box;
   Names names;
-  std::string note;  // a message for the user about how it was read; may be empty
+  std::string note;  // what the reader should know of how it was read; empty: nothing
 };
 
-// Reads a PDB file (.pdb, .ent; ATOM and HETATM of the first model, CRYST1, wwPDB format 3.3) or a GRO file
-// of GROMACS (.gro; any number of decimals). Skewed boxes are reduced (files/reduced_box.hpp). Throws
-// InputError, one line with file and line.
+// Of a PDB file (.pdb, .ent): ATOM and HETATM of its first model, CRYST1 (wwPDB format 3.3). Or of a GRO file
+// (.gro) of GROMACS, of any number of decimals. Skewed boxes are reduced (files/reduced_box.hpp). Throws
+// InputError with one line naming file and line.
 Coordinates read_coordinates(const std::filesystem::path& file);
 
 }  // namespace taut

@@ -18,9 +18,9 @@ namespace {
 
 constexpr int kTitle = 80;  // characters
 constexpr std::uint64_t kHeader = (4 + 84 + 4) + (4 + 4 + kTitle + 4) + (4 + 4 + 4);
-constexpr std::uint64_t kControlAt = 8;  // address of the header's integers, after a length and "CORD"
+constexpr std::uint64_t kControlAt = 8;  // where the header has its integers, after a length and "CORD"
 
-using Control = std::array<std::int32_t, 20>;  // one of them is a real number
+using Control = std::array<std::int32_t, 20>;  // of which one is a real
 constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
 
 Control control_of(const std::filesystem::path& path) {
@@ -31,7 +31,7 @@ Control control_of(const std::filesystem::path& path) {
   return control;
 }
 
-// Appends a Fortran unformatted record: the bytes between two copies of their length.
+// Fortran's unformatted records: each between two copies of its length.
 class Records {
  public:
   template <class T>
@@ -50,7 +50,7 @@ class Records {
   std::string bytes_;
 };
 
-// Returns the header without its integers, which count_frames() writes.
+// Without its integers, which count_frames writes.
 std::string header(const TrajectorySetup& setup) {
   Records records;
   records.bound(84).text("CORD", 4).put(Control{}).bound(84);
@@ -99,8 +99,8 @@ void DcdFile::count_frames(std::uint64_t frames) {
   control[2] = counted(every_);
   control[3] = counted(n * every_);
   std::memcpy(&control[9], &step_, sizeof step_);
-  control[10] = periodic_ ? 1 : 0;  // 1: frames have a unit cell
-  control[19] = 24;                 // version of CHARMM that defines this format
+  control[10] = periodic_ ? 1 : 0;  // with a unit cell
+  control[19] = 24;                 // CHARMM's version that brought the format
   file_.rewrite(kControlAt, Records().put(control).bytes());
 }
 

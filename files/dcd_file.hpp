@@ -5,14 +5,14 @@
 
 namespace taut {
 
-// Writes positions in CHARMM's binary format, which NAMD, OpenMM, VMD and MDAnalysis read: Å, single
-// precision, the edges and angles of the box before each frame, the step in AKMA units of time. The header's
-// counts are updated with each frame. They have 32 bits: before a step number would exceed them, the header's
-// unit of time becomes the time between frames, so that readers still find the right times. The mark of this
-// output is in bytes.
+// Positions in CHARMM's binary format, as NAMD, OpenMM, VMD and MDAnalysis read it: in Å, single precision,
+// the box's edges and angles before each frame, the step in AKMA units of time. The header's counts are kept
+// up to date. They have 32 bits: before a number of steps outgrows these, the header's unit of time becomes
+// the time from frame to frame, so that readers go on to find the times of frames. An output's mark is in
+// bytes.
 class DcdFile : public Output {
  public:
-  // mark 0 makes a new file; otherwise the existing file is truncated to the mark.
+  // mark 0: a new file; else the one there is, cut back to it.
   DcdFile(const std::filesystem::path& path, const TrajectorySetup& setup, std::uint64_t mark);
 
   void add(const Frame& frame);
@@ -25,7 +25,8 @@ class DcdFile : public Output {
   GrowingFile file_;
   bool periodic_;
   long atoms_;
-  // Fields of the header: step of the first frame, steps between frames, length of a step [AKMA units].
+  // As the header has them: the first frame's step, steps from frame to frame, and a step's length in AKMA
+  // units.
   std::int64_t first_, every_;
   float step_;
 };

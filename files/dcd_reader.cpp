@@ -13,7 +13,7 @@
 
 namespace taut {
 
-// Reads a record, which lies between two copies of its length.
+// A record stands between two copies of its length.
 bool DcdReader::record(std::size_t length, void* into) {
   std::uint32_t before = 0, after = 0;
   in_.read(reinterpret_cast<char*>(&before), sizeof before);

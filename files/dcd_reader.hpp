@@ -8,16 +8,15 @@
 
 namespace taut {
 
-// Reads a file that DcdFile wrote, frame by frame. Throws InputError for other files.
+// Reads what DcdFile wrote, frame by frame. Throws InputError for another kind of file.
 class DcdReader {
  public:
   explicit DcdReader(const std::filesystem::path& path);
 
   int atoms() const { return atoms_; }
-  double interval() const { return interval_; }  // time between frames [ps]
+  double interval() const { return interval_; }  // from frame to frame [ps]
 
-  // Reads the next frame: positions [nm], and the box if there is one. Returns false after the last complete
-  // frame.
+  // The next frame: positions [nm], and the box if there is one. False behind the last one that is whole.
   bool next(Vectors& x, Box& box);
 
  private:

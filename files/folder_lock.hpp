@@ -6,12 +6,11 @@
 
 namespace taut {
 
-// Lets one process at a time write to a folder, by a lock (flock(2)) on FOLDER/.lock. The kernel releases the
-// lock however the process ends; the empty file stays. On a file system without locks every process is
-// admitted.
+// A folder that one process writes to at a time: the lock of FOLDER/.lock (flock(2)), which the kernel takes
+// back however the process ends; the empty file stays. Where the file system knows no locks, all are let in.
 class FolderLock {
  public:
-  // Makes the folder. Throws InputError if another process has the lock, OutsideError if the disk refuses.
+  // Makes the folder. Throws InputError where another process has it, OutsideError where the disk refuses.
   explicit FolderLock(std::filesystem::path folder);
 
   const std::filesystem::path& path() const { return path_; }

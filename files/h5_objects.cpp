@@ -5,9 +5,10 @@
 namespace taut {
 namespace {
 
-constexpr hsize_t kChunkBytes = 1 << 16;  // approximate size of a chunk; a larger frame is one chunk
+constexpr hsize_t kChunkBytes = 1 << 16;  // about; a frame that is larger is a chunk
 
-// Returns HDF5's message and its innermost reason: "unable to open file: file signature not found".
+// "unable to open file: file signature not found": what failed and, where HDF5 tells it, the innermost
+// reason.
 std::string hdf5_words() {
   struct Words {
     std::string innermost, outermost;
@@ -31,7 +32,7 @@ H5Handle scalar() {
   return {H5Screate(H5S_SCALAR), H5Sclose};
 }
 
-// A string type of variable length, which Python's readers take for text.
+// Variable length, which Python's readers take for text.
 H5Handle text_type() {
   H5Handle type{H5Tcopy(H5T_C_S1), H5Tclose};
   accepted(H5Tset_size(type, H5T_VARIABLE));

@@ -11,16 +11,16 @@
 namespace taut {
 namespace {
 
-constexpr int kMostNumbered = 99999;  // most atoms in five columns
+constexpr int kMostNumbered = 99999;  // atoms, by five columns
 
-// Returns the eight columns of a coordinate [Å].
+// A position's eight columns [Å].
 std::string columns(double x) {
   for (int decimals = 3; decimals >= 0; --decimals)
     if (std::string text = fmt::format("{:8.{}f}", x, decimals); text.size() <= 8) return text;
   return x > 0 ? "99999999" : "-9999999";
 }
 
-// Elements of one letter leave the first of the four columns blank.
+// One letter elements leave the first of the four columns free.
 std::string atom_name(const AtomKind& kind) {
   const std::string name = kind.atom.substr(0, 4);
   return name.size() == 4 || kind.element.size() == 2 ? fmt::format("{:<4}", name)

@@ -8,9 +8,9 @@
 namespace taut {
 namespace {
 
-// Tolerances, relative to half an edge.
-constexpr double kSinglePrecision = 1e-6;  // a tilt beyond the half by less than this is kept (md/box.cpp)
-constexpr double kMargin = 1e-2;           // largest rounding error that is accepted
+// Shares of half an edge.
+constexpr double kSinglePrecision = 1e-6;  // a tilt beyond the half by no more stays as it is (md/box.cpp)
+constexpr double kMargin = 1e-2;           // the largest rounding
 
 bool is_box(const Eigen::Matrix3d& m) {
   return m.allFinite() && m.diagonal().minCoeff() > 0 && m(1, 0) == 0 && m(2, 0) == 0 && m(2, 1) == 0;
@@ -22,7 +22,7 @@ ReducedBox reduced_box(const Eigen::Matrix3d& vectors, double rounding) {
   if (!is_box(vectors)) return {{}, Box::flaw(vectors), ""};
   Eigen::Matrix3d m = vectors;
   std::string changes;
-  // Reduces the tilt of vector `from` along the edge of vector `other` to at most half that edge.
+  // Brings the tilt of vector `from` along the edge of vector `other` to at most half that edge.
   const auto reduce = [&](int from, int other) {
     const double edge = m(other, other), half = edge / 2;
     double& tilt = m(other, from);

@@ -33,7 +33,7 @@ std::vector<std::string> present(const fs::path& folder, const std::vector<std::
   return there;
 }
 
-// The target of a link, because a rename cannot cross to another disk.
+// Where a link leads, a rename does not cross to another disk.
 fs::path folder_to_number(const fs::path& folder) {
   const fs::path plain = folder.has_filename() ? folder : folder.parent_path();
   std::error_code error;

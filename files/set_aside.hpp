@@ -6,15 +6,15 @@
 
 namespace taut {
 
-// Returns those of the named files that exist in a folder.
+// Those of the named files that are in a folder.
 std::vector<std::string> present(const std::filesystem::path& folder, const std::vector<std::string>& names);
 
-// Returns the name of the backup folder without its number: the folder without a trailing slash, links
-// resolved.
+// FOLDER as set_aside() names the new folder, but for its number: without a slash at the end, and where a
+// link leads.
 std::filesystem::path folder_to_number(const std::filesystem::path& folder);
 
-// Moves the named files, which must exist, to a new folder beside theirs: FOLDER.1, or the first free number.
-// Returns that folder. Other files stay in FOLDER. Throws OutsideError.
+// Moves the named files, which are there, to a new folder beside theirs: FOLDER.1, or the first number that
+// is free. Returns that. What else is in FOLDER stays. Throws OutsideError.
 std::filesystem::path set_aside(const std::filesystem::path& folder, const std::vector<std::string>& names);
 
 }  // namespace taut

@@ -8,7 +8,7 @@
 
 namespace taut {
 
-// A box by the lengths and angles of its vectors, as in crystallography.
+// A box as crystallographers say it.
 struct UnitCell {
   std::array<double, 3> length;  // |a|, |b|, |c| [Å]
   std::array<double, 3> angle;   // α of b and c, β of a and c, γ of a and b [°]
@@ -26,7 +26,7 @@ inline UnitCell unit_cell(const Box& box) {
   return cell;
 }
 
-// Returns the box vectors, with a along x and b in the plane of x and y.
+// And back: a along x, b in the plane of x and y.
 inline Box box_of(const UnitCell& cell) {
   const auto cosine = [&](int d) {
     return cell.angle[d] == 90 ? 0 : std::cos(cell.angle[d] * std::numbers::pi / 180);

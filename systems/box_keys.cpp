@@ -20,7 +20,7 @@ Box read_box(const TomlTable& keys) {
   else
     keys.fail("box_nm",
               fmt::format("expected 3 numbers, its edges, or 9, its vectors; got {}", numbers.size()));
-  constexpr double kFiveDecimals = 1.1e-5;  // rounding of GROMACS's five decimals
+  constexpr double kFiveDecimals = 1.1e-5;  // as GROMACS writes them
   const ReducedBox read = reduced_box(vectors, kFiveDecimals);
   if (!read.flaw.empty()) keys.fail("box_nm", read.flaw);
   if (!read.changes.empty()) keys.fail("box_nm", Box::flaw(vectors));

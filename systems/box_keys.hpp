@@ -5,14 +5,13 @@
 
 namespace taut {
 
-// Reads box_nm: the edges of a box, [x, y, z], or its vectors in reduced form, [ax, 0, 0, bx, by, 0, cx, cy,
-// cz]. Without the key there is no box.
+// box_nm = [x, y, z], a box's edges, or its vectors in reduced form, [ax, 0, 0, bx, by, 0, cx, cy, cz]. No
+// box where it is not said.
 Box read_box(const TomlTable& keys);
 
-// Reads box = "cube" (the default) | "octahedron" | "dodecahedron", and returns that shape with a first
-// vector of length
-// 1. The shapes are Wigner–Seitz cells. At the same distance between images, a truncated octahedron has 0.77
-//    and a rhombic dodecahedron 0.71 of the volume of a cube.
+// box = "cube" (unless said) | "octahedron" | "dodecahedron": that shape, its first vector 1 long. They are
+// the cells of points nearest to one of a lattice. Of the same width, a truncated octahedron takes 0.77 and a
+// rhombic dodecahedron 0.71 of a cube's water.
 Box read_shape(const TomlTable& keys);
 
 }  // namespace taut

@@ -14,11 +14,10 @@
 
 namespace taut {
 
-// Rows of numbers, e.g. [[1, 2, 3], [4, 5, 6]].
+// Rows of numbers, [[1, 2, 3], [4, 5, 6]].
 using Rows = std::vector<std::vector<double>>;
 
-// The description of a key of a scene: meaning, unit and allowed values. It is given once, where the key is
-// read:
+// What there is to know of a key of a scene, said once, where it is read:
 //     table.read("dt_fs", run.dt_fs, {"length of a step", "fs", kPositive});
 struct About {
   About() = default;
@@ -32,29 +31,28 @@ struct About {
   const char* meaning = "";
   const char* unit = "";
   Range range = kAnyNumber;
-  std::vector<std::string> words{};  // the allowed values of a text
+  std::vector<std::string> words{};  // a text is one of them
 };
 
-// A key that was read, with its value and description.
+// A key that was read.
 struct Key {
   std::string section, key;          // "run", "dt_fs"
-  std::vector<std::string> kinds{};  // for every_key(): kinds of [build] or methods that have it
+  std::vector<std::string> kinds{};  // of every_key(): the kinds of [build] or the methods that have it
   About about{};
   std::string type{};         // "number", "path", …
-  std::string value{};        // the value in effect, in TOML; empty if there is none
-  std::string from{};         // its source, "water.toml:12" or "--set run.dt_fs=2"; empty for a default
+  std::string value{};        // in force, as TOML has it; empty: none
+  std::string from{};         // who says so, "water.toml:12" or "--set run.dt_fs=2"; empty: its default
   std::string counts_only{};  // "with run.thermostat = \"langevin\""
-  bool read = false, required = false, idle = false;  // idle: without effect, given the other keys
+  bool read = false, required = false, idle = false;  // idle: of no effect beside the others
 
   std::string name() const { return section.empty() ? key : section + "." + key; }
   bool described_as(const Key& other) const;
-  std::string allowed() const;  // "more than 0", "one of dcd, h5md, both"; empty if anything is allowed
+  std::string allowed() const;  // "more than 0", "one of dcd, h5md, both"; empty: anything
 };
 
-// All keys that were read, in the order of reading.
+// The keys that were read, in that order.
 struct KeysRead {
-  // True while empty tables are read for the descriptions of their keys only: no key is missing then, and
-  // readers return before they build anything.
+  // Tables without keys are read for their descriptions: no key is missing, readers return before they build.
   bool describing = false;
   std::vector<Key> all{};
 
@@ -62,7 +60,7 @@ struct KeysRead {
   void forget(std::string_view section, std::string_view but);
 };
 
-// Returns a value as TOML text; of several rows only their number.
+// As TOML has them, several rows by their number.
 std::string value_text(double value);
 std::string value_text(bool value);
 std::string value_text(const std::string& value);

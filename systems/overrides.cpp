@@ -1,4 +1,4 @@
-// Overrides such as "run.dt_fs=2": parsing, merging with a file's keys, and writing them out again.
+// Overrides, "run.dt_fs=2": parsed one by one, laid over a file's keys, and written out again.
 #include <fmt/format.h>
 
 #include <charconv>
@@ -11,14 +11,14 @@
 namespace taut {
 namespace {
 
-// Returns the value with quotes if it is a bare word.
+// A word without quotes, quoted.
 toml::table parse_bare(std::string_view text, std::size_t equals, std::string_view where) {
   std::ostringstream quoted;
   quoted << text.substr(0, equals) << "=" << toml::value<std::string>{std::string(text.substr(equals + 1))};
   return toml::parse(quoted.str(), where);
 }
 
-// The limit of TOML's integers.
+// TOML's integers end there.
 bool is_too_large(std::string_view value) {
   const auto digits = value.find_first_not_of(" +-");
   return digits != value.npos && value.find_first_not_of("0123456789_ ", digits) == value.npos &&
@@ -54,7 +54,7 @@ void collect(const toml::table& table, const std::string& above, KeyValues& valu
   }
 }
 
-// Merges overrides into elements of an array, which they name by numbers from 0 on: place.0.count.
+// Of an array, elements that overrides name by their numbers, counted from 0: place.0.count.
 void lay_over_elements(toml::array& base, toml::table&& upper) {
   for (auto&& [name, node] : upper) {
     const std::string_view number = name.str();
@@ -83,7 +83,7 @@ void lay_over(toml::table& base, toml::table&& upper) {
       lay_over(*below->as_table(), std::move(*node.as_table()));
     else if (below && below->is_array() && node.is_table())
       lay_over_elements(*below->as_array(), std::move(*node.as_table()));
-    else  // moved, because a copy loses its source location
+    else  // moved, not copied: a copy forgets where it came from
       node.visit([&](auto& value) { base.insert_or_assign(key, std::move(value)); });
   }
 }

@@ -39,7 +39,7 @@ void read_barostat(const TomlTable& table, RunSettings& run) {
     table.counts(key, run.barostat == "c-rescale", "with run.barostat = \"c-rescale\"");
 }
 
-// Checks that the scene has what a barostat needs.
+// Of a scene that is there: what a barostat needs.
 void check_barostat(const TomlTable& run, const Scene& scene) {
   if (scene.run.barostat == "none") return;
   if (!scene.run.thermostatted())
@@ -62,7 +62,7 @@ void check_barostat(const TomlTable& run, const Scene& scene) {
              "restraints hold on to what the box would move, and have no virial: take \"monte-carlo\"");
 }
 
-// Refuses settings that do not support struts and ropes.
+// What does not know of struts and ropes.
 void check_one_sided(const TomlTable& run, const TomlTable& method, const Scene& scene) {
   if (scene.run.minimise)
     run.fail("minimise", "moves atoms through one-sided bonds (at_least, at_most): leave it out");
@@ -120,7 +120,7 @@ void read_run(const TomlTable& table, RunSettings& run) {
   table.reject_unknown();
 }
 
-// Another method starts from its own defaults (scene_file.hpp).
+// Another name sets out from that method's defaults: see scene_file.hpp.
 void read_name(const TomlTable& table, MethodOptions& method) {
   std::string name(method.name());
   table.read("name", name, {"who holds the bonds (see `taut methods`)", method_names()});
@@ -139,8 +139,8 @@ void read_options(const TomlTable& table, MethodOptions& method) {
     table.counts(option.key, option.about.counts.read, option.about.counts.where);
 }
 
-// Reads the run settings of a scene whose atoms are placed. Keys of the file that belong to a start or
-// velocities that overrides have replaced are ignored; other keys without effect are refused.
+// Of a scene whose atoms are placed. What the file says for a start, or for velocities, that overrides have
+// replaced is set aside; what is said and does nothing is refused.
 void settle_velocities(const TomlTable& run, bool set_aside, Scene& scene) {
   const RunSettings& settings = scene.run;
   if (settings.velocities == "draw" && settings.temperature_k == 0)
@@ -167,7 +167,7 @@ void read_settings(const TomlTable& root, Scene& scene) {
   method.reject_unknown();
 }
 
-// The keys that name further files: build.start, and the coordinates of molecules and places.
+// Where a scene names further files: build.start, and the coordinates of molecules and places.
 std::vector<toml::value<std::string>*> file_names(toml::table& root) {
   std::vector<toml::value<std::string>*> names;
   const auto add = [&](toml::node_view<toml::node> section, std::string_view key) {
@@ -181,7 +181,7 @@ std::vector<toml::value<std::string>*> file_names(toml::table& root) {
   return names;
 }
 
-// Changes their paths, but keeps whether the file or an override names them.
+// They have moved; who names them, the file or an override, stays.
 void move_files(toml::table& root, const std::vector<std::filesystem::path>& moved) {
   if (moved.empty()) return;
   const auto names = file_names(root);
@@ -189,7 +189,7 @@ void move_files(toml::table& root, const std::vector<std::filesystem::path>& mov
   for (std::size_t k = 0; k < names.size(); ++k) *names[k] = moved[k].string();
 }
 
-// An override may only change an existing molecule or atom; another name is a misspelling.
+// An override changes a molecule or atom that is there: another name is a misspelt one.
 void refuse_new_names(const toml::table& base, const toml::table& overrides) {
   for (const char* section : {"atom", "molecule"}) {
     const toml::table *there = base[section].as_table(), *changed = overrides[section].as_table();
@@ -237,17 +237,17 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
   if (!scene.system.one_sided.empty()) check_one_sided(run_keys, root.section("method"), scene);
   build_keys.reject_unknown();
   forcefield_keys.reject_unknown();
-  // Refuses settings that contradict each other while the file's name is known.
+  // Refuses what does not fit together while the file is known.
   [[maybe_unused]] const ForceField fitting(scene.system, scene.start.box, scene.terms);
   return scene;
 }
 
-// In the order of a scene's sections.
+// As scenes have their sections.
 int order_of(const Key& key) {
   return static_cast<int>(std::ranges::find(kSections, key.section) - kSections.begin());
 }
 
-// Merges the keys of one kind, or of one method, into those of all.
+// Keys of one kind, or of one method, into those of all.
 void merge(std::vector<Key>& all, KeysRead&& described, std::string_view kind) {
   for (Key& key : described.all) {
     if (!key.read) continue;
@@ -313,7 +313,7 @@ void apply_overrides(Scene& scene, const std::vector<std::string>& overrides, Ke
   root.reject_unknown();
   const TomlTable run = root.section("run");
   if (root.has("run")) settle_velocities(run, false, scene);
-  if (!run.has("barostat") && !scene.run.thermostatted()) scene.run.barostat = "none";  // an imported one
+  if (!run.has("barostat") && !scene.run.thermostatted()) scene.run.barostat = "none";  // what was imported
   check_barostat(run, scene);
 }
 

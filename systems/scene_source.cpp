@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Writes the files to a temporary folder, which is deleted with this object.
+// The files where readers can find them, for as long as it lives.
 class Unpacked {
  public:
   explicit Unpacked(const std::vector<SceneSource::File>& files) {
@@ -31,7 +31,7 @@ class Unpacked {
       const fs::path name_alone = fs::path(file_name).filename();
       if (name_alone.empty() || name_alone == "." || name_alone == "..")
         throw InputError("a file of the scene has no name");
-      make_folder(folder_ / std::to_string(paths.size()));  // two files may have the same name
+      make_folder(folder_ / std::to_string(paths.size()));  // two may have one name
       paths.push_back(folder_ / std::to_string(paths.size()) / name_alone);
       DiskFile(paths.back(), DiskFile::kNew).write(0, text);
     }
@@ -43,7 +43,7 @@ class Unpacked {
     fs::remove_all(folder_, left_there);
   }
 
-  // Replaces temporary paths in a message by the original names.
+  // As said of the files by the names they came with.
   std::string named(std::string words) const {
     for (const fs::path& path : paths)
       for (std::size_t at; (at = words.find(path.string())) != std::string::npos;)
@@ -57,8 +57,7 @@ class Unpacked {
   fs::path folder_;
 };
 
-// One line per atom: its name, the name of its residue, its element and its residue's number, separated by
-// tabs.
+// A line an atom: its name, its residue's, its element, the residue it is in, with tabs between.
 Names read_names(const SceneSource::File& file, int atoms) {
   Names names;
   std::map<AtomKind, int> known;

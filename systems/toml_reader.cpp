@@ -39,7 +39,7 @@ std::optional<double> number_of(const toml::node& node) {
   return {};
 }
 
-// Sections are listed with their own keys.
+// Sections are listed by their own keys.
 std::string list_text(const toml::array& list) {
   const bool words = std::ranges::none_of(list, [](const toml::node& one) { return one.is_table(); });
   return words ? value_text(list) : fmt::format("{} of them", list.size());
@@ -70,7 +70,7 @@ std::string value_text(const toml::node& node) {
   if (const auto* number = node.as_floating_point()) {
     const std::string shortest = fmt::format("{}", number->get());
     const bool integer = shortest.find_first_not_of("+-0123456789") == shortest.npos;
-    return shortest + (integer ? ".0" : "");  // keeps it a floating-point number
+    return shortest + (integer ? ".0" : "");  // it stays a number with a fraction
   }
   node.visit([&](const auto& value) { text << value; });
   return text.str();
@@ -272,7 +272,7 @@ const toml::node* TomlTable::find(std::string_view key) const {
   return table_.get(key);
 }
 
-// A float without a fraction, 1e6, is accepted as an integer.
+// A float without a fraction is an integer too: 1e6.
 std::optional<std::int64_t> TomlTable::integer(std::string_view key, Range range) const {
   const toml::node* node = find(key);
   if (!node) return {};
@@ -299,7 +299,7 @@ void TomlTable::missing(std::string_view key) const {
     keys_->of(name_, key).required = true;
     return;
   }
-  std::vector<std::string_view> unread;  // candidates for a misspelt key
+  std::vector<std::string_view> unread;  // one of them may be meant for it
   for (const auto& entry : table_)
     if (!asked_.contains(entry.first.str())) unread.push_back(entry.first.str());
   const std::string_view near = nearest_name(key, unread);

@@ -12,7 +12,7 @@ Vectors columns(const Rows& rows) {
 
 }  // namespace
 
-// kind = "atoms": every atom and bond is listed.
+// kind = "atoms": everything one by one.
 void build_atoms(const BuildRequest& request, Scene& scene) {
   const TomlTable& keys = request.keys;
   const Rows atoms =

@@ -16,10 +16,10 @@
 namespace taut {
 namespace {
 
-constexpr double kUsualKelvin = 300;     // default temperature at which torsions are drawn
-constexpr double kStrongForce = 20'000;  // on one atom, some ten times that in liquids [kJ/mol/nm]
+constexpr double kUsualKelvin = 300;     // torsions are drawn at, if nothing is said
+constexpr double kStrongForce = 20'000;  // on one atom: some ten times what liquids have [kJ/mol/nm]
 
-// Places all copies: first those with given positions, last water.
+// Places all copies: those that have no choice first, water last.
 class Builder {
  public:
   Builder(const BuildRequest& request, std::vector<Place>& places, const Box& box)
@@ -45,7 +45,7 @@ class Builder {
   }
 
   bool drawn() const { return drawn_; }
-  bool cut_to_fit() const { return cut_to_fit_; }  // whether water was cut to fit among other molecules
+  bool cut_to_fit() const { return cut_to_fit_; }  // water, among other molecules
 
  private:
   void give(std::size_t k, Placing& placing) {
@@ -93,7 +93,7 @@ class Builder {
     }
   }
 
-  // Fills the box with water; if the requested number does not fit, from denser and denser water.
+  // Cut more and more densely, where as many as are asked for do not fit.
   void fill(std::size_t k, Placing& placing) {
     Place& place = places_[k];
     if (!box_.periodic())
@@ -132,13 +132,13 @@ class Builder {
   const TomlTable& root_;
   std::vector<Place>& places_;
   const Box box_;
-  Box within_;  // the region for copies, also for a scene without a box
+  Box within_;  // where copies are put; it is no box of the scene's where there is none
   Random random_;
   std::map<const Molecule*, Conformations> conformations_;
   bool drawn_ = false, cut_to_fit_ = false;
 };
 
-// The names of atoms and residues in files.
+// Atoms and residues as files call them.
 void take_names(const std::vector<Place>& places, Names& names) {
   std::map<AtomKind, int> known;
   for (const AtomKind& kind : names.kinds) known.try_emplace(kind, static_cast<int>(known.size()));
@@ -160,8 +160,7 @@ void take_names(const std::vector<Place>& places, Names& names) {
   }
 }
 
-// Makes the pair force purely repulsive (WCA). All atoms must have the same σ and ε, and 1–4 pairs must have
-// all of the force or none.
+// Repulsive beads are of one kind, and their pair force acts or does not.
 void make_repulsive(const TomlTable& keys, Terms& terms) {
   Nonbonded& pairs = *terms.nonbonded;
   const double sigma = pairs.sigma[0], epsilon = pairs.epsilon[0];
@@ -254,7 +253,7 @@ void build_molecules(const BuildRequest& request, Scene& scene) {
     if (moving) scene.start.v.middleCols(first, place.x.cols()) = place.given.v;
     first += place.x.cols();
   }
-  if (!moving) scene.start.v.setZero();  // otherwise some have velocities
+  if (!moving) scene.start.v.setZero();  // some have velocities, or none
   place_sites(scene.system.sites, scene.start.x);
   read_forces(request, scene);
   scene.positions_drawn = built.drawn();

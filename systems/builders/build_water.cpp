@@ -22,7 +22,7 @@ const WaterModel& chosen_model(const TomlTable& keys) {
   return *water_model(keys.choice("model", names, "the water"));
 }
 
-// Inserts the model's sites after the atoms of each molecule.
+// Room for the model's sites behind the atoms of each molecule.
 Vectors with_sites(const WaterModel& model, const Vectors& atoms) {
   const Eigen::Index molecules = atoms.cols() / 3;
   Vectors all = Vectors::Zero(3, model.atoms() * molecules);
@@ -31,7 +31,7 @@ Vectors with_sites(const WaterModel& model, const Vectors& atoms) {
   return all;
 }
 
-// Places waters on a grid, in random orientations, at rest.
+// On a grid, turned at random, at rest.
 State lattice_of_water(const WaterModel& model, long molecules, const Box& box, Random& random) {
   State start;
   start.box = box;
@@ -48,7 +48,7 @@ State lattice_of_water(const WaterModel& model, long molecules, const Box& box, 
   return start;
 }
 
-// Returns the molecules nearest to the middle, without the box.
+// The molecules nearest the middle, without the box.
 State droplet(const State& bulk, long molecules) {
   std::vector<Eigen::Index> order(bulk.x.cols() / 3);
   std::iota(order.begin(), order.end(), 0);
@@ -65,12 +65,12 @@ State droplet(const State& bulk, long molecules) {
   return drop;
 }
 
-// Returns the edge of the cube from which a droplet is cut: its diameter and the width of a molecule.
+// How much water a droplet is cut from: a cube around its sphere, and a molecule's width to spare.
 double droplet_edge(long molecules, double density) {
   return 2 * std::cbrt(0.75 * static_cast<double>(molecules) / density / std::numbers::pi) + 0.3;
 }
 
-// Builds water from the scene's start, or on a lattice.
+// Water from the scene's start, or on a lattice.
 class WaterSource {
  public:
   WaterSource(const BuildRequest& request, const WaterModel& model)
@@ -128,9 +128,9 @@ class WaterSource {
   }
 
   bool drawn() const { return drawn_; }
-  bool is_cut() const { return is_cut_; }  // whether some molecules have new neighbours
+  bool is_cut() const { return is_cut_; }  // molecules have neighbours they are not used to
 
-  // Equilibrated water in a box large enough for the cutoff.
+  // Equilibrated, with room for a cutoff.
   State bulk(double cutoff) const {
     return tiled(*start_,
                  static_cast<int>(std::ceil(std::max(1.0, 2 * cutoff / start_->box.edge.minCoeff()))));
@@ -148,12 +148,12 @@ class WaterSource {
   const WaterModel& model_;
   Random random_;
   std::optional<State> start_;
-  Box unit_;        // the requested shape
+  Box unit_;        // the shape asked for
   double density_;  // [molecules/nm³]
   bool drawn_ = false, is_cut_ = false;
 };
 
-// Returns molecules of the model at the positions of these waters.
+// Molecules of the model, where these waters are.
 void fill(const WaterModel& model, const State& waters, Scene& scene) {
   const Molecule molecule = model.molecule();
   put_together({{&molecule, static_cast<int>(waters.x.cols() / 3)}}, scene);
@@ -162,7 +162,7 @@ void fill(const WaterModel& model, const State& waters, Scene& scene) {
   scene.start.x = model.placed(waters.x);
 }
 
-// Minimises down to the energy per molecule of the equilibrated start.
+// Down to the energy that a molecule has in the equilibrated start.
 void settle(const BuildRequest& request, const WaterModel& model, const WaterSource& source, Scene& scene) {
   Scene bulk;
   fill(model, source.bulk(scene.terms.nonbonded->cutoff.value_or(0)), bulk);
@@ -182,8 +182,8 @@ void settle(const BuildRequest& request, const WaterModel& model, const WaterSou
 
 }  // namespace
 
-// kind = "water": rigid water of three to five sites, with the keys of read_cutoff. If the start is of
-// another model, O stays, and H and the sites move to the places of this model.
+// kind = "water": rigid water, of three to five sites, with the keys of read_cutoff. Of a start of another
+// model O stays; H and sites move to the model's places.
 void build_water(const BuildRequest& request, Scene& scene) {
   const TomlTable& keys = request.keys;
   const WaterModel& model = chosen_model(keys);

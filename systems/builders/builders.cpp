@@ -21,13 +21,13 @@ constexpr Range kDielectric{.min = 1};
 struct Kind {
   std::string_view name;
   void (*build)(const BuildRequest&, Scene&);
-  bool own_start = false;  // whether the builder reads build.start itself
+  bool own_start = false;  // reads build.start itself
 };
 constexpr std::array kKinds = {Kind{"atoms", build_atoms},       Kind{"chains", build_chains},
                                Kind{"rings", build_rings},       Kind{"melt", build_melt},
                                Kind{"water", build_water, true}, Kind{"molecules", build_molecules}};
 
-// [[place]] implies kind = "molecules"; with another kind it would have no effect.
+// Molecules that are placed need no kind; with another they would do nothing.
 const Kind& chosen_kind(const TomlTable& root, const TomlTable& keys) {
   std::string name = root.has("place") ? "molecules" : "";
   if (std::string said; keys.has("kind") && keys.read("kind", said) && said == "alkane")
@@ -42,7 +42,7 @@ const Kind& chosen_kind(const TomlTable& root, const TomlTable& keys) {
   return *std::ranges::find(kKinds, name, &Kind::name);
 }
 
-// Returns why a start does not fit this scene, or null if it does.
+// What keeps a start from being one of this scene; null: nothing.
 const char* misfit(const State& start, const Scene& scene) {
   const Vectors& x = start.x;
   if (x.cols() != scene.system.atoms()) return "another number of atoms";
@@ -53,8 +53,8 @@ const char* misfit(const State& start, const Scene& scene) {
   return nullptr;
 }
 
-// Replaces the built start by the last state of a run of the same scene, with its box if requested. A density
-// does not determine the shape of the box.
+// The last state of a run of the same scene in place of the built one; where asked for, in the box it came
+// to. A density leaves open what shape the box has.
 void lay_start(const BuildRequest& request, bool any_box, Scene& scene) {
   std::filesystem::path file;
   if (!request.keys.read("start", file, "positions and velocities, of a run of the same scene")) return;
@@ -76,8 +76,8 @@ void lay_start(const BuildRequest& request, bool any_box, Scene& scene) {
   scene.positions_drawn = false;
 }
 
-// Refuses keys of pair forces that have no effect. If an override makes the pairs WCA, the file's keys are
-// ignored, with a note.
+// Keys of pair forces where nothing that they could change acts. An override that makes pairs WCA sets the
+// file's keys aside, with a note.
 void settle_idle_pair_keys(const TomlTable& forcefield, Scene& scene) {
   if (scene.terms.nonbonded) return;
   const bool wca = scene.terms.wca.has_value();
@@ -137,8 +137,8 @@ Names bead_names(int polymers, int beads) {
 
 namespace {
 
-// Reads how charges act. A shifted cutoff is a reaction field with ε = 1. Without a key the value of `given`
-// stays; a new tolerance determines α and the grid anew.
+// How charges act. A shifted cutoff is a reaction field of 1. What no key says stays as `given` has it; a
+// tolerance that is said chooses α and grid anew.
 struct Coulomb {
   std::string kind;
   double rf_dielectric;
@@ -175,7 +175,7 @@ void read_coulomb(const TomlTable& forcefield, const Box& box, Nonbonded& nonbon
   forcefield.counts("coulomb", charged, "between charges");
   const bool field = coulomb.kind == "reaction-field", pme = coulomb.kind == "pme";
   if (forcefield.overridden("rf_dielectric") ||
-      !forcefield.overridden("coulomb"))  // else it replaces the file's
+      !forcefield.overridden("coulomb"))  // else the file's goes with it
     forcefield.counts("rf_dielectric", field, "with forcefield.coulomb = \"reaction-field\"");
   for (const char* key : {"ewald_tolerance", "ewald_alpha_per_nm", "pme_order", "pme_grid"})
     forcefield.counts(key, pme, "with forcefield.coulomb = \"pme\"");
@@ -222,7 +222,7 @@ void read_cutoff(const TomlTable& forcefield, const Box& box, Nonbonded& nonbond
   if (nonbonded.dispersion_correction && !(nonbonded.cutoff && box.periodic()))
     forcefield.fail("dispersion_correction", "needs a box and a cutoff");
   if (!box.periodic()) return;
-  if (!nonbonded.cutoff) forcefield.get<double>("cutoff_nm");  // reports that it is missing
+  if (!nonbonded.cutoff) forcefield.get<double>("cutoff_nm");  // says it is missing
   const double half = box.edge.minCoeff() / 2;
   if (*nonbonded.cutoff > half)
     forcefield.fail("cutoff_nm", fmt::format("{} is over half the box, {:.4g}", *nonbonded.cutoff, half));

@@ -12,10 +12,10 @@
 namespace taut {
 namespace {
 
-constexpr double kMostStretched = 8;        // limit on one layer of cells relative to all
-const double kRowHeight = std::sqrt(0.75);  // of a hexagonal lattice, in units of the spacing
+constexpr double kMostStretched = 8;  // a layer of cells beside all of them, before no box is near to a cube
+const double kRowHeight = std::sqrt(0.75);  // of a hexagonal lattice, in spacings
 
-// Returns the numbers of cells to try along an edge that should have `ideal` cells.
+// The counts worth trying along an edge that should have `ideal` cells.
 struct CountsToTry {
   int least, most;
   CountsToTry(double ideal, int step)

@@ -20,7 +20,7 @@ std::vector<BondedPair> repeated_pairs(const Molecule& molecule, Eigen::Index at
   return pairs;
 }
 
-// Returns the number of copies: from the keys that give their positions, else from `count`.
+// How many there are, by what gives their places; without any of it, how many are asked for.
 long copies_given(const TomlTable& keys, Place& place) {
   Rows rows;
   const bool centred =
@@ -61,7 +61,7 @@ long copies_given(const TomlTable& keys, Place& place) {
   return x.cols() / molecule.atoms();
 }
 
-// The keys of [build] for the box.
+// What [build] says of the box.
 struct BoxKeys {
   std::vector<double> edges;
   std::optional<double> grams, atoms;  // [g/cm³], [1/nm³]
@@ -100,7 +100,7 @@ Library read_library(const TomlTable& root) {
     keys.refuse({"cmap", "cmaps", "sites", "virtual_sites"},
                 "is read of OpenMM's files alone: taut run --openmm system.xml state.xml");
     for (const Key& key : there_are.all) keys.has(key.key);
-    keys.reject_unknown();  // first, because a misspelt key may be the cause of a later error
+    keys.reject_unknown();  // before what comes of a key that is not read
     library.molecules.emplace(name, read_molecule(keys, name, known));
     keys.reject_unknown();
   }
@@ -125,7 +125,7 @@ Place read_place(const TomlTable& keys, const Library& library) {
   if (count && given != *count) keys.fail("count", fmt::format("{}, but {} copies are given", *count, given));
   place.count = given;
   place.fills = given == 0;
-  if (place.fills && !place.equilibrated) keys.get<long>("count");  // reports that it is missing
+  if (place.fills && !place.equilibrated) keys.get<long>("count");  // says it is missing
   if (place.lattice || place.within) place.equilibrated = false;
   if (place.fills && !place.equilibrated)
     keys.fail(place.lattice ? "arrange" : "within_nm", "water without a count fills what room there is");

@@ -9,40 +9,40 @@
 
 namespace taut {
 
-// A rectangular region of the box.
+// A part of the box.
 struct Brick {
   Vec3 corner, edge;  // [nm]
 };
 
-// One [[place]]: copies of a molecule.
+// One [[place]].
 struct Place {
   const Molecule* molecule = nullptr;
-  bool equilibrated = false;  // taken from a box of equilibrated water
-  bool fills = false;         // as many copies as fit
+  bool equilibrated = false;  // water, which comes in boxes
+  bool fills = false;         // with as many as there is room for
   bool lattice = false;
   long count = 0;
-  std::optional<Brick> within{};  // a region, or the whole box
+  std::optional<Brick> within{};  // or all the box
   Vectors centres{};              // [nm]
-  Coordinates given{};            // coordinates of all atoms
-  Vectors x{};                    // 3 × atoms, after placing
+  Coordinates given{};            // of all atoms
+  Vectors x{};                    // once they are placed
 
   double atoms() const { return static_cast<double>(count) * molecule->atoms(); }
 };
 
-// Molecules that the scene defines, and taut's water models.
+// What is said, and taut's own water.
 struct Library {
   std::map<std::string, Molecule> molecules;
   std::map<const Molecule*, const WaterModel*> water;
 };
 
-// Reads [atom.NAME] and [molecule.NAME].
+// [atom.NAME] and [molecule.NAME].
 Library read_library(const TomlTable& root);
 
 Place read_place(const TomlTable& keys, const Library& library);
-// Reads all [[place]]s. Throws LocatedError for too many atoms, and for a molecule that no place uses.
+// All [[place]]s. Throws LocatedError for more atoms than taut takes, and a molecule that none of them has.
 std::vector<Place> read_places(const TomlTable& root, const Library& library);
 
-// Returns the box of [build]: explicit, from a density, or from a file; or none.
+// The box that [build] says, or one by a density, or of a file; or none.
 Box box_of(const TomlTable& keys, const std::vector<Place>& places);
 
 }  // namespace taut

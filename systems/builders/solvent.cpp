@@ -12,14 +12,14 @@
 namespace taut {
 namespace {
 
-constexpr double kNearest = 0.2;                   // smallest distance of two O [nm]
-constexpr double kTooWide = 1.02;                  // factor by which an edge is cut too wide
-constexpr double kTooNear = 0.3;                   // one of two O nearer than this is removed first [nm]
+constexpr double kNearest = 0.2;                   // two O are further apart [nm]
+constexpr double kTooWide = 1.02;                  // of an edge: what is cut in place of it
+constexpr double kTooNear = 0.3;                   // two O, one of which is left out rather than others [nm]
 constexpr double kLongestMove = 0.02, kArm = 0.1;  // [nm]
 constexpr int kMostMoves = 1000;
-constexpr double kSlack = 0.05;  // of a molecule's energy, less than a kelvin [kJ/mol]
+constexpr double kSlack = 0.05;  // of a molecule's energy: less than a kelvin [kJ/mol]
 
-// Returns the waters with these numbers.
+// Waters by their numbers.
 State chosen(const State& all, const std::vector<Eigen::Index>& numbers) {
   State some;
   some.box = all.box;
@@ -32,7 +32,7 @@ State chosen(const State& all, const std::vector<Eigen::Index>& numbers) {
   return some;
 }
 
-// Removes so many waters, each time the later one of the nearest pair.
+// Leaves out so many, the later of the nearest pair first.
 State thinned(const State& waters, long surplus) {
   struct Pair {
     double apart;
@@ -95,7 +95,7 @@ State tiled(const State& unit, int n) {
   return all;
 }
 
-// The images of a tilted box extend further sideways.
+// The images of a tilted box reach further to the sides.
 State cut(const State& unit, const Box& box) {
   const int n = static_cast<int>(std::ceil((box.edge.array() / unit.box.edge.array()).maxCoeff()));
   const int least = unit.box.tilt.isZero(0) ? 0 : -n, most = unit.box.tilt.isZero(0) ? n : 2 * n + 1;

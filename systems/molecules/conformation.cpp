@@ -16,12 +16,12 @@
 namespace taut {
 namespace {
 
-constexpr int kDirections = 64;       // trial directions for every atom
-constexpr int kShapes = 100;          // trials before the molecule is refused
-constexpr int kSweeps = 4000;         // most sweeps over all distances
-constexpr double kClosed = 1e-10;     // relative error of a length
+constexpr int kDirections = 64;       // to choose from, for every atom
+constexpr int kShapes = 100;          // tried before a molecule is said to have none
+constexpr int kSweeps = 4000;         // over all distances
+constexpr double kClosed = 1e-10;     // of a length
 constexpr double kTouch = 0.85 / 2;   // radius of a sphere, in σ: two come as near as 0.85 σ in a liquid
-constexpr double kBareCharge = 0.05;  // radius of a charge without Lennard-Jones [nm]
+constexpr double kBareCharge = 0.05;  // of a charge without Lennard-Jones [nm]
 
 Vec3 at_angle(const Vec3& axis, double angle, Random& random) {
   const Vec3 u = axis.normalized(), w = random.unit_vector();
@@ -84,7 +84,7 @@ void Conformations::plan_torsions() {
   add(molecule_.terms.harmonic_torsions, &Torsion::harmonic);
 }
 
-// Orders atoms breadth first from atom 0.
+// Breadth first from atom 0.
 void Conformations::plan_growth() {
   std::vector<std::vector<std::pair<int, double>>> next(molecule_.atoms());
   for (const auto& [i, j, length, k, slack] : ties(molecule_)) {
@@ -160,8 +160,8 @@ std::optional<Vectors> Conformations::place(Vectors x, double scale, Room& room)
   return x;
 }
 
-// Chooses one of several things with a probability proportional to its weight w: the one with the smallest
-// −ln w + ln(−ln u), u uniform (the Gumbel trick, which needs no sum).
+// One of several things is chosen by its weight w where each has −ln w + ln(−ln u) and the least is taken,
+// with u uniform (Gumbel): no sum is needed.
 std::optional<Vectors> Conformations::grow(const Vec3& at, double scale, Room& room, Random& random) const {
   const int first = room.taken();
   Vectors x(3, molecule_.atoms());
@@ -202,7 +202,7 @@ bool Conformations::reach(const std::vector<OneSidedBond>& bonds, const Vectors&
   return std::ranges::all_of(bonds, [&](const OneSidedBond& bond) { return within_reach(bond, x); });
 }
 
-// First with the angles, which may contradict each other; then with the ties alone.
+// First with the angles, which may not all fit; then the ties alone.
 bool Conformations::close(Vectors& x) const {
   double worst = 1;
   for (const bool ties_alone : {false, true}) {

@@ -10,13 +10,13 @@
 namespace taut {
 namespace {
 
-// Length of a FENE spring with k = 30 ε/σ², r₀ = 1.5 σ between repulsive beads, in σ (Kremer and Grest 1990,
-// doi:10.1063/1.458541).
+// Of a FENE spring with k = 30 ε/σ², r₀ = 1.5 σ, between beads that repel each other (Kremer and Grest 1990,
+// doi:10.1063/1.458541): 0.97 σ.
 constexpr double kFeneLength = 0.97 / 1.5;
 
-constexpr double kPlay = 0.1;  // slack of a strut or rope that is the only tie
+constexpr double kPlay = 0.1;  // of a strut or rope that ties what nothing else does
 
-// Returns a term with its atoms shifted by `by`.
+// A term of the atoms i, j, k, l, as many as it has, further on by `by`.
 template <class Term>
 Term moved(Term term, int by) {
   if constexpr (requires { term.atom; })
@@ -67,7 +67,7 @@ void add_names(const Molecule& molecule, int count, Names& all) {
   for (const int residue : names.residue) all.residue.push_back(residues + residue);
 }
 
-// Returns the length of a spring, or of the strut or rope between the same atoms.
+// A spring's length, or that of the strut or rope beside it.
 double held(const System& sys, int i, int j, double length) {
   for (const OneSidedBond& bond : sys.one_sided)
     if (std::minmax(bond.i, bond.j) == std::minmax(i, j) &&

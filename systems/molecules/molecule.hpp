@@ -7,28 +7,28 @@
 
 namespace taut {
 
-// The definition of a molecule: the lists of a scene for its own atoms, counted from 0.
+// A molecule said once: the lists that a scene has, of its own atoms from 0 on.
 struct Molecule {
   std::string name;
   System system;
-  Terms terms;                  // nonbonded: charges, σ, ε and exceptions; none without pair forces
+  Terms terms;                  // nonbonded: charges, σ, ε and exceptions; none where no pair force acts
   std::vector<AtomKind> kinds;  // of each atom
-  Vectors x;                    // its shape [nm]; if empty, one is drawn for every copy
+  Vectors x;                    // its shape [nm]; empty: one is drawn for every copy
 
   int atoms() const { return system.atoms(); }
 };
 
-// A tie between two atoms and its length: a rigid bond, a spring, a FENE spring (with its length between
-// repulsive beads), or a strut or rope if it is the only tie, with some slack.
+// The rigid bonds and springs, and how long they are; a FENE spring, as long as among repulsive beads; a
+// strut or rope where nothing else ties what it joins, not quite touching.
 struct Tie {
   int i, j;
   double length;       // [nm]
   double k = 0;        // of a harmonic spring [kJ/mol/nm²]
-  bool slack = false;  // whether it is a strut or rope
+  bool slack = false;  // a strut or rope
 };
 std::vector<Tie> ties(const Molecule& molecule);
 
-// Returns all pairs of atoms at most `most` bonds or springs apart.
+// All pairs of atoms that are at most `most` bonds and springs apart, by their atoms.
 struct NearPair {
   int i, j, apart;
 };
@@ -39,8 +39,8 @@ struct Copies {
   int count;
 };
 
-// Appends copies to a scene's system, terms and names; each copy is a residue. External fields and the cutoff
-// are left to the caller.
+// Copies behind one another: the scene's system, terms and names, each copy a residue. Fields, and how pairs
+// are cut off, are left to the caller.
 void put_together(const std::vector<Copies>& all, Scene& scene);
 
 }  // namespace taut

@@ -3,8 +3,8 @@
 namespace taut {
 namespace {
 
-constexpr int kTries = 200;          // for one copy at one scale of its spheres
-constexpr double kNarrower = 0.9;    // factor from one scale to the next, ...
+constexpr int kTries = 200;          // for one copy at one width
+constexpr double kNarrower = 0.9;    // from one width to the next, ...
 constexpr double kNarrowest = 0.55;  // ... down to this: two atoms at half their σ
 
 }  // namespace

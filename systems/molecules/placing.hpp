@@ -7,20 +7,19 @@
 
 namespace taut {
 
-// Places copies of molecules in a box one by one, each where the previous ones leave room.
+// Puts copies of molecules into a box, one after the other, each where there is room beside those before.
 class Placing {
  public:
   Placing(const Box& box, double widest, Random& random) : room_(box, widest), random_(random) {}
 
-  // Places a copy at a position from `where`, which is called repeatedly; if there is no room, with smaller
-  // spheres. Returns nothing if there is no room for the smallest, either.
+  // A copy at the place that `where` says, which is asked again and again; where there is no room, for
+  // narrower spheres. None: not for the narrowest either.
   std::optional<Vectors> put(const Conformations& conformations, const std::function<Vec3()>& where);
 
-  // Occupies the spheres of copies at given positions, the columns of x; optionally of the first atoms of
-  // each copy.
+  // Copies that are where they are, columns of x; of each copy so many atoms, all if it is not said.
   void take(const Conformations& conformations, const Vectors& x, int each = 0);
 
-  // Returns the numbers of those copies that fit beside everything placed so far.
+  // The numbers of those among such copies that there is room for beside all that was put before.
   std::vector<Eigen::Index> fitting(const Conformations& conformations, const Vectors& x, int each) const;
 
  private:

@@ -14,13 +14,13 @@
 namespace taut {
 namespace {
 
-constexpr double kFarthestOff = 0.5;  // largest relative error of a bond in given coordinates
+constexpr double kFarthestOff = 0.5;  // a bond in coordinates, of its length
 
 double radians(double degrees) {
   return degrees * std::numbers::pi / 180;
 }
 
-// Checks the name of an atom or residue, which files hold in ASCII columns.
+// Of an atom or residue, for files with columns of ASCII.
 void check_name(const TomlTable& keys, const char* key, const std::string& name) {
   const auto plain = [](char c) { return c > ' ' && c < '\x7f'; };
   if (name.empty() || !std::ranges::all_of(name, plain))
@@ -76,7 +76,7 @@ Units read_units(const TomlTable& keys, int each) {
   return {each, static_cast<int>(count), ring};
 }
 
-// Reads the parameters of atoms, and of their pair force if there is one.
+// Numbers of atoms, and the pair force between them if there is any.
 void set_atoms(const std::vector<AtomNumbers>& atoms, Eigen::VectorXd& mass, Molecule& molecule) {
   const auto n = std::ssize(atoms);
   mass.resize(n);
@@ -122,8 +122,7 @@ void read_bends(const TomlTable& keys, RowReader& rows, Terms& terms) {
     terms.harmonic_torsions.push_back({a[0], a[1], a[2], a[3], radians(number[0]), number[1]});
 }
 
-// Reads exceptions for pairs of atoms near along the molecule: no pair force, or a fraction of it for 1–4
-// pairs.
+// What pairs near along the molecule have in place of the pair force: nothing, or at 1-4 a share of it.
 void read_exclusions(const TomlTable& keys, Molecule& molecule) {
   static const std::vector<std::string_view> kFurthest = {"none", "1-2", "1-3", "1-4"};
   std::string furthest = "1-3";

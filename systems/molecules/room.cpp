@@ -15,8 +15,8 @@ Room::Cell Room::cell_of(const Vec3& x) const {
   return cell;
 }
 
-// A sphere is entered with all its images within a cell's width of the rectangular cell, so that a look-up
-// needs no images. With tilts of up to half an edge, b and c may shift an image by two edges along a.
+// Beside itself, all its images within a cell's width of the brick: whoever is at home there finds them.
+// Tilted by up to half an edge each, b and c can take an image two edges along a.
 void Room::take(const Vec3& x, double radius) {
   const int n = taken();
   const Vec3 at = home(x);

@@ -10,13 +10,13 @@
 
 namespace taut {
 
-// The occupied space of a box: spheres of radii up to `widest`, which may touch, numbered in the order of
-// insertion. The time of a look-up does not depend on their number.
+// Which places of a box are taken: by spheres that may touch, of radii up to `widest`. Spheres are counted in
+// the order they were put there. Looking one up takes a time that does not grow with their number.
 class Room {
  public:
   Room(const Box& box, double widest) : box_(box), cell_(std::max(2 * widest, 0.05)) {}
 
-  // Returns whether a sphere at x overlaps no sphere n, except those for which may(n) is true.
+  // Whether a sphere at x overlaps none of them but those that may: may(n) says it of the n-th.
   template <class May>
   bool free(const Vec3& x, double radius, May may) const {
     const Vec3 at = home(x);
@@ -38,7 +38,7 @@ class Room {
 
   void take(const Vec3& x, double radius);
   int taken() const { return static_cast<int>(put_.size()); }
-  void release(int n);  // removes sphere n and all later ones
+  void release(int n);  // the n-th and all after it
 
  private:
   using Cell = std::array<long, 3>;
@@ -53,13 +53,13 @@ class Room {
     int n;
   };
 
-  Vec3 home(const Vec3& x) const;  // its image in the rectangular cell at the origin
+  Vec3 home(const Vec3& x) const;  // its image in the brick from the origin on
   Cell cell_of(const Vec3& x) const;
 
   Box box_;
-  double cell_;  // edge of a cell [nm], larger than the distance of any two overlapping spheres
+  double cell_;  // [nm]: wider than any two spheres that overlap are apart
   std::unordered_map<Cell, std::vector<Sphere>, Hash> cells_;
-  std::vector<std::vector<Cell>> put_;  // the cells of each sphere and its images
+  std::vector<std::vector<Cell>> put_;  // of each sphere, the cells it and its images are in
 };
 
 }  // namespace taut

@@ -14,8 +14,8 @@ namespace {
 using Values = Expression::Values;
 using Arguments = std::span<const double>;
 
-// The distance of nearest images in a cube. Expressions are only compared with each other; with this edge,
-// coordinates of the order of 1 have different images.
+// Between nearest images in a cube. Expressions are only compared with one another: of this edge, numbers of
+// the order of 1 have images that tell.
 double periodic_distance(Arguments a) {
   constexpr double kEdge = 1;
   double square = 0;
@@ -26,7 +26,7 @@ double periodic_distance(Arguments a) {
   return std::sqrt(square);
 }
 
-// The built-in functions of OpenMM's expressions.
+// Functions of an expression's own, as OpenMM has them.
 const Expression::Tables& own_functions() {
   static const Expression::Tables kAll = [] {
     Expression::Tables all;
@@ -70,13 +70,12 @@ const Expression::Tables& own_functions() {
 
 }  // namespace
 
-// A recursive descent parser. Precedence from low to high: + -, * /, the sign, and ^, which is
-// right-associative.
+// By recursive descent. Precedence: + -, then * /, then the sign, then ^, which goes from right to left.
 class ExpressionParser {
  public:
   ExpressionParser(Expression& to, const Expression::Tables& tables) : to_(to), tables_(tables) {}
 
-  // Parses from the last definition to the energy, because each may use the later ones.
+  // From the last definition to the energy.
   void parse(std::string_view text) {
     if (text.size() > kLongest) throw Expression::Error("is too long");
     while (!text.empty() && (std::isspace(static_cast<unsigned char>(text.back())) || text.back() == ';'))
@@ -99,8 +98,7 @@ class ExpressionParser {
 
  private:
   using Value = std::function<double(const Values&)>;
-  // Nodes are shared, because a definition is used wherever it is named. `work`: number of nodes with
-  // repetitions.
+  // Shared, as a definition stands wherever it is named. `work`: how many it is made of, counted each time.
   struct Node {
     std::shared_ptr<const Value> value;
     std::set<std::string> names;

@@ -11,8 +11,8 @@
 
 namespace taut {
 
-// An energy in the language of OpenMM's custom forces: "k*(r-r0)^2; r0=0.5*(a1+a2)". It has numbers, names, +
-// - * / ^ and functions, followed by definitions, each of which the parts before it may use.
+// An energy as OpenMM's custom forces write it: "k*(r-r0)^2; r0=0.5*(a1+a2)". Numbers, names, + - * / ^,
+// functions, and after the first part definitions, each for the parts before it.
 class Expression {
  public:
   using Values = std::map<std::string, double, std::less<>>;
@@ -26,11 +26,10 @@ class Expression {
     using runtime_error::runtime_error;
   };
 
-  // Throws Error if the text is not an expression. `tables`: functions that it may call besides the built-in
-  // ones.
+  // Throws Error for what is no expression. `tables`: functions it may call besides its own.
   explicit Expression(std::string_view text, const Tables& tables = {});
 
-  const std::set<std::string>& names() const { return names_; }  // all names that need values
+  const std::set<std::string>& names() const { return names_; }  // all that it needs values of
   double operator()(const Values& values) const { return value_(values); }
 
  private:

@@ -5,7 +5,7 @@
 namespace taut {
 namespace {
 
-// Returns "water" for "water.system.xml".
+// "water.system.xml" -> "water"
 std::string scene_name(const std::filesystem::path& file) {
   const std::filesystem::path stem = file.stem();
   return (stem.extension() == ".system" ? stem.stem() : stem).string();

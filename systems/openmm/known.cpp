@@ -9,9 +9,8 @@ namespace taut {
 namespace {
 
 constexpr int kPoints = 24;
-constexpr std::size_t kMostDeclared = 8;  // with more, parameters are matched by their own names only
-// Relative tolerance: openmm.app writes π as 3.141593 in places. Energies near zero are compared against
-// kNear.
+constexpr std::size_t kMostDeclared = 8;  // of more, none is tried under another name than its own
+// openmm.app writes π as 3.141593 in places; where energies vanish, the difference is taken against kNear.
 constexpr double kTolerance = 3e-5, kNear = 0.1;
 
 class Comparison {
@@ -30,7 +29,7 @@ class Comparison {
     }
   }
 
-  // Matches each known parameter with the declared one of its own name or, if that fails, with any other.
+  // Each known parameter by its own name or, where that does not do, by any other.
   std::optional<Recognized> run() {
     std::vector<std::string> names;
     for (const Quantity& q : known_.parameters) names.emplace_back(q.name);
@@ -46,7 +45,7 @@ class Comparison {
 
  private:
   struct Point {
-    Expression::Values values, others;  // of the known and of the given energy
+    Expression::Values values, others;  // of the known energy, of the other
   };
 
   std::optional<Recognized> search(std::vector<std::string>& names) {

@@ -18,13 +18,13 @@
 namespace taut {
 namespace {
 
-// Returns "force 3: CustomBondForce "spring"".
+// "force 3: CustomBondForce "spring""
 std::string title(const Element& force, std::size_t index) {
   const std::string type = force.text("type"), name = force.has_attribute("name") ? force.text("name") : type;
   return fmt::format("force {}: {}", index, name == type ? type : fmt::format("{} \"{}\"", type, name));
 }
 
-// A force and its position in the file. It must not be moved.
+// A force and its place in the file. It stays where it is made.
 struct PlacedForce {
   PlacedForce(const Element& element, std::size_t index)
       : name(title(element, index)), at(element.named(name)) {}
@@ -69,7 +69,7 @@ System read_atoms(const Element& particles) {
 }
 
 System with_bonds(const Element& constraints, const System& atoms, std::vector<RigidBond> bonds) {
-  // A constraint between two anchors has no effect; OpenMM ignores it, too.
+  // Between two anchors there is nothing to hold: OpenMM, too, passes over such a constraint.
   std::erase_if(
       bonds, [&](const RigidBond& b) { return b.i != b.j && atoms.is_anchor(b.i) && atoms.is_anchor(b.j); });
   try {
@@ -98,7 +98,7 @@ Box read_box(const Element& vectors) {
   return Box::of(edges);
 }
 
-// Reads the virtual sites; their positions in the State are ignored.
+// The virtual sites, wherever the State has them.
 void place(const Element& state, OpenMMInput& input) {
   try {
     place_sites(input.system.sites, input.start.x);
@@ -121,7 +121,7 @@ void read_start(const Element& state, OpenMMInput& to) {
                                  : Vectors::Zero(3, atoms);
   for (int a = 0; a < atoms; ++a)
     if (to.system.mass[a] == 0)
-      to.start.v.col(a).setZero();  // atoms without mass do not move, whatever the State says
+      to.start.v.col(a).setZero();  // what has no mass is not moved by it, whatever it says
   to.start.f = Vectors::Zero(3, atoms);
   place(state, to);
   if (state.has("IntegratorParameters") && !state.part("IntegratorParameters").empty())
@@ -144,7 +144,7 @@ void read_forces(const Element& list, const Element& state, const System& system
         .refuse(fmt::format("the State sets the parameter {}, which no force of the System declares", *name));
 }
 
-// Returns the box for all forces: the State's, or the System's if the State has none.
+// One box for all forces: the State's, or where it has none the System's.
 Box box_of(const PlacedForces& forces, const Element& system, const Element& state) {
   const auto periodic = std::find_if(forces.begin(), forces.end(), std::mem_fn(&PlacedForce::periodic));
   if (periodic == forces.end()) return {};
@@ -155,7 +155,7 @@ Box box_of(const PlacedForces& forces, const Element& system, const Element& sta
   return read_box((state.has("PeriodicBoxVectors") ? state : system).part("PeriodicBoxVectors"));
 }
 
-// Adds the force to the message of an exception.
+// What is thrown is said of the force.
 void of_force(const PlacedForce& f, const auto& act) {
   try {
     act();
@@ -168,7 +168,7 @@ void check_forces(const PlacedForces& forces, const System& system, const Box& b
   for (const PlacedForce& f : forces) of_force(f, [&] { check_terms(system, box, f.force.terms); });
 }
 
-// Makes broken molecules whole. `constraints` includes those of anchors.
+// Moves the atoms of broken molecules. `constraints`: with those of anchors.
 void mend_molecules(const PlacedForces& forces, const std::vector<RigidBond>& constraints,
                     const Element& state, OpenMMInput& input) {
   std::vector<BondedPair> pairs;
@@ -233,7 +233,7 @@ OpenMMInput read_openmm(const std::filesystem::path& system_xml, const std::file
   system.read({}, {"openmmVersion", "type", "version"});
   check_version(system);
   system.check_parts(
-      {"PeriodicBoxVectors", "Particles", "Constraints", "Forces"});  // the State's box takes precedence
+      {"PeriodicBoxVectors", "Particles", "Constraints", "Forces"});  // the State's box prevails
 
   OpenMMInput input;
   const System atoms = read_atoms(system.part("Particles"));

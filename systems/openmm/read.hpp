@@ -16,18 +16,18 @@ struct OpenMMBarostat {  // a MonteCarloBarostat
   long every;  // steps
 };
 
-// The contents of OpenMM's two files.
+// What OpenMM's two files hold.
 struct OpenMMInput {
   System system;
   Terms terms;
-  State start;                     // whole molecules, anchors at rest; a box if any force is periodic
+  State start;                     // molecules whole, anchors at rest; a box where any force is periodic
   long remove_momentum_every = 0;  // steps; 0: never
-  bool has_velocities = true;      // whether the State has them; if not, all atoms are at rest
+  bool has_velocities = true;      // in the State; if not, all is at rest
   std::optional<OpenMMBarostat> barostat{};
-  std::vector<std::string> notes{};  // messages about parts of the State that are not used
+  std::vector<std::string> notes{};  // what of the State is not used, a line each
 };
 
-// Reads both files; import_openmm() calls it. OpenMM itself is not needed.
+// The reading behind import_openmm, and its refusals. Needs no OpenMM.
 OpenMMInput read_openmm(const std::filesystem::path& system_xml, const std::filesystem::path& state_xml);
 
 }  // namespace taut
