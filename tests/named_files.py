@@ -1,4 +1,7 @@
-"""Every file of the project that a comment or a README names is there: python3 tests/named_files.py"""
+"""Checks that every file that a comment or a page names exists, and every heading that a page links to.
+
+python3 tests/named_files.py
+"""
 
 import os
 import re
@@ -7,7 +10,8 @@ import sys
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 COMMENT = {"hpp": "//", "cpp": "//", "py": "#", "sh": "#", "gp": "#", "toml": "#", "cmake": "#", "txt": "#", "md": ""}
 NAME = re.compile(r"(?<![\w/.$*<>-])((?:[\w.-]+/)*[\w-]+\.(?:hpp|cpp|py|sh|gp|md|cmake|ipynb))(?![\w*/])")
-LINK = re.compile(r"\]\((?!https?:|#)([^)#\s]+)")
+LINK = re.compile(r"\]\((?!https?:)([^)#\s]*)(?:#([^)\s]+))?\)")
+HEADING = re.compile(r"#+\s+(.*)")
 EXAMPLES = {"mine.hpp", "mine.cpp"}  # of a reader's own
 
 
@@ -16,6 +20,34 @@ def files():
         folders[:] = [f for f in folders if not f.startswith((".", "__", "build" if folder == ROOT else "."))]
         if not folder.startswith((os.path.join(ROOT, "shared"), os.path.join(ROOT, "tests", "data"))):
             yield from (os.path.relpath(os.path.join(folder, name), ROOT) for name in names)
+
+
+def anchor(heading):
+    """Returns the name that GitHub, and the site, give to a heading."""
+    text = re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", heading.strip()).lower()
+    return re.sub(r"[^\w\- ]", "", text).replace(" ", "-")
+
+
+def anchors(page):
+    """Returns the names of all headings of a page, but for lines that look like one inside a fence."""
+    names, fenced = set(), False
+    with open(page, encoding="utf-8") as lines:
+        for line in lines:
+            fenced ^= line.startswith("```")
+            found = None if fenced else HEADING.match(line)
+            if found:
+                names.add(anchor(found.group(1)))
+    return names
+
+
+def broken_links(file, text):
+    """Returns the links in a line of a page whose file or heading does not exist."""
+    for path, heading in LINK.findall(text):
+        target = os.path.join(ROOT, os.path.dirname(file), path) if path else os.path.join(ROOT, file)
+        if not os.path.exists(target):
+            yield path
+        elif heading and target.endswith(".md") and heading not in anchors(target):
+            yield f"{path}#{heading}"
 
 
 def main():
@@ -32,10 +64,9 @@ def main():
                 names = [n for n in NAME.findall(text) if n.lstrip("./") not in tails | EXAMPLES]
                 names = [n for n in names if not os.path.basename(n).split(".")[0].isupper()]  # NAME.gp
                 if not mark:
-                    names += [n for n in LINK.findall(text)
-                              if not os.path.exists(os.path.join(ROOT, os.path.dirname(file), n))]
+                    names += broken_links(file, text)
                 missing += [f"{file}:{number}: {name} is not there" for name in names]
-    print("\n".join(missing) or f"{len(there)} files, every name is of one that is there")
+    print("\n".join(missing) or f"{len(there)} files, every name and link leads to one")
     return bool(missing)
 
 
