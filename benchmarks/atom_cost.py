@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""What an atom costs a step from 648 to 331,776 atoms, and how many times more than where it costs least.
+"""Measures the time of a step per atom from 648 to 331,776 atoms, and the ratio of the largest to the least.
 
     benchmarks/atom_cost.py [--build build] [--systems water pme] [--precisions double mixed] [--repeats 3]
 
 Water with a reaction field and with PME (step_bench's step/water..., step/pme...), whole steps on one thread, the least
-processor time of so many repeats in turns: it can be had on a machine that others use too, but for caches they share.
+processor time of the repeats, which take turns. Other programs on the machine disturb it only by shared caches.
 """
 
 import argparse, json, pathlib, subprocess

@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
-"""What it would gain to sort atoms in memory: µs a step with molecules in the order of space, shuffled, and as built.
+"""Measures what sorting atoms in memory would gain: µs a step with molecules sorted in space, shuffled, and as built.
 
     benchmarks/atom_order.py [--build build] [--systems water17496 chain6000 melt6000] [--threads 1 2] [--repeats 5]
 
-Molecules alike change places in the start, whole: by cells of 1 nm, back and forth, slabs along x one after the other,
-as threads share them; or at random, as after a long time. All else is the same. Orders take turns. A line of memory
-goes from core to core in 15 to 300 ns, as the host moves virtual cores about: it is timed beside each run, and runs
-with it below and above 100 ns have medians of their own.
+Equal molecules swap places in the start: sorted by cells of 1 nm along x, as threads share them, or at random, as after
+a long run. The orders take turns. A cache line takes 15 to 300 ns from core to core, since the host moves virtual cores.
+This time is measured beside each run, and runs with less and more than 100 ns have separate medians.
 """
 
 import argparse, collections, json, pathlib, random, re, statistics, subprocess, tempfile

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""What taut and its peers pay for rigid bonds: on the same molecules, in the same run.
+"""Measures the constraint time of taut, GROMACS, OpenMM and LAMMPS on the same molecules, in the same run.
 
     benchmarks/compare_peers.py [--steps 20000] [--build build] [--repeats 5]
 
-Without forces between molecules, one thread, medians; all take turns in every repeat, so that they meet the same
-machine. What is not installed is skipped. Writes benchmarks/results/peers.csv.
+There are no forces between molecules, and one thread. The programs take turns in every repeat, and medians count. A
+program that is not installed is skipped. Writes benchmarks/results/peers.csv.
 - taut: `constraints_bench`, positions and velocities, double precision.
 - GROMACS (`gmx`, Debian: gromacs; the variable GMX names another, such as one built for this machine's SIMD, which is
   the fair rival; the table says what it was built for): its own cycle accounting, the row "Constraints" of one `mdrun`, leap-frog

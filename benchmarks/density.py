@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Density and compressibility of liquid water at constant pressure, by model, method and barostat.
+"""Measures density and compressibility of liquid water by model, method and barostat.
 
     benchmarks/density.py [--ps 200] [--models tip3p spce] [--methods newton feedforward baumgarte]
                           [--barostats c-rescale monte-carlo] [--set KEY=VALUE ...] [--runs DIR] > density.csv
@@ -10,10 +10,10 @@ block out at a time. Runs are kept in DIR, and go on from there where they were 
 
     benchmarks/density.py --side-by-side 8 [--models ...] [--methods newton ...] > pressure.csv
 
-Whether a method shifts the density, without waiting for an average: from the same start and with the same noise, runs
-of two methods are the same until chaos parts them, after some 0.3 ps. The difference of their pressures over the first
-0.2 ps at fixed volume, [bar], from that of the first method, over so many seeds; a difference dp moves the density by
-compressibility dp, in TIP3P 1 kg/m^3 for 18 bar.
+Measures whether a method shifts the density, without long averages. From the same start and with the same noise, runs
+of two methods stay equal until chaos separates them after some 0.3 ps. The table has the difference of their pressures
+from that of the first method over the first 0.2 ps at fixed volume [bar], over this many seeds. A difference dp moves
+the density by compressibility dp, in TIP3P by 1 kg/m^3 for 18 bar.
 """
 import argparse
 import contextlib

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""The largest step at which feedforward, shake and newton hold a case, and what they say beyond it:
+"""Finds the largest step at which feedforward, shake and newton are stable, and their errors beyond it:
 
     benchmarks/limits.py [CASE ...] > benchmarks/results/limits.csv
 
-A step holds where 1000 of it run to their end. It is found within 3 %. TAUT names the command, if it is not build/taut.
+A step is stable if 1000 of them run to the end. It is found to 3 %. TAUT names the command, build/taut by default.
 """
 import os
 import re

@@ -1,4 +1,4 @@
-"""What stands above a table of times: where and when they were taken."""
+"""Writes the lines above a table of times: the machine and the date of the measurement."""
 import datetime
 import os
 import pathlib
@@ -11,7 +11,7 @@ def cpuinfo(key):
 
 
 def simd():
-    """The widest that GROMACS could be built for here, by its own name."""
+    """Returns the widest SIMD that GROMACS could be built for on this machine, by GROMACS's name."""
     flags = cpuinfo("flags").split()
     for flag, name in (("avx512f", "AVX_512"), ("avx2", "AVX2_256"), ("avx", "AVX_256"), ("sse4_1", "SSE4.1")):
         if flag in flags:

@@ -3,7 +3,7 @@
 
     benchmarks/medians.py BUILD PROGRAM COLUMNS COUNTERS [arguments of the benchmark]
 
-COLUMNS names the parts of a row's name, COUNTERS what is kept of it, both with commas. The table goes to
+COLUMNS names the parts of a row's name, and COUNTERS the counters to keep, with commas. The table goes to
 benchmarks/results/PROGRAM.csv, "_bench" left out.
 """
 import collections

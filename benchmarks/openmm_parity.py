@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Energies and forces of real systems, taut's against OpenMM's Reference platform at equal PME parameters.
+"""Compares energies and forces of real systems with OpenMM's Reference platform at equal PME parameters.
 
     python benchmarks/openmm_parity.py --taut build/taut [--systems DIR] [NAME ...]
 
 Needs openmm (8.6, from PyPI), numpy and h5py. DIR holds files of OpenMM's own tests (wrappers/python/tests/systems
-of its repository); without it only what openmm.app brings itself is tried. Prints a row a system; exit code 1 where
-one is refused or off by more than 1e-9 of the energy or 1e-7 of the forces' rms.
+of its repository); without it only the files of openmm.app are compared. Prints a row a system. Exit code 1: one is
+refused, or differs by more than 1e-9 of the energy or 1e-7 of the forces' rms.
 """
 import argparse
 import csv

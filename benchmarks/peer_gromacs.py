@@ -1,5 +1,5 @@
-"""GROMACS on a peer_systems.Molecules: µs a step by its own clock, the second half of a run counted. The programs are
-gmx and gmx_d, or what the variable GMX names, with commas: a build for this machine's SIMD is the fair rival."""
+"""Runs GROMACS on a peer_systems.Molecules, and returns µs a step by GROMACS's own clock over the second half of a run.
+The programs are gmx and gmx_d, or those that the variable GMX names, with commas. Compare a build for this machine."""
 import os
 import pathlib
 import re

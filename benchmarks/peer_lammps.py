@@ -1,4 +1,4 @@
-"""LAMMPS on a peer_systems.Molecules: µs a step of its loop. It has no reaction field: Coulomb is cut plainly."""
+"""Runs LAMMPS on a peer_systems.Molecules, and returns µs a step. It has no reaction field: Coulomb uses a cutoff."""
 import pathlib
 import re
 import shutil

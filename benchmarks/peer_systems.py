@@ -1,4 +1,4 @@
-"""The systems that whole steps are compared on, as taut starts them: what a peer needs to run the same."""
+"""Describes the systems of whole-step comparisons, as taut starts them, for other programs to run."""
 import dataclasses
 import pathlib
 import re

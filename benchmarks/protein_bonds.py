@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What rigid bonds of a protein in water cost: villin of openmm.app in 2761 waters (Amber14, PME), bonds with
+"""Measures the constraint time of a protein in water: villin of openmm.app in 2761 waters (Amber14, PME), bonds with
 hydrogen rigid, and all of them.
 
     python benchmarks/protein_bonds.py [--taut build/taut] [--steps 100] [--turns 5] > protein_bonds.csv

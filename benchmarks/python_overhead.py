@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """What Python costs beside the command: PYTHONPATH=build/python python3 benchmarks/python_overhead.py [--instructions]
 
-A run by the command, the same called from Python, the same with a callback every 100 steps, in turns; and what a step
-costs more where the constraint method is written in Python: an empty one, and SHAKE of python/examples.
+Times a run by the command, by Python, and by Python with a callback every 100 steps, in turns. Then times how much
+longer a step takes with a constraint method written in Python: an empty one, and SHAKE of python/examples.
 
---instructions: what a busy machine cannot blur. Instructions of the three, counted by valgrind in runs of two lengths,
-so that what a run costs once is taken off; some ten minutes.
+--instructions counts the instructions of the three by valgrind, which a busy machine does not disturb. It subtracts
+runs of two lengths, so start and end of a run do not count, and takes some ten minutes.
 """
 import json
 import os
@@ -17,7 +17,7 @@ import tempfile
 import time
 from pathlib import Path
 
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # its threads wait longer than such matrices take
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # more threads would only wait on matrices this small
 
 import numpy as np
 

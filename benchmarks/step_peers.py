@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Whole steps of taut beside OpenMM's CPU platform, GROMACS and LAMMPS: the same systems, in the same run.
+"""Times whole steps of taut, OpenMM's CPU platform, GROMACS and LAMMPS on the same systems, in the same run.
 
     benchmarks/step_peers.py [--build build] [--systems water1728,water5832,chain,dipeptide] [--threads 1,2] [--repeats 5]
 

@@ -1,18 +1,18 @@
 #!/usr/bin/env python3
-"""What more threads gain, foretold from counts and, where the machine has the cores, measured.
+"""Predicts the speed-up of more threads from counts, and measures it if the machine has the cores.
 
     benchmarks/threads.py [--build build] [--scenes water1728 chain] [--precisions mixed] [--threads 2 8 16 64]
                           [--wake 2] [--foretell] [--csv FILE]
 
-step_bench keeps account of each thread's processor time (`account/`): of what one thread does alone, and in each
-parallel region of the thread with most to do. It is the same on a machine that others use too, and with more threads
-than cores; what threads share, caches and memory, it does not see. A step on T threads is foretold to take
+step_bench measures each thread's processor time (`account/`): that of serial parts, and in each parallel region that of
+the thread with most work. Other programs on the machine, and more threads than cores, do not change it. It does not
+include the effect of shared caches and memory. The prediction for a step on T threads is
 
     serial + longest + regions x wake
 
-of which `longest` less what all of them do, divided by T, is imbalance. `wake`, a region with nothing to do [us], is
-measured where there are T cores and taken from --wake where there are not; so is the speed-up itself. --foretell
-measures nothing by the clock: for a machine that others use too.
+The imbalance is `longest` less the work of all threads over T. `wake` is the time of an empty region [us]. It, and the
+speed-up itself, are measured if there are T cores; otherwise `wake` is that of --wake. --foretell uses no clock, for a
+machine on which other programs run.
 """
 
 import argparse, csv, json, os, pathlib, statistics, subprocess, sys
