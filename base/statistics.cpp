@@ -132,7 +132,7 @@ Estimate RunningSlope::estimate() const {
 }
 
 double deviations(const Estimate& a, const Estimate& b) {
-  const double error = std::hypot(a.error, b.error);
+  const double error = std::sqrt(a.error * a.error + b.error * b.error);
   return error > 0 ? std::abs(a.value - b.value) / error : 0.0;
 }
 

@@ -20,6 +20,7 @@ unbind() {
 remove_root() { unbind && { [[ ${TAUT_KEEP:-} ]] || rm -rf --one-file-system "$root"; }; }
 inside() {
   chroot "$root" env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive \
+    PIP_CERT=/etc/ssl/certs/ca-certificates.crt \
     "${environment[@]}" "$@"
 }
 must() {  # must WHAT COMMAND...: runs it into the log, and tells where it failed
@@ -41,6 +42,7 @@ make_root() {  # make_root SUITE: debootstrap where the folder is not a Debian y
   printf '#!/bin/sh\nexit 101\n' >"$root/usr/sbin/policy-rc.d"  # no daemon is started in it
   chmod +x "$root/usr/sbin/policy-rc.d"
   cp /etc/resolv.conf "$root/etc/resolv.conf"
+  cp /etc/ssl/certs/ca-certificates.crt "$root/etc/ssl/certs/"  # what this machine trusts, for pip
 }
 install_in_root() {
   must apt-get inside apt-get -q update
