@@ -1,6 +1,6 @@
-"""Writes options.pyi, what type checkers know of the methods' options, from the engine's own list.
+"""Writes options.pyi, the types of the methods' options, from the engine's own list of methods.
 
-python3 stubs.py FOLDER    the folder of the package, with _core in it
+python3 stubs.py FOLDER    FOLDER is that of the package, with _core in it
 """
 
 import importlib
@@ -14,9 +14,10 @@ SPELT = {"mshake": "MShake", "none": "Uncorrected"}
 
 text = """# Made from the engine's list of methods by python/stubs.py.
 from dataclasses import dataclass
-from typing import Any, ClassVar, Dict, List, Optional, Type
+from typing import Any, ClassVar, Dict, Optional, Type
 
-__all__: List[str]
+__all__ = NAMES
+
 CLASSES: Dict[str, Type[Options]]
 
 def methods() -> Dict[str, str]: ...
@@ -31,4 +32,6 @@ for method in described:
         kind = "Optional[float]" if option["number"] else type(option["default"]).__name__
         text += f"    {option['key']}: {kind} = ...\n"
     text += "" if method["options"] else "    ...\n"
+names = [SPELT.get(method["name"], method["name"].capitalize()) for method in described] + ["Options", "methods"]
+text = text.replace("NAMES", "[" + ", ".join(f'"{name}"' for name in names) + "]")
 (folder / "options.pyi").write_text(text)

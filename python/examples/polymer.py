@@ -10,7 +10,8 @@ CHAINS, BEADS = 200, 21
 sim = taut.Simulation("freely_jointed", method="feedforward", dt_fs=10, set={
     "build.chains": CHAINS, "build.beads": BEADS, "run.thermostat": "langevin", "run.temperature_k": 300,
     "run.velocities": "draw"})
-length, distances = sim.lengths[0], []
+length = sim.lengths[0]
+distances: "list[object]" = []
 
 
 def look(row):
@@ -23,7 +24,7 @@ mean = (np.array(distances) ** 2).mean() / ((BEADS - 1) * length**2)
 print(f"<R²> = {mean:.3f} N b², {CHAINS} chains, {len(distances)} looks")
 
 figure, axis = pyplot.subplots(layout="constrained")
-axis.hist(np.ravel(distances), 40, density=True, label="taut")
+axis.hist(np.array(distances).ravel(), 40, density=True, label="taut")
 r = np.linspace(0, (BEADS - 1) * length, 200)
 s2 = (BEADS - 1) * length**2 / 3
 axis.plot(r, 4 * np.pi * r**2 * (2 * np.pi * s2) ** -1.5 * np.exp(-r**2 / (2 * s2)), label="Gaussian chain")

@@ -20,7 +20,8 @@ sim = taut.Simulation.from_openmm(system, pdb.positions, topology=pdb.topology, 
 print(sim, *sim.notes, sep="\n")
 
 protein = np.array([atom.residue.name != "HOH" for atom in pdb.topology.atoms()])
-start, frames = sim.positions[protein].copy(), []
+start = sim.positions[protein].copy()
+frames: "list[tuple[float, float, float]]" = []
 
 
 def look(row):

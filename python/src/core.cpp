@@ -30,7 +30,7 @@ void raise(const char* kind, const char* words) {
   PyErr_SetString(python_class("taut.errors", kind).ptr(), words);
 }
 
-// taut's failures as the package's exceptions. What is thrown here has not been looked back at.
+// Turns taut's exceptions into those of the package.
 void translate(std::exception_ptr thrown) {
   try {
     if (thrown) std::rethrow_exception(thrown);
@@ -43,7 +43,7 @@ void translate(std::exception_ptr thrown) {
   }
 }
 
-// The start that a scene's file names is read from the disk, the scene itself is here.
+// Reads a scene from its text. A start that the scene names is read from the disk.
 Input of_toml(const std::string& text, const std::vector<std::string>& overrides) {
   const std::filesystem::path name = "scene.toml";
   Input input{read_scene(parse_toml_text(text, name), name, overrides), {}};
@@ -67,7 +67,7 @@ Input of_openmm(const std::string& system, const std::string& state, const std::
   return {source.read(), source};
 }
 
-// The same, read on so many threads or, where none are given, on as many as is the default.
+// Wraps a reader so that it takes a number of threads, too; none: the default.
 template <class... Given>
 auto on_threads(Input (*read)(const Given&...)) {
   return [read](const Given&... given, std::optional<int> threads) {
@@ -81,7 +81,7 @@ py::object value_of(const Option& option) {
   return std::visit([](auto* field) { return py::cast(*field); }, option.field);
 }
 
-// Every method of the list: name, summary, and its options with default, unit and meaning.
+// Describes every built-in method: name, summary, and options with default, unit and meaning.
 py::list describe_methods() {
   py::list all;
   for (const MethodEntry& method : methods()) {
@@ -111,8 +111,8 @@ py::dict scenes() {
 
 PYBIND11_MODULE(_core, m) {
   using namespace taut;
-  m.doc() = "taut's engine; the package taut is what to use.";
-  m.attr("knows_numpy_2") = PYBIND11_VERSION_HEX >= 0x020C0000;  // before, strides come out wrong with it
+  m.doc() = "taut's engine. Use the package taut.";
+  m.attr("knows_numpy_2") = PYBIND11_VERSION_HEX >= 0x020C0000;  // earlier ones misread numpy 2's strides
   py::register_exception_translator(translate);
   py::class_<Input>(m, "Input")
       .def_static("of_scene", on_threads(of_scene))
@@ -122,11 +122,12 @@ PYBIND11_MODULE(_core, m) {
           "name", [](const Input& input) { return input.scene.name; },
           [](Input& input, const std::string& name) { input.scene.name = name; });
   m.def("describe_methods", describe_methods);
-  m.def("scenes", scenes, "The scenes that come with taut: name to what it is hard on.");
+  m.def("scenes", scenes, "Returns the scenes that come with taut, by name, with a line on each.");
   m.def("quoted", [](const std::string& text) { return toml_quoted(text); });
   m.def("threads", default_threads,
-        "How many threads compute where a simulation or study is not told: as use_threads() said, or else\n"
-        "OMP_NUM_THREADS, or one.");
+        "Returns how many threads a simulation or study uses that names no number: that of use_threads(), "
+        "else\n"
+        "OMP_NUM_THREADS, else one.");
   m.def(
       "use_threads",
       [](int threads) {
@@ -134,9 +135,8 @@ PYBIND11_MODULE(_core, m) {
         use_threads(threads);
       },
       py::arg("threads"),
-      "So many compute, for every Python thread, in what is made from now on and not told a number of its "
-      "own.\n"
-      "Other libraries' threads stay as they are.");
+      "Sets how many threads simulations and studies use that are made from now on and name no number.\n"
+      "It acts for all Python threads, and changes no other library's threads.");
   bind_simulations(m);
   bind_studies(m);
   bind_parts(m);

@@ -16,7 +16,8 @@ namespace taut {
 
 namespace py = pybind11;
 
-// A scene, and all it was read from, on how many threads: sums decide where a start that is relaxed ends.
+// A scene, all files and settings that it was read from, and the number of threads: sums depend on that
+// number, and so does the result of a minimised start.
 struct Input {
   Scene scene;
   SceneSource source;
@@ -24,25 +25,27 @@ struct Input {
 };
 
 using OwnFields = std::vector<std::shared_ptr<OwnField>>;
-// Instances of classes derived from taut.Force, as the engine's.
+// Makes the engine's forces from instances of classes derived from taut.Force.
 OwnFields own_fields(const py::list& forces);
 
-// A class of the package's own Python files.
+// Returns a class of the package's Python files.
 py::object python_class(const char* module, const char* name);
 
-// Eigen's 3 × n column by column is numpy's (n, 3). A copy, or with `owner` a view that keeps it alive.
+// Returns 3 × n numbers of Eigen as numpy's (n, 3): a copy, or with `owner` a view that keeps the owner
+// alive.
 py::array_t<double> rows_of(const Vectors& columns, py::handle owner = {});
 py::array_t<double> array_of(const Eigen::VectorXd& values);
 
-// What a method or force written in Python threw last: the step fails with its words, and who called the step
-// throws it on. Nothing where it was another failure.
+// If a method or force written in Python throws an exception, the step fails with its message and the
+// exception is kept. rethrow_python_error() throws the kept one in Python's own type, and does nothing if
+// there is none.
 void forget_python_error();
 void rethrow_python_error();
-// As Python's error, with what its code threw as the cause where that is why.
+// Sets Python's error, with the kept exception as its cause if there is one.
 void raise_failure(const py::object& kind, const char* words);
 
-// The Python objects that a simulation's forces and method hold, each by one reference: what Python's garbage
-// collector has to know of.
+// Returns the Python objects that a simulation's forces and method hold, each by one reference, for Python's
+// garbage collector.
 std::vector<py::object*> held_by(const Simulation& simulation);
 
 void bind_simulations(py::module_& m);

@@ -21,7 +21,7 @@ py::object keeping(const std::shared_ptr<Shown>& shown) {
   });
 }
 
-// What a stage put in place of an array, as columns.
+// Returns what a stage assigned in place of an array, as 3 × n columns.
 Vectors columns_of(const py::object& given, const Lent& lent) {
   const Eigen::Index n = lent.numbers().cols();
   const auto rows = py::array_t<double, py::array::c_style>::ensure(given);
@@ -56,14 +56,15 @@ py::object owner_of(const Vectors& positions) {
 
 Lent::~Lent() {
   const py::object base = view_.base();
-  if (!kept() || !PyCapsule_IsValid(base.ptr(), nullptr)) return;  // returned, or shown
+  if (!kept() || !PyCapsule_IsValid(base.ptr(), nullptr))
+    return;  // no view was kept, or it keeps a simulation's state
   Vectors* const left = base.cast<py::capsule>().get_pointer<Vectors>();
   left->swap(numbers_);
   numbers_ = *left;
 }
 
 void Lent::expect_back() const {
-  if (kept()) PyGC_Collect();  // what nobody can reach is not kept
+  if (kept()) PyGC_Collect();  // an unreachable cycle keeps nothing
   if (kept())
     throw py::buffer_error(
         fmt::format("it kept a view of {0}, whose numbers are the engine's; keep {0}.copy()", name_));
@@ -90,7 +91,7 @@ LentState::~LentState() {
 
 void LentState::take_back() {
   std::array<std::optional<Vectors>, 3>
-      others;  // all are read before any is written: they may be swapped views
+      others;  // read all before writing any: a stage may have swapped the views
   for (std::size_t k = 0; k < all_.size(); ++k) {
     const py::object given = object_.attr(attribute(all_[k]));
     const auto& view = all_[k].view();

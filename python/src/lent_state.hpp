@@ -8,9 +8,9 @@
 
 namespace taut {
 
-// An array of the engine's as numpy's, lent for the length of a call: a view of its own numbers. What is kept
-// of it longer stays safe to read: a view of what a simulation of Python's shows keeps that; other numbers
-// are left to whoever kept them, and the engine goes on with a copy.
+// Lends an array of the engine to Python code for the length of a call, as a numpy view of the same memory. A
+// view that the code keeps longer stays safe to read: it keeps the memory of a simulation's state alive, or
+// it keeps the lent memory, and the engine continues with a copy.
 class Lent {
  public:
   Lent(const char* name, Vectors& numbers, const py::object& owner)
@@ -22,17 +22,17 @@ class Lent {
   const char* name() const { return name_; }
   Vectors& numbers() const { return numbers_; }
   const py::array_t<double>& view() const { return view_; }
-  void expect_back() const;  // throws BufferError where a view was kept
+  void expect_back() const;  // throws BufferError if a view was kept
 
  private:
   bool kept() const { return view_.ref_count() > 1; }
 
-  const char* name_;  // as Python's code has it
+  const char* name_;  // as Python code writes it
   Vectors& numbers_;
   py::array_t<double> view_;
 };
 
-// A state as Python's taut.State, its arrays lent for the length of a stage.
+// Lends a state to a stage written in Python, as a taut.State.
 class LentState {
  public:
   LentState(py::object object, State& s);
@@ -40,8 +40,8 @@ class LentState {
   LentState(const LentState&) = delete;
   LentState& operator=(const LentState&) = delete;
 
-  // Ends the loan: numbers of other arrays that the stage left in it are the state's. Throws what Python is
-  // to hear: a TypeError where they are no (n, 3) numbers, a BufferError where a view was kept.
+  // Ends the loan. Copies arrays that the stage assigned to the taut.State into the state. Throws TypeError
+  // if they are no (n, 3) numbers, and BufferError if a view was kept.
   void take_back();
 
  private:
@@ -51,18 +51,17 @@ class LentState {
   std::array<Lent, 3> all_;
 };
 
-// The numbers that views of a simulation show are its own; when it goes it leaves them here. So a view keeps
-// the numbers, and not the simulation, which may hold a force or method of somebody's own that holds the
-// view.
+// Owns the memory that Python's views of a simulation show, once the simulation is gone. So a view does not
+// keep the simulation itself alive, which may hold a user's force or method that holds the view.
 struct Shown {
-  State state;                        // x, v and f, when it is gone
+  State state;                        // x, v and f, after the simulation is gone
   Vectors box = Vectors::Zero(3, 3);  // a, b and c in columns
 };
 
-// What is shown of the state with these positions, until the simulation goes.
+// Registers the owner of the views of the state with these positions.
 void remember_shown(const Vectors& positions, const std::shared_ptr<Shown>& shown);
-void leave_to_views(State& state, Shown& shown);  // and forgets it
-// What a view has to keep; where nothing is shown, a loan's own.
+void leave_to_views(State& state, Shown& shown);  // the simulation goes: its memory stays with the views
+// Returns the object that a view must keep alive: the registered owner, or a new one for a loan.
 py::object owner_of(const Vectors& positions);
 
 }  // namespace taut

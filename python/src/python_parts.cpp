@@ -1,4 +1,4 @@
-// Methods and forces written in Python. They see the state's own numbers.
+// Methods and forces written in Python. They work on the memory of the state.
 
 #include <fmt/format.h>
 
@@ -11,8 +11,8 @@
 namespace taut {
 namespace {
 
-// May be copied and destroyed by threads that do not hold the interpreter, and after Python has ended: then
-// nobody gives its lock back.
+// Returns a pointer to a Python object that threads may copy and destroy without the interpreter lock. After
+// Python has ended, when the lock cannot be had, the object is not destroyed.
 template <class T>
 std::shared_ptr<T> shared(T object) {
   return {new T(std::move(object)), [](T* held) {
@@ -25,8 +25,8 @@ using Shared = std::shared_ptr<py::object>;
 
 thread_local std::shared_ptr<py::error_already_set> last_error;
 
-// Throws a failure of the step with the words of what Python threw; what is no Exception (KeyboardInterrupt,
-// SystemExit, GeneratorExit) asks to stop, and is thrown on.
+// Throws a failure of the step with the message of a Python exception. KeyboardInterrupt, SystemExit and
+// GeneratorExit, which ask to stop, are thrown as they are.
 [[noreturn]] void fail(py::error_already_set& error, const std::string& who) {
   if (!error.matches(PyExc_Exception)) throw error;
   std::string words = error.what();
@@ -35,7 +35,7 @@ thread_local std::shared_ptr<py::error_already_set> last_error;
   throw SimulationFailure(fmt::format("{}: {}", who, words));
 }
 
-// Has Python's code called; what it throws fails the step.
+// Calls Python code. An exception in it fails the step.
 template <class Call>
 auto asked(const std::string& whose, const char* what, const Call& call) {
   const py::gil_scoped_acquire interpreter;
@@ -50,13 +50,13 @@ auto asked(const std::string& whose, const char* what, const Call& call) {
   }
 }
 
-// The garbage collector takes objects out of what nobody can reach any more (see held_by).
+// Returns the object, unless the garbage collector has cleared it (held_by, core.hpp).
 const py::object& reachable(const Shared& held) {
   if (!*held) throw std::runtime_error("a force or method of one's own was used after it was freed");
   return *held;
 }
 
-// Throws a failure that names who wrote what is no number.
+// Throws a failure that names who wrote a number that is not finite, and for which atom.
 void expect_numbers(const Vectors& written, const std::string& who, const char* what) {
   for (Eigen::Index a = 0; a < written.cols(); ++a)
     if (!written.col(a).allFinite())
@@ -70,9 +70,9 @@ struct Own {
   std::variant<double, int, bool, std::string> value;
 };
 
-// The options of a method written in Python: the arguments of its class, and their defaults.
+// The options of a method written in Python: the arguments of its class, with their defaults.
 struct PythonOptions {
-  Shared method;  // a weak reference to the class: taut.parts keeps it, and each instance does
+  Shared method;  // a weak reference to the class, which taut.parts and each instance keep alive
   std::vector<Own> own;
 
   std::vector<Option> describe() {
@@ -135,7 +135,7 @@ class PythonMethod final : public ConstraintMethod {
   std::string setting() const override { return setting_; }
   Holds holds() const override { return holds_; }
 
-  // Arrays and floats of the shape they were made with.
+  // Saves or restores the attributes that `kept` names, in the shape that prepare() gave them.
   void serialize(Archive& archive) override {
     if (kept_.empty()) return;
     const py::gil_scoped_acquire interpreter;
@@ -207,7 +207,7 @@ class PythonMethod final : public ConstraintMethod {
     return stats;
   }
 
-  // None, how many iterations it took, or taut.NotConverged.
+  // Reads what a stage returned: None, a number of iterations, or taut.NotConverged.
   SolveStats said(const py::object& answer) {
     if (answer.is_none()) return {};
     if (py::isinstance(answer, python_class("taut.parts", "NotConverged")))
@@ -217,7 +217,7 @@ class PythonMethod final : public ConstraintMethod {
     return {.iterations = answer.cast<int>()};
   }
 
-  // What it leaves of the bonds, as every method says.
+  // Computes the largest residual |σ|/d² that the method leaves, and its bond.
   static void look_at(const System& sys, const State& s, SolveStats& stats) {
     for (int k = 0; k < sys.bond_count(); ++k) {
       const auto& [i, j, d] = sys.bonds[k];
@@ -226,7 +226,7 @@ class PythonMethod final : public ConstraintMethod {
     }
   }
 
-  Shared parts_;  // the method, its view of the system, and of the state
+  Shared parts_;  // a tuple of the method, its taut.System and its taut.State
   bool has_[kStages] = {};
   double promised_ = 0;
   Holds holds_ = Holds::kAll;
@@ -247,7 +247,7 @@ class PythonField final : public OwnField {
   double add(const Vectors& x, Vectors& f) override {
     added_.setZero(3, x.cols());
     const double energy = asked(name_, "add", [&] {
-      // Where they are kept the state goes on with a copy: no state is const where it was made.
+      // The memory itself is never const, so that Lent may take it if the code keeps a view.
       const Lent positions("positions", const_cast<Vectors&>(x), owner_of(x));
       const Lent forces("forces", added_, owner_of(added_));
       positions.view().attr("setflags")(py::arg("write") = false);
@@ -278,7 +278,7 @@ class PythonField final : public OwnField {
 
   std::string name_;
   Shared field_;
-  Vectors added_;  // so that others' forces are not seen, nor overwritten
+  Vectors added_;  // its own array, so that user code neither sees nor overwrites other forces
 };
 
 Own option_of(const std::string& key, const py::object& value) {
@@ -288,10 +288,10 @@ Own option_of(const std::string& key, const py::object& value) {
   return {key, value.cast<double>()};
 }
 
-// From now on a method of the list.
+// Adds a method written in Python to the list of methods.
 void add_python_method(const py::object& method, const std::string& name, const std::string& summary,
                        const py::dict& defaults) {
-  static std::set<std::string> texts;  // what the list views
+  static std::set<std::string> texts;  // the list holds views of these texts
   PythonOptions options{shared<py::object>(py::weakref(method)), {}};
   for (const auto& [key, value] : defaults)
     options.own.push_back(option_of(py::str(key), py::reinterpret_borrow<py::object>(value)));
@@ -325,7 +325,7 @@ void raise_failure(const py::object& kind, const char* words) {
 
 std::vector<py::object*> held_by(const Simulation& simulation) {
   std::vector<py::object*> held;
-  if (!simulation.runs_foreign_code()) return held;  // it may be at work without the interpreter
+  if (!simulation.runs_foreign_code()) return held;  // it may be running without the interpreter lock
   for (const auto& field : simulation.scene().terms.own)
     if (const auto* own = dynamic_cast<const PythonField*>(field.get())) held.push_back(&own->held());
   if (const auto* method = dynamic_cast<const PythonMethod*>(&simulation.method()))

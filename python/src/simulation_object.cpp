@@ -11,6 +11,7 @@
 #include "base/errors.hpp"
 #include "base/threads.hpp"
 #include "files/set_aside.hpp"
+#include "forcefield/check_terms.hpp"
 
 namespace taut {
 namespace {
@@ -24,7 +25,7 @@ struct Busy {
   std::atomic<bool>& running;
 };
 
-// Looks for Ctrl-C now and then, for work that has let go of the interpreter; to hear it throws.
+// Checks for Ctrl-C every 50 ms in work that has released Python's interpreter lock. Throws if it came.
 class Listening {
  public:
   void operator()() {
@@ -43,7 +44,7 @@ std::unique_ptr<Simulation> made_of(Scene scene, int threads) {
   return std::make_unique<Simulation>(std::move(scene), threads, Listening());
 }
 
-// numpy's False, too.
+// True for Python's False and for numpy's.
 bool is_false(const py::object& answer) {
   if (answer.is(py::bool_(false))) return true;
   return py::isinstance(answer, py::module_::import("numpy").attr("bool_")) && !answer.cast<bool>();
@@ -85,8 +86,10 @@ PythonSimulation::PythonSimulation(const GoingOn& from, const py::list& forces) 
   folder_.emplace(resumed_folder(std::move(*lock), checkpoint, *simulation_, consent));
 }
 
-void PythonSimulation::run(long steps, long every, const py::object& callback, bool to_end) {
+void PythonSimulation::run(long steps, long every, const py::object& callback, const py::object& progress,
+                           bool to_end) {
   expect_idle();
+  if (closed_) throw std::runtime_error("it is closed; make another Simulation, or resume from a checkpoint");
   if (steps < 1 || steps > 1L << 50) throw InputError(fmt::format("run({}): expected 1 step or more", steps));
   if (every < 0) throw InputError(fmt::format("run(every={}): expected 1 or more", every));
   take_over_changes();
@@ -100,10 +103,11 @@ void PythonSimulation::run(long steps, long every, const py::object& callback, b
   std::optional<Record> row;
   auto next_look = Clock::now() + kLookEvery;
   stopped_ = false;
-  const auto look = [&] {  // holds the interpreter
+  const auto look = [&] {  // needs Python's interpreter lock
     try {
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
       if (row && !callback.is_none()) call(callback, *std::exchange(row, {}));
+      if (!progress.is_none()) progress(simulation_->step());
     } catch (...) {
       thrown = std::current_exception();
       stopped_ = true;
@@ -147,7 +151,7 @@ void PythonSimulation::run(long steps, long every, const py::object& callback, b
   if (thrown) std::rethrow_exception(thrown);
 }
 
-// What it wrote before it threw counts, too.
+// What the callback wrote before it threw an exception counts, too.
 void PythonSimulation::call(const py::object& callback, const Record& row) {
   note_state();
   const Busy looked_at(in_callback_);
@@ -155,7 +159,7 @@ void PythonSimulation::call(const py::object& callback, const Record& row) {
     try {
       take_over_changes();
     } catch (const InputError& e) {
-      put_back();
+      undo_writing();
       throw InputError(
           fmt::format("the callback of step {}: {}; what it wrote is undone", row.step, e.what()));
     }
@@ -166,11 +170,37 @@ void PythonSimulation::call(const py::object& callback, const Record& row) {
     const auto thrown = std::current_exception();
     try {
       take_over();
-    } catch (...) {  // which says less than what was thrown first
+    } catch (...) {  // the first exception says more
     }
     std::rethrow_exception(thrown);
   }
   take_over();
+}
+
+void PythonSimulation::close() {
+  expect_idle();
+  folder_.reset();
+  closed_ = true;
+}
+
+void PythonSimulation::set_box(const Eigen::Matrix3d& vectors) {
+  expect_between_steps();
+  expect_this_process();
+  if (!simulation_->state().box.periodic())
+    throw InputError("box: the system has none; make a Simulation with a box");
+  if (const std::string flaw = Box::flaw(vectors); !flaw.empty()) throw InputError("box: " + flaw);
+  const Box box = Box::of(vectors);
+  if (const std::string flaw = lack_of_room(simulation_->scene().terms, box); !flaw.empty())
+    throw InputError("box: " + flaw);
+  expect_finite();
+  const Box before = std::exchange(simulation_->state().box, box);
+  try {
+    set_out_anew(0);
+  } catch (...) {
+    simulation_->state().box = before;
+    forces_outdated_ = true;
+    throw;
+  }
 }
 
 void PythonSimulation::minimise(double force) {
@@ -218,7 +248,7 @@ void PythonSimulation::expect_idle() const {
   expect_this_process();
 }
 
-// Threads that another process had are not in this one.
+// A forked process has none of its parent's threads.
 void PythonSimulation::expect_this_process() const {
   if (getpid() != made_in_)
     throw std::runtime_error(
@@ -244,6 +274,7 @@ void PythonSimulation::set_steps(long steps, long every) {
 }
 
 void PythonSimulation::note_state() {
+  forces_outdated_ = false;
   seen_.x = simulation_->state().x;
   seen_.v = simulation_->state().v;
   if (simulation_->state().box.periodic()) shown_->box = simulation_->state().box.vectors();
@@ -260,13 +291,13 @@ void PythonSimulation::expect_finite() const {
 
 void PythonSimulation::take_over_changes() {
   const State& s = simulation_->state();
-  if (s.x == seen_.x && s.v == seen_.v) return;
+  if (s.x == seen_.x && s.v == seen_.v && !forces_outdated_) return;
   expect_this_process();
   expect_finite();
   set_out_anew(0);
 }
 
-void PythonSimulation::put_back() {
+void PythonSimulation::undo_writing() {
   simulation_->state().x = seen_.x;
   simulation_->state().v = seen_.v;
 }
@@ -274,7 +305,7 @@ void PythonSimulation::put_back() {
 void PythonSimulation::set_out_anew(double force) {
   const Busy busy(setting_out_);
   const Vectors x = simulation_->state().x, v = simulation_->state().v;
-  put_back();
+  undo_writing();
   forget_python_error();
   try {
     std::optional<py::gil_scoped_release> long_work;

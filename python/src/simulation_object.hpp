@@ -10,58 +10,67 @@
 
 namespace taut {
 
-// What a simulation goes on from, and how.
+// What to resume a simulation from, and how.
 struct GoingOn {
-  std::string bytes, folder;  // a checkpoint's, or the folder of a run with one, which it then goes on with
-  std::vector<std::string> overrides;
-  bool yes = false;  // outputs may be cut back, or begin anew
-  std::optional<int> threads;
+  std::string bytes,
+      folder;  // one of them is empty: a checkpoint, or the folder of a run to which it then writes
+  std::vector<std::string> overrides;  // settings that change
+  bool yes = false;                    // outputs may be cut back to less than half, or begin again
+  std::optional<int> threads;          // none: the number that the run had
 };
 
-// A simulation as Python has one: with its folder, its log, and an eye on what is written to its views.
+// The C++ side of taut.Simulation: a simulation with its folder and its log. It notices when Python code has
+// written to the views of positions and velocities, and starts again from there before it answers anything
+// else.
 class PythonSimulation {
  public:
   PythonSimulation(Input input, const std::string& out, bool overwrite);
   PythonSimulation(const GoingOn& from, const py::list& forces);
   ~PythonSimulation() { leave_to_views(simulation_->state(), *shown_); }
 
-  // `every`: steps from row to row, 0: as before. With `to_end` the last step has a row, too.
-  void run(long steps, long every, const py::object& callback, bool to_end);
+  // Takes steps, with a row of the log every `every` of them (0: as before), and with `to_end` one after the
+  // last. Calls `callback` with each row, and `progress` with the number of steps taken, every 50 ms. Either
+  // may be None.
+  void run(long steps, long every, const py::object& callback, const py::object& progress, bool to_end);
   void minimise(double force);
   py::bytes checkpoint();
+  void close();  // releases the folder; no step is taken from here on
+  void set_box(
+      const Eigen::Matrix3d& vectors);  // a, b and c in columns [nm]; throws InputError for no such box
 
   const Simulation& engine() const { return *simulation_; }
-  Simulation& settled();                       // with forces where the atoms are
-  const std::shared_ptr<Shown>& shown() const { return shown_; }  // the box as note_state found it
+  Simulation& settled();  // its forces are those of the positions, also after Python code has written there
+  const std::shared_ptr<Shown>& shown() const { return shown_; }  // what the views of Python show
   const std::vector<Record>& rows() const { return log_; }
-  std::string summary() const;  // as summary.json has it, or "null"
+  std::string summary() const;  // of the last run, as summary.json has it, or "null"
   std::string folder() const { return folder_ ? folder_->path().string() : ""; }
   std::vector<std::string> notes() const;
 
  private:
-  void expect_idle() const;
-  void expect_this_process() const;
-  void expect_between_steps() const;  // idle, or in a callback
-  void call(const py::object& callback, const Record& row);  // with what it wrote taken over
+  void expect_idle() const;           // throws while it runs
+  void expect_this_process() const;   // throws after a fork
+  void expect_between_steps() const;  // throws during a step; a callback is between two
+  void call(const py::object& callback, const Record& row);  // and starts again from what it wrote
   void set_steps(long steps, long every);
-  void note_state();
-  void put_back();  // what was written since
+  void note_state();    // keeps a copy of positions and velocities, to notice when they are written to
+  void undo_writing();  // restores that copy
   void expect_finite() const;
-  void take_over_changes();         // somebody may have written to the views
-  void set_out_anew(double force);  // where that fails, all is as it was before somebody wrote
+  void take_over_changes();         // starts again if Python code has written to the views
+  void set_out_anew(double force);  // if it throws, the state is that before Python code wrote
   [[noreturn]] void raise(const ExplainedFailure& failure) const;
   static pid_t this_process();
 
   SceneSource source_;
   std::unique_ptr<Simulation> simulation_;
   std::optional<RunFolder> folder_;
-  bool begun_ = false;
+  bool begun_ = false, closed_ = false;
   std::vector<Record> log_;
   std::optional<Summary> summary_;
-  State seen_;  // x and v as they were left
+  State seen_;                    // x and v as note_state() found them
+  bool forces_outdated_ = false;  // a new box was undone
   std::shared_ptr<Shown> shown_ = std::make_shared<Shown>();
   std::atomic<bool> running_ = false, in_callback_ = false, setting_out_ = false;
-  bool stopped_ = false;  // by the callback
+  bool stopped_ = false;  // the callback returned False, or an exception was thrown
   pid_t made_in_ = this_process();
 };
 

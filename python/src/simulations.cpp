@@ -1,4 +1,4 @@
-// taut.Simulation, as far as it is C++: the package's class adds how it is made and what numpy does better.
+// The C++ side of taut.Simulation. python/taut/simulation.py documents the class and wraps this one.
 
 #include <fmt/format.h>
 
@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-// What a row of the log holds, in its order.
+// A column of the log, in the order of the columns.
 struct Column {
   const char *name, *meaning;
   double (*of)(const Record&);
@@ -24,27 +24,28 @@ constexpr std::array kColumns = {
     Column{"time_ps", "Time [ps].", [](const Record& r) { return r.t; }},
     Column{"potential_kj_mol", "Potential energy [kJ/mol].", [](const Record& r) { return r.potential; }},
     Column{"kinetic_kj_mol", "Kinetic energy [kJ/mol].", [](const Record& r) { return r.kinetic; }},
-    Column{"total_kj_mol", "Their sum [kJ/mol].", [](const Record& r) { return r.total(); }},
-    Column{"temperature_k", "At this instant [K].", [](const Record& r) { return r.temperature; }},
-    Column{"pressure_bar", "At this instant [bar]; without a box nan.",
+    Column{"total_kj_mol", "Potential and kinetic energy together [kJ/mol].",
+           [](const Record& r) { return r.total(); }},
+    Column{"temperature_k", "Temperature of the state [K].", [](const Record& r) { return r.temperature; }},
+    Column{"pressure_bar", "Pressure of the state [bar]; nan without a box.",
            [](const Record& r) { return r.pressure.value_or(kNone); }},
-    Column{"volume_nm3", "The box's [nm³]; without one nan.",
+    Column{"volume_nm3", "Volume of the box [nm³]; nan without a box.",
            [](const Record& r) { return r.pressure ? r.volume : kNone; }},
-    Column{"density_kg_m3", "Mass of all atoms over the box's volume [kg/m³]; without one nan.",
+    Column{"density_kg_m3", "Mass of all atoms over the volume [kg/m³]; nan without a box.",
            [](const Record& r) { return r.pressure ? r.density : kNone; }},
     Column{"max_rel_bond_error", "Largest relative error of a rigid bond's length.",
            [](const Record& r) { return r.bonds.max; }},
-    Column{"rms_rel_bond_error", "Root mean square of all of them.",
+    Column{"rms_rel_bond_error", "Root mean square of the relative errors of all rigid bonds.",
            [](const Record& r) { return r.bonds.rms; }},
-    Column{"drift_kj_mol_ns_dof", "Trend so far of the energy less the heat [kJ/mol/ns/degree of freedom].",
+    Column{"drift_kj_mol_ns_dof", "Trend of the energy less the heat so far [kJ/mol/ns/degree of freedom].",
            [](const Record& r) { return r.drift; }},
-    Column{"constraint_work_kj_mol", "Of the energy since the start, what the bonds did [kJ/mol].",
+    Column{"constraint_work_kj_mol", "How much the constraints changed the energy since the start [kJ/mol].",
            [](const Record& r) { return r.constraint_work; }},
-    Column{"heat_kj_mol", "What thermostat and barostat gave since the start [kJ/mol]; without them nan.",
+    Column{"heat_kj_mol", "Heat from thermostat and barostat since the start [kJ/mol]; nan without them.",
            [](const Record& r) { return r.heat.value_or(kNone); }},
-    Column{"iterations", "The method's, a step, since the row before.",
+    Column{"iterations", "Iterations of the method per step since the last row.",
            [](const Record& r) { return r.iterations; }},
-    Column{"ns_per_day", "Simulated time [ns] that a day takes at this pace.",
+    Column{"ns_per_day", "Speed: simulated time per day [ns].",
            [](const Record& r) { return r.ns_per_day; }}};
 
 std::string in_words(const Record& r) {
@@ -123,7 +124,7 @@ py::object pressure_tensor(Self& self) {
   return rows_of(*tensor);  // symmetric
 }
 
-// Of every atom: name, residue's name, element, and the residue it is in.
+// Returns lists over all atoms: name, name of the residue, element, and index of the residue.
 py::tuple names(const Self& self) {
   const Names& names = self.engine().scene().names;
   py::list atoms, residues, elements;
@@ -143,40 +144,30 @@ GoingOn going_on(const py::dict& asked) {
 }
 
 void bind_rows(py::module_& m) {
-  py::class_<Record> row(m, "Row",
-                         "A row of the log: the state at a step. Numbers that a run has not are nan.");
-  row.def_readonly("step", &Record::step, "Steps taken.").def("__repr__", in_words);
+  py::class_<Record> row(m, "Row", "A row of the log. A number that the run does not have is nan.");
+  row.def_readonly("step", &Record::step, "Number of steps taken.").def("__repr__", in_words);
   for (const auto& [name, meaning, of] : kColumns)
     row.def_property_readonly(name, py::cpp_function(of), meaning);
 }
 
 void bind_views(py::class_<Self>& simulation) {
   simulation
-      .def_property_readonly(
-          "positions", [](const py::object& self) { return view(self, &State::x, true); },
-          "(n, 3) [nm], never wrapped: molecules stay whole. A live view; write to it between steps.")
-      .def_property_readonly(
-          "velocities", [](const py::object& self) { return view(self, &State::v, true); },
-          "(n, 3) [nm/ps]. A live view; write to it between steps.")
-      .def_property_readonly(
-          "forces", [](const py::object& self) { return view(self, &State::f, false); },
-          "(n, 3) [kJ/mol/nm], what the method added included. A live view that cannot be written to.")
-      .def_property_readonly(
-          "box", box,
-          "The three vectors of the periodic box, (3, 3) [nm], in rows and reduced form: a along "
-          "x, b in the xy plane. A live view that cannot be written to; None without a box.")
-      .def_property_readonly("bonds", bonds, "The two atoms of each rigid bond, (m, 2).")
-      .def_property_readonly("lengths", lengths, "What each rigid bond is held at, (m,) [nm].")
-      .def_property_readonly(
-          "masses", [](const Self& self) { return array_of(self.engine().scene().system.mass); },
-          "(n,) [u]; 0: the atom is anchored and never moves.")
-      .def_property_readonly(
-          "tensions", [](Self& self) { return array_of(self.settled().bond_tensions()); },
-          "What each rigid bond pulls with at this instant, (m,) [kJ/mol/nm]; negative: it pushes.");
+      .def_property_readonly("positions", [](const py::object& self) { return view(self, &State::x, true); })
+      .def_property_readonly("velocities", [](const py::object& self) { return view(self, &State::v, true); })
+      .def_property_readonly("forces", [](const py::object& self) { return view(self, &State::f, false); })
+      .def_property_readonly("box", box)
+      .def_property_readonly("bonds", bonds)
+      .def_property_readonly("lengths", lengths)
+      .def_property_readonly("masses",
+                             [](const Self& self) { return array_of(self.engine().scene().system.mass); })
+      .def_property_readonly("tensions", [](Self& self) { return array_of(self.settled().bond_tensions()); });
 }
 
-// Forces and methods of one's own may know the simulation that holds them: Python's garbage collector sees
-// through it. While one is made or runs somebody refers to it, and nothing of it is freed.
+// A user's force or method may hold a reference to its simulation. Python's garbage collector finds such
+// cycles through the functions below. A simulation that is being made or runs is referred to, so it is never
+// freed.
+//
+// Returns the C++ object, or null before its constructor has finished.
 Self* made(PyObject* object) {
   const auto whole = reinterpret_cast<py::detail::instance*>(object)->get_value_and_holder();
   return whole.holder_constructed() ? whole.value_ptr<Self>() : nullptr;
@@ -213,46 +204,30 @@ void bind_simulations(py::module_& m) {
       .def("_run", &Self::run)
       .def("_minimise", &Self::minimise)
       .def("_checkpoint", &Self::checkpoint)
+      .def("_close", &Self::close)
+      .def("_set_box",
+           [](Self& self, const py::array_t<double, py::array::c_style | py::array::forcecast>& rows) {
+             self.set_box(Eigen::Map<const Vectors>(rows.data(), 3, 3));
+           })
       .def("_summary", &Self::summary)
       .def("_to_openmm", to_openmm)
       .def("_names", names)
-      .def_property_readonly("log", log,
-                             "Rows so far, column by column: \"step\", \"time_ps\", \"temperature_k\", ..., "
-                             "numpy arrays of one length. nan: not there.")
-      .def_property_readonly("energies", energies,
-                             "By term, and \"potential\", \"kinetic\", \"total\" [kJ/mol].")
-      .def_property_readonly("folder", &Self::folder, "Where it writes; empty: nowhere.")
-      .def_property_readonly(
-          "threads", [](const Self& self) { return self.engine().threads(); },
-          "How many threads compute. The order of sums, and so the last bits, depend on it.")
-      .def_property_readonly(
-          "name", [](const Self& self) { return self.engine().scene().name; }, "The scene's name.")
-      .def_property_readonly(
-          "notes", &Self::notes,
-          "What is worth knowing of the start, a line each, and where the folder's earlier run is kept.")
-      .def_property_readonly(
-          "dt_fs", [](const Self& self) { return self.engine().scene().run.dt_fs; }, "Length of a step [fs].")
-      .def_property_readonly(
-          "steps_taken", [](const Self& self) { return self.engine().step(); }, "Steps taken so far.")
-      .def_property_readonly(
-          "time_ps", [](const Self& self) { return self.engine().state().t; }, "[ps]")
-      .def_property_readonly(
-          "degrees_of_freedom", [](const Self& self) { return self.engine().dof().total(); },
-          "What temperatures are taken of: 3n less bonds, anchors and a fixed momentum.")
-      .def_property_readonly(
-          "method", [](const Self& self) { return self.engine().scene().method.name(); },
-          "Name of the constraint method.")
-      .def_property_readonly(
-          "setting", [](const Self& self) { return self.engine().method().setting(); },
-          "Its options, in one line.")
-      .def_property_readonly(
-          "temperature", [](Self& self) { return self.settled().record().temperature; },
-          "At this instant [K].")
-      .def_property_readonly("pressure_tensor", pressure_tensor,
-                             "(3, 3) [bar], at this instant; None without a box.")
-      .def_property_readonly(
-          "constraint_work", [](Self& self) { return self.settled().constraint_work(); },
-          "Of the energy since the start, what the bonds did, and not the forces or a thermostat [kJ/mol].");
+      .def_property_readonly("log", log)
+      .def_property_readonly("energies", energies)
+      .def_property_readonly("folder", &Self::folder)
+      .def_property_readonly("threads", [](const Self& self) { return self.engine().threads(); })
+      .def_property_readonly("name", [](const Self& self) { return self.engine().scene().name; })
+      .def_property_readonly("notes", &Self::notes)
+      .def_property_readonly("dt_fs", [](const Self& self) { return self.engine().scene().run.dt_fs; })
+      .def_property_readonly("steps_taken", [](const Self& self) { return self.engine().step(); })
+      .def_property_readonly("time_ps", [](const Self& self) { return self.engine().state().t; })
+      .def_property_readonly("degrees_of_freedom",
+                             [](const Self& self) { return self.engine().dof().total(); })
+      .def_property_readonly("method", [](const Self& self) { return self.engine().scene().method.name(); })
+      .def_property_readonly("setting", [](const Self& self) { return self.engine().method().setting(); })
+      .def_property_readonly("temperature", [](Self& self) { return self.settled().record().temperature; })
+      .def_property_readonly("pressure_tensor", pressure_tensor)
+      .def_property_readonly("constraint_work", [](Self& self) { return self.settled().constraint_work(); });
   bind_views(simulation);
 }
 

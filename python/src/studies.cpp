@@ -1,4 +1,4 @@
-// Studies, whole: the package turns their tables into columns.
+// Runs whole studies, and returns their tables as CSV. python/taut/studies.py turns them into columns.
 
 #include <fmt/format.h>
 
@@ -21,7 +21,7 @@ Scene scene_for(const Input& input, const char* study) {
   return prepared_for_study(input.scene);
 }
 
-// Job by job, so that Ctrl-C is heard between them; `progress` is told how many of how many are done.
+// Runs jobs one by one, checks for Ctrl-C between them, and tells `progress` how many of how many are done.
 void carry_out(const std::vector<Job>& jobs, Ledger& ledger, const py::object& progress) {
   std::size_t done = 0;
   for (const Job& job : jobs) {
@@ -34,7 +34,7 @@ void carry_out(const std::vector<Job>& jobs, Ledger& ledger, const py::object& p
   }
 }
 
-// Numbers of steps and repeats: 0 is the study's own.
+// Replaces a study's number of steps or repeats by what was asked for, unless that is 0.
 template <class Number>
 void replace(Number& number, const py::dict& asked, const char* key) {
   const auto value = asked[key].cast<Number>();

@@ -1,4 +1,4 @@
-"""Molecular dynamics of rigid bonds, and every serious way of holding them.
+"""Molecular dynamics with rigid bonds, and the constraint methods that hold them.
 
     >>> import taut
     >>> sim = taut.Simulation("water", method="feedforward", dt_fs=2)
@@ -6,15 +6,15 @@
     >>> sim.positions, sim.velocities      # numpy, (n, 3), live
     >>> sim.log["temperature_k"], sim.summary
 
-taut.scenes(), taut.methods()      what there is: name to what it is
-taut.Simulation                    a scene, a dict, or OpenMM's objects made to run
-taut.Baumgarte, taut.Rattle, ...   a method's options
-taut.ConstraintMethod, taut.Force  methods and forces of your own
-taut.verify                        whether a method does what every method must
-taut.chart, taut.stability         methods' speed against accuracy, and where they fail
-taut.calibrate, taut.crosscheck    Baumgarte's gains; whether OpenMM agrees
+taut.scenes(), taut.methods()      list the systems and the methods that come with taut
+taut.Simulation                    runs a scene, a dict or OpenMM's objects
+taut.Baumgarte, taut.Rattle, ...   hold the options of a method
+taut.ConstraintMethod, taut.Force  are the bases of methods and forces of your own
+taut.verify                        checks that a method keeps lengths, momentum and direction
+taut.chart, taut.stability         compare methods' speed and accuracy, and find where they fail
+taut.calibrate, taut.crosscheck    find Baumgarte's alpha and beta; compare a run with OpenMM
 
-help(taut.Simulation), help(taut.Baumgarte), ... say more.
+help(taut.Simulation), help(taut.Baumgarte), ... describe them.
 
 Units: nm, ps, u, kJ/mol, K; steps in fs. Errors: InputError (a ValueError), SimulationFailure, OutsideError.
 """
@@ -24,7 +24,7 @@ import numpy
 from . import _core
 
 if int(numpy.__version__.split(".")[0]) >= 2 and not _core.knows_numpy_2:
-    raise ImportError("taut was built with a pybind11 that does not know numpy 2: build it where this numpy is, "
+    raise ImportError("this taut was built for numpy 1 (pybind11 before 2.12); build it again beside this numpy: "
                       "pip install .")
 
 from . import options
@@ -38,9 +38,9 @@ from .verifying import verify
 
 __version__ = "0.1"
 __all__ = ["ConstraintMethod", "Force", "InputError", "NotConverged", "OutsideError", "Push", "Row",
-           "Simulation", "SimulationFailure", "State", "System", "calibrate", "chart", "crosscheck", "register", "scenes",
-           "stability", "threads", "use_threads", "verify"]
+           "Simulation", "SimulationFailure", "State", "System", "calibrate", "chart", "crosscheck", "register",
+           "scenes", "stability", "threads", "use_threads", "verify"]
 __all__ += options.__all__
 
-for _name in __all__:  # all is of taut, wherever it is written: so help has it
+for _name in __all__:  # help() and pickle then name them taut.X, not by the file that they stand in
     globals()[_name].__module__ = __name__

@@ -20,7 +20,7 @@ class Input:
     name: str
 
 class Row:
-    """A row of the log: the state at a step. Numbers that a run has not are nan."""
+    """A row of the log. A number that the run does not have is nan."""
     @property
     def step(self) -> int: ...
     @property
@@ -56,7 +56,12 @@ class Row:
 
 class Simulation:
     def __init__(self, *arguments: Any) -> None: ...
-    def _run(self, steps: int, every: int, callback: Optional[Callable[[Row], Any]], to_end: bool, /) -> None: ...
+    def _run(
+        self, steps: int, every: int, callback: Optional[Callable[[Row], Any]],
+        progress: Optional[Callable[[int], Any]], to_end: bool, /
+    ) -> None: ...
+    def _close(self) -> None: ...
+    def _set_box(self, rows: _Reals, /) -> None: ...
     def _minimise(self, force: float, /) -> None: ...
     def _checkpoint(self) -> bytes: ...
     def _summary(self) -> str: ...
@@ -111,16 +116,16 @@ class Simulation:
 
 def describe_methods() -> List[Dict[str, Any]]: ...
 def scenes() -> Dict[str, str]:
-    """The scenes that come with taut: name to what it is hard on."""
+    """Returns the scenes that come with taut, by name, with a line on each."""
 
 def quoted(text: str, /) -> str: ...
 def threads() -> int:
-    """How many threads compute where a simulation or study is not told: as use_threads() said, or else
-    OMP_NUM_THREADS, or one."""
+    """Returns how many threads a simulation or study uses that names no number: that of use_threads(), else
+    OMP_NUM_THREADS, else one."""
 
 def use_threads(threads: int) -> None:
-    """So many compute, for every Python thread, in what is made from now on and not told a number of its own.
-    Other libraries' threads stay as they are."""
+    """Sets how many threads simulations and studies use that are made from now on and name no number.
+    It acts for all Python threads, and changes no other library's threads."""
 
 def add_method(method: type, name: str, summary: str, defaults: Dict[str, Any], /) -> None: ...
 def add_forces(to: Input, forces: List[Any], /) -> None: ...

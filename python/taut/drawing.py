@@ -1,4 +1,4 @@
-"""Pictures of what studies found, by matplotlib."""
+"""Draws the results of studies with matplotlib."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ def _figure(columns: int) -> Any:
 
 
 def _curves(axis: Any, table: Any, by: str, x: str, y: str) -> None:
-    """A line for each name in a column; what failed is left out."""
+    """Draws a line for each name in the column `by`, without failed runs."""
     names, across, up = np.array(table[by]), abs(np.array(table[x], float)), np.array(table[y], float)
     for name in dict.fromkeys(names):
         of = (names == name) & np.isfinite(across) & np.isfinite(up) & (up != 0)
@@ -25,6 +25,7 @@ def _curves(axis: Any, table: Any, by: str, x: str, y: str) -> None:
 
 
 def chart(tables: Dict[str, Any]) -> Any:
+    """Draws the tables of taut.chart, a panel each, and returns the figure."""
     panels = {"work": ("curve", "rms_rel_bond_error", "ns_per_bond_step"),
               "drift": ("curve", "drift_kj_mol_ns_dof", "ns_per_bond_step"),
               "order": ("method", "dt_fs", "rms_distance_nm"),
@@ -43,6 +44,7 @@ def chart(tables: Dict[str, Any]) -> Any:
 
 
 def stability(tables: Dict[str, Any]) -> Any:
+    """Draws the largest stable steps, and the plane of gains if there is one, and returns the figure."""
     figure, axes = _figure(2 if "plane" in tables else 1)
     axes = np.atleast_1d(axes)
     steps = tables["steps"]
@@ -62,16 +64,18 @@ def stability(tables: Dict[str, Any]) -> Any:
 
 
 def calibration(found: Dict[str, Any]) -> Any:
+    """Draws how the error of a bond falls from step to step, and returns the figure."""
     figure, axis = _figure(1)
     courses = found["courses"]
     for name in ("reference", "baumgarte"):
         axis.semilogy(courses["step"], courses[name], "o-", label=name, markersize=4)
-    axis.set(xlabel="step", ylabel="an error's course, rms σ/d²")
+    axis.set(xlabel="step", ylabel="bond error after each step, rms σ/d²")
     axis.legend()
     return figure
 
 
 def crosscheck(found: Dict[str, Any]) -> Any:
+    """Draws the distance between taut's and OpenMM's runs over time, and returns the figure."""
     figure, axis = _figure(1)
     _curves(axis, found["samples"], "run", "t_ps", "apart_nm")
     axis.set(xlabel="time [ps]", ylabel="distance from OpenMM's run [nm]")

@@ -1,35 +1,35 @@
-"""What goes wrong, as exceptions. Their words are those of the command ``taut``."""
+"""taut's exceptions. Their messages are those of the command ``taut``."""
 
 from __future__ import annotations
 
-from typing import Optional, Tuple
+import difflib
+from typing import Any, Iterable, Optional, Tuple
 
 import numpy as np
+import numpy.typing as npt
 
 
 class InputError(ValueError):
-    """The input is wrong: one line that says which key or argument, what was expected, and what to do."""
+    """The input is wrong. The message says in one line which key or argument, what was expected, and what to do."""
 
 
 class OutsideError(OSError):
-    """Something outside: a folder that cannot be written, a full disk, a file that is gone."""
+    """A folder cannot be written, the disk is full, or a file is gone."""
 
 
 class SimulationFailure(RuntimeError):
-    """The simulation failed: no convergence, a bond broke, numbers ran away.
+    """The simulation failed: a method did not converge, a bond broke, or numbers became infinite.
 
-    The simulation is then as it was one step before, and can be looked at. Where a step is to blame, and not the
-    start, the exception knows more; otherwise these are None.
+    The simulation is then in the state of one step before, and can be looked at. These attributes describe a failed
+    step; they are None if the start failed:
 
-    step, time_ps            the step that failed, its time [ps]
-    cause, advice            the method's or the force's words; what to try
-    bond, atoms              index of the bond to blame and its atoms; None if there is none
-    length_nm                its length after that step [nm]
-    length_before_nm         and before [nm]
-    target_nm                what it is held at [nm]
-    largest_force_kj_mol_nm  [kJ/mol/nm]
-    atom                     the atom it acts on
-    positions, velocities    the last good state, (n, 3) [nm], [nm/ps]
+    - ``step``, ``time_ps``: the step that failed, its time [ps]
+    - ``cause``, ``advice``: why it failed, and what to try
+    - ``bond``, ``atoms``: index of the bond to blame and its two atoms; None if no bond is
+    - ``length_before_nm``, ``length_nm``: the bond's length before and after that step [nm]
+    - ``target_nm``: the length that the bond is held at [nm]
+    - ``largest_force_kj_mol_nm``, ``atom``: the largest force [kJ/mol/nm], and the atom that it acts on
+    - ``positions``, ``velocities``: the last good state, (n, 3) [nm], [nm/ps]
     """
 
     step: Optional[int] = None
@@ -43,5 +43,11 @@ class SimulationFailure(RuntimeError):
     target_nm: Optional[float] = None
     largest_force_kj_mol_nm: Optional[float] = None
     atom: Optional[int] = None
-    positions: Optional[np.ndarray] = None
-    velocities: Optional[np.ndarray] = None
+    positions: Optional[npt.NDArray[Any]] = None
+    velocities: Optional[npt.NDArray[Any]] = None
+
+
+def suggest(name: str, known: Iterable[str], likeness: float = 0.75) -> str:
+    """Returns "; did you mean X?" for the known name that is nearest to a wrong one, or "" if none is near."""
+    nearest = difflib.get_close_matches(name, list(known), 1, likeness)
+    return f"; did you mean {nearest[0]}?" if nearest else ""

@@ -1,4 +1,4 @@
-"""From what a user has, a name, a file, a dict or OpenMM's objects, to what the engine reads."""
+"""Turns what a user gives, a name, a file, a dict or OpenMM's objects, into what the engine reads."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from typing import Any, Dict, Iterable, List, Mapping, Optional, Union
 from . import _core, options, parts
 from .errors import InputError
 
-#: A scene: its name, as in taut.scenes(); its file; or what a file would say, section by section.
+#: A scene: its name, as in taut.scenes(), its file, or a dict with the sections of a file.
 Scene = Union[str, Path, Mapping[str, Any]]
 #: A method: its name, a class of options, or a class of your own.
 Method = Union[str, "options.Options", type, "parts.ConstraintMethod"]
 
 
 def toml(value: Any, key: str) -> str:
-    """A value as TOML has it."""
+    """Returns a value as TOML writes it. Raises InputError that names the key for what TOML has not."""
     if hasattr(value, "tolist"):  # numpy's
         value = value.tolist()
     if isinstance(value, bool):
@@ -32,11 +32,11 @@ def toml(value: Any, key: str) -> str:
     if isinstance(value, Mapping):
         return "{" + ", ".join(f"{_core.quoted(str(name))} = {toml(one, f'{key}.{name}')}"
                                for name, one in value.items() if one is not None) + "}"
-    raise InputError(f"{key}: expected a number, a text, a truth value, a list or a dict of these, got {value!r}")
+    raise InputError(f"{key}: expected a number, a text, True or False, a list or a dict of these, got {value!r}")
 
 
 def scene_text(scene: Mapping[str, Any]) -> str:
-    """A scene's file from a dict of sections."""
+    """Returns the text of a scene's file from a dict of sections."""
     top, sections = [], []
     for name, content in scene.items():
         if isinstance(content, Mapping):
@@ -48,8 +48,19 @@ def scene_text(scene: Mapping[str, Any]) -> str:
     return "\n".join(top + sections) + "\n"
 
 
-def overrides(given: Optional[Mapping[str, Any]], method: Optional[Method], dt_fs: Optional[float]) -> List[str]:
-    """What is laid over a scene's keys, ``"run.dt_fs=2"``."""
+def whole(number: Any, what: str) -> int:
+    """Returns a whole number, also of 1e4. Raises InputError that names the argument for any other."""
+    try:
+        if not isinstance(number, (bool, str)) and int(number) == number:
+            return int(number)
+    except (TypeError, ValueError, OverflowError):
+        pass
+    raise InputError(f"{what}: expected a whole number, got {number!r}")
+
+
+def overrides(given: Optional[Mapping[str, Any]], method: Optional[Method], dt_fs: Optional[float],
+              precision: Optional[str] = None) -> List[str]:
+    """Returns the settings that replace those of a scene, as in ``"run.dt_fs=2"``."""
     said: Dict[str, Any] = {}
     if isinstance(method, str):
         said["method.name"] = method
@@ -64,6 +75,8 @@ def overrides(given: Optional[Mapping[str, Any]], method: Optional[Method], dt_f
                          f"taut.ConstraintMethod, got {method!r}")
     if dt_fs is not None:
         said["run.dt_fs"] = dt_fs
+    if precision is not None:
+        said["forcefield.precision"] = precision
     if given is not None and not isinstance(given, Mapping):
         raise InputError(f"set: expected a dict of a scene's keys, {{\"run.seed\": 7}}, got {given!r}")
     for key, value in (given or {}).items():
@@ -76,14 +89,17 @@ def overrides(given: Optional[Mapping[str, Any]], method: Optional[Method], dt_f
 
 
 def own_forces(forces: Iterable[Any]) -> List[Any]:
+    """Returns forces of the user's own as a list. Raises InputError for what is none, or has no ``add``."""
     for force in (listed := list(forces)):
         if isinstance(force, type) or not callable(getattr(force, "add", None)):
             raise InputError(f"forces: expected instances of classes derived from taut.Force, got {force!r}")
+        if getattr(type(force), "add", None) is parts.Force.add:
+            raise InputError(f"forces: {type(force).__name__} has no method add(self, positions, forces); write it")
     return listed
 
 
 def read(scene: Scene, said: List[str], threads: Optional[int] = None) -> "_core.Input":
-    """Reads a scene, with overrides laid over it, for so many threads."""
+    """Reads a scene with the settings that replace its own, for this number of threads."""
     if isinstance(scene, Mapping):
         return _core.Input.of_toml(scene_text(scene), said, threads)
     if isinstance(scene, (str, Path)):

@@ -1,4 +1,4 @@
-"""OpenMM's objects, its XML, and back. OpenMM itself is imported where objects are given or asked for."""
+"""Turns OpenMM's objects into XML and back. OpenMM is imported only where its objects are given or asked for."""
 
 from __future__ import annotations
 
@@ -6,13 +6,14 @@ from pathlib import Path
 from typing import Any, List, Optional, Tuple
 
 import numpy as np
+import numpy.typing as npt
 
 from . import _core
 from .errors import InputError
 
 
 def xml_of(thing: Any, what: str) -> str:
-    """The text of a System or State: of an object, of XML, or of a file of it."""
+    """Returns the XML of a System or State that is given as an object, as XML or as a file."""
     if isinstance(thing, Path) or (isinstance(thing, str) and not thing.lstrip().startswith("<")):
         try:
             return Path(thing).read_text()
@@ -26,12 +27,15 @@ def xml_of(thing: Any, what: str) -> str:
 
     try:
         return str(XmlSerializer.serialize(thing))
-    except Exception as error:  # a force that is code
+    except Exception as error:  # a force that is Python code
         raise InputError(f"{what}: OpenMM cannot write it as XML, which is what taut reads: {error}") from None
 
 
-def vectors(given: Any, unit: str, what: str, rows: Optional[int] = None) -> np.ndarray:
-    """(n, 3) numbers of an array or of a Quantity, in nm or nm/ps."""
+def vectors(given: Any, unit: str, what: str, rows: Optional[int] = None) -> npt.NDArray[Any]:
+    """Returns the numbers of an array or of an OpenMM Quantity, (n, 3) in nm or nm/ps.
+
+    Raises InputError that names the argument for another shape or type, and for numbers that are not finite.
+    """
     def bare(quantity: Any) -> Any:
         if not hasattr(quantity, "value_in_unit"):
             return quantity
@@ -41,9 +45,13 @@ def vectors(given: Any, unit: str, what: str, rows: Optional[int] = None) -> np.
 
     kind = getattr(getattr(bare(given), "dtype", None), "kind", "f")
     if kind not in "fiuO":
-        raise InputError(f"{what}: expected {rows or 'n'} rows of three numbers [{unit}], got dtype {bare(given).dtype}")
+        raise InputError(f"{what}: expected {rows or 'n'} rows of three numbers [{unit}], "
+                         f"got dtype {bare(given).dtype}")
     try:
-        array = np.array([[float(c) for c in bare(row)] for row in bare(given)])
+        if isinstance(given, np.ndarray) and kind != "O":
+            array = np.array(given, float)
+        else:
+            array = np.array([[float(c) for c in bare(row)] for row in bare(given)])
     except (TypeError, ValueError):
         raise InputError(f"{what}: expected {rows or 'n'} rows of three numbers [{unit}], got {given!r}") from None
     if array.ndim != 2 or array.shape[1] != 3 or (rows is not None and len(array) != rows):
@@ -54,11 +62,12 @@ def vectors(given: Any, unit: str, what: str, rows: Optional[int] = None) -> np.
     return array
 
 
-def _rows(tag: str, array: np.ndarray) -> str:
+def _rows(tag: str, array: npt.NDArray[Any]) -> str:
     return "".join(f'<{tag} x="{x!r}" y="{y!r}" z="{z!r}"/>' for x, y, z in array.tolist())
 
 
-def _box(given: Any) -> np.ndarray:
+def box_vectors(given: Any) -> npt.NDArray[Any]:
+    """Returns the vectors of a box in rows, (3, 3) [nm], from three vectors or from three edges."""
     given = list(given)
     if len(given) == 3 and all(isinstance(edge, (int, float)) for edge in given):
         given = np.diag(given).tolist()
@@ -66,7 +75,7 @@ def _box(given: Any) -> np.ndarray:
 
 
 def state_xml(positions: Any, velocities: Any, box: Any) -> str:
-    """A State as OpenMM writes it: what is given, if it is one, or else from positions, velocities and box."""
+    """Returns the XML of a State: of the one that is given, or of positions, velocities and box."""
     as_state = isinstance(positions, (str, Path)) or type(positions).__name__ == "State"
     if as_state:
         if velocities is not None or box is not None:
@@ -75,7 +84,7 @@ def state_xml(positions: Any, velocities: Any, box: Any) -> str:
     x = vectors(positions, "nm", "positions")
     text = '<?xml version="1.0" ?>\n<State openmmVersion="8.0" time="0" type="State" version="1">'
     if box is not None:
-        edges = _box(box)
+        edges = box_vectors(box)
         text += "<PeriodicBoxVectors>"
         text += "".join(_rows(name, edges[n:n + 1]) for n, name in enumerate("ABC")) + "</PeriodicBoxVectors>"
     text += "<Positions>" + _rows("Position", x) + "</Positions>"
@@ -85,7 +94,7 @@ def state_xml(positions: Any, velocities: Any, box: Any) -> str:
 
 
 def read(system: Any, state: str, said: List[str], topology: Any, threads: Optional[int]) -> "_core.Input":
-    """What OpenMM's two texts hold, with names from a Topology."""
+    """Reads a System and the XML of a State, with names of atoms and residues from a Topology."""
     lines = []
     for atom in [] if topology is None else getattr(topology, "topology", topology).atoms():
         element = atom.element.symbol if atom.element else ""
@@ -95,7 +104,7 @@ def read(system: Any, state: str, said: List[str], topology: Any, threads: Optio
 
 
 def objects_of(system: str, state: str) -> Tuple[Any, Any]:
-    """OpenMM's System and State of their XML."""
+    """Returns OpenMM's System and State from their XML."""
     from openmm import XmlSerializer
 
     return XmlSerializer.deserialize(system), XmlSerializer.deserialize(state)

@@ -1,4 +1,4 @@
-"""The methods that come with taut, each with a class of its options; made from the engine's own list."""
+"""The classes taut.Rattle, taut.Baumgarte, ...: the options of each method, made from the engine's own list."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class Options:
     method: ClassVar[str]
 
     def settings(self) -> Dict[str, Any]:
-        """The keys of a scene that choose it: the name, and what is not the default."""
+        """Returns the settings that choose the method: its name, and the options that are not the default."""
         said = {f"method.{f.name}": getattr(self, f.name) for f in dataclasses.fields(self)
                 if getattr(self, f.name) != f.default}
         return {"method.name": self.method, **said}
@@ -28,7 +28,7 @@ def _type_of(option: Dict[str, Any]) -> Any:
 def _line(option: Dict[str, Any]) -> str:
     unit = f" [{option['unit']}]" if option["unit"] else ""
     limits = f" ({option['allowed']})" if option["allowed"] else ""
-    return f"    {option['key']} = {option['default']!r}: {option['meaning']}{unit}{limits}"
+    return f"- ``{option['key']}`` = {option['default']!r}: {option['meaning']}{unit}{limits}"
 
 
 _SPELT = {"mshake": "MShake", "none": "Uncorrected"}
@@ -50,5 +50,8 @@ __all__ = [made.__name__ for made in CLASSES.values()] + ["Options", "methods"]
 
 
 def methods() -> Dict[str, str]:
-    """The constraint methods that come with taut: name to what it is. ``help(taut.Baumgarte)`` has its options."""
+    """Returns the constraint methods that come with taut, by name, with a line on each.
+
+    ``help(taut.Baumgarte)`` describes the options of one.
+    """
     return {m["name"]: m["summary"] for m in _core.describe_methods()}

@@ -1,4 +1,4 @@
-"""Parts of a simulation written in Python: constraint methods and forces."""
+"""The bases of constraint methods and forces that are written in Python."""
 
 from __future__ import annotations
 
@@ -9,29 +9,30 @@ from itertools import count
 from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Set, Union
 
 import numpy as np
+import numpy.typing as npt
 
 from . import _core
-from .errors import InputError
+from .errors import InputError, suggest
 
 
 @dataclass(frozen=True)
 class System:
-    """What does not change during a run. Its arrays cannot be written to, and may be kept.
+    """Holds what does not change during a run. Its arrays cannot be written to; you may keep them.
 
-    masses          (n,) [u]; 0 for an anchored atom
-    inverse_masses  (n,) [1/u]; 0 for an anchored atom
-    bonds           (m, 2) the two atoms of each rigid bond
-    lengths         (m,) what each is held at [nm]
+    - ``masses``: (n,) [u]; 0 for an anchored atom
+    - ``inverse_masses``: (n,) [1/u]; 0 for an anchored atom
+    - ``bonds``: the two atoms of each rigid bond, (m, 2)
+    - ``lengths``: the length that each rigid bond is held at, (m,) [nm]
     """
 
-    masses: np.ndarray
-    inverse_masses: np.ndarray
-    bonds: np.ndarray
-    lengths: np.ndarray
+    masses: npt.NDArray[Any]
+    inverse_masses: npt.NDArray[Any]
+    bonds: npt.NDArray[Any]
+    lengths: npt.NDArray[Any]
 
     @cached_property
-    def groups(self) -> List[np.ndarray]:
-        """All bonds, in groups of which no two share an atom: numpy can change those of one group at once."""
+    def groups(self) -> List[npt.NDArray[Any]]:
+        """Indices of all bonds in groups. No two bonds of a group share an atom, so numpy can move them at once."""
         taken: Dict[int, Set[int]] = {}  # by the bonds of an atom
         of_bond = []
         for i, j in self.bonds.tolist():
@@ -43,20 +44,20 @@ class System:
 
 
 class State:
-    """What a stage may change, in place or by giving it other arrays of the same shape.
+    """Holds what a stage may change, in place or by assigning other arrays of the same shape.
 
-    positions   (n, 3) [nm], never wrapped
-    velocities  (n, 3) [nm/ps]
-    forces      (n, 3) [kJ/mol/nm]
-    time_ps     [ps], to be read alone
+    - ``positions``: (n, 3) [nm], unwrapped
+    - ``velocities``: (n, 3) [nm/ps]
+    - ``forces``: (n, 3) [kJ/mol/nm]
+    - ``time_ps``: [ps]; a change has no effect
 
-    The arrays are the engine's own numbers, and there for the length of a stage alone. A stage that keeps one, or a
-    view of one (``self.before = state.positions[3:]``), fails with a BufferError: keep a copy.
+    The arrays are the engine's own memory, which a stage may use only until it returns. A stage that keeps an array or
+    a view of one (``self.before = state.positions[3:]``) fails with a BufferError; keep a copy.
     """
 
-    positions: np.ndarray
-    velocities: np.ndarray
-    forces: np.ndarray
+    positions: npt.NDArray[Any]
+    velocities: npt.NDArray[Any]
+    forces: npt.NDArray[Any]
     time_ps: float
 
     if not TYPE_CHECKING:
@@ -67,19 +68,20 @@ class State:
 
 @dataclass(frozen=True)
 class Push:
-    """How the forces move the atoms to where forces act next.
+    """Says how the forces move the atoms to the positions of the next forces.
 
-    The velocities come to v + kick/m (f + noise), and the positions to x + h times that. Between two steps v is the
+    The velocities become v + kick/m (f + noise), and the positions x + h times that. Between two steps v is the
     half-step velocity. At the start it is the full-step velocity, and the forces act for half a step.
 
-    h      length of the step to come [ps]
-    kick   how long the forces act: h, and h/2 at the start [ps]
-    noise  the random force of a Langevin thermostat, which is no part of ``state.forces``: (n, 3) [kJ/mol/nm], or None
+    - ``h``: length of the next step [ps]
+    - ``kick``: how long the forces act: h, and h/2 at the start [ps]
+    - ``noise``: the random force of a Langevin thermostat, (n, 3) [kJ/mol/nm], or None; ``state.forces`` does not
+      include it
     """
 
     h: float
     kick: float
-    noise: Optional[np.ndarray] = None
+    noise: Optional[npt.NDArray[Any]] = None
 
     @property
     def starts(self) -> bool:
@@ -94,18 +96,18 @@ class Push:
 
 @dataclass
 class NotConverged:
-    """What a stage returns that gave up: the step fails, and `bond` is to blame."""
+    """A stage returns this if it gave up. The step then fails, and the message names `bond` (-1: none)."""
 
     iterations: int = 0
     bond: int = -1
 
 
-#: What a stage returns: nothing, how many iterations it took, or that it gave up.
+#: What a stage returns: None, its number of iterations, or NotConverged.
 Answer = Union[None, int, NotConverged]
 
 
 class ConstraintMethod:
-    """An algorithm that holds bonds. Derive from it and write the stages it acts in; all are empty here.
+    """Base of a constraint method. Derive from it and write the stages it acts in; those of the base do nothing.
 
     A step of length h [ps] of velocity Verlet is::
 
@@ -116,64 +118,76 @@ class ConstraintMethod:
         v += h/2 · f/m
         project_velocities         # RATTLE: v is the full-step velocity
 
-    Its options are the arguments of its class, each with a default that is a number, a truth value or a text, and
-    kept under its own name, as by ``@dataclass``. Each simulation makes an instance of its own. An exception in a
-    stage, KeyboardInterrupt too, takes the step back, with the attributes that are ``kept``: the simulation is as it
-    was before, and can go on.
+    The arguments of the class are the method's options. Each needs a default that is a number, True, False or a text,
+    and is kept under its own name, as ``@dataclass`` does. Each simulation makes an instance of its own. After an
+    exception in a stage, also KeyboardInterrupt, taut takes the step back, with the attributes that ``kept`` names,
+    and the simulation can continue.
 
-    promised_error  the relative bond error it answers for: a run says if it was worse
-    holds           "all": lengths and velocities; "positions": velocities keep a part along the bonds (SHAKE's do)
-    kept            names of the attributes, arrays or floats, that it takes from one step to the next: checkpoints
-                    keep them. They are there, in their shape, from prepare() on
+    - ``promised_error``: the relative bond error that the method answers for; a run says if it was larger
+    - ``holds``: "all" if the method holds lengths and velocities; "positions" if velocities may have a part along the
+      bonds, as SHAKE's do
+    - ``kept``: names of attributes, arrays or floats, that it takes from one step to the next; checkpoints keep them.
+      ``prepare`` must set them, in their final shape
+
+    A class with a method whose name is nearly that of a stage (``project_position``) is refused with a TypeError.
     """
 
     promised_error: float = float("inf")
     holds: str = "all"
     kept: Sequence[str] = ()
 
+    def __init_subclass__(cls, **named: Any) -> None:
+        super().__init_subclass__(**named)
+        known = ("prepare", "project_positions", "add_forces", "project_velocities", "setting", "promised_error",
+                 "holds", "kept")
+        for name in vars(cls):
+            nearest = suggest(name, [meant for meant in known if meant not in vars(cls)], 0.85)
+            if nearest and name not in known and not name.startswith("_"):
+                raise TypeError(f"{cls.__name__}.{name}: a constraint method has no {name}{nearest}")
+
     def prepare(self, system: System, h: float) -> None:
-        """Before the first step of length h [ps]."""
+        """Called before the first step. Steps have the length h [ps]."""
 
     def project_positions(self, system: System, h: float, state: State) -> Answer:
-        """May move the positions, and change the velocities by the same over h."""
+        """May move the positions, and change the velocities by the moves over h."""
 
     def add_forces(self, system: System, push: Push, state: State) -> Answer:
-        """May add what holds the bonds to the forces. Called once before the first step, too (``push.starts``)."""
+        """May add forces that hold the bonds. Called once before the first step, too (``push.starts``)."""
 
     def project_velocities(self, system: System, h: float, state: State) -> Answer:
-        """May take what lies along the bonds out of the velocities."""
+        """May remove the part of the velocities that lies along the bonds."""
 
     def setting(self) -> str:
-        """The options in one line, for reports."""
+        """Returns the options in one line, for reports."""
         return ", ".join(f"{key} = {getattr(self, key)}" for key in options_of(type(self)))
 
 
 class Force:
-    """A force written in Python: a bias, a wall. Derive from it and write `add`.
+    """Base of a force written in Python, such as a bias or a wall. Derive from it and write ``add``.
 
-    It counts as a field from outside: it has no part in the pressure, and momentum is not conserved.
+    It is an external force: the pressure does not include it, and the momentum is not conserved.
     """
 
-    def add(self, positions: np.ndarray, forces: np.ndarray) -> float:
-        """Adds to `forces`, which come as zeros, (n, 3) [kJ/mol/nm], at `positions`, (n, 3) [nm], never wrapped.
+    def add(self, positions: npt.NDArray[Any], forces: npt.NDArray[Any]) -> float:
+        """Adds this force to `forces`, (n, 3) [kJ/mol/nm], zero at the call, and returns its energy [kJ/mol].
 
-        Returns the energy [kJ/mol]. Called once a step, more often under a Monte Carlo barostat, in a minimisation and
-        where positions were written to. Both arrays are the engine's own, as those of a State; positions cannot be
-        written to. Who keeps one keeps a copy. What it throws, KeyboardInterrupt too, takes the step back: the
-        simulation is as it was before, and can go on.
+        `positions`, (n, 3) [nm], are unwrapped and cannot be written to. Both arrays are the engine's own memory;
+        keep copies. taut calls this once a step, and more often under a Monte Carlo barostat, in a minimisation, and
+        after positions were written to. After an exception, also KeyboardInterrupt, taut takes the step back, and
+        the simulation can continue.
         """
         raise NotImplementedError(f"{type(self).__name__}.add is not written")
 
 
 def options_of(method: type) -> Dict[str, Any]:
-    """The options of a method written in Python, with their defaults."""
+    """Returns the options of a method written in Python, with their defaults. Raises InputError without a default."""
     options = {}
     for name, parameter in list(inspect.signature(method).parameters.items()):
         if parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD):
             continue
         if not isinstance(parameter.default, (bool, int, float, str)):
             raise InputError(f"{method.__name__}: its argument {name} is an option, and needs a default that is a "
-                             "number, a truth value or a text")
+                             "number, True, False or a text")
         options[name] = parameter.default
     return options
 
@@ -182,7 +196,7 @@ REGISTERED: Dict[str, type] = {}  #: methods written in Python, by name
 
 
 def register(method: type) -> str:
-    """Puts a class derived from ConstraintMethod on the list of methods; returns its name."""
+    """Adds a class derived from ConstraintMethod to the list of methods, and returns its name."""
     summary = (inspect.getdoc(method) or "").split("\n")[0]
     _core.add_method(method, method.__name__, summary, options_of(method))
     REGISTERED[method.__name__] = method
@@ -190,12 +204,12 @@ def register(method: type) -> str:
 
 
 def is_method(thing: Any) -> bool:
-    """Whether it is a class derived from ConstraintMethod, or an instance of one."""
+    """True for a class derived from ConstraintMethod, and for an instance of one."""
     return isinstance(thing, ConstraintMethod) or (isinstance(thing, type) and issubclass(thing, ConstraintMethod))
 
 
 def settings_of(method: Union[type, ConstraintMethod]) -> Dict[str, Any]:
-    """The keys of a scene that choose it."""
+    """Returns the settings that choose a method written in Python."""
     kind = method if isinstance(method, type) else type(method)
     settings: Dict[str, Any] = {"method.name": register(kind)}
     if not isinstance(method, type):
@@ -207,7 +221,7 @@ def settings_of(method: Union[type, ConstraintMethod]) -> Dict[str, Any]:
 
 
 def named(method: Any) -> str:
-    """The name that a method goes by in a study: a name, or a class derived from ConstraintMethod."""
+    """Returns a method's name in a study, from a name or from a class derived from ConstraintMethod."""
     if isinstance(method, str):
         return method
     if isinstance(method, type) and issubclass(method, ConstraintMethod):

@@ -1,19 +1,37 @@
-"""taut.Simulation."""
+"""taut.Simulation: a system that runs."""
 
 from __future__ import annotations
 
+import html
 import json
+import os
+import weakref
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterable, Mapping, Optional, Tuple, Union
+from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Tuple, Union
 
 import numpy as np
+import numpy.typing as npt
 
 from . import _core, inputs, openmm_objects, parts
+from .errors import InputError, suggest
+from .progress import RunProgress
+
+Reals = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int32]
+
+#: The simulation of this process that last opened a folder, by the folder's real path.
+_WRITERS: "weakref.WeakValueDictionary[str, Simulation]" = weakref.WeakValueDictionary()
 
 
-def _shown(name: str) -> Any:
-    """A property of the engine's."""
-    return property(lambda self: getattr(self._engine, name), doc=getattr(_core.Simulation, name).__doc__)
+def _release_folder(folder: str, close: bool) -> None:
+    """Closes the simulation of this process that writes to a folder, or refuses the folder."""
+    writer = _WRITERS.get(os.path.realpath(folder))
+    if writer is None or not writer.folder or writer._process != os.getpid():
+        return
+    if not close:
+        raise InputError(f"{folder}: another Simulation of this process writes there; call its close(), or give "
+                         "overwrite=True, which closes it and moves its run aside")
+    writer.close()
 
 
 def _unpickled(kind: Any, checkpoint: bytes, forces: Any, method: Optional[type],
@@ -25,147 +43,255 @@ def _unpickled(kind: Any, checkpoint: bytes, forces: Any, method: Optional[type]
 
 
 class Simulation:
-    """A scene made to run: forces and method made, the start brought to the bonds.
+    """A system with a constraint method, forces and a start, ready to run.
 
     ::
 
-        sim = taut.Simulation("water", method="feedforward", dt_fs=2, set={"build.molecules": 1000})
-        sim.run(10_000, every=100, callback=print)
+        with taut.Simulation("water", method="feedforward", out="out", overwrite=True) as sim:
+            sim.run(10_000, every=100, callback=print)
         sim.positions            # (n, 3) [nm]
 
-    scene   a name (``taut.scenes()``), a file, or a dict of what a file says, section by section
-    method  a name (``taut.methods()``), options such as ``taut.Rattle(tolerance=1e-8)``, or a class of your own
-            derived from ``taut.ConstraintMethod``; None: the scene's
-    dt_fs   length of a step [fs]; None: the scene's
-    set     any key of the scene: ``{"run.seed": 7, "run.thermostat": "langevin"}``
-    forces  forces of your own, instances of classes derived from ``taut.Force``
-    out     a folder for log.csv, checkpoints, trajectories (``run.trajectory_every``) and the final state, as the
-            command ``taut run --out`` writes them
-    overwrite  what run is in the folder is first moved aside
-    threads  so many compute as long as it lives; None: as ``taut.threads()`` says now. The last bits depend on it
+    Arguments:
 
-    Units are nm, ps, u, kJ/mol and K throughout. The same settings give the same bits as the command's.
+    - ``scene``: a name (``taut.scenes()`` lists them), a file, or a dict with the sections of such a file
+    - ``method``: a name (``taut.methods()`` lists them), options such as ``taut.Rattle(tolerance=1e-8)``, or a class
+      of your own derived from ``taut.ConstraintMethod``; None takes the scene's
+    - ``dt_fs``: length of a step [fs]; None takes the scene's
+    - ``set``: any keys of the scene, as in ``{"run.seed": 7, "run.thermostat": "langevin"}``
+    - ``forces``: forces of your own, instances of classes derived from ``taut.Force``
+    - ``out``: a folder for log.csv, checkpoints, trajectories (``run.trajectory_every``) and the final state, which
+      are those of the command ``taut run --out``
+    - ``overwrite``: moves a run that the folder holds aside, and closes a simulation of this process that writes there
+    - ``precision``: ``"double"`` or ``"mixed"`` (``forcefield.precision``); None takes the scene's
+    - ``threads``: number of threads that compute; None takes ``taut.threads()``. The last bits depend on it
 
-    ``positions`` and ``velocities`` are live views, (n, 3): they show the state as it is, and as it last was when the
-    simulation is gone. Write to them between steps (in a callback, too): what you wrote is brought to the bonds, and forces are
-    evaluated, before anything else is asked of the simulation. Means and the energy's account then begin again.
-    ``forces``, (n, 3) [kJ/mol/nm], cannot be written to; they hold what the method added.
+    Units are nm, ps, u, kJ/mol and K. Equal settings give the same bits as the command.
 
-    Raises InputError for wrong input, SimulationFailure where bonds or method cannot hold the start.
+    ``positions`` and ``velocities`` are live views: they show the present state. Write to them, or assign to them,
+    between steps or in a callback. taut then brings what you wrote to the bonds and evaluates the forces before it
+    answers anything else. Means and the account of the energy begin again.
+
+    Raises InputError for wrong input, and SimulationFailure if the method cannot hold the bonds at the start.
     """
 
     def __init__(self, scene: inputs.Scene, *, method: Optional[inputs.Method] = None, dt_fs: Optional[float] = None,
                  set: Optional[Mapping[str, Any]] = None, forces: Iterable[Any] = (),
-                 out: Union[str, Path, None] = None, overwrite: bool = False, threads: Optional[int] = None) -> None:
-        self._make(inputs.read(scene, inputs.overrides(set, method, dt_fs), threads), forces, out, overwrite)
+                 out: Union[str, Path, None] = None, overwrite: bool = False, precision: Optional[str] = None,
+                 threads: Optional[int] = None) -> None:
+        self._make(inputs.read(scene, inputs.overrides(set, method, dt_fs, precision), threads), forces, out, overwrite)
 
     def _make(self, read: "_core.Input", forces: Iterable[Any], out: Union[str, Path, None], overwrite: bool) -> None:
         self._forces = inputs.own_forces(forces)
         _core.add_forces(read, self._forces)
-        self._engine = _core.Simulation(read, str(out or ""), overwrite)
+        if out:
+            _release_folder(str(out), close=overwrite)
+        self._take_engine(_core.Simulation(read, str(out or ""), overwrite))
+
+    def _take_engine(self, engine: "_core.Simulation") -> None:
+        self._engine = engine
+        self._process = os.getpid()
+        if engine.folder:
+            _WRITERS[os.path.realpath(engine.folder)] = self
 
     @classmethod
     def from_openmm(cls, system: Any, positions: Any, *, velocities: Any = None, box: Any = None, topology: Any = None,
                     method: Optional[inputs.Method] = None, dt_fs: Optional[float] = None,
                     set: Optional[Mapping[str, Any]] = None, forces: Iterable[Any] = (),
-                    out: Union[str, Path, None] = None, overwrite: bool = False,
+                    out: Union[str, Path, None] = None, overwrite: bool = False, precision: Optional[str] = None,
                     threads: Optional[int] = None) -> "Simulation":
-        """What was prepared with OpenMM.
+        """Makes a simulation of a system that was prepared with OpenMM.
 
-        system     openmm.System, its XML, or a file of it
-        positions  openmm.State, its XML or a file of it; or positions, (n, 3) [nm] or with a unit
-        velocities (n, 3) [nm/ps] or with a unit; box: three vectors or edges [nm], else the System's own
-        topology   openmm.app.Topology, or what has one (PDBFile, Modeller): names of atoms and residues
+        - ``system``: an openmm.System, its XML, or a file with its XML
+        - ``positions``: (n, 3) [nm] or with a unit; or an openmm.State, its XML, or a file with its XML
+        - ``velocities``: (n, 3) [nm/ps] or with a unit
+        - ``box``: three vectors or three edges [nm]; None takes the System's
+        - ``topology``: an openmm.app.Topology, or an object that has one (PDBFile, Modeller), for names of atoms and
+          residues
 
-        The rest as for the class. Raises InputError for what taut does not have, by name.
+        The other arguments are those of the class. Raises InputError that names what taut does not have.
         """
         state = openmm_objects.state_xml(positions, velocities, box)
-        read = openmm_objects.read(system, state, inputs.overrides(set, method, dt_fs), topology, threads)
+        settings = inputs.overrides(set, method, dt_fs, precision)
+        read = openmm_objects.read(system, state, settings, topology, threads)
         simulation = cls.__new__(cls)
         simulation._make(read, forces, out, overwrite)
         return simulation
 
     @classmethod
-    def resume(cls, checkpoint: Union[bytes, str, Path], *, set: Optional[Mapping[str, Any]] = None,
-               forces: Iterable[Any] = (), yes: bool = False, threads: Optional[int] = None) -> "Simulation":
-        """A run as it was at a checkpoint: goes on from there to the last bit.
+    def resume(cls, checkpoint: Union[bytes, bytearray, memoryview, str, Path], *,
+               set: Optional[Mapping[str, Any]] = None, forces: Iterable[Any] = (), yes: bool = False,
+               threads: Optional[int] = None) -> "Simulation":
+        """Makes a simulation that continues from a checkpoint with the same bits.
 
-        checkpoint  what checkpoint() gave, or the folder of a run, which is then gone on with
-        set         what may change in a run that has begun: steps, log_every, trajectory_every, the thermostat, ...
-        forces      the forces of your own that it had, in their order: they are code, which no checkpoint has
-        yes         go on though outputs in the folder are cut back to less than half, or begin anew
-        threads     None: as ``taut.use_threads()`` or OMP_NUM_THREADS says, or else as many as it had, which alone
-                    gives the same bits
+        - ``checkpoint``: bytes that ``checkpoint()`` returned, a file that it wrote, or the folder of a run, to which
+          the simulation then writes. A simulation of this process that writes to the folder is closed
+        - ``set``: settings that may change during a run: steps, log_every, trajectory_every, the thermostat, ...
+        - ``forces``: the run's forces of your own, in their order, since a checkpoint holds no code
+        - ``yes``: continues even if a file in the folder is cut to less than half, or is gone and begins again
+        - ``threads``: None takes ``taut.use_threads()`` or OMP_NUM_THREADS, or else the number that the run had; only
+          that number gives the same bits
 
-        Methods of your own have to be registered again (``taut.register``).
+        Register methods of your own again first (``taut.register``). Raises InputError for what is no checkpoint.
         """
-        kept = isinstance(checkpoint, bytes)
-        asked = {"bytes": checkpoint if kept else b"", "folder": "" if kept else str(checkpoint),
-                 "overrides": inputs.overrides(set, None, None), "yes": yes, "threads": threads}
+        kept, folder = b"", ""
+        if isinstance(checkpoint, (bytes, bytearray, memoryview)):
+            kept = bytes(checkpoint)
+        elif Path(checkpoint).is_file():
+            kept = Path(checkpoint).read_bytes()
+        else:
+            folder = str(checkpoint)
+            _release_folder(folder, close=True)
+        asked = {"bytes": kept, "folder": folder, "overrides": inputs.overrides(set, None, None), "yes": yes,
+                 "threads": threads}
         simulation = cls.__new__(cls)
         simulation._forces = inputs.own_forces(forces)
-        simulation._engine = _core.Simulation(asked, simulation._forces)
+        simulation._take_engine(_core.Simulation(asked, simulation._forces))
         return simulation
 
-    def run(self, steps: int, *, every: int = 0, callback: Optional[Callable[["_core.Row"], Any]] = None) -> None:
-        """Takes so many steps.
+    def run(self, steps: int, *, every: int = 0, callback: Optional[Callable[["_core.Row"], Any]] = None,
+            progress: bool = False) -> None:
+        """Takes this many steps.
 
-        every     steps from row to row of the log (0: as before), the first at the start
-        callback  is called with every row; False, numpy's too, stops the run. Other Python threads run meanwhile
+        - ``every``: number of steps between rows of the log, the first at the start; 0 keeps the present number
+        - ``callback``: is called with every row; the run stops if it returns False
+        - ``progress``: shows a bar with ns/day and the time that is left on standard error
 
-        Ctrl-C, or any exception in the callback, in a force or a method of your own, stops it between two steps: a step
-        that was begun is taken back, all is whole, and can go on to the same numbers. Raises SimulationFailure, with
-        the state as it was one step before.
+        Other Python threads run meanwhile. Ctrl-C, and any exception in the callback or in a force or method of your
+        own, stop the run between two steps. taut takes a step back that was not finished, so the run can continue
+        with the same numbers. Raises SimulationFailure; the state is then that of one step before the failure.
         """
-        self._engine._run(steps, every, callback, True)
+        steps, every = inputs.whole(steps, "run(steps)"), inputs.whole(every, "run(every)")
+        bar = RunProgress(self.steps_taken, steps, self.dt_fs) if progress else None
+        try:
+            self._engine._run(steps, every, callback, bar, True)
+        finally:
+            if bar is not None:
+                bar.end(self.steps_taken)
 
     def step(self, steps: int = 1) -> None:
-        """Takes a step, or a few, without a row of the log at the end. run() is faster for many."""
-        self._engine._run(steps, 0, None, False)
+        """Takes a step, or a few, without a row of the log at the end. ``run`` is faster for many steps."""
+        self._engine._run(inputs.whole(steps, "step(steps)"), 0, None, None, False)
 
     def minimise(self, force_kj_mol_nm: float = 1000.0) -> None:
-        """Steepest descent along the bonds' manifold until no atom's force is above this [kJ/mol/nm].
+        """Moves the atoms downhill by steepest descent, with bonds at their lengths.
 
-        Other Python threads run meanwhile. Ctrl-C, or any exception in a force of your own, leaves all as it was.
+        It ends when no atom's force is above ``force_kj_mol_nm`` [kJ/mol/nm]. Other Python threads run meanwhile.
+        After Ctrl-C, or an exception in a force of your own, the state is what it was before.
         """
         self._engine._minimise(force_kj_mol_nm)
 
     def checkpoint(self, file: Union[str, Path, None] = None) -> bytes:
-        """All that the steps to come depend on; written to a file, too, if one is named."""
+        """Returns all that the next steps depend on, and writes it to a file if one is named.
+
+        ``Simulation.resume`` takes the bytes and the file.
+        """
         kept: bytes = self._engine._checkpoint()
         if file is not None:
             Path(file).write_bytes(kept)
         return kept
 
-    positions = _shown("positions")
-    velocities = _shown("velocities")
-    forces = _shown("forces")
-    box = _shown("box")
-    bonds = _shown("bonds")
-    lengths = _shown("lengths")
-    masses = _shown("masses")
-    tensions = _shown("tensions")
-    energies = _shown("energies")
-    temperature = _shown("temperature")
-    pressure_tensor = _shown("pressure_tensor")
-    constraint_work = _shown("constraint_work")
-    log = _shown("log")
-    time_ps = _shown("time_ps")
-    steps_taken = _shown("steps_taken")
-    dt_fs = _shown("dt_fs")
-    threads = _shown("threads")
-    method = _shown("method")
-    setting = _shown("setting")
-    degrees_of_freedom = _shown("degrees_of_freedom")
-    name = _shown("name")
-    notes = _shown("notes")
-    folder = _shown("folder")
+    def close(self) -> None:
+        """Ends the run and releases its folder. State, log and summary can still be read; no further step is taken.
+
+        Raises RuntimeError while another thread runs the simulation.
+        """
+        self._engine._close()
+
+    def __enter__(self) -> "Simulation":
+        return self
+
+    def __exit__(self, *error: Any) -> None:
+        self.close()
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        there = getattr(type(self), name, None)
+        if not name.startswith("_") and getattr(there, "fset", None) is None:
+            if there is not None:
+                raise AttributeError(f"{name} cannot be set; positions, velocities and box can")
+            nearest = suggest(name, [known for known in dir(Simulation) if not known.startswith("_")])
+            if nearest or type(self) is Simulation:  # a class derived from this one may have attributes of its own
+                raise AttributeError(f"a Simulation has no attribute {name}{nearest}")
+        super().__setattr__(name, value)
 
     @property
-    def summary(self) -> Optional[Dict[str, Any]]:
-        """What the last run came to, as summary.json has it; None before there was one."""
-        summary: Optional[Dict[str, Any]] = json.loads(self._engine._summary())
-        return summary
+    def positions(self) -> Reals:
+        """Positions, (n, 3) [nm], a live view. They are unwrapped: molecules stay whole and may leave the box.
+
+        Assign an array of the same shape, numbers with an OpenMM unit, or write to the view.
+        """
+        return self._engine.positions
+
+    @positions.setter
+    def positions(self, given: Any) -> None:
+        self._write(self.positions, given, "positions", "nm")
+
+    @property
+    def velocities(self) -> Reals:
+        """Velocities, (n, 3) [nm/ps], a live view. Assign an array of the same shape, or write to the view."""
+        return self._engine.velocities
+
+    @velocities.setter
+    def velocities(self, given: Any) -> None:
+        self._write(self.velocities, given, "velocities", "nm/ps")
+
+    @staticmethod
+    def _write(view: Reals, given: Any, what: str, unit: str) -> None:
+        if isinstance(given, np.ndarray) and given.__array_interface__ == view.__array_interface__:
+            return  # `sim.positions += d` has written to the view already
+        view[:] = openmm_objects.vectors(given, unit, what, len(view))
+
+    @property
+    def forces(self) -> Reals:
+        """Forces, (n, 3) [kJ/mol/nm], a live view that cannot be written to. They include what the method added."""
+        return self._engine.forces
+
+    @property
+    def box(self) -> Optional[Reals]:
+        """The three vectors of the periodic box in rows, (3, 3) [nm]; None without a box.
+
+        They are in reduced form: a along x, b in the xy plane. The array is a live view that cannot be written to.
+        Assign three vectors or three edges to change the box. Positions stay what they are.
+        """
+        return self._engine.box
+
+    @box.setter
+    def box(self, given: Any) -> None:
+        self._engine._set_box(openmm_objects.box_vectors(given))
+
+    @property
+    def bonds(self) -> Integers:
+        """The two atoms of each rigid bond, (m, 2), counted from 0."""
+        return self._engine.bonds
+
+    @property
+    def lengths(self) -> Reals:
+        """The length that each rigid bond is held at, (m,) [nm]."""
+        return self._engine.lengths
+
+    @property
+    def masses(self) -> Reals:
+        """Masses, (n,) [u]. An atom of mass 0 is anchored and never moves, or is a virtual site."""
+        return self._engine.masses
+
+    @property
+    def tensions(self) -> Reals:
+        """The force with which each rigid bond pulls its atoms together, (m,) [kJ/mol/nm]; below 0 it pushes."""
+        return self._engine.tensions
+
+    @property
+    def energies(self) -> Dict[str, float]:
+        """Energies by term, and "potential", "kinetic" and "total" [kJ/mol]."""
+        return self._engine.energies
+
+    @property
+    def temperature(self) -> float:
+        """Temperature of the present state [K]."""
+        return self._engine.temperature
+
+    @property
+    def pressure_tensor(self) -> Optional[Reals]:
+        """Pressure tensor of the present state, (3, 3) [bar]; None without a box."""
+        return self._engine.pressure_tensor
 
     @property
     def pressure(self) -> Optional[float]:
@@ -174,28 +300,96 @@ class Simulation:
         return None if tensor is None else float(tensor.trace() / 3)
 
     @property
-    def bond_errors(self) -> np.ndarray:
+    def bond_errors(self) -> Reals:
         """Relative error of each rigid bond's length, (m,)."""
         i, j = self.bonds.T
-        errors: np.ndarray = np.linalg.norm(self.positions[j] - self.positions[i], axis=1) / self.lengths - 1
+        errors: Reals = np.linalg.norm(self.positions[j] - self.positions[i], axis=1) / self.lengths - 1
         return errors
 
     @property
+    def constraint_work(self) -> float:
+        """How much the constraints changed the energy since the start [kJ/mol]: not forces, not a thermostat."""
+        return self._engine.constraint_work
+
+    @property
+    def log(self) -> Dict[str, Any]:
+        """Rows of the log so far, as columns: "step", "time_ps", "temperature_k", ..., numpy arrays of one length.
+
+        ``help(taut.Row)`` describes the columns. A number that the run does not have is nan.
+        """
+        return self._engine.log
+
+    @property
+    def summary(self) -> Any:
+        """Results of the last run, a dict with the keys of summary.json; None before the first."""
+        return json.loads(self._engine._summary())
+
+    @property
+    def time_ps(self) -> float:
+        """Time of the present state [ps]."""
+        return self._engine.time_ps
+
+    @property
+    def steps_taken(self) -> int:
+        """Number of steps taken so far."""
+        return self._engine.steps_taken
+
+    @property
+    def dt_fs(self) -> float:
+        """Length of a step [fs]."""
+        return self._engine.dt_fs
+
+    @property
+    def threads(self) -> int:
+        """Number of threads that compute. The order of sums, and so the last bits, depend on it."""
+        return self._engine.threads
+
+    @property
+    def method(self) -> str:
+        """Name of the constraint method."""
+        return self._engine.method
+
+    @property
+    def setting(self) -> str:
+        """Options of the constraint method, in one line."""
+        return self._engine.setting
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Degrees of freedom that the temperature counts: 3n less bonds, anchored atoms and a fixed momentum."""
+        return self._engine.degrees_of_freedom
+
+    @property
+    def name(self) -> str:
+        """Name of the scene."""
+        return self._engine.name
+
+    @property
+    def notes(self) -> List[str]:
+        """Remarks on the start, a line each, and where the folder's earlier run is kept."""
+        return self._engine.notes
+
+    @property
+    def folder(self) -> str:
+        """The folder that the simulation writes to; empty if there is none, or after ``close``."""
+        return self._engine.folder
+
+    @property
     def names(self) -> Dict[str, Any]:
-        """Of every atom: "atom", "residue" and "element", (n,) texts, and "residue_index", (n,)."""
+        """Names of every atom: "atom", "residue" and "element", (n,) texts, and "residue_index", (n,)."""
         return dict(zip(("atom", "residue", "element", "residue_index"), map(np.array, self._engine._names())))
 
     def to_openmm(self) -> Tuple[Any, Any]:
-        """openmm.System and openmm.State of the same system, as it is now."""
+        """Returns an openmm.System and an openmm.State of the present system and state. Needs OpenMM."""
         return openmm_objects.objects_of(*self._engine._to_openmm())
 
     def to_openmm_xml(self) -> Tuple[str, str]:
-        """The same as XML, for which OpenMM is not needed."""
+        """Returns the XML of both, for which OpenMM is not needed."""
         system, state = self._engine._to_openmm()
         return system, state
 
     def universe(self) -> Any:
-        """An MDAnalysis.Universe of the state as it is: names, masses, bonds, positions [Å], velocities."""
+        """Returns an MDAnalysis.Universe with names, masses, bonds, positions [Å], velocities [Å/ps] and box."""
         import MDAnalysis
 
         names = self.names
@@ -225,3 +419,20 @@ class Simulation:
     def __repr__(self) -> str:
         return (f"<taut.Simulation {self.name}: {len(self.masses)} atoms, {len(self.lengths)} rigid bonds, "
                 f"{self.method}, {self.dt_fs:g} fs, {self.steps_taken} steps taken>")
+
+    def _repr_html_(self) -> str:
+        """Returns what a notebook shows: a small table of the system and of the last row of the log."""
+        rows = {"scene": self.name, "atoms": f"{len(self.masses)}", "rigid bonds": f"{len(self.lengths)}",
+                "method": f"{self.method}: {self.setting}" if self.setting else self.method,
+                "step": f"{self.dt_fs:g} fs", "steps taken": f"{self.steps_taken} ({self.time_ps:g} ps)",
+                "threads": f"{self.threads}"}
+        if self.folder:
+            rows["folder"] = self.folder
+        if len(self.log["step"]):
+            last = {name: column[-1] for name, column in self.log.items()}
+            rows["last row of the log"] = (f"step {last['step']}: {last['total_kj_mol']:.8g} kJ/mol, "
+                                           f"{last['temperature_k']:.2f} K, largest bond error "
+                                           f"{last['max_rel_bond_error']:.1e}")
+        cells = "".join(f"<tr><th style='text-align:left'>{html.escape(what)}</th>"
+                        f"<td style='text-align:left'>{html.escape(value)}</td></tr>" for what, value in rows.items())
+        return f"<table><caption>taut.Simulation</caption>{cells}</table>"

@@ -1,7 +1,7 @@
-"""Studies: which method, at which setting, at what cost, and does it agree with OpenMM.
+"""Studies of constraint methods: their speed, accuracy and limits, and whether OpenMM agrees.
 
-Each returns a dict of tables; a table is a dict of columns, numpy arrays of one length (a pandas.DataFrame where
-pandas is installed). With ``draw=True`` each shows a picture, by matplotlib; its figure is under "figure".
+Each study returns a dict of tables. A table is a pandas.DataFrame, or without pandas a dict of columns, numpy arrays
+of one length. With ``draw=True`` a study draws a picture with matplotlib; the dict has its figure as "figure".
 """
 
 from __future__ import annotations
@@ -9,21 +9,22 @@ from __future__ import annotations
 import csv
 import io
 import json
-import sys
 import tempfile
 from typing import Any, Dict, Iterable, List, Mapping, Optional
 
 import numpy as np
+import numpy.typing as npt
 
 from . import _core, inputs, parts
 from .errors import InputError
 from .options import CLASSES
+from .progress import StudyProgress
 
 PANELS = ("work", "drift", "order", "length", "precision")
 Table = Any  #: a dict of columns, or a pandas.DataFrame
 
 
-def _column(cells: List[str]) -> np.ndarray:
+def _column(cells: List[str]) -> npt.NDArray[Any]:
     try:
         return np.array([float(cell) if cell else np.nan for cell in cells])
     except ValueError:
@@ -31,7 +32,7 @@ def _column(cells: List[str]) -> np.ndarray:
 
 
 def table(columns: Mapping[str, Any]) -> Table:
-    """A DataFrame where pandas is installed, else a dict of arrays."""
+    """Returns columns as a DataFrame, or without pandas as a dict of arrays."""
     try:
         import pandas
     except ImportError:
@@ -40,25 +41,9 @@ def table(columns: Mapping[str, Any]) -> Table:
 
 
 def table_of_csv(text: str) -> Table:
+    """Returns the table of a CSV text with a line of names. An empty cell is nan."""
     rows = list(csv.reader(io.StringIO(text)))
     return table({name: _column([row[n] for row in rows[1:]]) for n, name in enumerate(rows[0])})
-
-
-class Progress:
-    """One line, rewritten, on a terminal or in a notebook."""
-
-    def __init__(self) -> None:
-        self.shown = sys.stderr.isatty() or "ipykernel" in sys.modules
-
-    def __call__(self, *what: Any) -> None:
-        line = what[0] if len(what) == 1 else f"{what[0]} of {what[1]} trials"
-        if self.shown:
-            sys.stderr.write(f"\r{line:<60}")
-            sys.stderr.flush()
-
-    def done(self) -> None:
-        if self.shown:
-            sys.stderr.write("\r" + " " * 60 + "\r")
 
 
 def _methods(methods: Optional[Iterable[Any]]) -> List[str]:
@@ -73,7 +58,7 @@ def _methods(methods: Optional[Iterable[Any]]) -> List[str]:
 def _study(run: Any, scene: inputs.Scene, methods: Optional[Iterable[Any]], settings: List[str],
            asked: Dict[str, Any]) -> Dict[str, Table]:
     names = _methods(methods)
-    progress = Progress()
+    progress = StudyProgress()
     with tempfile.TemporaryDirectory(prefix="taut-") as folder:
         tables = run(inputs.read(scene, settings), names, asked, folder, progress)
     progress.done()
@@ -91,16 +76,18 @@ def _drawn(tables: Dict[str, Any], kind: str, draw: bool) -> Dict[str, Any]:
 def chart(scene: inputs.Scene, methods: Optional[Iterable[Any]] = None, *, dt_fs: Optional[float] = None,
           set: Optional[Mapping[str, Any]] = None, quick: bool = False, repeats: int = 0, steps: int = 0,
           drift_steps: int = 0, panels: Iterable[str] = PANELS, draw: bool = False) -> Dict[str, Any]:
-    """Each method's speed against its accuracy.
+    """Charts each method's speed against its accuracy.
 
-    methods      names, or classes derived from taut.ConstraintMethod; None: all of taut's. An option of theirs that
-                 is called tolerance, sweeps, order, iterations, gains, ... is taken through a range of values
-    quick        rough: few settings, repeats and steps, in a second or a minute
-    repeats      of all that is timed; steps: of a timed run; drift_steps: of one whose energy is watched. 0: the usual
+    - ``methods``: names, or classes derived from taut.ConstraintMethod; None takes all of taut's. An option called
+      tolerance, sweeps, order, iterations, gains, ... runs through a range of values
+    - ``quick``: takes few settings, repeats and steps, for a rough chart in a second to a minute
+    - ``repeats``, ``steps``: number of timed runs, and of steps in each; 0 takes the study's own
+    - ``drift_steps``: number of steps in runs that measure the energy's drift; 0 takes the study's own
+    - ``panels``: which of the tables to make
 
-    Tables: "work" (constraint time a bond and step [ns] against bond error), "drift", "order" (distance from an exact
-    run against the step), "length" (cost against the length of chains), "precision" (with pair forces); where all of
-    them were asked for, "failures".
+    Returns the tables "work" (constraint time of a bond and step [ns] against bond error), "drift" (that time against
+    the energy's drift), "order" (distance from an exact run against the step), "length" (cost against the length of
+    chains), "precision" (of systems with pair forces), and "failures" if all panels were asked for. Raises InputError.
     """
     wanted = [panels] if isinstance(panels, str) else list(panels)
     for panel in wanted:
@@ -114,10 +101,13 @@ def chart(scene: inputs.Scene, methods: Optional[Iterable[Any]] = None, *, dt_fs
 def stability(scene: inputs.Scene, methods: Optional[Iterable[Any]] = None, *, dt_fs: Optional[float] = None,
               set: Optional[Mapping[str, Any]] = None, quick: bool = False, steps: int = 0, plane: bool = True,
               draw: bool = False) -> Dict[str, Any]:
-    """Where methods fail, and how.
+    """Finds where methods fail.
 
-    Tables: "plane" (Baumgarte over the plane of its gains: steps survived, drift), "limits" (of one bond, βh against
-    αh), "steps" (the largest stable step of each method [fs]). plane=False leaves the plane out.
+    - ``steps``: number of steps that a stable run lasts; 0 takes the study's own
+    - ``plane``: runs Baumgarte over a plane of α and β
+
+    Returns the tables "plane" (steps survived and drift over α and β), "limits" (the theory's limit of β h against
+    α h for a single bond) and "steps" (the largest stable step of each method [fs]). Raises InputError.
     """
     asked = {"quick": quick, "steps": steps, "plane": plane}
     return _drawn(_study(_core.stability, scene, methods, inputs.overrides(set, None, dt_fs), asked), "stability", draw)
@@ -126,15 +116,17 @@ def stability(scene: inputs.Scene, methods: Optional[Iterable[Any]] = None, *, d
 def calibrate(scene: inputs.Scene, *, against: Any = "rattle", tolerance: float = 1e-10, sweeps: int = 0,
               copies: str = "mean", damping: str = "centred", passes: int = 2, dt_fs: Optional[float] = None,
               set: Optional[Mapping[str, Any]] = None, draw: bool = False) -> Dict[str, Any]:
-    """The gains with which Baumgarte reduces an error a step as a reference method does.
+    """Finds the α and β with which Baumgarte reduces a bond's error per step as a reference method does.
 
-    against   rattle, shake or newton, at `tolerance`, or with so many `sweeps` in place of it; or a class of your own
-              derived from taut.ConstraintMethod
-    copies    mean, first or slowest: what of an error's course gains copy where steps are not alike
-    damping   discrete, centred, implicit or lagged; passes: solves a step of Baumgarte's
+    - ``against``: "rattle", "shake" or "newton", or a class of your own derived from taut.ConstraintMethod
+    - ``tolerance``, ``sweeps``: the reference's tolerance, or in its place a fixed number of sweeps
+    - ``copies``: "mean", "first" or "slowest", the reduction to copy if it differs from step to step
+    - ``damping``, ``passes``: Baumgarte's form ("discrete", "centred", "implicit" or "lagged"), and its linear
+      solves a step
 
-    "alpha_per_ps", "beta_per_ps" [1/ps]; predicted and measured reductions and floors; "courses": a table of an error's
-    course, rms σ/d² step by step; "settings": what to give Simulation(set=...); "disagreement": empty, or why not.
+    Returns "alpha_per_ps" and "beta_per_ps" [1/ps]; predicted and measured reductions and residuals; "courses", a table
+    of the error after each step (rms of σ/d²); "settings" for ``Simulation(set=...)``; and "disagreement", empty if
+    theory and measurement agree. Raises InputError.
     """
     asked = {"against": parts.named(against), "tolerance": tolerance, "sweeps": sweeps, "copies": copies,
              "damping": damping, "passes": passes}
@@ -150,15 +142,17 @@ def calibrate(scene: inputs.Scene, *, against: Any = "rattle", tolerance: float 
 def crosscheck(scene: inputs.Scene, methods: Optional[Iterable[str]] = None, *, steps: int = 200,
                dt_fs: Optional[float] = None, set: Optional[Mapping[str, Any]] = None, platform: str = "Reference",
                speed_seconds: float = 0.0, draw: bool = False) -> Dict[str, Any]:
-    """Holds a scene's runs against OpenMM's (the OpenMM that taut was built with).
+    """Compares a scene's runs with those of OpenMM, the version that taut was built with.
 
-    methods  names, "baumgarte:dead-beat" for one of its gains; None: the usual ones
+    - ``methods``: names, with gains as in "baumgarte:dead-beat"; None takes the study's own
+    - ``platform``: OpenMM's platform
+    - ``speed_seconds``: how long to measure speeds; 0 measures none
 
-    All figures and "verdicts" as crosscheck.json has them; "samples": a table of every sample of every run;
-    "distances": g(r) of liquid water.
+    Returns the figures and "verdicts" of crosscheck.json, the table "samples" of every sample of every run, and for
+    liquid water "distances", its radial distribution. Raises InputError.
     """
     names = [] if methods is None else [m if isinstance(m, str) else parts.named(m) for m in methods]
-    progress = Progress()
+    progress = StudyProgress()
     said = inputs.overrides({"run.steps": steps, **(set or {})}, None, dt_fs)
     found = dict(_core.crosscheck(inputs.read(scene, said), names,
                                   {"platform": platform, "speed_seconds": speed_seconds}, progress))

@@ -1,17 +1,18 @@
-"""taut.verify: whether a constraint method does what every method must."""
+"""taut.verify: checks a constraint method."""
 
 from __future__ import annotations
 
 from typing import Any, Dict, Mapping, Optional
 
 import numpy as np
+import numpy.typing as npt
 
 from . import inputs
 from .simulation import Simulation
 
 
-def _across_bonds(change: np.ndarray, bonds: np.ndarray, places: np.ndarray) -> float:
-    """The part of changes of momentum, (n, 3), that no forces along the bonds give, as these stand at `places`."""
+def _across_bonds(change: npt.NDArray[Any], bonds: npt.NDArray[Any], places: npt.NDArray[Any]) -> float:
+    """Returns the norm of the part of changes of momentum, (n, 3), that no forces along the bonds at `places` give."""
     columns = []
     for positions in places:
         i, j = bonds.T
@@ -27,22 +28,24 @@ def _across_bonds(change: np.ndarray, bonds: np.ndarray, places: np.ndarray) -> 
 
 def verify(method: inputs.Method, scene: inputs.Scene = "freely_jointed", *, dt_fs: Optional[float] = None,
            steps: int = 40, set: Optional[Mapping[str, Any]] = None) -> Dict[str, Any]:
-    """Runs a method, looks at every step, and says what came of what every method must keep.
+    """Runs a method and measures at every step what a constraint method must keep.
 
-    method  a name, options, or a class of your own; scene, dt_fs, set as for ``taut.Simulation``
+    - ``method``: a name, options, or a class of your own
+    - ``scene``, ``dt_fs``, ``set``: as for ``taut.Simulation``
+    - ``steps``: number of steps
 
-    Returns
+    Returns a dict:
 
-    ``bond_error``     largest relative error of a bond's length
-    ``bond_rate``      largest step of it that velocities still hold, h |r·v| / d²
-    ``momentum``       what the method changed of the momentum, of Σ m|v|; nan where atoms are anchored
-    ``across_bonds``   the part of its impulses that does not lie along the bonds before and after a step, of all of
-                       them; nan where other forces act. The scene freely_jointed has none
-    ``energy``         |E − E₀| at the end, of the largest kinetic energy on the way
-    ``same_again``     whether a second run has the same bits
-    ``resumes``        whether a run from a checkpoint half way has them: if not, ``kept`` lacks an attribute
+    - ``bond_error``: largest relative error of a bond's length
+    - ``bond_rate``: largest relative change of a bond's length in a step that the velocities still hold, h |r·v| / d²
+    - ``momentum``: change of the momentum over Σ m|v|; nan if atoms are anchored
+    - ``across_bonds``: share of the method's impulses that does not lie along the bonds before and after a step; nan
+      if other forces act. The scene freely_jointed has no other forces
+    - ``energy``: |E − E₀| at the end over the largest kinetic energy of the run
+    - ``same_again``: True if a second run has the same bits
+    - ``resumes``: True if a run from a checkpoint half way has the same bits; if False, ``kept`` lacks an attribute
 
-    Source: the checks are those of GROMACS's tests of constraint algorithms (lengths, direction, centre of mass).
+    Source: GROMACS's tests of constraint algorithms check lengths, direction and centre of mass likewise.
     """
     if scene == "freely_jointed":
         set = {"build.chains": 2, **(set or {})}

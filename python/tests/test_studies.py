@@ -17,7 +17,7 @@ def test_methods_and_scenes_are_the_engines():
 def test_options_have_signatures_and_say_what_they_are():
     parameters = inspect.signature(taut.Shake).parameters
     assert parameters["tolerance"].default == 1e-10 and parameters["sweeps"].annotation is int
-    assert "alpha_per_ps = None: damping α" in taut.Baumgarte.__doc__ and "[1/ps]" in taut.Baumgarte.__doc__
+    assert "``alpha_per_ps`` = None: damping α" in taut.Baumgarte.__doc__ and "[1/ps]" in taut.Baumgarte.__doc__
     assert "(one of reversible, " in taut.Baumgarte.__doc__
     with pytest.raises(TypeError):
         taut.Shake(tolerence=1)

@@ -31,6 +31,29 @@ def test_mypy(typed):
     assert done.returncode == 0 and "no issues found" in done.stdout, done.stdout + done.stderr
 
 
+def test_mypy_knows_the_package_in_a_users_code(typed):
+    (typed / "mine.py").write_text("""
+import taut
+
+with taut.Simulation("water", method=taut.Feedforward(), precision="mixed", out="o", overwrite=True) as sim:
+    sim.run(10, progress=True)
+sim.velocities *= 0.5
+edge: float = sim.positions[0, 0]
+taut.Rattle(tolerence=1e-8)
+sim.temprature
+""")
+    done = mypy("mypy", "--strict", "--ignore-missing-imports", "mine.py", typed=typed)
+    errors = [line for line in done.stdout.splitlines() if ": error:" in line]
+    assert len(errors) == 2 and 'argument "tolerence"' in errors[0] and '"temperature"' in errors[1], done.stdout
+
+
+def test_mypy_takes_the_examples(typed):
+    examples = Path(__file__).resolve().parents[1] / "examples"
+    done = mypy("mypy", "--strict", "--allow-untyped-defs", "--allow-untyped-calls", "--ignore-missing-imports",
+                *map(str, sorted(examples.glob("*.py"))), typed=typed)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
 def test_stubs_are_what_is_there(typed):
     (settings := typed.parent / "mypy.ini").write_text("[mypy]\nignore_missing_imports = True\n")
     done = mypy("mypy.stubtest", "taut._core", "taut.options", "--ignore-missing-stub", "--mypy-config-file",
