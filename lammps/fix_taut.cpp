@@ -14,7 +14,7 @@ using namespace FixConst;
 using taut::SolveStats;
 
 FixTaut::FixTaut(LAMMPS* engine, int narg, char** arg)
-    : Fix(engine, narg, arg), held_(*atom), lengths_(*force) {
+    : Fix(engine, narg, arg), held_(*atom), lengths_(*force), box_motion_(engine) {
   if (atom->molecular != Atom::MOLECULAR)
     refuse("expected an atom style with bonds, which are not a template's");
   if (atom->map_style == Atom::MAP_NONE)
@@ -27,6 +27,7 @@ FixTaut::FixTaut(LAMMPS* engine, int narg, char** arg)
     refuse(wrong.what());
   }
   restart_peratom = create_attribute = dof_flag = 1;
+  stores_ids = 1;  // so that reset_atom_ids is refused
   virial_global_flag = virial_peratom_flag = thermo_virial = 1;
   energy_global_flag = thermo_energy = 1;  // of the springs, in minimisation
   scalar_flag = extscalar = 1;
@@ -41,10 +42,9 @@ FixTaut::FixTaut(LAMMPS* engine, int narg, char** arg)
     size_local_rows = 0;
   }
 
+  if (keys_.method.name() == "feedforward") motion_size_ = 3;
   hold_bonds();
   comm_border = maxexchange = held_.largest_pack();
-  if (keys_.method.name() == "feedforward") motion_size_ = 3;
-  comm_forward = motion_size_ + most_upward_;
   grow_arrays(atom->nmax);
   for (int callback : {Atom::GROW, Atom::RESTART, Atom::BORDER}) atom->add_callback(callback);
 }
@@ -73,10 +73,15 @@ double FixTaut::all_sum(double value) const {
 }
 
 void FixTaut::hold_bonds() {
+  if (!keys_.fixed_group.empty()) {
+    const int fixed = group->find(keys_.fixed_group.c_str());
+    if (fixed < 0) refuse(fmt::format("fixed: there is no group \"{}\"", keys_.fixed_group));
+    fixed_bits_ = group->bitmask[fixed];
+  }
   std::vector<std::vector<taut::HeldBond>> found;
   std::string wrong;
   try {
-    found = taut::find_held_bonds(lmp, keys_.held, groupbit);
+    found = taut::find_held_bonds(lmp, keys_.held, groupbit, fixed_bits_);
   } catch (const taut::InputError& refusal) {
     wrong = refusal.what();
   }
@@ -91,10 +96,10 @@ void FixTaut::hold_bonds() {
   if (bonds == 0) refuse("no bond of the group is of the types and masses given");
   if (!keys_.held.angles.empty() && angles == 0)
     refuse("a: no angle of these types is between two held bonds");
-  held_.assign(found, static_cast<int>(all_max(static_cast<double>(most))), atom->nmax);
+  held_.assign(std::move(found), static_cast<int>(all_max(static_cast<double>(most))), atom->nmax);
   int upward = 0;
   for (int i = 0; i < atom->nlocal; ++i) upward = std::max(upward, held_.count(i) - held_.first_upward(i));
-  most_upward_ = static_cast<int>(all_max(upward));
+  comm_forward = motion_size_ + static_cast<int>(all_max(upward));
   taut::set_type_signs(*atom, held_, keys_.held.angles, -1);
   if (comm->me == 0)
     utils::logmesg(lmp, fmt::format("Fix taut {}: {} holds {} bonds and {} angles\n", id, keys_.method.name(),
@@ -106,38 +111,6 @@ int FixTaut::setmask() {
   if (keys_.clear) mask |= FINAL_INTEGRATE;
   if (keys_.every > 0) mask |= END_OF_STEP;
   return mask;
-}
-
-void FixTaut::init() {
-  if (utils::strmatch(update->integrate_style, "^respa"))
-    refuse("run_style respa is not carried out; take verlet");
-  if (domain->deform_vremap) refuse("fix deform remap v is not carried out; take remap x");
-  refuse_other_fixes();
-  lengths_ = taut::Lengths(*force);
-  try {
-    for (int i = 0; i < atom->nlocal; ++i)
-      for (const taut::HeldBond& bond : held_.of(i)) lengths_(bond.kind);
-  } catch (const taut::InputError& wrong) {
-    stop(wrong.what());
-  }
-}
-
-// Forces that come after this fix's it knows nothing of, and bonds held twice are no bonds.
-void FixTaut::refuse_other_fixes() const {
-  bool after = false;
-  for (int k = 0; k < modify->nfix; ++k) {
-    const Fix* other = modify->fix[k];
-    if (other == this) {
-      after = true;
-      continue;
-    }
-    if (after && (modify->fmask[k] & POST_FORCE))
-      refuse(fmt::format("fix {} ({}) adds forces afterwards; define fix taut after it", other->id,
-                         other->style));
-    if (after && keys_.clear && (modify->fmask[k] & FINAL_INTEGRATE) && other->time_integrate)
-      refuse(fmt::format("clear: fix {} ({}) moves velocities afterwards; define fix taut after it",
-                         other->id, other->style));
-  }
 }
 
 void FixTaut::store_past() {
@@ -182,8 +155,13 @@ void FixTaut::post_force(int vflag) {
 }
 
 void FixTaut::setup(int vflag) {
+  refuse_rigid_bodies();
   v_init(vflag);
+  const auto v = [&] { return atom->nlocal > 0 ? atom->v[0] : nullptr; };
+  std::vector<double> before;
+  if (is_rerun()) before.assign(v(), v() + 3 * static_cast<std::size_t>(atom->nlocal));
   find_first_multipliers();
+  std::ranges::copy(before, v());
   apply();
   if (evflag) tally_virial();
 }
@@ -194,7 +172,7 @@ void FixTaut::find_multipliers() {
   kick_ = h * h;
   if (cut_) give_missing_impulses();
   solve_->load_positions(atom->x, *domain);
-  find_strain();
+  box_motion_.foresee();
   forward_comm(Forward::kMotion);
   read_motion();
   if (cut_) {
@@ -234,8 +212,7 @@ void FixTaut::find_first_multipliers() {
   const double h = update->dt;
   constexpr double kStillRight = 1e-8;
   kick_ = 0.5 * h * h;
-  strain_.setZero();
-  box_before_ = taut::box_of(*domain);
+  box_motion_.start();
   solve_->load_positions(atom->x, *domain);
   forward_comm(Forward::kMotion);
   read_motion();
@@ -278,18 +255,10 @@ void FixTaut::read_motion() {
     if (motion_size_ > 3)
       for (int c = 0; c < 3; ++c) f[c] = motion[3 + c];
   }
-  if (!strain_.isZero(0)) s.v += strain_ * s.x;
-}
-
-// A barostat moves atoms with the box, after this fix has looked where they go. It will do so in the coming
-// step about as in the last: as if atoms were faster by that strain a time, times x.
-void FixTaut::find_strain() {
-  const Eigen::Matrix3d box = taut::box_of(*domain);
-  if (box == box_before_) {
-    strain_.setZero();
-  } else {
-    strain_ = (box * box_before_.inverse() - Eigen::Matrix3d::Identity()) / update->dt;
-    box_before_ = box;
+  if (!box_motion_.moves()) return;
+  for (std::size_t a = 0; a < images.size(); ++a) {
+    const taut::Vec3 n = Eigen::Map<const Eigen::Vector3i>(images[a].vectors.data()).cast<double>();
+    if (!n.isZero(0)) s.v.col(static_cast<Eigen::Index>(a)) += box_motion_.carried_image(n);
   }
 }
 

@@ -22,19 +22,23 @@ class FixTaut : public Fix {
 
   // The step.
   void pre_exchange() override { leave_lists(acted_ + 0.5 * update->dt); }
-  void setup_pre_neighbor() override { find_pieces(true); }
+  void setup_pre_neighbor() override {
+    refuse_lost_bonds();
+    find_pieces(true);
+  }
   void pre_neighbor() override { find_pieces(false); }
   void setup_pre_force(int vflag) override;
   void setup(int vflag) override;
   void post_force(int vflag) override;
   void final_integrate() override;
   void end_of_step() override;
-  void post_run() override { leave_lists(acted_); }
+  void post_run() override;
   void reset_dt() override;
 
   // Minimisation: springs in place of held bonds.
   void min_setup(int vflag) override {
     held_.steps_known = 0;
+    choose_stiffness();
     min_post_force(vflag);
   }
   void min_post_force(int vflag) override;
@@ -67,7 +71,16 @@ class FixTaut : public Fix {
   [[noreturn]] void refuse(const std::string& what) const;  // all processors
   [[noreturn]] void stop(const std::string& what) const;    // this one
   void hold_bonds();
-  void refuse_other_fixes() const;
+  bool is_rerun() const;
+  bool holds_bonds(const Fix& fix) const;
+  void check_order() const;
+  void refuse_rigid_bodies() const;
+  void refuse_atoms_held_twice() const;
+  void refuse_changed_bonds() const;
+  void refuse_lost_bonds() const;
+  void refuse_changed_lengths();
+  void warn_of_residual(double residual);
+  void choose_stiffness();
 
   void store_past();
   void leave_lists(double impulse_time);
@@ -81,19 +94,16 @@ class FixTaut : public Fix {
   void warn_of_cuts(double left);
   void set_own_values();
   double* motion_of(int i) { return &motion_[static_cast<std::size_t>(i) * motion_size_]; }
-  double* multipliers_of(int i) { return &multipliers_[static_cast<std::size_t>(i) * most_upward_]; }
-  const double* multipliers_of(int i) const {
-    return &multipliers_[static_cast<std::size_t>(i) * most_upward_];
-  }
+  bool is_fixed(int i) const { return (atom->mask[i] & fixed_bits_) != 0; }
+  bool carries_with_box() const { return forward_ == Forward::kMotion && box_motion_.moves(); }
   void read_motion();
   void read_outer(bool next_step);
   void remember_shared(double acted);
-  double difference_of(const taut::SharedBond& shared) const;
-  double left_by(const taut::SharedBond& shared) const;
+  double difference_of(int shared) const;
+  double left_by(int shared) const;
   void look_before_last_exchange();
   void compare_shared(double impulse_time);
   void give_missing_impulses();
-  void find_strain();
   void find_multipliers();
   void find_first_multipliers();
   void read_velocities();
@@ -110,7 +120,7 @@ class FixTaut : public Fix {
   taut::Keywords keys_;
   taut::HeldBonds held_;
   taut::Lengths lengths_;
-  int most_upward_ = 0;  // bonds to higher tags of one atom
+  int fixed_bits_ = 0;  // of the group of atoms that bonds cannot move
   std::unique_ptr<taut::LocalSolve> solve_;
   bool past_is_new_ = false;  // the method's past is newer than the atoms'
 
@@ -118,26 +128,25 @@ class FixTaut : public Fix {
   bool ghosts_ = false, cut_ = false;
   int overlap_ = 0, exchanges_ = 0, guess_order_ = 0;
   int exchanges_enough_ = -1;  // by what cuts have left; less than 0: not known
-  bool warned_ = false;
+  bool warned_ = false, warned_of_residual_ = false;
 
   Forward forward_ = Forward::kMotion;
-  Eigen::Matrix3d box_before_ = Eigen::Matrix3d::Identity(), strain_ = Eigen::Matrix3d::Zero();  // [1/time]
+  taut::BoxMotion box_motion_;
   double kick_ = 0;                            // h² or, the first time, ½h²
   bool outer_is_shifted_ = false;              // the past of multipliers beyond has the last step's already
   taut::Vectors shared_r_, missing_impulses_;  // of bonds between two processors
   double acted_ = 0;                           // how long the last forces have, when their step ends
   taut::LeftByCuts left_;                      // since lists were built, by this processor's
   std::vector<double> cleared_from_;
-  int motion_size_ = 6;  // 3 of feedforward
-  std::vector<double> motion_,
-      multipliers_;                   // motion_size_ and most_upward_ numbers an atom, ghosts included
+  int motion_size_ = 6;               // 3 of feedforward
+  std::vector<double> motion_;        // motion_size_ numbers an atom, ghosts included
   static constexpr int kRounds = 50;  // at the start, from a guess of nothing beyond a cut
 
   // Of the last step, and since statistics were last printed.
   double residual_ = 0, mismatch_ = 0;
   long solves_ = 0, steps_ = 0;
-  double restraint_energy_ = 0;
-  std::vector<double> forces_, tensions_;  // of `store`
+  double restraint_energy_ = 0, stiffness_ = 0;  // of the springs in minimisation
+  std::vector<double> forces_, tensions_;        // of `store`
   std::vector<double*> force_rows_, tension_rows_;
 };
 

@@ -10,7 +10,6 @@ namespace LAMMPS_NS {
 void FixTaut::grow_arrays(int room) {
   held_.grow(room);
   motion_.resize(static_cast<std::size_t>(room) * motion_size_);
-  multipliers_.resize(static_cast<std::size_t>(room) * most_upward_);
   if (!keys_.store) return;
   forces_.resize(3 * static_cast<std::size_t>(room));
   force_rows_.resize(room);
@@ -59,23 +58,22 @@ void FixTaut::forward_comm(Forward what) {
   if (ghosts_) taut::forward_comm(*comm, this);
 }
 
-// Motion: h v + h² f/m as a velocity, or v and f; and where chains are cut, multipliers of the atom's bonds
-// to higher tags.
+// Motion: h v + h² f/m as a velocity, or v and f, and how the box carries the atom; and where chains are cut,
+// multipliers of the atom's bonds to higher tags. Atoms without held bonds tell nothing.
 void FixTaut::set_own_values() {
   const double factor = kick_ / update->dt * force->ftm2v;
   const bool foretold = forward_ == Forward::kMotion && motion_size_ == 3;
-  for (int i = 0; i < atom->nlocal && forward_ != Forward::kMultipliers; ++i) {
+  for (int i = 0; i < atom->nlocal; ++i) {
+    if (held_.count(i) == 0) continue;
+    if (forwards_multipliers())
+      for (taut::HeldBond& bond : held_.of(i)) bond.told = bond.past[0];
+    if (forward_ == Forward::kMultipliers) continue;
     double* const to = motion_of(i);
-    const double *v = atom->v[i], *f = atom->f[i], push = foretold ? factor / mass(i) : 0;
+    const double *v = atom->v[i], *f = atom->f[i], push = foretold && !is_fixed(i) ? factor / mass(i) : 0;
     for (int c = 0; c < 3; ++c) to[c] = v[c] + push * f[c];
     if (motion_size_ > 3)
       for (int c = 0; c < 3; ++c) to[3 + c] = f[c];
-  }
-  for (int i = 0; i < atom->nlocal && forwards_multipliers(); ++i) {
-    const auto bonds = held_.of(i);
-    const std::size_t first = held_.first_upward(i);
-    for (int k = 0; k < most_upward_; ++k)
-      multipliers_of(i)[k] = first + k < bonds.size() ? bonds[first + k].past[0] : 0;
+    if (carries_with_box()) Eigen::Map<taut::Vec3>(to) += box_motion_.carried(i);
   }
 }
 
@@ -84,34 +82,41 @@ int FixTaut::motion_sent() const {
   return forward_ == Forward::kVelocities ? 3 : motion_size_;
 }
 
-int FixTaut::pack_forward_comm(int n, int* list, double* buffer, int, int*) {
+// An atom across the periodic boundary is pbc box vectors away from its ghost.
+int FixTaut::pack_forward_comm(int n, int* list, double* buffer, int pbc_flag, int* pbc) {
   double* next = buffer;
-  const int motion = motion_sent(), more = forwards_multipliers() ? most_upward_ : 0;
+  const int motion = motion_sent();
+  taut::Vec3 beside = taut::Vec3::Zero();
+  if (carries_with_box() && pbc_flag) beside = box_motion_.carried_image(taut::Vec3(pbc[0], pbc[1], pbc[2]));
   for (int k = 0; k < n; ++k) {
     const int i = list[k];
+    if (held_.count(i) == 0) continue;
     const double* const from = motion_of(i);
     for (int m = 0; m < motion; m += 3, next += 3)
-      for (int c = 0; c < 3; ++c) next[c] = from[m + c];
-    for (int m = 0; m < more; ++m) *next++ = multipliers_of(i)[m];
+      for (int c = 0; c < 3; ++c) next[c] = from[m + c] + (m == 0 ? beside[c] : 0);
+    if (!forwards_multipliers()) continue;
+    for (int m = held_.first_upward(i); m < held_.count(i); ++m) *next++ = held_.of(i)[m].told;
   }
   return static_cast<int>(next - buffer);
 }
 
 void FixTaut::unpack_forward_comm(int n, int first, double* buffer) {
   const double* next = buffer;
-  const int motion = motion_sent(), more = forwards_multipliers() ? most_upward_ : 0;
+  const int motion = motion_sent();
   for (int i = first; i < first + n; ++i) {
+    if (held_.count(i) == 0) continue;
     double* const to = motion_of(i);
     for (int m = 0; m < motion; m += 3, next += 3)
       for (int c = 0; c < 3; ++c) to[m + c] = next[c];
-    for (int m = 0; m < more; ++m) multipliers_of(i)[m] = *next++;
+    if (!forwards_multipliers()) continue;
+    for (int m = held_.first_upward(i); m < held_.count(i); ++m) held_.of(i)[m].told = *next++;
   }
 }
 
 void FixTaut::read_outer(bool next_step) {
   const auto& outer = solve_->pieces().outer;
   for (std::size_t b = 0; b < outer.size(); ++b) {
-    const double lambda = multipliers_of(outer[b].ghost)[outer[b].slot];
+    const double lambda = outer[b].held->told;
     auto& past = outer[b].held->past;
     if (!next_step) {
       solve_->outer_lambda[b] = lambda;

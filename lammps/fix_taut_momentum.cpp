@@ -18,37 +18,37 @@ void FixTaut::remember_shared(double acted) {
   const auto& shared = solve_->pieces().shared;
   shared_r_.resize(3, static_cast<Eigen::Index>(shared.size()));
   for (Eigen::Index b = 0; b < shared_r_.cols(); ++b) {
-    const auto& [i, j, d] = solve_->system().bonds[shared[b].bond];
+    const auto& [i, j, d] = solve_->system().bonds[shared[b]];
     shared_r_.col(b) = solve_->state().x.col(j) - solve_->state().x.col(i);
   }
 }
 
 // λ' − λ, after the other processor's multiplier has come.
-double FixTaut::difference_of(const taut::SharedBond& shared) const {
-  const int ghost = solve_->pieces().images[solve_->system().bonds[shared.bond].i].atom;
-  return multipliers_of(ghost)[shared.slot] - solve_->pieces().places[shared.bond][1]->past[0];
+double FixTaut::difference_of(int shared) const {
+  const auto& [of_ghost, own] = solve_->pieces().places[shared];
+  return of_ghost->told - own->past[0];
 }
 
 // |σ|/d² of the next step that this difference leaves.
-double FixTaut::left_by(const taut::SharedBond& shared) const {
-  const auto& [i, j, d] = solve_->system().bonds[shared.bond];
+double FixTaut::left_by(int shared) const {
+  const auto& [i, j, d] = solve_->system().bonds[shared];
   const auto& inv_mass = solve_->system().inv_mass;
   return update->dt * update->dt * std::abs(difference_of(shared)) * (inv_mass[i] + inv_mass[j]);
 }
 
 // In a step's last exchange the multipliers come that its exchanges but one have led to.
 void FixTaut::look_before_last_exchange() {
-  for (const taut::SharedBond& shared : solve_->pieces().shared)
+  for (const int shared : solve_->pieces().shared)
     left_.one_exchange_less = std::max(left_.one_exchange_less, left_by(shared));
 }
 
 void FixTaut::compare_shared(double impulse_time) {
   if (shared_r_.cols() > 0) mismatch_ = 0;
   for (Eigen::Index b = 0; b < shared_r_.cols(); ++b) {
-    const taut::SharedBond& shared = solve_->pieces().shared[b];
+    const int shared = solve_->pieces().shared[b];
     const double difference = difference_of(shared);
     left_.now = std::max(left_.now, left_by(shared));
-    mismatch_ = std::max(mismatch_, std::abs(difference) * solve_->system().bonds[shared.bond].length);
+    mismatch_ = std::max(mismatch_, std::abs(difference) * solve_->system().bonds[shared].length);
     missing_impulses_.col(b) += impulse_time * difference * shared_r_.col(b);
   }
   shared_r_.resize(3, 0);
@@ -56,7 +56,7 @@ void FixTaut::compare_shared(double impulse_time) {
 
 void FixTaut::give_missing_impulses() {
   for (Eigen::Index b = 0; b < missing_impulses_.cols(); ++b) {
-    const int j = solve_->system().bonds[solve_->pieces().shared[b].bond].j;
+    const int j = solve_->system().bonds[solve_->pieces().shared[b]].j;
     Eigen::Map<taut::Vec3>(atom->v[solve_->pieces().images[j].atom]) +=
         solve_->system().inv_mass[j] * missing_impulses_.col(b);
   }

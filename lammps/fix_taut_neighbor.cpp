@@ -20,7 +20,10 @@ std::string FixTaut::missing_partner(tagint of, tagint partner) const {
 // anew: atoms, masses and lengths may be others than in the steps before.
 void FixTaut::find_pieces(bool anew) {
   constexpr int kLeastOverlap = 1;
-  taut::PieceFinder finder(lmp, held_, lengths_);
+  box_motion_.atoms_are_renumbered();
+  refuse_changed_bonds();
+  if (!anew) refuse_changed_lengths();
+  taut::PieceFinder finder(lmp, held_, lengths_, fixed_bits_);
   const bool same = !anew && !cut_ && finder.find_again(solve_->pieces());
   const taut::MissingAtom missing = same ? taut::MissingAtom{} : finder.find_depths(keys_.overlap + 2);
   const int reach = -static_cast<int>(all_max(-missing.depth));
@@ -39,9 +42,10 @@ void FixTaut::find_pieces(bool anew) {
   }
   const taut::Pieces& pieces = solve_->pieces();
   const double mine[] = {static_cast<double>(pieces.ghosts), static_cast<double>(!pieces.outer.empty()),
-                         left_.now, left_.one_exchange_less};
-  double all[4];
-  MPI_Allreduce(mine, all, 4, MPI_DOUBLE, MPI_MAX, world);
+                         left_.now, left_.one_exchange_less, anew ? 0 : residual_};
+  double all[5];
+  MPI_Allreduce(mine, all, 5, MPI_DOUBLE, MPI_MAX, world);
+  warn_of_residual(all[4]);
   ghosts_ = all[0] > 0;
   cut_ = all[1] > 0;
   shared_r_.resize(3, 0);
@@ -94,7 +98,7 @@ void FixTaut::warn_of_cuts(double left) {
 // Before the first forces, after minimisation say: bonds that are off would be brought back within one step,
 // and their atoms fly apart. Where chains are cut each processor moves its own atoms, until nothing is off.
 void FixTaut::setup_pre_force(int) {
-  if (held_.steps_known > 0) return;  // a run that goes on stays as it is
+  if (held_.steps_known > 0 || is_rerun()) return;  // a run that goes on stays as it is
   constexpr double kSmall = 1e-6,
                    kLost = 0.1;  // what the first step may clear; what is no small displacement
   solve_->load_positions(atom->x, *domain);

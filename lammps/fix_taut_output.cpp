@@ -8,11 +8,12 @@
 
 namespace LAMMPS_NS {
 
-// A held distance takes one; half of it with each atom in the group.
+// A held distance takes one; half of it with each atom in the group, or all with the one that is not `fixed`.
 FixTaut::Count FixTaut::dof(int of_group) {
   double ends = 0;
   for (int i = 0; i < atom->nlocal; ++i)
-    if (atom->mask[i] & group->bitmask[of_group]) ends += held_.count(i);
+    if (atom->mask[i] & group->bitmask[of_group])
+      for (const taut::HeldBond& bond : held_.of(i)) ends += bond.freedom;
   return static_cast<Count>(all_sum(0.5 * ends));
 }
 
@@ -76,8 +77,7 @@ double FixTaut::compute_vector(int which) {
 }
 
 double FixTaut::memory_usage() {
-  const std::size_t values = motion_.capacity() + multipliers_.capacity();
-  return static_cast<double>(values * sizeof(double)) + held_.memory_usage();
+  return static_cast<double>(motion_.capacity() * sizeof(double)) + held_.memory_usage();
 }
 
 namespace {

@@ -53,7 +53,7 @@ void FixTaut::final_integrate() {
   write_velocities();
   for (std::size_t a = 0; a < images.size(); ++a) {
     const int i = images[a].atom;
-    if (i >= atom->nlocal) continue;
+    if (i >= atom->nlocal || is_fixed(i)) continue;
     const double factor = 2 / (update->dt * solve_->system().inv_mass[static_cast<Eigen::Index>(a)]);
     for (int c = 0; c < 3; ++c) atom->f[i][c] -= factor * (atom->v[i][c] - cleared_from_[3 * a + c]);
   }

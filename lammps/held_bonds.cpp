@@ -13,50 +13,51 @@ HeldBond* HeldBonds::find(int i, LAMMPS_NS::tagint partner) {
 
 int HeldBonds::first_upward(int i) const {
   int lower = 0;
-  while (lower < count_[i] && of(i)[lower].partner < atom_->tag[i]) ++lower;
+  while (lower < count(i) && of(i)[lower].partner < atom_->tag[i]) ++lower;
   return lower;
 }
 
-void HeldBonds::assign(const std::vector<std::vector<HeldBond>>& held, int most, int room) {
+void HeldBonds::assign(std::vector<std::vector<HeldBond>> held, int most, int room) {
   most_ = most;
-  count_.clear();
-  held_.clear();
-  grow(std::max<int>(room, static_cast<int>(held.size())));
-  for (std::size_t i = 0; i < held.size(); ++i) {
-    count_[i] = static_cast<int>(held[i].size());
-    std::copy(held[i].begin(), held[i].end(), of(static_cast<int>(i)).begin());
-    std::sort(of(static_cast<int>(i)).begin(), of(static_cast<int>(i)).end(),
+  held_ = std::move(held);
+  grow(room);
+  for (auto& bonds : held_)
+    std::sort(bonds.begin(), bonds.end(),
               [](const HeldBond& a, const HeldBond& b) { return a.partner < b.partner; });
-  }
-}
-
-void HeldBonds::grow(int room) {
-  count_.resize(std::max<std::size_t>(count_.size(), room));
-  held_.resize(count_.size() * most_);
-}
-
-void HeldBonds::copy(int from, int to) {
-  count_[to] = count_[from];
-  std::ranges::copy(of(from), of(to).begin());
 }
 
 int HeldBonds::pack(int i, double* buffer) const {
-  buffer[0] = count_[i];
-  std::memcpy(buffer + 1, of(i).data(), of(i).size_bytes());
+  double* next = buffer;
+  *next++ = count(i);
+  for (const HeldBond& bond : of(i)) {
+    std::memcpy(next, &bond, kPacked * sizeof(double));
+    next += kPacked;
+  }
   return packed(i);
 }
 
 int HeldBonds::unpack(int i, const double* buffer) {
-  count_[i] = static_cast<int>(buffer[0]);
-  std::memcpy(static_cast<void*>(of(i).data()), buffer + 1, of(i).size_bytes());
+  const double* next = buffer;
+  of(i).resize(static_cast<std::size_t>(*next++));
+  for (HeldBond& bond : of(i)) {
+    std::memcpy(static_cast<void*>(&bond), next, kPacked * sizeof(double));
+    next += kPacked;
+  }
   return packed(i);
 }
 
 void HeldBonds::unpack_past(int i, const double* buffer) {
-  std::vector<HeldBond> stored(static_cast<std::size_t>(buffer[0]));
-  std::memcpy(static_cast<void*>(stored.data()), buffer + 1, stored.size() * sizeof(HeldBond));
-  for (const HeldBond& known : stored)
+  HeldBond known{};
+  for (int n = 0; n < static_cast<int>(buffer[0]); ++n) {
+    std::memcpy(static_cast<void*>(&known), buffer + 1 + n * kPacked, kPacked * sizeof(double));
     if (HeldBond* const bond = find(i, known.partner)) bond->past = known.past;
+  }
+}
+
+double HeldBonds::memory_usage() const {
+  std::size_t bytes = held_.capacity() * sizeof(held_[0]);
+  for (const auto& bonds : held_) bytes += bonds.capacity() * sizeof(HeldBond);
+  return static_cast<double>(bytes);
 }
 
 }  // namespace taut

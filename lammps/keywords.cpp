@@ -79,6 +79,7 @@ class Reader {
     if (key == "overlap") return whole(key, value, given_.overlap);
     if (key == "exchanges")
       return value == "auto" ? void(given_.exchanges = -1) : whole(key, value, given_.exchanges);
+    if (key == "fixed") return void(given_.fixed_group = value);
     if (key == "clear") return void(given_.clear = yes(key, value));
     if (key == "store") return void(given_.store = yes(key, value));
     if (key == "kbond") {
@@ -123,8 +124,8 @@ class Reader {
   }
 
   [[noreturn]] void unknown(const std::string& key) const {
-    std::vector<std::string> keys = {"b",       "a",         "t",     "m",     "every",
-                                     "overlap", "exchanges", "clear", "store", "kbond"};
+    std::vector<std::string> keys = {"b",         "a",     "t",     "m",     "every", "overlap",
+                                     "exchanges", "clear", "store", "kbond", "fixed"};
     for (const Option& option : options_) keys.push_back(keyword_of(option.key));
     throw InputError(fmt::format("there is no keyword \"{}\"{}", key,
                                  did_you_mean(key, std::vector<std::string_view>(keys.begin(), keys.end()))));

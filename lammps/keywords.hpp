@@ -19,12 +19,13 @@ struct Selection {
 struct Keywords {
   MethodOptions method;
   Selection held;
-  int every = 0;          // steps between two lines of statistics; 0: none
-  bool clear = false;     // velocities at full steps lose their part along the bonds, as in RATTLE
-  bool store = false;     // forces by atom, tensions by bond
-  double restraint = -1;  // of the springs during minimize [energy/length²]; less than 0: as fix shake's
-  int overlap = 8;        // bonds solved beyond a processor's own, at most
-  int exchanges = -1;     // of multipliers with neighbours in a step, besides; less than 0: as many as needed
+  std::string fixed_group;  // atoms that bonds cannot move: their mass counts as infinite
+  int every = 0;            // steps between two lines of statistics; 0: none
+  bool clear = false;       // velocities at full steps lose their part along the bonds, as in RATTLE
+  bool store = false;       // forces by atom, tensions by bond
+  double restraint = -1;    // of the springs during minimize [energy/length²]; less than 0: as fix shake's
+  int overlap = 8;          // bonds solved beyond a processor's own, at most
+  int exchanges = -1;  // of multipliers with neighbours in a step, besides; less than 0: as many as needed
 
   double tolerance() const;  // what cuts may leave of bonds, |σ|/d²: the method's, or feedforward's default
 };

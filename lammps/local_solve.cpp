@@ -7,12 +7,6 @@
 
 namespace taut {
 
-Eigen::Matrix3d box_of(const LAMMPS_NS::Domain& box) {
-  Eigen::Matrix3d vectors;
-  vectors << box.xprd, box.xy, box.xz, 0, box.yprd, box.yz, 0, 0, box.zprd;
-  return vectors;
-}
-
 LocalSolve::LocalSolve(Pieces pieces, const MethodOptions& method, double h)
     : outer_lambda(pieces.outer.size()),
       pieces_(std::move(pieces)),

@@ -5,12 +5,10 @@
 #include "constraints/batch/multiplier_history.hpp"
 #include "constraints/projection.hpp"
 #include "constraints/registry.hpp"
+#include "lammps/box_motion.hpp"
 #include "lammps/pieces.hpp"
 
 namespace taut {
-
-// The box vectors, as columns.
-Eigen::Matrix3d box_of(const LAMMPS_NS::Domain& box);
 
 // The bonds of one processor as a system of their own, in LAMMPS's units, solved by a method of
 // `constraints`.

@@ -60,6 +60,7 @@ Pieces PieceFinder::find(int overlap) {
     const double mass = (atom.rmass ? atom.rmass[i] : atom.mass[atom.type[i]]) / lmp_->force->ftm2v;
     pieces.system.mass[a] = mass;
     pieces.system.inv_mass[a] = 1 / mass;
+    if (atom.mask[i] & fixed_bits_) pieces.system.mass[a] = pieces.system.inv_mass[a] = 0;
     pieces.ghosts = pieces.ghosts || i >= atom.nlocal;
     pieces.tags.push_back(atom.tag[i]);
     pieces.own.push_back(i < atom.nlocal);
@@ -133,9 +134,8 @@ void PieceFinder::add_bonds(int overlap, Pieces& pieces) {
       HeldBond* const other = held_.find(partner, tag[i]);
       if (!other) throw SimulationFailure("held bonds are not the same with both their atoms");
       if (!solved(i, partner, overlap)) {
-        const auto [ghost, held] = tag[i] < bond.partner ? std::pair(i, &bond) : std::pair(partner, other);
-        pieces.outer.push_back({number_[i], image_beside(here, partner), held, ghost,
-                                slot(ghost, held) - held_.first_upward(ghost)});
+        pieces.outer.push_back(
+            {number_[i], image_beside(here, partner), tag[i] < bond.partner ? &bond : other});
       } else if (tag[i] < bond.partner) {
         if (image_beside(here, partner).vectors != pieces.images[number_[partner]].vectors)
           throw InputError(fmt::format("the bonds of atom {} close around the periodic box", tag[i]));
@@ -143,8 +143,7 @@ void PieceFinder::add_bonds(int overlap, Pieces& pieces) {
         pieces.places.push_back({&bond, other});
         pieces.slots.push_back({slot(i, &bond), slot(partner, other)});
         if (i >= lmp_->atom->nlocal && partner < lmp_->atom->nlocal)
-          pieces.shared.push_back(
-              {static_cast<int>(pieces.places.size()) - 1, slot(i, &bond) - held_.first_upward(i)});
+          pieces.shared.push_back(static_cast<int>(pieces.places.size()) - 1);
       }
     }
   }

@@ -18,16 +18,9 @@ struct Image {
 // A bond next to the last one solved here. Its multiplier of the step before, as the processor finds it that
 // owns its atom of the lower tag, comes with that atom, a ghost here, in the forward communication.
 struct OuterBond {
-  int inner;        // its atom that is in the system
-  Image outer;      // and the other
-  HeldBond* held;   // as the ghost knows it
-  int ghost, slot;  // the ghost, and the how-manieth of its bonds to higher tags it is
-};
-
-// A bond between an atom of this processor and a ghost of lower tag, its i: two processors find its
-// multiplier, and that of the other comes with the ghost.
-struct SharedBond {
-  int bond, slot;
+  int inner;       // its atom that is in the system
+  Image outer;     // and the other
+  HeldBond* held;  // as that ghost knows it
 };
 
 // A cluster that goes on beyond what is solved here: its bonds and outer bonds.
@@ -50,7 +43,9 @@ struct Pieces {
   std::vector<std::array<HeldBond*, 2>> places;  // of the system's bonds: what their atoms know
   std::vector<std::array<int, 2>> slots;         // of these among their atoms' bonds
   std::vector<OuterBond> outer;
-  std::vector<SharedBond> shared;
+  // Bonds between an atom of this processor and a ghost of lower tag, their i: two processors find their
+  // multipliers, and that of the other comes with the ghost.
+  std::vector<int> shared;
   std::vector<CutCluster> cut;
   bool ghosts = false;  // one of the atoms is a ghost
 
@@ -69,8 +64,9 @@ struct MissingAtom {
 
 class PieceFinder {
  public:
-  PieceFinder(LAMMPS_NS::LAMMPS* lmp, HeldBonds& held, Lengths& lengths)
-      : lmp_(lmp), held_(held), lengths_(lengths) {}
+  // fixed_bits: the group of atoms that have no finite mass.
+  PieceFinder(LAMMPS_NS::LAMMPS* lmp, HeldBonds& held, Lengths& lengths, int fixed_bits)
+      : lmp_(lmp), held_(held), lengths_(lengths), fixed_bits_(fixed_bits) {}
 
   // Looks as many bonds as `limit` beyond this processor's own atoms. Returns the nearest atom that is not
   // known.
@@ -96,6 +92,7 @@ class PieceFinder {
   LAMMPS_NS::LAMMPS* lmp_;
   HeldBonds& held_;
   Lengths& lengths_;
+  int fixed_bits_;
   std::vector<int> depth_;   // bonds from the nearest own atom; −1: none, or too many
   std::vector<int> number_;  // in the system; −1: not yet
   std::vector<int> order_;

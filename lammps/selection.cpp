@@ -20,12 +20,14 @@ struct Listing {
   tagint to, from;
   int bond_type;  // as listed with `from`; 0: not listed there
   int chosen;     // by type or mass of `from`
+  int fixed;      // `from` cannot be moved
 };
 
 // From the atom in the middle of an angle to an end.
 struct AngleEnd {
   tagint to, other_end;
   HeldKind kind;
+  int freedom;
 };
 
 int listed_type(const Atom& atom, int i, tagint partner) {
@@ -45,25 +47,32 @@ bool chosen(const Atom& atom, int i, const Selection& selection) {
 
 using Held = std::vector<std::vector<HeldBond>>;
 
-void add(Held& held, int i, tagint partner, const HeldKind& kind) {
+void add(Held& held, int i, tagint partner, const HeldKind& kind, int freedom) {
   for (const HeldBond& bond : held[i])
     if (bond.partner == partner) return;
-  held[i].push_back({partner, kind, {}});
+  held[i].push_back({partner, kind, freedom, {}});
 }
 
-const HeldKind* kind_of(const Held& held, int i, tagint partner) {
+// How many halves of a degree of freedom an atom loses to a bond with another.
+int freedom_lost(bool fixed, bool other_fixed) {
+  return fixed ? 0 : other_fixed ? 2 : 1;
+}
+
+const HeldBond* bond_with(const Held& held, int i, tagint partner) {
   for (const HeldBond& bond : held[i])
-    if (bond.partner == partner && bond.kind.is_bond()) return &bond.kind;
+    if (bond.partner == partner && bond.kind.is_bond()) return &bond;
   return nullptr;
 }
 
-std::vector<Listing> listings_for_partners(const Atom& atom, const Selection& selection, int groupbit) {
+std::vector<Listing> listings_for_partners(const Atom& atom, const Selection& selection, int groupbit,
+                                           int fixed_bits) {
   std::vector<Listing> listings;
   for (int i = 0; i < atom.nlocal; ++i) {
     if (!(atom.mask[i] & groupbit)) continue;
     for (int s = 0; s < atom.nspecial[i][0]; ++s) {
       const tagint partner = atom.special[i][s];
-      listings.push_back({partner, atom.tag[i], listed_type(atom, i, partner), chosen(atom, i, selection)});
+      listings.push_back({partner, atom.tag[i], listed_type(atom, i, partner), chosen(atom, i, selection),
+                          (atom.mask[i] & fixed_bits) != 0});
     }
   }
   return listings;
@@ -77,11 +86,13 @@ std::vector<AngleEnd> sides_of_angles(const Atom& atom, const Selection& selecti
       const int type = atom.angle_type[j][m];
       if (atom.angle_atom2[j][m] != atom.tag[j] || selection.angles.count(type) == 0) continue;
       const tagint a = atom.angle_atom1[j][m], c = atom.angle_atom3[j][m];
-      const HeldKind *first = kind_of(held, j, a), *second = kind_of(held, j, c);
+      const HeldBond *first = bond_with(held, j, a), *second = bond_with(held, j, c);
       if (!first || !second) continue;
-      const HeldKind kind{std::min(first->bond, second->bond), std::max(first->bond, second->bond), type};
-      sides.push_back({a, c, kind});
-      sides.push_back({c, a, kind});
+      const auto [low, high] = std::minmax(first->kind.bond, second->kind.bond);
+      const bool a_fixed = first->freedom == 2, c_fixed = second->freedom == 2;
+      if (a_fixed && c_fixed) continue;
+      sides.push_back({a, c, {low, high, type}, freedom_lost(a_fixed, c_fixed)});
+      sides.push_back({c, a, {low, high, type}, freedom_lost(c_fixed, a_fixed)});
     }
   return sides;
 }
@@ -102,13 +113,14 @@ bool holds_angle(const Atom& atom, const HeldBonds& held, int i, int m) {
 
 }  // namespace
 
-Held find_held_bonds(LAMMPS* lmp, const Selection& selection, int groupbit) {
+Held find_held_bonds(LAMMPS* lmp, const Selection& selection, int groupbit, int fixed_bits) {
   const Atom& atom = *lmp->atom;
   const Rendezvous rendezvous(atom.tag, atom.nlocal, lmp->world);
   Held held(atom.nlocal);
   std::unordered_map<tagint, int> own;
   for (int i = 0; i < atom.nlocal; ++i) own[atom.tag[i]] = i;
-  for (const Listing& listing : rendezvous.send(listings_for_partners(atom, selection, groupbit))) {
+  for (const Listing& listing :
+       rendezvous.send(listings_for_partners(atom, selection, groupbit, fixed_bits))) {
     const int i = own.at(listing.to);
     if (!(atom.mask[i] & groupbit)) continue;
     const int listed = listed_type(atom, i, listing.from), type = listed != 0 ? listed : listing.bond_type;
@@ -117,10 +129,12 @@ Held find_held_bonds(LAMMPS* lmp, const Selection& selection, int groupbit) {
     if (type < 0)
       throw InputError(
           fmt::format("the bond of atoms {} and {} is held by another fix", listing.to, listing.from));
-    if (type > 0) add(held, i, listing.from, {type});
+    const bool fixed = (atom.mask[i] & fixed_bits) != 0;
+    if (type > 0 && !(fixed && listing.fixed))
+      add(held, i, listing.from, {type}, freedom_lost(fixed, listing.fixed));
   }
   for (const AngleEnd& side : rendezvous.send(sides_of_angles(atom, selection, held)))
-    add(held, own.at(side.to), side.other_end, side.kind);
+    add(held, own.at(side.to), side.other_end, side.kind, side.freedom);
   return held;
 }
 
@@ -143,6 +157,18 @@ double Lengths::operator()(const HeldKind& kind) {
   const auto [known, fresh] = known_.try_emplace({kind.bond, kind.other_bond, kind.angle});
   if (fresh) known->second = find(kind);
   return known->second;
+}
+
+std::string Lengths::changed() {
+  constexpr double kSame = 1e-12;
+  for (const auto& [types, length] : known_) {
+    const HeldKind kind{types[0], types[1], types[2]};
+    if (const double now = find(kind); std::abs(now - length) > kSame * length)
+      return fmt::format("{} type {} was held at {:.10g} and has {:.10g} now",
+                         kind.is_bond() ? "bond" : "angle", kind.is_bond() ? kind.bond : kind.angle, length,
+                         now);
+  }
+  return {};
 }
 
 double Lengths::of_bond(int type) {

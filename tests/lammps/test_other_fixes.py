@@ -1,0 +1,177 @@
+"""Other fixes and commands on the same atoms: carried out, or refused by name."""
+
+import numpy as np
+import pytest
+
+import inputs
+import lammps
+import systems
+
+THERMO = "thermo_style custom step temp pe etotal press f_hold[1]\nthermo_modify format float %.15g\nthermo 10\n"
+HALVES = "group low id 1:65\ngroup high id 66:135\n"  # 13 and 14 molecules of five atoms
+
+
+def methane(run, rest="", ranks=1, integrate="fix move all nve", hold="fix hold all taut feedforward b 1", head=""):
+    text = inputs.of(inputs.METHANE, dt=0.002, integrate=head + integrate, rest=rest)
+    return run(text.replace("fix hold all taut feedforward b 1", hold), ranks)
+
+
+def refused(run, *args, **given):
+    with pytest.raises(lammps.Failed) as failed:
+        methane(run, *args, **given)
+    assert "Fix taut hold" in str(failed.value)
+    return str(failed.value)
+
+
+# --- fixes that stand beside it ---
+
+@pytest.mark.parametrize("body", ["rigid/nve molecule", "rigid/small molecule"])
+def test_rigid_bodies_of_the_same_atoms(run, body):
+    assert "rigid body of fix turn" in refused(run, "run 0\n", head=HALVES, integrate=f"fix move high nve\nfix turn low {body}")
+
+
+def test_rigid_bodies_of_other_atoms(run):
+    methane(run, "run 10\n", head=HALVES, integrate="fix move high nve\nfix turn low rigid/nve molecule",
+            hold="fix hold high taut feedforward b 1")
+
+
+@pytest.mark.parametrize("second", ["fix other high taut feedforward b 1", "fix other high rattle 1e-10 200 0 t 3"])
+def test_two_fixes_hold_bonds_of_different_molecules(folder, run, second):
+    """Fix taut first. With fix taut on all molecules every number is the same."""
+    if "rattle" in second:  # of clusters of four it takes one atom and three
+        (folder / "methane.data").write_text(two_kinds())
+    holds = "fix hold all taut feedforward b 1" if "taut" in second else "fix hold all taut feedforward b 1 2"
+    head = HALVES + ("pair_coeff * * 0.2 1.2\nbond_coeff * 100 1.0\n" if "rattle" in second else "")
+    second = second.replace("t 3", "b 2")
+    both = lammps.table(methane(run, THERMO + "run 50\n", head=head, hold="fix hold low taut feedforward b 1\n" + second))
+    one = lammps.table(methane(run, THERMO + "run 50\n", head=head, hold=holds))
+    assert np.allclose(both["TotEng"], one["TotEng"], rtol=1e-6)
+    assert np.allclose(both["Temp"], one["Temp"], rtol=1e-6)
+
+
+def two_kinds():
+    """Methanes, of which the later ones are OH-like pairs and three free atoms, with a bond type of their own."""
+    mixed = systems.methane()
+    mixed.bonds = [(1, i, j) for _, i, j in mixed.bonds if j <= 65] + [(2, 5 * m + 1, 5 * m + 2) for m in range(13, 27)]
+    return mixed.text([12.0, 1.0])
+
+
+def test_two_fixes_on_atoms_of_one_molecule(folder, run):
+    chains = systems.chains(6, 40)
+    chains.bonds = [(1 + k % 2, i, j) for k, (_, i, j) in enumerate(chains.bonds)]
+    (folder / "chains.data").write_text(chains.text([1.0]))
+    text = inputs.of(inputs.CHAINS, dt=0.002, rest="fix other all taut feedforward b 2\nrun 0\n")
+    text = text.replace("bond_coeff 1", "bond_coeff *")
+    with pytest.raises(lammps.Failed, match="by one fix"):
+        run(text)
+
+
+def test_a_barostat_that_stands_before_is_told_of(run):
+    npt = "fix move all npt temp 1 1 0.2 iso 0.1 0.1 2.0"
+    assert "begins lacks the constraint" in methane(run, "run 0\n", integrate=npt)
+    assert "begins lacks" not in methane(run, npt + "\nrun 0\n", integrate="")
+
+
+def test_the_first_pressure_is_the_barostats_where_it_stands_after(run):
+    npt = "fix move all npt temp 1 1 0.2 iso 0.1 0.1 2.0"
+    methane(run, npt + "\nrun 20\n", integrate="")
+
+
+# --- bonds that change under it ---
+
+CHANGES = {
+    "set": "set group all bond 1\n",
+    "undo": "delete_bonds all bond 1 undo\n",
+}
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_types_of_held_bonds_set_anew(run, change):
+    assert "made or changed" in refused(run, "run 5\n" + CHANGES[change] + "run 5\n")
+
+
+def test_bonds_that_are_deleted(run):
+    assert "not in the list of bonds" in refused(run, "run 5\ngroup one id 1:5\ndelete_bonds one multi remove\nrun 5\n")
+
+
+def test_bonds_that_are_made(folder, run):
+    text = inputs.of(inputs.CHAINS, dt=0.002, rest="fix join all bond/create 1 1 1 1.08 1 iparam 3 1 jparam 3 1\nrun 100\n")
+    chains = systems.chains(6, 40).text([1.0]).replace("240 atoms", "240 atoms\n2 extra bond per atom\n30 extra special per atom")
+    (folder / "chains.data").write_text(chains)
+    with pytest.raises(lammps.Failed, match="made or changed"):
+        run(text)
+
+
+def test_bonds_that_are_swapped(folder, run):
+    chains = systems.chains(6, 40)
+    chains.molecules = [1 + min(k % 40, 39 - k % 40) for k in range(240)]
+    (folder / "chains.data").write_text(chains.text([1.0]))
+    text = inputs.of(inputs.CHAINS, dt=0.002, rest="compute pe all pe\nfix swap all bond/swap 1 1.0 3.0 12345\nrun 100\n")
+    with pytest.raises(lammps.Failed, match="made or changed"):
+        run(text.replace("special_bonds lj 0 0 0", "special_bonds lj 0 1 1"))
+
+
+@pytest.mark.parametrize("change", ["fix swell all adapt 1 bond harmonic r0 1 v_d\n", ""])
+def test_lengths_that_change_in_a_run(run, change):
+    steps = 'run 40\n' if change else 'run 40 pre no every 10 "bond_coeff 1 100 1.01"\n'
+    rest = "variable d equal 1.0+0.0002*step\n" + change + ("" if change else "run 0\n") + steps
+    assert "was held at 1 and has" in refused(run, rest)
+
+
+def test_lengths_that_change_between_runs(run):
+    found = lammps.table(methane(run, THERMO + "run 20\nbond_coeff 1 100 1.02\nrun 40\n"))
+    assert found["f_hold[1]"].max() < 1e-8
+
+
+def test_atoms_are_numbered_anew(run):
+    with pytest.raises(lammps.Failed, match="stores atom IDs"):
+        methane(run, "run 0\nreset_atom_ids\nrun 0\n")
+
+
+# --- atoms that do not move ---
+
+FROZEN = "group anchor id 1 6 11\ngroup free subtract all anchor\nvelocity anchor set 0 0 0\n"
+
+
+def test_held_atoms_that_nothing_moves_are_told_of(run):
+    output = methane(run, "neigh_modify delay 0 every 5 check no\nrun 50\n", head=FROZEN, integrate="fix move free nve")
+    assert "every held atom must be moved by velocity Verlet" in output
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize("method, off", [("feedforward", 1e-8), ("baumgarte", 1e-4)])
+def test_fixed_atoms(folder, run, ranks, method, off):
+    """Their bonds hold, they stay, energy is kept, and the others lose one degree of freedom for each of these bonds."""
+    rest = "velocity anchor set 0 0 0\nvariable d equal 2*ke/temp\ncompute t free temp\ncompute_modify t extra/dof 0\n" \
+           "thermo_style custom step c_t ke etotal f_hold[1]\nthermo_modify norm no format float %.15g\nthermo 10\nrun 200\n"
+    output = methane(run, rest + inputs.END.format(dump="last.dump"), ranks, head=FROZEN, integrate="fix move free nve",
+                     hold=f"fix hold all taut {method} fixed anchor b 1")
+    found = lammps.table(output)
+    assert "velocity Verlet" not in output
+    assert found["f_hold[1]"][1:].max() < off
+    assert np.ptp(found["TotEng"]) < 2e-2 * found["KinEng"].max()
+    assert np.allclose(2 * found["KinEng"] / found["c_t"], 3 * (135 - 3) - 108, rtol=1e-9)
+    assert np.abs(lammps.dump(folder / "last.dump")[[0, 5, 10], 3:]).max() == 0
+
+
+def test_a_group_that_is_none(run):
+    assert 'no group "walls"' in refused(run, hold="fix hold all taut feedforward fixed walls b 1")
+
+
+# --- rerun and minimisation ---
+
+def test_rerun_leaves_frames_as_they_are(folder, run):
+    frames = "dump d all custom 10 {} id xu yu zu vx vy vz\ndump_modify d format float %.16g sort id\n"
+    moved = "displace_atoms all random 1e-4 1e-4 1e-4 5\nreset_timestep 0\n"
+    methane(run, moved + "write_dump all custom first.dump id x y z vx vy vz modify format float %.16g\n")
+    methane(run, frames.format("again.dump") + THERMO + "rerun first.dump dump x y z vx vy vz\n")
+    methane(run, frames.format("plain.dump") + "unfix hold\nrerun first.dump dump x y z vx vy vz\n")
+    assert np.abs(lammps.dump(folder / "again.dump") - lammps.dump(folder / "plain.dump")).max() == 0
+
+
+@pytest.mark.parametrize("style", ["fire", "quickmin"])
+def test_minimisers_that_integrate(run, style):
+    output = methane(run, THERMO + f"min_style {style}\nminimize 0 1e-4 3000 30000\nvelocity all create 1 3 loop geom\nrun 40\n")
+    energies = lammps.table(output, 0)["PotEng"]
+    assert energies[-1] < energies[0]
+    assert lammps.table(output)["f_hold[1]"][1:].max() < 1e-8
