@@ -64,8 +64,8 @@ void BoxMotion::foresee() {
   moves_ = !rate_.isZero(0);
 }
 
-// H'H⁻¹ − 1. A flip replaces a box vector by itself plus multiples of those before it: the same lattice, which
-// nothing has strained. Such multiples are taken out of the box before.
+// H'H⁻¹ − 1. A flip replaces a box vector by itself plus multiples of those before it: the lattice is the same,
+// and nothing is strained. Such multiples are added to the box of the step before.
 Eigen::Matrix3d BoxMotion::last_strain() const {
   const Eigen::Matrix3d now = box_of(*lmp_->domain);
   if (now == box_) return Eigen::Matrix3d::Zero();
@@ -85,8 +85,8 @@ Eigen::Matrix3d BoxMotion::strain_of_deform() const {
   return period_ * lmp_->update->dt * change * box_.inverse();
 }
 
-// An atom's displacement beyond h v is strain (x − fixed point) where it is carried, else nothing. Of all groups
-// the one that the fewest atoms contradict is chosen; atoms near the fixed point tell nothing.
+// A carried atom is displaced by strain (x − fixed point) beyond h v, any other by nothing. Of all groups the one
+// is chosen that the fewest atoms contradict; atoms near the fixed point tell nothing.
 void BoxMotion::find_carried_group(const Eigen::Matrix3d& strain) {
   constexpr int kGroups = 31, kTold = kGroups + 1;  // no atoms are the last choice
   const Atom& atom = *lmp_->atom;

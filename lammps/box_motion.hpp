@@ -11,12 +11,13 @@ namespace taut {
 // The box vectors, as columns.
 Eigen::Matrix3d box_of(const LAMMPS_NS::Domain& box);
 
-// Fixes that change the box (npt, deform, press/berendsen) carry atoms along after fix taut has predicted where
-// they go. This class foresees that motion: in the coming step the box is strained as in the last one, or, where
-// a fix changes it every N steps alone, as at the last multiple of N.
+// Fixes that change the box (npt, deform, press/berendsen) carry atoms along after fix taut has predicted
+// where they go. This class foresees that motion: in the coming step the box is strained as in the last one,
+// or, where a fix changes it every N steps only, as at the last multiple of N.
 //
-// Which atoms are carried LAMMPS does not tell (`dilate GROUP`, `remap none`). One step shows it: an atom that is
-// carried moves by more than its velocity says. The group (or no atom at all) that agrees best is kept for the run.
+// LAMMPS does not tell which atoms are carried (`dilate GROUP`, `remap none`). One step shows it: an atom that
+// is carried moves by more than its velocity says. The group (or no atom at all) that agrees best is kept for
+// the run.
 class BoxMotion {
  public:
   explicit BoxMotion(LAMMPS_NS::LAMMPS* lmp) : lmp_(lmp) {}

@@ -53,8 +53,8 @@ void FixTaut::init() {
   }
 }
 
-// Forces that are added afterwards would be missed; other fixes that hold bonds act on other atoms. A barostat's
-// setup reads the pressure, which the constraint forces are part of.
+// Forces that are added afterwards would be missed; other fixes that hold bonds act on other atoms.
+// A barostat's setup reads the pressure, which the constraint forces are part of.
 void FixTaut::check_order() const {
   bool after = false;
   for (int k = 0; k < modify->nfix; ++k) {
@@ -123,8 +123,8 @@ void FixTaut::refuse_atoms_held_twice() const {
   }
 }
 
-// bond/swap, bond/react, bond/create, `set bond`, `delete_bonds undo` and fixes that add molecules change the list
-// of bonds. What is held must be as it was, and nothing new may be of a held type.
+// bond/swap, bond/react, bond/create, `set bond`, `delete_bonds undo` and fixes that add molecules change the
+// list of bonds. What is held must be as it was, and nothing new may be of a held type.
 void FixTaut::refuse_changed_bonds() const {
   bool swapped = false;
   for (int k = 0; k < modify->nfix; ++k)
@@ -156,7 +156,7 @@ void FixTaut::refuse_changed_bonds() const {
   }
 }
 
-// Bonds that are held, but of which the list of bonds has no more. Newton's third law on, a bond is listed once.
+// Held bonds that the list of bonds does not have any more. With newton on, a bond is listed once.
 void FixTaut::refuse_lost_bonds() const {
   double ends = 0, listed = 0;
   for (int i = 0; i < atom->nlocal; ++i)

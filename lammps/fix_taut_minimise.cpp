@@ -8,9 +8,10 @@
 
 namespace LAMMPS_NS {
 
-// Given, or fix shake's: 10⁹ times Boltzmann's constant. fire and quickmin integrate, with steps of up to ten times
-// `timestep`: at most the stiffness with which that turns no oscillation by more than 0.2 radians a step. Springs of
-// energy k r² at atoms of mass m, b of them an atom, oscillate with ω² ≤ 2k · 2b/m.
+// The stiffness that `kbond` gives, or fix shake's: 10⁹ times Boltzmann's constant. The minimisers fire and
+// quickmin integrate with steps of up to ten times `timestep`: for them the springs are at most so stiff that no
+// oscillation turns by more than 0.2 radians a step. Springs of energy k r² at atoms of mass m, b of them an
+// atom, oscillate with ω² ≤ 2k · 2b/m.
 void FixTaut::choose_stiffness() {
   constexpr double kAsShake = 1e9, kLongest = 10, kPhase = 0.2;
   stiffness_ = keys_.restraint > 0 ? keys_.restraint : kAsShake * force->boltz;
