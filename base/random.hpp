@@ -1,21 +1,20 @@
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <random>
-#include <sstream>
 
 #include "base/archive.hpp"
 #include "base/vectors.hpp"
 
 namespace taut {
 
-// Random numbers that are the same on every machine. The engine is defined by the C++ standard, its
-// distributions are not: these use +, −, ×, / and √ alone (logarithms only to decide).
-class Random {
+// Distributions of the 64-bit numbers that an engine gives. They are the same on every machine: those of the C++
+// standard are not, and these use +, −, ×, / and √ alone (logarithms only to decide).
+template <class Engine>
+class RandomNumbers {
  public:
-  explicit Random(std::uint64_t seed) : engine_(seed) {}
-
   double uniform() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }  // in [0, 1)
 
   // Mean 0, variance 1. Ratio of uniforms (Kinderman and Monahan 1977, doi:10.1145/355744.355750):
@@ -49,22 +48,66 @@ class Random {
     }
   }
 
-  // Its place in its sequence, in the standard's own words where it is to outlive the process.
-  void serialize(Archive& archive) {
-    if (archive.within_process()) return archive.as_it_lies(engine_);
-    std::stringstream words;
-    words << engine_;
-    std::string text = words.str();
-    archive(text);
-    if (!archive.loading()) return;
-    words.str(text);
-    words.clear();
-    words >> engine_;
-    archive.demand(!words.fail());
+ protected:
+  explicit RandomNumbers(Engine engine) : engine_(engine) {}
+
+ private:
+  Engine engine_;
+};
+
+// One sequence of random numbers, for starts and studies.
+class Random : public RandomNumbers<std::mt19937_64> {
+ public:
+  explicit Random(std::uint64_t seed) : RandomNumbers(std::mt19937_64(seed)) {}
+};
+
+// Philox 4x32-10 (Salmon et al. 2011, doi:10.1145/2063384.2063405): four random words of a counter and a key.
+// They do not depend on what was drawn before: from step to step nothing but counters has to be kept.
+constexpr std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> counter,
+                                              std::array<std::uint32_t, 2> key) {
+  for (int round = 0; round < 10; ++round) {
+    const std::uint64_t a = std::uint64_t{0xD2511F53} * counter[0],
+                        b = std::uint64_t{0xCD9E8D57} * counter[2];
+    counter = {static_cast<std::uint32_t>(b >> 32) ^ counter[1] ^ key[0], static_cast<std::uint32_t>(b),
+               static_cast<std::uint32_t>(a >> 32) ^ counter[3] ^ key[1], static_cast<std::uint32_t>(a)};
+    key = {key[0] + 0x9E3779B9, key[1] + 0xBB67AE85};
+  }
+  return counter;
+}
+
+// Who draws by counter: the numbers of two of them are independent at equal seed and step.
+enum class Stream : std::uint32_t { kLangevin, kRescaling, kCellRescaling, kMonteCarlo };
+
+class PhiloxEngine {
+ public:
+  PhiloxEngine(std::uint64_t seed, Stream stream, std::uint64_t step)
+      : seed_(seed), step_(step), stream_(stream) {}
+  std::uint64_t operator()() {
+    const auto words = philox({drawn_++, static_cast<std::uint32_t>(stream_),
+                               static_cast<std::uint32_t>(step_), static_cast<std::uint32_t>(step_ >> 32)},
+                              {static_cast<std::uint32_t>(seed_), static_cast<std::uint32_t>(seed_ >> 32)});
+    return std::uint64_t{words[1]} << 32 | words[0];
   }
 
  private:
-  std::mt19937_64 engine_;
+  std::uint64_t seed_, step_;
+  Stream stream_;
+  std::uint32_t drawn_ = 0;
+};
+
+// The random numbers of one step.
+class RandomOfStep : public RandomNumbers<PhiloxEngine> {
+ public:
+  RandomOfStep(std::uint64_t seed, Stream stream, std::uint64_t step)
+      : RandomNumbers(PhiloxEngine(seed, stream, step)) {}
+};
+
+// What a thermostat or barostat keeps of its random numbers: who it is and how often it drew.
+struct RandomCounter {
+  std::uint64_t seed, step = 0;
+
+  RandomOfStep next(Stream stream) { return {seed, stream, step++}; }
+  void serialize(Archive& archive) { archive(seed, step); }
 };
 
 }  // namespace taut

@@ -20,12 +20,10 @@ class VelocityRescaling {
   void serialize(Archive& archive) { archive(random_); }
 
  private:
-  double sum_of_squares(int n);  // of n normal numbers
-
   double target_;  // ½nkT [kJ/mol]
   double relaxation_;
   int dof_;
-  Random random_;
+  RandomCounter random_;
 };
 
 }  // namespace taut

@@ -3,21 +3,25 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numeric>
 
 #include "base/errors.hpp"
+#include "base/shares.hpp"
+#include "ensembles/noise.hpp"
 #include "md/observables.hpp"
 #include "md/units.hpp"
 
 namespace taut {
 namespace {
 
+constexpr int kBlock =
+    512;  // atoms whose heat is summed by one thread: rounding does not depend on their number
+
 System with_bonds(System sys, bool wanted) {
   if (!wanted) sys.bonds.clear();
   sys.one_sided.clear();
   return sys;
 }
-
-constexpr std::uint64_t kStream = 0x6c616e676576696e;  // not the numbers the start was drawn from
 
 }  // namespace
 
@@ -30,7 +34,13 @@ Langevin::Langevin(const System& sys, const Settings& settings, double h)
       before_(half_jump_),
       noise_(half_jump_),
       turned_(half_jump_),
-      random_(settings.seed ^ kStream) {}
+      random_{settings.seed},
+      width_(sys.inv_mass),
+      heats_((sys.atoms() + kBlock - 1) / kBlock),
+      normal_((3 * sys.atoms() + kNoiseBlock - 1) / kNoiseBlock * kNoiseBlock) {
+  const double c = std::exp(-settings.friction * h);
+  width_ = ((1 - c * c) * kBoltzmann * settings.temperature * sys.inv_mass).cwiseSqrt();
+}
 
 SolveStats Langevin::project(const Vectors& x, Vectors& v) {
   if (tangent_.bonds.empty()) return {};
@@ -55,9 +65,14 @@ SolveStats Langevin::account_for_turning(const System& sys, const State& s) {
   if (tangent_.bonds.empty()) return {};
   turned_ = before_;
   const SolveStats stats = project(s.x, turned_);
-  for (int i = 0; i < sys.atoms(); ++i)
-    heat_of_turning_ +=
-        sys.mass[i] * (s.v.col(i) + 0.5 * before_.col(i)).dot(turned_.col(i) - before_.col(i));
+  in_shares(static_cast<int>(heats_.size()), 1, [&](const Share& share) {
+    for (int b = share.begin; b < share.end; ++b) {
+      heats_[b] = 0;
+      for (int i = kBlock * b; i < std::min(sys.atoms(), kBlock * (b + 1)); ++i)
+        heats_[b] += sys.mass[i] * (s.v.col(i) + 0.5 * before_.col(i)).dot(turned_.col(i) - before_.col(i));
+    }
+  });
+  heat_of_turning_ = std::accumulate(heats_.begin(), heats_.end(), 0.0);
   return stats;
 }
 
@@ -67,15 +82,20 @@ Bath::Draw Langevin::draw(const System& sys, const Push& push, const State& s) {
   if (push.starts()) before_.setZero();
   SolveStats stats = account_for_turning(sys, s);
   const Vectors& f = forces_with_springs(sys, push, s, stats);
-  for (int i = 0; i < sys.atoms(); ++i) {
-    const double width = std::sqrt((1 - c * c) * kBoltzmann * settings_.temperature * sys.inv_mass[i]);
-    const Vec3 v = s.v.col(i) + before_.col(i) + push.kick * sys.inv_mass[i] * f.col(i);
-    half_jump_.col(i) = 0.5 * ((c - 1) * v + width * random_.normal_vector());
-  }
+  fill_with_noise(random_.seed, random_.step++, normal_);
+  by_atoms(sys.atoms(), [&](int first, int last) {
+    for (int i = first; i < last; ++i) {
+      const Eigen::Map<const Vec3> normal(normal_.data() + 3 * i);
+      const Vec3 v = s.v.col(i) + before_.col(i) + push.kick * sys.inv_mass[i] * f.col(i);
+      half_jump_.col(i) = 0.5 * ((c - 1) * v + width_[i] * normal);
+    }
+  });
   stats += project(s.x, half_jump_);
   if (settings_.hold_momentum) remove_momentum(sys, half_jump_);
-  for (int i = 0; i < sys.atoms(); ++i)
-    noise_.col(i) = sys.mass[i] / push.kick * (before_.col(i) + half_jump_.col(i));
+  by_atoms(sys.atoms(), [&](int first, int last) {
+    for (int i = first; i < last; ++i)
+      noise_.col(i) = sys.mass[i] / push.kick * (before_.col(i) + half_jump_.col(i));
+  });
   return {stats, &noise_, &before_};
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "base/aligned.hpp"
 #include "base/archive.hpp"
 #include "base/random.hpp"
 #include "constraints/batch/batched_newton.hpp"
@@ -24,7 +25,8 @@ namespace taut {
 // follows from v_half + hM⁻¹F without it, and is drawn one step ahead. Between its two drifts the velocity
 // then changes by h(a + (½Δ_old + ½Δ)/h): to `add_forces` the noise is one more force, M(½Δ_old + ½Δ)/h
 // (Push::noise), and every identity of constraints/README.md holds with that acceleration.
-// Cost: 3n normal numbers, and twice a factorization and solve for P, the second time for the heat.
+// Cost: 3n normal numbers (ensembles/noise.hpp), and twice a factorization and solve for P, the second time for the
+// heat. On threads it draws the same bits.
 //
 // Heat. Δ is tangent where the drift begins. When the drift ends the bonds have turned, and of the second half
 // a = ½Δ the constraints take out at once what is not tangent there, (1 − P')a. So the bath gives
@@ -72,7 +74,10 @@ class Langevin final : public Bath {
   Vectors half_jump_, before_, noise_;  // ½Δ, ½Δ of the step before [nm/ps]; M(½Δ_old + ½Δ)/kick [kJ/mol/nm]
   Vectors turned_;                      // P'½Δ of the step before [nm/ps]
   double heat_of_turning_ = 0;          // [kJ/mol]
-  Random random_;
+  RandomCounter random_;
+  Eigen::VectorXd width_;      // √((1 − c²) kT/m) of each atom [nm/ps]
+  std::vector<double> heats_;  // of turning, by blocks of atoms [kJ/mol]
+  Aligned<double> normal_;     // R
 };
 
 }  // namespace taut

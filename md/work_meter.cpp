@@ -1,26 +1,32 @@
 #include "md/work_meter.hpp"
 
-#include <numeric>
-
 #include "base/shares.hpp"
 
 namespace taut {
 
-void WorkMeter::see(double h, const State& s) {
+void WorkMeter::add_step(double h, const System& sys, const State& s, const Vectors* half_jump) {
   const bool begun = before_.size() > 0;
   before_.resize(3, s.f.cols());
-  const int atoms = static_cast<int>(s.f.cols()), threads = threads_for(atoms, kAtomsOfShortWork);
-  parts_.assign(threads, 0);
+  const int atoms = sys.atoms(), threads = threads_for(atoms, kAtomsOfShortWork);
+  parts_.assign(threads, {});
   in_parallel(threads, [&](int t) {
     const Share share(atoms, t, threads);
-    const auto of = [&](auto& vectors) {
+    const auto part = [&](auto& vectors) {
       return Eigen::Map<std::remove_reference_t<decltype(vectors)>>(vectors.data() + 3 * share.begin, 3,
                                                                     share.end - share.begin);
     };
-    if (begun) parts_[t] = (of(before_) + of(s.f)).cwiseProduct(of(s.v)).sum();
-    of(before_) = of(s.f);
+    if (begun) parts_[t].work = (part(before_) + part(s.f)).cwiseProduct(part(s.v)).sum();
+    if (begun && half_jump)
+      parts_[t].work += (part(s.f) - part(before_)).cwiseProduct(part(*half_jump)).sum();
+    if (half_jump)
+      for (int a = share.begin; a < share.end; ++a)
+        parts_[t].heat += sys.mass[a] * s.v.col(a).dot(half_jump->col(a));
+    part(before_) = part(s.f);
   });
-  if (begun) work_ += 0.5 * h * std::accumulate(parts_.begin(), parts_.end(), 0.0);
+  Sums sum;
+  for (const Sums& part : parts_) sum.work += part.work, sum.heat += part.heat;
+  work_ += 0.5 * h * sum.work;
+  heat_ += 2 * sum.heat;
 }
 
 }  // namespace taut

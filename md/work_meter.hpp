@@ -26,15 +26,9 @@ namespace taut {
 // turn in the drift take a part of Δ's second half out. That is the bath's, too; langevin.hpp says how much.
 class WorkMeter {
  public:
-  // After F is evaluated in a step: s.v is still the half step's, which came here.
-  void see(double h, const State& s);
-  // The same under a bath: s.v = v_half + ½Δ.
-  void see(double h, const System& sys, const State& s, const Vectors& half_jump) {
-    if (before_.size() > 0) work_ += 0.5 * h * (s.f - before_).cwiseProduct(half_jump).sum();
-    heat_ += 2 * (s.v.cwiseProduct(half_jump) * sys.mass).sum();
-    see(h, s);
-  }
-  void take_up(double heat) { heat_ += heat; }  // velocities were changed between steps [kJ/mol]
+  // Adds a step, after F is evaluated in it: s.v is v_half, or v_half + ½Δ with half_jump = ½Δ under a bath.
+  void add_step(double h, const System& sys, const State& s, const Vectors* half_jump = nullptr);
+  void add_heat(double heat) { heat_ += heat; }  // velocities were changed between steps [kJ/mol]
 
   double work() const { return work_; }              // Σ of the forces', so far [kJ/mol]
   double heat() const { return heat_; }              // Σ Q so far [kJ/mol]
@@ -45,8 +39,11 @@ class WorkMeter {
 
  private:
   double work_ = 0, heat_ = 0;
-  Vectors before_;             // F at the step before
-  std::vector<double> parts_;  // of Σ (F_before + F)·v, by thread
+  Vectors before_;  // F at the step before
+  struct Sums {
+    double work = 0, heat = 0;  // Σ (F_before + F)·v + (F − F_before)·½Δ, Σ m v·½Δ
+  };
+  std::vector<Sums> parts_;  // by thread
 };
 
 }  // namespace taut

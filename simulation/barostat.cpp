@@ -36,7 +36,7 @@ CellRescaling::CellRescaling(const Scene& scene, std::uint64_t seed, ForceField&
       compressibility_(scene.run.compressibility_per_bar * kBarPerUnit),
       kept_(std::exp(-static_cast<double>(scene.run.barostat_every) * scene.run.h() / scene.run.barostat_ps)),
       every_(scene.run.barostat_every),
-      random_(seed) {}
+      random_{seed} {}
 
 Vec3 CellRescaling::pressure(const State& s, const Vectors& F, const ForceField::Evaluation& besides) const {
   return (centres_.twice_kinetic(s.v) + forces_.virial(s, besides).diagonal() -
@@ -48,6 +48,7 @@ void CellRescaling::after_step(const State& s, const Vectors& F, const ForceFiel
   if (++steps_ % every_ != 0) return;
   const double V = s.box.volume();
   const Vec3 P = pressure(s, F, besides);
+  RandomOfStep random = random_.next(Stream::kCellRescaling);
   for (int kind = 0; kind <= alike_[2]; ++kind) {
     double k = 0, sum = 0;
     for (int d = 0; d < 3; ++d) {
@@ -57,7 +58,7 @@ void CellRescaling::after_step(const State& s, const Vectors& F, const ForceFiel
     }
     const double beta = k * compressibility_ / 3;
     const double strain = beta * (1 - kept_) * (sum / k - pressure_) +
-                          std::sqrt((1 - kept_ * kept_) * kT_ * beta / V) * random_.normal();
+                          std::sqrt((1 - kept_ * kept_) * kT_ * beta / V) * random.normal();
     for (int d = 0; d < 3; ++d)
       if (alike_[d] == kind) strain_[d] = strain / k;
   }
@@ -97,7 +98,7 @@ MonteCarloBarostat::MonteCarloBarostat(const System& sys, const std::vector<int>
       pressure_(run.pressure_bar / kBarPerUnit),
       kT_(kBoltzmann * run.temperature_k),
       every_(run.barostat_every),
-      random_(seed) {}
+      random_{seed} {}
 
 double MonteCarloBarostat::energy(const System& sys) {
   return forces_.evaluate_energy(sys, trial_);
@@ -109,7 +110,8 @@ double MonteCarloBarostat::move(const System& sys, State& s) {
   trial_.box = s.box;
   const double V = s.box.volume(), before = energy(sys);
   if (largest_ == 0) largest_ = 0.01 * V;
-  const double to = V + largest_ * (2 * random_.uniform() - 1), chance = random_.uniform();
+  RandomOfStep random = random_.next(Stream::kMonteCarlo);
+  const double to = V + largest_ * (2 * random.uniform() - 1), chance = random.uniform();
   const Vec3 mu = Vec3::Constant(std::cbrt(std::max(to, 0.0) / V));
   trial_.box = s.box.scaled(mu);
   const bool too_narrow = !forces_.lack_of_room(trial_.box).empty();

@@ -62,7 +62,7 @@ class CellRescaling final : public Barostat {
   double kept_;               // c
   long every_, steps_ = 0;
   Vec3 strain_ = Vec3::Zero();  // to come
-  Random random_;
+  RandomCounter random_;
 };
 
 // Monte Carlo, isotropic (Chow and Ferguson 1995, doi:10.1016/0010-4655(95)00059-O; Åqvist et al. 2004,
@@ -101,7 +101,7 @@ class MonteCarloBarostat final : public Barostat {
   long adapted_ = 0;
   long trials_ = 0, too_narrow_ = 0;  // since it was made
   State trial_;
-  Random random_;
+  RandomCounter random_;
 };
 
 // The one a scene asks for, or none.

@@ -154,12 +154,9 @@ Dynamics Simulation::dynamics() {
 }
 
 void Simulation::evaluate(const System& sys, State& s) {
-  if (barostat_) meter_.take_up(barostat_->move(sys, s));
+  if (barostat_) meter_.add_heat(barostat_->move(sys, s));
   forces_.evaluate(sys, s, besides_);
-  if (langevin_)
-    meter_.see(scene_.run.h(), sys, s, *langevin_->half_jump());
-  else
-    meter_.see(scene_.run.h(), s);
+  meter_.add_step(scene_.run.h(), sys, s, half_jump());
 }
 
 // What is drawn from here on was not drawn before: a thermostat taken away and given back.

@@ -171,7 +171,7 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
 
 Bath::Draw Simulation::draw(const System& sys, const Push& push, const State& s) {
   const Draw drawn = bath().draw(sys, push, s);
-  if (langevin_) meter_.take_up(langevin_->heat_of_turning());
+  if (langevin_) meter_.add_heat(langevin_->heat_of_turning());
   return drawn;
 }
 
@@ -189,14 +189,14 @@ void Simulation::rescale(double h, State& s) {
   const double thermal =
       all_thermal ? kinetic_energy(sys, s.v) : kinetic_energy(sys, without_stretching(s.v));
   const double kinetic = has_springs() ? kinetic_energy(sys, s.v) : thermal;
-  meter_.take_up(((*rescaling_)(thermal, h, s.v) - 1) * kinetic);
+  meter_.add_heat(((*rescaling_)(thermal, h, s.v) - 1) * kinetic);
 }
 
 // It has |P|²/2M of the kinetic energy.
 void Simulation::take_momentum_out(State& s) {
   const System& sys = scene_.system;
   const double mass = sys.mass.sum();
-  if (mass > 0) meter_.take_up(-momentum(sys, s.v).squaredNorm() / (2 * mass));
+  if (mass > 0) meter_.add_heat(-momentum(sys, s.v).squaredNorm() / (2 * mass));
   remove_momentum(sys, s.v);
 }
 

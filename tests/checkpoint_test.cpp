@@ -221,7 +221,7 @@ TEST(CheckpointFormat, SaysWhatIsWrong) {
   envelope["version"] = 7;
   const auto later = json::to_cbor(envelope);
   EXPECT_EQ(refusal({reinterpret_cast<const char*>(later.data()), later.size()}),
-            "a checkpoint of version 7, this taut reads version 5");
+            "a checkpoint of version 7, this taut reads version 6");
   EXPECT_EQ(refusal("[run]\nsteps = 3\n"), "not a checkpoint, or not all of it");
   EXPECT_EQ(refusal(""), "not a checkpoint, or not all of it");
 }

@@ -25,7 +25,7 @@ struct MeteredForces : ForceLaw {
       : forces(its_forces), h(its_h), bath(its_bath) {}
   void evaluate(const System& sys, State& s) override {
     forces.evaluate(sys, s);
-    bath ? meter.see(h, sys, s, *bath->half_jump()) : meter.see(h, s);
+    meter.add_step(h, sys, s, bath ? bath->half_jump() : nullptr);
   }
   double work() const { return meter.work(); }
   ForceLaw& forces;
@@ -132,7 +132,7 @@ TEST(Account, ClosesForEveryMethodInABath) {
       const State before = s;
       const Vectors half_jump = *bath.half_jump();
       ASSERT_TRUE(step(dynamics, h, s).converged());
-      metered.meter.take_up(bath.heat_of_turning());
+      metered.meter.add_heat(bath.heat_of_turning());
       const Vectors half = (s.x - before.x) / h, first = half - half_jump, second = half + half_jump;
       jump += kinetic_energy(sys, second) - kinetic_energy(sys, first);
       Vectors tangent = second, jump_there = half_jump;

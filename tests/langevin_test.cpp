@@ -4,14 +4,19 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
+#include "base/random.hpp"
 #include "constraints/methods/baumgarte.hpp"
 #include "constraints/methods/feedforward.hpp"
 #include "constraints/methods/newton.hpp"
 #include "constraints/methods/rattle.hpp"
 #include "constraints/projection.hpp"
+#include "ensembles/noise.hpp"
+#include "every_machine.hpp"
 #include "free_system.hpp"
 #include "md/observables.hpp"
 #include "md/run.hpp"
@@ -305,6 +310,57 @@ TEST(LangevinBath, HoldsTheMomentumWhereAsked) {
   initialize({sys, forces, method, bath}, h, s);
   for (int n = 0; n < 100; ++n) EXPECT_TRUE(step({sys, forces, method, bath}, h, s).converged());
   EXPECT_LT(momentum(sys, s.v).norm(), 1e-11);
+}
+
+// The kernel draws what base/random.hpp's Philox and the C++ library's functions give, on every machine and at
+// every number of threads the same bits.
+TEST(Noise, IsBoxMullerOfPhilox) {
+  constexpr std::uint64_t kSeed = 0x123456789abcdef0, kStep = (std::uint64_t{1} << 32) + 5;
+  Aligned<double> wanted(200 * kNoiseBlock), noise(wanted.size());
+  fill_with_noise(kSeed, kStep, wanted);
+  for (std::uint32_t n = 0; n < wanted.size() / 4; ++n) {
+    const auto words =
+        philox({n, static_cast<std::uint32_t>(Stream::kLangevin), 5, 1}, {0x9abcdef0, 0x12345678});
+    for (int pair = 0; pair < 2; ++pair) {
+      const double u = (2.0 * words[2 * pair] + 1) * 0x1p-33, radius = std::sqrt(-2 * std::log(u));
+      const std::uint32_t angle = words[2 * pair + 1];
+      const double t = ((angle & 0x3FFFFFFF) + 0.5) * 0x1p-30 * std::numbers::pi / 2;
+      const double x = radius * std::cos(t), y = radius * std::sin(t);
+      EXPECT_NEAR(wanted[4 * n + 2 * pair], angle >> 31 ? -x : x, 1e-12);
+      EXPECT_NEAR(wanted[4 * n + 2 * pair + 1], angle >> 30 & 1 ? -y : y, 1e-12);
+    }
+  }
+  testing::on_every_machine([&] {
+    testing::on_one_to_three_threads([&] {
+      std::ranges::fill(noise, 0);
+      fill_with_noise(kSeed, kStep, noise);
+      EXPECT_EQ(noise, wanted);
+    });
+  });
+}
+
+// A million numbers: a moment of variance s² is met within 5 s/1000. Neighbours are independent, and so are a
+// step and the next.
+TEST(Noise, HasTheMomentsOfIndependentNormalNumbers) {
+  constexpr std::size_t kMany = 1 << 20;
+  Aligned<double> now(kMany), next(kMany);
+  fill_with_noise(3, 0, now);
+  fill_with_noise(3, 1, next);
+  std::array<double, 4> moments{};
+  double neighbours = 0, steps = 0, squares = 0;
+  for (std::size_t n = 0; n < kMany; ++n) {
+    for (int m = 0; m < 4; ++m) moments[m] += std::pow(now[n], m + 1) / kMany;
+    neighbours += now[n] * now[(n + 1) % kMany] / kMany;
+    steps += now[n] * next[n] / kMany;
+    squares += (now[n] * now[n] - 1) * (now[(n + 1) % kMany] * now[(n + 1) % kMany] - 1) / kMany;
+  }
+  EXPECT_NEAR(moments[0], 0, 0.005);
+  EXPECT_NEAR(moments[1], 1, 0.0071);
+  EXPECT_NEAR(moments[2], 0, 0.02);
+  EXPECT_NEAR(moments[3], 3, 0.05);
+  EXPECT_NEAR(neighbours, 0, 0.005);
+  EXPECT_NEAR(steps, 0, 0.005);
+  EXPECT_NEAR(squares, 0, 0.01);
 }
 
 }  // namespace

@@ -49,5 +49,26 @@ TEST(Random, SeedDecidesEverything) {
   EXPECT_NE(other.normal(), -0.72016742390080624);
 }
 
+// The known answers of the generator's authors (Random123, kat_vectors).
+TEST(Philox, GivesItsAuthorsWords) {
+  using Words = std::array<std::uint32_t, 4>;
+  EXPECT_EQ(philox({}, {}), (Words{0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8}));
+  EXPECT_EQ(philox({0xffffffff, 0xffffffff, 0xffffffff, 0xffffffff}, {0xffffffff, 0xffffffff}),
+            (Words{0x408f276d, 0x41c83b0e, 0xa20bc7c6, 0x6d5451fd}));
+  EXPECT_EQ(philox({0x243f6a88, 0x85a308d3, 0x13198a2e, 0x03707344}, {0xa4093822, 0x299f31d0}),
+            (Words{0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1}));
+}
+
+// Seed, stream and step decide; nothing that was drawn before does.
+TEST(Philox, NumbersOfAStepDependOnNothingBefore) {
+  RandomCounter counter{7};
+  std::vector<double> first;
+  for (int step = 0; step < 3; ++step) first.push_back(counter.next(Stream::kLangevin).normal());
+  EXPECT_EQ(RandomOfStep(7, Stream::kLangevin, 2).normal(), first[2]);
+  EXPECT_NE(first[0], first[1]);
+  EXPECT_NE(RandomOfStep(7, Stream::kMonteCarlo, 2).normal(), first[2]);
+  EXPECT_NE(RandomOfStep(8, Stream::kLangevin, 2).normal(), first[2]);
+}
+
 }  // namespace
 }  // namespace taut

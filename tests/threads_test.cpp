@@ -185,14 +185,15 @@ TEST(ThreadMeter, CountsNoRegionOfOneThread) {
 // Whose sums are shared: all of them, by as many threads as there are.
 TEST(WorkMeter, TakesInAllAtomsOnAnyNumberOfThreads) {
   const int atoms = 5001;
+  const System sys = make_system(Eigen::VectorXd::Ones(atoms), {});
   State before{{}, Vectors::Random(3, atoms), Vectors::Random(3, atoms), 0, {}}, now = before;
   now.f.setRandom();
   const double work = 0.5 * 0.01 * (before.f + now.f).cwiseProduct(now.v).sum();
   for (const int threads : {1, 2, 5}) {
     const Threads some(threads);
     WorkMeter meter;
-    meter.see(0.01, before);
-    meter.see(0.01, now);
+    meter.add_step(0.01, sys, before);
+    meter.add_step(0.01, sys, now);
     EXPECT_NEAR(meter.work(), work, 1e-12);
     EXPECT_EQ(meter.forces(), now.f);
   }
