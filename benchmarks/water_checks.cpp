@@ -14,7 +14,7 @@
 #include "base/errors.hpp"
 #include "base/statistics.hpp"
 #include "md/units.hpp"
-#include "simulation/barometer.hpp"
+#include "ensembles/pressure.hpp"
 #include "simulation/simulation.hpp"
 #include "simulation/temperatures.hpp"
 #include "systems/scene_file.hpp"

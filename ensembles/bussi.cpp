@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "md/observables.hpp"
 #include "md/units.hpp"
 
 namespace taut {
@@ -28,19 +29,29 @@ double sum_of_squares(int n, RandomOfStep& random) {
 
 }  // namespace
 
-VelocityRescaling::VelocityRescaling(double temperature, double relaxation, int dof, std::uint64_t seed)
-    : target_(0.5 * dof * kBoltzmann * temperature), relaxation_(relaxation), dof_(dof), random_{seed} {}
+VelocityRescaling::VelocityRescaling(const System& sys, const Settings& settings)
+    : settings_(settings), random_{settings.seed} {
+  if (settings.holds != ConstraintMethod::Holds::kAll) projector_.emplace(sys);
+}
 
-double VelocityRescaling::operator()(double kinetic, double h, Vectors& v) {
-  if (kinetic == 0) return 1;
-  const double c = std::exp(-h / relaxation_), share = target_ / dof_ / kinetic;
+double VelocityRescaling::after_step(const System& sys, double h, State& s) {
+  double kinetic = kinetic_energy(sys, s.v), thermal = kinetic;
+  if (projector_) {
+    Vectors tangent = s.v;
+    projector_->velocities(sys, s.x, tangent);
+    thermal = kinetic_energy(sys, tangent);
+    if (settings_.holds == ConstraintMethod::Holds::kPositions) kinetic = thermal;
+  }
+  if (thermal == 0) return 0;
+  const double c = std::exp(-h / settings_.relaxation);
+  const double share = 0.5 * kBoltzmann * settings_.temperature / thermal;  // K̄/n over K
   RandomOfStep random = random_.next(Stream::kRescaling);
   const double first = random.normal();
-  const double squares = first * first + sum_of_squares(dof_ - 1, random);
+  const double squares = first * first + sum_of_squares(settings_.dof - 1, random);
   const double scale =
       std::max(0.0, c + share * (1 - c) * squares + 2 * first * std::sqrt(c * (1 - c) * share));
-  v *= std::sqrt(scale);
-  return scale;
+  s.v *= std::sqrt(scale);
+  return (scale - 1) * kinetic;
 }
 
 }  // namespace taut

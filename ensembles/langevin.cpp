@@ -96,7 +96,7 @@ Bath::Draw Langevin::draw(const System& sys, const Push& push, const State& s) {
     for (int i = first; i < last; ++i)
       noise_.col(i) = sys.mass[i] / push.kick * (before_.col(i) + half_jump_.col(i));
   });
-  return {stats, &noise_, &before_};
+  return {stats, heat_of_turning_, &noise_, &before_};
 }
 
 Vectors Langevin::middle_velocity(const System& sys, const State& s) {

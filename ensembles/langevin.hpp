@@ -55,7 +55,7 @@ class Langevin final : public Bath {
   // tangent, is to be changed since bonds turned [kJ/mol].
   double heat_of_turning() const { return heat_of_turning_; }
 
-  void serialize(Archive& archive) { archive(half_jump_, random_); }
+  void serialize(Archive& archive) override { archive(half_jump_, random_); }
 
   // The velocity that Δ is about to change, P(v + (h/2)M⁻¹f): canonical for free and for harmonic motion at
   // any step, where that of the full step is too cold by (ωh)²/4. Temperatures are taken of it.

@@ -1,27 +1,43 @@
 #pragma once
 
+#include <string>
+
+#include "base/archive.hpp"
 #include "md/constraint_method.hpp"
 
 namespace taut {
 
-// What acts on velocities besides forces and constraints; this one does nothing. A thermostat that changes them
-// by Δ in the middle of the drift gives ½Δ before it and ½Δ after; others act after the step, as barostats do.
+// A thermostat or a barostat: what acts on velocities and the box besides forces and constraints. It acts in up to four
+// stages of the step (md/step.hpp), all empty here: this one does nothing. Each stage says what heat it gives to the
+// kinetic energy [kJ/mol].
 class Bath {
  public:
   virtual ~Bath() = default;
 
+  // A thermostat that changes velocities by Δ in the middle of the drift gives ½Δ before it and ½Δ after. This is the
+  // ½Δ of the drift under way, until draw() [nm/ps]; null: none acts in the drift.
+  virtual const Vectors* half_jump() const { return nullptr; }
+
+  // May change the box, and x and v with it, where the forces are evaluated next. Returns its heat.
+  virtual double move_box(const System&, State&) { return 0; }
+
   // What a draw found for the step to come.
   struct Draw {
-    SolveStats stats;
-    const Vectors* noise = nullptr;           // of Push, for whoever steers by forces [kJ/mol/nm]
+    SolveStats stats = {};
+    double heat = 0;                 // of the Δ before, as far as it was not known when that was drawn
+    const Vectors* noise = nullptr;  // of Push, for methods that steer by forces [kJ/mol/nm]
     const Vectors* last_half_jump = nullptr;  // the second half of the Δ before, still to be added [nm/ps]
   };
-
-  // ½Δ of the drift under way, until draw() [nm/ps]; null: no thermostat acts in the drift.
-  virtual const Vectors* half_jump() const { return nullptr; }
-  // Draws the next Δ. f is the force at x, without those of constraints. At the start there is no Δ before.
+  // Draws the next Δ. f is the force at x without those of constraints. At the start there is no Δ before.
   virtual Draw draw(const System&, const Push&, const State&) { return {}; }
-  virtual void after_step(const System&, double /*h*/, State&) {}
+
+  // At the end of a step of length h [ps]. Returns its heat.
+  virtual double after_step(const System&, double /*h*/, State&) { return 0; }
+
+  virtual void serialize(Archive&) {}  // what it takes from one step to the next
+  virtual std::string doubt() const {
+    return "";
+  }  // what speaks against the ensemble it gave; empty: nothing
 };
 
 Bath& no_bath();

@@ -51,7 +51,8 @@ SolveStats step(const Dynamics& dynamics, double h, State& s) {
   const auto& [sys, forces, method, bath] = dynamics;
   half_kick_and_drift(sys, h, bath.half_jump(), s);        // the old positions are x − hv
   SolveStats stats = method.project_positions(sys, h, s);  // SHAKE, RATTLE, ...
-  forces.evaluate(sys, s);                                          // f = F(x)
+  bath.move_box(sys, s);
+  forces.evaluate(sys, s);  // f = F(x)
   Push push = Push::between_steps(h);
   const Bath::Draw drawn = bath.draw(sys, push, s);
   push.noise = drawn.noise;

@@ -10,9 +10,14 @@
 #include "base/errors.hpp"
 #include "constraints/bond_algebra.hpp"
 #include "constraints/redundancy.hpp"
+#include "ensembles/bussi.hpp"
+#include "ensembles/c_rescale.hpp"
+#include "ensembles/monte_carlo.hpp"
 #include "forcefield/ewald/parameters.hpp"
 #include "md/run.hpp"
+#include "md/units.hpp"
 #include "simulation/redundant_bonds.hpp"
+#include "systems/whole_molecules.hpp"
 
 namespace taut {
 namespace {
@@ -72,7 +77,7 @@ Simulation::Simulation(Scene scene, const ThreadScope&, const OnMove& on_move)
       full_(scene.system),
       redundancy_(find_redundancy(scene.system, scene.start.x)),
       scene_(without_redundant_bonds(std::move(scene), redundancy_)),
-      forces_(scene_.system, scene_.start.box, scene_.terms),
+      forces_(ForceField(scene_.system, scene_.start.box, scene_.terms)),
       method_(make_method(scene_.system, scene_.method, scene_.run.h())),
       projector_(scene_.system),
       state_(scene_.start) {
@@ -84,14 +89,15 @@ Simulation::Simulation(Scene scene, const ThreadScope&, const OnMove& on_move)
   refuse_unreachable_tolerance(sys, state_.x, method_->promised_error());
   if (state_.box.periodic()) barometer_.emplace(sys, has_springs());
   count_degrees_of_freedom(momentum_stays_zero(scene_, state_.v));
-  barostat_ = make_barostat(scene_, ~seed_here(), forces_);
+  make_barostat();
   unaccounted_at_start_ = unaccounted();
 }
 
 void Simulation::bring_to_the_bonds(double minimise_force, const OnMove& on_move) {
   const System& sys = scene_.system;
   place_sites(sys.sites, state_.x);
-  if (minimise_force > 0) start_report_.minimised = minimise(sys, forces_, minimise_force, state_, on_move);
+  if (minimise_force > 0)
+    start_report_.minimised = minimise(sys, forces_.field, minimise_force, state_, on_move);
   start_report_.anchors_stopped = rest_anchors(sys, state_.v);
   const Vectors x = state_.x;
   const double kinetic = kinetic_energy(sys, state_.v);
@@ -106,7 +112,7 @@ void Simulation::begin_means() {
   const long last_row = std::exchange(sums_, LogSums{}).last_row;
   sums_.last_row = last_row;
   unaccounted_at_start_ = unaccounted();
-  heat_at_start_ = meter_.heat();
+  heat_at_start_ = ensemble_.meter.heat();
 }
 
 // For the header.
@@ -138,25 +144,50 @@ void Simulation::note_start() {
 
 void Simulation::make_thermostat() {
   const RunSettings& run = scene_.run;
-  rescaling_.reset(), langevin_.reset();
-  if (!run.langevin()) return;
-  langevin_.emplace(scene_.system,
-                    Langevin::Settings{.temperature = run.temperature_k,
-                                       .friction = run.friction_per_ps,
-                                       .seed = seed_here(),
-                                       .hold_momentum = run.remove_momentum_every > 0,
-                                       .springs = has_springs() ? method_.get() : nullptr},
-                    run.h());
+  ensemble_.thermostat.reset();
+  ensemble_.remove_momentum_every = run.remove_momentum_every;
+  if (run.langevin())
+    ensemble_.thermostat =
+        std::make_unique<Langevin>(scene_.system,
+                                   Langevin::Settings{.temperature = run.temperature_k,
+                                                      .friction = run.friction_per_ps,
+                                                      .seed = seed_here(),
+                                                      .hold_momentum = run.remove_momentum_every > 0,
+                                                      .springs = has_springs() ? method_.get() : nullptr},
+                                   run.h());
+}
+
+PressureCoupling pressure_coupling(const RunSettings& run, std::uint64_t seed) {
+  if (run.barostat_every < 1)
+    throw InputError(fmt::format("run.barostat_every is {}, expected 1 or more", run.barostat_every));
+  const std::array<int, 3> all = {0, 0, 0}, none = {0, 1, 2}, x_and_y = {0, 0, 1};
+  return {.pressure = run.pressure_bar / kBarPerUnit,
+          .kT = kBoltzmann * run.temperature_k,
+          .every = run.barostat_every,
+          .time_between = static_cast<double>(run.barostat_every) * run.h(),
+          .relaxation = run.barostat_ps,
+          .compressibility = run.compressibility_per_bar * kBarPerUnit,
+          .alike = run.coupling == "anisotropic"      ? none
+                   : run.coupling == "semi-isotropic" ? x_and_y
+                                                      : all,
+          .seed = seed};
+}
+
+std::unique_ptr<Bath> make_barostat(const Scene& scene, std::uint64_t seed, RunForces& forces) {
+  if (!scene.run.barostatted()) return nullptr;
+  const System& sys = scene.system;
+  const PressureCoupling coupling = pressure_coupling(scene.run, seed);
+  if (scene.run.barostat == "c-rescale")
+    return std::make_unique<CellRescaling>(sys, molecules(sys, {}), scene.start.box, coupling, forces);
+  return std::make_unique<MonteCarloBarostat>(sys, molecules(sys, scene.terms), coupling, forces);
 }
 
 Dynamics Simulation::dynamics() {
-  return {scene_.system, *this, *method_, *this};
+  return {scene_.system, forces_, *method_, ensemble_};
 }
 
-void Simulation::evaluate(const System& sys, State& s) {
-  if (barostat_) meter_.add_heat(barostat_->move(sys, s));
-  forces_.evaluate(sys, s, besides_);
-  meter_.add_step(scene_.run.h(), sys, s, half_jump());
+void Simulation::make_barostat() {
+  ensemble_.barostat = taut::make_barostat(scene_, ~seed_here(), forces_);
 }
 
 // What is drawn from here on was not drawn before: a thermostat taken away and given back.
@@ -171,7 +202,13 @@ void Simulation::count_degrees_of_freedom(bool momentum_fixed) {
   if ((run.rescaling() || run.langevin()) && dof_.total() < 1)
     throw InputError("run.thermostat: nothing can move, there is no temperature");
   temperatures_.emplace(sys, scene_.terms, state_.x, dof_.rank > 0, dof_.momentum_fixed);
-  if (run.rescaling()) rescaling_.emplace(run.temperature_k, run.thermostat_ps, dof_.total(), seed_here());
+  if (run.rescaling())
+    ensemble_.thermostat =
+        std::make_unique<VelocityRescaling>(sys, VelocityRescaling::Settings{.temperature = run.temperature_k,
+                                                                             .relaxation = run.thermostat_ps,
+                                                                             .dof = dof_.total(),
+                                                                             .seed = seed_here(),
+                                                                             .holds = method_->holds()});
 }
 
 // A spring's multipliers are of its positions; a constraint's are solved for: those of a method's last solve
@@ -183,13 +220,14 @@ Eigen::VectorXd Simulation::bond_tensions() const {
   if (has_springs())
     lambda = method_->lambda();
   else
-    lambda = projector_.multipliers(sys, {state_.x, state_.v, meter_.forces(), state_.t, state_.box});
+    lambda =
+        projector_.multipliers(sys, {state_.x, state_.v, ensemble_.meter.forces(), state_.t, state_.box});
   return tensions(full_, least_norm_multipliers(full_, state_.x, redundancy_.redundant, lambda));
 }
 
 Energies Simulation::energies() const {
   const ThreadScope own(threads_);
-  return forces_.energies(state_, besides_);
+  return forces_.field.energies(state_, forces_.besides);
 }
 
 double Simulation::unaccounted() const {
@@ -215,14 +253,15 @@ Vectors Simulation::velocity() const {
 
 Vectors Simulation::thermal_velocity() const {
   const ThreadScope own(threads_);
-  return langevin_ ? langevin_->middle_velocity(scene_.system, state_) : without_stretching(state_.v);
+  return langevin() ? langevin()->middle_velocity(scene_.system, state_) : without_stretching(state_.v);
 }
 
 Record Simulation::record() const {
   const ThreadScope own(threads_);
   Record r;
   r.t = state_.t;
-  r.potential = forces_.potential(state_, besides_) + method_->spring_energy(scene_.system, state_.x);
+  r.potential =
+      forces_.field.potential(state_, forces_.besides) + method_->spring_energy(scene_.system, state_.x);
   r.kinetic = kinetic_energy(scene_.system, velocity());
   r.temperature = temperature(kinetic_energy(scene_.system, thermal_velocity()), dof_.total());
   r.bonds = bond_errors(scene_.system, state_.x);
@@ -232,10 +271,10 @@ Record Simulation::record() const {
 std::optional<Eigen::Matrix3d> Simulation::pressure_tensor() const {
   if (!barometer_) return {};
   const ThreadScope own(threads_);
-  const bool springs_move = has_springs() && !langevin_;  // and the pressure has their part in it
-  const State now{state_.x, springs_move ? state_.v : thermal_velocity(), meter_.forces(), state_.t,
+  const bool springs_move = has_springs() && !langevin();  // and the pressure has their part in it
+  const State now{state_.x, springs_move ? state_.v : thermal_velocity(), ensemble_.meter.forces(), state_.t,
                   state_.box};
-  return barometer_->evaluated(scene_.system, forces_, now, besides_, method_->lambda());
+  return barometer_->evaluated(scene_.system, forces_.field, now, forces_.besides, method_->lambda());
 }
 
 double Simulation::constraint_work() const {
@@ -246,15 +285,15 @@ void Simulation::change(const RunSettings& run) {
   const ThreadScope own(threads_);
   const RunSettings before = std::exchange(scene_.run, run);
   if (same_thermostat(before, run) && same_barostat(before, run)) return;
-  if (!same_barostat(before, run)) barostat_ = make_barostat(scene_, ~seed_here(), forces_);
+  if (!same_barostat(before, run)) make_barostat();
   std::string drawn;  // the numbers of a thermostat that stays go on
   Archive save = Archive::saving_to(drawn);
   const bool same_kind = before.langevin() == run.langevin() && before.rescaling() == run.rescaling();
-  if (same_kind) serialize_thermostat(save);
+  if (same_kind && ensemble_.thermostat) save(*ensemble_.thermostat);
   make_thermostat();
   begin_means();
   Archive load = Archive::loading_from(drawn);
-  if (same_kind) serialize_thermostat(load);
+  if (same_kind && ensemble_.thermostat) load(*ensemble_.thermostat);
 }
 
 // The thing itself is made anew, from the same scene; this is what its steps have changed.
@@ -263,8 +302,8 @@ void Simulation::serialize(Archive& archive) {
   serialize_numbers(archive);
   if (!archive.loading()) return;
   State evaluated = state_;  // its f holds no constraint forces
-  forces_.evaluate(scene_.system, evaluated, besides_);
-  meter_.recall(evaluated.f);
+  forces_.evaluate(scene_.system, evaluated);
+  ensemble_.meter.recall(evaluated.f);
 }
 
 void Simulation::serialize_numbers(Archive& archive) {
@@ -277,15 +316,9 @@ void Simulation::serialize_numbers(Archive& archive) {
   archive(sums_);
   archive.demand(0 <= sums_.last_row && sums_.last_row <= progress_.step && 0 <= sums_.rows &&
                  sums_.rows <= progress_.step + 1);
-  archive(*temperatures_, forces_, meter_, unaccounted_at_start_, heat_at_start_);
+  archive(*temperatures_, forces_.field, unaccounted_at_start_, heat_at_start_);
   archive(*method_);
-  serialize_thermostat(archive);
-  if (barostat_) archive(*barostat_);
-}
-
-void Simulation::serialize_thermostat(Archive& archive) {
-  if (rescaling_) archive(*rescaling_);
-  if (langevin_) archive(*langevin_);
+  archive(ensemble_);
 }
 
 void Simulation::restore(std::string_view kept) {

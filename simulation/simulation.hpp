@@ -11,14 +11,12 @@
 #include "base/threads.hpp"
 #include "constraints/projection.hpp"
 #include "constraints/redundancy.hpp"
-#include "ensembles/bussi.hpp"
+#include "ensembles/barostat.hpp"
+#include "ensembles/ensemble.hpp"
 #include "ensembles/langevin.hpp"
-#include "forcefield/force_field.hpp"
+#include "ensembles/pressure.hpp"
 #include "md/observables.hpp"
 #include "md/run.hpp"
-#include "md/work_meter.hpp"
-#include "simulation/barometer.hpp"
-#include "simulation/barostat.hpp"
 #include "simulation/minimise.hpp"
 #include "simulation/temperatures.hpp"
 #include "systems/scene.hpp"
@@ -96,8 +94,11 @@ struct StartReport {
   std::vector<int> anchors_stopped;    // atoms of mass 0 that came with a velocity
 };
 
+// The barostat that a scene asks for; null: none. Throws InputError.
+std::unique_ptr<Bath> make_barostat(const Scene& scene, std::uint64_t seed, RunForces& forces);
+
 // A scene ready to run: forces and method made, the start brought to the bonds.
-class Simulation : private Bath, private ForceLaw {
+class Simulation {
  public:
   // Computes with so many threads as long as it lives, whichever thread calls it. `on_move`, as in what
   // follows: before every move of a minimisation; to throw there ends it.
@@ -173,17 +174,10 @@ class Simulation : private Bath, private ForceLaw {
   void bring_to_the_bonds(double minimise_force, const OnMove& on_move);
   void begin_means();
   void note_start();
-  // The thermostat, and what is taken out of the momentum; its heat metered.
-  Bath& bath() { return langevin_ ? static_cast<Bath&>(*langevin_) : no_bath(); }
-  const Vectors* half_jump() const override { return langevin_ ? langevin_->half_jump() : nullptr; }
-  Draw draw(const System& sys, const Push& push, const State& s) override;
-  void after_step(const System& sys, double h, State& s) override;
-  void rescale(double h, State& s);
-  void take_momentum_out(State& s);
-  void evaluate(const System& sys, State& s) override;  // the forces, their work metered
   std::uint64_t seed_here() const;
   void make_thermostat();
-  void serialize_thermostat(Archive& archive);
+  void make_barostat();
+  Langevin* langevin() const { return dynamic_cast<Langevin*>(ensemble_.thermostat.get()); }
   void count_degrees_of_freedom(bool momentum_fixed);
   Dynamics dynamics();
   bool has_springs() const { return method_->holds() == ConstraintMethod::Holds::kSprings; }
@@ -213,7 +207,8 @@ class Simulation : private Bath, private ForceLaw {
   // The kinetic energy and a penalty's springs', less the work of forces and the heat: only bonds change it
   // [kJ/mol].
   double unaccounted(double kinetic) const {
-    return kinetic + method_->spring_energy(scene_.system, state_.x) - meter_.work() - meter_.heat();
+    return kinetic + method_->spring_energy(scene_.system, state_.x) - ensemble_.meter.work() -
+           ensemble_.meter.heat();
   }
   double unaccounted() const;
   Record row(const SolveStats& since, const Stopwatch& watch, long steps);
@@ -234,22 +229,18 @@ class Simulation : private Bath, private ForceLaw {
   System full_;  // with the bonds that were left out, if any were
   Redundancy redundancy_;
   Scene scene_;
-  mutable ForceField forces_;       // measuring energies may renew its pair lists
-  ForceField::Evaluation besides_;  // what evaluating the forces at state_ gave besides them
-  WorkMeter meter_;
+  mutable RunForces forces_;  // measuring energies may renew its pair lists
+  Ensemble ensemble_;
   double unaccounted_at_start_ = 0, heat_at_start_ = 0;  // or where the thermostat was changed
   std::unique_ptr<ConstraintMethod> method_;
   mutable Projector projector_;
   State state_;
   DegreesOfFreedom dof_;
   StartReport start_report_;
-  std::optional<VelocityRescaling> rescaling_;
-  mutable std::optional<Langevin> langevin_;  // measuring a temperature takes its scratch
   RunProgress progress_;
   LogSums sums_;
   std::optional<Temperatures> temperatures_;
   mutable std::optional<Barometer> barometer_;
-  std::unique_ptr<Barostat> barostat_;
   std::string ewald_doubt_;  // what is wrong with the parameters of Ewald's sum, if anything is
   std::string snapshot_;     // what serialize() kept
   struct Note {

@@ -81,10 +81,10 @@ Record Simulation::row(const SolveStats& since, const Stopwatch& watch, long ste
   Record r = record();
   r.step = progress_.step;
   if (scene_.run.thermostatted() || scene_.run.remove_momentum_every > 0)
-    r.heat = meter_.heat() - heat_at_start_;
+    r.heat = ensemble_.meter.heat() - heat_at_start_;
   RunningSlope energy = sums_.energy;
   energy.add(r.t, r.but_for_heat());
-  r.drift = barostat_ ? kUnknown : energy.value() * per_ns_and_dof();
+  r.drift = ensemble_.barostat ? kUnknown : energy.value() * per_ns_and_dof();
   r.constraint_work = unaccounted(r.kinetic) - unaccounted_at_start_;
   if (const auto tensor = pressure_tensor()) {
     r.pressure_tensor = *tensor;
@@ -169,37 +169,6 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
   return all;
 }
 
-Bath::Draw Simulation::draw(const System& sys, const Push& push, const State& s) {
-  const Draw drawn = bath().draw(sys, push, s);
-  if (langevin_) meter_.add_heat(langevin_->heat_of_turning());
-  return drawn;
-}
-
-void Simulation::after_step(const System&, double h, State& s) {
-  if (rescaling_) rescale(h, s);
-  const long every = scene_.run.remove_momentum_every;
-  if (every > 0 && progress_.step % every == 0) take_momentum_out(s);
-  if (barostat_) barostat_->after_step(s, meter_.forces(), besides_);
-}
-
-// What is thermal of the kinetic energy tells how to scale; springs' velocities are scaled, too.
-void Simulation::rescale(double h, State& s) {
-  const System& sys = scene_.system;
-  const bool all_thermal = method_->holds() == ConstraintMethod::Holds::kAll;
-  const double thermal =
-      all_thermal ? kinetic_energy(sys, s.v) : kinetic_energy(sys, without_stretching(s.v));
-  const double kinetic = has_springs() ? kinetic_energy(sys, s.v) : thermal;
-  meter_.add_heat(((*rescaling_)(thermal, h, s.v) - 1) * kinetic);
-}
-
-// It has |P|²/2M of the kinetic energy.
-void Simulation::take_momentum_out(State& s) {
-  const System& sys = scene_.system;
-  const double mass = sys.mass.sum();
-  if (mass > 0) meter_.add_heat(-momentum(sys, s.v).squaredNorm() / (2 * mass));
-  remove_momentum(sys, s.v);
-}
-
 // A thermostat takes ½kδT·r off a degree of freedom that is δT too warm, r = 1/τ where it rescales, 2γ of
 // Langevin's: that balances the drift, of which the bonds' share alone is known under a barostat. None
 // without thermostat [K].
@@ -214,15 +183,15 @@ std::optional<double> Simulation::off_by_k(double drift) const {
 StartAndEnd Simulation::start_and_end(const Record& end) const {
   const RunSettings& run = scene_.run;
   const double relaxation = run.langevin() ? 1 / (2 * run.friction_per_ps) : run.thermostat_ps;
-  return {
-      .time = end.t - sums_.first_t,
-      .rise = barostat_ ? kUnknown : (end.but_for_heat() - sums_.first_energy) / std::max(1, dof_.total()),
-      .dof = dof_.total(),
-      .expected = run.thermostatted() ? run.temperature_k : sums_.first_temperature,
-      .temperature = sums_.temperature.later_half(),
-      .relaxation = run.thermostatted() ? relaxation : 0,
-      .worked_on = !scene_.closed_but_for_restraints(),
-      .loses_energy = !scene_.system.one_sided.empty()};
+  return {.time = end.t - sums_.first_t,
+          .rise = ensemble_.barostat ? kUnknown
+                                     : (end.but_for_heat() - sums_.first_energy) / std::max(1, dof_.total()),
+          .dof = dof_.total(),
+          .expected = run.thermostatted() ? run.temperature_k : sums_.first_temperature,
+          .temperature = sums_.temperature.later_half(),
+          .relaxation = run.thermostatted() ? relaxation : 0,
+          .worked_on = !scene_.closed_but_for_restraints(),
+          .loses_energy = !scene_.system.one_sided.empty()};
 }
 
 Summary Simulation::summary(const Record& end, double seconds, double constraint_seconds, long steps) const {
@@ -239,11 +208,11 @@ Summary Simulation::summary(const Record& end, double seconds, double constraint
     const Estimate slope = of.estimate();
     return Estimate{slope.value * per_ns_and_dof(), slope.error * per_ns_and_dof()};
   };
-  s.drift = barostat_ ? Estimate{kUnknown, 0} : drift(sums_.energy);
+  s.drift = ensemble_.barostat ? Estimate{kUnknown, 0} : drift(sums_.energy);
   s.constraint_drift = drift(sums_.constraint_work);
   s.constraint_work = end.constraint_work;
   s.heat = end.heat;
-  s.off_by_k = off_by_k((barostat_ ? s.constraint_drift : s.drift).value);
+  s.off_by_k = off_by_k((ensemble_.barostat ? s.constraint_drift : s.drift).value);
   s.temperature = sums_.temperature.estimate().value;
   s.start_and_end = start_and_end(end);
   if (barometer_) {
@@ -259,8 +228,7 @@ Summary Simulation::summary(const Record& end, double seconds, double constraint
     s.converged =
         std::max(sums_.largest_residual, s.max_rel_bond_error) <= kLeeway * method_->promised_error();
   s.doubts = doubts(s);
-  if (const std::string doubt = barostat_ ? barostat_->doubt() : ""; !doubt.empty())
-    s.doubts.push_back(doubt);
+  if (const std::string doubt = ensemble_.doubt(); !doubt.empty()) s.doubts.push_back(doubt);
   if (!ewald_doubt_.empty()) s.doubts.push_back(ewald_doubt_);
   return s;
 }

@@ -15,15 +15,15 @@ void Simulation::note() {
   note_.numbers.clear();
   Archive archive = Archive::noting_in(note_.numbers);
   serialize_numbers(archive);
-  note_.forces = meter_.forces();
-  note_.besides = besides_;
+  note_.forces = ensemble_.meter.forces();
+  note_.besides = forces_.besides;
 }
 
 void Simulation::take_back() {
   Archive archive = Archive::recalling(note_.numbers);
   serialize_numbers(archive);
-  besides_ = note_.besides;
-  meter_.recall(note_.forces);
+  forces_.besides = note_.besides;
+  ensemble_.meter.recall(note_.forces);
 }
 
 void Simulation::take_back(Diagnosis& of) {
@@ -38,17 +38,14 @@ void Simulation::set_out_anew(const Vectors& x, const Vectors& v, double minimis
   const StartReport report = start_report_;
   std::unique_ptr<ConstraintMethod> method = make_method(scene_.system, scene_.method, scene_.run.h());
   method.swap(method_);
-  std::unique_ptr<Barostat> barostat = std::move(barostat_);  // a start does not change the box
   try {
     make_thermostat();  // it knows the method
     state_.x = x, state_.v = v;
     bring_to_the_bonds(minimise_force, on_move);
     begin_means();
-    barostat_ = std::move(barostat);
     if (!snapshot_.empty()) keep_snapshot();  // steps before are not taken again from here
   } catch (...) {
     method_ = std::move(method);
-    barostat_ = std::move(barostat);
     make_thermostat();
     count_degrees_of_freedom(dof_.momentum_fixed);
     take_back();

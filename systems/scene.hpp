@@ -29,7 +29,7 @@ struct RunSettings {
   std::string thermostat;      // "langevin", "rescaling", "none"; "": rescaling where thermostat_ps is given
   double thermostat_ps = 0;    // relaxation time of velocity rescaling to temperature_k
   double friction_per_ps = 1;  // of Langevin's thermostat
-  std::string barostat = "none";            // "c-rescale", "monte-carlo" or "none" (simulation/barostat.hpp)
+  std::string barostat = "none";            // "c-rescale", "monte-carlo" or "none" (ensembles/)
   double pressure_bar = 1;                  // it keeps
   long barostat_every = 10;                 // steps
   double barostat_ps = 1;                   // relaxation time of c-rescale

@@ -1,18 +1,19 @@
 // Volumes against closed forms, where there are any; what the box moves against what it must not.
 
-#include "simulation/barostat.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "base/errors.hpp"
+#include "base/random.hpp"
 #include "base/statistics.hpp"
+#include "ensembles/c_rescale.hpp"
 #include "force_checks.hpp"
 #include "md/units.hpp"
 #include "named_scene.hpp"
 #include "simulation/simulation.hpp"
+#include "systems/whole_molecules.hpp"
 
 namespace taut {
 namespace {
@@ -50,15 +51,15 @@ struct IdealGas {
   Volumes volumes(const std::string& barostat, const std::string& coupling, long steps) {
     scene.run.barostat = barostat;
     scene.run.coupling = coupling;
-    ForceField forces(scene.system, s.box, {});
+    RunForces forces(ForceField(scene.system, s.box, {}));
     const auto box = make_barostat(scene, 5, forces);
     RunningMean mean, square;
     for (long n = 0; n < steps; ++n) {
       for (int a = 0; a < scene.system.atoms(); ++a)
         s.v.col(a) = std::sqrt(kT / scene.system.mass[a]) * random.normal_vector();
       for (const auto& [i, j, d] : scene.system.bonds) rigid_rotor(i, j);
-      box->after_step(s, s.f, {});
-      box->move(scene.system, s);
+      box->after_step(scene.system, 1, s);
+      box->move_box(scene.system, s);
       s.box.edge.setConstant(std::cbrt(s.box.volume()));  // a shape that nothing holds goes anywhere
       if (n < steps / 20) continue;
       const double v = s.box.volume() * 40 / kT;
@@ -123,13 +124,13 @@ TEST(CellRescaling, WidensTheVolumesWhereItsCompressibilityIsWrong) {
   gas.scene.run.barostat = "c-rescale";
   gas.scene.run.compressibility_per_bar *= 2;
   gas.scene.run.barostat_ps = 4;  // steps
-  ForceField forces(gas.scene.system, gas.s.box, {});
+  RunForces forces(ForceField(gas.scene.system, gas.s.box, {}));
   const auto barostat = make_barostat(gas.scene, 5, forces);
   RunningMean mean, square;
   for (int step = 0; step < 40000; ++step) {
     for (int a = 0; a < kMolecules; ++a) gas.s.v.col(a).setConstant(std::sqrt(kT / gas.scene.system.mass[a]));
-    barostat->after_step(gas.s, gas.s.f, {});
-    barostat->move(gas.scene.system, gas.s);
+    barostat->after_step(gas.scene.system, 1, gas.s);
+    barostat->move_box(gas.scene.system, gas.s);
     const double v = gas.s.box.volume() * 40 / kT / kMolecules;
     mean.add(v);
     square.add(v * v);
@@ -164,10 +165,12 @@ TEST(CellRescaling, IsDrivenByThePressureOfTheCentres) {
   for (const bool pme : {false, true}) {
     const Scene scene = water({}, pme);
     State s = scene.start;
-    ForceField forces(scene.system, s.box, scene.terms);
-    ForceField::Evaluation besides;
-    forces.evaluate(scene.system, s, besides);
-    const Vec3 P = CellRescaling(scene, 1, forces).pressure(s, s.f, besides);
+    RunForces forces(ForceField(scene.system, s.box, scene.terms));
+    forces.evaluate(scene.system, s);
+    CellRescaling barostat(scene.system, molecules(scene.system, {}), s.box,
+                           {.pressure = 1, .kT = 1, .every = 1, .time_between = 1}, forces);
+    barostat.draw(scene.system, Push::between_steps(1e-3), s);
+    const Vec3 P = barostat.pressure(s);
     for (int edge = 0; edge < 3; ++edge) {
       double expected = 0;
       for (int o = 0; o < scene.system.atoms(); o += 3) {
@@ -214,7 +217,7 @@ INSTANTIATE_TEST_SUITE_P(All, Held, ::testing::Values("newton", "feedforward", "
 
 TEST(Barostats, ThatNeverActAreRefused) {
   IdealGas gas(3, 1);
-  ForceField forces(gas.scene.system, gas.s.box, {});
+  RunForces forces(ForceField(gas.scene.system, gas.s.box, {}));
   gas.scene.run.barostat_every = 0;
   for (const char* name : {"c-rescale", "monte-carlo"}) {
     gas.scene.run.barostat = name;
@@ -229,11 +232,11 @@ TEST(CellRescaling, ScalesVelocitiesOfCentresAgainstTheBox) {
   const System& sys = gas.scene.system;
   gas.scene.run.barostat = "c-rescale";
   gas.scene.run.coupling = "anisotropic";
-  ForceField forces(sys, gas.s.box, {});
+  RunForces forces(ForceField(sys, gas.s.box, {}));
   const auto barostat = make_barostat(gas.scene, 7, forces);
   const State before = gas.s;
-  barostat->after_step(gas.s, gas.s.f, {});
-  const double given = barostat->move(sys, gas.s);
+  barostat->after_step(gas.scene.system, 1, gas.s);
+  const double given = barostat->move_box(sys, gas.s);
   EXPECT_NEAR(given, kinetic_energy(sys, gas.s.v) - kinetic_energy(sys, before.v), 1e-12);
   EXPECT_GT(std::abs(given), 1e-3);
   const auto scaled = [](const Vec3& sum, const State& s) { return sum.cwiseProduct(s.box.edge).eval(); };
@@ -277,7 +280,7 @@ TEST(Barostat, StopsWhereTheBoxRunsAway) {
   IdealGas gas(30, 1);
   gas.scene.run.barostat = "c-rescale";
   gas.scene.run.coupling = "anisotropic";
-  ForceField forces(gas.scene.system, gas.s.box, {});
+  RunForces forces(ForceField(gas.scene.system, gas.s.box, {}));
   const auto barostat = make_barostat(gas.scene, 5, forces);
   const Vec3 start = gas.s.box.edge;
   const auto apart = [&] {
@@ -286,10 +289,10 @@ TEST(Barostat, StopsWhereTheBoxRunsAway) {
   };
   const auto compress_along_z = [&] {
     for (int a = 0; a < 30; ++a) gas.s.v.col(a) = Vec3(2, 2, 0);
-    barostat->after_step(gas.s, gas.s.f, {});
+    barostat->after_step(gas.scene.system, 1, gas.s);
     const State before = gas.s;
     try {
-      barostat->move(gas.scene.system, gas.s);
+      barostat->move_box(gas.scene.system, gas.s);
     } catch (const SimulationFailure& e) {
       for (const char* word : {"the box has run to", "barostat (c-rescale", "run.coupling = \"isotropic\""})
         EXPECT_NE(std::string(e.what()).find(word), std::string::npos) << e.what();

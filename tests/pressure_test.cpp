@@ -8,7 +8,7 @@
 #include "constraints/methods/penalty.hpp"
 #include "force_checks.hpp"
 #include "md/observables.hpp"
-#include "simulation/barometer.hpp"
+#include "ensembles/pressure.hpp"
 #include "simulation/simulation.hpp"
 #include "systems/scene_file.hpp"
 

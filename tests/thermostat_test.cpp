@@ -12,13 +12,15 @@ TEST(VelocityRescaling, RelaxesInItsTime) {
   const System sys = make_system(Eigen::VectorXd::Ones(4), {});
   const Vectors hot = Vectors::Constant(3, 4, 2.0);
   const double c = std::exp(-0.05 / 0.1), kinetic = kinetic_energy(sys, hot), wanted = 0.5 * 12;
-  VelocityRescaling thermostat(1 / kBoltzmann, 0.1, 12, 3);  // kT = 1
+  VelocityRescaling thermostat(sys, {1 / kBoltzmann, 0.1, 12, 3});  // kT = 1
+  State s;
   double mean = 0;
   constexpr int kSamples = 20000;
   for (int n = 0; n < kSamples; ++n) {
-    Vectors v = hot;
-    thermostat(kinetic_energy(sys, v), 0.05, v);
-    mean += kinetic_energy(sys, v) / kSamples;
+    s.v = hot;
+    const double heat = thermostat.after_step(sys, 0.05, s);
+    ASSERT_NEAR(heat, kinetic_energy(sys, s.v) - kinetic, 1e-12);
+    mean += kinetic_energy(sys, s.v) / kSamples;
   }
   EXPECT_NEAR(mean, c * kinetic + (1 - c) * wanted, 0.15);
 }
@@ -27,13 +29,14 @@ TEST(VelocityRescaling, RelaxesInItsTime) {
 TEST(VelocityRescaling, IsCanonicalForFewDegreesOfFreedom) {
   const System sys = make_system(Eigen::VectorXd::Ones(1), {});
   for (const int dof : {1, 2, 4, 5, 6}) {
-    VelocityRescaling thermostat(1 / kBoltzmann, 0.01, dof, 4);  // forgotten at once
-    Vectors v = Vectors::Ones(3, 1);
+    VelocityRescaling thermostat(sys, {1 / kBoltzmann, 0.01, dof, 4});  // forgotten at once
+    State s;
+    s.v = Vectors::Ones(3, 1);
     double mean = 0, square = 0;
     constexpr int kSamples = 40000;
     for (int n = 0; n < kSamples; ++n) {
-      thermostat(kinetic_energy(sys, v), 1, v);
-      const double kinetic = kinetic_energy(sys, v);
+      thermostat.after_step(sys, 1, s);
+      const double kinetic = kinetic_energy(sys, s.v);
       mean += kinetic / kSamples;
       square += kinetic * kinetic / kSamples;
     }
@@ -47,13 +50,14 @@ TEST(VelocityRescaling, GivesTheCanonicalKineticEnergy) {
   const int dof = 30;
   const double kT = kBoltzmann * 300;
   const System sys = make_system(Eigen::VectorXd::Ones(10), {});
-  Vectors v = Vectors::Random(3, 10);
-  VelocityRescaling thermostat(300, 0.1, dof, 1);
+  State s;
+  s.v = Vectors::Random(3, 10);
+  VelocityRescaling thermostat(sys, {300, 0.1, dof, 1});
   double mean = 0, square = 0;
   const int samples = 40000;
   for (int n = 0; n < samples; ++n) {
-    for (int k = 0; k < 3; ++k) thermostat(kinetic_energy(sys, v), 0.1, v);
-    const double kinetic = kinetic_energy(sys, v);
+    for (int k = 0; k < 3; ++k) thermostat.after_step(sys, 0.1, s);
+    const double kinetic = kinetic_energy(sys, s.v);
     mean += kinetic / samples;
     square += kinetic * kinetic / samples;
   }

@@ -1,4 +1,4 @@
-#include "simulation/barometer.hpp"
+#include "ensembles/pressure.hpp"
 
 namespace taut {
 

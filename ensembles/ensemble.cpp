@@ -1,0 +1,44 @@
+#include "ensembles/ensemble.hpp"
+
+#include "md/observables.hpp"
+
+namespace taut {
+
+double Ensemble::move_box(const System& sys, State& s) {
+  const double heat = barostat ? barostat->move_box(sys, s) : 0;
+  meter.add_heat(heat);
+  return heat;
+}
+
+Bath::Draw Ensemble::draw(const System& sys, const Push& push, const State& s) {
+  meter.add_step(push.h, sys, s, half_jump());
+  if (barostat) barostat->draw(sys, push, s);
+  const Draw drawn = thermostat ? thermostat->draw(sys, push, s) : Draw{};
+  meter.add_heat(drawn.heat);
+  return drawn;
+}
+
+double Ensemble::after_step(const System& sys, double h, State& s) {
+  double heat = thermostat ? thermostat->after_step(sys, h, s) : 0;
+  ++steps_;
+  if (remove_momentum_every > 0 && steps_ % remove_momentum_every == 0) heat += take_momentum_out(sys, s);
+  if (barostat) heat += barostat->after_step(sys, h, s);
+  meter.add_heat(heat);
+  return heat;
+}
+
+// The momentum P has |P|²/2M of the kinetic energy.
+double Ensemble::take_momentum_out(const System& sys, State& s) {
+  const double mass = sys.mass.sum(), squares = momentum(sys, s.v).squaredNorm();
+  remove_momentum(sys, s.v);
+  return mass > 0 ? -squares / (2 * mass) : 0;
+}
+
+void Ensemble::serialize(Archive& archive) {
+  archive(steps_, meter);
+  archive.demand(steps_ >= 0);
+  if (thermostat) archive(*thermostat);
+  if (barostat) archive(*barostat);
+}
+
+}  // namespace taut
