@@ -6,7 +6,7 @@
 
 namespace taut {
 
-// Storage that vectors are loaded from.
+// Storage at multiples of a cache line, from which SIMD vectors of any width are loaded.
 template <class T>
 struct CacheLineAllocator {
   using value_type = T;

@@ -80,9 +80,7 @@ TEST(SettleBeside, IsTheSameInLanesAndPlain) {
 
 // Counts how often it is asked for its multipliers, which a batched method gathers anew each time.
 struct Counting : ConstraintMethod {
-  struct Options {};
-  Counting(const System& sys, const Options&, double)
-      : multipliers(Eigen::VectorXd::Ones(sys.bond_count())) {}
+  explicit Counting(const System& sys) : multipliers(Eigen::VectorXd::Ones(sys.bond_count())) {}
   const Eigen::VectorXd& lambda() const override {
     ++asked;
     return multipliers;
@@ -93,7 +91,8 @@ struct Counting : ConstraintMethod {
 
 TEST(SettleBeside, GathersMultipliersOnceForAllBonds) {
   const System sys = testing::free_chain(6, 1).system;
-  const Leftover<Counting> part(sys, {1, 3, 4}, {}, 0.001);
+  const Leftover<Counting> part(sys, {1, 3, 4},
+                                [](const System& of_part) { return std::make_unique<Counting>(of_part); });
   Eigen::VectorXd lambda = Eigen::VectorXd::Zero(sys.bond_count());
   part.write_lambda(lambda);
   EXPECT_EQ(lambda, (Eigen::VectorXd(5) << 0, 1, 0, 1, 1).finished());

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+#include <type_traits>
 #include <vector>
 
 #include "constraints/batch/lanes.hpp"
@@ -18,41 +20,45 @@ class Batched;
 template <class Plain>
 class Leftover {
  public:
-  Leftover(const System& sys, std::vector<int> bonds, const typename Plain::Options& options, double h)
-      : bonds_(std::move(bonds)), system_(part_of(sys, bonds_)), method_(system_, options, h) {}
+  // make_method(system) → std::unique_ptr<Plain>
+  template <class MakeMethod>
+  Leftover(const System& sys, std::vector<int> bonds, const MakeMethod& make_method)
+      : bonds_(std::move(bonds)), system_(part_of(sys, bonds_)), method_(make_method(system_)) {}
+  Leftover(const Leftover& other) requires(!std::is_same_v<Plain, ConstraintMethod>)
+      : bonds_(other.bonds_), system_(other.system_), method_(std::make_unique<Plain>(*other.method_)) {}
 
   SolveStats project_positions(double h, State& s) {
-    return bonds_.empty() ? SolveStats{} : numbered(method_.project_positions(system_, h, s));
+    return bonds_.empty() ? SolveStats{} : numbered(method_->project_positions(system_, h, s));
   }
   SolveStats add_forces(const Push& push, State& s) {
-    return bonds_.empty() ? SolveStats{} : numbered(method_.add_forces(system_, push, s));
+    return bonds_.empty() ? SolveStats{} : numbered(method_->add_forces(system_, push, s));
   }
   SolveStats project_velocities(double h, State& s) {
-    return bonds_.empty() ? SolveStats{} : numbered(method_.project_velocities(system_, h, s));
+    return bonds_.empty() ? SolveStats{} : numbered(method_->project_velocities(system_, h, s));
   }
 
   // Calls lambda() once, because a method in lanes gathers all multipliers at each call.
   void write_lambda(Eigen::VectorXd& lambda) const {
-    const Eigen::VectorXd& of_method = method_.lambda();
+    const Eigen::VectorXd& of_method = method_->lambda();
     for (std::size_t k = 0; k < bonds_.size(); ++k) lambda[bonds_[k]] = of_method[k];
   }
   // Copies the multipliers of previous steps out of the method and into it; past: m × steps, newest first.
   void read_past(Eigen::MatrixXd& past) {
-    const auto kept = method_.past();
+    const auto kept = method_->past();
     for (std::size_t k = 0; k < bonds_.size(); ++k)
       for (std::size_t n = 0; n < kept.size(); ++n) past(bonds_[k], n) = (*kept[n])[k];
   }
   void write_past(const Eigen::MatrixXd& past, int known) {
-    const auto kept = method_.past();
+    const auto kept = method_->past();
     for (std::size_t k = 0; k < bonds_.size(); ++k)
       for (std::size_t n = 0; n < kept.size(); ++n) (*kept[n])[k] = past(bonds_[k], n);
-    method_.steps_known() = known;
+    method_->steps_known() = known;
   }
   SolveStats again(const Push& push, State& s) {
-    return bonds_.empty() ? SolveStats{} : numbered(method_.again(system_, push, s));
+    return bonds_.empty() ? SolveStats{} : numbered(method_->again(system_, push, s));
   }
-  void serialize(Archive& archive) { archive(method_); }
-  const Plain& method() const { return method_; }
+  void serialize(Archive& archive) { archive(*method_); }
+  const Plain& method() const { return *method_; }
 
  private:
   static System part_of(const System& sys, const std::vector<int>& bonds) {
@@ -70,7 +76,7 @@ class Leftover {
 
   std::vector<int> bonds_;
   System system_;
-  Plain method_;
+  std::unique_ptr<Plain> method_;
 };
 
 // The common part of all methods in lanes: the batches and the leftover bonds.
@@ -94,7 +100,8 @@ class BatchedMethod : public ConstraintMethod {
   BatchedMethod(const System& sys, const Options& options, double h, const BondClusters& clusters)
       : options_(options),
         batches_(clusters),
-        leftover_(sys, clusters.rest, options, h),
+        leftover_(sys, clusters.rest,
+                  [&](const System& part) { return std::make_unique<Plain>(part, options, h); }),
         lambda_(Eigen::VectorXd::Zero(sys.bond_count())) {}
 
   Options options_;

@@ -103,7 +103,7 @@ int LaneRunner::share(int t, int threads) const {
 void LaneRunner::reserve(int threads) {
   if (static_cast<int>(scratch_.size()) >= threads) return;
   stats_.resize(threads);
-  scratch_.assign(threads, AlignedDoubles(std::max<std::size_t>(1, scratch_rows_) * kLanes));
+  scratch_.assign(threads, Aligned<double>(std::max<std::size_t>(1, scratch_rows_) * kLanes));
 }
 
 }  // namespace taut

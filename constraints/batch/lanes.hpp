@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <concepts>
 #include <cstddef>
-#include <new>
 #include <vector>
 
+#include "base/aligned.hpp"
 #include "base/archive.hpp"
 #include "base/threads.hpp"
 #include "constraints/batch/bond_clusters.hpp"
@@ -80,18 +80,6 @@ struct LaneBatch {
   int scratch_rows() const { return taut::scratch_rows(atoms, bond_count(), plan.entries()); }
 };
 
-// Aligned storage for vectors of any width.
-template <class T>
-struct LaneAllocator {
-  using value_type = T;
-  static constexpr std::align_val_t kAlignment{64};
-
-  T* allocate(std::size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), kAlignment)); }
-  void deallocate(T* rows, std::size_t) { ::operator delete(rows, kAlignment); }
-  bool operator==(const LaneAllocator&) const { return true; }
-};
-using AlignedDoubles = std::vector<double, LaneAllocator<double>>;
-
 // Rows that a batch keeps from step to step, the same number for each group.
 class LaneRows {
  public:
@@ -106,7 +94,7 @@ class LaneRows {
   void serialize(Archive& archive) { archive(rows_); }
 
  private:
-  AlignedDoubles rows_;
+  Aligned<double> rows_;
   std::size_t size_of_group_ = 0;
 };
 
@@ -166,7 +154,7 @@ class LaneRunner {
   std::vector<int> first_group_ = {0};
   std::vector<long> work_before_ = {0};
   int scratch_rows_ = 0;
-  std::vector<AlignedDoubles> scratch_;  // one per thread
+  std::vector<Aligned<double>> scratch_;  // one per thread
   std::vector<SolveStats> stats_;
 };
 

@@ -125,7 +125,7 @@ HWY_INLINE SolveNext solve_piece(Kernel& kernel, const Part& part, const SolveCa
   return next;
 }
 
-// Runs the kernel for the groups begin … end − 1 of a batch. For pieces, stats.iterations is a SolveNext.
+// Runs the kernel for the groups begin … end − 1 of a batch. For pieces it sets batch.next.
 template <template <class> class Kernel, class Batch, class Step>
 HWY_INLINE SolveStats solve_groups(Batch& batch, const Step& step, const SolveCall& call, int begin, int end,
                                    const Scratch& scratch) {
@@ -141,16 +141,19 @@ HWY_INLINE SolveStats solve_groups(Batch& batch, const Step& step, const SolveCa
     return all;
   }
   const AnyShape shape(batch.lanes);
-  for (int g = begin; g < end; ++g)
+  for (int g = begin; g < end; ++g) {
+    batch.next[g] = SolveNext::kEnd;
     for (int l = 0; l < batch.lanes.filled(g); l += kWidth) {
       const Part part{batch.lanes, g, l};
       double* const kept = batch.scratch.of(g);
       Scratch rows{kept + l, kept + l + batch.lanes.scratch_rows() * kLanes};
       Kernel<AnyShape> kernel(shape, batch, step, part, rows);
       SolveStats stats;
-      stats.iterations = static_cast<int>(solve_piece(kernel, part, call, all.max_residual, stats));
+      const SolveNext next = solve_piece(kernel, part, call, all.max_residual, stats);
+      batch.next[g] = HWY_MAX(batch.next[g], next);
       all.beside(stats);
     }
+  }
   return all;
 }
 

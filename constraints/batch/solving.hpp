@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "constraints/batch/separators.hpp"
@@ -36,12 +37,14 @@ struct VelocityStep {
 struct SolvedBatch {
   LaneBatch lanes;
   LaneRows lambda;
-  LaneRows scratch;  // of pieces, kept from stage to stage
+  LaneRows scratch;             // of pieces, kept from stage to stage
+  std::vector<SolveNext> next;  // of pieces: what each group needs after the last stage
 
   explicit SolvedBatch(const ClusterBatch& batch)
       : lanes(batch),
         lambda(rows_of_bonds(lanes)),
-        scratch(lanes.piece() ? lanes.groups : 0, lanes.piece() ? lanes.scratch_rows() : 0) {}
+        scratch(lanes.piece() ? lanes.groups : 0, lanes.piece() ? lanes.scratch_rows() : 0),
+        next(lanes.piece() ? lanes.groups : 0) {}
 };
 
 // All clusters of a method: whole ones and pieces of cut chains.
@@ -54,8 +57,7 @@ class SolvedBatches {
     separators_ = Separators(clusters.chains, lanes);
   }
 
-  // Calls kernel(batch, step, call, group begin, group end, scratch) → SolveStats; its iterations are the
-  // solves of whole clusters, and a SolveNext for pieces.
+  // Calls kernel(batch, step, call, group begin, group end, scratch) → SolveStats.
   template <class Kernel, class Step>
   SolveStats run(Kernel& kernel, const Step& step) {
     SolveStats stats = whole_.run(kernel, step, SolveCall{});
@@ -85,14 +87,14 @@ class SolvedBatches {
     separators_.share([&](int b) -> LaneRows& { return pieces_[b].lambda; });
 
     SolveStats stats = run(SolveStage::kStart);
-    while (stats.converged() && next(stats) == SolveNext::kSolve) {
+    while (stats.converged() && next() == SolveNext::kSolve) {
       if (stats = separators_.solve(scratch); !stats.converged()) return stats;
       stats = run(SolveStage::kBack);
       separators_.share(scratch);
       ++call.solves;
       stats = run(SolveStage::kGoOn);
     }
-    if (stats.converged() && next(stats) == SolveNext::kLastSolve) {
+    if (stats.converged() && next() == SolveNext::kLastSolve) {
       if (stats = separators_.solve(scratch); !stats.converged()) return stats;
       stats = run(SolveStage::kLast);
       ++call.solves;
@@ -102,7 +104,13 @@ class SolvedBatches {
     stats.iterations = call.solves;
     return stats;
   }
-  static SolveNext next(const SolveStats& stats) { return static_cast<SolveNext>(stats.iterations); }
+  // Returns the most that any piece needs.
+  SolveNext next() const {
+    SolveNext most = SolveNext::kEnd;
+    for (const Batch& batch : pieces_)
+      for (SolveNext of_group : batch.next) most = std::max(most, of_group);
+    return most;
+  }
 
   LaneBatches<Batch> whole_, pieces_;
   Separators separators_;

@@ -13,32 +13,6 @@
 
 namespace taut {
 
-// A method of the list, as a part of another one.
-class NamedMethod : public ConstraintMethod {
- public:
-  using Options = MethodOptions;
-
-  NamedMethod(const System& sys, const MethodOptions& options, double h)
-      : method_(make_method(sys, options, h)) {}
-
-  SolveStats project_positions(const System& sys, double h, State& s) override {
-    return method_->project_positions(sys, h, s);
-  }
-  SolveStats add_forces(const System& sys, const Push& push, State& s) override {
-    return method_->add_forces(sys, push, s);
-  }
-  SolveStats project_velocities(const System& sys, double h, State& s) override {
-    return method_->project_velocities(sys, h, s);
-  }
-  const Eigen::VectorXd& lambda() const override { return method_->lambda(); }
-  double promised_error() const override { return method_->promised_error(); }
-  std::string setting() const override { return method_->setting(); }
-  void serialize(Archive& archive) override { method_->serialize(archive); }
-
- private:
-  std::unique_ptr<ConstraintMethod> method_;
-};
-
 // SETTLE for the waters, and the method that its options name for all other bonds. Water and solute share no
 // bond, so each method acts on its own bonds. `Waters` is Settle or its form in lanes.
 template <class Waters>
@@ -82,8 +56,10 @@ class SettleBeside : public ConstraintMethod {
   SettleBeside(const System& sys, const Settle::Options& options, double h, const Settle::Parts& parts)
       : name_(options.solute),
         solute_bonds_(static_cast<int>(parts.rest.size())),
-        waters_(sys, parts.of_waters, options, h),
-        solute_(sys, parts.rest, default_options(name_), h),
+        waters_(sys, parts.of_waters,
+                [&](const System& part) { return std::make_unique<Waters>(part, options, h); }),
+        solute_(sys, parts.rest,
+                [&](const System& part) { return make_method(part, default_options(name_), h); }),
         lambda_(Eigen::VectorXd::Zero(sys.bond_count())) {}
 
   static std::vector<int> all_bonds(const System& sys) {
@@ -95,7 +71,7 @@ class SettleBeside : public ConstraintMethod {
   std::string name_;
   int solute_bonds_;
   Leftover<Waters> waters_;
-  Leftover<NamedMethod> solute_;
+  Leftover<ConstraintMethod> solute_;
   mutable Eigen::VectorXd lambda_;  // m
 };
 
