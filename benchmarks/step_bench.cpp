@@ -2,8 +2,8 @@
 //     part/scene/precision/threads
 // step: whole steps of the scene as it comes, nothing observed; forces: the force field at positions that
 // stay; lists: the same, everything moved so far that all lists are made anew; bonds: the method's share of
-// the step; kicks: both half kicks and the drift; bonded: springs, angles and torsions alone, plain_bonded:
-// by the plain loops; mesh: what Ewald's sum has beside the pairs, alone (pme scenes: order 4, points 0.116
+// the step; kicks: both half kicks and the drift; bonded: springs, angles and torsions alone;
+// mesh: what Ewald's sum has beside the pairs, alone (pme scenes: order 4, points 0.116
 // nm apart, as GROMACS has it by default); account: whole steps, and in them what threads do: the processor
 // time [µs a step] of what one thread does alone (serial), of the busiest in each parallel region (longest)
 // and of all in them (busy), and regions a step; wake: a region with nothing to do. openmm: whole steps of
@@ -23,7 +23,6 @@
 #include "base/thread_meter.hpp"
 #include "base/threads.hpp"
 #include "constraints/projection.hpp"
-#include "forcefield/bonded/bonded.hpp"
 #include "forcefield/bonded/bonded_forces.hpp"
 #include "forcefield/ewald/parameters.hpp"
 #include "forcefield/ewald/pme.hpp"
@@ -223,18 +222,6 @@ void bonded_alone(benchmark::State& bench, const Setting& setting) {
   count(bench, bench.iterations(), scene.system.atoms());
 }
 
-void plain_bonded(benchmark::State& bench, const Setting& setting) {
-  const Scene scene = setting.scene();
-  Vectors f = Vectors::Zero(3, scene.system.atoms());
-  for (auto _ : bench) {
-    add_bonds(scene.terms.bonds, scene.start.x, f);
-    add_angles(scene.terms.angles, scene.start.x, f);
-    add_torsions(scene.terms.torsions, scene.start.x, f);
-    add_rb_torsions(scene.terms.rb_torsions, scene.start.x, f);
-  }
-  count(bench, bench.iterations(), scene.system.atoms());
-}
-
 void mesh_alone(benchmark::State& bench, const Setting& setting) {
   use_threads(setting.threads);
   Scene scene = setting.scene();
@@ -287,7 +274,6 @@ void add_all() {
       add("kicks", kicks_and_drift, setting, "double");
       const bool bonded = what.scene == "decane" || what.name == "dipeptide";
       if (bonded) add("bonded", bonded_alone, setting, "double");
-      if (bonded && threads == 1) add("plain_bonded", plain_bonded, setting, "double");
       if (built_with_openmm()) add("openmm", openmm_step, setting, "single");
     }
   add("handover", hand_over, {{"none", "", {}}, Precision::kDouble, 2}, "double");

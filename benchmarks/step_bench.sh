@@ -6,4 +6,4 @@ cd "$(dirname "$0")/.."
 build=${1:-build}
 shift || true
 benchmarks/medians.py "$build" step_bench part,scene,precision,threads ns_per_atom_step \
-  --benchmark_filter='^(step/|(forces|lists|bonds|bonded|plain_bonded|kicks)/(water1728|chain|decane|melt|dipeptide)/)' "$@"
+  --benchmark_filter='^(step/|(forces|lists|bonds|bonded|kicks)/(water1728|chain|decane|melt|dipeptide)/)' "$@"

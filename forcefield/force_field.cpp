@@ -6,18 +6,61 @@
 
 #include "base/errors.hpp"
 #include "base/shares.hpp"
-#include "forcefield/bonded/bonded.hpp"
 #include "forcefield/bonded/bonded_forces.hpp"
 #include "forcefield/check_positions.hpp"
 #include "forcefield/check_terms.hpp"
 #include "forcefield/ewald/parameters.hpp"
 #include "forcefield/ewald/pme.hpp"
-#include "forcefield/external.hpp"
 #include "forcefield/pairs/cluster_pairs.hpp"
 #include "forcefield/pairs/dispersion.hpp"
-#include "forcefield/pairs/exceptions.hpp"
 
 namespace taut {
+namespace {
+
+// Exceptions that are more than exclusions.
+std::vector<PairException> interacting(const std::vector<PairException>& exceptions) {
+  std::vector<PairException> some;
+  for (const auto& e : exceptions)
+    if (e.charge_product != 0 || e.epsilon != 0) some.push_back(e);
+  return some;
+}
+
+// Forces from outside. Each function adds its forces to f and returns its energy [kJ/mol].
+
+// E = −m g·x
+double add_gravity(const Vec3& g, const Eigen::VectorXd& mass, const Vectors& x, Vectors& f) {
+  double energy = 0;
+  for (Eigen::Index i = 0; i < mass.size(); ++i) {
+    energy -= mass[i] * g.dot(x.col(i));
+    f.col(i) += mass[i] * g;
+  }
+  return energy;
+}
+
+// E = −F·x
+double add_pulls(const std::vector<Pull>& pulls, const Vectors& x, Vectors& f) {
+  double energy = 0;
+  for (const auto& [atom, force] : pulls) {
+    energy -= force.dot(x.col(atom));
+    f.col(atom) += force;
+  }
+  return energy;
+}
+
+// E = ½k|x − at|², from the nearest image of `at`
+double add_restraints(const std::vector<Restraint>& restraints, const Box& box, const Vectors& x,
+                      Vectors& f) {
+  double energy = 0;
+  for (const auto& [atom, at, k] : restraints) {
+    const Vec3 off = box.nearest_image(x.col(atom) - at);
+    energy += 0.5 * k * off.squaredNorm();
+    f.col(atom) -= k * off;
+  }
+  return energy;
+}
+
+}  // namespace
+
 struct ForceField::Impl {
   Terms terms;
   std::optional<ClusterPairs> lj_coulomb, wca;
@@ -30,7 +73,7 @@ struct ForceField::Impl {
 
   Impl(const System& sys, const Box& start, Terms given) : terms(std::move(given)), box(start) {
     check_terms(sys, box, terms);
-    std::vector<PairException> exceptions;  // those that interact
+    std::vector<PairException> exceptions;
     if (terms.nonbonded) {
       if (auto& parameters = terms.nonbonded->pme) {
         *parameters = chosen_parameters(*parameters, box, *terms.nonbonded->cutoff);

@@ -7,7 +7,7 @@
 #include "every_machine.hpp"
 #include "forcefield/pairs/cluster_pairs.hpp"
 #include "liquids.hpp"
-#include "plain_pairs.hpp"
+#include "reference/plain_pairs.hpp"
 
 // Lists are made for where atoms are going. No pair is missed, wherever they go instead.
 

@@ -1,6 +1,4 @@
 // Forces of bonded terms in lanes and by threads, held against the plain loops.
-#include "forcefield/bonded/bonded.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,13 +12,13 @@
 #include "base/threads.hpp"
 #include "every_machine.hpp"
 #include "forcefield/bonded/bonded_forces.hpp"
-#include "forcefield/pairs/exceptions.hpp"
+#include "reference/plain_bonded.hpp"
 
 namespace taut {
 namespace {
 
 using std::numbers::pi;
-using testing::on_every_machine;
+using namespace testing;
 
 // Chains of random walks with every kind of term, all numbers different.
 struct Chains {
@@ -72,7 +70,7 @@ Sum sum(const std::vector<Term>& terms, const Vectors& x, const Add& add) {
 }
 
 const auto kInLanes = [](const auto& terms, const Vectors& x, Vectors& f) {
-  return add_in_lanes(terms, x, f);
+  return add_term_forces(terms, x, f);
 };
 
 // All counts up to a few vectors and blocks, so that lanes are left over in every way.
@@ -197,7 +195,7 @@ Sum plain_sum(const Chains& c) {
   s.energy = add_bonds(c.terms.bonds, c.x, s.f) + add_angles(c.terms.angles, c.x, s.f) +
              add_torsions(c.terms.torsions, c.x, s.f) + add_rb_torsions(c.terms.rb_torsions, c.x, s.f) +
              add_harmonic_torsions(c.terms.harmonic_torsions, c.x, s.f) +
-             add_in_lanes(cmap_pairs(c.terms.maps, c.terms.cmaps), c.x, s.f) +
+             add_term_forces(cmap_pairs(c.terms.maps, c.terms.cmaps), c.x, s.f) +
              add_fene(c.terms.fene, c.x, s.f) + add_exceptions(c.exceptions, c.x, s.f);
   return s;
 }

@@ -9,7 +9,7 @@
 
 #include "every_machine.hpp"
 #include "liquids.hpp"
-#include "plain_pairs.hpp"
+#include "reference/plain_pairs.hpp"
 
 // Forces and energies of the clusters, against the plain loop over pairs.
 

@@ -9,7 +9,7 @@
 #include "forcefield/pairs/atom_clusters.hpp"
 #include "forcefield/pairs/cluster_pairs.hpp"
 #include "liquids.hpp"
-#include "plain_pairs.hpp"
+#include "reference/plain_pairs.hpp"
 
 // Where atoms are: far apart, far away, on the move. No pair of them is missed, whatever lists are kept.
 

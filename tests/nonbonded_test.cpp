@@ -8,7 +8,7 @@
 #include "base/errors.hpp"
 #include "force_checks.hpp"
 #include "md/units.hpp"
-#include "plain_pairs.hpp"
+#include "reference/plain_pairs.hpp"
 #include "two_kinds.hpp"
 
 namespace taut {

@@ -10,8 +10,8 @@
 #include "forcefield/ewald/mesh.hpp"
 #include "forcefield/ewald/parameters.hpp"
 #include "forcefield/ewald/screening.hpp"
-#include "plain_ewald.hpp"
-#include "plain_mesh.hpp"
+#include "reference/plain_ewald.hpp"
+#include "reference/plain_mesh.hpp"
 
 namespace taut {
 namespace {

@@ -1,38 +1,43 @@
 #include "forcefield/bonded/bonded_forces.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
+#include "base/errors.hpp"
 #include "base/threads.hpp"
-#include "forcefield/bonded/bonded.hpp"
 
 namespace taut {
 namespace {
 
-constexpr int kTermsOfPiece = 256;   // so that vectors are full, or nearly
-constexpr int kTermsOfThread = 768;  // fewer are not worth waking a thread for
+constexpr int kTermsPerPiece = 256;   // enough for nearly full vectors
+constexpr int kTermsPerThread = 768;  // fewer are not worth waking a thread for
 
-struct Reach {
-  int lowest, highest;  // atoms
+struct AtomRange {
+  int lowest, highest;
 };
 
 template <class Term>
-Reach reach(const Term& term) {
+AtomRange atom_range(const Term& term) {
   const auto atoms = atoms_of(term);
   const auto [low, high] = std::minmax_element(atoms.begin(), atoms.end());
   return {*low, *high};
 }
 
-constexpr auto kByLowest = [](const auto& a, const auto& b) { return reach(a).lowest < reach(b).lowest; };
+constexpr auto kByLowest = [](const auto& a, const auto& b) {
+  return atom_range(a).lowest < atom_range(b).lowest;
+};
 
-// The first atom of each piece.
-std::vector<int> cut(std::vector<Reach> terms) {
+// The first atom of each piece: a new piece begins at an atom that no term before it touches, once the piece
+// has enough terms.
+std::vector<int> cut_into_pieces(std::vector<AtomRange> terms) {
   std::sort(terms.begin(), terms.end(), [](auto a, auto b) { return a.lowest < b.lowest; });
   std::vector<int> first;
-  int highest = -1, count = kTermsOfPiece;
-  for (const Reach& term : terms) {
-    if (count >= kTermsOfPiece && term.lowest > highest) {
+  int highest = -1, count = kTermsPerPiece;
+  for (const AtomRange& term : terms) {
+    if (count >= kTermsPerPiece && term.lowest > highest) {
       first.push_back(term.lowest);
       count = 0;
     }
@@ -40,6 +45,16 @@ std::vector<int> cut(std::vector<Reach> terms) {
     ++count;
   }
   return first;
+}
+
+// Names the bond that is longest for its r₀.
+[[noreturn]] void throw_broken(const std::vector<Fene>& bonds, const Vectors& x) {
+  const auto length = [&](const Fene& b) { return (x.col(b.j) - x.col(b.i)).norm(); };
+  const Fene* worst = &bonds.front();
+  for (const Fene& b : bonds)
+    if (!(length(b) / b.r0 <= length(*worst) / worst->r0)) worst = &b;
+  throw SimulationFailure(fmt::format("fene bond {}-{} broke: {} nm long, it can reach {} nm", worst->i,
+                                      worst->j, length(*worst), worst->r0));
 }
 
 }  // namespace
@@ -62,19 +77,19 @@ BondedForces::BondedForces(const Terms& terms, const std::vector<PairException>&
 }
 
 void BondedForces::sort_and_cut() {
-  std::vector<Reach> all;
+  std::vector<AtomRange> all;
   const auto collect = [&](auto& kind) {
     std::stable_sort(kind.terms.begin(), kind.terms.end(), kByLowest);
-    for (const auto& term : kind.terms) all.push_back(reach(term));
+    for (const auto& term : kind.terms) all.push_back(atom_range(term));
   };
   std::apply([&](auto&... kind) { (collect(kind), ...); }, kinds_);
   terms_ = static_cast<int>(all.size());
-  const std::vector<int> first = cut(std::move(all));
+  const std::vector<int> first = cut_into_pieces(std::move(all));
   pieces_ = static_cast<int>(first.size());
   const auto divide = [&](auto& kind) {
     for (const int atom : first) {
       const auto at = std::partition_point(kind.terms.begin(), kind.terms.end(),
-                                           [&](const auto& term) { return reach(term).lowest < atom; });
+                                           [&](const auto& term) { return atom_range(term).lowest < atom; });
       kind.start.push_back(static_cast<int>(at - kind.terms.begin()));
     }
     kind.start.push_back(static_cast<int>(kind.terms.size()));
@@ -84,13 +99,13 @@ void BondedForces::sort_and_cut() {
 }
 
 BondedForces::KindEnergies BondedForces::add_forces(const Vectors& x, Vectors& f) {
-  const int threads = std::clamp(terms_ / kTermsOfThread, 1, available_threads());
+  const int threads = std::clamp(terms_ / kTermsPerThread, 1, available_threads());
   in_parallel(threads, [&](int t) {
     const Share share(pieces_, t, threads);
     const auto add = [&](auto& kind, int piece) {
       const std::span terms(kind.terms);
       const int begin = kind.start[piece], count = kind.start[piece + 1] - begin;
-      if (count > 0) kind.energy[piece] = add_in_lanes(terms.subspan(begin, count), x, f);
+      if (count > 0) kind.energy[piece] = add_term_forces(terms.subspan(begin, count), x, f);
     };
     for (int piece = share.begin; piece < share.end; ++piece)
       std::apply([&](auto&... kind) { (add(kind, piece), ...); }, kinds_);

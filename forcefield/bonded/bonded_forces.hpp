@@ -11,9 +11,9 @@
 
 namespace taut {
 
-// All forces between atoms that are neighbours along a molecule, exceptions included, by threads. Terms are
-// sorted by their atoms and cut into pieces where no term reaches across, mostly between molecules. So no two
-// pieces share an atom, and the sums are the same bits on any number of threads.
+// All forces between atoms that are neighbours along a molecule, exceptions included, computed by threads. Terms
+// are sorted by their atoms and cut into pieces, mostly between molecules, such that no two pieces share an atom.
+// The sums are therefore the same bits on any number of threads.
 class BondedForces {
  public:
   BondedForces() = default;
@@ -21,7 +21,7 @@ class BondedForces {
 
   // Energies by kind of term, in the order of kinds_ [kJ/mol].
   using KindEnergies = std::array<double, 8>;
-  // Throws SimulationFailure where a fene bond is stretched to its reach or more.
+  // Throws SimulationFailure where a fene bond is stretched to r₀ or more.
   KindEnergies add_forces(const Vectors& x, Vectors& f);
 
   // The same by name, exceptions left out, only the kinds there are: ("angle", 12.3), ...

@@ -18,16 +18,18 @@
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
-// A law takes the atoms' positions and the terms' numbers, gives the forces and returns the energies.
+// The energy of one kind of term. forces() takes the atoms' positions x and the term's numbers p, sets the forces
+// f and returns the energies.
 template <class Term>
 struct Law;
 
-// Bonds and their like: a force along the line of two atoms, `pull` times the vector from i to j.
+// A force along the line of two atoms: `pull` times the vector from i to j acts on i, its opposite on j.
 HWY_INLINE void pull_together(V pull, const V3& d, V3* f) {
   f[0] = pull * d;
   f[1] = -f[0];
 }
 
+// E = ½k(r − d)²
 template <>
 struct Law<HarmonicBond> {
   static std::array<double, 2> numbers(const HarmonicBond& t) { return {t.length, t.k}; }
@@ -40,6 +42,7 @@ struct Law<HarmonicBond> {
   }
 };
 
+// E = −½k r₀² ln(1 − (r/r₀)²) (Kremer and Grest 1990, doi:10.1063/1.458541)
 template <>
 struct Law<Fene> {
   static std::array<double, 2> numbers(const Fene& t) { return {t.k, t.r0 * t.r0}; }
@@ -54,6 +57,7 @@ struct Law<Fene> {
   }
 };
 
+// E = 4ε((σ/r)¹² − (σ/r)⁶) + k qq/r, without cutoff or images
 template <>
 struct Law<PairException> {
   static std::array<double, 3> numbers(const PairException& t) {
@@ -71,6 +75,9 @@ struct Law<PairException> {
   }
 };
 
+// E = ½k(θ − θ₀)². With a and c the arms at the middle atom and p = a × c,
+//     θ = atan2(|p|, a·c),   ∂θ/∂x_i = a × p / (a²|p|),   ∂θ/∂x_k = −c × p / (c²|p|).
+// Where the atoms are in line the direction is undefined and the forces are zero.
 template <>
 struct Law<HarmonicAngle> {
   static std::array<double, 2> numbers(const HarmonicAngle& t) { return {t.angle, t.stiffness}; }
@@ -95,12 +102,12 @@ struct Law<HarmonicAngle> {
   }
 };
 
-// Of a torsion at φ [kJ/mol].
 struct TorsionEnergy {
-  V energy, slope;  // E, dE/dφ
+  V energy, slope;  // E, dE/dφ [kJ/mol]
 };
 
-// What all torsions share (bonded.cpp): energy_at(cos φ, sin φ) → TorsionEnergy. B × A = −(F·B) G, thus
+// The forces of any torsion, by the vectors of dihedral.hpp; energy_at(cos φ, sin φ) gives its TorsionEnergy.
+// As B × A = −(F·B) G,
 //     cos φ = A·B/|A||B|,  sin φ = −|G| F·B/|A||B|.
 template <class Energy>
 HWY_INLINE V torsion_forces(const V3* x, V3* f, const Energy& energy_at) {
@@ -302,25 +309,25 @@ TurnedTorsion::TurnedTorsion(const HarmonicTorsion& t)
       cosine(std::cos(t.angle)),
       sine(std::sin(t.angle)) {}
 
-double add_in_lanes(std::span<const HarmonicBond> terms, const Vectors& x, Vectors& f) {
+double add_term_forces(std::span<const HarmonicBond> terms, const Vectors& x, Vectors& f) {
   return HWY_DYNAMIC_DISPATCH(bonds)(terms, x.data(), f.data());
 }
-double add_in_lanes(std::span<const HarmonicAngle> terms, const Vectors& x, Vectors& f) {
+double add_term_forces(std::span<const HarmonicAngle> terms, const Vectors& x, Vectors& f) {
   return HWY_DYNAMIC_DISPATCH(angles)(terms, x.data(), f.data());
 }
-double add_in_lanes(std::span<const ExpandedTorsion> terms, const Vectors& x, Vectors& f) {
+double add_term_forces(std::span<const ExpandedTorsion> terms, const Vectors& x, Vectors& f) {
   return HWY_DYNAMIC_DISPATCH(torsions)(terms, x.data(), f.data());
 }
-double add_in_lanes(std::span<const RyckaertBellemans> terms, const Vectors& x, Vectors& f) {
+double add_term_forces(std::span<const RyckaertBellemans> terms, const Vectors& x, Vectors& f) {
   return HWY_DYNAMIC_DISPATCH(rb_torsions)(terms, x.data(), f.data());
 }
-double add_in_lanes(std::span<const TurnedTorsion> terms, const Vectors& x, Vectors& f) {
+double add_term_forces(std::span<const TurnedTorsion> terms, const Vectors& x, Vectors& f) {
   return HWY_DYNAMIC_DISPATCH(harmonic_torsions)(terms, x.data(), f.data());
 }
-double add_in_lanes(std::span<const Fene> terms, const Vectors& x, Vectors& f) {
+double add_term_forces(std::span<const Fene> terms, const Vectors& x, Vectors& f) {
   return HWY_DYNAMIC_DISPATCH(fene)(terms, x.data(), f.data());
 }
-double add_in_lanes(std::span<const PairException> terms, const Vectors& x, Vectors& f) {
+double add_term_forces(std::span<const PairException> terms, const Vectors& x, Vectors& f) {
   return HWY_DYNAMIC_DISPATCH(exceptions)(terms, x.data(), f.data());
 }
 

@@ -7,7 +7,7 @@
 
 namespace taut {
 
-// A PeriodicTorsion with its phase expanded, k(1 + cos φ₀ cos nφ + sin φ₀ sin nφ): so that a step takes no
+// A PeriodicTorsion with its phase expanded, k(1 + cos φ₀ cos nφ + sin φ₀ sin nφ), so that a step computes no
 // sine or cosine.
 struct ExpandedTorsion {
   int i, j, k, l;
@@ -16,7 +16,7 @@ struct ExpandedTorsion {
   explicit ExpandedTorsion(const PeriodicTorsion& t);
 };
 
-// A HarmonicTorsion with φ₀'s cosine and sine.
+// A HarmonicTorsion with the cosine and sine of φ₀.
 struct TurnedTorsion {
   int i, j, k, l;
   double stiffness, cosine, sine;
@@ -46,15 +46,16 @@ inline std::array<int, 4> atoms_of(const RyckaertBellemans& t) {
   return {t.i, t.j, t.k, t.l};
 }
 
-// The sums of bonded.hpp and exceptions.hpp (which have the mathematics), one term a lane of a vector: each
-// adds its forces to f and returns its energy [kJ/mol]. They take no sines of torsions. Where an end of a
-// torsion lies on its axis, all of the torsion's forces are zero and φ counts as 0.
-double add_in_lanes(std::span<const HarmonicBond> bonds, const Vectors& x, Vectors& f);
-double add_in_lanes(std::span<const HarmonicAngle> angles, const Vectors& x, Vectors& f);
-double add_in_lanes(std::span<const ExpandedTorsion> torsions, const Vectors& x, Vectors& f);
-double add_in_lanes(std::span<const RyckaertBellemans> torsions, const Vectors& x, Vectors& f);
-double add_in_lanes(std::span<const TurnedTorsion> torsions, const Vectors& x, Vectors& f);
-double add_in_lanes(std::span<const Fene> bonds, const Vectors& x, Vectors& f);  // NaN where one is broken
-double add_in_lanes(std::span<const PairException> exceptions, const Vectors& x, Vectors& f);
+// Each function adds the forces of its terms to f and returns their energy [kJ/mol], one term a lane of a vector.
+// Molecules are whole in x, so separations are plain differences. Where an end atom of a torsion lies on the
+// torsion's axis, all forces of the torsion are zero and φ counts as 0.
+double add_term_forces(std::span<const HarmonicBond> bonds, const Vectors& x, Vectors& f);
+double add_term_forces(std::span<const HarmonicAngle> angles, const Vectors& x, Vectors& f);
+double add_term_forces(std::span<const ExpandedTorsion> torsions, const Vectors& x, Vectors& f);
+double add_term_forces(std::span<const RyckaertBellemans> torsions, const Vectors& x, Vectors& f);
+double add_term_forces(std::span<const TurnedTorsion> torsions, const Vectors& x, Vectors& f);
+double add_term_forces(std::span<const Fene> bonds, const Vectors& x,
+                       Vectors& f);  // NaN where a bond is broken
+double add_term_forces(std::span<const PairException> exceptions, const Vectors& x, Vectors& f);
 
 }  // namespace taut

@@ -10,8 +10,7 @@
 namespace taut {
 namespace {
 
-// What takes the n values of a line to the slopes of the periodic cubic spline through them, a point the
-// unit:
+// The matrix S such that S y are the slopes, per point, of the periodic cubic spline through the n values y:
 //     s_{i−1} + 4 s_i + s_{i+1} = 3(y_{i+1} − y_{i−1}).
 Eigen::MatrixXd spline_slopes(int n) {
   Eigen::MatrixXd left = 4 * Eigen::MatrixXd::Identity(n, n), right = Eigen::MatrixXd::Zero(n, n);
@@ -36,12 +35,12 @@ void subtract(const std::array<int, 4>& a, const Dihedral& d, double slope, Vect
   f.col(a[3]) -= slope * d.grad_l;
 }
 
-// The cell an angle is in, and how far, from 0 to 1. An angle that is no number stays one.
-struct PlaceOnMap {
+// The cell that an angle lies in, and the fraction of the cell that lies below it. NaN gives a fraction of NaN.
+struct MapPosition {
   int cell;
   double within;
 
-  PlaceOnMap(double angle, int n) {
+  MapPosition(double angle, int n) {
     const double turns = angle / (2 * std::numbers::pi), at = (turns - std::floor(turns)) * n;
     cell = at < n ? static_cast<int>(at) : n - 1;
     within = at - cell;
@@ -50,7 +49,7 @@ struct PlaceOnMap {
 
 }  // namespace
 
-// Of a line from y₀ to y₁ with slopes s₀ and s₁ the polynomial is H (y₀, y₁, s₀, s₁)ᵀ, Hermite's.
+// The cubic from y₀ to y₁ with slopes s₀ and s₁ has the coefficients H (y₀, y₁, s₀, s₁)ᵀ; H is `hermite`.
 CmapSurface::CmapSurface(const Eigen::MatrixXd& points) : n_(static_cast<int>(points.rows())) {
   const Eigen::MatrixXd slopes = spline_slopes(n_);
   const Eigen::MatrixXd of_t = slopes * points, of_u = points * slopes.transpose(), of_tu = slopes * of_u;
@@ -69,7 +68,7 @@ CmapSurface::CmapSurface(const Eigen::MatrixXd& points) : n_(static_cast<int>(po
 }
 
 CmapSurface::Value CmapSurface::at(double phi, double psi) const {
-  const PlaceOnMap a(phi, n_), b(psi, n_);
+  const MapPosition a(phi, n_), b(psi, n_);
   const double t = a.within, u = b.within, per_radian = n_ / (2 * std::numbers::pi);
   const Eigen::RowVector4d power(1, t, t * t, t * t * t), slope(0, 1, 2 * t, 3 * t * t);
   const Eigen::Vector4d of_u = cells_[a.cell * n_ + b.cell] * Eigen::Vector4d(1, u, u * u, u * u * u);
@@ -86,7 +85,7 @@ std::vector<CmapPair> cmap_pairs(const std::vector<Eigen::MatrixXd>& maps,
   return pairs;
 }
 
-double add_in_lanes(std::span<const CmapPair> pairs, const Vectors& x, Vectors& f) {
+double add_term_forces(std::span<const CmapPair> pairs, const Vectors& x, Vectors& f) {
   double energy = 0;
   for (const CmapPair& pair : pairs) {
     const Dihedral phi = dihedral(pair.phi, x), psi = dihedral(pair.psi, x);

@@ -1,16 +1,19 @@
-#include "forcefield/bonded/bonded.hpp"
-
-#include <fmt/format.h>
+#pragma once
 
 #include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
-#include "base/errors.hpp"
 #include "forcefield/bonded/dihedral.hpp"
+#include "forcefield/terms.hpp"
+#include "md/units.hpp"
 
-namespace taut {
-namespace {
+// Forces between atoms that are neighbours along a molecule, written down plainly: one term after the other, in
+// angles and their gradients. Each function adds its forces to f and returns its energy [kJ/mol]. Molecules are
+// whole in x, so separations are plain differences.
+
+namespace taut::testing {
 
 // The angle θ at the middle of three atoms and its gradient. With a and c the arms and p = a × c,
 //     θ = atan2(|p|, a·c),   ∂θ/∂x_i = a × p / (a²|p|),   ∂θ/∂x_k = −c × p / (c²|p|).
@@ -42,10 +45,8 @@ void add_gradient(const Torsion& t, const Dihedral& d, double dE_dphi, Vectors& 
   f.col(t.l) -= dE_dphi * d.grad_l;
 }
 
-}  // namespace
-
 // E = ½k(r − d)²
-double add_bonds(const std::vector<HarmonicBond>& bonds, const Vectors& x, Vectors& f) {
+inline double add_bonds(const std::vector<HarmonicBond>& bonds, const Vectors& x, Vectors& f) {
   double energy = 0;
   for (const auto& [i, j, length, k] : bonds) {
     const Vec3 d = x.col(j) - x.col(i);
@@ -59,7 +60,7 @@ double add_bonds(const std::vector<HarmonicBond>& bonds, const Vectors& x, Vecto
 }
 
 // E = ½k(θ − θ₀)²
-double add_angles(const std::vector<HarmonicAngle>& angles, const Vectors& x, Vectors& f) {
+inline double add_angles(const std::vector<HarmonicAngle>& angles, const Vectors& x, Vectors& f) {
   double energy = 0;
   for (const auto& [i, j, k, angle, stiffness] : angles) {
     const Angle a(x.col(i) - x.col(j), x.col(k) - x.col(j));
@@ -73,7 +74,7 @@ double add_angles(const std::vector<HarmonicAngle>& angles, const Vectors& x, Ve
 }
 
 // E = k(1 + cos(nφ − φ₀))
-double add_torsions(const std::vector<PeriodicTorsion>& torsions, const Vectors& x, Vectors& f) {
+inline double add_torsions(const std::vector<PeriodicTorsion>& torsions, const Vectors& x, Vectors& f) {
   double energy = 0;
   for (const auto& t : torsions) {
     const Dihedral d = dihedral(t, x);
@@ -86,7 +87,7 @@ double add_torsions(const std::vector<PeriodicTorsion>& torsions, const Vectors&
 
 // E = Σ c_n cosⁿψ, ψ = φ − π: cos ψ = −cos φ and dE/dφ = sin φ dE/d(cos ψ)
 // (Ryckaert and Bellemans 1975, doi:10.1016/0009-2614(75)85513-8).
-double add_rb_torsions(const std::vector<RyckaertBellemans>& torsions, const Vectors& x, Vectors& f) {
+inline double add_rb_torsions(const std::vector<RyckaertBellemans>& torsions, const Vectors& x, Vectors& f) {
   double energy = 0;
   for (const auto& t : torsions) {
     const Dihedral d = dihedral(t, x);
@@ -103,7 +104,8 @@ double add_rb_torsions(const std::vector<RyckaertBellemans>& torsions, const Vec
 }
 
 // E = ½k d², d = φ − φ₀ between −π and π
-double add_harmonic_torsions(const std::vector<HarmonicTorsion>& torsions, const Vectors& x, Vectors& f) {
+inline double add_harmonic_torsions(const std::vector<HarmonicTorsion>& torsions, const Vectors& x,
+                                    Vectors& f) {
   double energy = 0;
   for (const auto& t : torsions) {
     const Dihedral d = dihedral(t, x);
@@ -114,23 +116,12 @@ double add_harmonic_torsions(const std::vector<HarmonicTorsion>& torsions, const
   return energy;
 }
 
-// The longest for its reach.
-void throw_broken(const std::vector<Fene>& bonds, const Vectors& x) {
-  const auto length = [&](const Fene& b) { return (x.col(b.j) - x.col(b.i)).norm(); };
-  const Fene* worst = &bonds.front();
-  for (const Fene& b : bonds)
-    if (!(length(b) / b.r0 <= length(*worst) / worst->r0)) worst = &b;
-  throw SimulationFailure(fmt::format("fene bond {}-{} broke: {} nm long, it can reach {} nm", worst->i,
-                                      worst->j, length(*worst), worst->r0));
-}
-
 // E = −½k r₀² ln(1 − (r/r₀)²) (Kremer and Grest 1990, doi:10.1063/1.458541)
-double add_fene(const std::vector<Fene>& bonds, const Vectors& x, Vectors& f) {
+inline double add_fene(const std::vector<Fene>& bonds, const Vectors& x, Vectors& f) {
   double energy = 0;
   for (const auto& [i, j, k, r0] : bonds) {
     const Vec3 d = x.col(j) - x.col(i);
     const double slack = 1 - d.squaredNorm() / (r0 * r0);
-    if (!(slack > 0)) throw_broken(bonds, x);
     energy -= 0.5 * k * r0 * r0 * std::log(slack);
     const Vec3 pull = d * (k / slack);
     f.col(i) += pull;
@@ -139,4 +130,20 @@ double add_fene(const std::vector<Fene>& bonds, const Vectors& x, Vectors& f) {
   return energy;
 }
 
-}  // namespace taut
+// E = 4ε((σ/r)¹² − (σ/r)⁶) + k qq/r
+inline double add_exceptions(const std::vector<PairException>& exceptions, const Vectors& x, Vectors& f) {
+  double energy = 0;
+  for (const auto& e : exceptions) {
+    const Vec3 d = x.col(e.i) - x.col(e.j);
+    const double inv_r2 = 1 / d.squaredNorm();
+    const double s2 = e.sigma * e.sigma * inv_r2, s6 = s2 * s2 * s2;
+    const double coulomb = kCoulomb * e.charge_product * std::sqrt(inv_r2);
+    energy += 4 * e.epsilon * (s6 - 1) * s6 + coulomb;
+    const Vec3 push = (4 * e.epsilon * (12 * s6 - 6) * s6 + coulomb) * inv_r2 * d;
+    f.col(e.i) += push;
+    f.col(e.j) -= push;
+  }
+  return energy;
+}
+
+}  // namespace taut::testing
