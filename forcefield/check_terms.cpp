@@ -174,9 +174,9 @@ std::string lack_of_room(const Terms& terms, const Box& box) {
   if (terms.nonbonded && terms.nonbonded->cutoff && !(*terms.nonbonded->cutoff <= half))
     return fmt::format("nonbonded: cutoff {} nm is over half the box's shortest edge, {} nm",
                        *terms.nonbonded->cutoff, half);
-  if (terms.wca && !(terms.wca->reach() <= half))
-    return fmt::format("wca: beads reach {} nm, over half the box's shortest edge, {} nm", terms.wca->reach(),
-                       half);
+  if (terms.wca && !(terms.wca->cutoff() <= half))
+    return fmt::format("wca: beads reach {} nm, over half the box's shortest edge, {} nm",
+                       terms.wca->cutoff(), half);
   return "";
 }
 

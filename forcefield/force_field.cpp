@@ -133,10 +133,10 @@ struct ForceField::Impl {
     if (!terms.restraints.empty())
       fields.emplace_back("restraint", add_restraints(terms.restraints, box, x, f));
     for (const auto& field : terms.own) fields.emplace_back(field->name(), field->add(x, f));
-    using enum ClusterPairs::Onto;
-    if (lj_coulomb) lj_coulomb->add_forces(f, pairs_overwrite() ? kNothing : kWhatIs);
+    using enum ClusterPairs::Write;
+    if (lj_coulomb) lj_coulomb->add_forces(f, pairs_overwrite() ? kOverwrite : kAdd);
     if (pme) besides.mesh = pme->add_forces(x, f);
-    if (wca) wca->add_forces(f, pairs_overwrite() && !lj_coulomb ? kNothing : kWhatIs);
+    if (wca) wca->add_forces(f, pairs_overwrite() && !lj_coulomb ? kOverwrite : kAdd);
   }
 
   Energies energies(const Evaluation& besides) {

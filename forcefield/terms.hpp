@@ -98,7 +98,7 @@ struct Wca {
   double epsilon;  // [kJ/mol]
   std::vector<std::array<int, 2>> exclusions;
 
-  double reach() const { return std::pow(2.0, 1.0 / 6) * sigma; }  // [nm]
+  double cutoff() const { return std::pow(2.0, 1.0 / 6) * sigma; }  // [nm]
 };
 
 struct Pull {  // a constant force on one atom

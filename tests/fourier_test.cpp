@@ -71,7 +71,7 @@ void compare(const Sizes& n, double digits) {
     for (int k1 = 0; k1 < n[0]; ++k1)
       for (int k3 = 0; k3 < n[2]; ++k3)
         error = std::max(error, std::abs(waves.at({k1, k2, k3}) - std::complex<double>(z[k3 * n[0] + k1])));
-    sum += (k2 == 0 || 2 * k2 == n[1] ? 1 : 2) * filter(std::span<const T>(two), z);
+    sum += (k2 == 0 || 2 * k2 == n[1] ? 1 : 2) * solve(std::span<const T>(two), z);
     grid.transform_row_back(k2, 0);
   }
   EXPECT_LT(error, digits * std::sqrt(points));

@@ -124,7 +124,7 @@ TEST(PlantedFoot, SlidesAsForetoldUnlessItIsHeld) {
   watch(read_scene(world("planted_foot")), [&](const Simulation& s) {
     EXPECT_LT(std::abs(off(s)), n < 20 ? 2.6e-7 : 1e-9) << n;
     EXPECT_NEAR(-s.bond_tensions()[0], closed[n], 1e-3 * closed[n]);  // of the ground, upwards along the leg
-    EXPECT_GT(closed[n++], 0);                                        // or else the foot would lift
+    EXPECT_GT(closed[n++], 0);                                        // or else the foot would energy_shift
   });
 }
 

@@ -11,9 +11,9 @@
 
 namespace taut {
 
-// All forces between atoms that are neighbours along a molecule, exceptions included, computed by threads. Terms
-// are sorted by their atoms and cut into pieces, mostly between molecules, such that no two pieces share an atom.
-// The sums are therefore the same bits on any number of threads.
+// All forces between atoms that are neighbours along a molecule, exceptions included, computed by threads.
+// Terms are sorted by their atoms and cut into pieces, mostly between molecules, such that no two pieces
+// share an atom. The sums are therefore the same bits on any number of threads.
 class BondedForces {
  public:
   BondedForces() = default;

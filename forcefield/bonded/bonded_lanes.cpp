@@ -18,8 +18,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
-// The energy of one kind of term. forces() takes the atoms' positions x and the term's numbers p, sets the forces
-// f and returns the energies.
+// The energy of one kind of term. forces() takes the atoms' positions x and the term's numbers p, sets the
+// forces f and returns the energies.
 template <class Term>
 struct Law;
 

@@ -46,9 +46,9 @@ inline std::array<int, 4> atoms_of(const RyckaertBellemans& t) {
   return {t.i, t.j, t.k, t.l};
 }
 
-// Each function adds the forces of its terms to f and returns their energy [kJ/mol], one term a lane of a vector.
-// Molecules are whole in x, so separations are plain differences. Where an end atom of a torsion lies on the
-// torsion's axis, all forces of the torsion are zero and φ counts as 0.
+// Each function adds the forces of its terms to f and returns their energy [kJ/mol], one term a lane of a
+// vector. Molecules are whole in x, so separations are plain differences. Where an end atom of a torsion lies
+// on the torsion's axis, all forces of the torsion are zero and φ counts as 0.
 double add_term_forces(std::span<const HarmonicBond> bonds, const Vectors& x, Vectors& f);
 double add_term_forces(std::span<const HarmonicAngle> angles, const Vectors& x, Vectors& f);
 double add_term_forces(std::span<const ExpandedTorsion> torsions, const Vectors& x, Vectors& f);

@@ -35,7 +35,8 @@ void subtract(const std::array<int, 4>& a, const Dihedral& d, double slope, Vect
   f.col(a[3]) -= slope * d.grad_l;
 }
 
-// The cell that an angle lies in, and the fraction of the cell that lies below it. NaN gives a fraction of NaN.
+// The cell that an angle lies in, and the fraction of the cell that lies below it. NaN gives a fraction of
+// NaN.
 struct MapPosition {
   int cell;
   double within;

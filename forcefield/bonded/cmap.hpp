@@ -9,8 +9,9 @@
 
 namespace taut {
 
-// CHARMM's correction map, an energy of two dihedrals together (MacKerell, Feig and Brooks 2004, doi:10.1002/jcc.20065), in
-// OpenMM's construction. E is given on an n × n grid of φ and ψ, periodic. In a cell of the grid,
+// CHARMM's correction map, an energy of two dihedrals together (MacKerell, Feig and Brooks 2004,
+// doi:10.1002/jcc.20065), in OpenMM's construction. E is given on an n × n grid of φ and ψ, periodic. In a
+// cell of the grid,
 //     E(φ, ψ) = Σ c_kl tᵏ uˡ,   k, l = 0 … 3,   t = φ n/2π − row,   u = ψ n/2π − column,
 // Hermite's polynomial, which has E, ∂E/∂t, ∂E/∂u and ∂²E/∂t∂u of the grid at the cell's four corners. The
 // slopes are those of periodic cubic splines through the points of a line of the grid: ∂E/∂t along t, ∂E/∂u

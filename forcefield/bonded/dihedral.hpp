@@ -12,8 +12,8 @@ namespace taut {
 // G = x_j − x_k, H = x_l − x_k, A = F × G, B = H × G:
 //     cos φ ∝ A·B,  sin φ ∝ (B × A)·G/|G|,  ∂φ/∂x_i = −|G|A/A²,  ∂φ/∂x_l = |G|B/B²,
 //     ∂φ/∂x_j = −∂φ/∂x_i + S,  ∂φ/∂x_k = −∂φ/∂x_l − S,  S = (F·G A/A² − H·G B/B²)/|G|.
-// φ is undefined where an end atom lies on the axis G (sin² of the angle there up to 1e-20): φ and its gradient
-// are then 0.
+// φ is undefined where an end atom lies on the axis G (sin² of the angle there up to 1e-20): φ and its
+// gradient are then 0.
 struct Dihedral {
   double phi = 0;
   Vec3 grad_i = Vec3::Zero(), grad_j = grad_i, grad_k = grad_i, grad_l = grad_i;  // [rad/nm]

@@ -13,17 +13,17 @@ namespace taut {
 // FFTW (Frigo & Johnson 2005, doi:10.1109/JPROC.2004.840301): along the second edge plane by plane, real to
 // complex, then along the third and the first, a row k₂ of all planes at a time: in parts that threads can
 // share out. FFTW is given what it does fastest, many sequences side by side from one place to another; two
-// real ones, neighbours along the third edge, are the real and the imaginary part of one. Its plans are made
-// by rule, not by the clock: the same bits each time.
+// real ones, neighbours along the third edge, are the real and the imaginary part of one. Its plans are
+// estimated, not timed: the same bits each time.
 template <class T>
 class FourierGrid {
  public:
   using Complex = std::complex<T>;
 
-  // Planes of real numbers have room for so many more rows, rows for as many more numbers, or for more.
+  // Planes of real numbers have room for `beyond` more rows, and rows for at least as many more numbers.
   FourierGrid(std::array<int, 3> size, int beyond);
 
-  // Before what follows, which each thread does in room of its own.
+  // Allocates scratch memory for so many threads, before the transforms.
   void make_room(int threads);
 
   int half() const { return n_[1] / 2 + 1; }                                // rows of complex numbers a plane

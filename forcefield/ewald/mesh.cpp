@@ -64,7 +64,7 @@ class MeshIn final : public PmeMesh::Engine {
         alpha_(p.alpha),
         size_(p.grid),
         strips_((size_[1] + kStrip - 1) / kStrip),
-        grid_(p.grid, reach(p.order)) {
+        grid_(p.grid, padded_order(p.order)) {
     for (int a = 0; a < charge.size(); ++a)
       if (charge[a] != 0) charged_.push_back({a, charge[a]});
     found_.resize(charged_.size());
@@ -82,21 +82,21 @@ class MeshIn final : public PmeMesh::Engine {
       into_.col(d) = box_.fractional(Vec3::Unit(d));
       slope_.col(d) = box_.reciprocal(size_[d] * Vec3::Unit(d));
     }
-    by_rows(available_threads(), [&](int row, int) { lay_influence(row); });
+    by_rows(available_threads(), [&](int row, int) { compute_influence(row); });
   }
 
   double add_forces(const Vectors& x, Vectors& f) override {
     const int n = static_cast<int>(charged_.size()), threads = this->threads();
     spread_and_transform(x, threads);
     by_rows(threads, [&](int row, int t) {
-      energy_of_[row] = share_of(row) * filter(influence_of(row), grid_.transform_row(row, t));
+      energy_of_[row] = share_of(row) * solve(influence_of(row), grid_.transform_row(row, t));
       grid_.transform_row_back(row, t);
     });
     in_parallel(threads, [&](int t) {
       const Share share(size_[0], t, threads);
       for (int plane = share.begin; plane < share.end; ++plane) {
         grid_.transform_plane_back(plane, t);
-        repeat_starts(plane);
+        copy_row_starts(plane);
       }
     });
     in_parallel(threads, [&](int t) {
@@ -127,7 +127,7 @@ class MeshIn final : public PmeMesh::Engine {
     });
   }
 
-  // The charges on the grid, transformed within each plane.
+  // Spreads the charges to the grid and transforms each plane.
   void spread_and_transform(const Vectors& x, int threads) {
     const int n = static_cast<int>(charged_.size());
     grid_.make_room(threads);
@@ -141,7 +141,7 @@ class MeshIn final : public PmeMesh::Engine {
     in_parallel(threads, [&](int t) { spread(Share(size_[0], t, threads), t); });
   }
 
-  // In a plane, strip by strip: what atoms that follow each other reach stays in cache.
+  // Atoms are sorted by plane and, within one, by strip: grid points of consecutive atoms stay in cache.
   int buckets() const { return size_[0] * strips_; }
   int bucket(const MeshAtom<T>& atom) const { return atom.point[0] * strips_ + atom.point[1] / kStrip; }
   int* next_of(int thread) { return next_.data() + std::ptrdiff_t{thread} * buckets(); }
@@ -153,7 +153,7 @@ class MeshIn final : public PmeMesh::Engine {
     for (int c = share.begin; c < share.end; ++c) ++count[bucket(found_[c])];
   }
 
-  // Where each thread's atoms come, bucket by bucket and in their own order.
+  // Turns each thread's counts into the index of its first atom in each bucket.
   void sort(int threads) {
     int begin = 0;
     for (int b = 0; b < buckets(); ++b) {
@@ -163,8 +163,8 @@ class MeshIn final : public PmeMesh::Engine {
     begin_[size_[0]] = begin;
   }
 
-  // All charges of these planes: of the atoms below them, near enough, the lowest first. A plane is
-  // transformed when it has them all.
+  // Spreads all charges to these planes: those of the atoms in planes near enough below, the lowest first. A
+  // plane is transformed when it has all its charges.
   void spread(const Share& planes, int thread) {
     for (int below = planes.begin - order_ + 1; below < planes.end; ++below) {
       if (const int next = below + order_ - 1; next < planes.end)
@@ -174,15 +174,16 @@ class MeshIn final : public PmeMesh::Engine {
                         {std::max(planes.begin - below, 0), std::min(planes.end - 1 - below, order_ - 1)},
                         {atoms_.data() + begin_[plane], atoms_.data() + begin_[plane + 1]});
       if (below < planes.begin) continue;
-      fold_ends(below);
+      wrap_spread_ends(below);
       grid_.transform_plane(below, thread);
     }
   }
 
   T* row(int plane, int k2) { return grid_.plane(plane) + std::ptrdiff_t{k2} * grid_.stride(); }
 
-  // What went beyond the last row, and beyond the last point of each, belongs to the first ones.
-  void fold_ends(int plane) {
+  // Adds charges spread beyond the last row, and beyond the last point of a row, to the first ones: the grid
+  // is periodic.
+  void wrap_spread_ends(int plane) {
     for (int k2 = 0; k2 < order_ - 1; ++k2)
       std::transform(row(plane, k2), row(plane, k2 + 1), row(plane, size_[1] + k2), row(plane, k2),
                      std::plus());
@@ -205,8 +206,8 @@ class MeshIn final : public PmeMesh::Engine {
   }
   double share_of(int k2) const { return k2 == 0 || 2 * k2 == size_[1] ? 0.5 : 1; }  // ½, and m₂'s other half
 
-  // G of a row of every plane, as the transforms come.
-  void lay_influence(int row) {
+  // Computes G for a row of every plane, in the order of the transforms.
+  void compute_influence(int row) {
     const double pi = std::numbers::pi, inv = pi * pi / (alpha_ * alpha_);
     const bool skewed = !box_.tilt.isZero(0);
     for (int k1 = 0; k1 < size_[0]; ++k1) {
@@ -241,7 +242,7 @@ class MeshIn final : public PmeMesh::Engine {
           continue;
         }
         const Vec3 other = wave(k1, row, k3, -1);
-        const double share = share_of_first(m.squaredNorm(), other.squaredNorm());
+        const double share = first_of_two_waves(m.squaredNorm(), other.squaredNorm());
         sum -= tensor(m, share * part) + tensor(other, (1 - share) * part);
       }
     return sum;
@@ -250,16 +251,16 @@ class MeshIn final : public PmeMesh::Engine {
   Eigen::Matrix3d tensor(const Vec3& m, double energy) const {
     return 2 * energy * (1 / m.squaredNorm() + square(std::numbers::pi / alpha_)) * m * m.transpose();
   }
-  // Of two waves' G together, that of the first.
-  double share_of_first(double m2, double other2) const {
+  // The share of the first wave in the sum of two waves' G.
+  double first_of_two_waves(double m2, double other2) const {
     if (m2 == other2) return 0.5;
     return 1 / (1 + std::exp(square(std::numbers::pi / alpha_) * (m2 - other2)) * m2 / other2);
   }
 
-  // There for those who read beyond.
-  void repeat_starts(int plane) {
+  // Copies the first rows, and the first points of each row, past the end so that gathering needs no wrap.
+  void copy_row_starts(int plane) {
     for (int k2 = 0; k2 < size_[1]; ++k2)
-      for (int k3 = 0; k3 < reach(order_); ++k3) row(plane, k2)[size_[2] + k3] = row(plane, k2)[k3];
+      for (int k3 = 0; k3 < padded_order(order_); ++k3) row(plane, k2)[size_[2] + k3] = row(plane, k2)[k3];
     for (int k2 = 0; k2 < order_ - 1; ++k2)
       std::copy(row(plane, k2), row(plane, k2 + 1), row(plane, size_[1] + k2));
   }

@@ -17,12 +17,12 @@ namespace taut {
 // m are the vectors of the reciprocal lattice; splines and grid go along a, b and c. A wave in the middle of
 // an even edge, m = ±K/2, has the mean of G over both signs: the sum over all K₁K₂K₃ waves comes to that.
 //
-// A plane of the grid, all its charges and its transform, is one thread's at a time; so are the transforms
-// across planes of a row of it. No sum depends on how many threads there are. In mixed precision splines,
-// grid and transforms are single, places, forces and sums of energies double.
+// Threads share out the planes of the grid for spreading and transforms within planes, and the rows for
+// transforms across planes. No sum depends on the number of threads. In mixed precision splines, grid and
+// transforms are in single precision; positions, forces and sums of energies are in double.
 class PmeMesh {
  public:
-  // charge: √k q [√(kJ/mol·nm)], n; parameters as chosen. Of no box yet.
+  // charge: √k q [√(kJ/mol·nm)], n; parameters as chosen. set_box() must follow.
   PmeMesh(const Eigen::VectorXd& charge, const PmeParameters& parameters, Precision precision);
   ~PmeMesh();
   PmeMesh(PmeMesh&&) noexcept;
@@ -30,10 +30,11 @@ class PmeMesh {
 
   void set_box(const Box& box);                     // the grid stays, and is stretched with it
   double add_forces(const Vectors& x, Vectors& f);  // returns the energy [kJ/mol]
-  // At x [kJ/mol]: charges are spread and transformed again, so that a step that does not ask does not pay.
+  // The virial at x [kJ/mol]. Charges are spread and transformed again, so that a step without it does not
+  // pay.
   Eigen::Matrix3d virial(const Vectors& x);
 
-  class Engine;  // in one of the precisions
+  class Engine;  // one for each precision
 
  private:
   std::unique_ptr<Engine> engine_;

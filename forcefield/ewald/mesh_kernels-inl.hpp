@@ -17,16 +17,17 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using Real = TAUT_MESH_REAL;
 
-// Unnamed: the types and templates of either precision have the same names, and are others.
+// In an unnamed namespace, because types and templates of both precisions have the same names.
 namespace {
 
 constexpr int kTogether = 32;      // atoms whose splines are found at a time
 using Fours = Real[kTogether][4];  // of each atom, four numbers along an edge
 
-// Of atoms along the first two edges, number by number, and along the third in fours, zeros beyond the order.
+// Spline weights (or slopes) of up to kTogether atoms: along the first two edges one array for each grid
+// point, along the third edge in fours, with zeros beyond the order.
 template <int order>
 struct Numbers {
-  static constexpr int kFours = reach(order) / 4;
+  static constexpr int kFours = padded_order(order) / 4;
   HWY_ALIGN Real across[2][order][kTogether];
   HWY_ALIGN Fours along[kFours];
 };
@@ -35,7 +36,7 @@ struct Splines {
   Numbers<order> weight, slope;
 };
 
-// kernel<order>(): loops that are known when compiled.
+// Calls kernel<order>(), whose loops have lengths known when compiled.
 HWY_INLINE void of_order(int order, const auto& kernel) {
   switch (order) {
     case 4:
@@ -109,8 +110,8 @@ HWY_INLINE void find_splines(MeshAtoms<Real> atoms, bool slopes, Splines<order>&
 // A row along the third edge: as few vectors as hold the order.
 template <int order>
 struct RowOf {
-  using D = hn::CappedTag<Real, reach(order)>;
-  static constexpr int kLanes = static_cast<int>(hn::MaxLanes(D())), kVectors = reach(order) / kLanes;
+  using D = hn::CappedTag<Real, padded_order(order)>;
+  static constexpr int kLanes = static_cast<int>(hn::MaxLanes(D())), kVectors = padded_order(order) / kLanes;
 
   hn::Vec<D> v[kVectors];
 
@@ -136,7 +137,7 @@ struct RowOf {
   }
 };
 
-// Where an atom's rows begin in each of its planes, one after the other.
+// The begin of an atom's rows in each of its planes, one plane after the other.
 class PlanesOf {
  public:
   HWY_INLINE PlanesOf(const MeshGrid<Real>& grid, const MeshAtom<Real>& atom)
@@ -188,7 +189,8 @@ HWY_INLINE void spread_of(const MeshGrid<Real>& grid, const PlanesAbove& planes,
   }
 }
 
-// Along a row last: Σ φ w₁w₂, Σ φ dw₁w₂ and Σ φ w₁dw₂ there.
+// Σ φ dw/du of an atom along the three edges. The sum along a row comes last: first Σ φ w₁w₂, Σ φ dw₁w₂ and
+// Σ φ w₁dw₂ for each point of a row.
 template <int order>
 HWY_INLINE std::array<double, 3> slope_of(const MeshGrid<Real>& grid, const MeshAtom<Real>& atom,
                                           const Splines<order>& splines, int a) {
@@ -237,7 +239,7 @@ HWY_INLINE std::array<double, 3> slope_of(const MeshGrid<Real>& grid, const Mesh
   return {sum(x), sum(y), sum(z)};
 }
 
-// work(some) of all of them.
+// Calls work(some) for up to kTogether atoms at a time.
 HWY_INLINE void some_at_a_time(MeshAtoms<Real> atoms, const auto& work) {
   for (; !atoms.empty(); atoms = atoms.subspan(std::min<std::size_t>(kTogether, atoms.size())))
     work(atoms.first(std::min<std::size_t>(kTogether, atoms.size())));
@@ -272,7 +274,7 @@ void forces(MeshGrid<Real> grid, MeshAtoms<Real> atoms, const Eigen::Matrix3d& t
   });
 }
 
-// The three edges, and a fourth for the vector's sake.
+// One number for each of the three edges, and a fourth to fill the vector.
 namespace {
 struct Edges {
   using D = hn::CappedTag<double, 4>;
@@ -311,7 +313,7 @@ void points(const MeshFrame& frame, const Vectors& x, std::span<const Charged> c
   }
 }
 
-double filter_all(std::span<const Real> factor, std::complex<Real>* z) {
+double solve_row(std::span<const Real> factor, std::complex<Real>* z) {
   const D d;
   constexpr int kMost = static_cast<int>(hn::MaxLanes(d));
   const int lanes = static_cast<int>(hn::Lanes(d)), n = static_cast<int>(factor.size());
@@ -345,7 +347,7 @@ using Real = TAUT_MESH_REAL;
 HWY_EXPORT(points);
 HWY_EXPORT(spread);
 HWY_EXPORT(forces);
-HWY_EXPORT(filter_all);
+HWY_EXPORT(solve_row);
 template <>
 void find_points(const MeshFrame& frame, const Vectors& x, std::span<const Charged> charged,
                  MeshAtom<Real>* out) {
@@ -361,8 +363,8 @@ void add_mesh_forces(const MeshGrid<Real>& grid, MeshAtoms<Real> atoms, const Ei
   HWY_DYNAMIC_DISPATCH(forces)(grid, atoms, turn, f);
 }
 template <>
-double filter(std::span<const Real> factor, std::complex<Real>* z) {
-  return HWY_DYNAMIC_DISPATCH(filter_all)(factor, z);
+double solve(std::span<const Real> factor, std::complex<Real>* z) {
+  return HWY_DYNAMIC_DISPATCH(solve_row)(factor, z);
 }
 
 }  // namespace taut

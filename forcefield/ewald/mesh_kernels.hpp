@@ -14,11 +14,12 @@ struct Charged {
   double charge;  // √k q [√(kJ/mol·nm)]
 };
 
-// A charge on the mesh. What it gives to grid points from the one below it on, along each edge, are the
-// cardinal B-splines M_n(w + n − 1 − k) (Essmann et al. 1995, doi:10.1063/1.470117, eqs. 4.1 and 4.2), w =
-// above, by
+// A charge on the mesh. Along each edge it is spread over n grid points, k = 0 … n − 1, counted from the one
+// below it, with the cardinal B-splines M_n(w + n − 1 − k) as weights (Essmann et al. 1995,
+// doi:10.1063/1.470117, eqs. 4.1 and 4.2), w = above:
 //     M_n(u) = (u M_{n−1}(u) + (n − u) M_{n−1}(u − 1))/(n − 1),   dM_n/du = M_{n−1}(u) − M_{n−1}(u − 1)
-// from the hat of order 2. They are found wherever they are wanted, many atoms at a time: sooner than kept.
+// from the hat function of order 2. Weights are computed wherever they are needed, many atoms at a time,
+// which is faster than to store them.
 template <class T>
 struct MeshAtom {
   std::array<T, 3> above;  // 0 … 1
@@ -29,12 +30,13 @@ struct MeshAtom {
 template <class T>
 using MeshAtoms = std::span<const MeshAtom<T>>;
 
-// Splines are stored in fours: so far do they reach beyond the last row and the last point of one.
-constexpr int reach(int order) {
+// The order rounded up to a multiple of four: weights are stored in fours, and kernels read and write that
+// many grid points, beyond the last row and the last point of a row too.
+constexpr int padded_order(int order) {
   return order <= 4 ? 4 : kMostOrder;
 }
 
-// The real grid, plane by plane, row by row, with room for what they reach.
+// The real grid, plane by plane and row by row, with room for padded_order() beyond each end.
 template <class T>
 struct MeshGrid {
   T* plane;  // the first
@@ -43,7 +45,7 @@ struct MeshGrid {
   int order;
 };
 
-// From places to the grid: `into` · x counts the grid's edges.
+// From positions to the grid: `into` · x is the position in fractions of the box's edges.
 struct MeshFrame {
   std::array<int, 3> size;
   Eigen::Matrix3d into;  // [1/nm]
@@ -52,19 +54,19 @@ template <class T>
 void find_points(const MeshFrame& frame, const Vectors& x, std::span<const Charged> charged,
                  MeshAtom<T>* out);
 
-// Adds charges of the atoms, all of a plane, to the planes that are so many above it, first to last.
+// Spreads the charges of atoms that are all in one plane to the planes `first` to `last` above it.
 struct PlanesAbove {
   int first, last;
 };
 template <class T>
 void spread_charges(const MeshGrid<T>& grid, const PlanesAbove& planes, MeshAtoms<T> atoms);
 
-// Adds the forces −q · turn · Σ φ dw/du on each of the atoms, u in grid points along each edge.
+// Gathers: adds the forces −q · turn · Σ φ dw/du on each of the atoms, u in grid points along each edge.
 template <class T>
 void add_mesh_forces(const MeshGrid<T>& grid, MeshAtoms<T> atoms, const Eigen::Matrix3d& turn, Vectors& f);
 
-// Each number times its factor g ≥ 0, and what Σ g|z|² then is, of what z was.
+// Multiplies each number by its factor g ≥ 0; returns Σ g|z|² of the numbers before.
 template <class T>
-double filter(std::span<const T> factor, std::complex<T>* z);
+double solve(std::span<const T> factor, std::complex<T>* z);
 
 }  // namespace taut

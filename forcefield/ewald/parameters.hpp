@@ -29,8 +29,8 @@ struct EwaldErrors {
   double mesh;   // of interpolation on points h apart, the coarsest direction's: (2αh/3)^order
 };
 // The rules above solved for δ, for parameters that are all chosen. How they go with α, cutoff and spacing is
-// known: exp(−α²r_c²), Kolafa and Perram 1992, doi:10.1080/08927029208049126; (αh)^order, Deserno and Holm 1998,
-// doi:10.1063/1.477415.
+// known: exp(−α²r_c²), Kolafa and Perram 1992, doi:10.1080/08927029208049126; (αh)^order, Deserno and Holm
+// 1998, doi:10.1063/1.477415.
 EwaldErrors ewald_errors(const PmeParameters& chosen, const Box& box, double cutoff);
 
 // One line where an error is more than ten times the tolerance: which, and what to do. Else empty.

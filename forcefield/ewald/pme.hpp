@@ -10,11 +10,11 @@
 
 namespace taut {
 
-// Coulomb of all periodic images, what of it is no pair within the cutoff (Ewald 1921; Essmann et al. 1995,
-// doi:10.1063/1.470117), in OpenMM's conventions:
+// Coulomb interaction of all periodic images, but for pairs within the cutoff (Ewald 1921; Essmann et al.
+// 1995, doi:10.1063/1.470117), in OpenMM's conventions:
 //     the reciprocal part, on a mesh
 //     self:        −k α/√π Σ q²
-//     background:  −k π Q²/(2Vα²), Q = Σ q: a uniform charge that makes up for what charges do not add to
+//     background:  −k π Q²/(2Vα²), Q = Σ q: a uniform charge that neutralizes the box
 //     exceptions:  −k q q' erf(αr)/r of every pair left out of the general sum, which the mesh has in it
 // The pairs' own part, k q q' erfc(αr)/r, is one of the laws of pairs/pair_kernels.hpp.
 class Pme {
@@ -24,7 +24,7 @@ class Pme {
 
   void set_box(const Box& box);
   double add_forces(const Vectors& x, Vectors& f);  // returns the energy [kJ/mol]
-  // At x, −dE/dstrain [kJ/mol]. What it takes is done when it is asked for.
+  // −dE/dstrain at x [kJ/mol], computed anew.
   Eigen::Matrix3d virial(const Vectors& x);
 
  private:
@@ -60,7 +60,7 @@ class Pme {
   double total_;  // Q [e]
   double constant_, background_ = 0;
   std::vector<Excluded> excluded_;
-  std::vector<int> cuts_;  // into pieces: no atom is on both sides of one
+  std::vector<int> cuts_;  // between pieces of excluded_ that share no atom
   std::vector<ExcludedSums> pieces_;
   PmeMesh mesh_;
 };

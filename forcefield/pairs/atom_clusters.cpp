@@ -18,21 +18,21 @@ constexpr double kFarthest = 1e15;     // columns
 constexpr int kAtomsOfThread = 400;    // fewer are not worth waking a thread for
 constexpr int kColumnsOfThread = 8;
 
-std::uint64_t mix(std::int64_t a, std::int64_t b, std::int64_t c = 0) {
+std::uint64_t hash(std::int64_t a, std::int64_t b, std::int64_t c = 0) {
   const std::uint64_t h = (std::uint64_t(a) * 0x9E3779B97F4A7C15u) ^
                           (std::uint64_t(b) * 0xC2B2AE3D27D4EB4Fu) ^ (std::uint64_t(c) * 0x165667B19E3779F9u);
   return h ^ (h >> 32);
 }
 
-[[noreturn]] void ran_away(int a, double x) {
+[[noreturn]] void throw_ran_away(int a, double x) {
   throw SimulationFailure(fmt::format("atom {} ran away: a coordinate of {} nm", a, x));
 }
 
 }  // namespace
 
-// The volume of the cubes of an edge of `range` that hold atoms, by marking hashes of their places: two
-// cubes that share a hash count as one, which is good enough for a density.
-double AtomClusters::crowded_volume(const Vectors& x) {
+// The volume of the cubes with edge `range` that hold atoms. Cubes are marked by hash: two cubes with the
+// same hash count as one, which is good enough for a density.
+double AtomClusters::occupied_volume(const Vectors& x) {
   Vec3 edge = Vec3::Constant(layout_.range);
   if (layout_.periodic) edge = box_.edge.array() / (box_.edge / layout_.range).array().floor().max(1);
   marked_.assign(std::bit_ceil(4 * std::size_t(x.cols())), false);
@@ -43,18 +43,18 @@ double AtomClusters::crowded_volume(const Vectors& x) {
     if (layout_.periodic) p += offset_of(p);
     p = p.cwiseQuotient(edge).array().floor();
     for (double c : p)
-      if (!(std::abs(c) < kFarthest)) ran_away(a, x.col(a).cwiseAbs().maxCoeff());
+      if (!(std::abs(c) < kFarthest)) throw_ran_away(a, x.col(a).cwiseAbs().maxCoeff());
     auto mark =
-        marked_[mix(std::int64_t(p[0]), std::int64_t(p[1]), std::int64_t(p[2])) & (marked_.size() - 1)];
+        marked_[hash(std::int64_t(p[0]), std::int64_t(p[1]), std::int64_t(p[2])) & (marked_.size() - 1)];
     cubes += !mark;
     mark = true;
   }
   return double(cubes) * edge.prod();
 }
 
-// Of a gap wider than two ranges, two ranges are kept: atoms within range of each other have none between
-// them. Where all are near the origin there is nothing to gain.
-void AtomClusters::leave_gaps_out(const Vectors& x) {
+// Shortens gaps wider than two ranges to two ranges: atoms within range of each other have no such gap
+// between them. Nothing is done where all atoms are near the origin.
+void AtomClusters::close_gaps(const Vectors& x) {
   constexpr double kNear = 64;  // ranges
   const double range = layout_.range, kept = 2 * range;
   for (int d = 0; d < 3; ++d) {
@@ -65,7 +65,7 @@ void AtomClusters::leave_gaps_out(const Vectors& x) {
       if (!layout_.present[a]) continue;
       along_.push_back(x(d, a));
       extent = std::max(extent, std::abs(x(d, a)));
-      if (!(extent < kFarthest * range)) ran_away(a, x(d, a));
+      if (!(extent < kFarthest * range)) throw_ran_away(a, x(d, a));
     }
     if (extent <= kNear * range) continue;
     std::sort(along_.begin(), along_.end());
@@ -92,13 +92,13 @@ Vec3 AtomClusters::offset_of(const Vec3& x) const {
   return {offset_along(0, x[0]), offset_along(1, x[1]), offset_along(2, x[2])};
 }
 
-// As wide as the cube of eight atoms, at the density there is: narrower, there are fewer near each other to
-// choose from; wider, more that are not.
+// Columns are as wide as the cube that holds eight atoms at the present density. Narrower columns leave few
+// near atoms to choose a cluster from; wider ones hold more that are far apart.
 void AtomClusters::choose_columns(const Vectors& x) {
   if (builds_ % kBuildsPerSurvey == 0) {
     const auto present = std::count(layout_.present.begin(), layout_.present.end(), 1);
     const double ideal =
-        std::cbrt(2 * kClusterAtoms * crowded_volume(x) / double(std::max(1L, long(present))));
+        std::cbrt(2 * kClusterAtoms * occupied_volume(x) / double(std::max(1L, long(present))));
     for (int d = 0; d < 2; ++d) {
       count_[d] = layout_.periodic ? std::max(1L, std::lround(box_.edge[d] / ideal)) : 0;
       width_[d] = ideal;
@@ -121,9 +121,9 @@ void AtomClusters::serialize(Archive& archive) {
   }
 }
 
-// Not where the atom has run away.
-std::optional<AtomClusters::Place> AtomClusters::locate(const Vec3& wrapped) const {
-  Place place;
+// Empty where the atom is too far off.
+std::optional<AtomClusters::GridColumn> AtomClusters::find_grid_column(const Vec3& wrapped) const {
+  GridColumn place;
   for (int d = 0; d < 2; ++d) {
     const double c = std::floor(wrapped[d] / width_[d]);
     if (!(std::abs(c) < kFarthest)) return {};
@@ -134,43 +134,45 @@ std::optional<AtomClusters::Place> AtomClusters::locate(const Vec3& wrapped) con
   return place;
 }
 
-std::size_t AtomClusters::table_entry(const Place& place) const {
-  const auto another = [&](const Place& found) { return found[0] != place[0] || found[1] != place[1]; };
-  std::size_t e = mix(place[0], place[1]) & (table_.size() - 1);
+std::size_t AtomClusters::table_entry(const GridColumn& place) const {
+  const auto another = [&](const GridColumn& found) { return found[0] != place[0] || found[1] != place[1]; };
+  std::size_t e = hash(place[0], place[1]) & (table_.size() - 1);
   while (table_[e] >= 0 && another(columns_[table_[e]].place)) e = (e + 1) & (table_.size() - 1);
   return e;
 }
 
-// What goes by threads gives the same on any number of them.
+// The result does not depend on the number of threads.
 void AtomClusters::build(const Vectors& x, const Box& box) {
   const int n = static_cast<int>(x.cols());
   if (layout_.periodic) box_ = box;
   choose_columns(x);
-  if (!layout_.periodic) leave_gaps_out(x);
+  if (!layout_.periodic) close_gaps(x);
   wrap_.resize(n);
   wrapped_.resize(n);
-  place_.resize(n);
+  grid_column_.resize(n);
   in_shares(n, kAtomsOfThread, [&](const Share& atoms) {
     for (int a = atoms.begin; a < atoms.end; ++a) {
       if (!layout_.present[a]) continue;
       wrap_[a] = offset_of(x.col(a));
       wrapped_[a] = x.col(a) + wrap_[a];
-      place_[a] = locate(wrapped_[a]);
+      grid_column_[a] = find_grid_column(wrapped_[a]);
     }
   });
   find_columns(x);
   fill_columns();
   in_shares(static_cast<int>(columns_.size()), kColumnsOfThread, [&](const Share& columns) {
-    for (int c = columns.begin; c < columns.end; ++c) bring_near(columns_[c]);
+    for (int c = columns.begin; c < columns.end; ++c)
+      group_into_clusters(entry_begin_[c], entry_begin_[c + 1]);
   });
   int clusters = 0;
   for (std::size_t c = 0; c < columns_.size(); ++c) {
-    next_[c] = clusters;
-    for (int e = columns_[c].begin; e < columns_[c].end; ++e) clusters += entries_[e].first;
+    columns_[c].begin = clusters;
+    for (int e = entry_begin_[c]; e < entry_begin_[c + 1]; ++e) clusters += entries_[e].first;
+    columns_[c].end = clusters;
   }
-  make_room(clusters);
+  resize_slots(clusters);
   in_shares(static_cast<int>(columns_.size()), kColumnsOfThread, [&](const Share& columns) {
-    for (int c = columns.begin; c < columns.end; ++c) cut(columns_[c], next_[c]);
+    for (int c = columns.begin; c < columns.end; ++c) fill_slots(c);
   });
 }
 
@@ -178,18 +180,20 @@ void AtomClusters::build(const Vectors& x, const Box& box) {
 void AtomClusters::find_columns(const Vectors& x) {
   const int n = static_cast<int>(x.cols());
   columns_.clear();
+  atoms_in_column_.clear();
   table_.assign(std::bit_ceil(2 * std::size_t(n) + 1), -1);
   column_of_.assign(n, -1);
   for (int a = 0; a < n; ++a) {
     if (!layout_.present[a]) continue;
-    if (!place_[a]) ran_away(a, x.col(a).cwiseAbs().maxCoeff());
-    int& column = table_[table_entry(*place_[a])];
+    if (!grid_column_[a]) throw_ran_away(a, x.col(a).cwiseAbs().maxCoeff());
+    int& column = table_[table_entry(*grid_column_[a])];
     if (column < 0) {
       column = static_cast<int>(columns_.size());
-      columns_.push_back({*place_[a], 0, 0});
+      columns_.push_back({*grid_column_[a], 0, 0});
+      atoms_in_column_.push_back(0);
     }
     column_of_[a] = column;
-    ++columns_[column].end;  // counts atoms for now
+    ++atoms_in_column_[column];
   }
   order_.resize(columns_.size());
   std::iota(order_.begin(), order_.end(), 0);
@@ -197,44 +201,41 @@ void AtomClusters::find_columns(const Vectors& x) {
             [&](int a, int b) { return columns_[a].place < columns_[b].place; });
   rank_.resize(columns_.size());
   unsorted_ = columns_;
+  entry_begin_.assign(1, 0);
   for (std::size_t r = 0; r < order_.size(); ++r) {
     rank_[order_[r]] = static_cast<int>(r);
     columns_[r] = unsorted_[order_[r]];
+    entry_begin_.push_back(entry_begin_.back() + atoms_in_column_[order_[r]]);
   }
   for (int& column : table_)
     if (column >= 0) column = rank_[column];
 }
 
-// Ends with begin and end counting entries.
+// Sorts the atoms into their columns.
 void AtomClusters::fill_columns() {
-  next_.resize(columns_.size());
-  int begin = 0;
-  for (std::size_t c = 0; c < columns_.size(); ++c) {
-    next_[c] = columns_[c].begin = begin;
-    begin = columns_[c].end += begin;
-  }
-  entries_.resize(begin);
+  next_.assign(entry_begin_.begin(), entry_begin_.end());
+  entries_.resize(entry_begin_.back());
   for (std::size_t a = 0; a < column_of_.size(); ++a)
     if (column_of_[a] >= 0)
       entries_[next_[rank_[column_of_[a]]]++] = {wrapped_[a][2], static_cast<int>(a), false};
 }
 
-// A column's atoms by z, and cluster by cluster.
-void AtomClusters::bring_near(const Column& column) {
-  std::sort(entries_.begin() + column.begin, entries_.begin() + column.end,
+// Sorts a column's atoms by z and groups them into clusters.
+void AtomClusters::group_into_clusters(int begin, int end) {
+  std::sort(entries_.begin() + begin, entries_.begin() + end,
             [](const Entry& a, const Entry& b) { return a.z != b.z ? a.z < b.z : a.atom < b.atom; });
-  for (int first = column.begin; first < column.end;) {
-    const int taken = take_near(first, column.end);
+  for (int first = begin; first < end;) {
+    const int taken = choose_cluster(first, end);
     entries_[first].first = true;
     first += taken;
   }
 }
 
-// The next cluster, of the entries left: the lowest and three of the next seven, none of them too high. Of n
-// entries with the sum S of their places, four with the sum P spread least about their middle, and the rest
-// about theirs, where the middles are furthest apart, |P − 4S/n| greatest. What is left stays in its order.
-// Says how many there are.
-int AtomClusters::take_near(int first, int end) {
+// Chooses the next cluster of the entries left: the lowest and three of the next seven, none of them too
+// high. Let S be the sum of the positions of the n entries and P that of the four chosen. The four spread
+// least about their centre, and the rest about theirs, where the two centres are furthest apart: |P − 4S/n|
+// is largest. The rest keeps its order. Returns the number of atoms in the cluster.
+int AtomClusters::choose_cluster(int first, int end) {
   constexpr int kFew = 2 * kClusterAtoms;
   const double highest = entries_[first].z + tallest();
   std::array<Vec3, kFew> place;
@@ -265,18 +266,19 @@ int AtomClusters::take_near(int first, int end) {
   return kClusterAtoms;
 }
 
-void AtomClusters::make_room(int clusters) {
+void AtomClusters::resize_slots(int clusters) {
   atom_.resize(std::size_t(kClusterAtoms) * clusters);
   offset_.resize(atom_.size());
   slot_of_.assign(wrap_.size(), -1);
 }
 
-// Clusters of a column's entries, from `cluster` on. Ends with its begin and end counting clusters.
-void AtomClusters::cut(Column& column, int cluster) {
-  const int begin = cluster;
-  for (int e = column.begin; e < column.end; ++cluster) {
+// Fills the slots of a column's clusters with the atoms of its entries.
+void AtomClusters::fill_slots(int column) {
+  int cluster = columns_[column].begin;
+  const int end = entry_begin_[column + 1];
+  for (int e = entry_begin_[column]; e < end; ++cluster) {
     int last = e + 1;
-    while (last < column.end && !entries_[last].first) ++last;
+    while (last < end && !entries_[last].first) ++last;
     int slot = kClusterAtoms * cluster;
     for (const bool first : {true, false})
       for (int k = e; k < last; ++k) {
@@ -292,8 +294,6 @@ void AtomClusters::cut(Column& column, int cluster) {
     }
     e = last;
   }
-  column.begin = begin;
-  column.end = cluster;
 }
 
 void AtomClusters::build_in_order(const Vectors& x) {
@@ -303,20 +303,21 @@ void AtomClusters::build_in_order(const Vectors& x) {
   for (int a = 0; a < n; ++a)
     if (layout_.present[a]) entries_.push_back({0, a, entries_.size() % kClusterAtoms == 0});
   const int atoms = static_cast<int>(entries_.size());
-  make_room((atoms + kClusterAtoms - 1) / kClusterAtoms);
-  columns_.assign(1, {{0, 0}, 0, atoms});
-  cut(columns_[0], 0);
+  const int clusters = (atoms + kClusterAtoms - 1) / kClusterAtoms;
+  resize_slots(clusters);
+  columns_.assign(1, {{0, 0}, 0, clusters});
+  entry_begin_ = {0, atoms};
+  fill_slots(0);
 }
 
-// A cluster moved by s meets another where that one moved by −s meets it: of the two, taken is the one that
-// has the other further along x; or else along y; or else along z, where it is of the same column or another
-// layer's.
-void AtomClusters::neighbours(const Column& column, int up, std::vector<Neighbour>& out) const {
+// A column moved by s is near another one where that one moved by −s is near it. Of the two, only the case is
+// taken in which the other column is further along x, or at equal x along y, or at equal x and y along z.
+void AtomClusters::find_neighbours(const Column& column, int up, std::vector<Neighbour>& out) const {
   out.clear();
   if (!layout_.periodic) {
-    meet(column, Vec3::Zero(), out);
+    add_neighbours_of_image(column, Vec3::Zero(), out);
   } else {
-    // where the column's own corner comes to lie, so that it is within range of the brick
+    // the images whose corner lies within range of the unit cell
     const double range = layout_.range;
     const double y = double(column.place[1]) * width_[1] + up * box_.tilt[2];
     const double x = double(column.place[0]) * width_[0] + up * box_.tilt[1];
@@ -324,24 +325,25 @@ void AtomClusters::neighbours(const Column& column, int up, std::vector<Neighbou
          y + b * box_.edge[1] < box_.edge[1] + range; ++b)
       for (double a = std::ceil((-range - width_[0] - x - b * box_.tilt[0]) / box_.edge[0]);
            x + b * box_.tilt[0] + a * box_.edge[0] < box_.edge[0] + range; ++a)
-        meet(column, {a, b, double(up)}, out);
+        add_neighbours_of_image(column, {a, b, double(up)}, out);
   }
   std::sort(out.begin(), out.end(), [](const Neighbour& a, const Neighbour& b) {
     return a.image != b.image ? a.image < b.image : a.begin < b.begin;
   });
 }
 
-// Of one image of the column, the neighbours.
-void AtomClusters::meet(const Column& column, const Vec3& steps, std::vector<Neighbour>& out) const {
+// Adds the neighbours of one image of the column.
+void AtomClusters::add_neighbours_of_image(const Column& column, const Vec3& steps,
+                                           std::vector<Neighbour>& out) const {
   const Vec3 shift = box_.steps(steps);
   const int image = (16 - static_cast<int>(steps[0])) * 32 + 16 - static_cast<int>(steps[1]);
   const double range2 = layout_.range * layout_.range;
-  Place first, last;
+  GridColumn first, last;
   for (int d = 0; d < 2; ++d) {
     const auto place = column.place[d] + std::int64_t(std::floor(shift[d] / width_[d]));
-    const auto reach = static_cast<std::int64_t>(layout_.range / width_[d]) + 2;
-    first[d] = place - reach;
-    last[d] = place + reach;
+    const auto columns = static_cast<std::int64_t>(layout_.range / width_[d]) + 2;
+    first[d] = place - columns;
+    last[d] = place + columns;
     if (!layout_.periodic) continue;
     first[d] = std::max<std::int64_t>(first[d], 0);
     last[d] = std::min(last[d], count_[d] - 1);

@@ -27,7 +27,7 @@ HWY_INLINE FourV squared(const FourV (&r)[3]) {
   return hn::MulAdd(r[0], r[0], hn::MulAdd(r[1], r[1], hn::Mul(r[2], r[2])));
 }
 
-// An atom of which nothing is known yet, or that seems to go too far, as after a jump, may go anywhere.
+// An atom without a history, or one that seems to move too far, as after a jump, gets the widest margin.
 double look_ahead_simd(const AtomTracks::Course& course, const Share& clusters, float* places) {
   const Four d;
   const FourRounded f;
@@ -59,7 +59,7 @@ double look_ahead_simd(const AtomTracks::Course& course, const Share& clusters, 
   return hn::GetLane(hn::SumOfLanes(d, sum));
 }
 
-bool served_simd(const double* x, const float* places, const Share& clusters) {
+bool covers_all_simd(const double* x, const float* places, const Share& clusters) {
   const Four d;
   auto all = hn::FirstN(d, kOfFour);
   for (int c = clusters.begin; c < clusters.end; ++c)
@@ -104,7 +104,7 @@ namespace {
 constexpr double kFarthest = 100;  // T
 
 HWY_EXPORT(look_ahead_simd);
-HWY_EXPORT(served_simd);
+HWY_EXPORT(covers_all_simd);
 HWY_EXPORT(farthest_simd);
 
 }  // namespace
@@ -115,7 +115,7 @@ void AtomTracks::make_room(int clusters, Eigen::Index atoms) {
     if (steps.cols() != atoms) steps.setZero(3, atoms);
 }
 
-bool AtomTracks::stand_at(const Vectors& x, const AtomClusters& clusters) const {
+bool AtomTracks::are_at(const Vectors& x, const AtomClusters& clusters) const {
   for (int slot = 0; slot < clusters.slots(); ++slot)
     for (int d = 0; d < 3; ++d)
       if (x_[0][entry(slot, d)] != x(d, clusters.atom(slot)) + clusters.offset(slot)[d]) return false;
@@ -150,7 +150,7 @@ double AtomTracks::look_ahead(const Aim& aim, const Share& clusters, RoundedPosi
   const double T = known_ == 2 ? ahead_ : 0;
   const Course course{{x_[0].data(), x_[1].data(), x_[2].data()},
                       {1.5 * T + 0.5 * T * T, -2 * T - T * T, 0.5 * T + 0.5 * T * T},
-                      0.4 * aim.reach,
+                      0.4 * aim.most_from_search,
                       known_ == 2 ? aim.spare : aim.unknown(),
                       aim.unknown()};
   return HWY_DYNAMIC_DISPATCH(look_ahead_simd)(course, clusters, list.x.data());
@@ -161,8 +161,8 @@ void AtomTracks::adjust(double half_ways, const Aim& aim) {
   if (mean > 0) ahead_ = std::min(ahead_ * aim.way / mean, kFarthest);
 }
 
-bool AtomTracks::served(const RoundedPositions& list, const Share& clusters) const {
-  return HWY_DYNAMIC_DISPATCH(served_simd)(x_[0].data(), list.x.data(), clusters);
+bool AtomTracks::covers_all(const RoundedPositions& list, const Share& clusters) const {
+  return HWY_DYNAMIC_DISPATCH(covers_all_simd)(x_[0].data(), list.x.data(), clusters);
 }
 
 double farthest(const RoundedPositions& searched, const Share& clusters, const RoundedPositions& list,

@@ -10,27 +10,28 @@
 
 namespace taut {
 
-// Where atoms are, and were in the two calls before: what tells where they will be.
+// The positions of the atoms now and in the two calls before, from which their motion is extrapolated.
 //
-// A list made for places c with margins m misses no pair while |x − c| ≤ m for every atom. In T calls to come
-// an atom goes the way
-//     w = T u + T²/2 a,   u = (3x − 4x' + x'')/2,  a = x − 2x' + x''   (backward differences, by call)
-// so it stays within |w|/2 of c = x + w/2, the middle of its way, but for what w misses: m = |w|/2 + e. Fast
-// atoms have wide margins, slow ones narrow ones. T is such that |w|/2 is as chosen in the mean.
+// A pair list made for positions c with margins m misses no pair while |x − c| ≤ m for every atom. In the
+// next T calls an atom moves by about
+//     w = T u + T²/2 a,   u = (3x − 4x' + x'')/2,  a = x − 2x' + x''   (backward differences, per call)
+// so it stays within |w|/2 of c = x + w/2, the middle of its path, but for the error of w: m = |w|/2 + e.
+// Fast atoms get wide margins and slow ones narrow ones. T is adjusted so that the mean of |w|/2 is as
+// chosen.
 class AtomTracks {
  public:
   struct Aim {
-    double way;    // |w|/2 in the mean [nm]
-    double spare;  // e [nm]
-    double reach;  // how far from where the atoms were at a search c and m together may reach [nm]
+    double way;               // |w|/2 in the mean [nm]
+    double spare;             // e, added for the error of the extrapolation [nm]
+    double most_from_search;  // |c − position at the last search| + m may be at most this [nm]
 
     double unknown() const { return 2 * (way + spare); }  // m of an atom that may go anywhere
   };
   struct Course {
     std::array<const double*, 3> x;  // x, x', x''
     std::array<double, 3> weight;    // w is their sum, so weighted
-    double farthest;                 // |w|/2 that is believed [nm]
-    double spare, unknown;           // m is |w|/2 and the one, or the other [nm]
+    double farthest;                 // a larger |w|/2 is not trusted [nm]
+    double spare, unknown;           // m = |w|/2 + spare; m = unknown where w is not trusted [nm]
   };
 
   void make_room(int clusters, Eigen::Index atoms);
@@ -39,32 +40,33 @@ class AtomTracks {
   static std::size_t entry(int slot, int d) { return 12 * std::size_t(slot / 4) + 4 * d + slot % 4; }
   std::vector<double>& now() { return x_[0]; }
   const std::vector<double>& now() const { return x_[0]; }
-  bool stand_at(const Vectors& x, const AtomClusters& clusters) const;
-  void advance();                // what is now becomes before
-  void forget() { known_ = 0; }  // all before
+  bool are_at(const Vectors& x, const AtomClusters& clusters) const;
+  void advance();                // shifts the history by one call
+  void forget() { known_ = 0; }  // drops the history
 
-  // Into other clusters: leave() those there were, put the atoms where they are now, enter() those there are.
+  // To change clusters: leave() stores the history by atom, the caller writes now(), enter() restores it by
+  // slot.
   void leave(const AtomClusters& clusters, const Share& share);
   void enter(const AtomClusters& clusters, const Share& share);
 
-  // c and m of the list to come; says Σ |w|/2. Then, of all, T of the one after.
+  // Writes c and m of the next list and returns Σ |w|/2. adjust() then chooses T for the list after it.
   double look_ahead(const Aim& aim, const Share& clusters, RoundedPositions& list) const;
   void adjust(double half_ways, const Aim& aim);
 
-  // Whether every atom is within its margin. Not where one is nowhere.
-  bool served(const RoundedPositions& list, const Share& clusters) const;
+  // True while every atom is inside its margin; false for NaN.
+  bool covers_all(const RoundedPositions& list, const Share& clusters) const;
 
   void serialize(Archive& archive);
 
  private:
   std::array<std::vector<double>, 3> x_;
   std::array<Vectors, 2> steps_;  // by atom, between clusters
-  int known_ = 0;                 // how many before
+  int known_ = 0;                 // calls in the history
   double ahead_ = 1;              // T
 };
 
-// How far at most an atom of the clusters, within its margin of its place in `list`, is from its place in
-// `searched`, infinitely where one is nowhere [nm]; and of each cluster.
+// The largest distance that an atom of the clusters, inside its margin about its position in `list`, can have
+// from its position in `searched` [nm]; infinite for NaN. `each` gets the largest of each cluster.
 double farthest(const RoundedPositions& searched, const Share& clusters, const RoundedPositions& list,
                 std::vector<double>& each);
 

@@ -10,17 +10,18 @@ namespace taut {
 
 inline constexpr int kClusterAtoms = 4;
 
-// What atoms have; a pair is summed for what both have.
+// The interactions that an atom has; a pair is summed for those that both atoms have.
 enum PairKind : std::uint8_t { kHasLj = 1, kHasCharge = 2 };
 
-// Two or four atoms that follow each other in a cluster, and the clusters they meet. Some pairs of atoms may
-// not count (exclusions, pairs met from the other side): their clusters come with a mask.
+// An i-cluster, or half of one, and its j-clusters: two or four consecutive atoms of a cluster and the
+// clusters within range of them. A j-cluster in which some pairs do not count (exclusions, pairs that another
+// row has) comes with an exclusion mask.
 struct PairRow {
   int first;                     // slot of its first atom
-  int kind;                      // what its atoms have, together
+  int kind;                      // the union of its atoms' PairKind
   int begin, end;                // in ClusterList::clusters
   int masked_begin, masked_end;  // in ClusterList::masked
-  Vec3 shift;                    // its atoms, moved by this, meet the clusters where they are [nm]
+  Vec3 shift;                    // periodic image: added to the positions of its atoms [nm]
 };
 
 struct MaskedCluster {
@@ -28,8 +29,8 @@ struct MaskedCluster {
   std::uint32_t mask;  // bit 4i + j: atom i of the row and atom j of the cluster count
 };
 
-// A row of an outer list has its clusters in the order of how near they were when it was searched: a core,
-// which every inner list has, and shells, each of which matters once atoms have moved so far.
+// A row of an outer list has its j-clusters in the order of their distance when it was searched: first a
+// core, which every inner list contains, then shells, each of which is needed once atoms have moved so far.
 inline constexpr int kShells = 6;
 using ShellEnds = std::array<int, kShells + 1>;  // in ClusterList::clusters: the core's, the shells'
 

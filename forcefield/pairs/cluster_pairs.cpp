@@ -18,12 +18,12 @@
 namespace taut {
 namespace {
 
-using Onto = ClusterPairs::Onto;
+using Write = ClusterPairs::Write;
 
 constexpr int kClustersPerThread = 100;  // fewer are not worth a thread
 constexpr double kEverywhere = 1e15;     // [nm]
 
-// The largest separation of two atoms along an axis [nm].
+// The largest extent of the atoms along an axis [nm].
 double spread(const Vectors& x) {
   return x.cols() > 0 ? (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).maxCoeff() : 0.0;
 }
@@ -34,7 +34,7 @@ class ClusterPairs::Engine {
  public:
   virtual ~Engine() = default;
   virtual void update_lists(const Vectors& x, const Box& box) = 0;
-  virtual void add_forces(Vectors& f, Onto onto) = 0;
+  virtual void add_forces(Vectors& f, Write write) = 0;
   virtual double energy() = 0;
   virtual Eigen::Matrix3d virial() = 0;
   virtual void serialize(Archive& archive) = 0;
@@ -54,14 +54,14 @@ class EngineIn final : public ClusterPairs::Engine {
 
   void update_lists(const Vectors& x, const Box& box) override {
     if (p_.all_pairs() && x.cols() > 0) choose_unit(2 * spread(x), x.cwiseAbs().maxCoeff());
-    if (p_.periodic && box != clusters_.box()) forget();
-    if (!searched_in_box_ || !place(x)) renew_lists(x, box);
+    if (p_.periodic && box != clusters_.box()) drop_lists();
+    if (!searched_in_box_ || !positions_within_margins(x)) renew_lists(x, box);
   }
 
-  void add_forces(Vectors& f, Onto onto) override {
+  void add_forces(Vectors& f, Write write) override {
     in_parallel(threads_, [&](int t) { add_pair_forces(p_.law, atoms_, inner_list(t), force_.cleared(t)); });
     by_clusters([&](const Share& share) {
-      hand_out(force_.all(), clusters_, share, {atoms_.unit, onto}, f);
+      reduce_forces(force_.all(), clusters_, share, {atoms_.unit, write}, f);
     });
   }
 
@@ -78,11 +78,11 @@ class EngineIn final : public ClusterPairs::Engine {
   void serialize(Archive& archive) override {
     if (p_.all_pairs()) return;
     archive(clusters_, searched_at_);
-    if (archive.loading()) search(Vectors(searched_at_), clusters_.box());
+    if (archive.loading()) search_clusters(Vectors(searched_at_), clusters_.box());
     archive(tracks_, listed_.x);
     if (!archive.loading()) return;
-    archive.demand(within_reach());
-    prune();
+    archive.demand(list_positions_within_buffer());
+    prune_lists();
   }
 
  private:
@@ -104,53 +104,53 @@ class EngineIn final : public ClusterPairs::Engine {
   void by_clusters(const auto& work) {
     in_parallel(threads_, [&](int t) { work(share_of(t)); });
   }
-  // A number of each share of the clusters, and the largest.
-  void by_shares(const auto& of) {
+  // One number for each thread's share of the clusters.
+  void compute_shares(const auto& of) {
     of_share_.resize(threads_);
     in_parallel(threads_, [&](int t) { of_share_[t] = of(share_of(t)); });
   }
-  double most(const auto& of) {
-    by_shares(of);
+  double largest_of_shares(const auto& of) {
+    compute_shares(of);
     return *std::max_element(of_share_.begin(), of_share_.end());
   }
-  bool everywhere(const auto& holds) {
-    return most([&](const Share& share) { return holds(share) ? 0.0 : 1.0; }) == 0;
+  bool all_shares(const auto& holds) {
+    return largest_of_shares([&](const Share& share) { return holds(share) ? 0.0 : 1.0; }) == 0;
   }
 
   void renew_lists(const Vectors& x, const Box& box) {
     if (!searched_in_box_ || !look_ahead()) {
-      search(x, box);
+      search_clusters(x, box);
       look_ahead();
     }
-    prune();
+    prune_lists();
   }
 
-  void forget() {
+  void drop_lists() {
     searched_in_box_ = false;
     tracks_.forget();
   }
 
-  // Where the inner list is to be made. False if that is too far from where the atoms were searched.
+  // Chooses the positions and margins of the next inner list. False where they leave the outer list's buffer.
   bool look_ahead() {
     if (p_.all_pairs()) {
       listed_ = searched_;
-      return everywhere([&](const Share& s) { return tracks_.served(listed_, s); });
+      return all_shares([&](const Share& s) { return tracks_.covers_all(listed_, s); });
     }
-    by_shares([&](const Share& s) { return tracks_.look_ahead(aim_, s, listed_); });
+    compute_shares([&](const Share& s) { return tracks_.look_ahead(aim_, s, listed_); });
     const double half_ways = std::accumulate(of_share_.begin(), of_share_.end(), 0.0);
-    if (!within_reach()) return false;
+    if (!list_positions_within_buffer()) return false;
     tracks_.adjust(half_ways, aim_);
     return true;
   }
 
-  bool within_reach() {
+  bool list_positions_within_buffer() {
     moved_.resize(clusters_.count());
-    farthest_ = most([&](const Share& s) { return farthest(searched_, s, listed_, moved_); });
-    return farthest_ <= aim_.reach;
+    farthest_ = largest_of_shares([&](const Share& s) { return farthest(searched_, s, listed_, moved_); });
+    return farthest_ <= aim_.most_from_search;
   }
 
-  // The inner list from the outer one. What is thrown while lists are made leaves none that serves.
-  void prune() {
+  // Prunes the inner list from the outer one. An exception meanwhile leaves the lists marked as invalid.
+  void prune_lists() {
     searched_in_box_ = false;
     if (!p_.all_pairs()) fill_inner_lists();
     searched_in_box_ = true;
@@ -166,23 +166,23 @@ class EngineIn final : public ClusterPairs::Engine {
     ++prunings;
   }
 
-  // Puts the atoms where they are now. False where the inner list no longer serves, or an atom is nowhere.
-  bool place(const Vectors& x) {
-    if (!tracks_.stand_at(x, clusters_)) tracks_.advance();
-    return everywhere([&](const Share& share) {
+  // Takes the positions. True while the inner list covers them; false for NaN.
+  bool positions_within_margins(const Vectors& x) {
+    if (!tracks_.are_at(x, clusters_)) tracks_.advance();
+    return all_shares([&](const Share& share) {
       place_atoms(x, clusters_, share, tracks_.now().data(), atoms_);
-      return tracks_.served(listed_, share);
+      return tracks_.covers_all(listed_, share);
     });
   }
 
-  void search(const Vectors& x, const Box& box) {
-    searched_in_box_ = false;  // until it is done: where an atom is nowhere, no list serves
+  void search_clusters(const Vectors& x, const Box& box) {
+    searched_in_box_ = false;  // until it is done: an exception must not leave half a list
     check_positions(x);
     if (std::exchange(tracks_entered_, false))
       by_clusters([&](const Share& share) { tracks_.leave(clusters_, share); });
     p_.all_pairs() ? clusters_.build_in_order(x) : clusters_.build(x, box);
     threads_ = threads_for(clusters_.count(), kClustersPerThread);
-    load(x);
+    load_slots(x);
     outer_.resize(threads_);
     inner_.resize(threads_);
     search_.resize(threads_);
@@ -201,9 +201,10 @@ class EngineIn final : public ClusterPairs::Engine {
     shares_.add_up();
     in_parallel(threads_, [&](int t) {
       force_.forget(t);
-      if (p_.all_pairs()) return force_.reach(t, outer_[t], {0, static_cast<int>(outer_[t].rows.size())});
+      if (p_.all_pairs())
+        return force_.mark_blocks(t, outer_[t], {0, static_cast<int>(outer_[t].rows.size())});
       shares_.take(t, outer_);
-      for (const auto& [list, rows] : shares_.pieces(t)) force_.reach(t, outer_[list], rows);
+      for (const auto& [list, rows] : shares_.pieces(t)) force_.mark_blocks(t, outer_[list], rows);
     });
     by_clusters([&](const Share& share) {
       place_atoms(x, clusters_, share, tracks_.now().data(), atoms_);
@@ -215,7 +216,7 @@ class EngineIn final : public ClusterPairs::Engine {
   }
 
   // Positions and parameters by slot.
-  void load(const Vectors& x) {
+  void load_slots(const Vectors& x) {
     const int slots = clusters_.slots();
     tracks_.make_room(clusters_.count(), x.cols());
     kind_.resize(slots);
@@ -225,13 +226,13 @@ class EngineIn final : public ClusterPairs::Engine {
     load_table(slots);
     searched_.x.resize(4 * slots);
     listed_.x.resize(4 * slots);
-    const double extent = most([&](const Share& share) { return load(x, share); });
+    const double extent = largest_of_shares([&](const Share& share) { return load_slots(x, share); });
     searched_.extent = listed_.extent = extent + clusters_.box().edge.maxCoeff();
     if (!p_.all_pairs()) choose_unit(2 * (p_.law.cutoff + p_.outer + clusters_.widest()), extent);
   }
 
-  // The largest coordinate of them.
-  double load(const Vectors& x, const Share& share) {
+  // Returns the largest coordinate.
+  double load_slots(const Vectors& x, const Share& share) {
     double extent = 0;
     for (int slot = 4 * share.begin; slot < 4 * share.end; ++slot) {
       const int a = clusters_.atom(slot);
@@ -252,7 +253,7 @@ class EngineIn final : public ClusterPairs::Engine {
     return extent;
   }
 
-  // Fillers are of the last type.
+  // Fillers have the last type.
   void load_table(int slots) {
     if (p_.law.mixing != Mixing::kTable) return;
     atoms_.type.assign(slots, static_cast<T>(p_.law.types - 1));
@@ -264,14 +265,14 @@ class EngineIn final : public ClusterPairs::Engine {
     copy(p_.table.b, atoms_.table_b);
   }
 
-  // Coordinates are kept modulo 2³²: atoms of clusters that meet, less than `widest` apart, tell how far they
-  // are from each other wherever they are. `extent`: of the coordinates [nm].
+  // Coordinates are kept modulo 2³² units, so differences between atoms less than `widest` apart are right
+  // wherever the atoms are. `extent`: the largest coordinate [nm].
   void choose_unit(double widest, double extent) {
     if constexpr (sizeof(T) == 4)
       atoms_.unit = std::exp2(std::ceil(std::log2(std::max({widest * 0x1p-31, extent * 0x1p-50, 1e-12}))));
   }
 
-  // Clusters of about as many pairs for each thread, each with all that come after it.
+  // The first cluster of thread t where each cluster is paired with all after it: shares of about equal work.
   int triangle_share(int t) const {
     const double left = 1 - double(t) / threads_;
     return static_cast<int>(std::lround(clusters_.count() * (1 - std::sqrt(left))));
@@ -283,11 +284,11 @@ class EngineIn final : public ClusterPairs::Engine {
   PairAtoms<T> atoms_;
   AtomTracks tracks_;
   const AtomTracks::Aim aim_;
-  RoundedPositions searched_, listed_;  // places the outer and the inner list were made for
+  RoundedPositions searched_, listed_;  // the positions that the outer and the inner list were made for
   Vectors searched_at_;                 // as they were given [nm]
   std::vector<std::uint8_t> kind_;
-  bool searched_in_box_ = false;  // the box there is, and lists are whole
-  bool tracks_entered_ = false;   // the clusters there are
+  bool searched_in_box_ = false;  // the lists are complete and of the present box
+  bool tracks_entered_ = false;   // tracks_ are by the slots of the present clusters
   std::vector<double> moved_;     // since then, as Pruning has them
   double farthest_ = 0;
   int threads_ = 1;
@@ -300,8 +301,8 @@ class EngineIn final : public ClusterPairs::Engine {
   std::vector<SixSums> parts_;
 };
 
-// Without a cutoff every separation counts. A unit of 32 bits that holds the widest is finer than single
-// precision while that is some tens of nanometres; of atoms that have gone further, all is done in double.
+// Without a cutoff every separation counts. 32-bit coordinates that hold the widest separation are finer than
+// single precision up to some tens of nanometres; wider systems are computed in double precision.
 class MixedWithoutCutoff final : public ClusterPairs::Engine {
  public:
   explicit MixedWithoutCutoff(const PairProblem& problem) : mixed_(problem), double_(problem) {}
@@ -312,7 +313,7 @@ class MixedWithoutCutoff final : public ClusterPairs::Engine {
     used_->update_lists(x, box);
     searches = mixed_.searches + double_.searches;
   }
-  void add_forces(Vectors& f, Onto onto) override { used_->add_forces(f, onto); }
+  void add_forces(Vectors& f, Write write) override { used_->add_forces(f, write); }
   double energy() override { return used_->energy(); }
   Eigen::Matrix3d virial() override { return used_->virial(); }
   void serialize(Archive& archive) override { used_->serialize(archive); }
@@ -346,8 +347,8 @@ ClusterPairs& ClusterPairs::operator=(ClusterPairs&&) noexcept = default;
 void ClusterPairs::update_lists(const Vectors& x, const Box& box) {
   engine_->update_lists(x, box);
 }
-void ClusterPairs::add_forces(Vectors& f, Onto onto) {
-  engine_->add_forces(f, onto);
+void ClusterPairs::add_forces(Vectors& f, Write write) {
+  engine_->add_forces(f, write);
 }
 double ClusterPairs::energy() {
   return engine_->energy();

@@ -10,15 +10,15 @@ namespace taut {
 
 struct PairProblem;
 
-// The pair forces of a scene (pair_kernels.hpp has the equations), in vectors over clusters of atoms sorted
-// in space, by threads. What exceptions add by their own numbers is not in them.
+// The pair forces of a scene (pair_kernels.hpp has the equations), in SIMD vectors over clusters of atoms
+// that are sorted in space, computed by threads. Exceptions with parameters of their own are not in them.
 //
 // Two lists, as GROMACS has them (Páll et al. 2020, doi:10.1063/5.0018516). The outer one, from a search,
-// holds the clusters within cutoff + outer buffer; the inner one, what of it can come within the cutoff while
-// each atom stays near where it is to be expected (AtomTracks). Forces are summed over the inner one while
-// all do; it is made again from the outer one while what is expected is within half the outer buffer of where
-// the atoms were searched. So no pair within the cutoff is ever missed. The order of all sums is fixed by the
-// lists and the number of threads.
+// holds the clusters within cutoff + outer buffer. The inner one is pruned from it: the clusters that can
+// come within the cutoff while each atom stays within a margin of its expected position (AtomTracks). Forces
+// are summed over the inner list as long as all atoms do. It is pruned anew from the outer list while the
+// expected positions are within half the outer buffer of those of the search; else the search is repeated. So
+// no pair within the cutoff is ever missed. The lists and the number of threads fix the order of all sums.
 class ClusterPairs {
  public:
   ClusterPairs(const Nonbonded& nb, bool periodic, Precision precision);
@@ -27,28 +27,28 @@ class ClusterPairs {
   ClusterPairs(ClusterPairs&&) noexcept;
   ClusterPairs& operator=(ClusterPairs&&) noexcept;
 
-  enum class Onto { kWhatIs, kNothing };  // of f; nothing, whatever it was, only where pairs act
+  enum class Write { kAdd, kOverwrite };  // overwriting sets only the forces of atoms that have pairs
   bool on_every_atom() const { return on_every_atom_; }
-  // Lists that serve atoms where they are now. Throws SimulationFailure for a position that is not finite or
-  // absurd (check_positions.hpp), of any atom when lists are made, of those that pairs act on at any time.
-  // In another box than before lists are made anew. Its shortest edge must be at least twice the cutoff.
+  // Takes the positions and renews the lists where they no longer cover them. Throws SimulationFailure for a
+  // position that is not finite or absurd (check_positions.hpp): of any atom when lists are made, of atoms
+  // that have pairs at any time. A changed box makes new lists. Its shortest edge must be at least twice the
+  // cutoff.
   void update_lists(const Vectors& x, const Box& box);
-  // Where the atoms were at the last update_lists.
-  void add_forces(Vectors& f, Onto onto = Onto::kWhatIs);
+  // The next three are at the positions of the last update_lists().
+  void add_forces(Vectors& f, Write write = Write::kAdd);
   void add_forces(const Vectors& x, const Box& box, Vectors& f) {
     update_lists(x, box);
     add_forces(f);
   }
-  // There, too [kJ/mol].
-  double energy();
+  double energy();           // [kJ/mol]
   Eigen::Matrix3d virial();  // Σ r⊗f
 
-  void serialize(Archive& archive);  // where the lists were made; loaded, they are made again there
+  void serialize(Archive& archive);  // the positions of the last search; loading repeats it there
 
   long searches() const;  // for the outer list, so far
   long prunings() const;  // to the inner one
 
-  class Engine;  // in one of the precisions
+  class Engine;  // one for each precision
 
  private:
   ClusterPairs(const PairProblem& problem, Precision precision);

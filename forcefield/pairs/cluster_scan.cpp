@@ -39,8 +39,8 @@ void find_candidates_simd(const ClusterBounds& all, const Seekers& s, std::vecto
   const D d;
   const Indices indices;
   const auto iota = hn::Iota(indices, 0);
-  const V lowest = hn::Set(d, s.low[2] - s.reach), reach2 = hn::Set(d, s.reach * s.reach);
-  const float highest = s.high[2] + s.reach;
+  const V lowest = hn::Set(d, s.low[2] - s.range), range2 = hn::Set(d, s.range * s.range);
+  const float highest = s.high[2] + s.range;
   const float *z_low = all.low[2].data(), *z_high = all.high[2].data();
   V low[3], high[3];
   for (int k = 0; k < 3; ++k) {
@@ -57,7 +57,7 @@ void find_candidates_simd(const ClusterBounds& all, const Seekers& s, std::vecto
         const V g = gap(low[k], high[k], all.low[k].data() + c, all.high[k].data() + c);
         gap2 = hn::MulAdd(g, g, gap2);
       }
-      unsigned near = bits_of(hn::Le(gap2, reach2));
+      unsigned near = bits_of(hn::Le(gap2, range2));
       if (range.end - c < kLanes) near &= (1u << (range.end - c)) - 1;
       if (near == 0) continue;
       const int first = std::countr_zero(near);

@@ -13,10 +13,10 @@ struct ClusterRange {
   int begin, end;
 };
 
-// Of clusters, number by number, and a vector's width more [nm].
+// Coordinates of clusters, one array a coordinate, each with room for a vector more [nm].
 struct SideBySide {
   static constexpr int kSpare = 16;
-  std::array<std::vector<float>, 3 * kClusterAtoms> x;  // of their four atoms, y, z
+  std::array<std::vector<float>, 3 * kClusterAtoms> x;  // x of the four atoms, then y, then z
 
   void make_room(int clusters);
 };
@@ -28,7 +28,7 @@ struct ClusterBounds : SideBySide {
   void find(const float* rounded, int begin, int end);  // of those clusters; rounded: RoundedPositions
 };
 
-// What clusters that follow each other may meet, where it is.
+// Possible j-clusters of a few consecutive i-clusters.
 struct Candidates : SideBySide {
   std::vector<int> cluster;
   int count = 0;
@@ -36,25 +36,28 @@ struct Candidates : SideBySide {
   void make_room(int clusters);
 };
 
+// The bounding box of a few consecutive i-clusters.
 struct Seekers {
-  std::array<float, 3> low, high;  // their bounds where they meet the others [nm]
-  float reach;                     // of bounds [nm]
+  std::array<float, 3> low, high;  // periodic shift included [nm]
+  float range;                     // bounds further apart than this hold no pair [nm]
 };
 
-// The clusters of the ranges within reach, and some between. What is below the reach of all seekers to come,
-// which are higher, is left behind: the ranges begin later.
+// Lists the clusters of `ranges` whose bounds are within range, and some between them. i-clusters come in the
+// order of z: clusters too low for these are too low for all after them, so the ranges are shortened at their
+// beginning.
 void find_candidates(const ClusterBounds& all, const Seekers& seekers, std::vector<ClusterRange>& ranges,
                      Candidates& out);
 
-// A cluster in search of partners.
+// An i-cluster whose j-clusters are searched.
 struct Seeker {
-  std::array<float, 3 * kClusterAtoms> x;  // where it meets the others [nm]
+  std::array<float, 3 * kClusterAtoms> x;  // periodic shift included [nm]
   int row_atoms;
-  float core2;                         // each of its rows meets a cluster of the core as near as that [nm²]
+  float core2;  // each of its rows has an atom this near to a cluster of the core [nm²]
   std::array<float, kShells> shell2;   // the shells' ends [nm²]
-  const MaskedCluster *exclude, *end;  // clusters to be kept apart
+  const MaskedCluster *exclude, *end;  // clusters with exclusion masks
 };
 
+// The j-clusters of an i-cluster.
 struct Partners {
   std::vector<int> cluster;  // a vector's width more
   std::vector<float> r2;     // of the nearest atoms [nm²]
@@ -64,8 +67,8 @@ struct Partners {
   void make_room(int clusters);
 };
 
-// Those of the candidates from `first` on that have an atom within the last shell, the core first, then the
-// shells. `out` has room for as many as there are candidates, and a vector's width more.
+// Writes to `out` the candidates from `first` on that have an atom within the last shell: the core first,
+// then shell by shell. `out` needs room for all candidates and a vector more.
 void find_partners(const Candidates& among, int first, const Seeker& seeker, Partners& found, int* out);
 
 }  // namespace taut

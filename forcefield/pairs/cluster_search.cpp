@@ -9,8 +9,8 @@ namespace {
 constexpr std::uint16_t kAll = 0xFFFF;
 constexpr int kTogether = 6;  // clusters that seek candidates together
 
-// Pairs of a cluster with itself are met once: i < j. Its fillers stand where another atom stands, and must
-// not meet it.
+// The mask of a cluster with itself: pairs i < j, each once. Fillers repeat the position of another atom and
+// are left out.
 std::uint16_t met_once(const AtomClusters& clusters, int cluster) {
   unsigned mask = 0;
   for (int j = 1; j < kClusterAtoms && !clusters.filler(kClusterAtoms * cluster + j); ++j)
@@ -20,8 +20,8 @@ std::uint16_t met_once(const AtomClusters& clusters, int cluster) {
 
 }  // namespace
 
-// Bits of pairs that do not count, in the clusters where the partners are. The fillers that repeat a partner
-// are kept apart, too: an excluded pair may be in one place, where even a filler's zero would be 0/0.
+// Clears the bits of excluded pairs in the masks of the partners' clusters. Fillers that repeat a partner are
+// excluded too: an excluded pair may be in one place, where even a filler's zero would be 0/0.
 void ClusterSearch::mask_exclusions(const SearchSpace& space, int cluster) {
   const auto& [begin, partner] = space.exclusions;
   for (const int j : masked_) mask_[j] = kAll;
@@ -62,17 +62,17 @@ void ClusterSearch::run(const SearchSpace& space, int begin, int end, ClusterLis
   seeker_.row_atoms = space.row_atoms;
   seeker_.core2 = static_cast<float>(space.core * space.core);
   for (int s = 0; s < kShells; ++s) {
-    const double reach = space.reach(double(s + 1) / kShells);
-    seeker_.shell2[s] = static_cast<float>(reach * reach);
+    const double range = space.list_range(double(s + 1) / kShells);
+    seeker_.shell2[s] = static_cast<float>(range * range);
   }
-  // along z: the column one box down, where it is, one box up
+  // along z: the images one box down, in place, one box up
   const int images = space.clusters.box().periodic() ? 1 : 0;
   const auto& columns = space.clusters.columns();
   auto own = std::partition_point(columns.begin(), columns.end(),
                                   [&](const AtomClusters::Column& c) { return c.end <= begin; });
   for (; own != columns.end() && own->begin < end; ++own)
     for (int up = -images; up <= images; ++up) {
-      space.clusters.neighbours(*own, up, neighbours_);
+      space.clusters.find_neighbours(*own, up, neighbours_);
       for (auto n = neighbours_.begin(); n != neighbours_.end();) {
         const auto first = n;
         ranges_.clear();
@@ -82,14 +82,14 @@ void ClusterSearch::run(const SearchSpace& space, int begin, int end, ClusterLis
     }
 }
 
-// The clusters `own` of a column, moved, against ranges_.
+// Lists rows of the clusters `own` of a column, shifted, with their j-clusters among ranges_.
 void ClusterSearch::meet_image(const SearchSpace& space, ClusterRange own, const Vec3& shift,
                                ClusterList& list) {
-  const double height = space.clusters.box().edge[2], reach = space.reach(1);
+  const double height = space.clusters.box().edge[2], range = space.list_range(1);
   const bool unmoved = shift.isZero(0);
   for (int begin = own.begin; begin < own.end; begin += kTogether) {
     const int end = std::min(begin + kTogether, own.end);
-    Seekers seekers{{}, {}, static_cast<float>(reach)};
+    Seekers seekers{{}, {}, static_cast<float>(range)};
     for (int d = 0; d < 3; ++d) {
       const auto& [low, high] = std::tie(space.bounds.low[d], space.bounds.high[d]);
       seekers.low[d] =
@@ -97,15 +97,16 @@ void ClusterSearch::meet_image(const SearchSpace& space, ClusterRange own, const
       seekers.high[d] =
           static_cast<float>(*std::max_element(high.begin() + begin, high.begin() + end) + shift[d]);
     }
-    if (height > 0 && (seekers.high[2] < -reach || seekers.low[2] > height + reach)) continue;
-    // where it is, the column is the first of those it meets: each pair once
+    if (height > 0 && (seekers.high[2] < -range || seekers.low[2] > height + range)) continue;
+    // unshifted, the column is the first of its own neighbours: each pair once
     if (unmoved) ranges_[0].begin = std::max(ranges_[0].begin, begin + 1);
     find_candidates(space.bounds, seekers, ranges_, candidates_);
     for (int c = begin; c < end; ++c) add_row(space, c, shift, list);
   }
 }
 
-// Of candidates_, where the cluster is only those after it; there it meets itself too.
+// Adds the row of a cluster with its j-clusters among candidates_. Unshifted, only clusters after it and the
+// cluster itself count.
 void ClusterSearch::add_row(const SearchSpace& space, int cluster, const Vec3& shift, ClusterList& list) {
   for (int k = 0; k < 3 * kClusterAtoms; ++k)
     seeker_.x[k] = space.bounds.x[k][cluster] + static_cast<float>(shift[k / 4]);

@@ -12,30 +12,29 @@
 
 namespace taut {
 
-// What a search looks at.
+// The input of a search.
 struct SearchSpace {
   const AtomClusters& clusters;
   const Adjacency& exclusions;
   const std::vector<std::uint8_t>& kind;  // by slot
   const RoundedPositions& x;
   double range;   // [nm]
-  double buffer;  // how far beyond it is looked [nm]
-  double core;    // of what is as near, inner lists have all [nm]
-  int row_atoms;  // of theirs
+  double buffer;  // of the outer list [nm]
+  double core;    // clusters this near are in every inner list [nm]
+  int row_atoms;  // of the inner lists
 
   ClusterBounds bounds = {};
 
-  double reach(double of_buffer) const { return x.safely(range + of_buffer * buffer); }
+  double list_range(double of_buffer) const { return x.safely(range + of_buffer * buffer); }
 };
 
-// Lists the clusters within range of each other: none in range is missed. One of these a thread: it keeps its
-// own room.
+// Lists all clusters within range of each other. Each thread has one of these, with scratch memory of its
+// own.
 class ClusterSearch {
  public:
-  // The rows of the clusters begin .. end. Rows of four.
+  // Lists the rows of four atoms of the clusters begin … end − 1.
   void run(const SearchSpace& space, int begin, int end, ClusterList& list);
-  // The rows of row_atoms of clusters begin .. end, where every pair counts. list.clusters becomes 0, 1, 2,
-  // ...
+  // Where every pair counts: the rows of row_atoms atoms of those clusters. list.clusters becomes 0, 1, 2, …
   void run_all(const SearchSpace& space, int begin_cluster, int end_cluster, ClusterList& list);
 
  private:
@@ -44,8 +43,8 @@ class ClusterSearch {
   void meet_image(const SearchSpace& space, ClusterRange own, const Vec3& shift, ClusterList& list);
   void add_row(const SearchSpace& space, int cluster, const Vec3& shift, ClusterList& list);
 
-  std::vector<std::uint16_t> mask_;  // by cluster: pairs with the cluster in hand that count
-  std::vector<int> masked_;          // where not all do
+  std::vector<std::uint16_t> mask_;  // by cluster: which pairs with the current i-cluster count
+  std::vector<int> masked_;          // the clusters whose masks are not all ones
   int begin_ = 0;                    // the first cluster
   std::vector<int> exclude_begin_;   // by cluster from there: where its own begin
   std::vector<MaskedCluster> exclude_;

@@ -1,4 +1,4 @@
-// Forces of rows whose law is dear: only for pairs within the cutoff. Included once a target.
+// Forces of expensive pair potentials, computed only for pairs within the cutoff. Included once a target.
 #if defined(TAUT_DENSE_ROWS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef TAUT_DENSE_ROWS_INL
 #undef TAUT_DENSE_ROWS_INL
@@ -16,13 +16,13 @@ namespace taut::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Of the places of clusters that meet, half to four fifths are beyond the cutoff. Here the squared distances
-// of those within are packed, the law is a function of them alone, and what it gives is spread over the
-// places again, for charges and depths to multiply. Distances are found twice for it. That pays where vectors
-// can be packed at one blow and the law is long: a switch, or Ewald's screening with many terms.
+// Half to four fifths of the pairs of listed clusters are beyond the cutoff. Here the squared distances of
+// the pairs within it are packed, the potential is computed for them alone, and its values are unpacked
+// again, to be multiplied by charges and depths. Distances are computed twice for that. It pays where one
+// instruction packs a vector and the potential is expensive: a switch, or Ewald's screening with many terms.
 template <class T, class C>
-constexpr bool kDense = HWY_TARGET <= HWY_AVX3&& Shape<T>::kLanes * sizeof(T) == 64 && !C::kSum
-                        && C::kOneSigma && (C::kSwitched || C::kFine);
+constexpr bool kPacksPairs = HWY_TARGET <= HWY_AVX3&& Shape<T>::kLanes * sizeof(T) == 64 && !C::kSum
+                             && C::kOneSigma && (C::kSwitched || C::kFine);
 
 #if HWY_TARGET <= HWY_AVX3
 HWY_INLINE hn::Mask512<float> not_beyond(hn::Vec512<float> r2, hn::Vec512<float> cutoff2) {  // NaN must show
@@ -32,17 +32,17 @@ HWY_INLINE hn::Mask512<double> not_beyond(hn::Vec512<double> r2, hn::Vec512<doub
   return {_mm512_cmp_pd_mask(r2.raw, cutoff2.raw, _CMP_NGT_UQ)};
 }
 
-// A vector's numbers at the mask's places to its front; and back, with zeros elsewhere.
+// pack() moves the lanes of the mask to the front; unpack() moves them back, with zeros elsewhere.
 HWY_INLINE hn::Vec512<float> pack(hn::Vec512<float> v, hn::Mask512<float> at) {
   return {_mm512_maskz_compress_ps(at.raw, v.raw)};
 }
 HWY_INLINE hn::Vec512<double> pack(hn::Vec512<double> v, hn::Mask512<double> at) {
   return {_mm512_maskz_compress_pd(at.raw, v.raw)};
 }
-HWY_INLINE hn::Vec512<float> spread(hn::Vec512<float> v, hn::Mask512<float> at) {
+HWY_INLINE hn::Vec512<float> unpack(hn::Vec512<float> v, hn::Mask512<float> at) {
   return {_mm512_maskz_expand_ps(at.raw, v.raw)};
 }
-HWY_INLINE hn::Vec512<double> spread(hn::Vec512<double> v, hn::Mask512<double> at) {
+HWY_INLINE hn::Vec512<double> unpack(hn::Vec512<double> v, hn::Mask512<double> at) {
   return {_mm512_maskz_expand_pd(at.raw, v.raw)};
 }
 #endif
@@ -50,10 +50,10 @@ HWY_INLINE hn::Vec512<double> spread(hn::Vec512<double> v, hn::Mask512<double> a
 template <class T, class C>
 class RowSum;
 
-// As many rows at a time as stay in the first cache. What changes in loops is in variables of theirs: the
-// compiler cannot know that what is stored is not among it.
+// Takes as many rows at a time as fit the first-level cache. Loops keep what they change in local variables,
+// because the compiler cannot rule out that a store changes a member.
 template <class T, class C>
-class DenseRows {
+class PackedPairs {
   using S = Shape<T>;
   using D = typename S::D;
   using V = typename S::V;
@@ -62,7 +62,7 @@ class DenseRows {
   using Bits = decltype(M::raw);
 
  public:
-  HWY_INLINE DenseRows(const PairLaw& law, double unit, RowSum<T, C>& row)
+  HWY_INLINE PackedPairs(const PairLaw& law, double unit, RowSum<T, C>& row)
       : row_(row),
         unit2_(hn::Set(D(), static_cast<T>(unit * unit))),
         cutoff2_(hn::Set(D(), static_cast<T>(law.cutoff * law.cutoff / (unit * unit)))) {}
@@ -101,8 +101,8 @@ class DenseRows {
         const M within{within_[tile]};
         V r[3], coulomb{}, lj{}, f[3];
         subtract(own, x, cluster, r);
-        if constexpr (C::kCharge) coulomb = spread(hn::LoadU(d, r2_ + pair), within);
-        if constexpr (C::kLj) lj = spread(hn::LoadU(d, lj_ + pair), within);
+        if constexpr (C::kCharge) coulomb = unpack(hn::LoadU(d, r2_ + pair), within);
+        if constexpr (C::kLj) lj = unpack(hn::LoadU(d, lj_ + pair), within);
         const V term = law.term(atoms, 4 * cluster, coulomb, lj);
         for (int k = 0; k < 3; ++k) own_f[k] = hn::MulAdd(term, r[k], own_f[k]);
         // stores together: among the loads they cost 3 cycles more

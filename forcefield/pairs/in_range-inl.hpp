@@ -11,7 +11,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
-// Stores those of the vector whose bits are set; up to a vector's width is written. Says where they end.
+// Stores the lanes whose bits are set, packed; a whole vector may be written. Returns their end.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE int* store_those(D d, V indices, unsigned bits, int* out) {
   std::uint8_t bytes[8] = {static_cast<std::uint8_t>(bits), static_cast<std::uint8_t>(bits >> 8)};
@@ -19,14 +19,15 @@ HWY_INLINE int* store_those(D d, V indices, unsigned bits, int* out) {
   return out + hwy::PopCount(bits);
 }
 
-// A cluster, moved, against others: in AVX-512 all 4 × 4 pairs at once.
+// Tests which pairs of an i-cluster, shifted, and another cluster are within range: in AVX-512 all 4 × 4 at
+// once.
 class InRange {
   using S = Shape<float>;
 
  public:
-  // x: RoundedPositions of all clusters; reach: a range made safe for them, without margins [nm].
-  HWY_INLINE InRange(const float* x, double reach)
-      : x_(x), reach_(hn::Set(S::D(), static_cast<float>(reach))) {}
+  // x: RoundedPositions of all clusters; range: a range made safe for them, without margins [nm].
+  HWY_INLINE InRange(const float* x, double range)
+      : x_(x), range_(hn::Set(S::D(), static_cast<float>(range))) {}
 
   HWY_INLINE void take(int cluster, const Vec3& shift) {
     const S::D d;
@@ -34,11 +35,11 @@ class InRange {
       const float* x = x_ + 16 * std::ptrdiff_t{cluster} + v * S::kRows;
       for (int k = 0; k < 3; ++k)
         own_[k][v] = hn::Add(load_rows(d, x + 4 * k), hn::Set(d, static_cast<float>(shift[k])));
-      own_reach_[v] = hn::Add(load_rows(d, x + 12), reach_);
+      own_range_[v] = hn::Add(load_rows(d, x + 12), range_);
     }
   }
 
-  // Bit 4i + j: its atom i and the other cluster's j.
+  // Bit 4i + j is set where atom i of the i-cluster and atom j of the other are within range.
   HWY_INLINE unsigned with(int other) const {
     const S::D d;
     unsigned bits = 0;
@@ -49,17 +50,17 @@ class InRange {
       for (int v = 0; v < S::kVectors; ++v) {
         const auto dx = hn::Sub(own_[0][v], xj), dy = hn::Sub(own_[1][v], yj), dz = hn::Sub(own_[2][v], zj);
         const auto r2 = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
-        const auto reach = hn::Add(own_reach_[v], margin);
+        const auto range = hn::Add(own_range_[v], margin);
         std::uint64_t found = 0;
-        hn::StoreMaskBits(d, hn::Le(r2, hn::Mul(reach, reach)), reinterpret_cast<std::uint8_t*>(&found));
+        hn::StoreMaskBits(d, hn::Le(r2, hn::Mul(range, range)), reinterpret_cast<std::uint8_t*>(&found));
         bits |= static_cast<unsigned>(found) << (4 * v * S::kRows + part * S::kColumns);
       }
     }
     return bits;
   }
 
-  // Stores those of the clusters that hold a pair in range, of the whole cluster or of each half of it; end[]
-  // is where, and where they end.
+  // Stores the clusters that hold a pair in range of the i-cluster (kPieces = 1) or of each half of it (2)
+  // from end[] on, and moves end[] behind them.
   template <int kPieces>
   HWY_INLINE void choose(const int* clusters, int count, int* (&end)[kPieces]) const {
     const hn::CappedTag<std::int32_t, 16> d;
@@ -86,8 +87,8 @@ class InRange {
 
  private:
   const float* x_;
-  S::V reach_;
-  S::V own_[3][S::kVectors], own_reach_[S::kVectors];
+  S::V range_;
+  S::V own_[3][S::kVectors], own_range_[S::kVectors];
 };
 
 }  // namespace taut::HWY_NAMESPACE

@@ -18,7 +18,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 // Rows of one kind against their clusters.
 template <class T, class C>
 class RowSum {
-  friend class DenseRows<T, C>;
+  friend class PackedPairs<T, C>;
   using S = Shape<T>;
   using D = typename S::D;
   using V = typename S::V;
@@ -261,8 +261,8 @@ HWY_INLINE void add_chosen(const Rows& rows, const PairAtoms<T>& atoms, auto& su
 template <class T, class C>
 HWY_NOINLINE SixSums sum_rows(const Rows& rows, const PairAtoms<T>& atoms, T* f) {
   RowSum<T, C> sum(rows.law, atoms, f);
-  if constexpr (kDense<T, C>) {
-    DenseRows<T, C> dense(rows.law, atoms.unit, sum);
+  if constexpr (kPacksPairs<T, C>) {
+    PackedPairs<T, C> dense(rows.law, atoms.unit, sum);
     add_chosen<T, C>(rows, atoms, dense);
     dense.add_forces();
   } else {

@@ -11,12 +11,12 @@
 
 namespace taut {
 
-// How a pair's σ and ε are found: σ is the same of all that have ε, so that √ε_i √ε_j is all a pair needs;
-// Lorentz and Berthelot's rule; a table.
+// How a pair's σ and ε follow from its atoms: one σ for all atoms that have ε, so that a pair needs √ε_i √ε_j
+// alone; Lorentz and Berthelot's rule; a table by types.
 enum class Mixing { kOneSigma, kTwoSigmas, kTable };
 
-// What pairs do, in the conventions of OpenMM's NonbondedForce (no cutoff; cutoff with reaction field, in a
-// periodic box or without one):
+// The pair potential, in the conventions of OpenMM's NonbondedForce (no cutoff; cutoff with reaction field,
+// in a periodic box or without one):
 //     LJ:       4ε((σ/r)¹² − (σ/r)⁶) S(r),   σ = ½(σ_i + σ_j), ε = √(ε_i ε_j)   (Lorentz–Berthelot)
 //     switch:   S = 1 − 6x⁵ + 15x⁴ − 10x³, x = (r − rs)/(rc − rs); 1 below rs
 //     Coulomb:  k q_i q_j (1/r + k_rf r² − c_rf), k_rf = (ε−1)/((2ε+1)rc³), c_rf = 3ε/((2ε+1)rc)
@@ -25,13 +25,13 @@ enum class Mixing { kOneSigma, kTwoSigmas, kTable };
 //     WCA:      4ε((σ/r)¹² − (σ/r)⁶) + ε up to 2^(1/6)σ, its minimum, where energy and force reach zero
 //               (Weeks, Chandler and Andersen 1971, doi:10.1063/1.1674820)
 //     LJ by a table: a/r¹² − b/r⁶, a and b of the atoms' types
-// A pair is summed for what both its atoms have, Lennard-Jones, charge or both.
+// A pair interacts by what both its atoms have: Lennard-Jones, charge or both.
 struct PairLaw {
   bool lj = false, charge = false;
   Mixing mixing = Mixing::kTwoSigmas;
   double sigma = 0;                                         // the one [nm]
   double types = 0;                                         // of the table: its lines are as long
-  double lift = 0;                                          // of a pair's energy, in its ε: 1 for WCA
+  double energy_shift = 0;                                  // of a pair's energy, in units of ε: 1 for WCA
   double cutoff = std::numeric_limits<double>::infinity();  // [nm]
   double switch_distance = std::numeric_limits<double>::infinity();  // [nm]
   double k_rf = 0, c_rf = 0;                                         // [1/nm³], [1/nm]
@@ -41,12 +41,12 @@ struct PairLaw {
   double sigma6() const { return sigma * sigma * sigma * sigma * sigma * sigma; }
 };
 
-enum class Ask { kForces, kEnergy, kVirial };  // what is summed over pairs
+enum class Ask { kForces, kEnergy, kVirial };  // what a kernel sums over pairs
 
-// The precision pairs are computed in. Double: all of it. Float: positions are 32-bit whole multiples of a
-// unit of length, modulo 2³², so that the differences of atoms that can meet are exact however large space
-// is; from there on single precision, a lane's sum over its few tens of pairs included, and double from
-// there.
+// The precision of pairs. Double: everything. Float: positions are 32-bit whole multiples of a unit of
+// length, modulo 2³², so that differences of atoms within range are exact however large the system is. Their
+// forces, and a lane's sum over its few tens of pairs, are in single precision; all further sums are in
+// double.
 template <class T>
 struct PairPrecision;
 template <>
@@ -78,11 +78,12 @@ struct PairAtoms {
   double unit = 1;                                   // of x [nm]; 1 in double
 };
 
-// Vectors of the machine hold a cluster's four, once or more: each lane adds to a force of its own.
+// How many copies of a cluster's forces the kernels keep: a vector holds the four atoms once or more, and
+// each lane adds to a force of its own.
 template <class T>
 int force_copies();
 
-// What the machine's kernels want of PairLaw::screening.
+// The form of PairLaw::screening that this machine's kernels use.
 template <class T>
 ScreeningFit screening_fit();
 

@@ -1,4 +1,4 @@
-// How pairs of atoms lie in vectors. Included once a target.
+// The layout of pairs of atoms in vectors. Included once a target.
 #if defined(TAUT_PAIR_LANES_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef TAUT_PAIR_LANES_INL
 #undef TAUT_PAIR_LANES_INL
@@ -33,7 +33,7 @@ struct Shape {
   static constexpr int kParts = 4 / kColumns;         // of a cluster
 };
 
-// Four in a row of a cluster (or as many as fit), again for each of the vector's rows.
+// Loads four numbers of a cluster (or as many as fit), repeated for each of the vector's rows.
 template <class DT>
 HWY_INLINE hn::Vec<DT> load_columns(DT d, const hn::TFromD<DT>* p) {
   constexpr int lanes = static_cast<int>(hn::MaxLanes(DT()));
@@ -46,7 +46,7 @@ HWY_INLINE hn::Vec<DT> load_columns(DT d, const hn::TFromD<DT>* p) {
 #endif
 }
 
-// kRows in a row, each across the columns.
+// Loads kRows consecutive numbers, each repeated across the columns.
 template <class DT>
 HWY_INLINE hn::Vec<DT> load_rows(DT d, const hn::TFromD<DT>* p) {
 #if HWY_TARGET <= HWY_AVX3

@@ -1,4 +1,4 @@
-// What pairs do, in lanes. Included once a target.
+// The pair potential in SIMD lanes. Included once a target.
 #if defined(TAUT_PAIR_LAW_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef TAUT_PAIR_LAW_INL
 #undef TAUT_PAIR_LAW_INL
@@ -27,18 +27,18 @@ struct Choice {
   static constexpr bool kSum = kEnergy || kVirial;  // no forces
   // What the law starts from: 1/r, for energies and switches; 1/r³, for charges; 1/r², without them.
   static constexpr bool kFromRoot = kSwitched || (charge && kEnergy), kFromCube = charge && !kFromRoot;
-  // Whether such rows have kernels of their own.
+  // True where rows with Lennard-Jones in one half have a kernel of their own.
   static constexpr bool kSplit = lj && charge && kOneSigma && !kSwitched && !kSum && !fine;
 };
 
-// PairLaw, for the vectors of a Shape<T> and one Choice C.
+// PairLaw in vectors of a Shape<T>, for one Choice C of interactions.
 template <class T, class C>
 class LawInLanes {
   using D = typename Shape<T>::D;
   using V = typename Shape<T>::V;
 
  public:
-  // What it takes of a vector's row.
+  // Parameters of the row's atoms in a vector.
   struct Atoms {
     V q, eps, half_sigma;
     V repulsion, attraction;  // 12 σ¹² and 6 σ⁶, times eps
@@ -59,7 +59,7 @@ class LawInLanes {
         sigma6_(set(law.sigma6())),
         six_sigma6_(set(kSix * law.sigma6())),
         twelve_sigma12_(set(kTwelve * law.sigma6() * law.sigma6())),
-        lift_(set(law.lift / 4)),
+        energy_shift_(set(law.energy_shift / 4)),
         screen_(law.screening.scale, C::kEnergy ? law.screening.energy : law.screening.force, kScale) {
     if constexpr (C::kSwitched) {
       const double width = law.cutoff - law.switch_distance;
@@ -171,7 +171,7 @@ class LawInLanes {
     }
   }
 
-  // What it takes of a cluster's atoms, from slot j on.
+  // Parameters of a j-cluster's atoms, from slot j on.
   struct Column {
     V eps, half_sigma, type;
   };
@@ -235,9 +235,9 @@ class LawInLanes {
         slope = hn::Mul(hn::Mul(depth, hn::MulSub(set(kTwelve), s6, set(kSix))), inv_r2);
       if constexpr (needs_energy) energy = hn::MulSub(depth, s6, depth);
     }
-    if constexpr (C::kSwitched) fade(r2, inverse, slope, energy);
+    if constexpr (C::kSwitched) apply_switch(r2, inverse, slope, energy);
     if constexpr (!C::kEnergy) return slope;
-    return C::kTable ? energy : hn::MulAdd(lift_, four_eps, energy);
+    return C::kTable ? energy : hn::MulAdd(energy_shift_, four_eps, energy);
   }
 
   // With one σ and no switch, of the lower half.
@@ -253,7 +253,7 @@ class LawInLanes {
 #endif
 
   // S = 1 − u³(10 − 15u + 6u²), S' = −30 (u − u²)²; the force gains −E S'/r
-  HWY_INLINE void fade(V r2, V inv_r, V& slope, V& energy) const {
+  HWY_INLINE void apply_switch(V r2, V inv_r, V& slope, V& energy) const {
     const V u = hn::Max(hn::MulSub(hn::Mul(r2, inv_r), inv_width_, start_), hn::Zero(D()));
     const V u2 = hn::Mul(u, u), u_less_u2 = hn::Sub(u, u2);
     const V left =
@@ -263,7 +263,7 @@ class LawInLanes {
     energy = hn::Mul(energy, left);
   }
 
-  // Whole numbers are in the low bits of kWhole and them together.
+  // A whole number added to kWhole is in the low bits of the sum.
   static constexpr double kWhole = sizeof(T) == 8 ? 0x1p52 : 0x1p23;
   static HWY_INLINE auto place_in_table(V line_and_column) {
     const hn::RebindToSigned<D> d;
@@ -277,7 +277,7 @@ class LawInLanes {
   const T* HWY_RESTRICT table_a_;
   const T* HWY_RESTRICT table_b_;
   V types_;
-  V k_rf_, two_k_rf_, c_rf_, sigma6_, six_sigma6_, twelve_sigma12_, lift_;
+  V k_rf_, two_k_rf_, c_rf_, sigma6_, six_sigma6_, twelve_sigma12_, energy_shift_;
   V start_{}, inv_width_{}, slope_width_{};
   ScreenInLanes<D, C::kFine> screen_;
 };

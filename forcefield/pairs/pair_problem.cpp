@@ -26,7 +26,8 @@ void add_kinds(PairProblem& p) {
   p.law.sigma = 2 * high;
 }
 
-// Of atoms whose types have no Lennard-Jones with any, two_sqrt_epsilon is 0; of others it says no more.
+// With a table two_sqrt_epsilon only tells whether an atom has Lennard-Jones: 1, or 0 where its type has
+// none.
 void take_table(const LennardJonesTable& from, PairProblem& p) {
   const Eigen::Index n = from.a.rows();
   p.table = {from.type, Eigen::MatrixXd::Zero(n + 1, n + 1), Eigen::MatrixXd::Zero(n + 1, n + 1)};
@@ -37,9 +38,9 @@ void take_table(const LennardJonesTable& from, PairProblem& p) {
     p.two_sqrt_epsilon[i] = from.a.col(from.type[i]).any() || from.b.col(from.type[i]).any() ? 1 : 0;
 }
 
-// How far beyond the cutoff the lists look, in cutoffs: what they save in lists made against the pairs they
-// add. Of the core hardly any leaves the cutoff while the outer list serves. The cutoff is at most half the
-// shortest edge of a box: what the outer one looks for stays within one.
+// Buffers in units of the cutoff: wider ones make lists more rarely but add pairs beyond the cutoff. Hardly
+// any cluster of the core leaves the cutoff during the life of an outer list. As the cutoff is at most half
+// the shortest edge of the box, cutoff and outer buffer together stay below one edge.
 void choose_buffers(PairProblem& p, double way, double spare, double outer) {
   p.way = way * p.law.cutoff;
   p.spare = spare * p.law.cutoff;
@@ -78,8 +79,8 @@ PairProblem problem_of(const Nonbonded& nb, bool periodic, Precision precision) 
 
 PairProblem problem_of(const Wca& wca, int atoms, bool periodic) {
   PairProblem p;
-  p.law.cutoff = wca.reach();
-  p.law.lift = 1;
+  p.law.cutoff = wca.cutoff();
+  p.law.energy_shift = 1;
   p.periodic = periodic;
   choose_buffers(p, 0.01, 0.008, 0.5);
   p.charge = Eigen::VectorXd::Zero(atoms);

@@ -11,12 +11,12 @@
 
 namespace taut {
 
-// Atoms and what happens between them, before there are clusters.
+// The atoms' parameters and the pair potential, by atom: independent of positions.
 struct PairProblem {
   PairLaw law;
   bool periodic = false;
-  double way = 0, spare = 0;       // of the inner list: AtomTracks::Aim [nm]
-  double outer = 0, core = 0;      // of the outer one: its buffer, and how far its core reaches [nm]
+  double way = 0, spare = 0;       // margins of the inner list: AtomTracks::Aim [nm]
+  double outer = 0, core = 0;      // the outer list: its buffer and the radius of its core [nm]
   std::vector<std::uint8_t> kind;  // n
   Eigen::VectorXd charge, half_sigma, two_sqrt_epsilon;  // as PairAtoms has them, n
   LennardJonesTable table;                               // with a last type for what has no Lennard-Jones

@@ -13,7 +13,7 @@ namespace taut::HWY_NAMESPACE {
 
 constexpr int kWidest = 16;
 
-// What of a row's masks concerns the atoms from `first` on, 4 bits an atom.
+// Copies the part of a row's masks that concerns the atoms from `first` on, 4 bits an atom.
 void add_masks(const ClusterList& list, const PairRow& whole, int first, int atoms, PairRow& row,
                ClusterList& pruned) {
   row.masked_begin = static_cast<int>(pruned.masked.size());
@@ -25,7 +25,7 @@ void add_masks(const ClusterList& list, const PairRow& whole, int first, int ato
   row.masked_end = static_cast<int>(pruned.masked.size());
 }
 
-// Up to a vector's width more is read and written. Says where they end.
+// Copies in whole vectors: up to a vector more is read and written. Returns the end.
 HWY_INLINE int* copy_some(const int* from, int count, int* to) {
   const hn::CappedTag<std::int32_t, kWidest> d;
   for (int k = 0; k < count; k += static_cast<int>(hn::MaxLanes(d)))
@@ -33,7 +33,7 @@ HWY_INLINE int* copy_some(const int* from, int count, int* to) {
   return to + count;
 }
 
-// Cuts rows of four into so many pieces, each with the clusters that hold a pair in range with it.
+// Cuts rows of four atoms into kPieces rows, each with the clusters that hold a pair in range of it.
 template <int kPieces>
 HWY_INLINE void prune_in_pieces(const Pruning& how, const ClusterList& list, RowRange range,
                                 ClusterList& pruned) {
@@ -47,7 +47,7 @@ HWY_INLINE void prune_in_pieces(const Pruning& how, const ClusterList& list, Row
   const double shells_per_nm = kShells / how.buffer;
   for (int r = range.begin; r < range.end; ++r) {
     const PairRow& whole = list.rows[r];
-    // a pair out of range by more than both have moved stays out of it
+    // clusters further apart than both have moved stay out of range
     const double moved = how.moved[whole.first / kClusterAtoms] + how.farthest;
     const int shells = static_cast<int>(std::min(1 + shells_per_nm * moved, double{kShells}));  // moved: or ∞
     const int core = list.shells[r][0], end_of_shells = list.shells[r][shells];

@@ -13,17 +13,18 @@ struct RowRange {
   int begin, end;
 };
 
-// What of an outer list's rows is within `range` now, and their cores, in rows of row_atoms.
+// Prunes an outer list: of its rows' j-clusters keeps the core and those within `range` now, in rows of
+// row_atoms.
 struct Pruning {
   const RoundedPositions& x;
   const std::vector<std::uint8_t>& kind;  // by slot
   double range;                           // [nm]
   int row_atoms;
-  const std::vector<double>& moved;  // by cluster: how far it may be from where it was searched [nm]
-  double farthest;                   // of all [nm]
+  const std::vector<double>& moved;  // by cluster: the largest distance from the position of the search [nm]
+  double farthest;                   // the largest of them [nm]
   double buffer;                     // of the outer list [nm]
 
-  // Adds it to `pruned`; its clusters may have room to spare at their end.
+  // Appends to `pruned`, whose `clusters` may end in unused room.
   void add(const ClusterList& list, RowRange rows, ClusterList& pruned) const;
 };
 

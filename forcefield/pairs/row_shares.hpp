@@ -7,8 +7,8 @@
 
 namespace taut {
 
-// The rows of all threads' lists, shared out again so that each thread has as much work, in the order in
-// which they were found.
+// Shares the rows of all threads' outer lists out again, in the order in which they were found, so that each
+// thread has the same work.
 class RowShares {
  public:
   struct Piece {

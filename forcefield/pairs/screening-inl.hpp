@@ -17,21 +17,22 @@ namespace taut::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// α H or α³ G of vectors of squared distances. Where a vector's lanes are chosen from another's at one blow,
-// a coefficient of all pieces is one vector, and the many pieces need few terms: 11 for 22 in double, 5 for
-// 12 in single precision. Other machines have one piece.
+// α H or α³ G of vectors of squared distances. On targets with a one-instruction permutation of lanes, one
+// vector holds a coefficient of all pieces, and polynomials of many short pieces need fewer terms: 11 instead
+// of 22 in double precision, 5 instead of 12 in single. Other targets use one piece.
 template <class D>
 struct ScreeningPieces {
   static constexpr std::size_t kLanes = hn::MaxLanes(D()), kNumber = sizeof(hn::TFromD<D>);
   static constexpr bool kMany =
       (HWY_TARGET <= HWY_AVX3 && kLanes * kNumber == 64) || (HWY_TARGET == HWY_AVX2 && kLanes == 8);
   static constexpr int kPieces = kMany ? int(kLanes) : 1;
-  // As many as usual tolerances need. Kernels know that there are so many, or take any number if they are
-  // fine.
+  // The terms that usual tolerances need, known when the kernel is compiled. Kernels for tight tolerances
+  // (fine) take any number.
   static constexpr int kTerms = kPieces == 1 ? 2 : kNumber == 8 ? 11 : kPieces == 16 ? 5 : 7;
 
   static constexpr ScreeningFit fit() {
-    // One piece as wide as the cutoff misses by all of its error; of many, most miss by far less.
+    // The fit's error bounds each piece. One piece as wide as the cutoff has that error everywhere; most of
+    // many short pieces have far less.
     return {kPieces, kTerms, kNumber == 4 ? (kMany ? 2e-6 : 2e-8) : (kMany ? 2e-13 : 1e-15)};
   }
   static bool fine(const std::vector<double>& numbers) { return kMany && numbers.size() > kPieces * kTerms; }
@@ -60,7 +61,7 @@ class ScreenInLanes {
  private:
   using Piece = hn::Vec<hn::RebindToSigned<D>>;
 
-  // Even and odd powers apart, so that one need not wait for the other.
+  // Horner's rule for even and odd powers apart: two shorter chains of dependent operations.
   template <int K>
   HWY_INLINE void sum(const int terms, const V (&r2)[K], V (&out)[K]) const {
     V t[K], t2[K], next[K];
@@ -84,7 +85,8 @@ class ScreenInLanes {
     }
   }
 
-  // The piece, a whole number, is in the low bits of kWhole and it together. Beyond the cutoff it is any.
+  // Adding `whole` rounds to an integer, which is then in the low bits. Beyond the cutoff the piece is
+  // arbitrary.
   HWY_INLINE V find_piece(V r2, [[maybe_unused]] Piece& piece) const {
     const D d;
     if constexpr (kPieces == 1) return hn::MulSub(r2, hn::Set(d, scale_), hn::Set(d, T(0.5)));
@@ -94,7 +96,7 @@ class ScreenInLanes {
     return hn::MulSub(r2, scale, hn::Sub(sum, whole));
   }
 
-  // A lane of many is chosen by as many low bits as it takes.
+  // The coefficient of each lane's own piece.
   HWY_INLINE V number(int term, [[maybe_unused]] const Piece& piece) const {
     const T* of_pieces = number_ + kPieces * term;
 #if HWY_TARGET <= HWY_AVX3

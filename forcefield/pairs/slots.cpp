@@ -14,10 +14,10 @@ namespace taut::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 using Four = hn::CappedTag<double, 4>;
 using FourV = hn::Vec<Four>;
-constexpr int kAhead = 32;  // atoms asked for before their turn: they lie anywhere in memory
+constexpr int kAhead = 32;  // atoms prefetched before their turn: they lie anywhere in memory
 
 #if HWY_TARGET <= HWY_AVX2
-// x, y, z and something of four atoms become x of all, y, z.
+// Transposes (x, y, z, any) of four atoms to x of all four, y and z.
 HWY_INLINE void by_axes(const FourV (&atom)[4], FourV (&axis)[3]) {
   const Four d;
   const auto xz01 = hn::InterleaveLower(d, atom[0], atom[1]), xz23 = hn::InterleaveLower(d, atom[2], atom[3]);
@@ -75,7 +75,7 @@ void place_all(const Vectors& x, const AtomClusters& clusters, const Share& shar
   }
 }
 
-// x, y or z of a cluster's four, of all copies of all threads that reach it.
+// The forces on a cluster's four atoms, summed over all copies of all threads that touch it.
 template <class T>
 HWY_INLINE void add_copies(const SlotForces<T>& from, int cluster, double (&sum)[3][4]) {
   constexpr int kCopies = Shape<T>::kRows, kNumbers = 3 * 4 * kCopies;
@@ -98,9 +98,9 @@ HWY_INLINE void add_copies(const SlotForces<T>& from, int cluster, double (&sum)
 }
 
 template <class T>
-void hand_out_all(const SlotForces<T>& from, const AtomClusters& clusters, const Share& share,
-                  const HandOut& how, Vectors& f) {
-  const bool onto_nothing = how.onto == ClusterPairs::Onto::kNothing;
+void reduce_forces_all(const SlotForces<T>& from, const AtomClusters& clusters, const Share& share,
+                       const Reduction& how, Vectors& f) {
+  const bool overwrite = how.write == ClusterPairs::Write::kOverwrite;
   const int last = 4 * share.end - 1;
   for (int c = share.begin; c < share.end; ++c) {
     double sum[3][4];
@@ -110,7 +110,7 @@ void hand_out_all(const SlotForces<T>& from, const AtomClusters& clusters, const
       hwy::Prefetch(f.data() + 3 * clusters.atom(std::min(slot + kAhead, last)));
       if (clusters.filler(slot)) continue;
       double* out = f.data() + 3 * clusters.atom(slot);
-      for (int k = 0; k < 3; ++k) out[k] = (onto_nothing ? 0 : out[k]) + sum[k][i] * how.unit;
+      for (int k = 0; k < 3; ++k) out[k] = (overwrite ? 0 : out[k]) + sum[k][i] * how.unit;
     }
   }
 }
@@ -123,13 +123,13 @@ void place_double(const Vectors& x, const AtomClusters& clusters, const Share& s
                   PairAtoms<double>& to) {
   place_all(x, clusters, share, now, to);
 }
-void hand_out_float(const SlotForces<float>& from, const AtomClusters& clusters, const Share& share,
-                    const HandOut& how, Vectors& f) {
-  hand_out_all(from, clusters, share, how, f);
+void reduce_forces_float(const SlotForces<float>& from, const AtomClusters& clusters, const Share& share,
+                         const Reduction& how, Vectors& f) {
+  reduce_forces_all(from, clusters, share, how, f);
 }
-void hand_out_double(const SlotForces<double>& from, const AtomClusters& clusters, const Share& share,
-                     const HandOut& how, Vectors& f) {
-  hand_out_all(from, clusters, share, how, f);
+void reduce_forces_double(const SlotForces<double>& from, const AtomClusters& clusters, const Share& share,
+                          const Reduction& how, Vectors& f) {
+  reduce_forces_all(from, clusters, share, how, f);
 }
 
 }  // namespace taut::HWY_NAMESPACE
@@ -140,8 +140,8 @@ namespace taut {
 
 HWY_EXPORT(place_float);
 HWY_EXPORT(place_double);
-HWY_EXPORT(hand_out_float);
-HWY_EXPORT(hand_out_double);
+HWY_EXPORT(reduce_forces_float);
+HWY_EXPORT(reduce_forces_double);
 
 template <>
 void place_atoms(const Vectors& x, const AtomClusters& clusters, const Share& share, double* now,
@@ -154,14 +154,14 @@ void place_atoms(const Vectors& x, const AtomClusters& clusters, const Share& sh
   HWY_DYNAMIC_DISPATCH(place_double)(x, clusters, share, now, to);
 }
 template <>
-void hand_out(const SlotForces<float>& from, const AtomClusters& clusters, const Share& share,
-              const HandOut& how, Vectors& f) {
-  HWY_DYNAMIC_DISPATCH(hand_out_float)(from, clusters, share, how, f);
+void reduce_forces(const SlotForces<float>& from, const AtomClusters& clusters, const Share& share,
+                   const Reduction& how, Vectors& f) {
+  HWY_DYNAMIC_DISPATCH(reduce_forces_float)(from, clusters, share, how, f);
 }
 template <>
-void hand_out(const SlotForces<double>& from, const AtomClusters& clusters, const Share& share,
-              const HandOut& how, Vectors& f) {
-  HWY_DYNAMIC_DISPATCH(hand_out_double)(from, clusters, share, how, f);
+void reduce_forces(const SlotForces<double>& from, const AtomClusters& clusters, const Share& share,
+                   const Reduction& how, Vectors& f) {
+  HWY_DYNAMIC_DISPATCH(reduce_forces_double)(from, clusters, share, how, f);
 }
 
 }  // namespace taut

@@ -11,14 +11,14 @@
 
 namespace taut {
 
-// What goes between atoms, in their own order, and slots, in that of clusters: of a share of the clusters.
+// Copies between arrays by atom and arrays by slot (the order of the clusters), for a share of the clusters.
 
-// Positions: now[], as AtomTracks has them [nm], and to.x.
+// Writes positions by slot: now[], in the layout of AtomTracks [nm], and to.x.
 template <class T>
 void place_atoms(const Vectors& x, const AtomClusters& clusters, const Share& share, double* now,
                  PairAtoms<T>& to);
 
-// Forces as add_pair_forces() has them, of each thread, and where in space it has any.
+// Force buffers of all threads in the layout of add_pair_forces(), and which blocks each thread has touched.
 template <class T>
 struct SlotForces {
   static constexpr int kBlock = 16;                // clusters
@@ -26,14 +26,14 @@ struct SlotForces {
   std::vector<std::vector<std::uint8_t>> reached;  // blocks
 };
 
-struct HandOut {
-  double unit;  // of them
-  ClusterPairs::Onto onto;
+struct Reduction {
+  double unit;  // the buffers' forces are in kJ/mol/nm over this
+  ClusterPairs::Write write;
 };
 
-// All of them added up, copy by copy and thread by thread.
+// Adds up all buffers, copy by copy and thread by thread, into the forces by atom.
 template <class T>
-void hand_out(const SlotForces<T>& from, const AtomClusters& clusters, const Share& share, const HandOut& how,
-              Vectors& f);
+void reduce_forces(const SlotForces<T>& from, const AtomClusters& clusters, const Share& share,
+                   const Reduction& how, Vectors& f);
 
 }  // namespace taut

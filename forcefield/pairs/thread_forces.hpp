@@ -9,8 +9,8 @@
 
 namespace taut {
 
-// Each thread adds to forces of its own, and they are added up in the threads' order. In space a thread
-// reaches but some blocks of clusters: others it neither clears nor has added up.
+// Each thread adds to a force buffer of its own; the buffers are added up in the order of the threads. A
+// thread's rows touch only some blocks of clusters: the others are neither cleared nor added up.
 template <class T>
 class ThreadForces {
  public:
@@ -20,12 +20,12 @@ class ThreadForces {
     all_.reached.resize(threads);
   }
 
-  // What thread t reaches: nothing, then a list's rows.
+  // Forgets which blocks thread t touches; mark_blocks() then marks those of a list's rows.
   void forget(int t) {
     all_.force[t].resize(std::size_t(numbers_) * clusters_);
     all_.reached[t].assign(clusters_ / kBlock + 1, alone());
   }
-  void reach(int t, const ClusterList& list, RowRange rows) {
+  void mark_blocks(int t, const ClusterList& list, RowRange rows) {
     if (alone()) return;
     auto& reached = all_.reached[t];
     for (int r = rows.begin; r < rows.end; ++r) {
@@ -36,7 +36,7 @@ class ThreadForces {
     }
   }
 
-  // Thread t's, cleared: as add_pair_forces() has them.
+  // Thread t's buffer, cleared, in the layout of add_pair_forces().
   T* cleared(int t) {
     for (int b = 0; kBlock * b < clusters_; ++b)
       if (all_.reached[t][b]) {
@@ -50,7 +50,7 @@ class ThreadForces {
 
  private:
   static constexpr int kBlock = SlotForces<T>::kBlock;
-  bool alone() const { return all_.force.size() == 1; }  // and reaches all
+  bool alone() const { return all_.force.size() == 1; }  // one thread touches all blocks
   T* of(int t, int cluster) { return all_.force[t].data() + std::size_t(numbers_) * cluster; }
 
   const int numbers_ = 3 * kClusterAtoms * force_copies<T>();  // of a cluster

@@ -76,7 +76,7 @@ struct PowerLaw {
 
 void read_wca(const ForceReading& r, CustomForce& p, const CustomNonbondedXml& x) {
   Wca& wca = r.to.terms.wca.emplace(Wca{p.of_all("sigma"), p.factor() * p.of_all("epsilon"), {}});
-  if (x.method == NonbondedXml::kNoCutoff || !(std::abs(x.cutoff - wca.reach()) < 1e-12 * wca.sigma))
+  if (x.method == NonbondedXml::kNoCutoff || !(std::abs(x.cutoff - wca.cutoff()) < 1e-12 * wca.sigma))
     r.force.refuse("is not cut off at 2^(1/6) sigma, as taut's repulsive beads are");
   if (x.switched) r.force.refuse("has useSwitchingFunction=\"1\": taut's repulsive beads have no switch");
   if (x.corrected) r.force.refuse("has useLongRangeCorrection=\"1\": nothing is beyond the cutoff");

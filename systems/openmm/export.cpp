@@ -244,7 +244,7 @@ void write_wca(Node forces, int atoms, const Box& box, const Wca& wca) {
   CustomNonbondedXml x{
       .energy = kWcaEnergy,
       .method = box.periodic() ? NonbondedXml::kCutoffPeriodic : NonbondedXml::kCutoffNonPeriodic,
-      .cutoff = wca.reach()};
+      .cutoff = wca.cutoff()};
   Node force = write_force(forces, "CustomNonbondedForce", x.fields());
   write_parameters(force, "PerParticleParameters", {}, {{"sigma", wca.sigma}, {"epsilon", wca.epsilon}});
   force.append_child("EnergyParameterDerivatives");
