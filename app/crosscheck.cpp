@@ -65,7 +65,7 @@ void run(CrosscheckArguments arguments) {
   std::optional<FolderLock> lock;
   const Crosscheck result = crosscheck(scene, arguments.plan, [&](const std::string& what) {
     if (arguments.out && !lock) lock.emplace(study_folder(*arguments.out, "", arguments.overwrite));
-    progress.now(what);
+    progress.show_task(what);
   });
   progress.clear();
   print_crosscheck(result);

@@ -7,7 +7,7 @@
 
 #include "command_line.hpp"
 #include "commands.hpp"
-#include "header.hpp"
+#include "run_tables.hpp"
 #include "help.hpp"
 #include "printing.hpp"
 #include "scene_argument.hpp"

@@ -46,7 +46,7 @@ void measure_folder(const MeasureArguments& arguments) {
                                  file.atoms(), scene.system.atoms()));
   Measured measured(scene, arguments.atoms, file.interval());
   Vectors x;
-  for (Box box = scene.start.box; file.next(x, box);) measured.see(x, box);
+  for (Box box = scene.start.box; file.next(x, box);) measured.add_frame(x, box);
   if (measured.frames() == 0) throw InputError(trajectory.string() + ": has no frame");
   measured.print();
   if (json_alone())

@@ -59,7 +59,7 @@ Measured::Measured(const Scene& scene, std::vector<std::string> atoms, double in
       motion_(scene.system.mass, molecules(scene.system, scene.terms), interval),
       interval_(interval) {}
 
-void Measured::see(const Vectors& x, const Box& box) {
+void Measured::add_frame(const Vectors& x, const Box& box) {
   if (reach_ > 0 && !pairs_.empty()) pairs_.see(x, box);
   if (!chains_.empty()) chains_.see(x);
   motion_.see(x);

@@ -17,7 +17,7 @@ class Measured {
   // The scene has to outlive it. Throws InputError for a name that no atom has.
   Measured(const Scene& scene, std::vector<std::string> atoms, double interval);
 
-  void see(const Vectors& x, const Box& box);
+  void add_frame(const Vectors& x, const Box& box);
   long frames() const { return frames_; }
 
   void print() const;

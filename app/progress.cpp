@@ -13,7 +13,7 @@ namespace taut {
 Progress::Progress(long total)
     : total_(total), terminal_(isatty(STDERR_FILENO) != 0 && !quiet()), start_(Clock::now()), next_(start_) {}
 
-void Progress::at(long done) {
+void Progress::show_step(long done) {
   if (!terminal_) return;
   const auto now = Clock::now();
   if (now < next_) return;
@@ -25,7 +25,7 @@ void Progress::at(long done) {
                    left / 60 % 60, left % 60));
 }
 
-void Progress::now(const std::string& what) {
+void Progress::show_task(const std::string& what) {
   draw(what + " ... ");
 }
 

@@ -9,8 +9,8 @@ namespace taut {
 class Progress {
  public:
   explicit Progress(long total = 0);
-  void at(long done);                 // the share done and the time left; redraws a few times a second
-  void now(const std::string& what);  // or what is being done
+  void show_step(long done);                 // the share done and the time left; redraws a few times a second
+  void show_task(const std::string& what);  // or what is being done
   void clear();                       // takes the line away, before something else is printed
 
  private:

@@ -1,92 +1,249 @@
+// `taut run` and `taut resume`: open a run, take its steps, print what it does.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
+#include <csignal>
+#include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "base/errors.hpp"
-#include "carry_out.hpp"
 #include "command_line.hpp"
 #include "commands.hpp"
-#include "files/set_aside.hpp"
-#include "going_on.hpp"
+#include "measured.hpp"
+#include "pictures.hpp"
+#include "printing.hpp"
+#include "progress.hpp"
+#include "run_tables.hpp"
 #include "scene_argument.hpp"
-#include "systems/scene_source.hpp"
+#include "simulation/open_run.hpp"
+#include "simulation/recorded_run.hpp"
+#include "stop_request.hpp"
 
 namespace taut {
 namespace {
 
 namespace fs = std::filesystem;
 
+// ---- What a run prints while it takes steps
+
+std::string resume_command(const fs::path& folder) {
+  return "taut resume " + quoted_for_shell(folder.string());
+}
+
+std::string how_to_resume(const RunFolder& folder, long step) {
+  return fmt::format("`{}` goes on from step {}", resume_command(folder.path()), step);
+}
+
+const char* name_of(int signal) {
+  switch (signal) {
+    case SIGINT:
+      return "SIGINT";
+    case SIGHUP:
+      return "SIGHUP";
+    case SIGPIPE:
+      return "SIGPIPE";
+    default:
+      return "SIGTERM";
+  }
+}
+
+// Prints for a run. Once a run writes to a folder, standard output that does not take a text does not stop it: it
+// ends with an error. A pipe whose reader is gone stops it as a signal would.
+class RunPrinter {
+ public:
+  RunPrinter(const StopRequest& request, const RunFolder* folder) : request_(request), folder_(folder) {}
+
+  void print(const auto& print_text) {
+    if (!folder_ && !request_.signal()) return print_text();
+    try {
+      print_text();
+    } catch (const Stopped&) {
+      request_.stop_for_closed_pipe();
+    } catch (const OutsideError& e) {
+      refused_ = e;
+    }
+  }
+  void throw_if_refused() const {
+    if (refused_) throw OutsideError(*refused_);
+  }
+
+ private:
+  const StopRequest& request_;
+  const RunFolder* folder_;
+  std::optional<OutsideError> refused_;
+};
+
+// Adds to a failure where its state is kept and how to go on.
+[[noreturn]] void throw_explained(const ExplainedFailure& failure, const RunFolder* folder) {
+  if (!failure.unwritten.empty()) complain(failure.unwritten);
+  std::string kept;
+  if (folder && failure.unwritten.empty())
+    kept = fmt::format("\n  kept: {0}/last_good.start.toml, the state one step before, and {0}/failure.json",
+                       folder->path().string());
+  if (folder && folder->kept_step())
+    kept += fmt::format("\n  {}", how_to_resume(*folder, *folder->kept_step()));
+  throw SimulationFailure(failure.what() + kept);
+}
+
+void print_stop(const Simulation& simulation, const RunFolder* folder, int signal) {
+  say("\n");
+  say_always(fmt::format("stopped at step {} of {} by {}; {}\n", simulation.step(),
+                         simulation.scene().run.steps, name_of(signal),
+                         folder ? how_to_resume(*folder, simulation.step())
+                                : "nothing was kept: a run with --out can be resumed"));
+}
+
+void print_end(const Simulation& simulation, const Summary& summary, const RunFolder* folder,
+               const Measured* measured, bool took_steps) {
+  if (json_alone()) {
+    auto all = summary_json(simulation, summary);
+    if (measured) all["measured"] = measured->json();
+    write_out(all.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+  }
+  print_summary(simulation, summary, took_steps);
+  if (measured) measured->print();
+  if (!json_alone())
+    for (const auto& doubt : summary.doubts) say_always(fmt::format("in doubt: {}\n", doubt));
+  if (!folder) return;
+  std::vector<std::string> files = run_files(folder->path());
+  for (std::string& file : files) file = (folder->path() / file).string();
+  say("wrote {}\n", fmt::join(files, ", "));
+}
+
+// Takes the steps that are left, prints and writes. Throws SimulationFailure that explains the failure, and Stopped
+// when a signal asked to stop.
+void complete_run(OpenRun& run, Measured* measured = nullptr) {
+  Simulation& simulation = *run.simulation;
+  RunFolder* folder = run.folder ? &*run.folder : nullptr;
+  const StopRequest request;
+  RunPrinter printer(request, folder);
+  const long first = simulation.step(), steps = simulation.scene().run.steps;
+  Progress progress(steps - first);
+  const auto on_record = [&](const Record& r) {
+    progress.clear();
+    if (measured && r.step % simulation.scene().run.log_every == 0)
+      measured->add_frame(simulation.state().x, simulation.state().box);
+    printer.print([&] { print_row(r); });
+  };
+  const auto on_step = [&](long step) {
+    progress.show_step(step - first);
+    return request.signal() == 0;
+  };
+  Summary summary;
+  try {
+    if (folder) folder->begin(simulation);
+    printer.print([&] {
+      if (folder && !folder->note().empty()) say("{}\n", folder->note());
+      print_header(simulation);
+    });
+    summary = take_steps(simulation, folder, {on_record, on_step});
+    progress.clear();
+  } catch (const ExplainedFailure& failure) {
+    progress.clear();
+    throw_explained(failure, folder);
+  } catch (const OutsideError& e) {
+    progress.clear();
+    if (!folder || !folder->kept_step()) throw;
+    throw OutsideError(
+        fmt::format("{}; that mended, {}", e.what(), how_to_resume(*folder, *folder->kept_step())));
+  }
+  if (simulation.step() < steps) {
+    const int signal = request.signal();
+    printer.print([&] { print_stop(simulation, folder, signal); });
+    throw Stopped{128 + signal};
+  }
+  print_end(simulation, summary, folder, measured, simulation.step() > first);
+  printer.throw_if_refused();
+}
+
+void print_finished(const OpenRun& run, const fs::path& folder) {
+  if (json_alone()) return write_out(contents_of(folder / "summary.json"));
+  say("{}: all {} steps are taken; `{} --steps N` takes N more\n", folder.string(), run.simulation->step(),
+      resume_command(folder));
+}
+
+// ---- What a run was told
+
+RunOptionNames option_names(const fs::path& folder) {
+  return {.folder = "--out DIR",
+          .go_on = "--continue",
+          .overwrite = "--overwrite",
+          .resume = fmt::format("`{}`", resume_command(folder)),
+          .accept = fmt::format("`{} --yes`", resume_command(folder))};
+}
+
+bool ask_person(const std::string& what) {
+  if (!isatty(STDIN_FILENO) || !isatty(STDERR_FILENO)) return false;
+  fmt::print(stderr, "{} Go on? [y/N] ", what);
+  std::string answer;
+  std::getline(std::cin, answer);
+  return answer == "y" || answer == "yes";
+}
+
 struct RunArguments : SceneArgument {
   std::optional<fs::path> out;
   bool go_on = false, overwrite = false, measure = false;
+
+  RunRequest request() const {
+    RunRequest request{.mode = go_on       ? RunMode::kContinue
+                               : overwrite ? RunMode::kOverwrite
+                                           : RunMode::kNew,
+                       .folder = out.value_or(""),
+                       .names = option_names(out.value_or("")),
+                       .scene = read(),
+                       .leave_finished = true};
+    if (out) request.source = source_of(*request.scene, !openmm.empty(), overrides());
+    return request;
+  }
 };
 
-// What a run without a folder could only forget.
-void refuse_files_without_folder(const RunSettings& settings) {
-  const char* key = settings.trajectory_every > 0                                     ? "trajectory_every"
-                    : settings.checkpoint_every > 0                                   ? "checkpoint_every"
-                    : settings.checkpoint_minutes != RunSettings{}.checkpoint_minutes ? "checkpoint_minutes"
-                                                                                      : nullptr;
-  if (key) throw InputError(fmt::format("run.{}: nowhere to write, give --out DIR", key));
-}
-
-void refuse_a_run_there(const fs::path& folder) {
-  const std::vector<std::string> files = run_files(folder);
-  if (files.empty()) return;
-  throw InputError(fmt::format(
-      "{}: holds a run ({}); --continue goes on with it, --overwrite first moves it aside, to {}.1 "
-      "or the next number that is free",
-      folder.string(), fmt::join(files, ", "), folder_to_number(folder).string()));
-}
-
-void run_to_end(const RunArguments& arguments, Simulation& simulation, RunFolder* folder) {
+void run_scene(const RunArguments& arguments) {
+  OpenRun run = open_run(arguments.request());
+  if (run.finished) return print_finished(run, *arguments.out);
   std::optional<Measured> measured;
   if (arguments.measure) {
-    const RunSettings& run = simulation.scene().run;
-    measured.emplace(simulation.scene(), std::vector<std::string>{},
-                     static_cast<double>(run.log_every) * run.h());
+    const Scene& scene = run.simulation->scene();
+    measured.emplace(scene, std::vector<std::string>{},
+                     static_cast<double>(scene.run.log_every) * scene.run.h());
   }
-  carry_out(simulation, folder, measured ? &*measured : nullptr);
+  complete_run(run, measured ? &*measured : nullptr);
 }
 
-void run_in_folder(const RunArguments& arguments, Scene scene) {
-  const fs::path& folder = *arguments.out;
-  const SceneSource source = source_of(scene, !arguments.openmm.empty(), arguments.overrides());
-  if (arguments.go_on && fs::exists(checkpoint_file(folder))) {
-    FolderLock lock(folder);
-    Checkpoint checkpoint = load_checkpoint(folder);
-    expect_same_input(folder, checkpoint.source, source);
-    go_on(std::move(lock), std::move(checkpoint), {{"run.steps", std::to_string(scene.run.steps)}},
-          {.cut_back = true, .begin_anew = false, .how = {}});
-    return;
-  }
-  const bool may_move = arguments.go_on || arguments.overwrite;
-  if (!may_move) refuse_a_run_there(folder);
-  Simulation simulation(std::move(scene));
-  FolderLock lock(folder);
-  if (!may_move) refuse_a_run_there(folder);  // another may have been faster
-  RunFolder run_folder(std::move(lock), source, simulation);
-  run_to_end(arguments, simulation, &run_folder);
-}
+struct ResumeArguments {
+  fs::path folder;
+  std::optional<long> steps;
+  std::vector<std::string> settings;
+  bool yes = false;
 
-void run(const RunArguments& arguments) {
-  Scene scene = arguments.read();
-  if (arguments.out) return run_in_folder(arguments, std::move(scene));
-  if (arguments.go_on || arguments.overwrite)
-    throw InputError(
-        fmt::format("{}: of which folder? give --out DIR", arguments.go_on ? "--continue" : "--overwrite"));
-  refuse_files_without_folder(scene.run);
-  Simulation simulation(std::move(scene));
-  run_to_end(arguments, simulation, nullptr);
+  RunRequest request() const {
+    RunRequest request{.mode = RunMode::kResume,
+                       .folder = folder,
+                       .names = option_names(folder),
+                       .changes = key_values(overrides_said({}, settings)),
+                       .more_steps = steps,
+                       .accept = yes,
+                       .ask = ask_person,
+                       .leave_finished = true};
+    if (steps && request.changes.contains("run.steps"))
+      throw InputError("--steps and --set run.steps: one of them, the steps to come or all in all");
+    return request;
+  }
+};
+
+void resume_run(const ResumeArguments& arguments) {
+  OpenRun run = open_run(arguments.request());
+  if (run.finished) return print_finished(run, arguments.folder);
+  complete_run(run);
 }
 
 }  // namespace
 
 void add_run(Commands& commands) {
   auto arguments = std::make_shared<RunArguments>();
-  const Subcommand command =
-      commands.add("run", "run a scene, or a system prepared for OpenMM", [arguments] { run(*arguments); });
+  const Subcommand command = commands.add("run", "run a scene, or a system prepared for OpenMM",
+                                          [arguments] { run_scene(*arguments); });
   arguments->offer(command);
   command.option("--out", arguments->out,
                  "folder for log.csv, checkpoint.cbor, summary.json and the final state");
@@ -100,6 +257,26 @@ void add_run(Commands& commands) {
       .flag("--measure", arguments->measure,
             "at the end tell radial distribution, displacement and length of chains, of what is logged")
       .excludes(go_on);
+  command.json("print what summary.json holds, in place of the tables");
+}
+
+void add_resume(Commands& commands) {
+  auto arguments = std::make_shared<ResumeArguments>();
+  const Subcommand command =
+      commands.add("resume", "go on with a run that was stopped or killed, or take more steps",
+                   [arguments] { resume_run(*arguments); });
+  command.option("folder", arguments->folder, "what the run was given as --out").required();
+  command
+      .option("--steps", arguments->steps,
+              "so many more than were taken (if not said: what is left of the run's)")
+      .positive();
+  command
+      .option("--set", arguments->settings,
+              "what may change: run.log_every, run.trajectory_every, run.checkpoint_minutes, thermostat "
+              "and barostat")
+      .key_values();
+  command.flag("--yes", arguments->yes,
+               "go on though log or trajectories are cut back to less than half, or are gone and begin anew");
   command.json("print what summary.json holds, in place of the tables");
 }
 

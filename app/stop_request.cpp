@@ -29,7 +29,7 @@ StopRequest::~StopRequest() {
   if (std::signal(SIGHUP, SIG_DFL) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
 }
 
-void StopRequest::pipe_is_closed() const {
+void StopRequest::stop_for_closed_pipe() const {
   if (!asked) ask(SIGPIPE);
 }
 

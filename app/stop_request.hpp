@@ -12,7 +12,7 @@ class StopRequest {
   StopRequest& operator=(const StopRequest&) = delete;
   ~StopRequest();
 
-  void pipe_is_closed() const;  // asks to stop as SIGPIPE would: nobody reads any more
+  void stop_for_closed_pipe() const;  // asks to stop as SIGPIPE would: nobody reads any more
   int signal() const;           // 0: none yet
 };
 

@@ -173,7 +173,7 @@ void Study::run(const std::vector<Job>& jobs, const std::vector<std::string>& no
   for (const Job& job : jobs) {
     if (ledger_.has(job.name)) continue;
     ledger_.once(job.name, job.make);
-    progress.at(++done);
+    progress.show_step(++done);
   }
   progress.clear();
 }

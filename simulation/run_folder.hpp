@@ -29,7 +29,9 @@ class RunFolder {
   const std::filesystem::path& path() const { return folder_.path(); }
   // Says where the files of an earlier run were moved to; empty if there were none.
   const std::string& note() const { return note_; }
-  void made_from(SceneSource source) { checkpoint_.source = std::move(source); }  // other settings from here on
+  void set_source(SceneSource source) {
+    checkpoint_.source = std::move(source);
+  }                                    // other settings from here on
   void begin(Simulation& simulation);  // a checkpoint; at the start the first frame before it
   void add_row(const Record& record);
   void add_frame(const Simulation& simulation);                 // to the trajectories, if one is due

@@ -10,7 +10,6 @@
 
 #include "base/errors.hpp"
 #include "base/threads.hpp"
-#include "files/set_aside.hpp"
 #include "forcefield/check_terms.hpp"
 
 namespace taut {
@@ -39,9 +38,32 @@ class Listening {
   Clock::time_point next_ = Clock::now() + kLookEvery;
 };
 
-std::unique_ptr<Simulation> made_of(Scene scene, int threads) {
+// Python's names for the options of a run, in messages.
+RunOptionNames option_names() {
+  return {.folder = "out=\"a folder\"",
+          .go_on = "Simulation.resume",
+          .overwrite = "overwrite=True",
+          .resume = "Simulation.resume",
+          .accept = "resume(..., yes=True)"};
+}
+
+OpenRun open_new_run(Input input, const std::string& out, bool overwrite) {
+  RunRequest request{.mode = overwrite && !out.empty() ? RunMode::kOverwrite : RunMode::kNew,
+                     .folder = out,
+                     .threads = input.threads,
+                     .names = option_names(),
+                     .scene = std::move(input.scene),
+                     .source = std::move(input.source),
+                     .on_move = Listening()};
   const py::gil_scoped_release interpreter;
-  return std::make_unique<Simulation>(std::move(scene), threads, Listening());
+  return open_run(std::move(request));
+}
+
+OpenRun open_resumed_run(RunRequest request, const py::list& forces) {
+  if (request.threads) expect_threads("threads", *request.threads);
+  request.names = option_names();
+  request.forces = own_fields(forces);
+  return open_run(std::move(request));
 }
 
 // True for Python's False and for numpy's.
@@ -50,40 +72,16 @@ bool is_false(const py::object& answer) {
   return py::isinstance(answer, py::module_::import("numpy").attr("bool_")) && !answer.cast<bool>();
 }
 
-std::string trajectory_key(const RunSettings& run) {
-  return run.trajectory_every > 0 ? "trajectory_every" : run.checkpoint_every > 0 ? "checkpoint_every" : "";
-}
-
 }  // namespace
 
 PythonSimulation::PythonSimulation(Input input, const std::string& out, bool overwrite)
-    : source_(std::move(input.source)), simulation_(made_of(std::move(input.scene), input.threads)) {
+    : run_(open_new_run(std::move(input), out, overwrite)) {
   note_state();
-  if (const std::string key = trajectory_key(simulation_->scene().run); out.empty() && !key.empty())
-    throw InputError(fmt::format("run.{}: nowhere to write, give out=\"a folder\"", key));
-  if (out.empty()) return;
-  FolderLock lock(out);
-  if (const auto files = run_files(out); !files.empty() && !overwrite)
-    throw InputError(
-        fmt::format("{}: holds a run ({}); Simulation.resume goes on with it, overwrite=True first "
-                    "moves it aside, to {}.1 or the next number that is free",
-                    out, fmt::join(files, ", "), folder_to_number(out).string()));
-  folder_.emplace(std::move(lock), source_, *simulation_);
 }
 
-PythonSimulation::PythonSimulation(const GoingOn& from, const py::list& forces) {
-  if (from.threads) expect_threads("threads", *from.threads);
-  const std::string& folder = from.folder;
-  std::optional<FolderLock> lock;
-  if (!folder.empty()) expect_checkpoint(folder), lock.emplace(folder);
-  Checkpoint checkpoint = lock ? load_checkpoint(folder) : read_checkpoint(from.bytes);
-  simulation_ = resumed(lock ? checkpoint_file(folder).string() : "the checkpoint", checkpoint,
-                        key_values(from.overrides), own_fields(forces), from.threads);
-  source_ = checkpoint.source;
+PythonSimulation::PythonSimulation(RunRequest request, const py::list& forces)
+    : run_(open_resumed_run(std::move(request), forces)) {
   note_state();
-  if (!lock) return;
-  const Consent consent{.cut_back = from.yes, .begin_anew = from.yes, .how = "resume(..., yes=True)"};
-  folder_.emplace(resumed_folder(std::move(*lock), checkpoint, *simulation_, consent));
 }
 
 void PythonSimulation::run(long steps, long every, const py::object& callback, const py::object& progress,
@@ -94,10 +92,10 @@ void PythonSimulation::run(long steps, long every, const py::object& callback, c
   if (every < 0) throw InputError(fmt::format("run(every={}): expected 1 or more", every));
   take_over_changes();
   const Busy busy(running_);
-  set_steps(simulation_->step() + steps + (to_end ? 0 : 1), every);
-  const long first = simulation_->step(), last = first + steps;
-  if (folder_) folder_->made_from(source_);
-  if (folder_ && !begun_) folder_->begin(*simulation_);
+  set_steps(run_.simulation->step() + steps + (to_end ? 0 : 1), every);
+  const long first = run_.simulation->step(), last = first + steps;
+  if (run_.folder) run_.folder->set_source(run_.source);
+  if (run_.folder && !begun_) run_.folder->begin(*run_.simulation);
   begun_ = true;
   std::exception_ptr thrown;
   std::optional<Record> row;
@@ -107,7 +105,7 @@ void PythonSimulation::run(long steps, long every, const py::object& callback, c
     try {
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
       if (row && !callback.is_none()) call(callback, *std::exchange(row, {}));
-      if (!progress.is_none()) progress(simulation_->step());
+      if (!progress.is_none()) progress(run_.simulation->step());
     } catch (...) {
       thrown = std::current_exception();
       stopped_ = true;
@@ -121,7 +119,7 @@ void PythonSimulation::run(long steps, long every, const py::object& callback, c
                              const py::gil_scoped_acquire interpreter;
                              look();
                              if (thrown) std::rethrow_exception(thrown);
-                             if (stopped_) simulation_->stop();
+                             if (stopped_) run_.simulation->stop();
                            },
                        .go_on =
                            [&](long step) {
@@ -136,7 +134,7 @@ void PythonSimulation::run(long steps, long every, const py::object& callback, c
   forget_python_error();
   try {
     const py::gil_scoped_release interpreter;
-    summary_ = take_steps(*simulation_, folder_ ? &*folder_ : nullptr, watch);
+    summary_ = take_steps(*run_.simulation, run_.folder ? &*run_.folder : nullptr, watch);
   } catch (const ExplainedFailure& failure) {
     note_state();
     rethrow_python_error();
@@ -179,25 +177,25 @@ void PythonSimulation::call(const py::object& callback, const Record& row) {
 
 void PythonSimulation::close() {
   expect_idle();
-  folder_.reset();
+  run_.folder.reset();
   closed_ = true;
 }
 
 void PythonSimulation::set_box(const Eigen::Matrix3d& vectors) {
   expect_between_steps();
   expect_this_process();
-  if (!simulation_->state().box.periodic())
+  if (!run_.simulation->state().box.periodic())
     throw InputError("box: the system has none; make a Simulation with a box");
   if (const std::string flaw = Box::flaw(vectors); !flaw.empty()) throw InputError("box: " + flaw);
   const Box box = Box::of(vectors);
-  if (const std::string flaw = lack_of_room(simulation_->scene().terms, box); !flaw.empty())
+  if (const std::string flaw = lack_of_room(run_.simulation->scene().terms, box); !flaw.empty())
     throw InputError("box: " + flaw);
   expect_finite();
-  const Box before = std::exchange(simulation_->state().box, box);
+  const Box before = std::exchange(run_.simulation->state().box, box);
   try {
     set_out_anew(0);
   } catch (...) {
-    simulation_->state().box = before;
+    run_.simulation->state().box = before;
     forces_outdated_ = true;
     throw;
   }
@@ -211,35 +209,35 @@ void PythonSimulation::minimise(double force) {
 }
 
 std::string PythonSimulation::summary() const {
-  return summary_ ? summary_json(*simulation_, *summary_)
+  return summary_ ? summary_json(*run_.simulation, *summary_)
                         .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)
                   : "null";
 }
 
 std::vector<std::string> PythonSimulation::notes() const {
-  std::vector<std::string> notes = simulation_->scene().notes;
-  if (folder_ && !folder_->note().empty()) notes.push_back(folder_->note());
+  std::vector<std::string> notes = run_.simulation->scene().notes;
+  if (run_.folder && !run_.folder->note().empty()) notes.push_back(run_.folder->note());
   return notes;
 }
 
 py::bytes PythonSimulation::checkpoint() {
   expect_between_steps();
   take_over_changes();
-  Checkpoint checkpoint{.source = source_,
-                        .step = simulation_->step(),
-                        .t = simulation_->state().t,
-                        .threads = simulation_->threads(),
+  Checkpoint checkpoint{.source = run_.source,
+                        .step = run_.simulation->step(),
+                        .t = run_.simulation->state().t,
+                        .threads = run_.simulation->threads(),
                         .memory = {},
                         .marks = {}};
   Archive archive = Archive::saving_to(checkpoint.memory);
-  simulation_->serialize(archive);
+  run_.simulation->serialize(archive);
   return to_bytes(checkpoint);
 }
 
 Simulation& PythonSimulation::settled() {
   expect_between_steps();
   take_over_changes();
-  return *simulation_;
+  return *run_.simulation;
 }
 
 void PythonSimulation::expect_idle() const {
@@ -263,25 +261,25 @@ void PythonSimulation::expect_between_steps() const {
 }
 
 void PythonSimulation::set_steps(long steps, long every) {
-  RunSettings settings = simulation_->scene().run;
+  RunSettings settings = run_.simulation->scene().run;
   settings.steps = steps;
   if (every > 0) settings.log_every = every;
-  simulation_->change(settings);
-  KeyValues values = key_values(source_.overrides);
+  run_.simulation->change(settings);
+  KeyValues values = key_values(run_.source.overrides);
   values["run.steps"] = std::to_string(settings.steps);
   if (every > 0) values["run.log_every"] = std::to_string(every);
-  source_.overrides = overrides_of(values);
+  run_.source.overrides = overrides_of(values);
 }
 
 void PythonSimulation::note_state() {
   forces_outdated_ = false;
-  seen_.x = simulation_->state().x;
-  seen_.v = simulation_->state().v;
-  if (simulation_->state().box.periodic()) shown_->box = simulation_->state().box.vectors();
+  seen_.x = run_.simulation->state().x;
+  seen_.v = run_.simulation->state().v;
+  if (run_.simulation->state().box.periodic()) shown_->box = run_.simulation->state().box.vectors();
 }
 
 void PythonSimulation::expect_finite() const {
-  const State& s = simulation_->state();
+  const State& s = run_.simulation->state();
   for (const auto& [name, now] : {std::pair("positions", &s.x), std::pair("velocities", &s.v)})
     for (Eigen::Index a = 0; a < now->cols(); ++a)
       if (!now->col(a).allFinite())
@@ -290,7 +288,7 @@ void PythonSimulation::expect_finite() const {
 }
 
 void PythonSimulation::take_over_changes() {
-  const State& s = simulation_->state();
+  const State& s = run_.simulation->state();
   if (s.x == seen_.x && s.v == seen_.v && !forces_outdated_) return;
   expect_this_process();
   expect_finite();
@@ -298,19 +296,19 @@ void PythonSimulation::take_over_changes() {
 }
 
 void PythonSimulation::undo_writing() {
-  simulation_->state().x = seen_.x;
-  simulation_->state().v = seen_.v;
+  run_.simulation->state().x = seen_.x;
+  run_.simulation->state().v = seen_.v;
 }
 
 void PythonSimulation::set_out_anew(double force) {
   const Busy busy(setting_out_);
-  const Vectors x = simulation_->state().x, v = simulation_->state().v;
+  const Vectors x = run_.simulation->state().x, v = run_.simulation->state().v;
   undo_writing();
   forget_python_error();
   try {
     std::optional<py::gil_scoped_release> long_work;
-    if (force > 0 && !simulation_->runs_foreign_code()) long_work.emplace();
-    simulation_->set_out_anew(x, v, force, Listening());
+    if (force > 0 && !run_.simulation->runs_foreign_code()) long_work.emplace();
+    run_.simulation->set_out_anew(x, v, force, Listening());
   } catch (...) {
     rethrow_python_error();
     throw;
@@ -330,8 +328,8 @@ void PythonSimulation::raise(const ExplainedFailure& failure) const {
   error.attr("length_before_nm") = if_blamed(py::float_(d.length_before));
   error.attr("target_nm") = if_blamed(py::float_(d.held.length));
   error.attr("largest_force_kj_mol_nm") = d.largest_force, error.attr("atom") = d.atom;
-  error.attr("positions") = rows_of(simulation_->state().x);
-  error.attr("velocities") = rows_of(simulation_->state().v);
+  error.attr("positions") = rows_of(run_.simulation->state().x);
+  error.attr("velocities") = rows_of(run_.simulation->state().v);
   PyErr_SetObject(py::type::of(error).ptr(), error.ptr());
   throw py::error_already_set();
 }

@@ -5,19 +5,10 @@
 
 #include "core.hpp"
 #include "lent_state.hpp"
+#include "simulation/open_run.hpp"
 #include "simulation/recorded_run.hpp"
-#include "simulation/resumption.hpp"
 
 namespace taut {
-
-// What to resume a simulation from, and how.
-struct GoingOn {
-  std::string bytes,
-      folder;  // one of them is empty: a checkpoint, or the folder of a run to which it then writes
-  std::vector<std::string> overrides;  // settings that change
-  bool yes = false;                    // outputs may be cut back to less than half, or begin again
-  std::optional<int> threads;          // none: the number that the run had
-};
 
 // The C++ side of taut.Simulation: a simulation with its folder and its log. It notices when Python code has
 // written to the views of positions and velocities, and starts again from there before it answers anything
@@ -25,8 +16,8 @@ struct GoingOn {
 class PythonSimulation {
  public:
   PythonSimulation(Input input, const std::string& out, bool overwrite);
-  PythonSimulation(const GoingOn& from, const py::list& forces);
-  ~PythonSimulation() { leave_to_views(simulation_->state(), *shown_); }
+  PythonSimulation(RunRequest request, const py::list& forces);  // resumes
+  ~PythonSimulation() { leave_to_views(run_.simulation->state(), *shown_); }
 
   // Takes steps, with a row of the log every `every` of them (0: as before), and with `to_end` one after the
   // last. Calls `callback` with each row, and `progress` with the number of steps taken, every 50 ms. Either
@@ -38,12 +29,12 @@ class PythonSimulation {
   void set_box(
       const Eigen::Matrix3d& vectors);  // a, b and c in columns [nm]; throws InputError for no such box
 
-  const Simulation& engine() const { return *simulation_; }
+  const Simulation& engine() const { return *run_.simulation; }
   Simulation& settled();  // its forces are those of the positions, also after Python code has written there
   const std::shared_ptr<Shown>& shown() const { return shown_; }  // what the views of Python show
   const std::vector<Record>& rows() const { return log_; }
   std::string summary() const;  // of the last run, as summary.json has it, or "null"
-  std::string folder() const { return folder_ ? folder_->path().string() : ""; }
+  std::string folder() const { return run_.folder ? run_.folder->path().string() : ""; }
   std::vector<std::string> notes() const;
 
  private:
@@ -60,9 +51,7 @@ class PythonSimulation {
   [[noreturn]] void raise(const ExplainedFailure& failure) const;
   static pid_t this_process();
 
-  SceneSource source_;
-  std::unique_ptr<Simulation> simulation_;
-  std::optional<RunFolder> folder_;
+  OpenRun run_;
   bool begun_ = false, closed_ = false;
   std::vector<Record> log_;
   std::optional<Summary> summary_;

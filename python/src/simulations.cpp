@@ -135,12 +135,13 @@ py::tuple names(const Self& self) {
   return py::make_tuple(atoms, residues, elements, py::cast(names.residue));
 }
 
-GoingOn going_on(const py::dict& asked) {
-  return {.bytes = asked["bytes"].cast<std::string>(),
+RunRequest resume_request(const py::dict& asked) {
+  return {.mode = RunMode::kResume,
           .folder = asked["folder"].cast<std::string>(),
-          .overrides = asked["overrides"].cast<std::vector<std::string>>(),
-          .yes = asked["yes"].cast<bool>(),
-          .threads = asked["threads"].cast<std::optional<int>>()};
+          .threads = asked["threads"].cast<std::optional<int>>(),
+          .checkpoint = asked["bytes"].cast<std::string>(),
+          .changes = key_values(asked["overrides"].cast<std::vector<std::string>>()),
+          .accept = asked["yes"].cast<bool>()};
 }
 
 void bind_rows(py::module_& m) {
@@ -199,7 +200,7 @@ void bind_simulations(py::module_& m) {
   py::class_<Self> simulation(m, "Simulation", py::custom_type_setup(show_to_garbage_collector));
   simulation.def(py::init<Input, const std::string&, bool>())
       .def(py::init([](const py::dict& asked, const py::list& forces) {
-        return std::make_unique<Self>(going_on(asked), forces);
+        return std::make_unique<Self>(resume_request(asked), forces);
       }))
       .def("_run", &Self::run)
       .def("_minimise", &Self::minimise)

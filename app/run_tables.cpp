@@ -1,7 +1,8 @@
-#include "header.hpp"
+#include "run_tables.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <thread>
 
 #include "base/threads.hpp"
@@ -37,6 +38,49 @@ std::string threads_line(int threads) {
   const int cores = static_cast<int>(std::thread::hardware_concurrency());
   return fmt::format("{} of {}{}", threads, counted(cores, "core"),
                      threads < cores ? fmt::format(", --threads {} for more", cores) : "");
+}
+
+// The error is left out where there are too few rows for one.
+std::string with_error(const Estimate& e, int digits) {
+  return fmt::format("{:.{}f}", e.value, digits) +
+         (e.error > 0 ? fmt::format(" ± {:.{}f}", e.error, digits) : "");
+}
+
+// One line a type of molecule, where there is more to say than the temperature of all.
+void print_temperatures(const Temperatures& temperatures) {
+  for (std::size_t type = 0; type < temperatures.types().size(); ++type) {
+    std::string line;
+    for (int motion = 0; motion < 3; ++motion) {
+      if (temperatures.types()[type].dof[motion] < 0.5) continue;
+      const Estimate t = temperatures.temperature(static_cast<int>(type), MotionClass(motion));
+      line += fmt::format("{} {} {} K", line.empty() ? "" : ",", kMotionNames[motion], with_error(t, 2));
+    }
+    if (!line.empty()) say("; {}:{}", temperatures.types()[type].name, line);
+  }
+  say("\n");
+}
+
+// What steps cost, and what they did to the energy.
+void print_steps(const Simulation& simulation, const Summary& s) {
+  const int bonds = simulation.scene().system.bond_count();
+  say("\n{:.4g} µs a step, of it constraints {:.3g} µs", s.us_per_step, s.constraint_us_per_step);
+  const double each = bonds > 0 ? s.constraint_us_per_step * 1000 / bonds : 0;
+  if (bonds > 0) say(" ({:.{}f} ns a bond)", each, each < 100 ? 1 : 0);
+  say("; {:.4g} ns/day\n", s.ns_per_day);
+  const auto drift = [](const Estimate& e) {
+    return fmt::format("{:.2e}", e.value) + (e.error > 0 ? fmt::format(" ± {:.1e}", e.error) : "");
+  };
+  const bool metered = !simulation.scene().run.barostatted();
+  if (metered)
+    say("energy drift{} {} kJ/mol/ns/degree of freedom\n", s.heat ? ", but for the heat," : "",
+        drift(s.drift));
+  else
+    say("energy drift by bonds {} kJ/mol/ns/degree of freedom; the box's work is not metered\n",
+        drift(s.constraint_drift));
+  if (metered && bonds > 0)
+    say("  of it the bonds' {}, the forces' {:.2e}\n", drift(s.constraint_drift),
+        s.drift.value - s.constraint_drift.value);
+  if (s.heat) say("heat taken up {:.4g} kJ/mol\n", *s.heat);
 }
 
 }  // namespace
@@ -89,6 +133,32 @@ void print_row(const Record& r) {
   say("{:>8} {:>10.4f} {:>12.6g} {:>12.8g} {:>8.2f} {:>9.1e} {:>5.3g}{}\n", r.step, r.t, r.potential,
       r.total(), r.temperature, r.bonds.max, r.iterations,
       r.pressure ? fmt::format(" {:>8.1f}", *r.pressure) : "");
+}
+
+void print_summary(const Simulation& simulation, const Summary& s, bool stepped) {
+  if (stepped)
+    print_steps(simulation, s);
+  else
+    say("\nno step was taken\n");
+  say("mean temperature {:.2f} K", s.temperature);
+  print_temperatures(simulation.temperatures());
+  if (s.pressure) say("pressure {} bar\n", with_error(*s.pressure, 1));
+  if (simulation.scene().run.barostatted())
+    say("density {} kg/m³, volume {} nm³\n", with_error(s.density, 2), with_error(s.volume, 4));
+  if (simulation.scene().system.bond_count() > 0) {
+    say("bond error (relative): largest {:.1e}, rms {:.1e}\n", s.max_rel_bond_error, s.rms_rel_bond_error);
+    const Eigen::VectorXd tension = simulation.bond_tensions();
+    say("bond tension at the end: {:.4g} to {:.4g}, mean {:.4g} kJ/mol/nm\n", tension.minCoeff(),
+        tension.maxCoeff(), tension.mean());
+  }
+  if (const System& sys = simulation.scene().system; !sys.one_sided.empty()) {
+    const auto lambda = simulation.method().lambda().tail(std::ssize(sys.one_sided));
+    double strongest = 0;
+    for (int k = 0; k < lambda.size(); ++k)
+      strongest = std::max(strongest, std::abs(lambda[k]) * sys.one_sided[k].length);
+    say("one-sided bonds at the end: {} of {} act, the strongest with {:.4g} kJ/mol/nm\n",
+        (lambda.array() != 0).count(), lambda.size(), strongest);
+  }
 }
 
 }  // namespace taut
