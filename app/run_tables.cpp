@@ -33,11 +33,19 @@ std::string barostat_line(const RunSettings& run) {
   return "";
 }
 
-// One thread computes unless told otherwise, which nobody should have to find out.
-std::string threads_line(int threads) {
-  const int cores = static_cast<int>(std::thread::hardware_concurrency());
-  return fmt::format("{} of {}{}", threads, counted(cores, "core"),
-                     threads < cores ? fmt::format(", --threads {} for more", cores) : "");
+// Says the precision and the number of threads, with the options that change them. Precision concerns forces
+// between pairs alone.
+std::string speed_line(const Simulation& simulation) {
+  const Terms& terms = simulation.scene().terms;
+  const bool mixed = terms.precision == Precision::kMixed;
+  const int threads = simulation.threads(), cores = static_cast<int>(std::thread::hardware_concurrency());
+  return fmt::format("{}{} of {}{}",
+                     terms.nonbonded || terms.wca
+                         ? fmt::format("{} precision (change with --precision {}), ",
+                                       mixed ? "mixed" : "double", mixed ? "double" : "mixed")
+                         : "",
+                     counted(threads, "thread"), counted(cores, "core"),
+                     threads < cores ? fmt::format(" (change with --threads {})", cores) : "");
 }
 
 // The error is left out where there are too few rows for one.
@@ -120,7 +128,7 @@ void print_header(const Simulation& simulation) {
   const Box& box = simulation.state().box;
   if (box.periodic()) say("  {}\n", box_line(box));
   say("  method {}: {}\n", scene.method.name(), simulation.method().setting());
-  say("  {}\n  threads {}\n\n", start_line(scene), threads_line(simulation.threads()));
+  say("  {}\n  {}\n\n", start_line(scene), speed_line(simulation));
   if (simulation.step() > 0) say("goes on from step {}\n", simulation.step());
   const bool pressed = box.periodic();
   say("{:>8} {:>10} {:>12} {:>12} {:>8} {:>9} {:>5}{}\n", "step", "t", "E_pot", "E_total", "T", "bond err",

@@ -189,9 +189,13 @@ TEST(Manners, RunsAreQuietWhereAsked) {
   EXPECT_EQ(summary["steps"], 5);
   const std::string text = said("run pair --steps 1");
   EXPECT_THAT(text, HasSubstr("  1 step of "));
-  EXPECT_THAT(text, ContainsRegex("threads 1 of [0-9]+ core"));
+  EXPECT_THAT(text, ContainsRegex("\n  1 thread of [0-9]+ core"));
   EXPECT_THAT(text, HasSubstr("[kJ/mol]"));
-  EXPECT_THAT(said("run pair --steps 1 --threads 2"), HasSubstr("threads 2 of "));
+  EXPECT_THAT(said("run pair --steps 1 --threads 2"), HasSubstr("2 threads of "));
+  EXPECT_THAT(said("run water --steps 0"),
+              HasSubstr("double precision (change with --precision mixed), 1 thread"));
+  EXPECT_THAT(said("run water --steps 0 --precision mixed"),
+              HasSubstr("mixed precision (change with --precision double), 1 thread"));
   const std::string none = said("run pair --steps 0");
   EXPECT_THAT(none, HasSubstr("no step was taken"));
   EXPECT_THAT(none, AllOf(Not(HasSubstr("ns/day")), Not(HasSubstr("drift"))));
@@ -205,7 +209,11 @@ TEST(Manners, ResumedRunsKeepToThreads) {
   const TemporaryFolder folder;
   const std::string out = (folder.path() / "run").string();
   said("run pair --steps 5 --out " + out);
-  EXPECT_THAT(said("resume " + out + " --steps 5 --threads 2"), HasSubstr("threads 2 of "));
+  EXPECT_THAT(said("resume " + out + " --steps 5 --threads 2"), HasSubstr("2 threads of "));
+  EXPECT_THAT(said("run water --steps 0"),
+              HasSubstr("double precision (change with --precision mixed), 1 thread"));
+  EXPECT_THAT(said("run water --steps 0 --precision mixed"),
+              HasSubstr("mixed precision (change with --precision double), 1 thread"));
 }
 
 // How many threads compute unless a run says so itself: the first number of OMP_NUM_THREADS, and what is none
