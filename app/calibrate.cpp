@@ -30,7 +30,8 @@ void print_course(const char* name, const std::vector<double>& values) {
   say("\n");
 }
 
-// What so many sweeps are known to leave, and what the reference's did; molecules alike in a line each.
+// Prints the fraction of an error that so many sweeps leave in theory, and the measured one; one line per
+// kind of molecule.
 void print_shapes(const Calibration& c) {
   constexpr std::size_t kMost = 6;
   for (std::size_t n = 0; n < std::min(c.shapes.size(), kMost); ++n) {
@@ -41,7 +42,7 @@ void print_shapes(const Calibration& c) {
   if (c.shapes.size() > kMost) say("  and {} shapes more (--json has all)\n", c.shapes.size() - kMost);
 }
 
-// What makes `taut run` run what was measured.
+// Returns the options with which `taut run` uses the measured method.
 std::string run_line(const CalibrateArguments& arguments, const Calibration& c) {
   CommandLine line = arguments.scene.line("run");
   line.option("--dt-fs", arguments.scene.dt_fs);

@@ -36,7 +36,7 @@ ChartPlan plan_of(const ChartArguments& arguments) {
   return plan;
 }
 
-// What a reader of the pictures would not think of.
+// Notes for readers of the pictures.
 std::vector<std::string> notes_of(const ChartPlan& plan) {
   std::vector<std::string> notes = plan.scene.notes;
   if (plan.quick)
@@ -49,7 +49,7 @@ std::vector<std::string> notes_of(const ChartPlan& plan) {
   return notes;
 }
 
-// Throws InputError where none of the methods holds such bonds: there would be nothing to draw.
+// Throws InputError if none of the methods can hold these bonds, since the chart would be empty.
 void refuse_unfit_methods(const ChartPlan& plan) {
   std::vector<std::string> reasons;
   for (const std::string& name : plan.methods) {
@@ -65,7 +65,7 @@ void refuse_unfit_methods(const ChartPlan& plan) {
   throw InputError(fmt::format("{}: no method to chart: {}", plan.scene.name, fmt::join(reasons, "; ")));
 }
 
-// A line for each reason, however many settings it has.
+// Prints one line per reason of failure, with all its settings.
 void print_failures(const std::string& csv) {
   struct Alike {
     std::string first;
@@ -92,7 +92,7 @@ void print_failures(const std::string& csv) {
   }
 }
 
-// The panels of a finished study.
+// Draws the panels of a finished study.
 void show(const ChartPlan& plan, Study& study) {
   const Ledger& ledger = study.ledger();
   const std::string of = plan.scene.name + ": ", at = fmt::format("at {:g} fs", plan.scene.run.dt_fs);

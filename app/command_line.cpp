@@ -16,7 +16,7 @@ struct Said {
   std::string words, value;
 };
 
-// 2 and 2.0 are one value.
+// True if two values are equal as texts or as numbers, e.g. 2 and 2.0.
 bool same(const std::string& a, const std::string& b) {
   char *end_a = nullptr, *end_b = nullptr;
   const double x = std::strtod(a.c_str(), &end_a), y = std::strtod(b.c_str(), &end_b);
@@ -25,7 +25,7 @@ bool same(const std::string& a, const std::string& b) {
 
 }  // namespace
 
-// Within single quotes a shell takes all as it is, but for a single quote.
+// Within single quotes a shell takes every character literally, except a single quote.
 std::string quoted_for_shell(const std::string& word) {
   const auto plain = [](unsigned char c) {
     return std::isalnum(c) || std::string_view("_-./:,=+@%").find(c) != std::string_view::npos || c > 127;
@@ -50,8 +50,8 @@ void CommandLine::option(const char* name, const std::vector<double>& values) {
   for (const double value : values) text_ += fmt::format(" {}", value);
 }
 
-std::vector<std::string> overrides_said(const std::vector<KeyFlag>& flags,
-                                        const std::vector<std::string>& settings) {
+std::vector<std::string> collect_overrides(const std::vector<KeyFlag>& flags,
+                                           const std::vector<std::string>& settings) {
   std::vector<std::string> all;
   std::map<std::string, Said> known;
   const auto add = [&](const std::string& override_, const std::string& words) {
@@ -69,7 +69,7 @@ std::vector<std::string> overrides_said(const std::vector<KeyFlag>& flags,
   return all;
 }
 
-std::string KeyFlag::blamed(const std::string& message) const {
+std::string KeyFlag::replace_by_flag(const std::string& message) const {
   const std::string other =
       fmt::format("--set {}: {}: ", override_, override_.substr(0, override_.find('=')));
   return !said.empty() && message.starts_with(other) ? said + ": " + message.substr(other.size()) : message;

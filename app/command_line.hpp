@@ -8,12 +8,12 @@
 
 namespace taut {
 
-// In quotes only where it has to be.
+// Returns a word as a shell takes it, in quotes only if necessary.
 std::string quoted_for_shell(const std::string& word);
 
-// What was asked for, as a shell takes it,
+// Collects a command line in the form that a shell takes,
 //     taut chart water --set run.seed=7
-// without the options that were not given.
+// without options that were not given.
 class CommandLine {
  public:
   CommandLine(const char* subcommand, const std::string& scene);
@@ -31,21 +31,22 @@ class CommandLine {
   std::string text_ = "taut";
 };
 
-// A flag that is short for a key of the scene: --dt-fs 2 for run.dt_fs=2.
+// A flag that stands for a key of the scene: --dt-fs 2 for run.dt_fs=2.
 struct KeyFlag {
   template <class T>
   KeyFlag(const char* flag, const char* key, const std::optional<T>& value)
       : said(value ? fmt::format("{} {}", flag, *value) : ""),
         override_(value ? fmt::format("{}={}", key, *value) : "") {}
 
-  // What blames the override, by what was typed: "--set run.dt_fs=-2: run.dt_fs: …" becomes "--dt-fs -2: …".
-  std::string blamed(const std::string& message) const;
+  // Replaces the override in an error message by the flag: "--set run.dt_fs=-2: run.dt_fs: …" becomes
+  // "--dt-fs -2: …".
+  std::string replace_by_flag(const std::string& message) const;
 
-  std::string said, override_;  // empty: it was not given
+  std::string said, override_;  // empty if the flag was not given
 };
 
-// All overrides of a command line. Throws InputError for a key that it gives two values.
-std::vector<std::string> overrides_said(const std::vector<KeyFlag>& flags,
-                                        const std::vector<std::string>& settings);
+// Returns all overrides of a command line. Throws InputError for a key with two values.
+std::vector<std::string> collect_overrides(const std::vector<KeyFlag>& flags,
+                                           const std::vector<std::string>& settings);
 
 }  // namespace taut

@@ -26,7 +26,7 @@ const Argument& Argument::required() const {
   return *this;
 }
 
-// CLI11's own say what they expect by numbers of 309 digits.
+// Error messages for numbers, because CLI11's own print limits with 309 digits.
 const Argument& Argument::positive() const {
   option_->check(CLI::Validator(
       [](const std::string& given) {
@@ -63,7 +63,7 @@ const Argument& Argument::excludes(const Argument& other) const {
 
 namespace {
 
-// A number without a fraction is an integer however it is written: 1e6, as in a scene.
+// Accepts any number without a fraction as an integer, e.g. 1e6, as scenes do.
 std::string as_integer(std::string& text) {
   double number = 0;
   if (text.find_first_of(".eE") == text.npos || !CLI::detail::lexical_cast(text, number)) return "";
@@ -82,7 +82,7 @@ Argument Subcommand::option(const char* name, T& value, const char* meaning) con
   CLI::Option* option = app_->add_option(name, value, meaning);
   if constexpr (is_integer<T>) option->transform(CLI::Validator(as_integer, ""));
   if (!option->get_positional())
-    option->allow_extra_args(false);  // separate_lists tells a list's words apart
+    option->allow_extra_args(false);  // separate_lists() separates the words of a list
   if (value != T{}) option->capture_default_str();
   if constexpr (std::is_same_v<T, std::filesystem::path> ||
                 std::is_same_v<T, std::optional<std::filesystem::path>>)
@@ -117,7 +117,8 @@ bool takes_many(const CLI::Option& option) {
   return option.get_expected_max() == CLI::detail::expected_max_vector_size;
 }
 
-// As wide as the terminal, and without what usage and words say: "REQUIRED", "x 2", "Excludes: --overwrite".
+// A formatter for help as wide as the terminal, without CLI11's "REQUIRED", "x 2" and "Excludes:
+// --overwrite", which usage and descriptions say already.
 class HelpFormat : public CLI::Formatter {
  public:
   std::string make_description(const CLI::App* app) const override {
@@ -139,7 +140,7 @@ class HelpFormat : public CLI::Formatter {
   }
 
  private:
-  static constexpr int kColumn = 30;  // CLI11's own
+  static constexpr int kColumn = 30;  // CLI11's default
   static std::string fitted(const std::string& text, int column) {
     return wrapped(text, std::min(terminal_width(), 100) - column, 0);
   }
@@ -164,7 +165,7 @@ bool is_list(const CLI::Option& option) {
   return !option.get_positional() && takes_many(option);
 }
 
-// True if a word can be in a list of that type. A list takes its first word whatever it is.
+// True if a word can belong to a list of that type. The first word of a list always does.
 bool can_be_in_list(const std::string& type, const std::string& word) {
   if (type == "KEY=VALUE") return word.find('=') != word.npos;
   if (type == "METHOD") return std::ranges::count(method_names(), word.substr(0, word.find(':'))) > 0;
@@ -172,9 +173,9 @@ bool can_be_in_list(const std::string& type, const std::string& word) {
   return type != "NUMBER" || CLI::detail::lexical_cast(word, number);
 }
 
-// CLI11 gives a list every word up to the next option, the scene as well. So each further word of a list gets
-// the option's name before it, as in `--set a=1 --set b=2`, and a word that cannot be in the list stands
-// alone.
+// CLI11 assigns every word up to the next option to a list, including the scene. Therefore each further word
+// of a list gets the option's name before it, as in `--set a=1 --set b=2`, and a word that cannot belong to
+// the list stands alone.
 std::vector<std::string> separate_lists(const CLI::App& app, int argc, char** argv) {
   std::vector<std::string> words;
   const CLI::App* sub = nullptr;
@@ -198,11 +199,11 @@ std::vector<std::string> separate_lists(const CLI::App& app, int argc, char** ar
     }
     words.push_back(word);
   }
-  std::ranges::reverse(words);  // as CLI11 takes them
+  std::ranges::reverse(words);  // the order that CLI11 expects
   return words;
 }
 
-// What was typed for a subcommand and is none; empty: nothing was.
+// Returns the word typed in place of a subcommand, or an empty string.
 std::string unknown_subcommand(const CLI::App& app, int argc, char** argv) {
   for (int k = 1; k < argc; ++k) {
     const std::string word = argv[k];
@@ -220,7 +221,7 @@ std::vector<std::string> option_names(const CLI::App& app) {
   return names;
 }
 
-// One line: what cannot be read, and what was meant.
+// Returns one line that says what cannot be parsed, and the nearest valid word.
 std::string complaint(const CLI::App& app, const CLI::ParseError& e, int argc, char** argv) {
   if (const std::string typed = unknown_subcommand(app, argc, argv); !typed.empty()) {
     std::vector<std::string_view> names;
@@ -271,7 +272,7 @@ Commands::~Commands() = default;
 
 Subcommand Commands::add(const char* name, const char* meaning, std::function<void()> action) {
   CLI::App* app = parser_->app.add_subcommand(name, meaning);
-  app->fallthrough();  // --threads may stand behind as well
+  app->fallthrough();  // --threads may follow the subcommand
   parser_->actions.emplace_back(app, std::move(action));
   return Subcommand(app);
 }
@@ -293,13 +294,13 @@ int Commands::act(int argc, char** argv) {
     expect_threads("--threads", *parser_->threads);
     use_threads(*parser_->threads);
   }
-  default_threads();  // an OMP_NUM_THREADS that is no number is refused here, before anything is made
+  default_threads();  // refuses an invalid OMP_NUM_THREADS before any file is made
   for (const auto& [sub, act] : parser_->actions)
     if (sub->parsed()) act();
   return 0;
 }
 
-// App::help() would tell of what was parsed.
+// App::help() depends on what was parsed.
 std::string Commands::help(const std::string& name) const {
   const CLI::App* app = name.empty() ? &parser_->app : named(parser_->app, name);
   return app ? app->get_formatter()->make_help(app, name.empty() ? "taut" : "taut " + name,

@@ -11,7 +11,7 @@ class Option;
 
 namespace taut {
 
-// What the user types, read by CLI11: behind this file, for it costs whoever includes it ten seconds.
+// Parses the command line with CLI11. Only commands.cpp includes CLI11, which takes ten seconds to compile.
 class Argument {
  public:
   explicit Argument(CLI::Option* option) : option_(option) {}
@@ -19,8 +19,8 @@ class Argument {
   const Argument& required() const;
   const Argument& positive() const;
   const Argument& at_least(int least) const;
-  const Argument& words(int count, const char* shown) const;  // takes so many; in the help they are `shown`
-  const Argument& key_values() const { return words(0, "KEY=VALUE"); }  // as many as there are
+  const Argument& words(int count, const char* shown) const;  // takes `count` words; the help has `shown`
+  const Argument& key_values() const { return words(0, "KEY=VALUE"); }  // any number of them
   const Argument& excludes(const Argument& other) const;
 
  private:
@@ -31,8 +31,8 @@ class Subcommand {
  public:
   explicit Subcommand(CLI::App* app) : app_(app) {}
 
-  // "--steps", or "scene" for one without a name. T: text, path, int, long, double, an optional of one of
-  // them, a list of texts. The value it has is the default, shown in the help.
+  // Adds an option "--steps", or a positional argument "scene". T is a text, path, int, long, double, an
+  // optional of these, or a list of texts. The variable's value is the default, which the help shows.
   template <class T>
   Argument option(const char* name, T& value, const char* meaning) const;
   Argument flag(const char* name, bool& given, const char* meaning) const;
@@ -49,12 +49,12 @@ class Commands {
 
   Subcommand add(const char* name, const char* meaning, std::function<void()> action);
 
-  // Does what was asked for. Returns the exit code: 2 where that cannot be read.
+  // Parses the command line and runs the subcommand. Returns the exit code, 2 if the command line is wrong.
   int act(int argc, char** argv);
 
-  std::string help(const std::string& name) const;  // of a subcommand, "": of all; empty: there is none
+  std::string help(const std::string& name) const;  // of a subcommand, of taut for ""; empty for no such name
 
-  // From the same description: "bash" or "zsh" completes what is typed, "man" is the page.
+  // Generates completions for "bash" or "zsh", or the "man" page.
   std::string generated(const std::string& what) const;
 
  private:
@@ -62,7 +62,7 @@ class Commands {
   std::unique_ptr<Parser> parser_;
 };
 
-// A file a subcommand.
+// One file per subcommand.
 void add_run(Commands& commands);
 void add_resume(Commands& commands);
 void add_calibrate(Commands& commands);

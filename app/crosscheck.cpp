@@ -7,26 +7,126 @@
 #include "base/errors.hpp"
 #include "command_line.hpp"
 #include "commands.hpp"
-#include "crosscheck_report.hpp"
+#include "pictures.hpp"
 #include "printing.hpp"
 #include "progress.hpp"
+#include "report.hpp"
 #include "scene_argument.hpp"
 #include "studies/crosscheck_tables.hpp"
+#include "studies/crosscheck_verdict.hpp"
+#include "studies/csv.hpp"
 #include "studies/openmm_twin.hpp"
 #include "studies/study_scene.hpp"
 #include "study.hpp"
 #include "systems/openmm/export.hpp"
 #include "systems/openmm/import.hpp"
+#include "words.hpp"
 
 namespace taut {
 namespace {
+
+std::string or_dash(double value, bool known) {
+  return known ? fmt::format("{:.1e}", value) : "–";
+}
+
+constexpr int kWidth = 80;
+
+void print_positions(const Crosscheck& c) {
+  constexpr auto kRow = "{:<24} {:>9} {:>8} {:>9} {:>10} {:>9}\n";
+  say(kRow, "", "apart", "parted", "off fine", "bond error", "");
+  say(kRow, "", "[nm]", "at step", "run [nm]", "max", "rms");
+  for (const Track* track : all_tracks(c)) {
+    const bool ran = track->samples.size() > 1, bonded = ran && c.bonds > 0;
+    const auto parted = track->parted_at(c.agreement);
+    say(kRow, track->name, or_dash(track->apart_at(c.parting), ran && track != &c.twin && track != &c.fine),
+        parted ? fmt::format("{}", *parted) : "–",
+        or_dash(last_from_truth(*track), last_from_truth(*track) >= 0), or_dash(track->worst_bond(), bonded),
+        or_dash(track->rms_bond(c.steps), bonded));
+  }
+}
+
+void print_energies(const Crosscheck& c) {
+  constexpr auto kRow = "{:<24} {:>18} {:>14} {:>10}\n";
+  say(kRow, "", "energy drift", "bonds' share", "T");
+  say(kRow, "", "[kJ/mol/ns/dof]", "", "[K]");
+  for (const Track* track : all_tracks(c)) {
+    const auto& share = track->constraint_drift;
+    const Estimate& drift = track->drift;
+    say(kRow, track->name, drift.error > 0 ? fmt::format("{:.1e} ± {:.0e}", drift.value, drift.error) : "–",
+        or_dash(share ? share->value : 0, share.has_value()),
+        track->samples.size() > 1 ? fmt::format("{:.2f}", track->temperature.value) : "–");
+  }
+}
+
+std::string verdicts_csv(const Crosscheck& c) {
+  std::string text = "run,finding,why\n";
+  for (const Verdict& v : verdicts(c))
+    text += fmt::format("{},{},{}\n", csv_cell(v.who), name_of(v.finding), csv_cell(v.why));
+  return text;
+}
+
+void print_crosscheck(const Crosscheck& c) {
+  const auto say_wrapped = [](const std::string& text) { say("{}\n", wrapped(text, kWidth, 2)); };
+  say_wrapped(fmt::format("{} against OpenMM {} ({}): {}, {}, {} of {:g} fs", c.scene, c.openmm, c.platform,
+                          counted(c.atoms, "atom"), counted(c.bonds, "bond"), counted(c.steps, "step"),
+                          c.h * 1000));
+  for (const auto& note : c.notes) say_wrapped("note: " + note);
+  say_wrapped(fmt::format(
+      "at the start: energy {:.10g} kJ/mol, OpenMM {:.10g}; forces {:.4g} kJ/mol/nm rms, apart by {:.1e}",
+      c.start.energy, c.start.openmm_energy, c.start.force_rms, c.start.force_difference));
+  say_wrapped(fmt::format("chaos: two OpenMM runs 1e-10 nm apart are {:.1e} nm apart after {} steps, {}",
+                          1e-10 * c.chaos.growth, c.chaos.steps,
+                          c.chaos.growth > 100 ? fmt::format("growing by {:.2g} ± {:.1g} /ps",
+                                                             c.chaos.rate.value, c.chaos.rate.error)
+                                               : "too little for a rate"));
+  say("\n");
+  print_positions(c);
+  say("\n");
+  print_energies(c);
+  say("\n");
+  for (const Verdict& v : verdicts(c))
+    say("{:<24} {:<7} {}\n", v.who, name_of(v.finding), wrapped(v.why, kWidth, 33));
+  if (!c.long_enough) {
+    say("\n");
+    say_wrapped(
+        "Too short for averages: temperatures, g(r) and end-to-end distances are held together from 5 ps "
+        "on.");
+  }
+  if (c.speed.empty()) return;
+  say("\nwhole step, equal threads\n");
+  for (const auto& [who, us] : c.speed) say("  {:<46} {:>9.1f} µs\n", who, us);
+}
+
+// Writes crosscheck.json (all figures and verdicts), crosscheck.csv (every sample of every run),
+// distances.csv for liquid water, the pictures and report.html. `command` is the command line.
+void write_crosscheck(const Crosscheck& c, const std::string& command, const std::filesystem::path& folder) {
+  StudyFiles files(folder);
+  files.write("crosscheck.json", crosscheck_json(c) + "\n");
+  const std::string title = fmt::format("{}: taut against OpenMM {}, {}", c.scene, c.openmm, c.platform);
+  ReportPage page{title, command, c.notes, {}};
+  const auto show = [&](const Picture& picture, const char* heading, const char* text) {
+    files.draw(picture);
+    page.parts.push_back({heading, text, picture.name + ".svg", picture.csv});
+  };
+  show({"crosscheck", title, samples_csv(c)}, "Runs beside OpenMM's",
+       "Every run sets out from OpenMM's start. The fine run takes a quarter of the step: what is as near to "
+       "it as "
+       "OpenMM's own run is as right.");
+  if (!c.twin.oxygens.r.empty())
+    show({"distances", c.scene + ": O–O radial distribution, bars: standard errors", distances_csv(c)},
+         "What the liquid looks like", "The radial distribution of the oxygens.");
+  page.parts.push_back(
+      {"Verdicts", "Of each run: whether it agrees with OpenMM's, and why.", {}, verdicts_csv(c)});
+  write_report(page, files);
+  files.print_written();
+}
 
 struct CrosscheckArguments {
   SceneArgument scene;
   std::vector<std::string> methods;
   std::optional<std::filesystem::path> out;
   bool overwrite = false;
-  std::optional<std::string> prefix;  // of the exported files
+  std::optional<std::string> prefix;  // prefix of the exported files
   CrosscheckPlan plan;
 
   std::string command() const {
@@ -48,7 +148,7 @@ struct CrosscheckArguments {
   }
 };
 
-void run(CrosscheckArguments arguments) {
+void crosscheck_scene(CrosscheckArguments arguments) {
   refuse_without_effect("crosscheck", arguments.scene.settings);
   const Scene scene = arguments.scene.read(nullptr, {"run.steps=200"});
   if (arguments.prefix) {
@@ -78,8 +178,8 @@ void run(CrosscheckArguments arguments) {
 void add_crosscheck(Commands& commands) {
   auto arguments = std::make_shared<CrosscheckArguments>();
   CrosscheckPlan& plan = arguments->plan;
-  const Subcommand command =
-      commands.add("crosscheck", "hold a scene's runs against OpenMM's", [arguments] { run(*arguments); });
+  const Subcommand command = commands.add("crosscheck", "hold a scene's runs against OpenMM's",
+                                          [arguments] { crosscheck_scene(*arguments); });
   arguments->scene.NamedScene::offer(command);
   command
       .option("--method", arguments->methods,

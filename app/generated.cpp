@@ -5,8 +5,13 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <memory>
 #include <string_view>
 #include <vector>
+
+#include "base/nearest_name.hpp"
+#include "commands.hpp"
+#include "printing.hpp"
 
 namespace taut {
 namespace {
@@ -23,7 +28,7 @@ bool takes_value(const CLI::Option& option) {
   return option.get_items_expected_max() > 0;
 }
 
-// Characters that mean something to somebody, each with a backslash before it.
+// Escapes special characters with a backslash.
 std::string escaped(std::string_view text, std::string_view special) {
   std::string out;
   for (const char c : text) {
@@ -33,7 +38,7 @@ std::string escaped(std::string_view text, std::string_view special) {
   return out;
 }
 
-// In roff a line must not begin with a dot or a quote, and "-" is a hyphen.
+// Escapes text for roff, where a line must not begin with a dot or a quote, and "-" is a hyphen.
 std::string roff(std::string_view text) {
   const std::string line = escaped(text, "-\\");
   return !line.empty() && (line[0] == '.' || line[0] == '\'') ? "\\&" + line : line;
@@ -48,7 +53,7 @@ std::string option_entry(const CLI::Option& option) {
                      unless.empty() ? "" : fmt::format(" (if not said: {})", roff(unless)));
 }
 
-// What a word of that type may be: the command that lists them, nothing for a file.
+// Returns the command that lists the values of a type of word, or nothing for a file.
 std::string lister(const CLI::Option& option) {
   const std::string type = option.get_type_name();
   if (type == "SCENE") return "taut scenes --names";
@@ -100,7 +105,7 @@ std::string man_page(const CLI::App& app) {
   return page;
 }
 
-// One function: what stands before the word says what may follow.
+// One function, in which the previous word determines the completions.
 std::string bash_completion(const CLI::App& app) {
   std::string cases;
   std::vector<std::string> names;
@@ -149,7 +154,7 @@ complete -F _taut taut
       cases, fmt::join(names, " "), fmt::join(flags_of(app), " "));
 }
 
-// Within a shell's single quotes.
+// Quotes text in a shell's single quotes.
 std::string in_quotes(const std::string& text) {
   std::string quoted;
   for (const char c : text) quoted += c == '\'' ? "'\\''" : std::string(1, c);
@@ -207,6 +212,16 @@ _taut "$@"
         return all;
       }(),
       cases);
+}
+
+void add_generate(Commands& commands) {
+  auto what = std::make_shared<std::string>();
+  const Subcommand command =
+      commands.add("generate", "print completions for a shell, or the man page", [what, &commands] {
+        expect_name("taut generate", *what, {"bash", "zsh", "man"});
+        say_text(commands.generated(*what));
+      });
+  command.option("what", *what, "bash, zsh or man").required();
 }
 
 }  // namespace taut

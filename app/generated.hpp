@@ -8,7 +8,7 @@ class App;
 
 namespace taut {
 
-// What the parser knows of the command, for others: a page in roff, and what shells complete.
+// The man page in roff, and completions for shells, from the description of the command line.
 std::string man_page(const CLI::App& app);
 std::string bash_completion(const CLI::App& app);
 std::string zsh_completion(const CLI::App& app);

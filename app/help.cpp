@@ -46,8 +46,8 @@ std::string sentence(const Key& key) {
   return text + whose(key);
 }
 
-// A scene's own names as they are described: molecule.NAME.units for molecule.decane.units, place.count for
-// place.0.count.
+// Returns the general form of a key of a scene: molecule.NAME.units for molecule.decane.units, place.count
+// for place.0.count.
 std::string described(const std::string& name) {
   std::istringstream words(name);
   std::vector<std::string> path;
@@ -60,7 +60,8 @@ std::string described(const std::string& name) {
   return fmt::format("{}", fmt::join(path, "."));
 }
 
-// What a name stands for: a key, all keys of a section, or of one kind or method ("build.water").
+// Returns the keys that a name means: one key, all keys of a section, or those of a kind or method
+// ("build.water").
 std::vector<Key> keys_named(const std::string& name, const std::vector<Key>& all) {
   std::vector<Key> found;
   const auto dot = name.find('.');
@@ -72,7 +73,7 @@ std::vector<Key> keys_named(const std::string& name, const std::vector<Key>& all
   return found;
 }
 
-// At the beginning of one of its words.
+// True if the text occurs at the beginning of a word.
 bool speaks_of(std::string_view text, const std::string& word) {
   const auto letter = [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; };
   for (auto at = text.find(word); at != text.npos; at = text.find(word, at + 1))
@@ -80,7 +81,8 @@ bool speaks_of(std::string_view text, const std::string& word) {
   return false;
 }
 
-// Where a name stands for none: what speaks of it, "rope", or a kind or method, "water".
+// Returns, for a name that is no key, the keys whose description contains it ("rope"), or those of a kind or
+// method ("water").
 std::vector<Key> keys_about(const std::string& word, const std::vector<Key>& all) {
   std::vector<Key> found;
   for (const Key& key : all)

@@ -7,9 +7,9 @@
 
 #include "command_line.hpp"
 #include "commands.hpp"
-#include "run_tables.hpp"
 #include "help.hpp"
 #include "printing.hpp"
+#include "run_tables.hpp"
 #include "scene_argument.hpp"
 #include "simulation/temperatures.hpp"
 #include "words.hpp"
@@ -21,7 +21,7 @@ using nlohmann::ordered_json;
 
 struct InfoArguments : SceneArgument {};
 
-// What acts in a scene, and how often.
+// Names the forces of a scene, each with its count.
 std::vector<std::string> forces_of(const Scene& scene) {
   const Terms& terms = scene.terms;
   std::vector<std::string> forces;
@@ -61,7 +61,7 @@ std::vector<std::string> molecules_of(const Scene& scene) {
   return names;
 }
 
-// As typed: --dt-fs 2 for --set run.dt_fs=2, the scene's file by its name, or what has no line of its own.
+// Returns the source of a value as the user typed it: --dt-fs 2 for --set run.dt_fs=2, or the scene's file.
 std::string from(const Key& key, const InfoArguments& arguments, const std::vector<Key>& usual) {
   for (const KeyFlag& flag : arguments.flags())
     if (!flag.said.empty() && key.from == "--set " + flag.override_) return flag.said;
@@ -75,7 +75,7 @@ std::string from(const Key& key, const InfoArguments& arguments, const std::vect
   return imported ? "OpenMM's files" : "default";
 }
 
-// As the scene's file says it.
+// Returns a value as it is written in the scene.
 std::string value_of(const Key& key, const Scene& scene) {
   if (key.value.empty()) return "not set";
   const std::string folder = "\"" + scene.files[0].parent_path().string() + "/";
@@ -91,7 +91,7 @@ std::vector<Key> in_force(const KeysRead& read, const InfoArguments& arguments) 
       keys.push_back(key);
       keys.back().from = from(key, arguments, usual);
     }
-  // By their sections' first words: place.0.count with place.
+  // Grouped by the first word of the section: place.0.count belongs to place.
   std::ranges::stable_sort(keys, {}, [](const Key& key) {
     const auto first = [](std::string_view name) { return name.substr(0, name.find('.')); };
     const std::string name = key.name();
@@ -109,7 +109,7 @@ ordered_json as_json(const Scene& scene, const std::vector<Key>& keys) {
                        {"bonds", scene.system.bond_count()},
                        {"molecules", molecules_of(scene)},
                        {"forces", forces_of(scene)}};
-  if (const Box& box = scene.start.box; box.periodic()) {  // as a scene says it
+  if (const Box& box = scene.start.box; box.periodic()) {  // as a scene has it
     const Eigen::Matrix3d m = box.vectors();
     json["box_nm"] = box.tilt.isZero(0) ? std::vector<double>(box.edge.begin(), box.edge.end())
                                         : std::vector<double>(m.data(), m.data() + 9);

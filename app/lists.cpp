@@ -42,7 +42,7 @@ void print_methods(const ListArguments& arguments) {
   std::vector<const MethodEntry*> listed;
   for (const MethodEntry& method : methods())
     if (arguments.name.empty() || method.name == arguments.name) listed.push_back(&method);
-  if (listed.empty()) listed.push_back(&method_named(arguments.name));  // says which was meant
+  if (listed.empty()) listed.push_back(&method_named(arguments.name));  // throws with the nearest name
   ordered_json json = ordered_json::array();
   for (const MethodEntry* method : listed) {
     if (json_alone())

@@ -12,7 +12,8 @@
 
 namespace {
 
-// Else the first file that is opened would take the place of a stream that was closed, and be printed into.
+// Opens /dev/null for closed standard streams. Otherwise the first file that is opened would get the stream's
+// number and be printed into.
 void fill_closed_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
     if (fcntl(stream, F_GETFD) < 0) open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
@@ -23,7 +24,7 @@ int failed(int code, const std::string& why) {
   return code;
 }
 
-int carry_out(taut::Commands& commands, int argc, char** argv) {
+int run_command(taut::Commands& commands, int argc, char** argv) {
   try {
     return commands.act(argc, argv);
   } catch (const taut::Stopped& stopped) {
@@ -41,11 +42,11 @@ int carry_out(taut::Commands& commands, int argc, char** argv) {
 
 }  // namespace
 
-// Exit codes: 0 done, 1 the simulation failed, 2 the input is wrong, 3 something outside (disk, memory), 128
-// + a signal where that one asked to stop.
+// Exit codes: 0 done, 1 the simulation failed, 2 the input is wrong, 3 an error outside (disk, memory), 128 +
+// the number of the signal that stopped it.
 int main(int argc, char** argv) {
-  // A file over the limit and a pipe that nobody reads are writes that fail. What taut starts, such as
-  // gnuplot, does not inherit a handler, as it would SIG_IGN.
+  // Makes writes to a file over the size limit, or to a closed pipe, fail instead of killing the process.
+  // Handlers are used, because child processes such as gnuplot would inherit SIG_IGN.
   for (const int signal : {SIGXFSZ, SIGPIPE}) std::signal(signal, [](int) {});
   fill_closed_streams();
   taut::Commands commands(
@@ -54,5 +55,5 @@ int main(int argc, char** argv) {
                          taut::add_chart, taut::add_stability, taut::add_lists, taut::add_info,
                          taut::add_measure, taut::add_help, taut::add_generate})
     add(commands);
-  return carry_out(commands, argc, argv);
+  return run_command(commands, argc, argv);
 }

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 struct MeasureArguments {
   fs::path folder;
-  std::vector<std::string> atoms;  // of the radial distribution, by name
+  std::vector<std::string> atoms;  // names of the two atoms of the radial distribution
   std::optional<fs::path> out;
   bool overwrite = false;
 };
@@ -55,7 +55,7 @@ void measure_folder(const MeasureArguments& arguments) {
   make_folder(*arguments.out);
   StudyFiles files(*arguments.out);
   measured.draw(files);
-  files.tell();
+  files.print_written();
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ std::vector<int> atoms_named(const Scene& scene, const std::string& name) {
   throw InputError(fmt::format("--atoms: there is no atom \"{}\"{}", name, did_you_mean(name, names)));
 }
 
-// The heaviest atom's name: O of water, the beads of a chain.
+// Returns the name of the heaviest atom: O in water, the beads of a chain.
 std::string heaviest(const Scene& scene) {
   Eigen::Index a = 0;
   scene.system.mass.maxCoeff(&a);
@@ -37,7 +37,7 @@ std::vector<std::string> or_heaviest(std::vector<std::string> atoms, const Scene
   return atoms;
 }
 
-// No further than half the box, beyond which images would count.
+// At most half the box, beyond which images would be counted.
 double reach_in(const Box& box) {
   return box.periodic() ? std::min(1.0, box.edge.minCoeff() / 2) : 0;
 }

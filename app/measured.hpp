@@ -10,11 +10,11 @@
 
 namespace taut {
 
-// What is measured frame by frame, of a trajectory or of a run as it goes on.
+// The measurements of a trajectory or of a run, frame by frame.
 class Measured {
  public:
-  // `atoms`: the two names of the radial distribution; none: the heaviest. Frames are `interval` apart [ps].
-  // The scene has to outlive it. Throws InputError for a name that no atom has.
+  // atoms: the two names of the radial distribution; empty means the heaviest. interval: time between frames
+  // [ps]. The scene must outlive this object. Throws InputError for a name that no atom has.
   Measured(const Scene& scene, std::vector<std::string> atoms, double interval);
 
   void add_frame(const Vectors& x, const Box& box);

@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What gnuplot and the shell say of a script.
+// Exit codes: of gnuplot, of a script that has no rows to draw, of a shell without gnuplot, and of Ctrl-C.
 constexpr int kDrawn = 0, kNothingToDraw = 4, kNoGnuplot = 127, kInterrupted = 128 + SIGINT;
 
 int run_gnuplot(const fs::path& folder, const std::string& name) {
@@ -30,11 +30,11 @@ int run_gnuplot(const fs::path& folder, const std::string& name) {
                                              quoted_for_shell(fs::absolute(folder).string()), name, name)
                                      .c_str());
   const int code = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
-  if (code == kInterrupted) throw Stopped{code};  // Ctrl-C, which std::system keeps from taut itself
+  if (code == kInterrupted) throw Stopped{code};  // Ctrl-C, which std::system hides from this process
   return code;
 }
 
-// A cell between tabs; gnuplot takes a double quote for the end of one.
+// Returns a cell for a file separated by tabs; gnuplot takes a double quote for its end.
 std::string tsv_cell(std::string text) {
   std::ranges::replace(text, '"', '\'');
   std::ranges::replace_if(
@@ -64,7 +64,7 @@ void StudyFiles::draw(const Picture& p) {
   write(p.name + ".csv", p.csv);
   for (const std::string& script : {std::string("taut.gp"), p.name + ".gp"})
     write(script, contents_of(scripts / script));
-  std::error_code ignored;  // of a drawing before this one
+  std::error_code ignored;  // a picture of an earlier run
   for (const char* kind : {".svg", ".png"}) fs::remove(folder_ / (p.name + kind), ignored);
   const int status = run_gnuplot(folder_, p.name);
   bool drawn = status == kDrawn;
@@ -81,7 +81,7 @@ void StudyFiles::draw(const Picture& p) {
     undrawn_.push_back(p.name);
 }
 
-void StudyFiles::tell() const {
+void StudyFiles::print_written() const {
   say("\nwrote into {}: {}\n", folder_.string(), fmt::join(written_, ", "));
   if (!empty_.empty()) say("nothing to draw of {}: no setting got through\n", fmt::join(empty_, ", "));
   if (without_gnuplot_)

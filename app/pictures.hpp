@@ -6,16 +6,16 @@
 
 namespace taut {
 
-// A picture as files that stay together: NAME.csv, the gnuplot script NAME.gp that reads it, and the NAME.svg
-// and NAME.png it makes. Beside them is what the scripts share: taut.gp, and the titles in titles.tsv. So
-// `gnuplot NAME.gp` in the folder draws them again, on another machine too.
+// A picture consists of NAME.csv, the gnuplot script NAME.gp that reads it, and NAME.svg and NAME.png. The
+// scripts share taut.gp and the titles in titles.tsv in the same folder, so that `gnuplot NAME.gp` there
+// draws the picture again.
 struct Picture {
   std::string name;
   std::string title;
   std::string csv;
 };
 
-// What a study writes into its folder, by name, and what of it is there.
+// The files that a study writes into its folder.
 class StudyFiles {
  public:
   explicit StudyFiles(std::filesystem::path folder) : folder_(std::move(folder)) {}
@@ -24,18 +24,18 @@ class StudyFiles {
   void write(const std::string& name, const std::string& text);
   void draw(const Picture& picture);
 
-  // A line of all that is there, and one of what is not drawn. Throws OutsideError where gnuplot failed;
-  // where it is not installed all is well, the figures and scripts being there.
-  void tell() const;
+  // Prints one line with the files written, and one with the pictures not drawn. Throws OutsideError if
+  // gnuplot failed. If gnuplot is not installed, data and scripts are still there, and no error is thrown.
+  void print_written() const;
 
  private:
   std::filesystem::path folder_;
   std::string titles_ = "picture\ttitle\n";
-  std::vector<std::string> written_, empty_, undrawn_;  // undrawn: gnuplot failed
+  std::vector<std::string> written_, empty_, undrawn_;  // undrawn_: pictures on which gnuplot failed
   bool without_gnuplot_ = false;
 };
 
-// What a file holds; nothing where there is none.
+// Returns the contents of a file, or nothing if it does not exist.
 std::string contents_of(const std::filesystem::path& file);
 
 }  // namespace taut

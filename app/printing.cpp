@@ -14,16 +14,16 @@
 namespace taut {
 namespace {
 
-bool quietly = false, only_json = false;  // as the process's streams are one, so is what goes there
+bool quietly = false, only_json = false;  // global, as are the process's streams
 
-// Returns 0, or the error number of what was not written.
+// Returns 0, or the error number if not all was written.
 int write_to(int stream, std::string_view text) {
   while (!text.empty()) {
     const ssize_t written = write(stream, text.data(), text.size());
     if (written > 0) text.remove_prefix(static_cast<std::size_t>(written));
     if (written >= 0 || errno == EINTR) continue;
     if (errno != EAGAIN) return errno;
-    pollfd room{stream, POLLOUT, 0};  // the stream does not block, as whoever shares it wants it
+    pollfd room{stream, POLLOUT, 0};  // the stream is non-blocking, set so by another process that shares it
     poll(&room, 1, -1);
   }
   return 0;

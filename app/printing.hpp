@@ -7,30 +7,29 @@
 
 namespace taut {
 
-// Everything that the command prints goes through here, so that --quiet and --json hold for all of it. A text
-// is written at once: a pipe or a file has each row as soon as it is known. Where standard output does not
-// take a text, these functions throw: Stopped if its reader has closed the pipe, OutsideError for a full disk
-// and the like.
+// All output of the command goes through these functions, so that --quiet and --json apply to all of it. Text
+// is written at once: a pipe or a file gets each row immediately. If standard output fails, they throw
+// Stopped if its reader has closed the pipe, and OutsideError otherwise, e.g. for a full disk.
 
 void print_errors_and_doubts_alone();  // --quiet
-void print_json_alone();               // --json, whether or not --quiet is given as well
+void print_json_alone();               // --json, with or without --quiet
 bool quiet();
 bool json_alone();
 
-// Tables and sentences. They are left out under --quiet and --json.
+// Prints tables and sentences. --quiet and --json omit them.
 void say_text(std::string_view text);
 template <class... Args>
 void say(fmt::format_string<Args...> text, Args&&... args) {
   say_text(fmt::format(text, std::forward<Args>(args)...));
 }
 
-// What the user is told under --quiet and --json as well. It then goes to standard error.
+// Prints messages that --quiet and --json do not omit; with them it goes to standard error.
 void say_always(std::string_view text);
 
-// Standard output whatever was asked for: JSON, and the texts of --help and --version.
+// Prints to standard output in any case: JSON, and the texts of --help and --version.
 void write_out(std::string_view text);
 
-// An error, on standard error: "taut: " and the reason.
+// Prints an error on standard error: "taut: " and the reason.
 void complain(std::string_view why);
 
 }  // namespace taut

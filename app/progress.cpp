@@ -34,7 +34,7 @@ void Progress::clear() {
   drawn_ = false;
 }
 
-// A terminal that is gone is no reason to stop.
+// A closed terminal must not stop the run.
 void Progress::draw(const std::string& line) {
   if (!terminal_) return;
   std::fputs(fmt::format("\r{}\x1b[K", line).c_str(), stderr);

@@ -5,13 +5,13 @@
 
 namespace taut {
 
-// A line on a terminal; nothing where stderr is a file or a pipe, or under --quiet.
+// A line of progress on a terminal; nothing if stderr is a file or a pipe, or with --quiet.
 class Progress {
  public:
   explicit Progress(long total = 0);
-  void show_step(long done);                 // the share done and the time left; redraws a few times a second
-  void show_task(const std::string& what);  // or what is being done
-  void clear();                       // takes the line away, before something else is printed
+  void show_step(long done);                // the fraction done and the time left, a few times a second
+  void show_task(const std::string& what);  // what is being done
+  void clear();                             // removes the line before something else is printed
 
  private:
   void draw(const std::string& line);

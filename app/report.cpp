@@ -42,7 +42,7 @@ std::string processor() {
   return "unknown";
 }
 
-// From "<svg" on: what stands before does not belong inside a page.
+// Returns the SVG from "<svg" on, because the XML header must not stand inside a page.
 std::string inline_svg(const fs::path& file) {
   const std::string text = contents_of(file);
   const auto start = text.find("<svg");

@@ -7,13 +7,13 @@
 
 namespace taut {
 
-// A page that needs nothing else: pictures (as SVG, inside it), tables, how it was made and on what.
+// A self-contained HTML page with pictures (embedded SVG), tables, the command and the machine.
 struct ReportPage {
   std::string title, command;
-  std::vector<std::string> notes;  // what a reader of the pictures would not think of
+  std::vector<std::string> notes;  // notes for readers of the pictures
   struct Part {
-    std::string title, text;  // text: plain, in sentences
-    std::string svg_file;     // in the same folder; none: empty
+    std::string title, text;  // text: plain sentences
+    std::string svg_file;     // in the same folder; empty if there is none
     std::string csv;          // shown as a table
   };
   std::vector<Part> parts;

@@ -221,7 +221,7 @@ struct ResumeArguments {
     RunRequest request{.mode = RunMode::kResume,
                        .folder = folder,
                        .names = option_names(folder),
-                       .changes = key_values(overrides_said({}, settings)),
+                       .changes = key_values(collect_overrides({}, settings)),
                        .more_steps = steps,
                        .accept = yes,
                        .ask = ask_person,

@@ -51,7 +51,7 @@ std::vector<KeyFlag> SceneArgument::flags() const {
 }
 
 std::vector<std::string> SceneArgument::overrides() const {
-  return overrides_said(flags(), settings);
+  return collect_overrides(flags(), settings);
 }
 
 Scene SceneArgument::read(KeysRead* keys, std::vector<std::string> unless) const {
@@ -60,7 +60,7 @@ Scene SceneArgument::read(KeysRead* keys, std::vector<std::string> unless) const
     return NamedScene::read(unless, keys);
   } catch (const InputError& e) {
     std::string message = e.what();
-    for (const KeyFlag& flag : flags()) message = flag.blamed(message);
+    for (const KeyFlag& flag : flags()) message = flag.replace_by_flag(message);
     throw InputError(message);
   }
 }

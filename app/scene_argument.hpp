@@ -10,18 +10,18 @@
 
 namespace taut {
 
-// A scene's file or name, or a System and a State that OpenMM wrote.
+// The source of a scene: its file or name, or OpenMM's System and State.
 struct NamedScene {
   std::string scene{};
   std::vector<std::string> openmm{};  // system.xml, state.xml
 
   void offer(const Subcommand& command);
-  CommandLine line(const char* subcommand) const;  // as typed, so far
-  // Throws InputError where both or neither were given.
+  CommandLine line(const char* subcommand) const;  // the command line so far
+  // Throws InputError if both or neither were given.
   Scene read(const std::vector<std::string>& overrides, KeysRead* keys = nullptr) const;
 };
 
-// Which scene, and what is laid over its keys.
+// A scene and the overrides of its keys.
 struct SceneArgument : NamedScene {
   std::optional<std::string> method;
   std::optional<long> steps;
@@ -29,11 +29,11 @@ struct SceneArgument : NamedScene {
   std::optional<double> dt_fs;
   std::vector<std::string> settings;
 
-  void offer(const Subcommand& command);           // all, to what runs it or tells of it
-  void offer_settings(const Subcommand& command);  // --dt-fs and --set, to studies
+  void offer(const Subcommand& command);           // all options, for `run` and `info`
+  void offer_settings(const Subcommand& command);  // --dt-fs and --set, for studies
   std::vector<KeyFlag> flags() const;
-  std::vector<std::string> overrides() const;  // of keys: flags and settings
-  // `unless`: overrides that those said go before.
+  std::vector<std::string> overrides() const;  // from flags and --set
+  // `unless`: overrides that apply unless the user's replace them.
   Scene read(KeysRead* keys = nullptr, std::vector<std::string> unless = {}) const;
 };
 

@@ -53,7 +53,7 @@ void print_steps(const StabilityPlan& plan, const std::vector<Job>& jobs, const 
     }
 }
 
-// What a reader of the pictures would not think of.
+// Notes for readers of the pictures.
 std::vector<std::string> notes_of(const StabilityPlan& plan, const StabilityArguments& arguments) {
   std::vector<std::string> notes;
   for (const Scene& scene : plan.scenes) notes.insert(notes.end(), scene.notes.begin(), scene.notes.end());
@@ -70,7 +70,7 @@ void print_plane(const std::vector<Job>& plane, const Ledger& ledger) {
   const auto failed = std::count_if(plane.begin() + 1, plane.end(),
                                     [&](const Job& job) { return ledger.at(job.name).failed(); });
   say("\n{} of {} gains failed or were refused: × in the picture, reasons in plane.csv\n", failed,
-      plane.size() - 1);  // one is newton's
+      plane.size() - 1);  // one of the trials is newton's
 }
 
 void stability(const StabilityArguments& arguments) {

@@ -6,7 +6,7 @@
 namespace taut {
 namespace {
 
-volatile std::sig_atomic_t asked = 0;  // a handler can reach nothing else
+volatile std::sig_atomic_t asked = 0;  // global, because a handler has no other access
 
 void ask(int signal) {
   asked = signal;

@@ -2,9 +2,9 @@
 
 namespace taut {
 
-// While it lives, SIGINT, SIGTERM and SIGHUP (the terminal was closed) ask to stop instead of killing. Once
-// asked, a second SIGINT or SIGTERM kills at once; a hangup comes twice by itself. Under nohup, which has
-// SIGHUP ignored, it stays so.
+// While this object exists, SIGINT, SIGTERM and SIGHUP (a closed terminal) request a stop instead of killing
+// the process. A second SIGINT or SIGTERM kills at once; a second SIGHUP does not, because terminals send
+// two. A SIGHUP that nohup ignores stays ignored.
 class StopRequest {
  public:
   StopRequest();
@@ -12,11 +12,11 @@ class StopRequest {
   StopRequest& operator=(const StopRequest&) = delete;
   ~StopRequest();
 
-  void stop_for_closed_pipe() const;  // asks to stop as SIGPIPE would: nobody reads any more
-  int signal() const;           // 0: none yet
+  void stop_for_closed_pipe() const;  // requests a stop as SIGPIPE would: the reader has closed the pipe
+  int signal() const;                 // 0 if there was none
 };
 
-// Thrown where a run stopped because it was asked to: the exit code a shell gives to the signal.
+// Thrown after a requested stop; has the exit code that a shell gives for the signal.
 struct Stopped {
   int exit_code;
 };

@@ -24,16 +24,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kLedger = "unfinished.tsv";  // there until a study is finished
+constexpr const char* kLedger = "unfinished.tsv";  // exists until the study is finished
 
-// Every finished trial is on disk already: nothing to save, so only words that a handler may speak.
+// Every finished trial is on disk already, so that a handler has nothing to save and only prints.
 extern "C" void stop(int signal) {
   constexpr char kWords[] = "\nstopped; the same command goes on from here\n";
   [[maybe_unused]] const auto written = write(STDERR_FILENO, kWords, sizeof kWords - 1);
   _exit(128 + signal);
 }
 
-// While it lives, whoever asks to stop is told that nothing is lost. What was ignored (nohup) stays so.
+// While this object exists, a signal ends the study after a message that nothing is lost. Ignored signals
+// (nohup) stay ignored.
 class StoppedAtOnce {
  public:
   StoppedAtOnce() {
@@ -68,7 +69,7 @@ std::string first_line(const fs::path& file) {
   return line;
 }
 
-// What a study has left in a folder.
+// The files of a study in a folder.
 std::vector<std::string> study_files(const fs::path& folder) {
   std::vector<std::string> names = {kLedger,           "report.html", "failures.csv", "limits.csv",
                                     "crosscheck.json", "titles.tsv",  "taut.gp"};
@@ -113,7 +114,7 @@ void expect_no_file(const std::vector<fs::path>& files, bool overwrite) {
 FolderLock study_folder(const fs::path& folder, const std::string& line, bool overwrite) {
   if (!overwrite) refuse_another_study(folder, line);
   FolderLock lock(folder);
-  if (!overwrite) refuse_another_study(folder, line);  // another process may have been faster
+  if (!overwrite) refuse_another_study(folder, line);  // another process may have begun a study meanwhile
   if (const auto files = study_files(folder); overwrite && !files.empty())
     say("{}: what was there is kept in {}\n", folder.string(), set_aside(folder, files).string());
   return lock;
@@ -195,11 +196,11 @@ void Study::finish(const std::string& title) {
   page_.title = title;
   write_report(page_, files_);
   ledger_.close();
-  files_.tell();
+  files_.print_written();
   if (json_alone()) write_out(json() + "\n");
 }
 
-// A row of a table is an object, its columns by their names.
+// Converts a table to JSON, each row an object with the columns' names.
 std::string Study::json() const {
   nlohmann::ordered_json all = {{"command", page_.command}, {"notes", page_.notes}};
   for (const auto& [name, csv] : tables_) {

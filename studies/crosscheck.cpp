@@ -10,7 +10,6 @@
 #include "base/errors.hpp"
 #include "base/threads.hpp"
 #include "studies/crosscheck_causes.hpp"
-#include "studies/crosscheck_foretold.hpp"
 
 namespace taut {
 namespace {

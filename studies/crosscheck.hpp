@@ -51,7 +51,7 @@ struct Sample {
   double bond_max = 0, bond_rms = 0;  // relative errors
 };
 
-// Where Baumgarte should have gone, from its residual's closed form (crosscheck_foretold.hpp).
+// Where Baumgarte should have gone, from its residual's closed form (crosscheck_causes.hpp).
 struct Foretold {
   long steps = 0;
   double bond_rms = 0;  // relative, over all bonds and steps

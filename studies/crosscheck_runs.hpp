@@ -54,4 +54,7 @@ Contestant exact(const std::string& name);
 
 double most_apart(const Vectors& x, const Vectors& y);  // largest distance of an atom from its twin [nm]
 
+// Measures whole steps per second of taut and of OpenMM on equal threads.
+std::vector<Speed> measure_speed(const Stage& stage);
+
 }  // namespace taut

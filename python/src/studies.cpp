@@ -22,7 +22,7 @@ Scene scene_for(const Input& input, const char* study) {
 }
 
 // Runs jobs one by one, checks for Ctrl-C between them, and tells `progress` how many of how many are done.
-void carry_out(const std::vector<Job>& jobs, Ledger& ledger, const py::object& progress) {
+void run_jobs(const std::vector<Job>& jobs, Ledger& ledger, const py::object& progress) {
   std::size_t done = 0;
   for (const Job& job : jobs) {
     {
@@ -56,7 +56,7 @@ py::dict chart(const Input& input, const std::vector<std::string>& methods, cons
   std::vector<Job> jobs = chart_jobs(plan, ledger);
   std::erase_if(jobs,
                 [&](const Job& job) { return !wanted.contains(job.name.substr(0, job.name.find('/'))); });
-  carry_out(jobs, ledger, progress);
+  run_jobs(jobs, ledger, progress);
   py::dict tables;
   const struct {
     const char* name;
@@ -84,7 +84,7 @@ py::dict stability(const Input& input, const std::vector<std::string>& methods, 
   if (asked["plane"].cast<bool>()) jobs = plane_jobs(plan);
   const std::vector<Job> steps = step_jobs(plan);
   jobs.insert(jobs.end(), steps.begin(), steps.end());
-  carry_out(jobs, ledger, progress);
+  run_jobs(jobs, ledger, progress);
   py::dict tables;
   if (asked["plane"].cast<bool>()) tables["plane"] = plane_csv(plan, ledger);
   tables["steps"] = steps_csv(plan, ledger), tables["limits"] = limits_csv();
