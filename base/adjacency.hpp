@@ -4,12 +4,11 @@
 
 namespace taut {
 
-// Who is paired with whom, side by side: the partners of a are partner[begin[a]] .. partner[begin[a + 1] −
-// 1].
+// The partners of each of n things that are paired: a has partner[begin[a]] … partner[begin[a + 1] − 1].
 struct Adjacency {
   std::vector<int> begin, partner;
 
-  // pairs: of anything with two ints, first and second.
+  // pairs: a range of anything that binds to two indices [i, j].
   template <class Pairs>
   Adjacency(int n, const Pairs& pairs) : begin(n + 1, 0), partner(2 * pairs.size()) {
     for (const auto& [i, j] : pairs) ++begin[i + 1], ++begin[j + 1];

@@ -10,17 +10,17 @@
 
 namespace taut {
 
-// What a thing carries from step to step, so that a run goes on from a checkpoint to the last bit. It names
-// that in one function, which serves both ways:
+// Saves and loads what an object carries from step to step, so that a run goes on from a checkpoint to the
+// last bit. One function of the object serves both ways:
 //     void serialize(Archive& archive) { archive(lambda_, before_, steps_); }
-// Numbers are kept as they lie in memory. What is loaded into must be made already, from the same scene:
-// arrays have the sizes they had, or the archive is another's, which is an InputError. Text alone is sized by
-// what an archive says, and is no longer than what is left of the archive.
+// Numbers are kept as they lie in memory. An object that is loaded into must have been made from the same
+// scene: an array of another size belongs to another system, which is an InputError. Only the length of text
+// is taken from the archive, and it cannot exceed what is left of the archive.
 class Archive {
  public:
-  static Archive saving_to(std::string& kept) { return Archive(&kept, {}, false); }  // at its end
+  static Archive saving_to(std::string& kept) { return Archive(&kept, {}, false); }  // appends
   static Archive loading_from(std::string_view kept) { return Archive(nullptr, kept, false); }
-  // The same for what this very process reads again: quicker, and not to be written to a file.
+  // The same for what this process alone reads again: faster, and not to be written to a file.
   static Archive noting_in(std::string& kept) { return Archive(&kept, {}, true); }
   static Archive recalling(std::string_view kept) { return Archive(nullptr, kept, true); }
 
@@ -32,19 +32,19 @@ class Archive {
     (one(things), ...);
   }
 
-  // The bytes of a thing whose layout is this process's alone.
+  // Keeps the bytes of an object whose layout is known to this process alone.
   template <class T>
   void as_it_lies(T& thing) {
     static_assert(std::is_trivially_copyable_v<T>);
     bytes(&thing, sizeof thing);
   }
 
-  // That a loaded number can be one of this thing's.
+  // Throws InputError unless a number that was loaded is plausible.
   void demand(bool plausible) const {
     if (!plausible) refuse();
   }
 
-  void finish() const { demand(rest_.empty()); }  // loading: that nothing is left
+  void finish() const { demand(rest_.empty()); }  // throws InputError where something is left to load
 
  private:
   Archive(std::string* kept, std::string_view rest, bool within_process)

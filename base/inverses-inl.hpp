@@ -13,13 +13,13 @@ namespace taut::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Whether the machine's guess at 1/√x is taken: 14 bits in AVX-512, and 12 of a float in SSE and AVX2. Others
-// guess worse, or have none.
+// True on targets whose instruction for an approximate 1/√x is used: it has 14 bits in AVX-512, and 12 bits
+// for floats in SSE and AVX2. Other targets have a coarser one, or none.
 template <class D>
 constexpr bool kRootGuessed = sizeof(hn::TFromD<D>) == 4 ? HWY_TARGET <= HWY_SSSE3
                                                          : HWY_TARGET <= HWY_AVX3&& hn::MaxLanes(D()) == 8;
 
-// That guess, else 1/√x.
+// The approximation where it is used, else 1/√x.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V guess_inverse_sqrt([[maybe_unused]] D d, V x) {
   using T = hn::TFromD<D>;
@@ -32,7 +32,7 @@ HWY_INLINE V guess_inverse_sqrt([[maybe_unused]] D d, V x) {
     return hn::Div(hn::Set(d, T(1)), hn::Sqrt(x));
 }
 
-// The same of 1/x: 14 bits of a double in AVX-512.
+// The same for 1/x: 14 bits for doubles in AVX-512.
 template <class D>
 constexpr bool kInverseGuessed = sizeof(hn::TFromD<D>) == 8 && kRootGuessed<D>;
 
@@ -45,7 +45,8 @@ HWY_INLINE V guess_inverse(D d, V x) {
   return hn::Div(hn::Set(d, T(1)), x);
 }
 
-// What follows turns guesses y of K vectors into results, stage by stage, so that none waits for another's.
+// The functions below refine guesses y of K vectors. Each stage handles all K vectors before the next stage
+// begins, so that the latency of one is hidden behind the others.
 
 // 1/√x = y(1 + e/2 + 3e²/8 + 5e³/16 + …), e = 1 − xy². In float 3e²/8 is left out.
 template <int K, class D, class V = hn::Vec<D>>
@@ -64,9 +65,9 @@ HWY_INLINE void inverse_sqrt(D d, const V (&x)[K], V (&y)[K]) {
   }
 }
 
-// 1/√x³ = y³(1 + 3e/2 + 15e²/8 + 35e³/16 + …), sooner than by 1/√x, times kCubeScale: the series' last factor
-// is left to the constants that its result is multiplied by. In float 35e³/16 is left out and, where the
-// guess has 14 bits, 15e²/8.
+// kCubeScale/√x³ by 1/√x³ = y³(1 + 3e/2 + 15e²/8 + 35e³/16 + …), e = 1 − xy²: faster than by 1/√x. The caller
+// multiplies the constants of its forces by 1/kCubeScale, which saves the last product of the series. In
+// float 35e³/16 is left out and, where the guess has 14 bits, 15e²/8.
 template <class D>
 constexpr bool kFineFloat = sizeof(hn::TFromD<D>) == 4 && HWY_TARGET <= HWY_AVX3&& hn::MaxLanes(D()) == 16;
 template <class D>

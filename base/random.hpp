@@ -10,8 +10,8 @@
 
 namespace taut {
 
-// Distributions of the 64-bit numbers that an engine gives. They are the same on every machine: those of the C++
-// standard are not, and these use +, −, ×, / and √ alone (logarithms only to decide).
+// Distributions of the 64-bit numbers that an engine gives. They are the same on every machine: those of the
+// C++ standard are not, and these use +, −, ×, / and √ alone (logarithms only to decide).
 template <class Engine>
 class RandomNumbers {
  public:

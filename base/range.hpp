@@ -24,7 +24,7 @@ inline constexpr Range kAnyNumber{};
 inline constexpr Range kNotNegative{.min = 0};
 inline constexpr Range kPositive{.min = 0, .above_min = true};
 
-// What a setting may be: one of the words, else a number of the range; "" where anything is.
+// Says what a setting may be: one of the words, or a number of the range; "" where anything is allowed.
 std::string allowed(const Range& range, const std::vector<std::string_view>& words);
 
 }  // namespace taut

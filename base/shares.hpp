@@ -6,12 +6,13 @@
 
 namespace taut {
 
-// How many threads n things are worth, where fewer than `least` are not worth waking one for.
+// The number of threads for n things, of which each thread gets at least `least`: fewer are not worth waking
+// one.
 inline int threads_for(long n, int least) {
   return static_cast<int>(std::clamp(n / least, 1L, static_cast<long>(available_threads())));
 }
 
-// work(share) of n things on so many threads.
+// Calls work(share) for shares of n things, on threads_for(n, least) threads.
 template <class Work>
 void in_shares(int n, int least, const Work& work) {
   const int threads = threads_for(n, least);
@@ -20,7 +21,7 @@ void in_shares(int n, int least, const Work& work) {
 
 inline constexpr int kAtomsOfShortWork = 500;
 
-// work(first, last + 1) of all atoms, something short with each.
+// Calls work(first, last + 1) for ranges of all atoms, on threads; for work of a few operations an atom.
 template <class Work>
 void by_atoms(int atoms, const Work& work) {
   in_shares(atoms, kAtomsOfShortWork, [&](const Share& share) { work(share.begin, share.end); });

@@ -9,8 +9,8 @@
 
 namespace taut {
 
-// Least-squares slope of y against t, both given one point at a time, with its standard error
-// (white noise assumed: correlated samples make it too small).
+// The least-squares slope of y against t, which are added one point at a time, and its standard error for
+// white noise (for correlated samples that error is too small).
 class Slope {
  public:
   void add(double t, double y);
@@ -37,13 +37,14 @@ Estimate block_mean(const std::vector<double>& y, int blocks = kBlocks);
 // Least-squares slope of y against t, through the blocks' means.
 Estimate block_slope(const std::vector<double>& t, const std::vector<double>& y, int blocks = kBlocks);
 
-// The same, one number at a time and in fixed memory: when its blocks are full, two and two become one of
-// twice the length. The error comes from the 16 to 31 that there are in a long run; 0 for fewer than 8.
+// The mean of numbers that are added one at a time, in fixed memory: when all blocks are full, each two
+// neighbours become one of twice the length. The error is estimated from the 16 to 31 blocks of a long run;
+// it is 0 for fewer than 8 blocks.
 class RunningMean {
  public:
   void add(double y);
   Estimate estimate() const;
-  Estimate later_half() const;  // of the later half of the full blocks; all 0 where there are fewer than 4
+  Estimate later_half() const;  // of the later half of the full blocks; 0 ± 0 for fewer than 4 blocks
   std::span<const double> blocks() const { return {blocks_.data(), static_cast<std::size_t>(full_)}; }
   long block_length() const { return length_; }  // numbers
   long count() const { return count_; }
@@ -64,11 +65,13 @@ class RunningMean {
   long in_open_ = 0, count_ = 0;
 };
 
-// The least-squares slope of a series at even times, one point at a time and in fixed memory:
+// The least-squares slope s of a series at even times, added one point at a time, in fixed memory. The series
+// is
 //     y(t) = y₀ + st + W(t) + ξ(t),
-// W a random walk of ⟨W²⟩ = Dt (a run's energy makes one: what each step's errors leave adds up), ξ
-// correlated for times short beside a block, c = ∫⟨ξ(0)ξ(t)⟩dt. Means over neighbouring blocks of length L
-// then differ by sL on average, with the variance V(L) = ⅔DL + 2c/L; that of L and of 2L give both,
+// with a random walk W of ⟨W²⟩ = Dt (the errors of all steps add up to one in a run's energy) and noise ξ
+// whose correlations are short beside a block, c = ∫⟨ξ(0)ξ(t)⟩dt. Means over neighbouring blocks of length L
+// then differ by sL on average, with the variance V(L) = ⅔DL + 2c/L. The variances for L and for 2L give D
+// and c,
 //     D = (2V(2L) − V(L))/2L,   c = L(2V(L) − V(2L))/3,
 // and the slope over a time T has the variance (6/5)D/T + 12c/T³. The error is 0 for fewer than 8 blocks.
 class RunningSlope {
@@ -84,7 +87,7 @@ class RunningSlope {
   double first_ = 0, last_ = 0;  // t
 };
 
-// |a − b| in units of their common standard error; 0 where that is not known.
+// |a − b| in units of their combined standard error; 0 where that is unknown.
 double deviations(const Estimate& a, const Estimate& b);
 
 }  // namespace taut

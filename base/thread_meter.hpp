@@ -5,9 +5,9 @@
 
 namespace taut {
 
-// What threads do, in processor time of each thread: as much on a machine that others use too, and with more
-// threads than it has cores. A program on its own cores takes
-//     serial + longest + regions × (what waking threads and waiting for them takes).
+// What threads did, in processor time of each thread. It does not depend on what else the machine runs, nor
+// on its number of cores. A program that has its cores to itself takes
+//     serial + longest + regions × (the time to wake threads and to wait for them).
 struct ThreadAccount {
   long regions = 0;    // where threads worked together
   double serial = 0;   // between them, the first thread [s]
@@ -15,9 +15,9 @@ struct ThreadAccount {
   double busy = 0;     // all threads in them [s]
 };
 
-// Keeps the account of the regions that its thread starts while it lives; one at a time on a thread. Each
-// region is slower by some 4 µs then, of which the account takes off what it can: the readings of the clock
-// that fall within its own times.
+// Measures the parallel regions that its thread starts while it lives; there may be one meter at a time on a
+// thread. It makes each region some 4 µs slower. The time of those clock readings that fall within a measured
+// time is subtracted.
 class ThreadMeter {
  public:
   ThreadMeter();
@@ -26,7 +26,8 @@ class ThreadMeter {
   ThreadMeter& operator=(const ThreadMeter&) = delete;
   ThreadAccount account() const;  // so far
 
-  // A region of work(argument, t), t = 0 … threads − 1. What was thrown in it, by the lowest t.
+  // Runs a region of work(argument, t), t = 0 … threads − 1. Returns what the lowest t that failed has
+  // thrown.
   std::exception_ptr run(int threads, void (*work)(const void*, int), const void* argument);
 
  private:

@@ -28,11 +28,11 @@ constexpr bool kHasThreads = false;
 #endif
 constexpr int kMostThreads = 1024;
 
-std::atomic<int> said = 0;    // by use_threads(); 0: nothing
-thread_local int scoped = 0;  // by the innermost ThreadScope; 0: there is none
+std::atomic<int> requested = 0;  // by use_threads(); 0: nothing
+thread_local int scoped = 0;     // by the innermost ThreadScope; 0: there is none
 thread_local ThreadMeter* meter = nullptr;
 
-// Text as "4", " 4 " or "4,2".
+// The first number of a text such as "4", " 4 " or "4,2"; empty for other texts.
 std::optional<int> first_number(std::string_view text) {
   const auto skip_spaces = [&] { text.remove_prefix(std::min(text.find_first_not_of(" \t"), text.size())); };
   skip_spaces();
@@ -55,7 +55,7 @@ std::optional<int> environment_says() {
   return kHasThreads ? threads : 1;
 }
 
-// What is thrown by the lowest t does not depend on which thread came first.
+// Returns the exception of the lowest t, which does not depend on the order in which threads run.
 std::exception_ptr run(int threads, void (*work)(const void*, int), const void* argument) {
   std::exception_ptr thrown;
   int thrown_by = threads;
@@ -85,7 +85,7 @@ double processor_time() {  // of this thread [s]
   return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
 }
 
-// What two readings one after the other are apart: a call of the system's, as long as a short region.
+// The time between two readings of the clock in a row, which is a system call and as long as a short region.
 double reading_time() {
   std::array<double, 101> apart;
   for (double& t : apart) {
@@ -99,7 +99,7 @@ double reading_time() {
 }  // namespace
 
 std::optional<int> asked_threads() {
-  if (const int threads = said; threads > 0) return threads;
+  if (const int threads = requested; threads > 0) return threads;
   static const std::optional<int> by_environment = environment_says();
   return by_environment;
 }
@@ -109,7 +109,7 @@ int default_threads() {
 }
 
 void use_threads(int threads) {
-  said = kHasThreads ? threads : 1;
+  requested = kHasThreads ? threads : 1;
 }
 
 void expect_threads(const std::string& what, int threads) {

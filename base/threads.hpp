@@ -5,21 +5,21 @@
 
 namespace taut {
 
-// The number of threads is taut's own: each parallel region is told it. OpenMP's setting belongs to the
-// program that taut is a part of, and is neither asked nor changed.
+// taut keeps its own number of threads and passes it to each parallel region. OpenMP's setting belongs to the
+// program that taut is a part of: taut neither reads nor changes it.
 
-// The process's default: what use_threads() said last, on whatever thread, or else OMP_NUM_THREADS (of a list
-// the first number), or else one, so that no result depends on how many cores a machine has. OMP_NUM_THREADS
-// is read once, when it is first needed; throws InputError where it is no number from 1 to 1024. 1 without
-// OpenMP.
+// The default of the process: the number last given to use_threads() on any thread, or else OMP_NUM_THREADS
+// (the first number of a list), or else one, so that no result depends on the number of cores.
+// OMP_NUM_THREADS is read once, when it is first needed; throws InputError where it is no number from 1 to
+// 1024. Always 1 without OpenMP.
 int default_threads();
-std::optional<int> asked_threads();  // the same; nothing where nobody said a number
+std::optional<int> asked_threads();  // the same; empty where no number was given
 void use_threads(int threads);
 
-// Throws InputError, which begins with `what`, for a number of threads that cannot be had.
+// Throws InputError, a message that begins with `what`, for a number of threads that cannot be had.
 void expect_threads(const std::string& what, int threads);
 
-// While it lives, loops that start on its thread share their work among so many, whatever the default is.
+// While it lives, loops that start on its thread use this number of threads in place of the default.
 class ThreadScope {
  public:
   explicit ThreadScope(int threads);
@@ -31,17 +31,17 @@ class ThreadScope {
   int before_;
 };
 
-// How many threads a loop that starts here may use: as the innermost ThreadScope says, or else the default.
+// The number of threads for a loop that starts here: that of the innermost ThreadScope, or else the default.
 int available_threads();
 
 namespace detail {
 void run_on_threads(int threads, void (*work)(const void*, int), const void* argument);
 }
 
-// work(t) for t = 0 … threads − 1, side by side on as many threads as OpenMP gives: as many, or fewer where
-// OMP_THREAD_LIMIT, OMP_DYNAMIC or a region around this one say so. So no t may wait for another, and results
-// do not depend on how many there are. All of them are carried out; of the exceptions they throw that of the
-// lowest t is then thrown here. Allocates nothing of its own.
+// Calls work(t) for t = 0 … threads − 1 on as many threads, or on fewer where OMP_THREAD_LIMIT, OMP_DYNAMIC
+// or an outer parallel region limit them: no t may wait for another, and results do not depend on the number
+// of threads that run. All t are carried out even if some throw; the exception of the lowest t is then thrown
+// here. Allocates nothing.
 template <class Work>
 void in_parallel(int threads, const Work& work) {
   if (threads <= 1) return work(0);
@@ -49,7 +49,7 @@ void in_parallel(int threads, const Work& work) {
       threads, [](const void* argument, int t) { (*static_cast<const Work*>(argument))(t); }, &work);
 }
 
-// The share of thread t in n things.
+// The range of n things that is the share of thread t.
 struct Share {
   int begin, end;
   Share(int n, int t, int threads)

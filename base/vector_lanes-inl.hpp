@@ -1,5 +1,5 @@
-// Vectors of space side by side, one a lane, compiled once for each kind of machine (Highway's
-// foreach_target).
+// Vectors of space (x, y, z), one in each SIMD lane; compiled once for each target of Highway's
+// foreach_target.
 #if defined(TAUT_VECTOR_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef TAUT_VECTOR_LANES_INL_H
 #undef TAUT_VECTOR_LANES_INL_H

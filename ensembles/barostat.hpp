@@ -16,8 +16,8 @@ struct RunForces final : ForceLaw {
   ForceField::Evaluation besides;  // where the forces were evaluated last
 };
 
-// What a barostat is told. What it moves, it moves where a step has drifted and evaluates its forces next: they are
-// evaluated no more often, and are always those of the box there is.
+// What a barostat is told. What it moves, it moves where a step has drifted and evaluates its forces next:
+// they are evaluated no more often, and are always those of the box there is.
 struct PressureCoupling {
   double pressure;                       // [kJ/mol/nm³]
   double kT;                             // [kJ/mol]

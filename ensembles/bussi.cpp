@@ -8,8 +8,8 @@
 namespace taut {
 namespace {
 
-// The sum of the squares of n normal numbers. Half of it has the gamma distribution of shape n/2 (Marsaglia and
-// Tsang 2000, doi:10.1145/358407.358414).
+// The sum of the squares of n normal numbers. Half of it has the gamma distribution of shape n/2 (Marsaglia
+// and Tsang 2000, doi:10.1145/358407.358414).
 double sum_of_squares(int n, RandomOfStep& random) {
   if (n < 4) {
     double sum = 0;

@@ -13,8 +13,8 @@ namespace taut {
 // relaxes to its canonical distribution, all velocities scaled alike, so that none leaves the bonds' tangent.
 //     K' = cK + (K̄/n)(1−c) Σ R² + 2 R₁ √(c(1−c) K K̄/n),   c = exp(−h/τ),   K̄ = ½nkT,   n normal numbers R.
 //
-// A method that leaves velocities along the bonds, or springs in place of bonds, has a kinetic energy that is not
-// thermal: the scale follows from what is left without it.
+// A method that leaves velocities along the bonds, or springs in place of bonds, has a kinetic energy that is
+// not thermal: the scale follows from what is left without it.
 class VelocityRescaling final : public Bath {
  public:
   struct Settings {

@@ -7,8 +7,8 @@
 
 namespace taut {
 
-// Thermostat, barostat and what takes the momentum out, one after the other; it meters their heat and the work of the
-// forces.
+// Thermostat, barostat and what takes the momentum out, one after the other; it meters their heat and the
+// work of the forces.
 class Ensemble final : public Bath {
  public:
   std::unique_ptr<Bath> thermostat, barostat;  // null: none

@@ -24,15 +24,15 @@ namespace taut {
 // Who steers σ by forces must know Δ before λ is found. It can: a constraint force has no tangent part, so Δ
 // follows from v_half + hM⁻¹F without it, and is drawn one step ahead. Between its two drifts the velocity
 // then changes by h(a + (½Δ_old + ½Δ)/h): to `add_forces` the noise is one more force, M(½Δ_old + ½Δ)/h
-// (Push::noise), and every identity of constraints/README.md holds with that acceleration.
-// Cost: 3n normal numbers (ensembles/noise.hpp), and twice a factorization and solve for P, the second time for the
-// heat. On threads it draws the same bits.
+// (Push::noise), and every identity of constraints/README.md holds with that acceleration. Cost: 3n normal
+// numbers (ensembles/noise.hpp), and twice a factorization and solve for P, the second time for the heat. On
+// threads it draws the same bits.
 //
-// Heat. Δ is tangent where the drift begins. When the drift ends the bonds have turned, and of the second half
-// a = ½Δ the constraints take out at once what is not tangent there, (1 − P')a. So the bath gives
+// Heat. Δ is tangent where the drift begins. When the drift ends the bonds have turned, and of the second
+// half a = ½Δ the constraints take out at once what is not tangent there, (1 − P')a. So the bath gives
 //     Σ m(v_half + ½a)·a  +  Σ m(v_half + (3/2)a)·P'a,
-// v_half being the velocity before Δ. With a in place of P'a the bonds would seem to take energy, whoever holds
-// them: dumbbells of reduced mass μ and length d ½γh²(kT)²/(μd²) each in a unit of time.
+// v_half being the velocity before Δ. With a in place of P'a the bonds would seem to take energy, whoever
+// holds them: dumbbells of reduced mass μ and length d ½γh²(kT)²/(μd²) each in a unit of time.
 class Langevin final : public Bath {
  public:
   struct Settings {

@@ -7,15 +7,15 @@
 
 namespace taut {
 
-// A thermostat or a barostat: what acts on velocities and the box besides forces and constraints. It acts in up to four
-// stages of the step (md/step.hpp), all empty here: this one does nothing. Each stage says what heat it gives to the
-// kinetic energy [kJ/mol].
+// A thermostat or a barostat: what acts on velocities and the box besides forces and constraints. It acts in
+// up to four stages of the step (md/step.hpp), all empty here: this one does nothing. Each stage says what
+// heat it gives to the kinetic energy [kJ/mol].
 class Bath {
  public:
   virtual ~Bath() = default;
 
-  // A thermostat that changes velocities by Δ in the middle of the drift gives ½Δ before it and ½Δ after. This is the
-  // ½Δ of the drift under way, until draw() [nm/ps]; null: none acts in the drift.
+  // A thermostat that changes velocities by Δ in the middle of the drift gives ½Δ before it and ½Δ after.
+  // This is the ½Δ of the drift under way, until draw() [nm/ps]; null: none acts in the drift.
   virtual const Vectors* half_jump() const { return nullptr; }
 
   // May change the box, and x and v with it, where the forces are evaluated next. Returns its heat.

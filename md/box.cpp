@@ -9,7 +9,7 @@ namespace taut {
 
 Eigen::Matrix3d Box::vectors() const {
   Eigen::Matrix3d m;
-  for (int d = 0; d < 3; ++d) m.col(d) = steps(Vec3::Unit(d));
+  for (int d = 0; d < 3; ++d) m.col(d) = lattice_vector(Vec3::Unit(d));
   return m;
 }
 

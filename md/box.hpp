@@ -12,9 +12,9 @@ namespace taut {
 // in OpenMM's reduced form: a_x, b_y, c_z > 0, |b_x| and |c_x| ≤ a_x/2, |c_y| ≤ b_y/2. A rectangular box has
 // no tilt.
 //
-// The brick a_x × b_y × c_z fills space by the same lattice as the parallelepiped does, its layers displaced
-// by the tilts. So every separation has one image in the brick about the origin; no other is shorter where
-// this one is at most half the shortest edge long. That is all a cutoff needs.
+// The rectangular unit cell a_x × b_y × c_z fills space by the same lattice as the parallelepiped does, its
+// layers displaced by the tilts. Every separation has one image in the cell about the origin. Where that
+// image is at most half the shortest edge long, no other image is shorter: this is all that a cutoff needs.
 struct Box {
   Vec3 edge = Vec3::Zero();  // a_x, b_y, c_z [nm]; zero: no box
   Vec3 tilt = Vec3::Zero();  // b_x, c_x, c_y [nm]
@@ -23,24 +23,24 @@ struct Box {
   double volume() const { return edge.prod(); }  // [nm³]
 
   // n₁a + n₂b + n₃c
-  Vec3 steps(const Vec3& n) const {
+  Vec3 lattice_vector(const Vec3& n) const {
     return {n.x() * edge.x() + n.y() * tilt.x() + n.z() * tilt.y(), n.y() * edge.y() + n.z() * tilt.z(),
             n.z() * edge.z()};
   }
 
-  // The n whose steps lead to the brick that d is in, by how its sides are told from one another: std::floor,
-  // of bricks from the origin on; std::round, of bricks about it.
-  Vec3 bricks(const Vec3& d, double (*whole)(double)) const {
+  // The n of the unit cell that holds d. With std::floor cell 0 has its corner at the origin, with std::round
+  // its centre.
+  Vec3 cell_of(const Vec3& d, double (*whole)(double)) const {
     const double c = whole(d.z() / edge.z());
     const double b = whole((d.y() - c * tilt.z()) / edge.y());
     const double a = whole((d.x() - c * tilt.y() - b * tilt.x()) / edge.x());
     return {a, b, c};
   }
 
-  // The image of a separation d in the brick about the origin [nm]. Without a box, d itself.
+  // The image of a separation d in the unit cell about the origin [nm]. Without a box, d itself.
   Vec3 nearest_image(const Vec3& d) const {
     if (!periodic()) return d;
-    return d - steps(bricks(d, std::round));
+    return d - lattice_vector(cell_of(d, std::round));
   }
 
   // x = s₁a + s₂b + s₃c
@@ -48,22 +48,23 @@ struct Box {
     const double c = x.z() / edge.z(), b = (x.y() - c * tilt.z()) / edge.y();
     return {(x.x() - c * tilt.y() - b * tilt.x()) / edge.x(), b, c};
   }
-  // Σ g ∇s: of a slope g along a, b and c, that along x, y and z. With whole numbers, a wave vector [1/nm].
+  // Σ g ∇s: turns derivatives g by a, b and c into derivatives by x, y and z. Of whole numbers g it makes a
+  // wave vector [1/nm].
   Vec3 reciprocal(const Vec3& g) const {
     const double x = g.x() / edge.x(), y = (g.y() - tilt.x() * x) / edge.y();
     return {x, y, (g.z() - tilt.y() * x - tilt.z() * y) / edge.z()};
   }
 
-  // All lengths along x, y and z times `by`. It stays reduced.
+  // Multiplies all lengths along x, y and z by `by`. The box stays in reduced form.
   Box scaled(const Vec3& by) const {
     return {edge.cwiseProduct(by), tilt.cwiseProduct(Vec3(by.x(), by.x(), by.y()))};
   }
 
-  // Its vectors, a, b, c: the columns [nm].
+  // a, b and c as columns [nm].
   Eigen::Matrix3d vectors() const;
-  // What keeps vectors from being a box in reduced form, with what was expected; empty: nothing.
+  // Says why vectors are no box in reduced form, and what was expected; empty where they are one.
   static std::string flaw(const Eigen::Matrix3d& vectors);
-  static Box of(const Eigen::Matrix3d& vectors);  // without a flaw
+  static Box of(const Eigen::Matrix3d& vectors);  // of vectors without a flaw
 
   template <class In>
   void serialize(In& archive) {

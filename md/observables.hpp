@@ -9,8 +9,8 @@ namespace taut {
 
 double kinetic_energy(const System& sys, const Vectors& v);  // ½ Σ m v² [kJ/mol]
 Vec3 momentum(const System& sys, const Vectors& v);          // Σ m v [u·nm/ps]
-// Subtracts the centre of mass's velocity from all that can move. Not where a bond ends in an anchor: it
-// takes the momentum up, and the atoms it holds would be pushed along their bonds.
+// Subtracts the velocity of the centre of mass from all atoms that can move. Do not call it where a bond ends
+// in an anchor: the anchor takes up momentum, and the atoms it holds would be pushed along their bonds.
 void remove_momentum(const System& sys, Vectors& v);
 
 // 3·mobile − rank(bonds) − 3 if the momentum is held at zero.
@@ -23,15 +23,16 @@ struct DegreesOfFreedom {
   std::string sum() const;  // "3·648 − 648 − 3 = 1293"
 };
 
-// `momentum_fixed` is refused (stays false) where an anchor can take up momentum.
+// `momentum_fixed` has no effect in a system with anchors, which take up momentum.
 DegreesOfFreedom degrees_of_freedom(const System& sys, int rank, bool momentum_fixed);
 
 double temperature(double kinetic, int dof);  // 2E/(dof·k) [K]; 0 for no degrees of freedom
 
 struct BondErrors {
-  double max = 0;  // largest ||r|−d|/d, of one-sided bonds where they are passed; a NaN is larger than any
-  double rms = 0;  // root mean square of the same, of bonds held from both sides
-  int worst = -1;  // the bond of the largest (System::bond), -1 without bonds
+  double max =
+      0;  // largest ||r| − d|/d; a one-sided bond counts where it is passed; NaN is larger than any number
+  double rms = 0;  // root mean square of the same over the bonds that are held from both sides
+  int worst = -1;  // the bond with the largest error (System::bond), −1 without bonds
 };
 BondErrors bond_errors(const System& sys, const Vectors& x);
 

@@ -55,13 +55,13 @@ void demand_converged(const System& sys, const State& s, const SolveStats& stats
   if (!stats.converged()) throw SimulationFailure(diagnose(sys, s, stats, step).text());
 }
 
-bool holds(const SolveStats& stats, const RunPlan& plan) {
+bool bonds_hold(const SolveStats& stats, const RunPlan& plan) {
   return stats.converged() && stats.max_residual < plan.broken_at;
 }
 
 SolveStats take_step(const Dynamics& dynamics, const RunPlan& plan, State& s) {
   const SolveStats stats = step(dynamics, plan.h, s);
-  if (holds(stats, plan)) dynamics.bath.after_step(dynamics.sys, plan.h, s);
+  if (bonds_hold(stats, plan)) dynamics.bath.after_step(dynamics.sys, plan.h, s);
   return stats;
 }
 
@@ -74,7 +74,7 @@ bool run(const Dynamics& dynamics, const RunPlan& plan, RunProgress& progress, S
   while (progress.step < plan.steps) {
     const long n = ++progress.step;
     const SolveStats stats = take_step(dynamics, plan, s);
-    if (!holds(stats, plan)) fail(stats);
+    if (!bonds_hold(stats, plan)) fail(stats);
     progress.since += stats;
     if (n % plan.observe_every == 0) {
       if (!s.x.allFinite() || !s.f.allFinite()) fail(stats);

@@ -8,13 +8,13 @@
 
 namespace taut {
 
-// One distance held: |x_j − x_i| = length.
+// A distance that is held: |x_j − x_i| = length.
 struct RigidBond {
   int i, j;
   double length;  // [nm]
 };
 
-// A distance held from one side only: a strut keeps its atoms apart, a rope keeps them together.
+// A distance that is held from one side only: a strut keeps its atoms apart, a rope keeps them together.
 enum class Side : std::int8_t {
   kAtMost = -1,  // |x_j − x_i| ≤ length
   kBoth = 0,
@@ -24,7 +24,7 @@ struct OneSidedBond : RigidBond {
   Side side;
 };
 
-// What does not change during a run. Build it with make_system.
+// What does not change during a run. make_system builds it.
 struct System {
   Eigen::VectorXd mass;          // [u], n; 0 for an anchored atom, and for a virtual site
   Eigen::VectorXd inv_mass;      // [1/u], n; 0 likewise
@@ -34,7 +34,7 @@ struct System {
 
   int atoms() const { return static_cast<int>(mass.size()); }
   int bond_count() const { return static_cast<int>(bonds.size()); }
-  // The bonds, then the one-sided ones.
+  // All bonds are numbered together: first the bonds, then the one-sided bonds.
   int all_bonds() const { return bond_count() + static_cast<int>(one_sided.size()); }
   const RigidBond& bond(int k) const {
     return k < bond_count() ? bonds[k] : static_cast<const RigidBond&>(one_sided[k - bond_count()]);
@@ -45,11 +45,14 @@ struct System {
   int anchors() const;
 };
 
-// Mass 0 anchors an atom that is no virtual site: it never moves (OpenMM's convention).
-// Throws InputError for a bond out of range, between an atom and itself, repeated, of no length, to a virtual
-// site or between two anchored atoms (one-sided ones likewise; a pair may have one of each side, but none
-// beside a bond), for a negative or non-finite mass, and for a virtual site with a mass,
-// without parents, with a parent out of range, repeated or itself a site, or with weights that do not add up.
+// An atom of mass 0 that is no virtual site is an anchor: it never moves (OpenMM's convention).
+// Throws InputError
+//  - for a bond that is out of range, joins an atom to itself, repeats another, has no length, or ends in a
+//    virtual site or in two anchors; likewise for one-sided bonds (a pair may have a strut and a rope,
+//    but neither beside a bond);
+//  - for a mass that is negative or not finite;
+//  - for a virtual site that has a mass, has no parents, has a parent out of range, repeated or a site itself,
+//    or has weights that do not add up.
 System make_system(Eigen::VectorXd mass, std::vector<RigidBond> bonds, VirtualSites sites = {},
                    std::vector<OneSidedBond> one_sided = {});
 

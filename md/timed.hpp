@@ -6,11 +6,11 @@
 
 namespace taut {
 
-// A method with a stopwatch around each stage (an empty one costs and counts nothing worth naming).
+// Measures the time that a method takes in its stages.
 class Timed : public ConstraintMethod {
  public:
   explicit Timed(ConstraintMethod& method) : method_(&method) {}
-  void follow(ConstraintMethod& method) { method_ = &method; }  // from the next stage on
+  void measure(ConstraintMethod& method) { method_ = &method; }  // another one, from the next stage on
 
   SolveStats project_positions(const System& sys, double h, State& s) override {
     return timed([&] { return method_->project_positions(sys, h, s); });

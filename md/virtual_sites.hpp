@@ -6,10 +6,10 @@
 
 namespace taut {
 
-// A massless atom whose place follows from those of others, its parents: OpenMM's virtual sites, by its
-// conventions. With three sums over the parents' positions x,
+// A massless atom whose position follows from the positions x of other atoms, its parents; the kinds and
+// their conventions are OpenMM's. With three sums over the parents,
 //     O = Σ w x,   X = Σ w_x x,   Y = Σ w_y x;   Σ w = 1,   Σ w_x = Σ w_y = 0,
-// it is at O + p(X, Y):
+// the site is at O + p(X, Y):
 //     average        p = 0
 //     out of plane   p = c X × Y
 //     local          p = a e_x + b e_y + c e_z,   e_x = X/|X|,   e_z = X × Y/|X × Y|,   e_y = e_z × e_x
@@ -26,7 +26,7 @@ struct VirtualSite {
   std::vector<Parent> parents;
   Vec3 p = Vec3::Zero();  // (a, b, c) [nm]; out of plane (0, 0, c) [1/nm]
 
-  // Between its parents.
+  // At the weighted mean of its parents.
   static VirtualSite average(int atom, std::vector<Parent> parents);
   // At x_i + w₁₂ r₁₂ + w₁₃ r₁₃ + c r₁₂ × r₁₃, of the parents i, j, k; weights (w₁₂, w₁₃, c).
   static VirtualSite out_of_plane(int atom, int i, int j, int k, const Vec3& weights);
@@ -35,12 +35,13 @@ struct VirtualSite {
 
 using VirtualSites = std::vector<VirtualSite>;
 
-// Throws SimulationFailure where X and Y of a local frame are in line, or one of them is of no length.
+// Puts sites in their positions. Throws SimulationFailure where X and Y of a local frame are parallel, or one
+// of them is zero.
 void place_sites(const VirtualSites& sites, Vectors& x);
-// v_s = (∂x_s/∂x) v
+// Gives sites their velocities, v_s = (∂x_s/∂x) v.
 void place_site_velocities(const VirtualSites& sites, const Vectors& x, Vectors& v);
-// f += (∂x_s/∂x)ᵀ f_s for the parents, f_s = 0: −∂U/∂x of the energy as a function of the parents alone.
-// Returns what it adds to Σ x fᵀ.
+// Hands the forces on sites to their parents, f += (∂x_s/∂x)ᵀ f_s, and sets f_s = 0: f is then −∂U/∂x of the
+// energy as a function of the parents alone. Returns what this adds to the virial Σ x fᵀ.
 Eigen::Matrix3d hand_to_parents(const VirtualSites& sites, const Vectors& x, Vectors& f);
 
 }  // namespace taut

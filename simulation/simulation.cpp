@@ -303,7 +303,7 @@ void Simulation::serialize(Archive& archive) {
   if (!archive.loading()) return;
   State evaluated = state_;  // its f holds no constraint forces
   forces_.evaluate(scene_.system, evaluated);
-  ensemble_.meter.recall(evaluated.f);
+  ensemble_.meter.set_forces(evaluated.f);
 }
 
 void Simulation::serialize_numbers(Archive& archive) {

@@ -126,7 +126,7 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
   Timed timed(*method_);
   const Dynamics run_by = dynamics();
   const auto before_step = [&] {
-    timed.follow(*method_);  // who watches may have set out anew
+    timed.measure(*method_);  // who watches may have set out anew
     if (foreign) note(), in_step = true;
   };
   if (!foreign) keep_snapshot();
@@ -271,7 +271,8 @@ std::optional<Diagnosis> Simulation::wrong_with_next_step() {
   } catch (const SimulationFailure& e) {
     thrown = e.what();
   }
-  if (thrown.empty() && holds(stats, plan) && finite(state_) && std::isfinite(record().total())) return {};
+  if (thrown.empty() && bonds_hold(stats, plan) && finite(state_) && std::isfinite(record().total()))
+    return {};
   return explained(stats, thrown);
 }
 

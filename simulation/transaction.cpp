@@ -23,7 +23,7 @@ void Simulation::take_back() {
   Archive archive = Archive::recalling(note_.numbers);
   serialize_numbers(archive);
   forces_.besides = note_.besides;
-  ensemble_.meter.recall(note_.forces);
+  ensemble_.meter.set_forces(note_.forces);
 }
 
 void Simulation::take_back(Diagnosis& of) {

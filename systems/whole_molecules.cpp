@@ -88,8 +88,9 @@ Names guessed_names(const System& sys, const Terms& terms) {
 
 void make_whole(const Box& box, const std::vector<BondedPair>& pairs, Vectors& x) {
   if (!box.periodic()) return;
-  walk(static_cast<int>(x.cols()), pairs,
-       [&](int from, int to) { x.col(to) -= box.steps(box.bricks(x.col(to) - x.col(from), std::round)); });
+  walk(static_cast<int>(x.cols()), pairs, [&](int from, int to) {
+    x.col(to) -= box.lattice_vector(box.cell_of(x.col(to) - x.col(from), std::round));
+  });
 
   // The pairs that closed a ring were not walked. One that is still an edge long (a pair half an edge long
   // is a matter of rounding) closes it around the box.

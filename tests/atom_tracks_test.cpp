@@ -114,7 +114,7 @@ TEST(AtomTracks, MissNoPairOfAtomsThatJumpOrChangeTheirStep) {
       ++n;
       const int a = 31 * n;
       if (n % 4 == 0) flight.x.col(a) += Vec3(0.013, -0.007, 0.01);
-      if (n % 4 == 1) flight.x.col(a) += flight.box.steps(Vec3(1, 0, -1)) + Vec3(0, 0.21, 0);
+      if (n % 4 == 1) flight.x.col(a) += flight.box.lattice_vector(Vec3(1, 0, -1)) + Vec3(0, 0.21, 0);
       if (n % 4 == 2) flight.v *= 2.5;
       if (n % 4 == 3) flight.v *= 0.4;
     });

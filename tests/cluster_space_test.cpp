@@ -44,7 +44,7 @@ TEST_P(ClusterPairsInSpace, MissNoPairWhileAtomsMove) {
   Vectors x(3, n);
   for (int a = 0; a < n; ++a) {
     x.col(a) = extent.cwiseProduct(Vec3(uniform(rng), uniform(rng), uniform(rng)));
-    x.col(a) += box.steps(Vec3(a % 5 - 2, a % 3 - 1, a % 7 - 3));
+    x.col(a) += box.lattice_vector(Vec3(a % 5 - 2, a % 3 - 1, a % 7 - 3));
   }
   Nonbonded nb;
   nb.charge = nb.sigma = nb.epsilon = Eigen::VectorXd::Zero(n);

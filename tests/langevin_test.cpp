@@ -312,8 +312,8 @@ TEST(LangevinBath, HoldsTheMomentumWhereAsked) {
   EXPECT_LT(momentum(sys, s.v).norm(), 1e-11);
 }
 
-// The kernel draws what base/random.hpp's Philox and the C++ library's functions give, on every machine and at
-// every number of threads the same bits.
+// The kernel draws what base/random.hpp's Philox and the C++ library's functions give, and the same bits on
+// every machine and at every number of threads.
 TEST(Noise, IsBoxMullerOfPhilox) {
   constexpr std::uint64_t kSeed = 0x123456789abcdef0, kStep = (std::uint64_t{1} << 32) + 5;
   Aligned<double> wanted(200 * kNoiseBlock), noise(wanted.size());

@@ -41,7 +41,7 @@ inline Vectors place(const Liquid& liquid, std::mt19937_64& rng) {
   const auto direction = [&] { return Vec3(normal(rng), normal(rng), normal(rng)).normalized(); };
   for (int k = 0; k < m * m * m; ++k) {
     Vec3 o = liquid.spacing * (Vec3(k % m, k / m % m, k / m / m) + 0.06 * direction());
-    if (liquid.periodic) o += box_of(liquid).steps(Vec3(k % 3 - 1, k % 5 - 2, k % 2));
+    if (liquid.periodic) o += box_of(liquid).lattice_vector(Vec3(k % 3 - 1, k % 5 - 2, k % 2));
     x.col(3 * k) = o;
     x.col(3 * k + 1) = o + 0.1 * direction();
     x.col(3 * k + 2) = o + 0.1 * direction();

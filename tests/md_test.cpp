@@ -168,7 +168,7 @@ TEST(Box, NearestImageInASkewedOneIsTheShortest) {
     const Vec3 d = 8 * Vec3::Random(), image = kSkewed.nearest_image(d);
     double shortest = HUGE_VAL;
     for (int c = 0; c < 21 * 21 * 21; ++c) {
-      const Vec3 other = d + kSkewed.steps(Vec3(c % 21 - 10, c / 21 % 21 - 10, c / 21 / 21 - 10));
+      const Vec3 other = d + kSkewed.lattice_vector(Vec3(c % 21 - 10, c / 21 % 21 - 10, c / 21 / 21 - 10));
       shortest = std::min(shortest, other.norm());
     }
     if (shortest > 0.85) continue;

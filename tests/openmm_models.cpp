@@ -98,7 +98,7 @@ void Melt::break_across_box() {
   nonbonded->setExceptionsUsePeriodicBoundaryConditions(true);
   const Vec3 corner(0.3, 0.04, 0);  // each of its three planes cuts chains
   for (auto& r : x) {
-    const Vec3 steps = box.steps(box.bricks(Vec3(r[0], r[1], r[2]) - corner, std::floor));
+    const Vec3 steps = box.lattice_vector(box.cell_of(Vec3(r[0], r[1], r[2]) - corner, std::floor));
     r -= OpenMM::Vec3(steps[0], steps[1], steps[2]);
   }
 }

@@ -58,7 +58,7 @@ struct Salt {
     for (int a = 0; a < n; ++a) {
       const Vec3 cell(a % side + jitter(rng), a / side % side + jitter(rng), a / side / side + jitter(rng));
       x.col(a) = box.edge.cwiseProduct(cell) / side;
-      x.col(a) += box.steps(Vec3(a / 2 % 3 - 1, a / 2 % 5 - 2, a / 2 % 2));
+      x.col(a) += box.lattice_vector(Vec3(a / 2 % 3 - 1, a / 2 % 5 - 2, a / 2 % 2));
       nb.charge[a] = (a % 2 ? -0.8 : 0.8) + (a % 7 == 0 ? 0.1 : 0.0);
       if (a % 10 == 1) nb.exceptions.push_back({a - 1, a, a % 20 == 1 ? 0.25 : 0.0, 0.2, 0.0});
     }

@@ -88,7 +88,7 @@ double AtomClusters::offset_along(int d, double x) const {
 }
 
 Vec3 AtomClusters::offset_of(const Vec3& x) const {
-  if (layout_.periodic) return -box_.steps(box_.bricks(x, std::floor));
+  if (layout_.periodic) return -box_.lattice_vector(box_.cell_of(x, std::floor));
   return {offset_along(0, x[0]), offset_along(1, x[1]), offset_along(2, x[2])};
 }
 
@@ -335,7 +335,7 @@ void AtomClusters::find_neighbours(const Column& column, int up, std::vector<Nei
 // Adds the neighbours of one image of the column.
 void AtomClusters::add_neighbours_of_image(const Column& column, const Vec3& steps,
                                            std::vector<Neighbour>& out) const {
-  const Vec3 shift = box_.steps(steps);
+  const Vec3 shift = box_.lattice_vector(steps);
   const int image = (16 - static_cast<int>(steps[0])) * 32 + 16 - static_cast<int>(steps[1]);
   const double range2 = layout_.range * layout_.range;
   GridColumn first, last;

@@ -73,7 +73,8 @@ class Builder {
     const Brick brick = brick_of(places_[k]);
     put(k, placing, [&](long) {
       const Vec3 share(random_.uniform(), random_.uniform(), random_.uniform());
-      return places_[k].within ? Vec3(brick.corner + share.cwiseProduct(brick.edge)) : within_.steps(share);
+      return places_[k].within ? Vec3(brick.corner + share.cwiseProduct(brick.edge))
+                               : within_.lattice_vector(share);
     });
   }
 

@@ -84,14 +84,14 @@ State tiled(const State& unit, int n) {
   const Eigen::Index atoms = unit.x.cols();
   Vectors home = unit.x;
   for (Eigen::Index o = 0; o < atoms; o += 3) {
-    home.middleCols(o, 3).colwise() -= unit.box.steps(unit.box.bricks(unit.x.col(o), std::floor));
+    home.middleCols(o, 3).colwise() -= unit.box.lattice_vector(unit.box.cell_of(unit.x.col(o), std::floor));
   }
   State all;
   all.box = unit.box.scaled(Vec3::Constant(n));
   all.x.resize(3, atoms * n * n * n);
   all.v = unit.v.replicate(1, n * n * n);
   for (int t = 0; t < n * n * n; ++t)
-    all.x.middleCols(t * atoms, atoms) = home.colwise() + unit.box.steps(cube_cell(t, n));
+    all.x.middleCols(t * atoms, atoms) = home.colwise() + unit.box.lattice_vector(cube_cell(t, n));
   return all;
 }
 
@@ -106,7 +106,7 @@ State cut(const State& unit, const Box& box) {
       for (int a = least; a < most; ++a)
         for (Eigen::Index m = 0; m < unit.x.cols() / 3; ++m) {
           const Vec3 o = unit.x.col(3 * m);
-          const Vec3 move = unit.box.steps(Vec3(a, b, c) - unit.box.bricks(o, std::floor));
+          const Vec3 move = unit.box.lattice_vector(Vec3(a, b, c) - unit.box.cell_of(o, std::floor));
           const auto there = (o + move).array();
           if (!(there >= 0).all() || !(there < box.edge.array()).all()) continue;
           numbers.push_back(m);

@@ -6,7 +6,7 @@ namespace taut {
 
 Vec3 Room::home(const Vec3& x) const {
   if (!box_.periodic()) return x;
-  return x - box_.steps(box_.bricks(x, std::floor));
+  return x - box_.lattice_vector(box_.cell_of(x, std::floor));
 }
 
 Room::Cell Room::cell_of(const Vec3& x) const {
@@ -27,7 +27,7 @@ void Room::take(const Vec3& x, double radius) {
   };
   if (!box_.periodic()) return add(at);
   for (int k = 0; k < 45; ++k) {
-    const Vec3 image = at + box_.steps(Vec3(k % 5 - 2, k / 5 % 3 - 1, k / 15 - 1));
+    const Vec3 image = at + box_.lattice_vector(Vec3(k % 5 - 2, k / 5 % 3 - 1, k / 15 - 1));
     if ((image.array() >= -cell_).all() && (image.array() < box_.edge.array() + cell_).all()) add(image);
   }
 }

@@ -36,7 +36,7 @@ inline PairSums plain_ewald(const Nonbonded& nb, const Box& box, const Vectors& 
       for (int a = -images[0]; a <= images[0]; ++a)
         for (int b = -images[1]; b <= images[1]; ++b)
           for (int c = -images[2]; c <= images[2]; ++c) {
-            const Vec3 d = nearest + box.steps(Vec3(a, b, c));
+            const Vec3 d = nearest + box.lattice_vector(Vec3(a, b, c));
             const double r = d.norm(), u = alpha * r;
             if (r > reach || r == 0) continue;
             const double energy = kqq * std::erfc(u) / r;
