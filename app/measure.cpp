@@ -5,8 +5,8 @@
 
 #include "base/errors.hpp"
 #include "commands.hpp"
-#include "files/atomic_file.hpp"
-#include "files/dcd_reader.hpp"
+#include "files/dcd_file.hpp"
+#include "files/folder.hpp"
 #include "measured.hpp"
 #include "printing.hpp"
 #include "simulation/checkpoint.hpp"

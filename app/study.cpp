@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/errors.hpp"
-#include "files/set_aside.hpp"
+#include "files/folder.hpp"
 #include "printing.hpp"
 #include "progress.hpp"
 #include "studies/csv.hpp"
@@ -77,7 +77,7 @@ std::vector<std::string> study_files(const fs::path& folder) {
        {"work", "drift", "order", "length", "precision", "plane", "steps", "crosscheck", "distances"})
     for (const char* kind : {".csv", ".gp", ".svg", ".png", ".gnuplot.log"})
       names.push_back(std::string(picture) + kind);
-  return present(folder, names);
+  return list_present(folder, names);
 }
 
 void refuse_another_study(const fs::path& folder, const std::string& line) {
@@ -87,7 +87,7 @@ void refuse_another_study(const fs::path& folder, const std::string& line) {
   throw InputError(fmt::format(
       "{}: holds {} ({}); --overwrite first moves it aside, to {}.1 or the next number that is free",
       folder.string(), unfinished ? "a study that was stopped, of another command or scene" : "a study",
-      unfinished ? first_line(folder / kLedger) : files.front(), folder_to_number(folder).string()));
+      unfinished ? first_line(folder / kLedger) : files.front(), backup_base(folder).string()));
 }
 
 std::string study_line(const std::string& command, const std::vector<Scene>& scenes) {
@@ -116,7 +116,7 @@ FolderLock study_folder(const fs::path& folder, const std::string& line, bool ov
   FolderLock lock(folder);
   if (!overwrite) refuse_another_study(folder, line);  // another process may have begun a study meanwhile
   if (const auto files = study_files(folder); overwrite && !files.empty())
-    say("{}: what was there is kept in {}\n", folder.string(), set_aside(folder, files).string());
+    say("{}: what was there is kept in {}\n", folder.string(), move_to_backup(folder, files).string());
   return lock;
 }
 

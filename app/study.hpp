@@ -7,7 +7,7 @@
 
 #include "command_line.hpp"
 #include "commands.hpp"
-#include "files/folder_lock.hpp"
+#include "files/folder.hpp"
 #include "report.hpp"
 #include "scene_argument.hpp"
 #include "studies/ledger.hpp"

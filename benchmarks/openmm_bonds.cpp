@@ -14,7 +14,6 @@
 #include "molecules.hpp"
 #include "studies/openmm_twin.hpp"
 #include "systems/openmm/import.hpp"
-#include "systems/openmm/read.hpp"
 
 namespace taut::bench {
 namespace {

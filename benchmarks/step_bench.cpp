@@ -31,7 +31,6 @@
 #include "md/timed.hpp"
 #include "studies/openmm_twin.hpp"
 #include "systems/openmm/import.hpp"
-#include "systems/openmm/read.hpp"
 #include "systems/scene_file.hpp"
 
 namespace taut::bench {

@@ -33,11 +33,4 @@ void AtomicFile::commit() {
   sync_folder(path_.parent_path());
 }
 
-void make_folder(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error)
-    throw OutsideError(fmt::format("{}: cannot make the folder: {}", folder.string(), error.message()));
-}
-
 }  // namespace taut

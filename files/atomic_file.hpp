@@ -8,9 +8,9 @@
 
 namespace taut {
 
-// A file written aside and renamed when whole: nobody ever sees half of it, not even after a crash of the
-// machine. Dropped if not committed. Throws OutsideError, naming the file, where the disk or the folder
-// refuses.
+// A file that appears under its name only when it is complete: it is written to "<file>.part" and renamed by
+// commit(), so that no reader sees a part of it, even after a crash of the machine. Without a commit() it is
+// deleted. Throws OutsideError, which names the file, where the disk or the folder refuses.
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path path);
@@ -23,11 +23,8 @@ class AtomicFile {
 
  private:
   std::filesystem::path path_, aside_;
-  std::optional<DiskFile> file_;  // until committed
+  std::optional<DiskFile> file_;  // empty after commit()
   std::uint64_t size_ = 0;
 };
-
-// Makes a folder, with those above it.
-void make_folder(const std::filesystem::path& folder);
 
 }  // namespace taut

@@ -8,12 +8,11 @@
 #include <cmath>
 #include <fstream>
 #include <map>
-#include <numbers>
 #include <sstream>
 #include <vector>
 
 #include "base/errors.hpp"
-#include "files/reduced_box.hpp"
+#include "files/unit_cell.hpp"
 
 namespace taut {
 namespace {
@@ -24,7 +23,7 @@ std::string trimmed(std::string_view text) {
   return std::string(text.substr(first, text.find_last_not_of(" \t\r") + 1 - first));
 }
 
-// A file's lines, one after the other, by columns.
+// Reads a file line by line, and numbers by their columns.
 class Lines {
  public:
   explicit Lines(const std::filesystem::path& file) : file_(file.string()), in_(file, std::ios::binary) {
@@ -62,10 +61,10 @@ class Lines {
   int number_ = 0;
 };
 
-// Atoms as they come.
-class Collected {
+// Collects atoms in the order of the file.
+class AtomCollector {
  public:
-  // `residue` changes from one residue to the next.
+  // A new residue begins where the text `residue` differs from the last atom's.
   void add(const Vec3& x, const AtomKind& kind, const std::string& residue) {
     x_.push_back(x);
     const auto [at, fresh] = known_.try_emplace(kind, static_cast<int>(names_.kinds.size()));
@@ -77,7 +76,7 @@ class Collected {
   }
   void add_velocity(const Vec3& v) { v_.push_back(v); }
 
-  Coordinates made(const ReducedBox& from, const Lines& lines) const {
+  Coordinates make_coordinates(const ReducedBox& from, const Lines& lines) const {
     Coordinates all{columns(x_), columns(v_), from.box, names_, ""};
     if (!from.changes.empty()) {
       const Vec3& tilt = from.box.tilt;
@@ -104,27 +103,23 @@ class Collected {
   int count_ = 0;
 };
 
-// `rounding` is the largest error that the format's decimals leave in a tilt [nm].
-ReducedBox checked(const Eigen::Matrix3d& vectors, double rounding, const Lines& lines) {
-  const ReducedBox read = reduced_box(vectors, rounding);
+// Reduces a box and refuses what is none. `rounding` is the largest error that the format's decimals leave
+// in a tilt [nm].
+ReducedBox reduce_checked(const Eigen::Matrix3d& vectors, double rounding, const Lines& lines) {
+  const ReducedBox read = reduce_box(vectors, rounding);
   if (!read.flaw.empty()) lines.fail("its box: " + read.flaw);
   return read;
 }
 
-// CRYST1's lengths and angles as vectors. A cell of 1 Å stands for none (wwPDB's convention).
+// Reads CRYST1's lengths and angles. A cell of 1 Å in each direction stands for no box (wwPDB's convention).
 ReducedBox read_cell(const Lines& lines) {
-  std::array<double, 3> length, angle, cosine;
+  UnitCell cell;  // lengths in nm
+  auto& [length, angle] = cell;
   for (int d = 0; d < 3; ++d) {
     length[d] = 0.1 * lines.number(6 + 9 * d, 9, "an edge");
     angle[d] = lines.number(33 + 7 * d, 7, "an angle");
-    cosine[d] = angle[d] == 90 ? 0 : std::cos(angle[d] * std::numbers::pi / 180);
   }
   if (length == std::array{0.1, 0.1, 0.1} || length == std::array{0.0, 0.0, 0.0}) return {};
-  const auto& [alpha, beta, gamma] = cosine;
-  const double sine = std::sqrt(1 - gamma * gamma), cy = (alpha - beta * gamma) / sine;
-  Eigen::Matrix3d m;
-  m << length[0], length[1] * gamma, length[2] * beta, 0, length[1] * sine, length[2] * cy, 0, 0,
-      length[2] * std::sqrt(1 - beta * beta - cy * cy);
   const auto [least, most] = std::ranges::minmax(angle);
   const double sum = angle[0] + angle[1] + angle[2];
   if (!(least > 0) || !(sum < 360) || !(2 * most < sum))
@@ -132,13 +127,13 @@ ReducedBox read_cell(const Lines& lines) {
         fmt::format("its box: angles of {}, {} and {} degrees, expected each to be less than the other two "
                     "together, and all to be less than 360",
                     angle[0], angle[1], angle[2]));
-  // Lengths are of three decimals in Å. Angles are of two in degrees, which is 1e-4 rad, and act twice.
+  // Lengths have three decimals in Å. Angles have two in degrees, an error of 1e-4 rad that enters twice.
   const double rounding = 1e-4 + 2e-4 * *std::ranges::max_element(length);
-  return checked(m, rounding, lines);
+  return reduce_checked(lattice_vectors(cell), rounding, lines);
 }
 
 Coordinates read_pdb(Lines& lines) {
-  Collected atoms;
+  AtomCollector atoms;
   ReducedBox box;
   while (lines.next()) {
     const std::string record = lines.columns(0, 6);
@@ -154,10 +149,10 @@ Coordinates read_pdb(Lines& lines) {
     atoms.add(x, {lines.columns(12, 4), lines.columns(17, 4), element}, lines.columns(17, 10));
   }
   if (atoms.size() == 0) lines.fail("there are no atoms in it");
-  return atoms.made(box, lines);
+  return atoms.make_coordinates(box, lines);
 }
 
-// The box: three edges, or v1(x) v2(y) v3(z) v1(y) v1(z) v2(x) v2(z) v3(x) v3(y).
+// Reads the box: three edges, or v1(x) v2(y) v3(z) v1(y) v1(z) v2(x) v2(z) v3(x) v3(y).
 ReducedBox read_gro_box(Lines& lines) {
   std::istringstream words(lines.line);
   std::vector<double> n;
@@ -172,18 +167,18 @@ ReducedBox read_gro_box(Lines& lines) {
   if (n == std::vector<double>(9)) return {};
   Eigen::Matrix3d m;
   m << n[0], n[5], n[7], n[3], n[1], n[8], n[4], n[6], n[2];
-  // Edge and tilt are each rounded to so many decimals: that is less than one unit of the last.
-  return checked(m, 1.1 * std::pow(10.0, -static_cast<double>(decimals)), lines);
+  // Edge and tilt are each rounded to the same decimals: together the error is below one unit of the last.
+  return reduce_checked(m, 1.1 * std::pow(10.0, -static_cast<double>(decimals)), lines);
 }
 
 Coordinates read_gro(Lines& lines) {
   lines.next();
   lines.next();
   const double count = lines.to_number(trimmed(lines.line), "the number of atoms");
-  Collected atoms;
+  AtomCollector atoms;
   for (double a = 0; a < count; ++a) {
     if (!lines.next()) lines.fail(fmt::format("expected {} atoms, got {}", count, a));
-    // Columns are as wide as decimal points are apart.
+    // The width of a column is the distance between two decimal points.
     const auto point = lines.line.find('.', 20);
     const auto second = point == std::string::npos ? point : lines.line.find('.', point + 1);
     if (second == std::string::npos) lines.fail("expected three positions");
@@ -196,7 +191,7 @@ Coordinates read_gro(Lines& lines) {
     atoms.add_velocity(v);
   }
   if (!lines.next()) lines.fail("expected the box, 3 or 9 numbers");
-  Coordinates made = atoms.made(read_gro_box(lines), lines);
+  Coordinates made = atoms.make_coordinates(read_gro_box(lines), lines);
   if (made.v.cols() != 0 && made.v.cols() != made.x.cols())
     lines.fail("some atoms have velocities, others none");
   return made;

@@ -8,19 +8,18 @@
 
 namespace taut {
 
-// What a file of coordinates says of a system: where its atoms are, what they are called; a box, if it has
-// one, and velocities.
+// The contents of a coordinate file.
 struct Coordinates {
   Vectors x;  // [nm]
-  Vectors v;  // [nm/ps]; empty where there are none
+  Vectors v;  // [nm/ps]; empty if the file has none
   Box box;
   Names names;
-  std::string note;  // what the reader should know of how it was read; empty: nothing
+  std::string note;  // a change that the user should know of; empty if none
 };
 
-// Of a PDB file (.pdb, .ent): ATOM and HETATM of its first model, CRYST1 (wwPDB format 3.3). Or of a GRO file
-// (.gro) of GROMACS, of any number of decimals. Skewed boxes are reduced (files/reduced_box.hpp). Throws
-// InputError with one line naming file and line.
+// Reads a PDB file (.pdb, .ent): ATOM and HETATM of the first model, and CRYST1 (wwPDB format 3.3); or a GRO
+// file (.gro) of GROMACS with any number of decimals. Skewed boxes are reduced (files/unit_cell.hpp). Throws
+// InputError with one line that names file and line.
 Coordinates read_coordinates(const std::filesystem::path& file);
 
 }  // namespace taut

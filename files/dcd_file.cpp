@@ -6,11 +6,10 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <limits>
+#include <vector>
 
 #include "base/errors.hpp"
-#include "files/akma.hpp"
 #include "files/unit_cell.hpp"
 
 namespace taut {
@@ -18,10 +17,10 @@ namespace {
 
 constexpr int kTitle = 80;  // characters
 constexpr std::uint64_t kHeader = (4 + 84 + 4) + (4 + 4 + kTitle + 4) + (4 + 4 + 4);
-constexpr std::uint64_t kControlAt = 8;  // where the header has its integers, after a length and "CORD"
+constexpr std::uint64_t kControlAt = 8;  // offset of the header's integers, after a length and "CORD"
 
-using Control = std::array<std::int32_t, 20>;  // of which one is a real
-constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
+using Control = std::array<std::int32_t, 20>;  // number 9, the time step, is a float
+constexpr std::int64_t kLargestCount = std::numeric_limits<std::int32_t>::max();
 
 Control control_of(const std::filesystem::path& path) {
   Control control{};
@@ -31,7 +30,8 @@ Control control_of(const std::filesystem::path& path) {
   return control;
 }
 
-// Fortran's unformatted records: each between two copies of its length.
+// A DCD file is a sequence of Fortran's unformatted records. Each stands between two copies of its length in
+// bytes.
 class Records {
  public:
   template <class T>
@@ -50,7 +50,7 @@ class Records {
   std::string bytes_;
 };
 
-// Without its integers, which count_frames writes.
+// The header. Its integers are zero here: write_counts() writess.
 std::string header(const TrajectorySetup& setup) {
   Records records;
   records.bound(84).text("CORD", 4).put(Control{}).bound(84);
@@ -77,7 +77,7 @@ DcdFile::DcdFile(const std::filesystem::path& path, const TrajectorySetup& setup
     every_ = control[2];
     std::memcpy(&step_, &control[9], sizeof step_);
   }
-  count_frames((file_.size() - kHeader) / frame_bytes());
+  write_counts((file_.size() - kHeader) / frame_bytes());
 }
 
 std::uint64_t DcdFile::frame_bytes() const {
@@ -85,29 +85,31 @@ std::uint64_t DcdFile::frame_bytes() const {
   return cell + 3 * (4 + 4 * static_cast<std::uint64_t>(atoms_) + 4);
 }
 
-void DcdFile::count_frames(std::uint64_t frames) {
+void DcdFile::write_counts(std::uint64_t frames) {
   const auto n = static_cast<std::int64_t>(frames);
-  if (every_ > kMost || first_ > kMost || n > (kMost - first_) / every_) {
+  if (every_ > kLargestCount || first_ > kLargestCount || n > (kLargestCount - first_) / every_) {
     first_ = (first_ + every_ / 2) / every_;
     step_ *= static_cast<float>(every_);
     every_ = 1;
   }
-  const auto counted = [](std::int64_t number) { return static_cast<std::int32_t>(std::min(number, kMost)); };
+  const auto counted = [](std::int64_t number) {
+    return static_cast<std::int32_t>(std::min(number, kLargestCount));
+  };
   Control control{};
   control[0] = counted(n);
   control[1] = counted(first_);
   control[2] = counted(every_);
   control[3] = counted(n * every_);
   std::memcpy(&control[9], &step_, sizeof step_);
-  control[10] = periodic_ ? 1 : 0;  // with a unit cell
-  control[19] = 24;                 // CHARMM's version that brought the format
+  control[10] = periodic_ ? 1 : 0;  // 1: frames have a unit cell
+  control[19] = 24;                 // version of CHARMM that defines this format
   file_.rewrite(kControlAt, Records().put(control).bytes());
 }
 
 void DcdFile::add(const Frame& frame) {
   Records records;
   if (periodic_) {
-    const auto [length, angle] = unit_cell(frame.state.box);
+    const auto [length, angle] = to_unit_cell(frame.state.box);
     records.bound(48).put(length[0]).put(angle[2]).put(length[1]).put(angle[1]).put(angle[0]).put(length[2]);
     records.bound(48);
   }
@@ -118,7 +120,48 @@ void DcdFile::add(const Frame& frame) {
     records.bound(length);
   }
   file_.write(records.bytes());
-  count_frames((file_.size() - kHeader) / frame_bytes());
+  write_counts((file_.size() - kHeader) / frame_bytes());
+}
+
+bool DcdReader::read_record(std::size_t length, void* into) {
+  std::uint32_t before = 0, after = 0;
+  in_.read(reinterpret_cast<char*>(&before), sizeof before);
+  if (!in_ || before != length) return false;
+  in_.read(static_cast<char*>(into), static_cast<std::streamsize>(length));
+  in_.read(reinterpret_cast<char*>(&after), sizeof after);
+  return in_ && after == length;
+}
+
+DcdReader::DcdReader(const std::filesystem::path& path) : path_(path), in_(path, std::ios::binary) {
+  if (!in_) throw InputError(path.string() + ": cannot be read");
+  std::array<char, 84> head{};
+  std::array<char, 84> title{};
+  std::int32_t atoms = 0;
+  if (!read_record(head.size(), head.data()) || std::memcmp(head.data(), "CORD", 4) != 0 ||
+      !read_record(title.size(), title.data()) || !read_record(sizeof atoms, &atoms) || atoms < 1)
+    throw InputError(path.string() + ": expected a trajectory in DCD as taut writes it");
+  std::array<std::int32_t, 20> control{};
+  std::memcpy(control.data(), head.data() + 4, sizeof control);
+  float step = 0;
+  std::memcpy(&step, &control[9], sizeof step);
+  atoms_ = atoms;
+  periodic_ = control[10] != 0;
+  interval_ = control[2] * static_cast<double>(step) * kAkma;
+}
+
+bool DcdReader::next(Vectors& x, Box& box) {
+  if (periodic_) {
+    std::array<double, 6> cell{};  // |a|, γ, |b|, β, α, |c|
+    if (!read_record(sizeof cell, cell.data())) return false;
+    box = to_box({{cell[0], cell[2], cell[5]}, {cell[4], cell[3], cell[1]}});
+  }
+  std::vector<float> row(static_cast<std::size_t>(atoms_));
+  x.resize(3, atoms_);
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!read_record(row.size() * sizeof(float), row.data())) return false;
+    for (int a = 0; a < atoms_; ++a) x(axis, a) = static_cast<double>(row[static_cast<std::size_t>(a)]) / 10;
+  }
+  return true;
 }
 
 }  // namespace taut

@@ -84,7 +84,7 @@ bool DiskFile::still_there() const {
   return ::fstat(descriptor_, &status) == 0 && status.st_nlink > 0;
 }
 
-// Other refusals: a file system without locks.
+// Any other error means a file system without locks.
 bool DiskFile::lock() {
   return ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
 }

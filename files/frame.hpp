@@ -9,23 +9,23 @@
 
 namespace taut {
 
-// What every trajectory file says once.
+// Facts that a trajectory file holds once.
 struct TrajectorySetup {
-  const System& sys;  // its bonds are those the tensions are of
+  const System& sys;  // the tensions are those of its bonds
   const Names& names;
   double h = 0;    // [ps]
-  long every = 1;  // steps from frame to frame
-  double t0 = 0;   // of the first frame [ps]
+  long every = 1;  // steps between frames
+  double t0 = 0;   // time of the first frame [ps]
   bool periodic = false;
-  std::vector<std::array<int, 2>> further_bonds{};  // to be drawn: springs, and what ties virtual sites
+  std::vector<std::array<int, 2>> further_bonds{};  // drawn as bonds: springs, and virtual sites to a parent
 };
 
-// What it says again and again. Positions are written as they are in the state, unwrapped: molecules stay
-// whole, and leave the box as they diffuse. The box is the frame's own.
+// Facts that a trajectory file holds for each frame. Positions are written unwrapped, as they are in the
+// state: molecules stay whole, and leave the box as they diffuse. Each frame has its own box.
 struct Frame {
   long step;
   const State& state;
-  const Eigen::VectorXd& tension;  // of each bond, positive where it pulls [kJ/mol/nm]
+  const Eigen::VectorXd& tension;  // of each bond, positive if it pulls its atoms together [kJ/mol/nm]
 };
 
 }  // namespace taut

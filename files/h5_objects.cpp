@@ -5,10 +5,9 @@
 namespace taut {
 namespace {
 
-constexpr hsize_t kChunkBytes = 1 << 16;  // about; a frame that is larger is a chunk
+constexpr hsize_t kChunkBytes = 1 << 16;  // approximate size of a chunk; a larger frame is one chunk
 
-// "unable to open file: file signature not found": what failed and, where HDF5 tells it, the innermost
-// reason.
+// Returns HDF5's message and its innermost reason: "unable to open file: file signature not found".
 std::string hdf5_words() {
   struct Words {
     std::string innermost, outermost;
@@ -32,7 +31,7 @@ H5Handle scalar() {
   return {H5Screate(H5S_SCALAR), H5Sclose};
 }
 
-// Variable length, which Python's readers take for text.
+// A string type of variable length, which Python's readers take for text.
 H5Handle text_type() {
   H5Handle type{H5Tcopy(H5T_C_S1), H5Tclose};
   accepted(H5Tset_size(type, H5T_VARIABLE));

@@ -1,7 +1,7 @@
 #pragma once
 
-// HDF5's handles as values that close themselves, and the few things a trajectory makes of them. Every call's
-// result is checked: where HDF5 refuses, Hdf5Refusal says why.
+// HDF5's handles as objects that close themselves, and the operations that a trajectory needs. The result of
+// every call is checked; an error throws Hdf5Refusal with the reason.
 
 #include <hdf5.h>
 
@@ -13,20 +13,19 @@
 
 namespace taut {
 
-// HDF5 refused a call. what() is HDF5's own words, of the call and of its innermost cause.
+// An error of HDF5. what() has HDF5's own words for the call and its innermost cause.
 struct Hdf5Refusal : std::runtime_error {
   Hdf5Refusal();
 };
 
-// The result of a call to HDF5, a handle or a status; throws Hdf5Refusal where it refused.
+// Returns the result of a call to HDF5, a handle or a status. Throws Hdf5Refusal if it is an error.
 template <class Result>
 Result accepted(Result result) {
   if (result < 0) throw Hdf5Refusal();
   return result;
 }
 
-// Calls `deed` while HDF5 prints nothing of its errors. What the program has set for them stands again
-// afterwards.
+// Calls `deed` while HDF5 prints no errors. The program's own error handler is restored afterwards.
 template <class Deed>
 void without_hdf5_printing(const Deed& deed) {
   std::exception_ptr thrown;
@@ -68,7 +67,7 @@ class H5Handle {
   Close close_ = nullptr;
 };
 
-// Makes things in one file.
+// Makes and writes the objects of one file.
 class H5Maker {
  public:
   using Sizes = std::vector<hsize_t>;
@@ -76,13 +75,13 @@ class H5Maker {
   explicit H5Maker(hid_t file) : file_(file) {}
 
   H5Handle group(const std::string& path) const;
-  H5Handle open(const std::string& path) const;  // a dataset
+  H5Handle open(const std::string& path) const;  // opens a dataset
 
-  // A dataset written once.
+  // Makes a dataset and writes it.
   H5Handle fixed(const std::string& path, hid_t type, const Sizes& sizes, const void* data) const;
   void words(const std::string& path, const std::vector<std::string>& words) const;
 
-  // One that grows along its first dimension, a frame of the given sizes at a time.
+  // Makes a dataset that grows along its first dimension by frames of these sizes.
   H5Handle growing(const std::string& path, hid_t type, const Sizes& frame) const;
 
   void link(const std::string& existing, const std::string& path) const;
@@ -91,9 +90,9 @@ class H5Maker {
   void attribute(hid_t of, const char* name, const std::vector<int>& numbers) const;
   void reference(hid_t of, const char* name, const std::string& path) const;
 
-  // Frames of a growing dataset.
+  // Appends to, and truncates, a growing dataset.
   hsize_t frames(hid_t dataset) const;
-  Sizes sizes(hid_t dataset) const;  // 0 for a single number
+  Sizes sizes(hid_t dataset) const;  // of each dimension; 0 for a single number
   void resize(hid_t dataset, hsize_t frames) const;
   void append(hid_t dataset, hid_t type, const void* data) const;
 

@@ -1,4 +1,4 @@
-// Compiled where HDF5 is not there.
+// Compiled if there is no HDF5.
 
 #include "base/errors.hpp"
 #include "files/h5md_file.hpp"

@@ -16,7 +16,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr auto kCommitEvery = std::chrono::seconds(10);
-constexpr std::size_t kMostPending = 1 << 26;  // bytes kept in memory, as after a cut
+constexpr std::size_t kMostPending = 1 << 26;  // most bytes kept in memory, e.g. after truncation
 
 const std::string kAll = "/particles/all";
 constexpr const char* kForceUnit = "kJ mol-1 nm-1";
@@ -31,7 +31,7 @@ void write_metadata(const H5Maker& make) {
   make.attribute(make.group("/h5md/modules/units"), "version", std::vector<int>{1, 0});
 }
 
-// H5MD's species: an enumeration of the atoms' names.
+// Returns the type of H5MD's species: an enumeration of the atoms' names.
 void write_species(const H5Maker& make, const Names& names) {
   const H5Handle type{H5Tenum_create(H5T_NATIVE_INT), H5Tclose};
   std::vector<int> of_kind, species;
@@ -101,11 +101,11 @@ struct H5mdFile::Contents {
     try {
       file_.close();
       if (changed_ && medium_.refusal.empty()) medium_.commit();
-    } catch (const std::runtime_error&) {  // on disk it is as of the commit before
+    } catch (const std::runtime_error&) {  // the file on disk stays as of the previous commit
     }
   }
 
-  // Where HDF5 or the disk refuses anything in `deed`, says so of this file.
+  // Calls `deed`. An error of HDF5 or the disk is thrown with this file's name.
   template <class Deed>
   void attempt(const Deed& deed) {
     try {
@@ -125,7 +125,7 @@ struct H5mdFile::Contents {
     make.append(position_, H5T_NATIVE_DOUBLE, frame.state.x.data());
     make.append(velocity_, H5T_NATIVE_DOUBLE, frame.state.v.data());
     make.append(force_, H5T_NATIVE_DOUBLE, frame.state.f.data());
-    const Eigen::Matrix3d edges = frame.state.box.vectors();  // a row a vector, as HDF5 has it
+    const Eigen::Matrix3d edges = frame.state.box.vectors();  // one row per vector, as in HDF5
     if (periodic_) make.append(edges_, H5T_NATIVE_DOUBLE, edges.data());
     if (bonds_ > 0) make.append(tension_, H5T_NATIVE_DOUBLE, frame.tension.data());
     if (!ever_ || Clock::now() - last_ > kCommitEvery || medium_.file.pending() > kMostPending) commit();
@@ -159,7 +159,7 @@ struct H5mdFile::Contents {
   }
 
  private:
-  // A dataset of vectors in time, which shares its steps and times with the others.
+  // Makes a time-dependent dataset of vectors, which shares its steps and times with the others.
   void write_series(const std::string& group, const H5Maker::Sizes& frame, const char* unit) const {
     const H5Maker make(file_);
     make.attribute(make.growing(group + "/value", H5T_IEEE_F64LE, frame), "unit", std::string(unit));
@@ -208,11 +208,11 @@ struct H5mdFile::Contents {
   int bonds_, atoms_;
   H5Handle step_, time_, position_, velocity_, force_, edges_, tension_;
   Clock::time_point last_;
-  bool ever_ = false;     // committed
-  bool changed_ = false;  // since it was opened
+  bool ever_ = false;     // whether it was ever committed
+  bool changed_ = false;  // whether it was changed since it was opened
 };
 
-// HDF5 as Debian builds it knows no threads, and simulations may run side by side.
+// HDF5 as Debian builds it is not thread-safe, and simulations may run in several threads.
 template <class Deed>
 static void with_hdf5(const Deed& deed) {
   static std::mutex one_at_a_time;

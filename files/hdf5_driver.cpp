@@ -7,14 +7,14 @@
 
 #include "base/errors.hpp"
 
-// HDF5's "virtual file driver": a table of C functions, the same from HDF5 1.10 to 2.0 but for its first
-// fields.
+// A virtual file driver of HDF5: a table of C functions, which from HDF5 1.10 to 2.0 differs in its first
+// fields only.
 
 namespace taut {
 namespace {
 
 struct OpenFile {
-  H5FD_t common;  // HDF5's own, must come first
+  H5FD_t common;  // HDF5's own part, which must come first
   Hdf5Medium* medium;
 };
 
@@ -22,7 +22,7 @@ Hdf5Medium& medium_of(const H5FD_t* file) {
   return *reinterpret_cast<const OpenFile*>(file)->medium;
 }
 
-// Nothing may be thrown through C.
+// No exception may pass through C.
 template <class Deed>
 herr_t attempt(Hdf5Medium& medium, Deed deed) {
   try {
@@ -73,8 +73,8 @@ herr_t read(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t at, std::size_t bytes, void
   return attempt(medium, [&] { medium.file.read(at, static_cast<char*>(into), bytes); });
 }
 
-// HDF5 is never told of a write that failed: it would not close the file then, and fall at exit. Whoever
-// makes it write looks at `refusal`; nothing is written after one.
+// A failed write is not reported to HDF5, because HDF5 would then not close the file and would crash at exit.
+// The caller looks at `refusal` instead, after which nothing more is written.
 herr_t write(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t at, std::size_t bytes, const void* from) {
   Hdf5Medium& medium = medium_of(file);
   if (medium.refusal.empty())
@@ -84,9 +84,9 @@ herr_t write(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t at, std::size_t bytes, con
 
 H5FD_class_t table_of_functions() {
   H5FD_class_t t{};
-#ifdef H5FD_CLASS_VERSION  // since HDF5 1.13; HDF5 refuses a table that does not say it
+#ifdef H5FD_CLASS_VERSION  // since HDF5 1.13, which refuses a table without it
   t.version = H5FD_CLASS_VERSION;
-  t.value = H5_VFD_RESERVED + 1;  // of the numbers that are for those who ask for none
+  t.value = H5_VFD_RESERVED + 1;  // a number of the range for unregistered drivers
 #endif
   t.name = "taut_journaled";
   t.maxaddr = (static_cast<haddr_t>(1) << 62);

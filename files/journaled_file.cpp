@@ -8,12 +8,12 @@
 namespace taut {
 namespace {
 
-// A journal is a list of these, each followed by its bytes.
+// A journal is a list of these records, each followed by its bytes.
 struct Change {
   std::uint64_t at, bytes;
 };
 
-// `write` takes each change: where it begins, and its bytes.
+// Calls write(address, bytes) for each change.
 void carry_out(std::string_view journal, const auto& write) {
   while (journal.size() >= sizeof(Change)) {
     Change change{};

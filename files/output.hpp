@@ -8,31 +8,31 @@
 
 namespace taut {
 
-// A file that a run adds to while it goes on (its log, its trajectories), and that a checkpoint can be gone
-// back to. A checkpoint keeps every output's mark; a run that goes on from it reopens the output with that
-// mark, and what was written after it is cut off. Where nothing is known the mark is 0: set out anew.
+// A file to which a run appends (its log, its trajectories). A checkpoint stores the mark of every output. A
+// run that resumes from the checkpoint reopens the output with its mark, and what was written after it is cut
+// off. A mark of 0 means a new file.
 class Output {
  public:
   virtual ~Output() = default;
 
-  // Makes what was written so far outlast a crash of the machine, and says how far that is: bytes, or frames
-  // where the format counts in frames; never 0 once something is there.
-  // Throws OutsideError for a full disk, a file that vanished, ...
+  // Makes the data written so far survive a crash of the machine, and returns its amount, in bytes or frames
+  // depending on the format; never 0 once there is data. Throws OutsideError for a full disk, a deleted file,
+  // ...
   virtual std::uint64_t mark() = 0;
 };
 
-std::uint64_t size_of(const std::filesystem::path& file);  // bytes; 0 where it is not there
+std::uint64_t size_of(const std::filesystem::path& file);  // [bytes]; 0 if it does not exist
 
-// The plain kind: bytes at the end of a file. Never holds half of what was given to write(): where the disk
-// refuses a part of it, all of it is taken back.
+// An output of bytes. It never holds a part of what was given to write(): if the disk refuses a part, all of
+// it is removed.
 class GrowingFile : public Output {
  public:
-  // mark 0: an empty file, whatever was there. Else the file there is, cut back to so many bytes; throws
-  // OutsideError where it is not there or shorter than that.
+  // mark 0 makes an empty file. Otherwise the existing file is truncated to so many bytes; throws
+  // OutsideError if it does not exist or is shorter.
   GrowingFile(const std::filesystem::path& path, std::uint64_t mark);
 
-  void write(std::string_view bytes);                      // at the end, seen by others at once
-  void rewrite(std::uint64_t at, std::string_view bytes);  // over what is there: a header's count of frames
+  void write(std::string_view bytes);                      // appends; other processes see it at once
+  void rewrite(std::uint64_t at, std::string_view bytes);  // overwrites, e.g. a count of frames in a header
   std::uint64_t size() const { return size_; }
   std::uint64_t mark() override;
 

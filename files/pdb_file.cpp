@@ -11,16 +11,16 @@
 namespace taut {
 namespace {
 
-constexpr int kMostNumbered = 99999;  // atoms, by five columns
+constexpr int kMostNumbered = 99999;  // most atoms in five columns
 
-// A position's eight columns [Å].
+// Returns the eight columns of a coordinate [Å].
 std::string columns(double x) {
   for (int decimals = 3; decimals >= 0; --decimals)
     if (std::string text = fmt::format("{:8.{}f}", x, decimals); text.size() <= 8) return text;
   return x > 0 ? "99999999" : "-9999999";
 }
 
-// One letter elements leave the first of the four columns free.
+// Elements of one letter leave the first of the four columns blank.
 std::string atom_name(const AtomKind& kind) {
   const std::string name = kind.atom.substr(0, 4);
   return name.size() == 4 || kind.element.size() == 2 ? fmt::format("{:<4}", name)
@@ -40,7 +40,7 @@ void write_pdb(const std::filesystem::path& file, const TrajectorySetup& setup, 
   std::string text = "REMARK   1 written by taut: positions unwrapped, molecules whole\n";
   const auto out = std::back_inserter(text);
   if (s.box.periodic()) {
-    const auto [length, angle] = unit_cell(s.box);
+    const auto [length, angle] = to_unit_cell(s.box);
     fmt::format_to(out, "CRYST1{:9.3f}{:9.3f}{:9.3f}{:7.2f}{:7.2f}{:7.2f} P 1           1\n", length[0],
                    length[1], length[2], angle[0], angle[1], angle[2]);
   }

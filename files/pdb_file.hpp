@@ -6,9 +6,10 @@
 
 namespace taut {
 
-// The start for viewers, and the names a trajectory lacks: Å, unwrapped, CRYST1 with a box, CONECT for the
-// bonds of up to 99,999 atoms, springs too. Numbers too long for their columns start again from 0; positions
-// lose decimals. Written aside and renamed. Throws OutsideError.
+// Writes the start for viewers, with the names that a trajectory lacks: Å, unwrapped, CRYST1 if there is a
+// box, CONECT for bonds and springs of up to 99,999 atoms. Numbers too long for their columns start again
+// from 0, and large positions lose decimals. The file is written under another name and renamed. Throws
+// OutsideError.
 void write_pdb(const std::filesystem::path& file, const TrajectorySetup& setup, const State& s);
 
 }  // namespace taut

@@ -16,8 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The shared object this function is in, or else the program: ld.so gives that one no name of its own. The
-// link names the program's folder even where the file has been replaced while it runs.
+// Returns the path of the shared object that contains this function, or of the program, which has no name in
+// ld.so. The link gives the program's folder even if its file has been replaced during the run.
 #ifdef __APPLE__  // dyld names programs as it does libraries
 fs::path own_file() {
   Dl_info info;

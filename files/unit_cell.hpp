@@ -1,44 +1,37 @@
 #pragma once
 
 #include <array>
-#include <cmath>
-#include <numbers>
+#include <string>
 
 #include "md/box.hpp"
 
 namespace taut {
 
-// A box as crystallographers say it.
+// A box in the notation of crystallography.
 struct UnitCell {
   std::array<double, 3> length;  // |a|, |b|, |c| [Å]
-  std::array<double, 3> angle;   // α of b and c, β of a and c, γ of a and b [°]
+  std::array<double, 3> angle;   // α between b and c, β between a and c, γ between a and b [°]
 };
 
-inline UnitCell unit_cell(const Box& box) {
-  const Eigen::Matrix3d m = 10 * box.vectors();
-  UnitCell cell;
-  for (int d = 0; d < 3; ++d) cell.length[d] = m.col(d).norm();
-  for (int d = 0; d < 3; ++d) {
-    const int i = (d + 1) % 3, j = (d + 2) % 3;
-    const double cosine = m.col(i).dot(m.col(j)) / (cell.length[i] * cell.length[j]);
-    cell.angle[d] = cosine == 0 ? 90 : std::acos(cosine) * 180 / std::numbers::pi;
-  }
-  return cell;
-}
+UnitCell to_unit_cell(const Box& box);
+Box to_box(const UnitCell& cell);
 
-// And back: a along x, b in the plane of x and y.
-inline Box box_of(const UnitCell& cell) {
-  const auto cosine = [&](int d) {
-    return cell.angle[d] == 90 ? 0 : std::cos(cell.angle[d] * std::numbers::pi / 180);
-  };
-  const auto& [a, b, c] = cell.length;
-  const double sine = std::sqrt(1 - cosine(2) * cosine(2));
-  const double cx = cosine(1), cy = (cosine(0) - cosine(1) * cosine(2)) / sine;
-  Eigen::Matrix3d m = Eigen::Matrix3d::Zero();
-  m.col(0) << a, 0, 0;
-  m.col(1) << b * cosine(2), b * sine, 0;
-  m.col(2) << c * cx, c * cy, c * std::sqrt(1 - cx * cx - cy * cy);
-  return Box::of(m / 10);
-}
+// Returns the cell's vectors as columns, in the unit of its lengths: a lies along x, b in the xy plane.
+Eigen::Matrix3d lattice_vectors(const UnitCell& cell);
+
+// A box from a file, in the reduced form of md/box.hpp.
+struct ReducedBox {
+  Box box;
+  std::string flaw;     // why the vectors are no box, and what was expected; empty if they are one
+  std::string changes;  // which lattice vectors were subtracted; empty if none
+};
+
+// Reduces the vectors a = (ax, 0, 0), b = (bx, by, 0), c = (cx, cy, cz), the columns of the matrix [nm].
+//
+// A tilt that exceeds half its edge by no more than the file's rounding is set to that half: GROMACS writes a
+// dodecahedron with a = 3.12345 nm and a tilt of 1.56173 nm. `rounding` is that tolerance [nm], of which at
+// most 1 % of the half edge counts. A larger tilt is reduced by whole lattice vectors, which leaves the
+// lattice as it is.
+ReducedBox reduce_box(const Eigen::Matrix3d& vectors, double rounding);
 
 }  // namespace taut

@@ -9,7 +9,7 @@
 
 #include "base/errors.hpp"
 #include "base/threads.hpp"
-#include "files/set_aside.hpp"
+#include "files/folder.hpp"
 
 namespace taut {
 namespace {
@@ -60,7 +60,7 @@ void refuse_other_run(const RunRequest& request) {
       "{}: holds a run ({}); {} goes on with it, {} first moves it aside, to {}.1 or the next number that is "
       "free",
       request.folder.string(), fmt::join(files, ", "), request.names.go_on, request.names.overwrite,
-      folder_to_number(request.folder).string()));
+      backup_base(request.folder).string()));
 }
 
 OpenRun open_new(RunRequest& request) {

@@ -8,7 +8,7 @@
 
 #include "base/errors.hpp"
 #include "files/atomic_file.hpp"
-#include "files/set_aside.hpp"
+#include "files/folder.hpp"
 #include "systems/start_file.hpp"
 
 namespace taut {
@@ -134,10 +134,11 @@ std::string clear(const fs::path& folder, const Simulation& simulation, const Ma
     outputs.emplace(kLog, 0);
     for (const auto& [name, extent] : outputs)
       if (!marks.contains(name)) unmarked.insert(unmarked.end(), {name, name + ".journal"});
-    old = present(folder, unmarked);
+    old = list_present(folder, unmarked);
   }
   if (old.empty()) return "";
-  return fmt::format("{}: what was there is kept in {}", folder.string(), set_aside(folder, old).string());
+  return fmt::format("{}: what was there is kept in {}", folder.string(),
+                     move_to_backup(folder, old).string());
 }
 
 std::uint64_t mark_of(const Marks& marks, const std::string& name) {
@@ -204,9 +205,9 @@ void RunFolder::write_failure(const Simulation& simulation, const Diagnosis& dia
 }
 
 std::vector<std::string> run_files(const fs::path& folder) {
-  return present(folder,
-                 {"checkpoint.cbor", kLog, "trajectory.dcd", "trajectory.h5md", "trajectory.h5md.journal",
-                  "start.pdb", "summary.json", "final.start.toml", "failure.json", "last_good.start.toml"});
+  return list_present(
+      folder, {"checkpoint.cbor", kLog, "trajectory.dcd", "trajectory.h5md", "trajectory.h5md.journal",
+               "start.pdb", "summary.json", "final.start.toml", "failure.json", "last_good.start.toml"});
 }
 
 OutputsFound find_outputs(const fs::path& folder, const Simulation& simulation, const Marks& marks) {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "files/folder_lock.hpp"
+#include "files/folder.hpp"
 #include "files/output.hpp"
 #include "simulation/checkpoint.hpp"
 #include "simulation/simulation.hpp"
@@ -23,7 +23,7 @@ namespace taut {
 class RunFolder {
  public:
   // Without marks the run sets out anew, and what an earlier one left there is set aside
-  // (files/set_aside.hpp). With them it goes on from a checkpoint; an output that has no mark sets out anew.
+  // (files/folder.hpp). With them it goes on from a checkpoint; an output that has no mark sets out anew.
   RunFolder(FolderLock folder, SceneSource source, const Simulation& simulation, const Marks& marks = {});
 
   const std::filesystem::path& path() const { return folder_.path(); }

@@ -12,7 +12,7 @@ class System;
 
 namespace taut {
 
-struct OpenMMInput;  // openmm/read.hpp
+struct OpenMMInput;  // openmm/input.hpp
 
 bool built_with_openmm();  // which the twin needs, and nothing else
 

@@ -14,10 +14,11 @@
 
 namespace taut {
 
-// Rows of numbers, [[1, 2, 3], [4, 5, 6]].
+// Rows of numbers, e.g. [[1, 2, 3], [4, 5, 6]].
 using Rows = std::vector<std::vector<double>>;
 
-// What there is to know of a key of a scene, said once, where it is read:
+// The description of a key of a scene: meaning, unit and allowed values. It is given once, where the key is
+// read:
 //     table.read("dt_fs", run.dt_fs, {"length of a step", "fs", kPositive});
 struct About {
   About() = default;
@@ -31,28 +32,29 @@ struct About {
   const char* meaning = "";
   const char* unit = "";
   Range range = kAnyNumber;
-  std::vector<std::string> words{};  // a text is one of them
+  std::vector<std::string> words{};  // the allowed values of a text
 };
 
-// A key that was read.
+// A key that was read, with its value and description.
 struct Key {
   std::string section, key;          // "run", "dt_fs"
-  std::vector<std::string> kinds{};  // of every_key(): the kinds of [build] or the methods that have it
+  std::vector<std::string> kinds{};  // for every_key(): kinds of [build] or methods that have it
   About about{};
   std::string type{};         // "number", "path", …
-  std::string value{};        // in force, as TOML has it; empty: none
-  std::string from{};         // who says so, "water.toml:12" or "--set run.dt_fs=2"; empty: its default
+  std::string value{};        // the value in effect, in TOML; empty if there is none
+  std::string from{};         // its source, "water.toml:12" or "--set run.dt_fs=2"; empty for a default
   std::string counts_only{};  // "with run.thermostat = \"langevin\""
-  bool read = false, required = false, idle = false;  // idle: of no effect beside the others
+  bool read = false, required = false, idle = false;  // idle: without effect, given the other keys
 
   std::string name() const { return section.empty() ? key : section + "." + key; }
   bool described_as(const Key& other) const;
-  std::string allowed() const;  // "more than 0", "one of dcd, h5md, both"; empty: anything
+  std::string allowed() const;  // "more than 0", "one of dcd, h5md, both"; empty if anything is allowed
 };
 
-// The keys that were read, in that order.
+// All keys that were read, in the order of reading.
 struct KeysRead {
-  // Tables without keys are read for their descriptions: no key is missing, readers return before they build.
+  // True while empty tables are read for the descriptions of their keys only: no key is missing then, and
+  // readers return before they build anything.
   bool describing = false;
   std::vector<Key> all{};
 
@@ -60,7 +62,7 @@ struct KeysRead {
   void forget(std::string_view section, std::string_view but);
 };
 
-// As TOML has them, several rows by their number.
+// Returns a value as TOML text; of several rows only their number.
 std::string value_text(double value);
 std::string value_text(bool value);
 std::string value_text(const std::string& value);

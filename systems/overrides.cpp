@@ -1,4 +1,4 @@
-// Overrides, "run.dt_fs=2": parsed one by one, laid over a file's keys, and written out again.
+// Overrides such as "run.dt_fs=2": parsing, merging with a file's keys, and writing them out again.
 #include <fmt/format.h>
 
 #include <charconv>
@@ -11,14 +11,14 @@
 namespace taut {
 namespace {
 
-// A word without quotes, quoted.
+// Returns the value with quotes if it is a bare word.
 toml::table parse_bare(std::string_view text, std::size_t equals, std::string_view where) {
   std::ostringstream quoted;
   quoted << text.substr(0, equals) << "=" << toml::value<std::string>{std::string(text.substr(equals + 1))};
   return toml::parse(quoted.str(), where);
 }
 
-// TOML's integers end there.
+// The limit of TOML's integers.
 bool is_too_large(std::string_view value) {
   const auto digits = value.find_first_not_of(" +-");
   return digits != value.npos && value.find_first_not_of("0123456789_ ", digits) == value.npos &&
@@ -54,8 +54,8 @@ void collect(const toml::table& table, const std::string& above, KeyValues& valu
   }
 }
 
-// Of an array, elements that overrides name by their numbers, counted from 0: place.0.count.
-void lay_over_elements(toml::array& base, toml::table&& upper) {
+// Merges overrides into elements of an array, which they name by numbers from 0 on: place.0.count.
+void overwrite_elements(toml::array& base, toml::table&& upper) {
   for (auto&& [name, node] : upper) {
     const std::string_view number = name.str();
     std::size_t k = 0;
@@ -64,7 +64,7 @@ void lay_over_elements(toml::array& base, toml::table&& upper) {
       throw LocatedError(fmt::format("{}: there is no {} in a list of {}, counted from 0",
                                      *node.source().path, toml_quoted(number), base.size()));
     if (base[k].is_table() && node.is_table())
-      lay_over(*base[k].as_table(), std::move(*node.as_table()));
+      overwrite(*base[k].as_table(), std::move(*node.as_table()));
     else
       node.visit([&](auto& value) {
         base.replace(base.cbegin() + static_cast<std::ptrdiff_t>(k), std::move(value));
@@ -74,23 +74,23 @@ void lay_over_elements(toml::array& base, toml::table&& upper) {
 
 }  // namespace
 
-void lay_over(toml::table& base, toml::table&& upper) {
+void overwrite(toml::table& base, toml::table&& upper) {
   for (auto&& entry : upper) {
     const std::string_view key = entry.first.str();
     toml::node& node = entry.second;
     toml::node* below = base.get(key);
     if (below && below->is_table() && node.is_table())
-      lay_over(*below->as_table(), std::move(*node.as_table()));
+      overwrite(*below->as_table(), std::move(*node.as_table()));
     else if (below && below->is_array() && node.is_table())
-      lay_over_elements(*below->as_array(), std::move(*node.as_table()));
-    else  // moved, not copied: a copy forgets where it came from
+      overwrite_elements(*below->as_array(), std::move(*node.as_table()));
+    else  // moved, because a copy loses its source location
       node.visit([&](auto& value) { base.insert_or_assign(key, std::move(value)); });
   }
 }
 
 toml::table parse_overrides(const std::vector<std::string>& overrides) {
   toml::table all;
-  for (const std::string& text : overrides) lay_over(all, parse_override(text));
+  for (const std::string& text : overrides) overwrite(all, parse_override(text));
   return all;
 }
 

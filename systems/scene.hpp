@@ -16,28 +16,28 @@ namespace taut {
 struct RunSettings {
   double dt_fs = 1;
   long steps = 1000;
-  double temperature_k = 0;          // of what is drawn at the start, and of the thermostat; 0: none
-  std::string velocities;            // "keep" the start's, "draw" them; "": draw where it has none
-  std::uint64_t seed = 1;            // of everything drawn
+  double temperature_k = 0;          // of velocities drawn at the start and of the thermostat [K]; 0: none
+  std::string velocities;            // "keep" those of the start, "draw" them; "": draw if it has none
+  std::uint64_t seed = 1;            // of all random numbers
   long log_every = 100;              // steps
   long remove_momentum_every = 0;    // steps; 0: never
-  std::string redundant = "refuse";  // bonds that follow from others: "refuse" or "drop"
-  long trajectory_every = 0;         // steps from frame to frame; 0: no trajectory
+  std::string redundant = "refuse";  // what to do with redundant bonds: "refuse" or "drop"
+  long trajectory_every = 0;         // steps between frames; 0: no trajectory
   std::string trajectory = "dcd";    // "dcd", "h5md" or "both"
-  long checkpoint_every = 0;         // steps; 0: by the clock and where it stops, alone
-  double checkpoint_minutes = 5;     // of computing from checkpoint to checkpoint; 0: not by the clock
-  std::string thermostat;      // "langevin", "rescaling", "none"; "": rescaling where thermostat_ps is given
-  double thermostat_ps = 0;    // relaxation time of velocity rescaling to temperature_k
-  double friction_per_ps = 1;  // of Langevin's thermostat
-  std::string barostat = "none";            // "c-rescale", "monte-carlo" or "none" (ensembles/)
-  double pressure_bar = 1;                  // it keeps
-  long barostat_every = 10;                 // steps
-  double barostat_ps = 1;                   // relaxation time of c-rescale
-  double compressibility_per_bar = 4.5e-5;  // c-rescale's guess of it: water's
-  std::string coupling =
-      "isotropic";               // which edges change alike: "semi-isotropic" x and y, "anisotropic" none
-  bool minimise = false;         // relax the start first (simulation/minimise.hpp)
-  double minimise_force = 1000;  // until no atom's force is above this [kJ/mol/nm]
+  long checkpoint_every = 0;         // steps; 0: only by the clock and at the end
+  double checkpoint_minutes = 5;     // computing time between checkpoints; 0: not by the clock
+  std::string thermostat;         // "langevin", "rescaling", "none"; "": rescaling if thermostat_ps is given
+  double thermostat_ps = 0;       // relaxation time of velocity rescaling to temperature_k
+  double friction_per_ps = 1;     // of Langevin dynamics
+  std::string barostat = "none";  // "c-rescale", "monte-carlo" or "none" (ensembles/)
+  double pressure_bar = 1;        // of the barostat
+  long barostat_every = 10;       // steps
+  double barostat_ps = 1;         // relaxation time of c-rescale
+  double compressibility_per_bar = 4.5e-5;  // estimate for c-rescale; the default is water's
+  // Edges that scale together: all ("isotropic"), x and y ("semi-isotropic"), or none ("anisotropic").
+  std::string coupling = "isotropic";
+  bool minimise = false;         // minimise the energy of the start first (simulation/minimise.hpp)
+  double minimise_force = 1000;  // largest force on an atom at which the minimiser stops [kJ/mol/nm]
 
   double h() const { return dt_fs * 1e-3; }  // [ps]
   bool langevin() const { return thermostat == "langevin"; }
@@ -45,25 +45,25 @@ struct RunSettings {
   bool thermostatted() const { return langevin() || rescaling(); }
   bool barostatted() const {
     return barostat != "none" && thermostatted();
-  }  // of itself it has no temperature
+  }  // a barostat alone has no temperature
 };
 
-// A system with a start, a step and what it is hard on.
+// A system with a start and run settings.
 struct Scene {
   std::string name;
   std::string hard_on;  // one sentence
   System system;
   Terms terms;
-  Names names;                                             // of the atoms, for files
-  State start;                                             // x and v; not yet made to satisfy the bonds
-  bool positions_drawn = false, velocities_drawn = false;  // by run.seed
+  Names names;                                             // names of the atoms, for files
+  State start;                                             // x and v, not yet projected onto the bonds
+  bool positions_drawn = false, velocities_drawn = false;  // from run.seed
   RunSettings run;
   MethodOptions method;
   std::vector<std::filesystem::path>
-      files;                       // it was read from: the scene's and those it names, or OpenMM's two
-  std::vector<std::string> notes;  // what the reader should know of the start, a line each
+      files;                       // its sources: the scene and the files it names, or OpenMM's two files
+  std::vector<std::string> notes;  // messages for the user about the start, one line each
 
-  // Nothing outside holds or pulls: the momentum is conserved.
+  // True if no external force acts, so that the momentum is conserved.
   bool closed() const { return closed_but_for_restraints() && terms.restraints.empty(); }
   bool closed_but_for_restraints() const {
     return !terms.gravity && terms.pulls.empty() && terms.own.empty() && system.anchors() == 0;

@@ -34,12 +34,12 @@ void read_barostat(const TomlTable& table, RunSettings& run) {
       {"which edges change alike: all, x and y, none", {"isotropic", "semi-isotropic", "anisotropic"}});
 
   for (const char* key : {"pressure_bar", "barostat_every"})
-    table.counts(key, run.barostat != "none", "with run.barostat = \"c-rescale\" or \"monte-carlo\"");
+    table.require_effect(key, run.barostat != "none", "with run.barostat = \"c-rescale\" or \"monte-carlo\"");
   for (const char* key : {"barostat_ps", "compressibility_per_bar", "coupling"})
-    table.counts(key, run.barostat == "c-rescale", "with run.barostat = \"c-rescale\"");
+    table.require_effect(key, run.barostat == "c-rescale", "with run.barostat = \"c-rescale\"");
 }
 
-// Of a scene that is there: what a barostat needs.
+// Checks that the scene has what a barostat needs.
 void check_barostat(const TomlTable& run, const Scene& scene) {
   if (scene.run.barostat == "none") return;
   if (!scene.run.thermostatted())
@@ -62,7 +62,7 @@ void check_barostat(const TomlTable& run, const Scene& scene) {
              "restraints hold on to what the box would move, and have no virial: take \"monte-carlo\"");
 }
 
-// What does not know of struts and ropes.
+// Refuses settings that do not support struts and ropes.
 void check_one_sided(const TomlTable& run, const TomlTable& method, const Scene& scene) {
   if (scene.run.minimise)
     run.fail("minimise", "moves atoms through one-sided bonds (at_least, at_most): leave it out");
@@ -104,13 +104,13 @@ void read_run(const TomlTable& table, RunSettings& run) {
   table.read("velocities", run.velocities,
              {"those of the start, or drawn; if not said, drawn where it has none", {"keep", "draw"}});
 
-  table.counts("minimise_force_kj_mol_nm", run.minimise, "with run.minimise = true");
-  table.counts("trajectory", run.trajectory_every > 0, "with run.trajectory_every above 0");
+  table.require_effect("minimise_force_kj_mol_nm", run.minimise, "with run.minimise = true");
+  table.require_effect("trajectory", run.trajectory_every > 0, "with run.trajectory_every above 0");
   if (run.trajectory_every > 0 && run.trajectory != "dcd" && !built_with_hdf5())
     table.fail("trajectory", "taut was built without HDF5 (libhdf5-dev): \"dcd\" needs none");
-  table.counts("friction_per_ps", run.langevin(), "with run.thermostat = \"langevin\"");
-  table.counts("thermostat_ps", run.rescaling() || run.thermostat_ps == 0,
-               "with run.thermostat = \"rescaling\"");
+  table.require_effect("friction_per_ps", run.langevin(), "with run.thermostat = \"langevin\"");
+  table.require_effect("thermostat_ps", run.rescaling() || run.thermostat_ps == 0,
+                       "with run.thermostat = \"rescaling\"");
   const char* key = table.has("thermostat") ? "thermostat" : "thermostat_ps";
   if (run.thermostatted() && run.temperature_k == 0)
     table.fail(key, "a thermostat needs a run.temperature_k above 0");
@@ -120,12 +120,12 @@ void read_run(const TomlTable& table, RunSettings& run) {
   table.reject_unknown();
 }
 
-// Another name sets out from that method's defaults: see scene_file.hpp.
+// Another method starts from its own defaults (scene_file.hpp).
 void read_name(const TomlTable& table, MethodOptions& method) {
   std::string name(method.name());
   table.read("name", name, {"who holds the bonds (see `taut methods`)", method_names()});
   if (name == method.name()) return;
-  table.anew("name");
+  table.forget_others("name");
   method = default_options(name);
 }
 
@@ -136,11 +136,11 @@ void read_options(const TomlTable& table, MethodOptions& method) {
     std::visit([&](auto* field) { table.read(option.key, *field, about); }, option.field);
   }
   for (const Option& option : method.describe())
-    table.counts(option.key, option.about.counts.read, option.about.counts.where);
+    table.require_effect(option.key, option.about.counts.read, option.about.counts.where);
 }
 
-// Of a scene whose atoms are placed. What the file says for a start, or for velocities, that overrides have
-// replaced is set aside; what is said and does nothing is refused.
+// Reads the run settings of a scene whose atoms are placed. Keys of the file that belong to a start or
+// velocities that overrides have replaced are ignored; other keys without effect are refused.
 void settle_velocities(const TomlTable& run, bool set_aside, Scene& scene) {
   const RunSettings& settings = scene.run;
   if (settings.velocities == "draw" && settings.temperature_k == 0)
@@ -148,11 +148,12 @@ void settle_velocities(const TomlTable& run, bool set_aside, Scene& scene) {
   give_velocities(scene);
   const bool draws = scene.velocities_drawn || settings.thermostatted();
   if (run.overridden("temperature_k") || !set_aside)
-    run.counts("temperature_k", draws || settings.temperature_k == 0,
-               "with a thermostat or run.velocities = \"draw\": the start has velocities, which are kept");
+    run.require_effect(
+        "temperature_k", draws || settings.temperature_k == 0,
+        "with a thermostat or run.velocities = \"draw\": the start has velocities, which are kept");
   if (run.overridden("seed"))
-    run.counts("seed", draws || scene.positions_drawn,
-               "where something is drawn: here positions and velocities are the start's");
+    run.require_effect("seed", draws || scene.positions_drawn,
+                       "where something is drawn: here positions and velocities are the start's");
 }
 
 void read_words(const TomlTable& root, Scene& scene) {
@@ -167,7 +168,7 @@ void read_settings(const TomlTable& root, Scene& scene) {
   method.reject_unknown();
 }
 
-// Where a scene names further files: build.start, and the coordinates of molecules and places.
+// The keys that name further files: build.start, and the coordinates of molecules and places.
 std::vector<toml::value<std::string>*> file_names(toml::table& root) {
   std::vector<toml::value<std::string>*> names;
   const auto add = [&](toml::node_view<toml::node> section, std::string_view key) {
@@ -181,7 +182,7 @@ std::vector<toml::value<std::string>*> file_names(toml::table& root) {
   return names;
 }
 
-// They have moved; who names them, the file or an override, stays.
+// Changes their paths, but keeps whether the file or an override names them.
 void move_files(toml::table& root, const std::vector<std::filesystem::path>& moved) {
   if (moved.empty()) return;
   const auto names = file_names(root);
@@ -189,7 +190,7 @@ void move_files(toml::table& root, const std::vector<std::filesystem::path>& mov
   for (std::size_t k = 0; k < names.size(); ++k) *names[k] = moved[k].string();
 }
 
-// An override changes a molecule or atom that is there: another name is a misspelt one.
+// An override may only change an existing molecule or atom; another name is a misspelling.
 void refuse_new_names(const toml::table& base, const toml::table& overrides) {
   for (const char* section : {"atom", "molecule"}) {
     const toml::table *there = base[section].as_table(), *changed = overrides[section].as_table();
@@ -219,7 +220,7 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
   read_settings(TomlTable(overrides, "--set", how.keys), scene);
 
   refuse_new_names(base, overrides);
-  lay_over(base, std::move(overrides));
+  overwrite(base, std::move(overrides));
   move_files(base, how.files);
   const TomlTable root(base, file.string(), how.keys);
   read_words(root, scene);
@@ -237,17 +238,17 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
   if (!scene.system.one_sided.empty()) check_one_sided(run_keys, root.section("method"), scene);
   build_keys.reject_unknown();
   forcefield_keys.reject_unknown();
-  // Refuses what does not fit together while the file is known.
+  // Refuses settings that contradict each other while the file's name is known.
   [[maybe_unused]] const ForceField fitting(scene.system, scene.start.box, scene.terms);
   return scene;
 }
 
-// As scenes have their sections.
+// In the order of a scene's sections.
 int order_of(const Key& key) {
   return static_cast<int>(std::ranges::find(kSections, key.section) - kSections.begin());
 }
 
-// Keys of one kind, or of one method, into those of all.
+// Merges the keys of one kind, or of one method, into those of all.
 void merge(std::vector<Key>& all, KeysRead&& described, std::string_view kind) {
   for (Key& key : described.all) {
     if (!key.read) continue;
@@ -313,7 +314,7 @@ void apply_overrides(Scene& scene, const std::vector<std::string>& overrides, Ke
   root.reject_unknown();
   const TomlTable run = root.section("run");
   if (root.has("run")) settle_velocities(run, false, scene);
-  if (!run.has("barostat") && !scene.run.thermostatted()) scene.run.barostat = "none";  // what was imported
+  if (!run.has("barostat") && !scene.run.thermostatted()) scene.run.barostat = "none";  // an imported one
   check_barostat(run, scene);
 }
 

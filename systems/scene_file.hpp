@@ -13,41 +13,41 @@
 
 namespace taut {
 
-// Reads a scene, `overrides` ("run.dt_fs=2", "build.molecules=1000", "method.name=rattle") laid over the
-// file's keys. Throws InputError with one line naming file, line and key, or the override.
+// Reads a scene. `overrides` ("run.dt_fs=2", "build.molecules=1000", "method.name=rattle") replace the file's
+// keys. Throws InputError, one line that names file, line and key, or the override. The sections are:
 //
-//   hard_on = "one sentence"      if you like
+//   hard_on = "one sentence"      optional: what the scene is hard on
 //   [build]       kind = "water", and the keys of that kind (builders.hpp)
-//   [atom.NAME], [molecule.NAME], [[place]]      molecules of one's own (build_molecules.cpp)
-//   [forcefield]  the pair forces, for the kinds that have them
+//   [atom.NAME], [molecule.NAME], [[place]]      molecules of the user (build_molecules.cpp)
+//   [forcefield]  the pair forces, for kinds that have them
 //   [run]         the keys of RunSettings
-//   [method]      name = "newton", and the keys of that method's Options; what is not said is its default
+//   [method]      name = "newton", and the keys of that method's Options
 //
-// An override that changes method.name sets the file's other keys of [method] aside: they were chosen for
-// another method. Only what the overrides say of the new one counts, on top of its defaults. One that
-// names the file's own method changes nothing. So does one of build.start with the file's run.velocities.
+// If an override changes method.name, the file's other keys of [method] are ignored, because they were chosen
+// for another method: the new method has its defaults and the overrides. If an override changes build.start,
+// the file's run.velocities is ignored in the same way.
 //
-// A key that nothing reads, as the others are, is refused: friction_per_ps without Langevin's thermostat.
+// A key without effect is refused, e.g. friction_per_ps without Langevin's thermostat.
 //
 struct SceneReading {
-  std::vector<std::filesystem::path> files{};  // where those that it names are read from, if not from there
-  KeysRead* keys = nullptr;  // takes every key that was read, with its value and who said it
+  std::vector<std::filesystem::path> files{};  // replacements for the files that the scene names
+  KeysRead* keys = nullptr;                    // receives every key that is read, with its value and source
 };
 Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides = {},
                  const SceneReading& how = {});
 
-// The same of a file parsed already.
+// The same for a file that is parsed already.
 Scene read_scene(toml::table&& table, const std::filesystem::path& file,
                  const std::vector<std::string>& overrides = {}, const SceneReading& how = {});
 
-// The [run] and [method] sections alone, from overrides over what the scene has, by the same rules: for
-// systems that come from elsewhere. Velocities are drawn as run.velocities says.
+// Applies overrides of [run] and [method] to a scene from another source, by the same rules. Velocities are
+// drawn according to run.velocities.
 void apply_overrides(Scene& scene, const std::vector<std::string>& overrides, KeysRead* keys = nullptr);
 
-// Every key there is, of every kind and method, with what there is to know of it: what a scene without keys
-// is asked for. A key that kinds or methods describe alike is there once.
+// Returns every key of every kind and method with its description, by reading scenes without keys. A key that
+// several kinds or methods describe alike is listed once.
 std::vector<Key> every_key();
-// "start": those of the file that build.start names.
+// The sections of keys; "start" has those of the file that build.start names.
 inline constexpr std::array<std::string_view, 9> kSections = {
     "", "atom.NAME", "molecule.NAME", "place", "build", "forcefield", "run", "method", "start"};
 
@@ -55,21 +55,22 @@ struct SceneSummary {
   std::string name, hard_on;
 };
 
-// The scenes that come with taut. Throws OutsideError where they did not.
+// Returns the folder of the scenes that come with taut. Throws OutsideError if it is missing.
 std::filesystem::path scenes_folder();
 
-// Where they lie, and what they are: the first for everybody, worlds of linkages, what is hard on methods.
+// Returns the folders of scenes with their titles: general ones, linkages, and those that are hard on
+// methods.
 struct SceneFolder {
   std::filesystem::path path;
   const char* title;
 };
 std::vector<SceneFolder> scene_folders();
 
-// Every scene of a folder, by name.
+// Returns every scene of a folder, sorted by name.
 std::vector<SceneSummary> list_scenes(const std::filesystem::path& folder = scenes_folder());
 
-// The file of a scene named by its path, or as "water" for one of scene_folders().
-// Throws InputError, with the nearest name.
+// Returns the file of a scene, given by its path or as "water" for one of scene_folders(). Throws InputError
+// with the nearest name.
 std::filesystem::path find_scene(const std::string& name_or_path);
 
 }  // namespace taut

@@ -10,7 +10,7 @@
 #include <sstream>
 
 #include "base/errors.hpp"
-#include "files/atomic_file.hpp"
+#include "files/folder.hpp"
 #include "systems/openmm/import.hpp"
 #include "systems/scene_file.hpp"
 #include "systems/toml_reader.hpp"
@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The files where readers can find them, for as long as it lives.
+// Writes the files to a temporary folder, which is deleted with this object.
 class Unpacked {
  public:
   explicit Unpacked(const std::vector<SceneSource::File>& files) {
@@ -31,7 +31,7 @@ class Unpacked {
       const fs::path name_alone = fs::path(file_name).filename();
       if (name_alone.empty() || name_alone == "." || name_alone == "..")
         throw InputError("a file of the scene has no name");
-      make_folder(folder_ / std::to_string(paths.size()));  // two may have one name
+      make_folder(folder_ / std::to_string(paths.size()));  // two files may have the same name
       paths.push_back(folder_ / std::to_string(paths.size()) / name_alone);
       DiskFile(paths.back(), DiskFile::kNew).write(0, text);
     }
@@ -43,7 +43,7 @@ class Unpacked {
     fs::remove_all(folder_, left_there);
   }
 
-  // As said of the files by the names they came with.
+  // Replaces temporary paths in a message by the original names.
   std::string named(std::string words) const {
     for (const fs::path& path : paths)
       for (std::size_t at; (at = words.find(path.string())) != std::string::npos;)
@@ -57,7 +57,8 @@ class Unpacked {
   fs::path folder_;
 };
 
-// A line an atom: its name, its residue's, its element, the residue it is in, with tabs between.
+// One line per atom: its name, the name of its residue, its element and its residue's number, separated by
+// tabs.
 Names read_names(const SceneSource::File& file, int atoms) {
   Names names;
   std::map<AtomKind, int> known;

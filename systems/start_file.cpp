@@ -3,13 +3,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cmath>
 #include <iterator>
+#include <string>
 
 #include "files/atomic_file.hpp"
-#include "systems/box_keys.hpp"
+#include "files/unit_cell.hpp"
 
 namespace taut {
-
 namespace {
 
 std::string box_line(const Box& box) {
@@ -20,6 +21,33 @@ std::string box_line(const Box& box) {
 }
 
 }  // namespace
+
+Box read_box(const TomlTable& keys) {
+  std::vector<double> numbers;
+  if (!keys.read("box_nm", numbers, {"a box's edges, or its vectors in reduced form", "nm"})) return {};
+  Eigen::Matrix3d vectors = Eigen::Matrix3d::Zero();
+  if (numbers.size() == 3)
+    vectors.diagonal() = Vec3(numbers.data());
+  else if (numbers.size() == 9)
+    vectors = Eigen::Matrix3d(numbers.data());
+  else
+    keys.fail("box_nm",
+              fmt::format("expected 3 numbers, its edges, or 9, its vectors; got {}", numbers.size()));
+  constexpr double kFiveDecimals = 1.1e-5;  // GROMACS's precision
+  const ReducedBox read = reduce_box(vectors, kFiveDecimals);
+  if (!read.flaw.empty()) keys.fail("box_nm", read.flaw);
+  if (!read.changes.empty()) keys.fail("box_nm", Box::flaw(vectors));
+  return read.box;
+}
+
+Box read_box_shape(const TomlTable& keys) {
+  std::string shape = "cube";
+  keys.read("box", shape, {"shape of the box", {"cube", "octahedron", "dodecahedron"}});
+  if (shape == "octahedron")
+    return {Vec3(1, std::sqrt(8.0) / 3, std::sqrt(6.0) / 3), Vec3(1, -1, std::sqrt(2.0)) / 3};
+  if (shape == "dodecahedron") return {Vec3(1, 1, std::sqrt(0.5)), Vec3(0, 0.5, 0.5)};
+  return {Vec3::Ones()};
+}
 
 State read_start(const std::filesystem::path& file) {
   return read_start(parse_toml_file(file), file);

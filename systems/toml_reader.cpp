@@ -39,7 +39,7 @@ std::optional<double> number_of(const toml::node& node) {
   return {};
 }
 
-// Sections are listed by their own keys.
+// Sections are listed with their own keys.
 std::string list_text(const toml::array& list) {
   const bool words = std::ranges::none_of(list, [](const toml::node& one) { return one.is_table(); });
   return words ? value_text(list) : fmt::format("{} of them", list.size());
@@ -70,7 +70,7 @@ std::string value_text(const toml::node& node) {
   if (const auto* number = node.as_floating_point()) {
     const std::string shortest = fmt::format("{}", number->get());
     const bool integer = shortest.find_first_not_of("+-0123456789") == shortest.npos;
-    return shortest + (integer ? ".0" : "");  // it stays a number with a fraction
+    return shortest + (integer ? ".0" : "");  // keeps it a floating-point number
   }
   node.visit([&](const auto& value) { text << value; });
   return text.str();
@@ -78,11 +78,11 @@ std::string value_text(const toml::node& node) {
 
 TomlTable TomlTable::section(std::string_view key) const {
   static const toml::table kEmpty;
-  const std::string name = full(key);
+  const std::string name = full_name(key);
   const toml::node* node = find(key);
   if (!node) return TomlTable(kEmpty, name, where_, keys_);
   if (!node->is_table()) wrong_type(key, *node, "a section");
-  return TomlTable(*node->as_table(), name, place(node), keys_);
+  return TomlTable(*node->as_table(), name, location_of(node), keys_);
 }
 
 std::vector<std::string> TomlTable::keys() const {
@@ -94,18 +94,18 @@ std::vector<std::string> TomlTable::keys() const {
 std::size_t TomlTable::size(std::string_view key, const About& about) const {
   const toml::node* node = find(key);
   if (node && node->is_table())
-    fail(key, fmt::format("expected a list of sections: write [[{}]]", full(key)));
+    fail(key, fmt::format("expected a list of sections: write [[{}]]", full_name(key)));
   if (node && !node->is_array()) wrong_type(key, *node, "an array");
   const std::size_t size = node ? node->as_array()->size() : 0;
-  if (keys_) note(key, about, "list", size > 0 ? list_text(*node->as_array()) : "");
+  if (keys_) record(key, about, "list", size > 0 ? list_text(*node->as_array()) : "");
   return size;
 }
 
 TomlTable TomlTable::section(std::string_view key, std::size_t k) const {
   const toml::node& node = (*find(key)->as_array())[k];
-  const std::string name = fmt::format("{}.{}", full(key), k);
+  const std::string name = fmt::format("{}.{}", full_name(key), k);
   if (!node.is_table()) fail(key, k, fmt::format("expected a section, got {}", type_name(node)));
-  return TomlTable(*node.as_table(), name, place(&node), keys_);
+  return TomlTable(*node.as_table(), name, location_of(&node), keys_);
 }
 
 std::optional<std::string> TomlTable::word(std::string_view key, std::size_t k) const {
@@ -117,7 +117,7 @@ bool TomlTable::fetch(std::string_view key, double& into, const About& about) co
   if (!node) return false;
   const auto value = number_of(*node);
   if (!value) wrong_type(key, *node, "a number");
-  into = checked(key, *value, about.range);
+  into = check_range(key, *value, about.range);
   return true;
 }
 
@@ -160,13 +160,13 @@ bool TomlTable::fetch(std::string_view key, std::vector<double>& into, const Abo
   const toml::node* node = find(key);
   if (!node) return false;
   into.clear();
-  if (const auto lone = number_of(*node)) return into = {checked(key, *lone, kAnyNumber)}, true;
+  if (const auto lone = number_of(*node)) return into = {check_range(key, *lone, kAnyNumber)}, true;
   const toml::array* array = node->as_array();
   if (!array) wrong_type(key, *node, "numbers [x, y, z]");
   for (const toml::node& cell : *array) {
     const auto value = number_of(cell);
     if (!value) wrong_type(key, cell, "numbers [x, y, z]");
-    into.push_back(checked(key, *value, kAnyNumber));
+    into.push_back(check_range(key, *value, kAnyNumber));
   }
   return true;
 }
@@ -174,7 +174,7 @@ bool TomlTable::fetch(std::string_view key, std::vector<double>& into, const Abo
 bool TomlTable::read(std::string_view key, Rows& into, Columns columns, const About& about) const {
   const toml::node* node = find(key);
   if (!node) {
-    note(key, into, about);
+    record(key, into, about);
     return false;
   }
   if (!node->is_array()) wrong_type(key, *node, "an array of rows");
@@ -194,7 +194,7 @@ bool TomlTable::read(std::string_view key, Rows& into, Columns columns, const Ab
       numbers.push_back(*value);
     }
   }
-  note(key, into, about);
+  record(key, into, about);
   return true;
 }
 
@@ -210,17 +210,17 @@ std::string TomlTable::choice(std::string_view key, const std::vector<std::strin
   return describing() ? std::string(words.front()) : word;
 }
 
-void TomlTable::note(std::string_view key, const About& about, const char* type, std::string value) const {
+void TomlTable::record(std::string_view key, const About& about, const char* type, std::string value) const {
   Key& noted = keys_->of(name_, key);
   noted.about = about;
   noted.type = type;
   noted.value = std::move(value);
   noted.read = true;
   noted.idle = false;
-  if (const toml::node* node = find(key)) noted.from = place(node);
+  if (const toml::node* node = find(key)) noted.from = location_of(node);
 }
 
-void TomlTable::counts(std::string_view key, bool read, std::string_view where) const {
+void TomlTable::require_effect(std::string_view key, bool read, std::string_view where) const {
   if (has(key) && !read) fail(key, fmt::format("has no effect, it counts only {}", where));
   if (!keys_) return;
   Key& noted = keys_->of(name_, key);
@@ -229,7 +229,7 @@ void TomlTable::counts(std::string_view key, bool read, std::string_view where) 
     noted.counts_only += (noted.counts_only.empty() ? "" : "; ") + std::string(where);
 }
 
-void TomlTable::anew(std::string_view but) const {
+void TomlTable::forget_others(std::string_view but) const {
   if (keys_) keys_->forget(name_, but);
 }
 
@@ -239,7 +239,7 @@ bool TomlTable::overridden(std::string_view key) const {
 }
 
 void TomlTable::fail(std::string_view key, const std::string& message) const {
-  throw LocatedError(fmt::format("{}: {}: {}", place(find(key)), full(key), message));
+  throw LocatedError(fmt::format("{}: {}: {}", location_of(find(key)), full_name(key), message));
 }
 
 void TomlTable::fail(std::string_view key, std::size_t row, const std::string& message) const {
@@ -247,7 +247,8 @@ void TomlTable::fail(std::string_view key, std::size_t row, const std::string& m
   const toml::array* rows = node ? node->as_array() : nullptr;
   const toml::node* one = rows && row < rows->size() ? &(*rows)[row] : nullptr;
   const std::string which = one && one->is_table() ? fmt::format(".{}", row) : fmt::format("[{}]", row);
-  throw LocatedError(fmt::format("{}: {}{}: {}", place(one ? one : node), full(key), which, message));
+  throw LocatedError(
+      fmt::format("{}: {}{}: {}", location_of(one ? one : node), full_name(key), which, message));
 }
 
 void TomlTable::refuse(std::initializer_list<std::string_view> keys, const char* message) const {
@@ -262,7 +263,7 @@ void TomlTable::reject_unknown() const {
     const toml::node& node = entry.second;
     if (asked_.contains(key)) continue;
     throw LocatedError(fmt::format(
-        "{}: unknown {} \"{}\"{}{}", place(&node), node.is_table() ? "section" : "key", one_line(key),
+        "{}: unknown {} \"{}\"{}{}", location_of(&node), node.is_table() ? "section" : "key", one_line(key),
         name_.empty() ? "" : fmt::format(" in [{}]", name_), did_you_mean(key, known)));
   }
 }
@@ -272,22 +273,22 @@ const toml::node* TomlTable::find(std::string_view key) const {
   return table_.get(key);
 }
 
-// A float without a fraction is an integer too: 1e6.
+// A float without a fraction, 1e6, is accepted as an integer.
 std::optional<std::int64_t> TomlTable::integer(std::string_view key, Range range) const {
   const toml::node* node = find(key);
   if (!node) return {};
   const auto value = number_of(*node);
   if (!value || *value != std::floor(*value)) wrong_type(key, *node, "an integer");
-  checked(key, *value, range);
+  check_range(key, *value, range);
   if (std::abs(*value) >= 0x1p63) fail(key, "out of range");
   return node->is_integer() ? node->as_integer()->get() : static_cast<std::int64_t>(*value);
 }
 
-std::string TomlTable::full(std::string_view key) const {
+std::string TomlTable::full_name(std::string_view key) const {
   return name_.empty() ? std::string(key) : fmt::format("{}.{}", name_, key);
 }
 
-std::string TomlTable::place(const toml::node* node) const {
+std::string TomlTable::location_of(const toml::node* node) const {
   if (!node || !node->source().path) return where_;
   const auto& [path, line] = std::tie(*node->source().path, node->source().begin.line);
   if (path.starts_with(kOverride) || line == 0) return path;
@@ -299,7 +300,7 @@ void TomlTable::missing(std::string_view key) const {
     keys_->of(name_, key).required = true;
     return;
   }
-  std::vector<std::string_view> unread;  // one of them may be meant for it
+  std::vector<std::string_view> unread;  // candidates for a misspelt key
   for (const auto& entry : table_)
     if (!asked_.contains(entry.first.str())) unread.push_back(entry.first.str());
   const std::string_view near = nearest_name(key, unread);
@@ -309,11 +310,11 @@ void TomlTable::missing(std::string_view key) const {
 }
 
 void TomlTable::wrong_type(std::string_view key, const toml::node& got, const char* expected) const {
-  throw LocatedError(
-      fmt::format("{}: {}: expected {}, got {}", place(&got), full(key), expected, type_name(got)));
+  throw LocatedError(fmt::format("{}: {}: expected {}, got {}", location_of(&got), full_name(key), expected,
+                                 type_name(got)));
 }
 
-double TomlTable::checked(std::string_view key, double value, Range range) const {
+double TomlTable::check_range(std::string_view key, double value, Range range) const {
   if (!std::isfinite(value)) fail(key, fmt::format("expected a finite number, got {}", value));
   if (!range.holds(value)) fail(key, fmt::format("expected {}, got {}", range.in_words(), value));
   return value;

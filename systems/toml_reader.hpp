@@ -1,7 +1,7 @@
 #pragma once
 
-// TOML tables with typed getters, whose errors say where: "water.toml:12: run.dt_fs: expected a number,
-// got a string". A value laid over the file by an override is named by it: "--set run.dt_fs=abc: ...".
+// TOML tables with typed getters. Their errors give the location: "water.toml:12: run.dt_fs: expected a
+// number, got a string"; for a value from an override, "--set run.dt_fs=abc: ...".
 
 #include <toml++/toml.h>
 
@@ -23,7 +23,7 @@
 
 namespace taut {
 
-// An error that already says where.
+// An error whose message has its location already.
 struct LocatedError : InputError {
   using InputError::InputError;
 };
@@ -34,34 +34,34 @@ struct Columns {  // how many numbers a row may have
 
 class TomlTable {
  public:
-  // The root. `where` names the file, or what stands for one; `keys` takes what is read.
+  // The root table. `where` is the file's name for messages; `keys` receives every key that is read.
   TomlTable(const toml::table& table, std::string where, KeysRead* keys = nullptr)
       : TomlTable(table, "", std::move(where), keys) {}
-  TomlTable(const TomlTable&) = delete;  // keeps track of the keys asked for: one table, one track
+  TomlTable(const TomlTable&) = delete;  // it records which keys were requested
   TomlTable& operator=(const TomlTable&) = delete;
 
   bool has(std::string_view key) const { return find(key) != nullptr; }
-  TomlTable section(std::string_view key) const;  // empty if it is not there
+  TomlTable section(std::string_view key) const;  // an empty one if there is none
   std::vector<std::string> keys() const;
 
-  // An array whose elements are sections, [[place]], or words: how many there are, 0 if it is not there; one
-  // of them; the word where it is one.
+  // For an array of sections, [[place]], or words: returns its size (0 if it does not exist), element k as a
+  // section, and element k as a word if it is one.
   std::size_t size(std::string_view key, const About& about = {}) const;
   TomlTable section(std::string_view key, std::size_t k) const;
   std::optional<std::string> word(std::string_view key, std::size_t k) const;
 
   bool describing() const { return keys_ && keys_->describing; }
 
-  // Reads a key into a variable, which keeps its value where there is no such key. Whether there is.
+  // Reads a key into a variable, which keeps its value if the key does not exist. Returns whether it exists.
   template <class T>
   bool read(std::string_view key, T& into, const About& about = {}) const {
     const bool there = fetch(key, into, about);
-    note(key, into, about);
+    record(key, into, about);
     return there;
   }
   bool read(std::string_view key, Rows& into, Columns columns, const About& about = {}) const;
 
-  // The same for a key that must be there.
+  // Returns the value of a key that must exist.
   template <class T>
   T get(std::string_view key, const About& about = {}) const {
     T value{};
@@ -70,24 +70,24 @@ class TomlTable {
   }
   Rows get_rows(std::string_view key, Columns columns, const About& about = {}) const;
 
-  // One of several words, that must be there.
+  // Returns the value of a key that must exist and be one of these words.
   std::string choice(std::string_view key, const std::vector<std::string_view>& words,
                      const char* meaning = "") const;
 
-  // Throws LocatedError where a key is there that nothing reads: it counts only `where` something is said.
-  //     table.counts("friction_per_ps", run.langevin(), "with run.thermostat = \"langevin\"");
-  void counts(std::string_view key, bool read, std::string_view where) const;
-  void anew(std::string_view but) const;  // what was read of this section before counts no more, but one key
-  bool overridden(std::string_view key) const;  // an override says it, not the file
+  // Throws LocatedError if the key exists but has no effect; `where` says in which case it has one:
+  //     table.require_effect("friction_per_ps", run.langevin(), "with run.thermostat = \"langevin\"");
+  void require_effect(std::string_view key, bool read, std::string_view where) const;
+  void forget_others(std::string_view but) const;  // forgets the keys of this section read so far, except one
+  bool overridden(std::string_view key) const;     // whether its value comes from an override
 
-  // Throws LocatedError at a key, or at one row of its array.
+  // Throws LocatedError with the location of a key, or of one row of its array.
   [[noreturn]] void fail(std::string_view key, const std::string& message) const;
   [[noreturn]] void fail(std::string_view key, std::size_t row, const std::string& message) const;
 
-  // Throws LocatedError where one of these keys is there, which are another's: nobody is pointed to them.
+  // Throws LocatedError if one of these keys exists, which belong elsewhere; they are never suggested.
   void refuse(std::initializer_list<std::string_view> keys, const char* message) const;
 
-  // Throws LocatedError for a key nobody asked for, with the nearest one that was.
+  // Throws LocatedError for a key that was never requested, with the nearest one that was.
   void reject_unknown() const;
 
  private:
@@ -100,7 +100,7 @@ class TomlTable {
   // A path is relative to the file that says it, in an override to the current folder.
   bool fetch(std::string_view key, std::filesystem::path& into, const About&) const;
   bool fetch(std::string_view key, Vec3& into, const About&) const;
-  bool fetch(std::string_view key, std::vector<double>& into, const About&) const;  // finite ones
+  bool fetch(std::string_view key, std::vector<double>& into, const About&) const;  // finite numbers only
   template <class T>
   bool fetch(std::string_view key, std::optional<T>& into, const About& about) const {
     T value{};
@@ -112,21 +112,21 @@ class TomlTable {
   bool fetch(std::string_view key, Integer& into, const About& about) const;
 
   template <class T>
-  void note(std::string_view key, const T& value, const About& about) const {
-    if (keys_) note(key, about, type_text<T>(), value_text(value));
+  void record(std::string_view key, const T& value, const About& about) const {
+    if (keys_) record(key, about, type_text<T>(), value_text(value));
   }
-  void note(std::string_view key, const About& about, const char* type, std::string value) const;
+  void record(std::string_view key, const About& about, const char* type, std::string value) const;
 
   const toml::node* find(std::string_view key) const;
   std::optional<std::int64_t> integer(std::string_view key, Range range) const;
-  std::string full(std::string_view key) const;  // "run.dt_fs"
-  std::string place(const toml::node* node) const;
-  void missing(std::string_view key) const;  // throws, but where keys are only described
+  std::string full_name(std::string_view key) const;  // "run.dt_fs"
+  std::string location_of(const toml::node* node) const;
+  void missing(std::string_view key) const;  // throws, unless keys are only described
   [[noreturn]] void wrong_type(std::string_view key, const toml::node& got, const char* expected) const;
-  double checked(std::string_view key, double value, Range range) const;
+  double check_range(std::string_view key, double value, Range range) const;
 
   const toml::table& table_;
-  std::string name_;   // "run"; empty: the root
+  std::string name_;   // "run"; empty for the root
   std::string where_;  // "water.toml:11"
   KeysRead* keys_;
   mutable std::set<std::string, std::less<>> asked_;
@@ -140,31 +140,31 @@ bool TomlTable::fetch(std::string_view key, Integer& into, const About& about) c
   return value.has_value();
 }
 
-// What stands before an override where files have their name and line.
+// The prefix of an override in messages, in place of file and line.
 inline constexpr std::string_view kOverride = "--set ";
 
 std::string one_line(std::string_view text);     // control characters become spaces
-std::string value_text(const toml::node& node);  // as TOML has it, in one line whatever its length
+std::string value_text(const toml::node& node);  // as TOML text in one line
 
 // A path is relative to the file that says it, in an override to the current folder.
 std::filesystem::path path_of(const toml::value<std::string>& name);
 
 toml::table parse_toml_file(const std::filesystem::path& file);
-toml::table parse_toml_text(std::string_view text, const std::filesystem::path& file);  // named in errors
+toml::table parse_toml_text(std::string_view text, const std::filesystem::path& file);  // file: for messages
 
-// "run.dt_fs=2": a dotted key and a value, as in TOML, but a word needs no quotes.
+// Parses "run.dt_fs=2", a dotted key and a value as in TOML, except that a word needs no quotes.
 toml::table parse_overrides(const std::vector<std::string>& overrides);
 
-// The overrides key by key, "run.dt_fs" to "2", the later over those before, values as TOML in one line; and
-// back.
+// Returns the overrides by key, "run.dt_fs" → "2", where later ones replace earlier ones and values are TOML
+// in one line; and the reverse.
 using KeyValues = std::map<std::string, std::string>;
 KeyValues key_values(const std::vector<std::string>& overrides);
 std::vector<std::string> overrides_of(const KeyValues& values);
 
-std::string toml_quoted(std::string_view text);  // a string as TOML has it, in one line
+std::string toml_quoted(std::string_view text);  // a TOML string in one line
 
-// The tables' keys together; where both have one, the upper's counts. A table over an array has keys of its
-// elements, by their numbers. Throws LocatedError where there is none.
-void lay_over(toml::table& base, toml::table&& upper);
+// Merges two tables; if both have a key, the upper one's value counts. A table over an array names its
+// elements by number. Throws LocatedError for an element that does not exist.
+void overwrite(toml::table& base, toml::table&& upper);
 
 }  // namespace taut

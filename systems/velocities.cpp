@@ -14,8 +14,8 @@ namespace {
 
 constexpr std::uint64_t kVelocityStream = 0x9e3779b97f4a7c15;
 
-// Each component normal with variance kT/m; the momentum of the whole is taken out where nothing outside
-// holds or pulls.
+// Draws each component from a normal distribution of variance kT/m, and removes the total momentum if no
+// external force acts.
 void draw_velocities(double temperature, std::uint64_t seed, Scene& scene) {
   Random random(seed ^ kVelocityStream);
   for (int a = 0; a < scene.system.atoms(); ++a)

@@ -6,13 +6,13 @@
 
 namespace taut {
 
-// Velocities of a scene whose atoms are placed: a start that moves keeps its own, unless run.velocities asks
-// for others; drawn at run.temperature_k (Maxwell–Boltzmann; their part along the bonds is taken out later)
-// where that asks for it, or where the start is at rest. Called again after other settings, it draws again
-// only what it drew. Throws InputError for velocities asked for without a temperature.
+// Sets the velocities of a scene whose atoms are placed. They are drawn at run.temperature_k
+// (Maxwell–Boltzmann; the part along the bonds is removed later) if run.velocities is "draw" or the start is
+// at rest; otherwise the start's are kept. A second call, after settings have changed, replaces only
+// velocities that were drawn. Throws InputError if velocities are to be drawn without a temperature.
 void give_velocities(Scene& scene);
 
-// "drawn at 298.15 K", "the start's", "none, at rest"
+// Returns "drawn at 298.15 K", "the start's" or "none, at rest".
 std::string describe_velocities(const Scene& scene);
 
 }  // namespace taut

@@ -10,7 +10,7 @@
 namespace taut {
 namespace {
 
-// Walks every molecule from its first atom outward, and calls step(from, to) once for each further atom.
+// Traverses every molecule from its first atom, and calls step(from, to) once for each further atom.
 template <class Step>
 std::vector<int> walk(int atoms, const std::vector<BondedPair>& pairs, Step step) {
   const Adjacency near(atoms, pairs);
@@ -64,7 +64,7 @@ std::vector<BondedPair> tied_pairs(const System& sys, const Terms& terms) {
 }
 
 std::vector<BondedPair> further_bonds(const System& sys, const Terms& terms) {
-  std::set<std::pair<int, int>> ends;  // Urey and Bradley's springs
+  std::set<std::pair<int, int>> ends;  // ends of Urey–Bradley springs
   for (const auto& angle : terms.angles) ends.insert(std::minmax(angle.i, angle.k));
   std::vector<BondedPair> pairs;
   for (const auto& spring : terms.bonds)
@@ -92,8 +92,8 @@ void make_whole(const Box& box, const std::vector<BondedPair>& pairs, Vectors& x
     x.col(to) -= box.lattice_vector(box.cell_of(x.col(to) - x.col(from), std::round));
   });
 
-  // The pairs that closed a ring were not walked. One that is still an edge long (a pair half an edge long
-  // is a matter of rounding) closes it around the box.
+  // Pairs that close a ring were not traversed. If such a pair is longer than half an edge by more than
+  // rounding, the ring closes around the box.
   for (const auto& [i, j] : pairs) {
     const Vec3 d = x.col(j) - x.col(i);
     if (((d.cwiseQuotient(box.edge)).array().abs() > 0.5 + 1e-9).any())

@@ -13,29 +13,29 @@ namespace taut {
 // Two atoms that belong to one molecule.
 using BondedPair = std::array<int, 2>;
 
-// A virtual site belongs to its parents, and they to each other.
+// Appends the pairs of each virtual site and its parents, and of the parents.
 void tie_sites(const VirtualSites& sites, std::vector<BondedPair>& pairs);
 
-// The rigid, harmonic and FENE bonds, and virtual sites: what makes atoms one molecule.
+// Returns the pairs that make atoms one molecule: rigid, harmonic and FENE bonds, and virtual sites.
 std::vector<BondedPair> bonded_pairs(const System& sys, const Terms& terms);
 
-// The same with struts and ropes: what a change of the box must not draw apart.
+// The same with struts and ropes, whose atoms a barostat must move together.
 std::vector<BondedPair> tied_pairs(const System& sys, const Terms& terms);
 
-// What is drawn as bonds beside the rigid ones: springs, but for those between the ends of an angle, and
-// FENE; a virtual site and its first parent.
+// Returns the pairs that are drawn as bonds besides the rigid ones: springs (except between the ends of an
+// angle), FENE bonds, and virtual sites with their first parents.
 std::vector<BondedPair> further_bonds(const System& sys, const Terms& terms);
 
-// The molecule of each atom, numbered in the order of their first atoms.
+// Returns the molecule of each atom; molecules are numbered in the order of their first atoms.
 std::vector<int> molecules(int atoms, const std::vector<BondedPair>& pairs);
-std::vector<int> molecules(const System& sys, const Terms& terms);  // by tied_pairs
+std::vector<int> molecules(const System& sys, const Terms& terms);  // from tied_pairs()
 
-// Moves atoms by whole steps of the lattice until every bonded pair is its own nearest image. The first atom
-// of each molecule stays, and so does a molecule that was whole. Without a box nothing moves. Linear time.
-// Throws InputError for a molecule that is bonded to its own image: it can never be whole.
+// Moves atoms by lattice vectors so that the atoms of every bonded pair are nearest images. The first atom of
+// each molecule stays, as does a molecule that is whole already. Without a box nothing moves. The time is
+// linear. Throws InputError for a molecule that is bonded to its own image, which cannot be made whole.
 void make_whole(const Box& box, const std::vector<BondedPair>& pairs, Vectors& x);
 
-// Names for a system of which no more is known than masses and bonds.
+// Returns names for a system of which only masses and bonds are known.
 Names guessed_names(const System& sys, const Terms& terms);
 
 }  // namespace taut

@@ -10,7 +10,6 @@
 #include "base/errors.hpp"
 #include "base/random.hpp"
 #include "files/dcd_file.hpp"
-#include "files/dcd_reader.hpp"
 #include "studies/liquid_structure.hpp"
 #include "systems/scene_file.hpp"
 #include "temporary_folder.hpp"

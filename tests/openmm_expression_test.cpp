@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "systems/openmm/expression.hpp"
-#include "systems/openmm/known.hpp"
 
 namespace taut {
 namespace {

@@ -10,7 +10,7 @@
 #include "base/errors.hpp"
 #include "md/observables.hpp"
 #include "openmm_models.hpp"
-#include "systems/openmm/read.hpp"
+#include "systems/openmm/input.hpp"
 
 namespace taut {
 namespace {

@@ -9,7 +9,7 @@
 #include "forcefield/force_field.hpp"
 #include "openmm_models.hpp"
 #include "studies/openmm_twin.hpp"
-#include "systems/openmm/read.hpp"
+#include "systems/openmm/input.hpp"
 
 namespace taut::testing {
 

@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "base/errors.hpp"
-#include "systems/openmm/read.hpp"
+#include "systems/openmm/input.hpp"
 #include "temporary_folder.hpp"
 
 namespace taut {

@@ -8,7 +8,7 @@
 
 #include "base/errors.hpp"
 #include "files/atomic_file.hpp"
-#include "files/folder_lock.hpp"
+#include "files/folder.hpp"
 #include "temporary_folder.hpp"
 
 namespace taut {

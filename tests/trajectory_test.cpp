@@ -9,7 +9,6 @@
 
 #include "base/errors.hpp"
 #include "base/random.hpp"
-#include "files/akma.hpp"
 #include "files/dcd_file.hpp"
 #include "files/h5md_file.hpp"
 #include "files/hdf5_driver.hpp"

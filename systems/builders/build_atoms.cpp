@@ -12,7 +12,7 @@ Vectors columns(const Rows& rows) {
 
 }  // namespace
 
-// kind = "atoms": everything one by one.
+// kind = "atoms": every atom and bond is listed.
 void build_atoms(const BuildRequest& request, Scene& scene) {
   const TomlTable& keys = request.keys;
   const Rows atoms =
@@ -35,7 +35,7 @@ void build_atoms(const BuildRequest& request, Scene& scene) {
   for (const OneSidedBond& bond : scene.system.one_sided) {
     const bool rope = bond.side == Side::kAtMost;
     const int row = seen[rope]++;
-    if (const std::string wrong = beyond(bond, scene.start.x); !wrong.empty())
+    if (const std::string wrong = describe_violation(bond, scene.start.x); !wrong.empty())
       keys.fail(rope ? "at_most" : "at_least", static_cast<std::size_t>(row), wrong);
   }
   read_springs(rows, scene.terms);

@@ -10,7 +10,7 @@ namespace taut {
 namespace {
 
 constexpr int kMostWeighedBonds = 50;
-constexpr double kPucker = 0.3;  // how far a ring's bonds stand out of its plane, in bond lengths
+constexpr double kPucker = 0.3;  // displacement of a ring's bonds out of its plane, in bond lengths
 
 struct Polymer {
   int copies, beads;
@@ -18,10 +18,11 @@ struct Polymer {
   double mass;  // [u]
 };
 
-// Rigid bonds holding constraints do to a chain what a potential would not: its bond directions u follow
+// The bond directions u of a chain with rigid bonds are not independent; they are distributed as
 //     P(u) ∝ √det A,   A_kk = 2/m,  A_k,k+1 = −u_k·u_{k+1}/m
-// (Fixman 1974, doi:10.1073/pnas.71.8.3050), so a trimer's angle P(cosθ) ∝ √(1 − cos²θ/4).
-// det A by the recurrence of a tridiagonal matrix, D_k = 2D_{k−1} − c_k²D_{k−2}, over its bound 2ᴺ:
+// (Fixman 1974, doi:10.1073/pnas.71.8.3050); a trimer's angle has P(cosθ) ∝ √(1 − cos²θ/4). The determinant
+// of the tridiagonal A follows from the recurrence D_k = 2D_{k−1} − c_k²D_{k−2}. Returns it over its upper
+// bound 2ᴺ:
 double relative_determinant(const Vectors& u) {
   double before = 1, now = 1;  // D_{k−1}/2ᵏ⁻¹, D_k/2ᵏ
   for (Eigen::Index k = 1; k < u.cols(); ++k) {
@@ -31,7 +32,8 @@ double relative_determinant(const Vectors& u) {
   return now;
 }
 
-// Directions of a chain's bonds: uniform, or by that law where drawing again until one is kept is cheap.
+// Returns the directions of a chain's bonds: from that distribution by rejection if that is cheap, else
+// uniform.
 Vectors chain_directions(int bonds, Random& random) {
   Vectors u(3, bonds);
   for (;;) {
@@ -42,8 +44,8 @@ Vectors chain_directions(int bonds, Random& random) {
   }
 }
 
-// Directions that add up to zero: a crown, (s cos φ, s sin φ, ±z) in turns at even azimuths φ, for an odd
-// number with a flat triple at 120° among them, in the order of their azimuths.
+// Returns directions that add up to zero: a crown, (s cos φ, s sin φ, ±z) with alternating signs at equally
+// spaced φ; for an odd number with three planar ones at 120° among them, in the order of φ.
 Vectors ring_directions(int bonds) {
   constexpr double kTurn = 2 * std::numbers::pi;
   const int crown = bonds % 2 == 0 ? bonds : bonds - 3;
@@ -75,7 +77,7 @@ Polymer read_polymer(const TomlTable& keys, const char* copies_key, int least_be
   return polymer;
 }
 
-// Copies apart on a grid (they feel nothing of each other): bead b+1 of a copy lies one direction from b.
+// Places copies apart on a grid (they do not interact); bead b + 1 of a copy lies one bond from bead b.
 void place(const Polymer& polymer, bool closed, auto&& directions, Scene& scene) {
   const auto& [copies, beads, bond, mass] = polymer;
   const double spacing = 3 * bond * std::sqrt(beads);
@@ -99,7 +101,7 @@ void place(const Polymer& polymer, bool closed, auto&& directions, Scene& scene)
 }  // namespace
 
 // kind = "chains": freely jointed chains without forces, independent of each other.
-// Up to 50 bonds a chain, the start is drawn from the chain's own equilibrium.
+// For up to 50 bonds per chain the start is drawn from equilibrium.
 void build_chains(const BuildRequest& request, Scene& scene) {
   const Polymer polymer = read_polymer(request.keys, "chains", 2);
   if (request.keys.describing()) return;

@@ -8,7 +8,7 @@
 namespace taut {
 namespace {
 
-constexpr double kContact = 1.122462048309373;  // 2^(1/6): where two beads touch, in σ
+constexpr double kContact = 1.122462048309373;  // 2^(1/6): distance of two touching beads, in σ
 
 struct Beads {
   int chains, beads;
@@ -18,7 +18,7 @@ struct Beads {
   double sigma;    // [nm]
   double epsilon;  // [kJ/mol]
   bool rigid;      // or FENE
-  bool repulsive;  // or with Lennard-Jones' attraction
+  bool repulsive;  // or with the attraction of Lennard-Jones
 
   int atoms() const { return chains * beads; }
 };
@@ -43,11 +43,11 @@ Beads read_beads(const BuildRequest& request) {
   return melt;
 }
 
-// One path through the box, cut into chains: up a column of beads a bond apart, down the next. Where the
-// path changes columns, s apart, the last bead of the one and the first of the other lean over to each other
-// by δ = (s − b)/2, at √(b² − δ²) above the bead before: the bond between them has its length too. The layers
-// facing each other across the box are a contact apart, and at melt densities s is wider than a contact:
-// nothing overlaps.
+// One path fills the box and is cut into chains. It goes up a column of beads at distance b and down the next
+// column. The columns are at distance s; the last bead of one and the first of the next are displaced toward
+// each other by δ = (s − b)/2, at a height √(b² − δ²) above the bead before, so that the bond between them
+// has the right length, too. Layers that face each other across the box are at contact distance, and at melt
+// densities s exceeds it: no beads overlap.
 struct Path {
   double bond;
   Grid grid;
@@ -67,8 +67,8 @@ struct Path {
   }
 };
 
-// The box and the path in it. One of its edges is given by the beads of a column, the others by the density.
-Path lay_path(const TomlTable& keys, const Beads& melt, Box& box) {
+// Sets the box and returns the path in it. The beads of a column give one edge, the density gives the others.
+Path build_path(const TomlTable& keys, const Beads& melt, Box& box) {
   const auto columns = HexagonalColumns::of_area(1 / (melt.density * melt.bond));
   Path path{melt.bond, fit_grid(melt.atoms(), columns.cell(melt.bond), 2), columns};
   path.grid.nz = std::max(path.grid.nz, 3);
@@ -84,7 +84,7 @@ Path lay_path(const TomlTable& keys, const Beads& melt, Box& box) {
   return path;
 }
 
-// Kremer and Grest 1990 (doi:10.1063/1.458541): FENE with k = 30 ε/σ², r₀ = 1.5 σ, beside the pair force.
+// Kremer and Grest 1990 (doi:10.1063/1.458541): FENE with k = 30 ε/σ², r₀ = 1.5 σ, besides the pair force.
 void tie(const Beads& melt, std::vector<RigidBond>& rigid, std::vector<Fene>& fene) {
   for (int a = 0; a + 1 < melt.atoms(); ++a) {
     if ((a + 1) % melt.beads == 0) continue;
@@ -112,12 +112,12 @@ void add_pair_force(const BuildRequest& request, const Beads& melt, Scene& scene
 
 }  // namespace
 
-// kind = "melt": chains of beads that fill a box, every pair of beads but those tied rigidly in contact; for
-// Lennard-Jones with the keys of read_cutoff.
+// kind = "melt": chains of beads that fill a box. All pairs interact except those of a rigid bond; with
+// Lennard-Jones the keys of read_cutoff apply.
 void build_melt(const BuildRequest& request, Scene& scene) {
   const Beads melt = read_beads(request);
   if (request.keys.describing()) return read_cutoff(request.forcefield, {}, scene.terms.nonbonded.emplace());
-  const Path path = lay_path(request.keys, melt, scene.start.box);
+  const Path path = build_path(request.keys, melt, scene.start.box);
   scene.start.x.resize(3, melt.atoms());
   for (int a = 0; a < melt.atoms(); ++a) scene.start.x.col(a) = path.bead(a);
   std::vector<RigidBond> bonds;

@@ -7,7 +7,7 @@
 #include "md/units.hpp"
 #include "systems/builders/builders.hpp"
 #include "systems/builders/lattice.hpp"
-#include "systems/builders/places.hpp"
+#include "systems/builders/placements.hpp"
 #include "systems/builders/solvent.hpp"
 #include "systems/molecules/placing.hpp"
 #include "systems/scene_file.hpp"
@@ -16,137 +16,138 @@
 namespace taut {
 namespace {
 
-constexpr double kUsualKelvin = 300;     // torsions are drawn at, if nothing is said
-constexpr double kStrongForce = 20'000;  // on one atom: some ten times what liquids have [kJ/mol/nm]
+constexpr double kUsualKelvin = 300;     // default temperature at which torsions are drawn
+constexpr double kStrongForce = 20'000;  // on one atom, some ten times that in liquids [kJ/mol/nm]
 
-// Places all copies: those that have no choice first, water last.
+// Places all copies: first those with given positions, last water.
 class Builder {
  public:
-  Builder(const BuildRequest& request, std::vector<Place>& places, const Box& box)
-      : root_(request.root), places_(places), box_(box), random_(request.run.seed) {
+  Builder(const BuildRequest& request, std::vector<Placement>& placements, const Box& box)
+      : root_(request.root), placements_(placements), box_(box), random_(request.run.seed) {
     const double kelvin = request.run.temperature_k > 0 ? request.run.temperature_k : kUsualKelvin;
     double widest = 0, room = 0;
-    for (const Place& place : places) {
-      if (!conformations_.contains(place.molecule)) try {
-          conformations_.try_emplace(place.molecule, *place.molecule, kBoltzmann * kelvin);
+    for (const Placement& placement : placements) {
+      if (!conformations_.contains(placement.molecule)) try {
+          conformations_.try_emplace(placement.molecule, *placement.molecule, kBoltzmann * kelvin);
         } catch (const InputError& e) {
-          root_.section("molecule").fail(place.molecule->name, e.what());
+          root_.section("molecule").fail(placement.molecule->name, e.what());
         }
-      const Conformations& conformations = conformations_.at(place.molecule);
+      const Conformations& conformations = conformations_.at(placement.molecule);
       widest = std::max(widest, conformations.widest());
-      room += static_cast<double>(place.count) * std::pow(conformations.extent(), 3);
+      room += static_cast<double>(placement.count) * std::pow(conformations.extent(), 3);
     }
     within_ = box.periodic() ? box : Box{Vec3::Constant(std::max(std::cbrt(room), 1e-6))};
     Placing placing(box, widest, random_);
-    for (const auto& step :
-         {&Builder::give, &Builder::line_up, &Builder::centre, &Builder::draw, &Builder::fill})
-      for (std::size_t k = 0; k < places.size(); ++k)
-        if (places[k].x.cols() == 0) (this->*step)(k, placing);
+    for (const auto& step : {&Builder::place_given, &Builder::place_on_lattice, &Builder::place_at_centres,
+                             &Builder::place_at_random, &Builder::fill_with_water})
+      for (std::size_t k = 0; k < placements.size(); ++k)
+        if (placements[k].x.cols() == 0) (this->*step)(k, placing);
   }
 
   bool drawn() const { return drawn_; }
-  bool cut_to_fit() const { return cut_to_fit_; }  // water, among other molecules
+  bool cut_to_fit() const { return cut_to_fit_; }  // whether water was cut to fit among other molecules
 
  private:
-  void give(std::size_t k, Placing& placing) {
-    Place& place = places_[k];
-    if (place.given.x.cols() == 0) return;
-    place.x = place.given.x;
-    placing.take(of(place), place.x);
+  void place_given(std::size_t k, Placing& placing) {
+    Placement& placement = placements_[k];
+    if (placement.given.x.cols() == 0) return;
+    placement.x = placement.given.x;
+    placing.add_copies(of(placement), placement.x);
   }
 
-  void centre(std::size_t k, Placing& placing) {
-    Place& place = places_[k];
-    if (place.centres.cols() == 0) return;
-    put(k, placing, [&](long m) { return Vec3(place.centres.col(m)); });
+  void place_at_centres(std::size_t k, Placing& placing) {
+    Placement& placement = placements_[k];
+    if (placement.centres.cols() == 0) return;
+    place_copies(k, placing, [&](long m) { return Vec3(placement.centres.col(m)); });
   }
 
-  void line_up(std::size_t k, Placing& placing) {
-    if (!places_[k].lattice) return;
-    const Brick brick = brick_of(places_[k]);
-    const BrickGrid grid(brick.edge, places_[k].count);
-    put(k, placing, [&](long m) { return Vec3(brick.corner + grid.site(m)); });
+  void place_on_lattice(std::size_t k, Placing& placing) {
+    if (!placements_[k].lattice) return;
+    const BoxRegion region = region_of(placements_[k]);
+    const RegionGrid grid(region.edge, placements_[k].count);
+    place_copies(k, placing, [&](long m) { return Vec3(region.corner + grid.site(m)); });
   }
 
-  void draw(std::size_t k, Placing& placing) {
-    if (places_[k].fills || (places_[k].equilibrated && box_.periodic())) return;
-    const Brick brick = brick_of(places_[k]);
-    put(k, placing, [&](long) {
+  void place_at_random(std::size_t k, Placing& placing) {
+    if (placements_[k].fills || (placements_[k].equilibrated && box_.periodic())) return;
+    const BoxRegion region = region_of(placements_[k]);
+    place_copies(k, placing, [&](long) {
       const Vec3 share(random_.uniform(), random_.uniform(), random_.uniform());
-      return places_[k].within ? Vec3(brick.corner + share.cwiseProduct(brick.edge))
-                               : within_.lattice_vector(share);
+      return placements_[k].within ? Vec3(region.corner + share.cwiseProduct(region.edge))
+                                   : within_.lattice_vector(share);
     });
   }
 
   template <class Where>
-  void put(std::size_t k, Placing& placing, Where where) {
-    Place& place = places_[k];
+  void place_copies(std::size_t k, Placing& placing, Where where) {
+    Placement& placement = placements_[k];
     drawn_ = true;
-    const int each = place.molecule->atoms();
-    place.x.resize(3, each * place.count);
-    for (long m = 0; m < place.count; ++m) {
-      const auto copy = placing.put(of(place), [&] { return where(m); });
+    const int each = placement.molecule->atoms();
+    placement.x.resize(3, each * placement.count);
+    for (long m = 0; m < placement.count; ++m) {
+      const auto copy = placing.place_copy(of(placement), [&] { return where(m); });
       if (!copy)
         root_.fail("place", k,
                    fmt::format("there is no room for copy {} of {} of \"{}\": take fewer, or a wider box",
-                               m + 1, place.count, place.molecule->name));
-      place.x.middleCols(m * each, each) = *copy;
+                               m + 1, placement.count, placement.molecule->name));
+      placement.x.middleCols(m * each, each) = *copy;
     }
   }
 
-  // Cut more and more densely, where as many as are asked for do not fit.
-  void fill(std::size_t k, Placing& placing) {
-    Place& place = places_[k];
+  // Fills the box with water; if the requested number does not fit, from denser and denser water.
+  void fill_with_water(std::size_t k, Placing& placing) {
+    Placement& placement = placements_[k];
     if (!box_.periodic())
       root_.fail("place", k, "water without a count fills a box: say build.box_nm, or a count");
     const State bulk = read_start(scenes_folder() / "water216.start.toml");
     const double usual = static_cast<double>(bulk.x.cols()) / 3 / bulk.box.volume() * box_.volume();
-    if (usual * place.molecule->atoms() > kMostAtoms)
+    if (usual * placement.molecule->atoms() > kMostAtoms)
       root_.fail("place", k, fmt::format("the box holds {:.3g} waters, more than taut takes", usual));
     State water;
     std::vector<Eigen::Index> there;
     for (double crowd = 1; crowd < 1.3; crowd += 0.05) {
       water = cut(bulk, box_, std::lround(crowd * usual));
-      there = placing.fitting(of(place), water.x, 3);
-      if (std::ssize(there) >= place.count) break;
+      there = placing.list_fitting(of(placement), water.x, 3);
+      if (std::ssize(there) >= placement.count) break;
     }
     cut_to_fit_ = cut_to_fit_ || std::ssize(there) < water.x.cols() / 3;
-    if (place.fills) place.count = std::max<long>(std::ssize(there), 1);
-    if (std::ssize(there) < place.count)
+    if (placement.fills) placement.count = std::max<long>(std::ssize(there), 1);
+    if (std::ssize(there) < placement.count)
       root_.fail("place", k,
                  fmt::format("there is room for {} waters, not for {}: take a wider box", there.size(),
-                             place.count));
-    drawn_ = drawn_ || std::ssize(there) > place.count;
-    while (std::ssize(there) > place.count)
+                             placement.count));
+    drawn_ = drawn_ || std::ssize(there) > placement.count;
+    while (std::ssize(there) > placement.count)
       there.erase(there.begin() + static_cast<long>(random_.uniform() * static_cast<double>(there.size())));
-    Vectors atoms(3, 3 * place.count);
-    for (long m = 0; m < place.count; ++m) atoms.middleCols<3>(3 * m) = water.x.middleCols<3>(3 * there[m]);
-    placing.take(of(place), atoms, 3);
-    place.x = water_model(place.molecule->name)->placed(atoms);
+    Vectors atoms(3, 3 * placement.count);
+    for (long m = 0; m < placement.count; ++m)
+      atoms.middleCols<3>(3 * m) = water.x.middleCols<3>(3 * there[m]);
+    placing.add_copies(of(placement), atoms, 3);
+    placement.x = water_model(placement.molecule->name)->placed(atoms);
   }
 
-  Brick brick_of(const Place& place) const {
-    return place.within.value_or(Brick{Vec3::Zero(), within_.edge});
+  BoxRegion region_of(const Placement& placement) const {
+    return placement.within.value_or(BoxRegion{Vec3::Zero(), within_.edge});
   }
-  const Conformations& of(const Place& place) const { return conformations_.at(place.molecule); }
+  const Conformations& of(const Placement& placement) const { return conformations_.at(placement.molecule); }
 
   const TomlTable& root_;
-  std::vector<Place>& places_;
+  std::vector<Placement>& placements_;
   const Box box_;
-  Box within_;  // where copies are put; it is no box of the scene's where there is none
+  Box within_;  // the region for copies, also for a scene without a box
   Random random_;
   std::map<const Molecule*, Conformations> conformations_;
   bool drawn_ = false, cut_to_fit_ = false;
 };
 
-// Atoms and residues as files call them.
-void take_names(const std::vector<Place>& places, Names& names) {
+// Sets the names of atoms and residues for files.
+void set_names(const std::vector<Placement>& placements, Names& names) {
   std::map<AtomKind, int> known;
   for (const AtomKind& kind : names.kinds) known.try_emplace(kind, static_cast<int>(known.size()));
   int a = 0, residue = -1;
-  for (const Place& place : places) {
-    const Names& given = place.given.names;
-    for (int k = 0, last = -1; k < place.x.cols(); ++k, ++a) {
+  for (const Placement& placement : placements) {
+    const Names& given = placement.given.names;
+    for (int k = 0, last = -1; k < placement.x.cols(); ++k, ++a) {
       const int its = given.empty() ? names.residue[a] : given.residue[k];
       if (k == 0 || its != last) ++residue;
       last = its;
@@ -161,7 +162,8 @@ void take_names(const std::vector<Place>& places, Names& names) {
   }
 }
 
-// Repulsive beads are of one kind, and their pair force acts or does not.
+// Makes the pair force purely repulsive (WCA). All atoms must have the same σ and ε, and 1–4 pairs must have
+// all of the force or none.
 void make_repulsive(const TomlTable& keys, Terms& terms) {
   Nonbonded& pairs = *terms.nonbonded;
   const double sigma = pairs.sigma[0], epsilon = pairs.epsilon[0];
@@ -198,7 +200,7 @@ void describe(const BuildRequest& request, Scene& scene) {
   const TomlTable atom = request.root.section("atom"), molecule = request.root.section("molecule");
   read_atom(atom.section("NAME"), "NAME");
   read_molecule(molecule.section("NAME"), "NAME", {});
-  read_place(request.root.section("place"), read_library(request.root));
+  read_placement(request.root.section("place"), read_library(request.root));
   box_of(request.keys, {});
   scene.terms.nonbonded.emplace();
   read_forces(request, scene);
@@ -232,34 +234,34 @@ void build_molecules(const BuildRequest& request, Scene& scene) {
   if (request.keys.describing()) return describe(request, scene);
   request.keys.refuse({"molecules", "chains"}, "copies are counted where they are placed: place.0.count");
   const Library library = read_library(request.root);
-  std::vector<Place> places = read_places(request.root, library);
-  scene.start.box = box_of(request.keys, places);
-  const Builder built(request, places, scene.start.box);
+  std::vector<Placement> placements = read_placements(request.root, library);
+  scene.start.box = box_of(request.keys, placements);
+  const Builder built(request, placements, scene.start.box);
 
   std::vector<Copies> copies;
   Eigen::Index atoms = 0;
-  for (const Place& place : places) {
-    copies.push_back({place.molecule, static_cast<int>(place.count)});
-    atoms += place.x.cols();
+  for (const Placement& placement : placements) {
+    copies.push_back({placement.molecule, static_cast<int>(placement.count)});
+    atoms += placement.x.cols();
   }
-  put_together(copies, scene);
-  take_names(places, scene.names);
+  assemble(copies, scene);
+  set_names(placements, scene.names);
   scene.start.x.resize(3, atoms);
   scene.start.v = Vectors::Zero(3, atoms);
   Eigen::Index first = 0;
   bool moving = true;
-  for (const Place& place : places) {
-    scene.start.x.middleCols(first, place.x.cols()) = place.x;
-    moving = moving && place.given.v.cols() > 0;
-    if (moving) scene.start.v.middleCols(first, place.x.cols()) = place.given.v;
-    first += place.x.cols();
+  for (const Placement& placement : placements) {
+    scene.start.x.middleCols(first, placement.x.cols()) = placement.x;
+    moving = moving && placement.given.v.cols() > 0;
+    if (moving) scene.start.v.middleCols(first, placement.x.cols()) = placement.given.v;
+    first += placement.x.cols();
   }
-  if (!moving) scene.start.v.setZero();  // some have velocities, or none
+  if (!moving) scene.start.v.setZero();  // otherwise some have velocities
   place_sites(scene.system.sites, scene.start.x);
   read_forces(request, scene);
   scene.positions_drawn = built.drawn();
-  for (const Place& place : places)
-    if (!place.given.note.empty()) scene.notes.push_back("start: " + place.given.note);
+  for (const Placement& placement : placements)
+    if (!placement.given.note.empty()) scene.notes.push_back("start: " + placement.given.note);
   note_start(request, built, scene);
 }
 

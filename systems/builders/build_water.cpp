@@ -6,7 +6,6 @@
 #include <numeric>
 
 #include "base/random.hpp"
-#include "systems/box_keys.hpp"
 #include "systems/builders/builders.hpp"
 #include "systems/builders/lattice.hpp"
 #include "systems/builders/solvent.hpp"
@@ -22,7 +21,7 @@ const WaterModel& chosen_model(const TomlTable& keys) {
   return *water_model(keys.choice("model", names, "the water"));
 }
 
-// Room for the model's sites behind the atoms of each molecule.
+// Inserts the model's sites after the atoms of each molecule.
 Vectors with_sites(const WaterModel& model, const Vectors& atoms) {
   const Eigen::Index molecules = atoms.cols() / 3;
   Vectors all = Vectors::Zero(3, model.atoms() * molecules);
@@ -31,13 +30,13 @@ Vectors with_sites(const WaterModel& model, const Vectors& atoms) {
   return all;
 }
 
-// On a grid, turned at random, at rest.
+// Places waters on a grid, in random orientations, at rest.
 State lattice_of_water(const WaterModel& model, long molecules, const Box& box, Random& random) {
   State start;
   start.box = box;
   start.x.resize(3, 3 * molecules);
   start.v = Vectors::Zero(3, 3 * molecules);
-  const BrickGrid grid(box.edge, molecules);
+  const RegionGrid grid(box.edge, molecules);
   for (long m = 0; m < molecules; ++m) {
     const Vec3 o = grid.site(m);
     start.x.col(3 * m) = o;
@@ -48,7 +47,7 @@ State lattice_of_water(const WaterModel& model, long molecules, const Box& box, 
   return start;
 }
 
-// The molecules nearest the middle, without the box.
+// Returns the molecules nearest to the middle, without the box.
 State droplet(const State& bulk, long molecules) {
   std::vector<Eigen::Index> order(bulk.x.cols() / 3);
   std::iota(order.begin(), order.end(), 0);
@@ -65,12 +64,12 @@ State droplet(const State& bulk, long molecules) {
   return drop;
 }
 
-// How much water a droplet is cut from: a cube around its sphere, and a molecule's width to spare.
+// Returns the edge of the cube from which a droplet is cut: its diameter and the width of a molecule.
 double droplet_edge(long molecules, double density) {
   return 2 * std::cbrt(0.75 * static_cast<double>(molecules) / density / std::numbers::pi) + 0.3;
 }
 
-// Water from the scene's start, or on a lattice.
+// Builds water from the scene's start, or on a lattice.
 class WaterSource {
  public:
   WaterSource(const BuildRequest& request, const WaterModel& model)
@@ -83,7 +82,7 @@ class WaterSource {
       start_ = read_start(file);
     keys_.read("density_g_cm3", density,
                {"of a lattice of molecules; required without a start", "g/cm³", kPositive});
-    unit_ = read_shape(keys_);
+    unit_ = read_box_shape(keys_);
     if (keys_.describing()) return;
     if (!start_) {
       density_ = (density ? *density : keys_.get<double>("density_g_cm3")) * kGramPerCm3 / model.mass();
@@ -128,9 +127,9 @@ class WaterSource {
   }
 
   bool drawn() const { return drawn_; }
-  bool is_cut() const { return is_cut_; }  // molecules have neighbours they are not used to
+  bool is_cut() const { return is_cut_; }  // whether some molecules have new neighbours
 
-  // Equilibrated, with room for a cutoff.
+  // Equilibrated water in a box large enough for the cutoff.
   State bulk(double cutoff) const {
     return tiled(*start_,
                  static_cast<int>(std::ceil(std::max(1.0, 2 * cutoff / start_->box.edge.minCoeff()))));
@@ -148,21 +147,21 @@ class WaterSource {
   const WaterModel& model_;
   Random random_;
   std::optional<State> start_;
-  Box unit_;        // the shape asked for
+  Box unit_;        // the requested shape
   double density_;  // [molecules/nm³]
   bool drawn_ = false, is_cut_ = false;
 };
 
-// Molecules of the model, where these waters are.
+// Returns molecules of the model at the positions of these waters.
 void fill(const WaterModel& model, const State& waters, Scene& scene) {
   const Molecule molecule = model.molecule();
-  put_together({{&molecule, static_cast<int>(waters.x.cols() / 3)}}, scene);
+  assemble({{&molecule, static_cast<int>(waters.x.cols() / 3)}}, scene);
   scene.start.box = waters.box;
   scene.start.v = with_sites(model, waters.v);
   scene.start.x = model.placed(waters.x);
 }
 
-// Down to the energy that a molecule has in the equilibrated start.
+// Minimises down to the energy per molecule of the equilibrated start.
 void settle(const BuildRequest& request, const WaterModel& model, const WaterSource& source, Scene& scene) {
   Scene bulk;
   fill(model, source.bulk(scene.terms.nonbonded->cutoff.value_or(0)), bulk);
@@ -182,8 +181,8 @@ void settle(const BuildRequest& request, const WaterModel& model, const WaterSou
 
 }  // namespace
 
-// kind = "water": rigid water, of three to five sites, with the keys of read_cutoff. Of a start of another
-// model O stays; H and sites move to the model's places.
+// kind = "water": rigid water of three to five sites, with the keys of read_cutoff. If the start is of
+// another model, O stays, and H and the sites move to the places of this model.
 void build_water(const BuildRequest& request, Scene& scene) {
   const TomlTable& keys = request.keys;
   const WaterModel& model = chosen_model(keys);
@@ -191,7 +190,7 @@ void build_water(const BuildRequest& request, Scene& scene) {
   atoms_of(keys, "molecules", static_cast<double>(molecules), model.atoms());
   const bool box = keys.choice("shape", {"box", "droplet"}, "a droplet has no box") == "box";
   WaterSource source(request, model);
-  keys.counts("box", box, "with build.shape = \"box\"");
+  keys.require_effect("box", box, "with build.shape = \"box\"");
   if (keys.describing()) return read_cutoff(request.forcefield, {}, scene.terms.nonbonded.emplace());
   fill(model, box ? source.box_of(molecules, scene.notes) : source.droplet_of(molecules, scene.notes), scene);
   read_cutoff(request.forcefield, scene.start.box, *scene.terms.nonbonded);

@@ -21,13 +21,13 @@ constexpr Range kDielectric{.min = 1};
 struct Kind {
   std::string_view name;
   void (*build)(const BuildRequest&, Scene&);
-  bool own_start = false;  // reads build.start itself
+  bool own_start = false;  // whether the builder reads build.start itself
 };
 constexpr std::array kKinds = {Kind{"atoms", build_atoms},       Kind{"chains", build_chains},
                                Kind{"rings", build_rings},       Kind{"melt", build_melt},
                                Kind{"water", build_water, true}, Kind{"molecules", build_molecules}};
 
-// Molecules that are placed need no kind; with another they would do nothing.
+// [[place]] implies kind = "molecules"; with another kind it would have no effect.
 const Kind& chosen_kind(const TomlTable& root, const TomlTable& keys) {
   std::string name = root.has("place") ? "molecules" : "";
   if (std::string said; keys.has("kind") && keys.read("kind", said) && said == "alkane")
@@ -38,11 +38,11 @@ const Kind& chosen_kind(const TomlTable& root, const TomlTable& keys) {
   if (name.empty() || keys.has("kind"))
     name = keys.choice("kind", kinds(), "what is built; not said beside [[place]]: molecules");
   for (const char* key : {"place", "molecule", "atom"})
-    root.counts(key, name == "molecules", "with build.kind = \"molecules\"");
+    root.require_effect(key, name == "molecules", "with build.kind = \"molecules\"");
   return *std::ranges::find(kKinds, name, &Kind::name);
 }
 
-// What keeps a start from being one of this scene; null: nothing.
+// Returns why a start does not fit this scene, or null if it does.
 const char* misfit(const State& start, const Scene& scene) {
   const Vectors& x = start.x;
   if (x.cols() != scene.system.atoms()) return "another number of atoms";
@@ -53,9 +53,9 @@ const char* misfit(const State& start, const Scene& scene) {
   return nullptr;
 }
 
-// The last state of a run of the same scene in place of the built one; where asked for, in the box it came
-// to. A density leaves open what shape the box has.
-void lay_start(const BuildRequest& request, bool any_box, Scene& scene) {
+// Replaces the built start by the last state of a run of the same scene, with its box if requested. A density
+// does not determine the shape of the box.
+void replace_start(const BuildRequest& request, bool any_box, Scene& scene) {
   std::filesystem::path file;
   if (!request.keys.read("start", file, "positions and velocities, of a run of the same scene")) return;
   State start = read_start(file);
@@ -76,9 +76,9 @@ void lay_start(const BuildRequest& request, bool any_box, Scene& scene) {
   scene.positions_drawn = false;
 }
 
-// Keys of pair forces where nothing that they could change acts. An override that makes pairs WCA sets the
-// file's keys aside, with a note.
-void settle_idle_pair_keys(const TomlTable& forcefield, Scene& scene) {
+// Refuses keys of pair forces that have no effect. If an override makes the pairs WCA, the file's keys are
+// ignored, with a note.
+void refuse_idle_pair_keys(const TomlTable& forcefield, Scene& scene) {
   if (scene.terms.nonbonded) return;
   const bool wca = scene.terms.wca.has_value();
   for (const char* key : {"cutoff_nm", "switch_nm", "dispersion_correction", "coulomb", "rf_dielectric",
@@ -88,7 +88,7 @@ void settle_idle_pair_keys(const TomlTable& forcefield, Scene& scene) {
       scene.notes.push_back(
           fmt::format("forcefield.{} is set aside: pairs of wca end at 2^(1/6) sigma", key));
     else
-      forcefield.counts(
+      forcefield.require_effect(
           key, false,
           wca ? "with forcefield.pair = \"lennard-jones\" or charges: pairs of wca end at 2^(1/6) sigma"
               : "with pair forces: no atom has a charge or an epsilon_kj_mol here");
@@ -114,9 +114,9 @@ void build(const BuildRequest& request, Scene& scene, std::string_view described
   const Kind& kind = described.empty() ? chosen : *std::ranges::find(kKinds, described, &Kind::name);
   kind.build(request, scene);
   if (scene.terms.nonbonded || scene.terms.wca) read_precision(request.forcefield, scene.terms);
-  if (!kind.own_start) lay_start(request, &kind == &kKinds.back(), scene);
+  if (!kind.own_start) replace_start(request, &kind == &kKinds.back(), scene);
   if (request.keys.describing()) return;
-  settle_idle_pair_keys(request.forcefield, scene);
+  refuse_idle_pair_keys(request.forcefield, scene);
   if (scene.names.empty()) scene.names = guessed_names(scene.system, scene.terms);
   scene.start.f = Vectors::Zero(3, scene.system.atoms());
   if (scene.start.v.cols() == 0) scene.start.v = scene.start.f;
@@ -137,8 +137,8 @@ Names bead_names(int polymers, int beads) {
 
 namespace {
 
-// How charges act. A shifted cutoff is a reaction field of 1. What no key says stays as `given` has it; a
-// tolerance that is said chooses α and grid anew.
+// Reads how charges act. A shifted cutoff is a reaction field with ε = 1. Without a key the value of `given`
+// stays; a new tolerance determines α and the grid anew.
 struct Coulomb {
   std::string kind;
   double rf_dielectric;
@@ -170,17 +170,18 @@ struct Coulomb {
 void read_coulomb(const TomlTable& forcefield, const Box& box, Nonbonded& nonbonded) {
   const Coulomb coulomb(forcefield, nonbonded);
   const bool charged = (nonbonded.charge.array() != 0).any();
-  forcefield.counts("rf_dielectric", nonbonded.cutoff && charged,
-                    "between charges, with forcefield.cutoff_nm");
-  forcefield.counts("coulomb", charged, "between charges");
+  forcefield.require_effect("rf_dielectric", nonbonded.cutoff && charged,
+                            "between charges, with forcefield.cutoff_nm");
+  forcefield.require_effect("coulomb", charged, "between charges");
   const bool field = coulomb.kind == "reaction-field", pme = coulomb.kind == "pme";
   if (forcefield.overridden("rf_dielectric") ||
-      !forcefield.overridden("coulomb"))  // else the file's goes with it
-    forcefield.counts("rf_dielectric", field, "with forcefield.coulomb = \"reaction-field\"");
+      !forcefield.overridden("coulomb"))  // else it replaces the file's
+    forcefield.require_effect("rf_dielectric", field, "with forcefield.coulomb = \"reaction-field\"");
   for (const char* key : {"ewald_tolerance", "ewald_alpha_per_nm", "pme_order", "pme_grid"})
-    forcefield.counts(key, pme, "with forcefield.coulomb = \"pme\"");
-  forcefield.counts("ewald_tolerance", !(forcefield.has("ewald_alpha_per_nm") && forcefield.has("pme_grid")),
-                    "where ewald_alpha_per_nm or pme_grid is left to it");
+    forcefield.require_effect(key, pme, "with forcefield.coulomb = \"pme\"");
+  forcefield.require_effect("ewald_tolerance",
+                            !(forcefield.has("ewald_alpha_per_nm") && forcefield.has("pme_grid")),
+                            "where ewald_alpha_per_nm or pme_grid is left to it");
   if (field) nonbonded.rf_dielectric = coulomb.rf_dielectric;
   if (coulomb.kind == "cutoff") nonbonded.rf_dielectric = 1;
   if (!field && !nonbonded.cutoff)
@@ -222,7 +223,7 @@ void read_cutoff(const TomlTable& forcefield, const Box& box, Nonbonded& nonbond
   if (nonbonded.dispersion_correction && !(nonbonded.cutoff && box.periodic()))
     forcefield.fail("dispersion_correction", "needs a box and a cutoff");
   if (!box.periodic()) return;
-  if (!nonbonded.cutoff) forcefield.get<double>("cutoff_nm");  // says it is missing
+  if (!nonbonded.cutoff) forcefield.get<double>("cutoff_nm");  // reports that it is missing
   const double half = box.edge.minCoeff() / 2;
   if (*nonbonded.cutoff > half)
     forcefield.fail("cutoff_nm", fmt::format("{} is over half the box, {:.4g}", *nonbonded.cutoff, half));

@@ -12,10 +12,10 @@
 namespace taut {
 namespace {
 
-constexpr double kMostStretched = 8;  // a layer of cells beside all of them, before no box is near to a cube
-const double kRowHeight = std::sqrt(0.75);  // of a hexagonal lattice, in spacings
+constexpr double kMostStretched = 8;        // limit on one layer of cells relative to all
+const double kRowHeight = std::sqrt(0.75);  // of a hexagonal lattice, in units of the spacing
 
-// The counts worth trying along an edge that should have `ideal` cells.
+// Returns the numbers of cells to try along an edge that should have `ideal` cells.
 struct CountsToTry {
   int least, most;
   CountsToTry(double ideal, int step)
@@ -53,7 +53,7 @@ Grid fit_grid(long cells, const Vec3& cell, int ny_step) {
   return best;
 }
 
-BrickGrid::BrickGrid(const Vec3& edge, long count) : edge_(edge), count_(count) {
+RegionGrid::RegionGrid(const Vec3& edge, long count) : edge_(edge), count_(count) {
   const double all = static_cast<double>(count);
   Vec3 sorted = edge;
   std::sort(sorted.data(), sorted.data() + 3);
@@ -64,7 +64,7 @@ BrickGrid::BrickGrid(const Vec3& edge, long count) : edge_(edge), count_(count) 
   n_ = (edge_.array() / apart - 1e-9).ceil().max(1).cast<long>();
 }
 
-Vec3 BrickGrid::site(long m) const {
+Vec3 RegionGrid::site(long m) const {
   const long site = m * n_.prod() / count_;
   const Eigen::Array3d cell =
       Eigen::Array<long, 3, 1>(site % n_[0], site / n_[0] % n_[1], site / n_[0] / n_[1]).cast<double>();

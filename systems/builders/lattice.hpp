@@ -1,6 +1,6 @@
 #pragma once
 
-// Where builders put molecules: grids of cells that fill a box.
+// Grids of cells that fill a box, on which builders place molecules.
 
 #include "md/box.hpp"
 
@@ -15,19 +15,19 @@ struct Grid {
   long columns() const { return static_cast<long>(nx) * ny; }
 };
 
-// Cell c of n × n × n, counted along x first.
+// Returns cell c of an n × n × n grid, counted along x first.
 Vec3 cube_cell(long c, long n);
 
-// At least `cells` cells of the given shape [nm]: near to a cube, and with few left over. ny is a multiple of
-// ny_step. Throws InputError for a shape that no such box can be made of.
+// Returns the numbers of cells of the given shape [nm] along the edges of a box that is nearly a cube and has
+// at least `cells` cells, and few more. ny is a multiple of ny_step. Throws InputError if no such box exists.
 Grid fit_grid(long cells, const Vec3& cell, int ny_step = 1);
 
-// A grid in a brick, for so many; sites left empty are spread evenly. A flat brick has one layer, a
-// thin one one row.
-class BrickGrid {
+// A grid of `count` sites in a rectangular region. Sites left over are spread evenly. A flat region has one
+// layer, a thin one has one row.
+class RegionGrid {
  public:
-  BrickGrid(const Vec3& edge, long count);  // [nm]
-  Vec3 site(long m) const;                  // the middle of the cell that the m-th has [nm]
+  RegionGrid(const Vec3& edge, long count);  // [nm]
+  Vec3 site(long m) const;                   // the centre of the m-th cell in use [nm]
 
  private:
   Vec3 edge_;
@@ -35,17 +35,17 @@ class BrickGrid {
   Eigen::Matrix<long, 3, 1> n_;
 };
 
-// Columns along z on a hexagonal lattice: every column has its six neighbours at `spacing`. Periodic for an
+// Columns along z on a hexagonal lattice: every column has six neighbours at `spacing`. It is periodic for
 // even ny.
 struct HexagonalColumns {
   double spacing;  // [nm]
 
-  // The spacing at which a column has this area [nm²]: √3/2 s².
+  // Returns the spacing s at which a column has this area [nm²], √3/2 s².
   static HexagonalColumns of_area(double area);
-  // A cell of one column, `height` long.
+  // Returns the edges of a cell of one column of this height.
   Vec3 cell(double height) const;
-  // Column c of the grid, row after row, each row against the direction of the one before: consecutive
-  // columns are neighbours.
+  // Returns the position of column c, row after row in alternating directions, so that consecutive columns
+  // are neighbours.
   Vec3 column(const Grid& grid, long c) const;
 };
 

@@ -7,19 +7,19 @@
 #include <numeric>
 
 #include "systems/builders/lattice.hpp"
-#include "systems/molecules/room.hpp"
+#include "systems/molecules/occupied_space.hpp"
 
 namespace taut {
 namespace {
 
-constexpr double kNearest = 0.2;                   // two O are further apart [nm]
-constexpr double kTooWide = 1.02;                  // of an edge: what is cut in place of it
-constexpr double kTooNear = 0.3;                   // two O, one of which is left out rather than others [nm]
+constexpr double kNearest = 0.2;                   // smallest distance of two O [nm]
+constexpr double kTooWide = 1.02;                  // factor by which an edge is cut too wide
+constexpr double kTooNear = 0.3;                   // one of two O nearer than this is removed first [nm]
 constexpr double kLongestMove = 0.02, kArm = 0.1;  // [nm]
 constexpr int kMostMoves = 1000;
-constexpr double kSlack = 0.05;  // of a molecule's energy: less than a kelvin [kJ/mol]
+constexpr double kSlack = 0.05;  // of a molecule's energy, less than a kelvin [kJ/mol]
 
-// Waters by their numbers.
+// Returns the waters with these numbers.
 State chosen(const State& all, const std::vector<Eigen::Index>& numbers) {
   State some;
   some.box = all.box;
@@ -32,22 +32,22 @@ State chosen(const State& all, const std::vector<Eigen::Index>& numbers) {
   return some;
 }
 
-// Leaves out so many, the later of the nearest pair first.
+// Removes so many waters, each time the later one of the nearest pair.
 State thinned(const State& waters, long surplus) {
   struct Pair {
     double apart;
     int first, second;
   };
   std::vector<Pair> pairs;
-  Room room(waters.box, kTooNear / 2);
+  OccupiedSpace space(waters.box, kTooNear / 2);
   const int count = static_cast<int>(waters.x.cols() / 3);
   for (int m = 0; m < count; ++m) {
     const Vec3 o = waters.x.col(3 * m);
-    room.free(o, kTooNear / 2, [&](int other) {
+    space.is_free(o, kTooNear / 2, [&](int other) {
       pairs.push_back({waters.box.nearest_image(o - waters.x.col(3 * other)).norm(), other, m});
       return true;
     });
-    room.take(o, kTooNear / 2);
+    space.add(o, kTooNear / 2);
   }
   std::ranges::stable_sort(pairs, {}, &Pair::apart);
   std::vector<bool> out(count);
@@ -95,7 +95,7 @@ State tiled(const State& unit, int n) {
   return all;
 }
 
-// The images of a tilted box reach further to the sides.
+// The images of a tilted box extend further sideways.
 State cut(const State& unit, const Box& box) {
   const int n = static_cast<int>(std::ceil((box.edge.array() / unit.box.edge.array()).maxCoeff()));
   const int least = unit.box.tilt.isZero(0) ? 0 : -n, most = unit.box.tilt.isZero(0) ? n : 2 * n + 1;

@@ -7,26 +7,27 @@
 
 namespace taut {
 
-// Boxes of water that was equilibrated in another: waters of three atoms, O, H, H, in a row.
+// Fills boxes with water that was equilibrated in another box. Waters are three consecutive atoms O, H, H.
 
-inline constexpr double kWaterPerNm3 = 34;  // molecules, about
+inline constexpr double kWaterPerNm3 = 34;  // approximate density
 
-// The atoms alone of waters of any model, whose sites stand behind them. False where there are none.
+// Removes the sites of any water model, which follow each molecule's atoms. Returns false if these are not
+// waters.
 bool keep_atoms(State& waters);
 
-// Side by side with itself, n times along each edge, every O in its own image of the box.
+// Repeats a box n times along each edge, with every O in its image of the box.
 State tiled(const State& unit, int n);
 
-// All whose O is in the brick of `box`, of a tiling that covers it.
+// Returns the waters of a tiling whose O is in the rectangular cell of `box`.
 State cut(const State& unit, const Box& box);
 
-// So many of them. Cut a little too wide; of those that come too near to each other across the faces, one
-// each is left out; then the centres are drawn together.
+// Returns `count` of them: cuts a slightly too large region, removes one water of each pair that is too near
+// across a face, and scales the centres to the box.
 State cut(const State& unit, const Box& box, long molecules);
 
-// Moves and turns rigid molecules, of `each` atoms, down their energy until it is `energy`: those that have
-// new neighbours give way to each other, and the liquid is as warm as it was. Steepest descent, no molecule
-// further than 0.02 nm at once. Whether it came there.
+// Translates and rotates rigid molecules of `each` atoms by steepest descent until the potential energy is
+// `energy`, so that molecules with new neighbours relax and the liquid keeps its temperature. No molecule
+// moves by more than 0.02 nm per iteration. Returns whether the energy was reached.
 bool relax(const System& sys, ForceField& forces, int each, double energy, State& s);
 
 }  // namespace taut

@@ -77,7 +77,7 @@ Molecule WaterModel::molecule() const {
   Nonbonded& pairs = water.terms.nonbonded.emplace();
   pairs.charge = Eigen::VectorXd::Constant(atoms(), charge_of_site());
   pairs.charge.head<3>() << charge_o(), charge_h, charge_h;
-  pairs.sigma = Eigen::VectorXd::Ones(atoms());  // of no account where ε is 0
+  pairs.sigma = Eigen::VectorXd::Ones(atoms());  // has no effect, since ε is 0
   pairs.epsilon = Eigen::VectorXd::Zero(atoms());
   pairs.sigma[0] = sigma;
   pairs.epsilon[0] = epsilon;

@@ -7,8 +7,8 @@
 
 namespace taut {
 
-// Rigid water: Lennard-Jones on O alone, a charge on each H, and what makes up for them on O (no sites), on M
-// on the bisector (one), or on two lone pairs (two).
+// Rigid water: Lennard-Jones on O, a charge on each H, and the opposite charge on O (no sites), on M on the
+// bisector (one site), or on two lone pairs (two sites).
 struct WaterModel {
   std::string_view name;
   double charge_h;        // [e]
@@ -28,14 +28,14 @@ struct WaterModel {
   double hh() const;          // [nm]
   double mass() const { return mass_o + 2 * mass_h; }
 
-  // O where it is, both H at the model's distances in the molecule's own plane, about its own bisector.
+  // Returns a molecule in the model's geometry with the O, the plane and the bisector of the given one.
   void set_geometry(Eigen::Ref<Vectors> x) const;
   Molecule molecule() const;
-  // Molecules where waters of three atoms are, O, H, H: O stays.
+  // Returns molecules of the model in place of waters O, H, H; O stays.
   Vectors placed(const Vectors& waters) const;
 };
 
 const std::vector<WaterModel>& water_models();
-const WaterModel* water_model(std::string_view name);  // null: there is none of that name
+const WaterModel* water_model(std::string_view name);  // null if there is none of that name
 
 }  // namespace taut

@@ -16,12 +16,12 @@
 namespace taut {
 namespace {
 
-constexpr int kDirections = 64;       // to choose from, for every atom
-constexpr int kShapes = 100;          // tried before a molecule is said to have none
-constexpr int kSweeps = 4000;         // over all distances
-constexpr double kClosed = 1e-10;     // of a length
+constexpr int kDirections = 64;       // trial directions for every atom
+constexpr int kShapes = 100;          // trials before the molecule is refused
+constexpr int kSweeps = 4000;         // most sweeps over all distances
+constexpr double kClosed = 1e-10;     // relative error of a length
 constexpr double kTouch = 0.85 / 2;   // radius of a sphere, in σ: two come as near as 0.85 σ in a liquid
-constexpr double kBareCharge = 0.05;  // of a charge without Lennard-Jones [nm]
+constexpr double kBareCharge = 0.05;  // radius of a charge without Lennard-Jones [nm]
 
 Vec3 at_angle(const Vec3& axis, double angle, Random& random) {
   const Vec3 u = axis.normalized(), w = random.unit_vector();
@@ -53,7 +53,7 @@ Conformations::Conformations(const Molecule& molecule, double kT)
     near_[i].push_back(j);
     near_[j].push_back(i);
   };
-  for (const Tie& tie : ties(molecule)) may_overlap(tie.i, tie.j);
+  for (const Tie& tie : list_ties(molecule)) may_overlap(tie.i, tie.j);
   for (const auto& angle : molecule.terms.angles) may_overlap(angle.i, angle.k);
   if (molecule.terms.nonbonded)
     for (const auto& pair : molecule.terms.nonbonded->exceptions) may_overlap(pair.i, pair.j);
@@ -63,8 +63,8 @@ Conformations::Conformations(const Molecule& molecule, double kT)
   plan_distances();
   Random random(1);
   for (int shape = 0; shape < kShapes; ++shape) {
-    Room empty({}, widest());
-    if (put(Vec3::Zero(), shape < kShapes / 2 ? 1 : 0.5, empty, random)) return;
+    OccupiedSpace empty({}, widest());
+    if (place_copy(Vec3::Zero(), shape < kShapes / 2 ? 1 : 0.5, empty, random)) return;
   }
   throw InputError(
       "no shape found in which all bonds have their lengths, struts and ropes too, and no atoms overlap; "
@@ -84,10 +84,10 @@ void Conformations::plan_torsions() {
   add(molecule_.terms.harmonic_torsions, &Torsion::harmonic);
 }
 
-// Breadth first from atom 0.
+// Orders atoms breadth first from atom 0.
 void Conformations::plan_growth() {
   std::vector<std::vector<std::pair<int, double>>> next(molecule_.atoms());
-  for (const auto& [i, j, length, k, slack] : ties(molecule_)) {
+  for (const auto& [i, j, length, k, slack] : list_ties(molecule_)) {
     const double grown =
         length == 0 && k > 0 ? std::sqrt(3 * kT_ / k) : length;  // √⟨r²⟩ of a spring of length 0
     next[i].emplace_back(j, grown);
@@ -102,7 +102,7 @@ void Conformations::plan_growth() {
       rank[atom] = static_cast<int>(order_.size());
       order_.push_back({atom, order_[k].atom, -1, length});
     }
-  closes_ = std::ssize(ties(molecule_)) > molecule_.atoms() - 1;
+  closes_ = std::ssize(list_ties(molecule_)) > molecule_.atoms() - 1;
   for (const auto& [i, j, k, angle, stiffness] : molecule_.terms.angles) {
     const int last = rank[i] > rank[k] ? i : k;
     Growth& growth = order_[rank[last]];
@@ -122,7 +122,7 @@ void Conformations::plan_growth() {
 
 void Conformations::plan_distances() {
   std::map<std::pair<int, int>, double> length;
-  for (const Tie& tie : ties(molecule_)) {
+  for (const Tie& tie : list_ties(molecule_)) {
     if (tie.length == 0) continue;
     length[std::minmax(tie.i, tie.j)] = tie.length;
     distances_.push_back({tie.i, tie.j, tie.length, true});
@@ -135,39 +135,41 @@ void Conformations::plan_distances() {
   }
 }
 
-std::optional<Vectors> Conformations::put(const Vec3& at, double scale, Room& room, Random& random) const {
+std::optional<Vectors> Conformations::place_copy(const Vec3& at, double scale, OccupiedSpace& space,
+                                                 Random& random) const {
   if (shaped_) {
     const Vec3 middle = molecule_.x.rowwise().mean();
-    return place((random_turn(random) * (molecule_.x.colwise() - middle)).colwise() + at, scale, room);
+    return place_rigid((random_turn(random) * (molecule_.x.colwise() - middle)).colwise() + at, scale, space);
   }
-  if (!closes_) return grow(at, scale, room, random);
-  Room alone({}, widest());
+  if (!closes_) return grow(at, scale, space, random);
+  OccupiedSpace alone({}, widest());
   auto shape = grow(at, 0, alone, random);
-  if (!shape || !close(*shape) || !reach(molecule_.system.one_sided, *shape)) return {};
-  return place(std::move(*shape), scale, room);
+  if (!shape || !close_rings(*shape) || !all_satisfied(molecule_.system.one_sided, *shape)) return {};
+  return place_rigid(std::move(*shape), scale, space);
 }
 
-std::optional<Vectors> Conformations::place(Vectors x, double scale, Room& room) const {
-  const int first = room.taken();
+std::optional<Vectors> Conformations::place_rigid(Vectors x, double scale, OccupiedSpace& space) const {
+  const int first = space.size();
   for (int a = 0; a < x.cols(); ++a) {
-    const auto may = [&](int n) { return n >= first && (shaped_ || near(a, n - first)); };
-    if (!room.free(x.col(a), scale * radius_[a], may)) {
-      room.release(first);
+    const auto may = [&](int n) { return n >= first && (shaped_ || may_be_near(a, n - first)); };
+    if (!space.is_free(x.col(a), scale * radius_[a], may)) {
+      space.remove_from(first);
       return {};
     }
-    room.take(x.col(a), scale * radius_[a]);
+    space.add(x.col(a), scale * radius_[a]);
   }
   return x;
 }
 
-// One of several things is chosen by its weight w where each has −ln w + ln(−ln u) and the least is taken,
-// with u uniform (Gumbel): no sum is needed.
-std::optional<Vectors> Conformations::grow(const Vec3& at, double scale, Room& room, Random& random) const {
-  const int first = room.taken();
+// Chooses one of several directions with a probability proportional to its weight w: the one with the
+// smallest −ln w + ln(−ln u), u uniform (the Gumbel trick, which needs no sum).
+std::optional<Vectors> Conformations::grow(const Vec3& at, double scale, OccupiedSpace& space,
+                                           Random& random) const {
+  const int first = space.size();
   Vectors x(3, molecule_.atoms());
   for (const Growth& growth : order_) {
     const double radius = scale * radius_[growth.atom];
-    const auto may = [&](int n) { return n >= first && near(growth.atom, order_[n - first].atom); };
+    const auto may = [&](int n) { return n >= first && may_be_near(growth.atom, order_[n - first].atom); };
     Vec3 best = Vec3::Zero();
     double least = std::numeric_limits<double>::infinity();
     for (int k = 0; k < (growth.parent < 0 ? 1 : kDirections); ++k) {
@@ -179,7 +181,7 @@ std::optional<Vectors> Conformations::grow(const Vec3& at, double scale, Room& r
                                              ? random.unit_vector()
                                              : at_angle(x.col(growth.grand) - parent, growth.angle, random));
       }
-      if (!room.free(here, radius, may) || !reach(growth.one_sided, x)) continue;
+      if (!space.is_free(here, radius, may) || !all_satisfied(growth.one_sided, x)) continue;
       if (growth.torsions.empty()) {
         best = here, least = 0;
         break;
@@ -189,21 +191,21 @@ std::optional<Vectors> Conformations::grow(const Vec3& at, double scale, Room& r
       if (cost < least || least == std::numeric_limits<double>::infinity()) least = cost, best = here;
     }
     if (least == std::numeric_limits<double>::infinity()) {
-      room.release(first);
+      space.remove_from(first);
       return {};
     }
     x.col(growth.atom) = best;
-    room.take(best, radius);
+    space.add(best, radius);
   }
   return x;
 }
 
-bool Conformations::reach(const std::vector<OneSidedBond>& bonds, const Vectors& x) {
-  return std::ranges::all_of(bonds, [&](const OneSidedBond& bond) { return within_reach(bond, x); });
+bool Conformations::all_satisfied(const std::vector<OneSidedBond>& bonds, const Vectors& x) {
+  return std::ranges::all_of(bonds, [&](const OneSidedBond& bond) { return is_satisfied(bond, x); });
 }
 
-// First with the angles, which may not all fit; then the ties alone.
-bool Conformations::close(Vectors& x) const {
+// First with the angles, which may contradict each other; then with the ties alone.
+bool Conformations::close_rings(Vectors& x) const {
   double worst = 1;
   for (const bool ties_alone : {false, true}) {
     worst = 1;
@@ -237,7 +239,7 @@ double Conformations::energy(const Torsion& torsion, const Vectors& x) const {
   return sum + 0.5 * torsion.harmonic.stiffness * off * off;
 }
 
-bool Conformations::near(int a, int b) const {
+bool Conformations::may_be_near(int a, int b) const {
   return std::ranges::binary_search(near_[a], b);
 }
 

@@ -6,36 +6,36 @@
 
 #include "base/random.hpp"
 #include "systems/molecules/molecule.hpp"
-#include "systems/molecules/room.hpp"
+#include "systems/molecules/occupied_space.hpp"
 
 namespace taut {
 
-// Puts copies of a molecule where there is room. One that has a shape is turned at random. Another is grown,
-// an atom after the other along its ties, each at the length of its tie and at its angle if it has one; of
-// several directions with room, and within reach of struts and ropes, one is chosen by the Boltzmann weight
-// of the torsions it completes: a step of the configurational-bias method (Siepmann and Frenkel 1992,
-// doi:10.1080/00268979200100061). Where ties close rings, or two angles meet, all lengths are then brought to
-// what they should be, one after the other again and again, as SHAKE does it.
+// Places copies of a molecule where there is room. A molecule with a given shape is rotated at random. Other
+// molecules are grown atom by atom along their ties, at the length of the tie and at its angle if it has one.
+// Among several directions with room that struts and ropes allow, one is chosen by the Boltzmann weight of
+// the torsions that it completes: a step of the configurational-bias method (Siepmann and Frenkel 1992,
+// doi:10.1080/00268979200100061). If ties close rings, or two angles meet, sweeps over all distances then
+// restore the lengths, as in SHAKE.
 class Conformations {
  public:
-  // Torsions at kT [kJ/mol]. Throws InputError where no shape is found that has all its ties.
+  // kT [kJ/mol] is for torsions. Throws InputError if no shape is found that satisfies all ties.
   Conformations(const Molecule& molecule, double kT);
 
-  // A copy with its middle, or its first atom if it is grown, at `at`; its spheres, `scale` times as wide,
-  // are taken. None where there is no room, which is then as it was.
-  std::optional<Vectors> put(const Vec3& at, double scale, Room& room, Random& random) const;
+  // Places a copy with its middle (its first atom if it is grown) at `at`, and occupies its spheres, scaled
+  // by `scale`. Returns nothing, and changes nothing, if there is no room.
+  std::optional<Vectors> place_copy(const Vec3& at, double scale, OccupiedSpace& space, Random& random) const;
 
   int atoms() const { return molecule_.atoms(); }
   double radius(int atom) const { return radius_[atom]; }  // of its sphere [nm]
   double widest() const;                                   // [nm]
-  double extent() const;  // about how far apart the middles of two copies are that feel little [nm]
+  double extent() const;  // approximate distance of the middles of two copies that barely interact [nm]
 
  private:
-  struct Growth {                       // of one atom
-    int atom, parent = -1, grand = -1;  // the angle is that of grand, parent, atom
+  struct Growth {                       // how one atom is placed
+    int atom, parent = -1, grand = -1;  // the angle is grand–parent–atom
     double length = 0;                  // [nm]
     double angle = 0;                   // [rad]
-    std::vector<int> torsions{};        // it completes: indices into torsions_
+    std::vector<int> torsions{};        // that this atom completes: indices into torsions_
     std::vector<OneSidedBond> one_sided{};
   };
   struct Torsion {
@@ -47,27 +47,28 @@ class Conformations {
   struct Distance {
     int i, j;
     double length;
-    bool tie;  // not an angle's ends
+    bool tie;  // whether it is a tie, not the ends of an angle
   };
 
   void plan_torsions();
   void plan_growth();
   void plan_distances();
-  std::optional<Vectors> grow(const Vec3& at, double scale, Room& room, Random& random) const;
-  std::optional<Vectors> place(Vectors x, double scale, Room& room) const;
-  bool close(Vectors& x) const;
+  std::optional<Vectors> grow(const Vec3& at, double scale, OccupiedSpace& space, Random& random) const;
+  std::optional<Vectors> place_rigid(Vectors x, double scale, OccupiedSpace& space) const;
+  bool close_rings(Vectors& x) const;
   double energy(const Torsion& torsion, const Vectors& x) const;
-  static bool reach(const std::vector<OneSidedBond>& bonds, const Vectors& x);  // all as far as they may
-  bool near(int a, int b) const;  // ties or angles hold them apart, or their pair force is another
+  static bool all_satisfied(const std::vector<OneSidedBond>& bonds,
+                            const Vectors& x);  // whether all hold
+  bool may_be_near(int a, int b) const;         // joined by a tie or angle, or with a special pair force
 
   const Molecule& molecule_;
   double kT_;
   bool shaped_;
-  bool closes_ = false;  // growing alone does not give all distances
+  bool closes_ = false;  // whether growing alone does not give all distances
   std::vector<Growth> order_;
   std::vector<Torsion> torsions_;
   std::vector<Distance> distances_;
-  std::vector<std::vector<int>> near_;  // to each atom, in order
+  std::vector<std::vector<int>> near_;  // of each atom, sorted
   std::vector<double> radius_;          // of each atom's sphere [nm]
 };
 

@@ -10,15 +10,15 @@
 namespace taut {
 namespace {
 
-// Of a FENE spring with k = 30 ε/σ², r₀ = 1.5 σ, between beads that repel each other (Kremer and Grest 1990,
-// doi:10.1063/1.458541): 0.97 σ.
+// Length of a FENE spring with k = 30 ε/σ², r₀ = 1.5 σ between repulsive beads, in σ (Kremer and Grest 1990,
+// doi:10.1063/1.458541).
 constexpr double kFeneLength = 0.97 / 1.5;
 
-constexpr double kPlay = 0.1;  // of a strut or rope that ties what nothing else does
+constexpr double kPlay = 0.1;  // slack of a strut or rope that is the only tie
 
-// A term of the atoms i, j, k, l, as many as it has, further on by `by`.
+// Returns a term with its atoms shifted by `by`.
 template <class Term>
-Term moved(Term term, int by) {
+Term shift_atoms(Term term, int by) {
   if constexpr (requires { term.atom; })
     term.atom += by;
   else
@@ -30,7 +30,7 @@ Term moved(Term term, int by) {
   if constexpr (requires { term.l; }) term.l += by;
   return term;
 }
-VirtualSite moved(VirtualSite site, int by) {
+VirtualSite shift_atoms(VirtualSite site, int by) {
   site.atom += by;
   for (auto& parent : site.parents) parent.atom += by;
   return site;
@@ -38,7 +38,7 @@ VirtualSite moved(VirtualSite site, int by) {
 
 template <class Term>
 void copy(const std::vector<Term>& from, int by, std::vector<Term>& to) {
-  for (const Term& term : from) to.push_back(moved(term, by));
+  for (const Term& term : from) to.push_back(shift_atoms(term, by));
 }
 
 void copy_terms(const Terms& one, int by, Terms& all) {
@@ -67,8 +67,8 @@ void add_names(const Molecule& molecule, int count, Names& all) {
   for (const int residue : names.residue) all.residue.push_back(residues + residue);
 }
 
-// A spring's length, or that of the strut or rope beside it.
-double held(const System& sys, int i, int j, double length) {
+// Returns the length of a spring, or of the strut or rope between the same atoms if that limits it.
+double limit_length(const System& sys, int i, int j, double length) {
   for (const OneSidedBond& bond : sys.one_sided)
     if (std::minmax(bond.i, bond.j) == std::minmax(i, j) &&
         static_cast<int>(bond.side) * (length - bond.length) < 0)
@@ -78,24 +78,24 @@ double held(const System& sys, int i, int j, double length) {
 
 }  // namespace
 
-std::vector<Tie> ties(const Molecule& molecule) {
+std::vector<Tie> list_ties(const Molecule& molecule) {
   std::vector<Tie> all;
   for (const auto& bond : molecule.system.bonds) all.push_back({bond.i, bond.j, bond.length});
   for (const auto& [i, j, length, k] : molecule.terms.bonds)
-    all.push_back({i, j, held(molecule.system, i, j, length), k});
+    all.push_back({i, j, limit_length(molecule.system, i, j, length), k});
   for (const auto& spring : molecule.terms.fene) all.push_back({spring.i, spring.j, kFeneLength * spring.r0});
-  std::vector<int> piece = molecules(molecule.atoms(), bonded_pairs(molecule.system, molecule.terms));
+  std::vector<int> molecule_of = molecules(molecule.atoms(), bonded_pairs(molecule.system, molecule.terms));
   for (const OneSidedBond& bond : molecule.system.one_sided) {
-    const int from = piece[bond.i], to = piece[bond.j];
+    const int from = molecule_of[bond.i], to = molecule_of[bond.j];
     if (from == to) continue;
     const double length = (1 + kPlay * static_cast<int>(bond.side)) * bond.length;
-    all.push_back({bond.i, bond.j, held(molecule.system, bond.i, bond.j, length), 0, true});
-    std::ranges::replace(piece, from, to);
+    all.push_back({bond.i, bond.j, limit_length(molecule.system, bond.i, bond.j, length), 0, true});
+    std::ranges::replace(molecule_of, from, to);
   }
   return all;
 }
 
-std::vector<NearPair> near_pairs(const Molecule& molecule, int most) {
+std::vector<NearPair> list_near_pairs(const Molecule& molecule, int most) {
   const Adjacency next(molecule.atoms(), bonded_pairs(molecule.system, molecule.terms));
   std::vector<NearPair> pairs;
   for (int a = 0; a < molecule.atoms(); ++a) {
@@ -114,7 +114,7 @@ std::vector<NearPair> near_pairs(const Molecule& molecule, int most) {
   return pairs;
 }
 
-void put_together(const std::vector<Copies>& all, Scene& scene) {
+void assemble(const std::vector<Copies>& all, Scene& scene) {
   int atoms = 0;
   bool pairs = false;
   for (const auto& [of, count] : all) {

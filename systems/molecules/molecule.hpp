@@ -7,40 +7,40 @@
 
 namespace taut {
 
-// A molecule said once: the lists that a scene has, of its own atoms from 0 on.
+// The definition of a molecule: the lists of a scene for its own atoms, counted from 0.
 struct Molecule {
   std::string name;
   System system;
-  Terms terms;                  // nonbonded: charges, σ, ε and exceptions; none where no pair force acts
+  Terms terms;                  // nonbonded: charges, σ, ε and exceptions; none without pair forces
   std::vector<AtomKind> kinds;  // of each atom
-  Vectors x;                    // its shape [nm]; empty: one is drawn for every copy
+  Vectors x;                    // its shape [nm]; if empty, one is drawn for every copy
 
   int atoms() const { return system.atoms(); }
 };
 
-// The rigid bonds and springs, and how long they are; a FENE spring, as long as among repulsive beads; a
-// strut or rope where nothing else ties what it joins, not quite touching.
+// A tie between two atoms and its length: a rigid bond, a spring, a FENE spring (with its length between
+// repulsive beads), or a strut or rope if it is the only tie, with some slack.
 struct Tie {
   int i, j;
   double length;       // [nm]
   double k = 0;        // of a harmonic spring [kJ/mol/nm²]
-  bool slack = false;  // a strut or rope
+  bool slack = false;  // whether it is a strut or rope
 };
-std::vector<Tie> ties(const Molecule& molecule);
+std::vector<Tie> list_ties(const Molecule& molecule);
 
-// All pairs of atoms that are at most `most` bonds and springs apart, by their atoms.
+// Returns all pairs of atoms at most `most` bonds or springs apart.
 struct NearPair {
   int i, j, apart;
 };
-std::vector<NearPair> near_pairs(const Molecule& molecule, int most);
+std::vector<NearPair> list_near_pairs(const Molecule& molecule, int most);
 
 struct Copies {
   const Molecule* of;
   int count;
 };
 
-// Copies behind one another: the scene's system, terms and names, each copy a residue. Fields, and how pairs
-// are cut off, are left to the caller.
-void put_together(const std::vector<Copies>& all, Scene& scene);
+// Builds a scene's system, terms and names from copies of molecules; each copy is a residue. External fields
+// and the cutoff are left to the caller.
+void assemble(const std::vector<Copies>& all, Scene& scene);
 
 }  // namespace taut

@@ -7,23 +7,25 @@
 
 namespace taut {
 
-// Puts copies of molecules into a box, one after the other, each where there is room beside those before.
+// Places copies of molecules in a box one by one, each where the previous ones leave room.
 class Placing {
  public:
-  Placing(const Box& box, double widest, Random& random) : room_(box, widest), random_(random) {}
+  Placing(const Box& box, double widest, Random& random) : space_(box, widest), random_(random) {}
 
-  // A copy at the place that `where` says, which is asked again and again; where there is no room, for
-  // narrower spheres. None: not for the narrowest either.
-  std::optional<Vectors> put(const Conformations& conformations, const std::function<Vec3()>& where);
+  // Places a copy at a position from `where`, which is called repeatedly; if there is no room, with smaller
+  // spheres. Returns nothing if there is no room for the smallest, either.
+  std::optional<Vectors> place_copy(const Conformations& conformations, const std::function<Vec3()>& where);
 
-  // Copies that are where they are, columns of x; of each copy so many atoms, all if it is not said.
-  void take(const Conformations& conformations, const Vectors& x, int each = 0);
+  // Adds copies at given positions, the columns of x. `each` is the number of atoms of a copy; 0 stands for
+  // all.
+  void add_copies(const Conformations& conformations, const Vectors& x, int each = 0);
 
-  // The numbers of those among such copies that there is room for beside all that was put before.
-  std::vector<Eigen::Index> fitting(const Conformations& conformations, const Vectors& x, int each) const;
+  // Returns the numbers of those copies that fit beside everything placed so far.
+  std::vector<Eigen::Index> list_fitting(const Conformations& conformations, const Vectors& x,
+                                         int each) const;
 
  private:
-  Room room_;
+  OccupiedSpace space_;
   Random& random_;
 };
 

@@ -14,13 +14,13 @@
 namespace taut {
 namespace {
 
-constexpr double kFarthestOff = 0.5;  // a bond in coordinates, of its length
+constexpr double kFarthestOff = 0.5;  // largest relative error of a bond in given coordinates
 
 double radians(double degrees) {
   return degrees * std::numbers::pi / 180;
 }
 
-// Of an atom or residue, for files with columns of ASCII.
+// Checks the name of an atom or residue, which files hold in ASCII columns.
 void check_name(const TomlTable& keys, const char* key, const std::string& name) {
   const auto plain = [](char c) { return c > ' ' && c < '\x7f'; };
   if (name.empty() || !std::ranges::all_of(name, plain))
@@ -69,14 +69,14 @@ Units read_units(const TomlTable& keys, int each) {
              "the whole: -1 is the last atom of all, -N the first of N",
              Range{.min = 1}});
   keys.read("ring", ring, "what reaches beyond the last unit goes on with the first");
-  keys.counts("ring", count > 1, "with units, the links of the ring");
+  keys.require_effect("ring", count > 1, "with units, the links of the ring");
   if (static_cast<double>(count) * each > kMostAtoms)
     keys.fail("units",
               fmt::format("{} of {} atoms are more than the {} taut takes", count, each, kMostAtoms));
   return {each, static_cast<int>(count), ring};
 }
 
-// Numbers of atoms, and the pair force between them if there is any.
+// Reads the parameters of atoms, and of their pair force if there is one.
 void set_atoms(const std::vector<AtomNumbers>& atoms, Eigen::VectorXd& mass, Molecule& molecule) {
   const auto n = std::ssize(atoms);
   mass.resize(n);
@@ -122,7 +122,8 @@ void read_bends(const TomlTable& keys, RowReader& rows, Terms& terms) {
     terms.harmonic_torsions.push_back({a[0], a[1], a[2], a[3], radians(number[0]), number[1]});
 }
 
-// What pairs near along the molecule have in place of the pair force: nothing, or at 1-4 a share of it.
+// Reads exceptions for pairs of atoms near along the molecule: no pair force, or a fraction of it for 1–4
+// pairs.
 void read_exclusions(const TomlTable& keys, Molecule& molecule) {
   static const std::vector<std::string_view> kFurthest = {"none", "1-2", "1-3", "1-4"};
   std::string furthest = "1-3";
@@ -133,10 +134,10 @@ void read_exclusions(const TomlTable& keys, Molecule& molecule) {
             {"what is left of it between atoms three ties apart", kNotNegative});
   keys.read("coulomb_14", coulomb, {"the same of charges", kNotNegative});
   for (const char* key : {"lennard_jones_14", "coulomb_14"})
-    keys.counts(key, excluded < 3, "where exclude is not \"1-4\"");
+    keys.require_effect(key, excluded < 3, "where exclude is not \"1-4\"");
   if (!molecule.terms.nonbonded) return;
   Nonbonded& nb = *molecule.terms.nonbonded;
-  for (const auto& [i, j, apart] : near_pairs(molecule, 3)) {
+  for (const auto& [i, j, apart] : list_near_pairs(molecule, 3)) {
     const double sigma = (nb.sigma[i] + nb.sigma[j]) / 2;
     if (apart <= excluded)
       nb.exceptions.push_back({i, j, 0, sigma, 0});
@@ -175,7 +176,7 @@ std::optional<Coordinates> read_file(const TomlTable& keys) {
 
 std::string wrong_bonds(const Molecule& molecule, const Vectors& x) {
   for (Eigen::Index first = 0; first < x.cols(); first += molecule.atoms())
-    for (const auto& [i, j, length, k, slack] : ties(molecule)) {
+    for (const auto& [i, j, length, k, slack] : list_ties(molecule)) {
       const double r = (x.col(first + j) - x.col(first + i)).norm();
       if (k == 0 && !slack && std::abs(r - length) > kFarthestOff * length)
         return fmt::format(
@@ -184,7 +185,7 @@ std::string wrong_bonds(const Molecule& molecule, const Vectors& x) {
     }
   for (Eigen::Index first = 0; first < x.cols(); first += molecule.atoms())
     for (const OneSidedBond& bond : molecule.system.one_sided)
-      if (std::string wrong = beyond(bond, x, first); !wrong.empty()) return wrong;
+      if (std::string wrong = describe_violation(bond, x, first); !wrong.empty()) return wrong;
   return "";
 }
 
@@ -198,7 +199,7 @@ AtomNumbers read_atom(const TomlTable& keys, const std::string& name) {
   keys.read("epsilon_kj_mol", atom.epsilon, {"ε of Lennard-Jones; 0: none", "kJ/mol", kNotNegative});
   keys.read("sigma_nm", atom.sigma, {"σ of Lennard-Jones", "nm", kPositive});
   if (atom.epsilon > 0 && !keys.has("sigma_nm")) keys.fail("epsilon_kj_mol", "needs a sigma_nm beside it");
-  keys.counts("sigma_nm", atom.epsilon > 0, "with epsilon_kj_mol above 0");
+  keys.require_effect("sigma_nm", atom.epsilon > 0, "with epsilon_kj_mol above 0");
   return atom;
 }
 
@@ -210,7 +211,7 @@ Molecule read_molecule(const TomlTable& keys, const std::string& name, const Kno
   std::vector<AtomNumbers> atoms;
   for (int u = 0; u < units.count; ++u) atoms.insert(atoms.end(), unit.begin(), unit.end());
   if (std::string end; keys.read("ends", end, "[atom.NAME] that the first and the last atom are instead")) {
-    keys.counts("ends", !units.ring, "without ring");
+    keys.require_effect("ends", !units.ring, "without ring");
     atoms.front() = atoms.back() = known_atom(keys, "ends", end, known);
   }
   std::string residue = name.substr(0, 4);
@@ -227,9 +228,9 @@ Molecule read_molecule(const TomlTable& keys, const std::string& name, const Kno
   read_bends(keys, rows, molecule.terms);
   read_outer(rows, molecule.terms);
 
-  const std::vector<int> piece = molecules(molecule.system, molecule.terms);
-  const auto apart = std::ranges::find_if(piece, [](int p) { return p > 0; }) - piece.begin();
-  if (apart < std::ssize(piece))
+  const std::vector<int> molecule_of = molecules(molecule.system, molecule.terms);
+  const auto apart = std::ranges::find_if(molecule_of, [](int p) { return p > 0; }) - molecule_of.begin();
+  if (apart < std::ssize(molecule_of))
     keys.fail("atoms",
               fmt::format("nothing ties atom {} to atom 0: give it a bond, spring or rope, or make it a "
                           "[molecule] of its own",

@@ -9,7 +9,7 @@
 
 namespace taut {
 
-// An atom's numbers: a section [atom.NAME], or one of the atoms of a molecule.
+// The parameters of an atom, from [atom.NAME] or from a molecule's list.
 struct AtomNumbers {
   AtomKind kind;
   double mass = 0;     // [u]
@@ -21,19 +21,19 @@ using KnownAtoms = std::map<std::string, AtomNumbers>;
 
 inline constexpr double kMostAtoms = 5e6;  // about 2 GB of arrays and lists
 
-// [atom.NAME]
+// Reads [atom.NAME].
 AtomNumbers read_atom(const TomlTable& keys, const std::string& name);
 
-// [molecule.NAME]. Rows are of atoms, counted from 0, and numbers; they and the atoms are said of one unit
-// and count in all. All atoms of a molecule are tied, by bonds, springs or FENE springs. Where keys are only
-// described, there are no atoms.
+// Reads [molecule.NAME]. Rows list atoms, counted from 0, and numbers. Rows and atoms are given for one
+// repeat unit and apply to all. Bonds, springs or FENE springs must tie all atoms of a molecule. While keys
+// are only described there are no atoms.
 Molecule read_molecule(const TomlTable& keys, const std::string& name, const KnownAtoms& known);
 
-// The coordinates that the key `file` names, if it is there.
+// Reads the coordinates that the key `file` names, if it exists.
 std::optional<Coordinates> read_file(const TomlTable& keys);
 
-// What is wrong with coordinates that are another molecule's, or of atoms in another order: a bond not near
-// its length. Empty: nothing. Of copies one after the other.
+// Returns what is wrong with the coordinates of consecutive copies, or an empty string: a bond far from its
+// length means another molecule, or atoms in another order.
 std::string wrong_bonds(const Molecule& molecule, const Vectors& x);
 
 }  // namespace taut

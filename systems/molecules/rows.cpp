@@ -38,7 +38,7 @@ std::vector<Row> RowReader::pairs(const char* key, std::size_t numbers, const ch
     const auto [first, fresh] = seen.try_emplace(std::minmax(row.atom[0], row.atom[1]), row.line);
     if (fresh)
       all.push_back(row);
-    else if (first->second != row.line)  // else the pair across a ring, met from its other end
+    else if (first->second != row.line)  // otherwise it is the same pair of a ring from its other end
       fail(key, row, fmt::format("repeats {}[{}], the same two atoms", key, first->second));
   }
   return all;
@@ -116,13 +116,13 @@ double length_of(const OneSidedBond& bond, const Vectors& x, Eigen::Index first)
 
 }  // namespace
 
-bool within_reach(const OneSidedBond& bond, const Vectors& x, Eigen::Index first) {
-  constexpr double kTouching = 1e-6;  // of the length
+bool is_satisfied(const OneSidedBond& bond, const Vectors& x, Eigen::Index first) {
+  constexpr double kTouching = 1e-6;  // relative to the length
   return static_cast<int>(bond.side) * (length_of(bond, x, first) - bond.length) >= -kTouching * bond.length;
 }
 
-std::string beyond(const OneSidedBond& bond, const Vectors& x, Eigen::Index first) {
-  if (within_reach(bond, x, first)) return "";
+std::string describe_violation(const OneSidedBond& bond, const Vectors& x, Eigen::Index first) {
+  if (is_satisfied(bond, x, first)) return "";
   const bool strut = bond.side == Side::kAtLeast;
   return fmt::format(
       "atoms {} and {} stand {:.6g} nm apart at the start, {} than the {:.6g} nm of {}: move them, or change "

@@ -12,7 +12,7 @@
 
 namespace taut {
 
-// Units of atoms behind one another, and rows that are said of one and count in all.
+// Consecutive repeat units of atoms, and rows that are given for one unit and apply to all.
 struct Units {
   int each, count = 1;
   bool ring = false;
@@ -20,23 +20,23 @@ struct Units {
   int atoms() const { return each * count; }
 };
 
-// A row of one unit, or its copy in another.
+// A row of one unit, or its copy for another one.
 struct Row {
   std::size_t line;
   std::array<int, 4> atom;
-  const double* number;  // those behind the atoms
+  const double* number;  // the numbers after the atoms
 };
 
-// Reads what is said in rows of atoms, counted from 0, and numbers: [i, j, length]. A row of one unit counts
-// in all. One with an atom that is counted from the end (-1 is the last of all) counts once.
+// Reads rows of atoms, counted from 0, and numbers: [i, j, length]. A row of one unit applies to all units. A
+// row with an atom counted from the end (-1 is the last of all) applies once.
 class RowReader {
  public:
   RowReader(const TomlTable& keys, const Units& units) : keys_(keys), units_(units) {}
 
-  // Rows of so many atoms and numbers, for every unit.
+  // Reads rows of so many atoms and numbers, and returns them for every unit.
   std::vector<Row> read(const char* key, int atoms, std::size_t numbers, const char* meaning);
 
-  // The same of two atoms, each pair once.
+  // The same for pairs of atoms; each pair may occur once.
   std::vector<Row> pairs(const char* key, std::size_t numbers, const char* meaning);
 
   [[noreturn]] void fail(const char* key, const Row& row, const std::string& message) const {
@@ -48,19 +48,19 @@ class RowReader {
 
   const TomlTable& keys_;
   const Units units_;
-  std::list<Rows> kept_;  // what rows point into
+  std::list<Rows> kept_;  // storage that rows point into
 };
 
-// bonds, at_least and at_most of atoms of these masses.
+// Reads bonds, at_least and at_most of atoms with these masses.
 System read_system(RowReader& rows, Eigen::VectorXd mass);
 
 void read_springs(RowReader& rows, Terms& terms);
-// What acts on atoms from outside: pulls, and restraints to a place.
+// Reads external forces on atoms: pulls and position restraints.
 void read_outer(RowReader& rows, Terms& terms);
 
-// A strut's atoms, those `first` further on, are not too close, a rope's not too far apart; what is wrong
-// where they are, else nothing.
-bool within_reach(const OneSidedBond& bond, const Vectors& x, Eigen::Index first = 0);
-std::string beyond(const OneSidedBond& bond, const Vectors& x, Eigen::Index first = 0);
+// True while a strut's atoms are not too close and a rope's atoms not too far apart. describe_violation()
+// returns what is wrong, or an empty string. Atoms are counted from `first`.
+bool is_satisfied(const OneSidedBond& bond, const Vectors& x, Eigen::Index first = 0);
+std::string describe_violation(const OneSidedBond& bond, const Vectors& x, Eigen::Index first = 0);
 
 }  // namespace taut

@@ -6,16 +6,15 @@
 
 #include "systems/openmm/expression.hpp"
 #include "systems/openmm/forces.hpp"
-#include "systems/openmm/known.hpp"
 
 namespace taut {
 
-// The energy of a custom force and its parameters by the names it declares: of each term (its param1, param2,
-// ...) or of all.
+// The energy of a custom force, and its parameters by the names that it declares: per-term parameters
+// (param1, param2, ...) and global ones.
 class CustomForce {
  public:
-  // What kind of force it is: the list of the parameters each term has, and what else its energy may name.
-  // Parameters of pairs stand in the energy with the atoms' numbers, as sigma1 and sigma2.
+  // The kind of force: the name of its list of per-term parameters, and the other names that its energy may
+  // contain. Parameters of pairs appear in the energy with the atoms' numbers, as sigma1 and sigma2.
   struct Kind {
     const char* of_each;
     std::vector<Quantity> coordinates;
@@ -24,22 +23,23 @@ class CustomForce {
   CustomForce(const ForceReading& r, Kind kind, const std::string& energy,
               const Expression::Tables& tables = {});
 
-  // Which of the known energies it has; its parameters go by their names from then on. None: -1.
+  // Returns the index of the known energy that it is, or -1. From then on its parameters have the known
+  // names.
   int recognize(const std::vector<KnownEnergy>& known);
-  // `remedy`: what to do instead, if anything.
+  // Refuses the energy. `remedy`: what to do instead.
   [[noreturn]] void refuse_energy(const std::vector<KnownEnergy>& known, const char* remedy = "") const;
 
-  // Reads a term: its own fields, and the parameters it gives.
+  // Reads a term: its own fields and its parameters.
   void read(const Element& term, std::vector<Field> fields);
 
-  // A known parameter, of the term last read or of all, and what its energy is a multiple of.
+  // Returns a known parameter of the last term read, or a global one; and the factor of the energy.
   double operator[](const char* known) const;
   double of_all(const char* known) const;
   double factor() const { return recognized_.factor; }
 
-  // Those of each term in their order, as the term last read has them.
+  // Returns the per-term parameters of the last term read, in their order.
   std::vector<double> of_term() const;
-  // Of atoms with these parameters, r apart.
+  // Returns the energy of two atoms with these parameters at distance r.
   double pair_energy(const std::vector<double>& one, const std::vector<double>& two, double r) const;
 
  private:
@@ -59,7 +59,7 @@ class CustomForce {
   Recognized recognized_{1, {}};
 };
 
-// Refuses whatever these lists of a force hold.
+// Refuses these lists of a force unless they are empty.
 void refuse_any(const Element& force, std::initializer_list<const char*> lists);
 
 }  // namespace taut

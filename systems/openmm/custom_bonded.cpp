@@ -12,7 +12,7 @@ namespace {
 using std::numbers::pi;
 using Atoms = std::array<int, 4>;
 
-// A known energy and what is made of a term of it, whose element is `at`.
+// A known energy, and the function that turns a term of it, at element `at`, into one of taut's terms.
 struct Bonded {
   KnownEnergy known;
   void (*add)(OpenMMForce& to, const CustomForce& p, const Atoms& atoms, const Element& at);
@@ -25,7 +25,7 @@ void add_harmonic_torsion(OpenMMForce& to, const CustomForce& p, const Atoms& a,
   to.terms.harmonic_torsions.push_back({a[0], a[1], a[2], a[3], angle, p.factor() * p["k"]});
 }
 
-// OpenMM's θ ends at ±π: only about zero is this the shorter way round.
+// OpenMM's θ is in −π … π, so this is the shorter way round only for θ0 = 0.
 void add_unwound_torsion(OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element& at) {
   if (p["theta0"] != 0)
     at.refuse(fmt::format("jumps where theta goes from pi to -pi, as theta0 is {}: write the energy as {}",
@@ -33,7 +33,7 @@ void add_unwound_torsion(OpenMMForce& to, const CustomForce& p, const Atoms& a, 
   add_harmonic_torsion(to, p, a, at);
 }
 
-// σ and ε from A/r¹² − C/r⁶ = 4ε((σ/r)¹² − (σ/r)⁶).
+// Returns σ and ε of A/r¹² − C/r⁶ = 4ε((σ/r)¹² − (σ/r)⁶).
 void add_pair_of_powers(OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element& at) {
   const double A = p.factor() * p["A"], C = p.factor() * p["C"];
   if (A == 0 && C == 0) return to.pairs.push_back({a[0], a[1], 0, 1, 0});
@@ -64,7 +64,7 @@ const std::vector<Bonded> kTorsions = {
     {{kTorsionEnergy, {{"k"}, {"theta0", -pi, pi}}}, add_harmonic_torsion},
     {{"0.5*k*(theta-theta0)^2", {{"k"}, {"theta0", -pi, pi}}}, add_unwound_torsion}};
 
-// What OpenMM calls a custom force between so many atoms, its parts, and its coordinate.
+// OpenMM's names for a custom force between so many atoms, for its parts, and for its coordinate.
 struct Shape {
   const char *parameters, *list, *each;
   Quantity coordinate;

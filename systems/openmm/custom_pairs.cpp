@@ -10,7 +10,7 @@ namespace taut {
 namespace {
 
 constexpr std::size_t kMostTypes = 500;
-// CHARMM's force switch comes as an energy of its own.
+// CHARMM's force switch is an energy of its own.
 constexpr const char* kRemedy = "; to switch Lennard-Jones off give the force a switchingDistance";
 
 const std::vector<KnownEnergy>& known() {
@@ -19,7 +19,7 @@ const std::vector<KnownEnergy>& known() {
   return kAll;
 }
 
-// OpenMM's functions of whole numbers, which rounds what they are of.
+// OpenMM's discrete functions, which round their arguments.
 Expression::Tables read_tables(const Element& force) {
   Expression::Tables tables;
   force.part("Functions").each("Function", [&](const Element& function) {
@@ -54,7 +54,8 @@ Expression::Tables read_tables(const Element& force) {
   return tables;
 }
 
-// a and b, where an energy is a/r¹² − b/r⁶: b from far, a from near, and between them it must fit.
+// Finds a and b of an energy a/r¹² − b/r⁶: b from a large distance, a from a small one. Between them the
+// energy must agree.
 struct PowerLaw {
   bool fits = true;
   double a, b;
@@ -65,7 +66,7 @@ struct PowerLaw {
     constexpr double kFar = 1e3, kClose = 1e-3;  // [nm]
     b = -energy(kFar) / inv_r6(kFar);
     a = (energy(kClose) / inv_r6(kClose) + b) / inv_r6(kClose);
-    if (std::abs(a) < 1e-20 * std::abs(b)) a = 0;  // rounding
+    if (std::abs(a) < 1e-20 * std::abs(b)) a = 0;  // a is rounding error
     if (std::abs(b) < 1e-12 * std::abs(a)) b = 0;
     for (const double r : {0.02, 0.1, 0.17, 0.25, 0.33, 0.41, 0.6, 0.9, 1.2, 3.0}) {
       const double u = inv_r6(r);

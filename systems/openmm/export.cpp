@@ -9,8 +9,8 @@
 #include "base/errors.hpp"
 #include "files/atomic_file.hpp"
 #include "forcefield/ewald/parameters.hpp"
+#include "systems/openmm/expression.hpp"
 #include "systems/openmm/forces.hpp"
-#include "systems/openmm/known.hpp"
 #include "systems/openmm/sites.hpp"
 #include "systems/openmm/terms.hpp"
 
@@ -34,7 +34,7 @@ void write_vectors(Node of, const char* list_name, const char* each, const Vecto
   for (Vec3 v : columns.colwise()) append(list, each, coordinates(v));
 }
 
-// Where there is none, OpenMM's own, which means nothing then.
+// Without a box OpenMM's default is written, which has no effect.
 void write_box(Node of, const Box& box) {
   const Vectors vectors = (box.periodic() ? box : Box{Vec3(2, 2, 2)}).vectors();
   Node list = of.append_child("PeriodicBoxVectors");
@@ -122,7 +122,8 @@ void write_nonbonded(Node forces, const Nonbonded& from, const Box& box) {
   write_list(force, from.exceptions);
 }
 
-// The names of a custom force's parameters: `each` those of every term, and those of all with their values.
+// The parameters of a custom force: names of the per-term ones (`each`), and the global ones with their
+// values.
 using Names = std::initializer_list<const char*>;
 using NamedValues = std::initializer_list<std::pair<const char*, double>>;
 void write_parameters(Node force, const char* each, Names of_each, NamedValues of_all) {
@@ -136,7 +137,7 @@ void write_parameters(Node force, const char* each, Names of_each, NamedValues o
   }
 }
 
-// A term of a custom force: its atoms, and its own parameters in their order.
+// A term of a custom force: its atoms, and its parameters in order.
 void write_term(Node list, const char* name, const std::vector<Field>& atoms,
                 std::initializer_list<double> parameters) {
   Node term = append(list, name, atoms);
@@ -180,7 +181,7 @@ void write_table(Node functions, const char* name, const Eigen::MatrixXd& table)
   for (double v : table.reshaped()) append(values, "Value", {{"v", &v}});
 }
 
-// Lennard-Jones by types, whose pairs are those of the NonbondedForce.
+// Writes Lennard-Jones by types, with the exclusions of the NonbondedForce.
 void write_lj_table(Node forces, const Nonbonded& from, const Box& box) {
   CustomNonbondedXml x{.energy = kLennardJonesEnergy,
                        .method = NonbondedXml::kNoCutoff,
@@ -273,7 +274,7 @@ void write_forces(Node forces, const OpenMMInput& from) {
     put(write_force(forces, "CMMotionRemover", {}), "frequency", from.remove_momentum_every);
 }
 
-// A whole file of one element, which `fill` puts the rest into.
+// Writes a file with one root element, which `fill` completes.
 std::string whole_file(const char* type, auto fill) {
   pugi::xml_document file;
   file.append_child(pugi::node_declaration).append_attribute("version") = "1.0";

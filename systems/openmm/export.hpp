@@ -2,17 +2,17 @@
 
 #include <string>
 
-#include "systems/openmm/read.hpp"
+#include "systems/openmm/input.hpp"
 
 namespace taut {
 
-// The same system and start as OpenMM's XML, in versions that 7.7 and 8.6 both read, and read_openmm reads
-// back. What taut has and OpenMM has no class for goes into custom forces (openmm/known.hpp). Throws
-// InputError, one line, for what OpenMM cannot express: a rigid bond to an anchor.
+// Converts a scene to OpenMM's XML, in versions that OpenMM 7.7 and 8.6 and read_openmm() read. Terms without
+// a class in OpenMM become custom forces (openmm/expression.hpp). Throws InputError, one line, for a rigid bond to
+// an anchor, which OpenMM cannot express.
 std::string openmm_system_xml(const OpenMMInput& from);
 std::string openmm_state_xml(const OpenMMInput& from);
 
-// Writes them as PREFIX.system.xml and PREFIX.state.xml.
+// Writes PREFIX.system.xml and PREFIX.state.xml.
 void write_openmm(const OpenMMInput& from, const std::string& prefix);
 
 }  // namespace taut

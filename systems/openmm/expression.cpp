@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <utility>
 #include <vector>
+
+#include "base/random.hpp"
 
 namespace taut {
 namespace {
@@ -14,8 +17,8 @@ namespace {
 using Values = Expression::Values;
 using Arguments = std::span<const double>;
 
-// Between nearest images in a cube. Expressions are only compared with one another: of this edge, numbers of
-// the order of 1 have images that tell.
+// The distance between nearest images, in a cube of edge 1. Expressions are only compared with each other, at
+// coordinates between -1 and 1, where a cube of this edge tells a periodic from a plain distance.
 double periodic_distance(Arguments a) {
   constexpr double kEdge = 1;
   double square = 0;
@@ -26,7 +29,7 @@ double periodic_distance(Arguments a) {
   return std::sqrt(square);
 }
 
-// Functions of an expression's own, as OpenMM has them.
+// The functions of OpenMM's expressions.
 const Expression::Tables& own_functions() {
   static const Expression::Tables kAll = [] {
     Expression::Tables all;
@@ -70,12 +73,13 @@ const Expression::Tables& own_functions() {
 
 }  // namespace
 
-// By recursive descent. Precedence: + -, then * /, then the sign, then ^, which goes from right to left.
+// A recursive descent parser. Precedence rises from + and - over * and / and the sign to ^, which associates
+// to the right.
 class ExpressionParser {
  public:
   ExpressionParser(Expression& to, const Expression::Tables& tables) : to_(to), tables_(tables) {}
 
-  // From the last definition to the energy.
+  // Reads definitions from the last to the first, then the energy.
   void parse(std::string_view text) {
     if (text.size() > kLongest) throw Expression::Error("is too long");
     while (!text.empty() && (std::isspace(static_cast<unsigned char>(text.back())) || text.back() == ';'))
@@ -98,7 +102,8 @@ class ExpressionParser {
 
  private:
   using Value = std::function<double(const Values&)>;
-  // Shared, as a definition stands wherever it is named. `work`: how many it is made of, counted each time.
+  // A part of an expression. A definition is shared by all parts that name it; `work` counts its nodes once
+  // for each use, which bounds the time of an evaluation.
   struct Node {
     std::shared_ptr<const Value> value;
     std::set<std::string> names;
@@ -266,6 +271,68 @@ class ExpressionParser {
 
 Expression::Expression(std::string_view text, const Tables& tables) {
   ExpressionParser(*this, tables).parse(text);
+}
+
+namespace {
+
+constexpr int kPoints = 24;
+constexpr std::size_t kMostDeclared = 8;  // with more parameters than this, only equal names are tried
+constexpr double kTolerance = 3e-5;       // openmm.app writes π as 3.141593 in places
+constexpr double kSmallEnergy = 0.1;      // below it the difference counts, not the relative difference
+
+}  // namespace
+
+std::optional<Recognized> recognize(const Expression& energy, const std::vector<std::string>& declared,
+                                    const std::vector<Quantity>& coordinates, const KnownEnergy& known) {
+  struct Point {
+    Expression::Values known, given;  // arguments of the known and of the given energy
+  };
+  std::array<Point, kPoints> points;
+  Random random(1);
+  const auto draw = [&](const Quantity& q) { return q.low + (q.high - q.low) * random.uniform(); };
+  for (Point& point : points) {
+    for (const auto& name : declared) point.given[name] = draw({"", 0.5, 1.5});
+    for (const Quantity& q : known.parameters) point.known[q.name] = draw(q);
+    for (const Quantity& q : known.within.empty() ? coordinates : known.within)
+      point.given[q.name] = point.known[q.name] = draw(q);
+  }
+
+  // The given energy in units of the known one, where names[k] stands for the k-th known parameter.
+  const Expression known_energy(known.text);
+  const std::size_t n = known.parameters.size();
+  const auto compare = [&](const std::vector<std::string>& names) -> std::optional<Recognized> {
+    Recognized found{0, {}};
+    for (std::size_t k = 0; k < n; ++k) found.name_of[known.parameters[k].name] = names[k];
+    std::array<double, kPoints> value, other, ratio;
+    for (int p = 0; p < kPoints; ++p) {
+      Expression::Values given = points[p].given;
+      for (const auto& [name, its_name] : found.name_of) given[its_name] = points[p].known[name];
+      value[p] = known_energy(points[p].known);
+      other[p] = energy(given);
+      ratio[p] = other[p] / value[p];
+      if (!std::isfinite(ratio[p]) || ratio[p] == 0) return {};
+    }
+    std::ranges::nth_element(ratio, ratio.begin() + kPoints / 2);
+    found.factor = ratio[kPoints / 2];
+    for (int p = 0; p < kPoints; ++p)
+      if (!(std::abs(other[p] / found.factor - value[p]) <= kTolerance * (std::abs(value[p]) + kSmallEnergy)))
+        return {};
+    return found;
+  };
+
+  std::vector<std::string> names;
+  for (const Quantity& q : known.parameters) names.emplace_back(q.name);
+  if (std::ranges::all_of(names, [&](const auto& name) { return std::ranges::count(declared, name) > 0; }))
+    if (auto found = compare(names)) return found;
+  if (declared.size() > kMostDeclared || declared.size() < n) return {};
+  // Every choice of n names in every order. Reversing the rest skips the orders that differ in it alone.
+  names = declared;
+  std::ranges::sort(names);
+  do {
+    if (auto found = compare(names)) return found;
+    std::reverse(names.begin() + static_cast<std::ptrdiff_t>(n), names.end());
+  } while (std::next_permutation(names.begin(), names.end()));
+  return {};
 }
 
 }  // namespace taut

@@ -15,21 +15,23 @@
 namespace taut {
 namespace {
 
-constexpr std::array kPairKeys = {"cutoff_nm",     "switch_nm",       "dispersion_correction",
-                                  "coulomb",       "rf_dielectric",   "ewald_tolerance",
-                                  "pme_order",     "pme_grid",        "ewald_alpha_per_nm"};
+constexpr std::array kPairKeys = {"cutoff_nm", "switch_nm",     "dispersion_correction",
+                                  "coulomb",   "rf_dielectric", "ewald_tolerance",
+                                  "pme_order", "pme_grid",      "ewald_alpha_per_nm"};
 
 std::string describe(const std::optional<double>& number, const char* unit) {
   return number ? fmt::format("{:g}{}", *number, unit) : "none";
 }
 
-// The parts of the model that keys of [forcefield] can change: name and value.
+// Returns names and values of those parts of the model that keys of [forcefield] can change.
 std::vector<std::pair<const char*, std::string>> describe_model(const Nonbonded& pairs) {
   const bool field = !pairs.pme && pairs.cutoff;
   return {{"a cutoff of", describe(pairs.cutoff, " nm")},
           {"a switch from", describe(pairs.switch_distance, " nm")},
           {"a dispersion correction:", pairs.dispersion_correction ? "yes" : "no"},
-          {"Coulomb by", pairs.pme ? "PME" : field ? "a reaction field" : "all pairs"},
+          {"Coulomb by", pairs.pme ? "PME"
+                         : field   ? "a reaction field"
+                                   : "all pairs"},
           {"a dielectric constant beyond the cutoff of", field ? describe(pairs.rf_dielectric, "") : "none"}};
 }
 
@@ -44,8 +46,9 @@ void note_changes(const Nonbonded& before, const Nonbonded& after, std::vector<s
 void override_pair_forces(const TomlTable& keys, Scene& scene) {
   auto& pairs = scene.terms.nonbonded;
   for (const char* key : kPairKeys)
-    keys.counts(key, pairs.has_value(), "where a NonbondedForce acts, and the System has none");
-  keys.counts("precision", pairs || scene.terms.wca, "between pairs, and the System has no force between them");
+    keys.require_effect(key, pairs.has_value(), "where a NonbondedForce acts, and the System has none");
+  keys.require_effect("precision", pairs || scene.terms.wca,
+                      "between pairs, and the System has no force between them");
   if (pairs) {
     const Nonbonded before = *pairs;
     read_cutoff(keys, scene.start.box, *pairs);
@@ -65,7 +68,7 @@ void override_forces(const TomlTable& root, Scene& scene) {
   read_outer(rows, scene.terms);
   build.reject_unknown();
   if (forcefield.keys().empty() && build.keys().empty()) return;
-  try {  // The force field refuses what does not fit together.
+  try {  // The force field refuses contradictory settings.
     [[maybe_unused]] const ForceField fitting(scene.system, scene.start.box, scene.terms);
   } catch (const LocatedError&) {
     throw;

@@ -5,10 +5,10 @@
 
 namespace taut {
 
-// Lays keys of a scene over the forces of a System that OpenMM prepared: all of [forcefield], and of [build]
-// gravity_nm_ps2, pulls and restraints, which act besides the System's own. A scene's note says each change
-// of the model; precision, and how closely PME sums, do not change it. Throws LocatedError for a key that
-// cannot act on this System, with the reason.
+// Applies keys of a scene to a System that OpenMM prepared: all of [forcefield], and gravity_nm_ps2, pulls
+// and restraints of [build], which act in addition to the System's forces. A note reports each change of the
+// model; the precision and the accuracy of PME are no part of it. Throws LocatedError, with the reason, for a
+// key without effect on this System.
 void override_forces(const TomlTable& root, Scene& scene);
 
 }  // namespace taut

@@ -28,7 +28,7 @@ void read_momentum_remover(const Reading& r) {
   r.to.remove_momentum_every = every;
 }
 
-// Only noted: which thermostat a run has is for its own settings to say.
+// Only noted, because the run settings choose the thermostat.
 void read_thermostat(const Reading& r) {
   double temperature = 0, frequency = 0;
   r.read({{"temperature", &temperature}, {"frequency", &frequency}}, {"randomSeed"});
@@ -51,13 +51,13 @@ void read_cmap(const Reading& r) {
     if (map.count() != static_cast<std::size_t>(size) * size)
       map.refuse(fmt::format("has {} energies, expected {} x {}", map.count(), size, size));
     Eigen::MatrixXd& to = t.maps.emplace_back(size, size);
-    double* next = to.data();  // OpenMM's order: phi first
+    double* next = to.data();  // in OpenMM's order, phi first
     map.each_of("Energy", [&](const Element& energy) { energy.read_leaf({{"e", next++}}); });
   });
   read_list(r.force, t.cmaps, r.system.atoms());
 }
 
-// Its temperature is the thermostat's, for a run's own settings to say.
+// Its temperature is that of the thermostat in the run settings.
 void read_barostat(const Reading& r) {
   double pressure = 0, temperature = 0;
   int every = 0;
@@ -116,9 +116,10 @@ void read_nonbonded(const Reading& r) {
   read_particles(r, t);
   read_list(r.force, t.exceptions, r.system.atoms());
 
-  // OpenMM ignores switch and dielectric without a cutoff, and the dispersion correction without a box.
+  // OpenMM ignores the switch and the dielectric constant without a cutoff, and the dispersion correction
+  // without a box.
   r.to.takes_images = x.takes_images;
-  // It takes a grid with an alpha alone.
+  // It uses a grid only together with an alpha.
   r.to.periodic_pairs = x.method >= NonbondedXml::kCutoffPeriodic;
   const bool by_tolerance = x.method == NonbondedXml::kEwald || x.pme.alpha == 0;
   if (x.method == NonbondedXml::kPME || x.method == NonbondedXml::kEwald)
@@ -133,7 +134,7 @@ void read_nonbonded(const Reading& r) {
   if (x.switched) t.switch_distance = x.switch_distance;
 }
 
-// With the version OpenMM 7.7 writes, which 8.6 reads too, and that 8.6 writes.
+// For each force, the version that OpenMM 7.7 writes, which 8.6 reads, too, and the one that 8.6 writes.
 struct ForceKind {
   const char* type;
   int oldest, newest;

@@ -5,7 +5,7 @@
 
 #include <array>
 
-#include "systems/openmm/known.hpp"
+#include "systems/openmm/expression.hpp"
 
 namespace taut {
 namespace {
@@ -14,7 +14,7 @@ class Images {
  public:
   Images(const Element& at, bool taken, const WholeMolecules& m) : at_(at), taken_(taken), m_(m) {}
 
-  // The atoms of a term, neighbours side by side.
+  // The atoms of a term, in the order of its bonds.
   template <std::size_t N>
   void check(const char* kind, std::size_t index, const std::array<int, N>& atoms) const {
     for (std::size_t a = 1; a < N; ++a) {
@@ -63,7 +63,7 @@ void check_images(const Element& at, const OpenMMForce& force, const WholeMolecu
   }
   for (const auto& t : force.pairs) images.check("bond", k++, std::array{t.i, t.j});
   for (const auto& t : terms.fene) images.check("bond", k++, std::array{t.i, t.j});
-  // What takes no nearest image stays what it is while an atom is nearer to its place than half the box.
+  // A restraint without nearest images is the same while its atom is within half the box of its place.
   if (!force.takes_images)
     for (const auto& t : terms.restraints) images.check_place(t.atom, t.at);
   if (!terms.nonbonded) return;

@@ -8,7 +8,7 @@
 
 namespace taut {
 
-// Where the atoms are, and to which molecule each belongs.
+// The positions of the atoms, and the molecule of each.
 struct WholeMolecules {
   Box box;
   Vectors as_given, whole;  // positions [nm], 3 x n
@@ -19,15 +19,16 @@ struct WholeMolecules {
   }
 };
 
-// taut takes bonded terms and exceptions between atoms as they are, with molecules whole. That is what OpenMM
-// does
-// - with a force between nearest images, if the atoms of each term belong to one molecule and are near;
-// - with another, if the molecules of its terms were whole to begin with.
-// Refuses the first term it is not. (In a uniform field, an atom moved by an edge of the box is at another
-// potential, by a constant.)
+// taut evaluates bonded terms and exceptions without images, with whole molecules. This agrees with OpenMM
+// - for a force that uses nearest images, if the atoms of each term belong to one molecule and are near each
+//   other;
+// - for other forces, if the molecules of their terms are whole in the State. Refuses the first term for
+//   which it does not agree. (In a uniform field, moving an atom by an edge of the box changes the potential
+//   by a constant.)
 void check_images(const Element& at, const OpenMMForce& force, const WholeMolecules& molecules);
 
-// OpenMM places a virtual site among its parents as they are: refuses the first whose parents were not whole.
+// OpenMM places a virtual site without images: refuses the first site whose parents are not whole in the
+// State.
 void check_images(const Element& at, const VirtualSites& sites, const WholeMolecules& molecules);
 
 }  // namespace taut

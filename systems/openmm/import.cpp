@@ -1,11 +1,268 @@
 #include "systems/openmm/import.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <deque>
+
+#include "base/errors.hpp"
+#include "forcefield/check_terms.hpp"
+#include "systems/openmm/forces.hpp"
+#include "systems/openmm/images.hpp"
+#include "systems/openmm/lennard_jones.hpp"
+#include "systems/openmm/sites.hpp"
+#include "systems/openmm/terms.hpp"
+#include "systems/openmm/xml.hpp"
 #include "systems/whole_molecules.hpp"
 
 namespace taut {
 namespace {
 
-// "water.system.xml" -> "water"
+// Returns "force 3: CustomBondForce "spring"".
+std::string title(const Element& force, std::size_t index) {
+  const std::string type = force.text("type"), name = force.has_attribute("name") ? force.text("name") : type;
+  return fmt::format("force {}: {}", index, name == type ? type : fmt::format("{} \"{}\"", type, name));
+}
+
+// A force and its position in the file. It must not be moved.
+struct PlacedForce {
+  PlacedForce(const Element& element, std::size_t index)
+      : name(title(element, index)), at(element.named(name)) {}
+  PlacedForce(const PlacedForce&) = delete;
+  PlacedForce& operator=(const PlacedForce&) = delete;
+
+  bool periodic() const { return force.takes_images || force.periodic_pairs.value_or(false); }
+
+  std::string name;
+  Element at;
+  OpenMMForce force{};
+};
+using PlacedForces = std::deque<PlacedForce>;
+
+void check_version(const Element& root) {
+  if (root.text("version") != "1")
+    root.refuse(fmt::format("has version=\"{}\", expected 1", root.text("version")));
+}
+
+Vec3 read_vector(const Element& element) {
+  Vec3 v;
+  element.read_leaf(coordinates(v));
+  return v;
+}
+
+System read_atoms(const Element& particles) {
+  Eigen::VectorXd mass(static_cast<Eigen::Index>(particles.count()));
+  const int atoms = static_cast<int>(mass.size());
+  VirtualSites sites;
+  int a = 0;
+  particles.each("Particle", [&](const Element& particle) {
+    particle.read({{"mass", &mass[a]}});
+    if (mass[a] < 0) particle.refuse(fmt::format("atom {} has mass {}, expected 0 or more", a, mass[a]));
+    if (particle.count() > 0) sites.push_back(read_site(particle, a, atoms));
+    ++a;
+  });
+  try {
+    return make_system(std::move(mass), {}, std::move(sites));
+  } catch (const InputError& e) {
+    particles.refuse(e.what());
+  }
+}
+
+System with_bonds(const Element& constraints, const System& atoms, std::vector<RigidBond> bonds) {
+  // A constraint between two anchors has no effect; OpenMM ignores it, too.
+  std::erase_if(
+      bonds, [&](const RigidBond& b) { return b.i != b.j && atoms.is_anchor(b.i) && atoms.is_anchor(b.j); });
+  try {
+    return make_system(atoms.mass, std::move(bonds), atoms.sites);
+  } catch (const InputError& e) {
+    constraints.refuse(fmt::format("among its constraints, {}", e.what()));
+  }
+}
+
+Vectors read_vectors(const Element& list, const char* each, const char* what, int atoms) {
+  if (list.count() != static_cast<std::size_t>(atoms))
+    list.refuse(fmt::format("has {} {}, but the system has {} atoms", list.count(), what, atoms));
+  Vectors to(3, atoms);
+  Eigen::Index a = 0;
+  list.each(each, [&](const Element& element) { to.col(a++) = read_vector(element); });
+  return to;
+}
+
+Box read_box(const Element& vectors) {
+  vectors.read({});
+  vectors.check_parts({"A", "B", "C"});
+  Eigen::Matrix3d edges;
+  int c = 0;
+  for (const char* name : {"A", "B", "C"}) edges.col(c++) = read_vector(vectors.part(name));
+  if (const std::string flaw = Box::flaw(edges); !flaw.empty()) vectors.refuse("its box has " + flaw);
+  return Box::of(edges);
+}
+
+// Reads the virtual sites; their positions in the State are ignored.
+void place(const Element& state, OpenMMInput& input) {
+  try {
+    place_sites(input.system.sites, input.start.x);
+  } catch (const SimulationFailure& e) {
+    state.part("Positions").refuse(e.what());
+  }
+  if (!input.start.x.allFinite()) state.part("Positions").refuse("a virtual site is at no finite place");
+}
+
+void read_start(const Element& state, OpenMMInput& to) {
+  const int atoms = to.system.atoms();
+  state.read({{"time", &to.start.t}}, {"openmmVersion", "stepCount", "type", "version"});
+  check_version(state);
+  state.check_parts({}, {"PeriodicBoxVectors", "Parameters", "Energies", "Positions", "Velocities", "Forces",
+                         "IntegratorParameters"});
+  if (!state.has("Positions")) state.refuse("has no positions");
+  to.start.x = read_vectors(state.part("Positions"), "Position", "positions", atoms);
+  to.has_velocities = state.has("Velocities");
+  to.start.v = to.has_velocities ? read_vectors(state.part("Velocities"), "Velocity", "velocities", atoms)
+                                 : Vectors::Zero(3, atoms);
+  for (int a = 0; a < atoms; ++a)
+    if (to.system.mass[a] == 0)
+      to.start.v.col(a).setZero();  // atoms without mass do not move, whatever the State says
+  to.start.f = Vectors::Zero(3, atoms);
+  place(state, to);
+  if (state.has("IntegratorParameters") && !state.part("IntegratorParameters").empty())
+    to.notes.emplace_back(
+        "start: what the State has of OpenMM's integrator (IntegratorParameters) is not used");
+}
+
+std::map<std::string, double> read_context_parameters(const Element& state) {
+  return state.has("Parameters") ? state.part("Parameters").numbers() : std::map<std::string, double>();
+}
+
+void read_forces(const Element& list, const Element& state, const System& system, PlacedForces& forces) {
+  ContextParameters context(read_context_parameters(state));
+  list.each("Force", [&](const Element& element) {
+    PlacedForce& placed = forces.emplace_back(element, forces.size());
+    placed.force = read_force(placed.at, system, context);
+  });
+  if (const auto name = context.undeclared())
+    state.part("Parameters")
+        .refuse(fmt::format("the State sets the parameter {}, which no force of the System declares", *name));
+}
+
+// Returns the box for all forces: the State's, or the System's if the State has none.
+Box box_of(const PlacedForces& forces, const Element& system, const Element& state) {
+  const auto periodic = std::find_if(forces.begin(), forces.end(), std::mem_fn(&PlacedForce::periodic));
+  if (periodic == forces.end()) return {};
+  for (const PlacedForce& f : forces)
+    if (f.force.periodic_pairs == false)
+      f.at.refuse(
+          fmt::format("its pairs are not periodic, but {} is: taut has one box for all", periodic->name));
+  return read_box((state.has("PeriodicBoxVectors") ? state : system).part("PeriodicBoxVectors"));
+}
+
+// Adds the force to the message of an exception.
+void of_force(const PlacedForce& f, const auto& act) {
+  try {
+    act();
+  } catch (const InputError& e) {
+    f.at.refuse(e.what());
+  }
+}
+
+void check_forces(const PlacedForces& forces, const System& system, const Box& box) {
+  for (const PlacedForce& f : forces) of_force(f, [&] { check_terms(system, box, f.force.terms); });
+}
+
+// Makes broken molecules whole. `constraints` includes those of anchors.
+void mend_molecules(const PlacedForces& forces, const std::vector<RigidBond>& constraints,
+                    const Element& state, OpenMMInput& input) {
+  std::vector<BondedPair> pairs;
+  for (const auto& b : constraints) pairs.push_back({b.i, b.j});
+  for (const PlacedForce& f : forces) {
+    for (const auto& b : f.force.terms.bonds) pairs.push_back({b.i, b.j});
+    for (const auto& b : f.force.terms.fene) pairs.push_back({b.i, b.j});
+  }
+  tie_sites(input.system.sites, pairs);
+  const Vectors as_given = input.start.x;
+  try {
+    make_whole(input.start.box, pairs, input.start.x);
+  } catch (const InputError& e) {
+    state.part("Positions").refuse(e.what());
+  }
+  const WholeMolecules molecules{input.start.box, as_given, input.start.x,
+                                 taut::molecules(input.system.atoms(), pairs)};
+  check_images(state.part("Positions"), input.system.sites, molecules);
+  place(state, input);
+  for (const PlacedForce& f : forces) check_images(f.at, f.force, molecules);
+}
+
+template <class Term>
+void add_all(std::vector<Term>& to, const std::vector<Term>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+template <class Part>
+void add_one(const Element& at, std::optional<Part>& to, std::optional<Part>& from) {
+  if (to && from) at.refuse("is the second of its kind: taut has one");
+  if (from) to = std::move(from);
+}
+
+void add(PlacedForce& placed, OpenMMInput& input) {
+  Terms &from = placed.force.terms, &to = input.terms;
+  add_all(to.bonds, from.bonds);
+  add_all(to.angles, from.angles);
+  add_all(to.torsions, from.torsions);
+  add_all(to.rb_torsions, from.rb_torsions);
+  add_all(to.harmonic_torsions, from.harmonic_torsions);
+  for (CmapTorsion& t : from.cmaps) t.map += static_cast<int>(to.maps.size());
+  add_all(to.maps, from.maps);
+  add_all(to.cmaps, from.cmaps);
+  add_all(to.fene, from.fene);
+  add_all(to.pulls, from.pulls);
+  add_all(to.restraints, from.restraints);
+  add_one(placed.at, to.nonbonded, from.nonbonded);
+  add_one(placed.at, to.wca, from.wca);
+  add_one(placed.at, to.gravity, from.gravity);
+  for (const auto& note : placed.force.notes) input.notes.push_back(fmt::format("{} {}", placed.name, note));
+  add_one(placed.at, input.barostat, placed.force.barostat);
+  if (placed.force.remove_momentum_every == 0) return;
+  if (input.remove_momentum_every != 0) placed.at.refuse("is the second of its kind: one is enough");
+  input.remove_momentum_every = placed.force.remove_momentum_every;
+}
+
+}  // namespace
+
+OpenMMInput read_openmm(const std::filesystem::path& system_xml, const std::filesystem::path& state_xml) {
+  const XmlFile system_file(system_xml, "System"), state_file(state_xml, "State");
+  const Element system = system_file.root(), state = state_file.root();
+  system.read({}, {"openmmVersion", "type", "version"});
+  check_version(system);
+  system.check_parts(
+      {"PeriodicBoxVectors", "Particles", "Constraints", "Forces"});  // the State's box takes precedence
+
+  OpenMMInput input;
+  const System atoms = read_atoms(system.part("Particles"));
+  std::vector<RigidBond> constraints;
+  read_list(system, constraints, atoms.atoms());
+  input.system = with_bonds(system.part("Constraints"), atoms, constraints);
+  read_start(state, input);
+
+  PlacedForces forces;
+  read_forces(system.part("Forces"), state, input.system, forces);
+  input.start.box = box_of(forces, system, state);
+  check_forces(forces, input.system, input.start.box);
+  if (input.start.box.periodic()) mend_molecules(forces, constraints, state, input);
+  for (PlacedForce& f : forces) add(f, input);
+  bool has_types = false;
+  for (PlacedForce& f : forces)
+    of_force(f, [&] {
+      if (!f.force.lennard_jones) return;
+      if (has_types) f.at.refuse("is the second of its kind: taut has one");
+      add_lennard_jones(std::move(*f.force.lennard_jones), input.terms.nonbonded);
+      has_types = true;
+    });
+  for (PlacedForce& f : forces) of_force(f, [&] { add_pairs(f.force.pairs, input.terms.nonbonded); });
+  return input;
+}
+
+namespace {
+
+// Returns "water" for "water.system.xml".
 std::string scene_name(const std::filesystem::path& file) {
   const std::filesystem::path stem = file.stem();
   return (stem.extension() == ".system" ? stem.stem() : stem).string();

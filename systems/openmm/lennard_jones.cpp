@@ -32,7 +32,7 @@ void check_same_pairs(const Nonbonded& types, const Nonbonded& charges) {
                                ours.contains(others.front()) ? "not" : "so"));
 }
 
-// 4ε((σ/r)¹² − (σ/r)⁶) of each type with itself.
+// Returns σ and ε of 4ε((σ/r)¹² − (σ/r)⁶) for each type with itself.
 struct OfTypes {
   Eigen::VectorXd sigma, epsilon;
 

@@ -20,7 +20,7 @@ constexpr SiteKind kSiteKinds[] = {{"TwoParticleAverageSite", VirtualSite::Kind:
                                    {"OutOfPlaneSite", VirtualSite::Kind::kOutOfPlane, 3},
                                    {"LocalCoordinatesSite", VirtualSite::Kind::kLocal, 0}};
 
-// A site's attributes, read into it or written from it.
+// The attributes of a site, for reading and writing.
 class SiteAttributes {
  public:
   SiteAttributes(VirtualSite& site, int atoms) : site_(site), atoms_(atoms) {

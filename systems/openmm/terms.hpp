@@ -1,7 +1,7 @@
 #pragma once
 
-// What OpenMM's XML calls the lists a System is made of, for the reader and the writer: a list's name, that
-// of each of its elements, and their attributes.
+// OpenMM's XML names for the lists of a System, for reading and writing: the name of a list, of its elements,
+// and of their attributes.
 
 #include <array>
 #include <limits>
@@ -13,7 +13,7 @@
 
 namespace taut {
 
-// An atom, of so many.
+// Returns the field of an atom's number, which must be less than `atoms`.
 inline Field atom_field(std::string_view name, int& a, int atoms) {
   return {name, Field::Integer{&a, 0, atoms - 1}};
 }
@@ -25,7 +25,7 @@ inline std::vector<Field> coordinates(Vec3& v) {
 template <class Part>
 struct InXml;
 
-// Reads a list of an element, or of a force, into the end of `to`.
+// Appends a list of an element or of a force to `to`.
 template <class Part>
 void read_list(const Element& of, std::vector<Part>& to, int atoms) {
   const Element list = of.part(InXml<Part>::kList);
@@ -65,7 +65,7 @@ struct InXml<HarmonicAngle> {
   }
 };
 
-// The four atoms of a torsion of either kind, and what it has of its own.
+// Returns the fields of the four atoms of a torsion, followed by its own ones.
 template <class Torsion>
 std::vector<Field> torsion_fields(Torsion& t, int atoms, std::vector<Field> own) {
   own.insert(own.begin(), {atom_field("p1", t.i, atoms), atom_field("p2", t.j, atoms),
@@ -130,7 +130,7 @@ struct InXml<std::array<int, 2>> {
   }
 };
 
-// A NonbondedForce but for its lists.
+// The attributes of a NonbondedForce, without its lists.
 struct NonbondedXml {
   enum Method { kNoCutoff, kCutoffNonPeriodic, kCutoffPeriodic, kEwald, kPME, kLJPME };
   int method = kNoCutoff;
@@ -156,13 +156,13 @@ struct NonbondedXml {
             {"exceptionsUsePeriodic", &takes_images},
             {"includeDirectSpace", &direct_space}};
   }
-  // Of groups, and of Lennard-Jones by PME; the values are OpenMM's own at the start.
+  // Attributes of force groups and of Lennard-Jones PME, with OpenMM's default values.
   static constexpr std::pair<const char*, const char*> kUnused[] = {
       {"recipForceGroup", "-1"}, {"ljAlpha", "0"}, {"ljnx", "0"}, {"ljny", "0"}, {"ljnz", "0"}};
   static constexpr const char* kEmpty[] = {"GlobalParameters", "ParticleOffsets", "ExceptionOffsets"};
 };
 
-// A CustomNonbondedForce but for its lists.
+// The attributes of a CustomNonbondedForce, without its lists.
 struct CustomNonbondedXml {
   std::string energy{};
   int method = NonbondedXml::kNoCutoff;

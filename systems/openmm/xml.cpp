@@ -14,8 +14,8 @@
 namespace taut {
 namespace {
 
-constexpr std::size_t kMostBytes = std::size_t(4) << 30;  // some ten million atoms
-constexpr int kDeepest = 32;  // OpenMM's own go to 7; the parameters of nested integrators a little deeper
+constexpr std::size_t kMostBytes = std::size_t(4) << 30;  // enough for ten million atoms
+constexpr int kDeepest = 32;  // OpenMM's files have 7 levels, a few more with nested integrators
 
 std::string shown(std::string_view value) {
   constexpr std::size_t kMost = 60;
@@ -23,7 +23,7 @@ std::string shown(std::string_view value) {
                                : fmt::format("\"{}...\"", value.substr(0, kMost));
 }
 
-// Messages are one line, whatever a name in the file holds.
+// Makes a message one line, whatever a name in the file contains.
 std::string on_one_line(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](unsigned char c) { return c < ' ' || c == 127; }, ' ');
@@ -58,7 +58,7 @@ XmlFile::XmlFile(std::filesystem::path path, const std::string& type) : path_(st
   if (in.bad()) refuse("cannot be read to its end");
   if (text_.size() > kMostBytes) refuse(fmt::format("is over {} GiB, expected less", kMostBytes >> 30));
 
-  // As a fragment, so that text beside the root is found and not passed over.
+  // Parsed as a fragment, so that text outside the root element is found.
   const auto parsed = document_.load_buffer(
       text_.data(), text_.size(), pugi::parse_default | pugi::parse_fragment | pugi::parse_trim_pcdata,
       pugi::encoding_utf8);
@@ -71,7 +71,8 @@ XmlFile::XmlFile(std::filesystem::path path, const std::string& type) : path_(st
                     found.empty() ? fmt::format("<{}>", root().name()) : fmt::format("a {}", shown(found))));
 }
 
-// One element, with none but elements in it, and not too deep. Without recursion.
+// Checks, without recursion, that there is one root element, that all nodes are elements, and that the depth
+// is limited.
 void XmlFile::check_tree() const {
   const pugi::xml_node top = document_.first_child();
   if (!top) refuse_at(0, "not whole XML: there is no element");

@@ -1,8 +1,8 @@
 #pragma once
 
-// OpenMM's XML, read strictly: an attribute or element that is not asked for is refused by name, one that is
-// lacks likewise, and every refusal says file and line. For the readers of openmm/read.cpp and the twin. What
-// is read by a list of fields is written by the same.
+// A strict reader of OpenMM's XML: unexpected and missing attributes and elements are refused by name, with
+// file and line. The readers of openmm/import.cpp and the OpenMM twin use it. The same lists of fields serve
+// for reading and writing.
 
 #include <filesystem>
 #include <initializer_list>
@@ -17,11 +17,11 @@ namespace taut {
 
 class Element;
 
-// A whole XML file of one element, whose type is "System" or "State". No deeper than OpenMM's are: readers
-// that go down it by recursion are safe.
+// An XML file with one root element of type "System" or "State". Its depth is limited, so that recursive
+// readers are safe.
 class XmlFile {
  public:
-  // Throws InputError, one line, with file and line.
+  // Throws InputError, one line that names file and line.
   XmlFile(std::filesystem::path path, const std::string& type);
   XmlFile(const XmlFile&) = delete;
   XmlFile& operator=(const XmlFile&) = delete;
@@ -40,54 +40,54 @@ class XmlFile {
   pugi::xml_document document_;
 };
 
-// An attribute and where its value goes. A number is finite, a flag 0 or 1.
+// An attribute and the variable for its value. Numbers must be finite, flags 0 or 1.
 struct Field {
   struct Integer {
     int* to;
-    int low, high;  // both allowed
+    int low, high;  // limits, inclusive
   };
   std::string_view name;
   std::variant<double*, bool*, std::string*, Integer> to;
 };
 
-// Appends an element with these attributes, their values such that they are read back to the last bit.
+// Appends an element with these attributes. Values are written with all digits, so that they are read back
+// exactly.
 pugi::xml_node append(pugi::xml_node to, const char* name, const std::vector<Field>& fields);
 
 class Element {
  public:
   Element(const XmlFile& file, pugi::xml_node node, const std::string* within = nullptr)
       : file_(&file), node_(node), within_(within) {}
-  // The same, and all refusals of it and of what is in it begin with `what`, which outlives them.
+  // Returns the element with a prefix `what` for all its error messages; the string must outlive it.
   Element named(const std::string& what) const { return {*file_, node_, &what}; }
 
   std::string_view name() const { return node_.name(); }
-  std::string text(const char* attribute) const;  // its value; refuses where it is not there
-  std::size_t count() const;                      // of its elements
+  std::string text(const char* attribute) const;  // value of an attribute that must exist
+  std::size_t count() const;                      // number of child elements
 
-  // Reads all its attributes: the fields, each of which must be there, and none but `unused` besides.
+  // Reads all attributes: each of the fields must exist, and no others except `unused`.
   void read(const std::vector<Field>& fields, const std::vector<std::string_view>& unused = {}) const;
 
-  // The same of one that has no elements.
+  // The same for an element that must have no child elements.
   void read_leaf(const std::vector<Field>& fields) const;
-  // All its attributes, whatever their names: numbers.
+  // Returns all attributes, which must be numbers.
   std::map<std::string, double> numbers() const;
 
-  // Checks that its elements are these parts, each once, and none but `unused` besides.
+  // Checks that its child elements are these parts, each once, and no others except `unused`.
   void check_parts(std::initializer_list<const char*> parts,
                    const std::vector<std::string_view>& unused = {}) const;
   bool has(const char* part) const { return bool(node_.child(part)); }
   bool has_attribute(const char* name) const { return bool(node_.attribute(name)); }
   bool empty() const { return !node_.first_attribute() && !node_.first_child(); }
-  Element part(const char* name) const { return {*file_, node_.child(name), within_}; }  // one it has
+  Element part(const char* name) const { return {*file_, node_.child(name), within_}; }  // a part that exists
 
-  // Calls use(element) for each of its elements, all of which have the name, and which has no attributes
-  // itself.
+  // Calls use(element) for each child element. All must have this name, and the element itself no attributes.
   template <class Use>
   void each(std::string_view name, Use use) const {
     read({});
     each_of(name, use);
   }
-  // The same of one that may have attributes.
+  // The same for an element that may have attributes.
   template <class Use>
   void each_of(std::string_view name, Use use) const {
     for (const pugi::xml_node node : node_.children()) {

@@ -1,12 +1,12 @@
-#include "systems/builders/places.hpp"
+#include "systems/builders/placements.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "systems/box_keys.hpp"
 #include "systems/builders/lattice.hpp"
+#include "systems/start_file.hpp"
 #include "systems/whole_molecules.hpp"
 
 namespace taut {
@@ -20,8 +20,9 @@ std::vector<BondedPair> repeated_pairs(const Molecule& molecule, Eigen::Index at
   return pairs;
 }
 
-// How many there are, by what gives their places; without any of it, how many are asked for.
-long copies_given(const TomlTable& keys, Place& place) {
+// Reads the positions of copies and returns their number; without positions, the number that `count` asks
+// for.
+long copies_given(const TomlTable& keys, Placement& placement) {
   Rows rows;
   const bool centred =
       keys.read("centres_nm", rows, Columns{3, 3},
@@ -30,7 +31,7 @@ long copies_given(const TomlTable& keys, Place& place) {
   if (centred && file) keys.fail("file", "centres_nm are said already; leave one out");
   std::string arrange = "random";
   keys.read("arrange", arrange, {"where copies are put", {"random", "lattice"}});
-  place.lattice = arrange == "lattice";
+  placement.lattice = arrange == "lattice";
   std::vector<double> within;
   if (keys.read(
           "within_nm", within,
@@ -40,28 +41,28 @@ long copies_given(const TomlTable& keys, Place& place) {
     if (!(upper.array() >= lower.array()).all())
       keys.fail("within_nm", "the upper corner is below the lower");
     if (upper == lower) keys.fail("within_nm", "both corners are one point; say centres_nm for that");
-    place.within = {lower, upper - lower};
+    placement.within = {lower, upper - lower};
   }
   for (const char* key : {"arrange", "within_nm"})
-    keys.counts(key, !centred && !file, "without centres_nm and file");
+    keys.require_effect(key, !centred && !file, "without centres_nm and file");
   if (centred) {
-    place.centres.resize(3, rows.size());
-    for (std::size_t k = 0; k < rows.size(); ++k) place.centres.col(k) = Vec3(rows[k].data());
+    placement.centres.resize(3, rows.size());
+    for (std::size_t k = 0; k < rows.size(); ++k) placement.centres.col(k) = Vec3(rows[k].data());
     return std::ssize(rows);
   }
-  if (!file) return place.count;
-  const Molecule& molecule = *place.molecule;
-  place.given = *file;
-  Vectors& x = place.given.x;
+  if (!file) return placement.count;
+  const Molecule& molecule = *placement.molecule;
+  placement.given = *file;
+  Vectors& x = placement.given.x;
   if (x.cols() % molecule.atoms() != 0)
     keys.fail("file",
               fmt::format("{} atoms are no whole number of molecules of {}", x.cols(), molecule.atoms()));
-  make_whole(place.given.box, repeated_pairs(molecule, x.cols()), x);
+  make_whole(placement.given.box, repeated_pairs(molecule, x.cols()), x);
   if (const std::string wrong = wrong_bonds(molecule, x); !wrong.empty()) keys.fail("file", wrong);
   return x.cols() / molecule.atoms();
 }
 
-// What [build] says of the box.
+// The keys of [build] for the box.
 struct BoxKeys {
   std::vector<double> edges;
   std::optional<double> grams, atoms;  // [g/cm³], [1/nm³]
@@ -72,11 +73,12 @@ struct BoxKeys {
               {"a box's edges, or its vectors in reduced form, or one number, of the shape `box`", "nm"});
     keys.read("density_g_cm3", grams, {"density of the box", "g/cm³", kPositive});
     keys.read("density_per_nm3", atoms, {"atoms in a volume", "1/nm³", kPositive});
-    shape = read_shape(keys);
+    shape = read_box_shape(keys);
     for (const char* key : {"density_g_cm3", "density_per_nm3"})
-      keys.counts(key, edges.empty(), "without build.box_nm");
-    keys.counts("density_per_nm3", !grams, "without build.density_g_cm3");
-    keys.counts("box", edges.size() == 1 || grams || atoms, "with a density, or one number for build.box_nm");
+      keys.require_effect(key, edges.empty(), "without build.box_nm");
+    keys.require_effect("density_per_nm3", !grams, "without build.density_g_cm3");
+    keys.require_effect("box", edges.size() == 1 || grams || atoms,
+                        "with a density, or one number for build.box_nm");
   }
 };
 
@@ -100,7 +102,7 @@ Library read_library(const TomlTable& root) {
     keys.refuse({"cmap", "cmaps", "sites", "virtual_sites"},
                 "is read of OpenMM's files alone: taut run --openmm system.xml state.xml");
     for (const Key& key : there_are.all) keys.has(key.key);
-    keys.reject_unknown();  // before what comes of a key that is not read
+    keys.reject_unknown();  // first, because a misspelt key may be the cause of a later error
     library.molecules.emplace(name, read_molecule(keys, name, known));
     keys.reject_unknown();
   }
@@ -111,66 +113,66 @@ Library read_library(const TomlTable& root) {
   return library;
 }
 
-Place read_place(const TomlTable& keys, const Library& library) {
+Placement read_placement(const TomlTable& keys, const Library& library) {
   std::vector<std::string_view> names;
   for (const auto& [name, molecule] : library.molecules) names.push_back(name);
-  Place place;
-  place.molecule =
+  Placement placement;
+  placement.molecule =
       &library.molecules.at(keys.choice("molecule", names, "[molecule.NAME], or one of taut's waters"));
-  place.equilibrated = library.water.contains(place.molecule);
+  placement.equilibrated = library.water.contains(placement.molecule);
   std::optional<long> count;
   keys.read("count", count, {"copies; water without it fills what room there is", Range{.min = 1}});
-  place.count = count.value_or(0);
-  const long given = copies_given(keys, place);
+  placement.count = count.value_or(0);
+  const long given = copies_given(keys, placement);
   if (count && given != *count) keys.fail("count", fmt::format("{}, but {} copies are given", *count, given));
-  place.count = given;
-  place.fills = given == 0;
-  if (place.fills && !place.equilibrated) keys.get<long>("count");  // says it is missing
-  if (place.lattice || place.within) place.equilibrated = false;
-  if (place.fills && !place.equilibrated)
-    keys.fail(place.lattice ? "arrange" : "within_nm", "water without a count fills what room there is");
+  placement.count = given;
+  placement.fills = given == 0;
+  if (placement.fills && !placement.equilibrated) keys.get<long>("count");  // reports that it is missing
+  if (placement.lattice || placement.within) placement.equilibrated = false;
+  if (placement.fills && !placement.equilibrated)
+    keys.fail(placement.lattice ? "arrange" : "within_nm", "water without a count fills what room there is");
   keys.reject_unknown();
-  return place;
+  return placement;
 }
 
-std::vector<Place> read_places(const TomlTable& root, const Library& library) {
-  std::vector<Place> places;
+std::vector<Placement> read_placements(const TomlTable& root, const Library& library) {
+  std::vector<Placement> placements;
   double atoms = 0;
   for (std::size_t k = 0; k < root.size("place"); ++k) {
-    places.push_back(read_place(root.section("place", k), library));
-    atoms += places.back().atoms();
+    placements.push_back(read_placement(root.section("place", k), library));
+    atoms += placements.back().atoms();
     if (atoms > kMostAtoms)
       root.fail("place", k,
                 fmt::format("makes it {:.3g} atoms, more than the {} taut takes", atoms, kMostAtoms));
   }
-  if (places.empty()) root.fail("place", "expected at least one [[place]]");
+  if (placements.empty()) root.fail("place", "expected at least one [[place]]");
   for (const auto& [name, molecule] : library.molecules)
     if (!library.water.contains(&molecule) &&
-        std::ranges::find(places, &molecule, &Place::molecule) == places.end())
+        std::ranges::find(placements, &molecule, &Placement::molecule) == placements.end())
       root.section("molecule").fail(name, "no [[place]] has it");
-  return places;
+  return placements;
 }
 
-Box box_of(const TomlTable& keys, const std::vector<Place>& places) {
+Box box_of(const TomlTable& keys, const std::vector<Placement>& placements) {
   const BoxKeys said(keys);
   double mass = 0, atoms = 0;
-  for (const Place& place : places) {
-    mass += static_cast<double>(place.count) * place.molecule->system.mass.sum();
-    atoms += place.atoms();
+  for (const Placement& placement : placements) {
+    mass += static_cast<double>(placement.count) * placement.molecule->system.mass.sum();
+    atoms += placement.atoms();
   }
   if (said.edges.size() > 1) return read_box(keys);
   if (!said.edges.empty() && !(said.edges[0] > 0)) keys.fail("box_nm", "expected more than 0");
   if (!said.edges.empty()) return said.shape.scaled(Vec3::Constant(said.edges[0]));
   if (said.grams && mass == 0) keys.fail("density_g_cm3", "there is no mass");
-  if ((said.grams || said.atoms) && std::ranges::any_of(places, &Place::fills))
+  if ((said.grams || said.atoms) && std::ranges::any_of(placements, &Placement::fills))
     keys.fail(said.grams ? "density_g_cm3" : "density_per_nm3",
               "water without a count fills a box: say build.box_nm, or a count");
   if (said.grams || said.atoms) {
     const double volume = said.grams ? mass / (*said.grams * kGramPerCm3) : atoms / *said.atoms;
     return said.shape.scaled(Vec3::Constant(std::cbrt(volume / said.shape.volume())));
   }
-  for (const Place& place : places)
-    if (place.given.box.periodic()) return place.given.box;
+  for (const Placement& placement : placements)
+    if (placement.given.box.periodic()) return placement.given.box;
   return {};
 }
 

@@ -16,18 +16,18 @@ struct OpenMMBarostat {  // a MonteCarloBarostat
   long every;  // steps
 };
 
-// What OpenMM's two files hold.
+// The contents of OpenMM's two files.
 struct OpenMMInput {
   System system;
   Terms terms;
-  State start;                     // molecules whole, anchors at rest; a box where any force is periodic
+  State start;  // molecules are whole and anchors at rest; a box only if a force is periodic
   long remove_momentum_every = 0;  // steps; 0: never
-  bool has_velocities = true;      // in the State; if not, all is at rest
+  bool has_velocities = true;      // false: the State has none, and all atoms are at rest
   std::optional<OpenMMBarostat> barostat{};
-  std::vector<std::string> notes{};  // what of the State is not used, a line each
+  std::vector<std::string> notes{};  // parts of the State that are not used, a line each
 };
 
-// The reading behind import_openmm, and its refusals. Needs no OpenMM.
+// Reads the files for import_openmm(). Needs no OpenMM.
 OpenMMInput read_openmm(const std::filesystem::path& system_xml, const std::filesystem::path& state_xml);
 
 }  // namespace taut

@@ -1,9 +1,8 @@
-#include "files/set_aside.hpp"
+#include "files/folder.hpp"
 
 #include <fmt/format.h>
 
 #include "base/errors.hpp"
-#include "files/disk_file.hpp"
 
 namespace taut {
 namespace {
@@ -23,9 +22,29 @@ fs::path new_folder_beside(const fs::path& folder) {
   }
 }
 
+fs::path make_and_return(fs::path folder) {
+  make_folder(folder);
+  return folder;
+}
+
 }  // namespace
 
-std::vector<std::string> present(const fs::path& folder, const std::vector<std::string>& names) {
+void make_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error)
+    throw OutsideError(fmt::format("{}: cannot make the folder: {}", folder.string(), error.message()));
+}
+
+FolderLock::FolderLock(fs::path folder)
+    : path_(make_and_return(std::move(folder))), file_(path_ / ".lock", DiskFile::kEither) {
+  if (!file_.lock())
+    throw InputError(
+        fmt::format("{}: another taut is still writing there; wait until it ends, or give another folder",
+                    path_.string()));
+}
+
+std::vector<std::string> list_present(const fs::path& folder, const std::vector<std::string>& names) {
   std::vector<std::string> there;
   std::error_code ignored;
   for (const std::string& name : names)
@@ -33,8 +52,8 @@ std::vector<std::string> present(const fs::path& folder, const std::vector<std::
   return there;
 }
 
-// Where a link leads, a rename does not cross to another disk.
-fs::path folder_to_number(const fs::path& folder) {
+// Links are followed because a rename cannot move files to another disk.
+fs::path backup_base(const fs::path& folder) {
   const fs::path plain = folder.has_filename() ? folder : folder.parent_path();
   std::error_code error;
   const fs::path name = plain.filename();
@@ -44,8 +63,8 @@ fs::path folder_to_number(const fs::path& folder) {
   return real;
 }
 
-fs::path set_aside(const fs::path& folder, const std::vector<std::string>& names) {
-  const fs::path from = folder_to_number(folder), to = new_folder_beside(from);
+fs::path move_to_backup(const fs::path& folder, const std::vector<std::string>& names) {
+  const fs::path from = backup_base(folder), to = new_folder_beside(from);
   for (const std::string& name : names) {
     std::error_code error;
     fs::rename(from / name, to / name, error);

@@ -10,16 +10,16 @@
 
 namespace taut {
 
-// Which places of a box are taken: by spheres that may touch, of radii up to `widest`. Spheres are counted in
-// the order they were put there. Looking one up takes a time that does not grow with their number.
-class Room {
+// The space of a box that spheres occupy, with radii up to `widest`. Spheres are numbered in the order in
+// which they are added. A look-up takes a time that does not depend on their number.
+class OccupiedSpace {
  public:
-  Room(const Box& box, double widest) : box_(box), cell_(std::max(2 * widest, 0.05)) {}
+  OccupiedSpace(const Box& box, double widest) : box_(box), cell_(std::max(2 * widest, 0.05)) {}
 
-  // Whether a sphere at x overlaps none of them but those that may: may(n) says it of the n-th.
+  // Returns whether a sphere at x overlaps no sphere n, except those for which may(n) is true.
   template <class May>
-  bool free(const Vec3& x, double radius, May may) const {
-    const Vec3 at = home(x);
+  bool is_free(const Vec3& x, double radius, May may) const {
+    const Vec3 at = wrap(x);
     const Cell middle = cell_of(at);
     for (int n = 0; n < 27; ++n) {
       const auto found =
@@ -32,13 +32,13 @@ class Room {
     }
     return true;
   }
-  bool free(const Vec3& x, double radius) const {
-    return free(x, radius, [](int) { return false; });
+  bool is_free(const Vec3& x, double radius) const {
+    return is_free(x, radius, [](int) { return false; });
   }
 
-  void take(const Vec3& x, double radius);
-  int taken() const { return static_cast<int>(put_.size()); }
-  void release(int n);  // the n-th and all after it
+  void add(const Vec3& x, double radius);
+  int size() const { return static_cast<int>(put_.size()); }
+  void remove_from(int n);  // removes sphere n and all later ones
 
  private:
   using Cell = std::array<long, 3>;
@@ -53,13 +53,13 @@ class Room {
     int n;
   };
 
-  Vec3 home(const Vec3& x) const;  // its image in the brick from the origin on
+  Vec3 wrap(const Vec3& x) const;  // the image in the unit cell
   Cell cell_of(const Vec3& x) const;
 
   Box box_;
-  double cell_;  // [nm]: wider than any two spheres that overlap are apart
+  double cell_;  // edge of a cell [nm], larger than the distance of any two overlapping spheres
   std::unordered_map<Cell, std::vector<Sphere>, Hash> cells_;
-  std::vector<std::vector<Cell>> put_;  // of each sphere, the cells it and its images are in
+  std::vector<std::vector<Cell>> put_;  // the cells of each sphere and its images
 };
 
 }  // namespace taut
