@@ -70,7 +70,7 @@ OpenRun open_new(RunRequest& request) {
     refuse_other_run(request);  // before a start that may take long to relax
   OpenRun run{std::move(request.source), nullptr, {}};
   run.simulation = std::make_unique<Simulation>(
-      std::move(*request.scene), request.threads.value_or(available_threads()), request.on_move);
+      std::move(*request.scene), request.threads ? *request.threads : available_threads(), request.on_move);
   if (request.folder.empty()) return run;
   FolderLock lock(request.folder);
   refuse_other_run(request);  // another process may have been faster
