@@ -46,6 +46,10 @@ int FixTaut::pack_restart(int i, double* buffer) {
 void FixTaut::unpack_restart(int i, int nth) {
   const double* next = atom->extra[i];
   for (int k = 0; k < nth; ++k) next += static_cast<int>(*next);
+  if (!taut::HeldBonds::fits(next + 2, static_cast<int>(next[0]) - 2))
+    stop(
+        "another version of fix taut wrote this restart file: give the fix another ID than there, and it "
+        "starts without the multipliers of earlier steps");
   held_.steps_known = static_cast<int>(next[1]);
   held_.unpack_past(i, next + 2);
 }

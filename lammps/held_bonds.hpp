@@ -50,6 +50,10 @@ class HeldBonds {
   void clear(int i) { held_[i].clear(); }
   int largest_pack() const { return 1 + kPacked * most_; }
   int packed(int i) const { return 1 + kPacked * count(i); }
+  // True if a buffer of so many numbers can hold the bonds that it claims to hold.
+  static bool fits(const double* buffer, int size) {
+    return size == 1 + kPacked * static_cast<int>(buffer[0]);
+  }
   int pack(int i, double* buffer) const;
   int unpack(int i, const double* buffer);  // returns how many numbers it took
   double memory_usage() const;              // [bytes]
