@@ -73,7 +73,9 @@ HWY_INLINE void apply_change(const Shape shape, const double* b, double* lambda,
   }
 }
 
-template <class Shape>
+// kNoise: a thermostat's random force acts besides f. It is known when compiled, because a branch would keep
+// the rows of small clusters out of registers.
+template <class Shape, bool kNoise>
 struct BaumgarteKernel {
   static constexpr bool kOnceMostly = true;
   const Shape shape;
@@ -104,7 +106,10 @@ struct BaumgarteKernel {
   }
   HWY_INLINE SolveNext start(SolveStats&) {
     gather(part, shape.atoms(), step.x, rows.x);
-    gather_sum(part, shape.atoms(), step.f, step.noise, rows.v, rows.f);
+    if constexpr (kNoise)
+      gather_sum(part, shape.atoms(), step.f, step.noise, rows.v, rows.f);
+    else
+      gather(part, shape.atoms(), step.f, rows.f);
     gather(part, shape.atoms(), step.v, rows.v);
     apply_guess(shape, limit_to_known(wanted, step.known), step.shift, past, rows);
     right_hand_side<true>(shape, terms, step.h, rows, eq, worst);
@@ -125,7 +130,7 @@ struct BaumgarteKernel {
     return next(solves);
   }
   HWY_INLINE void end(SolveStats& stats) {
-    if (step.noise) forces_without_noise(shape, part, step.f, past.lambda, rows.r, rows.f);
+    if constexpr (kNoise) forces_without_noise(shape, part, step.f, past.lambda, rows.r, rows.f);
     scatter(shape, part, rows.f, step.f);
     if (worst.within(stats.max_residual)) return;
     find_residuals(part.batch, rows.x, eq.b);
@@ -133,9 +138,15 @@ struct BaumgarteKernel {
   }
 };
 
+template <class Shape>
+using QuietKernel = BaumgarteKernel<Shape, false>;
+template <class Shape>
+using NoisyKernel = BaumgarteKernel<Shape, true>;
+
 SolveStats baumgarte_groups(BaumgarteBatch& batch, const BaumgarteStep& step, const SolveCall& call,
                             int begin, int end, const Scratch& scratch) {
-  return solve_groups<BaumgarteKernel>(batch, step, call, begin, end, scratch);
+  return step.noise ? solve_groups<NoisyKernel>(batch, step, call, begin, end, scratch)
+                    : solve_groups<QuietKernel>(batch, step, call, begin, end, scratch);
 }
 
 }  // namespace taut::HWY_NAMESPACE
