@@ -3,7 +3,6 @@
 #include "base/errors.hpp"
 #include "base/nearest_name.hpp"
 #include "base/random.hpp"
-#include "base/statistics.hpp"
 #include "md/observables.hpp"
 #include "md/run.hpp"
 #include "md/units.hpp"
@@ -262,20 +261,6 @@ TEST(Observables, ABondErrorThatIsNoNumberIsTheWorst) {
   const auto e = bond_errors(sys, x);
   EXPECT_EQ(e.worst, 0);
   EXPECT_TRUE(std::isnan(e.max));
-}
-
-TEST(Slope, FitsALineAndItsUncertainty) {
-  Slope exact, noisy;
-  Random random(5);
-  for (int n = 0; n < 400; ++n) {
-    exact.add(1e6 + n, 3 + 0.25 * n);
-    noisy.add(n, 2.0 * n + random.normal());
-  }
-  EXPECT_NEAR(exact.value(), 0.25, 1e-12);
-  EXPECT_LT(exact.standard_error(), 1e-6);
-  const double expected = 1 / std::sqrt(400.0 * (400.0 * 400 - 1) / 12);
-  EXPECT_NEAR(noisy.standard_error() / expected, 1, 0.15);
-  EXPECT_LT(std::abs(noisy.value() - 2), 4 * expected);
 }
 
 struct Runaway : ForceLaw {

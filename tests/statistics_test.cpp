@@ -191,5 +191,19 @@ TEST(Verdict, OfEnergyDrift) {
   EXPECT_NE(verdict_on(c, "newton, energy").why.find("worse"), std::string::npos);
 }
 
+TEST(Slope, FitsALineAndItsUncertainty) {
+  Slope exact, noisy;
+  Random random(5);
+  for (int n = 0; n < 400; ++n) {
+    exact.add(1e6 + n, 3 + 0.25 * n);
+    noisy.add(n, 2.0 * n + random.normal());
+  }
+  EXPECT_NEAR(exact.value(), 0.25, 1e-12);
+  EXPECT_LT(exact.standard_error(), 1e-6);
+  const double expected = 1 / std::sqrt(400.0 * (400.0 * 400 - 1) / 12);
+  EXPECT_NEAR(noisy.standard_error() / expected, 1, 0.15);
+  EXPECT_LT(std::abs(noisy.value() - 2), 4 * expected);
+}
+
 }  // namespace
 }  // namespace taut
