@@ -85,10 +85,10 @@ TEST(MoleculeErrors, Rows) {
               HasSubstr("pulls[0]: expected one of its atoms in the first unit, 0 to 1"));
   EXPECT_EQ(said_of_rows("restraints = [[0, 0, 0, 0, -1]]"),
             "scene.toml:6: molecule.chain.restraints[0]: expected a stiffness of 0 or more");
-  for (const std::string key : {"cmap", "virtual_sites"})
-    EXPECT_EQ(said_of_rows(key + " = [[0, 1, 2, 3, 4]]"),
-              "scene.toml:6: molecule.chain." + key +
-                  ": is read of OpenMM's files alone: taut run --openmm system.xml state.xml");
+  EXPECT_EQ(
+      said_of_rows("cmap = [[0, 1, 2, 3, 4]]"),
+      "scene.toml:6: molecule.chain.cmap: is read of OpenMM's files alone: taut run --openmm system.xml "
+      "state.xml");
   EXPECT_EQ(said_of_rows("exclude = \"1-5\""),
             "scene.toml:6: molecule.chain.exclude: there is no \"1-5\"; did you mean \"1-2\"?");
   EXPECT_THAT(said_of_rows("exclude = \"1-4\"\ncoulomb_14 = 0.5"),

@@ -99,8 +99,7 @@ Library read_library(const TomlTable& root) {
   if (!root.describing()) read_molecule(TomlTable(none, "", &there_are), "", {});
   for (const std::string& name : said.keys()) {
     const TomlTable keys = said.section(name);
-    keys.refuse({"cmap", "cmaps", "sites", "virtual_sites"},
-                "is read of OpenMM's files alone: taut run --openmm system.xml state.xml");
+    keys.refuse({"cmap", "cmaps"}, "is read of OpenMM's files alone: taut run --openmm system.xml state.xml");
     for (const Key& key : there_are.all) keys.has(key.key);
     keys.reject_unknown();  // first, because a misspelt key may be the cause of a later error
     library.molecules.emplace(name, read_molecule(keys, name, known));

@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <utility>
 
 #include "base/errors.hpp"
 #include "forcefield/bonded/dihedral.hpp"
@@ -84,29 +85,45 @@ void Conformations::plan_torsions() {
   add(molecule_.terms.harmonic_torsions, &Torsion::harmonic);
 }
 
-// Orders atoms breadth first from atom 0.
+// Orders atoms breadth first from the first that is no virtual site; sites come last.
 void Conformations::plan_growth() {
+  const System& sys = molecule_.system;
   std::vector<std::vector<std::pair<int, double>>> next(molecule_.atoms());
   for (const auto& [i, j, length, k, slack] : list_ties(molecule_)) {
+    if (sys.is_site(i) || sys.is_site(j))
+      throw InputError(fmt::format(
+          "atoms {} and {} are tied, and one is a virtual site, from which no shape can be grown; give "
+          "coordinates_nm or file",
+          i, j));
     const double grown =
         length == 0 && k > 0 ? std::sqrt(3 * kT_ / k) : length;  // √⟨r²⟩ of a spring of length 0
     next[i].emplace_back(j, grown);
     next[j].emplace_back(i, grown);
   }
   std::vector<int> rank(molecule_.atoms(), -1);
-  order_.push_back({0});
-  rank[0] = 0;
+  int root = 0;
+  while (sys.is_site(root)) ++root;
+  order_.push_back({root});
+  rank[root] = 0;
   for (std::size_t k = 0; k < order_.size(); ++k)
     for (const auto& [atom, length] : next[order_[k].atom]) {
       if (rank[atom] >= 0) continue;
       rank[atom] = static_cast<int>(order_.size());
       order_.push_back({atom, order_[k].atom, -1, length});
     }
-  closes_ = std::ssize(list_ties(molecule_)) > molecule_.atoms() - 1;
+  if (order_.size() + sys.sites.size() < static_cast<std::size_t>(molecule_.atoms()))
+    throw InputError(
+        "some parents of virtual sites are tied to no other atom, so that no shape can be grown; give "
+        "coordinates_nm or file");
+  for (const VirtualSite& site : sys.sites) {
+    rank[site.atom] = static_cast<int>(order_.size());
+    order_.push_back({.atom = site.atom, .parent = root, .is_site = true});
+  }
+  closes_ = std::ssize(list_ties(molecule_)) > molecule_.atoms() - 1 - std::ssize(sys.sites);
   for (const auto& [i, j, k, angle, stiffness] : molecule_.terms.angles) {
     const int last = rank[i] > rank[k] ? i : k;
     Growth& growth = order_[rank[last]];
-    if (growth.parent != j) continue;
+    if (growth.parent != j || growth.is_site) continue;
     closes_ = closes_ || growth.grand >= 0;
     growth.grand = last == i ? k : i;
     growth.angle = angle;
@@ -116,6 +133,7 @@ void Conformations::plan_growth() {
   for (std::size_t t = 0; t < torsions_.size(); ++t) {
     int last = 0;
     for (const int a : torsions_[t].atoms) last = std::max(last, rank[a]);
+    if (order_[last].is_site) continue;
     order_[last].torsions.push_back(static_cast<int>(t));
   }
 }
@@ -145,6 +163,7 @@ std::optional<Vectors> Conformations::place_copy(const Vec3& at, double scale, O
   OccupiedSpace alone({}, widest());
   auto shape = grow(at, 0, alone, random);
   if (!shape || !close_rings(*shape) || !all_satisfied(molecule_.system.one_sided, *shape)) return {};
+  place_sites(molecule_.system.sites, *shape);
   return place_rigid(std::move(*shape), scale, space);
 }
 
@@ -167,12 +186,18 @@ std::optional<Vectors> Conformations::grow(const Vec3& at, double scale, Occupie
                                            Random& random) const {
   const int first = space.size();
   Vectors x(3, molecule_.atoms());
+  bool sites_placed = false;
   for (const Growth& growth : order_) {
     const double radius = scale * radius_[growth.atom];
     const auto may = [&](int n) { return n >= first && may_be_near(growth.atom, order_[n - first].atom); };
     Vec3 best = Vec3::Zero();
     double least = std::numeric_limits<double>::infinity();
-    for (int k = 0; k < (growth.parent < 0 ? 1 : kDirections); ++k) {
+    if (growth.is_site) {
+      if (!std::exchange(sites_placed, true)) place_sites(molecule_.system.sites, x);
+      best = x.col(growth.atom);
+      if (space.is_free(best, radius, may)) least = 0;
+    }
+    for (int k = 0; k < (growth.is_site ? 0 : growth.parent < 0 ? 1 : kDirections); ++k) {
       auto here = x.col(growth.atom);
       here = at;
       if (growth.parent >= 0) {

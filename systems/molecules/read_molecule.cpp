@@ -8,6 +8,7 @@
 
 #include "base/nearest_name.hpp"
 #include "forcefield/check_terms.hpp"
+#include "systems/molecules/rigid_body.hpp"
 #include "systems/molecules/rows.hpp"
 #include "systems/whole_molecules.hpp"
 
@@ -15,6 +16,7 @@ namespace taut {
 namespace {
 
 constexpr double kFarthestOff = 0.5;  // largest relative error of a bond in given coordinates
+constexpr double kSiteOff = 0.02;     // largest error of a virtual site in given coordinates [nm]
 
 double radians(double degrees) {
   return degrees * std::numbers::pi / 180;
@@ -92,6 +94,18 @@ void set_atoms(const std::vector<AtomNumbers>& atoms, Eigen::VectorXd& mass, Mol
   if (!pairs.charge.isZero(0) || !pairs.epsilon.isZero(0)) molecule.terms.nonbonded = std::move(pairs);
 }
 
+// Reads whether a molecule is one rigid body, which leaves the keys of what acts within it without effect.
+bool read_rigid(const TomlTable& keys) {
+  bool rigid = false;
+  keys.read("rigid", rigid, "all atoms are one rigid body; needs coordinates_nm or file");
+  for (const char* key : {"virtual_sites2", "virtual_sites3", "virtual_sites3out", "bonds", "at_least",
+                          "at_most", "springs", "fene", "angles", "torsions", "rb_torsions", "impropers",
+                          "exclude", "lennard_jones_14", "coulomb_14"})
+    if (rigid && keys.has(key))
+      keys.fail(key, "has no effect beside rigid = true, which holds all atoms together; leave one out");
+  return rigid;
+}
+
 void read_fene(RowReader& rows, Terms& terms) {
   const char* meaning = "[i, j, k in kJ/mol/nm², r0 in nm]: −½k r0² ln(1 − (r/r0)²)";
   for (const Row& row : rows.pairs("fene", 2, meaning)) {
@@ -159,6 +173,13 @@ void read_shape(const TomlTable& keys, Molecule& molecule) {
   const char* key = said ? "coordinates_nm" : "file";
   if (molecule.x.cols() != molecule.atoms())
     keys.fail(key, fmt::format("{} atoms, expected {}", molecule.x.cols(), molecule.atoms()));
+  const Vectors given = molecule.x;
+  place_sites(molecule.system.sites, molecule.x);
+  for (const VirtualSite& site : molecule.system.sites)
+    if (const double off = (molecule.x - given).col(site.atom).norm(); off > kSiteOff)
+      keys.fail(key,
+                fmt::format("atom {} is {:.3g} nm from the place of its virtual site, expected at most {}",
+                            site.atom, off, kSiteOff));
   if (const std::string wrong = wrong_bonds(molecule, molecule.x); !wrong.empty()) keys.fail(key, wrong);
 }
 
@@ -221,12 +242,24 @@ Molecule read_molecule(const TomlTable& keys, const std::string& name, const Kno
 
   Eigen::VectorXd mass;
   set_atoms(atoms, mass, molecule);
+  const bool rigid = read_rigid(keys);
   RowReader rows(keys, units);
-  molecule.system = read_system(rows, std::move(mass));
+  VirtualSites sites = read_sites(rows, mass);
+  molecule.system = read_system(rows, std::move(mass), std::move(sites));
   read_springs(rows, molecule.terms);
   read_fene(rows, molecule.terms);
   read_bends(keys, rows, molecule.terms);
   read_outer(rows, molecule.terms);
+  if (rigid) {
+    read_shape(keys, molecule);
+    if (molecule.x.cols() == 0) keys.fail("rigid", "needs the shape: coordinates_nm, or file");
+    try {
+      make_rigid(molecule);
+    } catch (const InputError& e) {
+      keys.fail("rigid", e.what());
+    }
+    return molecule;
+  }
 
   const std::vector<int> molecule_of = molecules(molecule.system, molecule.terms);
   const auto apart = std::ranges::find_if(molecule_of, [](int p) { return p > 0; }) - molecule_of.begin();

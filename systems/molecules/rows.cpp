@@ -62,7 +62,7 @@ void RowReader::check_atoms(const char* key, std::size_t k, const std::vector<do
                     units_.each - 1));
 }
 
-System read_system(RowReader& rows, Eigen::VectorXd mass) {
+System read_system(RowReader& rows, Eigen::VectorXd mass, VirtualSites sites) {
   std::vector<RigidBond> bonds;
   std::vector<OneSidedBond> one_sided;
   std::map<std::pair<int, int>, OneSidedBond> tied;
@@ -70,6 +70,11 @@ System read_system(RowReader& rows, Eigen::VectorXd mass) {
     for (const Row& row : rows.pairs(key, 1, meaning)) {
       const OneSidedBond bond{{row.atom[0], row.atom[1], row.number[0]}, side};
       if (!(bond.length > 0)) rows.fail(key, row, "expected a length above 0");
+      for (const VirtualSite& site : sites)
+        if (site.atom == bond.i || site.atom == bond.j)
+          rows.fail(
+              key, row,
+              fmt::format("atom {} is a virtual site, which cannot be held; tie its parents", site.atom));
       if (mass[bond.i] == 0 && mass[bond.j] == 0) rows.fail(key, row, "both its atoms are anchored (mass 0)");
       const auto [other, fresh] = tied.try_emplace(std::minmax(row.atom[0], row.atom[1]), bond);
       if (!fresh && other->second.side == Side::kBoth)
@@ -85,7 +90,7 @@ System read_system(RowReader& rows, Eigen::VectorXd mass) {
   read("bonds", Side::kBoth, "rigid bonds [i, j, length in nm], atoms counted from 0");
   read("at_least", Side::kAtLeast, "struts [i, j, length in nm]: no closer than that");
   read("at_most", Side::kAtMost, "ropes [i, j, length in nm]: no farther than that");
-  return make_system(std::move(mass), std::move(bonds), {}, std::move(one_sided));
+  return make_system(std::move(mass), std::move(bonds), std::move(sites), std::move(one_sided));
 }
 
 void read_springs(RowReader& rows, Terms& terms) {

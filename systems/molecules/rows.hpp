@@ -51,8 +51,8 @@ class RowReader {
   std::list<Rows> kept_;  // storage that rows point into
 };
 
-// Reads bonds, at_least and at_most of atoms with these masses.
-System read_system(RowReader& rows, Eigen::VectorXd mass);
+// Reads bonds, at_least and at_most of atoms with these masses, some of which are virtual sites.
+System read_system(RowReader& rows, Eigen::VectorXd mass, VirtualSites sites = {});
 
 void read_springs(RowReader& rows, Terms& terms);
 // Reads external forces on atoms: pulls and position restraints.

@@ -83,6 +83,12 @@ VirtualSite read_site(const Element& particle, int atom, int atoms) {
 }
 
 void write_site(pugi::xml_node particle, VirtualSite site) {
+  // OpenMM averages two or three atoms; the mean of more is the origin of local coordinates.
+  if (site.kind == VirtualSite::Kind::kAverage && site.parents.size() > 3) {
+    site.kind = VirtualSite::Kind::kLocal;
+    site.parents[0].w_x = site.parents[0].w_y = -1;
+    site.parents[1].w_x = site.parents[2].w_y = 1;
+  }
   for (const auto& [element, kind, parents] : kSiteKinds)
     if (kind == site.kind && (parents == 0 || parents == site.parents.size())) {
       append(particle, element, SiteAttributes(site, 0).fields());

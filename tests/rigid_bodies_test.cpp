@@ -1,0 +1,240 @@
+// Molecules that are rigid bodies, and virtual sites within molecules of a scene.
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/QR>
+#include <numbers>
+
+#include "md/observables.hpp"
+#include "scene_text.hpp"
+#include "simulation/simulation.hpp"
+#include "systems/openmm/export.hpp"
+#include "systems/openmm/import.hpp"
+
+namespace taut {
+namespace {
+
+using testing::HasSubstr;
+
+// One rigid molecule; `shape` lists its coordinates, `masses` its atoms.
+std::string rigid(const std::vector<Vec3>& shape, const std::vector<double>& masses,
+                  const std::string& rows = "") {
+  std::string atoms, x;
+  for (std::size_t a = 0; a < shape.size(); ++a) {
+    atoms += fmt::format("{{name = \"B{}\", mass_u = {}}},", a, masses[a]);
+    x += fmt::format("[{}, {}, {}],", shape[a].x(), shape[a].y(), shape[a].z());
+  }
+  return fmt::format(
+      "[molecule.body]\natoms = [{}]\ncoordinates_nm = [{}]\nrigid = true\n{}\n[[place]]\nmolecule = "
+      "\"body\"\ncentres_nm = [[0, 0, 0]]\n[run]\ndt_fs = 0.01\nsteps = 10\n",
+      atoms, x, rows);
+}
+
+struct Moments {
+  double mass;
+  Vec3 centre;
+  Eigen::Matrix3d inertia;
+
+  Moments(const Eigen::VectorXd& m, const Vectors& x) : mass(m.sum()), centre(x * m / mass) {
+    const Vectors d = x.colwise() - centre;
+    const Eigen::Matrix3d second = d * m.asDiagonal() * d.transpose();
+    inertia = second.trace() * Eigen::Matrix3d::Identity() - second;
+  }
+};
+
+struct Body {
+  const char* name;
+  std::vector<Vec3> shape;
+  std::vector<double> masses;
+  int frame;
+};
+std::ostream& operator<<(std::ostream& out, const Body& body) {
+  return out << body.name;
+}
+
+const Body kBodies[] = {
+    {"Rod", {{0, 0, 0}, {0.1, 0.2, 0.3}, {0.2, 0.4, 0.6}}, {3, 10, 1}, 2},
+    {"Plate", {{0, 0, 0}, {0.2, 0, 0}, {0.2, 0.3, 0}, {0, 0.3, 0}, {0.1, 0.1, 0}}, {3, 10, 1, 2, 0}, 3},
+    {"PlateWithAChargeAbove", {{0, 0, 0}, {0.2, 0, 0.1}, {0.1, 0.3, 0}, {0.1, 0.1, 0.4}}, {3, 10, 1, 0}, 3},
+    {"Lump", {{0, 0, 0}, {0.2, 0, 0}, {0, 0.3, 0}, {0, 0, 0.4}, {0.1, 0.1, 0.1}}, {3, 10, 1, 2, 0}, 4}};
+
+class EveryBody : public testing::TestWithParam<Body> {};
+
+TEST_P(EveryBody, HasTheMassTheCentreAndTheInertiaOfItsAtoms) {
+  const Body& body = GetParam();
+  const Scene scene = read(rigid(body.shape, body.masses));
+  const auto n = std::ssize(body.shape);
+  EXPECT_EQ(scene.system.atoms(), n + body.frame);
+  EXPECT_EQ(scene.system.bond_count(), body.frame * (body.frame - 1) / 2);
+  const Vectors x = scene.start.x;  // turned at random: the atoms where their sites are
+  const Moments frame(scene.system.mass, x);
+  Eigen::VectorXd masses = Eigen::Map<const Eigen::VectorXd>(body.masses.data(), n);
+  const Moments atoms(masses, x.leftCols(n));
+  EXPECT_NEAR(frame.mass, atoms.mass, 1e-12 * atoms.mass);
+  EXPECT_LT((frame.centre - atoms.centre).norm(), 1e-14);
+  EXPECT_LT((frame.inertia - atoms.inertia).norm(), 1e-13 * atoms.inertia.norm());
+  for (int a = 0; a < n; ++a)  // the shape, which a turn leaves
+    for (int b = 0; b < a; ++b)
+      EXPECT_NEAR((x.col(a) - x.col(b)).norm(), (body.shape[a] - body.shape[b]).norm(), 1e-14) << a << b;
+  // and its mirror image is another body
+  const auto volume = [](const Vec3& a, const Vec3& b, const Vec3& c) { return a.cross(b).dot(c); };
+  if (n > 3) {
+    EXPECT_NEAR(
+        volume(x.col(1) - x.col(0), x.col(2) - x.col(0), x.col(3) - x.col(0)),
+        volume(body.shape[1] - body.shape[0], body.shape[2] - body.shape[0], body.shape[3] - body.shape[0]),
+        1e-15);
+  }
+}
+
+// A force on one atom moves it by ½t²(F/M + (I⁻¹(r × F)) × r).
+TEST_P(EveryBody, TurnsByItsInertiaWhereAForceActs) {
+  const Body& body = GetParam();
+  const Scene scene = read(rigid(body.shape, body.masses, "pulls = [[1, 30, -20, 50]]"));
+  const auto n = std::ssize(body.shape);
+  const Vec3 force(30, -20, 50);
+  const Vectors x = scene.start.x.leftCols(n);
+  const Moments atoms(Eigen::Map<const Eigen::VectorXd>(body.masses.data(), n), x);
+  const Vec3 arm = x.col(1) - atoms.centre;
+  const Vec3 spin = atoms.inertia.completeOrthogonalDecomposition().solve(arm.cross(force));
+  Simulation simulation(scene);
+  simulation.run({});
+  const double t = simulation.state().t;
+  for (int a = 0; a < n; ++a) {
+    const Vec3 expected = 0.5 * t * t * (force / atoms.mass + spin.cross(Vec3(x.col(a) - atoms.centre)));
+    const Vec3 moved = simulation.state().x.col(a) - x.col(a);
+    EXPECT_LT((moved - expected).norm(), 1e-5 * expected.norm()) << a;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, EveryBody, testing::ValuesIn(kBodies),
+                         [](const auto& of) { return std::string(of.param.name); });
+
+// Torque-free rotation of a symmetric top: the axis goes around L at L/I₁.
+TEST(RigidBodies, ASymmetricTopPrecessesAtLOverItsMoment) {
+  const std::vector<Vec3> ring = {
+      {0.2, 0, 0}, {-0.1, 0.1 * std::sqrt(3), 0}, {-0.1, -0.1 * std::sqrt(3), 0}, {0, 0, 0.3}, {0, 0, -0.3}};
+  Scene scene = read(rigid(ring, {10, 10, 10, 6, 6}), {"run.dt_fs=0.2", "run.steps=5000"});
+  const Vectors start = scene.start.x;
+  const Moments top(scene.system.mass, start);
+  const Vec3 axis = (start.col(3) - start.col(4)).normalized();
+  const Vec3 across = (start.col(0) - 0.5 * (start.col(1) + start.col(2))).normalized();
+  const Vec3 spin = 8 * axis + 5 * across;  // [1/ps]
+  for (int a = 0; a < scene.start.x.cols(); ++a)
+    if (scene.system.mass[a] > 0) scene.start.v.col(a) = spin.cross(Vec3(start.col(a) - top.centre));
+  const Vec3 momentum = top.inertia * spin;
+  const double rate = momentum.norm() / across.dot(top.inertia * across);
+  Simulation simulation(scene);
+  simulation.run({});
+  const Vec3 now = (simulation.state().x.col(3) - simulation.state().x.col(4)).normalized();
+  const Vec3 expected = Eigen::AngleAxisd(rate * simulation.state().t, momentum.normalized()) * axis;
+  EXPECT_LT((now - expected).norm(), 1e-4);
+  EXPECT_GT((now - axis).norm(), 0.1);
+}
+
+const SceneText kSites{R"([atom.A]
+mass_u = 20
+epsilon_kj_mol = 1
+sigma_nm = 0.3
+[atom.S]
+mass_u = 0
+epsilon_kj_mol = 1
+sigma_nm = 0.3
+[molecule.rods]
+atoms = ["A", "S", "A"]
+units = 4
+bonds = [[0, 2, 0.4], [2, 3, 0.3]]
+virtual_sites2 = [[1, 0, 2, 0.25]]
+[[place]]
+molecule = "rods"
+count = 5
+[build]
+box_nm = 4
+[forcefield]
+cutoff_nm = 1
+switch_nm = 0.8
+)"};
+
+TEST(SitesInMolecules, StandBetweenTheirParentsInEveryUnit) {
+  const Scene scene = read(kSites.text);
+  ASSERT_EQ(scene.system.sites.size(), 20u);
+  EXPECT_EQ(scene.system.anchors(), 0);
+  const Vectors& x = scene.start.x;
+  for (const VirtualSite& site : scene.system.sites) {
+    const int s = site.atom;
+    EXPECT_LT((x.col(s) - (0.75 * x.col(s - 1) + 0.25 * x.col(s + 1))).norm(), 1e-14);
+    EXPECT_NEAR((x.col(s + 1) - x.col(s - 1)).norm(), 0.4, 1e-12);
+  }
+}
+
+TEST(SitesInMolecules, OfThreeParentsStandInAndOutOfTheirPlane) {
+  const std::string text = R"([molecule.m]
+atoms = [{name = "A", mass_u = 20}, {name = "A", mass_u = 20}, {name = "A", mass_u = 20}, {name = "S", mass_u = 0}, {name = "T", mass_u = 0}]
+bonds = [[0, 1, 0.4], [1, 2, 0.4], [0, 2, 0.4]]
+virtual_sites3 = [[3, 0, 1, 2, 0.2, 0.5]]
+virtual_sites3out = [[4, 0, 1, 2, 0.2, 0.5, -1.5]]
+[[place]]
+molecule = "m"
+count = 1
+)";
+  const Vectors x = read(text).start.x;
+  const Vec3 r1 = x.col(1) - x.col(0), r2 = x.col(2) - x.col(0);
+  const Vec3 in_plane = Vec3(x.col(0)) + 0.2 * r1 + 0.5 * r2;
+  EXPECT_LT((x.col(3) - in_plane).norm(), 1e-14);
+  EXPECT_LT((x.col(4) - (in_plane - 1.5 * r1.cross(r2))).norm(), 1e-14);
+}
+
+// A body of four points is written as local coordinates, whose forces are the same.
+TEST(RigidBodies, GoToOpenMMAndBack) {
+  const Body& lump = kBodies[3];
+  const Scene scene = read(rigid(lump.shape, lump.masses, "pulls = [[1, 30, -20, 50], [4, 1, 2, 3]]"));
+  const TemporaryFolder folder;
+  const auto system = folder.write("a.system.xml", openmm_system_xml(openmm_input(scene)));
+  const auto state = folder.write("a.state.xml", openmm_state_xml(openmm_input(scene)));
+  const Scene back = import_openmm(system, state);
+  const auto evaluated = [](const Scene& of) {
+    State s = of.start;
+    ForceField(of.system, s.box, of.terms).evaluate(of.system, s);
+    return s;
+  };
+  const State here = evaluated(scene), there = evaluated(back);
+  EXPECT_LT((here.x - there.x).norm(), 1e-14);
+  EXPECT_LT((here.f - there.f).norm(), 1e-12);
+}
+
+std::string said(const std::string& old, const std::string& changed) {
+  return complaint(kSites.with(old, changed).text);
+}
+
+TEST(SitesInMolecules, BadOnesAreRefusedByName) {
+  EXPECT_EQ(complaint(kSites.text), "no error");
+  EXPECT_THAT(said("mass_u = 0\n", "mass_u = 3\n"),
+              HasSubstr("molecule.rods.virtual_sites2[0]: atom 1 is a virtual site of mass 3 u, expected "
+                        "mass_u = 0"));
+  EXPECT_THAT(said("0.25]]", "0.25], [1, 2, 0, 0.5]]"), HasSubstr("atom 1 is a virtual site already"));
+  EXPECT_THAT(said("[[0, 2, 0.4]", "[[0, 1, 0.4]"),
+              HasSubstr("molecule.rods.bonds[0]: atom 1 is a virtual site, which cannot be held; tie its "
+                        "parents"));
+  EXPECT_THAT(said("[[1, 0, 2, 0.25]]", "[[1, 0, 4, 0.25]]"),
+              HasSubstr("virtual_sites2[0]: its parent, atom 4, is a virtual site itself"));
+  EXPECT_THAT(said("virtual_sites2", "springs = [[1, 3, 0.3, 100]]\nvirtual_sites2"),
+              HasSubstr("give coordinates_nm or file"));
+}
+
+TEST(RigidBodies, BadOnesAreRefusedByName) {
+  const Body& rod = kBodies[0];
+  const std::string good = rigid(rod.shape, rod.masses);
+  EXPECT_EQ(complaint(good), "no error");
+  EXPECT_THAT(complaint(rigid(rod.shape, rod.masses, "bonds = [[0, 1, 0.3]]")),
+              HasSubstr("molecule.body.bonds: has no effect"));
+  EXPECT_THAT(complaint(rigid(rod.shape, {0, 0, 0})), HasSubstr("a rigid molecule needs atoms with mass"));
+  EXPECT_THAT(complaint(rigid(rod.shape, {0, 1, 0})),
+              HasSubstr("all mass of the rigid molecule is at one point"));
+  EXPECT_THAT(complaint(rigid({{0, 0, 0}, {0, 0, 1}, {0, 1, 0}}, {1, 1, 0})),
+              HasSubstr("atom 2 has no mass and is beside the line of those that have"));
+  EXPECT_THAT(complaint(SceneText{good}.with("coordinates_nm", "#").text),
+              HasSubstr("molecule.body.rigid: needs the shape: coordinates_nm, or file"));
+}
+
+}  // namespace
+}  // namespace taut
