@@ -95,14 +95,25 @@ void print_stop(const Simulation& simulation, const RunFolder* folder, int signa
                                 : "nothing was kept: a run with --out can be resumed"));
 }
 
+constexpr double kLongRun = 60;  // [s], from which the table of timings is printed unasked
+
+// What to print at a run's end.
+struct Ending {
+  const Measured* measured = nullptr;
+  bool timings = false;
+  bool took_steps = true;
+};
+
 void print_end(const Simulation& simulation, const Summary& summary, const RunFolder* folder,
-               const Measured* measured, bool took_steps) {
+               const Ending& ending) {
+  const Measured* measured = ending.measured;
   if (json_alone()) {
     auto all = summary_json(simulation, summary);
     if (measured) all["measured"] = measured->json();
     write_out(all.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   }
-  print_summary(simulation, summary, took_steps);
+  print_summary(simulation, summary, ending.took_steps);
+  if (ending.timings || summary.timings.seconds >= kLongRun) print_timings(summary.timings);
   if (measured) measured->print();
   if (!json_alone())
     for (const auto& doubt : summary.doubts) say_always(fmt::format("in doubt: {}\n", doubt));
@@ -114,8 +125,9 @@ void print_end(const Simulation& simulation, const Summary& summary, const RunFo
 
 // Takes the steps that are left, prints and writes. Throws SimulationFailure that explains the failure, and Stopped
 // when a signal asked to stop.
-void complete_run(OpenRun& run, Measured* measured = nullptr) {
+void complete_run(OpenRun& run, bool timings, Measured* measured = nullptr) {
   Simulation& simulation = *run.simulation;
+  if (timings) simulation.measure_parts();
   RunFolder* folder = run.folder ? &*run.folder : nullptr;
   const StopRequest request;
   RunPrinter printer(request, folder);
@@ -154,7 +166,7 @@ void complete_run(OpenRun& run, Measured* measured = nullptr) {
     printer.print([&] { print_stop(simulation, folder, signal); });
     throw Stopped{128 + signal};
   }
-  print_end(simulation, summary, folder, measured, simulation.step() > first);
+  print_end(simulation, summary, folder, {measured, timings, simulation.step() > first});
   printer.throw_if_refused();
 }
 
@@ -184,7 +196,7 @@ bool ask_person(const std::string& what) {
 
 struct RunArguments : SceneArgument {
   std::optional<fs::path> out;
-  bool go_on = false, overwrite = false, measure = false;
+  bool go_on = false, overwrite = false, measure = false, timings = false;
 
   RunRequest request() const {
     RunRequest request{.mode = go_on       ? RunMode::kContinue
@@ -208,14 +220,14 @@ void run_scene(const RunArguments& arguments) {
     measured.emplace(scene, std::vector<std::string>{},
                      static_cast<double>(scene.run.log_every) * scene.run.h());
   }
-  complete_run(run, measured ? &*measured : nullptr);
+  complete_run(run, arguments.timings, measured ? &*measured : nullptr);
 }
 
 struct ResumeArguments {
   fs::path folder;
   std::optional<long> steps;
   std::vector<std::string> settings;
-  bool yes = false;
+  bool yes = false, timings = false;
 
   RunRequest request() const {
     RunRequest request{.mode = RunMode::kResume,
@@ -235,10 +247,13 @@ struct ResumeArguments {
 void resume_run(const ResumeArguments& arguments) {
   OpenRun run = open_run(arguments.request());
   if (run.finished) return print_finished(run, arguments.folder);
-  complete_run(run);
+  complete_run(run, arguments.timings);
 }
 
 }  // namespace
+
+constexpr const char* kTimings =
+    "at the end tell where the time went, part by part, as runs of more than a minute do";
 
 void add_run(Commands& commands) {
   auto arguments = std::make_shared<RunArguments>();
@@ -257,6 +272,7 @@ void add_run(Commands& commands) {
       .flag("--measure", arguments->measure,
             "at the end tell radial distribution, displacement and length of chains, of what is logged")
       .excludes(go_on);
+  command.flag("--timings", arguments->timings, kTimings);
   command.json("print what summary.json holds, in place of the tables");
 }
 
@@ -275,6 +291,7 @@ void add_resume(Commands& commands) {
               "what may change: run.log_every, run.trajectory_every, run.checkpoint_minutes, thermostat "
               "and barostat")
       .key_values();
+  command.flag("--timings", arguments->timings, kTimings);
   command.flag("--yes", arguments->yes,
                "go on though log or trajectories are cut back to less than half, or are gone and begin anew");
   command.json("print what summary.json holds, in place of the tables");

@@ -11,6 +11,9 @@ void print_header(const Simulation& simulation);
 void print_row(const Record& record);
 void print_summary(const Simulation& simulation, const Summary& summary, bool took_steps);
 
+// Where the time went, as GROMACS's cycle accounting has it: nothing where no parts were measured.
+void print_timings(const Timings& timings);
+
 // The parts of the header that describe a scene before it runs.
 void print_title(const Scene& scene);
 std::string box_line(const Box& box);        // "box 1.86 × 1.86 × 1.86 nm"

@@ -5,6 +5,31 @@
 
 namespace taut {
 
+// Measures the parallel regions that its thread starts while it lives: the innermost one where there are several.
+class RegionMeter {
+ public:
+  RegionMeter();
+  virtual ~RegionMeter();
+  RegionMeter(const RegionMeter&) = delete;
+  RegionMeter& operator=(const RegionMeter&) = delete;
+
+  // Runs a region of work(argument, t), t = 0 … threads − 1. Returns what the lowest t that failed has
+  // thrown.
+  virtual std::exception_ptr run(int threads, void (*work)(const void*, int), const void* argument) = 0;
+
+ protected:
+  // Runs it unmeasured.
+  static std::exception_ptr run_region(int threads, const auto& work) {
+    return run_region(
+        threads, [](const void* of, int t) { (*static_cast<const decltype(&work)>(of))(t); }, &work);
+  }
+
+ private:
+  static std::exception_ptr run_region(int threads, void (*work)(const void*, int), const void* argument);
+
+  RegionMeter* before_;  // which goes on when this one is gone
+};
+
 // What threads did, in processor time of each thread. It does not depend on what else the machine runs, nor
 // on its number of cores. A program that has its cores to itself takes
 //     serial + longest + regions × (the time to wake threads and to wait for them).
@@ -15,20 +40,14 @@ struct ThreadAccount {
   double busy = 0;     // all threads in them [s]
 };
 
-// Measures the parallel regions that its thread starts while it lives; there may be one meter at a time on a
-// thread. It makes each region some 4 µs slower. The time of those clock readings that fall within a measured
-// time is subtracted.
-class ThreadMeter {
+// Measures regions in processor time. It makes each region some 4 µs slower. The time of those clock readings that
+// fall within a measured time is subtracted.
+class ThreadMeter final : public RegionMeter {
  public:
   ThreadMeter();
-  ~ThreadMeter();
-  ThreadMeter(const ThreadMeter&) = delete;
-  ThreadMeter& operator=(const ThreadMeter&) = delete;
   ThreadAccount account() const;  // so far
 
-  // Runs a region of work(argument, t), t = 0 … threads − 1. Returns what the lowest t that failed has
-  // thrown.
-  std::exception_ptr run(int threads, void (*work)(const void*, int), const void* argument);
+  std::exception_ptr run(int threads, void (*work)(const void*, int), const void* argument) override;
 
  private:
   double since(double start) const;  // [s]

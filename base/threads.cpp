@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <mutex>
 #include <string_view>
+#include <utility>
 
 #include "base/errors.hpp"
 #include "base/thread_meter.hpp"
@@ -30,7 +31,7 @@ constexpr int kMostThreads = 1024;
 
 std::atomic<int> requested = 0;  // by use_threads(); 0: nothing
 thread_local int scoped = 0;     // by the innermost ThreadScope; 0: there is none
-thread_local ThreadMeter* meter = nullptr;
+thread_local RegionMeter* meter = nullptr;
 
 // The first number of a text such as "4", " 4 " or "4,2"; empty for other texts.
 std::optional<int> first_number(std::string_view text) {
@@ -137,12 +138,16 @@ void detail::run_on_threads(int threads, void (*work)(const void*, int), const v
   if (thrown) std::rethrow_exception(thrown);
 }
 
-ThreadMeter::ThreadMeter() : reading_(reading_time()), serial_since_(processor_time()) {
-  meter = this;
+RegionMeter::RegionMeter() : before_(std::exchange(meter, this)) {}
+RegionMeter::~RegionMeter() {
+  meter = before_;
 }
-ThreadMeter::~ThreadMeter() {
-  meter = nullptr;
+std::exception_ptr RegionMeter::run_region(int threads, void (*work)(const void*, int),
+                                           const void* argument) {
+  return taut::run(threads, work, argument);
 }
+
+ThreadMeter::ThreadMeter() : reading_(reading_time()), serial_since_(processor_time()) {}
 
 double ThreadMeter::since(double start) const {
   return std::max(0.0, processor_time() - start - reading_);
@@ -162,9 +167,7 @@ std::exception_ptr ThreadMeter::run(int threads, void (*work)(const void*, int),
   };
   spent_.assign(threads, 0);
   total_.serial += since(serial_since_);
-  const std::exception_ptr thrown = taut::run(
-      threads, [](const void* self, int t) { (*static_cast<const decltype(measured)*>(self))(t); },
-      &measured);
+  const std::exception_ptr thrown = run_region(threads, measured);
   ++total_.regions;
   total_.longest += *std::max_element(spent_.begin(), spent_.end());
   for (const double s : spent_) total_.busy += s;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/errors.hpp"
+#include "md/step_parts.hpp"
 
 namespace taut {
 namespace {
@@ -28,8 +29,9 @@ CellRescaling::CellRescaling(const System& sys, const std::vector<int>& group, c
 
 // f is free of constraints' forces here alone.
 Bath::Draw CellRescaling::draw(const System&, const Push& push, const State& s) {
-  if (!push.starts() && (steps_ + 1) % coupling_.every == 0)
-    virial_ = forces_.field.virial(s, forces_.besides).diagonal() - centres_.inner_virial(s.x, s.f);
+  if (push.starts() || (steps_ + 1) % coupling_.every != 0) return {};
+  const PartScope here(StepPart::kBarostat);
+  virial_ = forces_.field.virial(s, forces_.besides).diagonal() - centres_.inner_virial(s.x, s.f);
   return {};
 }
 
@@ -56,6 +58,7 @@ double CellRescaling::after_step(const System&, double, State& s) {
 
 double CellRescaling::move_box(const System&, State& s) {
   if (strain_.isZero(0)) return 0;
+  const PartScope here(StepPart::kBarostat);
   const Vec3 mu = strain_.array().exp(), twice_kinetic = centres_.twice_kinetic(s.v);
   demand_sound(s.box.scaled(mu));
   centres_.scale_positions(mu, s.x);

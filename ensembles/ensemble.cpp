@@ -1,27 +1,32 @@
 #include "ensembles/ensemble.hpp"
 
 #include "md/observables.hpp"
+#include "md/step_parts.hpp"
 
 namespace taut {
 
 double Ensemble::move_box(const System& sys, State& s) {
-  const double heat = barostat ? barostat->move_box(sys, s) : 0;
+  if (!barostat) return 0;
+  const double heat = barostat->move_box(sys, s);
   meter.add_heat(heat);
   return heat;
 }
 
 Bath::Draw Ensemble::draw(const System& sys, const Push& push, const State& s) {
-  meter.add_step(push.h, sys, s, half_jump());
+  in_part(StepPart::kAccount, [&] { meter.add_step(push.h, sys, s, half_jump()); });
   if (barostat) barostat->draw(sys, push, s);
-  const Draw drawn = thermostat ? thermostat->draw(sys, push, s) : Draw{};
+  if (!thermostat) return {};
+  const Draw drawn = in_part(StepPart::kThermostat, [&] { return thermostat->draw(sys, push, s); });
   meter.add_heat(drawn.heat);
   return drawn;
 }
 
 double Ensemble::after_step(const System& sys, double h, State& s) {
-  double heat = thermostat ? thermostat->after_step(sys, h, s) : 0;
+  double heat = 0;
+  if (thermostat) heat += in_part(StepPart::kThermostat, [&] { return thermostat->after_step(sys, h, s); });
   ++steps_;
-  if (remove_momentum_every > 0 && steps_ % remove_momentum_every == 0) heat += take_momentum_out(sys, s);
+  if (remove_momentum_every > 0 && steps_ % remove_momentum_every == 0)
+    heat += in_part(StepPart::kThermostat, [&] { return take_momentum_out(sys, s); });
   if (barostat) heat += barostat->after_step(sys, h, s);
   meter.add_heat(heat);
   return heat;

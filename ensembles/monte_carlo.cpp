@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "md/step_parts.hpp"
+
 namespace taut {
 
 MonteCarloBarostat::MonteCarloBarostat(const System& sys, const std::vector<int>& molecule,
@@ -16,6 +18,7 @@ double MonteCarloBarostat::energy(const System& sys) {
 
 double MonteCarloBarostat::move_box(const System& sys, State& s) {
   if (steps_ == 0 || steps_ % coupling_.every != 0) return 0;
+  const PartScope here(StepPart::kBarostat);
   trial_.x = s.x;
   trial_.box = s.box;
   const double V = s.box.volume(), before = energy(sys);

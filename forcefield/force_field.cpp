@@ -13,6 +13,7 @@
 #include "forcefield/ewald/pme.hpp"
 #include "forcefield/pairs/cluster_pairs.hpp"
 #include "forcefield/pairs/dispersion.hpp"
+#include "md/step_parts.hpp"
 
 namespace taut {
 namespace {
@@ -125,18 +126,27 @@ struct ForceField::Impl {
     f.resize(3, x.cols());
     if (!pairs_overwrite())
       by_atoms(sys.atoms(), [&](int first, int last) { f.middleCols(first, last - first).setZero(); });
-    besides.bonded = bonded.add_forces(x, f);
-    Energies& fields = besides.fields;
+    if (bonded.pieces() > 0) {
+      const PartScope here(StepPart::kBonded);
+      besides.bonded = bonded.add_forces(x, f);
+    }
+    add_fields(sys, x, f, besides.fields);
+    using enum ClusterPairs::Write;
+    if (lj_coulomb) lj_coulomb->add_forces(f, pairs_overwrite() ? kOverwrite : kAdd);
+    if (pme) besides.mesh = pme->add_forces(x, f);
+    if (wca) wca->add_forces(f, pairs_overwrite() && !lj_coulomb ? kOverwrite : kAdd);
+  }
+
+  // Of forces from outside.
+  void add_fields(const System& sys, const Vectors& x, Vectors& f, Energies& fields) const {
     fields.clear();
+    if (!terms.gravity && terms.pulls.empty() && terms.restraints.empty() && terms.own.empty()) return;
+    const PartScope here(StepPart::kFields);
     if (terms.gravity) fields.emplace_back("gravity", add_gravity(*terms.gravity, sys.mass, x, f));
     if (!terms.pulls.empty()) fields.emplace_back("pull", add_pulls(terms.pulls, x, f));
     if (!terms.restraints.empty())
       fields.emplace_back("restraint", add_restraints(terms.restraints, box, x, f));
     for (const auto& field : terms.own) fields.emplace_back(field->name(), field->add(x, f));
-    using enum ClusterPairs::Write;
-    if (lj_coulomb) lj_coulomb->add_forces(f, pairs_overwrite() ? kOverwrite : kAdd);
-    if (pme) besides.mesh = pme->add_forces(x, f);
-    if (wca) wca->add_forces(f, pairs_overwrite() && !lj_coulomb ? kOverwrite : kAdd);
   }
 
   Energies energies(const Evaluation& besides) {
@@ -158,9 +168,11 @@ ForceField::ForceField(ForceField&&) noexcept = default;
 ForceField& ForceField::operator=(ForceField&&) noexcept = default;
 
 void ForceField::evaluate(const System& sys, State& s, Evaluation& besides) {
-  place_sites(sys.sites, s.x);
+  if (!sys.sites.empty()) in_part(StepPart::kSites, [&] { place_sites(sys.sites, s.x); });
   impl_->evaluate(sys, s, s.f, besides);
-  besides.site_virial = hand_to_parents(sys.sites, s.x, s.f);
+  besides.site_virial.setZero();
+  if (!sys.sites.empty())
+    besides.site_virial = in_part(StepPart::kSites, [&] { return hand_to_parents(sys.sites, s.x, s.f); });
 }
 
 void ForceField::evaluate(const System& sys, State& s) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/shares.hpp"
+#include "md/step_parts.hpp"
 
 namespace taut {
 namespace {
@@ -49,17 +50,21 @@ void half_kick_and_drift(const System& sys, double h, const Vectors* jump, State
 
 SolveStats step(const Dynamics& dynamics, double h, State& s) {
   const auto& [sys, forces, method, bath] = dynamics;
-  half_kick_and_drift(sys, h, bath.half_jump(), s);        // the old positions are x − hv
-  SolveStats stats = method.project_positions(sys, h, s);  // SHAKE, RATTLE, ...
+  const auto hold_bonds = [&](const auto& stage) {
+    return in_part(sys.all_bonds() > 0 ? StepPart::kBonds : StepPart::kRest, stage);
+  };
+  in_part(StepPart::kUpdate, [&] { half_kick_and_drift(sys, h, bath.half_jump(), s); });
+  // the old positions are x − hv
+  SolveStats stats = hold_bonds([&] { return method.project_positions(sys, h, s); });  // SHAKE, RATTLE, ...
   bath.move_box(sys, s);
   forces.evaluate(sys, s);  // f = F(x)
   Push push = Push::between_steps(h);
   const Bath::Draw drawn = bath.draw(sys, push, s);
   push.noise = drawn.noise;
   stats += drawn.stats;
-  stats += method.add_forces(sys, push, s);  // Baumgarte, penalty: f += Jᵀλ
-  half_kick(sys, h, drawn.last_half_jump, s);
-  stats += method.project_velocities(sys, h, s);  // RATTLE
+  stats += hold_bonds([&] { return method.add_forces(sys, push, s); });  // Baumgarte, penalty: f += Jᵀλ
+  in_part(StepPart::kUpdate, [&] { half_kick(sys, h, drawn.last_half_jump, s); });
+  stats += hold_bonds([&] { return method.project_velocities(sys, h, s); });  // RATTLE
   s.t += h;
   return stats;
 }

@@ -9,17 +9,16 @@ namespace taut {
 // Measures the time that a method takes in its stages.
 class Timed : public ConstraintMethod {
  public:
-  explicit Timed(ConstraintMethod& method) : method_(&method) {}
-  void measure(ConstraintMethod& method) { method_ = &method; }  // another one, from the next stage on
+  explicit Timed(ConstraintMethod& method) : method_(method) {}
 
   SolveStats project_positions(const System& sys, double h, State& s) override {
-    return timed([&] { return method_->project_positions(sys, h, s); });
+    return timed([&] { return method_.project_positions(sys, h, s); });
   }
   SolveStats add_forces(const System& sys, const Push& push, State& s) override {
-    return timed([&] { return method_->add_forces(sys, push, s); });
+    return timed([&] { return method_.add_forces(sys, push, s); });
   }
   SolveStats project_velocities(const System& sys, double h, State& s) override {
-    return timed([&] { return method_->project_velocities(sys, h, s); });
+    return timed([&] { return method_.project_velocities(sys, h, s); });
   }
 
   double seconds() const { return std::chrono::duration<double>(spent_).count(); }
@@ -34,7 +33,7 @@ class Timed : public ConstraintMethod {
     return stats;
   }
 
-  ConstraintMethod* method_;
+  ConstraintMethod& method_;
   Clock::duration spent_{};
 };
 

@@ -57,6 +57,21 @@ ordered_json temperatures_json(const Temperatures& temperatures) {
   return object;
 }
 
+ordered_json timings_json(const Timings& timings) {
+  ordered_json parts;
+  for (const PartTime& part : timings.parts)
+    parts[name_of(part.part)] = {
+        {"calls", part.calls},
+        {"ms_per_step", timings.ms_a_step(part.seconds)},
+        {"percent", timings.percent(part.seconds)},
+        {"waiting_percent", timings.waiting_percent(part)},
+    };
+  return {{"steps", timings.steps},
+          {"threads", timings.threads},
+          {"ms_per_step", timings.ms_a_step(timings.seconds)},
+          {"parts", parts}};
+}
+
 }  // namespace
 
 ordered_json summary_json(const Simulation& simulation, const Summary& s) {
@@ -88,6 +103,7 @@ ordered_json summary_json(const Simulation& simulation, const Summary& s) {
       {"seed", scene.run.seed},
       {"temperatures_k", temperatures_json(simulation.temperatures())},
   };
+  if (!s.timings.parts.empty()) object["timings"] = timings_json(s.timings);
   if (!s.pressure) return object;
   object["pressure_bar"] = json_of(*s.pressure);
   object["volume_nm3"] = json_of(s.volume);

@@ -57,6 +57,8 @@ bool same_barostat(const RunSettings& a, const RunSettings& b) {
          (a.barostat == "none" || a.temperature_k == b.temperature_k);
 }
 
+constexpr int kAtomsWorthMeasuring = 1000;  // whose steps take so long that reading the clock does not show
+
 // A coordinate is known to 1e-16 of itself, so a bond's length to no better than that over its length.
 void refuse_unreachable_tolerance(const System& sys, const Vectors& x, double tolerance) {
   if (sys.bonds.empty()) return;
@@ -80,7 +82,8 @@ Simulation::Simulation(Scene scene, const ThreadScope&, const OnMove& on_move)
       forces_(ForceField(scene_.system, scene_.start.box, scene_.terms)),
       method_(make_method(scene_.system, scene_.method, scene_.run.h())),
       projector_(scene_.system),
-      state_(scene_.start) {
+      state_(scene_.start),
+      measures_parts_(scene_.system.atoms() >= kAtomsWorthMeasuring) {
   const System& sys = scene_.system;
   refuse_momentum_of_anchored_bonds(scene_);
   make_thermostat();

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "base/errors.hpp"
-#include "md/timed.hpp"
+#include "md/step_parts.hpp"
 #include "md/units.hpp"
 #include "simulation/doubts.hpp"
 #include "simulation/simulation.hpp"
@@ -37,6 +37,24 @@ void explain_none(Diagnosis& d) {
 }
 
 }  // namespace
+
+// The method that the simulation has at the moment: what watches the run may set out anew, with a new one.
+class Simulation::PresentMethod : public ConstraintMethod {
+ public:
+  explicit PresentMethod(const Simulation& of) : of_(of) {}
+  SolveStats project_positions(const System& sys, double h, State& s) override {
+    return of_.method_->project_positions(sys, h, s);
+  }
+  SolveStats add_forces(const System& sys, const Push& push, State& s) override {
+    return of_.method_->add_forces(sys, push, s);
+  }
+  SolveStats project_velocities(const System& sys, double h, State& s) override {
+    return of_.method_->project_velocities(sys, h, s);
+  }
+
+ private:
+  const Simulation& of_;
+};
 
 // Time spent since it was made, without what was spent on watching.
 class Simulation::Stopwatch {
@@ -111,29 +129,30 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
   taken_back_.reset();
   Stopwatch watch;
   Record last;
+  PartMeter meter(threads_, measures_parts_ ? PartMeter::Parts::kAll : PartMeter::Parts::kBonds);
   const auto observe = [&](const SolveStats& since) {
     const auto pause = Clock::now();
-    last = row(since, watch, progress_.step - first);
-    in_step = false;
-    sums_.add(last, since.max_residual);
-    temperatures_->see(scene_.system, state_.x, thermal_velocity());
-    if (on_record) on_record(last);
+    in_part(StepPart::kLog, [&] {
+      last = row(since, watch, progress_.step - first);
+      in_step = false;
+      sums_.add(last, since.max_residual);
+      temperatures_->see(scene_.system, state_.x, thermal_velocity());
+    });
+    if (on_record) in_part(StepPart::kOutput, [&] { on_record(last); });
     watch.leave_out(Clock::now() - pause);
   };
   stop_ = false;
   if (progress_.step == 0 && sums_.rows == 0) observe({});
 
-  Timed timed(*method_);
-  const Dynamics run_by = dynamics();
+  PresentMethod method(*this);
   const auto before_step = [&] {
-    timed.measure(*method_);  // who watches may have set out anew
     if (foreign) note(), in_step = true;
   };
   if (!foreign) keep_snapshot();
   try {
     if (!stop_) before_step();
     if (!stop_)
-      taut::run({run_by.sys, run_by.forces, timed, run_by.bath}, plan, progress_, state_,
+      taut::run({scene_.system, forces_, method, ensemble_}, plan, progress_, state_,
                 {.observe = [&](const Observation& m) { observe(m.since); },
                  .go_on =
                      [&](long step) {
@@ -142,7 +161,7 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
                        else if (step % kStepsPerSnapshot == 0)
                          keep_snapshot();
                        in_step = false;
-                       if (on_step) on_step(step);
+                       if (on_step) in_part(StepPart::kOutput, [&] { on_step(step); });
                        if (!stop_) before_step();
                        return !stop_;
                      }});
@@ -164,7 +183,7 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
     last = row(progress_.since, watch, progress_.step - first);
   const LogSums sums = sums_;
   if (sums.rows == 0) sums_.add(last, progress_.since.max_residual);  // means have just begun again
-  const Summary all = summary(last, watch.seconds(), timed.seconds(), progress_.step - first);
+  const Summary all = summary(last, watch.seconds(), meter, progress_.step - first);
   sums_ = sums;
   return all;
 }
@@ -194,13 +213,14 @@ StartAndEnd Simulation::start_and_end(const Record& end) const {
           .loses_energy = !scene_.system.one_sided.empty()};
 }
 
-Summary Simulation::summary(const Record& end, double seconds, double constraint_seconds, long steps) const {
+Summary Simulation::summary(const Record& end, double seconds, const PartMeter& meter, long steps) const {
   const double taken = static_cast<double>(std::max(1L, steps)), rows = static_cast<double>(sums_.rows);
   Summary s;
   s.steps = progress_.step;
   if (steps == 0) seconds = 0;  // no step, no speed
   s.us_per_step = seconds / taken * 1e6;
-  s.constraint_us_per_step = constraint_seconds / taken * 1e6;
+  s.constraint_us_per_step = meter.seconds_of(StepPart::kBonds) / taken * 1e6;
+  s.timings = {steps, threads_, meter.seconds(), meter.times()};
   s.ns_per_day = end.ns_per_day;
   s.max_rel_bond_error = sums_.largest_error;
   s.rms_rel_bond_error = std::sqrt(sums_.squares / rows);
@@ -239,6 +259,7 @@ void Simulation::expect_numbers() const {
 
 // Where a failure is looked for from: see diagnose. Where numbers have run away already, the last one stays.
 void Simulation::keep_snapshot() {
+  const PartScope here(StepPart::kSnapshots);
   expect_numbers();
   snapshot_.clear();
   Archive archive = Archive::noting_in(snapshot_);

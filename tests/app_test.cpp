@@ -54,6 +54,22 @@ TEST(App, WritesLogSummaryAndFinalState) {
   for (const auto& entry : fs::directory_iterator(out)) EXPECT_NE(entry.path().extension(), ".part");
 }
 
+TEST(App, TellsWhereTheTimeWent) {
+  const auto [exit_code, text] = taut("run water --steps 20 --timings");
+  EXPECT_EQ(exit_code, 0) << text;
+  EXPECT_THAT(text, HasSubstr("20 steps in "));
+  for (const char* part : {"\n  pairs ", "\n  bonds ", "\n  rest ", "\n  all "})
+    EXPECT_THAT(text, HasSubstr(part));
+  EXPECT_THAT(text, Not(HasSubstr("thermostat")));
+  EXPECT_THAT(taut("run water --steps 20").text, Not(HasSubstr("ms a step")));
+  const auto summary = nlohmann::json::parse(taut("run water --steps 20 --timings --json").text);
+  double percent = 0;
+  for (const auto& part : summary["timings"]["parts"]) percent += part["percent"].get<double>();
+  EXPECT_NEAR(percent, 100, 2);
+  EXPECT_EQ(summary["timings"]["parts"]["pairs"]["calls"], 20);
+  EXPECT_FALSE(nlohmann::json::parse(taut("run water --steps 20 --json").text).contains("timings"));
+}
+
 TEST(App, GoesOnFromAFinalState) {
   const TemporaryFolder folder;
   ASSERT_EQ(taut("run water --steps 10 --out " + folder.path().string()).exit_code, 0);

@@ -11,6 +11,7 @@
 #include "base/threads.hpp"
 #include "forcefield/ewald/fourier.hpp"
 #include "forcefield/ewald/mesh_kernels.hpp"
+#include "md/step_parts.hpp"
 
 namespace taut {
 
@@ -87,7 +88,19 @@ class MeshIn final : public PmeMesh::Engine {
 
   double add_forces(const Vectors& x, Vectors& f) override {
     const int n = static_cast<int>(charged_.size()), threads = this->threads();
-    spread_and_transform(x, threads);
+    in_part(StepPart::kMeshSpread, [&] { spread_and_transform(x, threads); });
+    in_part(StepPart::kMeshSolve, [&] { solve_on_grid(threads); });
+    in_part(StepPart::kMeshGather, [&] {
+      in_parallel(threads, [&](int t) {
+        const Share share(n, t, threads);
+        add_mesh_forces<T>(mesh(), {atoms_.data() + share.begin, atoms_.data() + share.end}, slope_, f);
+      });
+    });
+    return std::accumulate(energy_of_.begin(), energy_of_.end(), 0.0);
+  }
+
+  // From transformed planes of charges to the potential.
+  void solve_on_grid(int threads) {
     by_rows(threads, [&](int row, int t) {
       energy_of_[row] = share_of(row) * solve(influence_of(row), grid_.transform_row(row, t));
       grid_.transform_row_back(row, t);
@@ -99,11 +112,6 @@ class MeshIn final : public PmeMesh::Engine {
         copy_row_starts(plane);
       }
     });
-    in_parallel(threads, [&](int t) {
-      const Share share(n, t, threads);
-      add_mesh_forces<T>(mesh(), {atoms_.data() + share.begin, atoms_.data() + share.end}, slope_, f);
-    });
-    return std::accumulate(energy_of_.begin(), energy_of_.end(), 0.0);
   }
 
   Eigen::Matrix3d virial(const Vectors& x) override {

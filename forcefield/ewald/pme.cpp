@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "base/shares.hpp"
+#include "md/step_parts.hpp"
 #include "md/units.hpp"
 
 namespace taut {
@@ -52,6 +53,7 @@ double Pme::add_forces(const Vectors& x, Vectors& f) {
     f.col(e.i) -= pull;
     f.col(e.j) += pull;
   };
+  const PartScope here(StepPart::kExclusions);
   return constant_ + background_ + over_excluded(x, add).energy + mesh;
 }
 

@@ -14,6 +14,7 @@
 #include "forcefield/pairs/row_shares.hpp"
 #include "forcefield/pairs/slots.hpp"
 #include "forcefield/pairs/thread_forces.hpp"
+#include "md/step_parts.hpp"
 
 namespace taut {
 namespace {
@@ -59,9 +60,14 @@ class EngineIn final : public ClusterPairs::Engine {
   }
 
   void add_forces(Vectors& f, Write write) override {
-    in_parallel(threads_, [&](int t) { add_pair_forces(p_.law, atoms_, inner_list(t), force_.cleared(t)); });
-    by_clusters([&](const Share& share) {
-      reduce_forces(force_.all(), clusters_, share, {atoms_.unit, write}, f);
+    in_part(StepPart::kPairs, [&] {
+      in_parallel(threads_,
+                  [&](int t) { add_pair_forces(p_.law, atoms_, inner_list(t), force_.cleared(t)); });
+    });
+    in_part(StepPart::kCopies, [&] {
+      by_clusters([&](const Share& share) {
+        reduce_forces(force_.all(), clusters_, share, {atoms_.unit, write}, f);
+      });
     });
   }
 
@@ -118,6 +124,7 @@ class EngineIn final : public ClusterPairs::Engine {
   }
 
   void renew_lists(const Vectors& x, const Box& box) {
+    const PartScope here(StepPart::kPrune);
     if (!searched_in_box_ || !look_ahead()) {
       search_clusters(x, box);
       look_ahead();
@@ -168,6 +175,7 @@ class EngineIn final : public ClusterPairs::Engine {
 
   // Takes the positions. True while the inner list covers them; false for NaN.
   bool positions_within_margins(const Vectors& x) {
+    const PartScope here(StepPart::kCopies);
     if (!tracks_.are_at(x, clusters_)) tracks_.advance();
     return all_shares([&](const Share& share) {
       place_atoms(x, clusters_, share, tracks_.now().data(), atoms_);
@@ -176,6 +184,7 @@ class EngineIn final : public ClusterPairs::Engine {
   }
 
   void search_clusters(const Vectors& x, const Box& box) {
+    const PartScope here(StepPart::kPairSearch);
     searched_in_box_ = false;  // until it is done: an exception must not leave half a list
     check_positions(x);
     if (std::exchange(tracks_entered_, false))

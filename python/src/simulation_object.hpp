@@ -24,6 +24,7 @@ class PythonSimulation {
   // may be None.
   void run(long steps, long every, const py::object& callback, const py::object& progress, bool to_end);
   void minimise(double force);
+  void measure_parts() { run_.simulation->measure_parts(); }
   py::bytes checkpoint();
   void close();  // releases the folder; no step is taken from here on
   void set_box(

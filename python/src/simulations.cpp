@@ -203,6 +203,7 @@ void bind_simulations(py::module_& m) {
         return std::make_unique<Self>(resume_request(asked), forces);
       }))
       .def("_run", &Self::run)
+      .def("_measure_parts", &Self::measure_parts)
       .def("_minimise", &Self::minimise)
       .def("_checkpoint", &Self::checkpoint)
       .def("_close", &Self::close)

@@ -149,18 +149,21 @@ class Simulation:
         return simulation
 
     def run(self, steps: int, *, every: int = 0, callback: Optional[Callable[["_core.Row"], Any]] = None,
-            progress: bool = False) -> None:
+            progress: bool = False, timings: bool = False) -> None:
         """Takes this many steps.
 
         - ``every``: number of steps between rows of the log, the first at the start; 0 keeps the present number
         - ``callback``: is called with every row; the run stops if it returns False
         - ``progress``: shows a bar with ns/day and the time that is left on standard error
+        - ``timings``: measures where the time goes also in systems of fewer than 1000 atoms
 
         Other Python threads run meanwhile. Ctrl-C, and any exception in the callback or in a force or method of your
         own, stop the run between two steps. taut takes a step back that was not finished, so the run can continue
         with the same numbers. Raises SimulationFailure; the state is then that of one step before the failure.
         """
         steps, every = inputs.whole(steps, "run(steps)"), inputs.whole(every, "run(every)")
+        if timings:
+            self._engine._measure_parts()
         bar = RunProgress(self.steps_taken, steps, self.dt_fs) if progress else None
         try:
             self._engine._run(steps, every, callback, bar, True)
@@ -323,6 +326,16 @@ class Simulation:
     def summary(self) -> Any:
         """Results of the last run, a dict with the keys of summary.json; None before the first."""
         return json.loads(self._engine._summary())
+
+    @property
+    def timings(self) -> Any:
+        """Where the time of the last run went: the summary's "timings"; None where parts were not measured.
+
+        "parts" has for every part its calls, ms_per_step, percent of the run, and the percentage of the threads' time
+        in it in which they had nothing to do. Systems of 1000 atoms and more are measured unasked, others with
+        ``run(steps, timings=True)``.
+        """
+        return (self.summary or {}).get("timings")
 
     @property
     def time_ps(self) -> float:

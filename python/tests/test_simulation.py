@@ -175,6 +175,17 @@ def test_log_and_summary():
     assert sim.tensions.shape == sim.bond_errors.shape == sim.lengths.shape == (81,)
 
 
+def test_timings():
+    sim = taut.Simulation("water")
+    sim.run(5)
+    assert sim.timings is None  # of fewer than 1000 atoms
+    sim.run(10, timings=True)
+    parts = sim.timings["parts"]
+    assert parts["pairs"]["calls"] == 10 and "thermostat" not in parts
+    assert sum(part["percent"] for part in parts.values()) == pytest.approx(100, abs=2)
+    assert sum(part["ms_per_step"] for part in parts.values()) == pytest.approx(sim.timings["ms_per_step"], rel=0.02)
+
+
 def test_step_is_run_without_rows():
     one, many = taut.Simulation("chain"), taut.Simulation("chain")
     for _ in range(7):
