@@ -1,15 +1,18 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "base/errors.hpp"
 #include "commands.hpp"
-#include "files/dcd_file.hpp"
 #include "files/folder.hpp"
-#include "measured.hpp"
+#include "measure_groups.hpp"
 #include "printing.hpp"
-#include "simulation/checkpoint.hpp"
+#include "scan_folder.hpp"
 #include "study.hpp"
 
 namespace taut {
@@ -18,44 +21,111 @@ namespace {
 namespace fs = std::filesystem;
 
 struct MeasureArguments {
-  fs::path folder;
-  std::vector<std::string> atoms;  // names of the two atoms of the radial distribution
+  std::vector<std::string> folders, atoms;
+  std::optional<std::string> from;
+  std::optional<double> last, viscosity;
   std::optional<fs::path> out;
-  bool overwrite = false;
+  bool join = false, overwrite = false;
+
+  MeasureSettings settings() const {
+    MeasureSettings settings{.atoms = atoms, .from = {}, .last = last, .viscosity = viscosity};
+    if (from && last) throw InputError("--from and --last: one of them");
+    if (!from) return settings;
+    if (*from == "auto") {
+      settings.automatic = true;
+      return settings;
+    }
+    double ps = 0;
+    const auto [end, error] = std::from_chars(from->data(), from->data() + from->size(), ps);
+    if (error != std::errc() || end != from->data() + from->size() || !std::isfinite(ps))
+      throw InputError(fmt::format("--from {}: expected a time in ps, or auto", *from));
+    settings.from = ps;
+    return settings;
+  }
 };
 
-fs::path trajectory_of(const fs::path& folder) {
-  fs::path file = folder / "trajectory.dcd";
-  if (fs::exists(file)) return file;
-  const bool other = fs::exists(folder / "trajectory.h5md");
-  throw InputError(fmt::format(
-      "{}: no such file; {}", file.string(),
-      other ? "run with run.trajectory = \"dcd\" or \"both\"" : "run with --set run.trajectory_every=100"));
-}
+// The names that a measurement may write, with their pictures.
+constexpr std::array kTables = {"distances", "displacement", "relaxation", "viscosity", "seeds", "scan"};
 
-void measure_folder(const MeasureArguments& arguments) {
-  expect_checkpoint(arguments.folder);
-  if (arguments.out)
-    expect_no_file({*arguments.out / "distances.csv", *arguments.out / "displacement.csv"},
-                   arguments.overwrite);
-  const Scene scene = load_checkpoint(arguments.folder).source.read();
-  const fs::path trajectory = trajectory_of(arguments.folder);
-  DcdReader file(trajectory);
-  if (file.atoms() != scene.system.atoms())
-    throw InputError(fmt::format("{}: its trajectory has {} atoms, its scene {}", arguments.folder.string(),
-                                 file.atoms(), scene.system.atoms()));
-  Measured measured(scene, arguments.atoms, file.interval());
-  Vectors x;
-  for (Box box = scene.start.box; file.next(x, box);) measured.add_frame(x, box);
-  if (measured.frames() == 0) throw InputError(trajectory.string() + ": has no frame");
-  measured.print();
-  if (json_alone())
-    write_out(measured.json().dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
-  if (!arguments.out) return;
+void write_files(const MeasureArguments& arguments, const auto& draw) {
   make_folder(*arguments.out);
   StudyFiles files(*arguments.out);
-  measured.draw(files);
+  draw(files);
   files.print_written();
+}
+
+// One run, in one folder or in segments.
+void measure_one(const MeasureArguments& arguments, const MeasuredRun& run) {
+  run.print();
+  if (json_alone())
+    write_out(run.json().dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+  if (!arguments.out) return;
+  write_files(arguments, [&](StudyFiles& files) {
+    std::string csv = "figure,value,standard_error\n";
+    for (const Figure& figure : run.figures())
+      csv += fmt::format("{},{:.9g},{:.3g}\n", figure.key, figure.value.value, figure.value.error);
+    files.write("figures.csv", csv);
+    run.draw(files);
+  });
+}
+
+RunGroup measure_group(const std::string& label, const std::vector<fs::path>& folders,
+                       const MeasureSettings& settings) {
+  std::vector<MeasuredRun> runs;
+  for (const fs::path& folder : folders) runs.emplace_back(std::vector{folder}, settings);
+  return group_runs(label, std::move(runs));
+}
+
+void measure_groups(const MeasureArguments& arguments, const std::vector<RunGroup>& groups) {
+  for (const RunGroup& group : groups) print_group(group);
+  if (json_alone()) {
+    nlohmann::ordered_json json = nlohmann::ordered_json::array();
+    for (const RunGroup& group : groups) json.push_back(json_of(group));
+    write_out((groups.size() == 1 && groups[0].values.empty() ? json[0] : json)
+                  .dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
+              "\n");
+  }
+  if (!arguments.out) return;
+  write_files(arguments, [&](StudyFiles& files) {
+    if (groups.size() == 1)
+      files.draw({"seeds", groups[0].label + ": each run, and their mean; bars: standard errors",
+                  seeds_csv(groups[0])});
+    else
+      files.draw(
+          {"scan", "what the scan varies, means over seeds; bars: standard errors", points_csv(groups)});
+  });
+}
+
+void measure(const MeasureArguments& arguments) {
+  const MeasureSettings settings = arguments.settings();
+  const std::vector<fs::path> folders(arguments.folders.begin(), arguments.folders.end());
+  if (arguments.out) {
+    std::vector<fs::path> files = {*arguments.out / "figures.csv"};
+    for (const char* table : kTables) files.push_back(*arguments.out / (std::string(table) + ".csv"));
+    expect_no_file(files, arguments.overwrite);
+  }
+  const bool scans = std::ranges::any_of(folders, is_scan);
+  if (scans && folders.size() > 1) throw InputError("a scan is measured alone: give its folder and no other");
+  if (scans) {
+    std::vector<RunGroup> groups;
+    for (const ScanPoint& point : scan_points(folders[0])) {
+      std::vector<fs::path> finished;
+      std::ranges::copy_if(point.runs, std::back_inserter(finished), is_finished);
+      if (finished.size() < point.runs.size())
+        say("note: {}: {} of {} runs are finished\n", point.label(), finished.size(), point.runs.size());
+      if (finished.empty()) continue;
+      groups.push_back(measure_group(point.label(), finished, settings));
+      groups.back().values = point.values;
+    }
+    if (groups.empty())
+      throw InputError(fmt::format("{}: no run of the scan is finished", folders[0].string()));
+    return measure_groups(arguments, groups);
+  }
+  if (folders.size() == 1 || arguments.join) return measure_one(arguments, MeasuredRun(folders, settings));
+  std::vector<RunGroup> groups;
+  groups.push_back(measure_group("", folders, settings));
+  groups[0].label = groups[0].runs.front().scene().name;
+  measure_groups(arguments, groups);
 }
 
 }  // namespace
@@ -63,14 +133,27 @@ void measure_folder(const MeasureArguments& arguments) {
 void add_measure(Commands& commands) {
   auto arguments = std::make_shared<MeasureArguments>();
   const Subcommand command = commands.add(
-      "measure", "of a run's trajectory: radial distribution, displacement and diffusion, length of chains",
-      [arguments] { measure_folder(*arguments); });
-  command.option("folder", arguments->folder, "what the run was given as --out").required();
+      "measure",
+      "of a run's log and trajectory: means with errors, viscosity, radial distribution, diffusion, chains",
+      [arguments] { measure(*arguments); });
+  command
+      .option("folders", arguments->folders,
+              "what runs were given as --out; several are runs that differ by their seed; or a scan's folder")
+      .required();
+  command.option("--from", arguments->from, "leave out what is before this time [ps]; auto: find it")
+      .words(0, "PS|auto");
+  command.option("--last", arguments->last, "measure so much at the end [ps]").positive();
+  command.flag("--join", arguments->join, "the folders are one run's segments, in this order");
   command
       .option("--atoms", arguments->atoms,
               "pairs of the radial distribution, by name: OW HW1 (if not said: the heaviest)")
       .words(2, "NAME NAME");
-  command.option("--out", arguments->out, "folder for distances.csv, displacement.csv and their pictures");
+  command
+      .option(
+          "--viscosity", arguments->viscosity,
+          "by which diffusion is corrected for the box's size [mPa s] (if not said: the log's, if it tells)")
+      .positive();
+  command.option("--out", arguments->out, "folder for the figures as CSV, with pictures");
   command.flag("--overwrite", arguments->overwrite, "replace what --out holds");
   command.json("all figures as JSON");
 }

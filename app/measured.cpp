@@ -9,6 +9,7 @@
 #include "base/errors.hpp"
 #include "base/nearest_name.hpp"
 #include "printing.hpp"
+#include "studies/transport.hpp"
 #include "systems/whole_molecules.hpp"
 #include "words.hpp"
 
@@ -42,9 +43,11 @@ double reach_in(const Box& box) {
   return box.periodic() ? std::min(1.0, box.edge.minCoeff() / 2) : 0;
 }
 
-std::string with_error(const Estimate& e) {
-  return e.error > 0 ? fmt::format("{:.4g} ± {:.1g}", e.value, e.error)
-                     : fmt::format("{:.4g} (too few frames for an error)", e.value);
+// One of a cube's: its correction is known.
+bool is_cubic(const Box& box) {
+  constexpr double kAlike = 1e-6;
+  return box.periodic() && box.tilt.isZero(kAlike) &&
+         box.edge.maxCoeff() - box.edge.minCoeff() <= kAlike * box.edge.x();
 }
 
 }  // namespace
@@ -56,14 +59,67 @@ Measured::Measured(const Scene& scene, std::vector<std::string> atoms, double in
       pairs_(atoms_named(scene, atoms_[0]), atoms_named(scene, atoms_[1]),
              molecules(scene.system, scene.terms), reach_),
       chains_(chain_ends(scene.system, scene.terms)),
+      sizes_(unbranched_chains(scene.system, scene.terms), interval),
       motion_(scene.system.mass, molecules(scene.system, scene.terms), interval),
-      interval_(interval) {}
+      interval_(interval) {
+  const std::vector<int> molecule = molecules(scene.system, scene.terms);
+  if (const int count = molecule.empty() ? 0 : *std::ranges::max_element(molecule) + 1;
+      count > 1 && scene.start.box.periodic())
+    spacing_ = std::cbrt(scene.start.box.volume() / count);
+}
 
 void Measured::add_frame(const Vectors& x, const Box& box) {
   if (reach_ > 0 && !pairs_.empty()) pairs_.see(x, box);
-  if (!chains_.empty()) chains_.see(x);
+  if (!chains_.empty()) {
+    chains_.see(x);
+    sizes_.add_frame(x);
+  }
+  if (box.periodic()) volumes_ += box.volume();
   motion_.see(x);
   ++frames_;
+}
+
+void Measured::set_viscosity(const Estimate& viscosity, double temperature) {
+  viscosity_ = viscosity;
+  temperature_ = temperature;
+}
+
+Measured::Diffusion Measured::diffusion(const MeanSquareDisplacement::Result& moved) const {
+  constexpr double kStraight = 0.2;
+  if (moved.t.empty()) return {.flaw = fmt::format("{} frames are too few, it takes 40", frames_)};
+  if (std::abs(moved.exponent - 1) > kStraight)
+    return {.flaw = fmt::format("the displacement grows as t^{:.2f}, it takes longer until it grows as t",
+                                moved.exponent)};
+  if (const double far = std::sqrt(moved.squared.back().value); far < spacing_ / 2)
+    return {.flaw =
+                fmt::format("in {:.4g} ps molecules move {:.2g} nm, less than half of the {:.2g} nm between "
+                            "them; it takes a longer run",
+                            moved.t.back(), far, spacing_)};
+  Diffusion found{.value = moved.diffusion};
+  if (viscosity_.value > 0 && is_cubic(scene_.start.box)) {
+    const double edge = std::cbrt(volumes_ / static_cast<double>(frames_));
+    const double more = finite_size_correction(temperature_, viscosity_.value, edge);
+    const double error = more * viscosity_.error / viscosity_.value;
+    found.corrected = Estimate{moved.diffusion.value + more, std::hypot(moved.diffusion.error, error)};
+  }
+  return found;
+}
+
+std::vector<Figure> Measured::figures() const {
+  std::vector<Figure> all;
+  if (!chains_.empty()) {
+    all.push_back({"end_to_end_squared_nm2", "⟨R²⟩", "nm²", chains_.squared()});
+    all.push_back({"gyration_squared_nm2", "⟨R_g²⟩", "nm²", sizes_.gyration_squared()});
+    if (sizes_.pulled())
+      all.push_back({"extension_nm", "extension along the pull", "nm", sizes_.extension()});
+    if (const auto relaxation = sizes_.relaxation(); relaxation.flaw.empty())
+      all.push_back({"relaxation_ps", "relaxation of the ends", "ps", relaxation.time});
+  }
+  const Diffusion d = diffusion(motion_.result());
+  if (d.value) all.push_back({"diffusion_nm2_per_ps", "diffusion", "nm²/ps", *d.value});
+  if (d.corrected)
+    all.push_back({"diffusion_corrected_nm2_per_ps", "diffusion, box corrected", "nm²/ps", *d.corrected});
+  return all;
 }
 
 void Measured::print() const {
@@ -76,33 +132,43 @@ void Measured::print() const {
     say("g(r) of {}, in other molecules: highest {} at {:.3f} nm\n", of_pairs(),
         with_error(g.g[static_cast<std::size_t>(peak)]), g.r[static_cast<std::size_t>(peak)]);
   }
-  if (!chains_.empty())
+  if (!chains_.empty()) {
     say("end to end: ⟨R²⟩ = {} nm², √⟨R²⟩ = {} nm\n", with_error(chains_.squared()),
         with_error(chains_.root()));
-  if (moved.t.empty()) return say("mean-square displacement: {} frames are too few, it takes 40\n", frames_);
-  say("molecules' displacement: ⟨Δr²⟩ = {} nm² after {:.4g} ps\n", with_error(moved.squared.back()),
-      moved.t.back());
-  const Estimate& d = moved.diffusion;
-  constexpr double kCm2PerS = 1e-2, kStraight = 0.2;  // of nm²/ps
-  if (std::abs(moved.exponent - 1) > kStraight)
-    return say("no D yet: the displacement grows as t^{:.2f}, it takes longer until it grows as t\n",
-               moved.exponent);
-  say("diffusion: D = {} nm²/ps ({:.3g} cm²/s), the slope from {:.4g} to {:.4g} ps\n", with_error(d),
-      d.value * kCm2PerS, moved.t.back() / 2, moved.t.back());
+    const Estimate gyration = sizes_.gyration_squared();
+    say("radius of gyration: ⟨R_g²⟩ = {} nm²; ⟨R²⟩/⟨R_g²⟩ = {:.3f}\n", with_error(gyration),
+        chains_.squared().value / gyration.value);
+    if (sizes_.pulled())
+      say("extension along the pull of {:.4g} kJ/mol/nm: {} nm\n", sizes_.force(),
+          with_error(sizes_.extension()));
+    if (const auto relaxation = sizes_.relaxation(); relaxation.flaw.empty())
+      say("end-to-end vector: ⟨R(0)·R(t)⟩ falls to 1/e within {} ps\n", with_error(relaxation.time));
+    else
+      say("no relaxation of the end-to-end vector: {}\n", relaxation.flaw);
+  }
+  if (!moved.t.empty())
+    say("molecules' displacement: ⟨Δr²⟩ = {} nm² after {:.4g} ps\n", with_error(moved.squared.back()),
+        moved.t.back());
+  const Diffusion d = diffusion(moved);
+  constexpr double kCm2PerS = 1e-2;  // of nm²/ps
+  if (!d.value) return say("no D yet: {}\n", d.flaw);
+  say("diffusion: D = {} nm²/ps ({:.3g} cm²/s), the slope from {:.4g} to {:.4g} ps\n", with_error(*d.value),
+      d.value->value * kCm2PerS, moved.t.back() / 2, moved.t.back());
+  if (d.corrected)
+    say("  in an endless liquid of {:.3g} mPa s (Yeh and Hummer): {} nm²/ps\n", viscosity_.value,
+        with_error(*d.corrected));
 }
 
 nlohmann::ordered_json Measured::json() const {
   const Distances g = pairs_.result();
   const MeanSquareDisplacement::Result moved = motion_.result();
   nlohmann::ordered_json json = {{"scene", scene_.name}, {"frames", frames_}, {"interval_ps", interval_}};
-  const auto estimate = [](const Estimate& e) {
-    return nlohmann::ordered_json{{"value", e.value}, {"error", e.error}};
-  };
-  if (!chains_.empty()) json["end_to_end_squared_nm2"] = estimate(chains_.squared());
-  if (!moved.t.empty()) {
-    json["diffusion_nm2_per_ps"] = estimate(moved.diffusion);
-    json["displacement_exponent"] = moved.exponent;
-  }
+  for (const Figure& figure : figures()) json[figure.key] = json_of(figure);
+  if (!chains_.empty())
+    if (const auto relaxation = sizes_.relaxation(); !relaxation.flaw.empty())
+      json["relaxation_flaw"] = relaxation.flaw;
+  if (const Diffusion d = diffusion(moved); !d.value) json["diffusion_flaw"] = d.flaw;
+  if (!moved.t.empty()) json["displacement_exponent"] = moved.exponent;
   for (std::size_t n = 0; n < moved.t.size(); ++n)
     json["displacement"].push_back({moved.t[n], moved.squared[n].value, moved.squared[n].error});
   for (std::size_t n = 0; n < g.r.size(); ++n)
@@ -126,6 +192,15 @@ void Measured::draw(StudyFiles& files) const {
           fmt::format("{:.6g},{:.6g},{:.2g}\n", moved.t[n], moved.squared[n].value, moved.squared[n].error);
     files.draw({"displacement",
                 scene_.name + ": mean-square displacement of molecules, bars: standard errors", csv});
+  }
+  if (!chains_.empty()) {
+    const auto relaxation = sizes_.relaxation();
+    std::string csv = "t_ps,correlation,standard_error\n";
+    for (std::size_t n = 0; n < relaxation.t.size(); ++n)
+      csv += fmt::format("{:.6g},{:.6g},{:.2g}\n", relaxation.t[n], relaxation.correlation[n].value,
+                         relaxation.correlation[n].error);
+    if (!relaxation.t.empty())
+      files.draw({"relaxation", scene_.name + ": ⟨R(0)·R(t)⟩/⟨R²⟩ of chains, bars: standard errors", csv});
   }
 }
 

@@ -1,10 +1,13 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "figures.hpp"
 #include "pictures.hpp"
+#include "studies/chain_measures.hpp"
 #include "studies/liquid_structure.hpp"
 #include "systems/scene.hpp"
 
@@ -20,11 +23,21 @@ class Measured {
   void add_frame(const Vectors& x, const Box& box);
   long frames() const { return frames_; }
 
+  // The viscosity, by which diffusion in a box is corrected for its size [mPa s], and the temperature [K].
+  void set_viscosity(const Estimate& viscosity, double temperature);
+
   void print() const;
+  std::vector<Figure> figures() const;
   nlohmann::ordered_json json() const;
   void draw(StudyFiles& files) const;
 
  private:
+  // Diffusion, or why there is none yet.
+  struct Diffusion {
+    std::optional<Estimate> value{}, corrected{};  // [nm²/ps]
+    std::string flaw{};
+  };
+  Diffusion diffusion(const MeanSquareDisplacement::Result& moved) const;
   std::string of_pairs() const { return atoms_[0] + "–" + atoms_[1]; }
 
   const Scene& scene_;
@@ -32,7 +45,12 @@ class Measured {
   double reach_;
   RadialDistribution pairs_;
   EndToEnd chains_;
+  ChainMeasures sizes_;
   MeanSquareDisplacement motion_;
+  double spacing_ = 0;  // between molecules, (V/N)^⅓; 0 without a box [nm]
+  double volumes_ = 0;  // sum over the frames [nm³]
+  Estimate viscosity_;
+  double temperature_ = 0;
   long frames_ = 0;
   double interval_;
 };

@@ -147,6 +147,7 @@ DcdReader::DcdReader(const std::filesystem::path& path) : path_(path), in_(path,
   atoms_ = atoms;
   periodic_ = control[10] != 0;
   interval_ = control[2] * static_cast<double>(step) * kAkma;
+  first_ = control[1] * static_cast<double>(step) * kAkma;
 }
 
 bool DcdReader::next(Vectors& x, Box& box) {

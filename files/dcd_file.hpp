@@ -44,6 +44,7 @@ class DcdReader {
 
   int atoms() const { return atoms_; }
   double interval() const { return interval_; }  // time between frames [ps]
+  double first_time() const { return first_; }   // of the first frame [ps]
 
   // Reads the next frame: positions [nm], and the box where the file has one. Returns false after the last
   // complete frame.
@@ -56,7 +57,7 @@ class DcdReader {
   std::ifstream in_;
   bool periodic_ = false;
   int atoms_ = 0;
-  double interval_ = 0;
+  double interval_ = 0, first_ = 0;
 };
 
 }  // namespace taut

@@ -61,6 +61,11 @@ void write_attribute(hid_t of, const char* name, const H5Handle& extent, hid_t t
 
 Hdf5Refusal::Hdf5Refusal() : std::runtime_error(hdf5_words()) {}
 
+std::mutex& hdf5_lock() {
+  static std::mutex one_at_a_time;
+  return one_at_a_time;
+}
+
 H5Handle H5Maker::group(const std::string& path) const {
   return {H5Gcreate2(file_, path.c_str(), making_folders(), H5P_DEFAULT, H5P_DEFAULT), H5Gclose};
 }
@@ -146,6 +151,15 @@ void H5Maker::append(hid_t dataset, hid_t type, const void* data) const {
   const H5Handle all{H5Dget_space(dataset), H5Sclose}, frame = space(one);
   accepted(H5Sselect_hyperslab(all, H5S_SELECT_SET, at.data(), nullptr, one.data(), nullptr));
   accepted(H5Dwrite(dataset, type, frame, all, H5P_DEFAULT, data));
+}
+
+void H5Maker::read_frame(hid_t dataset, hsize_t frame, hid_t type, void* into) const {
+  Sizes at = sizes(dataset), one = at;
+  std::fill(at.begin(), at.end(), 0);
+  at[0] = frame, one[0] = 1;
+  const H5Handle all{H5Dget_space(dataset), H5Sclose}, part = space(one);
+  accepted(H5Sselect_hyperslab(all, H5S_SELECT_SET, at.data(), nullptr, one.data(), nullptr));
+  accepted(H5Dread(dataset, type, part, all, H5P_DEFAULT, into));
 }
 
 }  // namespace taut

@@ -6,6 +6,7 @@
 #include <hdf5.h>
 
 #include <exception>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -38,6 +39,14 @@ void without_hdf5_printing(const Deed& deed) {
   }
   H5E_END_TRY
   if (thrown) std::rethrow_exception(thrown);
+}
+
+// Calls `deed` while no other thread calls HDF5, which is not thread-safe as Debian builds it.
+std::mutex& hdf5_lock();
+template <class Deed>
+void with_hdf5(const Deed& deed) {
+  const std::lock_guard alone(hdf5_lock());
+  without_hdf5_printing(deed);
 }
 
 class H5Handle {
@@ -95,6 +104,7 @@ class H5Maker {
   Sizes sizes(hid_t dataset) const;  // of each dimension; 0 for a single number
   void resize(hid_t dataset, hsize_t frames) const;
   void append(hid_t dataset, hid_t type, const void* data) const;
+  void read_frame(hid_t dataset, hsize_t frame, hid_t type, void* into) const;
 
  private:
   hid_t file_;

@@ -2,6 +2,7 @@
 
 #include "base/errors.hpp"
 #include "files/h5md_file.hpp"
+#include "files/h5md_reader.hpp"
 
 namespace taut {
 
@@ -21,6 +22,16 @@ std::uint64_t H5mdFile::frames(const std::filesystem::path&, const TrajectorySet
 void H5mdFile::add(const Frame&) {}
 std::uint64_t H5mdFile::mark() {
   return 0;
+}
+
+struct H5mdReader::Contents {};
+
+H5mdReader::H5mdReader(const std::filesystem::path& path) {
+  throw InputError(path.string() + ": taut was built without HDF5 (libhdf5-dev)");
+}
+H5mdReader::~H5mdReader() = default;
+bool H5mdReader::next(Vectors&, Box&) {
+  return false;
 }
 
 }  // namespace taut

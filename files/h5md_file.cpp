@@ -5,7 +5,6 @@
 #include <array>
 #include <chrono>
 #include <cstdlib>
-#include <mutex>
 
 #include "base/errors.hpp"
 #include "files/h5_objects.hpp"
@@ -211,14 +210,6 @@ struct H5mdFile::Contents {
   bool ever_ = false;     // whether it was ever committed
   bool changed_ = false;  // whether it was changed since it was opened
 };
-
-// HDF5 as Debian builds it is not thread-safe, and simulations may run in several threads.
-template <class Deed>
-static void with_hdf5(const Deed& deed) {
-  static std::mutex one_at_a_time;
-  const std::lock_guard alone(one_at_a_time);
-  without_hdf5_printing(deed);
-}
 
 bool built_with_hdf5() {
   return true;

@@ -327,7 +327,9 @@ TEST(Manners, Measures) {
               AllOf(HasSubstr("no D yet"), HasSubstr("⟨R²⟩"), HasSubstr("41 frames of 2000 atoms")));
   EXPECT_THAT(said("measure " + out + " --atoms BEAD BEED", 2), HasSubstr("did you mean \"BEAD\"?"));
   said("run pair --steps 5 --out " + at + "2");
-  EXPECT_THAT(said("measure " + at + "2", 2), HasSubstr("run.trajectory_every=100"));
+  EXPECT_THAT(said("measure " + at + "2"),
+              AllOf(HasSubstr("2 rows of the log"), HasSubstr("run.trajectory_every=100")));
+  EXPECT_THAT(said("measure " + at + "2 --atoms A A", 2), HasSubstr("run.trajectory_every=100"));
 }
 
 }  // namespace

@@ -1,0 +1,66 @@
+#include "figures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "base/series.hpp"
+#include "words.hpp"
+
+namespace taut {
+
+std::string with_error(const Estimate& e) {
+  if (e.error <= 0 || !std::isfinite(e.error))
+    return fmt::format("{:.5g} (too few samples for an error)", e.value);
+  const double leading =
+      std::floor(std::log10(e.error));  // two digits of the error, the value to the same place
+  const int places = static_cast<int>(1 - leading);
+  if (std::abs(e.value) >= 1e6 || places > 8) return fmt::format("{:.6g} ± {:.2g}", e.value, e.error);
+  return fmt::format("{:.{}f} ± {:.{}f}", e.value, std::max(0, places), e.error, std::max(0, places));
+}
+
+nlohmann::ordered_json json_of(const Figure& figure) {
+  return {{"value", figure.value.value}, {"error", figure.value.error}};
+}
+
+std::string figures_table(const std::vector<Figure>& figures) {
+  std::size_t width = 0;
+  for (const Figure& figure : figures)
+    width = std::max(width, static_cast<std::size_t>(columns_of(figure.words)));
+  std::string text;
+  for (const Figure& figure : figures)
+    text += fmt::format("  {}{}  {}{}{}\n", figure.words,
+                        std::string(width - static_cast<std::size_t>(columns_of(figure.words)), ' '),
+                        with_error(figure.value), figure.unit.empty() ? "" : " ", figure.unit);
+  return text;
+}
+
+std::vector<OverSeeds> over_seeds(const std::vector<std::vector<Figure>>& runs) {
+  std::vector<OverSeeds> all;
+  std::vector<std::vector<Estimate>> values;
+  for (const auto& run : runs)
+    for (const Figure& figure : run) {
+      auto at = std::ranges::find(all, figure.key, [](const OverSeeds& o) { return o.figure.key; });
+      if (at == all.end()) {
+        all.push_back({.figure = figure});
+        values.emplace_back();
+        at = all.end() - 1;
+      }
+      values[static_cast<std::size_t>(at - all.begin())].push_back(figure.value);
+    }
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    std::vector<double> means;
+    double squares = 0;
+    for (const Estimate& e : values[k]) means.push_back(e.value), squares += e.error * e.error;
+    const Estimate mean = independent_mean(means);
+    all[k].runs = means.size();
+    all[k].from_seeds = mean.error;
+    all[k].from_blocks = std::sqrt(squares) / static_cast<double>(means.size());
+    all[k].figure.value = {mean.value, std::max(mean.error, all[k].from_blocks)};
+  }
+  return all;
+}
+
+}  // namespace taut

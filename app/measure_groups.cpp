@@ -1,0 +1,122 @@
+#include "measure_groups.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <nlohmann/json.hpp>
+
+#include "base/errors.hpp"
+#include "printing.hpp"
+#include "studies/csv.hpp"
+#include "words.hpp"
+
+namespace taut {
+
+RunGroup group_runs(std::string label, std::vector<MeasuredRun> runs) {
+  RunGroup group{.values = {}, .label = std::move(label), .runs = std::move(runs), .figures = {}};
+  std::vector<std::vector<Figure>> figures;
+  for (const MeasuredRun& run : group.runs) {
+    const MeasuredRun& first = group.runs.front();
+    if (run.scene().name != first.scene().name)
+      throw InputError(
+          fmt::format("{} is a run of \"{}\", {} of \"{}\": expected runs of one scene that differ "
+                      "by their seed; measure them one by one",
+                      first.name(), first.scene().name, run.name(), run.scene().name));
+    if (&run != &first && run.scene().run.seed == first.scene().run.seed)
+      say("note: {} and {} have the same seed, {}: their means are not independent\n", first.name(),
+          run.name(), run.scene().run.seed);
+    figures.push_back(run.figures());
+  }
+  group.figures = over_seeds(figures);
+  return group;
+}
+
+void print_group(const RunGroup& group) {
+  say("{}: mean of {}; the error is the larger of the last two columns\n", group.label,
+      counted(std::ssize(group.runs), "run"));
+  std::vector<std::vector<std::string>> rows = {{"", "", "", "by blocks", "by seeds"}};
+  for (const OverSeeds& o : group.figures)
+    rows.push_back({"  " + o.figure.words, with_error(o.figure.value), o.figure.unit,
+                    fmt::format("{:.2g}", o.from_blocks),
+                    o.runs > 1 ? fmt::format("{:.2g}", o.from_seeds) : "one run"});
+  say_text(table_text(rows, terminal_width()));
+}
+
+nlohmann::ordered_json json_of(const RunGroup& group) {
+  nlohmann::ordered_json json = {{"label", group.label}};
+  for (const auto& [key, value] : group.values) json["values"][key] = value;
+  for (const OverSeeds& o : group.figures)
+    json["mean"][o.figure.key] = {{"value", o.figure.value.value},
+                                  {"error", o.figure.value.error},
+                                  {"error_by_blocks", o.from_blocks},
+                                  {"error_by_seeds", o.from_seeds},
+                                  {"runs", o.runs}};
+  for (const MeasuredRun& run : group.runs) json["runs"].push_back(run.json());
+  return json;
+}
+
+std::string seeds_csv(const RunGroup& group) {
+  std::string csv = "figure,unit,run,number,value,standard_error\n";
+  for (const OverSeeds& o : group.figures) {
+    long number = 0;
+    const auto row = [&](const std::string& run, long at, const Estimate& e) {
+      csv += fmt::format("{},{},{},{},{:.9g},{:.3g}\n", csv_cell(o.figure.words), csv_cell(o.figure.unit),
+                         csv_cell(run), at, e.value, e.error);
+    };
+    for (const MeasuredRun& run : group.runs)
+      for (const Figure& figure : run.figures())
+        if (figure.key == o.figure.key) row(run.name(), ++number, figure.value);
+    row("mean", 0, o.figure.value);
+  }
+  return csv;
+}
+
+namespace {
+
+// The values of the first key as numbers, or their places in the scan where one is no number.
+std::vector<double> along_x(const std::vector<RunGroup>& groups) {
+  std::vector<double> numbers, places;
+  std::vector<std::string> seen;
+  for (const RunGroup& group : groups) {
+    const std::string& text = group.values.at(0).second;
+    double number = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error == std::errc() && end == text.data() + text.size()) numbers.push_back(number);
+    auto at = std::ranges::find(seen, text);
+    if (at == seen.end()) at = seen.insert(seen.end(), text);
+    places.push_back(static_cast<double>(at - seen.begin() + 1));
+  }
+  return numbers.size() == groups.size() ? numbers : places;
+}
+
+// What distinguishes the curves: all keys but the first.
+std::string curve_of(const RunGroup& group) {
+  std::string text;
+  for (std::size_t k = 1; k < group.values.size(); ++k)
+    text += (text.empty() ? "" : " ") + group.values[k].second;
+  return text.empty() ? group.runs.front().scene().name : text;
+}
+
+}  // namespace
+
+std::string points_csv(const std::vector<RunGroup>& groups) {
+  std::string csv = "figure,unit,x_name,x,x_text,curve,method,value,standard_error,runs\n";
+  const std::vector<double> x = along_x(groups);
+  std::vector<std::string> order;
+  for (const RunGroup& group : groups)
+    for (const OverSeeds& o : group.figures)
+      if (std::ranges::find(order, o.figure.key) == order.end()) order.push_back(o.figure.key);
+  for (const std::string& key : order)
+    for (std::size_t g = 0; g < groups.size(); ++g)
+      for (const OverSeeds& o : groups[g].figures)
+        if (o.figure.key == key)
+          csv += fmt::format("{},{},{},{:.9g},{},{},{},{:.9g},{:.3g},{}\n", csv_cell(o.figure.words),
+                             csv_cell(o.figure.unit), csv_cell(groups[g].values[0].first), x[g],
+                             csv_cell(groups[g].values[0].second), csv_cell(curve_of(groups[g])),
+                             groups[g].runs.front().scene().method.name(), o.figure.value.value,
+                             o.figure.value.error, o.runs);
+  return csv;
+}
+
+}  // namespace taut

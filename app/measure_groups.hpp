@@ -1,0 +1,31 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "measured_run.hpp"
+
+namespace taut {
+
+// Runs that differ by their seed, and what they say together.
+struct RunGroup {
+  std::vector<std::pair<std::string, std::string>> values;  // what a scan varies: key and value; may be empty
+  std::string label;
+  std::vector<MeasuredRun> runs;
+  std::vector<OverSeeds> figures;
+};
+RunGroup group_runs(std::string label, std::vector<MeasuredRun> runs);
+
+void print_group(const RunGroup& group);  // a line a figure, its error, and where that comes from
+nlohmann::ordered_json json_of(const RunGroup& group);
+
+// figure, unit, run and its number, value, error: a row for each figure of each run, and one for the mean, whose
+// number is 0.
+std::string seeds_csv(const RunGroup& group);
+
+// figure, unit, x (the first key's value, or its place where values are words), curve (the others' values), value,
+// error, runs: a row for each figure and group.
+std::string points_csv(const std::vector<RunGroup>& groups);
+
+}  // namespace taut

@@ -1,0 +1,207 @@
+#include "measured_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "base/errors.hpp"
+#include "base/series.hpp"
+#include "files/dcd_file.hpp"
+#include "files/h5md_file.hpp"
+#include "files/h5md_reader.hpp"
+#include "printing.hpp"
+#include "simulation/checkpoint.hpp"
+#include "words.hpp"
+
+namespace taut {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kSameTime = 1e-6;  // [ps]; DCD keeps the time of a frame in single precision
+
+// A trajectory is read in double precision where there is a choice.
+std::optional<fs::path> trajectory_of(const fs::path& folder) {
+  if (const fs::path file = folder / "trajectory.h5md"; built_with_hdf5() && fs::exists(file)) return file;
+  if (const fs::path file = folder / "trajectory.dcd"; fs::exists(file)) return file;
+  return {};
+}
+
+// Calls see(time, x, box) for every frame of a file.
+template <class Reader>
+void for_each_frame(Reader& file, const Scene& scene, const fs::path& path, const auto& see) {
+  if (file.atoms() != scene.system.atoms())
+    throw InputError(fmt::format("{}: its trajectory has {} atoms, its scene {}", path.string(), file.atoms(),
+                                 scene.system.atoms()));
+  Vectors x;
+  long frame = 0;
+  for (Box box = scene.start.box; file.next(x, box); ++frame)
+    see(file.first_time() + static_cast<double>(frame) * file.interval(), file.interval(), x, box);
+}
+
+}  // namespace
+
+MeasuredRun::MeasuredRun(std::vector<fs::path> segments, const MeasureSettings& settings)
+    : segments_(std::move(segments)) {
+  for (const fs::path& folder : segments_) {
+    expect_checkpoint(folder);
+    const RunLog log = read_log(folder);
+    const double begin = log.column(kLogTime).front();
+    const double end = log_.rows() == 0 ? begin : log_.column(kLogTime).back();
+    shifts_.push_back(begin < end ? end - begin : 0);
+    log_.append(log);
+  }
+  scene_ = std::make_unique<Scene>(load_checkpoint(segments_.front()).source.read());
+  choose_window(settings);
+  measure_log();
+  measure_frames(settings);
+}
+
+void MeasuredRun::choose_window(const MeasureSettings& settings) {
+  const std::vector<double>& t = log_.column(kLogTime);
+  double from = settings.from.value_or(t.front());
+  if (settings.last) from = t.back() - *settings.last;
+  std::string why;
+  if (settings.automatic) {
+    std::size_t row = 0;
+    for (const std::string_view column : {kLogPotential, kLogVolume})
+      if (log_.has(column)) row = std::max(row, equilibration_end(log_.column(column)));
+    from = t[row];
+    why = fmt::format("; equilibrated from there on by Chodera's rule (most independent samples of energy{})",
+                      log_.has(kLogVolume) ? " and volume" : "");
+  }
+  first_row_ = static_cast<std::size_t>(std::ranges::lower_bound(t, from - kSameTime) - t.begin());
+  if (first_row_ == t.size())
+    throw InputError(
+        fmt::format("{}: nothing from {:g} ps on: the log ends at {:g} ps", name(), from, t.back()));
+  window_words_ =
+      fmt::format("{} of the log from {:.6g} to {:.6g} ps{}",
+                  counted(static_cast<long>(t.size() - first_row_), "row"), t[first_row_], t.back(), why);
+}
+
+std::vector<double> MeasuredRun::window_of(std::string_view column) const {
+  const std::vector<double>& all = log_.column(column);
+  std::vector<double> window;
+  for (std::size_t row = first_row_; row < all.size(); ++row)
+    if (!std::isnan(all[row])) window.push_back(all[row]);
+  return window;
+}
+
+void MeasuredRun::measure_log() {
+  struct Asked {
+    std::string_view column;
+    const char *key, *words, *unit;
+  };
+  for (const Asked& asked : {Asked{kLogTemperature, "temperature_k", "temperature", "K"},
+                             Asked{kLogPotential, "potential_kj_mol", "potential energy", "kJ/mol"},
+                             Asked{kLogTotal, "total_kj_mol", "total energy", "kJ/mol"},
+                             Asked{kLogPressure, "pressure_bar", "pressure", "bar"},
+                             Asked{kLogVolume, "volume_nm3", "volume", "nm³"},
+                             Asked{kLogDensity, "density_kg_m3", "density", "kg/m³"}})
+    if (const std::vector<double> y = window_of(asked.column); !y.empty()) {
+      const bool fixed = std::ranges::all_of(y, [&](double value) { return value == y[0]; });
+      if (fixed && (asked.column == kLogVolume || asked.column == kLogDensity)) continue;  // no barostat
+      log_figures_.push_back({asked.key, asked.words, asked.unit, correlated_mean(y)});
+    }
+  if (!log_.has(kLogPressure)) return;
+  StressSeries stress{.pressure = {},
+                      .interval = log_.interval(),
+                      .volume = correlated_mean(window_of(kLogVolume)).value,
+                      .temperature = correlated_mean(window_of(kLogTemperature)).value};
+  for (std::size_t k = 0; k < 6; ++k)
+    stress.pressure[k] =
+        window_of(fmt::format("Pressure {} (bar)", std::array{"XX", "YY", "ZZ", "XY", "XZ", "YZ"}[k]));
+  green_kubo_ = green_kubo(stress);
+  if (green_kubo_->flaw.empty())
+    log_figures_.push_back({"viscosity_mpa_s", "viscosity", "mPa s", green_kubo_->viscosity});
+}
+
+void MeasuredRun::measure_frames(const MeasureSettings& settings) {
+  const double begin = log_.column(kLogTime)[first_row_];
+  double seen = -std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < segments_.size(); ++k) {
+    const std::optional<fs::path> path = trajectory_of(segments_[k]);
+    if (!path) {
+      no_frames_ = fmt::format(
+          "{}: no trajectory; for distances, diffusion and chains run with --set "
+          "run.trajectory_every=100",
+          segments_[k].string());
+      if (!settings.atoms.empty() || settings.viscosity) throw InputError(no_frames_);
+      return;
+    }
+    const auto see = [&](double t, double interval, const Vectors& x, const Box& box) {
+      t += shifts_[k];
+      if (t < begin - kSameTime * std::max(1.0, t) || t < seen + interval / 2) return;
+      if (!frames_) frames_.emplace(*scene_, settings.atoms, interval);
+      frames_->add_frame(x, box);
+      seen = t;
+    };
+    if (path->extension() == ".dcd") {
+      DcdReader file(*path);
+      for_each_frame(file, *scene_, *path, see);
+    } else {
+      H5mdReader file(*path);
+      for_each_frame(file, *scene_, *path, see);
+    }
+  }
+  if (!frames_) {
+    no_frames_ = fmt::format("{}: no frame from {:g} ps on", name(), begin);
+    return;
+  }
+  const Estimate temperature = correlated_mean(window_of(kLogTemperature));
+  if (settings.viscosity)
+    frames_->set_viscosity({*settings.viscosity, 0}, temperature.value);
+  else if (green_kubo_ && green_kubo_->flaw.empty())
+    frames_->set_viscosity(green_kubo_->viscosity, temperature.value);
+}
+
+std::vector<Figure> MeasuredRun::figures() const {
+  std::vector<Figure> all = log_figures_;
+  if (frames_) std::ranges::copy(frames_->figures(), std::back_inserter(all));
+  return all;
+}
+
+void MeasuredRun::print() const {
+  say("{}: {}\n", name(), window_words_);
+  say_text(figures_table(log_figures_));
+  if (green_kubo_ && green_kubo_->flaw.empty())
+    say("  viscosity by Green and Kubo, the pressure's correlation integrated to {:.4g} ps\n",
+        green_kubo_->cut);
+  else if (green_kubo_)
+    say("  no viscosity: {}\n", green_kubo_->flaw);
+  if (frames_)
+    frames_->print();
+  else
+    say("{}\n", no_frames_);
+}
+
+nlohmann::ordered_json MeasuredRun::json() const {
+  const std::vector<double>& t = log_.column(kLogTime);
+  nlohmann::ordered_json json = {{"run", name()},
+                                 {"scene", scene_->name},
+                                 {"from_ps", t[first_row_]},
+                                 {"to_ps", t.back()},
+                                 {"rows", t.size() - first_row_}};
+  for (const Figure& figure : log_figures_) json[figure.key] = json_of(figure);
+  if (green_kubo_ && !green_kubo_->flaw.empty()) json["viscosity_flaw"] = green_kubo_->flaw;
+  if (frames_)
+    json.update(frames_->json());
+  else
+    json["frames"] = 0;
+  return json;
+}
+
+void MeasuredRun::draw(StudyFiles& files) const {
+  if (frames_) frames_->draw(files);
+  if (!green_kubo_ || green_kubo_->t.empty()) return;
+  std::string csv = "t_ps,correlation,correlation_error,viscosity_mpa_s,standard_error,cut_ps\n";
+  for (std::size_t k = 0; k < green_kubo_->t.size(); ++k)
+    csv += fmt::format("{:.6g},{:.6g},{:.2g},{:.6g},{:.2g},{:.6g}\n", green_kubo_->t[k],
+                       green_kubo_->correlation[k].value, green_kubo_->correlation[k].error,
+                       green_kubo_->integral[k].value, green_kubo_->integral[k].error, green_kubo_->cut);
+  files.draw({"viscosity", scene_->name + ": pressure's correlation, and its integral, the viscosity", csv});
+}
+
+}  // namespace taut

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "figures.hpp"
+#include "measured.hpp"
+#include "studies/run_log.hpp"
+#include "studies/transport.hpp"
+
+namespace taut {
+
+// What `taut measure` is asked for.
+struct MeasureSettings {
+  std::vector<std::string> atoms;   // names of the two atoms of the radial distribution; empty: the heaviest
+  std::optional<double> from;       // what is earlier is left out [ps]
+  std::optional<double> last;       // so much at the end is measured [ps]
+  bool automatic = false;           // from where the run is equilibrated (base/series.hpp)
+  std::optional<double> viscosity;  // for the correction of diffusion [mPa s]
+};
+
+// The log and the trajectory of a run, in one folder or in several that are its segments.
+class MeasuredRun {
+ public:
+  // Throws InputError where there is no run, or nothing of it in the window.
+  MeasuredRun(std::vector<std::filesystem::path> segments, const MeasureSettings& settings);
+
+  const Scene& scene() const { return *scene_; }
+  std::string name() const { return segments_.front().string(); }
+  std::vector<Figure> figures() const;
+  void print() const;
+  nlohmann::ordered_json json() const;
+  void draw(StudyFiles& files) const;
+
+ private:
+  void choose_window(const MeasureSettings& settings);
+  void measure_log();
+  void measure_frames(const MeasureSettings& settings);
+  std::vector<double> window_of(std::string_view column) const;
+
+  std::vector<std::filesystem::path> segments_;
+  std::vector<double> shifts_;  // what is added to each segment's times [ps]
+  std::unique_ptr<Scene> scene_;
+  RunLog log_;
+  std::size_t first_row_ = 0;
+  std::string window_words_;
+  std::vector<Figure> log_figures_;
+  std::optional<GreenKubo> green_kubo_;  // in a box
+  std::optional<Measured> frames_;
+  std::string no_frames_;  // why there are none
+};
+
+}  // namespace taut

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace taut {
+
+inline constexpr const char* kScanTable = "scan.csv";
+
+// One setting of a scan, and the folders of its runs, which differ by their seed.
+struct ScanPoint {
+  std::vector<std::pair<std::string, std::string>> values;  // key and value
+  std::vector<std::filesystem::path> runs;
+
+  std::string label() const;  // "run.temperature_k=300 method.name=newton"
+};
+
+bool is_scan(const std::filesystem::path& folder);
+
+// The points of a scan in their order, as FOLDER/scan.csv lists them: run, seed and a column for each key.
+// Throws InputError.
+std::vector<ScanPoint> scan_points(const std::filesystem::path& folder);
+std::string scan_table(const std::vector<ScanPoint>& points);  // scan.csv
+
+// Whether a run in a folder has taken all its steps.
+bool is_finished(const std::filesystem::path& run);
+
+}  // namespace taut

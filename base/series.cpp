@@ -1,0 +1,79 @@
+#include "base/series.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace taut {
+namespace {
+
+double sample_mean(std::span<const double> y) {
+  double sum = 0;
+  for (const double value : y) sum += value;
+  return y.empty() ? 0.0 : sum / static_cast<double>(y.size());
+}
+
+double variance_about(double mean, std::span<const double> y) {
+  double sum = 0;
+  for (const double value : y) sum += (value - mean) * (value - mean);
+  return sum / static_cast<double>(y.size());
+}
+
+// A series that is constant but for rounding has no fluctuations to correlate.
+bool is_constant(double variance, double mean) {
+  constexpr double kRounding = 1e-13;
+  return std::sqrt(variance) <= kRounding * std::abs(mean);
+}
+
+}  // namespace
+
+double statistical_inefficiency(std::span<const double> y) {
+  const std::size_t n = y.size();
+  if (n < 3) return 1;
+  const double mean = sample_mean(y), variance = variance_about(mean, y);
+  if (is_constant(variance, mean)) return 1;
+  double g = 1;
+  for (std::size_t k = 1; k < n - 1; ++k) {
+    double sum = 0;
+    for (std::size_t i = 0; i + k < n; ++i) sum += (y[i] - mean) * (y[i + k] - mean);
+    const double c = sum / (static_cast<double>(n - k) * variance);
+    if (c <= 0) break;
+    g += 2 * c * (1 - static_cast<double>(k) / static_cast<double>(n));
+  }
+  return g;
+}
+
+Estimate correlated_mean(std::span<const double> y) {
+  const double mean = sample_mean(y);
+  if (y.size() < 3) return {mean, 0};
+  const double variance = variance_about(mean, y);
+  const double independent = static_cast<double>(y.size()) / statistical_inefficiency(y);
+  if (independent < 3 || is_constant(variance, mean)) return {mean, 0};
+  return {mean, std::sqrt(variance / (independent - 1))};
+}
+
+std::size_t equilibration_end(std::span<const double> series) {
+  constexpr std::size_t kTried = 100, kMost = 1000;
+  const std::size_t bin = std::max<std::size_t>(1, series.size() / kMost);
+  std::vector<double> y;
+  for (std::size_t at = 0; at + bin <= series.size(); at += bin)
+    y.push_back(sample_mean(series.subspan(at, bin)));
+  const std::size_t last = y.size() - y.size() / 10;
+  const std::size_t stride = std::max<std::size_t>(1, last / kTried);
+  std::size_t best = 0;
+  double most = 0;
+  for (std::size_t t0 = 0; t0 < last; t0 += stride) {
+    const auto rest = std::span<const double>(y).subspan(t0);
+    const double independent = static_cast<double>(rest.size()) / statistical_inefficiency(rest);
+    if (independent > most) most = independent, best = t0;
+  }
+  return best * bin;
+}
+
+Estimate independent_mean(std::span<const double> values) {
+  const double n = static_cast<double>(values.size()), mean = sample_mean(values);
+  if (n < 2) return {mean, 0};
+  return {mean, std::sqrt(variance_about(mean, values) / (n - 1))};
+}
+
+}  // namespace taut

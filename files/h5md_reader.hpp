@@ -1,0 +1,32 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "base/vectors.hpp"
+#include "md/box.hpp"
+
+namespace taut {
+
+// Reads the positions of a file written by H5mdFile, frame by frame; of a run that goes on or was killed, the
+// frames of the last commit. Throws InputError for any other file.
+class H5mdReader {
+ public:
+  explicit H5mdReader(const std::filesystem::path& path);
+  ~H5mdReader();
+
+  int atoms() const { return atoms_; }
+  double interval() const { return interval_; }  // time between frames, 0 for a single one [ps]
+  double first_time() const { return first_; }   // of the first frame [ps]
+
+  // Reads the next frame: positions [nm], and the box where the file has one. Returns false after the last.
+  bool next(Vectors& x, Box& box);
+
+ private:
+  struct Contents;
+  std::unique_ptr<Contents> contents_;
+  int atoms_ = 0;
+  double interval_ = 0, first_ = 0;
+};
+
+}  // namespace taut
