@@ -51,11 +51,15 @@ void put_body(const Checkpoint& c, const Put& put) {
     put(head(kByteString, bytes.size()));
     put(bytes);
   };
-  put(head(kMap, 9));
+  put(head(kMap, c.history.empty() ? 9 : 10));
   put(encoded("files") + head(kArray, c.source.files.size()));
   for (const auto& [name, text] : c.source.files) {
     put(head(kMap, 2) + encoded("name") + encoded(name) + encoded("text"));
     put_bytes(text);
+  }
+  if (!c.history.empty()) {
+    put(encoded("history"));
+    put_bytes(c.history);
   }
   json marks = json::object();
   for (const auto& [name, mark] : c.marks) marks[name] = mark;
@@ -148,6 +152,7 @@ Checkpoint read_checkpoint_body(std::string_view body) {
     for (const json& file : j.at("files"))
       c.source.files.push_back({file.at("name").get<std::string>(), std::string(bytes_of(file.at("text")))});
     c.source.overrides = j.at("overrides").get<std::vector<std::string>>();
+    if (j.contains("history")) c.history = bytes_of(j.at("history"));
     if (j.contains("own")) c.source.own = j.at("own").get<std::vector<std::string>>();
     c.step = static_cast<long>(count_of(j.at("step"), std::numeric_limits<long>::max()));
     c.t = j.at("time_ps").get<double>();

@@ -21,6 +21,7 @@ struct Checkpoint {
   int threads = 1;          // sums are taken in an order that depends on how many
   std::string memory = {};  // Simulation::serialize
   Marks marks = {};
+  std::string history = {};  // log and summary so far, as Python's module keeps them; else empty
 };
 
 // In CBOR (RFC 8949), an envelope with a checksum around a body:

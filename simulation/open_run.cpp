@@ -130,7 +130,6 @@ KeyValues changes_of(const RunRequest& request, const Checkpoint& checkpoint) {
                                    *request.more_steps, checkpoint.step));
     changes["run.steps"] = std::to_string(checkpoint.step + *request.more_steps);
   }
-  refuse_fixed(changes);
   return changes;
 }
 
@@ -170,25 +169,6 @@ std::vector<std::string> changed_overrides(const std::vector<std::string>& overr
   return overrides_of(values);
 }
 
-void change_settings(Simulation& simulation, SceneSource& source, const KeyValues& changes) {
-  std::vector<std::string> overrides =
-      changed_overrides(source.overrides, simulation.scene().velocities_drawn, changes);
-  if (overrides == source.overrides) return;
-  source.overrides = std::move(overrides);
-  const RunSettings before = simulation.scene().run, after = source.read().run;
-  // The frames of one file are equally spaced from its start to its end.
-  if (before.trajectory_every > 0 && after.trajectory_every > 0 &&
-      before.trajectory_every != after.trajectory_every)
-    throw InputError(
-        fmt::format("run.trajectory_every: the frames written so far are {} steps apart, they cannot go on "
-                    "{} apart; 0 goes on without",
-                    before.trajectory_every, after.trajectory_every));
-  if (changes.contains("run.temperature_k") && !after.langevin() && !after.rescaling())
-    throw InputError(
-        "run.temperature_k: no thermostat holds it, and velocities are drawn at the start alone");
-  simulation.change(after);
-}
-
 // Erases the marks of outputs that start anew.
 void reconcile_outputs(const RunRequest& request, const Simulation& simulation, Marks& marks) {
   const OutputsFound found = find_outputs(request.folder, simulation, marks);
@@ -217,6 +197,7 @@ OpenRun open_begun(RunRequest& request) {
   if (request.mode == RunMode::kContinue) refuse_other_input(request, checkpoint.source);
   const KeyValues changes = changes_of(request, checkpoint);
   OpenRun run{checkpoint.source, restore_simulation(request, checkpoint), {}};
+  run.history = std::move(checkpoint.history);
   change_settings(*run.simulation, run.source, changes);
   if (!lock) return run;
   run.finished = request.leave_finished && run.simulation->step() >= run.simulation->scene().run.steps &&
@@ -228,6 +209,26 @@ OpenRun open_begun(RunRequest& request) {
 }
 
 }  // namespace
+
+void change_settings(Simulation& simulation, SceneSource& source, const KeyValues& changes) {
+  refuse_fixed(changes);
+  std::vector<std::string> overrides =
+      changed_overrides(source.overrides, simulation.scene().velocities_drawn, changes);
+  if (overrides == source.overrides) return;
+  source.overrides = std::move(overrides);
+  const RunSettings before = simulation.scene().run, after = source.read().run;
+  // The frames of one file are equally spaced from its start to its end.
+  if (before.trajectory_every > 0 && after.trajectory_every > 0 &&
+      before.trajectory_every != after.trajectory_every)
+    throw InputError(
+        fmt::format("run.trajectory_every: the frames written so far are {} steps apart, they cannot go on "
+                    "{} apart; 0 goes on without",
+                    before.trajectory_every, after.trajectory_every));
+  if (changes.contains("run.temperature_k") && !after.langevin() && !after.rescaling())
+    throw InputError(
+        "run.temperature_k: no thermostat holds it, and velocities are drawn at the start alone");
+  simulation.change(after);
+}
 
 OpenRun open_run(RunRequest request) {
   const bool begun =

@@ -54,6 +54,7 @@ struct OpenRun {
   std::unique_ptr<Simulation> simulation;
   std::optional<RunFolder> folder;  // none: nothing is written
   bool finished = false;            // all steps were taken before, and leave_finished was set
+  std::string history = {};         // of a run that continues from a checkpoint: its Checkpoint::history
 };
 
 // Opens the folder and makes or restores the simulation. Throws InputError for a folder that holds another run,
@@ -61,5 +62,9 @@ struct OpenRun {
 // other than those of the checkpoint, and outputs that may not be cut back. Throws OutsideError for outputs
 // that are missing.
 OpenRun open_run(RunRequest request);
+
+// Changes settings of a run that has begun, as `taut resume --set` does. Throws InputError for a setting that
+// cannot change or would have no effect.
+void change_settings(Simulation& simulation, SceneSource& source, const KeyValues& changes);
 
 }  // namespace taut

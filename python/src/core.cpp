@@ -139,5 +139,6 @@ PYBIND11_MODULE(_core, m) {
       "It acts for all Python threads, and changes no other library's threads.");
   bind_simulations(m);
   bind_studies(m);
+  bind_trajectory_files(m);
   bind_parts(m);
 }

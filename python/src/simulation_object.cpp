@@ -84,8 +84,7 @@ PythonSimulation::PythonSimulation(RunRequest request, const py::list& forces)
   note_state();
 }
 
-void PythonSimulation::run(long steps, long every, const py::object& callback, const py::object& progress,
-                           bool to_end) {
+void PythonSimulation::run(long steps, long every, const Calls& calls, bool to_end) {
   expect_idle();
   if (closed_) throw std::runtime_error("it is closed; make another Simulation, or resume from a checkpoint");
   if (steps < 1 || steps > 1L << 50) throw InputError(fmt::format("run({}): expected 1 step or more", steps));
@@ -99,13 +98,21 @@ void PythonSimulation::run(long steps, long every, const py::object& callback, c
   begun_ = true;
   std::exception_ptr thrown;
   std::optional<Record> row;
+  long next_report = calls.report.is_none() ? -1 : calls.first_report;
   auto next_look = Clock::now() + kLookEvery;
   stopped_ = false;
   const auto look = [&] {  // needs Python's interpreter lock
     try {
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-      if (row && !callback.is_none()) call(callback, *std::exchange(row, {}));
-      if (!progress.is_none()) progress(run_.simulation->step());
+      const long step = run_.simulation->step();
+      if (row && !calls.on_row.is_none())
+        stopped_ |= is_false(call(calls.on_row, py::cast(*std::exchange(row, {})), step));
+      if (step == next_report) {
+        const py::object answer = call(calls.report, py::int_(step), step);
+        stopped_ |= is_false(answer);
+        next_report = is_false(answer) ? -1 : answer.cast<long>();
+      }
+      if (!calls.progress.is_none()) calls.progress(step);
     } catch (...) {
       thrown = std::current_exception();
       stopped_ = true;
@@ -123,7 +130,7 @@ void PythonSimulation::run(long steps, long every, const py::object& callback, c
                            },
                        .go_on =
                            [&](long step) {
-                             const bool due = row && !callback.is_none();
+                             const bool due = (row && !calls.on_row.is_none()) || step == next_report;
                              if (due || Clock::now() >= next_look) {
                                const py::gil_scoped_acquire interpreter;
                                next_look = Clock::now() + kLookEvery;
@@ -149,8 +156,8 @@ void PythonSimulation::run(long steps, long every, const py::object& callback, c
   if (thrown) std::rethrow_exception(thrown);
 }
 
-// What the callback wrote before it threw an exception counts, too.
-void PythonSimulation::call(const py::object& callback, const Record& row) {
+// What the function wrote before it threw an exception counts, too.
+py::object PythonSimulation::call(const py::object& function, const py::object& argument, long step) {
   note_state();
   const Busy looked_at(in_callback_);
   const auto take_over = [&] {
@@ -158,12 +165,12 @@ void PythonSimulation::call(const py::object& callback, const Record& row) {
       take_over_changes();
     } catch (const InputError& e) {
       undo_writing();
-      throw InputError(
-          fmt::format("the callback of step {}: {}; what it wrote is undone", row.step, e.what()));
+      throw InputError(fmt::format("the callback of step {}: {}; what it wrote is undone", step, e.what()));
     }
   };
+  py::object answer;
   try {
-    stopped_ = is_false(callback(py::cast(row)));
+    answer = function(argument);
   } catch (...) {
     const auto thrown = std::current_exception();
     try {
@@ -173,6 +180,7 @@ void PythonSimulation::call(const py::object& callback, const Record& row) {
     std::rethrow_exception(thrown);
   }
   take_over();
+  return answer;
 }
 
 void PythonSimulation::close() {
@@ -220,7 +228,7 @@ std::vector<std::string> PythonSimulation::notes() const {
   return notes;
 }
 
-py::bytes PythonSimulation::checkpoint() {
+py::bytes PythonSimulation::checkpoint(const std::string& history) {
   expect_between_steps();
   take_over_changes();
   Checkpoint checkpoint{.source = run_.source,
@@ -228,7 +236,8 @@ py::bytes PythonSimulation::checkpoint() {
                         .t = run_.simulation->state().t,
                         .threads = run_.simulation->threads(),
                         .memory = {},
-                        .marks = {}};
+                        .marks = {},
+                        .history = history};
   Archive archive = Archive::saving_to(checkpoint.memory);
   run_.simulation->serialize(archive);
   return to_bytes(checkpoint);
@@ -269,6 +278,12 @@ void PythonSimulation::set_steps(long steps, long every) {
   values["run.steps"] = std::to_string(settings.steps);
   if (every > 0) values["run.log_every"] = std::to_string(every);
   run_.source.overrides = overrides_of(values);
+}
+
+void PythonSimulation::change(const std::vector<std::string>& overrides) {
+  expect_idle();
+  take_over_changes();
+  change_settings(*run_.simulation, run_.source, key_values(overrides));
 }
 
 void PythonSimulation::note_state() {

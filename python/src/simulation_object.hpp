@@ -19,13 +19,21 @@ class PythonSimulation {
   PythonSimulation(RunRequest request, const py::list& forces);  // resumes
   ~PythonSimulation() { leave_to_views(run_.simulation->state(), *shown_); }
 
+  // What a run calls in Python. Each may be None.
+  struct Calls {
+    py::object on_row;    // with each row of the log
+    py::object progress;  // with the number of steps taken, every 50 ms
+    // With the number of steps taken, after step `first_report` and then after each step that it returned last.
+    py::object report;
+    long first_report = 0;
+  };
   // Takes steps, with a row of the log every `every` of them (0: as before), and with `to_end` one after the
-  // last. Calls `callback` with each row, and `progress` with the number of steps taken, every 50 ms. Either
-  // may be None.
-  void run(long steps, long every, const py::object& callback, const py::object& progress, bool to_end);
+  // last.
+  void run(long steps, long every, const Calls& calls, bool to_end);
   void minimise(double force);
   void measure_parts() { run_.simulation->measure_parts(); }
-  py::bytes checkpoint();
+  py::bytes checkpoint(const std::string& history);
+  void change(const std::vector<std::string>& overrides);  // settings of the run, as `taut resume --set`
   void close();  // releases the folder; no step is taken from here on
   void set_box(
       const Eigen::Matrix3d& vectors);  // a, b and c in columns [nm]; throws InputError for no such box
@@ -35,6 +43,7 @@ class PythonSimulation {
   const std::shared_ptr<Shown>& shown() const { return shown_; }  // what the views of Python show
   const std::vector<Record>& rows() const { return log_; }
   std::string summary() const;  // of the last run, as summary.json has it, or "null"
+  const std::string& history() const { return run_.history; }  // that of the checkpoint it continues from
   std::string folder() const { return run_.folder ? run_.folder->path().string() : ""; }
   std::vector<std::string> notes() const;
 
@@ -42,7 +51,8 @@ class PythonSimulation {
   void expect_idle() const;           // throws while it runs
   void expect_this_process() const;   // throws after a fork
   void expect_between_steps() const;  // throws during a step; a callback is between two
-  void call(const py::object& callback, const Record& row);  // and starts again from what it wrote
+  // Calls a function after a step, and starts again from what it wrote. Returns its result.
+  py::object call(const py::object& function, const py::object& argument, long step);
   void set_steps(long steps, long every);
   void note_state();    // keeps a copy of positions and velocities, to notice when they are written to
   void undo_writing();  // restores that copy

@@ -135,6 +135,25 @@ py::tuple names(const Self& self) {
   return py::make_tuple(atoms, residues, elements, py::cast(names.residue));
 }
 
+// Returns a row of the present state. What belongs to a run, such as the drift, is nan.
+Record present_row(Self& self) {
+  Record row = self.settled().record();
+  row.step = self.engine().step();
+  row.drift = row.iterations = row.ns_per_day = kNone;
+  row.constraint_work = self.settled().constraint_work();
+  return row;
+}
+
+// Returns the settings of the thermostat and the barostat.
+py::dict settings(const Self& self) {
+  const RunSettings& run = self.engine().scene().run;
+  py::dict now;
+  now["temperature_k"] = run.temperature_k;
+  now["thermostat"] = run.langevin() ? "langevin" : run.rescaling() ? "rescaling" : "none";
+  now["barostat"] = run.barostat;
+  return now;
+}
+
 RunRequest resume_request(const py::dict& asked) {
   return {.mode = RunMode::kResume,
           .folder = asked["folder"].cast<std::string>(),
@@ -202,10 +221,18 @@ void bind_simulations(py::module_& m) {
       .def(py::init([](const py::dict& asked, const py::list& forces) {
         return std::make_unique<Self>(resume_request(asked), forces);
       }))
-      .def("_run", &Self::run)
+      .def("_run",
+           [](Self& self, long steps, long every, const py::object& on_row, const py::object& progress,
+              const py::object& report, long first_report, bool to_end) {
+             self.run(steps, every, {on_row, progress, report, first_report}, to_end);
+           })
       .def("_measure_parts", &Self::measure_parts)
       .def("_minimise", &Self::minimise)
-      .def("_checkpoint", &Self::checkpoint)
+      .def("_checkpoint", [](Self& self, const py::bytes& history) { return self.checkpoint(history); })
+      .def("_history", [](const Self& self) { return py::bytes(self.history()); })
+      .def("_change", &Self::change)
+      .def("_row", present_row)
+      .def("_settings", settings)
       .def("_close", &Self::close)
       .def("_set_box",
            [](Self& self, const py::array_t<double, py::array::c_style | py::array::forcecast>& rows) {

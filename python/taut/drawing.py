@@ -1,4 +1,4 @@
-"""Draws the results of studies with matplotlib."""
+"""Draws logs and the results of studies with matplotlib."""
 
 from __future__ import annotations
 
@@ -8,7 +8,10 @@ import numpy as np
 
 
 def _figure(columns: int) -> Any:
-    from matplotlib import pyplot
+    try:
+        from matplotlib import pyplot
+    except ImportError:
+        raise ImportError("pictures need matplotlib: pip install matplotlib") from None
 
     return pyplot.subplots(1, columns, figsize=(5.5 * columns, 4.2), layout="constrained")
 
@@ -22,6 +25,26 @@ def _curves(axis: Any, table: Any, by: str, x: str, y: str) -> None:
             axis.plot(across[of], up[of], "o-", label=name, markersize=4)
     axis.set(xscale="log", yscale="log")
     axis.legend(fontsize=7)
+
+
+def log(columns: Dict[str, Any], name: str) -> Any:
+    """Draws the columns of a simulation's log over the time, and returns the figure."""
+    panels = [("energy [kJ/mol]", {"total": "total_kj_mol", "potential": "potential_kj_mol"}),
+              ("temperature [K]", {"temperature": "temperature_k"}),
+              ("relative bond error", {"largest": "max_rel_bond_error", "rms": "rms_rel_bond_error"})]
+    if np.isfinite(np.asarray(columns["pressure_bar"], float)).any():
+        panels.append(("pressure [bar]", {"pressure": "pressure_bar"}))
+    figure, axes = _figure(len(panels))
+    for axis, (label, curves) in zip(axes, panels):
+        for title, column in curves.items():
+            axis.plot(columns["time_ps"], columns[column], label=title, linewidth=1)
+        if label == "relative bond error" and (np.asarray(columns["max_rel_bond_error"]) > 0).any():
+            axis.set_yscale("log")
+        axis.set(xlabel="time [ps]", ylabel=label)
+        if len(curves) > 1:
+            axis.legend(fontsize=7)
+    figure.suptitle(name)
+    return figure
 
 
 def chart(tables: Dict[str, Any]) -> Any:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numbers
 from pathlib import Path
-from typing import Any, Dict, Iterable, List, Mapping, Optional, Union
+from typing import Any, Dict, Iterable, List, Mapping, Optional, Tuple, Union
 
-from . import _core, options, parts
+from . import _core, openmm_objects, options, parts
 from .errors import InputError
 
-#: A scene: its name, as in taut.scenes(), its file, or a dict with the sections of a file.
-Scene = Union[str, Path, Mapping[str, Any]]
+#: A scene: its name, as in taut.scenes(), its file, or a dict with the sections of a file. Studies also take
+#: (system, positions) or (system, positions, topology) as Simulation.from_openmm does.
+Scene = Union[str, Path, Mapping[str, Any], Tuple[Any, ...]]
 #: A method: its name, a class of options, or a class of your own.
 Method = Union[str, "options.Options", type, "parts.ConstraintMethod"]
 
@@ -104,5 +105,7 @@ def read(scene: Scene, said: List[str], threads: Optional[int] = None) -> "_core
         return _core.Input.of_toml(scene_text(scene), said, threads)
     if isinstance(scene, (str, Path)):
         return _core.Input.of_scene(str(scene), said, threads)
-    raise InputError(f"expected a scene's name, its file or a dict, got {scene!r}; OpenMM's objects go to "
-                     "Simulation.from_openmm")
+    if isinstance(scene, tuple) and len(scene) in (2, 3):
+        system, positions, topology = scene if len(scene) == 3 else (*scene, None)
+        return openmm_objects.read(system, openmm_objects.state_xml(positions, None, None), said, topology, threads)
+    raise InputError(f"expected a scene's name, its file, a dict, or (system, positions) of OpenMM's, got {scene!r}")

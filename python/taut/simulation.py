@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import html
-import json
 import os
 import weakref
 from pathlib import Path
@@ -14,7 +12,10 @@ import numpy.typing as npt
 
 from . import _core, inputs, openmm_objects, parts
 from .errors import InputError, suggest
+from .history import History
 from .progress import RunProgress
+from .reporters import Reporters, Schedule
+from .showing import Log, Summary, table
 
 Reals = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int32]
@@ -32,6 +33,26 @@ def _release_folder(folder: str, close: bool) -> None:
         raise InputError(f"{folder}: another Simulation of this process writes there; call its close(), or give "
                          "overwrite=True, which closes it and moves its run aside")
     writer.close()
+
+
+#: Settings that may change between two runs of a simulation.
+_CHANGEABLE = ["run.barostat", "run.barostat_every", "run.barostat_ps", "run.compressibility_per_bar", "run.coupling",
+               "run.friction_per_ps", "run.log_every", "run.pressure_bar", "run.temperature_k", "run.thermostat",
+               "run.thermostat_ps"]
+
+
+def _stages(steps: int, ramp: Optional[Tuple[float, float]]) -> List[Tuple[int, Optional[float]]]:
+    """Returns how many steps each stage of a run has, and its temperature [K], None for the present one."""
+    if ramp is None:
+        return [(steps, None)]
+    try:
+        first, last = (float(temperature) for temperature in ramp)
+    except (TypeError, ValueError):
+        raise InputError(f"ramp={ramp!r}: expected two temperatures [K], at the start and at the end") from None
+    count = max(1, min(steps, 100))
+    ends = [steps * (n + 1) // count for n in range(count)]
+    return [(end - begin, first + (last - first) * (n + 1) / count)
+            for n, (begin, end) in enumerate(zip([0, *ends], ends))]
 
 
 def _unpickled(kind: Any, checkpoint: bytes, forces: Any, method: Optional[type],
@@ -90,6 +111,8 @@ class Simulation:
     def _take_engine(self, engine: "_core.Simulation") -> None:
         self._engine = engine
         self._process = os.getpid()
+        self._earlier = History()
+        self._reporters = Reporters()
         if engine.folder:
             _WRITERS[os.path.realpath(engine.folder)] = self
 
@@ -124,7 +147,8 @@ class Simulation:
         """Makes a simulation that continues from a checkpoint with the same bits.
 
         - ``checkpoint``: bytes that ``checkpoint()`` returned, a file that it wrote, or the folder of a run, to which
-          the simulation then writes. A simulation of this process that writes to the folder is closed
+          the simulation then writes. A simulation of this process that writes to the folder is closed. Log and
+          summary go on from those of the checkpoint
         - ``set``: settings that may change during a run: steps, log_every, trajectory_every, the thermostat, ...
         - ``forces``: the run's forces of your own, in their order, since a checkpoint holds no code
         - ``yes``: continues even if a file in the folder is cut to less than half, or is gone and begins again
@@ -145,35 +169,107 @@ class Simulation:
                  "threads": threads}
         simulation = cls.__new__(cls)
         simulation._forces = inputs.own_forces(forces)
+        earlier = History.of_folder(folder) if folder else None  # before the run that goes on replaces its files
         simulation._take_engine(_core.Simulation(asked, simulation._forces))
+        simulation._earlier = earlier or History.of_bytes(simulation._engine._history())
+        simulation._earlier.cut(simulation.steps_taken)
         return simulation
 
     def run(self, steps: int, *, every: int = 0, callback: Optional[Callable[["_core.Row"], Any]] = None,
-            progress: bool = False, timings: bool = False) -> None:
+            progress: bool = False, timings: bool = False, ramp: Optional[Tuple[float, float]] = None) -> None:
         """Takes this many steps.
 
         - ``every``: number of steps between rows of the log, the first at the start; 0 keeps the present number
         - ``callback``: is called with every row; the run stops if it returns False
         - ``progress``: shows a bar with ns/day and the time that is left on standard error
         - ``timings``: measures where the time goes also in systems of fewer than 1000 atoms
+        - ``ramp``: the thermostat's temperature at the start and at the end [K]. It rises or falls in 100 equal stages,
+          or in one a step for fewer steps. Means are those of the last stage
 
-        Other Python threads run meanwhile. Ctrl-C, and any exception in the callback or in a force or method of your
-        own, stop the run between two steps. taut takes a step back that was not finished, so the run can continue
-        with the same numbers. Raises SimulationFailure; the state is then that of one step before the failure.
+        Meanwhile ``reporters`` report, and other Python threads run. Ctrl-C, and any exception in the callback or in
+        a force or method of your own, stop the run between two steps. taut takes a step back that was not finished,
+        so the run can continue with the same numbers. Raises SimulationFailure; the state is then that of one step
+        before the failure.
         """
         steps, every = inputs.whole(steps, "run(steps)"), inputs.whole(every, "run(every)")
         if timings:
             self._engine._measure_parts()
         bar = RunProgress(self.steps_taken, steps, self.dt_fs) if progress else None
+        schedule = Schedule(self._reporters, self) if self._reporters else None
+        last = self.steps_taken + steps
         try:
-            self._engine._run(steps, every, callback, bar, True)
+            for stage, temperature in _stages(steps, ramp):
+                if temperature is not None:
+                    self.set_temperature(temperature)
+                ends_at = self.steps_taken + stage
+                first_report = schedule.next_after(self.steps_taken) if schedule else 0
+                self._engine._run(stage, every, callback, bar, schedule, first_report, ends_at == last)
+                if self.steps_taken < ends_at:  # a callback or a reporter stopped it
+                    break
         finally:
             if bar is not None:
                 bar.end(self.steps_taken)
 
+    @property
+    def reporters(self) -> Reporters:
+        """What writes or is called while ``run`` takes steps, a list: ``sim.reporters.append(taut.DCD("x.dcd", 100))``.
+
+        It takes taut.DCD, taut.H5MD, taut.XTC, taut.CSV, taut.Call, classes derived from taut.Reporter, and OpenMM's
+        reporters that ask for positions, velocities, forces, energies and the box. ``close`` closes their files.
+        """
+        return self._reporters
+
+    def change(self, settings: Mapping[str, Any]) -> None:
+        """Changes settings of thermostat and barostat, and ``run.log_every``, as ``taut resume --set`` does.
+
+        ``sim.change({"run.thermostat": "langevin", "run.friction_per_ps": 2})``. Means and the account of the energy
+        begin again where the ensemble changes. Raises InputError for a setting that cannot change between two runs, or
+        has no effect.
+        """
+        for key in settings:
+            if key not in _CHANGEABLE:
+                raise InputError(f"{key} cannot change between two runs{suggest(key, _CHANGEABLE)}; expected one of "
+                                 f"{', '.join(_CHANGEABLE)}. For others make a Simulation, and assign positions, "
+                                 "velocities and box to it")
+        self._engine._change(inputs.overrides(settings, None, None))
+
+    def set_temperature(self, temperature_k: float) -> None:
+        """Changes the temperature of the thermostat [K]. Raises InputError where there is no thermostat."""
+        self.change({"run.temperature_k": temperature_k})
+
+    @property
+    def thermostat(self) -> str:
+        """The thermostat: "langevin", "rescaling" or "none". Assign a name, or a dict of settings as in
+
+        ``sim.thermostat = {"thermostat": "rescaling", "thermostat_ps": 0.5, "temperature_k": 300}``.
+        """
+        return str(self._engine._settings()["thermostat"])
+
+    @thermostat.setter
+    def thermostat(self, given: Union[str, Mapping[str, Any]]) -> None:
+        self._change_ensemble("thermostat", given)
+
+    @property
+    def barostat(self) -> str:
+        """The barostat: "c-rescale", "monte-carlo" or "none". Assign a name, or a dict of settings as in
+
+        ``sim.barostat = {"barostat": "c-rescale", "pressure_bar": 100}``.
+        """
+        return str(self._engine._settings()["barostat"])
+
+    @barostat.setter
+    def barostat(self, given: Union[str, Mapping[str, Any]]) -> None:
+        self._change_ensemble("barostat", given)
+
+    def _change_ensemble(self, what: str, given: Union[str, Mapping[str, Any]]) -> None:
+        settings = {what: given} if isinstance(given, str) else dict(given)
+        if what not in settings:
+            raise InputError(f"{what}: expected a name, or a dict with the key {what!r}")
+        self.change({f"run.{key}": value for key, value in settings.items()})
+
     def step(self, steps: int = 1) -> None:
         """Takes a step, or a few, without a row of the log at the end. ``run`` is faster for many steps."""
-        self._engine._run(inputs.whole(steps, "step(steps)"), 0, None, None, False)
+        self._engine._run(inputs.whole(steps, "step(steps)"), 0, None, None, None, 0, False)
 
     def minimise(self, force_kj_mol_nm: float = 1000.0) -> None:
         """Moves the atoms downhill by steepest descent, with bonds at their lengths.
@@ -184,11 +280,11 @@ class Simulation:
         self._engine._minimise(force_kj_mol_nm)
 
     def checkpoint(self, file: Union[str, Path, None] = None) -> bytes:
-        """Returns all that the next steps depend on, and writes it to a file if one is named.
+        """Returns all that the next steps depend on, with log and summary, and writes it to a file if one is named.
 
         ``Simulation.resume`` takes the bytes and the file.
         """
-        kept: bytes = self._engine._checkpoint()
+        kept: bytes = self._engine._checkpoint(History(self.log, self._engine._summary()).to_bytes())
         if file is not None:
             Path(file).write_bytes(kept)
         return kept
@@ -199,6 +295,9 @@ class Simulation:
         Raises RuntimeError while another thread runs the simulation.
         """
         self._engine._close()
+        for reporter in self._reporters:
+            if hasattr(reporter, "close"):
+                reporter.close()
 
     def __enter__(self) -> "Simulation":
         return self
@@ -210,7 +309,7 @@ class Simulation:
         there = getattr(type(self), name, None)
         if not name.startswith("_") and getattr(there, "fset", None) is None:
             if there is not None:
-                raise AttributeError(f"{name} cannot be set; positions, velocities and box can")
+                raise AttributeError(f"{name} cannot be set; positions, velocities, box, thermostat and barostat can")
             nearest = suggest(name, [known for known in dir(Simulation) if not known.startswith("_")])
             if nearest or type(self) is Simulation:  # a class derived from this one may have attributes of its own
                 raise AttributeError(f"a Simulation has no attribute {name}{nearest}")
@@ -315,17 +414,18 @@ class Simulation:
         return self._engine.constraint_work
 
     @property
-    def log(self) -> Dict[str, Any]:
-        """Rows of the log so far, as columns: "step", "time_ps", "temperature_k", ..., numpy arrays of one length.
+    def log(self) -> Log:
+        """Rows of the log so far: a dict of columns "step", "time_ps", "temperature_k", ..., numpy arrays.
 
         ``help(taut.Row)`` describes the columns. A number that the run does not have is nan.
         """
-        return self._engine.log
+        return Log(self._earlier.before(self._engine.log))
 
     @property
     def summary(self) -> Any:
         """Results of the last run, a dict with the keys of summary.json; None before the first."""
-        return json.loads(self._engine._summary())
+        results = self._earlier.summary_or(self._engine._summary())
+        return None if results is None else Summary(results)
 
     @property
     def timings(self) -> Any:
@@ -446,6 +546,10 @@ class Simulation:
             rows["last row of the log"] = (f"step {last['step']}: {last['total_kj_mol']:.8g} kJ/mol, "
                                            f"{last['temperature_k']:.2f} K, largest bond error "
                                            f"{last['max_rel_bond_error']:.1e}")
-        cells = "".join(f"<tr><th style='text-align:left'>{html.escape(what)}</th>"
-                        f"<td style='text-align:left'>{html.escape(value)}</td></tr>" for what, value in rows.items())
-        return f"<table><caption>taut.Simulation</caption>{cells}</table>"
+        return table("taut.Simulation", rows)
+
+    def plot(self) -> Any:
+        """Draws the log: energy, temperature, bond errors, and pressure in a box. Returns matplotlib's figure."""
+        from . import drawing
+
+        return drawing.log(self.log, self.name)

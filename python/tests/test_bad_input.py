@@ -13,7 +13,7 @@ import taut
 
 @pytest.mark.parametrize("arguments, words", [
     (("watre",), 'watre: no such file, and no scene of that name; did you mean "water"'),
-    ((7,), "expected a scene's name, its file or a dict, got 7"),
+    ((7,), r"expected a scene's name, its file, a dict, or \(system, positions\) of OpenMM's, got 7"),
     (({"build": {"kind": "chain"}},), "scene.toml:.*build.kind"),
     (({"build": {"kind": object()}},), "build.kind: expected a number, a text"),
     (({"build": {"kind": "chains", "chains": -1, "beads": 5}, "run": {}},), "build.chains"),

@@ -81,3 +81,13 @@ def test_pictures(tmp_path):
         found["figure"].savefig(tmp_path / f"{name}.png")
         assert (tmp_path / f"{name}.png").stat().st_size > 10_000
         assert all(axis.has_data() for axis in found["figure"].axes)
+
+
+def test_studies_take_what_from_openmm_takes():
+    sim = taut.Simulation("water", set={"build.molecules": 64, "forcefield.cutoff_nm": 0.55,
+                                        "forcefield.switch_nm": 0.5})
+    system, state = sim.to_openmm_xml()
+    found = taut.calibrate((system, state), dt_fs=2, sweeps=4)
+    assert found["reduction"] == pytest.approx(taut.calibrate("water", dt_fs=2, sweeps=4)["reduction"], rel=0.5)
+    limits = taut.stability((system, state), ["newton"], dt_fs=2, quick=True, plane=False)
+    assert list(limits["steps"]["method"]) == ["newton"]

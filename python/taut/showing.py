@@ -1,0 +1,63 @@
+"""What notebooks show of a simulation, its log and its summary."""
+
+from __future__ import annotations
+
+import html
+from typing import Any, Dict, Iterable, List, Mapping
+
+import numpy as np
+
+
+def table(caption: str, rows: Mapping[str, str]) -> str:
+    """Returns an HTML table of names and values."""
+    cells = "".join(f"<tr><th style='text-align:left'>{html.escape(what)}</th>"
+                    f"<td style='text-align:left'>{html.escape(value)}</td></tr>" for what, value in rows.items())
+    return f"<table><caption>{html.escape(caption)}</caption>{cells}</table>"
+
+
+def sparkline(values: Any, width: int = 120, height: int = 20) -> str:
+    """Returns a small line of the values as SVG; nothing for fewer than two finite ones."""
+    numbers = np.asarray(values, float)
+    numbers = numbers[np.isfinite(numbers)]
+    if len(numbers) < 2:
+        return ""
+    numbers = numbers[np.linspace(0, len(numbers) - 1, min(len(numbers), 2 * width)).astype(int)]
+    spread = np.ptp(numbers) or 1.0
+    x = np.linspace(1, width - 1, len(numbers))
+    y = height - 2 - (height - 4) * (numbers - numbers.min()) / spread
+    points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y))
+    return (f"<svg width='{width}' height='{height}'><polyline points='{points}' fill='none' stroke='#0072B2'/></svg>")
+
+
+class Log(Dict[str, Any]):
+    """Columns of the log, numpy arrays of one length. A notebook shows mean, last value and course of each."""
+
+    def _repr_html_(self) -> str:
+        lines: List[str] = []
+        for name, column in self.items():
+            numbers = np.asarray(column, float)
+            if name == "step" or not np.isfinite(numbers).any():
+                continue
+            lines.append(f"<tr><th style='text-align:left'>{name}</th><td>{np.nanmean(numbers):.6g}</td>"
+                         f"<td>{numbers[-1]:.6g}</td><td>{sparkline(numbers)}</td></tr>")
+        rows = len(self.get("step", ()))
+        return (f"<table><caption>log, {rows} rows</caption><tr><th></th><th>mean</th><th>last</th><th></th></tr>"
+                f"{''.join(lines)}</table>")
+
+
+class Summary(Dict[str, Any]):
+    """Results of a run, with the keys of summary.json. A notebook shows a table of them."""
+
+    def _repr_html_(self) -> str:
+        return table("summary", dict(_flat("", self)))
+
+
+def _flat(before: str, values: Mapping[str, Any]) -> Iterable[Any]:
+    for name, value in values.items():
+        if isinstance(value, dict) and set(value) == {"mean", "standard_error"}:
+            error = value["standard_error"]
+            yield before + name, f"{value['mean']:.6g}" + (f" ± {error:.2g}" if error else "")
+        elif isinstance(value, dict):
+            yield from _flat(f"{before}{name}: ", value)
+        elif value is not None and value != []:
+            yield before + name, f"{value:.6g}" if isinstance(value, float) else str(value)

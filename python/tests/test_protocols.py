@@ -1,0 +1,123 @@
+"""Settings that change between runs, ramps, and logs that stay."""
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+
+import taut
+
+SET = {"build.molecules": 64, "forcefield.cutoff_nm": 0.55, "forcefield.switch_nm": 0.5, "run.seed": 3}
+BATH = {"run.thermostat": "rescaling", "run.thermostat_ps": 0.01}
+
+
+def test_the_temperature_changes_between_runs():
+    with taut.Simulation("water", set={**SET, **BATH}) as sim:
+        sim.run(100, every=10)
+        sim.set_temperature(500)
+        sim.run(200, every=10)
+        assert np.mean(sim.log["temperature_k"][-10:]) == pytest.approx(500, rel=0.1)
+
+
+def test_changes_are_those_of_resume(tmp_path):
+    changed = taut.Simulation("water", set={**SET, **BATH})
+    resumed = taut.Simulation("water", set={**SET, **BATH})
+    for sim in (changed, resumed):
+        sim.run(20)
+    settings = {"run.thermostat": "langevin", "run.friction_per_ps": 5.0}
+    resumed = taut.Simulation.resume(resumed.checkpoint(), set=settings)
+    changed.change(settings)
+    assert changed.thermostat == resumed.thermostat == "langevin"
+    for sim in (changed, resumed):
+        sim.run(20)
+    assert np.array_equal(changed.positions, resumed.positions)
+
+
+def test_ensembles_are_assigned():
+    with taut.Simulation("water", set={**SET, **BATH}) as sim:
+        volume = np.linalg.det(sim.box)
+        sim.run(10)
+        sim.barostat = {"barostat": "c-rescale", "pressure_bar": 2000}
+        assert sim.barostat == "c-rescale"
+        sim.run(50)
+        assert np.linalg.det(sim.box) != volume
+        sim.barostat = "none"
+        sim.thermostat = "none"
+        assert (sim.barostat, sim.thermostat) == ("none", "none")
+        with pytest.raises(taut.InputError, match="no thermostat"):
+            sim.set_temperature(300)
+
+
+def test_a_ramp_ends_at_its_temperature():
+    with taut.Simulation("water", set={**SET, **BATH}) as sim:
+        sim.run(400, every=5, ramp=(300, 600))
+        assert sim.steps_taken == 400
+        assert np.mean(sim.log["temperature_k"][-4:]) > 450
+        assert np.all(np.diff(sim.log["step"]) == 5)
+
+
+@pytest.mark.parametrize("change,words", [
+    (lambda sim: sim.change({"run.dt_fs": 1}), "run.dt_fs cannot change between two runs"),
+    (lambda sim: sim.change({"run.temprature_k": 1}), "did you mean"),
+    (lambda sim: setattr(sim, "thermostat", "langvin"), "langvin"),
+    (lambda sim: setattr(sim, "thermostat", {"friction_per_ps": 1}), "expected a name, or a dict"),
+    (lambda sim: sim.run(5, ramp=300), "expected two temperatures")])
+def test_wrong_changes_are_refused_and_change_nothing(change, words):
+    with taut.Simulation("water", set={**SET, **BATH}) as sim, taut.Simulation("water", set={**SET, **BATH}) as other:
+        with pytest.raises(taut.InputError, match=words):
+            change(sim)
+        for each in (sim, other):
+            each.run(5)
+        assert np.array_equal(sim.positions, other.positions)
+
+
+@pytest.mark.parametrize("again", [lambda sim: pickle.loads(pickle.dumps(sim)), copy.copy, copy.deepcopy,
+                                   lambda sim: taut.Simulation.resume(sim.checkpoint())])
+def test_log_and_summary_stay(again):
+    sim = taut.Simulation("water", set={**SET, "run.log_every": 5})
+    sim.run(10)
+    other = again(sim)
+    assert other.summary == sim.summary and other.summary["steps"] == 10
+    for name, column in sim.log.items():
+        assert np.array_equal(other.log[name], column, equal_nan=True), name
+    for each in (sim, other):
+        each.run(10)
+    assert other.log["step"].tolist() == sim.log["step"].tolist() == [0, 5, 10, 15, 20]
+    assert np.array_equal(sim.log["total_kj_mol"], other.log["total_kj_mol"])
+    assert again(other).log["step"].tolist() == [0, 5, 10, 15, 20]
+
+
+def test_log_and_summary_of_a_folder_stay(tmp_path):
+    with taut.Simulation("water", set={**SET, "run.log_every": 5}, out=tmp_path / "run") as sim:
+        sim.run(10)
+        log, summary = sim.log, sim.summary
+    with taut.Simulation.resume(tmp_path / "run") as sim:
+        assert sim.log["step"].tolist() == [0, 5, 10] and sim.summary == summary
+        assert np.allclose(sim.log["total_kj_mol"], log["total_kj_mol"], rtol=1e-12)
+        sim.run(10)
+        assert sim.log["step"].tolist() == [0, 5, 10, 15, 20]
+
+
+def test_a_checkpoints_file_is_resumed(tmp_path):
+    sim = taut.Simulation("water", set={**SET, "run.log_every": 5})
+    sim.run(10)
+    sim.checkpoint(tmp_path / "x.cbor")
+    assert taut.Simulation.resume(tmp_path / "x.cbor").log["step"].tolist() == [0, 5, 10]
+
+
+def test_a_notebook_shows_log_and_summary():
+    sim = taut.Simulation("water", set=SET)
+    sim.run(20, every=5)
+    assert "log, 5 rows" in sim.log._repr_html_() and "<svg" in sim.log._repr_html_()
+    assert "<th style='text-align:left'>potential_kj_mol</th>" in sim.summary._repr_html_()
+
+
+def test_the_log_is_drawn():
+    pyplot = pytest.importorskip("matplotlib.pyplot")
+    pyplot.switch_backend("agg")
+    sim = taut.Simulation("water", set=SET)
+    sim.run(20, every=5)
+    figure = sim.plot()
+    assert len(figure.axes) == 4 and all(len(axis.lines) for axis in figure.axes)
+    pyplot.close(figure)

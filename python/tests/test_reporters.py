@@ -1,0 +1,136 @@
+"""Reporters: files of frames and rows, functions, and OpenMM's own reporters."""
+
+import csv
+
+import numpy as np
+import pytest
+
+import taut
+
+SET = {"build.molecules": 64, "forcefield.cutoff_nm": 0.55, "forcefield.switch_nm": 0.5, "run.seed": 3}
+
+
+def water(**more):
+    return taut.Simulation("water", set={**SET, **more})
+
+
+def test_functions_are_called_at_multiples_and_can_stop():
+    seen = []
+    with water() as sim:
+        sim.reporters.append(taut.Call(lambda sim: seen.append((sim.steps_taken, sim.temperature)), every=7))
+        sim.run(20)
+        sim.run(10)
+        assert [step for step, _ in seen] == [7, 14, 21, 28] and len(set(seen)) == 4
+        sim.reporters.append(taut.Call(lambda sim: sim.steps_taken < 40, every=5))
+        sim.run(100)
+        assert sim.steps_taken == 40
+
+
+def test_reporting_changes_no_bit():
+    plain, watched = water(), water()
+    watched.reporters.append(taut.Call(lambda sim: sim.energies, every=3))
+    for sim in (plain, watched):
+        sim.run(20)
+    assert np.array_equal(plain.positions, watched.positions)
+
+
+def test_an_exception_stops_the_run_between_two_steps():
+    with water() as sim:
+        def fail(sim):
+            raise KeyError("mine")
+
+        sim.reporters.append(taut.Call(fail, every=5))
+        with pytest.raises(KeyError, match="mine"):
+            sim.run(20)
+        assert sim.steps_taken == 5
+        sim.reporters.clear()
+        sim.run(15)
+        other = water()
+        other.run(20)
+        assert np.array_equal(sim.positions, other.positions)
+
+
+def test_rows_are_written(tmp_path):
+    with water() as sim:
+        sim.reporters.append(taut.CSV(tmp_path / "log.csv", every=5, columns=["step", "time_ps", "total_kj_mol"]))
+        sim.run(15, every=5)
+        rows = list(csv.DictReader(open(tmp_path / "log.csv")))
+        assert [int(row["step"]) for row in rows] == [5, 10, 15]
+        assert [float(row["total_kj_mol"]) for row in rows] == sim.log["total_kj_mol"][1:].tolist()
+
+
+@pytest.mark.parametrize("kind", ["DCD", "H5MD", "XTC"])
+@pytest.mark.parametrize("atoms", [None, [0, 1, 2, 30, 31]])
+def test_frames_are_read_by_others(tmp_path, kind, atoms):
+    MDAnalysis = pytest.importorskip("MDAnalysis")
+    if kind == "H5MD":
+        pytest.importorskip("h5py")
+    path = tmp_path / f"x.{kind.lower()}"
+    kept = []
+    with water() as sim:
+        sim.reporters.append(getattr(taut, kind)(path, every=10, atoms=atoms))
+        sim.reporters.append(taut.Call(lambda sim: kept.append(sim.positions.copy()), every=10))
+        sim.run(30)
+        count = len(sim.masses) if atoms is None else len(atoms)
+        dt_ps = 10 * sim.dt_fs / 1000
+    read = MDAnalysis.Universe.empty(count, trajectory=True)
+    read.load_new(str(path))
+    assert len(read.trajectory) == 3
+    times = [frame.time for frame in read.trajectory]
+    assert np.allclose(np.diff(times), dt_ps, rtol=1e-5)
+    for frame, positions in zip(read.trajectory, kept):
+        expected = positions if atoms is None else positions[atoms]
+        assert np.allclose(frame.positions, 10 * expected, atol=0.006 if kind == "XTC" else 1e-4)
+
+
+def test_a_file_of_some_atoms_has_their_bonds_and_tensions(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    with water() as sim:
+        sim.reporters.append(taut.H5MD(tmp_path / "x.h5", every=5, atoms=[3, 4, 5, 9]))
+        sim.run(5)
+        tensions, bonds = sim.tensions.copy(), sim.bonds
+    of = [k for k, (i, j) in enumerate(bonds) if {i, j} <= {3, 4, 5}]
+    with h5py.File(tmp_path / "x.h5") as file:
+        assert sorted(file["connectivity/bonds"][:].tolist()) == sorted((bonds[of] - 3).tolist())
+        assert np.allclose(file["observables/tension/value"][0], tensions[of])
+
+
+def test_openmms_reporters(tmp_path):
+    app = pytest.importorskip("openmm.app")
+    MDAnalysis = pytest.importorskip("MDAnalysis")
+    with water() as sim:
+        sim.reporters.append(app.StateDataReporter(str(tmp_path / "log.txt"), 5, step=True, potentialEnergy=True,
+                                                   temperature=True, volume=True, density=True))
+        sim.reporters.append(app.DCDReporter(str(tmp_path / "x.dcd"), 10, enforcePeriodicBox=False))
+        sim.reporters.append(app.PDBReporter(str(tmp_path / "x.pdb"), 20))
+        sim.run(20, every=5)
+        rows = list(csv.DictReader(open(tmp_path / "log.txt")))
+        assert [int(row['#"Step"']) for row in rows] == [5, 10, 15, 20]
+        energies = [float(row["Potential Energy (kJ/mole)"]) for row in rows]
+        assert np.allclose(energies, sim.log["potential_kj_mol"][1:])
+        temperatures = [float(row["Temperature (K)"]) for row in rows]
+        assert np.allclose(temperatures, sim.log["temperature_k"][1:], rtol=1e-3)
+        sim.reporters.clear()  # which closes OpenMM's file
+    read = MDAnalysis.Universe(str(tmp_path / "x.pdb"), str(tmp_path / "x.dcd"))
+    assert len(read.trajectory) == 2 and len(read.atoms) == 192
+
+
+@pytest.mark.parametrize("make,words", [
+    (lambda folder: taut.DCD(folder / "there"), "there is such a file; overwrite=True"),
+    (lambda folder: taut.DCD(folder / "none" / "x.dcd"), "there is no folder"),
+    (lambda folder: taut.DCD(folder / "x.dcd", every=0), "expected a number of steps"),
+    (lambda folder: taut.DCD(folder / "x.dcd", atoms=[]), "atoms: expected indices"),
+    (lambda folder: taut.CSV(folder / "x.csv", columns=["temprature_k"]), "did you mean"),
+    (lambda folder: water().reporters.append(3), "is no reporter")])
+def test_wrong_reporters_are_refused(tmp_path, make, words):
+    (tmp_path / "there").write_text("")
+    with pytest.raises(taut.InputError, match=words):
+        make(tmp_path)
+
+
+@pytest.mark.parametrize("atoms", [[0, 0], [192], [-1]])
+def test_wrong_atoms_are_refused_when_the_file_begins(tmp_path, atoms):
+    with water() as sim:
+        sim.reporters.append(taut.DCD(tmp_path / "x.dcd", every=5, atoms=atoms))
+        with pytest.raises(taut.InputError, match="atoms: "):
+            sim.run(5)
