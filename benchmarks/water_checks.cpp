@@ -13,8 +13,8 @@
 
 #include "base/errors.hpp"
 #include "base/statistics.hpp"
-#include "md/units.hpp"
 #include "ensembles/pressure.hpp"
+#include "md/units.hpp"
 #include "simulation/simulation.hpp"
 #include "simulation/temperatures.hpp"
 #include "systems/scene_file.hpp"

@@ -1,5 +1,7 @@
 // Virial and pressure, against numerical derivatives of the energy by the box's strain.
 
+#include "ensembles/pressure.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,7 +10,6 @@
 #include "constraints/methods/penalty.hpp"
 #include "force_checks.hpp"
 #include "md/observables.hpp"
-#include "ensembles/pressure.hpp"
 #include "simulation/simulation.hpp"
 #include "systems/scene_file.hpp"
 

@@ -122,7 +122,8 @@ HWY_INLINE void repeat(const Sweep& sweep, const AnyShape shape, const SweepLimi
       name_turned(part, rows.inv, own);
     else if (!held && !fixed)
       own.failure = Sweep::kNoConvergence;
-    if (!turned && (!own.converged() || !worst.within(stats.max_residual))) record_largest(part, rows.relative, own);
+    if (!turned && (!own.converged() || !worst.within(stats.max_residual)))
+      record_largest(part, rows.relative, own);
     stats.beside(own);
     return;
   }

@@ -1,5 +1,6 @@
 // hanging_on SCENE.toml: the largest error of a bond that each constraint method lets pass in 200 steps.
 #include <fmt/core.h>
+
 #include <taut/simulation/simulation.hpp>
 #include <taut/systems/scene_file.hpp>
 
