@@ -15,8 +15,11 @@ using taut::SolveStats;
 
 FixTaut::FixTaut(LAMMPS* engine, int narg, char** arg)
     : Fix(engine, narg, arg), held_(*atom), lengths_(*force), box_motion_(engine) {
+  if (atom->molecular == Atom::TEMPLATE)
+    refuse(
+        "atom_style template is not carried out; take an atom style that lists bonds, as molecular or full");
   if (atom->molecular != Atom::MOLECULAR)
-    refuse("expected an atom style with bonds, which are not a template's");
+    refuse("expected an atom style with bonds, as bond, angle, molecular or full");
   if (atom->map_style == Atom::MAP_NONE)
     refuse("expected an atom map; give atom_modify map yes before the box is made");
   try {

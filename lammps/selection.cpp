@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "base/errors.hpp"
 #include "lammps/held_bonds.hpp"
@@ -181,11 +182,20 @@ double Lengths::of_bond(int type) {
   return length;
 }
 
+// An angle is held by the distance of its ends. Towards 180° that distance stops depending on the angle, and the
+// constraint on it becomes the sum of the two on the bonds: A is singular.
 double Lengths::find(const HeldKind& kind) {
+  constexpr double kLargestAngle = 179.5;  // [degrees]
   const double a = of_bond(kind.bond);
   if (kind.is_bond()) return a;
   if (!force_->angle) throw InputError("there is no angle style, which has the angles of a TYPES");
   const double b = of_bond(kind.other_bond), angle = force_->angle->equilibrium_angle(kind.angle);
+  const double degrees = angle * (180 / std::numbers::pi);
+  if (degrees > kLargestAngle)
+    throw InputError(fmt::format(
+        "angle type {}: {:g} degrees are too near to straight to be held, at most {:g}; leave it to "
+        "its angle style",
+        kind.angle, degrees, kLargestAngle));
   const double length = std::sqrt(a * a + b * b - 2 * a * b * std::cos(angle));
   if (!(length > 0)) throw InputError(fmt::format("angle type {}: its style gives it no angle", kind.angle));
   return length;

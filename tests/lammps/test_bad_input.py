@@ -1,5 +1,6 @@
 """What cannot be done is refused by one line that names the fix."""
 
+import numpy as np
 import pytest
 
 import inputs
@@ -66,6 +67,33 @@ def test_atoms_without_a_map_or_bonds(run):
     text = "units lj\natom_style atomic\nlattice fcc 0.8\nregion b block 0 2 0 2 0 2\ncreate_box 1 b\ncreate_atoms 1 box\n" \
            "mass 1 1\nfix hold all taut feedforward b 1\n"
     assert "atom style" in failing(run, text)
+
+
+def test_molecule_templates(folder, run):
+    (folder / "pair.txt").write_text("\n2 atoms\n1 bonds\n\nCoords\n\n1 0 0 0\n2 1 0 0\n\nTypes\n\n1 1\n2 1\n\nBonds\n\n1 1 1 2\n\nSpecial Bond Counts\n\n1 1 0 0\n2 1 0 0\n\nSpecial Bonds\n\n1 2\n2 1\n")
+    text = "units lj\nmolecule pair pair.txt\natom_style template pair\natom_modify map yes\nregion b block 0 5 0 5 0 5\n" \
+           "create_box 1 b bond/types 1\nmass 1 1\nbond_style harmonic\nbond_coeff 1 1 1\n" \
+           "fix hold all taut feedforward b 1\n"
+    assert "atom_style template" in failing(run, text)
+
+
+@pytest.mark.parametrize("degrees, held", [(175, True), (179.9, False), (180, False)])
+def test_angles_that_are_nearly_straight(folder, run, degrees, held):
+    """At 175 degrees the temperature is that of fix shake; beyond 179.5 the angle is refused by name."""
+    half = np.radians(degrees) / 2
+    shape = np.array([[0, 0, 0], [np.sin(half), np.cos(half), 0], [-np.sin(half), np.cos(half), 0]])
+    bent = systems.repeated(shape, [1, 2, 2], [-0.02, 0.01, 0.01], [(1, 1, 2), (1, 1, 3)], [(1, 2, 1, 3)], 4, 3.1)
+    (folder / "water.data").write_text(bent.text([15.9994, 12.0]))
+    output = "thermo_style custom step temp\nthermo_modify format float %.15g\nthermo 50\nrun 100\n"
+
+    def temperature(fix):
+        return lammps.table(run(inputs.of(inputs.WATER, dt=0.5, fix=fix, rest=output).replace("109.47", f"{degrees}")))["Temp"][-1]
+
+    if not held:
+        with pytest.raises(lammps.Failed, match="Fix taut hold.*too near to straight"):
+            temperature("taut feedforward")
+        return
+    assert temperature("taut feedforward") == pytest.approx(temperature("shake 1e-12 500 0"), rel=1e-5)
 
 
 def test_fixes_that_push_afterwards(run):

@@ -111,6 +111,62 @@ def test_bonds_that_are_swapped(folder, run):
         run(text.replace("special_bonds lj 0 0 0", "special_bonds lj 0 1 1"))
 
 
+MOLECULE = """
+5 atoms
+4 bonds
+
+Coords
+
+1 0.0 0.0 0.0
+2 0.57735026919 0.57735026919 0.57735026919
+3 0.57735026919 -0.57735026919 -0.57735026919
+4 -0.57735026919 0.57735026919 -0.57735026919
+5 -0.57735026919 -0.57735026919 0.57735026919
+
+Types
+
+1 1
+2 2
+3 2
+4 2
+5 2
+
+Charges
+
+1 0
+2 0
+3 0
+4 0
+5 0
+
+Bonds
+
+1 {type} 1 2
+2 {type} 1 3
+3 {type} 1 4
+4 {type} 1 5
+"""
+ADDS = {
+    "deposit": "region box block 0 9 0 9 0 9\nfix add all deposit 1 0 5 7 region box mol new near 1.0 attempt 5000\n",
+    "gcmc": "fix add all gcmc 5 20 0 0 7 1.0 20.0 0 mol new tfac_insert 1 group all\n",
+}
+
+
+@pytest.mark.parametrize("fix", ADDS)
+@pytest.mark.parametrize("bond", [1, 2])
+def test_fixes_that_add_molecules(folder, run, fix, bond):
+    """Bonds that they make of a held type are refused; of another type they are springs, and the run goes on."""
+    data = systems.methane().text([12.0, 1.0]).replace("1 bond types", "2 bond types")
+    data = data.replace("0 angle types", "0 angle types\n4 extra bond per atom\n30 extra special per atom")
+    (folder / "methane.data").write_text(data)
+    (folder / "methane.txt").write_text(MOLECULE.format(type=bond))
+    head = "bond_coeff * 100 1.0\nmolecule new methane.txt\n"
+    if bond == 1:
+        assert "molecules added" in refused(run, ADDS[fix] + "run 10\n", head=head)
+    else:
+        assert "Total wall time" in methane(run, ADDS[fix] + THERMO + "run 20\n", head=head)
+
+
 @pytest.mark.parametrize("change", ["fix swell all adapt 1 bond harmonic r0 1 v_d\n", ""])
 def test_lengths_that_change_in_a_run(run, change):
     steps = 'run 40\n' if change else 'run 40 pre no every 10 "bond_coeff 1 100 1.01"\n'
