@@ -18,6 +18,7 @@
 #include "studies/openmm_twin.hpp"
 #include "studies/study_scene.hpp"
 #include "study.hpp"
+#include "systems/lammps/write_data.hpp"
 #include "systems/openmm/export.hpp"
 #include "systems/openmm/import.hpp"
 #include "words.hpp"
@@ -127,6 +128,7 @@ struct CrosscheckArguments {
   std::optional<std::filesystem::path> out;
   bool overwrite = false;
   std::optional<std::string> prefix;  // prefix of the exported files
+  std::optional<std::string> lammps;  // the same for LAMMPS
   CrosscheckPlan plan;
 
   std::string command() const {
@@ -151,6 +153,12 @@ struct CrosscheckArguments {
 void crosscheck_scene(CrosscheckArguments arguments) {
   refuse_without_effect("crosscheck", arguments.scene.settings);
   const Scene scene = arguments.scene.read(nullptr, {"run.steps=200"});
+  if (arguments.lammps) {
+    expect_no_file({*arguments.lammps + ".data", *arguments.lammps + ".in"}, arguments.overwrite);
+    write_lammps(scene, *arguments.lammps);
+    say("wrote {0}.data, {0}.in\n", *arguments.lammps);
+    if (!arguments.prefix) return;
+  }
   if (arguments.prefix) {
     expect_no_file({*arguments.prefix + ".system.xml", *arguments.prefix + ".state.xml"},
                    arguments.overwrite);
@@ -196,6 +204,9 @@ void add_crosscheck(Commands& commands) {
   command.flag("--overwrite", arguments->overwrite,
                "move the study that is in --out to OUT.1, OUT.2, ...; replace what --export writes");
   command.option("--export", arguments->prefix, "write PREFIX.system.xml and PREFIX.state.xml for OpenMM")
+      .words(0, "PREFIX");
+  command
+      .option("--export-lammps", arguments->lammps, "write PREFIX.data and PREFIX.in for LAMMPS, and no more")
       .words(0, "PREFIX");
   command.json("print all figures and verdicts, as JSON");
 }

@@ -100,10 +100,10 @@ std::vector<Key> keys_about(const std::string& word, const std::vector<Key>& all
   }
   names.erase("");
   const std::string meant(nearest_name(name, {names.begin(), names.end()}));
-  throw InputError(
-      fmt::format("there is no key and no section \"{}\"{}", name,
-                  meant.empty() ? "; sections: atom, molecule, place, build, forcefield, run, method, start"
-                                : fmt::format("; did you mean \"{}\"?", meant)));
+  throw InputError(fmt::format(
+      "there is no key and no section \"{}\"{}", name,
+      meant.empty() ? "; sections: atom, molecule, place, pair, wall, build, forcefield, run, method, start"
+                    : fmt::format("; did you mean \"{}\"?", meant)));
 }
 
 struct HelpArguments {

@@ -50,6 +50,8 @@ std::vector<std::string> forces_of(const Scene& scene) {
   if (terms.gravity) forces.emplace_back("gravity");
   add(terms.pulls.size(), "pull");
   add(terms.restraints.size(), "position restraint");
+  add(terms.walls.size(), "wall");
+  add(terms.steered.size(), "steered atom");
   return forces;
 }
 

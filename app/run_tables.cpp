@@ -151,6 +151,12 @@ void print_summary(const Simulation& simulation, const Summary& s, bool stepped)
   say("mean temperature {:.2f} K", s.temperature);
   print_temperatures(simulation.temperatures());
   if (s.pressure) say("pressure {} bar\n", with_error(*s.pressure, 1));
+  for (std::size_t w = 0; w < s.walls.size(); ++w) {
+    const Wall& wall = simulation.scene().terms.walls[w];
+    say("wall {} at {} = {:g} nm: {} {}\n", w, "xyz"[wall.axis], wall.at, with_error(s.walls[w], 2),
+        s.pressure ? "bar" : "kJ/mol/nm");
+  }
+  if (s.steering_work) say("work of the moving springs {:.6g} kJ/mol\n", *s.steering_work);
   if (simulation.scene().run.barostatted())
     say("density {} kg/m³, volume {} nm³\n", with_error(s.density, 2), with_error(s.volume, 4));
   if (simulation.scene().system.bond_count() > 0) {

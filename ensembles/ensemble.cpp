@@ -14,6 +14,8 @@ double Ensemble::move_box(const System& sys, State& s) {
 
 Bath::Draw Ensemble::draw(const System& sys, const Push& push, const State& s) {
   in_part(StepPart::kAccount, [&] { meter.add_step(push.h, sys, s, half_jump()); });
+  if (steering && push.starts()) steering->begin();
+  if (steering && !push.starts()) steering->add_step(push.h);
   if (barostat) barostat->draw(sys, push, s);
   if (!thermostat) return {};
   const Draw drawn = in_part(StepPart::kThermostat, [&] { return thermostat->draw(sys, push, s); });
@@ -42,6 +44,7 @@ double Ensemble::take_momentum_out(const System& sys, State& s) {
 void Ensemble::serialize(Archive& archive) {
   archive(steps_, meter);
   archive.demand(steps_ >= 0);
+  if (steering) archive(*steering);
   if (thermostat) archive(*thermostat);
   if (barostat) archive(*barostat);
 }

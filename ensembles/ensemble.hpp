@@ -1,11 +1,33 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <utility>
 
+#include "forcefield/force_field.hpp"
 #include "md/bath.hpp"
 #include "md/work_meter.hpp"
 
 namespace taut {
+
+// The work that the moving ends of springs do, ∫ Σ force × speed dt, by the trapezoidal rule, which is exact for
+// the energy of a step of velocity Verlet.
+class SteeringWork {
+ public:
+  explicit SteeringWork(const ForceField::Evaluation& now) : now_(now) {}
+
+  void begin() { before_ = now_.steering.power; }
+  void add_step(double h) {
+    work_ += 0.5 * h * (std::exchange(before_, now_.steering.power) + now_.steering.power);
+  }
+  double work() const { return work_; }  // so far [kJ/mol]
+
+  void serialize(Archive& archive) { archive(work_, before_); }
+
+ private:
+  const ForceField::Evaluation& now_;  // of the forces evaluated last
+  double work_ = 0, before_ = 0;       // power at the step before [kJ/mol/ps]
+};
 
 // Thermostat, barostat and what takes the momentum out, one after the other; it meters their heat and the
 // work of the forces.
@@ -14,6 +36,7 @@ class Ensemble final : public Bath {
   std::unique_ptr<Bath> thermostat, barostat;  // null: none
   long remove_momentum_every = 0;              // steps; 0: never
   WorkMeter meter;
+  std::optional<SteeringWork> steering;  // none: no atom is steered
 
   const Vectors* half_jump() const override { return thermostat ? thermostat->half_jump() : nullptr; }
   double move_box(const System& sys, State& s) override;

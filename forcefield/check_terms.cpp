@@ -166,6 +166,36 @@ void check_wca(const Wca& wca, int n) {
     check_atoms({"wca exclusion", e}, {wca.exclusions[e][0], wca.exclusions[e][1]}, n);
 }
 
+// Images of the atoms are kept out of reach beyond the walls.
+void check_walls(const Terms& terms, int n, const Box& box) {
+  for (std::size_t w = 0; w < terms.walls.size(); ++w) {
+    const Wall& wall = terms.walls[w];
+    check_positive({"wall", w}, "sigma", wall.sigma);
+    check_positive({"wall", w}, "epsilon", wall.epsilon);
+    check_numbers({"wall", w}, {wall.at});
+    if (wall.cutoff) check_positive({"wall", w}, "cutoff", *wall.cutoff);
+    for (const int a : wall.atoms) check_atoms({"wall", w}, {a}, n);
+    if (!box.periodic()) continue;
+    require(box.tilt.isZero(0), "wall {}: the box is tilted, expected a rectangular one", w);
+    require(!terms.nonbonded || !terms.nonbonded->pme,
+            "wall {}: PME sums over images behind the wall; take coulomb = \"reaction-field\"", w);
+    const double reach = terms.wca         ? terms.wca->cutoff()
+                         : terms.nonbonded ? terms.nonbonded->cutoff.value_or(0)
+                                           : 0;
+    double slit = -1;  // to the nearest wall that faces this one
+    for (const Wall& other : terms.walls)
+      if (const double apart = wall.faces * (other.at - wall.at);
+          other.axis == wall.axis && other.faces == -wall.faces && apart > 0 && (slit < 0 || apart < slit))
+        slit = apart;
+    const char axis = "xyz"[wall.axis];
+    require(
+        slit < 0 || slit + reach <= box.edge[wall.axis] * (1 + 1e-12),
+        "wall {}: atoms reach their images behind it: the slit of {:g} nm and the cutoff of {:g} nm need a "
+        "box of {:g} nm along {}, got {:g} nm",
+        w, slit, reach, slit + reach, axis, box.edge[wall.axis]);
+  }
+}
+
 }  // namespace
 
 std::string lack_of_room(const Terms& terms, const Box& box) {
@@ -199,6 +229,15 @@ void check_terms(const System& sys, const Box& box, const Terms& terms) {
   };
   for (std::size_t p = 0; p < terms.pulls.size(); ++p)
     check_one({"pull", p}, terms.pulls[p].atom, terms.pulls[p].force);
+  check_walls(terms, n, box);
+  for (std::size_t s = 0; s < terms.steered.size(); ++s) {
+    const SteeredAtom& one = terms.steered[s];
+    check_one({"steered", s}, one.atom, one.along);
+    check_positive({"steered", s}, "speed", one.speed);
+    check_positive({"steered", s}, "k", one.k);
+    require(!sys.is_anchor(one.atom), "steered {}: atom {} is an anchor (mass 0), which does not move", s,
+            one.atom);
+  }
   for (std::size_t r = 0; r < terms.restraints.size(); ++r) {
     check_one({"restraint", r}, terms.restraints[r].atom, terms.restraints[r].at);
     check_numbers({"restraint", r}, {terms.restraints[r].k});

@@ -11,6 +11,8 @@
 #include "forcefield/check_terms.hpp"
 #include "forcefield/ewald/parameters.hpp"
 #include "forcefield/ewald/pme.hpp"
+#include "forcefield/external.hpp"
+#include "forcefield/frozen_pairs.hpp"
 #include "forcefield/pairs/cluster_pairs.hpp"
 #include "forcefield/pairs/dispersion.hpp"
 #include "md/step_parts.hpp"
@@ -26,40 +28,6 @@ std::vector<PairException> interacting(const std::vector<PairException>& excepti
   return some;
 }
 
-// Forces from outside. Each function adds its forces to f and returns its energy [kJ/mol].
-
-// E = −m g·x
-double add_gravity(const Vec3& g, const Eigen::VectorXd& mass, const Vectors& x, Vectors& f) {
-  double energy = 0;
-  for (Eigen::Index i = 0; i < mass.size(); ++i) {
-    energy -= mass[i] * g.dot(x.col(i));
-    f.col(i) += mass[i] * g;
-  }
-  return energy;
-}
-
-// E = −F·x
-double add_pulls(const std::vector<Pull>& pulls, const Vectors& x, Vectors& f) {
-  double energy = 0;
-  for (const auto& [atom, force] : pulls) {
-    energy -= force.dot(x.col(atom));
-    f.col(atom) += force;
-  }
-  return energy;
-}
-
-// E = ½k|x − at|², from the nearest image of `at`
-double add_restraints(const std::vector<Restraint>& restraints, const Box& box, const Vectors& x,
-                      Vectors& f) {
-  double energy = 0;
-  for (const auto& [atom, at, k] : restraints) {
-    const Vec3 off = box.nearest_image(x.col(atom) - at);
-    energy += 0.5 * k * off.squaredNorm();
-    f.col(atom) -= k * off;
-  }
-  return energy;
-}
-
 }  // namespace
 
 struct ForceField::Impl {
@@ -71,8 +39,10 @@ struct ForceField::Impl {
   double dispersion_virial = 0;      // a third of it, times the volume
   Box box;                           // what the mesh is made for
   Vectors bonded_forces;             // scratch of the virial
+  FrozenPairs frozen;
 
-  Impl(const System& sys, const Box& start, Terms given) : terms(std::move(given)), box(start) {
+  Impl(const System& sys, const Box& start, Terms given)
+      : terms(std::move(given)), box(start), frozen(sys, terms) {
     check_terms(sys, box, terms);
     std::vector<PairException> exceptions;
     if (terms.nonbonded) {
@@ -116,8 +86,7 @@ struct ForceField::Impl {
   // cleared.
   bool pairs_overwrite() const {
     const bool on_every_atom = lj_coulomb ? lj_coulomb->on_every_atom() : wca && wca->on_every_atom();
-    return on_every_atom && bonded.pieces() == 0 && !terms.gravity && terms.pulls.empty() &&
-           terms.restraints.empty() && terms.own.empty();
+    return on_every_atom && bonded.pieces() == 0 && !has_fields();
   }
 
   void evaluate(const System& sys, const State& s, Vectors& f, Evaluation& besides) {
@@ -130,23 +99,40 @@ struct ForceField::Impl {
       const PartScope here(StepPart::kBonded);
       besides.bonded = bonded.add_forces(x, f);
     }
-    add_fields(sys, x, f, besides.fields);
+    add_fields(sys, s, f, besides);
     using enum ClusterPairs::Write;
     if (lj_coulomb) lj_coulomb->add_forces(f, pairs_overwrite() ? kOverwrite : kAdd);
     if (pme) besides.mesh = pme->add_forces(x, f);
     if (wca) wca->add_forces(f, pairs_overwrite() && !lj_coulomb ? kOverwrite : kAdd);
   }
 
+  bool has_fields() const {
+    return terms.gravity || !terms.pulls.empty() || !terms.restraints.empty() || !terms.walls.empty() ||
+           !terms.steered.empty() || !terms.own.empty();
+  }
+
   // Of forces from outside.
-  void add_fields(const System& sys, const Vectors& x, Vectors& f, Energies& fields) const {
+  void add_fields(const System& sys, const State& s, Vectors& f, Evaluation& besides) const {
+    const Vectors& x = s.x;
+    Energies& fields = besides.fields;
     fields.clear();
-    if (!terms.gravity && terms.pulls.empty() && terms.restraints.empty() && terms.own.empty()) return;
+    if (!has_fields()) return;
     const PartScope here(StepPart::kFields);
     if (terms.gravity) fields.emplace_back("gravity", add_gravity(*terms.gravity, sys.mass, x, f));
     if (!terms.pulls.empty()) fields.emplace_back("pull", add_pulls(terms.pulls, x, f));
     if (!terms.restraints.empty())
       fields.emplace_back("restraint", add_restraints(terms.restraints, box, x, f));
+    if (!terms.walls.empty()) fields.emplace_back("wall", add_walls(x, f, besides.wall_pushes));
+    if (!terms.steered.empty())
+      fields.emplace_back("steered", add_steering(terms.steered, s.t, x, f, besides.steering));
     for (const auto& field : terms.own) fields.emplace_back(field->name(), field->add(x, f));
+  }
+
+  double add_walls(const Vectors& x, Vectors& f, std::vector<double>& pushes) const {
+    pushes.resize(terms.walls.size());
+    double energy = 0;
+    for (std::size_t w = 0; w < pushes.size(); ++w) energy += add_wall(terms.walls[w], x, f, pushes[w]);
+    return energy;
   }
 
   Energies energies(const Evaluation& besides) {
@@ -207,12 +193,14 @@ Eigen::Matrix3d ForceField::virial(const State& at, const Evaluation& besides) {
   Vectors& f = impl_->bonded_forces;
   f.setZero(3, x.cols());
   impl_->bonded.add_forces(x, f);
+  for (const auto& field : impl_->terms.own)
+    if (field->kind() == OwnField::Kind::kWithinMolecules) field->add(x, f);
   Eigen::Matrix3d sum = x.lazyProduct(f.transpose());  // which allocates nothing
   if (impl_->lj_coulomb) sum += impl_->lj_coulomb->virial();
   if (impl_->pme) sum += impl_->pme->virial(x);
   if (impl_->wca) sum += impl_->wca->virial();
   if (impl_->dispersion) sum.diagonal().array() += impl_->dispersion_virial / impl_->box.volume();
-  return sum + besides.site_virial;
+  return sum + besides.site_virial - impl_->frozen.virial(at);
 }
 
 void ForceField::serialize(Archive& archive) {

@@ -112,12 +112,45 @@ struct Restraint {  // ½k|x − at|² on one atom, from the nearest image of wh
   double k;  // [kJ/mol/nm²]
 };
 
+// A flat wall across an axis, on the atoms at distance z in front of it: E = ε(2/15 (σ/z)⁹ − (σ/z)³), raised to
+// zero at the cutoff. A wall of Lennard-Jones atoms that fill the space behind it has this energy (Steele 1973,
+// doi:10.1016/0039-6028(73)90264-1). With the cutoff at its minimum, z = (2/5)^(1/6) σ, it only repels.
+struct Wall {
+  int axis;                      // 0, 1, 2: x, y, z
+  double at;                     // its place along the axis [nm]
+  int faces;                     // 1: atoms are above, −1: below
+  double sigma;                  // [nm]
+  double epsilon;                // [kJ/mol]
+  std::optional<double> cutoff;  // [nm]
+  std::vector<int> atoms;        // on which it acts
+
+  static double repulsive_cutoff(double sigma) { return std::pow(0.4, 1.0 / 6) * sigma; }
+};
+
+// A spring on one atom whose other end moves at constant speed (steered molecular dynamics, Isralewitz, Gao and
+// Schulten 2001, doi:10.1016/S0959-440X(00)00194-9): ½k(speed·(t − since) − along·(x − from))². Across `along`
+// the atom is free.
+struct SteeredAtom {
+  int atom;
+  Vec3 along;        // a unit vector
+  double speed;      // [nm/ps]
+  double k;          // [kJ/mol/nm²]
+  Vec3 from{};       // where the atom was at the time `since` [nm]
+  double since = 0;  // [ps]
+};
+
 // A field from outside that somebody else computes: a bias, a wall.
 class OwnField {
  public:
   virtual ~OwnField() = default;
   virtual std::string name() const = 0;
   virtual double add(const Vectors& x, Vectors& f) = 0;  // f += F(x) [kJ/mol/nm]; its energy [kJ/mol]
+
+  enum class Kind {
+    kFromOutside,      // code that may throw anything, and forces that need not conserve the momentum
+    kWithinMolecules,  // taut's own: depends on the shapes of molecules alone, and counts in the pressure
+  };
+  virtual Kind kind() const { return Kind::kFromOutside; }
 };
 
 // What pair forces are computed in. Mixed: geometry and force of a pair, and Ewald's mesh, in single
@@ -139,6 +172,8 @@ struct Terms {
   std::optional<Vec3> gravity{};  // uniform acceleration [nm/ps²]
   std::vector<Pull> pulls{};
   std::vector<Restraint> restraints{};
+  std::vector<Wall> walls{};
+  std::vector<SteeredAtom> steered{};
   std::vector<std::shared_ptr<OwnField>> own{};
   Precision precision = Precision::kDouble;
 };

@@ -55,6 +55,7 @@ SolveStats step(const Dynamics& dynamics, double h, State& s) {
   };
   in_part(StepPart::kUpdate, [&] { half_kick_and_drift(sys, h, bath.half_jump(), s); });
   // the old positions are x − hv
+  s.t += h;  // forces that depend on time act at the new one
   SolveStats stats = hold_bonds([&] { return method.project_positions(sys, h, s); });  // SHAKE, RATTLE, ...
   bath.move_box(sys, s);
   forces.evaluate(sys, s);  // f = F(x)
@@ -65,7 +66,6 @@ SolveStats step(const Dynamics& dynamics, double h, State& s) {
   stats += hold_bonds([&] { return method.add_forces(sys, push, s); });  // Baumgarte, penalty: f += Jᵀλ
   in_part(StepPart::kUpdate, [&] { half_kick(sys, h, drawn.last_half_jump, s); });
   stats += hold_bonds([&] { return method.project_velocities(sys, h, s); });  // RATTLE
-  s.t += h;
   return stats;
 }
 

@@ -28,17 +28,29 @@ constexpr std::string_view kBoxHeader =
     "(bar)\","
     "\"Pressure XY (bar)\",\"Pressure XZ (bar)\",\"Pressure YZ (bar)\"";
 
+// Columns of walls and steered atoms, where a scene has them.
+std::string further_header(const Scene& scene) {
+  std::string header;
+  for (std::size_t w = 0; w < scene.terms.walls.size(); ++w)
+    header += fmt::format(",\"Wall {} {}\"", w,
+                          scene.start.box.periodic() ? "Pressure (bar)" : "Force (kJ/mole/nm)");
+  if (!scene.terms.steered.empty()) header += ",\"Steering Work (kJ/mole)\",\"Steering Force (kJ/mole/nm)\"";
+  return header;
+}
+
 std::string log_row(const Record& r) {
-  std::string in_box;
+  std::string further;
   if (r.pressure)
-    in_box =
+    further =
         fmt::format(",{:.12g},{:.9g},{:.9g}", r.volume, r.density, fmt::join(six_of(r.pressure_tensor), ","));
+  for (const double wall : r.walls) further += fmt::format(",{:.9g}", wall);
+  if (r.steering_work) further += fmt::format(",{:.9g},{:.9g}", *r.steering_work, r.steering_force);
   return fmt::format(
       "{},{:.17g},{:.17g},{:.17g},{:.17g},{:.9g},{:.4g},{:.6e},{:.6e},{},{:.4g},{},{:.9g},{}{}\n", r.step,
       r.t, r.potential, r.kinetic, r.total(), r.temperature, r.ns_per_day, r.bonds.max, r.bonds.rms,
       std::isnan(r.drift) ? "" : fmt::format("{:.6e}", r.drift), r.iterations,
       r.pressure ? fmt::format("{:.9g}", *r.pressure) : "", r.constraint_work,
-      r.heat ? fmt::format("{:.9g}", *r.heat) : "", in_box);
+      r.heat ? fmt::format("{:.9g}", *r.heat) : "", further);
 }
 
 // Where there are too few rows for an error, it is null.
@@ -104,6 +116,9 @@ ordered_json summary_json(const Simulation& simulation, const Summary& s) {
       {"temperatures_k", temperatures_json(simulation.temperatures())},
   };
   if (!s.timings.parts.empty()) object["timings"] = timings_json(s.timings);
+  for (const Estimate& wall : s.walls)
+    object[s.pressure ? "wall_pressures_bar" : "wall_forces_kj_mol_nm"].push_back(json_of(wall));
+  if (s.steering_work) object["steering_work_kj_mol"] = *s.steering_work;
   if (!s.pressure) return object;
   object["pressure_bar"] = json_of(*s.pressure);
   object["volume_nm3"] = json_of(s.volume);
@@ -172,7 +187,8 @@ RunFolder::RunFolder(FolderLock folder, SceneSource source, const Simulation& si
       trajectories_(path(), simulation, marks) {
   if (log_.size() == 0) {
     const bool box = simulation.state().box.periodic();
-    log_.write(fmt::format("{}{}\n", kLogHeader, box ? kBoxHeader : ""));
+    log_.write(
+        fmt::format("{}{}{}\n", kLogHeader, box ? kBoxHeader : "", further_header(simulation.scene())));
   }
   if (marks.empty()) return;
   kept_step_ = simulation.step();

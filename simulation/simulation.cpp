@@ -44,6 +44,16 @@ void refuse_momentum_of_anchored_bonds(const Scene& scene) {
   }
 }
 
+// Fixman's potential as one of the scene's forces; null where it is not asked for.
+std::shared_ptr<MetricField> add_metric_correction(Scene& scene) {
+  if (!scene.run.metric_correction) return nullptr;
+  if (scene.system.bond_count() == 0)
+    throw InputError("run.metric_correction: there are no rigid bonds to correct for; leave it out");
+  auto field = std::make_shared<MetricField>(scene.system, kBoltzmann * scene.run.temperature_k);
+  scene.terms.own.push_back(field);
+  return field;
+}
+
 bool same_thermostat(const RunSettings& a, const RunSettings& b) {
   return a.langevin() == b.langevin() && a.rescaling() == b.rescaling() &&
          a.temperature_k == b.temperature_k && a.thermostat_ps == b.thermostat_ps &&
@@ -79,6 +89,7 @@ Simulation::Simulation(Scene scene, const ThreadScope&, const OnMove& on_move)
       full_(scene.system),
       redundancy_(find_redundancy(scene.system, scene.start.x)),
       scene_(without_redundant_bonds(std::move(scene), redundancy_)),
+      metric_(add_metric_correction(scene_)),
       forces_(ForceField(scene_.system, scene_.start.box, scene_.terms)),
       method_(make_method(scene_.system, scene_.method, scene_.run.h())),
       projector_(scene_.system),
@@ -86,6 +97,12 @@ Simulation::Simulation(Scene scene, const ThreadScope&, const OnMove& on_move)
       measures_parts_(scene_.system.atoms() >= kAtomsWorthMeasuring) {
   const System& sys = scene_.system;
   refuse_momentum_of_anchored_bonds(scene_);
+  if (metric_ && has_springs())
+    throw InputError(
+        "run.metric_correction: corrects for rigid bonds, and those of method.name = \"penalty\" are "
+        "springs");
+  if (!scene_.terms.steered.empty()) ensemble_.steering.emplace(forces_.besides);
+  sums_.walls.resize(scene_.terms.walls.size());
   make_thermostat();
   bring_to_the_bonds(scene_.run.minimise ? scene_.run.minimise_force : 0, on_move);
   note_start();
@@ -114,8 +131,10 @@ void Simulation::begin_means() {
   count_degrees_of_freedom(momentum_stays_zero(scene_, state_.v));
   const long last_row = std::exchange(sums_, LogSums{}).last_row;
   sums_.last_row = last_row;
+  sums_.walls.resize(scene_.terms.walls.size());
   unaccounted_at_start_ = unaccounted();
   heat_at_start_ = ensemble_.meter.heat();
+  if (ensemble_.steering) steering_work_at_start_ = ensemble_.steering->work();
 }
 
 // For the header.
@@ -287,6 +306,7 @@ double Simulation::constraint_work() const {
 void Simulation::change(const RunSettings& run) {
   const ThreadScope own(threads_);
   const RunSettings before = std::exchange(scene_.run, run);
+  if (metric_) metric_->set_kT(kBoltzmann * run.temperature_k);
   if (same_thermostat(before, run) && same_barostat(before, run)) return;
   if (!same_barostat(before, run)) make_barostat();
   std::string drawn;  // the numbers of a thermostat that stays go on
@@ -320,6 +340,7 @@ void Simulation::serialize_numbers(Archive& archive) {
   archive.demand(0 <= sums_.last_row && sums_.last_row <= progress_.step && 0 <= sums_.rows &&
                  sums_.rows <= progress_.step + 1);
   archive(*temperatures_, forces_.field, unaccounted_at_start_, heat_at_start_);
+  if (ensemble_.steering) archive(steering_work_at_start_);
   archive(*method_);
   archive(ensemble_);
 }

@@ -18,6 +18,7 @@
 #include "md/observables.hpp"
 #include "md/run.hpp"
 #include "md/step_parts.hpp"
+#include "simulation/metric_field.hpp"
 #include "simulation/minimise.hpp"
 #include "simulation/temperatures.hpp"
 #include "systems/scene.hpp"
@@ -49,9 +50,14 @@ struct Record {
   std::optional<double> pressure;   // in a box [bar], as what follows
   double volume = 0, density = 0;   // [nm³], [kg/m³]
   Eigen::Matrix3d pressure_tensor;  // [bar]
+  std::vector<double>
+      walls;  // pressure of the atoms on each wall [bar]; without a box their force [kJ/mol/nm]
+  std::optional<double> steering_work;  // done by the moving ends of springs since the start [kJ/mol]
+  double steering_force = 0;            // mean over steered atoms [kJ/mol/nm]
 
   double total() const { return potential + kinetic; }
-  double but_for_heat() const { return total() - heat.value_or(0); }
+  // What neither thermostat nor barostat nor a steered atom's spring brought.
+  double but_for_heat() const { return total() - heat.value_or(0) - steering_work.value_or(0); }
 };
 
 // How the rows of a run end beside how they began, and what a temperature is to be compared with.
@@ -99,6 +105,8 @@ struct Summary {
   std::optional<Estimate> pressure;         // mean over the rows, in a box [bar], as what follows
   Estimate volume, density;                 // [nm³], [kg/m³]
   std::array<Estimate, 6> pressure_tensor;  // kTensorNames [bar]
+  std::vector<Estimate> walls;              // as in the log
+  std::optional<double> steering_work;      // as in the last row [kJ/mol]
   double potential = 0, total = 0;          // at the end [kJ/mol]
   std::optional<bool> converged;    // every step to twice the error the method promises; none: promises none
   std::vector<std::string> doubts;  // simulation/doubts.hpp
@@ -210,6 +218,7 @@ class Simulation {
     RunningMean pressure, volume, density;
     std::array<RunningMean, 6> pressure_tensor;
     RunningMean temperature;
+    std::vector<RunningMean> walls;
     long rows = 0, last_row = 0;
     double largest_error = 0, largest_residual = 0, squares = 0;
     double first_t = 0, first_energy = 0, first_temperature = 0;  // of the first row; but for the heat
@@ -219,6 +228,7 @@ class Simulation {
       archive(energy, constraint_work, pressure, volume, density, rows, last_row, largest_error,
               largest_residual, squares, temperature, first_t, first_energy, first_temperature);
       for (RunningMean& mean : pressure_tensor) archive(mean);
+      archive(walls);
     }
   };
 
@@ -251,9 +261,11 @@ class Simulation {
   System full_;  // with the bonds that were left out, if any were
   Redundancy redundancy_;
   Scene scene_;
-  mutable RunForces forces_;  // measuring energies may renew its pair lists
+  std::shared_ptr<MetricField> metric_;  // of scene_; null: no metric correction
+  mutable RunForces forces_;             // measuring energies may renew its pair lists
   Ensemble ensemble_;
-  double unaccounted_at_start_ = 0, heat_at_start_ = 0;  // or where the thermostat was changed
+  double unaccounted_at_start_ = 0, heat_at_start_ = 0,
+         steering_work_at_start_ = 0;  // or where the thermostat was changed
   std::unique_ptr<ConstraintMethod> method_;
   mutable Projector projector_;
   State state_;

@@ -77,6 +77,7 @@ void Simulation::LogSums::add(const Record& r, double residual) {
   largest_error = std::max(largest_error, r.bonds.max);
   largest_residual = std::max(largest_residual, residual);
   squares += r.bonds.rms * r.bonds.rms;
+  for (std::size_t w = 0; w < walls.size(); ++w) walls[w].add(r.walls[w]);
   if (!r.pressure) return;
   pressure.add(*r.pressure);
   volume.add(r.volume);
@@ -100,6 +101,14 @@ Record Simulation::row(const SolveStats& since, const Stopwatch& watch, long ste
   r.step = progress_.step;
   if (scene_.run.thermostatted() || scene_.run.remove_momentum_every > 0)
     r.heat = ensemble_.meter.heat() - heat_at_start_;
+  r.walls = forces_.besides.wall_pushes;
+  if (state_.box.periodic())
+    for (std::size_t w = 0; w < r.walls.size(); ++w)
+      r.walls[w] *= kBarPerUnit * state_.box.edge[scene_.terms.walls[w].axis] / state_.box.volume();
+  if (ensemble_.steering) {
+    r.steering_work = ensemble_.steering->work() - steering_work_at_start_;
+    r.steering_force = forces_.besides.steering.force;
+  }
   RunningSlope energy = sums_.energy;
   energy.add(r.t, r.but_for_heat());
   r.drift = ensemble_.barostat ? kUnknown : energy.value() * per_ns_and_dof();
@@ -242,6 +251,8 @@ Summary Simulation::summary(const Record& end, double seconds, const PartMeter& 
     for (std::size_t k = 0; k < kTensorNames.size(); ++k)
       s.pressure_tensor[k] = sums_.pressure_tensor[k].estimate();
   }
+  for (const RunningMean& wall : sums_.walls) s.walls.push_back(wall.estimate());
+  s.steering_work = end.steering_work;
   s.potential = end.potential;
   s.total = end.total();
   if (std::isfinite(method_->promised_error()))

@@ -8,7 +8,7 @@
 namespace taut {
 
 bool Simulation::runs_foreign_code() const {
-  return scene_.method.method().added || !scene_.terms.own.empty();
+  return scene_.method.method().added || scene_.foreign_fields();
 }
 
 void Simulation::note() {

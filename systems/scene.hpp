@@ -36,8 +36,9 @@ struct RunSettings {
   double compressibility_per_bar = 4.5e-5;  // estimate for c-rescale; the default is water's
   // Edges that scale together: all ("isotropic"), x and y ("semi-isotropic"), or none ("anisotropic").
   std::string coupling = "isotropic";
-  bool minimise = false;         // minimise the energy of the start first (simulation/minimise.hpp)
-  double minimise_force = 1000;  // largest force on an atom at which the minimiser stops [kJ/mol/nm]
+  bool minimise = false;           // minimise the energy of the start first (simulation/minimise.hpp)
+  bool metric_correction = false;  // Fixman's potential at temperature_k (constraints/metric_potential.hpp)
+  double minimise_force = 1000;    // largest force on an atom at which the minimiser stops [kJ/mol/nm]
 
   double h() const { return dt_fs * 1e-3; }  // [ps]
   bool langevin() const { return thermostat == "langevin"; }
@@ -63,10 +64,17 @@ struct Scene {
       files;                       // its sources: the scene and the files it names, or OpenMM's two files
   std::vector<std::string> notes;  // messages for the user about the start, one line each
 
+  bool foreign_fields() const {
+    for (const auto& field : terms.own)
+      if (field->kind() == OwnField::Kind::kFromOutside) return true;
+    return false;
+  }
+
   // True if no external force acts, so that the momentum is conserved.
   bool closed() const { return closed_but_for_restraints() && terms.restraints.empty(); }
   bool closed_but_for_restraints() const {
-    return !terms.gravity && terms.pulls.empty() && terms.own.empty() && system.anchors() == 0;
+    return !terms.gravity && terms.pulls.empty() && terms.walls.empty() && terms.steered.empty() &&
+           !foreign_fields() && system.anchors() == 0;
   }
 };
 

@@ -54,9 +54,10 @@ void check_barostat(const TomlTable& run, const Scene& scene) {
     run.fail("coupling",
              "no pairs of atoms act across the box, so nothing holds its shape: take \"isotropic\"");
   if (!scene.closed_but_for_restraints())
-    run.fail("barostat",
-             "an anchored atom (mass 0), gravity or a pull holds on to what the box would move; leave the "
-             "key out");
+    run.fail(
+        "barostat",
+        "an anchored atom (mass 0), gravity, a pull, a wall or a steered atom holds on to what the box would "
+        "move; leave the key out");
   if (!scene.closed() && scene.run.barostat != "monte-carlo")
     run.fail("barostat",
              "restraints hold on to what the box would move, and have no virial: take \"monte-carlo\"");
@@ -101,6 +102,12 @@ void read_run(const TomlTable& table, RunSettings& run) {
   table.read("minimise", run.minimise, {"relax the start first"});
   table.read("minimise_force_kj_mol_nm", run.minimise_force,
              {"until no atom's force is above this", "kJ/mol/nm", kPositive});
+  table.read(
+      "metric_correction", run.metric_correction,
+      {"Fixman's potential ½kT ln det A at run.temperature_k: rigid bonds with the statistics of flexible "
+       "chains"});
+  if (run.metric_correction && run.temperature_k == 0)
+    table.fail("metric_correction", "needs a run.temperature_k above 0, as 300");
   table.read("velocities", run.velocities,
              {"those of the start, or drawn; if not said, drawn where it has none", {"keep", "draw"}});
 
@@ -149,7 +156,7 @@ void settle_velocities(const TomlTable& run, bool set_aside, Scene& scene) {
   const bool draws = scene.velocities_drawn || settings.thermostatted();
   if (run.overridden("temperature_k") || !set_aside)
     run.require_effect(
-        "temperature_k", draws || settings.temperature_k == 0,
+        "temperature_k", draws || settings.metric_correction || settings.temperature_k == 0,
         "with a thermostat or run.velocities = \"draw\": the start has velocities, which are kept");
   if (run.overridden("seed"))
     run.require_effect("seed", draws || scene.positions_drawn,
@@ -175,6 +182,7 @@ std::vector<toml::value<std::string>*> file_names(toml::table& root) {
     if (auto* name = section[key].as_string()) names.push_back(name);
   };
   add(root["build"], "start");
+  add(root["build"], "data");
   if (auto* molecules = root["molecule"].as_table())
     for (auto&& [name, molecule] : *molecules) add(toml::node_view<toml::node>(molecule), "file");
   if (auto* places = root["place"].as_array())
@@ -224,7 +232,7 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
   move_files(base, how.files);
   const TomlTable root(base, file.string(), how.keys);
   read_words(root, scene);
-  for (const char* known : {"run", "method", "atom", "molecule", "place"}) root.has(known);
+  for (const char* known : {"run", "method", "atom", "molecule", "place", "pair", "wall"}) root.has(known);
   const TomlTable build_keys = root.section("build"), forcefield_keys = root.section("forcefield");
   const TomlTable run_keys = root.section("run");
   root.reject_unknown();

@@ -384,7 +384,7 @@ TEST(Place, NotesOfTheStart) {
   const std::string dense = with(kPolymers, "count = 3", "count = 60");
   EXPECT_THAT(read(dense).notes, testing::Contains(HasSubstr("run.minimise = true relaxes it")));
   EXPECT_THAT(read(dense, {"run.minimise=true"}).notes, testing::IsEmpty());
-  EXPECT_THAT(read(kSolution).notes, testing::Contains(HasSubstr("water cut to fit settles")));
+  EXPECT_THAT(read(kSolution).notes, testing::Not(testing::Contains(HasSubstr("water cut to fit"))));
 }
 
 }  // namespace

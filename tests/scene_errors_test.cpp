@@ -133,7 +133,7 @@ TEST(SceneErrors, Keys) {
   EXPECT_EQ(
       complaint(good.with("kind = \"atoms\"", "").text),
       "scene.toml:2: build.kind: not said: place molecules ([[place]]), or say one of atoms, chains, rings, "
-      "melt, water, molecules");
+      "melt, water, lammps, molecules");
   EXPECT_THAT(complaint("hard_on = 'x'"), HasSubstr("scene.toml: build.kind: not said"));
 }
 
@@ -273,9 +273,10 @@ TEST(SceneErrors, Overrides) {
             "--set run.dt=2: unknown key \"dt\" in [run]; did you mean \"dt_fs\"?");
   EXPECT_EQ(complaint(good, {"rum.dt_fs=2"}),
             "--set rum.dt_fs=2: unknown section \"rum\"; did you mean \"run\"?");
-  EXPECT_EQ(complaint(good, {"build.molecules=2"}),
-            "--set build.molecules=2: unknown key \"molecules\" in [build]; expected one of at_least, "
-            "at_most, atoms, bonds, gravity_nm_ps2, kind, pulls, restraints, springs, start, velocities");
+  EXPECT_EQ(
+      complaint(good, {"build.molecules=2"}),
+      "--set build.molecules=2: unknown key \"molecules\" in [build]; expected one of at_least, "
+      "at_most, atoms, bonds, gravity_nm_ps2, kind, pulls, restraints, springs, start, steered, velocities");
   EXPECT_EQ(complaint(good, {"run.steps"}), "--set run.steps: expected key=value, such as run.dt_fs=2");
   EXPECT_EQ(complaint(good, {"=3"}), "--set =3: expected key=value, such as run.dt_fs=2");
   EXPECT_EQ(complaint(good, {"a b=3"}), "--set a b=3: expected key=value, such as run.dt_fs=2");

@@ -68,6 +68,22 @@ py::dict log(const Self& self) {
     for (py::ssize_t n = 0; n < rows; ++n) column.mutable_at(n) = of(all[n]);
     columns[name] = column;
   }
+  if (rows == 0) return columns;
+  if (const auto walls = static_cast<py::ssize_t>(all.front().walls.size()); walls > 0) {
+    py::array_t<double> column({rows, walls});
+    for (py::ssize_t n = 0; n < rows; ++n)
+      for (py::ssize_t w = 0; w < walls; ++w) column.mutable_at(n, w) = all[n].walls[w];
+    columns[all.front().pressure ? "wall_pressure_bar" : "wall_force_kj_mol_nm"] = column;
+  }
+  if (all.front().steering_work) {
+    py::array_t<double> work(rows), force(rows);
+    for (py::ssize_t n = 0; n < rows; ++n) {
+      work.mutable_at(n) = *all[n].steering_work;
+      force.mutable_at(n) = all[n].steering_force;
+    }
+    columns["steering_work_kj_mol"] = work;
+    columns["steering_force_kj_mol_nm"] = force;
+  }
   return columns;
 }
 

@@ -7,6 +7,7 @@
 #include "md/units.hpp"
 #include "systems/builders/builders.hpp"
 #include "systems/builders/lattice.hpp"
+#include "systems/builders/pair_table.hpp"
 #include "systems/builders/placements.hpp"
 #include "systems/builders/solvent.hpp"
 #include "systems/molecules/placing.hpp"
@@ -24,6 +25,7 @@ class Builder {
  public:
   Builder(const BuildRequest& request, std::vector<Placement>& placements, const Box& box)
       : root_(request.root), placements_(placements), box_(box), random_(request.run.seed) {
+    for (const WallKeys& wall : request.walls) rooms_.push_back(wall.room());
     const double kelvin = request.run.temperature_k > 0 ? request.run.temperature_k : kUsualKelvin;
     double widest = 0, room = 0;
     for (const Placement& placement : placements) {
@@ -37,7 +39,7 @@ class Builder {
       room += static_cast<double>(placement.count) * std::pow(conformations.extent(), 3);
     }
     within_ = box.periodic() ? box : Box{Vec3::Constant(std::max(std::cbrt(room), 1e-6))};
-    Placing placing(box, widest, random_);
+    Placing placing(box, widest, random_, rooms_);
     for (const auto& step : {&Builder::place_given, &Builder::place_on_lattice, &Builder::place_at_centres,
                              &Builder::place_at_random, &Builder::fill_with_water})
       for (std::size_t k = 0; k < placements.size(); ++k)
@@ -73,8 +75,8 @@ class Builder {
     const BoxRegion region = region_of(placements_[k]);
     place_copies(k, placing, [&](long) {
       const Vec3 share(random_.uniform(), random_.uniform(), random_.uniform());
-      return placements_[k].within ? Vec3(region.corner + share.cwiseProduct(region.edge))
-                                   : within_.lattice_vector(share);
+      return placements_[k].within || !rooms_.empty() ? Vec3(region.corner + share.cwiseProduct(region.edge))
+                                                      : within_.lattice_vector(share);
     });
   }
 
@@ -126,15 +128,27 @@ class Builder {
     placement.x = water_model(placement.molecule->name)->placed(atoms);
   }
 
+  // Without a region of its own a molecule is put between the walls.
   BoxRegion region_of(const Placement& placement) const {
-    return placement.within.value_or(BoxRegion{Vec3::Zero(), within_.edge});
+    if (placement.within) return *placement.within;
+    Vec3 lower = Vec3::Zero(), upper = within_.edge;
+    for (const Slab& room : rooms_) {
+      const bool open = !std::isfinite(room.lower) || !std::isfinite(room.upper);
+      if (!box_.periodic() && open && std::isfinite(room.lower)) upper[room.axis] += room.lower;
+      if (!box_.periodic() && open && std::isfinite(room.upper))
+        lower[room.axis] = room.upper - upper[room.axis];
+      if (std::isfinite(room.lower)) lower[room.axis] = room.lower;
+      if (std::isfinite(room.upper)) upper[room.axis] = room.upper;
+    }
+    return {lower, upper - lower};
   }
   const Conformations& of(const Placement& placement) const { return conformations_.at(placement.molecule); }
 
   const TomlTable& root_;
   std::vector<Placement>& placements_;
   const Box box_;
-  Box within_;  // the region for copies, also for a scene without a box
+  std::vector<Slab> rooms_;  // between walls
+  Box within_;               // the region for copies, also for a scene without a box
   Random random_;
   std::map<const Molecule*, Conformations> conformations_;
   bool drawn_ = false, cut_to_fit_ = false;
@@ -162,8 +176,102 @@ void set_names(const std::vector<Placement>& placements, Names& names) {
   }
 }
 
-// Makes the pair force purely repulsive (WCA). All atoms must have the same σ and ε, and 1–4 pairs must have
-// all of the force or none.
+void read_forces(const BuildRequest& request, Scene& scene) {
+  Terms& terms = scene.terms;
+  const TomlTable& keys = request.forcefield;
+  request.keys.read("gravity_nm_ps2", terms.gravity, {"uniform acceleration [x, y, z]", "nm/ps²"});
+  if (!terms.nonbonded) return read_pair_table(request.root, scene);
+  std::string pair = "lennard-jones";
+  keys.read("pair", pair, {"the force between beads: purely repulsive, or not", {"wca", "lennard-jones"}});
+  if (keys.describing()) return read_cutoff(keys, {}, *terms.nonbonded);
+  if (pair == "wca") make_repulsive(keys, terms);
+  read_pair_table(request.root, scene);
+  if (terms.nonbonded) read_cutoff(keys, scene.start.box, *terms.nonbonded);
+}
+
+void describe(const BuildRequest& request, Scene& scene) {
+  const TomlTable atom = request.root.section("atom"), molecule = request.root.section("molecule");
+  read_atom(atom.section("NAME"), "NAME");
+  read_molecule(molecule.section("NAME"), "NAME", {});
+  read_placement(request.root.section("place"), read_library(request.root));
+  read_pair_table(request.root, scene);
+  box_of(request.keys, {});
+  scene.terms.nonbonded.emplace();
+  read_forces(request, scene);
+}
+
+// The energy of all molecules but water alone.
+double energy_without_water(const BuildRequest& request, const std::vector<Placement>& placements,
+                            const Box& box) {
+  Scene rest;
+  std::vector<Copies> copies;
+  std::vector<Vectors> places;
+  Eigen::Index atoms = 0;
+  for (const Placement& placement : placements) {
+    if (placement.is_cut()) continue;
+    copies.push_back({placement.molecule, static_cast<int>(placement.count)});
+    places.push_back(placement.x);
+    atoms += placement.x.cols();
+  }
+  if (atoms == 0) return 0;
+  assemble(copies, rest);
+  rest.start.box = box;
+  rest.start.x.resize(3, atoms);
+  atoms = 0;
+  for (const Vectors& x : places) {
+    rest.start.x.middleCols(atoms, x.cols()) = x;
+    atoms += x.cols();
+  }
+  read_forces(request, rest);
+  ForceField forces(rest.system, box, rest.terms);
+  return forces.evaluate_energy(rest.system, rest.start);
+}
+
+// Relaxes water that was cut to fit among other molecules until it has the energy of equilibrated water, with all
+// other atoms at rest. Returns whether that was reached.
+bool settle_water(const BuildRequest& request, const std::vector<Placement>& placements, Scene& scene) {
+  const State bulk = equilibrated_water(read_start(scenes_folder() / "water216.start.toml"),
+                                        scene.terms.nonbonded->cutoff.value_or(0));
+  double energy = energy_without_water(request, placements, scene.start.box);
+  std::vector<RigidMolecules> waters;
+  Eigen::Index first = 0;
+  for (const Placement& placement : placements) {
+    const Eigen::Index last = first + placement.x.cols();
+    if (placement.is_cut()) {
+      const WaterModel* model = water_model(placement.molecule->name);
+      waters.push_back({first, last, model->atoms()});
+      energy +=
+          static_cast<double>(placement.count) * energy_of_equilibrated(*model, bulk, request.forcefield);
+    }
+    first = last;
+  }
+  ForceField forces(scene.system, scene.start.box, scene.terms);
+  return relax(scene.system, forces, waters, energy, scene.start);
+}
+
+void note_start(const BuildRequest& request, const Builder& built, bool settled, Scene& scene) {
+  if (!(built.drawn() || built.cut_to_fit()) || request.run.minimise) return;
+  if (built.drawn() && !request.run.thermostatted())
+    scene.notes.emplace_back("start: molecules where there was room; equilibrate with run.thermostat_ps");
+  if (!settled)
+    scene.notes.emplace_back(
+        "start: water cut to fit does not settle to the energy of equilibrated water here: it heats up; "
+        "run.minimise = true relaxes it further");
+  ForceField forces(scene.system, scene.start.box, scene.terms);
+  State s = scene.start;
+  s.f = Vectors::Zero(3, s.x.cols());
+  forces.evaluate(scene.system, s);
+  Eigen::Index atom = 0;
+  const double largest = std::sqrt(s.f.colwise().squaredNorm().maxCoeff(&atom));
+  if (!(largest < kStrongForce))
+    scene.notes.push_back(
+        fmt::format("start: a force of {:.2g} kJ/mol/nm acts on atom {}: it heats up, or breaks; "
+                    "run.minimise = true relaxes it",
+                    largest, atom));
+}
+
+}  // namespace
+
 void make_repulsive(const TomlTable& keys, Terms& terms) {
   Nonbonded& pairs = *terms.nonbonded;
   const double sigma = pairs.sigma[0], epsilon = pairs.epsilon[0];
@@ -183,51 +291,6 @@ void make_repulsive(const TomlTable& keys, Terms& terms) {
   pairs.epsilon.setZero();
   if (pairs.charge.isZero(0)) terms.nonbonded.reset();
 }
-
-void read_forces(const BuildRequest& request, Scene& scene) {
-  Terms& terms = scene.terms;
-  const TomlTable& keys = request.forcefield;
-  request.keys.read("gravity_nm_ps2", terms.gravity, {"uniform acceleration [x, y, z]", "nm/ps²"});
-  if (!terms.nonbonded) return;
-  std::string pair = "lennard-jones";
-  keys.read("pair", pair, {"the force between beads: purely repulsive, or not", {"wca", "lennard-jones"}});
-  if (keys.describing()) return read_cutoff(keys, {}, *terms.nonbonded);
-  if (pair == "wca") make_repulsive(keys, terms);
-  if (terms.nonbonded) read_cutoff(keys, scene.start.box, *terms.nonbonded);
-}
-
-void describe(const BuildRequest& request, Scene& scene) {
-  const TomlTable atom = request.root.section("atom"), molecule = request.root.section("molecule");
-  read_atom(atom.section("NAME"), "NAME");
-  read_molecule(molecule.section("NAME"), "NAME", {});
-  read_placement(request.root.section("place"), read_library(request.root));
-  box_of(request.keys, {});
-  scene.terms.nonbonded.emplace();
-  read_forces(request, scene);
-}
-
-void note_start(const BuildRequest& request, const Builder& built, Scene& scene) {
-  if (!(built.drawn() || built.cut_to_fit()) || request.run.minimise) return;
-  if (built.drawn() && !request.run.thermostatted())
-    scene.notes.emplace_back("start: molecules where there was room; equilibrate with run.thermostat_ps");
-  if (built.cut_to_fit())
-    scene.notes.emplace_back(
-        "start: water cut to fit settles, which heats it by some 70 K within 0.2 ps; by 20 K after "
-        "run.minimise = true");
-  ForceField forces(scene.system, scene.start.box, scene.terms);
-  State s = scene.start;
-  s.f = Vectors::Zero(3, s.x.cols());
-  forces.evaluate(scene.system, s);
-  Eigen::Index atom = 0;
-  const double largest = std::sqrt(s.f.colwise().squaredNorm().maxCoeff(&atom));
-  if (!(largest < kStrongForce))
-    scene.notes.push_back(
-        fmt::format("start: a force of {:.2g} kJ/mol/nm acts on atom {}: it heats up, or breaks; "
-                    "run.minimise = true relaxes it",
-                    largest, atom));
-}
-
-}  // namespace
 
 // kind = "molecules": [[place]]s of [molecule.NAME]s, with the keys of read_cutoff.
 void build_molecules(const BuildRequest& request, Scene& scene) {
@@ -260,9 +323,10 @@ void build_molecules(const BuildRequest& request, Scene& scene) {
   place_sites(scene.system.sites, scene.start.x);
   read_forces(request, scene);
   scene.positions_drawn = built.drawn();
+  const bool settled = !built.cut_to_fit() || settle_water(request, placements, scene);
   for (const Placement& placement : placements)
     if (!placement.given.note.empty()) scene.notes.push_back("start: " + placement.given.note);
-  note_start(request, built, scene);
+  note_start(request, built, settled, scene);
 }
 
 }  // namespace taut

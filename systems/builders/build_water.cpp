@@ -130,10 +130,7 @@ class WaterSource {
   bool is_cut() const { return is_cut_; }  // whether some molecules have new neighbours
 
   // Equilibrated water in a box large enough for the cutoff.
-  State bulk(double cutoff) const {
-    return tiled(*start_,
-                 static_cast<int>(std::ceil(std::max(1.0, 2 * cutoff / start_->box.edge.minCoeff()))));
-  }
+  State bulk(double cutoff) const { return equilibrated_water(*start_, cutoff); }
 
  private:
   long molecules_of_start() const { return start_->x.cols() / 3; }
@@ -161,19 +158,30 @@ void fill(const WaterModel& model, const State& waters, Scene& scene) {
   scene.start.x = model.placed(waters.x);
 }
 
+}  // namespace
+
+double energy_of_equilibrated(const WaterModel& model, const State& waters, const TomlTable& forcefield) {
+  Scene bulk;
+  fill(model, waters, bulk);
+  read_cutoff(forcefield, bulk.start.box, *bulk.terms.nonbonded);
+  ForceField forces(bulk.system, bulk.start.box, bulk.terms);
+  bulk.start.f = Vectors::Zero(3, bulk.system.atoms());
+  return forces.evaluate_energy(bulk.system, bulk.start) * model.atoms() / bulk.system.atoms();
+}
+
+State equilibrated_water(const State& unit, double cutoff) {
+  return tiled(unit, static_cast<int>(std::ceil(std::max(1.0, 2 * cutoff / unit.box.edge.minCoeff()))));
+}
+
+namespace {
+
 // Minimises down to the energy per molecule of the equilibrated start.
 void settle(const BuildRequest& request, const WaterModel& model, const WaterSource& source, Scene& scene) {
-  Scene bulk;
-  fill(model, source.bulk(scene.terms.nonbonded->cutoff.value_or(0)), bulk);
-  read_cutoff(request.forcefield, bulk.start.box, *bulk.terms.nonbonded);
-  const auto energy_of = [](Scene& of) {
-    ForceField forces(of.system, of.start.box, of.terms);
-    of.start.f = Vectors::Zero(3, of.system.atoms());
-    return forces.evaluate_energy(of.system, of.start);
-  };
-  const double each = energy_of(bulk) / bulk.system.atoms();
+  const double each = energy_of_equilibrated(model, source.bulk(scene.terms.nonbonded->cutoff.value_or(0)),
+                                             request.forcefield);
   ForceField forces(scene.system, scene.start.box, scene.terms);
-  if (!relax(scene.system, forces, model.atoms(), each * scene.system.atoms(), scene.start))
+  const RigidMolecules waters{0, scene.system.atoms(), model.atoms()};
+  if (!relax(scene.system, forces, {waters}, each * static_cast<double>(waters.count()), scene.start))
     scene.notes.emplace_back(
         "start: cut from equilibrated water, whose faces do not settle here: it heats up; run.minimise = "
         "true");

@@ -23,9 +23,10 @@ struct Kind {
   void (*build)(const BuildRequest&, Scene&);
   bool own_start = false;  // whether the builder reads build.start itself
 };
-constexpr std::array kKinds = {Kind{"atoms", build_atoms},       Kind{"chains", build_chains},
-                               Kind{"rings", build_rings},       Kind{"melt", build_melt},
-                               Kind{"water", build_water, true}, Kind{"molecules", build_molecules}};
+constexpr std::array kKinds = {Kind{"atoms", build_atoms},        Kind{"chains", build_chains},
+                               Kind{"rings", build_rings},        Kind{"melt", build_melt},
+                               Kind{"water", build_water, true},  Kind{"lammps", build_lammps},
+                               Kind{"molecules", build_molecules}};
 
 // [[place]] implies kind = "molecules"; with another kind it would have no effect.
 const Kind& chosen_kind(const TomlTable& root, const TomlTable& keys) {
@@ -37,7 +38,7 @@ const Kind& chosen_kind(const TomlTable& root, const TomlTable& keys) {
                                   fmt::join(kinds(), ", ")));
   if (name.empty() || keys.has("kind"))
     name = keys.choice("kind", kinds(), "what is built; not said beside [[place]]: molecules");
-  for (const char* key : {"place", "molecule", "atom"})
+  for (const char* key : {"place", "molecule", "atom", "pair"})
     root.require_effect(key, name == "molecules", "with build.kind = \"molecules\"");
   return *std::ranges::find(kKinds, name, &Kind::name);
 }
@@ -109,15 +110,21 @@ void read_precision(const TomlTable& forcefield, Terms& terms) {
   if (precision == "mixed") terms.precision = Precision::kMixed;
 }
 
-void build(const BuildRequest& request, Scene& scene, std::string_view described) {
+void build(BuildRequest request, Scene& scene, std::string_view described) {
   const Kind& chosen = chosen_kind(request.root, request.keys);
   const Kind& kind = described.empty() ? chosen : *std::ranges::find(kKinds, described, &Kind::name);
+  request.walls = read_walls(request.root);
   kind.build(request, scene);
   if (scene.terms.nonbonded || scene.terms.wca) read_precision(request.forcefield, scene.terms);
   if (!kind.own_start) replace_start(request, &kind == &kKinds.back(), scene);
   if (request.keys.describing()) return;
   refuse_idle_pair_keys(request.forcefield, scene);
   if (scene.names.empty()) scene.names = guessed_names(scene.system, scene.terms);
+  make_walls(request.root, request.walls, scene);
+  for (SteeredAtom& one : scene.terms.steered) {
+    one.from = scene.start.x.col(one.atom);
+    one.since = scene.start.t;
+  }
   scene.start.f = Vectors::Zero(3, scene.system.atoms());
   if (scene.start.v.cols() == 0) scene.start.v = scene.start.f;
 }

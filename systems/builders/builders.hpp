@@ -3,6 +3,8 @@
 #include <string_view>
 #include <vector>
 
+#include "systems/builders/walls.hpp"
+#include "systems/builders/water_models.hpp"
 #include "systems/scene.hpp"
 #include "systems/toml_reader.hpp"
 
@@ -14,6 +16,7 @@ struct BuildRequest {
   const TomlTable& keys;        // [build]
   const TomlTable& forcefield;  // [forcefield]
   const RunSettings& run;
+  std::vector<WallKeys> walls = {};  // of every [[wall]]; build() reads and makes them
 };
 
 // Fills a scene's system, terms, start and notes: builds the kind of [build], and takes positions and
@@ -22,7 +25,7 @@ struct BuildRequest {
 // InputError, and LocatedError for a wrong key.
 //
 // While keys are only described, it reads the keys of the kind `described` and builds nothing.
-void build(const BuildRequest& request, Scene& scene, std::string_view described = {});
+void build(BuildRequest request, Scene& scene, std::string_view described = {});
 std::vector<std::string_view> kinds();
 
 // Reads forcefield.precision, "double" (the default) or "mixed", which all kinds with pair forces have.
@@ -34,7 +37,17 @@ void build_chains(const BuildRequest& request, Scene& scene);     // freely join
 void build_rings(const BuildRequest& request, Scene& scene);      // closed rings without forces
 void build_melt(const BuildRequest& request, Scene& scene);       // dense bead chains, Lennard-Jones or WCA
 void build_water(const BuildRequest& request, Scene& scene);      // rigid water, box or droplet
+void build_lammps(const BuildRequest& request, Scene& scene);     // a data file of LAMMPS
 void build_molecules(const BuildRequest& request, Scene& scene);  // any molecules, defined in the scene
+
+// Returns equilibrated water in a box wide enough for the cutoff, tiled from its unit; and the energy of a molecule
+// of a model in it, with the pair forces of [forcefield] [kJ/mol].
+State equilibrated_water(const State& unit, double cutoff);
+double energy_of_equilibrated(const WaterModel& model, const State& waters, const TomlTable& forcefield);
+
+// Makes the pair force purely repulsive (WCA). All atoms must have the same σ and ε, and 1–4 pairs must have
+// all of the force or none. Throws LocatedError at forcefield.pair.
+void make_repulsive(const TomlTable& forcefield, Terms& terms);
 
 // Returns copies × atoms_each as an int. Throws LocatedError at `key`, before anything is allocated, if that
 // exceeds the largest number of atoms.

@@ -26,6 +26,8 @@ struct Placement {
   Coordinates given{};                // coordinates of all atoms
   Vectors x{};                        // 3 × atoms, after placing
 
+  // True for water that is cut from a box of equilibrated water.
+  bool is_cut() const { return equilibrated && given.x.cols() == 0 && centres.cols() == 0; }
   double atoms() const { return static_cast<double>(count) * molecule->atoms(); }
 };
 

@@ -132,25 +132,28 @@ State cut(const State& unit, const Box& box, long molecules) {
   return waters;
 }
 
-bool relax(const System& sys, ForceField& forces, int each, double energy, State& s) {
+bool relax(const System& sys, ForceField& forces, const std::vector<RigidMolecules>& molecules, double energy,
+           State& s) {
   s.f.resizeLike(s.x);
   double now = forces.evaluate_energy(sys, s), far = 1e-5;  // [nm per kJ/mol/nm]
   State next = s;
-  const double slack = kSlack * static_cast<double>(s.x.cols() / each);
+  double slack = 0;
+  for (const RigidMolecules& of : molecules) slack += kSlack * static_cast<double>(of.count());
   for (int move = 0; move < kMostMoves && now > energy + slack; ++move) {
-    for (Eigen::Index m = 0; m < s.x.cols(); m += each) {
-      const auto x = s.x.middleCols(m, each), f = s.f.middleCols(m, each);
-      const Vec3 middle = x.rowwise().mean(), force = f.rowwise().sum();
-      Vec3 torque = Vec3::Zero();
-      for (int a = 0; a < each; ++a) torque += Vec3(x.col(a) - middle).cross(Vec3(f.col(a)));
-      const double longest =
-          kLongestMove / std::max({far * force.norm(), far * torque.norm() / kArm, kLongestMove});
-      const Vec3 turn = longest * far / (kArm * kArm) * torque;
-      const Eigen::Matrix3d turned =
-          Eigen::AngleAxisd(turn.norm(), turn.stableNormalized()).toRotationMatrix();
-      next.x.middleCols(m, each) =
-          (turned * (x.colwise() - middle)).colwise() + (middle + longest * far * force);
-    }
+    for (const auto& [first, last, each] : molecules)
+      for (Eigen::Index m = first; m < last; m += each) {
+        const auto x = s.x.middleCols(m, each), f = s.f.middleCols(m, each);
+        const Vec3 middle = x.rowwise().mean(), force = f.rowwise().sum();
+        Vec3 torque = Vec3::Zero();
+        for (int a = 0; a < each; ++a) torque += Vec3(x.col(a) - middle).cross(Vec3(f.col(a)));
+        const double longest =
+            kLongestMove / std::max({far * force.norm(), far * torque.norm() / kArm, kLongestMove});
+        const Vec3 turn = longest * far / (kArm * kArm) * torque;
+        const Eigen::Matrix3d turned =
+            Eigen::AngleAxisd(turn.norm(), turn.stableNormalized()).toRotationMatrix();
+        next.x.middleCols(m, each) =
+            (turned * (x.colwise() - middle)).colwise() + (middle + longest * far * force);
+      }
     const double there = forces.evaluate_energy(sys, next);
     if (!(there < now) || there < energy - slack) {
       far *= there < now ? (now - energy) / (now - there) : 0.5;

@@ -25,9 +25,16 @@ State cut(const State& unit, const Box& box);
 // across a face, and scales the centres to the box.
 State cut(const State& unit, const Box& box, long molecules);
 
-// Translates and rotates rigid molecules of `each` atoms by steepest descent until the potential energy is
+// Translates and rotates rigid molecules by steepest descent, with all other atoms at rest, until the potential energy is
 // `energy`, so that molecules with new neighbours relax and the liquid keeps its temperature. No molecule
 // moves by more than 0.02 nm per iteration. Returns whether the energy was reached.
-bool relax(const System& sys, ForceField& forces, int each, double energy, State& s);
+struct RigidMolecules {
+  Eigen::Index first, last;  // their atoms
+  int each;                  // atoms of one
+
+  Eigen::Index count() const { return (last - first) / each; }
+};
+bool relax(const System& sys, ForceField& forces, const std::vector<RigidMolecules>& molecules, double energy,
+           State& s);
 
 }  // namespace taut

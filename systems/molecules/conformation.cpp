@@ -171,7 +171,7 @@ std::optional<Vectors> Conformations::place_rigid(Vectors x, double scale, Occup
   const int first = space.size();
   for (int a = 0; a < x.cols(); ++a) {
     const auto may = [&](int n) { return n >= first && (shaped_ || may_be_near(a, n - first)); };
-    if (!space.is_free(x.col(a), scale * radius_[a], may)) {
+    if (!has_room(a, x.col(a), space) || !space.is_free(x.col(a), scale * radius_[a], may)) {
       space.remove_from(first);
       return {};
     }
@@ -195,7 +195,7 @@ std::optional<Vectors> Conformations::grow(const Vec3& at, double scale, Occupie
     if (growth.is_site) {
       if (!std::exchange(sites_placed, true)) place_sites(molecule_.system.sites, x);
       best = x.col(growth.atom);
-      if (space.is_free(best, radius, may)) least = 0;
+      if (has_room(growth.atom, best, space) && space.is_free(best, radius, may)) least = 0;
     }
     for (int k = 0; k < (growth.is_site ? 0 : growth.parent < 0 ? 1 : kDirections); ++k) {
       auto here = x.col(growth.atom);
@@ -206,7 +206,9 @@ std::optional<Vectors> Conformations::grow(const Vec3& at, double scale, Occupie
                                              ? random.unit_vector()
                                              : at_angle(x.col(growth.grand) - parent, growth.angle, random));
       }
-      if (!space.is_free(here, radius, may) || !all_satisfied(growth.one_sided, x)) continue;
+      if (!has_room(growth.atom, here, space) || !space.is_free(here, radius, may) ||
+          !all_satisfied(growth.one_sided, x))
+        continue;
       if (growth.torsions.empty()) {
         best = here, least = 0;
         break;
@@ -262,6 +264,10 @@ double Conformations::energy(const Torsion& torsion, const Vectors& x) const {
   }
   const double off = std::remainder(phi - torsion.harmonic.angle, 2 * std::numbers::pi);
   return sum + 0.5 * torsion.harmonic.stiffness * off * off;
+}
+
+bool Conformations::has_room(int atom, const Vec3& x, const OccupiedSpace& space) const {
+  return molecule_.system.is_anchor(atom) || space.is_between_walls(x);
 }
 
 bool Conformations::may_be_near(int a, int b) const {

@@ -59,8 +59,9 @@ class Conformations {
   bool close_rings(Vectors& x) const;
   double energy(const Torsion& torsion, const Vectors& x) const;
   static bool all_satisfied(const std::vector<OneSidedBond>& bonds,
-                            const Vectors& x);  // whether all hold
-  bool may_be_near(int a, int b) const;         // joined by a tie or angle, or with a special pair force
+                            const Vectors& x);                               // whether all hold
+  bool has_room(int atom, const Vec3& x, const OccupiedSpace& space) const;  // anchors may be in a wall
+  bool may_be_near(int a, int b) const;  // joined by a tie or angle, or with a special pair force
 
   const Molecule& molecule_;
   double kT_;

@@ -50,6 +50,7 @@ void copy_terms(const Terms& one, int by, Terms& all) {
   copy(one.fene, by, all.fene);
   copy(one.pulls, by, all.pulls);
   copy(one.restraints, by, all.restraints);
+  copy(one.steered, by, all.steered);
   if (!one.nonbonded) return;
   const auto n = one.nonbonded->charge.size();
   all.nonbonded->charge.segment(by, n) = one.nonbonded->charge;

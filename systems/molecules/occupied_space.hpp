@@ -4,17 +4,32 @@
 #include <array>
 #include <cstdint>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "md/box.hpp"
 
 namespace taut {
 
+// A region between two planes across an axis, or on one side of one; infinite where there is no plane.
+struct Slab {
+  int axis;
+  double lower, upper;  // [nm]
+
+  bool holds(const Vec3& x) const { return x[axis] > lower && x[axis] < upper; }
+};
+
 // The space of a box that spheres occupy, with radii up to `widest`. Spheres are numbered in the order in
 // which they are added. A look-up takes a time that does not depend on their number.
 class OccupiedSpace {
  public:
-  OccupiedSpace(const Box& box, double widest) : box_(box), cell_(std::max(2 * widest, 0.05)) {}
+  // `rooms`: where atoms may be, between walls.
+  OccupiedSpace(const Box& box, double widest, std::vector<Slab> rooms = {})
+      : box_(box), cell_(std::max(2 * widest, 0.05)), rooms_(std::move(rooms)) {}
+
+  bool is_between_walls(const Vec3& x) const {
+    return std::ranges::all_of(rooms_, [&](const Slab& room) { return room.holds(x); });
+  }
 
   // Returns whether a sphere at x overlaps no sphere n, except those for which may(n) is true.
   template <class May>
@@ -59,6 +74,7 @@ class OccupiedSpace {
   Box box_;
   double cell_;  // edge of a cell [nm], larger than the distance of any two overlapping spheres
   std::unordered_map<Cell, std::vector<Sphere>, Hash> cells_;
+  std::vector<Slab> rooms_;
   std::vector<std::vector<Cell>> put_;  // the cells of each sphere and its images
 };
 

@@ -29,7 +29,8 @@ std::vector<Eigen::Index> Placing::list_fitting(const Conformations& conformatio
   for (Eigen::Index m = 0; m < x.cols() / each; ++m) {
     bool free = true;
     for (int a = 0; free && a < each; ++a)
-      free = space_.is_free(x.col(m * each + a), conformations.radius(a));
+      free = space_.is_between_walls(x.col(m * each + a)) &&
+             space_.is_free(x.col(m * each + a), conformations.radius(a));
     if (free) numbers.push_back(m);
   }
   return numbers;

@@ -10,7 +10,8 @@ namespace taut {
 // Places copies of molecules in a box one by one, each where the previous ones leave room.
 class Placing {
  public:
-  Placing(const Box& box, double widest, Random& random) : space_(box, widest), random_(random) {}
+  Placing(const Box& box, double widest, Random& random, std::vector<Slab> rooms = {})
+      : space_(box, widest, std::move(rooms)), random_(random) {}
 
   // Places a copy at a position from `where`, which is called repeatedly; if there is no room, with smaller
   // spheres. Returns nothing if there is no room for the smallest, either.

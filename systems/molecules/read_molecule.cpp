@@ -231,10 +231,16 @@ Molecule read_molecule(const TomlTable& keys, const std::string& name, const Kno
   const Units units = read_units(keys, static_cast<int>(std::ssize(unit)));
   std::vector<AtomNumbers> atoms;
   for (int u = 0; u < units.count; ++u) atoms.insert(atoms.end(), unit.begin(), unit.end());
-  if (std::string end; keys.read("ends", end, "[atom.NAME] that the first and the last atom are instead")) {
-    keys.require_effect("ends", !units.ring, "without ring");
-    atoms.front() = atoms.back() = known_atom(keys, "ends", end, known);
-  }
+  const auto replace = [&](const char* key, const char* meaning, std::initializer_list<AtomNumbers*> which) {
+    std::string end;
+    if (!keys.read(key, end, meaning)) return;
+    keys.require_effect(key, !units.ring, "without ring");
+    for (AtomNumbers* atom : which) *atom = known_atom(keys, key, end, known);
+  };
+  replace("ends", "[atom.NAME] that the first and the last atom are instead",
+          {&atoms.front(), &atoms.back()});
+  replace("first", "[atom.NAME] that the first atom is instead", {&atoms.front()});
+  replace("last", "[atom.NAME] that the last atom is instead", {&atoms.back()});
   std::string residue = name.substr(0, 4);
   keys.read("residue", residue, "its name in files");
   if (!keys.describing()) check_name(keys, "residue", residue);

@@ -105,6 +105,16 @@ void read_springs(RowReader& rows, Terms& terms) {
 void read_outer(RowReader& rows, Terms& terms) {
   for (const Row& row : rows.read("pulls", 1, 3, "constant forces [i, fx, fy, fz], in kJ/mol/nm"))
     terms.pulls.push_back({row.atom[0], Vec3(row.number)});
+  const char* steered =
+      "atoms on a spring whose end moves [i, vx, vy, vz in nm/ps, k in kJ/mol/nm²]: ½k(|v|t − way)², its way "
+      "from the start along v";
+  for (const Row& row : rows.read("steered", 1, 4, steered)) {
+    const Vec3 v(row.number);
+    if (!(v.norm() > 0))
+      rows.fail("steered", row, "expected a velocity that is not 0, as [0, 0, 0, 0.01, 500]");
+    if (!(row.number[3] > 0)) rows.fail("steered", row, "expected a stiffness k above 0, as 500");
+    terms.steered.push_back({row.atom[0], v.normalized(), v.norm(), row.number[3]});
+  }
   const char* held =
       "springs to a place [i, x, y, z, k], k in kJ/mol/nm²: ½k|x − place|², of its nearest image";
   for (const Row& row : rows.read("restraints", 1, 4, held)) {

@@ -55,7 +55,7 @@ class RowReader {
 System read_system(RowReader& rows, Eigen::VectorXd mass, VirtualSites sites = {});
 
 void read_springs(RowReader& rows, Terms& terms);
-// Reads external forces on atoms: pulls and position restraints.
+// Reads external forces on atoms: pulls, steered atoms and position restraints.
 void read_outer(RowReader& rows, Terms& terms);
 
 // True while a strut's atoms are not too close and a rope's atoms not too far apart. describe_violation()

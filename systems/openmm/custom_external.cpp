@@ -42,6 +42,22 @@ void read_restraints(const ForceReading& r, CustomForce& p) {
   });
 }
 
+// A wall as taut writes it.
+void read_wall(const ForceReading& r, CustomForce& p, int axis) {
+  std::vector<double> numbers;
+  std::vector<int> atoms;
+  r.force.part("Particles").each("Particle", [&](const Element& particle) {
+    p.read(particle, {atom_field("index", atoms.emplace_back(), r.system.atoms())});
+    if (!numbers.empty() && numbers != p.of_term()) particle.refuse("is before another wall than the others");
+    numbers = p.of_term();
+  });
+  if (atoms.empty()) return;
+  const double at = numbers[0], faces = numbers[1], sigma = numbers[2], epsilon = numbers[3],
+               cut = numbers[4];
+  r.to.terms.walls.push_back(
+      {axis, at, faces > 0 ? 1 : -1, sigma, epsilon, cut < 1e6 ? std::optional(cut) : std::nullopt, atoms});
+}
+
 }  // namespace
 
 void read_custom_external(const ForceReading& r) {
@@ -53,6 +69,8 @@ void read_custom_external(const ForceReading& r) {
   r.read({{"energy", &energy}});
   r.force.check_parts({"PerParticleParameters", "GlobalParameters", "Particles"});
   CustomForce p(r, {"PerParticleParameters", {{"x", -1, 1}, {"y", -1, 1}, {"z", -1, 1}}}, energy);
+  for (std::size_t axis = 0; axis < kWallEnergy.size(); ++axis)
+    if (energy == kWallEnergy[axis]) return read_wall(r, p, static_cast<int>(axis));
   switch (p.recognize(kKnown)) {
     case 0:
       return read_gravity(r, p);

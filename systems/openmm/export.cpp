@@ -60,6 +60,15 @@ void refuse_own_fields(const Terms& terms) {
                                  terms.own.front()->name()));
 }
 
+void refuse_steered_atoms(const Terms& terms) {
+  if (!terms.steered.empty())
+    throw InputError(
+        fmt::format("OpenMM cannot express it: atom {} is steered by a spring whose end moves, and OpenMM's "
+                    "forces do not "
+                    "depend on time",
+                    terms.steered.front().atom));
+}
+
 void refuse_one_sided_bonds(const System& sys) {
   if (sys.one_sided.empty()) return;
   const OneSidedBond& bond = sys.one_sided.front();
@@ -230,6 +239,16 @@ void write_restraints(Node forces, const std::vector<Restraint>& restraints, con
     write_term(list, "Particle", {atom_field("index", atom, 0)}, {at.x(), at.y(), at.z(), k});
 }
 
+void write_wall(Node forces, const Wall& wall) {
+  const double cut = wall.cutoff.value_or(1e6), s3 = std::pow(wall.sigma / cut, 3);
+  const double shift = wall.cutoff ? wall.epsilon * (2.0 / 15 * s3 * s3 * s3 - s3) : 0;
+  Node list =
+      write_external(forces, kWallEnergy[wall.axis], {"at", "faces", "sig", "eps", "cut", "shift"}, {});
+  for (int a : wall.atoms)
+    write_term(list, "Particle", {atom_field("index", a, 0)},
+               {wall.at, double(wall.faces), wall.sigma, wall.epsilon, cut, shift});
+}
+
 void write_fene(Node forces, const std::vector<Fene>& springs) {
   std::string energy = kFeneEnergy;
   bool takes_images = false;
@@ -268,6 +287,7 @@ void write_forces(Node forces, const OpenMMInput& from) {
   if (terms.gravity) write_gravity(forces, from.system, *terms.gravity);
   if (!terms.pulls.empty()) write_pulls(forces, terms.pulls);
   if (!terms.restraints.empty()) write_restraints(forces, terms.restraints, from.start.box);
+  for (const Wall& wall : terms.walls) write_wall(forces, wall);
   if (!terms.fene.empty()) write_fene(forces, terms.fene);
   if (terms.wca) write_wca(forces, from.system.atoms(), from.start.box, *terms.wca);
   if (from.remove_momentum_every > 0)
@@ -293,6 +313,7 @@ std::string openmm_system_xml(const OpenMMInput& from) {
   refuse_bonds_to_anchors(from.system);
   refuse_one_sided_bonds(from.system);
   refuse_own_fields(from.terms);
+  refuse_steered_atoms(from.terms);
   return whole_file("System", [&](Node root) {
     write_box(root, from.start.box);
     write_atoms(root, from.system);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <functional>
 #include <map>
 #include <memory>
@@ -73,6 +74,11 @@ constexpr const char* kGravityEnergy = "-mass*(gx*x+gy*y+gz*z)";  // gx, gy, gz 
 constexpr const char* kPullEnergy = "-(fx*x+fy*y+fz*z)";
 constexpr const char* kRestraintEnergy = "0.5*k*periodicdistance(x,y,z,x0,y0,z0)^2";
 constexpr const char* kRestraintWithoutBox = "0.5*k*((x-x0)^2+(y-y0)^2+(z-z0)^2)";
+// Walls across x, y and z. `faces` is 1 or −1; `shift` is the energy at the cutoff, where step() ends it.
+inline constexpr std::array kWallEnergy = {
+    "step(cut-d)*(eps*(2/15*(sig/d)^9-(sig/d)^3)-shift); d=faces*(x-at)",
+    "step(cut-d)*(eps*(2/15*(sig/d)^9-(sig/d)^3)-shift); d=faces*(y-at)",
+    "step(cut-d)*(eps*(2/15*(sig/d)^9-(sig/d)^3)-shift); d=faces*(z-at)"};
 constexpr const char* kFeneEnergy = "-0.5*k*r0^2*log(1-(r/r0)^2)";
 // Parameters are global; the force is cut off at 2^(1/6)σ.
 constexpr const char* kWcaEnergy = "4*epsilon*((sigma/r)^12-(sigma/r)^6)+epsilon";

@@ -215,6 +215,7 @@ void add(PlacedForce& placed, OpenMMInput& input) {
   add_all(to.fene, from.fene);
   add_all(to.pulls, from.pulls);
   add_all(to.restraints, from.restraints);
+  add_all(to.walls, from.walls);
   add_one(placed.at, to.nonbonded, from.nonbonded);
   add_one(placed.at, to.wca, from.wca);
   add_one(placed.at, to.gravity, from.gravity);
@@ -292,6 +293,10 @@ Scene import_openmm(const std::filesystem::path& system_xml, const std::filesyst
 }
 
 OpenMMInput openmm_input(const Scene& scene) {
+  if (scene.run.metric_correction)
+    throw InputError(
+        "OpenMM cannot express it: run.metric_correction, Fixman's potential, depends on all bonds of a "
+        "molecule");
   return {scene.system, scene.terms, scene.start, scene.run.remove_momentum_every};
 }
 

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "forcefield/terms.hpp"
+#include "md/box.hpp"
+
+namespace taut {
+
+// Forces from outside. Each function adds its forces to f and returns its energy [kJ/mol].
+
+double add_gravity(const Vec3& g, const Eigen::VectorXd& mass, const Vectors& x, Vectors& f);
+double add_pulls(const std::vector<Pull>& pulls, const Vectors& x, Vectors& f);
+double add_restraints(const std::vector<Restraint>& restraints, const Box& box, const Vectors& x, Vectors& f);
+
+// `push` becomes the force of the atoms on the wall, along its outer normal [kJ/mol/nm]. Throws
+// SimulationFailure for an atom on the wall or behind it.
+double add_wall(const Wall& wall, const Vectors& x, Vectors& f, double& push);
+
+// What steered atoms take from the moving ends of their springs.
+struct SteeringForces {
+  double force = 0;  // mean of the springs' forces along their directions [kJ/mol/nm]
+  double power = 0;  // Σ force × speed, of all springs [kJ/mol/ps]
+};
+double add_steering(const std::vector<SteeredAtom>& atoms, double t, const Vectors& x, Vectors& f,
+                    SteeringForces& forces);
+
+}  // namespace taut

@@ -1,0 +1,106 @@
+#include "forcefield/frozen_pairs.hpp"
+
+#include <algorithm>
+
+#include "forcefield/force_field.hpp"
+
+namespace taut {
+namespace {
+
+std::vector<int> frozen_atoms(const System& sys) {
+  std::vector<int> frozen;
+  auto site = sys.sites.begin();
+  for (int a = 0; a < sys.atoms(); ++a) {
+    const bool is_site = site != sys.sites.end() && site->atom == a;
+    const auto never_moves = [&](const VirtualSite::Parent& parent) { return sys.mass[parent.atom] == 0; };
+    if (sys.mass[a] == 0 && (!is_site || std::ranges::all_of(site->parents, never_moves)))
+      frozen.push_back(a);
+    if (is_site) ++site;
+  }
+  return frozen;
+}
+
+// The terms whose atoms are all among these, renumbered. No term from outside, and no dispersion correction.
+class Selection {
+ public:
+  Selection(const std::vector<int>& atoms, int of_all) : atoms_(atoms), place_(of_all, -1) {
+    for (std::size_t k = 0; k < atoms.size(); ++k) place_[atoms[k]] = static_cast<int>(k);
+  }
+
+  Terms of(const Terms& all) const {
+    Terms some;
+    some.precision = all.precision;
+    some.bonds = pairs(all.bonds);
+    some.fene = pairs(all.fene);
+    for (HarmonicAngle angle : all.angles)
+      if (renumber({&angle.i, &angle.j, &angle.k})) some.angles.push_back(angle);
+    some.torsions = torsions(all.torsions);
+    some.rb_torsions = torsions(all.rb_torsions);
+    some.harmonic_torsions = torsions(all.harmonic_torsions);
+    if (all.nonbonded) some.nonbonded = of(*all.nonbonded);
+    if (all.wca) {
+      some.wca = Wca{all.wca->sigma, all.wca->epsilon, {}};
+      for (auto [i, j] : all.wca->exclusions)
+        if (renumber({&i, &j})) some.wca->exclusions.push_back({i, j});
+    }
+    return some;
+  }
+
+ private:
+  bool renumber(std::initializer_list<int*> atoms) const {
+    for (int* a : atoms) *a = place_[*a];
+    return std::ranges::all_of(atoms, [](const int* a) { return *a >= 0; });
+  }
+  template <class Term>
+  std::vector<Term> pairs(const std::vector<Term>& all) const {
+    std::vector<Term> some;
+    for (Term term : all)
+      if (renumber({&term.i, &term.j})) some.push_back(term);
+    return some;
+  }
+  template <class Term>
+  std::vector<Term> torsions(const std::vector<Term>& all) const {
+    std::vector<Term> some;
+    for (Term term : all)
+      if (renumber({&term.i, &term.j, &term.k, &term.l})) some.push_back(term);
+    return some;
+  }
+  Nonbonded of(const Nonbonded& all) const {
+    Nonbonded some = all;
+    for (auto numbers : {&Nonbonded::charge, &Nonbonded::sigma, &Nonbonded::epsilon})
+      some.*numbers = Eigen::VectorXd((all.*numbers)(atoms_));
+    if (all.lj_table) {
+      some.lj_table->type.clear();
+      for (const int a : atoms_) some.lj_table->type.push_back(all.lj_table->type[a]);
+    }
+    some.exceptions = pairs(all.exceptions);
+    some.dispersion_correction = false;
+    return some;
+  }
+
+  const std::vector<int>& atoms_;
+  std::vector<int> place_;  // of each atom of all among these, −1 for the others
+};
+
+}  // namespace
+
+FrozenPairs::FrozenPairs(const System& sys, const Terms& terms) : atoms_(frozen_atoms(sys)) {
+  if (atoms_.size() > 1) terms_ = Selection(atoms_, sys.atoms()).of(terms);
+}
+FrozenPairs::~FrozenPairs() = default;
+FrozenPairs::FrozenPairs(FrozenPairs&&) noexcept = default;
+FrozenPairs& FrozenPairs::operator=(FrozenPairs&&) noexcept = default;
+
+const Eigen::Matrix3d& FrozenPairs::virial(const State& at) {
+  if (!terms_) return virial_;
+  const Vectors x = at.x(Eigen::all, atoms_);
+  if (at_.x.cols() == x.cols() && at_.x == x && at_.box == at.box) return virial_;
+  at_ = {x, {}, {}, at.t, at.box};
+  const System alone = make_system(Eigen::VectorXd::Ones(x.cols()), {});  // that may move
+  ForceField forces(alone, at.box, *terms_);
+  ForceField::Evaluation besides;
+  forces.evaluate(alone, at_, besides);
+  return virial_ = forces.virial(at_, besides);
+}
+
+}  // namespace taut

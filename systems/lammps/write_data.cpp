@@ -1,0 +1,361 @@
+#include "systems/lammps/write_data.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "base/errors.hpp"
+#include "files/atomic_file.hpp"
+#include "md/units.hpp"
+#include "systems/molecules/molecule.hpp"
+#include "systems/velocities.hpp"
+#include "systems/whole_molecules.hpp"
+
+namespace taut {
+namespace {
+
+[[noreturn]] void refuse(const std::string& what) {
+  throw InputError("LAMMPS cannot express it with its usual styles: " + what);
+}
+
+double degrees(double radians) {
+  return radians * 180 / std::numbers::pi;
+}
+
+// Terms of one kind: their coefficients, each set once, and rows of type and atoms.
+class TermList {
+ public:
+  void add(const std::string& coefficients, std::initializer_list<int> atoms) {
+    const auto [at, fresh] = type_.try_emplace(coefficients, static_cast<int>(types_.size()) + 1);
+    if (fresh) types_.push_back(coefficients);
+    std::string row = fmt::format("{}", at->second);
+    for (const int a : atoms) row += fmt::format(" {}", a + 1);
+    rows_.push_back(std::move(row));
+  }
+  bool empty() const { return rows_.empty(); }
+  std::size_t count() const { return rows_.size(); }
+  std::size_t types() const { return types_.size(); }
+  int type(const std::string& coefficients) const { return type_.at(coefficients); }
+
+  void write(const char* list, const char* coefficients, std::string& to) const {
+    if (empty()) return;
+    to += fmt::format("\n{}\n\n", coefficients);
+    for (std::size_t t = 0; t < types_.size(); ++t) to += fmt::format("{} {}\n", t + 1, types_[t]);
+    to += fmt::format("\n{}\n\n", list);
+    for (std::size_t r = 0; r < rows_.size(); ++r) to += fmt::format("{} {}\n", r + 1, rows_[r]);
+  }
+
+ private:
+  std::map<std::string, int> type_;
+  std::vector<std::string> types_, rows_;
+};
+
+class Writer {
+ public:
+  Writer(const Scene& scene, std::string data_name) : scene_(scene), data_name_(std::move(data_name)) {
+    refuse_what_is_not_there();
+    find_atom_types();
+    add_bonds();
+    add_angles();
+    add_dihedrals();
+    find_special_bonds();
+  }
+
+  LammpsFiles files() const { return {data(), input()}; }
+
+ private:
+  void refuse_what_is_not_there() const {
+    const Terms& terms = scene_.terms;
+    const System& sys = scene_.system;
+    if (!sys.sites.empty()) refuse(fmt::format("atom {} is a virtual site", sys.sites.front().atom));
+    if (!sys.one_sided.empty()) refuse("at_least and at_most hold bonds from one side");
+    for (int a = 0; a < sys.atoms(); ++a)
+      if (sys.mass[a] == 0) refuse(fmt::format("atom {} is an anchor of mass 0", a));
+    if (!terms.harmonic_torsions.empty()) refuse("harmonic torsions (impropers)");
+    if (!terms.cmaps.empty()) refuse("correction maps");
+    if (terms.gravity || !terms.pulls.empty() || !terms.restraints.empty() || !terms.walls.empty() ||
+        !terms.steered.empty() || !terms.own.empty() || scene_.run.metric_correction)
+      refuse("forces from outside; add them to the input by hand");
+    if (terms.nonbonded &&
+        (terms.nonbonded->switch_distance ||
+         (terms.nonbonded->cutoff && !terms.nonbonded->pme && !terms.nonbonded->charge.isZero(0))))
+      refuse("a switch of Lennard-Jones, or a reaction field; take forcefield.coulomb = \"pme\"");
+    if (!terms.fene.empty() && !terms.wca) refuse("FENE springs among pairs that attract");
+  }
+
+  // Atoms of one mass, σ, ε and kind in a table are of one type.
+  void find_atom_types() {
+    const auto& nb = scene_.terms.nonbonded;
+    std::map<std::array<double, 4>, int> known;
+    for (int a = 0; a < scene_.system.atoms(); ++a) {
+      std::array<double, 4> kind = {scene_.system.mass[a], 0, 0, 0};
+      if (nb && nb->lj_table) kind[3] = nb->lj_table->type[a];
+      if (nb && !nb->lj_table) kind[1] = nb->sigma[a], kind[2] = nb->epsilon[a];
+      const auto [at, fresh] = known.try_emplace(kind, static_cast<int>(first_of_type_.size()));
+      if (fresh) first_of_type_.push_back(a);
+      type_.push_back(at->second);
+    }
+  }
+
+  void add_bonds() {
+    const Terms& terms = scene_.terms;
+    hybrid_ = !terms.fene.empty() && (!terms.bonds.empty() || !scene_.system.bonds.empty());
+    const char* harmonic = hybrid_ ? "harmonic " : "";
+    std::set<std::pair<int, int>> ends;  // of rigid bonds that hold an angle, which LAMMPS has no bond for
+    for (const RigidBond& b : scene_.system.bonds) {
+      const std::string coefficients = fmt::format("{}1000000 {:.17g}", harmonic, b.length);
+      bonds_.add(coefficients, {b.i, b.j});
+      rigid_.insert(bonds_.type(coefficients));
+    }
+    for (const auto& [i, j, length, k] : terms.bonds)
+      bonds_.add(fmt::format("{}{:.17g} {:.17g}", harmonic, k / 2, length), {i, j});
+    for (const auto& [i, j, k, r0] : terms.fene)
+      bonds_.add(fmt::format("{}{:.17g} {:.17g} {:.17g} {:.17g}", hybrid_ ? "fene " : "", k, r0,
+                             terms.wca->epsilon, terms.wca->sigma),
+                 {i, j});
+  }
+
+  void add_angles() {
+    for (const auto& [i, j, k, angle, stiffness] : scene_.terms.angles)
+      angles_.add(fmt::format("{:.17g} {:.17g}", stiffness / 2, degrees(angle)), {i, j, k});
+  }
+
+  // charmm takes whole degrees alone, so that a phase is split into a cosine of its own where it is none.
+  void add_dihedrals() {
+    mixed_ = !scene_.terms.torsions.empty() && !scene_.terms.rb_torsions.empty();
+    for (const auto& [i, j, k, l, n, phase, amplitude] : scene_.terms.torsions) {
+      const double d = degrees(phase);
+      if (std::abs(d - std::round(d)) > 1e-9)
+        refuse(fmt::format("a torsion of phase {:.6g} degrees, no whole number", d));
+      dihedrals_.add(
+          fmt::format("{}{:.17g} {} {:.0f} 0", mixed_ ? "charmm " : "", amplitude, n, std::round(d)),
+          {i, j, k, l});
+    }
+    const auto& rb = scene_.terms.rb_torsions;
+    const bool five = std::ranges::all_of(rb, [](const RyckaertBellemans& t) { return t.c[5] == 0; });
+    powers_ = five ? "multi/harmonic" : "nharmonic";
+    for (const auto& [i, j, k, l, c] : rb) {
+      std::string coefficients = fmt::format("{}{}", mixed_ ? powers_ + " " : "", five ? "" : "6");
+      for (int n = 0; n < (five ? 5 : 6); ++n)
+        coefficients += fmt::format(" {:.17g}", (n % 2 == 0 ? 1 : -1) * c[n]);
+      dihedrals_.add(coefficients, {i, j, k, l});
+    }
+  }
+
+  // The factors of special_bonds that give the scene's exceptions.
+  void find_special_bonds() {
+    std::map<std::pair<int, int>, std::pair<double, double>> said;  // factors of Lennard-Jones and Coulomb
+    const auto& nb = scene_.terms.nonbonded;
+    if (nb)
+      for (const auto& e : nb->exceptions) {
+        const double epsilon = nb->lj_table ? 0 : std::sqrt(nb->epsilon[e.i] * nb->epsilon[e.j]);
+        const double charges = nb->charge[e.i] * nb->charge[e.j];
+        if (nb->lj_table && e.epsilon != 0) refuse("scaled pairs 1-4 beside a table of pairs");
+        said[std::minmax(e.i, e.j)] = {epsilon > 0 ? e.epsilon / epsilon : kEither,
+                                       charges != 0 ? e.charge_product / charges : kEither};
+      }
+    if (const auto& wca = scene_.terms.wca) {
+      std::set<std::pair<int, int>> fene;
+      for (const Fene& spring : scene_.terms.fene) fene.insert(std::minmax(spring.i, spring.j));
+      for (const auto& [i, j] : wca->exclusions) {
+        said[std::minmax(i, j)].first = 0;
+        if (fene.contains(std::minmax(i, j)))
+          refuse(fmt::format("atoms {} and {} have FENE but do not repel", i, j));
+      }
+      for (const auto& pair : fene) said[pair] = {0, 0};  // fene has the repulsion itself
+    }
+    if (!nb && !scene_.terms.wca) return;
+    Molecule all;
+    all.system = scene_.system;
+    all.terms.bonds = scene_.terms.bonds;
+    all.terms.fene = scene_.terms.fene;
+    std::array<std::optional<double>, 3> lj, coulomb;
+    const auto see = [](std::optional<double>& factor, double value, const NearPair& pair) {
+      if (value == kEither) return;
+      if (factor && std::abs(*factor - value) > 1e-9)
+        refuse(fmt::format("pairs {} bonds apart are not all scaled alike (atoms {} and {})", pair.apart,
+                           pair.i, pair.j));
+      factor = value;
+    };
+    for (const NearPair& pair : list_near_pairs(all, 3)) {
+      const auto found = said.find(std::minmax(pair.i, pair.j));
+      see(lj[pair.apart - 1], found == said.end() ? 1 : found->second.first, pair);
+      see(coulomb[pair.apart - 1], found == said.end() ? 1 : found->second.second, pair);
+      if (found != said.end()) said.erase(found);
+    }
+    if (!said.empty())
+      refuse(
+          fmt::format("atoms {} and {} have a pair force of their own, and are more than three bonds apart",
+                      said.begin()->first.first, said.begin()->first.second));
+    for (int k = 0; k < 3; ++k)
+      special_lj_[k] = lj[k].value_or(1), special_coulomb_[k] = coulomb[k].value_or(1);
+  }
+
+  double charge(int a) const {
+    return scene_.terms.nonbonded ? scene_.terms.nonbonded->charge[a] * std::sqrt(kCoulomb) : 0;
+  }
+
+  std::string data() const {
+    const System& sys = scene_.system;
+    const Vectors& x = scene_.start.x;
+    std::string to =
+        fmt::format("LAMMPS data file of taut: {}; units lj of 1 nm, 1 kJ/mol, 1 u\n\n", scene_.name);
+    to += fmt::format("{} atoms\n{} atom types\n", sys.atoms(), first_of_type_.size());
+    for (const auto& [name, list] :
+         {std::pair{"bond", &bonds_}, {"angle", &angles_}, {"dihedral", &dihedrals_}})
+      to += fmt::format("{0} {1}s\n{2} {1} types\n", list->count(), name, list->types());
+    const Box& box = scene_.start.box;
+    Vec3 lower = Vec3::Zero(), upper = box.edge;
+    if (!box.periodic()) {
+      lower = x.rowwise().minCoeff().array() - 1;
+      upper = x.rowwise().maxCoeff().array() + 1;
+    }
+    to += "\n";
+    for (int d = 0; d < 3; ++d)
+      to += fmt::format("{:.17g} {:.17g} {}lo {}hi\n", lower[d], upper[d], "xyz"[d], "xyz"[d]);
+    if (!box.tilt.isZero(0))
+      to += fmt::format("{:.17g} {:.17g} {:.17g} xy xz yz\n", box.tilt[0], box.tilt[1], box.tilt[2]);
+    to += "\nMasses\n\n";
+    for (std::size_t t = 0; t < first_of_type_.size(); ++t)
+      to += fmt::format("{} {:.17g}\n", t + 1, sys.mass[first_of_type_[t]]);
+    to += pair_coefficients();
+    const std::vector<int> molecule = molecules(sys, scene_.terms);
+    to += "\nAtoms # full\n\n";
+    for (int a = 0; a < sys.atoms(); ++a) {
+      const Vec3 cell = box.periodic() ? box.cell_of(x.col(a), std::floor) : Vec3::Zero();
+      const Vec3 at = x.col(a) - (box.periodic() ? box.lattice_vector(cell) : Vec3::Zero());
+      to += fmt::format("{} {} {} {:.17g} {:.17g} {:.17g} {:.17g} {:.0f} {:.0f} {:.0f}\n", a + 1,
+                        molecule[a] + 1, type_[a] + 1, charge(a), at.x(), at.y(), at.z(), cell.x(), cell.y(),
+                        cell.z());
+    }
+    if (!scene_.start.v.isZero(0)) {
+      to += "\nVelocities\n\n";
+      for (int a = 0; a < sys.atoms(); ++a) {
+        const Vec3 v = scene_.start.v.col(a);
+        to += fmt::format("{} {:.17g} {:.17g} {:.17g}\n", a + 1, v.x(), v.y(), v.z());
+      }
+    }
+    bonds_.write("Bonds", fmt::format("Bond Coeffs # {}", bond_style()).c_str(), to);
+    angles_.write("Angles", "Angle Coeffs # harmonic", to);
+    dihedrals_.write("Dihedrals", fmt::format("Dihedral Coeffs # {}", dihedral_style()).c_str(), to);
+    return to;
+  }
+
+  std::string bond_style() const {
+    return hybrid_ ? "hybrid" : scene_.terms.fene.empty() ? "harmonic" : "fene";
+  }
+  std::string dihedral_style() const {
+    return mixed_ ? "hybrid" : scene_.terms.torsions.empty() ? powers_ : "charmm";
+  }
+
+  std::string pair_lines() const {
+    const auto& [nonbonded, wca] = std::tie(scene_.terms.nonbonded, scene_.terms.wca);
+    if (wca) return fmt::format("pair_style lj/cut {:.17g}\npair_modify shift yes\n", wca->cutoff());
+    if (!nonbonded) return "pair_style zero 1.0\n";
+    const double cutoff = nonbonded->cutoff.value_or(1e3);
+    const bool charged = !nonbonded->charge.isZero(0);
+    std::string lines =
+        !charged ? fmt::format("pair_style lj/cut {:.17g}\n", cutoff)
+        : nonbonded->pme
+            ? fmt::format("pair_style lj/cut/coul/long {:.17g}\nkspace_style pppm 1e-5\n", cutoff)
+            : fmt::format("pair_style lj/cut/coul/cut {:.17g}\n", cutoff);
+    if (nonbonded->dispersion_correction) lines += "pair_modify tail yes\n";
+    return lines;
+  }
+
+  // σ and ε of every two types.
+  std::string pair_coefficients() const {
+    const auto& [nonbonded, wca] = std::tie(scene_.terms.nonbonded, scene_.terms.wca);
+    if (!nonbonded && !wca) return "";
+    std::string lines = "\nPairIJ Coeffs # lj/cut\n\n";
+    for (std::size_t s = 0; s < first_of_type_.size(); ++s)
+      for (std::size_t t = s; t < first_of_type_.size(); ++t) {
+        const int i = first_of_type_[s], j = first_of_type_[t];
+        double sigma = 1, epsilon = 0;
+        if (wca) {
+          sigma = wca->sigma, epsilon = wca->epsilon;
+        } else if (const auto& table = nonbonded->lj_table) {
+          const double a = table->a(table->type[i], table->type[j]),
+                       b = table->b(table->type[i], table->type[j]);
+          if (b > 0) sigma = std::pow(a / b, 1.0 / 6), epsilon = b * b / (4 * a);
+        } else {
+          sigma = (nonbonded->sigma[i] + nonbonded->sigma[j]) / 2;
+          epsilon = std::sqrt(nonbonded->epsilon[i] * nonbonded->epsilon[j]);
+        }
+        lines += fmt::format("{} {} {:.17g} {:.17g}\n", s + 1, t + 1, epsilon, sigma);
+      }
+    return lines;
+  }
+
+  std::string input() const {
+    const Terms& terms = scene_.terms;
+    const RunSettings& run = scene_.run;
+    std::string to = "units lj\natom_style full\n";
+    if (!scene_.start.box.periodic()) to += "boundary s s s\n";
+    to += fmt::format("special_bonds lj {} {} {} coul {} {} {}\n", special_lj_[0], special_lj_[1],
+                      special_lj_[2], special_coulomb_[0], special_coulomb_[1], special_coulomb_[2]);
+    if (!bonds_.empty())
+      to += fmt::format("bond_style {}\n", hybrid_ ? "hybrid harmonic fene" : bond_style());
+    if (!angles_.empty()) to += "angle_style harmonic\n";
+    if (!dihedrals_.empty())
+      to += fmt::format("dihedral_style {}\n", mixed_ ? "hybrid charmm " + powers_ : dihedral_style());
+    const bool charged = terms.nonbonded && !terms.nonbonded->charge.isZero(0);
+    const bool pppm = terms.nonbonded && terms.nonbonded->pme && charged;
+    to += fmt::format("{}read_data {}\n", pair_lines(), data_name_);
+    if (!terms.nonbonded && !terms.wca) to += "pair_coeff * *\n";
+    if (pppm) to += "# kspace_style asks for PPPM, whose tolerance is relative to a unit of LAMMPS's own\n";
+    to += fmt::format("neighbor {:.4g} bin\nneigh_modify every 1 delay 0 check yes\ntimestep {:.17g}\n",
+                      terms.wca ? 0.3 * terms.wca->sigma : 0.2, run.h());
+    if (run.temperature_k > 0 && scene_.start.v.isZero(0))
+      to += fmt::format("velocity all create {:.17g} {} loop geom\n", kBoltzmann * run.temperature_k,
+                        run.seed + 1);
+    to += "thermo 100\nfix integrate all nve\n";
+    if (run.thermostatted())
+      to +=
+          fmt::format("fix bath all langevin {0:.17g} {0:.17g} {1:.6g} {2}\n", kBoltzmann * run.temperature_k,
+                      run.langevin() ? 1 / run.friction_per_ps : run.thermostat_ps, run.seed + 1);
+    if (!rigid_.empty()) {
+      to += "fix hold all taut feedforward b";
+      for (const int type : rigid_) to += fmt::format(" {}", type);
+      to += "\n";
+    }
+    return to + fmt::format("# run {}\n", run.steps);
+  }
+
+  static constexpr double kEither = -1;  // a factor of what is zero anyway
+
+  const Scene& scene_;
+  const std::string data_name_;
+  std::vector<int> type_, first_of_type_;  // of each atom, from 0; the first atom of each
+  TermList bonds_, angles_, dihedrals_;
+  std::set<int> rigid_;                  // types of bonds
+  bool hybrid_ = false, mixed_ = false;  // two styles of bonds, of dihedrals
+  std::string powers_;                   // the style of Ryckaert and Bellemans's torsions
+  std::array<double, 3> special_lj_ = {1, 1, 1}, special_coulomb_ = {1, 1, 1};
+};
+
+}  // namespace
+
+LammpsFiles lammps_files(const Scene& scene, const std::string& data_name) {
+  return Writer(scene, data_name).files();
+}
+
+void write_lammps(const Scene& scene, const std::string& prefix) {
+  const std::string data_name = prefix + ".data";
+  const LammpsFiles files = lammps_files(scene, std::filesystem::path(data_name).filename().string());
+  AtomicFile data(data_name), input(prefix + ".in");
+  data.write(files.data);
+  input.write(files.input);
+  data.commit();
+  input.commit();
+}
+
+}  // namespace taut
