@@ -42,9 +42,9 @@ bool mpi_is_the_same() {
   if (std::strstr(running, kMpi)) return true;
   std::fprintf(
       stderr,
-      "ERROR: Plugin fix taut was built with %s, but LAMMPS runs with %.60s; build it with LAMMPS's own MPI "
+      "ERROR: Plugin fix taut was built with %s, but LAMMPS runs with %.*s; build it with LAMMPS's own MPI "
       "(cmake -DMPI_CXX_COMPILER=.../mpicxx)\n",
-      kMpi, running);
+      kMpi, static_cast<int>(std::strcspn(running, "\n")), running);
   return false;
 }
 
