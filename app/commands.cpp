@@ -151,7 +151,7 @@ class HelpFormat : public CLI::Formatter {
 struct Commands::Parser {
   CLI::App app;
   std::vector<std::pair<CLI::App*, std::function<void()>>> actions;
-  std::optional<int> threads;
+  std::optional<std::string> threads;  // a number, or "auto"
 };
 
 namespace {
@@ -254,6 +254,15 @@ std::string complaint(const CLI::App& app, const CLI::ParseError& e, int argc, c
   return fmt::format("{}{} (taut {}{}--help)", before, what, name, name.empty() ? "" : " ");
 }
 
+void take_threads(const std::string& said) {
+  if (said == "auto") return ignore_omp_num_threads();
+  int threads = 0;
+  if (!CLI::detail::lexical_cast(said, threads))
+    throw InputError(fmt::format("--threads {}: expected a number, or auto", said));
+  expect_threads("--threads", threads);
+  use_threads(threads);
+}
+
 }  // namespace
 
 Commands::Commands(const char* about) : parser_(new Parser{CLI::App{about}, {}, {}}) {
@@ -263,8 +272,10 @@ Commands::Commands(const char* about) : parser_(new Parser{CLI::App{about}, {}, 
   app.require_subcommand(1);
   app.set_version_flag("--version", "taut " TAUT_VERSION);
   const Subcommand root(&app);
-  root.option("--threads", parser_->threads, "so many compute (if not said: OMP_NUM_THREADS, or 1)")
-      .at_least(1);
+  root.option("--threads", parser_->threads,
+              "so many compute; `auto`: `run` takes the cores that the process may use, one for every 1000 "
+              "atoms at most, other commands one (if not said: OMP_NUM_THREADS, or auto)")
+      .words(0, "NUMBER");
   app.add_flag_callback("--quiet", print_errors_and_doubts_alone, "print errors and doubts alone");
 }
 
@@ -290,10 +301,7 @@ int Commands::act(int argc, char** argv) {
     }
     throw InputError(complaint(app, e, argc, argv));
   }
-  if (parser_->threads) {
-    expect_threads("--threads", *parser_->threads);
-    use_threads(*parser_->threads);
-  }
+  if (parser_->threads) take_threads(*parser_->threads);
   default_threads();  // refuses an invalid OMP_NUM_THREADS before any file is made
   for (const auto& [sub, act] : parser_->actions)
     if (sub->parsed()) act();

@@ -203,6 +203,7 @@ struct RunArguments : SceneArgument {
                                : overwrite ? RunMode::kOverwrite
                                            : RunMode::kNew,
                        .folder = out.value_or(""),
+                       .may_take_all_cores = true,
                        .names = option_names(out.value_or("")),
                        .scene = read(),
                        .leave_finished = true};

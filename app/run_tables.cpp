@@ -3,9 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <thread>
 
-#include "base/threads.hpp"
+#include "base/usable_cores.hpp"
 #include "printing.hpp"
 #include "systems/velocities.hpp"
 #include "words.hpp"
@@ -38,14 +37,14 @@ std::string barostat_line(const RunSettings& run) {
 std::string speed_line(const Simulation& simulation) {
   const Terms& terms = simulation.scene().terms;
   const bool mixed = terms.precision == Precision::kMixed;
-  const int threads = simulation.threads(), cores = static_cast<int>(std::thread::hardware_concurrency());
-  return fmt::format("{}{} of {}{}",
-                     terms.nonbonded || terms.wca
-                         ? fmt::format("{} precision (change with --precision {}), ",
-                                       mixed ? "mixed" : "double", mixed ? "double" : "mixed")
-                         : "",
-                     counted(threads, "thread"), counted(cores, "core"),
-                     threads < cores ? fmt::format(" (change with --threads {})", cores) : "");
+  const int threads = simulation.threads(), cores = usable_cores();
+  return fmt::format(
+      "{}{} of {}{}",
+      terms.nonbonded || terms.wca ? fmt::format("{} precision (change with --precision {}), ",
+                                                 mixed ? "mixed" : "double", mixed ? "double" : "mixed")
+                                   : "",
+      counted(threads, "thread"), counted(cores, "core"),
+      cores > 1 ? fmt::format(" (change with --threads {})", threads < cores ? cores : 1) : "");
 }
 
 // The error is left out where there are too few rows for one.

@@ -30,6 +30,7 @@ constexpr bool kHasThreads = false;
 constexpr int kMostThreads = 1024;
 
 std::atomic<int> requested = 0;  // by use_threads(); 0: nothing
+std::atomic<bool> environment_counts = true;
 thread_local int scoped = 0;     // by the innermost ThreadScope; 0: there is none
 thread_local RegionMeter* meter = nullptr;
 
@@ -101,6 +102,7 @@ double reading_time() {
 
 std::optional<int> asked_threads() {
   if (const int threads = requested; threads > 0) return threads;
+  if (!environment_counts) return {};
   static const std::optional<int> by_environment = environment_says();
   return by_environment;
 }
@@ -111,6 +113,14 @@ int default_threads() {
 
 void use_threads(int threads) {
   requested = kHasThreads ? threads : 1;
+}
+
+void ignore_omp_num_threads() {
+  environment_counts = false;
+}
+
+bool has_threads() {
+  return kHasThreads;
 }
 
 void expect_threads(const std::string& what, int threads) {

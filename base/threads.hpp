@@ -11,10 +11,12 @@ namespace taut {
 // The default of the process: the number last given to use_threads() on any thread, or else OMP_NUM_THREADS
 // (the first number of a list), or else one, so that no result depends on the number of cores.
 // OMP_NUM_THREADS is read once, when it is first needed; throws InputError where it is no number from 1 to
-// 1024. Always 1 without OpenMP.
+// 1024. Always 1 without OpenMP. `taut run` takes threads_worth_waking() in place of that one.
 int default_threads();
 std::optional<int> asked_threads();  // the same; empty where no number was given
 void use_threads(int threads);
+void ignore_omp_num_threads();  // OMP_NUM_THREADS counts no more
+bool has_threads();             // false without OpenMP
 
 // Throws InputError, a message that begins with `what`, for a number of threads that cannot be had.
 void expect_threads(const std::string& what, int threads);

@@ -9,6 +9,7 @@
 
 #include "base/errors.hpp"
 #include "base/threads.hpp"
+#include "base/usable_cores.hpp"
 #include "files/folder.hpp"
 
 namespace taut {
@@ -63,14 +64,21 @@ void refuse_other_run(const RunRequest& request) {
       backup_base(request.folder).string()));
 }
 
+int threads_of_new_run(const RunRequest& request) {
+  if (request.threads) return *request.threads;
+  if (request.may_take_all_cores && !asked_threads() && has_threads())
+    return threads_worth_waking(request.scene->system.atoms());
+  return available_threads();
+}
+
 OpenRun open_new(RunRequest& request) {
   if (request.folder.empty())
     refuse_outputs_without_folder(request);
   else
     refuse_other_run(request);  // before a start that may take long to relax
   OpenRun run{std::move(request.source), nullptr, {}};
-  run.simulation = std::make_unique<Simulation>(
-      std::move(*request.scene), request.threads ? *request.threads : available_threads(), request.on_move);
+  const int threads = threads_of_new_run(request);
+  run.simulation = std::make_unique<Simulation>(std::move(*request.scene), threads, request.on_move);
   if (request.folder.empty()) return run;
   FolderLock lock(request.folder);
   refuse_other_run(request);  // another process may have been faster

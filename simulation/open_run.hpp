@@ -31,6 +31,7 @@ struct RunRequest {
   RunMode mode = RunMode::kNew;
   std::filesystem::path folder = {};  // empty: nothing is written
   std::optional<int> threads = {};    // if not given: as before, or the process's default
+  bool may_take_all_cores = false;    // a new run for which nobody named a number takes what it gains from
   RunOptionNames names = {};
 
   // Of a new run. kContinue takes from the scene only how many steps there are.

@@ -9,6 +9,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "base/usable_cores.hpp"
 #include "taut_command.hpp"
 #include "temporary_folder.hpp"
 
@@ -98,7 +99,9 @@ TEST(Manners, WhatWasMeant) {
             "taut: there is no command \"stabilty\"; did you mean \"stability\"?\n");
   EXPECT_EQ(said("run water --stpes 3", 2), "taut: run: there is no option --stpes; did you mean --steps?\n");
   EXPECT_THAT(said("resume nowhere --steps 0", 2), HasSubstr("expected more than 0, got 0"));
-  EXPECT_THAT(said("--threads 0 scenes", 2), HasSubstr("at least 1, got 0"));
+  EXPECT_THAT(said("--threads 0 scenes", 2), HasSubstr("expected 1 to 1024 threads, got 0"));
+  EXPECT_EQ(said("--threads all scenes", 2), "taut: --threads all: expected a number, or auto\n");
+  EXPECT_THAT(said("--threads auto scenes"), HasSubstr("water"));
   EXPECT_EQ(said("--threads 100000 scenes", 2), "taut: --threads: expected 1 to 1024 threads, got 100000\n");
   EXPECT_EQ(said("run pair --steps two", 2),
             "taut: run: expected a number: --steps = two (taut run --help)\n");
@@ -214,6 +217,18 @@ TEST(Manners, ResumedRunsKeepToThreads) {
               HasSubstr("double precision (change with --precision mixed), 1 thread"));
   EXPECT_THAT(said("run water --steps 0 --precision mixed"),
               HasSubstr("mixed precision (change with --precision double), 1 thread"));
+}
+
+// As many as the process may use, where the system is large enough; one for small ones.
+TEST(Manners, RunsTakeTheCoresThatTheyGainFrom) {
+  const std::string large = "run water --set build.molecules=700 --steps 0";
+  const std::string two = usable_cores() > 1 ? "2 threads of " : "1 thread of ";
+  EXPECT_THAT(said(large), HasSubstr(two));
+  EXPECT_THAT(said(large + " --threads 1"), HasSubstr("1 thread of "));
+  EXPECT_THAT(taut(large, "OMP_NUM_THREADS=1").text, HasSubstr("1 thread of "));
+  EXPECT_THAT(taut(large + " --threads auto", "OMP_NUM_THREADS=1").text, HasSubstr(two));
+  EXPECT_THAT(taut("run water --steps 0 --threads auto", "OMP_NUM_THREADS=3").text,
+              HasSubstr("1 thread of "));
 }
 
 // How many threads compute unless a run says so itself: the first number of OMP_NUM_THREADS, and what is none

@@ -1,10 +1,14 @@
 #include "base/threads.hpp"
 
 #include <gtest/gtest.h>
+#include <sched.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <new>
 #include <optional>
 #include <stdexcept>
@@ -15,8 +19,10 @@
 #include "base/errors.hpp"
 #include "base/shares.hpp"
 #include "base/thread_meter.hpp"
+#include "base/usable_cores.hpp"
 #include "forcefield/pairs/row_shares.hpp"
 #include "md/work_meter.hpp"
+#include "temporary_folder.hpp"
 
 // OpenMP's own, which taut is linked with where it was built with it.
 extern "C" {
@@ -234,6 +240,62 @@ TEST(RowShares, GiveEachThreadAsMuchWorkInTheOrderOfTheRows) {
   }
   EXPECT_EQ(list, kThreads - 1);
   EXPECT_EQ(next, int(lists[kThreads - 1].rows.size()));
+}
+
+// A tree in place of /proc and /sys.
+struct Machine {
+  TemporaryFolder folder;
+
+  void write(const std::string& file, const std::string& text) const {
+    std::filesystem::create_directories((folder.path() / file).parent_path());
+    std::ofstream(folder.path() / file) << text;
+  }
+  std::optional<double> quota() const { return core_quota(folder.path()); }
+};
+
+TEST(UsableCores, AreAtMostThoseOfTheControlGroup) {
+  const Machine second;
+  EXPECT_FALSE(second.quota()) << "neither /proc nor /sys";
+  second.write("proc/self/cgroup", "0::/user/job\n");
+  second.write("sys/fs/cgroup/user/job/cpu.max", "max 100000\n");
+  EXPECT_FALSE(second.quota());
+  second.write("sys/fs/cgroup/user/cpu.max", "350000 100000\n");
+  EXPECT_EQ(second.quota(), 3.5) << "of a group above";
+  second.write("sys/fs/cgroup/user/job/cpu.max", "50000 100000\n");
+  EXPECT_EQ(second.quota(), 0.5);
+  second.write("sys/fs/cgroup/user/job/cpu.max", "nonsense");
+  EXPECT_EQ(second.quota(), 3.5);
+
+  const Machine container;  // its own group is the top of what it sees
+  container.write("proc/self/cgroup", "0::/\n");
+  container.write("sys/fs/cgroup/cpu.max", "200000 100000\n");
+  EXPECT_EQ(container.quota(), 2);
+
+  const Machine first;
+  first.write("proc/self/cgroup", "5:memory:/m\n4:cpu,cpuacct:/job\n");
+  first.write("sys/fs/cgroup/cpu/job/cpu.cfs_quota_us", "-1");
+  first.write("sys/fs/cgroup/cpu/job/cpu.cfs_period_us", "100000");
+  EXPECT_FALSE(first.quota());
+  first.write("sys/fs/cgroup/cpu/cpu.cfs_quota_us", "250000");
+  first.write("sys/fs/cgroup/cpu/cpu.cfs_period_us", "100000");
+  EXPECT_EQ(first.quota(), 2.5);
+}
+
+// As taskset or a queue binds it.
+TEST(UsableCores, AreAtMostThoseOfTheAffinityMask) {
+  cpu_set_t before, one;
+  ASSERT_EQ(sched_getaffinity(0, sizeof before, &before), 0);
+  CPU_ZERO(&one);
+  for (int cpu = 0; cpu < CPU_SETSIZE && CPU_COUNT(&one) == 0; ++cpu)
+    if (CPU_ISSET(cpu, &before)) CPU_SET(cpu, &one);
+  ASSERT_EQ(sched_setaffinity(0, sizeof one, &one), 0);
+  EXPECT_EQ(usable_cores(), 1);
+  EXPECT_EQ(threads_worth_waking(1000000), 1);
+  sched_setaffinity(0, sizeof before, &before);
+  EXPECT_LE(usable_cores(), CPU_COUNT(&before));
+  EXPECT_EQ(threads_worth_waking(0), 1);
+  EXPECT_EQ(threads_worth_waking(1999), 1) << "one for every thousand atoms";
+  EXPECT_EQ(threads_worth_waking(2000), std::min(2, usable_cores()));
 }
 
 }  // namespace
