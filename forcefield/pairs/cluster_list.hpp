@@ -10,16 +10,17 @@ namespace taut {
 
 inline constexpr int kClusterAtoms = 4;
 
-// The interactions that an atom has; a pair is summed for those that both atoms have.
-enum PairKind : std::uint8_t { kHasLj = 1, kHasCharge = 2 };
+// The interactions that an atom has; a pair is summed for those that both atoms have. kHasOtherType marks Lennard-Jones
+// atoms that are not of the usual type, which is the most frequent one.
+enum PairKind : std::uint8_t { kHasLj = 1, kHasCharge = 2, kHasOtherType = 4 };
 
 // An i-cluster, or half of one, and its j-clusters: two or four consecutive atoms of a cluster and the
 // clusters within range of them. A j-cluster in which some pairs do not count (exclusions, pairs that another
 // row has) comes with an exclusion mask.
 struct PairRow {
-  int first;                     // slot of its first atom
-  int kind;                      // the union of its atoms' PairKind
-  int begin, end;                // in ClusterList::clusters
+  int first;       // slot of its first atom
+  int kind;        // the union of its atoms' PairKind; kHasOtherType also for a j-cluster's atom
+  int begin, end;  // in ClusterList::clusters
   int masked_begin, masked_end;  // in ClusterList::masked
   Vec3 shift;                    // periodic image: added to the positions of its atoms [nm]
 };

@@ -18,6 +18,10 @@ std::uint16_t met_once(const AtomClusters& clusters, int cluster) {
   return static_cast<std::uint16_t>(mask);
 }
 
+bool has_many_types(const SearchSpace& space) {
+  return std::ranges::any_of(space.kind, [](auto kind) { return (kind & kHasOtherType) != 0; });
+}
+
 }  // namespace
 
 // Clears the bits of excluded pairs in the masks of the partners' clusters. Fillers that repeat a partner are
@@ -56,6 +60,7 @@ void ClusterSearch::run(const SearchSpace& space, int begin, int end, ClusterLis
   list.rows.clear();
   list.masked.clear();
   list.shells.clear();
+  many_types_ = has_many_types(space);
   find_exclusions(space, begin, end);
   candidates_.make_room(space.clusters.count());
   partners_.make_room(space.clusters.count());
@@ -135,9 +140,51 @@ void ClusterSearch::add_row(const SearchSpace& space, int cluster, const Vec3& s
   row.end = row.begin;
   for (std::size_t s = 0; s < ends.size(); ++s) ends[s] = row.end += partners_.count[s];
   row.masked_end = static_cast<int>(list.masked.size());
+  const bool one_type = !many_types_ || (row.kind & kHasLj) == 0 || (row.kind & kHasOtherType) != 0;
+  one_type ? push(row, ends, list) : split_by_type(space, row, ends, list);
+}
+
+void ClusterSearch::push(const PairRow& row, const ShellEnds& ends, ClusterList& list) {
   if (row.end == row.begin && row.masked_end == row.masked_begin) return;
   list.rows.push_back(row);
   list.shells.push_back(ends);
+}
+
+// Cuts a row of the usual type in two: its j-clusters of the usual type alone, for which a faster kernel will do, and
+// the others. Their order stays.
+void ClusterSearch::split_by_type(const SearchSpace& space, const PairRow& row, const ShellEnds& ends,
+                                  ClusterList& list) {
+  const auto has_other_type = [&](int cluster) {
+    const std::uint8_t* kind = space.kind.data() + kClusterAtoms * cluster;
+    return ((kind[0] | kind[1] | kind[2] | kind[3]) & kHasOtherType) != 0;
+  };
+  PairRow usual = row, others = row;
+  ShellEnds usual_ends, others_ends;
+  set_aside_.clear();
+  usual.end = row.begin;
+  int k = row.begin;
+  for (std::size_t s = 0; s < ends.size(); ++s) {
+    for (; k < ends[s]; ++k) {
+      const int cluster = list.clusters[k];
+      if (has_other_type(cluster))
+        set_aside_.push_back(cluster);
+      else
+        list.clusters[usual.end++] = cluster;
+    }
+    usual_ends[s] = usual.end;
+    others_ends[s] = static_cast<int>(set_aside_.size());
+  }
+  std::ranges::copy(set_aside_, list.clusters.begin() + usual.end);
+  for (int& end : others_ends) end += usual.end;
+  others.begin = usual.end;
+  const auto masked = list.masked.begin();
+  const auto first_other =
+      std::stable_partition(masked + row.masked_begin, masked + row.masked_end,
+                            [&](const MaskedCluster& of) { return !has_other_type(of.cluster); });
+  usual.masked_end = others.masked_begin = static_cast<int>(first_other - masked);
+  others.kind |= kHasOtherType;
+  push(usual, usual_ends, list);
+  push(others, others_ends, list);
 }
 
 void ClusterSearch::run_all(const SearchSpace& space, int begin_cluster, int end_cluster, ClusterList& list) {
@@ -148,6 +195,7 @@ void ClusterSearch::run_all(const SearchSpace& space, int begin_cluster, int end
   list.clusters.resize(n);
   for (int c = 0; c < n; ++c) list.clusters[c] = c;
   const int bits = 4 * row_atoms;
+  many_types_ = has_many_types(space);
   for (int c = begin_cluster; c < end_cluster; ++c) {
     mask_exclusions(space, c);
     for (int first = 0; first < kClusterAtoms; first += row_atoms) {
@@ -155,6 +203,7 @@ void ClusterSearch::run_all(const SearchSpace& space, int begin_cluster, int end
       row.first = kClusterAtoms * c + first;
       row.shift.setZero();
       for (int i = 0; i < row_atoms; ++i) row.kind |= space.kind[row.first + i];
+      if (many_types_ && (row.kind & kHasLj) != 0) row.kind |= kHasOtherType;  // of its j-clusters
       const auto add = [&](int begin, int end) {
         row.begin = begin;
         row.end = end;

@@ -42,6 +42,8 @@ class ClusterSearch {
   void mask_exclusions(const SearchSpace& space, int cluster);
   void meet_image(const SearchSpace& space, ClusterRange own, const Vec3& shift, ClusterList& list);
   void add_row(const SearchSpace& space, int cluster, const Vec3& shift, ClusterList& list);
+  void split_by_type(const SearchSpace& space, const PairRow& row, const ShellEnds& ends, ClusterList& list);
+  static void push(const PairRow& row, const ShellEnds& ends, ClusterList& list);
 
   std::vector<std::uint16_t> mask_;  // by cluster: which pairs with the current i-cluster count
   std::vector<int> masked_;          // the clusters whose masks are not all ones
@@ -53,6 +55,8 @@ class ClusterSearch {
   Candidates candidates_;
   Seeker seeker_;
   Partners partners_;
+  bool many_types_ = false;     // some Lennard-Jones atoms are not of the usual type
+  std::vector<int> set_aside_;  // scratch of split_by_type()
 };
 
 }  // namespace taut

@@ -246,7 +246,8 @@ struct Rows {
 
 template <class T, class C>
 bool chosen(const PairRow& row, const PairAtoms<T>& atoms) {
-  if (row.kind != ((C::kLj ? kHasLj : 0) | (C::kCharge ? kHasCharge : 0))) return false;
+  constexpr int kind = (C::kLj ? kHasLj : 0) | (C::kCharge ? kHasCharge : 0);
+  if (row.kind != (C::kLj && !C::kOneSigma ? kind | kHasOtherType : kind)) return false;
   constexpr int half = PairPrecision<T>::kRowAtoms / 2;
   const T* depth = atoms.two_sqrt_epsilon.data() + row.first + half;
   return !C::kSplit || C::kHalf == std::all_of(depth, depth + half, [](T of) { return of == 0; });
@@ -271,6 +272,10 @@ HWY_NOINLINE SixSums sum_rows(const Rows& rows, const PairAtoms<T>& atoms, T* f)
   return sum.total();
 }
 
+HWY_INLINE void add_to(SixSums& sum, const SixSums& part) {
+  for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += part[k];
+}
+
 template <class T, bool lj, bool charge, Ask ask, bool fine = false>
 SixSums choose_law(const Rows& rows, const PairAtoms<T>& atoms, T* f) {
   if constexpr (charge && !fine && ScreeningPieces<typename Shape<T>::D>::kMany) {
@@ -285,14 +290,14 @@ SixSums choose_law(const Rows& rows, const PairAtoms<T>& atoms, T* f) {
       sum_rows<T, Choice<lj, charge, mixing, false, ask, fine, true>>(rows, atoms, f);
     return sum_rows<T, Whole>(rows, atoms, f);
   };
-  if constexpr (!lj)
+  if constexpr (!lj) {
     return sum_rows<T, Choice<false, charge, Mixing::kOneSigma, false, ask, fine>>(rows, atoms, f);
-  else if (rows.law.mixing == Mixing::kTable)
-    return mixed.template operator()<Mixing::kTable>();
-  else if (rows.law.mixing == Mixing::kOneSigma)
-    return mixed.template operator()<Mixing::kOneSigma>();
-  else
-    return mixed.template operator()<Mixing::kTwoSigmas>();
+  } else {
+    SixSums sum = mixed.template operator()<Mixing::kOneSigma>();  // rows of the usual type
+    if (rows.law.mixing == Mixing::kTable) add_to(sum, mixed.template operator()<Mixing::kTable>());
+    if (rows.law.mixing == Mixing::kTwoSigmas) add_to(sum, mixed.template operator()<Mixing::kTwoSigmas>());
+    return sum;
+  }
 }
 
 // Kinds take turns, so that rows near each other find the same clusters still in the cache.
@@ -300,14 +305,11 @@ template <class T, Ask ask>
 SixSums sum_all(const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList& list, T* f) {
   constexpr std::size_t kTurn = 256;  // rows
   SixSums sum{};
-  const auto add = [&](const SixSums& part) {
-    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += part[k];
-  };
   for (std::size_t begin = 0; begin < list.rows.size(); begin += kTurn) {
     const Rows rows{law, list, begin, std::min(begin + kTurn, list.rows.size())};
-    if (law.charge) add(choose_law<T, false, true, ask>(rows, atoms, f));
-    if (law.lj) add(choose_law<T, true, false, ask>(rows, atoms, f));
-    if (law.lj && law.charge) add(choose_law<T, true, true, ask>(rows, atoms, f));
+    if (law.charge) add_to(sum, choose_law<T, false, true, ask>(rows, atoms, f));
+    if (law.lj) add_to(sum, choose_law<T, true, false, ask>(rows, atoms, f));
+    if (law.lj && law.charge) add_to(sum, choose_law<T, true, true, ask>(rows, atoms, f));
   }
   return sum;
 }

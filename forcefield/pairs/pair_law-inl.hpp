@@ -28,7 +28,7 @@ struct Choice {
   // What the law starts from: 1/r, for energies and switches; 1/r³, for charges; 1/r², without them.
   static constexpr bool kFromRoot = kSwitched || (charge && kEnergy), kFromCube = charge && !kFromRoot;
   // True where rows with Lennard-Jones in one half have a kernel of their own.
-  static constexpr bool kSplit = lj && charge && kOneSigma && !kSwitched && !kSum && !fine;
+  static constexpr bool kSplit = lj && charge && !kTable && !kSwitched && !kSum && !fine;
 };
 
 // PairLaw in vectors of a Shape<T>, for one Choice C of interactions.
@@ -240,12 +240,20 @@ class LawInLanes {
     return C::kTable ? energy : hn::MulAdd(energy_shift_, four_eps, energy);
   }
 
-  // With one σ and no switch, of the lower half.
+  // Without a switch, of the lower half.
 #if HWY_TARGET != HWY_SCALAR
   HWY_INLINE V half_lennard_jones(const Atoms& atoms, std::ptrdiff_t j, V r2, V inv_r3) const {
     const hn::Half<D> d;
     const auto low = [d](V v) { return hn::LowerHalf(d, v); };
     const auto inv_r6 = hn::Mul(low(inv_r3), low(inv_r3)), inv_r4 = hn::Mul(inv_r6, low(r2));
+    if constexpr (!C::kOneSigma) {
+      const auto sigma = hn::Add(low(atoms.half_sigma), load_columns(d, half_sigma_ + j)),
+                 sigma2 = hn::Mul(sigma, sigma),
+                 s6 = hn::Mul(hn::Mul(hn::Mul(sigma2, sigma2), sigma2), inv_r6),
+                 four_eps = hn::Mul(low(atoms.eps), load_columns(d, two_sqrt_epsilon_ + j)),
+                 slope = hn::Mul(hn::Mul(four_eps, s6), hn::MulSub(low(set(kTwelve)), s6, low(set(kSix))));
+      return hn::ZeroExtendVector(D(), hn::Mul(slope, hn::Mul(inv_r4, low(r2))));
+    }
     return hn::ZeroExtendVector(
         D(), hn::Mul(hn::Mul(inv_r4, hn::Mul(inv_r4, load_columns(d, two_sqrt_epsilon_ + j))),
                      hn::MulSub(low(atoms.repulsion), inv_r6, low(atoms.attraction))));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "md/units.hpp"
 
@@ -10,24 +11,49 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-void add_kinds(PairProblem& p) {
-  const auto n = p.charge.size();
-  double low = kInfinity, high = 0;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    p.kind.push_back(static_cast<std::uint8_t>((p.two_sqrt_epsilon[i] != 0 ? kHasLj : 0) |
-                                               (p.charge[i] != 0 ? kHasCharge : 0)));
-    p.law.lj |= p.two_sqrt_epsilon[i] != 0;
-    p.law.charge |= p.charge[i] != 0;
-    if (p.two_sqrt_epsilon[i] == 0) continue;
-    low = std::min(low, p.half_sigma[i]);
-    high = std::max(high, p.half_sigma[i]);
+// Finds the usual type, that of most Lennard-Jones atoms, where `type` has each atom's, and marks the others.
+// Returns the first atom of the usual type; −1 where there is no Lennard-Jones.
+int add_kinds(PairProblem& p, const auto& type) {
+  const int n = static_cast<int>(p.charge.size());
+  std::map<double, std::pair<int, int>> atoms_of;  // number of atoms, the first one
+  for (int i = 0; i < n; ++i)
+    if (p.two_sqrt_epsilon[i] != 0) ++atoms_of.try_emplace(type[i], 0, i).first->second.first;
+  const auto usual = std::ranges::max_element(atoms_of, {}, [](const auto& of) { return of.second.first; });
+  for (int i = 0; i < n; ++i) {
+    const bool lj = p.two_sqrt_epsilon[i] != 0, charge = p.charge[i] != 0;
+    p.kind.push_back(static_cast<std::uint8_t>((lj ? kHasLj : 0) | (charge ? kHasCharge : 0) |
+                                               (lj && type[i] != usual->first ? kHasOtherType : 0)));
+    p.law.lj |= lj;
+    p.law.charge |= charge;
   }
-  if (low == high) p.law.mixing = Mixing::kOneSigma;
-  p.law.sigma = 2 * high;
+  if (atoms_of.size() < 2) p.law.mixing = Mixing::kOneSigma;
+  return atoms_of.empty() ? -1 : usual->second.second;
 }
 
-// With a table two_sqrt_epsilon only tells whether an atom has Lennard-Jones: 1, or 0 where its type has
-// none.
+void add_kinds_by_sigma(PairProblem& p) {
+  const int usual = add_kinds(p, p.half_sigma);
+  p.law.sigma = usual < 0 ? 0 : 2 * p.half_sigma[usual];
+}
+
+// The usual type's pairs take no table: σ⁶ = a/b and 4ε = b²/a.
+void add_kinds_by_table(const LennardJonesTable& from, PairProblem& p) {
+  const int usual = add_kinds(p, from.type);
+  p.law.mixing = Mixing::kTable;
+  if (usual < 0) return;
+  const int type = from.type[usual];
+  const double a = from.a(type, type), b = from.b(type, type);
+  if (!(a > 0 && b > 0)) {
+    for (auto& kind : p.kind)
+      if ((kind & kHasLj) != 0) kind |= kHasOtherType;
+    return;
+  }
+  p.law.sigma = std::pow(a / b, 1.0 / 6);
+  for (Eigen::Index i = 0; i < p.two_sqrt_epsilon.size(); ++i)
+    if (from.type[i] == type) p.two_sqrt_epsilon[i] = b / std::sqrt(a);
+}
+
+// With a table two_sqrt_epsilon only tells whether an atom has Lennard-Jones, but for the usual type: 1, or 0 where
+// its type has none.
 void take_table(const LennardJonesTable& from, PairProblem& p) {
   const Eigen::Index n = from.a.rows();
   p.table = {from.type, Eigen::MatrixXd::Zero(n + 1, n + 1), Eigen::MatrixXd::Zero(n + 1, n + 1)};
@@ -71,9 +97,12 @@ PairProblem problem_of(const Nonbonded& nb, bool periodic, Precision precision) 
   p.half_sigma = 0.5 * nb.sigma;
   p.two_sqrt_epsilon = 2 * nb.epsilon.cwiseSqrt();
   for (const auto& e : nb.exceptions) p.exclusions.push_back({e.i, e.j});
-  if (nb.lj_table) take_table(*nb.lj_table, p);
-  add_kinds(p);
-  if (nb.lj_table) p.law.mixing = Mixing::kTable;
+  if (nb.lj_table) {
+    take_table(*nb.lj_table, p);
+    add_kinds_by_table(*nb.lj_table, p);
+  } else {
+    add_kinds_by_sigma(p);
+  }
   return p;
 }
 
@@ -87,7 +116,7 @@ PairProblem problem_of(const Wca& wca, int atoms, bool periodic) {
   p.half_sigma = Eigen::VectorXd::Constant(atoms, wca.sigma / 2);
   p.two_sqrt_epsilon = Eigen::VectorXd::Constant(atoms, 2 * std::sqrt(wca.epsilon));
   p.exclusions = wca.exclusions;
-  add_kinds(p);
+  add_kinds_by_sigma(p);
   return p;
 }
 

@@ -64,7 +64,8 @@ HWY_INLINE void prune_in_pieces(const Pruning& how, const ClusterList& list, Row
       row.first = whole.first + p * kAtoms;
       row.shift = whole.shift;
       for (int i = 0; i < kAtoms && kPieces > 1; ++i) row.kind |= how.kind[row.first + i];
-      if (kPieces == 1) row.kind = whole.kind;
+      if (kPieces == 1 || (row.kind & kHasLj) != 0)
+        row.kind |= whole.kind & (kPieces == 1 ? ~0 : kHasOtherType);
       row.begin = static_cast<int>(begin[p] - pruned.clusters.data());
       row.end = static_cast<int>(end[p] - pruned.clusters.data());
       add_masks(list, whole, p * kAtoms, kAtoms, row, pruned);
