@@ -73,6 +73,8 @@ void add_lists(Commands& commands);
 void add_info(Commands& commands);
 void add_help(Commands& commands);
 void add_measure(Commands& commands);
+void add_plot(Commands& commands);
+void add_scan(Commands& commands);
 void add_generate(Commands& commands);
 
 }  // namespace taut

@@ -69,13 +69,6 @@ void measure_one(const MeasureArguments& arguments, const MeasuredRun& run) {
   });
 }
 
-RunGroup measure_group(const std::string& label, const std::vector<fs::path>& folders,
-                       const MeasureSettings& settings) {
-  std::vector<MeasuredRun> runs;
-  for (const fs::path& folder : folders) runs.emplace_back(std::vector{folder}, settings);
-  return group_runs(label, std::move(runs));
-}
-
 void measure_groups(const MeasureArguments& arguments, const std::vector<RunGroup>& groups) {
   for (const RunGroup& group : groups) print_group(group);
   if (json_alone()) {
@@ -87,12 +80,11 @@ void measure_groups(const MeasureArguments& arguments, const std::vector<RunGrou
   }
   if (!arguments.out) return;
   write_files(arguments, [&](StudyFiles& files) {
-    if (groups.size() == 1)
+    if (groups.size() == 1 && groups[0].values.empty())
       files.draw({"seeds", groups[0].label + ": each run, and their mean; bars: standard errors",
                   seeds_csv(groups[0])});
     else
-      files.draw(
-          {"scan", "what the scan varies, means over seeds; bars: standard errors", points_csv(groups)});
+      draw_scan(files, groups);
   });
 }
 
@@ -107,19 +99,7 @@ void measure(const MeasureArguments& arguments) {
   const bool scans = std::ranges::any_of(folders, is_scan);
   if (scans && folders.size() > 1) throw InputError("a scan is measured alone: give its folder and no other");
   if (scans) {
-    std::vector<RunGroup> groups;
-    for (const ScanPoint& point : scan_points(folders[0])) {
-      std::vector<fs::path> finished;
-      std::ranges::copy_if(point.runs, std::back_inserter(finished), is_finished);
-      if (finished.size() < point.runs.size())
-        say("note: {}: {} of {} runs are finished\n", point.label(), finished.size(), point.runs.size());
-      if (finished.empty()) continue;
-      groups.push_back(measure_group(point.label(), finished, settings));
-      groups.back().values = point.values;
-    }
-    if (groups.empty())
-      throw InputError(fmt::format("{}: no run of the scan is finished", folders[0].string()));
-    return measure_groups(arguments, groups);
+    return measure_groups(arguments, measure_scan(folders[0], settings));
   }
   if (folders.size() == 1 || arguments.join) return measure_one(arguments, MeasuredRun(folders, settings));
   std::vector<RunGroup> groups;

@@ -8,6 +8,7 @@
 
 #include "base/errors.hpp"
 #include "printing.hpp"
+#include "scan_folder.hpp"
 #include "studies/csv.hpp"
 #include "words.hpp"
 
@@ -30,6 +31,32 @@ RunGroup group_runs(std::string label, std::vector<MeasuredRun> runs) {
   }
   group.figures = over_seeds(figures);
   return group;
+}
+
+RunGroup measure_group(const std::string& label, const std::vector<std::filesystem::path>& folders,
+                       const MeasureSettings& settings) {
+  std::vector<MeasuredRun> runs;
+  for (const std::filesystem::path& folder : folders) runs.emplace_back(std::vector{folder}, settings);
+  return group_runs(label, std::move(runs));
+}
+
+std::vector<RunGroup> measure_scan(const std::filesystem::path& folder, const MeasureSettings& settings) {
+  std::vector<RunGroup> groups;
+  for (const ScanPoint& point : scan_points(folder)) {
+    std::vector<std::filesystem::path> finished;
+    std::ranges::copy_if(point.runs, std::back_inserter(finished), is_finished);
+    if (finished.size() < point.runs.size())
+      say("note: {}: {} of {} runs are finished\n", point.label(), finished.size(), point.runs.size());
+    if (finished.empty()) continue;
+    groups.push_back(measure_group(point.label(), finished, settings));
+    groups.back().values = point.values;
+  }
+  if (groups.empty()) throw InputError(fmt::format("{}: no run of the scan is finished", folder.string()));
+  return groups;
+}
+
+void draw_scan(StudyFiles& files, const std::vector<RunGroup>& groups) {
+  files.draw({"scan", "means over seeds, bars: standard errors", points_csv(groups)});
 }
 
 void print_group(const RunGroup& group) {
@@ -74,8 +101,8 @@ std::string seeds_csv(const RunGroup& group) {
 
 namespace {
 
-// The values of the first key as numbers, or their places in the scan where one is no number.
-std::vector<double> along_x(const std::vector<RunGroup>& groups) {
+// The values of the first key as numbers, or their places in the scan where one is no number: then `words` is set.
+std::vector<double> along_x(const std::vector<RunGroup>& groups, bool& words) {
   std::vector<double> numbers, places;
   std::vector<std::string> seen;
   for (const RunGroup& group : groups) {
@@ -87,7 +114,8 @@ std::vector<double> along_x(const std::vector<RunGroup>& groups) {
     if (at == seen.end()) at = seen.insert(seen.end(), text);
     places.push_back(static_cast<double>(at - seen.begin() + 1));
   }
-  return numbers.size() == groups.size() ? numbers : places;
+  words = numbers.size() < groups.size();
+  return words ? places : numbers;
 }
 
 // What distinguishes the curves: all keys but the first.
@@ -102,20 +130,26 @@ std::string curve_of(const RunGroup& group) {
 
 std::string points_csv(const std::vector<RunGroup>& groups) {
   std::string csv = "figure,unit,x_name,x,x_text,curve,method,value,standard_error,runs\n";
-  const std::vector<double> x = along_x(groups);
+  bool words = false;
+  const std::vector<double> x = along_x(groups, words);
   std::vector<std::string> order;
   for (const RunGroup& group : groups)
     for (const OverSeeds& o : group.figures)
       if (std::ranges::find(order, o.figure.key) == order.end()) order.push_back(o.figure.key);
+  std::vector<std::string> curves;
+  for (const RunGroup& group : groups)
+    if (const std::string curve = curve_of(group); std::ranges::find(curves, curve) == curves.end())
+      curves.push_back(curve);
   for (const std::string& key : order)
-    for (std::size_t g = 0; g < groups.size(); ++g)
-      for (const OverSeeds& o : groups[g].figures)
-        if (o.figure.key == key)
-          csv += fmt::format("{},{},{},{:.9g},{},{},{},{:.9g},{:.3g},{}\n", csv_cell(o.figure.words),
-                             csv_cell(o.figure.unit), csv_cell(groups[g].values[0].first), x[g],
-                             csv_cell(groups[g].values[0].second), csv_cell(curve_of(groups[g])),
-                             groups[g].runs.front().scene().method.name(), o.figure.value.value,
-                             o.figure.value.error, o.runs);
+    for (const std::string& curve : curves)
+      for (std::size_t g = 0; g < groups.size(); ++g)
+        for (const OverSeeds& o : groups[g].figures)
+          if (o.figure.key == key && curve_of(groups[g]) == curve)
+            csv += fmt::format("{},{},{},{:.9g},{},{},{},{:.9g},{:.3g},{}\n", csv_cell(o.figure.words),
+                               csv_cell(o.figure.unit), csv_cell(groups[g].values[0].first), x[g],
+                               words ? csv_cell(groups[g].values[0].second) : "-", csv_cell(curve),
+                               groups[g].runs.front().scene().method.name(), o.figure.value.value,
+                               o.figure.value.error, o.runs);
   return csv;
 }
 

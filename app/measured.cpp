@@ -118,7 +118,7 @@ std::vector<Figure> Measured::figures() const {
   const Diffusion d = diffusion(motion_.result());
   if (d.value) all.push_back({"diffusion_nm2_per_ps", "diffusion", "nm²/ps", *d.value});
   if (d.corrected)
-    all.push_back({"diffusion_corrected_nm2_per_ps", "diffusion, box corrected", "nm²/ps", *d.corrected});
+    all.push_back({"diffusion_corrected_nm2_per_ps", "diffusion (box corrected)", "nm²/ps", *d.corrected});
   return all;
 }
 

@@ -102,7 +102,8 @@ void MeasuredRun::measure_log() {
                              Asked{kLogDensity, "density_kg_m3", "density", "kg/m³"}})
     if (const std::vector<double> y = window_of(asked.column); !y.empty()) {
       const bool fixed = std::ranges::all_of(y, [&](double value) { return value == y[0]; });
-      if (fixed && (asked.column == kLogVolume || asked.column == kLogDensity)) continue;  // no barostat
+      if (fixed && asked.column != kLogTemperature && asked.column != kLogTotal)
+        continue;  // no barostat, no forces
       log_figures_.push_back({asked.key, asked.words, asked.unit, correlated_mean(y)});
     }
   if (!log_.has(kLogPressure)) return;

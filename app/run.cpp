@@ -15,6 +15,7 @@
 #include "pictures.hpp"
 #include "printing.hpp"
 #include "progress.hpp"
+#include "run_picture.hpp"
 #include "run_tables.hpp"
 #include "scene_argument.hpp"
 #include "simulation/open_run.hpp"
@@ -196,7 +197,7 @@ bool ask_person(const std::string& what) {
 
 struct RunArguments : SceneArgument {
   std::optional<fs::path> out;
-  bool go_on = false, overwrite = false, measure = false, timings = false;
+  bool go_on = false, overwrite = false, measure = false, timings = false, plot = false;
 
   RunRequest request() const {
     RunRequest request{.mode = go_on       ? RunMode::kContinue
@@ -213,6 +214,7 @@ struct RunArguments : SceneArgument {
 };
 
 void run_scene(const RunArguments& arguments) {
+  if (arguments.plot && !arguments.out) throw InputError("--plot: there is no folder to draw in; give --out DIR");
   OpenRun run = open_run(arguments.request());
   if (run.finished) return print_finished(run, *arguments.out);
   std::optional<Measured> measured;
@@ -222,6 +224,11 @@ void run_scene(const RunArguments& arguments) {
                      static_cast<double>(scene.run.log_every) * scene.run.h());
   }
   complete_run(run, arguments.timings, measured ? &*measured : nullptr);
+  if (!arguments.plot) return;
+  plot_runs({.runs = {*arguments.out},
+             .out = *arguments.out / "plot",
+             .command = "taut plot " + quoted_for_shell(arguments.out->string()),
+             .overwrite = true});
 }
 
 struct ResumeArguments {
@@ -269,6 +276,7 @@ void add_run(Commands& commands) {
   command
       .flag("--overwrite", arguments->overwrite, "move what run is in --out to OUT.1, OUT.2, ..., and start")
       .excludes(go_on);
+  command.flag("--plot", arguments->plot, "at the end draw the run into OUT/plot, as `taut plot OUT` does");
   command
       .flag("--measure", arguments->measure,
             "at the end tell radial distribution, displacement and length of chains, of what is logged")

@@ -7,7 +7,7 @@
 
 namespace taut {
 
-inline constexpr const char* kScanTable = "scan.csv";
+inline constexpr const char* kScanTable = "runs.csv";
 
 // One setting of a scan, and the folders of its runs, which differ by their seed.
 struct ScanPoint {
@@ -19,10 +19,10 @@ struct ScanPoint {
 
 bool is_scan(const std::filesystem::path& folder);
 
-// The points of a scan in their order, as FOLDER/scan.csv lists them: run, seed and a column for each key.
+// The points of a scan in their order, as FOLDER/runs.csv lists them: run, seed and a column for each key.
 // Throws InputError.
 std::vector<ScanPoint> scan_points(const std::filesystem::path& folder);
-std::string scan_table(const std::vector<ScanPoint>& points);  // scan.csv
+std::string scan_table(const std::vector<ScanPoint>& points);  // runs.csv
 
 // Whether a run in a folder has taken all its steps.
 bool is_finished(const std::filesystem::path& run);

@@ -75,5 +75,76 @@ TEST(Look, MeasureRefusesWhatItCannotDo) {
   EXPECT_THAT(said("measure --viscosity 1 " + run, 2), HasSubstr("run.trajectory_every"));
 }
 
+// Every column of the log that the run has becomes a curve, of each run one.
+TEST(Look, PlotsRunsOverEachOther) {
+  const TemporaryFolder folder;
+  const std::string at = folder.path().string() + "/";
+  EXPECT_THAT(said(kShortRun + std::string("--plot --out ") + at + "1"), HasSubstr("▁"));
+  EXPECT_TRUE(fs::exists(at + "1/plot/report.html"));
+  EXPECT_TRUE(fs::exists(at + "1/plot/run.png"));
+  EXPECT_THAT(said(kShortRun + std::string("--plot"), 2), HasSubstr("--out DIR"));
+  said(kShortRun + std::string("run.seed=2 --quiet --out ") + at + "2");
+  const json drawn = json::parse(said("plot --json --out " + at + "both " + at + "1 " + at + "2"));
+  int temperatures = 0;
+  for (const json& curve : drawn["curves"]) temperatures += curve["panel"] == "temperature [K]";
+  EXPECT_EQ(temperatures, 2);
+  const auto rows = csv_rows(contents(at + "both/run.csv"));
+  EXPECT_EQ(rows[0], (std::vector<std::string>{"panel", "curve", "t_ps", "value", "running_mean"}));
+  double sum = 0;
+  int count = 0;
+  for (const auto& row : rows)
+    if (row[0] == "temperature [K]" && row[1] == "2") {
+      sum += std::stod(row[3]);
+      ++count;
+      EXPECT_NEAR(std::stod(row[4]), sum / count, 1e-6 * sum / count);
+    }
+  EXPECT_EQ(count, 101);
+  EXPECT_THAT(said("plot --out " + at + "both " + at + "1", 2), HasSubstr("--overwrite"));
+  EXPECT_THAT(said("plot " + at + "absent", 2), HasSubstr("the folder of a run"));
+  const Outcome bare = taut("plot --out " + at + "bare " + at + "1", "PATH=/nowhere");
+  EXPECT_EQ(bare.exit_code, 0) << bare.text;
+  EXPECT_THAT(bare.text, AllOf(HasSubstr("gnuplot-nox"), HasSubstr("█")));
+}
+
+// A scan whose runs are partly gone takes those alone again; the others stay as they are.
+TEST(Look, ScansGoOnWhereTheyStopped) {
+  const TemporaryFolder folder;
+  const std::string out = (folder.path() / "scan").string();
+  const std::string command =
+      "scan freely_jointed --steps 100 --set build.chains=5 run.log_every=5 --vary run.temperature_k=200,400 "
+      "--vary method.name=newton,rattle --seeds 2 --out " +
+      out;
+  EXPECT_THAT(said(command), AllOf(HasSubstr("8 runs of 4 settings"), HasSubstr("8 of 8")));
+  const auto rows = csv_rows(contents(out + "/runs.csv"));
+  ASSERT_EQ(rows.size(), 9u);
+  EXPECT_EQ(rows[3], (std::vector<std::string>{"003", "1", "200", "rattle"}));
+  const auto kept = fs::last_write_time(out + "/002/summary.json");
+  fs::remove_all(out + "/001");
+  const json again = json::parse(said(command + " --json"));
+  EXPECT_EQ(fs::last_write_time(out + "/002/summary.json"), kept);
+  ASSERT_EQ(again.size(), 4u);
+  EXPECT_EQ(again[1]["values"]["method.name"], "rattle");
+  EXPECT_EQ(again[1]["mean"]["temperature_k"]["runs"], 2);
+  EXPECT_EQ(json::parse(said("measure --from auto --json " + out)), again);
+  EXPECT_TRUE(fs::exists(out + "/scan.png"));
+  said("plot " + out);
+  const std::string words = (folder.path() / "words").string();  // along x stand words
+  said("scan pair --steps 5 --vary method.name=newton,rattle --out " + words);
+  EXPECT_TRUE(fs::exists(words + "/scan.png"));
+  EXPECT_THAT(said(command + " --dt-fs 1", 2), HasSubstr("another scan"));
+}
+
+TEST(Look, ScansRefuseWhatTheyCannotRun) {
+  const TemporaryFolder folder;
+  const std::string out = " --out " + (folder.path() / "scan").string();
+  EXPECT_THAT(said("scan pair" + out, 2), HasSubstr("nothing to scan"));
+  EXPECT_THAT(said("scan pair --vary run.dt_fs=" + out, 2), HasSubstr("VALUE,VALUE"));
+  EXPECT_THAT(said("scan pair --vary run.dt_fs=1,-1" + out, 2), HasSubstr("dt_fs"));
+  EXPECT_THAT(said("scan pair --vary run.seed=1,2" + out, 2), HasSubstr("--seeds"));
+  EXPECT_FALSE(fs::exists(folder.path() / "scan"));
+  EXPECT_THAT(said("scan pair --steps 5 --seeds 2" + out, 2),
+              AllOf(HasSubstr("every run of the scan failed"), HasSubstr("run.seed: has no effect")));
+}
+
 }  // namespace
 }  // namespace taut

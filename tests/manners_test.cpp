@@ -266,6 +266,8 @@ TEST(Manners, WhatPrintsTablesPrintsJson) {
       {"run", "pair --steps 5 --set run.trajectory_every=1 --out " + out},
       {"resume", out},  // all its steps are taken
       {"measure", out},
+      {"plot", out + " --out " + study + "3"},
+      {"scan", "freely_jointed --set build.chains=2 --steps 5 --seeds 2 --out " + study + "4"},
       {"calibrate", "pair --sweeps 1 --json -"},
       {"crosscheck", "pair --steps 5"},
       {"chart", "freely_jointed --set build.chains=2 --quick --out " + study + "1"},

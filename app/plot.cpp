@@ -1,0 +1,54 @@
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "base/errors.hpp"
+#include "command_line.hpp"
+#include "commands.hpp"
+#include "printing.hpp"
+#include "run_picture.hpp"
+#include "scan_folder.hpp"
+
+namespace taut {
+namespace {
+
+struct PlotArguments {
+  std::vector<std::string> folders;
+  std::optional<std::filesystem::path> out;
+  bool overwrite = false;
+};
+
+void plot(const PlotArguments& arguments) {
+  PlotRequest request{.runs = {}, .out = {}, .command = "taut plot", .overwrite = arguments.overwrite};
+  for (const std::string& folder : arguments.folders) {
+    request.command += " " + quoted_for_shell(folder);
+    if (!is_scan(folder)) {
+      request.runs.emplace_back(folder);
+      continue;
+    }
+    for (const ScanPoint& point : scan_points(folder))
+      for (const std::filesystem::path& run : point.runs)
+        if (is_finished(run)) request.runs.push_back(run);
+  }
+  if (request.runs.empty()) throw InputError(arguments.folders[0] + ": no run of the scan is finished");
+  request.out = arguments.out.value_or(std::filesystem::path(arguments.folders[0]) / "plot");
+  const nlohmann::ordered_json drawn = plot_runs(request);
+  if (json_alone()) write_out(drawn.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+}
+
+}  // namespace
+
+void add_plot(Commands& commands) {
+  auto arguments = std::make_shared<PlotArguments>();
+  const Subcommand command = commands.add(
+      "plot", "draw runs: energies and their account, temperature, pressure, density, bond errors",
+      [arguments] { plot(*arguments); });
+  command
+      .option("folders", arguments->folders,
+              "what runs were given as --out; several are laid over each other; or a scan's folder")
+      .required();
+  command.option("--out", arguments->out, "folder of the pictures and report.html (DIR/plot of the first)");
+  command.flag("--overwrite", arguments->overwrite, "replace what --out holds");
+  command.json("the range of each curve as JSON; run.csv has all points");
+}
+
+}  // namespace taut

@@ -1,0 +1,197 @@
+#include "run_picture.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "base/errors.hpp"
+#include "files/folder.hpp"
+#include "printing.hpp"
+#include "report.hpp"
+#include "studies/csv.hpp"
+#include "studies/run_log.hpp"
+#include "study.hpp"
+#include "words.hpp"
+
+namespace taut {
+namespace {
+
+namespace fs = std::filesystem;
+
+// One curve of a panel.
+struct Curve {
+  std::string panel, name;
+  std::vector<double> t, y;   // [ps], [the panel's unit]
+  bool running_mean = false;  // drawn beside it
+};
+
+// Adds a log's column to the curves, if it has one; `less` is subtracted row by row.
+void add(std::vector<Curve>& curves, const RunLog& log, const Curve& as, std::string_view column,
+         std::string_view less = "", bool from_start = false) {
+  if (!log.has(column)) return;
+  const std::vector<double>&y = log.column(column), &other = log.column(less), &t = log.column(kLogTime);
+  Curve curve = as;
+  for (std::size_t row = 0; row < y.size(); ++row) {
+    const double value = y[row] - (other.empty() || std::isnan(other[row]) ? 0 : other[row]);
+    if (std::isnan(value)) continue;
+    curve.t.push_back(t[row]);
+    curve.y.push_back(value);
+  }
+  if (from_start)
+    for (const double first = curve.y.front(); double& value : curve.y) value -= first;
+  curves.push_back(std::move(curve));
+}
+
+bool varies(const std::vector<double>& y) {
+  return std::ranges::any_of(y, [&](double value) { return value != y.front(); });
+}
+
+std::vector<Curve> curves_of(const RunLog& log, const std::string& run) {
+  const std::string of = run.empty() ? "" : run + ": ";
+  const std::string alone = run.empty() ? "each row" : run;
+  std::vector<Curve> all;
+  const auto curve = [](const char* panel, std::string name, bool mean) {
+    return Curve{.panel = panel, .name = std::move(name), .t = {}, .y = {}, .running_mean = mean};
+  };
+  add(all, log, curve("potential energy [kJ/mol]", alone, true), kLogPotential);
+  add(all, log, curve("energy's account [kJ/mol]", of + "energy but for the heat", false), kLogTotal,
+      kLogHeat, true);
+  add(all, log, curve("energy's account [kJ/mol]", of + "what the bonds did", false), kLogConstraintWork, "",
+      true);
+  add(all, log, curve("temperature [K]", alone, true), kLogTemperature);
+  add(all, log, curve("pressure [bar]", alone, true), kLogPressure);
+  if (log.has(kLogVolume) && varies(log.column(kLogVolume))) {
+    add(all, log, curve("volume [nm³]", alone, true), kLogVolume);
+    add(all, log, curve("density [kg/m³]", alone, true), kLogDensity);
+  }
+  if (log.has(kLogBondError) && varies(log.column(kLogBondError)))
+    add(all, log, curve("relative bond error (rms)", alone, false), kLogBondError);
+  return all;
+}
+
+// At most so many points: means of neighbours.
+constexpr std::size_t kMostPoints = 1000;
+
+std::string csv_of(const std::vector<Curve>& curves) {
+  std::string csv = "panel,curve,t_ps,value,running_mean\n";
+  for (const Curve& c : curves) {
+    const std::size_t bin = (c.y.size() + kMostPoints - 1) / kMostPoints;
+    double all = 0;
+    for (std::size_t first = 0; first < c.y.size(); first += bin) {
+      const std::size_t end = std::min(first + bin, c.y.size());
+      double t = 0, sum = 0;
+      for (std::size_t k = first; k < end; ++k) t += c.t[k], sum += c.y[k];
+      all += sum;
+      const double n = static_cast<double>(end - first);
+      csv += fmt::format("{},{},{:.9g},{:.9g},{}\n", csv_cell(c.panel), csv_cell(c.name), t / n, sum / n,
+                         c.running_mean ? fmt::format("{:.9g}", all / static_cast<double>(end)) : "");
+    }
+  }
+  return csv;
+}
+
+// A line of eight heights, the least value lowest.
+std::string coarse_line(const std::vector<double>& y, std::size_t width) {
+  constexpr std::array kHeights = {"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
+  const auto [low, high] = std::ranges::minmax(y);
+  const std::size_t columns = std::min(width, y.size());
+  std::string line;
+  for (std::size_t c = 0; c < columns; ++c) {
+    const std::size_t first = c * y.size() / columns, end = (c + 1) * y.size() / columns;
+    double sum = 0;
+    for (std::size_t k = first; k < end; ++k) sum += y[k];
+    const double share = high > low ? (sum / static_cast<double>(end - first) - low) / (high - low) : 0.5;
+    line += kHeights[std::min<std::size_t>(7, static_cast<std::size_t>(std::max(0.0, 8 * share)))];
+  }
+  return line;
+}
+
+void print_lines(const std::vector<Curve>& curves) {
+  std::string panel;
+  std::size_t longest = 0;
+  for (const Curve& c : curves) longest = std::max<std::size_t>(longest, columns_of(c.name));
+  for (const Curve& c : curves) {
+    if (c.panel != panel) say("{}\n", c.panel);
+    panel = c.panel;
+    const auto [low, high] = std::ranges::minmax(c.y);
+    say("  {}{}  {}  {:.5g} to {:.5g}\n", c.name, std::string(longest - columns_of(c.name), ' '),
+        coarse_line(c.y, 50), low, high);
+  }
+}
+
+// type, motion, temperature and error of each run that is finished; the header alone where there is none.
+std::string kinds_csv(const std::vector<fs::path>& runs) {
+  std::string csv = "run,kind,temperature_k,standard_error\n";
+  for (const fs::path& run : runs) {
+    const auto summary = nlohmann::ordered_json::parse(contents_of(run / "summary.json"), nullptr, false);
+    if (!summary.is_object() || !summary.contains("temperatures_k")) continue;
+    for (const auto& [type, motions] : summary["temperatures_k"].items())
+      for (const auto& [motion, t] : motions.items())
+        csv += fmt::format("{},{},{:.7g},{:.3g}\n", csv_cell(run.filename().string()),
+                           csv_cell(type + ": " + motion), t["mean"].get<double>(),
+                           t["standard_error"].is_number() ? t["standard_error"].get<double>() : 0.0);
+  }
+  return csv;
+}
+
+// A folder's name in a legend: the shortest end of its path that no other run has.
+std::vector<std::string> legend_names(const std::vector<fs::path>& runs) {
+  std::vector<std::string> names;
+  for (const fs::path& run : runs) names.push_back(backup_base(run).filename().string());
+  for (std::size_t k = 0; k < runs.size(); ++k)
+    if (std::ranges::count(names, names[k]) > 1) {
+      for (std::size_t j = 0; j < runs.size(); ++j) names[j] = runs[j].string();
+      break;
+    }
+  return names;
+}
+
+}  // namespace
+
+nlohmann::ordered_json plot_runs(const PlotRequest& request) {
+  expect_no_file({request.out / "run.csv", request.out / "report.html"}, request.overwrite);
+  std::vector<RunLog> logs;
+  for (const fs::path& run : request.runs) logs.push_back(read_log(run));
+  const std::vector<std::string> names = legend_names(request.runs);
+  std::vector<Curve> curves;
+  for (std::size_t k = 0; k < request.runs.size(); ++k)
+    for (Curve& curve : curves_of(logs[k], request.runs.size() > 1 ? names[k] : ""))
+      curves.push_back(std::move(curve));
+  std::vector<std::string> panels;
+  for (const Curve& curve : curves)
+    if (std::ranges::find(panels, curve.panel) == panels.end()) panels.push_back(curve.panel);
+  std::ranges::stable_sort(curves, {}, [&](const Curve& c) { return std::ranges::find(panels, c.panel); });
+  const std::string title =
+      request.runs.size() == 1 ? request.runs[0].string() : counted(std::ssize(request.runs), "run");
+  make_folder(request.out);
+  StudyFiles files(request.out);
+  const std::string csv = csv_of(curves), kinds = kinds_csv(request.runs);
+  ReportPage page{.title = title, .command = request.command, .notes = {}, .parts = {}};
+  files.draw({"run", title + ": points, and running means as lines", csv});
+  page.parts.push_back(
+      {"The run in time",
+       "Each row of the log, or means of neighbouring rows, and the mean from the start up to each "
+       "time. The account: total energy less the heat, from its start, and what the bonds did.",
+       "run.svg", csv});
+  if (std::ranges::count(kinds, '\n') > 1) {
+    files.draw(
+        {"kinds", title + ": temperature by type of molecule and motion, bars: standard errors", kinds});
+    page.parts.push_back(
+        {"Temperatures", "Of each type of molecule, by motion, over the whole run.", "kinds.svg", kinds});
+  }
+  write_report(page, files);
+  print_lines(curves);
+  files.print_written();
+  nlohmann::ordered_json json = {{"out", request.out.string()}};
+  for (const Curve& curve : curves) {
+    const auto [low, high] = std::ranges::minmax(curve.y);
+    json["curves"].push_back({{"panel", curve.panel}, {"curve", curve.name}, {"min", low}, {"max", high}});
+  }
+  return json;
+}
+
+}  // namespace taut

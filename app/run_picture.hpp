@@ -1,0 +1,21 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+namespace taut {
+
+// Draws the runs in these folders over each other, from their logs: FILES/run.csv, its picture and report.html.
+// Prints a coarse line for each curve. Throws InputError where a folder holds no run, and where `out` holds
+// pictures, unless `overwrite` is set.
+struct PlotRequest {
+  std::vector<std::filesystem::path> runs;
+  std::filesystem::path out;
+  std::string command;  // that the report names
+  bool overwrite = false;
+};
+nlohmann::ordered_json plot_runs(const PlotRequest& request);  // what was drawn: the range of each curve
+
+}  // namespace taut
