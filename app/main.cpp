@@ -51,9 +51,10 @@ int main(int argc, char** argv) {
   fill_closed_streams();
   taut::Commands commands(
       "taut: molecular dynamics of rigid bonds, by several methods, with what each costs and gets wrong");
-  for (const auto add : {taut::add_run, taut::add_resume, taut::add_calibrate, taut::add_crosscheck,
-                         taut::add_chart, taut::add_stability, taut::add_lists, taut::add_info,
-                         taut::add_measure, taut::add_plot, taut::add_scan, taut::add_help, taut::add_generate})
+  for (const auto add :
+       {taut::add_run, taut::add_resume, taut::add_calibrate, taut::add_crosscheck, taut::add_chart,
+        taut::add_stability, taut::add_lists, taut::add_info, taut::add_measure, taut::add_plot,
+        taut::add_scan, taut::add_help, taut::add_generate})
     add(commands);
   return run_command(commands, argc, argv);
 }

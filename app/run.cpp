@@ -214,7 +214,8 @@ struct RunArguments : SceneArgument {
 };
 
 void run_scene(const RunArguments& arguments) {
-  if (arguments.plot && !arguments.out) throw InputError("--plot: there is no folder to draw in; give --out DIR");
+  if (arguments.plot && !arguments.out)
+    throw InputError("--plot: there is no folder to draw in; give --out DIR");
   OpenRun run = open_run(arguments.request());
   if (run.finished) return print_finished(run, *arguments.out);
   std::optional<Measured> measured;

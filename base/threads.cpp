@@ -31,7 +31,7 @@ constexpr int kMostThreads = 1024;
 
 std::atomic<int> requested = 0;  // by use_threads(); 0: nothing
 std::atomic<bool> environment_counts = true;
-thread_local int scoped = 0;     // by the innermost ThreadScope; 0: there is none
+thread_local int scoped = 0;  // by the innermost ThreadScope; 0: there is none
 thread_local RegionMeter* meter = nullptr;
 
 // The first number of a text such as "4", " 4 " or "4,2"; empty for other texts.

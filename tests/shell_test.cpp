@@ -142,7 +142,8 @@ TEST_P(Borders, QuietlyATerminalHasJsonOrNothing) {
 TEST_P(Borders, OverwritingIsToldToPeopleAlone) {
   Arguments arguments = asked();
   if (std::ranges::find(arguments, "--out") == arguments.end()) return;
-  if (arguments[0] == "plot" || arguments[0] == "scan") return;  // one draws again, the other never overwrites
+  if (arguments[0] == "plot" || arguments[0] == "scan")
+    return;  // one draws again, the other never overwrites
   arguments.emplace_back("--overwrite");
   for (const bool again : {false, true}) {
     Pipe pipe;
