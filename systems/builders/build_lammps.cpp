@@ -34,8 +34,7 @@ struct LammpsKeys {
   bool geometric = true, periodic = true;
 
   explicit LammpsKeys(const TomlTable& keys) {
-    if (!keys.read("data", file, "a LAMMPS data file, as write_data writes it"))
-      keys.get<std::string>("data");
+    file = keys.get<std::filesystem::path>("data", {"a LAMMPS data file, as write_data writes it"});
     const std::string name = keys.choice("units", {"real", "lj", "metal"}, "the file's unit style");
     double sigma = 1, epsilon = 1, mass = 1;
     keys.read("sigma_nm", sigma, {"unit of length", "nm", kPositive});

@@ -68,7 +68,9 @@ LennardJones mixed(const LennardJones& one, const LennardJones& two) {
 void read_pair_table(const TomlTable& root, Scene& scene) {
   if (root.describing()) read_pair(root.section("pair"));
   std::map<TwoNames, LennardJones> said;
-  for (std::size_t k = 0; k < root.size("pair"); ++k) {
+  const std::size_t sections =
+      root.size("pair", {"pairs of kinds with σ and ε of their own, a section [[pair]] each"});
+  for (std::size_t k = 0; k < sections; ++k) {
     const TomlTable keys = root.section("pair", k);
     const auto [names, numbers] = read_pair(keys);
     if (!said.try_emplace(names, numbers).second)

@@ -86,7 +86,8 @@ std::vector<int> atoms_before(const TomlTable& wall, const std::vector<std::stri
 std::vector<WallKeys> read_walls(const TomlTable& root) {
   std::vector<WallKeys> walls;
   if (root.describing()) read_wall(root.section("wall"));
-  for (std::size_t k = 0; k < root.size("wall"); ++k) walls.push_back(read_wall(root.section("wall", k)));
+  const std::size_t count = root.size("wall", {"planes that push atoms away, a section [[wall]] each"});
+  for (std::size_t k = 0; k < count; ++k) walls.push_back(read_wall(root.section("wall", k)));
   return walls;
 }
 
