@@ -177,11 +177,17 @@ void ClusterSearch::split_by_type(const SearchSpace& space, const PairRow& row, 
   std::ranges::copy(set_aside_, list.clusters.begin() + usual.end);
   for (int& end : others_ends) end += usual.end;
   others.begin = usual.end;
-  const auto masked = list.masked.begin();
-  const auto first_other =
-      std::stable_partition(masked + row.masked_begin, masked + row.masked_end,
-                            [&](const MaskedCluster& of) { return !has_other_type(of.cluster); });
-  usual.masked_end = others.masked_begin = static_cast<int>(first_other - masked);
+  masked_aside_.clear();
+  int masked = row.masked_begin;
+  for (int m = row.masked_begin; m < row.masked_end; ++m) {
+    const MaskedCluster of = list.masked[m];
+    if (has_other_type(of.cluster))
+      masked_aside_.push_back(of);
+    else
+      list.masked[masked++] = of;
+  }
+  std::ranges::copy(masked_aside_, list.masked.begin() + masked);
+  usual.masked_end = others.masked_begin = masked;
   others.kind |= kHasOtherType;
   push(usual, usual_ends, list);
   push(others, others_ends, list);

@@ -57,6 +57,7 @@ class ClusterSearch {
   Partners partners_;
   bool many_types_ = false;     // some Lennard-Jones atoms are not of the usual type
   std::vector<int> set_aside_;  // scratch of split_by_type()
+  std::vector<MaskedCluster> masked_aside_;
 };
 
 }  // namespace taut
