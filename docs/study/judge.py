@@ -165,6 +165,8 @@ def cost_table(rows):
     table, times = cells(rows), read_times()
     usual = usual_deviations(table)
     systems = [name for name in SYSTEMS if name in table and any(key[0] == name for key in times)]
+    if not systems:
+        return ["Not measured yet."]
     lines = ["| system | cheapest sound methods: processor seconds a nanosecond, at its step [fs] |", "|---|---|"]
     for system in systems:
         costs = []

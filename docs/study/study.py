@@ -229,25 +229,28 @@ def key_of(row):
 def measure_times(study, names):
     """Writes data/times.csv: processor time of a step [µs] at the usual step, the least of three, methods in turns.
 
-    It is that of a long run less that of one of half the length, so that reading and writing do not count.
+    It is that of a run of about a second less that of one of a third of it, so that reading and writing do not count.
     """
+    def seconds_of(name, method_keys, steps):
+        words, keys = study.started(name)
+        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+        done = subprocess.run([*words, "--steps", str(steps), "--dt-fs", str(SYSTEMS[name].dt_fs), "--set", *keys,
+                               *SYSTEMS[name].keys(), *method_keys, f"run.log_every={steps}"], capture_output=True)
+        return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before if done.returncode == 0 else None
+
     best = {}
     for name in names:
-        words, keys = study.started(name)
-        system = SYSTEMS[name]
+        steps = 300
+        while seconds_of(name, study.method_keys(name, "newton"), steps) < 1:
+            steps *= 2
         for _ in range(3):
             for method in METHODS:
                 method_keys = study.method_keys(name, method)
-                if method_keys is None or method in ("none", "penalty") or (method == "settle" and not system.water):
+                if method_keys is None or method in ("none", "penalty"):
                     continue
-                seconds = []
-                for steps in (400, 1200):
-                    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-                    done = subprocess.run([*words, "--steps", str(steps), "--dt-fs", str(system.dt_fs), "--set", *keys,
-                                           *system.keys(), *method_keys, "run.log_every=400"], capture_output=True)
-                    seconds.append(resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before)
-                if done.returncode == 0:
-                    us = 1e6 * (seconds[1] - seconds[0]) / 800
+                short, long = (seconds_of(name, method_keys, count) for count in (steps // 3, steps))
+                if short is not None and long is not None:
+                    us = 1e6 * (long - short) / (steps - steps // 3)
                     best[name, method] = min(us, best.get((name, method), us))
         print(f"{name}: timed", file=sys.stderr)
     with open(DATA / "times.csv", "w", newline="") as file:
