@@ -256,11 +256,12 @@ std::string complaint(const CLI::App& app, const CLI::ParseError& e, int argc, c
 
 void take_threads(const std::string& said) {
   if (said == "auto") return ignore_omp_num_threads();
-  int threads = 0;
-  if (!CLI::detail::lexical_cast(said, threads))
+  double threads = 0;  // written as numbers in scenes are, 2.0 as well
+  if (!CLI::detail::lexical_cast(said, threads) || threads != std::trunc(threads) ||
+      !(std::abs(threads) < 1e9))
     throw InputError(fmt::format("--threads {}: expected a number, or auto", said));
-  expect_threads("--threads", threads);
-  use_threads(threads);
+  expect_threads("--threads", static_cast<int>(threads));
+  use_threads(static_cast<int>(threads));
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ TEST(OddInputs, NumbersOfStepsAreWrittenAsInScenes) {
   }
   EXPECT_THAT(taut("run pair --steps 1.5").text, HasSubstr("expected a number: --steps = 1.5"));
   EXPECT_EQ(taut("run pair --steps 1.5").exit_code, 2);
-  EXPECT_THAT(taut("run pair --threads 0.0").text, HasSubstr("expected a whole number of at least 1, got 0"));
+  EXPECT_THAT(taut("run pair --threads 0.0").text, HasSubstr("--threads: expected 1 to 1024 threads, got 0"));
 }
 
 // A name of bytes that are no UTF-8 is a name; JSON has U+FFFD in its place.
