@@ -13,7 +13,8 @@ import taut
 
 
 def final_of(command, folder, *arguments):
-    subprocess.run([command, "run", *map(str, arguments), "--out", str(folder)], check=True, capture_output=True)
+    subprocess.run([command, "run", "--threads", "1", *map(str, arguments), "--out", str(folder)], check=True,
+                   capture_output=True)
     return (folder / "final.start.toml").read_text()
 
 
