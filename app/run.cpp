@@ -114,7 +114,7 @@ void print_end(const Simulation& simulation, const Summary& summary, const RunFo
     write_out(all.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   }
   print_summary(simulation, summary, ending.took_steps);
-  if (ending.timings || summary.timings.seconds >= kLongRun) print_timings(summary.timings);
+  if (ending.timings || summary.timings.seconds() >= kLongRun) print_timings(summary.timings);
   if (measured) measured->print();
   if (!json_alone())
     for (const auto& doubt : summary.doubts) say_always(fmt::format("in doubt: {}\n", doubt));

@@ -177,14 +177,14 @@ void print_summary(const Simulation& simulation, const Summary& s, bool stepped)
 void print_timings(const Timings& timings) {
   if (timings.parts.empty() || timings.steps == 0) return;
   const bool waits = timings.threads > 1;
-  say("\n{} in {:.4g} s, {}\n", counted(timings.steps, "step"), timings.seconds,
+  say("\n{} in {:.4g} s, {}\n", counted(timings.steps, "step"), timings.seconds(),
       counted(timings.threads, "thread"));
   say("  {:<16}{:>10}{:>12}{:>8}{}\n", "part", "calls", "ms a step", "%", waits ? "   waiting %" : "");
   for (const PartTime& part : timings.parts)
     say("  {:<16}{:>10}{:>12.4f}{:>8.1f}{}\n", name_of(part.part),
         part.part == StepPart::kRest ? "" : std::to_string(part.calls), timings.ms_a_step(part.seconds),
         timings.percent(part.seconds), waits ? fmt::format("{:>12.1f}", timings.waiting_percent(part)) : "");
-  say("  {:<16}{:>10}{:>12.4f}{:>8.1f}\n", "all", "", timings.ms_a_step(timings.seconds), 100.0);
+  say("  {:<16}{:>10}{:>12.4f}{:>8.1f}\n", "all", "", timings.ms_a_step(timings.seconds()), 100.0);
 }
 
 }  // namespace taut

@@ -37,6 +37,11 @@ class Selection {
     some.torsions = torsions(all.torsions);
     some.rb_torsions = torsions(all.rb_torsions);
     some.harmonic_torsions = torsions(all.harmonic_torsions);
+    some.maps = all.maps;
+    for (CmapTorsion cmap : all.cmaps)
+      if (renumber({&cmap.phi[0], &cmap.phi[1], &cmap.phi[2], &cmap.phi[3]}) &&
+          renumber({&cmap.psi[0], &cmap.psi[1], &cmap.psi[2], &cmap.psi[3]}))
+        some.cmaps.push_back(cmap);
     if (all.nonbonded) some.nonbonded = of(*all.nonbonded);
     if (all.wca) {
       some.wca = Wca{all.wca->sigma, all.wca->epsilon, {}};

