@@ -223,8 +223,9 @@ void change_settings(Simulation& simulation, SceneSource& source, const KeyValue
   std::vector<std::string> overrides =
       changed_overrides(source.overrides, simulation.scene().velocities_drawn, changes);
   if (overrides == source.overrides) return;
-  source.overrides = std::move(overrides);
-  const RunSettings before = simulation.scene().run, after = source.read().run;
+  SceneSource changed = source;
+  changed.overrides = std::move(overrides);
+  const RunSettings before = simulation.scene().run, after = changed.read().run;
   // The frames of one file are equally spaced from its start to its end.
   if (before.trajectory_every > 0 && after.trajectory_every > 0 &&
       before.trajectory_every != after.trajectory_every)
@@ -236,6 +237,7 @@ void change_settings(Simulation& simulation, SceneSource& source, const KeyValue
     throw InputError(
         "run.temperature_k: no thermostat holds it, and velocities are drawn at the start alone");
   simulation.change(after);
+  source.overrides = std::move(changed.overrides);  // not before: what is refused leaves no trace
 }
 
 OpenRun open_run(RunRequest request) {

@@ -68,14 +68,15 @@ py::dict log(const Self& self) {
     for (py::ssize_t n = 0; n < rows; ++n) column.mutable_at(n) = of(all[n]);
     columns[name] = column;
   }
-  if (rows == 0) return columns;
-  if (const auto walls = static_cast<py::ssize_t>(all.front().walls.size()); walls > 0) {
+  const Terms& terms = self.engine().scene().terms;
+  if (const auto walls = static_cast<py::ssize_t>(terms.walls.size()); walls > 0) {
     py::array_t<double> column({rows, walls});
     for (py::ssize_t n = 0; n < rows; ++n)
       for (py::ssize_t w = 0; w < walls; ++w) column.mutable_at(n, w) = all[n].walls[w];
-    columns[all.front().pressure ? "wall_pressure_bar" : "wall_force_kj_mol_nm"] = column;
+    const bool in_box = self.engine().state().box.periodic();
+    columns[in_box ? "wall_pressure_bar" : "wall_force_kj_mol_nm"] = column;
   }
-  if (all.front().steering_work) {
+  if (!terms.steered.empty()) {
     py::array_t<double> work(rows), force(rows);
     for (py::ssize_t n = 0; n < rows; ++n) {
       work.mutable_at(n) = *all[n].steering_work;

@@ -5,8 +5,9 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 from pathlib import Path
-from typing import Any, Dict, Optional
+from typing import Any, Dict, List, Optional
 
 import numpy as np
 
@@ -18,6 +19,23 @@ TITLES = {"step": "Step", "time_ps": "Time (ps)", "potential_kj_mol": "Potential
           "rms_rel_bond_error": "RMS Relative Bond Error", "drift_kj_mol_ns_dof": "Energy Drift (kJ/mole/ns/dof)",
           "constraint_work_kj_mol": "Constraint Work (kJ/mole)", "heat_kj_mol": "Heat (kJ/mole)",
           "iterations": "Iterations per Step", "ns_per_day": "Speed (ns/day)"}
+
+#: Columns that only some scenes have, and their titles, in which a number stands where there are several.
+FURTHER = {"wall_pressure_bar": r"Wall \d+ Pressure \(bar\)",
+           "wall_force_kj_mol_nm": r"Wall \d+ Force \(kJ/mole/nm\)",
+           "steering_work_kj_mol": r"Steering Work \(kJ/mole\)",
+           "steering_force_kj_mol_nm": r"Steering Force \(kJ/mole/nm\)"}
+
+
+def _further(titles: List[str], rows: List[List[str]]) -> Dict[str, Any]:
+    """Returns the columns of FURTHER that there are. Several of one kind are (rows, several)."""
+    found: Dict[str, Any] = {}
+    for name, title in FURTHER.items():
+        places = [n for n, there in enumerate(titles) if re.fullmatch(title, there)]
+        if places:
+            numbers = np.array([[float(row[n] or "nan") for n in places] for row in rows]).reshape(-1, len(places))
+            found[name] = numbers if r"\d+" in title else numbers[:, 0]
+    return found
 
 
 class History:
@@ -56,6 +74,7 @@ class History:
             log = {name: np.array([float(row[place[name]] or "nan") if name in place else np.nan for row in rows])
                    for name in TITLES}
             log["step"] = log["step"].astype(np.int64)
+            log.update(_further(titles, rows))
         summary = (path / "summary.json").read_text() if (path / "summary.json").exists() else "null"
         return cls(log, summary)
 

@@ -49,7 +49,7 @@ class State:
     - ``positions``: (n, 3) [nm], unwrapped
     - ``velocities``: (n, 3) [nm/ps]
     - ``forces``: (n, 3) [kJ/mol/nm]
-    - ``time_ps``: [ps]; a change has no effect
+    - ``time_ps``: the time at the end of the step, in every stage [ps]; a change has no effect
 
     The arrays are the engine's own memory, which a stage may use only until it returns. A stage that keeps an array or
     a view of one (``self.before = state.positions[3:]``) fails with a BufferError; keep a copy.

@@ -1,12 +1,13 @@
 """Reporters: what a simulation writes or calls while it runs.
 
 A reporter of taut's has ``every``, the number of steps between its reports, and ``report(simulation)``. Reporters of
-OpenMM's (``describeNextReport``, ``report``) are taken as they are.
+OpenMM's (``describeNextReport``, ``report``) are taken as they are. All write unwrapped positions.
 """
 
 from __future__ import annotations
 
 import csv
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Callable, List, Optional, Sequence, Union
 
@@ -15,6 +16,7 @@ import numpy as np
 from . import _core
 from .errors import InputError, suggest
 from .history import TITLES
+from .mdanalysis import show_state
 
 
 class Reporter:
@@ -101,14 +103,14 @@ class XTC(_Frames):
     """Writes frames to an XTC file with MDAnalysis, rounded to 0.001 nm. The arguments are those of ``taut.DCD``."""
 
     def report(self, simulation: Any) -> None:
-        universe = simulation.universe()
-        group = universe.atoms if self.atoms is None else universe.atoms[self.atoms]
         if self._open is None:
             import MDAnalysis
 
-            self._open = MDAnalysis.Writer(str(self.file), len(group))
-        universe.trajectory.ts.time, universe.trajectory.ts.data["step"] = simulation.time_ps, simulation.steps_taken
-        self._open.write(group)
+            universe = simulation.universe()
+            self._group = universe.atoms if self.atoms is None else universe.atoms[self.atoms]
+            self._open = MDAnalysis.Writer(str(self.file), len(self._group))
+        show_state(simulation, self._group.universe)
+        self._open.write(self._group)
 
 
 class CSV(Reporter):
@@ -205,9 +207,15 @@ class _OpenMMSimulation:
 
     def __init__(self, simulation: Any) -> None:
         self._simulation = simulation
-        self.system, _ = simulation.to_openmm()
         self.context = self.integrator = self
-        self.topology = _topology(simulation)
+
+    @cached_property
+    def system(self) -> Any:
+        return self._simulation.to_openmm()[0]
+
+    @cached_property
+    def topology(self) -> Any:
+        return _topology(self._simulation)
 
     @property
     def currentStep(self) -> int:

@@ -10,7 +10,7 @@ from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Tuple
 import numpy as np
 import numpy.typing as npt
 
-from . import _core, inputs, openmm_objects, parts
+from . import _core, inputs, mdanalysis, openmm_objects, parts
 from .errors import InputError, suggest
 from .history import History
 from .progress import RunProgress
@@ -86,7 +86,8 @@ class Simulation:
     - ``precision``: ``"double"`` or ``"mixed"`` (``forcefield.precision``); None takes the scene's
     - ``threads``: number of threads that compute; None takes ``taut.threads()``. The last bits depend on it
 
-    Units are nm, ps, u, kJ/mol and K. Equal settings give the same bits as the command.
+    Units are nm, ps, u, kJ/mol and K. Equal settings and an equal number of threads give the same bits, as the command
+    does.
 
     ``positions`` and ``velocities`` are live views: they show the present state. Write to them, or assign to them,
     between steps or in a callback. taut then brings what you wrote to the bonds and evaluates the forces before it
@@ -268,8 +269,13 @@ class Simulation:
         self.change({f"run.{key}": value for key, value in settings.items()})
 
     def step(self, steps: int = 1) -> None:
-        """Takes a step, or a few, without a row of the log at the end. ``run`` is faster for many steps."""
-        self._engine._run(inputs.whole(steps, "step(steps)"), 0, None, None, None, 0, False)
+        """Takes a step, or a few, without a row of the log at the end. Reporters report.
+
+        ``run`` is faster for many steps.
+        """
+        schedule = Schedule(self._reporters, self) if self._reporters else None
+        first_report = schedule.next_after(self.steps_taken) if schedule else 0
+        self._engine._run(inputs.whole(steps, "step(steps)"), 0, None, None, schedule, first_report, False)
 
     def minimise(self, force_kj_mol_nm: float = 1000.0) -> None:
         """Moves the atoms downhill by steepest descent, with bonds at their lengths.
@@ -502,28 +508,11 @@ class Simulation:
         return system, state
 
     def universe(self) -> Any:
-        """Returns an MDAnalysis.Universe with names, masses, bonds, positions [Å], velocities [Å/ps] and box."""
-        import MDAnalysis
+        """Returns an MDAnalysis.Universe with names, masses, bonds, positions [Å], velocities [Å/ps] and box.
 
-        names = self.names
-        residues, of_atom = np.unique(names["residue_index"], return_inverse=True)
-        universe = MDAnalysis.Universe.empty(len(self.masses), n_residues=len(residues), atom_resindex=of_atom,
-                                             trajectory=True, velocities=True)
-        first = np.unique(of_atom, return_index=True)[1]
-        universe.add_TopologyAttr("names", names["atom"])
-        universe.add_TopologyAttr("elements", names["element"])
-        universe.add_TopologyAttr("types", names["element"])
-        universe.add_TopologyAttr("resnames", names["residue"][first])
-        universe.add_TopologyAttr("resids", residues + 1)
-        universe.add_TopologyAttr("masses", self.masses)
-        universe.add_TopologyAttr("bonds", [tuple(bond) for bond in self.bonds])
-        universe.atoms.positions = 10 * self.positions
-        universe.atoms.velocities = 10 * self.velocities
-        if self.box is not None:
-            from MDAnalysis.lib.mdamath import triclinic_box
-
-            universe.dimensions = triclinic_box(*(10 * self.box))
-        return universe
+        To go on from a universe's frame, assign its numbers: ``sim.positions = universe.atoms.positions / 10``.
+        """
+        return mdanalysis.universe_of(self)
 
     def __reduce__(self) -> Tuple[Any, ...]:
         return _unpickled, (type(self), self.checkpoint(), self._forces, parts.REGISTERED.get(self.method),

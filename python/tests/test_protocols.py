@@ -72,6 +72,19 @@ def test_wrong_changes_are_refused_and_change_nothing(change, words):
         assert np.array_equal(sim.positions, other.positions)
 
 
+def test_a_refused_change_leaves_no_trace():
+    sim = taut.Simulation("pendulum")
+    with pytest.raises(taut.InputError, match="no thermostat"):
+        sim.set_temperature(300)
+    with pytest.raises(taut.InputError, match="a thermostat needs a run.temperature_k above 0"):
+        sim.thermostat = "langevin"
+    with pytest.raises(taut.InputError, match="friction_per_ps"):
+        sim.thermostat = {"thermostat": "langevin", "temperature_k": 300, "friction_per_ps": -1}
+    sim = taut.Simulation.resume(sim.checkpoint())
+    sim.thermostat = {"thermostat": "langevin", "temperature_k": 310}
+    assert sim.thermostat == "langevin"
+
+
 @pytest.mark.parametrize("again", [lambda sim: pickle.loads(pickle.dumps(sim)), copy.copy, copy.deepcopy,
                                    lambda sim: taut.Simulation.resume(sim.checkpoint())])
 def test_log_and_summary_stay(again):
@@ -97,6 +110,34 @@ def test_log_and_summary_of_a_folder_stay(tmp_path):
         assert np.allclose(sim.log["total_kj_mol"], log["total_kj_mol"], rtol=1e-12)
         sim.run(10)
         assert sim.log["step"].tolist() == [0, 5, 10, 15, 20]
+
+
+BEAD = {"atoms": [{"name": "B", "mass_u": 50, "sigma_nm": 0.3, "epsilon_kj_mol": 1}]}
+WALLS = {"molecule": {"bead": BEAD}, "place": [{"molecule": "bead", "centres_nm": [[1, 1, 1], [1, 1, 2]]}],
+         "wall": [{"axis": "z", "between_nm": [0.5, 2.5], "sigma_nm": 0.3, "epsilon_kj_mol": 1}],
+         "build": {"box_nm": [2, 2, 3.5]}, "forcefield": {"cutoff_nm": 0.9},
+         "run": {"dt_fs": 1, "log_every": 5}, "method": {"name": "rattle"}}
+STEERED = {"molecule": {"bead": {**BEAD, "steered": [[0, 0.03, 0, 0.04, 200]]}},
+           "place": [{"molecule": "bead", "centres_nm": [[1, 2, 3]]}],
+           "run": {"dt_fs": 1, "log_every": 5}, "method": {"name": "rattle"}}
+
+
+@pytest.mark.parametrize("scene,columns", [(WALLS, {"wall_pressure_bar": (2,)}),
+                                           (STEERED, {"steering_work_kj_mol": (), "steering_force_kj_mol_nm": ()})])
+def test_the_columns_of_walls_and_steered_atoms_stay(tmp_path, scene, columns):
+    with taut.Simulation(scene, out=tmp_path / "run") as sim:
+        assert {name: sim.log[name].shape for name in columns} == {name: (0, *each) for name, each in columns.items()}
+        sim.run(10)
+        before = sim.log
+    kept = sim.checkpoint()
+    for again in (taut.Simulation.resume(tmp_path / "run"), taut.Simulation.resume(kept)):
+        with again as sim:
+            for name, each in columns.items():
+                assert np.allclose(sim.log[name], before[name], rtol=1e-8) and np.abs(before[name]).max() > 0
+            sim.run(10)
+            for name, each in columns.items():
+                assert sim.log[name].shape == (5, *each)
+                assert np.allclose(sim.log[name][:3], before[name], rtol=1e-8) and np.all(sim.log[name][3:] != 0)
 
 
 def test_a_checkpoints_file_is_resumed(tmp_path):

@@ -26,6 +26,35 @@ def test_functions_are_called_at_multiples_and_can_stop():
         assert sim.steps_taken == 40
 
 
+def test_reporters_report_in_single_steps_too():
+    seen = []
+    with water() as sim:
+        sim.reporters.append(taut.Call(lambda sim: seen.append(sim.steps_taken), every=3))
+        for _ in range(4):
+            sim.step()
+        sim.step(5)
+        assert seen == [3, 6, 9] and sim.steps_taken == 9
+        sim.reporters.append(taut.Call(lambda sim: sim.steps_taken < 12, every=3))
+        sim.step(10)
+        assert sim.steps_taken == 12
+
+
+def test_an_xtc_file_needs_one_universe(tmp_path, monkeypatch):
+    MDAnalysis = pytest.importorskip("MDAnalysis")
+    made, empty = [], MDAnalysis.Universe.empty
+    monkeypatch.setattr(MDAnalysis.Universe, "empty", lambda *a, **b: made.append(1) or empty(*a, **b))
+    with water(**{"run.thermostat": "rescaling", "run.thermostat_ps": 0.1, "run.barostat": "c-rescale",
+                  "run.pressure_bar": 1000}) as sim:
+        boxes = []
+        sim.reporters.append(taut.XTC(tmp_path / "x.xtc", every=10))
+        sim.reporters.append(taut.Call(lambda sim: boxes.append(10 * sim.box[0, 0]), every=10))
+        sim.run(30)
+    assert len(made) == 1
+    read = MDAnalysis.Universe.empty(192, trajectory=True)
+    read.load_new(str(tmp_path / "x.xtc"))
+    assert np.allclose([frame.dimensions[0] for frame in read.trajectory], boxes, atol=1e-3) and np.ptp(boxes) > 1e-3
+
+
 def test_reporting_changes_no_bit():
     plain, watched = water(), water()
     watched.reporters.append(taut.Call(lambda sim: sim.energies, every=3))
