@@ -140,5 +140,6 @@ PYBIND11_MODULE(_core, m) {
   bind_simulations(m);
   bind_studies(m);
   bind_trajectory_files(m);
+  bind_force_evaluation(m);
   bind_parts(m);
 }

@@ -10,6 +10,7 @@ taut.scenes(), taut.methods()      list the systems and the methods that come wi
 taut.Simulation                    runs a scene, a dict or OpenMM's objects
 taut.Baumgarte, taut.Rattle, ...   hold the options of a method
 taut.DCD, taut.CSV, taut.Call      write and call while a simulation runs
+taut.Calculator                    gives its forces to ASE
 taut.ConstraintMethod, taut.Force  are the bases of methods and forces of your own
 taut.verify                        checks that a method keeps lengths, momentum and direction
 taut.chart, taut.stability         compare methods' speed and accuracy, and find where they fail
@@ -30,6 +31,7 @@ if int(numpy.__version__.split(".")[0]) >= 2 and not _core.knows_numpy_2:
 
 from . import options
 from ._core import Row, scenes, threads, use_threads
+from .ase_calculator import Calculator
 from .errors import InputError, OutsideError, SimulationFailure
 from .options import *  # noqa: F401,F403
 from .parts import ConstraintMethod, Force, NotConverged, Push, State, System, register
@@ -39,9 +41,10 @@ from .studies import calibrate, chart, crosscheck, stability
 from .verifying import verify
 
 __version__ = "0.1"
-__all__ = ["CSV", "Call", "ConstraintMethod", "DCD", "Force", "H5MD", "InputError", "NotConverged", "OutsideError",
-           "Push", "Reporter", "Row", "Simulation", "SimulationFailure", "State", "System", "calibrate", "chart",
-           "crosscheck", "register", "scenes", "stability", "threads", "use_threads", "verify", "XTC"]
+__all__ = ["CSV", "Calculator", "Call", "ConstraintMethod", "DCD", "Force", "H5MD", "InputError", "NotConverged",
+           "OutsideError", "Push", "Reporter", "Row", "Simulation", "SimulationFailure", "State", "System",
+           "calibrate", "chart", "crosscheck", "register", "scenes", "stability", "threads", "use_threads", "verify",
+           "XTC"]
 __all__ += options.__all__
 
 for _name in __all__:  # help() and pickle then name them taut.X, not by the file that they stand in

@@ -1,8 +1,8 @@
-"""Shows a simulation to MDAnalysis, in Å and Å/ps. MDAnalysis is imported only where it is asked for."""
+"""Shows a simulation to MDAnalysis, and reads its universes, in Å and Å/ps. It is imported only where it is used."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, List
 
 import numpy as np
 
@@ -37,3 +37,30 @@ def show_state(simulation: Any, universe: Any) -> None:
         from MDAnalysis.lib.mdamath import triclinic_box
 
         universe.dimensions = triclinic_box(*(10 * simulation.box))
+
+
+def is_group(given: Any) -> bool:
+    """True for a Universe or an AtomGroup of MDAnalysis."""
+    return type(given).__module__.split(".")[0] == "MDAnalysis" and hasattr(given, "atoms")
+
+
+def numbers_of(group: Any, what: str) -> Any:
+    """Returns the positions [nm], the velocities [nm/ps] or the box [nm] of a universe's present frame; None if there
+    are none."""
+    if what == "box":
+        if group.universe.dimensions is None:
+            return None
+        from MDAnalysis.lib.mdamath import triclinic_vectors
+
+        return triclinic_vectors(group.universe.dimensions).astype(float) / 10
+    if what == "velocities" and not group.universe.trajectory.ts.has_velocities:
+        return None
+    return getattr(group.atoms, what).astype(float) / 10
+
+
+def names_of(group: Any) -> List[str]:
+    """Returns a line of name, residue, element and residue's index for every atom. What it lacks is empty."""
+    atoms = group.atoms
+    columns = [getattr(atoms, what, [""] * len(atoms)) for what in ("names", "resnames", "elements")]
+    return [f"{name}\t{residue}\t{element}\t{index}\n"
+            for name, residue, element, index in zip(*columns, atoms.resindices)]

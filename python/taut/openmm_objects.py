@@ -8,7 +8,7 @@ from typing import Any, List, Optional, Tuple
 import numpy as np
 import numpy.typing as npt
 
-from . import _core
+from . import _core, mdanalysis
 from .errors import InputError
 
 
@@ -36,6 +36,11 @@ def vectors(given: Any, unit: str, what: str, rows: Optional[int] = None) -> npt
 
     Raises InputError that names the argument for another shape or type, and for numbers that are not finite.
     """
+    if mdanalysis.is_group(given):
+        given = mdanalysis.numbers_of(given, what)
+        if given is None:
+            raise InputError(f"{what}: the universe's frame has none")
+
     def bare(quantity: Any) -> Any:
         if not hasattr(quantity, "value_in_unit"):
             return quantity
@@ -68,6 +73,8 @@ def _rows(tag: str, array: npt.NDArray[Any]) -> str:
 
 def box_vectors(given: Any) -> npt.NDArray[Any]:
     """Returns the vectors of a box in rows, (3, 3) [nm], from three vectors or from three edges."""
+    if mdanalysis.is_group(given):
+        return vectors(given, "nm", "box", 3)
     given = list(given)
     if len(given) == 3 and all(isinstance(edge, (int, float)) for edge in given):
         given = np.diag(given).tolist()
@@ -82,6 +89,9 @@ def state_xml(positions: Any, velocities: Any, box: Any) -> str:
             raise InputError("velocities, box: no effect, the State has them")
         return xml_of(positions, "positions")
     x = vectors(positions, "nm", "positions")
+    if mdanalysis.is_group(positions):
+        velocities = mdanalysis.numbers_of(positions, "velocities") if velocities is None else velocities
+        box = mdanalysis.numbers_of(positions, "box") if box is None else box
     text = '<?xml version="1.0" ?>\n<State openmmVersion="8.0" time="0" type="State" version="1">'
     if box is not None:
         edges = box_vectors(box)
@@ -95,8 +105,8 @@ def state_xml(positions: Any, velocities: Any, box: Any) -> str:
 
 def read(system: Any, state: str, said: List[str], topology: Any, threads: Optional[int]) -> "_core.Input":
     """Reads a System and the XML of a State, with names of atoms and residues from a Topology."""
-    lines = []
-    for atom in [] if topology is None else getattr(topology, "topology", topology).atoms():
+    lines = mdanalysis.names_of(topology) if mdanalysis.is_group(topology) else []
+    for atom in [] if lines or topology is None else getattr(topology, "topology", topology).atoms():
         element = atom.element.symbol if atom.element else ""
         lines.append(f"{atom.name}\t{atom.residue.name}\t{element}\t{atom.residue.index}\n")
     names = "".join(lines) if topology is None or lines else "\n"  # a topology without atoms is not none

@@ -10,7 +10,7 @@ from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Tuple
 import numpy as np
 import numpy.typing as npt
 
-from . import _core, inputs, mdanalysis, openmm_objects, parts
+from . import _core, ase_calculator, inputs, mdanalysis, openmm_objects, parts
 from .errors import InputError, suggest
 from .history import History
 from .progress import RunProgress
@@ -126,11 +126,12 @@ class Simulation:
         """Makes a simulation of a system that was prepared with OpenMM.
 
         - ``system``: an openmm.System, its XML, or a file with its XML
-        - ``positions``: (n, 3) [nm] or with a unit; or an openmm.State, its XML, or a file with its XML
+        - ``positions``: (n, 3) [nm] or with a unit; or an openmm.State, its XML, or a file with its XML; or a Universe
+          of MDAnalysis's, whose present frame also gives velocities and box if it has them
         - ``velocities``: (n, 3) [nm/ps] or with a unit
         - ``box``: three vectors or three edges [nm]; None takes the System's
-        - ``topology``: an openmm.app.Topology, or an object that has one (PDBFile, Modeller), for names of atoms and
-          residues
+        - ``topology``: an openmm.app.Topology, or an object that has one (PDBFile, Modeller), or a Universe, for names
+          of atoms and residues
 
         The other arguments are those of the class. Raises InputError that names what taut does not have.
         """
@@ -325,7 +326,8 @@ class Simulation:
     def positions(self) -> Reals:
         """Positions, (n, 3) [nm], a live view. They are unwrapped: molecules stay whole and may leave the box.
 
-        Assign an array of the same shape, numbers with an OpenMM unit, or write to the view.
+        Assign an array of the same shape, numbers with an OpenMM unit or a Universe of MDAnalysis's, or write to the
+        view.
         """
         return self._engine.positions
 
@@ -510,9 +512,18 @@ class Simulation:
     def universe(self) -> Any:
         """Returns an MDAnalysis.Universe with names, masses, bonds, positions [Å], velocities [Å/ps] and box.
 
-        To go on from a universe's frame, assign its numbers: ``sim.positions = universe.atoms.positions / 10``.
+        The other way, ``sim.positions = universe`` takes a frame's positions, ``sim.velocities`` its velocities, and
+        ``sim.box`` its box. ``Simulation.from_openmm(system, universe)`` starts from a frame.
         """
         return mdanalysis.universe_of(self)
+
+    def to_ase(self) -> Any:
+        """Returns ase.Atoms with masses, names, positions [Å], velocities and cell.
+
+        Rigid bonds are ASE's FixBondLengths, anchors its FixAtoms. ``atoms.calc = taut.Calculator(sim)`` gives it
+        taut's forces; ``sim.positions = atoms.positions / 10`` goes on from where ASE ended.
+        """
+        return ase_calculator.atoms_of(self)
 
     def __reduce__(self) -> Tuple[Any, ...]:
         return _unpickled, (type(self), self.checkpoint(), self._forces, parts.REGISTERED.get(self.method),

@@ -182,3 +182,27 @@ def test_a_bar_shows_progress(capfd):
     assert "ns/day" in shown and "left" in shown and np.array_equal(sim.positions, plain.positions)
     bar = taut.progress.RunProgress(100, 1000, 2.0)
     assert bar.text(250, 10.0) == "[#####               ]  25 %  250 of 1000 steps  4.32 ns/day  0:30 left"
+
+
+def test_a_universe_goes_both_ways(tmp_path):
+    MDAnalysis = pytest.importorskip("MDAnalysis")
+    set = {"build.molecules": 64, "forcefield.cutoff_nm": 0.55, "forcefield.switch_nm": 0.5}
+    sim = taut.Simulation("water", set=set)
+    sim.run(20)
+    universe = sim.universe()
+    other = taut.Simulation("water", set=set)
+    other.box, other.positions, other.velocities = universe, universe, universe
+    assert np.allclose(other.positions, sim.positions, atol=1e-6)
+    assert np.allclose(other.velocities, sim.velocities, atol=1e-5)
+    assert other.energies["potential"] == pytest.approx(sim.energies["potential"], abs=0.05)
+    system = sim.to_openmm_xml()[0]
+    again = taut.Simulation.from_openmm(system, universe, topology=universe, dt_fs=2)
+    assert np.allclose(again.positions, sim.positions, atol=1e-6)
+    assert np.allclose(again.velocities, sim.velocities, atol=1e-5)
+    assert again.names["atom"].tolist() == sim.names["atom"].tolist()
+    assert again.names["residue_index"][-1] == 63
+    still = MDAnalysis.Universe.empty(192, trajectory=True)
+    with pytest.raises(taut.InputError, match="velocities: the universe's frame has none"):
+        other.velocities = still
+    with pytest.raises(taut.InputError, match="positions: expected 192 rows"):
+        other.positions = universe.atoms[:5]

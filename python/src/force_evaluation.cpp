@@ -1,0 +1,93 @@
+// Energy, forces and virial of a simulation's force field at positions of the caller's, on the bonds or off them.
+
+#include <fmt/format.h>
+
+#include "base/errors.hpp"
+#include "simulation_object.hpp"
+#include "systems/whole_molecules.hpp"
+
+namespace taut {
+namespace {
+
+using Rows = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+// Has a force field of its own: pair lists are kept from one call to the next, and those of the simulation
+// decide the last bits of its steps.
+class ForceEvaluation {
+ public:
+  explicit ForceEvaluation(py::object simulation) : owner_(std::move(simulation)) {
+    auto& own = owner_.cast<PythonSimulation&>();
+    const Simulation& engine = own.settled();
+    const Scene& scene = engine.scene();
+    if (!scene.system.sites.empty())
+      throw InputError(
+          fmt::format("atom {} is a virtual site, which only taut can move; take a model without virtual "
+                      "sites",
+                      scene.system.sites.front().atom));
+    if (!scene.terms.steered.empty())
+      throw InputError(fmt::format("atom {} is steered by a spring whose end moves with time; leave it out",
+                                   scene.terms.steered.front().atom));
+    system_ = scene.system;
+    pairs_ = bonded_pairs(scene.system, scene.terms);
+    runs_foreign_code_ = engine.runs_foreign_code();
+    virial_is_whole_ = engine.state().box.periodic() && scene.closed();
+    threads_ = engine.threads();
+    const ThreadScope scope(threads_);
+    forces_.emplace(scene.system, engine.state().box, scene.terms);
+    state_ = engine.state();
+  }
+
+  // box: vectors in rows, in reduced form; none for none. Atoms of a molecule are brought to their nearest
+  // images. Returns the energy [kJ/mol], forces, (n, 3) [kJ/mol/nm], and the virial, (3, 3) [kJ/mol], or None
+  // without a box and with forces from outside, which have none.
+  py::tuple at(const Rows& positions, const std::optional<Rows>& box) {
+    owner_.cast<PythonSimulation&>().settled();  // throws while it runs: forces written in Python are shared
+    state_.x = Eigen::Map<const Vectors>(positions.data(), 3, system_.atoms());
+    if (box) set_box(Eigen::Map<const Eigen::Matrix3d>(box->data()));
+    make_whole(state_.box, pairs_, state_.x);
+    forget_python_error();
+    double energy = 0;
+    Eigen::Matrix3d tensor;
+    try {
+      std::optional<py::gil_scoped_release> long_work;
+      if (!runs_foreign_code_) long_work.emplace();
+      const ThreadScope scope(threads_);
+      ForceField::Evaluation besides;
+      forces_->evaluate(system_, state_, besides);
+      energy = forces_->potential(state_, besides);
+      if (virial_is_whole_) tensor = forces_->virial(state_, besides);
+    } catch (...) {
+      rethrow_python_error();
+      throw;
+    }
+    return py::make_tuple(energy, rows_of(state_.f),
+                          virial_is_whole_ ? py::object(rows_of(tensor)) : py::none());
+  }
+
+ private:
+  void set_box(const Eigen::Matrix3d& vectors) {
+    std::string flaw = Box::flaw(vectors);
+    if (flaw.empty()) flaw = forces_->lack_of_room(Box::of(vectors));
+    if (!flaw.empty()) throw InputError("cell: " + flaw);
+    state_.box = Box::of(vectors);
+  }
+
+  py::object owner_;
+  System system_;
+  std::vector<BondedPair> pairs_;
+  std::optional<ForceField> forces_;
+  State state_;
+  bool runs_foreign_code_ = false;
+  bool virial_is_whole_ = false;  // no forces from outside, which have none
+  int threads_ = 1;
+};
+
+}  // namespace
+
+void bind_force_evaluation(py::module_& m) {
+  py::class_<ForceEvaluation>(m, "ForceEvaluation")
+      .def(py::init<py::object>())
+      .def("at", &ForceEvaluation::at, py::arg("positions"), py::arg("box").none(true));
+}
+
+}  // namespace taut
