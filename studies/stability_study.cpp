@@ -23,7 +23,7 @@ std::string step_name(std::size_t scene, const std::string& method) {
 constexpr const char* kReference = "plane/newton";
 
 Trial over_the_plane(const StabilityPlan& plan, const Setting& setting) {
-  return try_setting(plan.scenes.front(), setting, {.steps = plan.plane_steps, .rows = plan.plane_steps / 5});
+  return try_setting(plan.scenes.front(), setting, plan.trial(plan.plane_steps));
 }
 
 Trial run_gains(const StabilityPlan& plan, Damping damping, DimensionlessGains gains) {
@@ -80,6 +80,13 @@ std::vector<double> StabilityPlan::all_bh() const {
   return all;
 }
 
+TrialPlan StabilityPlan::trial(long trial_steps) const {
+  return {.steps = trial_steps,
+          .rows = trial_steps / 5,
+          .broken_energy = broken_energy,
+          .broken_bond = broken_bond};
+}
+
 std::vector<Job> plane_jobs(const StabilityPlan& plan) {
   std::vector<Job> jobs = {{kReference, [&plan] {
                               return over_the_plane(plan, {"newton", "", "", {"method.name=newton"}});
@@ -106,8 +113,7 @@ Trial largest_stable_step(const StabilityPlan& plan, const Scene& scene, const s
   const auto at = [&](double factor) {
     Scene copy = scene;
     copy.run.dt_fs *= factor;
-    return try_setting(copy, {method, "", "", {"method.name=" + method}},
-                       {.steps = plan.step_steps, .rows = plan.step_steps / 5});
+    return try_setting(copy, {method, "", "", {"method.name=" + method}}, plan.trial(plan.step_steps));
   };
   const double fine_enough = plan.quick ? 1.2 : 1.05;
   double good = 0, bad = 0, factor = 1;

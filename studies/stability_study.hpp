@@ -15,11 +15,14 @@ struct StabilityPlan {
   bool quick = false;
   long plane_steps = 2000;
   long step_steps = 500;                 // a step is stable that gets through so many
+  double broken_bond = 0.1;              // a run has failed where a bond is off by more than this, relative,
+  double broken_energy = 1;              // or the energy by this much of the largest kinetic energy
   std::vector<double> ah = {}, bh = {};  // αh and βh of the plane's points, as asked; empty: all of it
 
   void make_quick();  // rough: few gains and steps
   std::vector<double> all_ah() const;
   std::vector<double> all_bh() const;
+  TrialPlan trial(long trial_steps) const;
 };
 
 constexpr double kSearch = 64;  // a stable step is looked for from 1/64 to 64 times the scene's

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "base/errors.hpp"
+#include "constraints/registry.hpp"
 #include "core.hpp"
 #include "studies/calibration.hpp"
 #include "studies/chart_study.hpp"
@@ -21,6 +22,29 @@ Scene scene_for(const Input& input, const char* study) {
   return prepared_for_study(input.scene);
 }
 
+// Adds a method to the list that is another one with options that cannot be varied, so that a study takes it as
+// it is. It replaces the one that was added under this name.
+void add_fixed_method(const Input& input, const std::string& name, const std::vector<std::string>& settings) {
+  static std::set<std::string> names;  // the list holds views of these texts
+  Scene scene = input.scene;
+  apply_overrides(scene, settings);
+  const MethodEntry::Factory make = [](const System& sys, const std::any& of, double h) {
+    return make_method(sys, std::any_cast<const MethodOptions&>(of), h);
+  };
+  const MethodEntry::Factory plain = [](const System& sys, const std::any& of, double h) {
+    return make_plain(sys, std::any_cast<const MethodOptions&>(of), h);
+  };
+  const MethodEntry& of = scene.method.method();
+  MethodEntry fixed{.name = *names.insert(name).first,
+                    .summary = of.summary,
+                    .defaults = scene.method,
+                    .describe = [](std::any&) { return std::vector<Option>{}; },
+                    .make = make,
+                    .make_plain = plain,
+                    .one_sided = of.one_sided};
+  add_method(std::move(fixed));
+}
+
 // Runs jobs one by one, checks for Ctrl-C between them, and tells `progress` how many of how many are done.
 void run_jobs(const std::vector<Job>& jobs, Ledger& ledger, const py::object& progress) {
   std::size_t done = 0;
@@ -34,11 +58,13 @@ void run_jobs(const std::vector<Job>& jobs, Ledger& ledger, const py::object& pr
   }
 }
 
-// Replaces a study's number of steps or repeats by what was asked for, unless that is 0.
+// Replaces a number of a study's by what was asked for, unless that is 0.
 template <class Number>
 void replace(Number& number, const py::dict& asked, const char* key) {
   const auto value = asked[key].cast<Number>();
-  if (value < 0) throw InputError(fmt::format("{}: {}, expected 1 or more", key, value));
+  if (!(value >= 0))
+    throw InputError(fmt::format("{}: {}, expected {}", key, value,
+                                 std::is_integral_v<Number> ? "1 or more" : "more than 0"));
   if (value > 0) number = value;
 }
 
@@ -79,6 +105,7 @@ py::dict stability(const Input& input, const std::vector<std::string>& methods, 
   StabilityPlan plan{.scenes = {scene_for(input, "stability")}, .methods = methods};
   if (asked["quick"].cast<bool>()) plan.make_quick();
   replace(plan.plane_steps, asked, "steps"), replace(plan.step_steps, asked, "steps");
+  replace(plan.broken_bond, asked, "bond_error"), replace(plan.broken_energy, asked, "energy_error");
   Ledger ledger(std::filesystem::path(folder) / "ledger.tsv", "stability");
   std::vector<Job> jobs;
   if (asked["plane"].cast<bool>()) jobs = plane_jobs(plan);
@@ -105,6 +132,7 @@ py::dict calibrate_scene(const Input& input, const py::dict& asked) {
   plan.copies = asked["copies"].cast<std::string>();
   plan.damping = asked["damping"].cast<std::string>();
   plan.passes = asked["passes"].cast<int>();
+  replace(plan.size, asked, "size");
   if (plan.passes < 1) throw InputError(fmt::format("passes: {}, expected 1 or more", plan.passes));
   const Scene scene = scene_for(input, "calibrate");
   const Calibration c = [&] {
@@ -127,6 +155,7 @@ py::dict crosscheck_scene(const Input& input, const std::vector<std::string>& me
   CrosscheckPlan plan{.contestants = contestants(methods), .files = {}};
   plan.platform = asked["platform"].cast<std::string>();
   plan.speed_seconds = asked["speed_seconds"].cast<double>();
+  replace(plan.agreement, asked, "agreement_nm");
   const auto tell = [&](const std::string& what) {
     const py::gil_scoped_acquire interpreter;
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
@@ -145,6 +174,7 @@ py::dict crosscheck_scene(const Input& input, const std::vector<std::string>& me
 }  // namespace
 
 void bind_studies(py::module_& m) {
+  m.def("add_fixed_method", add_fixed_method);
   m.def("chart", chart);
   m.def("stability", stability);
   m.def("calibrate", calibrate_scene);

@@ -1,5 +1,8 @@
 """Studies of constraint methods: their speed, accuracy and limits, and whether OpenMM agrees.
 
+Each study takes methods as names, as classes or as objects, and ``seeds``: their number, or a list of them. It then
+runs once for each, and returns means over them with standard errors, ``NAME_error`` beside ``NAME``.
+
 Each study returns a dict of tables. A table is a pandas.DataFrame, or without pandas a dict of columns, numpy arrays
 of one length. With ``draw=True`` a study draws a picture with matplotlib; the dict has its figure as "figure".
 """
@@ -17,7 +20,8 @@ import numpy.typing as npt
 
 from . import _core, inputs, parts
 from .errors import InputError
-from .options import CLASSES
+from .options import CLASSES, Options
+from .over_seeds import Columns, Seeds, mean_and_error, over_seeds, settings_of_seeds
 from .progress import StudyProgress
 
 PANELS = ("work", "drift", "order", "length", "precision")
@@ -40,29 +44,52 @@ def table(columns: Mapping[str, Any]) -> Table:
     return pandas.DataFrame(dict(columns))
 
 
-def table_of_csv(text: str) -> Table:
-    """Returns the table of a CSV text with a line of names. An empty cell is nan."""
+def _columns_of_csv(text: str) -> Columns:
+    """Returns the columns of a CSV text with a line of names. An empty cell is nan."""
     rows = list(csv.reader(io.StringIO(text)))
-    return table({name: _column([row[n] for row in rows[1:]]) for n, name in enumerate(rows[0])})
+    return {name: _column([row[n] for row in rows[1:]]) for n, name in enumerate(rows[0])}
 
 
-def _methods(methods: Optional[Iterable[Any]]) -> List[str]:
-    if isinstance(methods, (str, type)):
+def _name(method: Any, scene: "_core.Input") -> str:
+    """Returns a method's name in a study. That of an object says its options: "shake(tolerance=1e-06)"."""
+    if isinstance(method, type) and issubclass(method, Options):
+        return str(method.method)
+    if isinstance(method, Options):
+        settings = method.settings()
+    elif isinstance(method, parts.ConstraintMethod):
+        settings = parts.settings_of(method)
+    else:
+        return parts.named(method)
+    options = [f"{key[len('method.'):]}={value}" for key, value in settings.items() if key != "method.name"]
+    name = f"{settings['method.name']}({' '.join(options) or 'defaults'})"
+    _core.add_fixed_method(scene, name, [f"{key}={inputs.toml(value, key)}" for key, value in settings.items()])
+    return name
+
+
+def _names(methods: Optional[Iterable[Any]], usual: List[str], scene: "_core.Input") -> List[str]:
+    if isinstance(methods, (str, type, Options, parts.ConstraintMethod)):
         methods = [methods]
-    names = list(CLASSES) if methods is None else [parts.named(method) for method in methods]
-    if not names:
+    names = usual if methods is None else [_name(method, scene) for method in methods]
+    if not names and methods is not None:
         raise InputError("methods: expected one or more")
     return names
 
 
-def _study(run: Any, scene: inputs.Scene, methods: Optional[Iterable[Any]], settings: List[str],
-           asked: Dict[str, Any]) -> Dict[str, Table]:
-    names = _methods(methods)
-    progress = StudyProgress()
-    with tempfile.TemporaryDirectory(prefix="taut-") as folder:
-        tables = run(inputs.read(scene, settings), names, asked, folder, progress)
+def _joined(tables: List[Dict[str, Columns]], seeds: List[int]) -> Dict[str, Table]:
+    return {name: table(over_seeds([of_seed[name] for of_seed in tables], seeds)) for name in tables[0]}
+
+
+def _study(run: Any, scene: inputs.Scene, methods: Optional[Iterable[Any]], settings: List[Dict[str, Any]],
+           asked: Dict[str, Any], dt_fs: Optional[float]) -> Dict[str, Table]:
+    progress, tables = StudyProgress(), []
+    for of_seed in settings:
+        read = inputs.read(scene, inputs.overrides(of_seed, None, dt_fs))
+        names = _names(methods, list(CLASSES), read)
+        with tempfile.TemporaryDirectory(prefix="taut-") as folder:
+            tables.append(run(read, names, asked, folder, progress))
     progress.done()
-    return {name: table_of_csv(text) for name, text in tables.items()}
+    return _joined([{name: _columns_of_csv(text) for name, text in of_seed.items()} for of_seed in tables],
+                   [of_seed.get("run.seed", 0) for of_seed in settings])
 
 
 def _drawn(tables: Dict[str, Any], kind: str, draw: bool) -> Dict[str, Any]:
@@ -75,15 +102,18 @@ def _drawn(tables: Dict[str, Any], kind: str, draw: bool) -> Dict[str, Any]:
 
 def chart(scene: inputs.Scene, methods: Optional[Iterable[Any]] = None, *, dt_fs: Optional[float] = None,
           set: Optional[Mapping[str, Any]] = None, quick: bool = False, repeats: int = 0, steps: int = 0,
-          drift_steps: int = 0, panels: Iterable[str] = PANELS, draw: bool = False) -> Dict[str, Any]:
+          drift_steps: int = 0, panels: Iterable[str] = PANELS, seeds: Seeds = None,
+          draw: bool = False) -> Dict[str, Any]:
     """Charts each method's speed against its accuracy.
 
-    - ``methods``: names, or classes derived from taut.ConstraintMethod; None takes all of taut's. An option called
-      tolerance, sweeps, order, iterations, gains, ... runs through a range of values
+    - ``methods``: names, classes (``taut.Shake``, or your own derived from taut.ConstraintMethod) or objects
+      (``taut.Shake(tolerance=1e-6)``); None takes all of taut's. An option called tolerance, sweeps, order,
+      iterations, gains, ... of a name or a class runs through a range of values; an object is one point
     - ``quick``: takes few settings, repeats and steps, for a rough chart in a second to a minute
     - ``repeats``, ``steps``: number of timed runs, and of steps in each; 0 takes the study's own
     - ``drift_steps``: number of steps in runs that measure the energy's drift; 0 takes the study's own
     - ``panels``: which of the tables to make
+    - ``seeds``: number or list of ``run.seed``; tables then have means over them and their errors
 
     Returns the tables "work" (constraint time of a bond and step [ns] against bond error), "drift" (that time against
     the energy's drift), "order" (distance from an exact run against the step), "length" (cost against the length of
@@ -95,68 +125,123 @@ def chart(scene: inputs.Scene, methods: Optional[Iterable[Any]] = None, *, dt_fs
             raise InputError(f"panels: {panel!r}, expected some of {', '.join(PANELS)}")
     wanted += ["work"] if "drift" in wanted else []  # its costs are of that panel
     asked = {"quick": quick, "repeats": repeats, "steps": steps, "drift_steps": drift_steps, "panels": wanted}
-    return _drawn(_study(_core.chart, scene, methods, inputs.overrides(set, None, dt_fs), asked), "chart", draw)
+    return _drawn(_study(_core.chart, scene, methods, settings_of_seeds(seeds, set), asked, dt_fs), "chart", draw)
 
 
 def stability(scene: inputs.Scene, methods: Optional[Iterable[Any]] = None, *, dt_fs: Optional[float] = None,
               set: Optional[Mapping[str, Any]] = None, quick: bool = False, steps: int = 0, plane: bool = True,
+              bond_error: float = 0.1, energy_error: float = 1.0, seeds: Seeds = None,
               draw: bool = False) -> Dict[str, Any]:
     """Finds where methods fail.
 
+    - ``methods``: names, classes or objects such as ``taut.Shake(tolerance=1e-6)``; None takes all of taut's
     - ``steps``: number of steps that a stable run lasts; 0 takes the study's own
     - ``plane``: runs Baumgarte over a plane of α and β
+    - ``bond_error``, ``energy_error``: a run has failed where a bond's relative error, or the energy's change over
+      the largest kinetic energy, is above this
+    - ``seeds``: number or list of ``run.seed``; tables then have means over them and their errors
 
     Returns the tables "plane" (steps survived and drift over α and β), "limits" (the theory's limit of β h against
     α h for a single bond) and "steps" (the largest stable step of each method [fs]). Raises InputError.
     """
-    asked = {"quick": quick, "steps": steps, "plane": plane}
-    return _drawn(_study(_core.stability, scene, methods, inputs.overrides(set, None, dt_fs), asked), "stability", draw)
+    asked = {"quick": quick, "steps": steps, "plane": plane, **_errors(bond_error=bond_error, energy_error=energy_error)}
+    return _drawn(_study(_core.stability, scene, methods, settings_of_seeds(seeds, set), asked, dt_fs), "stability",
+                  draw)
+
+
+def _errors(**given: float) -> Dict[str, float]:
+    """Returns errors that a study takes. Raises InputError that names one that is not above 0."""
+    for name, error in given.items():
+        if not error > 0:
+            raise InputError(f"{name}: {error!r}, expected more than 0")
+    return given
+
+
+def _reference(against: Any, asked: Dict[str, Any], scene: "_core.Input") -> None:
+    """Adds the name of a reference method to what is asked for, with tolerance and sweeps of taut.Rattle(...)."""
+    if not isinstance(against, Options):
+        asked["against"] = _name(against, scene)
+        return
+    settings = against.settings()
+    asked["against"] = settings.pop("method.name")
+    for key in ("tolerance", "sweeps"):
+        value = settings.pop(f"method.{key}", None)
+        if value is not None and asked[key] not in (value, {"tolerance": 1e-10, "sweeps": 0}[key]):
+            raise InputError(f"{key} is said twice, {value!r} and {asked[key]!r}; leave one out")
+        asked[key] = asked[key] if value is None else value
+    if settings:
+        raise InputError(f"against: {next(iter(settings))} has no effect; tolerance and sweeps have")
 
 
 def calibrate(scene: inputs.Scene, *, against: Any = "rattle", tolerance: float = 1e-10, sweeps: int = 0,
-              copies: str = "mean", damping: str = "centred", passes: int = 2, dt_fs: Optional[float] = None,
-              set: Optional[Mapping[str, Any]] = None, draw: bool = False) -> Dict[str, Any]:
+              copies: str = "mean", damping: str = "centred", passes: int = 2, size: float = 1e-6,
+              dt_fs: Optional[float] = None, set: Optional[Mapping[str, Any]] = None, seeds: Seeds = None,
+              draw: bool = False) -> Dict[str, Any]:
     """Finds the α and β with which Baumgarte reduces a bond's error per step as a reference method does.
 
-    - ``against``: "rattle", "shake" or "newton", or a class of your own derived from taut.ConstraintMethod
+    - ``against``: "rattle", "shake" or "newton", or ``taut.Rattle(sweeps=4)`` and the like, or a class or an object of
+      your own derived from taut.ConstraintMethod
     - ``tolerance``, ``sweeps``: the reference's tolerance, or in its place a fixed number of sweeps
     - ``copies``: "mean", "first" or "slowest", the reduction to copy if it differs from step to step
     - ``damping``, ``passes``: Baumgarte's form ("discrete", "centred", "implicit" or "lagged"), and its linear
       solves a step
+    - ``size``: the relative error that is put into every bond
+    - ``seeds``: number or list of ``run.seed``; figures are then means over them, ``NAME_error`` their errors
 
     Returns "alpha_per_ps" and "beta_per_ps" [1/ps]; predicted and measured reductions and residuals; "courses", a table
     of the error after each step (rms of σ/d²); "settings" for ``Simulation(set=...)``; and "disagreement", empty if
     theory and measurement agree. Raises InputError.
     """
-    asked = {"against": parts.named(against), "tolerance": tolerance, "sweeps": sweeps, "copies": copies,
-             "damping": damping, "passes": passes}
-    result: Dict[str, Any] = dict(_core.calibrate(inputs.read(scene, inputs.overrides(set, None, dt_fs)), asked))
-    reference, baumgarte = result.pop("reference"), result.pop("baumgarte")
-    result["courses"] = table({"step": np.arange(len(reference["stretch"])), "reference": reference["stretch"],
-                               "baumgarte": baumgarte["stretch"]})
+    asked = {"tolerance": tolerance, "sweeps": sweeps, "copies": copies, "damping": damping, "passes": passes,
+             **_errors(size=size)}
+    settings, found = settings_of_seeds(seeds, set), []
+    for n, of_seed in enumerate(settings):
+        read = inputs.read(scene, inputs.overrides(of_seed, None, dt_fs))
+        if n == 0:
+            _reference(against, asked, read)
+        found.append(dict(_core.calibrate(read, asked)))
+    courses = [{"step": np.arange(len(one["reference"]["stretch"])),
+                "reference": one.pop("reference")["stretch"], "baumgarte": one.pop("baumgarte")["stretch"]}
+               for one in found]
+    result: Dict[str, Any] = found[0]
+    for name in [name for name, figure in found[0].items() if isinstance(figure, float) and len(found) > 1]:
+        mean, error = mean_and_error([one[name] for one in found])
+        result[name], result[f"{name}_error"] = float(mean), float(error)
+    result["disagreement"] = "\n".join(dict.fromkeys(one["disagreement"] for one in found if one["disagreement"]))
+    result["courses"] = table(over_seeds(courses, [of_seed.get("run.seed", 0) for of_seed in settings]))
     result["settings"] = {"method.name": "baumgarte",
                           **{f"method.{key}": result[key] for key in ("gains", "damping", "reduction", "passes")}}
     return _drawn(result, "calibration", draw)
 
 
-def crosscheck(scene: inputs.Scene, methods: Optional[Iterable[str]] = None, *, steps: int = 200,
+def crosscheck(scene: inputs.Scene, methods: Optional[Iterable[Any]] = None, *, steps: int = 200,
                dt_fs: Optional[float] = None, set: Optional[Mapping[str, Any]] = None, platform: str = "Reference",
-               speed_seconds: float = 0.0, draw: bool = False) -> Dict[str, Any]:
+               speed_seconds: float = 0.0, agreement_nm: float = 1e-6, seeds: Seeds = None,
+               draw: bool = False) -> Dict[str, Any]:
     """Compares a scene's runs with those of OpenMM, the version that taut was built with.
 
-    - ``methods``: names, with gains as in "baumgarte:dead-beat"; None takes the study's own
+    - ``methods``: names, with gains as in "baumgarte:dead-beat", classes or objects; None takes the study's own.
+      Projections named so are held to 1e-12, an object to what it says
     - ``platform``: OpenMM's platform
     - ``speed_seconds``: how long to measure speeds; 0 measures none
+    - ``agreement_nm``: runs that are further apart than this have parted [nm]
+    - ``seeds``: number or list of ``run.seed``; tables then have means over them and their errors, and "of_seeds" has
+      the figures of each
 
     Returns the figures and "verdicts" of crosscheck.json, the table "samples" of every sample of every run, and for
     liquid water "distances", its radial distribution. Raises InputError.
     """
-    names = [] if methods is None else [m if isinstance(m, str) else parts.named(m) for m in methods]
-    progress = StudyProgress()
-    said = inputs.overrides({"run.steps": steps, **(set or {})}, None, dt_fs)
-    found = dict(_core.crosscheck(inputs.read(scene, said), names,
-                                  {"platform": platform, "speed_seconds": speed_seconds}, progress))
+    progress, found = StudyProgress(), []
+    asked = {"platform": platform, "speed_seconds": speed_seconds, **_errors(agreement_nm=agreement_nm)}
+    settings = settings_of_seeds(seeds, {"run.steps": steps, **(set or {})})
+    for of_seed in settings:
+        read = inputs.read(scene, inputs.overrides(of_seed, None, dt_fs))
+        found.append(dict(_core.crosscheck(read, _names(methods, [], read), asked, progress)))
     progress.done()
-    result: Dict[str, Any] = json.loads(found.pop("json"))
-    result.update({name: table_of_csv(text) for name, text in found.items()})
+    figures = [json.loads(one.pop("json")) for one in found]
+    result: Dict[str, Any] = dict(figures[0])
+    if len(figures) > 1:
+        result["of_seeds"] = figures
+    result.update(_joined([{name: _columns_of_csv(text) for name, text in one.items()} for one in found],
+                          [of_seed.get("run.seed", 0) for of_seed in settings]))
     return _drawn(result, "crosscheck", draw)

@@ -91,3 +91,104 @@ def test_studies_take_what_from_openmm_takes():
     assert found["reduction"] == pytest.approx(taut.calibrate("water", dt_fs=2, sweeps=4)["reduction"], rel=0.5)
     limits = taut.stability((system, state), ["newton"], dt_fs=2, quick=True, plane=False)
     assert list(limits["steps"]["method"]) == ["newton"]
+
+
+class Mine(taut.ConstraintMethod):
+    """Newton's linear solve of the lengths, once a step."""
+
+    holds = "positions"
+
+    def __init__(self, passes=2):
+        self.passes = passes
+
+    def project_positions(self, system, h, state):
+        i, j = system.bonds.T
+        before = state.positions - h * state.velocities
+        along = before[j] - before[i]
+        for _ in range(self.passes):
+            r = state.positions[j] - state.positions[i]
+            matrix = np.zeros((len(i), len(i)))
+            for atom, sign in ((i, -1), (j, 1)):
+                for other, its in ((i, -1), (j, 1)):
+                    same = atom[:, None] == other[None]
+                    matrix += sign * its * same * (r @ along.T) * system.inverse_masses[atom][:, None]
+            force = np.linalg.solve(matrix, (system.lengths**2 - (r * r).sum(1)) / 2)[:, None] * along
+            move = np.zeros_like(before)
+            np.add.at(move, j, force)
+            np.add.at(move, i, -force)
+            move *= system.inverse_masses[:, None]
+            state.positions += move
+            state.velocities += move / h
+
+
+FEW = {"build.chains": 1, "build.beads": 4}
+
+
+def test_studies_take_objects_with_their_options():
+    methods = [taut.Shake(tolerance=1e-6), "newton", taut.Shake, Mine, Mine(passes=1)]
+    work = taut.chart("freely_jointed", methods, quick=True, repeats=1, panels="work", set=FEW)["work"]
+    rows, errors = list(work["method"]), np.array(work["rms_rel_bond_error"])
+    assert rows.count("shake(tolerance=1e-06)") == rows.count("Mine") == rows.count("Mine(passes=1)") == 1
+    assert rows.count("shake") == 5  # tolerances and sweeps of a class vary
+    assert 1e-9 < errors[rows.index("shake(tolerance=1e-06)")] < 1e-6
+    assert errors[rows.index("Mine(passes=1)")] > 10 * errors[rows.index("Mine")]
+    steps = taut.stability("freely_jointed", [taut.Rattle(sweeps=1), "rattle"], quick=True, steps=40, plane=False,
+                           set=FEW)["steps"]
+    assert list(steps["method"]) == ["rattle(sweeps=1)", "rattle"]
+    one_sweep, converged = steps["largest_stable_fs"]
+    assert one_sweep != converged
+    with pytest.raises(taut.InputError, match="method.tolerance: expected at least"):
+        taut.stability("freely_jointed", [taut.Rattle(tolerance=1)], quick=True, plane=False, set=FEW)
+
+
+def test_calibrate_takes_objects():
+    asked = {"set": {"build.chains": 2}}
+    named = taut.calibrate("freely_jointed", sweeps=4, **asked)
+    assert taut.calibrate("freely_jointed", against=taut.Rattle(sweeps=4), **asked)["reduction"] == named["reduction"]
+    own = taut.calibrate("freely_jointed", against=Mine(passes=2), set=FEW)
+    assert 0 <= own["reduction"] < 0.1
+    with pytest.raises(taut.InputError, match="sweeps is said twice, 4 and 3"):
+        taut.calibrate("freely_jointed", against=taut.Rattle(sweeps=4), sweeps=3, **asked)
+    with pytest.raises(taut.InputError, match="method.warm_start has no effect"):
+        taut.calibrate("freely_jointed", against=taut.Rattle(warm_start=False), **asked)
+    with pytest.raises(taut.InputError, match="size: 0, expected more than 0"):
+        taut.calibrate("freely_jointed", size=0, **asked)
+
+
+def test_seeds_give_means_and_errors():
+    def chart(**more):
+        return taut.chart("freely_jointed", ["newton"], quick=True, repeats=1, panels="drift", **more)["drift"]
+
+    found = chart(seeds=2, set=FEW)
+    each = [chart(set={**FEW, "run.seed": seed}) for seed in (1, 2)]
+    drifts = np.array([one["drift_kj_mol_ns_dof"] for one in each])
+    assert (drifts[0] != drifts[1]).any()
+    assert np.allclose(found["drift_kj_mol_ns_dof"], drifts.mean(0), rtol=1e-12)
+    assert np.allclose(found["drift_kj_mol_ns_dof_error"], abs(drifts[0] - drifts[1]) / 2, rtol=1e-9)
+    assert list(found["method"]) == list(each[0]["method"]) and "value_error" not in found
+    listed = taut.calibrate("freely_jointed", sweeps=4, seeds=[3, 5], set=FEW)
+    of = [taut.calibrate("freely_jointed", sweeps=4, set={**FEW, "run.seed": seed}) for seed in (3, 5)]
+    assert listed["reduction_measured"] == pytest.approx(np.mean([one["reduction_measured"] for one in of]))
+    assert listed["reduction_measured_error"] > 0 and "reference_error" in listed["courses"]
+    for wrong, words in (({"seeds": 0}, "seeds: 0"), ({"seeds": [1, 1]}, "each once"), ({"seeds": 1.5}, "whole number"),
+                         ({"seeds": [1], "set": {"run.seed": 2}}, "seeds lists them already")):
+        with pytest.raises(taut.InputError, match=words):
+            taut.calibrate("freely_jointed", **wrong)
+
+
+def test_a_smaller_error_counts_as_a_failure():
+    def largest(**more):
+        return taut.stability("freely_jointed", ["baumgarte"], quick=True, steps=40, plane=False, set=FEW,
+                              **more)["steps"]["largest_stable_fs"][0]
+
+    assert largest(bond_error=1e-4) < largest()
+    with pytest.raises(taut.InputError, match="energy_error: -1"):
+        largest(energy_error=-1)
+
+
+def test_crosscheck_takes_objects_and_seeds():
+    try:
+        found = taut.crosscheck("pair", [taut.Newton(tolerance=1e-9), "shake"], steps=20, agreement_nm=1e-3)
+    except taut.InputError as error:
+        pytest.skip(f"built without OpenMM: {error}")
+    assert {"newton(tolerance=1e-09)", "shake"} <= set(found["samples"]["run"])
