@@ -1,0 +1,243 @@
+#include "openmm/held_dynamics.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "base/errors.hpp"
+#include "base/nearest_name.hpp"
+#include "base/threads.hpp"
+#include "constraints/projection.hpp"
+#include "constraints/registry.hpp"
+#include "md/observables.hpp"
+#include "md/run.hpp"
+#include "openmm/langevin_noise.hpp"
+
+namespace taut {
+namespace {
+
+template <class Number>
+Number number(const std::string& key, const std::string& word) {
+  Number value{};
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error != std::errc() || end != word.data() + word.size())
+    throw InputError(fmt::format("{}: expected {}, got \"{}\"", key,
+                                 std::is_integral_v<Number> ? "a whole number" : "a number", word));
+  return value;
+}
+
+void set(const Option& option, const std::string& word) {
+  const std::string key = option.key;
+  if (auto* const* real = std::get_if<double*>(&option.field)) **real = number<double>(key, word);
+  if (auto* const* count = std::get_if<int*>(&option.field)) **count = number<int>(key, word);
+  if (auto* const* either = std::get_if<std::optional<double>*>(&option.field))
+    **either = number<double>(key, word);
+  if (auto* const* text = std::get_if<std::string*>(&option.field)) **text = word;
+  if (auto* const* flag = std::get_if<bool*>(&option.field)) {
+    if (word != "true" && word != "false")
+      throw InputError(fmt::format("{}: expected true or false, got \"{}\"", key, word));
+    **flag = word == "true";
+  }
+}
+
+MethodOptions method_of(const HoldSettings& settings) {
+  MethodOptions method = default_options(settings.method);
+  if (method.name() == "penalty")
+    throw InputError(
+        "method \"penalty\" puts springs in place of bonds: give OpenMM a HarmonicBondForce, or take "
+        "\"newton\"");
+  const std::vector<Option> options = method.describe();
+  for (const auto& [key, word] : settings.options) {
+    const std::string_view name = key;
+    const auto found = std::ranges::find(options, name, [](const Option& option) { return option.key; });
+    if (found == options.end()) {
+      std::vector<std::string_view> names;
+      for (const Option& option : options) names.push_back(option.key);
+      throw InputError(fmt::format("method \"{}\" has no option \"{}\"{}", method.name(), name,
+                                   did_you_mean(name, names)));
+    }
+    set(*found, word);
+  }
+  check(method.describe());
+  return method;
+}
+
+System system_of(const HeldBonds& held) {
+  std::vector<RigidBond> bonds;
+  for (const auto& [i, j, length] : held.bonds)
+    if (held.masses[i] > 0 || held.masses[j] > 0) bonds.push_back({i, j, length});
+  return make_system(Eigen::Map<const Eigen::VectorXd>(held.masses.data(), std::ssize(held.masses)), bonds);
+}
+
+Vectors copy_of(const double* x, int atoms) {
+  return Eigen::Map<const Vectors>(x, 3, atoms);
+}
+
+// The forces of the engine as those of a step.
+class ForcesOfEngine final : public ForceLaw {
+ public:
+  explicit ForcesOfEngine(Engine& engine) : engine_(engine) {}
+  void evaluate(const System&, State& s) override { engine_.forces(s.t, s.x.data(), s.f.data()); }
+
+ private:
+  Engine& engine_;
+};
+
+// The thermostat, and the engine's own update where a barostat would move the box.
+class BathOfEngine final : public Bath {
+ public:
+  BathOfEngine(Engine& engine, LangevinNoise& noise) : engine_(engine), noise_(noise) {}
+  const Vectors* half_jump() const override { return noise_.half_jump(); }
+  double move_box(const System&, State& s) override {
+    engine_.update(s.t, s.x.data(), s.v.data());
+    return 0;
+  }
+  Draw draw(const System& sys, const Push& push, const State& s) override {
+    return noise_.draw(sys, push, s);
+  }
+
+ private:
+  Engine& engine_;
+  LangevinNoise& noise_;
+};
+
+}  // namespace
+
+void check(const HoldSettings& settings) {
+  if (!(settings.h > 0) || !std::isfinite(settings.h))
+    throw InputError(fmt::format("a step of {} ps, expected more than 0", settings.h));
+  if (!(settings.friction >= 0) || !std::isfinite(settings.friction))
+    throw InputError(fmt::format("a friction of {} /ps, expected 0 or more", settings.friction));
+  if (!(settings.temperature >= 0) || !std::isfinite(settings.temperature))
+    throw InputError(fmt::format("a temperature of {} K, expected 0 or more", settings.temperature));
+  if (settings.temperature > 0 && settings.friction == 0)
+    throw InputError(
+        "a temperature without friction has no effect: give both, or neither for constant energy");
+  method_of(settings);
+}
+
+void set_tolerance(HoldSettings& settings, double tolerance) {
+  HoldSettings changed = settings;
+  changed.options["tolerance"] = fmt::format("{}", tolerance);
+  check(changed);
+  settings = changed;
+}
+
+double tolerance(const HoldSettings& settings) {
+  MethodOptions method = method_of(settings);
+  for (const Option& option : method.describe())
+    if (option.key == std::string_view("tolerance"))
+      if (auto* const* real = std::get_if<double*>(&option.field)) return **real;
+  return 1e-5;
+}
+
+struct BondProjection::Parts {
+  System sys;
+  Projector projector;
+  explicit Parts(const HeldBonds& held) : sys(system_of(held)), projector(sys) {}
+};
+BondProjection::BondProjection(const HeldBonds& held) : parts_(std::make_unique<Parts>(held)) {}
+BondProjection::~BondProjection() = default;
+
+void BondProjection::positions(double* x) {
+  Vectors moved = copy_of(x, parts_->sys.atoms());
+  parts_->projector.positions(parts_->sys, moved);
+  std::copy_n(moved.data(), moved.size(), x);
+}
+void BondProjection::velocities(const double* x, double* v) {
+  Vectors changed = copy_of(v, parts_->sys.atoms());
+  parts_->projector.velocities(parts_->sys, copy_of(x, parts_->sys.atoms()), changed);
+  std::copy_n(changed.data(), changed.size(), v);
+}
+
+struct HeldDynamics::Parts {
+  System sys;
+  MethodOptions options;
+  double h;
+  int threads;
+  LangevinNoise noise;
+  std::unique_ptr<ConstraintMethod> method;
+  State s;
+  long steps = 0;
+
+  Parts(const HeldBonds& held, const HoldSettings& settings, int use_threads)
+      : sys(system_of(held)),
+        options(method_of(settings)),
+        h(settings.h),
+        threads(use_threads),
+        noise(sys, settings.temperature, settings.friction, settings.seed, settings.h),
+        method(make_method(sys, options, h)) {
+    s.x = s.v = s.f = Vectors::Zero(3, sys.atoms());
+  }
+};
+
+HeldDynamics::HeldDynamics(const HeldBonds& held, const HoldSettings& settings, int threads)
+    : parts_(std::make_unique<Parts>(held, settings, threads)) {}
+HeldDynamics::~HeldDynamics() = default;
+
+double* HeldDynamics::x() {
+  return parts_->s.x.data();
+}
+double* HeldDynamics::v() {
+  return parts_->s.v.data();
+}
+
+void HeldDynamics::start(double t, Engine& engine) {
+  Parts& p = *parts_;
+  const ThreadScope threads(p.threads);
+  p.method = make_method(p.sys, p.options, p.h);
+  p.noise.restart(p.sys);
+  p.s.t = t;
+  ForcesOfEngine forces(engine);
+  initialize({p.sys, forces, *p.method, p.noise}, p.h, p.s);
+}
+
+void HeldDynamics::step(double t, Engine& engine) {
+  Parts& p = *parts_;
+  const ThreadScope threads(p.threads);
+  p.s.t = t;
+  ForcesOfEngine forces(engine);
+  BathOfEngine bath(engine, p.noise);
+  const RunPlan plan{.h = p.h};
+  const SolveStats stats = take_step({p.sys, forces, *p.method, bath}, plan, p.s);
+  ++p.steps;
+  if (!bonds_hold(stats, plan)) throw StepFailure(diagnose(p.sys, p.s, stats, p.steps), stats);
+}
+
+double HeldDynamics::kinetic_energy() {
+  Parts& p = *parts_;
+  const ThreadScope threads(p.threads);
+  State middle = p.s;
+  if (p.noise.acts()) half_kick(p.sys, p.h, nullptr, middle);
+  const SolveStats stats = p.noise.project(p.sys, middle.x, middle.v);
+  if (!stats.converged())
+    throw SimulationFailure(fmt::format("the kinetic energy: {}", in_words(stats.failure)));
+  return taut::kinetic_energy(p.sys, middle.v);
+}
+
+void HeldDynamics::set_bath(double temperature, double friction) {
+  parts_->noise.set(parts_->sys, temperature, friction);
+}
+
+std::string HeldDynamics::save() {
+  Parts& p = *parts_;
+  std::string kept = std::string(p.options.name()) + '\n', numbers;
+  Archive archive = Archive::saving_to(numbers);
+  archive(p.s.x, p.s.v, p.s.f, *p.method, p.noise, p.steps);
+  return kept + numbers;
+}
+
+void HeldDynamics::load(const std::string& kept) {
+  Parts& p = *parts_;
+  const std::string_view text = kept, method = text.substr(0, text.find('\n'));
+  if (method != p.options.name() || method.size() == text.size())
+    throw InputError(
+        fmt::format("the checkpoint is of method \"{}\", expected \"{}\"", method, p.options.name()));
+  Archive archive = Archive::loading_from(text.substr(method.size() + 1));
+  archive(p.s.x, p.s.v, p.s.f, *p.method, p.noise, p.steps);
+  archive.finish();
+}
+
+}  // namespace taut

@@ -1,0 +1,119 @@
+"""taut's rigid bonds in OpenMM: an integrator of OpenMM's own kind, for any of its scripts.
+
+    >>> import taut.openmm
+    >>> integrator = taut.openmm.Integrator(0.002, method="feedforward")                     # constant energy
+    >>> integrator = taut.openmm.Integrator(0.002, temperature=300, friction=1)              # Langevin
+    >>> simulation = openmm.app.Simulation(topology, system, integrator)
+
+It holds the System's constraints. openmm/README.md of the sources has the rest.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from pathlib import Path
+from typing import Optional
+from xml.sax.saxutils import quoteattr
+
+import openmm
+from openmm import unit
+
+from . import _core
+
+_PICOSECOND, _RATE = unit.picosecond, unit.picosecond**-1
+_plugin: Optional[ctypes.CDLL] = None
+
+
+def _number(value, of_unit) -> float:
+    return float(value.value_in_unit(of_unit) if unit.is_quantity(value) else value)
+
+
+def plugin_path() -> Path:
+    """Returns where the plug-in for this OpenMM is: TAUT_OPENMM_PLUGIN, or beside the module."""
+    if named := os.environ.get("TAUT_OPENMM_PLUGIN"):
+        return Path(named)
+    version = ".".join(openmm.Platform.getOpenMMVersion().split(".")[:2])
+    folder = Path(_core.__file__).parent / "openmm_plugin"
+    path = folder / version / "libtaut_openmm.so"
+    if path.exists():
+        return path
+    built = ", ".join(sorted(p.parent.name for p in folder.glob("*/libtaut_openmm.so"))) or "none"
+    raise ImportError(f"taut.openmm: no plug-in for OpenMM {version} in {folder} (built for: {built}); build it with "
+                      f"cmake -DTAUT_OPENMM_ROOT={Path(openmm.__file__).parents[1] / 'OpenMM.libs'}")
+
+
+def load() -> ctypes.CDLL:
+    """Loads the plug-in, once, for all platforms that OpenMM has by then. Integrator() calls it."""
+    global _plugin
+    if _plugin is None:
+        path = str(plugin_path())
+        openmm.Platform.loadPluginLibrary(path)
+        _plugin = ctypes.CDLL(path)
+        _plugin.taut_set_bath.restype = ctypes.c_char_p
+        _plugin.taut_set_bath.argtypes = [ctypes.c_void_p, ctypes.c_double, ctypes.c_double]
+        _plugin.taut_set_seed.argtypes = [ctypes.c_void_p, ctypes.c_uint64]
+    return _plugin
+
+
+class Integrator(openmm.Integrator):
+    """Velocity Verlet, or with friction Langevin's dynamics, with the System's constraints held by a method of taut's.
+
+    dt: the step, a Quantity or in ps. method: one of taut.methods(), with its options by name, as help(taut.Newton)
+    and so on list them: Integrator(0.002, "newton", tolerance=1e-8). temperature in K and friction in 1/ps belong
+    together. seed 0: every Context draws its own.
+    """
+
+    def __init__(self, dt, method: str = "feedforward", *, temperature=0.0, friction=0.0, seed: int = 0, **options):
+        load()
+        kelvin, rate = _number(temperature, unit.kelvin), _number(friction, _RATE)
+        said = {key: str(value).lower() if isinstance(value, bool) else str(value) for key, value in options.items()}
+        said = " ".join(f"{key}={quoteattr(value)}" for key, value in said.items())
+        self._take(openmm.XmlSerializer.deserialize(
+            f'<Integrator type="TautIntegrator" version="1" stepSize="{_number(dt, _PICOSECOND)!r}" '
+            f'method={quoteattr(method)} temperature="{kelvin!r}" friction="{rate!r}" randomSeed="{int(seed)}">'
+            f"<Options {said}/></Integrator>"), kelvin, rate, int(seed))
+
+    def _take(self, made, kelvin, rate, seed):
+        self.this = made.this
+        self._kelvin, self._rate, self._seed = kelvin, rate, seed
+
+    def _set_bath(self, kelvin, rate):
+        refused = load().taut_set_bath(int(self.this), kelvin, rate)
+        if refused:
+            raise openmm.OpenMMException(refused.decode())
+        self._kelvin, self._rate = kelvin, rate
+
+    def getTemperature(self):
+        return self._kelvin * unit.kelvin
+
+    def setTemperature(self, temperature):
+        self._set_bath(_number(temperature, unit.kelvin), self._rate)
+
+    def getFriction(self):
+        return self._rate * _RATE
+
+    def setFriction(self, friction):
+        self._set_bath(self._kelvin, _number(friction, _RATE))
+
+    def getRandomNumberSeed(self):
+        return self._seed
+
+    def setRandomNumberSeed(self, seed):
+        load().taut_set_seed(int(self.this), int(seed))
+        self._seed = int(seed)
+
+    def __copy__(self):
+        copy = Integrator.__new__(Integrator)
+        copy._take(openmm.XmlSerializer.clone(self), self._kelvin, self._rate, self._seed)
+        return copy
+
+    def __deepcopy__(self, memo):
+        return self.__copy__()
+
+    def __getstate__(self):
+        return openmm.XmlSerializer.serialize(self), self._kelvin, self._rate, self._seed
+
+    def __setstate__(self, state):
+        load()
+        self._take(openmm.XmlSerializer.deserialize(state[0]), *state[1:])

@@ -1,0 +1,200 @@
+// The plug-in under the OpenMM that it is built for. Python's tests have the programs of openmm.app besides.
+
+#include <OpenMM.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <sstream>
+
+namespace {
+
+using OpenMM::Vec3;
+
+constexpr double kOh = 0.09572, kHh = 0.15139;  // of TIP3P [nm]
+
+void load_plugin() {
+  static const bool loaded = [] {
+    const std::string root = TAUT_OPENMM_ROOT;
+    OpenMM::Platform::loadPluginsFromDirectory(root.empty() ? OpenMM::Platform::getDefaultPluginsDirectory()
+                                                            : root + "/lib/plugins");
+    OpenMM::Platform::loadPluginLibrary(TAUT_OPENMM_PLUGIN);
+    return true;
+  }();
+  ASSERT_TRUE(loaded);
+}
+
+OpenMM::Integrator* make_integrator(const std::string& attributes, const std::string& options = "") {
+  std::stringstream xml;
+  xml << "<Integrator type=\"TautIntegrator\" version=\"1\" " << attributes << "><Options " << options
+      << "/></Integrator>";
+  return OpenMM::XmlSerializer::deserialize<OpenMM::Integrator>(xml);
+}
+
+bool has(const std::string& platform) {
+  for (int n = 0; n < OpenMM::Platform::getNumPlatforms(); ++n)
+    if (OpenMM::Platform::getPlatform(n).getName() == platform) return true;
+  return false;
+}
+
+std::string refusal(const std::string& attributes, const std::string& options = "") {
+  try {
+    delete make_integrator(attributes, options);
+  } catch (const std::exception& wrong) {
+    return wrong.what();
+  }
+  return "";
+}
+
+// A droplet of TIP3P: waters on a cubic grid.
+struct Droplet {
+  OpenMM::System system;
+  std::vector<Vec3> x;
+
+  Droplet() {
+    auto* const pairs = new OpenMM::NonbondedForce;
+    for (int n = 0; n < 27; ++n) {
+      const Vec3 at(0.31 * (n % 3), 0.31 * (n / 3 % 3), 0.31 * (n / 9));
+      const double half = kHh / 2, up = std::sqrt(kOh * kOh - half * half), turn = n % 2 ? 1 : -1;
+      for (const Vec3& of : {Vec3(), Vec3(half, up * turn, 0), Vec3(-half, up * turn, 0)})
+        x.push_back(at + of);
+      system.addParticle(15.999);
+      system.addParticle(1.008);
+      system.addParticle(1.008);
+      pairs->addParticle(-0.834, 0.315, 0.636);
+      pairs->addParticle(0.417, 0.1, 0);
+      pairs->addParticle(0.417, 0.1, 0);
+      const int o = 3 * n;
+      for (const auto& [i, j, d] : {std::tuple(o, o + 1, kOh), {o, o + 2, kOh}, {o + 1, o + 2, kHh}}) {
+        system.addConstraint(i, j, d);
+        pairs->addException(i, j, 0, 0.1, 0);
+      }
+    }
+    system.addForce(pairs);
+    system.addForce(new OpenMM::CMMotionRemover);
+  }
+
+  double bond_error(const std::vector<Vec3>& now) const {
+    double worst = 0;
+    for (int k = 0; k < system.getNumConstraints(); ++k) {
+      int i = 0, j = 0;
+      double d = 0;
+      system.getConstraintParameters(k, i, j, d);
+      const Vec3 r = now[j] - now[i];
+      worst = std::max(worst, std::abs(std::sqrt(r.dot(r)) / d - 1));
+    }
+    return worst;
+  }
+};
+
+// A run of the droplet. Its Context dies before its integrator.
+struct Trajectory {
+  Droplet droplet;
+  std::unique_ptr<OpenMM::Integrator> integrator;
+  std::unique_ptr<OpenMM::Context> context;
+
+  explicit Trajectory(OpenMM::Integrator* made, const std::string& platform = "Reference")
+      : integrator(made) {
+    context = std::make_unique<OpenMM::Context>(droplet.system, *integrator,
+                                                OpenMM::Platform::getPlatformByName(platform));
+    context->setPositions(droplet.x);
+  }
+  std::vector<Vec3> x() const { return context->getState(OpenMM::State::Positions).getPositions(); }
+  double energy() const {
+    const OpenMM::State state = context->getState(OpenMM::State::Energy);
+    return state.getKineticEnergy() + state.getPotentialEnergy();
+  }
+};
+
+struct Case {
+  std::string platform, method;
+  double error;
+};
+class OpenMMPlugin : public testing::TestWithParam<Case> {};
+
+TEST_P(OpenMMPlugin, HoldsBondsAndEnergy) {
+  load_plugin();
+  const auto& [platform, method, error] = GetParam();
+  if (!has(platform)) GTEST_SKIP() << "OpenMM's platform " << platform << " is not here (libopenmm-plugins)";
+  Trajectory run(make_integrator("stepSize=\"0.001\" method=\"" + method + "\""), platform);
+  OpenMM::LocalEnergyMinimizer::minimize(*run.context, 10, 100);
+  run.context->setVelocitiesToTemperature(300, 1);
+  run.integrator->step(10);
+  const double before = run.energy();
+  run.integrator->step(100);
+  EXPECT_LT(run.droplet.bond_error(run.x()), error);
+  EXPECT_NEAR(run.energy(), before, 1);
+  EXPECT_NEAR(run.context->getState(0).getTime(), 0.11, 1e-9);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, OpenMMPlugin,
+                         testing::Values(Case{"Reference", "feedforward", 1e-7},
+                                         Case{"Reference", "baumgarte", 1e-4},
+                                         Case{"Reference", "newton", 1e-9}, Case{"CPU", "feedforward", 1e-7}),
+                         [](const auto& one) { return one.param.platform + "_" + one.param.method; });
+
+TEST(OpenMMPluginStates, GoOnFromACheckpointToTheLastBit) {
+  load_plugin();
+  const std::string langevin = "stepSize=\"0.001\" temperature=\"300\" friction=\"5\" randomSeed=\"3\"";
+  Trajectory run(make_integrator(langevin)), again(make_integrator(langevin));
+  std::stringstream kept;
+  run.integrator->step(15);
+  run.context->createCheckpoint(kept);
+  run.integrator->step(15);
+  again.context->loadCheckpoint(kept);
+  again.integrator->step(15);
+  const std::vector<Vec3> x = run.x(), there = again.x();
+  for (std::size_t i = 0; i < x.size(); ++i)
+    for (int d = 0; d < 3; ++d) ASSERT_EQ(x[i][d], there[i][d]) << "atom " << i;
+}
+
+TEST(OpenMMPluginStates, ForgetWhatWasKnownWherePositionsChange) {
+  load_plugin();
+  Trajectory run(make_integrator("stepSize=\"0.001\""));
+  run.integrator->step(5);
+  std::vector<Vec3> x = run.x();
+  for (int i = 0; i < static_cast<int>(x.size()); ++i) x[i] += Vec3(i % 3 ? 1 : 1.001, 0, 0);
+  run.context->setPositions(x);
+  run.integrator->step(1);
+  EXPECT_NEAR(run.x()[0][0], x[0][0], 0.01);
+  EXPECT_LT(run.droplet.bond_error(run.x()), 1e-7);
+}
+
+TEST(OpenMMPluginXml, IsTheSameAfterARoundTrip) {
+  load_plugin();
+  const std::unique_ptr<OpenMM::Integrator> made(make_integrator(
+      "stepSize=\"0.002\" method=\"newton\" temperature=\"300\" friction=\"1\"", "tolerance=\"1e-8\""));
+  std::stringstream once, twice;
+  OpenMM::XmlSerializer::serialize(made.get(), "Integrator", once);
+  const std::unique_ptr<OpenMM::Integrator> read(
+      OpenMM::XmlSerializer::deserialize<OpenMM::Integrator>(once));
+  OpenMM::XmlSerializer::serialize(read.get(), "Integrator", twice);
+  EXPECT_EQ(once.str(), twice.str());
+  EXPECT_EQ(read->getConstraintTolerance(), 1e-8);
+}
+
+TEST(OpenMMPluginConstraints, AreProjectedForTautAloneAndLeftToOpenMMElse) {
+  load_plugin();
+  Trajectory ours(make_integrator("stepSize=\"0.001\"")), theirs(new OpenMM::VerletIntegrator(0.001));
+  for (Trajectory* run : {&ours, &theirs}) {
+    std::vector<Vec3> x = run->droplet.x;
+    for (int i = 0; i < static_cast<int>(x.size()); ++i) x[i][i % 3] += 1e-3;
+    run->context->setPositions(x);
+    run->context->applyConstraints(1e-3);
+  }
+  EXPECT_LT(ours.droplet.bond_error(ours.x()), 1e-12);
+  EXPECT_GT(theirs.droplet.bond_error(theirs.x()), 1e-12);
+  EXPECT_LT(theirs.droplet.bond_error(theirs.x()), 1e-3);
+}
+
+TEST(OpenMMPluginRefusals, SayWhatIsWrongWhenTheIntegratorIsMade) {
+  load_plugin();
+  EXPECT_NE(refusal("stepSize=\"0.001\" method=\"newtn\"").find("did you mean \"newton\""),
+            std::string::npos);
+  EXPECT_NE(refusal("stepSize=\"0.001\"", "tolerence=\"1\"").find("did you mean \"tolerance\""),
+            std::string::npos);
+  EXPECT_NE(refusal("stepSize=\"0.001\" temperature=\"300\"").find("without friction"), std::string::npos);
+  EXPECT_NE(refusal("stepSize=\"0\"").find("expected more than 0"), std::string::npos);
+}
+
+}  // namespace
