@@ -5,7 +5,7 @@
     >>> integrator = taut.openmm.Integrator(0.002, temperature=300, friction=1)              # Langevin
     >>> simulation = openmm.app.Simulation(topology, system, integrator)
 
-It holds the System's constraints. openmm/README.md of the sources has the rest.
+It holds the System's constraints. openmm_plugin/README.md of the sources has the rest.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from __future__ import annotations
 import ctypes
 import os
 from pathlib import Path
-from typing import Optional
+from typing import Any, Optional, Tuple
 from xml.sax.saxutils import quoteattr
 
 import openmm
@@ -21,11 +21,12 @@ from openmm import unit
 
 from . import _core
 
+Number = Any  # a number, or a Quantity of OpenMM's
 _PICOSECOND, _RATE = unit.picosecond, unit.picosecond**-1
 _plugin: Optional[ctypes.CDLL] = None
 
 
-def _number(value, of_unit) -> float:
+def _number(value: Number, of_unit: Any) -> float:
     return float(value.value_in_unit(of_unit) if unit.is_quantity(value) else value)
 
 
@@ -56,7 +57,7 @@ def load() -> ctypes.CDLL:
     return _plugin
 
 
-class Integrator(openmm.Integrator):
+class Integrator(openmm.Integrator):  # type: ignore[misc, unused-ignore]
     """Velocity Verlet, or with friction Langevin's dynamics, with the System's constraints held by a method of taut's.
 
     dt: the step, a Quantity or in ps. method: one of taut.methods(), with its options by name, as help(taut.Newton)
@@ -64,56 +65,57 @@ class Integrator(openmm.Integrator):
     together. seed 0: every Context draws its own.
     """
 
-    def __init__(self, dt, method: str = "feedforward", *, temperature=0.0, friction=0.0, seed: int = 0, **options):
+    def __init__(self, dt: Number, method: str = "feedforward", *, temperature: Number = 0.0, friction: Number = 0.0,
+                 seed: int = 0, **options: Any) -> None:
         load()
         kelvin, rate = _number(temperature, unit.kelvin), _number(friction, _RATE)
-        said = {key: str(value).lower() if isinstance(value, bool) else str(value) for key, value in options.items()}
-        said = " ".join(f"{key}={quoteattr(value)}" for key, value in said.items())
+        words = {key: str(value).lower() if isinstance(value, bool) else str(value) for key, value in options.items()}
+        said = " ".join(f"{key}={quoteattr(word)}" for key, word in words.items())
         self._take(openmm.XmlSerializer.deserialize(
             f'<Integrator type="TautIntegrator" version="1" stepSize="{_number(dt, _PICOSECOND)!r}" '
             f'method={quoteattr(method)} temperature="{kelvin!r}" friction="{rate!r}" randomSeed="{int(seed)}">'
             f"<Options {said}/></Integrator>"), kelvin, rate, int(seed))
 
-    def _take(self, made, kelvin, rate, seed):
+    def _take(self, made: openmm.Integrator, kelvin: float, rate: float, seed: int) -> None:
         self.this = made.this
         self._kelvin, self._rate, self._seed = kelvin, rate, seed
 
-    def _set_bath(self, kelvin, rate):
+    def _set_bath(self, kelvin: float, rate: float) -> None:
         refused = load().taut_set_bath(int(self.this), kelvin, rate)
         if refused:
             raise openmm.OpenMMException(refused.decode())
         self._kelvin, self._rate = kelvin, rate
 
-    def getTemperature(self):
+    def getTemperature(self) -> unit.Quantity:
         return self._kelvin * unit.kelvin
 
-    def setTemperature(self, temperature):
+    def setTemperature(self, temperature: Number) -> None:
         self._set_bath(_number(temperature, unit.kelvin), self._rate)
 
-    def getFriction(self):
+    def getFriction(self) -> unit.Quantity:
         return self._rate * _RATE
 
-    def setFriction(self, friction):
+    def setFriction(self, friction: Number) -> None:
         self._set_bath(self._kelvin, _number(friction, _RATE))
 
-    def getRandomNumberSeed(self):
+    def getRandomNumberSeed(self) -> int:
         return self._seed
 
-    def setRandomNumberSeed(self, seed):
+    def setRandomNumberSeed(self, seed: int) -> None:
         load().taut_set_seed(int(self.this), int(seed))
         self._seed = int(seed)
 
-    def __copy__(self):
+    def __copy__(self) -> Integrator:
         copy = Integrator.__new__(Integrator)
         copy._take(openmm.XmlSerializer.clone(self), self._kelvin, self._rate, self._seed)
         return copy
 
-    def __deepcopy__(self, memo):
+    def __deepcopy__(self, memo: Any) -> Integrator:
         return self.__copy__()
 
-    def __getstate__(self):
+    def __getstate__(self) -> Tuple[str, float, float, int]:
         return openmm.XmlSerializer.serialize(self), self._kelvin, self._rate, self._seed
 
-    def __setstate__(self, state):
+    def __setstate__(self, state: Tuple[str, float, float, int]) -> None:
         load()
         self._take(openmm.XmlSerializer.deserialize(state[0]), *state[1:])

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "openmm/held_dynamics.hpp"
+#include "openmm_plugin/held_dynamics.hpp"
 
 namespace taut {
 

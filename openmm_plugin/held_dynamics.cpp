@@ -1,4 +1,4 @@
-#include "openmm/held_dynamics.hpp"
+#include "openmm_plugin/held_dynamics.hpp"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@
 #include "constraints/registry.hpp"
 #include "md/observables.hpp"
 #include "md/run.hpp"
-#include "openmm/langevin_noise.hpp"
+#include "openmm_plugin/langevin_noise.hpp"
 
 namespace taut {
 namespace {

@@ -11,8 +11,8 @@
 
 #include <cstdlib>
 
-#include "openmm/constraints_kernel.hpp"
-#include "openmm/host_step.hpp"
+#include "openmm_plugin/constraints_kernel.hpp"
+#include "openmm_plugin/host_step.hpp"
 
 #define TAUT_EXPORT extern "C" __attribute__((visibility("default")))
 

@@ -1,4 +1,4 @@
-#include "openmm/langevin_noise.hpp"
+#include "openmm_plugin/langevin_noise.hpp"
 
 #include <cmath>
 

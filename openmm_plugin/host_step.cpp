@@ -1,4 +1,4 @@
-#include "openmm/host_step.hpp"
+#include "openmm_plugin/host_step.hpp"
 
 #include <openmm/Platform.h>
 

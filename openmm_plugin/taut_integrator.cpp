@@ -1,4 +1,4 @@
-#include "openmm/taut_integrator.hpp"
+#include "openmm_plugin/taut_integrator.hpp"
 
 #include <openmm/OpenMMException.h>
 #include <openmm/System.h>
@@ -8,7 +8,7 @@
 #include <ostream>
 #include <random>
 
-#include "openmm/step_kernel.hpp"
+#include "openmm_plugin/step_kernel.hpp"
 
 namespace taut {
 namespace {

@@ -1,8 +1,8 @@
-#include "openmm/constraints_kernel.hpp"
+#include "openmm_plugin/constraints_kernel.hpp"
 
 #include <openmm/internal/ContextImpl.h>
 
-#include "openmm/taut_integrator.hpp"
+#include "openmm_plugin/taut_integrator.hpp"
 
 namespace taut {
 

@@ -2,8 +2,8 @@
 
 #include <optional>
 
-#include "openmm/step_kernel.hpp"
-#include "openmm/taut_integrator.hpp"
+#include "openmm_plugin/step_kernel.hpp"
+#include "openmm_plugin/taut_integrator.hpp"
 
 namespace taut {
 

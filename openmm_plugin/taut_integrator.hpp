@@ -5,7 +5,7 @@
 
 #include <functional>
 
-#include "openmm/held_dynamics.hpp"
+#include "openmm_plugin/held_dynamics.hpp"
 
 namespace taut {
 
