@@ -7,6 +7,11 @@
 #include <memory>
 #include <sstream>
 
+// OpenMM keeps what plug-ins register until the process ends, and never deletes it.
+extern "C" __attribute__((visibility("default"))) const char* __lsan_default_suppressions() {
+  return "leak:registerSerializationProxies\nleak:registerKernelFactor\n";
+}
+
 namespace {
 
 using OpenMM::Vec3;
