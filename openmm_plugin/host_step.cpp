@@ -156,7 +156,7 @@ std::string HostStep::save() {
 
 void HostStep::load(const std::string& kept) {
   known_ = Known::kNothing;
-  if (kept.empty()) return;
+  if (kept.empty() || kept.compare(0, std::strlen(kKeptByDevice), kKeptByDevice) == 0) return;
   dynamics_->load(kept);
   known_ = Known::kIfSame;
 }

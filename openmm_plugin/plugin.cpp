@@ -88,7 +88,8 @@ TAUT_EXPORT void registerPlatforms() {}
 TAUT_EXPORT void registerKernelFactories() {
   for (int n = 0; n < OpenMM::Platform::getNumPlatforms(); ++n) {
     OpenMM::Platform& platform = OpenMM::Platform::getPlatform(n);
-    platform.registerKernelFactory(taut::TautStepKernel::Name(), new StepFactory);
+    if (!platform.supportsKernels({taut::TautStepKernel::Name()}))  // by the part for the platform's devices
+      platform.registerKernelFactory(taut::TautStepKernel::Name(), new StepFactory);
     if (dynamic_cast<OpenMM::ReferencePlatform*>(&platform))  // CPU is one, too
       platform.registerKernelFactory(OpenMM::ApplyConstraintsKernel::Name(), new ConstraintsFactory);
   }

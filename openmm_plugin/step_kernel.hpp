@@ -10,6 +10,9 @@ namespace taut {
 
 class TautIntegrator;
 
+// What a device keeps begins so; other platforms start anew from it, as a device does from theirs.
+constexpr const char* kKeptByDevice = "device\n";
+
 // What a platform does for a TautIntegrator.
 class TautStepKernel : public OpenMM::KernelImpl {
  public:

@@ -13,7 +13,7 @@ from __future__ import annotations
 import ctypes
 import os
 from pathlib import Path
-from typing import Any, Optional, Tuple
+from typing import Any, List, Optional, Tuple
 from xml.sax.saxutils import quoteattr
 
 import openmm
@@ -44,6 +44,18 @@ def plugin_path() -> Path:
                       f"cmake -DTAUT_OPENMM_ROOT={Path(openmm.__file__).parents[1] / 'OpenMM.libs'}")
 
 
+def _part_for_opencl() -> Optional[Path]:
+    known = [openmm.Platform.getPlatform(n).getName() for n in range(openmm.Platform.getNumPlatforms())]
+    path = plugin_path().with_name("libtaut_openmm_opencl.so")
+    return path if "OpenCL" in known and path.exists() else None
+
+
+def platforms() -> List[str]:
+    """Returns the platforms on which the step runs where the forces are computed. On others it runs on the host."""
+    load()
+    return ["Reference", "CPU"] + (["OpenCL"] if _part_for_opencl() else [])
+
+
 def load() -> ctypes.CDLL:
     """Loads the plug-in, once, for all platforms that OpenMM has by then. Integrator() calls it."""
     global _plugin
@@ -54,6 +66,8 @@ def load() -> ctypes.CDLL:
         _plugin.taut_set_bath.restype = ctypes.c_char_p
         _plugin.taut_set_bath.argtypes = [ctypes.c_void_p, ctypes.c_double, ctypes.c_double]
         _plugin.taut_set_seed.argtypes = [ctypes.c_void_p, ctypes.c_uint64]
+        if on_opencl := _part_for_opencl():
+            openmm.Platform.loadPluginLibrary(str(on_opencl))
     return _plugin
 
 

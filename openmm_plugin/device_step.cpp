@@ -1,0 +1,374 @@
+#include "openmm_plugin/device_step.hpp"
+
+#include <openmm/OpenMMException.h>
+#include <openmm/common/ContextSelector.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "openmm_plugin/device_kernels.hpp"
+
+namespace taut {
+namespace {
+
+using OpenMM::ArrayInterface;
+using OpenMM::ComputeKernel;
+using OpenMM::Vec3;
+
+constexpr double kBoltzmannOfOpenMM = 8.31446261815324e-3;  // as md/units.hpp [kJ/mol/K]
+
+std::string list_of(const std::vector<std::array<int, 2>>& bonds, int end) {
+  std::string list;
+  for (const auto& bond : bonds) list += (list.empty() ? "" : ", ") + std::to_string(bond[end]);
+  return list;
+}
+
+bool same(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+  for (std::size_t i = 0; i < a.size(); ++i)
+    for (int d = 0; d < 3; ++d)
+      if (!(std::abs(a[i][d] - b[i][d]) <= 1e-7 * std::abs(b[i][d]))) return false;
+  return a.size() == b.size();
+}
+
+// Whether velocities, and all that this step computes, are in double precision.
+bool in_double(const OpenMM::ComputeContext& device) {
+  return device.getUseDoublePrecision() || device.getUseMixedPrecision();
+}
+
+const char* in_words(int failure) {
+  switch (failure) {
+    case 1:
+      return "the bonds did not converge";
+    case 2:
+      return "positions ran away";
+    case 3:
+      return "bonds depend on each other, or turned too far in the step";
+    default:
+      return "a bond broke or a number ran away";
+  }
+}
+
+}  // namespace
+
+DeviceStep::Array DeviceStep::make_array(std::size_t size, int element_size, const std::string& called) {
+  Array array(device_->createArray());
+  array->initialize(*device_, std::max<std::size_t>(size, 1), element_size, called);
+  device_->clearBuffer(*array);
+  return array;
+}
+
+DeviceStep::Array DeviceStep::make_numbers(const std::vector<double>& numbers, const std::string& called) {
+  Array array = make_array(numbers.size(), in_double(*device_) ? sizeof(double) : sizeof(float), called);
+  if (!numbers.empty()) array->upload(numbers, true);
+  return array;
+}
+
+void DeviceStep::add_number(ComputeKernel& kernel, double value) {
+  if (in_double(*device_))
+    kernel->addArg(value);
+  else
+    kernel->addArg(static_cast<float>(value));
+}
+void DeviceStep::set_number(ComputeKernel& kernel, int index, double value) {
+  if (in_double(*device_))
+    kernel->setArg(index, value);
+  else
+    kernel->setArg(index, static_cast<float>(value));
+}
+
+std::vector<double> DeviceStep::numbers_in(ArrayInterface& array) {
+  const std::size_t size = array.getSize() * array.getElementSize();
+  std::vector<double> numbers(size / (in_double(*device_) ? sizeof(double) : sizeof(float)));
+  if (in_double(*device_)) {
+    array.download(numbers.data());
+  } else {
+    std::vector<float> single(numbers.size());
+    array.download(single.data());
+    std::copy(single.begin(), single.end(), numbers.begin());
+  }
+  return numbers;
+}
+
+void DeviceStep::initialize(OpenMM::ContextImpl& context, const TautIntegrator& integrator) {
+  context_ = &context;
+  settings_ = integrator.settings();
+  const HeldBonds held = held_bonds(context.getSystem());
+  plan_ = plan_for_device(held, settings_);
+  projection_ = std::make_unique<BondProjection>(held);
+  device_ = &device_of(context);
+  device_->initializeContexts();
+  const OpenMM::ContextSelector selected(*device_);
+  x_.resize(held.masses.size());
+  v_.resize(held.masses.size());
+  const int four = in_double(*device_) ? sizeof(OpenMM::mm_double4) : sizeof(OpenMM::mm_float4);
+  kept_ = make_array(x_.size(), four, "tautAccelerations");
+  jumps_ = make_array(x_.size(), four, "tautJumps");
+  failure_ = make_array(2, sizeof(int), "tautFailure");
+  if (settings_.friction > 0)
+    device_->getIntegrationUtilities().initRandomNumberGenerator(
+        static_cast<unsigned>(integrator.seed_in_use()));
+  make_kernels();
+}
+
+void DeviceStep::make_kernels() {
+  known_ = 0;
+  std::map<std::string, std::string> defines;
+  if (settings_.friction > 0) defines.emplace("LANGEVIN", "1");
+  drift_ = device_->compileProgram(kDriftSource, defines)->createKernel("drift");
+  drift_->addArg(device_->getNumAtoms());
+  add_number(drift_, settings_.h);
+  drift_->addArg(device_->getPosq());
+  drift_->addArg(device_->getVelm());
+  drift_->addArg(device_->getAtomIndexArray());
+  drift_->addArg(*kept_);
+  drift_->addArg(*jumps_);
+  if (device_->getUseMixedPrecision()) drift_->addArg(device_->getPosqCorrection());
+  shapes_.clear();
+  for (const DeviceShape& planned : plan_.shapes) {
+    Shape& shape = shapes_.emplace_back();
+    shape.plan = planned;
+    make_hold(shape);
+  }
+}
+
+void DeviceStep::make_hold(Shape& shape) {
+  const DeviceShape& plan = shape.plan;
+  const int bonds = static_cast<int>(plan.bonds.size());
+  std::vector<int> homes(x_.size());
+  for (int n = 0; n < static_cast<int>(plan.atom.size()); ++n) homes[plan.atom[n]] = n % plan.clusters;
+  shape.atoms = make_array(plan.atom.size(), sizeof(int), "tautAtoms");
+  shape.atoms->upload(plan.atom);
+  shape.homes = make_array(homes.size(), sizeof(int), "tautHomes");
+  shape.homes->upload(homes);
+  shape.lengths = make_numbers(plan.length, "tautLengths");
+  shape.gains = make_numbers(plan.gains, "tautGains");
+  shape.past = make_numbers(std::vector<double>(3 * bonds * plan.clusters), "tautMultipliers");
+
+  std::map<std::string, std::string> defines = plan_.defines;
+  defines["ATOMS"] = std::to_string(plan.atoms);
+  defines["BONDS"] = std::to_string(bonds);
+  defines["FIRST"] = list_of(plan.bonds, 0);
+  defines["SECOND"] = list_of(plan.bonds, 1);
+  defines.emplace("SMALLEST_PIVOT", in_double(*device_) ? "1e-12" : "1e-6f");
+  if (settings_.friction > 0) defines.emplace("LANGEVIN", "1");
+  ComputeKernel& hold = shape.hold = device_->compileProgram(kHoldSource, defines)->createKernel("hold");
+  hold->addArg(plan.clusters);
+  hold->addArg(device_->getPaddedNumAtoms());
+  for (int n = 0; n < 6; ++n) add_number(hold, 0);  // h, kick, last h, three coefficients: hold() sets them
+  hold->addArg(device_->getPosq());
+  hold->addArg(device_->getVelm());
+  hold->addArg(device_->getLongForceBuffer());
+  hold->addArg(device_->getAtomIndexArray());
+  hold->addArg(*kept_);
+  hold->addArg(*jumps_);
+  if (settings_.friction > 0)
+    hold->addArg(device_->getIntegrationUtilities().getRandom());
+  else
+    hold->addArg(*jumps_);
+  hold->addArg(0);  // the first random number, and two factors of the thermostat: hold() sets them
+  add_number(hold, 0);
+  add_number(hold, 0);
+  hold->addArg(*failure_);
+  for (Array* array : {&shape.atoms, &shape.homes, &shape.lengths, &shape.gains, &shape.past})
+    hold->addArg(**array);
+  if (device_->getUseMixedPrecision()) hold->addArg(device_->getPosqCorrection());
+}
+
+void DeviceStep::forget() {
+  if (in_step_) return;
+  known_ = 0;
+  if_same_ = false;
+}
+
+void DeviceStep::set_bath(double temperature, double friction) {
+  const bool remake = (friction > 0) != (settings_.friction > 0);
+  if (remake && friction > 0)
+    throw OpenMM::OpenMMException(
+        "on this platform the thermostat cannot be added to a Context: make the integrator with its "
+        "friction");
+  settings_.temperature = temperature;
+  settings_.friction = friction;
+  const OpenMM::ContextSelector selected(*device_);
+  if (remake) make_kernels();
+}
+
+void DeviceStep::read_motion(OpenMM::ContextImpl& context) {
+  context.getPositions(x_);
+  context.getVelocities(v_);
+}
+
+double DeviceStep::kinetic_energy(OpenMM::ContextImpl& context) {
+  const OpenMM::ContextSelector selected(*device_);
+  read_motion(context);
+  if (known_ > 0 && !in_step_) {
+    const std::vector<double> a = numbers_in(*kept_);
+    const double half =
+        settings_.friction > 0 ? 0.5 * settings_.h : 0;  // the middle of the thermostat's jump
+    for (std::size_t i = 0; i < v_.size(); ++i) v_[i] += Vec3(a[4 * i], a[4 * i + 1], a[4 * i + 2]) * half;
+    projection_->velocities(&x_[0][0], &v_[0][0]);
+  }
+  double twice = 0;
+  for (int i = 0; i < static_cast<int>(v_.size()); ++i)
+    twice += context.getSystem().getParticleMass(i) * v_[i].dot(v_[i]);
+  return 0.5 * twice;
+}
+
+bool DeviceStep::box_is_the_same() {
+  Vec3 now[3];
+  context_->getPeriodicBoxVectors(now[0], now[1], now[2]);
+  const bool same = std::equal(now, now + 3, box_);
+  std::copy(now, now + 3, box_);
+  return same;
+}
+
+void DeviceStep::hold(bool starts) {
+  const double h = settings_.h, last_h = starts ? 0 : h;
+  const double keep = std::exp(-settings_.friction * h);
+  int first_normal = 0;
+  if (settings_.friction > 0)
+    first_normal = device_->getIntegrationUtilities().prepareRandomNumbers(device_->getPaddedNumAtoms());
+  for (Shape& shape : shapes_) {
+    const auto& guess = shape.plan.guess[known_];
+    const double numbers[] = {h, starts ? 0.5 * h : h, last_h, guess[0], guess[1], guess[2]};
+    for (int n = 0; n < 6; ++n) set_number(shape.hold, 2 + n, numbers[n]);
+    shape.hold->setArg(15, first_normal);
+    set_number(shape.hold, 16, keep);
+    set_number(shape.hold, 17, std::sqrt((1 - keep * keep) * kBoltzmannOfOpenMM * settings_.temperature));
+    shape.hold->execute(shape.plan.clusters);
+  }
+  known_ = std::min(known_ + 1, 3);
+}
+
+void DeviceStep::start(OpenMM::ContextImpl& context) {
+  read_motion(context);
+  for (int i = 0; i < static_cast<int>(v_.size()); ++i)
+    if (context.getSystem().getParticleMass(i) == 0) v_[i] = Vec3();
+  projection_->positions(&x_[0][0]);
+  projection_->velocities(&x_[0][0], &v_[0][0]);
+  context.setPositions(x_);
+  context.setVelocities(v_);
+  context.computeVirtualSites();
+  for (Shape& shape : shapes_) device_->clearBuffer(*shape.past);
+  device_->clearBuffer(*jumps_);
+  device_->clearBuffer(*failure_);
+  context.calcForcesAndEnergy(true, false, groups_);
+  known_ = 0;
+  hold(true);
+}
+
+void DeviceStep::step(OpenMM::ContextImpl& context) {
+  const double t = context.getTime() + settings_.h;
+  drift_->execute(device_->getNumAtoms());
+  context.setTime(t);
+  context.computeVirtualSites();
+  context.updateContextState();
+  context.calcForcesAndEnergy(true, false, groups_);
+  hold(false);
+  context.setTime(t);
+  context.setStepCount(context.getStepCount() + 1);
+  device_->reorderAtoms();
+}
+
+void DeviceStep::watch() {
+  std::vector<int> failure(2);
+  failure_->download(failure);
+  if (failure[0] == 0) return;
+  known_ = 0;
+  throw OpenMM::OpenMMException(std::string(in_words(failure[0])) + " in the cluster of atom " +
+                                std::to_string(failure[1]) +
+                                ", in one of the last steps: take a shorter step, or a cooler start");
+}
+
+void DeviceStep::execute(OpenMM::ContextImpl& context, const TautIntegrator& integrator, int steps) {
+  if (steps <= 0) return;
+  const OpenMM::ContextSelector selected(*device_);
+  if (integrator.getIntegrationForceGroups() != groups_) forget();
+  groups_ = integrator.getIntegrationForceGroups();
+  if (!box_is_the_same()) known_ = 0;
+  if (if_same_) {
+    read_motion(context);
+    if (!same(x_, saved_x_) || !same(v_, saved_v_)) known_ = 0;
+    if_same_ = false;
+  }
+  struct InStep {
+    DeviceStep& step;
+    explicit InStep(DeviceStep& of) : step(of) { step.in_step_ = true; }
+    ~InStep() { step.in_step_ = false; }
+  } in_step(*this);
+  try {
+    if (known_ == 0) start(context);
+    for (int n = 1; n <= steps; ++n) {
+      step(context);
+      if (n % kWatchEvery == 0 || n == steps) watch();
+    }
+  } catch (...) {
+    known_ = 0;
+    throw;
+  }
+  box_is_the_same();
+}
+
+std::vector<ArrayInterface*> DeviceStep::what_lasts() {
+  std::vector<ArrayInterface*> arrays = {kept_.get(), jumps_.get()};
+  for (Shape& shape : shapes_) arrays.push_back(shape.past.get());
+  return arrays;
+}
+
+// The multipliers' count, positions, velocities, and the arrays as they are on the device.
+std::string DeviceStep::save() {
+  if (known_ == 0) return "";
+  const OpenMM::ContextSelector selected(*device_);
+  read_motion(*context_);
+  std::string kept = kKeptByDevice;
+  const auto append = [&](const void* from, std::size_t bytes) {
+    kept.append(static_cast<const char*>(from), bytes);
+  };
+  append(&known_, sizeof known_);
+  append(x_.data(), x_.size() * sizeof(Vec3));
+  append(v_.data(), v_.size() * sizeof(Vec3));
+  for (ArrayInterface* array : what_lasts()) {
+    const std::vector<double> numbers = numbers_in(*array);
+    append(numbers.data(), numbers.size() * sizeof(double));
+  }
+  return kept;
+}
+
+// What another platform, method or precision has kept is no use here: the next step starts anew.
+void DeviceStep::load(const std::string& kept) {
+  known_ = 0;
+  if_same_ = false;
+  const OpenMM::ContextSelector selected(*device_);
+  std::vector<std::vector<double>> numbers;
+  std::size_t bytes = std::strlen(kKeptByDevice) + sizeof known_ + 2 * x_.size() * sizeof(Vec3);
+  for (ArrayInterface* array : what_lasts()) {
+    numbers.push_back(numbers_in(*array));
+    bytes += numbers.back().size() * sizeof(double);
+  }
+  if (kept.compare(0, std::strlen(kKeptByDevice), kKeptByDevice) != 0 || kept.size() != bytes) return;
+  const char* from = kept.data() + std::strlen(kKeptByDevice);
+  const auto take = [&](void* to, std::size_t count) {
+    std::memcpy(to, from, count);
+    from += count;
+  };
+  take(&known_, sizeof known_);
+  saved_x_.resize(x_.size());
+  saved_v_.resize(v_.size());
+  take(static_cast<void*>(saved_x_.data()), x_.size() * sizeof(Vec3));
+  take(static_cast<void*>(saved_v_.data()), v_.size() * sizeof(Vec3));
+  const std::vector<ArrayInterface*> arrays = what_lasts();
+  for (std::size_t n = 0; n < arrays.size(); ++n) {
+    take(numbers[n].data(), numbers[n].size() * sizeof(double));
+    if (in_double(*device_)) {
+      arrays[n]->upload(numbers[n].data());
+    } else {
+      const std::vector<float> single(numbers[n].begin(), numbers[n].end());
+      arrays[n]->upload(single.data());
+    }
+  }
+  device_->clearBuffer(*failure_);
+  box_is_the_same();
+  if_same_ = true;
+}
+
+}  // namespace taut

@@ -1,0 +1,53 @@
+// The part of the plug-in for OpenMM's OpenCL platform, which it needs in the process before it is loaded.
+
+#include <openmm/KernelFactory.h>
+#include <openmm/Platform.h>
+#include <openmm/opencl/OpenCLContext.h>
+#include <openmm/opencl/OpenCLKernelFactory.h>
+#include <openmm/opencl/OpenCLPlatform.h>
+
+#include "openmm_plugin/constraints_kernel.hpp"
+#include "openmm_plugin/device_step.hpp"
+
+#define TAUT_EXPORT extern "C" __attribute__((visibility("default")))
+
+namespace taut {
+
+OpenMM::ComputeContext& DeviceStep::device_of(OpenMM::ContextImpl& context) {
+  auto& data = *static_cast<OpenMM::OpenCLPlatform::PlatformData*>(context.getPlatformData());
+  if (data.contexts.size() != 1)
+    throw OpenMM::OpenMMException("a run on " + std::to_string(data.contexts.size()) +
+                                  " devices: give OpenCL one, by the property DeviceIndex");
+  return *data.contexts[0];
+}
+
+}  // namespace taut
+
+namespace {
+
+class Factory final : public OpenMM::KernelFactory {
+ public:
+  OpenMM::KernelImpl* createKernelImpl(std::string name, const OpenMM::Platform& platform,
+                                       OpenMM::ContextImpl& context) const override {
+    if (name == taut::TautStepKernel::Name()) return new taut::DeviceStep(name, platform);
+    if (dynamic_cast<taut::TautIntegrator*>(&context.getIntegrator()))
+      return new taut::ProjectConstraints(name, platform);
+    return opencl_.createKernelImpl(name, platform, context);
+  }
+
+ private:
+  OpenMM::OpenCLKernelFactory opencl_;
+};
+
+}  // namespace
+
+TAUT_EXPORT void registerPlatforms() {}
+
+TAUT_EXPORT void registerKernelFactories() {
+  for (int n = 0; n < OpenMM::Platform::getNumPlatforms(); ++n) {
+    OpenMM::Platform& platform = OpenMM::Platform::getPlatform(n);
+    if (platform.getName() != "OpenCL") continue;
+    platform.registerKernelFactory(taut::TautStepKernel::Name(), new Factory);
+    platform.registerKernelFactory(OpenMM::ApplyConstraintsKernel::Name(), new Factory);
+  }
+}

@@ -1,0 +1,223 @@
+"""TautIntegrator on OpenMM's OpenCL platform beside its Reference platform, in all precisions."""
+
+import numpy as np
+import pytest
+
+openmm = pytest.importorskip("openmm", reason="needs OpenMM from PyPI: pip install openmm")
+import taut.openmm  # noqa: E402
+
+try:
+    taut.openmm.load()
+except ImportError as missing:
+    pytest.skip(str(missing), allow_module_level=True)
+if "OpenCL" not in taut.openmm.platforms() or not openmm.Platform.getPlatformByName("OpenCL").getDevices():
+    pytest.skip("needs an OpenCL device and the plug-in's part for it (pocl-opencl-icd, ocl-icd-opencl-dev)",
+                allow_module_level=True)
+
+PRECISIONS = ["single", "mixed", "double"]
+
+
+class Mixture:
+    """Molecules of several shapes, tied to their neighbours by springs: forces that OpenCL has to its precision."""
+
+    def __init__(self):
+        self.system, self.x = openmm.System(), []
+        self.springs = openmm.HarmonicBondForce()
+        rng = np.random.default_rng(1)
+        for n in range(18):
+            at = 0.6 * np.array([n % 3, n // 3 % 3, n // 9]) + rng.uniform(-0.05, 0.05, 3)
+            [self.water, self.methyl, self.chain][n % 3](at, rng)
+        self.springs.setForceGroup(1)
+        self.system.addForce(self.springs)
+
+    def atom(self, mass, at):
+        self.x.append(at)
+        return self.system.addParticle(mass)
+
+    def bond(self, i, j):
+        self.system.addConstraint(i, j, float(np.linalg.norm(np.subtract(self.x[j], self.x[i]))))
+
+    def tie(self, i, stiffness=2000):
+        if i > 12:
+            far = float(np.linalg.norm(np.subtract(self.x[i], self.x[i - 12])))
+            self.springs.addBond(i - 12, i, float(np.float32(0.9 * far)), stiffness)
+
+    def water(self, at, rng):
+        o, h, k = (self.atom(m, at + d) for m, d in ((15.999, [0, 0, 0]), (1.008, [0.0757, 0.0586, 0]),
+                                                    (1.008, [-0.0757, 0.0586, 0])))
+        for i, j in ((o, h), (o, k), (h, k)):
+            self.bond(i, j)
+        self.tie(o), self.tie(h)
+        site = self.atom(0, at)
+        self.system.setVirtualSite(site, openmm.ThreeParticleAverageSite(o, h, k, 0.75, 0.125, 0.125))
+        self.tie(site)
+
+    def methyl(self, at, rng):  # its angles rigid, too, and a free atom beside it
+        c = self.atom(12.011, at)
+        hs = [self.atom(1.008, at + 0.0629 * np.array(d)) for d in ([1, 1, 1], [1, -1, -1], [-1, 1, -1])]
+        for h in hs:
+            self.bond(c, h)
+        for i, j in ((0, 1), (0, 2), (1, 2)):
+            self.bond(hs[i], hs[j])
+        free = self.atom(20, at - [0.1, 0.1, 0.1])
+        self.springs.addBond(c, free, 0.15625, 1e4)
+        self.tie(c), self.tie(hs[1])
+
+    def chain(self, at, rng):
+        before = None
+        for n in range(6):
+            i = self.atom(14.0 + n, at + [0.1 * n, 0.05 * (n % 2), 0.03 * (n % 3)])
+            if before is not None:
+                self.bond(before, i)
+            before = i
+            self.tie(i)
+
+    def context(self, integrator, platform, precision=None):
+        made = openmm.Context(self.system, integrator, openmm.Platform.getPlatformByName(platform),
+                              {"Precision": precision} if precision else {})
+        made.setPositions(self.x)
+        made.setVelocities(np.random.default_rng(2).normal(0, 0.4, (len(self.x), 3)))
+        made.applyVelocityConstraints(1e-6)
+        return made
+
+    def bond_error(self, x):
+        bonds = [self.system.getConstraintParameters(k) for k in range(self.system.getNumConstraints())]
+        return max(abs(np.linalg.norm(x[j] - x[i]) / d._value - 1) for i, j, d in bonds)
+
+
+@pytest.fixture(scope="module")
+def mixture():
+    return Mixture()
+
+
+def motion(context):
+    state = context.getState(positions=True, velocities=True)
+    return state.getPositions(asNumpy=True)._value, state.getVelocities(asNumpy=True)._value
+
+
+# What a precision leaves of positions [nm] and velocities [nm/ps] after 20 steps of 2 fs.
+NEAR = {"single": (2e-6, 2e-4), "mixed": (1e-7, 1e-5), "double": (1e-11, 1e-9)}
+
+
+# A thermostat at 0 K has its friction, its jump in the tangent space, and no noise.
+@pytest.mark.parametrize("precision", PRECISIONS)
+@pytest.mark.parametrize("settings", [{"method": "feedforward"}, {"method": "baumgarte"},
+                                      {"method": "baumgarte", "damping": "lagged", "gains": "dead-beat", "passes": 2},
+                                      {"method": "feedforward", "friction": 20, "temperature": 0},
+                                      {"method": "baumgarte", "friction": 20, "temperature": 0}],
+                         ids=lambda settings: "-".join(map(str, settings.values())))
+def test_moves_as_reference_does(mixture, settings, precision):
+    device = mixture.context(taut.openmm.Integrator(0.002, **settings), "OpenCL", precision)
+    plain = mixture.context(taut.openmm.Integrator(0.002, **settings), "Reference")
+    device.getIntegrator().step(20), plain.getIntegrator().step(20)
+    (x, v), (x_plain, v_plain) = motion(device), motion(plain)
+    assert np.abs(x_plain - mixture.x).max() > 0.01
+    assert np.abs(x - x_plain).max() < NEAR[precision][0]
+    assert np.abs(v - v_plain).max() < NEAR[precision][1]
+    energies = [c.getState(energy=True).getKineticEnergy()._value for c in (device, plain)]
+    assert energies[0] == pytest.approx(energies[1], rel=1e-4 if precision == "single" else 1e-5)
+
+
+def test_thermostat_gives_its_temperature(mixture):
+    context = mixture.context(taut.openmm.Integrator(0.002, temperature=300, friction=10, seed=5), "OpenCL", "single")
+    context.getIntegrator().step(200)
+    energies = []
+    for _ in range(300):
+        context.getIntegrator().step(5)
+        energies.append(context.getState(energy=True).getKineticEnergy()._value)
+    masses = [mixture.system.getParticleMass(i)._value for i in range(mixture.system.getNumParticles())]
+    freedoms = 3 * sum(m > 0 for m in masses) - mixture.system.getNumConstraints()
+    assert np.mean(energies) == pytest.approx(0.5 * freedoms * 8.314462618e-3 * 300, rel=0.03)
+
+
+@pytest.mark.parametrize("friction", [0, 5])
+def test_goes_on_from_a_checkpoint(mixture, friction):
+    bath = {"friction": friction, "temperature": 300, "seed": 3} if friction else {}
+    run, again = (mixture.context(taut.openmm.Integrator(0.002, **bath), "OpenCL", "mixed") for _ in range(2))
+    run.getIntegrator().step(15)
+    kept = run.createCheckpoint()
+    run.getIntegrator().step(15)
+    again.loadCheckpoint(kept)
+    again.getIntegrator().step(15)
+    assert np.array_equal(motion(run)[0], motion(again)[0])
+    again.loadCheckpoint(kept)
+    again.setVelocities(motion(again)[1] * 0)
+    again.getIntegrator().step(15)
+    assert np.abs(motion(run)[0] - motion(again)[0]).max() > 1e-3
+
+
+def test_takes_the_states_of_other_platforms(mixture):
+    device = mixture.context(taut.openmm.Integrator(0.002), "OpenCL", "double")
+    plain = mixture.context(taut.openmm.Integrator(0.002), "Reference")
+    everything = {"positions": True, "velocities": True, "integratorParameters": True}
+    device.getIntegrator().step(10)
+    kept = device.getState(**everything)
+    plain.setState(kept), device.getIntegrator().step(10), plain.getIntegrator().step(10)
+    assert np.abs(motion(device)[0] - motion(plain)[0]).max() < 1e-6
+    device.setState(plain.getState(**everything))
+    device.getIntegrator().step(10), plain.getIntegrator().step(10)
+    assert np.abs(motion(device)[0] - motion(plain)[0]).max() < 1e-6
+    again = mixture.context(taut.openmm.Integrator(0.002), "OpenCL", "double")
+    again.setState(kept), again.getIntegrator().step(10)
+    device.setState(kept), device.getIntegrator().step(10)
+    assert np.array_equal(motion(device)[0], motion(again)[0])
+
+
+def test_waters_that_the_device_reorders():
+    """OpenMM sorts equal molecules on the device every 250 steps. Each keeps its own multipliers, from which baumgarte
+    extrapolates; it does not iterate, so that a wrong one would show as an error of the bonds."""
+    system, x, edge = openmm.System(), [], 6 * 0.31
+    pairs = openmm.NonbondedForce()
+    pairs.setNonbondedMethod(pairs.CutoffPeriodic), pairs.setCutoffDistance(0.8)
+    system.setDefaultPeriodicBoxVectors(*(edge * np.eye(3)))
+    order = np.random.default_rng(4).permutation(216)  # neighbours in space are none in the System
+    for n in order:
+        for mass, at, charge, depth in ((15.999, [0, 0, 0], -0.834, 0.636), (1.008, [0.0757, 0.0586, 0], 0.417, 0),
+                                        (1.008, [-0.0757, 0.0586, 0], 0.417, 0)):
+            system.addParticle(mass), pairs.addParticle(charge, 0.315, depth)
+            x.append(0.31 * np.array([n % 6, n // 6 % 6, n // 36]) + at)
+        o = len(x) - 3
+        for i, j, d in ((o, o + 1, 0.09572), (o, o + 2, 0.09572), (o + 1, o + 2, 0.15139)):
+            system.addConstraint(i, j, d), pairs.addException(i, j, 0, 0.1, 0)
+    system.addForce(pairs)
+    start = openmm.Context(system, taut.openmm.Integrator(0.001), openmm.Platform.getPlatformByName("CPU"))
+    start.setPositions(x)
+    openmm.LocalEnergyMinimizer.minimize(start, 10, 20)  # pocl cannot: its processes crash in OpenMM's minimizer
+    context = openmm.Context(system, taut.openmm.Integrator(0.001, "baumgarte"),
+                             openmm.Platform.getPlatformByName("OpenCL"), {"Precision": "mixed"})
+    context.setPositions(motion(start)[0])
+    context.setVelocitiesToTemperature(250, 1)
+    context.getIntegrator().step(200)
+    errors = []
+    for _ in range(70):
+        context.getIntegrator().step(1)
+        x = motion(context)[0]
+        errors.append(max(abs(np.linalg.norm(x[1::3] - x[::3], axis=1) / 0.09572 - 1)))
+    assert max(errors[40:]) < 3 * max(errors[:40])
+
+
+def refusal(system, **settings):
+    with pytest.raises(openmm.OpenMMException) as refused:
+        openmm.Context(system, taut.openmm.Integrator(0.002, **settings), openmm.Platform.getPlatformByName("OpenCL"))
+    return str(refused.value)
+
+
+def test_says_what_it_does_not_hold(mixture):
+    assert 'take "feedforward" or "baumgarte", or the platform CPU' in refusal(mixture.system, method="newton")
+    assert "take sweeps=0" in refusal(mixture.system, method="baumgarte", sweeps=4)
+    chain = openmm.System()
+    for i in range(26):
+        chain.addParticle(14)
+        if i:
+            chain.addConstraint(i - 1, i, 0.15)
+    assert "more than 24 bonds" in refusal(chain)
+
+
+def test_projects_and_stops_in_words(mixture):
+    context = mixture.context(taut.openmm.Integrator(0.002), "OpenCL", "double")
+    context.setPositions(np.array(mixture.x) + np.random.default_rng(3).normal(0, 2e-3, (len(mixture.x), 3)))
+    context.applyConstraints(1e-3)
+    assert mixture.bond_error(motion(context)[0]) < 1e-12
+    context.setVelocities(np.random.default_rng(3).normal(0, 200, (len(mixture.x), 3)))
+    with pytest.raises(openmm.OpenMMException, match="in the cluster of atom .* take a shorter step"):
+        context.getIntegrator().step(50)
