@@ -220,6 +220,29 @@ def test_other_integrators_keep_openmms_constraints(small):
     run.step(2)
 
 
+def test_the_frame_of_martinis_cholesterol():
+    """Two triangles hinged on an edge, nearly flat, at 20 fs, where OpenMM's own constraints end in NaN (issue 3603)."""
+    system, corners = openmm.System(), {}
+    for mass in (38.69, 159.65, 77.22, 39.44):
+        system.addParticle(mass)
+    for to, (a, b), side in ((2, (0.4904, 0.6019), 1), (3, (0.7237, 0.5376), -1)):
+        along = (a * a - b * b + 0.2719**2) / (2 * 0.2719)
+        corners[to] = [along, side * math.sqrt(a * a - along * along), 0]
+        system.addConstraint(0, to, a), system.addConstraint(1, to, b)
+    system.addConstraint(0, 1, 0.2719)
+    flat = openmm.CustomTorsionForce("25*min(d,6.283185307-d)^2; d=abs(theta+3.136357)")
+    flat.addTorsion(2, 0, 1, 3, [])
+    system.addForce(flat)
+    context = openmm.Context(system, taut.openmm.Integrator(0.02), platform("Reference"))
+    context.setPositions([[0, 0, 0], [0.2719, 0, 0], corners[2], corners[3]])
+    context.setVelocitiesToTemperature(300, 2)
+    before = total_energy(context)
+    for _ in range(20):
+        context.getIntegrator().step(50)
+        assert bond_error(system, positions(context)) < 1e-6
+        assert total_energy(context) == pytest.approx(before, abs=0.02 * before)
+
+
 def refusal(call, *args, **named):
     with pytest.raises(openmm.OpenMMException) as caught:
         call(*args, **named)
