@@ -7,6 +7,8 @@
 #include <memory>
 #include <sstream>
 
+#include "openmm_plugin/device_plan.hpp"
+
 // OpenMM keeps what plug-ins register until the process ends, and never deletes it.
 extern "C" __attribute__((visibility("default"))) const char* __lsan_default_suppressions() {
   return "leak:registerSerializationProxies\nleak:registerKernelFactor\n";
@@ -200,6 +202,59 @@ TEST(OpenMMPluginRefusals, SayWhatIsWrongWhenTheIntegratorIsMade) {
             std::string::npos);
   EXPECT_NE(refusal("stepSize=\"0.001\" temperature=\"300\"").find("without friction"), std::string::npos);
   EXPECT_NE(refusal("stepSize=\"0\"").find("expected more than 0"), std::string::npos);
+}
+
+// Two waters, an O-H beside another, a free atom, and a site: what a device holds, and how.
+taut::HeldBonds two_waters_and_others() {
+  taut::HeldBonds held{{16, 1, 1, 0, 12, 1, 20, 16, 1, 1, 14, 1}, {}};
+  for (const int o : {0, 7}) {
+    held.bonds.push_back({o, o + 1, kOh});
+    held.bonds.push_back({o, o + 2, kOh});
+    held.bonds.push_back({o + 1, o + 2, kHh});
+  }
+  held.bonds.push_back({4, 5, 0.11});
+  held.bonds.push_back({10, 11, 0.10});
+  return held;
+}
+
+TEST(OpenMMPluginDevicePlan, PutsClustersOfOneShapeSideBySide) {
+  const taut::DevicePlan plan = taut::plan_for_device(two_waters_and_others(), {});
+  ASSERT_EQ(plan.shapes.size(), 3u);
+  for (const taut::DeviceShape& shape : plan.shapes) {
+    if (shape.atoms == 3) {
+      EXPECT_EQ(shape.atom, (std::vector<int>{0, 7, 1, 8, 2, 9}));
+      EXPECT_EQ(shape.length, (std::vector<double>{kOh, kOh, kOh, kOh, kHh, kHh}));
+    }
+    if (shape.atoms == 2) {  // of different masses and lengths
+      EXPECT_EQ(shape.atom, (std::vector<int>{4, 10, 5, 11}));
+      EXPECT_EQ(shape.length, (std::vector<double>{0.11, 0.10}));
+    }
+    if (shape.atoms == 1) {
+      EXPECT_EQ(shape.atom, (std::vector<int>{6}));
+    }
+  }
+  EXPECT_EQ(plan.shapes.front().guess[3], (std::array<double, 3>{3, -3, 1}));
+}
+
+TEST(OpenMMPluginDevicePlan, RefusesWhatDevicesDoNotHold) {
+  const auto refused = [](const taut::HeldBonds& held, const taut::HoldSettings& settings) {
+    try {
+      taut::plan_for_device(held, settings);
+    } catch (const std::exception& wrong) {
+      return std::string(wrong.what());
+    }
+    return std::string();
+  };
+  const taut::HeldBonds some = two_waters_and_others();
+  EXPECT_NE(refused(some, {0.002, "newton", {}}).find("take \"feedforward\" or \"baumgarte\""),
+            std::string::npos);
+  EXPECT_NE(refused(some, {0.002, "baumgarte", {{"sweeps", "2"}}}).find("take sweeps=0"), std::string::npos);
+  EXPECT_EQ(refused(some, {0.002, "baumgarte", {}}), "");
+  taut::HeldBonds chain{std::vector<double>(26, 14.0), {}};
+  for (int i = 0; i < 24; ++i) chain.bonds.push_back({i, i + 1, 0.15});
+  EXPECT_EQ(refused(chain, {}), "");
+  chain.bonds.push_back({24, 25, 0.15});
+  EXPECT_NE(refused(chain, {}).find("more than 24 bonds"), std::string::npos);
 }
 
 }  // namespace

@@ -163,14 +163,13 @@ def test_takes_the_states_of_other_platforms(mixture):
     assert np.array_equal(motion(device)[0], motion(again)[0])
 
 
-def test_waters_that_the_device_reorders():
-    """OpenMM sorts equal molecules on the device every 250 steps. Each keeps its own multipliers, from which baumgarte
-    extrapolates; it does not iterate, so that a wrong one would show as an error of the bonds."""
+def box_of_waters():
+    """216 waters whose neighbours in space are none in the System, with positions near the least energy."""
     system, x, edge = openmm.System(), [], 6 * 0.31
     pairs = openmm.NonbondedForce()
     pairs.setNonbondedMethod(pairs.CutoffPeriodic), pairs.setCutoffDistance(0.8)
     system.setDefaultPeriodicBoxVectors(*(edge * np.eye(3)))
-    order = np.random.default_rng(4).permutation(216)  # neighbours in space are none in the System
+    order = np.random.default_rng(4).permutation(216)
     for n in order:
         for mass, at, charge, depth in ((15.999, [0, 0, 0], -0.834, 0.636), (1.008, [0.0757, 0.0586, 0], 0.417, 0),
                                         (1.008, [-0.0757, 0.0586, 0], 0.417, 0)):
@@ -183,17 +182,46 @@ def test_waters_that_the_device_reorders():
     start = openmm.Context(system, taut.openmm.Integrator(0.001), openmm.Platform.getPlatformByName("CPU"))
     start.setPositions(x)
     openmm.LocalEnergyMinimizer.minimize(start, 10, 20)  # pocl cannot: its processes crash in OpenMM's minimizer
+    return system, motion(start)[0]
+
+
+def water_bond_error(context):
+    x = motion(context)[0]
+    return max(abs(np.linalg.norm(x[1::3] - x[::3], axis=1) / 0.09572 - 1))
+
+
+def test_waters_that_the_device_reorders():
+    """OpenMM sorts equal molecules on the device every 250 steps. Each keeps its own multipliers, from which baumgarte
+    extrapolates; it does not iterate, so that a wrong one would show as an error of the bonds."""
+    system, x = box_of_waters()
     context = openmm.Context(system, taut.openmm.Integrator(0.001, "baumgarte"),
                              openmm.Platform.getPlatformByName("OpenCL"), {"Precision": "mixed"})
-    context.setPositions(motion(start)[0])
+    context.setPositions(x)
     context.setVelocitiesToTemperature(250, 1)
     context.getIntegrator().step(200)
     errors = []
     for _ in range(70):
         context.getIntegrator().step(1)
-        x = motion(context)[0]
-        errors.append(max(abs(np.linalg.norm(x[1::3] - x[::3], axis=1) / 0.09572 - 1)))
+        errors.append(water_bond_error(context))
     assert max(errors[40:]) < 3 * max(errors[:40])
+
+
+def test_barostat_and_removal_of_the_momentum():
+    system, x = box_of_waters()
+    system.addForce(openmm.MonteCarloBarostat(2000, 300, 5)), system.addForce(openmm.CMMotionRemover(2))
+    context = openmm.Context(system, taut.openmm.Integrator(0.001, temperature=300, friction=0.1),
+                             openmm.Platform.getPlatformByName("OpenCL"), {"Precision": "mixed"})
+    context.setPositions(x)
+    context.setVelocitiesToTemperature(300, 1)
+    volumes = set()
+    for _ in range(10):
+        context.getIntegrator().step(10)
+        volumes.add(context.getState().getPeriodicBoxVolume()._value)
+        assert water_bond_error(context) < 1e-5
+    assert len(volumes) > 3
+    masses = np.array([system.getParticleMass(i)._value for i in range(system.getNumParticles())])
+    momentum = masses @ motion(context)[1]
+    assert np.linalg.norm(momentum) < 0.05 * np.sqrt(3 * sum(masses) * 8.314e-3 * 300)
 
 
 def refusal(system, **settings):
