@@ -351,7 +351,12 @@ void DeviceStep::load(const std::string& kept) {
     std::memcpy(to, from, count);
     from += count;
   };
-  take(&known_, sizeof known_);
+  int known = 0;
+  take(&known, sizeof known);
+  if (known < 1 || known > 3)
+    throw OpenMM::OpenMMException("the checkpoint is damaged: it counts " + std::to_string(known) +
+                                  " steps of multipliers, expected 1 to 3");
+  known_ = known;
   saved_x_.resize(x_.size());
   saved_v_.resize(v_.size());
   take(static_cast<void*>(saved_x_.data()), x_.size() * sizeof(Vec3));

@@ -88,10 +88,10 @@ TAUT_EXPORT void registerPlatforms() {}
 TAUT_EXPORT void registerKernelFactories() {
   for (int n = 0; n < OpenMM::Platform::getNumPlatforms(); ++n) {
     OpenMM::Platform& platform = OpenMM::Platform::getPlatform(n);
-    if (!platform.supportsKernels({taut::TautStepKernel::Name()}))  // by the part for the platform's devices
-      platform.registerKernelFactory(taut::TautStepKernel::Name(), new StepFactory);
-    if (dynamic_cast<OpenMM::ReferencePlatform*>(&platform))  // CPU is one, too
-      platform.registerKernelFactory(OpenMM::ApplyConstraintsKernel::Name(), new ConstraintsFactory);
+    // CPU is one, too. A platform of devices crashes unless its integrator prepares it, as opencl_plugin.cpp does.
+    if (!dynamic_cast<OpenMM::ReferencePlatform*>(&platform)) continue;
+    platform.registerKernelFactory(taut::TautStepKernel::Name(), new StepFactory);
+    platform.registerKernelFactory(OpenMM::ApplyConstraintsKernel::Name(), new ConstraintsFactory);
   }
   OpenMM::SerializationProxy::registerProxy(typeid(TautIntegrator), new Proxy);
 }

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "openmm_plugin/device_plan.hpp"
+#include "openmm_plugin/step_kernel.hpp"
 
 // OpenMM keeps what plug-ins register until the process ends, and never deletes it.
 extern "C" __attribute__((visibility("default"))) const char* __lsan_default_suppressions() {
@@ -20,8 +21,20 @@ using OpenMM::Vec3;
 
 constexpr double kOh = 0.09572, kHh = 0.15139;  // of TIP3P [nm]
 
+// Stands for the platform of a device for which the plug-in has no part.
+class OtherDevice final : public OpenMM::Platform {
+ public:
+  const std::string& getName() const override { return name_; }
+  double getSpeed() const override { return 1; }
+  bool supportsDoublePrecision() const override { return true; }
+
+ private:
+  std::string name_ = "OtherDevice";
+};
+
 void load_plugin() {
   static const bool loaded = [] {
+    OpenMM::Platform::registerPlatform(new OtherDevice);
     const std::string root = TAUT_OPENMM_ROOT;
     OpenMM::Platform::loadPluginsFromDirectory(root.empty() ? OpenMM::Platform::getDefaultPluginsDirectory()
                                                             : root + "/lib/plugins");
@@ -215,6 +228,13 @@ taut::HeldBonds two_waters_and_others() {
   held.bonds.push_back({4, 5, 0.11});
   held.bonds.push_back({10, 11, 0.10});
   return held;
+}
+
+TEST(OpenMMPluginPlatforms, AreThoseThatCanRunTheStep) {
+  load_plugin();
+  const std::vector<std::string> step = {taut::TautStepKernel::Name()};
+  EXPECT_TRUE(OpenMM::Platform::getPlatformByName("Reference").supportsKernels(step));
+  EXPECT_FALSE(OpenMM::Platform::getPlatformByName("OtherDevice").supportsKernels(step));
 }
 
 TEST(OpenMMPluginDevicePlan, PutsClustersOfOneShapeSideBySide) {

@@ -51,7 +51,7 @@ def _part_for_opencl() -> Optional[Path]:
 
 
 def platforms() -> List[str]:
-    """Returns the platforms on which the step runs where the forces are computed. On others it runs on the host."""
+    """Returns the platforms that hold the bonds. OpenMM refuses others, and takes the fastest if none is named."""
     load()
     return ["Reference", "CPU"] + (["OpenCL"] if _part_for_opencl() else [])
 

@@ -1,5 +1,8 @@
 """TautIntegrator on OpenMM's OpenCL platform beside its Reference platform, in all precisions."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -144,6 +147,42 @@ def test_goes_on_from_a_checkpoint(mixture, friction):
     again.setVelocities(motion(again)[1] * 0)
     again.getIntegrator().step(15)
     assert np.abs(motion(run)[0] - motion(again)[0]).max() > 1e-3
+
+
+def test_refuses_a_damaged_state(mixture):
+    context = mixture.context(taut.openmm.Integrator(0.002), "OpenCL", "mixed")
+    context.getIntegrator().step(5)
+    state = openmm.XmlSerializer.serialize(context.getState(positions=True, integratorParameters=True))
+    begin = b"device\n".hex()
+    assert begin + "03000000" in state
+    damaged = openmm.XmlSerializer.deserialize(state.replace(begin + "03000000", begin + "ffff0000"))
+    with pytest.raises(openmm.OpenMMException, match="it counts 65535 steps of multipliers, expected 1 to 3"):
+        context.setState(damaged)
+
+
+# In a process of its own: what a plug-in has registered stays.
+WITHOUT_THE_PART = """
+import openmm, taut.openmm
+taut.openmm._part_for_opencl = lambda: None
+taut.openmm.load()
+system = openmm.System()
+system.addParticle(16), system.addParticle(1), system.addConstraint(0, 1, 0.1)
+context = openmm.Context(system, taut.openmm.Integrator(0.002))
+context.setPositions([[0, 0, 0], [0.1, 0, 0]])
+context.getIntegrator().step(2)
+print(context.getPlatform().getName())
+try:
+    openmm.Context(system, taut.openmm.Integrator(0.002), openmm.Platform.getPlatformByName("OpenCL"))
+except openmm.OpenMMException as refused:
+    print(refused)
+"""
+
+
+def test_without_its_part_opencl_is_refused_and_never_taken():
+    ran = subprocess.run([sys.executable, "-c", WITHOUT_THE_PART], capture_output=True, text=True)
+    assert ran.returncode == 0, ran.stderr
+    taken, refused = ran.stdout.strip().splitlines()
+    assert taken == "CPU" and "does not support all required kernels" in refused
 
 
 def test_takes_the_states_of_other_platforms(mixture):
