@@ -31,6 +31,7 @@ std::vector<std::string> forces_of(const Scene& scene) {
   add(terms.bonds.size(), "spring");
   add(terms.fene.size(), "FENE spring");
   add(terms.angles.size(), "angle");
+  add(terms.cosine_angles.size(), "cosine angle");
   add(terms.torsions.size(), "torsion");
   add(terms.rb_torsions.size(), "Ryckaert–Bellemans torsion");
   add(terms.harmonic_torsions.size(), "harmonic torsion");

@@ -1,6 +1,7 @@
 #include "run_tables.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -12,12 +13,21 @@
 namespace taut {
 namespace {
 
+// "300 K", or "300 K at 0 ps, 400 K at 100 ps" with straight lines between.
+std::string bath_temperature(const RunSettings& run) {
+  if (run.temperature_course.empty()) return fmt::format("{:g} K", run.temperature_k);
+  std::vector<std::string> points;
+  for (const auto& [t, kelvin] : run.temperature_course.points())
+    points.push_back(fmt::format("{:g} K at {:g} ps", kelvin, t));
+  return fmt::format("{}", fmt::join(points, ", "));
+}
+
 std::string thermostat_line(const RunSettings& run) {
   if (run.langevin())
-    return fmt::format(", Langevin's thermostat at {:g} K, friction {:g}/ps", run.temperature_k,
+    return fmt::format(", Langevin's thermostat at {}, friction {:g}/ps", bath_temperature(run),
                        run.friction_per_ps);
   if (run.rescaling())
-    return fmt::format(", velocities rescaled to {:g} K within {:g} ps", run.temperature_k,
+    return fmt::format(", velocities rescaled to {} within {:g} ps", bath_temperature(run),
                        run.thermostat_ps);
   return "";
 }

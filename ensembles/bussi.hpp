@@ -27,6 +27,7 @@ class VelocityRescaling final : public Bath {
   VelocityRescaling(const System& sys, const Settings& settings);
 
   double after_step(const System& sys, double h, State& s) override;
+  void set_temperature(double kelvin) override { settings_.temperature = kelvin; }
   void serialize(Archive& archive) override { archive(random_); }
 
  private:

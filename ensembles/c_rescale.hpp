@@ -4,6 +4,7 @@
 #include "ensembles/barostat.hpp"
 #include "md/bath.hpp"
 #include "md/centre_scaling.hpp"
+#include "md/units.hpp"
 
 namespace taut {
 
@@ -31,6 +32,7 @@ class CellRescaling final : public Bath {
   double move_box(const System& sys, State& s) override;
   Draw draw(const System& sys, const Push& push, const State& s) override;
   double after_step(const System& sys, double h, State& s) override;
+  void set_temperature(double kelvin) override { coupling_.kT = kBoltzmann * kelvin; }
   void serialize(Archive& archive) override { archive(steps_, strain_, random_); }
 
   // P along x, y and z after a draw() where s is [kJ/mol/nm³].

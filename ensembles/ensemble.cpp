@@ -5,7 +5,15 @@
 
 namespace taut {
 
+void Ensemble::follow_temperature(double t) {
+  if (temperature.empty()) return;
+  for (Bath* bath : {thermostat.get(), barostat.get()})
+    if (bath) bath->set_temperature(temperature.at(t));
+}
+
+// The first stage of a step.
 double Ensemble::move_box(const System& sys, State& s) {
+  follow_temperature(s.t);
   if (!barostat) return 0;
   const double heat = barostat->move_box(sys, s);
   meter.add_heat(heat);
@@ -14,6 +22,7 @@ double Ensemble::move_box(const System& sys, State& s) {
 
 Bath::Draw Ensemble::draw(const System& sys, const Push& push, const State& s) {
   in_part(StepPart::kAccount, [&] { meter.add_step(push.h, sys, s, half_jump()); });
+  if (push.starts()) follow_temperature(s.t);
   if (steering && push.starts()) steering->begin();
   if (steering && !push.starts()) steering->add_step(push.h);
   if (barostat) barostat->draw(sys, push, s);

@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/course.hpp"
 #include "forcefield/force_field.hpp"
 #include "md/bath.hpp"
 #include "md/work_meter.hpp"
@@ -35,6 +36,7 @@ class Ensemble final : public Bath {
  public:
   std::unique_ptr<Bath> thermostat, barostat;  // null: none
   long remove_momentum_every = 0;              // steps; 0: never
+  Course temperature;                          // of thermostat and barostat; empty: they keep theirs
   WorkMeter meter;
   std::optional<SteeringWork> steering;  // none: no atom is steered
 
@@ -46,6 +48,7 @@ class Ensemble final : public Bath {
   std::string doubt() const override { return barostat ? barostat->doubt() : ""; }
 
  private:
+  void follow_temperature(double t);
   double take_momentum_out(const System& sys, State& s);
 
   long steps_ = 0;

@@ -38,8 +38,12 @@ Langevin::Langevin(const System& sys, const Settings& settings, double h)
       width_(sys.inv_mass),
       heats_((sys.atoms() + kBlock - 1) / kBlock),
       normal_((3 * sys.atoms() + kNoiseBlock - 1) / kNoiseBlock * kNoiseBlock) {
-  const double c = std::exp(-settings.friction * h);
-  width_ = ((1 - c * c) * kBoltzmann * settings.temperature * sys.inv_mass).cwiseSqrt();
+  set_temperature(settings.temperature);
+}
+
+void Langevin::set_temperature(double kelvin) {
+  const double c = std::exp(-h_ * settings_.friction);
+  width_ = ((1 - c * c) * kBoltzmann * kelvin * tangent_.inv_mass).cwiseSqrt();
 }
 
 SolveStats Langevin::project(const Vectors& x, Vectors& v) {

@@ -55,6 +55,7 @@ class Langevin final : public Bath {
   // tangent, is to be changed since bonds turned [kJ/mol].
   double heat_of_turning() const { return heat_of_turning_; }
 
+  void set_temperature(double kelvin) override;
   void serialize(Archive& archive) override { archive(half_jump_, random_); }
 
   // The velocity that Δ is about to change, P(v + (h/2)M⁻¹f): canonical for free and for harmonic motion at

@@ -4,6 +4,7 @@
 #include "ensembles/barostat.hpp"
 #include "md/bath.hpp"
 #include "md/centre_scaling.hpp"
+#include "md/units.hpp"
 
 namespace taut {
 
@@ -26,6 +27,7 @@ class MonteCarloBarostat final : public Bath {
     ++steps_;
     return 0;
   }
+  void set_temperature(double kelvin) override { coupling_.kT = kBoltzmann * kelvin; }
   void serialize(Archive& archive) override {
     archive(steps_, largest_, tried_, taken_, adapted_, random_);
     archive.demand(largest_ >= 0 && 0 <= taken_ && taken_ <= tried_ && tried_ < kTrials && adapted_ >= 0);

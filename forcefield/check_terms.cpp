@@ -59,6 +59,11 @@ void check_bonded(const Terms& terms, int n) {
     check_atoms({"angle", a}, {i, j, k}, n);
     check_numbers({"angle", a}, {angle, stiffness});
   }
+  for (std::size_t a = 0; a < terms.cosine_angles.size(); ++a) {
+    const auto& [i, j, k, stiffness] = terms.cosine_angles[a];
+    check_atoms({"cosine angle", a}, {i, j, k}, n);
+    check_numbers({"cosine angle", a}, {stiffness});
+  }
   for (std::size_t b = 0; b < terms.fene.size(); ++b) {
     const auto& [i, j, k, r0] = terms.fene[b];
     check_atoms({"fene", b}, {i, j}, n);

@@ -28,6 +28,21 @@ double add_pulls(const std::vector<Pull>& pulls, const Vectors& x, Vectors& f) {
   return energy;
 }
 
+// E = −c(t)F·x. What moves c does the work −∫ċ F·x dt.
+double add_changing_pulls(const std::vector<Pull>& pulls, const Course& factor, double t, const Vectors& x,
+                          Vectors& f, SteeringForces& forces) {
+  const double c = factor.at(t), rate = factor.rate(t);
+  double energy = 0;
+  for (const auto& [atom, force] : pulls) {
+    const double along = force.dot(x.col(atom));
+    energy -= c * along;
+    f.col(atom) += c * force;
+    forces.force += c * force.norm() / static_cast<double>(pulls.size());
+    forces.power -= rate * along;
+  }
+  return energy;
+}
+
 // E = ½k|x − at|², from the nearest image of `at`
 double add_restraints(const std::vector<Restraint>& restraints, const Box& box, const Vectors& x,
                       Vectors& f) {
@@ -70,7 +85,7 @@ double add_wall(const Wall& wall, const Vectors& x, Vectors& f, double& push) {
 double add_steering(const std::vector<SteeredAtom>& atoms, double t, const Vectors& x, Vectors& f,
                     SteeringForces& forces) {
   double energy = 0;
-  forces = {};
+  forces.force = 0;
   for (const auto& [atom, along, speed, k, from, since] : atoms) {
     const double stretch = speed * (t - since) - along.dot(x.col(atom) - from);
     energy += 0.5 * k * stretch * stretch;

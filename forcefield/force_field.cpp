@@ -119,7 +119,12 @@ struct ForceField::Impl {
     if (!has_fields()) return;
     const PartScope here(StepPart::kFields);
     if (terms.gravity) fields.emplace_back("gravity", add_gravity(*terms.gravity, sys.mass, x, f));
-    if (!terms.pulls.empty()) fields.emplace_back("pull", add_pulls(terms.pulls, x, f));
+    besides.steering = {};
+    if (!terms.pulls.empty())
+      fields.emplace_back(
+          "pull", terms.pull_factor.empty()
+                      ? add_pulls(terms.pulls, x, f)
+                      : add_changing_pulls(terms.pulls, terms.pull_factor, s.t, x, f, besides.steering));
     if (!terms.restraints.empty())
       fields.emplace_back("restraint", add_restraints(terms.restraints, box, x, f));
     if (!terms.walls.empty()) fields.emplace_back("wall", add_walls(x, f, besides.wall_pushes));

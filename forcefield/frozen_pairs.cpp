@@ -34,6 +34,8 @@ class Selection {
     some.fene = pairs(all.fene);
     for (HarmonicAngle angle : all.angles)
       if (renumber({&angle.i, &angle.j, &angle.k})) some.angles.push_back(angle);
+    for (CosineAngle angle : all.cosine_angles)
+      if (renumber({&angle.i, &angle.j, &angle.k})) some.cosine_angles.push_back(angle);
     some.torsions = torsions(all.torsions);
     some.rb_torsions = torsions(all.rb_torsions);
     some.harmonic_torsions = torsions(all.harmonic_torsions);

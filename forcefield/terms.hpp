@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/course.hpp"
 #include "base/vectors.hpp"
 
 namespace taut {
@@ -23,6 +24,12 @@ struct HarmonicAngle {  // ½k(θ − angle)², θ at atom j
   int i, j, k;
   double angle;      // [rad]
   double stiffness;  // [kJ/mol/rad²]
+};
+
+// K(1 + cos θ), the stiffness of semiflexible chains; LAMMPS's angle_style cosine.
+struct CosineAngle {
+  int i, j, k;
+  double stiffness;  // K [kJ/mol]
 };
 
 struct PeriodicTorsion {  // k(1 + cos(nφ − phase))
@@ -101,7 +108,7 @@ struct Wca {
   double cutoff() const { return std::pow(2.0, 1.0 / 6) * sigma; }  // [nm]
 };
 
-struct Pull {  // a constant force on one atom
+struct Pull {  // a force on one atom that depends on no position, times Terms::pull_factor
   int atom;
   Vec3 force;  // [kJ/mol/nm]
 };
@@ -161,6 +168,7 @@ enum class Precision { kDouble, kMixed };
 struct Terms {
   std::vector<HarmonicBond> bonds{};
   std::vector<HarmonicAngle> angles{};
+  std::vector<CosineAngle> cosine_angles{};
   std::vector<PeriodicTorsion> torsions{};
   std::vector<RyckaertBellemans> rb_torsions{};
   std::vector<HarmonicTorsion> harmonic_torsions{};
@@ -171,11 +179,15 @@ struct Terms {
   std::optional<Wca> wca{};
   std::optional<Vec3> gravity{};  // uniform acceleration [nm/ps²]
   std::vector<Pull> pulls{};
+  Course pull_factor{};  // of all pulls [ps, 1]; empty: 1
   std::vector<Restraint> restraints{};
   std::vector<Wall> walls{};
   std::vector<SteeredAtom> steered{};
   std::vector<std::shared_ptr<OwnField>> own{};
   Precision precision = Precision::kDouble;
+
+  // True where forces that change in time do work.
+  bool steered_in_time() const { return !steered.empty() || !pull_factor.empty(); }
 };
 
 }  // namespace taut

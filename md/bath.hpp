@@ -34,6 +34,8 @@ class Bath {
   // At the end of a step of length h [ps]. Returns its heat.
   virtual double after_step(const System&, double /*h*/, State&) { return 0; }
 
+  virtual void set_temperature(double /*kelvin*/) {}  // of what it draws from here on
+
   virtual void serialize(Archive&) {}  // what it takes from one step to the next
   virtual std::string doubt() const {
     return "";

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "base/errors.hpp"
@@ -34,17 +35,28 @@ std::string further_header(const Scene& scene) {
   for (std::size_t w = 0; w < scene.terms.walls.size(); ++w)
     header += fmt::format(",\"Wall {} {}\"", w,
                           scene.start.box.periodic() ? "Pressure (bar)" : "Force (kJ/mole/nm)");
-  if (!scene.terms.steered.empty()) header += ",\"Steering Work (kJ/mole)\",\"Steering Force (kJ/mole/nm)\"";
+  if (scene.terms.steered_in_time()) header += ",\"Steering Work (kJ/mole)\",\"Steering Force (kJ/mole/nm)\"";
   return header;
 }
 
-std::string log_row(const Record& r) {
+constexpr std::string_view kBathHeader = ",\"Bath Temperature (K)\"";
+
+// Whether the log has the column of the bath: that of a run whose bath's temperature changes in time.
+bool has_bath_column(const fs::path& log, const Scene& scene) {
+  std::string header;
+  std::ifstream in(log);
+  if (std::getline(in, header)) return header.find(kBathHeader) != std::string::npos;
+  return !scene.run.temperature_course.empty();
+}
+
+std::string log_row(const Record& r, bool with_bath) {
   std::string further;
   if (r.pressure)
     further =
         fmt::format(",{:.12g},{:.9g},{:.9g}", r.volume, r.density, fmt::join(six_of(r.pressure_tensor), ","));
   for (const double wall : r.walls) further += fmt::format(",{:.9g}", wall);
   if (r.steering_work) further += fmt::format(",{:.9g},{:.9g}", *r.steering_work, r.steering_force);
+  if (with_bath) further += r.bath_temperature ? fmt::format(",{:.9g}", *r.bath_temperature) : ",";
   return fmt::format(
       "{},{:.17g},{:.17g},{:.17g},{:.17g},{:.9g},{:.4g},{:.6e},{:.6e},{},{:.4g},{},{:.9g},{}{}\n", r.step,
       r.t, r.potential, r.kinetic, r.total(), r.temperature, r.ns_per_day, r.bonds.max, r.bonds.rms,
@@ -184,11 +196,12 @@ RunFolder::RunFolder(FolderLock folder, SceneSource source, const Simulation& si
       note_(clear(path(), simulation, marks)),
       checkpoint_{.source = std::move(source)},
       log_(path() / kLog, mark_of(marks, kLog)),
+      logs_bath_(has_bath_column(path() / kLog, simulation.scene())),
       trajectories_(path(), simulation, marks) {
   if (log_.size() == 0) {
     const bool box = simulation.state().box.periodic();
-    log_.write(
-        fmt::format("{}{}{}\n", kLogHeader, box ? kBoxHeader : "", further_header(simulation.scene())));
+    log_.write(fmt::format("{}{}{}{}\n", kLogHeader, box ? kBoxHeader : "",
+                           further_header(simulation.scene()), logs_bath_ ? kBathHeader : ""));
   }
   if (marks.empty()) return;
   kept_step_ = simulation.step();
@@ -203,7 +216,7 @@ void RunFolder::begin(Simulation& simulation) {
 }
 
 void RunFolder::add_row(const Record& record) {
-  log_.write(log_row(record));
+  log_.write(log_row(record, logs_bath_));
 }
 
 void RunFolder::add_frame(const Simulation& simulation) {

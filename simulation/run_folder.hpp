@@ -45,6 +45,7 @@ class RunFolder {
   std::string note_;
   Checkpoint checkpoint_;  // what it is made from; the rest only while one is written
   GrowingFile log_;
+  bool logs_bath_;  // has a column of the bath's temperature
   Trajectories trajectories_;
   std::optional<long> kept_step_;
 };

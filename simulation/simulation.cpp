@@ -17,6 +17,7 @@
 #include "md/run.hpp"
 #include "md/units.hpp"
 #include "simulation/redundant_bonds.hpp"
+#include "simulation/soft_start.hpp"
 #include "systems/whole_molecules.hpp"
 
 namespace taut {
@@ -56,15 +57,16 @@ std::shared_ptr<MetricField> add_metric_correction(Scene& scene) {
 
 bool same_thermostat(const RunSettings& a, const RunSettings& b) {
   return a.langevin() == b.langevin() && a.rescaling() == b.rescaling() &&
-         a.temperature_k == b.temperature_k && a.thermostat_ps == b.thermostat_ps &&
-         a.friction_per_ps == b.friction_per_ps;
+         a.temperature_k == b.temperature_k && a.temperature_course == b.temperature_course &&
+         a.thermostat_ps == b.thermostat_ps && a.friction_per_ps == b.friction_per_ps;
 }
 
 bool same_barostat(const RunSettings& a, const RunSettings& b) {
   return a.barostat == b.barostat && a.pressure_bar == b.pressure_bar &&
          a.barostat_every == b.barostat_every && a.barostat_ps == b.barostat_ps &&
          a.compressibility_per_bar == b.compressibility_per_bar && a.coupling == b.coupling &&
-         (a.barostat == "none" || a.temperature_k == b.temperature_k);
+         (a.barostat == "none" ||
+          (a.temperature_k == b.temperature_k && a.temperature_course == b.temperature_course));
 }
 
 constexpr int kAtomsWorthMeasuring = 1000;  // whose steps take so long that reading the clock does not show
@@ -101,7 +103,7 @@ Simulation::Simulation(Scene scene, const ThreadScope&, const OnMove& on_move)
     throw InputError(
         "run.metric_correction: corrects for rigid bonds, and those of method.name = \"penalty\" are "
         "springs");
-  if (!scene_.terms.steered.empty()) ensemble_.steering.emplace(forces_.besides);
+  if (scene_.terms.steered_in_time()) ensemble_.steering.emplace(forces_.besides);
   sums_.walls.resize(scene_.terms.walls.size());
   make_thermostat();
   bring_to_the_bonds(scene_.run.minimise ? scene_.run.minimise_force : 0, on_move);
@@ -116,6 +118,8 @@ Simulation::Simulation(Scene scene, const ThreadScope&, const OnMove& on_move)
 void Simulation::bring_to_the_bonds(double minimise_force, const OnMove& on_move) {
   const System& sys = scene_.system;
   place_sites(sys.sites, state_.x);
+  if (minimise_force > 0 && scene_.run.soft_start)
+    start_report_.pushed_apart = push_apart(scene_, state_, on_move);
   if (minimise_force > 0)
     start_report_.minimised = minimise(sys, forces_.field, minimise_force, state_, on_move);
   start_report_.anchors_stopped = rest_anchors(sys, state_.v);
@@ -144,11 +148,14 @@ void Simulation::note_start() {
     ewald_doubt_ = doubt_of(chosen_parameters(*nonbonded->pme, state_.box, *nonbonded->cutoff), state_.box,
                             *nonbonded->cutoff);
   if (!ewald_doubt_.empty()) scene_.notes.push_back(ewald_doubt_);
-  const auto& [minimised, largest_move, kinetic_removed, anchors] = start_report_;
+  const auto& [pushed_apart, minimised, largest_move, kinetic_removed, anchors] = start_report_;
   if (!anchors.empty())
     scene_.notes.push_back(
         fmt::format("atom {}{} anchored (mass 0): the velocity it had was left out", anchors.front(),
                     anchors.size() > 1 ? fmt::format(" and {} more are", anchors.size() - 1) : " is"));
+  if (pushed_apart)
+    scene_.notes.push_back(fmt::format("overlapping atoms pushed apart in {} move{} by soft forces",
+                                       *pushed_apart, *pushed_apart == 1 ? "" : "s"));
   if (minimised)
     scene_.notes.push_back(
         fmt::format("minimised in {} move{} from {:.6g} to {:.6g} kJ/mol, largest force {:.4g} kJ/mol/nm",
@@ -167,6 +174,7 @@ void Simulation::note_start() {
 void Simulation::make_thermostat() {
   const RunSettings& run = scene_.run;
   ensemble_.thermostat.reset();
+  ensemble_.temperature = run.temperature_course;
   ensemble_.remove_momentum_every = run.remove_momentum_every;
   if (run.langevin())
     ensemble_.thermostat =

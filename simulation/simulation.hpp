@@ -54,7 +54,8 @@ struct Record {
   std::vector<double>
       walls;  // pressure of the atoms on each wall [bar]; without a box their force [kJ/mol/nm]
   std::optional<double> steering_work;  // done by the moving ends of springs since the start [kJ/mol]
-  double steering_force = 0;            // mean over steered atoms [kJ/mol/nm]
+  double steering_force = 0;  // mean over steered atoms, or over pulls that change in time [kJ/mol/nm]
+  std::optional<double> bath_temperature;  // of the thermostat [K]
 
   double total() const { return potential + kinetic; }
   // What neither thermostat nor barostat nor a steered atom's spring brought.
@@ -120,6 +121,7 @@ struct Summary {
 
 // What it took to bring the start to the bonds.
 struct StartReport {
+  std::optional<int> pushed_apart;     // moves by soft forces, where run.soft_start asked for them
   std::optional<Minimised> minimised;  // where run.minimise asked for it
   double largest_move = 0;             // of an atom, to the bonds' lengths, after that [nm]
   double kinetic_removed = 0;          // share of the kinetic energy that lay along the bonds

@@ -105,6 +105,7 @@ Record Simulation::row(const SolveStats& since, const Stopwatch& watch, long ste
   if (state_.box.periodic())
     for (std::size_t w = 0; w < r.walls.size(); ++w)
       r.walls[w] *= kBarPerUnit * state_.box.edge[scene_.terms.walls[w].axis] / state_.box.volume();
+  if (scene_.run.thermostatted()) r.bath_temperature = scene_.run.bath_temperature(state_.t);
   if (ensemble_.steering) {
     r.steering_work = ensemble_.steering->work() - steering_work_at_start_;
     r.steering_force = forces_.besides.steering.force;
@@ -215,7 +216,10 @@ StartAndEnd Simulation::start_and_end(const Record& end) const {
           .rise = ensemble_.barostat ? kUnknown
                                      : (end.but_for_heat() - sums_.first_energy) / std::max(1, dof_.total()),
           .dof = dof_.total(),
-          .expected = run.thermostatted() ? run.temperature_k : sums_.first_temperature,
+          .expected = !run.temperature_course.empty()
+                          ? run.temperature_course.mean((sums_.first_t + end.t) / 2, end.t)
+                      : run.thermostatted() ? run.temperature_k
+                                            : sums_.first_temperature,
           .temperature = sums_.temperature.later_half(),
           .relaxation = run.thermostatted() ? relaxation : 0,
           .worked_on = !scene_.closed_but_for_restraints(),

@@ -39,8 +39,8 @@ double rms(const Errors& e) {
   return e.norm() / std::sqrt(static_cast<double>(e.size()));
 }
 
-Course course_of(const std::vector<Errors>& errors) {
-  Course course;
+ErrorCourse course_of(const std::vector<Errors>& errors) {
+  ErrorCourse course;
   for (std::size_t n = 0; n + 1 < errors.size(); ++n) {
     course.stretch.push_back(rms(errors[n]));
     course.rate.push_back(rms(errors[n + 1] - errors[n == 0 ? 0 : n - 1]) / 2);
@@ -49,7 +49,7 @@ Course course_of(const std::vector<Errors>& errors) {
 }
 
 // Every bond's alike, from σ₀ and σ₁ on.
-Course course_of(const Propagator& propagator, double first, double second, int steps) {
+ErrorCourse course_of(const Propagator& propagator, double first, double second, int steps) {
   std::vector<Errors> errors;
   for (int n = 0; n <= steps + 1; ++n)
     errors.push_back(Errors::Constant(1, propagator.residual(first, second, n)));
@@ -304,9 +304,9 @@ Calibration calibrate(const Scene& scene, const CalibrationPlan& plan) {
   Bench baumgarte(scene, c.method, plan);
   c.left = baumgarte.left();
   c.baumgarte = course_of(baumgarte.errors(Injection::kStretch));
-  const Course after_rate = course_of(baumgarte.errors(Injection::kRate));
+  const ErrorCourse after_rate = course_of(baumgarte.errors(Injection::kRate));
   const Propagator propagator(gains.ah, gains.bh, damping);
-  const Course foretold = course_of(propagator, 1, 1, plan.steps),
+  const ErrorCourse foretold = course_of(propagator, 1, 1, plan.steps),
                of_rate = course_of(propagator, 0, 1, plan.steps);
   for (const double share : foretold.stretch) c.foretold.push_back(share * c.baumgarte.stretch[0]);
   const int last = std::min(fallen(c.baumgarte.stretch, 1), plan.steps - 1);

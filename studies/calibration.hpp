@@ -33,7 +33,7 @@ struct CalibrationPlan {
 };
 
 // An error's course: rms over bonds of σ/d², and of σ̇h/d² with σ̇ = (σ₊ − σ₋)/2h, step by step.
-struct Course {
+struct ErrorCourse {
   std::vector<double> stretch;
   std::vector<double> rate;
 };
@@ -59,7 +59,7 @@ struct Calibration {
   Reduction of_stretch, of_rate, after_rate;
   double floor_predicted = 0, floor_measured = 0;  // rms over bonds and steps of σ/d², nothing put in
   std::vector<double> foretold;                    // Baumgarte's course of the stretch, by the propagator
-  Course reference, baumgarte;                     // of a stretch
+  ErrorCourse reference, baumgarte;                     // of a stretch
 };
 
 // Throws InputError for a scene without bonds or a reference that is not one of the three.

@@ -17,6 +17,7 @@ Scene prepared_for_study(Scene given) {
         run.langevin() ? "langevin" : "rescaling"));
     run.thermostat = "none";
     run.thermostat_ps = 0;
+    run.temperature_course = {};
   }
   if (run.barostatted()) {
     scene.notes.push_back(fmt::format("its barostat ({}) is left out, as the thermostat is", run.barostat));

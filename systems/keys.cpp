@@ -62,6 +62,13 @@ std::string value_text(const Rows& value) {
   return value.empty() ? "" : fmt::format("{} rows", value.size());
 }
 
+std::string value_text(const Course& value) {
+  if (value.points().size() == 1) return value_text(value.points()[0].value);
+  std::vector<std::string> rows;
+  for (const auto& [t, number] : value.points()) rows.push_back(fmt::format("[{}, {}]", t, number));
+  return rows.empty() ? "" : fmt::format("[{}]", fmt::join(rows, ", "));
+}
+
 std::string toml_quoted(std::string_view text) {
   std::string quoted = "\"";
   for (const char c : text) {

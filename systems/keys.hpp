@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/course.hpp"
 #include "base/range.hpp"
 #include "base/vectors.hpp"
 
@@ -70,6 +71,7 @@ std::string value_text(const std::filesystem::path& value);
 std::string value_text(const Vec3& value);
 std::string value_text(const std::vector<double>& value);
 std::string value_text(const Rows& value);
+std::string value_text(const Course& value);
 template <std::integral Integer>
 std::string value_text(Integer value) {
   return std::to_string(value);
@@ -88,6 +90,7 @@ constexpr const char* type_text() {
   if constexpr (std::is_same_v<T, Vec3> || std::is_same_v<T, std::optional<Vec3>>) return "three numbers";
   if constexpr (std::is_same_v<T, std::vector<double>>) return "numbers";
   if constexpr (std::is_same_v<T, Rows>) return "rows of numbers";
+  if constexpr (std::is_same_v<T, Course>) return "number or rows [ps, number]";
   return "number";
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/course.hpp"
 #include "base/names.hpp"
 #include "constraints/registry.hpp"
 #include "forcefield/terms.hpp"
@@ -17,6 +18,8 @@ struct RunSettings {
   double dt_fs = 1;
   long steps = 1000;
   double temperature_k = 0;          // of velocities drawn at the start and of the thermostat [K]; 0: none
+  Course temperature_course;         // of the thermostat [ps, K]; empty: temperature_k throughout
+  Course pull_factor;                // by which all pulls are multiplied [ps, 1]; empty: 1
   std::string velocities;            // "keep" those of the start, "draw" them; "": draw if it has none
   std::uint64_t seed = 1;            // of all random numbers
   long log_every = 100;              // steps
@@ -36,10 +39,14 @@ struct RunSettings {
   double compressibility_per_bar = 4.5e-5;  // estimate for c-rescale; the default is water's
   // Edges that scale together: all ("isotropic"), x and y ("semi-isotropic"), or none ("anisotropic").
   std::string coupling = "isotropic";
+  bool soft_start = false;  // push overlapping atoms apart by soft forces first (simulation/soft_start.hpp)
   bool minimise = false;           // minimise the energy of the start first (simulation/minimise.hpp)
   bool metric_correction = false;  // Fixman's potential at temperature_k (constraints/metric_potential.hpp)
   double minimise_force = 1000;    // largest force on an atom at which the minimiser stops [kJ/mol/nm]
 
+  double bath_temperature(double t) const {
+    return temperature_course.empty() ? temperature_k : temperature_course.at(t);
+  }
   double h() const { return dt_fs * 1e-3; }  // [ps]
   bool langevin() const { return thermostat == "langevin"; }
   bool rescaling() const { return thermostat == "rescaling" || (thermostat.empty() && thermostat_ps > 0); }

@@ -74,11 +74,37 @@ void check_one_sided(const TomlTable& run, const TomlTable& method, const Scene&
   }
 }
 
+void read_temperature(const TomlTable& table, RunSettings& run) {
+  Course course = run.temperature_course;
+  if (course.empty()) course = Course({{0, run.temperature_k}});
+  table.read(
+      "temperature_k", course,
+      {"of velocities that are drawn, and of the thermostat; rows [ps, K]: the thermostat's, along straight "
+       "lines; 0: none",
+       "K", kNotNegative});
+  run.temperature_k = course.at(0);
+  run.temperature_course = course.points().size() > 1 ? std::move(course) : Course();
+}
+
+// After the thermostat is known.
+void check_courses(const TomlTable& table, const RunSettings& run) {
+  if (run.temperature_course.empty()) return;
+  for (std::size_t k = 0; k < run.temperature_course.points().size(); ++k)
+    if (run.temperature_course.points()[k].value == 0)
+      table.fail("temperature_k", k, "expected a temperature above 0");
+  if (!run.thermostatted())
+    table.fail("temperature_k",
+               "no thermostat follows rows of time and temperature; give run.thermostat, or one temperature");
+  if (run.metric_correction)
+    table.fail("metric_correction", "takes one run.temperature_k, not rows of time and temperature");
+}
+
 void read_run(const TomlTable& table, RunSettings& run) {
   table.read("dt_fs", run.dt_fs, {"length of a step", "fs", kPositive});
   table.read("steps", run.steps, {"how many steps", "", kNotNegative});
-  table.read("temperature_k", run.temperature_k,
-             {"of velocities that are drawn, and of the thermostat; 0: none", "K", kNotNegative});
+  read_temperature(table, run);
+  table.read("pull_factor", run.pull_factor,
+             {"rows [ps, number] by which all pulls are multiplied, along straight lines; if not said, 1"});
   table.read("seed", run.seed, {"of all that is drawn", "", kNotNegative});
   table.read("log_every", run.log_every, {"from row to row of the log", "steps", kCounts});
   table.read("remove_momentum_every", run.remove_momentum_every,
@@ -100,6 +126,9 @@ void read_run(const TomlTable& table, RunSettings& run) {
   table.read("friction_per_ps", run.friction_per_ps,
              {"friction of Langevin's thermostat", "1/ps", kNotNegative});
   table.read("minimise", run.minimise, {"relax the start first"});
+  table.read("soft_start", run.soft_start,
+             {"before that push overlapping atoms apart by soft forces, A(1 + cos(πr/r_c)) between pairs"});
+  table.require_effect("soft_start", run.minimise, "with run.minimise = true");
   table.read("minimise_force_kj_mol_nm", run.minimise_force,
              {"until no atom's force is above this", "kJ/mol/nm", kPositive});
   table.read(
@@ -121,6 +150,7 @@ void read_run(const TomlTable& table, RunSettings& run) {
   const char* key = table.has("thermostat") ? "thermostat" : "thermostat_ps";
   if (run.thermostatted() && run.temperature_k == 0)
     table.fail(key, "a thermostat needs a run.temperature_k above 0");
+  check_courses(table, run);
   if (run.rescaling() && run.thermostat_ps == 0)
     table.fail("thermostat", "rescaling needs its relaxation time, run.thermostat_ps above 0");
   read_barostat(table, run);
@@ -238,6 +268,8 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
   root.reject_unknown();
   build({root, build_keys, forcefield_keys, scene.run}, scene);
   for (const auto* name : file_names(base)) scene.files.push_back(path_of(*name));
+  run_keys.require_effect("pull_factor", !scene.terms.pulls.empty(), "with pulls");
+  scene.terms.pull_factor = scene.run.pull_factor;
   settle_velocities(run_keys,
                     another_start || run_keys.overridden("velocities") || of_file.thermostatted() ||
                         of_file.velocities == "draw",

@@ -171,6 +171,34 @@ bool TomlTable::fetch(std::string_view key, std::vector<double>& into, const Abo
   return true;
 }
 
+bool TomlTable::fetch(std::string_view key, Course& into, const About& about) const {
+  const toml::node* node = find(key);
+  if (!node) return false;
+  if (const auto lone = number_of(*node)) {
+    into = Course({{0, check_range(key, *lone, about.range)}});
+    return true;
+  }
+  if (!node->is_array()) wrong_type(key, *node, "a number, or rows [time in ps, number]");
+  const toml::array& rows = *node->as_array();
+  std::vector<Course::Point> points;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const toml::array* row = rows[k].as_array();
+    const auto cell = [&](std::size_t c) {
+      return row && row->size() == 2 ? number_of((*row)[c]) : std::nullopt;
+    };
+    const auto t = cell(0), value = cell(1);
+    if (!t || !value) fail(key, k, "expected a time in ps and a number, as [[0, 300], [100, 400]]");
+    if (!std::isfinite(*t) || *t < 0 || (k > 0 && *t <= points.back().t))
+      fail(key, k, "expected rising times of 0 or more");
+    if (!std::isfinite(*value) || !about.range.holds(*value))
+      fail(key, k, fmt::format("expected {}, got {}", about.range.in_words(), *value));
+    points.push_back({*t, *value});
+  }
+  if (points.empty()) fail(key, "expected at least one row [time in ps, number]");
+  into = Course(std::move(points));
+  return true;
+}
+
 bool TomlTable::read(std::string_view key, Rows& into, Columns columns, const About& about) const {
   const toml::node* node = find(key);
   if (!node) {

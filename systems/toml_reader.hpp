@@ -101,6 +101,7 @@ class TomlTable {
   bool fetch(std::string_view key, std::filesystem::path& into, const About&) const;
   bool fetch(std::string_view key, Vec3& into, const About&) const;
   bool fetch(std::string_view key, std::vector<double>& into, const About&) const;  // finite numbers only
+  bool fetch(std::string_view key, Course& into, const About& about) const;  // a lone number is one point
   template <class T>
   bool fetch(std::string_view key, std::optional<T>& into, const About& about) const {
     T value{};

@@ -66,6 +66,7 @@ std::vector<BondedPair> tied_pairs(const System& sys, const Terms& terms) {
 std::vector<BondedPair> further_bonds(const System& sys, const Terms& terms) {
   std::set<std::pair<int, int>> ends;  // ends of Urey–Bradley springs
   for (const auto& angle : terms.angles) ends.insert(std::minmax(angle.i, angle.k));
+  for (const auto& angle : terms.cosine_angles) ends.insert(std::minmax(angle.i, angle.k));
   std::vector<BondedPair> pairs;
   for (const auto& spring : terms.bonds)
     if (!ends.contains(std::minmax(spring.i, spring.j))) pairs.push_back({spring.i, spring.j});

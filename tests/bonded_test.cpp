@@ -39,6 +39,7 @@ struct Chains {
       if (left >= 1) terms.bonds.push_back({a, a + 1, about(0.15), about(3000)});
       if (left >= 1) terms.fene.push_back({a + 1, a, about(30), about(0.4)});
       if (left >= 2) terms.angles.push_back({a, a + 1, a + 2, pi * random.uniform(), about(400)});
+      if (left >= 2) terms.cosine_angles.push_back({a, a + 1, a + 2, about(20)});
       if (left < 3) continue;
       for (int n = 1; n <= 1 + a % 6; ++n)
         terms.torsions.push_back({a, a + 1, a + 2, a + 3, n, about(1), about(5)});
@@ -94,6 +95,7 @@ TEST(BondedLanes, AddWhatThePlainLoopsAddOnEveryKindOfMachine) {
   on_every_machine([&] {
     expect_lanes_as_plain(c.terms.bonds, c.x, add_bonds);
     expect_lanes_as_plain(c.terms.angles, c.x, add_angles);
+    expect_lanes_as_plain(c.terms.cosine_angles, c.x, add_cosine_angles);
     expect_lanes_as_plain(c.terms.torsions, c.x, add_torsions);
     expect_lanes_as_plain(c.terms.rb_torsions, c.x, add_rb_torsions);
     expect_lanes_as_plain(c.terms.harmonic_torsions, c.x, add_harmonic_torsions);
@@ -190,10 +192,35 @@ TEST(BondedLanes, LetANanShow) {
   expect_shown(std::vector<PairException>{{1, 2, 0.1, 0.1, 0.1}});
 }
 
+// Also where the atoms are in line, where the energy of a cosine is smooth.
+TEST(BondedLanes, CosineAnglesPushDownTheirEnergysSlope) {
+  Random random(5);
+  const std::vector<CosineAngle> angles = {{0, 1, 2, 7}};
+  for (int turn = 0; turn < 5; ++turn) {
+    Vectors x(3, 3);
+    for (int a = 0; a < 3; ++a) x.col(a) = turn == 0 ? Vec3(0.1 * a, 0, 0) : Vec3(random.normal_vector());
+    const Sum here = sum(angles, x, kInLanes);
+    if (turn == 0) {
+      EXPECT_NEAR(here.energy, 0, 1e-14);
+    }
+    for (int a = 0; a < 3; ++a)
+      for (int d = 0; d < 3; ++d) {
+        const double by = 1e-6;
+        Vectors up = x, down = x;
+        up(d, a) += by, down(d, a) -= by;
+        const double slope =
+            (sum(angles, up, kInLanes).energy - sum(angles, down, kInLanes).energy) / (2 * by);
+        // sum() adds to forces of 1
+        EXPECT_NEAR(here.f(d, a) - 1, -slope, 2e-8 * (1 + std::abs(slope)));
+      }
+  }
+}
+
 Sum plain_sum(const Chains& c) {
   Sum s{0, Vectors::Zero(3, c.x.cols())};
   s.energy = add_bonds(c.terms.bonds, c.x, s.f) + add_angles(c.terms.angles, c.x, s.f) +
-             add_torsions(c.terms.torsions, c.x, s.f) + add_rb_torsions(c.terms.rb_torsions, c.x, s.f) +
+             add_cosine_angles(c.terms.cosine_angles, c.x, s.f) + add_torsions(c.terms.torsions, c.x, s.f) +
+             add_rb_torsions(c.terms.rb_torsions, c.x, s.f) +
              add_harmonic_torsions(c.terms.harmonic_torsions, c.x, s.f) +
              add_term_forces(cmap_pairs(c.terms.maps, c.terms.cmaps), c.x, s.f) +
              add_fene(c.terms.fene, c.x, s.f) + add_exceptions(c.exceptions, c.x, s.f);

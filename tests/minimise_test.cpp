@@ -43,6 +43,26 @@ TEST(Minimise, OverlappingChainsComeApart) {
 }
 
 // A pendulum falls to its lowest point and stays on its circle; its anchor stays where it is.
+// Two chains on top of each other, atom by atom, whose energy is no number: soft forces part them, and the pair forces
+// then take over.
+TEST(SoftStart, PartsAtomsInOnePlace) {
+  Scene piled = read_scene(find_scene("melt"), {"build.chains=20", "build.beads=10"});
+  const int each = 10;
+  piled.start.x.middleCols(each, each) = piled.start.x.leftCols(each);
+  piled.run.minimise = true;
+  EXPECT_THROW(Simulation{piled}, SimulationFailure);
+  piled.run.soft_start = true;
+  const Simulation parted(piled);
+  EXPECT_GT(*parted.start_report().pushed_apart, 0);
+  EXPECT_LT(parted.start_report().minimised->largest_force, 1e3);
+  double nearest = 9;
+  for (int a = 0; a < each; ++a)
+    for (int b = 0; b < each; ++b)
+      nearest = std::min(nearest, (parted.state().x.col(a) - parted.state().x.col(each + b)).norm());
+  EXPECT_GT(nearest, 0.8);  // σ is 1 nm
+  EXPECT_LT(bond_errors(piled.system, parted.state().x).max, 1e-8);
+}
+
 TEST(Minimise, PendulumHangs) {
   const System sys = make_system(Eigen::Vector2d(0, 3), {{0, 1, 0.5}});
   ForceField forces(sys, {}, {.gravity = Vec3(0, 0, -10)});

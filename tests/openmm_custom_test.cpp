@@ -71,8 +71,13 @@ TEST(OpenMMParity, HarmonicBondsAndAnglesAsCustomForces) {
       bonds->addBond(a - 2, a, {melt.uniform(0.2, 0.3), melt.uniform(1e3, 1e4)});
       angles->addAngle(a - 2, a - 1, a, {melt.uniform(1, 2), melt.uniform(100, 200)});
     }
+  auto* cosines = new OpenMM::CustomAngleForce("K+K*cos(theta)");
+  cosines->addPerAngleParameter("K");
+  for (int a = 2; a < Melt::kAtoms; ++a)
+    if (a % Melt::kLength >= 2) cosines->addAngle(a - 2, a - 1, a, {melt.uniform(10, 20)});
   melt.system.addForce(bonds);
   melt.system.addForce(angles);
+  melt.system.addForce(cosines);
   expect_parity(melt.write(Folder()));
 }
 

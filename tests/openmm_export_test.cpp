@@ -35,6 +35,7 @@ class Numbers {
     list(input.system.bonds, [&](const auto& b) { add(b.i, b.j, b.length); });
     list(t.bonds, [&](const auto& b) { add(b.i, b.j, b.length, b.k); });
     list(t.angles, [&](const auto& a) { add(a.i, a.j, a.k, a.angle, a.stiffness); });
+    list(t.cosine_angles, [&](const auto& a) { add(a.i, a.j, a.k, a.stiffness); });
     list(t.torsions, [&](const auto& a) { add(a.i, a.j, a.k, a.l, a.periodicity, a.phase, a.amplitude); });
     list(t.rb_torsions,
          [&](const auto& a) { add(a.i, a.j, a.k, a.l, a.c[0], a.c[1], a.c[2], a.c[3], a.c[4], a.c[5]); });
@@ -107,6 +108,7 @@ TEST(OpenMMExport, IsReadBackToTheLastBitOfEveryNumber) {
   input.start.t = 1e7 / 3;
   input.start.box.edge *= 4.0 / 3;
   for (auto& bond : input.terms.bonds) bond.k *= 1e4 / 3;
+  input.terms.cosine_angles = {{0, 1, 2, 7.0 / 3}};
   expect_read_back(input);
 }
 

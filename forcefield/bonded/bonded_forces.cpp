@@ -67,6 +67,7 @@ double BondedForces::Sorted<Term>::total() const {
 BondedForces::BondedForces(const Terms& terms, const std::vector<PairException>& exceptions) {
   std::get<Sorted<HarmonicBond>>(kinds_).terms = terms.bonds;
   std::get<Sorted<HarmonicAngle>>(kinds_).terms = terms.angles;
+  std::get<Sorted<CosineAngle>>(kinds_).terms = terms.cosine_angles;
   for (const auto& t : terms.torsions) std::get<Sorted<ExpandedTorsion>>(kinds_).terms.emplace_back(t);
   std::get<Sorted<RyckaertBellemans>>(kinds_).terms = terms.rb_torsions;
   for (const auto& t : terms.harmonic_torsions) std::get<Sorted<TurnedTorsion>>(kinds_).terms.emplace_back(t);
@@ -116,7 +117,8 @@ BondedForces::KindEnergies BondedForces::add_forces(const Vectors& x, Vectors& f
 }
 
 std::vector<std::pair<std::string, double>> BondedForces::by_name(const KindEnergies& energies) const {
-  constexpr std::array kNames{"bond", "angle", "torsion", "rb_torsion", "harmonic_torsion", "cmap", "fene"};
+  constexpr std::array kNames{"bond", "angle", "cosine_angle", "torsion", "rb_torsion", "harmonic_torsion",
+                              "cmap", "fene"};
   const auto counts =
       std::apply([](const auto&... kind) { return std::array{kind.terms.size()...}; }, kinds_);
   std::vector<std::pair<std::string, double>> all;

@@ -20,7 +20,7 @@ class BondedForces {
   BondedForces(const Terms& terms, const std::vector<PairException>& exceptions);
 
   // Energies by kind of term, in the order of kinds_ [kJ/mol].
-  using KindEnergies = std::array<double, 8>;
+  using KindEnergies = std::array<double, 9>;
   // Throws SimulationFailure where a fene bond is stretched to r₀ or more.
   KindEnergies add_forces(const Vectors& x, Vectors& f);
 
@@ -42,8 +42,9 @@ class BondedForces {
 
   void sort_and_cut();
 
-  std::tuple<Sorted<HarmonicBond>, Sorted<HarmonicAngle>, Sorted<ExpandedTorsion>, Sorted<RyckaertBellemans>,
-             Sorted<TurnedTorsion>, Sorted<CmapPair>, Sorted<Fene>, Sorted<PairException>>
+  std::tuple<Sorted<HarmonicBond>, Sorted<HarmonicAngle>, Sorted<CosineAngle>, Sorted<ExpandedTorsion>,
+             Sorted<RyckaertBellemans>, Sorted<TurnedTorsion>, Sorted<CmapPair>, Sorted<Fene>,
+             Sorted<PairException>>
       kinds_;
   int pieces_ = 0;
   int terms_ = 0;

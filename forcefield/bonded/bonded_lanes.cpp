@@ -102,6 +102,23 @@ struct Law<HarmonicAngle> {
   }
 };
 
+// E = K(1 + cos θ), cos θ = a·c/|a||c| with a and c the arms at the middle atom; F_i = −K(c/|a||c| − cos θ a/a²).
+template <>
+struct Law<CosineAngle> {
+  static std::array<double, 1> numbers(const CosineAngle& t) { return {t.stiffness}; }
+
+  static HWY_INLINE V forces(const V3* x, const V* p, V3* f) {
+    const V3 a = x[0] - x[1], c = x[2] - x[1];
+    const V a2 = dot(a, a), c2 = dot(c, c);
+    const V over = hn::Div(p[0], hn::Sqrt(hn::Mul(a2, c2)));  // K/|a||c|
+    const V k_cosine = hn::Mul(over, dot(a, c));
+    f[0] = hn::Div(k_cosine, a2) * a - over * c;
+    f[2] = hn::Div(k_cosine, c2) * c - over * a;
+    f[1] = -(f[0] + f[2]);
+    return hn::Add(p[0], k_cosine);
+  }
+};
+
 struct TorsionEnergy {
   V energy, slope;  // E, dE/dφ [kJ/mol]
 };
@@ -260,6 +277,9 @@ double bonds(std::span<const HarmonicBond> terms, const double* x, double* f) {
 double angles(std::span<const HarmonicAngle> terms, const double* x, double* f) {
   return Block<HarmonicAngle>::add_all(terms, x, f);
 }
+double cosine_angles(std::span<const CosineAngle> terms, const double* x, double* f) {
+  return Block<CosineAngle>::add_all(terms, x, f);
+}
 double torsions(std::span<const ExpandedTorsion> terms, const double* x, double* f) {
   return Block<ExpandedTorsion>::add_all(terms, x, f);
 }
@@ -284,6 +304,7 @@ namespace taut {
 
 HWY_EXPORT(bonds);
 HWY_EXPORT(angles);
+HWY_EXPORT(cosine_angles);
 HWY_EXPORT(torsions);
 HWY_EXPORT(rb_torsions);
 HWY_EXPORT(harmonic_torsions);
@@ -314,6 +335,9 @@ double add_term_forces(std::span<const HarmonicBond> terms, const Vectors& x, Ve
 }
 double add_term_forces(std::span<const HarmonicAngle> terms, const Vectors& x, Vectors& f) {
   return HWY_DYNAMIC_DISPATCH(angles)(terms, x.data(), f.data());
+}
+double add_term_forces(std::span<const CosineAngle> terms, const Vectors& x, Vectors& f) {
+  return HWY_DYNAMIC_DISPATCH(cosine_angles)(terms, x.data(), f.data());
 }
 double add_term_forces(std::span<const ExpandedTorsion> terms, const Vectors& x, Vectors& f) {
   return HWY_DYNAMIC_DISPATCH(torsions)(terms, x.data(), f.data());

@@ -36,6 +36,9 @@ inline std::array<int, 2> atoms_of(const PairException& t) {
 inline std::array<int, 3> atoms_of(const HarmonicAngle& t) {
   return {t.i, t.j, t.k};
 }
+inline std::array<int, 3> atoms_of(const CosineAngle& t) {
+  return {t.i, t.j, t.k};
+}
 inline std::array<int, 4> atoms_of(const ExpandedTorsion& t) {
   return {t.i, t.j, t.k, t.l};
 }
@@ -51,6 +54,7 @@ inline std::array<int, 4> atoms_of(const RyckaertBellemans& t) {
 // on the torsion's axis, all forces of the torsion are zero and φ counts as 0.
 double add_term_forces(std::span<const HarmonicBond> bonds, const Vectors& x, Vectors& f);
 double add_term_forces(std::span<const HarmonicAngle> angles, const Vectors& x, Vectors& f);
+double add_term_forces(std::span<const CosineAngle> angles, const Vectors& x, Vectors& f);
 double add_term_forces(std::span<const ExpandedTorsion> torsions, const Vectors& x, Vectors& f);
 double add_term_forces(std::span<const RyckaertBellemans> torsions, const Vectors& x, Vectors& f);
 double add_term_forces(std::span<const TurnedTorsion> torsions, const Vectors& x, Vectors& f);

@@ -118,7 +118,7 @@ py::dict stability(const Input& input, const std::vector<std::string>& methods, 
   return tables;
 }
 
-py::dict course(const Course& of) {
+py::dict course(const ErrorCourse& of) {
   return py::dict(py::arg("stretch") = py::array_t<double>(py::cast(of.stretch)),
                   py::arg("rate") = py::array_t<double>(py::cast(of.rate)));
 }

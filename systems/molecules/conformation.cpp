@@ -56,6 +56,7 @@ Conformations::Conformations(const Molecule& molecule, double kT)
   };
   for (const Tie& tie : list_ties(molecule)) may_overlap(tie.i, tie.j);
   for (const auto& angle : molecule.terms.angles) may_overlap(angle.i, angle.k);
+  for (const auto& angle : molecule.terms.cosine_angles) may_overlap(angle.i, angle.k);
   if (molecule.terms.nonbonded)
     for (const auto& pair : molecule.terms.nonbonded->exceptions) may_overlap(pair.i, pair.j);
   for (auto& near : near_) std::ranges::sort(near);

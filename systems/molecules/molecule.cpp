@@ -44,6 +44,7 @@ void copy(const std::vector<Term>& from, int by, std::vector<Term>& to) {
 void copy_terms(const Terms& one, int by, Terms& all) {
   copy(one.bonds, by, all.bonds);
   copy(one.angles, by, all.angles);
+  copy(one.cosine_angles, by, all.cosine_angles);
   copy(one.torsions, by, all.torsions);
   copy(one.rb_torsions, by, all.rb_torsions);
   copy(one.harmonic_torsions, by, all.harmonic_torsions);

@@ -99,8 +99,8 @@ bool read_rigid(const TomlTable& keys) {
   bool rigid = false;
   keys.read("rigid", rigid, "all atoms are one rigid body; needs coordinates_nm or file");
   for (const char* key : {"virtual_sites2", "virtual_sites3", "virtual_sites3out", "bonds", "at_least",
-                          "at_most", "springs", "fene", "angles", "torsions", "rb_torsions", "impropers",
-                          "exclude", "lennard_jones_14", "coulomb_14"})
+                          "at_most", "springs", "fene", "angles", "cosine_angles", "torsions", "rb_torsions",
+                          "impropers", "exclude", "lennard_jones_14", "coulomb_14"})
     if (rigid && keys.has(key))
       keys.fail(key, "has no effect beside rigid = true, which holds all atoms together; leave one out");
   return rigid;
@@ -120,6 +120,11 @@ void read_bends(const TomlTable& keys, RowReader& rows, Terms& terms) {
     if (number[0] < 0 || number[0] > 180 || number[1] < 0)
       keys.fail("angles", line, "expected an angle of 0 to 180 degrees, and k of 0 or more");
     terms.angles.push_back({a[0], a[1], a[2], radians(number[0]), number[1]});
+  }
+  for (const auto& [line, a, number] : rows.read(
+           "cosine_angles", 3, 1, "[i, j, k, K in kJ/mol] each: K(1 + cos θ), least for a straight chain")) {
+    if (number[0] < 0) keys.fail("cosine_angles", line, "expected K of 0 or more");
+    terms.cosine_angles.push_back({a[0], a[1], a[2], number[0]});
   }
   for (const auto& [line, a, number] :
        rows.read("torsions", 4, 3, "[i, j, k, l, n, phase in °, k in kJ/mol] each: k(1 + cos(nφ − phase))")) {

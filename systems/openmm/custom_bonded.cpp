@@ -59,6 +59,10 @@ const std::vector<Bonded> kAngles = {
     {{"0.5*k*(theta-theta0)^2", {{"k"}, {"theta0"}}},
      [](OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element&) {
        to.terms.angles.push_back({a[0], a[1], a[2], p["theta0"], p.factor() * p["k"]});
+     }},
+    {{kCosineAngleEnergy, {{"k"}}},
+     [](OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element&) {
+       to.terms.cosine_angles.push_back({a[0], a[1], a[2], p.factor() * p["k"]});
      }}};
 const std::vector<Bonded> kTorsions = {
     {{kTorsionEnergy, {{"k"}, {"theta0", -pi, pi}}}, add_harmonic_torsion},

@@ -69,6 +69,11 @@ void refuse_steered_atoms(const Terms& terms) {
                     terms.steered.front().atom));
 }
 
+void refuse_changing_pulls(const Terms& terms) {
+  if (!terms.pull_factor.empty())
+    throw InputError("OpenMM cannot express it: run.pull_factor changes the pulls in time; leave it out");
+}
+
 void refuse_one_sided_bonds(const System& sys) {
   if (sys.one_sided.empty()) return;
   const OneSidedBond& bond = sys.one_sided.front();
@@ -165,6 +170,19 @@ void write_harmonic_torsions(Node forces, const std::vector<HarmonicTorsion>& to
   for (auto t : torsions)
     write_term(list, "Torsion", torsion_fields(t, 0, {}),
                {t.stiffness, std::remainder(t.angle, 2 * std::numbers::pi)});
+}
+
+void write_cosine_angles(Node forces, const std::vector<CosineAngle>& angles) {
+  std::string energy = kCosineAngleEnergy;
+  bool takes_images = false;
+  Node force =
+      write_force(forces, "CustomAngleForce", {{"energy", &energy}, {"usesPeriodic", &takes_images}});
+  write_parameters(force, "PerAngleParameters", {"k"}, {});
+  force.append_child("EnergyParameterDerivatives");
+  Node list = force.append_child("Angles");
+  for (auto t : angles)
+    write_term(list, "Angle", {atom_field("p1", t.i, 0), atom_field("p2", t.j, 0), atom_field("p3", t.k, 0)},
+               {t.stiffness});
 }
 
 void write_cmaps(Node forces, const Terms& terms) {
@@ -278,6 +296,7 @@ void write_forces(Node forces, const OpenMMInput& from) {
   const Terms& terms = from.terms;
   write_bonded(forces, terms.bonds);
   write_bonded(forces, terms.angles);
+  if (!terms.cosine_angles.empty()) write_cosine_angles(forces, terms.cosine_angles);
   write_bonded(forces, terms.torsions);
   write_bonded(forces, terms.rb_torsions);
   if (!terms.harmonic_torsions.empty()) write_harmonic_torsions(forces, terms.harmonic_torsions);
@@ -314,6 +333,7 @@ std::string openmm_system_xml(const OpenMMInput& from) {
   refuse_one_sided_bonds(from.system);
   refuse_own_fields(from.terms);
   refuse_steered_atoms(from.terms);
+  refuse_changing_pulls(from.terms);
   return whole_file("System", [&](Node root) {
     write_box(root, from.start.box);
     write_atoms(root, from.system);

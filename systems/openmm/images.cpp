@@ -54,6 +54,7 @@ void check_images(const Element& at, const OpenMMForce& force, const WholeMolecu
   std::size_t k = 0;
   for (const auto& t : terms.bonds) images.check("bond", k++, std::array{t.i, t.j});
   for (const auto& t : terms.angles) images.check("angle", k++, std::array{t.i, t.j, t.k});
+  for (const auto& t : terms.cosine_angles) images.check("angle", k++, std::array{t.i, t.j, t.k});
   for (const auto& t : terms.torsions) images.check("torsion", k++, std::array{t.i, t.j, t.k, t.l});
   for (const auto& t : terms.rb_torsions) images.check("torsion", k++, std::array{t.i, t.j, t.k, t.l});
   for (const auto& t : terms.harmonic_torsions) images.check("torsion", k++, std::array{t.i, t.j, t.k, t.l});

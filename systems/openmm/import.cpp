@@ -206,6 +206,7 @@ void add(PlacedForce& placed, OpenMMInput& input) {
   Terms &from = placed.force.terms, &to = input.terms;
   add_all(to.bonds, from.bonds);
   add_all(to.angles, from.angles);
+  add_all(to.cosine_angles, from.cosine_angles);
   add_all(to.torsions, from.torsions);
   add_all(to.rb_torsions, from.rb_torsions);
   add_all(to.harmonic_torsions, from.harmonic_torsions);

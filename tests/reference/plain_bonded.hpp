@@ -45,6 +45,20 @@ void add_gradient(const Torsion& t, const Dihedral& d, double dE_dphi, Vectors& 
   f.col(t.l) -= dE_dphi * d.grad_l;
 }
 
+// E = K(1 + cos θ)
+inline double add_cosine_angles(const std::vector<CosineAngle>& angles, const Vectors& x, Vectors& f) {
+  double energy = 0;
+  for (const auto& [i, j, k, stiffness] : angles) {
+    const Angle at(x.col(i) - x.col(j), x.col(k) - x.col(j));
+    energy += stiffness * (1 + std::cos(at.theta));
+    const double slope = -stiffness * std::sin(at.theta);
+    f.col(i) -= slope * at.grad_i;
+    f.col(k) -= slope * at.grad_k;
+    f.col(j) += slope * (at.grad_i + at.grad_k);
+  }
+  return energy;
+}
+
 // E = ½k(r − d)²
 inline double add_bonds(const std::vector<HarmonicBond>& bonds, const Vectors& x, Vectors& f) {
   double energy = 0;

@@ -1,0 +1,122 @@
+#include "simulation/soft_start.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "base/random.hpp"
+#include "simulation/minimise.hpp"
+
+namespace taut {
+namespace {
+
+constexpr double kAmplitude = 100;   // A [kJ/mol]
+constexpr double kLeftForce = 0.3;   // of the largest one, πA/r_c, where the descent ends
+constexpr double kSamePlace = 1e-9;  // [nm]
+constexpr double kNear = 0.1;        // of r_c: the slope of the cosine vanishes there, and would push no more
+
+// 2^(1/6)σ of each atom; 0 where it has no pair forces.
+Eigen::VectorXd diameters(const Terms& terms, int atoms) {
+  const double least = std::pow(2.0, 1.0 / 6);
+  if (terms.wca) return Eigen::VectorXd::Constant(atoms, least * terms.wca->sigma);
+  if (!terms.nonbonded) return Eigen::VectorXd::Zero(atoms);
+  return (terms.nonbonded->epsilon.array() > 0).select(least * terms.nonbonded->sigma, 0);
+}
+
+std::set<std::pair<int, int>> left_out(const Terms& terms) {
+  std::set<std::pair<int, int>> pairs;
+  if (terms.nonbonded)
+    for (const PairException& e : terms.nonbonded->exceptions) pairs.insert(std::minmax(e.i, e.j));
+  if (terms.wca)
+    for (const auto& [i, j] : terms.wca->exclusions) pairs.insert(std::minmax(i, j));
+  return pairs;
+}
+
+class SoftPush final : public OwnField {
+ public:
+  SoftPush(const Terms& terms, int atoms, const Box& box)
+      : diameter_(diameters(terms, atoms)), left_out_(left_out(terms)), box_(box) {}
+
+  std::string name() const override { return "soft push"; }
+
+  double add(const Vectors& x, Vectors& f) override {
+    sort_by_slabs(x);
+    double energy = 0;
+    for (std::size_t k = 0; k < order_.size(); ++k)
+      for_each_behind(k, [&](int j) { energy += add_pair(order_[k].atom, j, x, f); });
+    return energy;
+  }
+
+ private:
+  struct Placed {
+    double height;  // along z, in the box [nm]
+    int atom;
+  };
+
+  // By height, so that neighbours within a diameter are near in the list.
+  void sort_by_slabs(const Vectors& x) {
+    order_.clear();
+    for (Eigen::Index a = 0; a < x.cols(); ++a) {
+      if (diameter_[a] == 0) continue;
+      double z = x(2, a);
+      if (box_.periodic()) z -= box_.edge.z() * std::floor(z / box_.edge.z());
+      order_.push_back({z, static_cast<int>(a)});
+    }
+    std::ranges::sort(order_, {}, &Placed::height);
+  }
+
+  // Each pair once, across the box too where there is one that is two diameters high.
+  void for_each_behind(std::size_t k, const auto& act) const {
+    const double reach = diameter_.maxCoeff(), edge = box_.periodic() ? box_.edge.z() : 0;
+    const std::size_t n = order_.size();
+    for (std::size_t step = 1; step < n; ++step) {
+      const bool across = k + step >= n;
+      if (across && !box_.periodic()) return;
+      const Placed& other = order_[(k + step) % n];
+      if (other.height + (across ? edge : 0) - order_[k].height >= reach) return;
+      act(other.atom);
+    }
+  }
+
+  double add_pair(int i, int j, const Vectors& x, Vectors& f) const {
+    const double reach = (diameter_[i] + diameter_[j]) / 2;
+    Vec3 d = x.col(j) - x.col(i);
+    if (box_.periodic()) d = box_.nearest_image(d);
+    double r = d.norm();
+    if (r >= reach || left_out_.contains(std::minmax(i, j))) return 0;
+    const double energy = kAmplitude * (1 + std::cos(std::numbers::pi * r / reach));
+    if (r < kSamePlace) {
+      Random random(static_cast<std::uint64_t>(std::min(i, j)));
+      d = (i < j ? 1 : -1) * kSamePlace * random.unit_vector();
+      r = kSamePlace;
+    }
+    const double phase =
+        std::numbers::pi * (r < kNear * reach ? 0.5 : r / reach);  // where near, the largest force
+    const Vec3 push = kAmplitude * std::numbers::pi / reach * std::sin(phase) / r * d;
+    f.col(i) -= push;
+    f.col(j) += push;
+    return energy;
+  }
+
+  Eigen::VectorXd diameter_;
+  std::set<std::pair<int, int>> left_out_;
+  Box box_;
+  std::vector<Placed> order_;
+};
+
+}  // namespace
+
+int push_apart(const Scene& scene, State& s, const std::function<void()>& on_move) {
+  const double widest = diameters(scene.terms, scene.system.atoms()).maxCoeff();
+  if (widest == 0) return 0;
+  Terms soft = scene.terms;
+  soft.own.push_back(std::make_shared<SoftPush>(scene.terms, scene.system.atoms(), s.box));
+  soft.nonbonded.reset();
+  soft.wca.reset();
+  ForceField forces(scene.system, s.box, soft);
+  return minimise(scene.system, forces, kLeftForce * std::numbers::pi * kAmplitude / widest, s, on_move)
+      .moves;
+}
+
+}  // namespace taut
