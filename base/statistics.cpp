@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/series.hpp"
+
 namespace taut {
 
 void Slope::add(double t, double y) {  // Welford's updates
@@ -53,15 +55,6 @@ double variance_of_differences(std::span<const double> means, double step) {
   return sum / (static_cast<double>(means.size()) - 2);
 }
 
-// With the error that the spread of what is averaged tells.
-Estimate mean_of(std::span<const double> blocks) {
-  const double count = static_cast<double>(blocks.size());
-  double middle = 0, spread = 0;
-  for (const double block : blocks) middle += block / count;
-  for (const double block : blocks) spread += (block - middle) * (block - middle);
-  return {middle, std::sqrt(spread / (count * (count - 1)))};
-}
-
 }  // namespace
 
 Estimate block_mean(const std::vector<double>& y, int blocks) {
@@ -100,12 +93,12 @@ Estimate RunningMean::estimate() const {
   if (count_ == 0) return {};
   const double all = sum_ / static_cast<double>(count_);
   if (full_ < 8) return {all, 0};
-  return {all, mean_of(blocks()).error};
+  return {all, correlated_mean(blocks()).error};
 }
 
 Estimate RunningMean::later_half() const {
   if (full_ < 4) return {};
-  return mean_of(blocks().subspan(static_cast<std::size_t>(full_) / 2));
+  return correlated_mean(blocks().subspan(static_cast<std::size_t>(full_) / 2));
 }
 
 void RunningSlope::add(double t, double y) {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "base/series.hpp"
 #include "base/statistics.hpp"
 #include "constraints/projection.hpp"
 #include "free_system.hpp"
@@ -106,13 +107,41 @@ TEST(RunningMean, HasTheErrorOfItsBlocks) {
   for (const double value : y) all += value / 102;
   EXPECT_NEAR(mean.estimate().value, all, 1e-12);
   y.resize(100);
-  EXPECT_NEAR(mean.estimate().error, block_mean(y, 25).error, 1e-12);
+  std::vector<double> blocks;
+  for (std::size_t b = 0; b < 25; ++b)
+    blocks.push_back((y[4 * b] + y[4 * b + 1] + y[4 * b + 2] + y[4 * b + 3]) / 4);
+  EXPECT_NEAR(mean.estimate().error, correlated_mean(blocks).error, 1e-12);
 
   RunningMean few;
   for (int n = 0; n < 7; ++n) few.add(n);
   EXPECT_EQ(few.estimate().error, 0);
-  few.add(7);
-  EXPECT_NEAR(few.estimate().error, std::sqrt(42.0 / (8 * 7)), 1e-12);
+  few.add(20);
+  EXPECT_NEAR(few.estimate().error, correlated_mean(std::vector<double>{0, 1, 2, 3, 4, 5, 6, 20}).error,
+              1e-12);
+}
+
+// The error of a slow quantity is the spread of its means over seeds: of AR(1) series fifty correlation times long,
+// and of twenty. Blocks taken for independent say 0.75 and 0.5 of it.
+TEST(RunningMean, ItsErrorIsTheSpreadOverSeeds) {
+  constexpr int kSeeds = 300, kRows = 2000;
+  for (const double times : {50.0, 20.0}) {
+    const double c = std::exp(-times / kRows);
+    double squares = 0, means = 0, errors = 0;
+    for (int seed = 0; seed < kSeeds; ++seed) {
+      Random random(static_cast<std::uint64_t>(100 + seed));
+      RunningMean mean;
+      double y = random.normal();
+      for (int n = 0; n < kRows; ++n) {
+        mean.add(y);
+        y = c * y + std::sqrt(1 - c * c) * random.normal();
+      }
+      const auto [value, error] = mean.estimate();
+      means += value / kSeeds;
+      squares += value * value / kSeeds;
+      errors += error * error / kSeeds;
+    }
+    EXPECT_NEAR(std::sqrt(errors / (squares - means * means)), 1, 0.15) << times;
+  }
 }
 
 // A straight trimer turns about two axes and has two ways to bend; bent, it is three and one. Each counts in
