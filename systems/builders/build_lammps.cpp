@@ -10,8 +10,8 @@
 #include "base/errors.hpp"
 #include "base/nearest_name.hpp"
 #include "systems/builders/builders.hpp"
+#include "systems/builders/lammps_keys.hpp"
 #include "systems/lammps/data_file.hpp"
-#include "systems/lammps/units.hpp"
 #include "systems/molecules/molecule.hpp"
 #include "systems/whole_molecules.hpp"
 
@@ -23,59 +23,6 @@ using Row = LammpsData::Row;
 double in_radians(double degrees) {
   return degrees * std::numbers::pi / 180;
 }
-
-// The keys of [build] that a data file does not say.
-struct LammpsKeys {
-  std::filesystem::path file;
-  LammpsUnits units{};
-  std::map<std::string, std::string> style;  // of "Bond Coeffs" and so on, in place of the file's own
-  std::vector<double> rigid_bonds, rigid_angles;
-  std::vector<double> special_lj = {0, 0, 0}, special_coul = {0, 0, 0};
-  bool geometric = true, periodic = true;
-
-  explicit LammpsKeys(const TomlTable& keys) {
-    file = keys.get<std::filesystem::path>("data", {"a LAMMPS data file, as write_data writes it"});
-    const std::string name = keys.choice("units", {"real", "lj", "metal"}, "the file's unit style");
-    double sigma = 1, epsilon = 1, mass = 1;
-    keys.read("sigma_nm", sigma, {"unit of length", "nm", kPositive});
-    keys.read("epsilon_kj_mol", epsilon, {"unit of energy", "kJ/mol", kPositive});
-    keys.read("mass_u", mass, {"unit of mass", "u", kPositive});
-    for (const char* key : {"sigma_nm", "epsilon_kj_mol", "mass_u"})
-      keys.require_effect(key, name == "lj", "with build.units = \"lj\"");
-    units = name == "real"    ? LammpsUnits::real()
-            : name == "metal" ? LammpsUnits::metal()
-                              : LammpsUnits::lj(sigma, epsilon, mass);
-    for (const auto& [key, section] : kStyles) {
-      std::string& said = style[section];
-      keys.read(key, said, {"the style, where the file does not say it behind the section's name"});
-    }
-    keys.read("rigid_bonds", rigid_bonds, {"types of bonds that are held at their length, as [1, 2]"});
-    keys.read("rigid_angles", rigid_angles,
-              {"types of angles between two rigid bonds whose ends are held at their distance, as [1]"});
-    for (const auto& [key, factors] :
-         {std::pair{"special_lj", &special_lj}, std::pair{"special_coul", &special_coul}}) {
-      keys.read(key, *factors,
-                {"special_bonds: what is left of pairs 1-2, 1-3 and 1-4; not said: [0, 0, 0]"});
-      if (factors->size() != 3 || !std::ranges::all_of(*factors, [](double f) { return f >= 0 && f <= 1; }))
-        keys.fail(key, "expected three numbers from 0 to 1, as [0, 0, 0.5]");
-      for (int k = 0; k < 2; ++k)
-        if ((*factors)[k] != 0 && (*factors)[k] != 1)
-          keys.fail(key, "expected 0 or 1 of pairs 1-2 and 1-3; only pairs 1-4 are scaled");
-    }
-    std::string mix = "geometric";
-    keys.read("mix", mix,
-              {"pair_modify mix, of types that PairIJ Coeffs does not name", {"geometric", "arithmetic"}});
-    geometric = mix == "geometric";
-    keys.read("periodic", periodic, {"whether the box is periodic (boundary p p p), or none (s s s)"});
-  }
-
-  static constexpr std::pair<const char*, const char*> kStyles[] = {{"atom_style", "Atoms"},
-                                                                    {"pair_style", "Pair Coeffs"},
-                                                                    {"bond_style", "Bond Coeffs"},
-                                                                    {"angle_style", "Angle Coeffs"},
-                                                                    {"dihedral_style", "Dihedral Coeffs"},
-                                                                    {"improper_style", "Improper Coeffs"}};
-};
 
 class LammpsScene {
  public:
@@ -101,7 +48,7 @@ class LammpsScene {
   // The style of a section: from the scene, or from the file.
   std::string style_of(const char* section, const std::vector<std::string_view>& known) const {
     const char* key = nullptr;
-    for (const auto& [name, of] : LammpsKeys::kStyles)
+    for (const auto& [name, of] : kLammpsStyles)
       if (std::string_view(of) == section) key = name;
     std::string style = said_.style.at(section);
     const std::string& of_file = data_.section(section).style;
@@ -225,10 +172,16 @@ class LammpsScene {
   void read_angles() {
     check_types("rigid_angles", said_.rigid_angles, "angle types");
     if (data_.section("Angles").rows.empty()) return;
-    const std::string style = style_of("Angle Coeffs", {"harmonic", "charmm", "zero"});
+    const std::string style = style_of("Angle Coeffs", {"harmonic", "cosine", "charmm", "zero"});
     const double stiffness = 1 / (said_.units.length * said_.units.length);
     for (const auto& [row, type, c] : typed("Angles", "Angle Coeffs", "angle types")) {
       const int i = atom(*row, 2), j = atom(*row, 3), k = atom(*row, 4);
+      if (style == "cosine") {  // K(1 + cos θ)
+        if (is_rigid(said_.rigid_angles, type))
+          keys_.fail("rigid_angles", "angles of style cosine have no angle to hold; expected harmonic");
+        scene_.terms.cosine_angles.push_back({i, j, k, energy(*c, 1)});
+        continue;
+      }
       const double angle = in_radians(data_.number(*c, style == "zero" ? 1 : 2, "an angle"));
       if (is_rigid(said_.rigid_angles, type)) {
         const auto one = length_.find(std::minmax(i, j)), two = length_.find(std::minmax(j, k));

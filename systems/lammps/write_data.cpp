@@ -109,7 +109,6 @@ class Writer {
     const Terms& terms = scene_.terms;
     hybrid_ = !terms.fene.empty() && (!terms.bonds.empty() || !scene_.system.bonds.empty());
     const char* harmonic = hybrid_ ? "harmonic " : "";
-    std::set<std::pair<int, int>> ends;  // of rigid bonds that hold an angle, which LAMMPS has no bond for
     for (const RigidBond& b : scene_.system.bonds) {
       const std::string coefficients = fmt::format("{}1000000 {:.17g}", harmonic, b.length);
       bonds_.add(coefficients, {b.i, b.j});
@@ -124,8 +123,14 @@ class Writer {
   }
 
   void add_angles() {
-    for (const auto& [i, j, k, angle, stiffness] : scene_.terms.angles)
-      angles_.add(fmt::format("{:.17g} {:.17g}", stiffness / 2, degrees(angle)), {i, j, k});
+    const Terms& terms = scene_.terms;
+    const bool both = !terms.angles.empty() && !terms.cosine_angles.empty();
+    angle_style_ = both ? "hybrid" : terms.angles.empty() ? "cosine" : "harmonic";
+    for (const auto& [i, j, k, angle, stiffness] : terms.angles)
+      angles_.add(fmt::format("{}{:.17g} {:.17g}", both ? "harmonic " : "", stiffness / 2, degrees(angle)),
+                  {i, j, k});
+    for (const auto& [i, j, k, stiffness] : terms.cosine_angles)
+      angles_.add(fmt::format("{}{:.17g}", both ? "cosine " : "", stiffness), {i, j, k});
   }
 
   // charmm takes whole degrees alone, so that a phase is split into a cosine of its own where it is none.
@@ -244,7 +249,7 @@ class Writer {
       }
     }
     bonds_.write("Bonds", fmt::format("Bond Coeffs # {}", bond_style()).c_str(), to);
-    angles_.write("Angles", "Angle Coeffs # harmonic", to);
+    angles_.write("Angles", fmt::format("Angle Coeffs # {}", angle_style_).c_str(), to);
     dihedrals_.write("Dihedrals", fmt::format("Dihedral Coeffs # {}", dihedral_style()).c_str(), to);
     return to;
   }
@@ -298,36 +303,80 @@ class Writer {
   std::string input() const {
     const Terms& terms = scene_.terms;
     const RunSettings& run = scene_.run;
-    std::string to = "units lj\natom_style full\n";
+    std::string to = differences() + "units lj\natom_style full\n";
     if (!scene_.start.box.periodic()) to += "boundary s s s\n";
     to += fmt::format("special_bonds lj {} {} {} coul {} {} {}\n", special_lj_[0], special_lj_[1],
                       special_lj_[2], special_coulomb_[0], special_coulomb_[1], special_coulomb_[2]);
     if (!bonds_.empty())
       to += fmt::format("bond_style {}\n", hybrid_ ? "hybrid harmonic fene" : bond_style());
-    if (!angles_.empty()) to += "angle_style harmonic\n";
+    if (!angles_.empty())
+      to +=
+          fmt::format("angle_style {}\n", angle_style_ == "hybrid" ? "hybrid harmonic cosine" : angle_style_);
     if (!dihedrals_.empty())
       to += fmt::format("dihedral_style {}\n", mixed_ ? "hybrid charmm " + powers_ : dihedral_style());
-    const bool charged = terms.nonbonded && !terms.nonbonded->charge.isZero(0);
-    const bool pppm = terms.nonbonded && terms.nonbonded->pme && charged;
     to += fmt::format("{}read_data {}\n", pair_lines(), data_name_);
     if (!terms.nonbonded && !terms.wca) to += "pair_coeff * *\n";
-    if (pppm) to += "# kspace_style asks for PPPM, whose tolerance is relative to a unit of LAMMPS's own\n";
     to += fmt::format("neighbor {:.4g} bin\nneigh_modify every 1 delay 0 check yes\ntimestep {:.17g}\n",
                       terms.wca ? 0.3 * terms.wca->sigma : 0.2, run.h());
     if (run.temperature_k > 0 && scene_.start.v.isZero(0))
       to += fmt::format("velocity all create {:.17g} {} loop geom\n", kBoltzmann * run.temperature_k,
                         run.seed + 1);
     to += "thermo 100\nfix integrate all nve\n";
-    if (run.thermostatted())
-      to +=
-          fmt::format("fix bath all langevin {0:.17g} {0:.17g} {1:.6g} {2}\n", kBoltzmann * run.temperature_k,
-                      run.langevin() ? 1 / run.friction_per_ps : run.thermostat_ps, run.seed + 1);
+    if (run.thermostatted()) to += bath();
     if (!rigid_.empty()) {
       to += "fix hold all taut feedforward b";
       for (const int type : rigid_) to += fmt::format(" {}", type);
       to += "\n";
     }
     return to + fmt::format("# run {}\n", run.steps);
+  }
+
+  std::string bath() const {
+    const RunSettings& run = scene_.run;
+    const auto fix = [&](const char* style, double time) {
+      return fmt::format("fix bath all {0} {1:.17g} {1:.17g} {2:.6g} {3}\n", style,
+                         kBoltzmann * run.temperature_k, time, run.seed + 1);
+    };
+    if (run.langevin()) return fix("langevin", 1 / run.friction_per_ps);
+    return fix("temp/csvr", run.thermostat_ps) + "# without EXTRA-FIX: " + fix("langevin", run.thermostat_ps);
+  }
+
+  // What of the scene LAMMPS does otherwise, or not at all: a comment each.
+  std::string differences() const {
+    const RunSettings& run = scene_.run;
+    std::string to =
+        fmt::format("# {}, as taut gives it to LAMMPS. What differs from the scene:\n", scene_.name);
+    const auto tell = [&](const std::string& what) { to += "# - " + what + "\n"; };
+    tell("times are in ps, energies in kJ/mol, temperatures in kJ/mol: k_B T");
+    if (!rigid_.empty() && scene_.method.name() != "feedforward")
+      tell(fmt::format(
+          "method.name = \"{}\" holds the bonds in taut; fix taut has feedforward and baumgarte, and "
+          "feedforward is taken with its own defaults",
+          scene_.method.name()));
+    if (!rigid_.empty()) tell("fix taut needs taut-lammps; fix shake or rattle may stand in its place");
+    if (run.rescaling())
+      tell("velocity rescaling (run.thermostat_ps) is fix temp/csvr, of the package EXTRA-FIX");
+    if (!run.temperature_course.empty())
+      tell(
+          "run.temperature_k changes in time: its first value is taken; fix langevin and temp/csvr take two, "
+          "for "
+          "the ends of a run");
+    if (run.langevin())
+      tell("Langevin dynamics (run.friction_per_ps) is fix langevin: the same bath by another integrator");
+    if (run.barostat != "none")
+      tell(fmt::format(
+          "run.barostat = \"{}\" is left out: the volume is constant; fix press/berendsen or npt may "
+          "be added behind fix hold",
+          run.barostat));
+    if (run.minimise) tell("run.minimise is left out: `minimize 0 1e-3 1000 10000` before run does it");
+    if (run.remove_momentum_every > 0)
+      tell(fmt::format("run.remove_momentum_every is left out: fix momentum {} linear 1 1 1 does it",
+                       run.remove_momentum_every));
+    if (run.trajectory_every > 0) tell("run.trajectory_every is left out: add a dump");
+    const auto& nb = scene_.terms.nonbonded;
+    if (nb && nb->pme && !nb->charge.isZero(0))
+      tell("particle mesh Ewald is PPPM, of a tolerance of its own");
+    return to;
   }
 
   static constexpr double kEither = -1;  // a factor of what is zero anyway
@@ -338,7 +387,8 @@ class Writer {
   TermList bonds_, angles_, dihedrals_;
   std::set<int> rigid_;                  // types of bonds
   bool hybrid_ = false, mixed_ = false;  // two styles of bonds, of dihedrals
-  std::string powers_;                   // the style of Ryckaert and Bellemans's torsions
+  std::string angle_style_;
+  std::string powers_;  // the style of Ryckaert and Bellemans's torsions
   std::array<double, 3> special_lj_ = {1, 1, 1}, special_coulomb_ = {1, 1, 1};
 };
 
