@@ -1,12 +1,15 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <map>
 
 #include "base/errors.hpp"
 #include "printing.hpp"
 #include "studies/chart_study.hpp"
+#include "studies/chart_verdict.hpp"
 #include "studies/csv.hpp"
 #include "study.hpp"
 #include "words.hpp"
@@ -42,6 +45,9 @@ std::vector<std::string> notes_of(const ChartPlan& plan) {
   if (plan.quick)
     notes.push_back(fmt::format("quick, so rough: few settings, {} repeats of {} steps, drift over {} steps",
                                 plan.repeats, plan.steps, plan.drift_steps));
+  if (double load = 0; getloadavg(&load, 1) == 1)
+    if (const std::string warning = warn_of_load(load, sysconf(_SC_NPROCESSORS_ONLN)); !warning.empty())
+      notes.push_back(warning);
   if (plan.drift_steps < kStepsForInterval)
     notes.push_back(fmt::format("no intervals of the drift: they take {} steps, --drift-steps has {}",
                                 kStepsForInterval, plan.drift_steps));
@@ -96,15 +102,17 @@ void print_failures(const std::string& csv) {
 void show(const ChartPlan& plan, Study& study) {
   const Ledger& ledger = study.ledger();
   const std::string of = plan.scene.name + ": ", at = fmt::format("at {:g} fs", plan.scene.run.dt_fs);
+  const std::string work = work_csv(plan, ledger), drifts = drift_csv(plan, ledger);
   study.show(
-      {"work", fmt::format("{}constraints {} (lower left is better)", of, at), work_csv(plan, ledger)},
+      {"work", fmt::format("{}constraints {} (lower left is better)", of, at), work},
       "Constraint time against bond error",
       fmt::format("A curve a method; its points are the values of the named setting. Bars: quartiles of "
                   "{} interleaved repeats of {} steps.",
                   plan.repeats, plan.steps));
+  study.conclude(chart_verdict(work, drifts, plan.scene.run.dt_fs));
   study.show({"drift",
               fmt::format("{}energy drift {} over {} steps (lower left is better)", of, at, plan.drift_steps),
-              drift_csv(plan, ledger)},
+              drifts},
              "Constraint time against energy drift",
              fmt::format("Slope of the total energy over {} steps; bars: 95 %, from the run's own standard "
                          "error. An arrow: zero is inside, and the drift at most that. The figures have the "
@@ -147,7 +155,7 @@ void chart(const ChartArguments& arguments) {
   show(plan, study);
   const std::string failures = failures_csv(plan, ledger);
   study.show_table("failures.csv", failures,
-                   {"What failed", "Settings that did not get through, and why.", {}, {}});
+                   {"What failed", "Settings that did not get through, and why.", {}, {}, {}});
   print_failures(failures);
   study.finish(plan.scene.name + ": speed against accuracy");
 }

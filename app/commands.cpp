@@ -259,7 +259,7 @@ void take_threads(const std::string& said) {
   double threads = 0;  // written as numbers in scenes are, 2.0 as well
   if (!CLI::detail::lexical_cast(said, threads) || threads != std::trunc(threads) ||
       !(std::abs(threads) < 1e9))
-    throw InputError(fmt::format("--threads {}: expected a number, or auto", said));
+    throw InputError(fmt::format("--threads {}: expected a whole number, or auto", said));
   expect_threads("--threads", static_cast<int>(threads));
   use_threads(static_cast<int>(threads));
 }

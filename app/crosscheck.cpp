@@ -107,7 +107,7 @@ void write_crosscheck(const Crosscheck& c, const std::string& command, const std
   ReportPage page{title, command, c.notes, {}};
   const auto show = [&](const Picture& picture, const char* heading, const char* text) {
     files.draw(picture);
-    page.parts.push_back({heading, text, picture.name + ".svg", picture.csv});
+    page.parts.push_back({heading, text, picture.name + ".svg", picture.csv, {}});
   };
   show({"crosscheck", title, samples_csv(c)}, "Runs beside OpenMM's",
        "Every run sets out from OpenMM's start. The fine run takes a quarter of the step: what is as near to "
@@ -117,7 +117,7 @@ void write_crosscheck(const Crosscheck& c, const std::string& command, const std
     show({"distances", c.scene + ": O–O radial distribution, bars: standard errors", distances_csv(c)},
          "What the liquid looks like", "The radial distribution of the oxygens.");
   page.parts.push_back(
-      {"Verdicts", "Of each run: whether it agrees with OpenMM's, and why.", {}, verdicts_csv(c)});
+      {"Verdicts", "Of each run: whether it agrees with OpenMM's, and why.", {}, verdicts_csv(c), {}});
   write_report(page, files);
   files.print_written();
 }

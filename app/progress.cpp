@@ -3,26 +3,56 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 
 #include "printing.hpp"
 
 namespace taut {
+namespace {
+
+constexpr double kFirstRow = 10;  // [s]
+
+double time_left(double spent, long done, long total) {
+  return spent / static_cast<double>(done) * static_cast<double>(total - done);
+}
+
+std::string clock_text(double seconds) {
+  const long s = std::lround(seconds);
+  return fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
+}
+
+}  // namespace
 
 Progress::Progress(long total)
     : total_(total), terminal_(isatty(STDERR_FILENO) != 0 && !quiet()), start_(Clock::now()), next_(start_) {}
 
+void Progress::write_rows(const std::string& what) {
+  if (terminal_) return;
+  counted_ = what;
+  const char* said = std::getenv("TAUT_PROGRESS_S");
+  next_row_ = said ? std::max(0.0, std::atof(said)) : kFirstRow;
+}
+
+void Progress::write_row(long done) {
+  const double spent = std::chrono::duration<double>(Clock::now() - start_).count();
+  if (spent < next_row_ || done >= total_) return;
+  next_row_ *= 1.5;
+  say("  {} of {} {} after {}, {} left\n", done, total_, counted_, clock_text(spent),
+      clock_text(time_left(spent, done, total_)));
+}
+
 void Progress::show_step(long done) {
+  if (!counted_.empty()) write_row(done);
   if (!terminal_) return;
   const auto now = Clock::now();
   if (now < next_) return;
   next_ = now + std::chrono::milliseconds(200);
   const double spent = std::chrono::duration<double>(now - start_).count();
-  const long left = std::lround(spent / static_cast<double>(done) * static_cast<double>(total_ - done));
-  draw(fmt::format("{:5.1f} %   {}:{:02}:{:02} left ",
-                   100.0 * static_cast<double>(done) / static_cast<double>(total_), left / 3600,
-                   left / 60 % 60, left % 60));
+  draw(fmt::format("{:5.1f} %   {} left ", 100.0 * static_cast<double>(done) / static_cast<double>(total_),
+                   clock_text(time_left(spent, done, total_))));
 }
 
 void Progress::show_task(const std::string& what) {

@@ -7,11 +7,15 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "base/errors.hpp"
 #include "files/folder.hpp"
 #include "printing.hpp"
 #include "report.hpp"
+#include "run_curves.hpp"
+#include "run_frames.hpp"
+#include "simulation/checkpoint.hpp"
 #include "studies/csv.hpp"
 #include "studies/run_log.hpp"
 #include "study.hpp"
@@ -21,57 +25,6 @@ namespace taut {
 namespace {
 
 namespace fs = std::filesystem;
-
-// One curve of a panel.
-struct Curve {
-  std::string panel, name;
-  std::vector<double> t, y;   // [ps], [the panel's unit]
-  bool running_mean = false;  // drawn beside it
-};
-
-// Adds a log's column to the curves, if it has one; `less` is subtracted row by row.
-void add(std::vector<Curve>& curves, const RunLog& log, const Curve& as, std::string_view column,
-         std::string_view less = "", bool from_start = false) {
-  if (!log.has(column)) return;
-  const std::vector<double>&y = log.column(column), &other = log.column(less), &t = log.column(kLogTime);
-  Curve curve = as;
-  for (std::size_t row = 0; row < y.size(); ++row) {
-    const double value = y[row] - (other.empty() || std::isnan(other[row]) ? 0 : other[row]);
-    if (std::isnan(value)) continue;
-    curve.t.push_back(t[row]);
-    curve.y.push_back(value);
-  }
-  if (from_start)
-    for (const double first = curve.y.front(); double& value : curve.y) value -= first;
-  curves.push_back(std::move(curve));
-}
-
-bool varies(const std::vector<double>& y) {
-  return std::ranges::any_of(y, [&](double value) { return value != y.front(); });
-}
-
-std::vector<Curve> curves_of(const RunLog& log, const std::string& run) {
-  const std::string of = run.empty() ? "" : run + ": ";
-  const std::string alone = run.empty() ? "each row" : run;
-  std::vector<Curve> all;
-  const auto curve = [](const char* panel, std::string name, bool mean) {
-    return Curve{.panel = panel, .name = std::move(name), .t = {}, .y = {}, .running_mean = mean};
-  };
-  add(all, log, curve("potential energy [kJ/mol]", alone, true), kLogPotential);
-  add(all, log, curve("energy's account [kJ/mol]", of + "energy but for the heat", false), kLogTotal,
-      kLogHeat, true);
-  add(all, log, curve("energy's account [kJ/mol]", of + "what the bonds did", false), kLogConstraintWork, "",
-      true);
-  add(all, log, curve("temperature [K]", alone, true), kLogTemperature);
-  add(all, log, curve("pressure [bar]", alone, true), kLogPressure);
-  if (log.has(kLogVolume) && varies(log.column(kLogVolume))) {
-    add(all, log, curve("volume [nm³]", alone, true), kLogVolume);
-    add(all, log, curve("density [kg/m³]", alone, true), kLogDensity);
-  }
-  if (log.has(kLogBondError) && varies(log.column(kLogBondError)))
-    add(all, log, curve("relative bond error (rms)", alone, false), kLogBondError);
-  return all;
-}
 
 // At most so many points: means of neighbours.
 constexpr std::size_t kMostPoints = 1000;
@@ -124,29 +77,41 @@ void print_lines(const std::vector<Curve>& curves) {
 }
 
 // type, motion, temperature and error of each run that is finished; the header alone where there is none.
-std::string kinds_csv(const std::vector<fs::path>& runs) {
+std::string kinds_csv(const std::vector<fs::path>& runs, const std::vector<std::string>& names) {
   std::string csv = "run,kind,temperature_k,standard_error\n";
-  for (const fs::path& run : runs) {
-    const auto summary = nlohmann::ordered_json::parse(contents_of(run / "summary.json"), nullptr, false);
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    const auto summary = nlohmann::ordered_json::parse(contents_of(runs[k] / "summary.json"), nullptr, false);
     if (!summary.is_object() || !summary.contains("temperatures_k")) continue;
     for (const auto& [type, motions] : summary["temperatures_k"].items())
       for (const auto& [motion, t] : motions.items())
-        csv += fmt::format("{},{},{:.7g},{:.3g}\n", csv_cell(run.filename().string()),
-                           csv_cell(type + ": " + motion), t["mean"].get<double>(),
+        csv += fmt::format("{},{},{:.7g},{:.3g}\n", csv_cell(names[k]), csv_cell(type + ": " + motion),
+                           t["mean"].get<double>(),
                            t["standard_error"].is_number() ? t["standard_error"].get<double>() : 0.0);
   }
   return csv;
 }
 
-// A folder's name in a legend: the shortest end of its path that no other run has.
+// The scene of a run, if its checkpoint is there to say it.
+std::optional<Scene> scene_of(const fs::path& run) {
+  if (!fs::exists(checkpoint_file(run))) return {};
+  return load_checkpoint(run).source.read();
+}
+
+// The names of folders in a legend: the last parts of their paths, as few as tell them apart.
 std::vector<std::string> legend_names(const std::vector<fs::path>& runs) {
-  std::vector<std::string> names;
-  for (const fs::path& run : runs) names.push_back(backup_base(run).filename().string());
-  for (std::size_t k = 0; k < runs.size(); ++k)
-    if (std::ranges::count(names, names[k]) > 1) {
-      for (std::size_t j = 0; j < runs.size(); ++j) names[j] = runs[j].string();
-      break;
+  std::vector<std::string> names(runs.size());
+  std::vector<fs::path> rest;
+  for (const fs::path& run : runs) rest.push_back(backup_base(run));
+  for (bool alike = true, more = true; alike && more;) {
+    more = false;
+    for (std::size_t k = 0; k < runs.size(); ++k) {
+      if (!rest[k].has_filename()) continue;
+      names[k] = rest[k].filename().string() + (names[k].empty() ? "" : "/" + names[k]);
+      rest[k] = rest[k].parent_path();
+      more = true;
     }
+    alike = std::ranges::any_of(names, [&](const auto& name) { return std::ranges::count(names, name) > 1; });
+  }
   return names;
 }
 
@@ -157,9 +122,12 @@ nlohmann::ordered_json plot_runs(const PlotRequest& request) {
   std::vector<RunLog> logs;
   for (const fs::path& run : request.runs) logs.push_back(read_log(run));
   const std::vector<std::string> names = legend_names(request.runs);
+  std::vector<std::optional<Scene>> scenes;
+  for (const fs::path& run : request.runs) scenes.push_back(scene_of(run));
   std::vector<Curve> curves;
   for (std::size_t k = 0; k < request.runs.size(); ++k)
-    for (Curve& curve : curves_of(logs[k], request.runs.size() > 1 ? names[k] : ""))
+    for (Curve& curve : curves_of(logs[k], request.runs.size() > 1 ? names[k] : "",
+                                  scenes[k] ? &*scenes[k] : nullptr, request.runs[k]))
       curves.push_back(std::move(curve));
   std::vector<std::string> panels;
   for (const Curve& curve : curves)
@@ -169,19 +137,31 @@ nlohmann::ordered_json plot_runs(const PlotRequest& request) {
       request.runs.size() == 1 ? request.runs[0].string() : counted(std::ssize(request.runs), "run");
   make_folder(request.out);
   StudyFiles files(request.out);
-  const std::string csv = csv_of(curves), kinds = kinds_csv(request.runs);
+  const std::string csv = csv_of(curves), kinds = kinds_csv(request.runs, names);
   ReportPage page{.title = title, .command = request.command, .notes = {}, .parts = {}};
   files.draw({"run", title + ": points, and running means as lines", csv});
   page.parts.push_back(
       {"The run in time",
        "Each row of the log, or means of neighbouring rows, and the mean from the start up to each "
        "time. The account: total energy less the heat, from its start, and what the bonds did.",
-       "run.svg", csv});
+       "run.svg",
+       csv,
+       {}});
   if (std::ranges::count(kinds, '\n') > 1) {
     files.draw(
         {"kinds", title + ": temperature by type of molecule and motion, bars: standard errors", kinds});
     page.parts.push_back(
-        {"Temperatures", "Of each type of molecule, by motion, over the whole run.", "kinds.svg", kinds});
+        {"Temperatures", "Of each type of molecule, by motion, over the whole run.", "kinds.svg", kinds, {}});
+  }
+  if (request.runs.size() == 1 && scenes[0]) {
+    const std::string frames = frames_csv(*scenes[0], request.runs[0]);
+    files.draw({"frames", title + ": atoms and bonds", frames});
+    page.parts.push_back(
+        {"First and last frame",
+         "Molecules are whole, with their centres in the box; nearer atoms hide those behind.",
+         "frames.svg",
+         frames,
+         {}});
   }
   write_report(page, files);
   print_lines(curves);

@@ -171,6 +171,7 @@ void Study::run(const std::vector<Job>& jobs, const std::vector<std::string>& no
   if (left < static_cast<long>(jobs.size()))
     say("going on: {} of {} trials are there\n", static_cast<long>(jobs.size()) - left, jobs.size());
   Progress progress(left);
+  progress.write_rows("trials");
   for (const Job& job : jobs) {
     if (ledger_.has(job.name)) continue;
     ledger_.once(job.name, job.make);
@@ -182,7 +183,13 @@ void Study::run(const std::vector<Job>& jobs, const std::vector<std::string>& no
 void Study::show(const Picture& picture, const std::string& heading, const std::string& text) {
   files_.draw(picture);
   tables_.emplace_back(picture.name, picture.csv);
-  page_.parts.push_back({heading, text, picture.name + ".svg", picture.csv});
+  page_.parts.push_back({heading, text, picture.name + ".svg", picture.csv, {}});
+}
+
+void Study::conclude(const std::vector<std::string>& lines) {
+  page_.parts.back().conclusions = lines;
+  say("\n");
+  for (const std::string& line : lines) say("{}\n", line);
 }
 
 void Study::show_table(const std::string& file, const std::string& csv, ReportPage::Part part) {
@@ -203,6 +210,8 @@ void Study::finish(const std::string& title) {
 // Converts a table to JSON, each row an object with the columns' names.
 std::string Study::json() const {
   nlohmann::ordered_json all = {{"command", page_.command}, {"notes", page_.notes}};
+  for (const ReportPage::Part& part : page_.parts)
+    if (!part.conclusions.empty()) all["conclusions"] = part.conclusions;
   for (const auto& [name, csv] : tables_) {
     const auto rows = csv_rows(csv);
     auto& table = all[name] = nlohmann::ordered_json::array();

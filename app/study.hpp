@@ -55,6 +55,8 @@ class Study {
   void run(const std::vector<Job>& jobs, const std::vector<std::string>& notes);
   StudyFiles& files() { return files_; }
   void show(const Picture& picture, const std::string& heading, const std::string& text);
+  // Prints what the picture shown last says, a line each, and puts it below the picture in the report.
+  void conclude(const std::vector<std::string>& lines);
   void show_table(const std::string& file, const std::string& csv, ReportPage::Part part);
   // Writes report.html and prints its name; with --json prints all tables instead.
   void finish(const std::string& title);

@@ -16,6 +16,9 @@ struct H5mdReader::Contents {
         time(H5Maker(file).open("/particles/all/position/time")) {
     if (accepted(H5Lexists(file, "/particles/all/box/edges", H5P_DEFAULT)) > 0)
       edges = H5Maker(file).open("/particles/all/box/edges/value");
+    if (accepted(H5Lexists(file, "/observables", H5P_DEFAULT)) > 0 &&
+        accepted(H5Lexists(file, "/observables/tension", H5P_DEFAULT)) > 0)
+      tension = H5Maker(file).open("/observables/tension/value");
     frames = H5Maker(file).frames(position);
   }
 
@@ -26,7 +29,7 @@ struct H5mdReader::Contents {
   }
 
   Hdf5Medium medium;
-  H5Handle file, position, time, edges;
+  H5Handle file, position, time, edges, tension;
   hsize_t frames = 0, at = 0;
 };
 
@@ -65,6 +68,17 @@ bool H5mdReader::next(Vectors& x, Box& box) {
   });
   ++contents_->at;
   return true;
+}
+
+Eigen::VectorXd H5mdReader::tensions() const {
+  Eigen::VectorXd tensions;
+  if (contents_->tension < 0 || contents_->at == 0) return tensions;
+  with_hdf5([&] {
+    const H5Maker file(contents_->file);
+    tensions.resize(static_cast<Eigen::Index>(file.sizes(contents_->tension).at(1)));
+    file.read_frame(contents_->tension, contents_->at - 1, H5T_NATIVE_DOUBLE, tensions.data());
+  });
+  return tensions;
 }
 
 }  // namespace taut

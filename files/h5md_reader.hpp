@@ -21,6 +21,8 @@ class H5mdReader {
 
   // Reads the next frame: positions [nm], and the box where the file has one. Returns false after the last.
   bool next(Vectors& x, Box& box);
+  // The tension of each rigid bond in the frame that next() read last [kJ/mol/nm]; empty where the file has none.
+  Eigen::VectorXd tensions() const;
 
  private:
   struct Contents;

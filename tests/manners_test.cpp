@@ -100,7 +100,7 @@ TEST(Manners, WhatWasMeant) {
   EXPECT_EQ(said("run water --stpes 3", 2), "taut: run: there is no option --stpes; did you mean --steps?\n");
   EXPECT_THAT(said("resume nowhere --steps 0", 2), HasSubstr("expected more than 0, got 0"));
   EXPECT_THAT(said("--threads 0 scenes", 2), HasSubstr("expected 1 to 1024 threads, got 0"));
-  EXPECT_EQ(said("--threads all scenes", 2), "taut: --threads all: expected a number, or auto\n");
+  EXPECT_EQ(said("--threads all scenes", 2), "taut: --threads all: expected a whole number, or auto\n");
   EXPECT_THAT(said("--threads auto scenes"), HasSubstr("water"));
   EXPECT_EQ(said("--threads 100000 scenes", 2), "taut: --threads: expected 1 to 1024 threads, got 100000\n");
   EXPECT_EQ(said("run pair --steps two", 2),

@@ -66,8 +66,11 @@ TEST(StudyCommands, ChartsWithAReportThatNeedsNothingElse) {
   const auto [exit_code, text] = taut(
       "chart freely_jointed --quick --methods newton settle --set build.chains=2 'run.seed = 3' "
       "--drift-steps 100 --out " +
-      out.string());
+          out.string(),
+      "TAUT_PROGRESS_S=0");
   ASSERT_EQ(exit_code, 0) << text;
+  EXPECT_THAT(text, HasSubstr(" trials after 0:00:0"));  // a row now and then, where there is no terminal
+  EXPECT_THAT(text, HasSubstr("\ncheapest with rms error below 1e-4: newton"));
   const std::string listed = text.substr(text.find(" failed, not drawn"));  // a line for each reason
   EXPECT_THAT(
       listed,
@@ -81,6 +84,7 @@ TEST(StudyCommands, ChartsWithAReportThatNeedsNothingElse) {
               HasSubstr("<code>taut chart freely_jointed --methods newton settle --set build.chains=2 "
                         "'run.seed = 3' --drift-steps 100 --quick --out " +
                         out.string() + "</code>"));
+  EXPECT_THAT(report, HasSubstr("<b>cheapest with rms error below 1e-4: newton"));
   EXPECT_THAT(report, Not(HasSubstr("href=\"http")));
   EXPECT_THAT(report, Not(HasSubstr("src=")));
   EXPECT_FALSE(fs::exists(out / "unfinished.tsv"));

@@ -10,6 +10,7 @@
 #include "base/errors.hpp"
 #include "simulation/simulation.hpp"
 #include "studies/chart_study.hpp"
+#include "studies/chart_verdict.hpp"
 #include "studies/stability_study.hpp"
 #include "systems/scene_file.hpp"
 #include "temporary_folder.hpp"
@@ -204,6 +205,49 @@ TEST(HardScenes, AreReadAndRun) {
     EXPECT_EQ(try_setting(scene, {"newton", "", "", {"method.name=newton"}}, {.steps = 5}).failure, "")
         << name;
   }
+}
+
+// Below each error the cheapest that got through, and whom the quartiles do not tell from it; energy is kept where the
+// drift's interval holds zero.
+TEST(ChartVerdict, NamesTheCheapestOfEachKind) {
+  using ::testing::ElementsAre;
+  const std::string work =
+      "curve,method,parameter,value,rms_rel_bond_error,max_rel_bond_error,ns_per_bond_step_q1,ns_per_bond_"
+      "step,"
+      "ns_per_bond_step_q3,step_us,repeats,failure\n"
+      "baumgarte,baumgarte,,,1e-5,1e-4,4,5,6,1,20,\n"
+      "feedforward (order),feedforward,order,1,1e-7,1e-6,8,9,10,1,20,\n"
+      "feedforward (order),feedforward,order,2,1e-8,1e-7,9,9.5,10,1,20,\n"
+      "newton,newton,,,1e-12,1e-11,9.5,11,12,1,20,\n"
+      "shake,shake,,,1e-13,1e-12,30,31,32,1,20,\n"
+      "lincs,lincs,,,,,,,,,0,diverged\n";
+  const std::string head =
+      "curve,method,parameter,value,ns_per_bond_step,drift_kj_mol_ns_dof,drift_low,drift_high,"
+      "constraint_drift_kj_mol_ns_dof,steps,failure\n";
+  const std::string drift = head +
+                            "b,baumgarte,,,5,1,0.5,1.5,1,4000,\n"
+                            "f,feedforward,order,1,9,1,0.5,1.5,1,4000,\n"
+                            "f,feedforward,order,2,9.5,0.1,-0.5,0.7,0,4000,\n"
+                            "n,newton,,,11,-0.1,-0.5,0.3,0,4000,\n"
+                            "s,shake,,,31,-1,-1.5,-0.3,0,4000,\n";
+  EXPECT_THAT(
+      chart_verdict(work, drift, 2),
+      ElementsAre("cheapest with rms error below 1e-4: baumgarte, 5 ns a bond; 1e-6: feedforward (order "
+                  "1), 9 ns a bond or newton, 11 ns a bond; 1e-9: newton, 11 ns a bond",
+                  "keeps energy within error at 2 fs, the cheapest setting of each method: feedforward "
+                  "(order 2), newton",
+                  "take here: feedforward (order 2), 9.5 ns a bond or newton, 11 ns a bond; the cheapest "
+                  "with rms error below 1e-6 that keeps the energy"));
+  const auto unknown = chart_verdict(work, head + "n,newton,,,11,-0.1,-0.1,-0.1,0,100,\n", 2);
+  ASSERT_EQ(unknown.size(), 2u);
+  EXPECT_THAT(unknown[1], testing::HasSubstr("not known"));
+}
+
+TEST(ChartVerdict, WarnsOfTimesTakenOnABusyMachine) {
+  EXPECT_EQ(warn_of_load(1.4, 2), "");
+  EXPECT_THAT(warn_of_load(1.6, 2),
+              testing::HasSubstr("load 1.6 of 2 cores in the last minute): the times are noise"));
+  EXPECT_EQ(warn_of_load(3.4, 4), "");
 }
 
 TEST(Ledger, GoesOnWhereItWasStopped) {

@@ -1,0 +1,96 @@
+#include "run_curves.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "files/h5md_file.hpp"
+#include "files/h5md_reader.hpp"
+
+namespace taut {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Adds a log's column to the curves, if it has one; `less` is subtracted row by row.
+void add(std::vector<Curve>& curves, const RunLog& log, const Curve& as, std::string_view column,
+         std::string_view less = "", bool from_start = false) {
+  if (!log.has(column)) return;
+  const std::vector<double>&y = log.column(column), &other = log.column(less), &t = log.column(kLogTime);
+  Curve curve = as;
+  for (std::size_t row = 0; row < y.size(); ++row) {
+    const double value = y[row] - (other.empty() || std::isnan(other[row]) ? 0 : other[row]);
+    if (std::isnan(value)) continue;
+    curve.t.push_back(t[row]);
+    curve.y.push_back(value);
+  }
+  if (from_start)
+    for (const double first = curve.y.front(); double& value : curve.y) value -= first;
+  curves.push_back(std::move(curve));
+}
+
+bool varies(const std::vector<double>& y) {
+  return std::ranges::any_of(y, [&](double value) { return value != y.front(); });
+}
+
+// The mean tension of the bonds and the largest, of every frame of trajectory.h5md.
+void add_tensions(std::vector<Curve>& curves, const fs::path& folder, const std::string& of) {
+  const fs::path file = folder / "trajectory.h5md";
+  if (!built_with_hdf5() || !fs::exists(file)) return;
+  H5mdReader frames(file);
+  Curve mean{.panel = "bond tension [kJ/mol/nm]", .name = of + "mean", .t = {}, .y = {}}, most = mean;
+  most.name = of + "largest";
+  Vectors x;
+  Box box;
+  for (double t = frames.first_time(); frames.next(x, box); t += frames.interval()) {
+    const Eigen::VectorXd tension = frames.tensions();
+    if (tension.size() == 0) return;
+    for (Curve* curve : {&mean, &most}) curve->t.push_back(t);
+    mean.y.push_back(tension.mean());
+    most.y.push_back(tension.maxCoeff());
+  }
+  if (mean.y.empty()) return;
+  curves.push_back(std::move(most));
+  curves.push_back(std::move(mean));
+}
+
+// The bath's temperature: the log's where it changes in time, or else the scene's.
+void add_bath(std::vector<Curve>& curves, const RunLog& log, const Scene* scene, const std::string& of) {
+  const Curve bath{.panel = "temperature [K]", .name = of + "bath", .t = {}, .y = {}};
+  if (log.has(kLogBath)) return add(curves, log, bath, kLogBath);
+  if (!scene || !scene->run.thermostatted()) return;
+  curves.push_back(bath);
+  for (const double t : {log.column(kLogTime).front(), log.column(kLogTime).back()}) {
+    curves.back().t.push_back(t);
+    curves.back().y.push_back(scene->run.bath_temperature(t));
+  }
+}
+
+}  // namespace
+
+std::vector<Curve> curves_of(const RunLog& log, const std::string& run, const Scene* scene,
+                             const fs::path& folder) {
+  const std::string of = run.empty() ? "" : run + ": ";
+  const std::string alone = run.empty() ? "each row" : run;
+  std::vector<Curve> all;
+  const auto curve = [](const char* panel, std::string name, bool mean) {
+    return Curve{.panel = panel, .name = std::move(name), .t = {}, .y = {}, .running_mean = mean};
+  };
+  add(all, log, curve("potential energy [kJ/mol]", alone, true), kLogPotential);
+  add(all, log, curve("energy's account [kJ/mol]", of + "energy but for the heat", false), kLogTotal,
+      kLogHeat, true);
+  add(all, log, curve("energy's account [kJ/mol]", of + "what the bonds did", false), kLogConstraintWork, "",
+      true);
+  add(all, log, curve("temperature [K]", alone, true), kLogTemperature);
+  add_bath(all, log, scene, of);
+  add(all, log, curve("pressure [bar]", alone, true), kLogPressure);
+  if (log.has(kLogVolume) && varies(log.column(kLogVolume))) {
+    add(all, log, curve("volume [nm³]", alone, true), kLogVolume);
+    add(all, log, curve("density [kg/m³]", alone, true), kLogDensity);
+  }
+  if (log.has(kLogBondError) && varies(log.column(kLogBondError)))
+    add(all, log, curve("relative bond error (rms)", alone, false), kLogBondError);
+  add_tensions(all, folder, of);
+  return all;
+}
+
+}  // namespace taut

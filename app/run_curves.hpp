@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "studies/run_log.hpp"
+#include "systems/scene.hpp"
+
+namespace taut {
+
+// One curve of a panel.
+struct Curve {
+  std::string panel, name;
+  std::vector<double> t, y;   // [ps], [the panel's unit]
+  bool running_mean = false;  // drawn beside it
+};
+
+// What is drawn of a run in time: energies, temperature beside the bath's, pressure, volume, errors and tensions of bonds.
+// run: the name of its curves; empty where it is drawn alone. scene: null where it is not known.
+std::vector<Curve> curves_of(const RunLog& log, const std::string& run, const Scene* scene,
+                             const std::filesystem::path& folder);
+
+}  // namespace taut
