@@ -139,6 +139,7 @@ PYBIND11_MODULE(_core, m) {
       "It acts for all Python threads, and changes no other library's threads.");
   bind_simulations(m);
   bind_studies(m);
+  bind_measures(m);
   bind_trajectory_files(m);
   bind_force_evaluation(m);
   bind_parts(m);

@@ -50,6 +50,7 @@ std::vector<py::object*> held_by(const Simulation& simulation);
 
 void bind_simulations(py::module_& m);
 void bind_studies(py::module_& m);
+void bind_measures(py::module_& m);
 void bind_trajectory_files(py::module_& m);
 void bind_force_evaluation(py::module_& m);
 void bind_parts(py::module_& m);  // methods and forces written in Python

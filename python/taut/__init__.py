@@ -14,6 +14,8 @@ taut.Calculator                    gives its forces to ASE
 taut.ConstraintMethod, taut.Force  are the bases of methods and forces of your own
 taut.verify                        checks that a method keeps lengths, momentum and direction
 taut.chart, taut.stability         compare methods' speed and accuracy, and find where they fail
+taut.read                          reads topologies of GROMACS and Amber by OpenMM's readers
+taut.measure                       means with errors, viscosity, diffusion and chains from arrays
 taut.calibrate, taut.crosscheck    find Baumgarte's alpha and beta; compare a run with OpenMM
 
 help(taut.Simulation), help(taut.Baumgarte), ... describe them.
@@ -29,12 +31,13 @@ if int(numpy.__version__.split(".")[0]) >= 2 and not _core.knows_numpy_2:
     raise ImportError("this taut was built for numpy 1 (pybind11 before 2.12); build it again beside this numpy: "
                       "pip install .")
 
-from . import options
+from . import measure, options
 from ._core import Row, scenes, threads, use_threads
 from .ase_calculator import Calculator
 from .errors import InputError, OutsideError, SimulationFailure
 from .options import *  # noqa: F401,F403
 from .parts import ConstraintMethod, Force, NotConverged, Push, State, System, register
+from .reading import read
 from .reporters import CSV, DCD, H5MD, XTC, Call, Reporter
 from .simulation import Simulation
 from .studies import calibrate, chart, crosscheck, stability
@@ -43,8 +46,8 @@ from .verifying import verify
 __version__ = "0.1"
 __all__ = ["CSV", "Calculator", "Call", "ConstraintMethod", "DCD", "Force", "H5MD", "InputError", "NotConverged",
            "OutsideError", "Push", "Reporter", "Row", "Simulation", "SimulationFailure", "State", "System",
-           "calibrate", "chart", "crosscheck", "register", "scenes", "stability", "threads", "use_threads", "verify",
-           "XTC"]
+           "calibrate", "chart", "crosscheck", "read", "register", "scenes", "stability", "threads",
+           "use_threads", "verify", "XTC"]
 __all__ += options.__all__
 
 for _name in __all__:  # help() and pickle then name them taut.X, not by the file that they stand in

@@ -1,0 +1,98 @@
+// What `taut measure` measures, of numpy's arrays.
+#include "studies/measures.hpp"
+
+#include <fmt/format.h>
+
+#include "base/errors.hpp"
+#include "base/series.hpp"
+#include "core.hpp"
+#include "studies/chain_measures.hpp"
+#include "studies/transport.hpp"
+
+namespace taut {
+namespace {
+
+using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+std::pair<double, double> pair_of(const Estimate& e) {
+  return {e.value, e.error};
+}
+
+std::vector<std::pair<double, double>> pairs_of(const std::vector<Estimate>& all) {
+  std::vector<std::pair<double, double>> pairs;
+  for (const Estimate& e : all) pairs.push_back(pair_of(e));
+  return pairs;
+}
+
+// A frame of (frames, atoms, 3), its atoms as columns.
+Vectors frame_of(const Array& frames, py::ssize_t frame) {
+  return Eigen::Map<const Vectors>(frames.data(frame, 0, 0), 3, frames.shape(1));
+}
+
+py::dict viscosity(const Array& pressure, double interval, double volume, double temperature) {
+  StressSeries stress{.pressure = {}, .interval = interval, .volume = volume, .temperature = temperature};
+  for (py::ssize_t row = 0; row < pressure.shape(0); ++row)
+    for (py::ssize_t k = 0; k < 6; ++k)
+      stress.pressure[static_cast<std::size_t>(k)].push_back(pressure.at(row, k));
+  const GreenKubo found = green_kubo(stress);
+  py::dict all;
+  all["value"] = pair_of(found.viscosity);
+  all["cut"] = found.cut;
+  all["t"] = found.t;
+  all["correlation"] = pairs_of(found.correlation);
+  all["integral"] = pairs_of(found.integral);
+  all["flaw"] = found.flaw;
+  return all;
+}
+
+py::dict displacement(const Array& frames, double interval, const std::vector<double>& masses,
+                      const std::vector<int>& molecule) {
+  MeanSquareDisplacement moved(Eigen::Map<const Eigen::VectorXd>(masses.data(), std::ssize(masses)), molecule,
+                               interval);
+  for (py::ssize_t frame = 0; frame < frames.shape(0); ++frame) moved.see(frame_of(frames, frame));
+  const auto found = moved.result();
+  py::dict all;
+  all["t"] = found.t;
+  all["squared"] = pairs_of(found.squared);
+  all["diffusion"] = pair_of(found.diffusion);
+  all["exponent"] = found.exponent;
+  return all;
+}
+
+py::dict chains(const Array& frames, double interval, const std::vector<std::vector<int>>& atoms) {
+  std::vector<Chain> all_chains;
+  std::vector<std::array<int, 2>> ends;
+  for (const std::vector<int>& chain : atoms) {
+    all_chains.push_back({.atoms = chain, .first = chain.front(), .last = chain.back()});
+    ends.push_back({chain.front(), chain.back()});
+  }
+  ChainMeasures sizes(std::move(all_chains), interval);
+  EndToEnd distance(std::move(ends));
+  for (py::ssize_t frame = 0; frame < frames.shape(0); ++frame) {
+    const Vectors x = frame_of(frames, frame);
+    sizes.add_frame(x);
+    distance.see(x);
+  }
+  const auto relaxation = sizes.relaxation();
+  py::dict all;
+  all["end_to_end_squared"] = pair_of(distance.squared());
+  all["gyration_squared"] = pair_of(sizes.gyration_squared());
+  all["t"] = relaxation.t;
+  all["correlation"] = pairs_of(relaxation.correlation);
+  all["relaxation"] = pair_of(relaxation.time);
+  all["flaw"] = relaxation.flaw;
+  return all;
+}
+
+}  // namespace
+
+void bind_measures(py::module_& m) {
+  m.def("measure_mean", [](const std::vector<double>& y) { return pair_of(correlated_mean(y)); });
+  m.def("measure_equilibration", [](const std::vector<double>& y) { return equilibration_end(y); });
+  m.def("measure_viscosity", viscosity);
+  m.def("measure_displacement", displacement);
+  m.def("measure_chains", chains);
+  m.def("measure_size_correction", finite_size_correction);
+}
+
+}  // namespace taut

@@ -1,0 +1,88 @@
+"""taut.measure on series whose numbers are known, and on a run beside `taut measure`."""
+
+import numpy as np
+import pytest
+
+import taut
+from taut import measure
+
+
+def ar1(rng, times, rows, *shape):
+    """Series of correlation 1/e after rows/times, of variance 1."""
+    c = np.exp(-times / rows)
+    y = np.empty((rows, *shape))
+    y[0] = rng.normal(size=shape)
+    noise = np.sqrt(1 - c * c) * rng.normal(size=y.shape)
+    for n in range(1, rows):
+        y[n] = c * y[n - 1] + noise[n]
+    return y
+
+
+def test_the_mean_of_a_correlated_series_has_its_error():
+    rng = np.random.default_rng(1)
+    found = [measure.mean(5 + ar1(rng, 100, 2000)) for _ in range(50)]
+    assert np.mean([m.value for m in found]) == pytest.approx(5, abs=0.08)
+    assert np.mean([m.error for m in found]) == pytest.approx(np.sqrt(2 / 100), rel=0.2)
+    assert np.isnan(measure.mean([1, 2]).error)
+    y = np.concatenate([np.linspace(20, 0, 300), rng.normal(size=1000)])
+    assert 200 < measure.equilibration(y) < 400
+
+
+def test_a_viscosity_is_that_of_its_stress():
+    """⟨P P⟩ = p² e^(−t/τ): η = V p² τ/kT."""
+    rng = np.random.default_rng(2)
+    rows, interval, tau, volume = 40000, 0.02, 0.2, 8.0
+    stress = np.sqrt(2.0) * 1e3 * ar1(rng, rows * interval / tau, rows, 6)  # √2: (xx − yy)/2 then has the same variance
+    stress[:, 3:] /= np.sqrt(2)
+    found = measure.viscosity(stress, interval_ps=interval, volume_nm3=volume, temperature_k=300)
+    expected = volume * 1e-27 * (1e3 * 1e5) ** 2 * tau * 1e-12 / (1.380649e-23 * 300) * 1e3
+    assert found.viscosity.value == pytest.approx(expected, abs=4 * found.viscosity.error)
+    assert found.viscosity.error < 0.15 * expected
+    tensor = np.zeros((rows, 3, 3))
+    for k, (a, b) in enumerate([(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)]):
+        tensor[:, a, b] = tensor[:, b, a] = stress[:, k]
+    again = measure.viscosity(tensor, interval_ps=interval, volume_nm3=volume, temperature_k=300)
+    assert again.viscosity == found.viscosity and (again.integral == found.integral).all()
+    with pytest.raises(taut.InputError, match="no viscosity: .* rows are too few"):
+        measure.viscosity(stress[:100], interval_ps=interval, volume_nm3=volume, temperature_k=300)
+
+
+def test_random_walks_diffuse_by_their_steps():
+    rng = np.random.default_rng(3)
+    walks = np.cumsum(rng.normal(scale=0.1, size=(600, 200, 3)), axis=0)
+    found = measure.diffusion(walks, interval_ps=0.5)
+    assert found.diffusion.value == pytest.approx(0.01 / (2 * 0.5), abs=4 * found.diffusion.error)
+    assert found.exponent == pytest.approx(1, abs=0.1)
+    pairs = measure.diffusion(walks, interval_ps=0.5, molecules=np.arange(200) // 2)  # centres of two: half of it
+    assert pairs.diffusion.value == pytest.approx(0.005, abs=4 * pairs.diffusion.error)
+    # Yeh and Hummer: ξkT/(6πηL)
+    assert measure.size_correction(temperature_k=300, viscosity_mpa_s=0.3, edge_nm=2) == pytest.approx(
+        2.837297 * 1.380649e-23 * 300 / (6 * np.pi * 0.3e-3 * 2e-9) * 1e18 * 1e-12, rel=1e-6)
+
+
+def test_ideal_chains_have_their_size():
+    """N bonds b: ⟨R²⟩ = N b², ⟨R_g²⟩ = b² N(N + 2)/(6(N + 1))."""
+    rng = np.random.default_rng(4)
+    bonds = rng.normal(size=(60, 100, 20, 3))
+    bonds /= np.linalg.norm(bonds, axis=-1, keepdims=True)
+    beads = np.concatenate([np.zeros((60, 100, 1, 3)), np.cumsum(bonds, axis=2)], axis=2).reshape(60, 2100, 3)
+    found = measure.chains(beads, np.arange(2100).reshape(-1, 21), interval_ps=1)
+    assert found.end_to_end_squared.value == pytest.approx(20, abs=4 * found.end_to_end_squared.error)
+    assert found.gyration_squared.value == pytest.approx(20 * 22 / (6 * 21), abs=4 * found.gyration_squared.error)
+    assert found.relaxation_ps.value <= 1  # frames that know nothing of each other
+    assert found.correlation[0, 0] == pytest.approx(1)
+
+
+@pytest.mark.parametrize("call, words", [
+    (lambda: measure.mean([]), "series: there are no numbers"),
+    (lambda: measure.mean([1, np.nan, 2]), "series: expected finite numbers"),
+    (lambda: measure.mean([[1.0]]), r"series: expected an array of shape \(n,\), got \(1, 1\)"),
+    (lambda: measure.viscosity(np.zeros((5, 4)), interval_ps=1, volume_nm3=1, temperature_k=1), r"shape \(n, 6\)"),
+    (lambda: measure.viscosity(np.zeros((5, 6)), interval_ps=0, volume_nm3=1, temperature_k=1), "interval_ps: .* above 0"),
+    (lambda: measure.diffusion(np.zeros((5, 4, 3)), interval_ps=1), "5 frames are too few"),
+    (lambda: measure.diffusion(np.zeros((5, 4, 3)), interval_ps=1, molecules=[0, 1]), "molecules: expected 4 whole"),
+    (lambda: measure.chains(np.zeros((5, 4, 3)), [[0, 9]], interval_ps=1), "from 0 to 3, got"),
+])
+def test_what_cannot_be_measured_says_why(call, words):
+    with pytest.raises(taut.InputError, match=words):
+        call()
