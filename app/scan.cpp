@@ -16,6 +16,7 @@
 
 #include "base/errors.hpp"
 #include "base/threads.hpp"
+#include "base/usable_cores.hpp"
 #include "commands.hpp"
 #include "files/atomic_file.hpp"
 #include "files/folder.hpp"
@@ -34,6 +35,8 @@ namespace taut {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* kCommands = "commands.txt";  // the command lines of a scan's runs, by which it is known
 
 struct ScanArguments : SceneArgument {
   std::vector<std::string> vary;
@@ -184,6 +187,27 @@ std::vector<std::string> take_runs(const std::vector<ScanRun>& runs, int jobs) {
   return failed;
 }
 
+// Throws InputError if the folder holds another scan, or files under the names that a scan would write and that no
+// scan's commands.txt accounts for. line: what commands.txt of this scan says.
+void refuse_foreign_files(const fs::path& folder, const std::vector<ScanRun>& runs, const std::string& line) {
+  const fs::path commands = folder / kCommands;
+  if (fs::exists(commands)) {
+    if (contents_of(commands) == line) return;
+    throw InputError(
+        fmt::format("{}: holds another scan; take another folder, or delete it", folder.string()));
+  }
+  std::vector<std::string> names = {kScanTable, "titles.tsv", "taut.gp"};
+  for (const char* picture : {"scan", "seeds"})
+    for (const char* kind : {".csv", ".gp", ".svg", ".png", ".gnuplot.log"})
+      names.push_back(std::string(picture) + kind);
+  for (const ScanRun& run : runs)
+    for (const char* kind : {"", ".log"}) names.push_back(run.folder.filename().string() + kind);
+  if (const auto there = list_present(folder, names); !there.empty())
+    throw InputError(
+        fmt::format("{}: {} is there already, and no scan's {} is; take another folder, or move it",
+                    folder.string(), there.front(), kCommands));
+}
+
 void scan(const ScanArguments& arguments) {
   if (arguments.vary.empty() && arguments.seeds < 2)
     throw InputError("nothing to scan: expected --vary KEY=VALUE,VALUE,... or --seeds of 2 or more");
@@ -195,18 +219,14 @@ void scan(const ScanArguments& arguments) {
     for (std::size_t w = 0; w + 2 < run.words.size(); ++w) line += " " + quoted_for_shell(run.words[w]);
     line += "\n";
   }
-  const fs::path table = arguments.out / kScanTable, commands = arguments.out / "commands.txt";
-  if (fs::exists(commands) && contents_of(commands) != line)
-    throw InputError(
-        fmt::format("{}: holds another scan; take another folder, or delete it", arguments.out.string()));
+  refuse_foreign_files(arguments.out, runs, line);
   const FolderLock lock(arguments.out);
-  for (const auto& [file, text] : {std::pair{table, scan_table(points)}, {commands, line}}) {
-    AtomicFile aside(file);
+  for (const auto& [file, text] : {std::pair{kCommands, line}, {kScanTable, scan_table(points)}}) {
+    AtomicFile aside(arguments.out / file);
     aside.write(text);
     aside.commit();
   }
-  const int cores = static_cast<int>(std::thread::hardware_concurrency());
-  const int jobs = arguments.jobs.value_or(std::max(1, cores / available_threads()));
+  const int jobs = arguments.jobs.value_or(std::max(1, usable_cores() / available_threads()));
   say("{} of {}, {} at once\n", counted(std::ssize(runs), "run"), counted(std::ssize(points), "setting"),
       jobs);
   const std::vector<std::string> failed = take_runs(runs, jobs);

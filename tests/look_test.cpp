@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "studies/csv.hpp"
@@ -14,6 +15,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using json = nlohmann::json;
 
 std::string said(const std::string& arguments, int exit_code = 0) {
@@ -75,6 +77,35 @@ TEST(Look, MeasureRefusesWhatItCannotDo) {
   EXPECT_THAT(said("measure --viscosity 1 " + run, 2), HasSubstr("run.trajectory_every"));
 }
 
+// The bath's temperature beside the run's; tensions of the frames; atoms, bonds and walls of the first and last frame.
+TEST(Look, PlotsTheBathTheTensionsAndTheFrames) {
+  const TemporaryFolder folder;
+  const std::string at = folder.path().string() + "/slit";
+  said(
+      "run slit --steps 40 --set run.log_every=20 run.trajectory_every=20 run.trajectory=h5md --quiet --plot "
+      "--out " +
+      at);
+  const auto rows = csv_rows(contents(at + "/plot/run.csv"));
+  std::vector<std::string> bath;
+  std::vector<double> mean, largest;
+  for (const auto& row : rows) {
+    if (row[1] == "bath") bath.push_back(row[3]);
+    if (row[0] == "bond tension [kJ/mol/nm]")
+      (row[1] == "mean" ? mean : largest).push_back(std::stod(row[3]));
+  }
+  EXPECT_EQ(bath, (std::vector<std::string>{"300", "300"}));
+  ASSERT_EQ(mean.size(), 3u);
+  ASSERT_EQ(largest.size(), 3u);
+  for (int k = 0; k < 3; ++k) EXPECT_GT(largest[k], std::abs(mean[k]));
+  std::map<std::string, int> count;
+  for (const auto& row : csv_rows(contents(at + "/plot/frames.csv"))) ++count[row[0] + ": " + row[1]];
+  for (const std::string frame : {"first frame, z up", "last frame, z up"}) {
+    EXPECT_EQ(count[frame + ": atom"], 240);
+    EXPECT_EQ(count[frame + ": bond"], 216);
+    EXPECT_EQ(count[frame + ": wall"], 2);
+  }
+}
+
 // Every column of the log that the run has becomes a curve, of each run one.
 TEST(Look, PlotsRunsOverEachOther) {
   const TemporaryFolder folder;
@@ -82,6 +113,7 @@ TEST(Look, PlotsRunsOverEachOther) {
   EXPECT_THAT(said(kShortRun + std::string("--plot --out ") + at + "1"), HasSubstr("▁"));
   EXPECT_TRUE(fs::exists(at + "1/plot/report.html"));
   EXPECT_TRUE(fs::exists(at + "1/plot/run.png"));
+  EXPECT_TRUE(fs::exists(at + "1/plot/frames.png"));
   EXPECT_THAT(said(kShortRun + std::string("--plot"), 2), HasSubstr("--out DIR"));
   said(kShortRun + std::string("run.seed=2 --quiet --out ") + at + "2");
   const json drawn = json::parse(said("plot --json --out " + at + "both " + at + "1 " + at + "2"));
@@ -104,6 +136,42 @@ TEST(Look, PlotsRunsOverEachOther) {
   const Outcome bare = taut("plot --out " + at + "bare " + at + "1", "PATH=/nowhere");
   EXPECT_EQ(bare.exit_code, 0) << bare.text;
   EXPECT_THAT(bare.text, AllOf(HasSubstr("gnuplot-nox"), HasSubstr("█")));
+}
+
+// Runs of one name in two folders are told apart in every table.
+TEST(Look, PlotsRunsOfOneNameApart) {
+  const TemporaryFolder folder;
+  const std::string at = folder.path().string() + "/";
+  for (const char* run : {"a/run", "b/run"}) said(kShortRun + std::string("--quiet --out ") + at + run);
+  said("plot --quiet --out " + at + "both " + at + "a/run " + at + "b/run/");
+  for (const char* table : {"run.csv", "kinds.csv"}) {
+    const std::string csv = contents(at + "both/" + table);
+    EXPECT_THAT(csv, AllOf(HasSubstr("a/run"), HasSubstr("b/run"), Not(HasSubstr(at)))) << table;
+  }
+}
+
+// A log keeps its columns, where the bath's rows become one temperature or the other way round.
+TEST(Look, LogsTheTemperatureOfABathThatChanges) {
+  const TemporaryFolder folder;
+  const std::string at = folder.path().string() + "/";
+  const std::string run =
+      "run freely_jointed --steps 20 --set build.chains=5 run.log_every=10 run.thermostat=langevin ";
+  const auto table = [&](const std::string& name) { return csv_rows(contents(at + name + "/log.csv")); };
+  const std::string rows = "'run.temperature_k=[[0, 300], [0.4, 400]]'";
+  EXPECT_THAT(said(run + rows + " --out " + at + "a"),
+              HasSubstr("thermostat at 300 K at 0 ps, 400 K at 0.4 ps,"));
+  said("resume " + at + "a --steps 20 --set run.temperature_k=350");
+  ASSERT_EQ(table("a").size(), 6u);
+  EXPECT_EQ(table("a")[0].back(), "Bath Temperature (K)");
+  for (std::size_t row = 1; row < 6; ++row)
+    EXPECT_EQ(table("a")[row].back(), (std::vector<std::string>{"300", "325", "350", "350", "350"})[row - 1]);
+  said(run + "run.temperature_k=300 --out " + at + "b");
+  said("resume " + at + "b --steps 20 --set " + rows);
+  for (const auto& row : table("b")) EXPECT_EQ(row.size(), table("a")[0].size() - 1);
+  EXPECT_THAT(said("resume " + at + "b --steps 20 --set 'run.temperature_k=[[0, 300], [1, 0]]'", 2),
+              HasSubstr("run.temperature_k[1]: expected a temperature above 0"));
+  EXPECT_THAT(said("info freely_jointed --set run.thermostat=langevin " + rows),
+              HasSubstr("[[0, 300], [0.4, 400]] K"));
 }
 
 // A scan whose runs are partly gone takes those alone again; the others stay as they are.
@@ -132,6 +200,30 @@ TEST(Look, ScansGoOnWhereTheyStopped) {
   said("scan pair --steps 5 --vary method.name=newton,rattle --out " + words);
   EXPECT_TRUE(fs::exists(words + "/scan.png"));
   EXPECT_THAT(said(command + " --dt-fs 1", 2), HasSubstr("another scan"));
+}
+
+// What a person keeps in the folder is never written over.
+TEST(Look, ScansLeaveForeignFilesAlone) {
+  const TemporaryFolder folder;
+  const std::string command = "scan pair --steps 5 --vary run.dt_fs=1,2 --out " + folder.path().string();
+  for (const char* name : {"runs.csv", "002.log", "scan.png"}) {
+    folder.write(name, "mine");
+    EXPECT_THAT(said(command, 2), AllOf(HasSubstr(name), HasSubstr("take another folder")));
+    EXPECT_EQ(contents((folder.path() / name).string()), "mine");
+    fs::remove(folder.path() / name);
+  }
+  folder.write("notes.txt", "mine");
+  said(command + " --quiet");
+  said(command + " --quiet");  // its own files are
+}
+
+// As many runs at once as this process may use cores.
+TEST(Look, ScansTakeTheCoresTheyMayUse) {
+  const TemporaryFolder folder;
+  const Outcome outcome =
+      taut("scan pair --steps 5 --vary run.dt_fs=1,2 --out " + folder.path().string(),
+           "core=$(taskset -pc $$ | sed 's/.*: //; s/[-,].*//') && OMP_NUM_THREADS=1 taskset -c $core");
+  EXPECT_THAT(outcome.text, HasSubstr("2 runs of 2 settings, 1 at once"));
 }
 
 TEST(Look, ScansRefuseWhatTheyCannotRun) {

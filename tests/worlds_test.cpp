@@ -11,7 +11,9 @@
 
 #include "base/errors.hpp"
 #include "constraints/redundancy.hpp"
+#include "forcefield/external.hpp"
 #include "md/observables.hpp"
+#include "md/units.hpp"
 #include "simulation/simulation.hpp"
 #include "studies/calibration.hpp"
 #include "systems/openmm/export.hpp"
@@ -249,6 +251,41 @@ TEST(Fold, WhatKnowsNoStrutsSaysSo) {
               }),
               HasSubstr("OpenMM cannot express it: one-sided bond 0 (0-10)"));
   EXPECT_THAT(words([&] { calibrate(scene, {}); }), HasSubstr("has one-sided bonds (at_least, at_most)"));
+}
+
+// Both walls bear the pressure of the chains, and by the virial theorem what atoms and bonds give across the slit is
+// what the walls take up: ⟨2K_z + Σ z F_z⟩ = 0 of all forces.
+TEST(Slit, BothWallsBearThePressureAcrossIt) {
+  const Scene scene = read_scene(world("slit"), {"run.steps=10000", "run.seed=3"});
+  Simulation simulation(scene);
+  RunningMean inside, walls;
+  const Summary summary = simulation.run([&](const Record& r) {
+    const Vectors& x = simulation.state().x;
+    Vectors f = Vectors::Zero(3, x.cols());
+    double push = 0;
+    for (const Wall& wall : scene.terms.walls) add_wall(wall, x, f, push);
+    inside.add(r.pressure_tensor(2, 2) * r.volume / kBarPerUnit);
+    walls.add(-(x.row(2).array() * f.row(2).array()).sum());
+    EXPECT_GT(x.row(2).minCoeff(), 0);
+    EXPECT_LT(x.row(2).maxCoeff(), 4);
+  });
+  ASSERT_EQ(summary.walls.size(), 2u);
+  EXPECT_GT(summary.walls[0].value, 100);  // bar
+  EXPECT_LT(deviations(summary.walls[0], summary.walls[1]), 4);
+  EXPECT_NEAR(inside.estimate().value, walls.estimate().value, 0.05 * walls.estimate().value);
+}
+
+// The heat is shared by moving and turning, of the two masses of a rod and the three of a plate.
+TEST(Rods, TurnAndMoveAtTheBathsTemperature) {
+  Simulation simulation(read_scene(world("rods"), {"run.friction_per_ps=5"}));
+  simulation.run({});
+  const auto& types = simulation.temperatures().types();
+  ASSERT_EQ(types.size(), 2u);
+  EXPECT_EQ(types[0].dof[1], 30 * 2);  // a rod turns about two axes
+  EXPECT_EQ(types[1].dof[1], 20 * 3);
+  for (int type = 0; type < 2; ++type)
+    for (const MotionClass motion : {MotionClass::kTranslation, MotionClass::kRotation})
+      EXPECT_LT(deviations(simulation.temperatures().temperature(type, motion), {300, 0}), 4) << type;
 }
 
 // systems/README.md shows every scene, with a picture that is there.
