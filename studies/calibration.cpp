@@ -307,7 +307,7 @@ Calibration calibrate(const Scene& scene, const CalibrationPlan& plan) {
   const ErrorCourse after_rate = course_of(baumgarte.errors(Injection::kRate));
   const Propagator propagator(gains.ah, gains.bh, damping);
   const ErrorCourse foretold = course_of(propagator, 1, 1, plan.steps),
-               of_rate = course_of(propagator, 0, 1, plan.steps);
+                    of_rate = course_of(propagator, 0, 1, plan.steps);
   for (const double share : foretold.stretch) c.foretold.push_back(share * c.baumgarte.stretch[0]);
   const int last = std::min(fallen(c.baumgarte.stretch, 1), plan.steps - 1);
   c.of_stretch = {reduction(foretold.stretch, 1, last), reduction(c.baumgarte.stretch, 1, last)};

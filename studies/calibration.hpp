@@ -59,7 +59,7 @@ struct Calibration {
   Reduction of_stretch, of_rate, after_rate;
   double floor_predicted = 0, floor_measured = 0;  // rms over bonds and steps of σ/d², nothing put in
   std::vector<double> foretold;                    // Baumgarte's course of the stretch, by the propagator
-  ErrorCourse reference, baumgarte;                     // of a stretch
+  ErrorCourse reference, baumgarte;                // of a stretch
 };
 
 // Throws InputError for a scene without bonds or a reference that is not one of the three.

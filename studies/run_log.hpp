@@ -28,8 +28,7 @@ inline constexpr std::string_view kLogTime = "Time (ps)", kLogPotential = "Poten
                                   kLogBondError = "RMS Relative Bond Error", kLogPressure = "Pressure (bar)",
                                   kLogConstraintWork = "Constraint Work (kJ/mole)",
                                   kLogHeat = "Heat (kJ/mole)", kLogVolume = "Box Volume (nm^3)",
-                                  kLogDensity = "Density (kg/m^3)",
-                                  kLogBath = "Bath Temperature (K)";
+                                  kLogDensity = "Density (kg/m^3)", kLogBath = "Bath Temperature (K)";
 
 // Reads FOLDER/log.csv. A last line that is cut off in writing is left out. Throws InputError.
 RunLog read_log(const std::filesystem::path& folder);

@@ -40,7 +40,7 @@ struct RunSettings {
   // Edges that scale together: all ("isotropic"), x and y ("semi-isotropic"), or none ("anisotropic").
   std::string coupling = "isotropic";
   bool soft_start = false;  // push overlapping atoms apart by soft forces first (simulation/soft_start.hpp)
-  bool minimise = false;           // minimise the energy of the start first (simulation/minimise.hpp)
+  bool minimise = false;    // minimise the energy of the start first (simulation/minimise.hpp)
   bool metric_correction = false;  // Fixman's potential at temperature_k (constraints/metric_potential.hpp)
   double minimise_force = 1000;    // largest force on an atom at which the minimiser stops [kJ/mol/nm]
 
