@@ -14,10 +14,10 @@
 #include "force_checks.hpp"
 #include "forcefield/bonded/cmap.hpp"
 
-namespace taut {
+namespace taut::absurd_positions_tests {
 namespace {
 
-using namespace testing;
+using namespace tests;
 
 constexpr int kAtoms = 1000;  // so many terms that threads share them out
 constexpr int kBad = 517;
@@ -192,4 +192,4 @@ TEST(CmapSurface, GivesNoNumberAtAnAngleThatIsNone) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::absurd_positions_tests

@@ -9,9 +9,9 @@
 
 namespace taut {
 
-using testing::on_every_machine;
-using testing::on_one_to_three_threads;
-using testing::Start;
+using tests::on_every_machine;
+using tests::on_one_to_three_threads;
+using tests::Start;
 
 // Several starts as one system, the k-th moved aside by k·spacing, and its atoms renumbered by `order` of all
 // atoms.
@@ -45,7 +45,7 @@ inline Start together(const std::vector<Start>& parts, const std::vector<int>& o
 
 inline std::vector<Start> chains(int count, int beads, std::uint64_t seed) {
   std::vector<Start> chains;
-  for (int c = 0; c < count; ++c) chains.push_back(testing::free_chain(beads, seed + c));
+  for (int c = 0; c < count; ++c) chains.push_back(tests::free_chain(beads, seed + c));
   return chains;
 }
 
@@ -60,7 +60,7 @@ inline void compare_here(const Start& start, const MethodOptions& options, doubl
   const System& sys = start.system;
   const auto fast = make_method(sys, options, h), plain = make_plain(sys, options, h);
   State a = start.state, b = start.state;
-  testing::UniformForce forces{Vec3(1, 2, -9.81)};
+  tests::UniformForce forces{Vec3(1, 2, -9.81)};
   initialize({sys, forces, *fast}, h, a);
   initialize({sys, forces, *plain}, h, b);
   for (int n = 0; n < 12; ++n) {
@@ -84,7 +84,7 @@ inline void compare_here(const Start& start, const MethodOptions& options, doubl
 
 // What the method says of a start and a step from it that it cannot hold. Some fail in the first already.
 inline SolveStats start_and_step(const System& sys, const MethodOptions& options, double h, State s) {
-  testing::NoForce forces;
+  tests::NoForce forces;
   const auto method = make_method(sys, options, h);
   Projector projector(sys);
   projector.positions(sys, s.x);

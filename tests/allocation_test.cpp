@@ -68,7 +68,7 @@ void operator delete(void* place, std::size_t, std::align_val_t) noexcept {
   give_back(place);
 }
 
-namespace taut {
+namespace taut::allocation_tests {
 namespace {
 
 void expect_no_allocations(const Dynamics& dynamics, double h, State& s) {
@@ -83,16 +83,16 @@ class EveryMethod : public ::testing::TestWithParam<std::string_view> {};
 
 // A few waters, chains in lanes, a chain cut in pieces, an anchored one that is not in lanes.
 TEST_P(EveryMethod, AllocatesNothingInAStep) {
-  testing::Start anchored = testing::free_chain(6, 4);
+  tests::Start anchored = tests::free_chain(6, 4);
   anchored.system.inv_mass[0] = anchored.system.mass[0] = 0;
-  std::vector<testing::Start> starts = {testing::waters(21, 3, 300)};
+  std::vector<tests::Start> starts = {tests::waters(21, 3, 300)};
   if (GetParam() != "settle") {
-    starts.push_back(testing::free_chain(21, 1));
-    starts.push_back(testing::free_chain(1502, 2));
+    starts.push_back(tests::free_chain(21, 1));
+    starts.push_back(tests::free_chain(1502, 2));
     starts.push_back(anchored);
   }
   if (method_named(GetParam()).one_sided) {
-    testing::Start cramped = testing::free_chain(21, 6);
+    tests::Start cramped = tests::free_chain(21, 6);
     for (int a = 2; a < 21; ++a) cramped.system.one_sided.push_back({{0, a, 1}, Side::kAtLeast});
     for (int a = 3; a < 21; ++a) cramped.system.one_sided.push_back({{1, a, 19}, Side::kAtMost});
     cramped.state.x.row(0).setLinSpaced(0, 20 * std::cos(0.5));
@@ -101,7 +101,7 @@ TEST_P(EveryMethod, AllocatesNothingInAStep) {
   }
   for (auto& [system, s] : starts) {
     const double h = system.bond_count() == 63 ? 1e-3 : 2e-3;
-    testing::NoForce forces;
+    tests::NoForce forces;
     const auto method = make_method(system, default_options(GetParam()), h);
     expect_no_allocations({system, forces, *method}, h, s);
     Langevin langevin(system, {.temperature = 300, .friction = 1, .seed = 5}, h);
@@ -123,4 +123,4 @@ TEST(Allocations, AreSeen) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::allocation_tests

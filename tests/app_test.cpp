@@ -8,7 +8,7 @@
 #include "taut_command.hpp"
 #include "temporary_folder.hpp"
 
-namespace taut {
+namespace taut::app_tests {
 namespace {
 
 using ::testing::HasSubstr;
@@ -258,4 +258,4 @@ TEST(App, ARunNobodyReadsStopsAndCanGoOn) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::app_tests

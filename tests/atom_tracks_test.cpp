@@ -11,10 +11,10 @@
 
 // Lists are made for where atoms are going. No pair is missed, wherever they go instead.
 
-namespace taut {
+namespace taut::atom_tracks_tests {
 namespace {
 
-using namespace testing;
+using namespace tests;
 
 // A liquid of light and heavy atoms in flight.
 class Flight {
@@ -184,4 +184,4 @@ TEST(AtomTracks, RefuseWhatWasKeptOfMarginsWiderThanTheSearch) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::atom_tracks_tests

@@ -15,7 +15,7 @@
 #include "simulation/simulation.hpp"
 #include "systems/whole_molecules.hpp"
 
-namespace taut {
+namespace taut::barostat_tests {
 namespace {
 
 constexpr double kT = 2.5;  // [kJ/mol]
@@ -338,4 +338,4 @@ TEST(CellRescaling, GivesVirtualSitesNoVelocity) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::barostat_tests

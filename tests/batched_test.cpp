@@ -11,15 +11,15 @@
 #include "constraints/elimination.hpp"
 #include "molecules_of_all_sorts.hpp"
 
-namespace taut {
+namespace taut::batched_tests {
 namespace {
 
 // Every number of lanes left over, atoms that follow each other and atoms that do not.
 std::vector<std::pair<const char*, Start>> cases() {
-  const Start mixed = together({testing::waters(3, 1, 300), testing::free_chain(4, 2), testing::rotor(2)});
+  const Start mixed = together({tests::waters(3, 1, 300), tests::free_chain(4, 2), tests::rotor(2)});
   std::vector<int> odd_and_even(40);
   for (int a = 0; a < 40; ++a) odd_and_even[a] = a % 2 == 0 ? a / 2 : 20 + a / 2;
-  return {{"one chain", testing::free_chain(20, 1)},
+  return {{"one chain", tests::free_chain(20, 1)},
           {"eleven chains of 20", together(chains(11, 21, 1))},
           {"five long chains", together(chains(5, 231, 90))},
           {"thirteen dumbbells", together(chains(13, 2, 3))},
@@ -29,7 +29,7 @@ std::vector<std::pair<const char*, Start>> cases() {
           {"trees", together(trees(9))},
           {"stars", together(stars(9))},
           {"dumbbells of all sorts", together(dumbbells_of_all_sorts())},
-          {"waters", testing::waters(21, 3, 300)},
+          {"waters", tests::waters(21, 3, 300)},
           {"waters apart", together(apart(waters_alike(10, {15.99943, 1.007947, 1.007947})))},
           {"waters of three masses", together(waters_alike(10, {15.99943, 2.014, 1.007947}))},
           {"pinned chains", together(pinned_chains(3))},
@@ -74,7 +74,7 @@ TEST(Batched, FeedforwardIsThePlainFeedforward) {
 
 // A step of another length has terms of its own.
 TEST(Batched, BaumgarteTakesStepsOfAnyLength) {
-  const Start start = together({testing::waters(9, 3, 300), testing::free_chain(4, 2)});
+  const Start start = together({tests::waters(9, 3, 300), tests::free_chain(4, 2)});
   for (const char* damping : {"discrete", "centred", "implicit", "lagged"}) {
     SCOPED_TRACE(damping);
     const Baumgarte::Options options{
@@ -82,7 +82,7 @@ TEST(Batched, BaumgarteTakesStepsOfAnyLength) {
     Batched<Baumgarte> fast(start.system, options, 1e-3);
     Baumgarte plain(start.system, options, 1e-3);
     State a = start.state, b = start.state;
-    testing::NoForce forces;
+    tests::NoForce forces;
     for (const double h : {1e-3, 5e-4, 1e-3}) {
       EXPECT_TRUE(step({start.system, forces, fast}, h, a).converged());
       EXPECT_TRUE(step({start.system, forces, plain}, h, b).converged());
@@ -98,7 +98,7 @@ TEST(Batched, CountsWhatTheSlowestClusterTook) {
     for (Start& start : many) start.state.v *= 0.01;
     many[hot].state.v *= 1000;
     const Start start = together(many);
-    testing::NoForce forces;
+    tests::NoForce forces;
     const auto iterations = [&](auto method) {
       State s = start.state;
       initialize({start.system, forces, method}, 0.01, s);
@@ -116,8 +116,8 @@ TEST(Batched, CountsWhatTheSlowestClusterTook) {
 
 // After blows of every size feedforward solves as often, wherever the tolerance lies.
 TEST(Batched, FeedforwardSolvesAsOftenAsThePlainOne) {
-  const Start start = testing::rotor(1);
-  testing::NoForce forces;
+  const Start start = tests::rotor(1);
+  tests::NoForce forces;
   int most = 0;
   for (double blow = 1e-3; blow < 30; blow *= 1.3) {
     const auto solves = [&](auto method) {
@@ -156,12 +156,12 @@ TEST(Batched, LincsIsThePlainLincs) {
 }
 
 TEST(Batched, SettleIsThePlainSettle) {
-  for (int count : {1, 8, 21}) compare(testing::waters(count, 3, 300), Settle::Options{}, 1e-12);
+  for (int count : {1, 8, 21}) compare(tests::waters(count, 3, 300), Settle::Options{}, 1e-12);
   compare(together(apart(waters_alike(10, {15.99943, 1.007947, 1.007947}))), Settle::Options{}, 1e-12);
   // hydrogens first
   std::vector<int> turned;
   for (int w = 0; w < 9; ++w) turned.insert(turned.end(), {3 * w + 2, 3 * w, 3 * w + 1});
-  compare(together({testing::waters(9, 3, 300)}, turned), Settle::Options{}, 1e-12);
+  compare(together({tests::waters(9, 3, 300)}, turned), Settle::Options{}, 1e-12);
 }
 
 TEST(Batched, NamesTheBondThatTurnedTooFarInItsLane) {
@@ -180,7 +180,7 @@ TEST(Batched, NamesTheBondThatTurnedTooFarInItsLane) {
 
 TEST(Batched, NamesTheWaterThatTurnedTooFar) {
   for (const int water : {0, 9, 20}) {
-    Start start = testing::waters(21, 3, 300);
+    Start start = tests::waters(21, 3, 300);
     start.state.v.col(3 * water + 1) += Vec3(1e3, 0, 0);
     const auto worst = [&](auto method) {
       State s = start.state;
@@ -237,10 +237,10 @@ TEST(Batched, NamesTheBondThatTurnedTooFarAmongThoseLeftOver) {
 
 // Three bonds in a row on one line, the 1–3 distance held too: A is singular.
 TEST(Batched, NamesABondOfTheClusterThatDependsOnOthers) {
-  Start line = testing::free_chain(3, 1);
+  Start line = tests::free_chain(3, 1);
   line.state.x << 0, 1, 2, 0, 0, 0, 0, 0, 0;
   line.system = make_system(Eigen::VectorXd::Ones(3), {{0, 1, 1}, {1, 2, 1}, {0, 2, 2}});
-  Start start = together({testing::free_chain(4, 2), line});
+  Start start = together({tests::free_chain(4, 2), line});
   on_every_machine([&] {
     Batched<Baumgarte> method(start.system, {}, 0.01);
     State s = start.state;
@@ -278,16 +278,16 @@ TEST(Batched, ANaNIsTheWorstResidual) {
 
 TEST(BondClusters, MoleculesNumberedAlikeFormOneBatch) {
   const BondClusters found =
-      find_clusters(together({testing::waters(5, 1, 300), testing::waters(2, 2, 300)}).system);
+      find_clusters(together({tests::waters(5, 1, 300), tests::waters(2, 2, 300)}).system);
   ASSERT_EQ(found.batches.size(), 1u);
   EXPECT_EQ(found.batches[0].count, 7);
   EXPECT_EQ(found.batches[0].shape.bond_count(), 3);
   EXPECT_TRUE(found.rest.empty());
-  EXPECT_EQ(find_clusters(testing::free_chain(11, 1).system, {.most_bonds = 9}).rest.size(), 10u);
+  EXPECT_EQ(find_clusters(tests::free_chain(11, 1).system, {.most_bonds = 9}).rest.size(), 10u);
 }
 
 TEST(Elimination, ChainsGoFromBothEndsWithoutFill) {
-  const BondClusters found = find_clusters(testing::free_chain(8, 1).system);
+  const BondClusters found = find_clusters(tests::free_chain(8, 1).system);
   const ClusterShape& shape = found.batches[0].shape;
   const Elimination plan(Couplings(shape.bonds, shape.inv_mass));
   EXPECT_EQ(plan.order, (std::vector<int>{0, 6, 1, 5, 2, 4, 3}));
@@ -296,4 +296,4 @@ TEST(Elimination, ChainsGoFromBothEndsWithoutFill) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::batched_tests

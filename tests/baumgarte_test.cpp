@@ -10,12 +10,12 @@
 #include "free_system.hpp"
 #include "md/observables.hpp"
 
-namespace taut {
+namespace taut::baumgarte_tests {
 namespace {
 
-using testing::NoForce;
+using tests::NoForce;
 
-double sigma_of(const testing::Start& start, int k = 0) {
+double sigma_of(const tests::Start& start, int k = 0) {
   const auto& [i, j, d] = start.system.bonds[k];
   return sigma(start.state.x.col(j) - start.state.x.col(i), d);
 }
@@ -40,7 +40,7 @@ struct PullOnOne : ForceLaw {
 
 TEST(Baumgarte, HalfThePullIsTheTension) {
   for (const double pull : {10.0, 12.0}) {
-    auto [sys, s] = testing::rotor(0);
+    auto [sys, s] = tests::rotor(0);
     PullOnOne forces{pull};
     Baumgarte method(sys, numbers(10, 10), 1e-3);
     initialize({sys, forces, method}, 1e-3, s);
@@ -54,7 +54,7 @@ TEST(Baumgarte, HalfThePullIsTheTension) {
 TEST(Baumgarte, AResidualAddsMinusBetaSquaredSigma) {
   const struct { double gain, sigma, added; } cases[] = {{10, 0.01, -1.0}, {20, 0.005, -2.0}};
   for (const auto& c : cases) {
-    auto [sys, s] = testing::rotor(0);
+    auto [sys, s] = tests::rotor(0);
     s.x(0, 1) = -0.5 + std::sqrt(1 + 2 * c.sigma);
     Baumgarte method(sys, numbers(c.gain, c.gain), 1e-3);
     EXPECT_TRUE(method.add_forces(sys, Push::at_start(1e-3), s).converged());
@@ -66,7 +66,7 @@ TEST(Baumgarte, AResidualAddsMinusBetaSquaredSigma) {
 
 // ... and a rate σ̇ adds −2ασ̇.
 TEST(Baumgarte, ARateAddsMinusTwiceAlphaSigmaDot) {
-  auto [sys, s] = testing::rotor(0);
+  auto [sys, s] = tests::rotor(0);
   s.v(0, 1) = 0.3;
   Baumgarte method(sys, numbers(10, 10), 1e-3);
   EXPECT_TRUE(method.add_forces(sys, Push::at_start(1e-3), s).converged());
@@ -76,7 +76,7 @@ TEST(Baumgarte, ARateAddsMinusTwiceAlphaSigmaDot) {
 
 TEST(Baumgarte, AFineStepFollowsTheCriticallyDampedLaw) {
   const double sigma0 = 1e-6, alpha = 20, h = 1e-5;
-  auto start = testing::rotor(0);
+  auto start = tests::rotor(0);
   auto& [sys, s] = start;
   s.x(0, 1) = -0.5 + std::sqrt(1 + 2 * sigma0);
   Baumgarte method(sys, numbers(alpha, alpha), h);
@@ -92,7 +92,7 @@ TEST(Baumgarte, ErrorsFollowTheRecurrenceOfTheStep) {
   const double h = 0.01;
   for (const double ah : {0.05, 0.3, 1.0, 1.7})
     for (const double b2 : {0.5, 2.0, 3.0}) {
-      auto start = testing::rotor(0);
+      auto start = tests::rotor(0);
       auto& [sys, s] = start;
       s.x(0, 1) += 1e-9;
       Baumgarte method(sys, numbers(ah / h, std::sqrt(b2) / h), h);
@@ -111,9 +111,9 @@ TEST(Baumgarte, ErrorsFollowTheRecurrenceOfTheStep) {
 
 TEST(Baumgarte, StableBelowBetaHOfTwoAndNotAbove) {
   const double h = 0.01;
-  EXPECT_THROW(Baumgarte(testing::rotor(0).system, numbers(1, 2.0 / h), h), InputError);
-  EXPECT_THROW(Baumgarte(testing::rotor(0).system, numbers(-1, 1), h), InputError);
-  auto start = testing::rotor(0);
+  EXPECT_THROW(Baumgarte(tests::rotor(0).system, numbers(1, 2.0 / h), h), InputError);
+  EXPECT_THROW(Baumgarte(tests::rotor(0).system, numbers(-1, 1), h), InputError);
+  auto start = tests::rotor(0);
   auto& [sys, s] = start;
   s.x(0, 1) += 1e-6;
   Baumgarte method(sys, numbers(1.0, 1.99 / h), h);
@@ -125,7 +125,7 @@ TEST(Baumgarte, StableBelowBetaHOfTwoAndNotAbove) {
 // α = β = √(stiffness/μ), each bond by its own μ, and capped where the step cannot bear it.
 TEST(Gains, PhysicalOnesAreTheRealBonds) {
   const double h = 0.0005, k = 4.5e5;
-  const System water = testing::waters(1, 1, 300).system;
+  const System water = tests::waters(1, 1, 300).system;
   const auto gains = choose_gains({.name = "physical", .stiffness = k}, Damping::kCentred, water, h);
   const double oh = 1 / 15.99943 + 1 / 1.007947, hh = 2 / 1.007947;
   EXPECT_NEAR(gains[0].beta, std::sqrt(k * oh), 1e-9);
@@ -139,22 +139,22 @@ TEST(Gains, PhysicalOnesAreTheRealBonds) {
 // Lagged damping bears αh = βh up to 2(√2 − 1), of which physical gains take 0.95.
 TEST(Gains, PhysicalOnesOfLaggedDampingAreCappedEarlier) {
   const double h = 0.01;
-  const auto gains = choose_gains({.name = "physical"}, Damping::kLagged, testing::rotor(1).system, h);
+  const auto gains = choose_gains({.name = "physical"}, Damping::kLagged, tests::rotor(1).system, h);
   EXPECT_NEAR(gains[0].beta * h, 0.95 * 2 * (std::sqrt(2.0) - 1), 1e-12);
   EXPECT_NEAR(gains[0].alpha, gains[0].beta, 1e-12);
 }
 
 TEST(Gains, ReversibleOnesAreWeaklyDamped) {
-  const auto gains = choose_gains({}, Damping::kCentred, testing::rotor(1).system, 0.002);
+  const auto gains = choose_gains({}, Damping::kCentred, tests::rotor(1).system, 0.002);
   EXPECT_NEAR(gains[0].alpha, 0.1 / 0.002, 1e-12);
   EXPECT_NEAR(gains[0].beta, std::sqrt(2.0) / 0.002, 1e-12);
-  const Gains discrete = choose_gains({}, Damping::kDiscrete, testing::rotor(1).system, 0.002)[0];
+  const Gains discrete = choose_gains({}, Damping::kDiscrete, tests::rotor(1).system, 0.002)[0];
   EXPECT_NEAR(discrete.alpha, 0.3 / 0.002, 1e-12);
   EXPECT_NEAR(discrete.beta, std::sqrt(2.5) / 0.002, 1e-12);
 }
 
 TEST(Gains, NamesAreKnownAndOthersRefused) {
-  const System sys = testing::rotor(1).system;
+  const System sys = tests::rotor(1).system;
   for (const char* name :
        {"reversible", "dead-beat", "rattle", "swept", "critical", "physical", "hoomd", "box2d"})
     EXPECT_NO_THROW(choose_gains({.name = name}, Damping::kCentred, sys, 0.001)) << name;
@@ -167,7 +167,7 @@ TEST(Gains, NamesAreKnownAndOthersRefused) {
 // αh and βh of the named gains, as their sources have them.
 TEST(Gains, AreThoseOfTheirNames) {
   const double h = 0.002, pi = M_PI, root2 = std::sqrt(2.0);
-  const System sys = testing::rotor(1).system;
+  const System sys = tests::rotor(1).system;
   const auto expect = [&](const char* name, Damping damping, double ah, double bh) {
     const Gains gains = choose_gains({.name = name, .reduction = 0.25}, damping, sys, h)[0];
     EXPECT_NEAR(gains.alpha * h, ah, 1e-14) << name;
@@ -193,10 +193,10 @@ TEST(Gains, AreThoseOfTheirNames) {
 // into the law's recurrence, up to terms smaller by h. The discrete law is fed, y = M⁻¹Jᵀ(λ* − λ),
 //     −(1 + αh) h³ (v + ½h(a + y))·y   without remainder.
 // h: of a chain at unit temperature, of waters at 300 K.
-void expect_fed_as_foretold(const testing::Start& from, double h, const Guess& guessing) {
+void expect_fed_as_foretold(const tests::Start& from, double h, const Guess& guessing) {
   const double ah = 1, bh = 1.4;
   for (const Damping damping : {Damping::kDiscrete, Damping::kCentred, Damping::kImplicit}) {
-    testing::Start start = from;
+    tests::Start start = from;
     const System& sys = start.system;
     State& s = start.state;
     const auto [first, second] = damping == Damping::kDiscrete ? guessing : kThird;
@@ -261,13 +261,13 @@ TEST(Guess, OfAThirdMissesNoSecondDerivative) {
 }
 
 TEST(Baumgarte, OnePassFeedsWhatTheGuessMisses) {
-  expect_fed_as_foretold(testing::free_chain(6, 3), 0.002, kThird);
-  expect_fed_as_foretold(testing::waters(5, 3, 300), 0.0002, kOfSmallClusters);
+  expect_fed_as_foretold(tests::free_chain(6, 3), 0.002, kThird);
+  expect_fed_as_foretold(tests::waters(5, 3, 300), 0.0002, kOfSmallClusters);
 }
 
 TEST(Baumgarte, DeadBeatClearsAnErrorInTwoSteps) {
   const double h = 0.01;
-  auto start = testing::rotor(0);
+  auto start = tests::rotor(0);
   auto& [sys, s] = start;
   Baumgarte method(sys, {.gains = "dead-beat"}, h);
   NoForce forces;
@@ -283,7 +283,7 @@ TEST(Baumgarte, DeadBeatClearsAnErrorInTwoSteps) {
 TEST(Baumgarte, FreeRotorKeepsThetaToTheFourthOverEight) {
   const double h = 0.01;
   for (const double theta : {0.05, 0.1}) {
-    auto start = testing::rotor(theta / h);
+    auto start = tests::rotor(theta / h);
     auto& [sys, s] = start;
     Baumgarte method(sys, {.gains = "dead-beat", .damping = "implicit", .passes = 2}, h);
     NoForce forces;
@@ -299,7 +299,7 @@ TEST(Baumgarte, FreeRotorKeepsThetaToTheFourthOverEight) {
 TEST(Baumgarte, OneSweepHoldsAChainWithSoftStronglyDampedGains) {
   const double h = 0.01;
   const auto error_with = [&](double ah, double bh, int sweeps) {
-    auto [sys, s] = testing::free_chain(20, 1);
+    auto [sys, s] = tests::free_chain(20, 1);
     Baumgarte method(
         sys, {.gains = "numbers", .alpha_per_ps = ah / h, .beta_per_ps = bh / h, .sweeps = sweeps}, h);
     NoForce forces;
@@ -318,7 +318,7 @@ TEST(Baumgarte, OneSweepHoldsAChainWithSoftStronglyDampedGains) {
 }
 
 TEST(Baumgarte, CountsItsSolvesAndSweeps) {
-  auto [sys, s] = testing::free_chain(5, 1);
+  auto [sys, s] = tests::free_chain(5, 1);
   const auto counted = [&, &sys = sys, &start = s](int passes, int sweeps) {
     State state = start;
     Baumgarte method(sys, {.passes = passes, .sweeps = sweeps}, 0.01);
@@ -332,7 +332,7 @@ TEST(Baumgarte, CountsItsSolvesAndSweeps) {
 // Without correction a bond drifts, and faster and faster; any gain holds it.
 TEST(None, DriftsWhereGainsHold) {
   const auto error_after = [](const char* name, int steps) {
-    auto [sys, s] = testing::rotor(2.0);
+    auto [sys, s] = tests::rotor(2.0);
     NoForce forces;
     const auto method = make_plain(sys, default_options(name), 0.01);
     initialize({sys, forces, *method}, 0.01, s);
@@ -345,4 +345,4 @@ TEST(None, DriftsWhereGainsHold) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::baumgarte_tests

@@ -14,11 +14,11 @@
 #include "forcefield/bonded/bonded_forces.hpp"
 #include "reference/plain_bonded.hpp"
 
-namespace taut {
+namespace taut::bonded_tests {
 namespace {
 
 using std::numbers::pi;
-using namespace testing;
+using namespace tests;
 
 // Chains of random walks with every kind of term, all numbers different.
 struct Chains {
@@ -281,4 +281,4 @@ TEST(BondedForces, NameTheFeneBondThatBroke) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::bonded_tests

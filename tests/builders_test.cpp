@@ -14,7 +14,7 @@
 #include "systems/start_file.hpp"
 #include "temporary_folder.hpp"
 
-namespace taut {
+namespace taut::builders_tests {
 namespace {
 
 std::vector<std::string> all_scenes() {
@@ -361,4 +361,4 @@ TEST(Water, DropletIsRoundAndDense) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::builders_tests

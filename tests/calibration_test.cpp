@@ -12,7 +12,7 @@
 #include "studies/swept_errors.hpp"
 #include "systems/scene_file.hpp"
 
-namespace taut {
+namespace taut::calibration_tests {
 namespace {
 
 using ::testing::AllOf;
@@ -236,4 +236,4 @@ TEST(Calibration, NeedsBondsThatAreIndependent) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::calibration_tests

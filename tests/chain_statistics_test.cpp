@@ -12,14 +12,14 @@
 #include "free_system.hpp"
 #include "md/units.hpp"
 
-namespace taut {
+namespace taut::chain_statistics_tests {
 namespace {
 
 constexpr double kStep = 0.05;  // with b = m = kT = 1
 
 // `count` chains, all bent at right angles: no chain's equilibrium.
-testing::Start chains(int count, int beads) {
-  testing::Start start;
+tests::Start chains(int count, int beads) {
+  tests::Start start;
   State& s = start.state;
   s.x.resize(3, count * beads);
   s.v = s.f = Vectors::Zero(3, count * beads);
@@ -35,9 +35,9 @@ testing::Start chains(int count, int beads) {
 
 // Runs at kT = 1, seeing a state every 20 steps after the first 1000.
 template <class Method>
-void sample(testing::Start start, long steps, auto&& see) {
+void sample(tests::Start start, long steps, auto&& see) {
   const System& sys = start.system;
-  testing::NoForce forces;
+  tests::NoForce forces;
   Method method(sys, {}, kStep);
   Langevin bath(sys, {.temperature = 1 / kBoltzmann, .friction = 1, .seed = 5}, kStep);
   initialize({sys, forces, method, bath}, kStep, start.state);
@@ -87,4 +87,4 @@ TEST(FreelyJointed, EndsAreAsFarApartAsARandomWalks) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::chain_statistics_tests

@@ -36,7 +36,7 @@ void operator delete(void* place, std::size_t) noexcept {
   give_back(place);
 }
 
-namespace taut {
+namespace taut::checkpoint_tests {
 namespace {
 
 // What a checkpoint keeps of them is what was said, to the last bit, each key once.
@@ -237,4 +237,4 @@ TEST(CheckpointFormat, LiesAboutSizesAndDepthAreRefused) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::checkpoint_tests

@@ -15,7 +15,7 @@
 #include "systems/scene_file.hpp"
 #include "verifier.hpp"
 
-namespace taut {
+namespace taut::closed_forms_tests {
 namespace {
 
 Scene scene_of(const std::string& name, const std::vector<std::string>& overrides = {}) {
@@ -284,4 +284,4 @@ TEST(RattleStep, IsReversible) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::closed_forms_tests

@@ -13,10 +13,10 @@
 
 // Forces and energies of the clusters, against the plain loop over pairs.
 
-namespace taut {
+namespace taut::cluster_pairs_tests {
 namespace {
 
-using namespace testing;
+using namespace tests;
 
 class ClusterPairsIn : public ::testing::TestWithParam<Liquid> {
  protected:
@@ -237,4 +237,4 @@ TEST(ClusterPairs, WcaAgreesWithThePlainLoop) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::cluster_pairs_tests

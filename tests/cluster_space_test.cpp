@@ -13,10 +13,10 @@
 
 // Where atoms are: far apart, far away, on the move. No pair of them is missed, whatever lists are kept.
 
-namespace taut {
+namespace taut::cluster_space_tests {
 namespace {
 
-using namespace testing;
+using namespace tests;
 
 // Boxes barely two ranges wide, slabs, threads, clouds; some atoms have drifted boxes away.
 struct Space {
@@ -299,4 +299,4 @@ TEST(ClusterPairs, RefusesPositionsThatAreNotFinite) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::cluster_space_tests

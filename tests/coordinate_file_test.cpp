@@ -11,7 +11,7 @@
 #include "files/pdb_file.hpp"
 #include "temporary_folder.hpp"
 
-namespace taut {
+namespace taut::coordinate_file_tests {
 namespace {
 
 const std::string kPdb = R"(TITLE     two molecules
@@ -242,4 +242,4 @@ TEST(CoordinateFile, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::coordinate_file_tests

@@ -9,7 +9,7 @@
 #include "simulation/simulation.hpp"
 #include "systems/scene_file.hpp"
 
-namespace taut {
+namespace taut::coulomb_tests {
 namespace {
 
 using ::testing::HasSubstr;
@@ -87,4 +87,4 @@ TEST(CoulombRun, PmeKeepsTheEnergy) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::coulomb_tests

@@ -5,7 +5,7 @@
 #include "scene_text.hpp"
 #include "simulation/simulation.hpp"
 
-namespace taut {
+namespace taut::courses_tests {
 namespace {
 
 using testing::HasSubstr;
@@ -145,4 +145,4 @@ TEST(ChangingPulls, AFreeBeadIsPulledEverHarder) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::courses_tests

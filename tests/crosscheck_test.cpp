@@ -15,15 +15,15 @@
 #include "systems/openmm/import.hpp"
 #include "systems/scene_file.hpp"
 
-namespace taut {
+namespace taut::crosscheck_tests {
 namespace {
 
 using ::testing::AllOf;
-using testing::data;
-using testing::Files;
-using testing::Folder;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using tests::data;
+using tests::Files;
+using tests::Folder;
 
 Crosscheck held_against_openmm(Scene scene, CrosscheckPlan plan, long steps, long parting) {
   scene.run.steps = steps;
@@ -195,4 +195,4 @@ TEST(OpenMMExport, CustomForcesAreThoseOfTaut) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::crosscheck_tests

@@ -10,12 +10,12 @@
 #include "constraints/batch/batched_sweeps.hpp"
 #include "constraints/elimination.hpp"
 
-namespace taut {
+namespace taut::cut_chains_tests {
 namespace {
 
 // A chain of the masses 1, 2, 4, 1, 2, 4, …, its ends of their own, and lengths that repeat likewise.
 Start copolymer(int beads, std::uint64_t seed) {
-  Start start = testing::free_chain(beads, seed);
+  Start start = tests::free_chain(beads, seed);
   Eigen::VectorXd mass(beads);
   for (int a = 0; a < beads; ++a) mass[a] = 1 << (a % 3);
   mass[0] = mass[beads - 1] = 7;
@@ -31,7 +31,7 @@ Start copolymer(int beads, std::uint64_t seed) {
 
 // All but straight: what one end of a piece does the other feels, where a coil's bonds forget within a few.
 Start nearly_straight(int beads, std::uint64_t seed) {
-  Start start = testing::free_chain(beads, seed);
+  Start start = tests::free_chain(beads, seed);
   Random random(seed);
   for (int a = 1; a < beads; ++a)
     start.state.x.col(a) =
@@ -45,17 +45,17 @@ Start nearly_straight(int beads, std::uint64_t seed) {
 std::vector<std::pair<const char*, Start>> long_chains() {
   std::vector<int> odd_and_even(302);
   for (int a = 0; a < 302; ++a) odd_and_even[a] = a % 2 == 0 ? a / 2 : 151 + a / 2;
-  return {{"201 bonds", testing::free_chain(202, 1)},
-          {"255 bonds", testing::free_chain(256, 2)},
-          {"1000 bonds", testing::free_chain(1001, 3)},
+  return {{"201 bonds", tests::free_chain(202, 1)},
+          {"255 bonds", tests::free_chain(256, 2)},
+          {"1000 bonds", tests::free_chain(1001, 3)},
           {"3 chains of 467 bonds and a dumbbell",
-           together({testing::free_chain(468, 4), testing::free_chain(468, 5), testing::free_chain(2, 6),
-                     testing::free_chain(468, 7)})},
-          {"chains of 301 and of 222", together({testing::free_chain(302, 4), testing::free_chain(223, 5)})},
+           together({tests::free_chain(468, 4), tests::free_chain(468, 5), tests::free_chain(2, 6),
+                     tests::free_chain(468, 7)})},
+          {"chains of 301 and of 222", together({tests::free_chain(302, 4), tests::free_chain(223, 5)})},
           {"a copolymer", copolymer(400, 8)},
-          {"scattered atoms", together({testing::free_chain(302, 9)}, odd_and_even)},
+          {"scattered atoms", together({tests::free_chain(302, 9)}, odd_and_even)},
           {"all but straight", nearly_straight(202, 11)},
-          {"2600 bonds", testing::free_chain(2601, 10)}};
+          {"2600 bonds", tests::free_chain(2601, 10)}};
 }
 
 void compare_long(const MethodOptions& options, double tolerance) {
@@ -85,7 +85,7 @@ TEST(CutChains, TheSameBitsOnAnyNumberOfThreads) {
       if (count > 1 && name == std::string_view("rattle")) continue;
       std::vector<State> ends;
       on_one_to_three_threads([&] {
-        testing::NoForce forces;
+        tests::NoForce forces;
         const auto method = make_method(start.system, default_options(name), h);
         State& end = ends.emplace_back(start.state);
         initialize({start.system, forces, *method}, h, end);
@@ -101,8 +101,8 @@ TEST(CutChains, TheSameBitsOnAnyNumberOfThreads) {
 
 TEST(CutChains, ACopyGoesOnAsTheOriginal) {
   constexpr double h = 0.001;
-  const Start start = testing::free_chain(1001, 1);
-  testing::NoForce forces;
+  const Start start = tests::free_chain(1001, 1);
+  tests::NoForce forces;
   on_every_machine([&] {
     Batched<Newton> method(start.system, {}, h);
     State s = start.state;
@@ -119,7 +119,7 @@ TEST(CutChains, ACopyGoesOnAsTheOriginal) {
 
 TEST(CutChains, NameTheBondThatTurnedTooFar) {
   for (int bond : {3, 128, 129, 130, 131, 132, 133, 134, 135, 499}) {
-    Start start = testing::free_chain(501, 1);
+    Start start = tests::free_chain(501, 1);
     start.state.v.setZero();
     start.state.v.col(bond) = Vec3(1e4, 0, 0);
     for (const char* name : {"newton", "feedforward"}) {
@@ -132,7 +132,7 @@ TEST(CutChains, NameTheBondThatTurnedTooFar) {
 }
 
 TEST(CutChains, AreEightTimesAsManyEqualPiecesAndTwoEnds) {
-  const BondClusters found = find_clusters(testing::free_chain(2601, 1).system, ClusterLimits::cutting());
+  const BondClusters found = find_clusters(tests::free_chain(2601, 1).system, ClusterLimits::cutting());
   ASSERT_EQ(found.chains.size(), 1u);
   ASSERT_EQ(found.chains[0].size(), 18u);
   ASSERT_EQ(found.pieces.size(), 3u);
@@ -146,7 +146,7 @@ TEST(CutChains, AreEightTimesAsManyEqualPiecesAndTwoEnds) {
 
 // Masses or lengths that do not repeat, or a branch: left to the plain method.
 TEST(CutChains, MustRepeat) {
-  const Start chain = testing::free_chain(400, 1);
+  const Start chain = tests::free_chain(400, 1);
   const auto left_whole = [](const Start& start) {
     const BondClusters found = find_clusters(start.system, ClusterLimits::cutting());
     EXPECT_EQ(static_cast<int>(found.rest.size()), start.system.bond_count());
@@ -179,7 +179,7 @@ TEST(Batched, SharesOfThreadsFitTogether) {
   for (Start& start : chains(500, 8, 600)) many.push_back(std::move(start));
   for (Start& start : many) start.state.x.colwise() -= start.state.x.col(0).eval();
   const Start start = together(many, {}, 0);
-  Start waters = testing::waters(2100, 3, 300);
+  Start waters = tests::waters(2100, 3, 300);
   for (int w = 0; w < 2100; ++w)
     waters.state.x.middleCols<3>(3 * w).colwise() -= waters.state.x.col(3 * w).eval();
   on_one_to_three_threads([&] {
@@ -193,4 +193,4 @@ TEST(Batched, SharesOfThreadsFitTogether) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::cut_chains_tests

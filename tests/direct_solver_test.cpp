@@ -8,7 +8,7 @@
 #include "constraints/bond_algebra.hpp"
 #include "free_system.hpp"
 
-namespace taut {
+namespace taut::direct_solver_tests {
 namespace {
 
 // J as a dense m × 3n matrix, straight from its definition.
@@ -146,7 +146,7 @@ TEST(DirectSolver, FindsABondThatFollowsFromTheOthers) {
 }
 
 TEST(BondAlgebra, ConstraintForceIsJTransposedLambda) {
-  const auto start = testing::free_chain(5, 11);
+  const auto start = tests::free_chain(5, 11);
   const System& sys = start.system;
   Vectors r(3, 4);
   differences(sys, start.state.x, r);
@@ -159,4 +159,4 @@ TEST(BondAlgebra, ConstraintForceIsJTransposedLambda) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::direct_solver_tests

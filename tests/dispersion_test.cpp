@@ -9,10 +9,10 @@
 #include "force_checks.hpp"
 #include "two_kinds.hpp"
 
-namespace taut {
+namespace taut::dispersion_tests {
 namespace {
 
-using namespace testing;
+using namespace tests;
 using std::numbers::pi;
 
 double simpson(const std::function<double(double)>& g, double a, double b) {
@@ -140,4 +140,4 @@ TEST(Dispersion, VirialOfAPlainCutoffHasItsJump) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::dispersion_tests

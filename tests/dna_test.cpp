@@ -10,11 +10,11 @@
 #include "systems/openmm/import.hpp"
 #include "systems/scene_file.hpp"
 
-namespace taut {
+namespace taut::dna_tests {
 namespace {
 
-using testing::foretold;
-using testing::foretold_by_bond;
+using tests::foretold;
+using tests::foretold_by_bond;
 
 Scene dna(std::vector<std::string> settings) {
   const std::string data = std::string(TAUT_TEST_DATA) + "/dna-hbonds.";
@@ -109,4 +109,4 @@ TEST(Dna, TheDefaultDriftsByLittleOfCentredDampings) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::dna_tests

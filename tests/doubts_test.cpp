@@ -11,7 +11,7 @@
 #include "simulation/simulation.hpp"
 #include "systems/scene_file.hpp"
 
-namespace taut {
+namespace taut::doubts_tests {
 namespace {
 
 using ::testing::ElementsAre, ::testing::HasSubstr, ::testing::IsEmpty;
@@ -158,4 +158,4 @@ TEST(DoubtsOfRuns, NotOfTheScenes) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::doubts_tests

@@ -12,7 +12,7 @@
 #include "free_system.hpp"
 #include "md/observables.hpp"
 
-namespace taut {
+namespace taut::drift_tests {
 namespace {
 
 struct Drift {
@@ -29,8 +29,8 @@ Baumgarte::Options options_for(double ah, double bh_squared, const char* damping
 
 template <class Method>
 Drift drift_of(Method method, double ah, double bh_squared, double h, double time, std::uint64_t seed = 1) {
-  auto [sys, s] = testing::free_chain(20, seed);
-  testing::NoForce forces;
+  auto [sys, s] = tests::free_chain(20, seed);
+  tests::NoForce forces;
   initialize({sys, forces, method}, h, s);
   Slope energy;
   double work = 0;
@@ -56,16 +56,16 @@ TEST(Drift, OfImplicitDampingIsAsPredicted) {
   for (const double ah : {0.05, 0.2, 1.0})
     for (const double bh_squared : {1.0, 2.0, 3.0}) {
       const double h = 0.01;
-      const Drift drift = drift_of(
-          Baumgarte(testing::free_chain(20, 1).system, options_for(ah, bh_squared, "implicit", h), h), ah,
-          bh_squared, h, 500);
+      const Drift drift =
+          drift_of(Baumgarte(tests::free_chain(20, 1).system, options_for(ah, bh_squared, "implicit", h), h),
+                   ah, bh_squared, h, 500);
       EXPECT_NEAR(drift.measured / drift.predicted, 1, 0.1) << "αh " << ah << " (βh)² " << bh_squared;
       EXPECT_GT(drift.measured, 0);  // it heats
     }
 }
 
 double implicit_drift(double ah, double h) {
-  const System sys = testing::free_chain(20, 1).system;
+  const System sys = tests::free_chain(20, 1).system;
   return drift_of(Baumgarte(sys, options_for(ah, 2, "implicit", h), h), ah, 2, h, 1000).measured;
 }
 
@@ -77,7 +77,7 @@ TEST(Drift, OfImplicitDampingGoesAsAlphaHAndAsTheCubeOfTheStep) {
 // Damping the centred rate in place of J v takes the irreversible term away, at any gain.
 TEST(Drift, OfCentredDampingIsHundredfoldLess) {
   const double h = 0.01;
-  const System sys = testing::free_chain(20, 1).system;
+  const System sys = tests::free_chain(20, 1).system;
   for (const double ah : {0.1, 1.0}) {
     const double implicit =
         drift_of(Baumgarte(sys, options_for(ah, 2, "implicit", h), h), ah, 2, h, 1000).measured;
@@ -89,7 +89,7 @@ TEST(Drift, OfCentredDampingIsHundredfoldLess) {
 
 TEST(Drift, FeedforwardKeepsEnergyAsRattleDoes) {
   const double h = 0.01;
-  const System sys = testing::free_chain(20, 1).system;
+  const System sys = tests::free_chain(20, 1).system;
   const double rattle = drift_of(Newton(sys, {.tolerance = 1e-12}, h), 0, 1, h, 1000).measured;
   const double ours = drift_of(Feedforward(sys, {}, h), 0, 1, h, 1000).measured;
   const double baumgarte = implicit_drift(1, h);
@@ -98,4 +98,4 @@ TEST(Drift, FeedforwardKeepsEnergyAsRattleDoes) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::drift_tests

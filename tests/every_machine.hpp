@@ -5,7 +5,7 @@
 
 #include "base/threads.hpp"
 
-namespace taut::testing {
+namespace taut::tests {
 
 // Runs a test with the kernels of each kind of machine that they are compiled for and that this one can be:
 // its own, and those with less.
@@ -34,4 +34,4 @@ void on_one_to_three_threads(const Test& test) {
   }
 }
 
-}  // namespace taut::testing
+}  // namespace taut::tests

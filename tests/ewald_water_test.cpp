@@ -14,7 +14,7 @@
 #include "forcefield/pairs/dispersion.hpp"
 #include "md/units.hpp"
 
-namespace taut {
+namespace taut::ewald_water_tests {
 namespace {
 
 using std::numbers::pi;
@@ -113,4 +113,4 @@ TEST(PublishedWater, HasTheEnergiesOfWavesAndOfWhatTheyCountTooMuch) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::ewald_water_tests

@@ -12,7 +12,7 @@
 #include "md/observables.hpp"
 #include "systems/scene_file.hpp"
 
-namespace taut {
+namespace taut::feedforward_energy_tests {
 namespace {
 
 Eigen::VectorXd residuals(const System& sys, const Vectors& r) {
@@ -24,8 +24,8 @@ Eigen::VectorXd residuals(const System& sys, const Vectors& r) {
 // σ is quadratic in λ: a solve that changes λ by Δλ leaves ½|h²M⁻¹JᵀΔλ|² of each bond, no more and no less.
 TEST(FeedforwardEnergy, OneSolveLeavesTheSquareOfItsCorrection) {
   const double h = 0.002;
-  auto [sys, s] = testing::waters(8, 1, 300);
-  testing::NoForce forces;
+  auto [sys, s] = tests::waters(8, 1, 300);
+  tests::NoForce forces;
   Feedforward method(sys, {.tolerance = 0.1}, h);
   const Dynamics dynamics{sys, forces, method};
   initialize(dynamics, h, s);
@@ -88,4 +88,4 @@ TEST(FeedforwardEnergy, OneSolveCoolsWaterByTheEleventhPowerOfTheStep) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::feedforward_energy_tests

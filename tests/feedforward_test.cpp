@@ -9,17 +9,17 @@
 #include "free_system.hpp"
 #include "verifier.hpp"
 
-namespace taut {
+namespace taut::feedforward_tests {
 namespace {
 
-using testing::NoForce;
-using testing::verify;
+using tests::NoForce;
+using tests::verify;
 
 // A pendulum of unit mass and length from horizontal: its bond force swings, nothing is constant.
 struct Pendulum {
   System system;
   State state;
-  testing::UniformForce forces{Vec3(0, 0, -9.81)};
+  tests::UniformForce forces{Vec3(0, 0, -9.81)};
 };
 
 Pendulum pendulum() {
@@ -65,7 +65,7 @@ TEST(Feedforward, FirstStepIsAsGoodAsTheOthers) {
 // Positions are SHAKE's, and so RATTLE's.
 TEST(Feedforward, PositionsAreRattles) {
   NoForce forces;
-  const auto start = testing::free_chain(10, 6);
+  const auto start = tests::free_chain(10, 6);
   const auto ours =
       verify(start.system, forces, Feedforward::Options{.tolerance = 1e-14}, 0.01, 50, start.state);
   const auto rattle =
@@ -115,7 +115,7 @@ TEST(Feedforward, TakesASecondSolveAtACollisionOnly) {
 // after is not.
 TEST(Feedforward, IsOffForAStepWhereVelocitiesAreRescaled) {
   const double h = 0.01, c = 1.01, omega = 3;
-  const auto start = testing::rotor(omega);
+  const auto start = tests::rotor(omega);
   State s = start.state;
   NoForce forces;
   Feedforward method(start.system, {}, h);
@@ -131,7 +131,7 @@ TEST(Feedforward, IsOffForAStepWhereVelocitiesAreRescaled) {
 
 // Sideways so fast that |σ_next| is over 10³·|r_next·r|: no force along the bond brings it back.
 TEST(Feedforward, SaysThatBondsRunAway) {
-  const auto start = testing::rotor(6000);  // 60 lengths a step
+  const auto start = tests::rotor(6000);  // 60 lengths a step
   const auto failure = [&](auto method) -> std::string {
     NoForce forces;
     State s = start.state;
@@ -154,7 +154,7 @@ TEST(Feedforward, SaysThatBondsRunAway) {
 // beyond, it says so.
 TEST(Feedforward, HoldsARotorUpToARightAngle) {
   const auto verdict_at = [](double omega_h) {
-    const auto start = testing::rotor(omega_h / 0.01);
+    const auto start = tests::rotor(omega_h / 0.01);
     NoForce forces;
     return verify(start.system, forces, Feedforward::Options{}, 0.01, 200, start.state);
   };
@@ -165,4 +165,4 @@ TEST(Feedforward, HoldsARotorUpToARightAngle) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::feedforward_tests

@@ -8,7 +8,7 @@
 
 #include "constraints/methods/propagator.hpp"
 
-namespace taut {
+namespace taut::flow_tests {
 namespace {
 
 double rms(const Flow::Field& f) {
@@ -84,4 +84,4 @@ TEST(Flow, CostsAndKeepsWhatTheTableSays) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::flow_tests

@@ -37,10 +37,10 @@ void operator delete(void* p, std::align_val_t) noexcept {
   give_back(p);
 }
 
-namespace taut {
+namespace taut::force_allocation_tests {
 namespace {
 
-using namespace testing;
+using namespace tests;
 
 // A few atoms, three of them virtual sites.
 System with_sites(int n) {
@@ -154,4 +154,4 @@ TEST(Forces, AreRightAgainAfterMemoryRanOut) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::force_allocation_tests

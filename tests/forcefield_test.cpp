@@ -10,7 +10,7 @@
 #include "forcefield/bonded/cmap.hpp"
 #include "forcefield/force_field.hpp"
 
-namespace taut {
+namespace taut::forcefield_tests {
 namespace {
 
 using std::numbers::pi;
@@ -348,4 +348,4 @@ TEST(ForceField, RefusesTermsThatDoNotFit) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::forcefield_tests

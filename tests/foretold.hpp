@@ -18,7 +18,7 @@
 #include "md/observables.hpp"
 #include "systems/scene.hpp"
 
-namespace taut::testing {
+namespace taut::tests {
 
 // A law's gains, and what it is fed: by a guess of λ what that misses, without one centred damping's ¼h⁴|a|².
 struct Law {
@@ -85,4 +85,4 @@ inline double foretold(const Scene& scene, const Law& law) {
   return foretold_by_bond(scene, law).sum();
 }
 
-}  // namespace taut::testing
+}  // namespace taut::tests

@@ -9,10 +9,10 @@
 #include "every_machine.hpp"
 #include "forcefield/ewald/mesh_kernels.hpp"
 
-namespace taut {
+namespace taut::fourier_tests {
 namespace {
 
-using namespace testing;
+using namespace tests;
 using Sizes = std::array<int, 3>;
 
 std::complex<double> root(long numerator, int size) {
@@ -107,4 +107,4 @@ TEST(Fourier, IsTheSumAsItStands) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::fourier_tests

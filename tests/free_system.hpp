@@ -7,7 +7,7 @@
 #include "md/state.hpp"
 #include "md/system.hpp"
 
-namespace taut::testing {
+namespace taut::tests {
 
 struct NoForce : ForceLaw {
   void evaluate(const System&, State& s) override { s.f.setZero(); }
@@ -93,4 +93,4 @@ inline Start waters(int count, std::uint64_t seed, double temperature) {
   return start;
 }
 
-}  // namespace taut::testing
+}  // namespace taut::tests

@@ -4,11 +4,11 @@
 #include "systems/openmm/import.hpp"
 #include "systems/scene_file.hpp"
 
-namespace taut {
+namespace taut::guess_tests {
 namespace {
 
-using testing::foretold;
-using testing::Law;
+using tests::foretold;
+using tests::Law;
 
 // Of a motion that holds the bonds, y(u) = M⁻¹Jᵀu, in kJ/mol/ns/degree of freedom over h⁵ [ps].
 struct Averages {
@@ -129,4 +129,4 @@ TEST(Guess, NoWeightsThatMissServeEveryCluster) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::guess_tests

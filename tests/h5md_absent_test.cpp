@@ -7,7 +7,7 @@
 #include "files/h5md_file.hpp"
 #include "systems/scene_file.hpp"
 
-namespace taut {
+namespace taut::h5md_absent_tests {
 namespace {
 
 TEST(H5mdAbsent, NamesTheKeyAndThePackage) {
@@ -23,4 +23,4 @@ TEST(H5mdAbsent, NamesTheKeyAndThePackage) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::h5md_absent_tests

@@ -6,7 +6,7 @@
 #include "simulation/simulation.hpp"
 #include "systems/scene_file.hpp"
 
-namespace taut {
+namespace taut::hard_scenes_tests {
 namespace {
 
 struct Case {
@@ -41,4 +41,4 @@ INSTANTIATE_TEST_SUITE_P(Each, HardMolecules, ::testing::ValuesIn(all()), [](con
 });
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::hard_scenes_tests

@@ -17,7 +17,7 @@
 #include "md/units.hpp"
 #include "md/work_meter.hpp"
 
-namespace taut {
+namespace taut::heating_tests {
 namespace {
 
 struct MeteredForces : ForceLaw {
@@ -50,7 +50,7 @@ TEST(Account, ClosesForEveryMethod) {
   const double h = 0.004;
   for (const MethodEntry& entry : methods()) {
     SCOPED_TRACE(entry.name);
-    auto [sys, s] = entry.name == "settle" ? testing::waters(2, 1, 300) : testing::free_chain(6, 1);
+    auto [sys, s] = entry.name == "settle" ? tests::waters(2, 1, 300) : tests::free_chain(6, 1);
     const MethodOptions options = default_options(entry.name);
     const auto method = make_method(sys, options, h);
     Trap trap;
@@ -80,7 +80,7 @@ TEST(Account, IsWhatMultipliersDo) {
   const double h = 0.004;
   for (const char* name : {"none", "baumgarte", "feedforward"}) {
     SCOPED_TRACE(name);
-    auto [sys, s] = testing::free_chain(6, 1);
+    auto [sys, s] = tests::free_chain(6, 1);
     const auto method = make_method(sys, default_options(name), h);
     Trap trap;
     MeteredForces metered(trap, h);
@@ -115,7 +115,7 @@ TEST(Account, ClosesForEveryMethodInABath) {
   const double h = 0.004;
   for (const MethodEntry& entry : methods()) {
     SCOPED_TRACE(entry.name);
-    auto [sys, s] = entry.name == "settle" ? testing::waters(2, 1, 300) : testing::free_chain(6, 1);
+    auto [sys, s] = entry.name == "settle" ? tests::waters(2, 1, 300) : tests::free_chain(6, 1);
     const auto method = make_method(sys, default_options(entry.name), h);
     Langevin bath(sys, {.temperature = 1 / kBoltzmann, .friction = 10}, h);
     Trap trap;
@@ -159,12 +159,12 @@ struct LeftOfTheEnergy {
   double if_all_were_tangent, really, largest;
 };
 
-LeftOfTheEnergy left_in_a_bath(testing::Start start, int clusters, double temperature, double friction,
+LeftOfTheEnergy left_in_a_bath(tests::Start start, int clusters, double temperature, double friction,
                                double h, int steps) {
   auto& [sys, s] = start;
   Newton method(sys, {.tolerance = 1e-13}, h);
   Langevin bath(sys, {.temperature = temperature, .friction = friction, .seed = 5}, h);
-  testing::NoForce forces;
+  tests::NoForce forces;
   MeteredForces metered(forces, h, &bath);
   const Dynamics dynamics{sys, metered, method, bath};
   initialize(dynamics, h, s);
@@ -184,7 +184,7 @@ LeftOfTheEnergy left_in_a_bath(testing::Start start, int clusters, double temper
 TEST(Account, OfDumbbellsInABathIsTheBathsAlone) {
   constexpr int kDumbbells = 50;
   const double h = 0.1, friction = 0.5, mu = 0.5, d = 1;
-  testing::Start start;
+  tests::Start start;
   std::vector<RigidBond> bonds;
   Random random(3);
   start.state.x = start.state.v = start.state.f = Vectors::Zero(3, 2 * kDumbbells);
@@ -202,7 +202,7 @@ TEST(Account, OfDumbbellsInABathIsTheBathsAlone) {
 
 // So it is with waters, which turn about three axes: RATTLE keeps the energy of a free rigid body exactly.
 TEST(Account, OfFreeWatersInABathIsTheBathsAlone) {
-  const LeftOfTheEnergy left = left_in_a_bath(testing::waters(50, 5, 300), 50, 300, 20, 2e-3, 5000);
+  const LeftOfTheEnergy left = left_in_a_bath(tests::waters(50, 5, 300), 50, 300, 20, 2e-3, 5000);
   EXPECT_LT(left.if_all_were_tangent, -0.02);
   EXPECT_LT(std::abs(left.really), 1e-8);
 }
@@ -324,4 +324,4 @@ TEST(Heating, IsWorstAtTheFiltersPole) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::heating_tests

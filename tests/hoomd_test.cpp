@@ -10,7 +10,7 @@
 #include "constraints/projection.hpp"
 #include "free_system.hpp"
 
-namespace taut {
+namespace taut::hoomd_tests {
 namespace {
 
 constexpr double kStep = 0.01;
@@ -59,7 +59,7 @@ struct Springs : ForceLaw {
 // −h²|a|². So it leaves σ₊ = ½h⁴|a|², and is the discrete law at dead-beat aimed at a bond of length √(d² +
 // h⁴|a|²).
 TEST(Hoomd, IsTheDiscreteLawAtDeadBeatAimedAtALongerBond) {
-  auto [sys, hoomds] = testing::free_chain(10, 1);
+  auto [sys, hoomds] = tests::free_chain(10, 1);
   Springs forces;
   HoomdDistance hoomd;
   Baumgarte ours(sys, {.gains = "hoomd", .passes = 12}, kStep), unaimed(sys, {.gains = "hoomd"}, kStep);
@@ -86,8 +86,8 @@ TEST(Hoomd, IsTheDiscreteLawAtDeadBeatAimedAtALongerBond) {
 
 // Where no other forces act, it is the Newton iteration of feedforward from λ = 0.
 TEST(Hoomd, IsFeedforwardWithoutAPastInFreeFlight) {
-  auto [sys, hoomds] = testing::free_chain(10, 1);
-  testing::NoForce forces;
+  auto [sys, hoomds] = tests::free_chain(10, 1);
+  tests::NoForce forces;
   HoomdDistance hoomd;
   initialize({sys, forces, hoomd}, kStep, hoomds);
   State ours = hoomds;
@@ -100,4 +100,4 @@ TEST(Hoomd, IsFeedforwardWithoutAPastInFreeFlight) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::hoomd_tests

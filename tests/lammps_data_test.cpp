@@ -12,7 +12,7 @@
 #include "scene_text.hpp"
 #include "systems/lammps/write_data.hpp"
 
-namespace taut {
+namespace taut::lammps_data_tests {
 namespace {
 
 using testing::AllOf;
@@ -292,4 +292,4 @@ TEST(LammpsData, WhatLammpsLacksIsRefusedByName) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::lammps_data_tests

@@ -22,7 +22,7 @@
 #include "md/run.hpp"
 #include "md/units.hpp"
 
-namespace taut {
+namespace taut::langevin_tests {
 namespace {
 
 constexpr double kWarm = 1 / kBoltzmann;  // kT = 1 kJ/mol
@@ -39,9 +39,9 @@ TYPED_TEST_SUITE(LangevinWith, MethodsUnderTest);
 
 TYPED_TEST(LangevinWith, NoFrictionChangesNothing) {
   const double h = 0.01;
-  auto [sys, s] = testing::free_chain(10, 3);
+  auto [sys, s] = tests::free_chain(10, 3);
   State other = s;
-  testing::NoForce forces;
+  tests::NoForce forces;
   auto method = with_defaults<TypeParam>(sys, h), alone = with_defaults<TypeParam>(sys, h);
   Langevin bath(sys, {.temperature = kWarm, .friction = 0}, h);
   initialize({sys, forces, method, bath}, h, s);
@@ -57,8 +57,8 @@ TYPED_TEST(LangevinWith, NoFrictionChangesNothing) {
 // What changes the velocity has no part along the bonds, where the drift begins.
 TYPED_TEST(LangevinWith, JumpsAlongTheTangent) {
   const double h = 0.01;
-  auto [sys, s] = testing::free_chain(10, 3);
-  testing::NoForce forces;
+  auto [sys, s] = tests::free_chain(10, 3);
+  tests::NoForce forces;
   auto method = with_defaults<TypeParam>(sys, h);
   Langevin bath(sys, {.temperature = kWarm, .friction = 5}, h);
   initialize({sys, forces, method, bath}, h, s);
@@ -85,8 +85,8 @@ double chi_square(const std::vector<double>& energies) {
 
 TYPED_TEST(LangevinWith, FreeWatersHaveTheCanonicalKineticEnergies) {
   const double h = 1e-3, friction = 20, temperature = 298.15;
-  auto [sys, s] = testing::waters(100, 5, 100);  // too cold a start
-  testing::NoForce forces;
+  auto [sys, s] = tests::waters(100, 5, 100);  // too cold a start
+  tests::NoForce forces;
   auto method = with_defaults<TypeParam>(sys, h);
   Langevin bath(sys, {.temperature = temperature, .friction = friction, .seed = 11}, h);
   initialize({sys, forces, method, bath}, h, s);
@@ -125,7 +125,7 @@ TYPED_TEST(LangevinWith, PendulumsHangAsLangevinsFunctionSays) {
     s.x(0, 2 * p + 1) = 1;
   }
   const System sys = make_system(mass, bonds);
-  testing::UniformForce gravity{{0, 0, -b}};
+  tests::UniformForce gravity{{0, 0, -b}};
   auto method = with_defaults<TypeParam>(sys, h);
   Langevin bath(sys, {.temperature = kWarm, .friction = 2, .seed = 7}, h);
   initialize({sys, gravity, method, bath}, h, s);
@@ -142,8 +142,8 @@ TYPED_TEST(LangevinWith, PendulumsHangAsLangevinsFunctionSays) {
 // The velocity temperatures are taken of has no part along the bonds, and is P(v + (h/2)M⁻¹f).
 TYPED_TEST(LangevinWith, MiddleVelocityIsTangent) {
   const double h = 0.02;
-  auto [sys, s] = testing::free_chain(10, 3);
-  testing::UniformForce forces{{1, 2, 3}};
+  auto [sys, s] = tests::free_chain(10, 3);
+  tests::UniformForce forces{{1, 2, 3}};
   auto method = with_defaults<TypeParam>(sys, h);
   Langevin bath(sys, {.temperature = kWarm, .friction = 5}, h);
   initialize({sys, forces, method, bath}, h, s);
@@ -158,8 +158,8 @@ TYPED_TEST(LangevinWith, MiddleVelocityIsTangent) {
 // A start knows of no jump before it: the velocity stays, and f holds the constraint forces alone.
 TYPED_TEST(LangevinWith, StartsAnewWithoutAPast) {
   const double h = 0.01;
-  auto [sys, s] = testing::free_chain(10, 3);
-  testing::NoForce forces;
+  auto [sys, s] = tests::free_chain(10, 3);
+  tests::NoForce forces;
   auto method = with_defaults<TypeParam>(sys, h);
   Langevin bath(sys, {.temperature = kWarm, .friction = 5}, h);
   initialize({sys, forces, method, bath}, h, s);
@@ -177,7 +177,7 @@ TEST(LangevinBath, FrictionSlowsAFreeParticle) {
   State s;
   s.x = s.f = Vectors::Zero(3, 1);
   s.v = Vectors::Ones(3, 1);
-  testing::NoForce forces;
+  tests::NoForce forces;
   Newton method(sys, {}, h);
   Langevin bath(sys, {.temperature = 0, .friction = friction}, h);
   initialize({sys, forces, method, bath}, h, s);
@@ -233,8 +233,8 @@ struct BathedWaters {
     return std::sqrt(sum / 2000);
   }
   static constexpr double h = 1e-3;
-  testing::Start start = testing::waters(20, 5, 300);
-  testing::NoForce forces;
+  tests::Start start = tests::waters(20, 5, 300);
+  tests::NoForce forces;
   Langevin bath;
 };
 
@@ -288,8 +288,8 @@ TEST(LangevinFloor, OfStrongNoiseIsLowerWithoutExtrapolation) {
 
 TEST(LangevinBath, RepeatsBitForBitAndItsSeedMatters) {
   const auto end = [](std::uint64_t seed) {
-    auto [sys, s] = testing::free_chain(8, 1);
-    testing::NoForce forces;
+    auto [sys, s] = tests::free_chain(8, 1);
+    tests::NoForce forces;
     Newton method(sys, {}, 0.01);
     Langevin bath(sys, {.temperature = kWarm, .friction = 1, .seed = seed}, 0.01);
     initialize({sys, forces, method, bath}, 0.01, s);
@@ -302,9 +302,9 @@ TEST(LangevinBath, RepeatsBitForBitAndItsSeedMatters) {
 
 TEST(LangevinBath, HoldsTheMomentumWhereAsked) {
   const double h = 0.01;
-  auto [sys, s] = testing::free_chain(8, 1);
+  auto [sys, s] = tests::free_chain(8, 1);
   remove_momentum(sys, s.v);
-  testing::NoForce forces;
+  tests::NoForce forces;
   Newton method(sys, {}, h);
   Langevin bath(sys, {.temperature = kWarm, .friction = 5, .hold_momentum = true}, h);
   initialize({sys, forces, method, bath}, h, s);
@@ -330,8 +330,8 @@ TEST(Noise, IsBoxMullerOfPhilox) {
       EXPECT_NEAR(wanted[4 * n + 2 * pair + 1], angle >> 30 & 1 ? -y : y, 1e-12);
     }
   }
-  testing::on_every_machine([&] {
-    testing::on_one_to_three_threads([&] {
+  tests::on_every_machine([&] {
+    tests::on_one_to_three_threads([&] {
       std::ranges::fill(noise, 0);
       fill_with_noise(kSeed, kStep, noise);
       EXPECT_EQ(noise, wanted);
@@ -364,4 +364,4 @@ TEST(Noise, HasTheMomentsOfIndependentNormalNumbers) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::langevin_tests

@@ -9,7 +9,7 @@
 
 // Liquids of small molecules to compute pairs of.
 
-namespace taut::testing {
+namespace taut::tests {
 
 struct Liquid {
   const char* name;
@@ -98,4 +98,4 @@ inline Eigen::RowVectorXd clear_of_cutoff(double cutoff, const Vectors& x, const
   return clear;
 }
 
-}  // namespace taut::testing
+}  // namespace taut::tests

@@ -10,26 +10,18 @@
 
 #include <chrono>
 #include <csignal>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <thread>
 
+#include "file_text.hpp"
 #include "temporary_folder.hpp"
 
 namespace taut {
 
-namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using Arguments = std::vector<std::string>;
-
-inline std::string contents(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
 
 // taut as a process of its own, its streams in files.
 class Process {
@@ -69,12 +61,12 @@ class Process {
   pid_t pid_;
 };
 
-struct Outcome {
+struct Ending {
   int code;
   std::string out, error;
 };
 
-inline Outcome taut(const Arguments& arguments, const fs::path& streams) {
+inline Ending run_taut(const Arguments& arguments, const fs::path& streams) {
   const Process process(arguments, streams);
   const int code = process.wait();
   return {code, process.out(), process.error()};
@@ -107,7 +99,7 @@ inline std::map<std::string, std::string> all_files(const fs::path& folder) {
   return files;
 }
 
-inline void expect_one_line(const Outcome& outcome, int code) {
+inline void expect_one_line(const Ending& outcome, int code) {
   EXPECT_EQ(outcome.code, code) << outcome.error;
   EXPECT_EQ(std::count(outcome.error.begin(), outcome.error.end(), '\n'), 1) << outcome.error;
 }
@@ -176,7 +168,7 @@ inline Arguments with(Arguments arguments, const Arguments& more) {
 class LongRuns : public ::testing::Test {
  protected:
   fs::path in(const char* name) const { return folder_.path() / name; }
-  Outcome run(const Arguments& arguments) const { return taut(arguments, folder_.path()); }
+  Ending run(const Arguments& arguments) const { return run_taut(arguments, folder_.path()); }
 
   TemporaryFolder folder_;
 };

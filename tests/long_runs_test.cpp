@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <random>
 
-namespace taut {
+namespace taut::long_runs_tests {
 namespace {
 
 TEST_F(LongRuns, KilledAtAnyInstantTheyGoOn) {
@@ -53,7 +53,7 @@ TEST_F(LongRuns, StopWhenAskedAndSayHowToGoOn) {
     EXPECT_EQ(process.wait(), 128 + signal) << process.error();
     EXPECT_THAT(process.out(), HasSubstr("`taut resume " + out.string() + "` goes on from step "));
     EXPECT_FALSE(fs::exists(out / "summary.json"));
-    const Outcome resumed = run({"resume", out.string()});
+    const Ending resumed = run({"resume", out.string()});
     ASSERT_EQ(resumed.code, 0);
     EXPECT_THAT(resumed.out, HasSubstr("\ngoes on from step "));
     expect_same_run(in("whole"), out);
@@ -64,7 +64,7 @@ TEST_F(LongRuns, FourHundredAndSixHundredAreAThousand) {
   const fs::path out = in("parts");
   ASSERT_EQ(run(droplet(in("whole"), "1000")).code, 0);
   ASSERT_EQ(run(droplet(out, "400")).code, 0);
-  const Outcome done = run({"resume", out.string()});
+  const Ending done = run({"resume", out.string()});
   EXPECT_EQ(done.code, 0);
   EXPECT_THAT(done.out, HasSubstr("all 400 steps are taken"));
   ASSERT_EQ(run({"resume", out.string(), "--steps", "600"}).code, 0);
@@ -79,7 +79,7 @@ TEST_F(LongRuns, AFullDiskIsOneLineAndLosesNothing) {
   ASSERT_EQ(run(droplet(in("whole"), "100")).code, 0);
   ASSERT_EQ(run(droplet(out, "50")).code, 0);
   fs::create_symlink("/dev/full", out / "checkpoint.cbor.part");
-  const Outcome refused = run({"resume", out.string(), "--steps", "50"});
+  const Ending refused = run({"resume", out.string(), "--steps", "50"});
   expect_one_line(refused, 3);
   EXPECT_THAT(refused.error, HasSubstr("No space left on device"));
   EXPECT_EQ(run({"resume", out.string(), "--steps", "50"}).code, 0);
@@ -96,7 +96,7 @@ TEST_F(LongRuns, ADiskThatFillsUpLeavesTheLastCheckpoint) {
   ASSERT_EQ(run(with(small, {in("small").string()})).code, 0);
   const rlimit limit{fs::file_size(in("small") / "log.csv") / 2, RLIM_INFINITY};
   setrlimit(RLIMIT_FSIZE, &limit);
-  const Outcome full = run(with(small, {out.string()}));
+  const Ending full = run(with(small, {out.string()}));
   const rlimit none{RLIM_INFINITY, RLIM_INFINITY};
   setrlimit(RLIMIT_FSIZE, &none);
   expect_one_line(full, 3);
@@ -118,8 +118,8 @@ TEST_F(LongRuns, AFolderThatVanishesIsOneLine) {
 
 TEST_F(LongRuns, AFailureIsWrittenWithTheLastGoodFrame) {
   const fs::path out = in("failed");
-  const Outcome failed = run({"run", "water", "--method", "newton", "--dt-fs", "6", "--steps", "1000",
-                              "--set", "run.temperature_k=3000", "--out", out.string()});
+  const Ending failed = run({"run", "water", "--method", "newton", "--dt-fs", "6", "--steps", "1000", "--set",
+                             "run.temperature_k=3000", "--out", out.string()});
   EXPECT_EQ(failed.code, 1);
   const auto json = nlohmann::json::parse(contents(out / "failure.json"));
   EXPECT_EQ(json["last_good_frame"]["step"], json["step"].get<long>() - 1);
@@ -142,7 +142,7 @@ TEST_F(LongRuns, CheckpointsAreTakenByTheClock) {
   const fs::path out = in("killed");
   const Process process(by_the_clock(out, "200000", "0.0001"), folder_.path());
   kill_when_the_log_has(1000000, process, out);
-  const Outcome resumed = run({"resume", out.string()});
+  const Ending resumed = run({"resume", out.string()});
   ASSERT_EQ(resumed.code, 0) << resumed.error;
   EXPECT_THAT(resumed.out, HasSubstr("goes on from step "));
   EXPECT_THAT(resumed.out, Not(HasSubstr("goes on from step 0\n")));
@@ -160,9 +160,9 @@ TEST_F(LongRuns, TheFirstCheckpointsComeSoon) {
   wait_until([&] { return fs::last_write_time(out / "checkpoint.cbor") > first; });
   process.send(SIGKILL);
   process.wait();
-  const Outcome resumed = run({"resume", out.string(), "--set", "run.steps=0"});
+  const Ending resumed = run({"resume", out.string(), "--set", "run.steps=0"});
   EXPECT_THAT(resumed.out, ::testing::ContainsRegex("goes on from step [1-9]")) << resumed.error;
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::long_runs_tests

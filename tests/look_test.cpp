@@ -10,7 +10,7 @@
 #include "taut_command.hpp"
 #include "temporary_folder.hpp"
 
-namespace taut {
+namespace taut::look_tests {
 namespace {
 
 using ::testing::AllOf;
@@ -239,4 +239,4 @@ TEST(Look, ScansRefuseWhatTheyCannotRun) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::look_tests

@@ -13,7 +13,7 @@
 #include "taut_command.hpp"
 #include "temporary_folder.hpp"
 
-namespace taut {
+namespace taut::manners_tests {
 namespace {
 
 using nlohmann::json;
@@ -350,4 +350,4 @@ TEST(Manners, Measures) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::manners_tests

@@ -7,7 +7,7 @@
 #include "md/run.hpp"
 #include "md/units.hpp"
 
-namespace taut {
+namespace taut::md_tests {
 namespace {
 
 System particle(double mass = 1) {
@@ -389,4 +389,4 @@ TEST(NearestName, WhereNoneIsNearAllAreNamed) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::md_tests

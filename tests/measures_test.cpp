@@ -14,7 +14,7 @@
 #include "systems/scene_file.hpp"
 #include "temporary_folder.hpp"
 
-namespace taut {
+namespace taut::measures_tests {
 namespace {
 
 std::vector<int> numbers(int n) {
@@ -209,4 +209,4 @@ TEST(Measures, ATrajectoryReadsBack) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::measures_tests

@@ -16,18 +16,18 @@
 #include "md/run.hpp"
 #include "verifier.hpp"
 
-namespace taut {
+namespace taut::methods_tests {
 namespace {
 
-using testing::NoForce;
-using testing::Start;
-using testing::tight;
-using testing::Verdict;
-using testing::verify;
+using tests::NoForce;
+using tests::Start;
+using tests::tight;
+using tests::Verdict;
+using tests::verify;
 
 // A closed ring of unit bonds, puckered.
 Start ring(int beads, std::uint64_t seed) {
-  Start start = testing::free_chain(beads, seed);
+  Start start = tests::free_chain(beads, seed);
   const double radius = 0.5 / std::sin(M_PI / beads);
   for (int i = 0; i < beads; ++i) {
     const double phi = 2 * M_PI * i / beads;
@@ -41,7 +41,7 @@ Start ring(int beads, std::uint64_t seed) {
 
 // A bead with three arms of two, masses 1 : 20.
 Start tree() {
-  Start start = testing::free_chain(7, 5);
+  Start start = tests::free_chain(7, 5);
   Eigen::VectorXd mass(7);
   mass << 20, 1, 1, 1, 1, 1, 1;
   start.state.x << 0, 1, 1.7, -0.5, -1.2, -0.5, -1.1,  //
@@ -52,7 +52,7 @@ Start tree() {
 }
 
 Start anchored_chain() {
-  Start start = testing::free_chain(5, 21);
+  Start start = tests::free_chain(5, 21);
   Eigen::VectorXd mass = start.system.mass;
   mass[0] = 0;
   start.state.v.col(0).setZero();
@@ -67,11 +67,11 @@ struct Case {
 };
 
 std::vector<Case> cases() {
-  return {{"rotor", testing::rotor(3), 0.01},
-          {"chain of 20", testing::free_chain(20, 1), 0.01},
+  return {{"rotor", tests::rotor(3), 0.01},
+          {"chain of 20", tests::free_chain(20, 1), 0.01},
           {"ring of 8", ring(8, 2), 0.01},
           {"tree", tree(), 0.01},
-          {"waters", testing::waters(4, 3, 300), 0.001},
+          {"waters", tests::waters(4, 3, 300), 0.001},
           {"anchored chain", anchored_chain(), 0.01}};
 }
 
@@ -118,7 +118,7 @@ TEST_P(EveryMethod, HoldsEveryShapeAsItPromises) {
 
 // A molecule every method can hold: waters for settle, a chain for the others.
 Start molecule_for(std::string_view method, std::uint64_t seed) {
-  return method == "settle" ? testing::waters(3, seed, 300) : testing::free_chain(6, seed);
+  return method == "settle" ? tests::waters(3, seed, 300) : tests::free_chain(6, seed);
 }
 
 TEST_P(EveryMethod, GivesTheSameBitsTwice) {
@@ -155,7 +155,7 @@ TEST_P(EveryMethod, StopsBeforeNaN) {
 }
 
 TEST(PlainMethods, StopBeforeNaNAfterSoManySweeps) {
-  const Start start = testing::free_chain(6, 4);
+  const Start start = tests::free_chain(6, 4);
   for (const MethodOptions& options :
        {MethodOptions(Baumgarte::Options{.sweeps = 3}), MethodOptions(Shake::Options{{.sweeps = 3}}),
         MethodOptions(Rattle::Options{{.sweeps = 3}})}) {
@@ -168,7 +168,7 @@ TEST(PlainMethods, StopBeforeNaNAfterSoManySweeps) {
 TEST_P(EveryMethod, ItsMultipliersAreTheExactOnesToFirstOrder) {
   if (GetParam() == "penalty") GTEST_SKIP() << "a spring swings about its multiplier";
   const Start start = molecule_for(GetParam(), 9);
-  testing::UniformForce forces{Vec3(0, 0, -1)};
+  tests::UniformForce forces{Vec3(0, 0, -1)};
   const double h = GetParam() == "settle" ? 1e-4 : 1e-3;
   const auto verdict = verify(start.system, forces, default_options(GetParam()), h, 20, start.state);
   State end = verdict.end;
@@ -198,7 +198,7 @@ TEST(RattleAndNewton, AgreeToRoundOff) {
 }
 
 TEST(Projector, ReachesRoundOff) {
-  Start start = testing::free_chain(20, 4);
+  Start start = tests::free_chain(20, 4);
   for (double far = 1e-2; far > 1e-9; far /= 3) {
     Vectors x = start.state.x + far * start.state.v;
     Projector(start.system).positions(start.system, x);
@@ -222,7 +222,7 @@ TEST(Projector, NamesTheBondThatDependsOnOthers) {
 
 // Turning by 3 rad a step: no first step can hold it.
 TEST(Start, ThatAMethodCannotHoldIsAFailureThatNamesTheBond) {
-  auto [sys, s] = testing::rotor(300);
+  auto [sys, s] = tests::rotor(300);
   Batched<Feedforward> method(sys, {}, 0.01);
   NoForce forces;
   try {
@@ -234,7 +234,7 @@ TEST(Start, ThatAMethodCannotHoldIsAFailureThatNamesTheBond) {
 }
 
 TEST(Methods, LimitsAreRefusedByTheirOwnKeys) {
-  const System sys = testing::rotor(1).system;
+  const System sys = tests::rotor(1).system;
   const auto refusal = [&](const MethodOptions& options) -> std::string {
     try {
       make_method(sys, options, 0.01);
@@ -298,7 +298,7 @@ TEST(Methods, UnknownNameIsRefusedWithTheNearest) {
 }
 
 TEST(Methods, OptionsOutOfRangeAreRefused) {
-  const System sys = testing::rotor(1).system;
+  const System sys = tests::rotor(1).system;
   EXPECT_THROW(make_method(sys, Rattle::Options{{.tolerance = 0}}, 0.01), InputError);
   EXPECT_THROW(make_method(sys, Shake::Options{{.max_sweeps = 0}}, 0.01), InputError);
   EXPECT_THROW(make_method(sys, Newton::Options{.tolerance = 1}, 0.01), InputError);
@@ -307,4 +307,4 @@ TEST(Methods, OptionsOutOfRangeAreRefused) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::methods_tests

@@ -12,7 +12,7 @@
 #include "simulation/simulation.hpp"
 #include "systems/openmm/import.hpp"
 
-namespace taut {
+namespace taut::metric_tests {
 namespace {
 
 using testing::HasSubstr;
@@ -152,4 +152,4 @@ TEST(MetricCorrection, IsRefusedWhereItHasNoMeaning) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::metric_tests

@@ -11,7 +11,7 @@
 #include "simulation/simulation.hpp"
 #include "systems/scene_file.hpp"
 
-namespace taut {
+namespace taut::minimise_tests {
 namespace {
 
 // Every second molecule of `size` atoms pushed by up to `far` [nm].
@@ -132,4 +132,4 @@ TEST(Minimise, ASceneAsksForItAndIsToldWhatItTook) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::minimise_tests

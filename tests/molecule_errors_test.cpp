@@ -2,7 +2,7 @@
 
 #include "scene_text.hpp"
 
-namespace taut {
+namespace taut::molecule_errors_tests {
 namespace {
 
 using testing::HasSubstr;
@@ -195,4 +195,4 @@ TEST(MoleculeErrors, Boxes) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::molecule_errors_tests

@@ -8,7 +8,7 @@
 #include "simulation/simulation.hpp"
 #include "systems/whole_molecules.hpp"
 
-namespace taut {
+namespace taut::molecule_forces_tests {
 namespace {
 
 using testing::ElementsAre;
@@ -196,4 +196,4 @@ cutoff_nm = 1
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::molecule_forces_tests

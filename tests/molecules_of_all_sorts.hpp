@@ -10,7 +10,7 @@ namespace taut {
 inline std::vector<Start> rings(int count) {
   std::vector<Start> rings;
   for (int c = 0; c < count; ++c) {
-    Start start = testing::free_chain(7, 30 + c);
+    Start start = tests::free_chain(7, 30 + c);
     for (int i = 0; i < 6; ++i)
       start.state.x.col(i) << std::cos(M_PI * i / 3), std::sin(M_PI * i / 3), 0.1 * (i % 2);
     start.state.x.col(6) << 2, 0.1, 0.1 * c;
@@ -30,7 +30,7 @@ inline std::vector<Start> rings(int count) {
 inline std::vector<Start> trees(int count) {
   std::vector<Start> trees;
   for (int c = 0; c < count; ++c) {
-    Start start = testing::free_chain(5, 50 + c);
+    Start start = tests::free_chain(5, 50 + c);
     start.state.x << 0, 1, -0.5, -0.5, -1.1, 0, 0, 0.87, -0.87, -0.9, 0, 0.1, 0, 0, 0.8;
     Eigen::VectorXd mass(5);
     mass << 20, 1, 2, 1, 1;
@@ -44,7 +44,7 @@ inline std::vector<Start> trees(int count) {
 inline std::vector<Start> stars(int count) {
   std::vector<Start> stars;
   for (int c = 0; c < count; ++c) {
-    Start start = testing::free_chain(4, 40 + c);
+    Start start = tests::free_chain(4, 40 + c);
     start.state.x << 0, 1, -0.5, -0.5, 0, 0, 0.87, -0.87, 0, 0.1, 0, 0;
     start.system = make_system(start.system.mass, {{0, 1, 1}, {0, 2, 1}, {0, 3, 1}});
     stars.push_back(start);
@@ -58,7 +58,7 @@ inline std::vector<Start> dumbbells_of_all_sorts() {
   for (const double length : {1.0, 1.5})
     for (const double first : {1.0, 3.0})
       for (const double second : {1.0, 3.0}) {
-        Start start = testing::rotor(1 + first);
+        Start start = tests::rotor(1 + first);
         start.state.x *= length;
         start.system = make_system(Eigen::VectorXd{{first, second}}, {{0, 1, length}});
         all.push_back(start);
@@ -89,7 +89,7 @@ inline std::vector<Start> pinned_chains(int count) {
 
 // Two chains alike from one anchor, which holds both.
 inline Start from_one_anchor() {
-  Start start = testing::free_chain(9, 60);
+  Start start = tests::free_chain(9, 60);
   State& s = start.state;
   Eigen::VectorXd mass = start.system.mass;
   mass[0] = 0;
@@ -111,7 +111,7 @@ inline std::vector<Start> between(std::vector<Start> first, const std::vector<St
 inline std::vector<Start> waters_alike(int count, const Vec3& masses) {
   std::vector<Start> waters;
   for (int w = 0; w < count; ++w) {
-    Start water = testing::waters(1, 80 + w, 300);
+    Start water = tests::waters(1, 80 + w, 300);
     water.system = make_system(masses, water.system.bonds);
     waters.push_back(water);
   }

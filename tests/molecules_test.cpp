@@ -12,7 +12,7 @@
 #include "systems/scene_source.hpp"
 #include "systems/start_file.hpp"
 
-namespace taut {
+namespace taut::molecules_tests {
 namespace {
 
 using testing::HasSubstr;
@@ -388,4 +388,4 @@ TEST(Place, NotesOfTheStart) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::molecules_tests

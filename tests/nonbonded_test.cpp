@@ -11,10 +11,10 @@
 #include "reference/plain_pairs.hpp"
 #include "two_kinds.hpp"
 
-namespace taut {
+namespace taut::nonbonded_tests {
 namespace {
 
-using namespace testing;
+using namespace tests;
 
 Vectors apart(double r) {
   return columns({{0, 0, 0}, {r, 0, 0}});
@@ -282,4 +282,4 @@ TEST(Nonbonded, OverlappingAtomsShowAsNumbersThatAreNotFinite) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::nonbonded_tests

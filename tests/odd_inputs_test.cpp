@@ -9,7 +9,7 @@
 #include "taut_command.hpp"
 #include "temporary_folder.hpp"
 
-namespace taut {
+namespace taut::odd_inputs_tests {
 namespace {
 
 using ::testing::HasSubstr;
@@ -154,4 +154,4 @@ TEST(OddInputs, FilesOfTheReadmeAreThere) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::odd_inputs_tests

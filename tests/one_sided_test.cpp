@@ -16,12 +16,12 @@
 #include "free_system.hpp"
 #include "md/observables.hpp"
 
-namespace taut {
+namespace taut::one_sided_tests {
 namespace {
 
-using testing::NoForce;
-using testing::Start;
-using testing::UniformForce;
+using tests::NoForce;
+using tests::Start;
+using tests::UniformForce;
 
 struct Holder {
   const char* name;
@@ -330,7 +330,7 @@ TEST(OneSidedBonds, WithoutCorrectionASlackRopeLetsFly) {
 TEST(OneSidedBonds, SlackOnesChangeNothing) {
   const double h = 2e-3;
   for (const auto& [name, options, passed] : holders()) {
-    const Start start = testing::free_chain(6, 8);
+    const Start start = tests::free_chain(6, 8);
     System slack = start.system;
     for (int a = 0; a < 4; ++a) {
       slack.one_sided.push_back({{a, a + 2, 1e-3}, Side::kAtLeast});
@@ -394,4 +394,4 @@ TEST(OneSidedBonds, AreChecked) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::one_sided_tests

@@ -8,7 +8,7 @@
 #include "studies/openmm_twin.hpp"
 #include "systems/scene_file.hpp"
 
-namespace taut {
+namespace taut::openmm_absent_tests {
 namespace {
 
 TEST(OpenMMAbsent, NamesThePackage) {
@@ -25,4 +25,4 @@ TEST(OpenMMAbsent, NamesThePackage) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::openmm_absent_tests

@@ -8,12 +8,12 @@
 #include "base/errors.hpp"
 #include "openmm_parity.hpp"
 
-namespace taut {
+namespace taut::openmm_custom_tests {
 namespace {
 
-using testing::expect_parity;
-using testing::Folder;
-using testing::Melt;
+using tests::expect_parity;
+using tests::Folder;
+using tests::Melt;
 
 // Maps of several sizes, dihedrals that share three atoms, in two forces.
 TEST(OpenMMParity, CorrectionMaps) {
@@ -259,4 +259,4 @@ TEST(OpenMMParity, RepulsiveBeadsHoweverTheyAreDeclared) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::openmm_custom_tests

@@ -12,7 +12,7 @@
 #include "systems/scene_file.hpp"
 #include "temporary_folder.hpp"
 
-namespace taut {
+namespace taut::openmm_export_tests {
 namespace {
 
 using ::testing::AllOf;
@@ -185,4 +185,4 @@ TEST(OpenMMExport, SaysWhatOpenMMCannotExpress) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::openmm_export_tests

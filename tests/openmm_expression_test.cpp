@@ -8,7 +8,7 @@
 
 #include "systems/openmm/expression.hpp"
 
-namespace taut {
+namespace taut::openmm_expression_tests {
 namespace {
 
 using std::numbers::pi;
@@ -131,4 +131,4 @@ TEST(KnownEnergies, HaveEverySpellingOfTheHarmonicImproper) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::openmm_expression_tests

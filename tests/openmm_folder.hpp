@@ -7,7 +7,7 @@
 
 #include "temporary_folder.hpp"
 
-namespace taut::testing {
+namespace taut::tests {
 
 struct Files {
   std::filesystem::path system, state;
@@ -25,4 +25,4 @@ Files without_settle(const Files& files, const Folder& folder);
 // A periodic melt (openmm_models.hpp) with three atoms of mass 0.
 Files anchored_melt(const Folder& folder);
 
-}  // namespace taut::testing
+}  // namespace taut::tests

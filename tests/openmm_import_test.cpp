@@ -12,15 +12,15 @@
 #include "openmm_models.hpp"
 #include "systems/openmm/input.hpp"
 
-namespace taut {
+namespace taut::openmm_import_tests {
 namespace {
 
 using ::testing::AllOf;
-using testing::Files;
-using testing::Folder;
 using ::testing::HasSubstr;
-using testing::Melt;
 using ::testing::Not;
+using tests::Files;
+using tests::Folder;
+using tests::Melt;
 
 std::string text_of(const std::filesystem::path& file) {
   std::ostringstream text;
@@ -70,7 +70,7 @@ auto one_line_with(const Parts&... parts) {
 }
 
 TEST(OpenMMImport, ReadsWhatIsThere) {
-  const Files files = testing::data("ala2-hbonds-rf");
+  const Files files = tests::data("ala2-hbonds-rf");
   const OpenMMInput input = read_openmm(files.system, files.state);
   EXPECT_EQ(input.system.atoms(), input.start.x.cols());
   EXPECT_NEAR(input.start.box.edge.x(), 3.2852863, 1e-12);
@@ -302,4 +302,4 @@ TEST(OpenMMImportRefuses, AStateWithoutPositions) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::openmm_import_tests

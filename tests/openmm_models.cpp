@@ -8,7 +8,7 @@
 #include <numbers>
 #include <sstream>
 
-namespace taut::testing {
+namespace taut::tests {
 
 namespace fs = std::filesystem;
 
@@ -137,7 +137,7 @@ Files anchored_melt(const Folder& folder) {
   return melt.write(folder);
 }
 
-}  // namespace taut::testing
+}  // namespace taut::tests
 
 // OpenMM 7.7 does not free the two-dimensional tables it reads from XML.
 extern "C" const char* __lsan_default_suppressions();

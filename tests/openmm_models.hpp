@@ -13,7 +13,7 @@
 #include "md/box.hpp"
 #include "openmm_folder.hpp"
 
-namespace taut::testing {
+namespace taut::tests {
 
 // 32 chains of 7 beads on a shaken lattice, in a box of 2.4 nm. Every other bond is rigid (0-1, 2-3, 4-5; the
 // last bead is on none, as an anchor of OpenMM's must be). Random masses, charges and sizes; angles;
@@ -53,4 +53,4 @@ class Melt {
   std::mt19937 random_;
 };
 
-}  // namespace taut::testing
+}  // namespace taut::tests

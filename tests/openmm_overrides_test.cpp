@@ -5,7 +5,7 @@
 #include "systems/openmm/import.hpp"
 #include "systems/scene_file.hpp"
 
-namespace taut {
+namespace taut::openmm_overrides_tests {
 namespace {
 
 using ::testing::ElementsAre;
@@ -107,4 +107,4 @@ TEST(OpenMMOverrides, KeysThatCannotActAreRefusedWithTheReason) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::openmm_overrides_tests

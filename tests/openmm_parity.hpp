@@ -11,7 +11,7 @@
 #include "studies/openmm_twin.hpp"
 #include "systems/openmm/input.hpp"
 
-namespace taut::testing {
+namespace taut::tests {
 
 inline double rms(const Vectors& f) {
   return std::sqrt(f.squaredNorm() / static_cast<double>(f.size()));
@@ -34,4 +34,4 @@ inline void expect_parity(const Files& files, double more = 0) {
   expect_agreement(energy, input.start.f, twin.potential() + more, twin.state().f);
 }
 
-}  // namespace taut::testing
+}  // namespace taut::tests

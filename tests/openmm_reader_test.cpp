@@ -9,7 +9,7 @@
 #include "systems/openmm/import.hpp"
 #include "systems/scene_file.hpp"
 
-namespace taut {
+namespace taut::openmm_reader_tests {
 namespace {
 
 using ::testing::AllOf;
@@ -195,4 +195,4 @@ TEST(OpenMMReader, MendsAMoleculeOnlyWhereOpenMMTakesImages) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::openmm_reader_tests

@@ -4,7 +4,7 @@
 
 #include "openmm_texts.hpp"
 
-namespace taut {
+namespace taut::openmm_refusals_tests {
 namespace {
 
 using ::testing::AllOf;
@@ -325,4 +325,4 @@ TEST(OpenMMReader, SaysOneShortLineWhateverTheFileHolds) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::openmm_refusals_tests

@@ -12,13 +12,13 @@
 #include "studies/openmm_twin.hpp"
 #include "systems/openmm/export.hpp"
 
-namespace taut {
+namespace taut::openmm_sites_tests {
 namespace {
 
-using testing::data;
-using testing::Files;
-using testing::Folder;
-using testing::Melt;
+using tests::data;
+using tests::Files;
+using tests::Folder;
+using tests::Melt;
 
 struct Evaluation {
   double energy;
@@ -32,7 +32,7 @@ Evaluation ours(OpenMMInput input) {
 }
 
 // Energy to 1e-9, every force component to 1e-7 of their rms; and the same again from what taut exports.
-void expect_parity(const Files& files) {
+void expect_parity_with_sites(const Files& files) {
   const OpenMMInput input = read_openmm(files.system, files.state);
   EXPECT_FALSE(input.system.sites.empty());
   const Evaluation a = ours(input);
@@ -93,14 +93,14 @@ void add_sites(Melt& melt) {
 TEST(OpenMMSites, OfEveryKindWithoutABox) {
   Melt melt(21);
   add_sites(melt);
-  expect_parity(melt.write(Folder()));
+  expect_parity_with_sites(melt.write(Folder()));
 }
 
 TEST(OpenMMSites, OfEveryKindWithReactionField) {
   Melt melt(22);
   melt.make_periodic();
   add_sites(melt);
-  expect_parity(melt.write(Folder()));
+  expect_parity_with_sites(melt.write(Folder()));
 }
 
 TEST(OpenMMSites, OfEveryKindWithPme) {
@@ -115,14 +115,14 @@ TEST(OpenMMSites, OfEveryKindWithPme) {
   }
   melt.nonbonded->getParticleParameters(0, charge, sigma, epsilon);
   melt.nonbonded->setParticleParameters(0, charge - total, sigma, epsilon);
-  expect_parity(melt.write(Folder()));
+  expect_parity_with_sites(melt.write(Folder()));
 }
 
 // 64 molecules as OpenMM 8.6's ForceField makes them of tip4pew.xml and tip5p.xml.
 TEST(OpenMMSites, OfWaterWithPmeAndWithReactionField) {
   for (const char* name : {"tip4pew-64", "tip5p-64"}) {
     const Files files = data(name);
-    expect_parity(files);
+    expect_parity_with_sites(files);
     std::ifstream in(files.system);
     const std::unique_ptr<OpenMM::System> system(OpenMM::XmlSerializer::deserialize<OpenMM::System>(in));
     for (int k = 0; k < system->getNumForces(); ++k)
@@ -131,9 +131,9 @@ TEST(OpenMMSites, OfWaterWithPmeAndWithReactionField) {
     std::ostringstream text;
     OpenMM::XmlSerializer::serialize(system.get(), "System", text);
     const Folder folder;
-    expect_parity({folder.write("a.system.xml", text.str()), files.state});
+    expect_parity_with_sites({folder.write("a.system.xml", text.str()), files.state});
   }
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::openmm_sites_tests

@@ -12,15 +12,15 @@
 #include "md/units.hpp"
 #include "openmm_parity.hpp"
 
-namespace taut {
+namespace taut::openmm_tests {
 namespace {
 
-using testing::data;
-using testing::expect_agreement;
-using testing::expect_parity;
-using testing::Files;
-using testing::Folder;
-using testing::Melt;
+using tests::data;
+using tests::expect_agreement;
+using tests::expect_parity;
+using tests::Files;
+using tests::Folder;
+using tests::Melt;
 
 class SharedSystem : public ::testing::TestWithParam<const char*> {};
 
@@ -235,4 +235,4 @@ TEST(OpenMMTwinTest, RunsOnThePlatformAskedFor) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::openmm_tests

@@ -11,12 +11,12 @@
 #include "studies/openmm_twin.hpp"
 #include "systems/openmm/import.hpp"
 
-namespace taut {
+namespace taut::openmm_trajectory_tests {
 namespace {
 
-using testing::data;
-using testing::Files;
-using testing::Folder;
+using tests::data;
+using tests::Files;
+using tests::Folder;
 
 TEST(OpenMMScene, IsNamedAfterItsFileAndRunsNewton) {
   const Files files = data("ala2-hbonds-rf");
@@ -68,24 +68,24 @@ void expect_same_trajectory(const Apart& apart) {
 
 TEST(OpenMMTrajectory, WatersWithoutSettle) {
   const Folder folder;
-  expect_same_trajectory(apart_after(testing::without_settle(data("tip3p-216"), folder), 200));
+  expect_same_trajectory(apart_after(tests::without_settle(data("tip3p-216"), folder), 200));
 }
 
 TEST(OpenMMTrajectory, DipeptideWithAllBondsRigidWithoutSettle) {
   const Folder folder;
-  expect_same_trajectory(apart_after(testing::without_settle(data("ala2-allbonds-rf"), folder), 200));
+  expect_same_trajectory(apart_after(tests::without_settle(data("ala2-allbonds-rf"), folder), 200));
 }
 
 TEST(OpenMMTrajectory, MeltWithAnchors) {
   const Folder folder;
-  expect_same_trajectory(apart_after(testing::anchored_melt(folder), 100));
+  expect_same_trajectory(apart_after(tests::anchored_melt(folder), 100));
 }
 
 // OpenMM's sites are where the force at a step's end is taken.
 TEST(OpenMMTrajectory, WatersWithVirtualSitesWithoutSettle) {
   for (const char* name : {"tip4pew-64", "tip5p-64"}) {
     const Folder folder;
-    expect_same_trajectory(apart_after(testing::without_settle(data(name), folder), 100));
+    expect_same_trajectory(apart_after(tests::without_settle(data(name), folder), 100));
   }
 }
 
@@ -103,4 +103,4 @@ TEST(OpenMMTrajectory, DipeptideWithAllBondsRigid) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::openmm_trajectory_tests

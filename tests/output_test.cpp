@@ -7,20 +7,13 @@
 #include <sstream>
 
 #include "base/errors.hpp"
+#include "file_text.hpp"
 #include "files/atomic_file.hpp"
 #include "files/folder.hpp"
 #include "temporary_folder.hpp"
 
-namespace taut {
+namespace taut::output_tests {
 namespace {
-
-namespace fs = std::filesystem;
-
-std::string contents(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
 
 TEST(GrowingFile, GoesOnFromItsMark) {
   const TemporaryFolder folder;
@@ -100,4 +93,4 @@ TEST(AtomicFile, IsSeenWholeOrNotAtAll) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::output_tests

@@ -7,7 +7,7 @@
 #include "taut_command.hpp"
 #include "temporary_folder.hpp"
 
-namespace taut {
+namespace taut::pictures_tests {
 namespace {
 
 using ::testing::HasSubstr;
@@ -127,4 +127,4 @@ TEST_P(Gnuplots, AreNotTakenAtTheirWord) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::pictures_tests

@@ -13,10 +13,10 @@
 #include "reference/plain_ewald.hpp"
 #include "reference/plain_mesh.hpp"
 
-namespace taut {
+namespace taut::pme_tests {
 namespace {
 
-using namespace testing;
+using namespace tests;
 
 // Rock salt, an edge of two ions 1 apart: E = −M k q² per pair of ions, M = 1.747564594633.
 TEST(Ewald, HasTheMadelungConstantOfRockSalt) {
@@ -384,4 +384,4 @@ TEST(Screening, IsWhatItsPolynomialsSay) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::pme_tests

@@ -13,7 +13,7 @@
 #include "simulation/simulation.hpp"
 #include "systems/scene_file.hpp"
 
-namespace taut {
+namespace taut::pressure_tests {
 namespace {
 
 constexpr double kEdge = 2;  // [nm]
@@ -217,4 +217,4 @@ TEST(Pressure, OfPenaltySpringsIsThatOfHarmonicBonds) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::pressure_tests

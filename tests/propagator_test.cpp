@@ -10,10 +10,10 @@
 #include "constraints/projection.hpp"
 #include "free_system.hpp"
 
-namespace taut {
+namespace taut::propagator_tests {
 namespace {
 
-using testing::NoForce;
+using tests::NoForce;
 
 Baumgarte::Options options_for(double ah, double bh, Damping damping, double h) {
   return {.gains = "numbers",
@@ -30,7 +30,7 @@ double sigma_of(const System& sys, const State& s) {
 // One bond at rest, stretched by 1e-8: the errors of the next steps.
 std::vector<double> errors_of_a_bond_at_rest(double ah, double bh, Damping damping, int steps) {
   const double h = 0.01;
-  auto [sys, s] = testing::rotor(0);
+  auto [sys, s] = tests::rotor(0);
   Baumgarte method(sys, options_for(ah, bh, damping, h), h);
   NoForce forces;
   initialize({sys, forces, method}, h, s);
@@ -104,7 +104,7 @@ TEST(Propagator, StabilityLimitIsWhereARunBlowsUp) {
   for (const Damping damping : kDampings)
     for (const double ah : {0.1, 0.5, 0.8}) {
       const auto grows = [&](double bh) {
-        auto [sys, s] = testing::rotor(0);
+        auto [sys, s] = tests::rotor(0);
         Baumgarte method(sys, options_for(ah / 3, bh / 3, damping, h / 3), h / 3);
         NoForce forces;
         initialize({sys, forces, method}, h, s);
@@ -121,7 +121,7 @@ TEST(Propagator, StabilityLimitIsWhereARunBlowsUp) {
 
 TEST(Propagator, BeyondTheLimitGainsAreRefused) {
   const double h = 0.01;
-  const System sys = testing::rotor(0).system;
+  const System sys = tests::rotor(0).system;
   for (const Damping damping : kDampings) {
     const double limit = stability_limit(0.5, damping);
     EXPECT_NO_THROW(Baumgarte(sys, options_for(0.5, 0.99 * limit, damping, h), h));
@@ -138,7 +138,7 @@ TEST(Floor, OfAFreeRotor) {
   for (const double theta : {0.05, 0.1})
     for (const Damping damping : kDampings) {
       const double ah = 0.4, bh = 1.2;
-      auto [sys, s] = testing::rotor(theta / h);
+      auto [sys, s] = tests::rotor(theta / h);
       Baumgarte method(sys, options_for(ah, bh, damping, h), h);
       NoForce forces;
       initialize({sys, forces, method}, h, s);
@@ -168,7 +168,7 @@ TEST(Floor, OfAPendulum) {
     State s;
     s.x = s.v = s.f = Vectors::Zero(3, 2);
     s.x(0, 1) = 1;
-    testing::UniformForce forces{Vec3(0, 0, -g)};
+    tests::UniformForce forces{Vec3(0, 0, -g)};
     const double ah = 1, bh = std::sqrt(2.0);
     Baumgarte method(sys, options_for(ah, bh, damping, h), h);
     initialize({sys, forces, method}, h, s);
@@ -222,7 +222,7 @@ double bearable_stretch(double ah, double bh2, const char* damping, int passes,
                         Stretched how = Stretched::kBetweenSteps, double sign = 1) {
   const double h = 0.01;
   const auto comes_back = [&](double stretch) {
-    auto [sys, s] = testing::rotor(0);
+    auto [sys, s] = tests::rotor(0);
     Baumgarte method(sys,
                      {.gains = "numbers",
                       .damping = damping,
@@ -282,4 +282,4 @@ TEST(Propagator, AThirdOfATurnResonatesWithOnePass) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::propagator_tests

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace taut {
+namespace taut::random_tests {
 namespace {
 
 // A million numbers: a moment of variance s² is met within 5 s/1000.
@@ -71,4 +71,4 @@ TEST(Philox, NumbersOfAStepDependOnNothingBefore) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::random_tests

@@ -7,7 +7,7 @@
 #include "constraints/bond_algebra.hpp"
 #include "free_system.hpp"
 
-namespace taut {
+namespace taut::redundancy_tests {
 namespace {
 
 // All pairs in `bonds` held at the distance they have in x, masses random.
@@ -175,4 +175,4 @@ TEST(Redundancy, LeastNormMultipliersGiveTheSameForce) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::redundancy_tests

@@ -14,7 +14,7 @@
 #include "simulation/checkpoint.hpp"
 #include "simulation/simulation.hpp"
 
-namespace taut {
+namespace taut::resume_tests {
 namespace {
 
 using Overrides = std::vector<std::string>;
@@ -381,4 +381,4 @@ TEST(MemoryInUse, DoesNotGrowWithSteps) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::resume_tests

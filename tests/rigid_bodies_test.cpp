@@ -12,7 +12,7 @@
 #include "systems/openmm/export.hpp"
 #include "systems/openmm/import.hpp"
 
-namespace taut {
+namespace taut::rigid_bodies_tests {
 namespace {
 
 using testing::HasSubstr;
@@ -237,4 +237,4 @@ TEST(RigidBodies, BadOnesAreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::rigid_bodies_tests

@@ -12,7 +12,7 @@
 #include "simulation/simulation.hpp"
 #include "systems/scene_file.hpp"
 
-namespace taut {
+namespace taut::run_figures_tests {
 namespace {
 
 using Overrides = std::vector<std::string>;
@@ -357,4 +357,4 @@ TEST(Feedforward, TellsOfItsExtrapolation) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::run_figures_tests

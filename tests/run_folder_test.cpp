@@ -3,7 +3,7 @@
 #include "files/h5md_file.hpp"
 #include "long_runs.hpp"
 
-namespace taut {
+namespace taut::run_folder_tests {
 namespace {
 
 class RunFolders : public LongRuns {};
@@ -12,7 +12,7 @@ TEST_F(RunFolders, WhatIsNoCheckpointGetsOneLine) {
   fs::create_directories(in("bad"));
   const auto refused = [&](const std::string& bytes) {
     std::ofstream(in("bad") / "checkpoint.cbor", std::ios::binary) << bytes;
-    const Outcome outcome = run({"resume", in("bad").string()});
+    const Ending outcome = run({"resume", in("bad").string()});
     expect_one_line(outcome, 2);
     EXPECT_THAT(outcome.error, HasSubstr("checkpoint.cbor: "));
   };
@@ -39,7 +39,7 @@ TEST_F(RunFolders, OneProcessAtATimeWritesToAFolder) {
         with(droplet(out, "2000"), {"--overwrite"}),
         Arguments{"chart", "diatomic", "--quick", "--out", out.string()},
         Arguments{"stability", "diatomic", "--quick", "--out", out.string()}}) {
-    const Outcome refused = run(second);
+    const Ending refused = run(second);
     EXPECT_EQ(refused.code, 2) << second[0];
     EXPECT_EQ(refused.error,
               "taut: " + out.string() +
@@ -60,13 +60,13 @@ TEST_F(RunFolders, ARunIsNotOverwrittenUnasked) {
   ASSERT_EQ(run(droplet(out, "40")).code, 0);
   std::ofstream(out / "notes.txt") << "mine";
   const auto before = all_files(out);
-  const Outcome refused = run(droplet(out, "60"));
+  const Ending refused = run(droplet(out, "60"));
   expect_one_line(refused, 2);
   EXPECT_THAT(refused.error, HasSubstr("--continue"));
   EXPECT_THAT(refused.error, HasSubstr("--overwrite"));
   EXPECT_EQ(all_files(out), before);
 
-  const Outcome anew = run(with(droplet(out, "60"), {"--overwrite"}));
+  const Ending anew = run(with(droplet(out, "60"), {"--overwrite"}));
   ASSERT_EQ(anew.code, 0);
   EXPECT_THAT(anew.out, HasSubstr("what was there is kept in " + fs::canonical(out).string() + ".1\n"));
   auto kept = all_files(out.string() + ".1");
@@ -94,13 +94,13 @@ TEST_F(RunFolders, ContinueIsWhatAQueueNeeds) {
   const fs::path out = in("queued");
   ASSERT_EQ(run(with(droplet(out, "40"), {"--continue"})).code, 0);
   const auto done = all_files(out);
-  const Outcome again = run(with(droplet(out, "40"), {"--continue"}));
+  const Ending again = run(with(droplet(out, "40"), {"--continue"}));
   EXPECT_EQ(again.code, 0);
   EXPECT_THAT(again.out, HasSubstr("all 40 steps are taken"));
   EXPECT_EQ(all_files(out), done);
   for (const Arguments& other :
        {Arguments{"--dt-fs", "0.25"}, {"--set", "run.seed=9"}, {"--set", "method.tolerance=1e-9"}}) {
-    const Outcome refused = run(with(droplet(out, "40"), with(other, {"--continue"})));
+    const Ending refused = run(with(droplet(out, "40"), with(other, {"--continue"})));
     expect_one_line(refused, 2);
     EXPECT_THAT(refused.error, ::testing::ContainsRegex("(dt_fs|seed|tolerance) is "));
   }
@@ -117,7 +117,7 @@ TEST_F(RunFolders, MoreThanHalfIsCutOffOnlyWhereSaid) {
   const Process process(by_the_clock(out, "100000", "0"), folder_.path());
   kill_when_the_log_has(20000, process, out);
   const auto before = all_files(out);
-  const Outcome refused = run({"resume", out.string()});
+  const Ending refused = run({"resume", out.string()});
   expect_one_line(refused, 2);
   EXPECT_THAT(refused.error, HasSubstr("the checkpoint is of step 0, log.csv is cut back to less than half"));
   EXPECT_THAT(refused.error, HasSubstr("--yes"));
@@ -138,7 +138,7 @@ TEST_F(RunFolders, AnOutputThatIsGoneIsPutBackOrBegunAnew) {
   for (const char* name : {"trajectory.dcd", "trajectory.h5md", "log.csv"}) {
     fs::rename(out / name, in(name));
     const auto before = all_files(out);
-    const Outcome refused = run({"resume", out.string(), "--steps", "20"});
+    const Ending refused = run({"resume", out.string(), "--steps", "20"});
     expect_one_line(refused, 3);
     EXPECT_THAT(refused.error, HasSubstr(std::string(": ") + name + "; put it back, or `taut resume " +
                                          out.string() + " --yes` begins it anew"));
@@ -167,14 +167,14 @@ TEST_F(RunFolders, WhatMayChangeChangesAndTheRestIsRefused) {
   const auto before = all_files(out);
   for (const std::string key : {"run.dt_fs=1", "method.name=newton", "method.tolerance=1e-9", "run.seed=3",
                                 "build.molecules=27", "forcefield.cutoff_nm=0.8", "run.minimise=true"}) {
-    const Outcome refused = run({"resume", out.string(), "--steps", "20", "--set", key});
+    const Ending refused = run({"resume", out.string(), "--steps", "20", "--set", key});
     expect_one_line(refused, 2);
     EXPECT_THAT(refused.error, HasSubstr(key.substr(0, key.find('=')) + " cannot change"));
   }
   expect_one_line(run({"resume", out.string(), "--steps", "20", "--set", "run.trajectory_every=4"}), 2);
   expect_one_line(run({"resume", out.string(), "--steps", "20", "--set", "run.log_every=0"}), 2);
   expect_one_line(run({"resume", out.string(), "--steps", "9223372036854775807"}), 2);
-  const Outcome twice = run({"resume", out.string(), "--set", "run.log_every=5", "run.log_every=10"});
+  const Ending twice = run({"resume", out.string(), "--set", "run.log_every=5", "run.log_every=10"});
   expect_one_line(twice, 2);
   EXPECT_THAT(twice.error, HasSubstr("run.log_every is said twice"));
   EXPECT_EQ(all_files(out), before);
@@ -189,8 +189,8 @@ TEST_F(RunFolders, WhatMayChangeChangesAndTheRestIsRefused) {
   EXPECT_EQ(contents(out / "trajectory.dcd"), before.at("trajectory.dcd"));
 
   // A trajectory begun again does not take the place of the one before; another thermostat is not refused.
-  const Outcome again = run({"resume", out.string(), "--steps", "20", "--set", "run.trajectory_every=4",
-                             "run.thermostat=langevin", "run.friction_per_ps=5", "run.temperature_k=310"});
+  const Ending again = run({"resume", out.string(), "--steps", "20", "--set", "run.trajectory_every=4",
+                            "run.thermostat=langevin", "run.friction_per_ps=5", "run.temperature_k=310"});
   ASSERT_EQ(again.code, 0) << again.error;
   EXPECT_THAT(again.out, HasSubstr("Langevin's thermostat at 310 K, friction 5/ps"));
   EXPECT_EQ(contents(out.string() + ".1/trajectory.dcd"), before.at("trajectory.dcd"));
@@ -204,9 +204,9 @@ TEST_F(RunFolders, WhatMayChangeChangesAndTheRestIsRefused) {
                  kept.string()})
                 .code,
             0);
-  const Outcome free = run({"resume", kept.string(), "--steps", "20", "--set", "run.thermostat=none"});
+  const Ending free = run({"resume", kept.string(), "--steps", "20", "--set", "run.thermostat=none"});
   EXPECT_EQ(free.code, 0) << free.error;
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::run_folder_tests

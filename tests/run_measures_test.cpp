@@ -18,7 +18,7 @@
 #include "systems/scene_file.hpp"
 #include "temporary_folder.hpp"
 
-namespace taut {
+namespace taut::run_measures_tests {
 namespace {
 
 using ::testing::HasSubstr;
@@ -258,4 +258,4 @@ TEST(RunMeasures, H5mdIsReadAsItWasWritten) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::run_measures_tests

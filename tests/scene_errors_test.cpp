@@ -3,7 +3,7 @@
 #include "constraints/methods/baumgarte.hpp"
 #include "scene_text.hpp"
 
-namespace taut {
+namespace taut::scene_errors_tests {
 namespace {
 
 using testing::HasSubstr;
@@ -327,4 +327,4 @@ TEST(SceneErrors, OfTheForceFieldNameTheFile) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::scene_errors_tests

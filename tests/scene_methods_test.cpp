@@ -11,11 +11,11 @@
 #include "systems/scene_file.hpp"
 #include "verifier.hpp"
 
-namespace taut {
+namespace taut::scene_methods_tests {
 namespace {
 
-using testing::Verdict;
-using testing::verify;
+using tests::Verdict;
+using tests::verify;
 
 struct SceneAndMethod {
   std::string scene, method;
@@ -113,4 +113,4 @@ TEST(Scenes, RattleAndNewtonAgreeToRoundOff) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::scene_methods_tests

@@ -7,7 +7,7 @@
 #include "constraints/methods/rattle.hpp"
 #include "scene_text.hpp"
 
-namespace taut {
+namespace taut::scene_tests {
 namespace {
 
 using testing::HasSubstr;
@@ -223,4 +223,4 @@ TEST(SceneList, ListsEverySceneAndNoStart) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::scene_tests

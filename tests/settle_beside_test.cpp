@@ -9,14 +9,14 @@
 #include "free_system.hpp"
 #include "verifier.hpp"
 
-namespace taut {
+namespace taut::settle_beside_tests {
 namespace {
 
-using testing::NoForce, testing::Start, testing::verify;
+using tests::NoForce, tests::Start, tests::verify;
 
 // A chain between two waters and one more, so that neither's bonds lie in a row.
 Start chain_among_waters() {
-  const Start waters = testing::waters(3, 12, 300), chain = testing::free_chain(6, 3, 1, 12);
+  const Start waters = tests::waters(3, 12, 300), chain = tests::free_chain(6, 3, 1, 12);
   const int before = 6, links = 6, n = waters.system.atoms() + links;
   const auto at = [&](int water_atom) { return water_atom < before ? water_atom : water_atom + links; };
   Start both;
@@ -90,7 +90,7 @@ struct Counting : ConstraintMethod {
 };
 
 TEST(SettleBeside, GathersMultipliersOnceForAllBonds) {
-  const System sys = testing::free_chain(6, 1).system;
+  const System sys = tests::free_chain(6, 1).system;
   const Leftover<Counting> part(sys, {1, 3, 4},
                                 [](const System& of_part) { return std::make_unique<Counting>(of_part); });
   Eigen::VectorXd lambda = Eigen::VectorXd::Zero(sys.bond_count());
@@ -128,4 +128,4 @@ TEST(SettleBeside, IsAskedForAndGoesOnFromACheckpoint) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::settle_beside_tests

@@ -12,25 +12,17 @@
 
 #include <array>
 #include <csignal>
-#include <fstream>
 #include <functional>
 #include <set>
-#include <sstream>
 #include <thread>
 #include <vector>
 
+#include "file_text.hpp"
 #include "temporary_folder.hpp"
 
 namespace taut {
 
-namespace fs = std::filesystem;
 using Arguments = std::vector<std::string>;
-
-inline std::string contents(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
 
 inline Arguments words(const std::string& line) {
   std::istringstream in(line);

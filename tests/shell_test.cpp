@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace taut {
+namespace taut::shell_tests {
 namespace {
 
 using nlohmann::json;
@@ -275,4 +275,4 @@ TEST_F(Streams, TheseOptionsTakeLists) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::shell_tests

@@ -11,7 +11,7 @@
 #include "named_scene.hpp"
 #include "simulation/simulation.hpp"
 
-namespace taut {
+namespace taut::simulation_threads_tests {
 namespace {
 
 // Enough atoms for sums that depend on the number of threads, in every part that has such sums.
@@ -111,4 +111,4 @@ TEST(SimulationThreads, ShowInTheBitsOfEveryPart) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::simulation_threads_tests

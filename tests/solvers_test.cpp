@@ -16,18 +16,18 @@
 #include "md/run.hpp"
 #include "verifier.hpp"
 
-namespace taut {
+namespace taut::solvers_tests {
 namespace {
 
-using testing::NoForce;
-using testing::Start;
-using testing::tight;
-using testing::Verdict;
-using testing::verify;
+using tests::NoForce;
+using tests::Start;
+using tests::tight;
+using tests::Verdict;
+using tests::verify;
 
 // With the exact matrix an iteration squares what is left; with that of the old bonds it gains a factor.
 TEST(MShake, SquaresWhatIsLeftWhereNewtonGainsAFactor) {
-  const Start start = testing::free_chain(20, 1);
+  const Start start = tests::free_chain(20, 1);
   const auto left = [&]<class M>(std::type_identity<M>, int iterations) {
     typename M::Options options;
     options.tolerance = 1e-15;
@@ -51,7 +51,7 @@ TEST(MShake, SquaresWhatIsLeftWhereNewtonGainsAFactor) {
 // A rotor that turns past 90°: no force along the old bond holds it.
 TEST(MShake, NamesTheBondThatTurnedTooFar) {
   NoForce forces;
-  const Start start = testing::rotor(300);
+  const Start start = tests::rotor(300);
   const auto stats = verify(start.system, forces, MShake::Options{}, 0.01, 5, start.state).stats;
   EXPECT_EQ(stats.failure, Failure::kSingularOrTurned);
   EXPECT_EQ(stats.worst_bond, 0);
@@ -59,7 +59,7 @@ TEST(MShake, NamesTheBondThatTurnedTooFar) {
 
 TEST(Newton, ReachesRoundOffOnAChainOfTenThousandBonds) {
   NoForce forces;
-  Start start = testing::free_chain(10001, 2);
+  Start start = tests::free_chain(10001, 2);
   start.state.x.colwise() -= start.state.x.rowwise().mean();
   const auto verdict =
       verify(start.system, forces, Newton::Options{.tolerance = 1e-13}, 0.01, 5, start.state);
@@ -69,7 +69,7 @@ TEST(Newton, ReachesRoundOffOnAChainOfTenThousandBonds) {
 
 // No more solves than allowed, and what is left is said.
 TEST(Newton, StopsAtItsMostIterations) {
-  const Start start = testing::free_chain(20, 1);
+  const Start start = tests::free_chain(20, 1);
   NoForce forces;
   const auto stops = [&](auto method) {
     State s = start.state;
@@ -89,7 +89,7 @@ TEST(Newton, StopsAtItsMostIterations) {
 
 // The last multipliers foretell the next: that of a rotor, which is constant, is exact.
 TEST(WarmStart, OfARotorLeavesNothingToDo) {
-  const Start start = testing::rotor(3);
+  const Start start = tests::rotor(3);
   NoForce forces;
   const auto begins_with = [&](auto method) {
     State s = start.state;
@@ -108,7 +108,7 @@ TEST(WarmStart, OfARotorLeavesNothingToDo) {
 // long.
 TEST(Sweeps, MeetTheirToleranceAtEveryLength) {
   for (const double scale : {0.1, 10.0}) {
-    Start start = testing::free_chain(12, 3);
+    Start start = tests::free_chain(12, 3);
     start.state.x *= scale;
     start.state.v *= scale;
     auto bonds = start.system.bonds;
@@ -145,7 +145,7 @@ TEST(Penalty, ReportsTheRelativeResidual) {
 }
 
 TEST(Settle, RefusesWhatIsNoWater) {
-  const System water = testing::waters(1, 1, 300).system;
+  const System water = tests::waters(1, 1, 300).system;
   const auto refused = [](const Eigen::VectorXd& mass, const std::vector<RigidBond>& bonds) {
     const System sys = make_system(mass, bonds);
     EXPECT_THROW(Settle(sys, {}, 0.001), InputError);
@@ -167,7 +167,7 @@ TEST(Settle, RefusesWhatIsNoWater) {
 
 TEST(SettleAndNewton, AgreeToRoundOff) {
   NoForce forces;
-  const Start start = testing::waters(4, 12, 400);
+  const Start start = tests::waters(4, 12, 400);
   const auto settle = verify(start.system, forces, Settle::Options{}, 0.002, 200, start.state);
   const auto newton = verify(start.system, forces, tight<Newton::Options>(), 0.002, 200, start.state);
   ASSERT_TRUE(settle.stats.converged() && newton.stats.converged());
@@ -180,7 +180,7 @@ TEST(SettleAndNewton, AgreeToRoundOff) {
 // correction.
 TEST(Lincs, ConvergesWithOrderAndIterations) {
   NoForce forces;
-  const Start start = testing::free_chain(20, 3);
+  const Start start = tests::free_chain(20, 3);
   const auto error = [&](int order, int iterations) {
     const MethodOptions options = Lincs::Options{.order = order, .iterations = iterations};
     return verify(start.system, forces, options, 0.005, 20, start.state).bond_error;
@@ -195,7 +195,7 @@ TEST(Lincs, ConvergesWithOrderAndIterations) {
 // A triangle with a tail of two: the expansion by dense matrices, bonds in the triangle with as many powers
 // again of the couplings T inside it.
 TEST(Lincs, BondsInTrianglesGoOnAmongThemselves) {
-  Start start = testing::free_chain(5, 3);
+  Start start = tests::free_chain(5, 3);
   start.state.x << 0, 1, 0.5, 0.5, 1.2,  //
       0, 0, 0.866, 1.866, 2.5,           //
       0, 0, 0, 0.1, 0.4;
@@ -243,7 +243,7 @@ TEST(Lincs, BondsInTrianglesGoOnAmongThemselves) {
 // SHAKE leaves the velocity along the bonds to the next step's correction: the same positions.
 TEST(ShakeAndRattle, GiveTheSamePositions) {
   NoForce forces;
-  const Start start = testing::free_chain(10, 6);
+  const Start start = tests::free_chain(10, 6);
   const auto shake = verify(start.system, forces, tight<Shake::Options>(), 0.01, 50, start.state);
   const auto rattle = verify(start.system, forces, tight<Rattle::Options>(), 0.01, 50, start.state);
   EXPECT_LT((shake.end.x - rattle.end.x).cwiseAbs().maxCoeff(), 1e-11);
@@ -252,7 +252,7 @@ TEST(ShakeAndRattle, GiveTheSamePositions) {
 
 TEST(Rattle, VelocitiesLieAlongTheTangent) {
   NoForce forces;
-  const Start start = testing::waters(2, 8, 300);
+  const Start start = tests::waters(2, 8, 300);
   const auto end = verify(start.system, forces, tight<Rattle::Options>(), 0.001, 20, start.state).end;
   for (const auto& [i, j, d] : start.system.bonds)
     EXPECT_NEAR((end.x.col(j) - end.x.col(i)).dot(end.v.col(j) - end.v.col(i)) * 0.001 / (d * d), 0, 1e-13);
@@ -260,7 +260,7 @@ TEST(Rattle, VelocitiesLieAlongTheTangent) {
 
 TEST(Rattle, WarmStartSavesSweeps) {
   NoForce forces;
-  const Start start = testing::free_chain(20, 1);
+  const Start start = tests::free_chain(20, 1);
   const auto warm = verify(start.system, forces, Rattle::Options{}, 0.005, 100, start.state);
   const auto cold = verify(start.system, forces, Rattle::Options{{}, false}, 0.005, 100, start.state);
   EXPECT_LT(warm.stats.iterations, 0.85 * cold.stats.iterations);
@@ -268,7 +268,7 @@ TEST(Rattle, WarmStartSavesSweeps) {
 
 TEST(Sweeps, NameTheBondThatTurnedTooFar) {
   NoForce forces;
-  const Start start = testing::rotor(300);  // 3 rad a step
+  const Start start = tests::rotor(300);  // 3 rad a step
   for (const char* method : {"shake", "rattle"}) {
     const auto stats = verify(start.system, forces, default_options(method), 0.01, 5, start.state).stats;
     ASSERT_FALSE(stats.converged());
@@ -280,7 +280,7 @@ TEST(Sweeps, NameTheBondThatTurnedTooFar) {
 // ... the plain methods too, which every other test of this reaches through their fast forms.
 TEST(Sweeps, AsPlainMethodsNameItToo) {
   NoForce forces;
-  const Start start = testing::rotor(300);
+  const Start start = tests::rotor(300);
   const auto failure = [&](auto method) {
     State s = start.state;
     initialize({start.system, forces, method}, 0.01, s);
@@ -292,7 +292,7 @@ TEST(Sweeps, AsPlainMethodsNameItToo) {
 
 // Who takes so many sweeps, whatever they leave, answers for no error.
 TEST(Sweeps, OfAFixedNumberPromiseNothing) {
-  const System sys = testing::rotor(1).system;
+  const System sys = tests::rotor(1).system;
   for (const auto make : {make_method, make_plain}) {
     EXPECT_EQ(make(sys, Shake::Options{{.tolerance = 1e-6}}, 0.01)->promised_error(), 1e-6);
     EXPECT_EQ(make(sys, Rattle::Options{{.tolerance = 1e-6}}, 0.01)->promised_error(), 1e-6);
@@ -304,7 +304,7 @@ TEST(Sweeps, OfAFixedNumberPromiseNothing) {
 // As many sweeps as asked for, in each half of the step; none more than allowed.
 TEST(Sweeps, AreCounted) {
   NoForce forces;
-  const Start start = testing::free_chain(6, 4);
+  const Start start = tests::free_chain(6, 4);
   const auto stats = [&](const MethodOptions& options) {
     return verify(start.system, forces, options, 0.01, 1, start.state).stats;
   };
@@ -315,4 +315,4 @@ TEST(Sweeps, AreCounted) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::solvers_tests

@@ -8,7 +8,7 @@
 #include "systems/start_file.hpp"
 #include "temporary_folder.hpp"
 
-namespace taut {
+namespace taut::start_tests {
 namespace {
 
 std::string water_start() {
@@ -129,4 +129,4 @@ TEST(Start, SaysWhatIsWrongWithIt) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::start_tests

@@ -10,7 +10,7 @@
 #include "studies/crosscheck_verdict.hpp"
 #include "studies/liquid_structure.hpp"
 
-namespace taut {
+namespace taut::statistics_tests {
 namespace {
 
 TEST(BlockAverage, OfIndependentNumbersHasTheTextbookError) {
@@ -206,4 +206,4 @@ TEST(Slope, FitsALineAndItsUncertainty) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::statistics_tests

@@ -12,7 +12,7 @@
 #include "named_scene.hpp"
 #include "simulation/simulation.hpp"
 
-namespace taut {
+namespace taut::step_parts_tests {
 namespace {
 
 using enum StepPart;
@@ -150,4 +150,4 @@ TEST(Timings, ChangeNoBits) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::step_parts_tests

@@ -5,7 +5,7 @@
 
 #include "shell.hpp"
 
-namespace taut {
+namespace taut::stops_tests {
 namespace {
 
 using ::testing::HasSubstr;
@@ -249,4 +249,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return "case" + std::to_string(test.index); });
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::stops_tests

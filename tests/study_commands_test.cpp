@@ -14,7 +14,7 @@
 #include "taut_command.hpp"
 #include "temporary_folder.hpp"
 
-namespace taut {
+namespace taut::study_commands_tests {
 namespace {
 
 using ::testing::HasSubstr;
@@ -356,4 +356,4 @@ TEST_F(CrosscheckCommand, LeavesNothingOfWhatItCannotDo) {
 #endif
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::study_commands_tests

@@ -15,7 +15,7 @@
 #include "systems/scene_file.hpp"
 #include "temporary_folder.hpp"
 
-namespace taut {
+namespace taut::study_tests {
 namespace {
 
 // Rows by column name, as text.
@@ -292,4 +292,4 @@ TEST(Trial, HasTheRunsOwnErrorOfTheDrift) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::study_tests

@@ -7,14 +7,11 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <string>
 
-namespace taut {
+#include "file_text.hpp"
 
-namespace fs = std::filesystem;
+namespace taut {
 
 struct Outcome {
   int exit_code;
@@ -31,12 +28,6 @@ inline Outcome taut(const std::string& arguments, const std::string& environment
     outcome.text.append(buffer.data(), n);
   outcome.exit_code = WEXITSTATUS(pclose(pipe));
   return outcome;
-}
-
-inline std::string contents(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
 }
 
 // A report's text, its entities undone.

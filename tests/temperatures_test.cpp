@@ -11,12 +11,12 @@
 #include "md/observables.hpp"
 #include "md/units.hpp"
 
-namespace taut {
+namespace taut::temperatures_tests {
 namespace {
 
 // Velocities drawn at 300 K and projected: every class has its temperature, each with its own count.
 TEST(Temperatures, OfProjectedVelocitiesAreThoseTheyWereDrawnAt) {
-  auto [sys, s] = testing::waters(30, 1, 300);
+  auto [sys, s] = tests::waters(30, 1, 300);
   Projector projector(sys);
   Temperatures temperatures(sys, {}, s.x, true, false);
   ASSERT_EQ(temperatures.types().size(), 1u);
@@ -72,7 +72,7 @@ TEST(Temperatures, KindsDifferByTheirBondsToo) {
 
 // The three classes have all of the kinetic energy, and what bends alone is the rest.
 TEST(Temperatures, ShareTheKineticEnergy) {
-  auto [sys, s] = testing::free_chain(4, 5);
+  auto [sys, s] = tests::free_chain(4, 5);
   Projector(sys).velocities(sys, s.x, s.v);
   const auto energy = [&, &sys = sys, &s = s](MotionClass motion) {
     Temperatures temperatures(sys, {}, s.x, true, false);
@@ -89,7 +89,7 @@ TEST(Temperatures, ShareTheKineticEnergy) {
 
 // All that moves is one rotor's turning: I ω²/2, I = μd².
 TEST(Temperatures, OfARotor) {
-  auto [sys, s] = testing::rotor(2);
+  auto [sys, s] = tests::rotor(2);
   Temperatures temperatures(sys, {}, s.x, true, false);
   s.v.row(0).array() += 1;  // and it flies along
   temperatures.see(sys, s.x, s.v);
@@ -181,4 +181,4 @@ TEST(RunningMean, IsTheBlocksMeanInFixedMemory) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::temperatures_tests

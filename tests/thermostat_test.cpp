@@ -4,7 +4,7 @@
 #include "md/observables.hpp"
 #include "md/units.hpp"
 
-namespace taut {
+namespace taut::thermostat_tests {
 namespace {
 
 // One step from K: ⟨K'⟩ = cK + (1 − c)K̄, c = exp(−h/τ).
@@ -66,4 +66,4 @@ TEST(VelocityRescaling, GivesTheCanonicalKineticEnergy) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::thermostat_tests

@@ -30,7 +30,7 @@ int omp_get_max_threads() __attribute__((weak));
 void omp_set_num_threads(int threads) __attribute__((weak));
 }
 
-namespace taut {
+namespace taut::threads_tests {
 namespace {
 
 struct Threads {
@@ -299,4 +299,4 @@ TEST(UsableCores, AreAtMostThoseOfTheAffinityMask) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::threads_tests

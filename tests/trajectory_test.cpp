@@ -9,23 +9,17 @@
 
 #include "base/errors.hpp"
 #include "base/random.hpp"
+#include "file_text.hpp"
 #include "files/dcd_file.hpp"
 #include "files/h5md_file.hpp"
 #include "files/hdf5_driver.hpp"
 #include "files/pdb_file.hpp"
 #include "temporary_folder.hpp"
 
-namespace taut {
+namespace taut::trajectory_tests {
 namespace {
 
-namespace fs = std::filesystem;
 using ::testing::HasSubstr;
-
-std::string contents(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
 
 std::string read_all(const JournaledFile& file) {
   std::string text(file.size(), '?');
@@ -335,4 +329,4 @@ TEST(PdbFile, HasEveryThingInItsColumns) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::trajectory_tests

@@ -12,7 +12,7 @@
 #include "named_scene.hpp"
 #include "simulation/simulation.hpp"
 
-namespace taut {
+namespace taut::transaction_tests {
 namespace {
 
 using Overrides = std::vector<std::string>;
@@ -218,4 +218,4 @@ TEST(Transaction, AtomsMovedAfterTheLastStepMakeNoSecondRow) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::transaction_tests

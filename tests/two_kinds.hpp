@@ -6,7 +6,7 @@
 
 // Atoms of two kinds, for closed forms.
 
-namespace taut::testing {
+namespace taut::tests {
 
 // Two atoms, or more of the same two kinds in turn: one charged and large, one charged and small.
 inline Nonbonded two_kinds(int n) {
@@ -36,4 +36,4 @@ inline double lj(double sigma, double epsilon, double r) {
   return 4 * epsilon * (std::pow(sigma / r, 12) - std::pow(sigma / r, 6));
 }
 
-}  // namespace taut::testing
+}  // namespace taut::tests

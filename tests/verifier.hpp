@@ -7,7 +7,7 @@
 #include "constraints/registry.hpp"
 #include "md/observables.hpp"
 
-namespace taut::testing {
+namespace taut::tests {
 
 // What one run showed of a method, every step looked at.
 struct Verdict {
@@ -73,4 +73,4 @@ MethodOptions tight() {
   return options;
 }
 
-}  // namespace taut::testing
+}  // namespace taut::tests

@@ -12,7 +12,7 @@
 #include "simulation/temperatures.hpp"
 #include "systems/whole_molecules.hpp"
 
-namespace taut {
+namespace taut::virtual_sites_tests {
 namespace {
 
 using ::testing::ElementsAre;
@@ -207,4 +207,4 @@ TEST(VirtualSites, AreNoAnchorsAndHaveNoDegreesOfFreedom) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::virtual_sites_tests

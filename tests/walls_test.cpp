@@ -13,7 +13,7 @@
 #include "systems/openmm/export.hpp"
 #include "systems/openmm/import.hpp"
 
-namespace taut {
+namespace taut::walls_tests {
 namespace {
 
 using testing::HasSubstr;
@@ -382,4 +382,4 @@ TEST(Steered, BadOnesAreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::walls_tests

@@ -11,7 +11,7 @@
 #include "systems/start_file.hpp"
 #include "temporary_folder.hpp"
 
-namespace taut {
+namespace taut::water_models_tests {
 namespace {
 
 Scene water_of(const std::string& model, std::vector<std::string> more = {}) {
@@ -179,4 +179,4 @@ TEST(WaterModels, MinimiseWithTheirSites) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::water_models_tests

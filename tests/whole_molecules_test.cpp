@@ -8,7 +8,7 @@
 
 #include "base/errors.hpp"
 
-namespace taut {
+namespace taut::whole_molecules_tests {
 namespace {
 
 using ::testing::ElementsAre;
@@ -74,4 +74,4 @@ TEST(WholeMolecules, AreRefusedWhereTheyMeetTheirOwnImage) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::whole_molecules_tests

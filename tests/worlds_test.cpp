@@ -19,7 +19,7 @@
 #include "systems/openmm/export.hpp"
 #include "systems/scene_file.hpp"
 
-namespace taut {
+namespace taut::worlds_tests {
 namespace {
 
 using Overrides = std::vector<std::string>;
@@ -302,4 +302,4 @@ TEST(Gallery, HasEveryScene) {
 }
 
 }  // namespace
-}  // namespace taut
+}  // namespace taut::worlds_tests

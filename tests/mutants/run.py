@@ -86,9 +86,9 @@ def main():
     parser.add_argument("pattern", nargs="?", default="")
     parser.add_argument("--list", type=pathlib.Path, default=HERE / "list.txt")
     parser.add_argument("--check", action="store_true")
-    options = parser.parse_args()
-    mutants = [m for m in read(options.list) if re.search(options.pattern, name_of(m))]
-    if options.check:
+    asked = parser.parse_args()
+    mutants = [m for m in read(asked.list) if re.search(asked.pattern, name_of(m))]
+    if asked.check:
         wrong = [f"{misplaced(HERE.parents[1], m)}: {name_of(m)}" for m in mutants if misplaced(HERE.parents[1], m)]
         sys.exit("\n".join(wrong) if wrong else 0)
     counts = collections.Counter()
@@ -98,7 +98,8 @@ def main():
         try:
             if run([*git, "add", "--detach", tree, "HEAD"]).returncode:
                 sys.exit("no worktree could be made")
-            run(["cmake", "--preset", "release", "-G", "Ninja", *map(FAST.get, filter(shutil.which, FAST))], cwd=tree)
+            options = ["-DTAUT_TESTS_APART=ON", *map(FAST.get, filter(shutil.which, FAST))]
+            run(["cmake", "--preset", "release", "-G", "Ninja", *options], cwd=tree)
             tests = sorted({test for m in mutants for test in m["tests"]})
             if not build(tree, tests) or any(failure(tree, test) for test in tests):
                 sys.exit("without any mutant the tree does not build, or a test fails")

@@ -13,7 +13,7 @@
 // angles and their gradients. Each function adds its forces to f and returns its energy [kJ/mol]. Molecules are
 // whole in x, so separations are plain differences.
 
-namespace taut::testing {
+namespace taut::tests {
 
 // The angle θ at the middle of three atoms and its gradient. With a and c the arms and p = a × c,
 //     θ = atan2(|p|, a·c),   ∂θ/∂x_i = a × p / (a²|p|),   ∂θ/∂x_k = −c × p / (c²|p|).
@@ -160,4 +160,4 @@ inline double add_exceptions(const std::vector<PairException>& exceptions, const
   return energy;
 }
 
-}  // namespace taut::testing
+}  // namespace taut::tests

@@ -6,7 +6,7 @@
 
 #include "plain_pairs.hpp"
 
-namespace taut::testing {
+namespace taut::tests {
 
 // Coulomb of charges and all their periodic images, the surroundings a conductor (Ewald 1921,
 // doi:10.1002/andp.19213690304), as it is written down: images and waves up to where erfc and exp are 1e-17.
@@ -79,4 +79,4 @@ inline PairSums plain_ewald(const Nonbonded& nb, const Box& box, const Vectors& 
   return sum;
 }
 
-}  // namespace taut::testing
+}  // namespace taut::tests

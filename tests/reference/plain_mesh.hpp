@@ -9,7 +9,7 @@
 #include "forcefield/terms.hpp"
 #include "md/box.hpp"
 
-namespace taut::testing {
+namespace taut::tests {
 
 struct MeshSums {
   double energy = 0;
@@ -90,4 +90,4 @@ inline MeshSums plain_mesh(const Eigen::VectorXd& charge, const PmeParameters& p
   return sum;
 }
 
-}  // namespace taut::testing
+}  // namespace taut::tests

@@ -10,7 +10,7 @@
 
 // The sums over pairs as they are written down: every pair of atoms, one after the other.
 
-namespace taut::testing {
+namespace taut::tests {
 
 struct PairSums {
   double energy = 0;       // [kJ/mol]
@@ -108,4 +108,4 @@ inline PairSums plain_wca(const Wca& wca, const Box& box, const Vectors& x) {
   return sum;
 }
 
-}  // namespace taut::testing
+}  // namespace taut::tests
