@@ -72,19 +72,20 @@ class Descent {
 
 }  // namespace
 
-Minimised minimise(const System& sys, ForceField& forces, double force, State& s,
-                   const std::function<void()>& on_move) {
+Minimised minimise(const System& sys, ForceField& forces, const MinimiseGoal& goal, State& s,
+                   const OnMove& on_move) {
   Descent descent(sys, forces, s);
   Minimised result{.energy_before = descent.energy()};
+  const auto note = [&] { result.energy = descent.energy(), result.largest_force = descent.force(); };
+  note();
   double length = 0.2 * kLongestMove;
-  while (descent.force() > force && length > kShortestMove && result.moves < kMostMoves) {
-    if (on_move) on_move();
+  while (result.largest_force > goal.force && length > kShortestMove && result.moves < goal.most_moves) {
+    if (on_move) on_move(result);
     ++result.moves;
     length = descent.move(length) ? std::min(1.2 * length, kLongestMove) : 0.5 * length;
+    note();
   }
   s.x = descent.x();
-  result.energy = descent.energy();
-  result.largest_force = descent.force();
   return result;
 }
 

@@ -37,7 +37,7 @@ struct RunRequest {
   // Of a new run. kContinue takes from the scene only how many steps there are.
   std::optional<Scene> scene = {};
   SceneSource source = {};
-  Simulation::OnMove on_move = {};  // called while the start is relaxed
+  OnMove on_move = {};  // called while the start is relaxed
 
   // Of a run that continues.
   std::string checkpoint = {};                         // its bytes, if there is no folder

@@ -106,7 +106,8 @@ Simulation::Simulation(Scene scene, const ThreadScope&, const OnMove& on_move)
   if (scene_.terms.steered_in_time()) ensemble_.steering.emplace(forces_.besides);
   sums_.walls.resize(scene_.terms.walls.size());
   make_thermostat();
-  bring_to_the_bonds(scene_.run.minimise ? scene_.run.minimise_force : 0, on_move);
+  bring_to_the_bonds(
+      {.force = scene_.run.minimise ? scene_.run.minimise_force : 0, .soft = scene_.run.soft_start}, on_move);
   note_start();
   refuse_unreachable_tolerance(sys, state_.x, method_->promised_error());
   if (state_.box.periodic()) barometer_.emplace(sys, has_springs());
@@ -115,13 +116,11 @@ Simulation::Simulation(Scene scene, const ThreadScope&, const OnMove& on_move)
   unaccounted_at_start_ = unaccounted();
 }
 
-void Simulation::bring_to_the_bonds(double minimise_force, const OnMove& on_move) {
+void Simulation::bring_to_the_bonds(const MinimiseGoal& goal, const OnMove& on_move) {
   const System& sys = scene_.system;
   place_sites(sys.sites, state_.x);
-  if (minimise_force > 0 && scene_.run.soft_start)
-    start_report_.pushed_apart = push_apart(scene_, state_, on_move);
-  if (minimise_force > 0)
-    start_report_.minimised = minimise(sys, forces_.field, minimise_force, state_, on_move);
+  if (goal.force > 0 && goal.soft) start_report_.pushed_apart = push_apart(scene_, state_, on_move);
+  if (goal.force > 0) start_report_.minimised = minimise(sys, forces_.field, goal, state_, on_move);
   start_report_.anchors_stopped = rest_anchors(sys, state_.v);
   const Vectors x = state_.x;
   const double kinetic = kinetic_energy(sys, state_.v);

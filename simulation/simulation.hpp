@@ -136,7 +136,6 @@ class Simulation {
  public:
   // Computes with so many threads as long as it lives, whichever thread calls it. `on_move`, as in what
   // follows: before every move of a minimisation; to throw there ends it.
-  using OnMove = std::function<void()>;
   explicit Simulation(Scene scene, int threads = available_threads(), const OnMove& on_move = {})
       : Simulation(std::move(scene), ThreadScope(threads), on_move) {}
   Simulation(Simulation&&) = delete;  // its barostat refers into it
@@ -188,10 +187,10 @@ class Simulation {
   void change(const RunSettings& run);
 
   // Sets out from other positions and velocities as from a start, between steps, from on_step too: brings
-  // them to the bonds, minimised first if `force` is above 0 [kJ/mol/nm]; means and the energy's account
+  // them to the bonds, minimised first if the goal's force is above 0; means and the energy's account
   // begin again. Throws SimulationFailure where bonds or method cannot hold them. Whatever it throws, all is
   // then as it was.
-  void set_out_anew(const Vectors& x, const Vectors& v, double minimise_force = 0,
+  void set_out_anew(const Vectors& x, const Vectors& v, const MinimiseGoal& goal = {},
                     const OnMove& on_move = {});
   // For a view of the numbers. What is written there has no effect but by set_out_anew().
   State& state() { return state_; }
@@ -207,7 +206,7 @@ class Simulation {
 
  private:
   Simulation(Scene scene, const ThreadScope&, const OnMove& on_move);
-  void bring_to_the_bonds(double minimise_force, const OnMove& on_move);
+  void bring_to_the_bonds(const MinimiseGoal& goal, const OnMove& on_move);
   void begin_means();
   void note_start();
   std::uint64_t seed_here() const;

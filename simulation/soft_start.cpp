@@ -6,7 +6,6 @@
 #include <set>
 
 #include "base/random.hpp"
-#include "simulation/minimise.hpp"
 
 namespace taut {
 namespace {
@@ -107,7 +106,7 @@ class SoftPush final : public OwnField {
 
 }  // namespace
 
-int push_apart(const Scene& scene, State& s, const std::function<void()>& on_move) {
+int push_apart(const Scene& scene, State& s, const OnMove& on_move) {
   const double widest = diameters(scene.terms, scene.system.atoms()).maxCoeff();
   if (widest == 0) return 0;
   Terms soft = scene.terms;
@@ -115,8 +114,8 @@ int push_apart(const Scene& scene, State& s, const std::function<void()>& on_mov
   soft.nonbonded.reset();
   soft.wca.reset();
   ForceField forces(scene.system, s.box, soft);
-  return minimise(scene.system, forces, kLeftForce * std::numbers::pi * kAmplitude / widest, s, on_move)
-      .moves;
+  const MinimiseGoal goal{.force = kLeftForce * std::numbers::pi * kAmplitude / widest};
+  return minimise(scene.system, forces, goal, s, on_move).moves;
 }
 
 }  // namespace taut

@@ -31,7 +31,7 @@ void Simulation::take_back(Diagnosis& of) {
   if (of.bond >= 0) of.length_before = (state_.x.col(of.held.j) - state_.x.col(of.held.i)).norm();
 }
 
-void Simulation::set_out_anew(const Vectors& x, const Vectors& v, double minimise_force,
+void Simulation::set_out_anew(const Vectors& x, const Vectors& v, const MinimiseGoal& goal,
                               const OnMove& on_move) {
   const ThreadScope own(threads_);
   note();
@@ -41,7 +41,7 @@ void Simulation::set_out_anew(const Vectors& x, const Vectors& v, double minimis
   try {
     make_thermostat();  // it knows the method
     state_.x = x, state_.v = v;
-    bring_to_the_bonds(minimise_force, on_move);
+    bring_to_the_bonds(goal, on_move);
     begin_means();
     if (!snapshot_.empty()) keep_snapshot();  // steps before are not taken again from here
   } catch (...) {

@@ -25,7 +25,7 @@ TEST(Minimise, OverlappingWatersComeApart) {
   Scene scene = read_scene(find_scene("water"), {"build.molecules=216"});
   push(scene.start.x, 3, 0.15);
   ForceField forces(scene.system, scene.start.box, scene.terms);
-  const Minimised result = minimise(scene.system, forces, 1000, scene.start);
+  const Minimised result = minimise(scene.system, forces, {1000}, scene.start);
   EXPECT_GT(result.energy_before, 1e5);
   EXPECT_LT(result.energy, -5000);
   EXPECT_LE(result.largest_force, 1000);
@@ -36,7 +36,7 @@ TEST(Minimise, OverlappingChainsComeApart) {
   Scene scene = read_scene(find_scene("melt"));
   push(scene.start.x, 50, 0.5);
   ForceField forces(scene.system, scene.start.box, scene.terms);
-  const Minimised result = minimise(scene.system, forces, 100, scene.start);
+  const Minimised result = minimise(scene.system, forces, {100}, scene.start);
   EXPECT_GT(result.energy_before, 100 * std::abs(result.energy));
   EXPECT_LE(result.largest_force, 100);
   EXPECT_LT(bond_errors(scene.system, scene.start.x).max, 1e-12);
@@ -69,7 +69,7 @@ TEST(Minimise, PendulumHangs) {
   State s;
   Vectors& x = s.x = Vectors::Zero(3, 2);
   x(0, 1) = 0.5;
-  const Minimised result = minimise(sys, forces, 1e-4, s);
+  const Minimised result = minimise(sys, forces, {1e-4}, s);
   EXPECT_EQ(Vec3(x.col(0)), Vec3::Zero());
   EXPECT_NEAR(x(2, 1), -0.5, 1e-9);
   EXPECT_NEAR(result.energy, -15, 1e-6);
@@ -83,7 +83,7 @@ TEST(Minimise, APulledAnchorStays) {
   State s;
   Vectors& x = s.x = Vectors::Zero(3, 2);
   x(0, 1) = 0.5;
-  minimise(sys, forces, 1e-4, s);
+  minimise(sys, forces, {1e-4}, s);
   EXPECT_EQ(Vec3(x.col(0)), Vec3::Zero());
   EXPECT_NEAR(x(2, 1), -0.5, 1e-9);
 }
@@ -98,7 +98,7 @@ TEST(Minimise, MassesHaveNoSay) {
     Vectors& x = s.x;
     x.resize(3, 3);
     x << 0, 0.5, 0.5, 0, 0, 0.5, 0, 0, 0;
-    const Minimised result = minimise(sys, forces, 1, s);
+    const Minimised result = minimise(sys, forces, {1}, s);
     EXPECT_GT(result.moves, 3);
     return x;
   };
@@ -111,9 +111,19 @@ TEST(Minimise, GoesNoFurtherThanItsLongestMoves) {
   ForceField forces(sys, {}, {.gravity = Vec3(0, 0, -10)});
   State s;
   Vectors& x = s.x = Vectors::Zero(3, 1);
-  const Minimised result = minimise(sys, forces, 1e-4, s);
-  EXPECT_EQ(result.moves, kMostMoves);
-  EXPECT_NEAR(-x(2, 0), kMostMoves * kLongestMove, 20 * kLongestMove);
+  const Minimised result = minimise(sys, forces, {1e-4}, s);
+  EXPECT_EQ(result.moves, MinimiseGoal().most_moves);
+  EXPECT_NEAR(-x(2, 0), MinimiseGoal().most_moves * kLongestMove, 20 * kLongestMove);
+  int told = 0;
+  double energy = 0;
+  const Minimised few = minimise(sys, forces, {1e-4, 7}, s, [&](const Minimised& so_far) {
+    EXPECT_EQ(so_far.moves, told++);
+    EXPECT_LE(so_far.energy, energy);
+    energy = so_far.energy;
+  });
+  EXPECT_EQ(few.moves, 7);
+  EXPECT_EQ(told, 7);
+  EXPECT_LT(few.energy, energy);
 }
 
 TEST(Minimise, ASceneAsksForItAndIsToldWhatItTook) {

@@ -56,7 +56,7 @@ struct Course {
     on_another_thread([&] { simulation.run([](const Record&) {}); });
     on_another_thread([&] { EXPECT_FALSE(simulation.diagnose()); });
     const State& now = simulation.state();
-    on_another_thread([&] { simulation.set_out_anew(Vectors(now.x), Vectors(0.9 * now.v), 1e5); });
+    on_another_thread([&] { simulation.set_out_anew(Vectors(now.x), Vectors(0.9 * now.v), {.force = 1e5}); });
     look_at(simulation);
   }
 };

@@ -143,7 +143,7 @@ TEST_P(OfEach, AStartThatThrowsIsTakenBack) {
     const auto energies = simulation.energies();
     for (const double minimise : {0.0, 10.0}) {
       disturbed.field->throws_at = disturbed.field->calls + (minimise > 0 ? 7 : 1);
-      EXPECT_THROW(simulation.set_out_anew(simulation.state().x, simulation.state().v, minimise),
+      EXPECT_THROW(simulation.set_out_anew(simulation.state().x, simulation.state().v, {.force = minimise}),
                    Interrupted::Interrupt);
       EXPECT_EQ(disturbed.field->calls, disturbed.field->throws_at);
     }

@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "base/errors.hpp"
@@ -24,17 +25,22 @@ struct Busy {
   std::atomic<bool>& running;
 };
 
-// Checks for Ctrl-C every 50 ms in work that has released Python's interpreter lock. Throws if it came.
+// Checks for Ctrl-C every 50 ms in work that has released Python's interpreter lock, throws if it came, and
+// tells how far a minimisation is.
 class Listening {
  public:
-  void operator()() {
+  explicit Listening(const py::object* progress = nullptr) : progress_(progress) {}
+
+  void operator()(const Minimised& so_far) {
     if (Clock::now() < next_) return;
     const py::gil_scoped_acquire interpreter;
     next_ = Clock::now() + kLookEvery;
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    if (progress_ && !progress_->is_none()) (*progress_)(so_far.moves, so_far.energy, so_far.largest_force);
   }
 
  private:
+  const py::object* progress_;
   Clock::time_point next_ = Clock::now() + kLookEvery;
 };
 
@@ -201,7 +207,7 @@ void PythonSimulation::set_box(const Eigen::Matrix3d& vectors) {
   expect_finite();
   const Box before = std::exchange(run_.simulation->state().box, box);
   try {
-    set_out_anew(0);
+    set_out_anew();
   } catch (...) {
     run_.simulation->state().box = before;
     forces_outdated_ = true;
@@ -209,11 +215,14 @@ void PythonSimulation::set_box(const Eigen::Matrix3d& vectors) {
   }
 }
 
-void PythonSimulation::minimise(double force) {
+Minimised PythonSimulation::minimise(double force, long steps, const py::object& progress) {
   expect_idle();
   if (!(force > 0)) throw InputError(fmt::format("minimise({}): expected more than 0 kJ/mol/nm", force));
+  if (steps < 1 || steps > std::numeric_limits<int>::max())
+    throw InputError(fmt::format("minimise(steps={}): expected 1 or more", steps));
   expect_finite();
-  set_out_anew(force);
+  set_out_anew({force, static_cast<int>(steps)}, progress);
+  return *run_.simulation->start_report().minimised;
 }
 
 std::string PythonSimulation::summary() const {
@@ -307,7 +316,7 @@ void PythonSimulation::take_over_changes() {
   if (s.x == seen_.x && s.v == seen_.v && !forces_outdated_) return;
   expect_this_process();
   expect_finite();
-  set_out_anew(0);
+  set_out_anew();
 }
 
 void PythonSimulation::undo_writing() {
@@ -315,15 +324,15 @@ void PythonSimulation::undo_writing() {
   run_.simulation->state().v = seen_.v;
 }
 
-void PythonSimulation::set_out_anew(double force) {
+void PythonSimulation::set_out_anew(const MinimiseGoal& goal, const py::object& progress) {
   const Busy busy(setting_out_);
   const Vectors x = run_.simulation->state().x, v = run_.simulation->state().v;
   undo_writing();
   forget_python_error();
   try {
     std::optional<py::gil_scoped_release> long_work;
-    if (force > 0 && !run_.simulation->runs_foreign_code()) long_work.emplace();
-    run_.simulation->set_out_anew(x, v, force, Listening());
+    if (goal.force > 0 && !run_.simulation->runs_foreign_code()) long_work.emplace();
+    run_.simulation->set_out_anew(x, v, goal, Listening(&progress));
   } catch (...) {
     rethrow_python_error();
     throw;

@@ -30,7 +30,7 @@ class PythonSimulation {
   // Takes steps, with a row of the log every `every` of them (0: as before), and with `to_end` one after the
   // last.
   void run(long steps, long every, const Calls& calls, bool to_end);
-  void minimise(double force);
+  Minimised minimise(double force, long steps, const py::object& progress);
   void measure_parts() { run_.simulation->measure_parts(); }
   py::bytes checkpoint(const std::string& history);
   void change(const std::vector<std::string>& overrides);  // settings of the run, as `taut resume --set`
@@ -57,8 +57,9 @@ class PythonSimulation {
   void note_state();    // keeps a copy of positions and velocities, to notice when they are written to
   void undo_writing();  // restores that copy
   void expect_finite() const;
-  void take_over_changes();         // starts again if Python code has written to the views
-  void set_out_anew(double force);  // if it throws, the state is that before Python code wrote
+  void take_over_changes();  // starts again if Python code has written to the views
+  // Minimises first if the goal asks for it. If it throws, the state is that before Python code wrote.
+  void set_out_anew(const MinimiseGoal& goal = {}, const py::object& progress = py::none());
   [[noreturn]] void raise(const ExplainedFailure& failure) const;
   static pid_t this_process();
 

@@ -244,7 +244,11 @@ void bind_simulations(py::module_& m) {
              self.run(steps, every, {on_row, progress, report, first_report}, to_end);
            })
       .def("_measure_parts", &Self::measure_parts)
-      .def("_minimise", &Self::minimise)
+      .def("_minimise",
+           [](Self& self, double force, long steps, const py::object& progress) {
+             const Minimised found = self.minimise(force, steps, progress);
+             return py::make_tuple(found.moves, found.energy_before, found.energy, found.largest_force);
+           })
       .def("_checkpoint", [](Self& self, const py::bytes& history) { return self.checkpoint(history); })
       .def("_history", [](const Self& self) { return py::bytes(self.history()); })
       .def("_change", &Self::change)

@@ -39,12 +39,12 @@ from .options import *  # noqa: F401,F403
 from .parts import ConstraintMethod, Force, NotConverged, Push, State, System, register
 from .reading import read
 from .reporters import CSV, DCD, H5MD, XTC, Call, Reporter
-from .simulation import Simulation
+from .simulation import Minimisation, Simulation
 from .studies import calibrate, chart, crosscheck, stability
 from .verifying import verify
 
 __version__ = "0.1"
-__all__ = ["CSV", "Calculator", "Call", "ConstraintMethod", "DCD", "Force", "H5MD", "InputError", "NotConverged",
+__all__ = ["CSV", "Calculator", "Call", "ConstraintMethod", "DCD", "Force", "H5MD", "InputError", "Minimisation", "NotConverged",
            "OutsideError", "Push", "Reporter", "Row", "Simulation", "SimulationFailure", "State", "System",
            "calibrate", "chart", "crosscheck", "read", "register", "scenes", "stability", "threads",
            "use_threads", "verify", "XTC"]

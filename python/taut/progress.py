@@ -72,3 +72,21 @@ class RunProgress:
         """Shows the bar a last time, and ends the line."""
         _rewrite_line(self.text(step - self.first, time.monotonic() - self.begun))
         sys.stderr.write("\n")
+
+
+class MinimiseProgress:
+    """Shows a minimisation's moves, energy and largest force on standard error."""
+
+    def __init__(self) -> None:
+        self.shown = 0.0
+
+    def __call__(self, moves: int, energy: float, force: float) -> None:
+        now = time.monotonic()
+        if now - self.shown >= REFRESH_SECONDS:
+            self.shown = now
+            _rewrite_line(f"{moves} moves  {energy:.8g} kJ/mol  largest force {force:.4g} kJ/mol/nm")
+
+    def end(self) -> None:
+        """Ends the line, if there is one."""
+        if self.shown:
+            sys.stderr.write("\n")

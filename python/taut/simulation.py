@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import weakref
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Tuple, Union
 
@@ -13,7 +14,7 @@ import numpy.typing as npt
 from . import _core, ase_calculator, inputs, mdanalysis, openmm_objects, parts
 from .errors import InputError, suggest
 from .history import History
-from .progress import RunProgress
+from .progress import MinimiseProgress, RunProgress
 from .reporters import Reporters, Schedule
 from .showing import Log, Summary, table
 
@@ -33,6 +34,23 @@ def _release_folder(folder: str, close: bool) -> None:
         raise InputError(f"{folder}: another Simulation of this process writes there; call its close(), or give "
                          "overwrite=True, which closes it and moves its run aside")
     writer.close()
+
+
+@dataclass(frozen=True)
+class Minimisation:
+    """What a minimisation came to.
+
+    - ``energy_before``, ``energy``: potential energy [kJ/mol]
+    - ``largest_force``: on an atom, without its part along rigid bonds [kJ/mol/nm]
+    - ``steps``: moves, kept or taken back
+    - ``converged``: True if the largest force is no larger than asked for
+    """
+
+    energy_before: float
+    energy: float
+    largest_force: float
+    steps: int
+    converged: bool
 
 
 #: Settings that may change between two runs of a simulation.
@@ -278,13 +296,20 @@ class Simulation:
         first_report = schedule.next_after(self.steps_taken) if schedule else 0
         self._engine._run(inputs.whole(steps, "step(steps)"), 0, None, None, schedule, first_report, False)
 
-    def minimise(self, force_kj_mol_nm: float = 1000.0) -> None:
-        """Moves the atoms downhill by steepest descent, with bonds at their lengths.
+    def minimise(self, force_kj_mol_nm: float = 1000.0, *, steps: int = 5000, progress: bool = False) -> Minimisation:
+        """Moves the atoms downhill by steepest descent, with bonds at their lengths, and returns what it came to.
 
-        It ends when no atom's force is above ``force_kj_mol_nm`` [kJ/mol/nm]. Other Python threads run meanwhile.
+        It ends when no atom's force is above ``force_kj_mol_nm`` [kJ/mol/nm], when no move lowers the energy any more,
+        or after this many ``steps``. ``progress`` shows a line on standard error. Other Python threads run meanwhile.
         After Ctrl-C, or an exception in a force of your own, the state is what it was before.
         """
-        self._engine._minimise(force_kj_mol_nm)
+        line = MinimiseProgress() if progress else None
+        try:
+            taken, before, energy, force = self._engine._minimise(force_kj_mol_nm, inputs.whole(steps, "steps"), line)
+        finally:
+            if line is not None:
+                line.end()
+        return Minimisation(before, energy, force, taken, force <= force_kj_mol_nm)
 
     def checkpoint(self, file: Union[str, Path, None] = None) -> bytes:
         """Returns all that the next steps depend on, with log and summary, and writes it to a file if one is named.

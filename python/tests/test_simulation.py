@@ -1,6 +1,7 @@
 import gc
 import itertools
 import pickle
+import re
 import subprocess
 import sys
 import threading
@@ -256,9 +257,22 @@ def test_the_command_goes_on_with_a_run_that_has_names(tmp_path, command, data):
 def test_minimise():
     sim = taut.Simulation("decane", method="newton")
     before = sim.energies["potential"]
-    sim.minimise(200)
+    result = sim.minimise(200)
     assert sim.energies["potential"] < before and abs(sim.bond_errors).max() < 1e-9
+    assert result.converged and 0 < result.largest_force <= 200 and 1 < result.steps < 5000
+    assert result.energy_before == pytest.approx(before) and result.energy == pytest.approx(sim.energies["potential"])
     sim.run(2)
+
+
+def test_a_minimisation_has_a_limit_and_says_how_far_it_is(capsys):
+    sim = taut.Simulation("decane", method="newton")
+    few = sim.minimise(1e-6, steps=30, progress=True)
+    assert not few.converged and few.steps == 30 and few.largest_force > 1e-6
+    sim.minimise(1e-6, steps=300, progress=True)
+    assert re.search(r"\d+ moves +-?[\d.]+ kJ/mol +largest force [\d.]+ kJ/mol/nm", capsys.readouterr().err)
+    for wrong, words in (({"steps": 0}, "steps=0"), ({"steps": 2.5}, "whole number"), ({"force_kj_mol_nm": 0}, "more than 0")):
+        with pytest.raises(taut.InputError, match=words):
+            sim.minimise(**wrong)
 
 
 def test_a_callback_stops_it():
