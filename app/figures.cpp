@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/series.hpp"
+#include "simulation/run_folder.hpp"
 #include "words.hpp"
 
 namespace taut {
@@ -22,7 +23,7 @@ std::string with_error(const Estimate& e) {
 }
 
 nlohmann::ordered_json json_of(const Figure& figure) {
-  return {{"value", figure.value.value}, {"error", figure.value.error}};
+  return json_of(figure.value);
 }
 
 std::string figures_table(const std::vector<Figure>& figures) {

@@ -83,10 +83,11 @@ std::string kinds_csv(const std::vector<fs::path>& runs, const std::vector<std::
     const auto summary = nlohmann::ordered_json::parse(contents_of(runs[k] / "summary.json"), nullptr, false);
     if (!summary.is_object() || !summary.contains("temperatures_k")) continue;
     for (const auto& [type, motions] : summary["temperatures_k"].items())
-      for (const auto& [motion, t] : motions.items())
+      for (const auto& [motion, t] : motions.items()) {
+        if (!t.contains("value")) continue;  // an older taut's summary
         csv += fmt::format("{},{},{:.7g},{:.3g}\n", csv_cell(names[k]), csv_cell(type + ": " + motion),
-                           t["mean"].get<double>(),
-                           t["standard_error"].is_number() ? t["standard_error"].get<double>() : 0.0);
+                           t["value"].get<double>(), t["error"].is_number() ? t["error"].get<double>() : 0.0);
+      }
   }
   return csv;
 }

@@ -65,11 +65,6 @@ std::string log_row(const Record& r, bool with_bath) {
       r.heat ? fmt::format("{:.9g}", *r.heat) : "", further);
 }
 
-// Where there are too few rows for an error, it is null.
-ordered_json json_of(const Estimate& e) {
-  return {{"mean", e.value}, {"standard_error", e.error > 0 ? ordered_json(e.error) : ordered_json()}};
-}
-
 // Of each type of molecule; classes without degrees of freedom are left out.
 ordered_json temperatures_json(const Temperatures& temperatures) {
   ordered_json object;
@@ -97,6 +92,10 @@ ordered_json timings_json(const Timings& timings) {
 }
 
 }  // namespace
+
+ordered_json json_of(const Estimate& e) {
+  return {{"value", e.value}, {"error", e.error > 0 ? ordered_json(e.error) : ordered_json()}};
+}
 
 ordered_json summary_json(const Simulation& simulation, const Summary& s) {
   const Scene& scene = simulation.scene();

@@ -50,6 +50,9 @@ class RunFolder {
   std::optional<long> kept_step_;
 };
 
+// An estimate as all JSON of taut has it: its value, and its standard error, null where there are too few samples.
+nlohmann::ordered_json json_of(const Estimate& e);
+
 // What summary.json holds.
 nlohmann::ordered_json summary_json(const Simulation& simulation, const Summary& summary);
 

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "simulation/run_folder.hpp"
 #include "studies/crosscheck_verdict.hpp"
 #include "studies/csv.hpp"
 
@@ -25,10 +26,6 @@ double last_from_truth(const Track& track) {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json json_of(const Estimate& e) {
-  return {{"value", e.value}, {"standard_error", e.error}};
-}
 
 Json json_of(const Crosscheck& c, const Track& track) {
   Json json = {{"name", track.name},

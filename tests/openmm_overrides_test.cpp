@@ -94,6 +94,13 @@ TEST(OpenMMOverrides, PullsAndRestraintsActBesidesTheSystems) {
   EXPECT_EQ((more.colwise().norm().array() > 1e-9).count(), 2);
 }
 
+TEST(OpenMMOverrides, SteeredAtomsStartWhereTheyAre) {
+  const Scene plain = read_over("tip3p-216", {}),
+              steered = read_over("tip3p-216", {"build.steered=[[3, 0, 0, 0.01, 500]]"});
+  EXPECT_EQ(steered.terms.steered.at(0).from, plain.start.x.col(3));
+  EXPECT_EQ(forces_of(steered), forces_of(plain));
+}
+
 TEST(OpenMMOverrides, KeysThatCannotActAreRefusedWithTheReason) {
   EXPECT_THAT(refuse_over("tip3p-216", "forcefield.precison=mixed"), one_line_with("precison", "precision"));
   EXPECT_THAT(refuse_over("tip3p-216", "forcefield.pme_order=4"), one_line_with("coulomb = \"pme\""));

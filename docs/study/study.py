@@ -181,9 +181,9 @@ def figures(summary, log):
     if kinds:
         largest = max(kinds, key=lambda kind: int(kind.split()[0]))
         for part, value in kinds[largest].items():
-            row[f"{part}_k"] = value["mean"]
+            row[f"{part}_k"] = value["value"]
     if summary.get("pressure_bar"):
-        row["pressure_bar"] = summary["pressure_bar"]["mean"]
+        row["pressure_bar"] = summary["pressure_bar"]["value"]
     measured = summary.get("measured") or {}
     if "end_to_end_squared_nm2" in measured:
         row["end_to_end_nm2"] = next(iter(measured["end_to_end_squared_nm2"].values()))

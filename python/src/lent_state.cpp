@@ -64,7 +64,10 @@ Lent::~Lent() {
 }
 
 void Lent::expect_back() const {
-  if (kept()) PyGC_Collect();  // an unreachable cycle keeps nothing
+  // An unreachable cycle keeps nothing. It is as young as the call, and jax lets go of arrays in any collection: one of
+  // all objects would take 0.1 s a step where such a library is loaded.
+  if (kept()) py::module_::import("gc").attr("collect")(0);
+  if (kept()) PyGC_Collect();
   if (kept())
     throw py::buffer_error(
         fmt::format("it kept a view of {0}, whose numbers are the engine's; keep {0}.copy()", name_));

@@ -54,9 +54,9 @@ class Summary(Dict[str, Any]):
 
 def _flat(before: str, values: Mapping[str, Any]) -> Iterable[Any]:
     for name, value in values.items():
-        if isinstance(value, dict) and set(value) == {"mean", "standard_error"}:
-            error = value["standard_error"]
-            yield before + name, f"{value['mean']:.6g}" + (f" ± {error:.2g}" if error else "")
+        if isinstance(value, dict) and set(value) == {"value", "error"}:
+            error = value["error"]
+            yield before + name, f"{value['value']:.6g}" + (f" ± {error:.2g}" if error else "")
         elif isinstance(value, dict):
             yield from _flat(f"{before}{name}: ", value)
         elif value is not None and value != []:

@@ -17,8 +17,8 @@ EXAMPLES = sorted(path for path in FOLDER.glob("*.py") if path.stem != "notebook
 def test_example(example, tmp_path):
     text = example.read_text()
     pytest.importorskip("matplotlib", reason="needs matplotlib")
-    if "from openmm" in text:
-        pytest.importorskip("openmm", reason="needs OpenMM from PyPI: pip install openmm")
+    for library in re.findall(r"^(?:from|import) (openmm|MDAnalysis|jax)\b", text, re.M):
+        pytest.importorskip(library, reason=f"needs {library} from PyPI: pip install {library}")
     done = subprocess.run([sys.executable, str(example)], cwd=tmp_path, capture_output=True, text=True,
                           env={**os.environ, "MPLBACKEND": "Agg"}, timeout=120)
     assert done.returncode == 0, done.stderr

@@ -2,6 +2,7 @@
 
 import gc
 import inspect
+import os
 
 import numpy as np
 import pytest
@@ -159,3 +160,49 @@ def test_a_force_that_keeps_a_view_fails_and_what_it_kept_stays_readable(which, 
     junk = [np.full(x.shape, 7.0) for _ in range(1000)]
     expected = np.array([[0, 0, 1.0]] * (len(x) - 1)) if which else x[1:]
     assert len(junk) == 1000 and np.allclose(kept[0], expected, atol=0.1)
+
+
+def test_a_cycle_around_positions_costs_no_full_collection():
+    def make_cycle(positions, forces):
+        cycle = [positions]
+        cycle.append(cycle)
+
+    sim, seen = taut.Simulation("pair", forces=[pulling(make_cycle)]), []
+
+    def watch(phase, about):
+        seen.append(about["generation"])
+
+    gc.callbacks.append(watch)
+    try:
+        sim.run(20)
+    finally:
+        gc.callbacks.remove(watch)
+    assert seen.count(0) >= 40 and seen.count(2) <= 2
+
+
+def memory_mib():
+    with open("/proc/self/statm") as numbers:
+        return int(numbers.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 2**20
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/self/statm"), reason="needs Linux's /proc")
+def test_memory_is_flat_over_many_simulations():
+    def run_one():
+        taut.Simulation("pair").step(2)
+
+    def run_one_in_a_cycle():
+        force = pulling(lambda positions, forces: None)
+        force.sim = taut.Simulation("pair", forces=[force])
+        force.view = force.sim.positions
+        force.sim.reporters.append(taut.Call(lambda sim, keep=force.sim: None, every=1))
+        force.sim.step(2)
+
+    for make in (run_one, run_one_in_a_cycle):
+        for _ in range(200):
+            make()
+        gc.collect()
+        before = memory_mib()
+        for _ in range(1000):
+            make()
+        gc.collect()
+        assert memory_mib() - before < 4, make.__name__  # a Simulation that stayed holds 27 kB

@@ -10,6 +10,7 @@
 #include "forcefield/ewald/parameters.hpp"
 #include "md/observables.hpp"
 #include "systems/molecules/read_molecule.hpp"
+#include "systems/molecules/rows.hpp"
 #include "systems/start_file.hpp"
 #include "systems/whole_molecules.hpp"
 
@@ -121,10 +122,7 @@ void build(BuildRequest request, Scene& scene, std::string_view described) {
   refuse_idle_pair_keys(request.forcefield, scene);
   if (scene.names.empty()) scene.names = guessed_names(scene.system, scene.terms);
   make_walls(request.root, request.walls, scene);
-  for (SteeredAtom& one : scene.terms.steered) {
-    one.from = scene.start.x.col(one.atom);
-    one.since = scene.start.t;
-  }
+  tie_steered_atoms(scene.start, scene.terms);
   scene.start.f = Vectors::Zero(3, scene.system.atoms());
   if (scene.start.v.cols() == 0) scene.start.v = scene.start.f;
 }

@@ -123,6 +123,13 @@ void read_outer(RowReader& rows, Terms& terms) {
   }
 }
 
+void tie_steered_atoms(const State& start, Terms& terms) {
+  for (SteeredAtom& one : terms.steered) {
+    one.from = start.x.col(one.atom);
+    one.since = start.t;
+  }
+}
+
 namespace {
 
 double length_of(const OneSidedBond& bond, const Vectors& x, Eigen::Index first) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "forcefield/terms.hpp"
+#include "md/state.hpp"
 #include "md/system.hpp"
 #include "systems/toml_reader.hpp"
 
@@ -57,6 +58,8 @@ System read_system(RowReader& rows, Eigen::VectorXd mass, VirtualSites sites = {
 void read_springs(RowReader& rows, Terms& terms);
 // Reads external forces on atoms: pulls, steered atoms and position restraints.
 void read_outer(RowReader& rows, Terms& terms);
+// Ties the springs of steered atoms to where these are at the start.
+void tie_steered_atoms(const State& start, Terms& terms);
 
 // True while a strut's atoms are not too close and a rope's atoms not too far apart. describe_violation()
 // returns what is wrong, or an empty string. Atoms are counted from `first`.

@@ -66,6 +66,7 @@ void override_forces(const TomlTable& root, Scene& scene) {
   build.read("gravity_nm_ps2", scene.terms.gravity, {"uniform acceleration [x, y, z]", "nm/ps²"});
   RowReader rows(build, {scene.system.atoms()});
   read_outer(rows, scene.terms);
+  tie_steered_atoms(scene.start, scene.terms);
   build.reject_unknown();
   if (forcefield.keys().empty() && build.keys().empty()) return;
   try {  // The force field refuses contradictory settings.
