@@ -10,8 +10,8 @@ namespace taut {
 // What takes energy to move: the ends of steered atoms' springs, and the factor of pulls that change in time.
 struct SteeringForces {
   double force =
-      0;  // mean of the springs' forces along their directions, without springs of the pulls [kJ/mol/nm]
-  double power = 0;  // the springs' Σ force × speed, and what it takes to change the pulls [kJ/mol/ps]
+      0;  // mean of the springs' along their directions; of the pulls', where there is no spring [kJ/mol/nm]
+  double power = 0;  // Σ force × speed of the springs, and what it takes to change the pulls [kJ/mol/ps]
 };
 
 double add_gravity(const Vec3& g, const Eigen::VectorXd& mass, const Vectors& x, Vectors& f);

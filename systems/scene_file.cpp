@@ -86,6 +86,12 @@ void read_temperature(const TomlTable& table, RunSettings& run) {
   run.temperature_course = course.points().size() > 1 ? std::move(course) : Course();
 }
 
+// After the pulls are known.
+void settle_pulls(const TomlTable& run, Scene& scene) {
+  run.require_effect("pull_factor", !scene.terms.pulls.empty(), "with pulls");
+  scene.terms.pull_factor = scene.run.pull_factor;
+}
+
 // After the thermostat is known.
 void check_courses(const TomlTable& table, const RunSettings& run) {
   if (run.temperature_course.empty()) return;
@@ -268,8 +274,7 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
   root.reject_unknown();
   build({root, build_keys, forcefield_keys, scene.run}, scene);
   for (const auto* name : file_names(base)) scene.files.push_back(path_of(*name));
-  run_keys.require_effect("pull_factor", !scene.terms.pulls.empty(), "with pulls");
-  scene.terms.pull_factor = scene.run.pull_factor;
+  settle_pulls(run_keys, scene);
   settle_velocities(run_keys,
                     another_start || run_keys.overridden("velocities") || of_file.thermostatted() ||
                         of_file.velocities == "draw",
@@ -353,6 +358,7 @@ void apply_overrides(Scene& scene, const std::vector<std::string>& overrides, Ke
   if (keys || root.has("forcefield") || root.has("build")) override_forces(root, scene);
   root.reject_unknown();
   const TomlTable run = root.section("run");
+  settle_pulls(run, scene);
   if (root.has("run")) settle_velocities(run, false, scene);
   if (!run.has("barostat") && !scene.run.thermostatted()) scene.run.barostat = "none";  // an imported one
   check_barostat(run, scene);

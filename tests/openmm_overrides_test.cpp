@@ -94,6 +94,15 @@ TEST(OpenMMOverrides, PullsAndRestraintsActBesidesTheSystems) {
   EXPECT_EQ((more.colwise().norm().array() > 1e-9).count(), 2);
 }
 
+TEST(OpenMMOverrides, PullsChangeInTime) {
+  const Scene pulled =
+      read_over("tip3p-216", {"build.pulls=[[3, 100, 0, 0]]", "run.pull_factor=[[0, 0], [1, 2]]"});
+  EXPECT_EQ(pulled.terms.pull_factor.at(0.5), 1);
+  EXPECT_EQ(forces_of(pulled), forces_of(read_over("tip3p-216", {}))) << "the factor is 0 at the start";
+  EXPECT_THAT(refuse_over("tip3p-216", "run.pull_factor=[[0, 0], [1, 2]]"),
+              one_line_with("run.pull_factor", "with pulls"));
+}
+
 TEST(OpenMMOverrides, SteeredAtomsStartWhereTheyAre) {
   const Scene plain = read_over("tip3p-216", {}),
               steered = read_over("tip3p-216", {"build.steered=[[3, 0, 0, 0.01, 500]]"});
