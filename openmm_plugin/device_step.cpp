@@ -214,14 +214,6 @@ double DeviceStep::kinetic_energy(OpenMM::ContextImpl& context) {
   return 0.5 * twice;
 }
 
-bool DeviceStep::box_is_the_same() {
-  Vec3 now[3];
-  context_->getPeriodicBoxVectors(now[0], now[1], now[2]);
-  const bool same = std::equal(now, now + 3, box_);
-  std::copy(now, now + 3, box_);
-  return same;
-}
-
 void DeviceStep::hold(bool starts) {
   const double h = settings_.h, last_h = starts ? 0 : h;
   const double keep = std::exp(-settings_.friction * h);
@@ -285,7 +277,7 @@ void DeviceStep::execute(OpenMM::ContextImpl& context, const TautIntegrator& int
   const OpenMM::ContextSelector selected(*device_);
   if (integrator.getIntegrationForceGroups() != groups_) forget();
   groups_ = integrator.getIntegrationForceGroups();
-  if (!box_is_the_same()) known_ = 0;
+  if (!box_.is_the_same(*context_)) known_ = 0;
   if (if_same_) {
     read_motion(context);
     if (!same(x_, saved_x_) || !same(v_, saved_v_)) known_ = 0;
@@ -306,7 +298,7 @@ void DeviceStep::execute(OpenMM::ContextImpl& context, const TautIntegrator& int
     known_ = 0;
     throw;
   }
-  box_is_the_same();
+  box_.is_the_same(*context_);
 }
 
 std::vector<ArrayInterface*> DeviceStep::what_lasts() {
@@ -372,7 +364,7 @@ void DeviceStep::load(const std::string& kept) {
     }
   }
   device_->clearBuffer(*failure_);
-  box_is_the_same();
+  box_.is_the_same(*context_);
   if_same_ = true;
 }
 

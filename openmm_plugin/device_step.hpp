@@ -51,7 +51,6 @@ class DeviceStep final : public TautStepKernel {
   void hold(bool starts);
   void watch();
   void read_motion(OpenMM::ContextImpl& context);
-  bool box_is_the_same();
   std::vector<OpenMM::ArrayInterface*> what_lasts();
 
   OpenMM::ContextImpl* context_ = nullptr;
@@ -63,7 +62,7 @@ class DeviceStep final : public TautStepKernel {
   OpenMM::ComputeKernel drift_;
   Array kept_, jumps_, failure_;
   Vectors x_, v_, saved_x_, saved_v_;
-  OpenMM::Vec3 box_[3];
+  KnownBox box_;
   int groups_ = -1;  // of forces
   int known_ = 0;    // multipliers that are known, at most 3; 0: the next step starts anew
   bool if_same_ =

@@ -107,14 +107,6 @@ bool HostStep::motion_is_the_same() {
   return same(dynamics_->v());
 }
 
-bool HostStep::box_is_the_same() {
-  Vec3 now[3];
-  context_->getPeriodicBoxVectors(now[0], now[1], now[2]);
-  const bool same = std::equal(now, now + 3, box_);
-  std::copy(now, now + 3, box_);
-  return same;
-}
-
 void HostStep::start(double t) {
   read_motion();
   placed_ = false;
@@ -127,7 +119,7 @@ void HostStep::execute(OpenMM::ContextImpl& context, const TautIntegrator& integ
   context_ = &context;
   if (integrator.getIntegrationForceGroups() != groups_) known_ = Known::kNothing;
   groups_ = integrator.getIntegrationForceGroups();
-  if (!box_is_the_same() && known_ == Known::kAll) known_ = Known::kNothing;
+  if (!box_.is_the_same(*context_) && known_ == Known::kAll) known_ = Known::kNothing;
   if (known_ == Known::kIfSame) known_ = motion_is_the_same() ? Known::kAll : Known::kNothing;
   const bool start_anew = known_ != Known::kAll;
   struct InStep {
@@ -146,7 +138,7 @@ void HostStep::execute(OpenMM::ContextImpl& context, const TautIntegrator& integ
     context.setTime(t);
     context.setStepCount(context.getStepCount() + 1);
   }
-  box_is_the_same();
+  box_.is_the_same(*context_);
   if (steps > 0 || !start_anew) known_ = Known::kAll;
 }
 

@@ -34,7 +34,6 @@ class HostStep final : public TautStepKernel, private Engine {
   void place(const double* x);
   void read_motion();
   bool motion_is_the_same();
-  bool box_is_the_same();
   void start(double t);
 
   std::optional<HeldDynamics> dynamics_;
@@ -44,7 +43,7 @@ class HostStep final : public TautStepKernel, private Engine {
   bool placed_ = false;   // the Context has the positions of the step
   int groups_ = -1;       // of forces
   Vectors vectors_;
-  OpenMM::Vec3 box_[3];
+  KnownBox box_;
 };
 
 }  // namespace taut

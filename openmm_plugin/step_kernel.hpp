@@ -4,6 +4,7 @@
 #include <openmm/System.h>
 #include <openmm/internal/ContextImpl.h>
 
+#include <algorithm>
 #include <string>
 
 namespace taut {
@@ -28,6 +29,22 @@ class TautStepKernel : public OpenMM::KernelImpl {
   // What the next step needs besides positions and velocities; empty where it needs nothing.
   virtual std::string save() = 0;
   virtual void load(const std::string& kept) = 0;
+};
+
+// Remembers the Context's box.
+class KnownBox {
+ public:
+  // Returns whether the box is that of the last call.
+  bool is_the_same(OpenMM::ContextImpl& context) {
+    OpenMM::Vec3 now[3];
+    context.getPeriodicBoxVectors(now[0], now[1], now[2]);
+    const bool same = std::equal(now, now + 3, box_);
+    std::copy(now, now + 3, box_);
+    return same;
+  }
+
+ private:
+  OpenMM::Vec3 box_[3];
 };
 
 }  // namespace taut

@@ -130,8 +130,8 @@ std::string warn_of_load(double load, long cores) {
   if (static_cast<double>(cores) - load >= 0.5) return "";
   return fmt::format(
       "the machine is busy (load {:.1f} of {} core{} in the last minute): the times are noise; chart again "
-      "when it is "
-      "idle",
+      "when it "
+      "is idle",
       load, cores, cores == 1 ? "" : "s");
 }
 

@@ -4,7 +4,6 @@ Needs MDAnalysis: pip install MDAnalysis
 """
 
 from matplotlib import pyplot
-from MDAnalysis import Universe
 from MDAnalysis.analysis.rdf import InterRDF
 
 import taut
@@ -15,7 +14,8 @@ sim.reporters.append(taut.DCD("water.dcd", every=20))
 sim.run(2000, every=50)
 print(f"{sim.log['temperature_k'].mean():.0f} K")
 
-universe = Universe(sim.universe()._topology, "water.dcd")
+universe = sim.universe()
+universe.load_new("water.dcd")
 oxygen = universe.select_atoms("element O")
 pairs = InterRDF(oxygen, oxygen, nbins=80, range=(1.5, 9), exclusion_block=(1, 1)).run()
 figure, axis = pyplot.subplots(layout="constrained")

@@ -15,6 +15,7 @@
 #include "base/errors.hpp"
 #include "files/atomic_file.hpp"
 #include "md/units.hpp"
+#include "systems/lammps/differences.hpp"
 #include "systems/molecules/molecule.hpp"
 #include "systems/velocities.hpp"
 #include "systems/whole_molecules.hpp"
@@ -303,7 +304,7 @@ class Writer {
   std::string input() const {
     const Terms& terms = scene_.terms;
     const RunSettings& run = scene_.run;
-    std::string to = differences() + "units lj\natom_style full\n";
+    std::string to = describe_differences(scene_) + "units lj\natom_style full\n";
     if (!scene_.start.box.periodic()) to += "boundary s s s\n";
     to += fmt::format("special_bonds lj {} {} {} coul {} {} {}\n", special_lj_[0], special_lj_[1],
                       special_lj_[2], special_coulomb_[0], special_coulomb_[1], special_coulomb_[2]);
@@ -339,44 +340,6 @@ class Writer {
     };
     if (run.langevin()) return fix("langevin", 1 / run.friction_per_ps);
     return fix("temp/csvr", run.thermostat_ps) + "# without EXTRA-FIX: " + fix("langevin", run.thermostat_ps);
-  }
-
-  // What of the scene LAMMPS does otherwise, or not at all: a comment each.
-  std::string differences() const {
-    const RunSettings& run = scene_.run;
-    std::string to =
-        fmt::format("# {}, as taut gives it to LAMMPS. What differs from the scene:\n", scene_.name);
-    const auto tell = [&](const std::string& what) { to += "# - " + what + "\n"; };
-    tell("times are in ps, energies in kJ/mol, temperatures in kJ/mol: k_B T");
-    if (!rigid_.empty() && scene_.method.name() != "feedforward")
-      tell(fmt::format(
-          "method.name = \"{}\" holds the bonds in taut; fix taut has feedforward and baumgarte, and "
-          "feedforward is taken with its own defaults",
-          scene_.method.name()));
-    if (!rigid_.empty()) tell("fix taut needs taut-lammps; fix shake or rattle may stand in its place");
-    if (run.rescaling())
-      tell("velocity rescaling (run.thermostat_ps) is fix temp/csvr, of the package EXTRA-FIX");
-    if (!run.temperature_course.empty())
-      tell(
-          "run.temperature_k changes in time: its first value is taken; fix langevin and temp/csvr take two, "
-          "for "
-          "the ends of a run");
-    if (run.langevin())
-      tell("Langevin dynamics (run.friction_per_ps) is fix langevin: the same bath by another integrator");
-    if (run.barostat != "none")
-      tell(fmt::format(
-          "run.barostat = \"{}\" is left out: the volume is constant; fix press/berendsen or npt may "
-          "be added behind fix hold",
-          run.barostat));
-    if (run.minimise) tell("run.minimise is left out: `minimize 0 1e-3 1000 10000` before run does it");
-    if (run.remove_momentum_every > 0)
-      tell(fmt::format("run.remove_momentum_every is left out: fix momentum {} linear 1 1 1 does it",
-                       run.remove_momentum_every));
-    if (run.trajectory_every > 0) tell("run.trajectory_every is left out: add a dump");
-    const auto& nb = scene_.terms.nonbonded;
-    if (nb && nb->pme && !nb->charge.isZero(0))
-      tell("particle mesh Ewald is PPPM, of a tolerance of its own");
-    return to;
   }
 
   static constexpr double kEither = -1;  // a factor of what is zero anyway
