@@ -1,4 +1,4 @@
-"""Runs GROMACS on a peer_systems.Molecules, and returns µs a step by GROMACS's own clock over the second half of a run.
+"""Runs GROMACS on a peer_systems.Molecules or Prepared, and returns µs a step by GROMACS's own clock over the second half of a run.
 The programs are gmx and gmx_d, or those that the variable GMX names, with commas. Compare a build for this machine."""
 import os
 import pathlib
@@ -8,8 +8,9 @@ import subprocess
 import tempfile
 
 import machine
+import peer_systems
 
-MDP = """integrator = md
+MDP = """integrator = {integrator}
 dt = {dt}
 nsteps = {steps}
 cutoff-scheme = Verlet
@@ -22,6 +23,7 @@ nstenergy = 1000
 nstcalcenergy = 1000
 nstlog = 0
 constraint-algorithm = lincs
+{more}
 """
 
 
@@ -71,19 +73,32 @@ def version(program):
 def coulomb(m):
     if not m.mesh:
         return "coulombtype = reaction-field\nepsilon-rf = 78.3"
-    return "coulombtype = PME\npme-order = 4\newald-rtol = 1e-5\n" + "\n".join(f"fourier-n{d} = {m.mesh}" for d in "xyz")
+    return "coulombtype = PME\npme-order = 4\newald-rtol = 1e-5\n" + "\n".join(f"fourier-n{d} = {n}" for d, n in zip("xyz", m.mesh))
+
+
+def put_input(m, folder):
+    """Writes in.gro, in.top and in.mdp, but for the number of steps, of a Molecules or a Prepared."""
+    if isinstance(m, peer_systems.Prepared):
+        shutil.copy(m.file("gro"), folder / "in.gro")
+        shutil.copy(m.file("top"), folder / "in.top")
+        modifier, integrator, more = "none", "md", "constraints = h-bonds\ncontinuation = yes"
+    else:
+        (folder / "in.gro").write_text(coordinates(m))
+        (folder / "in.top").write_text(topology(m))
+        modifier = "potential-switch" if m.switch else "potential-shift" if m.shifted else "none"
+        integrator, more = m.integrator, m.coupling
+    return lambda steps: (folder / "in.mdp").write_text(MDP.format(
+        dt=m.dt_fs * 1e-3, steps=steps, cutoff=m.cutoff, switch=m.switch, coulomb=coulomb(m), modifier=modifier,
+        integrator=integrator, more=more))
 
 
 def us_per_step(program, m, threads, seconds):
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        (folder / "in.gro").write_text(coordinates(m))
-        (folder / "in.top").write_text(topology(m))
+        write_mdp = put_input(m, folder)
 
         def measure(steps):
-            (folder / "in.mdp").write_text(MDP.format(
-                dt=m.dt_fs * 1e-3, steps=steps, cutoff=m.cutoff, switch=m.switch, coulomb=coulomb(m),
-                modifier="potential-switch" if m.switch else "potential-shift" if m.shifted else "none"))
+            write_mdp(steps)
             run = lambda *a: subprocess.run([program, "-nobackup", *a], cwd=folder, check=True, capture_output=True)
             run("grompp", "-f", "in.mdp", "-c", "in.gro", "-p", "in.top", "-o", "in.tpr", "-maxwarn", "9")
             ranks = ["-ntmpi", "1"] if of_version(program, "MPI (?:library|version)") == "thread_mpi" else []
@@ -92,4 +107,4 @@ def us_per_step(program, m, threads, seconds):
             core, wall = map(float, re.search(r"^\s+Time:\s+([\d.]+)\s+([\d.]+)", (folder / "md.log").read_text(), re.M).groups())
             return wall / (steps - steps // 2 + 1) * 1e6
 
-        return measure(2 * int(seconds * 1e6 / measure(200) / 2))
+        return measure(2 * max(10, int(seconds * 1e6 / measure(m.first_steps) / 2)))

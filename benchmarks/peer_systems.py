@@ -16,18 +16,44 @@ class Molecules:
     cutoff: float  # [nm]
     switch: float  # of Lennard-Jones, from here on [nm]; 0: none
     dt_fs: float
-    mesh: int = 0  # PME's points along an edge; 0: reaction field
+    mesh: tuple = ()  # PME's points along each edge; none: reaction field
     shifted: bool = False  # Lennard-Jones is zero at the cutoff
     excluded: int = 1  # bonds apart, up to which chains have no pair forces
     angle: tuple = ()  # of every three in a row: (degrees, k [kJ/mol/rad^2])
     torsion: tuple = ()  # of every four: Ryckaert and Bellemans's coefficients [kJ/mol]
+    integrator: str = "md"  # GROMACS's
+    coupling: str = ""  # lines of GROMACS's .mdp: thermostat and barostat
     x: list = dataclasses.field(default_factory=list)  # [nm]
     v: list = dataclasses.field(default_factory=list)  # [nm/ps]
     box: list = dataclasses.field(default_factory=list)  # [nm]
 
+    first_steps = 200  # of the run that tells how long one takes
+
     @property
     def water(self):
         return len(self.bonds) == 3
+
+
+@dataclasses.dataclass
+class Prepared:
+    """A system in a folder that real_systems.py wrote. All programs take PME to 0.9 nm, 1e-5 there, of order 4."""
+    name: str
+    folder: pathlib.Path
+    cutoff = 0.9  # [nm]
+    switch = 0
+    dt_fs = 2
+    alpha = 3.4705  # [1/nm]: erfc(alpha cutoff) = 1e-5
+    first_steps = 20
+
+    def file(self, suffix):
+        return self.folder / f"{self.name}.{suffix}"
+
+    @property
+    def mesh(self):
+        """Returns the least even numbers of points, with no prime factor over 7, that are at most 0.12 nm apart."""
+        smooth = sorted(2**a * 3**b * 5**c * 7**d for a in range(1, 9) for b in range(5) for c in range(3) for d in range(2))
+        edges = map(float, self.file("gro").read_text().splitlines()[-1].split())
+        return tuple(next(n for n in smooth if n >= edge / 0.12) for edge in edges)
 
 
 def start_of(taut, molecules, arguments):
@@ -53,7 +79,7 @@ def water(taut, count):
 def pme(taut, count):
     """The same with PME, 1e-5 at the cutoff, order 4: step_bench's."""
     molecules = water(taut, count)
-    return dataclasses.replace(molecules, name=f"pme{count}", mesh=round(16 / 6 * count ** (1 / 3)))
+    return dataclasses.replace(molecules, name=f"pme{count}", mesh=(round(16 / 6 * count ** (1 / 3)),) * 3)
 
 
 def chains(taut, name, count=100):
