@@ -13,7 +13,7 @@ MonteCarloBarostat::MonteCarloBarostat(const System& sys, const std::vector<int>
     : centres_(sys, molecule), forces_(forces), coupling_(coupling), random_{coupling.seed} {}
 
 double MonteCarloBarostat::energy(const System& sys) {
-  return forces_.field.evaluate_energy(sys, trial_);
+  return forces_.field.evaluate_energy_alone(sys, trial_);
 }
 
 double MonteCarloBarostat::move_box(const System& sys, State& s) {

@@ -28,6 +28,16 @@ std::vector<PairException> interacting(const std::vector<PairException>& excepti
   return some;
 }
 
+void place_virtual_sites(const System& sys, Vectors& x) {
+  if (!sys.sites.empty()) in_part(StepPart::kSites, [&] { place_sites(sys.sites, x); });
+}
+
+double sum_of(const Energies& terms) {
+  double sum = 0;
+  for (const auto& [term, energy] : terms) sum += energy;
+  return sum;
+}
+
 }  // namespace
 
 struct ForceField::Impl {
@@ -93,17 +103,35 @@ struct ForceField::Impl {
     const Vectors& x = s.x;
     place_atoms(x, s.box);
     f.resize(3, x.cols());
-    if (!pairs_overwrite())
-      by_atoms(sys.atoms(), [&](int first, int last) { f.middleCols(first, last - first).setZero(); });
-    if (bonded.pieces() > 0) {
-      const PartScope here(StepPart::kBonded);
-      besides.bonded = bonded.add_forces(x, f);
-    }
-    add_fields(sys, s, f, besides);
+    if (!pairs_overwrite()) clear(f);
+    add_bonded_and_fields(sys, s, f, besides);
     using enum ClusterPairs::Write;
     if (lj_coulomb) lj_coulomb->add_forces(f, pairs_overwrite() ? kOverwrite : kAdd);
     if (pme) besides.mesh = pme->add_forces(x, f);
     if (wca) wca->add_forces(f, pairs_overwrite() && !lj_coulomb ? kOverwrite : kAdd);
+  }
+
+  // The energy alone, for which forces of pairs are not computed: f gets the others.
+  double evaluate_energy(const System& sys, const State& s, Vectors& f, Evaluation& besides) {
+    place_atoms(s.x, s.box);
+    f.resize(3, s.x.cols());
+    clear(f);
+    add_bonded_and_fields(sys, s, f, besides);
+    if (pme) besides.mesh = pme->add_forces(s.x, f);
+    return sum_of(energies(besides));
+  }
+
+  static void clear(Vectors& f) {
+    by_atoms(static_cast<int>(f.cols()),
+             [&](int first, int last) { f.middleCols(first, last - first).setZero(); });
+  }
+
+  void add_bonded_and_fields(const System& sys, const State& s, Vectors& f, Evaluation& besides) {
+    if (bonded.pieces() > 0) {
+      const PartScope here(StepPart::kBonded);
+      besides.bonded = bonded.add_forces(s.x, f);
+    }
+    add_fields(sys, s, f, besides);
   }
 
   bool has_fields() const {
@@ -159,7 +187,7 @@ ForceField::ForceField(ForceField&&) noexcept = default;
 ForceField& ForceField::operator=(ForceField&&) noexcept = default;
 
 void ForceField::evaluate(const System& sys, State& s, Evaluation& besides) {
-  if (!sys.sites.empty()) in_part(StepPart::kSites, [&] { place_sites(sys.sites, s.x); });
+  place_virtual_sites(sys, s.x);
   impl_->evaluate(sys, s, s.f, besides);
   besides.site_virial.setZero();
   if (!sys.sites.empty())
@@ -177,14 +205,18 @@ double ForceField::evaluate_energy(const System& sys, State& s) {
   return potential(s, besides);
 }
 
+double ForceField::evaluate_energy_alone(const System& sys, State& s) {
+  place_virtual_sites(sys, s.x);
+  Evaluation besides;
+  return impl_->evaluate_energy(sys, s, s.f, besides);
+}
+
 std::string ForceField::lack_of_room(const Box& box) const {
   return taut::lack_of_room(impl_->terms, box);
 }
 
 double ForceField::potential(const State& at, const Evaluation& besides) {
-  double sum = 0;
-  for (const auto& [term, energy] : energies(at, besides)) sum += energy;
-  return sum;
+  return sum_of(energies(at, besides));
 }
 
 Energies ForceField::energies(const State& at, const Evaluation& besides) {

@@ -49,6 +49,8 @@ class ForceField final : public ForceLaw {
 
   // Sets s.f = F(s.x) and returns the potential energy [kJ/mol].
   double evaluate_energy(const System& sys, State& s);
+  // Returns the potential energy without computing the forces of pairs; s.f becomes meaningless [kJ/mol].
+  double evaluate_energy_alone(const System& sys, State& s);
 
   // What in a box would be too narrow for a cutoff; empty: nothing.
   std::string lack_of_room(const Box& box) const;

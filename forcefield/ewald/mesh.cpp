@@ -59,6 +59,11 @@ double square(double a) {
 
 template <class T>
 class MeshIn final : public PmeMesh::Engine {
+  // By k along an axis: m², and exp(−π²m²/α²)|b(m)|².
+  struct Axis {
+    std::vector<double> m2, factor;
+  };
+
  public:
   MeshIn(const Eigen::VectorXd& charge, const PmeParameters& p)
       : order_(p.order),
@@ -83,7 +88,11 @@ class MeshIn final : public PmeMesh::Engine {
       into_.col(d) = box_.fractional(Vec3::Unit(d));
       slope_.col(d) = box_.reciprocal(size_[d] * Vec3::Unit(d));
     }
-    by_rows(available_threads(), [&](int row, int) { compute_influence(row); });
+    const bool skewed = !box_.tilt.isZero(0);
+    if (!skewed)
+      for (int d = 0; d < 3; ++d) axis_[d] = waves_along(d);
+    by_rows(available_threads(),
+            [&](int row, int) { skewed ? compute_skewed_influence(row) : compute_influence(row); });
   }
 
   double add_forces(const Vectors& x, Vectors& f) override {
@@ -214,10 +223,31 @@ class MeshIn final : public PmeMesh::Engine {
   }
   double share_of(int k2) const { return k2 == 0 || 2 * k2 == size_[1] ? 0.5 : 1; }  // ½, and m₂'s other half
 
-  // Computes G for a row of every plane, in the order of the transforms.
+  // Computes G = exp(−π²m²/α²)/(πVm²) |b|² for a row of every plane, in the order of the transforms. In a
+  // rectangular box m² is a sum over the axes, and the rest of G a product.
   void compute_influence(int row) {
+    const auto& [x, y, z] = axis_;
+    T* g = influence_.data() + row * of_row();
+    for (int k3 = 0; k3 < size_[2]; ++k3) {
+      const double m2 = y.m2[row] + z.m2[k3],
+                   factor = y.factor[row] * z.factor[k3] / (std::numbers::pi * box_.volume());
+      for (int k1 = 0; k1 < size_[0]; ++k1) *g++ = static_cast<T>(factor * x.factor[k1] / (x.m2[k1] + m2));
+    }
+    if (row == 0) influence_[0] = 0;
+  }
+
+  Axis waves_along(int d) const {
+    Axis axis;
+    for (int k = 0; k < size_[d]; ++k) {
+      const double m = std::min(k, size_[d] - k) / box_.edge[d];
+      axis.m2.push_back(m * m);
+      axis.factor.push_back(std::exp(-square(std::numbers::pi / alpha_ * m)) / moduli_[d][k]);
+    }
+    return axis;
+  }
+
+  void compute_skewed_influence(int row) {
     const double pi = std::numbers::pi, inv = pi * pi / (alpha_ * alpha_);
-    const bool skewed = !box_.tilt.isZero(0);
     for (int k1 = 0; k1 < size_[0]; ++k1) {
       const double factor = pi * box_.volume() * moduli_[0][k1] * moduli_[1][row];
       T* const g = influence_.data() + row * of_row() + k1;
@@ -226,7 +256,7 @@ class MeshIn final : public PmeMesh::Engine {
           return m2 > 0 ? std::exp(-inv * m2) / (factor * moduli_[2][k3] * m2) : 0.0;
         };
         double G = influence(wave(k1, row, k3).squaredNorm());
-        if (skewed && in_a_middle(k1, row, k3)) G = (G + influence(wave(k1, row, k3, -1).squaredNorm())) / 2;
+        if (in_a_middle(k1, row, k3)) G = (G + influence(wave(k1, row, k3, -1).squaredNorm())) / 2;
         g[std::ptrdiff_t{k3} * size_[0]] = static_cast<T>(G);
       }
     }
@@ -287,6 +317,7 @@ class MeshIn final : public PmeMesh::Engine {
   std::vector<int> begin_;                  // of a plane's, in atoms_
   std::vector<int> next_;                   // of a bucket's, the same, thread by thread
   std::array<std::vector<double>, 3> moduli_;
+  std::array<Axis, 3> axis_;       // of a rectangular box
   std::vector<T> influence_;       // G, row by row k₂, as the transforms come [1/nm]
   std::vector<double> energy_of_;  // by row, as what follows
   std::vector<Eigen::Matrix3d> virial_of_;

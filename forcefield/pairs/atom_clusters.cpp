@@ -108,16 +108,21 @@ void AtomClusters::choose_columns(const Vectors& x) {
   for (int d = 0; d < 2 && layout_.periodic; ++d) width_[d] = box_.edge[d] / double(count_[d]);
 }
 
+void AtomClusters::follow(const Box& box) {
+  for (Vec3& offset : offset_) offset = box.lattice_vector(box_.fractional(offset).array().round().matrix());
+  box_ = box;
+}
+
 void AtomClusters::serialize(Archive& archive) {
   int before = std::max(0, builds_ - 1);  // none where every pair counts
-  archive(box_, before, width_, count_);
+  archive(box_, built_in_, before, width_, count_);
   if (!archive.loading()) return;
   builds_ = before;
   archive.demand(before >= 0);
   for (int d = 0; d < 2 && before > 0; ++d) {
     archive.demand(width_[d] > 1e-3 * layout_.range);
     archive.demand(!layout_.periodic ||
-                   (count_[d] > 0 && box_.edge[d] / double(count_[d]) > 1e-3 * layout_.range));
+                   (count_[d] > 0 && built_in_.edge[d] / double(count_[d]) > 1e-3 * layout_.range));
   }
 }
 
@@ -144,7 +149,7 @@ std::size_t AtomClusters::table_entry(const GridColumn& place) const {
 // The result does not depend on the number of threads.
 void AtomClusters::build(const Vectors& x, const Box& box) {
   const int n = static_cast<int>(x.cols());
-  if (layout_.periodic) box_ = box;
+  if (layout_.periodic) box_ = built_in_ = box;
   choose_columns(x);
   if (!layout_.periodic) close_gaps(x);
   wrap_.resize(n);

@@ -47,7 +47,11 @@ class AtomClusters {
   // Takes the atoms in their own order: where every pair counts there is nothing to search.
   void build_in_order(const Vectors& x);
 
-  const Box& box() const { return box_; }  // of the last build
+  // Moves the atoms along with a box whose vectors have changed a little; the clusters stay as they are.
+  void follow(const Box& box);
+
+  const Box& box() const { return box_; }
+  const Box& built_in() const { return built_in_; }  // the box of the last build
   int count() const { return static_cast<int>(atom_.size()) / kClusterAtoms; }
   int slots() const { return static_cast<int>(atom_.size()); }
   int atom(int slot) const { return atom_[slot]; }
@@ -64,7 +68,7 @@ class AtomClusters {
   // Each pair of columns is found from one side only, the column itself once. Ordered by image.
   void find_neighbours(const Column& column, int up, std::vector<Neighbour>& out) const;
 
-  // The columns' width before the last build; after loading, that build is to be repeated.
+  // The columns' width before the last build; after loading, that build is to be repeated, and followed.
   void serialize(Archive& archive);
 
  private:
@@ -97,7 +101,7 @@ class AtomClusters {
   void fill_slots(int column);
 
   Layout layout_;
-  Box box_;
+  Box box_, built_in_;
   int builds_ = 0;
   std::array<double, 2> width_{};        // of a column [nm]
   std::array<std::int64_t, 2> count_{};  // of columns along the box's edges

@@ -128,6 +128,14 @@ void AtomTracks::advance() {
   known_ = std::min(known_ + 1, 2);
 }
 
+void AtomTracks::follow(const Eigen::Matrix3d& map, const Share& clusters) {
+  for (auto& x : x_)
+    for (int c = clusters.begin; c < clusters.end; ++c) {
+      Eigen::Map<Eigen::Matrix<double, 4, 3>> four(x.data() + entry(4 * c, 0));
+      four *= map.transpose();
+    }
+}
+
 void AtomTracks::leave(const AtomClusters& clusters, const Share& share) {
   for (int k = 0; k < 2; ++k)
     for (int slot = 4 * share.begin; slot < 4 * share.end; ++slot)

@@ -44,6 +44,9 @@ class AtomTracks {
   void advance();                // shifts the history by one call
   void forget() { known_ = 0; }  // drops the history
 
+  // Moves the history along with the box: x becomes map · x.
+  void follow(const Eigen::Matrix3d& map, const Share& clusters);
+
   // To change clusters: leave() stores the history by atom, the caller writes now(), enter() restores it by
   // slot.
   void leave(const AtomClusters& clusters, const Share& share);

@@ -12,6 +12,7 @@
 #include "forcefield/pairs/pair_problem.hpp"
 #include "forcefield/pairs/prune_list.hpp"
 #include "forcefield/pairs/row_shares.hpp"
+#include "forcefield/pairs/slot_parameters.hpp"
 #include "forcefield/pairs/slots.hpp"
 #include "forcefield/pairs/thread_forces.hpp"
 #include "md/step_parts.hpp"
@@ -55,8 +56,9 @@ class EngineIn final : public ClusterPairs::Engine {
 
   void update_lists(const Vectors& x, const Box& box) override {
     if (p_.all_pairs() && x.cols() > 0) choose_unit(2 * spread(x), x.cwiseAbs().maxCoeff());
-    if (p_.periodic && box != clusters_.box()) drop_lists();
-    if (!searched_in_box_ || !positions_within_margins(x)) renew_lists(x, box);
+    const bool box_changed = p_.periodic && searched_in_box_ && box != clusters_.box();
+    if (box_changed) follow_box(box);
+    if (!searched_in_box_ || !positions_within_margins(x) || box_changed) renew_lists(x, box);
   }
 
   void add_forces(Vectors& f, Write write) override {
@@ -84,7 +86,11 @@ class EngineIn final : public ClusterPairs::Engine {
   void serialize(Archive& archive) override {
     if (p_.all_pairs()) return;
     archive(clusters_, searched_at_);
-    if (archive.loading()) search_clusters(Vectors(searched_at_), clusters_.box());
+    if (archive.loading()) {
+      const Box now = clusters_.box();
+      search_clusters(Vectors(searched_at_), clusters_.built_in());
+      if (now != clusters_.box()) follow_box(now);
+    }
     archive(tracks_, listed_.x);
     if (!archive.loading()) return;
     archive.demand(list_positions_within_buffer());
@@ -132,6 +138,29 @@ class EngineIn final : public ClusterPairs::Engine {
     prune_lists();
   }
 
+  // Takes the outer list along when the box changes from V to V' (a, b, c as columns): the positions s of its
+  // search become As with A = V'V⁻¹ of the box it was searched in, periodic images included. Separations that
+  // it leaves out, |s| > cutoff + buffer, stay longer than cutoff + buffer − |A − 1| (cutoff + buffer), so
+  // the buffer has lost the last term.
+  void follow_box(const Box& box) {
+    const auto map_from = [&](const Box& from) -> Eigen::Matrix3d {
+      return box.vectors() * from.vectors().inverse();
+    };
+    const double strain = (map_from(clusters_.built_in()) - Eigen::Matrix3d::Identity()).norm();
+    buffer_lost_ = strain * (p_.law.cutoff + p_.outer);
+    if (!(buffer_lost_ < p_.outer)) return drop_lists();
+    const Eigen::Matrix3d map = map_from(clusters_.box());
+    for (ClusterList& list : outer_)
+      for (PairRow& row : list.rows)
+        row.shift = box.lattice_vector(clusters_.box().fractional(row.shift).array().round().matrix());
+    clusters_.follow(box);
+    by_clusters([&](const Share& share) {
+      tracks_.follow(map, share);
+      place_searched(share);
+    });
+    searched_.extent = listed_.extent = extent_ * (1 + strain);
+  }
+
   void drop_lists() {
     searched_in_box_ = false;
     tracks_.forget();
@@ -153,7 +182,7 @@ class EngineIn final : public ClusterPairs::Engine {
   bool list_positions_within_buffer() {
     moved_.resize(clusters_.count());
     farthest_ = largest_of_shares([&](const Share& s) { return farthest(searched_, s, listed_, moved_); });
-    return farthest_ <= aim_.most_from_search;
+    return farthest_ + buffer_lost_ / 2 <= aim_.most_from_search;
   }
 
   // Prunes the inner list from the outer one. An exception meanwhile leaves the lists marked as invalid.
@@ -164,7 +193,8 @@ class EngineIn final : public ClusterPairs::Engine {
   }
 
   void fill_inner_lists() {
-    const Pruning pruning{listed_, kind_, p_.law.cutoff, kRowAtoms, moved_, farthest_, p_.outer};
+    const Pruning pruning{listed_, kind_, p_.law.cutoff, kRowAtoms, moved_, farthest_ + buffer_lost_,
+                          p_.outer};
     in_parallel(threads_, [&](int t) {
       inner_[t].rows.clear();
       inner_[t].masked.clear();
@@ -190,6 +220,8 @@ class EngineIn final : public ClusterPairs::Engine {
     if (std::exchange(tracks_entered_, false))
       by_clusters([&](const Share& share) { tracks_.leave(clusters_, share); });
     p_.all_pairs() ? clusters_.build_in_order(x) : clusters_.build(x, box);
+    searched_at_ = x;
+    buffer_lost_ = 0;
     threads_ = threads_for(clusters_.count(), kClustersPerThread);
     load_slots(x);
     outer_.resize(threads_);
@@ -220,7 +252,6 @@ class EngineIn final : public ClusterPairs::Engine {
       tracks_.enter(clusters_, share);
     });
     tracks_entered_ = true;
-    searched_at_ = x;
     ++searches;
   }
 
@@ -232,46 +263,31 @@ class EngineIn final : public ClusterPairs::Engine {
     atoms_.x.resize(3 * slots);
     for (auto* numbers : {&atoms_.charge, &atoms_.half_sigma, &atoms_.two_sqrt_epsilon})
       numbers->resize(slots);
-    load_table(slots);
+    load_table(p_, slots, atoms_);
     searched_.x.resize(4 * slots);
     listed_.x.resize(4 * slots);
-    const double extent = largest_of_shares([&](const Share& share) { return load_slots(x, share); });
-    searched_.extent = listed_.extent = extent + clusters_.box().edge.maxCoeff();
+    const double extent = largest_of_shares([&](const Share& share) {
+      load_parameters(p_, clusters_, share, kind_, atoms_);
+      return place_searched(share);
+    });
+    searched_.extent = listed_.extent = extent_ = extent + clusters_.box().edge.maxCoeff();
     if (!p_.all_pairs()) choose_unit(2 * (p_.law.cutoff + p_.outer + clusters_.widest()), extent);
   }
 
-  // Returns the largest coordinate.
-  double load_slots(const Vectors& x, const Share& share) {
+  // Writes the positions of the search, as the box has moved them since. Returns the largest coordinate.
+  double place_searched(const Share& share) {
+    const Box &then = clusters_.built_in(), &now = clusters_.box();
+    const bool moved = then != now;
     double extent = 0;
     for (int slot = 4 * share.begin; slot < 4 * share.end; ++slot) {
-      const int a = clusters_.atom(slot);
-      for (int d = 0; d < 3; ++d) {
-        const double q = x(d, a) + clusters_.offset(slot)[d];
-        searched_.x[16 * (slot / 4) + 4 * d + slot % 4] = static_cast<float>(q);
-        extent = std::max(extent, std::abs(q));
-      }
+      Vec3 q = searched_at_.col(clusters_.atom(slot));
+      if (moved) q = now.lattice_vector(then.fractional(q));
+      q += clusters_.offset(slot);
+      for (int d = 0; d < 3; ++d) searched_.x[16 * (slot / 4) + 4 * d + slot % 4] = static_cast<float>(q[d]);
       searched_.x[16 * (slot / 4) + 12 + slot % 4] = static_cast<float>(kEverywhere);
-      const bool filler = clusters_.filler(slot);
-      const auto unless_filler = [&](double value) { return filler ? T(0) : static_cast<T>(value); };
-      kind_[slot] = filler ? 0 : p_.kind[a];
-      atoms_.charge[slot] = unless_filler(p_.charge[a]);
-      atoms_.half_sigma[slot] = unless_filler(p_.half_sigma[a]);
-      atoms_.two_sqrt_epsilon[slot] = unless_filler(p_.two_sqrt_epsilon[a]);
-      if (p_.law.mixing == Mixing::kTable && !filler) atoms_.type[slot] = static_cast<T>(p_.table.type[a]);
+      extent = std::max(extent, q.cwiseAbs().maxCoeff());
     }
     return extent;
-  }
-
-  // Fillers have the last type.
-  void load_table(int slots) {
-    if (p_.law.mixing != Mixing::kTable) return;
-    atoms_.type.assign(slots, static_cast<T>(p_.law.types - 1));
-    const auto copy = [](const Eigen::MatrixXd& from, Aligned<T>& to) {
-      to.resize(from.size());
-      for (Eigen::Index k = 0; k < from.size(); ++k) to[k] = static_cast<T>(from.data()[k]);
-    };
-    copy(p_.table.a, atoms_.table_a);
-    copy(p_.table.b, atoms_.table_b);
   }
 
   // Coordinates are kept modulo 2³² units, so differences between atoms less than `widest` apart are right
@@ -296,10 +312,12 @@ class EngineIn final : public ClusterPairs::Engine {
   RoundedPositions searched_, listed_;  // the positions that the outer and the inner list were made for
   Vectors searched_at_;                 // as they were given [nm]
   std::vector<std::uint8_t> kind_;
-  bool searched_in_box_ = false;  // the lists are complete and of the present box
+  bool searched_in_box_ = false;  // the lists are complete, and the outer one follows the present box
   bool tracks_entered_ = false;   // tracks_ are by the slots of the present clusters
   std::vector<double> moved_;     // since then, as Pruning has them
   double farthest_ = 0;
+  double extent_ = 0;       // of the positions of the search, periodic shifts included [nm]
+  double buffer_lost_ = 0;  // of the outer list, since the box has changed [nm]
   int threads_ = 1;
   std::vector<ClusterList> outer_, inner_;  // by thread, as what follows
   std::vector<double> of_share_;
