@@ -3,7 +3,7 @@
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
 #include <algorithm>
-#include <set>
+#include <utility>
 
 namespace taut {
 
@@ -25,22 +25,52 @@ std::vector<std::vector<int>> Elimination::find_order(const Couplings& couplings
     neighbours.erase(std::unique(neighbours.begin(), neighbours.end()), neighbours.end());
   }
 
-  const auto rank = [&](int k) { return std::tuple(stage[k], left[k].size(), k); };
-  std::set<std::tuple<Stage, std::size_t, int>> waiting;
-  for (int k = 0; k < n; ++k) waiting.insert(rank(k));
+  std::vector<bool> taken(n);
+  std::vector<std::vector<int>>
+      waiting;  // by degree; those that have another degree now or are taken count no more
+  Stage now = kEliminated;
+  const auto wait = [&](int k) {
+    if (stage[k] != now) return;
+    if (waiting.size() <= left[k].size()) waiting.resize(left[k].size() + 1);
+    waiting[left[k].size()].push_back(k);
+  };
+  std::vector<int> merged;
   const auto take = [&](int k) {
     order.push_back(k);
-    waiting.erase(rank(k));
+    taken[k] = true;
     for (int p : left[k]) {
-      waiting.erase(rank(p));
-      std::vector<int> merged;
+      merged.clear();
       std::ranges::set_union(left[p], left[k], std::back_inserter(merged));
       std::erase_if(merged, [&](int q) { return q == k || q == p; });
-      left[p] = std::move(merged);
-      waiting.insert(rank(p));
+      left[p] = merged;
+      if (by == Order::kRounds) wait(p);
     }
   };
+  // The unknowns of the stage that have the smallest degree now, in ascending order; none: it is through.
+  const auto least_coupled = [&] {
+    for (std::size_t degree = 0; degree < waiting.size(); ++degree) {
+      std::vector<int> round = std::exchange(waiting[degree], {});
+      std::erase_if(round, [&](int k) { return taken[k] || left[k].size() != degree; });
+      std::ranges::sort(round);
+      round.erase(std::unique(round.begin(), round.end()), round.end());
+      if (!round.empty()) return round;
+    }
+    return std::vector<int>{};
+  };
   if (by == Order::kMinimumDegree) {
+    std::vector<int> ends;  // of chains and branches: nothing else can be eliminated at less cost
+    for (int end = 0; end < n; ++end) {
+      ends.assign(1, end);
+      while (!ends.empty()) {
+        const int k = ends.back();
+        ends.pop_back();
+        if (taken[k] || left[k].size() > 1) continue;
+        take(k);
+        ends.insert(ends.end(), left[k].begin(), left[k].end());
+      }
+    }
+  }
+  if (by == Order::kMinimumDegree && std::ssize(order) < n) {
     std::vector<Eigen::Triplet<double>> entries;
     for (int k = 0; k < n; ++k) entries.emplace_back(k, k, 1.0);
     for (const auto& [k, l] : tied) {
@@ -50,20 +80,21 @@ std::vector<std::vector<int>> Elimination::find_order(const Couplings& couplings
     Eigen::SparseMatrix<double> pattern(n, n);
     pattern.setFromTriplets(entries.begin(), entries.end());
     Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation;
-    if (n > 0) Eigen::AMDOrdering<int>()(pattern, permutation);
-    for (int k : permutation.indices()) take(k);
+    Eigen::AMDOrdering<int>()(pattern, permutation);
+    for (int k : permutation.indices())
+      if (!taken[k]) take(k);
   }
-  while (!waiting.empty()) {
-    std::vector<int> round;
-    const auto [now, least, first] = *waiting.begin();
-    for (auto w = waiting.begin(); w != waiting.end() && std::get<0>(*w) == now && std::get<1>(*w) == least;
-         ++w)
-      round.push_back(std::get<2>(*w));
-    std::set<int> touched;
-    for (int k : round) {
-      if (touched.contains(k)) continue;
-      touched.insert(left[k].begin(), left[k].end());
-      take(k);
+  if (by == Order::kRounds) {
+    std::vector<int> touched(n, -1);  // in which round
+    int rounds = 0;
+    for (now = kEliminated; now <= kApart; now = static_cast<Stage>(now + 1)) {
+      for (int k = 0; k < n; ++k) wait(k);
+      for (std::vector<int> round = least_coupled(); !round.empty(); round = least_coupled(), ++rounds)
+        for (int k : round) {
+          if (touched[k] == rounds) continue;
+          for (int p : left[k]) touched[p] = rounds;
+          take(k);
+        }
     }
   }
   const std::vector<int> cluster = connected_components(n, tied);

@@ -29,7 +29,7 @@ FixTaut::FixTaut(LAMMPS* engine, int narg, char** arg)
   } catch (const taut::InputError& wrong) {
     refuse(wrong.what());
   }
-  restart_peratom = create_attribute = dof_flag = 1;
+  restart_peratom = create_attribute = dof_flag = comm_reverse = 1;
   stores_ids = 1;  // so that reset_atom_ids is refused
   virial_global_flag = virial_peratom_flag = thermo_virial = 1;
   energy_global_flag = thermo_energy = 1;  // of the springs, in minimisation
@@ -189,7 +189,7 @@ void FixTaut::find_multipliers() {
   require_solved(stats);
   past_is_new_ = true;
   for (int n = 0; n < exchanges_; ++n) {
-    store_past();
+    solve_->tell_newest();
     forward_comm(Forward::kMultipliers);
     if (n + 1 == exchanges_) look_before_last_exchange();
     read_outer(false);
@@ -201,7 +201,7 @@ void FixTaut::find_multipliers() {
     stats.iterations += again.iterations;
   }
   if (cut_) {
-    store_past();
+    solve_->tell_newest();
     remember_shared(0.5 * h);
   }
   residual_ = stats.max_residual;

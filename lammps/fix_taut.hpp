@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <unordered_map>
 
 #include "lammps/cut.hpp"
 #include "lammps/local_solve.hpp"
@@ -38,6 +39,7 @@ class FixTaut : public Fix {
   // Minimisation: springs in place of held bonds.
   void min_setup(int vflag) override {
     held_.steps_known = 0;
+    ghosts_ = cut_ = false;  // springs need nothing of others but positions; lists are built without this fix
     choose_stiffness();
     min_post_force(vflag);
   }
@@ -62,6 +64,8 @@ class FixTaut : public Fix {
   void unpack_restart(int i, int nth) override;
   int pack_forward_comm(int n, int* list, double* buffer, int, int*) override;
   void unpack_forward_comm(int n, int first, double* buffer) override;
+  int pack_reverse_comm(int n, int first, double* buffer) override;
+  void unpack_reverse_comm(int n, int* list, double* buffer) override;
   double memory_usage() override;
 
  private:
@@ -86,13 +90,14 @@ class FixTaut : public Fix {
   void leave_lists(double impulse_time);
   void find_pieces(bool anew);
   void make_solve(taut::Pieces pieces);
+  void ask_for_ghosts();
   void forward_comm(Forward what);
   int motion_sent() const;
   bool forwards_multipliers() const { return cut_ && forward_ != Forward::kVelocities; }
   std::string missing_partner(tagint atom, tagint partner) const;
   void choose_exchanges(const taut::LeftByCuts& left);
   void warn_of_cuts(double left);
-  void set_own_values();
+  void set_own_motion();
   double* motion_of(int i) { return &motion_[static_cast<std::size_t>(i) * motion_size_]; }
   bool is_fixed(int i) const { return (atom->mask[i] & fixed_bits_) != 0; }
   bool carries_with_box() const { return forward_ == Forward::kMotion && box_motion_.moves(); }
@@ -138,8 +143,15 @@ class FixTaut : public Fix {
   double acted_ = 0;                           // how long the last forces have, when their step ends
   taut::LeftByCuts left_;                      // since lists were built, by this processor's
   std::vector<double> cleared_from_;
-  int motion_size_ = 6;               // 3 of feedforward
-  std::vector<double> motion_;        // motion_size_ numbers an atom, ghosts included
+  int motion_size_ = 6;         // 3 of feedforward
+  std::vector<double> motion_;  // motion_size_ numbers an atom, ghosts included
+
+  // Ghosts that some processor solves with, this one or one that they come to from here; and for each message
+  // of a forward communication, by LAMMPS's list of its atoms or its first ghost, the atoms that are in it.
+  std::vector<char> asked_for_;
+  std::unordered_map<const int*, std::vector<int>> told_;
+  std::unordered_map<int, std::vector<int>> heard_;
+
   static constexpr int kRounds = 50;  // at the start, from a guess of nothing beyond a cut
 
   // Of the last step, and since statistics were last printed.

@@ -114,8 +114,7 @@ void FixTaut::refuse_atoms_held_twice() const {
       told.push_back({atom->tag[i]});
       told.push_back({partner});
     }
-  const taut::Rendezvous rendezvous(atom->tag, atom->nlocal, world);
-  for (const Told& message : rendezvous.send(told)) {
+  for (const Told& message : taut::send_to_atoms(lmp, told)) {
     const int i = atom->map(message.to);
     if (i >= 0 && held_.count(i) > 0)
       stop(fmt::format("atom {} has a bond that another fix holds; hold all bonds of a molecule by one fix",

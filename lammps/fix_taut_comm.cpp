@@ -54,24 +54,53 @@ void FixTaut::unpack_restart(int i, int nth) {
   held_.unpack_past(i, next + 2);
 }
 
+// --- which ghosts are told ---
+
+// Few ghosts are parts of what a processor solves. Whenever lists are built it asks for these, by a reverse
+// communication of one number a held ghost; LAMMPS hands ghosts on from processor to processor, and so are
+// questions, the other way. Forward communications then are of the atoms that were asked for.
+void FixTaut::ask_for_ghosts() {
+  asked_for_.assign(atom->nlocal + atom->nghost, false);
+  for (const taut::Image& image : solve_->pieces().images) asked_for_[image.atom] = true;
+  for (const taut::OuterBond& bond : solve_->pieces().outer) asked_for_[bond.outer.atom] = true;
+  told_.clear();
+  heard_.clear();
+  taut::reverse_comm(*comm, this);
+}
+
+int FixTaut::pack_reverse_comm(int n, int first, double* buffer) {
+  double* next = buffer;
+  for (int i = first; i < first + n; ++i) {
+    if (held_.count(i) == 0) continue;
+    *next++ = asked_for_[i];
+    if (asked_for_[i]) heard_[first].push_back(i);
+  }
+  return static_cast<int>(next - buffer);
+}
+
+void FixTaut::unpack_reverse_comm(int n, int* list, double* buffer) {
+  const double* next = buffer;
+  for (int k = 0; k < n; ++k) {
+    if (held_.count(list[k]) == 0 || *next++ == 0) continue;
+    asked_for_[list[k]] = true;
+    told_[list].push_back(list[k]);
+  }
+}
+
 // --- forward communication ---
 
 void FixTaut::forward_comm(Forward what) {
   forward_ = what;
-  set_own_values();
+  if (what != Forward::kMultipliers) set_own_motion();
   if (ghosts_) taut::forward_comm(*comm, this);
 }
 
-// Motion: h v + h² f/m as a velocity, or v and f, and how the box carries the atom; and where chains are cut,
-// multipliers of the atom's bonds to higher tags. Atoms without held bonds tell nothing.
-void FixTaut::set_own_values() {
+// h v + h² f/m as a velocity, or v and f, and how the box carries the atom.
+void FixTaut::set_own_motion() {
   const double factor = kick_ / update->dt * force->ftm2v;
   const bool foretold = forward_ == Forward::kMotion && motion_size_ == 3;
   for (int i = 0; i < atom->nlocal; ++i) {
     if (held_.count(i) == 0) continue;
-    if (forwards_multipliers())
-      for (taut::HeldBond& bond : held_.of(i)) bond.told = bond.past[0];
-    if (forward_ == Forward::kMultipliers) continue;
     double* const to = motion_of(i);
     const double *v = atom->v[i], *f = atom->f[i], push = foretold && !is_fixed(i) ? factor / mass(i) : 0;
     for (int c = 0; c < 3; ++c) to[c] = v[c] + push * f[c];
@@ -86,15 +115,16 @@ int FixTaut::motion_sent() const {
   return forward_ == Forward::kVelocities ? 3 : motion_size_;
 }
 
-// An atom across the periodic boundary is pbc box vectors away from its ghost.
-int FixTaut::pack_forward_comm(int n, int* list, double* buffer, int pbc_flag, int* pbc) {
+// Motion, and where chains are cut the multipliers of the atom's bonds to higher tags. An atom across the
+// periodic boundary is pbc box vectors away from its ghost.
+int FixTaut::pack_forward_comm(int, int* list, double* buffer, int pbc_flag, int* pbc) {
+  const auto atoms = told_.find(list);
+  if (atoms == told_.end()) return 0;
   double* next = buffer;
   const int motion = motion_sent();
   taut::Vec3 beside = taut::Vec3::Zero();
   if (carries_with_box() && pbc_flag) beside = box_motion_.carried_image(taut::Vec3(pbc[0], pbc[1], pbc[2]));
-  for (int k = 0; k < n; ++k) {
-    const int i = list[k];
-    if (held_.count(i) == 0) continue;
+  for (const int i : atoms->second) {
     const double* const from = motion_of(i);
     for (int m = 0; m < motion; m += 3, next += 3)
       for (int c = 0; c < 3; ++c) next[c] = from[m + c] + (m == 0 ? beside[c] : 0);
@@ -105,10 +135,11 @@ int FixTaut::pack_forward_comm(int n, int* list, double* buffer, int pbc_flag, i
 }
 
 void FixTaut::unpack_forward_comm(int n, int first, double* buffer) {
+  const auto atoms = heard_.find(first);
+  if (n == 0 || atoms == heard_.end()) return;
   const double* next = buffer;
   const int motion = motion_sent();
-  for (int i = first; i < first + n; ++i) {
-    if (held_.count(i) == 0) continue;
+  for (const int i : atoms->second) {
     double* const to = motion_of(i);
     for (int m = 0; m < motion; m += 3, next += 3)
       for (int c = 0; c < 3; ++c) to[m + c] = next[c];

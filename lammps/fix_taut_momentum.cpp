@@ -26,7 +26,7 @@ void FixTaut::remember_shared(double acted) {
 // λ' − λ, after the other processor's multiplier has come.
 double FixTaut::difference_of(int shared) const {
   const auto& [of_ghost, own] = solve_->pieces().places[shared];
-  return of_ghost->told - own->past[0];
+  return of_ghost->told - own->told;
 }
 
 // |σ|/d² of the next step that this difference leaves.

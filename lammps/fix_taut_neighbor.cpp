@@ -24,18 +24,17 @@ void FixTaut::find_pieces(bool anew) {
   refuse_changed_bonds();
   if (!anew) refuse_changed_lengths();
   taut::PieceFinder finder(lmp, held_, lengths_, fixed_bits_);
-  const bool same = !anew && !cut_ && finder.find_again(solve_->pieces());
+  const bool same = !anew && finder.find_again(solve_->pieces());
   const taut::MissingAtom missing = same ? taut::MissingAtom{} : finder.find_depths(keys_.overlap + 2);
   const int reach = -static_cast<int>(all_max(-missing.depth));
   overlap_ = std::min(keys_.overlap, reach - 3);
-  if (overlap_ < std::min(kLeastOverlap, keys_.overlap) && missing.depth == reach)
-    stop(missing_partner(missing.partner, missing.atom));
-  if (overlap_ < 0) overlap_ = 0;  // another processor stops all
-
-  if (!same || overlap_ < keys_.overlap) {
-    if (same) finder.find_depths(keys_.overlap + 2);
+  if (overlap_ < std::min(kLeastOverlap, keys_.overlap)) {
+    if (missing.depth == reach) stop(missing_partner(missing.partner, missing.atom));
+    return;  // another processor stops all
+  }
+  if (!same) {
     try {
-      make_solve(finder.find(overlap_));
+      make_solve(finder.find(keys_.overlap));
     } catch (const std::runtime_error& wrong) {
       stop(wrong.what());
     }
@@ -48,6 +47,8 @@ void FixTaut::find_pieces(bool anew) {
   warn_of_residual(all[4]);
   ghosts_ = all[0] > 0;
   cut_ = all[1] > 0;
+  if (ghosts_) ask_for_ghosts();
+  if (cut_) solve_->tell_past();
   shared_r_.resize(3, 0);
   missing_impulses_.setZero(3, static_cast<Eigen::Index>(pieces.shared.size()));
   outer_is_shifted_ = true;

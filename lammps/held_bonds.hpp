@@ -25,7 +25,7 @@ struct HeldBond {
   HeldKind kind;
   int freedom = 1;             // of the degree of freedom that it takes, so many halves are this atom's
   std::array<double, 3> past;  // multipliers of the last steps, newest first
-  double told = 0;             // with a ghost: the multiplier that its own processor has found
+  double told = 0;  // the newest multiplier: with a ghost, the one that its own processor has found
 };
 
 // The held bonds of every atom of this processor, its ghosts included: both atoms of a bond know it. They

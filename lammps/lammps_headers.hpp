@@ -47,4 +47,12 @@ void forward_comm(Comm& comm, LAMMPS_NS::Fix* fix) {
     comm.forward_comm_fix(fix);
 }
 
+template <class Comm>
+void reverse_comm(Comm& comm, LAMMPS_NS::Fix* fix) {
+  if constexpr (requires { comm.reverse_comm(fix); })
+    comm.reverse_comm(fix);
+  else
+    comm.reverse_comm_fix(fix);
+}
+
 }  // namespace taut

@@ -30,6 +30,18 @@ void LocalSolve::keep_past() {
   for (Eigen::Index k = 0; k < past_.rows(); ++k)
     for (HeldBond* bond : pieces_.places[k])
       for (Eigen::Index n = 0; n < past_.cols(); ++n) bond->past[n] = past_(k, n);
+  tell_past();
+}
+
+void LocalSolve::tell_past() {
+  for (const auto& bonds : pieces_.places)
+    for (HeldBond* bond : bonds) bond->told = bond->past[0];
+}
+
+void LocalSolve::tell_newest() {
+  const Eigen::VectorXd& newest = lambda();
+  for (Eigen::Index k = 0; k < newest.size(); ++k)
+    for (HeldBond* bond : pieces_.places[k]) bond->told = newest[k];
 }
 
 void LocalSolve::load_positions(double** x, const LAMMPS_NS::Domain& box) {
@@ -111,7 +123,8 @@ SolveStats LocalSolve::project_velocities_at_start() {
     const int a = pieces_.outer[b].inner;
     s_.v.col(a) -= system.inv_mass[a] * outer_lambda[b] * outer_r_.col(b);
   }
-  DirectSolver solver(system);
+  if (!direct_) direct_ = std::make_unique<DirectSolver>(system);
+  DirectSolver& solver = *direct_;
   Vectors r(3, system.bond_count()), v_ij(3, system.bond_count());
   differences(system, s_.x, r);
   solver.factor(r);
@@ -122,7 +135,7 @@ SolveStats LocalSolve::project_velocities_at_start() {
   solver.solve(mu);
   add_constraint_acceleration(system, r, mu, s_.v);
   for (int k = 0; k < system.bond_count(); ++k)
-    for (HeldBond* bond : pieces_.places[k]) bond->past[0] = mu[k];
+    for (HeldBond* bond : pieces_.places[k]) bond->told = mu[k];
   return {};
 }
 

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "constraints/batch/multiplier_history.hpp"
+#include "constraints/direct_solver.hpp"
 #include "constraints/projection.hpp"
 #include "constraints/registry.hpp"
 #include "lammps/box_motion.hpp"
@@ -34,6 +35,9 @@ class LocalSolve {
   // The past of multipliers, from the atoms and to them. `known`: how many steps of it count.
   void load_past(int known);
   void keep_past();
+  // What ghosts are told of the bonds: the newest multipliers, of the past or as just found.
+  void tell_past();
+  void tell_newest();
   int steps_kept() const { return history_->steps_kept(); }
   int steps_known() const { return history_->steps_known(); }
 
@@ -58,7 +62,7 @@ class LocalSolve {
   void add_past_forces();
 
   // Takes the velocities' part along the bonds, M⁻¹Jᵀμ, out: at once; or at the start, where bonds beyond
-  // have a μ of their own (outer_lambda), and μ is left with the atoms as their multipliers' past.
+  // have a μ of their own (outer_lambda), and μ is what ghosts are told.
   SolveStats project_velocities();
   SolveStats project_velocities_at_start();
 
@@ -69,6 +73,7 @@ class LocalSolve {
   double h_;
   bool feedforward_;
   std::unique_ptr<ConstraintMethod> method_, projection_;
+  std::unique_ptr<DirectSolver> direct_;  // for velocities at the start
   MultiplierHistory* history_;
   State s_;
   Eigen::MatrixXd past_;  // m × steps kept

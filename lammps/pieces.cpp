@@ -14,6 +14,7 @@ using namespace LAMMPS_NS;
 MissingAtom PieceFinder::find_depths(int limit) {
   const Atom& atom = *lmp_->atom;
   depth_.assign(atom.nlocal + atom.nghost, -1);
+  complete_.assign(depth_.size(), false);
   order_.clear();
   for (int i = 0; i < atom.nlocal; ++i)
     if (held_.count(i) > 0) {
@@ -24,9 +25,11 @@ MissingAtom PieceFinder::find_depths(int limit) {
   for (std::size_t n = 0; n < order_.size(); ++n) {
     const int i = order_[n], next = depth_[i] + 1;
     if (next > limit) break;
+    complete_[i] = true;
     for (const HeldBond& bond : held_.of(i)) {
       const int partner = local(bond.partner);
       if (partner < 0) {
+        complete_[i] = false;
         if (next < missing.depth) missing = {next, atom.tag[i], bond.partner};
       } else if (depth_[partner] < 0) {
         depth_[partner] = next;

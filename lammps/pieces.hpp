@@ -34,9 +34,9 @@ struct FoundBeside {
   int image, known;
 };
 
-// What one processor solves: all bonds of its own atoms, and besides those within `overlap` bonds of them.
-// Clusters that are not larger than that are whole. Atoms of a cluster follow each other, by tags, so that
-// every processor that has a cluster does the same sums.
+// What one processor solves: all bonds of its own atoms, and besides those within `overlap` bonds of them whose
+// neighbours along the chain are all known here. Clusters that are not larger than that are whole. Atoms of a
+// cluster follow each other, by tags, so that every processor that has a cluster does the same sums.
 struct Pieces {
   System system;
   std::vector<Image> images;                     // of the system's atoms
@@ -72,7 +72,8 @@ class PieceFinder {
   // known.
   MissingAtom find_depths(int limit);
 
-  // After find_depths(limit), limit ≥ overlap + 2, and nothing unknown so near.
+  // After find_depths(limit), limit ≥ overlap + 2, and nothing unknown nearer than 3 bonds: the neighbours of
+  // the outermost bond beyond its own atoms.
   Pieces find(int overlap);
 
   // Whether this processor's atoms are those for which `pieces` were found, whole clusters all: then they are
@@ -86,15 +87,16 @@ class PieceFinder {
   void add_bonds(int overlap, Pieces& pieces);
   Image image_beside(const Image& known, int atom) const;
   bool solved(int a, int b, int overlap) const {
-    return depth_[a] >= 0 && depth_[b] >= 0 && std::min(depth_[a], depth_[b]) <= overlap;
+    return complete_[a] && complete_[b] && std::min(depth_[a], depth_[b]) <= overlap;
   }
 
   LAMMPS_NS::LAMMPS* lmp_;
   HeldBonds& held_;
   Lengths& lengths_;
   int fixed_bits_;
-  std::vector<int> depth_;   // bonds from the nearest own atom; −1: none, or too many
-  std::vector<int> number_;  // in the system; −1: not yet
+  std::vector<int> depth_;      // bonds from the nearest own atom; −1: none, or too many
+  std::vector<char> complete_;  // atoms nearer than find_depths' limit whose partners are all known
+  std::vector<int> number_;     // in the system; −1: not yet
   std::vector<int> order_;
   std::vector<Image> cluster_;
   std::vector<std::array<int, 2>> path_;  // of the cluster: atom, and the one it was found beside

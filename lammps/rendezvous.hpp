@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstring>
+#include <type_traits>
 #include <unordered_map>
 #include <vector>
 
@@ -7,75 +9,80 @@
 
 namespace taut {
 
-// Sends messages[k], plain numbers, to processor to[k]; returns what arrived, by sender. For set-up: the cost
-// grows with the number of processors.
+// Rendezvous communication, to atoms of which the tag alone is known: LAMMPS's own, by way of processor tag modulo
+// their number, which is told there who owns the atom. For set-up.
 template <class Message>
-std::vector<Message> all_to_all(const std::vector<Message>& messages, const std::vector<int>& to,
-                                MPI_Comm world) {
-  int processors;
-  MPI_Comm_size(world, &processors);
-  std::vector<int> send(processors), receive(processors), send_at(processors), receive_at(processors);
-  for (int p : to) send[p] += static_cast<int>(sizeof(Message));
-  MPI_Alltoall(send.data(), 1, MPI_INT, receive.data(), 1, MPI_INT, world);
-  for (int p = 1; p < processors; ++p) {
-    send_at[p] = send_at[p - 1] + send[p - 1];
-    receive_at[p] = receive_at[p - 1] + receive[p - 1];
-  }
-  std::vector<Message> sorted(messages.size());
-  std::vector<int> next = send_at;
-  for (std::size_t k = 0; k < messages.size(); ++k) {
-    sorted[static_cast<std::size_t>(next[to[k]]) / sizeof(Message)] = messages[k];
-    next[to[k]] += static_cast<int>(sizeof(Message));
-  }
-  std::vector<Message> received(static_cast<std::size_t>(receive_at.back() + receive.back()) /
-                                sizeof(Message));
-  MPI_Alltoallv(sorted.data(), send.data(), send_at.data(), MPI_BYTE, received.data(), receive.data(),
-                receive_at.data(), MPI_BYTE, world);
-  return received;
-}
-
-// Rendezvous communication, to atoms of which the tag alone is known: by way of processor tag modulo their
-// number, which knows the atom's owner.
 class Rendezvous {
- public:
-  // tags: of the atoms this processor owns.
-  Rendezvous(const LAMMPS_NS::tagint* tags, int atoms, MPI_Comm world) : world_(world) {
-    MPI_Comm_rank(world, &me_);
-    MPI_Comm_size(world, &processors_);
-    std::vector<Owner> known;
-    for (int i = 0; i < atoms; ++i) known.push_back({tags[i], me_});
-    for (const Owner& owner : all_to_all(known, meeting_places(known), world_))
-      owner_of_[owner.to] = owner.processor;
-  }
+  static_assert(std::is_trivially_copyable_v<Message>);
 
-  // Message has the tag `to`. Those to atoms that are nowhere are lost.
-  template <class Message>
-  std::vector<Message> send(const std::vector<Message>& messages) const {
-    std::vector<Message> found;
-    std::vector<int> owners;
-    for (const Message& message : all_to_all(messages, meeting_places(messages), world_))
-      if (const auto owner = owner_of_.find(message.to); owner != owner_of_.end()) {
-        found.push_back(message);
-        owners.push_back(owner->second);
-      }
-    return all_to_all(found, owners, world_);
+ public:
+  // Message has the tag `to`. Returns those to this processor's atoms; those to atoms that are nowhere are lost.
+  static std::vector<Message> send(LAMMPS_NS::LAMMPS* lmp, const std::vector<Message>& messages) {
+    const LAMMPS_NS::Atom& atom = *lmp->atom;
+    LAMMPS_NS::Comm& comm = *lmp->comm;
+    std::vector<Letter> letters;
+    for (int i = 0; i < atom.nlocal; ++i) letters.push_back({true, comm.me, address(atom.tag[i])});
+    for (const Message& message : messages) letters.push_back({false, comm.me, message});
+    std::vector<int> places;
+    for (const Letter& letter : letters) places.push_back(static_cast<int>(letter.message.to % comm.nprocs));
+    char* received = nullptr;
+    constexpr int kIrregular = 0, kAnyOrder = 0;
+    const int count =
+        comm.rendezvous(kIrregular, static_cast<int>(letters.size()), bytes(letters.data()), sizeof(Letter),
+                        kAnyOrder, places.data(), hand_on, kAnyOrder, received, sizeof(Message), lmp);
+    std::vector<Message> found(count);
+    if (count > 0) std::memcpy(bytes(found.data()), received, count * sizeof(Message));
+    lmp->memory->sfree(received);
+    return found;
   }
 
  private:
-  struct Owner {
-    LAMMPS_NS::tagint to;
-    int processor;
+  // What meets: an atom's owner, or a message to it.
+  struct Letter {
+    bool is_owner;
+    int from;
+    Message message;
   };
-  template <class Message>
-  std::vector<int> meeting_places(const std::vector<Message>& messages) const {
-    std::vector<int> places;
-    for (const Message& message : messages) places.push_back(static_cast<int>(message.to % processors_));
-    return places;
+
+  static Message address(LAMMPS_NS::tagint to) {
+    Message message{};
+    message.to = to;
+    return message;
+  }
+  template <class Kind>
+  static char* bytes(Kind* data) {
+    return reinterpret_cast<char*>(data);
   }
 
-  MPI_Comm world_;
-  int me_, processors_;
-  std::unordered_map<LAMMPS_NS::tagint, int> owner_of_;  // of the tags that meet here
+  // On the processor where letters meet: to whom each message goes. What it makes LAMMPS frees.
+  static int hand_on(int n, char* in, int& flag, int*& places, char*& out, void* engine) {
+    auto* const lmp = static_cast<LAMMPS_NS::LAMMPS*>(engine);
+    std::vector<Letter> letters(n);
+    if (n > 0) std::memcpy(bytes(letters.data()), in, n * sizeof(Letter));
+    std::unordered_map<LAMMPS_NS::tagint, int> owner;
+    for (const Letter& letter : letters)
+      if (letter.is_owner) owner[letter.message.to] = letter.from;
+    std::vector<Message> found;
+    std::vector<int> owners;
+    for (const Letter& letter : letters)
+      if (!letter.is_owner && owner.contains(letter.message.to)) {
+        found.push_back(letter.message);
+        owners.push_back(owner[letter.message.to]);
+      }
+    constexpr int kNewBuffer = 2;
+    flag = kNewBuffer;
+    const std::size_t count = found.size();
+    places = static_cast<int*>(lmp->memory->smalloc((count + 1) * sizeof(int), "taut:places"));
+    out = static_cast<char*>(lmp->memory->smalloc((count + 1) * sizeof(Message), "taut:messages"));
+    std::copy(owners.begin(), owners.end(), places);
+    if (count > 0) std::memcpy(out, bytes(found.data()), count * sizeof(Message));
+    return static_cast<int>(count);
+  }
 };
+
+template <class Message>
+std::vector<Message> send_to_atoms(LAMMPS_NS::LAMMPS* lmp, const std::vector<Message>& messages) {
+  return Rendezvous<Message>::send(lmp, messages);
+}
 
 }  // namespace taut

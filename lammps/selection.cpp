@@ -116,12 +116,11 @@ bool holds_angle(const Atom& atom, const HeldBonds& held, int i, int m) {
 
 Held find_held_bonds(LAMMPS* lmp, const Selection& selection, int groupbit, int fixed_bits) {
   const Atom& atom = *lmp->atom;
-  const Rendezvous rendezvous(atom.tag, atom.nlocal, lmp->world);
   Held held(atom.nlocal);
   std::unordered_map<tagint, int> own;
   for (int i = 0; i < atom.nlocal; ++i) own[atom.tag[i]] = i;
   for (const Listing& listing :
-       rendezvous.send(listings_for_partners(atom, selection, groupbit, fixed_bits))) {
+       send_to_atoms(lmp, listings_for_partners(atom, selection, groupbit, fixed_bits))) {
     const int i = own.at(listing.to);
     if (!(atom.mask[i] & groupbit)) continue;
     const int listed = listed_type(atom, i, listing.from), type = listed != 0 ? listed : listing.bond_type;
@@ -134,7 +133,7 @@ Held find_held_bonds(LAMMPS* lmp, const Selection& selection, int groupbit, int 
     if (type > 0 && !(fixed && listing.fixed))
       add(held, i, listing.from, {type}, freedom_lost(fixed, listing.fixed));
   }
-  for (const AngleEnd& side : rendezvous.send(sides_of_angles(atom, selection, held)))
+  for (const AngleEnd& side : send_to_atoms(lmp, sides_of_angles(atom, selection, held)))
     add(held, own.at(side.to), side.other_end, side.kind, side.freedom);
   return held;
 }
