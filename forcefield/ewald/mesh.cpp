@@ -76,7 +76,11 @@ class MeshIn final : public PmeMesh::Engine {
     found_.resize(charged_.size());
     atoms_.resize(charged_.size());
     begin_.resize(size_[0] + 1);
-    for (int d = 0; d < 3; ++d) moduli_[d] = spline_moduli(order_, size_[d]);
+    for (int d = 0; d < 3; ++d) {
+      moduli_[d] = spline_moduli(order_, size_[d]);
+      axis_[d].m2.resize(size_[d]);
+      axis_[d].factor.resize(size_[d]);
+    }
     influence_.resize(grid_.half() * of_row());
     energy_of_.resize(grid_.half());
     virial_of_.resize(grid_.half());
@@ -90,7 +94,7 @@ class MeshIn final : public PmeMesh::Engine {
     }
     const bool skewed = !box_.tilt.isZero(0);
     if (!skewed)
-      for (int d = 0; d < 3; ++d) axis_[d] = waves_along(d);
+      for (int d = 0; d < 3; ++d) compute_waves_along(d);
     by_rows(available_threads(),
             [&](int row, int) { skewed ? compute_skewed_influence(row) : compute_influence(row); });
   }
@@ -236,14 +240,12 @@ class MeshIn final : public PmeMesh::Engine {
     if (row == 0) influence_[0] = 0;
   }
 
-  Axis waves_along(int d) const {
-    Axis axis;
+  void compute_waves_along(int d) {
     for (int k = 0; k < size_[d]; ++k) {
       const double m = std::min(k, size_[d] - k) / box_.edge[d];
-      axis.m2.push_back(m * m);
-      axis.factor.push_back(std::exp(-square(std::numbers::pi / alpha_ * m)) / moduli_[d][k]);
+      axis_[d].m2[k] = m * m;
+      axis_[d].factor[k] = std::exp(-square(std::numbers::pi / alpha_ * m)) / moduli_[d][k];
     }
-    return axis;
   }
 
   void compute_skewed_influence(int row) {
