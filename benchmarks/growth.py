@@ -20,10 +20,10 @@ import machine
 
 
 def run(taut, folder, name, threads, steps, settings, out):
-    """Seconds, MB and what was printed."""
+    """Runs taut; returns seconds, the largest resident set [MiB] and what was printed."""
     files = [f"{folder}/{name}.system.xml", f"{folder}/{name}.state.xml"]
     command = [taut, "run", "--openmm", *files, "--steps", str(steps), "--precision", "mixed", "--threads", str(threads),
-               "--timings", "--out", out, "--overwrite", "--set", "run.dt_fs=2", f"run.log_every={max(steps, 1)}", *settings]
+               "--out", out, "--overwrite", "--set", "run.dt_fs=2", f"run.log_every={max(steps, 1)}", *settings]
     started = time.monotonic()
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
         text = process.stdout.read()
@@ -35,6 +35,7 @@ def run(taut, folder, name, threads, steps, settings, out):
 
 
 def us_of_a_step(measure, out, steps):
+    """Runs that many steps; returns the microseconds that one of them took by taut's own clock."""
     measure(steps)
     return json.loads((pathlib.Path(out) / "summary.json").read_text())["us_per_step"]
 
