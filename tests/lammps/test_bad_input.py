@@ -1,5 +1,9 @@
 """What cannot be done is refused by one line that names the fix."""
 
+import pathlib
+import shutil
+import subprocess
+
 import numpy as np
 import pytest
 
@@ -108,6 +112,22 @@ def test_fixes_that_push_afterwards(run):
 def test_respa(run):
     text = inputs.of(inputs.METHANE, dt=0.002, rest="run_style respa 2 2 bond 1 pair 2\nrun 0\n")
     assert "respa" in failing(run, text)
+
+
+@pytest.mark.skipif(not lammps.PROGRAM.endswith("taut-lammps") or not shutil.which("mpicxx"),
+                    reason="another LAMMPS than Debian's, or no mpicxx")
+@pytest.mark.parametrize("rest, refused", [("run 0\n", True), ("unfix hold\nrun 0\n", False)])
+def test_kokkos(run, folder, monkeypatch, rest, refused):
+    """Debian's LAMMPS has no KOKKOS package; a preloaded library makes fixes believe that it is on."""
+    tree, library = pathlib.Path(lammps.__file__).parents[2], folder / "kokkos_host.so"
+    subprocess.run(["mpicxx", "-std=c++20", "-shared", "-fPIC", "-DOMPI_SKIP_MPICXX", f"-I{tree}", "-I/usr/include/lammps",
+                    str(tree / "tests/lammps/kokkos_host.cpp"), "-o", str(library)], check=True)
+    monkeypatch.setenv("LD_PRELOAD", str(library))
+    text = inputs.of(inputs.METHANE, dt=0.002, rest=rest)
+    if refused:
+        assert "start LAMMPS without -k on" in failing(run, text)
+    else:
+        run(text)
 
 
 def test_bonds_held_twice(run):
