@@ -1,5 +1,7 @@
 """taut.read beside OpenMM's own energies of what its readers read."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -68,6 +70,32 @@ def test_gromacs_files_have_openmms_energy(files, coulomb, method, within):
     energy = context.getState(getEnergy=True).getPotentialEnergy().value_in_unit(unit.kilojoule_per_mole)
     assert sim.energies["potential"] == pytest.approx(energy, rel=within)
     assert len(sim.bonds) == 60 and sim.box is not None
+    sim.run(10)
+
+
+# Alanine dipeptide and three waters in a box, which ParmEd wrote from OpenMM's amber14: 12 bonds to hydrogen and 9 of
+# waters, their H–H bonds among them.
+PEPTIDE = [str(Path(__file__).resolve().parents[2] / "tests/data/peptide") + end for end in (".prmtop", ".rst7")]
+
+
+@pytest.mark.parametrize("constraints, bonds", [("h-bonds", 21), (None, 0)])
+@pytest.mark.parametrize("coulomb, method, within", [("pme", "PME", 1e-3), ("reaction-field", "CutoffPeriodic", 1e-9),
+                                                     ("none", "NoCutoff", 1e-9)])
+def test_amber_files_have_openmms_energy(coulomb, method, within, constraints, bonds):
+    sim = taut.read(*PEPTIDE, cutoff_nm=1.0, coulomb=coulomb, constraints=constraints, rigid_water=bonds > 0)
+    placed = app.AmberInpcrdFile(PEPTIDE[1])
+    top = app.AmberPrmtopFile(PEPTIDE[0], periodicBoxVectors=placed.boxVectors)
+    system = top.createSystem(nonbondedMethod=getattr(app, method), nonbondedCutoff=1 * unit.nanometer,
+                              constraints=app.HBonds if bonds else None, rigidWater=bonds > 0)
+    context = openmm.Context(system, openmm.VerletIntegrator(0.001), openmm.Platform.getPlatformByName("Reference"))
+    context.setPositions(sim.positions)
+    energy = context.getState(getEnergy=True).getPotentialEnergy().value_in_unit(unit.kilojoule_per_mole)
+    assert sim.energies["potential"] == pytest.approx(energy, rel=within)
+    assert len(sim.bonds) == bonds == system.getNumConstraints()
+    assert (sim.box is None) == (coulomb == "none")
+    if not bonds:  # nothing projects the file's velocities
+        given = placed.getVelocities(asNumpy=True).value_in_unit(unit.nanometer / unit.picosecond)
+        np.testing.assert_allclose(sim.velocities, given, rtol=1e-6)
     sim.run(10)
 
 
