@@ -334,6 +334,13 @@ TEST(OpenMMPluginGroupPlan, SolvesAnyClusterInFewRounds) {
   EXPECT_LT(plan.entries(), 20 * n);
 }
 
+// Every second bond of a chain in a round, where eating it from its ends would take 101.
+TEST(OpenMMPluginGroupPlan, HalvesAChainInEveryRound) {
+  std::vector<std::array<int, 2>> chain;
+  for (int k = 0; k < 200; ++k) chain.push_back({k, k + 1});
+  EXPECT_EQ(taut::plan_group(chain, std::vector<double>(201, 0.1)).rounds.size() - 1, 8u);
+}
+
 TEST(OpenMMPluginDevicePlan, GivesLargeClustersAndThoseWithAnAnchorToGroups) {
   taut::HeldBonds held{std::vector<double>(16, 14.0), {}};
   for (int i = 0; i < 9; ++i) held.bonds.push_back({i, i + 1, 0.15});  // nine bonds

@@ -60,7 +60,7 @@ def main(turns=3):
              {fix: {"hold": f"{fix} b 1 a 1"} for fix in ("taut feedforward", "taut baumgarte", "shake 1e-4 500 0")})
         for chains, beads in ((20, 500), (50, 1000), (5, 10_000)):
             (folder / "melt.data").write_text(systems.chains(chains, beads, bond=0.97, density=0.85).text([1.0]))
-            relax = (EXAMPLES / "in.melt").read_text() + "unfix hold\nwrite_data melt.data nocoeff\n"
+            relax = (EXAMPLES / "in.melt").read_text() + "thermo_style one\nunfix hold\nwrite_data melt.data nocoeff\n"
             (folder / "in.relax").write_text(relax)
             run(folder, "in.relax", 2, relax=500, steps=0)
             of = {"relax": 0, **({"cutoff": 2.5, "move": "nvt temp 1 1 0.5"} if chains == 5 else {})}
