@@ -68,8 +68,11 @@ def main():
             real_systems.write_xml(work, "x", constraints=constraints, hydrogenMass=mass and mass * unit.dalton)
             files = work / "x.system.xml", work / "x.state.xml"
             threads = "--threads", told.threads
-            run(taut, files, work / "warm", *threads, "--precision", "mixed", "--steps", 10_000, "--dt-fs", 1, "--set",
-                "run.thermostat=langevin", "run.temperature_k=300", "run.friction_per_ps=5", "run.log_every=10000")
+            warm = run(taut, files, work / "warm", *threads, "--precision", "mixed", "--steps", 10_000, "--dt-fs", 1,
+                       "--set", "run.thermostat=langevin", "run.temperature_k=300", "run.friction_per_ps=5",
+                       "run.log_every=10000")
+            if "failed" in warm:
+                raise SystemExit(f"{kind}: {warm['failed']}")
             real_systems.write_gro_of(work / "x.gro", work / "warm")
             real_systems.write_xml(work, "x", constraints=constraints, hydrogenMass=mass and mass * unit.dalton)
             for dt_fs, method, precision in itertools.product(steps, told.methods, told.precisions):

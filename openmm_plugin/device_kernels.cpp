@@ -61,6 +61,20 @@ DEVICE mixed shared(int firstK, int secondK, int firstL, int secondL, mixed ofFi
   return sum;
 }
 
+// Arguments of `hold`, of a thread's clusters and of a group's: DeviceStep::make_hold() adds them in this order.
+#ifdef USE_MIXED_PRECISION
+#define CORRECTION , GLOBAL const real4* RESTRICT correction
+#else
+#define CORRECTION
+#endif
+#define ARGUMENTS \
+  int clusters, int paddedAtoms, mixed h, mixed kick, mixed lastH, mixed one, mixed two, mixed three, \
+  GLOBAL const real4* RESTRICT posq, GLOBAL mixed4* RESTRICT velm, GLOBAL const mm_long* RESTRICT force, \
+  GLOBAL const int* RESTRICT atomIndex, GLOBAL mixed4* RESTRICT kept, GLOBAL mixed4* RESTRICT jumps, \
+  GLOBAL const float4* RESTRICT normal, int firstNormal, mixed keep, mixed width, GLOBAL int* RESTRICT failure, \
+  GLOBAL const int* RESTRICT atomsOf, GLOBAL const int* RESTRICT homes, GLOBAL const mixed* RESTRICT lengths, \
+  GLOBAL const mixed* RESTRICT gains, GLOBAL mixed* RESTRICT past CORRECTION
+
 #ifdef FEEDFORWARD
 // The bond at the end of the step to come: `late` is the relative velocity, `whole` the relative acceleration.
 DEVICE mixed3 bondAtEnd(mixed3 r, mixed3 late, mixed3 whole, mixed h, mixed kick) {
@@ -144,18 +158,7 @@ DEVICE void pull(mixed3* y, const mixed3* r, const mixed* lambda, const mixed* w
 }
 #endif
 
-KERNEL void hold(int clusters, int paddedAtoms, mixed h, mixed kick, mixed lastH, mixed one, mixed two, mixed three,
-                 GLOBAL const real4* RESTRICT posq, GLOBAL mixed4* RESTRICT velm,
-                 GLOBAL const mm_long* RESTRICT force, GLOBAL const int* RESTRICT atomIndex,
-                 GLOBAL mixed4* RESTRICT kept, GLOBAL mixed4* RESTRICT jumps, GLOBAL const float4* RESTRICT normal,
-                 int firstNormal, mixed keep, mixed width, GLOBAL int* RESTRICT failure,
-                 GLOBAL const int* RESTRICT atomsOf, GLOBAL const int* RESTRICT homes,
-                 GLOBAL const mixed* RESTRICT lengths, GLOBAL const mixed* RESTRICT gains,
-                 GLOBAL mixed* RESTRICT past
-#ifdef USE_MIXED_PRECISION
-                 , GLOBAL const real4* RESTRICT correction
-#endif
-                 ) {
+KERNEL void hold(ARGUMENTS) {
   const mixed unit = 1 / (mixed) 0x100000000;
   for (int c = GLOBAL_ID; c < clusters; c += GLOBAL_SIZE) {
     int slot[ATOMS], atom[ATOMS];

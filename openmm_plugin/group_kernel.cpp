@@ -100,18 +100,7 @@ DEVICE mixed3 across(GLOBAL const mixed4* q, int i, int j) {
   return xyz(q[j]) - xyz(q[i]);
 }
 
-KERNEL void hold(int clusters, int paddedAtoms, mixed h, mixed kick, mixed lastH, mixed one, mixed two, mixed three,
-                 GLOBAL const real4* RESTRICT posq, GLOBAL mixed4* RESTRICT velm,
-                 GLOBAL const mm_long* RESTRICT force, GLOBAL const int* RESTRICT atomIndex,
-                 GLOBAL mixed4* RESTRICT kept, GLOBAL mixed4* RESTRICT jumps, GLOBAL const float4* RESTRICT normal,
-                 int firstNormal, mixed keep, mixed width, GLOBAL int* RESTRICT failure,
-                 GLOBAL const int* RESTRICT atomsOf, GLOBAL const int* RESTRICT homes,
-                 GLOBAL const mixed* RESTRICT lengths, GLOBAL const mixed* RESTRICT gains,
-                 GLOBAL mixed* RESTRICT past,
-#ifdef USE_MIXED_PRECISION
-                 GLOBAL const real4* RESTRICT correction,
-#endif
-                 int atoms, int bonds, int entries, int rounds, GLOBAL const int* RESTRICT ends,
+KERNEL void hold(ARGUMENTS, int atoms, int bonds, int entries, int rounds, GLOBAL const int* RESTRICT ends,
                  GLOBAL const int* RESTRICT row, GLOBAL const int* RESTRICT column,
                  GLOBAL const int* RESTRICT roundStart, GLOBAL const int* RESTRICT pivots,
                  GLOBAL const int* RESTRICT targetStart, GLOBAL const int* RESTRICT targets,

@@ -90,7 +90,8 @@ TEST(App, OpenMMsSystemsRunInMixedPrecision) {
   EXPECT_THAT(first.text, HasSubstr("mixed precision (change with --precision double)"));
   EXPECT_THAT(taut("run " + files + "--steps 2 --precision double" + out("double")).text,
               HasSubstr("double precision (change with --precision mixed)"));
-  EXPECT_THAT(taut("info " + files).text, HasSubstr("precision"));
+  EXPECT_THAT(taut("info " + files).text,
+              ::testing::ContainsRegex("forcefield.precision +\"mixed\" +default"));
   EXPECT_THAT(taut("resume " + (folder.path() / "mixed").string() + " --steps 2").text,
               HasSubstr("mixed precision"));
   for (const std::string name : {"mixed", "double"})

@@ -36,7 +36,7 @@ def notebook() -> str:
 
 def gallery() -> str:
     """Returns the page: for each example its words, its picture, the end of what it prints, and its code."""
-    parts = ["# Gallery\nEach example runs as it stands and draws its picture; the tests run all of them. "
+    parts = ["# Gallery\nEach example runs as it stands and draws its picture; the tests run all of them.\n"
              "[taut.ipynb](../python/examples/taut.ipynb) holds them as one notebook."]
     for name in ORDER:
         words, code = words_and_code(name)

@@ -107,7 +107,8 @@ std::vector<std::string_view> kinds() {
 
 void read_precision(const TomlTable& forcefield, Terms& terms) {
   std::string precision = terms.precision == Precision::kMixed ? "mixed" : "double";
-  forcefield.read("precision", precision, {"what pair forces are computed in", {"double", "mixed"}});
+  forcefield.read("precision", precision,
+                  {"what pair forces are computed in (taut run --openmm: mixed)", {"double", "mixed"}});
   terms.precision = precision == "mixed" ? Precision::kMixed : Precision::kDouble;
 }
 
