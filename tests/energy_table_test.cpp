@@ -156,7 +156,8 @@ TEST(EnergyTable, ThatIsNoneIsRefusedByFileAndLine) {
               HasSubstr("tables.0.file: expected bonds = [[0, 1]] or angles"));
   EXPECT_THAT(Folder().said(scene.with("bonds = [[0, 1]]", "bonds = [[0, 9]]").text),
               HasSubstr("there is no atom 9"));
-  EXPECT_THAT(Folder().said(scene.with("bonds = [[0, 1]]", "bands = [[0, 1]]").text), HasSubstr("bands"));
+  EXPECT_THAT(Folder().said(scene.with("bonds = [[0, 1]]", "bands = [[0, 1]]").text),
+              HasSubstr("unknown key \"bands\" in [molecule.cg.tables.0]; did you mean \"bonds\"?"));
   EXPECT_THAT(Folder().said(scene.with("box_nm = 5", "box_nm = 5\ntables = 1").text), HasSubstr("tables"));
 }
 
@@ -274,7 +275,7 @@ TEST(EnergyTable, OfPairsSaysWhatIsWrong) {
           "pair.0.table: pair.csv ends with 0.5 kJ/mol at 0.8 nm, where the energy would jump to zero"));
   EXPECT_EQ(said(scene.with("\"pair.csv\"", "\"pair.csv\"\nshift = true"), pair_table(0.5)), "no error");
   EXPECT_THAT(said(scene.with("\"pair.csv\"", "\"pair.csv\"\nsigma_nm = 0.3")),
-              HasSubstr("pair.0.sigma_nm: has an effect only without table"));
+              HasSubstr("pair.0.sigma_nm: has no effect, it counts only without table"));
   EXPECT_THAT(said(scene.with("table = \"pair.csv\"", "sigma_nm = 0.3")),
               HasSubstr("the pair has no epsilon_kj_mol: give sigma_nm and epsilon_kj_mol, or a table"));
   EXPECT_THAT(said(scene.with("table = \"pair.csv\"", "sigma_nm = 0.3\nepsilon_kj_mol = 1\nshift = true")),

@@ -153,12 +153,12 @@ void read_one(const TomlTable& keys, const Units& units, Terms& terms) {
   RowReader rows(keys, units);
   const auto bonds = rows.pairs("bonds", 0, "pairs of atoms [i, j] that have the file's energies of r");
   const auto angles = rows.read("angles", 3, 0, "atoms [i, j, k] that have the file's energies of θ, at j");
-  if (bonds.empty() == angles.empty() && !keys.describing())
-    keys.fail("file", "expected bonds = [[0, 1]] or angles = [[0, 1, 2]] beside it, one of the two");
   const auto file = keys.get<std::filesystem::path>(
       "file", "rows of r in nm or θ in °, energy in kJ/mol and perhaps the force, at equal spacing");
   keys.reject_unknown();
   if (keys.describing()) return;
+  if (bonds.empty() == angles.empty())
+    keys.fail("file", "expected bonds = [[0, 1]] or angles = [[0, 1, 2]] beside it, one of the two");
   const auto energy =
       read_energy_table(keys, "file", file, angles.empty() ? TableOf::kDistance : TableOf::kAngle);
   for (const Row& row : bonds) terms.tabulated_bonds.push_back({row.atom[0], row.atom[1], energy});
