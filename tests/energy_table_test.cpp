@@ -277,7 +277,7 @@ TEST(EnergyTable, OfPairsSaysWhatIsWrong) {
   EXPECT_THAT(said(scene.with("\"pair.csv\"", "\"pair.csv\"\nsigma_nm = 0.3")),
               HasSubstr("pair.0.sigma_nm: has no effect, it counts only without table"));
   EXPECT_THAT(said(scene.with("table = \"pair.csv\"", "sigma_nm = 0.3")),
-              HasSubstr("the pair has no epsilon_kj_mol: give sigma_nm and epsilon_kj_mol, or a table"));
+              HasSubstr("missing key \"epsilon_kj_mol\" in [pair.0]"));
   EXPECT_THAT(said(scene.with("table = \"pair.csv\"", "sigma_nm = 0.3\nepsilon_kj_mol = 1\nshift = true")),
               HasSubstr("shift"));
   EXPECT_THAT(

@@ -69,17 +69,16 @@ std::pair<TwoNames, OfPair> read_pair(const TomlTable& keys) {
   OfPair of{};
   of.table = read_table(keys);
   const bool tabulated = of.table != nullptr;
-  std::optional<double> sigma, epsilon;
-  keys.read("sigma_nm", sigma, {"σ of Lennard-Jones between them", "nm", kPositive});
-  keys.read("epsilon_kj_mol", epsilon, {"ε between them; 0: none", "kJ/mol", kNotNegative});
-  for (const char* key : {"sigma_nm", "epsilon_kj_mol"}) {
+  const auto number = [&](const char* key, double none, const About& about) {
+    if (!tabulated && !keys.describing()) return keys.get<double>(key, about);
+    std::optional<double> value;
+    keys.read(key, value, about);
     keys.require_effect(key, !tabulated,
                         "without table, which is all of Lennard-Jones there is between the two");
-    if (!tabulated && !keys.has(key) && !keys.describing())
-      keys.fail("atoms",
-                fmt::format("the pair has no {}: give sigma_nm and epsilon_kj_mol, or a table", key));
-  }
-  of.numbers = {sigma.value_or(1), epsilon.value_or(0)};
+    return value.value_or(none);
+  };
+  of.numbers = {number("sigma_nm", 1, {"σ of Lennard-Jones between them", "nm", kPositive}),
+                number("epsilon_kj_mol", 0, {"ε between them; 0: none", "kJ/mol", kNotNegative})};
   keys.reject_unknown();
   return {std::minmax(names[0], names[1]), of};
 }
