@@ -43,14 +43,20 @@ struct Folder {
                                       "\n[forcefield]\n" + forcefield);
     return read_scene(file);
   }
-  // What LAMMPS prints as potential energy of the input without rigid bonds, in kJ/mol.
-  double of_lammps() const {
+  // What LAMMPS prints of the input without rigid bonds and bath: the potential energy, in kJ/mol, and the length of the vector
+  // of all forces, in kJ/mol/nm.
+  struct OfLammps {
+    double energy, forces;
+  };
+  OfLammps of_lammps() const {
     std::ifstream in(folder.path() / "a.in");
     std::string text, line;
     while (std::getline(in, line))
-      if (!line.starts_with("fix hold") && !line.starts_with("#")) text += line + "\n";
-    folder.write("run.in",
-                 text + "thermo_style custom step pe\nthermo_modify norm no format float %.15g\nrun 0\n");
+      if (!line.starts_with("fix hold") && !line.starts_with("fix bath") && !line.starts_with("#"))
+        text += line + "\n";
+    folder.write(
+        "run.in",
+        text + "thermo_style custom step pe fnorm\nthermo_modify norm no format float %.15g\nrun 0\n");
     const std::string shell = fmt::format(
         "cd {} && OMP_NUM_THREADS=1 lmp -in run.in -log none > out.txt 2>&1", folder.path().string());
     EXPECT_EQ(std::system(shell.c_str()), 0);
@@ -58,12 +64,13 @@ struct Folder {
     while (std::getline(out, line))
       if (line.find("Step PotEng") != line.npos && std::getline(out, line)) {
         std::istringstream row(line);
-        double step = 0, energy = 0;
-        row >> step >> energy;
-        return energy;
+        double step = 0;
+        OfLammps of{};
+        row >> step >> of.energy >> of.forces;
+        return of;
       }
     ADD_FAILURE() << "no energy of LAMMPS's";
-    return 0;
+    return {};
   }
 };
 
@@ -124,7 +131,7 @@ TEST(LammpsData, GoesOutAndBack) {
   write_lammps(scene, folder.folder.path() / "a");
   if (std::system("lmp -h > /dev/null 2>&1") != 0) return;
   // exceptions have no cutoff in taut, and none of these pairs is beyond LAMMPS's
-  const double of_lammps = folder.of_lammps();
+  const double of_lammps = folder.of_lammps().energy;
   EXPECT_NEAR(of_lammps, total(energies(scene)), 1e-9 * std::abs(of_lammps));
 }
 
@@ -143,8 +150,12 @@ TEST(LammpsData, TablesGoOut) {
   if (std::system("lmp -h > /dev/null 2>&1") != 0) return;
   const Folder folder;
   write_lammps(scene, folder.folder.path() / "a");
-  const double here = total(energies(scene)), of_lammps = folder.of_lammps();
-  EXPECT_NEAR(of_lammps, here, 1e-7 * std::abs(here));
+  const double here = total(energies(scene));
+  const auto [energy, forces] = folder.of_lammps();
+  EXPECT_NEAR(energy, here, 1e-7 * std::abs(here));
+  State s = scene.start;
+  ForceField(scene.system, s.box, scene.terms).evaluate(scene.system, s);
+  EXPECT_NEAR(forces, s.f.norm(), 1e-6 * s.f.norm());
 }
 
 TEST(LammpsData, AMeltWithFeneGoesOutAndBack) {
@@ -153,7 +164,7 @@ TEST(LammpsData, AMeltWithFeneGoesOutAndBack) {
   const Folder folder;
   write_lammps(melt, folder.folder.path() / "a");
   if (std::system("lmp -h > /dev/null 2>&1") == 0) {
-    EXPECT_NEAR(folder.of_lammps(), total(energies(melt)), 1e-9 * std::abs(total(energies(melt))));
+    EXPECT_NEAR(folder.of_lammps().energy, total(energies(melt)), 1e-9 * std::abs(total(energies(melt))));
   }
   const Scene back = folder.read_back("special_lj = [0, 1, 1]", "pair = \"wca\"");
   EXPECT_NEAR(total(energies(back)), total(energies(melt)), 1e-10 * std::abs(total(energies(melt))));
