@@ -33,12 +33,18 @@ std::vector<std::string> forces_of(const Scene& scene) {
   add(terms.bonds.size(), "spring");
   add(terms.fene.size(), "FENE spring");
   add(terms.angles.size(), "angle");
-  add(terms.cosine_angles.size(), "cosine angle");
+  add(terms.cosine_angles.size() + terms.cosine_squared_angles.size(), "cosine angle");
+  add(terms.tabulated_bonds.size(), "tabulated bond");
+  add(terms.tabulated_angles.size(), "tabulated angle");
   add(terms.torsions.size(), "torsion");
   add(terms.rb_torsions.size(), "Ryckaert–Bellemans torsion");
   add(terms.harmonic_torsions.size(), "harmonic torsion");
   add(terms.cmaps.size(), "correction map");
   if (terms.wca) forces.emplace_back("repulsion of all pairs (WCA)");
+  if (const auto& tables = terms.tabulated_pairs)
+    forces.push_back(fmt::format("pairs by {} to {:g} nm",
+                                 counted(static_cast<long>(tables->potentials.size()), "table"),
+                                 tables->cutoff()));
   if (const auto& pairs = terms.nonbonded) {
     const bool charged = (pairs->charge.array() != 0).any();
     forces.push_back(fmt::format("Lennard-Jones{}{}{}{}", charged ? " and Coulomb" : "",

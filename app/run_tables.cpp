@@ -50,9 +50,10 @@ std::string speed_line(const Simulation& simulation) {
   const int threads = simulation.threads(), cores = usable_cores();
   return fmt::format(
       "{}{} of {}{}",
-      terms.nonbonded || terms.wca ? fmt::format("{} precision (change with --precision {}), ",
-                                                 mixed ? "mixed" : "double", mixed ? "double" : "mixed")
-                                   : "",
+      terms.nonbonded || terms.wca || terms.tabulated_pairs
+          ? fmt::format("{} precision (change with --precision {}), ", mixed ? "mixed" : "double",
+                        mixed ? "double" : "mixed")
+          : "",
       counted(threads, "thread"), counted(cores, "core"),
       cores > 1 ? fmt::format(" (change with --threads {})", threads < cores ? cores : 1) : "");
 }

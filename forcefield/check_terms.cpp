@@ -64,11 +64,30 @@ void check_bonded(const Terms& terms, int n) {
     check_atoms({"cosine angle", a}, {i, j, k}, n);
     check_numbers({"cosine angle", a}, {stiffness});
   }
+  for (std::size_t a = 0; a < terms.cosine_squared_angles.size(); ++a) {
+    const auto& [i, j, k, cosine, stiffness] = terms.cosine_squared_angles[a];
+    check_atoms({"cosine squared angle", a}, {i, j, k}, n);
+    check_numbers({"cosine squared angle", a}, {cosine, stiffness});
+  }
   for (std::size_t b = 0; b < terms.fene.size(); ++b) {
     const auto& [i, j, k, r0] = terms.fene[b];
     check_atoms({"fene", b}, {i, j}, n);
     check_positive({"fene", b}, "r0", r0);
     check_numbers({"fene", b}, {k});
+  }
+}
+
+// Splines have been checked as they were made.
+void check_tables(const Terms& terms, int n) {
+  for (std::size_t b = 0; b < terms.tabulated_bonds.size(); ++b) {
+    const auto& [i, j, energy] = terms.tabulated_bonds[b];
+    check_atoms({"tabulated bond", b}, {i, j}, n);
+    require(energy != nullptr, "tabulated bond {}: it has no table", b);
+  }
+  for (std::size_t a = 0; a < terms.tabulated_angles.size(); ++a) {
+    const auto& [i, j, k, energy] = terms.tabulated_angles[a];
+    check_atoms({"tabulated angle", a}, {i, j, k}, n);
+    require(energy != nullptr, "tabulated angle {}: it has no table", a);
   }
 }
 
@@ -171,6 +190,23 @@ void check_wca(const Wca& wca, int n) {
     check_atoms({"wca exclusion", e}, {wca.exclusions[e][0], wca.exclusions[e][1]}, n);
 }
 
+void check_tabulated_pairs(const TabulatedPairs& pairs, int n) {
+  require(std::ssize(pairs.kind) == n, "tabulated pairs: {} kinds for {} atoms", pairs.kind.size(), n);
+  require(!pairs.potentials.empty(), "tabulated pairs: there is no table");
+  std::set<std::pair<int, int>> seen;
+  for (std::size_t p = 0; p < pairs.potentials.size(); ++p) {
+    const auto& [one, two, energy] = pairs.potentials[p];
+    require(std::min(one, two) >= 0 && std::max(one, two) <= kMostTypes,
+            "tabulated pairs, table {}: kinds {} and {}, expected 0 to {}", p, one, two, kMostTypes);
+    require(seen.insert(std::minmax(one, two)).second,
+            "tabulated pairs, table {}: kinds {} and {} have one already", p, one, two);
+    require(energy != nullptr && energy->first() >= 0, "tabulated pairs, table {}: it is none of a distance",
+            p);
+  }
+  for (std::size_t e = 0; e < pairs.exclusions.size(); ++e)
+    check_atoms({"exclusion of tabulated pairs", e}, {pairs.exclusions[e][0], pairs.exclusions[e][1]}, n);
+}
+
 // Images of the atoms are kept out of reach beyond the walls.
 void check_walls(const Terms& terms, int n, const Box& box) {
   for (std::size_t w = 0; w < terms.walls.size(); ++w) {
@@ -184,9 +220,10 @@ void check_walls(const Terms& terms, int n, const Box& box) {
     require(box.tilt.isZero(0), "wall {}: the box is tilted, expected a rectangular one", w);
     require(!terms.nonbonded || !terms.nonbonded->pme,
             "wall {}: PME sums over images behind the wall; take coulomb = \"reaction-field\"", w);
-    const double reach = terms.wca         ? terms.wca->cutoff()
-                         : terms.nonbonded ? terms.nonbonded->cutoff.value_or(0)
-                                           : 0;
+    double reach = terms.wca         ? terms.wca->cutoff()
+                   : terms.nonbonded ? terms.nonbonded->cutoff.value_or(0)
+                                     : 0;
+    if (terms.tabulated_pairs) reach = std::max(reach, terms.tabulated_pairs->cutoff());
     double slit = -1;  // to the nearest wall that faces this one
     for (const Wall& other : terms.walls)
       if (const double apart = wall.faces * (other.at - wall.at);
@@ -212,12 +249,16 @@ std::string lack_of_room(const Terms& terms, const Box& box) {
   if (terms.wca && !(terms.wca->cutoff() <= half))
     return fmt::format("wca: beads reach {} nm, over half the box's shortest edge, {} nm",
                        terms.wca->cutoff(), half);
+  if (terms.tabulated_pairs && !(terms.tabulated_pairs->cutoff() <= half))
+    return fmt::format("tabulated pairs: their tables end at {} nm, over half the box's shortest edge, {} nm",
+                       terms.tabulated_pairs->cutoff(), half);
   return "";
 }
 
 void check_terms(const System& sys, const Box& box, const Terms& terms) {
   const int n = sys.atoms();
   check_bonded(terms, n);
+  check_tables(terms, n);
   check_torsions(terms, n);
   check_cmaps(terms, n);
   if (box.periodic()) {
@@ -226,6 +267,7 @@ void check_terms(const System& sys, const Box& box, const Terms& terms) {
   }
   if (terms.nonbonded) check_nonbonded(*terms.nonbonded, n, box);
   if (terms.wca) check_wca(*terms.wca, n);
+  if (terms.tabulated_pairs) check_tabulated_pairs(*terms.tabulated_pairs, n);
   if (const std::string flaw = lack_of_room(terms, box); !flaw.empty()) throw InputError(flaw);
   if (terms.gravity) require(terms.gravity->allFinite(), "gravity: not a finite vector");
   const auto check_one = [n](const Place& term, int atom, const Vec3& v) {

@@ -42,7 +42,7 @@ double sum_of(const Energies& terms) {
 
 struct ForceField::Impl {
   Terms terms;
-  std::optional<ClusterPairs> lj_coulomb, wca;
+  std::optional<ClusterPairs> lj_coulomb, wca, tables;
   std::optional<Pme> pme;
   BondedForces bonded;
   std::optional<double> dispersion;  // times the volume [kJ/mol·nm³]
@@ -72,6 +72,7 @@ struct ForceField::Impl {
       dispersion_virial = dispersion_virial_coefficient(*terms.nonbonded);
     }
     if (terms.wca) wca.emplace(*terms.wca, sys.atoms(), box.periodic(), terms.precision);
+    if (terms.tabulated_pairs) tables.emplace(*terms.tabulated_pairs, box.periodic(), terms.precision);
   }
 
   void change_box(const Box& to) {
@@ -88,6 +89,7 @@ struct ForceField::Impl {
     if (now != box) change_box(now);
     if (lj_coulomb) lj_coulomb->update_lists(x, box);
     if (wca) wca->update_lists(x, box);
+    if (tables) tables->update_lists(x, box);
     const bool all = (lj_coulomb && lj_coulomb->on_every_atom()) || (wca && wca->on_every_atom());
     if (!all) check_positions(x);
   }
@@ -96,7 +98,7 @@ struct ForceField::Impl {
   // cleared.
   bool pairs_overwrite() const {
     const bool on_every_atom = lj_coulomb ? lj_coulomb->on_every_atom() : wca && wca->on_every_atom();
-    return on_every_atom && bonded.pieces() == 0 && !has_fields();
+    return on_every_atom && !tables && bonded.pieces() == 0 && !has_fields();
   }
 
   void evaluate(const System& sys, const State& s, Vectors& f, Evaluation& besides) {
@@ -109,6 +111,7 @@ struct ForceField::Impl {
     if (lj_coulomb) lj_coulomb->add_forces(f, pairs_overwrite() ? kOverwrite : kAdd);
     if (pme) besides.mesh = pme->add_forces(x, f);
     if (wca) wca->add_forces(f, pairs_overwrite() && !lj_coulomb ? kOverwrite : kAdd);
+    if (tables) tables->add_forces(f);
   }
 
   // The energy alone, for which forces of pairs are not computed: f gets the others.
@@ -175,6 +178,7 @@ struct ForceField::Impl {
                        lj_coulomb->energy() + BondedForces::exception_energy(besides.bonded) + besides.mesh);
     if (dispersion) all.emplace_back("dispersion", *dispersion / box.volume());
     if (wca) all.emplace_back("wca", wca->energy());
+    if (tables) all.emplace_back("tabulated_pairs", tables->energy());
     all.insert(all.end(), besides.fields.begin(), besides.fields.end());
     return all;
   }
@@ -236,6 +240,7 @@ Eigen::Matrix3d ForceField::virial(const State& at, const Evaluation& besides) {
   if (impl_->lj_coulomb) sum += impl_->lj_coulomb->virial();
   if (impl_->pme) sum += impl_->pme->virial(x);
   if (impl_->wca) sum += impl_->wca->virial();
+  if (impl_->tables) sum += impl_->tables->virial();
   if (impl_->dispersion) sum.diagonal().array() += impl_->dispersion_virial / impl_->box.volume();
   return sum + besides.site_virial - impl_->frozen.virial(at);
 }
@@ -243,6 +248,7 @@ Eigen::Matrix3d ForceField::virial(const State& at, const Evaluation& besides) {
 void ForceField::serialize(Archive& archive) {
   if (impl_->lj_coulomb) archive(*impl_->lj_coulomb);
   if (impl_->wca) archive(*impl_->wca);
+  if (impl_->tables) archive(*impl_->tables);
 }
 
 }  // namespace taut

@@ -38,7 +38,7 @@ class ForceField final : public ForceLaw {
   // What evaluating the forces at a place gives besides them, at no cost. It is kept by the caller, who hands
   // it back for energies and the virial at that place: own fields are never asked twice.
   struct Evaluation {
-    std::array<double, 9> bonded{};   // energy by kind of bonded term [kJ/mol]
+    std::array<double, 12> bonded{};  // energy by kind of bonded term [kJ/mol]
     double mesh = 0;                  // all of PME but its pairs [kJ/mol]
     Energies fields;                  // gravity, pulls, restraints, walls, steering, own fields [kJ/mol]
     std::vector<double> wall_pushes;  // force of the atoms on each wall [kJ/mol/nm]

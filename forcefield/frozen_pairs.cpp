@@ -32,10 +32,11 @@ class Selection {
     some.precision = all.precision;
     some.bonds = pairs(all.bonds);
     some.fene = pairs(all.fene);
-    for (HarmonicAngle angle : all.angles)
-      if (renumber({&angle.i, &angle.j, &angle.k})) some.angles.push_back(angle);
-    for (CosineAngle angle : all.cosine_angles)
-      if (renumber({&angle.i, &angle.j, &angle.k})) some.cosine_angles.push_back(angle);
+    some.tabulated_bonds = pairs(all.tabulated_bonds);
+    some.angles = angles(all.angles);
+    some.cosine_angles = angles(all.cosine_angles);
+    some.cosine_squared_angles = angles(all.cosine_squared_angles);
+    some.tabulated_angles = angles(all.tabulated_angles);
     some.torsions = torsions(all.torsions);
     some.rb_torsions = torsions(all.rb_torsions);
     some.harmonic_torsions = torsions(all.harmonic_torsions);
@@ -50,6 +51,13 @@ class Selection {
       for (auto [i, j] : all.wca->exclusions)
         if (renumber({&i, &j})) some.wca->exclusions.push_back({i, j});
     }
+    if (all.tabulated_pairs) {
+      TabulatedPairs& pairs =
+          some.tabulated_pairs.emplace(TabulatedPairs{{}, all.tabulated_pairs->potentials, {}});
+      for (const int a : atoms_) pairs.kind.push_back(all.tabulated_pairs->kind[a]);
+      for (auto [i, j] : all.tabulated_pairs->exclusions)
+        if (renumber({&i, &j})) pairs.exclusions.push_back({i, j});
+    }
     return some;
   }
 
@@ -63,6 +71,13 @@ class Selection {
     std::vector<Term> some;
     for (Term term : all)
       if (renumber({&term.i, &term.j})) some.push_back(term);
+    return some;
+  }
+  template <class Term>
+  std::vector<Term> angles(const std::vector<Term>& all) const {
+    std::vector<Term> some;
+    for (Term term : all)
+      if (renumber({&term.i, &term.j, &term.k})) some.push_back(term);
     return some;
   }
   template <class Term>

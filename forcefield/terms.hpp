@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -9,6 +10,7 @@
 
 #include "base/course.hpp"
 #include "base/vectors.hpp"
+#include "forcefield/spline.hpp"
 
 namespace taut {
 
@@ -30,6 +32,24 @@ struct HarmonicAngle {  // ½k(θ − angle)², θ at atom j
 struct CosineAngle {
   int i, j, k;
   double stiffness;  // K [kJ/mol]
+};
+
+// ½K(cos θ − cos θ₀)², harmonic near θ₀ and without a singularity where the atoms are in line; LAMMPS's angle_style
+// cosine/squared, GROMACS's angles of type 2 (van Gunsteren and Berendsen 1987).
+struct CosineSquaredAngle {
+  int i, j, k;
+  double cosine;     // cos θ₀
+  double stiffness;  // K [kJ/mol]
+};
+
+// Energies of a distance r [nm] or an angle θ [rad] by a table [kJ/mol] (bonded/tabulated.hpp).
+struct TabulatedBond {
+  int i, j;
+  std::shared_ptr<const Spline> energy;
+};
+struct TabulatedAngle {
+  int i, j, k;
+  std::shared_ptr<const Spline> energy;
 };
 
 struct PeriodicTorsion {  // k(1 + cos(nφ − phase))
@@ -108,6 +128,24 @@ struct Wca {
   double cutoff() const { return std::pow(2.0, 1.0 / 6) * sigma; }  // [nm]
 };
 
+// Pair energies by tables of the distance, between two kinds of atoms each, from a table's first distance to its
+// last, its cutoff. They add to what else acts between the atoms.
+struct TabulatedPairs {
+  struct Potential {
+    int one, two;                          // kinds, in either order
+    std::shared_ptr<const Spline> energy;  // of r [nm, kJ/mol]
+  };
+  std::vector<int> kind;  // n: of each atom, from 0; −1: no table is of it
+  std::vector<Potential> potentials;
+  std::vector<std::array<int, 2>> exclusions;
+
+  double cutoff() const {  // the largest [nm]
+    double most = 0;
+    for (const Potential& p : potentials) most = std::max(most, p.energy->last());
+    return most;
+  }
+};
+
 struct Pull {  // a force on one atom that depends on no position, times Terms::pull_factor
   int atom;
   Vec3 force;  // [kJ/mol/nm]
@@ -169,6 +207,9 @@ struct Terms {
   std::vector<HarmonicBond> bonds{};
   std::vector<HarmonicAngle> angles{};
   std::vector<CosineAngle> cosine_angles{};
+  std::vector<CosineSquaredAngle> cosine_squared_angles{};
+  std::vector<TabulatedBond> tabulated_bonds{};
+  std::vector<TabulatedAngle> tabulated_angles{};
   std::vector<PeriodicTorsion> torsions{};
   std::vector<RyckaertBellemans> rb_torsions{};
   std::vector<HarmonicTorsion> harmonic_torsions{};
@@ -177,6 +218,7 @@ struct Terms {
   std::vector<Fene> fene{};
   std::optional<Nonbonded> nonbonded{};
   std::optional<Wca> wca{};
+  std::optional<TabulatedPairs> tabulated_pairs{};
   std::optional<Vec3> gravity{};  // uniform acceleration [nm/ps²]
   std::vector<Pull> pulls{};
   Course pull_factor{};  // of all pulls [ps, 1]; empty: 1

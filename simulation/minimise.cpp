@@ -38,12 +38,13 @@ class Descent {
   // Moves the atom of the largest force by `length`. False where that does not lower the energy.
   bool move(double length) {
     next_.x = here_.x + length / largest(here_.f) * here_.f;
+    double energy = 0;
     try {
       projector_.positions(sys_, next_.x);
+      energy = evaluate(next_);
     } catch (const SimulationFailure&) {
-      return false;  // too far for the bonds to be brought back
+      return false;  // too far for the bonds to be brought back, or beyond a wall or the end of a table
     }
-    const double energy = evaluate(next_);
     if (!(energy < energy_) || !next_.f.allFinite()) return false;
     std::swap(here_, next_);
     energy_ = energy;

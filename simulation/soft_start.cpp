@@ -16,12 +16,27 @@ constexpr double kLeftForce = 0.3;   // of the largest one, πA/r_c, where the d
 constexpr double kSamePlace = 1e-9;  // [nm]
 constexpr double kNear = 0.1;        // of r_c: the slope of the cosine vanishes there, and would push no more
 
-// 2^(1/6)σ of each atom; 0 where it has no pair forces.
+// A little more than the distance from which on a table's energies stay below A, as pushes end before they have no
+// force.
+double reach_of(const Spline& table) {
+  std::size_t k = table.values().size();
+  while (k > 0 && table.values()[k - 1] < kAmplitude) --k;
+  return 1.2 * (table.first() + static_cast<double>(k) * table.spacing());
+}
+
+// 2^(1/6)σ of each atom, or what its tables keep free; 0 where it has no pair forces.
 Eigen::VectorXd diameters(const Terms& terms, int atoms) {
   const double least = std::pow(2.0, 1.0 / 6);
   if (terms.wca) return Eigen::VectorXd::Constant(atoms, least * terms.wca->sigma);
-  if (!terms.nonbonded) return Eigen::VectorXd::Zero(atoms);
-  return (terms.nonbonded->epsilon.array() > 0).select(least * terms.nonbonded->sigma, 0);
+  Eigen::VectorXd all = Eigen::VectorXd::Zero(atoms);
+  if (const auto& pairs = terms.nonbonded)
+    for (int a = 0; a < atoms; ++a)
+      if (pairs->epsilon[a] > 0) all[a] = least * pairs->sigma[a];
+  if (const auto& tables = terms.tabulated_pairs)
+    for (const auto& [one, two, energy] : tables->potentials)
+      for (int a = 0; a < atoms; ++a)
+        if (tables->kind[a] == one || tables->kind[a] == two) all[a] = std::max(all[a], reach_of(*energy));
+  return all;
 }
 
 std::set<std::pair<int, int>> left_out(const Terms& terms) {
@@ -30,6 +45,8 @@ std::set<std::pair<int, int>> left_out(const Terms& terms) {
     for (const PairException& e : terms.nonbonded->exceptions) pairs.insert(std::minmax(e.i, e.j));
   if (terms.wca)
     for (const auto& [i, j] : terms.wca->exclusions) pairs.insert(std::minmax(i, j));
+  if (terms.tabulated_pairs)
+    for (const auto& [i, j] : terms.tabulated_pairs->exclusions) pairs.insert(std::minmax(i, j));
   return pairs;
 }
 
@@ -114,6 +131,7 @@ int push_apart(const Scene& scene, State& s, const OnMove& on_move) {
   soft.own.push_back(std::make_shared<SoftPush>(scene.terms, scene.system.atoms(), s.box));
   soft.nonbonded.reset();
   soft.wca.reset();
+  soft.tabulated_pairs.reset();
   ForceField forces(scene.system, s.box, soft);
   const MinimiseGoal goal{.force = kLeftForce * std::numbers::pi * kAmplitude / widest};
   return minimise(scene.system, forces, goal, s, on_move).moves;

@@ -25,7 +25,7 @@ Trial try_precision(const ChartPlan& plan, const std::string& method, Precision 
 }  // namespace
 
 bool has_precisions(const Scene& scene) {
-  return scene.terms.nonbonded || scene.terms.wca;
+  return scene.terms.nonbonded || scene.terms.wca || scene.terms.tabulated_pairs;
 }
 
 std::vector<Job> precision_jobs(const ChartPlan& plan, const Ledger& ledger) {

@@ -7,6 +7,7 @@
 #include "base/errors.hpp"
 #include "base/nearest_name.hpp"
 #include "files/h5md_file.hpp"
+#include "forcefield/bonded/tabulated.hpp"
 #include "forcefield/force_field.hpp"
 #include "systems/builders/builders.hpp"
 #include "systems/openmm/force_overrides.hpp"
@@ -50,7 +51,7 @@ void check_barostat(const TomlTable& run, const Scene& scene) {
     run.fail("barostat",
              "pairs without a cutoff act across no box, so that it cannot keep their pressure; give them a "
              "cutoff, or leave the key out");
-  if (!pairs && !scene.terms.wca && scene.run.coupling != "isotropic")
+  if (!pairs && !scene.terms.wca && !scene.terms.tabulated_pairs && scene.run.coupling != "isotropic")
     run.fail("coupling",
              "no pairs of atoms act across the box, so nothing holds its shape: take \"isotropic\"");
   if (!scene.closed_but_for_restraints())
@@ -211,7 +212,8 @@ void read_settings(const TomlTable& root, Scene& scene) {
   method.reject_unknown();
 }
 
-// The keys that name further files: build.start, and the coordinates of molecules and places.
+// The keys that name further files: build.start, the coordinates and tables of molecules, and those of places and
+// pairs.
 std::vector<toml::value<std::string>*> file_names(toml::table& root) {
   std::vector<toml::value<std::string>*> names;
   const auto add = [&](toml::node_view<toml::node> section, std::string_view key) {
@@ -220,9 +222,16 @@ std::vector<toml::value<std::string>*> file_names(toml::table& root) {
   add(root["build"], "start");
   add(root["build"], "data");
   if (auto* molecules = root["molecule"].as_table())
-    for (auto&& [name, molecule] : *molecules) add(toml::node_view<toml::node>(molecule), "file");
+    for (auto&& [name, molecule] : *molecules) {
+      const toml::node_view<toml::node> keys(molecule);
+      add(keys, "file");
+      if (auto* tables = keys["tables"].as_array())
+        for (toml::node& table : *tables) add(toml::node_view<toml::node>(table), "file");
+    }
   if (auto* places = root["place"].as_array())
     for (toml::node& place : *places) add(toml::node_view<toml::node>(place), "file");
+  if (auto* pairs = root["pair"].as_array())
+    for (toml::node& pair : *pairs) add(toml::node_view<toml::node>(pair), "table");
   return names;
 }
 
@@ -246,6 +255,17 @@ void refuse_new_names(const toml::table& base, const toml::table& overrides) {
       if (std::ranges::find(names, name.str()) == names.end())
         throw LocatedError(fmt::format("{}: there is no [{}.{}]{}", *node.source().path, section, name.str(),
                                        did_you_mean(name.str(), names)));
+  }
+}
+
+void refuse_start_below_tables(const Scene& scene, ForceField& forces) {
+  State s = scene.start;
+  try {
+    forces.evaluate(scene.system, s);
+  } catch (const SimulationFailure& e) {
+    throw InputError(fmt::format(
+        "at the start {}; run.minimise = true with run.soft_start = true pushes atoms apart first",
+        e.what()));
   }
 }
 
@@ -283,8 +303,10 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
   if (!scene.system.one_sided.empty()) check_one_sided(run_keys, root.section("method"), scene);
   build_keys.reject_unknown();
   forcefield_keys.reject_unknown();
+  check_tables_cover(scene.terms, scene.start.x);
   // Refuses settings that contradict each other while the file's name is known.
-  [[maybe_unused]] const ForceField fitting(scene.system, scene.start.box, scene.terms);
+  ForceField fitting(scene.system, scene.start.box, scene.terms);
+  if (scene.terms.tabulated_pairs && !scene.run.minimise) refuse_start_below_tables(scene, fitting);
   return scene;
 }
 

@@ -53,6 +53,7 @@ std::vector<BondedPair> bonded_pairs(const System& sys, const Terms& terms) {
   for (const auto& b : sys.bonds) pairs.push_back({b.i, b.j});
   for (const auto& b : terms.bonds) pairs.push_back({b.i, b.j});
   for (const auto& b : terms.fene) pairs.push_back({b.i, b.j});
+  for (const auto& b : terms.tabulated_bonds) pairs.push_back({b.i, b.j});
   tie_sites(sys.sites, pairs);
   return pairs;
 }
@@ -67,10 +68,13 @@ std::vector<BondedPair> further_bonds(const System& sys, const Terms& terms) {
   std::set<std::pair<int, int>> ends;  // ends of Urey–Bradley springs
   for (const auto& angle : terms.angles) ends.insert(std::minmax(angle.i, angle.k));
   for (const auto& angle : terms.cosine_angles) ends.insert(std::minmax(angle.i, angle.k));
+  for (const auto& angle : terms.cosine_squared_angles) ends.insert(std::minmax(angle.i, angle.k));
+  for (const auto& angle : terms.tabulated_angles) ends.insert(std::minmax(angle.i, angle.k));
   std::vector<BondedPair> pairs;
   for (const auto& spring : terms.bonds)
     if (!ends.contains(std::minmax(spring.i, spring.j))) pairs.push_back({spring.i, spring.j});
   for (const auto& spring : terms.fene) pairs.push_back({spring.i, spring.j});
+  for (const auto& bond : terms.tabulated_bonds) pairs.push_back({bond.i, bond.j});
   for (const auto& site : sys.sites) pairs.push_back({site.parents.front().atom, site.atom});
   return pairs;
 }

@@ -16,7 +16,7 @@ using BondedPair = std::array<int, 2>;
 // Appends the pairs of each virtual site and its parents, and of the parents.
 void tie_sites(const VirtualSites& sites, std::vector<BondedPair>& pairs);
 
-// Returns the pairs that make atoms one molecule: rigid, harmonic and FENE bonds, and virtual sites.
+// Returns the pairs that make atoms one molecule: rigid, harmonic, FENE and tabulated bonds, and virtual sites.
 std::vector<BondedPair> bonded_pairs(const System& sys, const Terms& terms);
 
 // The same with struts and ropes, whose atoms a barostat must move together.

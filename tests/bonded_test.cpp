@@ -34,12 +34,23 @@ struct Chains {
     for (int size : {5, 24})
       terms.maps.push_back(Eigen::MatrixXd::NullaryExpr(size, size, [&] { return 20 * random.uniform(); }));
     const auto about = [&](double value) { return value * (0.5 + random.uniform()); };
+    const auto table = [&](double first, double last, int points) {
+      std::vector<double> energies;
+      for (int k = 0; k < points; ++k) energies.push_back(20 * random.uniform());
+      return std::make_shared<const Spline>("a.csv", first, last, energies);
+    };
+    const std::array of_bonds = {table(0.05, 0.25, 3), table(0.1, 0.3, 41)};
+    const std::array of_angles = {table(0, pi, 17), table(0, pi, 90)};
     for (int a = 0; a < x.cols(); ++a) {
       const int left = length - 1 - a % length;
       if (left >= 1) terms.bonds.push_back({a, a + 1, about(0.15), about(3000)});
       if (left >= 1) terms.fene.push_back({a + 1, a, about(30), about(0.4)});
       if (left >= 2) terms.angles.push_back({a, a + 1, a + 2, pi * random.uniform(), about(400)});
       if (left >= 2) terms.cosine_angles.push_back({a, a + 1, a + 2, about(20)});
+      if (left >= 2)
+        terms.cosine_squared_angles.push_back({a, a + 1, a + 2, 2 * random.uniform() - 1, about(20)});
+      if (left >= 1) terms.tabulated_bonds.push_back({a, a + 1, of_bonds[a % 2]});
+      if (left >= 2) terms.tabulated_angles.push_back({a, a + 1, a + 2, of_angles[a % 2]});
       if (left < 3) continue;
       for (int n = 1; n <= 1 + a % 6; ++n)
         terms.torsions.push_back({a, a + 1, a + 2, a + 3, n, about(1), about(5)});
@@ -96,6 +107,9 @@ TEST(BondedLanes, AddWhatThePlainLoopsAddOnEveryKindOfMachine) {
     expect_lanes_as_plain(c.terms.bonds, c.x, add_bonds);
     expect_lanes_as_plain(c.terms.angles, c.x, add_angles);
     expect_lanes_as_plain(c.terms.cosine_angles, c.x, add_cosine_angles);
+    expect_lanes_as_plain(c.terms.cosine_squared_angles, c.x, add_cosine_squared_angles);
+    expect_lanes_as_plain(c.terms.tabulated_bonds, c.x, add_tabulated_bonds);
+    expect_lanes_as_plain(c.terms.tabulated_angles, c.x, add_tabulated_angles);
     expect_lanes_as_plain(c.terms.torsions, c.x, add_torsions);
     expect_lanes_as_plain(c.terms.rb_torsions, c.x, add_rb_torsions);
     expect_lanes_as_plain(c.terms.harmonic_torsions, c.x, add_harmonic_torsions);
@@ -185,6 +199,7 @@ TEST(BondedLanes, LetANanShow) {
   };
   expect_shown(c.terms.bonds);
   expect_shown(c.terms.angles);
+  expect_shown(c.terms.cosine_squared_angles);
   expect_shown(std::vector{ExpandedTorsion(c.terms.torsions[0])});
   expect_shown(c.terms.rb_torsions);
   expect_shown(std::vector{TurnedTorsion(c.terms.harmonic_torsions[0])});
@@ -192,17 +207,13 @@ TEST(BondedLanes, LetANanShow) {
   expect_shown(std::vector<PairException>{{1, 2, 0.1, 0.1, 0.1}});
 }
 
-// Also where the atoms are in line, where the energy of a cosine is smooth.
-TEST(BondedLanes, CosineAnglesPushDownTheirEnergysSlope) {
+// Of three atoms, the first turn in line, the others anywhere.
+void expect_slopes(const auto& angles, bool in_line) {
   Random random(5);
-  const std::vector<CosineAngle> angles = {{0, 1, 2, 7}};
-  for (int turn = 0; turn < 5; ++turn) {
+  for (int turn = in_line ? 0 : 1; turn < 5; ++turn) {
     Vectors x(3, 3);
     for (int a = 0; a < 3; ++a) x.col(a) = turn == 0 ? Vec3(0.1 * a, 0, 0) : Vec3(random.normal_vector());
     const Sum here = sum(angles, x, kInLanes);
-    if (turn == 0) {
-      EXPECT_NEAR(here.energy, 0, 1e-14);
-    }
     for (int a = 0; a < 3; ++a)
       for (int d = 0; d < 3; ++d) {
         const double by = 1e-6;
@@ -216,6 +227,25 @@ TEST(BondedLanes, CosineAnglesPushDownTheirEnergysSlope) {
   }
 }
 
+// Also where the atoms are in line, where the energy of a cosine is smooth.
+TEST(BondedLanes, CosineAnglesPushDownTheirEnergysSlope) {
+  expect_slopes(std::vector<CosineAngle>{{0, 1, 2, 7}}, true);
+  expect_slopes(std::vector<CosineSquaredAngle>{{0, 1, 2, -0.3, 7}}, true);
+  Vectors straight(3, 3);
+  straight << 0, 0.1, 0.2, 0, 0, 0, 0, 0, 0;
+  EXPECT_NEAR(sum(std::vector<CosineAngle>{{0, 1, 2, 7}}, straight, kInLanes).energy, 0, 1e-14);
+  EXPECT_NEAR(sum(std::vector<CosineSquaredAngle>{{0, 1, 2, -0.3, 7}}, straight, kInLanes).energy, 3.5 * 0.49,
+              1e-14);
+}
+
+TEST(Tables, PushDownTheirEnergysSlope) {
+  const Chains c(1, 3);
+  const auto of_distance =
+      std::make_shared<const Spline>("", 0, 9, c.terms.tabulated_bonds[1].energy->values());
+  expect_slopes(std::vector<TabulatedBond>{{0, 1, of_distance}, {2, 1, of_distance}}, true);
+  expect_slopes(c.terms.tabulated_angles, false);
+}
+
 Sum plain_sum(const Chains& c) {
   Sum s{0, Vectors::Zero(3, c.x.cols())};
   s.energy = add_bonds(c.terms.bonds, c.x, s.f) + add_angles(c.terms.angles, c.x, s.f) +
@@ -223,7 +253,10 @@ Sum plain_sum(const Chains& c) {
              add_rb_torsions(c.terms.rb_torsions, c.x, s.f) +
              add_harmonic_torsions(c.terms.harmonic_torsions, c.x, s.f) +
              add_term_forces(cmap_pairs(c.terms.maps, c.terms.cmaps), c.x, s.f) +
-             add_fene(c.terms.fene, c.x, s.f) + add_exceptions(c.exceptions, c.x, s.f);
+             add_cosine_squared_angles(c.terms.cosine_squared_angles, c.x, s.f) +
+             add_tabulated_bonds(c.terms.tabulated_bonds, c.x, s.f) +
+             add_tabulated_angles(c.terms.tabulated_angles, c.x, s.f) + add_fene(c.terms.fene, c.x, s.f) +
+             add_exceptions(c.exceptions, c.x, s.f);
   return s;
 }
 

@@ -43,14 +43,20 @@ struct Folder {
                                       "\n[forcefield]\n" + forcefield);
     return read_scene(file);
   }
-  // What LAMMPS prints as potential energy of the input without rigid bonds, in kJ/mol.
-  double of_lammps() const {
+  // What LAMMPS prints of the input without rigid bonds and bath: the potential energy, in kJ/mol, and the length of the vector
+  // of all forces, in kJ/mol/nm.
+  struct OfLammps {
+    double energy, forces;
+  };
+  OfLammps of_lammps() const {
     std::ifstream in(folder.path() / "a.in");
     std::string text, line;
     while (std::getline(in, line))
-      if (!line.starts_with("fix hold") && !line.starts_with("#")) text += line + "\n";
-    folder.write("run.in",
-                 text + "thermo_style custom step pe\nthermo_modify norm no format float %.15g\nrun 0\n");
+      if (!line.starts_with("fix hold") && !line.starts_with("fix bath") && !line.starts_with("#"))
+        text += line + "\n";
+    folder.write(
+        "run.in",
+        text + "thermo_style custom step pe fnorm\nthermo_modify norm no format float %.15g\nrun 0\n");
     const std::string shell = fmt::format(
         "cd {} && OMP_NUM_THREADS=1 lmp -in run.in -log none > out.txt 2>&1", folder.path().string());
     EXPECT_EQ(std::system(shell.c_str()), 0);
@@ -58,12 +64,13 @@ struct Folder {
     while (std::getline(out, line))
       if (line.find("Step PotEng") != line.npos && std::getline(out, line)) {
         std::istringstream row(line);
-        double step = 0, energy = 0;
-        row >> step >> energy;
-        return energy;
+        double step = 0;
+        OfLammps of{};
+        row >> step >> of.energy >> of.forces;
+        return of;
       }
     ADD_FAILURE() << "no energy of LAMMPS's";
-    return 0;
+    return {};
   }
 };
 
@@ -81,6 +88,7 @@ bonds = [[0, 1, 0.15], [1, 2, 0.15]]
 springs = [[2, 3, 0.16, 20000], [3, 4, 0.15, 30000]]
 angles = [[0, 1, 2, 110, 300], [1, 2, 3, 115, 200], [2, 3, 4, 100, 150]]
 cosine_angles = [[1, 2, 3, 30]]
+cosine_squared_angles = [[0, 1, 2, 70, 40]]
 torsions = [[0, 1, 2, 3, 3, 180, 2.5], [1, 2, 3, 4, 2, 60, 1.5]]
 rb_torsions = [[0, 1, 2, 3, 1, -2, 3, -4, 5, 0]]
 lennard_jones_14 = 0.5
@@ -94,10 +102,12 @@ cutoff_nm = 1.1
 )";
 
 // The round trip keeps atoms, velocities, bonds and energies. Two styles of a kind are hybrid, which taut does not
-// read: `without` a line of the molecule there is one of each.
-void expect_back(const std::string& without) {
-  const std::string text = SceneText{kMixture}.with("rb_torsions", "# rb_torsions").text;
-  const Scene plain = read(SceneText{text}.with(without, "# " + without).text, {"run.temperature_k=300"});
+// read: here one kind of angles stays.
+void expect_back(const std::string& kept) {
+  SceneText text = SceneText{kMixture}.with("rb_torsions", "# rb_torsions");
+  for (const char* angles : {"angles = [[0", "cosine_angles", "cosine_squared_angles"})
+    if (angles != kept) text = text.with(angles, std::string("# ") + angles);
+  const Scene plain = read(text.text, {"run.temperature_k=300"});
   const Folder folder;
   write_lammps(plain, folder.folder.path() / "a");
   const Scene back = folder.read_back("rigid_bonds = [1]\nspecial_lj = [0, 0, 0.5]\nmix = \"arithmetic\"",
@@ -115,14 +125,37 @@ void expect_back(const std::string& without) {
 }
 
 TEST(LammpsData, GoesOutAndBack) {
-  for (const char* without : {"cosine_angles", "angles = [[0"}) expect_back(without);
+  for (const char* kept : {"angles = [[0", "cosine_angles", "cosine_squared_angles"}) expect_back(kept);
   const Scene scene = read(kMixture, {"run.temperature_k=300"});
   const Folder folder;
   write_lammps(scene, folder.folder.path() / "a");
   if (std::system("lmp -h > /dev/null 2>&1") != 0) return;
   // exceptions have no cutoff in taut, and none of these pairs is beyond LAMMPS's
-  const double of_lammps = folder.of_lammps();
+  const double of_lammps = folder.of_lammps().energy;
   EXPECT_NEAR(of_lammps, total(energies(scene)), 1e-9 * std::abs(of_lammps));
+}
+
+// LAMMPS puts splines of its own through the rows of tables, of bonds, angles and pairs, beside rigid bonds and
+// Lennard-Jones.
+TEST(LammpsData, TablesGoOut) {
+  const Scene scene = scene_of("coarse_grained");
+  const LammpsFiles files = lammps_files(scene, "a.data");
+  for (const char* said :
+       {"bond_style hybrid harmonic table spline 20000\n", "angle_style table spline 20000\n",
+        "pair_style hybrid lj/cut 1.2 table spline 20000\n"})
+    EXPECT_THAT(files.input, HasSubstr(said));
+  for (const char* said : {"table a.table BOND1\n", "1 a.table ANGLE2\n", "1 1 table a.table PAIR3 1.2\n"})
+    EXPECT_THAT(files.data, HasSubstr(said));
+  EXPECT_THAT(files.tables, testing::StartsWith("# coarse_grained.bond.csv\nBOND1\nN 1501 FP 0 0 EQ 0.36"));
+  if (std::system("lmp -h > /dev/null 2>&1") != 0) return;
+  const Folder folder;
+  write_lammps(scene, folder.folder.path() / "a");
+  const double here = total(energies(scene));
+  const auto [energy, forces] = folder.of_lammps();
+  EXPECT_NEAR(energy, here, 1e-7 * std::abs(here));
+  State s = scene.start;
+  ForceField(scene.system, s.box, scene.terms).evaluate(scene.system, s);
+  EXPECT_NEAR(forces, s.f.norm(), 1e-6 * s.f.norm());
 }
 
 TEST(LammpsData, AMeltWithFeneGoesOutAndBack) {
@@ -131,7 +164,7 @@ TEST(LammpsData, AMeltWithFeneGoesOutAndBack) {
   const Folder folder;
   write_lammps(melt, folder.folder.path() / "a");
   if (std::system("lmp -h > /dev/null 2>&1") == 0) {
-    EXPECT_NEAR(folder.of_lammps(), total(energies(melt)), 1e-9 * std::abs(total(energies(melt))));
+    EXPECT_NEAR(folder.of_lammps().energy, total(energies(melt)), 1e-9 * std::abs(total(energies(melt))));
   }
   const Scene back = folder.read_back("special_lj = [0, 1, 1]", "pair = \"wca\"");
   EXPECT_NEAR(total(energies(back)), total(energies(melt)), 1e-10 * std::abs(total(energies(melt))));
@@ -233,8 +266,8 @@ std::string said(const std::string& old, const std::string& changed, const std::
 
 TEST(LammpsData, WhatTautLacksIsRefusedByName) {
   EXPECT_EQ(said("", ""), "no error");
-  EXPECT_THAT(said("Angle Coeffs # harmonic", "Angle Coeffs # cosine/squared"),
-              HasSubstr("taut has no angle_style \"cosine/squared\""));
+  EXPECT_THAT(said("Angle Coeffs # harmonic", "Angle Coeffs # cosine/delta"),
+              HasSubstr("taut has no angle_style \"cosine/delta\""));
   EXPECT_THAT(said("Bond Coeffs # harmonic", "Bond Coeffs"), HasSubstr("give build.bond_style, one of"));
   EXPECT_THAT(said("Atoms # full", "Atoms # sphere"), HasSubstr("taut has no atom_style \"sphere\""));
   EXPECT_THAT(said("Velocities", "Ellipsoids"), HasSubstr("a.data:39: the section Ellipsoids is none"));

@@ -81,6 +81,84 @@ TEST(OpenMMParity, HarmonicBondsAndAnglesAsCustomForces) {
   expect_parity(melt.write(Folder()));
 }
 
+TEST(OpenMMParity, AnglesHarmonicInTheCosine) {
+  for (const char* text : {"0.5*k*(cos(theta)-cos(theta0))^2", "k*(cos(theta)-theta0)^2/3"}) {
+    Melt melt(23);
+    auto* angles = new OpenMM::CustomAngleForce(text);
+    for (const char* name : {"theta0", "k"}) angles->addPerAngleParameter(name);
+    for (int a = 2; a < Melt::kAtoms; ++a)
+      if (a % Melt::kLength >= 2)
+        angles->addAngle(a - 2, a - 1, a, {melt.uniform(0.1, 0.9), melt.uniform(100, 200)});
+    melt.system.addForce(angles);
+    expect_parity(melt.write(Folder()));
+  }
+}
+
+// Distances and angles by tables, plain and scaled: all bonds alike, or each by its own.
+TEST(OpenMMParity, BondsAndAnglesByTables) {
+  for (const bool scaled : {false, true})
+    for (const bool broken : {false, true}) {
+      Melt melt(24);
+      melt.make_periodic();
+      const auto values = [&](int points) {
+        std::vector<double> all;
+        for (int k = 0; k < points; ++k) all.push_back(melt.uniform(-20, 20));
+        return all;
+      };
+      auto* bonds = new OpenMM::CustomCompoundBondForce(
+          2, scaled ? "s*w*f(distance(p2, p1))/2; w = 3" : "f(distance(p1,p2))");
+      auto* angles =
+          new OpenMM::CustomCompoundBondForce(3, scaled ? "s*f(angle(p3,p2,p1))" : "f(angle(p1,p2,p3))");
+      bonds->addTabulatedFunction("f", new OpenMM::Continuous1DFunction(values(40), 0.02, 1.1));
+      angles->addTabulatedFunction("f", new OpenMM::Continuous1DFunction(values(25), 0, M_PI));
+      for (auto* force : {bonds, angles}) {
+        if (scaled) force->addPerBondParameter("s");
+        force->setUsesPeriodicBoundaryConditions(broken);
+        melt.system.addForce(force);
+      }
+      const auto parameters = [&] {
+        return scaled ? std::vector<double>{melt.uniform(0.5, 2)} : std::vector<double>{};
+      };
+      for (int a = 2; a < Melt::kAtoms; ++a) {
+        if (a % Melt::kLength < 2) continue;
+        bonds->addBond({a - 2, a}, parameters());
+        angles->addBond({a, a - 1, a - 2}, parameters());
+      }
+      if (broken) melt.break_across_box();
+      expect_parity(melt.write(Folder()));
+    }
+}
+
+// Pairs by tables, of types or scaled by a parameter of each atom, beside the NonbondedForce and its exclusions.
+TEST(OpenMMParity, PairsByTables) {
+  for (const bool periodic : {false, true})
+    for (const char* text : {"s1*s2*f(r)", "f(r)*between(s1,s2)+g(r)*among(s1,s2)"}) {
+      Melt melt(25);
+      if (periodic) melt.make_periodic();
+      const bool scaled = text[0] == 's';
+      const auto table = [&](double last, int points) {
+        std::vector<double> values;
+        for (int k = 0; k + 1 < points; ++k) values.push_back(melt.uniform(-1, 1));
+        values.push_back(0);
+        return new OpenMM::Continuous1DFunction(values, 0.001, last);
+      };
+      auto* pairs = new OpenMM::CustomNonbondedForce(text);
+      pairs->addPerParticleParameter("s");
+      pairs->addTabulatedFunction("f", table(1, 60));
+      pairs->addTabulatedFunction("g", table(0.8, 47));
+      pairs->addTabulatedFunction("between",
+                                  new OpenMM::Discrete2DFunction(3, 3, {0, 1, 0, 1, 0, 0, 0, 0, 0}));
+      pairs->addTabulatedFunction("among", new OpenMM::Discrete2DFunction(3, 3, {2, 0, 0, 0, 0, 0, 0, 0, 1}));
+      pairs->setNonbondedMethod(periodic ? OpenMM::CustomNonbondedForce::CutoffPeriodic
+                                         : OpenMM::CustomNonbondedForce::CutoffNonPeriodic);
+      pairs->setCutoffDistance(1);
+      for (int a = 0; a < Melt::kAtoms; ++a) pairs->addParticle({scaled ? a % 3 * 0.7 : a % 3});
+      for (int a = 1; a < Melt::kAtoms; ++a) pairs->addExclusion(a, a - 1);
+      melt.system.addForce(pairs);
+      expect_parity(melt.write(Folder()));
+    }
+}
+
 // Charges in the NonbondedForce, Lennard-Jones by types in a force of its own, that of near neighbours in
 // another, as openmm.app writes CHARMM's force fields. `special`: two types meet by numbers of their own.
 void types_beside_charges(Melt& melt, bool special, const char* text) {

@@ -36,6 +36,9 @@ class Numbers {
     list(t.bonds, [&](const auto& b) { add(b.i, b.j, b.length, b.k); });
     list(t.angles, [&](const auto& a) { add(a.i, a.j, a.k, a.angle, a.stiffness); });
     list(t.cosine_angles, [&](const auto& a) { add(a.i, a.j, a.k, a.stiffness); });
+    list(t.cosine_squared_angles, [&](const auto& a) { add(a.i, a.j, a.k, a.cosine, a.stiffness); });
+    list(t.tabulated_bonds, [&](const auto& b) { add(b.i, b.j), add_table(*b.energy); });
+    list(t.tabulated_angles, [&](const auto& a) { add(a.i, a.j, a.k), add_table(*a.energy); });
     list(t.torsions, [&](const auto& a) { add(a.i, a.j, a.k, a.l, a.periodicity, a.phase, a.amplitude); });
     list(t.rb_torsions,
          [&](const auto& a) { add(a.i, a.j, a.k, a.l, a.c[0], a.c[1], a.c[2], a.c[3], a.c[4], a.c[5]); });
@@ -53,12 +56,21 @@ class Numbers {
       add(t.wca->sigma, t.wca->epsilon);
       list(t.wca->exclusions, [&](const auto& pair) { add(pair[0], pair[1]); });
     }
+    if (t.tabulated_pairs) {
+      list(t.tabulated_pairs->kind, [&](int kind) { add(kind); });
+      list(t.tabulated_pairs->potentials, [&](const auto& p) { add(p.one, p.two), add_table(*p.energy); });
+      list(t.tabulated_pairs->exclusions, [&](const auto& pair) { add(pair[0], pair[1]); });
+    }
   }
   const std::vector<double>& all() const { return all_; }
 
  private:
   static constexpr double kNone = -12345;
 
+  void add_table(const Spline& table) {
+    add(table.first(), table.last());
+    list(table.values(), [&](double v) { add(v); });
+  }
   void add_nonbonded(const Nonbonded& n) {
     add(n.charge, n.sigma, n.epsilon, n.cutoff.value_or(kNone), n.switch_distance.value_or(kNone),
         n.rf_dielectric, n.dispersion_correction);
@@ -109,6 +121,14 @@ TEST(OpenMMExport, IsReadBackToTheLastBitOfEveryNumber) {
   input.start.box.edge *= 4.0 / 3;
   for (auto& bond : input.terms.bonds) bond.k *= 1e4 / 3;
   input.terms.cosine_angles = {{0, 1, 2, 7.0 / 3}};
+  input.terms.cosine_squared_angles = {{0, 1, 2, -0.1 / 3, 7.0 / 3}};
+  const auto table = [](double last, double value) {
+    return std::make_shared<const Spline>("table", 0.01 / 3, last,
+                                          std::vector{1 / value, value, 0.0, -7 / value});
+  };
+  const auto wide = table(9, 3), wider = table(10, 7), bend = table(3.2, 11);
+  input.terms.tabulated_bonds = {{0, 1, wide}, {1, 2, wide}, {2, 3, wider}};
+  input.terms.tabulated_angles = {{0, 1, 2, bend}, {3, 2, 1, bend}};
   expect_read_back(input);
 }
 
@@ -144,6 +164,21 @@ TEST(OpenMMExport, IsReadBackWithATableOfTypes) {
   EXPECT_EQ(back.switch_distance, pairs.switch_distance);
   EXPECT_EQ(back.dispersion_correction, pairs.dispersion_correction);
   EXPECT_EQ(back.exceptions.size(), pairs.exceptions.size());
+}
+
+// Three kinds, of which the last has no table.
+TEST(OpenMMExport, IsReadBackWithTablesOfPairs) {
+  OpenMMInput input = every_force();
+  const auto table = [](double first, double last, double value) {
+    return std::make_shared<const Spline>("table", first, last,
+                                          std::vector{1 / value, value, -7 / value, 0.0});
+  };
+  TabulatedPairs& pairs = input.terms.tabulated_pairs.emplace();
+  for (int a = 0; a < input.system.atoms(); ++a) pairs.kind.push_back(a % 3);
+  pairs.potentials = {{0, 0, table(0.1, 0.5, 3)}, {0, 1, table(0.02, 1.0 / 3, 7)}};
+  pairs.exclusions = {{0, 2}, {4, 1}};
+  expect_read_back(input);
+  EXPECT_THAT(read_back(input).notes, testing::Contains(HasSubstr("is zero nearer than its tables begin")));
 }
 
 // As taut's own scenes have them, of a file or built.

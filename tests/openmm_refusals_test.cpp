@@ -93,9 +93,17 @@ INSTANTIATE_TEST_SUITE_P(
                "has ComputedValues"},
         Change{"<Functions/>", "<Functions><Function name=\"f\"/></Functions>", "Function lacks type"},
         Change{"<Functions/>",
-               "<Functions><Function max=\"2\" min=\"0\" name=\"f\" type=\"Continuous1DFunction\" "
+               "<Functions><Function max=\"2\" min=\"0\" name=\"f\" type=\"Continuous2DFunction\" "
                "version=\"1\"/></Functions>",
-               "has the function f of a kind (Continuous1DFunction) taut does not know"},
+               "has the function f of a kind (Continuous2DFunction) taut does not know"},
+        Change{"<Functions/>",
+               "<Functions><Function max=\"2\" min=\"0\" name=\"f\" periodic=\"1\" "
+               "type=\"Continuous1DFunction\" version=\"2\"/></Functions>",
+               "has the periodic function f: taut's tables are not"},
+        Change{"<Functions/>",
+               "<Functions><Function max=\"2\" min=\"0\" name=\"f\" type=\"Continuous1DFunction\" "
+               "version=\"1\"><Values><Value v=\"1\"/><Value v=\"1\"/></Values></Function></Functions>",
+               "the table f has 2 values, expected 3 or more"},
         Change{"<InteractionGroups/>", "<InteractionGroups><InteractionGroup/></InteractionGroups>",
                "has InteractionGroups"},
         Change{"type=\"RBTorsionForce\"", "type=\"AmoebaTorsionForce\"",

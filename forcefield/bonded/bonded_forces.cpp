@@ -73,6 +73,9 @@ BondedForces::BondedForces(const Terms& terms, const std::vector<PairException>&
   for (const auto& t : terms.harmonic_torsions) std::get<Sorted<TurnedTorsion>>(kinds_).terms.emplace_back(t);
   std::get<Sorted<CmapPair>>(kinds_).terms = cmap_pairs(terms.maps, terms.cmaps);
   std::get<Sorted<Fene>>(kinds_).terms = terms.fene;
+  std::get<Sorted<CosineSquaredAngle>>(kinds_).terms = terms.cosine_squared_angles;
+  std::get<Sorted<TabulatedBond>>(kinds_).terms = terms.tabulated_bonds;
+  std::get<Sorted<TabulatedAngle>>(kinds_).terms = terms.tabulated_angles;
   std::get<Sorted<PairException>>(kinds_).terms = exceptions;
   sort_and_cut();
 }
@@ -117,8 +120,9 @@ BondedForces::KindEnergies BondedForces::add_forces(const Vectors& x, Vectors& f
 }
 
 std::vector<std::pair<std::string, double>> BondedForces::by_name(const KindEnergies& energies) const {
-  constexpr std::array kNames{"bond", "angle", "cosine_angle", "torsion", "rb_torsion", "harmonic_torsion",
-                              "cmap", "fene"};
+  constexpr std::array kNames{
+      "bond", "angle", "cosine_angle",         "torsion",        "rb_torsion",     "harmonic_torsion",
+      "cmap", "fene",  "cosine_squared_angle", "tabulated_bond", "tabulated_angle"};
   const auto counts =
       std::apply([](const auto&... kind) { return std::array{kind.terms.size()...}; }, kinds_);
   std::vector<std::pair<std::string, double>> all;

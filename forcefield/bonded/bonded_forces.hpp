@@ -8,6 +8,7 @@
 
 #include "forcefield/bonded/bonded_lanes.hpp"
 #include "forcefield/bonded/cmap.hpp"
+#include "forcefield/bonded/tabulated.hpp"
 
 namespace taut {
 
@@ -20,8 +21,8 @@ class BondedForces {
   BondedForces(const Terms& terms, const std::vector<PairException>& exceptions);
 
   // Energies by kind of term, in the order of kinds_ [kJ/mol].
-  using KindEnergies = std::array<double, 9>;
-  // Throws SimulationFailure where a fene bond is stretched to r₀ or more.
+  using KindEnergies = std::array<double, 12>;
+  // Throws SimulationFailure where a fene bond is stretched to r₀ or more, and outside a table.
   KindEnergies add_forces(const Vectors& x, Vectors& f);
 
   // The same by name, exceptions left out, only the kinds there are: ("angle", 12.3), ...
@@ -44,7 +45,7 @@ class BondedForces {
 
   std::tuple<Sorted<HarmonicBond>, Sorted<HarmonicAngle>, Sorted<CosineAngle>, Sorted<ExpandedTorsion>,
              Sorted<RyckaertBellemans>, Sorted<TurnedTorsion>, Sorted<CmapPair>, Sorted<Fene>,
-             Sorted<PairException>>
+             Sorted<CosineSquaredAngle>, Sorted<TabulatedBond>, Sorted<TabulatedAngle>, Sorted<PairException>>
       kinds_;
   int pieces_ = 0;
   int terms_ = 0;

@@ -102,20 +102,41 @@ struct Law<HarmonicAngle> {
   }
 };
 
-// E = K(1 + cos θ), cos θ = a·c/|a||c| with a and c the arms at the middle atom; F_i = −K(c/|a||c| − cos θ a/a²).
+// E(cos θ), cos θ = a·c/|a||c| with a and c the arms at the middle atom; F_i = −E'(c/|a||c| − cos θ a/a²), E' the
+// slope that slope_at(cos θ) gives.
+template <class Slope>
+HWY_INLINE V cosine_forces(const V3* x, V3* f, const Slope& slope_at) {
+  const V3 a = x[0] - x[1], c = x[2] - x[1];
+  const V a2 = dot(a, a), c2 = dot(c, c);
+  const V inverse = hn::Div(broadcast(1), hn::Sqrt(hn::Mul(a2, c2)));  // 1/|a||c|
+  const V cosine = hn::Mul(inverse, dot(a, c)), slope = slope_at(cosine);
+  const V over = hn::Mul(slope, inverse), k_cosine = hn::Mul(slope, cosine);
+  f[0] = hn::Div(k_cosine, a2) * a - over * c;
+  f[2] = hn::Div(k_cosine, c2) * c - over * a;
+  f[1] = -(f[0] + f[2]);
+  return cosine;
+}
+
+// E = K(1 + cos θ)
 template <>
 struct Law<CosineAngle> {
   static std::array<double, 1> numbers(const CosineAngle& t) { return {t.stiffness}; }
 
   static HWY_INLINE V forces(const V3* x, const V* p, V3* f) {
-    const V3 a = x[0] - x[1], c = x[2] - x[1];
-    const V a2 = dot(a, a), c2 = dot(c, c);
-    const V over = hn::Div(p[0], hn::Sqrt(hn::Mul(a2, c2)));  // K/|a||c|
-    const V k_cosine = hn::Mul(over, dot(a, c));
-    f[0] = hn::Div(k_cosine, a2) * a - over * c;
-    f[2] = hn::Div(k_cosine, c2) * c - over * a;
-    f[1] = -(f[0] + f[2]);
-    return hn::Add(p[0], k_cosine);
+    const V cosine = cosine_forces(x, f, [p](V) HWY_ATTR { return p[0]; });
+    return hn::MulAdd(p[0], cosine, p[0]);
+  }
+};
+
+// E = ½K(cos θ − cos θ₀)²
+template <>
+struct Law<CosineSquaredAngle> {
+  static std::array<double, 2> numbers(const CosineSquaredAngle& t) { return {t.cosine, t.stiffness}; }
+
+  static HWY_INLINE V forces(const V3* x, const V* p, V3* f) {
+    const V cosine = cosine_forces(x, f, [p](V at) HWY_ATTR { return hn::Mul(p[1], hn::Sub(at, p[0])); });
+    const V off = hn::Sub(cosine, p[0]);
+    return hn::Mul(hn::Mul(broadcast(0.5), p[1]), hn::Mul(off, off));
   }
 };
 
@@ -280,6 +301,9 @@ double angles(std::span<const HarmonicAngle> terms, const double* x, double* f) 
 double cosine_angles(std::span<const CosineAngle> terms, const double* x, double* f) {
   return Block<CosineAngle>::add_all(terms, x, f);
 }
+double cosine_squared_angles(std::span<const CosineSquaredAngle> terms, const double* x, double* f) {
+  return Block<CosineSquaredAngle>::add_all(terms, x, f);
+}
 double torsions(std::span<const ExpandedTorsion> terms, const double* x, double* f) {
   return Block<ExpandedTorsion>::add_all(terms, x, f);
 }
@@ -305,6 +329,7 @@ namespace taut {
 HWY_EXPORT(bonds);
 HWY_EXPORT(angles);
 HWY_EXPORT(cosine_angles);
+HWY_EXPORT(cosine_squared_angles);
 HWY_EXPORT(torsions);
 HWY_EXPORT(rb_torsions);
 HWY_EXPORT(harmonic_torsions);
@@ -338,6 +363,9 @@ double add_term_forces(std::span<const HarmonicAngle> terms, const Vectors& x, V
 }
 double add_term_forces(std::span<const CosineAngle> terms, const Vectors& x, Vectors& f) {
   return HWY_DYNAMIC_DISPATCH(cosine_angles)(terms, x.data(), f.data());
+}
+double add_term_forces(std::span<const CosineSquaredAngle> terms, const Vectors& x, Vectors& f) {
+  return HWY_DYNAMIC_DISPATCH(cosine_squared_angles)(terms, x.data(), f.data());
 }
 double add_term_forces(std::span<const ExpandedTorsion> terms, const Vectors& x, Vectors& f) {
   return HWY_DYNAMIC_DISPATCH(torsions)(terms, x.data(), f.data());

@@ -39,6 +39,9 @@ inline std::array<int, 3> atoms_of(const HarmonicAngle& t) {
 inline std::array<int, 3> atoms_of(const CosineAngle& t) {
   return {t.i, t.j, t.k};
 }
+inline std::array<int, 3> atoms_of(const CosineSquaredAngle& t) {
+  return {t.i, t.j, t.k};
+}
 inline std::array<int, 4> atoms_of(const ExpandedTorsion& t) {
   return {t.i, t.j, t.k, t.l};
 }
@@ -55,6 +58,7 @@ inline std::array<int, 4> atoms_of(const RyckaertBellemans& t) {
 double add_term_forces(std::span<const HarmonicBond> bonds, const Vectors& x, Vectors& f);
 double add_term_forces(std::span<const HarmonicAngle> angles, const Vectors& x, Vectors& f);
 double add_term_forces(std::span<const CosineAngle> angles, const Vectors& x, Vectors& f);
+double add_term_forces(std::span<const CosineSquaredAngle> angles, const Vectors& x, Vectors& f);
 double add_term_forces(std::span<const ExpandedTorsion> torsions, const Vectors& x, Vectors& f);
 double add_term_forces(std::span<const RyckaertBellemans> torsions, const Vectors& x, Vectors& f);
 double add_term_forces(std::span<const TurnedTorsion> torsions, const Vectors& x, Vectors& f);

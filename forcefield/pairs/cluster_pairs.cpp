@@ -18,19 +18,6 @@
 #include "md/step_parts.hpp"
 
 namespace taut {
-namespace {
-
-using Write = ClusterPairs::Write;
-
-constexpr int kClustersPerThread = 100;  // fewer are not worth a thread
-constexpr double kEverywhere = 1e15;     // [nm]
-
-// The largest extent of the atoms along an axis [nm].
-double spread(const Vectors& x) {
-  return x.cols() > 0 ? (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).maxCoeff() : 0.0;
-}
-
-}  // namespace
 
 class ClusterPairs::Engine {
  public:
@@ -44,6 +31,14 @@ class ClusterPairs::Engine {
 };
 
 namespace {
+
+constexpr int kClustersPerThread = 100;  // fewer are not worth a thread
+constexpr double kEverywhere = 1e15;     // [nm]
+
+// The largest extent of the atoms along an axis [nm].
+double spread(const Vectors& x) {
+  return x.cols() > 0 ? (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).maxCoeff() : 0.0;
+}
 
 template <class T>
 class EngineIn final : public ClusterPairs::Engine {
@@ -61,10 +56,13 @@ class EngineIn final : public ClusterPairs::Engine {
     if (!searched_in_box_ || !positions_within_margins(x) || box_changed) renew_lists(x, box);
   }
 
-  void add_forces(Vectors& f, Write write) override {
+  void add_forces(Vectors& f, ClusterPairs::Write write) override {
     in_part(StepPart::kPairs, [&] {
-      in_parallel(threads_,
-                  [&](int t) { add_pair_forces(p_.law, atoms_, inner_list(t), force_.cleared(t)); });
+      in_parallel(threads_, [&](int t) {
+        if (p_.tables)
+          return add_table_forces(*p_.tables, atoms_, clusters_, inner_list(t), force_.cleared(t));
+        add_pair_forces(p_.law, atoms_, inner_list(t), force_.cleared(t));
+      });
     });
     in_part(StepPart::kCopies, [&] {
       by_clusters([&](const Share& share) {
@@ -74,11 +72,16 @@ class EngineIn final : public ClusterPairs::Engine {
   }
 
   double energy() override {
-    return over_lists([](const auto&... of) { return SixSums{pair_energy<T>(of...)}; })[0];
+    return over_lists([&](const ClusterList& list) {
+      return SixSums{p_.tables ? table_energy(*p_.tables, atoms_, list) : pair_energy(p_.law, atoms_, list)};
+    })[0];
   }
 
   Eigen::Matrix3d virial() override {
-    const SixSums s = over_lists(pair_virial<T>);
+    const SixSums s = over_lists([&](const ClusterList& list) {
+      return p_.tables ? table_virial(*p_.tables, atoms_, clusters_, list)
+                       : pair_virial(p_.law, atoms_, list);
+    });
     return Eigen::Matrix3d{{s[0], s[3], s[4]}, {s[3], s[1], s[5]}, {s[4], s[5], s[2]}};
   }
 
@@ -102,7 +105,7 @@ class EngineIn final : public ClusterPairs::Engine {
 
   SixSums over_lists(const auto& sum) {
     parts_.resize(threads_);
-    in_parallel(threads_, [&](int t) { parts_[t] = sum(p_.law, atoms_, inner_list(t)); });
+    in_parallel(threads_, [&](int t) { parts_[t] = sum(inner_list(t)); });
     SixSums total{};
     for (const SixSums& part : parts_)
       for (std::size_t k = 0; k < total.size(); ++k) total[k] += part[k];
@@ -110,7 +113,6 @@ class EngineIn final : public ClusterPairs::Engine {
   }
 
   const ClusterList& inner_list(int t) const { return p_.all_pairs() ? outer_[t] : inner_[t]; }
-
   Share share_of(int t) const { return Share(clusters_.count(), t, threads_); }
 
   void by_clusters(const auto& work) {
@@ -340,7 +342,7 @@ class MixedWithoutCutoff final : public ClusterPairs::Engine {
     used_->update_lists(x, box);
     searches = mixed_.searches + double_.searches;
   }
-  void add_forces(Vectors& f, Write write) override { used_->add_forces(f, write); }
+  void add_forces(Vectors& f, ClusterPairs::Write write) override { used_->add_forces(f, write); }
   double energy() override { return used_->energy(); }
   Eigen::Matrix3d virial() override { return used_->virial(); }
   void serialize(Archive& archive) override { used_->serialize(archive); }
@@ -364,6 +366,8 @@ ClusterPairs::ClusterPairs(const Nonbonded& nb, bool periodic, Precision precisi
     : ClusterPairs(problem_of(nb, periodic, precision), precision) {}
 ClusterPairs::ClusterPairs(const Wca& wca, int atoms, bool periodic, Precision precision)
     : ClusterPairs(problem_of(wca, atoms, periodic), precision) {}
+ClusterPairs::ClusterPairs(const TabulatedPairs& pairs, bool periodic, Precision precision)
+    : ClusterPairs(problem_of(pairs, periodic), precision) {}
 ClusterPairs::ClusterPairs(const PairProblem& problem, Precision precision)
     : engine_(make_engine(problem, precision)),
       on_every_atom_(std::ranges::all_of(problem.layout().present, [](auto p) { return p != 0; })) {}

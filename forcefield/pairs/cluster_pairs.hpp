@@ -23,6 +23,7 @@ class ClusterPairs {
  public:
   ClusterPairs(const Nonbonded& nb, bool periodic, Precision precision);
   ClusterPairs(const Wca& wca, int atoms, bool periodic, Precision precision);
+  ClusterPairs(const TabulatedPairs& pairs, bool periodic, Precision precision);
   ~ClusterPairs();
   ClusterPairs(ClusterPairs&&) noexcept;
   ClusterPairs& operator=(ClusterPairs&&) noexcept;
@@ -34,7 +35,8 @@ class ClusterPairs {
   // that have pairs at any time. A changed box makes new lists. Its shortest edge must be at least twice the
   // cutoff.
   void update_lists(const Vectors& x, const Box& box);
-  // The next three are at the positions of the last update_lists().
+  // The next three are at the positions of the last update_lists(). Forces and virial throw SimulationFailure where
+  // two atoms are nearer to each other than their table begins; the energy is infinite.
   void add_forces(Vectors& f, Write write = Write::kAdd);
   void add_forces(const Vectors& x, const Box& box, Vectors& f) {
     update_lists(x, box);

@@ -120,6 +120,25 @@ PairProblem problem_of(const Wca& wca, int atoms, bool periodic) {
   return p;
 }
 
+PairProblem problem_of(const TabulatedPairs& pairs, bool periodic) {
+  const auto n = static_cast<Eigen::Index>(pairs.kind.size());
+  PairProblem p;
+  p.law.cutoff = pairs.cutoff();
+  p.law.mixing = Mixing::kTable;
+  p.periodic = periodic;
+  choose_buffers(p, 0.007, 0.006, 0.54);
+  p.charge = p.half_sigma = p.two_sqrt_epsilon = Eigen::VectorXd::Zero(n);
+  p.exclusions = pairs.exclusions;
+  p.tables = tables_by_kinds(pairs);
+  p.law.types = p.tables->kinds;
+  for (const int kind : pairs.kind) {
+    const bool has = kind >= 0 && kind < p.tables->kinds - 1;
+    p.table.type.push_back(has ? kind : p.tables->kinds - 1);
+    p.kind.push_back(static_cast<std::uint8_t>(has ? kHasLj : 0));
+  }
+  return p;
+}
+
 AtomClusters::Layout PairProblem::layout() const {
   AtomClusters::Layout layout{periodic, law.cutoff + outer, {}, {}};
   for (const auto k : kind) {

@@ -172,14 +172,20 @@ class LammpsScene {
   void read_angles() {
     check_types("rigid_angles", said_.rigid_angles, "angle types");
     if (data_.section("Angles").rows.empty()) return;
-    const std::string style = style_of("Angle Coeffs", {"harmonic", "cosine", "charmm", "zero"});
+    const std::string style =
+        style_of("Angle Coeffs", {"harmonic", "cosine", "cosine/squared", "charmm", "zero"});
     const double stiffness = 1 / (said_.units.length * said_.units.length);
     for (const auto& [row, type, c] : typed("Angles", "Angle Coeffs", "angle types")) {
       const int i = atom(*row, 2), j = atom(*row, 3), k = atom(*row, 4);
-      if (style == "cosine") {  // K(1 + cos θ)
+      if (style.starts_with("cosine")) {  // K(1 + cos θ), K(cos θ − cos θ₀)²
         if (is_rigid(said_.rigid_angles, type))
-          keys_.fail("rigid_angles", "angles of style cosine have no angle to hold; expected harmonic");
-        scene_.terms.cosine_angles.push_back({i, j, k, energy(*c, 1)});
+          keys_.fail("rigid_angles",
+                     fmt::format("angles of style {} have no angle to hold; expected harmonic", style));
+        if (style == "cosine")
+          scene_.terms.cosine_angles.push_back({i, j, k, energy(*c, 1)});
+        else
+          scene_.terms.cosine_squared_angles.push_back(
+              {i, j, k, std::cos(in_radians(data_.number(*c, 2, "an angle"))), 2 * energy(*c, 1)});
         continue;
       }
       const double angle = in_radians(data_.number(*c, style == "zero" ? 1 : 2, "an angle"));

@@ -180,7 +180,7 @@ void read_forces(const BuildRequest& request, Scene& scene) {
   Terms& terms = scene.terms;
   const TomlTable& keys = request.forcefield;
   request.keys.read("gravity_nm_ps2", terms.gravity, {"uniform acceleration [x, y, z]", "nm/ps²"});
-  if (!terms.nonbonded) return read_pair_table(request.root, scene);
+  if (!terms.nonbonded) return read_pair_table(request.root, scene);  // which refuses what it finds
   std::string pair = "lennard-jones";
   keys.read("pair", pair, {"the force between beads: purely repulsive, or not", {"wca", "lennard-jones"}});
   if (keys.describing()) return read_cutoff(keys, {}, *terms.nonbonded);
@@ -260,7 +260,11 @@ void note_start(const BuildRequest& request, const Builder& built, bool settled,
   ForceField forces(scene.system, scene.start.box, scene.terms);
   State s = scene.start;
   s.f = Vectors::Zero(3, s.x.cols());
-  forces.evaluate(scene.system, s);
+  try {
+    forces.evaluate(scene.system, s);
+  } catch (const SimulationFailure&) {
+    return;  // below a table: refused once the whole scene is read
+  }
   Eigen::Index atom = 0;
   const double largest = std::sqrt(s.f.colwise().squaredNorm().maxCoeff(&atom));
   if (!(largest < kStrongForce))

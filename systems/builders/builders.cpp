@@ -93,6 +93,8 @@ void refuse_idle_pair_keys(const TomlTable& forcefield, Scene& scene) {
       forcefield.require_effect(
           key, false,
           wca ? "with forcefield.pair = \"lennard-jones\" or charges: pairs of wca end at 2^(1/6) sigma"
+          : scene.terms.tabulated_pairs
+              ? "with charges or Lennard-Jones: all pairs have tables here, which end where they end"
               : "with pair forces: no atom has a charge or an epsilon_kj_mol here");
   }
 }
@@ -117,7 +119,8 @@ void build(BuildRequest request, Scene& scene, std::string_view described) {
   const Kind& kind = described.empty() ? chosen : *std::ranges::find(kKinds, described, &Kind::name);
   request.walls = read_walls(request.root);
   kind.build(request, scene);
-  if (scene.terms.nonbonded || scene.terms.wca) read_precision(request.forcefield, scene.terms);
+  if (scene.terms.nonbonded || scene.terms.wca || scene.terms.tabulated_pairs)
+    read_precision(request.forcefield, scene.terms);
   if (!kind.own_start) replace_start(request, &kind == &kKinds.back(), scene);
   if (request.keys.describing()) return;
   refuse_idle_pair_keys(request.forcefield, scene);

@@ -16,6 +16,8 @@
 #include "files/atomic_file.hpp"
 #include "md/units.hpp"
 #include "systems/lammps/differences.hpp"
+#include "systems/lammps/tables.hpp"
+#include "systems/lammps/term_list.hpp"
 #include "systems/molecules/molecule.hpp"
 #include "systems/velocities.hpp"
 #include "systems/whole_molecules.hpp"
@@ -31,37 +33,12 @@ double degrees(double radians) {
   return radians * 180 / std::numbers::pi;
 }
 
-// Terms of one kind: their coefficients, each set once, and rows of type and atoms.
-class TermList {
- public:
-  void add(const std::string& coefficients, std::initializer_list<int> atoms) {
-    const auto [at, fresh] = type_.try_emplace(coefficients, static_cast<int>(types_.size()) + 1);
-    if (fresh) types_.push_back(coefficients);
-    std::string row = fmt::format("{}", at->second);
-    for (const int a : atoms) row += fmt::format(" {}", a + 1);
-    rows_.push_back(std::move(row));
-  }
-  bool empty() const { return rows_.empty(); }
-  std::size_t count() const { return rows_.size(); }
-  std::size_t types() const { return types_.size(); }
-  int type(const std::string& coefficients) const { return type_.at(coefficients); }
-
-  void write(const char* list, const char* coefficients, std::string& to) const {
-    if (empty()) return;
-    to += fmt::format("\n{}\n\n", coefficients);
-    for (std::size_t t = 0; t < types_.size(); ++t) to += fmt::format("{} {}\n", t + 1, types_[t]);
-    to += fmt::format("\n{}\n\n", list);
-    for (std::size_t r = 0; r < rows_.size(); ++r) to += fmt::format("{} {}\n", r + 1, rows_[r]);
-  }
-
- private:
-  std::map<std::string, int> type_;
-  std::vector<std::string> types_, rows_;
-};
-
 class Writer {
  public:
-  Writer(const Scene& scene, std::string data_name) : scene_(scene), data_name_(std::move(data_name)) {
+  Writer(const Scene& scene, std::string data_name)
+      : scene_(scene),
+        data_name_(std::move(data_name)),
+        tables_(std::filesystem::path(data_name_).replace_extension(".table").string()) {
     refuse_what_is_not_there();
     find_atom_types();
     add_bonds();
@@ -70,7 +47,10 @@ class Writer {
     find_special_bonds();
   }
 
-  LammpsFiles files() const { return {data(), input()}; }
+  LammpsFiles files() {
+    const std::string whole = data();  // which completes the tables
+    return {whole, input(), tables_.text()};
+  }
 
  private:
   void refuse_what_is_not_there() const {
@@ -82,6 +62,8 @@ class Writer {
       if (sys.mass[a] == 0) refuse(fmt::format("atom {} is an anchor of mass 0", a));
     if (!terms.harmonic_torsions.empty()) refuse("harmonic torsions (impropers)");
     if (!terms.cmaps.empty()) refuse("correction maps");
+    if (terms.tabulated_pairs && terms.nonbonded && !terms.nonbonded->charge.isZero(0))
+      refuse("tables between charges");
     if (terms.gravity || !terms.pulls.empty() || !terms.restraints.empty() || !terms.walls.empty() ||
         !terms.steered.empty() || !terms.own.empty() || scene_.run.metric_correction)
       refuse("forces from outside; add them to the input by hand");
@@ -92,12 +74,13 @@ class Writer {
     if (!terms.fene.empty() && !terms.wca) refuse("FENE springs among pairs that attract");
   }
 
-  // Atoms of one mass, σ, ε and kind in a table are of one type.
+  // Atoms of one mass, σ, ε and kind in tables are of one type.
   void find_atom_types() {
     const auto& nb = scene_.terms.nonbonded;
-    std::map<std::array<double, 4>, int> known;
+    std::map<std::array<double, 5>, int> known;
     for (int a = 0; a < scene_.system.atoms(); ++a) {
-      std::array<double, 4> kind = {scene_.system.mass[a], 0, 0, 0};
+      std::array<double, 5> kind = {scene_.system.mass[a], 0, 0, 0, 0};
+      if (scene_.terms.tabulated_pairs) kind[4] = scene_.terms.tabulated_pairs->kind[a];
       if (nb && nb->lj_table) kind[3] = nb->lj_table->type[a];
       if (nb && !nb->lj_table) kind[1] = nb->sigma[a], kind[2] = nb->epsilon[a];
       const auto [at, fresh] = known.try_emplace(kind, static_cast<int>(first_of_type_.size()));
@@ -108,51 +91,51 @@ class Writer {
 
   void add_bonds() {
     const Terms& terms = scene_.terms;
-    hybrid_ = !terms.fene.empty() && (!terms.bonds.empty() || !scene_.system.bonds.empty());
-    const char* harmonic = hybrid_ ? "harmonic " : "";
-    for (const RigidBond& b : scene_.system.bonds) {
-      const std::string coefficients = fmt::format("{}1000000 {:.17g}", harmonic, b.length);
-      bonds_.add(coefficients, {b.i, b.j});
-      rigid_.insert(bonds_.type(coefficients));
-    }
+    for (const RigidBond& b : scene_.system.bonds)
+      rigid_.insert(bonds_.add("harmonic", fmt::format("1000000 {:.17g}", b.length), {b.i, b.j}));
     for (const auto& [i, j, length, k] : terms.bonds)
-      bonds_.add(fmt::format("{}{:.17g} {:.17g}", harmonic, k / 2, length), {i, j});
+      bonds_.add("harmonic", fmt::format("{:.17g} {:.17g}", k / 2, length), {i, j});
     for (const auto& [i, j, k, r0] : terms.fene)
-      bonds_.add(fmt::format("{}{:.17g} {:.17g} {:.17g} {:.17g}", hybrid_ ? "fene " : "", k, r0,
-                             terms.wca->epsilon, terms.wca->sigma),
+      bonds_.add("fene",
+                 fmt::format("{:.17g} {:.17g} {:.17g} {:.17g}", k, r0, terms.wca->epsilon, terms.wca->sigma),
                  {i, j});
+    for (const auto& [i, j, energy] : terms.tabulated_bonds)
+      bonds_.add(kTableStyle, tables_.add(LammpsTables::kBond, *energy), {i, j});
   }
 
   void add_angles() {
     const Terms& terms = scene_.terms;
-    const bool both = !terms.angles.empty() && !terms.cosine_angles.empty();
-    angle_style_ = both ? "hybrid" : terms.angles.empty() ? "cosine" : "harmonic";
     for (const auto& [i, j, k, angle, stiffness] : terms.angles)
-      angles_.add(fmt::format("{}{:.17g} {:.17g}", both ? "harmonic " : "", stiffness / 2, degrees(angle)),
-                  {i, j, k});
+      angles_.add("harmonic", fmt::format("{:.17g} {:.17g}", stiffness / 2, degrees(angle)), {i, j, k});
     for (const auto& [i, j, k, stiffness] : terms.cosine_angles)
-      angles_.add(fmt::format("{}{:.17g}", both ? "cosine " : "", stiffness), {i, j, k});
+      angles_.add("cosine", fmt::format("{:.17g}", stiffness), {i, j, k});
+    for (const auto& [i, j, k, cosine, stiffness] : terms.cosine_squared_angles)
+      angles_.add(
+          "cosine/squared",
+          fmt::format("{:.17g} {:.17g}", stiffness / 2, degrees(std::acos(std::clamp(cosine, -1.0, 1.0)))),
+          {i, j, k});
+    for (const auto& [i, j, k, energy] : terms.tabulated_angles) {
+      if (energy->first() > 1e-9 || energy->last() < std::numbers::pi - 1e-9)
+        refuse(fmt::format("the table {} of angles does not go from 0 to 180 degrees", energy->name()));
+      angles_.add(kTableStyle, tables_.add(LammpsTables::kAngle, *energy), {i, j, k});
+    }
   }
 
   // charmm takes whole degrees alone, so that a phase is split into a cosine of its own where it is none.
   void add_dihedrals() {
-    mixed_ = !scene_.terms.torsions.empty() && !scene_.terms.rb_torsions.empty();
     for (const auto& [i, j, k, l, n, phase, amplitude] : scene_.terms.torsions) {
       const double d = degrees(phase);
       if (std::abs(d - std::round(d)) > 1e-9)
         refuse(fmt::format("a torsion of phase {:.6g} degrees, no whole number", d));
-      dihedrals_.add(
-          fmt::format("{}{:.17g} {} {:.0f} 0", mixed_ ? "charmm " : "", amplitude, n, std::round(d)),
-          {i, j, k, l});
+      dihedrals_.add("charmm", fmt::format("{:.17g} {} {:.0f} 0", amplitude, n, std::round(d)), {i, j, k, l});
     }
     const auto& rb = scene_.terms.rb_torsions;
     const bool five = std::ranges::all_of(rb, [](const RyckaertBellemans& t) { return t.c[5] == 0; });
-    powers_ = five ? "multi/harmonic" : "nharmonic";
     for (const auto& [i, j, k, l, c] : rb) {
-      std::string coefficients = fmt::format("{}{}", mixed_ ? powers_ + " " : "", five ? "" : "6");
+      std::string coefficients = five ? "" : "6";
       for (int n = 0; n < (five ? 5 : 6); ++n)
         coefficients += fmt::format(" {:.17g}", (n % 2 == 0 ? 1 : -1) * c[n]);
-      dihedrals_.add(coefficients, {i, j, k, l});
+      dihedrals_.add(five ? "multi/harmonic" : "nharmonic", coefficients, {i, j, k, l});
     }
   }
 
@@ -163,9 +146,12 @@ class Writer {
     if (nb)
       for (const auto& e : nb->exceptions) {
         const double epsilon = nb->lj_table ? 0 : std::sqrt(nb->epsilon[e.i] * nb->epsilon[e.j]);
+        const bool by_table = acts_by_table(e.i, e.j);
         const double charges = nb->charge[e.i] * nb->charge[e.j];
         if (nb->lj_table && e.epsilon != 0) refuse("scaled pairs 1-4 beside a table of pairs");
-        said[std::minmax(e.i, e.j)] = {epsilon > 0 ? e.epsilon / epsilon : kEither,
+        said[std::minmax(e.i, e.j)] = {by_table      ? 0
+                                       : epsilon > 0 ? e.epsilon / epsilon
+                                                     : kEither,
                                        charges != 0 ? e.charge_product / charges : kEither};
       }
     if (const auto& wca = scene_.terms.wca) {
@@ -178,11 +164,14 @@ class Writer {
       }
       for (const auto& pair : fene) said[pair] = {0, 0};  // fene has the repulsion itself
     }
-    if (!nb && !scene_.terms.wca) return;
+    if (const auto& tables = scene_.terms.tabulated_pairs; tables && !nb)
+      for (const auto& [i, j] : tables->exclusions) said[std::minmax(i, j)].first = 0;
+    if (!nb && !scene_.terms.wca && !scene_.terms.tabulated_pairs) return;
     Molecule all;
     all.system = scene_.system;
     all.terms.bonds = scene_.terms.bonds;
     all.terms.fene = scene_.terms.fene;
+    all.terms.tabulated_bonds = scene_.terms.tabulated_bonds;
     std::array<std::optional<double>, 3> lj, coulomb;
     const auto see = [](std::optional<double>& factor, double value, const NearPair& pair) {
       if (value == kEither) return;
@@ -209,7 +198,7 @@ class Writer {
     return scene_.terms.nonbonded ? scene_.terms.nonbonded->charge[a] * std::sqrt(kCoulomb) : 0;
   }
 
-  std::string data() const {
+  std::string data() {
     const System& sys = scene_.system;
     const Vectors& x = scene_.start.x;
     std::string to =
@@ -249,27 +238,23 @@ class Writer {
         to += fmt::format("{} {:.17g} {:.17g} {:.17g}\n", a + 1, v.x(), v.y(), v.z());
       }
     }
-    bonds_.write("Bonds", fmt::format("Bond Coeffs # {}", bond_style()).c_str(), to);
-    angles_.write("Angles", fmt::format("Angle Coeffs # {}", angle_style_).c_str(), to);
-    dihedrals_.write("Dihedrals", fmt::format("Dihedral Coeffs # {}", dihedral_style()).c_str(), to);
+    bonds_.write("Bonds", "Bond Coeffs", to);
+    angles_.write("Angles", "Angle Coeffs", to);
+    dihedrals_.write("Dihedrals", "Dihedral Coeffs", to);
     return to;
-  }
-
-  std::string bond_style() const {
-    return hybrid_ ? "hybrid" : scene_.terms.fene.empty() ? "harmonic" : "fene";
-  }
-  std::string dihedral_style() const {
-    return mixed_ ? "hybrid" : scene_.terms.torsions.empty() ? powers_ : "charmm";
   }
 
   std::string pair_lines() const {
     const auto& [nonbonded, wca] = std::tie(scene_.terms.nonbonded, scene_.terms.wca);
     if (wca) return fmt::format("pair_style lj/cut {:.17g}\npair_modify shift yes\n", wca->cutoff());
-    if (!nonbonded) return "pair_style zero 1.0\n";
+    const bool tables = scene_.terms.tabulated_pairs.has_value();
+    const std::string table_style = fmt::format("{} spline {}", kTableStyle, kTablePoints);
+    if (!nonbonded) return tables ? "pair_style " + table_style + "\n" : "pair_style zero 1.0\n";
     const double cutoff = nonbonded->cutoff.value_or(1e3);
     const bool charged = !nonbonded->charge.isZero(0);
     std::string lines =
-        !charged ? fmt::format("pair_style lj/cut {:.17g}\n", cutoff)
+        tables     ? fmt::format("pair_style hybrid lj/cut {:.17g} {}\n", cutoff, table_style)
+        : !charged ? fmt::format("pair_style lj/cut {:.17g}\n", cutoff)
         : nonbonded->pme
             ? fmt::format("pair_style lj/cut/coul/long {:.17g}\nkspace_style pppm 1e-5\n", cutoff)
             : fmt::format("pair_style lj/cut/coul/cut {:.17g}\n", cutoff);
@@ -277,14 +262,41 @@ class Writer {
     return lines;
   }
 
-  // σ and ε of every two types.
-  std::string pair_coefficients() const {
+  // True where two atoms have Lennard-Jones by types, or a table of energies.
+  bool acts_by_table(int i, int j) const {
+    if (table_of(i, j)) return true;
+    const auto& nb = scene_.terms.nonbonded;
+    if (!nb || !nb->lj_table) return false;
+    const auto& [type, a, b] = *nb->lj_table;
+    return a(type[i], type[j]) != 0 || b(type[i], type[j]) != 0;
+  }
+
+  // The table between two types of atoms; null: none.
+  const Spline* table_of(int i, int j) const {
+    const auto& pairs = scene_.terms.tabulated_pairs;
+    if (!pairs) return nullptr;
+    for (const auto& [one, two, energy] : pairs->potentials)
+      if (std::minmax(pairs->kind[i], pairs->kind[j]) == std::minmax(one, two)) return energy.get();
+    return nullptr;
+  }
+
+  // σ and ε of every two types, or their table.
+  std::string pair_coefficients() {
     const auto& [nonbonded, wca] = std::tie(scene_.terms.nonbonded, scene_.terms.wca);
-    if (!nonbonded && !wca) return "";
-    std::string lines = "\nPairIJ Coeffs # lj/cut\n\n";
+    const bool tables = scene_.terms.tabulated_pairs.has_value(), both = tables && nonbonded;
+    if (!nonbonded && !wca && !tables) return "";
+    std::string lines = fmt::format("\nPairIJ Coeffs # {}\n\n", both     ? "hybrid"
+                                                                : tables ? kTableStyle
+                                                                         : "lj/cut");
     for (std::size_t s = 0; s < first_of_type_.size(); ++s)
       for (std::size_t t = s; t < first_of_type_.size(); ++t) {
         const int i = first_of_type_[s], j = first_of_type_[t];
+        if (const Spline* table = table_of(i, j)) {
+          lines += fmt::format("{} {} {}{} {:.17g}\n", s + 1, t + 1, both ? "table " : "",
+                               tables_.add(LammpsTables::kPair, *table), table->last());
+          continue;
+        }
+        if (!nonbonded && !wca) refuse("some pairs by tables and others that do not act");
         double sigma = 1, epsilon = 0;
         if (wca) {
           sigma = wca->sigma, epsilon = wca->epsilon;
@@ -296,7 +308,8 @@ class Writer {
           sigma = (nonbonded->sigma[i] + nonbonded->sigma[j]) / 2;
           epsilon = std::sqrt(nonbonded->epsilon[i] * nonbonded->epsilon[j]);
         }
-        lines += fmt::format("{} {} {:.17g} {:.17g}\n", s + 1, t + 1, epsilon, sigma);
+        lines +=
+            fmt::format("{} {} {}{:.17g} {:.17g}\n", s + 1, t + 1, both ? "lj/cut " : "", epsilon, sigma);
       }
     return lines;
   }
@@ -308,15 +321,11 @@ class Writer {
     if (!scene_.start.box.periodic()) to += "boundary s s s\n";
     to += fmt::format("special_bonds lj {} {} {} coul {} {} {}\n", special_lj_[0], special_lj_[1],
                       special_lj_[2], special_coulomb_[0], special_coulomb_[1], special_coulomb_[2]);
-    if (!bonds_.empty())
-      to += fmt::format("bond_style {}\n", hybrid_ ? "hybrid harmonic fene" : bond_style());
-    if (!angles_.empty())
-      to +=
-          fmt::format("angle_style {}\n", angle_style_ == "hybrid" ? "hybrid harmonic cosine" : angle_style_);
-    if (!dihedrals_.empty())
-      to += fmt::format("dihedral_style {}\n", mixed_ ? "hybrid charmm " + powers_ : dihedral_style());
+    for (const auto& [name, list] :
+         {std::pair{"bond", &bonds_}, {"angle", &angles_}, {"dihedral", &dihedrals_}})
+      if (!list->empty()) to += fmt::format("{}_style {}\n", name, list->whole_style());
     to += fmt::format("{}read_data {}\n", pair_lines(), data_name_);
-    if (!terms.nonbonded && !terms.wca) to += "pair_coeff * *\n";
+    if (!terms.nonbonded && !terms.wca && !terms.tabulated_pairs) to += "pair_coeff * *\n";
     to += fmt::format("neighbor {:.4g} bin\nneigh_modify every 1 delay 0 check yes\ntimestep {:.17g}\n",
                       terms.wca ? 0.3 * terms.wca->sigma : 0.2, run.h());
     if (run.temperature_k > 0 && scene_.start.v.isZero(0))
@@ -348,10 +357,8 @@ class Writer {
   const std::string data_name_;
   std::vector<int> type_, first_of_type_;  // of each atom, from 0; the first atom of each
   TermList bonds_, angles_, dihedrals_;
-  std::set<int> rigid_;                  // types of bonds
-  bool hybrid_ = false, mixed_ = false;  // two styles of bonds, of dihedrals
-  std::string angle_style_;
-  std::string powers_;  // the style of Ryckaert and Bellemans's torsions
+  std::set<int> rigid_;  // types of bonds
+  LammpsTables tables_;
   std::array<double, 3> special_lj_ = {1, 1, 1}, special_coulomb_ = {1, 1, 1};
 };
 
@@ -367,6 +374,11 @@ void write_lammps(const Scene& scene, const std::string& prefix) {
   AtomicFile data(data_name), input(prefix + ".in");
   data.write(files.data);
   input.write(files.input);
+  if (!files.tables.empty()) {
+    AtomicFile tables(prefix + ".table");
+    tables.write(files.tables);
+    tables.commit();
+  }
   data.commit();
   input.commit();
 }

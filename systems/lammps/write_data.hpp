@@ -11,14 +11,15 @@ namespace taut {
 // time is 1 ps.
 struct LammpsFiles {
   std::string data, input;
+  std::string tables;  // of energies; empty if there is none
 };
 
-// `data_name` is the data file's name for the input. Throws InputError, one line, for what LAMMPS's usual styles
+// `data_name` is the data file's name for the input; that of tables has the extension .table instead. Throws InputError, one line, for what LAMMPS's usual styles
 // cannot say: virtual sites, one-sided bonds, correction maps, harmonic torsions, walls and other forces from
 // outside, FENE springs without repulsion of all pairs, exceptions that are no special_bonds.
 LammpsFiles lammps_files(const Scene& scene, const std::string& data_name);
 
-// Writes PREFIX.data and PREFIX.in.
+// Writes PREFIX.data and PREFIX.in, and PREFIX.table where energies are by tables.
 void write_lammps(const Scene& scene, const std::string& prefix);
 
 }  // namespace taut

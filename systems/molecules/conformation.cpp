@@ -55,7 +55,7 @@ Conformations::Conformations(const Molecule& molecule, double kT)
     near_[j].push_back(i);
   };
   for (const Tie& tie : list_ties(molecule)) may_overlap(tie.i, tie.j);
-  for (const auto& angle : molecule.terms.angles) may_overlap(angle.i, angle.k);
+  for (const Bend& bend : list_bends(molecule)) may_overlap(bend.i, bend.k);
   for (const auto& angle : molecule.terms.cosine_angles) may_overlap(angle.i, angle.k);
   if (molecule.terms.nonbonded)
     for (const auto& pair : molecule.terms.nonbonded->exceptions) may_overlap(pair.i, pair.j);
@@ -121,7 +121,7 @@ void Conformations::plan_growth() {
     order_.push_back({.atom = site.atom, .parent = root, .is_site = true});
   }
   closes_ = std::ssize(list_ties(molecule_)) > molecule_.atoms() - 1 - std::ssize(sys.sites);
-  for (const auto& [i, j, k, angle, stiffness] : molecule_.terms.angles) {
+  for (const auto& [i, j, k, angle] : list_bends(molecule_)) {
     const int last = rank[i] > rank[k] ? i : k;
     Growth& growth = order_[rank[last]];
     if (growth.parent != j || growth.is_site) continue;
@@ -146,7 +146,7 @@ void Conformations::plan_distances() {
     length[std::minmax(tie.i, tie.j)] = tie.length;
     distances_.push_back({tie.i, tie.j, tie.length, true});
   }
-  for (const auto& [i, j, k, angle, stiffness] : molecule_.terms.angles) {
+  for (const auto& [i, j, k, angle] : list_bends(molecule_)) {
     const auto a = length.find(std::minmax(i, j)), b = length.find(std::minmax(j, k));
     if (a == length.end() || b == length.end() || length.contains(std::minmax(i, k))) continue;
     const double p = a->second, q = b->second;

@@ -1,6 +1,7 @@
 #include "systems/molecules/molecule.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <concepts>
 #include <map>
 
@@ -45,6 +46,9 @@ void copy_terms(const Terms& one, int by, Terms& all) {
   copy(one.bonds, by, all.bonds);
   copy(one.angles, by, all.angles);
   copy(one.cosine_angles, by, all.cosine_angles);
+  copy(one.cosine_squared_angles, by, all.cosine_squared_angles);
+  copy(one.tabulated_bonds, by, all.tabulated_bonds);
+  copy(one.tabulated_angles, by, all.tabulated_angles);
   copy(one.torsions, by, all.torsions);
   copy(one.rb_torsions, by, all.rb_torsions);
   copy(one.harmonic_torsions, by, all.harmonic_torsions);
@@ -86,6 +90,8 @@ std::vector<Tie> list_ties(const Molecule& molecule) {
   for (const auto& [i, j, length, k] : molecule.terms.bonds)
     all.push_back({i, j, limit_length(molecule.system, i, j, length), k});
   for (const auto& spring : molecule.terms.fene) all.push_back({spring.i, spring.j, kFeneLength * spring.r0});
+  for (const auto& [i, j, energy] : molecule.terms.tabulated_bonds)
+    all.push_back({i, j, limit_length(molecule.system, i, j, energy->place_of_least())});
   std::vector<int> molecule_of = molecules(molecule.atoms(), bonded_pairs(molecule.system, molecule.terms));
   for (const OneSidedBond& bond : molecule.system.one_sided) {
     const int from = molecule_of[bond.i], to = molecule_of[bond.j];
@@ -94,6 +100,16 @@ std::vector<Tie> list_ties(const Molecule& molecule) {
     all.push_back({bond.i, bond.j, limit_length(molecule.system, bond.i, bond.j, length), 0, true});
     std::ranges::replace(molecule_of, from, to);
   }
+  return all;
+}
+
+std::vector<Bend> list_bends(const Molecule& molecule) {
+  std::vector<Bend> all;
+  for (const auto& [i, j, k, angle, stiffness] : molecule.terms.angles) all.push_back({i, j, k, angle});
+  for (const auto& [i, j, k, cosine, stiffness] : molecule.terms.cosine_squared_angles)
+    all.push_back({i, j, k, std::acos(std::clamp(cosine, -1.0, 1.0))});
+  for (const auto& [i, j, k, energy] : molecule.terms.tabulated_angles)
+    all.push_back({i, j, k, energy->place_of_least()});
   return all;
 }
 

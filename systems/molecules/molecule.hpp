@@ -19,7 +19,8 @@ struct Molecule {
 };
 
 // A tie between two atoms and its length: a rigid bond, a spring, a FENE spring (with its length between
-// repulsive beads), or a strut or rope if it is the only tie, with some slack.
+// repulsive beads), a tabulated bond (with the length of its least energy), or a strut or rope if it is the only
+// tie, with some slack.
 struct Tie {
   int i, j;
   double length;       // [nm]
@@ -27,6 +28,13 @@ struct Tie {
   bool slack = false;  // whether it is a strut or rope
 };
 std::vector<Tie> list_ties(const Molecule& molecule);
+
+// The angle of least energy of three atoms: of harmonic ones, of harmonic ones in the cosine, and of tables.
+struct Bend {
+  int i, j, k;
+  double angle;  // [rad]
+};
+std::vector<Bend> list_bends(const Molecule& molecule);
 
 // Returns all pairs of atoms at most `most` bonds or springs apart.
 struct NearPair {

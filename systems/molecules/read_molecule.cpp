@@ -8,6 +8,7 @@
 
 #include "base/nearest_name.hpp"
 #include "forcefield/check_terms.hpp"
+#include "systems/molecules/energy_table.hpp"
 #include "systems/molecules/rigid_body.hpp"
 #include "systems/molecules/rows.hpp"
 #include "systems/whole_molecules.hpp"
@@ -98,9 +99,10 @@ void set_atoms(const std::vector<AtomNumbers>& atoms, Eigen::VectorXd& mass, Mol
 bool read_rigid(const TomlTable& keys) {
   bool rigid = false;
   keys.read("rigid", rigid, "all atoms are one rigid body; needs coordinates_nm or file");
-  for (const char* key : {"virtual_sites2", "virtual_sites3", "virtual_sites3out", "bonds", "at_least",
-                          "at_most", "springs", "fene", "angles", "cosine_angles", "torsions", "rb_torsions",
-                          "impropers", "exclude", "lennard_jones_14", "coulomb_14"})
+  for (const char* key :
+       {"virtual_sites2", "virtual_sites3", "virtual_sites3out", "bonds", "at_least", "at_most", "springs",
+        "fene", "angles", "cosine_angles", "cosine_squared_angles", "tables", "torsions", "rb_torsions",
+        "impropers", "exclude", "lennard_jones_14", "coulomb_14"})
     if (rigid && keys.has(key))
       keys.fail(key, "has no effect beside rigid = true, which holds all atoms together; leave one out");
   return rigid;
@@ -125,6 +127,13 @@ void read_bends(const TomlTable& keys, RowReader& rows, Terms& terms) {
            "cosine_angles", 3, 1, "[i, j, k, K in kJ/mol] each: K(1 + cos θ), least for a straight chain")) {
     if (number[0] < 0) keys.fail("cosine_angles", line, "expected K of 0 or more");
     terms.cosine_angles.push_back({a[0], a[1], a[2], number[0]});
+  }
+  for (const auto& [line, a, number] :
+       rows.read("cosine_squared_angles", 3, 2,
+                 "[i, j, k, angle in °, K in kJ/mol] each: ½K(cos θ − cos angle)²")) {
+    if (number[0] < 0 || number[0] > 180 || number[1] < 0)
+      keys.fail("cosine_squared_angles", line, "expected an angle of 0 to 180 degrees, and K of 0 or more");
+    terms.cosine_squared_angles.push_back({a[0], a[1], a[2], std::cos(radians(number[0])), number[1]});
   }
   for (const auto& [line, a, number] :
        rows.read("torsions", 4, 3, "[i, j, k, l, n, phase in °, k in kJ/mol] each: k(1 + cos(nφ − phase))")) {
@@ -260,6 +269,7 @@ Molecule read_molecule(const TomlTable& keys, const std::string& name, const Kno
   read_springs(rows, molecule.terms);
   read_fene(rows, molecule.terms);
   read_bends(keys, rows, molecule.terms);
+  read_tables(keys, units, molecule.terms);
   read_outer(rows, molecule.terms);
   if (rigid) {
     read_shape(keys, molecule);

@@ -95,6 +95,12 @@ std::vector<double> CustomForce::of_term() const {
   return all;
 }
 
+double CustomForce::energy(const Expression::Values& coordinates) const {
+  Expression::Values values = values_;
+  for (const auto& [name, value] : coordinates) values[name] = value;
+  return energy_(values);
+}
+
 double CustomForce::pair_energy(const std::vector<double>& one, const std::vector<double>& two,
                                 double r) const {
   Expression::Values values = values_;

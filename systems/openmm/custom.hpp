@@ -37,6 +37,8 @@ class CustomForce {
   double of_all(const char* known) const;
   double factor() const { return recognized_.factor; }
 
+  // Returns the energy at these coordinates, with the parameters of the last term read.
+  double energy(const Expression::Values& coordinates) const;
   // Returns the per-term parameters of the last term read, in their order.
   std::vector<double> of_term() const;
   // Returns the energy of two atoms with these parameters at distance r.

@@ -63,6 +63,15 @@ const std::vector<Bonded> kAngles = {
     {{kCosineAngleEnergy, {{"k"}}},
      [](OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element&) {
        to.terms.cosine_angles.push_back({a[0], a[1], a[2], p.factor() * p["k"]});
+     }},
+    {{kCosineSquaredEnergy, {{"k"}, {"c0", -1, 1}}},
+     [](OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element&) {
+       to.terms.cosine_squared_angles.push_back({a[0], a[1], a[2], p["c0"], p.factor() * p["k"]});
+     }},
+    {{"0.5*k*(cos(theta)-cos(theta0))^2", {{"k"}, {"theta0", 0, pi}}},
+     [](OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element&) {
+       to.terms.cosine_squared_angles.push_back(
+           {a[0], a[1], a[2], std::cos(p["theta0"]), p.factor() * p["k"]});
      }}};
 const std::vector<Bonded> kTorsions = {
     {{kTorsionEnergy, {{"k"}, {"theta0", -pi, pi}}}, add_harmonic_torsion},

@@ -1,9 +1,12 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 
 #include "systems/openmm/custom.hpp"
+#include "systems/openmm/functions.hpp"
 #include "systems/openmm/terms.hpp"
 
 namespace taut {
@@ -19,39 +22,11 @@ const std::vector<KnownEnergy>& known() {
   return kAll;
 }
 
-// OpenMM's discrete functions, which round their arguments.
-Expression::Tables read_tables(const Element& force) {
-  Expression::Tables tables;
-  force.part("Functions").each("Function", [&](const Element& function) {
-    std::string name, type;
-    int x = 0, y = 1;
-    const auto size = [](const char* of, int& to) { return Field{of, Field::Integer{&to, 1, 10'000}}; };
-    type = function.text("type");
-    std::vector<Field> fields = {{"name", &name}, {"type", &type}};
-    if (type == "Discrete2DFunction")
-      fields.insert(fields.end(), {size("xsize", x), size("ysize", y)});
-    else if (type != "Discrete1DFunction")
-      function.refuse(
-          fmt::format("has the function {} of a kind ({}) taut does not know: it has "
-                      "Discrete1DFunction and Discrete2DFunction",
-                      function.text("name"), type));
-    function.read(fields, {"version"});
-    function.check_parts({"Values"});
-    std::vector<double> values;
-    function.part("Values").each("Value", [&](const Element& value) {
-      value.read_leaf({{"v", &values.emplace_back()}});
-    });
-    const bool plane = type == "Discrete2DFunction";
-    if (!plane) x = static_cast<int>(values.size());
-    if (values.size() != static_cast<std::size_t>(x) * y)
-      function.refuse(fmt::format("has {} values, expected {} x {}", values.size(), x, y));
-    tables[name] = {plane ? 2 : 1, [=](std::span<const double> at) {
-                      const double i = std::round(at[0]), j = plane ? std::round(at[1]) : 0;
-                      if (!(i >= 0 && i < x && j >= 0 && j < y)) return std::nan("");
-                      return values[static_cast<std::size_t>(i) + static_cast<std::size_t>(j) * x];
-                    }};
-  });
-  return tables;
+double largest_jump(const TabulatedPairs& pairs) {
+  double most = 0;
+  for (const auto& potential : pairs.potentials)
+    most = std::max(most, std::abs(potential.energy->values().back()));
+  return most;
 }
 
 // Finds a and b of an energy a/r¹² − b/r⁶: b from a large distance, a from a small one. Between them the
@@ -85,15 +60,25 @@ void read_wca(const ForceReading& r, CustomForce& p, const CustomNonbondedXml& x
   read_list(r.force, wca.exclusions, r.system.atoms());
 }
 
-void read_types(const ForceReading& r, CustomForce& p, LennardJonesTable& table) {
-  std::map<std::vector<double>, int> types;
+// Atoms of the same parameters are of one type.
+using AtomTypes = std::map<std::vector<double>, int>;
+AtomTypes read_types(const ForceReading& r, CustomForce& p, std::vector<int>& of_atom) {
+  AtomTypes types;
   r.force.part("Particles").each("Particle", [&](const Element& particle) {
     p.read(particle, {});
-    table.type.push_back(types.emplace(p.of_term(), static_cast<int>(types.size())).first->second);
+    of_atom.push_back(types.emplace(p.of_term(), static_cast<int>(types.size())).first->second);
     if (types.size() > kMostTypes)
       particle.refuse(fmt::format(
           "is of a type of its own, as are more than {} atoms: taut takes no more types", kMostTypes));
   });
+  return types;
+}
+
+constexpr const char* kNotMutual =
+    "has another energy between two atoms when they are named the other way round";
+
+void read_powers(const ForceReading& r, CustomForce& p, LennardJonesTable& table) {
+  const AtomTypes types = read_types(r, p, table.type);
   const auto n = static_cast<Eigen::Index>(types.size());
   table.a = table.b = Eigen::MatrixXd::Zero(n, n);
   for (const auto& one : types)
@@ -106,13 +91,12 @@ void read_types(const ForceReading& r, CustomForce& p, LennardJonesTable& table)
   const auto uneven = [](const Eigen::MatrixXd& m) {
     return ((m - m.transpose()).array().abs() > 1e-12 * m.array().abs()).any();
   };
-  if (uneven(table.a) || uneven(table.b))
-    r.force.refuse("has another energy between two atoms when they are named the other way round");
+  if (uneven(table.a) || uneven(table.b)) r.force.refuse(kNotMutual);
 }
 
 void read_lennard_jones(const ForceReading& r, CustomForce& p, const CustomNonbondedXml& x) {
   Nonbonded& lj = r.to.lennard_jones.emplace();
-  read_types(r, p, lj.lj_table.emplace());
+  read_powers(r, p, lj.lj_table.emplace());
   std::vector<std::array<int, 2>> exclusions;
   read_list(r.force, exclusions, r.system.atoms());
   for (const auto& [i, j] : exclusions) lj.exceptions.push_back({i, j, 0, 1, 0});
@@ -120,6 +104,47 @@ void read_lennard_jones(const ForceReading& r, CustomForce& p, const CustomNonbo
   if (x.method == NonbondedXml::kNoCutoff) return;
   lj.cutoff = x.cutoff;
   if (x.switched) lj.switch_distance = x.switch_distance;
+}
+
+bool is_zero(const Splines& splines, const std::function<double(double)>& energy) {
+  for (const auto& [name, spline] : splines)
+    for (const double share : {0.0, 0.07, 0.31, 0.5, 0.83})
+      if (energy(spline->first() + share * (spline->last() - spline->first())) != 0) return false;
+  return true;
+}
+
+// Continuous functions of the distance, as taut's tables: each pair of types has one, or a multiple of it, or none.
+void read_tabulated(const ForceReading& r, CustomForce& p, const CustomNonbondedXml& x,
+                    const Splines& splines) {
+  TabulatedPairs& to = r.to.terms.tabulated_pairs.emplace();
+  const AtomTypes types = read_types(r, p, to.kind);
+  const bool cut = x.method != NonbondedXml::kNoCutoff;
+  if (x.switched)
+    r.force.refuse("has useSwitchingFunction=\"1\": taut's tables have no switch; write it into the table");
+  if (x.corrected) r.force.refuse("has useLongRangeCorrection=\"1\": nothing is beyond a table");
+  for (auto one = types.begin(); one != types.end(); ++one)
+    for (auto two = one; two != types.end(); ++two) {
+      const auto energy = [&](double at) { return p.pair_energy(one->first, two->first, at); };
+      const auto swapped = [&](double at) { return p.pair_energy(two->first, one->first, at); };
+      if (is_zero(splines, [&](double at) { return std::abs(energy(at)) + std::abs(swapped(at)); })) continue;
+      const auto spline = recognize_spline(splines, energy);
+      if (!spline)
+        r.force.refuse(
+            "calls a Continuous1DFunction, and has an energy between two atoms that is no multiple of one of "
+            "r");
+      if (!recognize_spline({{"", spline}}, swapped)) r.force.refuse(kNotMutual);
+      if (cut && x.cutoff < spline->last() * (1 - 1e-12))
+        r.force.refuse(
+            fmt::format("is cut off at {} nm, before its function {} ends, at {} nm: let both end alike",
+                        x.cutoff, spline->name(), spline->last()));
+      to.potentials.push_back({one->second, two->second, spline});
+    }
+  if (to.potentials.empty())
+    r.force.refuse("calls a Continuous1DFunction, and has no energy between any two atoms");
+  read_list(r.force, to.exclusions, r.system.atoms());
+  if (const double jump = largest_jump(to); jump > 1e-3)
+    r.to.notes.push_back(fmt::format("jumps by {:.3g} kJ/mol where a table ends", jump));
+  r.to.notes.emplace_back("is zero nearer than its tables begin, where taut stops");
 }
 
 }  // namespace
@@ -133,7 +158,10 @@ void read_custom_nonbonded(const ForceReading& r) {
   refuse_any(r.force, {"EnergyParameterDerivatives", "ComputedValues", "InteractionGroups"});
   r.check_count(r.force.part("Particles"));
   r.to.periodic_pairs = x.method == NonbondedXml::kCutoffPeriodic;
-  CustomForce p(r, {"PerParticleParameters", {{"r", 0.3, 0.45}}, true}, x.energy, read_tables(r.force));
+  Splines splines;
+  CustomForce p(r, {"PerParticleParameters", {{"r", 0.3, 0.45}}, true}, x.energy,
+                read_functions(r.force, splines));
+  if (!splines.empty()) return read_tabulated(r, p, x, splines);
   p.recognize({known().front()}) == 0 ? read_wca(r, p, x) : read_lennard_jones(r, p, x);
 }
 

@@ -13,15 +13,10 @@
 #include "systems/openmm/forces.hpp"
 #include "systems/openmm/sites.hpp"
 #include "systems/openmm/terms.hpp"
+#include "systems/openmm/writing.hpp"
 
 namespace taut {
 namespace {
-
-using Node = pugi::xml_node;
-
-void put(Node node, const char* name, const auto& value) {
-  node.append_attribute(name) = fmt::format("{}", value).c_str();
-}
 
 template <class Part>
 void write_list(Node of, const std::vector<Part>& parts) {
@@ -93,15 +88,6 @@ void refuse_bonds_to_anchors(const System& sys) {
   }
 }
 
-Node write_force(Node forces, const char* type, const std::vector<Field>& fields) {
-  Node force = append(forces, "Force", fields);
-  put(force, "type", type);
-  put(force, "version", version_written(type));
-  put(force, "name", type);
-  put(force, "forceGroup", 0);
-  return force;
-}
-
 template <class Term>
 void write_bonded(Node forces, const std::vector<Term>& terms) {
   bool takes_images = false;
@@ -136,29 +122,6 @@ void write_nonbonded(Node forces, const Nonbonded& from, const Box& box) {
   write_list(force, from.exceptions);
 }
 
-// The parameters of a custom force: names of the per-term ones (`each`), and the global ones with their
-// values.
-using Names = std::initializer_list<const char*>;
-using NamedValues = std::initializer_list<std::pair<const char*, double>>;
-void write_parameters(Node force, const char* each, Names of_each, NamedValues of_all) {
-  Node list = force.append_child(each);
-  for (const char* name : of_each) put(list.append_child("Parameter"), "name", name);
-  list = force.append_child("GlobalParameters");
-  for (const auto& [name, value] : of_all) {
-    Node parameter = list.append_child("Parameter");
-    put(parameter, "name", name);
-    put(parameter, "default", value);
-  }
-}
-
-// A term of a custom force: its atoms, and its parameters in order.
-void write_term(Node list, const char* name, const std::vector<Field>& atoms,
-                std::initializer_list<double> parameters) {
-  Node term = append(list, name, atoms);
-  int n = 0;
-  for (const double p : parameters) put(term, fmt::format("param{}", ++n).c_str(), p);
-}
-
 void write_harmonic_torsions(Node forces, const std::vector<HarmonicTorsion>& torsions) {
   std::string energy = kTorsionEnergy;
   bool takes_images = false;
@@ -185,6 +148,19 @@ void write_cosine_angles(Node forces, const std::vector<CosineAngle>& angles) {
                {t.stiffness});
 }
 
+void write_cosine_squared_angles(Node forces, const std::vector<CosineSquaredAngle>& angles) {
+  std::string energy = kCosineSquaredEnergy;
+  bool takes_images = false;
+  Node force =
+      write_force(forces, "CustomAngleForce", {{"energy", &energy}, {"usesPeriodic", &takes_images}});
+  write_parameters(force, "PerAngleParameters", {"k", "c0"}, {});
+  force.append_child("EnergyParameterDerivatives");
+  Node list = force.append_child("Angles");
+  for (auto t : angles)
+    write_term(list, "Angle", {atom_field("p1", t.i, 0), atom_field("p2", t.j, 0), atom_field("p3", t.k, 0)},
+               {t.stiffness, t.cosine});
+}
+
 void write_cmaps(Node forces, const Terms& terms) {
   bool takes_images = false;
   Node force = write_force(forces, InXml<CmapTorsion>::kForce, {{"usesPeriodic", &takes_images}});
@@ -195,17 +171,6 @@ void write_cmaps(Node forces, const Terms& terms) {
     for (double e : energies.reshaped()) append(map, "Energy", {{"e", &e}});
   }
   write_list(force, terms.cmaps);
-}
-
-void write_table(Node functions, const char* name, const Eigen::MatrixXd& table) {
-  Node function = functions.append_child("Function");
-  put(function, "type", "Discrete2DFunction");
-  put(function, "version", 1);
-  put(function, "name", name);
-  put(function, "xsize", table.rows());
-  put(function, "ysize", table.cols());
-  Node values = function.append_child("Values");
-  for (double v : table.reshaped()) append(values, "Value", {{"v", &v}});
 }
 
 // Writes Lennard-Jones by types, with the exclusions of the NonbondedForce.
@@ -227,8 +192,8 @@ void write_lj_table(Node forces, const Nonbonded& from, const Box& box) {
   for (const auto& e : from.exceptions) exclusions.push_back({e.i, e.j});
   write_list(force, exclusions);
   Node functions = force.append_child("Functions");
-  write_table(functions, "a", from.lj_table->a);
-  write_table(functions, "b", from.lj_table->b);
+  write_discrete(functions, "a", from.lj_table->a);
+  write_discrete(functions, "b", from.lj_table->b);
   force.append_child("InteractionGroups");
 }
 
@@ -297,6 +262,8 @@ void write_forces(Node forces, const OpenMMInput& from) {
   write_bonded(forces, terms.bonds);
   write_bonded(forces, terms.angles);
   if (!terms.cosine_angles.empty()) write_cosine_angles(forces, terms.cosine_angles);
+  if (!terms.cosine_squared_angles.empty()) write_cosine_squared_angles(forces, terms.cosine_squared_angles);
+  write_tables(forces, terms, from.start.box);
   write_bonded(forces, terms.torsions);
   write_bonded(forces, terms.rb_torsions);
   if (!terms.harmonic_torsions.empty()) write_harmonic_torsions(forces, terms.harmonic_torsions);

@@ -84,6 +84,9 @@ constexpr const char* kFeneEnergy = "-0.5*k*r0^2*log(1-(r/r0)^2)";
 constexpr const char* kWcaEnergy = "4*epsilon*((sigma/r)^12-(sigma/r)^6)+epsilon";
 constexpr const char* kLennardJonesEnergy = "a(type1,type2)/r^12-b(type1,type2)/r^6";
 constexpr const char* kCosineAngleEnergy = "k*(1+cos(theta))";
+constexpr const char* kCosineSquaredEnergy = "0.5*k*(cos(theta)-c0)^2";
+constexpr const char* kTableOfDistance = "table(distance(p1,p2))";
+constexpr const char* kTableOfAngle = "table(angle(p1,p2,p3))";
 constexpr const char* kTorsionEnergy =
     "0.5*k*min(turn,2*pi-turn)^2;turn=abs(theta-theta0);pi=3.141592653589793";
 

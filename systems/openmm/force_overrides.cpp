@@ -47,14 +47,14 @@ void override_pair_forces(const TomlTable& keys, Scene& scene) {
   auto& pairs = scene.terms.nonbonded;
   for (const char* key : kPairKeys)
     keys.require_effect(key, pairs.has_value(), "where a NonbondedForce acts, and the System has none");
-  keys.require_effect("precision", pairs || scene.terms.wca,
+  keys.require_effect("precision", pairs || scene.terms.wca || scene.terms.tabulated_pairs,
                       "between pairs, and the System has no force between them");
   if (pairs) {
     const Nonbonded before = *pairs;
     read_cutoff(keys, scene.start.box, *pairs);
     note_changes(before, *pairs, scene.notes);
   }
-  if (pairs || scene.terms.wca) read_precision(keys, scene.terms);
+  if (pairs || scene.terms.wca || scene.terms.tabulated_pairs) read_precision(keys, scene.terms);
 }
 
 }  // namespace

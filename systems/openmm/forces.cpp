@@ -153,6 +153,7 @@ constexpr std::array kForceKinds = {
     ForceKind{"CustomBondForce", 3, 3, read_custom_bonds},
     ForceKind{"CustomAngleForce", 3, 3, read_custom_angles},
     ForceKind{"CustomTorsionForce", 3, 3, read_custom_torsions},
+    ForceKind{"CustomCompoundBondForce", 3, 3, read_custom_compound},
     ForceKind{"CustomExternalForce", 1, 1, read_custom_external},
     ForceKind{"CustomNonbondedForce", 2, 3, read_custom_nonbonded},
 };

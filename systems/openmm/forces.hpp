@@ -61,6 +61,7 @@ struct ForceReading {
 void read_custom_external(const ForceReading& r);
 void read_custom_bonds(const ForceReading& r);
 void read_custom_angles(const ForceReading& r);
+void read_custom_compound(const ForceReading& r);
 void read_custom_torsions(const ForceReading& r);
 void read_custom_nonbonded(const ForceReading& r);
 

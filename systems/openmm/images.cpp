@@ -55,6 +55,8 @@ void check_images(const Element& at, const OpenMMForce& force, const WholeMolecu
   for (const auto& t : terms.bonds) images.check("bond", k++, std::array{t.i, t.j});
   for (const auto& t : terms.angles) images.check("angle", k++, std::array{t.i, t.j, t.k});
   for (const auto& t : terms.cosine_angles) images.check("angle", k++, std::array{t.i, t.j, t.k});
+  for (const auto& t : terms.cosine_squared_angles) images.check("angle", k++, std::array{t.i, t.j, t.k});
+  for (const auto& t : terms.tabulated_angles) images.check("bond", k++, std::array{t.i, t.j, t.k});
   for (const auto& t : terms.torsions) images.check("torsion", k++, std::array{t.i, t.j, t.k, t.l});
   for (const auto& t : terms.rb_torsions) images.check("torsion", k++, std::array{t.i, t.j, t.k, t.l});
   for (const auto& t : terms.harmonic_torsions) images.check("torsion", k++, std::array{t.i, t.j, t.k, t.l});
@@ -64,6 +66,7 @@ void check_images(const Element& at, const OpenMMForce& force, const WholeMolecu
   }
   for (const auto& t : force.pairs) images.check("bond", k++, std::array{t.i, t.j});
   for (const auto& t : terms.fene) images.check("bond", k++, std::array{t.i, t.j});
+  for (const auto& t : terms.tabulated_bonds) images.check("bond", k++, std::array{t.i, t.j});
   // A restraint without nearest images is the same while its atom is within half the box of its place.
   if (!force.takes_images)
     for (const auto& t : terms.restraints) images.check_place(t.atom, t.at);

@@ -6,6 +6,7 @@
 #include <deque>
 
 #include "base/errors.hpp"
+#include "forcefield/bonded/tabulated.hpp"
 #include "forcefield/check_terms.hpp"
 #include "systems/openmm/forces.hpp"
 #include "systems/openmm/images.hpp"
@@ -176,6 +177,7 @@ void mend_molecules(const PlacedForces& forces, const std::vector<RigidBond>& co
   for (const PlacedForce& f : forces) {
     for (const auto& b : f.force.terms.bonds) pairs.push_back({b.i, b.j});
     for (const auto& b : f.force.terms.fene) pairs.push_back({b.i, b.j});
+    for (const auto& b : f.force.terms.tabulated_bonds) pairs.push_back({b.i, b.j});
   }
   tie_sites(input.system.sites, pairs);
   const Vectors as_given = input.start.x;
@@ -207,6 +209,9 @@ void add(PlacedForce& placed, OpenMMInput& input) {
   add_all(to.bonds, from.bonds);
   add_all(to.angles, from.angles);
   add_all(to.cosine_angles, from.cosine_angles);
+  add_all(to.cosine_squared_angles, from.cosine_squared_angles);
+  add_all(to.tabulated_bonds, from.tabulated_bonds);
+  add_all(to.tabulated_angles, from.tabulated_angles);
   add_all(to.torsions, from.torsions);
   add_all(to.rb_torsions, from.rb_torsions);
   add_all(to.harmonic_torsions, from.harmonic_torsions);
@@ -219,6 +224,7 @@ void add(PlacedForce& placed, OpenMMInput& input) {
   add_all(to.walls, from.walls);
   add_one(placed.at, to.nonbonded, from.nonbonded);
   add_one(placed.at, to.wca, from.wca);
+  add_one(placed.at, to.tabulated_pairs, from.tabulated_pairs);
   add_one(placed.at, to.gravity, from.gravity);
   for (const auto& note : placed.force.notes) input.notes.push_back(fmt::format("{} {}", placed.name, note));
   add_one(placed.at, input.barostat, placed.force.barostat);
@@ -249,6 +255,7 @@ OpenMMInput read_openmm(const std::filesystem::path& system_xml, const std::file
   input.start.box = box_of(forces, system, state);
   check_forces(forces, input.system, input.start.box);
   if (input.start.box.periodic()) mend_molecules(forces, constraints, state, input);
+  for (const PlacedForce& f : forces) of_force(f, [&] { check_tables_cover(f.force.terms, input.start.x); });
   for (PlacedForce& f : forces) add(f, input);
   bool has_types = false;
   for (PlacedForce& f : forces)

@@ -8,6 +8,7 @@
 #include "forcefield/bonded/dihedral.hpp"
 #include "forcefield/terms.hpp"
 #include "md/units.hpp"
+#include "plain_spline.hpp"
 
 // Forces between atoms that are neighbours along a molecule, written down plainly: one term after the other, in
 // angles and their gradients. Each function adds its forces to f and returns its energy [kJ/mol]. Molecules are
@@ -52,6 +53,49 @@ inline double add_cosine_angles(const std::vector<CosineAngle>& angles, const Ve
     const Angle at(x.col(i) - x.col(j), x.col(k) - x.col(j));
     energy += stiffness * (1 + std::cos(at.theta));
     const double slope = -stiffness * std::sin(at.theta);
+    f.col(i) -= slope * at.grad_i;
+    f.col(k) -= slope * at.grad_k;
+    f.col(j) += slope * (at.grad_i + at.grad_k);
+  }
+  return energy;
+}
+
+// E = ½K(cos θ − cos θ₀)²
+inline double add_cosine_squared_angles(const std::vector<CosineSquaredAngle>& angles, const Vectors& x,
+                                        Vectors& f) {
+  double energy = 0;
+  for (const auto& [i, j, k, cosine, stiffness] : angles) {
+    const Angle at(x.col(i) - x.col(j), x.col(k) - x.col(j));
+    const double off = std::cos(at.theta) - cosine;
+    energy += 0.5 * stiffness * off * off;
+    const double slope = -stiffness * off * std::sin(at.theta);
+    f.col(i) -= slope * at.grad_i;
+    f.col(k) -= slope * at.grad_k;
+    f.col(j) += slope * (at.grad_i + at.grad_k);
+  }
+  return energy;
+}
+
+// E by a table of the distance, and by one of the angle
+inline double add_tabulated_bonds(const std::vector<TabulatedBond>& bonds, const Vectors& x, Vectors& f) {
+  double energy = 0;
+  for (const auto& [i, j, table] : bonds) {
+    const Vec3 d = x.col(j) - x.col(i);
+    const PlainSpline spline(*table);
+    energy += spline.value(d.norm());
+    const Vec3 pull = spline.slope(d.norm()) / d.norm() * d;
+    f.col(i) += pull;
+    f.col(j) -= pull;
+  }
+  return energy;
+}
+inline double add_tabulated_angles(const std::vector<TabulatedAngle>& angles, const Vectors& x, Vectors& f) {
+  double energy = 0;
+  for (const auto& [i, j, k, table] : angles) {
+    const Angle at(x.col(i) - x.col(j), x.col(k) - x.col(j));
+    const PlainSpline spline(*table);
+    energy += spline.value(at.theta);
+    const double slope = spline.slope(at.theta);
     f.col(i) -= slope * at.grad_i;
     f.col(k) -= slope * at.grad_k;
     f.col(j) += slope * (at.grad_i + at.grad_k);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <utility>
@@ -7,6 +8,7 @@
 #include "forcefield/terms.hpp"
 #include "md/box.hpp"
 #include "md/units.hpp"
+#include "plain_spline.hpp"
 
 // The sums over pairs as they are written down: every pair of atoms, one after the other.
 
@@ -106,6 +108,26 @@ inline PairSums plain_wca(const Wca& wca, const Box& box, const Vectors& x) {
       sum.add(i, j, d, pair);
     }
   return sum;
+}
+
+// By tables, at their nearest images, each to its own end.
+inline PairSums plain_pairs(const TabulatedPairs& pairs, const Box& box, const Vectors& x) {
+  PairSums sums(x.cols());
+  std::set<std::pair<int, int>> excluded;
+  for (const auto& [i, j] : pairs.exclusions) excluded.insert(std::minmax(i, j));
+  for (const auto& [one, two, energy] : pairs.potentials) {
+    const PlainSpline spline(*energy);
+    for (int i = 0; i < x.cols(); ++i)
+      for (int j = i + 1; j < x.cols(); ++j) {
+        if (std::minmax(pairs.kind[i], pairs.kind[j]) != std::minmax(one, two) || excluded.contains({i, j}))
+          continue;
+        Vec3 d = x.col(i) - x.col(j);
+        if (box.periodic()) d = box.nearest_image(d);
+        if (const double r = d.norm(); r <= energy->last())
+          sums.add(i, j, d, {spline.value(r), -r * spline.slope(r)});
+      }
+  }
+  return sums;
 }
 
 }  // namespace taut::tests

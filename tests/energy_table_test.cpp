@@ -1,0 +1,356 @@
+// Tables of energies in files: how they are read, what their forces are held against, and scenes that name them.
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "forcefield/force_field.hpp"
+#include "md/units.hpp"
+#include "scene_text.hpp"
+#include "simulation/simulation.hpp"
+#include "systems/scene_source.hpp"
+
+namespace taut::energy_table_tests {
+namespace {
+
+using testing::HasSubstr;
+
+// E = 5000(r − 0.3)² with its force, and E = 0.01(θ − 120)² of degrees.
+std::string bond_table(double force_scale = 1) {
+  std::string text = "r_nm,energy_kj_mol,force_kj_mol_nm\n";
+  for (int k = 0; k <= 40; ++k) {
+    const double r = 0.2 + 0.005 * k, off = r - 0.3;
+    text += fmt::format("{:.4f},{:.6f},{:.4f}\n", r, 5000 * off * off, -10000 * force_scale * off);
+  }
+  return text;
+}
+std::string angle_table() {
+  std::string text = "# degrees, kJ/mol\n";
+  for (int k = 0; k <= 180; ++k) text += fmt::format("{} {:.6f}\n", k, 0.01 * (k - 120) * (k - 120));
+  return text;
+}
+
+const std::string kScene = R"([molecule.cg]
+atoms = [{name = "B", mass_u = 72, sigma_nm = 0.3, epsilon_kj_mol = 1}]
+units = 6
+tables = [{file = "bond.csv", bonds = [[0, 1]]}, {file = "angle.csv", angles = [[0, 1, 2]]}]
+[[place]]
+molecule = "cg"
+count = 3
+[build]
+box_nm = 5
+[forcefield]
+cutoff_nm = 1.1
+[run]
+dt_fs = 2
+steps = 500
+temperature_k = 300
+)";
+
+struct Folder {
+  TemporaryFolder folder;
+  Folder(const std::string& bond = bond_table(), const std::string& angle = angle_table()) {
+    folder.write("bond.csv", bond);
+    folder.write("angle.csv", angle);
+  }
+  Scene read(const std::string& text = kScene) const { return read_scene(folder.write("scene.toml", text)); }
+  std::string said(const std::string& text = kScene) const {
+    try {
+      read(text);
+    } catch (const InputError& e) {
+      const std::string here = folder.path().string() + "/";
+      std::string words = e.what();
+      while (words.find(here) != std::string::npos) words.erase(words.find(here), here.size());
+      return words;
+    }
+    return "no error";
+  }
+};
+
+double energy(const Scene& scene, const std::string& name) {
+  State s = scene.start;
+  s.f = Vectors::Zero(3, s.x.cols());
+  ForceField forces(scene.system, s.box, scene.terms);
+  ForceField::Evaluation besides;
+  forces.evaluate(scene.system, s, besides);
+  for (const auto& [term, value] : forces.energies(s, besides))
+    if (term == name) return value;
+  return NAN;
+}
+
+TEST(EnergyTable, MakesBondsAndAnglesOfAScene) {
+  const Folder files;
+  const Scene scene = files.read();
+  EXPECT_EQ(scene.terms.tabulated_bonds.size(), 15u);
+  EXPECT_EQ(scene.terms.tabulated_angles.size(), 12u);
+  EXPECT_EQ(scene.terms.nonbonded->exceptions.size(), 27u);  // exclude = "1-3", along tables too
+  // grown where the tables are least
+  EXPECT_NEAR(energy(scene, "tabulated_bond"), 0, 1e-9);
+  EXPECT_NEAR(energy(scene, "tabulated_angle"), 0, 1e-9);
+  Scene moved = scene;
+  const Vec3 along = (moved.start.x.col(1) - moved.start.x.col(0)).normalized();
+  moved.start.x.col(0) -= 0.03 * along;
+  EXPECT_NEAR(energy(moved, "tabulated_bond"), 5000 * 0.03 * 0.03, 1e-5);
+  // made again from what was read, wherever it now is
+  ASSERT_EQ(scene.files.size(), 3u);
+  EXPECT_EQ(source_of(scene, false, {}).read().start.x, scene.start.x);
+  // rigid bonds may hold what a table bends
+  const Scene held = files.read(
+      SceneText{kScene}
+          .with("tables = [{file = \"bond.csv\", bonds = [[0, 1]]}, ", "bonds = [[0, 1, 0.3]]\ntables = [")
+          .text);
+  EXPECT_EQ(held.system.bond_count(), 15);
+  EXPECT_EQ(held.terms.tabulated_angles.size(), 12u);
+}
+
+TEST(EnergyTable, ConservesTheEnergyOfARun) {
+  Scene scene = Folder().read();
+  Simulation simulation(std::move(scene));
+  const double before = simulation.record().total();
+  simulation.run([](const Record&) {});
+  EXPECT_NEAR(simulation.record().total(), before, 0.05);  // of 65 kJ/mol kinetic
+  EXPECT_GT(simulation.record().potential, 1);
+}
+
+TEST(EnergyTable, ForcesAreHeldAgainstEnergies) {
+  EXPECT_EQ(Folder().said(), "no error");
+  EXPECT_THAT(
+      Folder(bond_table(-1)).said(),
+      HasSubstr("scene.toml:4: molecule.cg.tables.0.file: bond.csv:3: the forces around 0.205 nm are not "
+                "−dE/dr of the energies: these change by -9.5 kJ/mol over two rows, by the forces it is "
+                "9.5; give forces in kJ/mol/nm"));
+  EXPECT_THAT(Folder(bond_table(0.95)).said(), HasSubstr("bond.csv:3: the forces around"));
+  EXPECT_EQ(Folder(bond_table(0.995)).said(), "no error");
+  // one energy of all is wrong
+  EXPECT_THAT(Folder(SceneText{bond_table()}.with("0.3500,12.500000", "0.3500,13.500000").text).said(),
+              HasSubstr("bond.csv:31: the forces around 0.345 nm"));
+  // angles' forces are of degrees
+  std::string angle;
+  for (int k = 0; k <= 180; ++k)
+    angle += fmt::format("{} {} {}\n", k, 0.01 * (k - 120) * (k - 120), -0.02 * (k - 120));
+  EXPECT_EQ(Folder(bond_table(), angle).said(), "no error");
+  std::string of_radians;
+  for (int k = 0; k <= 180; ++k)
+    of_radians += fmt::format("{} {} {}\n", k, 0.01 * (k - 120) * (k - 120), -0.02 * (k - 120) * 180 / M_PI);
+  EXPECT_THAT(Folder(bond_table(), of_radians).said(), HasSubstr("kJ/mol/degree"));
+}
+
+TEST(EnergyTable, ThatIsNoneIsRefusedByFileAndLine) {
+  const auto said = [](const std::string& bond) { return Folder(bond).said(); };
+  EXPECT_THAT(said("0.2 1\n0.3 0\n"), HasSubstr("bond.csv:1: has 2 rows, expected 3 or more"));
+  EXPECT_THAT(said("0.2 1\n0.3 0\n0.4 x\n"), HasSubstr("bond.csv:3: expected numbers, got \"0.4 x\""));
+  EXPECT_THAT(said("0.2 1\n0.3 nan\n0.4 1\n"), HasSubstr("bond.csv:2: expected numbers"));
+  EXPECT_THAT(said("0.2 1\n0.3 0 1\n0.4 1\n"), HasSubstr("bond.csv:2: has 3 numbers, expected 2, as above"));
+  EXPECT_THAT(said("1 0.2 1 0\n2 0.3 0 1\n3 0.4 1 2\n"), HasSubstr("if it is a table of LAMMPS's"));
+  EXPECT_THAT(
+      said("0.2 1\n0.31 0\n0.4 1\n"),
+      HasSubstr("bond.csv:2: 0.31 nm, expected 0.3: rows at equal spacing, 0.1 from one to the next"));
+  EXPECT_THAT(said("0.4 1\n0.3 0\n0.2 1\n"), HasSubstr("bond.csv:3: the table does not rise"));
+  EXPECT_THAT(said("-0.1 1\n0.3 0\n0.7 1\n"), HasSubstr("bond.csv:1: a distance of -0.1 nm"));
+  EXPECT_THAT(Folder(bond_table(), "0 1\n100 0\n200 1\n").said(),
+              HasSubstr("angle.csv:3: an angle of 200, expected 0 to 180 degrees"));
+  const SceneText scene{kScene};
+  EXPECT_THAT(Folder().said(scene.with("bond.csv", "bend.csv").text), HasSubstr("bend.csv: cannot be read"));
+  EXPECT_THAT(Folder().said(scene.with(", bonds = [[0, 1]]", "").text),
+              HasSubstr("tables.0.file: expected bonds = [[0, 1]] or angles"));
+  EXPECT_THAT(Folder().said(scene.with("bonds = [[0, 1]]", "bonds = [[0, 9]]").text),
+              HasSubstr("there is no atom 9"));
+  EXPECT_THAT(Folder().said(scene.with("bonds = [[0, 1]]", "bands = [[0, 1]]").text),
+              HasSubstr("unknown key \"bands\" in [molecule.cg.tables.0]; did you mean \"bonds\"?"));
+  EXPECT_THAT(Folder().said(scene.with("box_nm = 5", "box_nm = 5\ntables = 1").text), HasSubstr("tables"));
+}
+
+// What starts outside its table is refused with the place.
+TEST(EnergyTable, RefusesAStartOutsideIt) {
+  const std::string shaped =
+      SceneText{kScene}
+          .with("units = 6", "coordinates_nm = [[0, 0, 0], [0.3, 0, 0], [0.72, 0.1, 0]]\nunits = 3")
+          .text;
+  EXPECT_THAT(
+      Folder().said(shaped),
+      HasSubstr("scene.toml: tabulated bond 1-2 is 0.431741 nm long, its table bond.csv goes from 0.2 to 0.4 "
+                "nm: move the atoms, or give a table that goes further"));
+}
+
+// Soft beads A among hard ones B.
+const std::string kMixture = R"([atom.A]
+mass_u = 72
+sigma_nm = 0.45
+epsilon_kj_mol = 1
+[atom.B]
+mass_u = 72
+sigma_nm = 0.4
+epsilon_kj_mol = 2
+[molecule.cg]
+atoms = ["A", "B"]
+units = 2
+springs = [[0, 1, 0.4, 3000], [1, 2, 0.4, 3000]]
+[[place]]
+molecule = "cg"
+count = 30
+[[pair]]
+atoms = ["B", "A"]
+table = "pair.csv"
+[build]
+box_nm = 4
+[forcefield]
+cutoff_nm = 1.1
+switch_nm = 0.9
+[run]
+dt_fs = 5
+steps = 400
+temperature_k = 300
+)";
+
+// 25 (1 − r/0.8)² with its force
+std::string pair_table(double end = 0) {
+  std::string text;
+  for (int k = 0; k <= 160; ++k) {
+    const double r = 0.005 * k, off = 1 - r / 0.8;
+    text += fmt::format("{:.4f} {:.8f} {:.6f}\n", r, 25 * off * off + end, 50 / 0.8 * off);
+  }
+  return text;
+}
+
+struct PairFolder : Folder {
+  explicit PairFolder(const std::string& pair = pair_table()) { folder.write("pair.csv", pair); }
+};
+
+TEST(EnergyTable, OfPairsTakesThePlaceOfLennardJones) {
+  const PairFolder files;
+  const Scene scene = files.read(kMixture);
+  const auto& pairs = *scene.terms.tabulated_pairs;
+  ASSERT_EQ(pairs.potentials.size(), 1u);
+  EXPECT_EQ(pairs.exclusions.size(), 30u * 5);  // 1-2 and 1-3
+  const LennardJonesTable& rest = *scene.terms.nonbonded->lj_table;
+  EXPECT_EQ(rest.b(0, 1), 0);
+  EXPECT_GT(rest.b(0, 0) * rest.b(1, 1), 0);
+  double expected = 0;
+  for (int i = 0; i < 120; ++i)
+    for (int j = i + 1; j < 120; ++j) {
+      const double r = scene.start.box.nearest_image(scene.start.x.col(j) - scene.start.x.col(i)).norm();
+      if ((i - j) % 2 != 0 && r < 0.8 && !(i / 4 == j / 4 && j - i < 3))
+        expected += 25 * std::pow(1 - r / 0.8, 2);
+    }
+  EXPECT_GT(expected, 10);
+  EXPECT_NEAR(energy(scene, "tabulated_pairs"), expected, 1e-5 * expected);
+  ASSERT_EQ(scene.files.size(), 2u);
+  EXPECT_EQ(source_of(scene, false, {}).read().start.x, scene.start.x);
+  Simulation simulation{Scene(scene)};
+  const double before = simulation.record().total();
+  simulation.run([](const Record&) {});
+  EXPECT_NEAR(simulation.record().total(), before, 0.2);  // of 450 kJ/mol kinetic
+}
+
+TEST(EnergyTable, OfAllPairsLeavesNoLennardJones) {
+  const PairFolder files;
+  const std::string all = SceneText{kMixture}
+                              .with("[build]", R"([[pair]]
+atoms = ["A", "A"]
+table = "pair.csv"
+[[pair]]
+atoms = ["B", "B"]
+table = "pair.csv"
+[build])")
+                              .with("cutoff_nm = 1.1\nswitch_nm = 0.9", "precision = \"mixed\"")
+                              .text;
+  const Scene scene = files.read(all);
+  EXPECT_FALSE(scene.terms.nonbonded);
+  EXPECT_EQ(scene.terms.tabulated_pairs->potentials.size(), 3u);
+  EXPECT_EQ(scene.terms.precision, Precision::kMixed);
+  EXPECT_THAT(files.said(SceneText{all}.with("precision = \"mixed\"", "cutoff_nm = 1.1").text),
+              HasSubstr("all pairs have tables here, which end where they end"));
+}
+
+TEST(EnergyTable, OfPairsSaysWhatIsWrong) {
+  const SceneText scene{kMixture};
+  const auto said = [](const SceneText& text, const std::string& table = pair_table()) {
+    return PairFolder(table).said(text.text);
+  };
+  EXPECT_EQ(said(scene), "no error");
+  EXPECT_THAT(
+      said(scene, pair_table(0.5)),
+      HasSubstr(
+          "pair.0.table: pair.csv ends with 0.5 kJ/mol at 0.8 nm, where the energy would jump to zero"));
+  EXPECT_EQ(said(scene.with("\"pair.csv\"", "\"pair.csv\"\nshift = true"), pair_table(0.5)), "no error");
+  EXPECT_THAT(said(scene.with("\"pair.csv\"", "\"pair.csv\"\nsigma_nm = 0.3")),
+              HasSubstr("pair.0.sigma_nm: has no effect, it counts only without table"));
+  EXPECT_THAT(said(scene.with("table = \"pair.csv\"", "sigma_nm = 0.3")),
+              HasSubstr("missing key \"epsilon_kj_mol\" in [pair.0]"));
+  EXPECT_THAT(said(scene.with("table = \"pair.csv\"", "sigma_nm = 0.3\nepsilon_kj_mol = 1\nshift = true")),
+              HasSubstr("shift"));
+  EXPECT_THAT(
+      said(scene.with("units = 2", "units = 2\nlennard_jones_14 = 0.5")),
+      HasSubstr(
+          "atoms 0 and 3, three bonds apart, have 0.5 of their force, and pairs of a table all or nothing"));
+  EXPECT_EQ(said(scene.with("units = 2", "units = 2\nlennard_jones_14 = 0")), "no error");
+  EXPECT_THAT(
+      said(scene.with("box_nm = 4", "box_nm = 1.5\n")
+               .with("count = 30", "count = 2")
+               .with("cutoff_nm = 1.1\nswitch_nm = 0.9", "cutoff_nm = 0.7")),
+      HasSubstr("tabulated pairs: their tables end at 0.8 nm, over half the box's shortest edge, 0.75 nm"));
+}
+
+// What a table begins after is neither known nor guessed: such a start is refused, or pushed apart.
+TEST(EnergyTable, OfPairsRefusesAStartBelowIt) {
+  const std::string begins_late = pair_table().substr(pair_table().find("0.7000"));
+  const std::string placed = SceneText{kMixture}
+                                 .with("count = 30", "count = 2\ncentres_nm = [[1, 1, 1], [1.5, 1, 1]]")
+                                 .with("units = 2", "coordinates_nm = [[0, 0, 0], [0, 0.4, 0]]")
+                                 .with(", [1, 2, 0.4, 3000]", "")
+                                 .text;
+  const PairFolder files(begins_late);
+  EXPECT_THAT(files.said(placed), HasSubstr("scene.toml: at the start atoms "));
+  EXPECT_THAT(files.said(placed), HasSubstr("nearer than their table pair.csv begins, at 0.7 nm"));
+  EXPECT_THAT(files.said(placed), HasSubstr("run.soft_start = true pushes atoms apart first"));
+  Scene pushed = files.read(placed + "minimise = true\nsoft_start = true\n");
+  Simulation simulation(std::move(pushed));
+  EXPECT_TRUE(std::isfinite(simulation.record().total()));
+}
+
+// Dimers on a spring of two lengths stretch by its table: P(r) ∝ r² exp(−E/kT), of which the longer ones have a
+// share. Within four standard errors of independent dimers and times.
+TEST(EnergyTable, BondsAreAsLongAsTheirEnergyAllows) {
+  const std::string file = (scenes_folder() / "worlds" / "coarse_grained.bond.csv").string();
+  const std::string dimers = fmt::format(R"([molecule.dimer]
+atoms = [{{name = "B", mass_u = 10}}, {{name = "B", mass_u = 10}}]
+tables = [{{file = "{}", bonds = [[0, 1]]}}]
+[[place]]
+molecule = "dimer"
+count = 500
+[run]
+dt_fs = 5
+steps = 20000
+log_every = 1000
+temperature_k = 300
+thermostat = "langevin"
+friction_per_ps = 5
+)",
+                                         file);
+  Scene scene = Folder().read(dimers);
+  const Spline& table = *scene.terms.tabulated_bonds[0].energy;
+  double all = 0, longer = 0;
+  for (double r = table.first(); r < table.last(); r += 1e-4) {
+    const double weight = r * r * std::exp(-table.at(r).value / (kBoltzmann * 300));
+    all += weight;
+    longer += r > 0.4 ? weight : 0;
+  }
+  const double share = longer / all;
+  Simulation simulation(std::move(scene));
+  long seen = 0, count = 0;
+  simulation.run([&](const Record& record) {
+    if (record.step < 10000) return;
+    for (const auto& bond : simulation.scene().terms.tabulated_bonds) {
+      const Vectors& x = simulation.state().x;
+      seen += (x.col(bond.j) - x.col(bond.i)).norm() > 0.4;
+      ++count;
+    }
+  });
+  EXPECT_GE(count, 5000);
+  EXPECT_NEAR(static_cast<double>(seen) / static_cast<double>(count), share,
+              4 * std::sqrt(share * (1 - share) / static_cast<double>(count)));
+}
+
+}  // namespace
+}  // namespace taut::energy_table_tests
