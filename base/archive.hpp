@@ -44,6 +44,9 @@ class Archive {
     if (!plausible) refuse();
   }
 
+  // A count that has room to go on counting.
+  void demand_count(long count) const { demand(0 <= count && count < 1L << 60); }
+
   void finish() const { demand(rest_.empty()); }  // throws InputError where something is left to load
 
  private:

@@ -33,7 +33,10 @@ class CellRescaling final : public Bath {
   Draw draw(const System& sys, const Push& push, const State& s) override;
   double after_step(const System& sys, double h, State& s) override;
   void set_temperature(double kelvin) override { coupling_.kT = kBoltzmann * kelvin; }
-  void serialize(Archive& archive) override { archive(steps_, strain_, random_); }
+  void serialize(Archive& archive) override {
+    archive(steps_, strain_, random_);
+    archive.demand_count(steps_);
+  }
 
   // P along x, y and z after a draw() where s is [kJ/mol/nm³].
   Vec3 pressure(const State& s) const { return (centres_.twice_kinetic(s.v) + virial_) / s.box.volume(); }

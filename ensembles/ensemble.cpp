@@ -52,7 +52,7 @@ double Ensemble::take_momentum_out(const System& sys, State& s) {
 
 void Ensemble::serialize(Archive& archive) {
   archive(steps_, meter);
-  archive.demand(steps_ >= 0);
+  archive.demand_count(steps_);
   if (steering) archive(*steering);
   if (thermostat) archive(*thermostat);
   if (barostat) archive(*barostat);

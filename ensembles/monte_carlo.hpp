@@ -30,7 +30,9 @@ class MonteCarloBarostat final : public Bath {
   void set_temperature(double kelvin) override { coupling_.kT = kBoltzmann * kelvin; }
   void serialize(Archive& archive) override {
     archive(steps_, largest_, tried_, taken_, adapted_, random_);
-    archive.demand(largest_ >= 0 && 0 <= taken_ && taken_ <= tried_ && tried_ < kTrials && adapted_ >= 0);
+    archive.demand_count(steps_);
+    archive.demand_count(adapted_);
+    archive.demand(largest_ >= 0 && 0 <= taken_ && taken_ <= tried_ && tried_ < kTrials);
   }
   std::string doubt() const override;
 

@@ -356,8 +356,8 @@ void Simulation::serialize_numbers(Archive& archive) {
   bool momentum_fixed = dof_.momentum_fixed;  // as it was when the thermostat was changed
   archive(state_.x, state_.v, state_.f, state_.t, state_.box, progress_, momentum_fixed);
   constexpr int kMostIterations = 1 << 30;
-  archive.demand(progress_.step >= 0 && 0 <= progress_.since.iterations &&
-                 progress_.since.iterations <= kMostIterations);
+  archive.demand_count(progress_.step);
+  archive.demand(0 <= progress_.since.iterations && progress_.since.iterations <= kMostIterations);
   if (momentum_fixed != dof_.momentum_fixed) count_degrees_of_freedom(momentum_fixed);
   archive(sums_);
   archive.demand(0 <= sums_.last_row && sums_.last_row <= progress_.step && 0 <= sums_.rows &&

@@ -43,7 +43,7 @@ class Temperatures {
       for (RunningMean& mean : type) archive(mean);
     for (RunningMean& mean : kinetic_of_all_) archive(mean);
     archive(samples_);
-    archive.demand(samples_ >= 0);
+    archive.demand_count(samples_);
     for (MoleculeType& type : types_) archive(type.dof);
   }
 

@@ -136,6 +136,7 @@ class ExtrapolatingMethod : public BatchedMethod<PlainMethod, Batches>, public M
   void serialize(Archive& archive) final {
     BatchedMethod<PlainMethod, Batches>::serialize(archive);
     archive(known_);
+    archive.demand(0 <= known_ && known_ <= 3);
   }
 
  protected:

@@ -47,7 +47,10 @@ class Feedforward : public ConstraintMethod {
   SolveStats add_forces(const System& sys, const Push& push, State& s) override;
   SolveStats again(const System& sys, const Push& push, State& s);  // starts from lambda()
 
-  void serialize(Archive& archive) override { archive(lambda_, before_, before_that_, known_); }
+  void serialize(Archive& archive) override {
+    archive(lambda_, before_, before_that_, known_);
+    archive.demand(0 <= known_ && known_ <= 3);
+  }
   const Eigen::VectorXd& lambda() const override { return lambda_; }
   std::array<Eigen::VectorXd*, 3> past() { return {&lambda_, &before_, &before_that_}; }
   int& steps_known() { return known_; }
