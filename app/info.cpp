@@ -12,6 +12,7 @@
 #include "run_tables.hpp"
 #include "scene_argument.hpp"
 #include "simulation/temperatures.hpp"
+#include "systems/builders/biases.hpp"
 #include "words.hpp"
 
 namespace taut {
@@ -61,6 +62,7 @@ std::vector<std::string> forces_of(const Scene& scene) {
   add(terms.restraints.size(), "position restraint");
   add(terms.walls.size(), "wall");
   add(terms.steered.size(), "steered atom");
+  for (const Bias& bias : terms.biases) forces.push_back(in_words(bias));
   return forces;
 }
 

@@ -13,6 +13,7 @@
 #include "files/h5md_reader.hpp"
 #include "printing.hpp"
 #include "simulation/checkpoint.hpp"
+#include "systems/builders/biases.hpp"
 #include "words.hpp"
 
 namespace taut {
@@ -106,6 +107,10 @@ void MeasuredRun::measure_log() {
         continue;  // no barostat, no forces
       log_figures_.push_back({asked.key, asked.words, asked.unit, correlated_mean(y)});
     }
+  for (const Bias& bias : scene_->terms.biases)
+    for (const auto& [title, key, words, unit] : columns_of(bias))
+      if (const std::vector<double> y = window_of(title); !y.empty())
+        log_figures_.push_back({key, words, unit, correlated_mean(y)});
   if (!log_.has(kLogPressure)) return;
   StressSeries stress{.pressure = {},
                       .interval = log_.interval(),

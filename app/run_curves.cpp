@@ -1,10 +1,13 @@
 #include "run_curves.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "files/h5md_file.hpp"
 #include "files/h5md_reader.hpp"
+#include "systems/builders/biases.hpp"
 
 namespace taut {
 namespace {
@@ -87,6 +90,11 @@ std::vector<Curve> curves_of(const RunLog& log, const std::string& run, const Sc
     add(all, log, curve("volume [nm³]", alone, true), kLogVolume);
     add(all, log, curve("density [kg/m³]", alone, true), kLogDensity);
   }
+  if (scene)
+    for (const Bias& bias : scene->terms.biases)
+      for (const BiasColumn& column : columns_of(bias))
+        add(all, log, curve(fmt::format("{} [{}]", column.words, column.unit).c_str(), alone, true),
+            column.title);
   if (log.has(kLogBondError) && varies(log.column(kLogBondError)))
     add(all, log, curve("relative bond error (rms)", alone, false), kLogBondError);
   add_tensions(all, folder, of);

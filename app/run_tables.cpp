@@ -7,6 +7,7 @@
 
 #include "base/usable_cores.hpp"
 #include "printing.hpp"
+#include "systems/builders/biases.hpp"
 #include "systems/velocities.hpp"
 #include "words.hpp"
 
@@ -165,6 +166,11 @@ void print_summary(const Simulation& simulation, const Summary& s, bool stepped)
     const Wall& wall = simulation.scene().terms.walls[w];
     say("wall {} at {} = {:g} nm: {} {}\n", w, "xyz"[wall.axis], wall.at, with_error(s.walls[w], 2),
         s.pressure ? "bar" : "kJ/mol/nm");
+  }
+  for (std::size_t b = 0; b < s.biases.size(); ++b) {
+    const auto [value, force] = columns_of(simulation.scene().terms.biases[b]);
+    say("{} {} {}, force {} {}\n", value.words, with_error(s.biases[b].value, 4), value.unit,
+        with_error(s.biases[b].force, 3), force.unit);
   }
   if (s.steering_work) say("work of the moving springs {:.6g} kJ/mol\n", *s.steering_work);
   if (simulation.scene().run.barostatted())

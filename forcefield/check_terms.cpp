@@ -285,6 +285,10 @@ void check_terms(const System& sys, const Box& box, const Terms& terms) {
     require(!sys.is_anchor(one.atom), "steered {}: atom {} is an anchor (mass 0), which does not move", s,
             one.atom);
   }
+  for (const Bias& bias : terms.biases)
+    for (const std::string& flaw :
+         {flaw_of_groups(bias, sys), flaw_of_direction(bias, box), flaw_of_walls(bias, box)})
+      if (!flaw.empty()) throw InputError(fmt::format("bias {}: {}", bias.name, flaw));
   for (std::size_t r = 0; r < terms.restraints.size(); ++r) {
     check_one({"restraint", r}, terms.restraints[r].atom, terms.restraints[r].at);
     check_numbers({"restraint", r}, {terms.restraints[r].k});

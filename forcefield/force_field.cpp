@@ -139,7 +139,7 @@ struct ForceField::Impl {
 
   bool has_fields() const {
     return terms.gravity || !terms.pulls.empty() || !terms.restraints.empty() || !terms.walls.empty() ||
-           !terms.steered.empty() || !terms.own.empty();
+           !terms.steered.empty() || !terms.biases.empty() || !terms.own.empty();
   }
 
   // Of forces from outside.
@@ -161,6 +161,11 @@ struct ForceField::Impl {
     if (!terms.walls.empty()) fields.emplace_back("wall", add_walls(x, f, besides.wall_pushes));
     if (!terms.steered.empty())
       fields.emplace_back("steered", add_steering(terms.steered, s.t, x, f, besides.steering));
+    if (!terms.biases.empty()) {
+      add_biases(terms.biases, s, f, besides.biases);
+      besides.steering.power += besides.biases.power;
+      fields.emplace_back("bias", besides.biases.energy);
+    }
     for (const auto& field : terms.own) fields.emplace_back(field->name(), field->add(x, f));
   }
 
@@ -242,6 +247,7 @@ Eigen::Matrix3d ForceField::virial(const State& at, const Evaluation& besides) {
   if (impl_->wca) sum += impl_->wca->virial();
   if (impl_->tables) sum += impl_->tables->virial();
   if (impl_->dispersion) sum.diagonal().array() += impl_->dispersion_virial / impl_->box.volume();
+  if (!impl_->terms.biases.empty()) sum += besides.biases.virial;
   return sum + besides.site_virial - impl_->frozen.virial(at);
 }
 

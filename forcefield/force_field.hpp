@@ -40,9 +40,10 @@ class ForceField final : public ForceLaw {
   struct Evaluation {
     std::array<double, 12> bonded{};  // energy by kind of bonded term [kJ/mol]
     double mesh = 0;                  // all of PME but its pairs [kJ/mol]
-    Energies fields;                  // gravity, pulls, restraints, walls, steering, own fields [kJ/mol]
+    Energies fields;  // gravity, pulls, restraints, walls, steering, biases, own fields [kJ/mol]
     std::vector<double> wall_pushes;  // force of the atoms on each wall [kJ/mol/nm]
-    SteeringForces steering;
+    SteeringForces steering;          // with the power of biases that move
+    BiasForces biases;
     Eigen::Matrix3d site_virial = Eigen::Matrix3d::Zero();  // of handing sites' forces to parents [kJ/mol]
   };
   void evaluate(const System& sys, State& s, Evaluation& besides);
@@ -62,8 +63,9 @@ class ForceField final : public ForceLaw {
   Energies energies(const State& at, const Evaluation& besides);
 
   // −dE/dstrain there, atoms and box strained alike [kJ/mol]; its trace is −3V dE/dV. It is Σ r⊗f of pairs at
-  // their nearest images, Σ x⊗f of what acts within molecules, which are whole, and the dispersion
-  // correction's (dispersion.hpp). Fields from outside have none, and so have pairs of atoms that never move.
+  // their nearest images, Σ x⊗f of what acts within molecules, which are whole, and that of biases (bias.hpp) and of
+  // the dispersion correction (dispersion.hpp). Fields from outside have none, and so have pairs of atoms that
+  // never move.
   Eigen::Matrix3d virial(const State& at, const Evaluation& besides);
 
   // Which pairs are listed, in which order: the order of the sums depends on it.

@@ -10,6 +10,7 @@
 
 #include "base/course.hpp"
 #include "base/vectors.hpp"
+#include "forcefield/bias.hpp"
 #include "forcefield/spline.hpp"
 
 namespace taut {
@@ -225,11 +226,17 @@ struct Terms {
   std::vector<Restraint> restraints{};
   std::vector<Wall> walls{};
   std::vector<SteeredAtom> steered{};
+  std::vector<Bias> biases{};
   std::vector<std::shared_ptr<OwnField>> own{};
   Precision precision = Precision::kDouble;
 
-  // True where forces that change in time do work.
+  // True where forces of atoms that change in time do work; and where biases or those do.
   bool steered_in_time() const { return !steered.empty() || !pull_factor.empty(); }
+  bool worked_in_time() const {
+    for (const Bias& bias : biases)
+      if (bias.rate != 0) return true;
+    return steered_in_time();
+  }
 };
 
 }  // namespace taut

@@ -10,6 +10,7 @@
 #include "base/errors.hpp"
 #include "files/atomic_file.hpp"
 #include "files/folder.hpp"
+#include "systems/builders/biases.hpp"
 #include "systems/start_file.hpp"
 
 namespace taut {
@@ -29,13 +30,16 @@ constexpr std::string_view kBoxHeader =
     "(bar)\","
     "\"Pressure XY (bar)\",\"Pressure XZ (bar)\",\"Pressure YZ (bar)\"";
 
-// Columns of walls and steered atoms, where a scene has them.
+// Columns of walls, steered atoms and biases, where a scene has them.
 std::string further_header(const Scene& scene) {
   std::string header;
   for (std::size_t w = 0; w < scene.terms.walls.size(); ++w)
     header += fmt::format(",\"Wall {} {}\"", w,
                           scene.start.box.periodic() ? "Pressure (bar)" : "Force (kJ/mole/nm)");
-  if (scene.terms.steered_in_time()) header += ",\"Steering Work (kJ/mole)\",\"Steering Force (kJ/mole/nm)\"";
+  if (scene.terms.worked_in_time()) header += ",\"Steering Work (kJ/mole)\"";
+  if (scene.terms.steered_in_time()) header += ",\"Steering Force (kJ/mole/nm)\"";
+  for (const Bias& bias : scene.terms.biases)
+    for (const BiasColumn& column : columns_of(bias)) header += fmt::format(",\"{}\"", column.title);
   return header;
 }
 
@@ -55,7 +59,9 @@ std::string log_row(const Record& r, bool with_bath) {
     further =
         fmt::format(",{:.12g},{:.9g},{:.9g}", r.volume, r.density, fmt::join(six_of(r.pressure_tensor), ","));
   for (const double wall : r.walls) further += fmt::format(",{:.9g}", wall);
-  if (r.steering_work) further += fmt::format(",{:.9g},{:.9g}", *r.steering_work, r.steering_force);
+  if (r.steering_work) further += fmt::format(",{:.9g}", *r.steering_work);
+  if (r.steering_force) further += fmt::format(",{:.9g}", *r.steering_force);
+  for (const BiasReading& bias : r.biases) further += fmt::format(",{:.9g},{:.9g}", bias.value, bias.force);
   if (with_bath) further += r.bath_temperature ? fmt::format(",{:.9g}", *r.bath_temperature) : ",";
   return fmt::format(
       "{},{:.17g},{:.17g},{:.17g},{:.17g},{:.9g},{:.4g},{:.6e},{:.6e},{},{:.4g},{},{:.9g},{}{}\n", r.step,
@@ -130,6 +136,12 @@ ordered_json summary_json(const Simulation& simulation, const Summary& s) {
   for (const Estimate& wall : s.walls)
     object[s.pressure ? "wall_pressures_bar" : "wall_forces_kj_mol_nm"].push_back(json_of(wall));
   if (s.steering_work) object["steering_work_kj_mol"] = *s.steering_work;
+  for (std::size_t b = 0; b < s.biases.size(); ++b) {
+    const Bias& bias = scene.terms.biases[b];
+    const auto [value, force] = columns_of(bias);
+    object[value.key] = json_of(s.biases[b].value);
+    object[force.key] = json_of(s.biases[b].force);
+  }
   if (!s.pressure) return object;
   object["pressure_bar"] = json_of(*s.pressure);
   object["volume_nm3"] = json_of(s.volume);

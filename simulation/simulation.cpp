@@ -107,8 +107,8 @@ Simulation::Simulation(Scene scene, const ThreadScope&, const OnMove& on_move)
     throw InputError(
         "run.metric_correction: corrects for rigid bonds, and those of method.name = \"penalty\" are "
         "springs");
-  if (scene_.terms.steered_in_time()) inner_->ensemble.steering.emplace(inner_->forces.besides);
-  sums_.walls.resize(scene_.terms.walls.size());
+  if (scene_.terms.worked_in_time()) inner_->ensemble.steering.emplace(inner_->forces.besides);
+  size_sums();
   make_thermostat();
   bring_to_the_bonds(
       {.force = scene_.run.minimise ? scene_.run.minimise_force : 0, .soft = scene_.run.soft_start}, on_move);
@@ -133,12 +133,17 @@ void Simulation::bring_to_the_bonds(const MinimiseGoal& goal, const OnMove& on_m
   if (kinetic > 0) start_report_.kinetic_removed = 1 - kinetic_energy(sys, state_.v) / kinetic;
 }
 
+void Simulation::size_sums() {
+  sums_.walls.resize(scene_.terms.walls.size());
+  sums_.biases.resize(scene_.terms.biases.size());
+}
+
 // From here on, of the log's rows and of the energy's account.
 void Simulation::begin_means() {
   count_degrees_of_freedom(momentum_stays_zero(scene_, state_.v));
   const long last_row = std::exchange(sums_, LogSums{}).last_row;
   sums_.last_row = last_row;
-  sums_.walls.resize(scene_.terms.walls.size());
+  size_sums();
   unaccounted_at_start_ = unaccounted();
   heat_at_start_ = inner_->ensemble.meter.heat();
   if (inner_->ensemble.steering) steering_work_at_start_ = inner_->ensemble.steering->work();

@@ -49,7 +49,9 @@ struct Record {
   std::vector<double>
       walls;  // pressure of the atoms on each wall [bar]; without a box their force [kJ/mol/nm]
   std::optional<double> steering_work;  // done by the moving ends of springs since the start [kJ/mol]
-  double steering_force = 0;  // mean over steered atoms, or over pulls that change in time [kJ/mol/nm]
+  std::optional<double>
+      steering_force;               // mean over steered atoms, or over pulls that change in time [kJ/mol/nm]
+  std::vector<BiasReading> biases;  // of an angle or torsion in degrees
   std::optional<double> bath_temperature;  // of the thermostat [K]
 
   double total() const { return potential + kinetic; }
@@ -107,8 +109,13 @@ struct Summary {
   Estimate volume, density;                 // [nm³], [kg/m³]
   std::array<Estimate, 6> pressure_tensor;  // kTensorNames [bar]
   std::vector<Estimate> walls;              // as in the log
-  std::optional<double> steering_work;      // as in the last row [kJ/mol]
-  double potential = 0, total = 0;          // at the end [kJ/mol]
+  struct OfBias {
+    Estimate value, force;  // means over the rows [nm or °, kJ/mol/nm or /rad]
+    long lost = 0;          // rows in which it did not act for want of a direction
+  };
+  std::vector<OfBias> biases;
+  std::optional<double> steering_work;  // as in the last row [kJ/mol]
+  double potential = 0, total = 0;      // at the end [kJ/mol]
   std::optional<bool> converged;    // every step to twice the error the method promises; none: promises none
   std::vector<std::string> doubts;  // simulation/doubts.hpp
   Timings timings;
@@ -211,12 +218,19 @@ class Simulation {
   Vectors without_stretching(Vectors v) const;
   class Stopwatch;
   class PresentMethod;
+  void size_sums();
   struct LogSums {  // over the rows of the log
     RunningSlope energy, constraint_work;
     RunningMean pressure, volume, density;
     std::array<RunningMean, 6> pressure_tensor;
     RunningMean temperature;
     std::vector<RunningMean> walls;
+    struct OfBias {
+      RunningMean value, force;
+      long lost = 0;
+      void serialize(Archive& archive) { archive(value, force, lost); }
+    };
+    std::vector<OfBias> biases;
     long rows = 0, last_row = 0;
     double largest_error = 0, largest_residual = 0, squares = 0;
     double first_t = 0, first_energy = 0, first_temperature = 0;  // of the first row; but for the heat
@@ -227,6 +241,7 @@ class Simulation {
               largest_residual, squares, temperature, first_t, first_energy, first_temperature);
       for (RunningMean& mean : pressure_tensor) archive(mean);
       archive(walls);
+      for (OfBias& bias : biases) archive(bias);
     }
   };
 

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "base/errors.hpp"
@@ -78,6 +79,11 @@ void Simulation::LogSums::add(const Record& r, double residual) {
   largest_residual = std::max(largest_residual, residual);
   squares += r.bonds.rms * r.bonds.rms;
   for (std::size_t w = 0; w < walls.size(); ++w) walls[w].add(r.walls[w]);
+  for (std::size_t b = 0; b < biases.size(); ++b) {
+    biases[b].value.add(r.biases[b].value);
+    biases[b].force.add(r.biases[b].force);
+    biases[b].lost += r.biases[b].lost;
+  }
   if (!r.pressure) return;
   pressure.add(*r.pressure);
   volume.add(r.volume);
@@ -102,13 +108,16 @@ Record Simulation::row(const SolveStats& since, const Stopwatch& watch, long ste
   if (scene_.run.thermostatted() || scene_.run.remove_momentum_every > 0)
     r.heat = inner_->ensemble.meter.heat() - heat_at_start_;
   r.walls = inner_->forces.besides.wall_pushes;
+  r.biases = inner_->forces.besides.biases.readings;
+  for (std::size_t b = 0; b < r.biases.size(); ++b)
+    if (scene_.terms.biases[b].angular()) r.biases[b].value *= 180 / std::numbers::pi;
   if (state_.box.periodic())
     for (std::size_t w = 0; w < r.walls.size(); ++w)
       r.walls[w] *= kBarPerUnit * state_.box.edge[scene_.terms.walls[w].axis] / state_.box.volume();
   if (scene_.run.thermostatted()) r.bath_temperature = scene_.run.bath_temperature(state_.t);
   if (inner_->ensemble.steering) {
     r.steering_work = inner_->ensemble.steering->work() - steering_work_at_start_;
-    r.steering_force = inner_->forces.besides.steering.force;
+    if (scene_.terms.steered_in_time()) r.steering_force = inner_->forces.besides.steering.force;
   }
   RunningSlope energy = sums_.energy;
   energy.add(r.t, r.but_for_heat());
@@ -223,7 +232,7 @@ StartAndEnd Simulation::start_and_end(const Record& end) const {
                                             : sums_.first_temperature,
           .temperature = sums_.temperature.later_half(),
           .relaxation = run.thermostatted() ? relaxation : 0,
-          .worked_on = !scene_.closed_but_for_restraints(),
+          .worked_on = !scene_.closed_but_for_restraints() || !scene_.terms.biases.empty(),
           .loses_energy = !scene_.system.one_sided.empty()};
 }
 
@@ -257,6 +266,8 @@ Summary Simulation::summary(const Record& end, double seconds, const PartMeter& 
       s.pressure_tensor[k] = sums_.pressure_tensor[k].estimate();
   }
   for (const RunningMean& wall : sums_.walls) s.walls.push_back(wall.estimate());
+  for (const auto& [value, force, lost] : sums_.biases)
+    s.biases.push_back({value.estimate(), force.estimate(), lost});
   s.steering_work = end.steering_work;
   s.potential = end.potential;
   s.total = end.total();
@@ -265,6 +276,12 @@ Summary Simulation::summary(const Record& end, double seconds, const PartMeter& 
         std::max(sums_.largest_residual, s.max_rel_bond_error) <= kLeeway * method_->promised_error();
   s.doubts = doubts(s);
   if (const std::string doubt = inner_->ensemble.doubt(); !doubt.empty()) s.doubts.push_back(doubt);
+  for (std::size_t b = 0; b < s.biases.size(); ++b)
+    if (s.biases[b].lost > 0)
+      s.doubts.push_back(fmt::format(
+          "bias {} did not act in {} of {} rows, where its centres coincide or lie in a line: give it a "
+          "start, or groups, that do not",
+          scene_.terms.biases[b].name, s.biases[b].lost, sums_.rows));
   if (!ewald_doubt_.empty()) s.doubts.push_back(ewald_doubt_);
   return s;
 }

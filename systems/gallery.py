@@ -55,7 +55,7 @@ def lines(name, pairs, at):
 
 def draw(taut, scene):
     atoms, kinds, bonds = start_of(taut, scene)
-    build = tomllib.load(open(scene, "rb"))["build"]
+    build = tomllib.load(open(scene, "rb")).get("build", {})
     rows = build.get("atoms", [])
     at = seen(atoms)
     sizes = [max(a[d] for a in at) - min(a[d] for a in at) for d in (0, 1)]

@@ -77,7 +77,7 @@ struct Scene {
     return false;
   }
 
-  // True if no external force acts, so that the momentum is conserved.
+  // True if no external force acts, so that the momentum is conserved. Biases act between atoms alone.
   bool closed() const { return closed_but_for_restraints() && terms.restraints.empty(); }
   bool closed_but_for_restraints() const {
     return !terms.gravity && terms.pulls.empty() && terms.walls.empty() && terms.steered.empty() &&

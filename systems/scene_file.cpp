@@ -9,6 +9,7 @@
 #include "files/h5md_file.hpp"
 #include "forcefield/bonded/tabulated.hpp"
 #include "forcefield/force_field.hpp"
+#include "systems/builders/biases.hpp"
 #include "systems/builders/builders.hpp"
 #include "systems/openmm/force_overrides.hpp"
 #include "systems/start_file.hpp"
@@ -288,11 +289,13 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
   move_files(base, how.files);
   const TomlTable root(base, file.string(), how.keys);
   read_words(root, scene);
-  for (const char* known : {"run", "method", "atom", "molecule", "place", "pair", "wall"}) root.has(known);
+  for (const char* known : {"run", "method", "atom", "molecule", "place", "pair", "wall", "bias"})
+    root.has(known);
   const TomlTable build_keys = root.section("build"), forcefield_keys = root.section("forcefield");
   const TomlTable run_keys = root.section("run");
   root.reject_unknown();
   build({root, build_keys, forcefield_keys, scene.run}, scene);
+  read_biases(root, scene);
   for (const auto* name : file_names(base)) scene.files.push_back(path_of(*name));
   settle_pulls(run_keys, scene);
   settle_velocities(run_keys,
@@ -339,6 +342,7 @@ std::vector<Key> every_key() {
   };
   describe("", [](const TomlTable& root, Scene& scene) {
     read_words(root, scene);
+    read_biases(root, scene);
     read_run(root.section("run"), scene.run);
     scene.method = default_options(kUsualMethod);
     read_name(root.section("method"), scene.method);
@@ -378,6 +382,7 @@ void apply_overrides(Scene& scene, const std::vector<std::string>& overrides, Ke
   const TomlTable root(table, "--set", keys);
   read_settings(root, scene);
   if (keys || root.has("forcefield") || root.has("build")) override_forces(root, scene);
+  read_biases(root, scene);
   root.reject_unknown();
   const TomlTable run = root.section("run");
   settle_pulls(run, scene);

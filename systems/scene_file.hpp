@@ -48,10 +48,10 @@ void apply_overrides(Scene& scene, const std::vector<std::string>& overrides, Ke
 // several kinds or methods describe alike is listed once.
 std::vector<Key> every_key();
 // The sections of keys; "start" has those of the file that build.start names.
-inline constexpr std::array<std::string_view, 12> kSections = {
-    "",           "atom.NAME", "molecule.NAME", "molecule.NAME.tables",
-    "place",      "pair",      "wall",          "build",
-    "forcefield", "run",       "method",        "start"};
+inline constexpr std::array<std::string_view, 13> kSections = {
+    "",     "atom.NAME", "molecule.NAME", "molecule.NAME.tables", "place", "pair",
+    "wall", "bias",      "build",         "forcefield",           "run",   "method",
+    "start"};
 
 struct SceneSummary {
   std::string name, hard_on;

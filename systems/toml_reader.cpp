@@ -112,6 +112,24 @@ std::optional<std::string> TomlTable::word(std::string_view key, std::size_t k) 
   return (*find(key)->as_array())[k].value_exact<std::string>();
 }
 
+std::vector<std::string> TomlTable::words(std::string_view key, std::size_t k) const {
+  const toml::node& node = (*find(key)->as_array())[k];
+  std::vector<std::string> all;
+  const auto add = [&](const toml::node& one) {
+    if (one.is_string())
+      all.push_back(one.as_string()->get());
+    else if (one.is_integer())
+      all.push_back(std::to_string(one.as_integer()->get()));
+    else
+      fail(key, k, fmt::format("expected whole numbers and words, got {}", type_name(one)));
+  };
+  if (const toml::array* list = node.as_array())
+    for (const toml::node& one : *list) add(one);
+  else
+    add(node);
+  return all;
+}
+
 bool TomlTable::fetch(std::string_view key, double& into, const About& about) const {
   const toml::node* node = find(key);
   if (!node) return false;

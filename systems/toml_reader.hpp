@@ -49,6 +49,8 @@ class TomlTable {
   std::size_t size(std::string_view key, const About& about = {}) const;
   TomlTable section(std::string_view key, std::size_t k) const;
   std::optional<std::string> word(std::string_view key, std::size_t k) const;
+  // Element k as words, if it is a word, a whole number or a list of these.
+  std::vector<std::string> words(std::string_view key, std::size_t k) const;
 
   bool describing() const { return keys_ && keys_->describing; }
 

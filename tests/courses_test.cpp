@@ -136,7 +136,7 @@ TEST(ChangingPulls, AFreeBeadIsPulledEverHarder) {
     const double grown = std::clamp(r.t - 1, 0.0, 2.0), held = std::max(0.0, r.t - 3);
     const double speed = grown * grown / 4 + held;
     EXPECT_NEAR(r.kinetic, 0.5 * 50 * speed * speed, 1e-4);
-    EXPECT_NEAR(r.steering_force, 50 * grown / 2, 1e-9);
+    EXPECT_NEAR(*r.steering_force, 50 * grown / 2, 1e-9);
     EXPECT_NEAR(r.but_for_heat(), 0, 1e-4) << r.t;
   });
   const double way = 8.0 / 12 + 1.0 + 0.5;

@@ -343,7 +343,7 @@ TEST(Steered, AFreeBeadFollowsTheMovingEnd) {
   const double w = std::sqrt(200.0 / 50), v = 0.05;
   for (const Record& r : rows) {
     const double way = v * (r.t - std::sin(w * r.t) / w), speed = v * (1 - std::cos(w * r.t));
-    EXPECT_NEAR(r.steering_force, 200 * (v * r.t - way), 1e-5);
+    EXPECT_NEAR(*r.steering_force, 200 * (v * r.t - way), 1e-5);
     // its work is what the bead and the spring have: in the moving frame the bead swings
     EXPECT_NEAR(*r.steering_work, 0.5 * 50 * speed * speed + 0.5 * 200 * std::pow(v * r.t - way, 2), 1e-6);
     EXPECT_NEAR(r.total(), *r.steering_work, 1e-7);  // to (ωh)² of velocity Verlet

@@ -5,6 +5,7 @@
 #include "base/errors.hpp"
 #include "forcefield/force_field.hpp"
 #include "simulation_object.hpp"
+#include "systems/builders/biases.hpp"
 #include "systems/whole_molecules.hpp"
 
 namespace taut {
@@ -28,7 +29,11 @@ class ForceEvaluation {
     if (!scene.terms.steered.empty())
       throw InputError(fmt::format("atom {} is steered by a spring whose end moves with time; leave it out",
                                    scene.terms.steered.front().atom));
+    for (const Bias& bias : scene.terms.biases)
+      if (bias.rate != 0)
+        throw InputError(fmt::format("bias {} moves with time; leave it out, or its rate", bias.name));
     system_ = scene.system;
+    terms_ = scene.terms;
     pairs_ = bonded_pairs(scene.system, scene.terms);
     runs_foreign_code_ = engine.runs_foreign_code();
     virial_is_whole_ = engine.state().box.periodic() && scene.closed();
@@ -46,6 +51,7 @@ class ForceEvaluation {
     state_.x = Eigen::Map<const Vectors>(positions.data(), 3, system_.atoms());
     if (box) set_box(Eigen::Map<const Eigen::Matrix3d>(box->data()));
     make_whole(state_.box, pairs_, state_.x);
+    bring_together(terms_.biases, system_, terms_, state_.box, state_.x);
     forget_python_error();
     double energy = 0;
     Eigen::Matrix3d tensor;
@@ -75,6 +81,7 @@ class ForceEvaluation {
 
   py::object owner_;
   System system_;
+  Terms terms_;  // what biases are of
   std::vector<BondedPair> pairs_;
   std::optional<ForceField> forces_;
   State state_;

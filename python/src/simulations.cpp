@@ -7,6 +7,7 @@
 
 #include "lent_state.hpp"
 #include "simulation_object.hpp"
+#include "systems/builders/biases.hpp"
 #include "systems/openmm/export.hpp"
 #include "systems/openmm/import.hpp"
 
@@ -76,14 +77,18 @@ py::dict log(const Self& self) {
     const bool in_box = self.engine().state().box.periodic();
     columns[in_box ? "wall_pressure_bar" : "wall_force_kj_mol_nm"] = column;
   }
-  if (!terms.steered.empty()) {
-    py::array_t<double> work(rows), force(rows);
-    for (py::ssize_t n = 0; n < rows; ++n) {
-      work.mutable_at(n) = *all[n].steering_work;
-      force.mutable_at(n) = all[n].steering_force;
-    }
-    columns["steering_work_kj_mol"] = work;
-    columns["steering_force_kj_mol_nm"] = force;
+  const auto add = [&](const std::string& name, const auto& of) {
+    py::array_t<double> column(rows);
+    for (py::ssize_t n = 0; n < rows; ++n) column.mutable_at(n) = of(all[n]);
+    columns[py::str(name)] = column;
+  };
+  if (terms.worked_in_time()) add("steering_work_kj_mol", [](const Record& r) { return *r.steering_work; });
+  if (terms.steered_in_time())
+    add("steering_force_kj_mol_nm", [](const Record& r) { return *r.steering_force; });
+  for (std::size_t b = 0; b < terms.biases.size(); ++b) {
+    const auto [value, force] = columns_of(terms.biases[b]);
+    add(value.key, [b](const Record& r) { return r.biases[b].value; });
+    add(force.key, [b](const Record& r) { return r.biases[b].force; });
   }
   return columns;
 }

@@ -11,6 +11,7 @@ taut.Simulation                    runs a scene, a dict or OpenMM's objects
 taut.Baumgarte, taut.Rattle, ...   hold the options of a method
 taut.DCD, taut.CSV, taut.Call      write and call while a simulation runs
 taut.Calculator                    gives its forces to ASE
+taut.Distance, Angle, Torsion ...  are restraints, walls and pulls of groups of atoms
 taut.ConstraintMethod, taut.Force  are the bases of methods and forces of your own
 taut.verify                        checks that a method keeps lengths, momentum and direction
 taut.chart, taut.stability         compare methods' speed and accuracy, and find where they fail
@@ -34,6 +35,7 @@ if int(numpy.__version__.split(".")[0]) >= 2 and not _core.knows_numpy_2:
 from . import measure, options
 from ._core import Row, scenes, threads, use_threads
 from .ase_calculator import Calculator
+from .biases import Angle, Bias, Distance, Gyration, Torsion
 from .errors import InputError, OutsideError, SimulationFailure
 from .options import *  # noqa: F401,F403
 from .parts import ConstraintMethod, Force, NotConverged, Push, State, System, register
@@ -44,7 +46,8 @@ from .studies import calibrate, chart, crosscheck, stability
 from .verifying import verify
 
 __version__ = "0.1"
-__all__ = ["CSV", "Calculator", "Call", "ConstraintMethod", "DCD", "Force", "H5MD", "InputError", "Minimisation", "NotConverged",
+__all__ = ["Angle", "Bias", "CSV", "Calculator", "Call", "ConstraintMethod", "DCD", "Distance", "Force", "Gyration", "H5MD",
+           "InputError", "Minimisation", "NotConverged", "Torsion",
            "OutsideError", "Push", "Reporter", "Row", "Simulation", "SimulationFailure", "State", "System",
            "calibrate", "chart", "crosscheck", "read", "register", "scenes", "stability", "threads",
            "use_threads", "verify", "XTC"]

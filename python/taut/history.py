@@ -26,15 +26,23 @@ FURTHER = {"wall_pressure_bar": r"Wall \d+ Pressure \(bar\)",
            "steering_work_kj_mol": r"Steering Work \(kJ/mole\)",
            "steering_force_kj_mol_nm": r"Steering Force \(kJ/mole/nm\)"}
 
+#: The columns of biases: what a title's end is in the log, behind bias_NAME.
+OF_BIASES = {" (nm)": "_nm", " (degree)": "_deg", " Force (kJ/mole/nm)": "_force_kj_mol_nm",
+             " Force (kJ/mole/rad)": "_force_kj_mol_rad"}
+
 
 def _further(titles: List[str], rows: List[List[str]]) -> Dict[str, Any]:
-    """Returns the columns of FURTHER that there are. Several of one kind are (rows, several)."""
+    """Returns the columns of FURTHER and of biases that there are. Several of one kind are (rows, several)."""
     found: Dict[str, Any] = {}
     for name, title in FURTHER.items():
         places = [n for n, there in enumerate(titles) if re.fullmatch(title, there)]
         if places:
             numbers = np.array([[float(row[n] or "nan") for n in places] for row in rows]).reshape(-1, len(places))
             found[name] = numbers if r"\d+" in title else numbers[:, 0]
+    for n, there in enumerate(titles):
+        bias = re.fullmatch(r"Bias (\w+)( .*)", there)
+        if bias and bias[2] in OF_BIASES:
+            found[f"bias_{bias[1]}{OF_BIASES[bias[2]]}"] = np.array([float(row[n] or "nan") for row in rows])
     return found
 
 

@@ -6,7 +6,7 @@ import numbers
 from pathlib import Path
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Tuple, Union
 
-from . import _core, openmm_objects, options, parts
+from . import _core, biases, openmm_objects, options, parts
 from .errors import InputError
 
 #: A scene: its name, as in taut.scenes(), its file, or a dict with the sections of a file. Studies also take
@@ -60,7 +60,7 @@ def whole(number: Any, what: str) -> int:
 
 
 def overrides(given: Optional[Mapping[str, Any]], method: Optional[Method], dt_fs: Optional[float],
-              precision: Optional[str] = None) -> List[str]:
+              precision: Optional[str] = None, of_biases: Iterable[Any] = ()) -> List[str]:
     """Returns the settings that replace those of a scene, as in ``"run.dt_fs=2"``."""
     said: Dict[str, Any] = {}
     if isinstance(method, str):
@@ -78,6 +78,8 @@ def overrides(given: Optional[Mapping[str, Any]], method: Optional[Method], dt_f
         said["run.dt_fs"] = dt_fs
     if precision is not None:
         said["forcefield.precision"] = precision
+    if listed := biases.settings_of(of_biases):
+        said["bias"] = listed
     if given is not None and not isinstance(given, Mapping):
         raise InputError(f"set: expected a dict of a scene's keys, {{\"run.seed\": 7}}, got {given!r}")
     for key, value in (given or {}).items():

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core, ase_calculator, inputs, mdanalysis, openmm_objects, parts
+from .biases import Bias
 from .errors import InputError, suggest
 from .history import History
 from .progress import MinimiseProgress, RunProgress
@@ -103,6 +104,8 @@ class Simulation:
     - ``overwrite``: moves a run that the folder holds aside, and closes a simulation of this process that writes there
     - ``precision``: ``"double"`` or ``"mixed"`` (``forcefield.precision``); None takes the scene's
     - ``threads``: number of threads that compute; None takes ``taut.threads()``. The last bits depend on it
+    - ``biases``: restraints, walls and pulls of a distance, an angle, a torsion or a radius of gyration of groups:
+      taut.Distance, Angle, Torsion, Gyration. They take the place of those of the scene
 
     Units are nm, ps, u, kJ/mol and K. Equal settings and an equal number of threads give the same bits, as the command
     does.
@@ -117,8 +120,9 @@ class Simulation:
     def __init__(self, scene: inputs.Scene, *, method: Optional[inputs.Method] = None, dt_fs: Optional[float] = None,
                  set: Optional[Mapping[str, Any]] = None, forces: Iterable[Any] = (),
                  out: Union[str, Path, None] = None, overwrite: bool = False, precision: Optional[str] = None,
-                 threads: Optional[int] = None) -> None:
-        self._make(inputs.read(scene, inputs.overrides(set, method, dt_fs, precision), threads), forces, out, overwrite)
+                 threads: Optional[int] = None, biases: Iterable[Bias] = ()) -> None:
+        settings = inputs.overrides(set, method, dt_fs, precision, biases)
+        self._make(inputs.read(scene, settings, threads), forces, out, overwrite)
 
     def _make(self, read: "_core.Input", forces: Iterable[Any], out: Union[str, Path, None], overwrite: bool) -> None:
         self._forces = inputs.own_forces(forces)
@@ -140,7 +144,7 @@ class Simulation:
                     method: Optional[inputs.Method] = None, dt_fs: Optional[float] = None,
                     set: Optional[Mapping[str, Any]] = None, forces: Iterable[Any] = (),
                     out: Union[str, Path, None] = None, overwrite: bool = False, precision: Optional[str] = None,
-                    threads: Optional[int] = None) -> "Simulation":
+                    threads: Optional[int] = None, biases: Iterable[Bias] = ()) -> "Simulation":
         """Makes a simulation of a system that was prepared with OpenMM.
 
         - ``system``: an openmm.System, its XML, or a file with its XML
@@ -154,7 +158,7 @@ class Simulation:
         The other arguments are those of the class. Raises InputError that names what taut does not have.
         """
         state = openmm_objects.state_xml(positions, velocities, box)
-        settings = inputs.overrides(set, method, dt_fs, precision)
+        settings = inputs.overrides(set, method, dt_fs, precision, biases)
         read = openmm_objects.read(system, state, settings, topology, threads)
         simulation = cls.__new__(cls)
         simulation._make(read, forces, out, overwrite)

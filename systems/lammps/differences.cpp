@@ -36,6 +36,9 @@ std::string describe_differences(const Scene& scene) {
   if (run.remove_momentum_every > 0)
     tell(fmt::format("run.remove_momentum_every is left out: fix momentum {} linear 1 1 1 does it",
                      run.remove_momentum_every));
+  for (const Bias& bias : scene.terms.biases)
+    tell(fmt::format("bias {} ({}) is left out: fix colvars or fix plumed does it", bias.name,
+                     name_of(bias.variable)));
   if (run.trajectory_every > 0) tell("run.trajectory_every is left out: add a dump");
   const auto& nb = scene.terms.nonbonded;
   if (nb && nb->pme && !nb->charge.isZero(0)) tell("particle mesh Ewald is PPPM, of a tolerance of its own");

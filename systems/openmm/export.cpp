@@ -9,6 +9,7 @@
 #include "base/errors.hpp"
 #include "files/atomic_file.hpp"
 #include "forcefield/ewald/parameters.hpp"
+#include "systems/openmm/biases.hpp"
 #include "systems/openmm/expression.hpp"
 #include "systems/openmm/forces.hpp"
 #include "systems/openmm/sites.hpp"
@@ -274,6 +275,7 @@ void write_forces(Node forces, const OpenMMInput& from) {
   if (!terms.pulls.empty()) write_pulls(forces, terms.pulls);
   if (!terms.restraints.empty()) write_restraints(forces, terms.restraints, from.start.box);
   for (const Wall& wall : terms.walls) write_wall(forces, wall);
+  write_biases(forces, terms.biases, from.start.box);
   if (!terms.fene.empty()) write_fene(forces, terms.fene);
   if (terms.wca) write_wca(forces, from.system.atoms(), from.start.box, *terms.wca);
   if (from.remove_momentum_every > 0)
