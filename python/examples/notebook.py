@@ -5,7 +5,7 @@ import json
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-ORDER = ["first_run", "water", "own_method", "gains", "polymer", "pulled_chain", "protein", "jax_potential"]
+ORDER = ["first_run", "water", "own_method", "gains", "polymer", "pulled_chain", "analysis", "protein", "jax_potential"]
 
 
 def cells_of(name):
