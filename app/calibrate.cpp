@@ -36,7 +36,7 @@ void print_shapes(const Calibration& c) {
   constexpr std::size_t kMost = 6;
   for (std::size_t n = 0; n < std::min(c.shapes.size(), kMost); ++n) {
     say("  its {}\n", c.shapes[n].name);
-    print_course("  foretold", c.shapes[n].foretold);
+    print_course("  predicted", c.shapes[n].foretold);
     print_course("  measured", c.shapes[n].measured);
   }
   if (c.shapes.size() > kMost) say("  and {} shapes more (--json has all)\n", c.shapes.size() - kMost);
@@ -63,7 +63,7 @@ void print(const Scene& scene, const CalibrateArguments& arguments, const Calibr
   say("\n");
   print_course(plan.against.c_str(), c.reference.stretch);
   print_course("baumgarte", c.baumgarte.stretch);
-  print_course("  foretold", c.foretold);
+  print_course("  predicted", c.foretold);
   print_shapes(c);
   say("\n{} ({}) reduces it by {:.4g} a step, {}\n", plan.against,
       plan.sweeps > 0 ? fmt::format("{} sweeps", plan.sweeps) : fmt::format("tolerance {:g}", plan.tolerance),

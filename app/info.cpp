@@ -19,7 +19,9 @@ namespace {
 
 using nlohmann::ordered_json;
 
-struct InfoArguments : SceneArgument {};
+struct InfoArguments : SceneArgument {
+  InfoArguments() { usual_precision = Precision::kMixed; }  // as `taut run` has it
+};
 
 // Names the forces of a scene, each with its count.
 std::vector<std::string> forces_of(const Scene& scene) {
@@ -74,7 +76,8 @@ std::string from(const Key& key, const InfoArguments& arguments, const std::vect
   }
   const auto otherwise = std::ranges::find(usual, key.name(), &Key::name);
   const bool imported = !arguments.openmm.empty() && (key.section == "run" || key.section == "forcefield") &&
-                        otherwise != usual.end() && otherwise->value != key.value;
+                        key.name() != "forcefield.precision" && otherwise != usual.end() &&
+                        otherwise->value != key.value;
   return imported ? "OpenMM's files" : "default";
 }
 

@@ -80,7 +80,7 @@ void print_temperatures(const Temperatures& temperatures) {
 // What steps cost, and what they did to the energy.
 void print_steps(const Simulation& simulation, const Summary& s) {
   const int bonds = simulation.scene().system.bond_count();
-  say("\n{:.4g} µs a step, of it constraints {:.3g} µs", s.us_per_step, s.constraint_us_per_step);
+  say("\n{:.4g} µs a step, of which constraints take {:.3g} µs", s.us_per_step, s.constraint_us_per_step);
   const double each = bonds > 0 ? s.constraint_us_per_step * 1000 / bonds : 0;
   if (bonds > 0) say(" ({:.{}f} ns a bond)", each, each < 100 ? 1 : 0);
   say("; {:.4g} ns/day\n", s.ns_per_day);
@@ -95,7 +95,7 @@ void print_steps(const Simulation& simulation, const Summary& s) {
     say("energy drift by bonds {} kJ/mol/ns/degree of freedom; the box's work is not metered\n",
         drift(s.constraint_drift));
   if (metered && bonds > 0)
-    say("  of it the bonds' {}, the forces' {:.2e}\n", drift(s.constraint_drift),
+    say("  of which constraints {}, forces and integrator {:.2e}\n", drift(s.constraint_drift),
         s.drift.value - s.constraint_drift.value);
   if (s.heat) say("heat taken up {:.4g} kJ/mol\n", *s.heat);
 }

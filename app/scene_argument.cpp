@@ -19,10 +19,11 @@ CommandLine NamedScene::line(const char* subcommand) const {
   return line;
 }
 
-Scene NamedScene::read(const std::vector<std::string>& overrides, KeysRead* keys) const {
+Scene NamedScene::read(const std::vector<std::string>& overrides, KeysRead* keys, Precision usual) const {
   if (scene.empty() == openmm.empty()) throw InputError("expected a scene, or --openmm system.xml state.xml");
   if (openmm.empty()) return read_scene(find_scene(scene), overrides, {.keys = keys});
   Scene imported = import_openmm(openmm[0], openmm[1]);
+  if (imported.terms.nonbonded || imported.terms.wca) imported.terms.precision = usual;
   apply_overrides(imported, overrides, keys);
   return imported;
 }
@@ -57,7 +58,7 @@ std::vector<std::string> SceneArgument::overrides() const {
 Scene SceneArgument::read(KeysRead* keys, std::vector<std::string> unless) const {
   std::ranges::copy(overrides(), std::back_inserter(unless));
   try {
-    return NamedScene::read(unless, keys);
+    return NamedScene::read(unless, keys, usual_precision);
   } catch (const InputError& e) {
     std::string message = e.what();
     for (const KeyFlag& flag : flags()) message = flag.replace_by_flag(message);

@@ -17,8 +17,10 @@ struct NamedScene {
 
   void offer(const Subcommand& command);
   CommandLine line(const char* subcommand) const;  // the command line so far
-  // Throws InputError if both or neither were given.
-  Scene read(const std::vector<std::string>& overrides, KeysRead* keys = nullptr) const;
+  // `usual`: the precision of what OpenMM prepared unless an override says another. Throws InputError if both
+  // sources or neither were given.
+  Scene read(const std::vector<std::string>& overrides, KeysRead* keys = nullptr,
+             Precision usual = Precision::kDouble) const;
 };
 
 // A scene and the overrides of its keys.
@@ -28,6 +30,7 @@ struct SceneArgument : NamedScene {
   std::optional<std::string> precision;
   std::optional<double> dt_fs;
   std::vector<std::string> settings;
+  Precision usual_precision = Precision::kDouble;  // of what OpenMM prepared
 
   void offer(const Subcommand& command);           // all options, for `run` and `info`
   void offer_settings(const Subcommand& command);  // --dt-fs and --set, for studies

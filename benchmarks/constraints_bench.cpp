@@ -90,10 +90,10 @@ void add(const Case& c, int threads, std::string_view name, Make make) {
 }
 
 void add_methods(const Case& c, bool plain) {
-  for (const std::string_view name : method_names()) {
-    if (name == "settle" && !c.name.starts_with("water")) continue;
-    for (int threads : {1, 2}) add(c, threads, name, make_method);
-    if (plain && name != "penalty") add(c, 1, name, make_plain);
+  for (const MethodEntry& method : methods()) {
+    if (method.name == "settle" && !c.name.starts_with("water")) continue;
+    for (int threads : {1, 2}) add(c, threads, method.name, make_method);
+    if (plain && method.make_plain != method.make) add(c, 1, method.name, make_plain);
   }
 }
 

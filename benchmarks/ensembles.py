@@ -26,8 +26,9 @@ ENSEMBLES = {  # taut's settings; GROMACS's integrator and lines of its .mdp, if
     "constant energy": ([], ("md", "")),
     "velocity rescaling": (TAUT_BATH, ("md", BATH)),
     "Langevin": (["run.thermostat=langevin", "run.temperature_k=300"], ("sd", "tc-grps = System\ntau-t = 1\nref-t = 300\n")),
-    "rescaling, c-rescale": ([*TAUT_BATH, "run.barostat=c-rescale"], ("md", BATH + CELL)),
-    "rescaling, Monte Carlo": ([*TAUT_BATH, "run.barostat=monte-carlo"], None),
+    "rescaling, c-rescale": ([*TAUT_BATH, "run.barostat=c-rescale", "run.barostat_ps=5", "run.barostat_every=10"],
+                             ("md", BATH + CELL)),
+    "rescaling, Monte Carlo": ([*TAUT_BATH, "run.barostat=monte-carlo", "run.barostat_every=25"], None),
 }
 
 

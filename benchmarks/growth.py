@@ -46,6 +46,7 @@ def main():
     parser.add_argument("--build", type=pathlib.Path, default=pathlib.Path(__file__).parent.parent / "build")
     parser.add_argument("--systems", default="ala2,dhfr,dhfr8,dhfr48")
     parser.add_argument("--threads", type=int, default=1)
+    parser.add_argument("--repeats", type=int, default=3, help="runs whose fastest step counts")
     options = parser.parse_args()
     print(f"# {machine.describe()}; {options.threads} threads, mixed precision")
     print("system,atoms,ns_a_step_and_atom,us_of_start_an_atom,us_of_minimiser_a_move_and_atom,checkpoint_bytes_an_atom,"
@@ -57,7 +58,7 @@ def main():
             start, memory, text = measure(0)
             atoms = int(re.search(r"atoms (\d+)", text)[1])
             checkpoint = (pathlib.Path(out) / "checkpoint.cbor").stat().st_size
-            a_step = min(us_of_a_step(measure, out, max(50, 500_000 // atoms)) for _ in range(3))
+            a_step = min(us_of_a_step(measure, out, max(50, 500_000 // atoms)) for _ in range(options.repeats))
             minimised, _, text = measure(0, "run.minimise=true")
             moves = int(re.search(r"minimised in (\d+) moves", text)[1])
             print(f"{name},{atoms},{1000 * a_step / atoms:.0f},{1e6 * start / atoms:.1f},{1e6 * (minimised - start) / moves / atoms:.2f},"

@@ -115,8 +115,8 @@ def of_taut(taut, system, context, folder):
     (folder / "state.xml").write_text(mm.XmlSerializer.serialize(context.getState(getPositions=True)))
     ran = subprocess.run(
         [taut, "run", "--openmm", folder / "system.xml", folder / "state.xml", "--method", "newton", "--steps", "1",
-         "--dt-fs", "1e-6", "--set", "run.trajectory=h5md", "--set", "run.trajectory_every=1", "--set", "run.log_every=1",
-         "--out", folder / "out"], capture_output=True, text=True)
+         "--precision", "double", "--dt-fs", "1e-6", "--set", "run.trajectory=h5md", "run.trajectory_every=1",
+         "run.log_every=1", "--out", folder / "out"], capture_output=True, text=True)
     if ran.returncode:
         raise RuntimeError(ran.stderr.strip().splitlines()[-1])
     with open(folder / "out" / "log.csv") as log:

@@ -34,8 +34,7 @@ METHODS = {"baumgarte": ["baumgarte"], "feedforward": ["feedforward"], "newton":
 def constraint_us(options, folder, method):
     ran = subprocess.run(
         [options.taut, "run", "--openmm", folder / "system.xml", folder / "state.xml", "--dt-fs", "2", "--json",
-         "--threads", "1",
-         "--steps", str(options.steps), "--method", *METHODS[method]], capture_output=True, text=True)
+         "--precision", "double", "--threads", "1", "--steps", str(options.steps), "--method", *METHODS[method]], capture_output=True, text=True)
     if ran.returncode:
         raise RuntimeError(f"{method}: {ran.stderr.strip().splitlines()[0]}")
     return json.loads(ran.stdout)["constraint_us_per_step"]

@@ -2,7 +2,7 @@
 """Predicts the speed-up of more threads from counts, and measures it if the machine has the cores.
 
     benchmarks/threads.py [--build build] [--scenes water1728 chain] [--precisions mixed] [--threads 2 8 16 64]
-                          [--wake 2] [--foretell] [--csv FILE]
+                          [--wake 2] [--predict] [--csv FILE]
 
 step_bench measures each thread's processor time (`account/`): that of serial parts, and in each parallel region that of
 the thread with most work. Other programs on the machine, and more threads than cores, do not change it. It does not
@@ -11,7 +11,7 @@ include the effect of shared caches and memory. The prediction for a step on T t
     serial + longest + regions x wake
 
 The imbalance is `longest` less the work of all threads over T. `wake` is the time of an empty region [us]. It, and the
-speed-up itself, are measured if there are T cores; otherwise `wake` is that of --wake. --foretell uses no clock, for a
+speed-up itself, are measured if there are T cores; otherwise `wake` is that of --wake. --predict uses no clock, for a
 machine on which other programs run.
 """
 
@@ -47,7 +47,7 @@ def main():
     parser.add_argument("--threads", nargs="+", type=int, default=[2, 8, 16, 64])
     parser.add_argument("--wake", type=float, default=2, help="us, where it cannot be measured")
     parser.add_argument("--seconds", type=float, default=0.5, help="of each measurement")
-    parser.add_argument("--foretell", action="store_true")
+    parser.add_argument("--predict", action="store_true")
     parser.add_argument("--csv", type=pathlib.Path)
     options = parser.parse_args()
     bench, cores = options.build / "step_bench", len(os.sched_getaffinity(0))
@@ -59,7 +59,7 @@ def main():
             for threads in options.threads:
                 account = run(bench, [name("account", threads)], "passive", options.seconds)[name("account", threads)]
                 wake, measured = options.wake, ""
-                if threads <= cores and not options.foretell:
+                if threads <= cores and not options.predict:
                     wake = run(bench, [f"wake/none/double/{threads}"], "active", 0.1).popitem()[1]["real_time"]
                     clock = {t: run(bench, [name("account", t)], "active", options.seconds)[name("account", t)]["real_time"]
                              for t in (1, threads)}

@@ -11,7 +11,6 @@
 #include "constraints/batch/batched_feedforward.hpp"
 #include "constraints/batch/batched_lincs.hpp"
 #include "constraints/batch/batched_newton.hpp"
-#include "constraints/batch/batched_settle.hpp"
 #include "constraints/batch/batched_sweeps.hpp"
 #include "constraints/methods/mshake.hpp"
 #include "constraints/methods/penalty.hpp"
@@ -49,13 +48,6 @@ MethodEntry also_one_sided(MethodEntry entry) {
   return entry;
 }
 
-MethodEntry settle() {
-  MethodEntry entry = in_lanes<Settle>("settle", "three-site water in closed form");
-  entry.make = make<SettleBeside<Batched<Settle>>, Settle::Options>;
-  entry.make_plain = make<SettleBeside<Settle>, Settle::Options>;
-  return entry;
-}
-
 std::list<MethodEntry>& list() {
   static std::list<MethodEntry> methods = {
       also_one_sided(entry<Baumgarte, Batched<Baumgarte>, WithoutGains>(
@@ -71,7 +63,7 @@ std::list<MethodEntry>& list() {
       entry<MShake>("mshake",
                     "newton with the exact matrix of every iteration (M-SHAKE, ILVES): few, expensive ones"),
       in_lanes<Lincs>("lincs", "the inverse of A expanded in powers, as GROMACS does"),
-      settle(),
+      entry<SettleBeside, SettleBeside, Settle::Options>("settle", "three-site water in closed form"),
   };
   return methods;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "lammps/fix_taut.hpp"
 
@@ -80,36 +81,42 @@ double FixTaut::memory_usage() {
   return static_cast<double>(motion_.capacity() * sizeof(double)) + held_.memory_usage();
 }
 
-namespace {
-struct Lengths {
-  double count = 0, sum = 0, least = 1e300, most = 0;
-};
-}  // namespace
-
-// As fix shake prints them: a line a type, mean length, largest less smallest, count.
+// As fix shake prints them: a line a type, mean length or angle [degrees], largest less smallest, count.
 void FixTaut::end_of_step() {
   const int bonds = atom->nbondtypes, kinds = bonds + atom->nangletypes;
   std::vector<double> sum(2 * kinds), range(2 * kinds, -1e300), all_sums(2 * kinds), all_ranges(2 * kinds);
-  for (int i = 0; i < atom->nlocal; ++i)
-    for (const taut::HeldBond& bond : held_.of(i)) {
-      const int kind = bond.kind.is_bond() ? bond.kind.bond - 1 : bonds + bond.kind.angle - 1;
-      double d[3];
-      const double* other = atom->x[atom->map(bond.partner)];
-      for (int c = 0; c < 3; ++c) d[c] = other[c] - atom->x[i][c];
-      taut::minimum_image(*domain, d);
-      const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-      sum[2 * kind] += 0.5;
-      sum[2 * kind + 1] += 0.5 * length;
-      range[2 * kind] = std::max(range[2 * kind], length);
-      range[2 * kind + 1] = std::max(range[2 * kind + 1], -length);
+  const auto count = [&](int kind, double weight, double value) {
+    sum[2 * kind] += weight;
+    sum[2 * kind + 1] += weight * value;
+    range[2 * kind] = std::max(range[2 * kind], value);
+    range[2 * kind + 1] = std::max(range[2 * kind + 1], -value);
+  };
+  const auto to = [&](int i, tagint partner) {
+    taut::Vec3 r =
+        Eigen::Map<const taut::Vec3>(atom->x[atom->map(partner)]) - Eigen::Map<const taut::Vec3>(atom->x[i]);
+    taut::minimum_image(*domain, r.data());
+    return r;
+  };
+  for (int i = 0; i < atom->nlocal; ++i) {
+    for (const taut::HeldBond& bond : held_.of(i))
+      if (bond.kind.is_bond()) count(bond.kind.bond - 1, 0.5, to(i, bond.partner).norm());
+    for (int m = 0; atom->num_angle && m < atom->num_angle[i]; ++m) {
+      const tagint a = atom->angle_atom1[i][m], c = atom->angle_atom3[i][m];
+      const int type = -atom->angle_type[i][m];  // a held angle's is negative
+      if (atom->angle_atom2[i][m] != atom->tag[i] || keys_.held.angles.count(type) == 0) continue;
+      if (!held_.find(i, a) || !held_.find(i, c)) continue;  // another fix holds it
+      const taut::Vec3 first = to(i, a), second = to(i, c);
+      const double sine = first.cross(second).norm();
+      count(bonds + type - 1, 1, std::atan2(sine, first.dot(second)) * 180 / std::numbers::pi);
     }
+  }
   MPI_Reduce(sum.data(), all_sums.data(), 2 * kinds, MPI_DOUBLE, MPI_SUM, 0, world);
   MPI_Reduce(range.data(), all_ranges.data(), 2 * kinds, MPI_DOUBLE, MPI_MAX, 0, world);
   if (comm->me != 0) return;
   std::string text = fmt::format("Taut stats (type/ave/delta/count) on step {}\n", update->ntimestep);
   for (int kind = 0; kind < kinds; ++kind)
     if (all_sums[2 * kind] > 0)
-      text += fmt::format("{} {:>4} {:>12.9g} {:>12.6g} {:>9.9g}\n",
+      text += fmt::format("{} {:>4}   {:<12.9g} {:<12.6g} {:>9.9g}\n",
                           kind < bonds ? "Bond: " : "Angle:", kind < bonds ? kind + 1 : kind - bonds + 1,
                           all_sums[2 * kind + 1] / all_sums[2 * kind],
                           all_ranges[2 * kind] + all_ranges[2 * kind + 1], all_sums[2 * kind]);

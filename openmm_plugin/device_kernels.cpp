@@ -43,9 +43,62 @@ KERNEL void drift(int atoms, mixed h, GLOBAL real4* RESTRICT posq, GLOBAL mixed4
 }
 )";
 
-// ATOMS, BONDS, FIRST and SECOND are the shape's: the atoms of bond k are FIRST[k] and SECOND[k]. `h` is the length of
-// the step to come, `kick` how long the forces act (md/constraint_method.hpp, Push), `lastH` the length of the step
-// that has ended. Failures: 1 no convergence, 2 ran away, 3 singular, 4 a bond broke.
+// What a bond asks for, the same for a cluster of one thread and of a group. `h` is the length of the step to come,
+// `kick` how long the forces act (md/constraint_method.hpp, Push), `lastH` the length of the step that has ended.
+// Failures: 1 no convergence, 2 ran away, 3 singular, 4 a bond broke.
+const char* const kLawSource = R"(
+DEVICE int broken(mixed3 r, mixed d) {
+  return !(fabs((mixed) 0.5 * (dot(r, r) - d * d)) < (mixed) 0.5 * d * d);
+}
+
+// What bonds k and l share of J M⁻¹ Jᵀ but for r_k·r_l: ±1/m of their common atom.
+DEVICE mixed shared(int firstK, int secondK, int firstL, int secondL, mixed ofFirst, mixed ofSecond) {
+  mixed sum = 0;
+  if (firstK == firstL) sum += ofFirst;
+  if (secondK == secondL) sum += ofSecond;
+  if (firstK == secondL) sum -= ofFirst;
+  if (secondK == firstL) sum -= ofSecond;
+  return sum;
+}
+
+#ifdef FEEDFORWARD
+// The bond at the end of the step to come: `late` is the relative velocity, `whole` the relative acceleration.
+DEVICE mixed3 bondAtEnd(mixed3 r, mixed3 late, mixed3 whole, mixed h, mixed kick) {
+  return r + h * late + (h * kick) * whole;
+}
+
+DEVICE mixed missing(mixed3 next, mixed d) {
+  return (mixed) 0.5 * (dot(next, next) - d * d);
+}
+
+// Where numbers ran away it is 1000, which is too much.
+DEVICE mixed turnOf(mixed3 next, mixed3 r, mixed off) {
+  const mixed part = fabs(off / dot(next, r));
+  return part < 1000 ? part : 1000;
+}
+#else
+// What λ must make of the bond's acceleration; `free`: without the bonds' share, `late`: of the half step.
+DEVICE mixed wanted(mixed3 r, mixed3 late, mixed3 free, mixed3 whole, mixed d, mixed alpha2, mixed beta2, mixed lastH) {
+  const mixed3 known = late + ((mixed) 0.5 * lastH) * free, speed = late + ((mixed) 0.5 * lastH) * whole;
+#ifdef LAGGED
+  const mixed rate = dot(r, late), implied = 1;
+#else
+  const mixed rate = dot(r, known), implied = 1 + (mixed) 0.5 * alpha2 * lastH;
+#endif
+  mixed rest = dot(r, free) + alpha2 * rate + (mixed) 0.5 * beta2 * (dot(r, r) - d * d);
+  rest += dot(speed, speed);
+#ifdef CENTRED
+  rest += (mixed) 0.5 * alpha2 * lastH * lastH * dot(speed, whole);
+#endif
+#ifdef DISCRETE
+  rest += (mixed) 0.25 * lastH * lastH * dot(whole, whole);
+#endif
+  return -rest / implied;
+}
+#endif
+)";
+
+// ATOMS, BONDS, FIRST and SECOND are the shape's: the atoms of bond k are FIRST[k] and SECOND[k].
 const char* const kHoldSource = R"(
 #if BONDS > 0
 // b becomes the solution of A b = b, by elimination without pivoting. Returns 0 where a bond depends on others.
@@ -75,12 +128,8 @@ DEVICE void couple(mixed* A, const mixed3* left, const mixed3* right, const mixe
   const int first[BONDS] = {FIRST}, second[BONDS] = {SECOND};
   for (int k = 0; k < BONDS; k++)
     for (int l = 0; l < BONDS; l++) {
-      mixed shared = 0;
-      if (first[k] == first[l]) shared += w[first[k]];
-      if (second[k] == second[l]) shared += w[second[k]];
-      if (first[k] == second[l]) shared -= w[first[k]];
-      if (second[k] == first[l]) shared -= w[second[k]];
-      A[k * BONDS + l] = shared == 0 ? 0 : shared * dot(left[k], right[l]);
+      const mixed common = shared(first[k], second[k], first[l], second[l], w[first[k]], w[second[k]]);
+      A[k * BONDS + l] = common == 0 ? 0 : common * dot(left[k], right[l]);
     }
 }
 
@@ -153,7 +202,7 @@ KERNEL void hold(int clusters, int paddedAtoms, mixed h, mixed kick, mixed lastH
       v[i] += before;
       const float4 drawn = normal[firstNormal + slot[i]];
       const mixed3 n = make_mixed3(drawn.x, drawn.y, drawn.z);
-      jump[i] = (mixed) 0.5 * ((keep - 1) * (v[i] + kick * a[i]) + (width * SQRT(w[i])) * n);
+      jump[i] = (mixed) 0.5 * ((keep - 1) * (v[i] + kick * a[i]) + (width * sqrt(w[i])) * n);
       pushed[i] += before * (1 / kick);
       v[i] -= before;
     }
@@ -177,12 +226,9 @@ KERNEL void hold(int clusters, int paddedAtoms, mixed h, mixed kick, mixed lastH
       past[at + 2 * stride] = before;
       past[at + stride] = last;
     }
-    for (int k = 0; k < BONDS; k++) {
-      const mixed d = lengths[k * clusters + c];
-      if (!(fabs((mixed) 0.5 * (dot(r[k], r[k]) - d * d)) < (mixed) 0.5 * d * d)) failed = 4;
-    }
+    for (int k = 0; k < BONDS; k++)
+      if (broken(r[k], lengths[k * clusters + c])) failed = 4;
 #ifdef FEEDFORWARD
-    const mixed reach = h * kick;
     int again = 1;
     for (int n = 0; n < MOST_SOLVES && again && !failed; n++) {
       mixed3 next[BONDS];
@@ -190,12 +236,10 @@ KERNEL void hold(int clusters, int paddedAtoms, mixed h, mixed kick, mixed lastH
       pull(y, r, lambda, w);
       for (int k = 0; k < BONDS; k++) {
         const int i = first[k], j = second[k];
-        const mixed d = lengths[k * clusters + c];
-        next[k] = r[k] + h * (v[j] - v[i]) + reach * (pushed[j] - pushed[i] + y[j] - y[i]);
-        const mixed off = (mixed) 0.5 * (dot(next[k], next[k]) - d * d);
-        b[k] = -off / reach;
-        const mixed part = fabs(off / dot(next[k], r[k]));
-        if (!(part <= turn)) turn = part;
+        next[k] = bondAtEnd(r[k], v[j] - v[i], pushed[j] - pushed[i] + y[j] - y[i], h, kick);
+        const mixed off = missing(next[k], lengths[k * clusters + c]), part = turnOf(next[k], r[k], off);
+        b[k] = -off / (h * kick);
+        if (part > turn) turn = part;
       }
       couple(A, next, r, w);
       if (!(turn < 1000))
@@ -211,25 +255,9 @@ KERNEL void hold(int clusters, int paddedAtoms, mixed h, mixed kick, mixed lastH
       pull(y, r, lambda, w);
       for (int k = 0; k < BONDS; k++) {
         const int i = first[k], j = second[k];
-        const mixed d = lengths[k * clusters + c];
-        const mixed alpha2 = gains[k * clusters + c], beta2 = gains[(BONDS + k) * clusters + c];
-        const mixed3 free = pushed[j] - pushed[i], whole = free + y[j] - y[i];
-        const mixed3 late = v[j] - v[i], known = late + ((mixed) 0.5 * lastH) * free;  // late: of the half step
-        const mixed3 speed = late + ((mixed) 0.5 * lastH) * whole;
-#ifdef LAGGED
-        const mixed rate = dot(r[k], late), implied = 1;
-#else
-        const mixed rate = dot(r[k], known), implied = 1 + (mixed) 0.5 * alpha2 * lastH;
-#endif
-        mixed rest = dot(r[k], free) + alpha2 * rate + (mixed) 0.5 * beta2 * (dot(r[k], r[k]) - d * d);
-        rest += dot(speed, speed);
-#ifdef CENTRED
-        rest += (mixed) 0.5 * alpha2 * lastH * lastH * dot(speed, whole);
-#endif
-#ifdef DISCRETE
-        rest += (mixed) 0.25 * lastH * lastH * dot(whole, whole);
-#endif
-        b[k] = -rest / implied;
+        const mixed3 free = pushed[j] - pushed[i];
+        b[k] = wanted(r[k], v[j] - v[i], free, free + y[j] - y[i], lengths[k * clusters + c], gains[k * clusters + c],
+                      gains[(BONDS + k) * clusters + c], lastH);
       }
       couple(A, r, r, w);
       if (!solve(A, b)) failed = 3;

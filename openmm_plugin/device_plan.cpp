@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "base/errors.hpp"
-#include "constraints/batch/bond_clusters.hpp"
+#include "constraints/bond_graph.hpp"
 #include "constraints/methods/baumgarte.hpp"
 #include "constraints/methods/feedforward.hpp"
 #include "openmm_plugin/held_system.hpp"
@@ -70,30 +70,63 @@ Law law_of(const System& sys, const HoldSettings& settings) {
 // Those of many clusters, as they are found.
 struct Growing {
   DeviceShape shape;
+  std::vector<double> inv_masses;              // of the first
   std::vector<std::vector<int>> atoms, bonds;  // of each cluster, as the System numbers them
 };
 
-bool alike(const DeviceShape& shape, const ClusterShape& other) {
-  return shape.atoms == other.atoms() &&
-         std::ranges::equal(shape.bonds, other.bonds, [](const std::array<int, 2>& a, const RigidBond& b) {
-           return a[0] == b.i && a[1] == b.j;
-         });
+// A cluster's atoms, and its bonds between them: as the System numbers them, and within the cluster.
+struct Cluster {
+  std::vector<int> atoms, bonds;
+  std::vector<std::array<int, 2>> ends;
+};
+
+Cluster cluster_of(const System& sys, const std::vector<int>& bonds) {
+  Cluster cluster{{}, bonds, {}};
+  for (const int k : bonds) cluster.atoms.insert(cluster.atoms.end(), {sys.bonds[k].i, sys.bonds[k].j});
+  std::ranges::sort(cluster.atoms, {}, [&](int i) { return std::pair(sys.inv_mass[i] == 0, i); });
+  cluster.atoms.erase(std::unique(cluster.atoms.begin(), cluster.atoms.end()), cluster.atoms.end());
+  std::map<int, int> within;
+  for (const int i : cluster.atoms) within.emplace(i, static_cast<int>(within.size()));
+  for (const int k : bonds) cluster.ends.push_back({within[sys.bonds[k].i], within[sys.bonds[k].j]});
+  return cluster;
 }
 
-void add(std::vector<Growing>& all, const ClusterBatch& batch) {
-  auto found = std::ranges::find_if(all, [&](const Growing& one) { return alike(one.shape, batch.shape); });
+std::vector<Cluster> clusters_of(const System& sys) {
+  std::vector<IndexPair> tied;
+  for (const auto& [i, j, d] : sys.bonds)
+    if (sys.inv_mass[i] != 0 && sys.inv_mass[j] != 0) tied.push_back({i, j});
+  const std::vector<int> of_atom = connected_components(sys.atoms(), tied);
+  std::map<int, std::vector<int>> bonds;
+  for (int k = 0; k < sys.bond_count(); ++k) {
+    const auto [i, j, d] = sys.bonds[k];
+    bonds[of_atom[sys.inv_mass[i] == 0 ? j : i]].push_back(k);
+  }
+  std::vector<Cluster> clusters;
+  for (const auto& [first, of_cluster] : bonds) clusters.push_back(cluster_of(sys, of_cluster));
+  return clusters;
+}
+
+// Whether each atom moves or not: a group's plan depends on it.
+std::vector<bool> moving(const std::vector<double>& inv_masses) {
+  std::vector<bool> moves;
+  for (const double w : inv_masses) moves.push_back(w != 0);
+  return moves;
+}
+
+void add(std::vector<Growing>& all, const Cluster& cluster, const System& sys) {
+  std::vector<double> inv_masses;
+  for (const int i : cluster.atoms) inv_masses.push_back(sys.inv_mass[i]);
+  auto found = std::ranges::find_if(all, [&](const Growing& one) {
+    return one.shape.atoms == std::ssize(cluster.atoms) && one.shape.bonds == cluster.ends &&
+           moving(one.inv_masses) == moving(inv_masses);
+  });
   if (found == all.end()) {
-    found = all.insert(all.end(), Growing{});
-    found->shape.atoms = batch.shape.atoms();
-    for (const RigidBond& bond : batch.shape.bonds) found->shape.bonds.push_back({bond.i, bond.j});
+    found = all.insert(all.end(), Growing{{}, inv_masses, {}, {}});
+    found->shape.atoms = static_cast<int>(cluster.atoms.size());
+    found->shape.bonds = cluster.ends;
   }
-  const auto some = [](const std::vector<int>& of, int first, int count) {
-    return std::vector<int>(of.begin() + first, of.begin() + first + count);
-  };
-  for (int c = 0; c < batch.count; ++c) {
-    found->atoms.push_back(some(batch.atoms, c * batch.shape.atoms(), batch.shape.atoms()));
-    found->bonds.push_back(some(batch.bonds, c * batch.shape.bond_count(), batch.shape.bond_count()));
-  }
+  found->atoms.push_back(cluster.atoms);
+  found->bonds.push_back(cluster.bonds);
 }
 
 DeviceShape side_by_side(const Growing& grown, const System& sys, const Law& law) {
@@ -111,6 +144,9 @@ DeviceShape side_by_side(const Growing& grown, const System& sys, const Law& law
     of_bonds(shape.gains, [&](int k) { return law.gains[k].beta * law.gains[k].beta; });
   }
   if (!shape.bonds.empty()) shape.guess = law.guesses[grown.bonds.front().front()];
+  const bool anchored = std::ranges::count(grown.inv_masses, 0.0) > 0;
+  if (anchored || std::ssize(shape.bonds) > kMostBondsOfAThread)
+    shape.group = plan_group(shape.bonds, grown.inv_masses);
   return shape;
 }
 
@@ -119,27 +155,15 @@ DeviceShape side_by_side(const Growing& grown, const System& sys, const Law& law
 DevicePlan plan_for_device(const HeldBonds& held, const HoldSettings& settings) {
   const System sys = system_of(held);
   const Law law = law_of(sys, settings);
-  const BondClusters clusters =
-      find_clusters(sys, {.most_bonds = kMostBondsOfAThread, .most_bonds_alike = kMostBondsOfAThread});
-  if (!clusters.rest.empty()) {
-    const RigidBond& bond = sys.bonds[clusters.rest.front()];
-    throw InputError(
-        fmt::format("the bond of atoms {} and {} belongs to a cluster of more than {} bonds, which this "
-                    "platform does not "
-                    "hold: constrain fewer bonds (constraints=HBonds), or take the platform CPU",
-                    bond.i, bond.j, kMostBondsOfAThread));
-  }
   std::vector<Growing> all;
   std::vector<bool> is_free(sys.atoms());
   for (int i = 0; i < sys.atoms(); ++i) is_free[i] = held.masses[i] > 0;
-  for (const ClusterBatch& batch : clusters.batches) {
-    add(all, batch);
-    for (const int i : batch.atoms) is_free[i] = false;
+  for (const Cluster& cluster : clusters_of(sys)) {
+    add(all, cluster, sys);
+    for (const int i : cluster.atoms) is_free[i] = false;
   }
-  Growing alone;
   for (int i = 0; i < sys.atoms(); ++i)
-    if (is_free[i]) alone.atoms.push_back({i});
-  if (!alone.atoms.empty()) all.push_back(alone);
+    if (is_free[i]) add(all, {{i}, {}, {}}, sys);
   DevicePlan plan{{}, law.defines};
   for (const Growing& grown : all) plan.shapes.push_back(side_by_side(grown, sys, law));
   return plan;

@@ -16,6 +16,7 @@ using OpenMM::ArrayInterface;
 using OpenMM::ComputeKernel;
 using OpenMM::Vec3;
 
+constexpr int kMostThreadsOfACluster = 256;
 constexpr double kBoltzmannOfOpenMM = 8.31446261815324e-3;  // as md/units.hpp [kJ/mol/K]
 
 std::string list_of(const std::vector<std::array<int, 2>>& bonds, int end) {
@@ -29,11 +30,6 @@ bool same(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
     for (int d = 0; d < 3; ++d)
       if (!(std::abs(a[i][d] - b[i][d]) <= 1e-7 * std::abs(b[i][d]))) return false;
   return a.size() == b.size();
-}
-
-// Whether velocities, and all that this step computes, are in double precision.
-bool in_double(const OpenMM::ComputeContext& device) {
-  return device.getUseDoublePrecision() || device.getUseMixedPrecision();
 }
 
 const char* in_words(int failure) {
@@ -51,45 +47,6 @@ const char* in_words(int failure) {
 
 }  // namespace
 
-DeviceStep::Array DeviceStep::make_array(std::size_t size, int element_size, const std::string& called) {
-  Array array(device_->createArray());
-  array->initialize(*device_, std::max<std::size_t>(size, 1), element_size, called);
-  device_->clearBuffer(*array);
-  return array;
-}
-
-DeviceStep::Array DeviceStep::make_numbers(const std::vector<double>& numbers, const std::string& called) {
-  Array array = make_array(numbers.size(), in_double(*device_) ? sizeof(double) : sizeof(float), called);
-  if (!numbers.empty()) array->upload(numbers, true);
-  return array;
-}
-
-void DeviceStep::add_number(ComputeKernel& kernel, double value) {
-  if (in_double(*device_))
-    kernel->addArg(value);
-  else
-    kernel->addArg(static_cast<float>(value));
-}
-void DeviceStep::set_number(ComputeKernel& kernel, int index, double value) {
-  if (in_double(*device_))
-    kernel->setArg(index, value);
-  else
-    kernel->setArg(index, static_cast<float>(value));
-}
-
-std::vector<double> DeviceStep::numbers_in(ArrayInterface& array) {
-  const std::size_t size = array.getSize() * array.getElementSize();
-  std::vector<double> numbers(size / (in_double(*device_) ? sizeof(double) : sizeof(float)));
-  if (in_double(*device_)) {
-    array.download(numbers.data());
-  } else {
-    std::vector<float> single(numbers.size());
-    array.download(single.data());
-    std::copy(single.begin(), single.end(), numbers.begin());
-  }
-  return numbers;
-}
-
 void DeviceStep::initialize(OpenMM::ContextImpl& context, const TautIntegrator& integrator) {
   context_ = &context;
   settings_ = integrator.settings();
@@ -101,10 +58,9 @@ void DeviceStep::initialize(OpenMM::ContextImpl& context, const TautIntegrator& 
   const OpenMM::ContextSelector selected(*device_);
   x_.resize(held.masses.size());
   v_.resize(held.masses.size());
-  const int four = in_double(*device_) ? sizeof(OpenMM::mm_double4) : sizeof(OpenMM::mm_float4);
-  kept_ = make_array(x_.size(), four, "tautAccelerations");
-  jumps_ = make_array(x_.size(), four, "tautJumps");
-  failure_ = make_array(2, sizeof(int), "tautFailure");
+  kept_ = make_vectors(*device_, x_.size(), "tautAccelerations");
+  jumps_ = make_vectors(*device_, x_.size(), "tautJumps");
+  failure_ = make_integers(*device_, {0, 0}, "tautFailure");
   if (settings_.friction > 0)
     device_->getIntegrationUtilities().initRandomNumberGenerator(
         static_cast<unsigned>(integrator.seed_in_use()));
@@ -117,7 +73,7 @@ void DeviceStep::make_kernels() {
   if (settings_.friction > 0) defines.emplace("LANGEVIN", "1");
   drift_ = device_->compileProgram(kDriftSource, defines)->createKernel("drift");
   drift_->addArg(device_->getNumAtoms());
-  add_number(drift_, settings_.h);
+  add_number(*device_, drift_, settings_.h);
   drift_->addArg(device_->getPosq());
   drift_->addArg(device_->getVelm());
   drift_->addArg(device_->getAtomIndexArray());
@@ -137,25 +93,30 @@ void DeviceStep::make_hold(Shape& shape) {
   const int bonds = static_cast<int>(plan.bonds.size());
   std::vector<int> homes(x_.size());
   for (int n = 0; n < static_cast<int>(plan.atom.size()); ++n) homes[plan.atom[n]] = n % plan.clusters;
-  shape.atoms = make_array(plan.atom.size(), sizeof(int), "tautAtoms");
-  shape.atoms->upload(plan.atom);
-  shape.homes = make_array(homes.size(), sizeof(int), "tautHomes");
-  shape.homes->upload(homes);
-  shape.lengths = make_numbers(plan.length, "tautLengths");
-  shape.gains = make_numbers(plan.gains, "tautGains");
-  shape.past = make_numbers(std::vector<double>(3 * bonds * plan.clusters), "tautMultipliers");
+  shape.atoms = make_integers(*device_, plan.atom, "tautAtoms");
+  shape.homes = make_integers(*device_, homes, "tautHomes");
+  shape.lengths = make_numbers(*device_, plan.length, "tautLengths");
+  shape.gains = make_numbers(*device_, plan.gains, "tautGains");
+  shape.past = make_numbers(*device_, std::vector<double>(3 * bonds * plan.clusters), "tautMultipliers");
 
   std::map<std::string, std::string> defines = plan_.defines;
-  defines["ATOMS"] = std::to_string(plan.atoms);
-  defines["BONDS"] = std::to_string(bonds);
-  defines["FIRST"] = list_of(plan.bonds, 0);
-  defines["SECOND"] = list_of(plan.bonds, 1);
+  if (plan.group) {
+    while (shape.threads_of_cluster < std::min(bonds, kMostThreadsOfACluster)) shape.threads_of_cluster *= 2;
+    defines["GROUP"] = std::to_string(shape.threads_of_cluster);
+  } else {
+    defines["ATOMS"] = std::to_string(plan.atoms);
+    defines["BONDS"] = std::to_string(bonds);
+    defines["FIRST"] = list_of(plan.bonds, 0);
+    defines["SECOND"] = list_of(plan.bonds, 1);
+  }
   defines.emplace("SMALLEST_PIVOT", in_double(*device_) ? "1e-12" : "1e-6f");
   if (settings_.friction > 0) defines.emplace("LANGEVIN", "1");
-  ComputeKernel& hold = shape.hold = device_->compileProgram(kHoldSource, defines)->createKernel("hold");
+  const std::string source = std::string(kLawSource) + (plan.group ? kGroupSource : kHoldSource);
+  ComputeKernel& hold = shape.hold = device_->compileProgram(source, defines)->createKernel("hold");
   hold->addArg(plan.clusters);
   hold->addArg(device_->getPaddedNumAtoms());
-  for (int n = 0; n < 6; ++n) add_number(hold, 0);  // h, kick, last h, three coefficients: hold() sets them
+  for (int n = 0; n < 6; ++n)
+    add_number(*device_, hold, 0);  // h, kick, last h, three coefficients: hold() sets them
   hold->addArg(device_->getPosq());
   hold->addArg(device_->getVelm());
   hold->addArg(device_->getLongForceBuffer());
@@ -167,12 +128,33 @@ void DeviceStep::make_hold(Shape& shape) {
   else
     hold->addArg(*jumps_);
   hold->addArg(0);  // the first random number, and two factors of the thermostat: hold() sets them
-  add_number(hold, 0);
-  add_number(hold, 0);
+  add_number(*device_, hold, 0);
+  add_number(*device_, hold, 0);
   hold->addArg(*failure_);
-  for (Array* array : {&shape.atoms, &shape.homes, &shape.lengths, &shape.gains, &shape.past})
+  for (DeviceArray* array : {&shape.atoms, &shape.homes, &shape.lengths, &shape.gains, &shape.past})
     hold->addArg(**array);
   if (device_->getUseMixedPrecision()) hold->addArg(device_->getPosqCorrection());
+  if (plan.group) add_group(shape);
+}
+
+void DeviceStep::add_group(Shape& shape) {
+  const GroupPlan& group = *shape.plan.group;
+  const std::size_t bonds = shape.plan.bonds.size(), clusters = shape.plan.clusters;
+  std::vector<int> ends;
+  for (const auto& [i, j] : shape.plan.bonds) ends.insert(ends.end(), {i, j});
+  for (const int count : {shape.plan.atoms, static_cast<int>(bonds), group.entries(),
+                          static_cast<int>(group.rounds.size()) - 1})
+    shape.hold->addArg(count);
+  for (const std::vector<int>* integers : std::initializer_list<const std::vector<int>*>{
+           &ends, &group.row, &group.column, &group.rounds, &group.pivots, &group.target_rounds,
+           &group.targets, &group.change_start, &group.changes, &group.later_start, &group.later,
+           &group.bonds_start, &group.bonds})
+    shape.of_group.push_back(make_integers(*device_, *integers, "tautPlan"));
+  shape.of_group.push_back(make_vectors(*device_, 5 * shape.plan.atoms * clusters, "tautAtomRoom"));
+  shape.of_group.push_back(make_vectors(*device_, 2 * bonds * clusters, "tautBondRoom"));
+  const std::vector<double> room((group.entries() + 3 * bonds) * clusters);
+  shape.of_group.push_back(make_numbers(*device_, room, "tautNumberRoom"));
+  for (const DeviceArray& array : shape.of_group) shape.hold->addArg(*array);
 }
 
 void DeviceStep::forget() {
@@ -202,7 +184,7 @@ double DeviceStep::kinetic_energy(OpenMM::ContextImpl& context) {
   const OpenMM::ContextSelector selected(*device_);
   read_motion(context);
   if (known_ > 0 && !in_step_) {
-    const std::vector<double> a = numbers_in(*kept_);
+    const std::vector<double> a = numbers_in(*device_, *kept_);
     const double half =
         settings_.friction > 0 ? 0.5 * settings_.h : 0;  // the middle of the thermostat's jump
     for (std::size_t i = 0; i < v_.size(); ++i) v_[i] += Vec3(a[4 * i], a[4 * i + 1], a[4 * i + 2]) * half;
@@ -223,11 +205,15 @@ void DeviceStep::hold(bool starts) {
   for (Shape& shape : shapes_) {
     const auto& guess = shape.plan.guess[known_];
     const double numbers[] = {h, starts ? 0.5 * h : h, last_h, guess[0], guess[1], guess[2]};
-    for (int n = 0; n < 6; ++n) set_number(shape.hold, 2 + n, numbers[n]);
+    for (int n = 0; n < 6; ++n) set_number(*device_, shape.hold, 2 + n, numbers[n]);
     shape.hold->setArg(15, first_normal);
-    set_number(shape.hold, 16, keep);
-    set_number(shape.hold, 17, std::sqrt((1 - keep * keep) * kBoltzmannOfOpenMM * settings_.temperature));
-    shape.hold->execute(shape.plan.clusters);
+    set_number(*device_, shape.hold, 16, keep);
+    set_number(*device_, shape.hold, 17,
+               std::sqrt((1 - keep * keep) * kBoltzmannOfOpenMM * settings_.temperature));
+    if (shape.plan.group)
+      shape.hold->execute(shape.plan.clusters * shape.threads_of_cluster, shape.threads_of_cluster);
+    else
+      shape.hold->execute(shape.plan.clusters);
   }
   known_ = std::min(known_ + 1, 3);
 }
@@ -320,7 +306,7 @@ std::string DeviceStep::save() {
   append(x_.data(), x_.size() * sizeof(Vec3));
   append(v_.data(), v_.size() * sizeof(Vec3));
   for (ArrayInterface* array : what_lasts()) {
-    const std::vector<double> numbers = numbers_in(*array);
+    const std::vector<double> numbers = numbers_in(*device_, *array);
     append(numbers.data(), numbers.size() * sizeof(double));
   }
   return kept;
@@ -334,7 +320,7 @@ void DeviceStep::load(const std::string& kept) {
   std::vector<std::vector<double>> numbers;
   std::size_t bytes = std::strlen(kKeptByDevice) + sizeof known_ + 2 * x_.size() * sizeof(Vec3);
   for (ArrayInterface* array : what_lasts()) {
-    numbers.push_back(numbers_in(*array));
+    numbers.push_back(numbers_in(*device_, *array));
     bytes += numbers.back().size() * sizeof(double);
   }
   if (kept.compare(0, std::strlen(kKeptByDevice), kKeptByDevice) != 0 || kept.size() != bytes) return;
@@ -356,12 +342,7 @@ void DeviceStep::load(const std::string& kept) {
   const std::vector<ArrayInterface*> arrays = what_lasts();
   for (std::size_t n = 0; n < arrays.size(); ++n) {
     take(numbers[n].data(), numbers[n].size() * sizeof(double));
-    if (in_double(*device_)) {
-      arrays[n]->upload(numbers[n].data());
-    } else {
-      const std::vector<float> single(numbers[n].begin(), numbers[n].end());
-      arrays[n]->upload(single.data());
-    }
+    put_numbers(*device_, numbers[n], *arrays[n]);
   }
   device_->clearBuffer(*failure_);
   box_.is_the_same(*context_);

@@ -1,10 +1,9 @@
 #pragma once
 
-#include <openmm/common/ComputeContext.h>
-
 #include <memory>
 #include <vector>
 
+#include "openmm_plugin/device_arrays.hpp"
 #include "openmm_plugin/device_plan.hpp"
 #include "openmm_plugin/step_kernel.hpp"
 #include "openmm_plugin/taut_integrator.hpp"
@@ -29,23 +28,20 @@ class DeviceStep final : public TautStepKernel {
 
  private:
   using Vectors = std::vector<OpenMM::Vec3>;
-  using Array = std::unique_ptr<OpenMM::ArrayInterface>;
   struct Shape {
     DeviceShape plan;
-    Array atoms, homes, lengths, gains, past;
+    DeviceArray atoms, homes, lengths, gains, past;
+    std::vector<DeviceArray> of_group;  // its plan, and room to work in
     OpenMM::ComputeKernel hold;
+    int threads_of_cluster = 1;
   };
 
   // The platform's own: returns the context of its one device.
   static OpenMM::ComputeContext& device_of(OpenMM::ContextImpl& context);
 
-  Array make_array(std::size_t size, int element_size, const std::string& called);
-  Array make_numbers(const std::vector<double>& numbers, const std::string& called);
-  void add_number(OpenMM::ComputeKernel& kernel, double value);
-  void set_number(OpenMM::ComputeKernel& kernel, int index, double value);
-  std::vector<double> numbers_in(OpenMM::ArrayInterface& array);
   void make_kernels();
   void make_hold(Shape& shape);
+  void add_group(Shape& shape);
   void start(OpenMM::ContextImpl& context);
   void step(OpenMM::ContextImpl& context);
   void hold(bool starts);
@@ -60,7 +56,7 @@ class DeviceStep final : public TautStepKernel {
   DevicePlan plan_;
   std::vector<Shape> shapes_;
   OpenMM::ComputeKernel drift_;
-  Array kept_, jumps_, failure_;
+  DeviceArray kept_, jumps_, failure_;
   Vectors x_, v_, saved_x_, saved_v_;
   KnownBox box_;
   int groups_ = -1;  // of forces

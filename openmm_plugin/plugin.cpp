@@ -88,7 +88,7 @@ TAUT_EXPORT void registerPlatforms() {}
 TAUT_EXPORT void registerKernelFactories() {
   for (int n = 0; n < OpenMM::Platform::getNumPlatforms(); ++n) {
     OpenMM::Platform& platform = OpenMM::Platform::getPlatform(n);
-    // CPU is one, too. A platform of devices crashes unless its integrator prepares it, as opencl_plugin.cpp does.
+    // CPU is one, too. A platform of devices crashes unless its integrator prepares it, as device_step.cpp does.
     if (!dynamic_cast<OpenMM::ReferencePlatform*>(&platform)) continue;
     platform.registerKernelFactory(taut::TautStepKernel::Name(), new StepFactory);
     platform.registerKernelFactory(OpenMM::ApplyConstraintsKernel::Name(), new ConstraintsFactory);

@@ -4,6 +4,7 @@
 
 #include "base/errors.hpp"
 #include "constraints/projection.hpp"
+#include "forcefield/force_field.hpp"
 
 namespace taut {
 namespace {

@@ -2,10 +2,12 @@
 
 #include <functional>
 
-#include "forcefield/force_field.hpp"
+#include "md/state.hpp"
 #include "md/system.hpp"
 
 namespace taut {
+
+class ForceField;
 
 // Steepest descent on the manifold of the bonds, for rough starts. The way is the force without its part
 // along the bonds, f − Jᵀ(JJᵀ)⁻¹Jf (masses have no say in a minimum); after each move the bonds are brought

@@ -77,6 +77,7 @@ OpenRun open_new(RunRequest& request) {
   else
     refuse_other_run(request);  // before a start that may take long to relax
   OpenRun run{std::move(request.source), nullptr, {}};
+  for (const auto& [key, value] : request.usual) run.source.overrides.push_back(key + "=" + value);
   const int threads = threads_of_new_run(request);
   run.simulation = std::make_unique<Simulation>(std::move(*request.scene), threads, request.on_move);
   if (request.folder.empty()) return run;
@@ -109,6 +110,7 @@ void refuse_other_input(const RunRequest& request, const SceneSource& kept) {
   const KeyValues there = key_values(kept.overrides), here = key_values(given.overrides);
   KeyValues all = there;
   all.insert(here.begin(), here.end());
+  for (const auto& [key, value] : request.usual) all.erase(key);
   const auto value_in = [](const KeyValues& values, const std::string& key) {
     const auto value = values.find(key);
     return value == values.end() ? "not said" : value->second;

@@ -37,7 +37,8 @@ struct RunRequest {
   // Of a new run. kContinue takes from the scene only how many steps there are.
   std::optional<Scene> scene = {};
   SceneSource source = {};
-  OnMove on_move = {};  // called while the start is relaxed
+  KeyValues usual = {};  // keys that the user did not name, which a new run has of the command
+  OnMove on_move = {};   // called while the start is relaxed
 
   // Of a run that continues.
   std::string checkpoint = {};                         // its bytes, if there is no folder

@@ -9,13 +9,12 @@
 
 #include "base/errors.hpp"
 #include "constraints/bond_algebra.hpp"
-#include "constraints/redundancy.hpp"
 #include "ensembles/bussi.hpp"
 #include "ensembles/c_rescale.hpp"
 #include "ensembles/monte_carlo.hpp"
 #include "forcefield/ewald/parameters.hpp"
-#include "md/run.hpp"
 #include "md/units.hpp"
+#include "simulation/inner.hpp"
 #include "simulation/redundant_bonds.hpp"
 #include "simulation/soft_start.hpp"
 #include "systems/whole_molecules.hpp"
@@ -86,31 +85,36 @@ void refuse_unreachable_tolerance(const System& sys, const Vectors& x, double to
 
 }  // namespace
 
+Simulation::Inner::Inner(Scene& scene)
+    : metric(add_metric_correction(scene)),
+      forces(ForceField(scene.system, scene.start.box, scene.terms)),
+      projector(scene.system) {}
+
+Simulation::~Simulation() = default;
+
 Simulation::Simulation(Scene scene, const ThreadScope&, const OnMove& on_move)
     : threads_(available_threads()),
       full_(scene.system),
       redundancy_(find_redundancy(scene.system, scene.start.x)),
       scene_(without_redundant_bonds(std::move(scene), redundancy_)),
-      metric_(add_metric_correction(scene_)),
-      forces_(ForceField(scene_.system, scene_.start.box, scene_.terms)),
+      inner_(std::make_unique<Inner>(scene_)),
       method_(make_method(scene_.system, scene_.method, scene_.run.h())),
-      projector_(scene_.system),
       state_(scene_.start),
       measures_parts_(scene_.system.atoms() >= kAtomsWorthMeasuring) {
   const System& sys = scene_.system;
   refuse_momentum_of_anchored_bonds(scene_);
-  if (metric_ && has_springs())
+  if (inner_->metric && has_springs())
     throw InputError(
         "run.metric_correction: corrects for rigid bonds, and those of method.name = \"penalty\" are "
         "springs");
-  if (scene_.terms.steered_in_time()) ensemble_.steering.emplace(forces_.besides);
+  if (scene_.terms.steered_in_time()) inner_->ensemble.steering.emplace(inner_->forces.besides);
   sums_.walls.resize(scene_.terms.walls.size());
   make_thermostat();
   bring_to_the_bonds(
       {.force = scene_.run.minimise ? scene_.run.minimise_force : 0, .soft = scene_.run.soft_start}, on_move);
   note_start();
   refuse_unreachable_tolerance(sys, state_.x, method_->promised_error());
-  if (state_.box.periodic()) barometer_.emplace(sys, has_springs());
+  if (state_.box.periodic()) inner_->barometer.emplace(sys, has_springs());
   count_degrees_of_freedom(momentum_stays_zero(scene_, state_.v));
   make_barostat();
   unaccounted_at_start_ = unaccounted();
@@ -120,7 +124,7 @@ void Simulation::bring_to_the_bonds(const MinimiseGoal& goal, const OnMove& on_m
   const System& sys = scene_.system;
   place_sites(sys.sites, state_.x);
   if (goal.force > 0 && goal.soft) start_report_.pushed_apart = push_apart(scene_, state_, on_move);
-  if (goal.force > 0) start_report_.minimised = minimise(sys, forces_.field, goal, state_, on_move);
+  if (goal.force > 0) start_report_.minimised = minimise(sys, inner_->forces.field, goal, state_, on_move);
   start_report_.anchors_stopped = rest_anchors(sys, state_.v);
   const Vectors x = state_.x;
   const double kinetic = kinetic_energy(sys, state_.v);
@@ -136,8 +140,8 @@ void Simulation::begin_means() {
   sums_.last_row = last_row;
   sums_.walls.resize(scene_.terms.walls.size());
   unaccounted_at_start_ = unaccounted();
-  heat_at_start_ = ensemble_.meter.heat();
-  if (ensemble_.steering) steering_work_at_start_ = ensemble_.steering->work();
+  heat_at_start_ = inner_->ensemble.meter.heat();
+  if (inner_->ensemble.steering) steering_work_at_start_ = inner_->ensemble.steering->work();
 }
 
 // For the header.
@@ -172,11 +176,11 @@ void Simulation::note_start() {
 
 void Simulation::make_thermostat() {
   const RunSettings& run = scene_.run;
-  ensemble_.thermostat.reset();
-  ensemble_.temperature = run.temperature_course;
-  ensemble_.remove_momentum_every = run.remove_momentum_every;
+  inner_->ensemble.thermostat.reset();
+  inner_->ensemble.temperature = run.temperature_course;
+  inner_->ensemble.remove_momentum_every = run.remove_momentum_every;
   if (run.langevin())
-    ensemble_.thermostat =
+    inner_->ensemble.thermostat =
         std::make_unique<Langevin>(scene_.system,
                                    Langevin::Settings{.temperature = run.temperature_k,
                                                       .friction = run.friction_per_ps,
@@ -212,11 +216,11 @@ std::unique_ptr<Bath> make_barostat(const Scene& scene, std::uint64_t seed, RunF
 }
 
 Dynamics Simulation::dynamics() {
-  return {scene_.system, forces_, *method_, ensemble_};
+  return {scene_.system, inner_->forces, *method_, inner_->ensemble};
 }
 
 void Simulation::make_barostat() {
-  ensemble_.barostat = taut::make_barostat(scene_, ~seed_here(), forces_);
+  inner_->ensemble.barostat = taut::make_barostat(scene_, ~seed_here(), inner_->forces);
 }
 
 // What is drawn from here on was not drawn before: a thermostat taken away and given back.
@@ -232,7 +236,7 @@ void Simulation::count_degrees_of_freedom(bool momentum_fixed) {
     throw InputError("run.thermostat: nothing can move, there is no temperature");
   temperatures_.emplace(sys, scene_.terms, state_.x, dof_.rank > 0, dof_.momentum_fixed);
   if (run.rescaling())
-    ensemble_.thermostat =
+    inner_->ensemble.thermostat =
         std::make_unique<VelocityRescaling>(sys, VelocityRescaling::Settings{.temperature = run.temperature_k,
                                                                              .relaxation = run.thermostat_ps,
                                                                              .dof = dof_.total(),
@@ -249,14 +253,23 @@ Eigen::VectorXd Simulation::bond_tensions() const {
   if (has_springs())
     lambda = method_->lambda();
   else
-    lambda =
-        projector_.multipliers(sys, {state_.x, state_.v, ensemble_.meter.forces(), state_.t, state_.box});
+    lambda = inner_->projector.multipliers(
+        sys, {state_.x, state_.v, inner_->ensemble.meter.forces(), state_.t, state_.box});
   return tensions(full_, least_norm_multipliers(full_, state_.x, redundancy_.redundant, lambda));
 }
 
 Energies Simulation::energies() const {
   const ThreadScope own(threads_);
-  return forces_.field.energies(state_, forces_.besides);
+  return inner_->forces.field.energies(state_, inner_->forces.besides);
+}
+
+int Simulation::clusters() const {
+  return inner_->projector.clusters();
+}
+
+double Simulation::unaccounted(double kinetic) const {
+  const WorkMeter& meter = inner_->ensemble.meter;
+  return kinetic + method_->spring_energy(scene_.system, state_.x) - meter.work() - meter.heat();
 }
 
 double Simulation::unaccounted() const {
@@ -271,7 +284,8 @@ State Simulation::state_to_write() const {
 }
 
 Vectors Simulation::without_stretching(Vectors v) const {
-  if (method_->holds() != ConstraintMethod::Holds::kAll) projector_.velocities(scene_.system, state_.x, v);
+  if (method_->holds() != ConstraintMethod::Holds::kAll)
+    inner_->projector.velocities(scene_.system, state_.x, v);
   return v;
 }
 
@@ -282,15 +296,16 @@ Vectors Simulation::velocity() const {
 
 Vectors Simulation::thermal_velocity() const {
   const ThreadScope own(threads_);
-  return langevin() ? langevin()->middle_velocity(scene_.system, state_) : without_stretching(state_.v);
+  return inner_->langevin() ? inner_->langevin()->middle_velocity(scene_.system, state_)
+                            : without_stretching(state_.v);
 }
 
 Record Simulation::record() const {
   const ThreadScope own(threads_);
   Record r;
   r.t = state_.t;
-  r.potential =
-      forces_.field.potential(state_, forces_.besides) + method_->spring_energy(scene_.system, state_.x);
+  r.potential = inner_->forces.field.potential(state_, inner_->forces.besides) +
+                method_->spring_energy(scene_.system, state_.x);
   r.kinetic = kinetic_energy(scene_.system, velocity());
   r.temperature = temperature(kinetic_energy(scene_.system, thermal_velocity()), dof_.total());
   r.bonds = bond_errors(scene_.system, state_.x);
@@ -298,12 +313,13 @@ Record Simulation::record() const {
 }
 
 std::optional<Eigen::Matrix3d> Simulation::pressure_tensor() const {
-  if (!barometer_) return {};
+  if (!inner_->barometer) return {};
   const ThreadScope own(threads_);
-  const bool springs_move = has_springs() && !langevin();  // and the pressure has their part in it
-  const State now{state_.x, springs_move ? state_.v : thermal_velocity(), ensemble_.meter.forces(), state_.t,
-                  state_.box};
-  return barometer_->evaluated(scene_.system, forces_.field, now, forces_.besides, method_->lambda());
+  const bool springs_move = has_springs() && !inner_->langevin();  // and the pressure has their part in it
+  const State now{state_.x, springs_move ? state_.v : thermal_velocity(), inner_->ensemble.meter.forces(),
+                  state_.t, state_.box};
+  return inner_->barometer->evaluated(scene_.system, inner_->forces.field, now, inner_->forces.besides,
+                                      method_->lambda());
 }
 
 double Simulation::constraint_work() const {
@@ -313,17 +329,17 @@ double Simulation::constraint_work() const {
 void Simulation::change(const RunSettings& run) {
   const ThreadScope own(threads_);
   const RunSettings before = std::exchange(scene_.run, run);
-  if (metric_) metric_->set_kT(kBoltzmann * run.temperature_k);
+  if (inner_->metric) inner_->metric->set_kT(kBoltzmann * run.temperature_k);
   if (same_thermostat(before, run) && same_barostat(before, run)) return;
   if (!same_barostat(before, run)) make_barostat();
   std::string drawn;  // the numbers of a thermostat that stays go on
   Archive save = Archive::saving_to(drawn);
   const bool same_kind = before.langevin() == run.langevin() && before.rescaling() == run.rescaling();
-  if (same_kind && ensemble_.thermostat) save(*ensemble_.thermostat);
+  if (same_kind && inner_->ensemble.thermostat) save(*inner_->ensemble.thermostat);
   make_thermostat();
   begin_means();
   Archive load = Archive::loading_from(drawn);
-  if (same_kind && ensemble_.thermostat) load(*ensemble_.thermostat);
+  if (same_kind && inner_->ensemble.thermostat) load(*inner_->ensemble.thermostat);
 }
 
 // The thing itself is made anew, from the same scene; this is what its steps have changed.
@@ -332,8 +348,8 @@ void Simulation::serialize(Archive& archive) {
   serialize_numbers(archive);
   if (!archive.loading()) return;
   State evaluated = state_;  // its f holds no constraint forces
-  forces_.evaluate(scene_.system, evaluated);
-  ensemble_.meter.set_forces(evaluated.f);
+  inner_->forces.evaluate(scene_.system, evaluated);
+  inner_->ensemble.meter.set_forces(evaluated.f);
 }
 
 void Simulation::serialize_numbers(Archive& archive) {
@@ -346,10 +362,10 @@ void Simulation::serialize_numbers(Archive& archive) {
   archive(sums_);
   archive.demand(0 <= sums_.last_row && sums_.last_row <= progress_.step && 0 <= sums_.rows &&
                  sums_.rows <= progress_.step + 1);
-  archive(*temperatures_, forces_.field, unaccounted_at_start_, heat_at_start_);
-  if (ensemble_.steering) archive(steering_work_at_start_);
+  archive(*temperatures_, inner_->forces.field, unaccounted_at_start_, heat_at_start_);
+  if (inner_->ensemble.steering) archive(steering_work_at_start_);
   archive(*method_);
-  archive(ensemble_);
+  archive(inner_->ensemble);
 }
 
 void Simulation::restore(std::string_view kept) {

@@ -7,19 +7,14 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/threads.hpp"
-#include "constraints/projection.hpp"
 #include "constraints/redundancy.hpp"
-#include "ensembles/barostat.hpp"
-#include "ensembles/ensemble.hpp"
-#include "ensembles/langevin.hpp"
-#include "ensembles/pressure.hpp"
 #include "md/observables.hpp"
 #include "md/run.hpp"
 #include "md/step_parts.hpp"
-#include "simulation/metric_field.hpp"
 #include "simulation/minimise.hpp"
 #include "simulation/temperatures.hpp"
 #include "systems/scene.hpp"
@@ -128,9 +123,6 @@ struct StartReport {
   std::vector<int> anchors_stopped;    // atoms of mass 0 that came with a velocity
 };
 
-// The barostat that a scene asks for; null: none. Throws InputError.
-std::unique_ptr<Bath> make_barostat(const Scene& scene, std::uint64_t seed, RunForces& forces);
-
 // A scene ready to run: forces and method made, the start brought to the bonds.
 class Simulation {
  public:
@@ -139,6 +131,7 @@ class Simulation {
   explicit Simulation(Scene scene, int threads = available_threads(), const OnMove& on_move = {})
       : Simulation(std::move(scene), ThreadScope(threads), on_move) {}
   Simulation(Simulation&&) = delete;  // its barostat refers into it
+  ~Simulation();
 
   int threads() const { return threads_; }
   const Scene& scene() const { return scene_; }
@@ -146,13 +139,13 @@ class Simulation {
   const State& state() const { return state_; }            // virtual sites have no velocity in it
   State state_to_write() const;                            // there they have
   const DegreesOfFreedom& dof() const { return dof_; }
-  int clusters() const { return projector_.clusters(); }
+  int clusters() const;
   const StartReport& start_report() const { return start_report_; }
   const ConstraintMethod& method() const { return *method_; }
   // What holds the bonds at this very instant, whatever method runs: A λ = −(J M⁻¹F + |v_ij|²), tension −λd;
   // of a penalty, what its springs pull. Least norm where bonds are redundant [kJ/mol/nm].
   Eigen::VectorXd bond_tensions() const;
-  Energies energies() const;  // of the forces, by term [kJ/mol]
+  std::vector<std::pair<std::string, double>> energies() const;  // of the forces, by term [kJ/mol]
 
   Record record() const;  // the state as it is now, but for what belongs to a run
   std::optional<Eigen::Matrix3d> pressure_tensor() const;  // in a box [bar]
@@ -212,7 +205,6 @@ class Simulation {
   std::uint64_t seed_here() const;
   void make_thermostat();
   void make_barostat();
-  Langevin* langevin() const { return dynamic_cast<Langevin*>(ensemble_.thermostat.get()); }
   void count_degrees_of_freedom(bool momentum_fixed);
   Dynamics dynamics();
   bool has_springs() const { return method_->holds() == ConstraintMethod::Holds::kSprings; }
@@ -244,10 +236,7 @@ class Simulation {
   StartAndEnd start_and_end(const Record& end) const;
   // The kinetic energy and a penalty's springs', less the work of forces and the heat: only bonds change it
   // [kJ/mol].
-  double unaccounted(double kinetic) const {
-    return kinetic + method_->spring_energy(scene_.system, state_.x) - ensemble_.meter.work() -
-           ensemble_.meter.heat();
-  }
+  double unaccounted(double kinetic) const;
   double unaccounted() const;
   Record row(const SolveStats& since, const Stopwatch& watch, long steps);
   Summary summary(const Record& end, double seconds, const PartMeter& meter, long steps) const;
@@ -267,28 +256,21 @@ class Simulation {
   System full_;  // with the bonds that were left out, if any were
   Redundancy redundancy_;
   Scene scene_;
-  std::shared_ptr<MetricField> metric_;  // of scene_; null: no metric correction
-  mutable RunForces forces_;             // measuring energies may renew its pair lists
-  Ensemble ensemble_;
+  // What only the simulation itself needs (simulation/inner.hpp): programs that include this header need no
+  // headers of forces, thermostats and SIMD.
+  struct Inner;
+  std::unique_ptr<Inner> inner_;
   double unaccounted_at_start_ = 0, heat_at_start_ = 0,
          steering_work_at_start_ = 0;  // or where the thermostat was changed
   std::unique_ptr<ConstraintMethod> method_;
-  mutable Projector projector_;
   State state_;
   DegreesOfFreedom dof_;
   StartReport start_report_;
   RunProgress progress_;
   LogSums sums_;
   std::optional<Temperatures> temperatures_;
-  mutable std::optional<Barometer> barometer_;
-  std::string ewald_doubt_;  // what is wrong with the parameters of Ewald's sum, if anything is
-  std::string snapshot_;     // what serialize() kept
-  struct Note {
-    std::string numbers;             // what serialize_numbers() kept
-    Vectors forces;                  // F where the state was [kJ/mol/nm]
-    ForceField::Evaluation besides;  // and what evaluating them gave besides
-  };
-  Note note_;
+  std::string ewald_doubt_;              // what is wrong with the parameters of Ewald's sum, if anything is
+  std::string snapshot_;                 // what serialize() kept
   std::optional<Diagnosis> taken_back_;  // why the last step was
   bool stop_ = false;
   bool measures_parts_;

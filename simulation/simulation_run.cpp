@@ -9,7 +9,7 @@
 #include "md/step_parts.hpp"
 #include "md/units.hpp"
 #include "simulation/doubts.hpp"
-#include "simulation/simulation.hpp"
+#include "simulation/inner.hpp"
 
 namespace taut {
 namespace {
@@ -100,19 +100,19 @@ Record Simulation::row(const SolveStats& since, const Stopwatch& watch, long ste
   Record r = record();
   r.step = progress_.step;
   if (scene_.run.thermostatted() || scene_.run.remove_momentum_every > 0)
-    r.heat = ensemble_.meter.heat() - heat_at_start_;
-  r.walls = forces_.besides.wall_pushes;
+    r.heat = inner_->ensemble.meter.heat() - heat_at_start_;
+  r.walls = inner_->forces.besides.wall_pushes;
   if (state_.box.periodic())
     for (std::size_t w = 0; w < r.walls.size(); ++w)
       r.walls[w] *= kBarPerUnit * state_.box.edge[scene_.terms.walls[w].axis] / state_.box.volume();
   if (scene_.run.thermostatted()) r.bath_temperature = scene_.run.bath_temperature(state_.t);
-  if (ensemble_.steering) {
-    r.steering_work = ensemble_.steering->work() - steering_work_at_start_;
-    r.steering_force = forces_.besides.steering.force;
+  if (inner_->ensemble.steering) {
+    r.steering_work = inner_->ensemble.steering->work() - steering_work_at_start_;
+    r.steering_force = inner_->forces.besides.steering.force;
   }
   RunningSlope energy = sums_.energy;
   energy.add(r.t, r.but_for_heat());
-  r.drift = ensemble_.barostat ? kUnknown : energy.value() * per_ns_and_dof();
+  r.drift = inner_->ensemble.barostat ? kUnknown : energy.value() * per_ns_and_dof();
   r.constraint_work = unaccounted(r.kinetic) - unaccounted_at_start_;
   if (const auto tensor = pressure_tensor()) {
     r.pressure_tensor = *tensor;
@@ -162,7 +162,7 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
   try {
     if (!stop_) before_step();
     if (!stop_)
-      taut::run({scene_.system, forces_, method, ensemble_}, plan, progress_, state_,
+      taut::run({scene_.system, inner_->forces, method, inner_->ensemble}, plan, progress_, state_,
                 {.observe = [&](const Observation& m) { observe(m.since); },
                  .go_on =
                      [&](long step) {
@@ -213,8 +213,9 @@ StartAndEnd Simulation::start_and_end(const Record& end) const {
   const RunSettings& run = scene_.run;
   const double relaxation = run.langevin() ? 1 / (2 * run.friction_per_ps) : run.thermostat_ps;
   return {.time = end.t - sums_.first_t,
-          .rise = ensemble_.barostat ? kUnknown
-                                     : (end.but_for_heat() - sums_.first_energy) / std::max(1, dof_.total()),
+          .rise = inner_->ensemble.barostat
+                      ? kUnknown
+                      : (end.but_for_heat() - sums_.first_energy) / std::max(1, dof_.total()),
           .dof = dof_.total(),
           .expected = !run.temperature_course.empty()
                           ? run.temperature_course.mean((sums_.first_t + end.t) / 2, end.t)
@@ -241,14 +242,14 @@ Summary Simulation::summary(const Record& end, double seconds, const PartMeter& 
     const Estimate slope = of.estimate();
     return Estimate{slope.value * per_ns_and_dof(), slope.error * per_ns_and_dof()};
   };
-  s.drift = ensemble_.barostat ? Estimate{kUnknown, 0} : drift(sums_.energy);
+  s.drift = inner_->ensemble.barostat ? Estimate{kUnknown, 0} : drift(sums_.energy);
   s.constraint_drift = drift(sums_.constraint_work);
   s.constraint_work = end.constraint_work;
   s.heat = end.heat;
-  s.off_by_k = off_by_k((ensemble_.barostat ? s.constraint_drift : s.drift).value);
+  s.off_by_k = off_by_k((inner_->ensemble.barostat ? s.constraint_drift : s.drift).value);
   s.temperature = sums_.temperature.estimate().value;
   s.start_and_end = start_and_end(end);
-  if (barometer_) {
+  if (inner_->barometer) {
     s.pressure = sums_.pressure.estimate();
     s.volume = sums_.volume.estimate();
     s.density = sums_.density.estimate();
@@ -263,7 +264,7 @@ Summary Simulation::summary(const Record& end, double seconds, const PartMeter& 
     s.converged =
         std::max(sums_.largest_residual, s.max_rel_bond_error) <= kLeeway * method_->promised_error();
   s.doubts = doubts(s);
-  if (const std::string doubt = ensemble_.doubt(); !doubt.empty()) s.doubts.push_back(doubt);
+  if (const std::string doubt = inner_->ensemble.doubt(); !doubt.empty()) s.doubts.push_back(doubt);
   if (!ewald_doubt_.empty()) s.doubts.push_back(ewald_doubt_);
   return s;
 }

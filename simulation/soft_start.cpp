@@ -6,6 +6,7 @@
 #include <set>
 
 #include "base/random.hpp"
+#include "forcefield/force_field.hpp"
 
 namespace taut {
 namespace {

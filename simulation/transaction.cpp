@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "simulation/simulation.hpp"
+#include "simulation/inner.hpp"
 
 namespace taut {
 
@@ -12,18 +12,18 @@ bool Simulation::runs_foreign_code() const {
 }
 
 void Simulation::note() {
-  note_.numbers.clear();
-  Archive archive = Archive::noting_in(note_.numbers);
+  inner_->note.numbers.clear();
+  Archive archive = Archive::noting_in(inner_->note.numbers);
   serialize_numbers(archive);
-  note_.forces = ensemble_.meter.forces();
-  note_.besides = forces_.besides;
+  inner_->note.forces = inner_->ensemble.meter.forces();
+  inner_->note.besides = inner_->forces.besides;
 }
 
 void Simulation::take_back() {
-  Archive archive = Archive::recalling(note_.numbers);
+  Archive archive = Archive::recalling(inner_->note.numbers);
   serialize_numbers(archive);
-  forces_.besides = note_.besides;
-  ensemble_.meter.set_forces(note_.forces);
+  inner_->forces.besides = inner_->note.besides;
+  inner_->ensemble.meter.set_forces(inner_->note.forces);
 }
 
 void Simulation::take_back(Diagnosis& of) {

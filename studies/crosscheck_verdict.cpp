@@ -142,7 +142,8 @@ Verdict on_energy(const Crosscheck& c, const Track& track) {
   std::string why =
       fmt::format("drift {:.1e} ± {:.0e} kJ/mol/ns/dof, OpenMM {:.1e} ± {:.0e} ({:.1f} standard errors)",
                   ours.value, ours.error, theirs.value, theirs.error, apart);
-  if (track.constraint_drift) why += fmt::format(", of it the bonds' {:.1e}", track.constraint_drift->value);
+  if (track.constraint_drift)
+    why += fmt::format(", of which constraints {:.1e}", track.constraint_drift->value);
   const bool same = apart <= kSurprising;
   if (!same)
     why += std::abs(ours.value) > std::abs(theirs.value) ? "; it keeps energy worse"

@@ -78,6 +78,32 @@ TEST(App, GoesOnFromAFinalState) {
   EXPECT_EQ(exit_code, 0) << text;
 }
 
+// Double precision for scenes; mixed for what OpenMM prepared, unless the user or the run's folder says another.
+TEST(App, OpenMMsSystemsRunInMixedPrecision) {
+  const TemporaryFolder folder;
+  const std::string data = TAUT_SCENES "/../tests/data/tip3p-216.";
+  const std::string files = "--openmm " + data + "system.xml " + data + "state.xml ";
+  const auto out = [&](const char* name) { return " --out " + (folder.path() / name).string(); };
+  EXPECT_THAT(taut("run water --steps 1").text,
+              HasSubstr("double precision (change with --precision mixed)"));
+  const auto first = taut("run " + files + "--steps 2" + out("mixed"));
+  EXPECT_THAT(first.text, HasSubstr("mixed precision (change with --precision double)"));
+  EXPECT_THAT(taut("run " + files + "--steps 2 --precision double" + out("double")).text,
+              HasSubstr("double precision (change with --precision mixed)"));
+  EXPECT_THAT(taut("info " + files).text, HasSubstr("precision"));
+  EXPECT_THAT(taut("resume " + (folder.path() / "mixed").string() + " --steps 2").text,
+              HasSubstr("mixed precision"));
+  for (const std::string name : {"mixed", "double"})
+    for (const std::string& said : {std::string(" --steps 6"), " --steps 8 --precision " + name}) {
+      const auto [exit_code, text] = taut("run " + files + said + " --continue" + out(name.c_str()));
+      EXPECT_EQ(exit_code, 0) << text;
+      EXPECT_THAT(text, HasSubstr(name + " precision"));
+    }
+  const auto refused = taut("run " + files + "--steps 8 --precision double --continue" + out("mixed"));
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.text, HasSubstr("forcefield.precision is \"mixed\" there, \"double\" here"));
+}
+
 TEST(App, RepeatsToTheLastBit) {
   const TemporaryFolder folder;
   for (const char* name : {"one", "two"})

@@ -12,7 +12,7 @@
 #include "force_checks.hpp"
 #include "md/units.hpp"
 #include "named_scene.hpp"
-#include "simulation/simulation.hpp"
+#include "simulation/inner.hpp"
 #include "systems/whole_molecules.hpp"
 
 namespace taut::barostat_tests {

@@ -6,10 +6,11 @@
 #include "constraints/batch/batched_feedforward.hpp"
 #include "constraints/batch/batched_lincs.hpp"
 #include "constraints/batch/batched_newton.hpp"
-#include "constraints/batch/batched_settle.hpp"
 #include "constraints/batch/batched_sweeps.hpp"
 #include "constraints/elimination.hpp"
+#include "constraints/methods/settle.hpp"
 #include "molecules_of_all_sorts.hpp"
+#include "reference/paper_settle.hpp"
 
 namespace taut::batched_tests {
 namespace {
@@ -155,13 +156,20 @@ TEST(Batched, LincsIsThePlainLincs) {
   compare_all(Lincs::Options{.order = 7, .iterations = 3}, 1e-12);
 }
 
-TEST(Batched, SettleIsThePlainSettle) {
-  for (int count : {1, 8, 21}) compare(tests::waters(count, 3, 300), Settle::Options{}, 1e-12);
-  compare(together(apart(waters_alike(10, {15.99943, 1.007947, 1.007947}))), Settle::Options{}, 1e-12);
+TEST(Batched, SettleIsThePapersSettle) {
+  const auto compare_with_paper = [](const Start& start) {
+    on_every_machine([&] {
+      Settle settle(start.system, {}, 0.001);
+      tests::PaperSettle paper(start.system);
+      compare_here(start, settle, paper, 1e-12);
+    });
+  };
+  for (int count : {1, 8, 21}) compare_with_paper(tests::waters(count, 3, 300));
+  compare_with_paper(together(apart(waters_alike(10, {15.99943, 1.007947, 1.007947}))));
   // hydrogens first
   std::vector<int> turned;
   for (int w = 0; w < 9; ++w) turned.insert(turned.end(), {3 * w + 2, 3 * w, 3 * w + 1});
-  compare(together({tests::waters(9, 3, 300)}, turned), Settle::Options{}, 1e-12);
+  compare_with_paper(together({tests::waters(9, 3, 300)}, turned));
 }
 
 TEST(Batched, NamesTheBondThatTurnedTooFarInItsLane) {
@@ -182,15 +190,11 @@ TEST(Batched, NamesTheWaterThatTurnedTooFar) {
   for (const int water : {0, 9, 20}) {
     Start start = tests::waters(21, 3, 300);
     start.state.v.col(3 * water + 1) += Vec3(1e3, 0, 0);
-    const auto worst = [&](auto method) {
-      State s = start.state;
-      s.x += 0.001 * s.v;
-      const SolveStats stats = method.project_positions(start.system, 0.001, s);
-      EXPECT_FALSE(stats.converged());
-      return stats.worst_bond;
-    };
-    EXPECT_EQ(worst(Settle(start.system, {}, 0.001)), 3 * water);
-    EXPECT_EQ(worst(Batched<Settle>(start.system, {}, 0.001)), 3 * water);
+    start.state.x += 0.001 * start.state.v;
+    const SolveStats stats =
+        Settle(start.system, {}, 0.001).project_positions(start.system, 0.001, start.state);
+    EXPECT_FALSE(stats.converged());
+    EXPECT_EQ(stats.worst_bond, 3 * water);
   }
 }
 

@@ -218,10 +218,10 @@ std::string refusal(std::string_view bytes) {
 
 TEST(CheckpointFormat, SaysWhatIsWrong) {
   json envelope = json::from_cbor(to_bytes(some_checkpoint()));
-  envelope["version"] = 8;
+  envelope["version"] = 9;
   const auto later = json::to_cbor(envelope);
   EXPECT_EQ(refusal({reinterpret_cast<const char*>(later.data()), later.size()}),
-            "a checkpoint of version 8, this taut reads version 7");
+            "a checkpoint of version 9, this taut reads version 8");
   EXPECT_EQ(refusal("[run]\nsteps = 3\n"), "not a checkpoint, or not all of it");
   EXPECT_EQ(refusal(""), "not a checkpoint, or not all of it");
 }

@@ -11,6 +11,7 @@
 #include "constraints/bond_algebra.hpp"
 #include "constraints/methods/newton.hpp"
 #include "constraints/projection.hpp"
+#include "forcefield/force_field.hpp"
 #include "simulation/simulation.hpp"
 #include "systems/scene_file.hpp"
 #include "verifier.hpp"

@@ -6,9 +6,10 @@
 #include "constraints/batch/batched_feedforward.hpp"
 #include "constraints/batch/batched_lincs.hpp"
 #include "constraints/batch/batched_newton.hpp"
-#include "constraints/batch/batched_settle.hpp"
 #include "constraints/batch/batched_sweeps.hpp"
 #include "constraints/elimination.hpp"
+#include "constraints/methods/settle.hpp"
+#include "reference/paper_settle.hpp"
 
 namespace taut::cut_chains_tests {
 namespace {
@@ -188,7 +189,9 @@ TEST(Batched, SharesOfThreadsFitTogether) {
     compare_here(start, Feedforward::Options{}, 1e-12);
     compare_here(start, Rattle::Options{{.sweeps = 3}}, 1e-12);
     compare_here(start, Lincs::Options{}, 1e-12);
-    compare_here(waters, Settle::Options{}, 1e-12);
+    Settle settle(waters.system, {}, 0.001);
+    tests::PaperSettle paper(waters.system);
+    compare_here(waters, settle, paper, 1e-12);
   });
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/random.hpp"
+#include "forcefield/force_field.hpp"
 #include "md/observables.hpp"
 #include "simulation/simulation.hpp"
 #include "systems/scene_file.hpp"

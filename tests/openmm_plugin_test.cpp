@@ -270,11 +270,86 @@ TEST(OpenMMPluginDevicePlan, RefusesWhatDevicesDoNotHold) {
             std::string::npos);
   EXPECT_NE(refused(some, {0.002, "baumgarte", {{"sweeps", "2"}}}).find("take sweeps=0"), std::string::npos);
   EXPECT_EQ(refused(some, {0.002, "baumgarte", {}}), "");
-  taut::HeldBonds chain{std::vector<double>(26, 14.0), {}};
-  for (int i = 0; i < 24; ++i) chain.bonds.push_back({i, i + 1, 0.15});
-  EXPECT_EQ(refused(chain, {}), "");
-  chain.bonds.push_back({24, 25, 0.15});
-  EXPECT_NE(refused(chain, {}).find("more than 24 bonds"), std::string::npos);
+}
+
+// Carries out the plan as a group of threads does, one number after the other.
+std::vector<double> solve_by(const taut::GroupPlan& plan, const std::vector<std::vector<double>>& a,
+                             const std::vector<double>& b) {
+  std::vector<double> number;
+  for (int e = 0; e < plan.entries(); ++e) number.push_back(a[plan.row[e]][plan.column[e]]);
+  number.insert(number.end(), b.begin(), b.end());
+  double* const x = number.data() + plan.entries();
+  const int rounds = static_cast<int>(plan.rounds.size()) - 1;
+  for (int n = 0; n < rounds; ++n) {
+    for (int p = plan.rounds[n]; p < plan.rounds[n + 1]; ++p)
+      number[plan.pivots[p]] = 1 / number[plan.pivots[p]];
+    const std::vector<double> before = number;  // threads see each other's changes only after the round
+    for (int t = plan.target_rounds[n]; t < plan.target_rounds[n + 1]; ++t)
+      for (int m = plan.change_start[t]; m < plan.change_start[t + 1]; ++m)
+        number[plan.targets[t]] -=
+            before[plan.changes[3 * m]] * before[plan.changes[3 * m + 1]] * before[plan.changes[3 * m + 2]];
+  }
+  for (int n = rounds - 1; n >= 0; --n)
+    for (int p = plan.rounds[n]; p < plan.rounds[n + 1]; ++p) {
+      const int k = plan.pivots[p];
+      for (int m = plan.later_start[p]; m < plan.later_start[p + 1]; ++m)
+        x[k] -= number[plan.later[2 * m]] * x[plan.later[2 * m + 1]];
+      x[k] *= number[k];
+    }
+  return {x, x + b.size()};
+}
+
+// A ladder, whose rungs make it rings, with a branch at each corner.
+TEST(OpenMMPluginGroupPlan, SolvesAnyClusterInFewRounds) {
+  std::vector<std::array<int, 2>> bonds;
+  const int rungs = 40;
+  for (int n = 0; n < rungs; ++n) {
+    bonds.push_back({2 * n, 2 * n + 1});
+    for (int side = 0; side < 2; ++side) {
+      if (n > 0) bonds.push_back({2 * n - 2 + side, 2 * n + side});
+      bonds.push_back({2 * rungs + 2 * n + side, 2 * n + side});
+    }
+  }
+  std::vector<double> inv_masses(4 * rungs, 0.1);
+  inv_masses[7] = 0;  // never moves
+  const int n = static_cast<int>(bonds.size());
+  std::vector<std::vector<double>> a(n, std::vector<double>(n));
+  std::vector<double> x(n), b(n);
+  for (int k = 0; k < n; ++k) {
+    x[k] = 1 + k % 7;
+    for (int l = 0; l < n; ++l) {
+      for (const int end_k : {0, 1})
+        for (const int end_l : {0, 1})
+          if (bonds[k][end_k] == bonds[l][end_l])  // not symmetric, as the bonds before and after a step
+            a[k][l] +=
+                (end_k == end_l ? 1 : -1) * inv_masses[bonds[k][end_k]] * (k == l ? 1 : 0.3 + 0.01 * k);
+    }
+  }
+  for (int k = 0; k < n; ++k)
+    for (int l = 0; l < n; ++l) b[k] += a[k][l] * x[l];
+  const taut::GroupPlan plan = taut::plan_group(bonds, inv_masses);
+  const std::vector<double> solved = solve_by(plan, a, b);
+  for (int k = 0; k < n; ++k) EXPECT_NEAR(solved[k], x[k], 1e-10) << k;
+  EXPECT_LT(plan.rounds.size() - 1, 30u);
+  EXPECT_LT(plan.entries(), 20 * n);
+}
+
+TEST(OpenMMPluginDevicePlan, GivesLargeClustersAndThoseWithAnAnchorToGroups) {
+  taut::HeldBonds held{std::vector<double>(16, 14.0), {}};
+  for (int i = 0; i < 9; ++i) held.bonds.push_back({i, i + 1, 0.15});  // nine bonds
+  held.masses[10] = 0;
+  held.bonds.push_back({10, 11, 0.1});
+  held.bonds.push_back({12, 10, 0.1});  // of the same anchor: clusters that share no moving atom
+  held.bonds.push_back({13, 14, 0.1});
+  const taut::DevicePlan plan = taut::plan_for_device(held, {});
+  ASSERT_EQ(plan.shapes.size(), 5u);
+  EXPECT_EQ(plan.shapes[0].group->unknowns(), 9);
+  for (const int anchored : {1, 2}) {
+    EXPECT_TRUE(plan.shapes[anchored].group);
+    EXPECT_EQ(plan.shapes[anchored].atom, (std::vector<int>{10 + anchored, 10}));
+  }
+  EXPECT_FALSE(plan.shapes[3].group);  // an OH
+  EXPECT_EQ(plan.shapes[4].atom, std::vector<int>{15});
 }
 
 }  // namespace

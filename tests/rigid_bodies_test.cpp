@@ -6,6 +6,7 @@
 #include <Eigen/QR>
 #include <numbers>
 
+#include "forcefield/force_field.hpp"
 #include "md/observables.hpp"
 #include "scene_text.hpp"
 #include "simulation/simulation.hpp"

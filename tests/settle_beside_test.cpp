@@ -1,5 +1,6 @@
 // SETTLE for the waters, another method for the rest.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -58,24 +59,9 @@ TEST(SettleBeside, HoldsWatersAndLeavesTheRestToAnother) {
         verify(start.system, forces, Settle::Options{.solute = solute}, 0.001, 200, start.state);
     ASSERT_TRUE(both.stats.converged()) << solute;
     EXPECT_LT(both.bond_error, 1e-6) << solute;
+    EXPECT_THAT(make_method(start.system, Settle::Options{.solute = solute}, 0.001)->setting(),
+                ::testing::StartsWith(fmt::format("3 waters; 5 bonds of the rest by {} ", solute)));
   }
-}
-
-TEST(SettleBeside, IsTheSameInLanesAndPlain) {
-  const Start start = chain_among_waters();
-  NoForce forces;
-  const MethodOptions options = Settle::Options{.solute = "feedforward"};
-  Vectors ends[2];
-  for (const bool plain : {false, true}) {
-    const auto method =
-        plain ? make_plain(start.system, options, 0.001) : make_method(start.system, options, 0.001);
-    State s = start.state;
-    initialize({start.system, forces, *method}, 0.001, s);
-    for (int n = 0; n < 100; ++n) ASSERT_TRUE(step({start.system, forces, *method}, 0.001, s).converged());
-    ends[plain] = s.x;
-    EXPECT_THAT(method->setting(), ::testing::HasSubstr("3 waters; 5 bonds of the rest by feedforward"));
-  }
-  EXPECT_LT((ends[0] - ends[1]).cwiseAbs().maxCoeff(), 1e-11);
 }
 
 // Counts how often it is asked for its multipliers, which a batched method gathers anew each time.

@@ -6,11 +6,11 @@
 #include "constraints/batch/batched_feedforward.hpp"
 #include "constraints/batch/batched_lincs.hpp"
 #include "constraints/batch/batched_newton.hpp"
-#include "constraints/batch/batched_settle.hpp"
 #include "constraints/batch/batched_sweeps.hpp"
 #include "constraints/methods/baumgarte.hpp"
 #include "constraints/methods/mshake.hpp"
 #include "constraints/methods/penalty.hpp"
+#include "constraints/methods/settle.hpp"
 #include "constraints/registry.hpp"
 #include "free_system.hpp"
 #include "md/run.hpp"
@@ -149,7 +149,6 @@ TEST(Settle, RefusesWhatIsNoWater) {
   const auto refused = [](const Eigen::VectorXd& mass, const std::vector<RigidBond>& bonds) {
     const System sys = make_system(mass, bonds);
     EXPECT_THROW(Settle(sys, {}, 0.001), InputError);
-    EXPECT_THROW(Batched<Settle>(sys, {}, 0.001), InputError);
   };
   EXPECT_NO_THROW(Settle(water, {}, 0.001));
   refused(Eigen::VectorXd{{16, 1, 2}}, water.bonds);  // HDO

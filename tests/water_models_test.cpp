@@ -5,7 +5,9 @@
 
 #include <numbers>
 
+#include "ensembles/pressure.hpp"
 #include "md/observables.hpp"
+#include "md/units.hpp"
 #include "named_scene.hpp"
 #include "simulation/simulation.hpp"
 #include "systems/start_file.hpp"

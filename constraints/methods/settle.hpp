@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "constraints/methods/newton.hpp"
+#include "constraints/batch/solving.hpp"
+#include "constraints/options.hpp"
 #include "md/constraint_method.hpp"
 
 namespace taut {
@@ -32,6 +33,15 @@ class Settle : public ConstraintMethod {
     std::array<int, 3> bonds;  // apex–left, apex–right, left–right
     double ra, rb, rc;         // apex to centre of mass, centre of mass to base, half the base [nm]
   };
+  // Waters of one shape, with atoms apex, left, right and bonds apex–left, apex–right, left–right.
+  struct Batch : SolvedBatch {
+    double ra, rb, rc;
+
+    Batch(const ClusterBatch& batch, const Water& water)
+        : SolvedBatch(batch), ra(water.ra), rb(water.rb), rc(water.rc) {}
+
+    void serialize(Archive& archive) { archive(lambda); }
+  };
   // Throws InputError for a bond that is not part of a water.
   static std::vector<Water> find_waters(const System& sys);
 
@@ -43,21 +53,18 @@ class Settle : public ConstraintMethod {
   Settle(const System& sys, const Options& options, double h);
 
   SolveStats project_positions(const System& sys, double h, State& s) override;
-  SolveStats project_velocities(const System& sys, double h, State& s) override {
-    return velocities_.project_velocities(sys, h, s);
-  }
+  SolveStats project_velocities(const System& sys, double h, State& s) override;
 
-  void serialize(Archive& archive) override { archive(velocities_); }
-  const Eigen::VectorXd& lambda() const override { return velocities_.lambda(); }
+  void serialize(Archive& archive) override { archive(batches_); }
+  const Eigen::VectorXd& lambda() const override;
   double promised_error() const override { return 1e-12; }
   std::string setting() const override;
 
  private:
   static std::vector<Water> waters_in(const System& sys);
-  bool reset(const Water& water, const System& sys, double h, State& s) const;
 
-  std::vector<Water> waters_;
-  Newton velocities_;
+  LaneBatches<Batch> batches_;
+  mutable Eigen::VectorXd lambda_;  // m
 };
 
 }  // namespace taut

@@ -14,8 +14,7 @@
 namespace taut {
 
 // SETTLE for the waters, and the method that its options name for all other bonds. Water and solute share no
-// bond, so each method acts on its own bonds. `Waters` is Settle or its form in lanes.
-template <class Waters>
+// bond, so each method acts on its own bonds.
 class SettleBeside : public ConstraintMethod {
  public:
   SettleBeside(const System& sys, const Settle::Options& options, double h)
@@ -57,7 +56,7 @@ class SettleBeside : public ConstraintMethod {
       : name_(options.solute),
         solute_bonds_(static_cast<int>(parts.rest.size())),
         waters_(sys, parts.of_waters,
-                [&](const System& part) { return std::make_unique<Waters>(part, options, h); }),
+                [&](const System& part) { return std::make_unique<Settle>(part, options, h); }),
         solute_(sys, parts.rest,
                 [&](const System& part) { return make_method(part, default_options(name_), h); }),
         lambda_(Eigen::VectorXd::Zero(sys.bond_count())) {}
@@ -70,7 +69,7 @@ class SettleBeside : public ConstraintMethod {
 
   std::string name_;
   int solute_bonds_;
-  Leftover<Waters> waters_;
+  Leftover<Settle> waters_;
   Leftover<ConstraintMethod> solute_;
   mutable Eigen::VectorXd lambda_;  // m
 };

@@ -134,7 +134,7 @@ def usual_table(rows):
     """Bond error, drift and its share by the constraints at the usual step."""
     table = cells(rows)
     systems = [name for name in SYSTEMS if name in table]
-    lines = ["| rms bond error; drift [kT/ns/dof], of it the bonds' | " + " | ".join(
+    lines = ["| rms bond error; drift [kT/ns/dof], of which constraints | " + " | ".join(
         f"{system}, {SYSTEMS[system].dt_fs:g} fs" for system in systems) + " |", "|---" * (len(systems) + 1) + "|"]
     for method in METHODS:
         line = []

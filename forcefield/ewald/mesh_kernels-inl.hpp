@@ -158,6 +158,15 @@ class PlanesOf {
   Real *end_, *at_;
 };
 
+// Asks the caches for an atom's rows in the last of its planes: the others serve the atoms before it, too.
+template <int order>
+HWY_INLINE void prefetch_last_plane(const MeshGrid<Real>& grid, const MeshAtom<Real>& atom) {
+  const int last = atom.point[0] + order - 1, plane = last < grid.size[0] ? last : last - grid.size[0];
+  const Real* row = grid.plane + plane * grid.apart + atom.point[1] * grid.stride + atom.point[2];
+#pragma GCC unroll 8
+  for (int j = 0; j < order; ++j, row += grid.stride) hwy::Prefetch(row);
+}
+
 template <int order>
 HWY_INLINE void spread_of(const MeshGrid<Real>& grid, const PlanesAbove& planes, MeshAtoms<Real> atoms,
                           const Splines<order>& splines) {
@@ -261,7 +270,10 @@ void forces(MeshGrid<Real> grid, MeshAtoms<Real> atoms, const Eigen::Matrix3d& t
   of_order(grid.order, [&]<int order>() HWY_ATTR {
     Splines<order> splines;
     some_at_a_time(atoms, [&](MeshAtoms<Real> some) HWY_ATTR {
-      for (const auto& atom : some) hwy::Prefetch(f.data() + 3 * std::ptrdiff_t{atom.atom});
+      for (const auto& atom : some) {
+        hwy::Prefetch(f.data() + 3 * std::ptrdiff_t{atom.atom});
+        prefetch_last_plane<order>(grid, atom);
+      }
       find_splines<order>(some, true, splines);
       for (int a = 0; a < static_cast<int>(some.size()); ++a) {
         const auto slope = slope_of<order>(grid, some[a], splines, a);

@@ -2,7 +2,7 @@
 
     python3 count.py in.melt 1 2 4 8 16 [-var steps 0 ...]
 
-The input's variable `steps` is set to 100 and to 300, and the difference taken; an input without it can be counted by
+The input's variable `steps` is set to 20 and to 40, and the difference taken; an input without it can be counted by
 run() and a_step(). Time is the processor's own, so that waiting is no part of it. mpicc and mpirun are needed;
 TAUT_LAMMPS names the program.
 """
@@ -33,8 +33,8 @@ def run(script, ranks, folder=".", words=()):
     """Of one run: means over the processors, and the ghosts of one at its end."""
     environment = dict(os.environ, OMP_NUM_THREADS="1", OMPI_MCA_mpi_yield_when_idle="1",
                        OMPI_MCA_btl_vader_single_copy_mechanism="none")
-    command = [*MPIRUN, "-np", str(ranks), "env", f"LD_PRELOAD={library()}", PROGRAM, "-in", str(script), "-log", "none"]
-    done = subprocess.run([*command, *words], cwd=folder, env=environment, capture_output=True, text=True)
+    command = [*MPIRUN, "-np", str(ranks), "env", f"LD_PRELOAD={library()}", PROGRAM, "-in", str(script), *words]
+    done = subprocess.run([*command, "-log", "none"], cwd=folder, env=environment, capture_output=True, text=True)
     lines = re.findall(r"^count_mpi (.*)$", done.stdout, re.M)
     if done.returncode or len(lines) != ranks:
         raise RuntimeError(done.stdout[-500:] + done.stderr[-500:])
@@ -53,8 +53,8 @@ def main(script, *words):
     numbers = [word for word in words if word.isdigit()]
     split = words.index("-var") if "-var" in words else len(words)
     for ranks in (int(n) for n in words[:split] if n in numbers):
-        short, long = (run(script, ranks, words=["-var", "steps", str(n), *words[split:]]) for n in (100, 300))
-        found = a_step(short, long, 200)
+        short, long = (run(script, ranks, words=["-var", "steps", str(n), *words[split:]]) for n in (20, 40))
+        found = a_step(short, long, 20)
         print(f"{ranks:3} processors: " + ", ".join(f"{value:.4g} {name}" for name, value in found.items()), flush=True)
 
 

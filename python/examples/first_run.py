@@ -6,7 +6,7 @@ import taut
 
 sim = taut.Simulation("water", method="feedforward", dt_fs=2)
 sim.run(1000, every=50, callback=print)
-print(f"{sim.summary['us_per_step']:.0f} µs a step, bonds off by {sim.summary['max_rel_bond_error']:.1e} at most")
+print(f"bonds off by {sim.summary['max_rel_bond_error']:.1e} at most")
 
 log, (figure, (above, below)) = sim.log, pyplot.subplots(2, 1, sharex=True, layout="constrained")
 above.plot(log["time_ps"], log["temperature_k"])

@@ -3,24 +3,28 @@
 Needs jax: pip install jax
 """
 
+import os
+
+os.environ["JAX_ENABLE_X64"] = "1"  # before jax comes
+
 import jax
 import numpy as np
+import numpy.typing as npt
 from matplotlib import pyplot
 
 import taut
 
-jax.config.update("jax_enable_x64", True)
 
-
-def energy(x):
+def well(x: jax.Array) -> jax.Array:
     r = jax.numpy.linalg.norm(x[-1] - x[0])
-    return 4 * ((r - 1) * (r - 3)) ** 2  # [kJ/mol], wells at 1 and 3 nm
+    energy: jax.Array = 4 * ((r - 1) * (r - 3)) ** 2  # [kJ/mol], wells at 1 and 3 nm
+    return energy
 
 
 class Potential(taut.Force):
-    with_slope = staticmethod(jax.jit(jax.value_and_grad(energy)))
+    with_slope = staticmethod(jax.jit(jax.value_and_grad(well)))
 
-    def add(self, positions, forces):
+    def add(self, positions: npt.NDArray[np.float64], forces: npt.NDArray[np.float64]) -> float:
         value, slope = self.with_slope(positions)
         forces -= np.asarray(slope)
         return float(value)

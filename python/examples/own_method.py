@@ -13,12 +13,12 @@ class MyShake(taut.ConstraintMethod):
     relaxation: float = 1.25  # 1: plain SHAKE
     holds = "positions"
 
-    def prepare(self, system, h):
+    def prepare(self, system: taut.System, h: float) -> None:
         self.promised_error, w = self.tolerance, system.inverse_masses[system.bonds]
         pull = self.relaxation / 2 * w / w.sum(1, keepdims=True) * [1, -1]
         self.groups = [(system.bonds[k].T, pull[k].T, system.lengths[k]**2) for k in system.groups]
 
-    def project_positions(self, system, h, state):
+    def project_positions(self, system: taut.System, h: float, state: taut.State) -> "int | taut.NotConverged":
         x, before = state.positions.T.copy(), (state.positions - h * state.velocities).T  # (3, n): numpy's fast way
         (i, j), r0 = system.bonds.T, [before[:, b] - before[:, a] for (a, b), _, _ in self.groups]
         for sweep in range(500):

@@ -2,6 +2,7 @@
 polymer.png."""
 
 import numpy as np
+import numpy.typing as npt
 from matplotlib import pyplot
 
 import taut
@@ -11,10 +12,10 @@ sim = taut.Simulation("freely_jointed", method="feedforward", dt_fs=10, set={
     "build.chains": CHAINS, "build.beads": BEADS, "run.thermostat": "langevin", "run.temperature_k": 300,
     "run.velocities": "draw"})
 length = sim.lengths[0]
-distances: "list[object]" = []
+distances: "list[npt.NDArray[np.float64]]" = []
 
 
-def look(row):
+def look(row: taut.Row) -> None:
     chains = sim.positions.reshape(CHAINS, BEADS, 3)
     distances.append(np.linalg.norm(chains[:, -1] - chains[:, 0], axis=1))
 

@@ -8,7 +8,7 @@ import taut
 CHAINS, BEADS, LENGTH = 50, 21, 0.4  # bonds in nm
 
 
-def chains_under(force):
+def chains_under(force: float) -> "dict[str, object]":
     return {"molecule": {"chain": {"atoms": [{"name": "B", "mass_u": 72}], "units": BEADS, "bonds": [[0, 1, LENGTH]],
                                    "pulls": [[-BEADS, -force, 0, 0], [-1, force, 0, 0]]}},
             "place": [{"molecule": "chain", "count": CHAINS}],
@@ -21,7 +21,7 @@ for force in forces:
     sim = taut.Simulation(chains_under(force), method="feedforward")
     looks: "list[float]" = []
 
-    def look(row):
+    def look(row: taut.Row) -> None:
         ends = sim.positions.reshape(CHAINS, BEADS, 3)[:, [0, -1], 0]
         looks.append(np.diff(ends).mean() / ((BEADS - 1) * LENGTH))
 

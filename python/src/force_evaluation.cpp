@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/errors.hpp"
+#include "forcefield/force_field.hpp"
 #include "simulation_object.hpp"
 #include "systems/whole_molecules.hpp"
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 import ctypes
 import os
 from pathlib import Path
-from typing import Any, List, Optional, Tuple
+from typing import Any, Dict, List, Optional, Tuple
 from xml.sax.saxutils import quoteattr
 
 import openmm
@@ -44,16 +44,17 @@ def plugin_path() -> Path:
                       f"cmake -DTAUT_OPENMM_ROOT={Path(openmm.__file__).parents[1] / 'OpenMM.libs'}")
 
 
-def _part_for_opencl() -> Optional[Path]:
+def _parts() -> Dict[str, Path]:
+    """The plug-in's parts for platforms of devices that OpenMM has here."""
     known = [openmm.Platform.getPlatform(n).getName() for n in range(openmm.Platform.getNumPlatforms())]
-    path = plugin_path().with_name("libtaut_openmm_opencl.so")
-    return path if "OpenCL" in known and path.exists() else None
+    paths = {name: plugin_path().with_name(f"libtaut_openmm_{name.lower()}.so") for name in ("OpenCL", "CUDA", "HIP")}
+    return {name: path for name, path in paths.items() if name in known and path.exists()}
 
 
 def platforms() -> List[str]:
     """Returns the platforms that hold the bonds. OpenMM refuses others, and takes the fastest if none is named."""
     load()
-    return ["Reference", "CPU"] + (["OpenCL"] if _part_for_opencl() else [])
+    return ["Reference", "CPU", *_parts()]
 
 
 def load() -> ctypes.CDLL:
@@ -66,8 +67,8 @@ def load() -> ctypes.CDLL:
         _plugin.taut_set_bath.restype = ctypes.c_char_p
         _plugin.taut_set_bath.argtypes = [ctypes.c_void_p, ctypes.c_double, ctypes.c_double]
         _plugin.taut_set_seed.argtypes = [ctypes.c_void_p, ctypes.c_uint64]
-        if on_opencl := _part_for_opencl():
-            openmm.Platform.loadPluginLibrary(str(on_opencl))
+        for part in _parts().values():
+            openmm.Platform.loadPluginLibrary(str(part))
     return _plugin
 
 

@@ -3,6 +3,7 @@
 import importlib.util
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -24,11 +25,18 @@ def test_example(example, tmp_path):
     assert done.returncode == 0, done.stderr
     promised = re.search(r"Draws\s+(\w+\.png)", text).group(1)
     assert (tmp_path / promised).stat().st_size > 10_000
+    if "TAUT_GALLERY" in os.environ:
+        keep = FOLDER.parents[1] / os.environ["TAUT_GALLERY"]
+        shutil.copy(tmp_path / promised, keep / f"{example.stem}.png")
+        (keep / f"{example.stem}.txt").write_text(done.stdout)
 
 
-def test_the_notebook_is_the_examples():
+def test_the_notebook_and_the_gallery_are_the_examples():
     spec = importlib.util.spec_from_file_location("notebook", FOLDER / "notebook.py")
     made = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(made)
     assert set(made.ORDER) == {path.stem for path in EXAMPLES}
     assert (FOLDER / "taut.ipynb").read_text() == made.notebook(), "python3 python/examples/notebook.py writes it"
+    assert (made.DOCS / "gallery.md").read_text() == made.gallery(), "python3 python/examples/notebook.py writes it"
+    for name in made.ORDER:
+        assert (made.DOCS / "pictures" / "gallery" / f"{name}.png").stat().st_size > 10_000

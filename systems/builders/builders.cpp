@@ -106,9 +106,9 @@ std::vector<std::string_view> kinds() {
 }
 
 void read_precision(const TomlTable& forcefield, Terms& terms) {
-  std::string precision = "double";
+  std::string precision = terms.precision == Precision::kMixed ? "mixed" : "double";
   forcefield.read("precision", precision, {"what pair forces are computed in", {"double", "mixed"}});
-  if (precision == "mixed") terms.precision = Precision::kMixed;
+  terms.precision = precision == "mixed" ? Precision::kMixed : Precision::kDouble;
 }
 
 void build(BuildRequest request, Scene& scene, std::string_view described) {

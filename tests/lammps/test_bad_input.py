@@ -1,5 +1,9 @@
 """What cannot be done is refused by one line that names the fix."""
 
+import pathlib
+import shutil
+import subprocess
+
 import numpy as np
 import pytest
 
@@ -58,22 +62,25 @@ def test_dependent_bonds(folder, run):
     pairs = [(i, j) for i in range(2, 5) for j in range(i + 1, 6)]
     braced.bonds += [(2, 5 * m + i, 5 * m + j) for m in range(27) for i, j in pairs]
     (folder / "methane.data").write_text(braced.text([12.0, 1.0]))
-    text = inputs.of(inputs.METHANE, dt=0.002, rest="run 0\n").replace("bond_coeff 1", "bond_coeff 2 100 1.6329931618554521\nbond_coeff 1")
+    text = inputs.of(inputs.METHANE, dt=0.002, rest="run 0\n")
+    text = text.replace("bond_coeff 1", "bond_coeff 2 100 1.6329931618554521\nbond_coeff 1")
     run(text)
     assert "A is singular" in failing(run, text.replace("b 1\n", "b *\n"))
 
 
 def test_atoms_without_a_map_or_bonds(run):
-    text = "units lj\natom_style atomic\nlattice fcc 0.8\nregion b block 0 2 0 2 0 2\ncreate_box 1 b\ncreate_atoms 1 box\n" \
-           "mass 1 1\nfix hold all taut feedforward b 1\n"
+    text = "units lj\natom_style atomic\nlattice fcc 0.8\nregion b block 0 2 0 2 0 2\ncreate_box 1 b\n" \
+           "create_atoms 1 box\nmass 1 1\nfix hold all taut feedforward b 1\n"
     assert "atom style" in failing(run, text)
 
 
 def test_molecule_templates(folder, run):
-    (folder / "pair.txt").write_text("\n2 atoms\n1 bonds\n\nCoords\n\n1 0 0 0\n2 1 0 0\n\nTypes\n\n1 1\n2 1\n\nBonds\n\n1 1 1 2\n\nSpecial Bond Counts\n\n1 1 0 0\n2 1 0 0\n\nSpecial Bonds\n\n1 2\n2 1\n")
-    text = "units lj\nmolecule pair pair.txt\natom_style template pair\natom_modify map yes\nregion b block 0 5 0 5 0 5\n" \
-           "create_box 1 b bond/types 1\nmass 1 1\nbond_style harmonic\nbond_coeff 1 1 1\n" \
-           "fix hold all taut feedforward b 1\n"
+    (folder / "pair.txt").write_text(
+        "\n2 atoms\n1 bonds\n\nCoords\n\n1 0 0 0\n2 1 0 0\n\nTypes\n\n1 1\n2 1\n\nBonds\n\n1 1 1 2\n\n"
+        "Special Bond Counts\n\n1 1 0 0\n2 1 0 0\n\nSpecial Bonds\n\n1 2\n2 1\n")
+    text = "units lj\nmolecule pair pair.txt\natom_style template pair\natom_modify map yes\n" \
+           "region b block 0 5 0 5 0 5\ncreate_box 1 b bond/types 1\nmass 1 1\nbond_style harmonic\n" \
+           "bond_coeff 1 1 1\nfix hold all taut feedforward b 1\n"
     assert "atom_style template" in failing(run, text)
 
 
@@ -87,7 +94,8 @@ def test_angles_that_are_nearly_straight(folder, run, degrees, held):
     output = "thermo_style custom step temp\nthermo_modify format float %.15g\nthermo 50\nrun 100\n"
 
     def temperature(fix):
-        return lammps.table(run(inputs.of(inputs.WATER, dt=0.5, fix=fix, rest=output).replace("109.47", f"{degrees}")))["Temp"][-1]
+        text = inputs.of(inputs.WATER, dt=0.5, fix=fix, rest=output).replace("109.47", f"{degrees}")
+        return lammps.table(run(text))["Temp"][-1]
 
     if not held:
         with pytest.raises(lammps.Failed, match="Fix taut hold.*too near to straight"):
@@ -106,8 +114,25 @@ def test_respa(run):
     assert "respa" in failing(run, text)
 
 
+@pytest.mark.skipif(not lammps.PROGRAM.endswith("taut-lammps") or not shutil.which("mpicxx"),
+                    reason="another LAMMPS than Debian's, or no mpicxx")
+@pytest.mark.parametrize("rest, refused", [("run 0\n", True), ("unfix hold\nrun 0\n", False)])
+def test_kokkos(run, folder, monkeypatch, rest, refused):
+    """Debian's LAMMPS has no KOKKOS package; a preloaded library makes fixes believe that it is on."""
+    tree, library = pathlib.Path(lammps.__file__).parents[2], folder / "kokkos_host.so"
+    subprocess.run(["mpicxx", "-std=c++20", "-shared", "-fPIC", "-DOMPI_SKIP_MPICXX", f"-I{tree}", "-I/usr/include/lammps",
+                    str(tree / "tests/lammps/kokkos_host.cpp"), "-o", str(library)], check=True)
+    monkeypatch.setenv("LD_PRELOAD", str(library))
+    text = inputs.of(inputs.METHANE, dt=0.002, rest=rest)
+    if refused:
+        assert "start LAMMPS without -k on" in failing(run, text)
+    else:
+        run(text)
+
+
 def test_bonds_held_twice(run):
-    text = inputs.of(inputs.METHANE, dt=0.002, rest="").replace("fix hold", "fix other all taut feedforward b 1\nfix hold")
+    text = inputs.of(inputs.METHANE, dt=0.002, rest="")
+    text = text.replace("fix hold", "fix other all taut feedforward b 1\nfix hold")
     assert "held by another fix" in failing(run, text)
 
 

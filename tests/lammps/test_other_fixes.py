@@ -195,16 +195,17 @@ def test_held_atoms_that_nothing_moves_are_told_of(run):
 
 
 @pytest.mark.parametrize("ranks", [1, 2])
-@pytest.mark.parametrize("method, off", [("feedforward", 1e-8), ("baumgarte", 1e-4)])
+@pytest.mark.parametrize("method, off", [("feedforward", 1e-8), ("baumgarte", 1e-4), ("feedforward clear yes", 1e-8)])
 def test_fixed_atoms(folder, run, ranks, method, off):
     """Their bonds hold, they stay, energy is kept, and the others lose one degree of freedom for each of these bonds."""
     rest = "velocity anchor set 0 0 0\nvariable d equal 2*ke/temp\ncompute t free temp\ncompute_modify t extra/dof 0\n" \
-           "thermo_style custom step c_t ke etotal f_hold[1]\nthermo_modify norm no format float %.15g\nthermo 10\nrun 200\n"
+           "compute pull anchor reduce sum fx\nthermo_style custom step c_t ke etotal f_hold[1] c_pull\n" \
+           "thermo_modify norm no format float %.15g\nthermo 10\nrun 200\n"
     output = methane(run, rest + inputs.END.format(dump="last.dump"), ranks, head=FROZEN, integrate="fix move free nve",
                      hold=f"fix hold all taut {method} fixed anchor b 1")
     found = lammps.table(output)
     assert "velocity Verlet" not in output
-    assert found["f_hold[1]"][1:].max() < off
+    assert found["f_hold[1]"][1:].max() < off and np.isfinite(found["c_pull"]).all()
     assert np.ptp(found["TotEng"]) < 2e-2 * found["KinEng"].max()
     assert np.allclose(2 * found["KinEng"] / found["c_t"], 3 * (135 - 3) - 108, rtol=1e-9)
     assert np.abs(lammps.dump(folder / "last.dump")[[0, 5, 10], 3:]).max() == 0

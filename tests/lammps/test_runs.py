@@ -1,5 +1,7 @@
 """Runs that stop and go on, other ensembles, units and boxes, minimisation: what a LAMMPS user expects of a fix."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -113,13 +115,27 @@ def test_balance_while_it_runs(folder, run):
     assert np.abs(lammps.dump(folder / "one.dump") - lammps.dump(folder / "two.dump")).max() < 1e-9
 
 
-def test_statistics_and_stored_forces(folder, run):
+@pytest.mark.parametrize("newton, ranks", [("on", 1), ("off", 2)])
+def test_statistics_are_those_of_fix_shake(run, newton, ranks):
+    """A line a type of bonds and of angles: mean length or degrees, the spread, how many there are."""
+    def printed(fix):
+        output = run(inputs.of(inputs.WATER, newton=newton, fix=fix, rest="run 10\n"), ranks)
+        title, *rows = re.search(r"stats \(type/ave/delta/count\) on step 10\n(?:.*\n){2}", output).group(0).splitlines()
+        return np.array([[float(word) for word in row.split(":")[-1].split()] for row in rows])
+
+    ours, theirs = printed("taut feedforward every 10"), printed("shake 1e-10 500 10")
+    assert ours[:, [0, 3]].tolist() == [[1, 128], [1, 64]]
+    assert theirs[1, 3] == 64  # of water's bonds it counts 192: each with every atom of the molecule
+    assert ours[:, 1] == pytest.approx([1, 109.47], rel=1e-6) and theirs[:, 1] == pytest.approx([1, 109.47], rel=1e-5)
+    assert (ours[:, 2] > 0).all() and (ours[:, 2] < [1e-6, 1e-4]).all()
+
+
+def test_stored_forces(folder, run):
     """Forces by atom are those of the tensions by bond, and add up to nothing."""
     output = methane(run, "compute t all reduce sum f_hold[1] f_hold[2] f_hold[3]\n"
                      "thermo_style custom step c_t[1] c_t[2] c_t[3]\n"
                      "dump b all local 10 bonds.dump f_hold[1] f_hold[2] f_hold[3]\n"
-                     "dump f all custom 10 forces.dump id f_hold[1] f_hold[2] f_hold[3]\nrun 20\n", fix="taut feedforward every 10 store yes")
-    assert "Taut stats (type/ave/delta/count) on step 10" in output and "Bond:     1            1" in output
+                     "dump f all custom 10 forces.dump id f_hold[1] f_hold[2] f_hold[3]\nrun 20\n", fix="taut feedforward store yes")
     sums = lammps.table(output)
     assert max(np.abs(sums[f"c_t[{k}]"]).max() for k in (1, 2, 3)) < 1e-9
     text = (folder / "bonds.dump").read_text()

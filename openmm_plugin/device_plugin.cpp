@@ -1,10 +1,27 @@
-// The part of the plug-in for OpenMM's OpenCL platform, which it needs in the process before it is loaded.
+// The part of the plug-in for one of OpenMM's platforms of devices, which it needs in the process before it is loaded.
 
 #include <openmm/KernelFactory.h>
 #include <openmm/Platform.h>
+
+#if defined(TAUT_FOR_OPENCL)
 #include <openmm/opencl/OpenCLContext.h>
 #include <openmm/opencl/OpenCLKernelFactory.h>
 #include <openmm/opencl/OpenCLPlatform.h>
+using DevicePlatform = OpenMM::OpenCLPlatform;
+using PlatformKernels = OpenMM::OpenCLKernelFactory;
+#elif defined(TAUT_FOR_CUDA)
+#include <openmm/cuda/CudaContext.h>
+#include <openmm/cuda/CudaKernelFactory.h>
+#include <openmm/cuda/CudaPlatform.h>
+using DevicePlatform = OpenMM::CudaPlatform;
+using PlatformKernels = OpenMM::CudaKernelFactory;
+#elif defined(TAUT_FOR_HIP)
+#include <openmm/hip/HipContext.h>
+#include <openmm/hip/HipKernelFactory.h>
+#include <openmm/hip/HipPlatform.h>
+using DevicePlatform = OpenMM::HipPlatform;
+using PlatformKernels = OpenMM::HipKernelFactory;
+#endif
 
 #include "openmm_plugin/constraints_kernel.hpp"
 #include "openmm_plugin/device_step.hpp"
@@ -14,10 +31,10 @@
 namespace taut {
 
 OpenMM::ComputeContext& DeviceStep::device_of(OpenMM::ContextImpl& context) {
-  auto& data = *static_cast<OpenMM::OpenCLPlatform::PlatformData*>(context.getPlatformData());
+  auto& data = *static_cast<DevicePlatform::PlatformData*>(context.getPlatformData());
   if (data.contexts.size() != 1)
     throw OpenMM::OpenMMException("a run on " + std::to_string(data.contexts.size()) +
-                                  " devices: give OpenCL one, by the property DeviceIndex");
+                                  " devices: give the platform one, by the property DeviceIndex");
   return *data.contexts[0];
 }
 
@@ -32,11 +49,11 @@ class Factory final : public OpenMM::KernelFactory {
     if (name == taut::TautStepKernel::Name()) return new taut::DeviceStep(name, platform);
     if (dynamic_cast<taut::TautIntegrator*>(&context.getIntegrator()))
       return new taut::ProjectConstraints(name, platform);
-    return opencl_.createKernelImpl(name, platform, context);
+    return own_.createKernelImpl(name, platform, context);
   }
 
  private:
-  OpenMM::OpenCLKernelFactory opencl_;
+  PlatformKernels own_;
 };
 
 }  // namespace
@@ -46,7 +63,7 @@ TAUT_EXPORT void registerPlatforms() {}
 TAUT_EXPORT void registerKernelFactories() {
   for (int n = 0; n < OpenMM::Platform::getNumPlatforms(); ++n) {
     OpenMM::Platform& platform = OpenMM::Platform::getPlatform(n);
-    if (platform.getName() != "OpenCL") continue;
+    if (!dynamic_cast<DevicePlatform*>(&platform)) continue;
     platform.registerKernelFactory(taut::TautStepKernel::Name(), new Factory);
     platform.registerKernelFactory(OpenMM::ApplyConstraintsKernel::Name(), new Factory);
   }

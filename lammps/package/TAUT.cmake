@@ -1,0 +1,16 @@
+# The package TAUT of LAMMPS: what fix taut is linked with, from a build folder of taut.
+set(TAUT_ENGINE "" CACHE PATH "Build folder of taut")
+if(NOT EXISTS ${TAUT_ENGINE}/taut-engine.cmake)
+  message(FATAL_ERROR "PKG_TAUT: give -D TAUT_ENGINE=FOLDER, where taut was built")
+endif()
+find_package(Eigen3 REQUIRED NO_MODULE)
+find_package(fmt REQUIRED)
+find_package(hwy REQUIRED)
+find_package(OpenMP COMPONENTS CXX)
+include(${TAUT_ENGINE}/taut-engine.cmake)
+# LAMMPS's headers go by <lammps/NAME.h> in taut's files.
+file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/taut_headers)
+file(CREATE_LINK ${LAMMPS_SOURCE_DIR} ${CMAKE_BINARY_DIR}/taut_headers/lammps SYMBOLIC)
+target_include_directories(lammps PRIVATE ${TAUT_ENGINE}/include/lammps_fix ${CMAKE_BINARY_DIR}/taut_headers)
+target_link_libraries(lammps PRIVATE constraints)
+set_target_properties(lammps PROPERTIES CXX_STANDARD 20)

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "constraints/projection.hpp"
+#include "ensembles/barostat.hpp"
+#include "ensembles/ensemble.hpp"
+#include "ensembles/langevin.hpp"
+#include "ensembles/pressure.hpp"
+#include "simulation/metric_field.hpp"
+#include "simulation/simulation.hpp"
+
+namespace taut {
+
+// The barostat that a scene asks for; null: none. Throws InputError.
+std::unique_ptr<Bath> make_barostat(const Scene& scene, std::uint64_t seed, RunForces& forces);
+
+// What moves a simulation's atoms and measures their pressure.
+struct Simulation::Inner {
+  explicit Inner(Scene& scene);  // adds the metric correction to the scene's terms
+
+  Langevin* langevin() const { return dynamic_cast<Langevin*>(ensemble.thermostat.get()); }
+
+  std::shared_ptr<MetricField> metric;  // of the scene; null: no metric correction
+  RunForces forces;
+  Ensemble ensemble;
+  Projector projector;
+  std::optional<Barometer> barometer;  // in a box
+  struct Note {
+    std::string numbers;             // what serialize_numbers() kept
+    Vectors forces;                  // F where the state was [kJ/mol/nm]
+    ForceField::Evaluation besides;  // and what evaluating them gave besides
+  };
+  Note note;
+};
+
+}  // namespace taut
