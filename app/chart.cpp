@@ -102,17 +102,16 @@ void print_failures(const std::string& csv) {
 void show(const ChartPlan& plan, Study& study) {
   const Ledger& ledger = study.ledger();
   const std::string of = plan.scene.name + ": ", at = fmt::format("at {:g} fs", plan.scene.run.dt_fs);
-  const std::string work = work_csv(plan, ledger), drifts = drift_csv(plan, ledger);
   study.show(
-      {"work", fmt::format("{}constraints {} (lower left is better)", of, at), work},
+      {"work", fmt::format("{}constraints {} (lower left is better)", of, at), work_csv(plan, ledger)},
       "Constraint time against bond error",
       fmt::format("A curve a method; its points are the values of the named setting. Bars: quartiles of "
                   "{} interleaved repeats of {} steps.",
                   plan.repeats, plan.steps));
-  study.conclude(chart_verdict(work, drifts, plan.scene.run.dt_fs));
+  study.conclude(chart_verdict(chart_points(plan, ledger), plan.scene.run.dt_fs));
   study.show({"drift",
               fmt::format("{}energy drift {} over {} steps (lower left is better)", of, at, plan.drift_steps),
-              drifts},
+              drift_csv(plan, ledger)},
              "Constraint time against energy drift",
              fmt::format("Slope of the total energy over {} steps; bars: 95 %, from the run's own standard "
                          "error. An arrow: zero is inside, and the drift at most that. The figures have the "

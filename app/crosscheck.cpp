@@ -170,6 +170,7 @@ void crosscheck_scene(CrosscheckArguments arguments) {
   if (const auto& files = arguments.scene.openmm; !files.empty())
     arguments.plan.files = OpenMMFiles{files[0], files[1]};
   Progress progress;
+  progress.write_rows("tasks");
   std::optional<FolderLock> lock;
   const Crosscheck result = crosscheck(scene, arguments.plan, [&](const std::string& what) {
     if (arguments.out && !lock) lock.emplace(study_folder(*arguments.out, "", arguments.overwrite));

@@ -45,7 +45,8 @@ struct MeasureArguments {
 };
 
 // The names that a measurement may write, with their pictures.
-constexpr std::array kTables = {"distances", "displacement", "relaxation", "viscosity", "seeds", "scan"};
+constexpr std::array kTables = {"equilibration", "distances", "displacement", "relaxation",
+                                "viscosity",     "seeds",     "scan"};
 
 void write_files(const MeasureArguments& arguments, const auto& draw) {
   make_folder(*arguments.out);

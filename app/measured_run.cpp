@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "base/errors.hpp"
 #include "base/series.hpp"
@@ -65,7 +66,8 @@ void MeasuredRun::choose_window(const MeasureSettings& settings) {
   double from = settings.from.value_or(t.front());
   if (settings.last) from = t.back() - *settings.last;
   std::string why;
-  if (settings.automatic) {
+  automatic_ = settings.automatic;
+  if (automatic_) {
     std::size_t row = 0;
     for (const std::string_view column : {kLogPotential, kLogVolume})
       if (log_.has(column)) row = std::max(row, equilibration_end(log_.column(column)));
@@ -105,7 +107,9 @@ void MeasuredRun::measure_log() {
       const bool fixed = std::ranges::all_of(y, [&](double value) { return value == y[0]; });
       if (fixed && asked.column != kLogTemperature && asked.column != kLogTotal)
         continue;  // no barostat, no forces
-      log_figures_.push_back({asked.key, asked.words, asked.unit, correlated_mean(y)});
+      const bool known = correlated_mean(y).error > 0;
+      log_figures_.push_back(
+          {asked.key, asked.words, asked.unit, known ? mean_of_run(y) : correlated_mean(y)});
     }
   for (const Bias& bias : scene_->terms.biases)
     for (const auto& [title, key, words, unit] : columns_of(bias))
@@ -199,7 +203,23 @@ nlohmann::ordered_json MeasuredRun::json() const {
   return json;
 }
 
+// What is left out and what is measured, in means of neighbouring rows where there are many.
+void MeasuredRun::draw_equilibration(StudyFiles& files) const {
+  constexpr std::size_t kPoints = 1000;
+  const std::vector<double>&t = log_.column(kLogTime), &y = log_.column(kLogPotential);
+  const std::size_t rows = std::max<std::size_t>(1, t.size() / kPoints);
+  std::string csv = "t_ps,left_out_kj_mol,measured_kj_mol\n";
+  for (std::size_t at = 0; at + rows <= t.size(); at += rows) {
+    const double mean = std::accumulate(&y[at], &y[at] + rows, 0.0) / static_cast<double>(rows);
+    csv += fmt::format("{:.6g},{}{:.9g}{}\n", t[at], at < first_row_ ? "" : ",", mean,
+                       at < first_row_ ? "," : "");
+  }
+  files.draw({"equilibration",
+              fmt::format("{}: potential energy, measured from {:.4g} ps on", name(), t[first_row_]), csv});
+}
+
 void MeasuredRun::draw(StudyFiles& files) const {
+  if (automatic_ && log_.has(kLogPotential)) draw_equilibration(files);
   if (frames_) frames_->draw(files);
   if (!green_kubo_ || green_kubo_->t.empty()) return;
   std::string csv = "t_ps,correlation,correlation_error,viscosity_mpa_s,standard_error,cut_ps\n";

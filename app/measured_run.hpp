@@ -41,12 +41,14 @@ class MeasuredRun {
   void measure_log();
   void measure_frames(const MeasureSettings& settings);
   std::vector<double> window_of(std::string_view column) const;
+  void draw_equilibration(StudyFiles& files) const;
 
   std::vector<std::filesystem::path> segments_;
   std::vector<double> shifts_;  // what is added to each segment's times [ps]
   std::unique_ptr<Scene> scene_;
   RunLog log_;
   std::size_t first_row_ = 0;
+  bool automatic_ = false;  // found by the rule
   std::string window_words_;
   std::vector<Figure> log_figures_;
   std::optional<GreenKubo> green_kubo_;  // in a box

@@ -36,26 +36,28 @@ void Progress::write_rows(const std::string& what) {
   next_row_ = said ? std::max(0.0, std::atof(said)) : kFirstRow;
 }
 
-void Progress::write_row(long done) {
-  const double spent = std::chrono::duration<double>(Clock::now() - start_).count();
-  if (spent < next_row_ || done >= total_) return;
-  next_row_ *= 1.5;
-  say("  {} of {} {} after {}, {} left\n", done, total_, counted_, clock_text(spent),
-      clock_text(time_left(spent, done, total_)));
+bool Progress::row_is_due(double spent) {
+  if (counted_.empty() || spent < next_row_) return false;
+  if (next_row_ > 0) next_row_ = 1.5 * spent;
+  return true;
 }
 
 void Progress::show_step(long done) {
-  if (!counted_.empty()) write_row(done);
-  if (!terminal_) return;
+  if (!terminal_ && counted_.empty()) return;
   const auto now = Clock::now();
-  if (now < next_) return;
-  next_ = now + std::chrono::milliseconds(200);
   const double spent = std::chrono::duration<double>(now - start_).count();
+  if (done < total_ && row_is_due(spent))
+    say("  {} of {} {} after {}, {} left\n", done, total_, counted_, clock_text(spent),
+        clock_text(time_left(spent, done, total_)));
+  if (!terminal_ || now < next_) return;
+  next_ = now + std::chrono::milliseconds(200);
   draw(fmt::format("{:5.1f} %   {} left ", 100.0 * static_cast<double>(done) / static_cast<double>(total_),
                    clock_text(time_left(spent, done, total_))));
 }
 
 void Progress::show_task(const std::string& what) {
+  const double spent = std::chrono::duration<double>(Clock::now() - start_).count();
+  if (row_is_due(spent)) say("  {} after {}\n", what, clock_text(spent));
   draw(what + " ... ");
 }
 

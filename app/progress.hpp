@@ -13,12 +13,12 @@ class Progress {
   // TAUT_PROGRESS_S says), then each time when half as long again has passed. what: what is counted, "trials".
   void write_rows(const std::string& what);
   void show_step(long done);                // the fraction done and the time left, a few times a second
-  void show_task(const std::string& what);  // what is being done
+  void show_task(const std::string& what);  // what is being done, in rows as well
   void clear();                             // removes the line before something else is printed
 
  private:
   void draw(const std::string& line);
-  void write_row(long done);
+  bool row_is_due(double spent);
 
   using Clock = std::chrono::steady_clock;
   long total_;

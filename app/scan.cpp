@@ -177,8 +177,10 @@ std::vector<std::string> take_runs(const std::vector<ScanRun>& runs, int jobs) {
     progress.clear();
     ++done, ++taken;
     const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    say("{} of {}: {}: {}; {:.0f} s so far\n", done, all, run.label,
-        good ? "done" : fmt::format("failed, see {}.log", run.folder.string()), spent);
+    const double left_s = spent / static_cast<double>(taken) * static_cast<double>(all - done);
+    say("{} of {}: {}: {}; {:.0f} s so far{}\n", done, all, run.label,
+        good ? "done" : fmt::format("failed, see {}.log", run.folder.string()), spent,
+        done < all ? fmt::format(", some {:.0f} s left", left_s) : "");
     progress.show_step(taken);
     if (!good) failed.push_back(run.label);
     running.erase(at);

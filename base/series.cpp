@@ -25,6 +25,12 @@ bool is_constant(double variance, double mean) {
   return std::sqrt(variance) <= kRounding * std::abs(mean);
 }
 
+// Of at least three independent samples.
+double error_of_mean(std::span<const double> y) {
+  const double independent = std::max(3.0, static_cast<double>(y.size()) / statistical_inefficiency(y));
+  return std::sqrt(variance_about(sample_mean(y), y) / (independent - 1));
+}
+
 }  // namespace
 
 double statistical_inefficiency(std::span<const double> y) {
@@ -50,6 +56,25 @@ Estimate correlated_mean(std::span<const double> y) {
   const double independent = static_cast<double>(y.size()) / statistical_inefficiency(y);
   if (independent < 3 || is_constant(variance, mean)) return {mean, 0};
   return {mean, std::sqrt(variance / (independent - 1))};
+}
+
+bool has_trend(std::span<const double> y, double errors) {
+  const double n = static_cast<double>(y.size()), times = n * (n * n - 1) / 12;  // Σ (k − k̅)²
+  if (y.size() < 3) return false;
+  Slope line;
+  for (std::size_t k = 0; k < y.size(); ++k) line.add(static_cast<double>(k), y[k]);
+  std::vector<double> off(y.begin(), y.end());  // from the line but for a constant
+  for (std::size_t k = 0; k < y.size(); ++k) off[k] -= line.value() * static_cast<double>(k);
+  return std::abs(line.value()) > errors * error_of_mean(off) * std::sqrt(n / times);
+}
+
+Estimate mean_of_run(std::span<const double> y) {
+  constexpr double kSurely = 4;
+  const double mean = sample_mean(y);
+  if (y.size() < 3 || is_constant(variance_about(mean, y), mean)) return {mean, 0};
+  const double halves =
+      std::abs(sample_mean(y.first(y.size() / 2)) - sample_mean(y.last(y.size() - y.size() / 2)));
+  return {mean, std::max(error_of_mean(y), has_trend(y, kSurely) ? halves : halves / 2)};
 }
 
 std::size_t equilibration_end(std::span<const double> series) {

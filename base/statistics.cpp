@@ -93,7 +93,7 @@ Estimate RunningMean::estimate() const {
   if (count_ == 0) return {};
   const double all = sum_ / static_cast<double>(count_);
   if (full_ < 8) return {all, 0};
-  return {all, correlated_mean(blocks()).error};
+  return {all, mean_of_run(blocks()).error};
 }
 
 Estimate RunningMean::later_half() const {

@@ -38,9 +38,9 @@ Estimate block_mean(const std::vector<double>& y, int blocks = kBlocks);
 Estimate block_slope(const std::vector<double>& t, const std::vector<double>& y, int blocks = kBlocks);
 
 // The mean of numbers that are added one at a time, in fixed memory: when all blocks are full, each two
-// neighbours become one of twice the length. The error is estimated from the 16 to 31 blocks of a long run as that of
-// correlated samples (base/series.hpp), for neighbouring blocks of a slow quantity are no more independent than its
-// rows; it is 0 for fewer than 8 blocks.
+// neighbours become one of twice the length. The error comes from the 16 to 31 blocks of a long run, which may be
+// correlated and may drift at the beginning (mean_of_run in base/series.hpp). Neighbouring blocks of a slow quantity
+// are no more independent than its rows. It is 0 for fewer than 8 blocks.
 class RunningMean {
  public:
   void add(double y);

@@ -204,6 +204,22 @@ std::string drift_csv(const ChartPlan& plan, const Ledger& ledger) {
   return text;
 }
 
+std::vector<ChartPoint> chart_points(const ChartPlan& plan, const Ledger& ledger) {
+  std::vector<ChartPoint> points;
+  for (const Setting& s : plan.settings()) {
+    const Trial &work = ledger.at(repeat_name(work_name(s), 0)), &drift = ledger.at(drift_name(s));
+    if (work.failed()) continue;
+    ChartPoint& point = points.emplace_back();
+    point.method = s.method;
+    point.name = s.parameter.empty() ? s.method : fmt::format("{} ({} {})", s.method, s.parameter, s.value);
+    point.error = work.rms_error;
+    point.cost = cost(work_name(s), plan.repeats, plan.scene.system.bond_count(), ledger);
+    if (!drift.failed() && drift.drift_error > 0)
+      point.keeps_energy = drift.drift_low() <= 0 && 0 <= drift.drift_high();
+  }
+  return points;
+}
+
 std::string order_csv(const ChartPlan& plan, const Ledger& ledger) {
   std::string text = "method,dt_fs,rms_distance_nm,rms_rel_bond_error,max_rel_bond_error,order,failure\n";
   for (const auto& method : plan.methods)

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "studies/chart_verdict.hpp"
 #include "studies/ledger.hpp"
 
 namespace taut {
@@ -42,6 +43,8 @@ std::string drift_csv(const ChartPlan& plan, const Ledger& ledger);
 std::string order_csv(const ChartPlan& plan, const Ledger& ledger);
 std::string length_csv(const ChartPlan& plan, const Ledger& ledger);
 std::string precision_csv(const ChartPlan& plan, const Ledger& ledger);
+// What the panels work and drift come to, of each setting that got through the first.
+std::vector<ChartPoint> chart_points(const ChartPlan& plan, const Ledger& ledger);
 bool has_precisions(const Scene& scene);
 // The drifts of that panel, "newton, mixed".
 std::vector<std::pair<std::string, Trial>> precision_trials(const ChartPlan& plan, const Ledger& ledger);

@@ -1,16 +1,26 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "studies/repeats.hpp"
+
 namespace taut {
 
-// What a chart says in words, a line each, of the tables work.csv and drift.csv: the cheapest settings below three
-// errors of the bonds, those that keep the energy at this step [fs], and which to take: the cheapest that does both.
-// A setting keeps the energy where its drift's 95 % interval holds zero. Of settings whose quartiles overlap with the
-// cheapest one's, those of other methods are named too.
-std::vector<std::string> chart_verdict(const std::string& work_csv, const std::string& drift_csv,
-                                       double dt_fs);
+// A setting of a chart that got through.
+struct ChartPoint {
+  std::string method, name;  // "feedforward", "feedforward (order 2)"
+  double error = 0;          // of the bonds, rms, relative
+  Quartiles cost;            // [ns a bond and step]
+  std::optional<bool>
+      keeps_energy;  // the drift's 95 % interval holds zero; none: it has no interval, or it failed
+};
+
+// What a chart says in words, a line each: the cheapest settings below three errors of the bonds, those that keep the
+// energy at this step [fs], and which to take: the cheapest that does both. Of settings whose quartiles overlap with
+// the cheapest one's, those of other methods are named too.
+std::vector<std::string> chart_verdict(std::vector<ChartPoint> points, double dt_fs);
 
 // Says that times are noise where the machine's load of the last minute leaves less than half a core free; else "".
 std::string warn_of_load(double load, long cores);

@@ -11,6 +11,7 @@
 #include "forcefield/force_field.hpp"
 #include "systems/builders/biases.hpp"
 #include "systems/builders/builders.hpp"
+#include "systems/net_pull.hpp"
 #include "systems/openmm/force_overrides.hpp"
 #include "systems/start_file.hpp"
 #include "systems/toml_reader.hpp"
@@ -92,6 +93,13 @@ void read_temperature(const TomlTable& table, RunSettings& run) {
 void settle_pulls(const TomlTable& run, Scene& scene) {
   run.require_effect("pull_factor", !scene.terms.pulls.empty(), "with pulls");
   scene.terms.pull_factor = scene.run.pull_factor;
+}
+
+// After all that holds molecules is known. Overrides of a scene that has the note already repeat it.
+void note_net_pull(Scene& scene) {
+  const std::string message = net_pull_message(scene);
+  if (!message.empty() && std::ranges::find(scene.notes, message) == scene.notes.end())
+    scene.notes.push_back(message);
 }
 
 // After the thermostat is known.
@@ -303,6 +311,7 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
                         of_file.velocities == "draw",
                     scene);
   check_barostat(run_keys, scene);
+  note_net_pull(scene);
   if (!scene.system.one_sided.empty()) check_one_sided(run_keys, root.section("method"), scene);
   build_keys.reject_unknown();
   forcefield_keys.reject_unknown();
@@ -389,6 +398,7 @@ void apply_overrides(Scene& scene, const std::vector<std::string>& overrides, Ke
   if (root.has("run")) settle_velocities(run, false, scene);
   if (!run.has("barostat") && !scene.run.thermostatted()) scene.run.barostat = "none";  // an imported one
   check_barostat(run, scene);
+  note_net_pull(scene);
 }
 
 }  // namespace taut

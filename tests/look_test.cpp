@@ -77,6 +77,23 @@ TEST(Look, MeasureRefusesWhatItCannotDo) {
   EXPECT_THAT(said("measure --viscosity 1 " + run, 2), HasSubstr("run.trajectory_every"));
 }
 
+// Every row is drawn once, as left out or as measured.
+TEST(Look, DrawsWhatTheRuleOfEquilibrationLeavesOut) {
+  const TemporaryFolder folder;
+  const std::string at = folder.path().string() + "/";
+  said("run melt --steps 100 --set run.log_every=1 --quiet --out " + at + "run");
+  const json measured = json::parse(said("measure --from auto --json --out " + at + "m " + at + "run"));
+  const auto rows = csv_rows(contents(at + "m/equilibration.csv"));
+  EXPECT_EQ(std::ssize(rows), 1 + 101);
+  long count = 0;
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    EXPECT_NE(rows[k][1].empty(), rows[k][2].empty()) << k;
+    count += !rows[k][2].empty();
+  }
+  EXPECT_EQ(count, measured["rows"]);
+  EXPECT_TRUE(std::filesystem::exists(at + "m/equilibration.gp"));
+}
+
 // The bath's temperature beside the run's; tensions of the frames; atoms, bonds and walls of the first and last frame.
 TEST(Look, PlotsTheBathTheTensionsAndTheFrames) {
   const TemporaryFolder folder;

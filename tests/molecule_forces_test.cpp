@@ -1,6 +1,8 @@
 // What acts in molecules that a scene says: every force, rows of one atom alone, ropes between molecules, and
 // copies that are put into a part of the box.
 
+#include <fmt/format.h>
+
 #include <map>
 
 #include "forcefield/force_field.hpp"
@@ -118,6 +120,51 @@ count = 2
   EXPECT_EQ(scene.terms.pulls[1].atom, 15);
   ASSERT_EQ(scene.terms.restraints.size(), 2u);
   EXPECT_EQ(scene.terms.restraints[1].atom, 8);
+}
+
+// A force on each unit accelerates the whole, as does one of a pair of forces; not where an atom of the molecule is
+// anchored or tethered, and not along the axis of a wall.
+TEST(MoleculeForces, PullsThatMoveTheWholeOffAreSaid) {
+  using ::testing::AllOf, ::testing::HasSubstr;
+  const auto note_of = [](const std::string& pulls, const std::string& more = "", double first_u = 2) {
+    const Scene scene = read(fmt::format(R"([atom.A]
+mass_u = 2
+sigma_nm = 0.3
+epsilon_kj_mol = 1
+[atom.F]
+mass_u = {}
+[molecule.chain]
+atoms = ["A"]
+first = "F"
+units = 3
+bonds = [[0, 1, 0.3]]
+pulls = {}
+{}
+[[place]]
+molecule = "chain"
+centres_nm = [[1, 1, 1], [3, 1, 1]]
+[build]
+box_nm = 6
+[forcefield]
+cutoff_nm = 1
+)",
+                                         first_u, pulls, more));
+    std::string all;
+    for (const std::string& note : scene.notes)
+      if (note.starts_with("pulls:")) all += note;
+    return all;
+  };
+  EXPECT_THAT(note_of("[[0, 0, 0, 4]]"),  // 24 kJ/mol/nm on 12 u
+              AllOf(HasSubstr("6 add up to [0, 0, 24]"), HasSubstr("by 2 nm/ps²"), HasSubstr("every unit")));
+  EXPECT_THAT(note_of("[[-1, 3, 0, 0]]"), HasSubstr("2 add up to [6, 0, 0]"));
+  EXPECT_EQ(note_of("[[-1, 0.1, 0.2, 0.3], [-3, -0.1, -0.2, -0.3]]"), "");
+  EXPECT_EQ(note_of("[[-1, 0, 0, 4]]", "", 0), "") << "an anchor holds it";
+  EXPECT_EQ(note_of("[[-1, 0, 0, 4]]", "restraints = [[-3, 0, 0, 0, 500]]"), "");
+  EXPECT_EQ(note_of("[[-1, 0, 0, 4]]", "steered = [[-3, 0, 0, -0.1, 500]]"), "");
+  const std::string wall =
+      "[[wall]]\naxis = \"z\"\nbetween_nm = [0, 5]\nsigma_nm = 0.3\nepsilon_kj_mol = 1\n";
+  EXPECT_EQ(note_of("[[-1, 0, 0, 4]]", wall), "");
+  EXPECT_THAT(note_of("[[-1, 1, 0, 4]]", wall), HasSubstr("[2, 0, 0]"));
 }
 
 // A rope makes one molecule of two, which grow within its reach; their pair forces are left as they are.

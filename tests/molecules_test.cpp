@@ -103,6 +103,36 @@ count = 4000
   EXPECT_NEAR(sum / 4000, -0.44639, 0.03);
 }
 
+// ⟨cos⟩ from bond to bond is coth κ − 1/κ at U = κkT(1 + cos θ), its square from bond to next but one; 1/κ off 1 for stiff
+// chains, and 0 for free ones. Chains that began as free ones would take hundreds of picoseconds to straighten.
+TEST(Molecules, CosineAnglesAreDrawnByTheirWeight) {
+  for (const double kappa : {0.0, 4.0, 200.0}) {
+    const Scene scene = read(fmt::format(R"([molecule.stiff]
+atoms = [{{name = "B", mass_u = 72}}]
+units = 30
+bonds = [[0, 1, 0.4]]
+cosine_angles = [[0, 1, 2, {}]]
+[[place]]
+molecule = "stiff"
+count = 200
+)",
+                                         kappa * kBoltzmann * 300));
+    const auto bond = [&](int chain, int k) {
+      const auto& x = scene.start.x;
+      return Vec3((x.col(30 * chain + k + 1) - x.col(30 * chain + k)) / 0.4);
+    };
+    double next = 0, next_but_one = 0;
+    for (int chain = 0; chain < 200; ++chain)
+      for (int k = 0; k + 2 < 29; ++k) {
+        next += bond(chain, k).dot(bond(chain, k + 1)) / (200 * 27);
+        next_but_one += bond(chain, k).dot(bond(chain, k + 2)) / (200 * 27);
+      }
+    const double expected = kappa == 0 ? 0 : 1 / std::tanh(kappa) - 1 / kappa;
+    EXPECT_NEAR(next, expected, 0.03) << kappa;
+    EXPECT_NEAR(next_but_one, expected * expected, 0.04) << kappa;
+  }
+}
+
 // Struts and ropes count on with the units; what is grown keeps to them, rings too.
 TEST(Molecules, AreGrownWithinReachOfStrutsAndRopes) {
   const Scene scene = read(R"([molecule.chain]

@@ -161,6 +161,22 @@ TEST_F(Study, RattlesEnergyIsFlat) {
   EXPECT_LT(std::abs(rattle), 2e-3 * std::abs(none));
   const double of_bonds = drift.number("constraint_drift_kj_mol_ns_dof", {{"method", "none"}});
   EXPECT_NEAR(of_bonds / none, 1, 1e-3);  // there are no other forces
+
+  // The verdict's points are the tables' figures.
+  const Table work(work_csv(plan, ledger_));
+  const std::vector<ChartPoint> points = chart_points(plan, ledger_);
+  ASSERT_EQ(points.size(), plan.settings().size());
+  for (const ChartPoint& point : points) {
+    if (point.name != "none" && point.name != "rattle (tolerance 1e-8)") continue;
+    const std::string value = point.name == "none" ? "" : "1e-8";
+    const auto figure = [&](const Table& table, const char* column) {
+      return table.number(column, {{"method", point.method}, {"value", value}});
+    };
+    EXPECT_NEAR(point.error / figure(work, "rms_rel_bond_error"), 1, 1e-5);
+    EXPECT_NEAR(point.cost.high / figure(work, "ns_per_bond_step_q3"), 1, 1e-3);
+    EXPECT_EQ(point.keeps_energy, figure(drift, "drift_low") <= 0 && 0 <= figure(drift, "drift_high"))
+        << point.name;
+  }
 }
 
 // Beyond the propagator's limit gains are refused; well inside it nothing fails.
@@ -211,34 +227,22 @@ TEST(HardScenes, AreReadAndRun) {
 // drift's interval holds zero.
 TEST(ChartVerdict, NamesTheCheapestOfEachKind) {
   using ::testing::ElementsAre;
-  const std::string work =
-      "curve,method,parameter,value,rms_rel_bond_error,max_rel_bond_error,ns_per_bond_step_q1,ns_per_bond_"
-      "step,"
-      "ns_per_bond_step_q3,step_us,repeats,failure\n"
-      "baumgarte,baumgarte,,,1e-5,1e-4,4,5,6,1,20,\n"
-      "feedforward (order),feedforward,order,1,1e-7,1e-6,8,9,10,1,20,\n"
-      "feedforward (order),feedforward,order,2,1e-8,1e-7,9,9.5,10,1,20,\n"
-      "newton,newton,,,1e-12,1e-11,9.5,11,12,1,20,\n"
-      "shake,shake,,,1e-13,1e-12,30,31,32,1,20,\n"
-      "lincs,lincs,,,,,,,,,0,diverged\n";
-  const std::string head =
-      "curve,method,parameter,value,ns_per_bond_step,drift_kj_mol_ns_dof,drift_low,drift_high,"
-      "constraint_drift_kj_mol_ns_dof,steps,failure\n";
-  const std::string drift = head +
-                            "b,baumgarte,,,5,1,0.5,1.5,1,4000,\n"
-                            "f,feedforward,order,1,9,1,0.5,1.5,1,4000,\n"
-                            "f,feedforward,order,2,9.5,0.1,-0.5,0.7,0,4000,\n"
-                            "n,newton,,,11,-0.1,-0.5,0.3,0,4000,\n"
-                            "s,shake,,,31,-1,-1.5,-0.3,0,4000,\n";
+  const std::vector<ChartPoint> points = {
+      {"newton", "newton", 1e-12, {9.5, 11, 12}, true},
+      {"baumgarte", "baumgarte", 1e-5, {4, 5, 6}, false},
+      {"feedforward", "feedforward (order 1)", 1e-7, {8, 9, 10}, false},
+      {"feedforward", "feedforward (order 2)", 1e-8, {9, 9.5, 10}, true},
+      {"shake", "shake", 1e-13, {30, 31, 32}, false},
+  };
   EXPECT_THAT(
-      chart_verdict(work, drift, 2),
+      chart_verdict(points, 2),
       ElementsAre("cheapest with rms error below 1e-4: baumgarte, 5 ns a bond; 1e-6: feedforward (order "
                   "1), 9 ns a bond or newton, 11 ns a bond; 1e-9: newton, 11 ns a bond",
                   "keeps energy within error at 2 fs, the cheapest setting of each method: feedforward "
                   "(order 2), newton",
                   "take here: feedforward (order 2), 9.5 ns a bond or newton, 11 ns a bond; the cheapest "
                   "with rms error below 1e-6 that keeps the energy"));
-  const auto unknown = chart_verdict(work, head + "n,newton,,,11,-0.1,-0.1,-0.1,0,100,\n", 2);
+  const auto unknown = chart_verdict({{"newton", "newton", 1e-12, {9.5, 11, 12}, {}}}, 2);
   ASSERT_EQ(unknown.size(), 2u);
   EXPECT_THAT(unknown[1], testing::HasSubstr("not known"));
 }

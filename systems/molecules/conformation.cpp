@@ -29,6 +29,15 @@ Vec3 at_angle(const Vec3& axis, double angle, Random& random) {
   return std::cos(angle) * u + std::sin(angle) * (w - w.dot(u) * u).normalized();
 }
 
+// Draws an angle θ with the weight exp(−κ(1 + cos θ)) of a cosine angle: of its cosine −1 − ln(1 − u(1 − e⁻²ᵏ))/κ, u
+// uniform.
+double draw_bend(double kappa, Random& random) {
+  constexpr double kFree = 1e-6;
+  const double u = random.uniform();
+  const double cosine = !(kappa > kFree) ? 2 * u - 1 : -1 - std::log1p(u * std::expm1(-2 * kappa)) / kappa;
+  return std::acos(std::clamp(cosine, -1.0, 1.0));
+}
+
 Eigen::Matrix3d random_turn(Random& random) {  // Shoemake 1992, doi:10.1016/B978-0-08-050755-2.50036-1
   const double s = random.uniform(), a = 2 * std::numbers::pi * random.uniform(),
                b = 2 * std::numbers::pi * random.uniform();
@@ -129,6 +138,13 @@ void Conformations::plan_growth() {
     growth.grand = last == i ? k : i;
     growth.angle = angle;
   }
+  for (const auto& [i, j, k, stiffness] : molecule_.terms.cosine_angles) {
+    const int last = rank[i] > rank[k] ? i : k;
+    Growth& growth = order_[rank[last]];
+    if (growth.parent != j || growth.is_site || growth.grand >= 0) continue;
+    growth.grand = last == i ? k : i;
+    growth.bend = stiffness / kT_;
+  }
   for (const OneSidedBond& bond : molecule_.system.one_sided)
     order_[std::max(rank[bond.i], rank[bond.j])].one_sided.push_back(bond);
   for (std::size_t t = 0; t < torsions_.size(); ++t) {
@@ -203,9 +219,10 @@ std::optional<Vectors> Conformations::grow(const Vec3& at, double scale, Occupie
       here = at;
       if (growth.parent >= 0) {
         const Vec3 parent = x.col(growth.parent);
+        const double angle = growth.bend ? draw_bend(*growth.bend, random) : growth.angle;
         here = parent + growth.length * (growth.grand < 0
                                              ? random.unit_vector()
-                                             : at_angle(x.col(growth.grand) - parent, growth.angle, random));
+                                             : at_angle(x.col(growth.grand) - parent, angle, random));
       }
       if (!has_room(growth.atom, here, space) || !space.is_free(here, radius, may) ||
           !all_satisfied(growth.one_sided, x))

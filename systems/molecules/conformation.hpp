@@ -35,6 +35,7 @@ class Conformations {
     int atom, parent = -1, grand = -1;  // the angle is grand–parent–atom
     double length = 0;                  // [nm]
     double angle = 0;                   // [rad]
+    std::optional<double> bend{};       // K/kT of a cosine angle, in place of a fixed one
     bool is_site = false;               // placed by its parents, after all other atoms
     std::vector<int> torsions{};        // that this atom completes: indices into torsions_
     std::vector<OneSidedBond> one_sided{};
