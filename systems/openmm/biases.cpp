@@ -6,53 +6,25 @@
 #include <string>
 
 #include "base/errors.hpp"
+#include "systems/openmm/writing.hpp"
 
 namespace taut {
 namespace {
-
-using Node = pugi::xml_node;
-using Parameters = std::vector<std::pair<const char*, double>>;
 
 // A wall where there is none, which no value reaches.
 constexpr double kFar = 1e6;
 
 constexpr const char* kLaw = "0.5*k*(step(v-b)*(v-b)^2+step(a-v)*(a-v)^2)-F*v; v=";
 
-void set_attribute(Node node, const char* name, const auto& value) {
-  node.append_attribute(name) = fmt::format("{}", value).c_str();
-}
-
-Node write_force(Node to, const char* type, const char* version, const std::string& energy) {
-  Node force = to.append_child("Force");
-  set_attribute(force, "type", type);
-  set_attribute(force, "version", version);
-  set_attribute(force, "name", type);
-  set_attribute(force, "forceGroup", 0);
-  set_attribute(force, "energy", energy);
-  return force;
-}
-
-void write_globals(Node force, const Parameters& parameters) {
-  Node list = force.append_child("GlobalParameters");
-  for (const auto& [name, value] : parameters) {
-    Node parameter = list.append_child("Parameter");
-    set_attribute(parameter, "name", name);
-    set_attribute(parameter, "default", value);
-  }
-  force.append_child("EnergyParameterDerivatives");
-}
-
 // A force on centres of groups, with the names of what each of its terms says. Terms are added by add_term().
 class CentroidForce {
  public:
-  CentroidForce(Node to, const std::string& energy, int groups, bool takes_images,
-                const std::vector<const char*>& names)
-      : force_(write_force(to, "CustomCentroidBondForce", "3", energy)) {
-    set_attribute(force_, "usesPeriodic", takes_images ? 1 : 0);
-    set_attribute(force_, "groups", groups);
-    Node list = force_.append_child("PerBondParameters");
-    for (const char* name : names) set_attribute(list.append_child("Parameter"), "name", name);
-    write_globals(force_, {});
+  CentroidForce(Node to, std::string energy, int groups, bool takes_images, const Names& names)
+      : force_(write_force(to, "CustomCentroidBondForce",
+                           {{"energy", &energy}, {"usesPeriodic", &takes_images}})) {
+    put(force_, "groups", groups);
+    write_parameters(force_, "PerBondParameters", names, {});
+    force_.append_child("EnergyParameterDerivatives");
     groups_ = force_.append_child("Groups");
     bonds_ = force_.append_child("Bonds");
     force_.append_child("Functions");
@@ -62,18 +34,17 @@ class CentroidForce {
     Node to = groups_.append_child("Group");
     for (std::size_t k = 0; k < group.atoms.size(); ++k) {
       Node particle = to.append_child("Particle");
-      set_attribute(particle, "p", group.atoms[k]);
-      set_attribute(particle, "weight", group.share[k]);
+      put(particle, "p", group.atoms[k]);
+      put(particle, "weight", group.share[k]);
     }
     return count_++;
   }
 
   void add_term(const std::vector<int>& groups, const std::vector<double>& parameters) {
     Node bond = bonds_.append_child("Bond");
-    for (std::size_t g = 0; g < groups.size(); ++g)
-      set_attribute(bond, fmt::format("g{}", g + 1).c_str(), groups[g]);
+    for (std::size_t g = 0; g < groups.size(); ++g) put(bond, fmt::format("g{}", g + 1).c_str(), groups[g]);
     for (std::size_t p = 0; p < parameters.size(); ++p)
-      set_attribute(bond, fmt::format("param{}", p + 1).c_str(), parameters[p]);
+      put(bond, fmt::format("param{}", p + 1).c_str(), parameters[p]);
   }
 
  private:
@@ -81,7 +52,7 @@ class CentroidForce {
   int count_ = 0;
 };
 
-Parameters law_of(const Bias& bias) {
+NamedValues law_of(const Bias& bias) {
   return {{"k", bias.k},
           {"a", std::max(bias.lower, -kFar)},
           {"b", std::min(bias.upper, kFar)},
@@ -90,10 +61,12 @@ Parameters law_of(const Bias& bias) {
 
 // R_g² = Σ w r², of each atom's distance from the centre, is the collective variable s.
 void write_gyration(Node to, const Bias& bias) {
-  Node force = write_force(to, "CustomCVForce", "0", std::string(kLaw) + "sqrt(s)");
-  write_globals(force, law_of(bias));
+  std::string energy = std::string(kLaw) + "sqrt(s)";
+  Node force = write_force(to, "CustomCVForce", {{"energy", &energy}});
+  write_global_parameters(force, law_of(bias));
+  force.append_child("EnergyParameterDerivatives");
   Node variable = force.append_child("CollectiveVariables").append_child("CollectiveVariable");
-  set_attribute(variable, "name", "s");
+  put(variable, "name", "s");
   CentroidForce squares(variable, "w*distance(g1,g2)^2", 2, false, {"w"});
   const BiasGroup& group = bias.groups.front();
   const int centre = squares.add_group(group);
@@ -116,13 +89,13 @@ std::string text_of(const Bias& bias, bool periodic) {
 }
 
 void write_on_centres(Node to, const Bias& bias, const Box& box) {
-  Parameters parameters = law_of(bias);
+  NamedValues parameters = law_of(bias);
   if (bias.variable == Bias::Variable::kComponent) {
     const Vec3& n = bias.along;
     parameters.insert(parameters.end(), {{"nx", n.x()}, {"ny", n.y()}, {"nz", n.z()}});
     if (box.periodic()) parameters.emplace_back("edge", n.cwiseAbs().dot(box.edge));
   }
-  std::vector<const char*> names;
+  Names names;
   std::vector<double> values;
   for (const auto& [name, value] : parameters) names.push_back(name), values.push_back(value);
   CentroidForce force(to, kLaw + text_of(bias, box.periodic()), groups_of(bias.variable), box.periodic(),

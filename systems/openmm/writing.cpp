@@ -19,11 +19,15 @@ Node write_force(Node forces, const char* type, const std::vector<Field>& fields
   return force;
 }
 
-void write_parameters(Node force, const char* each, Names of_each, NamedValues of_all) {
+void write_parameters(Node force, const char* each, const Names& of_each, const NamedValues& of_all) {
   Node list = force.append_child(each);
   for (const char* name : of_each) put(list.append_child("Parameter"), "name", name);
-  list = force.append_child("GlobalParameters");
-  for (const auto& [name, value] : of_all) {
+  write_global_parameters(force, of_all);
+}
+
+void write_global_parameters(Node force, const NamedValues& values) {
+  Node list = force.append_child("GlobalParameters");
+  for (const auto& [name, value] : values) {
     Node parameter = list.append_child("Parameter");
     put(parameter, "name", name);
     put(parameter, "default", value);
@@ -31,7 +35,7 @@ void write_parameters(Node force, const char* each, Names of_each, NamedValues o
 }
 
 void write_term(Node list, const char* name, const std::vector<Field>& atoms,
-                std::initializer_list<double> parameters) {
+                const std::vector<double>& parameters) {
   Node term = append(list, name, atoms);
   int n = 0;
   for (const double p : parameters) put(term, fmt::format("param{}", ++n).c_str(), p);

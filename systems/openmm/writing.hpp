@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <initializer_list>
 #include <pugixml.hpp>
 #include <string>
 #include <utility>
@@ -25,13 +24,14 @@ Node write_force(Node forces, const char* type, const std::vector<Field>& fields
 
 // The parameters of a custom force: names of the per-term ones (`each`), and the global ones with their
 // values.
-using Names = std::initializer_list<const char*>;
-using NamedValues = std::initializer_list<std::pair<const char*, double>>;
-void write_parameters(Node force, const char* each, Names of_each, NamedValues of_all);
+using Names = std::vector<const char*>;
+using NamedValues = std::vector<std::pair<const char*, double>>;
+void write_parameters(Node force, const char* each, const Names& of_each, const NamedValues& of_all);
+void write_global_parameters(Node force, const NamedValues& values);
 
 // A term of a custom force: its atoms, and its parameters in order.
 void write_term(Node list, const char* name, const std::vector<Field>& atoms,
-                std::initializer_list<double> parameters);
+                const std::vector<double>& parameters);
 
 // Tabulated functions of one and of two arguments.
 void write_spline(Node functions, const std::string& name, const Spline& spline);
