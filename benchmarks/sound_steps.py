@@ -9,10 +9,11 @@ from one start, at several steps, one thread each, and writes the slopes of thei
 freedom] with standard errors of four blocks; OpenMM for a fifth of the time. The protein's hydrogens have their own mass,
 or 3 u. The second takes for each program the longest step whose slope is below 0.01, or within its error, times a second
 of each in turns on an idle machine, and prints nanoseconds a day, medians. FOLDER is real_systems.py's. GROMACS has its
-defaults: LINCS of order 4 with one iteration, SETTLE for water, a pair list for 0.005 kJ/mol/ps an atom. Python needs
-taut and OpenMM.
+defaults (LINCS of order 4 with one iteration, SETTLE for water, a pair list for a drift of 0.005 kJ/mol/ps an atom) and,
+strict, order 6 with two iterations and a list for 1e-4. Python needs taut and OpenMM.
 """
 import argparse
+import copy
 import csv
 import json
 import pathlib
@@ -30,6 +31,7 @@ import real_systems
 
 STEPS = {"pme1728": (2, 3, 4, 5), "melt": (5, 10, 15, 20), "dhfr": (2, 3), "dhfr, 3 u": (4, 5)}  # [fs]
 TAUT = {"taut, newton": "newton", "taut, feedforward": "feedforward"}
+STRICT = "\nlincs-order = 6\nlincs-iter = 2\nverlet-buffer-tolerance = 1e-4\n"
 LARGEST = 0.01  # slope [kJ/mol/ns/degree of freedom]
 
 
@@ -70,9 +72,11 @@ class System:
         done = subprocess.run(list(map(str, command)), capture_output=True, text=True)
         return json.loads(done.stdout) if done.returncode == 0 else None
 
-    def gromacs(self, dt_fs):
-        self.described.dt_fs = dt_fs
-        return self.described
+    def gromacs(self, program, dt_fs):
+        described = copy.copy(self.described)
+        described.dt_fs = dt_fs
+        described.coupling += STRICT if program == "GROMACS, strict" else ""
+        return described
 
     def openmm_context(self, dt_fs):
         if self.scene[0] == "--openmm":
@@ -94,9 +98,9 @@ def drift_of_taut(system, program, dt_fs, ps):
     return seen and (seen["energy_drift_kj_mol_ns_dof"], seen["energy_drift_standard_error"] or 0)
 
 
-def drift_of_gromacs(system, _, dt_fs, ps):
+def drift_of_gromacs(system, program, dt_fs, ps):
     with tempfile.TemporaryDirectory() as name:
-        energies = peer_gromacs.energies(peer_gromacs.engines()[0], system.gromacs(dt_fs), int(ps * 1000 / dt_fs), pathlib.Path(name))
+        energies = peer_gromacs.energies(peer_gromacs.engines()[0], system.gromacs(program, dt_fs), int(ps * 1000 / dt_fs), pathlib.Path(name))
     return energies and slope(*energies, system.freedoms)
 
 
@@ -111,15 +115,16 @@ def drift_of_openmm(system, _, dt_fs, ps):
     return slope(times, energies, system.freedoms) if numpy.isfinite(energies).all() else None
 
 
-PROGRAMS = {**{program: drift_of_taut for program in TAUT}, "GROMACS": drift_of_gromacs, "OpenMM CPU": drift_of_openmm}
+PROGRAMS = {**{program: drift_of_taut for program in TAUT}, "GROMACS": drift_of_gromacs, "GROMACS, strict": drift_of_gromacs,
+            "OpenMM CPU": drift_of_openmm}
 
 
 def us_a_step(system, program, dt_fs):
     if program in TAUT:
         measure = lambda steps: system.run_taut(TAUT[program], dt_fs, steps, steps)["us_per_step"]
         return measure(max(20, int(1e6 / measure(20))))
-    if program == "GROMACS":
-        return peer_gromacs.us_per_step(peer_gromacs.engines()[0], system.gromacs(dt_fs), 1, 1)
+    if program.startswith("GROMACS"):
+        return peer_gromacs.us_per_step(peer_gromacs.engines()[0], system.gromacs(program, dt_fs), 1, 1)
     import time
     context, integrator = system.openmm_context(dt_fs)
     integrator.step(10)

@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
 """Compares part by part where a step of a prepared molecule goes: `taut run --timings` beside GROMACS's own accounting.
 
-    GMX=/path/to/gmx benchmarks/step_parts.py FOLDER [--systems dhfr] [--threads 1] [--seconds 5] [--build build]
+    GMX=/path/to/gmx benchmarks/step_parts.py FOLDER [--systems dhfr] [--threads 1] [--seconds 5] [--repeats 3]
+      [--build build]
 
 FOLDER is real_systems.py's. PME of order 4 at equal α and grid, newton beside LINCS and SETTLE, mixed precision, 2 fs.
-GROMACS prunes its lists within its forces, so taut's pruning stands there, too. Prints ms a step as a Markdown table.
+GROMACS prunes its lists within its forces, so taut's pruning stands there, too. Prints ms a step, medians, as a Markdown table.
 """
 import argparse
 import json
 import pathlib
+import statistics
 import subprocess
 
 import machine
@@ -42,6 +44,7 @@ def main():
     parser.add_argument("--systems", default="dhfr")
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--seconds", type=float, default=5, help="of each run")
+    parser.add_argument("--repeats", type=int, default=3, help="in turns; medians are printed")
     parser.add_argument("--build", type=pathlib.Path, default=pathlib.Path(__file__).parent.parent / "build")
     told = parser.parse_args()
     gmx = peer_gromacs.engines()[0]
@@ -49,9 +52,12 @@ def main():
     print("| ms a step |", " | ".join([*PARTS, "rest", "all"]), "|\n|---" + "|---" * (len(PARTS) + 2) + "|")
     for name in told.systems.split(","):
         prepared = peer_systems.Prepared(name, told.folder)
-        seen = {"taut": parts_of_taut(told.build / "taut", prepared, told.threads, told.seconds),
-                "GROMACS": peer_gromacs.ms_of_parts(gmx, prepared, told.threads, told.seconds)}
-        for side, (program, ms) in enumerate(seen.items()):
+        seen = {"taut": [], "GROMACS": []}
+        for _ in range(told.repeats):
+            seen["taut"].append(parts_of_taut(told.build / "taut", prepared, told.threads, told.seconds))
+            seen["GROMACS"].append(peer_gromacs.ms_of_parts(gmx, prepared, told.threads, told.seconds))
+        for side, (program, runs) in enumerate(seen.items()):
+            ms = {row: statistics.median(run[row] for run in runs) for row in runs[0]}
             parts = [sum(ms.get(row, 0) for row in rows[side]) for rows in PARTS.values()]
             print(f"| {name}, {program} |", " | ".join(f"{part:.2f}" for part in [*parts, ms["Total"] - sum(parts), ms["Total"]]), "|")
 
