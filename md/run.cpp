@@ -17,7 +17,8 @@ std::string_view advice(Failure failure) {
       return "bonds lie in line or in a plane, so that no force can hold them all: drop one, or bend them";
     case Failure::kNoConvergence:
     case Failure::kVelocitiesNoConvergence:
-      return "take a shorter step, a looser tolerance, or allow more sweeps";
+      return "take a shorter step, a looser tolerance, or more sweeps; where sweeps fail at any step, "
+             "newton or feedforward, which solve all bonds at once";
     default:
       return "take a shorter step, or a method that holds bonds more firmly (newton, rattle)";
   }

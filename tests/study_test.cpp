@@ -217,6 +217,7 @@ TEST(HardScenes, AreReadAndRun) {
   EXPECT_GE(scenes.size(), 6u);
   for (const auto& [name, hard_on] : scenes) {
     Scene scene = read_scene(scenes_folder() / "hard" / (name + ".toml"));
+    EXPECT_EQ(try_setting(scene, {"as shipped", "", "", {}}, {.steps = 20}).failure, "") << name;
     scene.run.dt_fs /= 4;
     EXPECT_EQ(try_setting(scene, {"newton", "", "", {"method.name=newton"}}, {.steps = 5}).failure, "")
         << name;
