@@ -21,7 +21,7 @@ namespace {
 using nlohmann::ordered_json;
 
 struct InfoArguments : SceneArgument {
-  InfoArguments() { usual_precision = Precision::kMixed; }  // as `taut run` has it
+  InfoArguments() { as_run = true; }
 };
 
 // Names the forces of a scene, each with its count.
@@ -84,8 +84,8 @@ std::string from(const Key& key, const InfoArguments& arguments, const std::vect
   }
   const auto otherwise = std::ranges::find(usual, key.name(), &Key::name);
   const bool imported = !arguments.openmm.empty() && (key.section == "run" || key.section == "forcefield") &&
-                        key.name() != "forcefield.precision" && otherwise != usual.end() &&
-                        otherwise->value != key.value;
+                        key.name() != "forcefield.precision" && key.name() != "run.dt_fs" &&
+                        otherwise != usual.end() && otherwise->value != key.value;
   return imported ? "OpenMM's files" : "default";
 }
 

@@ -200,8 +200,7 @@ struct RunArguments : SceneArgument {
   std::optional<fs::path> out;
   bool go_on = false, overwrite = false, measure = false, timings = false, plot = false;
 
-  // Mixed precision differs from double by 1e-6 of the forces and takes two thirds of the time (docs/running.md).
-  RunArguments() { usual_precision = Precision::kMixed; }
+  RunArguments() { as_run = true; }
 
   RunRequest request() const {
     RunRequest request{.mode = go_on       ? RunMode::kContinue
@@ -213,9 +212,8 @@ struct RunArguments : SceneArgument {
                        .scene = read(),
                        .leave_finished = true};
     if (out) request.source = source_of(*request.scene, !openmm.empty(), overrides());
-    if (!openmm.empty() && request.scene->terms.precision == usual_precision &&
-        !key_values(overrides()).contains("forcefield.precision"))
-      request.usual["forcefield.precision"] = "mixed";
+    request.usual = usual_settings(*request.scene);
+    for (const auto& [key, value] : key_values(overrides())) request.usual.erase(key);
     return request;
   }
 };

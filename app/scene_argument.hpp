@@ -7,6 +7,7 @@
 #include "command_line.hpp"
 #include "commands.hpp"
 #include "systems/scene_file.hpp"
+#include "systems/toml_reader.hpp"
 
 namespace taut {
 
@@ -17,10 +18,11 @@ struct NamedScene {
 
   void offer(const Subcommand& command);
   CommandLine line(const char* subcommand) const;  // the command line so far
-  // `usual`: the precision of what OpenMM prepared unless an override says another. Throws InputError if both
-  // sources or neither were given.
-  Scene read(const std::vector<std::string>& overrides, KeysRead* keys = nullptr,
-             Precision usual = Precision::kDouble) const;
+  // Throws InputError if both sources or neither were given.
+  Scene read(const std::vector<std::string>& overrides, KeysRead* keys = nullptr) const;
+  // What `taut run` takes for OpenMM's files, which say neither a precision nor a step, unless the user does.
+  bool as_run = false;
+  KeyValues usual_settings(const Scene& imported) const;
 };
 
 // A scene and the overrides of its keys.
@@ -30,7 +32,6 @@ struct SceneArgument : NamedScene {
   std::optional<std::string> precision;
   std::optional<double> dt_fs;
   std::vector<std::string> settings;
-  Precision usual_precision = Precision::kDouble;  // of what OpenMM prepared
 
   void offer(const Subcommand& command);           // all options, for `run` and `info`
   void offer_settings(const Subcommand& command);  // --dt-fs and --set, for studies

@@ -11,6 +11,11 @@ struct SimulationFailure : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// 1 as well: code of the user's own threw, or returned what is no number.
+struct OwnCodeFailure : SimulationFailure {
+  using SimulationFailure::SimulationFailure;
+};
+
 // 2: the input is wrong. The message is one line: file, line, key, what was expected.
 struct InputError : std::runtime_error {
   using std::runtime_error::runtime_error;

@@ -19,8 +19,8 @@ rcoulomb = {cutoff}
 rvdw = {cutoff}
 vdw-modifier = {modifier}
 rvdw-switch = {switch}
-nstenergy = 1000
-nstcalcenergy = 1000
+nstenergy = {energies}
+nstcalcenergy = {energies}
 nstlog = 0
 constraint-algorithm = lincs
 {more}
@@ -76,12 +76,13 @@ def coulomb(m):
     return "coulombtype = PME\npme-order = 4\newald-rtol = 1e-5\n" + "\n".join(f"fourier-n{d} = {n}" for d, n in zip("xyz", m.mesh))
 
 
-def put_input(m, folder):
-    """Writes in.gro, in.top and in.mdp, but for the number of steps, of a Molecules or a Prepared."""
+def put_input(m, folder, energies=1000):
+    """Writes in.gro, in.top and in.mdp, but for the number of steps, of a Molecules or a Prepared; so many steps between
+    energies."""
     if isinstance(m, peer_systems.Prepared):
         shutil.copy(m.file("gro"), folder / "in.gro")
         shutil.copy(m.file("top"), folder / "in.top")
-        modifier, integrator, more = "none", "md", "constraints = h-bonds\ncontinuation = yes"
+        modifier, integrator, more = "none", "md", "constraints = h-bonds\ncontinuation = yes\n" + m.coupling
     else:
         (folder / "in.gro").write_text(coordinates(m))
         (folder / "in.top").write_text(topology(m))
@@ -89,22 +90,57 @@ def put_input(m, folder):
         integrator, more = m.integrator, m.coupling
     return lambda steps: (folder / "in.mdp").write_text(MDP.format(
         dt=m.dt_fs * 1e-3, steps=steps, cutoff=m.cutoff, switch=m.switch, coulomb=coulomb(m), modifier=modifier,
-        integrator=integrator, more=more))
+        integrator=integrator, more=more, energies=energies))
 
 
-def us_per_step(program, m, threads, seconds):
+def prepare_and_run(program, folder, threads, *more):
+    """Runs folder's input; returns mdrun's exit code."""
+    run = lambda *a, check=True: subprocess.run([program, "-nobackup", *a], cwd=folder, check=check, capture_output=True).returncode
+    run("grompp", "-f", "in.mdp", "-c", "in.gro", "-p", "in.top", "-o", "in.tpr", "-maxwarn", "9")
+    ranks = ["-ntmpi", "1"] if of_version(program, "MPI (?:library|version)") == "thread_mpi" else []
+    return run("mdrun", "-s", "in.tpr", *ranks, "-ntomp", str(threads), "-g", "md.log", "-noconfout", "-pin", "off", *more,
+               check=False)
+
+
+def energies(program, m, steps, folder):
+    """Returns times [ps] and total energies [kJ/mol] of a run on one thread, every twentieth step; None if it fails."""
+    put_input(m, folder, 20)(steps)
+    if prepare_and_run(program, folder, 1):
+        return None
+    subprocess.run([program, "energy", "-f", "ener.edr", "-o", "e.xvg", "-dp"], cwd=folder, input="Total-Energy\n", text=True,
+                   check=True, capture_output=True)
+    rows = [list(map(float, line.split())) for line in (folder / "e.xvg").read_text().splitlines() if line[0] not in "#@"]
+    return tuple(zip(*rows))
+
+
+def timed_run(program, m, threads, seconds):
+    """Returns the log of a run whose second half takes about so many seconds, and the steps of that half."""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         write_mdp = put_input(m, folder)
 
-        def measure(steps):
+        def run(steps):
             write_mdp(steps)
-            run = lambda *a: subprocess.run([program, "-nobackup", *a], cwd=folder, check=True, capture_output=True)
-            run("grompp", "-f", "in.mdp", "-c", "in.gro", "-p", "in.top", "-o", "in.tpr", "-maxwarn", "9")
-            ranks = ["-ntmpi", "1"] if of_version(program, "MPI (?:library|version)") == "thread_mpi" else []
-            run("mdrun", "-s", "in.tpr", *ranks, "-ntomp", str(threads), "-g", "md.log", "-noconfout", "-pin", "off",
-                "-resethway", "-notunepme")
-            core, wall = map(float, re.search(r"^\s+Time:\s+([\d.]+)\s+([\d.]+)", (folder / "md.log").read_text(), re.M).groups())
-            return wall / (steps - steps // 2 + 1) * 1e6
+            if prepare_and_run(program, folder, threads, "-resethway", "-notunepme"):
+                raise SystemExit((folder / "md.log").read_text()[-500:])
+            return (folder / "md.log").read_text(), steps - steps // 2 + 1
 
-        return measure(2 * max(10, int(seconds * 1e6 / measure(m.first_steps) / 2)))
+        log, steps = run(m.first_steps)
+        return run(2 * max(10, int(seconds / wall_seconds(log) * steps / 2)))
+
+
+def wall_seconds(log):
+    return float(re.search(r"^\s+Time:\s+[\d.]+\s+([\d.]+)", log, re.M)[1])
+
+
+def us_per_step(program, m, threads, seconds):
+    log, steps = timed_run(program, m, threads, seconds)
+    return wall_seconds(log) / steps * 1e6
+
+
+def ms_of_parts(program, m, threads, seconds):
+    """Returns {row of GROMACS's accounting: ms a step}, "Total" among them."""
+    log, steps = timed_run(program, m, threads, seconds)
+    table = log[log.index("C Y C L E"):log.index("Breakdown") if "Breakdown" in log else len(log)]
+    rows = re.findall(r"^ (\S.*?)\s{2,}(?:\d+\s+\d+\s+\d+\s+)?([\d.]+)\s+[\d.]+\s+[\d.]+$", table, re.M)
+    return {name: float(wall) / steps * 1000 for name, wall in rows}

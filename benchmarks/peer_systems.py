@@ -44,6 +44,7 @@ class Prepared:
     dt_fs = 2
     alpha = 3.4705  # [1/nm]: erfc(alpha cutoff) = 1e-5
     first_steps = 20
+    coupling = ""  # lines of GROMACS's .mdp
 
     def file(self, suffix):
         return self.folder / f"{self.name}.{suffix}"

@@ -41,7 +41,13 @@ Langevin::Langevin(const System& sys, const Settings& settings, double h)
   set_temperature(settings.temperature);
 }
 
+void Langevin::set_friction(double friction) {
+  settings_.friction = friction;
+  set_temperature(settings_.temperature);
+}
+
 void Langevin::set_temperature(double kelvin) {
+  settings_.temperature = kelvin;
   const double c = std::exp(-h_ * settings_.friction);
   width_ = ((1 - c * c) * kBoltzmann * kelvin * tangent_.inv_mass).cwiseSqrt();
 }
@@ -106,10 +112,15 @@ Bath::Draw Langevin::draw(const System& sys, const Push& push, const State& s) {
 Vectors Langevin::middle_velocity(const System& sys, const State& s) {
   State middle = s;
   half_kick(sys, h_, nullptr, middle);
-  const SolveStats stats = project(middle.x, middle.v);
+  return tangent_velocity(middle);
+}
+
+Vectors Langevin::tangent_velocity(const State& s) {
+  Vectors v = s.v;
+  const SolveStats stats = project(s.x, v);
   if (!stats.converged())
     throw SimulationFailure(fmt::format("the temperature: {}", in_words(stats.failure)));
-  return middle.v;
+  return v;
 }
 
 }  // namespace taut

@@ -56,11 +56,13 @@ class Langevin final : public Bath {
   double heat_of_turning() const { return heat_of_turning_; }
 
   void set_temperature(double kelvin) override;
+  void set_friction(double friction);  // [1/ps]
   void serialize(Archive& archive) override { archive(half_jump_, random_); }
 
   // The velocity that Δ is about to change, P(v + (h/2)M⁻¹f): canonical for free and for harmonic motion at
   // any step, where that of the full step is too cold by (ωh)²/4. Temperatures are taken of it.
   Vectors middle_velocity(const System& sys, const State& s);
+  Vectors tangent_velocity(const State& s);  // Pv
 
  private:
   const Vectors& forces_with_springs(const System& sys, const Push& push, const State& s, SolveStats& stats);

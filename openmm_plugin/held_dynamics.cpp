@@ -8,10 +8,10 @@
 #include "base/errors.hpp"
 #include "base/threads.hpp"
 #include "constraints/projection.hpp"
+#include "ensembles/langevin.hpp"
 #include "md/observables.hpp"
 #include "md/run.hpp"
 #include "openmm_plugin/held_system.hpp"
-#include "openmm_plugin/langevin_noise.hpp"
 
 namespace taut {
 namespace {
@@ -30,22 +30,22 @@ class ForcesOfEngine final : public ForceLaw {
   Engine& engine_;
 };
 
-// The thermostat, and the engine's own update where a barostat would move the box.
+// The thermostat, if there is one, and the engine's own update where a barostat would move the box.
 class BathOfEngine final : public Bath {
  public:
-  BathOfEngine(Engine& engine, LangevinNoise& noise) : engine_(engine), noise_(noise) {}
-  const Vectors* half_jump() const override { return noise_.half_jump(); }
+  BathOfEngine(Engine& engine, Bath& thermostat) : engine_(engine), thermostat_(thermostat) {}
+  const Vectors* half_jump() const override { return thermostat_.half_jump(); }
   double move_box(const System&, State& s) override {
     engine_.update(s.t, s.x.data(), s.v.data());
     return 0;
   }
   Draw draw(const System& sys, const Push& push, const State& s) override {
-    return noise_.draw(sys, push, s);
+    return thermostat_.draw(sys, push, s);
   }
 
  private:
   Engine& engine_;
-  LangevinNoise& noise_;
+  Bath& thermostat_;
 };
 
 }  // namespace
@@ -102,7 +102,8 @@ struct HeldDynamics::Parts {
   MethodOptions options;
   double h;
   int threads;
-  LangevinNoise noise;
+  double friction;
+  Langevin langevin;
   std::unique_ptr<ConstraintMethod> method;
   State s;
   long steps = 0;
@@ -112,10 +113,12 @@ struct HeldDynamics::Parts {
         options(method_of(settings)),
         h(settings.h),
         threads(use_threads),
-        noise(sys, settings.temperature, settings.friction, settings.seed, settings.h),
+        friction(settings.friction),
+        langevin(sys, {.temperature = settings.temperature, .friction = friction, .seed = settings.seed}, h),
         method(make_method(sys, options, h)) {
     s.x = s.v = s.f = Vectors::Zero(3, sys.atoms());
   }
+  Bath& thermostat() { return friction > 0 ? langevin : no_bath(); }
 };
 
 HeldDynamics::HeldDynamics(const HeldBonds& held, const HoldSettings& settings, int threads)
@@ -133,10 +136,9 @@ void HeldDynamics::start(double t, Engine& engine) {
   Parts& p = *parts_;
   const ThreadScope threads(p.threads);
   p.method = make_method(p.sys, p.options, p.h);
-  p.noise.restart(p.sys);
   p.s.t = t;
   ForcesOfEngine forces(engine);
-  initialize({p.sys, forces, *p.method, p.noise}, p.h, p.s);
+  initialize({p.sys, forces, *p.method, p.thermostat()}, p.h, p.s);
 }
 
 void HeldDynamics::step(double t, Engine& engine) {
@@ -144,7 +146,7 @@ void HeldDynamics::step(double t, Engine& engine) {
   const ThreadScope threads(p.threads);
   p.s.t = t;
   ForcesOfEngine forces(engine);
-  BathOfEngine bath(engine, p.noise);
+  BathOfEngine bath(engine, p.thermostat());
   const RunPlan plan{.h = p.h};
   const SolveStats stats = take_step({p.sys, forces, *p.method, bath}, plan, p.s);
   ++p.steps;
@@ -154,23 +156,21 @@ void HeldDynamics::step(double t, Engine& engine) {
 double HeldDynamics::kinetic_energy() {
   Parts& p = *parts_;
   const ThreadScope threads(p.threads);
-  State middle = p.s;
-  if (p.noise.acts()) half_kick(p.sys, p.h, nullptr, middle);
-  const SolveStats stats = p.noise.project(p.sys, middle.x, middle.v);
-  if (!stats.converged())
-    throw SimulationFailure(fmt::format("the kinetic energy: {}", in_words(stats.failure)));
-  return taut::kinetic_energy(p.sys, middle.v);
+  if (p.friction > 0) return taut::kinetic_energy(p.sys, p.langevin.middle_velocity(p.sys, p.s));
+  return taut::kinetic_energy(p.sys, p.langevin.tangent_velocity(p.s));
 }
 
 void HeldDynamics::set_bath(double temperature, double friction) {
-  parts_->noise.set(parts_->sys, temperature, friction);
+  parts_->friction = friction;
+  parts_->langevin.set_friction(friction);
+  parts_->langevin.set_temperature(temperature);
 }
 
 std::string HeldDynamics::save() {
   Parts& p = *parts_;
   std::string kept = std::string(p.options.name()) + '\n', numbers;
   Archive archive = Archive::saving_to(numbers);
-  archive(p.s.x, p.s.v, p.s.f, *p.method, p.noise, p.steps);
+  archive(p.s.x, p.s.v, p.s.f, *p.method, p.langevin, p.steps);
   return kept + numbers;
 }
 
@@ -181,7 +181,7 @@ void HeldDynamics::load(const std::string& kept) {
     throw InputError(
         fmt::format("the checkpoint is of method \"{}\", expected \"{}\"", method, p.options.name()));
   Archive archive = Archive::loading_from(text.substr(method.size() + 1));
-  archive(p.s.x, p.s.v, p.s.f, *p.method, p.noise, p.steps);
+  archive(p.s.x, p.s.v, p.s.f, *p.method, p.langevin, p.steps);
   archive.finish();
 }
 

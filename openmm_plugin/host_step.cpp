@@ -32,6 +32,7 @@ void HostStep::initialize(OpenMM::ContextImpl& context, const TautIntegrator& in
   HoldSettings settings = integrator.settings();
   settings.seed = integrator.seed_in_use();
   context_ = &context;
+  friction_ = settings.friction;
   vectors_.resize(context.getSystem().getNumParticles());
   dynamics_.emplace(held_bonds(context.getSystem()), settings, threads_of(context));
 }
@@ -41,6 +42,8 @@ void HostStep::forget() {
 }
 
 void HostStep::set_bath(double temperature, double friction) {
+  if ((friction > 0) != (friction_ > 0)) forget();
+  friction_ = friction;
   dynamics_->set_bath(temperature, friction);
 }
 

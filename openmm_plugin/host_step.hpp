@@ -42,6 +42,7 @@ class HostStep final : public TautStepKernel, private Engine {
   bool in_step_ = false;  // what changes the Context is the step itself
   bool placed_ = false;   // the Context has the positions of the step
   int groups_ = -1;       // of forces
+  double friction_ = 0;   // of the thermostat [1/ps]
   Vectors vectors_;
   KnownBox box_;
 };

@@ -42,6 +42,8 @@ class Descent {
     try {
       projector_.positions(sys_, next_.x);
       energy = evaluate(next_);
+    } catch (const OwnCodeFailure&) {
+      throw;
     } catch (const SimulationFailure&) {
       return false;  // too far for the bonds to be brought back, or beyond a wall or the end of a table
     }

@@ -78,8 +78,9 @@ TEST(App, GoesOnFromAFinalState) {
   EXPECT_EQ(exit_code, 0) << text;
 }
 
-// Double precision for scenes; mixed for what OpenMM prepared, unless the user or the run's folder says another.
-TEST(App, OpenMMsSystemsRunInMixedPrecision) {
+// Double precision and 1 fs for scenes; mixed precision, and 2 fs where all hydrogens are held, for what OpenMM
+// prepared, unless the user or the run's folder says another.
+TEST(App, OpenMMsSystemsRunInMixedPrecisionAtTwoFemtoseconds) {
   const TemporaryFolder folder;
   const std::string data = TAUT_SCENES "/../tests/data/tip3p-216.";
   const std::string files = "--openmm " + data + "system.xml " + data + "state.xml ";
@@ -88,14 +89,20 @@ TEST(App, OpenMMsSystemsRunInMixedPrecision) {
               HasSubstr("double precision (change with --precision mixed)"));
   const auto first = taut("run " + files + "--steps 2" + out("mixed"));
   EXPECT_THAT(first.text, HasSubstr("mixed precision (change with --precision double)"));
+  EXPECT_THAT(first.text, HasSubstr("2 steps of 2 fs"));
+  EXPECT_THAT(taut("run " + files + "--steps 2 --dt-fs 1").text, HasSubstr("2 steps of 1 fs"));
+  const std::string free = TAUT_SCENES "/../tests/data/every-force.";  // no bond holds its hydrogen
+  EXPECT_THAT(taut("info --openmm " + free + "system.xml " + free + "state.xml").text,
+              HasSubstr("1000 steps of 1 fs"));
   EXPECT_THAT(taut("run " + files + "--steps 2 --precision double" + out("double")).text,
               HasSubstr("double precision (change with --precision mixed)"));
-  EXPECT_THAT(taut("info " + files).text,
-              ::testing::ContainsRegex("forcefield.precision +\"mixed\" +default"));
+  EXPECT_THAT(
+      taut("info " + files).text,
+      ::testing::ContainsRegex("forcefield.precision +\"mixed\" +default\n.*run.dt_fs +2 fs +default"));
   EXPECT_THAT(taut("resume " + (folder.path() / "mixed").string() + " --steps 2").text,
               HasSubstr("mixed precision"));
   for (const std::string name : {"mixed", "double"})
-    for (const std::string& said : {std::string(" --steps 6"), " --steps 8 --precision " + name}) {
+    for (const std::string& said : {std::string(" --steps 6"), " --steps 8 --dt-fs 2 --precision " + name}) {
       const auto [exit_code, text] = taut("run " + files + said + " --continue" + out(name.c_str()));
       EXPECT_EQ(exit_code, 0) << text;
       EXPECT_THAT(text, HasSubstr(name + " precision"));

@@ -32,7 +32,7 @@ thread_local std::shared_ptr<py::error_already_set> last_error;
   std::string words = error.what();
   words = words.substr(0, words.find('\n'));
   last_error = shared(error);
-  throw SimulationFailure(fmt::format("{}: {}", who, words));
+  throw OwnCodeFailure(fmt::format("{}: {}", who, words));
 }
 
 // Calls Python code. An exception in it fails the step.
@@ -60,7 +60,7 @@ const py::object& reachable(const Shared& held) {
 void expect_numbers(const Vectors& written, const std::string& who, const char* what) {
   for (Eigen::Index a = 0; a < written.cols(); ++a)
     if (!written.col(a).allFinite())
-      throw SimulationFailure(
+      throw OwnCodeFailure(
           fmt::format("{} left {}, {}, {} in {}[{}], expected finite numbers; look at what it computes there",
                       who, written(0, a), written(1, a), written(2, a), what, a));
 }
@@ -257,7 +257,7 @@ class PythonField final : public OwnField {
     });
     expect_numbers(added_, name_ + ".add", "forces");
     if (!std::isfinite(energy))
-      throw SimulationFailure(
+      throw OwnCodeFailure(
           fmt::format("{}.add returned the energy {}, expected a finite number; look at what it "
                       "computes there",
                       name_, energy));

@@ -93,6 +93,36 @@ def test_same_trajectory_as_tauts(method):
     assert abs(velocities(run.context) - sim.velocities).max() < 1e-8
 
 
+def test_same_langevin_dynamics_as_tauts():
+    """The noise of ensembles/langevin.cpp, drawn in the same order."""
+    system, model = water(1.0, removeCMMotion=False)
+    sim = taut.Simulation.from_openmm(system, model.positions, method="newton", dt_fs=1, set={
+        "run.thermostat": "langevin", "run.temperature_k": 300, "run.friction_per_ps": 20, "run.seed": 7})
+    run = simulation((system, model), taut.openmm.Integrator(0.001, "newton", temperature=300, friction=20, seed=7),
+                     "Reference")
+    run.context.setPositions(np.array(sim.positions))
+    run.context.setVelocities(np.array(sim.velocities))
+    sim.run(50)
+    run.step(50)
+    assert abs(positions(run.context) - sim.positions).max() < 1e-10
+
+
+def test_friction_is_set_between_steps(small):
+    run = simulation(small, taut.openmm.Integrator(0.001, "newton"), "Reference")
+    run.minimizeEnergy(maxIterations=50)
+    run.context.setVelocitiesToTemperature(300, 1)
+    run.step(5)
+    before = total_energy(run.context)
+    run.integrator._set_bath(300, 50)
+    run.step(20)
+    assert abs(total_energy(run.context) - before) > 5
+    run.integrator._set_bath(0, 0)
+    run.step(1)
+    before = total_energy(run.context)
+    run.step(50)
+    assert total_energy(run.context) == pytest.approx(before, abs=1.5)
+
+
 def test_two_runs_are_one(small):
     """Steps, however cut into calls, and energies asked for between them, leave the same bits."""
     ends = []
