@@ -30,7 +30,7 @@ Progress::Progress(long total)
     : total_(total), terminal_(isatty(STDERR_FILENO) != 0 && !quiet()), start_(Clock::now()), next_(start_) {}
 
 void Progress::write_rows(const std::string& what) {
-  if (terminal_) return;
+  if (terminal_ || quiet() || json_alone()) return;
   counted_ = what;
   const char* said = std::getenv("TAUT_PROGRESS_S");
   next_row_ = said ? std::max(0.0, std::atof(said)) : kFirstRow;

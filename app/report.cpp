@@ -7,6 +7,7 @@
 
 #include "base/threads.hpp"
 #include "studies/csv.hpp"
+#include "words.hpp"
 
 namespace taut {
 namespace {
@@ -59,9 +60,9 @@ void write_report(const ReportPage& page, StudyFiles& files) {
       "td,th{{padding:1px 8px;border-bottom:1px solid #ddd;text-align:left}}"
       ".scroll{{max-height:24em;overflow:auto}}code{{background:#f3f3f3;padding:2px 4px}}</style>\n"
       "<h1>{0}</h1>\n<p>Made by <code>{1}</code></p>\n"
-      "<p>Processor {2}, {3} threads. Compiler {4}, flags <code>{5}</code>.</p>\n",
-      escaped(page.title), escaped(page.command), escaped(processor()), available_threads(), TAUT_COMPILER,
-      TAUT_FLAGS);
+      "<p>Processor {2}, {3}. Compiler {4}, flags <code>{5}</code>.</p>\n",
+      escaped(page.title), escaped(page.command), escaped(processor()),
+      counted(available_threads(), "thread"), TAUT_COMPILER, TAUT_FLAGS);
   if (!page.notes.empty()) {
     html += "<ul>\n";
     for (const auto& note : page.notes) html += fmt::format("<li>{}</li>\n", escaped(note));

@@ -134,6 +134,7 @@ void complete_run(OpenRun& run, bool timings, Measured* measured = nullptr) {
   RunPrinter printer(request, folder);
   const long first = simulation.step(), steps = simulation.scene().run.steps;
   Progress progress(steps - first);
+  progress.write_rows("steps");
   const auto on_record = [&](const Record& r) {
     progress.clear();
     if (measured && r.step % simulation.scene().run.log_every == 0)
@@ -141,7 +142,7 @@ void complete_run(OpenRun& run, bool timings, Measured* measured = nullptr) {
     printer.print([&] { print_row(r); });
   };
   const auto on_step = [&](long step) {
-    progress.show_step(step - first);
+    printer.print([&] { progress.show_step(step - first); });
     return request.signal() == 0;
   };
   Summary summary;

@@ -76,8 +76,9 @@ void print_lines(const std::vector<Curve>& curves) {
   }
 }
 
-// type, motion, temperature and error of each run that is finished; the header alone where there is none.
-std::string kinds_csv(const std::vector<fs::path>& runs, const std::vector<std::string>& names) {
+// type, motion, temperature and error of each run that is finished, and its bath; the header alone where there is none.
+std::string kinds_csv(const std::vector<fs::path>& runs, const std::vector<std::string>& names,
+                      const std::vector<std::optional<Scene>>& scenes) {
   std::string csv = "run,kind,temperature_k,standard_error\n";
   for (std::size_t k = 0; k < runs.size(); ++k) {
     const auto summary = nlohmann::ordered_json::parse(contents_of(runs[k] / "summary.json"), nullptr, false);
@@ -88,6 +89,8 @@ std::string kinds_csv(const std::vector<fs::path>& runs, const std::vector<std::
         csv += fmt::format("{},{},{:.7g},{:.3g}\n", csv_cell(names[k]), csv_cell(type + ": " + motion),
                            t["value"].get<double>(), t["error"].is_number() ? t["error"].get<double>() : 0.0);
       }
+    if (scenes[k] && scenes[k]->run.thermostatted() && scenes[k]->run.temperature_course.empty())
+      csv += fmt::format("{},bath,{:.7g},0\n", csv_cell(names[k]), scenes[k]->run.temperature_k);
   }
   return csv;
 }
@@ -138,7 +141,7 @@ nlohmann::ordered_json plot_runs(const PlotRequest& request) {
       request.runs.size() == 1 ? request.runs[0].string() : counted(std::ssize(request.runs), "run");
   make_folder(request.out);
   StudyFiles files(request.out);
-  const std::string csv = csv_of(curves), kinds = kinds_csv(request.runs, names);
+  const std::string csv = csv_of(curves), kinds = kinds_csv(request.runs, names, scenes);
   ReportPage page{.title = title, .command = request.command, .notes = {}, .parts = {}};
   files.draw({"run", title + ": points, and running means as lines", csv});
   page.parts.push_back(
@@ -151,8 +154,11 @@ nlohmann::ordered_json plot_runs(const PlotRequest& request) {
   if (std::ranges::count(kinds, '\n') > 1) {
     files.draw(
         {"kinds", title + ": temperature by type of molecule and motion, bars: standard errors", kinds});
-    page.parts.push_back(
-        {"Temperatures", "Of each type of molecule, by motion, over the whole run.", "kinds.svg", kinds, {}});
+    page.parts.push_back({"Temperatures",
+                          "Of each type of molecule, by motion, over the whole run, beside the bath's.",
+                          "kinds.svg",
+                          kinds,
+                          {}});
   }
   if (request.runs.size() == 1 && scenes[0]) {
     const std::string frames = frames_csv(*scenes[0], request.runs[0]);

@@ -14,6 +14,7 @@ namespace taut::look_tests {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using json = nlohmann::json;
@@ -165,6 +166,21 @@ TEST(Look, PlotsRunsOfOneNameApart) {
     const std::string csv = contents(at + "both/" + table);
     EXPECT_THAT(csv, AllOf(HasSubstr("a/run"), HasSubstr("b/run"), Not(HasSubstr(at)))) << table;
   }
+}
+
+// The temperatures of a run stand beside its bath's, if that is one.
+TEST(Look, PlotsTemperaturesBesideTheBaths) {
+  const TemporaryFolder folder;
+  const std::string at = folder.path().string() + "/";
+  const auto temperatures = [&](const std::string& name, const std::string& bath) {
+    said(kShortRun + bath + " --plot --quiet --out " + at + name);
+    return contents(at + name + "/plot/kinds.csv");
+  };
+  EXPECT_THAT(temperatures("a", "run.thermostat=langevin run.temperature_k=310"),
+              EndsWith("\na,bath,310,0\n"));
+  EXPECT_THAT(temperatures("b", "run.temperature_k=310"), Not(HasSubstr("bath")));
+  EXPECT_THAT(temperatures("c", "run.thermostat=langevin 'run.temperature_k=[[0, 300], [1, 310]]'"),
+              Not(HasSubstr("bath")));
 }
 
 // A log keeps its columns, where the bath's rows become one temperature or the other way round.

@@ -219,6 +219,16 @@ TEST(Manners, ResumedRunsKeepToThreads) {
               HasSubstr("mixed precision (change with --precision double), 1 thread"));
 }
 
+// Its end is told in rows where there is no terminal, to people alone.
+TEST(Manners, RunsInAFileSayWhenTheyEnd) {
+  const std::string run = "run diatomic --steps 5";
+  EXPECT_THAT(taut(run, "TAUT_PROGRESS_S=0").text,
+              HasSubstr("\n  2 of 5 steps after 0:00:00, 0:00:00 left\n"));
+  EXPECT_THAT(taut(run, "TAUT_PROGRESS_S=60").text, Not(HasSubstr("left")));
+  EXPECT_EQ(taut(run + " --quiet", "TAUT_PROGRESS_S=0").text, "");
+  EXPECT_THAT(taut(run + " --json", "TAUT_PROGRESS_S=0").text, Not(HasSubstr("left")));
+}
+
 // As many as the process may use, where the system is large enough; one for small ones.
 TEST(Manners, RunsTakeTheCoresThatTheyGainFrom) {
   const std::string large = "run water --set build.molecules=700 --steps 0";

@@ -5,7 +5,7 @@
 namespace taut::molecule_errors_tests {
 namespace {
 
-using testing::HasSubstr;
+using testing::AllOf, testing::HasSubstr;
 
 const SceneText kGood{R"([atom.C]
 mass_u = 12
@@ -82,7 +82,8 @@ TEST(MoleculeErrors, Rows) {
               HasSubstr("torsions[0]: expected a periodicity of 1 to 64"));
   EXPECT_THAT(said_of_rows("units = 2\nangles = [[2, 3, 4, 100, 1]]"), HasSubstr("there is no atom 4"));
   EXPECT_THAT(said_of_rows("units = 2\npulls = [[2, 1, 1, 1]]"),
-              HasSubstr("pulls[0]: expected one of its atoms in the first unit, 0 to 1"));
+              AllOf(HasSubstr("pulls[0]: expected one of its atoms in the first unit, 0 to 1"),
+                    HasSubstr("count from the end of all 4 atoms, -2 in place of 2")));
   EXPECT_EQ(said_of_rows("restraints = [[0, 0, 0, 0, -1]]"),
             "scene.toml:6: molecule.chain.restraints[0]: expected a stiffness of 0 or more");
   EXPECT_EQ(

@@ -10,8 +10,8 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 DOCS = HERE.parents[1] / "docs"
-ORDER = ["first_run", "water", "own_method", "gains", "polymer", "pulled_chain", "analysis", "scan", "protein",
-         "jax_potential"]
+ORDER = ["first_run", "water", "own_method", "gains", "polymer", "pulled_chain", "tables", "analysis", "scan",
+         "protein", "jax_potential"]
 
 
 def words_and_code(name: str) -> "tuple[str, str]":

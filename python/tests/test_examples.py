@@ -23,6 +23,8 @@ def test_example(example, tmp_path):
     done = subprocess.run([sys.executable, str(example)], cwd=tmp_path, capture_output=True, text=True,
                           env={**os.environ, "MPLBACKEND": "Agg"}, timeout=120)
     assert done.returncode == 0, done.stderr
+    for mean, error, closed_form in re.findall(r"= (\S+) ± (\S+); (\S+) by", done.stdout):
+        assert abs(float(mean) - float(closed_form)) < 4 * float(error), done.stdout
     promised = re.search(r"Draws\s+(\w+\.png)", text).group(1)
     assert (tmp_path / promised).stat().st_size > 10_000
     if "TAUT_GALLERY" in os.environ:

@@ -54,12 +54,12 @@ void RowReader::check_atoms(const char* key, std::size_t k, const std::vector<do
     named.insert(a < 0 ? a + all : a);
   }
   if (named.size() < atoms.size()) keys_.fail(key, k, "names the same atom twice");
-  if (*std::ranges::min_element(atoms) >= units_.each)
+  if (const int first = static_cast<int>(*std::ranges::min_element(atoms)); first >= units_.each)
     keys_.fail(
         key, k,
         fmt::format("expected one of its atoms in the first unit, 0 to {}: a row counts for every unit; for "
-                    "one row alone count from the end, -1 is the last atom",
-                    units_.each - 1));
+                    "one row alone count from the end of all {} atoms, {} in place of {}",
+                    units_.each - 1, all, first - all, first));
 }
 
 System read_system(RowReader& rows, Eigen::VectorXd mass, VirtualSites sites) {
