@@ -45,15 +45,15 @@ Spline::Spline(std::string name, double first, double last, std::vector<double> 
   const std::vector<double> s = natural_slopes(values_);
   for (std::size_t i = 0; i + 1 < values_.size(); ++i) {
     const double rise = values_[i + 1] - values_[i];
-    pieces_.push_back({values_[i], s[i], 3 * rise - 2 * s[i] - s[i + 1], s[i] + s[i + 1] - 2 * rise});
+    intervals_.push_back({values_[i], s[i], 3 * rise - 2 * s[i] - s[i + 1], s[i] + s[i + 1] - 2 * rise});
   }
 }
 
 Spline::Value Spline::at(double x) const {
   const double place = (x - first_) / spacing_;
-  const auto last_piece = static_cast<double>(pieces_.size() - 1);
-  const double piece = std::clamp(std::floor(place), 0.0, last_piece), t = place - piece;
-  const auto& [a, b, c, d] = pieces_[static_cast<std::size_t>(piece)];
+  const auto last_interval = static_cast<double>(intervals_.size() - 1);
+  const double interval = std::clamp(std::floor(place), 0.0, last_interval), t = place - interval;
+  const auto& [a, b, c, d] = intervals_[static_cast<std::size_t>(interval)];
   return {a + t * (b + t * (c + t * d)), (b + t * (2 * c + t * 3 * d)) / spacing_};
 }
 

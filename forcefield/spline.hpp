@@ -34,14 +34,14 @@ class Spline {
   const std::vector<double>& values() const { return values_; }
   double place_of_least() const;  // the point of the least value
 
-  using Piece = std::array<double, 4>;  // a, b, c, d
-  const std::vector<Piece>& pieces() const { return pieces_; }
+  using Interval = std::array<double, 4>;  // a, b, c, d
+  const std::vector<Interval>& intervals() const { return intervals_; }
 
  private:
   std::string name_;
   double first_, last_, spacing_;
   std::vector<double> values_;
-  std::vector<Piece> pieces_;
+  std::vector<Interval> intervals_;
 };
 
 }  // namespace taut

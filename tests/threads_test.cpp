@@ -227,7 +227,7 @@ TEST(RowShares, GiveEachThreadAsMuchWorkInTheOrderOfTheRows) {
   for (int t = 0; t < kThreads; ++t) {
     shares.take(t, lists);
     long own = 0;
-    for (const auto& [at, rows] : shares.pieces(t)) {
+    for (const auto& [at, rows] : shares.stretches(t)) {
       while (at != list) {
         ASSERT_EQ(next, int(lists[list].rows.size()));
         ++list;

@@ -68,7 +68,7 @@ Real screened(Real s, int first) {
 }
 
 constexpr int kPoints = 96;
-using Terms = std::array<Real, kPoints>;
+using Series = std::array<Real, kPoints>;
 
 // cos(πn/2kPoints)
 Real wave(int n) {
@@ -81,8 +81,8 @@ Real wave(int n) {
 }
 
 // f(t), −½ ≤ t ≤ ½, as Σ c_k T_k(2t).
-Terms interpolate(const auto& f) {
-  Terms c{};
+Series interpolate(const auto& f) {
+  Series c{};
   for (int p = 0; p < kPoints; ++p) {
     const Real value = f(wave(2 * p + 1) / 2);
     for (int k = 0; k < kPoints; ++k) c[k] += (k == 0 ? 1 : 2) * value * wave(k * (2 * p + 1)) / kPoints;
@@ -91,8 +91,8 @@ Terms interpolate(const auto& f) {
 }
 
 // The first of those terms as Σ c_k t^k: T₀ = 1, T₁ = 2t, T_{k+1} = 4t T_k − T_{k−1}.
-Terms powers(const Terms& c, int terms) {
-  Terms sum{}, before{}, now{}, next{};
+Series powers(const Series& c, int terms) {
+  Series sum{}, before{}, now{}, next{};
   now[0] = 1;
   for (int k = 0; k < terms; ++k) {
     for (int n = 0; n < terms; ++n) {
@@ -105,24 +105,24 @@ Terms powers(const Terms& c, int terms) {
   return sum;
 }
 
-// f(scale r²) in pieces. Within the cutoff the nearest whole number is a piece.
-Real centre(const ScreeningFit& fit, int piece) {
-  return fit.pieces == 1 ? 0.5L : piece;
+// f(scale r²) in intervals. Within the cutoff the nearest whole number is an interval.
+Real centre(const ScreeningFit& fit, int interval) {
+  return fit.intervals == 1 ? 0.5L : interval;
 }
 
 std::vector<double> polynomials(const auto& f, const ScreeningFit& fit) {
-  std::vector<Terms> pieces;
-  for (int p = 0; p < fit.pieces; ++p)
-    pieces.push_back(interpolate([&](Real t) { return f(centre(fit, p) + t); }));
+  std::vector<Series> intervals;
+  for (int p = 0; p < fit.intervals; ++p)
+    intervals.push_back(interpolate([&](Real t) { return f(centre(fit, p) + t); }));
   const Real largest = f(0);
   int terms = fit.terms;  // what they add falls steadily
-  const auto matters = [&](const Terms& c) { return std::abs(c[terms]) > fit.error * largest; };
-  while (terms + 2 < kPoints && std::any_of(pieces.begin(), pieces.end(), matters)) terms += 2;
+  const auto matters = [&](const Series& c) { return std::abs(c[terms]) > fit.error * largest; };
+  while (terms + 2 < kPoints && std::any_of(intervals.begin(), intervals.end(), matters)) terms += 2;
 
-  std::vector<double> numbers(std::size_t(terms) * fit.pieces);
-  for (int p = 0; p < fit.pieces; ++p) {
-    const Terms c = powers(pieces[p], terms);
-    for (int k = 0; k < terms; ++k) numbers[k * fit.pieces + p] = static_cast<double>(c[k]);
+  std::vector<double> numbers(std::size_t(terms) * fit.intervals);
+  for (int p = 0; p < fit.intervals; ++p) {
+    const Series c = powers(intervals[p], terms);
+    for (int k = 0; k < terms; ++k) numbers[k * fit.intervals + p] = static_cast<double>(c[k]);
   }
   return numbers;
 }
@@ -131,7 +131,7 @@ std::vector<double> polynomials(const auto& f, const ScreeningFit& fit) {
 
 Screening::Screening(double given_alpha, double cutoff, const ScreeningFit& fit)
     : alpha(given_alpha),
-      scale((static_cast<double>(centre(fit, fit.pieces - 1)) + 0.4999) / (cutoff * cutoff)) {
+      scale((static_cast<double>(centre(fit, fit.intervals - 1)) + 0.4999) / (cutoff * cutoff)) {
   const Real a = alpha, squared = a * a / scale;
   energy = polynomials([&](Real u) { return a * screened(squared * u, 1); }, fit);
   force = polynomials([&](Real u) { return a * a * a * screened(squared * u, 2); }, fit);

@@ -200,7 +200,7 @@ class EngineIn final : public ClusterPairs::Engine {
     in_parallel(threads_, [&](int t) {
       inner_[t].rows.clear();
       inner_[t].masked.clear();
-      for (const auto& [list, rows] : shares_.pieces(t)) pruning.add(outer_[list], rows, inner_[t]);
+      for (const auto& [list, rows] : shares_.stretches(t)) pruning.add(outer_[list], rows, inner_[t]);
     });
     ++prunings;
   }
@@ -247,7 +247,7 @@ class EngineIn final : public ClusterPairs::Engine {
       if (p_.all_pairs())
         return force_.mark_blocks(t, outer_[t], {0, static_cast<int>(outer_[t].rows.size())});
       shares_.take(t, outer_);
-      for (const auto& [list, rows] : shares_.pieces(t)) force_.mark_blocks(t, outer_[list], rows);
+      for (const auto& [list, rows] : shares_.stretches(t)) force_.mark_blocks(t, outer_[list], rows);
     });
     by_clusters([&](const Share& share) {
       place_atoms(x, clusters_, share, tracks_.now().data(), atoms_);

@@ -89,14 +89,14 @@ class PackedPairs {
     T* forces = row_.f_;
     const double inv_unit = row_.inv_unit_;
     int pair = 0, tile = 0;
-    for (int p = 0; p < pieces_; ++p) {
-      const PairRow& row = *piece_[p].row;
+    for (int p = 0; p < packed_rows_; ++p) {
+      const PairRow& row = *packed_[p].row;
       VX own[3][1];
       load_row<T>(x, inv_unit, row, own);
       typename LawInLanes<T, C>::Atoms atoms;
       law.load(row.first, atoms);
       V own_f[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-      for (const int end = piece_[p].end; tile < end; ++tile) {
+      for (const int end = packed_[p].end; tile < end; ++tile) {
         const std::ptrdiff_t cluster = cluster_[tile];
         const M within{within_[tile]};
         V r[3], coulomb{}, lj{}, f[3];
@@ -114,7 +114,7 @@ class PackedPairs {
       for (int k = 0; k < 3; ++k) row_.own_f_[k][0] = own_f[k];
       row_.store(row);
     }
-    pieces_ = tiles_ = pairs_ = 0;
+    packed_rows_ = tiles_ = pairs_ = 0;
   }
 
  private:
@@ -146,7 +146,7 @@ class PackedPairs {
     for (const MaskedCluster* of = list.masked.data() + row.masked_begin; k < std::min(end, masked); ++k)
       add(of[k].cluster, of[k].mask);
     for (const int* of = list.clusters.data() + row.begin - masked; k < end; ++k) add(of[k], ~0u);
-    if (tiles > tiles_) piece_[pieces_++] = {&row, tiles};
+    if (tiles > tiles_) packed_[packed_rows_++] = {&row, tiles};
     pairs_ = pairs;
     tiles_ = tiles;
     return end;
@@ -180,15 +180,15 @@ class PackedPairs {
   static constexpr int kPairs = 8192 / sizeof(T), kTiles = kPairs / 2;
   static constexpr int kFew = 8;                                 // clusters, not worth loading a row
   static constexpr int kNumbers = kPairs + kAtOnce * S::kLanes;  // up to the last vector's end
-  struct Piece {
+  struct PackedRow {
     const PairRow* row;
     int end;  // of its tiles
   };
 
   RowSum<T, C>& row_;
   V unit2_, cutoff2_;  // unit², and the cutoff's square in it
-  int pieces_ = 0, tiles_ = 0, pairs_ = 0;
-  Piece piece_[kTiles];
+  int packed_rows_ = 0, tiles_ = 0, pairs_ = 0;
+  PackedRow packed_[kTiles];
   int cluster_[kTiles + 1];  // of tiles that hold pairs
   Bits within_[kTiles + 1];
   alignas(64) T r2_[kNumbers];

@@ -59,28 +59,27 @@ class InRange {
     return bits;
   }
 
-  // Stores the clusters that hold a pair in range of the i-cluster (kPieces = 1) or of each half of it (2)
+  // Stores the clusters that hold a pair in range of the i-cluster (kParts = 1) or of each half of it (2)
   // from end[] on, and moves end[] behind them.
-  template <int kPieces>
-  HWY_INLINE void choose(const int* clusters, int count, int* (&end)[kPieces]) const {
+  template <int kParts>
+  HWY_INLINE void choose(const int* clusters, int count, int* (&end)[kParts]) const {
     const hn::CappedTag<std::int32_t, 16> d;
     constexpr int kBlock = static_cast<int>(hn::MaxLanes(d));
-    constexpr unsigned kPiece = (1u << 16 / kPieces) - 1;
+    constexpr unsigned kPart = (1u << 16 / kParts) - 1;
     int k = 0;
     for (; k + kBlock <= count; k += kBlock) {
-      unsigned near[kPieces] = {};
+      unsigned near[kParts] = {};
       for (int l = 0; l < kBlock; ++l) {
         const unsigned bits = with(clusters[k + l]);
-        for (int p = 0; p < kPieces; ++p)
-          near[p] |= unsigned{(bits & (kPiece << p * 16 / kPieces)) != 0} << l;
+        for (int p = 0; p < kParts; ++p) near[p] |= unsigned{(bits & (kPart << p * 16 / kParts)) != 0} << l;
       }
-      for (int p = 0; p < kPieces; ++p) end[p] = store_those(d, hn::LoadU(d, clusters + k), near[p], end[p]);
+      for (int p = 0; p < kParts; ++p) end[p] = store_those(d, hn::LoadU(d, clusters + k), near[p], end[p]);
     }
     for (; k < count; ++k) {
       const unsigned bits = with(clusters[k]);
-      for (int p = 0; p < kPieces; ++p) {
+      for (int p = 0; p < kParts; ++p) {
         *end[p] = clusters[k];
-        end[p] += (bits & (kPiece << p * 16 / kPieces)) != 0;
+        end[p] += (bits & (kPart << p * 16 / kParts)) != 0;
       }
     }
   }

@@ -82,7 +82,7 @@ class RowSum {
   struct Distances {
     V r[kPlaces][3], r2[kPlaces][1], guess[kPlaces][1];
   };
-  struct Terms {
+  struct LawValues {
     V of[kPlaces][1];
   };
 
@@ -111,14 +111,14 @@ class RowSum {
     finish(*cluster, next);
   }
   HWY_INLINE void finish(int cluster, Distances& at) {
-    Terms terms;
+    LawValues terms;
     apply_law(cluster, at, terms);
     add_forces(cluster, at, terms);
   }
 
   HWY_INLINE void meet(int cluster) {
     Distances at;
-    Terms terms;
+    LawValues terms;
     measure(cluster, at);
     invert(at);
     apply_law(cluster, at, terms);
@@ -162,7 +162,7 @@ class RowSum {
     for (int place = 0; place < kPlaces; ++place) Law::template invert<1>(at.r2[place], at.guess[place]);
   }
 
-  HWY_INLINE void apply_law(std::ptrdiff_t cluster, Distances& at, Terms& out) const {
+  HWY_INLINE void apply_law(std::ptrdiff_t cluster, Distances& at, LawValues& out) const {
     for (int place = 0; place < kPlaces; ++place) {
       const int v = place % kVectors, part = place / kVectors;
       const V(&r2)[1] = at.r2[place];
@@ -172,7 +172,7 @@ class RowSum {
     }
   }
 
-  HWY_INLINE void add_forces(std::ptrdiff_t cluster, const Distances& at, const Terms& terms) {
+  HWY_INLINE void add_forces(std::ptrdiff_t cluster, const Distances& at, const LawValues& terms) {
     const D d;
     for (int place = 0; place < kPlaces; ++place) {
       const int v = place % kVectors, part = place / kVectors;
@@ -278,9 +278,10 @@ HWY_INLINE void add_to(SixSums& sum, const SixSums& part) {
 
 template <class T, bool lj, bool charge, Ask ask, bool fine = false>
 SixSums choose_law(const Rows& rows, const PairAtoms<T>& atoms, T* f) {
-  if constexpr (charge && !fine && ScreeningPieces<typename Shape<T>::D>::kMany) {
+  if constexpr (charge && !fine && ScreeningIntervals<typename Shape<T>::D>::kMany) {
     const Screening& screening = rows.law.screening;
-    if (ScreeningPieces<typename Shape<T>::D>::fine(ask == Ask::kEnergy ? screening.energy : screening.force))
+    if (ScreeningIntervals<typename Shape<T>::D>::fine(ask == Ask::kEnergy ? screening.energy
+                                                                           : screening.force))
       return choose_law<T, lj, charge, ask, true>(rows, atoms, f);
   }
   const auto mixed = [&]<Mixing mixing>() {
@@ -329,7 +330,7 @@ int copies(const Real*) {
   return Shape<Real>::kRows;
 }
 ScreeningFit fit(const Real*) {
-  return ScreeningPieces<Shape<Real>::D>::fit();
+  return ScreeningIntervals<Shape<Real>::D>::fit();
 }
 
 }  // namespace taut::HWY_NAMESPACE

@@ -33,15 +33,15 @@ HWY_INLINE int* copy_some(const int* from, int count, int* to) {
   return to + count;
 }
 
-// Cuts rows of four atoms into kPieces rows, each with the clusters that hold a pair in range of it.
-template <int kPieces>
-HWY_INLINE void prune_in_pieces(const Pruning& how, const ClusterList& list, RowRange range,
-                                ClusterList& pruned) {
-  constexpr int kAtoms = kClusterAtoms / kPieces;
+// Cuts rows of four atoms into kParts rows, each with the clusters that hold a pair in range of it.
+template <int kParts>
+HWY_INLINE void prune_in_parts(const Pruning& how, const ClusterList& list, RowRange range,
+                               ClusterList& pruned) {
+  constexpr int kAtoms = kClusterAtoms / kParts;
   const int used = pruned.rows.empty() ? 0 : pruned.rows.back().end;
   const int most = list.rows[range.end - 1].end - list.rows[range.begin].begin;
   pruned.clusters.resize(
-      std::max(pruned.clusters.size(), std::size_t(used) + std::size_t(kPieces) * most + kWidest));
+      std::max(pruned.clusters.size(), std::size_t(used) + std::size_t(kParts) * most + kWidest));
   InRange in_range(how.x.x.data(), how.x.safely(how.range));
   int* next = pruned.clusters.data() + used;
   const double shells_per_nm = kShells / how.buffer;
@@ -53,31 +53,31 @@ HWY_INLINE void prune_in_pieces(const Pruning& how, const ClusterList& list, Row
     const int core = list.shells[r][0], end_of_shells = list.shells[r][shells];
     const int* clusters = list.clusters.data();
     in_range.take(whole.first / kClusterAtoms, whole.shift);
-    int *begin[kPieces], *end[kPieces];
-    for (int p = 0; p < kPieces; ++p) {
+    int *begin[kParts], *end[kParts];
+    for (int p = 0; p < kParts; ++p) {
       begin[p] = next + p * (end_of_shells - whole.begin);
       end[p] = copy_some(clusters + whole.begin, core - whole.begin, begin[p]);
     }
     in_range.choose(clusters + core, end_of_shells - core, end);
-    for (int p = 0; p < kPieces; ++p) {
+    for (int p = 0; p < kParts; ++p) {
       PairRow row{};
       row.first = whole.first + p * kAtoms;
       row.shift = whole.shift;
-      for (int i = 0; i < kAtoms && kPieces > 1; ++i) row.kind |= how.kind[row.first + i];
-      if (kPieces == 1 || (row.kind & kHasLj) != 0)
-        row.kind |= whole.kind & (kPieces == 1 ? ~0 : kHasOtherType);
+      for (int i = 0; i < kAtoms && kParts > 1; ++i) row.kind |= how.kind[row.first + i];
+      if (kParts == 1 || (row.kind & kHasLj) != 0)
+        row.kind |= whole.kind & (kParts == 1 ? ~0 : kHasOtherType);
       row.begin = static_cast<int>(begin[p] - pruned.clusters.data());
       row.end = static_cast<int>(end[p] - pruned.clusters.data());
       add_masks(list, whole, p * kAtoms, kAtoms, row, pruned);
       if (row.end > row.begin || row.masked_end > row.masked_begin) pruned.rows.push_back(row);
     }
-    next = end[kPieces - 1];
+    next = end[kParts - 1];
   }
 }
 
 void prune_rows(const Pruning& how, const ClusterList& list, RowRange range, ClusterList& pruned) {
-  how.row_atoms == kClusterAtoms ? prune_in_pieces<1>(how, list, range, pruned)
-                                 : prune_in_pieces<2>(how, list, range, pruned);
+  how.row_atoms == kClusterAtoms ? prune_in_parts<1>(how, list, range, pruned)
+                                 : prune_in_parts<2>(how, list, range, pruned);
 }
 
 }  // namespace taut::HWY_NAMESPACE

@@ -11,14 +11,14 @@ namespace taut {
 // thread has the same work.
 class RowShares {
  public:
-  struct Piece {
+  struct Stretch {
     int list;
     RowRange rows;
   };
 
   void make_room(int threads) {
     before_.assign(threads + 1, 0);
-    pieces_.resize(threads);
+    stretches_.resize(threads);
   }
 
   // Thread t's list, when it is made; then, once; then thread t's share.
@@ -29,7 +29,7 @@ class RowShares {
   void take(int t, const std::vector<ClusterList>& lists) {
     const int threads = static_cast<int>(lists.size());
     const long all = before_.back(), begin = all * t / threads, end = all * (t + 1) / threads;
-    pieces_[t].clear();
+    stretches_[t].clear();
     for (int u = 0; u < threads; ++u) {
       if (before_[u + 1] <= begin || before_[u] >= end) continue;
       long before = before_[u];
@@ -38,17 +38,17 @@ class RowShares {
         return r;
       };
       const int first = pass(0, begin);
-      pieces_[t].push_back({u, {first, pass(first, end)}});
+      stretches_[t].push_back({u, {first, pass(first, end)}});
     }
   }
 
-  const std::vector<Piece>& pieces(int t) const { return pieces_[t]; }
+  const std::vector<Stretch>& stretches(int t) const { return stretches_[t]; }
 
  private:
   static long work(const PairRow& row) { return row.end - row.begin + row.masked_end - row.masked_begin; }
 
   std::vector<long> before_;  // work: of the lists before each, and of all
-  std::vector<std::vector<Piece>> pieces_;
+  std::vector<std::vector<Stretch>> stretches_;
 };
 
 }  // namespace taut

@@ -18,95 +18,99 @@ namespace taut::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // α H or α³ G of vectors of squared distances. On targets with a one-instruction permutation of lanes, one
-// vector holds a coefficient of all pieces, and polynomials of many short pieces need fewer terms: 11 instead
-// of 22 in double precision, 5 instead of 12 in single. Other targets use one piece.
+// vector holds a coefficient of all intervals, and polynomials of many short intervals need fewer terms: 11 instead
+// of 22 in double precision, 5 instead of 12 in single. Other targets use one interval.
 template <class D>
-struct ScreeningPieces {
+struct ScreeningIntervals {
   static constexpr std::size_t kLanes = hn::MaxLanes(D()), kNumber = sizeof(hn::TFromD<D>);
   static constexpr bool kMany =
       (HWY_TARGET <= HWY_AVX3 && kLanes * kNumber == 64) || (HWY_TARGET == HWY_AVX2 && kLanes == 8);
-  static constexpr int kPieces = kMany ? int(kLanes) : 1;
+  static constexpr int kIntervals = kMany ? int(kLanes) : 1;
   // The terms that usual tolerances need, known when the kernel is compiled. Kernels for tight tolerances
   // (fine) take any number.
-  static constexpr int kTerms = kPieces == 1 ? 2 : kNumber == 8 ? 11 : kPieces == 16 ? 5 : 7;
+  static constexpr int kTerms = kIntervals == 1 ? 2 : kNumber == 8 ? 11 : kIntervals == 16 ? 5 : 7;
 
   static constexpr ScreeningFit fit() {
-    // The fit's error bounds each piece. One piece as wide as the cutoff has that error everywhere; most of
-    // many short pieces have far less.
-    return {kPieces, kTerms, kNumber == 4 ? (kMany ? 2e-6 : 2e-8) : (kMany ? 2e-13 : 1e-15)};
+    // The fit's error bounds each interval. One interval as wide as the cutoff has that error everywhere; most of
+    // many short intervals have far less.
+    return {kIntervals, kTerms, kNumber == 4 ? (kMany ? 2e-6 : 2e-8) : (kMany ? 2e-13 : 1e-15)};
   }
-  static bool fine(const std::vector<double>& numbers) { return kMany && numbers.size() > kPieces * kTerms; }
+  static bool fine(const std::vector<double>& numbers) {
+    return kMany && numbers.size() > kIntervals * kTerms;
+  }
 };
 
 template <class D, bool fine>
 class ScreenInLanes {
   using T = hn::TFromD<D>;
   using V = hn::Vec<D>;
-  using Pieces = ScreeningPieces<D>;
-  static constexpr int kPieces = Pieces::kPieces;
+  using Intervals = ScreeningIntervals<D>;
+  static constexpr int kIntervals = Intervals::kIntervals;
 
  public:
   // of: Screening's numbers; the result comes times `factor`.
   HWY_INLINE ScreenInLanes(double scale, const std::vector<double>& of, double factor)
-      : scale_(static_cast<T>(scale)), terms_(static_cast<int>(of.size()) / kPieces) {
+      : scale_(static_cast<T>(scale)), terms_(static_cast<int>(of.size()) / kIntervals) {
     for (std::size_t k = 0; k < of.size(); ++k) number_[k] = static_cast<T>(of[k] * factor);
   }
   bool wanted() const { return terms_ > 0; }
 
   template <int K>
   HWY_INLINE void operator()(const V (&r2)[K], V (&out)[K]) const {
-    sum<K>(fine || kPieces == 1 ? terms_ : Pieces::kTerms, r2, out);
+    sum<K>(fine || kIntervals == 1 ? terms_ : Intervals::kTerms, r2, out);
   }
 
  private:
-  using Piece = hn::Vec<hn::RebindToSigned<D>>;
+  using Interval = hn::Vec<hn::RebindToSigned<D>>;
 
   // Horner's rule for even and odd powers apart: two shorter chains of dependent operations.
   template <int K>
   HWY_INLINE void sum(const int terms, const V (&r2)[K], V (&out)[K]) const {
     V t[K], t2[K], next[K];
-    Piece piece[K];
+    Interval interval[K];
     for (int k = 0; k < K; ++k) {
-      t[k] = find_piece(r2[k], piece[k]);
+      t[k] = find_interval(r2[k], interval[k]);
       t2[k] = hn::Mul(t[k], t[k]);
-      out[k] = number(terms - 1, piece[k]);
-      next[k] = number(terms - 2, piece[k]);
+      out[k] = number(terms - 1, interval[k]);
+      next[k] = number(terms - 2, interval[k]);
     }
     for (int term = terms - 3; term > 0; term -= 2)
       for (int k = 0; k < K; ++k) {
-        out[k] = hn::MulAdd(out[k], t2[k], number(term, piece[k]));
-        next[k] = hn::MulAdd(next[k], t2[k], number(term - 1, piece[k]));
+        out[k] = hn::MulAdd(out[k], t2[k], number(term, interval[k]));
+        next[k] = hn::MulAdd(next[k], t2[k], number(term - 1, interval[k]));
       }
     for (int k = 0; k < K; ++k) {
       if (terms % 2 == 0)
         out[k] = hn::MulAdd(out[k], t[k], next[k]);
       else
-        out[k] = hn::MulAdd(out[k], t2[k], hn::MulAdd(next[k], t[k], number(0, piece[k])));
+        out[k] = hn::MulAdd(out[k], t2[k], hn::MulAdd(next[k], t[k], number(0, interval[k])));
     }
   }
 
-  // Adding `whole` rounds to an integer, which is then in the low bits. Beyond the cutoff the piece is
+  // Adding `whole` rounds to an integer, which is then in the low bits. Beyond the cutoff the interval is
   // arbitrary.
-  HWY_INLINE V find_piece(V r2, [[maybe_unused]] Piece& piece) const {
+  HWY_INLINE V find_interval(V r2, [[maybe_unused]] Interval& interval) const {
     const D d;
-    if constexpr (kPieces == 1) return hn::MulSub(r2, hn::Set(d, scale_), hn::Set(d, T(0.5)));
+    if constexpr (kIntervals == 1) return hn::MulSub(r2, hn::Set(d, scale_), hn::Set(d, T(0.5)));
     const V scale = hn::Set(d, scale_), whole = hn::Set(d, sizeof(T) == 8 ? T(0x1.8p52) : T(0x1.8p23)),
             sum = hn::MulAdd(r2, scale, whole);
-    piece = hn::BitCast(hn::RebindToSigned<D>(), sum);
+    interval = hn::BitCast(hn::RebindToSigned<D>(), sum);
     return hn::MulSub(r2, scale, hn::Sub(sum, whole));
   }
 
-  // The coefficient of each lane's own piece.
-  HWY_INLINE V number(int term, [[maybe_unused]] const Piece& piece) const {
-    const T* of_pieces = number_ + kPieces * term;
+  // The coefficient of each lane's own interval.
+  HWY_INLINE V number(int term, [[maybe_unused]] const Interval& interval) const {
+    const T* of_intervals = number_ + kIntervals * term;
 #if HWY_TARGET <= HWY_AVX3
-    if constexpr (kPieces == 8 && sizeof(T) == 8)
-      return V{_mm512_permutexvar_pd(piece.raw, _mm512_load_pd(of_pieces))};
-    if constexpr (kPieces == 16) return V{_mm512_permutexvar_ps(piece.raw, _mm512_load_ps(of_pieces))};
+    if constexpr (kIntervals == 8 && sizeof(T) == 8)
+      return V{_mm512_permutexvar_pd(interval.raw, _mm512_load_pd(of_intervals))};
+    if constexpr (kIntervals == 16)
+      return V{_mm512_permutexvar_ps(interval.raw, _mm512_load_ps(of_intervals))};
 #elif HWY_TARGET <= HWY_AVX2
-    if constexpr (kPieces == 8) return V{_mm256_permutevar8x32_ps(_mm256_load_ps(of_pieces), piece.raw)};
+    if constexpr (kIntervals == 8)
+      return V{_mm256_permutevar8x32_ps(_mm256_load_ps(of_intervals), interval.raw)};
 #endif
-    return hn::Set(D(), *of_pieces);
+    return hn::Set(D(), *of_intervals);
   }
 
   T scale_;

@@ -18,7 +18,7 @@ std::string LammpsTables::add(Of of, const Spline& energy) {
   if (!fresh) return named;
   constexpr int kBetween = 10;
   const double unit = of == kAngle ? 180 / std::numbers::pi : 1, step = energy.spacing() / kBetween;
-  const int all = static_cast<int>(energy.pieces().size()) * kBetween,
+  const int all = static_cast<int>(energy.intervals().size()) * kBetween,
             first = of == kPair && energy.first() == 0 ? 1 : 0;
   const int count = all - first + 1;
   const auto place = [&](int k) { return k == all ? energy.last() : energy.first() + k * step; };
