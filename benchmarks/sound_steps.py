@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
-"""Finds the step at which each program keeps the energy of water, of a melt and of a protein, and what a day gives there.
+"""Finds the steps at which programs keep the energy of water, of a melt and of a protein, and what a day gives there.
 
-    benchmarks/sound_steps.py --real FOLDER --out drifts.csv [--build build] [--systems pme1728,melt,dhfr] [--ps 20]
+    benchmarks/sound_steps.py --real FOLDER --out drifts.csv [--build build] [--systems "pme1728;melt;dhfr"] [--ps 20]
     benchmarks/sound_steps.py --real FOLDER --time drifts.csv [--repeats 3]
 
 The first command runs taut (newton and feedforward, mixed precision), GROMACS and OpenMM's CPU platform at constant energy
 from one start, at several steps, one thread each, and writes the slopes of their total energies [kJ/mol/ns per degree of
 freedom] with standard errors of four blocks; OpenMM for a fifth of the time. The protein's hydrogens have their own mass,
-or 3 u. The second takes for each program the longest step whose slope is below 1 % of kT, or within its error, times a second
-of each in turns on an idle machine, and prints nanoseconds a day, medians. FOLDER is real_systems.py's. GROMACS has its
-defaults (LINCS of order 4 with one iteration, SETTLE for water, a pair list for a drift of 0.005 kJ/mol/ps an atom) and,
-strict, order 6 with two iterations and a list for 1e-4. Python needs taut and OpenMM.
+or 3 u. The second times a second of every row of such a file in turns, on an idle machine, and prints nanoseconds a day,
+medians. FOLDER is real_systems.py's. GROMACS has its defaults (LINCS of order 4 with one iteration, SETTLE for water, a
+pair list for a drift of 0.005 kJ/mol/ps an atom) and, strict, order 6 with two iterations and a list for 1e-4. Python
+needs taut and OpenMM.
 """
 import argparse
 import copy
@@ -33,7 +33,6 @@ import real_systems
 STEPS = {"pme1728": (2, 3, 4, 5), "melt": (5, 10, 15, 20), "dhfr": (2, 3), "dhfr, 3 u": (4, 5)}  # [fs]
 TAUT = {"taut, newton": "newton", "taut, feedforward": "feedforward"}
 STRICT = "\nlincs-order = 6\nlincs-iter = 2\nverlet-buffer-tolerance = 1e-4\n"
-KT = {"melt": 1.0}  # [kJ/mol]; 2.5 of the others
 
 
 def slope(ps, energies, freedoms):
@@ -171,18 +170,14 @@ def measure(systems, told):
 
 
 def print_days(systems, told):
-    sound = {}
-    for name, program, dt_fs, *found in csv.reader(told.time.read_text().splitlines()[2:]):
-        if name in systems and found and abs(float(found[0])) <= max(0.01 * KT.get(name, 2.5), float(found[1])):
-            sound[name, program] = float(dt_fs)
+    rows = [row for row in csv.reader(told.time.read_text().splitlines()[2:]) if row[0] in systems and len(row) == 5]
     seen = {}
     for _ in range(told.repeats):
-        for key in sound:
-            seen.setdefault(key, []).append(us_a_step(systems[key[0]], key[1], sound[key]))
+        for n, (name, program, dt_fs, *_) in enumerate(rows):
+            seen.setdefault(n, []).append(us_a_step(systems[name], program, float(dt_fs)))
     print(f"# {machine.describe()}; one thread; medians of {told.repeats} in turns")
-    for (name, program), us in seen.items():
-        dt_fs = sound[name, program]
-        print(f"{name:10} {program:18} {dt_fs:4g} fs {statistics.median(us):9.0f} µs {86.4 * dt_fs / statistics.median(us) * 1000:9.1f} ns/day")
+    for us, (name, program, dt_fs, *slope) in zip(map(statistics.median, seen.values()), rows):
+        print(f"{name:10} {program:18} {dt_fs:>3} fs {us:8.0f} µs {86400 * float(dt_fs) / us:8.1f} ns/day  {' ± '.join(slope)}")
 
 
 if __name__ == "__main__":
