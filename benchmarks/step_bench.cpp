@@ -4,7 +4,8 @@
 // stay; lists: the same, everything moved so far that all lists are made anew; bonds: the method's share of
 // the step; kicks: both half kicks and the drift; bonded: springs, angles and torsions alone;
 // mesh: what Ewald's sum has beside the pairs, alone (pme scenes: order 4, points 0.116
-// nm apart, as GROMACS has it by default); account: whole steps, and in them what threads do: the processor
+// nm apart, as GROMACS has it by default); transforms: of these the Fourier transforms of a grid of zeros,
+// there and back; account: whole steps, and in them what threads do: the processor
 // time [µs a step] of what one thread does alone (serial), of the busiest in each parallel region (longest)
 // and of all in them (busy), and regions a step; wake: a region with nothing to do. openmm: whole steps of
 // OpenMM's CPU platform on the same system and threads (its leap-frog Verlet, constraints to 1e-6), where
@@ -24,6 +25,7 @@
 #include "base/threads.hpp"
 #include "constraints/projection.hpp"
 #include "forcefield/bonded/bonded_forces.hpp"
+#include "forcefield/ewald/fourier.hpp"
 #include "forcefield/ewald/parameters.hpp"
 #include "forcefield/ewald/pme.hpp"
 #include "forcefield/force_field.hpp"
@@ -233,6 +235,28 @@ void mesh_alone(benchmark::State& bench, const Setting& setting) {
   count(bench, bench.iterations(), scene.system.atoms());
 }
 
+void transforms_alone(benchmark::State& bench, const Setting& setting) {
+  const Scene scene = setting.scene();
+  const Nonbonded& nb = *scene.terms.nonbonded;
+  const PmeParameters pme = chosen_parameters(*nb.pme, scene.start.box, *nb.cutoff);
+  const auto there_and_back = [&](auto grid) {
+    grid.make_room(1);
+    for (auto _ : bench) {
+      for (int k1 = 0; k1 < pme.grid[0]; ++k1) grid.transform_plane(k1, 0);
+      for (int k2 = 0; k2 < grid.half(); ++k2) {
+        benchmark::DoNotOptimize(grid.transform_row(k2, 0));
+        grid.transform_row_back(k2, 0);
+      }
+      for (int k1 = 0; k1 < pme.grid[0]; ++k1) grid.transform_plane_back(k1, 0);
+    }
+  };
+  if (setting.precision == Precision::kDouble)
+    there_and_back(FourierGrid<double>(pme.grid, pme.order));
+  else
+    there_and_back(FourierGrid<float>(pme.grid, pme.order));
+  count(bench, bench.iterations(), scene.system.atoms());
+}
+
 void openmm_step(benchmark::State& bench, const Setting& setting) {
   Scene scene = setting.scene();
   if (auto& nb = scene.terms.nonbonded; nb && nb->pme) nb->pme->order = 5;  // it has no other
@@ -267,6 +291,7 @@ void add_all() {
         add("forces", forces_alone, setting, name);
         add("lists", forces_and_lists, setting, name);
         if (what.name.starts_with("pme")) add("mesh", mesh_alone, setting, name);
+        if (what.name.starts_with("pme") && threads == 1) add("transforms", transforms_alone, setting, name);
       }
       const Setting setting{what, Precision::kDouble, threads};
       add("bonds", bonds_alone, setting, "double");
