@@ -38,6 +38,10 @@ def context_of(system, integrator, x, v=None):
     return context
 
 
+def constraints_of(system):
+    return [(i, j, d._value) for i, j, d in map(system.getConstraintParameters, range(system.getNumConstraints()))]
+
+
 def free_motions(system):
     """Degrees of freedom, as StateDataReporter counts them."""
     masses = [system.getParticleMass(i)._value for i in range(system.getNumParticles())]
@@ -45,9 +49,8 @@ def free_motions(system):
     return 3 * sum(mass > 0 for mass in masses) - system.getNumConstraints() - 3 * still
 
 
-def bond_error(system, x):
-    bonds = [system.getConstraintParameters(k) for k in range(system.getNumConstraints())]
-    i, j, d = (np.array(column) for column in zip(*((i, j, d._value) for i, j, d in bonds)))
+def bond_error(bonds, x):
+    i, j, d = (np.array(column) for column in zip(*bonds))
     return float(np.max(np.abs(np.linalg.norm(x[j] - x[i], axis=1) / d - 1)))
 
 
@@ -87,21 +90,29 @@ def cholesterol(count):
 def run_cholesterol(options):
     print("integrator,step fs,steps,largest bond error,mean temperature K,seconds,end")
     system, x = cholesterol(options.molecules)
+    freedoms, bonds = free_motions(system), constraints_of(system)
     bath = {"temperature": 300, "friction": 1, "seed": 1}
-    for name, dt, make in (("taut feedforward", 0.02, lambda dt: taut.openmm.Integrator(dt, **bath)),
+    unbound = mm.XmlSerializer.clone(system)
+    taken = taut.openmm.rigid_bonds(unbound)
+    for name, dt, make in (("taut feedforward, bonds of its own, minimized", 0.02,
+                            lambda dt: taut.openmm.Integrator(dt, bonds=taken, **bath)),
+                           ("taut feedforward", 0.02, lambda dt: taut.openmm.Integrator(dt, **bath)),
                            ("OpenMM, tolerance 1e-5", 0.02, lambda dt: mm.LangevinMiddleIntegrator(300, 1, dt)),
                            ("OpenMM, tolerance 1e-5", 0.002, lambda dt: mm.LangevinMiddleIntegrator(300, 1, dt))):
-        context = context_of(system, make(dt), x)
+        own = "of its own" in name
+        context = context_of(unbound if own else system, make(dt), x)
         begin, done, worst, temperatures, end = time.time(), 0, 0, [], "all steps"
         every = max(1, min(1000, options.steps // 100))
         try:
+            if own:
+                mm.LocalEnergyMinimizer.minimize(context)
             context.setVelocitiesToTemperature(300, 1)
             while done < options.steps:
                 context.getIntegrator().step(every)
                 state = context.getState(positions=True, energy=True)
                 done += every
-                worst = max(worst, bond_error(system, state.getPositions(asNumpy=True)._value))
-                temperatures.append(2 * state.getKineticEnergy()._value / R / free_motions(system))
+                worst = max(worst, bond_error(bonds, state.getPositions(asNumpy=True)._value))
+                temperatures.append(2 * state.getKineticEnergy()._value / R / freedoms)
         except mm.OpenMMException as wrong:
             end = f"failed within the next {every}: {str(wrong).split('.')[0]}"
         mean = statistics.fmean(temperatures) if temperatures else math.nan
@@ -178,7 +189,7 @@ def run_protein(options):
         try:
             context = context_of(system, make(), kept.getPositions(), kept.getVelocities())
             cost = ms_a_step(context, options.steps)
-            error = bond_error(system, context.getState(positions=True).getPositions(asNumpy=True)._value)
+            error = bond_error(constraints_of(system), context.getState(positions=True).getPositions(asNumpy=True)._value)
             bare = ms_a_step(context_of(without_forces(system), make(), kept.getPositions(), kept.getVelocities()),
                              5 * options.steps)
         except mm.OpenMMException as wrong:

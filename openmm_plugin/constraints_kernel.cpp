@@ -9,7 +9,8 @@ namespace taut {
 void ProjectConstraints::initialize(const OpenMM::System& system) {
   x_.resize(system.getNumParticles());
   v_.resize(system.getNumParticles());
-  in_openmm_words([&] { projection_ = std::make_unique<BondProjection>(held_bonds(system)); });
+  in_openmm_words(
+      [&] { projection_ = std::make_unique<BondProjection>(held_bonds(system, integrator_.settings())); });
 }
 
 void ProjectConstraints::apply(OpenMM::ContextImpl& context, double) {

@@ -143,6 +143,7 @@ DeviceShape side_by_side(const Growing& grown, const System& sys, const Law& law
     of_bonds(shape.gains, [&](int k) { return 2 * law.gains[k].alpha; });
     of_bonds(shape.gains, [&](int k) { return law.gains[k].beta * law.gains[k].beta; });
   }
+  // Which guess a bond has depends on which bonds of its cluster meet: one shape, one guess.
   if (!shape.bonds.empty()) shape.guess = law.guesses[grown.bonds.front().front()];
   const bool anchored = std::ranges::count(grown.inv_masses, 0.0) > 0;
   if (anchored || std::ssize(shape.bonds) > kMostBondsOfAThread)

@@ -47,8 +47,8 @@ class Factory final : public OpenMM::KernelFactory {
   OpenMM::KernelImpl* createKernelImpl(std::string name, const OpenMM::Platform& platform,
                                        OpenMM::ContextImpl& context) const override {
     if (name == taut::TautStepKernel::Name()) return new taut::DeviceStep(name, platform);
-    if (dynamic_cast<taut::TautIntegrator*>(&context.getIntegrator()))
-      return new taut::ProjectConstraints(name, platform);
+    if (const auto* const integrator = dynamic_cast<taut::TautIntegrator*>(&context.getIntegrator()))
+      return new taut::ProjectConstraints(name, platform, *integrator);
     return own_.createKernelImpl(name, platform, context);
   }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "md/units.hpp"
 #include "openmm_plugin/device_kernels.hpp"
 
 namespace taut {
@@ -17,7 +18,6 @@ using OpenMM::ComputeKernel;
 using OpenMM::Vec3;
 
 constexpr int kMostThreadsOfACluster = 256;
-constexpr double kBoltzmannOfOpenMM = 8.31446261815324e-3;  // as md/units.hpp [kJ/mol/K]
 
 std::string list_of(const std::vector<std::array<int, 2>>& bonds, int end) {
   std::string list;
@@ -50,7 +50,7 @@ const char* in_words(int failure) {
 void DeviceStep::initialize(OpenMM::ContextImpl& context, const TautIntegrator& integrator) {
   context_ = &context;
   settings_ = integrator.settings();
-  const HeldBonds held = held_bonds(context.getSystem());
+  const HeldBonds held = held_bonds(context.getSystem(), settings_);
   plan_ = plan_for_device(held, settings_);
   projection_ = std::make_unique<BondProjection>(held);
   device_ = &device_of(context);
@@ -208,8 +208,7 @@ void DeviceStep::hold(bool starts) {
     for (int n = 0; n < 6; ++n) set_number(*device_, shape.hold, 2 + n, numbers[n]);
     shape.hold->setArg(15, first_normal);
     set_number(*device_, shape.hold, 16, keep);
-    set_number(*device_, shape.hold, 17,
-               std::sqrt((1 - keep * keep) * kBoltzmannOfOpenMM * settings_.temperature));
+    set_number(*device_, shape.hold, 17, std::sqrt((1 - keep * keep) * kBoltzmann * settings_.temperature));
     if (shape.plan.group)
       shape.hold->execute(shape.plan.clusters * shape.threads_of_cluster, shape.threads_of_cluster);
     else

@@ -9,6 +9,12 @@
 // taut's step as the plug-in uses it. This header is C++17 without Eigen, as what includes OpenMM's headers.
 namespace taut {
 
+// A rigid bond between two atoms.
+struct HeldBond {
+  int i, j;
+  double length;  // [nm]
+};
+
 // What a TautIntegrator is made from.
 struct HoldSettings {
   double h = 0.002;                            // length of a step [ps]
@@ -17,6 +23,7 @@ struct HoldSettings {
   double friction = 0;                         // of the Langevin thermostat [1/ps]; 0: no thermostat
   double temperature = 0;                      // of the thermostat [K]
   std::uint64_t seed = 0;                      // of its random numbers; 0: a new one for every Context
+  std::vector<HeldBond> bonds = {};            // which it holds besides the System's constraints
 };
 
 // Throws InputError for an unknown method or option and for a value out of range.
@@ -28,12 +35,8 @@ double tolerance(const HoldSettings& settings);
 
 // Rigid bonds between atoms that have masses. A mass of 0 is a virtual site or an atom that never moves.
 struct HeldBonds {
-  struct Bond {
-    int i, j;
-    double length;  // [nm]
-  };
   std::vector<double> masses;  // [u]
-  std::vector<Bond> bonds;
+  std::vector<HeldBond> bonds;
 };
 
 // What the step asks of the program that computes the forces. Arrays have three numbers an atom.

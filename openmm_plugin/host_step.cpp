@@ -34,7 +34,7 @@ void HostStep::initialize(OpenMM::ContextImpl& context, const TautIntegrator& in
   context_ = &context;
   friction_ = settings.friction;
   vectors_.resize(context.getSystem().getNumParticles());
-  dynamics_.emplace(held_bonds(context.getSystem()), settings, threads_of(context));
+  dynamics_.emplace(held_bonds(context.getSystem(), settings), settings, threads_of(context));
 }
 
 void HostStep::forget() {

@@ -34,8 +34,8 @@ class ConstraintsFactory final : public OpenMM::KernelFactory {
  public:
   OpenMM::KernelImpl* createKernelImpl(std::string name, const OpenMM::Platform& platform,
                                        OpenMM::ContextImpl& context) const override {
-    if (dynamic_cast<TautIntegrator*>(&context.getIntegrator()))
-      return new taut::ProjectConstraints(name, platform);
+    if (const auto* const integrator = dynamic_cast<TautIntegrator*>(&context.getIntegrator()))
+      return new taut::ProjectConstraints(name, platform, *integrator);
     return reference_.createKernelImpl(name, platform, context);
   }
 
@@ -43,7 +43,9 @@ class ConstraintsFactory final : public OpenMM::KernelFactory {
   OpenMM::ReferenceKernelFactory reference_;
 };
 
-// <Integrator type="TautIntegrator" stepSize=".." method=".." ..><Options tolerance=".."/></Integrator>
+// <Integrator type="TautIntegrator" stepSize=".." method=".." ..>
+//   <Options tolerance=".."/><Bonds><Bond p1="0" p2="1" d="0.1"/>..</Bonds>
+// </Integrator>
 class Proxy final : public OpenMM::SerializationProxy {
  public:
   Proxy() : SerializationProxy("TautIntegrator") {}
@@ -60,6 +62,10 @@ class Proxy final : public OpenMM::SerializationProxy {
     node.setIntProperty("integrationForceGroups", integrator.getIntegrationForceGroups());
     OpenMM::SerializationNode& options = node.createChildNode("Options");
     for (const auto& [name, value] : settings.options) options.setStringProperty(name, value);
+    OpenMM::SerializationNode& bonds = node.createChildNode("Bonds");
+    for (const auto& [i, j, length] : settings.bonds)
+      bonds.createChildNode("Bond").setIntProperty("p1", i).setIntProperty("p2", j).setDoubleProperty("d",
+                                                                                                      length);
   }
 
   void* deserialize(const OpenMM::SerializationNode& node) const override {
@@ -73,13 +79,27 @@ class Proxy final : public OpenMM::SerializationProxy {
     settings.seed = std::strtoull(node.getStringProperty("randomSeed", "0").c_str(), nullptr, 10);
     for (const OpenMM::SerializationNode& child : node.getChildren())
       for (const auto& [name, value] : child.getProperties()) settings.options[name] = value;
+    for (const OpenMM::SerializationNode& child : node.getChildren())
+      for (const OpenMM::SerializationNode& bond : child.getChildren())
+        settings.bonds.push_back(
+            {bond.getIntProperty("p1"), bond.getIntProperty("p2"), bond.getDoubleProperty("d")});
     auto* const integrator = new TautIntegrator(settings);
     integrator->setIntegrationForceGroups(node.getIntProperty("integrationForceGroups", -1));
     return integrator;
   }
 };
 
-std::string last_refusal;
+// Returns null, or why `work` was refused.
+const char* refusal_of(const std::function<void()>& work) {
+  static std::string last;
+  try {
+    work();
+  } catch (const std::exception& wrong) {
+    last = wrong.what();
+    return last.c_str();
+  }
+  return nullptr;
+}
 
 }  // namespace
 
@@ -96,15 +116,12 @@ TAUT_EXPORT void registerKernelFactories() {
   OpenMM::SerializationProxy::registerProxy(typeid(TautIntegrator), new Proxy);
 }
 
-// For Python, whose openmm.Integrator knows no temperature: returns null, or why it was refused.
+// For Python, whose openmm.Integrator knows no temperature.
 TAUT_EXPORT const char* taut_set_bath(OpenMM::Integrator* integrator, double temperature, double friction) {
-  try {
-    dynamic_cast<TautIntegrator&>(*integrator).set_bath(temperature, friction);
-  } catch (const std::exception& wrong) {
-    last_refusal = wrong.what();
-    return last_refusal.c_str();
-  }
-  return nullptr;
+  return refusal_of([&] { dynamic_cast<TautIntegrator&>(*integrator).set_bath(temperature, friction); });
+}
+TAUT_EXPORT const char* taut_temperature(OpenMM::Integrator* integrator, double* kelvin) {
+  return refusal_of([&] { *kelvin = dynamic_cast<TautIntegrator&>(*integrator).temperature(); });
 }
 TAUT_EXPORT void taut_set_seed(OpenMM::Integrator* integrator, std::uint64_t seed) {
   dynamic_cast<TautIntegrator&>(*integrator).set_seed(seed);

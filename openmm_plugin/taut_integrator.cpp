@@ -1,5 +1,6 @@
 #include "openmm_plugin/taut_integrator.hpp"
 
+#include <openmm/CMMotionRemover.h>
 #include <openmm/OpenMMException.h>
 #include <openmm/System.h>
 #include <openmm/internal/ContextImpl.h>
@@ -8,6 +9,7 @@
 #include <ostream>
 #include <random>
 
+#include "md/units.hpp"
 #include "openmm_plugin/step_kernel.hpp"
 
 namespace taut {
@@ -52,12 +54,22 @@ void in_openmm_words(const std::function<void()>& work) {
   }
 }
 
-HeldBonds held_bonds(const OpenMM::System& system) {
+HeldBonds held_bonds(const OpenMM::System& system, const HoldSettings& settings) {
   HeldBonds held;
   for (int i = 0; i < system.getNumParticles(); ++i) held.masses.push_back(system.getParticleMass(i));
   for (int k = 0; k < system.getNumConstraints(); ++k) {
-    HeldBonds::Bond bond{};
+    HeldBond bond{};
     system.getConstraintParameters(k, bond.i, bond.j, bond.length);
+    held.bonds.push_back(bond);
+  }
+  for (const HeldBond& bond : settings.bonds) {
+    for (const int atom : {bond.i, bond.j}) {
+      const bool is_there = atom >= 0 && atom < system.getNumParticles();
+      if (!is_there || system.isVirtualSite(atom))
+        throw OpenMM::OpenMMException("TautIntegrator: a bond of atoms " + std::to_string(bond.i) + " and " +
+                                      std::to_string(bond.j) + ": " + std::to_string(atom) +
+                                      (is_there ? " is a virtual site" : " is not an atom of the System"));
+    }
     held.bonds.push_back(bond);
   }
   return held;
@@ -79,7 +91,22 @@ void TautIntegrator::initialize(OpenMM::ContextImpl& of_context) {
   owner = &of_context.getOwner();
   seed_in_use_ = settings_.seed;
   while (seed_in_use_ == 0) seed_in_use_ = std::random_device()();
+  demand_molecules();
   make_kernel();
+}
+
+// Barostats move molecules as a whole, and images of them are taken so: bonds must not join what nothing joins.
+void TautIntegrator::demand_molecules() const {
+  if (settings_.bonds.empty()) return;
+  std::vector<int> molecule(context->getSystem().getNumParticles());
+  for (int n = 0; n < static_cast<int>(context->getMolecules().size()); ++n)
+    for (const int atom : context->getMolecules()[n]) molecule[atom] = n;
+  for (const auto& [i, j, length] : settings_.bonds)
+    if (molecule.at(i) != molecule.at(j))
+      throw OpenMM::OpenMMException(
+          "TautIntegrator: the bond of atoms " + std::to_string(i) + " and " + std::to_string(j) +
+          " joins molecules that no force joins: add a spring between them to the System, "
+          "as taut.openmm.rigid_bonds() does, so that minimizers and barostats know of it");
 }
 
 void TautIntegrator::make_kernel() {
@@ -152,6 +179,21 @@ double TautIntegrator::computeKineticEnergy() {
   double energy = 0;
   in_openmm_words([&] { energy = of(kernel_).kinetic_energy(*context); });
   return energy;
+}
+
+double TautIntegrator::temperature() {
+  if (context == nullptr) throw OpenMM::OpenMMException("This Integrator is not bound to a context!");
+  const OpenMM::System& system = context->getSystem();
+  const HeldBonds held = held_bonds(system, settings_);
+  int freedoms = 0;
+  for (const double mass : held.masses) freedoms += mass > 0 ? 3 : 0;
+  for (const auto& [i, j, length] : held.bonds) freedoms -= held.masses[i] > 0 || held.masses[j] > 0;
+  for (int n = 0; n < system.getNumForces(); ++n)
+    if (dynamic_cast<const OpenMM::CMMotionRemover*>(&system.getForce(n))) {
+      freedoms -= 3;
+      break;
+    }
+  return 2 * computeKineticEnergy() / (freedoms * kBoltzmann);
 }
 
 void TautIntegrator::createCheckpoint(std::ostream& stream) const {

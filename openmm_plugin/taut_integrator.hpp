@@ -9,9 +9,9 @@
 
 namespace taut {
 
-// An OpenMM integrator that holds the System's constraints by taut's methods: velocity Verlet, or with a
-// friction Langevin's dynamics (BAOAB). Velocities are those of full steps. OpenMM's own constraint
-// algorithms take no part in the step; on Reference and CPU they take no part in applyConstraints() either.
+// An OpenMM integrator that holds the System's constraints, and bonds of its own, by taut's methods: velocity
+// Verlet, or with a friction Langevin's dynamics (BAOAB). Velocities are those of full steps. OpenMM's own
+// constraint algorithms take no part in the step, nor in applyConstraints(), nor for new velocities.
 class TautIntegrator : public OpenMM::Integrator {
  public:
   explicit TautIntegrator(const HoldSettings& settings);
@@ -20,6 +20,8 @@ class TautIntegrator : public OpenMM::Integrator {
   // The random numbers' seed, where 0 has been replaced for this Context.
   std::uint64_t seed_in_use() const { return seed_in_use_; }
   void set_bath(double temperature, double friction);
+  // The temperature of the Context's kinetic energy, of as many degrees of freedom as the bonds leave [K].
+  double temperature();
   void set_seed(std::uint64_t seed) { settings_.seed = seed; }  // counts for Contexts to come
 
   void setStepSize(double size) override;
@@ -41,6 +43,7 @@ class TautIntegrator : public OpenMM::Integrator {
   void deserializeParameters(const OpenMM::SerializationNode& node) override;
 
  private:
+  void demand_molecules() const;
   void make_kernel();
   void change(const HoldSettings& settings);
 
@@ -50,8 +53,8 @@ class TautIntegrator : public OpenMM::Integrator {
   OpenMM::Kernel kernel_;  // null before there is a Context
 };
 
-// The System's masses and constraints.
-HeldBonds held_bonds(const OpenMM::System& system);
+// The System's masses, its constraints, and the bonds besides.
+HeldBonds held_bonds(const OpenMM::System& system, const HoldSettings& settings);
 
 // Calls work(); taut's exceptions become OpenMM's, with the same words.
 void in_openmm_words(const std::function<void()>& work);

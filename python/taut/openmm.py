@@ -5,7 +5,12 @@
     >>> integrator = taut.openmm.Integrator(0.002, temperature=300, friction=1)              # Langevin
     >>> simulation = openmm.app.Simulation(topology, system, integrator)
 
-It holds the System's constraints. openmm_plugin/README.md of the sources has the rest.
+It holds the System's constraints, and besides them those that are given to it:
+
+    >>> bonds = taut.openmm.rigid_bonds(system)                     # OpenMM's own constraints never see them
+    >>> integrator = taut.openmm.Integrator(0.02, bonds=bonds)
+
+openmm_plugin/README.md of the sources has the rest.
 """
 
 from __future__ import annotations
@@ -13,7 +18,7 @@ from __future__ import annotations
 import ctypes
 import os
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Dict, Iterable, List, Optional, Tuple
 from xml.sax.saxutils import quoteattr
 
 import openmm
@@ -22,6 +27,7 @@ from openmm import unit
 from . import _core
 
 Number = Any  # a number, or a Quantity of OpenMM's
+Bond = Tuple[int, int, Number]  # two atoms, and their distance in nm
 _PICOSECOND, _RATE = unit.picosecond, unit.picosecond**-1
 _plugin: Optional[ctypes.CDLL] = None
 
@@ -66,14 +72,36 @@ def load() -> ctypes.CDLL:
         _plugin = ctypes.CDLL(path)
         _plugin.taut_set_bath.restype = ctypes.c_char_p
         _plugin.taut_set_bath.argtypes = [ctypes.c_void_p, ctypes.c_double, ctypes.c_double]
+        _plugin.taut_temperature.restype = ctypes.c_char_p
+        _plugin.taut_temperature.argtypes = [ctypes.c_void_p, ctypes.POINTER(ctypes.c_double)]
         _plugin.taut_set_seed.argtypes = [ctypes.c_void_p, ctypes.c_uint64]
         for part in _parts().values():
             openmm.Platform.loadPluginLibrary(str(part))
     return _plugin
 
 
+def rigid_bonds(system: openmm.System, bonds: Optional[Iterable[Bond]] = None) -> List[Bond]:
+    """Returns rigid bonds for Integrator(bonds=…), and puts springs of 10⁶ kJ/mol/nm² in their place into the System.
+
+    They are the System's constraints, which leave it, or `bonds`. By the springs minimizers know of the bonds, and
+    barostats of the molecules; in a run they do nothing, since the bonds keep their lengths.
+    """
+    if bonds is None:
+        bonds = [system.getConstraintParameters(k) for k in range(system.getNumConstraints())]
+        for k in reversed(range(system.getNumConstraints())):
+            system.removeConstraint(k)
+    taken = [(int(i), int(j), _number(length, unit.nanometer)) for i, j, length in bonds]
+    springs = openmm.HarmonicBondForce()
+    springs.setName("taut's rigid bonds")
+    for i, j, length in taken:
+        springs.addBond(i, j, length, 1e6)
+    system.addForce(springs)
+    return taken
+
+
 class Integrator(openmm.Integrator):  # type: ignore[misc, unused-ignore]
-    """Velocity Verlet, or with friction Langevin's dynamics, with the System's constraints held by a method of taut's.
+    """Velocity Verlet, or with friction Langevin's dynamics, with rigid bonds held by a method of taut's: the
+    System's constraints and, besides, `bonds`, a list of (atom, atom, length), where the length is in nm.
 
     dt: the step, a Quantity or in ps. method: one of taut.methods(), with its options by name, as help(taut.Newton)
     and so on list them: Integrator(0.002, "newton", tolerance=1e-8). temperature in K and friction in 1/ps belong
@@ -81,24 +109,35 @@ class Integrator(openmm.Integrator):  # type: ignore[misc, unused-ignore]
     """
 
     def __init__(self, dt: Number, method: str = "feedforward", *, temperature: Number = 0.0, friction: Number = 0.0,
-                 seed: int = 0, **options: Any) -> None:
+                 seed: int = 0, bonds: Iterable[Bond] = (), **options: Any) -> None:
         load()
         kelvin, rate = _number(temperature, unit.kelvin), _number(friction, _RATE)
         words = {key: str(value).lower() if isinstance(value, bool) else str(value) for key, value in options.items()}
         said = " ".join(f"{key}={quoteattr(word)}" for key, word in words.items())
+        held = "".join(f'<Bond p1="{int(i)}" p2="{int(j)}" d="{_number(length, unit.nanometer)!r}"/>'
+                       for i, j, length in bonds)
         self._take(openmm.XmlSerializer.deserialize(
             f'<Integrator type="TautIntegrator" version="1" stepSize="{_number(dt, _PICOSECOND)!r}" '
             f'method={quoteattr(method)} temperature="{kelvin!r}" friction="{rate!r}" randomSeed="{int(seed)}">'
-            f"<Options {said}/></Integrator>"), kelvin, rate, int(seed))
+            f"<Options {said}/><Bonds>{held}</Bonds></Integrator>"), kelvin, rate, int(seed))
 
     def _take(self, made: openmm.Integrator, kelvin: float, rate: float, seed: int) -> None:
         self.this = made.this
         self._kelvin, self._rate, self._seed = kelvin, rate, seed
 
-    def _set_bath(self, kelvin: float, rate: float) -> None:
-        refused = load().taut_set_bath(int(self.this), kelvin, rate)
+    def _ask(self, call: Any, *arguments: Any) -> None:
+        refused = call(int(self.this), *arguments)
         if refused:
             raise openmm.OpenMMException(refused.decode())
+
+    def computeSystemTemperature(self) -> unit.Quantity:
+        """Returns the Context's temperature now, with all rigid bonds counted; StateDataReporter writes it."""
+        kelvin = ctypes.c_double()
+        self._ask(load().taut_temperature, ctypes.byref(kelvin))
+        return kelvin.value * unit.kelvin
+
+    def _set_bath(self, kelvin: float, rate: float) -> None:
+        self._ask(load().taut_set_bath, kelvin, rate)
         self._kelvin, self._rate = kelvin, rate
 
     def getTemperature(self) -> unit.Quantity:

@@ -4,6 +4,8 @@ import copy
 import io
 import math
 import pickle
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -121,6 +123,32 @@ def test_friction_is_set_between_steps(small):
     before = total_energy(run.context)
     run.step(50)
     assert total_energy(run.context) == pytest.approx(before, abs=1.5)
+
+
+def test_a_users_script_with_one_line_changed(tmp_path, monkeypatch):
+    """The script of openmm_plugin/README.md, and the same with OpenMM's integrator, as its comment has it."""
+    page = (Path(__file__).parents[2] / "openmm_plugin/README.md").read_text()
+    script = re.search(r"```python\n(.*?)```", page, re.S).group(1)
+    script = script.replace("1000)", "20)").replace("1000,", "20,").replace("step(10000)", "step(100)")
+    script = script.replace("minimizeEnergy()", "minimizeEnergy(maxIterations=15)")
+    theirs = re.sub(r"# instead of (.*)\n(integrator = ).*", r"\2\1", script).replace("import taut.openmm", "import openmm")
+    assert "LangevinMiddleIntegrator" in theirs.split("simulation =")[0].splitlines()[-1]
+    _, model = water(2.2)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("OPENMM_DEFAULT_PLATFORM", "CPU")  # on pocl 3.1 OpenMM's minimizer crashes
+    logs = []
+    for text in (script, theirs):
+        with open("input.pdb", "w") as file:
+            app.PDBFile.writeFile(model.topology, model.positions, file)
+        ran = {}
+        exec(text, ran)
+        logs.append(np.genfromtxt("log.csv", delimiter=","))
+        assert Path("output.pdb").read_text().count("MODEL") >= 5
+    assert [len(log) for log in logs] == [5, 5]
+    assert (logs[0][:, 0] == logs[1][:, 0]).all()
+    # Both start at the same minimum and warm up alike, each with a noise of its own.
+    assert logs[0][-1, 1] == pytest.approx(logs[1][-1, 1], rel=0.03)
+    assert logs[0][-1, 2] == pytest.approx(logs[1][-1, 2], rel=0.3)
 
 
 def test_two_runs_are_one(small):
