@@ -17,6 +17,11 @@ namespace taut {
 // The barostat that a scene asks for; null: none. Throws InputError.
 std::unique_ptr<Bath> make_barostat(const Scene& scene, std::uint64_t seed, RunForces& forces);
 
+// What a method is refused for, at the start or later. A coordinate is known to 1e-16 of itself, so a bond's length to
+// no better than that over its length.
+void refuse_unreachable_tolerance(const System& sys, const Vectors& x, double tolerance);
+void refuse_springs_under_metric(const ConstraintMethod& method);
+
 // What moves a simulation's atoms and measures their pressure.
 struct Simulation::Inner {
   explicit Inner(Scene& scene);  // adds the metric correction to the scene's terms

@@ -17,22 +17,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 16> kMayChange = {"run.barostat",
-                                                         "run.barostat_every",
-                                                         "run.barostat_ps",
-                                                         "run.checkpoint_every",
-                                                         "run.checkpoint_minutes",
-                                                         "run.compressibility_per_bar",
-                                                         "run.coupling",
-                                                         "run.friction_per_ps",
-                                                         "run.log_every",
-                                                         "run.pressure_bar",
-                                                         "run.steps",
-                                                         "run.temperature_k",
-                                                         "run.thermostat",
-                                                         "run.thermostat_ps",
-                                                         "run.trajectory",
-                                                         "run.trajectory_every"};
+constexpr std::array<std::string_view, 17> kMayChange = {
+    "run.barostat",           "run.barostat_every",
+    "run.barostat_ps",        "run.checkpoint_every",
+    "run.checkpoint_minutes", "run.compressibility_per_bar",
+    "run.coupling",           "run.dt_fs",
+    "run.friction_per_ps",    "run.log_every",
+    "run.pressure_bar",       "run.steps",
+    "run.temperature_k",      "run.thermostat",
+    "run.thermostat_ps",      "run.trajectory",
+    "run.trajectory_every"};
 
 // These may differ between two runs of the same input: they do not change what is computed.
 constexpr std::array<std::string_view, 4> kSameInputIgnores = {"build.start", "run.checkpoint_every",
@@ -121,13 +115,21 @@ void refuse_other_input(const RunRequest& request, const SceneSource& kept) {
       refuse(fmt::format("{} is {} there, {} here", key, value_in(there, key), value_in(here, key)));
 }
 
+bool is_of_method(const std::string& key) {
+  return key.starts_with("method.");
+}
+
+bool is_of_step(const KeyValues::value_type& change) {
+  return is_of_method(change.first) || change.first == "run.dt_fs";
+}
+
 void refuse_fixed(const KeyValues& changes) {
   for (const auto& [key, value] : changes)
-    if (std::ranges::find(kMayChange, key) == kMayChange.end())
-      throw InputError(
-          fmt::format("--set {}={}: {} cannot change in a run that has begun, only {}; a new run can start "
-                      "where this one ended: --set build.start=final.start.toml",
-                      key, value, key, fmt::join(kMayChange, ", ")));
+    if (std::ranges::find(kMayChange, key) == kMayChange.end() && !is_of_method(key))
+      throw InputError(fmt::format(
+          "--set {}={}: {} cannot change in a run that has begun, only keys of [method] and {}; a new "
+          "run can start where this one ended: --set build.start=final.start.toml",
+          key, value, key, fmt::join(kMayChange, ", ")));
 }
 
 // All changes to the keys, the number of steps included.
@@ -160,10 +162,12 @@ std::unique_ptr<Simulation> restore_simulation(const RunRequest& request, const 
   }
 }
 
-// A thermostat or a barostat that is replaced takes its settings with it.
+// A method, a thermostat or a barostat that is replaced takes its settings with it.
 std::vector<std::string> changed_overrides(const std::vector<std::string>& overrides, bool velocities_drawn,
                                            const KeyValues& changes) {
   KeyValues values = key_values(overrides);
+  if (changes.contains("method.name"))
+    std::erase_if(values, [](const auto& value) { return is_of_method(value.first); });
   if (changes.contains("run.thermostat"))
     for (const char* key : {"run.thermostat_ps", "run.friction_per_ps"}) values.erase(key);
   if (changes.contains("run.barostat"))
@@ -227,7 +231,8 @@ void change_settings(Simulation& simulation, SceneSource& source, const KeyValue
   if (overrides == source.overrides) return;
   SceneSource changed = source;
   changed.overrides = std::move(overrides);
-  const RunSettings before = simulation.scene().run, after = changed.read().run;
+  const Scene scene = changed.read();
+  const RunSettings before = simulation.scene().run, after = scene.run;
   // The frames of one file are equally spaced from its start to its end.
   if (before.trajectory_every > 0 && after.trajectory_every > 0 &&
       before.trajectory_every != after.trajectory_every)
@@ -235,9 +240,15 @@ void change_settings(Simulation& simulation, SceneSource& source, const KeyValue
         fmt::format("run.trajectory_every: the frames written so far are {} steps apart, they cannot go on "
                     "{} apart; 0 goes on without",
                     before.trajectory_every, after.trajectory_every));
+  if (before.trajectory_every > 0 && after.trajectory_every > 0 && before.dt_fs != after.dt_fs)
+    throw InputError(fmt::format(
+        "run.dt_fs: the frames written so far are {} steps of {:g} fs apart, they cannot go on {:g} "
+        "fs a step; run.trajectory_every = 0 goes on without",
+        before.trajectory_every, before.dt_fs, after.dt_fs));
   if (changes.contains("run.temperature_k") && !after.langevin() && !after.rescaling())
     throw InputError(
         "run.temperature_k: no thermostat holds it, and velocities are drawn at the start alone");
+  if (std::ranges::any_of(changes, is_of_step)) simulation.change_step(after.dt_fs, scene.method);
   simulation.change(after);
   source.overrides = std::move(changed.overrides);  // not before: what is refused leaves no trace
 }

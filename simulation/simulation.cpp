@@ -70,7 +70,15 @@ bool same_barostat(const RunSettings& a, const RunSettings& b) {
 
 constexpr int kAtomsWorthMeasuring = 1000;  // whose steps take so long that reading the clock does not show
 
-// A coordinate is known to 1e-16 of itself, so a bond's length to no better than that over its length.
+}  // namespace
+
+void refuse_springs_under_metric(const ConstraintMethod& method) {
+  if (method.holds() == ConstraintMethod::Holds::kSprings)
+    throw InputError(
+        "run.metric_correction: corrects for rigid bonds, and those of method.name = \"penalty\" are "
+        "springs");
+}
+
 void refuse_unreachable_tolerance(const System& sys, const Vectors& x, double tolerance) {
   if (sys.bonds.empty()) return;
   double shortest = sys.bonds[0].length;
@@ -82,8 +90,6 @@ void refuse_unreachable_tolerance(const System& sys, const Vectors& x, double to
                     "{:g} nm; take {:.0e} or more",
                     tolerance, floor, shortest, 5 * floor));
 }
-
-}  // namespace
 
 Simulation::Inner::Inner(Scene& scene)
     : metric(add_metric_correction(scene)),
@@ -103,10 +109,7 @@ Simulation::Simulation(Scene scene, const ThreadScope&, const OnMove& on_move)
       measures_parts_(scene_.system.atoms() >= kAtomsWorthMeasuring) {
   const System& sys = scene_.system;
   refuse_momentum_of_anchored_bonds(scene_);
-  if (inner_->metric && has_springs())
-    throw InputError(
-        "run.metric_correction: corrects for rigid bonds, and those of method.name = \"penalty\" are "
-        "springs");
+  if (inner_->metric) refuse_springs_under_metric(*method_);
   if (scene_.terms.worked_in_time()) inner_->ensemble.steering.emplace(inner_->forces.besides);
   size_sums();
   make_thermostat();

@@ -185,6 +185,9 @@ class Simulation {
   // Other settings for the steps to come: steps, how often there are rows, frames and checkpoints, thermostat
   // and barostat. Another one is another ensemble: means and the drift set out anew.
   void change(const RunSettings& run);
+  // Another step and method: sets out anew with them from where it is. Throws InputError for a method that cannot
+  // hold the bonds; all is then as it was.
+  void change_step(double dt_fs, const MethodOptions& method);
 
   // Sets out from other positions and velocities as from a start, between steps, from on_step too: brings
   // them to the bonds, minimised first if the goal's force is above 0; means and the energy's account

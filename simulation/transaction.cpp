@@ -54,4 +54,25 @@ void Simulation::set_out_anew(const Vectors& x, const Vectors& v, const Minimise
   }
 }
 
+void Simulation::change_step(double dt_fs, const MethodOptions& method) {
+  const ThreadScope own(threads_);
+  const auto probe = make_method(scene_.system, method, dt_fs * 1e-3);
+  if (inner_->metric) refuse_springs_under_metric(*probe);
+  refuse_unreachable_tolerance(scene_.system, state_.x, probe->promised_error());
+  const double dt_before = std::exchange(scene_.run.dt_fs, dt_fs);
+  const MethodOptions method_before = std::exchange(scene_.method, method);
+  const Vectors x = state_.x, v = state_.v;
+  try {
+    set_out_anew(x, v);
+  } catch (...) {
+    scene_.run.dt_fs = dt_before, scene_.method = method_before;
+    make_thermostat();  // it knows the step
+    count_degrees_of_freedom(dof_.momentum_fixed);
+    take_back();
+    throw;
+  }
+  if (inner_->barometer) inner_->barometer.emplace(scene_.system, has_springs());
+  make_barostat();
+}
+
 }  // namespace taut

@@ -126,7 +126,7 @@ void PythonSimulation::run(long steps, long every, const Calls& calls, bool to_e
   };
   const RunWatch watch{.on_record =
                            [&](const Record& r) {
-                             log_.push_back(r);
+                             log_.append(r);
                              row = r;
                              if (r.step > first) return;
                              const py::gil_scoped_acquire interpreter;
@@ -146,8 +146,12 @@ void PythonSimulation::run(long steps, long every, const Calls& calls, bool to_e
                            }};
   forget_python_error();
   try {
-    const py::gil_scoped_release interpreter;
-    summary_ = take_steps(*run_.simulation, run_.folder ? &*run_.folder : nullptr, watch);
+    const Summary done = [&] {
+      const py::gil_scoped_release interpreter;
+      return take_steps(*run_.simulation, run_.folder ? &*run_.folder : nullptr, watch);
+    }();
+    summary_ =
+        summary_json(*run_.simulation, done).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   } catch (const ExplainedFailure& failure) {
     note_state();
     rethrow_python_error();
@@ -225,12 +229,6 @@ Minimised PythonSimulation::minimise(double force, long steps, const py::object&
   return *run_.simulation->start_report().minimised;
 }
 
-std::string PythonSimulation::summary() const {
-  return summary_ ? summary_json(*run_.simulation, *summary_)
-                        .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)
-                  : "null";
-}
-
 std::vector<std::string> PythonSimulation::notes() const {
   std::vector<std::string> notes = run_.simulation->scene().notes;
   if (run_.folder && !run_.folder->note().empty()) notes.push_back(run_.folder->note());
@@ -292,7 +290,14 @@ void PythonSimulation::set_steps(long steps, long every) {
 void PythonSimulation::change(const std::vector<std::string>& overrides) {
   expect_idle();
   take_over_changes();
-  change_settings(*run_.simulation, run_.source, key_values(overrides));
+  forget_python_error();
+  try {
+    change_settings(*run_.simulation, run_.source, key_values(overrides));
+  } catch (...) {
+    rethrow_python_error();
+    throw;
+  }
+  note_state();
 }
 
 void PythonSimulation::note_state() {

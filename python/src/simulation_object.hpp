@@ -3,6 +3,7 @@
 #include <atomic>
 #include <vector>
 
+#include "base/shared_rows.hpp"
 #include "core.hpp"
 #include "lent_state.hpp"
 #include "simulation/open_run.hpp"
@@ -41,8 +42,10 @@ class PythonSimulation {
   const Simulation& engine() const { return *run_.simulation; }
   Simulation& settled();  // its forces are those of the positions, also after Python code has written there
   const std::shared_ptr<Shown>& shown() const { return shown_; }  // what the views of Python show
-  const std::vector<Record>& rows() const { return log_; }
-  std::string summary() const;  // of the last run, as summary.json has it, or "null"
+  std::vector<Record> rows() const { return log_.copy(); }        // so far, while it runs, too
+  const std::string& summary() const {
+    return summary_;
+  }  // of the last run, as summary.json has it, or "null"
   const std::string& history() const { return run_.history; }  // that of the checkpoint it continues from
   std::string folder() const { return run_.folder ? run_.folder->path().string() : ""; }
   std::vector<std::string> notes() const;
@@ -65,8 +68,8 @@ class PythonSimulation {
 
   OpenRun run_;
   bool begun_ = false, closed_ = false;
-  std::vector<Record> log_;
-  std::optional<Summary> summary_;
+  SharedRows<Record> log_;
+  std::string summary_ = "null";
   State seen_;                    // x and v as note_state() found them
   bool forces_outdated_ = false;  // a new box was undone
   std::shared_ptr<Shown> shown_ = std::make_shared<Shown>();

@@ -44,6 +44,8 @@ constexpr std::array kColumns = {
            [](const Record& r) { return r.constraint_work; }},
     Column{"heat_kj_mol", "Heat from thermostat and barostat since the start [kJ/mol]; nan without them.",
            [](const Record& r) { return r.heat.value_or(kNone); }},
+    Column{"bath_temperature_k", "Temperature of the thermostat [K]; nan without one.",
+           [](const Record& r) { return r.bath_temperature.value_or(kNone); }},
     Column{"iterations", "Iterations of the method per step since the last row.",
            [](const Record& r) { return r.iterations; }},
     Column{"ns_per_day", "Speed: simulated time per day [ns].",
@@ -58,7 +60,7 @@ std::string in_words(const Record& r) {
 using Self = PythonSimulation;
 
 py::dict log(const Self& self) {
-  const std::vector<Record>& all = self.rows();
+  const std::vector<Record> all = self.rows();
   py::dict columns;
   const auto rows = static_cast<py::ssize_t>(all.size());
   py::array_t<long> steps(rows);
@@ -74,7 +76,7 @@ py::dict log(const Self& self) {
     py::array_t<double> column({rows, walls});
     for (py::ssize_t n = 0; n < rows; ++n)
       for (py::ssize_t w = 0; w < walls; ++w) column.mutable_at(n, w) = all[n].walls[w];
-    const bool in_box = self.engine().state().box.periodic();
+    const bool in_box = self.engine().scene().start.box.periodic();
     columns[in_box ? "wall_pressure_bar" : "wall_force_kj_mol_nm"] = column;
   }
   const auto add = [&](const std::string& name, const auto& of) {

@@ -18,6 +18,7 @@ TITLES = {"step": "Step", "time_ps": "Time (ps)", "potential_kj_mol": "Potential
           "density_kg_m3": "Density (kg/m^3)", "max_rel_bond_error": "Max Relative Bond Error",
           "rms_rel_bond_error": "RMS Relative Bond Error", "drift_kj_mol_ns_dof": "Energy Drift (kJ/mole/ns/dof)",
           "constraint_work_kj_mol": "Constraint Work (kJ/mole)", "heat_kj_mol": "Heat (kJ/mole)",
+          "bath_temperature_k": "Bath Temperature (K)",
           "iterations": "Iterations per Step", "ns_per_day": "Speed (ns/day)"}
 
 #: Columns that only some scenes have, and their titles, in which a number stands where there are several.

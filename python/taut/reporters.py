@@ -287,6 +287,13 @@ class Reporters(List[Any]):
                              "taut.Call, a class derived from taut.Reporter, or a reporter of OpenMM's")
         super().append(reporter)
 
+    def refuse_another_step(self) -> None:
+        """Raises InputError where a file is open whose frames are equally spaced in time."""
+        for reporter in self:
+            if isinstance(reporter, (DCD, H5MD)) and reporter._open is not None:
+                raise InputError(f"run.dt_fs: frames of {reporter.file} are equally spaced in time; call the reporter's "
+                                 "close(), and take it out or give it another file")
+
 
 class Schedule:
     """Says after which steps of a run which reporters report."""

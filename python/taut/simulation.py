@@ -56,7 +56,7 @@ class Minimisation:
 
 #: Settings that may change between two runs of a simulation.
 _CHANGEABLE = ["run.barostat", "run.barostat_every", "run.barostat_ps", "run.compressibility_per_bar", "run.coupling",
-               "run.friction_per_ps", "run.log_every", "run.pressure_bar", "run.temperature_k", "run.thermostat",
+               "run.dt_fs", "run.friction_per_ps", "run.log_every", "run.pressure_bar", "run.temperature_k", "run.thermostat",
                "run.thermostat_ps"]
 
 
@@ -244,17 +244,19 @@ class Simulation:
         return self._reporters
 
     def change(self, settings: Mapping[str, Any]) -> None:
-        """Changes settings of thermostat and barostat, and ``run.log_every``, as ``taut resume --set`` does.
+        """Changes settings of thermostat, barostat, method and step, and ``run.log_every``, as ``taut resume --set``.
 
         ``sim.change({"run.thermostat": "langevin", "run.friction_per_ps": 2})``. Means and the account of the energy
-        begin again where the ensemble changes. Raises InputError for a setting that cannot change between two runs, or
-        has no effect.
+        begin again where the ensemble, the method or the step changes. Raises InputError for a setting that cannot
+        change between two runs, or has no effect.
         """
         for key in settings:
-            if key not in _CHANGEABLE:
+            if key not in _CHANGEABLE and not key.startswith("method."):
                 raise InputError(f"{key} cannot change between two runs{suggest(key, _CHANGEABLE)}; expected one of "
-                                 f"{', '.join(_CHANGEABLE)}. For others make a Simulation, and assign positions, "
-                                 "velocities and box to it")
+                                 f"{', '.join(_CHANGEABLE)}, or a key of the method. For others make a Simulation, "
+                                 "and assign positions, velocities and box to it")
+        if "run.dt_fs" in settings:
+            self._reporters.refuse_another_step()
         self._engine._change(inputs.overrides(settings, None, None))
 
     def set_temperature(self, temperature_k: float) -> None:
@@ -345,7 +347,8 @@ class Simulation:
         there = getattr(type(self), name, None)
         if not name.startswith("_") and getattr(there, "fset", None) is None:
             if there is not None:
-                raise AttributeError(f"{name} cannot be set; positions, velocities, box, thermostat and barostat can")
+                raise AttributeError(f"{name} cannot be set; positions, velocities, box, dt_fs, method, thermostat "
+                                     "and barostat can")
             nearest = suggest(name, [known for known in dir(Simulation) if not known.startswith("_")])
             if nearest or type(self) is Simulation:  # a class derived from this one may have attributes of its own
                 raise AttributeError(f"a Simulation has no attribute {name}{nearest}")
@@ -486,8 +489,12 @@ class Simulation:
 
     @property
     def dt_fs(self) -> float:
-        """Length of a step [fs]."""
+        """Length of a step [fs]. Assign another one between two runs."""
         return self._engine.dt_fs
+
+    @dt_fs.setter
+    def dt_fs(self, given: float) -> None:
+        self.change({"run.dt_fs": given})
 
     @property
     def threads(self) -> int:
@@ -496,8 +503,12 @@ class Simulation:
 
     @property
     def method(self) -> str:
-        """Name of the constraint method."""
+        """Name of the constraint method. Assign a name, ``taut.Rattle(tolerance=1e-8)`` or a class of your own."""
         return self._engine.method
+
+    @method.setter
+    def method(self, given: inputs.Method) -> None:
+        self._engine._change(inputs.overrides(None, given, None))
 
     @property
     def setting(self) -> str:

@@ -168,7 +168,7 @@ def test_folders(tmp_path, capfd):
     with pytest.raises(taut.InputError, match="not a checkpoint"):
         taut.Simulation.resume(b"junk")
     with pytest.raises(taut.InputError, match="cannot change in a run that has begun"):
-        taut.Simulation.resume(taut.Simulation("chain").checkpoint(), set={"run.dt_fs": 1})
+        taut.Simulation.resume(taut.Simulation("chain").checkpoint(), set={"run.seed": 1})
 
 
 def test_only_one_runs_it():

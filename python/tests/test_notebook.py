@@ -110,7 +110,8 @@ def test_misspelt_names_are_refused():
     sim = taut.Simulation("pair")
     with pytest.raises(AttributeError, match="a Simulation has no attribute temprature; did you mean temperature"):
         sim.temprature = 3
-    with pytest.raises(AttributeError, match="temperature cannot be set; positions, velocities, box, thermostat and barostat can"):
+    with pytest.raises(AttributeError, match="temperature cannot be set; positions, velocities, box, dt_fs, method, "
+                       "thermostat and barostat can"):
         sim.temperature = 3
     with pytest.raises(AttributeError, match="a Simulation has no attribute qwertz$"):
         sim.qwertz = 3

@@ -49,6 +49,90 @@ def test_ensembles_are_assigned():
             sim.set_temperature(300)
 
 
+def test_the_step_changes_between_runs(tmp_path):
+    with taut.Simulation("water", dt_fs=2, set={**SET, **BATH}, out=tmp_path / "run") as sim:
+        sim.run(10, every=5)
+        positions = sim.positions
+        sim.dt_fs = 0.5
+        sim.run(10)
+        assert sim.dt_fs == 0.5 and sim.positions is not None and np.shares_memory(sim.positions, positions)
+        assert np.allclose(sim.log["time_ps"], [0, 0.01, 0.02, 0.0225, 0.025])
+        before, kept = sim.positions.copy(), sim.checkpoint()
+    again = taut.Simulation.resume(kept)
+    assert again.dt_fs == 0.5 and np.array_equal(again.positions, before)
+    with taut.Simulation.resume(tmp_path / "run", set={"run.dt_fs": 1}) as sim:
+        assert sim.dt_fs == 1
+        sim.run(5)
+        assert sim.time_ps == pytest.approx(0.03)
+
+
+def test_half_the_step_keeps_the_energy_four_times_better():
+    def spread(dt_fs):
+        sim = taut.Simulation("double_pendulum", dt_fs=2, method=taut.Newton(tolerance=1e-12))
+        sim.run(1)
+        sim.dt_fs = dt_fs
+        sim.run(round(400 / dt_fs), every=1)
+        return np.std(sim.log["total_kj_mol"][2:])
+    assert spread(2) / spread(1) == pytest.approx(4, rel=0.2)
+
+
+class Nothing(taut.ConstraintMethod):
+    """Holds no bond."""
+
+    calls = 0
+
+    def project_positions(self, system, h, state):
+        Nothing.calls += 1
+
+
+def test_the_method_changes_between_runs():
+    sim = taut.Simulation("chain", method=taut.Rattle(tolerance=1e-3), set={"run.seed": 1})
+    sim.run(20, every=10)
+    assert 1e-6 < sim.log["max_rel_bond_error"][-1] < 1e-2
+    sim.method = taut.Newton(tolerance=1e-12)
+    sim.run(20)
+    assert sim.method == "newton" and "1e-12" in sim.setting and sim.log["max_rel_bond_error"][-1] < 1e-9
+    sim.method = "feedforward"
+    again = taut.Simulation.resume(sim.checkpoint())
+    for each in (sim, again):
+        each.run(20)
+    assert again.method == "feedforward" and np.array_equal(sim.positions, again.positions)
+    sim.method = Nothing
+    sim.run(3)
+    assert Nothing.calls >= 3
+    sim.method = taut.Penalty()
+    sim.run(3)
+    assert sim.method == "penalty"
+    with pytest.raises(taut.InputError, match="settle"):
+        sim.method = "settle"
+    sim.run(3)
+    assert sim.method == "penalty"
+
+
+def test_frames_of_one_file_keep_their_step(tmp_path):
+    with taut.Simulation("pair", set={"run.trajectory_every": 2}, out=tmp_path / "run") as sim:
+        sim.run(4)
+        with pytest.raises(taut.InputError, match="run.dt_fs: the frames written so far are 2 steps"):
+            sim.dt_fs = 0.5
+    with taut.Simulation("pair") as sim:
+        sim.reporters.append(taut.DCD(tmp_path / "x.dcd", every=2))
+        sim.dt_fs = 0.5
+        sim.run(4)
+        with pytest.raises(taut.InputError, match="x.dcd are equally spaced in time"):
+            sim.dt_fs = 1
+
+
+def test_the_log_has_the_bath():
+    with taut.Simulation("water", set={**SET, **BATH}) as sim:
+        sim.run(40, every=10, ramp=(300, 340))
+        assert sim.log["bath_temperature_k"][1:].tolist() == [310, 320, 330, 340]
+        again = taut.Simulation.resume(sim.checkpoint())
+        assert np.array_equal(again.log["bath_temperature_k"], sim.log["bath_temperature_k"])
+    sim = taut.Simulation("pair")
+    sim.run(1)
+    assert np.isnan(sim.log["bath_temperature_k"]).all()
+
+
 def test_a_ramp_ends_at_its_temperature():
     with taut.Simulation("water", set={**SET, **BATH}) as sim:
         sim.run(400, every=5, ramp=(300, 600))
@@ -58,7 +142,11 @@ def test_a_ramp_ends_at_its_temperature():
 
 
 @pytest.mark.parametrize("change,words", [
-    (lambda sim: sim.change({"run.dt_fs": 1}), "run.dt_fs cannot change between two runs"),
+    (lambda sim: sim.change({"run.seed": 1}), "run.seed cannot change between two runs"),
+    (lambda sim: setattr(sim, "dt_fs", -1), "run.dt_fs: expected more than 0"),
+    (lambda sim: setattr(sim, "method", "shook"), "shook"),
+    (lambda sim: setattr(sim, "method", taut.Shake(tolerance=1e-15)), "1e-15 cannot be reached"),
+    (lambda sim: sim.change({"method.tolerence": 1e-6}), "tolerence"),
     (lambda sim: sim.change({"run.temprature_k": 1}), "did you mean"),
     (lambda sim: setattr(sim, "thermostat", "langvin"), "langvin"),
     (lambda sim: setattr(sim, "thermostat", {"friction_per_ps": 1}), "expected a name, or a dict"),

