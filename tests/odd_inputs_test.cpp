@@ -98,8 +98,9 @@ TEST(OddInputs, NumbersAreEchoedAsTheyWereTyped) {
   const TemporaryFolder folder;
   const fs::path out = folder.path() / "out";
   ASSERT_EQ(taut("run pair --steps 10 --out " + out.string()).exit_code, 0);
-  EXPECT_THAT(taut("resume " + out.string() + " --set run.minimise_force_kj_mol_nm=0.8").text,
-              HasSubstr("--set run.minimise_force_kj_mol_nm=0.8: run.minimise_force_kj_mol_nm cannot change"));
+  EXPECT_THAT(
+      taut("resume " + out.string() + " --set run.minimise_force_kj_mol_nm=0.8").text,
+      HasSubstr("--set run.minimise_force_kj_mol_nm=0.8: run.minimise_force_kj_mol_nm cannot change"));
 }
 
 TEST(OddInputs, AChartWithoutAMethodForItsBondsIsRefused) {

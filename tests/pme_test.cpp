@@ -359,13 +359,14 @@ TEST(Screening, IsWhatItsPolynomialsSay) {
   const ScreeningFit one{.error = 1e-15}, eight{8, 11, 2e-13}, sixteen{16, 5, 2e-6};
   for (const double alpha : {0.5, 2.9, 3.2, 5.0, 8.0})
     for (const ScreeningFit& fit : {one, eight, sixteen}) {
-      SCOPED_TRACE(fmt::format("{}/nm, {} pieces", alpha, fit.pieces));
+      SCOPED_TRACE(fmt::format("{}/nm, {} intervals", alpha, fit.intervals));
       const Screening screening(alpha, 1, fit);
       const auto value = [&](const std::vector<double>& c, double r) {
-        const double u = screening.scale * r * r, t = u - (fit.pieces == 1 ? 0.5 : std::round(u));
-        const auto piece = fit.pieces == 1 ? 0 : std::lround(u);
+        const double u = screening.scale * r * r, t = u - (fit.intervals == 1 ? 0.5 : std::round(u));
+        const auto interval = fit.intervals == 1 ? 0 : std::lround(u);
         double sum = 0;
-        for (std::size_t k = c.size() / fit.pieces; k-- > 0;) sum = sum * t + c[k * fit.pieces + piece];
+        for (std::size_t k = c.size() / fit.intervals; k-- > 0;)
+          sum = sum * t + c[k * fit.intervals + interval];
         return sum;
       };
       const double error = std::max(4e-15, 3 * fit.error);
@@ -378,7 +379,7 @@ TEST(Screening, IsWhatItsPolynomialsSay) {
       }
       EXPECT_LE(screening.force.size(), kMostScreeningNumbers);
       if (alpha == 2.9) {
-        EXPECT_LE(screening.force.size(), std::size_t(fit.pieces == 1 ? 22 : fit.pieces * fit.terms));
+        EXPECT_LE(screening.force.size(), std::size_t(fit.intervals == 1 ? 22 : fit.intervals * fit.terms));
       }
     }
 }
