@@ -67,34 +67,38 @@ void FourierGrid<T>::make_room(int threads) {
 template <class T>
 void FourierGrid<T>::transform_plane(int k1, int thread) {
   Room& room = room_[thread];
-  transform(plan_[1], Way::kForward, along_second(k1), {room.one.data(), pairs()}, pairs(),
-            room.scratch.data());
-  for (int k2 = 0; k2 < half(); ++k2) separate(pairs_of(k2, room), pairs_of(-k2, room), pairs(), row(k1, k2));
+  transform_sequences(plan_[1], Direction::kForward, along_second(k1), {room.one.data(), pairs()}, pairs(),
+                      room.scratch.data());
+  for (int k2 = 0; k2 < half(); ++k2)
+    separate_pairs(pairs_of(k2, room), pairs_of(-k2, room), pairs(), row(k1, k2));
 }
 
 template <class T>
 void FourierGrid<T>::transform_plane_back(int k1, int thread) {
   Room& room = room_[thread];
-  for (int k2 = 0; k2 < half(); ++k2) join(row(k1, k2), pairs(), pairs_of(k2, room), pairs_of(-k2, room));
-  transform(plan_[1], Way::kBackward, {room.one.data(), pairs()}, along_second(k1), pairs(),
-            room.scratch.data());
+  for (int k2 = 0; k2 < half(); ++k2)
+    join_pairs(row(k1, k2), pairs(), pairs_of(k2, room), pairs_of(-k2, room));
+  transform_sequences(plan_[1], Direction::kBackward, {room.one.data(), pairs()}, along_second(k1), pairs(),
+                      room.scratch.data());
 }
 
 template <class T>
 auto FourierGrid<T>::transform_row(int k2, int thread) -> Complex* {
   Room& room = room_[thread];
-  transform(plan_[0], Way::kForward, along_first(k2), {room.one.data(), n_[2]}, n_[2], room.scratch.data());
-  transform(plan_[2], Way::kForward, {room.one.data(), n_[2], Lie::kOneByOne}, {room.other.data(), n_[0]},
-            n_[0], room.scratch.data());
+  transform_sequences(plan_[0], Direction::kForward, along_first(k2), {room.one.data(), n_[2]}, n_[2],
+                      room.scratch.data());
+  transform_sequences(plan_[2], Direction::kForward, {room.one.data(), n_[2], Layout::kInTurn},
+                      {room.other.data(), n_[0]}, n_[0], room.scratch.data());
   return room.other.data();
 }
 
 template <class T>
 void FourierGrid<T>::transform_row_back(int k2, int thread) {
   Room& room = room_[thread];
-  transform(plan_[2], Way::kBackward, {room.other.data(), n_[0]}, {room.one.data(), n_[2], Lie::kOneByOne},
-            n_[0], room.scratch.data());
-  transform(plan_[0], Way::kBackward, {room.one.data(), n_[2]}, along_first(k2), n_[2], room.scratch.data());
+  transform_sequences(plan_[2], Direction::kBackward, {room.other.data(), n_[0]},
+                      {room.one.data(), n_[2], Layout::kInTurn}, n_[0], room.scratch.data());
+  transform_sequences(plan_[0], Direction::kBackward, {room.one.data(), n_[2]}, along_first(k2), n_[2],
+                      room.scratch.data());
 }
 
 template class FourierPlan<double>;

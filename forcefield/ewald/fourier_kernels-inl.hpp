@@ -64,19 +64,19 @@ struct Scratch {
 };
 // … or as complex numbers, of neighbouring sequences side by side. A transform backward is the one forward with real and
 // imaginary parts exchanged before and after.
-template <Way way>
+template <Direction direction>
 struct Memory {
   Real* first;
   std::ptrdiff_t along;  // in real numbers
   HWY_INLINE Z load(std::ptrdiff_t k) const {
     Z z;
-    hn::LoadInterleaved2(D(), first + k * along, way == Way::kForward ? z.re : z.im,
-                         way == Way::kForward ? z.im : z.re);
+    hn::LoadInterleaved2(D(), first + k * along, direction == Direction::kForward ? z.re : z.im,
+                         direction == Direction::kForward ? z.im : z.re);
     return z;
   }
   HWY_INLINE void store(std::ptrdiff_t k, const Z& z) const {
-    hn::StoreInterleaved2(way == Way::kForward ? z.re : z.im, way == Way::kForward ? z.im : z.re, D(),
-                          first + k * along);
+    hn::StoreInterleaved2(direction == Direction::kForward ? z.re : z.im,
+                          direction == Direction::kForward ? z.im : z.re, D(), first + k * along);
   }
 };
 
@@ -251,7 +251,7 @@ void transpose(const Matrix& from, int rows, int columns, const Matrix& to) {
 
 // Transforms as many sequences as there are lanes, or fewer. What vectors cannot read or write where it lies goes through
 // scratch memory.
-template <Way way>
+template <Direction direction>
 void transform_block(const FourierPlan<Real>& plan, const Sequences<Real>& from, const Sequences<Real>& to,
                      int count, Real* scratch) {
   const auto stages = plan.stages();
@@ -259,18 +259,18 @@ void transform_block(const FourierPlan<Real>& plan, const Sequences<Real>& from,
   const int n = plan.length(), last = static_cast<int>(stages.size()) - 1;
   Real *here = scratch, *there = scratch + 2 * n * lanes;
   const auto in_vectors = [&](const Sequences<Real>& at) {
-    return at.lie == Lie::kSideBySide && count == lanes;
+    return at.layout == Layout::kSideBySide && count == lanes;
   };
   const auto copied = [&] { return Matrix{reinterpret_cast<Numbers>(here), lanes}; };
   const auto place = [&](const Sequences<Real>& at) {
     const Matrix numbers = in_vectors(at) ? Matrix{at.first, at.apart} : copied();
-    return Memory<way>{reinterpret_cast<Real*>(numbers.first), 2 * numbers.apart};
+    return Memory<direction>{reinterpret_cast<Real*>(numbers.first), 2 * numbers.apart};
   };
   const auto copy_rows = [&](const Matrix& in, const Matrix& out) {
     for (int k = 0; k < n; ++k) std::copy_n(in.first + k * in.apart, count, out.first + k * out.apart);
   };
 
-  if (from.lie == Lie::kOneByOne)
+  if (from.layout == Layout::kInTurn)
     transpose({from.first, from.apart}, count, n, copied());
   else if (!in_vectors(from))
     copy_rows({from.first, from.apart}, copied());
@@ -281,7 +281,7 @@ void transform_block(const FourierPlan<Real>& plan, const Sequences<Real>& from,
     run_stage(stages[k], s, Scratch{here}, Scratch{there});
   }
   run_stage(stages[last], s, Scratch{there}, place(to));
-  if (to.lie == Lie::kOneByOne)
+  if (to.layout == Layout::kInTurn)
     transpose(copied(), n, count, {to.first, to.apart});
   else if (!in_vectors(to))
     copy_rows(copied(), {to.first, to.apart});
@@ -290,19 +290,19 @@ void transform_block(const FourierPlan<Real>& plan, const Sequences<Real>& from,
 }  // namespace
 
 // The last block begins early enough to be whole, and writes some of what the one before it wrote again.
-void transform_sequences(const FourierPlan<Real>& plan, Way way, const Sequences<Real>& from,
-                         const Sequences<Real>& to, int count, Real* scratch) {
+void transform_all(const FourierPlan<Real>& plan, Direction direction, const Sequences<Real>& from,
+                   const Sequences<Real>& to, int count, Real* scratch) {
   const int together = std::min(static_cast<int>(hn::Lanes(D())), count);
   for (int first = 0; first < count; first += together) {
     const int begin = std::min(first, count - together);
     const auto block = [&](const Sequences<Real>& all) {
-      return Sequences<Real>{all.first + begin * (all.lie == Lie::kSideBySide ? 1 : all.apart), all.apart,
-                             all.lie};
+      return Sequences<Real>{all.first + begin * (all.layout == Layout::kSideBySide ? 1 : all.apart),
+                             all.apart, all.layout};
     };
-    if (way == Way::kForward)
-      transform_block<Way::kForward>(plan, block(from), block(to), together, scratch);
+    if (direction == Direction::kForward)
+      transform_block<Direction::kForward>(plan, block(from), block(to), together, scratch);
     else
-      transform_block<Way::kBackward>(plan, block(from), block(to), together, scratch);
+      transform_block<Direction::kBackward>(plan, block(from), block(to), together, scratch);
   }
 }
 
@@ -356,21 +356,22 @@ namespace taut {
 
 using Real = TAUT_FOURIER_REAL;
 
-HWY_EXPORT(transform_sequences);
+HWY_EXPORT(transform_all);
 HWY_EXPORT(separate_row);
 HWY_EXPORT(join_row);
 template <>
-void transform(const FourierPlan<Real>& plan, Way way, const Sequences<Real>& from, const Sequences<Real>& to,
-               int count, Real* scratch) {
-  HWY_DYNAMIC_DISPATCH(transform_sequences)(plan, way, from, to, count, scratch);
+void transform_sequences(const FourierPlan<Real>& plan, Direction direction, const Sequences<Real>& from,
+                         const Sequences<Real>& to, int count, Real* scratch) {
+  HWY_DYNAMIC_DISPATCH(transform_all)(plan, direction, from, to, count, scratch);
 }
 template <>
-void separate(const std::complex<Real>* up, const std::complex<Real>* down, int count,
-              std::complex<Real>* parts) {
+void separate_pairs(const std::complex<Real>* up, const std::complex<Real>* down, int count,
+                    std::complex<Real>* parts) {
   HWY_DYNAMIC_DISPATCH(separate_row)(up, down, count, parts);
 }
 template <>
-void join(const std::complex<Real>* parts, int count, std::complex<Real>* up, std::complex<Real>* down) {
+void join_pairs(const std::complex<Real>* parts, int count, std::complex<Real>* up,
+                std::complex<Real>* down) {
   HWY_DYNAMIC_DISPATCH(join_row)(parts, count, up, down);
 }
 

@@ -7,14 +7,14 @@
 
 namespace taut {
 
-// Sequences of complex numbers in memory. Number k of sequence l is first[k·apart + l] of those that lie side by side, and
-// first[l·apart + k] of those that follow one another.
-enum class Lie { kSideBySide, kOneByOne };
+// Sequences of complex numbers in memory. Number k of sequence l is first[k·apart + l] where they lie side by side, and
+// first[l·apart + k] where one follows another.
+enum class Layout { kSideBySide, kInTurn };
 template <class T>
 struct Sequences {
   std::complex<T>* first;
   std::ptrdiff_t apart;
-  Lie lie = Lie::kSideBySide;
+  Layout layout = Layout::kSideBySide;
 };
 
 // How sequences of one length n are transformed, Z(k) = Σ z(j) ω^(jk), ω = e^(−2πi/n): by Stockham's stages, which leave
@@ -35,9 +35,8 @@ class FourierPlan {
 
   int length() const { return length_; }
   std::span<const Stage> stages() const { return stages_; }
-  std::size_t scratch() const {
-    return std::size_t(length_) * 2 * kMostLanes * 2;
-  }  // numbers that a transform needs
+  // Numbers of scratch memory that a transform needs: two copies of as many sequences as a vector has lanes.
+  std::size_t scratch() const { return std::size_t{2} * length_ * 2 * kMostLanes; }
 
  private:
   static constexpr int kMostLanes = 64 / sizeof(T);
@@ -49,17 +48,18 @@ extern template class FourierPlan<double>;
 extern template class FourierPlan<float>;
 
 // Transforms so many sequences from one place to another that does not overlap it; backward with e^(+2πijk/n).
-enum class Way { kForward, kBackward };
+enum class Direction { kForward, kBackward };
 template <class T>
-void transform(const FourierPlan<T>& plan, Way way, const Sequences<T>& from, const Sequences<T>& to,
-               int count, T* scratch);
+void transform_sequences(const FourierPlan<T>& plan, Direction direction, const Sequences<T>& from,
+                         const Sequences<T>& to, int count, T* scratch);
 
 // Of a row of complex numbers a + ib, of which a and b are the transforms of real rows: from Z(k) and Z(−k)
 //     a = (Z(k) + Z*(−k))/2,   b = (Z(k) − Z*(−k))/2i,
 // stored in turns; and back. Where Z(k) and Z(−k) are one number, a and b are real.
 template <class T>
-void separate(const std::complex<T>* up, const std::complex<T>* down, int count, std::complex<T>* parts);
+void separate_pairs(const std::complex<T>* up, const std::complex<T>* down, int count,
+                    std::complex<T>* parts);
 template <class T>
-void join(const std::complex<T>* parts, int count, std::complex<T>* up, std::complex<T>* down);
+void join_pairs(const std::complex<T>* parts, int count, std::complex<T>* up, std::complex<T>* down);
 
 }  // namespace taut
