@@ -26,6 +26,24 @@ Bias bias_of(Bias::Variable variable, const System& sys) {
   return bias;
 }
 
+// A bias that is written and read is the same.
+void expect_same(const Bias& read, const Bias& written) {
+  EXPECT_EQ(read.variable, written.variable);
+  EXPECT_NEAR(read.k, written.k, 1e-12 * written.k);
+  if (written.k > 0) {
+    EXPECT_EQ(read.lower, written.lower);
+    EXPECT_EQ(read.upper, written.upper);
+  }
+  EXPECT_NEAR(read.force, written.force, 1e-12 * std::abs(written.force));
+  EXPECT_EQ(read.along, written.along);
+  ASSERT_EQ(read.groups.size(), written.groups.size());
+  for (std::size_t g = 0; g < read.groups.size(); ++g) {
+    EXPECT_EQ(read.groups[g].atoms, written.groups[g].atoms);
+    EXPECT_THAT(read.groups[g].share,
+                testing::Pointwise(testing::DoubleNear(1e-15), written.groups[g].share));
+  }
+}
+
 // Of a bias alone: what the melt's own forces are with it, less without it.
 void expect_parity_of(const Bias& bias, OpenMMInput input) {
   const auto evaluated = [&](const Terms& terms) {
@@ -45,6 +63,9 @@ void expect_parity_of(const Bias& bias, OpenMMInput input) {
   EXPECT_NEAR(twin.potential(), energy, 1e-9 * std::abs(energy)) << name_of(bias.variable);
   EXPECT_LT((twin.state().f - f).cwiseAbs().maxCoeff(), 1e-9 * f.cwiseAbs().maxCoeff())
       << name_of(bias.variable);
+  const OpenMMInput again = read_openmm(prefix + ".system.xml", prefix + ".state.xml");
+  ASSERT_EQ(again.terms.biases.size(), 1U);
+  expect_same(again.terms.biases[0], bias);
 }
 
 TEST(OpenMMParity, BiasesOfEveryVariableAndLaw) {
