@@ -8,6 +8,11 @@
 #include <atomic>
 #include <thread>
 
+// Of the sanitizer: ends at the first race, which may leave threads in loops.
+extern "C" const char* __tsan_default_options() {
+  return "halt_on_error=1";
+}
+
 namespace taut {
 namespace {
 

@@ -16,8 +16,8 @@ namespace taut {
 namespace {
 
 using Variable = Bias::Variable;
-constexpr double kNoWall = std::numeric_limits<double>::infinity();
-constexpr const char* kRemedy =
+constexpr double kOpen = std::numeric_limits<double>::infinity();
+constexpr const char* kBiasRemedy =
     "; take the force out, and give taut a bias of its own: biases=[taut.Distance(...)] in Python, [[bias]] "
     "elsewhere";
 // As the writer has them, of the variable v.
@@ -27,15 +27,15 @@ constexpr const char* kWrittenOfTorsions =
     "turn=6.283185307179586";
 
 // A law of the variable v, and how a bias has its numbers.
-struct Law {
+struct BiasLaw {
   KnownEnergy known;
   void (*set)(Bias& bias, const CustomForce& p);
 };
 
 void hold(Bias& bias, double k, double lower, double upper) {
   bias.k = k;
-  bias.lower = lower > -kFarWall ? lower : -kNoWall;
-  bias.upper = upper < kFarWall ? upper : kNoWall;
+  bias.lower = lower > -kFarWall ? lower : -kOpen;
+  bias.upper = upper < kFarWall ? upper : kOpen;
 }
 
 void set_all(Bias& bias, const CustomForce& p) {
@@ -43,15 +43,15 @@ void set_all(Bias& bias, const CustomForce& p) {
   bias.force = p.factor() * p["F"];
 }
 
-const std::vector<Law> kLaws = {
+const std::vector<BiasLaw> kBiasLaws = {
     {{"0.5*k*(v-at)^2", {{"k"}, {"at"}}},
      [](Bias& b, const CustomForce& p) { hold(b, p.factor() * p["k"], p["at"], p["at"]); }},
     {{"(v-at)^2", {{"at"}}},
      [](Bias& b, const CustomForce& p) { hold(b, 2 * p.factor(), p["at"], p["at"]); }},
     {{"0.5*k*max(v-b,0)^2", {{"k"}, {"b", 0.5, 1}}},
-     [](Bias& b, const CustomForce& p) { hold(b, p.factor() * p["k"], -kNoWall, p["b"]); }},
+     [](Bias& b, const CustomForce& p) { hold(b, p.factor() * p["k"], -kOpen, p["b"]); }},
     {{"0.5*k*max(a-v,0)^2", {{"k"}, {"a", 0.5, 1}}},
-     [](Bias& b, const CustomForce& p) { hold(b, p.factor() * p["k"], p["a"], kNoWall); }},
+     [](Bias& b, const CustomForce& p) { hold(b, p.factor() * p["k"], p["a"], kOpen); }},
     {{"0.5*k*(max(v-b,0)^2+max(a-v,0)^2)", {{"k"}, {"a", 0.4, 0.7}, {"b", 0.7, 1}}},
      [](Bias& b, const CustomForce& p) { hold(b, p.factor() * p["k"], p["a"], p["b"]); }},
     {{"0.5*k*max(abs(v-at)-wide,0)^2", {{"k"}, {"at", 0.5, 1}, {"wide", 0.1, 0.3}}},
@@ -62,7 +62,7 @@ const std::vector<Law> kLaws = {
     {{"-v", {}}, [](Bias& b, const CustomForce& p) { b.force = p.factor(); }},
     {{kWritten, {{"k"}, {"a", 0.4, 0.7}, {"b", 0.7, 1}, {"F"}}}, set_all}};
 
-const std::vector<Law> kLawsOfTorsions = {
+const std::vector<BiasLaw> kLawsOfTorsions = {
     {{"0.5*k*min(turn,2*pi-turn)^2;turn=abs(v-at);pi=3.141592653589793",
       {{"k"}, {"at", -std::numbers::pi, std::numbers::pi}}},
      [](Bias& b, const CustomForce& p) { hold(b, p.factor() * p["k"], p["at"], p["at"]); }},
@@ -77,10 +77,10 @@ Quantity range_of(Variable variable) {
 }
 
 // Returns the law that an energy is, or null.
-const Law* find_law(CustomForce& p, Variable variable) {
-  const std::vector<Law>& laws = variable == Variable::kTorsion ? kLawsOfTorsions : kLaws;
+const BiasLaw* find_law(CustomForce& p, Variable variable) {
+  const std::vector<BiasLaw>& laws = variable == Variable::kTorsion ? kLawsOfTorsions : kBiasLaws;
   std::vector<KnownEnergy> known;
-  for (const Law& law : laws) known.push_back(law.known);
+  for (const BiasLaw& law : laws) known.push_back(law.known);
   const int found = p.recognize(known);
   return found < 0 ? nullptr : &laws[static_cast<std::size_t>(found)];
 }
@@ -92,7 +92,7 @@ const Law* find_law(CustomForce& p, Variable variable) {
       "torsion of the first groups{}{}",
       energy,
       variable == Variable::kTorsion ? ", of a torsion 0.5*k*min(d,2*pi-d)^2; d=abs(torsion-phi0)" : "",
-      kRemedy));
+      kBiasRemedy));
 }
 
 // The variable that an energy of groups names.
@@ -202,35 +202,36 @@ Bias read_gyration(const ForceReading& r, const std::string& energy) {
     if (bias.groups.empty()) bias.groups.push_back(all[static_cast<std::size_t>(of[0])]);
     const BiasGroup& one = all[static_cast<std::size_t>(of[1])];
     if (all[static_cast<std::size_t>(of[0])].atoms != bias.groups[0].atoms || one.atoms.size() != 1)
-      bond.refuse("is no square of a distance of one atom from one group" + std::string(kRemedy));
+      bond.refuse("is no square of a distance of one atom from one group" + std::string(kBiasRemedy));
     found.atoms.push_back(one.atoms[0]);
     found.share.push_back(p.of_term().at(0));
   });
   const auto equal = [](double a, double b) { return std::abs(a - b) < 1e-12; };
   if (bias.groups.empty() || found.atoms != bias.groups[0].atoms ||
       !std::ranges::equal(found.share, bias.groups[0].share, equal))
-    r.force.refuse("is no radius of gyration by mass" + std::string(kRemedy));
+    r.force.refuse("is no radius of gyration by mass" + std::string(kBiasRemedy));
   return bias;
 }
 
 // OpenMM's names for a force on single atoms that is a variable.
-struct Shape {
+struct VariableShape {
   const char *type, *parameters, *list, *each, *energy;
   Variable variable;
 };
-constexpr std::array kShapes = {
-    Shape{"CustomBondForce", "PerBondParameters", "Bonds", "Bond", "r", Variable::kDistance},
-    Shape{"CustomAngleForce", "PerAngleParameters", "Angles", "Angle", "theta", Variable::kAngle},
-    Shape{"CustomTorsionForce", "PerTorsionParameters", "Torsions", "Torsion", "theta", Variable::kTorsion}};
+constexpr std::array kVariableShapes = {
+    VariableShape{"CustomBondForce", "PerBondParameters", "Bonds", "Bond", "r", Variable::kDistance},
+    VariableShape{"CustomAngleForce", "PerAngleParameters", "Angles", "Angle", "theta", Variable::kAngle},
+    VariableShape{"CustomTorsionForce", "PerTorsionParameters", "Torsions", "Torsion", "theta",
+                  Variable::kTorsion}};
 
-Bias read_single_atoms(const ForceReading& r, const Shape& shape) {
+Bias read_single_atoms(const ForceReading& r, const VariableShape& shape) {
   std::string energy;
   r.read({{"energy", &energy}, {"usesPeriodic", &r.to.takes_images}});
   r.force.check_parts({shape.parameters, "GlobalParameters", "EnergyParameterDerivatives", shape.list});
   const Element terms = r.force.part(shape.list);
   if (energy != shape.energy || terms.count() != 1)
     r.force.refuse(fmt::format("within a CustomCVForce: expected the energy {} of one term, got {} of {}{}",
-                               shape.energy, energy, terms.count(), kRemedy));
+                               shape.energy, energy, terms.count(), kBiasRemedy));
   Bias bias;
   bias.variable = shape.variable;
   std::array<int, 4> atoms{};
@@ -246,10 +247,10 @@ Bias read_single_atoms(const ForceReading& r, const Shape& shape) {
 // The variable of a CustomCVForce, a force whose energy it is.
 Bias read_variable(const ForceReading& r) {
   const std::string type = r.force.text("type");
-  for (const Shape& shape : kShapes)
+  for (const VariableShape& shape : kVariableShapes)
     if (type == shape.type) return read_single_atoms(r, shape);
   if (type != "CustomCentroidBondForce")
-    r.force.refuse(fmt::format("{} is no collective variable taut has{}", type, kRemedy));
+    r.force.refuse(fmt::format("{} is no collective variable taut has{}", type, kBiasRemedy));
   if (r.force.text("energy") == kSquaresEnergy) {
     std::string energy;
     bool images = false;
@@ -268,7 +269,7 @@ Bias read_variable(const ForceReading& r) {
     r.force.refuse(
         fmt::format("within a CustomCVForce: expected the energy distance(g1,g2), angle(g1,g2,g3) or "
                     "dihedral(g1,g2,g3,g4) of one term{}",
-                    kRemedy));
+                    kBiasRemedy));
   return {.variable = found[0].variable, .groups = found[0].groups};
 }
 
@@ -290,7 +291,7 @@ void read_custom_centroid(const ForceReading& r) {
   std::string of_v = energy + ";g1=v";
   for (int g = 2; g <= groups; ++g) of_v += fmt::format(";g{}={}", g, g);
   CustomForce p(r, {"PerBondParameters", {range_of(variable)}}, of_v, functions_of_groups(variable));
-  const Law* law = find_law(p, variable);
+  const BiasLaw* law = find_law(p, variable);
   if (!law) refuse_energy(r, energy, variable);
   read_terms(r, p, groups, [&](Bias& bias) {
     bias.variable = variable;
@@ -305,7 +306,8 @@ void read_custom_cv(const ForceReading& r) {
   refuse_any(r.force, {"EnergyParameterDerivatives", "Functions"});
   const Element variables = r.force.part("CollectiveVariables");
   if (variables.count() != 1)
-    r.force.refuse(fmt::format("has {} collective variables: taut takes one{}", variables.count(), kRemedy));
+    r.force.refuse(
+        fmt::format("has {} collective variables: taut takes one{}", variables.count(), kBiasRemedy));
   Bias bias;
   variables.each("CollectiveVariable", [&](const Element& variable) {
     variable.read({{"name", &name}});
@@ -314,7 +316,7 @@ void read_custom_cv(const ForceReading& r) {
   });
   const char* of_v = bias.variable == Variable::kGyration ? "v^2" : "v";
   CustomForce p(r, {nullptr, {range_of(bias.variable)}}, fmt::format("{};{}={}", energy, name, of_v));
-  const Law* law = find_law(p, bias.variable);
+  const BiasLaw* law = find_law(p, bias.variable);
   if (!law) refuse_energy(r, energy, bias.variable);
   law->set(bias, p);
   bias.name = own_name(r.force);
