@@ -18,9 +18,8 @@ columns = panels < 2 ? panels : 2
 rows = int((panels + columns - 1) / columns)
 of(k) = drawn(strcol('panel'), strcol('curve')) eq curve[k]
 short(k) = curve[k][strstrt(curve[k], "\t") + 1:]
-hues = '0x0072B2 0xD55E00 0x009E73 0xCC79A7 0xE69F00 0x56B4E9 0x000000 0x8C564B'
-hue(k) = int(word(hues, number[k] % 8 + 1))
-light(p, k) = strstrt(panel[p], 'account') || is_log(p) ? hue(k) : blend(hue(k), 255, 0.55)  # a mean is drawn over it
+run_hue(k) = hue(number[k] + 1)
+light(p, k) = strstrt(panel[p], 'account') || is_log(p) ? run_hue(k) : blend(run_hue(k), 255, 0.55)  # a mean is drawn over it
 is_log(p) = strstrt(panel[p], 'bond error') > 0
 
 do for [kind in 'svg png'] {
@@ -32,7 +31,7 @@ do for [kind in 'svg png'] {
     set title panel[p] noenhanced
     if (is_log(p)) { set logscale y; set format y '10^{%L}' } else { unset logscale y; set format y '%.6g' }
     plot for [k=first[p]:last[p]] csv using (of(k) ? column('t_ps') : 1/0):(of(k) ? column('value') : 1/0) with lines lc rgb light(p, k) lw 1 title short(k), \
-         for [k=first[p]:last[p]] csv using (of(k) ? column('t_ps') : 1/0):(of(k) ? column('running_mean') : 1/0) with lines lc rgb hue(k) lw 2 notitle
+         for [k=first[p]:last[p]] csv using (of(k) ? column('t_ps') : 1/0):(of(k) ? column('running_mean') : 1/0) with lines lc rgb run_hue(k) lw 2 notitle
   }
   unset multiplot
 }
