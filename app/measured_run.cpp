@@ -37,6 +37,16 @@ Estimate mean_with_error(const std::vector<double>& y) {
   return plain.error > 0 ? mean_of_run(y) : plain;
 }
 
+// The row from which on a column stays the same; 0 where there is none.
+std::size_t steady_from(const std::vector<double>& y) {
+  const auto alike = [&](double value) {
+    return value == y.back() || (std::isnan(value) && std::isnan(y.back()));
+  };
+  std::size_t row = y.size();
+  while (row > 0 && alike(y[row - 1])) --row;
+  return row;
+}
+
 // Calls see(time, x, box) for every frame of a file.
 template <class Reader>
 void for_each_frame(Reader& file, const Scene& scene, const fs::path& path, const auto& see) {
@@ -77,9 +87,17 @@ void MeasuredRun::choose_window(const MeasureSettings& settings) {
     std::size_t row = 0;
     for (const std::string_view column : {kLogPotential, kLogVolume})
       if (log_.has(column)) row = std::max(row, equilibration_end(log_.column(column)));
-    from = t[row];
     why = fmt::format("; equilibrated from there on by Chodera's rule (most independent samples of energy{})",
                       log_.has(kLogVolume) ? " and volume" : "");
+    if (row > t.size() / 2)
+      why += "; more than half is left out: the run is short beside its slow changes, or settles late";
+    if (const std::size_t steady = steady_from(log_.column(kLogBath)); steady > t.size() * 9 / 10)
+      why += "; the bath's temperature changes in it";
+    else if (steady > row) {
+      row = steady;
+      why = "; the bath's temperature is the same from there on";
+    }
+    from = t[row];
   }
   first_row_ = static_cast<std::size_t>(std::ranges::lower_bound(t, from - kSameTime) - t.begin());
   if (first_row_ == t.size())

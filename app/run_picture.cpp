@@ -144,7 +144,7 @@ nlohmann::ordered_json plot_runs(const PlotRequest& request) {
   StudyFiles files(request.out);
   const std::string csv = csv_of(curves), kinds = kinds_csv(request.runs, names, scenes);
   ReportPage page{.title = title, .command = request.command, .notes = {}, .parts = {}};
-  files.draw({"run", title + ": points, and running means as lines", csv});
+  files.draw({"run", title + ": each row, and running means as thick lines", csv});
   page.parts.push_back(
       {"The run in time",
        "Each row of the log, or means of neighbouring rows, and the mean from the start up to each "

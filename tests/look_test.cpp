@@ -82,6 +82,22 @@ TEST(Look, MeasureRefusesWhatItCannotDo) {
   EXPECT_THAT(said("measure --viscosity 1 " + run, 2), HasSubstr("run.trajectory_every"));
 }
 
+// What a bath that still changes does to a run is not equilibrated.
+TEST(Look, MeasuresFromWhereTheBathStaysTheSame) {
+  const TemporaryFolder folder;
+  const std::string at = folder.path().string() + "/";
+  const auto window = [&](const std::string& name, const std::string& rows) {
+    said(kShortRun + std::string("run.thermostat=langevin 'run.temperature_k=") + rows + "' --quiet --out " +
+         at + name);
+    return said("measure --from auto " + at + name);
+  };
+  EXPECT_THAT(
+      window("cooled", "[[0, 400], [1.2, 300]]"),
+      AllOf(HasSubstr("from 1.2 to 2 ps"), HasSubstr("the bath's temperature is the same from there on")));
+  EXPECT_THAT(window("cooling", "[[0, 400], [2, 300]]"),
+              AllOf(HasSubstr("Chodera"), HasSubstr("the bath's temperature changes in it")));
+}
+
 // Every row is drawn once, as left out or as measured.
 TEST(Look, DrawsWhatTheRuleOfEquilibrationLeavesOut) {
   const TemporaryFolder folder;
@@ -155,9 +171,10 @@ TEST(Look, ShowsWhatASceneAddsToItsLog) {
 TEST(Look, PlotsTheAccountWithoutTheSteeringsWork) {
   const TemporaryFolder folder;
   const std::string at = folder.path().string();
-  std::ofstream(at + "/dragged.toml") << "[molecule.bead]\natoms = [{name = \"B\", mass_u = 40}]\n"
-                                         "steered = [[0, 1, 0, 0, 500]]\n[[place]]\nmolecule = \"bead\"\n"
-                                         "[run]\ndt_fs = 5\n";
+  std::ofstream(at + "/dragged.toml")
+      << "[molecule.bead]\natoms = [{name = \"B\", mass_u = 40}]\n"
+         "steered = [[0, 1, 0, 0, 500]]\n[[place]]\nmolecule = \"bead\"\ncount = 1\n"
+         "[run]\ndt_fs = 5\n";
   said("run " + at + "/dragged.toml --steps 2000 --set run.log_every=2 --plot --quiet --out " + at + "/run");
   double account = 0, work = 0;
   for (const auto& row : csv_rows(contents(at + "/run/plot/run.csv"))) {

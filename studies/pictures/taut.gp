@@ -44,9 +44,9 @@ hue(k) = int(word(hues, (k - 1) % 8 + 1))
 
 # The curves of a table in their order, each once: add_curve() is called for every row that is drawn. A method's
 # further curves are numbered, from 0.
-array curve[200]
-array method[200]
-array number[200]
+array curve[1000]
+array method[1000]
+array number[1000]
 curves = 0
 is_known(name) = sum [k=1:curves] (curve[k] eq name)
 add_curve(name, of) = is_known(name) ? 0 : \
