@@ -5,6 +5,7 @@ namespace {
 
 constexpr int kTries = 200;  // for one copy at one scale of its spheres
 constexpr int kTriesBeforeOverlap = 20;
+constexpr double kAnywhere = -1e9;   // scale of spheres that overlap all others
 constexpr double kNarrower = 0.9;    // factor from one scale to the next, ...
 constexpr double kNarrowest = 0.55;  // ... down to this: two atoms at half their σ
 
@@ -16,7 +17,7 @@ std::optional<Vectors> Placing::place_copy(const Conformations& conformations,
     for (int attempt = 0; attempt < (may_overlap_ ? kTriesBeforeOverlap : kTries); ++attempt)
       if (auto copy = conformations.place_copy(where(), width, space_, random_)) return copy;
   for (int attempt = 0; may_overlap_ && attempt < kTries; ++attempt)
-    if (auto copy = conformations.place_copy(where(), 0, space_, random_)) return copy;
+    if (auto copy = conformations.place_copy(where(), kAnywhere, space_, random_)) return copy;
   return {};
 }
 

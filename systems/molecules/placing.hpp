@@ -16,8 +16,7 @@ class Placing {
       : space_(box, widest, std::move(rooms)), random_(random), may_overlap_(may_overlap) {}
 
   // Places a copy at a position from `where`, which is called repeatedly; if there is no room, with smaller
-  // spheres; where copies may overlap, with points that keep out of the spheres alone. Returns nothing if there is no
-  // room for the smallest, either.
+  // spheres; where copies may overlap, wherever that is. Returns nothing if there is no room for the smallest, either.
   std::optional<Vectors> place_copy(const Conformations& conformations, const std::function<Vec3()>& where);
 
   // Adds copies at given positions, the columns of x. `each` is the number of atoms of a copy; 0 stands for
