@@ -251,6 +251,16 @@ TEST(Look, PlotsRunsOfOneNameApart) {
   }
 }
 
+// gnuplot ends quoted text at a comma: curves whose names differ behind one stay two.
+TEST(Look, PlotsRunsWithCommasInTheirNames) {
+  const TemporaryFolder folder;
+  const std::string at = "'" + folder.path().string() + "/";
+  for (const char* run : {"x, 1'", "x, 2'"}) said(kShortRun + std::string("--quiet --out ") + at + run);
+  said("plot --quiet --out " + at + "both' " + at + "x, 1' " + at + "x, 2'");
+  EXPECT_THAT(contents((folder.path() / "both/run.svg").string()),
+              AllOf(HasSubstr(">x; 1</text>"), HasSubstr(">x; 2</text>")));
+}
+
 // The temperatures of a run stand beside its bath's, if that is one.
 TEST(Look, PlotsTemperaturesBesideTheBaths) {
   const TemporaryFolder folder;
