@@ -43,8 +43,8 @@ ChartPlan plan_of(const ChartArguments& arguments) {
 std::vector<std::string> notes_of(const ChartPlan& plan) {
   std::vector<std::string> notes = plan.scene.notes;
   if (plan.quick)
-    notes.push_back(fmt::format("quick, so rough: few settings, {} repeats of {} steps, drift over {} steps",
-                                plan.repeats, plan.steps, plan.drift_steps));
+    notes.push_back(fmt::format("quick, so rough: few settings, {} of {} steps, drift over {} steps",
+                                counted(plan.repeats, "repeat"), plan.steps, plan.drift_steps));
   if (double load = 0; getloadavg(&load, 1) == 1)
     if (const std::string warning = warn_of_load(load, sysconf(_SC_NPROCESSORS_ONLN)); !warning.empty())
       notes.push_back(warning);

@@ -78,7 +78,7 @@ void write_bonds(const H5Maker& make, const TrajectorySetup& setup) {
 
 struct H5mdFile::Contents {
   Contents(const std::filesystem::path& path, const TrajectorySetup& setup, DiskFile::Opening opening)
-      : medium_{JournaledFile(path, opening), 0, {}},
+      : medium_{JournaledFile(path, opening), 0, {}, {}},
         periodic_(setup.periodic),
         bonds_(setup.sys.bond_count()),
         atoms_(setup.sys.atoms()) {

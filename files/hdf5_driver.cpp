@@ -114,10 +114,10 @@ void Hdf5Medium::commit() {
 
 H5Handle access_to(Hdf5Medium& medium) {
   static const H5FD_class_t table = table_of_functions();  // HDF5 keeps its address
-  const H5Handle driver{H5FDregister(&table), H5FDunregister};
+  medium.driver = {H5FDregister(&table), H5FDunregister};
   H5Handle access{H5Pcreate(H5P_FILE_ACCESS), H5Pclose};
   Hdf5Medium* pointer = &medium;
-  accepted(H5Pset_driver(access, driver, &pointer));  // HDF5 copies the pointer
+  accepted(H5Pset_driver(access, medium.driver, &pointer));  // HDF5 copies the pointer
   return access;
 }
 

@@ -17,6 +17,9 @@ struct Hdf5Medium {
   JournaledFile file;
   haddr_t end = 0;      // end of the space that HDF5 has allocated; 0 before HDF5 opens it
   std::string refusal;  // message of the first failed read or write; empty if there was none
+  // HDF5's number of the driver. It must outlive the file: HDF5 1.10 drops a file's own reference, and then reads how
+  // to close the file from what that reference may have held last.
+  H5Handle driver{};
 
   // Commits what HDF5 has written to the file on disk. Throws OutsideError, and leaves the file as it is, if
   // HDF5 has written nothing here: it may have written elsewhere.
