@@ -92,6 +92,16 @@ std::vector<Key> keys_about(const std::string& word, const std::vector<Key>& all
   return found;
 }
 
+// "atom, molecule, place, ...": the sections as `taut help` takes them.
+std::string sections() {
+  std::vector<std::string_view> names;
+  for (const std::string_view section : kSections)
+    if (const auto name = section.substr(0, section.find('.'));
+        !name.empty() && (names.empty() || names.back() != name))
+      names.push_back(name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
 [[noreturn]] void refuse(const std::string& name, const std::vector<Key>& all) {
   std::set<std::string> names;
   for (const Key& key : all) {
@@ -102,8 +112,7 @@ std::vector<Key> keys_about(const std::string& word, const std::vector<Key>& all
   const std::string meant(nearest_name(name, {names.begin(), names.end()}));
   throw InputError(fmt::format(
       "there is no key and no section \"{}\"{}", name,
-      meant.empty() ? "; sections: atom, molecule, place, pair, wall, build, forcefield, run, method, start"
-                    : fmt::format("; did you mean \"{}\"?", meant)));
+      meant.empty() ? "; sections: " + sections() : fmt::format("; did you mean \"{}\"?", meant)));
 }
 
 struct HelpArguments {
@@ -120,11 +129,11 @@ void help(const HelpArguments& arguments, const Commands& commands) {
     return say("{}\n", fmt::join(names, "\n"));
   }
   if (arguments.names.empty() && !json_alone())
-    return say("{}\n{}\n", commands.help(""),
-               wrapped("`taut help KEY` explains a key of a scene, such as run.dt_fs, or a section of "
-                       "them: atom, molecule, "
-                       "place, build, forcefield, run, method; build.water, method.rattle",
-                       terminal_width(), 0));
+    return say(
+        "{}\n{}\n", commands.help(""),
+        wrapped("`taut help KEY` explains a key of a scene, such as run.dt_fs, or a section of them: " +
+                    sections() + "; build.water, method.rattle",
+                terminal_width(), 0));
   std::vector<Key> keys;
   for (const std::string& name : arguments.names) {
     std::vector<Key> named = keys_named(described(name), all);

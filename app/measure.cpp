@@ -46,7 +46,7 @@ struct MeasureArguments {
 
 // The names that a measurement may write, with their pictures.
 constexpr std::array kTables = {"equilibration", "distances", "displacement", "relaxation",
-                                "viscosity",     "seeds",     "scan"};
+                                "viscosity",     "each_run",  "scan"};
 
 void write_files(const MeasureArguments& arguments, const auto& draw) {
   make_folder(*arguments.out);
@@ -66,7 +66,7 @@ void measure_one(const MeasureArguments& arguments, const MeasuredRun& run) {
     for (const Figure& figure : run.figures())
       csv += fmt::format("{},{:.9g},{:.3g}\n", figure.key, figure.value.value, figure.value.error);
     files.write("figures.csv", csv);
-    run.draw(files);
+    for (const Picture& picture : run.pictures()) files.draw(picture);
   });
 }
 
@@ -82,8 +82,8 @@ void measure_groups(const MeasureArguments& arguments, const std::vector<RunGrou
   if (!arguments.out) return;
   write_files(arguments, [&](StudyFiles& files) {
     if (groups.size() == 1 && groups[0].values.empty())
-      files.draw({"seeds", groups[0].label + ": each run, and their mean; bars: standard errors",
-                  seeds_csv(groups[0])});
+      files.draw({"each_run", groups[0].label + ": each run, and their mean; bars: standard errors",
+                  each_run_csv(groups[0])});
     else
       draw_scan(files, groups);
   });

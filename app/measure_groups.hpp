@@ -30,7 +30,7 @@ nlohmann::ordered_json json_of(const RunGroup& group);
 
 // figure, unit, run and its number, value, error: a row for each figure of each run, and one for the mean, whose
 // number is 0.
-std::string seeds_csv(const RunGroup& group);
+std::string each_run_csv(const RunGroup& group);
 
 // figure, unit, x (the first key's value, or its place where values are words), x_text (the word), curve (the others' values), value,
 // error, runs: a row for each figure and group.

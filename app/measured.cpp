@@ -9,6 +9,7 @@
 #include "base/errors.hpp"
 #include "base/nearest_name.hpp"
 #include "printing.hpp"
+#include "studies/csv.hpp"
 #include "studies/transport.hpp"
 #include "systems/whole_molecules.hpp"
 #include "words.hpp"
@@ -176,32 +177,35 @@ nlohmann::ordered_json Measured::json() const {
   return json;
 }
 
-void Measured::draw(StudyFiles& files) const {
+std::vector<Picture> Measured::pictures(const std::string& curve) const {
+  std::vector<Picture> all;
+  const std::string run = label_cell(curve);
   if (const Distances g = pairs_.result(); !g.r.empty()) {
+    const std::string of = label_cell(curve.empty() ? of_pairs() : curve + ": " + of_pairs());
     std::string csv = "run,r_nm,g,standard_error\n";
     for (std::size_t n = 0; n < g.r.size(); ++n)
-      csv += fmt::format("{},{:.4f},{:.6f},{:.6f}\n", of_pairs(), g.r[n], g.g[n].value, g.g[n].error);
-    files.draw({"distances",
-                fmt::format("{}: radial distribution of {}, bars: standard errors", scene_.name, of_pairs()),
-                csv});
+      csv += fmt::format("{},{:.4f},{:.6f},{:.6f}\n", of, g.r[n], g.g[n].value, g.g[n].error);
+    all.push_back(
+        {"distances",
+         fmt::format("{}: radial distribution of {}, bars: standard errors", scene_.name, of_pairs()), csv});
   }
   if (const auto moved = motion_.result(); !moved.t.empty()) {
-    std::string csv = "t_ps,squared_nm2,standard_error\n";
+    std::string csv = "run,t_ps,squared_nm2,standard_error\n";
     for (std::size_t n = 0; n < moved.t.size(); ++n)
-      csv +=
-          fmt::format("{:.6g},{:.6g},{:.2g}\n", moved.t[n], moved.squared[n].value, moved.squared[n].error);
-    files.draw({"displacement",
-                scene_.name + ": mean-square displacement of molecules, bars: standard errors", csv});
+      csv += fmt::format("{},{:.6g},{:.6g},{:.2g}\n", run, moved.t[n], moved.squared[n].value,
+                         moved.squared[n].error);
+    all.push_back({"displacement",
+                   scene_.name + ": mean-square displacement of molecules, bars: standard errors", csv});
   }
-  if (!chains_.empty()) {
-    const auto relaxation = sizes_.relaxation();
-    std::string csv = "t_ps,correlation,standard_error\n";
-    for (std::size_t n = 0; n < relaxation.t.size(); ++n)
-      csv += fmt::format("{:.6g},{:.6g},{:.2g}\n", relaxation.t[n], relaxation.correlation[n].value,
-                         relaxation.correlation[n].error);
-    if (!relaxation.t.empty())
-      files.draw({"relaxation", scene_.name + ": ⟨R(0)·R(t)⟩/⟨R²⟩ of chains, bars: standard errors", csv});
-  }
+  if (chains_.empty()) return all;
+  const auto relaxation = sizes_.relaxation();
+  std::string csv = "run,t_ps,correlation,standard_error\n";
+  for (std::size_t n = 0; n < relaxation.t.size(); ++n)
+    csv += fmt::format("{},{:.6g},{:.6g},{:.2g}\n", run, relaxation.t[n], relaxation.correlation[n].value,
+                       relaxation.correlation[n].error);
+  if (!relaxation.t.empty())
+    all.push_back({"relaxation", scene_.name + ": ⟨R(0)·R(t)⟩/⟨R²⟩ of chains, bars: standard errors", csv});
+  return all;
 }
 
 }  // namespace taut

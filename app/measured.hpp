@@ -29,7 +29,8 @@ class Measured {
   void print() const;
   std::vector<Figure> figures() const;
   nlohmann::ordered_json json() const;
-  void draw(StudyFiles& files) const;
+  // Radial distribution, displacement, relaxation of chains: what there is. `curve` names the run in them.
+  std::vector<Picture> pictures(const std::string& curve) const;
 
  private:
   // Diffusion, or why there is none yet.

@@ -14,7 +14,7 @@
 #include "files/h5md_reader.hpp"
 #include "printing.hpp"
 #include "simulation/checkpoint.hpp"
-#include "systems/builders/biases.hpp"
+#include "simulation/log_columns.hpp"
 #include "words.hpp"
 
 namespace taut {
@@ -29,6 +29,22 @@ std::optional<fs::path> trajectory_of(const fs::path& folder) {
   if (const fs::path file = folder / "trajectory.h5md"; built_with_hdf5() && fs::exists(file)) return file;
   if (const fs::path file = folder / "trajectory.dcd"; fs::exists(file)) return file;
   return {};
+}
+
+// Without an error where the samples are too few to tell it.
+Estimate mean_with_error(const std::vector<double>& y) {
+  const Estimate plain = correlated_mean(y);
+  return plain.error > 0 ? mean_of_run(y) : plain;
+}
+
+// The row from which on a column stays the same; 0 where there is none.
+std::size_t steady_from(const std::vector<double>& y) {
+  const auto alike = [&](double value) {
+    return value == y.back() || (std::isnan(value) && std::isnan(y.back()));
+  };
+  std::size_t row = y.size();
+  while (row > 0 && alike(y[row - 1])) --row;
+  return row;
 }
 
 // Calls see(time, x, box) for every frame of a file.
@@ -71,9 +87,17 @@ void MeasuredRun::choose_window(const MeasureSettings& settings) {
     std::size_t row = 0;
     for (const std::string_view column : {kLogPotential, kLogVolume})
       if (log_.has(column)) row = std::max(row, equilibration_end(log_.column(column)));
-    from = t[row];
     why = fmt::format("; equilibrated from there on by Chodera's rule (most independent samples of energy{})",
                       log_.has(kLogVolume) ? " and volume" : "");
+    if (row > t.size() / 2)
+      why += "; more than half is left out: the run is short beside its slow changes, or settles late";
+    if (const std::size_t steady = steady_from(log_.column(kLogBath)); steady > t.size() * 9 / 10)
+      why += "; the bath's temperature changes in it";
+    else if (steady > row) {
+      row = steady;
+      why = "; the bath's temperature is the same from there on";
+    }
+    from = t[row];
   }
   first_row_ = static_cast<std::size_t>(std::ranges::lower_bound(t, from - kSameTime) - t.begin());
   if (first_row_ == t.size())
@@ -107,14 +131,11 @@ void MeasuredRun::measure_log() {
       const bool fixed = std::ranges::all_of(y, [&](double value) { return value == y[0]; });
       if (fixed && asked.column != kLogTemperature && asked.column != kLogTotal)
         continue;  // no barostat, no forces
-      const bool known = correlated_mean(y).error > 0;
-      log_figures_.push_back(
-          {asked.key, asked.words, asked.unit, known ? mean_of_run(y) : correlated_mean(y)});
+      log_figures_.push_back({asked.key, asked.words, asked.unit, mean_with_error(y)});
     }
-  for (const Bias& bias : scene_->terms.biases)
-    for (const auto& [title, key, words, unit] : columns_of(bias))
-      if (const std::vector<double> y = window_of(title); !y.empty())
-        log_figures_.push_back({key, words, unit, correlated_mean(y)});
+  for (const auto& [title, key, words, unit] : further_columns(*scene_))
+    if (const std::vector<double> y = window_of(title); !y.empty() && title != kLogSteeringWork)
+      log_figures_.push_back({key, words, unit, mean_with_error(y)});
   if (!log_.has(kLogPressure)) return;
   StressSeries stress{.pressure = {},
                       .interval = log_.interval(),
@@ -204,7 +225,7 @@ nlohmann::ordered_json MeasuredRun::json() const {
 }
 
 // What is left out and what is measured, in means of neighbouring rows where there are many.
-void MeasuredRun::draw_equilibration(StudyFiles& files) const {
+Picture MeasuredRun::equilibration_picture() const {
   constexpr std::size_t kPoints = 1000;
   const std::vector<double>&t = log_.column(kLogTime), &y = log_.column(kLogPotential);
   const std::size_t rows = std::max<std::size_t>(1, t.size() / kPoints);
@@ -214,20 +235,23 @@ void MeasuredRun::draw_equilibration(StudyFiles& files) const {
     csv += fmt::format("{:.6g},{}{:.9g}{}\n", t[at], at < first_row_ ? "" : ",", mean,
                        at < first_row_ ? "," : "");
   }
-  files.draw({"equilibration",
-              fmt::format("{}: potential energy, measured from {:.4g} ps on", name(), t[first_row_]), csv});
+  return {"equilibration",
+          fmt::format("{}: potential energy, measured from {:.4g} ps on", name(), t[first_row_]), csv};
 }
 
-void MeasuredRun::draw(StudyFiles& files) const {
-  if (automatic_ && log_.has(kLogPotential)) draw_equilibration(files);
-  if (frames_) frames_->draw(files);
-  if (!green_kubo_ || green_kubo_->t.empty()) return;
+std::vector<Picture> MeasuredRun::pictures(const std::string& curve) const {
+  std::vector<Picture> all;
+  if (automatic_ && log_.has(kLogPotential)) all.push_back(equilibration_picture());
+  if (frames_) std::ranges::copy(frames_->pictures(curve), std::back_inserter(all));
+  if (!green_kubo_ || green_kubo_->t.empty()) return all;
   std::string csv = "t_ps,correlation,correlation_error,viscosity_mpa_s,standard_error,cut_ps\n";
   for (std::size_t k = 0; k < green_kubo_->t.size(); ++k)
     csv += fmt::format("{:.6g},{:.6g},{:.2g},{:.6g},{:.2g},{:.6g}\n", green_kubo_->t[k],
                        green_kubo_->correlation[k].value, green_kubo_->correlation[k].error,
                        green_kubo_->integral[k].value, green_kubo_->integral[k].error, green_kubo_->cut);
-  files.draw({"viscosity", scene_->name + ": pressure's correlation, and its integral, the viscosity", csv});
+  all.push_back(
+      {"viscosity", scene_->name + ": pressure's correlation, and its integral, the viscosity", csv});
+  return all;
 }
 
 }  // namespace taut

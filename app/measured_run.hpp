@@ -34,14 +34,17 @@ class MeasuredRun {
   std::vector<Figure> figures() const;
   void print() const;
   nlohmann::ordered_json json() const;
-  void draw(StudyFiles& files) const;
+  // Equilibration, what the frames show, viscosity: what there is. `curve` names the run in what frames show, where
+  // runs are laid over each other.
+  std::vector<Picture> pictures(const std::string& curve = "") const;
+  const std::string& window() const { return window_words_; }  // "4376 rows of the log from 5 to 40 ps"
 
  private:
   void choose_window(const MeasureSettings& settings);
   void measure_log();
   void measure_frames(const MeasureSettings& settings);
   std::vector<double> window_of(std::string_view column) const;
-  void draw_equilibration(StudyFiles& files) const;
+  Picture equilibration_picture() const;
 
   std::vector<std::filesystem::path> segments_;
   std::vector<double> shifts_;  // what is added to each segment's times [ps]

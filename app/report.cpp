@@ -69,10 +69,12 @@ void write_report(const ReportPage& page, StudyFiles& files) {
     html += "</ul>\n";
   }
   for (const auto& part : page.parts) {
-    html += fmt::format("<h2>{}</h2>\n<p>{}</p>\n", escaped(part.title), escaped(part.text));
+    html += fmt::format("<h2>{}</h2>\n", escaped(part.title));
+    if (!part.text.empty()) html += fmt::format("<p>{}</p>\n", escaped(part.text));
     if (!part.svg_file.empty()) html += inline_svg(files.folder() / part.svg_file) + "\n";
     for (const auto& line : part.conclusions) html += fmt::format("<p><b>{}</b></p>\n", escaped(line));
-    html += fmt::format("<details><summary>The figures</summary>\n{}</details>\n", table_of(part.csv));
+    html += fmt::format("<details{}><summary>The figures</summary>\n{}</details>\n", part.open ? " open" : "",
+                        table_of(part.csv));
   }
   files.write("report.html", html + "</html>\n");
 }

@@ -16,6 +16,7 @@ struct ReportPage {
     std::string svg_file;                       // in the same folder; empty if there is none
     std::string csv;                            // shown as a table
     std::vector<std::string> conclusions = {};  // below the picture, a line each
+    bool open = false;                          // whether the table is seen unasked
   };
   std::vector<Part> parts;
 };

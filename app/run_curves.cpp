@@ -4,31 +4,42 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 
 #include "files/h5md_file.hpp"
 #include "files/h5md_reader.hpp"
-#include "systems/builders/biases.hpp"
+#include "simulation/log_columns.hpp"
 
 namespace taut {
 namespace {
 
 namespace fs = std::filesystem;
 
-// Adds a log's column to the curves, if it has one; `less` is subtracted row by row.
-void add(std::vector<Curve>& curves, const RunLog& log, const Curve& as, std::string_view column,
-         std::string_view less = "", bool from_start = false) {
-  if (!log.has(column)) return;
-  const std::vector<double>&y = log.column(column), &other = log.column(less), &t = log.column(kLogTime);
+// Adds what a row of the log has, row by row; rows without it are left out.
+void add(std::vector<Curve>& curves, const RunLog& log, const Curve& as, const std::vector<double>& y) {
   Curve curve = as;
   for (std::size_t row = 0; row < y.size(); ++row) {
-    const double value = y[row] - (other.empty() || std::isnan(other[row]) ? 0 : other[row]);
-    if (std::isnan(value)) continue;
-    curve.t.push_back(t[row]);
-    curve.y.push_back(value);
+    if (std::isnan(y[row])) continue;
+    curve.t.push_back(log.column(kLogTime)[row]);
+    curve.y.push_back(y[row]);
   }
-  if (from_start)
-    for (const double first = curve.y.front(); double& value : curve.y) value -= first;
-  curves.push_back(std::move(curve));
+  if (!curve.y.empty()) curves.push_back(std::move(curve));
+}
+
+void add(std::vector<Curve>& curves, const RunLog& log, const Curve& as, std::string_view column) {
+  add(curves, log, as, log.column(column));
+}
+
+// Adds what the energy's account has of a column: what it is less others, from the start on.
+void add_account(std::vector<Curve>& curves, const RunLog& log, const std::string& name,
+                 std::string_view column, std::initializer_list<std::string_view> less = {}) {
+  std::vector<double> y = log.column(column);
+  for (const std::string_view other : less)
+    for (std::size_t row = 0; row < y.size() && log.has(other); ++row)
+      if (const double value = log.column(other)[row]; !std::isnan(value)) y[row] -= value;
+  if (!y.empty())
+    for (const double first = y.front(); double& value : y) value -= first;
+  add(curves, log, {.panel = "energy's account [kJ/mol]", .name = name, .t = {}, .y = {}}, y);
 }
 
 bool varies(const std::vector<double>& y) {
@@ -79,10 +90,10 @@ std::vector<Curve> curves_of(const RunLog& log, const std::string& run, const Sc
     return Curve{.panel = panel, .name = std::move(name), .t = {}, .y = {}, .running_mean = mean};
   };
   add(all, log, curve("potential energy [kJ/mol]", alone, true), kLogPotential);
-  add(all, log, curve("energy's account [kJ/mol]", of + "energy but for the heat", false), kLogTotal,
-      kLogHeat, true);
-  add(all, log, curve("energy's account [kJ/mol]", of + "what the bonds did", false), kLogConstraintWork, "",
-      true);
+  const bool steered = log.has(kLogSteeringWork);
+  add_account(all, log, of + (steered ? "energy but for heat and steering" : "energy but for the heat"),
+              kLogTotal, {kLogHeat, kLogSteeringWork});
+  add_account(all, log, of + "what the bonds did", kLogConstraintWork);
   add(all, log, curve("temperature [K]", alone, true), kLogTemperature);
   add_bath(all, log, scene, of);
   add(all, log, curve("pressure [bar]", alone, true), kLogPressure);
@@ -91,10 +102,11 @@ std::vector<Curve> curves_of(const RunLog& log, const std::string& run, const Sc
     add(all, log, curve("density [kg/m³]", alone, true), kLogDensity);
   }
   if (scene)
-    for (const Bias& bias : scene->terms.biases)
-      for (const BiasColumn& column : columns_of(bias))
-        add(all, log, curve(fmt::format("{} [{}]", column.words, column.unit).c_str(), alone, true),
-            column.title);
+    for (const LogColumn& column : further_columns(*scene))
+      add(all, log,
+          curve(fmt::format("{} [{}]", column.words, column.unit).c_str(), alone,
+                column.title != kLogSteeringWork),
+          column.title);
   if (log.has(kLogBondError) && varies(log.column(kLogBondError)))
     add(all, log, curve("relative bond error (rms)", alone, false), kLogBondError);
   add_tensions(all, folder, of);

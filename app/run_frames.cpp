@@ -46,7 +46,7 @@ int axis_up(const Scene& scene) {
 std::string rows_of(const Scene& scene, const char* which, const Box& box, const Vectors& positions) {
   const Vectors x = brought_into_box(scene, box, positions);
   const int up = axis_up(scene), depth = 3 - up;
-  const std::string frame = fmt::format("\"{}, {} up\"", which, "xyz"[up]);
+  const std::string frame = fmt::format("{} ({} up)", which, "xyz"[up]);
   std::string rows;
   std::vector<BondedPair> bonds = further_bonds(scene.system, scene.terms);
   for (const RigidBond& bond : scene.system.bonds) bonds.push_back({bond.i, bond.j});
@@ -59,7 +59,7 @@ std::string rows_of(const Scene& scene, const char* which, const Box& box, const
   for (const Eigen::Index a : order) {
     const AtomKind& kind = scene.names.kinds[static_cast<std::size_t>(scene.names.kind[a])];
     rows += fmt::format("{},atom,{:.4f},{:.4f},,,{:.3f},{}\n", frame, x(0, a), x(up, a), size_of(scene, a),
-                        csv_cell(kind.atom));
+                        label_cell(kind.atom));
   }
   if (!box.periodic()) return rows;
   const Eigen::Matrix3d cell = box.vectors();

@@ -15,6 +15,7 @@
 #include "report.hpp"
 #include "run_curves.hpp"
 #include "run_frames.hpp"
+#include "run_measured.hpp"
 #include "simulation/checkpoint.hpp"
 #include "studies/csv.hpp"
 #include "studies/run_log.hpp"
@@ -40,7 +41,7 @@ std::string csv_of(const std::vector<Curve>& curves) {
       for (std::size_t k = first; k < end; ++k) t += c.t[k], sum += c.y[k];
       all += sum;
       const double n = static_cast<double>(end - first);
-      csv += fmt::format("{},{},{:.9g},{:.9g},{}\n", csv_cell(c.panel), csv_cell(c.name), t / n, sum / n,
+      csv += fmt::format("{},{},{:.9g},{:.9g},{}\n", label_cell(c.panel), label_cell(c.name), t / n, sum / n,
                          c.running_mean ? fmt::format("{:.9g}", all / static_cast<double>(end)) : "");
     }
   }
@@ -86,11 +87,11 @@ std::string kinds_csv(const std::vector<fs::path>& runs, const std::vector<std::
     for (const auto& [type, motions] : summary["temperatures_k"].items())
       for (const auto& [motion, t] : motions.items()) {
         if (!t.contains("value")) continue;  // an older taut's summary
-        csv += fmt::format("{},{},{:.7g},{:.3g}\n", csv_cell(names[k]), csv_cell(type + ": " + motion),
+        csv += fmt::format("{},{},{:.7g},{:.3g}\n", label_cell(names[k]), label_cell(type + ": " + motion),
                            t["value"].get<double>(), t["error"].is_number() ? t["error"].get<double>() : 0.0);
       }
     if (scenes[k] && scenes[k]->run.thermostatted() && scenes[k]->run.temperature_course.empty())
-      csv += fmt::format("{},bath,{:.7g},0\n", csv_cell(names[k]), scenes[k]->run.temperature_k);
+      csv += fmt::format("{},bath,{:.7g},0\n", label_cell(names[k]), scenes[k]->run.temperature_k);
   }
   return csv;
 }
@@ -143,7 +144,7 @@ nlohmann::ordered_json plot_runs(const PlotRequest& request) {
   StudyFiles files(request.out);
   const std::string csv = csv_of(curves), kinds = kinds_csv(request.runs, names, scenes);
   ReportPage page{.title = title, .command = request.command, .notes = {}, .parts = {}};
-  files.draw({"run", title + ": points, and running means as lines", csv});
+  files.draw({"run", title + ": each row, and running means as thick lines", csv});
   page.parts.push_back(
       {"The run in time",
        "Each row of the log, or means of neighbouring rows, and the mean from the start up to each "
@@ -170,14 +171,16 @@ nlohmann::ordered_json plot_runs(const PlotRequest& request) {
          frames,
          {}});
   }
-  write_report(page, files);
   print_lines(curves);
+  const nlohmann::ordered_json measured = show_measured(request.runs, names, files, page);
+  write_report(page, files);
   files.print_written();
   nlohmann::ordered_json json = {{"out", request.out.string()}};
   for (const Curve& curve : curves) {
     const auto [low, high] = std::ranges::minmax(curve.y);
     json["curves"].push_back({{"panel", curve.panel}, {"curve", curve.name}, {"min", low}, {"max", high}});
   }
+  json["measured"] = measured;
   return json;
 }
 

@@ -8,14 +8,14 @@
 namespace taut {
 
 // Draws the runs in these folders over each other, from their logs: FILES/run.csv, its picture and report.html.
-// Prints a coarse line for each curve. Throws InputError where a folder holds no run, and where `out` holds
-// pictures, unless `overwrite` is set.
+// Prints a coarse line for each curve, and what is measured of each run. Throws InputError where a folder holds no
+// run, and where `out` holds pictures, unless `overwrite` is set.
 struct PlotRequest {
   std::vector<std::filesystem::path> runs;
   std::filesystem::path out;
   std::string command;  // that the report names
   bool overwrite = false;
 };
-nlohmann::ordered_json plot_runs(const PlotRequest& request);  // what was drawn: the range of each curve
+nlohmann::ordered_json plot_runs(const PlotRequest& request);  // the range of each curve, what was measured
 
 }  // namespace taut

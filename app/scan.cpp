@@ -199,7 +199,7 @@ void refuse_foreign_files(const fs::path& folder, const std::vector<ScanRun>& ru
         fmt::format("{}: holds another scan; take another folder, or delete it", folder.string()));
   }
   std::vector<std::string> names = {kScanTable, "titles.tsv", "taut.gp"};
-  for (const char* picture : {"scan", "seeds"})
+  for (const char* picture : {"scan", "each_run"})
     for (const char* kind : {".csv", ".gp", ".svg", ".png", ".gnuplot.log"})
       names.push_back(std::string(picture) + kind);
   for (const ScanRun& run : runs)
@@ -242,8 +242,8 @@ void scan(const ScanArguments& arguments) {
   if (!arguments.vary.empty())
     draw_scan(files, groups);
   else
-    files.draw(
-        {"seeds", groups[0].runs.front().scene().name + ": each run, and their mean", seeds_csv(groups[0])});
+    files.draw({"each_run", groups[0].runs.front().scene().name + ": each run, and their mean",
+                each_run_csv(groups[0])});
   files.print_written();
   if (json_alone()) {
     nlohmann::ordered_json json = nlohmann::ordered_json::array();

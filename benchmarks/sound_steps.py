@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """Finds the steps at which programs keep the energy of water, of a melt and of a protein, and what a day gives there.
 
-    benchmarks/sound_steps.py --real FOLDER --out drifts.csv [--build build] [--systems "pme1728;melt;dhfr"] [--ps 20]
+    benchmarks/sound_steps.py --real FOLDER --out drifts.csv [--build build] [--systems "pme1728;melt"] [--ps 20]
     benchmarks/sound_steps.py --real FOLDER --time drifts.csv [--repeats 3]
 
-The first command runs taut (newton and feedforward, mixed precision), GROMACS and OpenMM's CPU platform at constant energy
-from one start, at several steps, one thread each, and writes the slopes of their total energies [kJ/mol/ns per degree of
-freedom] with standard errors of four blocks; OpenMM for a fifth of the time. The protein's hydrogens have their own mass,
-or 3 u. The second times a second of every row of such a file in turns, on an idle machine, and prints nanoseconds a day,
+The first command runs taut (newton and feedforward, mixed precision), GROMACS and OpenMM's CPU platform at constant
+energy from one start, at several steps, one thread each, and writes the slopes of their total energies [kJ/mol/ns per
+degree of freedom] with standard errors of four blocks; OpenMM for a fifth of the time. The protein's hydrogens have
+their own mass, or 3 u; its rigid angles (OpenMM's HAngles) are taut's alone, since GROMACS's LINCS does not hold them.
+The second times a second of every row of such a file in turns, on an idle machine, and prints nanoseconds a day,
 medians. FOLDER is real_systems.py's. GROMACS has its defaults (LINCS of order 4 with one iteration, SETTLE for water, a
 pair list for a drift of 0.005 kJ/mol/ps an atom) and, strict, order 6 with two iterations and a list for 1e-4. Python
 needs taut and OpenMM.
@@ -23,6 +24,7 @@ import tempfile
 
 import numpy
 import openmm
+import openmm.app as app
 import openmm.unit as unit
 
 import machine
@@ -30,7 +32,8 @@ import peer_gromacs
 import peer_systems
 import real_systems
 
-STEPS = {"pme1728": (2, 3, 4, 5), "melt": (5, 10, 15, 20), "dhfr": (2, 3), "dhfr, 3 u": (4, 5)}  # [fs]
+STEPS = {"pme1728": (2, 3, 4, 5), "melt": (5, 10, 15, 20), "dhfr": (2, 3), "dhfr, 3 u": (4, 5),
+         "dhfr, angles, 3 u": (4, 5)}  # [fs]
 TAUT = {"taut, newton": "newton", "taut, feedforward": "feedforward"}
 STRICT = "\nlincs-order = 6\nlincs-iter = 2\nverlet-buffer-tolerance = 1e-4\n"
 
@@ -47,11 +50,13 @@ class System:
     """One of STEPS: the start that all programs are given."""
 
     def __init__(self, name, taut, real, work):
-        self.name, self.taut, self.heavy = name, taut, name.endswith("3 u")
+        self.name, self.taut = name, taut
+        self.heavy, self.angles = name.endswith("3 u"), "angles" in name
         if name.startswith("dhfr"):
             for suffix in ("top", "gro"):
                 (work / f"dhfr.{suffix}").write_text((real / f"dhfr.{suffix}").read_text())
-            real_systems.write_xml(work, "dhfr", **({"hydrogenMass": 3 * unit.dalton} if self.heavy else {}))
+            real_systems.write_xml(work, "dhfr", app.HAngles if self.angles else app.HBonds,
+                                   **({"hydrogenMass": 3 * unit.dalton} if self.heavy else {}))
             self.described = peer_systems.Prepared("dhfr", work)
             self.described.coupling = "mass-repartition-factor = 3" if self.heavy else ""
             files = ["--openmm", self.described.file("system.xml"), self.described.file("state.xml")]
@@ -138,7 +143,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", type=pathlib.Path, default=pathlib.Path(__file__).parent.parent / "build")
     parser.add_argument("--real", type=pathlib.Path, required=True)
-    parser.add_argument("--systems", default="pme1728;melt;dhfr;dhfr, 3 u", help="with semicolons between")
+    parser.add_argument("--systems", default=";".join(STEPS), help="with semicolons between")
     parser.add_argument("--programs", nargs="+", default=list(PROGRAMS), choices=PROGRAMS)
     parser.add_argument("--ps", type=float, default=20)
     parser.add_argument("--out", type=pathlib.Path)
@@ -161,6 +166,8 @@ def measure(systems, told):
         table.writerow(["system", "program", "step_fs", "slope", "error"])
         for name, system in systems.items():
             for program in told.programs:
+                if system.angles and program not in TAUT:
+                    continue
                 for dt_fs in STEPS[name]:
                     found = PROGRAMS[program](system, program, dt_fs, told.ps)
                     table.writerow([name, program, dt_fs, *(f"{number:.4f}" for number in found or ())])

@@ -97,8 +97,11 @@ Doubt of_temperature(const StartAndEnd& ends) {
       return {};
     return fmt::format(
         "the thermostat is set to {:.4g} K, and the mean temperature of the later half is {:.4g} K; take a "
-        "shorter step, or a stronger thermostat",
-        ends.expected, mean);
+        "shorter step, or a stronger thermostat{}",
+        ends.expected, mean,
+        ends.worked_on && mean > ends.expected
+            ? ", or pull more slowly: what pulls does work, and a motion of all atoms counts as heat"
+            : "");
   }
   if (ends.dof < kFewest) return {};
   const double warmer = (ends.worked_on ? kWorkedOn : kWarmer) + scatter(ends.dof);

@@ -10,7 +10,7 @@
 #include "base/errors.hpp"
 #include "files/atomic_file.hpp"
 #include "files/folder.hpp"
-#include "systems/builders/biases.hpp"
+#include "simulation/log_columns.hpp"
 #include "systems/start_file.hpp"
 
 namespace taut {
@@ -29,19 +29,6 @@ constexpr std::string_view kBoxHeader =
     ",\"Box Volume (nm^3)\",\"Density (kg/m^3)\",\"Pressure XX (bar)\",\"Pressure YY (bar)\",\"Pressure ZZ "
     "(bar)\","
     "\"Pressure XY (bar)\",\"Pressure XZ (bar)\",\"Pressure YZ (bar)\"";
-
-// Columns of walls, steered atoms and biases, where a scene has them.
-std::string further_header(const Scene& scene) {
-  std::string header;
-  for (std::size_t w = 0; w < scene.terms.walls.size(); ++w)
-    header += fmt::format(",\"Wall {} {}\"", w,
-                          scene.start.box.periodic() ? "Pressure (bar)" : "Force (kJ/mole/nm)");
-  if (scene.terms.worked_in_time()) header += ",\"Steering Work (kJ/mole)\"";
-  if (scene.terms.steered_in_time()) header += ",\"Steering Force (kJ/mole/nm)\"";
-  for (const Bias& bias : scene.terms.biases)
-    for (const BiasColumn& column : columns_of(bias)) header += fmt::format(",\"{}\"", column.title);
-  return header;
-}
 
 constexpr std::string_view kBathHeader = ",\"Bath Temperature (K)\"";
 
@@ -211,8 +198,11 @@ RunFolder::RunFolder(FolderLock folder, SceneSource source, const Simulation& si
       trajectories_(path(), simulation, marks) {
   if (log_.size() == 0) {
     const bool box = simulation.state().box.periodic();
-    log_.write(fmt::format("{}{}{}{}\n", kLogHeader, box ? kBoxHeader : "",
-                           further_header(simulation.scene()), logs_bath_ ? kBathHeader : ""));
+    std::string further;
+    for (const LogColumn& column : further_columns(simulation.scene()))
+      further += fmt::format(",\"{}\"", column.title);
+    log_.write(
+        fmt::format("{}{}{}{}\n", kLogHeader, box ? kBoxHeader : "", further, logs_bath_ ? kBathHeader : ""));
   }
   if (marks.empty()) return;
   kept_step_ = simulation.step();

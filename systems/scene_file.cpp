@@ -6,65 +6,18 @@
 
 #include "base/errors.hpp"
 #include "base/nearest_name.hpp"
-#include "files/h5md_file.hpp"
 #include "forcefield/bonded/tabulated.hpp"
 #include "forcefield/force_field.hpp"
 #include "systems/builders/biases.hpp"
 #include "systems/builders/builders.hpp"
 #include "systems/net_pull.hpp"
 #include "systems/openmm/force_overrides.hpp"
+#include "systems/run_keys.hpp"
 #include "systems/start_file.hpp"
 #include "systems/toml_reader.hpp"
-#include "systems/velocities.hpp"
 
 namespace taut {
 namespace {
-
-constexpr Range kCounts{.min = 1};
-
-void read_barostat(const TomlTable& table, RunSettings& run) {
-  table.read("barostat", run.barostat,
-             {"what keeps the pressure: stochastic cell rescaling, or whole molecules by Monte Carlo",
-              {"none", "c-rescale", "monte-carlo"}});
-  table.read("pressure_bar", run.pressure_bar, {"pressure the barostat keeps", "bar"});
-  table.read("barostat_every", run.barostat_every,
-             {"from one change of the box to the next", "steps", kCounts});
-  table.read("barostat_ps", run.barostat_ps, {"relaxation time of the box", "ps", kPositive});
-  table.read("compressibility_per_bar", run.compressibility_per_bar,
-             {"a guess of the compressibility, which sets the pace alone; water's", "1/bar", kPositive});
-  table.read(
-      "coupling", run.coupling,
-      {"which edges change alike: all, x and y, none", {"isotropic", "semi-isotropic", "anisotropic"}});
-
-  for (const char* key : {"pressure_bar", "barostat_every"})
-    table.require_effect(key, run.barostat != "none", "with run.barostat = \"c-rescale\" or \"monte-carlo\"");
-  for (const char* key : {"barostat_ps", "compressibility_per_bar", "coupling"})
-    table.require_effect(key, run.barostat == "c-rescale", "with run.barostat = \"c-rescale\"");
-}
-
-// Checks that the scene has what a barostat needs.
-void check_barostat(const TomlTable& run, const Scene& scene) {
-  if (scene.run.barostat == "none") return;
-  if (!scene.run.thermostatted())
-    run.fail("barostat", "a barostat needs a thermostat: run.thermostat = \"langevin\" or \"rescaling\"");
-  if (!scene.start.box.periodic()) run.fail("barostat", "there is no box to change; leave the key out");
-  const auto& pairs = scene.terms.nonbonded;
-  if (pairs && !pairs->cutoff)
-    run.fail("barostat",
-             "pairs without a cutoff act across no box, so that it cannot keep their pressure; give them a "
-             "cutoff, or leave the key out");
-  if (!pairs && !scene.terms.wca && !scene.terms.tabulated_pairs && scene.run.coupling != "isotropic")
-    run.fail("coupling",
-             "no pairs of atoms act across the box, so nothing holds its shape: take \"isotropic\"");
-  if (!scene.closed_but_for_restraints())
-    run.fail(
-        "barostat",
-        "an anchored atom (mass 0), gravity, a pull, a wall or a steered atom holds on to what the box would "
-        "move; leave the key out");
-  if (!scene.closed() && scene.run.barostat != "monte-carlo")
-    run.fail("barostat",
-             "restraints hold on to what the box would move, and have no virial: take \"monte-carlo\"");
-}
 
 // Refuses settings that do not support struts and ropes.
 void check_one_sided(const TomlTable& run, const TomlTable& method, const Scene& scene) {
@@ -77,100 +30,11 @@ void check_one_sided(const TomlTable& run, const TomlTable& method, const Scene&
   }
 }
 
-void read_temperature(const TomlTable& table, RunSettings& run) {
-  Course course = run.temperature_course;
-  if (course.empty()) course = Course({{0, run.temperature_k}});
-  table.read(
-      "temperature_k", course,
-      {"of velocities that are drawn, and of the thermostat; rows [ps, K]: the thermostat's, along straight "
-       "lines; 0: none",
-       "K", kNotNegative});
-  run.temperature_k = course.at(0);
-  run.temperature_course = course.points().size() > 1 ? std::move(course) : Course();
-}
-
-// After the pulls are known.
-void settle_pulls(const TomlTable& run, Scene& scene) {
-  run.require_effect("pull_factor", !scene.terms.pulls.empty(), "with pulls");
-  scene.terms.pull_factor = scene.run.pull_factor;
-}
-
 // After all that holds molecules is known. Overrides of a scene that has the note already repeat it.
 void note_net_pull(Scene& scene) {
   const std::string message = net_pull_message(scene);
   if (!message.empty() && std::ranges::find(scene.notes, message) == scene.notes.end())
     scene.notes.push_back(message);
-}
-
-// After the thermostat is known.
-void check_courses(const TomlTable& table, const RunSettings& run) {
-  if (run.temperature_course.empty()) return;
-  for (std::size_t k = 0; k < run.temperature_course.points().size(); ++k)
-    if (run.temperature_course.points()[k].value == 0)
-      table.fail("temperature_k", k, "expected a temperature above 0");
-  if (!run.thermostatted())
-    table.fail("temperature_k",
-               "no thermostat follows rows of time and temperature; give run.thermostat, or one temperature");
-  if (run.metric_correction)
-    table.fail("metric_correction", "takes one run.temperature_k, not rows of time and temperature");
-}
-
-void read_run(const TomlTable& table, RunSettings& run) {
-  table.read("dt_fs", run.dt_fs, {"length of a step", "fs", kPositive});
-  table.read("steps", run.steps, {"how many steps", "", kNotNegative});
-  read_temperature(table, run);
-  table.read("pull_factor", run.pull_factor,
-             {"rows [ps, number] by which all pulls are multiplied, along straight lines; if not said, 1"});
-  table.read("seed", run.seed, {"of all that is drawn", "", kNotNegative});
-  table.read("log_every", run.log_every, {"from row to row of the log", "steps", kCounts});
-  table.read("remove_momentum_every", run.remove_momentum_every,
-             {"from one removal of the whole's momentum to the next; 0: never", "steps", kNotNegative});
-  table.read("trajectory_every", run.trajectory_every,
-             {"from frame to frame; 0: no trajectory", "steps", kNotNegative});
-  table.read("trajectory", run.trajectory, {"its format", {"dcd", "h5md", "both"}});
-  table.read(
-      "checkpoint_every", run.checkpoint_every,
-      {"a checkpoint every so many, besides those by the clock; 0: none besides", "steps", kNotNegative});
-  table.read("checkpoint_minutes", run.checkpoint_minutes,
-             {"of computing from checkpoint to checkpoint; 0: not by the clock", "min", kNotNegative});
-  table.read("redundant", run.redundant, {"bonds that follow from others", {"refuse", "drop"}});
-  table.read("thermostat", run.thermostat,
-             {"what keeps the temperature; if not said, rescaling where thermostat_ps is above 0",
-              {"none", "langevin", "rescaling"}});
-  table.read("thermostat_ps", run.thermostat_ps,
-             {"relaxation time of velocity rescaling; 0: none", "ps", kNotNegative});
-  table.read("friction_per_ps", run.friction_per_ps,
-             {"friction of Langevin's thermostat", "1/ps", kNotNegative});
-  table.read("minimise", run.minimise, {"relax the start first"});
-  table.read("soft_start", run.soft_start,
-             {"before that push overlapping atoms apart by soft forces, A(1 + cos(πr/r_c)) between pairs"});
-  table.require_effect("soft_start", run.minimise, "with run.minimise = true");
-  table.read("minimise_force_kj_mol_nm", run.minimise_force,
-             {"until no atom's force is above this", "kJ/mol/nm", kPositive});
-  table.read(
-      "metric_correction", run.metric_correction,
-      {"Fixman's potential ½kT ln det A at run.temperature_k: rigid bonds with the statistics of flexible "
-       "chains"});
-  if (run.metric_correction && run.temperature_k == 0)
-    table.fail("metric_correction", "needs a run.temperature_k above 0, as 300");
-  table.read("velocities", run.velocities,
-             {"those of the start, or drawn; if not said, drawn where it has none", {"keep", "draw"}});
-
-  table.require_effect("minimise_force_kj_mol_nm", run.minimise, "with run.minimise = true");
-  table.require_effect("trajectory", run.trajectory_every > 0, "with run.trajectory_every above 0");
-  if (run.trajectory_every > 0 && run.trajectory != "dcd" && !built_with_hdf5())
-    table.fail("trajectory", "taut was built without HDF5 (libhdf5-dev): \"dcd\" needs none");
-  table.require_effect("friction_per_ps", run.langevin(), "with run.thermostat = \"langevin\"");
-  table.require_effect("thermostat_ps", run.rescaling() || run.thermostat_ps == 0,
-                       "with run.thermostat = \"rescaling\"");
-  const char* key = table.has("thermostat") ? "thermostat" : "thermostat_ps";
-  if (run.thermostatted() && run.temperature_k == 0)
-    table.fail(key, "a thermostat needs a run.temperature_k above 0");
-  check_courses(table, run);
-  if (run.rescaling() && run.thermostat_ps == 0)
-    table.fail("thermostat", "rescaling needs its relaxation time, run.thermostat_ps above 0");
-  read_barostat(table, run);
-  table.reject_unknown();
 }
 
 // Another method starts from its own defaults (scene_file.hpp).
@@ -190,23 +54,6 @@ void read_options(const TomlTable& table, MethodOptions& method) {
   }
   for (const Option& option : method.describe())
     table.require_effect(option.key, option.about.counts.read, option.about.counts.where);
-}
-
-// Reads the run settings of a scene whose atoms are placed. Keys of the file that belong to a start or
-// velocities that overrides have replaced are ignored; other keys without effect are refused.
-void settle_velocities(const TomlTable& run, bool set_aside, Scene& scene) {
-  const RunSettings& settings = scene.run;
-  if (settings.velocities == "draw" && settings.temperature_k == 0)
-    run.fail("velocities", "drawn at run.temperature_k, which is 0; give one, or run.velocities = \"keep\"");
-  give_velocities(scene);
-  const bool draws = scene.velocities_drawn || settings.thermostatted();
-  if (run.overridden("temperature_k") || !set_aside)
-    run.require_effect(
-        "temperature_k", draws || settings.metric_correction || settings.temperature_k == 0,
-        "with a thermostat or run.velocities = \"draw\": the start has velocities, which are kept");
-  if (run.overridden("seed"))
-    run.require_effect("seed", draws || scene.positions_drawn,
-                       "where something is drawn: here positions and velocities are the start's");
 }
 
 void read_words(const TomlTable& root, Scene& scene) {

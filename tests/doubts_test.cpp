@@ -14,7 +14,7 @@
 namespace taut::doubts_tests {
 namespace {
 
-using ::testing::ElementsAre, ::testing::HasSubstr, ::testing::IsEmpty;
+using ::testing::AllOf, ::testing::ElementsAre, ::testing::HasSubstr, ::testing::IsEmpty, ::testing::Not;
 using Overrides = std::vector<std::string>;
 
 Scene scene_of(const std::string& name, const Overrides& overrides) {
@@ -86,8 +86,12 @@ TEST(DoubtsOfStartAndEnd, OfATemperatureFarFromTheBaths) {
   ends.temperature = {316, 2};
   EXPECT_THAT(doubts(s),
               ElementsAre(HasSubstr("set to 300 K, and the mean temperature of the later half is 316 K")));
+  EXPECT_THAT(doubts(s), ElementsAre(Not(HasSubstr("pull"))));
+  ends.worked_on = true;
+  EXPECT_THAT(doubts(s), ElementsAre(HasSubstr("a stronger thermostat, or pull more slowly: ")));
   ends.temperature.value = 284;
-  EXPECT_THAT(doubts(s), ElementsAre(HasSubstr("284 K")));
+  EXPECT_THAT(doubts(s), ElementsAre(AllOf(HasSubstr("284 K"), Not(HasSubstr("pull")))));
+  ends.worked_on = false;
   ends.temperature.error = 3.3;  // chance
   EXPECT_THAT(doubts(s), IsEmpty());
   ends.temperature = {314, 2};  // little

@@ -99,6 +99,9 @@ TEST(Fourier, IsTheSumAsItStands) {
                            {7, 26, 25},
                            {9, 8, 6},
                            {24, 21, 49},
+                           {18, 27, 36},
+                           {54, 16, 32},
+                           {20, 17, 40},
                            {12, 13, 34}}) {
       compare<double>(n, 1e-14);
       compare<float>(n, 2e-6);

@@ -3,8 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "studies/csv.hpp"
 #include "taut_command.hpp"
@@ -16,6 +19,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
+using ::testing::IsSupersetOf;
 using ::testing::Not;
 using json = nlohmann::json;
 
@@ -45,7 +49,7 @@ TEST(Look, MeasuresSeedsTogether) {
   EXPECT_NEAR(t["value"], mean, 1e-9);
   EXPECT_EQ(t["error"], std::max(t["error_by_seeds"].get<double>(), t["error_by_blocks"].get<double>()));
   EXPECT_GT(t["error_by_seeds"].get<double>(), 0);
-  EXPECT_TRUE(fs::exists(at + "measured/seeds.csv"));
+  EXPECT_TRUE(fs::exists(at + "measured/each_run.csv"));
   EXPECT_THAT(said("measure " + runs), HasSubstr("mean of 3 runs"));
   EXPECT_THAT(said("measure " + at + "1 " + at + "1"), HasSubstr("the same seed"));
   said("run pair --steps 5 --quiet --out " + at + "pair");
@@ -76,6 +80,22 @@ TEST(Look, MeasureRefusesWhatItCannotDo) {
   EXPECT_THAT(said("measure --from 1 --last 1 " + run, 2), HasSubstr("one of them"));
   EXPECT_THAT(said("measure --from auto " + run), HasSubstr("Chodera"));
   EXPECT_THAT(said("measure --viscosity 1 " + run, 2), HasSubstr("run.trajectory_every"));
+}
+
+// What a bath that still changes does to a run is not equilibrated.
+TEST(Look, MeasuresFromWhereTheBathStaysTheSame) {
+  const TemporaryFolder folder;
+  const std::string at = folder.path().string() + "/";
+  const auto window = [&](const std::string& name, const std::string& rows) {
+    said(kShortRun + std::string("run.thermostat=langevin 'run.temperature_k=") + rows + "' --quiet --out " +
+         at + name);
+    return said("measure --from auto " + at + name);
+  };
+  EXPECT_THAT(
+      window("cooled", "[[0, 400], [1.2, 300]]"),
+      AllOf(HasSubstr("from 1.2 to 2 ps"), HasSubstr("the bath's temperature is the same from there on")));
+  EXPECT_THAT(window("cooling", "[[0, 400], [2, 300]]"),
+              AllOf(HasSubstr("Chodera"), HasSubstr("the bath's temperature changes in it")));
 }
 
 // Every row is drawn once, as left out or as measured.
@@ -117,11 +137,74 @@ TEST(Look, PlotsTheBathTheTensionsAndTheFrames) {
   for (int k = 0; k < 3; ++k) EXPECT_GT(largest[k], std::abs(mean[k]));
   std::map<std::string, int> count;
   for (const auto& row : csv_rows(contents(at + "/plot/frames.csv"))) ++count[row[0] + ": " + row[1]];
-  for (const std::string frame : {"first frame, z up", "last frame, z up"}) {
+  for (const std::string frame : {"first frame (z up)", "last frame (z up)"}) {
     EXPECT_EQ(count[frame + ": atom"], 240);
     EXPECT_EQ(count[frame + ": bond"], 216);
     EXPECT_EQ(count[frame + ": wall"], 2);
   }
+}
+
+// Walls, springs that move and biases are drawn and measured as the log has them.
+TEST(Look, ShowsWhatASceneAddsToItsLog) {
+  const TemporaryFolder folder;
+  const std::string at = folder.path().string() + "/";
+  said("run slit --steps 400 --set run.log_every=4 --quiet --out " + at + "slit");
+  const auto log = csv_rows(contents(at + "slit/log.csv"));
+  const auto column = std::ranges::find(log[0], "Wall 1 Pressure (bar)") - log[0].begin();
+  double sum = 0;
+  for (std::size_t row = 1; row < log.size(); ++row) sum += std::stod(log[row][column]);
+  const json measured = json::parse(said("measure --json " + at + "slit"));
+  EXPECT_NEAR(measured["wall_1_pressure_bar"]["value"], sum / 101, 1e-6 * std::abs(sum));
+  const auto panels = [&](const std::string& run) {
+    std::set<std::string> names;
+    for (const auto& row : csv_rows(contents(at + run + "/plot/run.csv"))) names.insert(row[0]);
+    return names;
+  };
+  said("plot --quiet " + at + "slit");
+  EXPECT_THAT(panels("slit"), IsSupersetOf({"pressure on wall 0 [bar]", "pressure on wall 1 [bar]"}));
+  said("run held_chain --steps 200 --set run.log_every=2 bias.0.rate_nm_ps=0.1 --plot --quiet --out " + at +
+       "held");
+  EXPECT_THAT(panels("held"), IsSupersetOf({"steering work [kJ/mol]", "bias ends: distance [nm]"}));
+}
+
+// The account leaves out what the moving ends of springs bring, as the run's drift does: without a thermostat it is even.
+TEST(Look, PlotsTheAccountWithoutTheSteeringsWork) {
+  const TemporaryFolder folder;
+  const std::string at = folder.path().string();
+  std::ofstream(at + "/dragged.toml")
+      << "[molecule.bead]\natoms = [{name = \"B\", mass_u = 40}]\n"
+         "steered = [[0, 1, 0, 0, 500]]\n[[place]]\nmolecule = \"bead\"\ncount = 1\n"
+         "[run]\ndt_fs = 5\n";
+  said("run " + at + "/dragged.toml --steps 2000 --set run.log_every=2 --plot --quiet --out " + at + "/run");
+  double account = 0, work = 0;
+  for (const auto& row : csv_rows(contents(at + "/run/plot/run.csv"))) {
+    if (row[1] == "energy but for heat and steering")
+      account = std::max(account, std::abs(std::stod(row[3])));
+    if (row[0] == "steering work [kJ/mol]") work = std::max(work, std::stod(row[3]));
+  }
+  EXPECT_GT(work, 50);  // up to 2 m v²
+  EXPECT_GT(account, 0);
+  EXPECT_LT(account, 1e-3 * work);
+}
+
+// A plot's page has what `taut measure --from auto` gives, of several runs laid over each other.
+TEST(Look, PlotsWhatIsMeasured) {
+  const TemporaryFolder folder;
+  const std::string at = folder.path().string() + "/";
+  for (const char* seed : {"1", "2"})
+    said(kShortRun + std::string("run.trajectory_every=2 run.seed=") + seed + " --quiet --out " + at + seed);
+  const json drawn = json::parse(said("plot --json " + at + "1"));
+  EXPECT_EQ(drawn["measured"], json::array({json::parse(said("measure --from auto --json " + at + "1"))}));
+  EXPECT_TRUE(fs::exists(at + "1/plot/relaxation.svg"));
+  EXPECT_THAT(contents(at + "1/plot/report.html"), AllOf(HasSubstr("<details open>"), HasSubstr("⟨R_g²⟩"),
+                                                         HasSubstr("equilibrated from there on")));
+  EXPECT_THAT(said("plot --out " + at + "both " + at + "1 " + at + "2"),
+              AllOf(HasSubstr("measured: " + at + "1"), HasSubstr("measured: " + at + "2")));
+  std::set<std::string> curves;
+  for (const auto& row : csv_rows(contents(at + "both/displacement.csv"))) curves.insert(row[0]);
+  EXPECT_EQ(curves, (std::set<std::string>{"run", "1", "2"}));
+  EXPECT_THAT(contents(at + "both/displacement.svg"), AllOf(HasSubstr(">1</text>"), HasSubstr(">2</text>")));
+  EXPECT_EQ(csv_rows(contents(at + "both/each_run.csv")).size() % 2, 1u);  // each figure of both
 }
 
 // Every column of the log that the run has becomes a curve, of each run one.
@@ -166,6 +249,16 @@ TEST(Look, PlotsRunsOfOneNameApart) {
     const std::string csv = contents(at + "both/" + table);
     EXPECT_THAT(csv, AllOf(HasSubstr("a/run"), HasSubstr("b/run"), Not(HasSubstr(at)))) << table;
   }
+}
+
+// gnuplot ends quoted text at a comma: curves whose names differ behind one stay two.
+TEST(Look, PlotsRunsWithCommasInTheirNames) {
+  const TemporaryFolder folder;
+  const std::string at = "'" + folder.path().string() + "/";
+  for (const char* run : {"x, 1'", "x, 2'"}) said(kShortRun + std::string("--quiet --out ") + at + run);
+  said("plot --quiet --out " + at + "both' " + at + "x, 1' " + at + "x, 2'");
+  EXPECT_THAT(contents((folder.path() / "both/run.svg").string()),
+              AllOf(HasSubstr(">x; 1</text>"), HasSubstr(">x; 2</text>")));
 }
 
 // The temperatures of a run stand beside its bath's, if that is one.

@@ -9,11 +9,13 @@
 #include "base/random.hpp"
 #include "forcefield/force_field.hpp"
 #include "md/observables.hpp"
+#include "scene_text.hpp"
 #include "simulation/simulation.hpp"
-#include "systems/scene_file.hpp"
 
 namespace taut::minimise_tests {
 namespace {
+
+using ::testing::HasSubstr;
 
 // Every second molecule of `size` atoms pushed by up to `far` [nm].
 void push(Vectors& x, int size, double far) {
@@ -43,7 +45,6 @@ TEST(Minimise, OverlappingChainsComeApart) {
   EXPECT_LT(bond_errors(scene.system, scene.start.x).max, 1e-12);
 }
 
-// A pendulum falls to its lowest point and stays on its circle; its anchor stays where it is.
 // Two chains on top of each other, atom by atom, whose energy is no number: soft forces part them, and the pair forces
 // then take over.
 TEST(SoftStart, PartsAtomsInOnePlace) {
@@ -64,6 +65,32 @@ TEST(SoftStart, PartsAtomsInOnePlace) {
   EXPECT_LT(bond_errors(piled.system, parted.state().x).max, 1e-8);
 }
 
+// Chains that are to stand at one place have no room: where soft forces part them they are placed all the same.
+TEST(SoftStart, PartsChainsThatFoundNoRoom) {
+  const SceneText piled{R"([molecule.chain]
+atoms = [{name = "B", mass_u = 72, sigma_nm = 0.47, epsilon_kj_mol = 2.5}]
+units = 10
+bonds = [[0, 1, 0.456]]
+[[place]]
+molecule = "chain"
+count = 3
+centres_nm = [[1, 1, 1], [1, 1, 1], [1.01, 1, 1]]
+[build]
+box_nm = 5
+[forcefield]
+pair = "wca"
+[run]
+temperature_k = 300
+thermostat = "langevin"
+)"};
+  EXPECT_THAT(complaint(piled.text), HasSubstr("there is no room for copy 2 of 3"));
+  const Simulation parted(read(
+      piled.with("temperature_k = 300", "temperature_k = 300\nminimise = true\nsoft_start = true").text));
+  EXPECT_GT(*parted.start_report().pushed_apart, 0);
+  EXPECT_LT(parted.start_report().minimised->largest_force, 1e3);
+}
+
+// A pendulum falls to its lowest point and stays on its circle; its anchor stays where it is.
 TEST(Minimise, PendulumHangs) {
   const System sys = make_system(Eigen::Vector2d(0, 3), {{0, 1, 0.5}});
   ForceField forces(sys, {}, {.gravity = Vec3(0, 0, -10)});

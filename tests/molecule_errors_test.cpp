@@ -177,7 +177,8 @@ TEST(MoleculeErrors, Places) {
 TEST(MoleculeErrors, WhatDoesNotFitIsSaid) {
   EXPECT_EQ(
       complaint(kGood.with("box_nm = 5", "box_nm = 1").with("0.47", "0.94").with("1.1", "0.5").text),
-      "scene.toml:6: place.0: there is no room for copy 3 of 3 of \"chain\": take fewer, or a wider box");
+      "scene.toml:6: place.0: there is no room for copy 3 of 3 of \"chain\": take fewer, or a wider box; or "
+      "run.minimise = true with run.soft_start = true, which parts molecules that overlap");
 }
 
 TEST(MoleculeErrors, Boxes) {

@@ -2,19 +2,17 @@
 
 #include <array>
 #include <complex>
-#include <memory>
 #include <vector>
 
 #include "base/aligned.hpp"
+#include "forcefield/ewald/fourier_kernels.hpp"
 
 namespace taut {
 
-// Transforms of a real grid of n₁ × n₂ × n₃, not normalized, Z(k) = Σ z(j) e^(−2πijk/n) along each edge, by
-// FFTW (Frigo & Johnson 2005, doi:10.1109/JPROC.2004.840301): along the second edge plane by plane, real to
-// complex, then along the third and the first, a row k₂ of all planes at a time: in parts that threads can
-// share out. FFTW is given what it does fastest, many sequences side by side from one place to another; two
-// real ones, neighbours along the third edge, are the real and the imaginary part of one. Its plans are
-// estimated, not timed: the same bits each time.
+// Transforms of a real grid of n₁ × n₂ × n₃, not normalized, Z(k) = Σ z(j) e^(−2πijk/n) along each edge: along the
+// second edge plane by plane, real to complex, then along the first and the third, a row k₂ of all planes at a time: in
+// parts that threads can share out. Two real sequences, neighbours along the third edge, are the real and the imaginary
+// part of one.
 template <class T>
 class FourierGrid {
  public:
@@ -39,32 +37,26 @@ class FourierGrid {
   void transform_row_back(int k2, int thread);
 
  private:
-  using Plan = std::shared_ptr<void>;  // FFTW's
-  struct Ways {
-    Plan there, back;
+  struct Room {
+    Aligned<Complex> one, other;
+    Aligned<T> scratch;
   };
-  // Of `edge`, so many sequences: neighbouring numbers of one, and of neighbouring ones, so far apart.
-  struct Layout {
-    Complex* first;
-    int along, across;
-  };
-  Ways plan(int edge, int sequences, const Layout& from, const Layout& to) const;
-
   Complex* row(int k1, int k2) { return complex_.data() + (std::ptrdiff_t{k1} * half() + k2) * width_; }
-  Complex* one(int thread) { return room_[thread].data(); }
-  // The row k₂ of a plane on its way, from −n₂/2 on.
-  Complex* both(int k2, int thread) {
-    return one(thread) + std::ptrdiff_t{k2 < 0 ? k2 + n_[1] : k2} * (width_ / 2);
+  // Rows of a plane from −n₂/2 on, k₂, between real rows and their transforms: pairs of real numbers.
+  int pairs() const { return width_ / 2; }
+  Complex* pairs_of(int k2, Room& room) const {
+    return room.one.data() + std::ptrdiff_t{k2 < 0 ? k2 + n_[1] : k2} * pairs();
   }
-  Complex* other(int thread) { return one(thread) + room_[thread].size() / 2; }
+  Sequences<T> along_second(int k1) { return {reinterpret_cast<Complex*>(plane(k1)), stride_ / 2}; }
+  Sequences<T> along_first(int k2) { return {row(0, k2), std::ptrdiff_t{half()} * width_}; }
 
   std::array<int, 3> n_;
   int width_;  // complex numbers a row
   int stride_, rows_;
+  std::array<FourierPlan<T>, 3> plan_;  // each edge
   Aligned<T> real_;
   Aligned<Complex> complex_;
-  std::vector<Aligned<Complex>> room_;  // by thread
-  std::array<Ways, 3> along_;           // each edge
+  std::vector<Room> room_;  // by thread
 };
 
 extern template class FourierGrid<double>;

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <string_view>
+
 #include "base/errors.hpp"
 #include "base/threads.hpp"
 #include "constraints/registry.hpp"
@@ -26,8 +28,11 @@ py::array_t<double> array_of(const Eigen::VectorXd& values) {
 
 namespace {
 
+// Of a setting it says what the command says, without the command's option.
 void raise(const char* kind, const char* words) {
-  PyErr_SetString(python_class("taut.errors", kind).ptr(), words);
+  const std::string_view said(words);
+  PyErr_SetString(python_class("taut.errors", kind).ptr(),
+                  words + (said.starts_with(kOverride) ? kOverride.size() : 0));
 }
 
 // Turns taut's exceptions into those of the package.

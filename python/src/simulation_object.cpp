@@ -93,7 +93,8 @@ PythonSimulation::PythonSimulation(RunRequest request, const py::list& forces)
 void PythonSimulation::run(long steps, long every, const Calls& calls, bool to_end) {
   expect_idle();
   if (closed_) throw std::runtime_error("it is closed; make another Simulation, or resume from a checkpoint");
-  if (steps < 1 || steps > 1L << 50) throw InputError(fmt::format("run({}): expected 1 step or more", steps));
+  if (steps < 1 || steps > 1L << 50)
+    throw InputError(fmt::format("run({}): expected 1 to 2**50 steps", steps));
   if (every < 0) throw InputError(fmt::format("run(every={}): expected 1 or more", every));
   take_over_changes();
   const Busy busy(running_);

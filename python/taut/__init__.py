@@ -24,6 +24,8 @@ help(taut.Simulation), help(taut.Baumgarte), ... describe them.
 Units: nm, ps, u, kJ/mol, K; steps in fs. Errors: InputError (a ValueError), SimulationFailure, OutsideError.
 """
 
+import typing as _typing
+
 import numpy
 
 from . import _core
@@ -37,6 +39,7 @@ from ._core import Row, scenes, threads, use_threads
 from .ase_calculator import Calculator
 from .biases import Angle, Bias, Distance, Gyration, Torsion
 from .errors import InputError, OutsideError, SimulationFailure
+from .errors import suggest as _suggest
 from .options import *  # noqa: F401,F403
 from .parts import ConstraintMethod, Force, NotConverged, Push, State, System, register
 from .reading import read
@@ -55,3 +58,9 @@ __all__ += options.__all__
 
 for _name in __all__:  # help() and pickle then name them taut.X, not by the file that they stand in
     globals()[_name].__module__ = __name__
+
+if not _typing.TYPE_CHECKING:
+
+    def __getattr__(name):
+        nearest = "" if name.startswith("_") else _suggest(name, __all__)
+        raise AttributeError(f"module 'taut' has no attribute {name}{nearest}")

@@ -52,11 +52,14 @@ def scene_text(scene: Mapping[str, Any]) -> str:
 def whole(number: Any, what: str) -> int:
     """Returns a whole number, also of 1e4. Raises InputError that names the argument for any other."""
     try:
-        if not isinstance(number, (bool, str)) and int(number) == number:
-            return int(number)
+        asked = None if isinstance(number, (bool, str)) or int(number) != number else int(number)
     except (TypeError, ValueError, OverflowError):
-        pass
-    raise InputError(f"{what}: expected a whole number, got {number!r}")
+        asked = None
+    if asked is None:
+        raise InputError(f"{what}: expected a whole number, got {number!r}")
+    if abs(asked) >= 2**63:
+        raise InputError(f"{what}: {number!r} is too large")
+    return asked
 
 
 def overrides(given: Optional[Mapping[str, Any]], method: Optional[Method], dt_fs: Optional[float],

@@ -6,7 +6,7 @@ import os
 import weakref
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Mapping, Optional, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -105,7 +105,7 @@ class Simulation:
     - ``precision``: ``"double"`` or ``"mixed"`` (``forcefield.precision``); None takes the scene's
     - ``threads``: number of threads that compute; None takes ``taut.threads()``. The last bits depend on it
     - ``biases``: restraints, walls and pulls of a distance, an angle, a torsion or a radius of gyration of groups:
-      taut.Distance, Angle, Torsion, Gyration. They take the place of those of the scene
+      taut.Distance, Angle, Torsion, Gyration. They take the place of those of the scene, and add to an OpenMM System's
 
     Units are nm, ps, u, kJ/mol and K. Equal settings and an equal number of threads give the same bits, as the command
     does.
@@ -353,6 +353,12 @@ class Simulation:
             if nearest or type(self) is Simulation:  # a class derived from this one may have attributes of its own
                 raise AttributeError(f"a Simulation has no attribute {name}{nearest}")
         super().__setattr__(name, value)
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name):
+            nearest = suggest(name, [known for known in dir(type(self)) if not known.startswith("_")])
+            raise AttributeError(f"a Simulation has no attribute {name}{nearest}")
 
     @property
     def positions(self) -> Reals:

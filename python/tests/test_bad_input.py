@@ -50,16 +50,15 @@ def test_values_of_numpy_are_values():
     assert sim.dt_fs == 2 and len(sim.masses) > 2
 
 
-@pytest.mark.parametrize("steps, named", [(0, {}), (-5, {}), (10, {"every": -1})])
+@pytest.mark.parametrize("steps, named", [(0, {}), (-5, {}), (2**51, {}), (10, {"every": -1})])
 def test_runs(steps, named):
     with pytest.raises(taut.InputError, match="expected 1"):
         taut.Simulation("chain").run(steps, **named)
 
 
-@pytest.mark.parametrize("steps, named", [(2**80, {}), (10, {"callback": 7})])
-def test_types(steps, named):
-    with pytest.raises((TypeError, OverflowError)):
-        taut.Simulation("chain").run(steps, **named)
+def test_a_callback_that_cannot_be_called():
+    with pytest.raises(TypeError):
+        taut.Simulation("chain").run(10, callback=7)
 
 
 def test_what_is_written_to_views():

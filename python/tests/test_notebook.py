@@ -115,6 +115,13 @@ def test_misspelt_names_are_refused():
         sim.temperature = 3
     with pytest.raises(AttributeError, match="a Simulation has no attribute qwertz$"):
         sim.qwertz = 3
+    with pytest.raises(AttributeError, match="a Simulation has no attribute positon; did you mean positions"):
+        sim.positon
+    assert not hasattr(sim, "_repr_png_") and getattr(sim, "shape", None) is None  # which notebooks and numpy ask for
+    with pytest.raises(AttributeError, match="module 'taut' has no attribute Ratle; did you mean Rattle"):
+        taut.Ratle
+    with pytest.raises(taut.InputError, match=r'^run.sed=3: unknown key "sed" in \[run\]; did you mean "seed"'):
+        taut.Simulation("pair", set={"run.sed": 3})
 
     class Mine(taut.Simulation):
         pass
@@ -140,6 +147,10 @@ def test_numbers_of_steps():
     for wrong in (1.5, "ten", None, True, float("nan"), float("inf")):
         with pytest.raises(taut.InputError, match=r"run\(steps\): expected a whole number, got"):
             sim.run(wrong)
+    with pytest.raises(taut.InputError, match=r"run\(steps\): 100000000000000000000 is too large"):
+        sim.run(10**20)
+    with pytest.raises(taut.InputError, match=r"run\(4611686018427387904\): expected 1 to 2\*\*50 steps"):
+        sim.run(2.0**62)
 
 
 def test_checkpoints_of_every_kind(tmp_path):

@@ -9,5 +9,5 @@ do for [kind in 'svg png'] {
   set xlabel 'r [nm]'
   set ylabel 'g(r)'
   set key noenhanced
-  plot for [k=1:curves] csv using (strcol('run') eq curve[k] ? column('r_nm') : 1/0):'g':'standard_error' with yerrorlines lc rgb shade(k) pt sign(k) dt dash(k) lw 1.5 ps 0.7 title curve[k]
+  plot for [k=1:curves] csv using (strcol('run') eq curve[k] ? column('r_nm') : 1/0):'g':'standard_error' with yerrorlines lc rgb (own_colour(method[k]) == 0x777777 ? hue(k) : shade(k)) pt sign(k) dt dash(k) lw 1.5 ps 0.7 title curve[k]
 }

@@ -3,6 +3,12 @@ name = 'frames'
 load 'taut.gp'
 stats csv using (add_curve(strcol('frame'), 'frame'), strcol('what') eq 'atom' ? add_curve(strcol('kind'), 'kind') : 0, 0) nooutput
 eval expect_curves
+# The same scale in both.
+least_x = 1e30; most_x = -1e30; least_up = 1e30; most_up = -1e30
+see(x, up, r) = (least_x = x - r < least_x ? x - r : least_x, most_x = x + r > most_x ? x + r : most_x, \
+  least_up = up - r < least_up ? up - r : least_up, most_up = up + r > most_up ? up + r : most_up, 0)
+stats csv using (strcol('what') eq 'atom' ? see(column('x_nm'), column('up_nm'), 0.4*column('size_nm')) \
+  : see(column('x_nm'), column('up_nm'), 0) + see(column('to_x_nm'), column('to_up_nm'), 0)) nooutput
 frames = sum [k=1:curves] (method[k] eq 'frame')
 is_frame(k) = method[k] eq 'frame'
 hues = '0x56B4E9 0xD55E00 0x009E73 0xCC79A7 0xE69F00 0x0072B2 0x8C564B 0x777777'
@@ -15,6 +21,8 @@ do for [kind in 'svg png'] {
   eval page(kind, 480*frames, 520)
   set multiplot layout 1, frames title title noenhanced
   set size ratio -1
+  set xrange [least_x - 0.03*(most_x - least_x):most_x + 0.03*(most_x - least_x)]
+  set yrange [least_up - 0.03*(most_up - least_up):most_up + 0.03*(most_up - least_up)]
   set xlabel 'x [nm]'
   set ylabel 'up [nm]'
   unset key

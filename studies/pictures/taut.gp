@@ -38,11 +38,15 @@ own_mark(method) = \
   method eq 'penalty'     ? 4 : \
   method eq 'none'        ? 6 : 2
 
+# Where curves are no methods.
+hues = '0x0072B2 0xD55E00 0x009E73 0xCC79A7 0xE69F00 0x56B4E9 0x000000 0x8C564B'
+hue(k) = int(word(hues, (k - 1) % 8 + 1))
+
 # The curves of a table in their order, each once: add_curve() is called for every row that is drawn. A method's
 # further curves are numbered, from 0.
-array curve[200]
-array method[200]
-array number[200]
+array curve[1000]
+array method[1000]
+array number[1000]
 curves = 0
 is_known(name) = sum [k=1:curves] (curve[k] eq name)
 add_curve(name, of) = is_known(name) ? 0 : \

@@ -228,9 +228,10 @@ void read_biases(const TomlTable& root, Scene& scene) {
       "bias", {"potentials of a distance, an angle, a torsion or R_g of groups, a section [[bias]] each"});
   if (count == 0) return;
   std::vector<Bias>& all = scene.terms.biases;
+  const std::size_t there = all.size();  // those that a System has
   for (std::size_t k = 0; k < count; ++k) {
     const TomlTable own = root.section("bias", k);
-    Bias bias = read_variable(own, k, scene);
+    Bias bias = read_variable(own, there + k, scene);
     if (std::ranges::find(all, bias.name, &Bias::name) != all.end())
       own.fail("name", fmt::format("a second bias is called \"{}\"", bias.name));
     all.push_back(std::move(bias));
@@ -243,9 +244,10 @@ void read_biases(const TomlTable& root, Scene& scene) {
   for (std::size_t k = 0; k < count; ++k) {
     const TomlTable own = root.section("bias", k);
     for (const char* known : {"variable", "name", "along", "groups"}) own.has(known);
-    all[k].since = scene.start.t;
-    read_law(own, value_of(all[k], scene.start.box, scene.start.x), all[k]);
-    if (const std::string flaw = flaw_of_walls(all[k], scene.start.box); !flaw.empty())
+    Bias& bias = all[there + k];
+    bias.since = scene.start.t;
+    read_law(own, value_of(bias, scene.start.box, scene.start.x), bias);
+    if (const std::string flaw = flaw_of_walls(bias, scene.start.box); !flaw.empty())
       own.fail("variable", flaw);
     own.reject_unknown();
   }
@@ -253,15 +255,14 @@ void read_biases(const TomlTable& root, Scene& scene) {
   note_lost(scene, scene.notes);
 }
 
-std::array<BiasColumn, 2> columns_of(const Bias& bias) {
+std::array<LogColumn, 2> columns_of(const Bias& bias) {
   const std::string key = "bias_" + bias.name, title = "Bias " + bias.name, words = "bias " + bias.name;
   const char* unit = bias.angular() ? "rad" : "nm";
-  return {
-      BiasColumn{title + (bias.angular() ? " (degree)" : " (nm)"), key + (bias.angular() ? "_deg" : "_nm"),
-                 fmt::format("{}: {}", words, name_of(bias.variable)), bias.angular() ? "°" : "nm"},
-      BiasColumn{fmt::format("{} Force (kJ/mole/{})", title, unit),
-                 fmt::format("{}_force_kj_mol_{}", key, unit), words + ": force",
-                 fmt::format("kJ/mol/{}", unit)}};
+  return {LogColumn{title + (bias.angular() ? " (degree)" : " (nm)"), key + (bias.angular() ? "_deg" : "_nm"),
+                    fmt::format("{}: {}", words, name_of(bias.variable)), bias.angular() ? "°" : "nm"},
+          LogColumn{fmt::format("{} Force (kJ/mole/{})", title, unit),
+                    fmt::format("{}_force_kj_mol_{}", key, unit), words + ": force",
+                    fmt::format("kJ/mol/{}", unit)}};
 }
 
 std::string in_words(const Bias& bias) {

@@ -17,11 +17,12 @@ void read_biases(const TomlTable& root, Scene& scene);
 int bring_together(const std::vector<Bias>& biases, const System& sys, const Terms& terms, const Box& box,
                    Vectors& x);
 
-// The columns of ξ and of the force along it.
-struct BiasColumn {
+// A column of the log beyond those that every run has.
+struct LogColumn {
   std::string title, key, words, unit;  // "Bias arm (nm)", "bias_arm_nm", "bias arm: distance", "nm"
 };
-std::array<BiasColumn, 2> columns_of(const Bias& bias);
+// Those of ξ and of the force along it.
+std::array<LogColumn, 2> columns_of(const Bias& bias);
 
 // Returns a bias in a line: "arm: distance of 10 and 12 atoms, ½·500 kJ/mol/nm² beyond 1.2 nm".
 std::string in_words(const Bias& bias);

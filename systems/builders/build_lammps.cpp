@@ -18,7 +18,7 @@
 namespace taut {
 namespace {
 
-using Row = LammpsData::Row;
+using DataRow = LammpsData::Row;
 
 double in_radians(double degrees) {
   return degrees * std::numbers::pi / 180;
@@ -72,7 +72,7 @@ class LammpsScene {
     atoms_ = static_cast<int>(data_.count("atoms"));
     const long types = data_.count("atom types");
     Eigen::VectorXd mass_of_type(types);
-    for (const Row& row : data_.section("Masses").rows)
+    for (const DataRow& row : data_.section("Masses").rows)
       mass_of_type[data_.index(row, 0, "an atom type", types) - 1] =
           said_.units.mass * data_.number(row, 1, "a mass");
     mass_.resize(atoms_);
@@ -82,7 +82,7 @@ class LammpsScene {
     scene_.start.v = Vectors::Zero(3, atoms_);
     Box box = data_.box.scaled(Vec3::Constant(said_.units.length));
     std::vector<bool> seen(static_cast<std::size_t>(atoms_));
-    for (const Row& row : data_.section("Atoms").rows) {
+    for (const DataRow& row : data_.section("Atoms").rows) {
       const int a = atom(row, 0);
       if (seen[static_cast<std::size_t>(a)])
         data_.fail(row.line, fmt::format("atom {} a second time", a + 1));
@@ -100,24 +100,24 @@ class LammpsScene {
   }
 
   void read_velocities() {
-    for (const Row& row : data_.section("Velocities").rows)
+    for (const DataRow& row : data_.section("Velocities").rows)
       for (int d = 0; d < 3; ++d)
         scene_.start.v(d, atom(row, 0)) = said_.units.velocity * data_.number(row, 1 + d, "a velocity");
   }
 
   // The rows of a list by type, with those of its coefficients.
   struct Typed {
-    const Row* row;
+    const DataRow* row;
     int type;  // from 0
-    const Row* coefficients;
+    const DataRow* coefficients;
   };
   std::vector<Typed> typed(const char* list, const char* coefficients, const char* types) const {
     const long count = data_.count(types);
-    std::vector<const Row*> of_type(static_cast<std::size_t>(count));
-    for (const Row& row : data_.section(coefficients).rows)
+    std::vector<const DataRow*> of_type(static_cast<std::size_t>(count));
+    for (const DataRow& row : data_.section(coefficients).rows)
       of_type[static_cast<std::size_t>(data_.index(row, 0, "a type", count) - 1)] = &row;
     std::vector<Typed> all;
-    for (const Row& row : data_.section(list).rows) {
+    for (const DataRow& row : data_.section(list).rows) {
       const int type = data_.index(row, 1, "a type", count) - 1;
       if (!of_type[static_cast<std::size_t>(type)])
         data_.fail(row.line, fmt::format("there is no row of {} for type {}", coefficients, type + 1));
@@ -125,13 +125,13 @@ class LammpsScene {
     }
     return all;
   }
-  int atom(const Row& row, std::size_t at) const {
+  int atom(const DataRow& row, std::size_t at) const {
     return data_.index(row, at, "an atom", data_.count("atoms")) - 1;
   }
-  double energy(const Row& row, std::size_t at) const {
+  double energy(const DataRow& row, std::size_t at) const {
     return said_.units.energy * data_.number(row, at, "a number");
   }
-  double length(const Row& row, std::size_t at) const {
+  double length(const DataRow& row, std::size_t at) const {
     return said_.units.length * data_.number(row, at, "a length");
   }
   bool is_rigid(const std::vector<double>& types, int type) const {
@@ -262,11 +262,11 @@ class LammpsScene {
                  fmt::format("taut has no pair_style \"{}\"; expected one of lj/cut, lj/cut/coul/cut, "
                              "lj/cut/coul/long",
                              style));
-    for (const Row& row : own.rows) {
+    for (const DataRow& row : own.rows) {
       const int i = data_.index(row, 0, "an atom type", types) - 1;
       epsilon(i, i) = energy(row, 1), sigma(i, i) = length(row, 2);
     }
-    for (const Row& row : mixed.rows) {
+    for (const DataRow& row : mixed.rows) {
       const int i = data_.index(row, 0, "an atom type", types) - 1,
                 j = data_.index(row, 1, "an atom type", types) - 1;
       epsilon(i, j) = epsilon(j, i) = energy(row, 2), sigma(i, j) = sigma(j, i) = length(row, 3);
@@ -320,7 +320,8 @@ class LammpsScene {
   // LAMMPS's neighbours along a molecule follow its bonds alone, not the distances that hold an angle.
   Molecule only_bonds(Molecule molecule) const {
     std::set<std::pair<int, int>> bonded;
-    for (const Row& row : data_.section("Bonds").rows) bonded.insert(std::minmax(atom(row, 2), atom(row, 3)));
+    for (const DataRow& row : data_.section("Bonds").rows)
+      bonded.insert(std::minmax(atom(row, 2), atom(row, 3)));
     std::erase_if(molecule.system.bonds,
                   [&](const RigidBond& b) { return !bonded.contains(std::minmax(b.i, b.j)); });
     std::erase_if(molecule.terms.bonds,

@@ -24,7 +24,11 @@ constexpr double kStrongForce = 20'000;  // on one atom, some ten times that in 
 class Builder {
  public:
   Builder(const BuildRequest& request, std::vector<Placement>& placements, const Box& box)
-      : root_(request.root), placements_(placements), box_(box), random_(request.run.seed) {
+      : root_(request.root),
+        placements_(placements),
+        box_(box),
+        may_overlap_(request.run.minimise && request.run.soft_start),
+        random_(request.run.seed) {
     for (const WallKeys& wall : request.walls) rooms_.push_back(wall.room());
     const double kelvin = request.run.temperature_k > 0 ? request.run.temperature_k : kUsualKelvin;
     double widest = 0, room = 0;
@@ -39,7 +43,7 @@ class Builder {
       room += static_cast<double>(placement.count) * std::pow(conformations.extent(), 3);
     }
     within_ = box.periodic() ? box : Box{Vec3::Constant(std::max(std::cbrt(room), 1e-6))};
-    Placing placing(box, widest, random_, rooms_);
+    Placing placing(box, widest, random_, rooms_, may_overlap_);
     for (const auto& step : {&Builder::place_given, &Builder::place_on_lattice, &Builder::place_at_centres,
                              &Builder::place_at_random, &Builder::fill_with_water})
       for (std::size_t k = 0; k < placements.size(); ++k)
@@ -90,8 +94,11 @@ class Builder {
       const auto copy = placing.place_copy(of(placement), [&] { return where(m); });
       if (!copy)
         root_.fail("place", k,
-                   fmt::format("there is no room for copy {} of {} of \"{}\": take fewer, or a wider box",
-                               m + 1, placement.count, placement.molecule->name));
+                   fmt::format("there is no room for copy {} of {} of \"{}\": take fewer, or a wider box{}",
+                               m + 1, placement.count, placement.molecule->name,
+                               may_overlap_ ? ""
+                                            : "; or run.minimise = true with run.soft_start = true, which "
+                                              "parts molecules that overlap"));
       placement.x.middleCols(m * each, each) = *copy;
     }
   }
@@ -147,6 +154,7 @@ class Builder {
   const TomlTable& root_;
   std::vector<Placement>& placements_;
   const Box box_;
+  const bool may_overlap_;
   std::vector<Slab> rooms_;  // between walls
   Box within_;               // the region for copies, also for a scene without a box
   Random random_;

@@ -31,7 +31,8 @@ class OccupiedSpace {
     return std::ranges::all_of(rooms_, [&](const Slab& room) { return room.holds(x); });
   }
 
-  // Returns whether a sphere at x overlaps no sphere n, except those for which may(n) is true.
+  // Returns whether a sphere at x overlaps no sphere n, except those for which may(n) is true. A negative radius lets
+  // spheres overlap by as much.
   template <class May>
   bool is_free(const Vec3& x, double radius, May may) const {
     const Vec3 at = wrap(x);
@@ -42,7 +43,7 @@ class OccupiedSpace {
       if (found == cells_.end()) continue;
       for (const Sphere& other : found->second) {
         const double touch = radius + other.radius;
-        if ((other.x - at).squaredNorm() < touch * touch && !may(other.n)) return false;
+        if (touch > 0 && (other.x - at).squaredNorm() < touch * touch && !may(other.n)) return false;
       }
     }
     return true;

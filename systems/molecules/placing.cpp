@@ -3,7 +3,9 @@
 namespace taut {
 namespace {
 
-constexpr int kTries = 200;          // for one copy at one scale of its spheres
+constexpr int kTries = 200;  // for one copy at one scale of its spheres
+constexpr int kTriesBeforeOverlap = 20;
+constexpr double kAnywhere = -1e9;   // scale of spheres that overlap all others
 constexpr double kNarrower = 0.9;    // factor from one scale to the next, ...
 constexpr double kNarrowest = 0.55;  // ... down to this: two atoms at half their σ
 
@@ -12,8 +14,10 @@ constexpr double kNarrowest = 0.55;  // ... down to this: two atoms at half thei
 std::optional<Vectors> Placing::place_copy(const Conformations& conformations,
                                            const std::function<Vec3()>& where) {
   for (double width = 1; width > kNarrowest; width *= kNarrower)
-    for (int attempt = 0; attempt < kTries; ++attempt)
+    for (int attempt = 0; attempt < (may_overlap_ ? kTriesBeforeOverlap : kTries); ++attempt)
       if (auto copy = conformations.place_copy(where(), width, space_, random_)) return copy;
+  for (int attempt = 0; may_overlap_ && attempt < kTries; ++attempt)
+    if (auto copy = conformations.place_copy(where(), kAnywhere, space_, random_)) return copy;
   return {};
 }
 

@@ -10,11 +10,13 @@ namespace taut {
 // Places copies of molecules in a box one by one, each where the previous ones leave room.
 class Placing {
  public:
-  Placing(const Box& box, double widest, Random& random, std::vector<Slab> rooms = {})
-      : space_(box, widest, std::move(rooms)), random_(random) {}
+  // `may_overlap`: a start whose atoms are pushed apart later.
+  Placing(const Box& box, double widest, Random& random, std::vector<Slab> rooms = {},
+          bool may_overlap = false)
+      : space_(box, widest, std::move(rooms)), random_(random), may_overlap_(may_overlap) {}
 
   // Places a copy at a position from `where`, which is called repeatedly; if there is no room, with smaller
-  // spheres. Returns nothing if there is no room for the smallest, either.
+  // spheres; where copies may overlap, wherever that is. Returns nothing if there is no room for the smallest, either.
   std::optional<Vectors> place_copy(const Conformations& conformations, const std::function<Vec3()>& where);
 
   // Adds copies at given positions, the columns of x. `each` is the number of atoms of a copy; 0 stands for
@@ -28,6 +30,7 @@ class Placing {
  private:
   OccupiedSpace space_;
   Random& random_;
+  bool may_overlap_;
 };
 
 }  // namespace taut

@@ -11,9 +11,6 @@
 namespace taut {
 namespace {
 
-// A wall where there is none, which no value reaches.
-constexpr double kFar = 1e6;
-
 constexpr const char* kLaw = "0.5*k*(step(v-b)*(v-b)^2+step(a-v)*(a-v)^2)-F*v; v=";
 
 // A force on centres of groups, with the names of what each of its terms says. Terms are added by add_term().
@@ -54,8 +51,8 @@ class CentroidForce {
 
 NamedValues law_of(const Bias& bias) {
   return {{"k", bias.k},
-          {"a", std::max(bias.lower, -kFar)},
-          {"b", std::min(bias.upper, kFar)},
+          {"a", std::max(bias.lower, -kFarWall)},
+          {"b", std::min(bias.upper, kFarWall)},
           {"F", bias.force}};
 }
 
@@ -67,7 +64,7 @@ void write_gyration(Node to, const Bias& bias) {
   force.append_child("EnergyParameterDerivatives");
   Node variable = force.append_child("CollectiveVariables").append_child("CollectiveVariable");
   put(variable, "name", "s");
-  CentroidForce squares(variable, "w*distance(g1,g2)^2", 2, false, {"w"});
+  CentroidForce squares(variable, kSquaresEnergy, 2, false, {"w"});
   const BiasGroup& group = bias.groups.front();
   const int centre = squares.add_group(group);
   for (std::size_t k = 0; k < group.atoms.size(); ++k)
@@ -75,16 +72,17 @@ void write_gyration(Node to, const Bias& bias) {
   force.append_child("Functions");
 }
 
-std::string text_of(const Bias& bias, bool periodic) {
+std::string energy_of(const Bias& bias, bool periodic) {
   switch (bias.variable) {
     case Bias::Variable::kComponent:
-      return std::string(periodic ? "c-edge*floor(c/edge+0.5); c=" : "") + "nx*(x2-x1)+ny*(y2-y1)+nz*(z2-z1)";
+      return component_energy(periodic);
     case Bias::Variable::kAngle:
-      return "angle(g1,g2,g3)";
+      return std::string(kLaw) + "angle(g1,g2,g3)";
     case Bias::Variable::kTorsion:
-      return "t-turn*floor((t-(a+b)/2)/turn+0.5); t=dihedral(g1,g2,g3,g4); turn=6.283185307179586";
+      return std::string(kLaw) +
+             "t-turn*floor((t-(a+b)/2)/turn+0.5); t=dihedral(g1,g2,g3,g4); turn=6.283185307179586";
     default:
-      return "distance(g1,g2)";
+      return std::string(kLaw) + "distance(g1,g2)";
   }
 }
 
@@ -98,14 +96,18 @@ void write_on_centres(Node to, const Bias& bias, const Box& box) {
   Names names;
   std::vector<double> values;
   for (const auto& [name, value] : parameters) names.push_back(name), values.push_back(value);
-  CentroidForce force(to, kLaw + text_of(bias, box.periodic()), groups_of(bias.variable), box.periodic(),
-                      names);
+  CentroidForce force(to, energy_of(bias, box.periodic()), groups_of(bias.variable), box.periodic(), names);
   std::vector<int> groups;
   for (const BiasGroup& group : bias.groups) groups.push_back(force.add_group(group));
   force.add_term(groups, values);
 }
 
 }  // namespace
+
+std::string component_energy(bool periodic) {
+  return std::string(kLaw) + (periodic ? "c-edge*floor(c/edge+0.5); c=" : "") +
+         "nx*(x2-x1)+ny*(y2-y1)+nz*(z2-z1)";
+}
 
 void write_biases(Node forces, const std::vector<Bias>& biases, const Box& box) {
   for (const Bias& bias : biases) {

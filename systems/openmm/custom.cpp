@@ -10,12 +10,13 @@ namespace taut {
 CustomForce::CustomForce(const ForceReading& r, Kind kind, const std::string& energy,
                          const Expression::Tables& tables)
     : force_(r.force), kind_(std::move(kind)), text_(energy), energy_(parsed(energy, tables)) {
-  force_.part(kind_.of_each).each("Parameter", [&](const Element& parameter) {
-    std::string name;
-    parameter.read_leaf({{"name", &name}});
-    add(parameter, name, 0);
-    of_each_.push_back({fmt::format("param{}", of_each_.size() + 1), name});
-  });
+  if (kind_.of_each)
+    force_.part(kind_.of_each).each("Parameter", [&](const Element& parameter) {
+      std::string name;
+      parameter.read_leaf({{"name", &name}});
+      add(parameter, name, 0);
+      of_each_.push_back({fmt::format("param{}", of_each_.size() + 1), name});
+    });
   force_.part("GlobalParameters").each("Parameter", [&](const Element& parameter) {
     std::string name;
     double value = 0;

@@ -13,7 +13,7 @@ namespace taut {
 // (param1, param2, ...) and global ones.
 class CustomForce {
  public:
-  // The kind of force: the name of its list of per-term parameters, and the other names that its energy may
+  // The kind of force: the name of its list of per-term parameters (null: it has none), and the other names that its energy may
   // contain. Parameters of pairs appear in the energy with the atoms' numbers, as sigma1 and sigma2.
   struct Kind {
     const char* of_each;

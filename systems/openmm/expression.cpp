@@ -303,17 +303,21 @@ std::optional<Recognized> recognize(const Expression& energy, const std::vector<
   const auto compare = [&](const std::vector<std::string>& names) -> std::optional<Recognized> {
     Recognized found{0, {}};
     for (std::size_t k = 0; k < n; ++k) found.name_of[known.parameters[k].name] = names[k];
-    std::array<double, kPoints> value, other, ratio;
+    std::array<double, kPoints> value, other;
+    std::vector<double> ratio;  // of points where there is an energy
     for (int p = 0; p < kPoints; ++p) {
       Expression::Values given = points[p].given;
       for (const auto& [name, its_name] : found.name_of) given[its_name] = points[p].known[name];
       value[p] = known_energy(points[p].known);
       other[p] = energy(given);
-      ratio[p] = other[p] / value[p];
-      if (!std::isfinite(ratio[p]) || ratio[p] == 0) return {};
+      if (value[p] == 0 && other[p] == 0) continue;
+      ratio.push_back(other[p] / value[p]);
+      if (!std::isfinite(ratio.back()) || ratio.back() == 0) return {};
     }
-    std::ranges::nth_element(ratio, ratio.begin() + kPoints / 2);
-    found.factor = ratio[kPoints / 2];
+    if (ratio.size() < kPoints / 4) return {};
+    const auto middle = ratio.begin() + std::ssize(ratio) / 2;
+    std::ranges::nth_element(ratio, middle);
+    found.factor = *middle;
     for (int p = 0; p < kPoints; ++p)
       if (!(std::abs(other[p] / found.factor - value[p]) <= kTolerance * (std::abs(value[p]) + kSmallEnergy)))
         return {};

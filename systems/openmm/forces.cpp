@@ -154,6 +154,8 @@ constexpr std::array kForceKinds = {
     ForceKind{"CustomAngleForce", 3, 3, read_custom_angles},
     ForceKind{"CustomTorsionForce", 3, 3, read_custom_torsions},
     ForceKind{"CustomCompoundBondForce", 3, 3, read_custom_compound},
+    ForceKind{"CustomCentroidBondForce", 3, 3, read_custom_centroid},
+    ForceKind{"CustomCVForce", 0, 0, read_custom_cv},
     ForceKind{"CustomExternalForce", 1, 1, read_custom_external},
     ForceKind{"CustomNonbondedForce", 2, 3, read_custom_nonbonded},
 };
@@ -211,8 +213,6 @@ void ForceReading::check_count(const Element& particles) const {
 }
 
 int version_written(std::string_view type) {
-  if (type == "CustomCentroidBondForce") return 3;  // these two are written alone
-  if (type == "CustomCVForce") return 0;
   return kind_named(type)->oldest;
 }
 

@@ -62,6 +62,8 @@ void read_custom_external(const ForceReading& r);
 void read_custom_bonds(const ForceReading& r);
 void read_custom_angles(const ForceReading& r);
 void read_custom_compound(const ForceReading& r);
+void read_custom_centroid(const ForceReading& r);
+void read_custom_cv(const ForceReading& r);
 void read_custom_torsions(const ForceReading& r);
 void read_custom_nonbonded(const ForceReading& r);
 

@@ -33,6 +33,30 @@ class Images {
     }
   }
 
+  // Each group is moved by one vector of the box, and without images all by the same, to centres at nearest images.
+  void check_bias(const Bias& bias) const {
+    const auto moved = [&](int atom) { return Vec3(m_.whole.col(atom) - m_.as_given.col(atom)); };
+    std::vector<Vec3> centres;
+    for (const BiasGroup& group : bias.groups) {
+      Vec3 centre = Vec3::Zero();
+      for (std::size_t k = 0; k < group.atoms.size(); ++k) {
+        centre += group.share[k] * m_.whole.col(group.atoms[k]);
+        const int of = taken_ ? group.atoms[0] : bias.groups[0].atoms[0];
+        if (!m_.near(moved(group.atoms[k]), moved(of)))
+          at_.refuse(
+              fmt::format("has atoms {} and {} in molecules that are broken across the box: give a State of "
+                          "whole molecules",
+                          group.atoms[k], of));
+      }
+      centres.push_back(centre);
+    }
+    for (std::size_t c = 1; c < centres.size() && !taken_; ++c) {
+      const Vec3 d = centres[c] - centres[c - 1];
+      if (!m_.near(d, m_.box.nearest_image(d)))
+        at_.refuse("has centres over half the box apart and usesPeriodic is 0: taut takes nearest images");
+    }
+  }
+
   void check_place(int atom, const Vec3& place) const {
     const Vec3 d = m_.as_given.col(atom) - place;
     if (!m_.near(d, m_.box.nearest_image(d)))
@@ -67,6 +91,7 @@ void check_images(const Element& at, const OpenMMForce& force, const WholeMolecu
   for (const auto& t : force.pairs) images.check("bond", k++, std::array{t.i, t.j});
   for (const auto& t : terms.fene) images.check("bond", k++, std::array{t.i, t.j});
   for (const auto& t : terms.tabulated_bonds) images.check("bond", k++, std::array{t.i, t.j});
+  for (const Bias& bias : terms.biases) images.check_bias(bias);
   // A restraint without nearest images is the same while its atom is within half the box of its place.
   if (!force.takes_images)
     for (const auto& t : terms.restraints) images.check_place(t.atom, t.at);

@@ -204,6 +204,20 @@ void add_one(const Element& at, std::optional<Part>& to, std::optional<Part>& fr
   if (from) to = std::move(from);
 }
 
+// Biases are called as their forces are, where columns of the log can be, and else by their number.
+void add_biases(std::vector<Bias>& to, std::vector<Bias>& from) {
+  for (Bias& bias : from) {
+    const auto part_of_a_name = [](char c) {
+      return std::isalnum(static_cast<unsigned char>(c)) || c == '_';
+    };
+    const auto digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
+    if (!std::ranges::all_of(bias.name, part_of_a_name) || std::ranges::all_of(bias.name, digit) ||
+        std::ranges::find(to, bias.name, &Bias::name) != to.end())
+      bias.name = std::to_string(to.size());
+    to.push_back(std::move(bias));
+  }
+}
+
 void add(PlacedForce& placed, OpenMMInput& input) {
   Terms &from = placed.force.terms, &to = input.terms;
   add_all(to.bonds, from.bonds);
@@ -222,6 +236,7 @@ void add(PlacedForce& placed, OpenMMInput& input) {
   add_all(to.pulls, from.pulls);
   add_all(to.restraints, from.restraints);
   add_all(to.walls, from.walls);
+  add_biases(to.biases, from.biases);
   add_one(placed.at, to.nonbonded, from.nonbonded);
   add_one(placed.at, to.wca, from.wca);
   add_one(placed.at, to.tabulated_pairs, from.tabulated_pairs);

@@ -1,10 +1,11 @@
-# Draws seeds.svg and seeds.png from seeds.csv: `gnuplot seeds.gp` in this folder.
-name = 'seeds'
+# Draws each_run.svg and each_run.png from each_run.csv: `gnuplot each_run.gp` in this folder.
+name = 'each_run'
 load 'taut.gp'
 
-# A panel a figure: the runs in their order, and a band for the mean and its error.
+# A panel a figure: the runs in their order, and a band for the mean and its error where the table has one.
 array mean[200]
 array error[200]
+do for [k=1:200] { mean[k] = NaN; error[k] = NaN }
 runs = 1
 label(x) = strcol('figure').' ['.strcol('unit').']'
 at(text) = sum [k=1:curves] (curve[k] eq text ? k : 0)
@@ -27,7 +28,9 @@ do for [kind in 'svg png'] {
     set title curve[k] noenhanced
     set xrange [0.5:runs + 0.5]
     set yrange [*:*]
-    set object 1 rectangle from graph 0, first mean[k] - error[k] to graph 1, first mean[k] + error[k] fc rgb '#0072B2' fs transparent solid 0.2 noborder behind
+    if (is_number(mean[k])) {
+      set object 1 rectangle from graph 0, first mean[k] - error[k] to graph 1, first mean[k] + error[k] fc rgb '#0072B2' fs transparent solid 0.2 noborder behind
+    }
     plot csv using (of(k) ? column('number') : 1/0):(of(k) ? column('value') : 1/0):(of(k) ? column('standard_error') : 1/0) with yerrorbars lc rgb '#000000' pt 7 ps 0.9 lw 1.5, \
          mean[k] with lines lc rgb '#0072B2' lw 1.5
     unset object 1
