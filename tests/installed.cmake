@@ -27,12 +27,12 @@ file(GLOB folders RELATIVE ${prefix}/include ${prefix}/include/*)
 if(NOT folders STREQUAL "taut")
   message(FATAL_ERROR "headers were installed beside include/taut: ${folders}")
 endif()
-# Of how forces are computed, of thermostats, SIMD and files a program need not know anything; terms, biases among them,
+# Of how forces are computed, of thermostats, SIMD and files a program need not know anything; terms, with biases and tables,
 # say what a system has.
 file(GLOB_RECURSE headers RELATIVE ${prefix}/include/taut ${prefix}/include/taut/*)
 foreach(header ${headers})
   file(READ ${prefix}/include/taut/${header} text)
-  if(header MATCHES "^(ensembles|files|constraints/(batch|methods)|forcefield/[^bt])" OR text MATCHES "#include <(hwy|hdf5|pugixml|fmt)")
+  if(header MATCHES "^(ensembles|files|constraints/(batch|methods)|forcefield/[^bst])" OR text MATCHES "#include <(hwy|hdf5|pugixml|fmt)")
     message(FATAL_ERROR "${header} was installed, which is not for programs that use the library")
   endif()
 endforeach()
