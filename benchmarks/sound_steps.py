@@ -88,9 +88,9 @@ class System:
             system, state = (openmm.XmlSerializer.deserialize(pathlib.Path(file).read_text()) for file in self.scene[1:])
         else:
             import taut
-            settings = dict(text.split("=", 1) for text in self.set)
-            mesh = {"forcefield.pme_grid": list(self.described.mesh)} if self.described.mesh else {}
-            system, state = taut.Simulation(self.scene[0], set={**settings, **mesh}).to_openmm()
+            settings = {key: json.loads(value if value[0] in "[0123456789" else f'"{value}"')
+                        for key, value in (text.split("=", 1) for text in self.set) if key != "forcefield.pme_order"}  # 5
+            system, state = taut.Simulation(self.scene[0], set=settings).to_openmm()
         integrator = openmm.VerletIntegrator(dt_fs * 1e-3)
         integrator.setConstraintTolerance(1e-6)
         context = openmm.Context(system, integrator, openmm.Platform.getPlatformByName("CPU"), {"Threads": "1"})
