@@ -61,8 +61,13 @@ struct Folder {
         "cd {} && OMP_NUM_THREADS=1 lmp -in run.in -log none > out.txt 2>&1", folder.path().string());
     EXPECT_EQ(std::system(shell.c_str()), 0);
     std::ifstream out(folder.path() / "out.txt");
+    const auto is_head = [](const std::string& row) {  // later versions have more spaces in it
+      std::string first, second;
+      std::istringstream(row) >> first >> second;
+      return first == "Step" && second == "PotEng";
+    };
     while (std::getline(out, line))
-      if (line.find("Step PotEng") != line.npos && std::getline(out, line)) {
+      if (is_head(line) && std::getline(out, line)) {
         std::istringstream row(line);
         double step = 0;
         OfLammps of{};

@@ -197,6 +197,11 @@ TEST_F(RunFolders, WhatMayChangeChangesAndTheRestIsRefused) {
   EXPECT_EQ(run({"resume", out.string(), "--steps", "20", "--set", "run.thermostat=none"}).code, 0);
   expect_one_line(run({"resume", out.string(), "--steps", "20", "--set", "run.temperature_k=320"}), 2);
 
+  const Ending finer = run({"resume", out.string(), "--steps", "20", "--set", "run.trajectory_every=0",
+                            "run.dt_fs=0.5", "method.name=newton"});
+  EXPECT_EQ(finer.code, 0) << finer.error;
+  EXPECT_THAT(finer.out, AllOf(HasSubstr("method newton"), HasSubstr("steps of 0.5 fs")));
+
   // A thermostat's temperature goes with it where velocities were the start's.
   const fs::path kept = in("kept");
   ASSERT_EQ(run({"run", "water_cluster", "--steps", "20", "--set", "run.thermostat=langevin",
