@@ -211,11 +211,6 @@ TEST_F(RunFolders, WhatMayChangeChangesAndTheRestIsRefused) {
             0);
   const Ending free = run({"resume", kept.string(), "--steps", "20", "--set", "run.thermostat=none"});
   EXPECT_EQ(free.code, 0) << free.error;
-  // So do the step and the method of the bonds.
-  const Ending held = run({"resume", kept.string(), "--steps", "20", "--set", "run.dt_fs=0.5",
-                           "method.name=newton", "method.tolerance=1e-9"});
-  EXPECT_EQ(held.code, 0) << held.error;
-  EXPECT_THAT(held.out, HasSubstr("method newton: tolerance 1e-09"));
 }
 
 }  // namespace
