@@ -154,6 +154,7 @@ class Bench {
   std::vector<Errors> follow(int steps, State& s) {
     std::vector<Errors> errors = {errors_of(scene_.system, s.x)};
     for (int n = 0; n < steps; ++n) {
+      if (plan_.listen) plan_.listen();
       const SolveStats stats = step({scene_.system, forces_, *method_}, h_, s);
       if (!stats.converged())
         throw SimulationFailure(fmt::format("calibration, step {}: {}", n, in_words(stats.failure)));

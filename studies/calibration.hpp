@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "constraints/methods/baumgarte.hpp"
+#include "studies/study_scene.hpp"
 #include "systems/scene.hpp"
 
 namespace taut {
@@ -30,6 +31,7 @@ struct CalibrationPlan {
   double size = 1e-6;  // of the error put in, relative
   int settle = 50;     // steps before
   int steps = 40;      // steps followed
+  Listen listen = {};
 };
 
 // An error's course: rms over bonds of σ/d², and of σ̇h/d² with σ̇ = (σ₊ − σ₋)/2h, step by step.

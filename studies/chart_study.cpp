@@ -59,6 +59,7 @@ double rms_distance(const Vectors& a, const Vectors& b) {
 struct Reference {
   Scene scene;
   int divisor;
+  Listen listen;
   std::optional<Vectors> x = {};
 
   const Vectors& positions() {
@@ -67,7 +68,8 @@ struct Reference {
     fine.run.dt_fs /= divisor;
     State end;
     const Setting newton{"newton", "", "", {"method.name=newton", "method.tolerance=1e-12"}};
-    const Trial trial = try_setting(fine, newton, {.steps = kOrderSteps * divisor, .rows = 1}, end);
+    const Trial trial =
+        try_setting(fine, newton, {.steps = kOrderSteps * divisor, .rows = 1, .listen = listen}, end);
     x = trial.failed() ? Vectors() : end.x;
     return *x;
   }
@@ -77,8 +79,9 @@ Trial compared(const ChartPlan& plan, const std::string& method, int divisor, Re
   Scene scene = plan.scene;
   scene.run.dt_fs /= divisor;
   State end;
-  Trial trial =
-      try_setting(scene, tight(method), {.steps = kOrderSteps * divisor, .rows = kOrderSteps * divisor}, end);
+  Trial trial = try_setting(
+      scene, tight(method),
+      {.steps = kOrderSteps * divisor, .rows = kOrderSteps * divisor, .listen = plan.listen}, end);
   if (trial.failed()) return trial;
   const Vectors& x = reference.positions();
   if (x.cols() == end.x.cols())
@@ -108,7 +111,7 @@ Trial run_length(const ChartPlan& plan, const std::string& method, int bonds) {
   const Scene chains = read_scene(
       find_scene("freely_jointed"),
       {fmt::format("build.chains={}", copies(plan, bonds)), fmt::format("build.beads={}", bonds + 1)});
-  return try_setting(chains, s, {.steps = plan.quick ? 20 : 100, .rows = 4});
+  return try_setting(chains, s, {.steps = plan.quick ? 20 : 100, .rows = 4, .listen = plan.listen});
 }
 
 }  // namespace
@@ -131,7 +134,8 @@ std::vector<Job> work_jobs(const ChartPlan& plan, const Ledger& ledger) {
   std::vector<Job> points;
   for (const Setting& s : plan.settings())
     points.push_back({work_name(s), [&plan, s] {
-                        return try_setting(plan.scene, s, {.steps = plan.steps, .rows = plan.steps});
+                        return try_setting(plan.scene, s,
+                                           {.steps = plan.steps, .rows = plan.steps, .listen = plan.listen});
                       }});
   return interleaved(points, plan.repeats, ledger);
 }
@@ -140,14 +144,16 @@ std::vector<Job> drift_jobs(const ChartPlan& plan) {
   std::vector<Job> jobs;
   for (const Setting& s : plan.settings())
     jobs.push_back({drift_name(s), [&plan, s] {
-                      return try_setting(plan.scene, s,
-                                         {.steps = plan.drift_steps, .rows = plan.drift_steps / 10});
+                      return try_setting(
+                          plan.scene, s,
+                          {.steps = plan.drift_steps, .rows = plan.drift_steps / 10, .listen = plan.listen});
                     }});
   return jobs;
 }
 
 std::vector<Job> order_jobs(const ChartPlan& plan) {
-  const auto reference = std::make_shared<Reference>(Reference{plan.scene, 4 * divisors(plan).back()});
+  const auto reference =
+      std::make_shared<Reference>(Reference{plan.scene, 4 * divisors(plan).back(), plan.listen});
   std::vector<Job> jobs;
   for (const auto& method : plan.methods)
     for (const int divisor : divisors(plan))

@@ -19,6 +19,7 @@ struct ChartPlan {
   int repeats = 20;         // of everything timed; interleaved, so that all meet the same machine
   long steps = 40;          // of a timed run; short, so that few of them meet another process
   long drift_steps = 4000;  // of a run whose energy is watched
+  Listen listen = {};
 
   void make_quick();                      // rough: few settings, repeats and steps
   std::vector<Setting> settings() const;  // of all methods

@@ -8,6 +8,7 @@
 
 #include "simulation/simulation.hpp"
 #include "studies/liquid_structure.hpp"
+#include "studies/study_scene.hpp"
 #include "systems/scene.hpp"
 
 namespace taut {
@@ -38,6 +39,7 @@ struct CrosscheckPlan {
   long samples = 200;
   double speed_seconds = 1;  // for each figure of speed; 0: none
   int threads = 1;           // of both
+  Listen listen = {};
 };
 
 // A run at one sample.

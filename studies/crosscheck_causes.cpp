@@ -40,8 +40,8 @@ double apart_after(const Stage& stage, const Scene& scene, long steps) {
   Simulation simulation(scene);
   const auto twin = stage.twin({});
   twin->set(simulation.state());
-  simulation.run({});
-  twin->step(static_cast<int>(steps));
+  simulation.run({}, at_steps(stage.plan.listen));
+  advance(*twin, steps, stage.plan.listen);
   return most_apart(simulation.state().x, twin->state().x);
 }
 
@@ -108,8 +108,8 @@ Chaos chaos_of(const Track& nudged) {
 Leapfrog compare_leapfrog(const Stage& stage) {
   Leapfrog found{.steps = std::min(stage.parting, 20L)};
   const auto twin = stage.twin({}), verlet = stage.twin({.integrator = TwinIntegrator::kVerlet});
-  twin->step(static_cast<int>(found.steps));
-  verlet->step(static_cast<int>(found.steps));
+  advance(*twin, found.steps, stage.plan.listen);
+  advance(*verlet, found.steps, stage.plan.listen);
   const State ours = twin->state(), theirs = verlet->state();
   found.positions = most_apart(ours.x, theirs.x);
   found.velocities = most_apart(ours.v, theirs.v);
@@ -235,6 +235,7 @@ Foretold foretell(const Stage& stage, const Baumgarte::Options& options, const F
   double squares = 0;
   std::size_t frame = 0;
   for (long n = 1; n <= std::min(stage.parting, kMostSteps) && frame + 1 < openmm.size(); ++n) {
+    if (stage.plan.listen) stage.plan.listen();
     const Eigen::VectorXd& sigma = residuals.advance(sys, s);
     for (int k = 0; k < sys.bond_count(); ++k) {
       const double d = bonds[k].length;

@@ -18,8 +18,8 @@ namespace {
 constexpr long kDenseSamples = 100;
 constexpr double kLongEnough = 5;  // [ps]
 
-Scene prepared(Scene scene) {
-  scene = prepared_for_study(std::move(scene));
+Scene prepared(Scene scene, const Listen& listen) {
+  scene = prepared_for_study(std::move(scene), listen);
   if (scene.run.remove_momentum_every > 0)
     scene.notes.push_back("its momentum is not taken out on the way, in no run");
   scene.run.remove_momentum_every = 0;
@@ -100,7 +100,7 @@ class Recorder {
 
 Stage::Stage(const Scene& from, const CrosscheckPlan& the_plan)
     : plan(the_plan),
-      scene(prepared(from)),
+      scene(prepared(from, plan.listen)),
       dof(Simulation(scene).dof().total()),
       steps(scene.run.steps),
       parting(std::min(steps, plan.parting_steps)),
@@ -122,6 +122,14 @@ std::unique_ptr<OpenMMTwin> Stage::twin(TwinSettings settings) const {
                          : std::make_unique<OpenMMTwin>(openmm_input(scene), settings);
   twin->set(scene.start);
   return twin;
+}
+
+void advance(OpenMMTwin& twin, long steps, const Listen& listen) {
+  constexpr long kAtOnce = 4;
+  for (long left = steps; left > 0; left -= kAtOnce) {
+    if (listen) listen();
+    twin.step(static_cast<int>(std::min(left, kAtOnce)));
+  }
 }
 
 double most_apart(const Vectors& x, const Vectors& y) {
@@ -148,7 +156,9 @@ Followed follow(const Stage& stage, const Contestant& contestant, long steps, co
       recorder.see(step, simulation.state(), simulation.record().potential);
     };
     see(0);
+    const auto look = at_steps(stage.plan.listen);
     const Summary summary = simulation.run({}, [&](long fine_step) {
+      if (look) look(fine_step);
       if (each) each(simulation.state());
       if (fine_step % finer == 0 && stage.samples(fine_step / finer)) see(fine_step / finer);
     });
@@ -175,7 +185,7 @@ Followed follow(const Stage& stage, const std::string& name, OpenMMTwin& twin, l
     long last = 0;
     for (long n = 1; n <= steps; ++n) {
       if (!stage.samples(n)) continue;
-      twin.step(static_cast<int>(n - last));
+      advance(twin, n - last, stage.plan.listen);
       last = n;
       see(n);
     }
@@ -208,7 +218,7 @@ double time_taut(const Stage& stage, const MethodOptions& method) {
   return time_steps(stage.plan.speed_seconds, [&](long steps) {
     scene.run.steps = scene.run.log_every = steps;
     Simulation simulation(scene);
-    simulation.run({});
+    simulation.run({}, at_steps(stage.plan.listen));
     scene.start = simulation.state();
   });
 }
@@ -230,7 +240,7 @@ std::vector<Speed> measure_speed(const Stage& stage) {
     const auto twin =
         stage.twin({.constraint_tolerance = kTolerance, .platform = "CPU", .integrator = integrator});
     speed.push_back({name, time_steps(stage.plan.speed_seconds,
-                                      [&](long steps) { twin->step(static_cast<int>(steps)); })});
+                                      [&](long steps) { advance(*twin, steps, stage.plan.listen); })});
   }
   return speed;
 }

@@ -34,12 +34,15 @@ std::vector<Job> precision_jobs(const ChartPlan& plan, const Ledger& ledger) {
   for (const auto& method : plan.methods)
     for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
       points.push_back({point_name("step", method, precision), [&plan, method, precision] {
-                          return try_precision(plan, method, precision, {.steps = plan.steps, .rows = 2});
-                        }});
-      drifts.push_back({point_name("precision", method, precision), [&plan, method, precision] {
                           return try_precision(plan, method, precision,
-                                               {.steps = plan.drift_steps, .rows = plan.drift_steps / 10});
+                                               {.steps = plan.steps, .rows = 2, .listen = plan.listen});
                         }});
+      drifts.push_back(
+          {point_name("precision", method, precision), [&plan, method, precision] {
+             return try_precision(
+                 plan, method, precision,
+                 {.steps = plan.drift_steps, .rows = plan.drift_steps / 10, .listen = plan.listen});
+           }});
     }
   std::vector<Job> jobs = interleaved(points, plan.repeats, ledger);
   jobs.insert(jobs.end(), drifts.begin(), drifts.end());

@@ -84,7 +84,8 @@ TrialPlan StabilityPlan::trial(long trial_steps) const {
   return {.steps = trial_steps,
           .rows = trial_steps / 5,
           .broken_energy = broken_energy,
-          .broken_bond = broken_bond};
+          .broken_bond = broken_bond,
+          .listen = listen};
 }
 
 std::vector<Job> plane_jobs(const StabilityPlan& plan) {

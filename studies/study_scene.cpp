@@ -8,7 +8,19 @@
 
 namespace taut {
 
-Scene prepared_for_study(Scene given) {
+std::function<void(long)> at_steps(const Listen& listen) {
+  if (!listen) return {};
+  return [&listen](long step) {
+    if (step % 4 == 0) listen();
+  };
+}
+
+OnMove at_moves(const Listen& listen) {
+  if (!listen) return {};
+  return [&listen](const Minimised&) { listen(); };
+}
+
+Scene prepared_for_study(Scene given, const Listen& listen) {
   Scene scene = without_redundant_bonds(std::move(given));
   RunSettings& run = scene.run;
   if (run.langevin() || run.rescaling()) {
@@ -24,7 +36,7 @@ Scene prepared_for_study(Scene given) {
     run.barostat = "none";
   }
   if (run.minimise) {
-    const Simulation relaxed(scene);
+    const Simulation relaxed(scene, available_threads(), at_moves(listen));
     scene.start = relaxed.state();
     scene.notes = relaxed.scene().notes;
     run.minimise = false;

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "studies/study_scene.hpp"
 #include "systems/scene.hpp"
 
 namespace taut {
@@ -43,6 +44,7 @@ struct TrialPlan {
   long rows = 100;             // looked at so many times
   double broken_energy = 1.0;  // |E − E₀| over the largest kinetic energy seen, above which energy blew up
   double broken_bond = 0.1;    // relative error above which a bond counts as lost
+  Listen listen = {};
 };
 
 // Runs a copy of the scene under a setting. Failures of every kind come back in Trial::failure.

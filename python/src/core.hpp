@@ -4,6 +4,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <chrono>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,6 +23,31 @@ struct Input {
   Scene scene;
   SceneSource source;
   int threads = available_threads();
+};
+
+// Checks for Ctrl-C every 50 ms in work that has released Python's interpreter lock, and throws if it came.
+class Listening {
+ public:
+  void operator()() {
+    look([] {});
+  }
+
+ protected:
+  using Clock = std::chrono::steady_clock;
+  static constexpr auto kLookEvery = std::chrono::milliseconds(50);
+
+  // `also`: to be done then, with the lock.
+  template <class Function>
+  void look(const Function& also) {
+    if (Clock::now() < next_) return;
+    const py::gil_scoped_acquire interpreter;
+    next_ = Clock::now() + kLookEvery;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    also();
+  }
+
+ private:
+  Clock::time_point next_ = Clock::now() + kLookEvery;
 };
 
 using OwnFields = std::vector<std::shared_ptr<OwnField>>;

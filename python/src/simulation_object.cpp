@@ -25,23 +25,19 @@ struct Busy {
   std::atomic<bool>& running;
 };
 
-// Checks for Ctrl-C every 50 ms in work that has released Python's interpreter lock, throws if it came, and
-// tells how far a minimisation is.
-class Listening {
+// Tells how far a minimisation is, too.
+class ListeningToMoves : Listening {
  public:
-  explicit Listening(const py::object* progress = nullptr) : progress_(progress) {}
+  explicit ListeningToMoves(const py::object* progress = nullptr) : progress_(progress) {}
 
   void operator()(const Minimised& so_far) {
-    if (Clock::now() < next_) return;
-    const py::gil_scoped_acquire interpreter;
-    next_ = Clock::now() + kLookEvery;
-    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-    if (progress_ && !progress_->is_none()) (*progress_)(so_far.moves, so_far.energy, so_far.largest_force);
+    look([&] {
+      if (progress_ && !progress_->is_none()) (*progress_)(so_far.moves, so_far.energy, so_far.largest_force);
+    });
   }
 
  private:
   const py::object* progress_;
-  Clock::time_point next_ = Clock::now() + kLookEvery;
 };
 
 // Python's names for the options of a run, in messages.
@@ -60,7 +56,7 @@ OpenRun open_new_run(Input input, const std::string& out, bool overwrite) {
                      .names = option_names(),
                      .scene = std::move(input.scene),
                      .source = std::move(input.source),
-                     .on_move = Listening()};
+                     .on_move = ListeningToMoves()};
   const py::gil_scoped_release interpreter;
   return open_run(std::move(request));
 }
@@ -338,7 +334,7 @@ void PythonSimulation::set_out_anew(const MinimiseGoal& goal, const py::object& 
   try {
     std::optional<py::gil_scoped_release> long_work;
     if (goal.force > 0 && !run_.simulation->runs_foreign_code()) long_work.emplace();
-    run_.simulation->set_out_anew(x, v, goal, Listening(&progress));
+    run_.simulation->set_out_anew(x, v, goal, ListeningToMoves(&progress));
   } catch (...) {
     rethrow_python_error();
     throw;

@@ -19,7 +19,8 @@ namespace {
 
 Scene scene_for(const Input& input, const char* study) {
   refuse_without_effect(study, input.source.overrides);
-  return prepared_for_study(input.scene);
+  const py::gil_scoped_release interpreter;
+  return prepared_for_study(input.scene, Listening());
 }
 
 // Adds a method to the list that is another one with options that cannot be varied, so that a study takes it as
@@ -72,6 +73,8 @@ py::dict chart(const Input& input, const std::vector<std::string>& methods, cons
                const std::string& folder, const py::object& progress) {
   const ThreadScope scope(input.threads);
   ChartPlan plan{.scene = scene_for(input, "chart"), .methods = methods};
+  Listening listening;
+  plan.listen = std::ref(listening);
   if (asked["quick"].cast<bool>()) plan.make_quick();
   replace(plan.repeats, asked, "repeats");
   replace(plan.steps, asked, "steps");
@@ -103,6 +106,8 @@ py::dict stability(const Input& input, const std::vector<std::string>& methods, 
                    const std::string& folder, const py::object& progress) {
   const ThreadScope scope(input.threads);
   StabilityPlan plan{.scenes = {scene_for(input, "stability")}, .methods = methods};
+  Listening listening;
+  plan.listen = std::ref(listening);
   if (asked["quick"].cast<bool>()) plan.make_quick();
   replace(plan.plane_steps, asked, "steps"), replace(plan.step_steps, asked, "steps");
   replace(plan.broken_bond, asked, "bond_error"), replace(plan.broken_energy, asked, "energy_error");
@@ -126,6 +131,8 @@ py::dict course(const ErrorCourse& of) {
 py::dict calibrate_scene(const Input& input, const py::dict& asked) {
   const ThreadScope scope(input.threads);
   CalibrationPlan plan;
+  Listening listening;
+  plan.listen = std::ref(listening);
   plan.against = asked["against"].cast<std::string>();
   plan.tolerance = asked["tolerance"].cast<double>();
   plan.sweeps = asked["sweeps"].cast<int>();
@@ -155,6 +162,8 @@ py::dict crosscheck_scene(const Input& input, const std::vector<std::string>& me
   CrosscheckPlan plan{.contestants = contestants(methods), .files = {}};
   plan.platform = asked["platform"].cast<std::string>();
   plan.speed_seconds = asked["speed_seconds"].cast<double>();
+  Listening listening;
+  plan.listen = std::ref(listening);
   replace(plan.agreement, asked, "agreement_nm");
   const auto tell = [&](const std::string& what) {
     const py::gil_scoped_acquire interpreter;

@@ -14,6 +14,10 @@ CALLS = {
     "minimise": 'taut.Simulation("water", set={"build.molecules": 2000}).minimise(1e-9, steps=10**8)',
     "run": 'taut.Simulation("water").run(10**8)',
     "chart": 'taut.chart("chain")',
+    "chart of large systems": 'taut.chart("water", set={"build.molecules": 2000})',
+    "stability": 'taut.stability("water", ["rattle"], plane=False, steps=10**5)',
+    "calibrate": '[taut.calibrate("water") for _ in range(100)]',
+    "crosscheck": 'taut.crosscheck("water")',
 }
 PROGRAM = """
 import taut
