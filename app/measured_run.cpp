@@ -47,16 +47,40 @@ std::size_t steady_from(const std::vector<double>& y) {
   return row;
 }
 
-// Calls see(time, x, box) for every frame of a file.
-template <class Reader>
-void for_each_frame(Reader& file, const Scene& scene, const fs::path& path, const auto& see) {
-  if (file.atoms() != scene.system.atoms())
-    throw InputError(fmt::format("{}: its trajectory has {} atoms, its scene {}", path.string(), file.atoms(),
-                                 scene.system.atoms()));
-  Vectors x;
-  long frame = 0;
-  for (Box box = scene.start.box; file.next(x, box); ++frame)
-    see(file.first_time() + static_cast<double>(frame) * file.interval(), file.interval(), x, box);
+// Calls use(reader) with a reader of the trajectory.
+void with_reader(const fs::path& path, const auto& use) {
+  if (path.extension() == ".dcd") {
+    DcdReader file(path);
+    use(file);
+  } else {
+    H5mdReader file(path);
+    use(file);
+  }
+}
+
+double time_of(const auto& file, long frame) {
+  return file.first_time() + static_cast<double>(frame) * file.interval();
+}
+
+// What is later than this is in a window that begins then.
+double just_before(double begin) {
+  return begin - kSameTime * std::max(1.0, begin);
+}
+
+// Calls see(x, box, interval) for every frame of a file that wanted(time, interval) asks for.
+void for_each_frame(const Scene& scene, const fs::path& path, const auto& wanted, const auto& see) {
+  with_reader(path, [&](auto& file) {
+    if (file.atoms() != scene.system.atoms())
+      throw InputError(fmt::format("{}: its trajectory has {} atoms, its scene {}", path.string(),
+                                   file.atoms(), scene.system.atoms()));
+    Vectors x;
+    Box box = scene.start.box;
+    for (long frame = 0, frames = file.frames(); frame < frames; ++frame)
+      if (!wanted(time_of(file, frame), file.interval()))
+        file.skip();
+      else if (file.next(x, box))
+        see(x, box, file.interval());
+  });
 }
 
 }  // namespace
@@ -149,9 +173,23 @@ void MeasuredRun::measure_log() {
     log_figures_.push_back({"viscosity_mpa_s", "viscosity", "mPa s", green_kubo_->viscosity});
 }
 
+// Of so many frames from `begin` on one is read, so that there are at most most_frames.
+long MeasuredRun::stride_for(double begin, long most_frames) const {
+  long frames = 0;
+  for (std::size_t k = 0; most_frames > 0 && k < segments_.size(); ++k)
+    if (const auto path = trajectory_of(segments_[k]))
+      with_reader(*path, [&](const auto& file) {
+        for (long frame = 0, all = file.frames(); frame < all; ++frame)
+          frames += time_of(file, frame) + shifts_[k] >= just_before(begin);
+      });
+  return frames > 0 ? (frames + most_frames - 1) / most_frames : 1;
+}
+
 void MeasuredRun::measure_frames(const MeasureSettings& settings) {
   const double begin = log_.column(kLogTime)[first_row_];
+  stride_ = stride_for(begin, settings.most_frames);
   double seen = -std::numeric_limits<double>::infinity();
+  long passed = 0;
   for (std::size_t k = 0; k < segments_.size(); ++k) {
     const std::optional<fs::path> path = trajectory_of(segments_[k]);
     if (!path) {
@@ -162,20 +200,17 @@ void MeasuredRun::measure_frames(const MeasureSettings& settings) {
       if (!settings.atoms.empty() || settings.viscosity) throw InputError(no_frames_);
       return;
     }
-    const auto see = [&](double t, double interval, const Vectors& x, const Box& box) {
+    const auto wanted = [&](double t, double interval) {
       t += shifts_[k];
-      if (t < begin - kSameTime * std::max(1.0, t) || t < seen + interval / 2) return;
-      if (!frames_) frames_.emplace(*scene_, settings.atoms, interval);
-      frames_->add_frame(x, box);
+      if (t < just_before(begin) || t < seen + interval / 2) return false;
       seen = t;
+      return passed++ % stride_ == 0;
     };
-    if (path->extension() == ".dcd") {
-      DcdReader file(*path);
-      for_each_frame(file, *scene_, *path, see);
-    } else {
-      H5mdReader file(*path);
-      for_each_frame(file, *scene_, *path, see);
-    }
+    const auto see = [&](const Vectors& x, const Box& box, double interval) {
+      if (!frames_) frames_.emplace(*scene_, settings.atoms, interval * static_cast<double>(stride_));
+      frames_->add_frame(x, box);
+    };
+    for_each_frame(*scene_, *path, wanted, see);
   }
   if (!frames_) {
     no_frames_ = fmt::format("{}: no frame from {:g} ps on", name(), begin);
@@ -202,6 +237,7 @@ void MeasuredRun::print() const {
         green_kubo_->cut);
   else if (green_kubo_)
     say("  no viscosity: {}\n", green_kubo_->flaw);
+  if (stride_ > 1) say("of {} frames one is read\n", stride_);
   if (frames_)
     frames_->print();
   else
@@ -217,6 +253,7 @@ nlohmann::ordered_json MeasuredRun::json() const {
                                  {"rows", t.size() - first_row_}};
   for (const Figure& figure : log_figures_) json[figure.key] = json_of(figure);
   if (green_kubo_ && !green_kubo_->flaw.empty()) json["viscosity_flaw"] = green_kubo_->flaw;
+  if (stride_ > 1) json["one_frame_of"] = stride_;
   if (frames_)
     json.update(frames_->json());
   else

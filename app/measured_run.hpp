@@ -21,6 +21,7 @@ struct MeasureSettings {
   std::optional<double> last;       // so much at the end is measured [ps]
   bool automatic = false;           // from where the run is equilibrated (base/series.hpp)
   std::optional<double> viscosity;  // for the correction of diffusion [mPa s]
+  long most_frames = 0;             // of the window are read, evenly spaced; 0: all
 };
 
 // The log and the trajectory of a run, in one folder or in several that are its segments.
@@ -37,12 +38,14 @@ class MeasuredRun {
   // Equilibration, what the frames show, viscosity: what there is. `curve` names the run in what frames show, where
   // runs are laid over each other.
   std::vector<Picture> pictures(const std::string& curve = "") const;
+  long stride() const { return stride_; }                      // of so many frames one is read
   const std::string& window() const { return window_words_; }  // "4376 rows of the log from 5 to 40 ps"
 
  private:
   void choose_window(const MeasureSettings& settings);
   void measure_log();
   void measure_frames(const MeasureSettings& settings);
+  long stride_for(double begin, long most_frames) const;
   std::vector<double> window_of(std::string_view column) const;
   Picture equilibration_picture() const;
 
@@ -56,6 +59,7 @@ class MeasuredRun {
   std::vector<Figure> log_figures_;
   std::optional<GreenKubo> green_kubo_;  // in a box
   std::optional<Measured> frames_;
+  long stride_ = 1;
   std::string no_frames_;  // why there are none
 };
 

@@ -14,11 +14,17 @@ namespace {
 struct PlotArguments {
   std::vector<std::string> folders;
   std::optional<std::filesystem::path> out;
+  long frames = kMostFramesDrawn;
   bool overwrite = false;
 };
 
 void plot(const PlotArguments& arguments) {
-  PlotRequest request{.runs = {}, .out = {}, .command = "taut plot", .overwrite = arguments.overwrite};
+  if (arguments.frames < 0) throw InputError("--frames: expected a number of frames, or 0 for all");
+  PlotRequest request{.runs = {},
+                      .out = {},
+                      .command = "taut plot",
+                      .overwrite = arguments.overwrite,
+                      .most_frames = arguments.frames};
   for (const std::string& folder : arguments.folders) {
     request.command += " " + quoted_for_shell(folder);
     if (!is_scan(folder)) {
@@ -47,6 +53,8 @@ void add_plot(Commands& commands) {
               "what runs were given as --out; several are laid over each other; or a scan's folder")
       .required();
   command.option("--out", arguments->out, "folder of the pictures and report.html (DIR/plot of the first)");
+  command.option("--frames", arguments->frames,
+                 "of each trajectory so many frames are read at most, evenly spaced; 0: all");
   command.flag("--overwrite", arguments->overwrite, "replace what --out holds");
   command.json("the range of each curve as JSON; run.csv has all points");
 }

@@ -46,16 +46,19 @@ bool varies(const std::vector<double>& y) {
   return std::ranges::any_of(y, [&](double value) { return value != y.front(); });
 }
 
-// The mean tension of the bonds and the largest, of every frame of trajectory.h5md.
-void add_tensions(std::vector<Curve>& curves, const fs::path& folder, const std::string& of) {
+// The mean tension of the bonds and the largest, of at most so many frames of trajectory.h5md; 0: of all.
+void add_tensions(std::vector<Curve>& curves, const fs::path& folder, const std::string& of,
+                  long most_frames) {
   const fs::path file = folder / "trajectory.h5md";
   if (!built_with_hdf5() || !fs::exists(file)) return;
   H5mdReader frames(file);
   Curve mean{.panel = "bond tension [kJ/mol/nm]", .name = of + "mean", .t = {}, .y = {}}, most = mean;
   most.name = of + "largest";
-  Vectors x;
-  Box box;
-  for (double t = frames.first_time(); frames.next(x, box); t += frames.interval()) {
+  const long stride = most_frames > 0 ? std::max(1L, (frames.frames() + most_frames - 1) / most_frames) : 1;
+  for (long frame = 0; frame < frames.frames(); ++frame) {
+    frames.skip();
+    if (frame % stride != 0) continue;
+    const double t = frames.first_time() + static_cast<double>(frame) * frames.interval();
     const Eigen::VectorXd tension = frames.tensions();
     if (tension.size() == 0) return;
     for (Curve* curve : {&mean, &most}) curve->t.push_back(t);
@@ -82,7 +85,7 @@ void add_bath(std::vector<Curve>& curves, const RunLog& log, const Scene* scene,
 }  // namespace
 
 std::vector<Curve> curves_of(const RunLog& log, const std::string& run, const Scene* scene,
-                             const fs::path& folder) {
+                             const fs::path& folder, long most_frames) {
   const std::string of = run.empty() ? "" : run + ": ";
   const std::string alone = run.empty() ? "each row" : run;
   std::vector<Curve> all;
@@ -109,7 +112,7 @@ std::vector<Curve> curves_of(const RunLog& log, const std::string& run, const Sc
           column.title);
   if (log.has(kLogBondError) && varies(log.column(kLogBondError)))
     add(all, log, curve("relative bond error (rms)", alone, false), kLogBondError);
-  add_tensions(all, folder, of);
+  add_tensions(all, folder, of, most_frames);
   return all;
 }
 

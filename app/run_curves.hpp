@@ -17,8 +17,9 @@ struct Curve {
 };
 
 // What is drawn of a run in time: energies, temperature beside the bath's, pressure, volume, errors and tensions of bonds.
-// run: the name of its curves; empty where it is drawn alone. scene: null where it is not known.
+// run: the name of its curves; empty where it is drawn alone. scene: null where it is not known. Tensions come from at
+// most most_frames of the trajectory, evenly spaced; 0: all.
 std::vector<Curve> curves_of(const RunLog& log, const std::string& run, const Scene* scene,
-                             const std::filesystem::path& folder);
+                             const std::filesystem::path& folder, long most_frames);
 
 }  // namespace taut

@@ -62,9 +62,10 @@ std::string numbers_of(const std::vector<NamedRun>& all) {
 
 nlohmann::ordered_json show_measured(const std::vector<std::filesystem::path>& runs,
                                      const std::vector<std::string>& names, StudyFiles& files,
-                                     ReportPage& page) {
+                                     ReportPage& page, long most_frames) {
   MeasureSettings settings;
   settings.automatic = true;
+  settings.most_frames = most_frames;
   std::vector<NamedRun> all;
   for (std::size_t k = 0; k < runs.size(); ++k) {
     if (!std::filesystem::exists(checkpoint_file(runs[k]))) continue;
@@ -82,6 +83,7 @@ nlohmann::ordered_json show_measured(const std::vector<std::filesystem::path>& r
     say("\nmeasured: ");
     one.run.print();
     windows += fmt::format("{}: {}. ", one.name, one.run.window());
+    if (one.run.stride() > 1) windows += fmt::format("Of {} frames one is read. ", one.run.stride());
     json.push_back(one.run.json());
   }
   const std::string table = table_of(all);

@@ -132,7 +132,7 @@ nlohmann::ordered_json plot_runs(const PlotRequest& request) {
   std::vector<Curve> curves;
   for (std::size_t k = 0; k < request.runs.size(); ++k)
     for (Curve& curve : curves_of(logs[k], request.runs.size() > 1 ? names[k] : "",
-                                  scenes[k] ? &*scenes[k] : nullptr, request.runs[k]))
+                                  scenes[k] ? &*scenes[k] : nullptr, request.runs[k], request.most_frames))
       curves.push_back(std::move(curve));
   std::vector<std::string> panels;
   for (const Curve& curve : curves)
@@ -172,7 +172,8 @@ nlohmann::ordered_json plot_runs(const PlotRequest& request) {
          {}});
   }
   print_lines(curves);
-  const nlohmann::ordered_json measured = show_measured(request.runs, names, files, page);
+  const nlohmann::ordered_json measured =
+      show_measured(request.runs, names, files, page, request.most_frames);
   write_report(page, files);
   files.print_written();
   nlohmann::ordered_json json = {{"out", request.out.string()}};

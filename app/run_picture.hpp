@@ -7,6 +7,8 @@
 
 namespace taut {
 
+inline constexpr long kMostFramesDrawn = 2000;
+
 // Draws the runs in these folders over each other, from their logs: FILES/run.csv, its picture and report.html.
 // Prints a coarse line for each curve, and what is measured of each run. Throws InputError where a folder holds no
 // run, and where `out` holds pictures, unless `overwrite` is set.
@@ -15,6 +17,7 @@ struct PlotRequest {
   std::filesystem::path out;
   std::string command;  // that the report names
   bool overwrite = false;
+  long most_frames = kMostFramesDrawn;  // read of each trajectory, evenly spaced; 0: all
 };
 nlohmann::ordered_json plot_runs(const PlotRequest& request);  // the range of each curve, what was measured
 

@@ -148,6 +148,23 @@ DcdReader::DcdReader(const std::filesystem::path& path) : path_(path), in_(path,
   periodic_ = control[10] != 0;
   interval_ = control[2] * static_cast<double>(step) * kAkma;
   first_ = control[1] * static_cast<double>(step) * kAkma;
+  frames_begin_ = in_.tellg();
+}
+
+std::streamoff DcdReader::frame_bytes() const {
+  constexpr std::streamoff kMarks = 2 * sizeof(std::uint32_t);  // around each record
+  const std::streamoff cell = periodic_ ? 6 * sizeof(double) + kMarks : 0;
+  return cell +
+         3 * (static_cast<std::streamoff>(atoms_) * static_cast<std::streamoff>(sizeof(float)) + kMarks);
+}
+
+long DcdReader::frames() const {
+  const auto bytes = static_cast<std::streamoff>(std::filesystem::file_size(path_));
+  return static_cast<long>((bytes - frames_begin_) / frame_bytes());
+}
+
+void DcdReader::skip() {
+  in_.seekg(frame_bytes(), std::ios::cur);
 }
 
 bool DcdReader::next(Vectors& x, Box& box) {

@@ -45,16 +45,21 @@ class DcdReader {
   int atoms() const { return atoms_; }
   double interval() const { return interval_; }  // time between frames [ps]
   double first_time() const { return first_; }   // of the first frame [ps]
+  long frames() const;                           // complete ones, as the file stands now
 
+  // Goes past the next frame without reading it.
+  void skip();
   // Reads the next frame: positions [nm], and the box where the file has one. Returns false after the last
   // complete frame.
   bool next(Vectors& x, Box& box);
 
  private:
   bool read_record(std::size_t length, void* into);
+  std::streamoff frame_bytes() const;
 
   std::filesystem::path path_;
   std::ifstream in_;
+  std::streamoff frames_begin_ = 0;  // where the first frame stands [bytes]
   bool periodic_ = false;
   int atoms_ = 0;
   double interval_ = 0, first_ = 0;

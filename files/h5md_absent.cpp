@@ -30,8 +30,15 @@ H5mdReader::H5mdReader(const std::filesystem::path& path) {
   throw InputError(path.string() + ": taut was built without HDF5 (libhdf5-dev)");
 }
 H5mdReader::~H5mdReader() = default;
+long H5mdReader::frames() const {
+  return 0;
+}
+void H5mdReader::skip() {}
 bool H5mdReader::next(Vectors&, Box&) {
   return false;
+}
+Eigen::VectorXd H5mdReader::tensions() const {
+  return {};
 }
 
 }  // namespace taut

@@ -55,6 +55,14 @@ H5mdReader::~H5mdReader() {
   with_hdf5([&] { contents_.reset(); });
 }
 
+long H5mdReader::frames() const {
+  return static_cast<long>(contents_->frames);
+}
+
+void H5mdReader::skip() {
+  ++contents_->at;
+}
+
 bool H5mdReader::next(Vectors& x, Box& box) {
   if (contents_->at >= contents_->frames) return false;
   with_hdf5([&] {
@@ -72,7 +80,7 @@ bool H5mdReader::next(Vectors& x, Box& box) {
 
 Eigen::VectorXd H5mdReader::tensions() const {
   Eigen::VectorXd tensions;
-  if (contents_->tension < 0 || contents_->at == 0) return tensions;
+  if (contents_->tension < 0 || contents_->at == 0 || contents_->at > contents_->frames) return tensions;
   with_hdf5([&] {
     const H5Maker file(contents_->file);
     tensions.resize(static_cast<Eigen::Index>(file.sizes(contents_->tension).at(1)));

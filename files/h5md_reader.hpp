@@ -18,10 +18,13 @@ class H5mdReader {
   int atoms() const { return atoms_; }
   double interval() const { return interval_; }  // time between frames, 0 for a single one [ps]
   double first_time() const { return first_; }   // of the first frame [ps]
+  long frames() const;
 
+  // Goes past the next frame without reading it.
+  void skip();
   // Reads the next frame: positions [nm], and the box where the file has one. Returns false after the last.
   bool next(Vectors& x, Box& box);
-  // The tension of each rigid bond in the frame that next() read last [kJ/mol/nm]; empty where the file has none.
+  // The tension of each rigid bond in the frame that next() or skip() passed last [kJ/mol/nm]; empty where the file has none.
   Eigen::VectorXd tensions() const;
 
  private:

@@ -207,6 +207,35 @@ TEST(Look, PlotsWhatIsMeasured) {
   EXPECT_EQ(csv_rows(contents(at + "both/each_run.csv")).size() % 2, 1u);  // each figure of both
 }
 
+// Of a long trajectory a plot reads frames evenly spaced, as many as are asked for at most.
+TEST(Look, PlotsSomeFramesOfManyOnly) {
+  const TemporaryFolder folder;
+  const std::string at = folder.path().string() + "/";
+  for (const char* kind : {"dcd", "h5md"}) {
+    const std::string run = at + kind;
+    // every fourth frame of the one run is a frame of the other
+    for (const char* every : {"2", "8"})
+      said(kShortRun + std::string("run.trajectory_every=") + every + " run.trajectory=" + kind +
+           " --quiet --out " + run + every);
+    json thinned = json::parse(said("plot --json --frames 26 " + run + "2"))["measured"][0];
+    const json few = json::parse(said("plot --json " + run + "8"))["measured"][0];
+    EXPECT_EQ(thinned["one_frame_of"], 4);
+    EXPECT_FALSE(few.contains("one_frame_of"));
+    for (const char* figure : {"frames", "interval_ps", "end_to_end_squared_nm2", "gyration_squared_nm2"})
+      EXPECT_EQ(thinned[figure], few[figure]) << figure;
+    EXPECT_EQ(json::parse(said("plot --overwrite --json --frames 0 " + run + "2"))["measured"][0]["frames"],
+              101);
+    EXPECT_THAT(said("plot --overwrite --frames 26 " + run + "2"), HasSubstr("of 4 frames one is read"));
+    EXPECT_THAT(contents(run + "2/plot/report.html"), HasSubstr("Of 4 frames one is read"));
+  }
+  const auto rows = csv_rows(contents(at + "h5md2/plot/run.csv"));
+  EXPECT_EQ(
+      std::ranges::count_if(
+          rows, [](const auto& row) { return row[0] == "bond tension [kJ/mol/nm]" && row[1] == "mean"; }),
+      26);
+  EXPECT_THAT(said("plot --frames -1 " + at + "dcd2", 2), HasSubstr("--frames"));
+}
+
 // Every column of the log that the run has becomes a curve, of each run one.
 TEST(Look, PlotsRunsOverEachOther) {
   const TemporaryFolder folder;
