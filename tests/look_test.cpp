@@ -187,6 +187,29 @@ TEST(Look, PlotsTheAccountWithoutTheSteeringsWork) {
   EXPECT_LT(account, 1e-3 * work);
 }
 
+// The page's scene, pulled five times as fast: the work is the free energy, 7.79 kJ/mol a chain, and a little more. Chains
+// that feel no wall would do -14.9 kJ/mol.
+TEST(Look, PullsAnEndPastAWall) {
+  const TemporaryFolder folder;
+  const std::string page = contents(std::string(TAUT_SCENES) + "/../docs/worked_examples.md");
+  const std::string begin = "### Past a wall\n```toml\n";
+  const auto at = page.find(begin);
+  ASSERT_NE(at, std::string::npos);
+  const auto from = at + begin.size();
+  std::ofstream(folder.path() / "past.toml") << page.substr(from, page.find("```", from) - from);
+  const std::string run = (folder.path() / "run").string();
+  said("run " + (folder.path() / "past.toml").string() +
+       " --method feedforward --steps 10000 --set 'run.pull_factor=[[0, 0], [20, 0], [100, 1]]' --quiet "
+       "--out " +
+       run);
+  const auto log = csv_rows(contents(run + "/log.csv"));
+  const auto column = std::ranges::find(log[0], "Steering Work (kJ/mole)") - log[0].begin();
+  ASSERT_LT(column, std::ssize(log[0]));
+  const double work = std::stod(log.back()[column]) / 100;
+  EXPECT_GT(work, 7.79 - 0.5);
+  EXPECT_LT(work, 7.79 + 1.5);
+}
+
 // A plot's page has what `taut measure --from auto` gives, of several runs laid over each other.
 TEST(Look, PlotsWhatIsMeasured) {
   const TemporaryFolder folder;
