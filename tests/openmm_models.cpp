@@ -139,8 +139,8 @@ Files anchored_melt(const Folder& folder) {
 
 }  // namespace taut::tests
 
-// OpenMM 7.7 does not free the two-dimensional tables it reads from XML.
+// OpenMM 7.7 does not free all tables it reads from XML.
 extern "C" const char* __lsan_default_suppressions();
 extern "C" const char* __lsan_default_suppressions() {
-  return "leak:Discrete2DFunctionProxy";
+  return "leak:Discrete2DFunctionProxy\nleak:Continuous1DFunctionProxy";
 }
