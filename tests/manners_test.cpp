@@ -23,12 +23,6 @@ using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-std::string said(const std::string& arguments, int exit_code = 0) {
-  const Outcome outcome = taut(arguments);
-  EXPECT_EQ(outcome.exit_code, exit_code) << arguments << "\n" << outcome.text;
-  return outcome.text;
-}
-
 TEST(Manners, Version) {
   EXPECT_THAT(said("--version"), ContainsRegex("^taut [0-9]+\\.[0-9]+\n$"));
 }

@@ -2,6 +2,7 @@
 
 // The command as a user types it.
 
+#include <gtest/gtest.h>
 #include <sys/wait.h>
 
 #include <algorithm>
@@ -28,6 +29,13 @@ inline Outcome taut(const std::string& arguments, const std::string& environment
     outcome.text.append(buffer.data(), n);
   outcome.exit_code = WEXITSTATUS(pclose(pipe));
   return outcome;
+}
+
+// What a command says that ends with this exit code.
+inline std::string said(const std::string& arguments, int exit_code = 0) {
+  const Outcome outcome = taut(arguments);
+  EXPECT_EQ(outcome.exit_code, exit_code) << arguments << "\n" << outcome.text;
+  return outcome.text;
 }
 
 // A report's text, its entities undone.

@@ -7,7 +7,7 @@ namespace taut {
 namespace {
 
 constexpr int kWhole = 8;        // numbers a row: all rows are aligned alike
-constexpr int kLeastWidth = 32;  // pairs of them fill a vector
+constexpr int kLeastWidth = 32;  // numbers a row: 16 pairs, as many as the widest vector has lanes
 
 int whole(int n, int of) {
   return (n + of - 1) / of * of;
