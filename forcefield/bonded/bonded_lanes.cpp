@@ -13,15 +13,10 @@
 // after the targets: once a target
 #include <hwy/contrib/math/math-inl.h>
 
-#include "base/vector_lanes-inl.hpp"
+#include "forcefield/bonded/term_blocks-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
-
-// The energy of one kind of term. forces() takes the atoms' positions x and the term's numbers p, sets the
-// forces f and returns the energies.
-template <class Term>
-struct Law;
 
 // A force along the line of two atoms: `pull` times the vector from i to j acts on i, its opposite on j.
 HWY_INLINE void pull_together(V pull, const V3& d, V3* f) {
@@ -222,74 +217,6 @@ struct Law<TurnedTorsion> {
       return TorsionEnergy{hn::Mul(hn::Mul(broadcast(0.5), moment), turn), moment};
     });
   }
-};
-
-// Terms go by blocks: positions and numbers to rows, all lanes through the law, forces from the rows to the
-// atoms, term by term, as terms of one vector may share an atom.
-template <class Term>
-class Block {
-  static constexpr int kTerms = 32;
-  static constexpr int kAtoms = static_cast<int>(std::tuple_size_v<decltype(atoms_of(std::declval<Term>()))>);
-  static constexpr int kNumbers = static_cast<int>(
-      std::tuple_size_v<std::remove_cvref_t<decltype(Law<Term>::numbers(std::declval<Term>()))>>);
-
- public:
-  static double add_all(std::span<const Term> terms, const double* HWY_RESTRICT x, double* HWY_RESTRICT f) {
-    Block block;
-    V energy = hn::Zero(D());
-    for (std::size_t first = 0; first < terms.size(); first += kTerms) {
-      const auto some = terms.subspan(first, std::min<std::size_t>(kTerms, terms.size() - first));
-      block.gather(some, x);
-      energy = hn::Add(energy, block.apply(static_cast<int>(some.size())));
-      block.scatter(some, f);
-    }
-    return hn::GetLane(hn::SumOfLanes(D(), energy));
-  }
-
- private:
-  // The last term again in lanes left over.
-  void gather(std::span<const Term> terms, const double* HWY_RESTRICT x) {
-    const int count = static_cast<int>(terms.size()), lanes = (count + kWidth - 1) / kWidth * kWidth;
-    for (int t = 0; t < lanes; ++t) {
-      const Term& term = terms[std::min(t, count - 1)];
-      const auto atoms = atoms_of(term);
-      for (int a = 0; a < kAtoms; ++a)
-        for (int d = 0; d < 3; ++d) place_[3 * a + d][t] = x[3 * atoms[a] + d];
-      const auto& numbers = Law<Term>::numbers(term);
-      for (int n = 0; n < kNumbers; ++n) number_[n][t] = numbers[n];
-    }
-  }
-
-  // Forces take the place of positions.
-  V apply(int count) {
-    V energies = hn::Zero(D());
-    for (int t = 0; t < count; t += kWidth) {
-      V3 x[kAtoms], f[kAtoms];
-      V numbers[kNumbers];
-      for (int a = 0; a < kAtoms; ++a)
-        x[a] = {load(place_[3 * a] + t), load(place_[3 * a + 1] + t), load(place_[3 * a + 2] + t)};
-      for (int n = 0; n < kNumbers; ++n) numbers[n] = load(number_[n] + t);
-      const V energy = Law<Term>::forces(x, numbers, f);
-      energies = hn::Add(energies, hn::IfThenElseZero(hn::FirstN(D(), count - t), energy));
-      for (int a = 0; a < kAtoms; ++a) {
-        store(f[a].x, place_[3 * a] + t);
-        store(f[a].y, place_[3 * a + 1] + t);
-        store(f[a].z, place_[3 * a + 2] + t);
-      }
-    }
-    return energies;
-  }
-
-  void scatter(std::span<const Term> terms, double* HWY_RESTRICT f) const {
-    for (int t = 0; t < static_cast<int>(terms.size()); ++t) {
-      const auto atoms = atoms_of(terms[t]);
-      for (int a = 0; a < kAtoms; ++a)
-        for (int d = 0; d < 3; ++d) f[3 * atoms[a] + d] += place_[3 * a + d][t];
-    }
-  }
-
-  HWY_ALIGN double place_[3 * kAtoms][kTerms];
-  HWY_ALIGN double number_[kNumbers][kTerms];
 };
 
 double bonds(std::span<const HarmonicBond> terms, const double* x, double* f) {

@@ -6,27 +6,14 @@
 // after the targets: once a target
 #include <hwy/cache_control.h>
 
+#include "base/vector_lanes-inl.hpp"
 #include "forcefield/pairs/pair_lanes-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-using Four = hn::CappedTag<double, 4>;
-using FourV = hn::Vec<Four>;
 constexpr int kAhead = 32;  // atoms prefetched before their turn: they lie anywhere in memory
-
-#if HWY_TARGET <= HWY_AVX2
-// Transposes (x, y, z, any) of four atoms to x of all four, y and z.
-HWY_INLINE void by_axes(const FourV (&atom)[4], FourV (&axis)[3]) {
-  const Four d;
-  const auto xz01 = hn::InterleaveLower(d, atom[0], atom[1]), xz23 = hn::InterleaveLower(d, atom[2], atom[3]);
-  const auto y01 = hn::InterleaveUpper(d, atom[0], atom[1]), y23 = hn::InterleaveUpper(d, atom[2], atom[3]);
-  axis[0] = hn::ConcatLowerLower(d, xz23, xz01);
-  axis[1] = hn::ConcatLowerLower(d, y23, y01);
-  axis[2] = hn::ConcatUpperUpper(d, xz23, xz01);
-}
-#endif
 
 template <class T>
 HWY_INLINE void place_cluster(const double* const (&from)[4], const Vec3* offset, double inv_unit,
