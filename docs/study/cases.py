@@ -1,0 +1,131 @@
+"""What the study runs: systems, methods, steps. study.py runs them, judge.py judges them."""
+import csv
+import dataclasses
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+DATA = HERE / "data"
+STEP_FACTORS = (0.25, 0.5, 1, 1.5, 2, 2.5)
+LENNARD_JONES_K = 120.27235504272603  # the temperature 1 kJ/mol
+
+# A method's name in the tables, and its keys. {sweeps:4} stands for what `taut calibrate --sweeps 4` finds.
+METHODS = {
+    "none": ["name=none"],
+    "penalty": ["name=penalty"],
+    "baumgarte": ["name=baumgarte"],
+    "baumgarte dead-beat": ["name=baumgarte", "gains=dead-beat"],
+    "baumgarte as 4 sweeps": ["name=baumgarte", "gains=rattle", "damping=centred", "passes=2", "reduction={sweeps:4}"],
+    "baumgarte as rattle 1e-5": ["name=baumgarte", "gains=rattle", "damping=centred", "passes=2",
+                                 "reduction={tolerance:1e-5}"],
+    "baumgarte physical": ["name=baumgarte", "gains=physical"],
+    "baumgarte hoomd": ["name=baumgarte", "gains=hoomd"],
+    "baumgarte box2d": ["name=baumgarte", "gains=box2d"],
+    "baumgarte implicit": ["name=baumgarte", "damping=implicit"],
+    "baumgarte lagged": ["name=baumgarte", "damping=lagged"],
+    "feedforward": ["name=feedforward"],
+    "shake 1e-4": ["name=shake", "tolerance=1e-4"],
+    "shake": ["name=shake"],
+    "rattle": ["name=rattle"],
+    "newton": ["name=newton"],
+    "mshake": ["name=mshake"],
+    "lincs": ["name=lincs"],
+    "lincs strict": ["name=lincs", "order=8", "iterations=2"],
+    "settle": ["name=settle"],
+    "settle and lincs": ["name=settle", "solute=lincs"],  # as GROMACS has it: its waters are SETTLE's
+}
+SHORT_LIST = ("baumgarte", "baumgarte dead-beat", "baumgarte implicit", "feedforward", "shake 1e-4", "newton", "lincs",
+              "lincs strict", "settle and lincs")  # for large systems
+MIXED = ("baumgarte", "feedforward", "newton")  # run in mixed precision, too, at the usual step
+
+
+@dataclasses.dataclass
+class System:
+    title: str
+    scene: list  # what `taut run` is told
+    dt_fs: float  # the usual step
+    ps: float  # of a run
+    temperature_k: float = 298.15
+    thermostat_ps: float = 0.5
+    equilibrate_ps: float = 0  # before the first run
+    openmm: str = ""  # the name of OpenMM's files, in tests/data or made by make_systems.py
+    keys: list = dataclasses.field(default_factory=list)
+    steps: tuple = ()  # [fs]; none: the usual one by STEP_FACTORS
+    reference_fs: float = 0  # a shorter step, of newton alone
+    methods: tuple = tuple(METHODS)
+    lacks: tuple = ("settle", "settle and lincs")  # methods that are not for it
+    precision: str = "double"
+
+    def bath(self):
+        return [f"run.temperature_k={self.temperature_k}", "run.thermostat=rescaling",
+                f"run.thermostat_ps={self.thermostat_ps}"]
+
+    def files(self, work):
+        """OpenMM's files: the repository's own, or those in the folder work."""
+        own = ROOT / "tests/data"
+        folder = own if (own / f"{self.openmm}.system.xml").exists() else Path(work) / "systems"
+        return [folder / f"{self.openmm}.{kind}.xml" for kind in ("system", "state")]
+
+    def cells(self):
+        """(method, step, precision) of one seed."""
+        for method in self.methods:
+            if method in self.lacks:
+                continue
+            if method == "newton" and self.reference_fs:
+                yield method, self.reference_fs, self.precision
+            for step in self.steps or [factor * self.dt_fs for factor in STEP_FACTORS]:
+                yield method, step, self.precision
+        if self.precision == "double" and self.scene != ["freely_jointed"]:  # which has no forces
+            for method in MIXED:
+                yield method, self.dt_fs, "mixed"
+
+
+def pme_water(title, *keys, **more):
+    return System(title, ["water"], 2, 10, keys=["forcefield.coulomb=pme", *keys], lacks=("settle and lincs",), **more)
+
+
+def in_water(title, files, ps, **more):
+    return System(title, [], 2, ps, 300, openmm=files, lacks=("settle",), **more)
+
+
+def villin(title, files, **more):
+    settings = dict(equilibrate_ps=4, steps=(1, 2, 3, 4), reference_fs=0.5, methods=SHORT_LIST, precision="mixed")
+    return in_water(title, files, 4, **(settings | more))
+
+
+HEAVY = dict(steps=(2, 3, 4, 5, 6), reference_fs=1)  # hydrogens of 3 u
+SYSTEMS = {
+    "chains": System("100 free chains of 20", ["freely_jointed"], 10, 20, LENNARD_JONES_K, 1, 20),
+    "melt": System("Kremer–Grest melt, 20 × 50", ["melt"], 5, 20, LENNARD_JONES_K, 1, 10),
+    "decane": System("decane, 128 molecules", ["decane"], 2, 10),
+    "tip3p": pme_water("TIP3P, 216 waters, PME"),
+    "tip4p2005": pme_water("TIP4P/2005, 216 waters, PME", "build.model=tip4p2005", equilibrate_ps=20),
+    "dipeptide": in_water("alanine dipeptide in water, h-bonds", "ala2-hbonds-rf", 4),
+    "dipeptide-all": in_water("alanine dipeptide in water, all bonds", "ala2-allbonds-rf", 4),
+    "dna": System("DNA duplex without water, h-bonds", [], 2, 10, 300, openmm="dna-hbonds"),
+    "villin": villin("villin in water, h-bonds", "villin"),
+    "villin-all": villin("villin in water, all bonds", "villin-all"),
+    "villin-angles": villin("villin in water, h-angles", "villin-angles"),
+    "villin-3u": villin("villin in water, h-bonds, hydrogens of 3 u", "villin-3u", **HEAVY),
+    "villin-angles-3u": villin("villin in water, h-angles, hydrogens of 3 u", "villin-angles-3u", **HEAVY),
+}
+
+
+def cells(names, seeds):
+    """All runs, (system, method, step, seed, precision): after the first seed every cell has one value."""
+    for seed in range(1, seeds + 1):
+        for name in names:
+            for method, step, precision in SYSTEMS[name].cells():
+                yield name, method, step, seed, precision
+
+
+def read_rows(file="runs.csv"):
+    path = DATA / file
+    if not path.exists():
+        return []
+    with open(path, newline="") as rows:
+        return list(csv.DictReader(rows))
+
+
+def key_of(row):
+    return row["system"], row["method"], float(row["dt_fs"]), int(row["seed"]), row["precision"]
