@@ -89,7 +89,7 @@ def in_water(title, files, ps, **more):
 
 
 def villin(title, files, **more):
-    settings = dict(equilibrate_ps=4, steps=(1, 2, 3, 4), reference_fs=0.5, methods=SHORT_LIST, precision="mixed")
+    settings = dict(steps=(1, 2, 3, 4), reference_fs=0.5, methods=SHORT_LIST, precision="mixed")
     return in_water(title, files, 4, **(settings | more))
 
 

@@ -59,7 +59,7 @@ class Study:
             step = system.dt_fs / 2
             subprocess.run([*words, "--threads", "1", "--precision", system.precision, "--steps",
                             str(round(1000 * system.equilibrate_ps / step)), "--dt-fs", str(step), "--out", str(folder),
-                            "--overwrite", "--set", *keys, *system.bath(), "run.velocities=draw", "method.name=newton"],
+                            "--overwrite", "--set", *keys, *system.bath(), "method.name=newton"],
                            check=True, stdout=subprocess.DEVNULL)
         return words, [*keys, f"build.start={folder / 'final.start.toml'}", "run.velocities=draw"]
 
