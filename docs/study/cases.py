@@ -56,9 +56,14 @@ class System:
     lacks: tuple = ("settle", "settle and lincs")  # methods that are not for it
     precision: str = "double"
 
-    def bath(self):
-        return [f"run.temperature_k={self.temperature_k}", "run.thermostat=rescaling",
-                f"run.thermostat_ps={self.thermostat_ps}"]
+    @property
+    def has_forces(self):
+        return self.scene != ["freely_jointed"]
+
+    def settings(self, precision):
+        """Keys of the bath and of the forces."""
+        return [*([f"forcefield.precision={precision}"] if self.has_forces else []), f"run.temperature_k={self.temperature_k}",
+                "run.thermostat=rescaling", f"run.thermostat_ps={self.thermostat_ps}"]
 
     def files(self, work):
         """OpenMM's files: the repository's own, or those in the folder work."""
@@ -75,7 +80,7 @@ class System:
                 yield method, self.reference_fs, self.precision
             for step in self.steps or [factor * self.dt_fs for factor in STEP_FACTORS]:
                 yield method, step, self.precision
-        if self.precision == "double" and self.scene != ["freely_jointed"]:  # which has no forces
+        if self.precision == "double" and self.has_forces:
             for method in MIXED:
                 yield method, self.dt_fs, "mixed"
 

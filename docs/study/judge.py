@@ -19,9 +19,9 @@ import argparse
 import math
 import statistics
 import sys
-from collections import defaultdict
+from collections import Counter, defaultdict
 
-from cases import HERE, METHODS, MIXED, SYSTEMS, read_rows
+from cases import HERE, METHODS, MIXED, SYSTEMS, key_of, read_rows
 
 BOLTZMANN = 0.00831446261815324  # [kJ/mol/K]
 PAGE = HERE / "README.md"
@@ -276,6 +276,8 @@ def main():
     ask.add_argument("--check", action="store_true")
     check = ask.parse_args().check
     rows, page = read_rows(), PAGE.read_text()
+    if twice := [key for key, count in Counter(map(key_of, rows)).items() if count > 1]:
+        sys.exit(f"judge.py: data/runs.csv has two rows of {twice[0]}")
     made = with_tables(page, rows)
     if check:
         sys.exit(0 if made == page else "judge.py: a table of README.md is not that of data/; run judge.py")
