@@ -27,6 +27,14 @@ def points_of(judge, costs, system, method):
             yield step, cost_at(costs, system, method, step), max(abs(drift), error), error
 
 
+def panel(column, label, tics, lines, place):
+    """One of a picture's panels, between the shares `place` of its width."""
+    plots = ", \\\n ".join(f"$d{n} using {column}:3 with linespoints lw 1.5 pt 7 ps 0.5 lc rgb '{colour}' title '{method}'"
+                          for n, method, colour in lines)
+    return (f"set lmargin at screen {place[0]}\nset rmargin at screen {place[1]}\nset xlabel '{label}'\n"
+            f"set xtics ({', '.join(f'{tic:g}' for tic in tics)})\nplot {plots}\n")
+
+
 def draw(judge, costs):
     (HERE / "pictures").mkdir(exist_ok=True)
     for system in judge.systems:
@@ -36,19 +44,17 @@ def draw(judge, costs):
             if points:
                 blocks += f"$d{n} << EOD\n" + "".join(f"{s} {c or 'NaN'} {d} {e}\n" for s, c, d, e in points) + "EOD\n"
                 lines.append((n, method, colour))
-        panels = [(1, "step [fs]")]
-        if any(name == system for name, _, _ in costs):
-            panels.append((2, "processor seconds a nanosecond, one thread"))
-        plots = ""
-        for column, label in panels:
-            last = column == panels[-1][0]
-            plots += f"set xlabel '{label}'\n" + ("set key outside right\n" if last else "unset key\n") + "plot " + ", \\\n ".join(
-                f"$d{n} using {column}:3 with linespoints lw 1.5 pt 7 ps 0.5 lc rgb '{colour}' title '{method}'"
-                for n, method, colour in lines) + "\n"
-        wide = 380 * len(panels) + 200
-        script = (f"set terminal svg size {wide},420 font 'sans,11' background 'white'\nset output '{system}.svg'\n{blocks}"
-                  f"set multiplot layout 1,{len(panels)} title '{SYSTEMS[system].title}'\nset logscale xy\nset grid\n"
-                  "set ylabel 'energy drift, absolute [kT/ns/degree of freedom]'\nset format y '10^{%T}'\n"
+        timed = any(name == system for name, _, _ in costs)
+        wide, right = (920, 0.42) if timed else (600, 0.66)
+        steps = sorted({step for steps in judge.table[system].values() for step in steps})
+        script = (f"set terminal svg size {wide},400 font 'sans,11' background 'white'\nset output '{system}.svg'\n{blocks}"
+                  "set multiplot\nset tmargin at screen 0.9\nset bmargin at screen 0.15\nset logscale xy\nset autoscale xfix\nset offsets graph 0.03, graph 0.03, 0, 0\nset grid\n"
                   f"set arrow from graph 0, first {LARGEST_DRIFT_KT} to graph 1, first {LARGEST_DRIFT_KT} nohead dt 2\n"
-                  f"{plots}unset multiplot\n")
-        subprocess.run(["gnuplot"], input=script, text=True, check=True, cwd=HERE / "pictures")
+                  f"set title '{SYSTEMS[system].title}'\nset ylabel 'energy drift, absolute [kT/ns/degree of freedom]'\n"
+                  f"set format y '10^{{%T}}'\n{'unset key' if timed else 'set key at screen 0.99, 0.88 Left reverse'}\n"
+                  + panel(1, "step [fs]", steps, lines, (0.08 if timed else 0.13, right)))
+        if timed:
+            script += ("unset ylabel\nunset title\nset format y ''\nset key at screen 0.99, 0.88 Left reverse\n"
+                       + panel(2, "processor seconds a nanosecond, one thread",
+                               [digit * 10 ** power for power in range(5) for digit in (1, 2, 3, 5)], lines, (0.45, 0.76)))
+        subprocess.run(["gnuplot"], input=script + "unset multiplot\n", text=True, check=True, cwd=HERE / "pictures")
