@@ -24,6 +24,8 @@ import sys
 import tempfile
 from pathlib import Path
 
+import numpy
+
 from cases import DATA, METHODS, ROOT, SYSTEMS, cells, key_of, read_rows
 from judge import Judge, of, whole
 
@@ -109,8 +111,9 @@ class Study:
         with tempfile.TemporaryDirectory(dir=self.work) as scratch:
             out = Path(scratch) / "out"
             before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-            done = subprocess.run([*words, "--steps", str(steps), "--measure", "--out", str(out), "--set", *keys,
-                                   f"run.seed={seed}", f"run.log_every={max(1, steps // 200)}"],
+            measure = [] if SYSTEMS[name].openmm else ["--measure"]
+            done = subprocess.run([*words, "--steps", str(steps), *measure, "--out", str(out), "--set", *keys,
+                                   f"run.seed={seed}", f"run.log_every={max(1, steps // 400)}"],
                                   capture_output=True, text=True)
             row = {"ps": ps, "cpu_us": 1e6 * (resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before) / steps}
             if done.returncode == 2:
@@ -119,7 +122,7 @@ class Study:
                 return {"status": "failed: " + said(done.stderr)}
             if done.returncode:
                 sys.exit(f"study.py: {said(done.stderr)}")
-            return row | figures(json.loads(done.stdout), out / "log.csv")
+            return row | figures(json.loads(done.stdout), out / "log.csv", SYSTEMS[name].settling_ps)
 
 
 def said(text):
@@ -140,15 +143,12 @@ def temperatures(kinds):
     return row
 
 
-def figures(summary, log):
-    row = {"status": "ok", "rms_bond": summary["rms_rel_bond_error"], "max_bond": summary["max_rel_bond_error"],
-           "drift": summary["energy_drift_kj_mol_ns_dof"],
-           "constraint_drift": summary["constraint_drift_kj_mol_ns_dof"], "temperature_k": summary["temperature_k"]}
+def figures(summary, log, settling_ps):
+    """What a run measured. Drifts and means of the log are of what comes after the settling; the rest is of all."""
+    row = {"status": "ok", "rms_bond": summary["rms_rel_bond_error"], "max_bond": summary["max_rel_bond_error"]}
     if summary["converged"] is not None:  # every step to twice the error that the method promises
         row["promise"] = "kept" if summary["converged"] else "missed"
     row |= temperatures(summary.get("temperatures_k", {}))
-    if summary.get("pressure_bar"):
-        row["pressure_bar"] = summary["pressure_bar"]["value"]
     measured = summary.get("measured") or {}
     if "end_to_end_squared_nm2" in measured:
         row["end_to_end_nm2"] = next(iter(measured["end_to_end_squared_nm2"].values()))
@@ -156,11 +156,16 @@ def figures(summary, log):
         row["g_peak"] = max(point[1] for point in measured["distances"])
     with open(log, newline="") as file:
         rows = list(csv.DictReader(file))
-    later = rows[len(rows) // 10:]  # the first tenth, in which drawn velocities settle, is left out
-    mean = lambda title: sum(float(r[title]) for r in later) / len(later)
-    titles = {title.lstrip("#"): title for title in rows[0]}
-    row["potential_kj_mol"] = mean(titles["Potential Energy (kJ/mole)"])
-    row["iterations"] = mean(titles["Iterations per Step"])
+    column = lambda title: numpy.array([float(r[title]) for r in rows]) if title in rows[0] else None
+    t = column("Time (ps)")
+    later = t >= (settling_ps or 0.1 * t[-1])  # in which drawn velocities become those of the step
+    slope = lambda energy: 1000 * numpy.polyfit(t[later], energy[later], 1)[0] / summary["dof"]
+    row["drift"] = slope(column("Total Energy (kJ/mole)") - column("Heat (kJ/mole)"))
+    row["constraint_drift"] = slope(column("Constraint Work (kJ/mole)"))
+    for name, title in (("temperature_k", "Temperature (K)"), ("potential_kj_mol", "Potential Energy (kJ/mole)"),
+                        ("pressure_bar", "Pressure (bar)"), ("iterations", "Iterations per Step")):
+        if (values := column(title)) is not None:
+            row[name] = values[later].mean()
     known = lambda value: value is not None and not (isinstance(value, float) and math.isnan(value))
     return {key: value for key, value in row.items() if known(value)}
 
