@@ -91,8 +91,12 @@ def pme_water(title, *keys, **more):
                   settling_ps=2, **more)
 
 
+FROM_1_FS = dict(steps=(1, 2, 3, 4, 5), reference_fs=0.5)
+
+
 def of_openmm(title, files, ps, **more):
-    return System(title, [], 2, ps, 300, openmm=files, settling_ps=2, **({"lacks": ("settle", "baumgarte hoomd")} | more))
+    settings = FROM_1_FS | {"lacks": ("settle", "baumgarte hoomd")} | more
+    return System(title, [], 2, ps, 300, openmm=files, settling_ps=2, **settings)
 
 
 def villin(title, files, **more):
@@ -106,7 +110,7 @@ SYSTEMS = {
     "melt": System("Kremer–Grest melt, 20 × 50", ["melt"], 5, 20, LENNARD_JONES_K, 1, 10),
     "decane": System("decane, 128 molecules", ["decane"], 2, 10),
     "tip3p": pme_water("TIP3P, 216 waters, PME"),
-    "tip4p2005": pme_water("TIP4P/2005, 216 waters, PME", "build.model=tip4p2005", equilibrate_ps=20),
+    "tip4p2005": pme_water("TIP4P/2005, 216 waters, PME", "build.model=tip4p2005", equilibrate_ps=20, **FROM_1_FS),
     "dipeptide": of_openmm("alanine dipeptide in water, h-bonds", "ala2-hbonds-rf", 6),
     "dipeptide-all": of_openmm("alanine dipeptide in water, all bonds", "ala2-allbonds-rf", 6),
     "dna": of_openmm("DNA duplex without water, h-bonds", "dna-hbonds", 10,

@@ -158,8 +158,8 @@ def figures(summary, log, settling_ps):
         rows = list(csv.DictReader(file))
     column = lambda title: numpy.array([float(r[title]) for r in rows]) if title in rows[0] else None
     t = column("Time (ps)")
-    later = t >= (settling_ps or 0.1 * t[-1])  # in which drawn velocities become those of the step
-    slope = lambda energy: 1000 * numpy.polyfit(t[later], energy[later], 1)[0] / summary["dof"]
+    settled, later = t >= settling_ps, t >= (settling_ps or 0.1 * t[-1])
+    slope = lambda energy: 1000 * numpy.polyfit(t[settled], energy[settled], 1)[0] / summary["dof"]
     row["drift"] = slope(column("Total Energy (kJ/mole)") - column("Heat (kJ/mole)"))
     row["constraint_drift"] = slope(column("Constraint Work (kJ/mole)"))
     for name, title in (("temperature_k", "Temperature (K)"), ("potential_kj_mol", "Potential Energy (kJ/mole)"),
@@ -201,7 +201,7 @@ def check_short(study):
     compared = differing = 0
     for name in judge.systems:
         system = SYSTEMS[name]
-        for method in ("baumgarte", "baumgarte implicit", "feedforward", "lincs", "newton") if system.steps == () else ():
+        for method in ("baumgarte", "baumgarte implicit", "feedforward", "lincs", "newton") if system.precision == "double" else ():
             kept = judge.table[name].get(method, {}).get(float(system.dt_fs), [])
             if len(kept) < 2 or not whole(kept):
                 continue
