@@ -95,8 +95,8 @@ FROM_1_FS = dict(steps=(1, 2, 3, 4, 5), reference_fs=0.5)
 
 
 def of_openmm(title, files, ps, **more):
-    settings = FROM_1_FS | {"lacks": ("settle", "baumgarte hoomd")} | more
-    return System(title, [], 2, ps, 300, openmm=files, settling_ps=2, **settings)
+    settings = FROM_1_FS | {"dt_fs": 2, "lacks": ("settle", "baumgarte hoomd")} | more
+    return System(title, [], ps=ps, temperature_k=300, openmm=files, settling_ps=2, **settings)
 
 
 def villin(title, files, **more):
@@ -104,7 +104,7 @@ def villin(title, files, **more):
     return of_openmm(title, files, 6, **(settings | more))
 
 
-HEAVY = dict(steps=(3, 4, 5, 6), reference_fs=1)  # hydrogens of 3 u
+HEAVY = dict(dt_fs=4, steps=(3, 4, 5, 6), reference_fs=1)  # hydrogens of 3 u
 SYSTEMS = {
     "chains": System("100 free chains of 20", ["freely_jointed"], 10, 20, LENNARD_JONES_K, 1, 20),
     "melt": System("Kremer–Grest melt, 20 × 50", ["melt"], 5, 20, LENNARD_JONES_K, 1, 10),
