@@ -36,6 +36,7 @@ METHODS = {
 }
 SHORT_LIST = ("newton", "baumgarte", "feedforward", "settle and lincs", "lincs strict", "baumgarte dead-beat", "shake 1e-4",
               "baumgarte implicit")  # for large systems
+MIDDLE_LIST = (*SHORT_LIST, "lincs", "baumgarte lagged", "baumgarte as 4 sweeps", "settle")
 MIXED = ("baumgarte", "feedforward", "newton")  # run in mixed precision, too, at the usual step
 
 
@@ -110,9 +111,10 @@ SYSTEMS = {
     "melt": System("Kremer–Grest melt, 20 × 50", ["melt"], 5, 20, LENNARD_JONES_K, 1, 10),
     "decane": System("decane, 128 molecules", ["decane"], 2, 10),
     "tip3p": pme_water("TIP3P, 216 waters, PME"),
-    "tip4p2005": pme_water("TIP4P/2005, 216 waters, PME", "build.model=tip4p2005", equilibrate_ps=20, **FROM_1_FS),
+    "tip4p2005": pme_water("TIP4P/2005, 216 waters, PME", "build.model=tip4p2005", equilibrate_ps=20, methods=MIDDLE_LIST,
+                           **FROM_1_FS),
     "dipeptide": of_openmm("alanine dipeptide in water, h-bonds", "ala2-hbonds-rf", 6),
-    "dipeptide-all": of_openmm("alanine dipeptide in water, all bonds", "ala2-allbonds-rf", 6),
+    "dipeptide-all": of_openmm("alanine dipeptide in water, all bonds", "ala2-allbonds-rf", 6, methods=MIDDLE_LIST),
     "dna": of_openmm("DNA duplex without water, h-bonds", "dna-hbonds", 10,
                      lacks=("settle", "settle and lincs", "baumgarte hoomd")),
     "villin": villin("villin in water, h-bonds", "villin"),

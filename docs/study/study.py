@@ -156,7 +156,7 @@ def figures(summary, log, settling_ps):
         row["g_peak"] = max(point[1] for point in measured["distances"])
     with open(log, newline="") as file:
         rows = list(csv.DictReader(file))
-    column = lambda title: numpy.array([float(r[title]) for r in rows]) if title in rows[0] else None
+    column = lambda title: numpy.array([float(r[title]) for r in rows]) if rows[0].get(title) else None  # no box, no pressure
     t = column("Time (ps)")
     settled, later = t >= settling_ps, t >= (settling_ps or 0.1 * t[-1])
     slope = lambda energy: 1000 * numpy.polyfit(t[settled], energy[settled], 1)[0] / summary["dof"]
