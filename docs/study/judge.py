@@ -12,8 +12,8 @@ A step is sound if at it, and at every shorter one that was run, all of these ho
 - beside `newton` at the same step, the temperatures of translation, rotation and the rest are within 1 % of the bath's,
   the mean potential energy within 1 %.
 A limit counts as kept where the mean misses it by less than two standard errors over seeds. The standard deviation of
-one run is that of the cell's seeds, or the median over all cells of the system where that is larger. With one seed
-alone only the first two are judged.
+one run is that of the cell's seeds, or the median over all cells of the system where that is larger. Where no cell of
+a system has two seeds only the first two are judged.
 """
 import argparse
 import math
@@ -77,15 +77,18 @@ class Judge:
                     self.usual[system, column] = statistics.median(deviations)
 
     def error(self, system, column, values):
-        return max(statistics.stdev(values), self.usual[system, column]) / math.sqrt(len(values))
+        """The standard error of a mean; None where no cell of the system has two seeds."""
+        usual = self.usual.get((system, column))
+        own = statistics.stdev(values) if len(values) > 1 else 0
+        return usual and max(own, usual) / math.sqrt(len(values))
 
     def misses(self, system, column, rows, target, limit):
         """Whether the mean is further from the target than the limit and two errors; target: a number or rows."""
         values = of(rows, column)
         others = of(target, column) if isinstance(target, list) else None
-        if len(values) < 2 or (others is not None and len(others) < 2):
+        error = self.error(system, column, values) if values and others != [] else None
+        if error is None:
             return False
-        error = self.error(system, column, values)
         if others is not None:
             target, error = statistics.mean(others), math.hypot(error, self.error(system, column, others))
         return abs(statistics.mean(values) - target) > limit + 2 * error
@@ -104,6 +107,8 @@ class Judge:
             return "bonds"
         if self.misses(system, "drift", rows, 0, LARGEST_DRIFT_KT * kt(system)):
             return "drift"
+        if not SYSTEMS[system].at_rest:
+            return ""
         if self.misses(system, "temperature_k", rows, bath, LARGEST_SHARE * bath):
             return "temperature"
         newton = self.table[system].get("newton", {}).get(step, [])
@@ -170,7 +175,8 @@ def steps_table(judge):
             f"; {cost[0]:.3g} s, {100 * cost[1]:.0f} %" if cost else "")
     lines = grouped("largest sound step [fs], what fails next; cost of a nanosecond there, constraints' share", judge, cell)
     seeds = lambda name: statistics.mode(len(rows) for steps in judge.table[name].values() for rows in steps.values())
-    return lines + ["", "Seeds: " + ", ".join(f"{name} {seeds(name)}" for name in judge.systems) + "."]
+    return lines + ["", "| system | " + " | ".join(judge.systems) + " |", "|---" * (len(judge.systems) + 1) + "|",
+                    "| seeds of most cells | " + " | ".join(str(seeds(name)) for name in judge.systems) + " |"]
 
 
 def usual_table(judge):
@@ -190,10 +196,10 @@ def usual_table(judge):
 def averages_table(judge):
     """The largest step that keeps each average, under three methods."""
     lines = []
-    for system in judge.systems:
+    for system in (name for name in judge.systems if SYSTEMS[name].at_rest):
         line = []
         for column in AVERAGES.values():
-            if len(of(judge.reference(system), column)) < 2:
+            if not of(judge.reference(system), column) or (system, column) not in judge.usual:
                 line.append("")
                 continue
             stray = lambda s, m, h: not (whole(judge.table[s][m][h]) and judge.keeps(s, column, judge.table[s][m][h]))

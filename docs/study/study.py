@@ -237,6 +237,7 @@ def options(description):
 def main():
     ask = options(__doc__)
     ask.add_argument("--seeds", type=int, default=3)
+    ask.add_argument("--methods", default=",".join(METHODS))
     ask.add_argument("--factor", type=float, default=1)
     ask.add_argument("--short", action="store_true", help="compare a few runs with the data instead")
     asked = ask.parse_args()
@@ -249,7 +250,8 @@ def main():
         sys.exit(0 if check_short(study) else 1)
     write = open_rows(DATA / "runs.csv", COLUMNS)
     done = {key_of(row) for row in read_rows()}
-    todo = [cell for cell in cells(asked.systems.split(","), asked.seeds) if cell not in done]
+    todo = [cell for cell in cells(asked.systems.split(","), asked.seeds)
+            if cell not in done and cell[1] in asked.methods.split(",")]
     for n, (name, method, step, seed, precision) in enumerate(todo):
         print(f"\r{n} of {len(todo)}: {name}, {method}, {step:g} fs, seed {seed}, {precision}".ljust(100), end="",
               file=sys.stderr, flush=True)
