@@ -22,6 +22,7 @@ import peer_systems
 import real_systems
 import sound_steps
 
+import openmm
 import openmm.app as app
 
 STEPS = {"villin": (2, 3, 4), "villin-3u": (4, 5, 6)}  # [fs]
@@ -59,7 +60,10 @@ def taut_drift(system, method, dt_fs, ps):
 
 def openmm_drift(system, tolerance, dt_fs, ps):
     system.tolerance = tolerance
-    return sound_steps.drift_of_openmm(system, None, dt_fs, ps)
+    try:
+        return sound_steps.drift_of_openmm(system, None, dt_fs, ps)
+    except openmm.OpenMMException:  # positions that are no numbers
+        return None
 
 
 PROGRAMS = {**{f"taut, {method}": (taut_drift, method) for method in ("newton", "feedforward", "baumgarte")},
