@@ -156,21 +156,32 @@ def grouped(title, judge, cell, head=lambda name: name):
     return lines[:-1]
 
 
-def seconds_a_nanosecond():
-    """{(system, method, step): (processor seconds a nanosecond, the constraints' share)}"""
-    return {(row["system"], row["method"], float(row["dt_fs"])):
-            (float(row["us"]) / float(row["dt_fs"]), float(row["constraint_us"]) / float(row["us"]))
-            for row in read_rows("times.csv")}
+def read_times():
+    """{(system, method): [(step, time of a step, constraints' part of it), ...]} [µs], steps ascending"""
+    times = defaultdict(list)
+    for row in read_rows("times.csv"):
+        times[row["system"], row["method"]].append(tuple(float(row[column]) for column in ("dt_fs", "us", "constraint_us")))
+    return {key: sorted(values) for key, values in times.items()}
+
+
+def cost_at(times, system, method, step):
+    """Processor seconds a nanosecond and the constraints' share, or None: times change linearly between steps timed."""
+    timed = times.get((system, method))
+    if not timed or not step:
+        return None
+    (s0, *t0), (s1, *t1) = timed[0], timed[-1]
+    us, constraint_us = (a + (b - a) * (step - s0) / (s1 - s0) if s1 > s0 else a for a, b in zip(t0, t1))
+    return us / step, constraint_us / us
 
 
 def steps_table(judge):
-    costs = seconds_a_nanosecond()
+    times = read_times()
 
     def cell(system, method):
         if method not in judge.table[system]:
             return ""
         sound, wrong = judge.sound_step(system, method)
-        cost = costs.get((system, method, sound))
+        cost = cost_at(times, system, method, sound)
         return (f"**{sound:g}**" if sound else "–") + (f" {wrong}" if wrong else "") + (
             f"; {cost[0]:.3g} s, {100 * cost[1]:.0f} %" if cost else "")
     lines = grouped("largest sound step [fs], what fails next; cost of a nanosecond there, constraints' share", judge, cell)
@@ -292,7 +303,7 @@ def main():
         sys.exit(0 if made == page else "judge.py: a table of README.md is not that of data/; run judge.py")
     PAGE.write_text(made)
     import pictures
-    pictures.draw(Judge(rows), seconds_a_nanosecond())
+    pictures.draw(Judge(rows), read_times())
 
 
 if __name__ == "__main__":

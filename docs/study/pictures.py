@@ -2,7 +2,7 @@
 import subprocess
 
 from cases import HERE, SYSTEMS
-from judge import LARGEST_DRIFT_KT, kt, mean_and_error, of, whole
+from judge import LARGEST_DRIFT_KT, cost_at, kt, mean_and_error, of, whole
 
 COLOURS = {"penalty": "#999999", "baumgarte": "#d62728", "baumgarte dead-beat": "#ff9896",
            "baumgarte implicit": "#e377c2", "baumgarte lagged": "#c49c94", "feedforward": "#1f77b4", "shake 1e-4": "#bcbd22",
@@ -10,21 +10,13 @@ COLOURS = {"penalty": "#999999", "baumgarte": "#d62728", "baumgarte dead-beat": 
            "settle and lincs": "#17becf"}
 
 
-def cost_at(costs, system, method, step):
-    """Processor seconds a nanosecond: the time of a step is taken to change linearly between the steps that were timed."""
-    timed = sorted((s, cost[0] * s) for (name, m, s), cost in costs.items() if (name, m) == (system, method))
-    if not timed:
-        return None
-    (s0, u0), (s1, u1) = timed[0], timed[-1]
-    return (u0 + (u1 - u0) * (step - s0) / (s1 - s0) if s1 > s0 else u0) / step
-
-
-def points_of(judge, costs, system, method):
-    """(step, cost, drift, error) in kT/ns/dof; a drift below its error is drawn at its error."""
+def points_of(judge, times, system, method):
+    """(step, cost, drift [kT/ns/dof]); a drift below its error is drawn at its error."""
     for step, runs in sorted(judge.table[system].get(method, {}).items()):
         if whole(runs):
             drift, error = mean_and_error([v / kt(system) for v in of(runs, "drift")])
-            yield step, cost_at(costs, system, method, step), max(abs(drift), error), error
+            cost = cost_at(times, system, method, step)
+            yield step, cost and cost[0], max(abs(drift), error)
 
 
 def panel(column, label, tics, lines, place):
@@ -35,16 +27,16 @@ def panel(column, label, tics, lines, place):
             f"set xtics ({', '.join(f'{tic:g}' for tic in tics)})\nplot {plots}\n")
 
 
-def draw(judge, costs):
+def draw(judge, times):
     (HERE / "pictures").mkdir(exist_ok=True)
     for system in judge.systems:
         blocks, lines = "", []
         for n, (method, colour) in enumerate(COLOURS.items()):
-            points = list(points_of(judge, costs, system, method))
+            points = list(points_of(judge, times, system, method))
             if points:
-                blocks += f"$d{n} << EOD\n" + "".join(f"{s} {c or 'NaN'} {d} {e}\n" for s, c, d, e in points) + "EOD\n"
+                blocks += f"$d{n} << EOD\n" + "".join(f"{s} {c or 'NaN'} {d}\n" for s, c, d in points) + "EOD\n"
                 lines.append((n, method, colour))
-        timed = any(name == system for name, _, _ in costs)
+        timed = any(name == system for name, _ in times)
         wide, right = (920, 0.42) if timed else (600, 0.66)
         steps = sorted({step for steps in judge.table[system].values() for step in steps})
         script = (f"set terminal svg size {wide},400 font 'sans,11' background 'white'\nset output '{system}.svg'\n{blocks}"

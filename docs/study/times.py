@@ -11,7 +11,7 @@ import subprocess
 import sys
 
 from cases import DATA, SYSTEMS, read_rows
-from judge import Judge
+from judge import Judge, whole
 from study import Study, open_rows, options
 
 COLUMNS = ["system", "method", "dt_fs", "us", "constraint_us"]
@@ -40,9 +40,8 @@ def main():
     todo = []
     for name in names:
         for method, steps in judge.table[name].items():
-            sound = judge.sound_step(name, method)[0]
-            if sound:
-                todo += [(name, method, step) for step in sorted({sound, float(SYSTEMS[name].dt_fs)} & set(steps))]
+            wanted = {judge.sound_step(name, method)[0], float(SYSTEMS[name].dt_fs)}
+            todo += [(name, method, step) for step in sorted(wanted & set(steps)) if whole(steps[step])]
     length = {}  # steps in so many seconds
     for name in names:
         timed(study, name, "newton", SYSTEMS[name].dt_fs, 20)  # the equilibrated start is there now
