@@ -11,7 +11,7 @@ A step is sound if at it, and at every shorter one that was run, all of these ho
 - the mean temperature is within 1 % of the bath's;
 - beside `newton` at the same step, the temperatures of translation, rotation and the rest are within 1 % of the bath's,
   the mean potential energy within 1 %.
-A limit counts as kept where the mean misses it by less than two standard errors over seeds. The standard deviation of
+A limit counts as kept where the mean misses it by less than three standard errors over seeds. The standard deviation of
 one run is that of the cell's seeds, or the median over all cells of the system where that is larger. Where no cell of
 a system has two seeds only the first two are judged.
 """
@@ -26,6 +26,7 @@ from cases import HERE, METHODS, MIXED, SYSTEMS, key_of, read_rows
 BOLTZMANN = 0.00831446261815324  # [kJ/mol/K]
 PAGE = HERE / "README.md"
 LARGEST_BOND_ERROR, LARGEST_DRIFT_KT, LARGEST_SHARE = 1e-3, 0.1, 0.01
+ERRORS = 3  # by which a mean may miss a limit
 KINDS = ("translation_k", "rotation_k", "rest_k")
 AVERAGES = {"potential": "potential_kj_mol", "pressure": "pressure_bar", "g(r)'s peak": "g_peak", "⟨R²⟩": "end_to_end_nm2",
             "translation": "translation_k", "rotation": "rotation_k", "rest": "rest_k"}
@@ -83,7 +84,7 @@ class Judge:
         return usual and max(own, usual) / math.sqrt(len(values))
 
     def misses(self, system, column, rows, target, limit):
-        """Whether the mean is further from the target than the limit and two errors; target: a number or rows."""
+        """Whether the mean is further from the target than the limit and its errors; target: a number or rows."""
         values = of(rows, column)
         others = of(target, column) if isinstance(target, list) else None
         error = self.error(system, column, values) if values and others != [] else None
@@ -91,7 +92,7 @@ class Judge:
             return False
         if others is not None:
             target, error = statistics.mean(others), math.hypot(error, self.error(system, column, others))
-        return abs(statistics.mean(values) - target) > limit + 2 * error
+        return abs(statistics.mean(values) - target) > limit + ERRORS * error
 
     def reference(self, system):
         steps = self.table[system].get("newton")
@@ -121,7 +122,7 @@ class Judge:
         return ""
 
     def keeps(self, system, column, rows):
-        """Whether an average is that of the reference within 1 % or two errors."""
+        """Whether an average is that of the reference within 1 % or its errors."""
         values = of(self.reference(system), column)
         limit = LARGEST_SHARE * abs(statistics.mean(values)) if values else 0
         return not self.misses(system, column, rows, self.reference(system), limit)
@@ -181,7 +182,8 @@ def steps_table(judge):
         if method not in judge.table[system]:
             return ""
         sound, wrong = judge.sound_step(system, method)
-        cost = cost_at(times, system, method, sound)
+        timed = [step for step, *_ in times.get((system, method), [])]
+        cost = timed and timed[0] <= sound <= timed[-1] and cost_at(times, system, method, sound)
         return (f"**{sound:g}**" if sound else "–") + (f" {wrong}" if wrong else "") + (
             f"; {cost[0]:.3g} s, {100 * cost[1]:.0f} %" if cost else "")
     lines = grouped("largest sound step [fs], what fails next; cost of a nanosecond there, constraints' share", judge, cell)
@@ -244,11 +246,17 @@ def transport_table():
                   "τ₂ of OH [ps]": ("tau2_ps", 1), "T of translation [K]": ("translation_k", 1),
                   "of rotation [K]": ("rotation_k", 1)}
 
+    usual = {column: statistics.median([statistics.stdev(of(rows, column)) for rows in runs.values()
+                                        if len(of(rows, column)) > 1] or [0]) for column, _ in quantities.values()}
+
     def cell(rows, column, factor):
-        values = [factor * v for v in of(rows, column)]
-        mean, error = mean_and_error(values) if values else (0, 0)
+        values = of(rows, column)
+        if not values:
+            return ""
+        own = statistics.stdev(values) if len(values) > 1 else 0
+        mean, error = factor * statistics.mean(values), factor * max(own, usual[column]) / math.sqrt(len(values))
         digits = max(0, -math.floor(math.log10(error))) if error else 2
-        return f"{mean:.{digits}f} ± {error:.{digits}f}" if values else "stops"
+        return f"{mean:.{digits}f} ± {error:.{digits}f}"
     return rows_of("method, step [fs], seeds", quantities, [
         (f"{method}, {step:g}, {len(rows)}", [cell(rows, *quantity) for quantity in quantities.values()])
         for (method, step), rows in sorted(runs.items(), key=lambda item: (item[0][1], item[0][0]))])[:-1]
