@@ -65,8 +65,9 @@ class System:
 
     def settings(self, precision):
         """Keys of the bath and of the forces."""
-        return [*([f"forcefield.precision={precision}"] if self.has_forces else []), f"run.temperature_k={self.temperature_k}",
-                "run.thermostat=rescaling", f"run.thermostat_ps={self.thermostat_ps}"]
+        of_forces = [f"forcefield.precision={precision}"] if self.has_forces else []
+        return [*of_forces, f"run.temperature_k={self.temperature_k}", "run.thermostat=rescaling",
+                f"run.thermostat_ps={self.thermostat_ps}"]
 
     def files(self, work):
         """OpenMM's files: the repository's own, or those in the folder work."""

@@ -117,7 +117,8 @@ class Judge:
             if any(self.misses(system, kind, rows, newton, LARGEST_SHARE * bath) for kind in KINDS):
                 return "kinds"
             energies = of(newton, "potential_kj_mol")
-            if any(energies) and self.misses(system, "potential_kj_mol", rows, newton, LARGEST_SHARE * abs(statistics.mean(energies))):
+            limit = LARGEST_SHARE * abs(statistics.mean(energies)) if any(energies) else math.inf
+            if self.misses(system, "potential_kj_mol", rows, newton, limit):
                 return "potential"
         return ""
 

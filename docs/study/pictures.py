@@ -40,7 +40,8 @@ def draw(judge, times):
         wide, right = (920, 0.42) if timed else (600, 0.66)
         steps = sorted({step for steps in judge.table[system].values() for step in steps})
         script = (f"set terminal svg size {wide},400 font 'sans,11' background 'white'\nset output '{system}.svg'\n{blocks}"
-                  "set multiplot\nset tmargin at screen 0.9\nset bmargin at screen 0.15\nset logscale xy\nset autoscale xfix\nset offsets graph 0.03, graph 0.03, 0, 0\nset grid\n"
+                  "set multiplot\nset tmargin at screen 0.9\nset bmargin at screen 0.15\nset logscale xy\nset grid\n"
+                  "set autoscale xfix\nset offsets graph 0.03, graph 0.03, 0, 0\n"
                   f"set arrow from graph 0, first {LARGEST_DRIFT_KT} to graph 1, first {LARGEST_DRIFT_KT} nohead dt 2\n"
                   f"set title '{SYSTEMS[system].title}'\nset ylabel 'energy drift, absolute [kT/ns/degree of freedom]'\n"
                   f"set format y '10^{{%T}}'\n{'unset key' if timed else 'set key at screen 0.99, 0.88 Left reverse'}\n"

@@ -70,7 +70,8 @@ def main():
             for step in steps:
                 if (method, step, seed) not in done:
                     row = measured(study, method, step, seed, asked.ps)
-                    write({key: row[key] for key in COLUMNS if key in row} | {"method": method, "dt_fs": f"{step:g}", "seed": seed})
+                    found = {key: row[key] for key in COLUMNS if key in row}
+                    write(found | {"method": method, "dt_fs": f"{step:g}", "seed": seed})
 
 
 if __name__ == "__main__":
