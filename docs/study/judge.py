@@ -2,31 +2,36 @@
 """Judge the study's runs: write the tables into README.md and draw the pictures.
 
     docs/study/judge.py            # tables and pictures
-    docs/study/judge.py --check    # exit 1 if a table of README.md is not that of data/runs.csv
+    docs/study/judge.py --check    # exit 1 if a table of README.md is not that of the data
 
 A step is sound if at it, and at every shorter one that was run, all of these hold for the mean over seeds:
 - every seed reached the end;
 - the rms relative bond error is below 1e-3;
 - the drift of the total energy less the heat is below 0.1 kT a nanosecond and degree of freedom;
-- the mean temperature is within 1 % of the bath's, the mean potential energy within 1 % of the reference's. The
-  reference is `newton` at the shortest step.
-A limit counts as kept where the mean misses it by less than two standard errors over seeds. The standard deviation of
-one run is that of the cell's seeds, or the median over all cells of the system where that is larger. With one seed
-alone only the first two are judged.
+- the mean temperature is within 1 % of the bath's;
+- beside `newton` at the same step, the temperatures of translation, rotation and the rest are within 1 % of the bath's,
+  the mean potential energy within 1 %.
+A limit counts as kept where the mean misses it by less than three standard errors over seeds. The standard deviation of
+one run is that of the cell's seeds, or the median over all cells of the system where that is larger. Where no cell of
+a system has two seeds only the first two are judged.
 """
 import argparse
-import csv
 import math
 import statistics
-import subprocess
 import sys
-from collections import defaultdict
+from collections import Counter, defaultdict
 
-from study import DATA, HERE, METHODS, REFERENCE, SYSTEMS, read_rows
+from cases import HERE, METHODS, MIXED, SYSTEMS, key_of, read_rows
 
 BOLTZMANN = 0.00831446261815324  # [kJ/mol/K]
 PAGE = HERE / "README.md"
 LARGEST_BOND_ERROR, LARGEST_DRIFT_KT, LARGEST_SHARE = 1e-3, 0.1, 0.01
+ERRORS = 3  # by which a mean may miss a limit
+KINDS = ("translation_k", "rotation_k", "rest_k")
+AVERAGES = {"potential": "potential_kj_mol", "pressure": "pressure_bar", "g(r)'s peak": "g_peak", "⟨R²⟩": "end_to_end_nm2",
+            "translation": "translation_k", "rotation": "rotation_k", "rest": "rest_k"}
+GROUPS = (("chains", "melt", "decane", "tip3p", "tip4p2005"), ("dipeptide", "dipeptide-all", "dna"),
+          ("villin", "villin-all", "villin-angles", "villin-3u", "villin-angles-3u"))
 
 
 def mean_and_error(values):
@@ -37,11 +42,11 @@ def mean_and_error(values):
     return mean, math.sqrt(sum((v - mean) ** 2 for v in values) / (len(values) - 1) / len(values))
 
 
-def cells(rows, precision="double"):
-    """{system: {method: {step: [row, ...]}}}"""
+def cells(rows, precision=None):
+    """{system: {method: {step: [row, ...]}}}, of that precision or of the system's own"""
     table = defaultdict(lambda: defaultdict(lambda: defaultdict(list)))
     for row in rows:
-        if row["precision"] == precision:
+        if row["precision"] == (precision or SYSTEMS[row["system"]].precision):
             table[row["system"]][row["method"]][float(row["dt_fs"])].append(row)
     return table
 
@@ -50,175 +55,249 @@ def of(rows, column):
     return [float(row[column]) for row in rows if row.get(column)]
 
 
-def usual_deviations(table):
-    """{(system, column): the median over cells of the standard deviation over seeds}"""
-    found = {}
-    for system, methods in table.items():
-        for column in ("drift", "temperature_k", "potential_kj_mol"):
-            columns = [of(rows, column) for steps in methods.values() for rows in steps.values()]
-            deviations = sorted(statistics.stdev(values) for values in columns if len(values) > 1)
-            if deviations:
-                found[system, column] = deviations[len(deviations) // 2]
-    return found
+def kt(system):
+    return BOLTZMANN * SYSTEMS[system].temperature_k
 
 
-def flaws(system, rows, reference, usual):
-    """What is wrong with the runs of one cell, in words; empty if it is sound."""
-    failed = [row for row in rows if row["status"] != "ok"]
-    if failed:
-        return "stops" if failed[0]["status"].startswith("failed") else failed[0]["status"].split(":")[0]
-    bath = SYSTEMS[system].temperature_k
+def whole(rows):
+    return rows and all(row["status"] == "ok" for row in rows)
 
-    def misses(column, target, limit):
+
+class Judge:
+    """What is sound, of the rows of data/runs.csv."""
+
+    def __init__(self, rows):
+        self.table = cells(rows)
+        self.systems = [name for name in SYSTEMS if name in self.table]
+        self.usual = {}  # (system, column): the median over cells of the standard deviation over seeds
+        for system, methods in self.table.items():
+            for column in ("drift", "temperature_k", *AVERAGES.values()):
+                columns = [of(rows, column) for steps in methods.values() for rows in steps.values()]
+                deviations = [statistics.stdev(values) for values in columns if len(values) > 1]
+                if deviations:
+                    self.usual[system, column] = statistics.median(deviations)
+
+    def error(self, system, column, values):
+        """The standard error of a mean; None where no cell of the system has two seeds."""
+        usual = self.usual.get((system, column))
+        own = statistics.stdev(values) if len(values) > 1 else 0
+        return usual and max(own, usual) / math.sqrt(len(values))
+
+    def misses(self, system, column, rows, target, limit):
+        """Whether the mean is further from the target than the limit and its errors; target: a number or rows."""
         values = of(rows, column)
-        if len(values) < 2:
+        others = of(target, column) if isinstance(target, list) else None
+        error = self.error(system, column, values) if values and others != [] else None
+        if error is None:
             return False
-        error = max(statistics.stdev(values), usual[system, column]) / math.sqrt(len(values))
-        return abs(statistics.mean(values) - target) > limit + 2 * error
+        if others is not None:
+            target, error = statistics.mean(others), math.hypot(error, self.error(system, column, others))
+        return abs(statistics.mean(values) - target) > limit + ERRORS * error
 
-    if statistics.mean(of(rows, "rms_bond")) > LARGEST_BOND_ERROR:
-        return "bonds"
-    if misses("drift", 0, LARGEST_DRIFT_KT * BOLTZMANN * bath):
-        return "drift"
-    if misses("temperature_k", bath, LARGEST_SHARE * bath):
-        return "temperature"
-    if reference and any(of(reference, "potential_kj_mol")):
-        target = statistics.mean(of(reference, "potential_kj_mol"))
-        own = 2 * usual.get((system, "potential_kj_mol"), 0) / math.sqrt(len(reference))
-        if misses("potential_kj_mol", target, LARGEST_SHARE * abs(target) + own):
-            return "potential"
-    return ""
+    def reference(self, system):
+        steps = self.table[system].get("newton")
+        return steps[min(steps)] if steps else []
 
+    def flaws(self, system, method, step):
+        """What is wrong with the runs of one cell, in a word; empty if it is sound."""
+        rows, bath = self.table[system][method][step], SYSTEMS[system].temperature_k
+        if not whole(rows):
+            status = next(row["status"] for row in rows if row["status"] != "ok")
+            return "stops" if status.startswith("failed") else status.split(":")[0]
+        if statistics.mean(of(rows, "rms_bond")) > LARGEST_BOND_ERROR:
+            return "bonds"
+        if self.misses(system, "drift", rows, 0, LARGEST_DRIFT_KT * kt(system)):
+            return "drift"
+        if not SYSTEMS[system].at_rest:
+            return ""
+        if self.misses(system, "temperature_k", rows, bath, LARGEST_SHARE * bath):
+            return "temperature"
+        newton = self.table[system].get("newton", {}).get(step, [])
+        if whole(newton):
+            if any(self.misses(system, kind, rows, newton, LARGEST_SHARE * bath) for kind in KINDS):
+                return "kinds"
+            energies = of(newton, "potential_kj_mol")
+            limit = LARGEST_SHARE * abs(statistics.mean(energies)) if any(energies) else math.inf
+            if self.misses(system, "potential_kj_mol", rows, newton, limit):
+                return "potential"
+        return ""
 
-def soundness(system, steps, reference, usual):
-    """The largest sound step [fs], 0 if there is none, and what is wrong at the next one."""
-    sound = 0.0
-    for step in sorted(steps):
-        wrong = flaws(system, steps[step], reference, usual)
-        if wrong:
-            return sound, wrong
-        sound = step
-    return sound, ""
+    def keeps(self, system, column, rows):
+        """Whether an average is that of the reference within 1 % or its errors."""
+        values = of(self.reference(system), column)
+        limit = LARGEST_SHARE * abs(statistics.mean(values)) if values else 0
+        return not self.misses(system, column, rows, self.reference(system), limit)
 
+    def largest(self, system, method, wrong):
+        """The largest step up to which nothing is wrong, 0 if there is none, and what is at the next one."""
+        sound = 0.0
+        for step in sorted(self.table[system].get(method, {})):
+            if found := wrong(system, method, step):
+                return sound, found
+            sound = step
+        return sound, ""
 
-def reference_of(system, table):
-    method, factor = REFERENCE
-    return table[system][method].get(factor * SYSTEMS[system].dt_fs, [])
-
-
-def seeds_of(table, system):
-    return max((len(rows) for steps in table[system].values() for rows in steps.values()), default=0)
-
-
-def steps_table(rows):
-    table = cells(rows)
-    usual = usual_deviations(table)
-    systems = [name for name in SYSTEMS if name in table]
-    lines = ["| largest sound step [fs]; what fails next | " + " | ".join(systems) + " |",
-             "|---" * (len(systems) + 1) + "|"]
-    for method in METHODS:
-        line = []
-        for system in systems:
-            steps = table[system].get(method)
-            if not steps:
-                line.append("")
-                continue
-            sound, wrong = soundness(system, steps, reference_of(system, table), usual)
-            line.append((f"**{sound:g}**" if sound else "–") + (f" {wrong}" if wrong else ""))
-        lines.append(f"| {method} | " + " | ".join(line) + " |")
-    lines.append("| seeds | " + " | ".join(str(seeds_of(table, system)) for system in systems) + " |")
-    return lines
+    def sound_step(self, system, method):
+        return self.largest(system, method, self.flaws)
 
 
-def usual_table(rows):
-    """Bond error, drift and its share by the constraints at the usual step."""
-    table = cells(rows)
-    systems = [name for name in SYSTEMS if name in table]
-    lines = ["| rms bond error; drift [kT/ns/dof], of which constraints | " + " | ".join(
-        f"{system}, {SYSTEMS[system].dt_fs:g} fs" for system in systems) + " |", "|---" * (len(systems) + 1) + "|"]
-    for method in METHODS:
-        line = []
-        for system in systems:
-            runs = table[system].get(method, {}).get(float(SYSTEMS[system].dt_fs), [])
-            if not runs or any(row["status"] != "ok" for row in runs):
-                line.append("stops" if runs else "")
-                continue
-            kt = BOLTZMANN * SYSTEMS[system].temperature_k
-            (drift, error), (work, _) = (mean_and_error([v / kt for v in of(runs, column)])
-                                         for column in ("drift", "constraint_drift"))
-            spread = f" ± {error:.1g}" if error else ""
-            line.append(f"{mean_and_error(of(runs, 'rms_bond'))[0]:.0e}; {drift:.2g}{spread}, {work:.2g}")
-        lines.append(f"| {method} | " + " | ".join(line) + " |")
-    return lines
+def rows_of(title, heads, lines):
+    heads = list(heads)
+    return [f"| {title} | " + " | ".join(heads) + " |", "|---" * (len(heads) + 1) + "|",
+            *(f"| {name} | " + " | ".join(line) + " |" for name, line in lines), ""]
+
+
+def grouped(title, judge, cell, head=lambda name: name):
+    """A table for each group of systems, a row a method; cell(system, method) gives a text, head(system) a title."""
+    lines = []
+    for group in GROUPS:
+        systems = [name for name in group if name in judge.systems]
+        if systems:
+            made = [(method, [cell(name, method) for name in systems]) for method in METHODS]
+            lines += rows_of(title, map(head, systems), [(method, line) for method, line in made if any(line)])
+    return lines[:-1]
 
 
 def read_times():
-    path = DATA / "times.csv"
-    if not path.exists():
-        return {}
-    with open(path, newline="") as file:
-        return {(row["system"], row["method"]): float(row["us"]) for row in csv.DictReader(file)}
+    """{(system, method): [(step, time of a step, constraints' part of it), ...]} [µs], steps ascending"""
+    times = defaultdict(list)
+    for row in read_rows("times.csv"):
+        times[row["system"], row["method"]].append(tuple(float(row[column]) for column in ("dt_fs", "us", "constraint_us")))
+    return {key: sorted(values) for key, values in times.items()}
 
 
-def cost_table(rows):
-    """Processor time a nanosecond at the largest sound step, least first."""
-    table, times = cells(rows), read_times()
-    usual = usual_deviations(table)
-    systems = [name for name in SYSTEMS if name in table and any(key[0] == name for key in times)]
-    if not systems:
-        return ["Not measured yet."]
-    lines = ["| system | cheapest sound methods: processor seconds a nanosecond, at its step [fs] |", "|---|---|"]
-    for system in systems:
-        costs = []
-        for method, steps in table[system].items():
-            sound, _ = soundness(system, steps, reference_of(system, table), usual)
-            if sound and (system, method) in times:
-                costs.append((times[system, method] / sound, method, sound))
-        costs.sort()
-        cheapest = " · ".join(f"{method} {cost:.3g} at {step:g}" for cost, method, step in costs[:6])
-        lines.append(f"| {system} | {cheapest} |")
-    return lines
+def cost_at(times, system, method, step):
+    """Processor seconds a nanosecond and the constraints' share, or None: times change linearly between steps timed."""
+    timed = times.get((system, method))
+    if not timed or not step:
+        return None
+    (s0, *t0), (s1, *t1) = timed[0], timed[-1]
+    us, constraint_us = (a + (b - a) * (step - s0) / (s1 - s0) if s1 > s0 else a for a, b in zip(t0, t1))
+    return us / step, constraint_us / us
 
 
-TABLES = {"steps": steps_table, "usual": usual_table, "cost": cost_table}
+def steps_table(judge):
+    times = read_times()
+
+    def cell(system, method):
+        if method not in judge.table[system]:
+            return ""
+        sound, wrong = judge.sound_step(system, method)
+        timed = [step for step, *_ in times.get((system, method), [])]
+        cost = timed and timed[0] <= sound <= timed[-1] and cost_at(times, system, method, sound)
+        return (f"**{sound:g}**" if sound else "–") + (f" {wrong}" if wrong else "") + (
+            f"; {cost[0]:.3g} s, {100 * cost[1]:.0f} %" if cost else "")
+    lines = grouped("largest sound step [fs], what fails next; cost of a nanosecond there, constraints' share", judge, cell)
+    seeds = lambda name: statistics.mode(len(rows) for steps in judge.table[name].values() for rows in steps.values())
+    return lines + ["", "| system | " + " | ".join(judge.systems) + " |", "|---" * (len(judge.systems) + 1) + "|",
+                    "| seeds of most cells | " + " | ".join(str(seeds(name)) for name in judge.systems) + " |"]
+
+
+def usual_table(judge):
+    """Bond error, drift and its share by the constraints at the usual step."""
+    def cell(system, method):
+        runs = judge.table[system].get(method, {}).get(float(SYSTEMS[system].dt_fs), [])
+        if not whole(runs):
+            return "stops" if runs else ""
+        (drift, error), (work, _) = (mean_and_error([v / kt(system) for v in of(runs, column)])
+                                     for column in ("drift", "constraint_drift"))
+        spread = f" ± {error:.1g}" if error else ""
+        return f"{mean_and_error(of(runs, 'rms_bond'))[0]:.0e}; {drift:.2g}{spread}, {work:.2g}"
+    return grouped("rms bond error; drift [kT/ns/dof], of which constraints", judge, cell,
+                   lambda name: f"{name}, {SYSTEMS[name].dt_fs:g} fs")
+
+
+def averages_table(judge):
+    """The largest step that keeps each average, under three methods."""
+    lines = []
+    for system in (name for name in judge.systems if SYSTEMS[name].at_rest):
+        line = []
+        for column in AVERAGES.values():
+            if not of(judge.reference(system), column) or (system, column) not in judge.usual:
+                line.append("")
+                continue
+            stray = lambda s, m, h: not (whole(judge.table[s][m][h]) and judge.keeps(s, column, judge.table[s][m][h]))
+            line.append(", ".join(f"{judge.largest(system, method, stray)[0]:g}" for method in MIXED[::-1]))
+        lines.append((system, line))
+    return rows_of("largest step [fs] of " + ", ".join(f"`{method}`" for method in MIXED[::-1]), AVERAGES, lines)[:-1]
+
+
+def mixed_table(rows):
+    """Double beside mixed precision at the usual step."""
+    double, mixed = cells(rows, "double"), cells(rows, "mixed")
+    lines = []
+    for system in SYSTEMS:
+        step, line = float(SYSTEMS[system].dt_fs), []
+        for method in MIXED:
+            runs = [table[system][method].get(step, []) for table in (double, mixed)]
+            if all(map(whole, runs)):
+                line.append("; ".join("{:.2g} ± {:.1g}".format(*mean_and_error([v / kt(system) for v in of(r, "drift")]))
+                                      for r in runs))
+        if line:
+            lines.append((system, line))
+    return rows_of("drift [kT/ns/dof] in double; in mixed precision", [f"`{method}`" for method in MIXED], lines)[:-1]
+
+
+def transport_table():
+    """Water's diffusion, viscosity and reorientation: means over seeds."""
+    runs = defaultdict(list)
+    for row in read_rows("transport.csv"):
+        runs[row["method"], float(row["dt_fs"])].append(row)
+    quantities = {"D [10⁻³ nm²/ps]": ("diffusion_nm2_ps", 1e3), "viscosity [mPa s]": ("viscosity_mpa_s", 1),
+                  "τ₂ of OH [ps]": ("tau2_ps", 1), "T of translation [K]": ("translation_k", 1),
+                  "of rotation [K]": ("rotation_k", 1)}
+
+    usual = {column: statistics.median([statistics.stdev(of(rows, column)) for rows in runs.values()
+                                        if len(of(rows, column)) > 1] or [0]) for column, _ in quantities.values()}
+
+    def cell(rows, column, factor):
+        values = of(rows, column)
+        if not values:
+            return ""
+        own = statistics.stdev(values) if len(values) > 1 else 0
+        mean, error = factor * statistics.mean(values), factor * max(own, usual[column]) / math.sqrt(len(values))
+        digits = max(0, -math.floor(math.log10(error))) if error else 2
+        return f"{mean:.{digits}f} ± {error:.{digits}f}"
+    return rows_of("method, step [fs], seeds", quantities, [
+        (f"{method}, {step:g}, {len(rows)}", [cell(rows, *quantity) for quantity in quantities.values()])
+        for (method, step), rows in sorted(runs.items(), key=lambda item: (item[0][1], item[0][0]))])[:-1]
+
+
+def outsiders_table():
+    """Drifts at constant energy of other programs beside taut's own."""
+    runs, steps = defaultdict(list), {}
+    for row in read_rows("outsiders.csv"):
+        runs[row["system"], row["program"], float(row["dt_fs"])].append(row)
+        steps.setdefault((row["system"], float(row["dt_fs"])))
+    columns = sorted(steps)
+    lines = []
+    for program in dict.fromkeys(program for _, program, _ in runs):
+        line = []
+        for system, step in columns:
+            rows = runs.get((system, program, step), [])
+            values = [v / kt(system) for v in of(rows, "drift")]
+            mean, spread = mean_and_error(values) if values else (0, 0)
+            own = [v / kt(system) for v in of(rows, "error")]
+            error = max(spread, math.sqrt(sum(e * e for e in own)) / len(own)) if own else 0
+            line.append(f"{mean:.2g} ± {error:.1g}" if values else "stops" if rows else "")
+        lines.append((program, line))
+    return rows_of("drift [kT/ns/dof]", [f"{system}, {step:g} fs" for system, step in columns], lines)[:-1]
+
+
+def tables(rows):
+    judge = Judge(rows)
+    return {"steps": steps_table(judge), "usual": usual_table(judge), "averages": averages_table(judge),
+            "mixed": mixed_table(rows), "transport": transport_table(), "outsiders": outsiders_table()}
 
 
 def with_tables(page, rows):
-    for name, make in TABLES.items():
+    for name, lines in tables(rows).items():
         begin, end = f"<!-- table {name} -->\n", "<!-- end -->"
         before, _, rest = page.partition(begin)
         if not rest:
             sys.exit(f"judge.py: README.md has no place for table {name}")
-        after = rest.split(end, 1)[1]
-        page = before + begin + "\n" + "\n".join(make(rows)) + "\n\n" + end + after
+        page = before + begin + "\n" + "\n".join(lines) + "\n\n" + end + rest.split(end, 1)[1]
     return page
-
-
-def draw(rows):
-    """A picture a system: the drift against the step, a line a method."""
-    table = cells(rows)
-    (HERE / "pictures").mkdir(exist_ok=True)
-    shown = ["penalty", "baumgarte", "baumgarte dead-beat", "baumgarte implicit", "baumgarte lagged", "feedforward",
-             "shake 1e-4", "newton", "lincs", "lincs strict"]
-    for system in table:
-        kt = BOLTZMANN * SYSTEMS[system].temperature_k
-        blocks, plots = "", []
-        for n, method in enumerate(shown):
-            points = [(step, *mean_and_error([abs(v) / kt for v in of(runs, "drift")]))
-                      for step, runs in sorted(table[system].get(method, {}).items())
-                      if all(row["status"] == "ok" for row in runs)]
-            if not points:
-                continue
-            blocks += f"$d{n} << EOD\n" + "".join(f"{x} {y} {e}\n" for x, y, e in points) + "EOD\n"
-            plots.append(f"$d{n} using 1:2 with linespoints lw 1.5 pt {n + 4} ps 0.6 lc {n + 1} title '{method}'")
-        script = (f"set terminal svg size 640,460 font 'sans,11' background 'white'\nset output '{system}.svg'\n"
-                  f"{blocks}"
-                  f"set title '{SYSTEMS[system].title}'\nset xlabel 'step [fs]'\nset logscale xy\n"
-                  "set ylabel 'energy drift, absolute [kT/ns/degree of freedom]'\nset format y '10^{{%T}}'\n"
-                  "set key outside right\nset grid\n"
-                  f"set arrow from graph 0, first {LARGEST_DRIFT_KT} to graph 1, first {LARGEST_DRIFT_KT} nohead dt 2\n"
-                  "plot " + ", \\\n ".join(plots) + "\n").replace("{{", "{").replace("}}", "}")
-        subprocess.run(["gnuplot"], input=script, text=True, check=True, cwd=HERE / "pictures")
 
 
 def main():
@@ -226,11 +305,14 @@ def main():
     ask.add_argument("--check", action="store_true")
     check = ask.parse_args().check
     rows, page = read_rows(), PAGE.read_text()
+    if twice := [key for key, count in Counter(map(key_of, rows)).items() if count > 1]:
+        sys.exit(f"judge.py: data/runs.csv has two rows of {twice[0]}")
     made = with_tables(page, rows)
     if check:
-        sys.exit(0 if made == page else "judge.py: a table of README.md is not that of data/runs.csv; run judge.py")
+        sys.exit(0 if made == page else "judge.py: a table of README.md is not that of data/; run judge.py")
     PAGE.write_text(made)
-    draw(rows)
+    import pictures
+    pictures.draw(Judge(rows), read_times())
 
 
 if __name__ == "__main__":
