@@ -39,7 +39,7 @@ void print_positions(const Crosscheck& c) {
   for (const Track* track : all_tracks(c)) {
     const bool ran = track->samples.size() > 1, bonded = ran && c.bonds > 0;
     const auto parted = track->parted_at(c.agreement);
-    say(kRow, track->name, or_dash(track->apart_at(c.parting), ran && track != &c.twin && track != &c.fine),
+    say(kRow, track->name, or_dash(track->apart_at(c.parting), ran && track->held_against),
         parted ? fmt::format("{}", *parted) : "–",
         or_dash(last_from_truth(*track), last_from_truth(*track) >= 0), or_dash(track->worst_bond(), bonded),
         or_dash(track->rms_bond(c.steps), bonded));
@@ -66,17 +66,22 @@ std::string verdicts_csv(const Crosscheck& c) {
   return text;
 }
 
+std::string platform_of(const Crosscheck& c) {
+  return c.platform + (c.precision.empty() ? "" : ", " + c.precision) +
+         (c.plugged.empty() ? "" : ", TautIntegrator");
+}
+
 void print_crosscheck(const Crosscheck& c) {
   const auto say_wrapped = [](const std::string& text) { say("{}\n", wrapped(text, kWidth, 2)); };
-  say_wrapped(fmt::format("{} against OpenMM {} ({}): {}, {}, {} of {:g} fs", c.scene, c.openmm, c.platform,
-                          counted(c.atoms, "atom"), counted(c.bonds, "bond"), counted(c.steps, "step"),
-                          c.h * 1000));
+  say_wrapped(fmt::format("{} against OpenMM {} ({}): {}, {}, {} of {:g} fs", c.scene, c.openmm,
+                          platform_of(c), counted(c.atoms, "atom"), counted(c.bonds, "bond"),
+                          counted(c.steps, "step"), c.h * 1000));
   for (const auto& note : c.notes) say_wrapped("note: " + note);
   say_wrapped(fmt::format(
       "at the start: energy {:.10g} kJ/mol, OpenMM {:.10g}; forces {:.4g} kJ/mol/nm rms, apart by {:.1e}",
       c.start.energy, c.start.openmm_energy, c.start.force_rms, c.start.force_difference));
-  say_wrapped(fmt::format("chaos: two OpenMM runs 1e-10 nm apart are {:.1e} nm apart after {} steps, {}",
-                          1e-10 * c.chaos.growth, c.chaos.steps,
+  say_wrapped(fmt::format("chaos: two {} runs 1e-10 nm apart are {:.1e} nm apart after {} steps, {}",
+                          c.plugged.empty() ? "OpenMM" : "taut", 1e-10 * c.chaos.growth, c.chaos.steps,
                           c.chaos.growth > 100 ? fmt::format("growing by {:.2g} ± {:.1g} /ps",
                                                              c.chaos.rate.value, c.chaos.rate.error)
                                                : "too little for a rate"));
@@ -103,16 +108,18 @@ void print_crosscheck(const Crosscheck& c) {
 void write_crosscheck(const Crosscheck& c, const std::string& command, const std::filesystem::path& folder) {
   StudyFiles files(folder);
   files.write("crosscheck.json", crosscheck_json(c) + "\n");
-  const std::string title = fmt::format("{}: taut against OpenMM {}, {}", c.scene, c.openmm, c.platform);
+  const std::string title = fmt::format("{}: taut against OpenMM {}, {}", c.scene, c.openmm, platform_of(c));
   ReportPage page{title, command, c.notes, {}};
   const auto show = [&](const Picture& picture, const char* heading, const char* text) {
     files.draw(picture);
     page.parts.push_back({heading, text, picture.name + ".svg", picture.csv, {}});
   };
   show({"crosscheck", title, samples_csv(c)}, "Runs beside OpenMM's",
-       "Every run sets out from OpenMM's start. The fine run takes a quarter of the step: what is as near to "
-       "it as "
-       "OpenMM's own run is as right.");
+       c.plugged.empty()
+           ? "Every run sets out from OpenMM's start. The fine run takes an eighth of the step: what is as "
+             "near "
+             "to it as OpenMM's own run is as right."
+           : "Every method runs in taut, and in OpenMM by the plug-in: round-off alone sets the two apart.");
   if (!c.twin.oxygens.r.empty())
     show({"distances", c.scene + ": O–O radial distribution, bars: standard errors", distances_csv(c)},
          "What the liquid looks like", "The radial distribution of the oxygens.");
@@ -142,6 +149,8 @@ struct CrosscheckArguments {
       if (value != otherwise) line.option(name, std::optional(value));
     };
     unless("--platform", plan.platform, usual.platform);
+    unless("--precision", plan.precision, usual.precision);
+    unless("--integrator", plan.integrator, usual.integrator);
     unless("--agreement-nm", plan.agreement, usual.agreement);
     unless("--parting-steps", plan.parting_steps, usual.parting_steps);
     unless("--speed-seconds", plan.speed_seconds, usual.speed_seconds);
@@ -166,13 +175,15 @@ void crosscheck_scene(CrosscheckArguments arguments) {
     say("wrote {0}.system.xml, {0}.state.xml\n", *arguments.prefix);
     if (!built_with_openmm()) return say("held against nothing: taut was built without OpenMM\n");
   }
-  arguments.plan.contestants = contestants(arguments.methods);
+  CrosscheckPlan& plan = arguments.plan;
+  plan.contestants =
+      contestants(arguments.methods.empty() ? plan.usual_methods() : arguments.methods, plan.plugged());
   if (const auto& files = arguments.scene.openmm; !files.empty())
-    arguments.plan.files = OpenMMFiles{files[0], files[1]};
+    plan.files = OpenMMFiles{files[0], files[1]};
   Progress progress;
   progress.write_rows("tasks");
   std::optional<FolderLock> lock;
-  const Crosscheck result = crosscheck(scene, arguments.plan, [&](const std::string& what) {
+  const Crosscheck result = crosscheck(scene, plan, [&](const std::string& what) {
     if (arguments.out && !lock) lock.emplace(study_folder(*arguments.out, "", arguments.overwrite));
     progress.show_task(what);
   });
@@ -196,7 +207,15 @@ void add_crosscheck(Commands& commands) {
       .words(0, "METHOD");
   command.option("--steps", arguments->scene.steps, "number of steps (200)").positive();
   arguments->scene.offer_settings(command);
-  command.option("--platform", plan.platform, "OpenMM's: Reference (double precision) or CPU");
+  command.option("--platform", plan.platform,
+                 "OpenMM's: Reference (double precision), CPU, OpenCL, CUDA or HIP");
+  command
+      .option("--precision", plan.precision, "of OpenMM's platform, if a device's: single, mixed or double")
+      .words(0, "WORD");
+  command
+      .option("--integrator", plan.integrator,
+              "in OpenMM: openmm for its own, taut for that of taut's plug-in, beside taut's own runs")
+      .words(0, "WORD");
   command.option("--agreement-nm", plan.agreement, "apart by more than this, runs have parted");
   command.option("--parting-steps", plan.parting_steps, "where runs that only explain end");
   command.option("--speed-seconds", plan.speed_seconds, "for each figure of speed; 0: none");

@@ -8,8 +8,8 @@
 cholesterol: the bonded model of Martini 2 (doi:10.1021/ja507832e), whose frame is two triangles hinged on an edge and
 nearly flat, at 20 fs and 300 K; where each integrator ends. protein: milliseconds a step of 2 fs with rigid bonds to
 hydrogen, all bonds, or all bonds and the angles that OpenMM's HAngles makes rigid; whole steps, and steps without
-forces but those of angles, from which OpenMM takes its matrix: integrator and bonds alone. water: temperature with a
-thermostat, and the drift of the energy without. All on the CPU platform, one thread. Needs the plug-in
+forces but those of angles, from which OpenMM takes its matrix: integrator and bonds alone. water: temperature and
+potential with a thermostat, beside OpenMM's own, and the drift of the energy without. All on the CPU platform, one thread. Needs the plug-in
 (openmm_plugin/README.md).
 """
 import argparse
@@ -202,9 +202,12 @@ def run_water(options):
     text, state = read(options)
     system = mm.XmlSerializer.deserialize(text)
     freedoms = free_motions(system)
-    print("integrator,ps,mean temperature K,its standard error,drift kJ/mol/ns/degree of freedom,its standard error")
+    print("integrator,ps,mean temperature K,its standard error,mean potential kJ/mol,its standard error,"
+          "drift kJ/mol/ns/degree of freedom,its standard error")
     for name, make in (("feedforward with friction 1/ps at 298.15 K",
                         lambda: taut.openmm.Integrator(0.002, temperature=298.15, friction=1, seed=1)),
+                       ("OpenMM's LangevinMiddleIntegrator with the same friction",
+                        lambda: mm.LangevinMiddleIntegrator(298.15, 1, 0.002)),
                        ("feedforward", lambda: taut.openmm.Integrator(0.002))):
         context = context_of(system, make(), state.getPositions(), state.getVelocities())
         context.getIntegrator().step(2000)
@@ -214,15 +217,16 @@ def run_water(options):
             now = context.getState(energy=True)
             energies.append((now.getKineticEnergy()._value, now.getPotentialEnergy()._value))
         kinetic, potential = np.array(energies).T
-        blocks = np.array([block.mean() for block in np.array_split(2 * kinetic / R / freedoms, 10)])
+        means = [np.array([block.mean() for block in np.array_split(of, 10)])
+                 for of in (2 * kinetic / R / freedoms, potential)]
         drift = error = math.nan
         if "friction" not in name:
             t = 0.04e-3 * np.arange(len(kinetic))  # ns
             slopes = [np.polyfit(a, b, 1)[0] / freedoms
                       for a, b in zip(np.array_split(t, 2), np.array_split(kinetic + potential, 2))]
             drift, error = np.polyfit(t, kinetic + potential, 1)[0] / freedoms, abs(slopes[0] - slopes[1]) / 2
-        print(f"{name},{options.steps * 0.002:g},{blocks.mean():.2f},{blocks.std(ddof=1) / 10**0.5:.2f},"
-              f"{drift:.3f},{error:.3f}", flush=True)
+        averages = ",".join(f"{of.mean():.2f},{of.std(ddof=1) / 10**0.5:.2f}" for of in means)
+        print(f"{name},{options.steps * 0.002:g},{averages},{drift:.3f},{error:.3f}", flush=True)
 
 
 def main():

@@ -44,6 +44,10 @@ fs::path own_file() {
 
 }  // namespace
 
+fs::path own_folder() {
+  return own_file().parent_path();
+}
+
 fs::path resource_folder(const std::string& name) {
   std::error_code ignored;
   if (const char* share = std::getenv("TAUT_SHARE")) {

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "base/errors.hpp"
+#include "base/nearest_name.hpp"
 #include "base/threads.hpp"
 #include "studies/crosscheck_causes.hpp"
 
@@ -20,12 +21,11 @@ constexpr std::array kGains = {"reversible", "dead-beat", "rattle", "critical", 
 
 // The projections, held so tight that what is left is not theirs.
 void tighten(MethodOptions& method) {
-  if (method.name() == "feedforward") return;
   for (const Option& option : method.describe())
     if (option.key == std::string_view("tolerance")) *std::get<double*>(option.field) = kTight;
 }
 
-std::vector<Contestant> named(const std::string& name) {
+std::vector<Contestant> named(const std::string& name, bool for_plugin) {
   const auto colon = name.find(':');
   const std::string method = name.substr(0, colon);
   std::vector<Contestant> found;
@@ -33,7 +33,7 @@ std::vector<Contestant> named(const std::string& name) {
     if (colon != name.npos)
       throw InputError(fmt::format("--method {}: only baumgarte has gains to name", name));
     found.push_back({name, default_options(name)});
-    tighten(found.back().method);
+    if (for_plugin || name != "feedforward") tighten(found.back().method);
     return found;
   }
   for (const std::string gains : kGains)
@@ -53,13 +53,61 @@ Track run_contestant(const Stage& stage, const Contestant& contestant, const Aga
   return track;
 }
 
+// The plug-in's runs, each against taut's own of the same method.
+void hold_plugin(const Stage& stage, Crosscheck& c, const Tell& now) {
+  for (const Contestant& contestant : stage.plan.contestants) {
+    now(contestant.name);
+    Followed ours = follow(stage, contestant, stage.steps, {});
+    if (c.plugged.empty()) {
+      now(contestant.name + ", moved by 1e-10 nm");
+      c.nudged = nudged_run(stage, contestant, {.openmm = &ours.frames});
+      c.chaos = chaos_of(c.nudged);
+    }
+    now("OpenMM, TautIntegrator " + contestant.name);
+    const auto twin = stage.twin(stage.with_plugin(contestant));
+    Track theirs =
+        follow(stage, "openmm " + contestant.name, *twin, stage.steps, {.openmm = &ours.frames}).track;
+    c.plugged.push_back({std::move(ours.track), std::move(theirs)});
+  }
+}
+
+// OpenMM's own integrators, and against them taut's methods.
+void hold_methods(const Stage& stage, OpenMMTwin& twin, Crosscheck& c, const Tell& now) {
+  now(fmt::format("newton at h/{}, the third opinion", kFiner));
+  Followed fine = follow(stage, exact(fmt::format("newton at h/{}", kFiner)), stage.parting, {}, kFiner);
+  now("OpenMM, RATTLE CustomIntegrator");
+  Followed openmm = follow(stage, "openmm rattle", twin, stage.steps, {.truth = &fine.frames});
+  const Against against{.openmm = &openmm.frames, .truth = &fine.frames};
+
+  now("OpenMM, VerletIntegrator");
+  const auto verlet = stage.twin(stage.on_platform(TwinIntegrator::kVerlet));
+  c.verlet = follow(stage, "openmm verlet", *verlet, stage.parting, against).track;
+  now("OpenMM, moved by 1e-10 nm");
+  c.nudged = nudged_run(stage, against);
+  c.chaos = chaos_of(c.nudged);
+  for (const Contestant& contestant : stage.plan.contestants) {
+    now(contestant.name);
+    c.tracks.push_back(run_contestant(stage, contestant, against));
+  }
+  now("why they part");
+  c.fine = std::move(fine.track);
+  c.twin = std::move(openmm.track);
+  c.openmm_bonds = openmm_bonds(stage, c.twin.worst_bond());
+  c.leapfrog = compare_leapfrog(stage);
+}
+
 }  // namespace
 
-std::vector<Contestant> contestants(const std::vector<std::string>& names) {
+std::vector<std::string> CrosscheckPlan::usual_methods() const {
+  if (!plugged()) return {"newton", "rattle", "feedforward", "baumgarte", "none"};
+  if (platform == "Reference" || platform == "CPU") return {"feedforward", "baumgarte:reversible", "newton"};
+  return {"feedforward", "baumgarte:reversible"};  // which devices have
+}
+
+std::vector<Contestant> contestants(const std::vector<std::string>& names, bool for_plugin) {
   std::vector<Contestant> all;
-  const std::vector<std::string> usual = {"newton", "rattle", "feedforward", "baumgarte", "none"};
-  for (const auto& name : names.empty() ? usual : names)
-    for (auto& contestant : named(name)) all.push_back(std::move(contestant));
+  for (const auto& name : names)
+    for (auto& contestant : named(name, for_plugin)) all.push_back(std::move(contestant));
   return all;
 }
 
@@ -103,13 +151,20 @@ Crosscheck crosscheck(const Scene& scene, const CrosscheckPlan& plan, const Tell
   const auto now = [&](const std::string& what) {
     if (tell) tell(what);
   };
+  expect_name("--integrator", plan.integrator, {"openmm", "taut"});
   const ThreadScope equal_threads(plan.threads);
   const Stage stage(scene, plan);
-  const auto twin = stage.twin({.platform = plan.platform});  // refused here, before anything is run
+  std::unique_ptr<OpenMMTwin> twin;  // all is refused here, before anything is run
+  if (plan.plugged())
+    for (const Contestant& contestant : plan.contestants) twin = stage.twin(stage.with_plugin(contestant));
+  if (!twin) twin = stage.twin(stage.on_platform());
 
   Crosscheck c{.scene = scene.name,
                .openmm = openmm_version(),
                .platform = plan.platform,
+               .precision = plan.precision,
+               .in_double = plan.in_double(),
+               .extent = stage.scene.start.x.cwiseAbs().maxCoeff(),
                .notes = stage.scene.notes,
                .atoms = stage.scene.system.atoms(),
                .bonds = stage.scene.system.bond_count(),
@@ -121,28 +176,10 @@ Crosscheck crosscheck(const Scene& scene, const CrosscheckPlan& plan, const Tell
   c.long_enough = stage.long_enough();
   c.start = compare_start(stage, *twin);
   twin->set(stage.scene.start);
-
-  now(fmt::format("newton at h/{}, the third opinion", kFiner));
-  Followed fine = follow(stage, exact(fmt::format("newton at h/{}", kFiner)), stage.parting, {}, kFiner);
-  now("OpenMM, RATTLE CustomIntegrator");
-  Followed openmm = follow(stage, "openmm rattle", *twin, stage.steps, {.truth = &fine.frames});
-  const Against against{.openmm = &openmm.frames, .truth = &fine.frames};
-
-  now("OpenMM, VerletIntegrator");
-  const auto verlet = stage.twin({.platform = plan.platform, .integrator = TwinIntegrator::kVerlet});
-  c.verlet = follow(stage, "openmm verlet", *verlet, stage.parting, against).track;
-  now("OpenMM, moved by 1e-10 nm");
-  c.nudged = nudged_run(stage, against);
-  c.chaos = chaos_of(c.nudged);
-  for (const Contestant& contestant : plan.contestants) {
-    now(contestant.name);
-    c.tracks.push_back(run_contestant(stage, contestant, against));
-  }
-  now("why they part");
-  c.fine = std::move(fine.track);
-  c.twin = std::move(openmm.track);
-  c.openmm_bonds = openmm_bonds(stage, c.twin.worst_bond());
-  c.leapfrog = compare_leapfrog(stage);
+  if (plan.plugged())
+    hold_plugin(stage, c, now);
+  else
+    hold_methods(stage, *twin, c, now);
   now("speed");
   c.speed = measure_speed(stage);
   return c;

@@ -22,9 +22,10 @@ struct Contestant {
 };
 
 // By name: a method, "baumgarte:dead-beat" for one of its gains, "baumgarte" for all of them by name.
-// Projections are held to 1e-12. None given: those the report is about. Throws InputError for a name there is
-// not.
-std::vector<Contestant> contestants(const std::vector<std::string>& names = {});
+// Projections are held to 1e-12. So is feedforward for the plug-in: by its own tolerance a bond may be solved once or
+// twice, which on the host a row of molecules decides, and on a device each by itself. Throws InputError for a name
+// there is not.
+std::vector<Contestant> contestants(const std::vector<std::string>& names, bool for_plugin = false);
 
 struct OpenMMFiles {
   std::filesystem::path system, state;
@@ -34,12 +35,18 @@ struct CrosscheckPlan {
   std::vector<Contestant> contestants;
   std::optional<OpenMMFiles> files;    // the scene's own, if it came from them: OpenMM then runs those
   std::string platform = "Reference";  // of the runs held against taut's
+  std::string precision = {};          // of the platform of a device; empty: as OpenMM chooses
+  std::string integrator = "openmm";   // "taut": that of the plug-in, beside taut's run of the same method
   double agreement = 1e-6;             // apart by more than this, two runs have parted [nm]
   long parting_steps = 1000;           // the runs that only explain end here: chaos has the word by then
   long samples = 200;
   double speed_seconds = 1;  // for each figure of speed; 0: none
   int threads = 1;           // of both
   Listen listen = {};
+
+  bool plugged() const { return integrator == "taut"; }
+  bool in_double() const { return platform == "Reference" || precision == "double"; }
+  std::vector<std::string> usual_methods() const;  // those the report is about
 };
 
 // A run at one sample.
@@ -72,6 +79,7 @@ struct Track {
   Distances oxygens;                              // empty without water or in runs too short
   Estimate end_to_end;                            // [nm], 0 without chains
   std::optional<Foretold> foretold;               // of Baumgarte
+  bool held_against = false;                      // another run: `apart` is known
 
   double most_apart() const;                       // [nm]
   double apart_at(long step) const;                // at the last sample up to there [nm]
@@ -115,8 +123,16 @@ struct Speed {
   double us_per_step = 0;
 };
 
+// One method in taut's own run, and in OpenMM by the plug-in, which is held against it.
+struct Plugged {
+  Track ours, theirs;
+};
+
 struct Crosscheck {
   std::string scene, openmm, platform;  // name, version, of OpenMM's runs
+  std::string precision = {};           // of the platform, where that was said
+  bool in_double = true;                // whether the platform computes in it
+  double extent = 0;                    // largest coordinate of the start [nm]
   std::vector<std::string> notes = {};  // what is left out of the scene, a line each
   int atoms = 0, bonds = 0, dof = 0;
   double h = 0;                 // [ps]
@@ -124,7 +140,8 @@ struct Crosscheck {
   double agreement = 0;         // apart by more, runs have parted [nm]
   StartDifference start = {};
   Track twin = {}, verlet = {}, nudged = {}, fine = {};
-  std::vector<Track> tracks = {};  // one a contestant
+  std::vector<Track> tracks = {};     // one a contestant
+  std::vector<Plugged> plugged = {};  // in place of twin, verlet, fine and tracks
   OpenMMBonds openmm_bonds = {};
   Chaos chaos = {};
   Leapfrog leapfrog = {};

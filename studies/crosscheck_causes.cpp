@@ -81,13 +81,23 @@ OpenMMBonds openmm_bonds(const Stage& stage, double worst_seen) {
   return result;
 }
 
+static State nudged(const Scene& scene) {
+  Random random(scene.run.seed);
+  State s = scene.start;
+  for (int a = 0; a < scene.system.atoms(); ++a)
+    if (scene.system.mass[a] > 0) s.x.col(a) += kNudge * random.unit_vector();
+  return s;
+}
+
+Track nudged_run(const Stage& stage, const Contestant& contestant, const Against& against) {
+  Stage moved = stage;
+  moved.scene.start = nudged(stage.scene);
+  return follow(moved, {contestant.name + " moved 1e-10", contestant.method}, stage.parting, against).track;
+}
+
 Track nudged_run(const Stage& stage, const Against& against) {
-  Random random(stage.scene.run.seed);
-  State s = stage.scene.start;
-  for (int a = 0; a < stage.scene.system.atoms(); ++a)
-    if (stage.scene.system.mass[a] > 0) s.x.col(a) += kNudge * random.unit_vector();
-  const auto twin = stage.twin({.platform = stage.plan.platform});
-  twin->set(s);
+  const auto twin = stage.twin(stage.on_platform());
+  twin->set(nudged(stage.scene));
   return follow(stage, "openmm moved 1e-10", *twin, stage.parting, against).track;
 }
 

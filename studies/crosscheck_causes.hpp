@@ -13,8 +13,10 @@ StartDifference compare_start(const Stage& stage, OpenMMTwin& twin);
 // those.
 OpenMMBonds openmm_bonds(const Stage& stage, double worst_seen);
 
-// A second OpenMM run, every atom moved by 1e-10 nm: how chaos alone tears two runs apart.
+// A second run, every atom moved by 1e-10 nm: how chaos alone tears two runs apart. It is OpenMM's, or taut's
+// of a contestant, since a device may compute in single precision.
 Track nudged_run(const Stage& stage, const Against& against);
+Track nudged_run(const Stage& stage, const Contestant& contestant, const Against& against);
 Chaos chaos_of(const Track& nudged);
 
 Leapfrog compare_leapfrog(const Stage& stage);

@@ -1,5 +1,7 @@
 #include "studies/crosscheck_runs.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -42,6 +44,7 @@ class Recorder {
         against_(against),
         structure_(stage.scene.system, stage.scene.terms, stage.scene.start.box) {
     followed_.track.name = std::move(name);
+    followed_.track.held_against = against.openmm != nullptr;
   }
 
   void see(long step, const State& s, double potential) {
@@ -122,6 +125,28 @@ std::unique_ptr<OpenMMTwin> Stage::twin(TwinSettings settings) const {
                          : std::make_unique<OpenMMTwin>(openmm_input(scene), settings);
   twin->set(scene.start);
   return twin;
+}
+
+TwinSettings Stage::on_platform(TwinIntegrator integrator) const {
+  return {.platform = plan.platform, .integrator = integrator, .precision = plan.precision};
+}
+
+TwinSettings Stage::with_plugin(const Contestant& contestant) const {
+  TwinSettings settings = on_platform(TwinIntegrator::kTaut);
+  const auto* fixed = contestant.method.get_if<MethodOptions>();  // a method of which a study takes no option
+  MethodOptions method = fixed != nullptr ? *fixed : contestant.method;
+  settings.method = method.name();
+  for (const Option& option : method.describe())
+    std::visit(
+        [&](const auto* field) {
+          if constexpr (requires { field->has_value(); }) {
+            if (*field) settings.options[option.key] = fmt::format("{}", **field);
+          } else {
+            settings.options[option.key] = fmt::format("{}", *field);
+          }
+        },
+        option.field);
+  return settings;
 }
 
 void advance(OpenMMTwin& twin, long steps, const Listen& listen) {
@@ -229,6 +254,19 @@ double time_taut(const Stage& stage, const MethodOptions& method) {
 std::vector<Speed> measure_speed(const Stage& stage) {
   std::vector<Speed> speed;
   if (!(stage.plan.speed_seconds > 0)) return speed;
+  const auto time_twin = [&](const std::string& name, const TwinSettings& settings) {
+    const auto twin = stage.twin(settings);
+    speed.push_back({name, time_steps(stage.plan.speed_seconds,
+                                      [&](long steps) { advance(*twin, steps, stage.plan.listen); })});
+  };
+  if (stage.plan.plugged()) {
+    for (const Contestant& contestant : stage.plan.contestants) {
+      speed.push_back({"taut, " + contestant.name, time_taut(stage, contestant.method)});
+      time_twin(fmt::format("OpenMM {}, TautIntegrator {}", stage.plan.platform, contestant.name),
+                stage.with_plugin(contestant));
+    }
+    return speed;
+  }
   for (const auto& [name, method] : std::initializer_list<std::pair<const char*, MethodOptions>>{
            {"taut, rattle at 1e-6", Rattle::Options{{.tolerance = kTolerance}}},
            {"taut, newton at 1e-6", Newton::Options{.tolerance = kTolerance}},
@@ -237,12 +275,8 @@ std::vector<Speed> measure_speed(const Stage& stage) {
     speed.push_back({name, time_taut(stage, method)});
   for (const auto& [name, integrator] :
        {std::pair("OpenMM CPU, VerletIntegrator at 1e-6", TwinIntegrator::kVerlet),
-        {"OpenMM CPU, RATTLE CustomIntegrator at 1e-6", TwinIntegrator::kRattle}}) {
-    const auto twin =
-        stage.twin({.constraint_tolerance = kTolerance, .platform = "CPU", .integrator = integrator});
-    speed.push_back({name, time_steps(stage.plan.speed_seconds,
-                                      [&](long steps) { advance(*twin, steps, stage.plan.listen); })});
-  }
+        {"OpenMM CPU, RATTLE CustomIntegrator at 1e-6", TwinIntegrator::kRattle}})
+    time_twin(name, {.constraint_tolerance = kTolerance, .platform = "CPU", .integrator = integrator});
   return speed;
 }
 

@@ -16,6 +16,8 @@ struct Stage {
   Stage(const Scene& scene, const CrosscheckPlan& plan);
 
   std::unique_ptr<OpenMMTwin> twin(TwinSettings settings) const;  // at the start
+  TwinSettings on_platform(TwinIntegrator integrator = TwinIntegrator::kRattle) const;
+  TwinSettings with_plugin(const Contestant& contestant) const;
   bool samples(long step) const;
   bool long_enough() const;                                    // for averages to mean something
   bool uniform(long step) const { return step % every == 0; }  // one of the evenly spaced, for averages

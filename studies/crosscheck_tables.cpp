@@ -11,8 +11,11 @@
 namespace taut {
 
 std::vector<const Track*> all_tracks(const Crosscheck& c) {
-  std::vector<const Track*> all = {&c.twin, &c.verlet, &c.nudged, &c.fine};
+  std::vector<const Track*> all;
+  for (const Track* track : {&c.twin, &c.verlet, &c.nudged, &c.fine})
+    if (!track->name.empty()) all.push_back(track);
   for (const Track& track : c.tracks) all.push_back(&track);
+  for (const auto& [ours, theirs] : c.plugged) all.insert(all.end(), {&ours, &theirs});
   return all;
 }
 
@@ -53,6 +56,8 @@ Json json_of(const Crosscheck& c) {
       {"scene", c.scene},
       {"openmm", c.openmm},
       {"platform", c.platform},
+      {"precision", c.precision},
+      {"integrator", c.plugged.empty() ? "openmm" : "taut"},
       {"notes", c.notes},
       {"atoms", c.atoms},
       {"bonds", c.bonds},
@@ -66,14 +71,15 @@ Json json_of(const Crosscheck& c) {
         {"force_rms_kj_mol_nm", c.start.force_rms},
         {"largest_force_difference_kj_mol_nm", c.start.force_difference}}},
       {"chaos",
-       {{"growth", c.chaos.growth}, {"steps", c.chaos.steps}, {"rate_per_ps", json_of(c.chaos.rate)}}},
-      {"openmm_bonds",
-       {{"max_rel_bond_error", c.openmm_bonds.worst}, {"rounded_to_float", c.openmm_bonds.rounded}}},
-      {"leapfrog",
-       {{"steps", c.leapfrog.steps},
-        {"positions_nm", c.leapfrog.positions},
-        {"velocities_kept_nm_ps", c.leapfrog.velocities_kept},
-        {"velocities_full_step_nm_ps", c.leapfrog.velocities}}}};
+       {{"growth", c.chaos.growth}, {"steps", c.chaos.steps}, {"rate_per_ps", json_of(c.chaos.rate)}}}};
+  if (c.plugged.empty()) {
+    json["openmm_bonds"] = {{"max_rel_bond_error", c.openmm_bonds.worst},
+                            {"rounded_to_float", c.openmm_bonds.rounded}};
+    json["leapfrog"] = {{"steps", c.leapfrog.steps},
+                        {"positions_nm", c.leapfrog.positions},
+                        {"velocities_kept_nm_ps", c.leapfrog.velocities_kept},
+                        {"velocities_full_step_nm_ps", c.leapfrog.velocities}};
+  }
   if (c.openmm_bonds.apart_as_given) {
     json["openmm_bonds"]["newton_apart_as_given_nm"] = *c.openmm_bonds.apart_as_given;
     json["openmm_bonds"]["newton_apart_with_their_lengths_nm"] = *c.openmm_bonds.apart_with_theirs;

@@ -6,12 +6,12 @@
 
 #include <algorithm>
 #include <map>
-#include <mutex>
 #include <sstream>
 #include <vector>
 
 #include "base/errors.hpp"
 #include "forcefield/ewald/parameters.hpp"
+#include "studies/openmm_plugins.hpp"
 #include "systems/openmm/export.hpp"
 #include "systems/openmm/xml.hpp"
 
@@ -59,20 +59,6 @@ bool has_sites(const OpenMM::System& system) {
   return false;
 }
 
-OpenMM::Platform& platform_by_name(const std::string& name) {
-  static std::once_flag plugins;  // Reference is built in, the others are plug-ins
-  if (name != "Reference")
-    std::call_once(plugins, [] {
-      OpenMM::Platform::loadPluginsFromDirectory(OpenMM::Platform::getDefaultPluginsDirectory());
-    });
-  try {
-    return OpenMM::Platform::getPlatformByName(name);
-  } catch (const OpenMM::OpenMMException&) {
-    throw InputError(fmt::format("OpenMM has no platform {} among its plug-ins in {}", name,
-                                 OpenMM::Platform::getDefaultPluginsDirectory()));
-  }
-}
-
 void set_box(OpenMM::Context& context, const Box& box) {
   if (!box.periodic()) return;
   const Eigen::Matrix3d m = box.vectors();
@@ -108,7 +94,34 @@ void say_pme_parameters(OpenMM::System& system, const OpenMM::State& start) {
   }
 }
 
+std::string on_one_line(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+template <class T>
+std::unique_ptr<T> deserialize(const std::string& xml) {
+  std::istringstream stream(xml);
+  return std::unique_ptr<T>(OpenMM::XmlSerializer::deserialize<T>(stream));
+}
+
+// TautIntegrator, whose class the plug-in alone has.
+std::unique_ptr<OpenMM::Integrator> make_plugged(const TwinSettings& settings) {
+  load_taut_plugin(settings.platform);
+  std::string options;
+  for (const auto& [name, value] : settings.options) options += fmt::format(" {}=\"{}\"", name, value);
+  try {
+    return deserialize<OpenMM::Integrator>(fmt::format(
+        "<Integrator type=\"TautIntegrator\" version=\"1\" stepSize=\"{}\" method=\"{}\"><Options{}/>"
+        "</Integrator>",
+        settings.h, settings.method, options));
+  } catch (const OpenMM::OpenMMException& wrong) {
+    throw InputError(fmt::format("--integrator taut: OpenMM {}: {}", openmm_version(), wrong.what()));
+  }
+}
+
 std::unique_ptr<OpenMM::Integrator> make_integrator(const TwinSettings& settings, bool in_halves) {
+  if (settings.integrator == TwinIntegrator::kTaut) return make_plugged(settings);
   std::unique_ptr<OpenMM::Integrator> integrator;
   if (settings.integrator == TwinIntegrator::kVerlet) {
     integrator = std::make_unique<OpenMM::VerletIntegrator>(settings.h);
@@ -119,17 +132,6 @@ std::unique_ptr<OpenMM::Integrator> make_integrator(const TwinSettings& settings
   }
   integrator->setConstraintTolerance(settings.constraint_tolerance);
   return integrator;
-}
-
-std::string on_one_line(std::string text) {
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return text;
-}
-
-template <class T>
-std::unique_ptr<T> deserialize(const std::string& xml) {
-  std::istringstream stream(xml);
-  return std::unique_ptr<T>(OpenMM::XmlSerializer::deserialize<T>(stream));
 }
 
 // By OpenMM's own reader, which takes a truncated file for a shorter one and recurses: XmlFile looked first.
@@ -143,6 +145,24 @@ std::unique_ptr<T> deserialize(const XmlFile& file) {
                             root.has_attribute("openmmVersion") ? root.text("openmmVersion") : "?",
                             on_one_line(e.what())));
   }
+}
+
+std::map<std::string, std::string> properties_of(const OpenMM::Platform& platform,
+                                                 const TwinSettings& settings) {
+  const auto& names = platform.getPropertyNames();
+  const auto has = [&](const char* name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  std::map<std::string, std::string> properties;
+  if (settings.threads > 0 && has("Threads")) properties["Threads"] = std::to_string(settings.threads);
+  if (settings.precision.empty()) return properties;
+  if (!has("Precision"))
+    throw InputError(fmt::format(
+        "--precision {}: OpenMM's platform {} leaves no choice of it: leave it out, or take --platform "
+        "OpenCL, CUDA or HIP",
+        settings.precision, settings.platform));
+  properties["Precision"] = settings.precision;
+  return properties;
 }
 
 // As Context::setState, but for what belongs to the State's integrator, which is another.
@@ -171,7 +191,7 @@ struct OpenMMTwin::Impl {
   OpenMM::State get(int what) const { return context->getState(what); }
   Vectors velocities() const { return from_openmm(get(OpenMM::State::Velocities).getVelocities()); }
   bool periodic() const { return system->usesPeriodicBoundaryConditions(); }
-  bool in_halves() const { return !lags() && has_sites(*system); }
+  bool in_halves() const { return settings.integrator == TwinIntegrator::kRattle && has_sites(*system); }
   bool lags() const { return settings.integrator == TwinIntegrator::kVerlet; }
 
   // OpenMM leaves at a site what it has handed to the parents.
@@ -208,13 +228,10 @@ struct OpenMMTwin::Impl {
 
 void OpenMMTwin::start(std::unique_ptr<OpenMM::System> system, const TwinSettings& settings) {
   drop_momentum_removers(*system);
-  const bool verlet = settings.integrator == TwinIntegrator::kVerlet;
-  auto integrator = make_integrator(settings, !verlet && has_sites(*system));
-  impl_.reset(new Impl{settings, std::move(system), std::move(integrator), {}});
-  std::map<std::string, std::string> properties;
-  if (settings.platform == "CPU" && settings.threads > 0)
-    properties["Threads"] = std::to_string(settings.threads);
   OpenMM::Platform& platform = platform_by_name(settings.platform);
+  const std::map<std::string, std::string> properties = properties_of(platform, settings);
+  impl_.reset(new Impl{settings, std::move(system), {}, {}});
+  impl_->integrator = make_integrator(settings, impl_->in_halves());
   try {
     impl_->context =
         std::make_unique<OpenMM::Context>(*impl_->system, *impl_->integrator, platform, properties);

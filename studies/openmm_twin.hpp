@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -23,7 +24,9 @@ bool built_with_openmm();  // which the twin needs, and nothing else
 // kVerlet: OpenMM's own VerletIntegrator, which is leap-frog: it keeps v_{n−½}. Started from
 //   v_{−½} = v₀ − ½hf₀/m  it takes RATTLE's very positions (what lies along the bonds is projected out in
 // either), and RATTLE's velocity is  v_n = P(v_{n−½} + ½hf_n/m), P taking out the part along the bonds.
-enum class TwinIntegrator { kRattle, kVerlet };
+//
+// kTaut: TautIntegrator of taut's plug-in for OpenMM (openmm_plugin/README.md), which takes taut's own step.
+enum class TwinIntegrator { kRattle, kVerlet, kTaut };
 
 struct TwinSettings {
   double h = 0;                         // [ps]
@@ -31,7 +34,10 @@ struct TwinSettings {
   std::string platform =
       "Reference";  // in double precision, for parity; CPU, pair forces in single, for speed
   TwinIntegrator integrator = TwinIntegrator::kRattle;
-  int threads = 0;  // of the CPU platform; 0: as OpenMM chooses
+  int threads = 0;             // of the CPU platform; 0: as OpenMM chooses
+  std::string precision = {};  // of a device's platform: single, mixed, double; empty: as OpenMM chooses
+  std::string method = {};     // of kTaut, by its name
+  std::map<std::string, std::string> options = {};  // of the method, by their names
 };
 
 // OpenMM itself, run beside taut as a witness. It never removes the momentum, even where the file has a

@@ -19,6 +19,7 @@ namespace taut::crosscheck_tests {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::AnyOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using tests::data;
@@ -150,6 +151,100 @@ TEST(Crosscheck, LeapfrogTakesTheSamePositions) {
   EXPECT_LT(c.leapfrog.positions, 1e-10);
   EXPECT_LT(c.leapfrog.velocities, 1e-7);
   EXPECT_GT(c.leapfrog.velocities_kept, 1e-3) << "half a step behind";
+}
+
+// The plug-in takes taut's own step: all that sets the two apart is round-off of positions, or of the platform's
+// forces. A method with other options than taut's would be seen: baumgarte's gains change the trajectory by 1e-6.
+struct OnPlatform {
+  const char *platform, *precision;
+  double apart = 0, apart_with_charges = 0;  // of the runs, at most [nm]
+};
+class CrosscheckOfThePlugin : public ::testing::TestWithParam<OnPlatform> {};
+
+bool has_plugin(const OnPlatform& on) {
+  const Scene scene = read_scene(find_scene("pair"));
+  try {
+    OpenMMTwin twin(openmm_input(scene), {.h = 0.001,
+                                          .platform = on.platform,
+                                          .integrator = TwinIntegrator::kTaut,
+                                          .precision = on.precision,
+                                          .method = "feedforward"});
+  } catch (const InputError& absent) {
+    EXPECT_THAT(absent.what(),
+                AnyOf(HasSubstr("no plug-in for OpenMM"), HasSubstr("no part for the platform"),
+                      HasSubstr("OpenMM has no platform")));
+    return false;
+  }
+  return true;
+}
+
+// Without charges the platforms of devices compute in double what they are told to; of charges and Lennard-Jones
+// numbers OpenMM rounds some to float.
+TEST_P(CrosscheckOfThePlugin, TakesTautsTrajectory) {
+  const auto& [platform, precision, apart, apart_with_charges] = GetParam();
+  if (!has_plugin(GetParam())) GTEST_SKIP() << "no plug-in for " << platform << " here";
+  for (const auto& [name, most] : {std::pair("freely_jointed", apart), {"water", apart_with_charges}}) {
+    SCOPED_TRACE(name);
+    CrosscheckPlan plan;
+    plan.platform = platform, plan.precision = precision, plan.integrator = "taut";
+    plan.contestants = contestants(plan.usual_methods(), true);
+    plan.contestants.push_back({"critical", Baumgarte::Options{.gains = "critical", .damping = "implicit"}});
+    plan.speed_seconds = 0;
+    const Crosscheck c = crosscheck(read_scene(find_scene(name), {"run.steps=40"}), plan);
+    ASSERT_EQ(c.plugged.size(), plan.contestants.size());
+    for (const auto& [ours, theirs] : c.plugged) {
+      SCOPED_TRACE(theirs.name);
+      EXPECT_EQ(theirs.failure, "");
+      EXPECT_EQ(theirs.samples.back().step, 40);
+      EXPECT_LT(theirs.most_apart(), most);
+    }
+    if (most < 1e-9) expect_agreement(c);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, CrosscheckOfThePlugin,
+    ::testing::Values(OnPlatform{"Reference", "", 1e-11, 1e-11}, OnPlatform{"CPU", "", 1e-11, 1e-4},
+                      OnPlatform{"OpenCL", "double", 1e-11, 1e-5}, OnPlatform{"OpenCL", "mixed", 1e-10, 1e-4},
+                      OnPlatform{"OpenCL", "single", 1e-4, 1e-4}),
+    [](const auto& given) { return std::string(given.param.platform) + given.param.precision; });
+
+TEST(Crosscheck, RefusesWhatThePluginDoesNotServe) {
+  const auto refusal = [](const char* platform, const char* precision,
+                          const char* integrator) -> std::string {
+    CrosscheckPlan plan;
+    plan.platform = platform, plan.precision = precision, plan.integrator = integrator;
+    plan.contestants = contestants({"penalty"});
+    try {
+      crosscheck(read_scene(find_scene("pair")), plan);
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(refusal("Reference", "", "tuat"), AllOf(HasSubstr("tuat"), HasSubstr("taut")));
+  EXPECT_THAT(refusal("Reference", "single", "openmm"),
+              AllOf(HasSubstr("--precision single"), HasSubstr("OpenCL")));
+  EXPECT_THAT(refusal("Metal", "", "openmm"), HasSubstr("OpenMM has no platform Metal"));
+  if (has_plugin({"Reference", ""})) {
+    EXPECT_THAT(refusal("Reference", "", "taut"),
+                AllOf(HasSubstr("penalty"), HasSubstr("HarmonicBondForce")));
+  }
+}
+
+TEST(Crosscheck, SaysWhereThePluginIsLookedFor) {
+  setenv("TAUT_OPENMM_PLUGIN", "/nowhere/libtaut_openmm.so", 1);
+  const std::string said = [] {
+    try {
+      OpenMMTwin twin(openmm_input(read_scene(find_scene("pair"))),
+                      {.h = 0.001, .integrator = TwinIntegrator::kTaut, .method = "newton"});
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  }();
+  unsetenv("TAUT_OPENMM_PLUGIN");
+  EXPECT_THAT(said, AllOf(HasSubstr("/nowhere/libtaut_openmm.so"), HasSubstr("does not load")));
 }
 
 TEST(Contestants, ByName) {

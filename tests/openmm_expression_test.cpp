@@ -105,6 +105,24 @@ TEST(KnownEnergies, AreKnownByTheirAlgebra) {
   EXPECT_EQ(swapped->name_of.at("k"), "r0");
 }
 
+// A number may stand where taut has a parameter: equal numbers for one, or each for its own.
+TEST(KnownEnergies, HaveNumbersForParameters) {
+  const auto at = [](const char* text, Expression::Numbers named, double low) -> std::string {
+    const KnownEnergy spring{"0.5*k*(v-at)^2", {{"k"}, {"at", low}}};
+    const auto found = recognize(Expression(text, {}, named), {"k"}, {{"v", 0.1, 1.5}}, spring);
+    return found ? found->name_of.at("at") : "";
+  };
+  using Numbers = Expression::Numbers;
+  EXPECT_EQ(at("k/2*(v-0.3)^2", Numbers::kNamedAlike, 0.5), "0.3");
+  EXPECT_EQ(at("k/2*(v-0.3)^2", Numbers::kFixed, 0.5), "");
+  EXPECT_EQ(at("k/2*(v-0.3)*(v-0.3)", Numbers::kNamedAlike, 0.5), "0.3");
+  EXPECT_EQ(at("k/2*(v-0.3)*(v-0.3)", Numbers::kNamedApart, 0.5), "");
+  EXPECT_EQ(at("0.5*k*(v-0.5)^2", Numbers::kNamedAlike, 0.5), "");
+  EXPECT_EQ(at("0.5*k*(v-0.5)^2", Numbers::kNamedApart, 0.5), "0.5@1");
+  EXPECT_EQ(at("k*(v-(-0.3))^2", Numbers::kNamedAlike, -1), "-0.3");
+  EXPECT_EQ(Expression("-2^2", {}, Numbers::kNamedAlike)({{"2", 2.0}, {"-2", -2.0}}), -4);
+}
+
 TEST(KnownEnergies, AreNotWhatLooksLikeThem) {
   for (const char* text : {"0.5*k*(r+r0)^2", "0.5*k*(r-r0)^4", "0.5*k*(r-r0)^2+1", "0.5*k*(r-r0)^2.001", "k",
                            "0*k*r0*r", "0.5*k*(r-r0)^2+1e-3*r", "0.5*k*(r-1.001*r0)^2", "log(-k*r0*r)"})

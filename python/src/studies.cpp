@@ -159,8 +159,11 @@ py::dict calibrate_scene(const Input& input, const py::dict& asked) {
 py::dict crosscheck_scene(const Input& input, const std::vector<std::string>& methods, const py::dict& asked,
                           const py::object& progress) {
   refuse_without_effect("crosscheck", input.source.overrides);
-  CrosscheckPlan plan{.contestants = contestants(methods), .files = {}};
+  CrosscheckPlan plan;
   plan.platform = asked["platform"].cast<std::string>();
+  plan.precision = asked["precision"].cast<std::string>();
+  plan.integrator = asked["integrator"].cast<std::string>();
+  plan.contestants = contestants(methods.empty() ? plan.usual_methods() : methods, plan.plugged());
   plan.speed_seconds = asked["speed_seconds"].cast<double>();
   Listening listening;
   plan.listen = std::ref(listening);

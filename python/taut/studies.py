@@ -216,13 +216,14 @@ def calibrate(scene: inputs.Scene, *, against: Any = "rattle", tolerance: float 
 
 def crosscheck(scene: inputs.Scene, methods: Optional[Iterable[Any]] = None, *, steps: int = 200,
                dt_fs: Optional[float] = None, set: Optional[Mapping[str, Any]] = None, platform: str = "Reference",
-               speed_seconds: float = 0.0, agreement_nm: float = 1e-6, seeds: Seeds = None,
-               draw: bool = False) -> Dict[str, Any]:
+               precision: str = "", integrator: str = "openmm", speed_seconds: float = 0.0,
+               agreement_nm: float = 1e-6, seeds: Seeds = None, draw: bool = False) -> Dict[str, Any]:
     """Compares a scene's runs with those of OpenMM, the version that taut was built with.
 
     - ``methods``: names, with gains as in "baumgarte:dead-beat", classes or objects; None takes the study's own.
       Projections named so are held to 1e-12, an object to what it says
-    - ``platform``: OpenMM's platform
+    - ``platform``: OpenMM's platform; ``precision``: of a device's: "single", "mixed" or "double"
+    - ``integrator``: "openmm" for OpenMM's own, "taut" for that of taut's plug-in, beside taut's run of each method
     - ``speed_seconds``: how long to measure speeds; 0 measures none
     - ``agreement_nm``: runs that are further apart than this have parted [nm]
     - ``seeds``: number or list of ``run.seed``; tables then have means over them and their errors, and "of_seeds" has
@@ -232,7 +233,8 @@ def crosscheck(scene: inputs.Scene, methods: Optional[Iterable[Any]] = None, *, 
     liquid water "distances", its radial distribution. Raises InputError.
     """
     progress, found = StudyProgress(), []
-    asked = {"platform": platform, "speed_seconds": speed_seconds, **_errors(agreement_nm=agreement_nm)}
+    asked = {"platform": platform, "precision": precision, "integrator": integrator, "speed_seconds": speed_seconds,
+             **_errors(agreement_nm=agreement_nm)}
     settings = settings_of_seeds(seeds, {"run.steps": steps, **(set or {})})
     for of_seed in settings:
         read = inputs.read(scene, inputs.overrides(of_seed, None, dt_fs))

@@ -5,7 +5,7 @@ load 'taut.gp'
 array start[200]  # each run's energy there
 energy = 0
 end = 0           # of runs that only explain [ps]
-sampled(run, t, e) = (energy = t == 0 ? e : energy, end = run eq 'openmm verlet' ? t : end, \
+sampled(run, t, e) = (energy = t == 0 ? e : energy, end = strstrt(run, ' moved ') > 0 ? t : end, \
   t > 0 && strstrt(run, ' at h/') == 0 && add_curve(run, word(run, 1)) ? (start[curves] = energy) : 0)
 stats csv using (sampled(strcol('run'), column('t_ps'), column('energy_kj_mol'))) nooutput
 eval expect_curves

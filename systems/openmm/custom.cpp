@@ -9,7 +9,11 @@ namespace taut {
 
 CustomForce::CustomForce(const ForceReading& r, Kind kind, const std::string& energy,
                          const Expression::Tables& tables)
-    : force_(r.force), kind_(std::move(kind)), text_(energy), energy_(parsed(energy, tables)) {
+    : force_(r.force),
+      kind_(std::move(kind)),
+      text_(energy),
+      tables_(tables),
+      energy_(parsed(Expression::Numbers::kFixed)) {
   if (kind_.of_each)
     force_.part(kind_.of_each).each("Parameter", [&](const Element& parameter) {
       std::string name;
@@ -26,11 +30,11 @@ CustomForce::CustomForce(const ForceReading& r, Kind kind, const std::string& en
   check_names();
 }
 
-Expression CustomForce::parsed(const std::string& energy, const Expression::Tables& tables) const {
+Expression CustomForce::parsed(Expression::Numbers named) const {
   try {
-    return Expression(energy, tables);
+    return Expression(text_, tables_, named);
   } catch (const Expression::Error& e) {
-    force_.refuse(fmt::format("has the energy {}: {}", energy, e.what()));
+    force_.refuse(fmt::format("has the energy {}: {}", text_, e.what()));
   }
 }
 
@@ -59,11 +63,17 @@ int CustomForce::recognize(const std::vector<KnownEnergy>& known) {
   std::vector<std::string> declared;
   for (const auto& [name, value] : values_)
     if (energy_.names().contains(name)) declared.push_back(name);
-  for (std::size_t k = 0; k < known.size(); ++k)
-    if (auto found = taut::recognize(energy_, declared, kind_.coordinates, known[k])) {
-      recognized_ = std::move(*found);
-      return static_cast<int>(k);
-    }
+  using Numbers = Expression::Numbers;
+  for (const Numbers named : {Numbers::kFixed, Numbers::kNamedAlike, Numbers::kNamedApart}) {
+    Expression energy = parsed(named);
+    for (std::size_t k = 0; k < known.size(); ++k)
+      if (auto found = taut::recognize(energy, declared, kind_.coordinates, known[k])) {
+        values_.insert(energy.numbers().begin(), energy.numbers().end());
+        energy_ = std::move(energy);
+        recognized_ = std::move(*found);
+        return static_cast<int>(k);
+      }
+  }
   return -1;
 }
 

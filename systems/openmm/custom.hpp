@@ -23,8 +23,8 @@ class CustomForce {
   CustomForce(const ForceReading& r, Kind kind, const std::string& energy,
               const Expression::Tables& tables = {});
 
-  // Returns the index of the known energy that it is, or -1. From then on its parameters have the known
-  // names.
+  // Returns the index of the known energy that it is, or -1. From then on its parameters, and numbers that stand
+  // in their place, have the known names.
   int recognize(const std::vector<KnownEnergy>& known);
   // Refuses the energy. `remedy`: what to do instead.
   [[noreturn]] void refuse_energy(const std::vector<KnownEnergy>& known, const char* remedy = "") const;
@@ -48,7 +48,7 @@ class CustomForce {
   struct OfEach {
     std::string attribute, name;
   };
-  Expression parsed(const std::string& energy, const Expression::Tables& tables) const;
+  Expression parsed(Expression::Numbers named) const;
   void add(const Element& at, const std::string& name, double value);
   void check_names() const;
 
@@ -57,6 +57,7 @@ class CustomForce {
   std::vector<OfEach> of_each_;
   Expression::Values values_;
   std::string text_;
+  Expression::Tables tables_;
   Expression energy_;
   Recognized recognized_{1, {}};
 };

@@ -77,7 +77,8 @@ const Expression::Tables& own_functions() {
 // to the right.
 class ExpressionParser {
  public:
-  ExpressionParser(Expression& to, const Expression::Tables& tables) : to_(to), tables_(tables) {}
+  ExpressionParser(Expression& to, const Expression::Tables& tables, Expression::Numbers named)
+      : to_(to), tables_(tables), named_(named) {}
 
   // Reads definitions from the last to the first, then the energy.
   void parse(std::string_view text) {
@@ -166,6 +167,11 @@ class ExpressionParser {
   Node with_sign() {
     bool minus = false;
     while (peek() == '-' || peek() == '+') minus ^= take() == '-';
+    if (const auto after = text_; minus && std::isdigit(static_cast<unsigned char>(peek()))) {
+      Node value = number(-1);  // a name of its own
+      if (peek() != '^') return value;
+      text_ = after;
+    }
     const Node value = power();
     return minus ? node([a = value.value](const Values& v) { return -(*a)(v); }, {&value}) : value;
   }
@@ -190,17 +196,26 @@ class ExpressionParser {
     const std::string name = identifier();
     if (accept('(')) return call(name);
     if (const auto known = definitions_.find(name); known != definitions_.end()) return known->second;
+    return variable(name);
+  }
+
+  Node variable(const std::string& name) {
     Node value = node([name](const Values& v) { return v.find(name)->second; }, {});
     value.names.insert(name);
     return value;
   }
 
-  Node number() {
+  Node number(int sign = 1) {
     double value = 0;
     const auto [end, error] = std::from_chars(text_.data(), text_.data() + text_.size(), value);
     if (error != std::errc()) fail("a number");
     text_.remove_prefix(static_cast<std::size_t>(end - text_.data()));
-    return node([value](const Values&) { return value; }, {});
+    value *= sign;
+    if (named_ == Expression::Numbers::kFixed) return node([value](const Values&) { return value; }, {});
+    std::string name = fmt::format("{}", value);  // no name that a text has
+    if (named_ == Expression::Numbers::kNamedApart) name += fmt::format("@{}", to_.numbers_.size());
+    to_.numbers_[name] = value;
+    return variable(name);
   }
 
   Node call(const std::string& name) {
@@ -264,13 +279,14 @@ class ExpressionParser {
 
   Expression& to_;
   const Expression::Tables& tables_;
+  Expression::Numbers named_;
   std::string_view text_;
   std::map<std::string, Node> definitions_;
   int depth_ = 0;
 };
 
-Expression::Expression(std::string_view text, const Tables& tables) {
-  ExpressionParser(*this, tables).parse(text);
+Expression::Expression(std::string_view text, const Tables& tables, Numbers named) {
+  ExpressionParser(*this, tables, named).parse(text);
 }
 
 namespace {
@@ -282,7 +298,7 @@ constexpr double kSmallEnergy = 0.1;      // below it the difference counts, not
 
 }  // namespace
 
-std::optional<Recognized> recognize(const Expression& energy, const std::vector<std::string>& declared,
+std::optional<Recognized> recognize(const Expression& energy, std::vector<std::string> declared,
                                     const std::vector<Quantity>& coordinates, const KnownEnergy& known) {
   struct Point {
     Expression::Values known, given;  // arguments of the known and of the given energy
@@ -292,10 +308,13 @@ std::optional<Recognized> recognize(const Expression& energy, const std::vector<
   const auto draw = [&](const Quantity& q) { return q.low + (q.high - q.low) * random.uniform(); };
   for (Point& point : points) {
     for (const auto& name : declared) point.given[name] = draw({"", 0.5, 1.5});
+    point.given.insert(energy.numbers().begin(), energy.numbers().end());
     for (const Quantity& q : known.parameters) point.known[q.name] = draw(q);
     for (const Quantity& q : known.within.empty() ? coordinates : known.within)
       point.given[q.name] = point.known[q.name] = draw(q);
   }
+
+  for (const auto& [name, value] : energy.numbers()) declared.push_back(name);
 
   // The given energy in units of the known one, where names[k] stands for the k-th known parameter.
   const Expression known_energy(known.text);

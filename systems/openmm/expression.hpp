@@ -29,16 +29,21 @@ class Expression {
     using runtime_error::runtime_error;
   };
 
+  // Whether its numbers are variables, too: none, equal ones by one name, or each by its own.
+  enum class Numbers { kFixed, kNamedAlike, kNamedApart };
+
   // Throws Error for a text that is no expression. `tables` are tabulated functions that it may call.
-  explicit Expression(std::string_view text, const Tables& tables = {});
+  explicit Expression(std::string_view text, const Tables& tables = {}, Numbers named = Numbers::kFixed);
 
   const std::set<std::string>& names() const { return names_; }  // its variables
+  const Values& numbers() const { return numbers_; }             // those of them that are numbers of the text
   double operator()(const Values& values) const { return value_(values); }
 
  private:
   friend class ExpressionParser;
   std::function<double(const Values&)> value_;
   std::set<std::string> names_;
+  Values numbers_;
 };
 
 // A parameter or coordinate of an energy, and the range in which energies are compared. The range reaches to
@@ -65,8 +70,8 @@ struct Recognized {
 
 // Compares an energy with a known one at 24 points: users write one formula in too many ways for a table of
 // normal forms (min, step and floor for the period of an angle, powers multiplied out, definitions).
-// `declared` lists the parameters that may stand for the known ones.
-std::optional<Recognized> recognize(const Expression& energy, const std::vector<std::string>& declared,
+// `declared` lists the parameters that may stand for the known ones, beside the energy's named numbers.
+std::optional<Recognized> recognize(const Expression& energy, std::vector<std::string> declared,
                                     const std::vector<Quantity>& coordinates, const KnownEnergy& known);
 
 // Formulas that are exported where OpenMM has no class for a term.
