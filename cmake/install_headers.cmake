@@ -1,5 +1,6 @@
 # Installs the headers that programs may include, and those that these include, as INTO/FOLDER/NAME.hpp, with includes
 # of each other by <taut/FOLDER/NAME.hpp>. Needs SOURCE, the tree; HEADERS, by their names in it; INTO, .../include/taut.
+cmake_policy(VERSION 3.25)  # a script of an installation has none of its project's
 file(REMOVE_RECURSE ${INTO})
 set(installed)
 while(HEADERS)

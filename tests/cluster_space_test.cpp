@@ -54,7 +54,7 @@ TEST_P(ClusterPairsInSpace, MissNoPairWhileAtomsMove) {
     x = start;
     ClusterPairs clusters(nb, box.periodic(), Precision::kDouble);
     for (int step = 0; step < 25; ++step) {
-      const auto [energy, virial, witness] = plain_pairs(nb, box, x);
+      const auto [energy, virial, witness, clear] = plain_pairs(nb, box, x);
       Vectors f = Vectors::Zero(3, n);
       clusters.add_forces(x, box, f);
       EXPECT_LE((f - witness).norm(), 1e-11 * witness.norm()) << "at step " << step;
@@ -180,11 +180,10 @@ TEST(ClusterPairs, MissNoPairFarFromTheOrigin) {
 // The error of forces in mixed precision, against the plain loop in double: a share of them.
 double mixed_error(const Nonbonded& nb, const Box& box, const Vectors& x) {
   ClusterPairs clusters(nb, box.periodic(), Precision::kMixed);
-  const auto [energy, virial, witness] = plain_pairs(nb, box, x);
+  const auto [energy, virial, witness, clear] = plain_pairs(nb, box, x);
   Vectors f = Vectors::Zero(3, x.cols());
   clusters.add_forces(x, box, f);
   EXPECT_NEAR(clusters.energy(), energy, 1e-5 * std::abs(energy));
-  const Eigen::RowVectorXd clear = clear_of_cutoff(nb.cutoff.value_or(0), x, box);
   return rms((f - witness) * clear.asDiagonal()) / rms(witness);
 }
 

@@ -87,15 +87,4 @@ inline double rms(const Vectors& f) {
   return f.norm() / std::sqrt(f.size());
 }
 
-// Which atoms have no pair so near the cutoff that one precision may count it and the other not: 1, else 0.
-inline Eigen::RowVectorXd clear_of_cutoff(double cutoff, const Vectors& x, const Box& box) {
-  Eigen::RowVectorXd clear = Eigen::RowVectorXd::Ones(x.cols());
-  for (int i = 0; cutoff > 0 && i < x.cols(); ++i)
-    for (int j = 0; j < i; ++j) {
-      const double r2 = box.nearest_image(x.col(i) - x.col(j)).squaredNorm();
-      if (std::abs(r2 / (cutoff * cutoff) - 1) < 2e-6) clear[i] = clear[j] = 0;
-    }
-  return clear;
-}
-
 }  // namespace taut::tests

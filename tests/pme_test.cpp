@@ -10,6 +10,7 @@
 #include "forcefield/ewald/mesh.hpp"
 #include "forcefield/ewald/parameters.hpp"
 #include "forcefield/ewald/screening.hpp"
+#include "md/units.hpp"
 #include "reference/plain_ewald.hpp"
 #include "reference/plain_mesh.hpp"
 
