@@ -167,6 +167,7 @@ TEST(Verdict, BlamesRoundedLengthsOnlyInDoublePrecision) {
       .worst = 3e-8, .rounded = 1, .steps = 100, .apart_as_given = 2e-6, .apart_with_theirs = 1e-12};
   EXPECT_NE(verdict_on(c, "newton").why.find("rounded to float"), std::string::npos);
   c.platform = "CPU";
+  c.in_double = false;
   EXPECT_EQ(verdict_on(c, "newton").why.find("rounded to float"), std::string::npos);
 }
 
