@@ -101,7 +101,8 @@ Measured::Diffusion Measured::diffusion(const MeanSquareDisplacement::Result& mo
     const double edge = std::cbrt(volumes_ / static_cast<double>(frames_));
     const double more = finite_size_correction(temperature_, viscosity_.value, edge);
     const double error = more * viscosity_.error / viscosity_.value;
-    found.corrected = Estimate{moved.diffusion.value + more, std::hypot(moved.diffusion.error, error)};
+    found.corrected = Estimate{moved.diffusion.value + more,
+                               std::sqrt(moved.diffusion.error * moved.diffusion.error + error * error)};
   }
   return found;
 }
