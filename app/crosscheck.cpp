@@ -117,8 +117,7 @@ void write_crosscheck(const Crosscheck& c, const std::string& command, const std
   show({"crosscheck", title, samples_csv(c)}, "Runs beside OpenMM's",
        c.plugged.empty()
            ? "Every run sets out from OpenMM's start. The fine run takes an eighth of the step: what is as "
-             "near "
-             "to it as OpenMM's own run is as right."
+             "near to it as OpenMM's own run is as right."
            : "Every method runs in taut, and in OpenMM by the plug-in: round-off alone sets the two apart.");
   if (!c.twin.oxygens.r.empty())
     show({"distances", c.scene + ": O–O radial distribution, bars: standard errors", distances_csv(c)},

@@ -8,8 +8,10 @@
 #endif
 
 #include <algorithm>
+#include <cctype>
 #include <cstdlib>
 #include <filesystem>
+#include <mutex>
 #include <set>
 
 #include "base/errors.hpp"
@@ -19,6 +21,8 @@ namespace taut {
 namespace {
 
 namespace fs = std::filesystem;
+
+std::mutex loading;  // studies may run on several threads
 
 // Where OpenMM says that its plug-ins are, or, as in the wheel, beside its library.
 fs::path plugins_of_openmm() {
@@ -47,8 +51,7 @@ void demand_one_openmm() {
   for (const std::string& file : found) list += (list.empty() ? "" : " and ") + file;
   throw InputError(
       fmt::format("plug-ins of OpenMM cannot be loaded where two of its versions are, {}: run `taut "
-                  "crosscheck`, or do so "
-                  "before openmm is imported",
+                  "crosscheck`, or do so before openmm is imported",
                   list));
 #endif
 }
@@ -76,8 +79,7 @@ fs::path taut_plugin() {
   for (const std::string& other : others) built += (built.empty() ? "" : ", ") + other;
   throw InputError(fmt::format(
       "--integrator taut: no plug-in for OpenMM {}, with which this taut was built, beside it in {}{}: build "
-      "its "
-      "target taut_openmm, or let TAUT_OPENMM_PLUGIN name libtaut_openmm.so (openmm_plugin/README.md)",
+      "its target taut_openmm, or let TAUT_OPENMM_PLUGIN name libtaut_openmm.so (openmm_plugin/README.md)",
       version(), folder.string(), built.empty() ? "" : " (there is one for " + built + ")"));
 }
 
@@ -93,6 +95,7 @@ void load(const fs::path& library) {
 }  // namespace
 
 OpenMM::Platform& platform_by_name(const std::string& name) {
+  const std::lock_guard one_at_a_time(loading);
   static bool loaded = false;
   if (name != "Reference" && !loaded) {  // which is built in
     demand_one_openmm();
@@ -108,6 +111,7 @@ OpenMM::Platform& platform_by_name(const std::string& name) {
 }
 
 void load_taut_plugin(const std::string& platform) {
+  const std::lock_guard one_at_a_time(loading);
   static std::set<fs::path> loaded;
   const auto once = [&](const fs::path& library) {
     if (loaded.count(library) > 0) return;

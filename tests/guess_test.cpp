@@ -110,7 +110,7 @@ TEST(Guess, OfAThirdDoesLittleWorkUnderCentredDamping) {
 }
 
 // The m₂/m₁ that does no work: 2αh/(βh)² + D/2P − (½ − 2αh/(βh)²) R/P in the discrete law. Where angles
-// between bonds are rigid R is nothing. Tolerances are four times the scatter over twelve seeds.
+// between bonds are rigid R is nothing. Tolerances are 3.5 to 4 times the scatter over twelve seeds.
 TEST(Guess, NoWeightsThatMissServeEveryCluster) {
   const auto ratio = [](const Averages& of) { return 0.24 + of.d() / of.p / 2 - 0.26 * of.r() / of.p; };
   const Averages chain = averages_of(scene_named("freely_jointed", "run.dt_fs=10", "run.steps=2000")),
