@@ -128,6 +128,10 @@ TEST(KnownEnergies, AreNotWhatLooksLikeThem) {
                            "0*k*r0*r", "0.5*k*(r-r0)^2+1e-3*r", "0.5*k*(r-1.001*r0)^2", "log(-k*r0*r)"})
     EXPECT_FALSE(spring(text, {"k", "r0"})) << text;
   EXPECT_FALSE(spring("0.5*k*(r-1)^2", {"k"}));
+  const KnownEnergy growth{"k*r", {{"k"}}};
+  EXPECT_FALSE(recognize(Expression("2*r*type1", {}, Expression::Numbers::kNamedAlike), {},
+                         {{"r", 0.3, 0.45}}, growth))
+      << "has a value at no point";
 }
 
 // As openmm.app writes it for the force fields of CHARMM, Amber and GROMACS.

@@ -200,7 +200,7 @@ class ExpressionParser {
   }
 
   Node variable(const std::string& name) {
-    Node value = node([name](const Values& v) { return v.find(name)->second; }, {});
+    Node value = node([name](const Values& v) { return v.at(name); }, {});
     value.names.insert(name);
     return value;
   }
@@ -314,6 +314,8 @@ std::optional<Recognized> recognize(const Expression& energy, std::vector<std::s
       point.given[q.name] = point.known[q.name] = draw(q);
   }
 
+  for (const auto& name : energy.names())
+    if (!points[0].given.contains(name)) return {};  // a parameter of each atom of a pair
   for (const auto& [name, value] : energy.numbers()) declared.push_back(name);
 
   // The given energy in units of the known one, where names[k] stands for the k-th known parameter.
