@@ -29,13 +29,15 @@ must() {  # must WHAT COMMAND...: runs it into the log, and tells where it faile
   "$@" >>"$log" 2>&1 || { tail -n 30 "$log" >&2; echo "portability: $what failed, see $log" >&2; exit 1; }
 }
 make_root() {  # make_root SUITE: debootstrap where the folder is not a Debian yet
-  local mirror
+  local mirror newer=()
   mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Label: Debian' | head -n 1)
   [[ $mirror ]] || { echo "portability: apt here knows no mirror of Debian" >&2; exit 3; }
   mkdir -p "$roots"
   : >"$log"
+  # A suite that debootstrap is too old to know is made as the last one that it knows.
+  [[ -e /usr/share/debootstrap/scripts/$1 ]] || newer=(/usr/share/debootstrap/scripts/trixie)
   [[ -e $root/etc/debian_version ]] ||
-    must debootstrap debootstrap --variant=minbase --include=ca-certificates "$1" "$root" "$mirror"
+    must debootstrap debootstrap --variant=minbase --include=ca-certificates "$1" "$root" "$mirror" "${newer[@]}"
   echo "deb-src $mirror $1 main" >"$root/etc/apt/sources.list.d/sources.list"
   bind /proc proc
   bind /dev dev
