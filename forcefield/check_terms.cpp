@@ -19,13 +19,13 @@ void require(bool ok, fmt::format_string<Args...> message, Args&&... args) {
   if (!ok) throw InputError(fmt::format(message, std::forward<Args>(args)...));
 }
 
-// A term as the message calls it: "torsion 12".
-struct Place {
+// A term as a message names it: "torsion 12".
+struct TermNumber {
   std::string_view term;
   std::size_t index;
 };
 
-void check_atoms(Place at, std::initializer_list<int> atoms, int n) {
+void check_atoms(TermNumber at, std::initializer_list<int> atoms, int n) {
   for (auto a = atoms.begin(); a != atoms.end(); ++a) {
     require(*a >= 0 && *a < n, "{} {}: atom {} is out of range, the system has atoms 0 to {}", at.term,
             at.index, *a, n - 1);
@@ -33,16 +33,16 @@ void check_atoms(Place at, std::initializer_list<int> atoms, int n) {
   }
 }
 
-void check_numbers(Place at, std::initializer_list<double> values) {
+void check_numbers(TermNumber at, std::initializer_list<double> values) {
   for (double v : values) require(std::isfinite(v), "{} {}: {} is not a finite number", at.term, at.index, v);
 }
 
-void check_not_negative(Place at, std::string_view what, double value) {
+void check_not_negative(TermNumber at, std::string_view what, double value) {
   require(value >= 0 && std::isfinite(value), "{} {}: {} {}, expected 0 or more", at.term, at.index, what,
           value);
 }
 
-void check_positive(Place at, std::string_view what, double value) {
+void check_positive(TermNumber at, std::string_view what, double value) {
   require(value > 0 && std::isfinite(value), "{} {}: {} {}, expected more than 0", at.term, at.index, what,
           value);
 }
@@ -153,7 +153,7 @@ void check_nonbonded(const Nonbonded& nb, int n, const Box& box) {
        {std::pair{"charge", &nb.charge}, std::pair{"sigma", &nb.sigma}, std::pair{"epsilon", &nb.epsilon}})
     require(values->size() == n, "nonbonded: {} values of {} for {} atoms", values->size(), what, n);
   for (int i = 0; i < n; ++i) {
-    const Place at{"nonbonded atom", static_cast<std::size_t>(i)};
+    const TermNumber at{"nonbonded atom", static_cast<std::size_t>(i)};
     check_numbers(at, {nb.charge[i]});
     check_not_negative(at, "sigma", nb.sigma[i]);
     check_not_negative(at, "epsilon", nb.epsilon[i]);
@@ -173,7 +173,7 @@ void check_nonbonded(const Nonbonded& nb, int n, const Box& box) {
   std::set<std::pair<int, int>> seen;
   for (std::size_t e = 0; e < nb.exceptions.size(); ++e) {
     const auto& [i, j, charge_product, sigma, epsilon] = nb.exceptions[e];
-    const Place at{"exception", e};
+    const TermNumber at{"exception", e};
     check_atoms(at, {i, j}, n);
     check_numbers(at, {charge_product});
     check_not_negative(at, "sigma", sigma);
@@ -270,7 +270,7 @@ void check_terms(const System& sys, const Box& box, const Terms& terms) {
   if (terms.tabulated_pairs) check_tabulated_pairs(*terms.tabulated_pairs, n);
   if (const std::string flaw = lack_of_room(terms, box); !flaw.empty()) throw InputError(flaw);
   if (terms.gravity) require(terms.gravity->allFinite(), "gravity: not a finite vector");
-  const auto check_one = [n](const Place& term, int atom, const Vec3& v) {
+  const auto check_one = [n](const TermNumber& term, int atom, const Vec3& v) {
     check_atoms(term, {atom}, n);
     check_numbers(term, {v.x(), v.y(), v.z()});
   };

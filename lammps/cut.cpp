@@ -8,13 +8,13 @@
 
 namespace taut {
 
-double contraction(const Pieces& pieces, const Vectors& x, const Vectors& outer_r, int own) {
+double contraction(const LocalSystem& local, const Vectors& x, const Vectors& outer_r, int own) {
   System cut;
-  cut.mass = pieces.system.mass;
-  cut.inv_mass = pieces.system.inv_mass;
+  cut.mass = local.system.mass;
+  cut.inv_mass = local.system.inv_mass;
   std::size_t most_outer = 0;
-  for (const auto& [first, end, first_outer, end_outer] : pieces.cut) {
-    cut.bonds.insert(cut.bonds.end(), pieces.system.bonds.begin() + first, pieces.system.bonds.begin() + end);
+  for (const auto& [first, end, first_outer, end_outer] : local.cut) {
+    cut.bonds.insert(cut.bonds.end(), local.system.bonds.begin() + first, local.system.bonds.begin() + end);
     most_outer = std::max<std::size_t>(most_outer, end_outer - first_outer);
   }
   DirectSolver solver(cut);
@@ -24,10 +24,10 @@ double contraction(const Pieces& pieces, const Vectors& x, const Vectors& outer_
   Eigen::VectorXd response = Eigen::VectorXd::Zero(cut.bond_count()), b(cut.bond_count());
   for (std::size_t n = 0; n < most_outer; ++n) {  // one outer bond of each cluster at a time
     a.setZero();
-    for (const CutCluster& cluster : pieces.cut) {
+    for (const CutCluster& cluster : local.cut) {
       const int outer = cluster.first_outer + static_cast<int>(n);
       if (outer >= cluster.end_outer) continue;
-      const int inner = pieces.outer[outer].inner;
+      const int inner = local.outer[outer].inner;
       a.col(inner) = -cut.inv_mass[inner] * outer_r.col(outer);
     }
     differences(cut, a, a_ij);
@@ -37,7 +37,7 @@ double contraction(const Pieces& pieces, const Vectors& x, const Vectors& outer_
   }
   double largest = 0;
   for (int k = 0; k < cut.bond_count(); ++k) {
-    const auto is_own = [&](int atom) { return pieces.images[atom].atom < own; };
+    const auto is_own = [&](int atom) { return local.images[atom].atom < own; };
     if (is_own(cut.bonds[k].i) || is_own(cut.bonds[k].j)) largest = std::max(largest, response[k]);
   }
   return largest;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "lammps/pieces.hpp"
+#include "lammps/local_system.hpp"
 
 namespace taut {
 
@@ -24,7 +24,7 @@ struct Cut {
 
 // The largest |ρ| of the cut clusters, from the bonds' directions. x: of the system's atoms; outer_r: of
 // outer bonds. own: atoms below this number are this processor's.
-double contraction(const Pieces& pieces, const Vectors& x, const Vectors& outer_r, int own);
+double contraction(const LocalSystem& local, const Vectors& x, const Vectors& outer_r, int own);
 
 // As few exchanges as the bounds bear with a fifth to spare, and the guess for them; exchanges −1: there is
 // no such number, up to `most`.

@@ -132,9 +132,9 @@ void FixTaut::leave_lists(double impulse_time) {
   give_missing_impulses();
 }
 
-void FixTaut::make_solve(taut::Pieces pieces) {
+void FixTaut::make_solve(taut::LocalSystem local) {
   try {
-    solve_ = std::make_unique<taut::LocalSolve>(std::move(pieces), keys_.method, update->dt);
+    solve_ = std::make_unique<taut::LocalSolve>(std::move(local), keys_.method, update->dt);
   } catch (const taut::InputError& wrong) {
     stop(wrong.what());
   }
@@ -145,7 +145,7 @@ void FixTaut::make_solve(taut::Pieces pieces) {
 void FixTaut::reset_dt() {
   if (!solve_) return;
   store_past();
-  make_solve(solve_->pieces());
+  make_solve(solve_->local());
 }
 
 // --- the step ---
@@ -248,7 +248,7 @@ void FixTaut::find_first_multipliers() {
 
 void FixTaut::read_motion() {
   taut::State& s = solve_->state();
-  const auto& images = solve_->pieces().images;
+  const auto& images = solve_->local().images;
   if (motion_size_ == 3) s.f.setZero();
   for (std::size_t a = 0; a < images.size(); ++a) {
     const double* const motion = motion_of(images[a].atom);
@@ -271,7 +271,7 @@ void FixTaut::require_solved(const SolveStats& stats) const {
   const int k = std::max(stats.worst_bond, 0);
   if (solve_->system().bond_count() == 0) return;
   const auto& [i, j, d] = solve_->system().bonds[k];
-  const auto& images = solve_->pieces().images;
+  const auto& images = solve_->local().images;
   const double now = (solve_->state().x.col(j) - solve_->state().x.col(i)).norm();
   stop(fmt::format(
       "the bond of atoms {} and {} is lost: {:.6g} long, held at {:.6g}; {}; take a shorter step, or see "
@@ -282,7 +282,7 @@ void FixTaut::require_solved(const SolveStats& stats) const {
 
 void FixTaut::apply() {
   const taut::State& s = solve_->state();
-  const auto& images = solve_->pieces().images;
+  const auto& images = solve_->local().images;
   const bool add = solve_->feedforward();
   if (keys_.store) std::fill(forces_.begin(), forces_.end(), 0);
   for (std::size_t a = 0; a < images.size(); ++a) {

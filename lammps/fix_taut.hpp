@@ -89,7 +89,7 @@ class FixTaut : public Fix {
   void store_past();
   void leave_lists(double impulse_time);
   void find_pieces(bool anew);
-  void make_solve(taut::Pieces pieces);
+  void make_solve(taut::LocalSystem local);
   void ask_for_ghosts();
   void forward_comm(Forward what);
   int motion_sent() const;

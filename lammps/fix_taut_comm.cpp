@@ -61,8 +61,8 @@ void FixTaut::unpack_restart(int i, int nth) {
 // questions, the other way. Forward communications then are of the atoms that were asked for.
 void FixTaut::ask_for_ghosts() {
   asked_for_.assign(atom->nlocal + atom->nghost, false);
-  for (const taut::Image& image : solve_->pieces().images) asked_for_[image.atom] = true;
-  for (const taut::OuterBond& bond : solve_->pieces().outer) asked_for_[bond.outer.atom] = true;
+  for (const taut::Image& image : solve_->local().images) asked_for_[image.atom] = true;
+  for (const taut::OuterBond& bond : solve_->local().outer) asked_for_[bond.outer.atom] = true;
   told_.clear();
   heard_.clear();
   taut::reverse_comm(*comm, this);
@@ -149,7 +149,7 @@ void FixTaut::unpack_forward_comm(int n, int first, double* buffer) {
 }
 
 void FixTaut::read_outer(bool next_step) {
-  const auto& outer = solve_->pieces().outer;
+  const auto& outer = solve_->local().outer;
   for (std::size_t b = 0; b < outer.size(); ++b) {
     const double lambda = outer[b].held->told;
     auto& past = outer[b].held->past;

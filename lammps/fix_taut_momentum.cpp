@@ -15,7 +15,7 @@ namespace LAMMPS_NS {
 // After a solve. acted: how long its forces will have when the step ends; the next one begins with ½h more.
 void FixTaut::remember_shared(double acted) {
   acted_ = acted;
-  const auto& shared = solve_->pieces().shared;
+  const auto& shared = solve_->local().shared;
   shared_r_.resize(3, static_cast<Eigen::Index>(shared.size()));
   for (Eigen::Index b = 0; b < shared_r_.cols(); ++b) {
     const auto& [i, j, d] = solve_->system().bonds[shared[b]];
@@ -25,7 +25,7 @@ void FixTaut::remember_shared(double acted) {
 
 // λ' − λ, after the other processor's multiplier has come.
 double FixTaut::difference_of(int shared) const {
-  const auto& [of_ghost, own] = solve_->pieces().places[shared];
+  const auto& [of_ghost, own] = solve_->local().places[shared];
   return of_ghost->told - own->told;
 }
 
@@ -38,14 +38,14 @@ double FixTaut::left_by(int shared) const {
 
 // In a step's last exchange the multipliers come that its exchanges but one have led to.
 void FixTaut::look_before_last_exchange() {
-  for (const int shared : solve_->pieces().shared)
+  for (const int shared : solve_->local().shared)
     left_.one_exchange_less = std::max(left_.one_exchange_less, left_by(shared));
 }
 
 void FixTaut::compare_shared(double impulse_time) {
   if (shared_r_.cols() > 0) mismatch_ = 0;
   for (Eigen::Index b = 0; b < shared_r_.cols(); ++b) {
-    const int shared = solve_->pieces().shared[b];
+    const int shared = solve_->local().shared[b];
     const double difference = difference_of(shared);
     left_.now = std::max(left_.now, left_by(shared));
     mismatch_ = std::max(mismatch_, std::abs(difference) * solve_->system().bonds[shared].length);
@@ -56,8 +56,8 @@ void FixTaut::compare_shared(double impulse_time) {
 
 void FixTaut::give_missing_impulses() {
   for (Eigen::Index b = 0; b < missing_impulses_.cols(); ++b) {
-    const int j = solve_->system().bonds[solve_->pieces().shared[b]].j;
-    Eigen::Map<taut::Vec3>(atom->v[solve_->pieces().images[j].atom]) +=
+    const int j = solve_->system().bonds[solve_->local().shared[b]].j;
+    Eigen::Map<taut::Vec3>(atom->v[solve_->local().images[j].atom]) +=
         solve_->system().inv_mass[j] * missing_impulses_.col(b);
   }
   missing_impulses_.setZero();

@@ -23,8 +23,8 @@ void FixTaut::find_pieces(bool anew) {
   box_motion_.atoms_are_renumbered();
   refuse_changed_bonds();
   if (!anew) refuse_changed_lengths();
-  taut::PieceFinder finder(lmp, held_, lengths_, fixed_bits_);
-  const bool same = !anew && finder.find_again(solve_->pieces());
+  taut::LocalSystemFinder finder(lmp, held_, lengths_, fixed_bits_);
+  const bool same = !anew && finder.find_again(solve_->local());
   const taut::MissingAtom missing = same ? taut::MissingAtom{} : finder.find_depths(keys_.overlap + 2);
   const int reach = -static_cast<int>(all_max(-missing.depth));
   overlap_ = std::min(keys_.overlap, reach - 3);
@@ -39,8 +39,8 @@ void FixTaut::find_pieces(bool anew) {
       stop(wrong.what());
     }
   }
-  const taut::Pieces& pieces = solve_->pieces();
-  const double mine[] = {static_cast<double>(pieces.ghosts), static_cast<double>(!pieces.outer.empty()),
+  const taut::LocalSystem& local = solve_->local();
+  const double mine[] = {static_cast<double>(local.ghosts), static_cast<double>(!local.outer.empty()),
                          left_.now, left_.one_exchange_less, anew ? 0 : residual_};
   double all[5];
   MPI_Allreduce(mine, all, 5, MPI_DOUBLE, MPI_MAX, world);
@@ -50,7 +50,7 @@ void FixTaut::find_pieces(bool anew) {
   if (ghosts_) ask_for_ghosts();
   if (cut_) solve_->tell_past();
   shared_r_.resize(3, 0);
-  missing_impulses_.setZero(3, static_cast<Eigen::Index>(pieces.shared.size()));
+  missing_impulses_.setZero(3, static_cast<Eigen::Index>(local.shared.size()));
   outer_is_shifted_ = true;
   exchanges_ = 0;
   left_ = {};
@@ -63,7 +63,7 @@ void FixTaut::choose_exchanges(const taut::LeftByCuts& left) {
     refuse("clear: clusters are cut between processors, and velocities are cleared in whole ones alone");
   solve_->load_positions(atom->x, *domain);
   const double rho =
-      all_max(taut::contraction(solve_->pieces(), solve_->state().x, solve_->outer_r(), atom->nlocal));
+      all_max(taut::contraction(solve_->local(), solve_->state().x, solve_->outer_r(), atom->nlocal));
   const bool given = keys_.exchanges >= 0;
   const taut::Cut cut = given ? taut::Cut{keys_.exchanges, taut::guess_order_for(rho, keys_.exchanges)}
                               : taut::choose_cut(rho, kMostExchanges);
@@ -105,7 +105,7 @@ void FixTaut::setup_pre_force(int) {
   solve_->load_positions(atom->x, *domain);
   const double off = all_max(solve_->error_now());
   if (!(off > kSmall && off < kLost)) return;
-  const auto& images = solve_->pieces().images;
+  const auto& images = solve_->local().images;
   for (int n = 0; n < (cut_ ? kRounds : 1); ++n) {
     const taut::Vectors before = solve_->state().x;
     try {

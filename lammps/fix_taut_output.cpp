@@ -22,7 +22,7 @@ FixTaut::Count FixTaut::dof(int of_group) {
 void FixTaut::tally_virial() {
   const taut::State& s = solve_->state();
   const taut::System& system = solve_->system();
-  const auto& images = solve_->pieces().images;
+  const auto& images = solve_->local().images;
   const auto& lambda = solve_->lambda();
   for (int k = 0; k < system.bond_count(); ++k) {
     const auto& [i, j, d] = system.bonds[k];
@@ -40,7 +40,7 @@ void FixTaut::tally_virial() {
 void FixTaut::update_local() {
   const taut::State& s = solve_->state();
   const taut::System& system = solve_->system();
-  const auto& images = solve_->pieces().images;
+  const auto& images = solve_->local().images;
   const auto& lambda = solve_->lambda();
   tensions_.clear();
   for (int k = 0; k < system.bond_count(); ++k) {

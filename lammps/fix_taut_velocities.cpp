@@ -9,7 +9,7 @@ namespace LAMMPS_NS {
 
 void FixTaut::read_velocities() {
   taut::State& s = solve_->state();
-  const auto& images = solve_->pieces().images;
+  const auto& images = solve_->local().images;
   for (std::size_t a = 0; a < images.size(); ++a) {
     const auto v = Eigen::Map<const taut::Vec3>(motion_of(images[a].atom));
     s.v.col(static_cast<Eigen::Index>(a)) = v;
@@ -18,7 +18,7 @@ void FixTaut::read_velocities() {
 
 void FixTaut::write_velocities() {
   const taut::State& s = solve_->state();
-  const auto& images = solve_->pieces().images;
+  const auto& images = solve_->local().images;
   for (std::size_t a = 0; a < images.size(); ++a)
     if (const int i = images[a].atom; i < atom->nlocal)
       Eigen::Map<taut::Vec3>(atom->v[i]) = s.v.col(static_cast<Eigen::Index>(a));
@@ -43,7 +43,7 @@ void FixTaut::project_velocities(int rounds) {
 // RATTLE's velocities beside SHAKE's positions: v loses its part along the bonds, M⁻¹Jᵀμ, and f gains
 // −(2/h)Jᵀμ, so that the coming step, v + ½h M⁻¹f, is what it was.
 void FixTaut::final_integrate() {
-  const auto& images = solve_->pieces().images;
+  const auto& images = solve_->local().images;
   cleared_from_.resize(3 * images.size());
   for (std::size_t a = 0; a < images.size(); ++a)
     if (images[a].atom < atom->nlocal) std::copy_n(atom->v[images[a].atom], 3, &cleared_from_[3 * a]);

@@ -7,7 +7,7 @@
 #include "constraints/projection.hpp"
 #include "constraints/registry.hpp"
 #include "lammps/box_motion.hpp"
-#include "lammps/pieces.hpp"
+#include "lammps/local_system.hpp"
 
 namespace taut {
 
@@ -22,11 +22,11 @@ namespace taut {
 // multiplier is a guess from what its own processor has found in the steps before.
 class LocalSolve {
  public:
-  LocalSolve(Pieces pieces, const MethodOptions& method, double h);
+  LocalSolve(LocalSystem local, const MethodOptions& method, double h);
 
-  const System& system() const { return pieces_.system; }
-  const Pieces& pieces() const { return pieces_; }
-  Pieces& pieces() { return pieces_; }
+  const System& system() const { return local_.system; }
+  const LocalSystem& local() const { return local_; }
+  LocalSystem& local() { return local_; }
   State& state() { return s_; }
   bool feedforward() const { return feedforward_; }
   const Vectors& outer_r() const { return outer_r_; }
@@ -49,15 +49,15 @@ class LocalSolve {
   // parabola through the last two or three, by order.
   void guess_outer(int order);
 
-  SolveStats step() { return method_->add_forces(pieces_.system, Push::between_steps(h_), s_); }
-  SolveStats again() { return history_->again(pieces_.system, Push::between_steps(h_), s_); }
-  SolveStats start() { return method_->add_forces(pieces_.system, Push::at_start(h_), s_); }
+  SolveStats step() { return method_->add_forces(local_.system, Push::between_steps(h_), s_); }
+  SolveStats again() { return history_->again(local_.system, Push::between_steps(h_), s_); }
+  SolveStats start() { return method_->add_forces(local_.system, Push::at_start(h_), s_); }
 
   // |σ|/d² of the coming step, at most, if the constraint forces are Jᵀλ of the past.
   double error_ahead(double kick) const;
   // |σ|/d², at most; and x to where it is none. Throws SimulationFailure.
   double error_now() const;
-  void project_positions() { Projector(pieces_.system).positions(pieces_.system, s_.x); }
+  void project_positions() { Projector(local_.system).positions(local_.system, s_.x); }
   // f += Jᵀλ of the past.
   void add_past_forces();
 
@@ -66,10 +66,10 @@ class LocalSolve {
   SolveStats project_velocities();
   SolveStats project_velocities_at_start();
 
-  std::vector<double> outer_lambda;  // of pieces().outer
+  std::vector<double> outer_lambda;  // of local().outer
 
  private:
-  Pieces pieces_;
+  LocalSystem local_;
   double h_;
   bool feedforward_;
   std::unique_ptr<ConstraintMethod> method_, projection_;

@@ -30,19 +30,6 @@ TEST(Flow, CellsObeyTheBondsPropagator) {
   }
 }
 
-// What a coarse pressure leaves of D u̇ adds up in D u; a projection clears it, feedback keeps it small at no
-// second solve.
-TEST(Flow, ABarePressureLetsTheDivergenceDrift) {
-  const auto left = [](Flow::Keeps keeps, int steps) {
-    Flow flow({.cells = 16, .viscosity = 0.01, .h = 0.02, .keeps = keeps, .tolerance = 1e-3});
-    for (int n = 0; n < steps; ++n) flow.step();
-    return rms(flow.divergence());
-  };
-  EXPECT_GT(left(Flow::Keeps::kBare, 800), 1.5 * left(Flow::Keeps::kBare, 200));
-  EXPECT_LT(left(Flow::Keeps::kFeedsBack, 800), 0.1 * left(Flow::Keeps::kBare, 800));
-  EXPECT_LT(left(Flow::Keeps::kProjects, 800), 0.1 * left(Flow::Keeps::kBare, 800));
-}
-
 // A divergence put in stays under the bare form, to rounding.
 TEST(Flow, ABarePressureKeepsWhatIsPutIn) {
   Flow flow({.cells = 16, .keeps = Flow::Keeps::kBare}, 0.1);
@@ -67,14 +54,14 @@ TEST(Flow, TheVortexDecaysAsTaylorAndGreenFound) {
 
 // The table of systems/README.md: 400 steps, rms divergence, error of u, iterations.
 TEST(Flow, CostsAndKeepsWhatTheTableSays) {
-  struct Row {
+  struct Expected {
     Flow::Keeps keeps;
     double divergence, error;
     double iterations;
   };
-  for (const Row& row : {Row{Flow::Keeps::kBare, 1.3e-3, 2.4e-3, 1616},
-                         {Flow::Keeps::kFeedsBack, 1.8e-5, 2.2e-4, 3142},
-                         {Flow::Keeps::kProjects, 7e-9, 2.2e-4, 7613}}) {
+  for (const Expected& row : {Expected{Flow::Keeps::kBare, 1.3e-3, 2.4e-3, 1616},
+                              {Flow::Keeps::kFeedsBack, 1.8e-5, 2.2e-4, 3142},
+                              {Flow::Keeps::kProjects, 7e-9, 2.2e-4, 7613}}) {
     Flow flow({.cells = 32, .h = 0.02, .keeps = row.keeps, .tolerance = 1e-3});
     for (int n = 0; n < 400; ++n) flow.step();
     EXPECT_NEAR(rms(flow.divergence()) / row.divergence, 1, 0.08);

@@ -1,4 +1,4 @@
-// Molecules that are said in a scene, and where they are placed.
+// Molecules that are given in a scene: their shapes, their bonds and their forces.
 
 #include <fmt/format.h>
 
@@ -7,33 +7,12 @@
 #include "forcefield/force_field.hpp"
 #include "md/observables.hpp"
 #include "md/units.hpp"
-#include "named_scene.hpp"
-#include "scene_text.hpp"
-#include "systems/scene_source.hpp"
-#include "systems/start_file.hpp"
+#include "polymer_scene.hpp"
 
 namespace taut::molecules_tests {
 namespace {
 
 using testing::HasSubstr;
-
-const std::string kPolymers = R"([molecule.polymer]
-atoms = [{name = "B", mass_u = 72, sigma_nm = 0.47, epsilon_kj_mol = 3.5}]
-units = 20
-bonds = [[0, 1, 0.35]]
-angles = [[0, 1, 2, 120, 25]]
-[[place]]
-molecule = "polymer"
-count = 3
-[build]
-box_nm = 5
-[forcefield]
-cutoff_nm = 1.1
-)";
-
-std::string with(const std::string& text, const std::string& old, const std::string& changed) {
-  return SceneText{text}.with(old, changed).text;
-}
 
 double energy(const Scene& scene, const Vectors& x) {
   State s = scene.start;
@@ -41,21 +20,6 @@ double energy(const Scene& scene, const Vectors& x) {
   s.f = Vectors::Zero(3, x.cols());
   ForceField forces(scene.system, s.box, scene.terms);
   return forces.evaluate_energy(scene.system, s);
-}
-
-// Two atoms that no term puts close to each other, and their least distance in σ.
-double nearest(const Scene& scene) {
-  const Nonbonded& nb = *scene.terms.nonbonded;
-  std::set<std::pair<int, int>> near;
-  for (const auto& pair : nb.exceptions) near.insert(std::minmax(pair.i, pair.j));
-  double least = 1e9;
-  for (int a = 0; a < scene.system.atoms(); ++a)
-    for (int b = a + 1; b < scene.system.atoms(); ++b) {
-      if (near.contains({a, b}) || nb.epsilon[a] == 0 || nb.epsilon[b] == 0) continue;
-      const double r = scene.start.box.nearest_image(scene.start.x.col(b) - scene.start.x.col(a)).norm();
-      least = std::min(least, 2 * r / (nb.sigma[a] + nb.sigma[b]));
-    }
-  return least;
 }
 
 TEST(Molecules, AreGrownAtTheirLengthsAndAnglesWithoutOverlap) {
@@ -273,148 +237,6 @@ pair = "wca"
                              "epsilon_kj_mol = 1}]\n[[place]]\nmolecule = \"wide\"\ncount = 1\n"
                              "[[place]]")),
               HasSubstr("forcefield.pair: wca takes one sigma_nm and one epsilon_kj_mol for all atoms"));
-}
-
-const std::string kSolution = kPolymers + R"([molecule.Na]
-atoms = [{name = "NA", mass_u = 22.99, charge_e = 1, sigma_nm = 0.26, epsilon_kj_mol = 0.4, element = "Na"}]
-[[place]]
-molecule = "tip3p"
-[[place]]
-molecule = "Na"
-count = 4
-)";
-
-// Water fills what is left, about as densely as it is.
-TEST(Place, WaterFillsWhatIsLeft) {
-  const Scene scene = read(kSolution);
-  const int waters = (scene.system.atoms() - 64) / 3;
-  const double alone = 33.0 * (125 - 60 * 0.08);
-  EXPECT_GT(waters, 0.9 * alone);
-  EXPECT_LT(waters, alone);
-  EXPECT_EQ(scene.system.bond_count(), 57 + 3 * waters);
-  EXPECT_GT(nearest(scene), 0.75);
-  EXPECT_EQ(scene.names.kinds[scene.names.kind[60]].atom, "OW");
-  EXPECT_EQ(scene.names.kinds[scene.names.kind.back()].element, "Na");
-  EXPECT_EQ(scene.names.residue.back(), 3 + waters + 3);
-  EXPECT_DOUBLE_EQ(scene.terms.nonbonded->charge.sum(), 4);
-
-  const Scene fewer = read(with(kSolution, "\"tip3p\"", "\"tip4pew\"\ncount = 500"));
-  EXPECT_EQ(fewer.system.atoms(), 60 + 4 * 500 + 4);
-  EXPECT_EQ(fewer.system.sites.size(), 500u);
-  EXPECT_THAT(complaint(with(kSolution, "\"tip3p\"", "\"spce\"\ncount = 9000")),
-              HasSubstr("place.1: there is room for"));
-}
-
-// Elements of a list are named by their numbers.
-TEST(Place, IsOverriddenByItsNumber) {
-  EXPECT_EQ(read(kPolymers, {"place.0.count=5"}).system.atoms(), 100);
-  const Scene heavy =
-      read(kPolymers, {"molecule.polymer.atoms.0.mass_u=9", "molecule.polymer.bonds.0=[0, 1, 0.5]"});
-  EXPECT_EQ(heavy.system.mass[0], 9);
-  EXPECT_EQ(heavy.system.bonds[3].length, 0.5);
-  EXPECT_THAT(complaint(kPolymers, {"place.1.count=5"}),
-              HasSubstr("--set place.1.count=5: there is no \"1\" in a list of 1, counted from 0"));
-  EXPECT_THAT(complaint(kPolymers, {"place.0.count=x"}),
-              HasSubstr("--set place.0.count=x: place.0.count: expected an integer, got a string"));
-  EXPECT_THAT(complaint(kPolymers, {"build.molecules=5"}), HasSubstr("place.0.count"));
-}
-
-TEST(Place, OnALatticeAboutCentresAndInShapes) {
-  const Scene lattice = read(with(kSolution, "\"tip3p\"", "\"Na\"\ncount = 27\narrange = \"lattice\""));
-  const Vec3 first = lattice.start.x.col(60), second = lattice.start.x.col(61);
-  EXPECT_LT((second - first - Vec3(5 / 3.0, 0, 0)).norm(), 1e-12);
-  const Scene centred = read(with(kSolution, "\"tip3p\"", "\"Na\"\ncentres_nm = [[1, 2, 3], [4, 1, 1]]"));
-  EXPECT_EQ(centred.start.x.col(61), Vec3(4, 1, 1));
-  EXPECT_EQ(centred.system.atoms(), 66);
-  const Scene shaped = read(with(kPolymers, "box_nm = 5", "box_nm = 5\nbox = \"dodecahedron\""));
-  EXPECT_NEAR(shaped.start.box.volume(), 125 * std::sqrt(0.5), 1e-9);
-  EXPECT_GT(nearest(shaped), 0.84);
-  EXPECT_FALSE(read(with(with(kPolymers, "box_nm = 5", ""), "cutoff_nm = 1.1", "")).start.box.periodic());
-}
-
-// A molecule's shape, and all of a place's atoms, from files; the names go with them.
-TEST(Place, FromFiles) {
-  const TemporaryFolder folder;
-  const std::string two_molecules =
-      "two\n 4\n    1LEU     C1    1   0.100   0.100   0.100\n    1LEU     C2    2   1.950   0.100   0.100\n"
-      "    2LEU     C1    3   1.000   1.000   1.000\n    2LEU     C2    4   1.150   1.000   1.000\n"
-      "   2.0   2.0   2.0\n";
-  folder.write("two.gro", two_molecules);
-  const std::string text = R"([molecule.pair]
-atoms = [{name = "A", mass_u = 12, element = "C"}, {name = "B", mass_u = 12}]
-bonds = [[0, 1, 0.15]]
-[[place]]
-molecule = "pair"
-file = "two.gro"
-)";
-  const auto file = folder.write("scene.toml", text);
-  const Scene scene = read_scene(file);
-  EXPECT_EQ(scene.start.box.edge, Vec3::Constant(2));
-  EXPECT_LT((scene.start.x.col(1) - Vec3(-0.05, 0.1, 0.1)).norm(), 1e-12);  // whole, from across the box
-  EXPECT_EQ(scene.names.kinds[scene.names.kind[2]].atom, "C1");
-  EXPECT_EQ(scene.names.kinds[scene.names.kind[2]].residue, "LEU");
-  EXPECT_EQ(scene.names.kinds[scene.names.kind[2]].element, "C");
-  EXPECT_EQ(scene.names.residue, (std::vector<int>{0, 0, 1, 1}));
-  EXPECT_FALSE(scene.positions_drawn);
-
-  EXPECT_TRUE(scene.notes.empty());
-
-  // Made again from what was read, wherever it now is.
-  ASSERT_EQ(scene.files.size(), 2u);
-  EXPECT_EQ(source_of(scene, false, {}).read().start.x, scene.start.x);
-
-  // A box that is not reduced is, and the run's notes say so.
-  folder.write("two.gro", with(two_molecules, "   2.0   2.0   2.0", " 2 2 2 0 0 -2 0 0 1"));
-  const Scene skewed = read_scene(file);
-  EXPECT_EQ(skewed.start.box.tilt, Vec3(0, 0, 1));
-  ASSERT_EQ(skewed.notes.size(), 1u);
-  EXPECT_THAT(skewed.notes[0], HasSubstr("two.gro: its box is reduced to bx = 0, cx = 0, cy = 1 nm (b + a)"));
-
-  const auto said = [&](const std::string& old, const std::string& changed) {
-    folder.write("scene.toml", with(text, old, changed));
-    try {
-      read_scene(file);
-    } catch (const InputError& e) {
-      return std::string(e.what()).substr(folder.path().string().size() + 1);
-    }
-    return std::string("no error");
-  };
-  EXPECT_EQ(said("0.15", "0.9"),
-            "scene.toml:6: place.0.file: atoms 0 and 1 are 0.15 nm apart, their bond is 0.9: are they in the "
-            "molecule's order?");
-  EXPECT_EQ(said("\"two.gro\"", "\"two.gro\"\ncount = 3"),
-            "scene.toml:7: place.0.count: 3, but 2 copies are given");
-  EXPECT_THAT(said("\"two.gro\"", "\"none.gro\""), HasSubstr("scene.toml:6: place.0.file: "));
-  EXPECT_THAT(said("\"two.gro\"", "\"none.gro\""), HasSubstr("none.gro: no such file"));
-  EXPECT_EQ(said("{name = \"B\", mass_u = 12}]",
-                 "{name = \"B\", mass_u = 12}, {name = \"D\", mass_u = 1}]\n"
-                 "springs = [[1, 2, 0.1, 5]]"),
-            "scene.toml:7: place.0.file: 4 atoms are no whole number of molecules of 3");
-}
-
-// The last state of a run is a start, in the box that a barostat has come to.
-TEST(Place, GoesOnInTheBoxOfAStart) {
-  State end = read(kPolymers).start;
-  const TemporaryFolder folder;
-  end.box = end.box.scaled(Vec3::Constant(1.01));
-  end.v = Vectors::Random(3, 60);
-  write_start(folder.path() / "end.start.toml", end);
-  const Scene next = read_scene(folder.write("polymers.toml", kPolymers),
-                                {"build.start=" + (folder.path() / "end.start.toml").string()});
-  EXPECT_EQ(next.start.x, end.x);
-  EXPECT_EQ(next.start.v, end.v);
-  EXPECT_EQ(next.start.box, end.box);
-}
-
-// A start that heats up is said to.
-TEST(Place, NotesOfTheStart) {
-  EXPECT_THAT(read(kPolymers).notes, testing::ElementsAre(HasSubstr("equilibrate")));
-  EXPECT_THAT(read(kPolymers, {"run.temperature_k=300", "run.thermostat=langevin"}).notes,
-              testing::IsEmpty());
-  const std::string dense = with(kPolymers, "count = 3", "count = 60");
-  EXPECT_THAT(read(dense).notes, testing::Contains(HasSubstr("run.minimise = true relaxes it")));
-  EXPECT_THAT(read(dense, {"run.minimise=true"}).notes, testing::IsEmpty());
-  EXPECT_THAT(read(kSolution).notes, testing::Not(testing::Contains(HasSubstr("water cut to fit"))));
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/errors.hpp"
+#include "error_message.hpp"
 #include "systems/scene_file.hpp"
 #include "temporary_folder.hpp"
 
@@ -61,16 +61,9 @@ cutoff_nm = 2.5
 inline std::string complaint(const std::string& text, const std::vector<std::string>& overrides = {}) {
   const TemporaryFolder folder;
   const auto file = folder.write("scene.toml", text);
-  std::string message = "no error";
-  try {
-    read_scene(file, overrides);
-  } catch (const InputError& e) {
-    message = e.what();
-  }
+  const std::string message = folder.without_path(error_message([&] { read_scene(file, overrides); }));
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
   EXPECT_THAT(message, testing::Not(testing::HasSubstr("\n")));
-  const std::string prefix = folder.path().string() + "/";
-  if (const auto at = message.find(prefix); at != std::string::npos) message.erase(at, prefix.size());
   return message;
 }
 

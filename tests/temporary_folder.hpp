@@ -31,6 +31,13 @@ class TemporaryFolder {
     return path_ / name;
   }
 
+  // The same text with files of this folder by their names alone.
+  std::string without_path(std::string text) const {
+    const std::string here = path_.string() + "/";
+    while (text.find(here) != std::string::npos) text.erase(text.find(here), here.size());
+    return text;
+  }
+
  private:
   std::filesystem::path path_;
 };

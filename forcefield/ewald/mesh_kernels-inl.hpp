@@ -107,33 +107,34 @@ HWY_INLINE void find_splines(MeshAtoms<Real> atoms, bool slopes, Splines<order>&
     }
 }
 
-// A row along the third edge: as few vectors as hold the order.
+// The grid points along the third edge that an atom's spline covers, in as few vectors as hold them.
 template <int order>
-struct RowOf {
+struct GridLine {
   using D = hn::CappedTag<Real, padded_order(order)>;
   static constexpr int kLanes = static_cast<int>(hn::MaxLanes(D())), kVectors = padded_order(order) / kLanes;
 
   hn::Vec<D> v[kVectors];
 
-  static HWY_INLINE RowOf from(const Real* p) {
-    RowOf row;
+  static HWY_INLINE GridLine from(const Real* p) {
+    GridLine line;
 #pragma GCC unroll 8
-    for (int k = 0; k < kVectors; ++k) row.v[k] = hn::LoadU(D(), p + k * kLanes);
-    return row;
+    for (int k = 0; k < kVectors; ++k) line.v[k] = hn::LoadU(D(), p + k * kLanes);
+    return line;
   }
   // An atom's, in fours.
-  static HWY_INLINE RowOf from(const Fours* fours, int a) {
-    RowOf row;
+  static HWY_INLINE GridLine from(const Fours* fours, int a) {
+    GridLine line;
 #if HWY_TARGET != HWY_SCALAR
     if constexpr (kLanes == 8) {
       const hn::Half<D> half;
-      row.v[0] = hn::Combine(D(), hn::LoadU(half, fours[1][a]), hn::LoadU(half, fours[0][a]));
-      return row;
+      line.v[0] = hn::Combine(D(), hn::LoadU(half, fours[1][a]), hn::LoadU(half, fours[0][a]));
+      return line;
     } else
 #endif
 #pragma GCC unroll 8
-      for (int k = 0; k < kVectors; ++k) row.v[k] = hn::LoadU(D(), fours[k * kLanes / 4][a] + k * kLanes % 4);
-    return row;
+      for (int k = 0; k < kVectors; ++k)
+        line.v[k] = hn::LoadU(D(), fours[k * kLanes / 4][a] + k * kLanes % 4);
+    return line;
   }
 };
 
@@ -170,16 +171,16 @@ HWY_INLINE void prefetch_last_plane(const MeshGrid<Real>& grid, const MeshAtom<R
 template <int order>
 HWY_INLINE void spread_of(const MeshGrid<Real>& grid, const PlanesAbove& planes, MeshAtoms<Real> atoms,
                           const Splines<order>& splines) {
-  using Row = RowOf<order>;
-  const typename Row::D d;
+  using Line = GridLine<order>;
+  const typename Line::D d;
   for (int a = 0; a < static_cast<int>(atoms.size()); ++a) {
-    const Row w = Row::from(splines.weight.along, a);
-    Row of[order];
+    const Line w = Line::from(splines.weight.along, a);
+    Line of[order];
 #pragma GCC unroll 8
     for (int j = 0; j < order; ++j) {
       const auto c = hn::Set(d, atoms[a].charge * splines.weight.across[1][j][a]);
 #pragma GCC unroll 8
-      for (int v = 0; v < Row::kVectors; ++v) of[j].v[v] = hn::Mul(c, w.v[v]);
+      for (int v = 0; v < Line::kVectors; ++v) of[j].v[v] = hn::Mul(c, w.v[v]);
     }
     PlanesOf all(grid, atoms[a]);
 #pragma GCC unroll 8
@@ -190,8 +191,8 @@ HWY_INLINE void spread_of(const MeshGrid<Real>& grid, const PlanesAbove& planes,
 #pragma GCC unroll 8
       for (int j = 0; j < order; ++j, row += grid.stride)
 #pragma GCC unroll 8
-        for (int v = 0; v < Row::kVectors; ++v) {
-          Real* const at = row + v * Row::kLanes;
+        for (int v = 0; v < Line::kVectors; ++v) {
+          Real* const at = row + v * Line::kLanes;
           hn::StoreU(hn::MulAdd(c, of[j].v[v], hn::LoadU(d, at)), d, at);
         }
     }
@@ -203,26 +204,26 @@ HWY_INLINE void spread_of(const MeshGrid<Real>& grid, const PlanesAbove& planes,
 template <int order>
 HWY_INLINE std::array<double, 3> slope_of(const MeshGrid<Real>& grid, const MeshAtom<Real>& atom,
                                           const Splines<order>& splines, int a) {
-  using Row = RowOf<order>;
-  const typename Row::D d;
+  using Line = GridLine<order>;
+  const typename Line::D d;
   const auto zero = hn::Zero(d);
   PlanesOf planes(grid, atom);
-  Row level, first, second;
+  Line level, first, second;
 #pragma GCC unroll 8
-  for (int v = 0; v < Row::kVectors; ++v) level.v[v] = first.v[v] = second.v[v] = zero;
+  for (int v = 0; v < Line::kVectors; ++v) level.v[v] = first.v[v] = second.v[v] = zero;
 #pragma GCC unroll 8
   for (int k = 0; k < order; ++k) {
     const Real* row = planes.next();
-    Row of, tilt;
+    Line of, tilt;
 #pragma GCC unroll 8
-    for (int v = 0; v < Row::kVectors; ++v) of.v[v] = tilt.v[v] = zero;
+    for (int v = 0; v < Line::kVectors; ++v) of.v[v] = tilt.v[v] = zero;
 #pragma GCC unroll 8
     for (int j = 0; j < order; ++j, row += grid.stride) {
-      const Row phi = Row::from(row);
+      const Line phi = Line::from(row);
       const auto wj = hn::Set(d, splines.weight.across[1][j][a]),
                  dj = hn::Set(d, splines.slope.across[1][j][a]);
 #pragma GCC unroll 8
-      for (int v = 0; v < Row::kVectors; ++v) {
+      for (int v = 0; v < Line::kVectors; ++v) {
         of.v[v] = hn::MulAdd(wj, phi.v[v], of.v[v]);
         tilt.v[v] = hn::MulAdd(dj, phi.v[v], tilt.v[v]);
       }
@@ -230,16 +231,16 @@ HWY_INLINE std::array<double, 3> slope_of(const MeshGrid<Real>& grid, const Mesh
     const auto wk = hn::Set(d, splines.weight.across[0][k][a]),
                dk = hn::Set(d, splines.slope.across[0][k][a]);
 #pragma GCC unroll 8
-    for (int v = 0; v < Row::kVectors; ++v) {
+    for (int v = 0; v < Line::kVectors; ++v) {
       level.v[v] = hn::MulAdd(wk, of.v[v], level.v[v]);
       first.v[v] = hn::MulAdd(dk, of.v[v], first.v[v]);
       second.v[v] = hn::MulAdd(wk, tilt.v[v], second.v[v]);
     }
   }
-  const Row w = Row::from(splines.weight.along, a), dw = Row::from(splines.slope.along, a);
+  const Line w = Line::from(splines.weight.along, a), dw = Line::from(splines.slope.along, a);
   auto x = zero, y = zero, z = zero;
 #pragma GCC unroll 8
-  for (int v = 0; v < Row::kVectors; ++v) {
+  for (int v = 0; v < Line::kVectors; ++v) {
     x = hn::MulAdd(first.v[v], w.v[v], x);
     y = hn::MulAdd(second.v[v], w.v[v], y);
     z = hn::MulAdd(level.v[v], dw.v[v], z);

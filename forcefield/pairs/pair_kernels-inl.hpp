@@ -238,7 +238,8 @@ class RowSum {
   typename Law::Atoms atoms_[kVectors];
 };
 
-struct Rows {
+// Some rows of a pair list, and the law of their pairs.
+struct ListPart {
   const PairLaw& law;
   const ClusterList& list;
   std::size_t begin, end;
@@ -254,20 +255,20 @@ bool chosen(const PairRow& row, const PairAtoms<T>& atoms) {
 }
 
 template <class T, class C>
-HWY_INLINE void add_chosen(const Rows& rows, const PairAtoms<T>& atoms, auto& sum) {
-  for (std::size_t r = rows.begin; r < rows.end; ++r)
-    if (chosen<T, C>(rows.list.rows[r], atoms)) sum.add(rows.list.rows[r], rows.list);
+HWY_INLINE void add_chosen(const ListPart& part, const PairAtoms<T>& atoms, auto& sum) {
+  for (std::size_t r = part.begin; r < part.end; ++r)
+    if (chosen<T, C>(part.list.rows[r], atoms)) sum.add(part.list.rows[r], part.list);
 }
 
 template <class T, class C>
-HWY_NOINLINE SixSums sum_rows(const Rows& rows, const PairAtoms<T>& atoms, T* f) {
-  RowSum<T, C> sum(rows.law, atoms, f);
+HWY_NOINLINE SixSums sum_rows(const ListPart& part, const PairAtoms<T>& atoms, T* f) {
+  RowSum<T, C> sum(part.law, atoms, f);
   if constexpr (kPacksPairs<T, C>) {
-    PackedPairs<T, C> dense(rows.law, atoms.unit, sum);
-    add_chosen<T, C>(rows, atoms, dense);
+    PackedPairs<T, C> dense(part.law, atoms.unit, sum);
+    add_chosen<T, C>(part, atoms, dense);
     dense.add_forces();
   } else {
-    add_chosen<T, C>(rows, atoms, sum);
+    add_chosen<T, C>(part, atoms, sum);
   }
   return sum.total();
 }
@@ -277,26 +278,26 @@ HWY_INLINE void add_to(SixSums& sum, const SixSums& part) {
 }
 
 template <class T, bool lj, bool charge, Ask ask, bool fine = false>
-SixSums choose_law(const Rows& rows, const PairAtoms<T>& atoms, T* f) {
+SixSums choose_law(const ListPart& part, const PairAtoms<T>& atoms, T* f) {
   if constexpr (charge && !fine && ScreeningIntervals<typename Shape<T>::D>::kMany) {
-    const Screening& screening = rows.law.screening;
+    const Screening& screening = part.law.screening;
     if (ScreeningIntervals<typename Shape<T>::D>::fine(ask == Ask::kEnergy ? screening.energy
                                                                            : screening.force))
-      return choose_law<T, lj, charge, ask, true>(rows, atoms, f);
+      return choose_law<T, lj, charge, ask, true>(part, atoms, f);
   }
   const auto mixed = [&]<Mixing mixing>() {
-    if (rows.law.switched()) return sum_rows<T, Choice<lj, charge, mixing, true, ask, fine>>(rows, atoms, f);
+    if (part.law.switched()) return sum_rows<T, Choice<lj, charge, mixing, true, ask, fine>>(part, atoms, f);
     using Whole = Choice<lj, charge, mixing, false, ask, fine>;
     if constexpr (Whole::kSplit)
-      sum_rows<T, Choice<lj, charge, mixing, false, ask, fine, true>>(rows, atoms, f);
-    return sum_rows<T, Whole>(rows, atoms, f);
+      sum_rows<T, Choice<lj, charge, mixing, false, ask, fine, true>>(part, atoms, f);
+    return sum_rows<T, Whole>(part, atoms, f);
   };
   if constexpr (!lj) {
-    return sum_rows<T, Choice<false, charge, Mixing::kOneSigma, false, ask, fine>>(rows, atoms, f);
+    return sum_rows<T, Choice<false, charge, Mixing::kOneSigma, false, ask, fine>>(part, atoms, f);
   } else {
     SixSums sum = mixed.template operator()<Mixing::kOneSigma>();  // rows of the usual type
-    if (rows.law.mixing == Mixing::kTable) add_to(sum, mixed.template operator()<Mixing::kTable>());
-    if (rows.law.mixing == Mixing::kTwoSigmas) add_to(sum, mixed.template operator()<Mixing::kTwoSigmas>());
+    if (part.law.mixing == Mixing::kTable) add_to(sum, mixed.template operator()<Mixing::kTable>());
+    if (part.law.mixing == Mixing::kTwoSigmas) add_to(sum, mixed.template operator()<Mixing::kTwoSigmas>());
     return sum;
   }
 }
@@ -307,10 +308,10 @@ SixSums sum_all(const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList
   constexpr std::size_t kTurn = 256;  // rows
   SixSums sum{};
   for (std::size_t begin = 0; begin < list.rows.size(); begin += kTurn) {
-    const Rows rows{law, list, begin, std::min(begin + kTurn, list.rows.size())};
-    if (law.charge) add_to(sum, choose_law<T, false, true, ask>(rows, atoms, f));
-    if (law.lj) add_to(sum, choose_law<T, true, false, ask>(rows, atoms, f));
-    if (law.lj && law.charge) add_to(sum, choose_law<T, true, true, ask>(rows, atoms, f));
+    const ListPart part{law, list, begin, std::min(begin + kTurn, list.rows.size())};
+    if (law.charge) add_to(sum, choose_law<T, false, true, ask>(part, atoms, f));
+    if (law.lj) add_to(sum, choose_law<T, true, false, ask>(part, atoms, f));
+    if (law.lj && law.charge) add_to(sum, choose_law<T, true, true, ask>(part, atoms, f));
   }
   return sum;
 }

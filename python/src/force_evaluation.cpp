@@ -11,7 +11,7 @@
 namespace taut {
 namespace {
 
-using Rows = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 // Has a force field of its own: pair lists are kept from one call to the next, and those of the simulation
 // decide the last bits of its steps.
@@ -46,7 +46,7 @@ class ForceEvaluation {
   // box: vectors in rows, in reduced form; none for none. Atoms of a molecule are brought to their nearest
   // images. Returns the energy [kJ/mol], forces, (n, 3) [kJ/mol/nm], and the virial, (3, 3) [kJ/mol], or None
   // without a box and with forces from outside, which have none.
-  py::tuple at(const Rows& positions, const std::optional<Rows>& box) {
+  py::tuple at(const Array& positions, const std::optional<Array>& box) {
     owner_.cast<PythonSimulation&>().settled();  // throws while it runs: forces written in Python are shared
     state_.x = Eigen::Map<const Vectors>(positions.data(), 3, system_.atoms());
     if (box) set_box(Eigen::Map<const Eigen::Matrix3d>(box->data()));

@@ -114,3 +114,17 @@ def read(scene: Scene, said: List[str], threads: Optional[int] = None) -> "_core
         system, positions, topology = scene if len(scene) == 3 else (*scene, None)
         return openmm_objects.read(system, openmm_objects.state_xml(positions, None, None), said, topology, threads)
     raise InputError(f"expected a scene's name, its file, a dict, or (system, positions) of OpenMM's, got {scene!r}")
+
+
+def ramp_stages(steps: int, ramp: Optional[Tuple[float, float]]) -> List[Tuple[int, Optional[float]]]:
+    """Returns how many steps each stage of a run has, and its temperature [K], None for the present one."""
+    if ramp is None:
+        return [(steps, None)]
+    try:
+        first, last = (float(temperature) for temperature in ramp)
+    except (TypeError, ValueError):
+        raise InputError(f"ramp={ramp!r}: expected two temperatures [K], at the start and at the end") from None
+    count = max(1, min(steps, 100))
+    ends = [steps * (n + 1) // count for n in range(count)]
+    return [(end - begin, first + (last - first) * (n + 1) / count)
+            for n, (begin, end) in enumerate(zip([0, *ends], ends))]

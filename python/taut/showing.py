@@ -61,3 +61,19 @@ def _flat(before: str, values: Mapping[str, Any]) -> Iterable[Any]:
             yield from _flat(f"{before}{name}: ", value)
         elif value is not None and value != []:
             yield before + name, f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def simulation_table(simulation: Any) -> str:
+    """Returns the HTML table of a simulation and of the last row of its log."""
+    rows = {"scene": simulation.name, "atoms": f"{len(simulation.masses)}", "rigid bonds": f"{len(simulation.lengths)}",
+            "method": f"{simulation.method}: {simulation.setting}" if simulation.setting else simulation.method,
+            "step": f"{simulation.dt_fs:g} fs", "steps taken": f"{simulation.steps_taken} ({simulation.time_ps:g} ps)",
+            "threads": f"{simulation.threads}"}
+    if simulation.folder:
+        rows["folder"] = simulation.folder
+    if len(simulation.log["step"]):
+        last = {name: column[-1] for name, column in simulation.log.items()}
+        rows["last row of the log"] = (f"step {last['step']}: {last['total_kj_mol']:.8g} kJ/mol, "
+                                       f"{last['temperature_k']:.2f} K, largest bond error "
+                                       f"{last['max_rel_bond_error']:.1e}")
+    return table("taut.Simulation", rows)

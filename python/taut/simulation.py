@@ -6,21 +6,16 @@ import os
 import weakref
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Mapping, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, Optional, Tuple, Union
 
-import numpy as np
-import numpy.typing as npt
-
-from . import _core, ase_calculator, inputs, mdanalysis, openmm_objects, parts
+from . import _core, inputs, openmm_objects, parts
 from .biases import Bias
 from .errors import InputError, suggest
 from .history import History
+from .readings import Readings
 from .progress import MinimiseProgress, RunProgress
 from .reporters import Reporters, Schedule
-from .showing import Log, Summary, table
-
-Reals = npt.NDArray[np.float64]
-Integers = npt.NDArray[np.int32]
+from .showing import simulation_table
 
 #: The simulation of this process that last opened a folder, by the folder's real path.
 _WRITERS: "weakref.WeakValueDictionary[str, Simulation]" = weakref.WeakValueDictionary()
@@ -55,23 +50,9 @@ class Minimisation:
 
 
 #: Settings that may change between two runs of a simulation.
-_CHANGEABLE = ["run.barostat", "run.barostat_every", "run.barostat_ps", "run.compressibility_per_bar", "run.coupling",
-               "run.dt_fs", "run.friction_per_ps", "run.log_every", "run.pressure_bar", "run.temperature_k", "run.thermostat",
-               "run.thermostat_ps"]
-
-
-def _stages(steps: int, ramp: Optional[Tuple[float, float]]) -> List[Tuple[int, Optional[float]]]:
-    """Returns how many steps each stage of a run has, and its temperature [K], None for the present one."""
-    if ramp is None:
-        return [(steps, None)]
-    try:
-        first, last = (float(temperature) for temperature in ramp)
-    except (TypeError, ValueError):
-        raise InputError(f"ramp={ramp!r}: expected two temperatures [K], at the start and at the end") from None
-    count = max(1, min(steps, 100))
-    ends = [steps * (n + 1) // count for n in range(count)]
-    return [(end - begin, first + (last - first) * (n + 1) / count)
-            for n, (begin, end) in enumerate(zip([0, *ends], ends))]
+_CHANGEABLE = [f"run.{key}" for key in (
+    "barostat", "barostat_every", "barostat_ps", "compressibility_per_bar", "coupling", "dt_fs", "friction_per_ps",
+    "log_every", "pressure_bar", "temperature_k", "thermostat", "thermostat_ps")]
 
 
 def _unpickled(kind: Any, checkpoint: bytes, forces: Any, method: Optional[type],
@@ -82,7 +63,7 @@ def _unpickled(kind: Any, checkpoint: bytes, forces: Any, method: Optional[type]
     return simulation
 
 
-class Simulation:
+class Simulation(Readings):
     """A system with a constraint method, forces and a start, ready to run.
 
     ::
@@ -222,7 +203,7 @@ class Simulation:
         schedule = Schedule(self._reporters, self) if self._reporters else None
         last = self.steps_taken + steps
         try:
-            for stage, temperature in _stages(steps, ramp):
+            for stage, temperature in inputs.ramp_stages(steps, ramp):
                 if temperature is not None:
                     self.set_temperature(temperature)
                 ends_at = self.steps_taken + stage
@@ -361,139 +342,6 @@ class Simulation:
             raise AttributeError(f"a Simulation has no attribute {name}{nearest}")
 
     @property
-    def positions(self) -> Reals:
-        """Positions, (n, 3) [nm], a live view. They are unwrapped: molecules stay whole and may leave the box.
-
-        Assign an array of the same shape, numbers with an OpenMM unit or a Universe of MDAnalysis's, or write to the
-        view.
-        """
-        return self._engine.positions
-
-    @positions.setter
-    def positions(self, given: Any) -> None:
-        self._write(self.positions, given, "positions", "nm")
-
-    @property
-    def velocities(self) -> Reals:
-        """Velocities, (n, 3) [nm/ps], a live view. Assign an array of the same shape, or write to the view."""
-        return self._engine.velocities
-
-    @velocities.setter
-    def velocities(self, given: Any) -> None:
-        self._write(self.velocities, given, "velocities", "nm/ps")
-
-    @staticmethod
-    def _write(view: Reals, given: Any, what: str, unit: str) -> None:
-        if isinstance(given, np.ndarray) and given.__array_interface__ == view.__array_interface__:
-            return  # `sim.positions += d` has written to the view already
-        view[:] = openmm_objects.vectors(given, unit, what, len(view))
-
-    @property
-    def forces(self) -> Reals:
-        """Forces, (n, 3) [kJ/mol/nm], a live view that cannot be written to. They include what the method added."""
-        return self._engine.forces
-
-    @property
-    def box(self) -> Optional[Reals]:
-        """The three vectors of the periodic box in rows, (3, 3) [nm]; None without a box.
-
-        They are in reduced form: a along x, b in the xy plane. The array is a live view that cannot be written to.
-        Assign three vectors or three edges to change the box. Positions stay what they are.
-        """
-        return self._engine.box
-
-    @box.setter
-    def box(self, given: Any) -> None:
-        self._engine._set_box(openmm_objects.box_vectors(given))
-
-    @property
-    def bonds(self) -> Integers:
-        """The two atoms of each rigid bond, (m, 2), counted from 0."""
-        return self._engine.bonds
-
-    @property
-    def lengths(self) -> Reals:
-        """The length that each rigid bond is held at, (m,) [nm]."""
-        return self._engine.lengths
-
-    @property
-    def masses(self) -> Reals:
-        """Masses, (n,) [u]. An atom of mass 0 is anchored and never moves, or is a virtual site."""
-        return self._engine.masses
-
-    @property
-    def tensions(self) -> Reals:
-        """The force with which each rigid bond pulls its atoms together, (m,) [kJ/mol/nm]; below 0 it pushes."""
-        return self._engine.tensions
-
-    @property
-    def energies(self) -> Dict[str, float]:
-        """Energies by term, and "potential", "kinetic" and "total" [kJ/mol]."""
-        return self._engine.energies
-
-    @property
-    def temperature(self) -> float:
-        """Temperature of the present state [K]."""
-        return self._engine.temperature
-
-    @property
-    def pressure_tensor(self) -> Optional[Reals]:
-        """Pressure tensor of the present state, (3, 3) [bar]; None without a box."""
-        return self._engine.pressure_tensor
-
-    @property
-    def pressure(self) -> Optional[float]:
-        """A third of the pressure tensor's trace [bar]; None without a box."""
-        tensor = self.pressure_tensor
-        return None if tensor is None else float(tensor.trace() / 3)
-
-    @property
-    def bond_errors(self) -> Reals:
-        """Relative error of each rigid bond's length, (m,)."""
-        i, j = self.bonds.T
-        errors: Reals = np.linalg.norm(self.positions[j] - self.positions[i], axis=1) / self.lengths - 1
-        return errors
-
-    @property
-    def constraint_work(self) -> float:
-        """How much the constraints changed the energy since the start [kJ/mol]: not forces, not a thermostat."""
-        return self._engine.constraint_work
-
-    @property
-    def log(self) -> Log:
-        """Rows of the log so far: a dict of columns "step", "time_ps", "temperature_k", ..., numpy arrays.
-
-        ``help(taut.Row)`` describes the columns. A number that the run does not have is nan.
-        """
-        return Log(self._earlier.before(self._engine.log))
-
-    @property
-    def summary(self) -> Any:
-        """Results of the last run, a dict with the keys of summary.json; None before the first."""
-        results = self._earlier.summary_or(self._engine._summary())
-        return None if results is None else Summary(results)
-
-    @property
-    def timings(self) -> Any:
-        """Where the time of the last run went: the summary's "timings"; None where parts were not measured.
-
-        "parts" has for every part its calls, ms_per_step, percent of the run, and the percentage of the threads' time
-        in it in which they had nothing to do. Systems of 1000 atoms and more are measured unasked, others with
-        ``run(steps, timings=True)``.
-        """
-        return (self.summary or {}).get("timings")
-
-    @property
-    def time_ps(self) -> float:
-        """Time of the present state [ps]."""
-        return self._engine.time_ps
-
-    @property
-    def steps_taken(self) -> int:
-        """Number of steps taken so far."""
-        return self._engine.steps_taken
-
-    @property
     def dt_fs(self) -> float:
         """Length of a step [fs]. Assign another one between two runs."""
         return self._engine.dt_fs
@@ -503,11 +351,6 @@ class Simulation:
         self.change({"run.dt_fs": given})
 
     @property
-    def threads(self) -> int:
-        """Number of threads that compute. The order of sums, and so the last bits, depend on it."""
-        return self._engine.threads
-
-    @property
     def method(self) -> str:
         """Name of the constraint method. Assign a name, ``taut.Rattle(tolerance=1e-8)`` or a class of your own."""
         return self._engine.method
@@ -515,61 +358,6 @@ class Simulation:
     @method.setter
     def method(self, given: inputs.Method) -> None:
         self._engine._change(inputs.overrides(None, given, None))
-
-    @property
-    def setting(self) -> str:
-        """Options of the constraint method, in one line."""
-        return self._engine.setting
-
-    @property
-    def degrees_of_freedom(self) -> int:
-        """Degrees of freedom that the temperature counts: 3n less bonds, anchored atoms and a fixed momentum."""
-        return self._engine.degrees_of_freedom
-
-    @property
-    def name(self) -> str:
-        """Name of the scene."""
-        return self._engine.name
-
-    @property
-    def notes(self) -> List[str]:
-        """Remarks on the start, a line each, and where the folder's earlier run is kept."""
-        return self._engine.notes
-
-    @property
-    def folder(self) -> str:
-        """The folder that the simulation writes to; empty if there is none, or after ``close``."""
-        return self._engine.folder
-
-    @property
-    def names(self) -> Dict[str, Any]:
-        """Names of every atom: "atom", "residue" and "element", (n,) texts, and "residue_index", (n,)."""
-        return dict(zip(("atom", "residue", "element", "residue_index"), map(np.array, self._engine._names())))
-
-    def to_openmm(self) -> Tuple[Any, Any]:
-        """Returns an openmm.System and an openmm.State of the present system and state. Needs OpenMM."""
-        return openmm_objects.objects_of(*self._engine._to_openmm())
-
-    def to_openmm_xml(self) -> Tuple[str, str]:
-        """Returns the XML of both, for which OpenMM is not needed."""
-        system, state = self._engine._to_openmm()
-        return system, state
-
-    def universe(self) -> Any:
-        """Returns an MDAnalysis.Universe with names, masses, bonds, positions [Å], velocities [Å/ps] and box.
-
-        The other way, ``sim.positions = universe`` takes a frame's positions, ``sim.velocities`` its velocities, and
-        ``sim.box`` its box. ``Simulation.from_openmm(system, universe)`` starts from a frame.
-        """
-        return mdanalysis.universe_of(self)
-
-    def to_ase(self) -> Any:
-        """Returns ase.Atoms with masses, names, positions [Å], velocities and cell.
-
-        Rigid bonds are ASE's FixBondLengths, anchors its FixAtoms. ``atoms.calc = taut.Calculator(sim)`` gives it
-        taut's forces; ``sim.positions = atoms.positions / 10`` goes on from where ASE ended.
-        """
-        return ase_calculator.atoms_of(self)
 
     def __reduce__(self) -> Tuple[Any, ...]:
         return _unpickled, (type(self), self.checkpoint(), self._forces, parts.REGISTERED.get(self.method),
@@ -581,21 +369,4 @@ class Simulation:
 
     def _repr_html_(self) -> str:
         """Returns what a notebook shows: a small table of the system and of the last row of the log."""
-        rows = {"scene": self.name, "atoms": f"{len(self.masses)}", "rigid bonds": f"{len(self.lengths)}",
-                "method": f"{self.method}: {self.setting}" if self.setting else self.method,
-                "step": f"{self.dt_fs:g} fs", "steps taken": f"{self.steps_taken} ({self.time_ps:g} ps)",
-                "threads": f"{self.threads}"}
-        if self.folder:
-            rows["folder"] = self.folder
-        if len(self.log["step"]):
-            last = {name: column[-1] for name, column in self.log.items()}
-            rows["last row of the log"] = (f"step {last['step']}: {last['total_kj_mol']:.8g} kJ/mol, "
-                                           f"{last['temperature_k']:.2f} K, largest bond error "
-                                           f"{last['max_rel_bond_error']:.1e}")
-        return table("taut.Simulation", rows)
-
-    def plot(self) -> Any:
-        """Draws the log: energy, temperature, bond errors, and pressure in a box. Returns matplotlib's figure."""
-        from . import drawing
-
-        return drawing.log(self.log, self.name)
+        return simulation_table(self)

@@ -18,7 +18,7 @@
 namespace taut {
 namespace {
 
-using DataRow = LammpsData::Row;
+using Entry = LammpsData::Entry;
 
 double in_radians(double degrees) {
   return degrees * std::numbers::pi / 180;
@@ -72,9 +72,9 @@ class LammpsScene {
     atoms_ = static_cast<int>(data_.count("atoms"));
     const long types = data_.count("atom types");
     Eigen::VectorXd mass_of_type(types);
-    for (const DataRow& row : data_.section("Masses").rows)
-      mass_of_type[data_.index(row, 0, "an atom type", types) - 1] =
-          said_.units.mass * data_.number(row, 1, "a mass");
+    for (const Entry& entry : data_.section("Masses").entries)
+      mass_of_type[data_.index(entry, 0, "an atom type", types) - 1] =
+          said_.units.mass * data_.number(entry, 1, "a mass");
     mass_.resize(atoms_);
     charge_ = Eigen::VectorXd::Zero(atoms_);
     type_.resize(atoms_);
@@ -82,57 +82,57 @@ class LammpsScene {
     scene_.start.v = Vectors::Zero(3, atoms_);
     Box box = data_.box.scaled(Vec3::Constant(said_.units.length));
     std::vector<bool> seen(static_cast<std::size_t>(atoms_));
-    for (const DataRow& row : data_.section("Atoms").rows) {
-      const int a = atom(row, 0);
+    for (const Entry& entry : data_.section("Atoms").entries) {
+      const int a = atom(entry, 0);
       if (seen[static_cast<std::size_t>(a)])
-        data_.fail(row.line, fmt::format("atom {} a second time", a + 1));
+        data_.fail(entry.line, fmt::format("atom {} a second time", a + 1));
       seen[static_cast<std::size_t>(a)] = true;
-      type_[a] = data_.index(row, at.type, "an atom type", types) - 1;
+      type_[a] = data_.index(entry, at.type, "an atom type", types) - 1;
       mass_[a] = mass_of_type[type_[a]];
-      if (at.charge > 0) charge_[a] = said_.units.charge * data_.number(row, at.charge, "a charge");
+      if (at.charge > 0) charge_[a] = said_.units.charge * data_.number(entry, at.charge, "a charge");
       Vec3 x, image = Vec3::Zero();
-      for (int d = 0; d < 3; ++d) x[d] = data_.number(row, at.x + d, "a coordinate") - data_.lower[d];
-      if (row.words.size() >= at.x + 6)
-        for (int d = 0; d < 3; ++d) image[d] = data_.number(row, at.x + 3 + d, "an image flag");
+      for (int d = 0; d < 3; ++d) x[d] = data_.number(entry, at.x + d, "a coordinate") - data_.lower[d];
+      if (entry.words.size() >= at.x + 6)
+        for (int d = 0; d < 3; ++d) image[d] = data_.number(entry, at.x + 3 + d, "an image flag");
       scene_.start.x.col(a) = said_.units.length * x + box.lattice_vector(image);
     }
     if (said_.periodic) scene_.start.box = box;
   }
 
   void read_velocities() {
-    for (const DataRow& row : data_.section("Velocities").rows)
+    for (const Entry& entry : data_.section("Velocities").entries)
       for (int d = 0; d < 3; ++d)
-        scene_.start.v(d, atom(row, 0)) = said_.units.velocity * data_.number(row, 1 + d, "a velocity");
+        scene_.start.v(d, atom(entry, 0)) = said_.units.velocity * data_.number(entry, 1 + d, "a velocity");
   }
 
-  // The rows of a list by type, with those of its coefficients.
+  // The entries of a list by type, with those of their coefficients.
   struct Typed {
-    const DataRow* row;
+    const Entry* entry;
     int type;  // from 0
-    const DataRow* coefficients;
+    const Entry* coefficients;
   };
   std::vector<Typed> typed(const char* list, const char* coefficients, const char* types) const {
     const long count = data_.count(types);
-    std::vector<const DataRow*> of_type(static_cast<std::size_t>(count));
-    for (const DataRow& row : data_.section(coefficients).rows)
-      of_type[static_cast<std::size_t>(data_.index(row, 0, "a type", count) - 1)] = &row;
+    std::vector<const Entry*> of_type(static_cast<std::size_t>(count));
+    for (const Entry& entry : data_.section(coefficients).entries)
+      of_type[static_cast<std::size_t>(data_.index(entry, 0, "a type", count) - 1)] = &entry;
     std::vector<Typed> all;
-    for (const DataRow& row : data_.section(list).rows) {
-      const int type = data_.index(row, 1, "a type", count) - 1;
+    for (const Entry& entry : data_.section(list).entries) {
+      const int type = data_.index(entry, 1, "a type", count) - 1;
       if (!of_type[static_cast<std::size_t>(type)])
-        data_.fail(row.line, fmt::format("there is no row of {} for type {}", coefficients, type + 1));
-      all.push_back({&row, type, of_type[static_cast<std::size_t>(type)]});
+        data_.fail(entry.line, fmt::format("there is no row of {} for type {}", coefficients, type + 1));
+      all.push_back({&entry, type, of_type[static_cast<std::size_t>(type)]});
     }
     return all;
   }
-  int atom(const DataRow& row, std::size_t at) const {
-    return data_.index(row, at, "an atom", data_.count("atoms")) - 1;
+  int atom(const Entry& entry, std::size_t at) const {
+    return data_.index(entry, at, "an atom", data_.count("atoms")) - 1;
   }
-  double energy(const DataRow& row, std::size_t at) const {
-    return said_.units.energy * data_.number(row, at, "a number");
+  double energy(const Entry& entry, std::size_t at) const {
+    return said_.units.energy * data_.number(entry, at, "a number");
   }
-  double length(const DataRow& row, std::size_t at) const {
-    return said_.units.length * data_.number(row, at, "a length");
+  double length(const Entry& entry, std::size_t at) const {
+    return said_.units.length * data_.number(entry, at, "a length");
   }
   bool is_rigid(const std::vector<double>& types, int type) const {
     return std::ranges::find(types, type + 1.0) != types.end();
@@ -145,11 +145,11 @@ class LammpsScene {
 
   void read_bonds() {
     check_types("rigid_bonds", said_.rigid_bonds, "bond types");
-    if (data_.section("Bonds").rows.empty()) return;
+    if (data_.section("Bonds").entries.empty()) return;
     const std::string style = style_of("Bond Coeffs", {"harmonic", "fene", "zero"});
     const double stiffness = 1 / (said_.units.length * said_.units.length);
-    for (const auto& [row, type, c] : typed("Bonds", "Bond Coeffs", "bond types")) {
-      const int i = atom(*row, 2), j = atom(*row, 3);
+    for (const auto& [entry, type, c] : typed("Bonds", "Bond Coeffs", "bond types")) {
+      const int i = atom(*entry, 2), j = atom(*entry, 3);
       const std::size_t at_length = style == "zero" ? 1 : 2;
       if (is_rigid(said_.rigid_bonds, type)) {
         if (style == "fene")
@@ -163,7 +163,7 @@ class LammpsScene {
         fene_.insert({energy(*c, 3), length(*c, 4)});
       } else {
         data_.fail(
-            row->line,
+            entry->line,
             fmt::format("bond type {} of style zero holds nothing: name it in build.rigid_bonds", type + 1));
       }
     }
@@ -171,12 +171,12 @@ class LammpsScene {
 
   void read_angles() {
     check_types("rigid_angles", said_.rigid_angles, "angle types");
-    if (data_.section("Angles").rows.empty()) return;
+    if (data_.section("Angles").entries.empty()) return;
     const std::string style =
         style_of("Angle Coeffs", {"harmonic", "cosine", "cosine/squared", "charmm", "zero"});
     const double stiffness = 1 / (said_.units.length * said_.units.length);
-    for (const auto& [row, type, c] : typed("Angles", "Angle Coeffs", "angle types")) {
-      const int i = atom(*row, 2), j = atom(*row, 3), k = atom(*row, 4);
+    for (const auto& [entry, type, c] : typed("Angles", "Angle Coeffs", "angle types")) {
+      const int i = atom(*entry, 2), j = atom(*entry, 3), k = atom(*entry, 4);
       if (style.starts_with("cosine")) {  // K(1 + cos θ), K(cos θ − cos θ₀)²
         if (is_rigid(said_.rigid_angles, type))
           keys_.fail("rigid_angles",
@@ -192,13 +192,13 @@ class LammpsScene {
       if (is_rigid(said_.rigid_angles, type)) {
         const auto one = length_.find(std::minmax(i, j)), two = length_.find(std::minmax(j, k));
         if (one == length_.end() || two == length_.end())
-          data_.fail(row->line, fmt::format("angle type {} is rigid, but its two bonds are not", type + 1));
+          data_.fail(entry->line, fmt::format("angle type {} is rigid, but its two bonds are not", type + 1));
         const double a = one->second, b = two->second;
         bonds_.push_back({i, k, std::sqrt(a * a + b * b - 2 * a * b * std::cos(angle))});
         continue;
       }
       if (style == "zero")
-        data_.fail(row->line,
+        data_.fail(entry->line,
                    fmt::format("angle type {} of style zero holds nothing: name it in build.rigid_angles",
                                type + 1));
       scene_.terms.angles.push_back({i, j, k, angle, 2 * energy(*c, 1)});
@@ -208,12 +208,12 @@ class LammpsScene {
   }
 
   void read_dihedrals() {
-    if (data_.section("Dihedrals").rows.empty()) return;
+    if (data_.section("Dihedrals").entries.empty()) return;
     const std::string style =
         style_of("Dihedral Coeffs", {"harmonic", "charmm", "opls", "multi/harmonic", "nharmonic"});
     Terms& terms = scene_.terms;
-    for (const auto& [row, type, c] : typed("Dihedrals", "Dihedral Coeffs", "dihedral types")) {
-      const int i = atom(*row, 2), j = atom(*row, 3), k = atom(*row, 4), l = atom(*row, 5);
+    for (const auto& [entry, type, c] : typed("Dihedrals", "Dihedral Coeffs", "dihedral types")) {
+      const int i = atom(*entry, 2), j = atom(*entry, 3), k = atom(*entry, 4), l = atom(*entry, 5);
       if (style == "harmonic") {  // K(1 + d cos nφ)
         const double sign = data_.number(*c, 2, "d");
         terms.torsions.push_back(
@@ -240,10 +240,10 @@ class LammpsScene {
   }
 
   void read_impropers() {
-    if (data_.section("Impropers").rows.empty()) return;
+    if (data_.section("Impropers").entries.empty()) return;
     style_of("Improper Coeffs", {"cvff"});  // K(1 + d cos nφ)
-    for (const auto& [row, type, c] : typed("Impropers", "Improper Coeffs", "improper types"))
-      scene_.terms.torsions.push_back({atom(*row, 2), atom(*row, 3), atom(*row, 4), atom(*row, 5),
+    for (const auto& [entry, type, c] : typed("Impropers", "Improper Coeffs", "improper types"))
+      scene_.terms.torsions.push_back({atom(*entry, 2), atom(*entry, 3), atom(*entry, 4), atom(*entry, 5),
                                        data_.index(*c, 3, "n", 64),
                                        data_.number(*c, 2, "d") < 0 ? std::numbers::pi : 0, energy(*c, 1)});
   }
@@ -256,20 +256,20 @@ class LammpsScene {
     std::set<std::pair<int, int>> said;
     const auto& own = data_.section("Pair Coeffs");
     const auto& mixed = data_.section("PairIJ Coeffs");
-    if (!own.rows.empty()) style_of("Pair Coeffs", {"lj/cut", "lj/cut/coul/cut", "lj/cut/coul/long"});
+    if (!own.entries.empty()) style_of("Pair Coeffs", {"lj/cut", "lj/cut/coul/cut", "lj/cut/coul/long"});
     if (const std::string& style = mixed.style; !style.empty() && !style.starts_with("lj/cut"))
       keys_.fail("data",
                  fmt::format("taut has no pair_style \"{}\"; expected one of lj/cut, lj/cut/coul/cut, "
                              "lj/cut/coul/long",
                              style));
-    for (const DataRow& row : own.rows) {
-      const int i = data_.index(row, 0, "an atom type", types) - 1;
-      epsilon(i, i) = energy(row, 1), sigma(i, i) = length(row, 2);
+    for (const Entry& entry : own.entries) {
+      const int i = data_.index(entry, 0, "an atom type", types) - 1;
+      epsilon(i, i) = energy(entry, 1), sigma(i, i) = length(entry, 2);
     }
-    for (const DataRow& row : mixed.rows) {
-      const int i = data_.index(row, 0, "an atom type", types) - 1,
-                j = data_.index(row, 1, "an atom type", types) - 1;
-      epsilon(i, j) = epsilon(j, i) = energy(row, 2), sigma(i, j) = sigma(j, i) = length(row, 3);
+    for (const Entry& entry : mixed.entries) {
+      const int i = data_.index(entry, 0, "an atom type", types) - 1,
+                j = data_.index(entry, 1, "an atom type", types) - 1;
+      epsilon(i, j) = epsilon(j, i) = energy(entry, 2), sigma(i, j) = sigma(j, i) = length(entry, 3);
       said.insert(std::minmax(i, j));
     }
     bool by_table = false;
@@ -320,8 +320,8 @@ class LammpsScene {
   // LAMMPS's neighbours along a molecule follow its bonds alone, not the distances that hold an angle.
   Molecule only_bonds(Molecule molecule) const {
     std::set<std::pair<int, int>> bonded;
-    for (const DataRow& row : data_.section("Bonds").rows)
-      bonded.insert(std::minmax(atom(row, 2), atom(row, 3)));
+    for (const Entry& entry : data_.section("Bonds").entries)
+      bonded.insert(std::minmax(atom(entry, 2), atom(entry, 3)));
     std::erase_if(molecule.system.bonds,
                   [&](const RigidBond& b) { return !bonded.contains(std::minmax(b.i, b.j)); });
     std::erase_if(molecule.terms.bonds,

@@ -60,7 +60,7 @@ class Reader {
       if (std::isalpha(static_cast<unsigned char>(words_.front().front())))
         section = &begin_section();
       else if (section)
-        section->rows.push_back({line_, words_});
+        section->entries.push_back({line_, words_});
       else
         read_header();
     }
@@ -96,9 +96,9 @@ class Reader {
     for (const std::string& word : words_)
       (names.empty() && is_number(word) ? numbers : names).push_back(word);
     const std::string name = fmt::format("{}", fmt::join(names, " "));
-    const LammpsData::Row row{line_, words_};
+    const LammpsData::Entry entry{line_, words_};
     if (numbers.size() == 1 && std::ranges::find(kCounts, name) != kCounts.end()) {
-      const double count = data_.number(row, 0, "a count");
+      const double count = data_.number(entry, 0, "a count");
       if (!(count >= 0 && count <= 5e6 && count == std::floor(count)))
         data_.fail(line_, fmt::format("{} {}, expected a whole number up to 5000000", count, name));
       data_.counts[name] = static_cast<long>(count);
@@ -106,12 +106,12 @@ class Reader {
     }
     for (int d = 0; d < 3; ++d)
       if (numbers.size() == 2 && name == fmt::format("{0}lo {0}hi", "xyz"[d])) {
-        data_.lower[d] = data_.number(row, 0, "a bound");
-        data_.box.edge[d] = data_.number(row, 1, "a bound") - data_.lower[d];
+        data_.lower[d] = data_.number(entry, 0, "a bound");
+        data_.box.edge[d] = data_.number(entry, 1, "a bound") - data_.lower[d];
         return;
       }
     if (numbers.size() == 3 && name == "xy xz yz") {
-      for (int d = 0; d < 3; ++d) data_.box.tilt[d] = data_.number(row, d, "a tilt");
+      for (int d = 0; d < 3; ++d) data_.box.tilt[d] = data_.number(entry, d, "a tilt");
       return;
     }
     data_.fail(line_,
@@ -123,7 +123,7 @@ class Reader {
     for (const auto& [name, counted_by] : kSectionsOfData) {
       const auto found = data_.sections.find(name);
       if (found == data_.sections.end() || *counted_by == 0) continue;
-      const auto rows = std::ssize(found->second.rows);
+      const auto rows = std::ssize(found->second.entries);
       if (rows != data_.count(counted_by))
         data_.fail(line_, fmt::format("{} has {} rows, expected {}, the number of {}", name, rows,
                                       data_.count(counted_by), counted_by));
@@ -157,22 +157,22 @@ void LammpsData::fail(std::size_t line, const std::string& message) const {
   throw InputError(fmt::format("{}:{}: {}", file, line, message));
 }
 
-double LammpsData::number(const Row& row, std::size_t at, const char* what) const {
-  if (at >= row.words.size())
-    fail(row.line, fmt::format("expected {} as number {} of the row", what, at + 1));
-  const std::string& text = row.words[at];
+double LammpsData::number(const Entry& entry, std::size_t at, const char* what) const {
+  if (at >= entry.words.size())
+    fail(entry.line, fmt::format("expected {} as number {} of the row", what, at + 1));
+  const std::string& text = entry.words[at];
   double value = 0;
   const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
   const auto [end, error] = std::from_chars(begin, text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
-    fail(row.line, fmt::format("expected {}, got \"{}\"", what, text));
+    fail(entry.line, fmt::format("expected {}, got \"{}\"", what, text));
   return value;
 }
 
-int LammpsData::index(const Row& row, std::size_t at, const char* what, long most) const {
-  const double value = number(row, at, what);
+int LammpsData::index(const Entry& entry, std::size_t at, const char* what, long most) const {
+  const double value = number(entry, at, what);
   if (!(value >= 1 && value <= static_cast<double>(most) && value == std::floor(value)))
-    fail(row.line, fmt::format("expected {} from 1 to {}, got {}", what, most, row.words[at]));
+    fail(entry.line, fmt::format("expected {} from 1 to {}, got {}", what, most, entry.words[at]));
   return static_cast<int>(value);
 }
 

@@ -31,20 +31,20 @@ class PlainSpline {
   }
 
   double value(double x) const {
-    const auto [i, A, B] = place(x);
+    const auto [i, A, B] = interval(x);
     return A * y_[i] + B * y_[i + 1] + ((A * A * A - A) * M_[i] + (B * B * B - B) * M_[i + 1]) * h_ * h_ / 6;
   }
   double slope(double x) const {
-    const auto [i, A, B] = place(x);
+    const auto [i, A, B] = interval(x);
     return (y_[i + 1] - y_[i]) / h_ + ((1 - 3 * A * A) * M_[i] + (3 * B * B - 1) * M_[i + 1]) * h_ / 6;
   }
 
  private:
-  struct Place {
+  struct Interval {
     Eigen::Index i;
     double A, B;
   };
-  Place place(double x) const {
+  Interval interval(double x) const {
     const double at = (x - first_) / h_;
     const auto i = std::min(static_cast<Eigen::Index>(at), y_.size() - 2);
     return {i, static_cast<double>(i) + 1 - at, at - static_cast<double>(i)};

@@ -1,4 +1,4 @@
-#include "lammps/pieces.hpp"
+#include "lammps/local_system.hpp"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@ namespace taut {
 
 using namespace LAMMPS_NS;
 
-MissingAtom PieceFinder::find_depths(int limit) {
+MissingAtom LocalSystemFinder::find_depths(int limit) {
   const Atom& atom = *lmp_->atom;
   depth_.assign(atom.nlocal + atom.nghost, -1);
   complete_.assign(depth_.size(), false);
@@ -27,7 +27,7 @@ MissingAtom PieceFinder::find_depths(int limit) {
     if (next > limit) break;
     complete_[i] = true;
     for (const HeldBond& bond : held_.of(i)) {
-      const int partner = local(bond.partner);
+      const int partner = index_of(bond.partner);
       if (partner < 0) {
         complete_[i] = false;
         if (next < missing.depth) missing = {next, atom.tag[i], bond.partner};
@@ -40,70 +40,70 @@ MissingAtom PieceFinder::find_depths(int limit) {
   return missing;
 }
 
-Pieces PieceFinder::find(int overlap) {
-  Pieces pieces;
+LocalSystem LocalSystemFinder::find(int overlap) {
+  LocalSystem local;
   number_.assign(depth_.size(), -1);
   for (int i : order_) {
     if (depth_[i] > 0) break;
     if (number_[i] >= 0) continue;
     collect_cluster(i, overlap);
-    add_atoms(pieces);
-    const auto bonds = [&] { return static_cast<int>(pieces.system.bonds.size()); };
-    const auto outer = [&] { return static_cast<int>(pieces.outer.size()); };
+    add_atoms(local);
+    const auto bonds = [&] { return static_cast<int>(local.system.bonds.size()); };
+    const auto outer = [&] { return static_cast<int>(local.outer.size()); };
     const int bonds_before = bonds(), outer_before = outer();
-    add_bonds(overlap, pieces);
-    if (outer() > outer_before) pieces.cut.push_back({bonds_before, bonds(), outer_before, outer()});
+    add_bonds(overlap, local);
+    if (outer() > outer_before) local.cut.push_back({bonds_before, bonds(), outer_before, outer()});
   }
-  const int atoms = static_cast<int>(pieces.images.size());
+  const int atoms = static_cast<int>(local.images.size());
   const Atom& atom = *lmp_->atom;
-  pieces.system.mass.resize(atoms);
-  pieces.system.inv_mass.resize(atoms);
+  local.system.mass.resize(atoms);
+  local.system.inv_mass.resize(atoms);
   for (int a = 0; a < atoms; ++a) {
-    const int i = pieces.images[a].atom;
+    const int i = local.images[a].atom;
     const double mass = (atom.rmass ? atom.rmass[i] : atom.mass[atom.type[i]]) / lmp_->force->ftm2v;
-    pieces.system.mass[a] = mass;
-    pieces.system.inv_mass[a] = 1 / mass;
-    if (atom.mask[i] & fixed_bits_) pieces.system.mass[a] = pieces.system.inv_mass[a] = 0;
-    pieces.ghosts = pieces.ghosts || i >= atom.nlocal;
-    pieces.tags.push_back(atom.tag[i]);
-    pieces.own.push_back(i < atom.nlocal);
+    local.system.mass[a] = mass;
+    local.system.inv_mass[a] = 1 / mass;
+    if (atom.mask[i] & fixed_bits_) local.system.mass[a] = local.system.inv_mass[a] = 0;
+    local.ghosts = local.ghosts || i >= atom.nlocal;
+    local.tags.push_back(atom.tag[i]);
+    local.own.push_back(i < atom.nlocal);
   }
-  return pieces;
+  return local;
 }
 
-bool PieceFinder::find_again(Pieces& pieces) const {
+bool LocalSystemFinder::find_again(LocalSystem& local) const {
   const Atom& atom = *lmp_->atom;
-  if (atom.rmass || !pieces.outer.empty()) return false;  // masses of atoms may change
+  if (atom.rmass || !local.outer.empty()) return false;  // masses of atoms may change
   int more_own = 0;
   for (int i = 0; i < atom.nlocal; ++i) more_own += held_.count(i) > 0;
-  for (std::size_t a = 0; a < pieces.images.size(); ++a) {
-    const int i = local(pieces.tags[a]);
-    if (i < 0 || (i < atom.nlocal) != pieces.own[a]) return false;
-    pieces.images[a].atom = i;
-    more_own -= pieces.own[a];
+  for (std::size_t a = 0; a < local.images.size(); ++a) {
+    const int i = index_of(local.tags[a]);
+    if (i < 0 || (i < atom.nlocal) != local.own[a]) return false;
+    local.images[a].atom = i;
+    more_own -= local.own[a];
   }
   if (more_own != 0) return false;
-  for (const auto& [image, known] : pieces.path) {
-    Image& here = pieces.images[image];
-    here = known < 0 ? Image{here.atom, {}} : image_beside(pieces.images[known], here.atom);
+  for (const auto& [image, known] : local.path) {
+    Image& here = local.images[image];
+    here = known < 0 ? Image{here.atom, {}} : image_beside(local.images[known], here.atom);
   }
-  for (std::size_t k = 0; k < pieces.places.size(); ++k) {
-    const RigidBond& bond = pieces.system.bonds[k];
-    pieces.places[k] = {&held_.of(pieces.images[bond.i].atom)[pieces.slots[k][0]],
-                        &held_.of(pieces.images[bond.j].atom)[pieces.slots[k][1]]};
+  for (std::size_t k = 0; k < local.places.size(); ++k) {
+    const RigidBond& bond = local.system.bonds[k];
+    local.places[k] = {&held_.of(local.images[bond.i].atom)[local.slots[k][0]],
+                       &held_.of(local.images[bond.j].atom)[local.slots[k][1]]};
   }
   return true;
 }
 
 // All atoms that solved bonds tie to `first`, in the order of their tags.
-void PieceFinder::collect_cluster(int first, int overlap) {
+void LocalSystemFinder::collect_cluster(int first, int overlap) {
   cluster_.assign(1, {first, {}});
   path_.assign(1, {first, -1});
   number_[first] = 0;
   for (std::size_t n = 0; n < cluster_.size(); ++n) {
     const Image here = cluster_[n];
     for (const HeldBond& bond : held_.of(here.atom)) {
-      const int partner = local(bond.partner);
+      const int partner = index_of(bond.partner);
       if (partner < 0 || !solved(here.atom, partner, overlap) || number_[partner] >= 0) continue;
       number_[partner] = 0;
       cluster_.push_back(image_beside(here, partner));
@@ -115,16 +115,16 @@ void PieceFinder::collect_cluster(int first, int overlap) {
             [tag](const Image& a, const Image& b) { return tag[a.atom] < tag[b.atom]; });
 }
 
-void PieceFinder::add_atoms(Pieces& pieces) {
+void LocalSystemFinder::add_atoms(LocalSystem& local) {
   for (const Image& image : cluster_) {
-    number_[image.atom] = static_cast<int>(pieces.images.size());
-    pieces.images.push_back(image);
+    number_[image.atom] = static_cast<int>(local.images.size());
+    local.images.push_back(image);
   }
   for (const auto& [atom, known] : path_)
-    pieces.path.push_back({number_[atom], known < 0 ? -1 : number_[known]});
+    local.path.push_back({number_[atom], known < 0 ? -1 : number_[known]});
 }
 
-void PieceFinder::add_bonds(int overlap, Pieces& pieces) {
+void LocalSystemFinder::add_bonds(int overlap, LocalSystem& local) {
   const tagint* tag = lmp_->atom->tag;
   const auto slot = [&](int atom, const HeldBond* bond) {
     return static_cast<int>(bond - &held_.of(atom)[0]);
@@ -132,27 +132,27 @@ void PieceFinder::add_bonds(int overlap, Pieces& pieces) {
   for (const Image& here : cluster_) {
     const int i = here.atom;
     for (HeldBond& bond : held_.of(i)) {
-      const int partner = local(bond.partner);
+      const int partner = index_of(bond.partner);
       if (partner < 0 || depth_[partner] < 0) continue;  // beyond reach, as find_depths has said
       HeldBond* const other = held_.find(partner, tag[i]);
       if (!other) throw SimulationFailure("held bonds are not the same with both their atoms");
       if (!solved(i, partner, overlap)) {
-        pieces.outer.push_back(
+        local.outer.push_back(
             {number_[i], image_beside(here, partner), tag[i] < bond.partner ? &bond : other});
       } else if (tag[i] < bond.partner) {
-        if (image_beside(here, partner).vectors != pieces.images[number_[partner]].vectors)
+        if (image_beside(here, partner).vectors != local.images[number_[partner]].vectors)
           throw InputError(fmt::format("the bonds of atom {} close around the periodic box", tag[i]));
-        pieces.system.bonds.push_back({number_[i], number_[partner], lengths_(bond.kind)});
-        pieces.places.push_back({&bond, other});
-        pieces.slots.push_back({slot(i, &bond), slot(partner, other)});
+        local.system.bonds.push_back({number_[i], number_[partner], lengths_(bond.kind)});
+        local.places.push_back({&bond, other});
+        local.slots.push_back({slot(i, &bond), slot(partner, other)});
         if (i >= lmp_->atom->nlocal && partner < lmp_->atom->nlocal)
-          pieces.shared.push_back(static_cast<int>(pieces.places.size()) - 1);
+          local.shared.push_back(static_cast<int>(local.places.size()) - 1);
       }
     }
   }
 }
 
-Image PieceFinder::image_beside(const Image& known, int atom) const {
+Image LocalSystemFinder::image_beside(const Image& known, int atom) const {
   const Domain& box = *lmp_->domain;
   const double *x = lmp_->atom->x[known.atom], *y = lmp_->atom->x[atom];
   double before[3], d[3];

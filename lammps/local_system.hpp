@@ -34,10 +34,10 @@ struct FoundBeside {
   int image, known;
 };
 
-// What one processor solves: all bonds of its own atoms, and besides those within `overlap` bonds of them whose
-// neighbours along the chain are all known here. Clusters that are not larger than that are whole. Atoms of a
-// cluster follow each other, by tags, so that every processor that has a cluster does the same sums.
-struct Pieces {
+// The part of the system that one processor solves: all bonds of its own atoms, and those within `overlap` bonds of
+// them whose neighbours along the chain are all known here. Smaller clusters are whole. The atoms of a cluster follow
+// each other in the order of their tags, so that every processor that has the cluster does the same sums.
+struct LocalSystem {
   System system;
   std::vector<Image> images;                     // of the system's atoms
   std::vector<std::array<HeldBond*, 2>> places;  // of the system's bonds: what their atoms know
@@ -62,10 +62,10 @@ struct MissingAtom {
   LAMMPS_NS::tagint partner = 0, atom = 0;
 };
 
-class PieceFinder {
+class LocalSystemFinder {
  public:
   // fixed_bits: the group of atoms that have no finite mass.
-  PieceFinder(LAMMPS_NS::LAMMPS* lmp, HeldBonds& held, Lengths& lengths, int fixed_bits)
+  LocalSystemFinder(LAMMPS_NS::LAMMPS* lmp, HeldBonds& held, Lengths& lengths, int fixed_bits)
       : lmp_(lmp), held_(held), lengths_(lengths), fixed_bits_(fixed_bits) {}
 
   // Looks as many bonds as `limit` beyond this processor's own atoms. Returns the nearest atom that is not
@@ -74,17 +74,17 @@ class PieceFinder {
 
   // After find_depths(limit), limit ≥ overlap + 2, and nothing unknown nearer than 3 bonds: the neighbours of
   // the outermost bond beyond its own atoms.
-  Pieces find(int overlap);
+  LocalSystem find(int overlap);
 
-  // Whether this processor's atoms are those for which `pieces` were found, whole clusters all: then they are
+  // Returns whether this processor's atoms are those for which `local` was found, whole clusters all: then they are
   // the same, and only know their atoms by new numbers.
-  bool find_again(Pieces& pieces) const;
+  bool find_again(LocalSystem& local) const;
 
  private:
-  int local(LAMMPS_NS::tagint tag) const { return lmp_->atom->map(tag); }
+  int index_of(LAMMPS_NS::tagint tag) const { return lmp_->atom->map(tag); }
   void collect_cluster(int first, int overlap);
-  void add_atoms(Pieces& pieces);
-  void add_bonds(int overlap, Pieces& pieces);
+  void add_atoms(LocalSystem& local);
+  void add_bonds(int overlap, LocalSystem& local);
   Image image_beside(const Image& known, int atom) const;
   bool solved(int a, int b, int overlap) const {
     return complete_[a] && complete_[b] && std::min(depth_[a], depth_[b]) <= overlap;

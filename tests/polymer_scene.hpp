@@ -1,0 +1,40 @@
+#pragma once
+
+#include "scene_text.hpp"
+
+namespace taut {
+
+inline const std::string kPolymers = R"([molecule.polymer]
+atoms = [{name = "B", mass_u = 72, sigma_nm = 0.47, epsilon_kj_mol = 3.5}]
+units = 20
+bonds = [[0, 1, 0.35]]
+angles = [[0, 1, 2, 120, 25]]
+[[place]]
+molecule = "polymer"
+count = 3
+[build]
+box_nm = 5
+[forcefield]
+cutoff_nm = 1.1
+)";
+
+inline std::string with(const std::string& text, const std::string& old, const std::string& changed) {
+  return SceneText{text}.with(old, changed).text;
+}
+
+// Two atoms that no term puts close to each other, and their least distance in σ.
+inline double nearest(const Scene& scene) {
+  const Nonbonded& nb = *scene.terms.nonbonded;
+  std::set<std::pair<int, int>> near;
+  for (const auto& pair : nb.exceptions) near.insert(std::minmax(pair.i, pair.j));
+  double least = 1e9;
+  for (int a = 0; a < scene.system.atoms(); ++a)
+    for (int b = a + 1; b < scene.system.atoms(); ++b) {
+      if (near.contains({a, b}) || nb.epsilon[a] == 0 || nb.epsilon[b] == 0) continue;
+      const double r = scene.start.box.nearest_image(scene.start.x.col(b) - scene.start.x.col(a)).norm();
+      least = std::min(least, 2 * r / (nb.sigma[a] + nb.sigma[b]));
+    }
+  return least;
+}
+
+}  // namespace taut
