@@ -14,7 +14,11 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-TEST(App, RunsASceneAndSaysWhatItDoes) {
+struct App : ::testing::Test {
+  const TemporaryFolder folder;
+};
+
+TEST_F(App, RunsASceneAndSaysWhatItDoes) {
   const auto [exit_code, text] = taut("run water --steps 20 --set run.log_every=10");
   EXPECT_EQ(exit_code, 0) << text;
   EXPECT_THAT(text,
@@ -27,8 +31,7 @@ TEST(App, RunsASceneAndSaysWhatItDoes) {
   EXPECT_THAT(text, Not(HasSubstr(" left \x1b")));  // no progress line where nobody watches
 }
 
-TEST(App, WritesLogSummaryAndFinalState) {
-  const TemporaryFolder folder;
+TEST_F(App, WritesLogSummaryAndFinalState) {
   const fs::path out = folder.path() / "a" / "run";
   const auto [exit_code, text] =
       taut("run chain --method newton --steps 40 --dt-fs 2 --set run.log_every=10 --out " + out.string());
@@ -54,7 +57,7 @@ TEST(App, WritesLogSummaryAndFinalState) {
   for (const auto& entry : fs::directory_iterator(out)) EXPECT_NE(entry.path().extension(), ".part");
 }
 
-TEST(App, TellsWhereTheTimeWent) {
+TEST_F(App, TellsWhereTheTimeWent) {
   const auto [exit_code, text] = taut("run water --steps 20 --timings");
   EXPECT_EQ(exit_code, 0) << text;
   EXPECT_THAT(text, HasSubstr("20 steps in "));
@@ -70,8 +73,7 @@ TEST(App, TellsWhereTheTimeWent) {
   EXPECT_FALSE(nlohmann::json::parse(taut("run water --steps 20 --json").text).contains("timings"));
 }
 
-TEST(App, GoesOnFromAFinalState) {
-  const TemporaryFolder folder;
+TEST_F(App, GoesOnFromAFinalState) {
   ASSERT_EQ(taut("run water --steps 10 --out " + folder.path().string()).exit_code, 0);
   const auto [exit_code, text] = taut("run water --steps 10 --set run.temperature_k=0 --set build.start=" +
                                       (folder.path() / "final.start.toml").string());
@@ -80,8 +82,7 @@ TEST(App, GoesOnFromAFinalState) {
 
 // Double precision and 1 fs for scenes; mixed precision, and 2 fs where all hydrogens are held, for what OpenMM
 // prepared, unless the user or the run's folder says another.
-TEST(App, OpenMMsSystemsRunInMixedPrecisionAtTwoFemtoseconds) {
-  const TemporaryFolder folder;
+TEST_F(App, OpenMMsSystemsRunInMixedPrecisionAtTwoFemtoseconds) {
   const std::string data = TAUT_SCENES "/../tests/data/tip3p-216.";
   const std::string files = "--openmm " + data + "system.xml " + data + "state.xml ";
   const auto out = [&](const char* name) { return " --out " + (folder.path() / name).string(); };
@@ -112,8 +113,7 @@ TEST(App, OpenMMsSystemsRunInMixedPrecisionAtTwoFemtoseconds) {
   EXPECT_THAT(refused.text, HasSubstr("forcefield.precision is \"mixed\" there, \"double\" here"));
 }
 
-TEST(App, RepeatsToTheLastBit) {
-  const TemporaryFolder folder;
+TEST_F(App, RepeatsToTheLastBit) {
   for (const char* name : {"one", "two"})
     ASSERT_EQ(
         taut("run melt --method baumgarte --steps 50 --out " + (folder.path() / name).string()).exit_code, 0);
@@ -122,7 +122,7 @@ TEST(App, RepeatsToTheLastBit) {
   EXPECT_EQ(end, contents(folder.path() / "two" / "final.start.toml"));
 }
 
-TEST(App, ListsMethodsAndScenes) {
+TEST_F(App, ListsMethodsAndScenes) {
   const auto methods = taut("methods");
   EXPECT_EQ(methods.exit_code, 0);
   for (const char* name : {"none", "penalty", "baumgarte", "feedforward", "shake", "rattle", "newton",
@@ -175,7 +175,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return "case" + std::to_string(test.index); });
 
 // One key, two values: neither is taken in silence.
-TEST(App, AKeySaidTwiceIsRefused) {
+TEST_F(App, AKeySaidTwiceIsRefused) {
   for (const char* twice :
        {"run pair --steps 5 --set run.steps=6", "run pair --method newton --set method.name=rattle",
         "run pair --set run.dt_fs=1 run.dt_fs=2", "calibrate pair --dt-fs 1 --set run.dt_fs=2",
@@ -192,8 +192,7 @@ TEST(App, AKeySaidTwiceIsRefused) {
 }
 
 // From equilibration to production.
-TEST(App, VelocitiesOfAStartAreKeptAndTheHeaderSaysSo) {
-  const TemporaryFolder folder;
+TEST_F(App, VelocitiesOfAStartAreKeptAndTheHeaderSaysSo) {
   const auto first = taut("run water --steps 10 --out " + folder.path().string());
   EXPECT_THAT(first.text, HasSubstr("velocities drawn at 298.15 K"));
   const auto [exit_code, text] =
@@ -205,8 +204,7 @@ TEST(App, VelocitiesOfAStartAreKeptAndTheHeaderSaysSo) {
 }
 
 // A simulation that fails says when, which bond and what to try, and keeps its log.
-TEST(App, AFailedRunSaysWhyAndKeepsItsLog) {
-  const TemporaryFolder folder;
+TEST_F(App, AFailedRunSaysWhyAndKeepsItsLog) {
   const auto [exit_code, text] = taut("run water --dt-fs 20 --steps 1000 --out " + folder.path().string());
   EXPECT_EQ(exit_code, 1) << text;
   EXPECT_THAT(text, HasSubstr("step "));
@@ -217,7 +215,7 @@ TEST(App, AFailedRunSaysWhyAndKeepsItsLog) {
   EXPECT_FALSE(fs::exists(folder.path() / "summary.json"));
 }
 
-TEST(App, FilesAskedForWithoutAFolderAreRefused) {
+TEST_F(App, FilesAskedForWithoutAFolderAreRefused) {
   for (const char* key : {"run.trajectory_every", "run.checkpoint_every", "run.checkpoint_minutes"}) {
     const auto [exit_code, text] = taut(std::string("run pair --set ") + key + "=10");
     EXPECT_EQ(exit_code, 2) << text;
@@ -227,7 +225,7 @@ TEST(App, FilesAskedForWithoutAFolderAreRefused) {
   }
 }
 
-TEST(App, AFolderThatCannotBeMadeIsOutside) {
+TEST_F(App, AFolderThatCannotBeMadeIsOutside) {
   const auto [exit_code, text] = taut("run pair --out /proc/taut");
   EXPECT_EQ(exit_code, 3);
   EXPECT_EQ(lines(text), 1) << text;
@@ -235,8 +233,7 @@ TEST(App, AFolderThatCannotBeMadeIsOutside) {
 }
 
 // What could not be said was not done: exit 3. A run has written its files all the same.
-TEST(App, AnOutputThatIsNotTakenIsOutside) {
-  const TemporaryFolder folder;
+TEST_F(App, AnOutputThatIsNotTakenIsOutside) {
   const std::string out = folder.path().string();
   const auto exit_code = [](const std::string& words) {
     return WEXITSTATUS(std::system((std::string(TAUT_BINARY) + " " + words).c_str()));
@@ -259,8 +256,7 @@ TEST(App, AnOutputThatIsNotTakenIsOutside) {
 }
 
 // The scenes are found from where the command is, or where the environment says; a file needs none of it.
-TEST(App, ScenesAreFoundFromTheCommand) {
-  const TemporaryFolder folder;
+TEST_F(App, ScenesAreFoundFromTheCommand) {
   const std::string share = (fs::path(TAUT_BINARY).parent_path() / "share" / "taut").string();
   fs::create_directory(folder.path() / "bin");
   const std::string moved = (folder.path() / "bin" / "taut").string();
@@ -281,8 +277,7 @@ TEST(App, ScenesAreFoundFromTheCommand) {
 }
 
 // The pipe's reader has gone: stopped as by a signal, with a checkpoint.
-TEST(App, ARunNobodyReadsStopsAndCanGoOn) {
-  const TemporaryFolder folder;
+TEST_F(App, ARunNobodyReadsStopsAndCanGoOn) {
   const std::string out = (folder.path() / "run").string(), code = (folder.path() / "code").string();
   taut("methods >/dev/null; (" TAUT_BINARY " run pair --steps 100000000 --set run.log_every=1 --out " + out +
        "; echo $? >" + code + ") | head -3");

@@ -6,7 +6,6 @@
 #include "constraints/bond_algebra.hpp"
 #include "constraints/methods/guess.hpp"
 #include "constraints/projection.hpp"
-#include "constraints/registry.hpp"
 #include "free_system.hpp"
 #include "md/observables.hpp"
 
@@ -14,11 +13,6 @@ namespace taut::baumgarte_tests {
 namespace {
 
 using tests::NoForce;
-
-double sigma_of(const tests::Start& start, int k = 0) {
-  const auto& [i, j, d] = start.system.bonds[k];
-  return sigma(start.state.x.col(j) - start.state.x.col(i), d);
-}
 
 Baumgarte::Options numbers(double alpha, double beta, int passes = 2) {
   return {.gains = "numbers",
@@ -74,54 +68,6 @@ TEST(Baumgarte, ARateAddsMinusTwiceAlphaSigmaDot) {
   EXPECT_NEAR(r.dot(s.f.col(1) - s.f.col(0)) + 0.09, -2 * 10 * 0.3, 1e-12);  // σ̈ = r·a + |v|²
 }
 
-TEST(Baumgarte, AFineStepFollowsTheCriticallyDampedLaw) {
-  const double sigma0 = 1e-6, alpha = 20, h = 1e-5;
-  auto start = tests::rotor(0);
-  auto& [sys, s] = start;
-  s.x(0, 1) = -0.5 + std::sqrt(1 + 2 * sigma0);
-  Baumgarte method(sys, numbers(alpha, alpha), h);
-  NoForce forces;
-  EXPECT_TRUE(method.add_forces(sys, Push::at_start(h), s).converged());
-  while (s.t < 0.1 - h / 2) EXPECT_TRUE(step({sys, forces, method}, h, s).converged());
-  EXPECT_NEAR(sigma_of(start) / (sigma0 * (1 + alpha * s.t) * std::exp(-alpha * s.t)), 1, 1e-3);
-}
-
-// One bond at rest: σ obeys σ'' − tr σ' + det σ = 0 from step to step, with
-//     tr = (2 − β²h²)/(1 + αh),  det = (1 − αh)/(1 + αh).
-TEST(Baumgarte, ErrorsFollowTheRecurrenceOfTheStep) {
-  const double h = 0.01;
-  for (const double ah : {0.05, 0.3, 1.0, 1.7})
-    for (const double b2 : {0.5, 2.0, 3.0}) {
-      auto start = tests::rotor(0);
-      auto& [sys, s] = start;
-      s.x(0, 1) += 1e-9;
-      Baumgarte method(sys, numbers(ah / h, std::sqrt(b2) / h), h);
-      NoForce forces;
-      std::vector<double> errors;
-      for (int n = 0; n < 8; ++n) {
-        EXPECT_TRUE(step({sys, forces, method}, h, s).converged());
-        errors.push_back(sigma_of(start));
-      }
-      const double trace = (2 - b2) / (1 + ah), determinant = (1 - ah) / (1 + ah);
-      for (int n = 3; n < 8; ++n)
-        EXPECT_NEAR(errors[n], trace * errors[n - 1] - determinant * errors[n - 2], 1e-5 * 1e-9)
-            << "αh " << ah << " (βh)² " << b2 << " step " << n;
-    }
-}
-
-TEST(Baumgarte, StableBelowBetaHOfTwoAndNotAbove) {
-  const double h = 0.01;
-  EXPECT_THROW(Baumgarte(tests::rotor(0).system, numbers(1, 2.0 / h), h), InputError);
-  EXPECT_THROW(Baumgarte(tests::rotor(0).system, numbers(-1, 1), h), InputError);
-  auto start = tests::rotor(0);
-  auto& [sys, s] = start;
-  s.x(0, 1) += 1e-6;
-  Baumgarte method(sys, numbers(1.0, 1.99 / h), h);
-  NoForce forces;
-  for (int n = 0; n < 3000; ++n) EXPECT_TRUE(step({sys, forces, method}, h, s).converged());
-  EXPECT_LT(std::abs(sigma_of(start)), 1e-8);
-}
-
 // α = β = √(stiffness/μ), each bond by its own μ, and capped where the step cannot bear it.
 TEST(Gains, PhysicalOnesAreTheRealBonds) {
   const double h = 0.0005, k = 4.5e5;
@@ -144,20 +90,8 @@ TEST(Gains, PhysicalOnesOfLaggedDampingAreCappedEarlier) {
   EXPECT_NEAR(gains[0].alpha, gains[0].beta, 1e-12);
 }
 
-TEST(Gains, ReversibleOnesAreWeaklyDamped) {
-  const auto gains = choose_gains({}, Damping::kCentred, tests::rotor(1).system, 0.002);
-  EXPECT_NEAR(gains[0].alpha, 0.1 / 0.002, 1e-12);
-  EXPECT_NEAR(gains[0].beta, std::sqrt(2.0) / 0.002, 1e-12);
-  const Gains discrete = choose_gains({}, Damping::kDiscrete, tests::rotor(1).system, 0.002)[0];
-  EXPECT_NEAR(discrete.alpha, 0.3 / 0.002, 1e-12);
-  EXPECT_NEAR(discrete.beta, std::sqrt(2.5) / 0.002, 1e-12);
-}
-
-TEST(Gains, NamesAreKnownAndOthersRefused) {
+TEST(Gains, OfNoNameAreRefused) {
   const System sys = tests::rotor(1).system;
-  for (const char* name :
-       {"reversible", "dead-beat", "rattle", "swept", "critical", "physical", "hoomd", "box2d"})
-    EXPECT_NO_THROW(choose_gains({.name = name}, Damping::kCentred, sys, 0.001)) << name;
   EXPECT_THROW(choose_gains({.name = "dead-beet"}, Damping::kCentred, sys, 0.001), InputError);
   EXPECT_THROW(choose_gains({.name = "numbers", .alpha_per_ps = 1.0}, Damping::kCentred, sys, 0.001),
                InputError);
@@ -182,6 +116,7 @@ TEST(Gains, AreThoseOfTheirNames) {
     expect("critical", damping, 1, 1);
     expect("box2d", damping, pi, pi / 2);  // a spring of ¼/h hertz, β = 2π·¼/h, damping ratio α/β = 2
   }
+  expect("reversible", Damping::kDiscrete, 0.3, std::sqrt(2.5));
   expect("critical", Damping::kLagged, 0.5, 0.5);
   expect("dead-beat", Damping::kLagged, 0.5, 1);
   expect("rattle", Damping::kLagged, 0.5, std::sqrt(0.75));
@@ -265,35 +200,6 @@ TEST(Baumgarte, OnePassFeedsWhatTheGuessMisses) {
   expect_fed_as_foretold(tests::waters(5, 3, 300), 0.0002, kOfSmallClusters);
 }
 
-TEST(Baumgarte, DeadBeatClearsAnErrorInTwoSteps) {
-  const double h = 0.01;
-  auto start = tests::rotor(0);
-  auto& [sys, s] = start;
-  Baumgarte method(sys, {.gains = "dead-beat"}, h);
-  NoForce forces;
-  s.x(0, 1) += 1e-7;
-  // the first half kick knew nothing of the error
-  EXPECT_TRUE(step({sys, forces, method}, h, s).converged());
-  EXPECT_TRUE(step({sys, forces, method}, h, s).converged());
-  EXPECT_TRUE(step({sys, forces, method}, h, s).converged());
-  EXPECT_LT(std::abs(sigma_of(start)), 1e-13);
-}
-
-// A free rotor turning by θ a step keeps δd/d = θ⁴/8 at dead-beat.
-TEST(Baumgarte, FreeRotorKeepsThetaToTheFourthOverEight) {
-  const double h = 0.01;
-  for (const double theta : {0.05, 0.1}) {
-    auto start = tests::rotor(theta / h);
-    auto& [sys, s] = start;
-    Baumgarte method(sys, {.gains = "dead-beat", .damping = "implicit", .passes = 2}, h);
-    NoForce forces;
-    initialize({sys, forces, method}, h, s);
-    for (int n = 0; n < 400; ++n) EXPECT_TRUE(step({sys, forces, method}, h, s).converged());
-    const double error = (s.x.col(1) - s.x.col(0)).norm() - 1;
-    EXPECT_NEAR(error / (std::pow(theta, 4) / 8), 1, 0.02) << "θ " << theta;
-  }
-}
-
 // With a sweep from the last multipliers in place of a solve: held where damping is strong and the feedback
 // soft, and not with gains that leave the parasitic root undamped.
 TEST(Baumgarte, OneSweepHoldsAChainWithSoftStronglyDampedGains) {
@@ -327,21 +233,6 @@ TEST(Baumgarte, CountsItsSolvesAndSweeps) {
   EXPECT_EQ(counted(2, 0), 2);
   EXPECT_EQ(counted(1, 3), 3);
   EXPECT_EQ(counted(2, 3), 6);
-}
-
-// Without correction a bond drifts, and faster and faster; any gain holds it.
-TEST(None, DriftsWhereGainsHold) {
-  const auto error_after = [](const char* name, int steps) {
-    auto [sys, s] = tests::rotor(2.0);
-    NoForce forces;
-    const auto method = make_plain(sys, default_options(name), 0.01);
-    initialize({sys, forces, *method}, 0.01, s);
-    for (int n = 0; n < steps; ++n) EXPECT_TRUE(step({sys, forces, *method}, 0.01, s).converged());
-    return bond_errors(sys, s.x).max;
-  };
-  const double early = error_after("none", 500), late = error_after("none", 2000);
-  EXPECT_GT(late, 3.5 * early);
-  EXPECT_LT(error_after("baumgarte", 2000), 0.05 * late);
 }
 
 }  // namespace

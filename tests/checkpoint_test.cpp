@@ -13,6 +13,7 @@
 
 #include "base/errors.hpp"
 #include "base/statistics.hpp"
+#include "error_message.hpp"
 #include "systems/toml_reader.hpp"
 #include "temporary_folder.hpp"
 
@@ -208,12 +209,7 @@ TEST(CheckpointFormat, NoDamageGoesUnseen) {
 }
 
 std::string refusal(std::string_view bytes) {
-  try {
-    read_checkpoint(bytes);
-  } catch (const InputError& e) {
-    return e.what();
-  }
-  return "none";
+  return error_message([&] { read_checkpoint(bytes); });
 }
 
 TEST(CheckpointFormat, SaysWhatIsWrong) {

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/errors.hpp"
+#include "error_message.hpp"
 #include "files/frame.hpp"
 #include "files/pdb_file.hpp"
 #include "temporary_folder.hpp"
@@ -46,12 +46,7 @@ Coordinates read(const std::string& name, const std::string& text) {
 
 std::string complaint(const std::string& name, const std::string& text) {
   const TemporaryFolder folder;
-  try {
-    read_coordinates(folder.write(name, text));
-  } catch (const InputError& e) {
-    return std::string(e.what()).substr(folder.path().string().size() + 1);
-  }
-  return "no error";
+  return folder.without_path(error_message([&] { read_coordinates(folder.write(name, text)); }));
 }
 
 std::string with(std::string text, const std::string& old, const std::string& changed) {

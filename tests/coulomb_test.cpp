@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "base/errors.hpp"
+#include "error_message.hpp"
 #include "simulation/simulation.hpp"
 #include "systems/scene_file.hpp"
 
@@ -20,12 +20,7 @@ Nonbonded pairs_of(const Keys& keys) {
 }
 
 std::string complaint(const Keys& keys) {
-  try {
-    pairs_of(keys);
-  } catch (const InputError& e) {
-    return e.what();
-  }
-  return "no error";
+  return error_message([&] { pairs_of(keys); });
 }
 
 TEST(CoulombKeys, AreRead) {

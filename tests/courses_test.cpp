@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "kept_state.hpp"
 #include "scene_text.hpp"
 #include "simulation/simulation.hpp"
 
@@ -68,29 +69,13 @@ TEST(Annealing, GoesOnFromACheckpointToTheLastBit) {
   for (const auto& bath : kBaths) {
     std::vector<std::string> all = bath;
     all.insert(all.end(), {"run.steps=500", "build.box_nm=12"});
-    const Scene scene = read(kGas, all);
-    Simulation whole(scene), first(scene), second(scene);
-    whole.run({});
-    std::string kept;
-    first.run({}, [&](long step) {
-      if (step != 450) return;
-      Archive archive = Archive::saving_to(kept);
-      first.serialize(archive);
-    });
-    second.restore(kept);
-    second.run({});
-    EXPECT_EQ(whole.state().x, second.state().x) << bath[0];
-    EXPECT_EQ(whole.state().v, second.state().v) << bath[0];
+    SCOPED_TRACE(bath[0]);
+    expect_to_go_on_from(read(kGas, all), 450);
   }
 }
 
 std::string refused(const std::vector<std::string>& overrides) {
-  try {
-    read(kGas, overrides);
-  } catch (const InputError& e) {
-    return e.what();
-  }
-  return "no error";
+  return error_message([&] { read(kGas, overrides); });
 }
 
 TEST(Annealing, BadRowsAreRefusedByName) {

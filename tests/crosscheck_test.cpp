@@ -8,6 +8,7 @@
 #include "base/errors.hpp"
 #include "base/threads.hpp"
 #include "constraints/methods/baumgarte.hpp"
+#include "error_message.hpp"
 #include "forcefield/force_field.hpp"
 #include "openmm_folder.hpp"
 #include "studies/crosscheck_verdict.hpp"
@@ -99,13 +100,9 @@ TEST(Crosscheck, EveryExpressibleSceneAgrees) {
 }
 
 TEST(Crosscheck, SaysWhatOpenMMCannotExpress) {
-  for (const char* name : {"pendulum", "double_pendulum"}) try {
-      crosscheck(read_scene(find_scene(name)), {});
-      FAIL() << name;
-    } catch (const InputError& e) {
-      EXPECT_THAT(e.what(),
-                  AllOf(HasSubstr("OpenMM cannot express it"), HasSubstr("anchor"), Not(HasSubstr("\n"))));
-    }
+  for (const char* name : {"pendulum", "double_pendulum"})
+    EXPECT_THAT(error_message([&] { crosscheck(read_scene(find_scene(name)), {}); }),
+                AllOf(HasSubstr("OpenMM cannot express it"), HasSubstr("anchor"), Not(HasSubstr("\n"))));
 }
 
 // What the closed form of its residual foretells, to within what it leaves out, the next order in h: its bond
@@ -215,12 +212,7 @@ TEST(Crosscheck, RefusesWhatThePluginDoesNotServe) {
     CrosscheckPlan plan;
     plan.platform = platform, plan.precision = precision, plan.integrator = integrator;
     plan.contestants = contestants({"penalty"});
-    try {
-      crosscheck(read_scene(find_scene("pair")), plan);
-    } catch (const InputError& e) {
-      return e.what();
-    }
-    return "";
+    return error_message([&] { crosscheck(read_scene(find_scene("pair")), plan); });
   };
   EXPECT_THAT(refusal("Reference", "", "tuat"), AllOf(HasSubstr("tuat"), HasSubstr("taut")));
   EXPECT_THAT(refusal("Reference", "single", "openmm"),
@@ -234,15 +226,10 @@ TEST(Crosscheck, RefusesWhatThePluginDoesNotServe) {
 
 TEST(Crosscheck, SaysWhereThePluginIsLookedFor) {
   setenv("TAUT_OPENMM_PLUGIN", "/nowhere/libtaut_openmm.so", 1);
-  const std::string said = [] {
-    try {
-      OpenMMTwin twin(openmm_input(read_scene(find_scene("pair"))),
-                      {.h = 0.001, .integrator = TwinIntegrator::kTaut, .method = "newton"});
-    } catch (const InputError& e) {
-      return std::string(e.what());
-    }
-    return std::string();
-  }();
+  const std::string said = error_message([] {
+    OpenMMTwin(openmm_input(read_scene(find_scene("pair"))),
+               {.h = 0.001, .integrator = TwinIntegrator::kTaut, .method = "newton"});
+  });
   unsetenv("TAUT_OPENMM_PLUGIN");
   EXPECT_THAT(said, AllOf(HasSubstr("/nowhere/libtaut_openmm.so"), HasSubstr("does not load")));
 }

@@ -56,15 +56,7 @@ struct Folder {
   }
   Scene read(const std::string& text = kScene) const { return read_scene(folder.write("scene.toml", text)); }
   std::string said(const std::string& text = kScene) const {
-    try {
-      read(text);
-    } catch (const InputError& e) {
-      const std::string here = folder.path().string() + "/";
-      std::string words = e.what();
-      while (words.find(here) != std::string::npos) words.erase(words.find(here), here.size());
-      return words;
-    }
-    return "no error";
+    return folder.without_path(error_message([&] { read(text); }));
   }
 };
 

@@ -6,6 +6,7 @@
 #include "constraints/batch/batched_feedforward.hpp"
 #include "constraints/bond_algebra.hpp"
 #include "constraints/methods/newton.hpp"
+#include "error_message.hpp"
 #include "free_system.hpp"
 #include "verifier.hpp"
 
@@ -135,12 +136,7 @@ TEST(Feedforward, SaysThatBondsRunAway) {
   const auto failure = [&](auto method) -> std::string {
     NoForce forces;
     State s = start.state;
-    try {
-      initialize({start.system, forces, method}, 0.01, s);
-    } catch (const SimulationFailure& e) {
-      return e.what();
-    }
-    return "held";
+    return error_message<SimulationFailure>([&] { initialize({start.system, forces, method}, 0.01, s); });
   };
   for (const std::string& said : {failure(Feedforward(start.system, {}, 0.01)),
                                   failure(Batched<Feedforward>(start.system, {}, 0.01))}) {

@@ -44,37 +44,6 @@ double squares_over_mass(const System& sys, const Vectors& f) {
   return (f.array().square().rowwise() * sys.inv_mass.transpose().array()).sum();
 }
 
-// ΔK − ½(F_n + F_{n+1})·Δx beside what the motion shows of the constraints' forces: C = 2M(v_half − v_n)/h −
-// F_n before the drift, C' = 2M(v_{n+1} − v_half)/h − F_{n+1} after it.
-TEST(Account, ClosesForEveryMethod) {
-  const double h = 0.004;
-  for (const MethodEntry& entry : methods()) {
-    SCOPED_TRACE(entry.name);
-    auto [sys, s] = entry.name == "settle" ? tests::waters(2, 1, 300) : tests::free_chain(6, 1);
-    const MethodOptions options = default_options(entry.name);
-    const auto method = make_method(sys, options, h);
-    Trap trap;
-    MeteredForces metered(trap, h);
-    const Dynamics dynamics{sys, metered, *method};
-    initialize(dynamics, h, s);
-    const auto unaccounted = [&, &start = s, &system = sys] {
-      return kinetic_energy(system, start.v) - metered.work();
-    };
-    const double at_start = unaccounted(), scale = kinetic_energy(sys, s.v);
-    double work = 0;
-    for (int n = 0; n < 200; ++n) {
-      const State before = s;
-      ASSERT_TRUE(step(dynamics, h, s).converged());
-      const Vectors moved = s.x - before.x, half = moved / h;
-      const Vectors f = 2 / h * (half - before.v) * sys.mass.asDiagonal();  // F + C
-      const Vectors f_next = 2 / h * (s.v - half) * sys.mass.asDiagonal();  // F + C'
-      work += 0.5 * (f + f_next + Trap::kStiffness * (before.x + s.x)).cwiseProduct(moved).sum() +
-              h * h / 8 * (squares_over_mass(sys, f_next) - squares_over_mass(sys, f));
-      ASSERT_NEAR(unaccounted() - at_start, work, 1e-11 * scale) << "step " << n;
-    }
-  }
-}
-
 // Of methods that steer by forces, C = Jᵀλ: the work is Σ ½(λ_n + λ_{n+1})Δσ + ¼(λ_{n+1} − λ_n)|Δr|².
 TEST(Account, IsWhatMultipliersDo) {
   const double h = 0.004;
@@ -107,50 +76,56 @@ TEST(Account, IsWhatMultipliersDo) {
   }
 }
 
-// Under Langevin's thermostat Δ changes the velocity in the middle of the drift. The jump does a work on the
-// velocities, and what is left of the forces' kicks is the constraints' alone. The bath's heat is what the
-// jump's two halves do to the kinetic energy of the motion that is tangent to the bonds where each half acts:
-// the first where the drift begins, the second where it ends.
-TEST(Account, ClosesForEveryMethodInABath) {
+// The change of the kinetic energy less the forces' work, beside what the motion shows of the constraints' forces:
+// C = 2M(first − v_n)/h − F_n before the middle of the drift, C' = 2M(v_{n+1} − second)/h − F_{n+1} after it. Without a
+// thermostat `first` and `second` are both the velocity of the drift. Langevin's changes it in the middle by Δ: this jump
+// does a work on the velocities, and what is left of the forces' kicks is the constraints' alone. The bath's heat is what
+// the jump's two halves do to the kinetic energy of the motion that is tangent to the bonds where each half acts: the
+// first where the drift begins, the second where it ends.
+TEST(Account, ClosesForEveryMethodAloneAndInABath) {
   const double h = 0.004;
-  for (const MethodEntry& entry : methods()) {
-    SCOPED_TRACE(entry.name);
-    auto [sys, s] = entry.name == "settle" ? tests::waters(2, 1, 300) : tests::free_chain(6, 1);
-    const auto method = make_method(sys, default_options(entry.name), h);
-    Langevin bath(sys, {.temperature = 1 / kBoltzmann, .friction = 10}, h);
-    Trap trap;
-    MeteredForces metered(trap, h, &bath);
-    const Dynamics dynamics{sys, metered, *method, bath};
-    initialize(dynamics, h, s);
-    const auto unaccounted = [&, &start = s, &system = sys] {
-      return kinetic_energy(system, start.v) - metered.work();
-    };
-    const double at_start = unaccounted(), scale = kinetic_energy(sys, s.v);
-    Projector projector(sys);
-    double work = 0, jump = 0, heat = 0, largest = 0;
-    for (int n = 0; n < 200; ++n) {
-      const State before = s;
-      const Vectors half_jump = *bath.half_jump();
-      ASSERT_TRUE(step(dynamics, h, s).converged());
-      metered.meter.add_heat(bath.heat_of_turning());
-      const Vectors half = (s.x - before.x) / h, first = half - half_jump, second = half + half_jump;
-      jump += kinetic_energy(sys, second) - kinetic_energy(sys, first);
-      Vectors tangent = second, jump_there = half_jump;
-      projector.velocities(sys, s.x, tangent);
-      projector.velocities(sys, s.x, jump_there);
-      heat += kinetic_energy(sys, half) - kinetic_energy(sys, first) + kinetic_energy(sys, tangent) -
-              kinetic_energy(sys, tangent - jump_there);
-      largest = std::max(largest, std::abs(heat));
-      const Vectors f = 2 / h * (first - before.v) * sys.mass.asDiagonal();   // F + C
-      const Vectors f_next = 2 / h * (s.v - second) * sys.mass.asDiagonal();  // F + C'
-      work += 0.5 * h * (f + Trap::kStiffness * before.x).cwiseProduct(first).sum() +
-              0.5 * h * (f_next + Trap::kStiffness * s.x).cwiseProduct(second).sum() +
-              h * h / 8 * (squares_over_mass(sys, f_next) - squares_over_mass(sys, f));
-      ASSERT_NEAR(unaccounted() - at_start, work + jump, 1e-10 * scale) << "step " << n;
-      ASSERT_NEAR(metered.meter.heat(), heat, 1e-10 * scale) << "step " << n;
+  for (const MethodEntry& entry : methods())
+    for (const bool in_bath : {false, true}) {
+      SCOPED_TRACE(std::string(entry.name) + (in_bath ? " in a bath" : ""));
+      auto [sys, s] = entry.name == "settle" ? tests::waters(2, 1, 300) : tests::free_chain(6, 1);
+      const auto method = make_method(sys, default_options(entry.name), h);
+      Langevin langevin(sys, {.temperature = 1 / kBoltzmann, .friction = 10}, h);
+      Trap trap;
+      MeteredForces metered(trap, h, in_bath ? &langevin : nullptr);
+      const Dynamics dynamics{sys, metered, *method, in_bath ? static_cast<Bath&>(langevin) : no_bath()};
+      initialize(dynamics, h, s);
+      const auto unaccounted = [&, &start = s, &system = sys] {
+        return kinetic_energy(system, start.v) - metered.work();
+      };
+      const double at_start = unaccounted(), scale = kinetic_energy(sys, s.v);
+      Projector projector(sys);
+      double work = 0, jump = 0, heat = 0, largest = 0;
+      for (int n = 0; n < 200; ++n) {
+        const State before = s;
+        const Vectors half_jump = in_bath ? *langevin.half_jump() : Vectors::Zero(3, sys.atoms());
+        ASSERT_TRUE(step(dynamics, h, s).converged());
+        if (in_bath) metered.meter.add_heat(langevin.heat_of_turning());
+        const Vectors half = (s.x - before.x) / h, first = half - half_jump, second = half + half_jump;
+        jump += kinetic_energy(sys, second) - kinetic_energy(sys, first);
+        const Vectors f = 2 / h * (first - before.v) * sys.mass.asDiagonal();   // F + C
+        const Vectors f_next = 2 / h * (s.v - second) * sys.mass.asDiagonal();  // F + C'
+        work += 0.5 * h * (f + Trap::kStiffness * before.x).cwiseProduct(first).sum() +
+                0.5 * h * (f_next + Trap::kStiffness * s.x).cwiseProduct(second).sum() +
+                h * h / 8 * (squares_over_mass(sys, f_next) - squares_over_mass(sys, f));
+        ASSERT_NEAR(unaccounted() - at_start, work + jump, (in_bath ? 1e-10 : 1e-11) * scale) << "step " << n;
+        if (!in_bath) continue;
+        Vectors tangent = second, jump_there = half_jump;
+        projector.velocities(sys, s.x, tangent);
+        projector.velocities(sys, s.x, jump_there);
+        heat += kinetic_energy(sys, half) - kinetic_energy(sys, first) + kinetic_energy(sys, tangent) -
+                kinetic_energy(sys, tangent - jump_there);
+        largest = std::max(largest, std::abs(heat));
+        ASSERT_NEAR(metered.meter.heat(), heat, 1e-10 * scale) << "step " << n;
+      }
+      if (in_bath) {
+        EXPECT_GT(largest, 0.1 * scale);
+      }
     }
-    EXPECT_GT(largest, 0.1 * scale);
-  }
 }
 
 // kT = 1, unit masses, free of forces. What is left of the energy's change when the heat is taken off, per

@@ -260,13 +260,10 @@ TEST(LammpsData, RealUnitsAreAngstromKcalAndFemtoseconds) {
 }
 
 std::string said(const std::string& old, const std::string& changed, const std::string& more = "") {
-  try {
+  return error_message([&] {
     read_data(old.empty() ? kData.text : kData.with(old, changed).text,
               more + "[forcefield]\ncutoff_nm = 0.4\n");
-  } catch (const InputError& e) {
-    return e.what();
-  }
-  return "no error";
+  });
 }
 
 TEST(LammpsData, WhatTautLacksIsRefusedByName) {
@@ -316,12 +313,7 @@ TEST(LammpsData, TheInputSaysWhatItLeavesOut) {
 TEST(LammpsData, WhatLammpsLacksIsRefusedByName) {
   const auto refused = [](const std::string& name,
                           const std::vector<std::string>& overrides = {}) -> std::string {
-    try {
-      lammps_files(scene_of(name, overrides), "a.data");
-    } catch (const InputError& e) {
-      return e.what();
-    }
-    return "no error";
+    return error_message([&] { lammps_files(scene_of(name, overrides), "a.data"); });
   };
   EXPECT_EQ(refused("decane"), "no error");
   EXPECT_THAT(refused("pendulum"), HasSubstr("atom 0 is an anchor of mass 0"));

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -25,10 +24,13 @@ using json = nlohmann::json;
 
 constexpr const char* kShortRun = "run freely_jointed --steps 200 --set build.chains=10 run.log_every=2 ";
 
-// Means over seeds: the mean of the runs' means, with the larger of the two errors.
-TEST(Look, MeasuresSeedsTogether) {
+struct Look : ::testing::Test {
   const TemporaryFolder folder;
   const std::string at = folder.path().string() + "/";
+};
+
+// Means over seeds: the mean of the runs' means, with the larger of the two errors.
+TEST_F(Look, MeasuresSeedsTogether) {
   for (const char* seed : {"1", "2", "3"})
     said(kShortRun + std::string("run.seed=") + seed + " --quiet --out " + at + seed);
   const std::string runs = at + "1 " + at + "2 " + at + "3 ";
@@ -51,9 +53,7 @@ TEST(Look, MeasuresSeedsTogether) {
 }
 
 // A second segment that begins where the first ends is one run with it.
-TEST(Look, MeasuresSegmentsAsOneRun) {
-  const TemporaryFolder folder;
-  const std::string at = folder.path().string() + "/";
+TEST_F(Look, MeasuresSegmentsAsOneRun) {
   said(kShortRun + std::string("run.trajectory_every=2 --quiet --out ") + at + "1");
   said(kShortRun + std::string("run.trajectory_every=2 run.trajectory=h5md build.start=") + at +
        "1/final.start.toml --quiet --out " + at + "2");
@@ -65,8 +65,7 @@ TEST(Look, MeasuresSegmentsAsOneRun) {
   EXPECT_EQ(json::parse(said("measure --join --last 1 --json " + at + "1 " + at + "2"))["rows"], 51);
 }
 
-TEST(Look, MeasureRefusesWhatItCannotDo) {
-  const TemporaryFolder folder;
+TEST_F(Look, MeasureRefusesWhatItCannotDo) {
   const std::string run = (folder.path() / "run").string();
   said(kShortRun + std::string("--quiet --out ") + run);
   EXPECT_THAT(said("measure --from soon " + run, 2), HasSubstr("expected a time in ps, or auto"));
@@ -77,9 +76,7 @@ TEST(Look, MeasureRefusesWhatItCannotDo) {
 }
 
 // What a bath that still changes does to a run is not equilibrated.
-TEST(Look, MeasuresFromWhereTheBathStaysTheSame) {
-  const TemporaryFolder folder;
-  const std::string at = folder.path().string() + "/";
+TEST_F(Look, MeasuresFromWhereTheBathStaysTheSame) {
   const auto window = [&](const std::string& name, const std::string& rows) {
     said(kShortRun + std::string("run.thermostat=langevin 'run.temperature_k=") + rows + "' --quiet --out " +
          at + name);
@@ -93,9 +90,7 @@ TEST(Look, MeasuresFromWhereTheBathStaysTheSame) {
 }
 
 // Every row is drawn once, as left out or as measured.
-TEST(Look, DrawsWhatTheRuleOfEquilibrationLeavesOut) {
-  const TemporaryFolder folder;
-  const std::string at = folder.path().string() + "/";
+TEST_F(Look, DrawsWhatTheRuleOfEquilibrationLeavesOut) {
   said("run melt --steps 100 --set run.log_every=1 --quiet --out " + at + "run");
   const json measured = json::parse(said("measure --from auto --json --out " + at + "m " + at + "run"));
   const auto rows = csv_rows(contents(at + "m/equilibration.csv"));
@@ -110,14 +105,12 @@ TEST(Look, DrawsWhatTheRuleOfEquilibrationLeavesOut) {
 }
 
 // The bath's temperature beside the run's; tensions of the frames; atoms, bonds and walls of the first and last frame.
-TEST(Look, PlotsTheBathTheTensionsAndTheFrames) {
-  const TemporaryFolder folder;
-  const std::string at = folder.path().string() + "/slit";
+TEST_F(Look, PlotsTheBathTheTensionsAndTheFrames) {
   said(
       "run slit --steps 40 --set run.log_every=20 run.trajectory_every=20 run.trajectory=h5md --quiet --plot "
       "--out " +
-      at);
-  const auto rows = csv_rows(contents(at + "/plot/run.csv"));
+      at + "slit");
+  const auto rows = csv_rows(contents(at + "slit/plot/run.csv"));
   std::vector<std::string> bath;
   std::vector<double> mean, largest;
   for (const auto& row : rows) {
@@ -130,7 +123,7 @@ TEST(Look, PlotsTheBathTheTensionsAndTheFrames) {
   ASSERT_EQ(largest.size(), 3u);
   for (int k = 0; k < 3; ++k) EXPECT_GT(largest[k], std::abs(mean[k]));
   std::map<std::string, int> count;
-  for (const auto& row : csv_rows(contents(at + "/plot/frames.csv"))) ++count[row[0] + ": " + row[1]];
+  for (const auto& row : csv_rows(contents(at + "slit/plot/frames.csv"))) ++count[row[0] + ": " + row[1]];
   for (const std::string frame : {"first frame (z up)", "last frame (z up)"}) {
     EXPECT_EQ(count[frame + ": atom"], 240);
     EXPECT_EQ(count[frame + ": bond"], 216);
@@ -139,9 +132,7 @@ TEST(Look, PlotsTheBathTheTensionsAndTheFrames) {
 }
 
 // Walls, springs that move and biases are drawn and measured as the log has them.
-TEST(Look, ShowsWhatASceneAddsToItsLog) {
-  const TemporaryFolder folder;
-  const std::string at = folder.path().string() + "/";
+TEST_F(Look, ShowsWhatASceneAddsToItsLog) {
   said("run slit --steps 400 --set run.log_every=4 --quiet --out " + at + "slit");
   const auto log = csv_rows(contents(at + "slit/log.csv"));
   const auto column = std::ranges::find(log[0], "Wall 1 Pressure (bar)") - log[0].begin();
@@ -162,16 +153,14 @@ TEST(Look, ShowsWhatASceneAddsToItsLog) {
 }
 
 // The account leaves out what the moving ends of springs bring, as the run's drift does: without a thermostat it is even.
-TEST(Look, PlotsTheAccountWithoutTheSteeringsWork) {
-  const TemporaryFolder folder;
-  const std::string at = folder.path().string();
-  std::ofstream(at + "/dragged.toml")
-      << "[molecule.bead]\natoms = [{name = \"B\", mass_u = 40}]\n"
-         "steered = [[0, 1, 0, 0, 500]]\n[[place]]\nmolecule = \"bead\"\ncount = 1\n"
-         "[run]\ndt_fs = 5\n";
-  said("run " + at + "/dragged.toml --steps 2000 --set run.log_every=2 --plot --quiet --out " + at + "/run");
+TEST_F(Look, PlotsTheAccountWithoutTheSteeringsWork) {
+  folder.write("dragged.toml",
+               "[molecule.bead]\natoms = [{name = \"B\", mass_u = 40}]\n"
+               "steered = [[0, 1, 0, 0, 500]]\n[[place]]\nmolecule = \"bead\"\ncount = 1\n"
+               "[run]\ndt_fs = 5\n");
+  said("run " + at + "dragged.toml --steps 2000 --set run.log_every=2 --plot --quiet --out " + at + "run");
   double account = 0, work = 0;
-  for (const auto& row : csv_rows(contents(at + "/run/plot/run.csv"))) {
+  for (const auto& row : csv_rows(contents(at + "run/plot/run.csv"))) {
     if (row[1] == "energy but for heat and steering")
       account = std::max(account, std::abs(std::stod(row[3])));
     if (row[0] == "steering work [kJ/mol]") work = std::max(work, std::stod(row[3]));
@@ -183,20 +172,16 @@ TEST(Look, PlotsTheAccountWithoutTheSteeringsWork) {
 
 // The page's scene, pulled five times as fast: the work is the free energy, 7.79 kJ/mol a chain, and a little more. Chains
 // that feel no wall would do -14.9 kJ/mol.
-TEST(Look, PullsAnEndPastAWall) {
-  const TemporaryFolder folder;
+TEST_F(Look, PullsAnEndPastAWall) {
   const std::string page = contents(std::string(TAUT_SCENES) + "/../docs/worked_examples.md");
   const std::string begin = "```toml\n";
-  const auto at = page.find(begin, page.find("### Past a wall\n"));
-  ASSERT_NE(at, std::string::npos);
-  const auto from = at + begin.size();
-  std::ofstream(folder.path() / "past.toml") << page.substr(from, page.find("```", from) - from);
-  const std::string run = (folder.path() / "run").string();
-  said("run " + (folder.path() / "past.toml").string() +
-       " --method feedforward --steps 10000 --set 'run.pull_factor=[[0, 0], [20, 0], [100, 1]]' --quiet "
-       "--out " +
-       run);
-  const auto log = csv_rows(contents(run + "/log.csv"));
+  const auto block = page.find(begin, page.find("### Past a wall\n"));
+  ASSERT_NE(block, std::string::npos);
+  const auto from = block + begin.size();
+  folder.write("past.toml", page.substr(from, page.find("```", from) - from));
+  said("run " + at + "past.toml --method feedforward --steps 10000 --set " +
+       "'run.pull_factor=[[0, 0], [20, 0], [100, 1]]' --quiet --out " + at + "run");
+  const auto log = csv_rows(contents(at + "run/log.csv"));
   const auto column = std::ranges::find(log[0], "Steering Work (kJ/mole)") - log[0].begin();
   ASSERT_LT(column, std::ssize(log[0]));
   const double work = std::stod(log.back()[column]) / 100;
@@ -205,9 +190,7 @@ TEST(Look, PullsAnEndPastAWall) {
 }
 
 // A plot's page has what `taut measure --from auto` gives, of several runs laid over each other.
-TEST(Look, PlotsWhatIsMeasured) {
-  const TemporaryFolder folder;
-  const std::string at = folder.path().string() + "/";
+TEST_F(Look, PlotsWhatIsMeasured) {
   for (const char* seed : {"1", "2"})
     said(kShortRun + std::string("run.trajectory_every=2 run.seed=") + seed + " --quiet --out " + at + seed);
   const json drawn = json::parse(said("plot --json " + at + "1"));
@@ -225,9 +208,7 @@ TEST(Look, PlotsWhatIsMeasured) {
 }
 
 // Of a long trajectory a plot reads frames evenly spaced, as many as are asked for at most.
-TEST(Look, PlotsSomeFramesOfManyOnly) {
-  const TemporaryFolder folder;
-  const std::string at = folder.path().string() + "/";
+TEST_F(Look, PlotsSomeFramesOfManyOnly) {
   for (const char* kind : {"dcd", "h5md"}) {
     const std::string run = at + kind;
     // every fourth frame of the one run is a frame of the other
@@ -254,9 +235,7 @@ TEST(Look, PlotsSomeFramesOfManyOnly) {
 }
 
 // Every column of the log that the run has becomes a curve, of each run one.
-TEST(Look, PlotsRunsOverEachOther) {
-  const TemporaryFolder folder;
-  const std::string at = folder.path().string() + "/";
+TEST_F(Look, PlotsRunsOverEachOther) {
   EXPECT_THAT(said(kShortRun + std::string("--plot --out ") + at + "1"), HasSubstr("▁"));
   EXPECT_TRUE(fs::exists(at + "1/plot/report.html"));
   EXPECT_TRUE(fs::exists(at + "1/plot/run.png"));
@@ -286,9 +265,7 @@ TEST(Look, PlotsRunsOverEachOther) {
 }
 
 // Runs of one name in two folders are told apart in every table.
-TEST(Look, PlotsRunsOfOneNameApart) {
-  const TemporaryFolder folder;
-  const std::string at = folder.path().string() + "/";
+TEST_F(Look, PlotsRunsOfOneNameApart) {
   for (const char* run : {"a/run", "b/run"}) said(kShortRun + std::string("--quiet --out ") + at + run);
   said("plot --quiet --out " + at + "both " + at + "a/run " + at + "b/run/");
   for (const char* table : {"run.csv", "kinds.csv"}) {
@@ -298,19 +275,16 @@ TEST(Look, PlotsRunsOfOneNameApart) {
 }
 
 // gnuplot ends quoted text at a comma: curves whose names differ behind one stay two.
-TEST(Look, PlotsRunsWithCommasInTheirNames) {
-  const TemporaryFolder folder;
-  const std::string at = "'" + folder.path().string() + "/";
-  for (const char* run : {"x, 1'", "x, 2'"}) said(kShortRun + std::string("--quiet --out ") + at + run);
-  said("plot --quiet --out " + at + "both' " + at + "x, 1' " + at + "x, 2'");
+TEST_F(Look, PlotsRunsWithCommasInTheirNames) {
+  const std::string one = "'" + at + "x, 1'", two = "'" + at + "x, 2'";
+  for (const std::string& run : {one, two}) said(kShortRun + std::string("--quiet --out ") + run);
+  said("plot --quiet --out '" + at + "both' " + one + " " + two);
   EXPECT_THAT(contents((folder.path() / "both/run.svg").string()),
               AllOf(HasSubstr(">x; 1</text>"), HasSubstr(">x; 2</text>")));
 }
 
 // The temperatures of a run stand beside its bath's, if that is one.
-TEST(Look, PlotsTemperaturesBesideTheBaths) {
-  const TemporaryFolder folder;
-  const std::string at = folder.path().string() + "/";
+TEST_F(Look, PlotsTemperaturesBesideTheBaths) {
   const auto temperatures = [&](const std::string& name, const std::string& bath) {
     said(kShortRun + bath + " --plot --quiet --out " + at + name);
     return contents(at + name + "/plot/kinds.csv");
@@ -323,9 +297,7 @@ TEST(Look, PlotsTemperaturesBesideTheBaths) {
 }
 
 // A log keeps its columns, where the bath's rows become one temperature or the other way round.
-TEST(Look, LogsTheTemperatureOfABathThatChanges) {
-  const TemporaryFolder folder;
-  const std::string at = folder.path().string() + "/";
+TEST_F(Look, LogsTheTemperatureOfABathThatChanges) {
   const std::string run =
       "run freely_jointed --steps 20 --set build.chains=5 run.log_every=10 run.thermostat=langevin ";
   const auto table = [&](const std::string& name) { return csv_rows(contents(at + name + "/log.csv")); };

@@ -137,12 +137,7 @@ TEST(MetricCorrection, KeepsTheEnergy) {
 
 TEST(MetricCorrection, IsRefusedWhereItHasNoMeaning) {
   const auto said = [](const std::vector<std::string>& overrides) -> std::string {
-    try {
-      Simulation made(scene_of("trimer", overrides));
-    } catch (const InputError& e) {
-      return e.what();
-    }
-    return "no error";
+    return error_message([&] { Simulation made(scene_of("trimer", overrides)); });
   };
   EXPECT_THAT(said({"run.metric_correction=true", "run.temperature_k=0"}),
               HasSubstr("run.metric_correction: needs a run.temperature_k above 0"));

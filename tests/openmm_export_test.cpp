@@ -5,7 +5,7 @@
 
 #include <concepts>
 
-#include "base/errors.hpp"
+#include "error_message.hpp"
 #include "forcefield/force_field.hpp"
 #include "systems/openmm/export.hpp"
 #include "systems/openmm/import.hpp"
@@ -199,24 +199,17 @@ TEST(OpenMMExport, ForeignExpressionsAreRefused) {
     const auto at = changed.find(from);
     ASSERT_NE(at, std::string::npos) << from;
     changed.replace(at, std::string(from).size(), to);
-    try {
-      read_openmm(folder.write("a.system.xml", changed),
-                  folder.write("a.state.xml", openmm_state_xml(every_force())));
-      FAIL() << from;
-    } catch (const InputError& e) {
-      EXPECT_THAT(e.what(), AllOf(HasSubstr("has the energy"), Not(HasSubstr("\n"))));
-    }
+    EXPECT_THAT(error_message([&] {
+                  read_openmm(folder.write("a.system.xml", changed),
+                              folder.write("a.state.xml", openmm_state_xml(every_force())));
+                }),
+                AllOf(HasSubstr("has the energy"), Not(HasSubstr("\n"))));
   }
 }
 
 TEST(OpenMMExport, SaysWhatOpenMMCannotExpress) {
-  try {
-    openmm_system_xml(openmm_input(read_scene(find_scene("pendulum"))));
-    FAIL();
-  } catch (const InputError& e) {
-    EXPECT_THAT(e.what(),
-                AllOf(HasSubstr("OpenMM cannot express it"), HasSubstr("anchor"), Not(HasSubstr("\n"))));
-  }
+  EXPECT_THAT(error_message([&] { openmm_system_xml(openmm_input(read_scene(find_scene("pendulum")))); }),
+              AllOf(HasSubstr("OpenMM cannot express it"), HasSubstr("anchor"), Not(HasSubstr("\n"))));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "error_message.hpp"
 #include "systems/openmm/expression.hpp"
 
 namespace taut::openmm_expression_tests {
@@ -52,12 +53,7 @@ TEST(Expression, CallsTables) {
 
 TEST(Expression, SaysWhatIsWrong) {
   const auto complaint = [](const std::string& text) {
-    try {
-      Expression expression(text);
-      return std::string("nothing");
-    } catch (const Expression::Error& e) {
-      return std::string(e.what());
-    }
+    return error_message<Expression::Error>([&] { Expression expression(text); });
   };
   EXPECT_EQ(complaint("1+"), "expected a name, found \"\"");
   EXPECT_EQ(complaint("(1+2"), "expected ), found \"\"");

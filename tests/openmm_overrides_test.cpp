@@ -22,12 +22,7 @@ Scene read_over(const std::string& name, const std::vector<std::string>& overrid
 }
 
 std::string refuse_over(const std::string& name, const std::string& override_) {
-  try {
-    read_over(name, {override_});
-  } catch (const InputError& e) {
-    return e.what();
-  }
-  return "nothing was refused";
+  return error_message([&] { read_over(name, {override_}); });
 }
 
 Vectors forces_of(const Scene& scene) {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <sstream>
 
+#include "error_message.hpp"
 #include "openmm_plugin/device_plan.hpp"
 #include "openmm_plugin/step_kernel.hpp"
 
@@ -58,12 +59,7 @@ bool has(const std::string& platform) {
 }
 
 std::string refusal(const std::string& attributes, const std::string& options = "") {
-  try {
-    delete make_integrator(attributes, options);
-  } catch (const std::exception& wrong) {
-    return wrong.what();
-  }
-  return "";
+  return error_message<std::exception>([&] { delete make_integrator(attributes, options); });
 }
 
 // A droplet of TIP3P: waters on a cubic grid.
@@ -258,18 +254,13 @@ TEST(OpenMMPluginDevicePlan, PutsClustersOfOneShapeSideBySide) {
 
 TEST(OpenMMPluginDevicePlan, RefusesWhatDevicesDoNotHold) {
   const auto refused = [](const taut::HeldBonds& held, const taut::HoldSettings& settings) {
-    try {
-      taut::plan_for_device(held, settings);
-    } catch (const std::exception& wrong) {
-      return std::string(wrong.what());
-    }
-    return std::string();
+    return error_message<std::exception>([&] { taut::plan_for_device(held, settings); });
   };
   const taut::HeldBonds some = two_waters_and_others();
   EXPECT_NE(refused(some, {0.002, "newton", {}}).find("take \"feedforward\" or \"baumgarte\""),
             std::string::npos);
   EXPECT_NE(refused(some, {0.002, "baumgarte", {{"sweeps", "2"}}}).find("take sweeps=0"), std::string::npos);
-  EXPECT_EQ(refused(some, {0.002, "baumgarte", {}}), "");
+  EXPECT_EQ(refused(some, {0.002, "baumgarte", {}}), "no error");
 }
 
 // Carries out the plan as a group of threads does, one number after the other.

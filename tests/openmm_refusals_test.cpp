@@ -170,6 +170,7 @@ INSTANTIATE_TEST_SUITE_P(
         Change{"map=\"1\"", "map=\"2\"", "force 10: CMAPTorsionForce: cmap 1: map 2, there are 2"},
         Change{"<Map size=\"2\">", "<Map size=\"3\">", "has 4 energies, expected 3 x 3"},
         Change{"a2=\"1\"", "a2=\"12\"", "force 10: CMAPTorsionForce: Torsion has a2=\"12\""},
+        Change{"a2=\"1\"", "a2=\"-1\"", "a2=\"-1\", expected an integer from 0 to 11"},
         Change{"<Energy e=\"-4.7166\"/>", "<Energy/>", "Energy lacks e"},
         Change{"periodicity=\"2\"", "periodicity=\"2000000000\"", "expected an integer from 1 to 64"},
         Change{"periodicity=\"2\"", "periodicity=\"0\"", "expected an integer from 1 to 64"},
@@ -237,7 +238,7 @@ TEST(OpenMMReader, RefusesGravityThatIsNotUniform) {
 TEST(OpenMMReader, RefusesASecondLennardJonesOfAPair) {
   Texts texts = every_force();
   replace(texts.system, "stiff*(r-d)^2", "4*stiff*((d/r)^12-(d/r)^6)");
-  EXPECT_THAT(refusal(texts), HasSubstr("nothing was refused"));  // 0-2 is excluded
+  EXPECT_THAT(refusal(texts), HasSubstr("no error"));  // 0-2 is excluded
   Texts other = texts;
   replace(other.system, "<Bond p1=\"0\" p2=\"2\" param1=\"1250\"", "<Bond p1=\"0\" p2=\"9\" param1=\"1250\"");
   replace(other.system, "type=\"CustomBondForce\" usesPeriodic=\"1\"",
@@ -254,7 +255,7 @@ TEST(OpenMMReader, RefusesASecondLennardJonesOfAPair) {
 TEST(OpenMMReader, RefusesATermBetweenMolecules) {
   Texts texts = every_force();
   replace(texts.system, "<Angles>", "<Angles><Angle a=\"2\" k=\"1\" p1=\"0\" p2=\"1\" p3=\"2\"/>");
-  EXPECT_THAT(refusal(texts), HasSubstr("nothing was refused"));
+  EXPECT_THAT(refusal(texts), HasSubstr("no error"));
   replace(texts.system, "p1=\"0\" p2=\"1\" p3=\"2\"", "p1=\"0\" p2=\"1\" p3=\"8\"");
   EXPECT_THAT(refusal(texts),
               one_line_with("force 1: HarmonicAngleForce: angle 0 (0-1-8) joins two molecules"));
@@ -282,9 +283,9 @@ TEST(OpenMMReader, RefusesATermLongerThanHalfTheBox) {
          <Position x=".8" y="0" z="0"/><Position x="1.6" y="0" z="0"/></Positions></State>)";
   };
   const char* const too_long = "angle 0 (0-2-1) is longer than half the box";
-  EXPECT_THAT(refusal({system("1"), state("3.4")}), HasSubstr("nothing was refused"));
+  EXPECT_THAT(refusal({system("1"), state("3.4")}), HasSubstr("no error"));
   EXPECT_THAT(refusal({system("3.4"), state("2.4")}), one_line_with(too_long));
-  EXPECT_THAT(refusal({system("3.4"), state(nullptr)}), HasSubstr("nothing was refused"));
+  EXPECT_THAT(refusal({system("3.4"), state(nullptr)}), HasSubstr("no error"));
   EXPECT_THAT(refusal({system("2.4"), state(nullptr)}), one_line_with(too_long));
 }
 
@@ -321,8 +322,19 @@ TEST(OpenMMReader, RefusesWhatIsNoText) {
   EXPECT_THAT(refusal({"", texts.state}),
               one_line_with("a.system.xml:1: not whole XML: there is no element"));
   EXPECT_THAT(refusal({"<html/>", texts.state}), one_line_with("expected an OpenMM System, found <html>"));
+  EXPECT_THAT(refusal({"mass = 1\n", texts.state}), one_line_with("a.system.xml:1: not whole XML"));
   EXPECT_THAT(refusal({texts.state, texts.state}),
               one_line_with("expected an OpenMM System, found a \"State\""));
+  texts = every_force();
+  EXPECT_THAT(refusal({texts.system, texts.system}),
+              one_line_with("expected an OpenMM State, found a \"System\""));
+  for (const char* end : {"</Forces>", "</State>"}) {  // OpenMM's own reader takes these for whole
+    const std::string cut = texts.state.substr(0, texts.state.find(end));
+    EXPECT_THAT(refusal({texts.system, cut}), one_line_with("a.state.xml:", "not whole XML")) << end;
+  }
+  const auto from = texts.state.find("<Positions>"), to = texts.state.find("</Positions>") + 12;
+  EXPECT_THAT(refusal({texts.system, texts.state.erase(from, to - from)}),
+              one_line_with("a.state.xml", "no positions"));
 }
 
 TEST(OpenMMReader, SaysOneShortLineWhateverTheFileHolds) {

@@ -5,7 +5,7 @@
 
 #include <fstream>
 
-#include "base/errors.hpp"
+#include "error_message.hpp"
 #include "systems/openmm/input.hpp"
 #include "temporary_folder.hpp"
 
@@ -39,12 +39,7 @@ inline OpenMMInput read(const Texts& texts) {
 }
 
 inline std::string refusal(const Texts& texts) {
-  try {
-    read(texts);
-  } catch (const InputError& e) {
-    return e.what();
-  }
-  return "nothing was refused";
+  return error_message([&] { read(texts); });
 }
 
 // The message with `from` in the System, or else in the State, made `to`.

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "base/errors.hpp"
+#include "error_message.hpp"
 #include "file_text.hpp"
 #include "files/atomic_file.hpp"
 #include "files/folder.hpp"
@@ -53,12 +54,8 @@ TEST(GrowingFile, ThatWasRemovedIsNotTakenForWritten) {
 
 TEST(GrowingFile, SaysThatTheDiskIsFull) {
   GrowingFile full("/dev/full", 0);
-  try {
-    full.write("one\n");
-    FAIL();
-  } catch (const OutsideError& e) {
-    EXPECT_STREQ(e.what(), "/dev/full: cannot write: No space left on device");
-  }
+  EXPECT_EQ(error_message<OutsideError>([&] { full.write("one\n"); }),
+            "/dev/full: cannot write: No space left on device");
 }
 
 TEST(FolderLock, IsHeldByOneAtATime) {

@@ -48,15 +48,6 @@ TEST(MShake, SquaresWhatIsLeftWhereNewtonGainsAFactor) {
   }
 }
 
-// A rotor that turns past 90°: no force along the old bond holds it.
-TEST(MShake, NamesTheBondThatTurnedTooFar) {
-  NoForce forces;
-  const Start start = tests::rotor(300);
-  const auto stats = verify(start.system, forces, MShake::Options{}, 0.01, 5, start.state).stats;
-  EXPECT_EQ(stats.failure, Failure::kSingularOrTurned);
-  EXPECT_EQ(stats.worst_bond, 0);
-}
-
 TEST(Newton, ReachesRoundOffOnAChainOfTenThousandBonds) {
   NoForce forces;
   Start start = tests::free_chain(10001, 2);
@@ -265,28 +256,23 @@ TEST(Rattle, WarmStartSavesSweeps) {
   EXPECT_LT(warm.stats.iterations, 0.85 * cold.stats.iterations);
 }
 
-TEST(Sweeps, NameTheBondThatTurnedTooFar) {
-  NoForce forces;
-  const Start start = tests::rotor(300);  // 3 rad a step
-  for (const char* method : {"shake", "rattle"}) {
-    const auto stats = verify(start.system, forces, default_options(method), 0.01, 5, start.state).stats;
-    ASSERT_FALSE(stats.converged());
-    EXPECT_EQ(stats.worst_bond, 0);
-    EXPECT_EQ(stats.failure, Failure::kTurned);
-  }
-}
-
-// ... the plain methods too, which every other test of this reaches through their fast forms.
-TEST(Sweeps, AsPlainMethodsNameItToo) {
-  NoForce forces;
+// A rotor that turns by 3 rad a step: no force along the old bond holds it. The plain methods say so, too.
+TEST(Methods, NameTheBondThatTurnedTooFar) {
   const Start start = tests::rotor(300);
-  const auto failure = [&](auto method) {
-    State s = start.state;
-    initialize({start.system, forces, method}, 0.01, s);
-    return step({start.system, forces, method}, 0.01, s).failure;
+  const auto expect = [&](const MethodOptions& options, Failure failure) {
+    for (const auto make : {make_method, make_plain}) {
+      NoForce forces;
+      const auto method = make(start.system, options, 0.01);
+      State s = start.state;
+      initialize({start.system, forces, *method}, 0.01, s);
+      const SolveStats stats = step({start.system, forces, *method}, 0.01, s);
+      EXPECT_EQ(stats.failure, failure);
+      EXPECT_EQ(stats.worst_bond, 0);
+    }
   };
-  EXPECT_EQ(failure(Shake(start.system, {}, 0.01)), Failure::kTurned);
-  EXPECT_EQ(failure(Rattle(start.system, {}, 0.01)), Failure::kTurned);
+  expect(Shake::Options{}, Failure::kTurned);
+  expect(Rattle::Options{}, Failure::kTurned);
+  expect(MShake::Options{}, Failure::kSingularOrTurned);
 }
 
 // Who takes so many sweeps, whatever they leave, answers for no error.

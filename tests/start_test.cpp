@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "base/errors.hpp"
+#include "error_message.hpp"
 #include "named_scene.hpp"
 #include "systems/start_file.hpp"
 #include "temporary_folder.hpp"
@@ -41,12 +42,7 @@ TEST(Start, ReadsBackExactlyAndContinues) {
 // One that somebody asked for is not set aside in silence.
 TEST(Start, ThatAnOverrideNamesHasToFit) {
   const auto complaint = [](const std::string& scene, const std::vector<std::string>& overrides) {
-    try {
-      scene_of(scene, overrides);
-    } catch (const InputError& e) {
-      return std::string(e.what());
-    }
-    return std::string("no error");
+    return error_message([&] { scene_of(scene, overrides); });
   };
   using testing::HasSubstr;
   const std::string melt = "build.start=" + (scenes_folder() / "melt.start.toml").string();
@@ -103,12 +99,7 @@ TEST(Start, SaysWhatIsWrongWithIt) {
   const TemporaryFolder folder;
   const auto complaint = [&](const std::string& text) -> std::string {
     const auto file = folder.write("bad.start.toml", text);
-    try {
-      read_start(file);
-    } catch (const InputError& e) {
-      return std::string(e.what()).substr(folder.path().string().size() + 1);
-    }
-    return "no error";
+    return folder.without_path(error_message([&] { read_start(file); }));
   };
   EXPECT_EQ(complaint("atoms = [\n[1, 2, 3, 4, 5, 6],\n[1, 2, 3]]"),
             "bad.start.toml:3: atoms[1]: expected 6 numbers, got 3");

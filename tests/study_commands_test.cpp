@@ -20,8 +20,11 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-TEST(StudyCommands, CalibratesAndWritesJson) {
+struct StudyCommands : ::testing::Test {
   const TemporaryFolder folder;
+};
+
+TEST_F(StudyCommands, CalibratesAndWritesJson) {
   const fs::path file = folder.path() / "calibration.json";
   const auto [exit_code, text] =
       taut("calibrate freely_jointed --sweeps 2 --set build.chains=20 --json " + file.string());
@@ -33,8 +36,7 @@ TEST(StudyCommands, CalibratesAndWritesJson) {
 }
 
 // `taut run` with the settings that calibrate gives shows the floor that it measured: from step 50, over 160.
-TEST(StudyCommands, WhatCalibrateExportsRunsAsItMeasured) {
-  const TemporaryFolder folder;
+TEST_F(StudyCommands, WhatCalibrateExportsRunsAsItMeasured) {
   const fs::path file = folder.path() / "calibration.json", out = folder.path() / "run";
   const auto calibrated =
       taut("calibrate water --sweeps 1 --dt-fs 1 --set run.seed=5 --json " + file.string());
@@ -60,8 +62,7 @@ TEST(StudyCommands, WhatCalibrateExportsRunsAsItMeasured) {
 }
 
 // The report shows everything by itself; data and script stay beside the pictures; the ledger goes.
-TEST(StudyCommands, ChartsWithAReportThatNeedsNothingElse) {
-  const TemporaryFolder folder;
+TEST_F(StudyCommands, ChartsWithAReportThatNeedsNothingElse) {
   const fs::path out = folder.path() / "chart";
   const auto [exit_code, text] = taut(
       "chart freely_jointed --quick --methods newton settle --set build.chains=2 'run.seed = 3' "
@@ -90,8 +91,7 @@ TEST(StudyCommands, ChartsWithAReportThatNeedsNothingElse) {
   EXPECT_FALSE(fs::exists(out / "unfinished.tsv"));
 }
 
-TEST(StudyCommands, StabilitySaysHowEachMethodFails) {
-  const TemporaryFolder folder;
+TEST_F(StudyCommands, StabilitySaysHowEachMethodFails) {
   const fs::path out = folder.path() / "stability";
   const std::string gains = "--alpha-h 0.1 0.3 --beta-h 1 1.4 ";
   const auto [exit_code, text] = taut("stability diatomic --quick --steps 100 " + gains +
@@ -111,8 +111,7 @@ TEST(StudyCommands, StabilitySaysHowEachMethodFails) {
 }
 
 // What OpenMM wrote is studied as a scene is, and the commands in reports and lines say so.
-TEST(StudyCommands, TakeASystemOfOpenMMs) {
-  const TemporaryFolder folder;
+TEST_F(StudyCommands, TakeASystemOfOpenMMs) {
   const std::string prefix = TAUT_SCENES "/../tests/data/dna-hbonds.";
   const std::string files = "--openmm " + prefix + "system.xml " + prefix + "state.xml";
   const std::string plane = "stability " + files + " --methods baumgarte --dt-fs 2 --steps 5 --quick --out " +
@@ -137,8 +136,7 @@ TEST(StudyCommands, TakeASystemOfOpenMMs) {
 }
 
 // Whatever the folder is called: pictures are drawn, and the report's command can be typed again.
-TEST(StudyCommands, TheCommandInAReportCanBeTyped) {
-  const TemporaryFolder folder;
+TEST_F(StudyCommands, TheCommandInAReportCanBeTyped) {
   const fs::path out = folder.path() / "our 'first' $HOME";
   const auto first = taut("chart diatomic --quick --methods newton --set 'run.dt_fs = 3' --out \"" +
                           folder.path().string() + "/our 'first' \\$HOME\"");
@@ -154,8 +152,7 @@ TEST(StudyCommands, TheCommandInAReportCanBeTyped) {
 }
 
 // A file that is there is replaced only where that is asked for.
-TEST(StudyCommands, ReplaceNoFileUnasked) {
-  const TemporaryFolder folder;
+TEST_F(StudyCommands, ReplaceNoFileUnasked) {
   const std::string prefix = (folder.path() / "a").string();
   for (const auto& [command, file] :
        {std::pair("calibrate diatomic --json " + prefix + ".json", prefix + ".json"),
@@ -173,8 +170,7 @@ TEST(StudyCommands, ReplaceNoFileUnasked) {
 }
 
 // A folder holds one study: another is refused, and moved aside where that is asked for; nothing is lost.
-TEST(StudyCommands, AFolderHoldsOneStudy) {
-  const TemporaryFolder folder;
+TEST_F(StudyCommands, AFolderHoldsOneStudy) {
   const std::string out = (folder.path() / "out").string();
   const std::string chart = "chart diatomic --quick --methods newton --drift-steps 100 --out " + out;
   ASSERT_EQ(taut(chart).exit_code, 0);
@@ -201,8 +197,7 @@ TEST(StudyCommands, AFolderHoldsOneStudy) {
 
 // Stopped by any of the three, a study says that nothing is lost, and the same command goes on; but not where
 // the scene it began with is another now.
-TEST(StudyCommands, GoOnWhereTheyWereStopped) {
-  const TemporaryFolder folder;
+TEST_F(StudyCommands, GoOnWhereTheyWereStopped) {
   const fs::path scene = folder.path() / "scene.toml", out = folder.path() / "out";
   fs::copy_file(fs::path(TAUT_SCENES) / "diatomic.toml", scene);
   const std::string chart =
@@ -240,8 +235,7 @@ TEST(StudyCommands, GoOnWhereTheyWereStopped) {
 }
 
 // What is left out of a scene, or without effect, is said.
-TEST(StudyCommands, SayWhatTheyPassOver) {
-  const TemporaryFolder folder;
+TEST_F(StudyCommands, SayWhatTheyPassOver) {
   const std::string thermostat = " --set run.thermostat=langevin run.temperature_k=300 run.minimise=true";
   const auto chart = taut("chart pair --quick --methods newton none --drift-steps 100 --out " +
                           (folder.path() / "chart").string() + thermostat);

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/errors.hpp"
 #include "base/random.hpp"
 #include "base/threads.hpp"
+#include "error_message.hpp"
 #include "every_machine.hpp"
 #include "forcefield/bonded/bonded_forces.hpp"
 #include "forcefield/force_field.hpp"
@@ -104,12 +104,7 @@ TEST(Tables, OfHarmonicEnergiesAreHarmonic) {
 }
 
 std::string said(const auto& act) {
-  try {
-    act();
-  } catch (const std::runtime_error& e) {
-    return e.what();
-  }
-  return "no error";
+  return error_message<std::runtime_error>([&] { act(); });
 }
 
 TEST(Tables, EndWhereTheyEnd) {

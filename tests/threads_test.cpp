@@ -20,6 +20,7 @@
 #include "base/shares.hpp"
 #include "base/thread_meter.hpp"
 #include "base/usable_cores.hpp"
+#include "error_message.hpp"
 #include "forcefield/pairs/row_shares.hpp"
 #include "md/work_meter.hpp"
 #include "temporary_folder.hpp"
@@ -97,14 +98,9 @@ TEST(NumberOfThreads, IsItsOwnWithinAScopeAndOnItsThreadAlone) {
 
 TEST(NumberOfThreads, ThatCannotBeHadIsRefused) {
   const auto refusal = [](int threads) -> std::string {
-    try {
-      expect_threads("--threads", threads);
-      return "";
-    } catch (const InputError& e) {
-      return e.what();
-    }
+    return error_message([&] { expect_threads("--threads", threads); });
   };
-  EXPECT_EQ(refusal(1), "");
+  EXPECT_EQ(refusal(1), "no error");
   EXPECT_EQ(refusal(0), "--threads: expected 1 to 1024 threads, got 0");
   EXPECT_EQ(refusal(1025), "--threads: expected 1 to 1024 threads, got 1025");
 }
@@ -124,17 +120,15 @@ TEST(InParallel, ThrowsOnWhatTheLowestOfItsThreadsThrew) {
     if (metered) meter.emplace();
     for (int n = 0; n < 200; ++n) {
       std::atomic<int> done = 0;
-      try {
-        in_parallel(4, [&](int t) {
-          ++done;
-          if (t == 1) throw InputError("of one");
-          if (t == 3) throw std::bad_alloc();
-          if (t == 2) throw 2;
-        });
-        FAIL();
-      } catch (const InputError& e) {
-        EXPECT_STREQ(e.what(), "of one");
-      }
+      EXPECT_EQ(error_message([&] {
+                  in_parallel(4, [&](int t) {
+                    ++done;
+                    if (t == 1) throw InputError("of one");
+                    if (t == 3) throw std::bad_alloc();
+                    if (t == 2) throw 2;
+                  });
+                }),
+                "of one");
       EXPECT_EQ(done, 4);
     }
   }

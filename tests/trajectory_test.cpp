@@ -9,6 +9,7 @@
 
 #include "base/errors.hpp"
 #include "base/random.hpp"
+#include "error_message.hpp"
 #include "file_text.hpp"
 #include "files/dcd_file.hpp"
 #include "files/h5md_file.hpp"
@@ -167,14 +168,12 @@ TYPED_TEST(Trajectories, RefuseToGoOnFromSomethingElse) {
 
 TYPED_TEST(Trajectories, SayThatTheDiskIsFull) {
   Sample sample;
-  try {
-    TypeParam file("/dev/full", sample.setup, 0);
-    for (long n = 0; n < 100; ++n) file.add(sample.at(n));
-    file.mark();
-    FAIL();
-  } catch (const OutsideError& e) {
-    EXPECT_STREQ(e.what(), "/dev/full: cannot write: No space left on device");
-  }
+  EXPECT_EQ(error_message<OutsideError>([&] {
+              TypeParam file("/dev/full", sample.setup, 0);
+              for (long n = 0; n < 100; ++n) file.add(sample.at(n));
+              file.mark();
+            }),
+            "/dev/full: cannot write: No space left on device");
 }
 
 TEST(H5mdFile, IsOnDiskOnceItIsMarked) {

@@ -7,6 +7,7 @@
 
 #include "ensembles/pressure.hpp"
 #include "force_checks.hpp"
+#include "kept_state.hpp"
 #include "md/units.hpp"
 #include "scene_text.hpp"
 #include "simulation/simulation.hpp"
@@ -355,20 +356,9 @@ TEST(Steered, AFreeBeadFollowsTheMovingEnd) {
 
 TEST(Steered, GoesOnFromACheckpointToTheLastBit) {
   const Scene scene = read(kPulled, {"run.thermostat=\"langevin\"", "run.temperature_k=300"});
-  Simulation whole(scene), first(scene), second(scene);
-  Record end, end_of_second;
-  whole.run([&](const Record& r) { end = r; });
-  std::string kept;
-  first.run({}, [&](long step) {
-    if (step != 1500) return;
-    Archive archive = Archive::saving_to(kept);
-    first.serialize(archive);
-  });
-  second.restore(kept);
-  second.run([&](const Record& r) { end_of_second = r; });
-  EXPECT_EQ(whole.state().x, second.state().x);
-  EXPECT_EQ(*end.steering_work, *end_of_second.steering_work);
-  EXPECT_EQ(end.steering_force, end_of_second.steering_force);
+  const auto [end, of_second] = expect_to_go_on_from(scene, 1500);
+  EXPECT_EQ(*end.row.steering_work, *of_second.row.steering_work);
+  EXPECT_EQ(end.row.steering_force, of_second.row.steering_force);
 }
 
 TEST(Steered, BadOnesAreRefusedByName) {

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "ensembles/pressure.hpp"
+#include "kept_state.hpp"
 #include "md/observables.hpp"
 #include "md/units.hpp"
 #include "named_scene.hpp"
@@ -154,21 +155,8 @@ TEST(WaterModels, GoOnWhereTheyWereStopped) {
   for (const char* method : {"newton", "feedforward", "baumgarte"}) {
     const Scene scene = water_of("tip5p", {"run.steps=25", "forcefield.coulomb=pme", "run.thermostat_ps=0.1",
                                            std::string("method.name=") + method});
-    const auto ignore = [](const Record&) {};
-    Simulation whole(scene), first(scene), second(scene);
-    whole.run(ignore);
-    std::string kept;
-    first.run(ignore, [&](long step) {
-      if (step != 13) return;
-      Archive archive = Archive::saving_to(kept);
-      first.serialize(archive);
-      first.stop();
-    });
-    second.restore(kept);
-    second.run(ignore);
-    EXPECT_EQ(second.state().x, whole.state().x) << method;
-    EXPECT_EQ(second.state().v, whole.state().v) << method;
-    EXPECT_NE(first.state().x, whole.state().x);
+    SCOPED_TRACE(method);
+    expect_to_go_on_from(scene, 13);
   }
 }
 

@@ -11,7 +11,9 @@
 
 #include "base/errors.hpp"
 #include "constraints/redundancy.hpp"
+#include "error_message.hpp"
 #include "forcefield/external.hpp"
+#include "kept_state.hpp"
 #include "md/observables.hpp"
 #include "md/units.hpp"
 #include "simulation/simulation.hpp"
@@ -217,40 +219,30 @@ TEST(Fold, GoesOnWhereItStopped) {
   for (const std::string method : {"newton", "rattle", "baumgarte"}) {
     Overrides overrides = {"method.name=" + method, "run.steps=450"};
     if (method == "rattle") overrides.push_back("method.max_sweeps=20000");
-    Simulation whole(read_scene(world("fold"), overrides));
-    std::string kept;
+    Simulation whole(read_scene(world("fold"), overrides)), resumed(read_scene(world("fold"), overrides));
+    std::string there;
     bool acts = false;
-    whole.run([](const Record&) {},
-              [&](long step) {
-                if (step != 400) return;
-                acts = whole.method().lambda().tail(15).any();
-                Archive archive = Archive::saving_to(kept);
-                whole.serialize(archive);
-              });
+    whole.run({}, [&](long step) {
+      if (step != 400) return;
+      acts = whole.method().lambda().tail(15).any();
+      there = kept(whole);
+    });
     EXPECT_TRUE(acts) << method;
-    Simulation resumed(read_scene(world("fold"), overrides));
-    resumed.restore(kept);
-    resumed.run([](const Record&) {});
+    resumed.restore(there);
+    resumed.run({});
     EXPECT_EQ(resumed.state().x, whole.state().x) << method;
     EXPECT_EQ(resumed.state().v, whole.state().v) << method;
   }
 }
 
 TEST(Fold, WhatKnowsNoStrutsSaysSo) {
-  const auto words = [](auto&& action) -> std::string {
-    try {
-      action();
-    } catch (const InputError& e) {
-      return e.what();
-    }
-    return "done";
-  };
   const Scene scene = read_scene(world("fold"));
-  EXPECT_THAT(words([&] {
+  EXPECT_THAT(error_message([&] {
                 openmm_system_xml({scene.system, scene.terms, scene.start});
               }),
               HasSubstr("OpenMM cannot express it: one-sided bond 0 (0-10)"));
-  EXPECT_THAT(words([&] { calibrate(scene, {}); }), HasSubstr("has one-sided bonds (at_least, at_most)"));
+  EXPECT_THAT(error_message([&] { calibrate(scene, {}); }),
+              HasSubstr("has one-sided bonds (at_least, at_most)"));
 }
 
 // Both walls bear the pressure of the chains, and by the virial theorem what atoms and bonds give across the slit is

@@ -6,18 +6,13 @@ import pickle
 
 import numpy as np
 import pytest
+from openmm_host import bond_error, openmm, platform, positions, refusal, total_energy, velocities
 
-openmm = pytest.importorskip("openmm", reason="needs OpenMM from PyPI: pip install openmm")
+import taut.openmm
+
 app, unit = pytest.importorskip("openmm.app"), pytest.importorskip("openmm.unit")
-import taut.openmm  # noqa: E402
-
-try:
-    taut.openmm.load()
-except ImportError as missing:
-    pytest.skip(str(missing), allow_module_level=True)
-
 PLATFORMS = ["Reference", "CPU"]
-if "OpenCL" in taut.openmm.platforms() and openmm.Platform.getPlatformByName("OpenCL").getDevices():
+if "OpenCL" in taut.openmm.platforms() and platform("OpenCL").getDevices():
     PLATFORMS.append("OpenCL")
 R = 8.31446261815324e-3  # kJ/mol/K
 
@@ -54,21 +49,9 @@ def chain_topology(atoms):
     return topology
 
 
-def bond_error(bonds, x):
-    return max(abs(np.linalg.norm(x[j] - x[i]) / d - 1) for i, j, d in bonds)
-
-
-def positions(context):
-    return context.getState(positions=True).getPositions(asNumpy=True)._value
-
-
-def velocities(context):
-    return context.getState(velocities=True).getVelocities(asNumpy=True)._value
-
-
 def context_of(system, integrator, on, x):
     properties = {"Precision": "mixed"} if on == "OpenCL" else {}
-    context = openmm.Context(system, integrator, openmm.Platform.getPlatformByName(on), properties)
+    context = openmm.Context(system, integrator, platform(on), properties)
     context.setPositions(x)
     return context
 
@@ -98,6 +81,19 @@ def test_the_same_motion_as_with_constraints(on):
         ends.append(positions(context))
     assert abs(ends[0] - ends[1]).max() < (1e-8 if on == "Reference" else 1e-5)
     assert abs(ends[0] - x).max() > 0.01
+
+
+def test_the_frame_of_martinis_cholesterol():
+    """At 20 fs, where OpenMM's own constraints end in NaN (issue 3603)."""
+    system, x = cholesterols(1)
+    bonds = taut.openmm.rigid_bonds(copy.deepcopy(system))
+    context = context_of(system, taut.openmm.Integrator(0.02), "Reference", x)
+    context.setVelocitiesToTemperature(300, 2)
+    before = total_energy(context)
+    for _ in range(20):
+        context.getIntegrator().step(50)
+        assert bond_error(bonds, positions(context)) < 1e-6
+        assert total_energy(context) == pytest.approx(before, abs=0.02 * before)
 
 
 @pytest.mark.parametrize("on", PLATFORMS)
@@ -147,7 +143,7 @@ def test_reporters_have_the_temperature(on, tmp_path):
     bonds = taut.openmm.rigid_bonds(system)
     integrator = taut.openmm.Integrator(0.02, bonds=bonds, temperature=300, friction=5, seed=2)
     properties = {"Precision": "mixed"} if on == "OpenCL" else {}
-    run = app.Simulation(chain_topology(len(x)), system, integrator, openmm.Platform.getPlatformByName(on), properties)
+    run = app.Simulation(chain_topology(len(x)), system, integrator, platform(on), properties)
     run.context.setPositions(x)
     run.context.setVelocitiesToTemperature(300, 1)
     run.reporters.append(app.StateDataReporter(str(tmp_path / "log"), 20, step=True, temperature=True, kineticEnergy=True))
@@ -187,21 +183,18 @@ def test_a_flexible_system_keeps_its_springs():
     assert bond_error([(0, 1, 0.15), (1, 2, 0.15)], positions(context)) < 1e-7
 
 
-def refusal(system, bonds):
-    with pytest.raises(openmm.OpenMMException) as caught:
-        openmm.Context(system, taut.openmm.Integrator(0.02, bonds=bonds), openmm.Platform.getPlatformByName("Reference"))
-    return str(caught.value)
-
-
 def test_refusals():
+    def made_with(system, bonds):
+        return refusal(openmm.Context, system, taut.openmm.Integrator(0.02, bonds=bonds), platform("Reference"))
+
     system = openmm.System()
     for mass in (1, 1, 0, 1):
         system.addParticle(mass)
     system.setVirtualSite(2, openmm.TwoParticleAverageSite(0, 1, 0.5, 0.5))
     system.addConstraint(0, 1, 0.1)
-    assert "4 is not an atom of the System" in refusal(system, [(0, 4, 0.1)])
-    assert "2 is a virtual site" in refusal(system, [(0, 2, 0.1)])
-    assert "joins molecules that no force joins" in refusal(system, [(1, 3, 0.1)])
+    assert "4 is not an atom of the System" in made_with(system, [(0, 4, 0.1)])
+    assert "2 is a virtual site" in made_with(system, [(0, 2, 0.1)])
+    assert "joins molecules that no force joins" in made_with(system, [(1, 3, 0.1)])
     for wrong in ((0, 1, 0.1), (1, 0, 0.1)):
-        assert "two bonds on the same pair" in refusal(system, [wrong])
-    assert "expected more than 0" in refusal(system, [(0, 3, -0.1)])
+        assert "two bonds on the same pair" in made_with(system, [wrong])
+    assert "expected more than 0" in made_with(system, [(0, 3, -0.1)])

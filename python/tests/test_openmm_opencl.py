@@ -6,15 +6,11 @@ import sys
 
 import numpy as np
 import pytest
+from openmm_host import bond_error, constraints, openmm, platform, positions, refusal, velocities
 
-openmm = pytest.importorskip("openmm", reason="needs OpenMM from PyPI: pip install openmm")
-import taut.openmm  # noqa: E402
+import taut.openmm
 
-try:
-    taut.openmm.load()
-except ImportError as missing:
-    pytest.skip(str(missing), allow_module_level=True)
-if "OpenCL" not in taut.openmm.platforms() or not openmm.Platform.getPlatformByName("OpenCL").getDevices():
+if "OpenCL" not in taut.openmm.platforms() or not platform("OpenCL").getDevices():
     pytest.skip("needs an OpenCL device and the plug-in's part for it (pocl-opencl-icd, ocl-icd-opencl-dev)",
                 allow_module_level=True)
 
@@ -76,17 +72,13 @@ class Mixture:
             before = i
             self.tie(i)
 
-    def context(self, integrator, platform, precision=None):
-        made = openmm.Context(self.system, integrator, openmm.Platform.getPlatformByName(platform),
+    def context(self, integrator, on, precision=None):
+        made = openmm.Context(self.system, integrator, platform(on),
                               {"Precision": precision} if precision else {})
         made.setPositions(self.x)
         made.setVelocities(np.random.default_rng(2).normal(0, 0.4, (len(self.x), 3)))
         made.applyVelocityConstraints(1e-6)
         return made
-
-    def bond_error(self, x):
-        bonds = [self.system.getConstraintParameters(k) for k in range(self.system.getNumConstraints())]
-        return max(abs(np.linalg.norm(x[j] - x[i]) / d._value - 1) for i, j, d in bonds)
 
 
 class LargeClusters(Mixture):
@@ -126,11 +118,6 @@ def mixture():
     return Mixture()
 
 
-def motion(context):
-    state = context.getState(positions=True, velocities=True)
-    return state.getPositions(asNumpy=True)._value, state.getVelocities(asNumpy=True)._value
-
-
 # What a precision leaves of positions [nm] and velocities [nm/ps] after 20 steps of 2 fs.
 NEAR = {"single": (2e-6, 2e-4), "mixed": (1e-7, 1e-5), "double": (1e-11, 1e-9)}
 
@@ -146,10 +133,10 @@ def test_moves_as_reference_does(mixture, settings, precision):
     device = mixture.context(taut.openmm.Integrator(0.002, **settings), "OpenCL", precision)
     plain = mixture.context(taut.openmm.Integrator(0.002, **settings), "Reference")
     device.getIntegrator().step(20), plain.getIntegrator().step(20)
-    (x, v), (x_plain, v_plain) = motion(device), motion(plain)
+    x, x_plain = positions(device), positions(plain)
     assert np.abs(x_plain - mixture.x).max() > 0.01
     assert np.abs(x - x_plain).max() < NEAR[precision][0]
-    assert np.abs(v - v_plain).max() < NEAR[precision][1]
+    assert np.abs(velocities(device) - velocities(plain)).max() < NEAR[precision][1]
     energies = [c.getState(energy=True).getKineticEnergy()._value for c in (device, plain)]
     assert energies[0] == pytest.approx(energies[1], rel=1e-4 if precision == "single" else 1e-5)
 
@@ -162,7 +149,7 @@ def test_large_clusters_move_as_on_reference(large, settings, precision):
     test_moves_as_reference_does(large, settings, precision)
     free = large.context(taut.openmm.Integrator(0.002, **settings), "OpenCL", precision)
     free.getIntegrator().step(100)
-    assert large.bond_error(motion(free)[0]) < (1e-5 if precision == "single" else 1e-6)
+    assert bond_error(constraints(large.system), positions(free)) < (1e-5 if precision == "single" else 1e-6)
 
 
 def test_thermostat_gives_its_temperature(mixture):
@@ -186,11 +173,11 @@ def test_goes_on_from_a_checkpoint(mixture, friction):
     run.getIntegrator().step(15)
     again.loadCheckpoint(kept)
     again.getIntegrator().step(15)
-    assert np.array_equal(motion(run)[0], motion(again)[0])
+    assert np.array_equal(positions(run), positions(again))
     again.loadCheckpoint(kept)
-    again.setVelocities(motion(again)[1] * 0)
+    again.setVelocities(velocities(again) * 0)
     again.getIntegrator().step(15)
-    assert np.abs(motion(run)[0] - motion(again)[0]).max() > 1e-3
+    assert np.abs(positions(run) - positions(again)).max() > 1e-3
 
 
 def test_refuses_a_damaged_state(mixture):
@@ -236,14 +223,14 @@ def test_takes_the_states_of_other_platforms(mixture):
     device.getIntegrator().step(10)
     kept = device.getState(**everything)
     plain.setState(kept), device.getIntegrator().step(10), plain.getIntegrator().step(10)
-    assert np.abs(motion(device)[0] - motion(plain)[0]).max() < 1e-6
+    assert np.abs(positions(device) - positions(plain)).max() < 1e-6
     device.setState(plain.getState(**everything))
     device.getIntegrator().step(10), plain.getIntegrator().step(10)
-    assert np.abs(motion(device)[0] - motion(plain)[0]).max() < 1e-6
+    assert np.abs(positions(device) - positions(plain)).max() < 1e-6
     again = mixture.context(taut.openmm.Integrator(0.002), "OpenCL", "double")
     again.setState(kept), again.getIntegrator().step(10)
     device.setState(kept), device.getIntegrator().step(10)
-    assert np.array_equal(motion(device)[0], motion(again)[0])
+    assert np.array_equal(positions(device), positions(again))
 
 
 def box_of_waters():
@@ -262,14 +249,14 @@ def box_of_waters():
         for i, j, d in ((o, o + 1, 0.09572), (o, o + 2, 0.09572), (o + 1, o + 2, 0.15139)):
             system.addConstraint(i, j, d), pairs.addException(i, j, 0, 0.1, 0)
     system.addForce(pairs)
-    start = openmm.Context(system, taut.openmm.Integrator(0.001), openmm.Platform.getPlatformByName("CPU"))
+    start = openmm.Context(system, taut.openmm.Integrator(0.001), platform("CPU"))
     start.setPositions(x)
     openmm.LocalEnergyMinimizer.minimize(start, 10, 20)  # pocl cannot: its processes crash in OpenMM's minimizer
-    return system, motion(start)[0]
+    return system, positions(start)
 
 
 def water_bond_error(context):
-    x = motion(context)[0]
+    x = positions(context)
     return max(abs(np.linalg.norm(x[1::3] - x[::3], axis=1) / 0.09572 - 1))
 
 
@@ -278,7 +265,7 @@ def test_waters_that_the_device_reorders():
     extrapolates; it does not iterate, so that a wrong one would show as an error of the bonds."""
     system, x = box_of_waters()
     context = openmm.Context(system, taut.openmm.Integrator(0.001, "baumgarte"),
-                             openmm.Platform.getPlatformByName("OpenCL"), {"Precision": "mixed"})
+                             platform("OpenCL"), {"Precision": "mixed"})
     context.setPositions(x)
     context.setVelocitiesToTemperature(250, 1)
     context.getIntegrator().step(200)
@@ -293,7 +280,7 @@ def test_barostat_and_removal_of_the_momentum():
     system, x = box_of_waters()
     system.addForce(openmm.MonteCarloBarostat(2000, 300, 5)), system.addForce(openmm.CMMotionRemover(2))
     context = openmm.Context(system, taut.openmm.Integrator(0.001, temperature=300, friction=0.1),
-                             openmm.Platform.getPlatformByName("OpenCL"), {"Precision": "mixed"})
+                             platform("OpenCL"), {"Precision": "mixed"})
     context.setPositions(x)
     context.setVelocitiesToTemperature(300, 1)
     volumes = set()
@@ -303,26 +290,22 @@ def test_barostat_and_removal_of_the_momentum():
         assert water_bond_error(context) < 1e-5
     assert len(volumes) > 3
     masses = np.array([system.getParticleMass(i)._value for i in range(system.getNumParticles())])
-    momentum = masses @ motion(context)[1]
+    momentum = masses @ velocities(context)
     assert np.linalg.norm(momentum) < 0.05 * np.sqrt(3 * sum(masses) * 8.314e-3 * 300)
 
 
-def refusal(system, **settings):
-    with pytest.raises(openmm.OpenMMException) as refused:
-        openmm.Context(system, taut.openmm.Integrator(0.002, **settings), openmm.Platform.getPlatformByName("OpenCL"))
-    return str(refused.value)
-
-
 def test_says_what_it_does_not_hold(mixture):
-    assert 'take "feedforward" or "baumgarte", or the platform CPU' in refusal(mixture.system, method="newton")
-    assert "take sweeps=0" in refusal(mixture.system, method="baumgarte", sweeps=4)
+    for settings, said in (({"method": "newton"}, 'take "feedforward" or "baumgarte", or the platform CPU'),
+                           ({"method": "baumgarte", "sweeps": 4}, "take sweeps=0")):
+        made = taut.openmm.Integrator(0.002, **settings)
+        assert said in refusal(openmm.Context, mixture.system, made, platform("OpenCL"))
 
 
 def test_projects_and_stops_in_words(mixture):
     context = mixture.context(taut.openmm.Integrator(0.002), "OpenCL", "double")
     context.setPositions(np.array(mixture.x) + np.random.default_rng(3).normal(0, 2e-3, (len(mixture.x), 3)))
     context.applyConstraints(1e-3)
-    assert mixture.bond_error(motion(context)[0]) < 1e-12
+    assert bond_error(constraints(mixture.system), positions(context)) < 1e-12
     context.setVelocities(np.random.default_rng(3).normal(0, 200, (len(mixture.x), 3)))
     with pytest.raises(openmm.OpenMMException, match="in the cluster of atom .* take a shorter step"):
         context.getIntegrator().step(50)
