@@ -38,23 +38,23 @@ HWY_INLINE void apply_guess(const Shape shape, const Guess& guess, bool shift, c
 
 // Sets b, the right-hand side for λ − λ*; the first time also the diagonal of A and the residuals.
 template <bool kFirst, class Shape>
-HWY_INLINE void right_hand_side(const Shape shape, const BaumgarteTerms* terms_of, double h,
+HWY_INLINE void right_hand_side(const Shape shape, const BaumgarteCoefficients* coefficients, double h,
                                 const BaumgarteRows rows, const Equations& eq, Worst& worst) {
   const V half_h = broadcast(0.5 * h);
   for (int k = 0; k < shape.solved(); ++k) {
     const LaneBond& bond = shape.bonds[k];
-    const BaumgarteTerms& terms = terms_of[k];
+    const BaumgarteCoefficients& c = coefficients[k];
     const V3 r = load3(rows.r + 3 * k * kLanes);
     const V3 a = neg_mul_add(broadcast(bond.inv_mass_i), load3(rows.f + shape.i(k)),
                              broadcast(bond.inv_mass_j) * load3(rows.f + shape.j(k)));
     const V3 w = mul_add(half_h, a, difference(shape, k, rows.v));
     const V rr = dot(r, r), twice_sigma = hn::Sub(rr, broadcast(bond.length2));
-    V b = hn::Mul(broadcast(terms.rate_a), dot(r, a));
-    b = hn::MulAdd(broadcast(terms.rate_v), dot(r, w), b);
-    b = hn::MulAdd(broadcast(terms.square_v), dot(w, w), b);
-    b = hn::MulAdd(broadcast(terms.cross), dot(w, a), b);
-    b = hn::MulAdd(broadcast(terms.square_a), dot(a, a), b);
-    b = hn::MulAdd(broadcast(terms.sigma), twice_sigma, b);
+    V b = hn::Mul(broadcast(c.rate_a), dot(r, a));
+    b = hn::MulAdd(broadcast(c.rate_v), dot(r, w), b);
+    b = hn::MulAdd(broadcast(c.square_v), dot(w, w), b);
+    b = hn::MulAdd(broadcast(c.cross), dot(w, a), b);
+    b = hn::MulAdd(broadcast(c.square_a), dot(a, a), b);
+    b = hn::MulAdd(broadcast(c.sigma), twice_sigma, b);
     store(hn::Neg(b), eq.b + k * kLanes);
     if constexpr (kFirst) {
       worst.include(bond, twice_sigma);
@@ -81,7 +81,7 @@ struct BaumgarteKernel {
   const Shape shape;
   const BaumgarteStep& step;
   const Part& part;
-  const BaumgarteTerms* terms;
+  const BaumgarteCoefficients* coefficients;
   const Guess wanted;
   PastLambda past;
   Equations eq;
@@ -94,7 +94,7 @@ struct BaumgarteKernel {
       : shape(its_shape),
         step(its_step),
         part(its_part),
-        terms(batch.terms.data()),
+        coefficients(batch.coefficients.data()),
         wanted(batch.guess),
         past(batch, part),
         eq(equations(shape, scratch)),
@@ -112,7 +112,7 @@ struct BaumgarteKernel {
       gather(part, shape.atoms(), step.f, rows.f);
     gather(part, shape.atoms(), step.v, rows.v);
     apply_guess(shape, limit_to_known(wanted, step.known), step.shift, past, rows);
-    right_hand_side<true>(shape, terms, step.h, rows, eq, worst);
+    right_hand_side<true>(shape, coefficients, step.h, rows, eq, worst);
     return next(0);
   }
   HWY_INLINE bool forward(int solves, SolveStats& stats) {
@@ -126,7 +126,7 @@ struct BaumgarteKernel {
   HWY_INLINE SolveNext apply(SolveNext last, int solves, SolveStats&) {
     apply_change(shape, eq.b, past.lambda, rows);
     if (last == SolveNext::kLastSolve) return SolveNext::kEnd;
-    right_hand_side<false>(shape, terms, step.h, rows, eq, worst);
+    right_hand_side<false>(shape, coefficients, step.h, rows, eq, worst);
     return next(solves);
   }
   HWY_INLINE void end(SolveStats& stats) {
@@ -168,26 +168,26 @@ Batched<Baumgarte>::Batched(const System& sys, const Options& options, double h)
   batches_.for_each([&](BaumgarteBatch& batch) {
     for (int k = 0; k < batch.lanes.bond_count(); ++k)
       batch.gains.push_back(gains[batch.lanes.bond(0, k, 0)]);
-    batch.terms.resize(batch.gains.size());
+    batch.coefficients.resize(batch.gains.size());
     batch.guess = guesses[batch.lanes.bond(0, 0, 0)];
   });
 }
 
-void Batched<Baumgarte>::set_terms(double h) {
-  if (h == h_of_terms_) return;
-  h_of_terms_ = h;
+void Batched<Baumgarte>::set_coefficients(double h) {
+  if (h == h_of_coefficients_) return;
+  h_of_coefficients_ = h;
   const bool lagged = damping_ == Damping::kLagged, discrete = damping_ == Damping::kDiscrete;
   const bool centred = discrete || damping_ == Damping::kCentred;
   batches_.for_each([&](BaumgarteBatch& batch) {
     for (std::size_t k = 0; k < batch.gains.size(); ++k) {
       const auto [alpha, beta] = batch.gains[k];
       const double q = lagged ? 1 : 1 + alpha * h;
-      batch.terms[k] = {.rate_a = (lagged ? 1 - alpha * h : 1) / q,
-                        .rate_v = 2 * alpha / q,
-                        .square_v = 1 / q,
-                        .cross = centred ? alpha * h * h / q : 0,
-                        .square_a = discrete ? 0.25 * h * h / q : 0,
-                        .sigma = 0.5 * beta * beta / q};
+      batch.coefficients[k] = {.rate_a = (lagged ? 1 - alpha * h : 1) / q,
+                               .rate_v = 2 * alpha / q,
+                               .square_v = 1 / q,
+                               .cross = centred ? alpha * h * h / q : 0,
+                               .square_a = discrete ? 0.25 * h * h / q : 0,
+                               .sigma = 0.5 * beta * beta / q};
     }
   });
 }
@@ -203,7 +203,7 @@ SolveStats Batched<Baumgarte>::again(const System&, const Push& push, State& s) 
 }
 
 SolveStats Batched<Baumgarte>::solve(const Push& push, bool shift, State& s) {
-  set_terms(push.last_h());
+  set_coefficients(push.last_h());
   const BaumgarteStep step{.h = push.last_h(),
                            .known = known_,
                            .shift = shift,

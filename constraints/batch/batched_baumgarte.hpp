@@ -12,15 +12,15 @@ namespace taut {
 // where a and w of the bond contain λ*. With q = 1 + αh (lagged damping: 1), rate_v = 2α/q, square_v = 1/q,
 // sigma = β²/2q; rate_a = 1/q (lagged: 1 − αh, since v_half = w − ½ha); cross = αh²/q (discrete, centred);
 // square_a = ¼h²/q (discrete).
-struct BaumgarteTerms {
+struct BaumgarteCoefficients {
   double rate_a, rate_v, square_v, cross, square_a, sigma;
 };
 
 // A batch with the data that Baumgarte keeps for it.
 struct BaumgarteBatch : RememberingBatch {
-  std::vector<Gains> gains;           // of each bond
-  std::vector<BaumgarteTerms> terms;  // of each bond, at the last h
-  Guess guess;                        // the same for every bond of one shape
+  std::vector<Gains> gains;                         // of each bond
+  std::vector<BaumgarteCoefficients> coefficients;  // of each bond, at the last h
+  Guess guess;                                      // the same for every bond of one shape
 
   using RememberingBatch::RememberingBatch;
 };
@@ -45,12 +45,12 @@ class Batched<Baumgarte> final : public ExtrapolatingMethod<Baumgarte, SolvedBat
   std::string setting() const override { return setting_; }
 
  private:
-  void set_terms(double h);
+  void set_coefficients(double h);
   SolveStats solve(const Push& push, bool shift, State& s);
 
   Damping damping_;
   std::string setting_;
-  double h_of_terms_ = -1;
+  double h_of_coefficients_ = -1;
 };
 
 }  // namespace taut
