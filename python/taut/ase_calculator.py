@@ -98,6 +98,8 @@ class Calculator:
     def __init__(self, simulation: Any, bonds: str = "fixed") -> None:
         if bonds not in ("fixed", "free"):
             raise InputError(f"bonds: {bonds!r}, expected 'fixed' or 'free'")
+        if not hasattr(simulation, "_engine"):
+            raise InputError(f"Calculator: expected a taut.Simulation, got {simulation!r}")
         super().__init__()
         self._simulation, self._free = simulation, bonds == "free"
         self._evaluation = _core.ForceEvaluation(simulation._engine)

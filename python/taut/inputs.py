@@ -62,6 +62,18 @@ def whole(number: Any, what: str) -> int:
     return asked
 
 
+def number_of_threads(threads: Any) -> Optional[int]:
+    """Returns a number of threads, None for the default. Raises InputError for what is no whole number."""
+    return None if threads is None else whole(threads, "threads")
+
+
+def items(given: Iterable[Any], what: str) -> List[Any]:
+    """Returns what an argument lists. Raises InputError that names the argument for what is no list."""
+    if isinstance(given, type) or not hasattr(given, "__iter__"):
+        raise InputError(f"{what}: expected a list, got {given!r}")
+    return list(given)
+
+
 def overrides(given: Optional[Mapping[str, Any]], method: Optional[Method], dt_fs: Optional[float],
               precision: Optional[str] = None, of_biases: Iterable[Any] = ()) -> List[str]:
     """Returns the settings that replace those of a scene, as in ``"run.dt_fs=2"``."""
@@ -78,10 +90,10 @@ def overrides(given: Optional[Mapping[str, Any]], method: Optional[Method], dt_f
         raise InputError(f"method: expected a name, taut.Rattle(...) or the like, or a class derived from "
                          f"taut.ConstraintMethod, got {method!r}")
     if dt_fs is not None:
-        said["run.dt_fs"] = dt_fs
+        said["run.dt_fs"] = openmm_objects.number(dt_fs, "fs", "run.dt_fs")
     if precision is not None:
         said["forcefield.precision"] = precision
-    if listed := biases.settings_of(of_biases):
+    if listed := biases.settings_of(items(of_biases, "biases")):
         said["bias"] = listed
     if given is not None and not isinstance(given, Mapping):
         raise InputError(f"set: expected a dict of a scene's keys, {{\"run.seed\": 7}}, got {given!r}")
@@ -96,7 +108,7 @@ def overrides(given: Optional[Mapping[str, Any]], method: Optional[Method], dt_f
 
 def own_forces(forces: Iterable[Any]) -> List[Any]:
     """Returns forces of the user's own as a list. Raises InputError for what is none, or has no ``add``."""
-    for force in (listed := list(forces)):
+    for force in (listed := items(forces, "forces")):
         if isinstance(force, type) or not callable(getattr(force, "add", None)):
             raise InputError(f"forces: expected instances of classes derived from taut.Force, got {force!r}")
         if getattr(type(force), "add", None) is parts.Force.add:

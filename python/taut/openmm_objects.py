@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numbers
 from pathlib import Path
 from typing import Any, List, Optional, Tuple
 
@@ -31,6 +32,28 @@ def xml_of(thing: Any, what: str) -> str:
         raise InputError(f"{what}: OpenMM cannot write it as XML, which is what taut reads: {error}") from None
 
 
+def bare(given: Any, unit: str) -> Any:
+    """Returns the numbers of an OpenMM Quantity in a unit of OpenMM's, and anything else as it is."""
+    if not hasattr(given, "value_in_unit"):
+        return given
+    from openmm import unit as units
+
+    return given.value_in_unit({"nm": units.nanometer, "nm/ps": units.nanometer / units.picosecond,
+                                "kJ/mol/nm": units.kilojoule_per_mole / units.nanometer,
+                                "K": units.kelvin, "fs": units.femtosecond}[unit])
+
+
+def number(given: Any, unit: str, what: str) -> float:
+    """Returns a number, or an OpenMM Quantity in the unit. Raises InputError that names the argument for others."""
+    try:
+        found = bare(given, unit)
+    except TypeError:  # another kind of unit
+        found = None
+    if isinstance(found, bool) or not isinstance(found, numbers.Real):
+        raise InputError(f"{what}: expected a number [{unit}], got {given!r}")
+    return float(found)
+
+
 def vectors(given: Any, unit: str, what: str, rows: Optional[int] = None) -> npt.NDArray[Any]:
     """Returns the numbers of an array or of an OpenMM Quantity, (n, 3) in nm or nm/ps.
 
@@ -41,22 +64,15 @@ def vectors(given: Any, unit: str, what: str, rows: Optional[int] = None) -> npt
         if given is None:
             raise InputError(f"{what}: the universe's frame has none")
 
-    def bare(quantity: Any) -> Any:
-        if not hasattr(quantity, "value_in_unit"):
-            return quantity
-        from openmm import unit as units
-
-        return quantity.value_in_unit(units.nanometer if unit == "nm" else units.nanometer / units.picosecond)
-
-    kind = getattr(getattr(bare(given), "dtype", None), "kind", "f")
+    kind = getattr(getattr(bare(given, unit), "dtype", None), "kind", "f")
     if kind not in "fiuO":
         raise InputError(f"{what}: expected {rows or 'n'} rows of three numbers [{unit}], "
-                         f"got dtype {bare(given).dtype}")
+                         f"got dtype {bare(given, unit).dtype}")
     try:
         if isinstance(given, np.ndarray) and kind != "O":
             array = np.array(given, float)
         else:
-            array = np.array([[float(c) for c in bare(row)] for row in bare(given)])
+            array = np.array([[float(c) for c in bare(row, unit)] for row in bare(given, unit)])
     except (TypeError, ValueError):
         raise InputError(f"{what}: expected {rows or 'n'} rows of three numbers [{unit}], got {given!r}") from None
     if array.ndim != 2 or array.shape[1] != 3 or (rows is not None and len(array) != rows):
@@ -75,9 +91,12 @@ def box_vectors(given: Any) -> npt.NDArray[Any]:
     """Returns the vectors of a box in rows, (3, 3) [nm], from three vectors or from three edges."""
     if mdanalysis.is_group(given):
         return vectors(given, "nm", "box", 3)
-    given = list(given)
-    if len(given) == 3 and all(isinstance(edge, (int, float)) for edge in given):
-        given = np.diag(given).tolist()
+    listed = bare(given, "nm")
+    if not hasattr(listed, "__iter__"):
+        raise InputError(f"box: expected three vectors or three edges [nm], got {given!r}")
+    edges = [bare(edge, "nm") for edge in listed]
+    if len(edges) == 3 and all(isinstance(edge, numbers.Real) for edge in edges):
+        return vectors(np.diag(np.array(edges, float)), "nm", "box", 3)
     return vectors(given, "nm", "box", 3)
 
 

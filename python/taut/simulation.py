@@ -103,7 +103,7 @@ class Simulation(Readings):
                  out: Union[str, Path, None] = None, overwrite: bool = False, precision: Optional[str] = None,
                  threads: Optional[int] = None, biases: Iterable[Bias] = ()) -> None:
         settings = inputs.overrides(set, method, dt_fs, precision, biases)
-        self._make(inputs.read(scene, settings, threads), forces, out, overwrite)
+        self._make(inputs.read(scene, settings, inputs.number_of_threads(threads)), forces, out, overwrite)
 
     def _make(self, read: "_core.Input", forces: Iterable[Any], out: Union[str, Path, None], overwrite: bool) -> None:
         self._forces = inputs.own_forces(forces)
@@ -140,7 +140,7 @@ class Simulation(Readings):
         """
         state = openmm_objects.state_xml(positions, velocities, box)
         settings = inputs.overrides(set, method, dt_fs, precision, biases)
-        read = openmm_objects.read(system, state, settings, topology, threads)
+        read = openmm_objects.read(system, state, settings, topology, inputs.number_of_threads(threads))
         simulation = cls.__new__(cls)
         simulation._make(read, forces, out, overwrite)
         return simulation
@@ -171,7 +171,7 @@ class Simulation(Readings):
             folder = str(checkpoint)
             _release_folder(folder, close=True)
         asked = {"bytes": kept, "folder": folder, "overrides": inputs.overrides(set, None, None), "yes": yes,
-                 "threads": threads}
+                 "threads": inputs.number_of_threads(threads)}
         simulation = cls.__new__(cls)
         simulation._forces = inputs.own_forces(forces)
         earlier = History.of_folder(folder) if folder else None  # before the run that goes on replaces its files
@@ -231,7 +231,9 @@ class Simulation(Readings):
         begin again where the ensemble, the method or the step changes. Raises InputError for a setting that cannot
         change between two runs, or has no effect.
         """
-        for key in settings:
+        for key, value in settings.items():
+            if value is None:
+                raise InputError(f"{key}: expected a value, got None")
             if key not in _CHANGEABLE and not key.startswith("method."):
                 raise InputError(f"{key} cannot change between two runs{suggest(key, _CHANGEABLE)}; expected one of "
                                  f"{', '.join(_CHANGEABLE)}, or a key of the method. For others make a Simulation, "
@@ -242,36 +244,36 @@ class Simulation(Readings):
 
     def set_temperature(self, temperature_k: float) -> None:
         """Changes the temperature of the thermostat [K]. Raises InputError where there is no thermostat."""
-        self.change({"run.temperature_k": temperature_k})
+        self.change({"run.temperature_k": openmm_objects.number(temperature_k, "K", "set_temperature")})
 
     @property
     def thermostat(self) -> str:
-        """The thermostat: "langevin", "rescaling" or "none". Assign a name, or a dict of settings as in
+        """The thermostat: "langevin", "rescaling" or "none". Assign a name, None, or a dict of settings as in
 
         ``sim.thermostat = {"thermostat": "rescaling", "thermostat_ps": 0.5, "temperature_k": 300}``.
         """
         return str(self._engine._settings()["thermostat"])
 
     @thermostat.setter
-    def thermostat(self, given: Union[str, Mapping[str, Any]]) -> None:
+    def thermostat(self, given: Union[str, Mapping[str, Any], None]) -> None:
         self._change_ensemble("thermostat", given)
 
     @property
     def barostat(self) -> str:
-        """The barostat: "c-rescale", "monte-carlo" or "none". Assign a name, or a dict of settings as in
+        """The barostat: "c-rescale", "monte-carlo" or "none". Assign a name, None, or a dict of settings as in
 
         ``sim.barostat = {"barostat": "c-rescale", "pressure_bar": 100}``.
         """
         return str(self._engine._settings()["barostat"])
 
     @barostat.setter
-    def barostat(self, given: Union[str, Mapping[str, Any]]) -> None:
+    def barostat(self, given: Union[str, Mapping[str, Any], None]) -> None:
         self._change_ensemble("barostat", given)
 
-    def _change_ensemble(self, what: str, given: Union[str, Mapping[str, Any]]) -> None:
-        settings = {what: given} if isinstance(given, str) else dict(given)
-        if what not in settings:
-            raise InputError(f"{what}: expected a name, or a dict with the key {what!r}")
+    def _change_ensemble(self, what: str, given: Union[str, Mapping[str, Any], None]) -> None:
+        settings = given if isinstance(given, Mapping) else {what: "none" if given is None else given}
+        if not isinstance(settings.get(what), str):
+            raise InputError(f"{what}: expected a name, None, or a dict with the key {what!r}, got {given!r}")
         self.change({f"run.{key}": value for key, value in settings.items()})
 
     def step(self, steps: int = 1) -> None:
@@ -281,7 +283,10 @@ class Simulation(Readings):
         """
         schedule = Schedule(self._reporters, self) if self._reporters else None
         first_report = schedule.next_after(self.steps_taken) if schedule else 0
-        self._engine._run(inputs.whole(steps, "step(steps)"), 0, None, None, schedule, first_report, False)
+        steps = inputs.whole(steps, "step(steps)")
+        if steps < 1:
+            raise InputError(f"step({steps}): expected 1 or more")
+        self._engine._run(steps, 0, None, None, schedule, first_report, False)
 
     def minimise(self, force_kj_mol_nm: float = 1000.0, *, steps: int = 5000, progress: bool = False) -> Minimisation:
         """Moves the atoms downhill by steepest descent, with bonds at their lengths, and returns what it came to.
@@ -290,13 +295,14 @@ class Simulation(Readings):
         or after this many ``steps``. ``progress`` shows a line on standard error. Other Python threads run meanwhile.
         After Ctrl-C, or an exception in a force of your own, the state is what it was before.
         """
+        force = openmm_objects.number(force_kj_mol_nm, "kJ/mol/nm", "minimise")
         line = MinimiseProgress() if progress else None
         try:
-            taken, before, energy, force = self._engine._minimise(force_kj_mol_nm, inputs.whole(steps, "steps"), line)
+            taken, before, energy, left = self._engine._minimise(force, inputs.whole(steps, "steps"), line)
         finally:
             if line is not None:
                 line.end()
-        return Minimisation(before, energy, force, taken, force <= force_kj_mol_nm)
+        return Minimisation(before, energy, left, taken, left <= force)
 
     def checkpoint(self, file: Union[str, Path, None] = None) -> bytes:
         """Returns all that the next steps depend on, with log and summary, and writes it to a file if one is named.
@@ -348,7 +354,7 @@ class Simulation(Readings):
 
     @dt_fs.setter
     def dt_fs(self, given: float) -> None:
-        self.change({"run.dt_fs": given})
+        self.change({"run.dt_fs": openmm_objects.number(given, "fs", "dt_fs")})
 
     @property
     def method(self) -> str:
@@ -357,6 +363,8 @@ class Simulation(Readings):
 
     @method.setter
     def method(self, given: inputs.Method) -> None:
+        if given is None:
+            raise InputError("method: expected a name, taut.Rattle(...) or the like, or a class of your own, got None")
         self._engine._change(inputs.overrides(None, given, None))
 
     def __reduce__(self) -> Tuple[Any, ...]:

@@ -38,6 +38,10 @@ def test_scenes(arguments, words):
     ({"set": [("run.seed", 1)]}, "set: expected a dict"),
     ({"set": {"method.name": "shake"}, "method": "rattle"}, "said twice"),
     ({"set": {"run.trajectory_every": 10}}, "trajectory_every: nowhere to write"),
+    ({"threads": "2"}, "threads: expected a whole number, got '2'"),
+    ({"threads": 1.5}, "threads: expected a whole number, got 1.5"),
+    ({"forces": taut.Force()}, "forces: expected a list"),
+    ({"biases": taut.Distance}, "biases: expected a list"),
 ])
 def test_settings(named, words):
     with pytest.raises(taut.InputError, match=words):
@@ -54,6 +58,16 @@ def test_values_of_numpy_are_values():
 def test_runs(steps, named):
     with pytest.raises(taut.InputError, match="expected 1"):
         taut.Simulation("chain").run(steps, **named)
+
+
+@pytest.mark.parametrize("call, words", [
+    (lambda sim: sim.step(0), r"step\(0\): expected 1"),
+    (lambda sim: sim.minimise("far"), r"minimise: expected a number \[kJ/mol/nm\], got 'far'"),
+    (lambda sim: taut.Calculator(3), "expected a taut.Simulation, got 3"),
+])
+def test_arguments_are_refused_in_our_words(call, words):
+    with pytest.raises(taut.InputError, match=words):
+        call(taut.Simulation("chain"))
 
 
 def test_a_callback_that_cannot_be_called():
@@ -114,11 +128,16 @@ def test_positions_that_are_none(water, spoil, words):
 @pytest.mark.parametrize("box, words", [
     ([2, 2], "box: expected 3 rows"), (np.full((3, 3), np.nan), "box: expected finite"), ("2", "box: expected 3 rows"),
     (np.zeros((3, 3)), "box"), (-2 * np.eye(3), "box"), ([[2, 1.5, 0], [0, 2, 0], [0, 0, 2]], "box"),
-    ([0.5] * 3, "cutoff"),
+    ([0.5] * 3, "cutoff"), (2.0, "box: expected three vectors or three edges"), ([2, 2, None], "box: expected 3 rows"),
 ])
 def test_boxes_that_are_none(water, box, words):
     with pytest.raises(taut.InputError, match=words):
         taut.Simulation.from_openmm(water[0], water[1], box=box, dt_fs=1)
+
+
+@pytest.mark.parametrize("edges", [(2, 2, 2), np.array([2, 2, 2]), np.full(3, 2, np.float32), 2 * np.eye(3)])
+def test_a_box_of_any_type(water, edges):
+    assert np.array_equal(taut.Simulation.from_openmm(water[0], water[1], box=edges, dt_fs=1).box, 2 * np.eye(3))
 
 
 def test_a_box_that_is_not_said_is_the_systems(water):

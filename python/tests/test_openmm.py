@@ -86,6 +86,20 @@ def test_bond_lengths_of_trajectories():
     assert abs(sim.positions - there).max() < 1e-2  # OpenMM's velocities begin half a step behind
 
 
+def test_settings_and_edges_have_units():
+    sim = taut.Simulation("water", dt_fs=0.002 * unit.picosecond, set={"run.thermostat": "langevin", "run.temperature_k": 300})
+    assert sim.dt_fs == 2
+    sim.dt_fs = 1 * unit.femtosecond
+    sim.set_temperature(310 * unit.kelvin)
+    sim.box = [20, 20, 20] * unit.angstrom
+    sim.run(1)
+    assert (sim.dt_fs, sim.log["bath_temperature_k"][-1]) == (1, 310) and np.allclose(sim.box, 2 * np.eye(3))
+    sim.box = [2.1 * NM, 2.1 * NM, 21 * unit.angstrom]
+    assert np.allclose(sim.box, 2.1 * np.eye(3))
+    with pytest.raises(taut.InputError, match=r"dt_fs: expected a number \[fs\], got 3 K"):
+        sim.dt_fs = 3 * unit.kelvin
+
+
 def test_states_boxes_and_units():
     system, model = made("tip3p.pdb", ["tip3p.xml"])
     velocities = np.full((system.getNumParticles(), 3), 0.1)

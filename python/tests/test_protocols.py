@@ -43,7 +43,7 @@ def test_ensembles_are_assigned():
         sim.run(50)
         assert np.linalg.det(sim.box) != volume
         sim.barostat = "none"
-        sim.thermostat = "none"
+        sim.thermostat = None
         assert (sim.barostat, sim.thermostat) == ("none", "none")
         with pytest.raises(taut.InputError, match="no thermostat"):
             sim.set_temperature(300)
@@ -149,7 +149,12 @@ def test_a_ramp_ends_at_its_temperature():
     (lambda sim: sim.change({"method.tolerence": 1e-6}), "tolerence"),
     (lambda sim: sim.change({"run.temprature_k": 1}), "did you mean"),
     (lambda sim: setattr(sim, "thermostat", "langvin"), "langvin"),
-    (lambda sim: setattr(sim, "thermostat", {"friction_per_ps": 1}), "expected a name, or a dict"),
+    (lambda sim: setattr(sim, "thermostat", {"friction_per_ps": 1}), "expected a name, None, or a dict"),
+    (lambda sim: setattr(sim, "barostat", 3), "barostat: expected a name, None, or a dict"),
+    (lambda sim: setattr(sim, "method", None), "method: expected a name"),
+    (lambda sim: setattr(sim, "dt_fs", None), r"dt_fs: expected a number \[fs\], got None"),
+    (lambda sim: sim.set_temperature(None), r"set_temperature: expected a number \[K\], got None"),
+    (lambda sim: sim.change({"run.temperature_k": None}), "run.temperature_k: expected a value"),
     (lambda sim: sim.run(5, ramp=300), "expected two temperatures")])
 def test_wrong_changes_are_refused_and_change_nothing(change, words):
     with taut.Simulation("water", set={**SET, **BATH}) as sim, taut.Simulation("water", set={**SET, **BATH}) as other:
