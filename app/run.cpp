@@ -218,10 +218,24 @@ struct RunArguments : SceneArgument {
   }
 };
 
+// Opens a run that goes on. Its scene's files may be read from a temporary folder: from there on a signal ends it where it
+// listens, and the folder goes. Throws Stopped.
+OpenRun open_begun_run(RunRequest request) {
+  std::optional<StopRequest> asked;
+  const Listen listen = [&] {
+    if (!asked) asked.emplace();
+    if (asked->signal() != 0) throw Stopped{128 + asked->signal()};
+  };
+  request.listen = listen;
+  OpenRun run = open_run(std::move(request));
+  listen();
+  return run;
+}
+
 void run_scene(const RunArguments& arguments) {
   if (arguments.plot && !arguments.out)
     throw InputError("--plot: there is no folder to draw in; give --out DIR");
-  OpenRun run = open_run(arguments.request());
+  OpenRun run = arguments.go_on ? open_begun_run(arguments.request()) : open_run(arguments.request());
   if (run.finished) return print_finished(run, *arguments.out);
   std::optional<Measured> measured;
   if (arguments.measure) {
@@ -259,7 +273,7 @@ struct ResumeArguments {
 };
 
 void resume_run(const ResumeArguments& arguments) {
-  OpenRun run = open_run(arguments.request());
+  OpenRun run = open_begun_run(arguments.request());
   if (run.finished) return print_finished(run, arguments.folder);
   complete_run(run, arguments.timings);
 }

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <mutex>
 
 #include "base/errors.hpp"
 #include "base/nearest_name.hpp"
@@ -68,6 +69,12 @@ std::list<MethodEntry>& list() {
   return methods;
 }
 
+// Held while the list is searched or grows. What it has stays where it is.
+std::unique_lock<std::mutex> locked() {
+  static std::mutex mutex;
+  return std::unique_lock(mutex);
+}
+
 }  // namespace
 
 const std::list<MethodEntry>& methods() {
@@ -76,6 +83,7 @@ const std::list<MethodEntry>& methods() {
 
 void add_method(MethodEntry method) {
   method.added = true;
+  const auto lock = locked();
   const auto known = std::ranges::find(list(), method.name, &MethodEntry::name);
   if (known == list().end()) return list().push_back(std::move(method));
   if (!known->added)
@@ -84,25 +92,32 @@ void add_method(MethodEntry method) {
 }
 
 std::vector<std::string_view> method_names() {
+  const auto lock = locked();
   std::vector<std::string_view> names;
   for (const MethodEntry& method : methods()) names.push_back(method.name);
   return names;
 }
 
-const MethodEntry& method_named(std::string_view name) {
+static const MethodEntry* find_method(std::string_view name) {
+  const auto lock = locked();
   const auto found = std::ranges::find(methods(), name, &MethodEntry::name);
-  if (found == methods().end())
-    throw InputError(fmt::format("there is no method \"{}\"{}", name, did_you_mean(name, method_names())));
-  return *found;
+  return found == methods().end() ? nullptr : &*found;
+}
+
+const MethodEntry& method_named(std::string_view name) {
+  if (const MethodEntry* found = find_method(name)) return *found;
+  throw InputError(fmt::format("there is no method \"{}\"{}", name, did_you_mean(name, method_names())));
 }
 
 const MethodEntry& MethodOptions::method_with(const std::type_info& options) {
+  const auto lock = locked();
   const auto has = [&](const MethodEntry& method) { return method.defaults.type() == options; };
   return *std::ranges::find_if(methods(), has);
 }
 
 void MethodOptions::refuse_one_sided(const System& sys) const {
   if (sys.one_sided.empty() || method_->one_sided) return;
+  const auto lock = locked();
   std::vector<std::string_view> able;
   for (const MethodEntry& method : methods())
     if (method.one_sided) able.push_back(method.name);

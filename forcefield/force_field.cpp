@@ -85,11 +85,11 @@ struct ForceField::Impl {
 
   // Throws for a position that is not finite or absurd, before any force sees it. A pair list checks the
   // atoms that it holds; where it does not hold all, check_positions() looks at every atom.
-  void place_atoms(const Vectors& x, const Box& now) {
+  void place_atoms(const Vectors& x, const Box& now, const Listen& listen = {}) {
     if (now != box) change_box(now);
-    if (lj_coulomb) lj_coulomb->update_lists(x, box);
-    if (wca) wca->update_lists(x, box);
-    if (tables) tables->update_lists(x, box);
+    if (lj_coulomb) lj_coulomb->update_lists(x, box, listen);
+    if (wca) wca->update_lists(x, box, listen);
+    if (tables) tables->update_lists(x, box, listen);
     const bool all = (lj_coulomb && lj_coulomb->on_every_atom()) || (wca && wca->on_every_atom());
     if (!all) check_positions(x);
   }
@@ -206,6 +206,12 @@ void ForceField::evaluate(const System& sys, State& s, Evaluation& besides) {
 void ForceField::evaluate(const System& sys, State& s) {
   Evaluation besides;
   evaluate(sys, s, besides);
+}
+
+void ForceField::list_pairs(const System& sys, State& s, const Listen& listen) {
+  place_virtual_sites(sys, s.x);
+  impl_->place_atoms(s.x, s.box, listen);
+  hear(listen);
 }
 
 double ForceField::evaluate_energy(const System& sys, State& s) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/archive.hpp"
+#include "base/listen.hpp"
 #include "forcefield/external.hpp"
 #include "forcefield/terms.hpp"
 #include "md/force_law.hpp"
@@ -47,6 +48,10 @@ class ForceField final : public ForceLaw {
     Eigen::Matrix3d site_virial = Eigen::Matrix3d::Zero();  // of handing sites' forces to parents [kJ/mol]
   };
   void evaluate(const System& sys, State& s, Evaluation& besides);
+
+  // Makes the pair lists that evaluate() needs at a place, the first of which take longer than the forces, and listens
+  // meanwhile. What it throws leaves no list, and the next call makes one.
+  void list_pairs(const System& sys, State& s, const Listen& listen);
 
   // Sets s.f = F(s.x) and returns the potential energy [kJ/mol].
   double evaluate_energy(const System& sys, State& s);

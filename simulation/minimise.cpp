@@ -23,8 +23,8 @@ double largest(const Vectors& f) {
 
 class Descent {
  public:
-  Descent(const System& sys, ForceField& forces, const State& start)
-      : real_(sys), sys_(with_unit_masses(sys)), forces_(forces), projector_(sys_) {
+  Descent(const System& sys, ForceField& forces, const State& start, const Listen& listen)
+      : real_(sys), sys_(with_unit_masses(sys)), forces_(forces), listen_(listen), projector_(sys_) {
     here_.x = start.x;
     here_.box = start.box;
     projector_.positions(sys_, here_.x);
@@ -60,7 +60,9 @@ class Descent {
  private:
   // The energy; f becomes tangent.
   double evaluate(State& s) {
+    forces_.list_pairs(real_, s, listen_);
     const double energy = forces_.evaluate_energy(real_, s);
+    hear(listen_);
     for (int a = 0; a < sys_.atoms(); ++a) s.f.col(a) *= sys_.mass[a];  // an anchor's force moves nothing
     projector_.velocities(sys_, s.x, s.f);
     return energy;
@@ -69,6 +71,7 @@ class Descent {
   const System& real_;
   System sys_;  // of unit masses
   ForceField& forces_;
+  const Listen& listen_;
   Projector projector_;
   State here_, next_;  // f: the tangent force
   double energy_ = 0;
@@ -78,7 +81,7 @@ class Descent {
 
 Minimised minimise(const System& sys, ForceField& forces, const MinimiseGoal& goal, State& s,
                    const OnMove& on_move) {
-  Descent descent(sys, forces, s);
+  Descent descent(sys, forces, s, goal.listen);
   Minimised result{.energy_before = descent.energy()};
   const auto note = [&] { result.energy = descent.energy(), result.largest_force = descent.force(); };
   note();

@@ -98,13 +98,13 @@ Simulation::Inner::Inner(Scene& scene)
 
 Simulation::~Simulation() = default;
 
-Simulation::Simulation(Scene scene, const ThreadScope&, const OnMove& on_move)
+Simulation::Simulation(Scene scene, const ThreadScope&, const Listen& listen)
     : threads_(available_threads()),
       full_(scene.system),
       redundancy_(find_redundancy(scene.system, scene.start.x)),
       scene_(without_redundant_bonds(std::move(scene), redundancy_)),
-      inner_(std::make_unique<Inner>(scene_)),
-      method_(make_method(scene_.system, scene_.method, scene_.run.h())),
+      inner_((hear(listen), std::make_unique<Inner>(scene_))),
+      method_((hear(listen), make_method(scene_.system, scene_.method, scene_.run.h()))),
       state_(scene_.start),
       measures_parts_(scene_.system.atoms() >= kAtomsWorthMeasuring) {
   const System& sys = scene_.system;
@@ -113,8 +113,9 @@ Simulation::Simulation(Scene scene, const ThreadScope&, const OnMove& on_move)
   if (scene_.terms.worked_in_time()) inner_->ensemble.steering.emplace(inner_->forces.besides);
   size_sums();
   make_thermostat();
-  bring_to_the_bonds(
-      {.force = scene_.run.minimise ? scene_.run.minimise_force : 0, .soft = scene_.run.soft_start}, on_move);
+  bring_to_the_bonds({.force = scene_.run.minimise ? scene_.run.minimise_force : 0,
+                      .soft = scene_.run.soft_start,
+                      .listen = listen});
   note_start();
   refuse_unreachable_tolerance(sys, state_.x, method_->promised_error());
   if (state_.box.periodic()) inner_->barometer.emplace(sys, has_springs());
@@ -125,13 +126,19 @@ Simulation::Simulation(Scene scene, const ThreadScope&, const OnMove& on_move)
 
 void Simulation::bring_to_the_bonds(const MinimiseGoal& goal, const OnMove& on_move) {
   const System& sys = scene_.system;
+  hear(goal.listen);
   place_sites(sys.sites, state_.x);
-  if (goal.force > 0 && goal.soft) start_report_.pushed_apart = push_apart(scene_, state_, on_move);
+  if (goal.force > 0 && goal.soft)
+    start_report_.pushed_apart = push_apart(scene_, state_, on_move, goal.listen);
   if (goal.force > 0) start_report_.minimised = minimise(sys, inner_->forces.field, goal, state_, on_move);
   start_report_.anchors_stopped = rest_anchors(sys, state_.v);
   const Vectors x = state_.x;
   const double kinetic = kinetic_energy(sys, state_.v);
-  initialize(dynamics(), scene_.run.h(), state_);
+  {
+    const HeardForces heard(inner_->forces, goal.listen);
+    initialize(dynamics(), scene_.run.h(), state_);
+  }
+  hear(goal.listen);
   start_report_.largest_move = x.cols() > 0 ? (state_.x - x).colwise().norm().maxCoeff() : 0.0;
   if (kinetic > 0) start_report_.kinetic_removed = 1 - kinetic_energy(sys, state_.v) / kinetic;
 }

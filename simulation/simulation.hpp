@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/listen.hpp"
 #include "base/threads.hpp"
 #include "constraints/redundancy.hpp"
 #include "md/observables.hpp"
@@ -133,10 +134,9 @@ struct StartReport {
 // A scene ready to run: forces and method made, the start brought to the bonds.
 class Simulation {
  public:
-  // Computes with so many threads as long as it lives, whichever thread calls it. `on_move`, as in what
-  // follows: before every move of a minimisation; to throw there ends it.
-  explicit Simulation(Scene scene, int threads = available_threads(), const OnMove& on_move = {})
-      : Simulation(std::move(scene), ThreadScope(threads), on_move) {}
+  // Computes with so many threads as long as it lives, whichever thread calls it.
+  explicit Simulation(Scene scene, int threads = available_threads(), const Listen& listen = {})
+      : Simulation(std::move(scene), ThreadScope(threads), listen) {}
   Simulation(Simulation&&) = delete;  // its barostat refers into it
   ~Simulation();
 
@@ -192,7 +192,7 @@ class Simulation {
   // Sets out from other positions and velocities as from a start, between steps, from on_step too: brings
   // them to the bonds, minimised first if the goal's force is above 0; means and the energy's account
   // begin again. Throws SimulationFailure where bonds or method cannot hold them. Whatever it throws, all is
-  // then as it was.
+  // then as it was. `on_move` is called before every move of a minimisation; to throw there ends it.
   void set_out_anew(const Vectors& x, const Vectors& v, const MinimiseGoal& goal = {},
                     const OnMove& on_move = {});
   // For a view of the numbers. What is written there has no effect but by set_out_anew().
@@ -208,8 +208,8 @@ class Simulation {
   std::optional<Diagnosis> diagnose();
 
  private:
-  Simulation(Scene scene, const ThreadScope&, const OnMove& on_move);
-  void bring_to_the_bonds(const MinimiseGoal& goal, const OnMove& on_move);
+  Simulation(Scene scene, const ThreadScope&, const Listen& listen);
+  void bring_to_the_bonds(const MinimiseGoal& goal, const OnMove& on_move = {});
   void begin_means();
   void note_start();
   std::uint64_t seed_here() const;

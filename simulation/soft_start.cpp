@@ -124,7 +124,7 @@ class SoftPush final : public OwnField {
 
 }  // namespace
 
-int push_apart(const Scene& scene, State& s, const OnMove& on_move) {
+int push_apart(const Scene& scene, State& s, const OnMove& on_move, const Listen& listen) {
   const double widest = diameters(scene.terms, scene.system.atoms()).maxCoeff();
   if (widest == 0) return 0;
   Terms soft = scene.terms;
@@ -133,7 +133,7 @@ int push_apart(const Scene& scene, State& s, const OnMove& on_move) {
   soft.wca.reset();
   soft.tabulated_pairs.reset();
   ForceField forces(scene.system, s.box, soft);
-  const MinimiseGoal goal{.force = kLeftForce * std::numbers::pi * kAmplitude / widest};
+  const MinimiseGoal goal{.force = kLeftForce * std::numbers::pi * kAmplitude / widest, .listen = listen};
   return minimise(scene.system, forces, goal, s, on_move).moves;
 }
 

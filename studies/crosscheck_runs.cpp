@@ -26,7 +26,7 @@ Scene prepared(Scene scene, const Listen& listen) {
     scene.notes.push_back("its momentum is not taken out on the way, in no run");
   scene.run.remove_momentum_every = 0;
   scene.method = exact("").method;
-  const Simulation on_bonds(std::move(scene));
+  const Simulation on_bonds(std::move(scene), available_threads(), listen);
   Scene ready = on_bonds.scene();
   ready.start = on_bonds.state();
   return ready;

@@ -15,11 +15,6 @@ std::function<void(long)> at_steps(const Listen& listen) {
   };
 }
 
-OnMove at_moves(const Listen& listen) {
-  if (!listen) return {};
-  return [&listen](const Minimised&) { listen(); };
-}
-
 Scene prepared_for_study(Scene given, const Listen& listen) {
   Scene scene = without_redundant_bonds(std::move(given));
   RunSettings& run = scene.run;
@@ -36,7 +31,7 @@ Scene prepared_for_study(Scene given, const Listen& listen) {
     run.barostat = "none";
   }
   if (run.minimise) {
-    const Simulation relaxed(scene, available_threads(), at_moves(listen));
+    const Simulation relaxed(scene, available_threads(), listen);
     scene.start = relaxed.state();
     scene.notes = relaxed.scene().notes;
     run.minimise = false;

@@ -2,18 +2,13 @@
 
 #include <functional>
 
-#include "simulation/minimise.hpp"
+#include "base/listen.hpp"
 #include "systems/scene.hpp"
 
 namespace taut {
 
-// Called all through a long study, every few steps. It may throw: that ends the study.
-using Listen = std::function<void()>;
-
 // For Simulation::run: listens at every fourth step, so that a clock it reads does not show in a step's time.
 std::function<void(long)> at_steps(const Listen& listen);
-// For the start of a simulation.
-OnMove at_moves(const Listen& listen);
 
 // The scene as studies run it. They compare energies and trajectories, so no thermostat and no barostat acts;
 // a rough start is relaxed once, not for every trial. What is changed is said in scene.notes, a line each.

@@ -89,7 +89,7 @@ Trial try_setting(Scene scene, const Setting& setting, const TrialPlan& plan, St
     apply_overrides(scene, setting.overrides);
     scene.run.steps = plan.steps;
     scene.run.log_every = std::max(1L, plan.steps / plan.rows);
-    Simulation simulation(std::move(scene), available_threads(), at_moves(plan.listen));
+    Simulation simulation(std::move(scene), available_threads(), plan.listen);
     const Summary summary = simulation.run(watch, at_steps(plan.listen));
     trial.constraint_us = summary.constraint_us_per_step;
     trial.step_us = summary.us_per_step;

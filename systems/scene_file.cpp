@@ -149,7 +149,8 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
   const TomlTable build_keys = root.section("build"), forcefield_keys = root.section("forcefield");
   const TomlTable run_keys = root.section("run");
   root.reject_unknown();
-  build({root, build_keys, forcefield_keys, scene.run}, scene);
+  build({root, build_keys, forcefield_keys, scene.run, how.listen}, scene);
+  hear(how.listen);
   read_biases(root, scene);
   for (const auto* name : file_names(base)) scene.files.push_back(path_of(*name));
   settle_pulls(run_keys, scene);
@@ -219,7 +220,7 @@ std::vector<Key> every_key() {
 
 Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides,
                  const SceneReading& how) {
-  return read_scene(parse_toml_file(file), file, overrides, how);
+  return read_scene(parse_toml_file(file, how.listen), file, overrides, how);
 }
 
 Scene read_scene(toml::table&& table, const std::filesystem::path& file,

@@ -12,6 +12,7 @@
 #include "base/errors.hpp"
 #include "files/folder.hpp"
 #include "systems/openmm/import.hpp"
+#include "systems/openmm/xml.hpp"
 #include "systems/scene_file.hpp"
 #include "systems/toml_reader.hpp"
 
@@ -20,6 +21,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
+fs::path name_alone(const SceneSource::File& file) {
+  const fs::path name = fs::path(file.name).filename();
+  if (name.empty() || name == "." || name == "..") throw InputError("a file of the scene has no name");
+  return name;
+}
+
 // Writes the files to a temporary folder, which is deleted with this object.
 class Unpacked {
  public:
@@ -27,13 +34,10 @@ class Unpacked {
     std::string name = (fs::temp_directory_path() / "taut-XXXXXX").string();
     if (!::mkdtemp(name.data())) throw OutsideError(name + ": cannot make the folder");
     folder_ = name;
-    for (const auto& [file_name, text] : files) {
-      const fs::path name_alone = fs::path(file_name).filename();
-      if (name_alone.empty() || name_alone == "." || name_alone == "..")
-        throw InputError("a file of the scene has no name");
+    for (const SceneSource::File& file : files) {
       make_folder(folder_ / std::to_string(paths.size()));  // two files may have the same name
-      paths.push_back(folder_ / std::to_string(paths.size()) / name_alone);
-      DiskFile(paths.back(), DiskFile::kNew).write(0, text);
+      paths.push_back(folder_ / std::to_string(paths.size()) / name_alone(file));
+      DiskFile(paths.back(), DiskFile::kNew).write(0, file.text);
     }
   }
   Unpacked(const Unpacked&) = delete;
@@ -79,19 +83,29 @@ Names read_names(const SceneSource::File& file, int atoms) {
   return names;
 }
 
+// OpenMM's files may be large, and are read where they are.
+Scene read_openmm_files(const SceneSource& source, const Listen& listen) {
+  const auto& files = source.files;
+  if (files.size() != 2 && files.size() != 3) throw InputError("the files of the scene are not all there");
+  const XmlFile system(name_alone(files[0]), files[0].text, "System", listen);
+  const XmlFile state(name_alone(files[1]), files[1].text, "State", listen);
+  Scene scene = import_openmm(system, state);
+  if (files.size() == 3) scene.names = read_names(files[2], scene.system.atoms());
+  hear(listen);
+  apply_overrides(scene, source.overrides);
+  return scene;
+}
+
 }  // namespace
 
-Scene SceneSource::read() const {
-  if (files.empty() || (openmm && files.size() != 2 && files.size() != 3))
-    throw InputError("the files of the scene are not all there");
+Scene SceneSource::read(const Listen& listen) const {
+  if (openmm) return read_openmm_files(*this, listen);
+  if (files.empty()) throw InputError("the files of the scene are not all there");
+  hear(listen);
   const Unpacked unpacked(files);
   const auto& paths = unpacked.paths;
   try {
-    if (!openmm) return read_scene(paths[0], overrides, {.files = {paths.begin() + 1, paths.end()}});
-    Scene scene = import_openmm(paths[0], paths[1]);
-    if (files.size() == 3) scene.names = read_names(files[2], scene.system.atoms());
-    apply_overrides(scene, overrides);
-    return scene;
+    return read_scene(paths[0], overrides, {.files = {paths.begin() + 1, paths.end()}, .listen = listen});
   } catch (const InputError& e) {
     throw InputError(unpacked.named(e.what()));
   }

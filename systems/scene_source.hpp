@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "base/listen.hpp"
 #include "systems/scene.hpp"
 
 namespace taut {
@@ -19,7 +20,8 @@ struct SceneSource {
   std::vector<std::string> overrides;  // each key at most once
   std::vector<std::string> own = {};   // names of forces that are code, which a reader must supply
 
-  Scene read() const;  // without these forces; throws InputError
+  // Without these forces. Throws InputError.
+  Scene read(const Listen& listen = {}) const;
   void bring(const std::vector<std::shared_ptr<OwnField>>& fields, Scene& scene) const;  // throws InputError
 };
 

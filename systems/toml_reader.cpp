@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "base/nearest_name.hpp"
+#include "systems/heard_text.hpp"
 
 namespace taut {
 namespace {
@@ -372,20 +373,25 @@ std::filesystem::path path_of(const toml::value<std::string>& name) {
   return (in_file ? std::filesystem::path(*source).parent_path() : std::filesystem::path()) / name.get();
 }
 
-toml::table parse_toml_file(const std::filesystem::path& file) {
+toml::table parse_toml_file(const std::filesystem::path& file, const Listen& listen) {
   std::error_code unreadable;
   if (!std::filesystem::exists(file, unreadable)) throw LocatedError(file.string() + ": no such file");
   if (!std::filesystem::is_regular_file(file, unreadable)) throw LocatedError(file.string() + ": not a file");
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw LocatedError(file.string() + ": cannot be read");
   const std::string text(std::istreambuf_iterator<char>(stream), {});
-  return parse_toml_text(text, file);
+  return parse_toml_text(text, file, listen);
 }
 
-toml::table parse_toml_text(std::string_view text, const std::filesystem::path& file) {
+toml::table parse_toml_text(std::string_view text, const std::filesystem::path& file, const Listen& listen) {
+  HeardText pieces(text, listen);
   try {
-    return toml::parse(text, file.string());
+    std::istream stream(&pieces);
+    toml::table table = toml::parse(stream, file.string());
+    pieces.throw_on();
+    return table;
   } catch (const toml::parse_error& e) {
+    pieces.throw_on();
     throw LocatedError(fmt::format("{}:{}: not valid TOML: {}", file.string(), e.source().begin.line,
                                    one_line(e.description())));
   }

@@ -56,7 +56,8 @@ void ClusterSearch::find_exclusions(const SearchSpace& space, int begin, int end
   }
 }
 
-void ClusterSearch::run(const SearchSpace& space, int begin, int end, ClusterList& list) {
+void ClusterSearch::run(const SearchSpace& space, int begin, int end, ClusterList& list,
+                        const Listen& listen) {
   list.rows.clear();
   list.masked.clear();
   list.shells.clear();
@@ -75,7 +76,8 @@ void ClusterSearch::run(const SearchSpace& space, int begin, int end, ClusterLis
   const auto& columns = space.clusters.columns();
   auto own = std::partition_point(columns.begin(), columns.end(),
                                   [&](const AtomClusters::Column& c) { return c.end <= begin; });
-  for (; own != columns.end() && own->begin < end; ++own)
+  for (; own != columns.end() && own->begin < end; ++own) {
+    hear(listen);
     for (int up = -images; up <= images; ++up) {
       space.clusters.find_neighbours(*own, up, neighbours_);
       for (auto n = neighbours_.begin(); n != neighbours_.end();) {
@@ -85,6 +87,7 @@ void ClusterSearch::run(const SearchSpace& space, int begin, int end, ClusterLis
         meet_image(space, {std::max(begin, own->begin), std::min(end, own->end)}, first->shift, list);
       }
     }
+  }
 }
 
 // Lists rows of the clusters `own` of a column, shifted, with their j-clusters among ranges_.

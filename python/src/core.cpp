@@ -51,7 +51,7 @@ void translate(std::exception_ptr thrown) {
 // Reads a scene from its text. A start that the scene names is read from the disk.
 Input of_toml(const std::string& text, const std::vector<std::string>& overrides) {
   const std::filesystem::path name = "scene.toml";
-  Input input{read_scene(parse_toml_text(text, name), name, overrides), {}};
+  Input input{read_scene(parse_toml_text(text, name), name, overrides, {.listen = Listening()}), {}};
   std::vector<std::filesystem::path> files{std::move(input.scene.files)};
   input.scene.files.assign(files.begin() + 1, files.end());
   input.source = source_of(input.scene, false, overrides);
@@ -60,24 +60,30 @@ Input of_toml(const std::string& text, const std::vector<std::string>& overrides
 }
 
 Input of_scene(const std::string& name_or_path, const std::vector<std::string>& overrides) {
-  Input input{read_scene(find_scene(name_or_path), overrides), {}};
+  Input input{read_scene(find_scene(name_or_path), overrides, {.listen = Listening()}), {}};
   input.source = source_of(input.scene, false, overrides);
   return input;
 }
 
 Input of_openmm(const std::string& system, const std::string& state, const std::string& names,
                 const std::vector<std::string>& overrides) {
-  SceneSource source{true, {{"openmm.system.xml", system}, {"openmm.state.xml", state}}, overrides, {}};
+  Listening listening;
+  SceneSource source{true, {}, overrides, {}};
+  source.files.push_back({"openmm.system.xml", system});
+  source.files.push_back({"openmm.state.xml", state});
+  listening();  // the texts are long
   if (!names.empty()) source.files.push_back({"topology", names});
-  return {source.read(), source};
+  Scene scene = source.read(std::ref(listening));
+  return {std::move(scene), std::move(source)};
 }
 
-// Wraps a reader so that it takes a number of threads, too; none: the default.
+// Wraps a reader so that it takes a number of threads, too, none: the default, and lets Python's other threads run.
 template <class... Given>
 auto on_threads(Input (*read)(const Given&...)) {
   return [read](const Given&... given, std::optional<int> threads) {
     if (threads) expect_threads("threads", *threads);
     const ThreadScope scope(threads ? *threads : default_threads());
+    const py::gil_scoped_release interpreter;
     return read(given...);
   };
 }

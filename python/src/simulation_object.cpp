@@ -28,11 +28,11 @@ struct Busy {
 // Tells how far a minimisation is, too.
 class ListeningToMoves : Listening {
  public:
-  explicit ListeningToMoves(const py::object* progress = nullptr) : progress_(progress) {}
+  explicit ListeningToMoves(const py::object* progress) : progress_(progress) {}
 
   void operator()(const Minimised& so_far) {
     look([&] {
-      if (progress_ && !progress_->is_none()) (*progress_)(so_far.moves, so_far.energy, so_far.largest_force);
+      if (!progress_->is_none()) (*progress_)(so_far.moves, so_far.energy, so_far.largest_force);
     });
   }
 
@@ -56,7 +56,7 @@ OpenRun open_new_run(Input input, const std::string& out, bool overwrite) {
                      .names = option_names(),
                      .scene = std::move(input.scene),
                      .source = std::move(input.source),
-                     .on_move = ListeningToMoves()};
+                     .listen = Listening()};
   const py::gil_scoped_release interpreter;
   return open_run(std::move(request));
 }
@@ -65,6 +65,8 @@ OpenRun open_resumed_run(RunRequest request, const py::list& forces) {
   if (request.threads) expect_threads("threads", *request.threads);
   request.names = option_names();
   request.forces = own_fields(forces);
+  request.listen = Listening();
+  const py::gil_scoped_release interpreter;
   return open_run(std::move(request));
 }
 
@@ -222,7 +224,7 @@ Minimised PythonSimulation::minimise(double force, long steps, const py::object&
   if (steps < 1 || steps > std::numeric_limits<int>::max())
     throw InputError(fmt::format("minimise(steps={}): expected 1 or more", steps));
   expect_finite();
-  set_out_anew({force, static_cast<int>(steps)}, progress);
+  set_out_anew({.force = force, .most_moves = static_cast<int>(steps), .listen = Listening()}, progress);
   return *run_.simulation->start_report().minimised;
 }
 
@@ -289,7 +291,7 @@ void PythonSimulation::change(const std::vector<std::string>& overrides) {
   take_over_changes();
   forget_python_error();
   try {
-    change_settings(*run_.simulation, run_.source, key_values(overrides));
+    change_settings(*run_.simulation, run_.source, key_values(overrides), Listening());
   } catch (...) {
     rethrow_python_error();
     throw;

@@ -1,5 +1,6 @@
 """Ctrl-C during long calls, each in a process of its own."""
 
+import json
 import os
 import signal
 import subprocess
@@ -51,3 +52,36 @@ def test_ctrl_c_ends_it_within_half_a_second(call):
         child.returncode = 0
     assert said == "interrupted\n"
     assert used.ru_utime + used.ru_stime - before < 0.5
+
+
+# A clock of the processor's time rings every 10 ms, and is heard where Ctrl-C would be.
+LISTENING = """
+import json, signal, sys, time
+import taut
+{}
+heard = [time.process_time()]
+signal.signal(signal.SIGPROF, lambda *_: heard.append(time.process_time()))
+signal.setitimer(signal.ITIMER_PROF, 0.01, 0.01)
+{}
+signal.setitimer(signal.ITIMER_PROF, 0)
+heard.append(time.process_time())
+print(json.dumps([heard[-1] - heard[0], max(b - a for a, b in zip(heard, heard[1:]))]))
+"""
+LARGE = 'taut.Simulation("water", set={"build.molecules": 30000}, threads=1)'
+READING = {
+    "building": ("", LARGE),
+    "OpenMM's files": (f"files = {LARGE}.to_openmm_xml()", "taut.Simulation.from_openmm(*files, threads=1)"),
+    "minimising": (f"sim = {LARGE}", "sim.minimise(1, steps=3)"),
+    "another temperature": (f"sim = taut.Simulation.from_openmm(*{LARGE}.to_openmm_xml(), set={{'run.temperature_k': 300, "
+                            "'run.thermostat': 'langevin'})", "sim.set_temperature(310)"),
+}
+
+
+# 90,000 atoms: a machine that is busy takes twice as long for what an idle one does.
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs a clock of the processor's time")
+@pytest.mark.parametrize("call", READING)
+def test_a_large_system_is_read_and_made_within_earshot(call):
+    done = subprocess.run([sys.executable, "-c", LISTENING.format(*READING[call])], check=True, capture_output=True, text=True)
+    took, deaf = json.loads(done.stdout)
+    assert took > 0.5
+    assert deaf < 0.5

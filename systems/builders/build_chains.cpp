@@ -109,16 +109,22 @@ void build_chains(const BuildRequest& request, Scene& scene) {
   scene.positions_drawn = true;
   if (polymer.beads - 1 > kMostWeighedBonds)
     scene.notes.emplace_back("start: bond directions drawn evenly, not by the rigid chain's own law");
-  place(
-      polymer, false, [&] { return chain_directions(polymer.beads - 1, random); }, scene);
+  const auto directions = [&] {
+    hear(request.listen);
+    return chain_directions(polymer.beads - 1, random);
+  };
+  place(polymer, false, directions, scene);
 }
 
 // kind = "rings": closed rings without forces, independent of each other, puckered.
 void build_rings(const BuildRequest& request, Scene& scene) {
   const Polymer polymer = read_polymer(request.keys, "rings", 4);
   if (request.keys.describing()) return;
-  place(
-      polymer, true, [&] { return ring_directions(polymer.beads); }, scene);
+  const auto directions = [&] {
+    hear(request.listen);
+    return ring_directions(polymer.beads);
+  };
+  place(polymer, true, directions, scene);
 }
 
 }  // namespace taut

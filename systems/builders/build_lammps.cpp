@@ -26,15 +26,16 @@ double in_radians(double degrees) {
 
 class LammpsScene {
  public:
-  LammpsScene(const TomlTable& keys, const LammpsKeys& said, Scene& scene)
-      : keys_(keys), said_(said), data_(read_lammps_data(said.file)), scene_(scene) {
-    read_atoms();
-    read_velocities();
-    read_bonds();
-    read_angles();
-    read_dihedrals();
-    read_impropers();
+  LammpsScene(const TomlTable& keys, const LammpsKeys& said, Scene& scene, const Listen& listen)
+      : keys_(keys), said_(said), data_(read_lammps_data(said.file, listen)), scene_(scene) {
+    using Part = LammpsScene;
+    for (const auto read : {&Part::read_atoms, &Part::read_velocities, &Part::read_bonds, &Part::read_angles,
+                            &Part::read_dihedrals, &Part::read_impropers}) {
+      hear(listen);
+      (this->*read)();
+    }
     scene.system = make_system(mass_, bonds_);
+    hear(listen);
     make_whole(scene.start.box, bonded_pairs(scene.system, scene.terms), scene.start.x);
     read_pairs();
     name_atoms();
@@ -378,7 +379,7 @@ void build_lammps(const BuildRequest& request, Scene& scene) {
   request.forcefield.read("pair", pair,
                           {"the force between atoms: purely repulsive, or not", {"wca", "lennard-jones"}});
   if (request.keys.describing()) return read_cutoff(request.forcefield, {}, scene.terms.nonbonded.emplace());
-  const LammpsScene built(request.keys, said, scene);
+  const LammpsScene built(request.keys, said, scene, request.listen);
   if (pair == "wca") {
     if (!scene.terms.nonbonded)
       request.forcefield.fail("pair", "no atom type has an ε: there are no pair forces");

@@ -25,6 +25,7 @@ class Builder {
  public:
   Builder(const BuildRequest& request, std::vector<Placement>& placements, const Box& box)
       : root_(request.root),
+        listen_(request.listen),
         placements_(placements),
         box_(box),
         may_overlap_(request.run.minimise && request.run.soft_start),
@@ -91,6 +92,7 @@ class Builder {
     const int each = placement.molecule->atoms();
     placement.x.resize(3, each * placement.count);
     for (long m = 0; m < placement.count; ++m) {
+      hear(listen_);
       const auto copy = placing.place_copy(of(placement), [&] { return where(m); });
       if (!copy)
         root_.fail("place", k,
@@ -115,6 +117,7 @@ class Builder {
     State water;
     std::vector<Eigen::Index> there;
     for (double crowd = 1; crowd < 1.3; crowd += 0.05) {
+      hear(listen_);
       water = cut(bulk, box_, std::lround(crowd * usual));
       there = placing.list_fitting(of(placement), water.x, 3);
       if (std::ssize(there) >= placement.count) break;
@@ -126,6 +129,7 @@ class Builder {
                  fmt::format("there is room for {} waters, not for {}: take a wider box", there.size(),
                              placement.count));
     drawn_ = drawn_ || std::ssize(there) > placement.count;
+    hear(listen_);
     while (std::ssize(there) > placement.count)
       there.erase(there.begin() + static_cast<long>(random_.uniform() * static_cast<double>(there.size())));
     Vectors atoms(3, 3 * placement.count);
@@ -152,6 +156,7 @@ class Builder {
   const Conformations& of(const Placement& placement) const { return conformations_.at(placement.molecule); }
 
   const TomlTable& root_;
+  const Listen& listen_;
   std::vector<Placement>& placements_;
   const Box box_;
   const bool may_overlap_;
@@ -254,7 +259,7 @@ bool settle_water(const BuildRequest& request, const std::vector<Placement>& pla
     first = last;
   }
   ForceField forces(scene.system, scene.start.box, scene.terms);
-  return relax(scene.system, forces, waters, energy, scene.start);
+  return relax(scene.system, forces, waters, energy, scene.start, request.listen);
 }
 
 void note_start(const BuildRequest& request, const Builder& built, bool settled, Scene& scene) {
@@ -319,8 +324,10 @@ void build_molecules(const BuildRequest& request, Scene& scene) {
     copies.push_back({placement.molecule, static_cast<int>(placement.count)});
     atoms += placement.x.cols();
   }
+  hear(request.listen);
   assemble(copies, scene);
   set_names(placements, scene.names);
+  hear(request.listen);
   scene.start.x.resize(3, atoms);
   scene.start.v = Vectors::Zero(3, atoms);
   Eigen::Index first = 0;

@@ -60,7 +60,7 @@ const char* misfit(const State& start, const Scene& scene) {
 void replace_start(const BuildRequest& request, bool any_box, Scene& scene) {
   std::filesystem::path file;
   if (!request.keys.read("start", file, "positions and velocities, of a run of the same scene")) return;
-  State start = read_start(file);
+  State start = read_start(file, request.listen);
   const Box built = scene.start.box;
   if (any_box && start.box.periodic() && built.periodic() &&
       (request.keys.overridden("start") ||

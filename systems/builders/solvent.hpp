@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "base/listen.hpp"
 #include "forcefield/force_field.hpp"
 #include "md/state.hpp"
 
@@ -35,6 +36,6 @@ struct RigidMolecules {
   Eigen::Index count() const { return (last - first) / each; }
 };
 bool relax(const System& sys, ForceField& forces, const std::vector<RigidMolecules>& molecules, double energy,
-           State& s);
+           State& s, const Listen& listen = {});
 
 }  // namespace taut

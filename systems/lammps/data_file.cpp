@@ -47,7 +47,7 @@ bool is_number(const std::string& word) {
 
 class Reader {
  public:
-  explicit Reader(const std::filesystem::path& file) : in_(file) {
+  Reader(const std::filesystem::path& file, const Listen& listen) : in_(file), listen_(listen) {
     data_.file = file.string();
     if (!std::filesystem::is_regular_file(file) || !in_) throw InputError(data_.file + ": no such file");
   }
@@ -71,6 +71,7 @@ class Reader {
  private:
   bool next() {
     std::string text;
+    listen_();
     if (!std::getline(in_, text)) return false;
     ++line_;
     const auto hash = text.find('#');
@@ -135,6 +136,7 @@ class Reader {
   }
 
   std::ifstream in_;
+  ListenSometimes listen_;
   std::size_t line_ = 0;
   std::vector<std::string> words_, comment_;
   LammpsData data_;
@@ -176,8 +178,8 @@ int LammpsData::index(const Entry& entry, std::size_t at, const char* what, long
   return static_cast<int>(value);
 }
 
-LammpsData read_lammps_data(const std::filesystem::path& file) {
-  return Reader(file).read();
+LammpsData read_lammps_data(const std::filesystem::path& file, const Listen& listen) {
+  return Reader(file, listen).read();
 }
 
 }  // namespace taut

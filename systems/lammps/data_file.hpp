@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/listen.hpp"
 #include "base/vectors.hpp"
 #include "md/box.hpp"
 
@@ -39,6 +40,6 @@ struct LammpsData {
 
 // Reads a data file as write_data writes it. Throws InputError, one line with file and line, for a section that is
 // not known, a number of entries other than the header's, and a box that is not in reduced form.
-LammpsData read_lammps_data(const std::filesystem::path& file);
+LammpsData read_lammps_data(const std::filesystem::path& file, const Listen& listen = {});
 
 }  // namespace taut

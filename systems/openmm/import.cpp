@@ -165,10 +165,6 @@ void of_force(const PlacedForce& f, const auto& act) {
   }
 }
 
-void check_forces(const PlacedForces& forces, const System& system, const Box& box) {
-  for (const PlacedForce& f : forces) of_force(f, [&] { check_terms(system, box, f.force.terms); });
-}
-
 // Makes broken molecules whole. `constraints` includes those of anchors.
 void mend_molecules(const PlacedForces& forces, const std::vector<RigidBond>& constraints,
                     const Element& state, OpenMMInput& input) {
@@ -250,8 +246,7 @@ void add(PlacedForce& placed, OpenMMInput& input) {
 
 }  // namespace
 
-OpenMMInput read_openmm(const std::filesystem::path& system_xml, const std::filesystem::path& state_xml) {
-  const XmlFile system_file(system_xml, "System"), state_file(state_xml, "State");
+OpenMMInput read_openmm(const XmlFile& system_file, const XmlFile& state_file) {
   const Element system = system_file.root(), state = state_file.root();
   system.read({}, {"openmmVersion", "type", "version"});
   check_version(system);
@@ -262,26 +257,37 @@ OpenMMInput read_openmm(const std::filesystem::path& system_xml, const std::file
   const System atoms = read_atoms(system.part("Particles"));
   std::vector<RigidBond> constraints;
   read_list(system, constraints, atoms.atoms());
+  system_file.hear();
   input.system = with_bonds(system.part("Constraints"), atoms, constraints);
   read_start(state, input);
 
   PlacedForces forces;
   read_forces(system.part("Forces"), state, input.system, forces);
   input.start.box = box_of(forces, system, state);
-  check_forces(forces, input.system, input.start.box);
+  const auto of_each = [&](const auto& act) {
+    for (PlacedForce& f : forces) {
+      system_file.hear();
+      of_force(f, [&] { act(f); });
+    }
+  };
+  of_each([&](const PlacedForce& f) { check_terms(input.system, input.start.box, f.force.terms); });
   if (input.start.box.periodic()) mend_molecules(forces, constraints, state, input);
-  for (const PlacedForce& f : forces) of_force(f, [&] { check_tables_cover(f.force.terms, input.start.x); });
+  of_each([&](const PlacedForce& f) { check_tables_cover(f.force.terms, input.start.x); });
   for (PlacedForce& f : forces) add(f, input);
   bool has_types = false;
-  for (PlacedForce& f : forces)
-    of_force(f, [&] {
-      if (!f.force.lennard_jones) return;
-      if (has_types) f.at.refuse("is the second of its kind: taut has one");
-      add_lennard_jones(std::move(*f.force.lennard_jones), input.terms.nonbonded);
-      has_types = true;
-    });
-  for (PlacedForce& f : forces) of_force(f, [&] { add_pairs(f.force.pairs, input.terms.nonbonded); });
+  of_each([&](PlacedForce& f) {
+    if (!f.force.lennard_jones) return;
+    if (has_types) f.at.refuse("is the second of its kind: taut has one");
+    add_lennard_jones(std::move(*f.force.lennard_jones), input.terms.nonbonded);
+    has_types = true;
+  });
+  of_each([&](const PlacedForce& f) { add_pairs(f.force.pairs, input.terms.nonbonded); });
   return input;
+}
+
+OpenMMInput read_openmm(const std::filesystem::path& system_xml, const std::filesystem::path& state_xml) {
+  const XmlFile system(system_xml, "System"), state(state_xml, "State");
+  return read_openmm(system, state);
 }
 
 namespace {
@@ -295,10 +301,16 @@ std::string scene_name(const std::filesystem::path& file) {
 }  // namespace
 
 Scene import_openmm(const std::filesystem::path& system_xml, const std::filesystem::path& state_xml) {
-  OpenMMInput input = read_openmm(system_xml, state_xml);
+  const XmlFile system(system_xml, "System"), state(state_xml, "State");
+  return import_openmm(system, state);
+}
+
+Scene import_openmm(const XmlFile& system, const XmlFile& state) {
+  OpenMMInput input = read_openmm(system, state);
+  system.hear();
   Scene scene;
-  scene.name = scene_name(system_xml);
-  scene.files = {system_xml, state_xml};
+  scene.name = scene_name(system.path());
+  scene.files = {system.path(), state.path()};
   scene.hard_on = "what OpenMM was given";
   scene.system = std::move(input.system);
   scene.terms = std::move(input.terms);

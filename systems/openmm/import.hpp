@@ -13,6 +13,8 @@ namespace taut {
 // are defaults. Throws InputError, one line with file and line, for a missing or truncated file, a force or
 // setting that taut does not have (nothing is skipped), a box not in reduced form, and sizes that differ.
 Scene import_openmm(const std::filesystem::path& system_xml, const std::filesystem::path& state_xml);
+// The same of files that are parsed already (openmm/xml.hpp). Listens as `system` does.
+Scene import_openmm(const XmlFile& system, const XmlFile& state);
 
 // Returns the parts of a scene that OpenMM gets: its system, terms and start.
 OpenMMInput openmm_input(const Scene& scene);

@@ -11,6 +11,8 @@
 
 namespace taut {
 
+class XmlFile;
+
 struct OpenMMBarostat {  // a MonteCarloBarostat
   double pressure_bar;
   long every;  // steps
@@ -29,5 +31,6 @@ struct OpenMMInput {
 
 // Reads the files for import_openmm(). Needs no OpenMM.
 OpenMMInput read_openmm(const std::filesystem::path& system_xml, const std::filesystem::path& state_xml);
+OpenMMInput read_openmm(const XmlFile& system, const XmlFile& state);  // listens as `system` does
 
 }  // namespace taut

@@ -88,6 +88,7 @@ void add_lennard_jones(Nonbonded types, std::optional<Nonbonded>& to) {
 }
 
 void add_pairs(const std::vector<PairException>& pairs, std::optional<Nonbonded>& to) {
+  if (pairs.empty()) return;
   std::map<Pair, PairException*> exceptions;
   if (to)
     for (auto& e : to->exceptions) exceptions[std::minmax(e.i, e.j)] = &e;
