@@ -7,7 +7,7 @@ Water with a reaction field and with PME (step_bench's step/water..., step/pme..
 processor time of the repeats, which take turns. Other programs on the machine disturb it only by shared caches.
 """
 
-import argparse, json, pathlib, subprocess
+import json, subprocess
 
 import machine
 
@@ -15,8 +15,7 @@ MOLECULES = (216, 1728, 5832, 46656, 110592)
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--build", type=pathlib.Path, default=pathlib.Path(__file__).parent.parent / "build")
+    parser = machine.argument_parser(__doc__)
     parser.add_argument("--systems", nargs="+", default=["water", "pme"], choices=["water", "pme"])
     parser.add_argument("--precisions", nargs="+", default=["double", "mixed"], choices=["double", "mixed"])
     parser.add_argument("--repeats", type=int, default=3)

@@ -8,7 +8,7 @@ a long run. The orders take turns. A cache line takes 15 to 300 ns from core to 
 This time is measured beside each run, and runs with less and more than 100 ns have separate medians.
 """
 
-import argparse, collections, json, pathlib, random, re, statistics, subprocess, tempfile
+import collections, json, pathlib, random, re, statistics, subprocess, tempfile
 
 import machine
 
@@ -51,8 +51,7 @@ def cell_of(rows, edges):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--build", type=pathlib.Path, default=pathlib.Path(__file__).parent.parent / "build")
+    parser = machine.argument_parser(__doc__)
     parser.add_argument("--systems", nargs="+", default=["water17496", "chain6000", "melt6000"], choices=SYSTEMS)
     parser.add_argument("--precisions", nargs="+", default=["mixed"], choices=["double", "mixed"])
     parser.add_argument("--threads", nargs="+", type=int, default=[1, 2])

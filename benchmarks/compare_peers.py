@@ -16,7 +16,7 @@ program that is not installed is skipped. Writes benchmarks/results/peers.csv.
   timing, less that of the same run without the fix. It holds clusters of at most four atoms: no chains.
 """
 
-import argparse, csv, json, math, os, pathlib, random, re, shutil, statistics, subprocess, sys, tempfile
+import csv, json, math, os, pathlib, random, re, shutil, statistics, subprocess, sys, tempfile
 
 import machine
 import peer_gromacs
@@ -190,9 +190,8 @@ def measure(steps, build):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = machine.argument_parser(__doc__)
     parser.add_argument("--steps", type=int, default=20000)
-    parser.add_argument("--build", type=pathlib.Path, default=HERE.parent / "build")
     parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--out", type=pathlib.Path, default=HERE / "results" / "peers.csv")
     options = parser.parse_args()

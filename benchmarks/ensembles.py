@@ -8,10 +8,8 @@ GROMACS's sd, rescaling beside v-rescale (every 10 steps), c-rescale beside c-re
 rescaling); the Monte Carlo barostat (a trial every 25 steps) has no peer there. Prints medians in µs a step of programs
 that take turns, and what each ensemble adds to the plain step of its program.
 """
-import argparse
 import dataclasses
 import json
-import pathlib
 import statistics
 import subprocess
 
@@ -43,8 +41,7 @@ def us_of_taut(taut, molecules, settings, threads, seconds):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--build", type=pathlib.Path, default=pathlib.Path(__file__).parent.parent / "build")
+    parser = machine.argument_parser(__doc__)
     parser.add_argument("--molecules", default="1728,5832")
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--repeats", type=int, default=5)

@@ -7,7 +7,6 @@ FOLDER holds what real_systems.py makes. Mixed precision, newton, 2 fs, PME. A s
 or more, as many as half a million moves of an atom. The start is the run of no step, from the files to the first row and
 the last file; the minimiser is what a move of its adds to the start. Memory is the largest resident set of the run.
 """
-import argparse
 import json
 import os
 import pathlib
@@ -41,9 +40,8 @@ def us_of_a_step(measure, out, steps):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = machine.argument_parser(__doc__)
     parser.add_argument("folder", type=pathlib.Path)
-    parser.add_argument("--build", type=pathlib.Path, default=pathlib.Path(__file__).parent.parent / "build")
     parser.add_argument("--systems", default="ala2,dhfr,dhfr8,dhfr48")
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--repeats", type=int, default=3, help="runs whose fastest step counts")

@@ -10,7 +10,6 @@ brought to 300 K for 10 ps at 1 fs, friction 5/ps; then it runs PS at constant e
 Prints as CSV nanoseconds a day, the drift in kJ/mol/ns per degree of freedom with the part that the bonds' work has in
 it, and temperatures of the protein's and of the waters' motions. Errors are taut's, of blocks. Needs OpenMM's reader.
 """
-import argparse
 import csv
 import itertools
 import json
@@ -44,9 +43,8 @@ def of(estimate):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = machine.argument_parser(__doc__)
     parser.add_argument("folder", type=pathlib.Path)
-    parser.add_argument("--build", type=pathlib.Path, default=pathlib.Path(__file__).parent.parent / "build")
     parser.add_argument("--system", default="dhfr")
     parser.add_argument("--ps", type=float, default=100)
     parser.add_argument("--threads", type=int, default=2)

@@ -1,4 +1,5 @@
-"""Writes the lines above a table of times: the machine and the date of the measurement."""
+"""What the benchmarks share: the build they run, and the machine and the date of a measurement."""
+import argparse
 import datetime
 import os
 import pathlib
@@ -22,3 +23,10 @@ def simd():
 def describe():
     return (f"{datetime.date.today()}; {cpuinfo('model name')} (family {cpuinfo('cpu family')} model {cpuinfo('model')}), "
             f"{simd()}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}")
+
+
+def argument_parser(page):
+    """Returns a parser of arguments whose help is the page, with the option --build."""
+    parser = argparse.ArgumentParser(description=page, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--build", type=pathlib.Path, default=pathlib.Path(__file__).parent.parent / "build")
+    return parser

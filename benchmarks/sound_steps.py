@@ -13,7 +13,6 @@ medians. FOLDER is real_systems.py's. GROMACS has its defaults (LINCS of order 4
 pair list for a drift of 0.005 kJ/mol/ps an atom) and, strict, order 6 with two iterations and a list for 1e-4. Python
 needs taut and OpenMM.
 """
-import argparse
 import copy
 import csv
 import json
@@ -140,8 +139,7 @@ def us_a_step(system, program, dt_fs):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--build", type=pathlib.Path, default=pathlib.Path(__file__).parent.parent / "build")
+    parser = machine.argument_parser(__doc__)
     parser.add_argument("--real", type=pathlib.Path, required=True)
     parser.add_argument("--systems", default=";".join(STEPS), help="with semicolons between")
     parser.add_argument("--programs", nargs="+", default=list(PROGRAMS), choices=PROGRAMS)

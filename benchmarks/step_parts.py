@@ -7,7 +7,6 @@
 FOLDER is real_systems.py's. PME of order 4 at equal α and grid, newton beside LINCS and SETTLE, mixed precision, 2 fs.
 GROMACS prunes its lists within its forces, so taut's pruning stands there, too. Prints ms a step, medians, as a Markdown table.
 """
-import argparse
 import json
 import pathlib
 import statistics
@@ -39,13 +38,12 @@ def parts_of_taut(taut, prepared, threads, seconds):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = machine.argument_parser(__doc__)
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("--systems", default="dhfr")
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--seconds", type=float, default=5, help="of each run")
     parser.add_argument("--repeats", type=int, default=3, help="in turns; medians are printed")
-    parser.add_argument("--build", type=pathlib.Path, default=pathlib.Path(__file__).parent.parent / "build")
     told = parser.parse_args()
     gmx = peer_gromacs.engines()[0]
     print(f"{machine.describe()}; {peer_gromacs.version(gmx)}; {told.threads} threads\n")

@@ -16,7 +16,6 @@ cutoffs, bonds, angles and torsions, but not the dipeptide; what is not installe
 machine: threads wait for each other spinning (OMP_WAIT_POLICY=passive makes them sleep, which costs more than a small
 step takes).
 """
-import argparse
 import csv
 import json
 import math
@@ -133,9 +132,8 @@ def kept_rows(path, head, systems):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = machine.argument_parser(__doc__)
     here = pathlib.Path(__file__).parent
-    parser.add_argument("--build", type=pathlib.Path, default=here.parent / "build")
     parser.add_argument("--systems", default="water1728,water5832,chain,dipeptide")
     parser.add_argument("--real", type=pathlib.Path, help="the folder that real_systems.py wrote")
     parser.add_argument("--threads", default="1,2")

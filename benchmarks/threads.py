@@ -15,7 +15,7 @@ speed-up itself, are measured if there are T cores; otherwise `wake` is that of 
 machine on which other programs run.
 """
 
-import argparse, csv, json, os, pathlib, statistics, subprocess, sys
+import csv, json, os, pathlib, statistics, subprocess, sys
 
 import machine
 
@@ -39,8 +39,7 @@ def run(bench, names, policy, seconds):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--build", type=pathlib.Path, default=HERE.parent / "build")
+    parser = machine.argument_parser(__doc__)
     parser.add_argument("--scenes", nargs="+", default=["water1728", "water5832", "water46656",
                                                               "chain", "decane", "chain6000", "melt6000", "decane5120"])
     parser.add_argument("--precisions", nargs="+", default=["double", "mixed"])

@@ -10,7 +10,7 @@ measures (its plans then differ from run to run, and so do the last bits of what
 difference to taut's, in parts of the step.
 """
 
-import argparse, ctypes, json, pathlib, subprocess, time
+import ctypes, json, subprocess, time
 
 import ducc0
 import numpy as np
@@ -75,8 +75,7 @@ def ways(points, rng):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--build", type=pathlib.Path, default=pathlib.Path(__file__).parent.parent / "build")
+    parser = machine.argument_parser(__doc__)
     parser.add_argument("--repeats", type=int, default=200)
     options = parser.parse_args()
     rng = np.random.default_rng(1)

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/errors.hpp"
+#include "forcefield/term_lists.hpp"
 
 namespace taut {
 namespace {
@@ -25,7 +26,7 @@ struct TermNumber {
   std::size_t index;
 };
 
-void check_atoms(TermNumber at, std::initializer_list<int> atoms, int n) {
+void check_atoms(TermNumber at, const auto& atoms, int n) {
   for (auto a = atoms.begin(); a != atoms.end(); ++a) {
     require(*a >= 0 && *a < n, "{} {}: atom {} is out of range, the system has atoms 0 to {}", at.term,
             at.index, *a, n - 1);
@@ -47,68 +48,50 @@ void check_positive(TermNumber at, std::string_view what, double value) {
           value);
 }
 
+// Checks the atoms of each term, and calls check(at, term) for its numbers.
+template <class Term>
+void check_each(std::string_view name, const std::vector<Term>& terms, int n, const auto& check) {
+  for (std::size_t k = 0; k < terms.size(); ++k) {
+    const TermNumber at{name, k};
+    check_atoms(at, atoms_of(terms[k]), n);
+    check(at, terms[k]);
+  }
+}
+
 void check_bonded(const Terms& terms, int n) {
-  for (std::size_t b = 0; b < terms.bonds.size(); ++b) {
-    const auto& [i, j, length, k] = terms.bonds[b];
-    check_atoms({"bond", b}, {i, j}, n);
-    check_not_negative({"bond", b}, "length", length);
-    check_numbers({"bond", b}, {k});
-  }
-  for (std::size_t a = 0; a < terms.angles.size(); ++a) {
-    const auto& [i, j, k, angle, stiffness] = terms.angles[a];
-    check_atoms({"angle", a}, {i, j, k}, n);
-    check_numbers({"angle", a}, {angle, stiffness});
-  }
-  for (std::size_t a = 0; a < terms.cosine_angles.size(); ++a) {
-    const auto& [i, j, k, stiffness] = terms.cosine_angles[a];
-    check_atoms({"cosine angle", a}, {i, j, k}, n);
-    check_numbers({"cosine angle", a}, {stiffness});
-  }
-  for (std::size_t a = 0; a < terms.cosine_squared_angles.size(); ++a) {
-    const auto& [i, j, k, cosine, stiffness] = terms.cosine_squared_angles[a];
-    check_atoms({"cosine squared angle", a}, {i, j, k}, n);
-    check_numbers({"cosine squared angle", a}, {cosine, stiffness});
-  }
-  for (std::size_t b = 0; b < terms.fene.size(); ++b) {
-    const auto& [i, j, k, r0] = terms.fene[b];
-    check_atoms({"fene", b}, {i, j}, n);
-    check_positive({"fene", b}, "r0", r0);
-    check_numbers({"fene", b}, {k});
-  }
-}
-
-// Splines have been checked as they were made.
-void check_tables(const Terms& terms, int n) {
-  for (std::size_t b = 0; b < terms.tabulated_bonds.size(); ++b) {
-    const auto& [i, j, energy] = terms.tabulated_bonds[b];
-    check_atoms({"tabulated bond", b}, {i, j}, n);
-    require(energy != nullptr, "tabulated bond {}: it has no table", b);
-  }
-  for (std::size_t a = 0; a < terms.tabulated_angles.size(); ++a) {
-    const auto& [i, j, k, energy] = terms.tabulated_angles[a];
-    check_atoms({"tabulated angle", a}, {i, j, k}, n);
-    require(energy != nullptr, "tabulated angle {}: it has no table", a);
-  }
-}
-
-void check_torsions(const Terms& terms, int n) {
-  for (std::size_t t = 0; t < terms.torsions.size(); ++t) {
-    const auto& [i, j, k, l, periodicity, phase, amplitude] = terms.torsions[t];
-    check_atoms({"torsion", t}, {i, j, k, l}, n);
-    require(periodicity >= 1 && periodicity <= kMostPeriodicity,
-            "torsion {}: periodicity {}, expected 1 to {}", t, periodicity, kMostPeriodicity);
-    check_numbers({"torsion", t}, {phase, amplitude});
-  }
-  for (std::size_t t = 0; t < terms.rb_torsions.size(); ++t) {
-    const auto& [i, j, k, l, c] = terms.rb_torsions[t];
-    check_atoms({"rb_torsion", t}, {i, j, k, l}, n);
-    check_numbers({"rb_torsion", t}, {c[0], c[1], c[2], c[3], c[4], c[5]});
-  }
-  for (std::size_t t = 0; t < terms.harmonic_torsions.size(); ++t) {
-    const auto& [i, j, k, l, angle, stiffness] = terms.harmonic_torsions[t];
-    check_atoms({"harmonic_torsion", t}, {i, j, k, l}, n);
-    check_numbers({"harmonic_torsion", t}, {angle, stiffness});
-  }
+  check_each("bond", terms.bonds, n, [](TermNumber at, const HarmonicBond& t) {
+    check_not_negative(at, "length", t.length);
+    check_numbers(at, {t.k});
+  });
+  check_each("angle", terms.angles, n, [](TermNumber at, const HarmonicAngle& t) {
+    check_numbers(at, {t.angle, t.stiffness});
+  });
+  check_each("cosine angle", terms.cosine_angles, n,
+             [](TermNumber at, const CosineAngle& t) { check_numbers(at, {t.stiffness}); });
+  check_each("cosine squared angle", terms.cosine_squared_angles, n,
+             [](TermNumber at, const CosineSquaredAngle& t) {
+               check_numbers(at, {t.cosine, t.stiffness});
+             });
+  check_each("fene", terms.fene, n, [](TermNumber at, const Fene& t) {
+    check_positive(at, "r0", t.r0);
+    check_numbers(at, {t.k});
+  });
+  const auto check_table = [](TermNumber at, const auto& t) {  // a spline was checked when it was made
+    require(t.energy != nullptr, "{} {}: it has no table", at.term, at.index);
+  };
+  check_each("tabulated bond", terms.tabulated_bonds, n, check_table);
+  check_each("tabulated angle", terms.tabulated_angles, n, check_table);
+  check_each("torsion", terms.torsions, n, [](TermNumber at, const PeriodicTorsion& t) {
+    require(t.periodicity >= 1 && t.periodicity <= kMostPeriodicity,
+            "torsion {}: periodicity {}, expected 1 to {}", at.index, t.periodicity, kMostPeriodicity);
+    check_numbers(at, {t.phase, t.amplitude});
+  });
+  check_each("rb_torsion", terms.rb_torsions, n, [](TermNumber at, const RyckaertBellemans& t) {
+    check_numbers(at, {t.c[0], t.c[1], t.c[2], t.c[3], t.c[4], t.c[5]});
+  });
+  check_each("harmonic_torsion", terms.harmonic_torsions, n, [](TermNumber at, const HarmonicTorsion& t) {
+    check_numbers(at, {t.angle, t.stiffness});
+  });
 }
 
 void check_cmaps(const Terms& terms, int n) {
@@ -120,8 +103,8 @@ void check_cmaps(const Terms& terms, int n) {
   }
   for (std::size_t t = 0; t < terms.cmaps.size(); ++t) {
     const auto& [a, b, map] = terms.cmaps[t];
-    check_atoms({"cmap", t}, {a[0], a[1], a[2], a[3]}, n);
-    check_atoms({"cmap", t}, {b[0], b[1], b[2], b[3]}, n);
+    check_atoms({"cmap", t}, a, n);
+    check_atoms({"cmap", t}, b, n);
     require(map >= 0 && map < std::ssize(terms.maps), "cmap {}: map {}, there are {}", t, map,
             terms.maps.size());
   }
@@ -174,7 +157,7 @@ void check_nonbonded(const Nonbonded& nb, int n, const Box& box) {
   for (std::size_t e = 0; e < nb.exceptions.size(); ++e) {
     const auto& [i, j, charge_product, sigma, epsilon] = nb.exceptions[e];
     const TermNumber at{"exception", e};
-    check_atoms(at, {i, j}, n);
+    check_atoms(at, std::array{i, j}, n);
     check_numbers(at, {charge_product});
     check_not_negative(at, "sigma", sigma);
     check_not_negative(at, "epsilon", epsilon);
@@ -187,7 +170,7 @@ void check_wca(const Wca& wca, int n) {
   require(wca.sigma > 0 && std::isfinite(wca.sigma), "wca: sigma {} nm, expected more than 0", wca.sigma);
   require(wca.epsilon >= 0 && std::isfinite(wca.epsilon), "wca: epsilon {}, expected 0 or more", wca.epsilon);
   for (std::size_t e = 0; e < wca.exclusions.size(); ++e)
-    check_atoms({"wca exclusion", e}, {wca.exclusions[e][0], wca.exclusions[e][1]}, n);
+    check_atoms({"wca exclusion", e}, wca.exclusions[e], n);
 }
 
 void check_tabulated_pairs(const TabulatedPairs& pairs, int n) {
@@ -204,7 +187,7 @@ void check_tabulated_pairs(const TabulatedPairs& pairs, int n) {
             p);
   }
   for (std::size_t e = 0; e < pairs.exclusions.size(); ++e)
-    check_atoms({"exclusion of tabulated pairs", e}, {pairs.exclusions[e][0], pairs.exclusions[e][1]}, n);
+    check_atoms({"exclusion of tabulated pairs", e}, pairs.exclusions[e], n);
 }
 
 // Images of the atoms are kept out of reach beyond the walls.
@@ -215,7 +198,7 @@ void check_walls(const Terms& terms, int n, const Box& box) {
     check_positive({"wall", w}, "epsilon", wall.epsilon);
     check_numbers({"wall", w}, {wall.at});
     if (wall.cutoff) check_positive({"wall", w}, "cutoff", *wall.cutoff);
-    for (const int a : wall.atoms) check_atoms({"wall", w}, {a}, n);
+    for (const int a : wall.atoms) check_atoms({"wall", w}, std::array{a}, n);
     if (!box.periodic()) continue;
     require(box.tilt.isZero(0), "wall {}: the box is tilted, expected a rectangular one", w);
     require(!terms.nonbonded || !terms.nonbonded->pme,
@@ -258,8 +241,6 @@ std::string lack_of_room(const Terms& terms, const Box& box) {
 void check_terms(const System& sys, const Box& box, const Terms& terms) {
   const int n = sys.atoms();
   check_bonded(terms, n);
-  check_tables(terms, n);
-  check_torsions(terms, n);
   check_cmaps(terms, n);
   if (box.periodic()) {
     const std::string flaw = Box::flaw(box.vectors());
@@ -271,7 +252,7 @@ void check_terms(const System& sys, const Box& box, const Terms& terms) {
   if (const std::string flaw = lack_of_room(terms, box); !flaw.empty()) throw InputError(flaw);
   if (terms.gravity) require(terms.gravity->allFinite(), "gravity: not a finite vector");
   const auto check_one = [n](const TermNumber& term, int atom, const Vec3& v) {
-    check_atoms(term, {atom}, n);
+    check_atoms(term, std::array{atom}, n);
     check_numbers(term, {v.x(), v.y(), v.z()});
   };
   for (std::size_t p = 0; p < terms.pulls.size(); ++p)

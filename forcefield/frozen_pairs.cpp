@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "forcefield/force_field.hpp"
+#include "forcefield/term_lists.hpp"
 
 namespace taut {
 namespace {
@@ -30,16 +31,7 @@ class Selection {
   Terms of(const Terms& all) const {
     Terms some;
     some.precision = all.precision;
-    some.bonds = pairs(all.bonds);
-    some.fene = pairs(all.fene);
-    some.tabulated_bonds = pairs(all.tabulated_bonds);
-    some.angles = angles(all.angles);
-    some.cosine_angles = angles(all.cosine_angles);
-    some.cosine_squared_angles = angles(all.cosine_squared_angles);
-    some.tabulated_angles = angles(all.tabulated_angles);
-    some.torsions = torsions(all.torsions);
-    some.rb_torsions = torsions(all.rb_torsions);
-    some.harmonic_torsions = torsions(all.harmonic_torsions);
+    for_each_list([&](auto list) { some.*list = of(all.*list); });
     some.maps = all.maps;
     for (CmapTorsion cmap : all.cmaps)
       if (renumber({&cmap.phi[0], &cmap.phi[1], &cmap.phi[2], &cmap.phi[3]}) &&
@@ -67,24 +59,16 @@ class Selection {
     return std::ranges::all_of(atoms, [](const int* a) { return *a >= 0; });
   }
   template <class Term>
-  std::vector<Term> pairs(const std::vector<Term>& all) const {
+  std::vector<Term> of(const std::vector<Term>& all) const {
     std::vector<Term> some;
-    for (Term term : all)
-      if (renumber({&term.i, &term.j})) some.push_back(term);
-    return some;
-  }
-  template <class Term>
-  std::vector<Term> angles(const std::vector<Term>& all) const {
-    std::vector<Term> some;
-    for (Term term : all)
-      if (renumber({&term.i, &term.j, &term.k})) some.push_back(term);
-    return some;
-  }
-  template <class Term>
-  std::vector<Term> torsions(const std::vector<Term>& all) const {
-    std::vector<Term> some;
-    for (Term term : all)
-      if (renumber({&term.i, &term.j, &term.k, &term.l})) some.push_back(term);
+    for (Term term : all) {
+      bool within = true;
+      change_atoms(term, [&](int& atom) {
+        atom = place_[atom];
+        within = within && atom >= 0;
+      });
+      if (within) some.push_back(term);
+    }
     return some;
   }
   Nonbonded of(const Nonbonded& all) const {
@@ -95,7 +79,7 @@ class Selection {
       some.lj_table->type.clear();
       for (const int a : atoms_) some.lj_table->type.push_back(all.lj_table->type[a]);
     }
-    some.exceptions = pairs(all.exceptions);
+    some.exceptions = of(all.exceptions);
     some.dispersion_correction = false;
     return some;
   }

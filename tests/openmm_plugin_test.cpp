@@ -59,7 +59,7 @@ bool has(const std::string& platform) {
 }
 
 std::string refusal(const std::string& attributes, const std::string& options = "") {
-  return error_message<std::exception>([&] { delete make_integrator(attributes, options); });
+  return taut::error_message<std::exception>([&] { delete make_integrator(attributes, options); });
 }
 
 // A droplet of TIP3P: waters on a cubic grid.
@@ -254,7 +254,7 @@ TEST(OpenMMPluginDevicePlan, PutsClustersOfOneShapeSideBySide) {
 
 TEST(OpenMMPluginDevicePlan, RefusesWhatDevicesDoNotHold) {
   const auto refused = [](const taut::HeldBonds& held, const taut::HoldSettings& settings) {
-    return error_message<std::exception>([&] { taut::plan_for_device(held, settings); });
+    return taut::error_message<std::exception>([&] { taut::plan_for_device(held, settings); });
   };
   const taut::HeldBonds some = two_waters_and_others();
   EXPECT_NE(refused(some, {0.002, "newton", {}}).find("take \"feedforward\" or \"baumgarte\""),

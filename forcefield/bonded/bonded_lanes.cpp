@@ -219,32 +219,10 @@ struct Law<TurnedTorsion> {
   }
 };
 
-double bonds(std::span<const HarmonicBond> terms, const double* x, double* f) {
-  return Block<HarmonicBond>::add_all(terms, x, f);
-}
-double angles(std::span<const HarmonicAngle> terms, const double* x, double* f) {
-  return Block<HarmonicAngle>::add_all(terms, x, f);
-}
-double cosine_angles(std::span<const CosineAngle> terms, const double* x, double* f) {
-  return Block<CosineAngle>::add_all(terms, x, f);
-}
-double cosine_squared_angles(std::span<const CosineSquaredAngle> terms, const double* x, double* f) {
-  return Block<CosineSquaredAngle>::add_all(terms, x, f);
-}
-double torsions(std::span<const ExpandedTorsion> terms, const double* x, double* f) {
-  return Block<ExpandedTorsion>::add_all(terms, x, f);
-}
-double rb_torsions(std::span<const RyckaertBellemans> terms, const double* x, double* f) {
-  return Block<RyckaertBellemans>::add_all(terms, x, f);
-}
-double harmonic_torsions(std::span<const TurnedTorsion> terms, const double* x, double* f) {
-  return Block<TurnedTorsion>::add_all(terms, x, f);
-}
-double fene(std::span<const Fene> terms, const double* x, double* f) {
-  return Block<Fene>::add_all(terms, x, f);
-}
-double exceptions(std::span<const PairException> terms, const double* x, double* f) {
-  return Block<PairException>::add_all(terms, x, f);
+double add_forces(const TermSpan& terms, const double* x, double* f) {
+  return std::visit([x, f]<class Term>(std::span<const Term> of_one_kind)
+                        HWY_ATTR { return Block<Term>::add_all(of_one_kind, x, f); },
+                    terms);
 }
 
 }  // namespace taut::HWY_NAMESPACE
@@ -253,15 +231,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace taut {
 
-HWY_EXPORT(bonds);
-HWY_EXPORT(angles);
-HWY_EXPORT(cosine_angles);
-HWY_EXPORT(cosine_squared_angles);
-HWY_EXPORT(torsions);
-HWY_EXPORT(rb_torsions);
-HWY_EXPORT(harmonic_torsions);
-HWY_EXPORT(fene);
-HWY_EXPORT(exceptions);
+HWY_EXPORT(add_forces);
 
 ExpandedTorsion::ExpandedTorsion(const PeriodicTorsion& t)
     : i(t.i),
@@ -282,32 +252,8 @@ TurnedTorsion::TurnedTorsion(const HarmonicTorsion& t)
       cosine(std::cos(t.angle)),
       sine(std::sin(t.angle)) {}
 
-double add_term_forces(std::span<const HarmonicBond> terms, const Vectors& x, Vectors& f) {
-  return HWY_DYNAMIC_DISPATCH(bonds)(terms, x.data(), f.data());
-}
-double add_term_forces(std::span<const HarmonicAngle> terms, const Vectors& x, Vectors& f) {
-  return HWY_DYNAMIC_DISPATCH(angles)(terms, x.data(), f.data());
-}
-double add_term_forces(std::span<const CosineAngle> terms, const Vectors& x, Vectors& f) {
-  return HWY_DYNAMIC_DISPATCH(cosine_angles)(terms, x.data(), f.data());
-}
-double add_term_forces(std::span<const CosineSquaredAngle> terms, const Vectors& x, Vectors& f) {
-  return HWY_DYNAMIC_DISPATCH(cosine_squared_angles)(terms, x.data(), f.data());
-}
-double add_term_forces(std::span<const ExpandedTorsion> terms, const Vectors& x, Vectors& f) {
-  return HWY_DYNAMIC_DISPATCH(torsions)(terms, x.data(), f.data());
-}
-double add_term_forces(std::span<const RyckaertBellemans> terms, const Vectors& x, Vectors& f) {
-  return HWY_DYNAMIC_DISPATCH(rb_torsions)(terms, x.data(), f.data());
-}
-double add_term_forces(std::span<const TurnedTorsion> terms, const Vectors& x, Vectors& f) {
-  return HWY_DYNAMIC_DISPATCH(harmonic_torsions)(terms, x.data(), f.data());
-}
-double add_term_forces(std::span<const Fene> terms, const Vectors& x, Vectors& f) {
-  return HWY_DYNAMIC_DISPATCH(fene)(terms, x.data(), f.data());
-}
-double add_term_forces(std::span<const PairException> terms, const Vectors& x, Vectors& f) {
-  return HWY_DYNAMIC_DISPATCH(exceptions)(terms, x.data(), f.data());
+double add_term_forces(const TermSpan& terms, const Vectors& x, Vectors& f) {
+  return HWY_DYNAMIC_DISPATCH(add_forces)(terms, x.data(), f.data());
 }
 
 }  // namespace taut

@@ -7,13 +7,6 @@
 
 namespace taut {
 
-inline std::array<int, 2> atoms_of(const TabulatedBond& t) {
-  return {t.i, t.j};
-}
-inline std::array<int, 3> atoms_of(const TabulatedAngle& t) {
-  return {t.i, t.j, t.k};
-}
-
 // Each adds the forces to f and returns the energy [kJ/mol], one term after the other. Nothing is extrapolated: they
 // throw SimulationFailure for a distance or an angle outside its table. Where the atoms of an angle are in line, its
 // forces are zero.

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <concepts>
 #include <map>
 
 #include "base/adjacency.hpp"
+#include "forcefield/term_lists.hpp"
 #include "systems/whole_molecules.hpp"
 
 namespace taut {
@@ -23,12 +23,7 @@ Term shift_atoms(Term term, int by) {
   if constexpr (requires { term.atom; })
     term.atom += by;
   else
-    term.i += by, term.j += by;
-  if constexpr (requires {
-                  { term.k } -> std::same_as<int&>;
-                })
-    term.k += by;
-  if constexpr (requires { term.l; }) term.l += by;
+    change_atoms(term, [by](int& atom) { atom += by; });
   return term;
 }
 VirtualSite shift_atoms(VirtualSite site, int by) {
@@ -43,16 +38,7 @@ void copy(const std::vector<Term>& from, int by, std::vector<Term>& to) {
 }
 
 void copy_terms(const Terms& one, int by, Terms& all) {
-  copy(one.bonds, by, all.bonds);
-  copy(one.angles, by, all.angles);
-  copy(one.cosine_angles, by, all.cosine_angles);
-  copy(one.cosine_squared_angles, by, all.cosine_squared_angles);
-  copy(one.tabulated_bonds, by, all.tabulated_bonds);
-  copy(one.tabulated_angles, by, all.tabulated_angles);
-  copy(one.torsions, by, all.torsions);
-  copy(one.rb_torsions, by, all.rb_torsions);
-  copy(one.harmonic_torsions, by, all.harmonic_torsions);
-  copy(one.fene, by, all.fene);
+  for_each_list([&](auto list) { copy(one.*list, by, all.*list); });
   copy(one.pulls, by, all.pulls);
   copy(one.restraints, by, all.restraints);
   copy(one.steered, by, all.steered);

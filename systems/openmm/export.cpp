@@ -123,43 +123,19 @@ void write_nonbonded(Node forces, const Nonbonded& from, const Box& box) {
   write_list(force, from.exceptions);
 }
 
-void write_harmonic_torsions(Node forces, const std::vector<HarmonicTorsion>& torsions) {
-  std::string energy = kTorsionEnergy;
+// Writes a custom force whose terms are called "Bond", "Angle" or "Torsion": each term's atoms and its numbers, which are
+// named once.
+template <class Term>
+void write_custom(Node forces, const std::string& called, std::string energy, const Names& names,
+                  const std::vector<Term>& terms, const auto& numbers) {
+  if (terms.empty()) return;
   bool takes_images = false;
-  Node force =
-      write_force(forces, "CustomTorsionForce", {{"energy", &energy}, {"usesPeriodic", &takes_images}});
-  write_parameters(force, "PerTorsionParameters", {"k", "theta0"}, {});
+  Node force = write_force(forces, ("Custom" + called + "Force").c_str(),
+                           {{"energy", &energy}, {"usesPeriodic", &takes_images}});
+  write_parameters(force, ("Per" + called + "Parameters").c_str(), names, {});
   force.append_child("EnergyParameterDerivatives");
-  Node list = force.append_child("Torsions");
-  for (auto t : torsions)
-    write_term(list, "Torsion", torsion_fields(t, 0, {}),
-               {t.stiffness, std::remainder(t.angle, 2 * std::numbers::pi)});
-}
-
-void write_cosine_angles(Node forces, const std::vector<CosineAngle>& angles) {
-  std::string energy = kCosineAngleEnergy;
-  bool takes_images = false;
-  Node force =
-      write_force(forces, "CustomAngleForce", {{"energy", &energy}, {"usesPeriodic", &takes_images}});
-  write_parameters(force, "PerAngleParameters", {"k"}, {});
-  force.append_child("EnergyParameterDerivatives");
-  Node list = force.append_child("Angles");
-  for (auto t : angles)
-    write_term(list, "Angle", {atom_field("p1", t.i, 0), atom_field("p2", t.j, 0), atom_field("p3", t.k, 0)},
-               {t.stiffness});
-}
-
-void write_cosine_squared_angles(Node forces, const std::vector<CosineSquaredAngle>& angles) {
-  std::string energy = kCosineSquaredEnergy;
-  bool takes_images = false;
-  Node force =
-      write_force(forces, "CustomAngleForce", {{"energy", &energy}, {"usesPeriodic", &takes_images}});
-  write_parameters(force, "PerAngleParameters", {"k", "c0"}, {});
-  force.append_child("EnergyParameterDerivatives");
-  Node list = force.append_child("Angles");
-  for (auto t : angles)
-    write_term(list, "Angle", {atom_field("p1", t.i, 0), atom_field("p2", t.j, 0), atom_field("p3", t.k, 0)},
-               {t.stiffness, t.cosine});
+  Node list = force.append_child((called + "s").c_str());
+  for (Term term : terms) write_term(list, called.c_str(), term_fields(term, 0, {}), numbers(term));
 }
 
 void write_cmaps(Node forces, const Terms& terms) {
@@ -233,17 +209,6 @@ void write_wall(Node forces, const Wall& wall) {
                {wall.at, double(wall.faces), wall.sigma, wall.epsilon, cut, shift});
 }
 
-void write_fene(Node forces, const std::vector<Fene>& springs) {
-  std::string energy = kFeneEnergy;
-  bool takes_images = false;
-  Node force = write_force(forces, "CustomBondForce", {{"energy", &energy}, {"usesPeriodic", &takes_images}});
-  write_parameters(force, "PerBondParameters", {"k", "r0"}, {});
-  force.append_child("EnergyParameterDerivatives");
-  Node list = force.append_child("Bonds");
-  for (auto [i, j, k, r0] : springs)
-    write_term(list, "Bond", {atom_field("p1", i, 0), atom_field("p2", j, 0)}, {k, r0});
-}
-
 void write_wca(Node forces, int atoms, const Box& box, const Wca& wca) {
   CustomNonbondedXml x{
       .energy = kWcaEnergy,
@@ -262,12 +227,20 @@ void write_forces(Node forces, const OpenMMInput& from) {
   const Terms& terms = from.terms;
   write_bonded(forces, terms.bonds);
   write_bonded(forces, terms.angles);
-  if (!terms.cosine_angles.empty()) write_cosine_angles(forces, terms.cosine_angles);
-  if (!terms.cosine_squared_angles.empty()) write_cosine_squared_angles(forces, terms.cosine_squared_angles);
+  using Numbers = std::vector<double>;
+  write_custom(forces, "Angle", kCosineAngleEnergy, {"k"}, terms.cosine_angles,
+               [](const CosineAngle& t) { return Numbers{t.stiffness}; });
+  write_custom(forces, "Angle", kCosineSquaredEnergy, {"k", "c0"}, terms.cosine_squared_angles,
+               [](const CosineSquaredAngle& t) {
+                 return Numbers{t.stiffness, t.cosine};
+               });
   write_tables(forces, terms, from.start.box);
   write_bonded(forces, terms.torsions);
   write_bonded(forces, terms.rb_torsions);
-  if (!terms.harmonic_torsions.empty()) write_harmonic_torsions(forces, terms.harmonic_torsions);
+  write_custom(forces, "Torsion", kTorsionEnergy, {"k", "theta0"}, terms.harmonic_torsions,
+               [](const HarmonicTorsion& t) {
+                 return Numbers{t.stiffness, std::remainder(t.angle, 2 * std::numbers::pi)};
+               });
   if (!terms.cmaps.empty()) write_cmaps(forces, terms);
   if (terms.nonbonded) write_nonbonded(forces, *terms.nonbonded, from.start.box);
   if (terms.nonbonded && terms.nonbonded->lj_table) write_lj_table(forces, *terms.nonbonded, from.start.box);
@@ -276,7 +249,9 @@ void write_forces(Node forces, const OpenMMInput& from) {
   if (!terms.restraints.empty()) write_restraints(forces, terms.restraints, from.start.box);
   for (const Wall& wall : terms.walls) write_wall(forces, wall);
   write_biases(forces, terms.biases, from.start.box);
-  if (!terms.fene.empty()) write_fene(forces, terms.fene);
+  write_custom(forces, "Bond", kFeneEnergy, {"k", "r0"}, terms.fene, [](const Fene& t) {
+    return Numbers{t.k, t.r0};
+  });
   if (terms.wca) write_wca(forces, from.system.atoms(), from.start.box, *terms.wca);
   if (from.remove_momentum_every > 0)
     put(write_force(forces, "CMMotionRemover", {}), "frequency", from.remove_momentum_every);

@@ -5,6 +5,7 @@
 
 #include <array>
 
+#include "forcefield/term_lists.hpp"
 #include "systems/openmm/expression.hpp"
 
 namespace taut {
@@ -16,7 +17,10 @@ class Images {
 
   // The atoms of a term, in the order of its bonds.
   template <std::size_t N>
-  void check(const char* kind, std::size_t index, const std::array<int, N>& atoms) const {
+  void check(std::size_t index, const std::array<int, N>& atoms,
+             const char* kind = N == 2   ? "bond"
+                                : N == 3 ? "angle"
+                                         : "torsion") const {
     for (std::size_t a = 1; a < N; ++a) {
       const int i = atoms[a - 1], j = atoms[a];
       const Vec3 d = m_.whole.col(j) - m_.whole.col(i);
@@ -76,21 +80,14 @@ void check_images(const Element& at, const OpenMMForce& force, const WholeMolecu
   const Images images(at, force.takes_images, molecules);
   const Terms& terms = force.terms;
   std::size_t k = 0;
-  for (const auto& t : terms.bonds) images.check("bond", k++, std::array{t.i, t.j});
-  for (const auto& t : terms.angles) images.check("angle", k++, std::array{t.i, t.j, t.k});
-  for (const auto& t : terms.cosine_angles) images.check("angle", k++, std::array{t.i, t.j, t.k});
-  for (const auto& t : terms.cosine_squared_angles) images.check("angle", k++, std::array{t.i, t.j, t.k});
-  for (const auto& t : terms.tabulated_angles) images.check("bond", k++, std::array{t.i, t.j, t.k});
-  for (const auto& t : terms.torsions) images.check("torsion", k++, std::array{t.i, t.j, t.k, t.l});
-  for (const auto& t : terms.rb_torsions) images.check("torsion", k++, std::array{t.i, t.j, t.k, t.l});
-  for (const auto& t : terms.harmonic_torsions) images.check("torsion", k++, std::array{t.i, t.j, t.k, t.l});
+  for_each_list([&](auto list) {
+    for (const auto& term : terms.*list) images.check(k++, atoms_of(term));
+  });
   for (const auto& t : terms.cmaps) {
-    images.check("torsion", k, t.phi);
-    images.check("torsion", k++, t.psi);
+    images.check(k, t.phi);
+    images.check(k++, t.psi);
   }
-  for (const auto& t : force.pairs) images.check("bond", k++, std::array{t.i, t.j});
-  for (const auto& t : terms.fene) images.check("bond", k++, std::array{t.i, t.j});
-  for (const auto& t : terms.tabulated_bonds) images.check("bond", k++, std::array{t.i, t.j});
+  for (const auto& t : force.pairs) images.check(k++, std::array{t.i, t.j});
   for (const Bias& bias : terms.biases) images.check_bias(bias);
   // A restraint without nearest images is the same while its atom is within half the box of its place.
   if (!force.takes_images)
@@ -98,7 +95,7 @@ void check_images(const Element& at, const OpenMMForce& force, const WholeMolecu
   if (!terms.nonbonded) return;
   for (const auto& t : terms.nonbonded->exceptions) {
     if (t.charge_product != 0 || t.epsilon != 0 || terms.nonbonded->pme)
-      images.check("exception", k, std::array{t.i, t.j});
+      images.check(k, std::array{t.i, t.j}, "exception");
     ++k;
   }
 }

@@ -8,6 +8,7 @@
 #include "base/errors.hpp"
 #include "forcefield/bonded/tabulated.hpp"
 #include "forcefield/check_terms.hpp"
+#include "forcefield/term_lists.hpp"
 #include "systems/openmm/forces.hpp"
 #include "systems/openmm/images.hpp"
 #include "systems/openmm/lennard_jones.hpp"
@@ -216,19 +217,10 @@ void add_biases(std::vector<Bias>& to, std::vector<Bias>& from) {
 
 void add(PlacedForce& placed, OpenMMInput& input) {
   Terms &from = placed.force.terms, &to = input.terms;
-  add_all(to.bonds, from.bonds);
-  add_all(to.angles, from.angles);
-  add_all(to.cosine_angles, from.cosine_angles);
-  add_all(to.cosine_squared_angles, from.cosine_squared_angles);
-  add_all(to.tabulated_bonds, from.tabulated_bonds);
-  add_all(to.tabulated_angles, from.tabulated_angles);
-  add_all(to.torsions, from.torsions);
-  add_all(to.rb_torsions, from.rb_torsions);
-  add_all(to.harmonic_torsions, from.harmonic_torsions);
+  for_each_list([&](auto list) { add_all(to.*list, from.*list); });
   for (CmapTorsion& t : from.cmaps) t.map += static_cast<int>(to.maps.size());
   add_all(to.maps, from.maps);
   add_all(to.cmaps, from.cmaps);
-  add_all(to.fene, from.fene);
   add_all(to.pulls, from.pulls);
   add_all(to.restraints, from.restraints);
   add_all(to.walls, from.walls);

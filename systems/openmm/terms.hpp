@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "forcefield/check_terms.hpp"
-#include "forcefield/terms.hpp"
+#include "forcefield/term_lists.hpp"
 #include "md/system.hpp"
 #include "systems/openmm/xml.hpp"
 
@@ -16,6 +16,16 @@ namespace taut {
 // Returns the field of an atom's number, which must be less than `atoms`.
 inline Field atom_field(std::string_view name, int& a, int atoms) {
   return {name, Field::Integer{&a, 0, atoms - 1}};
+}
+
+// Returns the fields of a term's atoms, p1, p2, ..., followed by its own ones.
+template <class Term>
+std::vector<Field> term_fields(Term& term, int atoms, const std::vector<Field>& own) {
+  constexpr std::array kAtoms = {"p1", "p2", "p3", "p4"};
+  std::vector<Field> all;
+  change_atoms(term, [&](int& atom) { all.push_back(atom_field(kAtoms[all.size()], atom, atoms)); });
+  all.insert(all.end(), own.begin(), own.end());
+  return all;
 }
 
 inline std::vector<Field> coordinates(Vec3& v) {
@@ -41,7 +51,7 @@ template <>
 struct InXml<RigidBond> {
   static constexpr const char *kList = "Constraints", *kEach = "Constraint";
   static std::vector<Field> fields(RigidBond& b, int atoms) {
-    return {atom_field("p1", b.i, atoms), atom_field("p2", b.j, atoms), {"d", &b.length}};
+    return term_fields(b, atoms, {{"d", &b.length}});
   }
 };
 
@@ -49,7 +59,7 @@ template <>
 struct InXml<HarmonicBond> {
   static constexpr const char *kForce = "HarmonicBondForce", *kList = "Bonds", *kEach = "Bond";
   static std::vector<Field> fields(HarmonicBond& t, int atoms) {
-    return {atom_field("p1", t.i, atoms), atom_field("p2", t.j, atoms), {"d", &t.length}, {"k", &t.k}};
+    return term_fields(t, atoms, {{"d", &t.length}, {"k", &t.k}});
   }
 };
 
@@ -57,30 +67,18 @@ template <>
 struct InXml<HarmonicAngle> {
   static constexpr const char *kForce = "HarmonicAngleForce", *kList = "Angles", *kEach = "Angle";
   static std::vector<Field> fields(HarmonicAngle& t, int atoms) {
-    return {atom_field("p1", t.i, atoms),
-            atom_field("p2", t.j, atoms),
-            atom_field("p3", t.k, atoms),
-            {"a", &t.angle},
-            {"k", &t.stiffness}};
+    return term_fields(t, atoms, {{"a", &t.angle}, {"k", &t.stiffness}});
   }
 };
-
-// Returns the fields of the four atoms of a torsion, followed by its own ones.
-template <class Torsion>
-std::vector<Field> torsion_fields(Torsion& t, int atoms, std::vector<Field> own) {
-  own.insert(own.begin(), {atom_field("p1", t.i, atoms), atom_field("p2", t.j, atoms),
-                           atom_field("p3", t.k, atoms), atom_field("p4", t.l, atoms)});
-  return own;
-}
 
 template <>
 struct InXml<PeriodicTorsion> {
   static constexpr const char *kForce = "PeriodicTorsionForce", *kList = "Torsions", *kEach = "Torsion";
   static std::vector<Field> fields(PeriodicTorsion& t, int atoms) {
-    return torsion_fields(t, atoms,
-                          {{"periodicity", Field::Integer{&t.periodicity, 1, kMostPeriodicity}},
-                           {"phase", &t.phase},
-                           {"k", &t.amplitude}});
+    return term_fields(t, atoms,
+                       {{"periodicity", Field::Integer{&t.periodicity, 1, kMostPeriodicity}},
+                        {"phase", &t.phase},
+                        {"k", &t.amplitude}});
   }
 };
 
@@ -88,13 +86,13 @@ template <>
 struct InXml<RyckaertBellemans> {
   static constexpr const char *kForce = "RBTorsionForce", *kList = "Torsions", *kEach = "Torsion";
   static std::vector<Field> fields(RyckaertBellemans& t, int atoms) {
-    return torsion_fields(t, atoms,
-                          {{"c0", &t.c[0]},
-                           {"c1", &t.c[1]},
-                           {"c2", &t.c[2]},
-                           {"c3", &t.c[3]},
-                           {"c4", &t.c[4]},
-                           {"c5", &t.c[5]}});
+    return term_fields(t, atoms,
+                       {{"c0", &t.c[0]},
+                        {"c1", &t.c[1]},
+                        {"c2", &t.c[2]},
+                        {"c3", &t.c[3]},
+                        {"c4", &t.c[4]},
+                        {"c5", &t.c[5]}});
   }
 };
 
@@ -114,11 +112,7 @@ template <>
 struct InXml<PairException> {
   static constexpr const char *kList = "Exceptions", *kEach = "Exception";
   static std::vector<Field> fields(PairException& t, int atoms) {
-    return {atom_field("p1", t.i, atoms),
-            atom_field("p2", t.j, atoms),
-            {"q", &t.charge_product},
-            {"sig", &t.sigma},
-            {"eps", &t.epsilon}};
+    return term_fields(t, atoms, {{"q", &t.charge_product}, {"sig", &t.sigma}, {"eps", &t.epsilon}});
   }
 };
 

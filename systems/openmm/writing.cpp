@@ -84,9 +84,7 @@ void write_tabulated(Node forces, const std::vector<Term>& terms, const char* fo
       list->second = force.append_child("Bonds");
       write_spline(force.append_child("Functions"), "table", *term.energy);
     }
-    std::vector<Field> atoms = {atom_field("p1", term.i, 0), atom_field("p2", term.j, 0)};
-    if constexpr (std::is_same_v<Term, TabulatedAngle>) atoms.push_back(atom_field("p3", term.k, 0));
-    write_term(list->second, "Bond", atoms, {});
+    write_term(list->second, "Bond", term_fields(term, 0, {}), {});
   }
 }
 
