@@ -130,6 +130,17 @@ TEST(KnownEnergies, AreNotWhatLooksLikeThem) {
       << "has a value at no point";
 }
 
+// A wall has no energy before it: there is no ratio of energies there, and the other must have none either.
+TEST(KnownEnergies, AreNothingWhereTheyAreNothing) {
+  const auto is_wall = [](const char* text) {
+    const KnownEnergy wall{"0.5*k*max(r-r0,0)^2", {{"k"}, {"r0", 0.5, 1}}};
+    return recognize(Expression(text), {"k", "r0"}, {{"r", 0.1, 1.5}}, wall).has_value();
+  };
+  EXPECT_TRUE(is_wall("0.5*k*step(r-r0)*(r-r0)^2"));
+  EXPECT_TRUE(is_wall("k*(max(r,r0)-r0)^2"));
+  EXPECT_FALSE(is_wall("0.5*k*max(r-r0,0)^2+0.1*k*step(r0-r)"));
+}
+
 // As openmm.app writes it for the force fields of CHARMM, Amber and GROMACS.
 TEST(KnownEnergies, HaveEverySpellingOfTheHarmonicImproper) {
   for (const char* text :

@@ -51,6 +51,7 @@ INSTANTIATE_TEST_SUITE_P(
         Change{"stiff*(r-d)^2", "stiff*(r-d)^2*step(0.5-r)", "UreyBradley\": has the energy stiff*"},
         Change{"stiff*(r-d)^2", "4*stiff*((d/r)^12-(d/r)^6)*step(d-r)", "has the energy 4*stiff*"},
         Change{"stiff*(r-d)^2", "stiff/r^12-1.001*d/r^6", "has the energy stiff/r^12"},
+        Change{"stiff*(r-d)^2", "max(stiff/r^12-d/r^6,0)", "has the energy max"},
         Change{"4*epsilon*((sigma/r)^12-(sigma/r)^6)+epsilon",
                "(4*epsilon*((sigma/r)^12-(sigma/r)^6)+epsilon)*step(sigma-r)",
                "force 8: CustomNonbondedForce: has the energy"},

@@ -43,7 +43,7 @@ def bare(given: Any, unit: str) -> Any:
                                 "K": units.kelvin, "fs": units.femtosecond}[unit])
 
 
-def number(given: Any, unit: str, what: str) -> float:
+def number(given: Any, unit: str, what: str) -> Any:
     """Returns a number, or an OpenMM Quantity in the unit. Raises InputError that names the argument for others."""
     try:
         found = bare(given, unit)
@@ -51,7 +51,7 @@ def number(given: Any, unit: str, what: str) -> float:
         found = None
     if isinstance(found, bool) or not isinstance(found, numbers.Real):
         raise InputError(f"{what}: expected a number [{unit}], got {given!r}")
-    return float(found)
+    return found  # 1 stays 1: settings are compared as texts
 
 
 def vectors(given: Any, unit: str, what: str, rows: Optional[int] = None) -> npt.NDArray[Any]:

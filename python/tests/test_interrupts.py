@@ -83,5 +83,4 @@ READING = {
 def test_a_large_system_is_read_and_made_within_earshot(call):
     done = subprocess.run([sys.executable, "-c", LISTENING.format(*READING[call])], check=True, capture_output=True, text=True)
     took, deaf = json.loads(done.stdout)
-    assert took > 0.5
-    assert deaf < 0.5
+    assert deaf < min(0.5, took / 2)

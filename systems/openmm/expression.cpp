@@ -331,7 +331,7 @@ std::optional<Recognized> recognize(const Expression& energy, std::vector<std::s
       for (const auto& [name, its_name] : found.name_of) given[its_name] = points[p].known[name];
       value[p] = known_energy(points[p].known);
       other[p] = energy(given);
-      if (value[p] == 0 && other[p] == 0) continue;
+      if (value[p] == 0) continue;  // as both are beyond a wall: is compared below
       ratio.push_back(other[p] / value[p]);
       if (!std::isfinite(ratio.back()) || ratio.back() == 0) return {};
     }
