@@ -28,6 +28,11 @@ def droplet(**more):
                             "run": {"dt_fs": 1, "temperature_k": 300, "seed": 5}}, **more)
 
 
+def test_what_is_no_simulation_is_refused():
+    with pytest.raises(taut.InputError, match="expected a taut.Simulation, got 3"):
+        taut.Calculator(3)
+
+
 def slope_of_energy(atoms, atom, axis, by=1e-4):
     energies = []
     for sign in (1, -1):
