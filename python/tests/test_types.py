@@ -45,7 +45,7 @@ sim.temprature
 """)
     done = mypy("mypy", "--strict", "--ignore-missing-imports", "mine.py", typed=typed)
     errors = [line for line in done.stdout.splitlines() if ": error:" in line]
-    assert len(errors) == 2 and 'argument "tolerence"' in errors[0] and '"temperature"' in errors[1], done.stdout
+    assert len(errors) == 2 and 'argument "tolerence"' in errors[0] and '"temprature"' in errors[1], done.stdout
 
 
 def test_mypy_takes_the_examples(typed):
