@@ -22,7 +22,7 @@ inline std::string with(const std::string& text, const std::string& old, const s
   return SceneText{text}.with(old, changed).text;
 }
 
-// Two atoms that no term puts close to each other, and their least distance in σ.
+// Returns the least distance, in σ, of two atoms that no term holds close to each other.
 inline double nearest(const Scene& scene) {
   const Nonbonded& nb = *scene.terms.nonbonded;
   std::set<std::pair<int, int>> near;
