@@ -10,10 +10,7 @@ namespace taut {
 // The forces of a run, with what evaluating them gave besides. Barostats ask it for the virial.
 struct RunForces final : ForceLaw {
   explicit RunForces(ForceField its_field) : field(std::move(its_field)) {}
-  void evaluate(const System& sys, State& s) override {
-    if (listen) field.list_pairs(sys, s, listen);
-    field.evaluate(sys, s, besides);
-  }
+  void evaluate(const System& sys, State& s) override { field.evaluate(sys, s, besides, listen); }
 
   Listen listen{};  // while a start is made, whose pair lists take long
   ForceField field;

@@ -90,6 +90,7 @@ struct ForceField::Impl {
     if (lj_coulomb) lj_coulomb->update_lists(x, box, listen);
     if (wca) wca->update_lists(x, box, listen);
     if (tables) tables->update_lists(x, box, listen);
+    hear(listen);
     const bool all = (lj_coulomb && lj_coulomb->on_every_atom()) || (wca && wca->on_every_atom());
     if (!all) check_positions(x);
   }
@@ -101,17 +102,20 @@ struct ForceField::Impl {
     return on_every_atom && !tables && bonded.pieces() == 0 && !has_fields();
   }
 
-  void evaluate(const System& sys, const State& s, Vectors& f, Evaluation& besides) {
+  void evaluate(const System& sys, const State& s, Vectors& f, Evaluation& besides, const Listen& listen) {
     const Vectors& x = s.x;
-    place_atoms(x, s.box);
+    place_atoms(x, s.box, listen);
     f.resize(3, x.cols());
     if (!pairs_overwrite()) clear(f);
     add_bonded_and_fields(sys, s, f, besides);
+    hear(listen);
     using enum ClusterPairs::Write;
     if (lj_coulomb) lj_coulomb->add_forces(f, pairs_overwrite() ? kOverwrite : kAdd);
+    hear(listen);
     if (pme) besides.mesh = pme->add_forces(x, f);
     if (wca) wca->add_forces(f, pairs_overwrite() && !lj_coulomb ? kOverwrite : kAdd);
     if (tables) tables->add_forces(f);
+    hear(listen);
   }
 
   // The energy alone, for which forces of pairs are not computed: f gets the others.
@@ -195,9 +199,9 @@ ForceField::~ForceField() = default;
 ForceField::ForceField(ForceField&&) noexcept = default;
 ForceField& ForceField::operator=(ForceField&&) noexcept = default;
 
-void ForceField::evaluate(const System& sys, State& s, Evaluation& besides) {
+void ForceField::evaluate(const System& sys, State& s, Evaluation& besides, const Listen& listen) {
   place_virtual_sites(sys, s.x);
-  impl_->evaluate(sys, s, s.f, besides);
+  impl_->evaluate(sys, s, s.f, besides, listen);
   besides.site_virial.setZero();
   if (!sys.sites.empty())
     besides.site_virial = in_part(StepPart::kSites, [&] { return hand_to_parents(sys.sites, s.x, s.f); });
@@ -208,15 +212,9 @@ void ForceField::evaluate(const System& sys, State& s) {
   evaluate(sys, s, besides);
 }
 
-void ForceField::list_pairs(const System& sys, State& s, const Listen& listen) {
-  place_virtual_sites(sys, s.x);
-  impl_->place_atoms(s.x, s.box, listen);
-  hear(listen);
-}
-
-double ForceField::evaluate_energy(const System& sys, State& s) {
+double ForceField::evaluate_energy(const System& sys, State& s, const Listen& listen) {
   Evaluation besides;
-  evaluate(sys, s, besides);
+  evaluate(sys, s, besides, listen);
   return potential(s, besides);
 }
 

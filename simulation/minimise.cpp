@@ -60,8 +60,7 @@ class Descent {
  private:
   // The energy; f becomes tangent.
   double evaluate(State& s) {
-    forces_.list_pairs(real_, s, listen_);
-    const double energy = forces_.evaluate_energy(real_, s);
+    const double energy = forces_.evaluate_energy(real_, s, listen_);
     hear(listen_);
     for (int a = 0; a < sys_.atoms(); ++a) s.f.col(a) *= sys_.mass[a];  // an anchor's force moves nothing
     projector_.velocities(sys_, s.x, s.f);

@@ -9,12 +9,12 @@
 namespace taut {
 
 // Gives a parser a text piece by piece, and listens before each. What listening throws ends the text, and is to be
-// thrown on when the parser is through: it would take it for an error of its own.
+// thrown again when the parser is through: it would take it for an error of its own.
 class HeardText : public std::streambuf {
  public:
   HeardText(std::string_view text, const Listen& listen) : text_(text), listen_(listen) {}
 
-  void throw_on() const {
+  void rethrow() const {
     if (thrown_) std::rethrow_exception(thrown_);
   }
 

@@ -388,10 +388,10 @@ toml::table parse_toml_text(std::string_view text, const std::filesystem::path& 
   try {
     std::istream stream(&pieces);
     toml::table table = toml::parse(stream, file.string());
-    pieces.throw_on();
+    pieces.rethrow();
     return table;
   } catch (const toml::parse_error& e) {
-    pieces.throw_on();
+    pieces.rethrow();
     throw LocatedError(fmt::format("{}:{}: not valid TOML: {}", file.string(), e.source().begin.line,
                                    one_line(e.description())));
   }

@@ -123,8 +123,8 @@ TEST_F(Listening_InAFolder, EndsReadingAStartAnywhere) {
   EXPECT_GT(count_stops([&](const Listen& listen) { EXPECT_EQ(read_start(file, listen).x, many.x); }), 20);
 }
 
-// A search that was ended leaves no list: the forces after it are those of one that never was, to the last bit.
-TEST(Listening, EndsASearchOfPairsAnywhere) {
+// Where an evaluation of forces has been ended, the next has the bits of one that follows none.
+TEST(Listening, EndsForcesAnywhere) {
   const Scene scene = scene_of("water", {"build.molecules=1728"});
   State s = scene.start;
   ForceField(scene.system, s.box, scene.terms).evaluate(scene.system, s);
@@ -136,7 +136,7 @@ TEST(Listening, EndsASearchOfPairsAnywhere) {
       EXPECT_EQ(s.f, f);
     };
     try {
-      forces.list_pairs(scene.system, s, listen);
+      (void)forces.evaluate_energy(scene.system, s, listen);
     } catch (const Stop&) {
       expect_forces();
       throw;
@@ -144,6 +144,10 @@ TEST(Listening, EndsASearchOfPairsAnywhere) {
     expect_forces();
   });
   EXPECT_GT(stops, 20) << "columns of clusters";
+  ForceField listed(scene.system, s.box, scene.terms);
+  listed.evaluate(scene.system, s);
+  EXPECT_GE(count_stops([&](const Listen& listen) { (void)listed.evaluate_energy(scene.system, s, listen); }),
+            4);
 }
 
 // What each builder is long at.

@@ -27,8 +27,8 @@ universe.load_new("chains.dcd")
 chains = [residue.atoms for residue in universe.residues]
 stiff = PersistenceLength(chains).run()
 cosine = 1 / np.tanh(KAPPA) - 1 / KAPPA
-foretold = -BOND / np.log(cosine)
-print(f"persistence length {stiff.results.lp / 10:.3f} nm; {foretold:.3f} nm by the closed form")
+predicted = -BOND / np.log(cosine)
+print(f"persistence length {stiff.results.lp / 10:.3f} nm; {predicted:.3f} nm by the closed form")
 
 sim = taut.Simulation("water", method="feedforward", precision="mixed",
                       set={"run.thermostat": "langevin", "run.temperature_k": KELVIN, "forcefield.coulomb": "pme"})

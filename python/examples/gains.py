@@ -1,4 +1,4 @@
-"""Baumgarte's gains on a plane: where they hold, and where the theory says. Draws gains.png."""
+"""Baumgarte's gains on a plane: where bonds hold, and where they do by the theory. Draws gains.png."""
 
 import taut
 

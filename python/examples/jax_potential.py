@@ -37,5 +37,5 @@ sim.run(20000, every=20, callback=lambda row: distances.append(
     float(np.linalg.norm(sim.positions[-1] - sim.positions[0]))))
 figure, axis = pyplot.subplots(layout="constrained")
 axis.hist(distances, 60)
-axis.set(xlabel="end-to-end distance [nm]", ylabel="looks")
+axis.set(xlabel="end-to-end distance [nm]", ylabel="frames")
 figure.savefig("jax_potential.png", dpi=150)

@@ -15,13 +15,15 @@ ORDER = ["first_run", "water", "own_method", "gains", "polymer", "pulled_chain",
 
 
 def words_and_code(name: str) -> "tuple[str, str]":
+    """Returns the docstring, its first words up to a colon as a heading of Markdown, and the code."""
     text = (HERE / f"{name}.py").read_text()
-    return ast.get_docstring(ast.parse(text)) or "", text[text.index('"""', 3) + 3:].strip()
+    title, _, words = (ast.get_docstring(ast.parse(text)) or "").partition(": ")
+    return f"## {title}\n{words[0].upper()}{words[1:]}", text[text.index('"""', 3) + 3:].strip()
 
 
 def cells_of(name: str) -> "list[dict[str, object]]":
     words, code = words_and_code(name)
-    return [{"cell_type": "markdown", "metadata": {}, "source": f"## {words}"},
+    return [{"cell_type": "markdown", "metadata": {}, "source": words},
             {"cell_type": "code", "metadata": {}, "source": code, "outputs": [], "execution_count": None}]
 
 
@@ -41,8 +43,8 @@ def gallery() -> str:
              "[taut.ipynb](../python/examples/taut.ipynb) holds them as one notebook."]
     for name in ORDER:
         words, code = words_and_code(name)
-        printed = (DOCS / "pictures" / "gallery" / f"{name}.txt").read_text().strip().splitlines()[-6:]
-        parts.append(f"## {words.split(':')[0].rstrip('.')}\n{words}\n\n![{name}](pictures/gallery/{name}.png)")
+        printed = (DOCS / "pictures" / "gallery" / f"{name}.txt").read_text().splitlines()[-6:]
+        parts.append(f"{words}\n\n![{name}](pictures/gallery/{name}.png)")
         if printed:
             parts.append("\n".join(["It prints, at the end:", "```text", *printed, "```"]))
         parts.append(f"```python\n{code}\n```")

@@ -1,5 +1,5 @@
-"""A freely jointed chain's end-to-end distance: ⟨R²⟩ = N b² (and a little more, the bonds being rigid). Draws
-polymer.png."""
+"""A freely jointed chain's end-to-end distance: its distribution beside the Gaussian chain's, and ⟨R²⟩ beside
+N b². Draws polymer.png."""
 
 import numpy as np
 import numpy.typing as npt
@@ -22,7 +22,7 @@ def look(row: taut.Row) -> None:
 
 sim.run(4000, every=100, callback=look)
 mean = (np.array(distances) ** 2).mean() / ((BEADS - 1) * length**2)
-print(f"<R²> = {mean:.3f} N b², {CHAINS} chains, {len(distances)} looks")
+print(f"<R²> = {mean:.3f} N b², {CHAINS} chains, {len(distances)} frames")
 
 figure, axis = pyplot.subplots(layout="constrained")
 axis.hist(np.array(distances).ravel(), 40, density=True, label="taut")

@@ -1,4 +1,5 @@
-"""A protein from a PDB file, in water, hydrogens rigid, by feedforward at 3 fs: its RMSD. Draws protein.png.
+"""A protein from a PDB file: its RMSD in water, with rigid bonds to hydrogen, by feedforward at 3 fs. Draws
+protein.png.
 
 Needs OpenMM and MDAnalysis: pip install openmm MDAnalysis
 """

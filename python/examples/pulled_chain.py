@@ -19,15 +19,15 @@ forces = [2.0, 5.0, 10.0, 20.0, 40.0]  # [kJ/mol/nm]
 extensions = []
 for force in forces:
     sim = taut.Simulation(chains_under(force), method="feedforward")
-    looks: "list[float]" = []
+    stretched: "list[float]" = []
 
     def look(row: taut.Row) -> None:
         ends = sim.positions.reshape(CHAINS, BEADS, 3)[:, [0, -1], 0]
-        looks.append(np.diff(ends).mean() / ((BEADS - 1) * LENGTH))
+        stretched.append(np.diff(ends).mean() / ((BEADS - 1) * LENGTH))
 
     sim.run(12000, every=20, callback=look)
-    after = taut.measure.equilibration(looks)
-    extensions.append(taut.measure.mean(looks[after:]))
+    after = taut.measure.equilibration(stretched)
+    extensions.append(taut.measure.mean(stretched[after:]))
     print(f"{force:3.0f} kJ/mol/nm: {extensions[-1]} of the contour length")
 
 figure, axis = pyplot.subplots(layout="constrained")

@@ -34,8 +34,8 @@ def look(row: taut.Row) -> None:
 
 sim.run(2000)
 sim.run(8000, every=20, callback=look)
-foretold = (p * np.cos(np.radians(degrees))).sum()
-print(f"⟨cos θ⟩ = {taut.measure.mean(cosines)}; {foretold:.4f} by the distribution that was inverted")
+predicted = (p * np.cos(np.radians(degrees))).sum()
+print(f"⟨cos θ⟩ = {taut.measure.mean(cosines)}; {predicted:.4f} by the distribution that was inverted")
 
 figure, axis = pyplot.subplots(layout="constrained")
 axis.plot(degrees, p, label="the distribution that was inverted")

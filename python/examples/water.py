@@ -1,4 +1,4 @@
-"""Water's structure: taut writes a trajectory, MDAnalysis finds g(r) of oxygen in it. Draws water.png.
+"""Water's structure: the g(r) of oxygen that MDAnalysis finds in a trajectory that taut has written. Draws water.png.
 
 Needs MDAnalysis: pip install MDAnalysis
 """

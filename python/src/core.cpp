@@ -51,7 +51,10 @@ void translate(std::exception_ptr thrown) {
 // Reads a scene from its text. A start that the scene names is read from the disk.
 Input of_toml(const std::string& text, const std::vector<std::string>& overrides) {
   const std::filesystem::path name = "scene.toml";
-  Input input{read_scene(parse_toml_text(text, name), name, overrides, {.listen = Listening()}), {}};
+  Listening listening;
+  Input input{read_scene(parse_toml_text(text, name, std::ref(listening)), name, overrides,
+                         {.listen = std::ref(listening)}),
+              {}};
   std::vector<std::filesystem::path> files{std::move(input.scene.files)};
   input.scene.files.assign(files.begin() + 1, files.end());
   input.source = source_of(input.scene, false, overrides);

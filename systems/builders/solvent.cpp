@@ -135,8 +135,7 @@ State cut(const State& unit, const Box& box, long molecules) {
 bool relax(const System& sys, ForceField& forces, const std::vector<RigidMolecules>& molecules, double energy,
            State& s, const Listen& listen) {
   s.f.resizeLike(s.x);
-  forces.list_pairs(sys, s, listen);
-  double now = forces.evaluate_energy(sys, s), far = 1e-5;  // [nm per kJ/mol/nm]
+  double now = forces.evaluate_energy(sys, s, listen), far = 1e-5;  // [nm per kJ/mol/nm]
   State next = s;
   double slack = 0;
   for (const RigidMolecules& of : molecules) slack += kSlack * static_cast<double>(of.count());
@@ -156,8 +155,7 @@ bool relax(const System& sys, ForceField& forces, const std::vector<RigidMolecul
         next.x.middleCols(m, each) =
             (turned * (x.colwise() - middle)).colwise() + (middle + longest * far * force);
       }
-    forces.list_pairs(sys, next, listen);
-    const double there = forces.evaluate_energy(sys, next);
+    const double there = forces.evaluate_energy(sys, next, listen);
     if (!(there < now) || there < energy - slack) {
       far *= there < now ? (now - energy) / (now - there) : 0.5;
       continue;

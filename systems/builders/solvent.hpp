@@ -10,8 +10,6 @@ namespace taut {
 
 // Fills boxes with water that was equilibrated in another box. Waters are three consecutive atoms O, H, H.
 
-inline constexpr double kWaterPerNm3 = 34;  // approximate density
-
 // Removes the sites of any water model, which follow each molecule's atoms. Returns false if these are not
 // waters.
 bool keep_atoms(State& waters);
