@@ -9,8 +9,8 @@ cholesterol: the bonded model of Martini 2 (doi:10.1021/ja507832e), whose frame 
 nearly flat, at 20 fs and 300 K; where each integrator ends. protein: milliseconds a step of 2 fs with rigid bonds to
 hydrogen, all bonds, or all bonds and the angles that OpenMM's HAngles makes rigid; whole steps, and steps without
 forces but those of angles, from which OpenMM takes its matrix: integrator and bonds alone. water: temperature and
-potential with a thermostat, beside OpenMM's own, and the drift of the energy without. All on the CPU platform, one thread. Needs the plug-in
-(openmm_plugin/README.md).
+potential with a thermostat, beside OpenMM's own, and the drift of the energy without.
+All on the CPU platform, one thread. Needs the plug-in (openmm_plugin/README.md).
 """
 import argparse
 import itertools

@@ -1,4 +1,4 @@
-"""Baumgarte's gains on a plane: where bonds hold, and where they do by the theory. Draws gains.png."""
+"""Baumgarte's gains on a plane: where bonds hold in runs, and where theory says so. Draws gains.png."""
 
 import taut
 

@@ -18,7 +18,7 @@ def words_and_code(name: str) -> "tuple[str, str]":
     """Returns the docstring, its first words up to a colon as a heading of Markdown, and the code."""
     text = (HERE / f"{name}.py").read_text()
     title, _, words = (ast.get_docstring(ast.parse(text)) or "").partition(": ")
-    return f"## {title}\n{words[0].upper()}{words[1:]}", text[text.index('"""', 3) + 3:].strip()
+    return f"## {title}\n{words[:1].upper()}{words[1:]}", text[text.index('"""', 3) + 3:].strip()
 
 
 def cells_of(name: str) -> "list[dict[str, object]]":
