@@ -67,7 +67,9 @@ TEST(Flow, CostsAndKeepsWhatTheTableSays) {
     const double halfway = rms(flow.divergence());
     for (int n = 0; n < 200; ++n) flow.step();
     EXPECT_NEAR(rms(flow.divergence()) / row.divergence, 1, 0.08);
-    if (row.keeps == Flow::Keeps::kBare) EXPECT_GT(rms(flow.divergence()), 1.2 * halfway) << "it grows on";
+    if (row.keeps == Flow::Keeps::kBare) {
+      EXPECT_GT(rms(flow.divergence()), 1.2 * halfway) << "it grows on";
+    }
     EXPECT_NEAR(flow.error() / row.error, 1, 0.03);
     EXPECT_NEAR(static_cast<double>(flow.iterations()), row.iterations, 0.01 * row.iterations);
   }
