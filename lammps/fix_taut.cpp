@@ -193,7 +193,10 @@ void FixTaut::find_multipliers() {
     forward_comm(Forward::kMultipliers);
     if (n + 1 == exchanges_) look_before_last_exchange();
     read_outer(false);
-    read_motion();
+    if (solve_->feedforward())
+      solve_->state().f.setZero();  // where it has put what it found; v is as it was
+    else
+      read_motion();
     solve_->add_outer_pull(kick_);
     const SolveStats again = solve_->again();
     require_solved(again);
@@ -248,6 +251,7 @@ void FixTaut::find_first_multipliers() {
 
 void FixTaut::read_motion() {
   taut::State& s = solve_->state();
+  solve_->motions_were_read();
   const auto& images = solve_->local().images;
   if (motion_size_ == 3) s.f.setZero();
   for (std::size_t a = 0; a < images.size(); ++a) {

@@ -147,10 +147,16 @@ class FixTaut : public Fix {
   std::vector<double> motion_;  // motion_size_ numbers an atom, ghosts included
 
   // Ghosts that some processor solves with, this one or one that they come to from here; and for each message
-  // of a forward communication, by LAMMPS's list of its atoms or its first ghost, the atoms that are in it.
+  // of a forward communication, by LAMMPS's list of its atoms or its first ghost, the atoms that are in it and their
+  // bonds to higher tags.
+  struct Message {
+    std::vector<int> atoms;
+    std::vector<taut::HeldBond*> upward;
+    void add(int i, taut::HeldBonds& held);
+  };
   std::vector<char> asked_for_;
-  std::unordered_map<const int*, std::vector<int>> told_;
-  std::unordered_map<int, std::vector<int>> heard_;
+  std::unordered_map<const int*, Message> told_;
+  std::unordered_map<int, Message> heard_;
 
   static constexpr int kRounds = 50;  // at the start, from a guess of nothing beyond a cut
 

@@ -66,6 +66,19 @@ void FixTaut::ask_for_ghosts() {
   told_.clear();
   heard_.clear();
   taut::reverse_comm(*comm, this);
+  std::vector<char> is_told(atom->nlocal + atom->nghost, false);
+  for (const auto& [list, message] : told_)
+    for (const int i : message.atoms) is_told[i] = i < atom->nlocal;
+  taut::LocalSystem& local = solve_->local();
+  local.told.clear();
+  for (int k = 0; k < local.system.bond_count(); ++k)
+    if (is_told[local.images[local.system.bonds[k].i].atom]) local.told.emplace_back(k, local.places[k][0]);
+  for (const int k : local.shared) local.told.emplace_back(k, local.places[k][1]);
+}
+
+void FixTaut::Message::add(int i, taut::HeldBonds& held) {
+  atoms.push_back(i);
+  for (int m = held.first_upward(i); m < held.count(i); ++m) upward.push_back(&held.of(i)[m]);
 }
 
 int FixTaut::pack_reverse_comm(int n, int first, double* buffer) {
@@ -73,7 +86,7 @@ int FixTaut::pack_reverse_comm(int n, int first, double* buffer) {
   for (int i = first; i < first + n; ++i) {
     if (held_.count(i) == 0) continue;
     *next++ = asked_for_[i];
-    if (asked_for_[i]) heard_[first].push_back(i);
+    if (asked_for_[i]) heard_[first].add(i, held_);
   }
   return static_cast<int>(next - buffer);
 }
@@ -83,7 +96,7 @@ void FixTaut::unpack_reverse_comm(int n, int* list, double* buffer) {
   for (int k = 0; k < n; ++k) {
     if (held_.count(list[k]) == 0 || *next++ == 0) continue;
     asked_for_[list[k]] = true;
-    told_[list].push_back(list[k]);
+    told_[list].add(list[k], held_);
   }
 }
 
@@ -118,34 +131,36 @@ int FixTaut::motion_sent() const {
 // Motion, and where chains are cut the multipliers of the atom's bonds to higher tags. An atom across the
 // periodic boundary is pbc box vectors away from its ghost.
 int FixTaut::pack_forward_comm(int, int* list, double* buffer, int pbc_flag, int* pbc) {
-  const auto atoms = told_.find(list);
-  if (atoms == told_.end()) return 0;
+  const auto message = told_.find(list);
+  if (message == told_.end()) return 0;
   double* next = buffer;
   const int motion = motion_sent();
   taut::Vec3 beside = taut::Vec3::Zero();
   if (carries_with_box() && pbc_flag) beside = box_motion_.carried_image(taut::Vec3(pbc[0], pbc[1], pbc[2]));
-  for (const int i : atoms->second) {
-    const double* const from = motion_of(i);
-    for (int m = 0; m < motion; m += 3, next += 3)
-      for (int c = 0; c < 3; ++c) next[c] = from[m + c] + (m == 0 ? beside[c] : 0);
-    if (!forwards_multipliers()) continue;
-    for (int m = held_.first_upward(i); m < held_.count(i); ++m) *next++ = held_.of(i)[m].told;
-  }
+  if (motion > 0)
+    for (const int i : message->second.atoms) {
+      const double* const from = motion_of(i);
+      for (int m = 0; m < motion; m += 3, next += 3)
+        for (int c = 0; c < 3; ++c) next[c] = from[m + c] + (m == 0 ? beside[c] : 0);
+    }
+  if (forwards_multipliers())
+    for (const taut::HeldBond* bond : message->second.upward) *next++ = bond->told;
   return static_cast<int>(next - buffer);
 }
 
 void FixTaut::unpack_forward_comm(int n, int first, double* buffer) {
-  const auto atoms = heard_.find(first);
-  if (n == 0 || atoms == heard_.end()) return;
+  const auto message = heard_.find(first);
+  if (n == 0 || message == heard_.end()) return;
   const double* next = buffer;
   const int motion = motion_sent();
-  for (const int i : atoms->second) {
-    double* const to = motion_of(i);
-    for (int m = 0; m < motion; m += 3, next += 3)
-      for (int c = 0; c < 3; ++c) to[m + c] = next[c];
-    if (!forwards_multipliers()) continue;
-    for (int m = held_.first_upward(i); m < held_.count(i); ++m) held_.of(i)[m].told = *next++;
-  }
+  if (motion > 0)
+    for (const int i : message->second.atoms) {
+      double* const to = motion_of(i);
+      for (int m = 0; m < motion; m += 3, next += 3)
+        for (int c = 0; c < 3; ++c) to[m + c] = next[c];
+    }
+  if (forwards_multipliers())
+    for (taut::HeldBond* bond : message->second.upward) bond->told = *next++;
 }
 
 void FixTaut::read_outer(bool next_step) {

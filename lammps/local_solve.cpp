@@ -15,7 +15,8 @@ LocalSolve::LocalSolve(LocalSystem local, const MethodOptions& method, double h)
       method_(make_method(local_.system, method, h)),
       history_(dynamic_cast<MultiplierHistory*>(method_.get())),
       past_(Eigen::MatrixXd::Zero(local_.system.bond_count(), history_->steps_kept())),
-      outer_r_(3, local_.outer.size()) {
+      outer_r_(3, local_.outer.size()),
+      pulled_(local_.outer.size()) {
   s_.x = s_.v = s_.f = Vectors::Zero(3, local_.system.atoms());
 }
 
@@ -40,8 +41,7 @@ void LocalSolve::tell_past() {
 
 void LocalSolve::tell_newest() {
   const Eigen::VectorXd& newest = lambda();
-  for (Eigen::Index k = 0; k < newest.size(); ++k)
-    for (HeldBond* bond : local_.places[k]) bond->told = newest[k];
+  for (const auto& [k, bond] : local_.told) bond->told = newest[k];
 }
 
 void LocalSolve::load_positions(double** x, const LAMMPS_NS::Domain& box) {
@@ -60,7 +60,8 @@ void LocalSolve::load_positions(double** x, const LAMMPS_NS::Domain& box) {
 void LocalSolve::add_outer_pull(double kick) {
   for (Eigen::Index b = 0; b < outer_r_.cols(); ++b) {
     const int a = local_.outer[b].inner;
-    const Vec3 force = -outer_lambda[b] * outer_r_.col(b);
+    const Vec3 force = (pulled_[b] - outer_lambda[b]) * outer_r_.col(b);
+    pulled_[b] = outer_lambda[b];
     if (feedforward_)
       s_.v.col(a) += kick / h_ * local_.system.inv_mass[a] * force;
     else

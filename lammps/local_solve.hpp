@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <memory>
 
 #include "constraints/batch/multiplier_history.hpp"
@@ -35,7 +36,7 @@ class LocalSolve {
   // The past of multipliers, from the atoms and to them. `known`: how many steps of it count.
   void load_past(int known);
   void keep_past();
-  // What ghosts are told of the bonds: the newest multipliers, of the past or as just found.
+  // What ghosts are told of the bonds: the newest multipliers, of the past, or as just found, of local().told alone.
   void tell_past();
   void tell_newest();
   int steps_kept() const { return history_->steps_kept(); }
@@ -43,7 +44,9 @@ class LocalSolve {
 
   // x of the images, in a box.
   void load_positions(double** x, const LAMMPS_NS::Domain& box);
-  // The pull of bonds beyond, with multipliers as guessed or received, on what the method is given.
+  // The pull of bonds beyond, with multipliers as guessed or received, on what the method is given: all of it after
+  // motions were read, then what multipliers have changed since.
+  void motions_were_read() { std::ranges::fill(pulled_, 0); }
   void add_outer_pull(double kick);
   // Multipliers beyond: the past's next value. The last one, the line or the
   // parabola through the last two or three, by order.
@@ -76,8 +79,9 @@ class LocalSolve {
   std::unique_ptr<DirectSolver> direct_;  // for velocities at the start
   MultiplierHistory* history_;
   State s_;
-  Eigen::MatrixXd past_;  // m × steps kept
-  Vectors outer_r_;       // from the inner atom to the outer
+  Eigen::MatrixXd past_;        // m × steps kept
+  Vectors outer_r_;             // from the inner atom to the outer
+  std::vector<double> pulled_;  // outer multipliers whose pull has been added
 };
 
 }  // namespace taut

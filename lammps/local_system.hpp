@@ -46,6 +46,8 @@ struct LocalSystem {
   // Bonds between an atom of this processor and a ghost of lower tag, their i: two processors find their
   // multipliers, and that of the other comes with the ghost.
   std::vector<int> shared;
+  // Bonds whose multipliers other processors are told, with their atom of the lower tag, and those that are shared.
+  std::vector<std::pair<int, HeldBond*>> told;
   std::vector<CutCluster> cut;
   bool ghosts = false;  // one of the atoms is a ghost
 

@@ -41,6 +41,13 @@ Start nearly_straight(int beads, std::uint64_t seed) {
   return start;
 }
 
+// Chains of 8 to 64 atoms, no two of one length.
+Start many_lengths() {
+  std::vector<Start> all;
+  for (int n = 0; n < 20; ++n) all.push_back(tests::free_chain(8 + (7 * n) % 57, 50 + n));
+  return together(all);
+}
+
 // Chains that are cut into pieces: such as divide and such as do not, alone and not, of several pieces a
 // lane, numbered along and not.
 std::vector<std::pair<const char*, Start>> long_chains() {
@@ -56,6 +63,7 @@ std::vector<std::pair<const char*, Start>> long_chains() {
           {"a copolymer", copolymer(400, 8)},
           {"scattered atoms", together({tests::free_chain(302, 9)}, odd_and_even)},
           {"all but straight", nearly_straight(202, 11)},
+          {"chains of many lengths", many_lengths()},
           {"2600 bonds", tests::free_chain(2601, 10)}};
 }
 
@@ -143,6 +151,27 @@ TEST(CutChains, AreEightTimesAsManyEqualPiecesAndTwoEnds) {
     own += batch.count * (batch.shape.atoms() - batch.shape.left - batch.shape.right);
   EXPECT_EQ(own, 2601);
   EXPECT_TRUE(found.rest.empty());
+}
+
+// Of 20 chains the pieces between the ends are of one shape, and fill the lanes of whichever chain they are.
+TEST(CutChains, HaveOneWidthWhereLengthsAreMany) {
+  const Start start = many_lengths();
+  const BondClusters found = find_clusters(start.system, ClusterLimits::cutting());
+  EXPECT_EQ(found.chains.size(), 20u);
+  EXPECT_TRUE(found.batches.empty());
+  EXPECT_TRUE(found.rest.empty());
+  int inner_shapes = 0, own = 0;
+  for (const ClusterBatch& batch : found.pieces) {
+    inner_shapes += batch.shape.left > 0 && batch.shape.right > 0;
+    own += batch.count * (batch.shape.atoms() - batch.shape.left - batch.shape.right);
+  }
+  EXPECT_EQ(inner_shapes, 1);
+  EXPECT_EQ(own, start.system.atoms());
+  // Fewer than 8 such chains stay whole, and so do chains of one length that fill the lanes.
+  const Start few = together({tests::free_chain(30, 1), tests::free_chain(40, 2), tests::free_chain(50, 3)});
+  EXPECT_EQ(find_clusters(few.system, ClusterLimits::cutting()).batches.size(), 3u);
+  const Start equal = together(chains(16, 40, 1));
+  EXPECT_EQ(find_clusters(equal.system, ClusterLimits::cutting()).batches.size(), 1u);
 }
 
 // Masses or lengths that do not repeat, or a branch: left to the plain method.

@@ -49,6 +49,20 @@ int most_bonds_of(const ClusterLimits& limits) {
                           : std::max(limits.most_bonds, limits.most_bonds_alike);
 }
 
+// Whether clusters are chains of a length that few others have: too few to fill the lanes, and each too short to fill
+// them by itself.
+bool is_odd(const ClusterBatch& batch, const ClusterLimits& limits) {
+  return !limits.fill_lanes(batch.count) && batch.shape.bond_count() < limits.alike * limits.piece &&
+         is_chain(batch.shape);
+}
+
+int count_odd_chains(const std::vector<ClusterBatch>& batches, const ClusterLimits& limits) {
+  int count = 0;
+  for (const ClusterBatch& batch : batches)
+    if (is_odd(batch, limits)) count += batch.count;
+  return count;
+}
+
 }  // namespace
 
 int ClusterBatches::add(const ClusterShape& shape, const std::vector<int>& atoms,
@@ -110,10 +124,14 @@ BondClusters find_clusters(const System& sys, const ClusterLimits& limits) {
     whole.add(shape, atoms, bonds);
   }
   ClusterBatches pieces;
+  const bool chains_of_many_lengths =
+      limits.piece > 0 && count_odd_chains(whole.batches, limits) >= limits.alike;
   for (ClusterBatch& batch : whole.batches) {
     const int size = batch.shape.bond_count();
     const bool alike = size <= limits.most_bonds_alike && batch.count >= limits.alike;
     const bool whole_at_once = size <= limits.most_bonds || (alike && limits.fill_lanes(batch.count));
+    if (chains_of_many_lengths && is_odd(batch, limits) && cut_chains(batch, {}, pieces, found.chains))
+      continue;
     if (!whole_at_once && limits.piece > 0 && cut_chains(batch, limits.piece, pieces, found.chains)) continue;
     if (whole_at_once || alike)
       found.batches.push_back(std::move(batch));

@@ -1,6 +1,7 @@
 #include "constraints/batch/cut_chains.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <optional>
 
 #include "constraints/batch/lanes.hpp"
@@ -14,7 +15,20 @@ struct Path {
   std::vector<int> atoms, bonds;
 };
 
+// Whether atoms and bonds are numbered along the chain.
+bool is_in_order(const ClusterShape& shape) {
+  for (int b = 0; b < shape.bond_count(); ++b)
+    if (shape.bonds[b].i != b || shape.bonds[b].j != b + 1) return false;
+  return true;
+}
+
 std::optional<Path> path_of(const ClusterShape& shape) {
+  if (is_in_order(shape)) {
+    Path path{std::vector<int>(shape.atoms()), std::vector<int>(shape.bond_count())};
+    std::iota(path.atoms.begin(), path.atoms.end(), 0);
+    std::iota(path.bonds.begin(), path.bonds.end(), 0);
+    return path;
+  }
   const auto bonds_at = bonds_at_atoms(shape.atoms(), shape.bonds);
   const auto is_end = [](const std::vector<int>& bonds) { return bonds.size() == 1; };
   const auto end = std::find_if(bonds_at.begin(), bonds_at.end(), is_end);
@@ -74,6 +88,14 @@ bool repeats(const ClusterShape& chain, const Path& path, const Cuts& cuts, int 
   return true;
 }
 
+// Pieces of one width, whatever the chain's length is, so that those of many chains are alike.
+std::optional<Cuts> find_common_cuts(const ClusterShape& chain, const Path& path) {
+  constexpr int kWidth = 16;
+  const int atoms = chain.atoms(), pieces = (atoms - 2 * kFewestAtoms) / kWidth;
+  Cuts cuts = cuts_of(atoms, pieces, kWidth);
+  return repeats(chain, path, cuts, kWidth) ? std::optional(cuts) : std::nullopt;
+}
+
 std::optional<Cuts> find_cuts(const ClusterShape& chain, const Path& path, int piece_bonds) {
   constexpr int kLongestPeriod = 16;
   const int atoms = chain.atoms(), pieces = kLanes * std::max(1, atoms / (kLanes * (piece_bonds + 1)));
@@ -87,11 +109,19 @@ std::optional<Cuts> find_cuts(const ClusterShape& chain, const Path& path, int p
 
 }  // namespace
 
-bool cut_chains(const ClusterBatch& batch, int piece_bonds, ClusterBatches& pieces,
+bool is_chain(const ClusterShape& shape) {
+  std::vector<int> bonds_at(shape.atoms());
+  for (const auto& [i, j, d] : shape.bonds)
+    if (++bonds_at[i] > 2 || ++bonds_at[j] > 2) return false;
+  return shape.atoms() >= 2 * kFewestAtoms && shape.bond_count() + 1 == shape.atoms();
+}
+
+bool cut_chains(const ClusterBatch& batch, std::optional<int> piece_bonds, ClusterBatches& pieces,
                 std::vector<std::vector<PieceOfChain>>& chains) {
   const std::optional<Path> path = path_of(batch.shape);
   if (!path) return false;
-  const std::optional<Cuts> cuts = find_cuts(batch.shape, *path, piece_bonds);
+  const std::optional<Cuts> cuts =
+      piece_bonds ? find_cuts(batch.shape, *path, *piece_bonds) : find_common_cuts(batch.shape, *path);
   if (!cuts) return false;
 
   for (int c = 0; c < batch.count; ++c) {
