@@ -194,9 +194,10 @@ void FixTaut::warn_of_residual(double residual) {
   if (comm->me == 0)
     error->warning(
         FLERR,
-        fmt::format("Fix taut {}, step {}: held bonds are off by {:.2g} of their length; every held atom "
+        fmt::format("Fix taut {}, step {}: held bonds are off by {:.2g} of their length; {}every held atom "
                     "must be moved by velocity Verlet (nve, nvt, npt), or be in the group of `fixed`",
-                    id, update->ntimestep, residual));
+                    id, update->ntimestep, residual,
+                    method == "baumgarte" ? "a shorter step or feedforward leaves less; " : ""));
 }
 
 }  // namespace LAMMPS_NS
