@@ -122,7 +122,7 @@ bool takes_many(const CLI::Option& option) {
 class HelpFormat : public CLI::Formatter {
  public:
   std::string make_description(const CLI::App* app) const override {
-    return fitted(app->get_description(), 0) + "\n";
+    return wrapped(app->get_description(), std::min(terminal_width(), 100), 0) + "\n";
   }
   std::string make_option_opts(const CLI::Option* option) const override {
     if (option->get_type_size() == 0) return "";
@@ -130,19 +130,23 @@ class HelpFormat : public CLI::Formatter {
     return fmt::format(" {}{}{}", option->get_type_name(), unless.empty() ? "" : "=" + unless,
                        takes_many(*option) ? " ..." : "");
   }
-  std::string make_option_desc(const CLI::Option* option) const override {
-    return fitted(option->get_description(), kColumn);
+  std::string make_option(const CLI::Option* option, bool is_positional) const override {
+    return in_columns(make_option_name(option, is_positional) + make_option_opts(option),
+                      option->get_description());
   }
   std::string make_subcommand(const CLI::App* sub) const override {
-    std::ostringstream out;
-    CLI::detail::format_help(out, sub->get_name(), fitted(sub->get_description(), kColumn), kColumn);
-    return out.str();
+    return in_columns(sub->get_name(), sub->get_description());
   }
 
  private:
-  static constexpr int kColumn = 30;  // CLI11's default
-  static std::string fitted(const std::string& text, int column) {
-    return wrapped(text, std::min(terminal_width(), 100) - column, 0);
+  // Versions of CLI11 differ in how they do this.
+  static std::string in_columns(const std::string& name, const std::string& meaning) {
+    constexpr int kColumn = 30;
+    const std::string left = "  " + name;
+    const bool below = left.size() >= kColumn && !meaning.empty();
+    return fmt::format("{}{:<{}}{}\n", below ? left + "\n" : "", below ? "" : left,
+                       meaning.empty() ? 0 : kColumn,
+                       wrapped(meaning, std::min(terminal_width(), 100), kColumn));
   }
 };
 

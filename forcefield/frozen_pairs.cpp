@@ -99,7 +99,7 @@ FrozenPairs& FrozenPairs::operator=(FrozenPairs&&) noexcept = default;
 
 const Eigen::Matrix3d& FrozenPairs::virial(const State& at) {
   if (!terms_) return virial_;
-  const Vectors x = at.x(Eigen::all, atoms_);
+  const Vectors x = at.x(Eigen::seqN(0, 3), atoms_);
   if (at_.x.cols() == x.cols() && at_.x == x && at_.box == at.box) return virial_;
   at_ = {x, {}, {}, at.t, at.box};
   const System alone = make_system(Eigen::VectorXd::Ones(x.cols()), {});  // that may move

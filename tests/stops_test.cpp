@@ -58,7 +58,7 @@ const std::string kLarge = "water --set build.molecules=60000 run.minimise=true 
 const std::string kStudy = " diatomic --quick --methods newton --out OUT ";
 
 std::vector<Stage> stages() {
-  const char* anything = "(.|\n)*";
+  [[maybe_unused]] const char* anything = "(.|\n)*";
   const char* goes_on =
       "(.|\n)*stopped at step [0-9]+ of [0-9]+ by SIG[A-Z]+; `taut resume .*` goes on from step [0-9]+\n";
   const char* only_that =

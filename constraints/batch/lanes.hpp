@@ -175,7 +175,7 @@ class LaneBatches {
 
   // Calls kernel(batch, asked…, group begin, group end, scratch) → SolveStats for all groups, on threads.
   template <class Kernel, class... Asked>
-  SolveStats run(Kernel& kernel, const Asked&... asked) {
+  SolveStats run(const Kernel& kernel, const Asked&... asked) {
     return runner_.run([&](int b, int begin, int end, const Scratch& scratch) {
       return kernel(batches_[b], asked..., begin, end, scratch);
     });

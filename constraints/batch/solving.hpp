@@ -59,7 +59,7 @@ class SolvedBatches {
 
   // Calls kernel(batch, step, call, group begin, group end, scratch) → SolveStats.
   template <class Kernel, class Step>
-  SolveStats run(Kernel& kernel, const Step& step) {
+  SolveStats run(const Kernel& kernel, const Step& step) {
     SolveStats stats = whole_.run(kernel, step, SolveCall{});
     if (!pieces_.empty()) stats.beside(run_pieces(kernel, step));
     return stats;
@@ -77,7 +77,7 @@ class SolvedBatches {
 
  private:
   template <class Kernel, class Step>
-  SolveStats run_pieces(Kernel& kernel, const Step& step) {
+  SolveStats run_pieces(const Kernel& kernel, const Step& step) {
     SolveCall call{SolveStage::kStart, 0};
     const auto run = [&](SolveStage stage) {
       call.stage = stage;
