@@ -1,9 +1,10 @@
 """Time of fix taut on one processor and on two, each on a core of its own, of a machine that does nothing else.
 
-    TAUT_LAMMPS=build/taut-lammps python3 two_ranks.py [TURNS]      # 3; two to three minutes
+    TAUT_LAMMPS=build/taut-lammps python3 two_ranks.py [TURNS [ilves]]      # 3; two to three minutes
 
 Melts of in.melt, relaxed first, and water of in.water beside fix shake: medians over turns of `Modify` (fixes and what
-they wait for) and of the whole loop, ns a bond or water and step.
+they wait for) and of the whole loop, ns a bond or water and step. `ilves`: melts alone, beside fix ilves, which LAMMPS
+has since June 2026.
 """
 
 import os
@@ -51,23 +52,27 @@ def show(what, folder, script, turns, count_of, holds):
               f"{loop[1]:.0f} | {loop[1] / loop[0]:.2f} |", flush=True)
 
 
-def main(turns=3):
+def main(turns=3, beside=""):
     print("| | Modify, one | two | ratio | loop, one | two | ratio |\n|---|---|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         (folder / "water.data").write_text(systems.water(10).text([15.9994, 1.008]))
-        show("1000 waters", folder, count.HERE / "in.water", turns, 1000,
-             {fix: {"hold": f"{fix} b 1 a 1"} for fix in ("taut feedforward", "taut baumgarte", "shake 1e-4 500 0")})
+        if not beside:
+            show("1000 waters", folder, count.HERE / "in.water", turns, 1000,
+                 {fix: {"hold": f"{fix} b 1 a 1"} for fix in ("taut feedforward", "taut baumgarte", "shake 1e-4 500 0")})
         for chains, beads in ((20, 500), (50, 1000), (5, 10_000)):
             (folder / "melt.data").write_text(systems.chains(chains, beads, bond=0.97, density=0.85).text([1.0]))
             relax = (EXAMPLES / "in.melt").read_text() + "thermo_style one\nunfix hold\nwrite_data melt.data nocoeff\n"
             (folder / "in.relax").write_text(relax)
             run(folder, "in.relax", 2, relax=500, steps=0)
             of = {"relax": 0, **({"cutoff": 2.5, "move": "nvt temp 1 1 0.5"} if chains == 5 else {})}
-            show(f"{chains} × {beads}", folder, EXAMPLES / "in.melt", turns, chains * (beads - 1),
-                 {"taut feedforward": of,
-                  "taut feedforward overlap 3": {**of, "hold": "taut feedforward overlap 3", "reach": 5}})
+            holds = {"taut feedforward": of}
+            if beside:
+                holds |= {f"ilves {tol}": {**of, "hold": f"ilves {tol} 100 0", "columns": "pe"} for tol in ("1e-4", "1e-8")}
+            else:
+                holds["taut feedforward overlap 3"] = {**of, "hold": "taut feedforward overlap 3", "reach": 5}
+            show(f"{chains} × {beads}", folder, EXAMPLES / "in.melt", turns, chains * (beads - 1), holds)
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:]))
+    main(int(sys.argv[1]) if sys.argv[1:] else 3, *sys.argv[2:])
