@@ -38,6 +38,12 @@ class RandomNumbers {
     return {x, y, z};
   }
 
+  // Uniform in the unit cube. One by one, since compilers differ in the order of arguments; z first, as g++ had it.
+  Vec3 uniform_vector() {
+    const double z = uniform(), y = uniform(), x = uniform();
+    return {x, y, z};
+  }
+
   // Uniform on the sphere (Marsaglia 1972, doi:10.1214/aoms/1177692644).
   Vec3 unit_vector() {
     for (;;) {

@@ -72,7 +72,7 @@ bool H5mdReader::next(Vectors& x, Box& box) {
     if (contents_->edges < 0) return;
     Eigen::Matrix3d vectors;  // one column per vector, as HDF5 has rows
     file.read_frame(contents_->edges, contents_->at, H5T_NATIVE_DOUBLE, vectors.data());
-    box = Box(vectors.diagonal(), Vec3(vectors(0, 1), vectors(0, 2), vectors(1, 2)));
+    box = Box{vectors.diagonal(), Vec3(vectors(0, 1), vectors(0, 2), vectors(1, 2))};
   });
   ++contents_->at;
   return true;

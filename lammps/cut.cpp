@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 #include "constraints/bond_algebra.hpp"
 #include "constraints/direct_solver.hpp"
@@ -23,7 +22,8 @@ bool is_chain(const std::vector<RigidBond>& bonds, const CutCluster& cluster) {
 void add_response_of_chain(const LocalSystem& local, const CutCluster& cluster, const Vectors& x,
                            const Vectors& outer_r, Eigen::VectorXd& response) {
   const auto& [first, end, first_outer, end_outer] = cluster;
-  const auto& [bonds, inv_mass] = std::tie(local.system.bonds, local.system.inv_mass);
+  const std::vector<RigidBond>& bonds = local.system.bonds;
+  const Eigen::VectorXd& inv_mass = local.system.inv_mass;
   const auto r = [&](int k) -> Vec3 { return x.col(bonds[k].j) - x.col(bonds[k].i); };
   const int last = end - 1;
   std::vector<double> d(end - first), c(end - first);

@@ -49,7 +49,9 @@ void half_kick_and_drift(const System& sys, double h, const Vectors* jump, State
 }
 
 SolveStats step(const Dynamics& dynamics, double h, State& s) {
-  const auto& [sys, forces, method, bath] = dynamics;
+  const System& sys = dynamics.sys;  // clang 14 takes no structured bindings into lambdas
+  ConstraintMethod& method = dynamics.method;
+  Bath& bath = dynamics.bath;
   const auto hold_bonds = [&](const auto& stage) {
     return in_part(sys.all_bonds() > 0 ? StepPart::kBonds : StepPart::kRest, stage);
   };
@@ -58,7 +60,7 @@ SolveStats step(const Dynamics& dynamics, double h, State& s) {
   s.t += h;  // forces that depend on time act at the new one
   SolveStats stats = hold_bonds([&] { return method.project_positions(sys, h, s); });  // SHAKE, RATTLE, ...
   bath.move_box(sys, s);
-  forces.evaluate(sys, s);  // f = F(x)
+  dynamics.forces.evaluate(sys, s);  // f = F(x)
   Push push = Push::between_steps(h);
   const Bath::Draw drawn = bath.draw(sys, push, s);
   push.noise = drawn.noise;

@@ -74,8 +74,10 @@ TEST(DirectSolver, SolvesWithAOfTheDefinitionForEveryShape) {
 
     // the same bonds turned by up to half a radian
     Vectors r_new = r;
-    for (int k = 0; k < sys.bond_count(); ++k)
-      r_new.col(k) = Eigen::AngleAxisd(random.uniform() - 0.5, random.unit_vector()) * r.col(k);
+    for (int k = 0; k < sys.bond_count(); ++k) {
+      const Vec3 axis = random.unit_vector();
+      r_new.col(k) = Eigen::AngleAxisd(random.uniform() - 0.5, axis) * r.col(k);
+    }
     solver.factor(r_new, r);
     EXPECT_FALSE(solver.singular());
     got = b;

@@ -88,8 +88,7 @@ TEST(Measures, AnIdealGasOfTwoKindsHasAFlatDistribution) {
   for (int frame = 0; frame < 300; ++frame) {
     Vectors x(3, 2 * kMolecules);
     for (int m = 0; m < kMolecules; ++m)
-      x.col(m) = x.col(m + kMolecules) =
-          box.edge.cwiseProduct(Vec3(random.uniform(), random.uniform(), random.uniform()));
+      x.col(m) = x.col(m + kMolecules) = box.edge.cwiseProduct(random.uniform_vector());
     pairs.see(x, box);
   }
   const Distances g = pairs.result();
@@ -147,8 +146,7 @@ TEST(Measures, CellsMissNoPair) {
   const int n = 300;
   Random random(9);
   Vectors x(3, n);
-  for (int a = 0; a < n; ++a)
-    x.col(a) = 9 * Vec3(random.uniform(), random.uniform(), random.uniform()) - Vec3(3, 3, 3);
+  for (int a = 0; a < n; ++a) x.col(a) = 9 * random.uniform_vector() - Vec3(3, 3, 3);
   std::vector<int> molecule = numbers(n), some(molecule.begin(), molecule.begin() + 200);
   for (int a = 0; a < n; a += 2) molecule[static_cast<std::size_t>(a + 1)] = a;
   for (const auto& other : {some, numbers(n)}) {

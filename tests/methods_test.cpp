@@ -220,11 +220,11 @@ TEST(Projector, NamesTheBondThatDependsOnOthers) {
 
 // Turning by 3 rad a step: no first step can hold it.
 TEST(Start, ThatAMethodCannotHoldIsAFailureThatNamesTheBond) {
-  auto [sys, s] = tests::rotor(300);
-  Batched<Feedforward> method(sys, {}, 0.01);
+  Start rotor = tests::rotor(300);
+  Batched<Feedforward> method(rotor.system, {}, 0.01);
   NoForce forces;
   EXPECT_THAT(error_message<SimulationFailure>([&] {
-                initialize({sys, forces, method}, 0.01, s);
+                initialize({rotor.system, forces, method}, 0.01, rotor.state);
               }),
               testing::HasSubstr("bond 0 (atoms 0-1)"));
 }

@@ -2,6 +2,7 @@
 
 #include <openmm/serialization/XmlSerializer.h>
 
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <memory>
@@ -38,19 +39,26 @@ Melt::Melt(unsigned seed)
   for (int a = 0; a < kAtoms; ++a) {
     const int chain = a / kLength, bead = a % kLength;
     system.addParticle(uniform(1, 16));
-    nonbonded->addParticle(uniform(-0.5, 0.5), uniform(0.2, 0.3), uniform(0.1, 1));
-    x.emplace_back(1.2 * (chain % 2) + 0.13 * bead + uniform(-0.02, 0.02),
-                   0.6 * (chain / 2 % 4) + 0.08 * (bead % 2) + uniform(-0.02, 0.02),
-                   0.6 * (chain / 8) + uniform(-0.05, 0.05));
-    v.emplace_back(uniform(-0.5, 0.5), uniform(-0.5, 0.5), uniform(-0.5, 0.5));
+    // Compilers differ in the order of arguments: numbers are drawn one by one.
+    const double epsilon = uniform(0.1, 1), sigma = uniform(0.2, 0.3), charge = uniform(-0.5, 0.5);
+    nonbonded->addParticle(charge, sigma, epsilon);
+    const double dz = uniform(-0.05, 0.05), dy = uniform(-0.02, 0.02), dx = uniform(-0.02, 0.02);
+    x.emplace_back(1.2 * (chain % 2) + 0.13 * bead + dx, 0.6 * (chain / 2 % 4) + 0.08 * (bead % 2) + dy,
+                   0.6 * (chain / 8) + dz);
+    const double vz = uniform(-0.5, 0.5), vy = uniform(-0.5, 0.5), vx = uniform(-0.5, 0.5);
+    v.emplace_back(vx, vy, vz);
     if (bead > 0) pairs.emplace_back(a - 1, a);
     if (bead % 2 == 1) {
       const OpenMM::Vec3 d = x[a] - x[a - 1];
       system.addConstraint(a - 1, a, std::sqrt(d.dot(d)));
     } else if (bead > 0) {
-      bonds->addBond(a - 1, a, uniform(0.13, 0.17), uniform(5e4, 2e5));
+      const double k = uniform(5e4, 2e5);
+      bonds->addBond(a - 1, a, uniform(0.13, 0.17), k);
     }
-    if (bead > 1) angles->addAngle(a - 2, a - 1, a, uniform(1.8, 2.1), uniform(200, 500));
+    if (bead > 1) {
+      const double k = uniform(200, 500);
+      angles->addAngle(a - 2, a - 1, a, uniform(1.8, 2.1), k);
+    }
   }
   nonbonded->createExceptionsFromBonds(pairs, 1 / 1.2, 0.5);
   system.addForce(bonds);
@@ -67,7 +75,8 @@ void Melt::each_torsion(Use use) {
 OpenMM::PeriodicTorsionForce* Melt::add_torsions() {
   auto* force = new OpenMM::PeriodicTorsionForce;
   each_torsion([&](int i, int j, int k, int l) {
-    force->addTorsion(i, j, k, l, 1 + l % 4, uniform(-3, 3), uniform(1, 20));
+    const double barrier = uniform(1, 20);
+    force->addTorsion(i, j, k, l, 1 + l % 4, uniform(-3, 3), barrier);
   });
   system.addForce(force);
   return force;
@@ -75,9 +84,11 @@ OpenMM::PeriodicTorsionForce* Melt::add_torsions() {
 
 OpenMM::RBTorsionForce* Melt::add_rb_torsions() {
   auto* force = new OpenMM::RBTorsionForce;
-  const auto c = [&] { return uniform(-10, 10); };
-  each_torsion(
-      [&](int i, int j, int k, int l) { force->addTorsion(i, j, k, l, c(), c(), c(), c(), c(), c()); });
+  each_torsion([&](int i, int j, int k, int l) {
+    std::array<double, 6> c;
+    for (double& each : c) each = uniform(-10, 10);
+    force->addTorsion(i, j, k, l, c[5], c[4], c[3], c[2], c[1], c[0]);
+  });
   system.addForce(force);
   return force;
 }

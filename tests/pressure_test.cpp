@@ -24,7 +24,7 @@ Vectors spread(int atoms, std::uint64_t seed) {
   const Box box{{kEdge, kEdge, kEdge}};
   Vectors x(3, atoms);
   for (int a = 0; a < atoms;) {
-    x.col(a) = 1.5 * kEdge * Vec3(random.uniform(), random.uniform(), random.uniform());
+    x.col(a) = 1.5 * kEdge * random.uniform_vector();
     bool near = false;
     for (int b = 0; b < a; ++b) near |= box.nearest_image(x.col(a) - x.col(b)).norm() < 0.22;
     if (!near) ++a;
@@ -187,7 +187,7 @@ TEST(Pressure, OfAnIdealGasOfRigidDimers) {
   for (int d = 0; d < 20; ++d) {
     mass.segment<2>(2 * d) << 1, 3;
     bonds.push_back({2 * d, 2 * d + 1, 0.3});
-    s.x.col(2 * d) = Vec3(random.uniform(), random.uniform(), random.uniform());
+    s.x.col(2 * d) = random.uniform_vector();
     s.x.col(2 * d + 1) = s.x.col(2 * d) + 0.3 * random.unit_vector();
     for (int a : {2 * d, 2 * d + 1}) s.v.col(a) = random.normal_vector();
   }

@@ -79,7 +79,7 @@ TEST(LiquidStructure, AnIdealGasHasAFlatDistribution) {
     State s{Vectors(3, sys.atoms()), {}, {}, 0, kBox};
     Vectors& x = s.x;
     for (int a = 0; a < sys.atoms(); ++a)
-      x.col(a) = kEdge * Vec3(random.uniform(), random.uniform(), random.uniform());
+      x.col(a) = kEdge * random.uniform_vector();
     structure.see(s);
   }
   const Distances g = structure.oxygen_distances();

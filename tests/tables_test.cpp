@@ -161,7 +161,7 @@ Vectors shaken_lattice(int edge, double shake) {
   Vectors x(3, edge * edge * edge);
   for (int a = 0; a < x.cols(); ++a)
     x.col(a) = 0.25 * Vec3(a % edge, a / edge % edge, a / (edge * edge)) +
-               shake * Vec3(random.uniform(), random.uniform(), random.uniform());
+               shake * random.uniform_vector();
   return x;
 }
 

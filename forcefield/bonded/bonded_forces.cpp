@@ -120,14 +120,14 @@ BondedForces::KindEnergies BondedForces::add_forces(const Vectors& x, Vectors& f
 }
 
 std::vector<std::pair<std::string, double>> BondedForces::by_name(const KindEnergies& energies) const {
-  constexpr std::array kNames{
+  constexpr std::array kKindNames{
       "bond", "angle", "cosine_angle",         "torsion",        "rb_torsion",     "harmonic_torsion",
       "cmap", "fene",  "cosine_squared_angle", "tabulated_bond", "tabulated_angle"};
   const auto counts =
       std::apply([](const auto&... kind) { return std::array{kind.terms.size()...}; }, kinds_);
   std::vector<std::pair<std::string, double>> all;
-  for (std::size_t k = 0; k < kNames.size(); ++k)
-    if (counts[k] > 0) all.emplace_back(kNames[k], energies[k]);
+  for (std::size_t k = 0; k < kKindNames.size(); ++k)
+    if (counts[k] > 0) all.emplace_back(kKindNames[k], energies[k]);
   return all;
 }
 

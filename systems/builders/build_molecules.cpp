@@ -79,7 +79,7 @@ class Builder {
     if (placements_[k].fills || (placements_[k].equilibrated && box_.periodic())) return;
     const BoxRegion region = region_of(placements_[k]);
     place_copies(k, placing, [&](long) {
-      const Vec3 share(random_.uniform(), random_.uniform(), random_.uniform());
+      const Vec3 share = random_.uniform_vector();
       return placements_[k].within || !rooms_.empty() ? Vec3(region.corner + share.cwiseProduct(region.edge))
                                                       : within_.lattice_vector(share);
     });
