@@ -78,8 +78,7 @@ TEST(LiquidStructure, AnIdealGasHasAFlatDistribution) {
   for (int frame = 0; frame < 400; ++frame) {
     State s{Vectors(3, sys.atoms()), {}, {}, 0, kBox};
     Vectors& x = s.x;
-    for (int a = 0; a < sys.atoms(); ++a)
-      x.col(a) = kEdge * random.uniform_vector();
+    for (int a = 0; a < sys.atoms(); ++a) x.col(a) = kEdge * random.uniform_vector();
     structure.see(s);
   }
   const Distances g = structure.oxygen_distances();

@@ -160,8 +160,7 @@ Vectors shaken_lattice(int edge, double shake) {
   Random random(11);
   Vectors x(3, edge * edge * edge);
   for (int a = 0; a < x.cols(); ++a)
-    x.col(a) = 0.25 * Vec3(a % edge, a / edge % edge, a / (edge * edge)) +
-               shake * random.uniform_vector();
+    x.col(a) = 0.25 * Vec3(a % edge, a / edge % edge, a / (edge * edge)) + shake * random.uniform_vector();
   return x;
 }
 
