@@ -96,7 +96,7 @@ def test_settings_and_edges_have_units():
     assert (sim.dt_fs, sim.log["bath_temperature_k"][-1]) == (1, 310) and np.allclose(sim.box, 2 * np.eye(3))
     sim.box = [2.1 * NM, 2.1 * NM, 21 * unit.angstrom]
     assert np.allclose(sim.box, 2.1 * np.eye(3))
-    with pytest.raises(taut.InputError, match=r"dt_fs: expected a number \[fs\], got 3 K"):
+    with pytest.raises(taut.InputError, match=r"dt_fs: expected a number \[fs\], got (3 K|Quantity\(value=3)"):
         sim.dt_fs = 3 * unit.kelvin
 
 
