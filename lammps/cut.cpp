@@ -10,15 +10,22 @@ namespace taut {
 
 namespace {
 
-// Whether a cluster's bonds follow each other along a chain.
-bool is_chain(const std::vector<RigidBond>& bonds, const CutCluster& cluster) {
-  for (int k = cluster.first_bond; k + 1 < cluster.end_bond; ++k)
+// Whether a cluster's bonds follow each other along a chain that goes on beyond its ends alone.
+bool is_chain(const LocalSystem& local, const CutCluster& cluster) {
+  const auto& [first, end, first_outer, end_outer] = cluster;
+  const std::vector<RigidBond>& bonds = local.system.bonds;
+  if (first == end) return false;
+  for (int k = first; k + 1 < end; ++k)
     if (bonds[k].j != bonds[k + 1].i) return false;
+  for (int outer = first_outer; outer < end_outer; ++outer) {
+    const int inner = local.outer[outer].inner;
+    if (inner != bonds[first].i && inner != bonds[end - 1].j) return false;
+  }
   return true;
 }
 
 // What a chain's bonds feel of unit multipliers beyond its ends, |λ|, added to `response`: bonds are eliminated towards
-// the end with the outer bond, and substituted back. No sum is over more than two bonds, so that signs do not matter.
+// the end with the outer bond, and substituted back. Each |λ| is the one before times a ratio: signs do not matter.
 void add_response_of_chain(const LocalSystem& local, const CutCluster& cluster, const Vectors& x,
                            const Vectors& outer_r, Eigen::VectorXd& response) {
   const auto& [first, end, first_outer, end_outer] = cluster;
@@ -90,7 +97,7 @@ double contraction(const LocalSystem& local, const Vectors& x, const Vectors& ou
   Eigen::VectorXd response = Eigen::VectorXd::Zero(local.system.bond_count());
   std::vector<CutCluster> others;
   for (const CutCluster& cluster : local.cut)
-    if (is_chain(bonds, cluster))
+    if (is_chain(local, cluster))
       add_response_of_chain(local, cluster, x, outer_r, response);
     else
       others.push_back(cluster);
