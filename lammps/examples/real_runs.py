@@ -1,13 +1,14 @@
 """Runs of 10 ps of LAMMPS's own peptide and rhodopsin with fix taut, fix shake and fix rattle, NVE and NPT, as a table.
 
-    TAUT_LAMMPS=build/taut-lammps python3 lammps/examples/real_runs.py peptide DATA [SEEDS [STEPS]]     # 4, 5000
-    TAUT_LAMMPS=build/taut-lammps python3 lammps/examples/real_runs.py rhodopsin DATA 1
+    TAUT_LAMMPS=build/taut-lammps python3 lammps/examples/real_runs.py peptide DATA --seeds 3
+    TAUT_LAMMPS=build/taut-lammps python3 lammps/examples/real_runs.py rhodopsin DATA --fixes "taut feedforward,shake"
 
 DATA is examples/peptide/data.peptide or bench/data.rhodo of LAMMPS. A seed is one of velocities, at the temperature of
-LAMMPS's input, then 1 ps with a thermostat and fix shake. Errors are from the seeds, or with one seed from ten blocks of the run. The
-drift is that of the total energy, per degree of freedom. Two runs go side by side, on one processor each.
+LAMMPS's input, then 1 ps with a thermostat and fix shake; rhodopsin starts with the velocities of its file. Errors are
+from the seeds, or with one seed from ten blocks of the run. The drift is that of the total energy, per degree of freedom. Each run has one processor.
 """
 
+import argparse
 import concurrent.futures
 import os
 import pathlib
@@ -34,6 +35,14 @@ special_bonds charmm
 neighbor 2.0 bin
 neigh_modify delay 5 every 1
 timestep 2.0
+{start}
+{fixes}
+thermo 10
+thermo_modify norm no
+thermo_style custom step temp etotal press pe density
+run {steps}
+"""
+DRAW = """
 velocity all create {temperature} {seed} loop geom
 fix hold all shake 1e-8 500 0 {bonds}
 fix move all nvt temp {temperature} {temperature} 100 tchain 1
@@ -41,15 +50,10 @@ run 500
 unfix hold
 unfix move
 reset_timestep 0
-{fixes}
-thermo 10
-thermo_modify norm no
-thermo_style custom step temp etotal press pe density
-run {steps}
 """
-SYSTEMS = {"peptide": dict(temperature=275.0, bonds="b 4 6 8 10 12 14 18 a 31",
+SYSTEMS = {"peptide": dict(temperature=275.0, start=DRAW, bonds="b 4 6 8 10 12 14 18 a 31",
                            npt="npt temp 275 275 100 iso 1 1 1000 mtk no pchain 0 tchain 1"),
-           "rhodopsin": dict(temperature=300.0, bonds="m 1.0 a 232",
+           "rhodopsin": dict(temperature=300.0, start="", bonds="m 1.0 a 232",
                              npt="npt temp 300 300 100 z 0 0 1000 mtk no pchain 0 tchain 1")}
 HELD = {"taut feedforward": "taut feedforward", "taut baumgarte": "taut baumgarte", "shake": "shake 1e-8 500 0",
         "rattle": "rattle 1e-8 500 0"}
@@ -62,12 +66,12 @@ def run(folder, name, data, hold, ensemble, seed, steps):
     move = "nve" if ensemble == "NVE" else system["npt"]
     script = folder / f"in.{hold.split()[0]}{hold.split()[1]}{ensemble}{seed}"
     fixes = [f"fix hold all {hold} {system['bonds']}", f"fix move all {move}"]
-    if ensemble == "NVE" and "taut" not in hold:
-        fixes.reverse()  # fix rattle stands after nve, all before a barostat
-    script.write_text(INPUT.format(data=data, seed=4710 + seed, steps=steps, temperature=system["temperature"],
-                                   bonds=system["bonds"], fixes="\n".join(fixes)))
+    if "rattle" in hold or (ensemble == "NVE" and "taut" not in hold):
+        fixes.reverse()  # fix rattle stands after whatever integrates, the others before a barostat
+    start = system["start"].format(seed=4710 + seed, **system)
+    script.write_text(INPUT.format(data=data, start=start, steps=steps, fixes="\n".join(fixes)))
     command = ["mpirun", "--allow-run-as-root", "--oversubscribe", "--bind-to", "none", "-np", "1", PROGRAM,
-               "-in", str(script), "-log", "none"]
+               "-in", str(script), "-log", "none", "-sf", "opt"]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
     if done.returncode:
         raise RuntimeError(done.stdout[-800:] + done.stderr[-800:])
@@ -95,16 +99,24 @@ def show(name, ensemble, hold, runs):
     print(f"| {name}, {ensemble}, {hold} | " + " | ".join(cells) + " |", flush=True)
 
 
-def main(name, data, seeds=4, steps=5000):
+def main():
+    ask = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    ask.add_argument("system", choices=SYSTEMS)
+    ask.add_argument("data", type=pathlib.Path)
+    ask.add_argument("--seeds", type=int, default=1)
+    ask.add_argument("--steps", type=int, default=5000)
+    ask.add_argument("--fixes", default=",".join(HELD))
+    ask.add_argument("--jobs", type=int, default=2, help="runs side by side")
+    asked = ask.parse_args()
     print("| | drift, kJ/mol/ns | temperature, K | potential, kcal/mol | pressure, atm | density, g/cm³ |\n"
-          "|---|---|---|---|---|---|")
-    with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(2) as two:
-        cases = [(ensemble, hold) for ensemble in ("NVE", "NPT") for hold in HELD]
-        begun = {case: [two.submit(run, pathlib.Path(folder), name, os.path.abspath(data), HELD[case[1]], case[0], seed,
-                                   steps) for seed in range(seeds)] for case in cases}
+          "|---|---|---|---|---|---|", flush=True)
+    with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(asked.jobs) as pool:
+        begun = {(ensemble, hold): [pool.submit(run, pathlib.Path(folder), asked.system, asked.data.resolve(), HELD[hold],
+                                                ensemble, seed, asked.steps) for seed in range(asked.seeds)]
+                 for ensemble in ("NVE", "NPT") for hold in asked.fixes.split(",")}
         for (ensemble, hold), runs in begun.items():
-            show(name, ensemble, hold, [each.result() for each in runs])
+            show(asked.system, ensemble, hold, [each.result() for each in runs])
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:3], *map(int, sys.argv[3:]))
+    main()

@@ -40,3 +40,11 @@ def test_deep_ghosts_cost_no_more_multipliers(folder):
                  - sent(folder, inputs.CHAINS, dt=0.002, cutoff=reach, fix="taut feedforward overlap 1 exchanges 1")["kB"]
                  for reach in (4, 6))
     assert far == pytest.approx(near, rel=0.2)
+
+
+def test_bytes_are_those_of_the_model(folder):
+    """Of whole molecules, which share nothing with other processors in a run's first steps."""
+    (folder / "water.data").write_text(systems.water(8).text([15.9994, 1.008]))
+    shutil.copy(pathlib.Path(count.__file__).parent / "in.water", folder)
+    found = count.counted("in.water", 2, folder)
+    assert found["kB"] == pytest.approx(found["kB by the model"], rel=0.01)
