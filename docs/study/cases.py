@@ -102,7 +102,7 @@ def of_openmm(title, files, ps, **more):
     return System(title, [], ps=ps, temperature_k=300, openmm=files, settling_ps=2, **settings)
 
 
-def villin(title, files, **more):
+def large(title, files, **more):
     settings = dict(steps=(2, 3, 4), reference_fs=0.5, methods=SHORT_LIST, precision="mixed")
     return of_openmm(title, files, 6, **(settings | more))
 
@@ -119,11 +119,12 @@ SYSTEMS = {
     "dipeptide-all": of_openmm("alanine dipeptide in water, all bonds", "ala2-allbonds-rf", 6, methods=MIDDLE_LIST),
     "dna": of_openmm("DNA duplex without water, h-bonds", "dna-hbonds", 10, at_rest=False,
                      lacks=("settle", "settle and lincs", "baumgarte hoomd")),
-    "villin": villin("villin in water, h-bonds", "villin"),
-    "villin-all": villin("villin in water, all bonds", "villin-all"),
-    "villin-angles": villin("villin in water, h-angles", "villin-angles"),
-    "villin-3u": villin("villin in water, h-bonds, hydrogens of 3 u", "villin-3u", **HEAVY),
-    "villin-angles-3u": villin("villin in water, h-angles, hydrogens of 3 u", "villin-angles-3u", **HEAVY),
+    "dna-water": large("DNA duplex in water with ions, h-bonds", "dna-water"),
+    "villin": large("villin in water, h-bonds", "villin"),
+    "villin-all": large("villin in water, all bonds", "villin-all"),
+    "villin-angles": large("villin in water, h-angles", "villin-angles"),
+    "villin-3u": large("villin in water, h-bonds, hydrogens of 3 u", "villin-3u", **HEAVY),
+    "villin-angles-3u": large("villin in water, h-angles, hydrogens of 3 u", "villin-angles-3u", **HEAVY),
 }
 
 

@@ -30,7 +30,7 @@ ERRORS = 3  # by which a mean may miss a limit
 KINDS = ("translation_k", "rotation_k", "rest_k")
 AVERAGES = {"potential": "potential_kj_mol", "pressure": "pressure_bar", "g(r)'s peak": "g_peak", "⟨R²⟩": "end_to_end_nm2",
             "translation": "translation_k", "rotation": "rotation_k", "rest": "rest_k"}
-GROUPS = (("chains", "melt", "decane", "tip3p", "tip4p2005"), ("dipeptide", "dipeptide-all", "dna"),
+GROUPS = (("chains", "melt", "decane", "tip3p", "tip4p2005"), ("dipeptide", "dipeptide-all", "dna", "dna-water"),
           ("villin", "villin-all", "villin-angles", "villin-3u", "villin-angles-3u"))
 
 
@@ -238,29 +238,42 @@ def mixed_table(rows):
     return rows_of("drift [kT/ns/dof] in double; in mixed precision", [f"`{method}`" for method in MIXED], lines)[:-1]
 
 
-def transport_table():
-    """Water's diffusion, viscosity and reorientation: means over seeds."""
-    runs = defaultdict(list)
-    for row in read_rows("transport.csv"):
-        runs[row["method"], float(row["dt_fs"])].append(row)
-    quantities = {"D [10⁻³ nm²/ps]": ("diffusion_nm2_ps", 1e3), "viscosity [mPa s]": ("viscosity_mpa_s", 1),
-                  "τ₂ of OH [ps]": ("tau2_ps", 1), "T of translation [K]": ("translation_k", 1),
-                  "of rotation [K]": ("rotation_k", 1)}
+def means_table(rows, quantities):
+    """Means over seeds, a line for each method and step; quantities: {title: (column, factor)}.
 
+    The standard deviation of one run is that of the seeds, or the median over all lines where that is larger.
+    """
+    runs = defaultdict(list)
+    for row in rows:
+        runs[row["method"], float(row["dt_fs"])].append(row)
     usual = {column: statistics.median([statistics.stdev(of(rows, column)) for rows in runs.values()
                                         if len(of(rows, column)) > 1] or [0]) for column, _ in quantities.values()}
 
     def cell(rows, column, factor):
         values = of(rows, column)
         if not values:
-            return ""
+            return "stops" if any(row.get(column) == "" and row["status"].startswith("failed") for row in rows) else ""
         own = statistics.stdev(values) if len(values) > 1 else 0
         mean, error = factor * statistics.mean(values), factor * max(own, usual[column]) / math.sqrt(len(values))
         digits = max(0, -math.floor(math.log10(error))) if error else 2
         return f"{mean:.{digits}f} ± {error:.{digits}f}"
     return rows_of("method, step [fs], seeds", quantities, [
-        (f"{method}, {step:g}, {len(rows)}", [cell(rows, *quantity) for quantity in quantities.values()])
+        (f"{method}, {step:g}, {len({row['seed'] for row in rows})}", [cell(rows, *quantity) for quantity in quantities.values()])
         for (method, step), rows in sorted(runs.items(), key=lambda item: (item[0][1], item[0][0]))])[:-1]
+
+
+def transport_table():
+    """Water's diffusion, viscosity and reorientation."""
+    return means_table(read_rows("transport.csv"), {
+        "D [10⁻³ nm²/ps]": ("diffusion_nm2_ps", 1e3), "viscosity [mPa s]": ("viscosity_mpa_s", 1),
+        "τ₂ of OH [ps]": ("tau2_ps", 1), "T of translation [K]": ("translation_k", 1),
+        "of rotation [K]": ("rotation_k", 1)})
+
+
+def torsions_table():
+    """The share of decane's torsions that are trans, and of the dipeptide's time that it is stretched."""
+    rows = [row | {row["system"]: row["share"]} for row in read_rows("torsions.csv")]
+    return means_table(rows, {"decane, trans [%]": ("decane", 100), "dipeptide, C5 [%]": ("dipeptide-vacuum", 100)})
 
 
 def outsiders_table():
@@ -287,7 +300,8 @@ def outsiders_table():
 def tables(rows):
     judge = Judge(rows)
     return {"steps": steps_table(judge), "usual": usual_table(judge), "averages": averages_table(judge),
-            "mixed": mixed_table(rows), "transport": transport_table(), "outsiders": outsiders_table()}
+            "mixed": mixed_table(rows), "transport": transport_table(), "torsions": torsions_table(),
+            "outsiders": outsiders_table()}
 
 
 def with_tables(page, rows):

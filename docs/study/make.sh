@@ -10,6 +10,7 @@ python=${PYTHON:-python3}
 if [[ ${1:-} == --short ]]; then shift; exec "$python" study.py --short "$@"; fi
 "$python" study.py "$@"
 "$python" transport.py
+"$python" torsions.py
 "$python" outsiders.py
 "$python" times.py
 "$python" judge.py

@@ -1,24 +1,39 @@
 #!/usr/bin/env python3
-"""Makes the study's protein: the headpiece of villin in water, which OpenMM's package brings (8867 atoms).
+"""Makes the study's systems that are not in the repository, from what it has and what OpenMM's package brings.
 
     docs/study/make_systems.py FOLDER [--taut build/taut]
 
-Needs OpenMM and ParmEd (pip install openmm parmed). FOLDER/villin.top and .gro are GROMACS's, FOLDER/KIND.system.xml and
-.state.xml the same for taut and OpenMM with other rigid bonds and masses: ff14SB and TIP3P, PME to 0.9 nm, no dispersion
-correction, minimised, and each kind 5 ps at 300 K by taut at 1 fs with a friction of 5/ps.
+Needs OpenMM and ParmEd (pip install openmm parmed). FOLDER/NAME.system.xml and .state.xml are for taut and OpenMM,
+NAME.top and .gro for GROMACS. In water: PME to 0.9 nm, no dispersion correction, minimised, and 5 ps at 300 K by taut at
+1 fs with a friction of 5/ps. What is there is not made again.
+
+- villin, with other rigid bonds and masses villin-KIND: the headpiece in water, ff14SB and TIP3P (8867 atoms)
+- dna-water: the repository's DNA of ten base pairs in TIP3P with 0.15 mol/L of sodium chloride, Amber14 (OL15)
+- dipeptide-vacuum: the repository's alanine dipeptide without its water (22 atoms)
 """
 import argparse
 import pathlib
+import random
 import shutil
 import subprocess
 import sys
 import tempfile
+from xml.etree import ElementTree
+
+import numpy
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+DATA = ROOT / "tests/data"
 sys.path.insert(0, str(ROOT / "benchmarks"))
 
 
 def make(folder, taut):
+    for name, maker in (("villin-angles-3u", make_villin), ("dna-water", make_dna), ("dipeptide-vacuum", make_dipeptide)):
+        if not (folder / f"{name}.state.xml").exists():
+            maker(folder, taut)
+
+
+def make_villin(folder, taut):
     import openmm.app as app
     import parmed
     import real_systems
@@ -27,8 +42,7 @@ def make(folder, taut):
              "villin-angles-3u": app.HAngles}
     pdb = app.PDBFile(str(pathlib.Path(app.__file__).parent / "data" / "test.pdb"))
     described = real_systems.from_forcefield(pdb, "amber14-all.xml", "amber14/tip3p.xml")
-    for suffix, precision in (("top", {}), ("gro", {"precision": 7})):
-        described.save(str(folder / f"villin.{suffix}"), overwrite=True, **precision)
+    save(described, folder, "villin")
     real_systems.settle_down(folder, "villin", taut)
     for heavy in (False, True):
         if heavy:  # takes the mass from the atom that the hydrogen is bonded to; not in waters
@@ -40,6 +54,71 @@ def make(folder, taut):
             real_systems.write_xml(folder, kind, kinds[kind])
             bring_to_bath(folder, kind, taut)
             real_systems.write_xml(folder, kind, kinds[kind])
+
+
+def make_dna(folder, taut):
+    """Puts the DNA into a rectangular box with 0.8 nm of water on each side."""
+    import openmm
+    import openmm.app as app
+    import openmm.unit as unit
+    import real_systems
+
+    system, state = (openmm.XmlSerializer.deserialize((DATA / f"dna-hbonds.{kind}.xml").read_text())
+                     for kind in ("system", "state"))
+    xml = "amber14-all.xml", "amber14/tip3p.xml"
+    modeller = app.Modeller(topology_of(system), state.getPositions())
+    edges = numpy.ptp(state.getPositions(asNumpy=True).value_in_unit(unit.nanometer), axis=0) + 1.6
+    random.seed(1)  # OpenMM chooses at random which waters become ions
+    modeller.addSolvent(app.ForceField(*xml), boxSize=openmm.Vec3(*edges) * unit.nanometer, ionicStrength=0.15 * unit.molar)
+    save(real_systems.from_forcefield(modeller, *xml), folder, "dna-water")
+    real_systems.settle_down(folder, "dna-water", taut)
+    real_systems.write_xml(folder, "dna-water")
+    bring_to_bath(folder, "dna-water", taut)
+    real_systems.write_xml(folder, "dna-water")
+
+
+def topology_of(system):
+    """The topology of nucleic acids whose System is all that there is; a nucleotide begins at its phosphorus."""
+    import openmm
+    import openmm.app as app
+
+    springs = next(force for force in system.getForces() if isinstance(force, openmm.HarmonicBondForce))
+    bonds = [springs.getBondParameters(k)[:2] for k in range(springs.getNumBonds())]
+    bonds += [system.getConstraintParameters(k)[:2] for k in range(system.getNumConstraints())]
+    joined = [False] * system.getNumParticles()  # to the atom before
+    for i, j in bonds:
+        for k in range(min(i, j) + 1, max(i, j) + 1):
+            joined[k] = True
+    topology, atoms = app.Topology(), []
+    for i in range(system.getNumParticles()):
+        element = app.Element.getByMass(system.getParticleMass(i))
+        if not joined[i]:
+            chain = topology.addChain()
+        if not joined[i] or element.symbol == "P":
+            residue = topology.addResidue("N", chain)
+        atoms.append(topology.addAtom(f"{element.symbol}{len(list(residue.atoms())) + 1}", element, residue))
+    for i, j in bonds:
+        topology.addBond(atoms[i], atoms[j])
+    return topology
+
+
+def make_dipeptide(folder, taut, atoms=22):
+    """Takes the first atoms of the dipeptide in water, with what acts between them."""
+    for kind in ("system", "state"):
+        tree = ElementTree.parse(DATA / f"ala2-hbonds-rf.{kind}.xml")
+        for parent in list(tree.iter()):
+            if parent.tag in ("Particles", "Positions", "Velocities", "Forces"):
+                del parent[atoms:]
+            if parent.get("type") == "NonbondedForce":
+                parent.set("method", "0")  # no cutoff
+            for term in [term for term in parent if max(int(term.get(f"p{n}", 0)) for n in range(1, 5)) >= atoms]:
+                parent.remove(term)
+        tree.write(folder / f"dipeptide-vacuum.{kind}.xml")
+
+
+def save(described, folder, name):
+    described.save(str(folder / f"{name}.top"), overwrite=True)
+    described.save(str(folder / f"{name}.gro"), overwrite=True, precision=7)
 
 
 def bring_to_bath(folder, kind, taut):

@@ -1,27 +1,28 @@
 #!/usr/bin/env python3
 """Run the study: every method on every system at every step, several seeds each.
 
-    docs/study/study.py [--systems NAME,...] [--seeds 3] [--factor 1] [--taut build/taut] [--work FOLDER]
+    docs/study/study.py [--systems NAME,...] [--seeds 3] [--jobs 2] [--factor 1] [--taut build/taut] [--work FOLDER]
     docs/study/study.py --short    # a few cells with another seed, compared with the data
 
 One run is one row of data/runs.csv, written when the run ends. Rows that are there are not run again, so a study that
 was stopped is resumed by the same command, and a row that a kill cut off is taken away first. cases.py says what is
-run, seeds outermost. A run lasts the same physical time at every step and takes one thread; --factor makes all runs
-longer. The thermostat rescales velocities (Bussi, Donadio, Parrinello 2007, doi:10.1063/1.2408420); the drift is that of
-the total energy less the heat.
+run, seeds outermost. A run lasts the same physical time at every step and takes one thread; --jobs runs go side by
+side, --factor makes all longer. The thermostat rescales velocities (Bussi, Donadio, Parrinello 2007,
+doi:10.1063/1.2408420); the drift is that of the total energy less the heat.
 """
 import argparse
+import concurrent.futures
 import csv
 import fcntl
 import json
 import math
 import os
 import re
-import resource
 import statistics
 import subprocess
 import sys
 import tempfile
+import threading
 from pathlib import Path
 
 import numpy
@@ -31,7 +32,7 @@ from judge import Judge, of, whole
 
 COLUMNS = ("system,method,dt_fs,seed,precision,ps,status,promise,rms_bond,max_bond,drift,constraint_drift,"
            "temperature_k,translation_k,rotation_k,rest_k,potential_kj_mol,pressure_bar,end_to_end_nm2,g_peak,"
-           "iterations,cpu_us").split(",")
+           "iterations,us").split(",")
 SHORT_SEED = 101
 
 
@@ -39,6 +40,7 @@ class Study:
     def __init__(self, taut, work, factor=1):
         self.taut, self.work, self.factor = taut, Path(work), factor
         self.reductions = {}
+        self.preparing = threading.Lock()
         self.work.mkdir(parents=True, exist_ok=True)
 
     def command(self, name):
@@ -94,10 +96,11 @@ class Study:
 
     def of_cell(self, name, method, step, precision):
         """The command of a run, but for its length and what it writes; None where no gains were found."""
-        method_keys = self.method_keys(name, method)
-        if method_keys is None:
-            return None
-        words, keys = self.started(name)
+        with self.preparing:
+            method_keys = self.method_keys(name, method)
+            if method_keys is None:
+                return None
+            words, keys = self.started(name)
         return ([*words, "--threads", "1", "--dt-fs", str(step), "--json"],
                 [*keys, *SYSTEMS[name].settings(precision), *method_keys])
 
@@ -110,19 +113,19 @@ class Study:
         steps = round(1000 * ps / step)
         with tempfile.TemporaryDirectory(dir=self.work) as scratch:
             out = Path(scratch) / "out"
-            before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
             measure = [] if SYSTEMS[name].openmm else ["--measure"]
             done = subprocess.run([*words, "--steps", str(steps), *measure, "--out", str(out), "--set", *keys,
                                    f"run.seed={seed}", f"run.log_every={max(1, steps // 400)}"],
                                   capture_output=True, text=True)
-            row = {"ps": ps, "cpu_us": 1e6 * (resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before) / steps}
             if done.returncode == 2:
                 return {"status": "refused: " + said(done.stderr)}
             if done.returncode == 1:
                 return {"status": "failed: " + said(done.stderr)}
             if done.returncode:
-                sys.exit(f"study.py: {said(done.stderr)}")
-            return row | figures(json.loads(done.stdout), out / "log.csv", min(SYSTEMS[name].settling_ps, ps / 2))
+                raise SystemExit(f"study.py: {said(done.stderr)}")
+            summary = json.loads(done.stdout)
+            return {"ps": ps, "us": summary["us_per_step"]} | figures(
+                summary, out / "log.csv", min(SYSTEMS[name].settling_ps, ps / 2))
 
 
 def said(text):
@@ -191,6 +194,24 @@ def open_rows(path, columns):
     return write
 
 
+def add_rows(file, columns, todo, measure, jobs):
+    """Measures each cell of todo, `jobs` at a time, and writes its row to data/`file` when it ends."""
+    write = open_rows(DATA / file, columns)
+    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+        begun = {pool.submit(measure, cell): cell for cell in todo}
+        try:
+            for n, ended in enumerate(concurrent.futures.as_completed(begun), 1):
+                cell = begun[ended]
+                write({key: value for key, value in ended.result().items() if key in columns}
+                      | cell | {"dt_fs": f"{cell['dt_fs']:g}"})
+                print(f"\r{n} of {len(todo)}: {', '.join(map(str, cell.values()))}".ljust(100), end="", file=sys.stderr,
+                      flush=True)
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+    print(f"\n{len(todo)} runs are in {DATA / file}", file=sys.stderr)
+
+
 def check_short(study):
     """Runs cells at the usual step with a seed of their own, compares them with data/runs.csv: whether all hold.
 
@@ -232,6 +253,8 @@ def options(description):
     ask = argparse.ArgumentParser(description=description.splitlines()[0])
     ask.add_argument("--systems", default=",".join(SYSTEMS))
     ask.add_argument("--taut", default=str(ROOT / "build/taut"))
+    ask.add_argument("--seeds", type=int, default=3)
+    ask.add_argument("--jobs", type=int, default=2, help="runs side by side")
     ask.add_argument("--work", default=str(Path(tempfile.gettempdir()) / "taut-study"),
                      help="folder of the equilibrated starts")
     return ask
@@ -239,7 +262,6 @@ def options(description):
 
 def main():
     ask = options(__doc__)
-    ask.add_argument("--seeds", type=int, default=3)
     ask.add_argument("--methods", default=",".join(METHODS))
     ask.add_argument("--factor", type=float, default=1)
     ask.add_argument("--short", action="store_true", help="compare a few runs with the data instead")
@@ -251,16 +273,11 @@ def main():
     study = Study(asked.taut, asked.work, asked.factor)
     if asked.short:
         sys.exit(0 if check_short(study) else 1)
-    write = open_rows(DATA / "runs.csv", COLUMNS)
     done = {key_of(row) for row in read_rows()}
-    todo = [cell for cell in cells(asked.systems.split(","), asked.seeds)
+    todo = [dict(zip(("system", "method", "dt_fs", "seed", "precision"), cell))
+            for cell in cells(asked.systems.split(","), asked.seeds)
             if cell not in done and cell[1] in asked.methods.split(",")]
-    for n, (name, method, step, seed, precision) in enumerate(todo):
-        print(f"\r{n} of {len(todo)}: {name}, {method}, {step:g} fs, seed {seed}, {precision}".ljust(100), end="",
-              file=sys.stderr, flush=True)
-        row = study.run(name, method, step, seed, precision)
-        write(row | {"system": name, "method": method, "dt_fs": f"{step:g}", "seed": seed, "precision": precision})
-    print(f"\n{len(todo)} runs are in {DATA / 'runs.csv'}", file=sys.stderr)
+    add_rows("runs.csv", COLUMNS, todo, lambda cell: study.run(*cell.values()), asked.jobs)
 
 
 if __name__ == "__main__":

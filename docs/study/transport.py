@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measure water's diffusion, viscosity and reorientation over steps and methods: data/transport.csv.
 
-    docs/study/transport.py [--seeds 4] [--ps 100] [--taut build/taut]
+    docs/study/transport.py [--seeds 3] [--jobs 2] [--ps 100] [--taut build/taut]
 
 216 TIP3P with PME in mixed precision, in the study's bath, the first 5 ps left out. taut measure gives the diffusion
 (in this box) and Green and Kubo's viscosity; tau2 is the integral of ⟨P₂(u(0)·u(t))⟩ of the OH bonds' directions, by the
@@ -16,7 +16,7 @@ import h5py
 import numpy
 
 from cases import DATA, SYSTEMS, read_rows
-from study import Study, open_rows, options, temperatures
+from study import Study, add_rows, options, said, temperatures
 
 SYSTEM, PRECISION, SETTLING_PS, FRAME_PS = "tip3p", "mixed", 5, 0.1
 STEPS = {"newton": (0.5, 2, 4, 5), "feedforward": (2, 5), "baumgarte": (2,), "baumgarte dead-beat": (2,),
@@ -35,16 +35,16 @@ def reorientation(positions):
     return FRAME_PS * (sum(p2) - 0.5 * (p2[0] + p2[-1])) + p2[-1] / decay
 
 
-def measured(study, method, step, seed, ps):
-    words, keys = study.of_cell(SYSTEM, method, step, PRECISION)
+def measured(study, method, dt_fs, seed, ps):
+    words, keys = study.of_cell(SYSTEM, method, dt_fs, PRECISION)
     with tempfile.TemporaryDirectory(dir=study.work) as scratch:
         out = Path(scratch) / "out"
-        every = max(1, round(8 / step))  # of the log: 8 fs
-        done = subprocess.run([*words, "--steps", str(round(1000 * ps / step)), "--out", str(out), "--set",
+        every = max(1, round(8 / dt_fs))  # of the log: 8 fs
+        done = subprocess.run([*words, "--steps", str(round(1000 * ps / dt_fs)), "--out", str(out), "--set",
                                *keys, f"run.seed={seed}", f"run.log_every={every}", "run.trajectory=h5md",
-                               f"run.trajectory_every={round(1000 * FRAME_PS / step)}"], capture_output=True, text=True)
+                               f"run.trajectory_every={round(1000 * FRAME_PS / dt_fs)}"], capture_output=True, text=True)
         if done.returncode:
-            return {"status": done.stderr.strip().splitlines()[0][:160]}
+            return {"status": said(done.stderr)}
         told = subprocess.run([study.taut, "measure", str(out), "--from", str(SETTLING_PS), "--json"], check=True,
                               capture_output=True, text=True)
         row = {"status": "ok", "ps": ps} | temperatures(json.loads(done.stdout)["temperatures_k"])
@@ -59,19 +59,13 @@ def measured(study, method, step, seed, ps):
 
 def main():
     ask = options(__doc__)
-    ask.add_argument("--seeds", type=int, default=4)
     ask.add_argument("--ps", type=float, default=100)
     asked = ask.parse_args()
     study = Study(asked.taut, asked.work)
-    write = open_rows(DATA / "transport.csv", COLUMNS)
     done = {(row["method"], float(row["dt_fs"]), int(row["seed"])) for row in read_rows("transport.csv")}
-    for seed in range(1, asked.seeds + 1):
-        for method, steps in STEPS.items():
-            for step in steps:
-                if (method, step, seed) not in done:
-                    row = measured(study, method, step, seed, asked.ps)
-                    found = {key: row[key] for key in COLUMNS if key in row}
-                    write(found | {"method": method, "dt_fs": f"{step:g}", "seed": seed})
+    todo = [{"method": method, "dt_fs": step, "seed": seed} for seed in range(1, asked.seeds + 1)
+            for method, steps in STEPS.items() for step in steps if (method, step, seed) not in done]
+    add_rows("transport.csv", COLUMNS, todo, lambda cell: measured(study, **cell, ps=asked.ps), asked.jobs)
 
 
 if __name__ == "__main__":

@@ -30,6 +30,32 @@ def test_parts_of_chains_move_as_the_whole(folder, run, method, near):
     assert cut["f_hold[1]"].max() < 2 * whole["f_hold[1]"].max() + 1e-9
 
 
+def with_sides(chains, seed=3):
+    """Hangs two beads on every third bead, one on the other; some of the sides lie across a border."""
+    rng, n = np.random.default_rng(seed), len(chains.x)
+    x, bonds, molecules = list(chains.x), list(chains.bonds), list(chains.molecules)
+    for k in range(1, n, 3):
+        at = k
+        for _ in range(2):
+            step = rng.normal(size=3)
+            x.append(x[at] + step / np.linalg.norm(step))
+            molecules.append(molecules[k])
+            bonds.append((1, at + 1, len(x)))
+            at = len(x) - 1
+    atoms = [1] * len(x), molecules, [0] * len(x), np.array(x)
+    return systems.Topology(atoms, bonds, [], chains.box)
+
+
+def test_parts_of_branched_molecules_move_as_the_whole(folder, run):
+    (folder / "chains.data").write_text(with_sides(systems.chains(6, 40)).text([1.0]))
+    _, atoms = trajectory(folder, run, "taut feedforward", steps=40)
+    for ranks in (2, 4):
+        cut, cut_atoms = trajectory(folder, run, "taut feedforward", ranks=ranks, steps=40)
+        assert cut["f_hold[3]"].max() > 0
+        assert np.abs(cut_atoms[:, :3] - atoms[:, :3]).max() < 1e-7
+        assert cut["f_hold[1]"].max() < 1e-6
+
+
 def test_exchanges_make_up_for_a_short_overlap(folder, run):
     whole, atoms = trajectory(folder, run, "taut feedforward", steps=40)
     cut, cut_atoms = trajectory(folder, run, "taut feedforward overlap 2 exchanges 5", ranks=2, steps=40)
