@@ -256,7 +256,7 @@ def means_table(rows, quantities):
         own = statistics.stdev(values) if len(values) > 1 else 0
         mean, error = factor * statistics.mean(values), factor * max(own, usual[column]) / math.sqrt(len(values))
         digits = max(0, -math.floor(math.log10(error))) if error else 2
-        return f"{mean:.{digits}f} ± {error:.{digits}f}"
+        return f"{mean:.{digits}f}" + (f" ± {error:.{digits}f}" if error else "")
     return rows_of("method, step [fs], seeds", quantities, [
         (f"{method}, {step:g}, {len({row['seed'] for row in rows})}", [cell(rows, *quantity) for quantity in quantities.values()])
         for (method, step), rows in sorted(runs.items(), key=lambda item: (item[0][1], item[0][0]))])[:-1]
