@@ -241,13 +241,15 @@ def mixed_table(rows):
 def means_table(rows, quantities):
     """Means over seeds, a line for each method and step; quantities: {title: (column, factor)}.
 
-    The standard deviation of one run is that of the seeds, or the median over all lines where that is larger.
+    The standard deviation of one run is that of the seeds, or the root mean square over all lines where that is larger.
     """
     runs = defaultdict(list)
     for row in rows:
         runs[row["method"], float(row["dt_fs"])].append(row)
-    usual = {column: statistics.median([statistics.stdev(of(rows, column)) for rows in runs.values()
-                                        if len(of(rows, column)) > 1] or [0]) for column, _ in quantities.values()}
+    def usual_deviation(column):
+        deviations = [statistics.stdev(values) for rows in runs.values() if len(values := of(rows, column)) > 1]
+        return math.sqrt(statistics.mean(d * d for d in deviations)) if deviations else 0
+    usual = {column: usual_deviation(column) for column, _ in quantities.values()}
 
     def cell(rows, column, factor):
         values = of(rows, column)
@@ -255,7 +257,7 @@ def means_table(rows, quantities):
             return "stops" if any(row.get(column) == "" and row["status"].startswith("failed") for row in rows) else ""
         own = statistics.stdev(values) if len(values) > 1 else 0
         mean, error = factor * statistics.mean(values), factor * max(own, usual[column]) / math.sqrt(len(values))
-        digits = max(0, -math.floor(math.log10(error))) if error else 2
+        digits = max(0, -math.floor(math.log10(error / 2))) if error else 2
         return f"{mean:.{digits}f}" + (f" ± {error:.{digits}f}" if error else "")
     return rows_of("method, step [fs], seeds", quantities, [
         (f"{method}, {step:g}, {len({row['seed'] for row in rows})}", [cell(rows, *quantity) for quantity in quantities.values()])
