@@ -260,7 +260,8 @@ def means_table(rows, quantities):
         digits = max(0, -math.floor(math.log10(error / 2))) if error else 2
         return f"{mean:.{digits}f}" + (f" ± {error:.{digits}f}" if error else "")
     return rows_of("method, step [fs], seeds", quantities, [
-        (f"{method}, {step:g}, {len({row['seed'] for row in rows})}", [cell(rows, *quantity) for quantity in quantities.values()])
+        (f"{method}, {step:g}, {len({row['seed'] for row in rows})}",
+         [cell(rows, *quantity) for quantity in quantities.values()])
         for (method, step), rows in sorted(runs.items(), key=lambda item: (item[0][1], item[0][0]))])[:-1]
 
 

@@ -13,7 +13,7 @@ import subprocess
 import sys
 import tempfile
 
-from cases import DATA, ROOT, SYSTEMS, read_rows
+from cases import DATA, ROOT, read_rows
 from study import Study, open_rows, options
 
 sys.path.insert(0, str(ROOT / "benchmarks"))

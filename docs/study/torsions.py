@@ -16,7 +16,7 @@ import h5py
 import numpy
 
 import cases
-from cases import DATA, read_rows
+from cases import read_rows
 from study import Study, add_rows, options, said
 
 cases.SYSTEMS["dipeptide-vacuum"] = cases.of_openmm("alanine dipeptide alone", "dipeptide-vacuum", 5000)

@@ -15,7 +15,7 @@ from pathlib import Path
 import h5py
 import numpy
 
-from cases import DATA, SYSTEMS, read_rows
+from cases import read_rows
 from study import Study, add_rows, options, said, temperatures
 
 SYSTEM, PRECISION, SETTLING_PS, FRAME_PS = "tip3p", "mixed", 5, 0.1

@@ -3,8 +3,8 @@
     python3 count.py in.melt 1 2 4 8 16 [-var steps 0 ...]
 
 The input's variable `steps` is set to 20 and to 40, and the difference taken; an input without it can be counted by
-run() and a_step(). Beside it stands what modelled_kb() says of fix taut without exchanges of its own. Time is the processor's own, so that waiting is no part of it. mpicc and mpirun are needed;
-TAUT_LAMMPS names the program.
+run() and a_step(). Beside it stands what modelled_kb() says of fix taut without exchanges of its own. Time is the
+processor's own, so that waiting is no part of it. mpicc and mpirun are needed; TAUT_LAMMPS names the program.
 """
 
 import os

@@ -5,7 +5,8 @@
 
 DATA is examples/peptide/data.peptide or bench/data.rhodo of LAMMPS. A seed is one of velocities, at the temperature of
 LAMMPS's input, then 1 ps with a thermostat and fix shake; rhodopsin starts with the velocities of its file. Errors are
-from the seeds, or with one seed from ten blocks of the run. The drift is that of the total energy, per degree of freedom. Each run has one processor.
+from the seeds, or with one seed from ten blocks of the run. The drift is that of the total energy, per degree of
+freedom. Each run has one processor.
 """
 
 import argparse
@@ -14,7 +15,6 @@ import os
 import pathlib
 import re
 import subprocess
-import sys
 import tempfile
 
 import numpy as np
