@@ -246,6 +246,7 @@ def means_table(rows, quantities):
     runs = defaultdict(list)
     for row in rows:
         runs[row["method"], float(row["dt_fs"])].append(row)
+
     def usual_deviation(column):
         deviations = [statistics.stdev(values) for rows in runs.values() if len(values := of(rows, column)) > 1]
         return math.sqrt(statistics.mean(d * d for d in deviations)) if deviations else 0

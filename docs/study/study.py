@@ -32,7 +32,7 @@ from judge import Judge, of, whole
 
 COLUMNS = ("system,method,dt_fs,seed,precision,ps,status,promise,rms_bond,max_bond,drift,constraint_drift,"
            "temperature_k,translation_k,rotation_k,rest_k,potential_kj_mol,pressure_bar,end_to_end_nm2,g_peak,"
-           "iterations,us").split(",")
+           "iterations").split(",")
 SHORT_SEED = 101
 
 
@@ -117,20 +117,22 @@ class Study:
             done = subprocess.run([*words, "--steps", str(steps), *measure, "--out", str(out), "--set", *keys,
                                    f"run.seed={seed}", f"run.log_every={max(1, steps // 400)}"],
                                   capture_output=True, text=True)
-            if done.returncode == 2:
-                return {"status": "refused: " + said(done.stderr)}
-            if done.returncode == 1:
-                return {"status": "failed: " + said(done.stderr)}
             if done.returncode:
-                raise SystemExit(f"study.py: {said(done.stderr)}")
-            summary = json.loads(done.stdout)
-            return {"ps": ps, "us": summary["us_per_step"]} | figures(
-                summary, out / "log.csv", min(SYSTEMS[name].settling_ps, ps / 2))
+                return {"status": why_not(done)}
+            return {"ps": ps} | figures(json.loads(done.stdout), out / "log.csv", min(SYSTEMS[name].settling_ps, ps / 2))
 
 
 def said(text):
     lines = [line for line in text.splitlines() if line.startswith("taut: ")] or text.splitlines() or ["nothing"]
     return lines[0].removeprefix("taut: ")[:160]
+
+
+def why_not(done):
+    """The status of a run that taut refused or that failed; one that was killed is no row, and ends the study."""
+    kinds = {1: "failed", 2: "refused"}
+    if done.returncode not in kinds:
+        raise SystemExit(f"a run ended with {done.returncode}: {said(done.stderr)}")
+    return f"{kinds[done.returncode]}: {said(done.stderr)}"
 
 
 def temperatures(kinds):

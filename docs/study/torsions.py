@@ -17,7 +17,7 @@ import numpy
 
 import cases
 from cases import read_rows
-from study import Study, add_rows, options, said
+from study import Study, add_rows, options, why_not
 
 cases.SYSTEMS["dipeptide-vacuum"] = cases.of_openmm("alanine dipeptide alone", "dipeptide-vacuum", 5000)
 METHODS = {"newton": (0.5, 2, 3, 4, 5), "feedforward": (2, 4, 5), "baumgarte": (2, 3, 4), "baumgarte implicit": (2,),
@@ -59,7 +59,7 @@ def measured(study, system, method, dt_fs, seed):
                                f"run.log_every={steps // 100}", "run.trajectory=h5md",
                                f"run.trajectory_every={round(1000 * FRAME_PS / dt_fs)}"], capture_output=True, text=True)
         if done.returncode:
-            return {"status": said(done.stderr)}
+            return {"status": why_not(done)}
         with h5py.File(out / "trajectory.h5md") as file:
             frames = next(iter(file["particles"].values()))["position"]["value"][round(SETTLING_PS[system] / FRAME_PS):]
         return {"status": "ok", "ps": ps, "share": float(share_of(system, numpy.asarray(frames, float)))}
@@ -69,6 +69,8 @@ def main():
     ask = options(__doc__)
     ask.set_defaults(systems=",".join(LENGTH_PS))
     asked = ask.parse_args()
+    if unknown := set(asked.systems.split(",")) - set(LENGTH_PS):
+        ask.error(f"no torsions of {min(unknown)}: expected {', '.join(LENGTH_PS)}")
     study = Study(asked.taut, asked.work)
     done = {(row["system"], row["method"], float(row["dt_fs"]), int(row["seed"])) for row in read_rows("torsions.csv")}
     todo = [{"system": system, "method": method, "dt_fs": step, "seed": seed} for seed in range(1, asked.seeds + 1)

@@ -16,7 +16,7 @@ import h5py
 import numpy
 
 from cases import read_rows
-from study import Study, add_rows, options, said, temperatures
+from study import Study, add_rows, options, temperatures, why_not
 
 SYSTEM, PRECISION, SETTLING_PS, FRAME_PS = "tip3p", "mixed", 5, 0.1
 STEPS = {"newton": (0.5, 2, 4, 5), "feedforward": (2, 5), "baumgarte": (2,), "baumgarte dead-beat": (2,),
@@ -44,7 +44,7 @@ def measured(study, method, dt_fs, seed, ps):
                                *keys, f"run.seed={seed}", f"run.log_every={every}", "run.trajectory=h5md",
                                f"run.trajectory_every={round(1000 * FRAME_PS / dt_fs)}"], capture_output=True, text=True)
         if done.returncode:
-            return {"status": said(done.stderr)}
+            return {"status": why_not(done)}
         told = subprocess.run([study.taut, "measure", str(out), "--from", str(SETTLING_PS), "--json"], check=True,
                               capture_output=True, text=True)
         row = {"status": "ok", "ps": ps} | temperatures(json.loads(done.stdout)["temperatures_k"])

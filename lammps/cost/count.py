@@ -35,7 +35,7 @@ def output_of(script, ranks, folder=".", words=()):
                        OMPI_MCA_btl_vader_single_copy_mechanism="none")
     command = [*MPIRUN, "-np", str(ranks), "env", f"LD_PRELOAD={library()}", PROGRAM, "-in", str(script), *words]
     done = subprocess.run([*command, "-log", "none"], cwd=folder, env=environment, capture_output=True, text=True)
-    if done.returncode:
+    if done.returncode or len(re.findall(r"^count_mpi ", done.stdout, re.M)) != ranks:
         raise RuntimeError(done.stdout[-500:] + done.stderr[-500:])
     return done.stdout
 
@@ -63,7 +63,7 @@ def modelled_kb(output, ghosts):
 
     Ghosts fill a layer around the processor's part of the box, made dimension by dimension; those of dimensions that
     are split come by messages. A ghost's position and force are three numbers each; when lists are built it is eight in
-    place of its position, and thirteen of fix taut: its bonds, the multipliers of earlier steps, one question.
+    place of its position, and thirteen of fix taut: how many bonds, and six for each of its two.
     """
     atoms = int(re.search(r"with (\d+) atoms", output)[1])
     edges = [float(edge) for edge in re.search(r"\) to \((.*?)\)", output)[1].split()]

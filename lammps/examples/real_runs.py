@@ -6,7 +6,7 @@
 DATA is examples/peptide/data.peptide or bench/data.rhodo of LAMMPS. A seed is one of velocities, at the temperature of
 LAMMPS's input, then 1 ps with a thermostat and fix shake; rhodopsin starts with the velocities of its file. Errors are
 from the seeds, or with one seed from ten blocks of the run. The drift is that of the total energy, per degree of
-freedom. Each run has one processor.
+freedom. Each run has one processor, and LAMMPS's OPT styles where it has them.
 """
 
 import argparse
@@ -108,6 +108,10 @@ def main():
     ask.add_argument("--fixes", default=",".join(HELD))
     ask.add_argument("--jobs", type=int, default=2, help="runs side by side")
     asked = ask.parse_args()
+    if unknown := set(asked.fixes.split(",")) - set(HELD):
+        ask.error(f"no fix {min(unknown)}: expected {', '.join(HELD)}")
+    if asked.steps < 200:
+        ask.error("ten blocks need 200 steps")
     print("| | drift, kJ/mol/ns | temperature, K | potential, kcal/mol | pressure, atm | density, g/cm³ |\n"
           "|---|---|---|---|---|---|", flush=True)
     with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(asked.jobs) as pool:
