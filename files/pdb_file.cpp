@@ -32,6 +32,12 @@ std::string upper(std::string text) {
   return text;
 }
 
+// X, as crystallographers write what they do not know, where there is none: readers guess an empty one by the atom's
+// name, and take a bead B for boron.
+std::string element_of(const AtomKind& kind) {
+  return kind.element.empty() ? "X" : upper(kind.element);
+}
+
 }  // namespace
 
 void write_pdb(const std::filesystem::path& file, const TrajectorySetup& setup, const State& s) {
@@ -49,7 +55,7 @@ void write_pdb(const std::filesystem::path& file, const TrajectorySetup& setup, 
     fmt::format_to(
         out, "HETATM{:5} {} {:<4} {:4}    {}{}{}  1.00  0.00          {:>2}\n", (a + 1) % (kMostNumbered + 1),
         atom_name(kind), fmt::format("{:>3}", kind.residue.substr(0, 4)), (names.residue[a] + 1) % 10000,
-        columns(10 * s.x(0, a)), columns(10 * s.x(1, a)), columns(10 * s.x(2, a)), upper(kind.element));
+        columns(10 * s.x(0, a)), columns(10 * s.x(1, a)), columns(10 * s.x(2, a)), element_of(kind));
   }
   const auto connect = [&](int i, int j) { fmt::format_to(out, "CONECT{:5}{:5}\n", i + 1, j + 1); };
   if (sys.atoms() <= kMostNumbered) {

@@ -322,6 +322,11 @@ TEST(PdbFile, HasEveryThingInItsColumns) {
   EXPECT_THAT(text, HasSubstr("HETATM    5  H1  HOH     2    "));
   EXPECT_THAT(text, HasSubstr("HETATM    7 Ar1  MOL     3    "));
   EXPECT_THAT(text, HasSubstr("CONECT    4    6\n"));
+  sample.names.kinds[static_cast<std::size_t>(sample.names.kind[0])] = {
+      .atom = "B", .residue = "MOL", .element = ""};
+  write_pdb(folder.path() / "s.pdb", sample.setup, sample.state);
+  EXPECT_THAT(contents(folder.path() / "s.pdb"),
+              HasSubstr("HETATM    1  B   MOL     1       1.234  -5.000123456.8  1.00  0.00           X\n"));
   sample.setup.further_bonds = {{0, 6}};
   write_pdb(folder.path() / "s.pdb", sample.setup, sample.state);
   EXPECT_THAT(contents(folder.path() / "s.pdb"), HasSubstr("CONECT    1    7\nEND"));
