@@ -85,8 +85,14 @@ Argument Subcommand::option(const char* name, T& value, const char* meaning) con
     option->allow_extra_args(false);  // separate_lists() separates the words of a list
   if (value != T{}) option->capture_default_str();
   if constexpr (std::is_same_v<T, std::filesystem::path> ||
-                std::is_same_v<T, std::optional<std::filesystem::path>>)
+                std::is_same_v<T, std::optional<std::filesystem::path>>) {
     option->type_name("PATH");
+    option->check(CLI::Validator(
+        [](const std::string& given) {
+          return given.empty() ? std::string("expected a path, got an empty one") : std::string();
+        },
+        ""));
+  }
   return Argument(option);
 }
 

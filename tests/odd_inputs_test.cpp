@@ -58,6 +58,14 @@ TEST(OddInputs, AFolderIsMovedWhereItIsSaid) {
   EXPECT_TRUE(fs::exists(out.string() + ".1/log.csv"));
 }
 
+TEST(OddInputs, AnEmptyNameIsNoFolder) {
+  for (const char* command : {"run pair --steps 5 --out ''", "chart pair --quick --out ''", "resume ''"}) {
+    const auto refused = taut(command);
+    EXPECT_EQ(refused.exit_code, 2) << command;
+    EXPECT_THAT(refused.text, HasSubstr("expected a path, got an empty one")) << command;
+  }
+}
+
 TEST(OddInputs, SaysWhatANumberMayBe) {
   const auto said = [](const std::string& settings) {
     const auto [exit_code, text] = taut("run water --steps 0 --set " + settings);

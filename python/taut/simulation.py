@@ -106,6 +106,8 @@ class Simulation(Readings):
         self._make(inputs.read(scene, settings, inputs.number_of_threads(threads)), forces, out, overwrite)
 
     def _make(self, read: "_core.Input", forces: Iterable[Any], out: Union[str, Path, None], overwrite: bool) -> None:
+        if out == "":
+            raise InputError("out: expected a folder, got an empty name; None writes nothing")
         self._forces = inputs.own_forces(forces)
         _core.add_forces(read, self._forces)
         if out:

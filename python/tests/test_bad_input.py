@@ -180,6 +180,8 @@ def test_folders(tmp_path, capfd):
     (tmp_path / "file").write_text("")
     with pytest.raises(OSError):
         taut.Simulation("chain", out=tmp_path / "file" / "run")
+    with pytest.raises(taut.InputError, match="out: expected a folder, got an empty name"):
+        taut.Simulation("chain", out="")
     with pytest.raises(taut.InputError, match="there is none"):
         taut.Simulation.resume(tmp_path / "nowhere")
     with pytest.raises(taut.InputError, match="not a checkpoint"):
