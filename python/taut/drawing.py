@@ -9,11 +9,14 @@ import numpy as np
 
 def _figure(columns: int) -> Any:
     try:
-        from matplotlib import pyplot
+        from matplotlib import get_backend, pyplot
     except ImportError:
         raise ImportError("pictures need matplotlib: pip install matplotlib") from None
 
-    return pyplot.subplots(1, columns, figsize=(5.5 * columns, 4.2), layout="constrained")
+    figure, axes = pyplot.subplots(1, columns, figsize=(5.5 * columns, 4.2), layout="constrained")
+    if "inline" in get_backend():  # a notebook draws open figures when a cell ends, besides the one a cell returns
+        pyplot.close(figure)
+    return figure, axes
 
 
 def _curves(axis: Any, table: Any, by: str, x: str, y: str) -> None:
