@@ -1,7 +1,10 @@
 #include "base/series.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <complex>
+#include <unsupported/Eigen/FFT>
 #include <vector>
 
 namespace taut {
@@ -25,6 +28,19 @@ bool is_constant(double variance, double mean) {
   return std::sqrt(variance) <= kRounding * std::abs(mean);
 }
 
+// Σᵢ (yᵢ − y̅)(yᵢ₊ₖ − y̅) of every lag k: the Fourier transform of the power spectrum (Wiener and Khinchin), of a series
+// that zeros make twice as long.
+std::vector<double> lagged_products(std::span<const double> y, double mean) {
+  std::vector<double> off(2 * std::bit_ceil(y.size()), 0.0);
+  for (std::size_t i = 0; i < y.size(); ++i) off[i] = y[i] - mean;
+  Eigen::FFT<double> fourier;
+  std::vector<std::complex<double>> spectrum;
+  fourier.fwd(spectrum, off);
+  for (std::complex<double>& part : spectrum) part = std::norm(part);
+  fourier.inv(off, spectrum);
+  return off;
+}
+
 // Of at least three independent samples.
 double error_of_mean(std::span<const double> y) {
   const double independent = std::max(3.0, static_cast<double>(y.size()) / statistical_inefficiency(y));
@@ -38,11 +54,10 @@ double statistical_inefficiency(std::span<const double> y) {
   if (n < 3) return 1;
   const double mean = sample_mean(y), variance = variance_about(mean, y);
   if (is_constant(variance, mean)) return 1;
+  const std::vector<double> products = lagged_products(y, mean);
   double g = 1;
   for (std::size_t k = 1; k < n - 1; ++k) {
-    double sum = 0;
-    for (std::size_t i = 0; i + k < n; ++i) sum += (y[i] - mean) * (y[i + k] - mean);
-    const double c = sum / (static_cast<double>(n - k) * variance);
+    const double c = products[k] / (static_cast<double>(n - k) * variance);
     if (c <= 0) break;
     g += 2 * c * (1 - static_cast<double>(k) / static_cast<double>(n));
   }
