@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
 
 #include "files/h5md_file.hpp"
 #include "files/h5md_reader.hpp"
@@ -14,32 +13,45 @@ namespace taut {
 namespace {
 
 namespace fs = std::filesystem;
+using Use = LogColumn::Use;
 
 // Adds what a row of the log has, row by row; rows without it are left out.
-void add(std::vector<Curve>& curves, const RunLog& log, const Curve& as, const std::vector<double>& y) {
-  Curve curve = as;
+void add(std::vector<Curve>& curves, const RunLog& log, Curve curve, const std::vector<double>& y) {
   for (std::size_t row = 0; row < y.size(); ++row) {
     if (std::isnan(y[row])) continue;
-    curve.t.push_back(log.column(kLogTime)[row]);
+    curve.t.push_back(log.column("time_ps")[row]);
     curve.y.push_back(y[row]);
   }
   if (!curve.y.empty()) curves.push_back(std::move(curve));
 }
 
-void add(std::vector<Curve>& curves, const RunLog& log, const Curve& as, std::string_view column) {
-  add(curves, log, as, log.column(column));
+// Adds what the run's account has: the energy less what came from outside, and what the bonds did, from the start on.
+void add_account(std::vector<Curve>& curves, const RunLog& log, const std::vector<LogColumn>& columns,
+                 const std::string& of) {
+  std::vector<double> energy = log.column("total_kj_mol"), bonds = log.column("constraint_work_kj_mol");
+  std::string name = "energy but for the heat";
+  for (const LogColumn& column : columns) {
+    const bool steering = column.key == "steering_work_kj_mol";
+    if (!steering && column.key != "heat_kj_mol") continue;
+    if (steering) name = "energy but for heat and steering";
+    const std::vector<double>& less = log.column(column);
+    for (std::size_t row = 0; row < less.size(); ++row)
+      if (!std::isnan(less[row])) energy[row] -= less[row];
+  }
+  for (std::vector<double>* y : {&energy, &bonds}) {
+    if (!y->empty())
+      for (const double first = y->front(); double& value : *y) value -= first;
+    add(curves, log,
+        {.panel = "energy's account [kJ/mol]",
+         .name = of + (y == &energy ? name : "what the bonds did"),
+         .t = {},
+         .y = {}},
+        *y);
+  }
 }
 
-// Adds what the energy's account has of a column: what it is less others, from the start on.
-void add_account(std::vector<Curve>& curves, const RunLog& log, const std::string& name,
-                 std::string_view column, std::initializer_list<std::string_view> less = {}) {
-  std::vector<double> y = log.column(column);
-  for (const std::string_view other : less)
-    for (std::size_t row = 0; row < y.size() && log.has(other); ++row)
-      if (const double value = log.column(other)[row]; !std::isnan(value)) y[row] -= value;
-  if (!y.empty())
-    for (const double first = y.front(); double& value : y) value -= first;
-  add(curves, log, {.panel = "energy's account [kJ/mol]", .name = name, .t = {}, .y = {}}, y);
+std::string panel_of(const LogColumn& column) {
+  return column.words + (column.unit.empty() ? "" : fmt::format(" [{}]", column.unit));
 }
 
 bool varies(const std::vector<double>& y) {
@@ -58,7 +70,7 @@ void add_tensions(std::vector<Curve>& curves, const fs::path& folder, const std:
   for (long frame = 0; frame < frames.frames(); ++frame) {
     frames.skip();
     if (frame % stride != 0) continue;
-    const double t = frames.first_time() + static_cast<double>(frame) * frames.interval();
+    const double t = frames.time_of(frame);
     const Eigen::VectorXd tension = frames.tensions();
     if (tension.size() == 0) return;
     for (Curve* curve : {&mean, &most}) curve->t.push_back(t);
@@ -70,18 +82,6 @@ void add_tensions(std::vector<Curve>& curves, const fs::path& folder, const std:
   curves.push_back(std::move(mean));
 }
 
-// The bath's temperature: the log's where it changes in time, or else the scene's.
-void add_bath(std::vector<Curve>& curves, const RunLog& log, const Scene* scene, const std::string& of) {
-  const Curve bath{.panel = "temperature [K]", .name = of + "bath", .t = {}, .y = {}};
-  if (log.has(kLogBath)) return add(curves, log, bath, kLogBath);
-  if (!scene || !scene->run.thermostatted()) return;
-  curves.push_back(bath);
-  for (const double t : {log.column(kLogTime).front(), log.column(kLogTime).back()}) {
-    curves.back().t.push_back(t);
-    curves.back().y.push_back(scene->run.bath_temperature(t));
-  }
-}
-
 }  // namespace
 
 std::vector<Curve> curves_of(const RunLog& log, const std::string& run, const Scene* scene,
@@ -89,29 +89,23 @@ std::vector<Curve> curves_of(const RunLog& log, const std::string& run, const Sc
   const std::string of = run.empty() ? "" : run + ": ";
   const std::string alone = run.empty() ? "each row" : run;
   std::vector<Curve> all;
-  const auto curve = [](const char* panel, std::string name, bool mean) {
-    return Curve{.panel = panel, .name = std::move(name), .t = {}, .y = {}, .running_mean = mean};
-  };
-  add(all, log, curve("potential energy [kJ/mol]", alone, true), kLogPotential);
-  const bool steered = log.has(kLogSteeringWork);
-  add_account(all, log, of + (steered ? "energy but for heat and steering" : "energy but for the heat"),
-              kLogTotal, {kLogHeat, kLogSteeringWork});
-  add_account(all, log, of + "what the bonds did", kLogConstraintWork);
-  add(all, log, curve("temperature [K]", alone, true), kLogTemperature);
-  add_bath(all, log, scene, of);
-  add(all, log, curve("pressure [bar]", alone, true), kLogPressure);
-  if (log.has(kLogVolume) && varies(log.column(kLogVolume))) {
-    add(all, log, curve("volume [nm³]", alone, true), kLogVolume);
-    add(all, log, curve("density [kg/m³]", alone, true), kLogDensity);
+  const std::vector<LogColumn> columns = scene ? log_columns(*scene) : common_columns();
+  for (const LogColumn& column : columns) {
+    const std::vector<double>& y = log.column(column);
+    if (column.key == "total_kj_mol") {
+      add_account(all, log, columns, of);
+      continue;
+    }
+    const bool has_mean = column.use == Use::kMean || column.use == Use::kMeanWhereItVaries;
+    const bool still_drawn =
+        has_mean && !column.of_box;  // where it is constant: a box without a barostat is not
+    if (column.use != Use::kNone && (still_drawn || varies(y)))
+      add(all, log, {.panel = panel_of(column), .name = alone, .t = {}, .y = {}, .running_mean = has_mean},
+          y);
+    if (column.key == "temperature_k")
+      add(all, log, {.panel = panel_of(column), .name = of + "bath", .t = {}, .y = {}},
+          log.column("bath_temperature_k"));
   }
-  if (scene)
-    for (const LogColumn& column : further_columns(*scene))
-      add(all, log,
-          curve(fmt::format("{} [{}]", column.words, column.unit).c_str(), alone,
-                column.title != kLogSteeringWork),
-          column.title);
-  if (log.has(kLogBondError) && varies(log.column(kLogBondError)))
-    add(all, log, curve("relative bond error (rms)", alone, false), kLogBondError);
   add_tensions(all, folder, of, most_frames);
   return all;
 }

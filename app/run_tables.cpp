@@ -7,7 +7,7 @@
 
 #include "base/usable_cores.hpp"
 #include "printing.hpp"
-#include "systems/builders/biases.hpp"
+#include "simulation/log_columns.hpp"
 #include "systems/velocities.hpp"
 #include "words.hpp"
 
@@ -102,6 +102,14 @@ void print_steps(const Simulation& simulation, const Summary& s) {
   if (s.heat) say("heat taken up {:.4g} kJ/mol\n", *s.heat);
 }
 
+// The columns of the log that a terminal shows.
+std::vector<LogColumn> shown_columns(bool in_box) {
+  std::vector<LogColumn> columns;
+  for (const LogColumn& column : common_columns())
+    if (column.terminal.heading && (in_box || !column.of_box)) columns.push_back(column);
+  return columns;
+}
+
 }  // namespace
 
 void print_title(const Scene& scene) {
@@ -141,17 +149,23 @@ void print_header(const Simulation& simulation) {
   say("  method {}: {}\n", scene.method.name(), simulation.method().setting());
   say("  {}\n  {}\n\n", start_line(scene), speed_line(simulation));
   if (simulation.step() > 0) say("goes on from step {}\n", simulation.step());
-  const bool pressed = box.periodic();
-  say("{:>8} {:>10} {:>12} {:>12} {:>8} {:>9} {:>5}{}\n", "step", "t", "E_pot", "E_total", "T", "bond err",
-      "iter", pressed ? "        P" : "");
-  say("{:>8} {:>10} {:>12} {:>12} {:>8} {:>9} {:>5}{}\n", "", "[ps]", "[kJ/mol]", "[kJ/mol]", "[K]", "", "",
-      pressed ? "    [bar]" : "");
+  std::string headings, units;
+  for (const LogColumn& column : shown_columns(box.periodic())) {
+    const auto& [heading, width, format] = column.terminal;
+    headings += fmt::format("{}{:>{}}", headings.empty() ? "" : " ", heading, width);
+    units += fmt::format("{}{:>{}}", units.empty() ? "" : " ",
+                         column.unit.empty() ? "" : fmt::format("[{}]", column.unit), width);
+  }
+  say("{}\n{}\n", headings, units);
 }
 
 void print_row(const Record& r) {
-  say("{:>8} {:>10.4f} {:>12.6g} {:>12.8g} {:>8.2f} {:>9.1e} {:>5.3g}{}\n", r.step, r.t, r.potential,
-      r.total(), r.temperature, r.bonds.max, r.iterations,
-      r.pressure ? fmt::format(" {:>8.1f}", *r.pressure) : "");
+  std::string row;
+  for (const LogColumn& column : shown_columns(r.pressure.has_value()))
+    row += fmt::format(fmt::runtime(fmt::format("{}{{:>{}{}}}", row.empty() ? "" : " ", column.terminal.width,
+                                                column.terminal.format)),
+                       column.of(r));
+  say("{}\n", row);
 }
 
 void print_summary(const Simulation& simulation, const Summary& s, bool stepped) {
@@ -168,7 +182,7 @@ void print_summary(const Simulation& simulation, const Summary& s, bool stepped)
         s.pressure ? "bar" : "kJ/mol/nm");
   }
   for (std::size_t b = 0; b < s.biases.size(); ++b) {
-    const auto [value, force] = columns_of(simulation.scene().terms.biases[b]);
+    const auto [value, force] = columns_of(simulation.scene().terms.biases[b], b);
     say("{} {} {}, force {} {}\n", value.words, with_error(s.biases[b].value, 4), value.unit,
         with_error(s.biases[b].force, 3), force.unit);
   }

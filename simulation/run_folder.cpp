@@ -4,13 +4,11 @@
 #include <fmt/ranges.h>
 
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "base/errors.hpp"
 #include "files/atomic_file.hpp"
 #include "files/folder.hpp"
-#include "simulation/log_columns.hpp"
 #include "systems/start_file.hpp"
 
 namespace taut {
@@ -19,44 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
-// OpenMM's StateDataReporter's columns, then ours.
-constexpr std::string_view kLogHeader =
-    "#\"Step\",\"Time (ps)\",\"Potential Energy (kJ/mole)\",\"Kinetic Energy (kJ/mole)\","
-    "\"Total Energy (kJ/mole)\",\"Temperature (K)\",\"Speed (ns/day)\",\"Max Relative Bond Error\","
-    "\"RMS Relative Bond Error\",\"Energy Drift (kJ/mole/ns/dof)\",\"Iterations per Step\",\"Pressure "
-    "(bar)\",\"Constraint Work (kJ/mole)\",\"Heat (kJ/mole)\"";
-constexpr std::string_view kBoxHeader =
-    ",\"Box Volume (nm^3)\",\"Density (kg/m^3)\",\"Pressure XX (bar)\",\"Pressure YY (bar)\",\"Pressure ZZ "
-    "(bar)\","
-    "\"Pressure XY (bar)\",\"Pressure XZ (bar)\",\"Pressure YZ (bar)\"";
-
-constexpr std::string_view kBathHeader = ",\"Bath Temperature (K)\"";
-
-// Whether the log has the column of the bath: that of a run whose bath's temperature changes in time.
-bool has_bath_column(const fs::path& log, const Scene& scene) {
-  std::string header;
-  std::ifstream in(log);
-  if (std::getline(in, header)) return header.find(kBathHeader) != std::string::npos;
-  return !scene.run.temperature_course.empty();
-}
-
-std::string log_row(const Record& r, bool with_bath) {
-  std::string further;
-  if (r.pressure)
-    further =
-        fmt::format(",{:.12g},{:.9g},{:.9g}", r.volume, r.density, fmt::join(six_of(r.pressure_tensor), ","));
-  for (const double wall : r.walls) further += fmt::format(",{:.9g}", wall);
-  if (r.steering_work) further += fmt::format(",{:.9g}", *r.steering_work);
-  if (r.steering_force) further += fmt::format(",{:.9g}", *r.steering_force);
-  for (const BiasReading& bias : r.biases) further += fmt::format(",{:.9g},{:.9g}", bias.value, bias.force);
-  if (with_bath) further += r.bath_temperature ? fmt::format(",{:.9g}", *r.bath_temperature) : ",";
-  return fmt::format(
-      "{},{:.17g},{:.17g},{:.17g},{:.17g},{:.9g},{:.4g},{:.6e},{:.6e},{},{:.4g},{},{:.9g},{}{}\n", r.step,
-      r.t, r.potential, r.kinetic, r.total(), r.temperature, r.ns_per_day, r.bonds.max, r.bonds.rms,
-      std::isnan(r.drift) ? "" : fmt::format("{:.6e}", r.drift), r.iterations,
-      r.pressure ? fmt::format("{:.9g}", *r.pressure) : "", r.constraint_work,
-      r.heat ? fmt::format("{:.9g}", *r.heat) : "", further);
-}
+constexpr const char* kLog = "log.csv";
 
 // Of each type of molecule; classes without degrees of freedom are left out.
 ordered_json temperatures_json(const Temperatures& temperatures) {
@@ -125,7 +86,7 @@ ordered_json summary_json(const Simulation& simulation, const Summary& s) {
   if (s.steering_work) object["steering_work_kj_mol"] = *s.steering_work;
   for (std::size_t b = 0; b < s.biases.size(); ++b) {
     const Bias& bias = scene.terms.biases[b];
-    const auto [value, force] = columns_of(bias);
+    const auto [value, force] = columns_of(bias, b);
     object[value.key] = json_of(s.biases[b].value);
     object[force.key] = json_of(s.biases[b].force);
   }
@@ -160,8 +121,6 @@ void write_aside(const fs::path& path, const ordered_json& object) {
   file.commit();
 }
 
-constexpr const char* kLog = "log.csv";
-
 // Moves aside what an earlier run wrote: it is another run's, or of an earlier step. The checkpoint goes
 // first: without it nobody takes the rest for a run that can go on. Returns a sentence that says so, or
 // nothing.
@@ -194,16 +153,9 @@ RunFolder::RunFolder(FolderLock folder, SceneSource source, const Simulation& si
       note_(clear(path(), simulation, marks)),
       checkpoint_{.source = std::move(source)},
       log_(path() / kLog, mark_of(marks, kLog)),
-      logs_bath_(has_bath_column(path() / kLog, simulation.scene())),
+      columns_(columns_of_file(simulation.scene())),
       trajectories_(path(), simulation, marks) {
-  if (log_.size() == 0) {
-    const bool box = simulation.state().box.periodic();
-    std::string further;
-    for (const LogColumn& column : further_columns(simulation.scene()))
-      further += fmt::format(",\"{}\"", column.title);
-    log_.write(
-        fmt::format("{}{}{}{}\n", kLogHeader, box ? kBoxHeader : "", further, logs_bath_ ? kBathHeader : ""));
-  }
+  if (log_.size() == 0) log_.write(header_of(columns_));
   if (marks.empty()) return;
   kept_step_ = simulation.step();
   std::error_code ignored;
@@ -217,7 +169,7 @@ void RunFolder::begin(Simulation& simulation) {
 }
 
 void RunFolder::add_row(const Record& record) {
-  log_.write(log_row(record, logs_bath_));
+  log_.write(row_of(columns_, record));
 }
 
 void RunFolder::add_frame(const Simulation& simulation) {

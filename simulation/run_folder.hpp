@@ -9,6 +9,7 @@
 #include "files/folder.hpp"
 #include "files/output.hpp"
 #include "simulation/checkpoint.hpp"
+#include "simulation/log_columns.hpp"
 #include "simulation/simulation.hpp"
 #include "simulation/trajectories.hpp"
 
@@ -45,7 +46,7 @@ class RunFolder {
   std::string note_;
   Checkpoint checkpoint_;  // what it is made from; the rest only while one is written
   GrowingFile log_;
-  bool logs_bath_;  // has a column of the bath's temperature
+  std::vector<LogColumn> columns_;
   Trajectories trajectories_;
   std::optional<long> kept_step_;
 };

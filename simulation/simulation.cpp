@@ -318,6 +318,7 @@ Vectors Simulation::thermal_velocity() const {
 Record Simulation::record() const {
   const ThreadScope own(threads_);
   Record r;
+  r.step = progress_.step;
   r.t = state_.t;
   r.potential = inner_->forces.field.potential(state_, inner_->forces.besides) +
                 method_->spring_energy(scene_.system, state_.x);
@@ -376,7 +377,7 @@ void Simulation::serialize_numbers(Archive& archive) {
   if (momentum_fixed != dof_.momentum_fixed) count_degrees_of_freedom(momentum_fixed);
   archive(sums_);
   archive.demand(0 <= sums_.last_row && sums_.last_row <= progress_.step && 0 <= sums_.rows &&
-                 sums_.rows <= progress_.step + 1);
+                 sums_.rows <= progress_.step + 1 && sums_.rows <= sums_.steps);
   archive(*temperatures_, inner_->forces.field, unaccounted_at_start_, heat_at_start_);
   if (inner_->ensemble.steering) archive(steering_work_at_start_);
   archive(*method_);

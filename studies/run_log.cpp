@@ -17,41 +17,32 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-std::size_t index_of(const RunLog& log, std::string_view name) {
-  return static_cast<std::size_t>(std::ranges::find(log.columns, name) - log.columns.begin());
-}
-
 }  // namespace
 
-const std::vector<double>& RunLog::column(std::string_view name) const {
+const std::vector<double>& RunLog::column(const LogColumn& column) const {
   static const std::vector<double> kEmpty;
-  const std::size_t at = index_of(*this, name);
-  return at < columns.size() ? values[at] : kEmpty;
+  const auto at = std::ranges::find(titles, column.title);
+  return at == titles.end() ? kEmpty : values[static_cast<std::size_t>(at - titles.begin())];
 }
 
-bool RunLog::has(std::string_view name) const {
-  return std::ranges::any_of(column(name), [](double value) { return !std::isnan(value); });
-}
-
-double RunLog::interval() const {
-  const std::vector<double>& t = column(kLogTime);
-  return t.size() < 2 ? 0.0 : t[1] - t[0];
+bool RunLog::has(std::string_view key) const {
+  return std::ranges::any_of(column(key), [](double value) { return !std::isnan(value); });
 }
 
 void RunLog::append(const RunLog& next) {
-  if (columns.empty()) {
+  if (titles.empty()) {
     *this = next;
     return;
   }
-  if (next.columns != columns) throw InputError("the segments' logs have different columns");
-  const std::size_t time = index_of(*this, kLogTime);
-  if (next.rows() == 0 || rows() == 0 || time == columns.size()) return;
-  const double end = values[time].back(), begin = next.values[time].front();
+  if (next.titles != titles) throw InputError("the segments' logs have different columns");
+  if (next.rows() == 0 || rows() == 0) return;
+  const double end = column("time_ps").back(), begin = next.column("time_ps").front();
   const bool again = begin < end;
   const std::size_t first = again || begin == end ? 1 : 0;  // its start is the end here
-  for (std::size_t c = 0; c < columns.size(); ++c)
+  for (std::size_t c = 0; c < titles.size(); ++c)
     for (std::size_t row = first; row < next.rows(); ++row)
-      values[c].push_back(next.values[c][row] + (c == time && again ? end - begin : 0));
+      values[c].push_back(next.values[c][row] +
+                          (again && titles[c] == common_column("time_ps").title ? end - begin : 0));
 }
 
 RunLog read_log(const std::filesystem::path& folder) {
@@ -69,27 +60,27 @@ RunLog read_log(const std::filesystem::path& folder) {
     const std::size_t end = text.find('\n', at);
     if (end == text.npos) break;  // cut off in writing
     if (line == 1) {
-      log.columns = csv_rows(std::string_view(text).substr(at, end - at)).at(0);
-      if (!log.columns[0].empty() && log.columns[0][0] == '#') log.columns[0].erase(0, 1);
-      log.values.resize(log.columns.size());
+      log.titles = csv_rows(std::string_view(text).substr(at, end - at)).at(0);
+      if (!log.titles[0].empty() && log.titles[0][0] == '#') log.titles[0].erase(0, 1);
+      log.values.resize(log.titles.size());
     } else {
       const char* cell = text.data() + at;
       const char* const last = text.data() + end;
-      for (std::size_t c = 0; c < log.columns.size(); ++c) {
+      for (std::size_t c = 0; c < log.titles.size(); ++c) {
         double value = kNone;
         const auto [stop, error] = std::from_chars(cell, last, value);
         const bool ends = stop == last || *stop == ',';
-        if (!ends || (c + 1 < log.columns.size()) == (stop == last))
-          throw InputError(
-              fmt::format("{}:{}: expected {} numbers", file.string(), line, log.columns.size()));
+        if (!ends || (c + 1 < log.titles.size()) == (stop == last))
+          throw InputError(fmt::format("{}:{}: expected {} numbers", file.string(), line, log.titles.size()));
         log.values[c].push_back(stop == cell ? kNone : value);
         cell = stop + 1;
       }
     }
     at = end + 1;
   }
-  if (log.rows() == 0 || !log.has(kLogTime))
-    throw InputError(fmt::format("{}: expected rows with a column \"{}\"", file.string(), kLogTime));
+  if (log.rows() == 0 || !log.has("time_ps"))
+    throw InputError(
+        fmt::format("{}: expected rows with a column \"{}\"", file.string(), common_column("time_ps").title));
   return log;
 }
 

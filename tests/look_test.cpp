@@ -65,6 +65,72 @@ TEST_F(Look, MeasuresSegmentsAsOneRun) {
   EXPECT_EQ(json::parse(said("measure --join --last 1 --json " + at + "1 " + at + "2"))["rows"], 51);
 }
 
+// A run that went on with rows and frames four times as far apart: its last part alone, and joined to one that has them all
+// along.
+TEST_F(Look, TakesTheTimesOfRowsAndFrames) {
+  const std::string brownian =
+      "run freely_jointed --set build.chains=10 run.log_every=2 run.thermostat=langevin "
+      "run.temperature_k=300 run.friction_per_ps=50 run.steps=";
+  said(brownian + "2000 run.trajectory_every=2 --quiet --out " + at + "1");
+  for (const std::string every : {"2", "8"})
+    said(brownian + "8000 run.trajectory_every=" + every + " build.start=" + at +
+         "1/final.start.toml --quiet --out " + at + every);
+  const auto joined = [&](const std::string& second) {
+    return json::parse(said("measure --join --json " + at + "1 " + at + second));
+  };
+  const json even = joined("2"), uneven = joined("8");
+  EXPECT_EQ(even["frames"], 5001);
+  EXPECT_EQ(even["frames_followed"], 5001);
+  EXPECT_EQ(uneven["frames"], 2001);
+  EXPECT_EQ(uneven["frames_followed"], 1251);
+  EXPECT_NEAR(uneven["interval_ps"], 0.08, 1e-6);
+  const double d = even["diffusion_nm2_per_ps"]["value"];
+  EXPECT_NEAR(uneven["diffusion_nm2_per_ps"]["value"], d, 0.1 * d) << "the same motion";
+  const double r2 = even["end_to_end_squared_nm2"]["value"];
+  EXPECT_NEAR(uneven["end_to_end_squared_nm2"]["value"], r2, 0.02 * r2);
+  EXPECT_THAT(said("measure --join " + at + "1 " + at + "8"),
+              AllOf(HasSubstr("2001 frames of 200 atoms, 0.02 to 0.08 ps apart"),
+                    HasSubstr("of 1251 evenly spaced frames, 0.08 ps apart, from 0 to 100 ps")));
+
+  said("resume " + at + "1 --steps 18000 --quiet --set run.log_every=20 run.trajectory_every=0");
+  const auto log = csv_rows(contents(at + "1/log.csv"));
+  const auto column = std::ranges::find(log[0], "Temperature (K)") - log[0].begin();
+  double before = 0, after = 0;
+  for (std::size_t row = 1; row < log.size(); ++row)
+    (row <= 1001 ? before : after) += std::stod(log[row][static_cast<std::size_t>(column)]);
+  EXPECT_NEAR(json::parse(said("measure --json " + at + "1"))["temperature_k"]["value"],
+              0.1 * before / 1001 + 0.9 * after / 900, 0.3);
+}
+
+// Beads of 1 nm have their first neighbours at 1.1 nm: as far as three shells are seen, not a length that suits water.
+TEST_F(Look, SeesAsFarAsTheSystemIsCoarse) {
+  said("run melt --steps 60 --set run.log_every=20 run.trajectory_every=20 --quiet --out " + at + "melt");
+  const json g = json::parse(said("measure --json " + at + "melt"))["distances"];
+  const auto height = [](const json& point) { return point[1].get<double>(); };
+  const double at_peak = (*std::ranges::max_element(g, {}, height))[0];
+  EXPECT_GT(at_peak, 1.02);
+  EXPECT_LT(at_peak, 1.15);
+  EXPECT_NEAR(g.back()[0], 3.16, 0.01) << "three times (1176.47 nm³/1000)^⅓";
+  EXPECT_THAT(said("measure " + at + "melt"), HasSubstr("up to 3.17 nm: highest "));
+}
+
+// Doubts that a run ended with are the measurement's, too.
+TEST_F(Look, KeepsTheDoubtsOfRuns) {
+  const std::string one_sweep =
+      "freely_jointed --steps 40 --dt-fs 40 --set build.chains=10 run.log_every=2 "
+      "method.name=shake method.sweeps=1 ";
+  const std::string run = said("run " + one_sweep + " --out " + at + "1");
+  const std::string doubt = "in doubt: the constraints heat by ";
+  ASSERT_THAT(run, HasSubstr(doubt));
+  const auto begin = run.find(doubt);
+  const std::string line = run.substr(begin, run.find('\n', begin) - begin);
+  EXPECT_THAT(said("measure " + at + "1"), HasSubstr(line));
+  EXPECT_THAT(json::parse(said("measure --json " + at + "1"))["doubts"][0].get<std::string>(),
+              line.substr(std::string("in doubt: ").size()));
+  EXPECT_THAT(said("scan " + one_sweep + "--seeds 2 --out " + at + "scan"),
+              HasSubstr("in doubt: " + at + "scan/002: the constraints heat by "));
+}
+
 TEST_F(Look, MeasureRefusesWhatItCannotDo) {
   const std::string run = (folder.path() / "run").string();
   said(kShortRun + std::string("--quiet --out ") + run);
@@ -118,7 +184,7 @@ TEST_F(Look, PlotsTheBathTheTensionsAndTheFrames) {
     if (row[0] == "bond tension [kJ/mol/nm]")
       (row[1] == "mean" ? mean : largest).push_back(std::stod(row[3]));
   }
-  EXPECT_EQ(bath, (std::vector<std::string>{"300", "300"}));
+  EXPECT_EQ(bath, (std::vector<std::string>{"300", "300", "300"}));
   ASSERT_EQ(mean.size(), 3u);
   ASSERT_EQ(largest.size(), 3u);
   for (int k = 0; k < 3; ++k) EXPECT_GT(largest[k], std::abs(mean[k]));
@@ -296,7 +362,7 @@ TEST_F(Look, PlotsTemperaturesBesideTheBaths) {
               Not(HasSubstr("bath")));
 }
 
-// A log keeps its columns, where the bath's rows become one temperature or the other way round.
+// A log has the bath's temperature whether it changes or not, and a cell for it where the thermostat is taken away.
 TEST_F(Look, LogsTheTemperatureOfABathThatChanges) {
   const std::string run =
       "run freely_jointed --steps 20 --set build.chains=5 run.log_every=10 run.thermostat=langevin ";
@@ -311,7 +377,11 @@ TEST_F(Look, LogsTheTemperatureOfABathThatChanges) {
     EXPECT_EQ(table("a")[row].back(), (std::vector<std::string>{"300", "325", "350", "350", "350"})[row - 1]);
   said(run + "run.temperature_k=300 --out " + at + "b");
   said("resume " + at + "b --steps 20 --set " + rows);
-  for (const auto& row : table("b")) EXPECT_EQ(row.size(), table("a")[0].size() - 1);
+  EXPECT_EQ(table("b")[0], table("a")[0]);
+  EXPECT_EQ(table("b")[1].back(), "300");
+  said("run freely_jointed --steps 20 --set build.chains=5 run.log_every=10 --out " + at + "c");
+  EXPECT_EQ(table("c")[0], table("a")[0]);
+  EXPECT_EQ(table("c")[1].back(), "");
   EXPECT_THAT(said("resume " + at + "b --steps 20 --set 'run.temperature_k=[[0, 300], [1, 0]]'", 2),
               HasSubstr("run.temperature_k[1]: expected a temperature above 0"));
   EXPECT_THAT(said("info freely_jointed --set run.thermostat=langevin " + rows),

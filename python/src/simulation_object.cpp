@@ -111,7 +111,7 @@ void PythonSimulation::run(long steps, long every, const Calls& calls, bool to_e
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
       const long step = run_.simulation->step();
       if (row && !calls.on_row.is_none())
-        stopped_ |= is_false(call(calls.on_row, py::cast(*std::exchange(row, {})), step));
+        stopped_ |= is_false(call(calls.on_row, py::cast(Row{*std::exchange(row, {}), columns_}), step));
       if (step == next_report) {
         const py::object answer = call(calls.report, py::int_(step), step);
         stopped_ |= is_false(answer);

@@ -6,10 +6,17 @@
 #include "base/shared_rows.hpp"
 #include "core.hpp"
 #include "lent_state.hpp"
+#include "simulation/log_columns.hpp"
 #include "simulation/open_run.hpp"
 #include "simulation/recorded_run.hpp"
 
 namespace taut {
+
+// A row of the log, and what its numbers are called.
+struct Row {
+  Record record;
+  std::shared_ptr<const std::vector<LogColumn>> columns;
+};
 
 // The C++ side of taut.Simulation: a simulation with its folder and its log. It notices when Python code has
 // written to the views of positions and velocities, and starts again from there before it answers anything
@@ -43,6 +50,7 @@ class PythonSimulation {
   Simulation& settled();  // its forces are those of the positions, also after Python code has written there
   const std::shared_ptr<Shown>& shown() const { return shown_; }  // what the views of Python show
   std::vector<Record> rows() const { return log_.copy(); }        // so far, while it runs, too
+  const std::shared_ptr<const std::vector<LogColumn>>& columns() const { return columns_; }  // of rows
   const std::string& summary() const {
     return summary_;
   }  // of the last run, as summary.json has it, or "null"
@@ -69,6 +77,8 @@ class PythonSimulation {
   OpenRun run_;
   bool begun_ = false, closed_ = false;
   SharedRows<Record> log_;
+  std::shared_ptr<const std::vector<LogColumn>> columns_ =
+      std::make_shared<const std::vector<LogColumn>>(log_columns(run_.simulation->scene()));
   std::string summary_ = "null";
   State seen_;                    // x and v as note_state() found them
   bool forces_outdated_ = false;  // a new box was undone

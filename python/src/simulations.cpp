@@ -2,56 +2,18 @@
 
 #include <fmt/format.h>
 
-#include <array>
-#include <limits>
+#include <algorithm>
 
 #include "lent_state.hpp"
 #include "simulation_object.hpp"
-#include "systems/builders/biases.hpp"
 #include "systems/openmm/export.hpp"
 #include "systems/openmm/import.hpp"
 
 namespace taut {
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
-// A column of the log, in the order of the columns.
-struct Column {
-  const char *name, *meaning;
-  double (*of)(const Record&);
-};
-constexpr std::array kColumns = {
-    Column{"time_ps", "Time [ps].", [](const Record& r) { return r.t; }},
-    Column{"potential_kj_mol", "Potential energy [kJ/mol].", [](const Record& r) { return r.potential; }},
-    Column{"kinetic_kj_mol", "Kinetic energy [kJ/mol].", [](const Record& r) { return r.kinetic; }},
-    Column{"total_kj_mol", "Potential and kinetic energy together [kJ/mol].",
-           [](const Record& r) { return r.total(); }},
-    Column{"temperature_k", "Temperature of the state [K].", [](const Record& r) { return r.temperature; }},
-    Column{"pressure_bar", "Pressure of the state [bar]; nan without a box.",
-           [](const Record& r) { return r.pressure.value_or(kNone); }},
-    Column{"volume_nm3", "Volume of the box [nm³]; nan without a box.",
-           [](const Record& r) { return r.pressure ? r.volume : kNone; }},
-    Column{"density_kg_m3", "Mass of all atoms over the volume [kg/m³]; nan without a box.",
-           [](const Record& r) { return r.pressure ? r.density : kNone; }},
-    Column{"max_rel_bond_error", "Largest relative error of a rigid bond's length.",
-           [](const Record& r) { return r.bonds.max; }},
-    Column{"rms_rel_bond_error", "Root mean square of the relative errors of all rigid bonds.",
-           [](const Record& r) { return r.bonds.rms; }},
-    Column{"drift_kj_mol_ns_dof", "Trend of the energy less the heat so far [kJ/mol/ns/degree of freedom].",
-           [](const Record& r) { return r.drift; }},
-    Column{"constraint_work_kj_mol", "How much the constraints changed the energy since the start [kJ/mol].",
-           [](const Record& r) { return r.constraint_work; }},
-    Column{"heat_kj_mol", "Heat from thermostat and barostat since the start [kJ/mol]; nan without them.",
-           [](const Record& r) { return r.heat.value_or(kNone); }},
-    Column{"bath_temperature_k", "Temperature of the thermostat [K]; nan without one.",
-           [](const Record& r) { return r.bath_temperature.value_or(kNone); }},
-    Column{"iterations", "Iterations of the method per step since the last row.",
-           [](const Record& r) { return r.iterations; }},
-    Column{"ns_per_day", "Speed: simulated time per day [ns].",
-           [](const Record& r) { return r.ns_per_day; }}};
-
-std::string in_words(const Record& r) {
+std::string in_words(const Row& row) {
+  const Record& r = row.record;
   return fmt::format(
       "step {}, {:.6g} ps: potential {:.6g}, total {:.8g} kJ/mol, {:.2f} K, bonds off by {:.1e}", r.step, r.t,
       r.potential, r.total(), r.temperature, r.bonds.max);
@@ -61,38 +23,45 @@ using Self = PythonSimulation;
 
 py::dict log(const Self& self) {
   const std::vector<Record> all = self.rows();
-  py::dict columns;
   const auto rows = static_cast<py::ssize_t>(all.size());
-  py::array_t<long> steps(rows);
-  for (py::ssize_t n = 0; n < rows; ++n) steps.mutable_at(n) = all[n].step;
-  columns["step"] = steps;
-  for (const auto& [name, meaning, of] : kColumns) {
-    py::array_t<double> column(rows);
-    for (py::ssize_t n = 0; n < rows; ++n) column.mutable_at(n) = of(all[n]);
-    columns[name] = column;
-  }
-  const Terms& terms = self.engine().scene().terms;
-  if (const auto walls = static_cast<py::ssize_t>(terms.walls.size()); walls > 0) {
-    py::array_t<double> column({rows, walls});
+  py::dict columns;
+  const auto add = [&]<class Number>(const LogColumn& column, Number) {
+    py::array_t<Number> numbers(rows);
     for (py::ssize_t n = 0; n < rows; ++n)
-      for (py::ssize_t w = 0; w < walls; ++w) column.mutable_at(n, w) = all[n].walls[w];
-    const bool in_box = self.engine().scene().start.box.periodic();
-    columns[in_box ? "wall_pressure_bar" : "wall_force_kj_mol_nm"] = column;
-  }
-  const auto add = [&](const std::string& name, const auto& of) {
-    py::array_t<double> column(rows);
-    for (py::ssize_t n = 0; n < rows; ++n) column.mutable_at(n) = of(all[n]);
-    columns[py::str(name)] = column;
+      numbers.mutable_at(n) = static_cast<Number>(column.of(all[static_cast<std::size_t>(n)]));
+    columns[py::str(column.key)] = numbers;
   };
-  if (terms.worked_in_time()) add("steering_work_kj_mol", [](const Record& r) { return *r.steering_work; });
-  if (terms.steered_in_time())
-    add("steering_force_kj_mol_nm", [](const Record& r) { return *r.steering_force; });
-  for (std::size_t b = 0; b < terms.biases.size(); ++b) {
-    const auto [value, force] = columns_of(terms.biases[b]);
-    add(value.key, [b](const Record& r) { return r.biases[b].value; });
-    add(force.key, [b](const Record& r) { return r.biases[b].force; });
-  }
+  for (const LogColumn& column : *self.columns())
+    if (column.key == "step")
+      add(column, long{});
+    else
+      add(column, double{});
   return columns;
+}
+
+// Titles of log.csv and their keys here.
+py::dict titles(const Self& self) {
+  py::dict keys;
+  for (const LogColumn& column : *self.columns()) keys[py::str(column.title)] = column.key;
+  return keys;
+}
+
+py::object number_of(const LogColumn& column, const Record& record) {
+  return column.key == "step" ? py::object(py::int_(record.step)) : py::float_(column.of(record));
+}
+
+// Of columns that only some scenes have.
+py::object further_number(const Row& row, const std::string& name) {
+  const auto at = std::ranges::find(*row.columns, name, &LogColumn::key);
+  if (at == row.columns->end())
+    throw py::attribute_error(fmt::format("a row of this run has no column {}", name));
+  return number_of(*at, row.record);
+}
+
+std::vector<std::string> keys_of(const Row& row) {
+  std::vector<std::string> keys;
+  for (const LogColumn& column : *row.columns) keys.push_back(column.key);
+  return keys;
 }
 
 py::dict energies(Self& self) {
@@ -160,12 +129,8 @@ py::tuple names(const Self& self) {
 }
 
 // Returns a row of the present state. What belongs to a run, such as the drift, is nan.
-Record present_row(Self& self) {
-  Record row = self.settled().record();
-  row.step = self.engine().step();
-  row.drift = row.iterations = row.ns_per_day = kNone;
-  row.constraint_work = self.settled().constraint_work();
-  return row;
+Row present_row(Self& self) {
+  return {self.settled().full_record(), self.columns()};
 }
 
 // Returns the settings of the thermostat and the barostat.
@@ -188,10 +153,16 @@ RunRequest resume_request(const py::dict& asked) {
 }
 
 void bind_rows(py::module_& m) {
-  py::class_<Record> row(m, "Row", "A row of the log. A number that the run does not have is nan.");
-  row.def_readonly("step", &Record::step, "Number of steps taken.").def("__repr__", in_words);
-  for (const auto& [name, meaning, of] : kColumns)
-    row.def_property_readonly(name, py::cpp_function(of), meaning);
+  py::class_<Row> row(
+      m, "Row",
+      "A row of the log. A number that the run does not have is nan. Rows of a run with walls, steered "
+      "atoms or biases have their columns, too, under the names that they have in sim.log.");
+  row.def("__repr__", in_words).def("__getattr__", further_number).def("__dir__", keys_of);
+  for (const LogColumn& column : common_columns())
+    row.def_property_readonly(
+        column.key.c_str(), py::cpp_function([&column](const Row& r) { return number_of(column, r.record); }),
+        fmt::format("{}{}.", column.words, column.unit.empty() ? "" : fmt::format(" [{}]", column.unit))
+            .c_str());
 }
 
 void bind_views(py::class_<Self>& simulation) {
@@ -260,6 +231,7 @@ void bind_simulations(py::module_& m) {
       .def("_history", [](const Self& self) { return py::bytes(self.history()); })
       .def("_change", &Self::change)
       .def("_row", present_row)
+      .def("_titles", titles)
       .def("_settings", settings)
       .def("_close", &Self::close)
       .def("_set_box",

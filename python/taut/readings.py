@@ -194,7 +194,8 @@ class Readings:
     def log(self) -> Log:
         """Rows of the log so far: a dict of columns "step", "time_ps", "temperature_k", ..., numpy arrays.
 
-        ``help(taut.Row)`` describes the columns. A number that the run does not have is nan.
+        ``help(taut.Row)`` describes the columns; walls, steered atoms and biases have columns of their own. A number that
+        the run does not have is nan. ``sim.log.pressure_tensor`` is (rows, 6).
         """
         return Log(self._earlier.before(self._engine.log))
 

@@ -15,7 +15,6 @@ import numpy as np
 
 from . import _core
 from .errors import InputError, suggest
-from .history import TITLES
 from .mdanalysis import show_state
 
 
@@ -30,6 +29,9 @@ class Reporter:
         if isinstance(every, bool) or int(every) != every or every < 1:
             raise InputError(f"every={every!r}: expected a number of steps, 1 or more")
         self.every = int(every)
+
+    def begin(self, simulation: Any) -> None:
+        """Is called before a run takes its first step."""
 
     def report(self, simulation: Any) -> None:
         """Is called between two steps."""
@@ -116,19 +118,24 @@ class XTC(_Frames):
 class CSV(Reporter):
     """Writes rows of the log to a CSV file.
 
-    ``columns``: names of columns as ``help(taut.Row)`` lists them; None for all. Raises InputError for a file that is
-    there, unless ``overwrite``, and for an unknown column.
+    ``columns``: names of columns of ``sim.log``; None for all. Raises InputError for a file that is there, unless
+    ``overwrite``, and, when a run begins, for a column that the simulation does not have.
     """
 
     def __init__(self, file: Union[str, Path], every: int = 100, columns: Optional[Sequence[str]] = None,
                  overwrite: bool = False) -> None:
         super().__init__(every)
-        self.columns = list(TITLES) if columns is None else list(columns)
-        for name in self.columns:
-            if name not in TITLES:
-                raise InputError(f"columns: there is no {name!r}{suggest(name, list(TITLES))}")
+        self.columns = [] if columns is None else list(columns)
+        self._all = columns is None
         self.file = _new_file(file, overwrite)
         self._open: Any = None
+
+    def begin(self, simulation: Any) -> None:
+        known = list(simulation._engine._titles().values())
+        self.columns = known if self._all else self.columns
+        for name in self.columns:
+            if name not in known:
+                raise InputError(f"columns: the simulation has no {name!r}{suggest(name, known)}")
 
     def report(self, simulation: Any) -> None:
         first = self._open is None
@@ -303,6 +310,9 @@ class Schedule:
         self._reporters = [reporter if hasattr(reporter, "every") else _OfOpenMM(reporter, simulation)
                            for reporter in reporters]
         self._due: List[Any] = []
+        for reporter in self._reporters:
+            if isinstance(reporter, Reporter):
+                reporter.begin(simulation)
 
     def next_after(self, taken: int) -> int:
         """Finds the reporters that are due next, and returns after which step."""

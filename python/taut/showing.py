@@ -32,13 +32,23 @@ def sparkline(values: Any, width: int = 120, height: int = 20) -> str:
 class Log(Dict[str, Any]):
     """Columns of the log, numpy arrays of one length. A notebook shows mean, last value and course of each."""
 
+    @property
+    def pressure_tensor(self) -> Any:
+        """The pressure tensor of each row as xx, yy, zz, xy, xz, yz, (rows, 6) [bar], for ``taut.measure.viscosity``;
+        nan without a box."""
+        return np.column_stack([self[f"pressure_{two}_bar"] for two in ("xx", "yy", "zz", "xy", "xz", "yz")])
+
     def _repr_html_(self) -> str:
         lines: List[str] = []
+        spans = np.diff(self["time_ps"], prepend=np.nan)  # a row stands for the time since the one before it
+        spans[:1] = spans[1:2] if len(spans) > 1 else 1
         for name, column in self.items():
             numbers = np.asarray(column, float)
             if name == "step" or not np.isfinite(numbers).any():
                 continue
-            lines.append(f"<tr><th style='text-align:left'>{name}</th><td>{np.nanmean(numbers):.6g}</td>"
+            there = np.isfinite(numbers)
+            mean = np.average(numbers[there], weights=spans[there])
+            lines.append(f"<tr><th style='text-align:left'>{name}</th><td>{mean:.6g}</td>"
                          f"<td>{numbers[-1]:.6g}</td><td>{sparkline(numbers)}</td></tr>")
         rows = len(self.get("step", ()))
         return (f"<table><caption>log, {rows} rows</caption><tr><th></th><th>mean</th><th>last</th><th></th></tr>"

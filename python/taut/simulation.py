@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, Optional, Tu
 from . import _core, inputs, openmm_objects, parts
 from .biases import Bias
 from .errors import InputError, suggest
-from .history import History
+from .history import History, texts_of
 from .readings import Readings
 from .progress import MinimiseProgress, RunProgress
 from .reporters import Reporters, Schedule
@@ -176,9 +176,11 @@ class Simulation(Readings):
                  "threads": inputs.number_of_threads(threads)}
         simulation = cls.__new__(cls)
         simulation._forces = inputs.own_forces(forces)
-        earlier = History.of_folder(folder) if folder else None  # before the run that goes on replaces its files
+        texts = texts_of(folder) if folder else None  # before the run that goes on replaces its files
         simulation._take_engine(_core.Simulation(asked, simulation._forces))
-        simulation._earlier = earlier or History.of_bytes(simulation._engine._history())
+        engine = simulation._engine
+        simulation._earlier = (History.of_texts(*texts, engine._titles()) if texts
+                               else History.of_bytes(engine._history()))
         simulation._earlier.cut(simulation.steps_taken)
         return simulation
 

@@ -194,13 +194,20 @@ def test_log_and_summary_stay(again):
     assert again(other).log["step"].tolist() == [0, 5, 10, 15, 20]
 
 
+def assert_same_log(log, other):
+    """All columns to the last bit."""
+    assert list(log) == list(other)
+    for name in log:
+        assert np.array_equal(log[name], other[name], equal_nan=True), name
+
+
 def test_log_and_summary_of_a_folder_stay(tmp_path):
     with taut.Simulation("water", set={**SET, "run.log_every": 5}, out=tmp_path / "run") as sim:
         sim.run(10)
         log, summary = sim.log, sim.summary
     with taut.Simulation.resume(tmp_path / "run") as sim:
         assert sim.log["step"].tolist() == [0, 5, 10] and sim.summary == summary
-        assert np.allclose(sim.log["total_kj_mol"], log["total_kj_mol"], rtol=1e-12)
+        assert_same_log(sim.log, log)
         sim.run(10)
         assert sim.log["step"].tolist() == [0, 5, 10, 15, 20]
 
@@ -215,22 +222,31 @@ STEERED = {"molecule": {"bead": {**BEAD, "steered": [[0, 0.03, 0, 0.04, 200]]}},
            "run": {"dt_fs": 1, "log_every": 5}, "method": {"name": "rattle"}}
 
 
-@pytest.mark.parametrize("scene,columns", [(WALLS, {"wall_pressure_bar": (2,)}),
-                                           (STEERED, {"steering_work_kj_mol": (), "steering_force_kj_mol_nm": ()})])
-def test_the_columns_of_walls_and_steered_atoms_stay(tmp_path, scene, columns):
+WARM = {**WALLS, "run": {**WALLS["run"], "thermostat": "langevin", "temperature_k": 300}}
+
+
+@pytest.mark.parametrize("scene,columns", [(WALLS, ["wall_0_pressure_bar", "wall_1_pressure_bar"]),
+                                           (STEERED, ["steering_work_kj_mol", "steering_force_kj_mol_nm"]),
+                                           (WARM, ["bath_temperature_k", "heat_kj_mol", "pressure_xy_bar"])])
+def test_the_columns_that_only_some_runs_have_stay(tmp_path, scene, columns):
+    rows = []
     with taut.Simulation(scene, out=tmp_path / "run") as sim:
-        assert {name: sim.log[name].shape for name in columns} == {name: (0, *each) for name, each in columns.items()}
-        sim.run(10)
+        assert all(sim.log[name].shape == (0,) for name in columns)
+        sim.run(10, callback=rows.append)
         before = sim.log
+        for name in columns:
+            assert [getattr(row, name) for row in rows] == before[name].tolist() and name in dir(rows[0])
+            assert np.abs(before[name]).max() > 0
+        with pytest.raises(AttributeError, match="no column bias_arm_nm"):
+            rows[0].bias_arm_nm
     kept = sim.checkpoint()
     for again in (taut.Simulation.resume(tmp_path / "run"), taut.Simulation.resume(kept)):
         with again as sim:
-            for name, each in columns.items():
-                assert np.allclose(sim.log[name], before[name], rtol=1e-8) and np.abs(before[name]).max() > 0
+            assert_same_log(sim.log, before)
             sim.run(10)
-            for name, each in columns.items():
-                assert sim.log[name].shape == (5, *each)
-                assert np.allclose(sim.log[name][:3], before[name], rtol=1e-8) and np.all(sim.log[name][3:] != 0)
+            for name in columns:
+                assert sim.log[name].shape == (5,)
+                assert np.array_equal(sim.log[name][:3], before[name]) and np.all(sim.log[name][3:] != 0)
 
 
 def test_a_checkpoints_file_is_resumed(tmp_path):
@@ -254,4 +270,17 @@ def test_the_log_is_drawn():
     sim.run(20, every=5)
     figure = sim.plot()
     assert len(figure.axes) == 4 and all(len(axis.lines) for axis in figure.axes)
+    assert pyplot.fignum_exists(figure.number)
     pyplot.close(figure)
+
+
+def test_a_notebook_shows_a_picture_once(monkeypatch):
+    """It shows what a cell returns, and, when the cell ends, every figure that is open."""
+    matplotlib = pytest.importorskip("matplotlib")
+    pyplot = pytest.importorskip("matplotlib.pyplot")
+    pyplot.switch_backend("agg")
+    monkeypatch.setattr(matplotlib, "get_backend", lambda: "module://matplotlib_inline.backend_inline")
+    sim = taut.Simulation("water", set=SET)
+    sim.run(20, every=5)
+    figure = sim.plot()
+    assert len(figure.axes) == 4 and pyplot.get_fignums() == []

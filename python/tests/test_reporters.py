@@ -88,6 +88,30 @@ def test_rows_are_written(tmp_path):
         assert [float(row["total_kj_mol"]) for row in rows] == sim.log["total_kj_mol"][1:].tolist()
 
 
+def test_rows_have_what_the_scene_adds_to_the_log(tmp_path):
+    arm = taut.Distance([0], [10], at_nm=0.5, k_kj_mol_nm2=10., name="arm")
+    with taut.Simulation("water", set=SET, biases=[arm]) as sim:
+        sim.reporters.append(taut.CSV(tmp_path / "some.csv", every=5, columns=["step", "bias_arm_nm", "pressure_xx_bar"]))
+        sim.reporters.append(taut.CSV(tmp_path / "all.csv", every=5))
+        rows = []
+        sim.run(15, every=5, callback=rows.append)
+        log = sim.log
+    some, every = (list(csv.DictReader(open(tmp_path / name))) for name in ("some.csv", "all.csv"))
+    assert list(every[0]) == list(log)
+    for name in ("bias_arm_nm", "pressure_xx_bar"):
+        assert [float(row[name]) for row in some] == log[name][1:].tolist() == [getattr(r, name) for r in rows[1:]]
+    for name in ("bias_arm_force_kj_mol_nm", "volume_nm3", "heat_kj_mol", "potential_kj_mol"):
+        assert np.array_equal([float(row[name]) for row in every], log[name][1:], equal_nan=True)
+
+
+def test_a_column_that_the_simulation_lacks_is_refused_before_the_first_step(tmp_path):
+    with water() as sim:
+        sim.reporters.append(taut.CSV(tmp_path / "x.csv", columns=["temprature_k"]))
+        with pytest.raises(taut.InputError, match="no 'temprature_k'.*did you mean"):
+            sim.run(5)
+        assert sim.steps_taken == 0
+
+
 @pytest.mark.parametrize("kind", ["DCD", "H5MD", "XTC"])
 @pytest.mark.parametrize("atoms", [None, [0, 1, 2, 30, 31]])
 def test_frames_are_read_by_others(tmp_path, kind, atoms):
@@ -149,7 +173,6 @@ def test_openmms_reporters(tmp_path):
     (lambda folder: taut.DCD(folder / "none" / "x.dcd"), "there is no folder"),
     (lambda folder: taut.DCD(folder / "x.dcd", every=0), "expected a number of steps"),
     (lambda folder: taut.DCD(folder / "x.dcd", atoms=[]), "atoms: expected indices"),
-    (lambda folder: taut.CSV(folder / "x.csv", columns=["temprature_k"]), "did you mean"),
     (lambda folder: water().reporters.append(3), "is no reporter")])
 def test_wrong_reporters_are_refused(tmp_path, make, words):
     (tmp_path / "there").write_text("")

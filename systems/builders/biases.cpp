@@ -255,16 +255,6 @@ void read_biases(const TomlTable& root, Scene& scene) {
   note_lost(scene, scene.notes);
 }
 
-std::array<LogColumn, 2> columns_of(const Bias& bias) {
-  const std::string key = "bias_" + bias.name, title = "Bias " + bias.name, words = "bias " + bias.name;
-  const char* unit = bias.angular() ? "rad" : "nm";
-  return {LogColumn{title + (bias.angular() ? " (degree)" : " (nm)"), key + (bias.angular() ? "_deg" : "_nm"),
-                    fmt::format("{}: {}", words, name_of(bias.variable)), bias.angular() ? "°" : "nm"},
-          LogColumn{fmt::format("{} Force (kJ/mole/{})", title, unit),
-                    fmt::format("{}_force_kj_mol_{}", key, unit), words + ": force",
-                    fmt::format("kJ/mol/{}", unit)}};
-}
-
 std::string in_words(const Bias& bias) {
   std::vector<std::size_t> atoms;
   for (const BiasGroup& group : bias.groups) atoms.push_back(group.atoms.size());

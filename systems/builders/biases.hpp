@@ -1,7 +1,5 @@
 #pragma once
 
-#include <array>
-
 #include "systems/scene.hpp"
 #include "systems/toml_reader.hpp"
 
@@ -16,13 +14,6 @@ void read_biases(const TomlTable& root, Scene& scene);
 // first atom, whose molecule stays; the first group that has a molecule decides. Returns how many it moved.
 int bring_together(const std::vector<Bias>& biases, const System& sys, const Terms& terms, const Box& box,
                    Vectors& x);
-
-// A column of the log beyond those that every run has.
-struct LogColumn {
-  std::string title, key, words, unit;  // "Bias arm (nm)", "bias_arm_nm", "bias arm: distance", "nm"
-};
-// Those of ξ and of the force along it.
-std::array<LogColumn, 2> columns_of(const Bias& bias);
 
 // Returns a bias in a line: "arm: distance of 10 and 12 atoms, ½·500 kJ/mol/nm² beyond 1.2 nm".
 std::string in_words(const Bias& bias);
