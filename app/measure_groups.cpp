@@ -68,6 +68,10 @@ void print_group(const RunGroup& group) {
                     fmt::format("{:.2g}", o.from_blocks),
                     o.runs > 1 ? fmt::format("{:.2g}", o.from_seeds) : "one run"});
   say_text(table_text(rows, terminal_width()));
+  if (json_alone()) return;
+  for (const MeasuredRun& run : group.runs)
+    for (const std::string& doubt : run.doubts())
+      say_always(fmt::format("in doubt: {}: {}\n", run.name(), doubt));
 }
 
 nlohmann::ordered_json json_of(const RunGroup& group) {

@@ -8,6 +8,7 @@
 
 #include "base/errors.hpp"
 #include "base/nearest_name.hpp"
+#include "base/series.hpp"
 #include "printing.hpp"
 #include "studies/csv.hpp"
 #include "studies/transport.hpp"
@@ -39,9 +40,14 @@ std::vector<std::string> or_heaviest(std::vector<std::string> atoms, const Scene
   return atoms;
 }
 
-// At most half the box, beyond which images would be counted.
-double reach_in(const Box& box) {
-  return box.periodic() ? std::min(1.0, box.edge.minCoeff() / 2) : 0;
+// Three shells of neighbours: as many mean distances between atoms of so many. At most half the box, beyond which images
+// would be counted.
+double reach_in(const Box& box, std::size_t atoms) {
+  constexpr double kShells = 3, kLeast = 1;  // [nm]
+  if (!box.periodic() || atoms == 0) return 0;
+  const double narrowest = 1 / box.vectors().inverse().rowwise().norm().maxCoeff();
+  const double between = std::cbrt(box.volume() / static_cast<double>(atoms));
+  return std::min(std::max(kLeast, kShells * between), narrowest / 2);
 }
 
 // One of a cube's: its correction is known.
@@ -53,31 +59,44 @@ bool is_cubic(const Box& box) {
 
 }  // namespace
 
-Measured::Measured(const Scene& scene, std::vector<std::string> atoms, double interval)
+std::string said_of(const EvenPart& part, const std::vector<double>& t, const std::string& what) {
+  if (part.whole(t) || part.samples.empty()) return "";
+  return fmt::format("; of {} evenly spaced {}s, {:.4g} ps apart, from {:.6g} to {:.6g} ps",
+                     part.samples.size(), what, part.interval, t[part.samples.front()],
+                     t[part.samples.back()]);
+}
+
+Measured::Measured(const Scene& scene, std::vector<std::string> atoms)
     : scene_(scene),
       atoms_(or_heaviest(std::move(atoms), scene)),
-      reach_(reach_in(scene.start.box)),
+      reach_(reach_in(scene.start.box, atoms_named(scene, atoms_[1]).size())),
       pairs_(atoms_named(scene, atoms_[0]), atoms_named(scene, atoms_[1]),
              molecules(scene.system, scene.terms), reach_),
       chains_(chain_ends(scene.system, scene.terms)),
-      sizes_(unbranched_chains(scene.system, scene.terms), interval),
-      motion_(scene.system.mass, molecules(scene.system, scene.terms), interval),
-      interval_(interval) {
+      sizes_(unbranched_chains(scene.system, scene.terms)),
+      motion_(scene.system.mass, molecules(scene.system, scene.terms)) {
   const std::vector<int> molecule = molecules(scene.system, scene.terms);
   if (const int count = molecule.empty() ? 0 : *std::ranges::max_element(molecule) + 1;
       count > 1 && scene.start.box.periodic())
     spacing_ = std::cbrt(scene.start.box.volume() / count);
 }
 
-void Measured::add_frame(const Vectors& x, const Box& box) {
-  if (reach_ > 0 && !pairs_.empty()) pairs_.see(x, box);
+void Measured::add_frame(double t, const Vectors& x, const Box& box) {
+  if (reach_ > 0 && !pairs_.empty()) pairs_.see(t, x, box);
   if (!chains_.empty()) {
-    chains_.see(x);
-    sizes_.add_frame(x);
+    chains_.see(t, x);
+    sizes_.add_frame(t, x);
   }
-  if (box.periodic()) volumes_ += box.volume();
-  motion_.see(x);
-  ++frames_;
+  motion_.see(t, x);
+  t_.push_back(t);
+  volumes_.push_back(box.periodic() ? box.volume() : 0);
+}
+
+std::string Measured::spacing() const {
+  const auto [low, high] = std::ranges::minmax(spans_of(t_));
+  if (t_.size() < 2) return "";
+  return even_parts(t_).front().whole(t_) ? fmt::format(", {:.4g} ps apart", high)
+                                          : fmt::format(", {:.4g} to {:.4g} ps apart", low, high);
 }
 
 void Measured::set_viscosity(const Estimate& viscosity, double temperature) {
@@ -87,7 +106,9 @@ void Measured::set_viscosity(const Estimate& viscosity, double temperature) {
 
 Measured::Diffusion Measured::diffusion(const MeanSquareDisplacement::Result& moved) const {
   constexpr double kStraight = 0.2;
-  if (moved.t.empty()) return {.flaw = fmt::format("{} frames are too few, it takes 40", frames_)};
+  if (moved.t.empty())
+    return {.flaw = fmt::format("{} {} are too few, it takes {}", moved.frames.samples.size(),
+                                moved.frames.whole(t_) ? "frames" : "evenly spaced frames", kFramesToFollow)};
   if (std::abs(moved.exponent - 1) > kStraight)
     return {.flaw = fmt::format("the displacement grows as t^{:.2f}, it takes longer until it grows as t",
                                 moved.exponent)};
@@ -98,7 +119,7 @@ Measured::Diffusion Measured::diffusion(const MeanSquareDisplacement::Result& mo
                             moved.t.back(), far, spacing_)};
   Diffusion found{.value = moved.diffusion};
   if (viscosity_.value > 0 && is_cubic(scene_.start.box)) {
-    const double edge = std::cbrt(volumes_ / static_cast<double>(frames_));
+    const double edge = std::cbrt(correlated_mean(EvenMeans(t_).of(volumes_)).value);
     const double more = finite_size_correction(temperature_, viscosity_.value, edge);
     const double error = more * viscosity_.error / viscosity_.value;
     found.corrected = Estimate{moved.diffusion.value + more,
@@ -127,11 +148,12 @@ std::vector<Figure> Measured::figures() const {
 void Measured::print() const {
   const Distances g = pairs_.result();
   const MeanSquareDisplacement::Result moved = motion_.result();
-  say("{}: {} of {}, {:.4g} ps apart\n", scene_.name, counted(frames_, "frame"),
-      counted(scene_.system.atoms(), "atom"), interval_);
+  say("{}: {} of {}{}\n", scene_.name, counted(std::ssize(t_), "frame"),
+      counted(scene_.system.atoms(), "atom"), spacing());
   if (!g.r.empty()) {
     const auto peak = std::ranges::max_element(g.g, {}, &Estimate::value) - g.g.begin();
-    say("g(r) of {}, in other molecules: highest {} at {:.3f} nm\n", of_pairs(),
+    say("g(r) of {}, in other molecules, up to {:.3g} nm: {} {} at {:.3f} nm\n", of_pairs(), reach_,
+        peak + 1 < std::ssize(g.g) ? "highest" : "no peak, it rises to",
         with_error(g.g[static_cast<std::size_t>(peak)]), g.r[static_cast<std::size_t>(peak)]);
   }
   if (!chains_.empty()) {
@@ -144,7 +166,8 @@ void Measured::print() const {
       say("extension along the pull of {:.4g} kJ/mol/nm: {} nm\n", sizes_.force(),
           with_error(sizes_.extension()));
     if (const auto relaxation = sizes_.relaxation(); relaxation.flaw.empty())
-      say("end-to-end vector: ⟨R(0)·R(t)⟩ falls to 1/e within {} ps\n", with_error(relaxation.time));
+      say("end-to-end vector: ⟨R(0)·R(t)⟩ falls to 1/e within {} ps{}\n", with_error(relaxation.time),
+          said_of(relaxation.frames, t_, "frame"));
     else
       say("no relaxation of the end-to-end vector: {}\n", relaxation.flaw);
   }
@@ -154,8 +177,8 @@ void Measured::print() const {
   const Diffusion d = diffusion(moved);
   constexpr double kCm2PerS = 1e-2;  // of nm²/ps
   if (!d.value) return say("no D yet: {}\n", d.flaw);
-  say("diffusion: D = {} nm²/ps ({:.3g} cm²/s), the slope from {:.4g} to {:.4g} ps\n", with_error(*d.value),
-      d.value->value * kCm2PerS, moved.t.back() / 2, moved.t.back());
+  say("diffusion: D = {} nm²/ps ({:.3g} cm²/s), the slope from {:.4g} to {:.4g} ps{}\n", with_error(*d.value),
+      d.value->value * kCm2PerS, moved.t.back() / 2, moved.t.back(), said_of(moved.frames, t_, "frame"));
   if (d.corrected)
     say("  in an endless liquid of {:.3g} mPa s (Yeh and Hummer): {} nm²/ps\n", viscosity_.value,
         with_error(*d.corrected));
@@ -164,7 +187,10 @@ void Measured::print() const {
 nlohmann::ordered_json Measured::json() const {
   const Distances g = pairs_.result();
   const MeanSquareDisplacement::Result moved = motion_.result();
-  nlohmann::ordered_json json = {{"scene", scene_.name}, {"frames", frames_}, {"interval_ps", interval_}};
+  nlohmann::ordered_json json = {{"scene", scene_.name},
+                                 {"frames", t_.size()},
+                                 {"frames_followed", moved.frames.samples.size()},
+                                 {"interval_ps", moved.frames.interval}};
   for (const Figure& figure : figures()) json[figure.key] = json_of(figure);
   if (!chains_.empty())
     if (const auto relaxation = sizes_.relaxation(); !relaxation.flaw.empty())

@@ -16,12 +16,11 @@ namespace taut {
 // The measurements of a trajectory or of a run, frame by frame.
 class Measured {
  public:
-  // atoms: the two names of the radial distribution; empty means the heaviest. interval: time between frames
-  // [ps]. The scene must outlive this object. Throws InputError for a name that no atom has.
-  Measured(const Scene& scene, std::vector<std::string> atoms, double interval);
+  // atoms: the two names of the radial distribution; empty means the heaviest. The scene must outlive this object.
+  // Throws InputError for a name that no atom has.
+  Measured(const Scene& scene, std::vector<std::string> atoms);
 
-  void add_frame(const Vectors& x, const Box& box);
-  long frames() const { return frames_; }
+  void add_frame(double t, const Vectors& x, const Box& box);  // [ps], later than the one before
 
   // The viscosity, by which diffusion in a box is corrected for its size [mPa s], and the temperature [K].
   void set_viscosity(const Estimate& viscosity, double temperature);
@@ -39,6 +38,7 @@ class Measured {
     std::string flaw{};
   };
   Diffusion diffusion(const MeanSquareDisplacement::Result& moved) const;
+  std::string spacing() const;  // of the frames: "0.1 ps apart"
   std::string of_pairs() const { return atoms_[0] + "–" + atoms_[1]; }
 
   const Scene& scene_;
@@ -48,12 +48,13 @@ class Measured {
   EndToEnd chains_;
   ChainMeasures sizes_;
   MeanSquareDisplacement motion_;
-  double spacing_ = 0;  // between molecules, (V/N)^⅓; 0 without a box [nm]
-  double volumes_ = 0;  // sum over the frames [nm³]
+  double spacing_ = 0;               // between molecules, (V/N)^⅓; 0 without a box [nm]
+  std::vector<double> t_, volumes_;  // of the frames [ps], [nm³]
   Estimate viscosity_;
   double temperature_ = 0;
-  long frames_ = 0;
-  double interval_;
 };
+
+// "; of 400 evenly spaced frames, 0.16 ps apart, from 32 to 96 ps" where a part is not all; else nothing.
+std::string said_of(const EvenPart& part, const std::vector<double>& t, const std::string& what);
 
 }  // namespace taut

@@ -8,13 +8,13 @@
 #include <numeric>
 
 #include "base/errors.hpp"
+#include "base/even_times.hpp"
 #include "base/series.hpp"
 #include "files/dcd_file.hpp"
 #include "files/h5md_file.hpp"
 #include "files/h5md_reader.hpp"
 #include "printing.hpp"
 #include "simulation/checkpoint.hpp"
-#include "simulation/log_columns.hpp"
 #include "words.hpp"
 
 namespace taut {
@@ -58,16 +58,12 @@ void with_reader(const fs::path& path, const auto& use) {
   }
 }
 
-double time_of(const auto& file, long frame) {
-  return file.first_time() + static_cast<double>(frame) * file.interval();
-}
-
 // What is later than this is in a window that begins then.
 double just_before(double begin) {
   return begin - kSameTime * std::max(1.0, begin);
 }
 
-// Calls see(x, box, interval) for every frame of a file that wanted(time, interval) asks for.
+// Calls see(t, x, box) for every frame of a file that wanted(t) asks for.
 void for_each_frame(const Scene& scene, const fs::path& path, const auto& wanted, const auto& see) {
   with_reader(path, [&](auto& file) {
     if (file.atoms() != scene.system.atoms())
@@ -76,11 +72,19 @@ void for_each_frame(const Scene& scene, const fs::path& path, const auto& wanted
     Vectors x;
     Box box = scene.start.box;
     for (long frame = 0, frames = file.frames(); frame < frames; ++frame)
-      if (!wanted(time_of(file, frame), file.interval()))
+      if (!wanted(file.time_of(frame)))
         file.skip();
       else if (file.next(x, box))
-        see(x, box, file.interval());
+        see(file.time_of(frame), x, box);
   });
+}
+
+// What a finished run's summary.json says of it.
+std::vector<std::string> doubts_of(const fs::path& folder) {
+  if (!fs::exists(folder / "summary.json")) return {};
+  const auto summary = nlohmann::json::parse(contents_of(folder / "summary.json"), nullptr, false);
+  return summary.is_object() ? summary.value("doubts", std::vector<std::string>{})
+                             : std::vector<std::string>{};
 }
 
 }  // namespace
@@ -90,10 +94,11 @@ MeasuredRun::MeasuredRun(std::vector<fs::path> segments, const MeasureSettings& 
   for (const fs::path& folder : segments_) {
     expect_checkpoint(folder);
     const RunLog log = read_log(folder);
-    const double begin = log.column(kLogTime).front();
-    const double end = log_.rows() == 0 ? begin : log_.column(kLogTime).back();
+    const double begin = log.column("time_ps").front();
+    const double end = log_.rows() == 0 ? begin : log_.column("time_ps").back();
     shifts_.push_back(begin < end ? end - begin : 0);
     log_.append(log);
+    std::ranges::copy(doubts_of(folder), std::back_inserter(doubts_));
   }
   scene_ = std::make_unique<Scene>(load_checkpoint(segments_.front()).source.read());
   choose_window(settings);
@@ -102,20 +107,21 @@ MeasuredRun::MeasuredRun(std::vector<fs::path> segments, const MeasureSettings& 
 }
 
 void MeasuredRun::choose_window(const MeasureSettings& settings) {
-  const std::vector<double>& t = log_.column(kLogTime);
+  const std::vector<double>& t = log_.column("time_ps");
   double from = settings.from.value_or(t.front());
   if (settings.last) from = t.back() - *settings.last;
   std::string why;
   automatic_ = settings.automatic;
   if (automatic_) {
     std::size_t row = 0;
-    for (const std::string_view column : {kLogPotential, kLogVolume})
-      if (log_.has(column)) row = std::max(row, equilibration_end(log_.column(column)));
+    const EvenMeans even(t);
+    for (const char* key : {"potential_kj_mol", "volume_nm3"})
+      if (log_.has(key)) row = std::max(row, even.first_sample(equilibration_end(even.of(log_.column(key)))));
     why = fmt::format("; equilibrated from there on by Chodera's rule (most independent samples of energy{})",
-                      log_.has(kLogVolume) ? " and volume" : "");
+                      log_.has("volume_nm3") ? " and volume" : "");
     if (row > t.size() / 2)
       why += "; more than half is left out: the run is short beside its slow changes, or settles late";
-    if (const std::size_t steady = steady_from(log_.column(kLogBath)); steady > t.size() * 9 / 10)
+    if (const std::size_t steady = steady_from(log_.column("bath_temperature_k")); steady > t.size() * 9 / 10)
       why += "; the bath's temperature changes in it";
     else if (steady > row) {
       row = steady;
@@ -132,43 +138,38 @@ void MeasuredRun::choose_window(const MeasureSettings& settings) {
                   counted(static_cast<long>(t.size() - first_row_), "row"), t[first_row_], t.back(), why);
 }
 
-std::vector<double> MeasuredRun::window_of(std::string_view column) const {
+std::vector<double> MeasuredRun::rows_of(const LogColumn& column) const {
   const std::vector<double>& all = log_.column(column);
-  std::vector<double> window;
-  for (std::size_t row = first_row_; row < all.size(); ++row)
-    if (!std::isnan(all[row])) window.push_back(all[row]);
-  return window;
+  return {all.begin() + static_cast<std::ptrdiff_t>(std::min(first_row_, all.size())), all.end()};
+}
+
+std::vector<double> MeasuredRun::window_of(const LogColumn& column) const {
+  const std::vector<double> t = rows_of(common_column("time_ps")), rows = rows_of(column);
+  std::vector<double> times, window;
+  for (std::size_t row = 0; row < rows.size(); ++row)
+    if (!std::isnan(rows[row])) times.push_back(t[row]), window.push_back(rows[row]);
+  return EvenMeans(times).of(window);
 }
 
 void MeasuredRun::measure_log() {
-  struct Asked {
-    std::string_view column;
-    const char *key, *words, *unit;
-  };
-  for (const Asked& asked : {Asked{kLogTemperature, "temperature_k", "temperature", "K"},
-                             Asked{kLogPotential, "potential_kj_mol", "potential energy", "kJ/mol"},
-                             Asked{kLogTotal, "total_kj_mol", "total energy", "kJ/mol"},
-                             Asked{kLogPressure, "pressure_bar", "pressure", "bar"},
-                             Asked{kLogVolume, "volume_nm3", "volume", "nm³"},
-                             Asked{kLogDensity, "density_kg_m3", "density", "kg/m³"}})
-    if (const std::vector<double> y = window_of(asked.column); !y.empty()) {
-      const bool fixed = std::ranges::all_of(y, [&](double value) { return value == y[0]; });
-      if (fixed && asked.column != kLogTemperature && asked.column != kLogTotal)
-        continue;  // no barostat, no forces
-      log_figures_.push_back({asked.key, asked.words, asked.unit, mean_with_error(y)});
-    }
-  for (const auto& [title, key, words, unit] : further_columns(*scene_))
-    if (const std::vector<double> y = window_of(title); !y.empty() && title != kLogSteeringWork)
-      log_figures_.push_back({key, words, unit, mean_with_error(y)});
-  if (!log_.has(kLogPressure)) return;
+  for (const LogColumn& column : log_columns(*scene_)) {
+    const bool where_it_varies = column.use == LogColumn::Use::kMeanWhereItVaries;
+    if (column.use != LogColumn::Use::kMean && !where_it_varies) continue;
+    const std::vector<double> rows = rows_of(column), y = window_of(column);
+    const auto first = [&](double value) { return value == rows[0]; };
+    if (y.empty() || (where_it_varies && std::ranges::all_of(rows, first)))
+      continue;  // no barostat, no forces
+    log_figures_.push_back({column.key, column.words, column.unit, mean_with_error(y)});
+  }
+  if (!log_.has("pressure_bar")) return;
   StressSeries stress{.pressure = {},
-                      .interval = log_.interval(),
-                      .volume = correlated_mean(window_of(kLogVolume)).value,
-                      .temperature = correlated_mean(window_of(kLogTemperature)).value};
-  for (std::size_t k = 0; k < 6; ++k)
-    stress.pressure[k] =
-        window_of(fmt::format("Pressure {} (bar)", std::array{"XX", "YY", "ZZ", "XY", "XZ", "YZ"}[k]));
+                      .t = rows_of(common_column("time_ps")),
+                      .volume = correlated_mean(window_of("volume_nm3")).value,
+                      .temperature = correlated_mean(window_of("temperature_k")).value};
+  for (std::size_t k = 0; k < kTensorNames.size(); ++k)
+    stress.pressure[k] = rows_of(common_column(fmt::format("pressure_{}_bar", kTensorNames[k])));
   green_kubo_ = green_kubo(stress);
+  viscosity_rows_ = said_of(green_kubo_->rows, stress.t, "row");
   if (green_kubo_->flaw.empty())
     log_figures_.push_back({"viscosity_mpa_s", "viscosity", "mPa s", green_kubo_->viscosity});
 }
@@ -180,13 +181,13 @@ long MeasuredRun::stride_for(double begin, long most_frames) const {
     if (const auto path = trajectory_of(segments_[k]))
       with_reader(*path, [&](const auto& file) {
         for (long frame = 0, all = file.frames(); frame < all; ++frame)
-          frames += time_of(file, frame) + shifts_[k] >= just_before(begin);
+          frames += file.time_of(frame) + shifts_[k] >= just_before(begin);
       });
   return frames > 0 ? (frames + most_frames - 1) / most_frames : 1;
 }
 
 void MeasuredRun::measure_frames(const MeasureSettings& settings) {
-  const double begin = log_.column(kLogTime)[first_row_];
+  const double begin = log_.column("time_ps")[first_row_];
   stride_ = stride_for(begin, settings.most_frames);
   double seen = -std::numeric_limits<double>::infinity();
   long passed = 0;
@@ -200,15 +201,15 @@ void MeasuredRun::measure_frames(const MeasureSettings& settings) {
       if (!settings.atoms.empty() || settings.viscosity) throw InputError(no_frames_);
       return;
     }
-    const auto wanted = [&](double t, double interval) {
+    const auto wanted = [&](double t) {
       t += shifts_[k];
-      if (t < just_before(begin) || t < seen + interval / 2) return false;
+      if (t < just_before(begin) || just_before(t) <= seen) return false;
       seen = t;
       return passed++ % stride_ == 0;
     };
-    const auto see = [&](const Vectors& x, const Box& box, double interval) {
-      if (!frames_) frames_.emplace(*scene_, settings.atoms, interval * static_cast<double>(stride_));
-      frames_->add_frame(x, box);
+    const auto see = [&](double t, const Vectors& x, const Box& box) {
+      if (!frames_) frames_.emplace(*scene_, settings.atoms);
+      frames_->add_frame(t + shifts_[k], x, box);
     };
     for_each_frame(*scene_, *path, wanted, see);
   }
@@ -216,7 +217,7 @@ void MeasuredRun::measure_frames(const MeasureSettings& settings) {
     no_frames_ = fmt::format("{}: no frame from {:g} ps on", name(), begin);
     return;
   }
-  const Estimate temperature = correlated_mean(window_of(kLogTemperature));
+  const Estimate temperature = correlated_mean(window_of("temperature_k"));
   if (settings.viscosity)
     frames_->set_viscosity({*settings.viscosity, 0}, temperature.value);
   else if (green_kubo_ && green_kubo_->flaw.empty())
@@ -233,26 +234,30 @@ void MeasuredRun::print() const {
   say("{}: {}\n", name(), window_words_);
   say_text(figures_table(log_figures_));
   if (green_kubo_ && green_kubo_->flaw.empty())
-    say("  viscosity by Green and Kubo, the pressure's correlation integrated to {:.4g} ps\n",
-        green_kubo_->cut);
+    say("  viscosity by Green and Kubo, the pressure's correlation integrated to {:.4g} ps{}\n",
+        green_kubo_->cut, viscosity_rows_);
   else if (green_kubo_)
-    say("  no viscosity: {}\n", green_kubo_->flaw);
+    say("  no viscosity: {}{}\n", green_kubo_->flaw, viscosity_rows_);
   if (stride_ > 1) say("of {} frames one is read\n", stride_);
   if (frames_)
     frames_->print();
   else
     say("{}\n", no_frames_);
+  if (!json_alone())
+    for (const std::string& doubt : doubts_) say_always(fmt::format("in doubt: {}\n", doubt));
 }
 
 nlohmann::ordered_json MeasuredRun::json() const {
-  const std::vector<double>& t = log_.column(kLogTime);
+  const std::vector<double>& t = log_.column("time_ps");
   nlohmann::ordered_json json = {{"run", name()},
                                  {"scene", scene_->name},
                                  {"from_ps", t[first_row_]},
                                  {"to_ps", t.back()},
                                  {"rows", t.size() - first_row_}};
   for (const Figure& figure : log_figures_) json[figure.key] = json_of(figure);
+  if (!doubts_.empty()) json["doubts"] = doubts_;
   if (green_kubo_ && !green_kubo_->flaw.empty()) json["viscosity_flaw"] = green_kubo_->flaw;
+  if (!viscosity_rows_.empty()) json["viscosity_rows"] = green_kubo_->rows.samples.size();
   if (stride_ > 1) json["one_frame_of"] = stride_;
   if (frames_)
     json.update(frames_->json());
@@ -264,7 +269,7 @@ nlohmann::ordered_json MeasuredRun::json() const {
 // What is left out and what is measured, in means of neighbouring rows where there are many.
 Picture MeasuredRun::equilibration_picture() const {
   constexpr std::size_t kPoints = 1000;
-  const std::vector<double>&t = log_.column(kLogTime), &y = log_.column(kLogPotential);
+  const std::vector<double>&t = log_.column("time_ps"), &y = log_.column("potential_kj_mol");
   const std::size_t rows = std::max<std::size_t>(1, t.size() / kPoints);
   std::string csv = "t_ps,left_out_kj_mol,measured_kj_mol\n";
   for (std::size_t at = 0; at + rows <= t.size(); at += rows) {
@@ -278,7 +283,7 @@ Picture MeasuredRun::equilibration_picture() const {
 
 std::vector<Picture> MeasuredRun::pictures(const std::string& curve) const {
   std::vector<Picture> all;
-  if (automatic_ && log_.has(kLogPotential)) all.push_back(equilibration_picture());
+  if (automatic_ && log_.has("potential_kj_mol")) all.push_back(equilibration_picture());
   if (frames_) std::ranges::copy(frames_->pictures(curve), std::back_inserter(all));
   if (!green_kubo_ || green_kubo_->t.empty()) return all;
   std::string csv = "t_ps,correlation,correlation_error,viscosity_mpa_s,standard_error,cut_ps\n";

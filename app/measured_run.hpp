@@ -38,6 +38,9 @@ class MeasuredRun {
   // Equilibration, what the frames show, viscosity: what there is. `curve` names the run in what frames show, where
   // runs are laid over each other.
   std::vector<Picture> pictures(const std::string& curve = "") const;
+  const std::vector<std::string>& doubts() const {
+    return doubts_;
+  }                                                            // the run's own, as its summary.json has them
   long stride() const { return stride_; }                      // of so many frames one is read
   const std::string& window() const { return window_words_; }  // "4376 rows of the log from 5 to 40 ps"
 
@@ -46,7 +49,10 @@ class MeasuredRun {
   void measure_log();
   void measure_frames(const MeasureSettings& settings);
   long stride_for(double begin, long most_frames) const;
-  std::vector<double> window_of(std::string_view column) const;
+  std::vector<double> rows_of(const LogColumn& column) const;  // in the window
+  // The same as an even series, without rows that have no value.
+  std::vector<double> window_of(const LogColumn& column) const;
+  std::vector<double> window_of(std::string_view key) const { return window_of(common_column(key)); }
   Picture equilibration_picture() const;
 
   std::vector<std::filesystem::path> segments_;
@@ -58,7 +64,9 @@ class MeasuredRun {
   std::string window_words_;
   std::vector<Figure> log_figures_;
   std::optional<GreenKubo> green_kubo_;  // in a box
+  std::string viscosity_rows_;           // those it is of, where that is not all
   std::optional<Measured> frames_;
+  std::vector<std::string> doubts_;
   long stride_ = 1;
   std::string no_frames_;  // why there are none
 };

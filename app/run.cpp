@@ -138,7 +138,7 @@ void complete_run(OpenRun& run, bool timings, Measured* measured = nullptr) {
   const auto on_record = [&](const Record& r) {
     progress.clear();
     if (measured && r.step % simulation.scene().run.log_every == 0)
-      measured->add_frame(simulation.state().x, simulation.state().box);
+      measured->add_frame(r.t, simulation.state().x, simulation.state().box);
     printer.print([&] { print_row(r); });
   };
   const auto on_step = [&](long step) {
@@ -238,11 +238,7 @@ void run_scene(const RunArguments& arguments) {
   OpenRun run = arguments.go_on ? open_begun_run(arguments.request()) : open_run(arguments.request());
   if (run.finished) return print_finished(run, *arguments.out);
   std::optional<Measured> measured;
-  if (arguments.measure) {
-    const Scene& scene = run.simulation->scene();
-    measured.emplace(scene, std::vector<std::string>{},
-                     static_cast<double>(scene.run.log_every) * scene.run.h());
-  }
+  if (arguments.measure) measured.emplace(run.simulation->scene(), std::vector<std::string>{});
   complete_run(run, arguments.timings, measured ? &*measured : nullptr);
   if (!arguments.plot) return;
   plot_runs({.runs = {*arguments.out},

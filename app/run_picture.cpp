@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "base/errors.hpp"
+#include "base/even_times.hpp"
 #include "files/folder.hpp"
 #include "printing.hpp"
 #include "report.hpp"
@@ -34,15 +35,15 @@ std::string csv_of(const std::vector<Curve>& curves) {
   std::string csv = "panel,curve,t_ps,value,running_mean\n";
   for (const Curve& c : curves) {
     const std::size_t bin = (c.y.size() + kMostPoints - 1) / kMostPoints;
-    double all = 0;
+    const std::vector<double> spans = spans_of(c.t);  // rows weigh as the time they stand for
+    double all = 0, spent = 0;
     for (std::size_t first = 0; first < c.y.size(); first += bin) {
-      const std::size_t end = std::min(first + bin, c.y.size());
-      double t = 0, sum = 0;
-      for (std::size_t k = first; k < end; ++k) t += c.t[k], sum += c.y[k];
-      all += sum;
-      const double n = static_cast<double>(end - first);
-      csv += fmt::format("{},{},{:.9g},{:.9g},{}\n", label_cell(c.panel), label_cell(c.name), t / n, sum / n,
-                         c.running_mean ? fmt::format("{:.9g}", all / static_cast<double>(end)) : "");
+      double t = 0, sum = 0, time = 0;
+      for (std::size_t k = first; k < std::min(first + bin, c.y.size()); ++k)
+        t += spans[k] * c.t[k], sum += spans[k] * c.y[k], time += spans[k];
+      all += sum, spent += time;
+      csv += fmt::format("{},{},{:.9g},{:.9g},{}\n", label_cell(c.panel), label_cell(c.name), t / time,
+                         sum / time, c.running_mean ? fmt::format("{:.9g}", all / spent) : "");
     }
   }
   return csv;

@@ -7,14 +7,14 @@
 
 namespace taut {
 
-void Slope::add(double t, double y) {  // Welford's updates
-  ++n_;
+void Slope::add(double t, double y, double weight) {  // Welford's updates, weighted as by West
+  n_ += weight;
   const double dt = t - t_, dy = y - y_;
-  t_ += dt / n_;
-  y_ += dy / n_;
-  tt_ += dt * (t - t_);
-  ty_ += dt * (y - y_);
-  yy_ += dy * (y - y_);
+  t_ += weight * dt / n_;
+  y_ += weight * dy / n_;
+  tt_ += weight * dt * (t - t_);
+  ty_ += weight * dt * (y - y_);
+  yy_ += weight * dy * (y - y_);
 }
 
 double Slope::value() const {
@@ -77,10 +77,21 @@ Estimate block_slope(const std::vector<double>& t, const std::vector<double>& y,
   return {slope.value(), slope.standard_error()};
 }
 
-void RunningMean::add(double y) {
-  sum_ += y, ++count_;
-  open_ += y;
-  if (++in_open_ < length_) return;
+void RunningMean::add(double y, long steps) {
+  if (length_ == 0) length_ = steps;
+  sum_ += static_cast<double>(steps) * y;
+  steps_ += steps;
+  while (steps > 0) {  // a number fills more than one block where its steps are more
+    const long here = std::min(steps, length_ - in_open_);
+    add_to_open(y, here);
+    steps -= here;
+  }
+}
+
+void RunningMean::add_to_open(double y, long steps) {
+  open_ += static_cast<double>(steps) * y;
+  in_open_ += steps;
+  if (in_open_ < length_) return;
   blocks_[full_++] = open_ / static_cast<double>(length_);
   open_ = 0, in_open_ = 0;
   if (full_ < kMost) return;
@@ -90,8 +101,8 @@ void RunningMean::add(double y) {
 }
 
 Estimate RunningMean::estimate() const {
-  if (count_ == 0) return {};
-  const double all = sum_ / static_cast<double>(count_);
+  if (steps_ == 0) return {};
+  const double all = sum_ / static_cast<double>(steps_);
   if (full_ < 8) return {all, 0};
   return {all, mean_of_run(blocks()).error};
 }
@@ -101,11 +112,11 @@ Estimate RunningMean::later_half() const {
   return correlated_mean(blocks().subspan(static_cast<std::size_t>(full_) / 2));
 }
 
-void RunningSlope::add(double t, double y) {
-  if (means_.count() == 0) first_ = t;
+void RunningSlope::add(double t, double y, long steps) {
+  if (means_.steps() == 0) first_ = t, first_steps_ = steps;
   last_ = t;
-  line_.add(t, y);
-  means_.add(y);
+  line_.add(t, y, static_cast<double>(steps));
+  means_.add(y, steps);
 }
 
 Estimate RunningSlope::estimate() const {
@@ -116,7 +127,7 @@ Estimate RunningSlope::estimate() const {
   for (std::size_t b = 1; b < fine.size(); b += 2) coarse.push_back(0.5 * (fine[b - 1] + fine[b]));
   const double time = last_ - first_;
   const double length =
-      static_cast<double>(means_.block_length()) * time / static_cast<double>(means_.count() - 1);
+      static_cast<double>(means_.block_length()) * time / static_cast<double>(means_.steps() - first_steps_);
   const double v = variance_of_differences(fine, slope * length);
   const double v2 = variance_of_differences(coarse, 2 * slope * length);
   const double walk = std::max(0.0, (2 * v2 - v) / (2 * length));

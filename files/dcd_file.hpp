@@ -43,9 +43,8 @@ class DcdReader {
   explicit DcdReader(const std::filesystem::path& path);
 
   int atoms() const { return atoms_; }
-  double interval() const { return interval_; }  // time between frames [ps]
-  double first_time() const { return first_; }   // of the first frame [ps]
-  long frames() const;                           // complete ones, as the file stands now
+  double time_of(long frame) const { return first_ + static_cast<double>(frame) * interval_; }  // [ps]
+  long frames() const;  // complete ones, as the file stands now
 
   // Goes past the next frame without reading it.
   void skip();

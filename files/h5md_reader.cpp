@@ -22,10 +22,12 @@ struct H5mdReader::Contents {
     frames = H5Maker(file).frames(position);
   }
 
-  double time_of(hsize_t frame) const {
-    double t = 0;
-    H5Maker(file).read_frame(time, frame, H5T_NATIVE_DOUBLE, &t);
-    return t;
+  // Of every frame.
+  std::vector<double> times() const {
+    std::vector<double> all(static_cast<std::size_t>(H5Maker(file).sizes(time).at(0)));
+    accepted(H5Dread(time, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, all.data()));
+    all.resize(frames);
+    return all;
   }
 
   Hdf5Medium medium;
@@ -42,8 +44,7 @@ H5mdReader::H5mdReader(const std::filesystem::path& path) {
       if (sizes.size() != 3 || sizes[2] != 3)
         throw InputError(path.string() + ": expected positions as frames × atoms × 3");
       atoms_ = static_cast<int>(sizes[1]);
-      if (contents_->frames > 0) first_ = contents_->time_of(0);
-      if (contents_->frames > 1) interval_ = contents_->time_of(1) - first_;
+      times_ = contents_->times();
     });
   } catch (const Hdf5Refusal& e) {
     throw InputError(

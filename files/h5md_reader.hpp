@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <vector>
 
 #include "base/vectors.hpp"
 #include "md/box.hpp"
@@ -16,9 +17,8 @@ class H5mdReader {
   ~H5mdReader();
 
   int atoms() const { return atoms_; }
-  double interval() const { return interval_; }  // time between frames, 0 for a single one [ps]
-  double first_time() const { return first_; }   // of the first frame [ps]
   long frames() const;
+  double time_of(long frame) const { return times_.at(static_cast<std::size_t>(frame)); }  // [ps]
 
   // Goes past the next frame without reading it.
   void skip();
@@ -31,7 +31,7 @@ class H5mdReader {
   struct Contents;
   std::unique_ptr<Contents> contents_;
   int atoms_ = 0;
-  double interval_ = 0, first_ = 0;
+  std::vector<double> times_;
 };
 
 }  // namespace taut

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -28,7 +29,9 @@ inline std::array<double, 6> six_of(const Eigen::Matrix3d& t) {
   return {t(0, 0), t(1, 1), t(2, 2), t(0, 1), t(0, 2), t(1, 2)};
 }
 
-// One row of the log.
+inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+// One row of the log; simulation/log_columns.hpp names its numbers.
 struct Record {
   long step = 0;
   double t = 0;                       // [ps]
@@ -36,14 +39,14 @@ struct Record {
   double temperature = 0;             // of Simulation::thermal_velocity() [K]
   BondErrors bonds;
   // Of the energy but for the heat, so far [kJ/mol/ns/dof]; NaN under a barostat, whose work is not metered.
-  double drift = 0;
+  double drift = kUnknown;
   // Of the energy since the start, or since the thermostat was changed (md/work_meter.hpp) [kJ/mol]: what the
   // bonds did,
   double constraint_work = 0;
   std::optional<double>
-      heat;               // and what thermostat and barostat gave to velocities, and the momentum taken out
-  double iterations = 0;  // a step, since the last row
-  double ns_per_day = 0;
+      heat;  // and what thermostat and barostat gave to velocities, and the momentum taken out
+  double iterations = kUnknown;  // a step, since the last row
+  double ns_per_day = kUnknown;
   std::optional<double> pressure;   // in a box [bar], as what follows
   double volume = 0, density = 0;   // [nm³], [kg/m³]
   Eigen::Matrix3d pressure_tensor;  // [bar]
@@ -98,20 +101,20 @@ struct Summary {
   long steps = 0;
   double us_per_step = 0, constraint_us_per_step = 0, ns_per_day = 0;
   double max_rel_bond_error = 0;  // over all rows
-  double rms_rel_bond_error = 0;  // root mean square over all rows
+  double rms_rel_bond_error = 0;  // root mean square over the rows' time
   Estimate drift;                 // of the energy but for the heat [kJ/mol/ns/degree of freedom]
   Estimate constraint_drift;      // the bonds' share of it
   double constraint_work = 0;     // and heat: as in the last row [kJ/mol]
   std::optional<double> heat;
   std::optional<double> off_by_k;           // what the drift adds to the thermostat's temperature
-  double temperature = 0;                   // mean over the rows [K]
+  double temperature = 0;                   // mean over the rows' time [K]
   StartAndEnd start_and_end;                // what doubts are judged by, too
-  std::optional<Estimate> pressure;         // mean over the rows, in a box [bar], as what follows
+  std::optional<Estimate> pressure;         // the same, in a box [bar], as what follows
   Estimate volume, density;                 // [nm³], [kg/m³]
   std::array<Estimate, 6> pressure_tensor;  // kTensorNames [bar]
   std::vector<Estimate> walls;              // as in the log
   struct OfBias {
-    Estimate value, force;  // means over the rows [nm or °, kJ/mol/nm or /rad]
+    Estimate value, force;  // means over the rows' time [nm or °, kJ/mol/nm or /rad]
     long lost = 0;          // rows in which it did not act for want of a direction
   };
   std::vector<OfBias> biases;
@@ -154,7 +157,8 @@ class Simulation {
   Eigen::VectorXd bond_tensions() const;
   std::vector<std::pair<std::string, double>> energies() const;  // of the forces, by term [kJ/mol]
 
-  Record record() const;  // the state as it is now, but for what belongs to a run
+  Record record() const;       // of the state as it is now: energies, temperature, errors of bonds
+  Record full_record() const;  // with all of a row but what belongs to a run: drift, iterations, speed
   std::optional<Eigen::Matrix3d> pressure_tensor() const;  // in a box [bar]
   double constraint_work() const;                          // as a row of the log has it [kJ/mol]
   // That of full steps [nm/ps], without what shake leaves of it along the bonds.
@@ -234,13 +238,13 @@ class Simulation {
       void serialize(Archive& archive) { archive(value, force, lost); }
     };
     std::vector<OfBias> biases;
-    long rows = 0, last_row = 0;
+    long rows = 0, last_row = 0, steps = 0;  // each row stands for the steps since the one before it
     double largest_error = 0, largest_residual = 0, squares = 0;
     double first_t = 0, first_energy = 0, first_temperature = 0;  // of the first row; but for the heat
 
-    void add(const Record& r, double residual);
+    void add(const Record& r, double residual, long since);
     void serialize(Archive& archive) {
-      archive(energy, constraint_work, pressure, volume, density, rows, last_row, largest_error,
+      archive(energy, constraint_work, pressure, volume, density, rows, last_row, steps, largest_error,
               largest_residual, squares, temperature, first_t, first_energy, first_temperature);
       for (RunningMean& mean : pressure_tensor) archive(mean);
       archive(walls);
@@ -256,6 +260,8 @@ class Simulation {
   // [kJ/mol].
   double unaccounted(double kinetic) const;
   double unaccounted() const;
+  // What a row here weighs in means in time.
+  long steps_since_row() const;
   Record row(const SolveStats& since, const Stopwatch& watch, long steps);
   Summary summary(const Record& end, double seconds, const PartMeter& meter, long steps) const;
   void expect_numbers() const;  // throws StepFailure where one is none

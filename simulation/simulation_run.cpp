@@ -18,7 +18,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr long kStepsPerSnapshot = 100;
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kLeeway = 2;  // feedforward judges a bond by itself, where bonds are coupled
 
 bool finite(const State& s) {
@@ -68,28 +67,29 @@ class Simulation::Stopwatch {
   Clock::duration watching_{};
 };
 
-void Simulation::LogSums::add(const Record& r, double residual) {
+void Simulation::LogSums::add(const Record& r, double residual, long since) {
   if (rows == 0) first_t = r.t, first_energy = r.but_for_heat(), first_temperature = r.temperature;
-  energy.add(r.t, r.but_for_heat());
-  constraint_work.add(r.t, r.constraint_work);
-  temperature.add(r.temperature);
+  energy.add(r.t, r.but_for_heat(), since);
+  constraint_work.add(r.t, r.constraint_work, since);
+  temperature.add(r.temperature, since);
   ++rows;
   last_row = r.step;
+  steps += since;
   largest_error = std::max(largest_error, r.bonds.max);
   largest_residual = std::max(largest_residual, residual);
-  squares += r.bonds.rms * r.bonds.rms;
-  for (std::size_t w = 0; w < walls.size(); ++w) walls[w].add(r.walls[w]);
+  squares += static_cast<double>(since) * r.bonds.rms * r.bonds.rms;
+  for (std::size_t w = 0; w < walls.size(); ++w) walls[w].add(r.walls[w], since);
   for (std::size_t b = 0; b < biases.size(); ++b) {
-    biases[b].value.add(r.biases[b].value);
-    biases[b].force.add(r.biases[b].force);
+    biases[b].value.add(r.biases[b].value, since);
+    biases[b].force.add(r.biases[b].force, since);
     biases[b].lost += r.biases[b].lost;
   }
   if (!r.pressure) return;
-  pressure.add(*r.pressure);
-  volume.add(r.volume);
-  density.add(r.density);
+  pressure.add(*r.pressure, since);
+  volume.add(r.volume, since);
+  density.add(r.density, since);
   const auto tensor = six_of(r.pressure_tensor);
-  for (std::size_t k = 0; k < tensor.size(); ++k) pressure_tensor[k].add(tensor[k]);
+  for (std::size_t k = 0; k < tensor.size(); ++k) pressure_tensor[k].add(tensor[k], since);
 }
 
 // From kJ/mol/ps of the whole.
@@ -101,10 +101,13 @@ RunPlan Simulation::plan() const {
   return {.h = scene_.run.h(), .steps = scene_.run.steps, .observe_every = scene_.run.log_every};
 }
 
-// The row of the log for the state as it is.
-Record Simulation::row(const SolveStats& since, const Stopwatch& watch, long steps) {
+long Simulation::steps_since_row() const {
+  return progress_.step > sums_.last_row ? progress_.step - sums_.last_row : scene_.run.log_every;
+}
+
+Record Simulation::full_record() const {
+  const ThreadScope own(threads_);
   Record r = record();
-  r.step = progress_.step;
   if (scene_.run.thermostatted() || scene_.run.remove_momentum_every > 0)
     r.heat = inner_->ensemble.meter.heat() - heat_at_start_;
   r.walls = inner_->forces.besides.wall_pushes;
@@ -119,9 +122,6 @@ Record Simulation::row(const SolveStats& since, const Stopwatch& watch, long ste
     r.steering_work = inner_->ensemble.steering->work() - steering_work_at_start_;
     if (scene_.terms.steered_in_time()) r.steering_force = inner_->forces.besides.steering.force;
   }
-  RunningSlope energy = sums_.energy;
-  energy.add(r.t, r.but_for_heat());
-  r.drift = inner_->ensemble.barostat ? kUnknown : energy.value() * per_ns_and_dof();
   r.constraint_work = unaccounted(r.kinetic) - unaccounted_at_start_;
   if (const auto tensor = pressure_tensor()) {
     r.pressure_tensor = *tensor;
@@ -129,6 +129,15 @@ Record Simulation::row(const SolveStats& since, const Stopwatch& watch, long ste
     r.volume = state_.box.volume();
     r.density = kDensityPerUnit * scene_.system.mass.sum() / r.volume;
   }
+  return r;
+}
+
+// The row of the log for the state as it is.
+Record Simulation::row(const SolveStats& since, const Stopwatch& watch, long steps) {
+  Record r = full_record();
+  RunningSlope energy = sums_.energy;
+  energy.add(r.t, r.but_for_heat(), steps_since_row());
+  r.drift = inner_->ensemble.barostat ? kUnknown : energy.value() * per_ns_and_dof();
   const long gone = r.step - sums_.last_row;
   r.iterations = gone > 0 ? static_cast<double>(since.iterations) / static_cast<double>(gone) : 0.0;
   r.ns_per_day = steps > 0 ? static_cast<double>(steps) * plan().h * 1e-3 * 86400 / watch.seconds() : 0.0;
@@ -154,8 +163,8 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
     in_part(StepPart::kLog, [&] {
       last = row(since, watch, progress_.step - first);
       in_step = false;
-      sums_.add(last, since.max_residual);
-      temperatures_->see(scene_.system, state_.x, thermal_velocity());
+      temperatures_->see(scene_.system, state_.x, thermal_velocity(), steps_since_row());
+      sums_.add(last, since.max_residual, steps_since_row());
     });
     if (on_record) in_part(StepPart::kOutput, [&] { on_record(last); });
     watch.leave_out(Clock::now() - pause);
@@ -201,7 +210,8 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
   else
     last = row(progress_.since, watch, progress_.step - first);
   const LogSums sums = sums_;
-  if (sums.rows == 0) sums_.add(last, progress_.since.max_residual);  // means have just begun again
+  if (sums.rows == 0)
+    sums_.add(last, progress_.since.max_residual, steps_since_row());  // means have just begun again
   const Summary all = summary(last, watch.seconds(), meter, progress_.step - first);
   sums_ = sums;
   return all;
@@ -237,7 +247,7 @@ StartAndEnd Simulation::start_and_end(const Record& end) const {
 }
 
 Summary Simulation::summary(const Record& end, double seconds, const PartMeter& meter, long steps) const {
-  const double taken = static_cast<double>(std::max(1L, steps)), rows = static_cast<double>(sums_.rows);
+  const double taken = static_cast<double>(std::max(1L, steps));
   Summary s;
   s.steps = progress_.step;
   if (steps == 0) seconds = 0;  // no step, no speed
@@ -246,7 +256,7 @@ Summary Simulation::summary(const Record& end, double seconds, const PartMeter& 
   s.timings = {steps, threads_, meter.times()};
   s.ns_per_day = end.ns_per_day;
   s.max_rel_bond_error = sums_.largest_error;
-  s.rms_rel_bond_error = std::sqrt(sums_.squares / rows);
+  s.rms_rel_bond_error = std::sqrt(sums_.squares / static_cast<double>(sums_.steps));
   const auto drift = [&](const RunningSlope& of) {
     const Estimate slope = of.estimate();
     return Estimate{slope.value * per_ns_and_dof(), slope.error * per_ns_and_dof()};

@@ -128,7 +128,7 @@ Temperatures::Sample Temperatures::sample(const System& sys, const Molecule& mol
   return {{translation, rotation, total - translation - rotation}, turns};
 }
 
-void Temperatures::see(const System& sys, const Vectors& x, const Vectors& v) {
+void Temperatures::see(const System& sys, const Vectors& x, const Vectors& v, long steps) {
   std::vector<Energies> of_types(types_.size(), Energies{});
   std::vector<double> turns(types_.size(), 0.0);
   for (const Molecule& molecule : molecules_) {
@@ -136,20 +136,20 @@ void Temperatures::see(const System& sys, const Vectors& x, const Vectors& v) {
     for (std::size_t m = 0; m < 3; ++m) of_types[molecule.type][m] += s.kinetic[m];
     turns[molecule.type] += s.turns;
   }
-  ++samples_;
+  steps_ += steps;
   for (std::size_t t = 0; t < types_.size(); ++t) {  // what turns does not bend
     auto& dof = types_[t].dof;
-    const double more = (turns[t] - dof[1]) / static_cast<double>(samples_);
+    const double more = (turns[t] - dof[1]) * static_cast<double>(steps) / static_cast<double>(steps_);
     dof[1] += more;
     dof[2] -= more;
   }
   for (std::size_t m = 0; m < 3; ++m) {
     double all = 0;
     for (std::size_t t = 0; t < types_.size(); ++t) {
-      kinetic_[t][m].add(of_types[t][m]);
+      kinetic_[t][m].add(of_types[t][m], steps);
       all += of_types[t][m];
     }
-    kinetic_of_all_[m].add(all);
+    kinetic_of_all_[m].add(all, steps);
   }
 }
 

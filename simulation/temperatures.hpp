@@ -31,7 +31,8 @@ class Temperatures {
   // less, shared by the types as their masses.
   Temperatures(const System& sys, const Terms& terms, const Vectors& x, bool bonds_held, bool momentum_fixed);
 
-  void see(const System& sys, const Vectors& x, const Vectors& v);  // one sample
+  // One sample, which stands for so many steps.
+  void see(const System& sys, const Vectors& x, const Vectors& v, long steps = 1);
 
   const std::vector<MoleculeType>& types() const { return types_; }
   // Mean and standard error over what was seen [K]; zero without degrees of freedom.
@@ -42,8 +43,8 @@ class Temperatures {
     for (auto& type : kinetic_)
       for (RunningMean& mean : type) archive(mean);
     for (RunningMean& mean : kinetic_of_all_) archive(mean);
-    archive(samples_);
-    archive.demand_count(samples_);
+    archive(steps_);
+    archive.demand_count(steps_);
     for (MoleculeType& type : types_) archive(type.dof);
   }
 
@@ -65,7 +66,7 @@ class Temperatures {
   std::vector<MoleculeType> types_;
   std::vector<std::array<RunningMean, 3>> kinetic_;  // by type and MotionClass [kJ/mol]
   std::array<RunningMean, 3> kinetic_of_all_;
-  long samples_ = 0;
+  long steps_ = 0;  // that the samples stand for
 };
 
 }  // namespace taut

@@ -7,6 +7,7 @@
 
 #include "base/series.hpp"
 #include "studies/liquid_structure.hpp"
+#include "studies/measures.hpp"
 #include "systems/whole_molecules.hpp"
 
 namespace taut {
@@ -29,8 +30,7 @@ std::vector<Chain> unbranched_chains(const System& sys, const Terms& terms) {
   return chains;
 }
 
-ChainMeasures::ChainMeasures(std::vector<Chain> chains, double interval)
-    : chains_(std::move(chains)), interval_(interval) {
+ChainMeasures::ChainMeasures(std::vector<Chain> chains) : chains_(std::move(chains)) {
   for (const Chain& chain : chains_) pulled_ += chain.pull.norm() > 0;
 }
 
@@ -47,14 +47,15 @@ void ChainMeasures::Series::add(const std::vector<double>& each) {
   of_frame.push_back(sum / static_cast<double>(each.size()));
 }
 
-Estimate ChainMeasures::Series::mean() const {
+Estimate ChainMeasures::Series::mean(const EvenMeans& even) const {
   if (of_frame.empty()) return {};
-  const Estimate of_frames = correlated_mean(of_frame);
+  const Estimate of_frames = correlated_mean(even.of(of_frame));
   const double of_chains = independent_mean(of_chain).error / static_cast<double>(of_frame.size());
   return {of_frames.value, std::max(of_frames.error, of_chains)};
 }
 
-void ChainMeasures::add_frame(const Vectors& x) {
+void ChainMeasures::add_frame(double t, const Vectors& x) {
+  t_.push_back(t);
   std::vector<double> squared, extended;
   Vectors ends(3, static_cast<Eigen::Index>(chains_.size()));
   for (std::size_t c = 0; c < chains_.size(); ++c) {
@@ -75,11 +76,11 @@ void ChainMeasures::add_frame(const Vectors& x) {
 }
 
 Estimate ChainMeasures::gyration_squared() const {
-  return gyration_.mean();
+  return gyration_.mean(EvenMeans(t_));
 }
 
 Estimate ChainMeasures::extension() const {
-  return extension_.mean();
+  return extension_.mean(EvenMeans(t_));
 }
 
 namespace {
@@ -99,27 +100,30 @@ double time_to_fall(const std::vector<double>& t, const std::vector<double>& c) 
 }  // namespace
 
 ChainMeasures::Relaxation ChainMeasures::relaxation() const {
-  constexpr std::size_t kMostLags = 100, kLeastFrames = 40;
+  constexpr std::size_t kMostLags = 100;
   Relaxation result;
-  if (ends_.size() < kLeastFrames) {
-    result.flaw = fmt::format("{} frames are too few, it takes {}", ends_.size(), kLeastFrames);
+  result.frames = frames_to_follow(t_);
+  const std::vector<std::size_t>& frames = result.frames.samples;
+  if (frames.size() < kFramesToFollow) {
+    result.flaw = fmt::format("{} {} are too few, it takes {}", frames.size(),
+                              result.frames.whole(t_) ? "frames" : "evenly spaced frames", kFramesToFollow);
     return result;
   }
   // Ten groups: of chains where there are enough of them, or else of origins in time.
-  const std::size_t furthest = ends_.size() / 4, step = std::max<std::size_t>(1, furthest / kMostLags);
-  const auto chains = static_cast<std::size_t>(ends_[0].cols()), origins = ends_.size() - furthest;
+  const std::size_t furthest = frames.size() / 4, step = std::max<std::size_t>(1, furthest / kMostLags);
+  const auto chains = static_cast<std::size_t>(ends_[0].cols()), origins = frames.size() - furthest;
   const bool by_chain = chains >= 2 * kBlocks;
   const auto group_of = [&](std::size_t chain, std::size_t origin) {
     return by_chain ? chain * kBlocks / chains : origin * kBlocks / origins;
   };
   std::vector<std::vector<double>> sums;
   for (std::size_t lag = 0; lag <= furthest; lag += step) {
-    result.t.push_back(interval_ * static_cast<double>(lag));
+    result.t.push_back(result.frames.interval * static_cast<double>(lag));
     std::vector<double> sum(kBlocks, 0.0);
     for (std::size_t o = 0; o < origins; ++o)
       for (std::size_t c = 0; c < chains; ++c) {
         const auto col = static_cast<Eigen::Index>(c);
-        sum[group_of(c, o)] += ends_[o].col(col).dot(ends_[o + lag].col(col));
+        sum[group_of(c, o)] += ends_[frames[o]].col(col).dot(ends_[frames[o + lag]].col(col));
       }
     sums.push_back(std::move(sum));
   }

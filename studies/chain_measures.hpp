@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "base/even_times.hpp"
 #include "base/statistics.hpp"
 #include "forcefield/terms.hpp"
 #include "md/system.hpp"
@@ -21,20 +22,21 @@ std::vector<Chain> unbranched_chains(const System& sys, const Terms& terms);
 //     the radius of gyration, R_g² = ⟨|r − r̄|²⟩ over a chain's atoms, each counted once;
 //     the extension along the pull, ⟨R·F⟩/|F|, of chains whose ends are pulled;
 //     the relaxation of the end-to-end vector, C(t) = ⟨R(0)·R(t)⟩/⟨R²⟩, and the time in which it falls to 1/e.
-// Errors are the larger of what blocks of frames and what groups of chains say.
+// Frames are seen with their times, as in studies/measures.hpp. Errors are the larger of what blocks of frames and what groups of chains say.
 class ChainMeasures {
  public:
-  ChainMeasures(std::vector<Chain> chains, double interval);  // interval: from frame to frame [ps]
+  explicit ChainMeasures(std::vector<Chain> chains);
 
   bool empty() const { return chains_.empty(); }
   bool pulled() const { return pulled_ > 0; }
-  double force() const;  // the pulled chains' mean force [kJ/mol/nm]
-  void add_frame(const Vectors& x);
+  double force() const;                        // the pulled chains' mean force [kJ/mol/nm]
+  void add_frame(double t, const Vectors& x);  // [ps]
 
   Estimate gyration_squared() const;  // [nm²]
   Estimate extension() const;         // [nm]
 
   struct Relaxation {
+    EvenPart frames;                    // of which it is
     std::vector<double> t;              // [ps]
     std::vector<Estimate> correlation;  // C(t)
     Estimate time;                      // [ps]
@@ -47,12 +49,12 @@ class ChainMeasures {
   struct Series {
     std::vector<double> of_frame, of_chain;
     void add(const std::vector<double>& each);
-    Estimate mean() const;
+    Estimate mean(const EvenMeans& even) const;
   };
 
   std::vector<Chain> chains_;
-  double interval_;
   long pulled_ = 0;
+  std::vector<double> t_;
   Series gyration_, extension_;
   std::vector<Vectors> ends_;  // end-to-end vectors of all chains, a frame each [nm]
 };

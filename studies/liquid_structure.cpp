@@ -70,8 +70,8 @@ LiquidStructure::LiquidStructure(const System& sys, const Terms& terms, const Bo
       chains_(chain_ends(sys, terms)) {}
 
 void LiquidStructure::see(const State& s) {
-  if (has_chains()) chains_.see(s.x);
-  if (has_water()) oxygens_.see(s.x, s.box);
+  if (has_chains()) chains_.see(s.t, s.x);
+  if (has_water()) oxygens_.see(s.t, s.x, s.box);
 }
 
 }  // namespace taut

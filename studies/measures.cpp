@@ -80,7 +80,7 @@ double RadialDistribution::pairs() const {
   return alike_ ? all / 2 : all;
 }
 
-void RadialDistribution::see(const Vectors& x, const Box& box) {
+void RadialDistribution::see(double t, const Vectors& x, const Box& box) {
   std::vector<double> count(static_cast<std::size_t>(reach_ / kBin), 0.0);
   const auto add = [&](int i, int j) {
     if (!counts(i, j)) return;
@@ -94,35 +94,38 @@ void RadialDistribution::see(const Vectors& x, const Box& box) {
       cells.for_each_near(x.col(i), [&](int j) { add(i, j); });
     else
       for (const int j : b_) add(i, j);
+  t_.push_back(t);
   counts_.push_back(std::move(count));
 }
 
 Distances RadialDistribution::result() const {
   Distances d;
   if (counts_.empty()) return d;
+  const EvenMeans even(t_);
   for (std::size_t bin = 0; bin < counts_[0].size(); ++bin) {
     const double low = kBin * static_cast<double>(bin), high = low + kBin;
     const double ideal = pairs_ * 4 / 3 * std::numbers::pi * (std::pow(high, 3) - std::pow(low, 3));
     std::vector<double> g;
     for (const auto& row : counts_) g.push_back(row[bin] / ideal);
     d.r.push_back(low + kBin / 2);
-    d.g.push_back(block_mean(g));
+    d.g.push_back(block_mean(even.of(g)));
   }
   return d;
 }
 
-void EndToEnd::see(const Vectors& x) {
+void EndToEnd::see(double t, const Vectors& x) {
   double sum = 0;
   for (std::size_t c = 0; c < ends_.size(); ++c) {
     const double squared = (x.col(ends_[c][1]) - x.col(ends_[c][0])).squaredNorm();
     sum += squared;
     of_chain_[c] += squared;
   }
+  t_.push_back(t);
   squared_.push_back(sum / static_cast<double>(ends_.size()));
 }
 
 Estimate EndToEnd::squared() const {
-  const Estimate of_frames = block_mean(squared_);
+  const Estimate of_frames = block_mean(EvenMeans(t_).of(squared_));
   const double of_chains =
       mean_of(of_chain_).error / static_cast<double>(std::max<std::size_t>(squared_.size(), 1));
   return {of_frames.value, std::max(of_frames.error, of_chains)};
@@ -135,11 +138,14 @@ Estimate EndToEnd::root() const {
   return {root, root > 0 ? of.error / (2 * root) : 0.0};
 }
 
-MeanSquareDisplacement::MeanSquareDisplacement(Eigen::VectorXd mass, std::vector<int> molecule,
-                                               double interval)
-    : mass_(std::move(mass)), molecule_(std::move(molecule)), interval_(interval) {}
+EvenPart frames_to_follow(const std::vector<double>& t) {
+  std::vector<EvenPart> parts = even_parts(t);
+  const auto enough = std::ranges::find_if(
+      parts, [](const EvenPart& part) { return part.samples.size() >= kFramesToFollow; });
+  return std::move(enough == parts.end() ? parts.back() : *enough);
+}
 
-void MeanSquareDisplacement::see(const Vectors& x) {
+void MeanSquareDisplacement::see(double t, const Vectors& x) {
   const int molecules = *std::ranges::max_element(molecule_) + 1;
   Vectors centre = Vectors::Zero(3, molecules);
   Eigen::VectorXd whole = Eigen::VectorXd::Zero(molecules);
@@ -149,14 +155,18 @@ void MeanSquareDisplacement::see(const Vectors& x) {
   }
   for (int m = 0; m < molecules; ++m)
     if (whole[m] > 0) centre.col(m) /= whole[m];
+  t_.push_back(t);
   centres_.push_back(std::move(centre));
 }
 
 MeanSquareDisplacement::Result MeanSquareDisplacement::result() const {
   constexpr std::size_t kMostLags = 50, kMostOrigins = 100;
-  const std::size_t block = centres_.size() / kBlocks, furthest = block / 2;
   Result result;
+  result.frames = frames_to_follow(t_);
+  const std::vector<std::size_t>& frames = result.frames.samples;
+  const std::size_t block = frames.size() / kBlocks, furthest = block / 2;
   if (furthest < 2) return result;
+  const auto centres = [&](std::size_t frame) -> const Vectors& { return centres_[frames[frame]]; };
   const std::size_t lag_step = std::max<std::size_t>(1, furthest / kMostLags);
   const std::size_t origin_step = std::max<std::size_t>(1, (block - furthest) / kMostOrigins);
   std::vector<std::size_t> lags;
@@ -164,19 +174,20 @@ MeanSquareDisplacement::Result MeanSquareDisplacement::result() const {
 
   std::vector<std::vector<double>> squared(lags.size());  // of each lag: of each block
   std::vector<double> slopes;
-  for (std::size_t first = 0; first + block <= centres_.size(); first += block) {
+  for (std::size_t first = 0; first + block <= frames.size(); first += block) {
     Slope upper;
     for (std::size_t k = 0; k < lags.size(); ++k) {
       double sum = 0, samples = 0;
       for (std::size_t o = first; o + lags[k] < first + block; o += origin_step, ++samples)
-        sum += (centres_[o + lags[k]] - centres_[o]).squaredNorm() / static_cast<double>(centres_[o].cols());
+        sum += (centres(o + lags[k]) - centres(o)).squaredNorm() / static_cast<double>(centres(o).cols());
       squared[k].push_back(sum / samples);
-      if (2 * lags[k] >= furthest) upper.add(interval_ * static_cast<double>(lags[k]), squared[k].back());
+      if (2 * lags[k] >= furthest)
+        upper.add(result.frames.interval * static_cast<double>(lags[k]), squared[k].back());
     }
     slopes.push_back(upper.value());
   }
   for (std::size_t k = 0; k < lags.size(); ++k) {
-    result.t.push_back(interval_ * static_cast<double>(lags[k]));
+    result.t.push_back(result.frames.interval * static_cast<double>(lags[k]));
     result.squared.push_back(mean_of(squared[k]));
   }
   const auto half = std::ranges::lower_bound(result.t, result.t.back() / 2) - result.t.begin();

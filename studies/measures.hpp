@@ -4,13 +4,16 @@
 #include <utility>
 #include <vector>
 
+#include "base/even_times.hpp"
 #include "base/statistics.hpp"
 #include "base/vectors.hpp"
 #include "md/box.hpp"
 
 namespace taut {
 
-// What is measured along a trajectory, frame by frame; errors come from blocks (base/statistics.hpp).
+// What is measured along a trajectory, frame by frame, each with its time [ps], which ascends: frames weigh as the time
+// they stand for, and what moves is taken of frames that are evenly spaced (base/even_times.hpp). Errors come from
+// blocks (base/statistics.hpp).
 
 struct Distances {        // g(r)
   std::vector<double> r;  // middle of each bin [nm]
@@ -25,7 +28,7 @@ class RadialDistribution {
   RadialDistribution(std::vector<int> a, std::vector<int> b, std::vector<int> molecule, double reach);
 
   bool empty() const { return pairs_ == 0; }
-  void see(const Vectors& x, const Box& box);
+  void see(double t, const Vectors& x, const Box& box);
   Distances result() const;
 
  private:
@@ -37,6 +40,7 @@ class RadialDistribution {
   std::vector<int> a_, b_, molecule_;
   bool alike_;
   double reach_, pairs_ = 0;
+  std::vector<double> t_;
   std::vector<std::vector<double>> counts_;  // pairs per bin times the volume, a row a frame [nm³]
 };
 
@@ -49,12 +53,13 @@ class EndToEnd {
   explicit EndToEnd(std::vector<std::array<int, 2>> ends) : ends_(std::move(ends)), of_chain_(ends_.size()) {}
 
   bool empty() const { return ends_.empty(); }
-  void see(const Vectors& x);
+  void see(double t, const Vectors& x);
   Estimate squared() const;  // ⟨R²⟩ [nm²]
   Estimate root() const;     // √⟨R²⟩ [nm]
 
  private:
   std::vector<std::array<int, 2>> ends_;
+  std::vector<double> t_;
   std::vector<double> squared_;   // mean over the chains, a frame each [nm²]
   std::vector<double> of_chain_;  // sum over the frames, a chain each [nm²]
 };
@@ -64,11 +69,13 @@ class EndToEnd {
 // origins of its own; so lags go up to half a block, and the slope is that of their upper half.
 class MeanSquareDisplacement {
  public:
-  // `molecule` of each atom, numbered from 0; `interval` from frame to frame [ps].
-  MeanSquareDisplacement(Eigen::VectorXd mass, std::vector<int> molecule, double interval);
+  // `molecule` of each atom, numbered from 0.
+  MeanSquareDisplacement(Eigen::VectorXd mass, std::vector<int> molecule)
+      : mass_(std::move(mass)), molecule_(std::move(molecule)) {}
 
-  void see(const Vectors& x);
+  void see(double t, const Vectors& x);
   struct Result {
+    EvenPart frames;                // of which it is; of the longest part that has enough
     std::vector<double> t;          // [ps]; none where there are too few frames
     std::vector<Estimate> squared;  // [nm²]
     Estimate diffusion;             // [nm²/ps]
@@ -79,8 +86,13 @@ class MeanSquareDisplacement {
  private:
   Eigen::VectorXd mass_;
   std::vector<int> molecule_;
-  double interval_;
+  std::vector<double> t_;
   std::vector<Vectors> centres_;  // a frame each
 };
+
+// The longest evenly spaced part of frames of which there are enough to follow what moves; if none has them, that of
+// most frames.
+constexpr std::size_t kFramesToFollow = 40;
+EvenPart frames_to_follow(const std::vector<double>& t);
 
 }  // namespace taut

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "base/even_times.hpp"
 #include "base/statistics.hpp"
 
 namespace taut {
@@ -13,8 +14,10 @@ namespace taut {
 // averaged over the five independent numbers of the traceless pressure tensor, xy, xz, yz, (xx − yy)/2 and
 // (yy − zz)/2 (Alfè and Gillan 1998, doi:10.1103/PhysRevLett.81.5161). The viscosity is η(t) at the first time
 // at which η has grown by no more than its error since t/2, nor at any later time up to 2t. Errors
-// come from ten blocks of origins.
+// come from ten blocks of origins. Of rows that are unevenly spaced it is that of the longest evenly spaced part that
+// tells it.
 struct GreenKubo {
+  EvenPart rows;                      // of which it is
   std::vector<double> t;              // [ps]
   std::vector<Estimate> correlation;  // over its value at 0
   std::vector<Estimate> integral;     // η(t) [mPa s]
@@ -25,7 +28,7 @@ struct GreenKubo {
 
 struct StressSeries {
   std::array<std::vector<double>, 6> pressure;  // xx, yy, zz, xy, xz, yz [bar]
-  double interval = 0;                          // between rows [ps]
+  std::vector<double> t;                        // of the rows, ascending [ps]
   double volume = 0;                            // [nm³]
   double temperature = 0;                       // [K]
 };

@@ -40,11 +40,11 @@ TEST(Measures, FreeParticlesDiffuseByEinsteinsLaw) {
   molecule.insert(molecule.end(), molecule.begin(), molecule.end());
   Eigen::VectorXd mass(2 * kMolecules);
   mass << Eigen::VectorXd::Constant(kMolecules, 0.7), Eigen::VectorXd::Constant(kMolecules, 0.3);
-  MeanSquareDisplacement motion(mass, molecule, h);
+  MeanSquareDisplacement motion(mass, molecule);
   for (int frame = 0; frame < kFrames; ++frame) {
     Vectors both(3, 2 * kMolecules);
     both << x.colwise() + Vec3(0.3, 0, 0), x.colwise() - Vec3(0.7, 0, 0);
-    motion.see(both);
+    motion.see(h * frame, both);
     for (int m = 0; m < kMolecules; ++m) {
       const Vec3 one = random.normal_vector(), other = random.normal_vector();
       x.col(m) += v.col(m) * (1 - c) / kGamma + b * one + std::sqrt(var_x - b * b) * other;
@@ -68,10 +68,10 @@ TEST(Measures, FreeParticlesDiffuseByEinsteinsLaw) {
 }
 
 TEST(Measures, TooFewFramesHaveNoDiffusion) {
-  MeanSquareDisplacement motion(Eigen::VectorXd::Ones(1), {0}, 1);
-  for (int frame = 0; frame < 39; ++frame) motion.see(Vectors::Zero(3, 1));
+  MeanSquareDisplacement motion(Eigen::VectorXd::Ones(1), {0});
+  for (int frame = 0; frame < 39; ++frame) motion.see(frame, Vectors::Zero(3, 1));
   EXPECT_TRUE(motion.result().t.empty());
-  motion.see(Vectors::Zero(3, 1));
+  motion.see(39, Vectors::Zero(3, 1));
   EXPECT_EQ(motion.result().t.size(), 2u);
 }
 
@@ -89,7 +89,7 @@ TEST(Measures, AnIdealGasOfTwoKindsHasAFlatDistribution) {
     Vectors x(3, 2 * kMolecules);
     for (int m = 0; m < kMolecules; ++m)
       x.col(m) = x.col(m + kMolecules) = box.edge.cwiseProduct(random.uniform_vector());
-    pairs.see(x, box);
+    pairs.see(frame, x, box);
   }
   const Distances g = pairs.result();
   double mean = 0;
@@ -105,7 +105,7 @@ TEST(Measures, AnIdealGasOfTwoKindsHasAFlatDistribution) {
 TEST(Measures, FreelyJointedChainsEndWhereTheyShould) {
   const Scene scene = read_scene(find_scene("freely_jointed"), {"build.chains=3000", "build.bond_nm=0.5"});
   EndToEnd chains(chain_ends(scene.system, scene.terms));
-  chains.see(scene.start.x);
+  chains.see(0, scene.start.x);
   const double expected = 19 * 0.25, spread = std::sqrt(2.0 / 3) * expected / std::sqrt(3000.0);
   EXPECT_NEAR(chains.squared().value, expected, 4 * spread);
   EXPECT_NEAR(chains.root().value, std::sqrt(expected), 4 * spread);
@@ -130,7 +130,7 @@ TEST(Measures, ErrorsOfSlowChainsAreNotTooSmall) {
       squared[static_cast<std::size_t>(c)] += (1 - rho) * (10 - squared[static_cast<std::size_t>(c)]) +
                                               2 * std::sqrt(1 - rho * rho) * random.normal_vector().x();
     }
-    chains.see(x);
+    chains.see(frame, x);
   }
   double correlated = 0;
   for (int i = 0; i < kFrames; ++i)
@@ -151,7 +151,7 @@ TEST(Measures, CellsMissNoPair) {
   for (int a = 0; a < n; a += 2) molecule[static_cast<std::size_t>(a + 1)] = a;
   for (const auto& other : {some, numbers(n)}) {
     RadialDistribution pairs(some, other, molecule, 0.95);
-    pairs.see(x, box);
+    pairs.see(0, x, box);
     const Distances g = pairs.result();
     std::vector<double> count(g.r.size(), 0.0);
     double all = 0;
@@ -190,7 +190,7 @@ TEST(Measures, ATrajectoryReadsBack) {
   }
   DcdReader reader(file);
   EXPECT_EQ(reader.atoms(), 2);
-  EXPECT_NEAR(reader.interval(), 0.1, 1e-7);
+  EXPECT_NEAR(reader.time_of(1) - reader.time_of(0), 0.1, 1e-7);
   Vectors x;
   Box box;
   ASSERT_TRUE(reader.next(x, box));

@@ -87,8 +87,11 @@ TEST(RunMeasures, EquilibrationEndsWhereTheStartIsForgotten) {
 
 // An Ornstein–Uhlenbeck stress of variance s² and memory τ has the viscosity η = V s²τ/kT. Each of the five
 // shear stresses has that variance if xx, yy and zz have 2s² and are independent.
+constexpr double kInterval = 0.002;  // [ps]
+
 StressSeries ornstein_uhlenbeck(double decay, std::size_t rows, double bar) {
-  StressSeries stress{.pressure = {}, .interval = 0.002, .volume = 27, .temperature = 300};
+  StressSeries stress{.pressure = {}, .t = {}, .volume = 27, .temperature = 300};
+  for (std::size_t row = 0; row < rows; ++row) stress.t.push_back(kInterval * static_cast<double>(row));
   for (std::size_t k = 0; k < 6; ++k) {
     stress.pressure[k] = Autoregressive(decay, 20 + k).series(rows);
     for (double& p : stress.pressure[k]) p *= bar * (k < 3 ? std::sqrt(2.0) : 1);
@@ -102,12 +105,11 @@ TEST(RunMeasures, TheViscosityOfAnOrnsteinUhlenbeckStressIsKnown) {
   const GreenKubo result = green_kubo(stress);
   ASSERT_EQ(result.flaw, "");
   const double pascal = bar * 1e5, exact = stress.volume * 1e-27 / (1.380649e-23 * stress.temperature) *
-                                           pascal * pascal * decay * stress.interval * 1e-12 *
-                                           1e3;  // [mPa s]
+                                           pascal * pascal * decay * kInterval * 1e-12 * 1e3;  // [mPa s]
   EXPECT_NEAR(result.viscosity.value, exact, 4 * result.viscosity.error);
   EXPECT_NEAR(result.viscosity.value, exact, 0.1 * exact);
   EXPECT_LT(result.viscosity.error, 0.15 * exact);
-  EXPECT_GT(result.cut, 3 * decay * stress.interval);
+  EXPECT_GT(result.cut, 3 * decay * kInterval);
 }
 
 TEST(RunMeasures, ViscosityIsRefusedWhereTheLogCannotTell) {
@@ -125,8 +127,8 @@ TEST(RunMeasures, DiffusionInASmallBoxIsCorrected) {
 // Ideal chains of N bonds b: ⟨R²⟩ = N b², ⟨R_g²⟩ = b² N(N + 2)/(6(N + 1)).
 TEST(RunMeasures, IdealChainsAreAsLargeAsTheyShouldBe) {
   const Scene scene = read_scene(find_scene("freely_jointed"), {"build.chains=3000", "build.bond_nm=0.5"});
-  ChainMeasures chains(unbranched_chains(scene.system, scene.terms), 1);
-  chains.add_frame(scene.start.x);
+  ChainMeasures chains(unbranched_chains(scene.system, scene.terms));
+  chains.add_frame(0, scene.start.x);
   const Estimate found = chains.gyration_squared();
   const double n = 19, exact = 0.25 * n * (n + 2) / (6 * (n + 1));
   EXPECT_NEAR(found.value, exact, 4 * found.error);
@@ -160,8 +162,8 @@ TEST(RunMeasures, PulledIdealChainsFollowLangevin) {
     terms.pulls.push_back({first, -force});
     terms.pulls.push_back({first + kBonds, force});
   }
-  ChainMeasures chains(unbranched_chains(sys, terms), 1);
-  chains.add_frame(at);
+  ChainMeasures chains(unbranched_chains(sys, terms));
+  chains.add_frame(0, at);
   ASSERT_TRUE(chains.pulled());
   EXPECT_DOUBLE_EQ(chains.force(), 5);
   const double exact = kBonds * b * (1 / std::tanh(x) - 1 / x);
@@ -179,12 +181,12 @@ TEST(RunMeasures, EndsForgetWhereTheyPointed) {
     all.push_back({.atoms = {2 * c, 2 * c + 1}, .first = 2 * c, .last = 2 * c + 1});
     for (int d = 0; d < 3; ++d) walks.emplace_back(decay, 3 * c + d + 1);
   }
-  ChainMeasures chains(all, interval);
+  ChainMeasures chains(all);
   for (int frame = 0; frame < kFrames; ++frame) {
     Vectors x = Vectors::Constant(3, 2 * kChains, 7.0);
     for (int c = 0; c < kChains; ++c)
       for (int d = 0; d < 3; ++d) x(d, 2 * c + 1) += walks[static_cast<std::size_t>(3 * c + d)].next();
-    chains.add_frame(x);
+    chains.add_frame(interval * frame, x);
   }
   const auto relaxation = chains.relaxation();
   ASSERT_EQ(relaxation.flaw, "");
@@ -195,12 +197,12 @@ TEST(RunMeasures, EndsForgetWhereTheyPointed) {
 }
 
 TEST(RunMeasures, EndsThatHaveNotTurnedHaveNoTime) {
-  ChainMeasures chains({{.atoms = {0, 1}, .first = 0, .last = 1}}, 1);
+  ChainMeasures chains({{.atoms = {0, 1}, .first = 0, .last = 1}});
   Vectors x = Vectors::Zero(3, 2);
   x(0, 1) = 1;
-  for (int frame = 0; frame < 39; ++frame) chains.add_frame(x);
+  for (int frame = 0; frame < 39; ++frame) chains.add_frame(frame, x);
   EXPECT_THAT(chains.relaxation().flaw, HasSubstr("39 frames are too few"));
-  chains.add_frame(x);
+  chains.add_frame(39, x);
   EXPECT_THAT(chains.relaxation().flaw, HasSubstr("C = 1.00"));
 }
 
@@ -208,15 +210,14 @@ TEST(RunMeasures, LogsAreReadAndJoined) {
   const TemporaryFolder folder;
   folder.write("log.csv", "#\"Step\",\"Time (ps)\",\"Heat (kJ/mole)\"\n0,0,\n1,0.5,2e1\n2,1,3\n3,1.5");
   RunLog log = read_log(folder.path());
-  EXPECT_EQ(log.columns, (std::vector<std::string>{"Step", "Time (ps)", "Heat (kJ/mole)"}));
+  EXPECT_EQ(log.titles, (std::vector<std::string>{"Step", "Time (ps)", "Heat (kJ/mole)"}));
   EXPECT_EQ(log.rows(), 3u) << "the last line is cut off";
-  EXPECT_TRUE(std::isnan(log.column(kLogHeat)[0]));
-  EXPECT_EQ(log.column(kLogHeat)[1], 20);
-  EXPECT_EQ(log.interval(), 0.5);
-  EXPECT_FALSE(log.has(kLogVolume));
+  EXPECT_TRUE(std::isnan(log.column("heat_kj_mol")[0]));
+  EXPECT_EQ(log.column("heat_kj_mol")[1], 20);
+  EXPECT_FALSE(log.has("volume_nm3"));
   log.append(read_log(folder.path()));  // a segment that counts its time from 0 again
-  EXPECT_EQ(log.column(kLogTime), (std::vector<double>{0, 0.5, 1, 1.5, 2}));
-  EXPECT_EQ(log.column(kLogHeat).back(), 3);
+  EXPECT_EQ(log.column("time_ps"), (std::vector<double>{0, 0.5, 1, 1.5, 2}));
+  EXPECT_EQ(log.column("heat_kj_mol").back(), 3);
   folder.write("log.csv", "#\"Step\",\"Time (ps)\"\n0,x\n");
   EXPECT_THROW(read_log(folder.path()), InputError);
   folder.write("log.csv", "#\"Step\",\"Time (ps)\"\n0,1,2\n");
@@ -243,8 +244,7 @@ TEST(RunMeasures, H5mdIsReadAsItWasWritten) {
   }
   H5mdReader in(file);
   EXPECT_EQ(in.atoms(), scene.system.atoms());
-  EXPECT_EQ(in.first_time(), 2);
-  EXPECT_EQ(in.interval(), 0.5);
+  for (int frame = 0; frame < 3; ++frame) EXPECT_EQ(in.time_of(frame), 2 + 0.5 * frame);
   Vectors x;
   Box box;
   int frames = 0;

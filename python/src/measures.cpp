@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "base/errors.hpp"
+#include "base/even_times.hpp"
 #include "base/series.hpp"
 #include "core.hpp"
 #include "studies/chain_measures.hpp"
@@ -29,8 +30,10 @@ Vectors frame_of(const Array& frames, py::ssize_t frame) {
   return Eigen::Map<const Vectors>(frames.data(frame, 0, 0), 3, frames.shape(1));
 }
 
-py::dict viscosity(const Array& pressure, double interval, double volume, double temperature) {
-  StressSeries stress{.pressure = {}, .interval = interval, .volume = volume, .temperature = temperature};
+using Times = std::vector<double>;  // ascending [ps]
+
+py::dict viscosity(const Array& pressure, const Times& t, double volume, double temperature) {
+  StressSeries stress{.pressure = {}, .t = t, .volume = volume, .temperature = temperature};
   for (py::ssize_t row = 0; row < pressure.shape(0); ++row)
     for (py::ssize_t k = 0; k < 6; ++k)
       stress.pressure[static_cast<std::size_t>(k)].push_back(pressure.at(row, k));
@@ -42,16 +45,19 @@ py::dict viscosity(const Array& pressure, double interval, double volume, double
   all["correlation"] = pairs_of(found.correlation);
   all["integral"] = pairs_of(found.integral);
   all["flaw"] = found.flaw;
+  all["used"] = found.rows.samples;
   return all;
 }
 
-py::dict displacement(const Array& frames, double interval, const std::vector<double>& masses,
+py::dict displacement(const Array& frames, const Times& t, const std::vector<double>& masses,
                       const std::vector<int>& molecule) {
-  MeanSquareDisplacement moved(Eigen::Map<const Eigen::VectorXd>(masses.data(), std::ssize(masses)), molecule,
-                               interval);
-  for (py::ssize_t frame = 0; frame < frames.shape(0); ++frame) moved.see(frame_of(frames, frame));
+  MeanSquareDisplacement moved(Eigen::Map<const Eigen::VectorXd>(masses.data(), std::ssize(masses)),
+                               molecule);
+  for (py::ssize_t frame = 0; frame < frames.shape(0); ++frame)
+    moved.see(t[static_cast<std::size_t>(frame)], frame_of(frames, frame));
   const auto found = moved.result();
   py::dict all;
+  all["used"] = found.frames.samples;
   all["t"] = found.t;
   all["squared"] = pairs_of(found.squared);
   all["diffusion"] = pair_of(found.diffusion);
@@ -59,19 +65,20 @@ py::dict displacement(const Array& frames, double interval, const std::vector<do
   return all;
 }
 
-py::dict chains(const Array& frames, double interval, const std::vector<std::vector<int>>& atoms) {
+py::dict chains(const Array& frames, const Times& t, const std::vector<std::vector<int>>& atoms) {
   std::vector<Chain> all_chains;
   std::vector<std::array<int, 2>> ends;
   for (const std::vector<int>& chain : atoms) {
     all_chains.push_back({.atoms = chain, .first = chain.front(), .last = chain.back()});
     ends.push_back({chain.front(), chain.back()});
   }
-  ChainMeasures sizes(std::move(all_chains), interval);
+  ChainMeasures sizes(std::move(all_chains));
   EndToEnd distance(std::move(ends));
   for (py::ssize_t frame = 0; frame < frames.shape(0); ++frame) {
     const Vectors x = frame_of(frames, frame);
-    sizes.add_frame(x);
-    distance.see(x);
+    const double at = t[static_cast<std::size_t>(frame)];
+    sizes.add_frame(at, x);
+    distance.see(at, x);
   }
   const auto relaxation = sizes.relaxation();
   py::dict all;
@@ -81,14 +88,20 @@ py::dict chains(const Array& frames, double interval, const std::vector<std::vec
   all["correlation"] = pairs_of(relaxation.correlation);
   all["relaxation"] = pair_of(relaxation.time);
   all["flaw"] = relaxation.flaw;
+  all["used"] = relaxation.frames.samples;
   return all;
 }
 
 }  // namespace
 
 void bind_measures(py::module_& m) {
-  m.def("measure_mean", [](const std::vector<double>& y) { return pair_of(correlated_mean(y)); });
-  m.def("measure_equilibration", [](const std::vector<double>& y) { return equilibration_end(y); });
+  m.def("measure_mean", [](const std::vector<double>& y, const Times& t) {
+    return pair_of(correlated_mean(EvenMeans(t).of(y)));
+  });
+  m.def("measure_equilibration", [](const std::vector<double>& y, const Times& t) {
+    const EvenMeans even(t);
+    return even.first_sample(equilibration_end(even.of(y)));
+  });
   m.def("measure_viscosity", viscosity);
   m.def("measure_displacement", displacement);
   m.def("measure_chains", chains);

@@ -47,6 +47,43 @@ def test_a_viscosity_is_that_of_its_stress():
         measure.viscosity(stress[:100], interval_ps=interval, volume_nm3=volume, temperature_k=300)
 
 
+def test_times_say_how_far_apart_rows_are():
+    """Of a stress every second row in its second half, of walks every fourth frame there, of numbers a tenth of the rows."""
+    rng = np.random.default_rng(7)
+    rows, tau, volume = 30000, 0.2, 8.0
+    stress = np.sqrt(2.0) * 1e3 * ar1(rng, rows * 0.02 / tau, rows, 6)
+    stress[:, 3:] /= np.sqrt(2)
+    kept = np.r_[0:rows // 3, rows // 3:rows:2]
+    found = measure.viscosity(stress[kept], time_ps=0.02 * kept, volume_nm3=volume, temperature_k=300)
+    expected = volume * 1e-27 * (1e3 * 1e5) ** 2 * tau * 1e-12 / (1.380649e-23 * 300) * 1e3
+    assert found.viscosity.value == pytest.approx(expected, rel=0.15)
+    assert len(found.used) == rows // 2 and np.allclose(np.diff(kept[found.used]), 2)
+
+    frames = np.r_[0:300, 300:1500:4]
+    walks = np.cumsum(rng.normal(scale=0.1, size=(1500, 200, 3)), axis=0)[frames]
+    moved = measure.diffusion(walks, time_ps=0.5 * frames)
+    assert moved.diffusion.value == pytest.approx(0.01, abs=4 * moved.diffusion.error)
+    assert np.allclose(np.diff(0.5 * frames[moved.used]), 2)
+
+    times = np.r_[np.arange(1, 1000), np.arange(1000, 10000, 90)]
+    y = np.where(times < 1000, 5.0, 1.0) + 0.1 * rng.normal(size=len(times))
+    assert measure.mean(y, time_ps=times).value == pytest.approx(1.4, abs=0.1)
+    assert 900 < measure.equilibration(y, time_ps=times) <= 1010
+
+
+def test_a_log_has_what_its_viscosity_asks_for():
+    sim = taut.Simulation("water", set={"build.molecules": 64, "forcefield.cutoff_nm": 0.6, "forcefield.switch_nm": 0.5,
+                                        "run.log_every": 1})
+    sim.run(1000)
+    log = sim.log
+    try:
+        measure.viscosity(log.pressure_tensor, time_ps=log["time_ps"], volume_nm3=log["volume_nm3"].mean(),
+                          temperature_k=log["temperature_k"].mean())
+    except taut.InputError as e:
+        assert "grows after" in str(e)  # two ps are too short for a number
+    assert np.allclose(log.pressure_tensor[:, :3].mean(axis=1), log["pressure_bar"])
+
+
 def test_random_walks_diffuse_by_their_steps():
     rng = np.random.default_rng(3)
     walks = np.cumsum(rng.normal(scale=0.1, size=(600, 200, 3)), axis=0)
@@ -77,9 +114,11 @@ def test_ideal_chains_have_their_size():
     (lambda: measure.mean([]), "series: there are no numbers"),
     (lambda: measure.mean([1, np.nan, 2]), "series: expected finite numbers"),
     (lambda: measure.mean([[1.0]]), r"series: expected an array of shape \(n,\), got \(1, 1\)"),
+    (lambda: measure.diffusion(np.zeros((5, 4, 3))), "interval_ps, time_ps: expected one of them"),
+    (lambda: measure.mean([1, 2, 3], time_ps=[0, 2, 1]), r"time_ps: expected ascending times, but \[2\] is not later"),
     (lambda: measure.viscosity(np.zeros((5, 4)), interval_ps=1, volume_nm3=1, temperature_k=1), r"shape \(n, 6\)"),
     (lambda: measure.viscosity(np.zeros((5, 6)), interval_ps=0, volume_nm3=1, temperature_k=1), "interval_ps: .* above 0"),
-    (lambda: measure.diffusion(np.zeros((5, 4, 3)), interval_ps=1), "5 frames are too few"),
+    (lambda: measure.diffusion(np.zeros((5, 4, 3)), interval_ps=1), "5 evenly spaced frames are too few"),
     (lambda: measure.diffusion(np.zeros((5, 4, 3)), interval_ps=1, molecules=[0, 1]), "molecules: expected 4 whole"),
     (lambda: measure.chains(np.zeros((5, 4, 3)), [[0, 9]], interval_ps=1), "from 0 to 3, got"),
 ])
