@@ -20,7 +20,11 @@ Projector::Projector(const System& sys)
 
 void Projector::positions(const System& sys, Vectors& x) {
   constexpr int kMaxIterations = 100;
-  constexpr double kRoundOff = 1e-12;  // |σ|/d² that must be reached; it goes on while σ falls
+  // |σ|/d² that must be reached, more where numbers so large have no more digits; it goes on while σ falls
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const RigidBond& bond : sys.bonds) shortest = std::min(shortest, bond.length);
+  const double digit = std::numeric_limits<double>::epsilon() * x.cwiseAbs().maxCoeff();
+  const double round_off = std::max(1e-12, 8 * digit / shortest);
   double before = std::numeric_limits<double>::infinity();
   Residual residual;
   for (int n = 0; n < kMaxIterations; ++n) {
@@ -31,7 +35,7 @@ void Projector::positions(const System& sys, Vectors& x) {
       b_[k] = -sigma(r_.col(k), d);
       residual.see(std::abs(b_[k]) / (d * d), k);
     }
-    if (residual.value < kRoundOff && residual.value >= 0.5 * before) return;
+    if (residual.value < round_off && residual.value >= 0.5 * before) return;
     if (residual.value == 0) return;
     before = residual.value;
     solver_.factor(r_);

@@ -76,7 +76,8 @@ class AtomCollector {
   }
   void add_velocity(const Vec3& v) { v_.push_back(v); }
 
-  Coordinates make_coordinates(const ReducedBox& from, const Lines& lines) const {
+  // These atoms may be the first frame of many.
+  Coordinates make_coordinates(const ReducedBox& from, bool of_many, const Lines& lines) const {
     Coordinates all{columns(x_), columns(v_), from.box, names_, ""};
     if (!from.changes.empty()) {
       const Vec3& tilt = from.box.tilt;
@@ -85,9 +86,13 @@ class AtomCollector {
           "as it is",
           lines.file(), tilt[0], tilt[1], tilt[2], from.changes);
     }
+    if (of_many)
+      all.note +=
+          fmt::format("{}the first of its frames is taken", all.note.empty() ? lines.file() + ": " : "; ");
     return all;
   }
   std::size_t size() const { return x_.size(); }
+  bool some_move() const { return !v_.empty() && v_.size() != x_.size(); }
 
  private:
   static Vectors columns(const std::vector<Vec3>& all) {
@@ -135,11 +140,14 @@ ReducedBox read_cell(const Lines& lines) {
 Coordinates read_pdb(Lines& lines) {
   AtomCollector atoms;
   ReducedBox box;
-  while (lines.next()) {
+  bool ended = false, many = false;
+  while (!many && lines.next()) {
     const std::string record = lines.columns(0, 6);
     if (record == "CRYST1") box = read_cell(lines);
-    if (record == "ENDMDL") break;
+    if (record == "ENDMDL") ended = true;
     if (record != "ATOM" && record != "HETATM") continue;
+    many = ended;
+    if (many) continue;
     if (const std::string other = lines.columns(16, 1); !other.empty() && other != "A")
       lines.fail(fmt::format("alternate location {}, expected one place for each atom", other));
     Vec3 x;
@@ -149,7 +157,7 @@ Coordinates read_pdb(Lines& lines) {
     atoms.add(x, {lines.columns(12, 4), lines.columns(17, 4), element}, lines.columns(17, 10));
   }
   if (atoms.size() == 0) lines.fail("there are no atoms in it");
-  return atoms.make_coordinates(box, lines);
+  return atoms.make_coordinates(box, many, lines);
 }
 
 // Reads the box: three edges, or v1(x) v2(y) v3(z) v1(y) v1(z) v2(x) v2(z) v3(x) v3(y).
@@ -191,10 +199,11 @@ Coordinates read_gro(Lines& lines) {
     atoms.add_velocity(v);
   }
   if (!lines.next()) lines.fail("expected the box, 3 or 9 numbers");
-  Coordinates made = atoms.make_coordinates(read_gro_box(lines), lines);
-  if (made.v.cols() != 0 && made.v.cols() != made.x.cols())
-    lines.fail("some atoms have velocities, others none");
-  return made;
+  const ReducedBox box = read_gro_box(lines);
+  if (atoms.some_move()) lines.fail("some atoms have velocities, others none");
+  bool many = false;
+  while (!many && lines.next()) many = !trimmed(lines.line).empty();
+  return atoms.make_coordinates(box, many, lines);
 }
 
 }  // namespace

@@ -142,6 +142,8 @@ DcdReader::DcdReader(const std::filesystem::path& path) : path_(path), in_(path,
     throw InputError(path.string() + ": expected a trajectory in DCD as taut writes it");
   std::array<std::int32_t, 20> control{};
   std::memcpy(control.data(), head.data() + 4, sizeof control);
+  if (control[8] != 0 || control[11] != 0)
+    throw InputError(path.string() + ": has fixed atoms or a fourth dimension, which taut does not read");
   float step = 0;
   std::memcpy(&step, &control[9], sizeof step);
   atoms_ = atoms;

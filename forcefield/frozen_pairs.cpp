@@ -8,16 +8,19 @@
 namespace taut {
 namespace {
 
+// An anchor, or a site all of whose parents never move.
+bool never_moves(const System& sys, int a) {
+  if (sys.mass[a] != 0) return false;
+  const auto site = std::ranges::lower_bound(sys.sites, a, {}, &VirtualSite::atom);
+  return site == sys.sites.end() || site->atom != a ||
+         std::ranges::all_of(site->parents,
+                             [&](const auto& parent) { return never_moves(sys, parent.atom); });
+}
+
 std::vector<int> frozen_atoms(const System& sys) {
   std::vector<int> frozen;
-  auto site = sys.sites.begin();
-  for (int a = 0; a < sys.atoms(); ++a) {
-    const bool is_site = site != sys.sites.end() && site->atom == a;
-    const auto never_moves = [&](const VirtualSite::Parent& parent) { return sys.mass[parent.atom] == 0; };
-    if (sys.mass[a] == 0 && (!is_site || std::ranges::all_of(site->parents, never_moves)))
-      frozen.push_back(a);
-    if (is_site) ++site;
-  }
+  for (int a = 0; a < sys.atoms(); ++a)
+    if (never_moves(sys, a)) frozen.push_back(a);
   return frozen;
 }
 

@@ -53,8 +53,8 @@ class PairsSeen {
   std::map<std::pair<int, int>, std::vector<std::pair<Tested, Side>>> seen_;
 };
 
-// Parents that are there, no sites and each another; weights to OpenMM's 1e-6.
-void check_parents(const VirtualSite& site, const std::vector<bool>& is_site) {
+// Parents that are there and each another; weights to OpenMM's 1e-6.
+void check_parents(const VirtualSite& site, Eigen::Index atoms) {
   const auto demand = [&](bool good, const std::string& what) {
     if (!good) throw InputError(fmt::format("atom {}: its virtual site {}", site.atom, what));
   };
@@ -62,9 +62,8 @@ void check_parents(const VirtualSite& site, const std::vector<bool>& is_site) {
   double w = 0, w_x = 0, w_y = 0;
   for (const auto& parent : site.parents) {
     const int a = parent.atom;
-    demand(a >= 0 && a < std::ssize(is_site),
-           fmt::format("has parent {}, expected one of the atoms 0 to {}", a, is_site.size() - 1));
-    demand(!is_site[a], fmt::format("has parent {}, which is a virtual site itself", a));
+    demand(a >= 0 && a < atoms,
+           fmt::format("has parent {}, expected one of the atoms 0 to {}", a, atoms - 1));
     demand(std::ranges::find(seen, a) == seen.end(), fmt::format("has atom {} as a parent twice", a));
     seen.push_back(a);
     w += parent.w, w_x += parent.w_x, w_y += parent.w_y;
@@ -74,6 +73,27 @@ void check_parents(const VirtualSite& site, const std::vector<bool>& is_site) {
   demand(std::abs(w_x) < 1e-6 && std::abs(w_y) < 1e-6,
          fmt::format("has weights of its axes that add to {} and {}, expected 0", w_x, w_y));
   demand(site.p.allFinite(), "is not at a finite place");
+}
+
+// Parents may be sites, but none may follow from its own place: takes away, again and again, sites whose parents are
+// none or are taken away.
+void check_order(const VirtualSites& sites, std::vector<bool> waits) {
+  const auto is_ready = [&](const VirtualSite& site) {
+    return std::ranges::none_of(site.parents, [&](const auto& parent) { return waits[parent.atom]; });
+  };
+  std::vector<const VirtualSite*> left;
+  for (const VirtualSite& site : sites) left.push_back(&site);
+  while (!left.empty()) {
+    const auto before = left.size();
+    std::erase_if(left, [&](const VirtualSite* site) {
+      if (!is_ready(*site)) return false;
+      waits[site->atom] = false;
+      return true;
+    });
+    if (left.size() == before)
+      throw InputError(fmt::format("atom {}: its virtual site follows from itself, by way of its parents",
+                                   left.front()->atom));
+  }
 }
 
 // Which atoms are sites.
@@ -88,7 +108,8 @@ std::vector<bool> checked_sites(const Eigen::VectorXd& mass, const VirtualSites&
     if (is_site[site.atom]) throw InputError(fmt::format("atom {}: is a virtual site twice", site.atom));
     is_site[site.atom] = true;
   }
-  for (const VirtualSite& site : sites) check_parents(site, is_site);
+  for (const VirtualSite& site : sites) check_parents(site, mass.size());
+  check_order(sites, is_site);
   return is_site;
 }
 

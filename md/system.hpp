@@ -51,8 +51,8 @@ struct System {
 //    virtual site or in two anchors; likewise for one-sided bonds (a pair may have a strut and a rope,
 //    but neither beside a bond);
 //  - for a mass that is negative or not finite;
-//  - for a virtual site that has a mass, has no parents, has a parent out of range, repeated or a site itself,
-//    or has weights that do not add up.
+//  - for a virtual site that has a mass, has no parents, has a parent out of range or repeated,
+//    follows from itself by way of parents that are sites, or has weights that do not add up.
 System make_system(Eigen::VectorXd mass, std::vector<RigidBond> bonds, VirtualSites sites = {},
                    std::vector<OneSidedBond> one_sided = {});
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <tuple>
 #include <utility>
@@ -60,6 +61,74 @@ struct Frame {
   }
 };
 
+// The site that an atom is; null: it is none.
+const VirtualSite* site_at(const VirtualSites& sites, int atom) {
+  const auto at = std::ranges::lower_bound(sites, atom, {}, &VirtualSite::atom);
+  return at != sites.end() && at->atom == atom ? &*at : nullptr;
+}
+
+// Sites have their turns in the order of their atoms. Calls act(site) after it has for those of its parents, and of
+// theirs, whose turns are still to come.
+template <class Act>
+void after_parents(const VirtualSites& sites, const VirtualSite& site, int turn, const Act& act) {
+  for (const auto& parent : site.parents)
+    if (parent.atom > turn)
+      if (const VirtualSite* of = site_at(sites, parent.atom)) after_parents(sites, *of, turn, act);
+  act(site);
+}
+
+void place(const VirtualSite& site, Vectors& x) {
+  const Sums at(site, x);
+  x.col(site.atom) = at.o;
+  if (site.kind == Kind::kOutOfPlane) x.col(site.atom) += site.p.z() * at.x.cross(at.y);
+  if (site.kind == Kind::kLocal) x.col(site.atom) += Frame(site, at).place(site.p);
+}
+
+void place_velocity(const VirtualSite& site, const Vectors& x, Vectors& v) {
+  const Sums at(site, x), moving(site, v);
+  v.col(site.atom) = moving.o;
+  if (site.kind == Kind::kOutOfPlane)
+    v.col(site.atom) += site.p.z() * (moving.x.cross(at.y) + at.x.cross(moving.y));
+  if (site.kind == Kind::kLocal) {
+    const Frame frame(site, at);
+    v.col(site.atom) += frame.turning(moving.x, moving.y).cross(frame.place(site.p));
+  }
+}
+
+// What it returns is linear in the force on the site, so that a site may hand on what comes to it in several parts.
+Eigen::Matrix3d hand_on(const VirtualSite& site, const Vectors& x, Vectors& f) {
+  const Vec3 f_s = f.col(site.atom);
+  f.col(site.atom).setZero();
+  if (site.kind == Kind::kAverage) {
+    for (const auto& parent : site.parents) f.col(parent.atom) += parent.w * f_s;
+    return Eigen::Matrix3d::Zero();
+  }
+  const Sums at(site, x);
+  Vec3 p, f_x, f_y;
+  if (site.kind == Kind::kOutOfPlane) {
+    p = site.p.z() * at.x.cross(at.y);
+    f_x = site.p.z() * at.y.cross(f_s);
+    f_y = site.p.z() * f_s.cross(at.x);
+  } else {
+    const Frame frame(site, at);
+    p = frame.place(site.p);
+    std::tie(f_x, f_y) = frame.pulls(p.cross(f_s));
+  }
+  for (const auto& [atom, w, w_x, w_y] : site.parents) f.col(atom) += w * f_s + w_x * f_x + w_y * f_y;
+  // Σ (x − x_s) fᵀ over the parents
+  return at.x * f_x.transpose() + at.y * f_y.transpose() - p * f_s.transpose();
+}
+
+// Sites have their turns in the reverse order of their atoms. Hands on again what comes to parents after their turns.
+Eigen::Matrix3d hand_down(const VirtualSites& sites, const VirtualSite& site, int turn, const Vectors& x,
+                          Vectors& f) {
+  Eigen::Matrix3d moved = hand_on(site, x, f);
+  for (const auto& parent : site.parents)
+    if (parent.atom > turn)
+      if (const VirtualSite* of = site_at(sites, parent.atom)) moved += hand_down(sites, *of, turn, x, f);
+  return moved;
+}
+
 }  // namespace
 
 VirtualSite VirtualSite::average(int atom, std::vector<Parent> parents) {
@@ -78,51 +147,19 @@ VirtualSite VirtualSite::local(int atom, std::vector<Parent> parents, const Vec3
 }
 
 void place_sites(const VirtualSites& sites, Vectors& x) {
-  for (const VirtualSite& site : sites) {
-    const Sums at(site, x);
-    x.col(site.atom) = at.o;
-    if (site.kind == Kind::kOutOfPlane) x.col(site.atom) += site.p.z() * at.x.cross(at.y);
-    if (site.kind == Kind::kLocal) x.col(site.atom) += Frame(site, at).place(site.p);
-  }
+  for (const VirtualSite& site : sites)
+    after_parents(sites, site, site.atom, [&](const VirtualSite& of) { place(of, x); });
 }
 
 void place_site_velocities(const VirtualSites& sites, const Vectors& x, Vectors& v) {
-  for (const VirtualSite& site : sites) {
-    const Sums at(site, x), moving(site, v);
-    v.col(site.atom) = moving.o;
-    if (site.kind == Kind::kOutOfPlane)
-      v.col(site.atom) += site.p.z() * (moving.x.cross(at.y) + at.x.cross(moving.y));
-    if (site.kind == Kind::kLocal) {
-      const Frame frame(site, at);
-      v.col(site.atom) += frame.turning(moving.x, moving.y).cross(frame.place(site.p));
-    }
-  }
+  for (const VirtualSite& site : sites)
+    after_parents(sites, site, site.atom, [&](const VirtualSite& of) { place_velocity(of, x, v); });
 }
 
 Eigen::Matrix3d hand_to_parents(const VirtualSites& sites, const Vectors& x, Vectors& f) {
   Eigen::Matrix3d moved = Eigen::Matrix3d::Zero();
-  for (const VirtualSite& site : sites) {
-    const Vec3 f_s = f.col(site.atom);
-    f.col(site.atom).setZero();
-    if (site.kind == Kind::kAverage) {
-      for (const auto& parent : site.parents) f.col(parent.atom) += parent.w * f_s;
-      continue;
-    }
-    const Sums at(site, x);
-    Vec3 p, f_x, f_y;
-    if (site.kind == Kind::kOutOfPlane) {
-      p = site.p.z() * at.x.cross(at.y);
-      f_x = site.p.z() * at.y.cross(f_s);
-      f_y = site.p.z() * f_s.cross(at.x);
-    } else {
-      const Frame frame(site, at);
-      p = frame.place(site.p);
-      std::tie(f_x, f_y) = frame.pulls(p.cross(f_s));
-    }
-    for (const auto& [atom, w, w_x, w_y] : site.parents) f.col(atom) += w * f_s + w_x * f_x + w_y * f_y;
-    // Σ (x − x_s) fᵀ over the parents
-    moved += at.x * f_x.transpose() + at.y * f_y.transpose() - p * f_s.transpose();
-  }
+  for (auto site = sites.rbegin(); site != sites.rend(); ++site)
+    moved += hand_down(sites, *site, site->atom, x, f);
   return moved;
 }
 

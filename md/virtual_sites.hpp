@@ -6,8 +6,8 @@
 
 namespace taut {
 
-// A massless atom whose position follows from the positions x of other atoms, its parents; the kinds and
-// their conventions are OpenMM's. With three sums over the parents,
+// A massless atom whose position follows from the positions x of other atoms, its parents,
+// which may be sites; the kinds and their conventions are OpenMM's. With three sums over the parents,
 //     O = Σ w x,   X = Σ w_x x,   Y = Σ w_y x;   Σ w = 1,   Σ w_x = Σ w_y = 0,
 // the site is at O + p(X, Y):
 //     average        p = 0
@@ -35,7 +35,7 @@ struct VirtualSite {
 
 using VirtualSites = std::vector<VirtualSite>;
 
-// Puts sites in their positions. Throws SimulationFailure where X and Y of a local frame are parallel, or one
+// Puts sites, in the order of their atoms, in their positions. Throws SimulationFailure where X and Y of a local frame are parallel, or one
 // of them is zero.
 void place_sites(const VirtualSites& sites, Vectors& x);
 // Gives sites their velocities, v_s = (∂x_s/∂x) v.

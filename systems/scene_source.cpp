@@ -4,13 +4,12 @@
 #include <fmt/ranges.h>
 #include <stdlib.h>  // mkdtemp
 
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <sstream>
 
 #include "base/errors.hpp"
 #include "files/folder.hpp"
+#include "files/text_file.hpp"
 #include "systems/openmm/import.hpp"
 #include "systems/openmm/xml.hpp"
 #include "systems/scene_file.hpp"
@@ -125,9 +124,7 @@ void SceneSource::bring(const std::vector<std::shared_ptr<OwnField>>& fields, Sc
 SceneSource source_of(const Scene& scene, bool openmm, const std::vector<std::string>& overrides) {
   SceneSource source{openmm, {}, overrides_of(key_values(overrides)), {}};
   for (const fs::path& path : scene.files) {
-    std::ifstream in(path, std::ios::binary);
-    if (!in) throw InputError(path.string() + ": cannot be read");
-    source.files.push_back({path.filename().string(), std::string(std::istreambuf_iterator<char>(in), {})});
+    source.files.push_back({path.filename().string(), whole_text(path)});
   }
   return source;
 }

@@ -175,13 +175,13 @@ TEST(CoordinateFile, CellsOfThreeDecimals) {
                                    {"  248.645  248.645  248.645  60.00  60.00  90.00", 24.8645}}) {
     const Coordinates all = read_cell(numbers);
     EXPECT_LT(off(all.box, a * Vec3(1, 1, std::sqrt(0.5)), a * Vec3(0, 0.5, 0.5)), 1e-12);
-    EXPECT_EQ(all.note, "");
+    EXPECT_THAT(all.note, testing::Not(testing::HasSubstr("reduced")));
   }
   for (const double a : {1.9732, 3.1235, 9.0621, 13.5065, 24.8645, 40.0001}) {
     const Coordinates all = read_cell(fmt::format("{0:9.3f}{0:9.3f}{0:9.3f}  70.53 109.47  70.53", 10 * a));
     const double b = std::sqrt(8.0) / 3;
     EXPECT_LT(off(all.box, a * Vec3(1, b, std::sqrt(6.0) / 3), a * Vec3(1, -1, b * 1.5) / 3), 1e-4 * a);
-    EXPECT_EQ(all.note, "");
+    EXPECT_THAT(all.note, testing::Not(testing::HasSubstr("reduced")));
     EXPECT_LE(all.box.tilt[2], (0.5 + 1e-6) * all.box.edge[1]);
   }
   EXPECT_LT(off(read_cell("   31.235   31.235   50.000  90.00  90.00 120.00").box,
@@ -207,6 +207,15 @@ TEST(CoordinateFile, ReducesABoxByWholeVectors) {
 TEST(CoordinateFile, ACellOfOneAngstromIsNone) {
   EXPECT_FALSE(
       read("a.pdb", with(kPdb, "20.000   25.000   30.000", " 1.000    1.000    1.000")).box.periodic());
+}
+
+TEST(CoordinateFile, FurtherFramesAreNoted) {
+  const Coordinates pdb = read("a.pdb", kPdb), gro = read("a.gro", kGro + kGro);
+  EXPECT_EQ(gro.x, read("a.gro", kGro).x);
+  EXPECT_THAT(pdb.note, testing::EndsWith("a.pdb: the first of its frames is taken"));
+  EXPECT_THAT(gro.note, testing::EndsWith("a.gro: the first of its frames is taken"));
+  EXPECT_EQ(read("a.pdb", kPdb.substr(0, kPdb.find("MODEL        2"))).note, "");
+  EXPECT_EQ(read("a.gro", kGro + "\n \n").note, "");
 }
 
 TEST(CoordinateFile, SaysWhatIsWrong) {

@@ -48,15 +48,15 @@ struct Folder {
   struct OfLammps {
     double energy, forces;
   };
-  OfLammps of_lammps() const {
+  OfLammps of_lammps(const std::string& further = "") const {
     std::ifstream in(folder.path() / "a.in");
     std::string text, line;
     while (std::getline(in, line))
       if (!line.starts_with("fix hold") && !line.starts_with("fix bath") && !line.starts_with("#"))
         text += line + "\n";
-    folder.write(
-        "run.in",
-        text + "thermo_style custom step pe fnorm\nthermo_modify norm no format float %.15g\nrun 0\n");
+    folder.write("run.in",
+                 text + further +
+                     "thermo_style custom step pe fnorm\nthermo_modify norm no format float %.15g\nrun 0\n");
     const std::string shell = fmt::format(
         "cd {} && OMP_NUM_THREADS=1 lmp -in run.in -log none > out.txt 2>&1", folder.path().string());
     EXPECT_EQ(std::system(shell.c_str()), 0);
@@ -161,6 +161,55 @@ TEST(LammpsData, TablesGoOut) {
   State s = scene.start;
   ForceField(scene.system, s.box, scene.terms).evaluate(scene.system, s);
   EXPECT_NEAR(forces, s.f.norm(), 1e-6 * s.f.norm());
+}
+
+// Energy and, where no anchor bears some, forces are LAMMPS's.
+void expect_lammps_agrees(const Scene& scene) {
+  if (std::system("lmp -h > /dev/null 2>&1") != 0) return;
+  const Folder folder;
+  write_lammps(scene, folder.folder.path() / "a");
+  const double here = total(energies(scene));
+  const auto [energy, forces] = folder.of_lammps();
+  EXPECT_NEAR(energy, here, 1e-8 * std::abs(here)) << scene.name;
+  State s = scene.start;
+  ForceField(scene.system, s.box, scene.terms).evaluate(scene.system, s);
+  if (scene.system.anchors() > 0) return;
+  EXPECT_NEAR(forces, s.f.norm(), 1e-7 * s.f.norm()) << scene.name;
+}
+
+// Between walls, whose slit need not begin where the box does; and with anchors, gravity, walls and impropers without a
+// box.
+TEST(LammpsData, WhatActsFromOutsideGoesOut) {
+  const Scene slit = scene_of("slit");
+  expect_lammps_agrees(slit);
+  const LammpsFiles files = lammps_files(slit, "a.data");
+  EXPECT_THAT(files.data, HasSubstr("-0.29999999999999982 4.2999999999999998 zlo zhi"));
+  EXPECT_THAT(files.input, HasSubstr("group before1 type 1\n"));
+  EXPECT_THAT(files.input, HasSubstr("fix wall1 before1 wall/lj93 zhi 4 2 0.46999999999999997 "));
+  EXPECT_THAT(files.input, HasSubstr(" units box pbc yes\nfix_modify wall1 energy yes\n"));
+
+  const std::string held =
+      SceneText{kMixture}
+          .with("box_nm = 2.6", "gravity_nm_ps2 = [0.5, 0, -2]")
+          .with("lennard_jones_14 = 0.5",
+                "lennard_jones_14 = 0.5\nimpropers = [[0, 1, 2, 3, 0, 40], [1, 2, 3, 4, 180, 30]]")
+          .with("count = 20", "count = 2\nwithin_nm = [0, 0, 1, 2, 2, 3]")
+          .with("[build]",
+                "[atom.C]\nmass_u = 0\nsigma_nm = 0.3\nepsilon_kj_mol = 0.4\n"
+                "[molecule.floor]\natoms = [\"C\"]\n[[place]]\nmolecule = "
+                "\"floor\"\ncount = 3\nwithin_nm = [0, 0, 0.2, 2, 2, 0.6]\n[[wall]]\naxis = "
+                "\"z\"\nabove_nm = 0\nsigma_nm = 0.3\nepsilon_kj_mol = 3\natoms = [\"B\"]\n[build]")
+          .text;
+  const Scene scene = read(held, {"run.temperature_k=300"});
+  EXPECT_EQ(scene.system.anchors(), 3);
+  EXPECT_EQ(scene.terms.harmonic_torsions.size(), 4u);
+  expect_lammps_agrees(scene);
+  const std::string input = lammps_files(scene, "a.data").input;
+  for (const char* said : {"group anchors type 3\ngroup moving subtract all anchors\n",
+                           "fix integrate moving nve\n", "fix gravity moving gravity 2.061552812808830",
+                           "group before0 type 2\n", " fixed anchors\n", "improper_style harmonic\n",
+                           "fix wall0 before0 wall/lj93 zlo 0 3 0.29999999999999999 1000000 units box\n"})
+    EXPECT_THAT(input, HasSubstr(said));
 }
 
 TEST(LammpsData, AMeltWithFeneGoesOutAndBack) {
@@ -285,6 +334,112 @@ TEST(LammpsData, WhatTautLacksIsRefusedByName) {
               HasSubstr("special_lj: expected 0 or 1 of pairs 1-2"));
 }
 
+// Water of four sites is pair_style tip4p's, without atoms M. On a fine mesh energies agree.
+TEST(LammpsData, WaterOfFourSitesGoesOut) {
+  const Scene water =
+      scene_of("water", {"build.model=tip4pew", "forcefield.coulomb=pme", "forcefield.cutoff_nm=0.9",
+                         "forcefield.ewald_tolerance=1e-9", "forcefield.dispersion_correction=false"});
+  const LammpsFiles files = lammps_files(water, "a.data");
+  EXPECT_THAT(files.data, HasSubstr("648 atoms\n2 atom types\n648 bonds\n2 bond types\n216 angles\n"));
+  EXPECT_THAT(files.input, HasSubstr("pair_style lj/cut/tip4p/long 1 2 1 1 0.0125000"));
+  EXPECT_THAT(files.input, HasSubstr("kspace_style pppm/tip4p 0.1389\n"));
+  if (std::system("lmp -h > /dev/null 2>&1") != 0) return;
+  const Folder folder;
+  write_lammps(water, folder.folder.path() / "a");
+  const double here = total(energies(water));
+  EXPECT_NEAR(
+      folder.of_lammps("pair_modify table 0\nkspace_modify gewald 4.2 mesh 60 60 60 order 7\n").energy, here,
+      5e-6 * std::abs(here));
+}
+
+// |φ| has one minimum at 0 and 180 degrees alone.
+TEST(LammpsData, ImpropersOfStyleHarmonicAreSprings) {
+  const auto with = [](const std::string& angle) {
+    return kData.with("1 angle types\n", "1 angle types\n1 impropers\n1 improper types\n")
+               .with("Angle Coeffs", "Improper Coeffs # harmonic\n\n1 40 " + angle + "\n\nAngle Coeffs")
+               .text +
+           "\nImpropers\n\n1 1 4 1 2 3\n";
+  };
+  const Scene scene = read_data(with("180"));
+  ASSERT_EQ(scene.terms.harmonic_torsions.size(), 1u);
+  EXPECT_DOUBLE_EQ(scene.terms.harmonic_torsions[0].stiffness, 2 * 40 * 4.184);
+  EXPECT_DOUBLE_EQ(scene.terms.harmonic_torsions[0].angle, M_PI);
+  EXPECT_EQ(scene.terms.harmonic_torsions[0].i, 3);
+  EXPECT_THAT(error_message([&] { read_data(with("35")); }),
+              HasSubstr("an improper of 35 degrees, whose energy"));
+  const SceneText skewed =
+      SceneText{kMixture}.with("[[place]]", "impropers = [[0, 1, 2, 3, 35, 40]]\n[[place]]");
+  EXPECT_THAT(error_message([&] { lammps_files(read(skewed.text), "a"); }),
+              HasSubstr("a harmonic torsion of 35 degrees, neither 0 nor 180"));
+}
+
+// Every row has the columns of its style, and each type and each atom one row.
+TEST(LammpsData, NoColumnIsPassedOver) {
+  EXPECT_THAT(said("1 12.0\n2 16.0", "1 12.0\n1 16.0"),
+              HasSubstr("a.data:17: a second row of Masses for atom type 1, the first is in line 16"));
+  EXPECT_THAT(said("2 16.0", "2 0"), HasSubstr("a.data:17: a mass of 0, expected more than 0"));
+  EXPECT_THAT(said("2 16.0", "2 16.0 7"),
+              HasSubstr("a row of Masses has 3 columns, expected 2, the last of them mass"));
+  EXPECT_THAT(
+      said("1 1 1 0.5 0 1 1 0 0 0", "1 1 1 0.5 0 1 1 0 0 0 0"),
+      HasSubstr("a row of Atoms has 11 columns, expected 7 to 10, the last of them molecule type q x"));
+  EXPECT_THAT(said("0 1 1 0 0 0", "0 1 1 0 0 0.5"), HasSubstr("an image flag of 0.5"));
+  EXPECT_THAT(said("2 0.01 0 0\n", "2 0.01 0 0 0\n"), HasSubstr("a row of Velocities has 5 columns"));
+  EXPECT_THAT(said("2 0.01 0 0\n", "1 0.01 0 0\n"), HasSubstr("a second row of Velocities for atom 1"));
+  EXPECT_THAT(said("1 300 1.5\n", "1 300 1.5 2\n"),
+              HasSubstr("a row of Bond Coeffs has 4 columns, expected 3, the last of them K r0"));
+  EXPECT_THAT(said("3 1 1 4\n", "3 1 1 4 2\n"), HasSubstr("a row of Bonds has 5 columns, expected 4"));
+  EXPECT_THAT(said("1 1 1 2 3\n", "1 1 1 2 3 4\n"), HasSubstr("a row of Angles has 6 columns, expected 5"));
+  EXPECT_THAT(said("1 0.1 3.0\n2 0.2", "1 0.1 3.0\n1 0.2"), HasSubstr("a second row of Pair Coeffs"));
+  EXPECT_THAT(said("# lj/cut", "# lj/cut/tip4p/long"), HasSubstr("taut has no pair_style"));
+}
+
+// A cutoff of a row is that of all pairs, or there is an error; without forcefield.cutoff_nm it counts.
+TEST(LammpsData, CutoffsOfPairsAreNotPassedOver) {
+  EXPECT_EQ(said("1 0.1 3.0\n", "1 0.1 3.0 4.0\n"), "no error");  // Å
+  EXPECT_THAT(
+      said("1 0.1 3.0\n", "1 0.1 3.0 3.36739\n"),
+      HasSubstr("a.data:21: a pair cut off at 0.336739 nm, expected 0.4 nm, forcefield.cutoff_nm: taut "
+                "has one"));
+  EXPECT_EQ(said("1 0.1 3.0\n", "1 0 3.0 2.0\n"), "no error");  // no force
+  const SceneText both = kData.with(
+      "Pair Coeffs # lj/cut\n\n1 0.1 3.0\n2 0.2 4.0",
+      "PairIJ Coeffs # lj/cut/coul/cut\n\n1 1 0.1 3.0 3.5 3.5\n1 2 0.1 3.5 3.5 3.5\n2 2 0.2 4.0 3.5 3.5");
+  EXPECT_DOUBLE_EQ(*read_data(both.text, "").terms.nonbonded->cutoff, 0.35);
+  const auto complaint = [&](const std::string& old, const std::string& changed) {
+    return error_message([&] { read_data(both.with(old, changed).text, ""); });
+  };
+  EXPECT_THAT(complaint("3.5 3.5\n2 2", "2.5 3.5\n2 2"),
+              HasSubstr("cut off at 0.25 nm, expected 0.35 nm, as"));
+  EXPECT_THAT(complaint("3.5 3.5\n2 2", "3.5 2.5\n2 2"),
+              HasSubstr("cut off at 0.25 nm, expected 0.35 nm, as"));
+  EXPECT_THAT(complaint("1 2 0.1 3.5", "1 1 0.1 3.5"),
+              HasSubstr("a second row of PairIJ Coeffs for types 1"));
+  EXPECT_THAT(complaint("1 2 0.1 3.5 3.5 3.5\n", ""), HasSubstr("PairIJ Coeffs has 2 rows, expected 3"));
+  EXPECT_THAT(complaint("1 2 0.1 3.5", "1 2 0.1 3.5 9"), HasSubstr("has 7 columns, expected 4 to 6"));
+}
+
+// Repulsive beads end at their minimum.
+TEST(LammpsData, CutoffsOfRepulsiveBeadsAreAtTheirMinimum) {
+  const auto complaint = [](const std::string& cutoff, const std::string& sigma = "3.0") {
+    const SceneText beads = kData.with("1 0.1 3.0\n2 0.2 4.0", "1 0.1 3.0 " + cutoff + "\n2 0.1 " + sigma)
+                                .with("1 1 1 0.5", "1 1 1 0")
+                                .with("2 1 2 -0.5", "2 1 2 0");
+    return error_message([&] { read_data(beads.text, "[forcefield]\npair = \"wca\"\n"); });
+  };
+  EXPECT_EQ(complaint("3.36739"), "no error");
+  EXPECT_THAT(complaint("4"),
+              HasSubstr("a pair cut off at 0.4 nm, expected 0.336739 nm, where pair = \"wca\""));
+  EXPECT_THAT(complaint("3.36739", "4.0"), HasSubstr("wca takes one"));
+}
+
+TEST(LammpsData, ChargesBesideAPairStyleWithoutThemAreNoted) {
+  EXPECT_THAT(read_data(kData.text).notes,
+              testing::Contains(HasSubstr("its charges act, which LAMMPS's pair_style lj/cut leaves out")));
+  EXPECT_THAT(read_data(kData.with("# lj/cut", "# lj/cut/coul/long").text).notes,
+              testing::Each(Not(HasSubstr("charges act"))));
+}
+
 // What the input does otherwise than the scene stands in its comments.
 TEST(LammpsData, TheInputSaysWhatItLeavesOut) {
   const auto input = [](const std::vector<std::string>& overrides) {
@@ -305,6 +460,8 @@ TEST(LammpsData, TheInputSaysWhatItLeavesOut) {
         "# - run.minimise", "# - run.remove_momentum_every is left out: fix momentum 7",
         "# - run.trajectory_every"})
     EXPECT_THAT(rescaled, HasSubstr(said));
+  EXPECT_THAT(input({"run.thermostat=langevin", "run.friction_per_ps=0"}),
+              AllOf(Not(HasSubstr("fix bath")), HasSubstr("# - run.friction_per_ps = 0 leaves")));
   EXPECT_THAT(
       input({"run.thermostat=langevin", "run.friction_per_ps=4"}),
       AllOf(HasSubstr("\nfix bath all langevin "), HasSubstr(" 0.25 "), HasSubstr("# - Langevin dynamics")));
@@ -316,7 +473,11 @@ TEST(LammpsData, WhatLammpsLacksIsRefusedByName) {
     return error_message([&] { lammps_files(scene_of(name, overrides), "a.data"); });
   };
   EXPECT_EQ(refused("decane"), "no error");
-  EXPECT_THAT(refused("pendulum"), HasSubstr("atom 0 is an anchor of mass 0"));
+  EXPECT_EQ(refused("pendulum"), "no error");
+  const std::vector<std::string> pme = {"forcefield.coulomb=pme"};
+  EXPECT_EQ(refused("water", {"build.model=tip4pew", pme[0]}), "no error");
+  EXPECT_THAT(refused("water", {"build.model=tip5p", pme[0]}),
+              HasSubstr("atom 3 is a virtual site, and LAMMPS has"));
   EXPECT_THAT(refused("fold"), HasSubstr("LAMMPS cannot express it"));
   EXPECT_THAT(refused("water"), HasSubstr("a reaction field; take forcefield.coulomb = \"pme\""));
 }

@@ -208,6 +208,16 @@ TEST(Projector, ReachesRoundOff) {
   }
 }
 
+// Far from the origin positions have fewer digits for a bond.
+TEST(Projector, ReachesRoundOffFarAway) {
+  Start start = tests::free_chain(20, 4);
+  for (const double away : {1e3, 1e5, 1e7}) {
+    Vectors x = (start.state.x + 1e-3 * start.state.v).array() + away;
+    Projector(start.system).positions(start.system, x);
+    EXPECT_LT(bond_errors(start.system, x).max, 1e-15 * away);
+  }
+}
+
 // A straight chain of three with its 1–3 distance held as well: one bond too many.
 TEST(Projector, NamesTheBondThatDependsOnOthers) {
   const System sys = make_system(Eigen::VectorXd::Ones(3), {{0, 1, 1}, {1, 2, 1}, {0, 2, 2}});

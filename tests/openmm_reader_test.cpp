@@ -1,13 +1,18 @@
 // Reading OpenMM's XML without OpenMM: what its serializer writes, and what no serializer ever wrote.
 
+#include <fmt/format.h>
+
 #include <cmath>
+#include <cstdlib>
 #include <functional>
 #include <sstream>
 
+#include "file_text.hpp"
 #include "forcefield/force_field.hpp"
 #include "openmm_texts.hpp"
 #include "systems/openmm/import.hpp"
 #include "systems/scene_file.hpp"
+#include "systems/scene_source.hpp"
 
 namespace taut::openmm_reader_tests {
 namespace {
@@ -98,6 +103,51 @@ TEST(OpenMMReader, CarriesABarostatOutAtARunsTemperature) {
   folder.write("a.system.xml", texts.system);
   EXPECT_EQ(run(warm).barostat, "monte-carlo");
   EXPECT_THROW(run({warm[0], warm[1], "run.barostat=c-rescale"}), InputError);
+}
+
+TEST(OpenMMReader, NotesABarostatThatScalesAtoms) {
+  Texts texts = every_force();
+  const auto barostat = [](const char* attribute) {
+    return fmt::format(
+        "<Forces><Force forceGroup=\"0\" frequency=\"25\" name=\"MonteCarloBarostat\" pressure=\"2\" "
+        "randomSeed=\"0\" {}temperature=\"300\" type=\"MonteCarloBarostat\" version=\"1\"/>",
+        attribute);
+  };
+  const auto notes = [&](const char* attribute) {
+    Texts changed = texts;
+    replace(changed.system, "<Forces>", barostat(attribute));
+    return read(changed).notes;
+  };
+  const auto noted = ::testing::Contains(HasSubstr("force 0: MonteCarloBarostat has rigidScaling=\"0\""));
+  EXPECT_THAT(notes("rigidScaling=\"0\" "), noted);
+  EXPECT_THAT(notes("rigidScaling=\"1\" "), Not(noted));
+  EXPECT_THAT(notes(""), Not(noted));  // before 8.4
+}
+
+// By the commands gzip and bzip2; the names of files are any.
+TEST(OpenMMReader, ExpandsCompressedFiles) {
+  const Texts texts = every_force();
+  const TemporaryFolder folder;
+  const auto system = folder.write("it's a.system.xml", texts.system),
+             state = folder.write("a.state.xml", texts.state);
+  const Scene plain = import_openmm(system, state);
+  ASSERT_EQ(
+      std::system(fmt::format("cd {} && gzip -k *.xml && bzip2 -k *.xml", folder.path().string()).c_str()),
+      0);
+  for (const char* ending : {".gz", ".bz2"}) {
+    const Scene scene = import_openmm(system.string() + ending, state.string() + ending);
+    EXPECT_EQ(scene.start.x, plain.start.x);
+    EXPECT_EQ(scene.name, "it's a");
+    const SceneSource source = source_of(scene, true, {});
+    EXPECT_EQ(source.files[0].text, texts.system);
+    EXPECT_EQ(source.read().start.x, plain.start.x);
+    const auto cut =
+        folder.write(std::string("cut.xml") + ending, contents(system.string() + ending).substr(0, 700));
+    EXPECT_THAT(error_message([&] { import_openmm(cut, state); }),
+                HasSubstr("cannot expand it: is it whole?"));
+  }
+  EXPECT_THAT(error_message([&] { import_openmm(folder.path() / "no.xml.gz", state); }),
+              HasSubstr("no.xml.gz: cannot be read: No such file"));
 }
 
 // Each number of the files makes the energy or the forces what they are.

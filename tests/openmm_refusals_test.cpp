@@ -144,7 +144,7 @@ INSTANTIATE_TEST_SUITE_P(
         Site{"<TwoParticleAverageSite p1=\"1\" p2=\"2\" w1=\".5\"/>", "TwoParticleAverageSite lacks w2"},
         Site{"<TwoParticleAverageSite p1=\"1\" p2=\"12\" w1=\".5\" w2=\".5\"/>", "has p2=\"12\", expected"},
         Site{"<TwoParticleAverageSite p1=\"1\" p2=\"11\" w1=\".5\" w2=\".5\"/>",
-             "has parent 11, which is a virtual site itself"},
+             "atom 11: its virtual site follows from itself"},
         Site{"<TwoParticleAverageSite p1=\"1\" p2=\"2\" w1=\".5\" w2=\".6\"/>", "weights that add to 1.1"},
         Site{"<LocalCoordinatesSite pos1=\"0\" pos2=\"0\" pos3=\"1\"/>", "has no parents"},
         Site{"<LocalCoordinatesSite pos1=\"0\" pos2=\"0\" pos3=\"1\" p1=\"1\" wo1=\"1\" wx1=\"0\" "

@@ -216,10 +216,19 @@ TEST(SitesInMolecules, BadOnesAreRefusedByName) {
   EXPECT_THAT(said("[[0, 2, 0.4]", "[[0, 1, 0.4]"),
               HasSubstr("molecule.rods.bonds[0]: atom 1 is a virtual site, which cannot be held; tie its "
                         "parents"));
-  EXPECT_THAT(said("[[1, 0, 2, 0.25]]", "[[1, 0, 4, 0.25]]"),
-              HasSubstr("virtual_sites2[0]: its parent, atom 4, is a virtual site itself"));
   EXPECT_THAT(said("virtual_sites2", "springs = [[1, 3, 0.3, 100]]\nvirtual_sites2"),
               HasSubstr("give coordinates_nm or file"));
+}
+
+TEST(SitesInMolecules, MayBeParents) {
+  const SceneText chained = kSites.with("\"S\", \"A\"]\nunits = 4", "\"S\", \"A\", \"S\"]")
+                                .with("[[0, 2, 0.4], [2, 3, 0.3]]", "[[0, 2, 0.4]]")
+                                .with("[[1, 0, 2, 0.25]]", "[[1, 3, 2, 0.25], [3, 0, 2, 0.5]]");
+  const Vectors x = read(chained.text).start.x;
+  EXPECT_LT((x.col(3) - 0.5 * (x.col(0) + x.col(2))).norm(), 1e-15);
+  EXPECT_LT((x.col(1) - (0.75 * x.col(3) + 0.25 * x.col(2))).norm(), 1e-15);
+  EXPECT_THAT(complaint(chained.with("[3, 0, 2, 0.5]", "[3, 1, 2, 0.5]").text),
+              HasSubstr("atom 1: its virtual site follows from itself"));
 }
 
 TEST(RigidBodies, BadOnesAreRefusedByName) {

@@ -1,10 +1,12 @@
-// Trajectories that Python's reporters write: frames of all atoms of a simulation, or of some of them.
+// Trajectories that Python's reporters write: frames of all atoms of a simulation, or of some of them; and files of
+// coordinates that Python reads.
 
 #include <fmt/format.h>
 
 #include <filesystem>
 
 #include "base/errors.hpp"
+#include "files/coordinate_file.hpp"
 #include "files/dcd_file.hpp"
 #include "files/h5md_file.hpp"
 #include "simulation_object.hpp"
@@ -114,9 +116,20 @@ class TrajectoryFile {
   std::unique_ptr<H5mdFile> h5md_;
 };
 
+// Returns positions and velocities in rows, the box's vectors in rows, and what the user should know of. Velocities
+// and box are None if the file has none.
+py::tuple read_coordinate_file(const std::filesystem::path& path) {
+  const Coordinates read = read_coordinates(path);
+  py::object v = py::none(), box = py::none();
+  if (read.v.cols() > 0) v = rows_of(read.v);
+  if (read.box.periodic()) box = rows_of(read.box.vectors());
+  return py::make_tuple(rows_of(read.x), v, box, read.note);
+}
+
 }  // namespace
 
 void bind_trajectory_files(py::module_& m) {
+  m.def("read_coordinates", [](const std::string& path) { return read_coordinate_file(path); });
   py::class_<TrajectoryFile>(m, "TrajectoryFile")
       .def(py::init<PythonSimulation&, const std::string&, const std::string&, long, std::vector<int>>())
       .def("add", &TrajectoryFile::add)

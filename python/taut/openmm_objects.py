@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import bz2
+import gzip
 import numbers
 from pathlib import Path
 from typing import Any, List, Optional, Tuple
@@ -16,10 +18,12 @@ from .errors import InputError
 def xml_of(thing: Any, what: str) -> str:
     """Returns the XML of a System or State that is given as an object, as XML or as a file."""
     if isinstance(thing, Path) or (isinstance(thing, str) and not thing.lstrip().startswith("<")):
+        opened = {".gz": gzip.open, ".bz2": bz2.open}.get(Path(thing).suffix, open)
         try:
-            return Path(thing).read_text()
-        except OSError as error:
-            raise InputError(f"{thing}: cannot be read: {error.strerror}") from None
+            with opened(thing, "rt") as file:
+                return str(file.read())
+        except (OSError, EOFError) as error:
+            raise InputError(f"{thing}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
     if isinstance(thing, str):
         return thing
     if type(thing).__module__.split(".")[0] not in ("openmm", "simtk"):
@@ -40,7 +44,7 @@ def bare(given: Any, unit: str) -> Any:
 
     return given.value_in_unit({"nm": units.nanometer, "nm/ps": units.nanometer / units.picosecond,
                                 "kJ/mol/nm": units.kilojoule_per_mole / units.nanometer,
-                                "K": units.kelvin, "fs": units.femtosecond}[unit])
+                                "K": units.kelvin, "fs": units.femtosecond, "u": units.dalton}[unit])
 
 
 def number(given: Any, unit: str, what: str) -> Any:

@@ -1,5 +1,7 @@
 """taut.read beside OpenMM's own energies of what its readers read."""
 
+import bz2
+import gzip
 from pathlib import Path
 
 import numpy as np
@@ -97,6 +99,77 @@ def test_amber_files_have_openmms_energy(coulomb, method, within, constraints, b
         given = placed.getVelocities(asNumpy=True).value_in_unit(unit.nanometer / unit.picosecond)
         np.testing.assert_allclose(sim.velocities, given, rtol=1e-6)
     sim.run(10)
+
+
+@pytest.mark.parametrize("decimals", [3, 5])
+def test_velocities_and_the_box_of_a_gro_are_read(files, decimals):
+    title, count, *rows, box = (files / "x.gro").read_text().splitlines()
+    v = np.random.default_rng(2).normal(size=(len(rows), 3))
+    wide = decimals + 5
+    (files / "v.gro").write_text("\n".join([title, count] + [
+        row[:20] + "".join(f"{float(row[n:n + 8]):{wide}.{decimals}f}" for n in (20, 28, 36))
+        + "".join(f"{c:{wide}.{decimals + 1}f}" for c in of) for row, of in zip(rows, v)] + [box, ""]))
+    sim = taut.read(files / "x.top", files / "v.gro", constraints=None, coulomb="reaction-field")
+    np.testing.assert_allclose(sim.velocities, v, atol=0.51 * 10**-(decimals + 1))
+    np.testing.assert_allclose(sim.box, 2.8 * np.eye(3))
+    held = taut.read(files / "x.top", files / "v.gro", coulomb="reaction-field")
+    assert held.temperature > 100  # the bonds take a part of it
+    (files / "two.gro").write_text(2 * (files / "v.gro").read_text())
+    with pytest.warns(UserWarning, match="two.gro: the first of its frames is taken"):
+        taut.read(files / "x.top", files / "two.gro", coulomb="reaction-field")
+
+
+def test_a_gro_of_box_0_has_none(files):
+    (files / "o.gro").write_text((files / "x.gro").read_text().replace("2.8 2.8 2.8", "0.00000 0.00000 0.00000"))
+    sim = taut.read(files / "x.top", files / "o.gro", coulomb="none")
+    top = app.GromacsTopFile(str(files / "x.top"))
+    context = openmm.Context(top.createSystem(nonbondedMethod=app.NoCutoff), openmm.VerletIntegrator(0.001),
+                             openmm.Platform.getPlatformByName("Reference"))
+    context.setPositions(sim.positions)
+    energy = context.getState(getEnergy=True).getPotentialEnergy().value_in_unit(unit.kilojoule_per_mole)
+    assert sim.box is None and sim.energies["potential"] == pytest.approx(energy, rel=1e-9)
+    with pytest.raises(taut.InputError, match="o.gro: has no box, which coulomb='pme' needs; take coulomb=\"none\""):
+        taut.read(files / "x.top", files / "o.gro")
+
+
+@pytest.mark.parametrize("mass, quantity", [(3, 3 * unit.dalton), (2.5 * unit.dalton, 2.5 * unit.dalton)])
+def test_hydrogens_are_made_heavier(mass, quantity):
+    sim = taut.read(*PEPTIDE, hydrogen_mass=mass)
+    top = app.AmberPrmtopFile(PEPTIDE[0], periodicBoxVectors=app.AmberInpcrdFile(PEPTIDE[1]).boxVectors)
+    system = top.createSystem(nonbondedMethod=app.PME, constraints=app.HBonds, hydrogenMass=quantity)
+    masses = [system.getParticleMass(a).value_in_unit(unit.dalton) for a in range(system.getNumParticles())]
+    np.testing.assert_allclose(sim.masses, masses, rtol=1e-12)
+    assert np.sum(np.isclose(sim.masses, taut.read(*PEPTIDE).masses)) < len(masses)
+    with pytest.raises(taut.InputError, match="hydrogen_mass: expected more than 0"):
+        taut.read(*PEPTIDE, hydrogen_mass=0)
+
+
+@pytest.mark.parametrize("ending, opened", [(".gz", gzip.open), (".bz2", bz2.open)])
+def test_compressed_files_are_those_within(tmp_path, ending, opened):
+    data = Path(PEPTIDE[0]).parent
+    plain = [data / f"ala2-hbonds-rf.{kind}.xml" for kind in ("system", "state")]
+    packed = [tmp_path / (file.name + ending) for file in plain]
+    for file, to in zip(plain, packed):
+        with opened(to, "wb") as out:
+            out.write(file.read_bytes())
+    assert taut.Simulation.from_openmm(*packed).energies == taut.Simulation.from_openmm(*plain).energies
+    packed[0].write_bytes(packed[0].read_bytes()[:500])
+    with pytest.raises(taut.InputError, match="system.xml.*cannot be read"):
+        taut.Simulation.from_openmm(*packed)
+
+
+# What docs/from_gromacs.md gives the command: its State has the velocities of the .gro.
+def test_the_page_for_gromacs_writes_what_the_gro_has(files, monkeypatch):
+    page = (Path(__file__).resolve().parents[2] / "docs/from_gromacs.md").read_text()
+    monkeypatch.chdir(files)
+    (files / "dhfr.top").write_text(TOP)
+    rows = (files / "x.gro").read_text().splitlines()
+    rows[2:-1] = [row + f"{n / 1000:8.4f} -0.2500  1.5000" for n, row in enumerate(rows[2:-1])]
+    (files / "dhfr.gro").write_text("\n".join(rows) + "\n")
+    exec(page.split("```python\n")[1].split("```")[0], {})
+    state = openmm.XmlSerializer.deserialize((files / "state.xml").read_text())
+    v = state.getVelocities(asNumpy=True).value_in_unit(unit.nanometer / unit.picosecond)
+    np.testing.assert_allclose(v, [[n / 1000, -0.25, 1.5] for n in range(len(rows) - 3)], atol=1e-12)
 
 
 @pytest.mark.parametrize("call, words", [

@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,11 +7,9 @@
 #include <set>
 
 #include "base/errors.hpp"
-#include "base/nearest_name.hpp"
 #include "systems/builders/builders.hpp"
-#include "systems/builders/lammps_keys.hpp"
-#include "systems/lammps/data_file.hpp"
-#include "systems/molecules/molecule.hpp"
+#include "systems/builders/lammps_pairs.hpp"
+#include "systems/builders/lammps_rows.hpp"
 #include "systems/whole_molecules.hpp"
 
 namespace taut {
@@ -24,10 +21,22 @@ double in_radians(double degrees) {
   return degrees * std::numbers::pi / 180;
 }
 
+// Where the columns of an atom style begin; charge 0: it has none.
+struct AtomColumns {
+  const char *style, *columns;
+  std::size_t type, charge, x;
+};
+constexpr AtomColumns kAtomColumns[] = {{"atomic", "type x y z", 1, 0, 2},
+                                        {"charge", "type q x y z", 1, 2, 3},
+                                        {"bond", "molecule type x y z", 2, 0, 3},
+                                        {"angle", "molecule type x y z", 2, 0, 3},
+                                        {"molecular", "molecule type x y z", 2, 0, 3},
+                                        {"full", "molecule type q x y z", 2, 3, 4}};
+
 class LammpsScene {
  public:
-  LammpsScene(const TomlTable& keys, const LammpsKeys& said, Scene& scene, const Listen& listen)
-      : keys_(keys), said_(said), data_(read_lammps_data(said.file, listen)), scene_(scene) {
+  LammpsScene(const LammpsRows& rows, Scene& scene, const Listen& listen)
+      : rows_(rows), keys_(rows.keys), said_(rows.said), data_(rows.data), scene_(scene) {
     using Part = LammpsScene;
     for (const auto read : {&Part::read_atoms, &Part::read_velocities, &Part::read_bonds, &Part::read_angles,
                             &Part::read_dihedrals, &Part::read_impropers}) {
@@ -37,104 +46,61 @@ class LammpsScene {
     scene.system = make_system(mass_, bonds_);
     hear(listen);
     make_whole(scene.start.box, bonded_pairs(scene.system, scene.terms), scene.start.x);
-    read_pairs();
+    read_lammps_pairs(rows, {type_, charge_, fene_.empty()}, scene);
     name_atoms();
   }
 
  private:
-  struct AtomColumns {
-    std::size_t type, charge, x;  // charge 0: there is none
-  };
-
-  // The style of a section: from the scene, or from the file.
-  std::string style_of(const char* section, const std::vector<std::string_view>& known) const {
-    const char* key = nullptr;
-    for (const auto& [name, of] : kLammpsStyles)
-      if (std::string_view(of) == section) key = name;
-    std::string style = said_.style.at(section);
-    const std::string& of_file = data_.section(section).style;
-    if (style.empty()) style = of_file;
-    if (style.empty())
-      keys_.fail("data", fmt::format("the file does not say the style of {}: give build.{}, one of {}",
-                                     section, key, fmt::join(known, ", ")));
-    if (std::ranges::find(known, style) == known.end())
-      keys_.fail(keys_.has(key) ? key : "data",
-                 fmt::format("taut has no {} \"{}\"{}", key, style, did_you_mean(style, known)));
-    return style;
-  }
-
   void read_atoms() {
-    static const std::map<std::string, AtomColumns> kColumns = {
-        {"atomic", {1, 0, 2}}, {"charge", {1, 2, 3}},    {"bond", {2, 0, 3}},
-        {"angle", {2, 0, 3}},  {"molecular", {2, 0, 3}}, {"full", {2, 3, 4}}};
-    std::vector<std::string_view> known;
-    for (const auto& [name, columns] : kColumns) known.emplace_back(name);
-    const AtomColumns at = kColumns.at(style_of("Atoms", known));
+    std::vector<LammpsStyle> known;
+    for (const AtomColumns& one : kAtomColumns) known.push_back({one.style, one.columns});
+    const LammpsStyle style = rows_.style_of("Atoms", known);
+    const AtomColumns& at = *std::ranges::find(kAtomColumns, style.name, &AtomColumns::style);
     atoms_ = static_cast<int>(data_.count("atoms"));
     const long types = data_.count("atom types");
     Eigen::VectorXd mass_of_type(types);
-    for (const Entry& entry : data_.section("Masses").entries)
-      mass_of_type[data_.index(entry, 0, "an atom type", types) - 1] =
-          said_.units.mass * data_.number(entry, 1, "a mass");
+    for (const Entry* entry : rows_.numbered("Masses", "atom type", types, "mass")) {
+      const double mass = data_.number(*entry, 1, "a mass");
+      if (!(mass > 0)) data_.fail(entry->line, fmt::format("a mass of {}, expected more than 0", mass));
+      mass_of_type[data_.index(*entry, 0, "an atom type", types) - 1] = said_.units.mass * mass;
+    }
     mass_.resize(atoms_);
     charge_ = Eigen::VectorXd::Zero(atoms_);
     type_.resize(atoms_);
     scene_.start.x.resize(3, atoms_);
     scene_.start.v = Vectors::Zero(3, atoms_);
     Box box = data_.box.scaled(Vec3::Constant(said_.units.length));
-    std::vector<bool> seen(static_cast<std::size_t>(atoms_));
-    for (const Entry& entry : data_.section("Atoms").entries) {
-      const int a = atom(entry, 0);
-      if (seen[static_cast<std::size_t>(a)])
-        data_.fail(entry.line, fmt::format("atom {} a second time", a + 1));
-      seen[static_cast<std::size_t>(a)] = true;
+    const auto entries = rows_.numbered("Atoms", "atom", atoms_, style.numbers + " [ix] [iy] [iz]");
+    for (int a = 0; a < atoms_; ++a) {
+      const Entry& entry = *entries[static_cast<std::size_t>(a)];
       type_[a] = data_.index(entry, at.type, "an atom type", types) - 1;
       mass_[a] = mass_of_type[type_[a]];
       if (at.charge > 0) charge_[a] = said_.units.charge * data_.number(entry, at.charge, "a charge");
       Vec3 x, image = Vec3::Zero();
       for (int d = 0; d < 3; ++d) x[d] = data_.number(entry, at.x + d, "a coordinate") - data_.lower[d];
-      if (entry.words.size() >= at.x + 6)
-        for (int d = 0; d < 3; ++d) image[d] = data_.number(entry, at.x + 3 + d, "an image flag");
+      for (int d = 0; d < 3 && entry.words.size() > at.x + 3; ++d) {
+        image[d] = data_.number(entry, at.x + 3 + d, "an image flag");
+        if (image[d] != std::floor(image[d]))
+          data_.fail(entry.line, fmt::format("an image flag of {}, expected whole numbers", image[d]));
+      }
       scene_.start.x.col(a) = said_.units.length * x + box.lattice_vector(image);
     }
     if (said_.periodic) scene_.start.box = box;
   }
 
   void read_velocities() {
-    for (const Entry& entry : data_.section("Velocities").entries)
+    if (data_.section("Velocities").entries.empty()) return;
+    int a = 0;
+    for (const Entry* entry : rows_.numbered("Velocities", "atom", atoms_, "vx vy vz")) {
       for (int d = 0; d < 3; ++d)
-        scene_.start.v(d, atom(entry, 0)) = said_.units.velocity * data_.number(entry, 1 + d, "a velocity");
+        scene_.start.v(d, a) = said_.units.velocity * data_.number(*entry, 1 + d, "a velocity");
+      ++a;
+    }
   }
 
-  // The entries of a list by type, with those of their coefficients.
-  struct Typed {
-    const Entry* entry;
-    int type;  // from 0
-    const Entry* coefficients;
-  };
-  std::vector<Typed> typed(const char* list, const char* coefficients, const char* types) const {
-    const long count = data_.count(types);
-    std::vector<const Entry*> of_type(static_cast<std::size_t>(count));
-    for (const Entry& entry : data_.section(coefficients).entries)
-      of_type[static_cast<std::size_t>(data_.index(entry, 0, "a type", count) - 1)] = &entry;
-    std::vector<Typed> all;
-    for (const Entry& entry : data_.section(list).entries) {
-      const int type = data_.index(entry, 1, "a type", count) - 1;
-      if (!of_type[static_cast<std::size_t>(type)])
-        data_.fail(entry.line, fmt::format("there is no row of {} for type {}", coefficients, type + 1));
-      all.push_back({&entry, type, of_type[static_cast<std::size_t>(type)]});
-    }
-    return all;
-  }
-  int atom(const Entry& entry, std::size_t at) const {
-    return data_.index(entry, at, "an atom", data_.count("atoms")) - 1;
-  }
-  double energy(const Entry& entry, std::size_t at) const {
-    return said_.units.energy * data_.number(entry, at, "a number");
-  }
-  double length(const Entry& entry, std::size_t at) const {
-    return said_.units.length * data_.number(entry, at, "a length");
-  }
+  int atom(const Entry& entry, std::size_t at) const { return rows_.atom(entry, at); }
+  double energy(const Entry& entry, std::size_t at) const { return rows_.energy(entry, at); }
+  double length(const Entry& entry, std::size_t at) const { return rows_.length(entry, at); }
   bool is_rigid(const std::vector<double>& types, int type) const {
     return std::ranges::find(types, type + 1.0) != types.end();
   }
@@ -147,9 +113,11 @@ class LammpsScene {
   void read_bonds() {
     check_types("rigid_bonds", said_.rigid_bonds, "bond types");
     if (data_.section("Bonds").entries.empty()) return;
-    const std::string style = style_of("Bond Coeffs", {"harmonic", "fene", "zero"});
+    const LammpsStyle of = rows_.style_of(
+        "Bond Coeffs", {{"harmonic", "K r0"}, {"fene", "K R0 epsilon sigma"}, {"zero", "[r0]"}});
+    const std::string& style = of.name;
     const double stiffness = 1 / (said_.units.length * said_.units.length);
-    for (const auto& [entry, type, c] : typed("Bonds", "Bond Coeffs", "bond types")) {
+    for (const auto& [entry, type, c] : rows_.typed({"Bonds", "Bond Coeffs", "bond types", 2}, of)) {
       const int i = atom(*entry, 2), j = atom(*entry, 3);
       const std::size_t at_length = style == "zero" ? 1 : 2;
       if (is_rigid(said_.rigid_bonds, type)) {
@@ -173,10 +141,14 @@ class LammpsScene {
   void read_angles() {
     check_types("rigid_angles", said_.rigid_angles, "angle types");
     if (data_.section("Angles").entries.empty()) return;
-    const std::string style =
-        style_of("Angle Coeffs", {"harmonic", "cosine", "cosine/squared", "charmm", "zero"});
+    const LammpsStyle of = rows_.style_of("Angle Coeffs", {{"harmonic", "K theta0"},
+                                                           {"cosine", "K"},
+                                                           {"cosine/squared", "K theta0"},
+                                                           {"charmm", "K theta0 K_ub r_ub"},
+                                                           {"zero", "[theta0]"}});
+    const std::string& style = of.name;
     const double stiffness = 1 / (said_.units.length * said_.units.length);
-    for (const auto& [entry, type, c] : typed("Angles", "Angle Coeffs", "angle types")) {
+    for (const auto& [entry, type, c] : rows_.typed({"Angles", "Angle Coeffs", "angle types", 3}, of)) {
       const int i = atom(*entry, 2), j = atom(*entry, 3), k = atom(*entry, 4);
       if (style.starts_with("cosine")) {  // K(1 + cos θ), K(cos θ − cos θ₀)²
         if (is_rigid(said_.rigid_angles, type))
@@ -210,10 +182,16 @@ class LammpsScene {
 
   void read_dihedrals() {
     if (data_.section("Dihedrals").entries.empty()) return;
-    const std::string style =
-        style_of("Dihedral Coeffs", {"harmonic", "charmm", "opls", "multi/harmonic", "nharmonic"});
+    const LammpsStyle of =
+        rows_.style_of("Dihedral Coeffs", {{"harmonic", "K d n"},
+                                           {"charmm", "K n d weight"},
+                                           {"opls", "K1 K2 K3 K4"},
+                                           {"multi/harmonic", "A1 A2 A3 A4 A5"},
+                                           {"nharmonic", "n A1 [A2] [A3] [A4] [A5] [A6]"}});
+    const std::string& style = of.name;
     Terms& terms = scene_.terms;
-    for (const auto& [entry, type, c] : typed("Dihedrals", "Dihedral Coeffs", "dihedral types")) {
+    for (const auto& [entry, type, c] :
+         rows_.typed({"Dihedrals", "Dihedral Coeffs", "dihedral types", 4}, of)) {
       const int i = atom(*entry, 2), j = atom(*entry, 3), k = atom(*entry, 4), l = atom(*entry, 5);
       if (style == "harmonic") {  // K(1 + d cos nφ)
         const double sign = data_.number(*c, 2, "d");
@@ -234,100 +212,34 @@ class LammpsScene {
         const int first = style == "nharmonic" ? 2 : 1;
         const int count =
             style == "nharmonic" ? data_.index(*c, 1, "at most six coefficients, a number", 6) : 5;
+        if (c->words.size() != static_cast<std::size_t>(first + count))
+          data_.fail(c->line, fmt::format("expected {} coefficients, got {}", count,
+                                          c->words.size() - static_cast<std::size_t>(first)));
         for (int n = 0; n < count; ++n) torsion.c[n] = (n % 2 == 0 ? 1 : -1) * energy(*c, first + n);
         terms.rb_torsions.push_back(torsion);
       }
     }
   }
 
+  // cvff is K(1 + d cos nφ). harmonic is K(|φ| − χ₀)², a spring of φ where χ₀ is 0 or 180 degrees.
   void read_impropers() {
     if (data_.section("Impropers").entries.empty()) return;
-    style_of("Improper Coeffs", {"cvff"});  // K(1 + d cos nφ)
-    for (const auto& [entry, type, c] : typed("Impropers", "Improper Coeffs", "improper types"))
-      scene_.terms.torsions.push_back({atom(*entry, 2), atom(*entry, 3), atom(*entry, 4), atom(*entry, 5),
-                                       data_.index(*c, 3, "n", 64),
-                                       data_.number(*c, 2, "d") < 0 ? std::numbers::pi : 0, energy(*c, 1)});
-  }
-
-  // σ and ε of each type, with those of PairIJ Coeffs in a table.
-  void read_pairs() {
-    const auto types = data_.count("atom types");
-    Eigen::MatrixXd sigma = Eigen::MatrixXd::Ones(types, types),
-                    epsilon = Eigen::MatrixXd::Zero(types, types);
-    std::set<std::pair<int, int>> said;
-    const auto& own = data_.section("Pair Coeffs");
-    const auto& mixed = data_.section("PairIJ Coeffs");
-    if (!own.entries.empty()) style_of("Pair Coeffs", {"lj/cut", "lj/cut/coul/cut", "lj/cut/coul/long"});
-    if (const std::string& style = mixed.style; !style.empty() && !style.starts_with("lj/cut"))
-      keys_.fail("data",
-                 fmt::format("taut has no pair_style \"{}\"; expected one of lj/cut, lj/cut/coul/cut, "
-                             "lj/cut/coul/long",
-                             style));
-    for (const Entry& entry : own.entries) {
-      const int i = data_.index(entry, 0, "an atom type", types) - 1;
-      epsilon(i, i) = energy(entry, 1), sigma(i, i) = length(entry, 2);
-    }
-    for (const Entry& entry : mixed.entries) {
-      const int i = data_.index(entry, 0, "an atom type", types) - 1,
-                j = data_.index(entry, 1, "an atom type", types) - 1;
-      epsilon(i, j) = epsilon(j, i) = energy(entry, 2), sigma(i, j) = sigma(j, i) = length(entry, 3);
-      said.insert(std::minmax(i, j));
-    }
-    bool by_table = false;
-    for (int i = 0; i < types; ++i)
-      for (int j = 0; j < i; ++j) {
-        const double of_rule =
-            said_.geometric ? std::sqrt(sigma(i, i) * sigma(j, j)) : (sigma(i, i) + sigma(j, j)) / 2;
-        const double lorentz = (sigma(i, i) + sigma(j, j)) / 2,
-                     berthelot = std::sqrt(epsilon(i, i) * epsilon(j, j));
-        if (!said.contains({j, i})) {
-          sigma(i, j) = sigma(j, i) = of_rule;
-          epsilon(i, j) = epsilon(j, i) = berthelot;
-        }
-        by_table = by_table || (berthelot + epsilon(i, j) > 0 &&
-                                (std::abs(sigma(i, j) - lorentz) > 1e-12 * lorentz ||
-                                 std::abs(epsilon(i, j) - berthelot) > 1e-12 * berthelot));
+    const LammpsStyle of = rows_.style_of("Improper Coeffs", {{"cvff", "K d n"}, {"harmonic", "K chi0"}});
+    for (const auto& [entry, type, c] :
+         rows_.typed({"Impropers", "Improper Coeffs", "improper types", 4}, of)) {
+      const int i = atom(*entry, 2), j = atom(*entry, 3), k = atom(*entry, 4), l = atom(*entry, 5);
+      if (of.name == "cvff") {
+        scene_.terms.torsions.push_back({i, j, k, l, data_.index(*c, 3, "n", 64),
+                                         data_.number(*c, 2, "d") < 0 ? std::numbers::pi : 0, energy(*c, 1)});
+        continue;
       }
-    if (epsilon.isZero(0) && charge_.isZero(0)) return;
-    Nonbonded& nb = scene_.terms.nonbonded.emplace();
-    nb.charge = charge_;
-    nb.sigma.resize(atoms_), nb.epsilon.resize(atoms_);
-    for (int a = 0; a < atoms_; ++a)
-      nb.sigma[a] = sigma(type_[a], type_[a]), nb.epsilon[a] = epsilon(type_[a], type_[a]);
-    if (by_table) {
-      const Eigen::ArrayXXd six = sigma.array().pow(6);
-      nb.lj_table = LennardJonesTable{
-          {type_.begin(), type_.end()}, 4 * epsilon.array() * six * six, 4 * epsilon.array() * six};
+      const double chi = data_.number(*c, 2, "an angle");
+      if (chi != 0 && chi != 180)
+        data_.fail(c->line, fmt::format("an improper of {} degrees, whose energy has two minima; taut has "
+                                        "0 and 180",
+                                        chi));
+      scene_.terms.harmonic_torsions.push_back({i, j, k, l, in_radians(chi), 2 * energy(*c, 1)});
     }
-    const bool charged = !charge_.isZero(0);
-    const auto near = [&](int a, int b, int apart) {
-      // What LAMMPS leaves out of pairs 1-2 because fene has it, is a pair here.
-      const double lj = apart == 1 && !fene_.empty() ? 1 : said_.special_lj[apart - 1];
-      const double coul = charged ? said_.special_coul[apart - 1] : lj;
-      if (lj == 1 && coul == 1) return;
-      if (apart < 3 && lj != coul)
-        keys_.fail("special_coul", "expected what special_lj says of pairs 1-2 and 1-3");
-      nb.exceptions.push_back({a, b, apart < 3 ? 0 : coul * charge_[a] * charge_[b],
-                               sigma(type_[a], type_[b]), apart < 3 ? 0 : lj * epsilon(type_[a], type_[b])});
-    };
-    Molecule all;
-    all.system = scene_.system;
-    all.terms.bonds = scene_.terms.bonds;
-    all.terms.fene = scene_.terms.fene;
-    for (const NearPair& pair : list_near_pairs(only_bonds(std::move(all)), 3))
-      near(pair.i, pair.j, pair.apart);
-  }
-
-  // LAMMPS's neighbours along a molecule follow its bonds alone, not the distances that hold an angle.
-  Molecule only_bonds(Molecule molecule) const {
-    std::set<std::pair<int, int>> bonded;
-    for (const Entry& entry : data_.section("Bonds").entries)
-      bonded.insert(std::minmax(atom(entry, 2), atom(entry, 3)));
-    std::erase_if(molecule.system.bonds,
-                  [&](const RigidBond& b) { return !bonded.contains(std::minmax(b.i, b.j)); });
-    std::erase_if(molecule.terms.bonds,
-                  [&](const HarmonicBond& b) { return !bonded.contains(std::minmax(b.i, b.j)); });
-    return molecule;
   }
 
  public:
@@ -358,9 +270,10 @@ class LammpsScene {
     }
   }
 
+  const LammpsRows& rows_;
   const TomlTable& keys_;
   const LammpsKeys& said_;
-  const LammpsData data_;
+  const LammpsData& data_;
   Scene& scene_;
   int atoms_ = 0;
   Eigen::VectorXd mass_, charge_;
@@ -379,14 +292,15 @@ void build_lammps(const BuildRequest& request, Scene& scene) {
   request.forcefield.read("pair", pair,
                           {"the force between atoms: purely repulsive, or not", {"wca", "lennard-jones"}});
   if (request.keys.describing()) return read_cutoff(request.forcefield, {}, scene.terms.nonbonded.emplace());
-  const LammpsScene built(request.keys, said, scene, request.listen);
+  const LammpsRows rows{request.keys, said, read_lammps_data(said.file, request.listen)};
+  const LammpsScene built(rows, scene, request.listen);
   if (pair == "wca") {
     if (!scene.terms.nonbonded)
       request.forcefield.fail("pair", "no atom type has an ε: there are no pair forces");
     make_repulsive(request.forcefield, scene.terms);
   }
   built.check_fene(request.forcefield);
-  if (scene.terms.nonbonded) read_cutoff(request.forcefield, scene.start.box, *scene.terms.nonbonded);
+  read_lammps_cutoffs(rows, request.forcefield, scene);
 }
 
 }  // namespace taut

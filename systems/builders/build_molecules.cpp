@@ -292,6 +292,8 @@ void note_start(const BuildRequest& request, const Builder& built, bool settled,
 void make_repulsive(const TomlTable& keys, Terms& terms) {
   Nonbonded& pairs = *terms.nonbonded;
   const double sigma = pairs.sigma[0], epsilon = pairs.epsilon[0];
+  if (pairs.lj_table)
+    keys.fail("pair", "wca takes one sigma and epsilon for all pairs; those of two types differ");
   for (Eigen::Index a = 0; a < pairs.sigma.size(); ++a)
     if (pairs.sigma[a] != sigma || pairs.epsilon[a] != epsilon || epsilon == 0)
       keys.fail("pair",
@@ -331,14 +333,17 @@ void build_molecules(const BuildRequest& request, Scene& scene) {
   scene.start.x.resize(3, atoms);
   scene.start.v = Vectors::Zero(3, atoms);
   Eigen::Index first = 0;
-  bool moving = true;
+  bool moving = true, some_move = false;
   for (const Placement& placement : placements) {
     scene.start.x.middleCols(first, placement.x.cols()) = placement.x;
     moving = moving && placement.given.v.cols() > 0;
+    some_move = some_move || placement.given.v.cols() > 0;
     if (moving) scene.start.v.middleCols(first, placement.x.cols()) = placement.given.v;
     first += placement.x.cols();
   }
   if (!moving) scene.start.v.setZero();  // otherwise some have velocities
+  if (some_move && !moving)
+    scene.notes.emplace_back("start: velocities of files are left out, as some molecules have none");
   place_sites(scene.system.sites, scene.start.x);
   read_forces(request, scene);
   scene.positions_drawn = built.drawn();

@@ -33,8 +33,7 @@ LammpsKeys::LammpsKeys(const TomlTable& keys) {
         keys.fail(key, "expected 0 or 1 of pairs 1-2 and 1-3; only pairs 1-4 are scaled");
   }
   std::string mix = "geometric";
-  keys.read("mix", mix,
-            {"pair_modify mix, of types that PairIJ Coeffs does not name", {"geometric", "arithmetic"}});
+  keys.read("mix", mix, {"pair_modify mix, without a section PairIJ Coeffs", {"geometric", "arithmetic"}});
   geometric = mix == "geometric";
   keys.read("periodic", periodic, {"whether the box is periodic (boundary p p p), or none (s s s)"});
 }

@@ -23,7 +23,9 @@ std::string describe_differences(const Scene& scene) {
     tell(
         "run.temperature_k changes in time: its first value is taken; fix langevin and temp/csvr take two, "
         "for the ends of a run");
-  if (run.langevin())
+  if (run.langevin() && run.friction_per_ps == 0)
+    tell("run.friction_per_ps = 0 leaves Langevin dynamics without a bath, and no fix langevin is there");
+  else if (run.langevin())
     tell("Langevin dynamics (run.friction_per_ps) is fix langevin: the same bath by another integrator");
   if (run.barostat != "none")
     tell(fmt::format(
@@ -36,12 +38,18 @@ std::string describe_differences(const Scene& scene) {
   if (run.remove_momentum_every > 0)
     tell(fmt::format("run.remove_momentum_every is left out: fix momentum {} linear 1 1 1 does it",
                      run.remove_momentum_every));
+  if (scene.system.anchors() > 0)
+    tell("anchors are the group anchors, which no fix moves; their mass is none of theirs");
+  if (scene.terms.gravity && scene.start.box.periodic())
+    tell("the energy of gravity is that of positions within the box, in taut of unwrapped ones");
   for (const Bias& bias : scene.terms.biases)
     tell(fmt::format("bias {} ({}) is left out: fix colvars or fix plumed does it", bias.name,
                      name_of(bias.variable)));
   if (run.trajectory_every > 0) tell("run.trajectory_every is left out: add a dump");
   const auto& nb = scene.terms.nonbonded;
   if (nb && nb->pme && !nb->charge.isZero(0)) tell("particle mesh Ewald is PPPM, of a tolerance of its own");
+  if (nb && nb->dispersion_correction)
+    tell("the correction of Lennard-Jones beyond the cutoff counts pairs otherwise: it differs by some 1/N");
   return to;
 }
 

@@ -16,18 +16,16 @@
 #include "files/atomic_file.hpp"
 #include "md/units.hpp"
 #include "systems/lammps/differences.hpp"
+#include "systems/lammps/four_sites.hpp"
+#include "systems/lammps/outer_forces.hpp"
+#include "systems/lammps/special_bonds.hpp"
 #include "systems/lammps/tables.hpp"
 #include "systems/lammps/term_list.hpp"
-#include "systems/molecules/molecule.hpp"
 #include "systems/velocities.hpp"
 #include "systems/whole_molecules.hpp"
 
 namespace taut {
 namespace {
-
-[[noreturn]] void refuse(const std::string& what) {
-  throw InputError("LAMMPS cannot express it with its usual styles: " + what);
-}
 
 double degrees(double radians) {
   return radians * 180 / std::numbers::pi;
@@ -38,13 +36,15 @@ class Writer {
   Writer(const Scene& scene, std::string data_name)
       : scene_(scene),
         data_name_(std::move(data_name)),
+        water_(four_site_water(scene)),
         tables_(std::filesystem::path(data_name_).replace_extension(".table").string()) {
     refuse_what_is_not_there();
     find_atom_types();
     add_bonds();
     add_angles();
     add_dihedrals();
-    find_special_bonds();
+    add_impropers();
+    special_ = special_bonds(scene_);
   }
 
   LammpsFiles files() {
@@ -56,30 +56,37 @@ class Writer {
   void refuse_what_is_not_there() const {
     const Terms& terms = scene_.terms;
     const System& sys = scene_.system;
-    if (!sys.sites.empty()) refuse(fmt::format("atom {} is a virtual site", sys.sites.front().atom));
-    if (!sys.one_sided.empty()) refuse("at_least and at_most hold bonds from one side");
-    for (int a = 0; a < sys.atoms(); ++a)
-      if (sys.mass[a] == 0) refuse(fmt::format("atom {} is an anchor of mass 0", a));
-    if (!terms.harmonic_torsions.empty()) refuse("harmonic torsions (impropers)");
-    if (!terms.cmaps.empty()) refuse("correction maps");
+    if (!sys.sites.empty() && !water_)
+      refuse_for_lammps(
+          fmt::format("atom {} is a virtual site, and LAMMPS has that of water of four sites alone, beside "
+                      "particle mesh Ewald",
+                      sys.sites.front().atom));
+    if (!sys.one_sided.empty()) refuse_for_lammps("at_least and at_most hold bonds from one side");
+    if (!terms.cmaps.empty()) refuse_for_lammps("correction maps");
+    if (terms.walls.size() > 29) refuse_for_lammps("more than 29 walls, since there are 32 groups of atoms");
     if (terms.tabulated_pairs && terms.nonbonded && !terms.nonbonded->charge.isZero(0))
-      refuse("tables between charges");
-    if (terms.gravity || !terms.pulls.empty() || !terms.restraints.empty() || !terms.walls.empty() ||
-        !terms.steered.empty() || !terms.own.empty() || scene_.run.metric_correction)
-      refuse("forces from outside; add them to the input by hand");
+      refuse_for_lammps("tables between charges");
+    if (!terms.pulls.empty() || !terms.restraints.empty() || !terms.steered.empty() || !terms.own.empty() ||
+        scene_.run.metric_correction)
+      refuse_for_lammps("forces from outside; add them to the input by hand");
     if (terms.nonbonded &&
         (terms.nonbonded->switch_distance ||
          (terms.nonbonded->cutoff && !terms.nonbonded->pme && !terms.nonbonded->charge.isZero(0))))
-      refuse("a switch of Lennard-Jones, or a reaction field; take forcefield.coulomb = \"pme\"");
-    if (!terms.fene.empty() && !terms.wca) refuse("FENE springs among pairs that attract");
+      refuse_for_lammps("a switch of Lennard-Jones, or a reaction field; take forcefield.coulomb = \"pme\"");
+    if (!terms.fene.empty() && !terms.wca) refuse_for_lammps("FENE springs among pairs that attract");
   }
 
-  // Atoms of one mass, σ, ε and kind in tables are of one type.
+  // Atoms of one mass, σ, ε, kind in tables and set of walls are of one type.
   void find_atom_types() {
     const auto& nb = scene_.terms.nonbonded;
-    std::map<std::array<double, 5>, int> known;
+    const std::vector<long> walls = walls_of_atoms(scene_);
+    std::map<std::array<double, 6>, int> known;
     for (int a = 0; a < scene_.system.atoms(); ++a) {
-      std::array<double, 5> kind = {scene_.system.mass[a], 0, 0, 0, 0};
+      if (scene_.system.is_site(a)) {
+        type_.push_back(-1);
+        continue;
+      }
+      std::array<double, 6> kind = {scene_.system.mass[a], 0, 0, 0, 0, static_cast<double>(walls[a])};
       if (scene_.terms.tabulated_pairs) kind[4] = scene_.terms.tabulated_pairs->kind[a];
       if (nb && nb->lj_table) kind[3] = nb->lj_table->type[a];
       if (nb && !nb->lj_table) kind[1] = nb->sigma[a], kind[2] = nb->epsilon[a];
@@ -87,12 +94,19 @@ class Writer {
       if (fresh) first_of_type_.push_back(a);
       type_.push_back(at->second);
     }
+    for (int a = 0; water_ && a < scene_.system.atoms(); ++a)
+      if (type_[a] == type_[water_->oxygen] && water_->site_of[a] < 0)
+        refuse_for_lammps(fmt::format("atom {} is of the type of the waters' oxygens, and has no site", a));
   }
 
   void add_bonds() {
     const Terms& terms = scene_.terms;
-    for (const RigidBond& b : scene_.system.bonds)
-      rigid_.insert(bonds_.add("harmonic", fmt::format("1000000 {:.17g}", b.length), {b.i, b.j}));
+    for (const RigidBond& b : scene_.system.bonds) {
+      const int type = bonds_.add("harmonic", fmt::format("1000000 {:.17g}", b.length), {b.i, b.j});
+      rigid_.insert(type);
+      if (water_ && std::min(b.i, b.j) == water_->oxygen && std::max(b.i, b.j) == water_->oxygen + 1)
+        water_bond_ = type;
+    }
     for (const auto& [i, j, length, k] : terms.bonds)
       bonds_.add("harmonic", fmt::format("{:.17g} {:.17g}", k / 2, length), {i, j});
     for (const auto& [i, j, k, r0] : terms.fene)
@@ -105,6 +119,10 @@ class Writer {
 
   void add_angles() {
     const Terms& terms = scene_.terms;
+    for (int a = 0; water_ && a < scene_.system.atoms(); ++a)
+      if (water_->site_of[a] >= 0)  // which rigid bonds hold: the pair style asks for the angle
+        water_angle_ =
+            angles_.add("harmonic", fmt::format("1000 {:.17g}", degrees(water_->angle)), {a + 1, a, a + 2});
     for (const auto& [i, j, k, angle, stiffness] : terms.angles)
       angles_.add("harmonic", fmt::format("{:.17g} {:.17g}", stiffness / 2, degrees(angle)), {i, j, k});
     for (const auto& [i, j, k, stiffness] : terms.cosine_angles)
@@ -116,7 +134,8 @@ class Writer {
           {i, j, k});
     for (const auto& [i, j, k, energy] : terms.tabulated_angles) {
       if (energy->first() > 1e-9 || energy->last() < std::numbers::pi - 1e-9)
-        refuse(fmt::format("the table {} of angles does not go from 0 to 180 degrees", energy->name()));
+        refuse_for_lammps(
+            fmt::format("the table {} of angles does not go from 0 to 180 degrees", energy->name()));
       angles_.add(kTableStyle, tables_.add(LammpsTables::kAngle, *energy), {i, j, k});
     }
   }
@@ -126,7 +145,7 @@ class Writer {
     for (const auto& [i, j, k, l, n, phase, amplitude] : scene_.terms.torsions) {
       const double d = degrees(phase);
       if (std::abs(d - std::round(d)) > 1e-9)
-        refuse(fmt::format("a torsion of phase {:.6g} degrees, no whole number", d));
+        refuse_for_lammps(fmt::format("a torsion of phase {:.6g} degrees, no whole number", d));
       dihedrals_.add("charmm", fmt::format("{:.17g} {} {:.0f} 0", amplitude, n, std::round(d)), {i, j, k, l});
     }
     const auto& rb = scene_.terms.rb_torsions;
@@ -139,62 +158,21 @@ class Writer {
     }
   }
 
-  // The factors of special_bonds that give the scene's exceptions.
-  void find_special_bonds() {
-    std::map<std::pair<int, int>, std::pair<double, double>> said;  // factors of Lennard-Jones and Coulomb
-    const auto& nb = scene_.terms.nonbonded;
-    if (nb)
-      for (const auto& e : nb->exceptions) {
-        const double epsilon = nb->lj_table ? 0 : std::sqrt(nb->epsilon[e.i] * nb->epsilon[e.j]);
-        const bool by_table = acts_by_table(e.i, e.j);
-        const double charges = nb->charge[e.i] * nb->charge[e.j];
-        if (nb->lj_table && e.epsilon != 0) refuse("scaled pairs 1-4 beside a table of pairs");
-        said[std::minmax(e.i, e.j)] = {by_table      ? 0
-                                       : epsilon > 0 ? e.epsilon / epsilon
-                                                     : kEither,
-                                       charges != 0 ? e.charge_product / charges : kEither};
-      }
-    if (const auto& wca = scene_.terms.wca) {
-      std::set<std::pair<int, int>> fene;
-      for (const Fene& spring : scene_.terms.fene) fene.insert(std::minmax(spring.i, spring.j));
-      for (const auto& [i, j] : wca->exclusions) {
-        said[std::minmax(i, j)].first = 0;
-        if (fene.contains(std::minmax(i, j)))
-          refuse(fmt::format("atoms {} and {} have FENE but do not repel", i, j));
-      }
-      for (const auto& pair : fene) said[pair] = {0, 0};  // fene has the repulsion itself
+  // harmonic is K(|φ| − χ₀)², a spring of φ where χ₀ is 0 or 180 degrees.
+  void add_impropers() {
+    for (const auto& [i, j, k, l, angle, stiffness] : scene_.terms.harmonic_torsions) {
+      const double chi = std::abs(degrees(angle));
+      if (chi > 1e-9 && std::abs(chi - 180) > 1e-9)
+        refuse_for_lammps(fmt::format(
+            "a harmonic torsion of {:.6g} degrees, neither 0 nor 180; dihedral_style quadratic of its "
+            "package EXTRA-MOLECULE has it",
+            degrees(angle)));
+      impropers_.add("harmonic", fmt::format("{:.17g} {:.0f}", stiffness / 2, chi), {i, j, k, l});
     }
-    if (const auto& tables = scene_.terms.tabulated_pairs; tables && !nb)
-      for (const auto& [i, j] : tables->exclusions) said[std::minmax(i, j)].first = 0;
-    if (!nb && !scene_.terms.wca && !scene_.terms.tabulated_pairs) return;
-    Molecule all;
-    all.system = scene_.system;
-    all.terms.bonds = scene_.terms.bonds;
-    all.terms.fene = scene_.terms.fene;
-    all.terms.tabulated_bonds = scene_.terms.tabulated_bonds;
-    std::array<std::optional<double>, 3> lj, coulomb;
-    const auto see = [](std::optional<double>& factor, double value, const NearPair& pair) {
-      if (value == kEither) return;
-      if (factor && std::abs(*factor - value) > 1e-9)
-        refuse(fmt::format("pairs {} bonds apart are not all scaled alike (atoms {} and {})", pair.apart,
-                           pair.i, pair.j));
-      factor = value;
-    };
-    for (const NearPair& pair : list_near_pairs(all, 3)) {
-      const auto found = said.find(std::minmax(pair.i, pair.j));
-      see(lj[pair.apart - 1], found == said.end() ? 1 : found->second.first, pair);
-      see(coulomb[pair.apart - 1], found == said.end() ? 1 : found->second.second, pair);
-      if (found != said.end()) said.erase(found);
-    }
-    if (!said.empty())
-      refuse(
-          fmt::format("atoms {} and {} have a pair force of their own, and are more than three bonds apart",
-                      said.begin()->first.first, said.begin()->first.second));
-    for (int k = 0; k < 3; ++k)
-      special_lj_[k] = lj[k].value_or(1), special_coulomb_[k] = coulomb[k].value_or(1);
   }
 
   double charge(int a) const {
+    if (water_ && water_->site_of[a] >= 0) a = water_->site_of[a];
     return scene_.terms.nonbonded ? scene_.terms.nonbonded->charge[a] * std::sqrt(kCoulomb) : 0;
   }
 
@@ -203,16 +181,16 @@ class Writer {
     const Vectors& x = scene_.start.x;
     std::string to =
         fmt::format("LAMMPS data file of taut: {}; units lj of 1 nm, 1 kJ/mol, 1 u\n\n", scene_.name);
-    to += fmt::format("{} atoms\n{} atom types\n", sys.atoms(), first_of_type_.size());
-    for (const auto& [name, list] :
-         {std::pair{"bond", &bonds_}, {"angle", &angles_}, {"dihedral", &dihedrals_}})
+    to +=
+        fmt::format("{} atoms\n{} atom types\n", sys.atoms() - std::ssize(sys.sites), first_of_type_.size());
+    for (const auto& [name, list] : {std::pair{"bond", &bonds_},
+                                     {"angle", &angles_},
+                                     {"dihedral", &dihedrals_},
+                                     {"improper", &impropers_}})
       to += fmt::format("{0} {1}s\n{2} {1} types\n", list->count(), name, list->types());
     const Box& box = scene_.start.box;
-    Vec3 lower = Vec3::Zero(), upper = box.edge;
-    if (!box.periodic()) {
-      lower = x.rowwise().minCoeff().array() - 1;
-      upper = x.rowwise().maxCoeff().array() + 1;
-    }
+    const Vec3 lower = lower_corner(scene_);
+    const Vec3 upper = box.periodic() ? Vec3(lower + box.edge) : Vec3(x.rowwise().maxCoeff().array() + 1);
     to += "\n";
     for (int d = 0; d < 3; ++d)
       to += fmt::format("{:.17g} {:.17g} {}lo {}hi\n", lower[d], upper[d], "xyz"[d], "xyz"[d]);
@@ -220,12 +198,14 @@ class Writer {
       to += fmt::format("{:.17g} {:.17g} {:.17g} xy xz yz\n", box.tilt[0], box.tilt[1], box.tilt[2]);
     to += "\nMasses\n\n";
     for (std::size_t t = 0; t < first_of_type_.size(); ++t)
-      to += fmt::format("{} {:.17g}\n", t + 1, sys.mass[first_of_type_[t]]);
+      to += fmt::format("{} {:.17g}\n", t + 1,
+                        sys.is_anchor(first_of_type_[t]) ? kLammpsAnchorMass : sys.mass[first_of_type_[t]]);
     to += pair_coefficients();
     const std::vector<int> molecule = molecules(sys, scene_.terms);
     to += "\nAtoms # full\n\n";
     for (int a = 0; a < sys.atoms(); ++a) {
-      const Vec3 cell = box.periodic() ? box.cell_of(x.col(a), std::floor) : Vec3::Zero();
+      if (type_[a] < 0) continue;
+      const Vec3 cell = box.periodic() ? box.cell_of(x.col(a) - lower, std::floor) : Vec3::Zero();
       const Vec3 at = x.col(a) - (box.periodic() ? box.lattice_vector(cell) : Vec3::Zero());
       to += fmt::format("{} {} {} {:.17g} {:.17g} {:.17g} {:.17g} {:.0f} {:.0f} {:.0f}\n", a + 1,
                         molecule[a] + 1, type_[a] + 1, charge(a), at.x(), at.y(), at.z(), cell.x(), cell.y(),
@@ -234,6 +214,7 @@ class Writer {
     if (!scene_.start.v.isZero(0)) {
       to += "\nVelocities\n\n";
       for (int a = 0; a < sys.atoms(); ++a) {
+        if (type_[a] < 0) continue;
         const Vec3 v = scene_.start.v.col(a);
         to += fmt::format("{} {:.17g} {:.17g} {:.17g}\n", a + 1, v.x(), v.y(), v.z());
       }
@@ -241,6 +222,7 @@ class Writer {
     bonds_.write("Bonds", "Bond Coeffs", to);
     angles_.write("Angles", "Angle Coeffs", to);
     dihedrals_.write("Dihedrals", "Dihedral Coeffs", to);
+    impropers_.write("Impropers", "Improper Coeffs", to);
     return to;
   }
 
@@ -252,32 +234,20 @@ class Writer {
     if (!nonbonded) return tables ? "pair_style " + table_style + "\n" : "pair_style zero 1.0\n";
     const double cutoff = nonbonded->cutoff.value_or(1e3);
     const bool charged = !nonbonded->charge.isZero(0);
-    std::string lines =
-        tables     ? fmt::format("pair_style hybrid lj/cut {:.17g} {}\n", cutoff, table_style)
-        : !charged ? fmt::format("pair_style lj/cut {:.17g}\n", cutoff)
-        : nonbonded->pme
-            ? fmt::format("pair_style lj/cut/coul/long {:.17g}\nkspace_style pppm 1e-5\n", cutoff)
-            : fmt::format("pair_style lj/cut/coul/cut {:.17g}\n", cutoff);
+    constexpr double kForceError = 1e-5 * kCoulomb / 0.01;  // [kJ/mol/nm], of unit charges 1 Å apart
+    std::string lines = tables     ? fmt::format("pair_style hybrid lj/cut {:.17g} {}\n", cutoff, table_style)
+                        : !charged ? fmt::format("pair_style lj/cut {:.17g}\n", cutoff)
+                        : water_   ? fmt::format(
+                                         "pair_style lj/cut/tip4p/long {} {} {} {} {:.17g} "
+                                           "{:.17g}\nkspace_style pppm/tip4p {:.4g}\n",
+                                         type_[water_->oxygen] + 1, type_[water_->oxygen + 1] + 1, water_bond_,
+                                         water_angle_, water_->distance, cutoff, kForceError)
+                        : nonbonded->pme
+                            ? fmt::format("pair_style lj/cut/coul/long {:.17g}\nkspace_style pppm {:.4g}\n",
+                                          cutoff, kForceError)
+                            : fmt::format("pair_style lj/cut/coul/cut {:.17g}\n", cutoff);
     if (nonbonded->dispersion_correction) lines += "pair_modify tail yes\n";
     return lines;
-  }
-
-  // True where two atoms have Lennard-Jones by types, or a table of energies.
-  bool acts_by_table(int i, int j) const {
-    if (table_of(i, j)) return true;
-    const auto& nb = scene_.terms.nonbonded;
-    if (!nb || !nb->lj_table) return false;
-    const auto& [type, a, b] = *nb->lj_table;
-    return a(type[i], type[j]) != 0 || b(type[i], type[j]) != 0;
-  }
-
-  // The table between two types of atoms; null: none.
-  const Spline* table_of(int i, int j) const {
-    const auto& pairs = scene_.terms.tabulated_pairs;
-    if (!pairs) return nullptr;
-    for (const auto& [one, two, energy] : pairs->potentials)
-      if (std::minmax(pairs->kind[i], pairs->kind[j]) == std::minmax(one, two)) return energy.get();
-    return nullptr;
   }
 
   // σ and ε of every two types, or their table.
@@ -291,12 +261,12 @@ class Writer {
     for (std::size_t s = 0; s < first_of_type_.size(); ++s)
       for (std::size_t t = s; t < first_of_type_.size(); ++t) {
         const int i = first_of_type_[s], j = first_of_type_[t];
-        if (const Spline* table = table_of(i, j)) {
+        if (const Spline* table = table_between(scene_.terms, i, j)) {
           lines += fmt::format("{} {} {}{} {:.17g}\n", s + 1, t + 1, both ? "table " : "",
                                tables_.add(LammpsTables::kPair, *table), table->last());
           continue;
         }
-        if (!nonbonded && !wca) refuse("some pairs by tables and others that do not act");
+        if (!nonbonded && !wca) refuse_for_lammps("some pairs by tables and others that do not act");
         double sigma = 1, epsilon = 0;
         if (wca) {
           sigma = wca->sigma, epsilon = wca->epsilon;
@@ -318,48 +288,52 @@ class Writer {
     const Terms& terms = scene_.terms;
     const RunSettings& run = scene_.run;
     std::string to = describe_differences(scene_) + "units lj\natom_style full\n";
-    if (!scene_.start.box.periodic()) to += "boundary s s s\n";
-    to += fmt::format("special_bonds lj {} {} {} coul {} {} {}\n", special_lj_[0], special_lj_[1],
-                      special_lj_[2], special_coulomb_[0], special_coulomb_[1], special_coulomb_[2]);
-    for (const auto& [name, list] :
-         {std::pair{"bond", &bonds_}, {"angle", &angles_}, {"dihedral", &dihedrals_}})
+    if (!scene_.start.box.periodic()) to += "boundary m m m\n";
+    to += fmt::format("special_bonds lj {} {} {} coul {} {} {}\n", special_.lj[0], special_.lj[1],
+                      special_.lj[2], special_.coulomb[0], special_.coulomb[1], special_.coulomb[2]);
+    for (const auto& [name, list] : {std::pair{"bond", &bonds_},
+                                     {"angle", &angles_},
+                                     {"dihedral", &dihedrals_},
+                                     {"improper", &impropers_}})
       if (!list->empty()) to += fmt::format("{}_style {}\n", name, list->whole_style());
     to += fmt::format("{}read_data {}\n", pair_lines(), data_name_);
     if (!terms.nonbonded && !terms.wca && !terms.tabulated_pairs) to += "pair_coeff * *\n";
     to += fmt::format("neighbor {:.4g} bin\nneigh_modify every 1 delay 0 check yes\ntimestep {:.17g}\n",
                       terms.wca ? 0.3 * terms.wca->sigma : 0.2, run.h());
+    const LammpsOuterForces outer = outer_forces(scene_, first_of_type_);
+    to += outer.groups;
     if (run.temperature_k > 0 && scene_.start.v.isZero(0))
-      to += fmt::format("velocity all create {:.17g} {} loop geom\n", kBoltzmann * run.temperature_k,
-                        run.seed + 1);
-    to += "thermo 100\nfix integrate all nve\n";
-    if (run.thermostatted()) to += bath();
+      to += fmt::format("velocity {} create {:.17g} {} loop geom\n", outer.moving,
+                        kBoltzmann * run.temperature_k, run.seed + 1);
+    to += fmt::format("thermo 100\nfix integrate {} nve\n{}", outer.moving, outer.fixes);
+    if (run.thermostatted()) to += bath(outer.moving);
     if (!rigid_.empty()) {
       to += "fix hold all taut feedforward b";
       for (const int type : rigid_) to += fmt::format(" {}", type);
-      to += "\n";
+      to += outer.fixed + "\n";
     }
     return to + fmt::format("# run {}\n", run.steps);
   }
 
-  std::string bath() const {
+  std::string bath(const std::string& moving) const {
     const RunSettings& run = scene_.run;
     const auto fix = [&](const char* style, double time) {
-      return fmt::format("fix bath all {0} {1:.17g} {1:.17g} {2:.6g} {3}\n", style,
-                         kBoltzmann * run.temperature_k, time, run.seed + 1);
+      return fmt::format("fix bath {4} {0} {1:.17g} {1:.17g} {2:.6g} {3}\n", style,
+                         kBoltzmann * run.temperature_k, time, run.seed + 1, moving);
     };
-    if (run.langevin()) return fix("langevin", 1 / run.friction_per_ps);
+    if (run.langevin()) return run.friction_per_ps > 0 ? fix("langevin", 1 / run.friction_per_ps) : "";
     return fix("temp/csvr", run.thermostat_ps) + "# without EXTRA-FIX: " + fix("langevin", run.thermostat_ps);
   }
 
-  static constexpr double kEither = -1;  // a factor of what is zero anyway
-
   const Scene& scene_;
   const std::string data_name_;
-  std::vector<int> type_, first_of_type_;  // of each atom, from 0; the first atom of each
-  TermList bonds_, angles_, dihedrals_;
+  const std::optional<FourSiteWater> water_;
+  int water_bond_ = 0, water_angle_ = 0;   // types, of an OH bond and of HOH
+  std::vector<int> type_, first_of_type_;  // of each atom, from 0, and −1 of sites; the first atom of each
+  TermList bonds_, angles_, dihedrals_, impropers_;
   std::set<int> rigid_;  // types of bonds
   LammpsTables tables_;
-  std::array<double, 3> special_lj_ = {1, 1, 1}, special_coulomb_ = {1, 1, 1};
+  SpecialBonds special_;
 };
 
 }  // namespace

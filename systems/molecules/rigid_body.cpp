@@ -5,7 +5,6 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
-#include <functional>
 #include <numbers>
 
 #include "base/errors.hpp"
@@ -95,7 +94,6 @@ void exclude_all_pairs(Nonbonded& pairs, int atoms) {
 VirtualSites read_sites(RowReader& rows, const Eigen::VectorXd& mass) {
   VirtualSites sites;
   std::vector<bool> is_site(static_cast<std::size_t>(mass.size()));
-  std::vector<std::function<void(const std::string&)>> fail;  // of each site, at its row
   const auto add = [&](const char* key, const Row& row, VirtualSite site) {
     if (mass[site.atom] != 0)
       rows.fail(
@@ -107,7 +105,6 @@ VirtualSites read_sites(RowReader& rows, const Eigen::VectorXd& mass) {
       rows.fail(key, row, fmt::format("atom {} is a virtual site already", site.atom));
     is_site[static_cast<std::size_t>(site.atom)] = true;
     sites.push_back(std::move(site));
-    fail.emplace_back([&rows, key, row](const std::string& message) { rows.fail(key, row, message); });
   };
   const char* two = "virtual sites [s, i, j, a], of mass 0: atom s is at (1 − a) x_i + a x_j";
   for (const Row& row : rows.read("virtual_sites2", 3, 1, two)) {
@@ -129,11 +126,6 @@ VirtualSites read_sites(RowReader& rows, const Eigen::VectorXd& mass) {
     const auto& [s, i, j, k] = row.atom;
     add("virtual_sites3out", row, VirtualSite::out_of_plane(s, i, j, k, Vec3(row.number)));
   }
-  for (std::size_t n = 0; n < sites.size(); ++n)
-    for (const auto& parent : sites[n].parents)
-      if (is_site[static_cast<std::size_t>(parent.atom)])
-        fail[n](fmt::format("its parent, atom {}, is a virtual site itself; expected an atom that is none",
-                            parent.atom));
   return sites;
 }
 

@@ -61,10 +61,12 @@ void read_cmap(const Reading& r) {
 void read_barostat(const Reading& r) {
   double pressure = 0, temperature = 0;
   int every = 0;
-  r.read({{"pressure", &pressure},
-          {"temperature", &temperature},
-          {"frequency", Field::Integer{&every, 0, std::numeric_limits<int>::max()}}},
-         {"randomSeed", "rigidScaling"});
+  bool rigid_scaling = true;
+  std::vector<Field> fields = {{"pressure", &pressure},
+                               {"temperature", &temperature},
+                               {"frequency", Field::Integer{&every, 0, std::numeric_limits<int>::max()}}};
+  if (r.force.has_attribute("rigidScaling")) fields.push_back({"rigidScaling", &rigid_scaling});
+  r.read(fields, {"randomSeed"});
   r.force.check_parts({});
   pressure = r.context.declare(r.force, "MonteCarloPressure", pressure);
   r.context.declare(r.force, "MonteCarloTemperature", temperature);
@@ -72,6 +74,10 @@ void read_barostat(const Reading& r) {
   r.to.barostat = {pressure, every};
   r.to.notes.push_back(fmt::format(
       "({:g} bar, every {} steps) acts where run.thermostat is said, at run.temperature_k", pressure, every));
+  if (!rigid_scaling)
+    r.to.notes.emplace_back(
+        "has rigidScaling=\"0\", which scales atoms one by one: taut scales what rigid bonds connect as a "
+        "whole, to the same pressure");
 }
 
 void read_particles(const Reading& r, Nonbonded& t) {

@@ -6,6 +6,7 @@
 #include <deque>
 
 #include "base/errors.hpp"
+#include "files/text_file.hpp"
 #include "forcefield/bonded/tabulated.hpp"
 #include "forcefield/check_terms.hpp"
 #include "forcefield/term_lists.hpp"
@@ -284,9 +285,9 @@ OpenMMInput read_openmm(const std::filesystem::path& system_xml, const std::file
 
 namespace {
 
-// Returns "water" for "water.system.xml".
+// Returns "water" for "water.system.xml", and for the same compressed.
 std::string scene_name(const std::filesystem::path& file) {
-  const std::filesystem::path stem = file.stem();
+  const std::filesystem::path stem = without_compression(file).stem();
   return (stem.extension() == ".system" ? stem.stem() : stem).string();
 }
 

@@ -3,19 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 
 #include "base/errors.hpp"
+#include "files/text_file.hpp"
 
 namespace taut {
 namespace {
 
-constexpr std::size_t kMostBytes = std::size_t(4) << 30;      // enough for ten million atoms
-constexpr std::size_t kLargestPiece = std::size_t(16) << 20;  // that is read at once
 constexpr int kDeepest = 32;  // OpenMM's files have 7 levels, a few more with nested integrators
 
 std::string shown(std::string_view value) {
@@ -38,28 +35,6 @@ bool parses(const char* text, T& value) {
   return error == std::errc() && stop == end;
 }
 
-// Returns the text of a file, up to its first character 0 and the piece around it: a device such as /dev/zero
-// has no end.
-std::string contents_of(const std::filesystem::path& path, const Listen& listen) {
-  const auto refuse = [&](const std::string& why) {
-    throw InputError(on_one_line(fmt::format("{}: {}", path.string(), why)));
-  };
-  if (std::filesystem::is_directory(path)) refuse("cannot be read: is a folder");
-  std::ifstream in(path, std::ios::binary);
-  if (!in) refuse(fmt::format("cannot be read: {}", std::strerror(errno)));
-  std::string text;
-  while (in && text.size() <= kMostBytes) {
-    hear(listen);
-    const std::size_t before = text.size(), piece = std::clamp<std::size_t>(before, 1 << 16, kLargestPiece);
-    text.resize(before + piece);
-    in.read(text.data() + before, static_cast<std::streamsize>(piece));
-    text.resize(before + static_cast<std::size_t>(in.gcount()));
-    if (text.find('\0', before) != text.npos) return text;
-  }
-  if (in.bad()) refuse("cannot be read to its end");
-  return text;
-}
-
 bool contains(const std::vector<std::string_view>& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
@@ -67,11 +42,11 @@ bool contains(const std::vector<std::string_view>& names, std::string_view name)
 }  // namespace
 
 XmlFile::XmlFile(const std::filesystem::path& path, const std::string& type, const Listen& listen)
-    : XmlFile(path, contents_of(path, listen), type, listen) {}
+    : XmlFile(path, whole_text(path, listen), type, listen) {}
 
 XmlFile::XmlFile(std::filesystem::path path, std::string text, const std::string& type, const Listen& listen)
     : path_(std::move(path)), text_(std::move(text)), listen_(listen) {
-  if (text_.size() > kMostBytes) refuse(fmt::format("is over {} GiB, expected less", kMostBytes >> 30));
+  if (text_.size() > kLongestText) refuse(fmt::format("is over {} GiB, expected less", kLongestText >> 30));
   if (const auto at = text_.find('\0'); at != text_.npos)
     refuse_at(static_cast<std::ptrdiff_t>(at), "not whole XML: a character 0");
 
