@@ -71,10 +71,10 @@ void print(const Scene& scene, const CalibrateArguments& arguments, const Calibr
       plan.copies == "slowest" ? "where its sweeps leave most"
       : plan.copies == "first" ? "its first"
                                : fmt::format("over {} steps", c.window));
-  say("baumgarte, {} damping, {} a step, does so with\n"
+  say("baumgarte, {} law, does so with\n"
       "  alpha_per_ps = {:.6g}   beta_per_ps = {:.6g}   (αh = {:.4g}, βh = {:.4g}), that is\n  {}\n\n",
-      plan.damping, plan.passes == 1 ? "1 solve" : fmt::format("{} solves", plan.passes), c.alpha_per_ps,
-      c.beta_per_ps, c.alpha_per_ps * h, c.beta_per_ps * h, run_line(arguments, c));
+      plan.damping, c.alpha_per_ps, c.beta_per_ps, c.alpha_per_ps * h, c.beta_per_ps * h,
+      run_line(arguments, c));
   say("{:34} {:>10} {:>10}\n", "", "predicted", "measured");
   const auto row = [](const char* what, double predicted, double measured) {
     say("{:34} {:>10.4g} {:>10.4g}\n", what, predicted, measured);
@@ -104,8 +104,7 @@ void calibrate_scene(const CalibrateArguments& arguments) {
        {{"name", "baumgarte"},
         {"gains", c.method.gains},
         {"damping", c.method.damping},
-        {"reduction", c.method.reduction},
-        {"passes", c.method.passes}}},
+        {"reduction", c.method.reduction}}},
       {"run", run_line(arguments, c)},
   };
   for (const auto& [name, value] : figures_of(c)) json[name] = value;
@@ -136,7 +135,6 @@ void add_calibrate(Commands& commands) {
   command.option("--copies", arguments->plan.copies,
                  "mean, first or slowest: what of an error's course gains copy where steps are not alike");
   command.option("--damping", arguments->plan.damping, "discrete, centred, implicit or lagged");
-  command.option("--passes", arguments->plan.passes, "solves a step of Baumgarte's").positive();
   arguments->scene.offer_settings(command);
   command.option("--json", arguments->json, "write the figures there; -: print them alone");
   command.flag("--overwrite", arguments->overwrite, "though there is such a file");

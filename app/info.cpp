@@ -68,7 +68,7 @@ std::vector<std::string> forces_of(const Scene& scene) {
 
 // "216 molecules of 3 atoms".
 std::vector<std::string> molecules_of(const Scene& scene) {
-  const Temperatures types(scene.system, scene.terms, scene.start.x, true, false);
+  const Temperatures types(scene.system, scene.terms, scene.start.x, true);
   std::vector<std::string> names;
   for (const MoleculeType& type : types.types()) names.push_back(type.name);
   return names;

@@ -74,7 +74,8 @@ std::string row(const Plan& plan) {
   Simulation simulation(scene_of(plan));
   const Scene& scene = simulation.scene();
   const System& sys = scene.system;
-  Temperatures temperatures(sys, scene.terms, simulation.state().x, true, simulation.dof().momentum_fixed);
+  Temperatures temperatures(sys, scene.terms, simulation.state().x, true,
+                            {RigidMotions::Which::kTranslations, sys, simulation.state().x});
   Histogram histogram(scene.run.temperature_k);
   Barometer barometer(sys);
   ForceField forces(sys, scene.start.box, scene.terms);

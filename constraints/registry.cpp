@@ -9,7 +9,6 @@
 #include "base/errors.hpp"
 #include "base/nearest_name.hpp"
 #include "constraints/batch/batched_baumgarte.hpp"
-#include "constraints/batch/batched_feedforward.hpp"
 #include "constraints/batch/batched_lincs.hpp"
 #include "constraints/batch/batched_newton.hpp"
 #include "constraints/batch/batched_sweeps.hpp"
@@ -20,7 +19,7 @@
 namespace taut {
 namespace {
 
-// Baumgarte's law without gains, σ̈ = 0: nothing reduces an error, and bond lengths drift as t².
+// Baumgarte's law without gains, σ̈ = 0 as textbooks take it: nothing reduces an error, and bond lengths drift as t².
 struct WithoutGains {
   std::vector<Option> describe() { return {}; }
   operator Baumgarte::Options() const {
@@ -55,9 +54,9 @@ std::list<MethodEntry>& list() {
           "none", "constrained accelerations alone, no correction: shows the drift")),
       entry<Penalty>("penalty", "stiff springs in place of rigid bonds"),
       also_one_sided(in_lanes<Baumgarte>(
-          "baumgarte", "feedback on the bond error in the acceleration, one linear solve a step")),
-      in_lanes<Feedforward>("feedforward",
-                            "Baumgarte with its truncation fed forward, mostly one linear solve a step"),
+          "baumgarte", "a bond error decays by a law of α and β, mostly one linear solve a step")),
+      entry<Baumgarte, Batched<Baumgarte>, Feedforward::Options>(
+          "feedforward", "baumgarte with dead-beat gains: an error is gone in two steps"),
       also_one_sided(in_lanes<Shake>("shake", "sweeps over the bonds, positions only")),
       also_one_sided(in_lanes<Rattle>("rattle", "sweeps over the bonds, positions and velocities")),
       also_one_sided(in_lanes<Newton>("newton", "RATTLE by a direct solve of all bonds at once")),

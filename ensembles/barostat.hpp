@@ -10,11 +10,26 @@ namespace taut {
 // The forces of a run, with what evaluating them gave besides. Barostats ask it for the virial.
 struct RunForces final : ForceLaw {
   explicit RunForces(ForceField its_field) : field(std::move(its_field)) {}
-  void evaluate(const System& sys, State& s) override { field.evaluate(sys, s, besides, listen); }
+  void evaluate(const System& sys, State& s) override {
+    field.evaluate(sys, s, besides, listen);
+    if (holds_centre) take_out_net_force(sys, s.f);
+  }
 
+  // The atoms that move get no common acceleration: their centre stays, by a force on it that does no work. To take
+  // momentum out after it came, step by step, lets the centre slide down its potential and cools what pushes it.
+  bool holds_centre = false;
   Listen listen{};  // while a start is made, whose pair lists take long
   ForceField field;
   ForceField::Evaluation besides;  // where the forces were evaluated last
+
+ private:
+  static void take_out_net_force(const System& sys, Vectors& f) {
+    Vec3 acceleration = Vec3::Zero();
+    for (int a = 0; a < sys.atoms(); ++a)
+      if (sys.mass[a] > 0) acceleration += f.col(a);
+    acceleration /= sys.mass.sum();
+    for (int a = 0; a < sys.atoms(); ++a) f.col(a) -= sys.mass[a] * acceleration;
+  }
 };
 
 // What a barostat is told. What it moves, it moves where a step has drifted and evaluates its forces next:

@@ -37,17 +37,10 @@ double Ensemble::after_step(const System& sys, double h, State& s) {
   if (thermostat) heat += in_part(StepPart::kThermostat, [&] { return thermostat->after_step(sys, h, s); });
   ++steps_;
   if (remove_momentum_every > 0 && steps_ % remove_momentum_every == 0)
-    heat += in_part(StepPart::kThermostat, [&] { return take_momentum_out(sys, s); });
+    in_part(StepPart::kThermostat, [&] { remove_momentum(sys, s.v); });  // what rounding left
   if (barostat) heat += barostat->after_step(sys, h, s);
   meter.add_heat(heat);
   return heat;
-}
-
-// The momentum P has |P|²/2M of the kinetic energy.
-double Ensemble::take_momentum_out(const System& sys, State& s) {
-  const double mass = sys.mass.sum(), squares = momentum(sys, s.v).squaredNorm();
-  remove_momentum(sys, s.v);
-  return mass > 0 ? -squares / (2 * mass) : 0;
 }
 
 void Ensemble::serialize(Archive& archive) {

@@ -49,7 +49,6 @@ class Ensemble final : public Bath {
 
  private:
   void follow_temperature(double t);
-  double take_momentum_out(const System& sys, State& s);
 
   long steps_ = 0;
 };

@@ -155,21 +155,25 @@ void FixTaut::refuse_changed_bonds() const {
   }
 }
 
-// Held bonds that the list of bonds does not have any more. With newton on, a bond is listed once.
+// Held bonds that the list of bonds does not have any more. Both their atoms know of them, unless one was deleted; with
+// newton on a bond is listed once.
 void FixTaut::refuse_lost_bonds() const {
-  double ends = 0, listed = 0;
+  double held = 0, listed = 0;
   for (int i = 0; i < atom->nlocal; ++i)
     for (const taut::HeldBond& bond : held_.of(i)) {
       if (!bond.kind.is_bond()) continue;
-      ends += force->newton_bond ? 0.5 : 1;
-      for (int m = 0; m < atom->num_bond[i]; ++m) listed += atom->bond_atom[i][m] == bond.partner;
+      const bool whole = atom->map(bond.partner) >= 0;
+      held += whole ? 0.5 : 1;
+      if (!whole) continue;
+      for (int m = 0; m < atom->num_bond[i]; ++m)
+        if (atom->bond_atom[i][m] == bond.partner) listed += force->newton_bond ? 1 : 0.5;
     }
-  const double lost = all_sum(ends) - all_sum(listed);
+  const double lost = all_sum(held) - all_sum(listed);
   if (std::abs(lost) > 0.25)
     refuse(fmt::format(
-        "{:g} held bonds are not in the list of bonds any more; define fix taut again after bonds are "
+        "{:g} held bond{} not in the list of bonds any more; define fix taut again after bonds are "
         "deleted",
-        lost));
+        lost, lost == 1 ? " is" : "s are"));
 }
 
 void FixTaut::refuse_changed_lengths() {
@@ -185,19 +189,18 @@ void FixTaut::post_run() {
 }
 
 void FixTaut::warn_of_residual(double residual) {
-  constexpr double kFar = 100, kBaumgarte = 1e-4;
-  const std::string_view method = keys_.method.name();
-  if (method == "none" || warned_of_residual_) return;
-  const double bound = method == "feedforward" ? std::max(kFar * keys_.tolerance(), 1e-10) : kBaumgarte;
+  constexpr double kFar = 100;
+  const double promised = solve_->promised_error();
+  if (!std::isfinite(promised) || warned_of_residual_) return;  // nothing is promised
+  const double bound = std::max({promised, kFar * keys_.tolerance(), 1e-10});
   if (!(residual > bound)) return;
   warned_of_residual_ = true;
   if (comm->me == 0)
     error->warning(
         FLERR,
-        fmt::format("Fix taut {}, step {}: held bonds are off by {:.2g} of their length; {}every held atom "
+        fmt::format("Fix taut {}, step {}: held bonds are off by {:.2g} of their length; every held atom "
                     "must be moved by velocity Verlet (nve, nvt, npt), or be in the group of `fixed`",
-                    id, update->ntimestep, residual,
-                    method == "baumgarte" ? "a shorter step or feedforward leaves less; " : ""));
+                    id, update->ntimestep, residual));
 }
 
 }  // namespace LAMMPS_NS

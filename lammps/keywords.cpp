@@ -7,7 +7,7 @@
 
 #include "base/errors.hpp"
 #include "base/nearest_name.hpp"
-#include "constraints/methods/feedforward.hpp"
+#include "constraints/methods/baumgarte.hpp"
 
 namespace taut {
 namespace {
@@ -141,8 +141,9 @@ class Reader {
 }  // namespace
 
 double Keywords::tolerance() const {
-  const auto* options = method.get_if<Feedforward::Options>();
-  return options ? options->tolerance : Feedforward::Options{}.tolerance;
+  if (const auto* options = method.get_if<Feedforward::Options>()) return options->tolerance;
+  if (const auto* options = method.get_if<Baumgarte::Options>()) return options->tolerance;
+  return Baumgarte::Options{}.tolerance;
 }
 
 Keywords read_keywords(const std::vector<std::string>& words, const TypeCounts& types) {

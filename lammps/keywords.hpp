@@ -27,7 +27,7 @@ struct Keywords {
   int overlap = 8;          // bonds solved beyond a processor's own, at most
   int exchanges = -1;  // of multipliers with neighbours in a step, besides; less than 0: as many as needed
 
-  double tolerance() const;  // what cuts may leave of bonds, |σ|/d²: the method's, or feedforward's default
+  double tolerance() const;  // what cuts may leave of bonds, |σ|/d²: the method's, or baumgarte's default
 };
 
 // What follows the style's name. Throws InputError.

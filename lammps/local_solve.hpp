@@ -16,8 +16,8 @@ namespace taut {
 // `constraints`.
 //
 // feedforward needs of its atoms where they would go without constraint forces, δ = h v + κ M⁻¹f with κ = h²
-// (the first time ½h²): it is given v = δ/h and no forces, and what comes out are the constraint forces.
-// Baumgarte needs v and f.
+// (the first time ½h²): it is given v = δ/h and no forces, and what comes out are the constraint forces. With
+// other gains Baumgarte's law needs v and f, since it asks where bonds came from, too.
 //
 // A bond that ends where this processor's part does is pulled on by the next bond beyond, with λ r: its
 // multiplier is a guess from what its own processor has found in the steps before.
@@ -32,6 +32,7 @@ class LocalSolve {
   bool feedforward() const { return feedforward_; }
   const Vectors& outer_r() const { return outer_r_; }
   const Eigen::VectorXd& lambda() const { return method_->lambda(); }
+  double promised_error() const { return method_->promised_error(); }
 
   // The past of multipliers, from the atoms and to them. `known`: how many steps of it count.
   void load_past(int known);

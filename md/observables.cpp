@@ -25,13 +25,12 @@ void remove_momentum(const System& sys, Vectors& v) {
     if (sys.mass[i] > 0) v.col(i) -= drift;
 }
 
-DegreesOfFreedom degrees_of_freedom(const System& sys, int rank, bool momentum_fixed) {
-  const int mobile = static_cast<int>((sys.mass.array() > 0).count());
-  return {mobile, rank, momentum_fixed && sys.anchors() == 0};
+DegreesOfFreedom degrees_of_freedom(const System& sys, int rank, int fixed) {
+  return {static_cast<int>((sys.mass.array() > 0).count()), rank, fixed};
 }
 
 std::string DegreesOfFreedom::sum() const {
-  return fmt::format("3·{} − {}{} = {}", mobile, rank, momentum_fixed ? " − 3" : "", total());
+  return fmt::format("3·{} − {}{} = {}", mobile, rank, fixed > 0 ? fmt::format(" − {}", fixed) : "", total());
 }
 
 double temperature(double kinetic, int dof) {

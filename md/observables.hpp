@@ -13,18 +13,18 @@ Vec3 momentum(const System& sys, const Vectors& v);          // Σ m v [u·nm/ps
 // in an anchor: the anchor takes up momentum, and the atoms it holds would be pushed along their bonds.
 void remove_momentum(const System& sys, Vectors& v);
 
-// 3·mobile − rank(bonds) − 3 if the momentum is held at zero.
+// 3·mobile − rank(bonds) − momenta that are held at zero.
 struct DegreesOfFreedom {
-  int mobile = 0;               // atoms that can move
-  int rank = 0;                 // independent bonds
-  bool momentum_fixed = false;  // total momentum removed, or conserved from zero
+  int mobile = 0;  // atoms that can move
+  int rank = 0;    // independent bonds
+  int fixed = 0;   // momenta removed, or conserved from zero (md/rigid_motions.hpp)
 
-  int total() const { return 3 * mobile - rank - (momentum_fixed ? 3 : 0); }
+  int total() const { return 3 * mobile - rank - fixed; }
   std::string sum() const;  // "3·648 − 648 − 3 = 1293"
 };
 
-// `momentum_fixed` has no effect in a system with anchors, which take up momentum.
-DegreesOfFreedom degrees_of_freedom(const System& sys, int rank, bool momentum_fixed);
+DegreesOfFreedom degrees_of_freedom(const System& sys, int rank, int fixed);
+DegreesOfFreedom degrees_of_freedom(const System& sys, int rank, bool fixed) = delete;  // how many?
 
 double temperature(double kinetic, int dof);  // 2E/(dof·k) [K]; 0 for no degrees of freedom
 

@@ -16,8 +16,7 @@ import openmm
 
 FOLDER = Path(__file__).parent
 SITE = Path(openmm.__file__).parents[1]
-FEEDFORWARD = {"FEEDFORWARD": "1", "TOLERANCE": "(mixed) 1e-10", "MOST_SOLVES": "2"}
-BAUMGARTE = {"PASSES": "1", "DISCRETE": "1", "CENTRED": "1"}
+LAW = {"TOLERANCE": "(mixed) 1e-10", "MOST_SOLVES": "2"}
 SHAPES = {  # its bonds
     "free atom": [],
     "OH": [(0, 1)],
@@ -90,17 +89,16 @@ def kernels():
     text = sources()
     yield "drift", text["kDriftSource"], {"LANGEVIN": "1"}
     for name, bonds in SHAPES.items():
-        for method, law in (("feedforward", FEEDFORWARD), ("baumgarte", BAUMGARTE)):
-            for bath in ({}, {"LANGEVIN": "1"}):
-                if bonds is None:
-                    source, shape = "kGroupSource", {"GROUP": "256"}
-                else:
-                    source = "kHoldSource"
-                    first, second = (", ".join(str(bond[end]) for bond in bonds) for end in (0, 1))
-                    atoms = 1 + max((max(bond) for bond in bonds), default=0)
-                    shape = {"ATOMS": str(atoms), "BONDS": str(len(bonds)), "FIRST": first, "SECOND": second}
-                yield (f"{name}, {method}{', Langevin' if bath else ''}", text["kLawSource"] + text[source],
-                       {**law, **bath, **shape})
+        for bath in ({}, {"LANGEVIN": "1"}):
+            if bonds is None:
+                source, shape = "kGroupSource", {"GROUP": "256"}
+            else:
+                source = "kHoldSource"
+                first, second = (", ".join(str(bond[end]) for bond in bonds) for end in (0, 1))
+                atoms = 1 + max((max(bond) for bond in bonds), default=0)
+                shape = {"ATOMS": str(atoms), "BONDS": str(len(bonds)), "FIRST": first, "SECOND": second}
+            yield (f"{name}{', Langevin' if bath else ''}", text["kLawSource"] + text[source],
+                   {**LAW, **bath, **shape})
 
 
 def table(architectures, precisions=("single", "mixed", "double"), only=""):

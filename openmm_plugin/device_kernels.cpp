@@ -75,14 +75,20 @@ DEVICE mixed shared(int firstK, int secondK, int firstL, int secondL, mixed ofFi
   GLOBAL const int* RESTRICT atomsOf, GLOBAL const int* RESTRICT homes, GLOBAL const mixed* RESTRICT lengths, \
   GLOBAL const mixed* RESTRICT gains, GLOBAL mixed* RESTRICT past CORRECTION
 
-#ifdef FEEDFORWARD
 // The bond at the end of the step to come: `late` is the relative velocity, `whole` the relative acceleration.
 DEVICE mixed3 bondAtEnd(mixed3 r, mixed3 late, mixed3 whole, mixed h, mixed kick) {
   return r + h * late + (h * kick) * whole;
 }
 
-DEVICE mixed missing(mixed3 next, mixed d) {
-  return (mixed) 0.5 * (dot(next, next) - d * d);
+DEVICE mixed sigma(mixed3 r, mixed d) {
+  return (mixed) 0.5 * (dot(r, r) - d * d);
+}
+
+// tau, the sigma that Baumgarte's law wants at the end of the step (constraints/methods/baumgarte.hpp).
+DEVICE mixed wanted(mixed3 r, mixed3 late, mixed d, mixed alpha2, mixed beta2, mixed h, mixed lastH) {
+  if (lastH == 0) return (1 - (mixed) 0.5 * beta2 * h * h) * sigma(r, d);  // at the start nothing moves along it
+  const mixed damping = (mixed) 0.5 * alpha2 * h;
+  return ((2 - beta2 * h * h) * sigma(r, d) - (1 - damping) * sigma(r - lastH * late, d)) / (1 + damping);
 }
 
 // Where numbers ran away it is 1000, which is too much.
@@ -90,26 +96,6 @@ DEVICE mixed turnOf(mixed3 next, mixed3 r, mixed off) {
   const mixed part = fabs(off / dot(next, r));
   return part < 1000 ? part : 1000;
 }
-#else
-// What λ must make of the bond's acceleration; `free`: without the bonds' share, `late`: of the half step.
-DEVICE mixed wanted(mixed3 r, mixed3 late, mixed3 free, mixed3 whole, mixed d, mixed alpha2, mixed beta2, mixed lastH) {
-  const mixed3 known = late + ((mixed) 0.5 * lastH) * free, speed = late + ((mixed) 0.5 * lastH) * whole;
-#ifdef LAGGED
-  const mixed rate = dot(r, late), implied = 1;
-#else
-  const mixed rate = dot(r, known), implied = 1 + (mixed) 0.5 * alpha2 * lastH;
-#endif
-  mixed rest = dot(r, free) + alpha2 * rate + (mixed) 0.5 * beta2 * (dot(r, r) - d * d);
-  rest += dot(speed, speed);
-#ifdef CENTRED
-  rest += (mixed) 0.5 * alpha2 * lastH * lastH * dot(speed, whole);
-#endif
-#ifdef DISCRETE
-  rest += (mixed) 0.25 * lastH * lastH * dot(whole, whole);
-#endif
-  return -rest / implied;
-}
-#endif
 )";
 
 // ATOMS, BONDS, FIRST and SECOND are the shape's: the atoms of bond k are FIRST[k] and SECOND[k].
@@ -231,7 +217,10 @@ KERNEL void hold(ARGUMENTS) {
     }
     for (int k = 0; k < BONDS; k++)
       if (broken(r[k], lengths[k * clusters + c])) failed = 4;
-#ifdef FEEDFORWARD
+    mixed target[BONDS];
+    for (int k = 0; k < BONDS; k++)
+      target[k] = wanted(r[k], v[second[k]] - v[first[k]], lengths[k * clusters + c], gains[k * clusters + c],
+                         gains[(BONDS + k) * clusters + c], h, lastH);
     int again = 1;
     for (int n = 0; n < MOST_SOLVES && again && !failed; n++) {
       mixed3 next[BONDS];
@@ -240,7 +229,7 @@ KERNEL void hold(ARGUMENTS) {
       for (int k = 0; k < BONDS; k++) {
         const int i = first[k], j = second[k];
         next[k] = bondAtEnd(r[k], v[j] - v[i], pushed[j] - pushed[i] + y[j] - y[i], h, kick);
-        const mixed off = missing(next[k], lengths[k * clusters + c]), part = turnOf(next[k], r[k], off);
+        const mixed off = sigma(next[k], lengths[k * clusters + c]) - target[k], part = turnOf(next[k], r[k], off);
         b[k] = -off / (h * kick);
         if (part > turn) turn = part;
       }
@@ -253,20 +242,6 @@ KERNEL void hold(ARGUMENTS) {
       again = !((mixed) 0.5 * turn * turn <= TOLERANCE);
     }
     if (again && !failed) failed = 1;
-#else
-    for (int pass = 0; pass < PASSES && !failed; pass++) {
-      pull(y, r, lambda, w);
-      for (int k = 0; k < BONDS; k++) {
-        const int i = first[k], j = second[k];
-        const mixed3 free = pushed[j] - pushed[i];
-        b[k] = wanted(r[k], v[j] - v[i], free, free + y[j] - y[i], lengths[k * clusters + c], gains[k * clusters + c],
-                      gains[(BONDS + k) * clusters + c], lastH);
-      }
-      couple(A, r, r, w);
-      if (!solve(A, b)) failed = 3;
-      for (int k = 0; k < BONDS; k++) lambda[k] = b[k];
-    }
-#endif
     for (int k = 0; k < BONDS; k++) past[k * clusters + home] = lambda[k];
     pull(y, r, lambda, w);
     if (failed && failure[0] == 0) {

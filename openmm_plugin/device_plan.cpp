@@ -7,64 +7,45 @@
 #include "base/errors.hpp"
 #include "constraints/bond_graph.hpp"
 #include "constraints/methods/baumgarte.hpp"
-#include "constraints/methods/feedforward.hpp"
 #include "openmm_plugin/held_system.hpp"
 
 namespace taut {
 namespace {
 
-using Guesses = std::array<std::array<double, 3>, 4>;
-
-// The same extrapolation as Feedforward::extrapolate().
-Guesses guesses_of(const Feedforward::Options& options) {
-  constexpr std::array<double, 3> kOrders[] = {{1, 0, 0}, {2, -1, 0}, {3, -3, 1}};
-  Guesses guesses = {};
-  for (int known = 1; known < 4; ++known)
-    guesses[known] = kOrders[std::min(options.extrapolation, known - 1)];
-  return guesses;
-}
-
-Guesses guesses_of(const Guess& wanted) {
-  Guesses guesses = {};
-  for (int known = 1; known < 4; ++known) {
-    const auto [first, second] = limit_to_known(wanted, known);
-    guesses[known] = {1 + first, second - first, -second};
-  }
-  return guesses;
-}
-
 // What the method says about each bond, and to the kernels.
-struct Law {
-  std::vector<Gains> gains;      // m, or empty
-  std::vector<Guesses> guesses;  // m
+struct DeviceLaw {
+  std::vector<Gains> gains;  // m
+  std::array<std::array<double, 3>, 4> guess;
   std::map<std::string, std::string> defines;
 };
 
-Law law_of(const System& sys, const HoldSettings& settings) {
+// The same extrapolation as Baumgarte::extrapolate().
+std::array<std::array<double, 3>, 4> guess_of_order(int extrapolation) {
+  constexpr std::array<double, 3> kOrders[] = {{1, 0, 0}, {2, -1, 0}, {3, -3, 1}};
+  std::array<std::array<double, 3>, 4> guess = {};
+  for (int known = 1; known < 4; ++known) guess[known] = kOrders[std::min(extrapolation, known - 1)];
+  return guess;
+}
+
+DeviceLaw law_of(const System& sys, const HoldSettings& settings) {
   const MethodOptions method = method_of(settings);
-  if (const auto* const options = method.get_if<Feedforward::Options>())
-    return {{},
-            std::vector(sys.bond_count(), guesses_of(*options)),
-            {{"FEEDFORWARD", "1"},
-             {"TOLERANCE", fmt::format("(mixed) {:e}", options->tolerance)},
-             {"MOST_SOLVES", fmt::format("{}", options->max_solves)}}};
-  const auto* const options = method.get_if<Baumgarte::Options>();
-  if (!options)
+  const auto* const feedforward = method.get_if<Feedforward::Options>();
+  const auto* const baumgarte = method.get_if<Baumgarte::Options>();
+  if (!feedforward && !baumgarte)
     throw InputError(
         fmt::format("method \"{}\" does not run on this platform: take \"feedforward\" or \"baumgarte\", or "
                     "the platform CPU",
                     method.name()));
-  if (options->sweeps > 0)
-    throw InputError("baumgarte's sweeps do not run on this platform: take sweeps=0, or the platform CPU");
-  const Damping damping = damping_named(options->damping);
-  Law law{choose_gains(options->choice(), damping, sys, settings.h),
-          {},
-          {{"PASSES", fmt::format("{}", options->passes)}}};
-  for (const Guess& guess : taut::guesses_of(sys, damping)) law.guesses.push_back(guesses_of(guess));
-  if (damping == Damping::kDiscrete) law.defines.emplace("DISCRETE", "1");
-  if (damping == Damping::kDiscrete || damping == Damping::kCentred) law.defines.emplace("CENTRED", "1");
-  if (damping == Damping::kLagged) law.defines.emplace("LAGGED", "1");
-  return law;
+  const Baumgarte::Options options = feedforward ? *feedforward : *baumgarte;
+  if (!options.in_lanes())
+    throw InputError(
+        "baumgarte runs on this platform with damping = \"discrete\", without sweeps and the gains "
+        "\"hoomd\": "
+        "take those, or the platform CPU");
+  return {choose_gains(options.choice(), Damping::kDiscrete, sys, settings.h),
+          guess_of_order(options.extrapolation),
+          {{"TOLERANCE", fmt::format("(mixed) {:e}", options.tolerance)},
+           {"MOST_SOLVES", fmt::format("{}", options.max_solves)}}};
 }
 
 // Those of many clusters, as they are found.
@@ -129,7 +110,7 @@ void add(std::vector<Growing>& all, const Cluster& cluster, const System& sys) {
   found->bonds.push_back(cluster.bonds);
 }
 
-DeviceShape side_by_side(const Growing& grown, const System& sys, const Law& law) {
+DeviceShape side_by_side(const Growing& grown, const System& sys, const DeviceLaw& law) {
   DeviceShape shape = grown.shape;
   shape.clusters = static_cast<int>(grown.atoms.size());
   for (int i = 0; i < shape.atoms; ++i)
@@ -139,12 +120,9 @@ DeviceShape side_by_side(const Growing& grown, const System& sys, const Law& law
       for (const std::vector<int>& cluster : grown.bonds) to.push_back(number(cluster[k]));
   };
   of_bonds(shape.length, [&](int k) { return sys.bonds[k].length; });
-  if (!law.gains.empty()) {
-    of_bonds(shape.gains, [&](int k) { return 2 * law.gains[k].alpha; });
-    of_bonds(shape.gains, [&](int k) { return law.gains[k].beta * law.gains[k].beta; });
-  }
-  // Which guess a bond has depends on which bonds of its cluster meet: one shape, one guess.
-  if (!shape.bonds.empty()) shape.guess = law.guesses[grown.bonds.front().front()];
+  of_bonds(shape.gains, [&](int k) { return 2 * law.gains[k].alpha; });
+  of_bonds(shape.gains, [&](int k) { return law.gains[k].beta * law.gains[k].beta; });
+  shape.guess = law.guess;
   const bool anchored = std::ranges::count(grown.inv_masses, 0.0) > 0;
   if (anchored || std::ssize(shape.bonds) > kMostBondsOfAThread)
     shape.group = plan_group(shape.bonds, grown.inv_masses);
@@ -155,7 +133,7 @@ DeviceShape side_by_side(const Growing& grown, const System& sys, const Law& law
 
 DevicePlan plan_for_device(const HeldBonds& held, const HoldSettings& settings) {
   const System sys = system_of(held);
-  const Law law = law_of(sys, settings);
+  const DeviceLaw law = law_of(sys, settings);
   std::vector<Growing> all;
   std::vector<bool> is_free(sys.atoms());
   for (int i = 0; i < sys.atoms(); ++i) is_free[i] = held.masses[i] > 0;

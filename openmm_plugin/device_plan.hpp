@@ -24,7 +24,7 @@ struct DeviceShape {
   int clusters = 0;
   std::vector<int> atom;       // as the System numbers them; the first of each cluster moves
   std::vector<double> length;  // [nm]
-  std::vector<double> gains;   // baumgarte's 2α [1/ps] of all bonds, then their β² [1/ps²]; else empty
+  std::vector<double> gains;   // 2α [1/ps] of all bonds, then their β² [1/ps²]
   // λ* = first λ₁ + second λ₂ + third λ₃ from the three steps before, where so many are known: 0, 1, 2, or 3.
   std::array<std::array<double, 3>, 4> guess = {};
   std::optional<GroupPlan> group;  // of a cluster that a group of threads holds

@@ -177,16 +177,17 @@ KERNEL void hold(ARGUMENTS, int atoms, int bonds, int entries, int rounds, GLOBA
     SYNC_THREADS
 #endif
 
-#ifdef FEEDFORWARD
     int again = 1;
     for (int n = 0; n < MOST_SOLVES && again && !failed; n++) {
       mixed mine = 0;
       pull(&g, g.lambda);
       for (EACH(k, bonds)) {
         const int i = ends[2 * k], j = ends[2 * k + 1];
-        const mixed3 r = xyz(g.r[k]);
-        const mixed3 next = bondAtEnd(r, across(g.v, i, j), across(pushed, i, j) + across(g.y, i, j), h, kick);
-        const mixed off = missing(next, lengths[k * clusters + c]), part = turnOf(next, r, off);
+        const mixed3 r = xyz(g.r[k]), late = across(g.v, i, j);
+        const mixed d = lengths[k * clusters + c];
+        const mixed3 next = bondAtEnd(r, late, across(pushed, i, j) + across(g.y, i, j), h, kick);
+        const mixed target = wanted(r, late, d, gains[k * clusters + c], gains[(bonds + k) * clusters + c], h, lastH);
+        const mixed off = sigma(next, d) - target, part = turnOf(next, r, off);
         g.next[k] = with(next, 0);
         g.b[k] = -off / (h * kick);
         if (part > mine) mine = part;
@@ -202,22 +203,6 @@ KERNEL void hold(ARGUMENTS, int atoms, int bonds, int entries, int rounds, GLOBA
       again = !((mixed) 0.5 * turn * turn <= TOLERANCE);
     }
     if (again && !failed) failed = 1;
-#else
-    for (int pass = 0; pass < PASSES && !failed; pass++) {
-      pull(&g, g.lambda);
-      for (EACH(k, bonds)) {
-        const int i = ends[2 * k], j = ends[2 * k + 1];
-        const mixed3 free = across(pushed, i, j);
-        g.b[k] = wanted(xyz(g.r[k]), across(g.v, i, j), free, free + across(g.y, i, j), lengths[k * clusters + c],
-                        gains[k * clusters + c], gains[(bonds + k) * clusters + c], lastH);
-      }
-      SYNC_THREADS
-      couple(&g, g.r);
-      if (!solve(&g, scratch)) failed = 3;
-      for (EACH(k, bonds)) g.lambda[k] = g.b[k];
-      SYNC_THREADS
-    }
-#endif
     for (EACH(k, bonds)) past[k * clusters + home] = g.lambda[k];
     pull(&g, g.lambda);
     if (failed && LOCAL_ID == 0 && failure[0] == 0) {

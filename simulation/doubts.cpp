@@ -26,9 +26,20 @@ constexpr double kWarmer = 1.25;   // than the first row, without a bath
 constexpr double kColder = 1.0 / 3;
 constexpr double kWorkedOn = 100;  // in place of both where forces from outside do work
 
+// What an energy a degree of freedom is judged by: kT, or, of what is at rest, the least that is no rounding.
+struct Energy {
+  double kT, least;
+
+  explicit Energy(const Summary& s)
+      : kT(kBoltzmann * s.temperature), least(std::max(kT, s.start_and_end.rounding)) {}
+  std::string in_words(double energy) const {
+    return kT == least ? fmt::format("{:.2g} kT", energy / kT) : fmt::format("{:.2g} kJ/mol", energy);
+  }
+};
+
 // Five standard deviations of a kinetic energy, as a share of it.
-double scatter(int dof) {
-  return 5 * std::sqrt(2.0 / std::max(1, dof));
+double scatter(double dof) {
+  return 5 * std::sqrt(2.0 / std::max(1.0, dof));
 }
 
 Doubt of_bonds(const Summary& s) {
@@ -51,30 +62,31 @@ std::string borne(double off_by_k) {
 }
 
 // By the line through all rows, where there are enough of them to tell a trend from chance.
-Doubt of_drift(const Summary& s, double kT) {
+Doubt of_drift(const Summary& s, const Energy& unit) {
   const Estimate& bonds = s.constraint_drift;
   if (s.drift.error == 0 && bonds.error == 0) return {};
   if (s.off_by_k && !much(s, *s.off_by_k)) return {};
   const std::string thermostat = s.off_by_k ? borne(*s.off_by_k) : "";
-  const double heat = s.drift.value / kT;  // per ns
-  if (std::abs(bonds.value) > kWarm * kT && std::abs(bonds.value) > kErrors * bonds.error &&
+  if (std::abs(bonds.value) > kWarm * unit.least && std::abs(bonds.value) > kErrors * bonds.error &&
       !(std::abs(bonds.value) <= 0.5 * std::abs(s.drift.value)))  // under a barostat: theirs alone is known
     return fmt::format("the constraints {} by {:.2g} kJ/mol a nanosecond and degree of freedom{}; {}",
                        bonds.value > 0 ? "heat" : "cool", std::abs(bonds.value), thermostat,
                        s.converged ? "take a shorter step" : "feedforward at the same price does not");
-  if (std::abs(heat) > 1 && std::abs(s.drift.value) > kErrors * s.drift.error)
-    return fmt::format(
-        "the energy drifts by {:.2g} kT a nanosecond and degree of freedom{}; {}", heat, thermostat,
-        s.converged == true ? "take a shorter step, or let pair forces end smoothly (forcefield.switch_nm)"
-                            : "take method newton, or a shorter step");
+  if (std::abs(s.drift.value) > unit.least && std::abs(s.drift.value) > kErrors * s.drift.error)
+    return fmt::format("the energy drifts by {} a nanosecond and degree of freedom{}; {}",
+                       unit.in_words(s.drift.value), thermostat,
+                       s.converged == true
+                           ? "take a shorter step, or let pair forces end smoothly (forcefield.switch_nm)"
+                           : "take method newton, or a shorter step");
   return {};
 }
 
 // By the last row and the first, where the rows between scatter too much for a line, or are too few.
-Doubt of_rise(const Summary& s, double kT) {
+Doubt of_rise(const Summary& s, const Energy& unit) {
   const StartAndEnd& ends = s.start_and_end;
   const double drift = 1000 * ends.rise / ends.time;  // kJ/mol/ns/dof
-  if (!(std::abs(ends.rise) > kRise * kT * (1 + scatter(ends.dof)) && std::abs(drift) > kT)) return {};
+  if (!(std::abs(ends.rise) > kRise * unit.least * (1 + scatter(ends.dof)) && std::abs(drift) > unit.least))
+    return {};
   if (ends.loses_energy && ends.rise < 0) return {};
   std::string thermostat;
   if (s.off_by_k) {
@@ -83,34 +95,75 @@ Doubt of_rise(const Summary& s, double kT) {
     thermostat = borne(off);
   }
   return fmt::format(
-      "the energy ends {:.2g} kT a degree of freedom {} its start{}; take a shorter step, or look at the "
+      "the energy ends {} a degree of freedom {} its start{}; take a shorter step, or look at the "
       "forces (cutoff_nm, Ewald's α and grid)",
-      std::abs(ends.rise) / kT, ends.rise > 0 ? "above" : "below", thermostat);
+      unit.in_words(std::abs(ends.rise)), ends.rise > 0 ? "above" : "below", thermostat);
 }
 
-Doubt of_temperature(const StartAndEnd& ends) {
-  const auto& [mean, error] = ends.temperature;
-  if (!(mean > 0 && ends.expected > 0)) return {};
+// Of all atoms, or of all molecules of a kind.
+struct Judged {
+  std::string whose;  // "", " of 3 molecules of 12 atoms"
+  double dof, expected;
+  Estimate temperature;
+};
+
+bool far_from_bath(const StartAndEnd& ends, const Judged& judged) {
+  const auto& [mean, error] = judged.temperature;
+  return ends.time >= kSettled * ends.relaxation &&
+         std::abs(mean - judged.expected) >= std::max(kOffBath * judged.expected, kErrors * error);
+}
+
+bool far_from_start(const StartAndEnd& ends, const Judged& judged) {
+  if (judged.dof < kFewest) return false;
+  const double warmer = (ends.worked_on ? kWorkedOn : kWarmer) + scatter(judged.dof);
+  const double colder = (ends.worked_on ? 1 / kWorkedOn : kColder) / (1 + scatter(judged.dof));
+  const double mean = judged.temperature.value;
+  return mean >= warmer * judged.expected || mean <= colder * judged.expected;
+}
+
+bool known(const Judged& judged) {
+  return judged.temperature.value > 0 && judged.expected > 0;
+}
+
+Doubt of_temperature(const StartAndEnd& ends, const Judged& judged, const std::string& advice) {
+  if (!known(judged)) return {};
+  const double mean = judged.temperature.value;
   if (ends.relaxation > 0) {
-    const double off = std::abs(mean - ends.expected);
-    if (ends.time < kSettled * ends.relaxation || off < std::max(kOffBath * ends.expected, kErrors * error))
-      return {};
+    if (!far_from_bath(ends, judged)) return {};
     return fmt::format(
-        "the thermostat is set to {:.4g} K, and the mean temperature of the later half is {:.4g} K; take a "
-        "shorter step, or a stronger thermostat{}",
-        ends.expected, mean,
-        ends.worked_on && mean > ends.expected
+        "the thermostat is set to {:.4g} K, and the mean temperature of the later half{} is {:.4g} K; {}{}",
+        judged.expected, judged.whose, mean, advice,
+        ends.worked_on && mean > judged.expected
             ? ", or pull more slowly: what pulls does work, and a motion of all atoms counts as heat"
             : "");
   }
-  if (ends.dof < kFewest) return {};
-  const double warmer = (ends.worked_on ? kWorkedOn : kWarmer) + scatter(ends.dof);
-  const double colder = (ends.worked_on ? 1 / kWorkedOn : kColder) / (1 + scatter(ends.dof));
-  if (mean < warmer * ends.expected && mean > colder * ends.expected) return {};
+  if (!far_from_start(ends, judged)) return {};
   return fmt::format(
-      "without a thermostat the temperature went from {:.4g} to {:.4g} K; relax the start (run.minimise), or "
+      "without a thermostat the temperature{} went from {:.4g} to {:.4g} K; relax the start (run.minimise), "
+      "or "
       "look at the forces (pulls, cutoff_nm, Ewald's α and grid)",
-      ends.expected, mean);
+      judged.whose, judged.expected, mean);
+}
+
+Doubt of_all(const StartAndEnd& ends) {
+  return of_temperature(ends, {"", static_cast<double>(ends.dof), ends.expected, ends.temperature},
+                        "take a shorter step, or a stronger thermostat");
+}
+
+// What is shared over all degrees of freedom is little where few molecules take it up: of the kind that is farthest
+// off. Without a bath one that is far from all as well as from its own start; kinds may start apart.
+Doubt of_kinds(const StartAndEnd& ends) {
+  Doubt worst;
+  double farthest = 0;
+  for (const auto& [name, dof, first, temperature] : ends.kinds) {
+    const bool bath = ends.relaxation > 0;
+    const Judged kind{" of " + name, dof, bath ? ends.expected : first, temperature};
+    if (!bath && !far_from_start(ends, {"", dof, ends.temperature.value, temperature})) continue;
+    Doubt doubt = of_temperature(ends, kind, "take method newton, or a shorter step");
+    const double off = std::abs(std::log(temperature.value / kind.expected));
+    if (doubt && off > farthest) worst = std::move(doubt), farthest = off;
+  }
+  return worst;
 }
 
 }  // namespace
@@ -123,9 +176,9 @@ std::vector<std::string> doubts(const Summary& s) {
     return true;
   };
   add(of_bonds(s));
-  const double kT = kBoltzmann * s.temperature;
-  if (!add(of_drift(s, kT))) add(of_rise(s, kT));
-  add(of_temperature(s.start_and_end));
+  const Energy unit(s);
+  if (!add(of_drift(s, unit))) add(of_rise(s, unit));
+  if (!add(of_all(s.start_and_end))) add(of_kinds(s.start_and_end));
   return all;
 }
 

@@ -14,6 +14,7 @@
 #include "ensembles/monte_carlo.hpp"
 #include "forcefield/ewald/parameters.hpp"
 #include "md/units.hpp"
+#include "simulation/fixed_momenta.hpp"
 #include "simulation/inner.hpp"
 #include "simulation/redundant_bonds.hpp"
 #include "simulation/soft_start.hpp"
@@ -21,28 +22,6 @@
 
 namespace taut {
 namespace {
-
-// Momentum is conserved where nothing outside pulls; it starts at zero where the velocities were so drawn.
-bool momentum_stays_zero(const Scene& scene, const Vectors& v) {
-  if (scene.run.remove_momentum_every > 0) return true;
-  if (!scene.closed() || scene.run.langevin()) return false;
-  const double kinetic = kinetic_energy(scene.system, v);
-  return kinetic > 0 &&
-         momentum(scene.system, v).norm() < 1e-6 * std::sqrt(2 * kinetic * scene.system.mass.sum());
-}
-
-// An anchor takes the momentum up: taking it from the atoms it holds would push them along their bonds.
-void refuse_momentum_of_anchored_bonds(const Scene& scene) {
-  if (scene.run.remove_momentum_every == 0) return;
-  for (int k = 0; k < scene.system.bond_count(); ++k) {
-    const auto& [i, j, d] = scene.system.bonds[k];
-    if (scene.system.mass[i] > 0 && scene.system.mass[j] > 0) continue;
-    throw InputError(fmt::format(
-        "run.remove_momentum_every: {}, but bond {} ({}-{}) ends in an anchor (mass 0), which takes "
-        "momentum up: none is conserved; leave the key out, or give 0",
-        scene.run.remove_momentum_every, k, i, j));
-  }
-}
 
 // Fixman's potential as one of the scene's forces; null where it is not asked for.
 std::shared_ptr<MetricField> add_metric_correction(Scene& scene) {
@@ -57,7 +36,8 @@ std::shared_ptr<MetricField> add_metric_correction(Scene& scene) {
 bool same_thermostat(const RunSettings& a, const RunSettings& b) {
   return a.langevin() == b.langevin() && a.rescaling() == b.rescaling() &&
          a.temperature_k == b.temperature_k && a.temperature_course == b.temperature_course &&
-         a.thermostat_ps == b.thermostat_ps && a.friction_per_ps == b.friction_per_ps;
+         a.thermostat_ps == b.thermostat_ps && a.friction_per_ps == b.friction_per_ps &&
+         a.remove_momentum_every == b.remove_momentum_every;
 }
 
 bool same_barostat(const RunSettings& a, const RunSettings& b) {
@@ -119,7 +99,7 @@ Simulation::Simulation(Scene scene, const ThreadScope&, const Listen& listen)
   note_start();
   refuse_unreachable_tolerance(sys, state_.x, method_->promised_error());
   if (state_.box.periodic()) inner_->barometer.emplace(sys, has_springs());
-  count_degrees_of_freedom(momentum_stays_zero(scene_, state_.v));
+  count_degrees_of_freedom(fixed_motions(scene_, state_.x, state_.v));
   make_barostat();
   unaccounted_at_start_ = unaccounted();
 }
@@ -132,6 +112,7 @@ void Simulation::bring_to_the_bonds(const MinimiseGoal& goal, const OnMove& on_m
     start_report_.pushed_apart = push_apart(scene_, state_, on_move, goal.listen);
   if (goal.force > 0) start_report_.minimised = minimise(sys, inner_->forces.field, goal, state_, on_move);
   start_report_.anchors_stopped = rest_anchors(sys, state_.v);
+  if (scene_.run.remove_momentum_every > 0) remove_momentum(sys, state_.v);
   const Vectors x = state_.x;
   const double kinetic = kinetic_energy(sys, state_.v);
   {
@@ -150,7 +131,7 @@ void Simulation::size_sums() {
 
 // From here on, of the log's rows and of the energy's account.
 void Simulation::begin_means() {
-  count_degrees_of_freedom(momentum_stays_zero(scene_, state_.v));
+  count_degrees_of_freedom(fixed_motions(scene_, state_.x, state_.v));
   const long last_row = std::exchange(sums_, LogSums{}).last_row;
   sums_.last_row = last_row;
   size_sums();
@@ -166,6 +147,11 @@ void Simulation::note_start() {
     ewald_doubt_ = doubt_of(chosen_parameters(*nonbonded->pme, state_.box, *nonbonded->cutoff), state_.box,
                             *nonbonded->cutoff);
   if (!ewald_doubt_.empty()) scene_.notes.push_back(ewald_doubt_);
+  if (holds_centre(scene_) && scene_.run.remove_momentum_every > 1)
+    scene_.notes.push_back(
+        "run.remove_momentum_every: the centre of mass is held at every step, since anchors or forces from "
+        "outside "
+        "give momentum back in between; 0 leaves it alone");
   const auto& [pushed_apart, minimised, largest_move, kinetic_removed, anchors] = start_report_;
   if (!anchors.empty())
     scene_.notes.push_back(
@@ -194,6 +180,7 @@ void Simulation::make_thermostat() {
   inner_->ensemble.thermostat.reset();
   inner_->ensemble.temperature = run.temperature_course;
   inner_->ensemble.remove_momentum_every = run.remove_momentum_every;
+  inner_->forces.holds_centre = holds_centre(scene_);
   if (run.langevin())
     inner_->ensemble.thermostat =
         std::make_unique<Langevin>(scene_.system,
@@ -243,13 +230,16 @@ std::uint64_t Simulation::seed_here() const {
   return scene_.run.seed + static_cast<std::uint64_t>(progress_.step) * 0x9e3779b97f4a7c15;
 }
 
-void Simulation::count_degrees_of_freedom(bool momentum_fixed) {
+void Simulation::count_degrees_of_freedom(RigidMotions::Which fixed) {
   const System& sys = scene_.system;
   const RunSettings& run = scene_.run;
-  dof_ = degrees_of_freedom(sys, has_springs() && run.langevin() ? 0 : sys.bond_count(), momentum_fixed);
+  fixed_ = fixed;
+  const RigidMotions motions(fixed, sys, state_.x);
+  dof_ = degrees_of_freedom(sys, has_springs() && run.langevin() ? 0 : sys.bond_count(),
+                            InverseMetric(motions.of_all(sys, state_.x)).rank);
   if ((run.rescaling() || run.langevin()) && dof_.total() < 1)
     throw InputError("run.thermostat: nothing can move, there is no temperature");
-  temperatures_.emplace(sys, scene_.terms, state_.x, dof_.rank > 0, dof_.momentum_fixed);
+  temperatures_.emplace(sys, scene_.terms, state_.x, dof_.rank > 0, motions);
   if (run.rescaling())
     inner_->ensemble.thermostat =
         std::make_unique<VelocityRescaling>(sys, VelocityRescaling::Settings{.temperature = run.temperature_k,
@@ -369,12 +359,13 @@ void Simulation::serialize(Archive& archive) {
 }
 
 void Simulation::serialize_numbers(Archive& archive) {
-  bool momentum_fixed = dof_.momentum_fixed;  // as it was when the thermostat was changed
-  archive(state_.x, state_.v, state_.f, state_.t, state_.box, progress_, momentum_fixed);
+  int fixed = static_cast<int>(fixed_);  // as it was when the thermostat was changed
+  archive(state_.x, state_.v, state_.f, state_.t, state_.box, progress_, fixed);
+  archive.demand(0 <= fixed && fixed <= static_cast<int>(RigidMotions::Which::kAllThatMoveNoAnchor));
   constexpr int kMostIterations = 1 << 30;
   archive.demand_count(progress_.step);
   archive.demand(0 <= progress_.since.iterations && progress_.since.iterations <= kMostIterations);
-  if (momentum_fixed != dof_.momentum_fixed) count_degrees_of_freedom(momentum_fixed);
+  if (RigidMotions::Which(fixed) != fixed_) count_degrees_of_freedom(RigidMotions::Which(fixed));
   archive(sums_);
   archive.demand(0 <= sums_.last_row && sums_.last_row <= progress_.step && 0 <= sums_.rows &&
                  sums_.rows <= progress_.step + 1 && sums_.rows <= sums_.steps);

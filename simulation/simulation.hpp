@@ -15,6 +15,7 @@
 #include "base/threads.hpp"
 #include "constraints/redundancy.hpp"
 #include "md/observables.hpp"
+#include "md/rigid_motions.hpp"
 #include "md/run.hpp"
 #include "md/step_parts.hpp"
 #include "simulation/minimise.hpp"
@@ -67,12 +68,14 @@ struct Record {
 struct StartAndEnd {
   double time = 0;         // from the first row to the last [ps]
   double rise = 0;         // of the energy but for the heat; NaN under a barostat [kJ/mol/degree of freedom]
+  double rounding = 0;     // an energy below which nothing is told from rounding [kJ/mol/degree of freedom]
   int dof = 0;             // degrees of freedom
   double expected = 0;     // temperature: a bath's, or the first row's [K]
   Estimate temperature;    // mean over the later half of the rows [K]
   double relaxation = 0;   // time in which the bath brings a temperature back; 0: there is none [ps]
   bool worked_on = false;  // forces from outside do work: gravity, pulls, code
   bool loses_energy = false;  // as bonds of one side do where they touch
+  std::vector<KindOfMolecule> kinds;
 };
 
 // Where the time of a run went, from its first step in this process to its end.
@@ -219,7 +222,7 @@ class Simulation {
   std::uint64_t seed_here() const;
   void make_thermostat();
   void make_barostat();
-  void count_degrees_of_freedom(bool momentum_fixed);
+  void count_degrees_of_freedom(RigidMotions::Which fixed);
   Dynamics dynamics();
   bool has_springs() const { return method_->holds() == ConstraintMethod::Holds::kSprings; }
   Vectors without_stretching(Vectors v) const;
@@ -256,6 +259,7 @@ class Simulation {
   double per_ns_and_dof() const;
   std::optional<double> off_by_k(double drift) const;
   StartAndEnd start_and_end(const Record& end) const;
+  double energy_scale(double potential) const;
   // The kinetic energy and a penalty's springs', less the work of forces and the heat: only bonds change it
   // [kJ/mol].
   double unaccounted(double kinetic) const;
@@ -289,6 +293,7 @@ class Simulation {
   std::unique_ptr<ConstraintMethod> method_;
   State state_;
   DegreesOfFreedom dof_;
+  RigidMotions::Which fixed_ = RigidMotions::Which::kNone;  // whose momenta are held at zero
   StartReport start_report_;
   RunProgress progress_;
   LogSums sums_;

@@ -228,13 +228,26 @@ std::optional<double> Simulation::off_by_k(double drift) const {
   return 2 * drift / 1000 * run.h() / (kBoltzmann * a_step);
 }
 
+// What the forces could do over the system's size, and have done: where all is at rest there is no other [kJ/mol].
+double Simulation::energy_scale(double potential) const {
+  if (state_.x.cols() == 0) return 0;
+  const Vec3 middle = state_.x.rowwise().mean();
+  const double size = (state_.x.colwise() - middle).colwise().norm().maxCoeff();
+  return std::abs(potential) + size * inner_->ensemble.meter.forces().colwise().norm().sum();
+}
+
 StartAndEnd Simulation::start_and_end(const Record& end) const {
+  constexpr double kRounding = 1e-6;
   const RunSettings& run = scene_.run;
   const double relaxation = run.langevin() ? 1 / (2 * run.friction_per_ps) : run.thermostat_ps;
+  std::vector<KindOfMolecule> kinds;
+  for (int type = 0; type < static_cast<int>(temperatures_->types().size()); ++type)
+    kinds.push_back(temperatures_->later_half(type));
   return {.time = end.t - sums_.first_t,
           .rise = inner_->ensemble.barostat
                       ? kUnknown
                       : (end.but_for_heat() - sums_.first_energy) / std::max(1, dof_.total()),
+          .rounding = kRounding * energy_scale(end.potential) / std::max(1, dof_.total()),
           .dof = dof_.total(),
           .expected = !run.temperature_course.empty()
                           ? run.temperature_course.mean((sums_.first_t + end.t) / 2, end.t)
@@ -243,7 +256,8 @@ StartAndEnd Simulation::start_and_end(const Record& end) const {
           .temperature = sums_.temperature.later_half(),
           .relaxation = run.thermostatted() ? relaxation : 0,
           .worked_on = !scene_.closed_but_for_restraints() || !scene_.terms.biases.empty(),
-          .loses_energy = !scene_.system.one_sided.empty()};
+          .loses_energy = !scene_.system.one_sided.empty(),
+          .kinds = std::move(kinds)};
 }
 
 Summary Simulation::summary(const Record& end, double seconds, const PartMeter& meter, long steps) const {

@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
 #include <map>
+#include <numeric>
 
 #include "md/units.hpp"
 #include "systems/whole_molecules.hpp"
@@ -36,7 +39,7 @@ struct Body {
   }
 
   // visit(moment, L along its axis), for the axes it can turn about
-  void axes(auto&& visit) const {
+  void visit_axes(auto&& visit) const {
     if (massive < 2) return;
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
     solver.computeDirect(inertia);
@@ -73,7 +76,8 @@ int count_mobile(const System& sys, const std::vector<int>& atoms) {
 }  // namespace
 
 Temperatures::Temperatures(const System& sys, const Terms& terms, const Vectors& x, bool bonds_held,
-                           bool momentum_fixed) {
+                           const RigidMotions& fixed)
+    : fixed_(fixed) {
   const std::vector<int> molecule_of = molecules(sys, terms);
   for (int a = 0; a < sys.atoms(); ++a) {
     if (molecule_of[a] >= static_cast<int>(molecules_.size())) molecules_.resize(molecule_of[a] + 1);
@@ -85,72 +89,93 @@ Temperatures::Temperatures(const System& sys, const Terms& terms, const Vectors&
 
   std::map<std::vector<double>, int> known;  // masses and bonds -> type
   std::vector<int> counts;
-  std::vector<double> masses;  // of all molecules of a type that are free to move
   for (std::size_t m = 0; m < molecules_.size(); ++m) {
     Molecule& molecule = molecules_[m];
     std::vector<double> kind;
     for (int a : molecule.atoms) kind.push_back(sys.is_site(a) ? -1 : sys.mass[a]);
     kind.push_back(bonds[m]);
+    molecule.free = 3 * count_mobile(sys, molecule.atoms) - bonds[m];
     molecule.type = known.try_emplace(kind, static_cast<int>(known.size())).first->second;
     types_.resize(known.size());
     counts.resize(known.size(), 0);
-    masses.resize(known.size(), 0.0);
-    MoleculeType& type = types_[molecule.type];
-    type.name = name_of(++counts[molecule.type], molecule.atoms.size());
-    type.dof[2] += 3 * count_mobile(sys, molecule.atoms) - bonds[m];
-    if (anchored(sys, molecule.atoms)) continue;
-    const Body body(sys, molecule.atoms, x, x);
-    masses[molecule.type] += body.mass;
-    int turns = 0;
-    body.axes([&](double, double) { ++turns; });
-    type.dof[0] += 3;
-    type.dof[1] += turns;
-    type.dof[2] -= 3 + turns;
+    types_[molecule.type].name = name_of(++counts[molecule.type], molecule.atoms.size());
   }
-  if (momentum_fixed)
-    for (std::size_t t = 0; t < types_.size(); ++t) types_[t].dof[0] -= 3 * masses[t] / sys.mass.sum();
   kinetic_.resize(types_.size());
+  of_type_.resize(types_.size());
+  const Sample now = sample(sys, x, x);
+  for (std::size_t t = 0; t < types_.size(); ++t) types_[t].dof = now.dof[t];
 }
 
-Temperatures::Sample Temperatures::sample(const System& sys, const Molecule& molecule, const Vectors& x,
-                                          const Vectors& v) {
-  double total = 0;
-  for (int a : molecule.atoms) total += 0.5 * sys.mass[a] * v.col(a).squaredNorm();
-  if (anchored(sys, molecule.atoms)) return {{0, 0, total}, 0};
-  const Body body(sys, molecule.atoms, x, v);
-  const double translation = 0.5 * body.momentum.squaredNorm() / body.mass;
-  double rotation = 0;
-  int turns = 0;
-  body.axes([&](double moment, double spin) {
-    rotation += 0.5 * spin * spin / moment;
-    ++turns;
-  });
-  return {{translation, rotation, total - translation - rotation}, turns};
+// A molecule without an anchor is a body that moves and turns; all of one that has an anchor is the rest. The motions
+// whose momenta are fixed take a degree of freedom each from all of them together: from each class its share tr G⁻¹G_c
+// of the motions' metric G = Σ_c G_c.
+Temperatures::Sample Temperatures::sample(const System& sys, const Vectors& x, const Vectors& v) const {
+  Sample all{std::vector<ByMotion>(types_.size(), ByMotion{}),
+             std::vector<ByMotion>(types_.size(), ByMotion{})};
+  using Metrics = std::array<RigidMotions::Metric, 3>;
+  std::vector<Metrics> metrics(types_.size(), Metrics{fixed_.nothing(), fixed_.nothing(), fixed_.nothing()});
+  for (const Molecule& molecule : molecules_) {
+    double total = 0;
+    for (int a : molecule.atoms) total += 0.5 * sys.mass[a] * v.col(a).squaredNorm();
+    auto& [of_translation, of_rotation, of_rest] = metrics[molecule.type];
+    ByMotion& kinetic = all.kinetic[molecule.type];
+    ByMotion& dof = all.dof[molecule.type];
+    double translation = 0, rotation = 0;
+    int turns = 0;
+    const bool moves_as_a_body = !anchored(sys, molecule.atoms);
+    if (moves_as_a_body) {
+      const Body body(sys, molecule.atoms, x, v);
+      translation = 0.5 * body.momentum.squaredNorm() / body.mass;
+      body.visit_axes([&](double moment, double spin) {
+        rotation += 0.5 * spin * spin / moment;
+        ++turns;
+      });
+      of_translation += fixed_.of_mass(body.mass, body.centre);
+      of_rotation += fixed_.of_turning(body.inertia);
+    } else {
+      for (int a : molecule.atoms) of_rest += fixed_.of_mass(sys.mass[a], x.col(a));
+    }
+    const double moves = moves_as_a_body ? 3 : 0;
+    kinetic[0] += translation, kinetic[1] += rotation, kinetic[2] += total - translation - rotation;
+    dof[0] += moves, dof[1] += turns, dof[2] += molecule.free - moves - turns;
+  }
+  RigidMotions::Metric whole = fixed_.nothing();
+  for (const Metrics& of_type : metrics)
+    for (const auto& metric : of_type) whole += metric;
+  const RigidMotions::Metric inverse = InverseMetric(whole).inverse;
+  for (std::size_t t = 0; t < types_.size(); ++t)
+    for (std::size_t m = 0; m < 3; ++m) all.dof[t][m] -= (inverse * metrics[t][m]).trace();
+  return all;
 }
 
 void Temperatures::see(const System& sys, const Vectors& x, const Vectors& v, long steps) {
-  std::vector<Energies> of_types(types_.size(), Energies{});
-  std::vector<double> turns(types_.size(), 0.0);
-  for (const Molecule& molecule : molecules_) {
-    const Sample s = sample(sys, molecule, x, v);
-    for (std::size_t m = 0; m < 3; ++m) of_types[molecule.type][m] += s.kinetic[m];
-    turns[molecule.type] += s.turns;
-  }
+  const Sample now = sample(sys, x, v);
+  ++samples_;
   steps_ += steps;
-  for (std::size_t t = 0; t < types_.size(); ++t) {  // what turns does not bend
-    auto& dof = types_[t].dof;
-    const double more = (turns[t] - dof[1]) * static_cast<double>(steps) / static_cast<double>(steps_);
-    dof[1] += more;
-    dof[2] -= more;
-  }
-  for (std::size_t m = 0; m < 3; ++m) {
-    double all = 0;
-    for (std::size_t t = 0; t < types_.size(); ++t) {
-      kinetic_[t][m].add(of_types[t][m], steps);
-      all += of_types[t][m];
+  const double share = static_cast<double>(steps) / static_cast<double>(std::max(1L, steps_));
+  for (std::size_t t = 0; t < types_.size(); ++t)  // what turns does not bend
+    for (std::size_t m = 0; m < 3; ++m) types_[t].dof[m] += share * (now.dof[t][m] - types_[t].dof[m]);
+  ByMotion all{};
+  for (std::size_t t = 0; t < types_.size(); ++t) {
+    double of_type = 0;
+    for (std::size_t m = 0; m < 3; ++m) {
+      kinetic_[t][m].add(now.kinetic[t][m], steps);
+      all[m] += now.kinetic[t][m];
+      of_type += now.kinetic[t][m];
     }
-    kinetic_of_all_[m].add(all, steps);
+    if (samples_ == 1) of_type_[t].first = of_type;
+    of_type_[t].kinetic.add(of_type, steps);
   }
+  for (std::size_t m = 0; m < 3; ++m) kinetic_of_all_[m].add(all[m], steps);
+}
+
+// Few blocks may agree by chance: the error is no less than that of samples that are all independent.
+KindOfMolecule Temperatures::later_half(int type) const {
+  const double dof = std::accumulate(types_[type].dof.begin(), types_[type].dof.end(), 0.0);
+  Estimate mean = in_kelvin(of_type_[type].kinetic.later_half(), dof);
+  const double samples = static_cast<double>(std::max(1L, samples_ / 2));
+  if (mean.value > 0) mean.error = std::max(mean.error, mean.value * std::sqrt(2 / (dof * samples)));
+  return {types_[type].name, dof, in_kelvin({of_type_[type].first, 0}, dof).value, mean};
 }
 
 Estimate Temperatures::temperature(int type, MotionClass motion) const {

@@ -6,6 +6,7 @@
 
 #include "base/statistics.hpp"
 #include "forcefield/terms.hpp"
+#include "md/rigid_motions.hpp"
 #include "md/system.hpp"
 
 namespace taut {
@@ -25,11 +26,20 @@ struct MoleculeType {
   std::array<double, 3> dof{};  // of all its molecules, by MotionClass: mean over the samples so far
 };
 
+// How warm molecules of a type were.
+struct KindOfMolecule {
+  std::string name;
+  double dof = 0;
+  double first = 0;      // temperature of the first sample [K]
+  Estimate temperature;  // mean over the later half [K]
+};
+
 class Temperatures {
  public:
-  // `bonds_held`: rigid bonds are constraints. `momentum_fixed`: three degrees of freedom of translation
-  // less, shared by the types as their masses.
-  Temperatures(const System& sys, const Terms& terms, const Vectors& x, bool bonds_held, bool momentum_fixed);
+  // `bonds_held`: rigid bonds are constraints. `fixed`: those whose momenta are held at zero, a degree of freedom less
+  // each, which the classes share as they share the motion.
+  Temperatures(const System& sys, const Terms& terms, const Vectors& x, bool bonds_held,
+               const RigidMotions& fixed = {});
 
   // One sample, which stands for so many steps.
   void see(const System& sys, const Vectors& x, const Vectors& v, long steps = 1);
@@ -38,35 +48,42 @@ class Temperatures {
   // Mean and standard error over what was seen [K]; zero without degrees of freedom.
   Estimate temperature(int type, MotionClass motion) const;
   Estimate of_all(MotionClass motion) const;  // types together
+  KindOfMolecule later_half(int type) const;
 
   void serialize(Archive& archive) {
     for (auto& type : kinetic_)
       for (RunningMean& mean : type) archive(mean);
     for (RunningMean& mean : kinetic_of_all_) archive(mean);
-    archive(steps_);
+    for (OfType& type : of_type_) archive(type.kinetic, type.first);
+    archive(samples_, steps_);
+    archive.demand_count(samples_);
     archive.demand_count(steps_);
     for (MoleculeType& type : types_) archive(type.dof);
   }
 
  private:
   struct Molecule {
-    int type;
+    int type = 0, free = 0;  // degrees of freedom
     std::vector<int> atoms;
   };
-  using Energies = std::array<double, 3>;  // by MotionClass [kJ/mol]
-
-  struct Sample {
-    Energies kinetic{};
-    int turns = 0;  // axes it can turn about, as it lies
+  using ByMotion = std::array<double, 3>;
+  struct Sample {  // by type
+    std::vector<ByMotion> kinetic, dof;
+  };
+  struct OfType {
+    RunningMean kinetic;
+    double first = 0;
   };
 
-  static Sample sample(const System& sys, const Molecule& molecule, const Vectors& x, const Vectors& v);
+  Sample sample(const System& sys, const Vectors& x, const Vectors& v) const;
 
+  RigidMotions fixed_;
   std::vector<Molecule> molecules_;
   std::vector<MoleculeType> types_;
   std::vector<std::array<RunningMean, 3>> kinetic_;  // by type and MotionClass [kJ/mol]
   std::array<RunningMean, 3> kinetic_of_all_;
-  long steps_ = 0;  // that the samples stand for
+  std::vector<OfType> of_type_;  // [kJ/mol]
+  long samples_ = 0, steps_ = 0;  // and the steps that they stand for
 };
 
 }  // namespace taut

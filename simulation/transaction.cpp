@@ -47,7 +47,7 @@ void Simulation::set_out_anew(const Vectors& x, const Vectors& v, const Minimise
   } catch (...) {
     method_ = std::move(method);
     make_thermostat();
-    count_degrees_of_freedom(dof_.momentum_fixed);
+    count_degrees_of_freedom(fixed_);
     take_back();
     start_report_ = report;
     throw;
@@ -67,7 +67,7 @@ void Simulation::change_step(double dt_fs, const MethodOptions& method) {
   } catch (...) {
     scene_.run.dt_fs = dt_before, scene_.method = method_before;
     make_thermostat();  // it knows the step
-    count_degrees_of_freedom(dof_.momentum_fixed);
+    count_degrees_of_freedom(fixed_);
     take_back();
     throw;
   }

@@ -26,8 +26,7 @@ struct CalibrationPlan {
   //   slowest  the course of the error that its sweeps leave most of (swept_errors.hpp): rattle and sweeps
   //   alone
   std::string copies = "mean";
-  std::string damping = "centred";
-  int passes = 2;  // of Baumgarte; one leaves what its guess of λ misses by, which hides small reductions
+  std::string damping = "discrete";
   double size = 1e-6;  // of the error put in, relative
   int settle = 50;     // steps before
   int steps = 40;      // steps followed
@@ -52,7 +51,6 @@ struct Calibration {
   std::vector<ShapeCourse> shapes;           // of rattle with so many sweeps
   Baumgarte::Options method;                 // what was measured, to the last digit: gains = "rattle"
   double alpha_per_ps = 0, beta_per_ps = 0;  // what that comes to
-  double left = 0;                           // share of a stretch that no gain takes away, rms
   // A step, by Baumgarte with these gains: a stretch's σ and σ̇, and the σ of a rate put in; by the
   // propagator, and measured. Of an error that swings: of its squares' sums.
   struct Reduction {
@@ -60,6 +58,7 @@ struct Calibration {
   };
   Reduction of_stretch, of_rate, after_rate;
   double floor_predicted = 0, floor_measured = 0;  // rms over bonds and steps of σ/d², nothing put in
+  double rounding = 0;                             // what rounding positions leaves of it
   std::vector<double> foretold;                    // Baumgarte's course of the stretch, by the propagator
   ErrorCourse reference, baumgarte;                // of a stretch
 };

@@ -10,6 +10,7 @@
 #include "base/errors.hpp"
 #include "base/nearest_name.hpp"
 #include "base/threads.hpp"
+#include "constraints/methods/baumgarte.hpp"
 #include "studies/crosscheck_causes.hpp"
 
 namespace taut {
@@ -43,14 +44,6 @@ std::vector<Contestant> named(const std::string& name, bool for_plugin) {
     throw InputError(
         fmt::format("--method {}: expected one of baumgarte:{}", name, fmt::join(kGains, ", baumgarte:")));
   return found;
-}
-
-Track run_contestant(const Stage& stage, const Contestant& contestant, const Against& against) {
-  Track track = follow(stage, contestant, stage.steps, against).track;
-  const auto* baumgarte = contestant.method.get_if<Baumgarte::Options>();
-  if (baumgarte != nullptr && track.failure.empty() && stage.scene.system.bond_count() > 0)
-    track.foretold = foretell(stage, *baumgarte, *against.openmm);
-  return track;
 }
 
 // The plug-in's runs, each against taut's own of the same method.
@@ -87,7 +80,7 @@ void hold_methods(const Stage& stage, OpenMMTwin& twin, Crosscheck& c, const Tel
   c.chaos = chaos_of(c.nudged);
   for (const Contestant& contestant : stage.plan.contestants) {
     now(contestant.name);
-    c.tracks.push_back(run_contestant(stage, contestant, against));
+    c.tracks.push_back(follow(stage, contestant, stage.steps, against).track);
   }
   now("why they part");
   c.fine = std::move(fine.track);

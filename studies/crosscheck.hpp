@@ -60,13 +60,6 @@ struct Sample {
   double bond_max = 0, bond_rms = 0;  // relative errors
 };
 
-// Where Baumgarte should have gone, from its residual's closed form (crosscheck_causes.hpp).
-struct Foretold {
-  long steps = 0;
-  double bond_rms = 0;  // relative, over all bonds and steps
-  double apart = 0;     // from OpenMM's run after those steps [nm]
-};
-
 // A run whole.
 struct Track {
   std::string name;
@@ -78,7 +71,6 @@ struct Track {
   Estimate temperature;                           // [K]
   Distances oxygens;                              // empty without water or in runs too short
   Estimate end_to_end;                            // [nm], 0 without chains
-  std::optional<Foretold> foretold;               // of Baumgarte
   bool held_against = false;                      // another run: `apart` is known
 
   double most_apart() const;                       // [nm]

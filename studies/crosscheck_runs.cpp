@@ -8,7 +8,6 @@
 
 #include "base/errors.hpp"
 #include "constraints/methods/baumgarte.hpp"
-#include "constraints/methods/feedforward.hpp"
 #include "constraints/methods/newton.hpp"
 #include "constraints/methods/rattle.hpp"
 #include "studies/study_scene.hpp"

@@ -42,10 +42,6 @@ Json json_of(const Crosscheck& c, const Track& track) {
                {"temperature_k", json_of(track.temperature)}};
   json["parted_at_step"] = track.parted_at(c.agreement) ? Json(*track.parted_at(c.agreement)) : Json();
   if (last_from_truth(track) >= 0) json["from_fine_run_nm"] = last_from_truth(track);
-  if (track.foretold)
-    json["foretold"] = {{"steps", track.foretold->steps},
-                        {"rms_rel_bond_error", track.foretold->bond_rms},
-                        {"apart_nm", track.foretold->apart}};
   if (track.constraint_drift) json["constraint_drift_kj_mol_ns_dof"] = json_of(*track.constraint_drift);
   if (track.end_to_end.value > 0) json["end_to_end_nm"] = json_of(track.end_to_end);
   return json;

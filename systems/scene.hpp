@@ -79,9 +79,13 @@ struct Scene {
 
   // True if no external force acts, so that the momentum is conserved. Biases act between atoms alone.
   bool closed() const { return closed_but_for_restraints() && terms.restraints.empty(); }
-  bool closed_but_for_restraints() const {
-    return !terms.gravity && terms.pulls.empty() && terms.walls.empty() && terms.steered.empty() &&
-           !foreign_fields() && system.anchors() == 0;
+  bool closed_but_for_restraints() const { return !driven() && system.anchors() == 0; }
+  bool acted_on() const { return driven() || !terms.restraints.empty(); }  // by more than anchors
+
+ private:
+  bool driven() const {
+    return terms.gravity || !terms.pulls.empty() || !terms.walls.empty() || !terms.steered.empty() ||
+           foreign_fields();
   }
 };
 

@@ -15,13 +15,13 @@ namespace {
 constexpr std::uint64_t kVelocityStream = 0x9e3779b97f4a7c15;
 
 // Draws each component from a normal distribution of variance kT/m, and removes the total momentum if no
-// external force acts.
+// external force acts, or it is asked for.
 void draw_velocities(double temperature, std::uint64_t seed, Scene& scene) {
   Random random(seed ^ kVelocityStream);
   for (int a = 0; a < scene.system.atoms(); ++a)
     scene.start.v.col(a) =
         random.normal_vector() * std::sqrt(kBoltzmann * temperature * scene.system.inv_mass[a]);
-  if (scene.closed()) remove_momentum(scene.system, scene.start.v);
+  if (scene.closed() || scene.run.remove_momentum_every > 0) remove_momentum(scene.system, scene.start.v);
 }
 
 bool at_rest(const Scene& scene) {

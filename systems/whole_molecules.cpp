@@ -2,7 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
 #include <set>
+#include <utility>
 
 #include "base/adjacency.hpp"
 #include "base/errors.hpp"
@@ -10,58 +15,164 @@
 namespace taut {
 namespace {
 
-// Traverses every molecule from its first atom, and calls step(from, to) once for each further atom.
-template <class Step>
-std::vector<int> walk(int atoms, const std::vector<BondedPair>& pairs, Step step) {
-  const Adjacency near(atoms, pairs);
-  std::vector<int> molecule(atoms, -1);
-  std::vector<int> open;
-  int count = 0;
-  for (int root = 0; root < atoms; ++root) {
-    if (molecule[root] >= 0) continue;
-    molecule[root] = count++;
-    open.push_back(root);
-    while (!open.empty()) {
-      const int from = open.back();
-      open.pop_back();
-      for (int k = near.begin[from]; k < near.begin[from + 1]; ++k) {
-        const int to = near.partner[k];
-        if (molecule[to] >= 0) continue;
-        molecule[to] = molecule[from];
-        step(from, to);
-        open.push_back(to);
-      }
-    }
+constexpr double kFits = 0.01;  // of a tether's length
+constexpr double kRounding = 1e-9;
+
+// Atoms that have been joined, and by how many box vectors each has to move for that: trees, a smaller one below the
+// root of a larger one, in which an atom's move is the sum of those on the way to the root.
+class JoinedAtoms {
+ public:
+  explicit JoinedAtoms(int atoms) : above_(atoms), size_(atoms, 1), cell_(Vectors::Zero(3, atoms)) {
+    std::iota(above_.begin(), above_.end(), 0);
   }
-  return molecule;
+
+  struct Found {
+    int root;
+    Vec3 cell;
+  };
+  Found find(int a) const {
+    Found found{a, cell_.col(a)};
+    while (above_[found.root] != found.root) {
+      found.root = above_[found.root];
+      found.cell += cell_.col(found.root);
+    }
+    return found;
+  }
+
+  // With j moved by `cell` more than i.
+  void join(const Found& i, const Found& j, const Vec3& cell) {
+    const Vec3 more = cell + i.cell - j.cell;
+    const bool below_i = size_[i.root] >= size_[j.root];
+    const int root = below_i ? i.root : j.root, other = below_i ? j.root : i.root;
+    above_[other] = root;
+    size_[root] += size_[other];
+    cell_.col(other) = below_i ? more : Vec3(-more);
+  }
+
+ private:
+  std::vector<int> above_, size_;
+  Vectors cell_;
+};
+
+// What a tether says of the images of its atoms.
+class TetheredImages {
+ public:
+  TetheredImages(const Box& box, const Tether& tether, const Vec3& given)
+      : box_(box),
+        tether_(tether),
+        given_(given),
+        long_(tether.length * (1 + kFits) > box.edge.minCoeff() / 2) {}
+
+  // 0 for the surest.
+  int rank() const {
+    if (tether_.by != Tether::By::kBond && tether_.by != Tether::By::kSpring) return 2;
+    return long_ ? 1 : 0;
+  }
+
+  bool fit(const Vec3& cell) const {
+    const Vec3 r = at(cell);
+    if (long_) return misfit(r) <= kFits * tether_.length;
+    return (r.cwiseQuotient(box_.edge).array().abs() <= 0.5 + kRounding).all();
+  }
+
+  // By how many box vectors the second atom has to move.
+  Vec3 cell() const {
+    const Vec3 nearest = -box_.cell_of(given_, std::round);
+    if (!long_) return nearest;
+    if (fit(Vec3::Zero())) return Vec3::Zero();
+    const double most = 2 * tether_.length / box_.edge.minCoeff();
+    const int reach = 1 + static_cast<int>(std::ceil(std::min(most, kFarthest)));
+    Vec3 best = Vec3::Zero();
+    double off = misfit(given_), second = std::numeric_limits<double>::infinity();
+    for (int a = -reach; a <= reach; ++a)
+      for (int b = -reach; b <= reach; ++b)
+        for (int c = -reach; c <= reach; ++c) {
+          const Vec3 cell = nearest + Vec3(a, b, c);
+          if (cell.isZero(0)) continue;
+          const double here = misfit(at(cell));
+          if (here < off)
+            second = std::exchange(off, here), best = cell;
+          else
+            second = std::min(second, here);
+        }
+    if (tether_.by == Tether::By::kBond && !best.isZero(0)) refuse_unless_one(off, second);
+    return best;
+  }
+
+ private:
+  static constexpr double kFarthest = 20;  // half edges: past that, images of nearly any length are many
+
+  Vec3 at(const Vec3& cell) const { return given_ + box_.lattice_vector(cell); }
+  double misfit(const Vec3& r) const {
+    const double off = tether_.length - r.norm();
+    return tether_.by == Tether::By::kStrut ? std::max(0.0, off) : std::abs(off);
+  }
+
+  void refuse_unless_one(double off, double second) const {
+    const bool fits = off <= kFits * tether_.length;
+    if (fits && second > std::min(10 * off, kFits * tether_.length) + kRounding * tether_.length) return;
+    throw InputError(fmt::format(
+        "atoms {} and {} are {:.4g} nm apart, and {} of their images has the length of their bond, {:.4g} "
+        "nm, which is over half the box: give positions of whole molecules",
+        tether_.i, tether_.j, given_.norm(), fits ? "more than one" : "none", tether_.length));
+  }
+
+  const Box& box_;
+  const Tether& tether_;
+  Vec3 given_;
+  bool long_;
+};
+
+bool keeps_apart_or_near(const Tether& tether) {
+  return tether.by == Tether::By::kStrut || tether.by == Tether::By::kRope;
 }
 
 }  // namespace
 
-void tie_sites(const VirtualSites& sites, std::vector<BondedPair>& pairs) {
+void add_tethers(const Terms& terms, std::vector<Tether>& tethers) {
+  for (const auto& b : terms.bonds) tethers.push_back({b.i, b.j, Tether::By::kSpring, b.length});
+  for (const auto& b : terms.fene) tethers.push_back({b.i, b.j, Tether::By::kSpring});
+  for (const auto& b : terms.tabulated_bonds) tethers.push_back({b.i, b.j, Tether::By::kSpring});
+}
+
+void add_tethers(const VirtualSites& sites, std::vector<Tether>& tethers) {
   for (const auto& site : sites) {
     const int first = site.parents.front().atom;
-    pairs.push_back({first, site.atom});
+    tethers.push_back({first, site.atom, Tether::By::kSite});
     for (const auto& parent : site.parents)
-      if (parent.atom != first) pairs.push_back({first, parent.atom});
+      if (parent.atom != first) tethers.push_back({first, parent.atom, Tether::By::kSite});
   }
 }
 
-std::vector<BondedPair> bonded_pairs(const System& sys, const Terms& terms) {
+std::vector<Tether> tethers(const System& sys, const Terms& terms) {
+  std::vector<Tether> all;
+  all.reserve(sys.bonds.size() + terms.bonds.size() + terms.fene.size());
+  for (const auto& b : sys.bonds) all.push_back({b.i, b.j, Tether::By::kBond, b.length});
+  add_tethers(terms, all);
+  add_tethers(sys.sites, all);
+  for (const auto& b : sys.one_sided)
+    if (b.side == Side::kAtLeast)
+      all.push_back({b.i, b.j, Tether::By::kStrut, b.length});
+    else
+      all.push_back({b.i, b.j, Tether::By::kRope});
+  return all;
+}
+
+std::vector<BondedPair> pairs_of(const std::vector<Tether>& tethers) {
   std::vector<BondedPair> pairs;
-  pairs.reserve(sys.bonds.size() + terms.bonds.size() + terms.fene.size());
-  for (const auto& b : sys.bonds) pairs.push_back({b.i, b.j});
-  for (const auto& b : terms.bonds) pairs.push_back({b.i, b.j});
-  for (const auto& b : terms.fene) pairs.push_back({b.i, b.j});
-  for (const auto& b : terms.tabulated_bonds) pairs.push_back({b.i, b.j});
-  tie_sites(sys.sites, pairs);
+  pairs.reserve(tethers.size());
+  for (const Tether& tether : tethers) pairs.push_back({tether.i, tether.j});
   return pairs;
 }
 
+std::vector<BondedPair> bonded_pairs(const System& sys, const Terms& terms) {
+  std::vector<Tether> all = tethers(sys, terms);
+  std::erase_if(all, keeps_apart_or_near);
+  return pairs_of(all);
+}
+
 std::vector<BondedPair> tied_pairs(const System& sys, const Terms& terms) {
-  std::vector<BondedPair> pairs = bonded_pairs(sys, terms);
-  for (const auto& b : sys.one_sided) pairs.push_back({b.i, b.j});
-  return pairs;
+  return pairs_of(tethers(sys, terms));
 }
 
 std::vector<BondedPair> further_bonds(const System& sys, const Terms& terms) {
@@ -80,7 +191,26 @@ std::vector<BondedPair> further_bonds(const System& sys, const Terms& terms) {
 }
 
 std::vector<int> molecules(int atoms, const std::vector<BondedPair>& pairs) {
-  return walk(atoms, pairs, [](int, int) {});
+  const Adjacency near(atoms, pairs);
+  std::vector<int> molecule(atoms, -1);
+  std::vector<int> open;
+  int count = 0;
+  for (int root = 0; root < atoms; ++root) {
+    if (molecule[root] >= 0) continue;
+    molecule[root] = count++;
+    open.push_back(root);
+    while (!open.empty()) {
+      const int from = open.back();
+      open.pop_back();
+      for (int k = near.begin[from]; k < near.begin[from + 1]; ++k) {
+        const int to = near.partner[k];
+        if (molecule[to] >= 0) continue;
+        molecule[to] = molecule[from];
+        open.push_back(to);
+      }
+    }
+  }
+  return molecule;
 }
 
 std::vector<int> molecules(const System& sys, const Terms& terms) {
@@ -91,19 +221,31 @@ Names guessed_names(const System& sys, const Terms& terms) {
   return guessed_names({sys.mass.begin(), sys.mass.end()}, molecules(sys, terms));
 }
 
-void make_whole(const Box& box, const std::vector<BondedPair>& pairs, Vectors& x) {
+void make_whole(const Box& box, const std::vector<Tether>& tethers, Vectors& x) {
   if (!box.periodic()) return;
-  walk(static_cast<int>(x.cols()), pairs, [&](int from, int to) {
-    x.col(to) -= box.lattice_vector(box.cell_of(x.col(to) - x.col(from), std::round));
-  });
-
-  // Pairs that close a ring were not traversed. If such a pair is longer than half an edge by more than
-  // rounding, the ring closes around the box.
-  for (const auto& [i, j] : pairs) {
-    const Vec3 d = x.col(j) - x.col(i);
-    if (((d.cwiseQuotient(box.edge)).array().abs() > 0.5 + 1e-9).any())
-      throw InputError(
-          fmt::format("atoms {} and {} are bonded around the box: their molecule meets its own image", i, j));
+  JoinedAtoms joined(static_cast<int>(x.cols()));
+  for (int rank = 0; rank < 3; ++rank)
+    for (const Tether& tether : tethers) {
+      const TetheredImages images(box, tether, x.col(tether.j) - x.col(tether.i));
+      if (images.rank() != rank) continue;
+      const JoinedAtoms::Found i = joined.find(tether.i), j = joined.find(tether.j);
+      if (i.root != j.root) {
+        joined.join(i, j, images.cell());
+        continue;
+      }
+      const Vec3 cell = j.cell - i.cell;  // it closes a ring
+      if (rank < 2 && !images.fit(cell) && cell != images.cell())
+        throw InputError(
+            fmt::format("atoms {} and {} are bonded around the box: their molecule meets its own image",
+                        tether.i, tether.j));
+    }
+  std::vector<int> first(static_cast<std::size_t>(x.cols()), -1);  // atom of each root
+  for (int a = 0; a < x.cols(); ++a) {
+    const JoinedAtoms::Found found = joined.find(a);
+    int& stays = first[static_cast<std::size_t>(found.root)];
+    if (stays < 0) stays = a;
+    const Vec3 cell = found.cell - joined.find(stays).cell;
+    if (!cell.isZero(0)) x.col(a) += box.lattice_vector(cell);
   }
 }
 

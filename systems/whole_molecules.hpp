@@ -13,8 +13,19 @@ namespace taut {
 // Two atoms that belong to one molecule.
 using BondedPair = std::array<int, 2>;
 
-// Appends the pairs of each virtual site and its parents, and of the parents.
-void tie_sites(const VirtualSites& sites, std::vector<BondedPair>& pairs);
+// Two atoms of one molecule, and what keeps them together or apart.
+struct Tether {
+  enum class By { kBond, kSpring, kStrut, kRope, kSite };
+  int i, j;
+  By by;
+  double length = 0;  // of a rigid bond or a strut, or of a spring at rest [nm]; 0: not known
+};
+
+// Appends those of springs, and FENE and tabulated bonds; of each virtual site with a parent, and of its parents.
+void add_tethers(const Terms& terms, std::vector<Tether>& tethers);
+void add_tethers(const VirtualSites& sites, std::vector<Tether>& tethers);
+std::vector<Tether> tethers(const System& sys, const Terms& terms);
+std::vector<BondedPair> pairs_of(const std::vector<Tether>& tethers);
 
 // Returns the pairs that make atoms one molecule: rigid, harmonic, FENE and tabulated bonds, and virtual sites.
 std::vector<BondedPair> bonded_pairs(const System& sys, const Terms& terms);
@@ -30,10 +41,14 @@ std::vector<BondedPair> further_bonds(const System& sys, const Terms& terms);
 std::vector<int> molecules(int atoms, const std::vector<BondedPair>& pairs);
 std::vector<int> molecules(const System& sys, const Terms& terms);  // from tied_pairs()
 
-// Moves atoms by lattice vectors so that the atoms of every bonded pair are nearest images. The first atom of
-// each molecule stays, as does a molecule that is whole already. Without a box nothing moves. The time is
-// linear. Throws InputError for a molecule that is bonded to its own image, which cannot be made whole.
-void make_whole(const Box& box, const std::vector<BondedPair>& pairs, Vectors& x);
+// Moves atoms by lattice vectors so that molecules are whole. The first atom of each stays, as does a molecule that is
+// whole already. Without a box nothing moves. The two atoms of a tether become
+// - nearest images, where it is no longer than half the box's shortest edge, or of no known length;
+// - else images at its length: as they are, if they are so to 1 % or no image is nearer to it; or those that are.
+// Surer tethers come first, and those of struts, ropes and sites decide only where nothing else does. Throws InputError
+// for a rigid bond longer than half the box that no image fits, or two alike, and for a molecule that is bonded to
+// its own image, which cannot be made whole.
+void make_whole(const Box& box, const std::vector<Tether>& tethers, Vectors& x);
 
 // Returns names for a system of which only masses and bonds are known.
 Names guessed_names(const System& sys, const Terms& terms);

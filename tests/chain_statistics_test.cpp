@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "constraints/methods/baumgarte.hpp"
-#include "constraints/methods/feedforward.hpp"
 #include "constraints/methods/newton.hpp"
 #include "constraints/projection.hpp"
 #include "ensembles/langevin.hpp"
@@ -49,7 +48,7 @@ void sample(tests::Start start, long steps, auto&& see) {
 
 template <class Method>
 class ChainsOf : public ::testing::Test {};
-using MethodsUnderTest = ::testing::Types<Newton, Baumgarte, Feedforward>;
+using MethodsUnderTest = ::testing::Types<Newton, Baumgarte>;
 TYPED_TEST_SUITE(ChainsOf, MethodsUnderTest);
 
 // With c the cosine between its bonds a trimer has det A = 4 − c² and P(c) ∝ √det A: ⟨c²⟩ = 0.32102. Fixman's

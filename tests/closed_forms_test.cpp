@@ -91,7 +91,8 @@ TEST(Anchors, WithThemNoMomentumIsThereToRemove) {
                   Simulation(scene_of("pendulum", {"run.remove_momentum_every=10", "run.temperature_k=300",
                                                    std::string("run.thermostat=") + thermostat}));
                 }),
-                testing::HasSubstr("run.remove_momentum_every: 10, but bond 0 (0-1)"));
+                testing::HasSubstr("(run.remove_momentum_every = 10, OpenMM's CMMotionRemover), but bond 0 "
+                                   "(0-1) ends in an anchor"));
 }
 
 // With σ̈ = 0 alone each step of a rotor leaves θ⁴/8, θ = ωh, which nothing brings back: δd/d = (ωh)²(ωt)²/8.

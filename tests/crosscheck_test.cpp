@@ -105,39 +105,24 @@ TEST(Crosscheck, SaysWhatOpenMMCannotExpress) {
                 AllOf(HasSubstr("OpenMM cannot express it"), HasSubstr("anchor"), Not(HasSubstr("\n"))));
 }
 
-// What the closed form of its residual foretells, to within what it leaves out, the next order in h: its bond
-// errors to 1 %, and its departure to 5 %.
-void expect_foretold(Scene scene, long steps) {
-  scene.run.steps = steps;
-  CrosscheckPlan plan;
-  plan.contestants = contestants({"baumgarte"});
-  for (const char* damping : {"centred", "implicit", "lagged"})
-    plan.contestants.push_back({damping, Baumgarte::Options{.damping = damping}});
-  plan.contestants.push_back(
-      {"centred physical", Baumgarte::Options{.gains = "physical", .damping = "centred"}});
-  plan.contestants.push_back({"two passes", Baumgarte::Options{.gains = "critical", .passes = 2}});
-  plan.parting_steps = steps;
-  plan.samples = 5;
-  plan.speed_seconds = 0;
-  const Crosscheck c = crosscheck(scene, plan);
-  for (const Track& track : c.tracks) {
-    SCOPED_TRACE(track.name);
-    ASSERT_TRUE(track.foretold);
-    const auto& [judged, bond_rms, apart] = *track.foretold;
-    EXPECT_EQ(judged, steps);
-    EXPECT_GT(apart, 1e-7) << "there is something to foretell";
-    // Physical gains leave the discrete law little, and the next order in h more of that.
-    EXPECT_NEAR(bond_rms / track.rms_bond(steps), 1, track.name == "baumgarte physical" ? 0.03 : 0.01);
-    // Centred, gains that differ from bond to bond of a water (physical) are foretold 1.6 times too far: why
-    // is not known.
-    const bool mixed = track.name == "centred physical" && scene.name == "water";
-    EXPECT_NEAR(apart / track.apart_at(steps), mixed ? 1.6 : 1, 0.05);
+// The law's positions are RATTLE's but for what its solves leave, whatever its gains; a drive parts them.
+TEST(Crosscheck, BaumgarteTakesRattlesPositionsUnlessItIsDriven) {
+  for (Scene scene : {read_scene(find_scene("water"), {"run.dt_fs=1"}),
+                      read_scene(find_scene("freely_jointed"), {"build.chains=10"})}) {
+    SCOPED_TRACE(scene.name);
+    scene.run.steps = 30;
+    CrosscheckPlan plan;
+    plan.contestants = contestants({"baumgarte"});
+    plan.contestants.push_back({"driven", Baumgarte::Options{.damping = "centred"}});
+    plan.parting_steps = 30;
+    plan.speed_seconds = 0;
+    const Crosscheck c = crosscheck(scene, plan);
+    for (const Track& track : c.tracks)
+      if (track.name == "driven")
+        EXPECT_GT(track.apart_at(30), 1e-7);
+      else
+        EXPECT_LT(track.apart_at(30), 1e-8) << track.name;
   }
-}
-
-TEST(Crosscheck, BaumgarteDepartsFromRattleAsItsResidualForetells) {
-  expect_foretold(read_scene(find_scene("water"), {"run.dt_fs=1"}), 30);
-  expect_foretold(read_scene(find_scene("freely_jointed"), {"build.chains=10"}), 50);
 }
 
 TEST(Crosscheck, LeapfrogTakesTheSamePositions) {
@@ -185,7 +170,7 @@ TEST_P(CrosscheckOfThePlugin, TakesTautsTrajectory) {
     CrosscheckPlan plan;
     plan.platform = platform, plan.precision = precision, plan.integrator = "taut";
     plan.contestants = contestants(plan.usual_methods(), true);
-    plan.contestants.push_back({"critical", Baumgarte::Options{.gains = "critical", .damping = "implicit"}});
+    plan.contestants.push_back({"critical", Baumgarte::Options{.gains = "critical"}});
     plan.speed_seconds = 0;
     const Crosscheck c = crosscheck(read_scene(find_scene(name), {"run.steps=40"}), plan);
     ASSERT_EQ(c.plugged.size(), plan.contestants.size());

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "md/units.hpp"
+#include "scene_text.hpp"
 #include "simulation/simulation.hpp"
 #include "systems/scene_file.hpp"
 
@@ -25,7 +26,8 @@ Scene scene_of(const std::string& name, const Overrides& overrides) {
 Summary plain_summary() {
   Summary s;
   s.temperature = 300;
-  s.start_and_end = {.time = 10, .rise = 0, .dof = 1000, .expected = 300, .temperature = {300, 2}};
+  s.start_and_end = {
+      .time = 10, .rise = 0, .dof = 1000, .expected = 300, .temperature = {300, 2}, .kinds = {}};
   return s;
 }
 
@@ -101,6 +103,55 @@ TEST(DoubtsOfStartAndEnd, OfATemperatureFarFromTheBaths) {
   EXPECT_THAT(doubts(s), IsEmpty());
 }
 
+TEST(DoubtsOfKinds, NameTheKindThatIsOff) {
+  Summary s = plain_summary();
+  StartAndEnd& ends = s.start_and_end;
+  ends.relaxation = 0.5;
+  ends.kinds = {{"90 molecules of 3 atoms", 900, 300, {301, 2}},
+                {"2 molecules of 74 atoms", 100, 300, {279, 3}}};
+  EXPECT_THAT(doubts(s), ElementsAre(AllOf(HasSubstr("the later half of 2 molecules of 74 atoms is 279 K; "),
+                                           HasSubstr("take method newton"))));
+  ends.kinds[0].temperature.value = 330;  // farther off
+  EXPECT_THAT(doubts(s), ElementsAre(HasSubstr("of 90 molecules of 3 atoms is 330 K")));
+  ends.temperature.value = 327;  // and so is the whole
+  EXPECT_THAT(doubts(s), ElementsAre(HasSubstr("of the later half is 327 K")));
+  ends.temperature.value = 300;
+  ends.kinds[0].temperature.value = 301;
+  ends.kinds[1].temperature.error = 4.3;  // chance
+  EXPECT_THAT(doubts(s), IsEmpty());
+}
+
+// Without a bath a kind that ends where all do may have started elsewhere.
+TEST(DoubtsOfKinds, WithoutABathAreOfThoseThatPartFromTheRest) {
+  Summary s = plain_summary();
+  s.start_and_end.kinds = {{"2 molecules of 74 atoms", 100, 20, {300, 3}}};
+  EXPECT_THAT(doubts(s), IsEmpty());
+  s.start_and_end.kinds[0] = {"2 molecules of 74 atoms", 100, 300, {20, 3}};
+  EXPECT_THAT(doubts(s),
+              ElementsAre(HasSubstr("the temperature of 2 molecules of 74 atoms went from 300 to 20 K")));
+}
+
+// What is at rest is judged by the system's own energies.
+TEST(DoubtsOfStartAndEnd, OfWhatIsAtRestAreNotOfRounding) {
+  Summary s = plain_summary();
+  s.temperature = 1e-20;
+  s.start_and_end.temperature = {1e-20, 0};
+  s.start_and_end.expected = 0;
+  s.start_and_end.rounding = 1e-6;
+  s.start_and_end.rise = -1e-9;
+  s.drift = {-1e-7, 1e-9};
+  s.constraint_drift = {-1e-7, 1e-9};
+  EXPECT_THAT(doubts(s), IsEmpty());
+  s.drift.value = s.constraint_drift.value = -1e-5;
+  EXPECT_THAT(doubts(s), ElementsAre(HasSubstr("the constraints cool by 1e-05 kJ/mol a nanosecond")));
+  s.constraint_drift = {};
+  EXPECT_THAT(doubts(s), ElementsAre(HasSubstr("the energy drifts by -1e-05 kJ/mol a nanosecond")));
+  s.drift = {};
+  s.start_and_end.rise = -0.5;
+  EXPECT_THAT(doubts(s),
+              ElementsAre(HasSubstr("the energy ends 0.5 kJ/mol a degree of freedom below its start")));
+}
+
 Summary summary_of(Scene scene) {
   return Simulation(std::move(scene)).run({});
 }
@@ -141,6 +192,61 @@ TEST(DoubtsOfRuns, NoteEwaldsErrorBeforeTheRun) {
               ::testing::Contains(HasSubstr("give no ewald_alpha_per_nm, or a larger one")));
   EXPECT_THAT(notes({"forcefield.pme_grid=[8, 8, 8]"}),
               ::testing::Contains(HasSubstr("give no pme_grid, or a finer one")));
+}
+
+// Eight beads and a weight hang from an anchor: the bonds bear what is below them.
+TEST(DoubtsOfRuns, NotOfAChainThatHangsAtRest) {
+  const SceneText chain{R"(hard_on = "a test"
+[build]
+kind = "atoms"
+atoms = [[0, 0, 0, 0], [0, -1, 0, 1], [0, -2, 0, 1], [0, -3, 0, 1], [0, -4, 0, 1], [0, -5, 0, 1], [0, -6, 0, 1],
+  [0, -7, 0, 1], [0, -8, 0, 1000]]
+bonds = [[0, 1, 1], [1, 2, 1], [2, 3, 1], [3, 4, 1], [4, 5, 1], [5, 6, 1], [6, 7, 1], [7, 8, 1]]
+gravity_nm_ps2 = [0, -9.81, 0]
+[run]
+dt_fs = 1
+steps = 3000
+log_every = 60
+)"};
+  for (const char* method : {"newton", "feedforward", "baumgarte", "mshake", "none"}) {
+    Simulation simulation(read(chain.text, {std::string("method.name=") + method}));
+    EXPECT_THAT(simulation.run({}).doubts, IsEmpty()) << method;
+    EXPECT_NEAR(simulation.bond_tensions()[0], 9.81 * 1007, 1e-6) << method;
+    EXPECT_NEAR(simulation.bond_tensions()[7], 9.81 * 1000, 1e-6) << method;
+  }
+}
+
+// LINCS without its expansion holds single bonds, and takes energy out of rings, which are few beside them.
+TEST(DoubtsOfRuns, OfAKindOfMoleculeThatAMethodCools) {
+  const SceneText mixture{R"(hard_on = "a test"
+[atom.A]
+mass_u = 12
+[molecule.ring]
+atoms = ["A", "A", "A", "A", "A", "A"]
+bonds = [[0, 1, 0.15], [1, 2, 0.15], [2, 3, 0.15], [3, 4, 0.15], [4, 5, 0.15], [5, 0, 0.15]]
+[molecule.pair]
+atoms = ["A", "A"]
+bonds = [[0, 1, 0.15]]
+[[place]]
+molecule = "ring"
+count = 10
+[[place]]
+molecule = "pair"
+count = 100
+[build]
+box_nm = 8
+[run]
+temperature_k = 300
+thermostat = "langevin"
+friction_per_ps = 0.02
+dt_fs = 16
+steps = 60000
+log_every = 20
+)"};
+  EXPECT_THAT(summary_of(read(mixture.text, {"method.name=newton"})).doubts, IsEmpty());
+  EXPECT_THAT(
+      summary_of(read(mixture.text, {"method.name=lincs", "method.order=0"})).doubts,
+      ::testing::Contains(AllOf(HasSubstr("set to 300 K"), HasSubstr("of 10 molecules of 6 atoms is"))));
 }
 
 // Nothing is said against any scene of taut's, with or without a bath.

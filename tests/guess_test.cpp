@@ -38,7 +38,7 @@ Averages averages_of(const Scene& scene, State* end = nullptr) {
     return left.dot(w.cwiseProduct(y_ij).colwise().sum().transpose());
   };
   Averages all;
-  const double per = 2000 / (static_cast<double>(scene.run.steps) * degrees_of_freedom(sys, m, true).total());
+  const double per = 2000 / (static_cast<double>(scene.run.steps) * degrees_of_freedom(sys, m, 3).total());
   for (long n = 0; n < scene.run.steps; ++n) {
     at = s;
     EXPECT_TRUE(step(dynamics, h, s).converged());

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "base/errors.hpp"
-#include "constraints/batch/batched_feedforward.hpp"
+#include "constraints/batch/batched_baumgarte.hpp"
 #include "constraints/batch/batched_lincs.hpp"
 #include "constraints/batch/batched_newton.hpp"
 #include "constraints/batch/batched_sweeps.hpp"
@@ -231,7 +231,7 @@ TEST(Projector, NamesTheBondThatDependsOnOthers) {
 // Turning by 3 rad a step: no first step can hold it.
 TEST(Start, ThatAMethodCannotHoldIsAFailureThatNamesTheBond) {
   Start rotor = tests::rotor(300);
-  Batched<Feedforward> method(rotor.system, {}, 0.01);
+  Batched<Baumgarte> method(rotor.system, Feedforward::Options{}, 0.01);
   NoForce forces;
   EXPECT_THAT(error_message<SimulationFailure>([&] {
                 initialize({rotor.system, forces, method}, 0.01, rotor.state);
@@ -251,7 +251,7 @@ TEST(Methods, LimitsAreRefusedByTheirOwnKeys) {
   EXPECT_EQ(refusal(Shake::Options{{.sweeps = -1}}), "method.sweeps: expected at least 0, got -1");
   EXPECT_EQ(refusal(Lincs::Options{.order = -1}), "method.order: expected at least 0, got -1");
   EXPECT_EQ(refusal(Lincs::Options{.iterations = -1}), "method.iterations: expected at least 0, got -1");
-  EXPECT_EQ(refusal(Baumgarte::Options{.passes = 0}), "method.passes: expected at least 1, got 0");
+  EXPECT_EQ(refusal(Baumgarte::Options{.max_solves = 0}), "method.max_solves: expected at least 1, got 0");
   EXPECT_EQ(refusal(Baumgarte::Options{.sweeps = -1}), "method.sweeps: expected at least 0, got -1");
 }
 
@@ -285,7 +285,9 @@ TEST(Methods, EveryKeySetsTheOptionOfItsName) {
   EXPECT_EQ(field_of(baumgarte, "beta_per_ps"), &baumgarte.beta_per_ps);
   EXPECT_EQ(field_of(baumgarte, "reduction"), &baumgarte.reduction);
   EXPECT_EQ(field_of(baumgarte, "stiffness"), &baumgarte.stiffness);
-  EXPECT_EQ(field_of(baumgarte, "passes"), &baumgarte.passes);
+  EXPECT_EQ(field_of(baumgarte, "tolerance"), &baumgarte.tolerance);
+  EXPECT_EQ(field_of(baumgarte, "extrapolation"), &baumgarte.extrapolation);
+  EXPECT_EQ(field_of(baumgarte, "max_solves"), &baumgarte.max_solves);
   EXPECT_EQ(field_of(baumgarte, "sweeps"), &baumgarte.sweeps);
 }
 

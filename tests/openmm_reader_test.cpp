@@ -244,5 +244,17 @@ TEST(OpenMMReader, MendsAMoleculeOnlyWhereOpenMMTakesImages) {
               one_line_with("force 4: NonbondedForce: exception", "(6-9) is broken across the box"));
 }
 
+// Dumbbells of 1.7 nm in a box of 2.4, and a chain whose ends are held 1.81 nm apart in one of 3: OpenMM's energies.
+TEST(OpenMMReader, KeepsBondsLongerThanHalfTheBox) {
+  const std::pair<const char*, double> cases[] = {{"long-dumbbells", -400.3521}, {"held-ends", -10.112225}};
+  for (const auto& [name, energy] : cases) {
+    const Texts texts{text_of(name + std::string(".system.xml")), text_of(name + std::string(".state.xml"))};
+    EXPECT_NEAR(potential_of(texts), energy, 1e-6 * std::abs(energy)) << name;
+    const OpenMMInput input = read(texts);
+    for (const auto& [i, j, length] : input.system.bonds)
+      EXPECT_NEAR((input.start.x.col(j) - input.start.x.col(i)).norm(), length, 1e-6) << name;
+  }
+}
+
 }  // namespace
 }  // namespace taut::openmm_reader_tests

@@ -245,12 +245,10 @@ TEST(Account, SaysWhoseTheDriftIs) {
   EXPECT_LT(std::abs(newton.constraint_work), 0.03 * implicit.constraint_work);
 }
 
-// Of atoms under a uniform force and no bonds, nothing but the bath's heat is left, and what the momentum
-// that is taken out had.
+// Of atoms under a uniform force and no bonds, nothing but the bath's heat is left.
 TEST(Account, OfFreeAtomsIsTheBathsAlone) {
-  for (const Overrides& bath :
-       {Overrides{"run.thermostat=langevin", "run.friction_per_ps=20"}, Overrides{"run.thermostat_ps=0.05"},
-        Overrides{"run.remove_momentum_every=10"}}) {
+  for (const Overrides& bath : {Overrides{"run.thermostat=langevin", "run.friction_per_ps=20"},
+                                Overrides{"run.thermostat_ps=0.05"}}) {
     SCOPED_TRACE(bath[0]);
     Overrides all = {"build.chains=20", "method.name=none", "run.steps=200", "run.log_every=10",
                      "run.dt_fs=2"};
@@ -260,11 +258,7 @@ TEST(Account, OfFreeAtomsIsTheBathsAlone) {
     scene.terms.gravity = Vec3(0, 0, -9);
     std::vector<Record> rows;
     Simulation simulation(std::move(scene));
-    simulation.run([&](const Record& r) { rows.push_back(r); },
-                   [&, every = simulation.scene().run.remove_momentum_every](long step) {
-                     const Vec3 p = momentum(simulation.scene().system, simulation.state().v);
-                     EXPECT_EQ(p.norm() < 1e-9, every > 0 && step % every == 0) << step;
-                   });
+    simulation.run([&](const Record& r) { rows.push_back(r); });
     const double scale = rows.front().kinetic;
     EXPECT_GT(std::abs(*rows.back().heat), 0.03 * scale);
     for (const Record& r : rows) {

@@ -113,12 +113,12 @@ TEST(SceneErrors, Keys) {
   EXPECT_EQ(said("dt_fs", "dt_sf"), "scene.toml:16: unknown key \"dt_sf\" in [run]; did you mean \"dt_fs\"?");
   EXPECT_EQ(said("steps = 20", "temprature_k = 300"),
             "scene.toml:17: unknown key \"temprature_k\" in [run]; did you mean \"temperature_k\"?");
-  EXPECT_EQ(said("passes", "pases"),
-            "scene.toml:21: unknown key \"pases\" in [method]; did you mean \"passes\"?");
-  EXPECT_EQ(said("passes", "tolerance"),
-            "scene.toml:21: unknown key \"tolerance\" in [method]; expected one of alpha_per_ps, "
+  EXPECT_EQ(said("max_solves", "max_slves"),
+            "scene.toml:21: unknown key \"max_slves\" in [method]; did you mean \"max_solves\"?");
+  EXPECT_EQ(said("max_solves", "omega_h"),
+            "scene.toml:21: unknown key \"omega_h\" in [method]; expected one of alpha_per_ps, "
             "beta_per_ps, damping, "
-            "gains, name, passes, reduction, stiffness, sweeps");
+            "extrapolation, gains, max_solves, name, reduction, stiffness, sweeps, tolerance");
   EXPECT_EQ(said("[run]", "[rum]"), "scene.toml:15: unknown section \"rum\"; did you mean \"run\"?");
   EXPECT_EQ(said("gravity_nm_ps2", "gravity"),
             "scene.toml:13: unknown key \"gravity\" in [build]; did you mean \"gravity_nm_ps2\"?");
@@ -144,7 +144,7 @@ TEST(SceneErrors, Values) {
   EXPECT_EQ(said("0.5", "0"), "scene.toml:16: run.dt_fs: expected more than 0, got 0");
   EXPECT_EQ(said("0.5", "nan"), "scene.toml:16: run.dt_fs: expected a finite number, got nan");
   EXPECT_EQ(said("steps = 20", "steps = -1"), "scene.toml:17: run.steps: expected at least 0, got -1");
-  EXPECT_EQ(said("passes = 2", "passes = 1e10"), "scene.toml:21: method.passes: out of range");
+  EXPECT_EQ(said("max_solves = 2", "max_solves = 1e10"), "scene.toml:21: method.max_solves: out of range");
   EXPECT_EQ(said("steps = 20", "steps = 1e30"), "scene.toml:17: run.steps: out of range");
   EXPECT_EQ(said("steps = 20", "thermostat_ps = 0.1"),
             "scene.toml:17: run.thermostat_ps: a thermostat needs a run.temperature_k above 0");
@@ -244,8 +244,8 @@ TEST(SceneErrors, Overrides) {
   EXPECT_EQ(complaint(kGood.text, {"=3"}), "--set =3: expected key=value, such as run.dt_fs=2");
   EXPECT_EQ(complaint(kGood.text, {"a b=3"}), "--set a b=3: expected key=value, such as run.dt_fs=2");
   EXPECT_EQ(complaint(kGood.text, {"run=3"}), "--set run=3: run: expected a section, got an integer");
-  EXPECT_EQ(complaint(kGood.text, {"method.name=newton", "method.passes=1"}),
-            "--set method.passes=1: unknown key \"passes\" in [method]; expected one of max_iterations, "
+  EXPECT_EQ(complaint(kGood.text, {"method.name=newton", "method.sweeps=1"}),
+            "--set method.sweeps=1: unknown key \"sweeps\" in [method]; expected one of max_iterations, "
             "name, tolerance");
   EXPECT_THAT(complaint(kGood.text, {"method.name=newtom"}),
               HasSubstr("--set method.name=newtom: method.name: there is no \"newtom\"; did you mean"));

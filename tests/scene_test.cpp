@@ -31,7 +31,7 @@ TEST(Scene, ReadsWhatTheFileSays) {
   const auto& options = *scene.method.get_if<Baumgarte::Options>();
   EXPECT_EQ(options.alpha_per_ps, 3.0);
   EXPECT_EQ(options.beta_per_ps, std::nullopt);
-  EXPECT_EQ(options.passes, 2);
+  EXPECT_EQ(options.max_solves, 2);
 }
 
 // Every key a scene can have says what it means; numbers with a unit in their name say the same unit.
@@ -94,7 +94,7 @@ TEST(Scene, KeysSayWhereTheyCameFrom) {
   EXPECT_EQ(one("run", "seed").from, "");
   EXPECT_EQ(one("method", "name").value, "\"rattle\"");
   EXPECT_EQ(one("method", "tolerance").value, "1e-07");
-  EXPECT_FALSE(one("method", "passes").read);  // the file's, of another method
+  EXPECT_FALSE(one("method", "max_solves").read);  // the file's, of another method
   EXPECT_TRUE(one("run", "friction_per_ps").idle);
   EXPECT_FALSE(one("run", "dt_fs").idle);
   EXPECT_EQ(one("build", "atoms").value, "3 rows");
@@ -109,7 +109,7 @@ TEST(Scene, OverridesPrevail) {
   EXPECT_EQ(scene.run.steps, 1000000);
   const auto& options = *scene.method.get_if<Baumgarte::Options>();
   EXPECT_EQ(options.gains, "critical");
-  EXPECT_EQ(options.passes, 2);  // the file's own method: its other keys stay
+  EXPECT_EQ(options.max_solves, 2);  // the file's own method: its other keys stay
 }
 
 TEST(Scene, AnotherMethodSetsTheFilesKeysAside) {
@@ -121,15 +121,15 @@ TEST(Scene, AnotherMethodSetsTheFilesKeysAside) {
 
 TEST(Scene, NamingTheFilesOwnMethodKeepsItsKeys) {
   const Scene scene = read(SceneText{}.text, {"method.name=\"baumgarte\""});
-  EXPECT_EQ(scene.method.get_if<Baumgarte::Options>()->passes, 2);
+  EXPECT_EQ(scene.method.get_if<Baumgarte::Options>()->max_solves, 2);
 }
 
 TEST(Scene, OverridesOfASceneFromElsewhere) {
   Scene scene = read(SceneText{}.text);
-  apply_overrides(scene, {"run.log_every=7", "method.passes=3"});
+  apply_overrides(scene, {"run.log_every=7", "method.max_solves=3"});
   EXPECT_EQ(scene.run.log_every, 7);
   EXPECT_EQ(scene.run.dt_fs, 0.5);
-  EXPECT_EQ(scene.method.get_if<Baumgarte::Options>()->passes, 3);
+  EXPECT_EQ(scene.method.get_if<Baumgarte::Options>()->max_solves, 3);
   EXPECT_EQ(scene.method.get_if<Baumgarte::Options>()->alpha_per_ps, 3.0);
   EXPECT_THROW(apply_overrides(scene, {"build.molecules=7"}), InputError);
 }

@@ -31,7 +31,7 @@ steps = 20
 [method]
 name = "baumgarte"
 alpha_per_ps = 3.0
-passes = 2
+max_solves = 2
 )";
 
   inline SceneText with(const std::string& old, const std::string& changed) const {

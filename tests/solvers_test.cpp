@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "base/errors.hpp"
-#include "constraints/batch/batched_feedforward.hpp"
+#include "constraints/batch/batched_baumgarte.hpp"
 #include "constraints/batch/batched_lincs.hpp"
 #include "constraints/batch/batched_newton.hpp"
 #include "constraints/batch/batched_sweeps.hpp"

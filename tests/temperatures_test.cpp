@@ -2,6 +2,7 @@
 
 #include "simulation/temperatures.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "base/series.hpp"
@@ -18,7 +19,7 @@ namespace {
 TEST(Temperatures, OfProjectedVelocitiesAreThoseTheyWereDrawnAt) {
   auto [sys, s] = tests::waters(30, 1, 300);
   Projector projector(sys);
-  Temperatures temperatures(sys, {}, s.x, true, false);
+  Temperatures temperatures(sys, {}, s.x, true);
   ASSERT_EQ(temperatures.types().size(), 1u);
   EXPECT_EQ(temperatures.types()[0].name, "30 molecules of 3 atoms");
   EXPECT_EQ(temperatures.types()[0].dof, (std::array<double, 3>{90, 90, 0}));
@@ -45,15 +46,16 @@ TEST(Temperatures, CountsEveryKindOfMolecule) {
   const System sys = make_system(mass, {{0, 1, 1}, {1, 2, 1}, {2, 3, 1}, {4, 5, 1}, {7, 8, 1}});
   Vectors x = Vectors::Zero(3, 9);
   for (int a = 0; a < 9; ++a) x.col(a) << a, a % 2, 0.3 * (a % 3);
-  const Temperatures held(sys, {}, x, true, true), springs(sys, {}, x, false, false);
+  const Temperatures held(sys, {}, x, true, {RigidMotions::Which::kTranslations, sys, x}),
+      springs(sys, {}, x, false);
   ASSERT_EQ(held.types().size(), 4u);
   EXPECT_EQ(held.types()[2].name, "1 atom");
-  const double total = 13;  // of the free molecules' masses and the anchored one's
+  const double total = 13;  // of the free molecules' masses, beside the anchored one's
   EXPECT_EQ(held.types()[0].dof[1], 3);
   EXPECT_EQ(held.types()[0].dof[2], 12 - 3 - 6);
   EXPECT_EQ(held.types()[1].dof[1], 2);
   EXPECT_EQ(held.types()[1].dof[2], 0);
-  EXPECT_EQ(held.types()[3].dof, (std::array<double, 3>{0, 0, 2}));
+  EXPECT_THAT(held.types()[3].dof, testing::ElementsAre(0, 0, testing::DoubleEq(2 - 3 / (total + 1))));
   EXPECT_DOUBLE_EQ(held.types()[2].dof[0], 3 - 3 * 5 / (total + 1));
   EXPECT_EQ(springs.types()[0].dof[2], 12 - 6);
 }
@@ -64,7 +66,7 @@ TEST(Temperatures, KindsDifferByTheirBondsToo) {
       make_system(Eigen::VectorXd::Ones(6), {{0, 1, 1}, {1, 2, 1}, {3, 4, 1}, {4, 5, 1}, {5, 3, 1}});
   Vectors x = Vectors::Zero(3, 6);
   for (int a = 0; a < 6; ++a) x.col(a) << a, a % 2, 0;
-  const Temperatures temperatures(sys, {}, x, true, false);
+  const Temperatures temperatures(sys, {}, x, true);
   ASSERT_EQ(temperatures.types().size(), 2u);
   EXPECT_EQ(temperatures.types()[0].dof, (std::array<double, 3>{3, 3, 1}));
   EXPECT_EQ(temperatures.types()[1].dof, (std::array<double, 3>{3, 3, 0}));
@@ -75,7 +77,7 @@ TEST(Temperatures, ShareTheKineticEnergy) {
   auto [sys, s] = tests::free_chain(4, 5);
   Projector(sys).velocities(sys, s.x, s.v);
   const auto energy = [&, &sys = sys, &s = s](MotionClass motion) {
-    Temperatures temperatures(sys, {}, s.x, true, false);
+    Temperatures temperatures(sys, {}, s.x, true);
     temperatures.see(sys, s.x, s.v);
     const double dof = temperatures.types()[0].dof[static_cast<std::size_t>(motion)];
     return 0.5 * dof * kBoltzmann * temperatures.of_all(motion).value;
@@ -90,7 +92,7 @@ TEST(Temperatures, ShareTheKineticEnergy) {
 // All that moves is one rotor's turning: I ω²/2, I = μd².
 TEST(Temperatures, OfARotor) {
   auto [sys, s] = tests::rotor(2);
-  Temperatures temperatures(sys, {}, s.x, true, false);
+  Temperatures temperatures(sys, {}, s.x, true);
   s.v.row(0).array() += 1;  // and it flies along
   temperatures.see(sys, s.x, s.v);
   EXPECT_NEAR(temperatures.temperature(0, MotionClass::kRotation).value, 2 * 1.0 / (2 * kBoltzmann), 1e-9);
@@ -179,7 +181,7 @@ TEST(Temperatures, OfAMoleculeThatBends) {
   bent << -0.8, 0, 0.8, 0.6, 0, 0.6, 0, 0, 0;
   Projector projector(sys);
   for (const bool bends : {false, true}) {
-    Temperatures temperatures(sys, {}, straight, true, false);
+    Temperatures temperatures(sys, {}, straight, true);
     EXPECT_EQ(temperatures.types()[0].dof, (std::array<double, 3>{3, 2, 2}));
     Random random(3);
     const int samples = 20000;

@@ -201,15 +201,15 @@ TEST(VirtualSites, AreNoAnchorsAndHaveNoDegreesOfFreedom) {
   with_anchor << mass, 0;
   const VirtualSite site = VirtualSite::average(1, {{0, 0.5}, {2, 0.5}});
   const System sys = make_system(mass, {{0, 2, 0.1}}, {site});
-  EXPECT_EQ(degrees_of_freedom(sys, 1, true).total(), 9 - 1 - 3);
+  EXPECT_EQ(degrees_of_freedom(sys, 1, 3).total(), 9 - 1 - 3);
   EXPECT_TRUE(sys.is_site(1) && !sys.is_site(0) && !sys.is_anchor(1));
   const System anchored = make_system(with_anchor, {{0, 2, 0.1}}, {site});
   EXPECT_TRUE(anchored.is_anchor(4) && !anchored.is_site(4));
-  EXPECT_EQ(degrees_of_freedom(anchored, 1, true).total(), 9 - 1);
+  EXPECT_EQ(degrees_of_freedom(anchored, 1, 0).total(), 9 - 1);
 
   EXPECT_THAT(molecules(4, bonded_pairs(sys, {})), ElementsAre(0, 0, 0, 1));
   const Vectors x = columns({{0, 0, 0}, {0.05, 0, 0}, {0.1, 0, 0}, {1, 1, 1}});
-  const Temperatures of(sys, {}, x, true, false);
+  const Temperatures of(sys, {}, x, true);
   EXPECT_EQ(of.types()[0].name, "1 molecule of 3 atoms");
   EXPECT_EQ(of.types()[0].dof, (std::array<double, 3>{3, 2, 0}));
 }

@@ -191,7 +191,7 @@ TEST(DoublePendulum, ImplicitDampingGivesTheEnergyThatIsForetold) {
   });
   const auto energy = [&](const std::string& damping, double ah) {
     std::vector<double> all;
-    watch(scene({"method.name=baumgarte", "method.damping=" + damping, "method.passes=3",
+    watch(scene({"method.name=baumgarte", "method.damping=" + damping, "method.tolerance=1e-12",
                  fmt::format("method.alpha_per_ps={}", 1000 * ah), "method.beta_per_ps=1414.2136"}),
           [&](const Simulation& s) { all.push_back(s.record().total()); });
     return all;

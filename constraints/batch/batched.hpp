@@ -92,7 +92,7 @@ class BatchedMethod : public ConstraintMethod {
     leftover_.write_lambda(lambda_);
     return lambda_;
   }
-  double promised_error() const final { return leftover_.method().promised_error(); }
+  double promised_error() const override { return leftover_.method().promised_error(); }
   std::string setting() const override { return leftover_.method().setting(); }
   Holds holds() const final { return leftover_.method().holds(); }
 

@@ -1,88 +1,134 @@
 #include "constraints/batch/batched_baumgarte.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "constraints/batch/batched_baumgarte.cpp"
 #include <hwy/foreach_target.h>
 
 #include "constraints/batch/past_lambda-inl.hpp"
+#include "constraints/batch/triangles-inl.hpp"
+
+#ifndef TAUT_BAUMGARTE_STEP
+#define TAUT_BAUMGARTE_STEP
+namespace taut {
+struct BaumgarteStep {
+  double h, drift;             // δ = h v + drift M⁻¹(f + noise)
+  double last, first, second;  // λ ← last·λ₁ + first·λ₂ + second·λ₃
+  bool shift;                  // whether λ is extrapolated, and the previous one stored
+  int max_solves;
+  double turn;  // largest |(σ₊ − τ) / r₊·r| for which one solve is within the tolerance
+  const double *x, *v, *noise;  // noise: null for none
+  double* f;
+};
+}  // namespace taut
+#endif
 
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
 struct BaumgarteRows {
-  double *x, *v, *f;  // 3 × atoms
-  double* r;          // 3 × bonds
+  double *x, *v, *f;    // 3 × atoms
+  double *r, *r_next;   // 3 × bonds
+  double* twice_sigma;  // bonds
 
   HWY_INLINE BaumgarteRows(const auto shape, Scratch& scratch)
       : x(scratch.take(3 * shape.atoms())),
         v(scratch.take(3 * shape.atoms())),
         f(scratch.take(3 * shape.atoms())),
-        r(scratch.take(3 * shape.size())) {}
+        r(scratch.take(3 * shape.size())),
+        r_next(scratch.take(3 * shape.size())),
+        twice_sigma(scratch.take(shape.size())) {}
 };
 
-// f += Jᵀλ*; λ becomes λ*, and what it was is past (with `shift`: else λ* is λ). r is found on the way.
+// Computes r, extrapolates λ, and adds Jᵀλ to f. Returns the residuals at x.
 template <class Shape>
-HWY_INLINE void apply_guess(const Shape shape, const Guess& guess, bool shift, const PastLambda past,
-                            const BaumgarteRows rows) {
-  const V first = broadcast(guess.first), second = broadcast(guess.second);
+HWY_INLINE Worst extrapolate(const Shape shape, const BaumgarteStep& step, const PastLambda past,
+                             const BaumgarteRows rows) {
+  const V last = broadcast(step.last), first = broadcast(step.first), second = broadcast(step.second);
   const auto foretold = [&](V one, V two, V three) HWY_ATTR {
-    return hn::MulAdd(second, hn::Sub(two, three), hn::MulAdd(first, hn::Sub(one, two), one));
+    return hn::MulAdd(last, one, hn::MulAdd(first, two, hn::Mul(second, three)));
   };
+  const bool shift = step.shift;
+  Worst worst;
   for (int k = 0; k < shape.size(); ++k) {
     const V3 r = difference(shape, k, rows.x);
     store3(r, rows.r + 3 * k * kLanes);
-    const V guessed = shift ? past.shift(k, foretold) : load(past.lambda + k * kLanes);
-    add_constraint_force(shape, k, guessed, r, rows.f);
+    const V twice = twice_sigma(shape.bonds[k], r);
+    store(twice, rows.twice_sigma + k * kLanes);
+    worst.include(shape.bonds[k], twice);
+    const V guess = shift ? past.shift(k, foretold) : load(past.lambda + k * kLanes);
+    add_constraint_force(shape, k, guess, r, rows.f);
   }
+  return worst;
 }
 
-// Sets b, the right-hand side for λ − λ*; the first time also the diagonal of A and the residuals.
-template <bool kFirst, class Shape>
-HWY_INLINE void right_hand_side(const Shape shape, const BaumgarteCoefficients* coefficients, double h,
-                                const BaumgarteRows rows, const Equations& eq, Worst& worst) {
-  const V half_h = broadcast(0.5 * h);
+// Conditions on all bonds of a lane; a NaN fails both.
+struct Ahead {
+  M near;  // |σ₊ − τ| ≤ `turn`·|r₊·r|: one solve suffices
+  M sane;  // < 10³·|r₊·r|
+};
+
+// Computes r₊, b = −(σ₊ − τ)/drift and the diagonal of A'.
+template <class Shape>
+HWY_INLINE Ahead look_ahead(const Shape shape, const BaumgarteStep& step, const LaneLaw* laws,
+                            const BaumgarteRows rows, const Equations& eq) {
+  const V h = broadcast(step.h), minus_half_h = broadcast(-0.5 * step.h), drift = broadcast(step.drift),
+          scale = broadcast(-0.5 / step.drift), turn = broadcast(step.turn);
+  Ahead ahead{all_lanes(), all_lanes()};
   for (int k = 0; k < shape.solved(); ++k) {
     const LaneBond& bond = shape.bonds[k];
-    const BaumgarteCoefficients& c = coefficients[k];
     const V3 r = load3(rows.r + 3 * k * kLanes);
     const V3 a = neg_mul_add(broadcast(bond.inv_mass_i), load3(rows.f + shape.i(k)),
                              broadcast(bond.inv_mass_j) * load3(rows.f + shape.j(k)));
-    const V3 w = mul_add(half_h, a, difference(shape, k, rows.v));
-    const V rr = dot(r, r), twice_sigma = hn::Sub(rr, broadcast(bond.length2));
-    V b = hn::Mul(broadcast(c.rate_a), dot(r, a));
-    b = hn::MulAdd(broadcast(c.rate_v), dot(r, w), b);
-    b = hn::MulAdd(broadcast(c.square_v), dot(w, w), b);
-    b = hn::MulAdd(broadcast(c.cross), dot(w, a), b);
-    b = hn::MulAdd(broadcast(c.square_a), dot(a, a), b);
-    b = hn::MulAdd(broadcast(c.sigma), twice_sigma, b);
-    store(hn::Neg(b), eq.b + k * kLanes);
-    if constexpr (kFirst) {
-      worst.include(bond, twice_sigma);
-      store(hn::Mul(broadcast(bond.reduced_inv_mass), rr), eq.A.d + k * kLanes);
-    }
+    const V3 v = difference(shape, k, rows.v);
+    const V3 r_next = mul_add(drift, a, mul_add(h, v, r));
+    store3(r_next, rows.r_next + 3 * k * kLanes);
+    V off = twice_sigma(bond, r_next);  // 2(σ₊ − τ)
+    off = hn::NegMulAdd(broadcast(laws[k].of_sigma), load(rows.twice_sigma + k * kLanes), off);
+    off = hn::NegMulAdd(broadcast(laws[k].of_rate), dot(mul_add(minus_half_h, v, r), v), off);
+    const V along = dot(r_next, r);
+    const V size = hn::Mul(broadcast(0.5), hn::Abs(off)), reach = hn::Abs(along);
+    ahead.near = hn::And(ahead.near, hn::Le(size, hn::Mul(turn, reach)));
+    ahead.sane = hn::And(ahead.sane, hn::Lt(size, hn::Mul(broadcast(1e3), reach)));
+    store(hn::Mul(scale, off), eq.b + k * kLanes);
+    store(hn::Mul(broadcast(bond.reduced_inv_mass), along), eq.A.d + k * kLanes);
   }
+  return ahead;
 }
 
-// λ += Δλ, f += JᵀΔλ
+// λ += b, f += Jᵀb
 template <class Shape>
-HWY_INLINE void apply_change(const Shape shape, const double* b, double* lambda, const BaumgarteRows rows) {
+HWY_INLINE void correct(const Shape shape, const double* change, const PastLambda past,
+                        const BaumgarteRows rows) {
   for (int k = 0; k < shape.size(); ++k) {
-    const V change = load(b + k * kLanes);
-    store(hn::Add(load(lambda + k * kLanes), change), lambda + k * kLanes);
-    add_constraint_force(shape, k, change, load3(rows.r + 3 * k * kLanes), rows.f);
+    const V b = load(change + k * kLanes);
+    store(hn::Add(load(past.lambda + k * kLanes), b), past.lambda + k * kLanes);
+    add_constraint_force(shape, k, b, load3(rows.r + 3 * k * kLanes), rows.f);
   }
 }
 
-// kNoise: a thermostat's random force acts besides f. It is known when compiled, because a branch would keep
-// the rows of small clusters out of registers.
-template <class Shape, bool kNoise>
+// Reports the failure, and the bond of the largest |b|; a NaN counts as the largest.
+HWY_NOINLINE void fail(const Part& part, const double* b, Failure why, SolveStats& stats) {
+  stats.failure = why;
+  double largest = -1;
+  for (int k = 0; k < part.batch.plan.solved; ++k)
+    for (int l = 0; l < kWidth; ++l) {
+      const double size = std::abs(b[k * kLanes + l]);
+      if (size <= largest || largest != largest) continue;
+      largest = size;
+      stats.worst_bond = part.batch.bond(part.group, k, part.first_lane + l);
+    }
+}
+
+template <class Shape>
 struct BaumgarteKernel {
   static constexpr bool kOnceMostly = true;
   const Shape shape;
   const BaumgarteStep& step;
   const Part& part;
-  const BaumgarteCoefficients* coefficients;
-  const Guess wanted;
+  const LaneLaw* laws;
   PastLambda past;
   Equations eq;
   BaumgarteRows rows;
@@ -94,59 +140,161 @@ struct BaumgarteKernel {
       : shape(its_shape),
         step(its_step),
         part(its_part),
-        coefficients(batch.coefficients.data()),
-        wanted(batch.guess),
+        laws(batch.laws.data()),
         past(batch, part),
         eq(equations(shape, scratch)),
         rows(shape, scratch),
         x(rows.x) {}
 
-  HWY_INLINE SolveNext next(int solves) const {
-    return solves + 1 < step.passes ? SolveNext::kSolve : SolveNext::kLastSolve;
+  // Starts from λ of the last step where the extrapolated one led astray, as it does where bonds turn far in a step.
+  static std::optional<BaumgarteStep> start_anew(BaumgarteBatch& batch, const BaumgarteStep& step,
+                                                 const Part& part) {
+    if (!step.shift || step.first == 0) return std::nullopt;
+    const PastLambda past(batch, part);
+    for (int k = 0; k < batch.lanes.bond_count(); ++k)
+      store(load(past.before + k * kLanes), past.lambda + k * kLanes);
+    BaumgarteStep anew = step;
+    anew.shift = false;
+    return anew;
   }
-  HWY_INLINE SolveNext start(SolveStats&) {
-    gather(part, shape.atoms(), step.x, rows.x);
-    if constexpr (kNoise)
-      gather_sum(part, shape.atoms(), step.f, step.noise, rows.v, rows.f);
-    else
-      gather(part, shape.atoms(), step.f, rows.f);
-    gather(part, shape.atoms(), step.v, rows.v);
-    apply_guess(shape, limit_to_known(wanted, step.known), step.shift, past, rows);
-    right_hand_side<true>(shape, coefficients, step.h, rows, eq, worst);
-    return next(0);
-  }
-  HWY_INLINE bool forward(int solves, SolveStats& stats) {
-    if (solves > 0) {
-      substitute_forward(shape, part, eq);
-      return true;
+  // If σ₊ − τ is small, the error after one solve is below the tolerance.
+  HWY_INLINE SolveNext look(SolveStats& stats) {
+    const Ahead ahead = look_ahead(shape, step, laws, rows, eq);
+    if (!hn::AllTrue(D(), ahead.sane)) {
+      fail(part, eq.b, Failure::kRanAway, stats);
+      return SolveNext::kEnd;
     }
-    return factor(shape, part, eq, rows.r, stats);
+    return hn::AllTrue(D(), ahead.near) ? SolveNext::kLastSolve : SolveNext::kSolve;
   }
-  HWY_INLINE void back() { substitute_back(shape, eq.A.inv_d, eq.A.l, eq.b); }
-  HWY_INLINE SolveNext apply(SolveNext last, int solves, SolveStats&) {
-    apply_change(shape, eq.b, past.lambda, rows);
+  HWY_INLINE SolveNext start(SolveStats& stats) {
+    gather(part, shape.atoms(), step.x, rows.x);
+    gather_sum(part, shape.atoms(), step.f, step.noise, rows.v, rows.f);
+    gather(part, shape.atoms(), step.v, rows.v);
+    worst = extrapolate(shape, step, past, rows);
+    return look(stats);
+  }
+  HWY_INLINE bool forward(int, SolveStats& stats) {
+    const bool regular = factor(shape, part, eq, rows.r_next, rows.r, stats);
+    if (!regular) stats.failure = Failure::kSingularOrTurned;
+    return regular;
+  }
+  HWY_INLINE void back() { substitute_back(shape, eq.A.inv_d, eq.A.u, eq.b); }
+  HWY_INLINE SolveNext apply(SolveNext last, int solves, SolveStats& stats) {
+    correct(shape, eq.b, past, rows);
     if (last == SolveNext::kLastSolve) return SolveNext::kEnd;
-    right_hand_side<false>(shape, coefficients, step.h, rows, eq, worst);
-    return next(solves);
+    if (solves < step.max_solves) return look(stats);
+    fail(part, eq.b, Failure::kNoConvergence, stats);
+    return SolveNext::kEnd;
   }
   HWY_INLINE void end(SolveStats& stats) {
-    if constexpr (kNoise) forces_without_noise(shape, part, step.f, past.lambda, rows.r, rows.f);
+    if (step.noise) forces_without_noise(shape, part, step.f, past.lambda, rows.r, rows.f);
     scatter(shape, part, rows.f, step.f);
-    if (worst.within(stats.max_residual)) return;
+    if (!stats.converged() || worst.within(stats.max_residual)) return;
     find_residuals(part.batch, rows.x, eq.b);
     record_largest(part, eq.b, stats);
   }
 };
 
-template <class Shape>
-using QuietKernel = BaumgarteKernel<Shape, false>;
-template <class Shape>
-using NoisyKernel = BaumgarteKernel<Shape, true>;
+// The same for triangles, in differences between the atoms of a bond. δ = h v + drift M⁻¹f is put together
+// where it lies in memory, and Jᵀλ added to f there.
+struct BaumgarteTriangle {
+  const LaneBatch& lanes;
+  const BaumgarteStep& step;
+  InverseMasses masses;
+  Sides r, r_next;
+  Three target;          // 2τ
+  Three lambda, change;  // change is not part of r_next yet
+  bool near, regular;    // as in Ahead; false for NaN
+
+  HWY_INLINE void solve() {
+    r_next = mul_add(broadcast(step.drift), Forces(change, r).accelerations(masses), r_next);
+    const TriangleMatrix A(lanes, r_next, r);
+    Three off = twice_sigma(lanes, r_next);
+    M close = all_lanes();
+    Three b;
+    for (int k = 0; k < 3; ++k) {
+      off.k[k] = hn::Sub(off.k[k], target.k[k]);
+      close =
+          hn::And(close, hn::Le(hn::Abs(off.k[k]), hn::Mul(broadcast(2 * step.turn), hn::Abs(A.along.k[k]))));
+      b.k[k] = hn::Mul(broadcast(-0.5 / step.drift), off.k[k]);
+    }
+    near = hn::AllTrue(D(), close);
+    regular = hn::AllTrue(D(), A.regular(lanes));
+    change = A.solve(b);
+    lambda = lambda + change;
+  }
+};
+
+HWY_INLINE bool solve_triangle(BaumgarteBatch& batch, const BaumgarteStep& step, const double* drift_by_mass,
+                               const Part& part, SolveStats& stats) {
+  HWY_ALIGN double copies[4][9 * kWidth];
+  const Nines nines(part);
+  const double *x = nines.open(step.x, copies[0]), *v = nines.open(step.v, copies[1]);
+  const double* noise = step.noise ? nines.open(step.noise, copies[3]) : nullptr;
+  double* f = nines.open(step.f, copies[2]);
+  const LaneBatch& lanes = batch.lanes;
+  const PastLambda past(batch, part);
+
+  const Sides r = sides(rows_of(load_nine(x)));
+  const Three now = twice_sigma(lanes, r);
+  const Worst worst = worst_of(lanes, now);
+  Nine velocity, delta;
+  for (int k = 0; k < 9; ++k) {
+    velocity.n[k] = load_any(v + k * kWidth);
+    delta.n[k] = hn::MulAdd(broadcast(step.h), velocity.n[k],
+                            hn::Mul(load(drift_by_mass + k * kWidth), load_any(f + k * kWidth)));
+  }
+  const Three before = twice_sigma(lanes, mul_add(broadcast(-step.h), sides(rows_of(velocity)), r));
+  Three target;
+  for (int k = 0; k < 3; ++k)
+    target.k[k] = hn::MulSub(broadcast(batch.laws[k].now), now.k[k],
+                             hn::Mul(broadcast(batch.laws[k].before), before.k[k]));
+  if (noise)
+    for (int k = 0; k < 9; ++k)
+      delta.n[k] = hn::MulAdd(load(drift_by_mass + k * kWidth), load_any(noise + k * kWidth), delta.n[k]);
+  const Three one = load_three(past.lambda), two = load_three(past.before),
+              three = load_three(past.before_that);
+  Three guess;
+  for (int k = 0; k < 3; ++k)
+    guess.k[k] =
+        hn::MulAdd(broadcast(step.last), one.k[k],
+                   hn::MulAdd(broadcast(step.first), two.k[k], hn::Mul(broadcast(step.second), three.k[k])));
+  BaumgarteTriangle triangle{.lanes = lanes,
+                             .step = step,
+                             .masses = InverseMasses(lanes),
+                             .r = r,
+                             .r_next = r + sides(rows_of(delta)),
+                             .target = target,
+                             .lambda = guess,
+                             .change = guess,
+                             .near = false,
+                             .regular = false};
+  triangle.solve();
+  int solves = 1;
+  for (; !triangle.near && triangle.regular && solves < step.max_solves; ++solves) triangle.solve();
+  if (!triangle.near || !triangle.regular) return false;
+  stats.iterations = solves;
+  store_three(two, past.before_that);
+  store_three(one, past.before);
+  store_three(triangle.lambda, past.lambda);
+  const Nine force = numbers_of(Forces(triangle.lambda, r).rows());
+  for (int k = 0; k < 9; ++k) store_any(hn::Add(load_any(f + k * kWidth), force.n[k]), f + k * kWidth);
+  nines.close(f, step.f);
+  if (!worst.within(stats.max_residual)) enter_residuals(part, step.x, stats);
+  return true;
+}
 
 SolveStats baumgarte_groups(BaumgarteBatch& batch, const BaumgarteStep& step, const SolveCall& call,
                             int begin, int end, const Scratch& scratch) {
-  return step.noise ? solve_groups<NoisyKernel>(batch, step, call, begin, end, scratch)
-                    : solve_groups<QuietKernel>(batch, step, call, begin, end, scratch);
+  if (batch.lanes.triangle && step.shift) {
+    HWY_ALIGN double drift_by_mass[9 * kWidth];
+    for (int n = 0; n < 9 * kWidth; ++n) drift_by_mass[n] = step.drift * batch.lanes.inv_mass[n % 9 / 3];
+    return solve_triangles<BaumgarteKernel>(batch, step, {begin, end, scratch},
+                                            [&](const Part& part, SolveStats& stats) HWY_ATTR {
+                                              return solve_triangle(batch, step, drift_by_mass, part, stats);
+                                            });
+  }
+  return solve_groups<BaumgarteKernel>(batch, step, call, begin, end, scratch);
 }
 
 }  // namespace taut::HWY_NAMESPACE
@@ -160,41 +308,35 @@ HWY_EXPORT(baumgarte_groups);
 Batched<Baumgarte>::Batched(const System& sys, const Options& options, double h)
     : ExtrapolatingMethod(
           sys, options, h,
-          find_clusters(sys, options.sweeps > 0 ? ClusterLimits{0, 0} : ClusterLimits::cutting())),
-      damping_(damping_named(options.damping)) {
-  const std::vector<Gains> gains = choose_gains(options.choice(), damping_, sys, h);
-  const std::vector<Guess> guesses = guesses_of(sys, damping_);
+          find_clusters(sys, options.in_lanes() ? ClusterLimits::cutting() : ClusterLimits{0, 0})) {
+  const Damping damping = damping_named(options.damping);
+  const std::vector<Gains> gains = choose_gains(options.choice(), damping, sys, h);
   setting_ = describe_baumgarte(options, gains, h);
+  promised_ = promised_error_of(options, laws_of(gains, damping, options.gains, h));
   batches_.for_each([&](BaumgarteBatch& batch) {
     for (int k = 0; k < batch.lanes.bond_count(); ++k)
       batch.gains.push_back(gains[batch.lanes.bond(0, k, 0)]);
-    batch.coefficients.resize(batch.gains.size());
-    batch.guess = guesses[batch.lanes.bond(0, 0, 0)];
   });
 }
 
-void Batched<Baumgarte>::set_coefficients(double h) {
-  if (h == h_of_coefficients_) return;
-  h_of_coefficients_ = h;
-  const bool lagged = damping_ == Damping::kLagged, discrete = damping_ == Damping::kDiscrete;
-  const bool centred = discrete || damping_ == Damping::kCentred;
+void Batched<Baumgarte>::set_laws(const Push& push) {
+  const double h = push.h;
+  if (h == h_of_laws_ && push.starts() == laws_start_) return;
+  h_of_laws_ = h;
+  laws_start_ = push.starts();
   batches_.for_each([&](BaumgarteBatch& batch) {
-    for (std::size_t k = 0; k < batch.gains.size(); ++k) {
-      const auto [alpha, beta] = batch.gains[k];
-      const double q = lagged ? 1 : 1 + alpha * h;
-      batch.coefficients[k] = {.rate_a = (lagged ? 1 - alpha * h : 1) / q,
-                               .rate_v = 2 * alpha / q,
-                               .square_v = 1 / q,
-                               .cross = centred ? alpha * h * h / q : 0,
-                               .square_a = discrete ? 0.25 * h * h / q : 0,
-                               .sigma = 0.5 * beta * beta / q};
+    batch.laws.clear();
+    for (const auto& [alpha, beta] : batch.gains) {
+      const Propagator law(alpha * h, beta * h, Damping::kDiscrete);
+      batch.laws.push_back(laws_start_ ? LaneLaw(law.from_rest, 0, h)
+                                       : LaneLaw(law.trace, law.determinant, h));
     }
   });
 }
 
 SolveStats Batched<Baumgarte>::add_forces(const System&, const Push& push, State& s) {
-  const SolveStats stats = solve(push, true, s).beside(leftover_.add_forces(push, s));
-  known_ = std::min(known_ + 1, 3);
+  const SolveStats stats = solve(push, !push.starts(), s).beside(leftover_.add_forces(push, s));
+  known_ = push.starts() ? 1 : std::min(known_ + 1, 3);
   return stats;
 }
 
@@ -203,11 +345,17 @@ SolveStats Batched<Baumgarte>::again(const System&, const Push& push, State& s) 
 }
 
 SolveStats Batched<Baumgarte>::solve(const Push& push, bool shift, State& s) {
-  set_coefficients(push.last_h());
-  const BaumgarteStep step{.h = push.last_h(),
-                           .known = known_,
+  set_laws(push);
+  constexpr double kWeights[3][3] = {{1, 0, 0}, {2, -1, 0}, {3, -3, 1}};  // by order
+  const auto& [last, first, second] = kWeights[std::clamp(known_ - 1, 0, options_.extrapolation)];
+  const BaumgarteStep step{.h = push.h,
+                           .drift = push.drift(),
+                           .last = last,
+                           .first = first,
+                           .second = second,
                            .shift = shift,
-                           .passes = options_.passes,
+                           .max_solves = options_.max_solves,
+                           .turn = std::sqrt(2 * options_.tolerance),
                            .x = s.x.data(),
                            .v = s.v.data(),
                            .noise = push.noise ? push.noise->data() : nullptr,

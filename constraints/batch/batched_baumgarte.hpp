@@ -1,37 +1,28 @@
 #pragma once
 
+#include <vector>
+
 #include "constraints/batch/batched.hpp"
 #include "constraints/batch/past_lambda.hpp"
 #include "constraints/methods/baumgarte.hpp"
 
 namespace taut {
 
-// The coefficients of the law for one bond at a given h, with the guess λ* already part of the forces:
-//     A (λ − λ*) = −(rate_a r·a + rate_v r·w + square_v |w|² + cross w·a + square_a |a|²
-//                    + sigma (|r|² − d²)),
-// where a and w of the bond contain λ*. With q = 1 + αh (lagged damping: 1), rate_v = 2α/q, square_v = 1/q,
-// sigma = β²/2q; rate_a = 1/q (lagged: 1 − αh, since v_half = w − ½ha); cross = αh²/q (discrete, centred);
-// square_a = ¼h²/q (discrete).
-struct BaumgarteCoefficients {
-  double rate_a, rate_v, square_v, cross, square_a, sigma;
+// τ = now·σ − before·σ₋, or, as σ − σ₋ = h (r − ½hv)·v, half of of_sigma·2σ + of_rate·(r − ½hv)·v.
+struct LaneLaw {
+  double now, before;
+  double of_sigma, of_rate;
+
+  LaneLaw(double its_now, double its_before, double h)
+      : now(its_now), before(its_before), of_sigma(now - before), of_rate(2 * h * before) {}
 };
 
-// A batch with the data that Baumgarte keeps for it.
+// A batch with the gains and the law of each of its bonds.
 struct BaumgarteBatch : RememberingBatch {
-  std::vector<Gains> gains;                         // of each bond
-  std::vector<BaumgarteCoefficients> coefficients;  // of each bond, at the last h
-  Guess guess;                                      // the same for every bond of one shape
+  std::vector<Gains> gains;
+  std::vector<LaneLaw> laws;  // of the last push
 
   using RememberingBatch::RememberingBatch;
-};
-
-struct BaumgarteStep {
-  double h;
-  int known;   // number of previous steps whose λ is known
-  bool shift;  // whether λ is extrapolated, and the previous one stored
-  int passes;
-  const double *x, *v, *noise;  // noise: null for none
-  double* f;
 };
 
 template <>
@@ -42,15 +33,17 @@ class Batched<Baumgarte> final : public ExtrapolatingMethod<Baumgarte, SolvedBat
   SolveStats add_forces(const System& sys, const Push& push, State& s) override;
   SolveStats again(const System& sys, const Push& push, State& s) override;
 
+  double promised_error() const override { return promised_; }
   std::string setting() const override { return setting_; }
 
  private:
-  void set_coefficients(double h);
   SolveStats solve(const Push& push, bool shift, State& s);
 
-  Damping damping_;
+  void set_laws(const Push& push);
+
+  double promised_, h_of_laws_ = -1;
+  bool laws_start_ = false;
   std::string setting_;
-  double h_of_coefficients_ = -1;
 };
 
 }  // namespace taut

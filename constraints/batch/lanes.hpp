@@ -35,7 +35,7 @@ struct Scratch {
 };
 // The most rows that any kernel takes.
 constexpr int scratch_rows(int atoms, int bonds, int entries) {
-  return 9 * atoms + 9 * bonds + 2 * entries;
+  return 9 * atoms + 10 * bonds + 2 * entries;
 }
 
 // The constants of a bond that kernels read.

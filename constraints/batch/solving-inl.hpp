@@ -6,6 +6,8 @@
 #define TAUT_SOLVING_INL_H
 #endif
 
+#include <optional>
+
 #include "constraints/batch/elimination-inl.hpp"
 #include "constraints/batch/solving.hpp"
 
@@ -125,6 +127,19 @@ HWY_INLINE SolveNext solve_piece(Kernel& kernel, const Part& part, const SolveCa
   return next;
 }
 
+// For kernels whose guess may have led astray: solves a part that failed once more, from another start. What failed has
+// changed nothing but multipliers.
+template <template <class> class Kernel, class Batch, class Step>
+HWY_NOINLINE void solve_anew(Batch& batch, const Step& step, const Part& part, Scratch scratch,
+                             SolveStats& stats) {
+  const std::optional<Step> anew = Kernel<AnyShape>::start_anew(batch, step, part);
+  if (!anew) return;
+  Kernel<AnyShape> kernel(AnyShape(batch.lanes), batch, *anew, part, scratch);
+  SolveStats second;
+  solve_whole(kernel, part, second);
+  if (second.converged()) stats = second;
+}
+
 // Runs the kernel for the groups begin … end − 1 of a batch. For pieces it sets batch.next.
 template <template <class> class Kernel, class Batch, class Step>
 HWY_INLINE SolveStats solve_groups(Batch& batch, const Step& step, const SolveCall& call, int begin, int end,
@@ -133,9 +148,12 @@ HWY_INLINE SolveStats solve_groups(Batch& batch, const Step& step, const SolveCa
   if (call.stage == SolveStage::kWhole) {
     for_each_part(batch.lanes, begin, end, scratch,
                   [&](const auto shape, const Part& part, Scratch rows) HWY_ATTR {
+                    const Scratch whole = rows;
                     Kernel<std::remove_const_t<decltype(shape)>> kernel(shape, batch, step, part, rows);
                     SolveStats own{.max_residual = all.max_residual};
                     solve_whole(kernel, part, own);
+                    if constexpr (requires { Kernel<AnyShape>::start_anew(batch, step, part); })
+                      if (!own.converged()) solve_anew<Kernel>(batch, step, part, whole, own);
                     all.beside(own);
                   });
     return all;

@@ -2,180 +2,263 @@
 
 #include <fmt/format.h>
 
-#include "constraints/active_set.hpp"
+#include <algorithm>
+#include <cmath>
+
 #include "constraints/bond_algebra.hpp"
 
 namespace taut {
 namespace {
 
-constexpr int kPassesOfATouch = 3;  // no previous λ predicts a touch; a pass gains a factor hv/d
+Option tolerance_of_a_step(double& tolerance) {
+  return {"tolerance",
+          &tolerance,
+          "relative bond error for which a step takes another solve",
+          {.range = kTolerances}};
+}
+Option order_of_extrapolation(int& extrapolation) {
+  return {
+      "extrapolation", &extrapolation, "order in which λ is extrapolated", {.range = {.min = 0, .max = 2}}};
+}
+Option most_solves(int& max_solves) {
+  return {"max_solves", &max_solves, "solves after which a step has failed", {.range = {.min = 1}}};
+}
 
 }  // namespace
 
+std::vector<Option> Feedforward::Options::describe() {
+  return {tolerance_of_a_step(tolerance), order_of_extrapolation(extrapolation), most_solves(max_solves)};
+}
+
+std::vector<Option> Baumgarte::Options::describe() {
+  const bool named = !(alpha_per_ps && beta_per_ps);  // at least one of them
+  const auto solved = [&](Option option) {
+    option.about.counts = {sweeps == 0, "without method.sweeps"};
+    return option;
+  };
+  return {{"gains",
+           &gains,
+           "how α and β are chosen",
+           {.counts = {named || gains == "numbers", "without both alpha_per_ps and beta_per_ps"},
+            .words = gain_names()}},
+          {"damping",
+           &damping,
+           "which form of the law: as differences, or as textbooks have it",
+           {.words = damping_names()}},
+          {"alpha_per_ps", &alpha_per_ps, "damping α, in place of the named one", {.unit = "1/ps"}},
+          {"beta_per_ps", &beta_per_ps, "stiffness β, in place of the named one", {.unit = "1/ps"}},
+          {"reduction",
+           &reduction,
+           "of an error a step, for gains = \"rattle\" or \"swept\" (see taut calibrate)",
+           {.range = {.min = 0, .max = 1, .below_max = true},
+            .counts = {named && (gains == "rattle" || gains == "swept"),
+                       "with method.gains = \"rattle\" or \"swept\""}}},
+          {"stiffness",
+           &stiffness,
+           "of the real bond, for gains = \"physical\"",
+           {.unit = "kJ/mol/nm²",
+            .range = kPositive,
+            .counts = {named && gains == "physical", "with method.gains = \"physical\""}}},
+          {"sweeps",
+           &sweeps,
+           "more than 0: so many sweeps from the extrapolated λ in place of a factorization",
+           {.range = {.min = 0}}},
+          solved(tolerance_of_a_step(tolerance)),
+          order_of_extrapolation(extrapolation),
+          solved(most_solves(max_solves))};
+}
+
 Baumgarte::Baumgarte(const System& sys, const Options& options, double h)
-    : damping_(damping_named(options.damping)),
-      gains_(choose_gains(options.choice(), damping_, sys, h)),
-      guesses_(guesses_of(sys, damping_)),
-      passes_(options.passes),
-      sweeps_(options.sweeps),
+    : options_(options),
+      gains_(choose_gains(options.choice(), damping_named(options.damping), sys, h)),
+      laws_(laws_of(gains_, damping_named(options.damping), options.gains, h)),
+      h_of_laws_(h),
+      two_sided_(sys.bond_count()),
       solver_(sys),
       r_(3, sys.all_bonds()),
-      w_ij_(3, sys.all_bonds()),
-      a_ij_(3, sys.all_bonds()),
+      free_(r_),
+      a_(r_),
+      v_half_(r_),
+      r_next_(r_),
       y_(3, sys.atoms()),
-      known_(sys.all_bonds()),
-      wanted_(sys.all_bonds()),
+      aimed_(sys.all_bonds()),
+      b_(sys.all_bonds()),
       lambda_(Eigen::VectorXd::Zero(sys.all_bonds())),
       before_(lambda_),
       before_that_(lambda_),
+      corrects_(!(options.alpha_per_ps == 0 && options.beta_per_ps == 0)),
+      promised_(promised_error_of(options, laws_)),
       setting_(describe_baumgarte(options, gains_, h)) {
-  if (sys.one_sided.empty()) return;
-  active_set_.emplace(sys);
-  corrects_ = !(options.alpha_per_ps == 0 && options.beta_per_ps == 0);
-  if (corrects_) passes_ = std::max(passes_, kPassesOfATouch);
+  if (!sys.one_sided.empty() && options.sweeps == 0) active_set_.emplace(sys);
 }
 
-std::vector<Guess> guesses_of(const System& sys, Damping damping) {
-  std::vector<Guess> guesses(sys.all_bonds());  // one-sided bonds take λ₁ alone
-  std::fill_n(guesses.begin(), sys.bond_count(), kThird);
-  if (damping != Damping::kDiscrete) return guesses;
-  const std::vector<bool> small = meets_all_others(sys);
-  for (int k = 0; k < sys.bond_count(); ++k)
-    if (small[k]) guesses[k] = kOfSmallClusters;
-  return guesses;
-}
-
-void Baumgarte::guess_lambda() {
+// λ_n from λ_{n−1}, 2λ_{n−1} − λ_{n−2} or 3λ_{n−1} − 3λ_{n−2} + λ_{n−3}, as far as they are known. One-sided bonds, whose λ
+// jumps where they touch, take the first.
+void Baumgarte::extrapolate() {
+  const int order = std::min(options_.extrapolation, known_ - 1);
   for (Eigen::Index k = 0; k < lambda_.size(); ++k) {
-    const auto [first, second] = limit_to_known(guesses_[k], steps_);
-    const double guess =
-        lambda_[k] + first * (lambda_[k] - before_[k]) + second * (before_[k] - before_that_[k]);
-    before_that_[k] = before_[k];
-    before_[k] = lambda_[k];
-    lambda_[k] = guess;
+    const double a = lambda_[k], b = before_[k], c = before_that_[k];
+    before_that_[k] = b;
+    before_[k] = a;
+    if (k >= two_sided_) continue;
+    if (order == 1) lambda_[k] = 2 * a - b;
+    if (order == 2) lambda_[k] = 3 * (a - b) + c;
   }
-  steps_ = std::min(steps_ + 1, 3);
-}
-
-// Gauss–Seidel sweeps on A λ = wanted, from the present λ and y = M⁻¹Jᵀλ: the residual of bond k is
-// wanted_k − r_k·y_ij, and λ_k changes by it over A_kk.
-void Baumgarte::solve_by_sweeps(const System& sys) {
-  for (int sweep = 0; sweep < sweeps_; ++sweep)
-    for (int k = 0; k < sys.all_bonds(); ++k) {
-      const auto& [i, j, d] = sys.bond(k);
-      if (sys.side(k) != 0 && r_.col(k).isZero(0)) continue;  // left out
-      const double off = wanted_[k] - r_.col(k).dot(y_.col(j) - y_.col(i));
-      double more = off / ((sys.inv_mass[i] + sys.inv_mass[j]) * r_.col(k).squaredNorm());
-      if (sys.side(k) != 0) more = one_sided(sys.side(k), lambda_[k] + more) - lambda_[k];
-      y_.col(i) -= sys.inv_mass[i] * more * r_.col(k);
-      y_.col(j) += sys.inv_mass[j] * more * r_.col(k);
-      lambda_[k] += more;
-    }
-}
-
-// Sets the λ-independent terms of one-sided bond k: w_ij_ = Δ = hv + drift·a, the displacement of the coming
-// step, and known_ = σ + r·Δ. Without correction a slack bond is left out (r = 0).
-void Baumgarte::look_ahead(const System& sys, const Push& push, const State& s, int k) {
-  const auto& [i, j, d] = sys.bond(k);
-  const double sigma_k = sigma(r_.col(k), d);
-  a_ij_.col(k) = sys.inv_mass[j] * push.force(s.f, j) - sys.inv_mass[i] * push.force(s.f, i);
-  w_ij_.col(k) = s.v.col(j) - s.v.col(i);
-  if (corrects_) {
-    w_ij_.col(k) = push.h * w_ij_.col(k) + push.drift() * a_ij_.col(k);
-    known_[k] = sigma_k + r_.col(k).dot(w_ij_.col(k));
-  } else {
-    w_ij_.col(k) += 0.5 * push.last_h() * a_ij_.col(k);
-    if (sys.side(k) * sigma_k > 0) r_.col(k).setZero();
-    known_[k] = r_.col(k).dot(a_ij_.col(k));
-  }
-}
-
-// Sets the right-hand side of one-sided bond k: s(σ + r·(Δ + τy) + ½|Δ + τy*|²) ≥ 0, where y = M⁻¹Jᵀλ and
-// τ = push.drift(); without correction s(r·(a + y) + |v*|²) ≥ 0.
-void Baumgarte::want_one_sided(const System& sys, const Push& push, int k) {
-  const auto& [i, j, d] = sys.bond(k);
-  const Vec3 y_ij = y_.col(j) - y_.col(i);
-  if (corrects_)
-    wanted_[k] = -(known_[k] + 0.5 * (w_ij_.col(k) + push.drift() * y_ij).squaredNorm()) / push.drift();
-  else
-    wanted_[k] =
-        r_.col(k).isZero(0) ? 0 : -(known_[k] + (w_ij_.col(k) + 0.5 * push.last_h() * y_ij).squaredNorm());
+  known_ = std::min(known_ + 1, 3);
 }
 
 SolveStats Baumgarte::add_forces(const System& sys, const Push& push, State& s) {
-  guess_lambda();
+  if (push.starts())
+    known_ = 1;
+  else
+    extrapolate();
   return again(sys, push, s);
 }
 
 SolveStats Baumgarte::again(const System& sys, const Push& push, State& s) {
-  const double h = push.last_h();  // at the start there is no motion before x to take differences with
-  differences(sys, s.x, r_);
-  Residual residual;
-  for (int k = 0; k < sys.bond_count(); ++k) {
-    const auto& [i, j, d] = sys.bonds[k];
-    const auto& [alpha, beta] = gains_[k];
-    a_ij_.col(k) = sys.inv_mass[j] * push.force(s.f, j) - sys.inv_mass[i] * push.force(s.f, i);
-    const Vec3 v_half = s.v.col(j) - s.v.col(i);
-    w_ij_.col(k) = v_half + 0.5 * h * a_ij_.col(k);
-    const double rate = r_.col(k).dot(damping_ == Damping::kLagged ? v_half : Vec3(w_ij_.col(k)));
-    const double sigma_k = sigma(r_.col(k), d);
-    known_[k] = r_.col(k).dot(a_ij_.col(k)) + 2 * alpha * rate + beta * beta * sigma_k;
-    residual.see(std::abs(sigma_k) / (d * d), k);
-  }
-  for (int k = sys.bond_count(); k < sys.all_bonds(); ++k) {
-    const auto& [i, j, d] = sys.bond(k);
-    residual.see(std::max(0.0, -sys.side(k) * sigma(r_.col(k), d)) / (d * d), k);
-    look_ahead(sys, push, s, k);
-  }
-  if (sweeps_ == 0 && !active_set_) {
-    solver_.factor(r_);
-    if (solver_.singular()) return {0, residual.value, solver_.dependent_bonds().front(), Failure::kSingular};
-  }
-
-  for (int pass = 0; pass < passes_; ++pass) {
-    y_.setZero();
-    add_constraint_acceleration(sys, r_, lambda_, y_);
-    for (int k = 0; k < sys.bond_count(); ++k) {
-      const auto& [i, j, d] = sys.bonds[k];
-      const double alpha = gains_[k].alpha;
-      const Vec3 y_ij = y_.col(j) - y_.col(i);
-      const Vec3 v_ij = w_ij_.col(k) + 0.5 * h * y_ij;
-      double rest = known_[k] + v_ij.squaredNorm();
-      const Vec3 a_ij = a_ij_.col(k) + y_ij;
-      if (damping_ == Damping::kDiscrete || damping_ == Damping::kCentred)
-        rest += alpha * h * h * v_ij.dot(a_ij);
-      if (damping_ == Damping::kDiscrete) rest += 0.25 * h * h * a_ij.squaredNorm();
-      wanted_[k] = -rest / (damping_ == Damping::kLagged ? 1 : 1 + alpha * h);
-    }
-    for (int k = sys.bond_count(); k < sys.all_bonds(); ++k) want_one_sided(sys, push, k);
-    if (sweeps_ > 0) {
-      solve_by_sweeps(sys);
-    } else if (active_set_) {
-      const Failure failure = active_set_->solve(sys, r_, wanted_, lambda_);
-      if (failure != Failure::kNone) return {pass, residual.value, active_set_->blamed(), failure};
-    } else {
-      lambda_ = wanted_;
-      solver_.solve(lambda_);
-    }
+  const SolveStats now = aim(sys, push, s);
+  const auto solve_for_lambda = [&] {
+    if (options_.sweeps > 0) return solve_by_sweeps(sys, push, now);
+    return active_set_ ? solve_one_sided(sys, push, now) : solve(sys, push, now);
+  };
+  SolveStats stats = solve_for_lambda();
+  if (!stats.converged() && known_ > 1 && options_.extrapolation > 0) {
+    lambda_ = before_;  // the extrapolated λ led astray, as it does where bonds turn far in a step
+    stats = solve_for_lambda();
   }
   add_constraint_force(sys, r_, lambda_, s.f);
-  return {sweeps_ > 0 ? passes_ * sweeps_ : passes_, residual.value, residual.bond};
+  return stats;
+}
+
+// Sets what does not depend on λ: r, v_half, (M⁻¹F)_ij, r₊ without Jᵀλ, and τ without its drive. Returns the residuals at x.
+SolveStats Baumgarte::aim(const System& sys, const Push& push, const State& s) {
+  if (push.h != h_of_laws_) laws_ = laws_of(gains_, damping_named(options_.damping), options_.gains, push.h);
+  h_of_laws_ = push.h;
+  differences(sys, s.x, r_);
+  differences(sys, s.v, v_half_);
+  Residual now;
+  for (int k = 0; k < sys.all_bonds(); ++k) {
+    const auto& [i, j, d] = sys.bond(k);
+    const int side = sys.side(k);
+    const double sigma_now = sigma(r_.col(k), d);
+    const double sigma_before = sigma(r_.col(k) - push.last_h() * v_half_.col(k), d);
+    a_.col(k) = sys.inv_mass[j] * push.force(s.f, j) - sys.inv_mass[i] * push.force(s.f, i);
+    free_.col(k) = r_.col(k) + push.h * v_half_.col(k) + push.drift() * a_.col(k);
+    now.see((side == 0 ? std::abs(sigma_now) : std::max(0.0, -side * sigma_now)) / (d * d), k);
+    if (side == 0)
+      aimed_[k] =
+          push.starts() ? laws_[k].decay.from_rest * sigma_now : laws_[k].decay.next(sigma_now, sigma_before);
+    else
+      aimed_[k] = corrects_ ? 0 : 2 * sigma_now - sigma_before;
+    if (!corrects_ && side * sigma_now > 0) r_.col(k).setZero();  // slack: left out
+  }
+  return {.max_residual = now.value, .worst_bond = now.bond, .failure = Failure::kNoConvergence};
+}
+
+// Returns σ₊ − τ of bond k, and sets r₊, for y = M⁻¹Jᵀλ. The drive is of the motion that led to x: none at the start.
+double Baumgarte::miss(const System& sys, const Push& push, int k) {
+  const auto& [i, j, d] = sys.bond(k);
+  const Vec3 y_ij = y_.col(j) - y_.col(i);
+  r_next_.col(k) = free_.col(k) + push.drift() * y_ij;
+  double miss = sigma(r_next_.col(k), d) - aimed_[k];
+  if (sys.side(k) == 0 && !laws_[k].drive.none() && !push.starts())
+    miss -= laws_[k].drive(v_half_.col(k), a_.col(k) + y_ij);
+  return miss;
+}
+
+SolveStats Baumgarte::solve(const System& sys, const Push& push, SolveStats stats) {
+  while (!stats.converged() && stats.iterations < options_.max_solves) {
+    y_.setZero();
+    add_constraint_acceleration(sys, r_, lambda_, y_);
+    Residual next;
+    for (int k = 0; k < sys.bond_count(); ++k) {
+      const double off = miss(sys, push, k);
+      b_[k] = -off / push.drift();
+      next.see(std::abs(off / r_next_.col(k).dot(r_.col(k))), k);
+    }
+    solver_.factor(r_next_, r_);
+    if (solver_.singular() || !(next.value < 1e3)) {
+      stats.worst_bond = solver_.singular() ? solver_.dependent_bonds().front() : next.bond;
+      stats.failure = solver_.singular() ? Failure::kSingularOrTurned : Failure::kRanAway;
+      return stats;
+    }
+    solver_.solve(b_);
+    lambda_ += b_;
+    ++stats.iterations;
+    if (0.5 * next.value * next.value <= options_.tolerance) stats.failure = Failure::kNone;
+  }
+  return stats;
+}
+
+// Solves A (λ_new − λ) = −(σ₊ − τ)/h², A = J(x)M⁻¹J(x)ᵀ, with the signs that one-sided bonds allow, until no bond that
+// acts misses more than the tolerance.
+SolveStats Baumgarte::solve_one_sided(const System& sys, const Push& push, SolveStats stats) {
+  while (true) {
+    y_.setZero();
+    add_constraint_acceleration(sys, r_, lambda_, y_);
+    Residual next;
+    for (int k = 0; k < sys.all_bonds(); ++k) {
+      const auto& [i, j, d] = sys.bond(k);
+      const double off = miss(sys, push, k);
+      b_[k] = r_.col(k).dot(y_.col(j) - y_.col(i)) - off / push.drift();
+      const bool slack = r_.col(k).isZero(0) || (lambda_[k] == 0 && sys.side(k) * off > 0);
+      if (!slack) next.see(std::abs(off) / (d * d), k);
+    }
+    if (stats.iterations > 0 && next.value <= options_.tolerance) stats.failure = Failure::kNone;
+    if (stats.converged() || stats.iterations == options_.max_solves) return stats;
+    const Failure failure = active_set_->solve(sys, r_, b_, lambda_);
+    if (failure != Failure::kNone || !(next.value < 1e3)) {
+      stats.worst_bond = failure != Failure::kNone ? active_set_->blamed() : next.bond;
+      stats.failure = failure != Failure::kNone ? failure : Failure::kRanAway;
+      return stats;
+    }
+    ++stats.iterations;
+  }
+}
+
+// Gauss–Seidel: each bond in its turn changes its own λ by −(σ₊ − τ)/(h² A'_kk), with all other λ as they are.
+SolveStats Baumgarte::solve_by_sweeps(const System& sys, const Push& push, SolveStats stats) {
+  y_.setZero();
+  add_constraint_acceleration(sys, r_, lambda_, y_);
+  for (int sweep = 0; sweep < options_.sweeps; ++sweep)
+    for (int k = 0; k < sys.all_bonds(); ++k) {
+      if (r_.col(k).isZero(0)) continue;  // left out
+      const auto& [i, j, d] = sys.bond(k);
+      const double off = miss(sys, push, k), w_i = sys.inv_mass[i], w_j = sys.inv_mass[j];
+      const double lambda = lambda_[k] - off / (push.drift() * (w_i + w_j) * r_next_.col(k).dot(r_.col(k)));
+      const double more = one_sided(sys.side(k), lambda) - lambda_[k];
+      y_.col(i) -= w_i * more * r_.col(k);
+      y_.col(j) += w_j * more * r_.col(k);
+      lambda_[k] += more;
+    }
+  stats.iterations = options_.sweeps;
+  stats.failure = lambda_.allFinite() ? Failure::kNone : Failure::kRanAway;
+  return stats;
 }
 
 std::string describe_baumgarte(const Baumgarte::Options& options, const std::vector<Gains>& gains, double h) {
-  const auto& [passes, sweeps] = std::tie(options.passes, options.sweeps);
-  if (options.gains == "numbers" && options.alpha_per_ps == 0 && options.beta_per_ps == 0 && passes == 1 &&
-      sweeps == 0)
+  const std::string solved =
+      options.sweeps > 0 ? fmt::format("{} sweep{} a step", options.sweeps, options.sweeps == 1 ? "" : "s")
+                         : fmt::format("tolerance {:g}", options.tolerance);
+  const std::string how = fmt::format("{}, λ extrapolated to order {}", solved, options.extrapolation);
+  if (options.gains == "dead-beat" && options.damping == "discrete" && !options.alpha_per_ps &&
+      !options.beta_per_ps)
+    return how;
+  if (options.gains == "numbers" && options.alpha_per_ps == 0 && options.beta_per_ps == 0)
     return "no correction";
   if (gains.empty()) return "no bonds";
   const auto [alpha, beta] = gains.front();
-  const int count = sweeps > 0 ? passes * sweeps : passes;
-  const bool alike = std::all_of(gains.begin(), gains.end(), [&, alpha = alpha, beta = beta](const Gains& g) {
-    return g.alpha == alpha && g.beta == beta;
-  });
-  return fmt::format("α {:.6g}/ps, β {:.6g}/ps (αh {:.4g}, βh {:.4g}){}, {} damping, {} {}{} a step", alpha,
-                     beta, alpha * h, beta * h, alike ? "" : " on the first bond", options.damping, count,
-                     sweeps > 0 ? "sweep" : "solve", count == 1 ? "" : "s");
+  const bool alike = std::ranges::all_of(
+      gains, [&, alpha = alpha, beta = beta](const Gains& g) { return g.alpha == alpha && g.beta == beta; });
+  return fmt::format("α {:.6g}/ps, β {:.6g}/ps (αh {:.4g}, βh {:.4g}){}, {} law, {}", alpha, beta, alpha * h,
+                     beta * h, alike ? "" : " on the first bond", options.damping, how);
+}
+
+double promised_error_of(const Baumgarte::Options& options, const std::vector<Law>& laws) {
+  double most = 1;
+  for (const Law& law : laws) most = std::max(most, law.drive.none() ? law.decay.most_of_a_feed() : HUGE_VAL);
+  if (options.sweeps > 0) most = HUGE_VAL;
+  return most * (options.tolerance == Baumgarte::Options{}.tolerance ? 1e-5 : options.tolerance);
 }
 
 }  // namespace taut

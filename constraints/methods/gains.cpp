@@ -69,4 +69,13 @@ std::vector<Gains> choose_gains(const GainChoice& choice, Damping damping, const
   return gains;
 }
 
+std::vector<Law> laws_of(const std::vector<Gains>& gains, Damping damping, std::string_view name, double h) {
+  std::vector<Law> laws;
+  for (const auto& [alpha, beta] : gains) {
+    laws.emplace_back(alpha * h, beta * h, h, damping);
+    if (name == "hoomd") laws.back().drive = {.square_a = 0.5 * std::pow(h, 4)};
+  }
+  return laws;
+}
+
 }  // namespace taut

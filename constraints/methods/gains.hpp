@@ -19,10 +19,9 @@ struct Gains {
 //   reversible  αh = 0.3, (βh)² = 2.5 (0.1 and 2 where damping is not discrete): weakly damped, nearly
 //               time-reversible
 //   dead-beat   both roots 0: an error vanishes in two steps, as with a converged RATTLE
-//   hoomd       the same gains, to which HOOMD-blue's distance constraints amount. Their condition is linear
-//               in the acceleration, σ/h² + σ̇_half/h + ½|v_half|² + (r + h v_half)·a = 0 (Yoneya 2001,
-//               doi:10.1006/jcph.2001.6718). Written with σ̇ of the end velocity it is the centred law less
-//               ¾h²|a|², or the discrete law less h²|a|², and it leaves σ₊ = ½h⁴|a|²
+//   hoomd       HOOMD-blue's distance constraints: the same gains, and a drive ½h⁴|a|² in place of that of the
+//               damping. Their condition is linear in the acceleration, σ/h² + σ̇_half/h + ½|v_half|² +
+//               (r + h v_half)·a = 0 (Yoneya 2001, doi:10.1006/jcph.2001.6718), and leaves σ₊ = ½h⁴|a|²
 //   rattle      roots `reduction` and 0: an error shrinks by this factor each step, as with RATTLE (taut
 //               calibrate)
 //   swept       a pair of roots of modulus `reduction`: an error evolves as with a fixed number of RATTLE
@@ -46,5 +45,7 @@ std::vector<std::string_view> gain_names();
 
 // Returns the gains of each bond. Throws InputError for an unknown name, a missing number, or unstable gains.
 std::vector<Gains> choose_gains(const GainChoice& choice, Damping damping, const System& sys, double h);
+// Returns the law of each bond with its gains in steps of h; `name` as in GainChoice.
+std::vector<Law> laws_of(const std::vector<Gains>& gains, Damping damping, std::string_view name, double h);
 
 }  // namespace taut

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/nearest_name.hpp"
 
@@ -34,7 +35,7 @@ Damping damping_named(std::string_view name) {
   return *std::ranges::find(kDampings, name, name_of);
 }
 
-Propagator::Propagator(double ah, double bh, Damping damping) {
+Propagator::Propagator(double ah, double bh, Damping damping) : from_rest(1 - 0.5 * bh * bh) {
   if (damping == Damping::kLagged) {
     trace = 2 - 2 * ah - bh * bh;
     determinant = 1 - 2 * ah;
@@ -64,6 +65,16 @@ double Propagator::residual(double sigma_0, double sigma_1, int n) const {
   return sigma_1 * u(n) - determinant * sigma_0 * u(n - 1);
 }
 
+double Propagator::most_of_a_feed() const {
+  if (!stable()) return HUGE_VAL;
+  double sum = 0, sigma = 1, before = 0;
+  for (int n = 0; n < 100000 && std::abs(sigma) + std::abs(before) > 1e-3; ++n) {
+    sum += std::abs(sigma);
+    before = std::exchange(sigma, next(sigma, before));
+  }
+  return sum;
+}
+
 double stability_limit(double ah, Damping damping) {
   if (!(ah >= 0)) return 0;
   if (damping != Damping::kLagged) return 2;
@@ -87,12 +98,19 @@ DimensionlessGains gains_for_sweeps(double t, Damping damping) {
   return {(1 - t * t) / q, std::sqrt(2 - 2 * t * (1 + t) / q)};
 }
 
-double floor_of(double ah, double bh, double h, const Motion& m, Damping damping) {
-  if (damping == Damping::kDiscrete) return 0;
-  double fed = 0.25 * std::pow(h, 4) * m.a_squared;
-  if (damping == Damping::kImplicit) fed += ah * std::pow(h, 3) * m.va;
-  if (damping == Damping::kLagged) fed -= ah * h * h * (m.v_squared - h * m.va + 0.25 * h * h * m.a_squared);
-  return fed / (bh * bh);
+Drive drive_of(double ah, double h, Damping damping) {
+  const double h2 = h * h, quarter = 0.25 * h2 * h2;
+  switch (damping) {
+    case Damping::kDiscrete:
+      return {};
+    case Damping::kCentred:
+      return {.square_a = quarter / (1 + ah)};
+    case Damping::kImplicit:
+      return {.square_a = quarter * (1 + 2 * ah) / (1 + ah), .cross = ah * h2 * h / (1 + ah)};
+    case Damping::kLagged:
+      break;
+  }
+  return {.square_a = quarter, .square_v = -ah * h2};
 }
 
 }  // namespace taut

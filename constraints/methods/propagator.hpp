@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <complex>
 #include <string_view>
@@ -11,11 +12,13 @@ namespace taut {
 //     σ_{n+1} = trace·σ_n − determinant·σ_{n−1}.
 // Because A λ = b is solved exactly, each bond of a cluster obeys it by itself, up to terms quadratic in σ.
 
+// The forms of the law. Solved without remainder, each is σ₊ = trace·σ − determinant·σ₋ and, but for the first, a
+// drive (below), since its σ̈ or σ̇ is not the difference that the step makes of it.
 enum class Damping {
-  kDiscrete,  // as centred, and σ̈ is a difference, too: (σ₊ − 2σ + σ₋)/h²
-  kCentred,   // 2α (J v + ½h² v_ij·a_ij) = 2α (σ₊ − σ₋)/2h
-  kImplicit,  // 2α J v, v the velocity at the end of the step
-  kLagged,    // 2α J v_half, which is half a step old
+  kDiscrete,  // (σ₊ − 2σ + σ₋)/h² + 2α (σ₊ − σ₋)/2h + β²σ = 0: what taut's method solves
+  kCentred,  // σ̈ = J a + |v_ij|² of the textbooks, with 2α (σ₊ − σ₋)/2h = 2α (J v + ½h² v_ij·a_ij)
+  kImplicit,  // that σ̈, and 2α J v, v the velocity at the end of the step
+  kLagged,    // that σ̈, and 2α J v_half, which is half a step old
 };
 inline constexpr Damping kDampings[] = {Damping::kDiscrete, Damping::kCentred, Damping::kImplicit,
                                         Damping::kLagged};
@@ -25,6 +28,7 @@ Damping damping_named(std::string_view name);  // throws InputError
 
 struct Propagator {
   double trace, determinant;
+  double from_rest;  // σ₁/σ₀ = 1 − ½(βh)² where nothing moves before: forces then act for half a step
 
   // ah = αh, bh = βh
   //   discrete, centred, implicit: trace (2 − (βh)²)/(1 + αh),  determinant (1 − αh)/(1 + αh)
@@ -34,6 +38,9 @@ struct Propagator {
   std::array<std::complex<double>, 2> roots() const;  // of z² − trace z + determinant, larger modulus first
   // Schur–Cohn: |determinant| < 1 and |trace| < 1 + determinant
   bool stable() const { return std::abs(determinant) < 1 && std::abs(trace) < 1 + determinant; }
+  double next(double sigma, double sigma_before) const { return trace * sigma - determinant * sigma_before; }
+  // Σ|σ_n| of an error 1 that comes from nowhere: the most that may stand where 1 is fed in every step.
+  double most_of_a_feed() const;
   // σ_n from σ_0 and σ_1, in closed form
   double residual(double sigma_0, double sigma_1, int n) const;
 };
@@ -65,15 +72,34 @@ DimensionlessGains gains_for_root(double r, Damping damping);
 //   lagged:                      αh = (1−t²)/2,      (βh)² = 1−t
 DimensionlessGains gains_for_sweeps(double t, Damping damping);
 
-// The floor: the σ [nm²] at which a bond settles whatever its gains, if it moves with v = |v_ij| [nm/ps], a =
-// |a_ij| [nm/ps²] and v·a = va, which vary slowly, and λ* has no error:
-//   discrete: 0
-//   centred:  ¼h⁴a²/(βh)²
-//   implicit: (¼h⁴a² + αh·h³ v·a)/(βh)²
-//   lagged:   (¼h⁴a² − αh·h² |v − ½ha|²)/(βh)²
-struct Motion {
-  double v_squared, a_squared, va;
+// What a form of the law adds to σ₊: square_a |a|² + cross v·a + square_v |v|², with the acceleration a of a bond and its
+// velocity v half a step ago. It follows from (1) and (2) in README.md:
+//     discrete  0
+//     centred   ¼h⁴|a|²/(1 + αh)
+//     implicit  (¼h⁴|a|² + αh·h³ (v + ½ha)·a)/(1 + αh)
+//     lagged    ¼h⁴|a|² − αh·h²|v|²
+struct Drive {
+  double square_a = 0, cross = 0, square_v = 0;
+
+  bool none() const { return square_a == 0 && cross == 0 && square_v == 0; }
+  double operator()(const Eigen::Vector3d& v, const Eigen::Vector3d& a) const {
+    return square_a * a.squaredNorm() + cross * v.dot(a) + square_v * v.squaredNorm();
+  }
 };
-double floor_of(double ah, double bh, double h, const Motion& motion, Damping damping);
+Drive drive_of(double ah, double h, Damping damping);
+
+// A form of the law with gains.
+struct Law {
+  Propagator decay;
+  Drive drive;
+
+  Law(double ah, double bh, double h, Damping damping)
+      : decay(ah, bh, damping), drive(drive_of(ah, h, damping)) {}
+  // The floor: the σ [nm²] at which a bond settles whatever its gains, if it moves with v [nm/ps], of half a step ago, and
+  // a [nm/ps²] that vary slowly.
+  double floor(const Eigen::Vector3d& v, const Eigen::Vector3d& a) const {
+    return drive(v, a) / (1 - decay.trace + decay.determinant);
+  }
+};
 
 }  // namespace taut

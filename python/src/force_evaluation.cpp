@@ -34,7 +34,7 @@ class ForceEvaluation {
         throw InputError(fmt::format("bias {} moves with time; leave it out, or its rate", bias.name));
     system_ = scene.system;
     terms_ = scene.terms;
-    pairs_ = bonded_pairs(scene.system, scene.terms);
+    tethers_ = tethers(scene.system, scene.terms);
     runs_foreign_code_ = engine.runs_foreign_code();
     virial_is_whole_ = engine.state().box.periodic() && scene.closed();
     threads_ = engine.threads();
@@ -43,14 +43,13 @@ class ForceEvaluation {
     state_ = engine.state();
   }
 
-  // box: vectors in rows, in reduced form; none for none. Atoms of a molecule are brought to their nearest
-  // images. Returns the energy [kJ/mol], forces, (n, 3) [kJ/mol/nm], and the virial, (3, 3) [kJ/mol], or None
+  // box: vectors in rows, in reduced form; none for none. Molecules are made whole. Returns the energy [kJ/mol], forces, (n, 3) [kJ/mol/nm], and the virial, (3, 3) [kJ/mol], or None
   // without a box and with forces from outside, which have none.
   py::tuple at(const Array& positions, const std::optional<Array>& box) {
     owner_.cast<PythonSimulation&>().settled();  // throws while it runs: forces written in Python are shared
     state_.x = Eigen::Map<const Vectors>(positions.data(), 3, system_.atoms());
     if (box) set_box(Eigen::Map<const Eigen::Matrix3d>(box->data()));
-    make_whole(state_.box, pairs_, state_.x);
+    make_whole(state_.box, tethers_, state_.x);
     bring_together(terms_.biases, system_, terms_, state_.box, state_.x);
     forget_python_error();
     double energy = 0;
@@ -82,7 +81,7 @@ class ForceEvaluation {
   py::object owner_;
   System system_;
   Terms terms_;  // what biases are of
-  std::vector<BondedPair> pairs_;
+  std::vector<Tether> tethers_;
   std::optional<ForceField> forces_;
   State state_;
   bool runs_foreign_code_ = false;

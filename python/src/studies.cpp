@@ -138,9 +138,7 @@ py::dict calibrate_scene(const Input& input, const py::dict& asked) {
   plan.sweeps = asked["sweeps"].cast<int>();
   plan.copies = asked["copies"].cast<std::string>();
   plan.damping = asked["damping"].cast<std::string>();
-  plan.passes = asked["passes"].cast<int>();
   replace(plan.size, asked, "size");
-  if (plan.passes < 1) throw InputError(fmt::format("passes: {}, expected 1 or more", plan.passes));
   const Scene scene = scene_for(input, "calibrate");
   const Calibration c = [&] {
     const py::gil_scoped_release interpreter;
@@ -150,7 +148,7 @@ py::dict calibrate_scene(const Input& input, const py::dict& asked) {
   for (const auto& [name, value] : figures_of(c)) result[name] = value;
   result["window"] = c.window;
   result["gains"] = c.method.gains, result["damping"] = c.method.damping;
-  result["reduction"] = c.method.reduction, result["passes"] = c.method.passes;
+  result["reduction"] = c.method.reduction;
   result["reference"] = course(c.reference), result["baumgarte"] = course(c.baumgarte);
   result["disagreement"] = disagreement(plan, c);
   return result;

@@ -51,7 +51,9 @@ class Readings:
 
     @property
     def forces(self) -> Reals:
-        """Forces, (n, 3) [kJ/mol/nm], a live view that cannot be written to. They include what the method added."""
+        """Forces, (n, 3) [kJ/mol/nm], a live view that cannot be written to. They include what the method added.
+
+        Where momentum is taken out beside anchors or forces from outside, the force on the whole is left out."""
         return self._engine.forces
 
     @property

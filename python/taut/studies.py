@@ -174,17 +174,15 @@ def _reference(against: Any, asked: Dict[str, Any], scene: "_core.Input") -> Non
 
 
 def calibrate(scene: inputs.Scene, *, against: Any = "rattle", tolerance: float = 1e-10, sweeps: int = 0,
-              copies: str = "mean", damping: str = "centred", passes: int = 2, size: float = 1e-6,
-              dt_fs: Optional[float] = None, set: Optional[Mapping[str, Any]] = None, seeds: Seeds = None,
-              draw: bool = False) -> Dict[str, Any]:
+              copies: str = "mean", damping: str = "discrete", size: float = 1e-6, dt_fs: Optional[float] = None,
+              set: Optional[Mapping[str, Any]] = None, seeds: Seeds = None, draw: bool = False) -> Dict[str, Any]:
     """Finds the α and β with which Baumgarte reduces a bond's error per step as a reference method does.
 
     - ``against``: "rattle", "shake" or "newton", or ``taut.Rattle(sweeps=4)`` and the like, or a class or an object of
       your own derived from taut.ConstraintMethod
     - ``tolerance``, ``sweeps``: the reference's tolerance, or in its place a fixed number of sweeps
     - ``copies``: "mean", "first" or "slowest", the reduction to copy if it differs from step to step
-    - ``damping``, ``passes``: Baumgarte's form ("discrete", "centred", "implicit" or "lagged"), and its linear
-      solves a step
+    - ``damping``: the form of Baumgarte's law ("discrete", "centred", "implicit" or "lagged")
     - ``size``: the relative error that is put into every bond
     - ``seeds``: number or list of ``run.seed``; figures are then means over them, ``NAME_error`` their errors
 
@@ -192,7 +190,7 @@ def calibrate(scene: inputs.Scene, *, against: Any = "rattle", tolerance: float 
     of the error after each step (rms of σ/d²); "settings" for ``Simulation(set=...)``; and "disagreement", empty if
     theory and measurement agree. Raises InputError.
     """
-    asked = {"tolerance": tolerance, "sweeps": sweeps, "copies": copies, "damping": damping, "passes": passes,
+    asked = {"tolerance": tolerance, "sweeps": sweeps, "copies": copies, "damping": damping,
              **_errors(size=size)}
     settings, found = settings_of_seeds(seeds, set), []
     for n, of_seed in enumerate(settings):
@@ -210,7 +208,7 @@ def calibrate(scene: inputs.Scene, *, against: Any = "rattle", tolerance: float 
     result["disagreement"] = "\n".join(dict.fromkeys(one["disagreement"] for one in found if one["disagreement"]))
     result["courses"] = table(over_seeds(courses, [of_seed.get("run.seed", 0) for of_seed in settings]))
     result["settings"] = {"method.name": "baumgarte",
-                          **{f"method.{key}": result[key] for key in ("gains", "damping", "reduction", "passes")}}
+                          **{f"method.{key}": result[key] for key in ("gains", "damping", "reduction")}}
     return _drawn(result, "calibration", draw)
 
 

@@ -45,8 +45,13 @@ class LammpsScene {
     }
     scene.system = make_system(mass_, bonds_);
     hear(listen);
+<<<<<<< HEAD
     make_whole(scene.start.box, bonded_pairs(scene.system, scene.terms), scene.start.x);
     read_lammps_pairs(rows, {type_, charge_, fene_.empty()}, scene);
+=======
+    make_whole(scene.start.box, tethers(scene.system, scene.terms), scene.start.x);
+    read_pairs();
+>>>>>>> freedom
     name_atoms();
   }
 

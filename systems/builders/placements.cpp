@@ -12,12 +12,13 @@
 namespace taut {
 namespace {
 
-std::vector<BondedPair> repeated_pairs(const Molecule& molecule, Eigen::Index atoms) {
-  std::vector<BondedPair> pairs;
+std::vector<Tether> repeated_tethers(const Molecule& molecule, Eigen::Index atoms) {
+  std::vector<Tether> all;
+  const std::vector<Tether> own = tethers(molecule.system, molecule.terms);
   for (int first = 0; first < atoms; first += molecule.atoms())
-    for (const auto& [i, j] : tied_pairs(molecule.system, molecule.terms))
-      pairs.push_back({first + i, first + j});
-  return pairs;
+    for (const Tether& tether : own)
+      all.push_back({first + tether.i, first + tether.j, tether.by, tether.length});
+  return all;
 }
 
 // Reads the positions of copies and returns their number; without positions, the number that `count` asks
@@ -57,7 +58,7 @@ long copies_given(const TomlTable& keys, Placement& placement) {
   if (x.cols() % molecule.atoms() != 0)
     keys.fail("file",
               fmt::format("{} atoms are no whole number of molecules of {}", x.cols(), molecule.atoms()));
-  make_whole(placement.given.box, repeated_pairs(molecule, x.cols()), x);
+  make_whole(placement.given.box, repeated_tethers(molecule, x.cols()), x);
   if (const std::string wrong = wrong_bonds(molecule, x); !wrong.empty()) keys.fail("file", wrong);
   return x.cols() / molecule.atoms();
 }

@@ -170,23 +170,23 @@ void of_force(const PlacedForce& f, const auto& act) {
 // Makes broken molecules whole. `constraints` includes those of anchors.
 void mend_molecules(const PlacedForces& forces, const std::vector<RigidBond>& constraints,
                     const Element& state, OpenMMInput& input) {
-  std::vector<BondedPair> pairs;
-  for (const auto& b : constraints) pairs.push_back({b.i, b.j});
-  for (const PlacedForce& f : forces) {
-    for (const auto& b : f.force.terms.bonds) pairs.push_back({b.i, b.j});
-    for (const auto& b : f.force.terms.fene) pairs.push_back({b.i, b.j});
-    for (const auto& b : f.force.terms.tabulated_bonds) pairs.push_back({b.i, b.j});
-  }
-  tie_sites(input.system.sites, pairs);
+  const System& sys = input.system;
+  std::vector<Tether> tethers;
+  for (const auto& b : constraints)  // one between two anchors holds nothing
+    tethers.push_back({b.i, b.j,
+                       sys.is_anchor(b.i) && sys.is_anchor(b.j) ? Tether::By::kSpring : Tether::By::kBond,
+                       b.length});
+  for (const PlacedForce& f : forces) add_tethers(f.force.terms, tethers);
+  add_tethers(sys.sites, tethers);
   const Vectors as_given = input.start.x;
   try {
-    make_whole(input.start.box, pairs, input.start.x);
+    make_whole(input.start.box, tethers, input.start.x);
   } catch (const InputError& e) {
     state.part("Positions").refuse(e.what());
   }
   const WholeMolecules molecules{input.start.box, as_given, input.start.x,
-                                 taut::molecules(input.system.atoms(), pairs)};
-  check_images(state.part("Positions"), input.system.sites, molecules);
+                                 taut::molecules(sys.atoms(), pairs_of(tethers))};
+  check_images(state.part("Positions"), sys.sites, molecules);
   place(state, input);
   for (const PlacedForce& f : forces) check_images(f.at, f.force, molecules);
 }

@@ -94,6 +94,12 @@ def test_bonds_that_are_deleted(run):
     assert "not in the list of bonds" in refused(run, "run 5\ngroup one id 1:5\ndelete_bonds one multi remove\nrun 5\n")
 
 
+def test_a_bond_counts_as_one_where_one_of_its_atoms_is_deleted(run):
+    rest = "run 5\ngroup end id 1\ndelete_atoms group end compress no\nrun 5\n"
+    with pytest.raises(lammps.Failed, match="1 held bond is not in the list of bonds"):
+        run(inputs.of(inputs.CHAINS, dt=0.002, rest=rest))
+
+
 def test_bonds_that_are_made(folder, run):
     text = inputs.of(inputs.CHAINS, dt=0.002, rest="fix join all bond/create 1 1 1 1.08 1 iparam 3 1 jparam 3 1\nrun 100\n")
     chains = systems.chains(6, 40).text([1.0]).replace("240 atoms", "240 atoms\n2 extra bond per atom\n30 extra special per atom")
