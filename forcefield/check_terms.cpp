@@ -272,7 +272,7 @@ void check_terms(const System& sys, const Box& box, const Terms& terms) {
       if (!flaw.empty()) throw InputError(fmt::format("bias {}: {}", bias.name, flaw));
   for (std::size_t r = 0; r < terms.restraints.size(); ++r) {
     check_one({"restraint", r}, terms.restraints[r].atom, terms.restraints[r].at);
-    check_numbers({"restraint", r}, {terms.restraints[r].k});
+    check_numbers({"restraint", r}, {terms.restraints[r].k, terms.restraints[r].free});
   }
 }
 

@@ -43,14 +43,21 @@ double add_changing_pulls(const std::vector<Pull>& pulls, const Course& factor, 
   return energy;
 }
 
-// E = ½k|x − at|², from the nearest image of `at`
+// d = |P(x − at)|, E = ½k max(d − free, 0)²
 double add_restraints(const std::vector<Restraint>& restraints, const Box& box, const Vectors& x,
                       Vectors& f) {
   double energy = 0;
-  for (const auto& [atom, at, k] : restraints) {
-    const Vec3 off = box.nearest_image(x.col(atom) - at);
-    energy += 0.5 * k * off.squaredNorm();
-    f.col(atom) -= k * off;
+  for (const Restraint& r : restraints) {
+    Vec3 off = r.axes.cwiseProduct(x.col(r.atom) - r.at);
+    if (r.takes_image) off = box.nearest_image(off);
+    if (r.side * off.sum() < 0) continue;
+    if (r.free > 0) {
+      const double d = off.norm();
+      if (d <= r.free) continue;
+      off *= 1 - r.free / d;
+    }
+    energy += 0.5 * r.k * off.squaredNorm();
+    f.col(r.atom) -= r.k * off;
   }
   return energy;
 }

@@ -152,10 +152,15 @@ struct Pull {  // a force on one atom that depends on no position, times Terms::
   Vec3 force;  // [kJ/mol/nm]
 };
 
-struct Restraint {  // ½k|x − at|² on one atom, from the nearest image of where it is held
+// ½k max(|P(x − at)| − free, 0)² on one atom, where P keeps the axes along which it is held.
+struct Restraint {
   int atom;
-  Vec3 at;   // [nm]
-  double k;  // [kJ/mol/nm²]
+  Vec3 at;                  // [nm]
+  double k;                 // [kJ/mol/nm²]
+  Vec3 axes{1, 1, 1};       // 1 or 0 of each
+  double free = 0;          // [nm]
+  int side = 0;             // of the one axis: 1: acts above its place alone, −1: below
+  bool takes_image = true;  // of the place the nearest
 };
 
 // A flat wall across an axis, on the atoms at distance z in front of it: E = ε(2/15 (σ/z)⁹ − (σ/z)³), raised to

@@ -1,10 +1,13 @@
 #include "md/system.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
+#include <queue>
 #include <utility>
 
 #include "base/errors.hpp"
@@ -52,6 +55,53 @@ class PairsSeen {
  private:
   std::map<std::pair<int, int>, std::vector<std::pair<Tested, Side>>> seen_;
 };
+
+// Refuses a bond that is longer than the way from one of its ends to the other by further bonds or ropes, which no
+// positions fit. Ways are searched by Dijkstra's algorithm, up to the bond's length. What is longer by less than a thousandth may
+// be a bond too many, and is left to the start.
+void refuse_lengths_that_do_not_close(const System& sys) {
+  std::vector<std::vector<std::pair<int, double>>> ties(static_cast<std::size_t>(sys.atoms()));
+  for (int k = 0; k < sys.all_bonds(); ++k) {
+    const auto& [i, j, length] = sys.bond(k);
+    if (sys.side(k) == static_cast<int>(Side::kAtLeast)) continue;
+    ties[i].emplace_back(j, length);
+    ties[j].emplace_back(i, length);
+  }
+  using Reached = std::pair<double, int>;
+  for (int k = 0; k < sys.bond_count(); ++k) {
+    const RigidBond& bond = sys.bonds[k];
+    std::map<int, std::pair<double, int>> way = {
+        {bond.i, {0, -1}}};  // its length to an atom, and from which atom
+    std::priority_queue<Reached, std::vector<Reached>, std::greater<>> open;
+    open.emplace(0, bond.i);
+    while (!open.empty() && open.top().second != bond.j) {
+      const auto [gone, at] = open.top();
+      open.pop();
+      if (gone > way.at(at).first) continue;
+      for (const auto& [to, length] : ties[at]) {
+        if (at == bond.i && to == bond.j) continue;
+        const double there = gone + length;
+        if (there > bond.length * (1 - 1e-3)) continue;
+        const auto [known, fresh] = way.try_emplace(to, there, at);
+        if (!fresh && known->second.first <= there) continue;
+        known->second = {there, at};
+        open.emplace(there, to);
+      }
+    }
+    if (open.empty()) continue;
+    std::vector<double> lengths;
+    std::vector<int> atoms = {bond.j};
+    for (int a = bond.j; a != bond.i; a = way.at(a).second) {
+      lengths.insert(lengths.begin(), way.at(a).first - way.at(way.at(a).second).first);
+      atoms.insert(atoms.begin(), way.at(a).second);
+    }
+    throw InputError(
+        fmt::format("bond {} ({}-{}): lengths {:.6g} and {:.6g} nm close no {} ({}): it is longer than the "
+                    "others together",
+                    k, bond.i, bond.j, fmt::join(lengths, ", "), bond.length,
+                    lengths.size() == 2 ? "triangle" : "ring", fmt::join(atoms, "-")));
+  }
+}
 
 // Parents that are there and each another; weights to OpenMM's 1e-6.
 void check_parents(const VirtualSite& site, Eigen::Index atoms) {
@@ -149,6 +199,7 @@ System make_system(Eigen::VectorXd mass, std::vector<RigidBond> bonds, VirtualSi
   sys.one_sided = std::move(one_sided);
   sys.sites = std::move(sites);
   std::ranges::sort(sys.sites, {}, &VirtualSite::atom);
+  refuse_lengths_that_do_not_close(sys);
   return sys;
 }
 

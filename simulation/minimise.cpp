@@ -4,6 +4,7 @@
 
 #include "base/errors.hpp"
 #include "constraints/projection.hpp"
+#include "forcefield/check_positions.hpp"
 #include "forcefield/force_field.hpp"
 
 namespace taut {
@@ -29,9 +30,10 @@ class Descent {
     here_.box = start.box;
     projector_.positions(sys_, here_.x);
     energy_ = evaluate(here_);
-    if (!std::isfinite(energy_) || !here_.f.allFinite())
-      throw SimulationFailure(
-          "run.minimise: the energy of the start is no number; are two atoms in one place?");
+    if (!std::isfinite(energy_) || !here_.f.allFinite()) {
+      refuse_atoms_in_one_place(here_.box, here_.x);
+      throw SimulationFailure("run.minimise: the energy of the start is no number");
+    }
     next_ = here_;
   }
 

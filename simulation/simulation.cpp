@@ -12,6 +12,7 @@
 #include "ensembles/bussi.hpp"
 #include "ensembles/c_rescale.hpp"
 #include "ensembles/monte_carlo.hpp"
+#include "forcefield/check_positions.hpp"
 #include "forcefield/ewald/parameters.hpp"
 #include "md/units.hpp"
 #include "simulation/fixed_momenta.hpp"
@@ -119,6 +120,7 @@ void Simulation::bring_to_the_bonds(const MinimiseGoal& goal, const OnMove& on_m
     const HeardForces heard(inner_->forces, goal.listen);
     initialize(dynamics(), scene_.run.h(), state_);
   }
+  if (!state_.f.allFinite()) refuse_atoms_in_one_place(state_.box, state_.x);
   hear(goal.listen);
   start_report_.largest_move = x.cols() > 0 ? (state_.x - x).colwise().norm().maxCoeff() : 0.0;
   if (kinetic > 0) start_report_.kinetic_removed = 1 - kinetic_energy(sys, state_.v) / kinetic;

@@ -143,7 +143,9 @@ Record Simulation::row(const SolveStats& since, const Stopwatch& watch, long ste
   r.ns_per_day = steps > 0 ? static_cast<double>(steps) * plan().h * 1e-3 * 86400 / watch.seconds() : 0.0;
   if (!std::isfinite(r.total()))
     throw SimulationFailure(
-        fmt::format("step {}: the energy is no longer a number; take a shorter step", r.step));
+        r.step == 0
+            ? "the start: its energy is no number; see which atoms are too near, or give run.minimise = true"
+            : fmt::format("step {}: the energy is no longer a number; take a shorter step", r.step));
   return r;
 }
 

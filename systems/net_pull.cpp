@@ -16,7 +16,7 @@ std::vector<bool> held_molecules(const Scene& scene, const std::vector<int>& mol
   for (int a = 0; a < scene.system.atoms(); ++a)
     if (scene.system.is_anchor(a)) hold(a);
   for (const Restraint& restraint : scene.terms.restraints)
-    if (restraint.k > 0) hold(restraint.atom);
+    if (restraint.k > 0 && restraint.side == 0 && restraint.axes == Vec3::Ones()) hold(restraint.atom);
   for (const SteeredAtom& steered : scene.terms.steered) hold(steered.atom);
   return held;
 }

@@ -217,6 +217,25 @@ std::vector<int> molecules(const System& sys, const Terms& terms) {
   return molecules(sys.atoms(), tied_pairs(sys, terms));
 }
 
+std::string angstrom_doubt(const std::vector<RigidBond>& bonds, const std::vector<HarmonicBond>& springs,
+                           const Vectors& x) {
+  std::vector<std::pair<double, RigidBond>> ratios;
+  const auto add = [&](const auto& b) {
+    if (b.length > 0) ratios.push_back({(x.col(b.j) - x.col(b.i)).norm() / b.length, {b.i, b.j, b.length}});
+  };
+  std::ranges::for_each(bonds, add);
+  if (ratios.empty() && springs.size() >= 3) std::ranges::for_each(springs, add);
+  if (ratios.empty()) return "";
+  std::ranges::sort(ratios, {}, [](const auto& r) { return r.first; });
+  const auto at = [&](std::size_t quarters) { return ratios[(ratios.size() - 1) * quarters / 4]; };
+  if (!(at(1).first > 8 && at(3).first < 12.5)) return "";
+  const auto& [ratio, bond] = at(2);
+  return fmt::format(
+      "atoms {} and {} are {:.4g} nm apart, and their bond is {:.4g} nm long, as others ten times less: "
+      "are the positions in ångström? Give them in nm",
+      bond.i, bond.j, ratio * bond.length, bond.length);
+}
+
 Names guessed_names(const System& sys, const Terms& terms) {
   return guessed_names({sys.mass.begin(), sys.mass.end()}, molecules(sys, terms));
 }

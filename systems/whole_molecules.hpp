@@ -50,6 +50,11 @@ std::vector<int> molecules(const System& sys, const Terms& terms);  // from tied
 // its own image, which cannot be made whole.
 void make_whole(const Box& box, const std::vector<Tether>& tethers, Vectors& x);
 
+// Returns why positions are taken for ones in ångström: bonds are ten times as long as they are held, or as their springs
+// are at rest, half of all between 8 and 12.5 times. Nothing where they are not. Springs are judged from three on.
+std::string angstrom_doubt(const std::vector<RigidBond>& bonds, const std::vector<HarmonicBond>& springs,
+                           const Vectors& x);
+
 // Returns names for a system of which only masses and bonds are known.
 Names guessed_names(const System& sys, const Terms& terms);
 

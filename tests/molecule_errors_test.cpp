@@ -128,10 +128,19 @@ TEST(MoleculeErrors, StrutsAndRopes) {
 
 // No three sides of 1, 1 and 3.
 TEST(MoleculeErrors, NoShapeHasAllItsBonds) {
-  EXPECT_EQ(
-      complaint(R"([molecule.flat]
+  EXPECT_EQ(complaint(R"([molecule.flat]
 atoms = [{name = "A", mass_u = 1}, {name = "B", mass_u = 1}, {name = "C", mass_u = 1}]
 bonds = [[0, 1, 1], [1, 2, 1], [0, 2, 3]]
+[[place]]
+molecule = "flat"
+count = 1
+)"),
+            "scene.toml: bond 2 (0-2): lengths 1, 1 and 3 nm close no triangle (0-1-2): it is longer than "
+            "the others together");
+  EXPECT_EQ(
+      complaint(R"([molecule.flat]
+atoms = [{name = "A", mass_u = 1}, {name = "B", mass_u = 1}, {name = "C", mass_u = 1}, {name = "D", mass_u = 1}]
+bonds = [[0, 1, 1], [1, 2, 1], [0, 2, 1], [0, 3, 0.55], [1, 3, 0.55], [2, 3, 0.55]]
 [[place]]
 molecule = "flat"
 count = 1

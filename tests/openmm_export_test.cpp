@@ -50,6 +50,7 @@ class Numbers {
     });
     list(t.fene, [&](const auto& b) { add(b.i, b.j, b.k, b.r0); });
     list(t.pulls, [&](const auto& p) { add(p.atom, p.force); });
+    list(t.restraints, [&](const auto& r) { add(r.atom, r.at, r.k, r.axes, r.free, r.side, r.takes_image); });
     add(t.gravity.value_or(Vec3::Constant(kNone)));
     if (t.nonbonded) add_nonbonded(*t.nonbonded);
     if (t.wca) {
@@ -190,11 +191,23 @@ TEST(OpenMMExport, EverySceneComesBackWithItsForces) {
   }
 }
 
+TEST(OpenMMExport, IsReadBackWithRestraintsOfEveryShape) {
+  OpenMMInput input = every_force();
+  const Vec3 z(0, 0, 1), x_and_y(1, 1, 0), all = Vec3::Ones();
+  for (const Restraint& one :
+       {Restraint{1, Vec3(0.1, 0.2, 0.3), 50}, Restraint{2, 0.4 * z, 70, z},
+        Restraint{3, 0.4 * x_and_y, 70, x_and_y, 0.1}, Restraint{4, 0.4 * all, 70, all, 0.1, 0, false},
+        Restraint{5, 0.4 * z, 9, z, 0, 1, false}, Restraint{6, 0.4 * z, 9, z, 0, -1, false},
+        Restraint{7, -0.4 * z, 9, z, 0.2, 0, false}})
+    input.terms.restraints.push_back(one);
+  expect_read_back(input);
+}
+
 TEST(OpenMMExport, ForeignExpressionsAreRefused) {
   const TemporaryFolder folder;
   const std::string text = openmm_system_xml(every_force());
   for (const auto& [from, to] :
-       {std::pair("1-(r/r0)^2", "1-(r/r0)^3"), {"-mass*(gx", "-mass*(2*gx"}, {"4*epsilon", "3*epsilon"}}) {
+       {std::pair("1-(r/r0)^2", "1-(r/r0)^3"), {"-mass*(gx", "-mass*(x*gx"}, {"4*epsilon", "3*epsilon"}}) {
     std::string changed = text;
     const auto at = changed.find(from);
     ASSERT_NE(at, std::string::npos) << from;

@@ -1,18 +1,16 @@
-// Energies as OpenMM's custom forces write them, and which of them are the same.
+// Energies as OpenMM's custom forces write them.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
+#include <utility>
 
 #include "error_message.hpp"
 #include "systems/openmm/expression.hpp"
 
 namespace taut::openmm_expression_tests {
 namespace {
-
-using std::numbers::pi;
 
 double value(const std::string& text, const Expression::Values& values = {}) {
   return Expression(text)(values);
@@ -51,6 +49,29 @@ TEST(Expression, CallsTables) {
   EXPECT_EQ(Expression("f(type1, 3)/2", tables)({{"type1", 4}}), 21.5);
 }
 
+TEST(Expression, MeansPiByItsFirstDigits) {
+  EXPECT_EQ(value("3.14159"), std::acos(-1));
+  EXPECT_EQ(value("6.283185"), 2 * std::acos(-1));
+  EXPECT_EQ(value("3.1415"), 3.1415);
+}
+
+// What a value is uncertain by, if each operation is right to ten digits, and which way a branch went.
+TEST(Expression, SaysHowSureItIs) {
+  const auto probe = [](const char* text, double x) {
+    Expression::Ways ways;
+    const auto found = Expression(text).probe({{"x", x}}, ways);
+    return std::pair(found, ways);
+  };
+  EXPECT_NEAR(probe("(x+1e6)-1e6", 1).first.error, 1e-4, 2e-5) << "what is cancelled";
+  EXPECT_NEAR(probe("x^12", 10).first.error, 1e-10 * 1e12, 1e-11 * 1e12);
+  EXPECT_THAT(probe("step(x-2)+max(x,3)", 1).second, ::testing::ElementsAre(0, 0));
+  EXPECT_THAT(probe("step(x-2)+max(x,3)", 4).second, ::testing::ElementsAre(1, 1));
+  EXPECT_FALSE(probe("step(x-2*1)", 2 + 1e-11).first.decided());
+  EXPECT_TRUE(probe("max(x*1,2)", 2).first.decided()) << "it is the same to both sides";
+  EXPECT_FALSE(probe("floor(x*1)", 3 - 1e-11).first.decided());
+  EXPECT_FALSE(probe("sqrt(x*3-3)", 1 - 1e-11).first.decided()) << "at the edge of where it has a value";
+}
+
 TEST(Expression, SaysWhatIsWrong) {
   const auto complaint = [](const std::string& text) {
     return error_message<Expression::Error>([&] { Expression expression(text); });
@@ -69,94 +90,6 @@ TEST(Expression, SaysWhatIsWrong) {
   for (int k = 0; k < 60; ++k)
     growing += ";a" + std::to_string(k) + "=a" + std::to_string(k + 1) + "+a" + std::to_string(k + 1);
   EXPECT_EQ(complaint(growing), "is too long") << "2^60 terms";
-}
-
-const KnownEnergy kSpring = {"0.5*k*(r-r0)^2", {{"k"}, {"r0"}}};
-const KnownEnergy kTorsion = {kTorsionEnergy, {{"k"}, {"theta0", -pi, pi}}};
-
-std::optional<Recognized> spring(const std::string& text, const std::vector<std::string>& declared) {
-  return recognize(Expression(text), declared, {{"r", 0.3, 0.45}}, kSpring);
-}
-std::optional<Recognized> torsion(const std::string& text) {
-  return recognize(Expression(text), {"k", "theta0"}, {{"theta", -pi, pi}}, kTorsion);
-}
-
-TEST(KnownEnergies, AreKnownByTheirAlgebra) {
-  for (const char* text :
-       {"0.5*k*(r-r0)^2", "k*square(r0-r)/2", "0.5*k*(r*r-2*r*r0+r0*r0)", "c*d*d;d=r-r0;c=k*0.5"}) {
-    const auto found = spring(text, {"k", "r0"});
-    ASSERT_TRUE(found) << text;
-    EXPECT_NEAR(found->factor, 1, 1e-14);
-    EXPECT_EQ(found->name_of.at("k"), "k");
-  }
-  EXPECT_EQ(spring("0.5*k*(r-r0)^2", {"k", "r0"})->factor, 1) << "exactly";
-  EXPECT_NEAR(spring("k*(r-r0)^2", {"k", "r0"})->factor, 2, 1e-14);
-  EXPECT_NEAR(spring("-k*(r-r0)^2", {"k", "r0"})->factor, -2, 1e-14);
-  const auto renamed = spring("stiff*(r-rest)^2", {"rest", "stiff"});
-  ASSERT_TRUE(renamed);
-  EXPECT_EQ(renamed->name_of.at("k"), "stiff");
-  EXPECT_EQ(renamed->name_of.at("r0"), "rest");
-  const auto swapped = spring("r0*(r-k)^2", {"k", "r0"});
-  ASSERT_TRUE(swapped) << "names do not count";
-  EXPECT_EQ(swapped->name_of.at("k"), "r0");
-}
-
-// A number may stand where taut has a parameter: equal numbers for one, or each for its own.
-TEST(KnownEnergies, HaveNumbersForParameters) {
-  const auto at = [](const char* text, Expression::Numbers named, double low) -> std::string {
-    const KnownEnergy spring{"0.5*k*(v-at)^2", {{"k"}, {"at", low}}};
-    const auto found = recognize(Expression(text, {}, named), {"k"}, {{"v", 0.1, 1.5}}, spring);
-    return found ? found->name_of.at("at") : "";
-  };
-  using Numbers = Expression::Numbers;
-  EXPECT_EQ(at("k/2*(v-0.3)^2", Numbers::kNamedAlike, 0.5), "0.3");
-  EXPECT_EQ(at("k/2*(v-0.3)^2", Numbers::kFixed, 0.5), "");
-  EXPECT_EQ(at("k/2*(v-0.3)*(v-0.3)", Numbers::kNamedAlike, 0.5), "0.3");
-  EXPECT_EQ(at("k/2*(v-0.3)*(v-0.3)", Numbers::kNamedApart, 0.5), "");
-  EXPECT_EQ(at("0.5*k*(v-0.5)^2", Numbers::kNamedAlike, 0.5), "");
-  EXPECT_EQ(at("0.5*k*(v-0.5)^2", Numbers::kNamedApart, 0.5), "0.5@1");
-  EXPECT_EQ(at("k*(v-(-0.3))^2", Numbers::kNamedAlike, -1), "-0.3");
-  EXPECT_EQ(Expression("-2^2", {}, Numbers::kNamedAlike)({{"2", 2.0}, {"-2", -2.0}}), -4);
-}
-
-TEST(KnownEnergies, AreNotWhatLooksLikeThem) {
-  for (const char* text : {"0.5*k*(r+r0)^2", "0.5*k*(r-r0)^4", "0.5*k*(r-r0)^2+1", "0.5*k*(r-r0)^2.001", "k",
-                           "0*k*r0*r", "0.5*k*(r-r0)^2+1e-3*r", "0.5*k*(r-1.001*r0)^2", "log(-k*r0*r)"})
-    EXPECT_FALSE(spring(text, {"k", "r0"})) << text;
-  EXPECT_FALSE(spring("0.5*k*(r-1)^2", {"k"}));
-  const KnownEnergy growth{"k*r", {{"k"}}};
-  EXPECT_FALSE(recognize(Expression("2*r*type1", {}, Expression::Numbers::kNamedAlike), {},
-                         {{"r", 0.3, 0.45}}, growth))
-      << "has a value at no point";
-}
-
-// A wall has no energy before it: there is no ratio of energies there, and the other must have none either.
-TEST(KnownEnergies, AreNothingWhereTheyAreNothing) {
-  const auto is_wall = [](const char* text) {
-    const KnownEnergy wall{"0.5*k*max(r-r0,0)^2", {{"k"}, {"r0", 0.5, 1}}};
-    return recognize(Expression(text), {"k", "r0"}, {{"r", 0.1, 1.5}}, wall).has_value();
-  };
-  EXPECT_TRUE(is_wall("0.5*k*step(r-r0)*(r-r0)^2"));
-  EXPECT_TRUE(is_wall("k*(max(r,r0)-r0)^2"));
-  EXPECT_FALSE(is_wall("0.5*k*max(r-r0,0)^2+0.1*k*step(r0-r)"));
-}
-
-// As openmm.app writes it for the force fields of CHARMM, Amber and GROMACS.
-TEST(KnownEnergies, HaveEverySpellingOfTheHarmonicImproper) {
-  for (const char* text :
-       {"k*min(dtheta, 2*pi-dtheta)^2; dtheta = abs(theta-theta0);pi = 3.141593;",
-        "k*min(dtheta, 2*pi-dtheta)^2; dtheta = abs(theta-theta0);pi = 3.141592;",
-        "k*min(dtheta, 2*3.141592653589793-dtheta)^2; dtheta = abs(theta-theta0)",
-        "k*dtheta_torus^2; dtheta_torus = dtheta - floor(dtheta/(2*pi)+0.5)*(2*pi); dtheta = theta - theta0; "
-        "pi = 3.14159265359",
-        "k*(thetap-theta0)^2; thetap = step(-(theta-theta0+pi))*2*pi+theta+step(theta-theta0-pi)*(-2*pi); "
-        "pi = 3.14159265358979"}) {
-    const auto found = torsion(text);
-    ASSERT_TRUE(found) << text;
-    EXPECT_NEAR(found->factor, 2, 1e-13) << text;
-  }
-  EXPECT_FALSE(torsion("k*(theta-theta0)^2")) << "it jumps";
-  EXPECT_FALSE(torsion("k*min(d,6-d)^2;d=abs(theta-theta0)"));
 }
 
 }  // namespace

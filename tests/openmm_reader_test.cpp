@@ -166,14 +166,9 @@ TEST(OpenMMReader, NoNumberOfAForceIsPassedOver) {
       Texts changed = texts;
       changed.system.replace(digits, end - digits, std::to_string(value * 1.03125));
       const std::string line = texts.system.substr(texts.system.rfind('\n', at) + 1, 90);
-      const bool is_mass =
-          line.find("Particle index") != std::string::npos && line.find("param2") == std::string::npos;
       if (value == 0 || value == -1 || line.find("eps=\"0\"") != std::string::npos) continue;  // no effect
       ++tried;
-      if (is_mass)
-        EXPECT_THAT(refusal(changed), HasSubstr("another mass than its own"));
-      else
-        EXPECT_NE(potential_of(changed), energy) << line;
+      EXPECT_NE(potential_of(changed), energy) << line;
     }
   }
   EXPECT_GT(tried, 100);

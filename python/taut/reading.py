@@ -3,18 +3,50 @@
 import os
 import warnings
 from pathlib import Path
-from typing import Any, Dict, Optional, Tuple, Union
+from typing import Any, Dict, List, Optional, Tuple, Union
 
 import numpy as np
 
 from . import _core
 from .errors import InputError
-from .openmm_objects import number
+from .openmm_objects import bare, number
 from .simulation import Simulation
 
 PathLike = Union[str, Path]
 _TOPOLOGIES = {".top": "GROMACS", ".prmtop": "Amber", ".parm7": "Amber"}
 _COORDINATES = {"GROMACS": (".gro",), "Amber": (".inpcrd", ".rst7", ".restrt", ".ncrst")}
+
+
+def _whole(system: Any, positions: Any, box: Any) -> Any:
+    """Returns positions moved by the box's vectors so that bonded atoms are near: files are often wrapped atom by atom."""
+    from openmm import HarmonicBondForce
+
+    pairs = [system.getConstraintParameters(k)[:2] for k in range(system.getNumConstraints())]
+    for force in system.getForces():
+        if isinstance(force, HarmonicBondForce):
+            pairs += [force.getBondParameters(k)[:2] for k in range(force.getNumBonds())]
+    x = np.array([list(bare(row, "nm")) for row in positions])
+    edges = np.array([list(bare(row, "nm")) for row in box])
+    if not pairs or (abs(x[[p[0] for p in pairs]] - x[[p[1] for p in pairs]]) < edges.diagonal() / 2).all():
+        return positions
+    near: List[List[int]] = [[] for _ in x]
+    for one, two in pairs:
+        near[one].append(two)
+        near[two].append(one)
+    placed = [False] * len(x)
+    for root in range(len(x)):
+        open_ends = [] if placed[root] else [root]
+        placed[root] = True
+        while open_ends:
+            at = open_ends.pop()
+            for to in near[at]:
+                if placed[to]:
+                    continue
+                for k in (2, 1, 0):
+                    x[to] -= edges[k] * np.round((x[to] - x[at])[k] / edges[k, k])
+                placed[to] = True
+                open_ends.append(to)
+    return x
 
 
 def read(topology: PathLike, coordinates: PathLike, *, cutoff_nm: float = 1.0, coulomb: str = "pme",
@@ -74,6 +106,8 @@ def read(topology: PathLike, coordinates: PathLike, *, cutoff_nm: float = 1.0, c
         raise InputError(f"{topology}, {coordinates}: OpenMM cannot read them: {failure}") from failure
     if box is not None:
         system.setDefaultPeriodicBoxVectors(*box)
+    if box is not None:
+        positions = _whole(system, positions, box)
     return Simulation.from_openmm(system, positions, velocities=velocities, box=box, topology=read_top.topology,
                                   **simulation)
 

@@ -184,3 +184,13 @@ def test_what_cannot_be_read_is_refused_by_name(files, call, words):
     (files / "bad.top").write_text(TOP.replace("0.11 300000", "long stiff"))
     with pytest.raises(taut.InputError, match=words):
         call(files)
+
+
+def test_a_file_wrapped_atom_by_atom_is_made_whole(files):
+    whole = taut.read(files / "x.top", files / "x.gro", cutoff_nm=1.0)
+    lines = (files / "x.gro").read_text().splitlines()
+    moved = [line[:20] + "".join(f"{(float(line[c:c + 8]) + 0.35) % 2.8:8.3f}" for c in (20, 28, 36))
+             for line in lines[2:-1]]
+    (files / "wrapped.gro").write_text("\n".join([*lines[:2], *moved, lines[-1], ""]))
+    sim = taut.read(files / "x.top", files / "wrapped.gro", cutoff_nm=1.0)
+    assert sim.energies["potential"] == pytest.approx(whole.energies["potential"], rel=1e-6)

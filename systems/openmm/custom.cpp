@@ -4,6 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
+#include <regex>
 
 namespace taut {
 
@@ -41,6 +43,8 @@ Expression CustomForce::parsed(Expression::Numbers named) const {
 void CustomForce::add(const Element& at, const std::string& name, double value) {
   for (const char* coordinate : {"r", "theta", "x", "y", "z"})
     if (name == coordinate) at.refuse(fmt::format("declares {}, which is a coordinate", name));
+  if (std::ranges::count(kind_.coordinates, name, &Quantity::name))
+    at.refuse(fmt::format("declares {}, which taut calls the variable: give it another name", name));
   if (!values_.emplace(name, value).second) at.refuse(fmt::format("declares {} a second time", name));
 }
 
@@ -63,6 +67,17 @@ int CustomForce::recognize(const std::vector<KnownEnergy>& known) {
   std::vector<std::string> declared;
   for (const auto& [name, value] : values_)
     if (energy_.names().contains(name)) declared.push_back(name);
+  const auto take = [&](Recognized found, std::size_t k) {
+    recognized_ = std::move(found);
+    ranges_ = known[k].parameters;
+    return static_cast<int>(k);
+  };
+  for (std::size_t k = 0; k < known.size(); ++k) {
+    Recognized same{1, {}};
+    for (const Quantity& q : known[k].parameters)
+      if (values_.contains(q.name)) same.name_of[q.name] = q.name;
+    if (text_ == known[k].text && same.name_of.size() == known[k].parameters.size()) return take(same, k);
+  }
   using Numbers = Expression::Numbers;
   for (const Numbers named : {Numbers::kFixed, Numbers::kNamedAlike, Numbers::kNamedApart}) {
     Expression energy = parsed(named);
@@ -70,8 +85,7 @@ int CustomForce::recognize(const std::vector<KnownEnergy>& known) {
       if (auto found = taut::recognize(energy, declared, kind_.coordinates, known[k])) {
         values_.insert(energy.numbers().begin(), energy.numbers().end());
         energy_ = std::move(energy);
-        recognized_ = std::move(*found);
-        return static_cast<int>(k);
+        return take(std::move(*found), k);
       }
   }
   return -1;
@@ -90,7 +104,14 @@ void CustomForce::read(const Element& term, std::vector<Field> fields) {
 }
 
 double CustomForce::operator[](const char* known) const {
-  return values_.at(recognized_.name_of.at(known));
+  const std::string& name = recognized_.name_of.at(known);
+  const double value = values_.at(name);
+  const Quantity& range = *std::ranges::find(ranges_, known, &Quantity::name);
+  const double slack = 1e-9 * (range.high - range.low);
+  if (range.high - range.low < 100 && !(value >= range.low - slack && value <= range.high + slack))
+    force_.refuse(
+        fmt::format("has {} = {}, expected from {:.6g} to {:.6g}", name, value, range.low, range.high));
+  return value;
 }
 
 double CustomForce::of_all(const char* known) const {
@@ -112,15 +133,67 @@ double CustomForce::energy(const Expression::Values& coordinates) const {
   return energy_(values);
 }
 
-double CustomForce::pair_energy(const std::vector<double>& one, const std::vector<double>& two,
-                                double r) const {
+bool CustomForce::linear() const {
+  Domain domain{{}, kind_.coordinates};
+  for (const auto& [name, value] : values_) domain.parameters.push_back({name});
+  return agree_everywhere(energy_, domain, [&](const Expression::Values& at, Expression::Ways& ways) {
+    Expression::Values to = at;
+    const auto probed = [&] { return energy_.probe(to, ways); };
+    for (const Quantity& q : kind_.coordinates) to[q.name] = 0;
+    const Expression::Rough origin = probed();
+    Expression::Rough sum = origin;
+    for (const Quantity& q : kind_.coordinates) {
+      to[q.name] = 1;
+      const Expression::Rough one = probed();
+      to[q.name] = 0;
+      sum.value += at.at(q.name) * (one.value - origin.value);
+      sum.error += std::abs(at.at(q.name)) * (one.error + origin.error);
+    }
+    ways.clear();
+    return sum;
+  });
+}
+
+bool CustomForce::is(const Law& law, const Expression::Values& parameters) const {
+  const Quantity& along = kind_.coordinates.front();
+  Domain domain{{}, {along}};
+  for (const auto& [name, value] : parameters) domain.parameters.push_back({name, value, value});
+  return agree_everywhere(energy_, domain, [&](const Expression::Values& at, Expression::Ways& ways) {
+    ways.clear();
+    return law(at.at(along.name));
+  });
+}
+
+Expression::Values CustomForce::of_pair(const std::vector<double>& one,
+                                        const std::vector<double>& two) const {
   Expression::Values values = values_;
-  values["r"] = r;
   for (std::size_t p = 0; p < of_each_.size(); ++p) {
     values[of_each_[p].name + "1"] = one[p];
     values[of_each_[p].name + "2"] = two[p];
   }
+  return values;
+}
+
+double CustomForce::pair_energy(const std::vector<double>& one, const std::vector<double>& two,
+                                double r) const {
+  Expression::Values values = of_pair(one, two);
+  values["r"] = r;
   return energy_(values);
+}
+
+std::optional<std::string> with_variable(const std::string& energy, const std::string& function,
+                                         const std::string& letter, int groups) {
+  std::string text = energy;
+  for (const bool backwards : {false, true}) {
+    std::vector<std::string> names;
+    for (int g = 1; g <= groups; ++g)
+      names.push_back(letter + std::to_string(backwards ? groups + 1 - g : g));
+    const std::regex call(fmt::format(R"(\b{}\s*\(\s*{}\s*\))", function, fmt::join(names, R"(\s*,\s*)")));
+    text = std::regex_replace(text, call, "v");
+  }
+  static const std::regex kOther(
+      R"(\b(distance|angle|dihedral|pointdistance|pointangle|pointdihedral)\s*\()");
+  return std::regex_search(text, kOther) ? std::nullopt : std::optional(text);
 }
 
 void refuse_any(const Element& force, std::initializer_list<const char*> lists) {

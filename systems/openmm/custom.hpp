@@ -1,11 +1,13 @@
 #pragma once
 
+#include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "systems/openmm/expression.hpp"
 #include "systems/openmm/forces.hpp"
+#include "systems/openmm/known_energies.hpp"
 
 namespace taut {
 
@@ -28,6 +30,7 @@ class CustomForce {
   int recognize(const std::vector<KnownEnergy>& known);
   // Refuses the energy. `remedy`: what to do instead.
   [[noreturn]] void refuse_energy(const std::vector<KnownEnergy>& known, const char* remedy = "") const;
+  bool names(const std::string& name) const { return energy_.names().contains(name); }
 
   // Reads a term: its own fields and its parameters.
   void read(const Element& term, std::vector<Field> fields);
@@ -39,6 +42,17 @@ class CustomForce {
 
   // Returns the energy at these coordinates, with the parameters of the last term read.
   double energy(const Expression::Values& coordinates) const;
+  // Whether the formula may be another one from some point on.
+  bool branches() const { return !energy_.branches().empty(); }
+  // Whether it is linear in the coordinates, whatever the parameters are.
+  bool linear() const;
+  // Whether it is a law of its one coordinate throughout, with the parameters of the last term read, or of two atoms.
+  // The law says what it is uncertain by; infinity where it does not count.
+  using Law = std::function<Expression::Rough(double)>;
+  bool is(const Law& law) const { return is(law, values_); }
+  bool is(const Law& law, const std::vector<double>& one, const std::vector<double>& two) const {
+    return is(law, of_pair(one, two));
+  }
   // Returns the per-term parameters of the last term read, in their order.
   std::vector<double> of_term() const;
   // Returns the energy of two atoms with these parameters at distance r.
@@ -51,6 +65,8 @@ class CustomForce {
   Expression parsed(Expression::Numbers named) const;
   void add(const Element& at, const std::string& name, double value);
   void check_names() const;
+  bool is(const Law& law, const Expression::Values& parameters) const;
+  Expression::Values of_pair(const std::vector<double>& one, const std::vector<double>& two) const;
 
   const Element& force_;
   Kind kind_;
@@ -60,7 +76,13 @@ class CustomForce {
   Expression::Tables tables_;
   Expression energy_;
   Recognized recognized_{1, {}};
+  std::vector<Quantity> ranges_;  // of the known energy's parameters
 };
+
+// Returns an energy of groups or points as one of a variable v: v stands in place of distance(g1,g2), angle(g1,g2,g3) or
+// dihedral(g1,g2,g3,g4), in this order or backwards. Nothing where the energy has another function of groups.
+std::optional<std::string> with_variable(const std::string& energy, const std::string& function,
+                                         const std::string& letter, int groups);
 
 // Refuses these lists of a force unless they are empty.
 void refuse_any(const Element& force, std::initializer_list<const char*> lists);

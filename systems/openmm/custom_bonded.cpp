@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "systems/openmm/custom.hpp"
+#include "systems/openmm/formulas.hpp"
 #include "systems/openmm/terms.hpp"
 
 namespace taut {
@@ -18,11 +19,8 @@ struct Bonded {
   void (*add)(OpenMMForce& to, const CustomForce& p, const Atoms& atoms, const Element& at);
 };
 
-void add_harmonic_torsion(OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element& at) {
-  const double angle = p["theta0"];
-  if (!(std::abs(angle) <= pi * (1 + 1e-9)))
-    at.refuse(fmt::format("has its least energy at {} rad, expected from -pi to pi", angle));
-  to.terms.harmonic_torsions.push_back({a[0], a[1], a[2], a[3], angle, p.factor() * p["k"]});
+void add_harmonic_torsion(OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element&) {
+  to.terms.harmonic_torsions.push_back({a[0], a[1], a[2], a[3], p["theta0"], p.factor() * p["k"]});
 }
 
 // OpenMM's θ is in −π … π, so this is the shorter way round only for θ0 = 0.
@@ -46,15 +44,15 @@ const std::vector<Bonded> kBonds = {
      [](OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element&) {
        to.terms.fene.push_back({a[0], a[1], p.factor() * p["k"], p["r0"]});
      }},
-    {{"0.5*k*(r-r0)^2", {{"k"}, {"r0", 0.2, 2}}, {{"r", 0.05, 3}}},
+    {{"0.5*k*(r-r0)^2", {{"k"}, {"r0"}}},
      [](OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element&) {
        to.terms.bonds.push_back({a[0], a[1], p["r0"], p.factor() * p["k"]});
      }},
-    {{"4*epsilon*((sigma/r)^12-(sigma/r)^6)", {{"epsilon"}, {"sigma", 0.25, 0.5}}, {{"r", 0.2, 1.5}}},
+    {{"4*epsilon*((sigma/r)^12-(sigma/r)^6)", {{"epsilon"}, {"sigma"}}},
      [](OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element&) {
        to.pairs.push_back({a[0], a[1], 0, p["sigma"], p.factor() * p["epsilon"]});
      }},
-    {{"A/r^12-C/r^6", {{"A", 1e-3, 3e-3}, {"C"}}, {{"r", 0.2, 1.5}}}, add_pair_of_powers}};
+    {{"A/r^12-C/r^6", {{"A"}, {"C"}}}, add_pair_of_powers}};
 const std::vector<Bonded> kAngles = {
     {{"0.5*k*(theta-theta0)^2", {{"k"}, {"theta0"}}},
      [](OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element&) {
@@ -64,11 +62,11 @@ const std::vector<Bonded> kAngles = {
      [](OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element&) {
        to.terms.cosine_angles.push_back({a[0], a[1], a[2], p.factor() * p["k"]});
      }},
-    {{kCosineSquaredEnergy, {{"k"}, {"c0", -1, 1}}},
+    {{kCosineSquaredEnergy, {{"k"}, {"c0"}}},
      [](OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element&) {
        to.terms.cosine_squared_angles.push_back({a[0], a[1], a[2], p["c0"], p.factor() * p["k"]});
      }},
-    {{"0.5*k*(cos(theta)-cos(theta0))^2", {{"k"}, {"theta0", 0, pi}}},
+    {{"0.5*k*(cos(theta)-cos(theta0))^2", {{"k"}, {"theta0"}}},
      [](OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element&) {
        to.terms.cosine_squared_angles.push_back(
            {a[0], a[1], a[2], std::cos(p["theta0"]), p.factor() * p["k"]});
@@ -107,7 +105,7 @@ void read_custom(const ForceReading& r, const Shape& shape, const std::vector<Bo
 }  // namespace
 
 void read_custom_bonds(const ForceReading& r) {
-  read_custom(r, {"PerBondParameters", "Bonds", "Bond", {"r", 0.3, 0.45}, 2}, kBonds);
+  read_custom(r, {"PerBondParameters", "Bonds", "Bond", {"r", 0}, 2}, kBonds);
 }
 void read_custom_angles(const ForceReading& r) {
   read_custom(r, {"PerAngleParameters", "Angles", "Angle", {"theta", 0, pi}, 3}, kAngles);

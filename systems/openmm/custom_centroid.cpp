@@ -48,32 +48,32 @@ const std::vector<BiasLaw> kBiasLaws = {
      [](Bias& b, const CustomForce& p) { hold(b, p.factor() * p["k"], p["at"], p["at"]); }},
     {{"(v-at)^2", {{"at"}}},
      [](Bias& b, const CustomForce& p) { hold(b, 2 * p.factor(), p["at"], p["at"]); }},
-    {{"0.5*k*max(v-b,0)^2", {{"k"}, {"b", 0.5, 1}}},
+    {{"0.5*k*max(v-b,0)^2", {{"k"}, {"b"}}},
      [](Bias& b, const CustomForce& p) { hold(b, p.factor() * p["k"], -kOpen, p["b"]); }},
-    {{"0.5*k*max(a-v,0)^2", {{"k"}, {"a", 0.5, 1}}},
+    {{"0.5*k*max(a-v,0)^2", {{"k"}, {"a"}}},
      [](Bias& b, const CustomForce& p) { hold(b, p.factor() * p["k"], p["a"], kOpen); }},
-    {{"0.5*k*(max(v-b,0)^2+max(a-v,0)^2)", {{"k"}, {"a", 0.4, 0.7}, {"b", 0.7, 1}}},
+    {{"0.5*k*(max(v-b,0)^2+max(a-v,0)^2)", {{"k"}, {"a"}, {"b"}}, "b-a"},
      [](Bias& b, const CustomForce& p) { hold(b, p.factor() * p["k"], p["a"], p["b"]); }},
-    {{"0.5*k*max(abs(v-at)-wide,0)^2", {{"k"}, {"at", 0.5, 1}, {"wide", 0.1, 0.3}}},
+    {{"0.5*k*max(abs(v-at)-wide,0)^2", {{"k"}, {"at"}, {"wide"}}, "wide"},
      [](Bias& b, const CustomForce& p) {
        hold(b, p.factor() * p["k"], p["at"] - p["wide"], p["at"] + p["wide"]);
      }},
     {{"-F*v", {{"F"}}}, [](Bias& b, const CustomForce& p) { b.force = p.factor() * p["F"]; }},
     {{"-v", {}}, [](Bias& b, const CustomForce& p) { b.force = p.factor(); }},
-    {{kWritten, {{"k"}, {"a", 0.4, 0.7}, {"b", 0.7, 1}, {"F"}}}, set_all}};
+    {{kWritten, {{"k"}, {"a"}, {"b"}, {"F"}}}, set_all}};
 
 const std::vector<BiasLaw> kLawsOfTorsions = {
     {{"0.5*k*min(turn,2*pi-turn)^2;turn=abs(v-at);pi=3.141592653589793",
-      {{"k"}, {"at", -std::numbers::pi, std::numbers::pi}}},
+      {{"k"}, {"at", -2 * std::numbers::pi, 2 * std::numbers::pi}}},
      [](Bias& b, const CustomForce& p) { hold(b, p.factor() * p["k"], p["at"], p["at"]); }},
     {{"-v", {}},
      [](Bias& b, const CustomForce& p) { b.force = p.factor(); }},  // of a variable within a CustomCVForce
-    {{kWrittenOfTorsions, {{"k"}, {"a", -0.5, 0}, {"b", 0, 0.5}, {"F"}}}, set_all}};
+    {{kWrittenOfTorsions, {{"k"}, {"a"}, {"b"}, {"F"}}}, set_all}};
 
 Quantity range_of(Variable variable) {
   if (variable == Variable::kTorsion) return {"v", -std::numbers::pi, std::numbers::pi};
-  if (variable == Variable::kAngle) return {"v", 0.1, 3.1};
-  return {"v", 0.1, 1.5};
+  if (variable == Variable::kAngle) return {"v", 0, std::numbers::pi};
+  return {"v", 0};
 }
 
 // Returns the law that an energy is, or null.
@@ -101,25 +101,8 @@ Variable variable_of(const std::string& energy) {
   return calls("dihedral(") ? Variable::kTorsion : calls("angle(") ? Variable::kAngle : Variable::kDistance;
 }
 
-// The groups g1, g2, ... of an energy stand for v, 2, 3, ... The function of the variable returns v where it is called
-// of the first groups, in their order or backwards, and a number that is none otherwise.
-Expression::Tables functions_of_groups(Variable variable) {
-  Expression::Tables all;
-  for (const auto& [name, of] :
-       {std::pair("distance", Variable::kDistance), std::pair("angle", Variable::kAngle),
-        std::pair("dihedral", Variable::kTorsion)}) {
-    const int groups = groups_of(of);
-    const bool meant = of == variable;
-    all[name] = {groups, [groups, meant](std::span<const double> g) {
-                   const bool backwards = g[0] == groups;
-                   bool first = meant;
-                   for (int k = 1; k < groups; ++k)
-                     first = first && g[backwards ? groups - 1 - k : k] == k + 1;
-                   const double v = g[backwards ? groups - 1 : 0];
-                   return first && v != 2 && v != 3 && v != 4 ? v : std::nan("");
-                 }};
-  }
-  return all;
+const char* function_of(Variable variable) {
+  return variable == Variable::kTorsion ? "dihedral" : variable == Variable::kAngle ? "angle" : "distance";
 }
 
 std::vector<BiasGroup> read_groups(const ForceReading& r) {
@@ -176,9 +159,9 @@ void read_terms(const ForceReading& r, CustomForce& p, int groups, const Set& se
 // The component of a separation, as taut writes it.
 void read_component(const ForceReading& r, const std::string& energy, bool periodic) {
   std::vector<Quantity> coordinates;
-  for (const char* name : {"x1", "y1", "z1", "x2", "y2", "z2"}) coordinates.push_back({name, -1, 1});
+  for (const char* name : {"x1", "y1", "z1", "x2", "y2", "z2"}) coordinates.push_back({name});
   CustomForce p(r, {"PerBondParameters", coordinates}, energy);
-  KnownEnergy known{energy.c_str(), {{"k"}, {"a"}, {"b"}, {"F"}, {"nx"}, {"ny"}, {"nz"}}};
+  KnownEnergy known{energy, {{"k"}, {"a"}, {"b"}, {"F"}, {"nx"}, {"ny"}, {"nz"}}};
   if (periodic) known.parameters.push_back({"edge"});
   if (p.recognize({known}) < 0) refuse_energy(r, energy, Variable::kComponent);
   read_terms(r, p, 2, [&](Bias& bias) {
@@ -190,7 +173,7 @@ void read_component(const ForceReading& r, const std::string& energy, bool perio
 
 // R_g² as taut writes it: one group, each of whose atoms is a group, too.
 Bias read_gyration(const ForceReading& r, const std::string& energy) {
-  CustomForce p(r, {"PerBondParameters", {{"g1"}, {"g2"}}}, energy, functions_of_groups(Variable::kDistance));
+  CustomForce p(r, {"PerBondParameters", {{"v", 0}}}, with_variable(energy, "distance", "g", 2).value());
   const std::vector<BiasGroup> all = read_groups(r);
   Bias bias;
   bias.variable = Variable::kGyration;
@@ -288,9 +271,9 @@ void read_custom_centroid(const ForceReading& r) {
 
   const Variable variable = variable_of(energy);
   if (groups < groups_of(variable)) refuse_energy(r, energy, variable);
-  std::string of_v = energy + ";g1=v";
-  for (int g = 2; g <= groups; ++g) of_v += fmt::format(";g{}={}", g, g);
-  CustomForce p(r, {"PerBondParameters", {range_of(variable)}}, of_v, functions_of_groups(variable));
+  const auto of_v = with_variable(energy, function_of(variable), "g", groups_of(variable));
+  if (!of_v) refuse_energy(r, energy, variable);
+  CustomForce p(r, {"PerBondParameters", {range_of(variable)}}, *of_v);
   const BiasLaw* law = find_law(p, variable);
   if (!law) refuse_energy(r, energy, variable);
   read_terms(r, p, groups, [&](Bias& bias) {

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <map>
 
 #include "systems/openmm/custom.hpp"
+#include "systems/openmm/formulas.hpp"
 #include "systems/openmm/functions.hpp"
 #include "systems/openmm/terms.hpp"
 
@@ -17,8 +19,9 @@ constexpr std::size_t kMostTypes = 500;
 constexpr const char* kRemedy = "; to switch Lennard-Jones off give the force a switchingDistance";
 
 const std::vector<KnownEnergy>& known() {
-  static const std::vector<KnownEnergy> kAll = {{kWcaEnergy, {{"sigma", 0.41, 0.47}, {"epsilon"}}},
-                                                {kLennardJonesEnergy, {}}};  // known by its values, below
+  static const std::vector<KnownEnergy> kAll = {
+      {kWcaEnergy, {{"sigma"}, {"epsilon"}}, "1.122462048309373*sigma-r"},
+      {kLennardJonesEnergy, {}}};  // known by its values, below
   return kAll;
 }
 
@@ -28,6 +31,8 @@ double largest_jump(const TabulatedPairs& pairs) {
     most = std::max(most, std::abs(potential.energy->values().back()));
   return most;
 }
+
+constexpr double kFarther = std::numeric_limits<double>::infinity();
 
 // Finds a and b of an energy a/r¹² − b/r⁶: b from a large distance, a from a small one. Between them the
 // energy must agree.
@@ -47,6 +52,11 @@ struct PowerLaw {
       const double u = inv_r6(r);
       fits = fits && std::abs(energy(r) - (a * u - b) * u) <= 1e-9 * (std::abs(a * u) + std::abs(b)) * u;
     }
+  }
+  Expression::Rough up_to(double reach, double r) const {
+    if (!(r < reach)) return {0, kFarther};
+    const double u = std::pow(r, -6);
+    return {(a * u - b) * u, 1e-9 * (std::abs(a * u) + std::abs(b)) * u};
   }
 };
 
@@ -77,14 +87,16 @@ AtomTypes read_types(const ForceReading& r, CustomForce& p, std::vector<int>& of
 constexpr const char* kNotMutual =
     "has another energy between two atoms when they are named the other way round";
 
-void read_powers(const ForceReading& r, CustomForce& p, LennardJonesTable& table) {
+void read_powers(const ForceReading& r, CustomForce& p, double reach, LennardJonesTable& table) {
   const AtomTypes types = read_types(r, p, table.type);
   const auto n = static_cast<Eigen::Index>(types.size());
   table.a = table.b = Eigen::MatrixXd::Zero(n, n);
   for (const auto& one : types)
     for (const auto& two : types) {
       const PowerLaw law([&](double at) { return p.pair_energy(one.first, two.first, at); });
-      if (!law.fits) p.refuse_energy(known(), kRemedy);
+      const auto within_reach = [&](double at) { return law.up_to(reach, at); };
+      if (!law.fits || (p.branches() && !p.is(within_reach, one.first, two.first)))
+        p.refuse_energy(known(), kRemedy);
       table.a(one.second, two.second) = law.a;
       table.b(one.second, two.second) = law.b;
     }
@@ -96,7 +108,8 @@ void read_powers(const ForceReading& r, CustomForce& p, LennardJonesTable& table
 
 void read_lennard_jones(const ForceReading& r, CustomForce& p, const CustomNonbondedXml& x) {
   Nonbonded& lj = r.to.lennard_jones.emplace();
-  read_powers(r, p, lj.lj_table.emplace());
+  const double reach = x.method == NonbondedXml::kNoCutoff ? kFarther : x.cutoff;
+  read_powers(r, p, reach, lj.lj_table.emplace());
   std::vector<std::array<int, 2>> exclusions;
   read_list(r.force, exclusions, r.system.atoms());
   for (const auto& [i, j] : exclusions) lj.exceptions.push_back({i, j, 0, 1, 0});
@@ -126,9 +139,14 @@ void read_tabulated(const ForceReading& r, CustomForce& p, const CustomNonbonded
     for (auto two = one; two != types.end(); ++two) {
       const auto energy = [&](double at) { return p.pair_energy(one->first, two->first, at); };
       const auto swapped = [&](double at) { return p.pair_energy(two->first, one->first, at); };
-      if (is_zero(splines, [&](double at) { return std::abs(energy(at)) + std::abs(swapped(at)); })) continue;
+      const auto is = [&](const CustomForce::Law& law) {
+        return !p.branches() || p.is(law, one->first, two->first);
+      };
+      if (is_zero(splines, [&](double at) { return std::abs(energy(at)) + std::abs(swapped(at)); }) &&
+          is([](double) { return Expression::Rough{}; }))
+        continue;
       const auto spline = recognize_spline(splines, energy);
-      if (!spline)
+      if (!spline || !is([&](double at) { return rough_value(*spline, at); }))
         r.force.refuse(
             "calls a Continuous1DFunction, and has an energy between two atoms that is no multiple of one of "
             "r");
@@ -159,8 +177,7 @@ void read_custom_nonbonded(const ForceReading& r) {
   r.check_count(r.force.part("Particles"));
   r.to.periodic_pairs = x.method == NonbondedXml::kCutoffPeriodic;
   Splines splines;
-  CustomForce p(r, {"PerParticleParameters", {{"r", 0.3, 0.45}}, true}, x.energy,
-                read_functions(r.force, splines));
+  CustomForce p(r, {"PerParticleParameters", {{"r", 0}}, true}, x.energy, read_functions(r.force, splines));
   if (!splines.empty()) return read_tabulated(r, p, x, splines);
   p.recognize({known().front()}) == 0 ? read_wca(r, p, x) : read_lennard_jones(r, p, x);
 }

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <sstream>
 
@@ -10,8 +12,8 @@
 #include "files/atomic_file.hpp"
 #include "forcefield/ewald/parameters.hpp"
 #include "systems/openmm/biases.hpp"
-#include "systems/openmm/expression.hpp"
 #include "systems/openmm/forces.hpp"
+#include "systems/openmm/formulas.hpp"
 #include "systems/openmm/sites.hpp"
 #include "systems/openmm/terms.hpp"
 #include "systems/openmm/writing.hpp"
@@ -193,10 +195,24 @@ void write_pulls(Node forces, const std::vector<Pull>& pulls) {
 }
 
 void write_restraints(Node forces, const std::vector<Restraint>& restraints, const Box& box) {
-  Node list = write_external(forces, box.periodic() ? kRestraintEnergy : kRestraintWithoutBox,
-                             {"x0", "y0", "z0", "k"}, {});
-  for (auto [atom, at, k] : restraints)
-    write_term(list, "Particle", {atom_field("index", atom, 0)}, {at.x(), at.y(), at.z(), k});
+  std::map<std::string, Node> lists;  // by their energies
+  for (Restraint one : restraints) {
+    one.takes_image &= box.periodic();
+    Names names;
+    std::vector<double> numbers;
+    const auto say = [&](const char* name, double number) {
+      names.emplace_back(name);
+      numbers.push_back(number);
+    };
+    constexpr std::array kPlace = {"x0", "y0", "z0"};
+    for (int c = 0; c < 3; ++c)
+      if (one.axes[c] != 0) say(kPlace[static_cast<std::size_t>(c)], one.at[c]);
+    say("k", one.k);
+    if (one.free != 0) say("free", one.free);
+    const auto [list, fresh] = lists.try_emplace(restraint_energy(one));
+    if (fresh) list->second = write_external(forces, list->first, names, {});
+    write_term(list->second, "Particle", {atom_field("index", one.atom, 0)}, numbers);
+  }
 }
 
 void write_wall(Node forces, const Wall& wall) {

@@ -6,72 +6,30 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <memory>
+#include <numbers>
 #include <utility>
-#include <vector>
 
-#include "base/random.hpp"
+#include "systems/openmm/expression_functions.hpp"
 
 namespace taut {
 namespace {
 
+using namespace rough;
 using Values = Expression::Values;
-using Arguments = std::span<const double>;
+using Ways = Expression::Ways;
 
-// The distance between nearest images, in a cube of edge 1. Expressions are only compared with each other, at
-// coordinates between -1 and 1, where a cube of this edge tells a periodic from a plain distance.
-double periodic_distance(Arguments a) {
-  constexpr double kEdge = 1;
-  double square = 0;
-  for (std::size_t c = 0; c < 3; ++c) {
-    const double d = a[c] - a[c + 3];
-    square += std::pow(d - kEdge * std::round(d / kEdge), 2);
-  }
-  return std::sqrt(square);
-}
-
-// The functions of OpenMM's expressions.
-const Expression::Tables& own_functions() {
-  static const Expression::Tables kAll = [] {
-    Expression::Tables all;
-    const auto one = [&](const char* name, double (*f)(double)) {
-      all[name] = {1, [f](Arguments a) { return f(a[0]); }};
-    };
-    const auto two = [&](const char* name, double (*f)(double, double)) {
-      all[name] = {2, [f](Arguments a) { return f(a[0], a[1]); }};
-    };
-    one("sqrt", [](double x) { return std::sqrt(x); });
-    one("exp", [](double x) { return std::exp(x); });
-    one("log", [](double x) { return std::log(x); });
-    one("sin", [](double x) { return std::sin(x); });
-    one("cos", [](double x) { return std::cos(x); });
-    one("tan", [](double x) { return std::tan(x); });
-    one("asin", [](double x) { return std::asin(x); });
-    one("acos", [](double x) { return std::acos(x); });
-    one("atan", [](double x) { return std::atan(x); });
-    one("sinh", [](double x) { return std::sinh(x); });
-    one("cosh", [](double x) { return std::cosh(x); });
-    one("tanh", [](double x) { return std::tanh(x); });
-    one("erf", [](double x) { return std::erf(x); });
-    one("erfc", [](double x) { return std::erfc(x); });
-    one("abs", [](double x) { return std::abs(x); });
-    one("floor", [](double x) { return std::floor(x); });
-    one("ceil", [](double x) { return std::ceil(x); });
-    one("square", [](double x) { return x * x; });
-    one("cube", [](double x) { return x * x * x; });
-    one("recip", [](double x) { return 1 / x; });
-    one("step", [](double x) { return x >= 0 ? 1.0 : 0.0; });
-    one("delta", [](double x) { return x == 0 ? 1.0 : 0.0; });
-    two("atan2", [](double x, double y) { return std::atan2(x, y); });
-    two("min", [](double x, double y) { return std::min(x, y); });
-    two("max", [](double x, double y) { return std::max(x, y); });
-    all["periodicdistance"] = {6, periodic_distance};
-    all["select"] = {3, [](Arguments a) { return a[0] != 0 ? a[1] : a[2]; }};
-    return all;
-  }();
-  return kAll;
+double pi_if_meant(double number) {
+  for (const double pi : {std::numbers::pi, 2 * std::numbers::pi})
+    if (std::abs(number - pi) < 1e-6 * pi) return pi;
+  return number;
 }
 
 }  // namespace
+
+bool Expression::Rough::decided() const {
+  return error < kUnknown || !std::isfinite(value);
+}
 
 // A recursive descent parser. Precedence rises from + and - over * and / and the sign to ^, which associates
 // to the right.
@@ -102,7 +60,7 @@ class ExpressionParser {
   }
 
  private:
-  using Value = std::function<double(const Values&)>;
+  using Value = std::function<Rough(const Values&, Ways*)>;
   // A part of an expression. A definition is shared by all parts that name it; `work` counts its nodes once
   // for each use, which bounds the time of an evaluation.
   struct Node {
@@ -128,7 +86,9 @@ class ExpressionParser {
 
   template <class Operator>
   Node joined(const Node& a, const Node& b, Operator op) {
-    return node([a = a.value, b = b.value, op](const Values& v) { return op((*a)(v), (*b)(v)); }, {&a, &b});
+    return node(
+        [a = a.value, b = b.value, op](const Values& v, Ways* w) { return op((*a)(v, w), (*b)(v, w)); },
+        {&a, &b});
   }
 
   Node whole_sum() {
@@ -142,9 +102,11 @@ class ExpressionParser {
     Node value = product();
     for (;;) {
       if (accept('+'))
-        value = joined(value, product(), std::plus<>());
+        value = joined(value, product(),
+                       [](Rough a, Rough b) { return rounded(a.value + b.value, a.error + b.error); });
       else if (accept('-'))
-        value = joined(value, product(), std::minus<>());
+        value = joined(value, product(),
+                       [](Rough a, Rough b) { return rounded(a.value - b.value, a.error + b.error); });
       else
         break;
     }
@@ -156,9 +118,15 @@ class ExpressionParser {
     Node value = with_sign();
     for (;;) {
       if (accept('*'))
-        value = joined(value, with_sign(), std::multiplies<>());
+        value = joined(value, with_sign(), [](Rough a, Rough b) {
+          return rounded(a.value * b.value, std::abs(a.value) * b.error + std::abs(b.value) * a.error);
+        });
       else if (accept('/'))
-        value = joined(value, with_sign(), std::divides<>());
+        value = joined(value, with_sign(), [](Rough a, Rough b) {
+          const double y = a.value / b.value;
+          if (b.error > 0 && std::abs(b.value) <= b.error) return Rough{y, kUnknown};
+          return rounded(y, (a.error + std::abs(y) * b.error) / std::abs(b.value));
+        });
       else
         return value;
     }
@@ -173,7 +141,13 @@ class ExpressionParser {
       text_ = after;
     }
     const Node value = power();
-    return minus ? node([a = value.value](const Values& v) { return -(*a)(v); }, {&value}) : value;
+    if (!minus) return value;
+    return node(
+        [a = value.value](const Values& v, Ways* w) {
+          const Rough x = (*a)(v, w);
+          return Rough{-x.value, x.error};
+        },
+        {&value});
   }
 
   Node power() {
@@ -182,7 +156,10 @@ class ExpressionParser {
     if (++depth_ > kDeepest) throw Expression::Error("is nested too deep");
     const Node exponent = with_sign();
     --depth_;
-    return joined(base, exponent, [](double a, double b) { return std::pow(a, b); });
+    return joined(base, exponent, [](Rough a, Rough b) {
+      const std::array both{a, b};
+      return smooth([](std::span<const double> x) { return std::pow(x[0], x[1]); }, both);
+    });
   }
 
   Node atom() {
@@ -200,7 +177,7 @@ class ExpressionParser {
   }
 
   Node variable(const std::string& name) {
-    Node value = node([name](const Values& v) { return v.at(name); }, {});
+    Node value = node([name](const Values& v, Ways*) { return Rough{v.at(name)}; }, {});
     value.names.insert(name);
     return value;
   }
@@ -210,8 +187,10 @@ class ExpressionParser {
     const auto [end, error] = std::from_chars(text_.data(), text_.data() + text_.size(), value);
     if (error != std::errc()) fail("a number");
     text_.remove_prefix(static_cast<std::size_t>(end - text_.data()));
-    value *= sign;
-    if (named_ == Expression::Numbers::kFixed) return node([value](const Values&) { return value; }, {});
+    value = sign * pi_if_meant(value);
+    to_.literals_.push_back(value);
+    if (named_ == Expression::Numbers::kFixed)
+      return node([value](const Values&, Ways*) { return Rough{value}; }, {});
     std::string name = fmt::format("{}", value);  // no name that a text has
     if (named_ == Expression::Numbers::kNamedApart) name += fmt::format("@{}", to_.numbers_.size());
     to_.numbers_[name] = value;
@@ -223,20 +202,47 @@ class ExpressionParser {
     do arguments.push_back(sum());
     while (accept(','));
     expect(')');
-    const auto own = own_functions().find(name), table = tables_.find(name);
-    if (own == own_functions().end() && table == tables_.end())
+    if (const auto table = tables_.find(name); table != tables_.end())
+      return call(name, table->second.arguments, arguments, table->second.value);
+    if (const auto own = smooth_functions().find(name); own != smooth_functions().end())
+      return call(name, own->second.arguments, arguments, own->second.value);
+    const auto branch = branching_functions().find(name);
+    if (branch == branching_functions().end())
       throw Expression::Error(fmt::format("calls {}, which is no function of it", name));
-    const Expression::Table& function = table == tables_.end() ? own->second : table->second;
-    if (std::ssize(arguments) != function.arguments)
+    std::set<std::string>& names = to_.branches_.emplace_back();
+    for (const Node& a : arguments) names.insert(a.names.begin(), a.names.end());
+    return call(name, branch->second.arguments, arguments,
+                Turning{branch->second.value, to_.branches_.size() - 1});
+  }
+
+  // A branch, whose way is kept at its place among all.
+  struct Turning {
+    Rough (*function)(Arguments, int& way);
+    std::size_t place;
+  };
+  static Rough value_of(const Turning& f, Arguments x, Ways* ways) {
+    int way = 0;
+    const Rough y = f.function(x, way);
+    if (ways) (*ways)[f.place] = way;
+    return y;
+  }
+  template <class Function>
+  static Rough value_of(const Function& f, Arguments x, Ways*) {
+    return smooth(f, x);
+  }
+
+  template <class Function>
+  Node call(const std::string& name, int expected, const std::vector<Node>& arguments, const Function& f) {
+    if (std::ssize(arguments) != expected)
       throw Expression::Error(
-          fmt::format("calls {} of {} arguments with {}", name, function.arguments, arguments.size()));
+          fmt::format("calls {} of {} arguments with {}", name, expected, arguments.size()));
     std::vector<std::shared_ptr<const Value>> values;
     for (const Node& a : arguments) values.push_back(a.value);
     Node made = node(
-        [values, f = function.value](const Values& v) {
-          double x[6] = {};
-          for (std::size_t k = 0; k < values.size(); ++k) x[k] = (*values[k])(v);
-          return f(Arguments(x, values.size()));
+        [values, f](const Values& v, Ways* w) {
+          std::array<Rough, kMostArguments> x;
+          for (std::size_t k = 0; k < values.size(); ++k) x[k] = (*values[k])(v, w);
+          return value_of(f, Arguments(x.data(), values.size()), w);
         },
         {});
     for (const Node& a : arguments) add(made, a);
@@ -289,75 +295,9 @@ Expression::Expression(std::string_view text, const Tables& tables, Numbers name
   ExpressionParser(*this, tables, named).parse(text);
 }
 
-namespace {
-
-constexpr int kPoints = 24;
-constexpr std::size_t kMostDeclared = 8;  // with more parameters than this, only equal names are tried
-constexpr double kTolerance = 3e-5;       // openmm.app writes π as 3.141593 in places
-constexpr double kSmallEnergy = 0.1;      // below it the difference counts, not the relative difference
-
-}  // namespace
-
-std::optional<Recognized> recognize(const Expression& energy, std::vector<std::string> declared,
-                                    const std::vector<Quantity>& coordinates, const KnownEnergy& known) {
-  struct Point {
-    Expression::Values known, given;  // arguments of the known and of the given energy
-  };
-  std::array<Point, kPoints> points;
-  Random random(1);
-  const auto draw = [&](const Quantity& q) { return q.low + (q.high - q.low) * random.uniform(); };
-  for (Point& point : points) {
-    for (const auto& name : declared) point.given[name] = draw({"", 0.5, 1.5});
-    point.given.insert(energy.numbers().begin(), energy.numbers().end());
-    for (const Quantity& q : known.parameters) point.known[q.name] = draw(q);
-    for (const Quantity& q : known.within.empty() ? coordinates : known.within)
-      point.given[q.name] = point.known[q.name] = draw(q);
-  }
-
-  for (const auto& name : energy.names())
-    if (!points[0].given.contains(name)) return {};  // a parameter of each atom of a pair
-  for (const auto& [name, value] : energy.numbers()) declared.push_back(name);
-
-  // The given energy in units of the known one, where names[k] stands for the k-th known parameter.
-  const Expression known_energy(known.text);
-  const std::size_t n = known.parameters.size();
-  const auto compare = [&](const std::vector<std::string>& names) -> std::optional<Recognized> {
-    Recognized found{0, {}};
-    for (std::size_t k = 0; k < n; ++k) found.name_of[known.parameters[k].name] = names[k];
-    std::array<double, kPoints> value, other;
-    std::vector<double> ratio;  // of points where there is an energy
-    for (int p = 0; p < kPoints; ++p) {
-      Expression::Values given = points[p].given;
-      for (const auto& [name, its_name] : found.name_of) given[its_name] = points[p].known[name];
-      value[p] = known_energy(points[p].known);
-      other[p] = energy(given);
-      if (value[p] == 0) continue;  // as both are beyond a wall: is compared below
-      ratio.push_back(other[p] / value[p]);
-      if (!std::isfinite(ratio.back()) || ratio.back() == 0) return {};
-    }
-    if (ratio.size() < kPoints / 4) return {};
-    const auto middle = ratio.begin() + std::ssize(ratio) / 2;
-    std::ranges::nth_element(ratio, middle);
-    found.factor = *middle;
-    for (int p = 0; p < kPoints; ++p)
-      if (!(std::abs(other[p] / found.factor - value[p]) <= kTolerance * (std::abs(value[p]) + kSmallEnergy)))
-        return {};
-    return found;
-  };
-
-  std::vector<std::string> names;
-  for (const Quantity& q : known.parameters) names.emplace_back(q.name);
-  if (std::ranges::all_of(names, [&](const auto& name) { return std::ranges::count(declared, name) > 0; }))
-    if (auto found = compare(names)) return found;
-  if (declared.size() > kMostDeclared || declared.size() < n) return {};
-  // Every choice of n names in every order. Reversing the rest skips the orders that differ in it alone.
-  names = declared;
-  std::ranges::sort(names);
-  do {
-    if (auto found = compare(names)) return found;
-    std::reverse(names.begin() + static_cast<std::ptrdiff_t>(n), names.end());
-  } while (std::next_permutation(names.begin(), names.end()));
-  return {};
+Expression::Rough Expression::probe(const Values& values, Ways& ways) const {
+  ways.assign(branches_.size(), kUndecided);
+  return value_(values, &ways);
 }
 
 }  // namespace taut

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/errors.hpp"
 
@@ -88,6 +89,14 @@ std::shared_ptr<const Spline> recognize_spline(const Splines& splines,
   for (const auto& [name, spline] : splines)
     if (auto found = multiple_of(spline, energy); found && ends_with(*found)) return found;
   return nullptr;
+}
+
+Expression::Rough rough_value(const Spline& spline, double at) {
+  for (const double end : {spline.first(), spline.last()})
+    if (std::abs(at - end) < 1e-9 * spline.last()) return {0, std::numeric_limits<double>::infinity()};
+  if (!spline.covers(at)) return {};
+  const double largest = std::ranges::max(spline.values(), {}, [](double v) { return std::abs(v); });
+  return {spline.at(at).value, 1e-9 * std::abs(largest)};
 }
 
 Expression::Tables read_functions(const Element& force, Splines& splines) {

@@ -22,4 +22,7 @@ Expression::Tables read_functions(const Element& force, Splines& splines);
 std::shared_ptr<const Spline> recognize_spline(const Splines& splines,
                                                const std::function<double(double)>& energy);
 
+// Returns a spline's value, 0 outside its range; undecided at its ends.
+Expression::Rough rough_value(const Spline& spline, double at);
+
 }  // namespace taut

@@ -6,7 +6,6 @@
 #include <array>
 
 #include "forcefield/term_lists.hpp"
-#include "systems/openmm/expression.hpp"
 
 namespace taut {
 namespace {
@@ -61,11 +60,12 @@ class Images {
     }
   }
 
-  void check_place(int atom, const Vec3& place) const {
-    const Vec3 d = m_.as_given.col(atom) - place;
-    if (!m_.near(d, m_.box.nearest_image(d)))
-      at_.refuse(fmt::format("holds atom {} over half the box away and takes no nearest image: write {}",
-                             atom, kRestraintEnergy));
+  void check_place(int atom) const {
+    if (!m_.near(m_.as_given.col(atom), m_.whole.col(atom)))
+      at_.refuse(fmt::format(
+          "holds atom {}, whose molecule is broken across the box, and takes no nearest image: give a "
+          "State of whole molecules, or write periodicdistance",
+          atom));
   }
 
  private:
@@ -89,9 +89,8 @@ void check_images(const Element& at, const OpenMMForce& force, const WholeMolecu
   }
   for (const auto& t : force.pairs) images.check(k++, std::array{t.i, t.j});
   for (const Bias& bias : terms.biases) images.check_bias(bias);
-  // A restraint without nearest images is the same while its atom is within half the box of its place.
-  if (!force.takes_images)
-    for (const auto& t : terms.restraints) images.check_place(t.atom, t.at);
+  for (const auto& t : terms.restraints)
+    if (!t.takes_image) images.check_place(t.atom);
   if (!terms.nonbonded) return;
   for (const auto& t : terms.nonbonded->exceptions) {
     if (t.charge_product != 0 || t.epsilon != 0 || terms.nonbonded->pme)

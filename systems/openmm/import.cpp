@@ -191,6 +191,14 @@ void mend_molecules(const PlacedForces& forces, const std::vector<RigidBond>& co
   for (const PlacedForce& f : forces) check_images(f.at, f.force, molecules);
 }
 
+void refuse_angstrom(const PlacedForces& forces, const OpenMMInput& input, const Element& state) {
+  std::vector<HarmonicBond> springs;
+  for (const PlacedForce& f : forces)
+    springs.insert(springs.end(), f.force.terms.bonds.begin(), f.force.terms.bonds.end());
+  if (const std::string doubt = angstrom_doubt(input.system.bonds, springs, input.start.x); !doubt.empty())
+    state.part("Positions").refuse(doubt);
+}
+
 template <class Term>
 void add_all(std::vector<Term>& to, const std::vector<Term>& from) {
   to.insert(to.end(), from.begin(), from.end());
@@ -229,7 +237,7 @@ void add(PlacedForce& placed, OpenMMInput& input) {
   add_one(placed.at, to.nonbonded, from.nonbonded);
   add_one(placed.at, to.wca, from.wca);
   add_one(placed.at, to.tabulated_pairs, from.tabulated_pairs);
-  add_one(placed.at, to.gravity, from.gravity);
+  if (from.gravity) to.gravity = to.gravity.value_or(Vec3::Zero()) + *from.gravity;
   for (const auto& note : placed.force.notes) input.notes.push_back(fmt::format("{} {}", placed.name, note));
   add_one(placed.at, input.barostat, placed.force.barostat);
   if (placed.force.remove_momentum_every == 0) return;
@@ -264,6 +272,7 @@ OpenMMInput read_openmm(const XmlFile& system_file, const XmlFile& state_file) {
     }
   };
   of_each([&](const PlacedForce& f) { check_terms(input.system, input.start.box, f.force.terms); });
+  refuse_angstrom(forces, input, state);
   if (input.start.box.periodic()) mend_molecules(forces, constraints, state, input);
   of_each([&](const PlacedForce& f) { check_tables_cover(f.force.terms, input.start.x); });
   for (PlacedForce& f : forces) add(f, input);

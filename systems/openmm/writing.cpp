@@ -4,8 +4,8 @@
 #include <map>
 #include <type_traits>
 
-#include "systems/openmm/expression.hpp"
 #include "systems/openmm/forces.hpp"
+#include "systems/openmm/formulas.hpp"
 #include "systems/openmm/terms.hpp"
 
 namespace taut {
