@@ -29,9 +29,9 @@ inline double one_sided(int side, double lambda) {
 //    since its w is not 0 and theirs is: A stays regular however many bonds touch, and the iteration ends.
 //    Cost: one factorization and one solve for each change of the set; mostly one, because the guess is
 //    mostly right.
-class ActiveSet {
+class ActiveSetOfCluster {
  public:
-  explicit ActiveSet(const System& sys);
+  explicit ActiveSetOfCluster(const System& sys);
 
   // On entry, the signs of λ say which one-sided bonds act; on return, λ is the solution. r: 3 × m bond
   // vectors of all bonds; a bond whose r is 0 is left out.
@@ -49,6 +49,31 @@ class ActiveSet {
   Vectors y_;               // 3 × n, M⁻¹Jᵀλ
   Eigen::VectorXd target_;  // m, the solution if every acting bond were an ordinary one
   std::vector<char> acts_;
+  int blamed_ = -1;
+};
+
+// The same for a system of any number of clusters, each of which is solved by itself: a bond that touches costs the
+// other clusters nothing.
+class ActiveSet {
+ public:
+  explicit ActiveSet(const System& sys);
+
+  Failure solve(const System&, const Vectors& r, const Eigen::VectorXd& b, Eigen::VectorXd& lambda);
+  int blamed() const { return blamed_; }
+  int clusters() const { return static_cast<int>(clusters_.size()); }
+
+ private:
+  struct Cluster {
+    Cluster(const System& sys, std::vector<int> its_bonds);
+
+    std::vector<int> bonds;  // of the system, in the order of the cluster's own
+    System system;           // its atoms, with its anchors, numbered anew
+    ActiveSetOfCluster set;
+    Vectors r;
+    Eigen::VectorXd b, lambda;
+  };
+
+  std::vector<Cluster> clusters_;  // what is not coupled to a one-sided bond is one of them
   int blamed_ = -1;
 };
 

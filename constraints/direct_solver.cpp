@@ -1,5 +1,7 @@
 #include "constraints/direct_solver.hpp"
 
+#include <cmath>
+
 namespace taut {
 
 DirectSolver::DirectSolver(const System& sys) : DirectSolver(sys, sys.bonds) {}
@@ -37,7 +39,8 @@ void DirectSolver::factor(const Vectors& r_new, const Vectors& r, double thresho
   dependent_.clear();
   const std::ptrdiff_t* update = plan_.update.data();
   for (int k = 0; k < n; ++k) {
-    const bool independent = d_[k] > threshold * a_[k];  // false for NaN
+    const double pivot = symmetric ? d_[k] : std::abs(d_[k]);
+    const bool independent = a_[k] > 0 && pivot > threshold * a_[k];  // false for NaN
     inv_d_[k] = independent ? 1 / d_[k] : 0.0;
     if (!independent) dependent_.push_back(order[k]);
     for (int p = start[k]; p < start[k + 1]; ++p) {

@@ -19,7 +19,8 @@ class DirectSolver {
   DirectSolver(const System& sys, std::span<const RigidBond> bonds);
 
   // r: 3 × m bond vectors. A bond whose pivot is below `threshold` times its diagonal depends on other bonds:
-  // it gets λ = 0, and dependent_bonds() lists it.
+  // it gets λ = 0, and dependent_bonds() lists it. Pivots of A' are negative where the bonds have passed a placement in
+  // which they depend on each other; a bond that has turned by 90° or more is dependent, too.
   void factor(const Vectors& r, double threshold = 1e-12) { factor(r, r, threshold); }
   void factor(const Vectors& r_new, const Vectors& r, double threshold = 1e-12);
   void solve(Eigen::VectorXd& b);  // b ← A⁻¹b, m

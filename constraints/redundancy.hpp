@@ -11,7 +11,9 @@ namespace taut {
 // told apart by displacing the atoms a little:
 // - redundant: the dependence remains after the displacement. The shape is overdetermined (methane with all
 //   ten
-//   distances held, a cube with all its diagonals). Such bonds may be left out; the motion is the same.
+//   distances held, a cube with all its diagonals). Such bonds may be left out; the motion is the same. So may those
+//   of a linkage that depend on others wherever it moves, as one of three parallel cranks of a plate. If it is flat, that
+//   holds for motion in its plane.
 // - degenerate: the dependence exists only in this placement (a straight angle held by a 1–3 bond, a fully
 //   braced
 //   flat ring). No force along the bonds acts sideways here, and leaving bonds out would not help.

@@ -1,9 +1,11 @@
 #include "constraints/registry.hpp"
 
+#include <cxxabi.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <mutex>
 
 #include "base/errors.hpp"
@@ -68,6 +70,14 @@ std::list<MethodEntry>& list() {
   return methods;
 }
 
+// As the source has it, "taut::Newton::Options".
+std::string type_name(const std::type_info& type) {
+  int status = 0;
+  const std::unique_ptr<char, decltype(&std::free)> name(
+      abi::__cxa_demangle(type.name(), nullptr, nullptr, &status), &std::free);
+  return status == 0 ? name.get() : type.name();
+}
+
 // Held while the list is searched or grows. What it has stays where it is.
 std::unique_lock<std::mutex> locked() {
   static std::mutex mutex;
@@ -110,8 +120,22 @@ const MethodEntry& method_named(std::string_view name) {
 
 const MethodEntry& MethodOptions::method_with(const std::type_info& options) {
   const auto lock = locked();
-  const auto has = [&](const MethodEntry& method) { return method.defaults.type() == options; };
-  return *std::ranges::find_if(methods(), has);
+  const MethodEntry* found = nullptr;
+  for (const MethodEntry& method : methods()) {
+    if (method.defaults.type() != options) continue;
+    if (found)
+      throw InputError(fmt::format(
+          "options of type {}: both method \"{}\" and method \"{}\" take them, expected one; derive "
+          "a type of its own for one of the two (struct Options : TheOthers {{}})",
+          type_name(options), found->name, method.name));
+    found = &method;
+  }
+  if (!found)
+    throw InputError(
+        fmt::format("options of type {}: no method takes them; add yours with add_method() first, with these "
+                    "options as its defaults",
+                    type_name(options)));
+  return *found;
 }
 
 void MethodOptions::refuse_one_sided(const System& sys) const {

@@ -41,7 +41,8 @@ std::vector<std::string_view> method_names();
 // Throws InputError, with the nearest name, for an unknown one.
 const MethodEntry& method_named(std::string_view name);
 
-// A method with its options: either a method's Options struct, or the defaults of a named method.
+// A method with its options: either a method's Options struct, or the defaults of a named method. Throws InputError for
+// options that no method of the list takes, and for those that two take.
 class MethodOptions {
  public:
   MethodOptions() : MethodOptions(methods().front()) {}

@@ -19,8 +19,7 @@ double MonteCarloBarostat::energy(const System& sys) {
 double MonteCarloBarostat::move_box(const System& sys, State& s) {
   if (steps_ == 0 || steps_ % coupling_.every != 0) return 0;
   const PartScope here(StepPart::kBarostat);
-  trial_.x = s.x;
-  trial_.box = s.box;
+  trial_ = s;
   const double V = s.box.volume(), before = energy(sys);
   if (largest_ == 0) largest_ = 0.01 * V;
   RandomOfStep random = random_.next(Stream::kMonteCarlo);

@@ -6,8 +6,7 @@ Barometer::Barometer(const System& sys, bool springs) : springs_(springs), proje
 
 Eigen::Matrix3d Barometer::operator()(const System& sys, ForceField& forces, const State& at,
                                       const Vectors& v, const Eigen::VectorXd& spring_lambda) {
-  now_.x = at.x;
-  now_.box = at.box;
+  now_ = at;
   now_.v = v;
   forces.evaluate(sys, now_, besides_);
   return evaluated(sys, forces, now_, besides_, spring_lambda);

@@ -76,6 +76,12 @@ DcdFile::DcdFile(const std::filesystem::path& path, const TrajectorySetup& setup
     first_ = control[1];
     every_ = control[2];
     std::memcpy(&step_, &control[9], sizeof step_);
+    if (every_ < 1 || !(step_ > 0) || !std::isfinite(step_))
+      throw OutsideError(
+          fmt::format("{}: cannot go on: its header has {} steps of {} AKMA units of time between frames, "
+                      "expected more than 0 of "
+                      "both; its frames may be whole, but it was changed by another program",
+                      path.string(), every_, step_));
   }
   write_counts((file_.size() - kHeader) / frame_bytes());
 }

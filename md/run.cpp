@@ -12,9 +12,11 @@ std::string_view advice(Failure failure) {
   switch (failure) {
     case Failure::kTurned:
     case Failure::kSingularOrTurned:
-      return "the bond turns too fast for the step: take a shorter one, or a cooler start";
+      return "the bond turns too fast for the step: take a shorter one, or a cooler start; where "
+             "the bars of a linkage come into one line (a dead point), newton";
     case Failure::kSingular:
-      return "bonds lie in line or in a plane, so that no force can hold them all: drop one, or bend them";
+      return "bonds lie in line or in a plane, so that no force can hold them all: drop one, or bend them; "
+             "where they swing through that line (a dead point), newton";
     case Failure::kNoConvergence:
     case Failure::kVelocitiesNoConvergence:
       return "take a shorter step, a looser tolerance, or more sweeps; where sweeps fail at any step, "

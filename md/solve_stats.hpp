@@ -43,7 +43,7 @@ constexpr std::string_view in_words(Failure failure) {
 
 // What a method did in one step. A caller must look at it, because bonds may be broken.
 struct [[nodiscard]] SolveStats {
-  int iterations = 0;       // sweeps or linear solves
+  long iterations = 0;      // sweeps or linear solves
   double max_residual = 0;  // largest |σ|/d²
   int worst_bond = -1;      // its bond; after a failure, the bond that failed
   Failure failure = Failure::kNone;

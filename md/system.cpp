@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/errors.hpp"
+#include "md/largest_system.hpp"
 
 namespace taut {
 namespace {
@@ -105,24 +106,24 @@ void refuse_lengths_that_do_not_close(const System& sys) {
 
 // Parents that are there and each another; weights to OpenMM's 1e-6.
 void check_parents(const VirtualSite& site, Eigen::Index atoms) {
-  const auto demand = [&](bool good, const std::string& what) {
-    if (!good) throw InputError(fmt::format("atom {}: its virtual site {}", site.atom, what));
+  const auto refuse = [&](const std::string& what) {
+    throw InputError(fmt::format("atom {}: its virtual site {}", site.atom, what));
   };
   std::vector<int> seen;
   double w = 0, w_x = 0, w_y = 0;
   for (const auto& parent : site.parents) {
     const int a = parent.atom;
-    demand(a >= 0 && a < atoms,
-           fmt::format("has parent {}, expected one of the atoms 0 to {}", a, atoms - 1));
-    demand(std::ranges::find(seen, a) == seen.end(), fmt::format("has atom {} as a parent twice", a));
+    if (a < 0 || a >= atoms)
+      refuse(fmt::format("has parent {}, expected one of the atoms 0 to {}", a, atoms - 1));
+    if (std::ranges::find(seen, a) != seen.end()) refuse(fmt::format("has atom {} as a parent twice", a));
     seen.push_back(a);
     w += parent.w, w_x += parent.w_x, w_y += parent.w_y;
   }
-  demand(!seen.empty(), "has no parents");
-  demand(std::abs(w - 1) < 1e-6, fmt::format("has weights that add to {}, expected 1", w));
-  demand(std::abs(w_x) < 1e-6 && std::abs(w_y) < 1e-6,
-         fmt::format("has weights of its axes that add to {} and {}, expected 0", w_x, w_y));
-  demand(site.p.allFinite(), "is not at a finite place");
+  if (seen.empty()) refuse("has no parents");
+  if (!(std::abs(w - 1) < 1e-6)) refuse(fmt::format("has weights that add to {}, expected 1", w));
+  if (!(std::abs(w_x) < 1e-6 && std::abs(w_y) < 1e-6))
+    refuse(fmt::format("has weights of its axes that add to {} and {}, expected 0", w_x, w_y));
+  if (!site.p.allFinite()) refuse("is not at a finite place");
 }
 
 // Parents may be sites, but none may follow from its own place: takes away, again and again, sites whose parents are
@@ -165,6 +166,12 @@ std::vector<bool> checked_sites(const Eigen::VectorXd& mass, const VirtualSites&
 
 }  // namespace
 
+void refuse_more_atoms(double atoms) {
+  if (atoms > kMostAtoms)
+    throw InputError(
+        fmt::format("a system of {:.0f} atoms, more than the {:.0f} taut takes", atoms, kMostAtoms));
+}
+
 bool System::is_site(int a) const {
   const auto at = std::ranges::lower_bound(sites, a, {}, &VirtualSite::atom);
   return at != sites.end() && at->atom == a;
@@ -176,6 +183,7 @@ int System::anchors() const {
 
 System make_system(Eigen::VectorXd mass, std::vector<RigidBond> bonds, VirtualSites sites,
                    std::vector<OneSidedBond> one_sided) {
+  refuse_more_atoms(static_cast<double>(mass.size()));
   for (Eigen::Index a = 0; a < mass.size(); ++a)
     if (!(mass[a] >= 0) || !std::isfinite(mass[a]))
       throw InputError(

@@ -26,8 +26,7 @@ class Descent {
  public:
   Descent(const System& sys, ForceField& forces, const State& start, const Listen& listen)
       : real_(sys), sys_(with_unit_masses(sys)), forces_(forces), listen_(listen), projector_(sys_) {
-    here_.x = start.x;
-    here_.box = start.box;
+    here_ = start;
     projector_.positions(sys_, here_.x);
     energy_ = evaluate(here_);
     if (!std::isfinite(energy_) || !here_.f.allFinite()) {

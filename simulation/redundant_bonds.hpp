@@ -14,5 +14,7 @@ Scene without_redundant_bonds(Scene scene);
 // another.
 std::vector<std::string> contradicted_lengths(const System& full, const std::vector<int>& left_out,
                                               const Vectors& x);
+// A line for each that has come to have another by more than a hundredth.
+std::vector<std::string> lost_lengths(const System& full, const std::vector<int>& left_out, const Vectors& x);
 
 }  // namespace taut

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/errors.hpp"
+#include "constraints/methods/feedforward.hpp"
 #include "md/step_parts.hpp"
 #include "md/units.hpp"
 #include "simulation/doubts.hpp"
@@ -26,8 +27,10 @@ bool finite(const State& s) {
 
 // Its own limit is that of the λ it starts from: extrapolated, that runs ahead of bonds that turn far in a
 // step.
-void explain_feedforward(Diagnosis& d) {
-  d.advice = "take a shorter step, or method.extrapolation = 0, which bears steps as long as shake's";
+void explain_feedforward(const MethodOptions& method, Diagnosis& d) {
+  if (method.get_if<Feedforward::Options>()->extrapolation == 0) return;
+  d.advice =
+      "take a shorter step, or method.extrapolation = 0, which bears steps as long as shake's; " + d.advice;
 }
 
 // It fails by its nature, whatever the scene: a bond turning at ω is too long by (ωh)²(ωt)²/8 of itself.
@@ -309,6 +312,8 @@ Summary Simulation::summary(const Record& end, double seconds, const PartMeter& 
           "start, or groups, that do not",
           scene_.terms.biases[b].name, s.biases[b].lost, sums_.rows));
   if (!ewald_doubt_.empty()) s.doubts.push_back(ewald_doubt_);
+  for (std::string& doubt : lost_lengths(full_, redundancy_.redundant, state_.x))
+    s.doubts.push_back(std::move(doubt));
   return s;
 }
 
@@ -366,7 +371,7 @@ Diagnosis Simulation::explained(const SolveStats& stats, const std::string& thro
   if (scene_.method.name() == "none" && stats.converged() && stats.max_residual >= plan().broken_at)
     explain_none(d);
   if (scene_.method.name() == "feedforward" && stats.failure == Failure::kSingularOrTurned)
-    explain_feedforward(d);
+    explain_feedforward(scene_.method, d);
   return d;
 }
 

@@ -201,10 +201,6 @@ double as_printed(double reduction) {
   return std::stod(fmt::format("{:.6g}", reduction));
 }
 
-<<<<<<< HEAD
-bool apart(double predicted, double measured, double least) {
-  return !(std::abs(predicted - measured) <= std::max(0.05 * std::max(predicted, measured), least));
-=======
 // What rounding positions leaves of σ/d².
 double rounding_of(const Scene& scene) {
   double shortest = scene.system.bonds[0].length;
@@ -212,9 +208,8 @@ double rounding_of(const Scene& scene) {
   return std::numeric_limits<double>::epsilon() * scene.start.x.cwiseAbs().maxCoeff() / shortest;
 }
 
-bool apart(double predicted, double measured) {
-  return !(std::abs(predicted - measured) <= 0.05 * std::max(predicted, measured));
->>>>>>> freedom
+bool apart(double predicted, double measured, double least) {
+  return !(std::abs(predicted - measured) <= std::max(0.05 * std::max(predicted, measured), least));
 }
 
 // What the propagator leaves out (constraints/README.md, "Copying RATTLE").
@@ -321,9 +316,8 @@ std::vector<std::pair<const char*, double>> figures_of(const Calibration& c) {
           {"floor_measured", c.floor_measured}};
 }
 
-// Not where all there is to see is rounding, or the square of the error that was put in.
+// Not where all there is to see is rounding.
 std::string disagreement(const CalibrationPlan& plan, const Calibration& c) {
-<<<<<<< HEAD
   constexpr double kOfFirstError = 0.01;
   const struct {
     const char* what;
@@ -331,21 +325,9 @@ std::string disagreement(const CalibrationPlan& plan, const Calibration& c) {
   } rows[] = {{"reduction of a stretch's σ", c.of_stretch.predicted, c.of_stretch.measured, kOfFirstError},
               {"reduction of its σ̇", c.of_rate.predicted, c.of_rate.measured, kOfFirstError},
               {"reduction of a rate's σ", c.after_rate.predicted, c.after_rate.measured, kOfFirstError},
-              {"floor", c.floor_predicted, c.floor_measured, 0}};
+              {"floor", c.floor_predicted, c.floor_measured, 100 * c.rounding}};
   for (const auto& [what, predicted, measured, least] : rows)
     if (predicted > 0 && apart(predicted, measured, least))
-=======
-  const double rounding = 100 * c.rounding, second_order = std::max(plan.size, rounding / plan.size);
-  const struct {
-    const char* what;
-    double predicted, measured, least;
-  } rows[] = {{"reduction of a stretch's σ", c.of_stretch.predicted, c.of_stretch.measured, second_order},
-              {"reduction of its σ̇", c.of_rate.predicted, c.of_rate.measured, second_order},
-              {"reduction of a rate's σ", c.after_rate.predicted, c.after_rate.measured, second_order},
-              {"floor", c.floor_predicted, c.floor_measured, rounding}};
-  for (const auto& [what, predicted, measured, least] : rows)
-    if (predicted > 0 && std::max(predicted, measured) > least && apart(predicted, measured))
->>>>>>> freedom
       return fmt::format("measured and predicted disagree ({} {:.2g} for {:.2g}): {}", what, measured,
                          predicted, why_apart(plan));
   return "";

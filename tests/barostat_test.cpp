@@ -15,6 +15,7 @@
 #include "md/units.hpp"
 #include "named_scene.hpp"
 #include "simulation/inner.hpp"
+#include "simulation/minimise.hpp"
 #include "systems/whole_molecules.hpp"
 
 namespace taut::barostat_tests {
@@ -117,6 +118,48 @@ INSTANTIATE_TEST_SUITE_P(All, Barostats,
                                            Case{"c-rescale", "anisotropic"},
                                            Case{"monte-carlo", "isotropic"}),
                          [](const auto& test) { return "case" + std::to_string(test.index); });
+
+// A distance of two atoms, held by a spring to a place that moves, at 0.8 nm at 8 ps, or that is there at all times.
+Bias held_apart(const System& sys, bool moves) {
+  Bias bias{.name = "apart", .groups = {make_group(sys, {0}), make_group(sys, {1})}, .k = 500};
+  bias.lower = bias.upper = moves ? 0 : 0.8;
+  bias.rate = moves ? 0.1 : 0;
+  return bias;
+}
+
+// Whatever evaluates forces of a copy of the state evaluates them at its time: the volumes that a barostat tries, a
+// pressure, and a minimum.
+TEST(CopiesOfAState, AreOfItsOwnTime) {
+  struct Found {
+    double volume, pressure, distance;
+  };
+  const auto found = [](bool moves) {
+    IdealGas gas(200, 1);
+    Random random(5);
+    for (int a = 0; a < 200; ++a) gas.s.x.col(a) = 0.3 * random.normal_vector();
+    gas.s.t = 8;
+    gas.scene.terms.biases = {held_apart(gas.scene.system, moves)};
+    gas.scene.run.barostat = "monte-carlo";
+    RunForces forces(ForceField(gas.scene.system, gas.s.box, gas.scene.terms));
+    Found now{};
+    now.pressure = Barometer(gas.scene.system)(gas.scene.system, forces.field, gas.s, gas.s.v, {}).trace();
+    State still = gas.s;
+    minimise(gas.scene.system, forces.field, {.force = 1e-3}, still);
+    now.distance = (still.x.col(1) - still.x.col(0)).norm();
+    const auto box = make_barostat(gas.scene, 5, forces);
+    for (int n = 0; n < 200; ++n) {
+      box->after_step(gas.scene.system, 1, gas.s);
+      box->move_box(gas.scene.system, gas.s);
+    }
+    now.volume = gas.s.box.volume();
+    return now;
+  };
+  const Found moving = found(true), standing = found(false);
+  EXPECT_EQ(moving.volume, standing.volume);
+  EXPECT_EQ(moving.pressure, standing.pressure);
+  EXPECT_NEAR(moving.distance, 0.8, 1e-5);
+  EXPECT_EQ(moving.distance, standing.distance);
+}
 
 // A compressibility taken s times too large, and steps t that are not short for τ: the variance of the volume
 // is (1 + c)/(2 − s(1 − c)) times what it is.

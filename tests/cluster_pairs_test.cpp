@@ -7,8 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "error_message.hpp"
 #include "every_machine.hpp"
+#include "forcefield/pairs/cluster_list.hpp"
 #include "liquids.hpp"
+#include "md/largest_system.hpp"
 #include "reference/plain_pairs.hpp"
 
 // Forces and energies of the clusters, against the plain loop over pairs.
@@ -276,6 +279,25 @@ TEST(ClusterPairs, WcaAgreesWithThePlainLoop) {
       }
     });
   }
+}
+
+// Rows number their j-clusters with 32 bits: a longer list is refused before there is memory for it.
+TEST(ClusterList, RefusesMoreThanItsRowsCanNumber) {
+  ClusterList list;
+  list.make_room(1000);
+  EXPECT_EQ(list.clusters.size(), 1000u);
+  EXPECT_EQ(error_message([&] { list.make_room(std::size_t(1) << 31); }),
+            "the pair list of a thread is longer than taut can number (2^31 entries): take a shorter cutoff "
+            "or more "
+            "threads");
+  EXPECT_EQ(list.clusters.size(), 1000u);
+}
+
+// Neither an index nor a list overflows: what is too large is refused before there is memory for it.
+TEST(LargestSystem, IsRefusedPast) {
+  EXPECT_EQ(error_message([] { refuse_more_atoms(kMostAtoms); }), "no error");
+  EXPECT_EQ(error_message([] { refuse_more_atoms(kMostAtoms + 1); }),
+            "a system of 10000001 atoms, more than the 10000000 taut takes");
 }
 
 }  // namespace

@@ -46,11 +46,7 @@ double work(double dt_fs, int steps, const Baumgarte::Options& options) {
     differences(sys, s.x, r);
     left = residuals(sys, r);
   }
-<<<<<<< HEAD
-  return sum / ((steps - kSettling) * h / 1000) / degrees_of_freedom(sys, sys.bond_count(), true).total();
-=======
-  return sum / (steps * h / 1000) / degrees_of_freedom(sys, sys.bond_count(), 3).total();
->>>>>>> freedom
+  return sum / ((steps - kSettling) * h / 1000) / degrees_of_freedom(sys, sys.bond_count(), 3).total();
 }
 
 const Feedforward::Options kOneSolve{.tolerance = 0.1};

@@ -331,6 +331,26 @@ TEST(Run, ObservesWhatHappenedSinceTheLastObservation) {
   EXPECT_EQ(progress.since.iterations, 7);
 }
 
+// More than 32 bits hold, and a checkpoint keeps them.
+TEST(Run, CountsBillionsOfIterations) {
+  struct Busy : ConstraintMethod {
+    SolveStats add_forces(const System&, const Push&, State&) override { return {.iterations = 1 << 30}; }
+  } method;
+  const System sys = particle();
+  State s = at_rest(1);
+  Spring forces;
+  RunProgress progress, again;
+  run({sys, forces, method}, {.h = 0.1, .steps = 7, .observe_every = 10}, progress, s);
+  EXPECT_EQ(progress.since.iterations, 7L << 30);
+  std::string kept;
+  Archive save = Archive::saving_to(kept);
+  save(progress);
+  Archive load = Archive::loading_from(kept);
+  load(again);
+  load.finish();
+  EXPECT_EQ(again.since.iterations, 7L << 30);
+}
+
 // A bond is broken where |σ|/d² reaches plan.broken_at.
 TEST(Run, StopsWhereABondBreaks) {
   const System sys = make_system(Eigen::VectorXd::Ones(3), {{0, 1, 1}, {1, 2, 1}});

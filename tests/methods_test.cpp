@@ -184,6 +184,41 @@ TEST_P(EveryMethod, ItsMultipliersAreTheExactOnesToFirstOrder) {
 INSTANTIATE_TEST_SUITE_P(Methods, EveryMethod, ::testing::ValuesIn(method_names()),
                          [](const auto& test) { return std::string(test.param); });
 
+struct OptionsOfNobody {
+  std::vector<Option> describe() { return {}; }
+};
+struct OptionsOfTwo : OptionsOfNobody {};
+
+MethodEntry entry_with(std::string_view name, const std::any& defaults) {
+  const auto make = [](const System&, const std::any&, double) {
+    return std::make_unique<ConstraintMethod>();
+  };
+  return {.name = name,
+          .summary = "a test's",
+          .defaults = defaults,
+          .describe = [](std::any&) { return std::vector<Option>{}; },
+          .make = make,
+          .make_plain = make};
+}
+
+// Options say whose they are by their type alone.
+TEST(MethodOptions, OfNoMethodOrOfTwoAreRefusedByName) {
+  EXPECT_EQ(MethodOptions(Newton::Options{}).name(), "newton");
+  EXPECT_EQ(error_message([] { MethodOptions{OptionsOfNobody{}}; }),
+            "options of type taut::methods_tests::(anonymous namespace)::OptionsOfNobody: no method takes "
+            "them; add "
+            "yours with add_method() first, with these options as its defaults");
+  add_method(entry_with("first of two", OptionsOfTwo{}));
+  EXPECT_EQ(MethodOptions(OptionsOfTwo{}).name(), "first of two");
+  add_method(entry_with("second of two", OptionsOfTwo{}));
+  EXPECT_EQ(
+      error_message([] { MethodOptions{OptionsOfTwo{}}; }),
+      "options of type taut::methods_tests::(anonymous namespace)::OptionsOfTwo: both method \"first of "
+      "two\" and "
+      "method \"second of two\" take them, expected one; derive a type of its own for one of the two (struct "
+      "Options : TheOthers {})");
+}
+
 // A start is brought to its bonds as exactly as numbers can say, not to a tolerance.
 TEST(RattleAndNewton, AgreeToRoundOff) {
   for (const Case& c : cases()) {

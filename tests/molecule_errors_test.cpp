@@ -51,8 +51,9 @@ TEST(MoleculeErrors, Atoms) {
             "--set molecule.chian.units=3: there is no [molecule.chian]; did you mean \"chain\"?");
   EXPECT_EQ(said(", sigma_nm = 0.47", ""),
             "scene.toml:4: molecule.chain.atoms.1.epsilon_kj_mol: needs a sigma_nm beside it");
-  EXPECT_EQ(said("bonds", "units = 1e9\nbonds"),
-            "scene.toml:5: molecule.chain.units: 1000000000 of 2 atoms are more than the 5000000 taut takes");
+  EXPECT_EQ(
+      said("bonds", "units = 1e9\nbonds"),
+      "scene.toml:5: molecule.chain.units: 1000000000 of 2 atoms are more than the 10000000 taut takes");
   EXPECT_THAT(said("bonds = [[0, 1, 0.35]]", ""),
               HasSubstr("molecule.chain.atoms: nothing ties atom 1 to atom 0: give it a bond, spring or "
                         "rope, or make it a [molecule] of its own"));
@@ -154,8 +155,8 @@ TEST(MoleculeErrors, Places) {
             "scene.toml:7: place.0.molecule: there is no \"chian\"; did you mean \"chain\"?");
   EXPECT_EQ(said("count = 3", ""), "scene.toml:6: missing key \"count\" in [place.0]");
   EXPECT_EQ(said("count = 3", "count = 0"), "scene.toml:8: place.0.count: expected at least 1, got 0");
-  EXPECT_EQ(said("count = 3", "count = 3e6"),
-            "scene.toml:6: place.0: makes it 6e+06 atoms, more than the 5000000 taut takes");
+  EXPECT_EQ(said("count = 3", "count = 6e6"),
+            "scene.toml:6: place.0: makes it 1.2e+07 atoms, more than the 10000000 taut takes");
   EXPECT_THAT(said("count = 3", "count = 1e300"), HasSubstr("scene.toml:8: place.0.count: out of range"));
   EXPECT_THAT(said("count = 3", "count = 9e18"), HasSubstr("place.0: makes it 1.8e+19 atoms"));
   EXPECT_EQ(said("count = 3", "count = 3\nwithin_nm = [0, 0, 0, 1, 1]"),

@@ -207,9 +207,10 @@ TEST(SceneErrors, CountsAndLengths) {
     return complaint(SceneText{kMelt}.with(old, changed).text);
   };
   EXPECT_EQ(with("chains = 10", "chains = -10"), "scene.toml:4: build.chains: expected at least 1, got -10");
-  EXPECT_EQ(with("chains = 10", "chains = 1e12"),
-            "scene.toml:4: build.chains: 1000000000000 make 20000000000000 atoms, more than the 5000000 taut "
-            "takes");
+  EXPECT_EQ(
+      with("chains = 10", "chains = 1e12"),
+      "scene.toml:4: build.chains: 1000000000000 make 20000000000000 atoms, more than the 10000000 taut "
+      "takes");
   EXPECT_THAT(with("beads = 20", "beads = 9000000000000000000"),
               HasSubstr("scene.toml:4: build.chains: 10 make 9e+19"));
   EXPECT_EQ(with("bond_nm = 0.97", "bond_nm = 0"),
@@ -255,10 +256,10 @@ TEST(SceneErrors, Overrides) {
             "--set build.bonds.2=[0, 1, 2]: there is no \"2\" in a list of 2, counted from 0");
   EXPECT_EQ(complaint(kGood.text, {"build.bonds.one=[0, 1, 2]"}),
             "--set build.bonds.one=[0, 1, 2]: there is no \"one\" in a list of 2, counted from 0");
-  EXPECT_EQ(
-      complaint(kMelt, {"build.chains=1e12"}),
-      "--set build.chains=1e12: build.chains: 1000000000000 make 20000000000000 atoms, more than the 5000000 "
-      "taut takes");
+  EXPECT_EQ(complaint(kMelt, {"build.chains=1e12"}),
+            "--set build.chains=1e12: build.chains: 1000000000000 make 20000000000000 atoms, more than the "
+            "10000000 "
+            "taut takes");
 }
 
 TEST(SceneErrors, Files) {

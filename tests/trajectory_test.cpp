@@ -234,6 +234,26 @@ TEST(DcdFile, CountsItsFramesInItsHeader) {
   EXPECT_EQ(bytes.size(), 196u + 3 * (56 + 3 * (8 + 28)));
 }
 
+// Another program's steps between frames, or length of a step, are not divided by.
+TEST(DcdFile, RefusesToGoOnFromAHeaderWithoutSteps) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "t.dcd";
+  Sample sample;
+  std::uint64_t mark = 0;
+  {
+    DcdFile file(path, sample.setup, 0);
+    file.add(sample.at(0));
+    mark = file.mark();
+  }
+  const std::string whole = contents(path);
+  const auto refusal = [&](std::size_t number) {  // of the header's, each of 4 bytes
+    std::ofstream(path, std::ios::binary) << std::string(whole).replace(8 + 4 * number, 4, 4, '\0');
+    return error_message<OutsideError>([&] { DcdFile(path, sample.setup, mark).add(sample.at(1)); });
+  };
+  EXPECT_THAT(refusal(2), testing::HasSubstr("t.dcd: cannot go on: its header has 0 steps of 0.04"));
+  EXPECT_THAT(refusal(9), testing::HasSubstr("t.dcd: cannot go on: its header has 10 steps of 0 AKMA units"));
+}
+
 // CHARMM's cell is A, γ, B, β, α, C; then all x, all y, all z, in Å.
 // A file that goes beyond the 2147483647 steps that its header can count, from its start, from a frame on, or
 // after it was opened again: readers find each frame's time, first / every + frame times every · step.

@@ -8,6 +8,7 @@
 
 #include "base/errors.hpp"
 #include "base/threads.hpp"
+#include "constraints/registry.hpp"
 #include "kept_state.hpp"
 #include "named_scene.hpp"
 #include "simulation/simulation.hpp"
@@ -215,6 +216,39 @@ TEST(Transaction, AtomsMovedAfterTheLastStepMakeNoSecondRow) {
                      });
   EXPECT_EQ(rows, (std::vector<long>{0, 10, 20}));
   EXPECT_TRUE(std::isfinite(summary.rms_rel_bond_error));
+}
+
+struct BusyOptions {
+  std::vector<Option> describe() { return {}; }
+};
+// Takes 2³⁰ sweeps a step, or says so.
+struct Busy : ConstraintMethod {
+  SolveStats project_velocities(const System&, double, State&) override { return {.iterations = 1 << 30}; }
+};
+
+// However many there are between two rows of the log, what is kept in memory and in a checkpoint is sound.
+TEST(Counters, GoOnAfterBillionsOfIterations) {
+  const auto make = [](const System&, const std::any&, double) -> std::unique_ptr<ConstraintMethod> {
+    return std::make_unique<Busy>();
+  };
+  add_method({.name = "busy",
+              .summary = "a test's",
+              .defaults = BusyOptions{},
+              .describe = [](std::any&) { return std::vector<Option>{}; },
+              .make = make,
+              .make_plain = make});
+  Scene scene = scene_of("pendulum", {"run.steps=6", "run.log_every=6"});
+  scene.method = BusyOptions{};
+  Simulation first(scene), second(scene);
+  std::string bytes;
+  first.run({}, [&](long step) {
+    if (step == 5) bytes = kept(first);
+  });
+  second.restore(bytes);
+  EXPECT_EQ(second.step(), 5);
+  Record last;
+  second.run([&](const Record& r) { last = r; });
+  EXPECT_EQ(last.iterations, 1 << 30);
 }
 
 }  // namespace

@@ -67,7 +67,9 @@ HWY_INLINE M eliminate(const Shape shape, const Matrix A, const double* r, doubl
   return regular;
 }
 
-// Factors A' of the bonds r_next and r into L D U, otherwise as above. On return u is a unit upper triangle.
+// Factors A' of the bonds r_next and r into L D U, otherwise as above. On return u is a unit upper triangle. A pivot may be
+// negative: the bonds have passed a placement in which they depend on each other. A bond that has turned by 90° or more
+// counts as one without a pivot.
 template <class Shape>
 HWY_INLINE M eliminate_turned(const Shape shape, const Matrix A, const double* r_next, const double* r,
                               double* b) {
@@ -76,10 +78,12 @@ HWY_INLINE M eliminate_turned(const Shape shape, const Matrix A, const double* r
     couple(shape, r, r_next, A.u);
   }
   M regular = all_lanes();
+  for (int k = 0; k < shape.eliminated(); ++k)
+    regular = hn::And(regular, hn::Gt(load(A.d + k * kLanes), hn::Zero(D())));
   int update = 0;
   for (int k = 0; k < shape.eliminated(); ++k) {
     const V d = load(A.d + k * kLanes), inv = hn::Div(broadcast(1), d), b_k = load(b + k * kLanes);
-    regular = hn::And(regular, hn::Gt(d, broadcast(shape.bonds[k].least_pivot)));
+    regular = hn::And(regular, hn::Gt(hn::Abs(d), broadcast(shape.bonds[k].least_pivot)));
     store(inv, A.inv_d + k * kLanes);
     for (int p = shape.begin(k); p < shape.end(k); ++p) {
       V below, above;

@@ -139,11 +139,13 @@ HWY_INLINE constexpr int columns_by_blocks(int width) {
   return over <= 2 || width < kWidth ? width - over : width;
 }
 
-// Copies the clusters' atoms from a 3 × n array into rows.
-HWY_INLINE void gather(const Part& part, const int atoms, const double* HWY_RESTRICT array,
+// Copies `atoms` atoms of the clusters, from atom `first` on, from a 3 × n array into their rows.
+HWY_INLINE void gather(const Part& part, const int first, const int atoms, const double* HWY_RESTRICT array,
                        double* HWY_RESTRICT rows) {
   const int width = 3 * atoms;
-  const int* place = part.places();
+  const int* place = part.places() + (part.batch.contiguous ? 0 : first * kLanes);
+  if (part.batch.contiguous) array += 3 * first;
+  rows += 3 * first * kLanes;
   if (!part.batch.contiguous) {
     for (int a = 0; a < atoms; ++a)
       for (int c = 0; c < 3; ++c)
@@ -158,6 +160,11 @@ HWY_INLINE void gather(const Part& part, const int atoms, const double* HWY_REST
   }
   for (int c = columns_by_blocks(width); c < width; ++c)
     store(load_each<kWidth>(array + c, place), rows + c * kLanes);
+}
+
+HWY_INLINE void gather(const Part& part, const int atoms, const double* HWY_RESTRICT array,
+                       double* HWY_RESTRICT rows) {
+  gather(part, 0, atoms, array, rows);
 }
 
 // rows ← the sum of two such arrays; `other` may be null, and `scratch` is as large as `rows`.
@@ -291,11 +298,12 @@ HWY_INLINE void add_constraint_force(const Shape shape, int k, V lambda, const V
   store3(load3(f_j) + force, f_j);
 }
 
-// rows ← f + Jᵀλ of a cluster, after a solve that added a thermostat's noise to f.
+// rows ← f + Jᵀλ of a cluster's own atoms, after a solve that added a thermostat's noise to f. What a piece's neighbours
+// write there by now is not read: their rows are left as they are.
 template <class Shape>
 HWY_NOINLINE void forces_without_noise(const Shape shape, const Part& part, const double* f,
                                        const double* lambda, const double* r, double* rows) {
-  gather(part, shape.atoms(), f, rows);
+  gather(part, part.batch.left, shape.atoms() - part.batch.left - part.batch.right, f, rows);
   for (int k = 0; k < shape.size(); ++k)
     add_constraint_force(shape, k, load(lambda + k * kLanes), load3(r + 3 * k * kLanes), rows);
 }

@@ -17,12 +17,10 @@ class MShake final : public Newton {
  public:
   struct Options : Newton::Options {};
 
-  MShake(const System& sys, const Options& options, double h) : Newton(sys, options, h), exact_(sys) {}
+  MShake(const System& sys, const Options& options, double h) : Newton(sys, options, h) {}
 
  private:
   bool solve(Eigen::VectorXd& b, SolveStats& stats) override;
-
-  DirectSolver exact_;
 };
 
 }  // namespace taut

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <limits>
+
 #include "constraints/bond_algebra.hpp"
 
 namespace taut {
@@ -23,12 +25,12 @@ SolveStats Newton::project_positions(const System& sys, double h, State& s) {
     r_old_.col(k) = s.x.col(j) - s.x.col(i) - h * (s.v.col(j) - s.v.col(i));
   }
   if (!active_set_ && !factored_) solver_.factor(r_old_);
-  if (solver_.singular()) return {0, 0, solver_.dependent_bonds().front(), Failure::kSingular};
 
   g_ = 0.5 * h * h * lambda_;
   add_constraint_acceleration(sys, r_old_, g_, s.x);
   SolveStats stats{.failure = Failure::kNoConvergence};
-  while (true) {
+  bool exactly = false;
+  for (double before = std::numeric_limits<double>::infinity();;) {
     Residual residual;
     for (int k = 0; k < sys.all_bonds(); ++k) {
       const auto& [i, j, d] = sys.bond(k);
@@ -41,15 +43,42 @@ SolveStats Newton::project_positions(const System& sys, double h, State& s) {
     stats.worst_bond = residual.bond;
     if (residual.value <= options_.tolerance) stats.failure = Failure::kNone;
     if (stats.converged() || stats.iterations == options_.max_iterations || !(residual.value < 1e3)) break;
-    if (!(active_set_ ? solve_one_sided(sys, r_old_, stats) : solve(dg_, stats))) return stats;
+    exactly |= residual.value > before;
+    before = residual.value;
+    const bool solved = active_set_ ? solve_one_sided(sys, r_old_, stats)
+                        : exactly   ? solve_exactly(dg_, stats)
+                                    : solve(dg_, stats);
+    if (!solved) return stats;
     add_constraint_acceleration(sys, r_old_, dg_, s.x);
     g_ += dg_;
     ++stats.iterations;
   }
+  if (!stats.converged() && !active_set_) explain_by_pivots(stats);
   dg_ = g_ / h;
   add_constraint_acceleration(sys, r_old_, dg_, s.v);
   lambda_ = 2 / (h * h) * g_;
   return stats;
+}
+
+bool Newton::solve_exactly(Eigen::VectorXd& b, SolveStats& stats) {
+  if (!exact_) exact_ = solver_;
+  exact_->factor(r_, r_old_);
+  for (const int k : exact_->dependent_bonds())
+    if (!(r_.col(k).dot(r_old_.col(k)) > 0)) {
+      stats.worst_bond = k;
+      stats.failure = Failure::kSingularOrTurned;
+      return false;
+    }
+  exact_->solve(b);
+  return true;
+}
+
+// Why the iteration did not converge: where bonds were left out for want of a pivot, for that.
+void Newton::explain_by_pivots(SolveStats& stats) const {
+  const bool turned = exact_ && exact_->singular();
+  if (!turned && !solver_.singular()) return;
+  stats.worst_bond = (turned ? *exact_ : solver_).dependent_bonds().front();
+  stats.failure = turned ? Failure::kSingularOrTurned : Failure::kSingular;
 }
 
 // Replaces dg_ = −σ by the change Δg of the multipliers of all bonds that act: A(g + Δg) = Ag − σ, with every
@@ -75,14 +104,17 @@ SolveStats Newton::project_velocities(const System& sys, double h, State& s) {
   if (active_set_) return project_one_sided_velocities(sys, h, s);
   solver_.factor(r_);
   factored_ = true;
-  if (solver_.singular()) return {0, 0, solver_.dependent_bonds().front(), Failure::kSingular};
-  for (int k = 0; k < sys.all_bonds(); ++k) {
+  const auto rate = [&](int k) {
     const auto& [i, j, d] = sys.bond(k);
-    g_[k] = -r_.col(k).dot(s.v.col(j) - s.v.col(i));
-  }
+    return r_.col(k).dot(s.v.col(j) - s.v.col(i));
+  };
+  for (int k = 0; k < sys.all_bonds(); ++k) g_[k] = -rate(k);
   solver_.solve(g_);
   add_constraint_acceleration(sys, r_, g_, s.v);
   lambda_ = 2 / h * g_;
+  for (const int k : solver_.dependent_bonds())
+    if (!(std::abs(rate(k)) * h <= options_.tolerance * sys.bond(k).length * sys.bond(k).length))
+      return {1, 0, k, Failure::kSingular};
   return {1};
 }
 

@@ -19,6 +19,9 @@ namespace taut {
 // = −J v, exact. Cost: one factorization per step (that of the velocities serves the next positions), one
 // solve per iteration and one for the velocities. With one-sided bonds an ActiveSet solves both linear
 // systems.
+// Where a linkage passes a dead point, all its bars in a line, A is next to singular: one bond follows from the others
+// to first order. An iteration that makes the error larger is followed by those with the exact matrix, and a bond without
+// a pivot stays out of a solve. The step fails only where the error of such a bond stays.
 class Newton : public ConstraintMethod {
  public:
   struct Options {
@@ -48,21 +51,25 @@ class Newton : public ConstraintMethod {
   std::string setting() const override;
 
  protected:
-  // Replaces b = −σ by the change of g that removes σ. Returns false, and the failure in stats, if there is
-  // none.
+  // Replaces b = −σ by the change of g that removes σ, 0 for a bond that depends on others. Returns false, and the
+  // failure in stats, if there is none.
   virtual bool solve(Eigen::VectorXd& b, SolveStats&) {
     solver_.solve(b);
     return true;
   }
+  // With A' = J(x) M⁻¹ J(x_old)ᵀ. Fails where a bond without a pivot has turned by 90°.
+  bool solve_exactly(Eigen::VectorXd& b, SolveStats& stats);
 
   Vectors r_, r_old_;  // 3 × m, bond vectors now and before the drift
 
  private:
+  void explain_by_pivots(SolveStats& stats) const;
   bool solve_one_sided(const System& sys, const Vectors& r, SolveStats& stats);
   SolveStats project_one_sided_velocities(const System& sys, double h, State& s);
 
   Options options_;
   DirectSolver solver_;
+  std::optional<DirectSolver> exact_;  // of A', once it was needed
   bool factored_ = false;
   Eigen::VectorXd g_, dg_, lambda_;      // m
   std::optional<ActiveSet> active_set_;  // only with one-sided bonds, as are the arrays below

@@ -114,11 +114,11 @@ void AtomClusters::follow(const Box& box) {
 }
 
 void AtomClusters::serialize(Archive& archive) {
-  int before = std::max(0, builds_ - 1);  // none where every pair counts
+  long before = std::max(0L, builds_ - 1);  // none where every pair counts
   archive(box_, built_in_, before, width_, count_);
   if (!archive.loading()) return;
   builds_ = before;
-  archive.demand(before >= 0);
+  archive.demand_count(before);
   for (int d = 0; d < 2 && before > 0; ++d) {
     archive.demand(width_[d] > 1e-3 * layout_.range);
     archive.demand(!layout_.periodic ||

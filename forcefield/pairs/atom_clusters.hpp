@@ -102,7 +102,7 @@ class AtomClusters {
 
   Layout layout_;
   Box box_, built_in_;
-  int builds_ = 0;
+  long builds_ = 0;
   std::array<double, 2> width_{};        // of a column [nm]
   std::array<std::int64_t, 2> count_{};  // of columns along the box's edges
   std::vector<int> table_;               // hash table: indices into columns_, −1 for none

@@ -2,8 +2,10 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
+#include "base/errors.hpp"
 #include "base/vectors.hpp"
 
 namespace taut {
@@ -41,6 +43,15 @@ struct ClusterList {
   std::vector<MaskedCluster> masked;
   std::vector<ShellEnds> shells;  // by row of an outer list
 
+  // Room for so many j-clusters. Throws InputError for more than rows can number.
+  void make_room(std::size_t count) {
+    if (count > static_cast<std::size_t>(std::numeric_limits<int>::max()))
+      throw InputError(
+          "the pair list of a thread is longer than taut can number (2^31 entries): take a shorter cutoff or "
+          "more "
+          "threads");
+    if (clusters.size() < count) clusters.resize(count);
+  }
   void clear() {
     rows.clear();
     clusters.clear();

@@ -134,8 +134,7 @@ void ClusterSearch::add_row(const SearchSpace& space, int cluster, const Vec3& s
     const unsigned mask = (own != seeker_.end ? own->mask : kAll) & met_once(space.clusters, cluster);
     if (mask != 0) list.masked.push_back({cluster, mask});
   }
-  const std::size_t room = std::size_t(row.begin) + candidates_.count + SideBySide::kSpare;
-  if (list.clusters.size() < room) list.clusters.resize(room);
+  list.make_room(std::size_t(row.begin) + candidates_.count + SideBySide::kSpare);
   find_partners(candidates_, first, seeker_, partners_, list.clusters.data() + row.begin);
   for (const MaskedCluster& other : partners_.excluded)
     if (other.mask != 0) list.masked.push_back(other);

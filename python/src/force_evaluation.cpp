@@ -29,6 +29,8 @@ class ForceEvaluation {
     if (!scene.terms.steered.empty())
       throw InputError(fmt::format("atom {} is steered by a spring whose end moves with time; leave it out",
                                    scene.terms.steered.front().atom));
+    if (!scene.terms.pull_factor.empty())
+      throw InputError("run.pull_factor changes the pulls with time; leave it out");
     for (const Bias& bias : scene.terms.biases)
       if (bias.rate != 0)
         throw InputError(fmt::format("bias {} moves with time; leave it out, or its rate", bias.name));

@@ -211,10 +211,10 @@ class PythonMethod final : public ConstraintMethod {
   SolveStats said(const py::object& answer) {
     if (answer.is_none()) return {};
     if (py::isinstance(answer, python_class("taut.parts", "NotConverged")))
-      return {.iterations = answer.attr("iterations").cast<int>(),
+      return {.iterations = answer.attr("iterations").cast<long>(),
               .worst_bond = answer.attr("bond").cast<int>(),
               .failure = Failure::kNoConvergence};
-    return {.iterations = answer.cast<int>()};
+    return {.iterations = answer.cast<long>()};
   }
 
   // Computes the largest residual |σ|/d² that the method leaves, and its bond.

@@ -94,17 +94,8 @@ class TrajectoryFile {
   }
 
   State part_of(const State& all) const {
-    State part;
-    part.t = all.t;
-    part.box = all.box;
-    const auto count = static_cast<Eigen::Index>(atoms_.size());
-    part.x.resize(3, count), part.v.resize(3, count), part.f.resize(3, count);
-    for (Eigen::Index n = 0; n < count; ++n) {
-      part.x.col(n) = all.x.col(atoms_[n]);
-      part.v.col(n) = all.v.col(atoms_[n]);
-      part.f.col(n) = all.f.col(atoms_[n]);
-    }
-    return part;
+    const auto of = [&](const Vectors& each) { return Vectors(each(Eigen::all, atoms_)); };
+    return {of(all.x), of(all.v), of(all.f), all.t, all.box};
   }
 
   std::vector<int> atoms_;  // empty: all

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "base/errors.hpp"
+#include "md/largest_system.hpp"
 #include "systems/builders/builders.hpp"
 #include "systems/builders/lammps_pairs.hpp"
 #include "systems/builders/lammps_rows.hpp"
@@ -45,13 +46,8 @@ class LammpsScene {
     }
     scene.system = make_system(mass_, bonds_);
     hear(listen);
-<<<<<<< HEAD
-    make_whole(scene.start.box, bonded_pairs(scene.system, scene.terms), scene.start.x);
-    read_lammps_pairs(rows, {type_, charge_, fene_.empty()}, scene);
-=======
     make_whole(scene.start.box, tethers(scene.system, scene.terms), scene.start.x);
-    read_pairs();
->>>>>>> freedom
+    read_lammps_pairs(rows, {type_, charge_, fene_.empty()}, scene);
     name_atoms();
   }
 
@@ -61,6 +57,7 @@ class LammpsScene {
     for (const AtomColumns& one : kAtomColumns) known.push_back({one.style, one.columns});
     const LammpsStyle style = rows_.style_of("Atoms", known);
     const AtomColumns& at = *std::ranges::find(kAtomColumns, style.name, &AtomColumns::style);
+    refuse_more_atoms(static_cast<double>(data_.count("atoms")));
     atoms_ = static_cast<int>(data_.count("atoms"));
     const long types = data_.count("atom types");
     Eigen::VectorXd mass_of_type(types);

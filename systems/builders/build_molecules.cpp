@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "forcefield/force_field.hpp"
+#include "md/largest_system.hpp"
 #include "md/units.hpp"
 #include "systems/builders/builders.hpp"
 #include "systems/builders/lattice.hpp"

@@ -8,6 +8,7 @@
 
 #include "base/errors.hpp"
 #include "forcefield/ewald/parameters.hpp"
+#include "md/largest_system.hpp"
 #include "md/observables.hpp"
 #include "systems/molecules/read_molecule.hpp"
 #include "systems/molecules/rows.hpp"

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "md/largest_system.hpp"
 #include "systems/builders/lattice.hpp"
 #include "systems/start_file.hpp"
 #include "systems/whole_molecules.hpp"

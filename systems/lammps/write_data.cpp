@@ -101,24 +101,19 @@ class Writer {
 
   void add_bonds() {
     const Terms& terms = scene_.terms;
-<<<<<<< HEAD
+    const State& start = scene_.start;
+    for (const auto& [i, j] : bonded_pairs(scene_.system, terms)) {
+      const Vec3 r = start.x.col(j) - start.x.col(i), nearest = start.box.nearest_image(r);
+      if (nearest.norm() < 0.99 * r.norm())
+        refuse_for_lammps(fmt::format(
+            "atoms {} and {} are bonded over half the box, and its bonds are of nearest images", i, j));
+    }
     for (const RigidBond& b : scene_.system.bonds) {
       const int type = bonds_.add("harmonic", fmt::format("1000000 {:.17g}", b.length), {b.i, b.j});
       rigid_.insert(type);
       if (water_ && std::min(b.i, b.j) == water_->oxygen && std::max(b.i, b.j) == water_->oxygen + 1)
         water_bond_ = type;
     }
-=======
-    const State& start = scene_.start;
-    for (const auto& [i, j] : bonded_pairs(scene_.system, terms)) {
-      const Vec3 r = start.x.col(j) - start.x.col(i), nearest = start.box.nearest_image(r);
-      if (nearest.norm() < 0.99 * r.norm())
-        refuse(fmt::format(
-            "atoms {} and {} are bonded over half the box, and its bonds are of nearest images", i, j));
-    }
-    for (const RigidBond& b : scene_.system.bonds)
-      rigid_.insert(bonds_.add("harmonic", fmt::format("1000000 {:.17g}", b.length), {b.i, b.j}));
->>>>>>> freedom
     for (const auto& [i, j, length, k] : terms.bonds)
       bonds_.add("harmonic", fmt::format("{:.17g} {:.17g}", k / 2, length), {i, j});
     for (const auto& [i, j, k, r0] : terms.fene)

@@ -8,6 +8,7 @@
 
 #include "base/nearest_name.hpp"
 #include "forcefield/check_terms.hpp"
+#include "md/largest_system.hpp"
 #include "systems/molecules/energy_table.hpp"
 #include "systems/molecules/rigid_body.hpp"
 #include "systems/molecules/rows.hpp"

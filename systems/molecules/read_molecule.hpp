@@ -19,8 +19,6 @@ struct AtomNumbers {
 };
 using KnownAtoms = std::map<std::string, AtomNumbers>;
 
-inline constexpr double kMostAtoms = 5e6;  // about 2 GB of arrays and lists
-
 // Reads [atom.NAME].
 AtomNumbers read_atom(const TomlTable& keys, const std::string& name);
 
