@@ -63,11 +63,14 @@ const Argument& Argument::excludes(const Argument& other) const {
 
 namespace {
 
-// Accepts any number without a fraction as an integer, e.g. 1e6, as scenes do.
+// Accepts any number without a fraction as an integer, e.g. 1e6, as scenes do. CLI11 would take the largest integer for
+// a number beyond it.
 std::string as_integer(std::string& text) {
   double number = 0;
-  if (text.find_first_of(".eE") == text.npos || !CLI::detail::lexical_cast(text, number)) return "";
-  if (number == std::floor(number) && std::abs(number) < 0x1p53) text = fmt::format("{:.0f}", number);
+  if (!CLI::detail::lexical_cast(text, number)) return "";
+  if (number != std::floor(number)) return "expected a whole number, got " + text;
+  if (std::abs(number) >= 0x1p63) return "expected a whole number below 9.2e18, got " + text;
+  if (text.find_first_of(".eE") != text.npos) text = fmt::format("{:.0f}", number);
   return "";
 }
 

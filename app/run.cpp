@@ -33,8 +33,14 @@ std::string resume_command(const fs::path& folder) {
   return "taut resume " + quoted_for_shell(folder.string());
 }
 
-std::string how_to_resume(const RunFolder& folder, long step) {
-  return fmt::format("`{}` goes on from step {}", resume_command(folder.path()), step);
+std::string how_to_resume(const RunFolder& folder, const Simulation& simulation) {
+  const std::vector<std::string> outgrown = folder.outgrown(simulation);
+  return fmt::format("`{}{}` goes on from step {}{}", resume_command(folder.path()),
+                     outgrown.empty() ? "" : " --yes", *folder.kept_step(),
+                     outgrown.empty()
+                         ? ""
+                         : fmt::format(", for which {} {} cut back to there", fmt::join(outgrown, " and "),
+                                       outgrown.size() == 1 ? "is" : "are"));
 }
 
 const char* name_of(int signal) {
@@ -77,23 +83,23 @@ class RunPrinter {
 };
 
 // Adds to a failure where its state is kept and how to go on.
-[[noreturn]] void throw_explained(const ExplainedFailure& failure, const RunFolder* folder) {
+[[noreturn]] void throw_explained(const ExplainedFailure& failure, const Simulation& simulation,
+                                  const RunFolder* folder) {
   if (!failure.unwritten.empty()) complain(failure.unwritten);
   std::string kept;
   if (folder && failure.unwritten.empty())
     kept = fmt::format("\n  kept: {0}/last_good.start.toml, the state one step before, and {0}/failure.json",
                        folder->path().string());
-  if (folder && folder->kept_step())
-    kept += fmt::format("\n  {}", how_to_resume(*folder, *folder->kept_step()));
+  if (folder && folder->kept_step()) kept += fmt::format("\n  {}", how_to_resume(*folder, simulation));
   throw SimulationFailure(failure.what() + kept);
 }
 
 void print_stop(const Simulation& simulation, const RunFolder* folder, int signal) {
   say("\n");
-  say_always(fmt::format("stopped at step {} of {} by {}; {}\n", simulation.step(),
-                         simulation.scene().run.steps, name_of(signal),
-                         folder ? how_to_resume(*folder, simulation.step())
-                                : "nothing was kept: a run with --out can be resumed"));
+  say_always(fmt::format(
+      "stopped at step {} of {} by {}; {}\n", simulation.step(), simulation.scene().run.steps,
+      name_of(signal),
+      folder ? how_to_resume(*folder, simulation) : "nothing was kept: a run with --out can be resumed"));
 }
 
 constexpr double kLongRun = 60;  // [s], from which the table of timings is printed unasked
@@ -156,12 +162,11 @@ void complete_run(OpenRun& run, bool timings, Measured* measured = nullptr) {
     progress.clear();
   } catch (const ExplainedFailure& failure) {
     progress.clear();
-    throw_explained(failure, folder);
+    throw_explained(failure, simulation, folder);
   } catch (const OutsideError& e) {
     progress.clear();
     if (!folder || !folder->kept_step()) throw;
-    throw OutsideError(
-        fmt::format("{}; that mended, {}", e.what(), how_to_resume(*folder, *folder->kept_step())));
+    throw OutsideError(fmt::format("{}; that mended, {}", e.what(), how_to_resume(*folder, simulation)));
   }
   if (simulation.step() < steps) {
     const int signal = request.signal();

@@ -171,6 +171,8 @@ void check_wca(const Wca& wca, int n) {
   require(wca.epsilon >= 0 && std::isfinite(wca.epsilon), "wca: epsilon {}, expected 0 or more", wca.epsilon);
   for (std::size_t e = 0; e < wca.exclusions.size(); ++e)
     check_atoms({"wca exclusion", e}, wca.exclusions[e], n);
+  for (std::size_t k = 0; k < wca.without.size(); ++k)
+    check_atoms({"wca, atom without it", k}, std::array{wca.without[k]}, n);
 }
 
 void check_tabulated_pairs(const TabulatedPairs& pairs, int n) {

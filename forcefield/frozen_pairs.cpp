@@ -45,6 +45,8 @@ class Selection {
       some.wca = Wca{all.wca->sigma, all.wca->epsilon, {}};
       for (auto [i, j] : all.wca->exclusions)
         if (renumber({&i, &j})) some.wca->exclusions.push_back({i, j});
+      for (int a : all.wca->without)
+        if (renumber({&a})) some.wca->without.push_back(a);
     }
     if (all.tabulated_pairs) {
       TabulatedPairs& pairs =

@@ -125,6 +125,7 @@ struct Wca {
   double sigma;    // [nm]
   double epsilon;  // [kJ/mol]
   std::vector<std::array<int, 2>> exclusions;
+  std::vector<int> without{};  // atoms on which it does not act
 
   double cutoff() const { return std::pow(2.0, 1.0 / 6) * sigma; }  // [nm]
 };

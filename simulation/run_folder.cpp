@@ -158,6 +158,7 @@ RunFolder::RunFolder(FolderLock folder, SceneSource source, const Simulation& si
   if (log_.size() == 0) log_.write(header_of(columns_));
   if (marks.empty()) return;
   kept_step_ = simulation.step();
+  kept_marks_ = marks;
   std::error_code ignored;
   for (const char* name : {"summary.json", "final.start.toml", "failure.json", "last_good.start.toml"})
     fs::remove(path() / name, ignored);  // they are of a step that is not the last any more
@@ -188,6 +189,11 @@ void RunFolder::keep(Simulation& simulation) {
   write_checkpoint(path(), checkpoint_);
   std::string().swap(checkpoint_.memory);  // it is as large as the system: gives the memory back
   kept_step_ = checkpoint_.step;
+  kept_marks_ = checkpoint_.marks;
+}
+
+std::vector<std::string> RunFolder::outgrown(const Simulation& simulation) const {
+  return find_outputs(path(), simulation, kept_marks_).longer;
 }
 
 void RunFolder::write_end(const Simulation& simulation, const Summary& summary) {

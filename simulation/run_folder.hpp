@@ -38,6 +38,8 @@ class RunFolder {
   void add_frame(const Simulation& simulation);                 // to the trajectories, if one is due
   void keep(Simulation& simulation);                            // a checkpoint
   std::optional<long> kept_step() const { return kept_step_; }  // of the last good checkpoint
+  // Outputs that have grown to more than twice what that checkpoint knows of, which a run that goes on cuts back.
+  std::vector<std::string> outgrown(const Simulation& simulation) const;
   void write_end(const Simulation& simulation, const Summary& summary);
   void write_failure(const Simulation& simulation, const Diagnosis& diagnosis);
 
@@ -49,6 +51,7 @@ class RunFolder {
   std::vector<LogColumn> columns_;
   Trajectories trajectories_;
   std::optional<long> kept_step_;
+  Marks kept_marks_;  // of the last good checkpoint
 };
 
 // An estimate as all JSON of taut has it: its value, and its standard error, null where there are too few samples.

@@ -19,6 +19,7 @@
 #include "simulation/inner.hpp"
 #include "simulation/redundant_bonds.hpp"
 #include "simulation/soft_start.hpp"
+#include "systems/linked_rings.hpp"
 #include "systems/whole_molecules.hpp"
 
 namespace taut {
@@ -173,6 +174,8 @@ void Simulation::note_start() {
   if (kinetic_removed > kNoise && !scene_.velocities_drawn)  // else along the bonds, as it has to be
     what.push_back(fmt::format("{:.3g} % of the kinetic energy taken out", 100 * kinetic_removed));
   if (!what.empty()) scene_.notes.push_back(fmt::format("brought to the bonds: {}", fmt::join(what, ", ")));
+  if (std::string linked = linked_rings_message(full_, scene_.terms, state_); !linked.empty())
+    scene_.notes.push_back(std::move(linked));
   for (std::string& note : contradicted_lengths(full_, redundancy_.redundant, state_.x))
     scene_.notes.push_back(std::move(note));
 }

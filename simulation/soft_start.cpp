@@ -27,8 +27,12 @@ double reach_of(const Spline& table) {
 // 2^(1/6)σ of each atom, or what its tables keep free; 0 where it has no pair forces.
 Eigen::VectorXd diameters(const Terms& terms, int atoms) {
   const double least = std::pow(2.0, 1.0 / 6);
-  if (terms.wca) return Eigen::VectorXd::Constant(atoms, least * terms.wca->sigma);
   Eigen::VectorXd all = Eigen::VectorXd::Zero(atoms);
+  if (terms.wca) {
+    all.setConstant(least * terms.wca->sigma);
+    for (const int a : terms.wca->without) all[a] = 0;
+    return all;
+  }
   if (const auto& pairs = terms.nonbonded)
     for (int a = 0; a < atoms; ++a)
       if (pairs->epsilon[a] > 0) all[a] = least * pairs->sigma[a];

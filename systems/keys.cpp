@@ -29,10 +29,6 @@ Key& KeysRead::of(std::string_view section, std::string_view key) {
   return all.emplace_back(Key{std::string(section), std::string(key)});
 }
 
-void KeysRead::forget(std::string_view section, std::string_view but) {
-  std::erase_if(all, [&](const Key& one) { return one.section == section && one.key != but; });
-}
-
 std::string value_text(double value) {
   return fmt::format("{}", value);
 }

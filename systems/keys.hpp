@@ -60,7 +60,6 @@ struct KeysRead {
   std::vector<Key> all{};
 
   Key& of(std::string_view section, std::string_view key);
-  void forget(std::string_view section, std::string_view but);
 };
 
 // Returns a value as TOML text; of several rows only their number.

@@ -35,9 +35,20 @@ void read_barostat(const TomlTable& table, RunSettings& run) {
       {"which edges change alike: all, x and y, none", {"isotropic", "semi-isotropic", "anisotropic"}});
 
   for (const char* key : {"pressure_bar", "barostat_every"})
-    table.require_effect(key, run.barostat != "none", "with run.barostat = \"c-rescale\" or \"monte-carlo\"");
+    table.require_effect(key, run.barostat != "none", "with run.barostat = \"c-rescale\" or \"monte-carlo\"",
+                         {"barostat"});
   for (const char* key : {"barostat_ps", "compressibility_per_bar", "coupling"})
-    table.require_effect(key, run.barostat == "c-rescale", "with run.barostat = \"c-rescale\"");
+    table.require_effect(key, run.barostat == "c-rescale", "with run.barostat = \"c-rescale\"", {"barostat"});
+}
+
+// Of keys that contradict each other the first that an override gives, or else the last that is there.
+std::string_view at_fault(const TomlTable& table, std::initializer_list<std::string_view> keys) {
+  std::string_view there = *keys.begin();
+  for (const std::string_view key : keys) {
+    if (table.overridden(key)) return key;
+    if (table.has(key)) there = key;
+  }
+  return there;
 }
 
 // After the thermostat is known.
@@ -84,7 +95,7 @@ void read_run(const TomlTable& table, RunSettings& run) {
   table.read("minimise", run.minimise, {"relax the start first"});
   table.read("soft_start", run.soft_start,
              {"before that push overlapping atoms apart by soft forces, A(1 + cos(πr/r_c)) between pairs"});
-  table.require_effect("soft_start", run.minimise, "with run.minimise = true");
+  table.require_effect("soft_start", run.minimise, "with run.minimise = true", {"minimise"});
   table.read("minimise_force_kj_mol_nm", run.minimise_force,
              {"until no atom's force is above this", "kJ/mol/nm", kPositive});
   table.read(
@@ -96,19 +107,22 @@ void read_run(const TomlTable& table, RunSettings& run) {
   table.read("velocities", run.velocities,
              {"those of the start, or drawn; if not said, drawn where it has none", {"keep", "draw"}});
 
-  table.require_effect("minimise_force_kj_mol_nm", run.minimise, "with run.minimise = true");
-  table.require_effect("trajectory", run.trajectory_every > 0, "with run.trajectory_every above 0");
+  table.require_effect("minimise_force_kj_mol_nm", run.minimise, "with run.minimise = true", {"minimise"});
+  table.require_effect("trajectory", run.trajectory_every > 0, "with run.trajectory_every above 0",
+                       {"trajectory_every"});
   if (run.trajectory_every > 0 && run.trajectory != "dcd" && !built_with_hdf5())
     table.fail("trajectory", "taut was built without HDF5 (libhdf5-dev): \"dcd\" needs none");
-  table.require_effect("friction_per_ps", run.langevin(), "with run.thermostat = \"langevin\"");
+  table.require_effect("friction_per_ps", run.langevin(), "with run.thermostat = \"langevin\"",
+                       {"thermostat"});
   table.require_effect("thermostat_ps", run.rescaling() || run.thermostat_ps == 0,
-                       "with run.thermostat = \"rescaling\"");
-  const char* key = table.has("thermostat") ? "thermostat" : "thermostat_ps";
+                       "with run.thermostat = \"rescaling\"", {"thermostat"});
   if (run.thermostatted() && run.temperature_k == 0)
-    table.fail(key, "a thermostat needs a run.temperature_k above 0");
+    table.fail(at_fault(table, {"temperature_k", "thermostat_ps", "thermostat"}),
+               "a thermostat needs a run.temperature_k above 0");
   check_courses(table, run);
   if (run.rescaling() && run.thermostat_ps == 0)
-    table.fail("thermostat", "rescaling needs its relaxation time, run.thermostat_ps above 0");
+    table.fail(at_fault(table, {"thermostat_ps", "thermostat"}),
+               "rescaling needs its relaxation time, run.thermostat_ps above 0");
   read_barostat(table, run);
   table.reject_unknown();
 }
@@ -118,16 +132,17 @@ void settle_pulls(const TomlTable& run, Scene& scene) {
   scene.terms.pull_factor = scene.run.pull_factor;
 }
 
-void settle_velocities(const TomlTable& run, bool set_aside, Scene& scene) {
+void settle_velocities(const TomlTable& run, bool another_start, Scene& scene) {
   const RunSettings& settings = scene.run;
   if (settings.velocities == "draw" && settings.temperature_k == 0)
     run.fail("velocities", "drawn at run.temperature_k, which is 0; give one, or run.velocities = \"keep\"");
   give_velocities(scene);
   const bool draws = scene.velocities_drawn || settings.thermostatted();
-  if (run.overridden("temperature_k") || !set_aside)
+  if (run.overridden("temperature_k") || !another_start)
     run.require_effect(
         "temperature_k", draws || settings.metric_correction || settings.temperature_k == 0,
-        "with a thermostat or run.velocities = \"draw\": the start has velocities, which are kept");
+        "with a thermostat or run.velocities = \"draw\": the start has velocities, which are kept",
+        {"thermostat", "thermostat_ps", "velocities", "metric_correction"});
   if (run.overridden("seed"))
     run.require_effect("seed", draws || scene.positions_drawn,
                        "where something is drawn: here positions and velocities are the start's");

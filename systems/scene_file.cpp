@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/errors.hpp"
 #include "base/nearest_name.hpp"
@@ -30,20 +31,30 @@ void check_one_sided(const TomlTable& run, const TomlTable& method, const Scene&
   }
 }
 
-// After all that holds molecules is known. Overrides of a scene that has the note already repeat it.
-void note_net_pull(Scene& scene) {
-  const std::string message = net_pull_message(scene);
-  if (!message.empty() && std::ranges::find(scene.notes, message) == scene.notes.end())
-    scene.notes.push_back(message);
+// Ewald's sum of a charged box is that of the box in a uniform background of the opposite charge.
+std::string net_charge_message(const Scene& scene) {
+  constexpr double kRounding = 1e-3;  // of the charges in files, all together [e]
+  const auto& pairs = scene.terms.nonbonded;
+  const double net = pairs && pairs->pme ? pairs->charge.sum() : 0;
+  if (std::abs(net) < kRounding) return "";
+  return fmt::format(
+      "the charges add up to {:.4g} e, which PME neutralises by a uniform background: it shifts energy and "
+      "pressure, and draws ions to where little screens them; add ions of the opposite charge",
+      net);
+}
+
+// After all that holds molecules is known. Overrides of a scene that has the notes already repeat them.
+void note_what_is_not_balanced(Scene& scene) {
+  for (const std::string& message : {net_pull_message(scene), net_charge_message(scene)})
+    if (!message.empty() && std::ranges::find(scene.notes, message) == scene.notes.end())
+      scene.notes.push_back(message);
 }
 
 // Another method starts from its own defaults (scene_file.hpp).
 void read_name(const TomlTable& table, MethodOptions& method) {
   std::string name(method.name());
   table.read("name", name, {"who holds the bonds (see `taut methods`)", method_names()});
-  if (name == method.name()) return;
-  table.forget_others("name");
-  method = default_options(name);
+  if (name != method.name()) method = default_options(name);
 }
 
 void read_options(const TomlTable& table, MethodOptions& method) {
@@ -52,8 +63,17 @@ void read_options(const TomlTable& table, MethodOptions& method) {
     about.words.assign(option.about.words.begin(), option.about.words.end());
     std::visit([&](auto* field) { table.read(option.key, *field, about); }, option.field);
   }
+  std::vector<std::string_view> all;
+  for (const Option& option : method.describe()) all.emplace_back(option.key);
   for (const Option& option : method.describe())
-    table.require_effect(option.key, option.about.counts.read, option.about.counts.where);
+    table.require_effect(option.key, option.about.counts.read, option.about.counts.where, all);
+}
+
+void read_method(const TomlTable& root, MethodOptions& to) {
+  const TomlTable method = root.section("method");
+  read_name(method, to);
+  read_options(method, to);
+  method.reject_unknown();
 }
 
 void read_words(const TomlTable& root, Scene& scene) {
@@ -62,10 +82,7 @@ void read_words(const TomlTable& root, Scene& scene) {
 
 void read_settings(const TomlTable& root, Scene& scene) {
   read_run(root.section("run"), scene.run);
-  const TomlTable method = root.section("method");
-  read_name(method, scene.method);
-  read_options(method, scene.method);
-  method.reject_unknown();
+  read_method(root, scene.method);
 }
 
 // The keys that name further files: build.start, the coordinates and tables of molecules, and those of places and
@@ -114,6 +131,29 @@ void refuse_new_names(const toml::table& base, const toml::table& overrides) {
   }
 }
 
+// The file's options of another method than the one that overrides name.
+void forget_other_method(toml::table& base, const toml::table& overrides) {
+  const auto name = overrides["method"]["name"].value<std::string>();
+  const std::string own = base["method"]["name"].value_or(std::string(kUsualMethod));
+  if (name && *name != own) base.erase("method");
+}
+
+// What the file says of its own start: another one, which an override names, keeps its velocities, and is relaxed only if
+// overrides say so. Returns a note of what is set aside.
+std::string forget_own_start(toml::table& base, const toml::table& overrides) {
+  toml::table* run = base["run"].as_table();
+  if (!run || !overrides["build"]["start"]) return "";
+  run->erase("velocities");
+  run->erase("soft_start");
+  if (overrides["run"]["minimise"]) return "";
+  const bool relaxed = run->get("minimise") && run->get("minimise")->value_or(false);
+  run->erase("minimise");
+  run->erase("minimise_force_kj_mol_nm");
+  return relaxed ? "run.minimise is set aside: build.start is gone on from as it is; to relax it, --set "
+                   "run.minimise=true"
+                 : "";
+}
+
 void refuse_start_below_tables(const Scene& scene, ForceField& forces) {
   State s = scene.start;
   try {
@@ -133,17 +173,17 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
   scene.name = file.stem().string();
   scene.files = {file};
   scene.method = default_options(kUsualMethod);
-  read_settings(TomlTable(base, file.string(), how.keys), scene);
-  const RunSettings of_file = scene.run;
   const bool another_start = bool(overrides["build"]["start"]);
-  if (another_start) scene.run.velocities.clear();
-  read_settings(TomlTable(overrides, "--set", how.keys), scene);
-
+  for (const char* name : {"build", "forcefield", "run", "method"})
+    TomlTable(base, file.string()).section(name);  // throws if it is no section
   refuse_new_names(base, overrides);
+  forget_other_method(base, overrides);
+  const std::string set_aside = forget_own_start(base, overrides);
   overwrite(base, std::move(overrides));
   move_files(base, how.files);
   const TomlTable root(base, file.string(), how.keys);
   read_words(root, scene);
+  read_settings(root, scene);
   for (const char* known : {"run", "method", "atom", "molecule", "place", "pair", "wall", "bias"})
     root.has(known);
   const TomlTable build_keys = root.section("build"), forcefield_keys = root.section("forcefield");
@@ -154,12 +194,10 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
   read_biases(root, scene);
   for (const auto* name : file_names(base)) scene.files.push_back(path_of(*name));
   settle_pulls(run_keys, scene);
-  settle_velocities(run_keys,
-                    another_start || run_keys.overridden("velocities") || of_file.thermostatted() ||
-                        of_file.velocities == "draw",
-                    scene);
+  settle_velocities(run_keys, another_start, scene);
   check_barostat(run_keys, scene);
-  note_net_pull(scene);
+  note_what_is_not_balanced(scene);
+  if (!set_aside.empty()) scene.notes.push_back(set_aside);
   if (!scene.system.one_sided.empty()) check_one_sided(run_keys, root.section("method"), scene);
   build_keys.reject_unknown();
   forcefield_keys.reject_unknown();
@@ -187,6 +225,12 @@ void merge(std::vector<Key>& all, KeysRead&& described, std::string_view kind) {
 }
 
 }  // namespace
+
+void check_method(const std::vector<std::string>& overrides) {
+  const toml::table table = parse_overrides(overrides);
+  MethodOptions method = default_options(kUsualMethod);
+  read_method(TomlTable(table, "--set"), method);
+}
 
 std::vector<Key> every_key() {
   const toml::table empty;
@@ -246,7 +290,7 @@ void apply_overrides(Scene& scene, const std::vector<std::string>& overrides, Ke
   if (root.has("run")) settle_velocities(run, false, scene);
   if (!run.has("barostat") && !scene.run.thermostatted()) scene.run.barostat = "none";  // an imported one
   check_barostat(run, scene);
-  note_net_pull(scene);
+  note_what_is_not_balanced(scene);
 }
 
 }  // namespace taut

@@ -24,11 +24,14 @@ namespace taut {
 //   [run]         the keys of RunSettings
 //   [method]      name = "newton", and the keys of that method's Options
 //
+// All sections of the file and the overrides are merged first and then read once, so that each may complete the other.
+//
 // If an override changes method.name, the file's other keys of [method] are ignored, because they were chosen
 // for another method: the new method has its defaults and the overrides. If an override changes build.start,
-// the file's run.velocities is ignored in the same way.
+// the file's run.velocities, run.minimise and run.soft_start are ignored in the same way.
 //
-// A key without effect is refused, e.g. friction_per_ps without Langevin's thermostat.
+// A key without effect is refused, e.g. friction_per_ps without Langevin's thermostat. A key of the file that an
+// override leaves without effect is set aside.
 //
 struct SceneReading {
   std::vector<std::filesystem::path> files{};  // replacements for the files that the scene names
@@ -45,6 +48,9 @@ Scene read_scene(toml::table&& table, const std::filesystem::path& file,
 // Applies overrides of [run] and [method] to a scene from another source, by the same rules. Velocities are
 // drawn according to run.velocities.
 void apply_overrides(Scene& scene, const std::vector<std::string>& overrides, KeysRead* keys = nullptr);
+
+// Throws LocatedError for a method's name or options, overrides of [method], that no scene would take.
+void check_method(const std::vector<std::string>& overrides);
 
 // Returns every key of every kind and method with its description, by reading scenes without keys. A key that
 // several kinds or methods describe alike is listed once.
@@ -72,6 +78,10 @@ std::vector<SceneFolder> scene_folders();
 
 // Returns every scene of a folder, sorted by name.
 std::vector<SceneSummary> list_scenes(const std::filesystem::path& folder = scenes_folder());
+
+// What is said of an input that is no file, but can be read.
+inline constexpr const char* kPipe =
+    ": a pipe or a device, which can be read once only; a run reads its input again: save it to a file";
 
 // Returns the file of a scene, given by its path or as "water" for one of scene_folders(). Throws InputError
 // with the nearest name.

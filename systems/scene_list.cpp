@@ -55,7 +55,12 @@ fs::path find_scene(const std::string& name_or_path) {
     for (const auto& entry : fs::directory_iterator(folder, ignored))
       if (is_scene(entry.path())) names.push_back(entry.path().stem().string());
   }
-  if (there) throw InputError(name_or_path + ": not a file");
+  if (name_or_path == "-")
+    throw InputError(
+        "-: a scene is read from a file, not from standard input; save it to one, as scene.toml");
+  if (fs::is_directory(name_or_path, ignored))
+    throw InputError(name_or_path + ": a folder, not a scene's file");
+  if (there) throw InputError(name_or_path + kPipe);
   std::ranges::sort(names);
   throw InputError(
       fmt::format("{}: no such file, and no scene of that name{}", name_or_path,

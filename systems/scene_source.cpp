@@ -124,6 +124,7 @@ void SceneSource::bring(const std::vector<std::shared_ptr<OwnField>>& fields, Sc
 SceneSource source_of(const Scene& scene, bool openmm, const std::vector<std::string>& overrides) {
   SceneSource source{openmm, {}, overrides_of(key_values(overrides)), {}};
   for (const fs::path& path : scene.files) {
+    if (fs::exists(path) && !fs::is_regular_file(path)) throw InputError(path.string() + kPipe);
     source.files.push_back({path.filename().string(), whole_text(path)});
   }
   return source;

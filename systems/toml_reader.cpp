@@ -267,17 +267,16 @@ void TomlTable::record(std::string_view key, const About& about, const char* typ
   if (const toml::node* node = find(key)) noted.from = location_of(node);
 }
 
-void TomlTable::require_effect(std::string_view key, bool read, std::string_view where) const {
-  if (has(key) && !read) fail(key, fmt::format("has no effect, it counts only {}", where));
+void TomlTable::require_effect(std::string_view key, bool read, std::string_view where,
+                               const std::vector<std::string_view>& decided_by) const {
+  const auto changed = [&](std::string_view other) { return overridden(other); };
+  const bool set_aside = !overridden(key) && std::ranges::any_of(decided_by, changed);
+  if (has(key) && !read && !set_aside) fail(key, fmt::format("has no effect, it counts only {}", where));
   if (!keys_) return;
   Key& noted = keys_->of(name_, key);
   noted.idle |= !read;
   if (noted.counts_only.find(where) == std::string::npos)
     noted.counts_only += (noted.counts_only.empty() ? "" : "; ") + std::string(where);
-}
-
-void TomlTable::forget_others(std::string_view but) const {
-  if (keys_) keys_->forget(name_, but);
 }
 
 bool TomlTable::overridden(std::string_view key) const {

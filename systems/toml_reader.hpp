@@ -78,10 +78,11 @@ class TomlTable {
                      const char* meaning = "") const;
 
   // Throws LocatedError if the key exists but has no effect; `where` says in which case it has one:
-  //     table.require_effect("friction_per_ps", run.langevin(), "with run.thermostat = \"langevin\"");
-  void require_effect(std::string_view key, bool read, std::string_view where) const;
-  void forget_others(std::string_view but) const;  // forgets the keys of this section read so far, except one
-  bool overridden(std::string_view key) const;     // whether its value comes from an override
+  //     table.require_effect("friction_per_ps", run.langevin(), "with run.thermostat = \"langevin\"", {"thermostat"});
+  // A key of the file is set aside instead where an override has changed one of those that decide on it.
+  void require_effect(std::string_view key, bool read, std::string_view where,
+                      const std::vector<std::string_view>& decided_by = {}) const;
+  bool overridden(std::string_view key) const;  // whether its value comes from an override
 
   // Throws LocatedError with the location of a key, or of one row of its array.
   [[noreturn]] void fail(std::string_view key, const std::string& message) const;

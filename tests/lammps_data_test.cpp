@@ -479,7 +479,8 @@ TEST(LammpsData, WhatLammpsLacksIsRefusedByName) {
   EXPECT_THAT(refused("water", {"build.model=tip5p", pme[0]}),
               HasSubstr("atom 3 is a virtual site, and LAMMPS has"));
   EXPECT_THAT(refused("fold"), HasSubstr("LAMMPS cannot express it"));
-  EXPECT_THAT(refused("water"), HasSubstr("a reaction field; take forcefield.coulomb = \"pme\""));
+  EXPECT_THAT(refused("water"), HasSubstr(": a reaction field; take forcefield.coulomb = \"pme\""));
+  EXPECT_THAT(refused("chain"), HasSubstr(": a switch of Lennard-Jones; leave forcefield.switch_nm out"));
 }
 
 }  // namespace

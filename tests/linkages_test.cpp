@@ -7,7 +7,6 @@
 #include <numbers>
 #include <utility>
 
-#include "constraints/methods/feedforward.hpp"
 #include "constraints/methods/mshake.hpp"
 #include "constraints/methods/newton.hpp"
 #include "constraints/projection.hpp"

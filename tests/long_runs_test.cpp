@@ -106,6 +106,24 @@ TEST_F(LongRuns, ADiskThatFillsUpLeavesTheLastCheckpoint) {
   expect_same_run(in("small"), out);
 }
 
+// The advice is what `taut resume` takes: where the last checkpoint is far behind, it cuts back only if told to.
+TEST_F(LongRuns, ADiskThatFillsUpLongAfterTheLastCheckpointSaysSo) {
+  const fs::path out = in("full");
+  const Arguments far = {"run", "pendulum", "--steps", "5000", "--set", "run.log_every=5", "--out"};
+  ASSERT_EQ(run(with(far, {in("far").string()})).code, 0);
+  const rlimit limit{fs::file_size(in("far") / "log.csv") / 2, RLIM_INFINITY};
+  setrlimit(RLIMIT_FSIZE, &limit);
+  const Ending full = run(with(far, {out.string()}));
+  const rlimit none{RLIM_INFINITY, RLIM_INFINITY};
+  setrlimit(RLIMIT_FSIZE, &none);
+  expect_one_line(full, 3);
+  EXPECT_THAT(full.error, HasSubstr("that mended, `taut resume " + out.string() +
+                                    " --yes` goes on from step 0, for which log.csv is cut back to there"));
+  EXPECT_EQ(run({"resume", out.string()}).code, 2);
+  ASSERT_EQ(run({"resume", out.string(), "--yes"}).code, 0);
+  expect_same_run(in("far"), out);
+}
+
 TEST_F(LongRuns, AFolderThatVanishesIsOneLine) {
   const Process process(droplet(in("gone"), "1000000"), folder_.path());
   wait_for(in("gone") / "checkpoint.cbor");

@@ -96,6 +96,11 @@ TEST(MoleculeErrors, Rows) {
   EXPECT_THAT(said_of_rows("exclude = \"1-4\"\ncoulomb_14 = 0.5"),
               HasSubstr("coulomb_14: has no effect, it counts only where exclude is not \"1-4\""));
   EXPECT_THAT(said_of_rows("ring = true"), HasSubstr("ring: has no effect, it counts only with units"));
+  EXPECT_THAT(
+      complaint("[molecule.ring]\natoms = [{name = \"B\", mass_u = 1}]\nunits = 2\nring = true\n"
+                "bonds = [[0, 1, 1]]\nangles = [[0, 1, 2, 120, 25]]\n[[place]]\nmolecule = \"ring\"\n"),
+      HasSubstr(
+          "scene.toml:3: molecule.ring.units: a ring takes three atoms or more, 2 units of one make 2"));
   EXPECT_THAT(said_of_rows("coordinates_nm = [[0, 0, 0]]"),
               HasSubstr("molecule.chain.coordinates_nm: 1 atoms, expected 2"));
   EXPECT_THAT(said_of_rows("coordinates_nm = [[0, 0, 0], [1, 0, 0]]"),

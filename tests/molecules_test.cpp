@@ -237,6 +237,33 @@ pair = "wca"
                              "epsilon_kj_mol = 1}]\n[[place]]\nmolecule = \"wide\"\ncount = 1\n"
                              "[[place]]")),
               HasSubstr("forcefield.pair: wca takes one sigma_nm and one epsilon_kj_mol for all atoms"));
+  EXPECT_THAT(scene.notes, testing::Not(testing::Contains(HasSubstr("fene"))));
+  EXPECT_THAT(read(with(text, "exclude = \"none\"", "")).notes,
+              testing::Contains(HasSubstr("fene: nothing keeps the ends of 36 springs apart")));
+}
+
+// Ewald's sum of a charged box is that of another system.
+TEST(Molecules, ThatAreChargedAllInAllAreNoted) {
+  const std::string ions = R"([molecule.sodium]
+atoms = [{name = "NA", mass_u = 22.99, charge_e = 1, sigma_nm = 0.24, epsilon_kj_mol = 0.37}]
+[molecule.chloride]
+atoms = [{name = "CL", mass_u = 35.45, charge_e = -1, sigma_nm = 0.45, epsilon_kj_mol = 0.15}]
+[[place]]
+molecule = "sodium"
+count = 3
+[[place]]
+molecule = "chloride"
+count = 2
+[build]
+box_nm = 3
+[forcefield]
+cutoff_nm = 1
+coulomb = "pme"
+)";
+  const auto charged = testing::Contains(HasSubstr("the charges add up to 1 e, which PME neutralises by"));
+  EXPECT_THAT(read(ions).notes, charged);
+  EXPECT_THAT(read(ions, {"place.1.count=3"}).notes, testing::Not(charged));
+  EXPECT_THAT(read(ions, {"forcefield.coulomb=cutoff"}).notes, testing::Not(charged));
 }
 
 }  // namespace

@@ -2,9 +2,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <thread>
 
 #include "taut_command.hpp"
 #include "temporary_folder.hpp"
@@ -21,7 +24,7 @@ TEST(OddInputs, NumbersOfStepsAreWrittenAsInScenes) {
     EXPECT_EQ(exit_code, 0) << text;
     EXPECT_THAT(text, HasSubstr("  10 steps of 1 fs")) << steps;
   }
-  EXPECT_THAT(taut("run pair --steps 1.5").text, HasSubstr("expected a number: --steps = 1.5"));
+  EXPECT_THAT(taut("run pair --steps 1.5").text, HasSubstr("--steps: expected a whole number, got 1.5"));
   EXPECT_EQ(taut("run pair --steps 1.5").exit_code, 2);
   EXPECT_THAT(taut("run pair --threads 0.0").text, HasSubstr("--threads: expected 1 to 1024 threads, got 0"));
 }
@@ -109,6 +112,22 @@ TEST(OddInputs, NumbersAreEchoedAsTheyWereTyped) {
   EXPECT_THAT(
       taut("resume " + out.string() + " --set run.minimise_force_kj_mol_nm=0.8").text,
       HasSubstr("--set run.minimise_force_kj_mol_nm=0.8: run.minimise_force_kj_mol_nm cannot change"));
+}
+
+// A run that writes reads its input again, which a pipe does not give.
+TEST(OddInputs, APipeIsNoInputOfARunThatIsKept) {
+  const TemporaryFolder folder;
+  const std::string pipe = (folder.path() / "pipe").string();
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THAT(taut("run " + pipe).text, HasSubstr("pipe: a pipe or a device, which can be read once only"));
+  const std::string data = TAUT_TEST_DATA "/tip3p-216";
+  std::thread writer([&] { std::ofstream(pipe) << std::ifstream(data + ".system.xml").rdbuf(); });
+  const auto kept = taut("run --openmm " + pipe + " " + data + ".state.xml --steps 1 --out " +
+                         (folder.path() / "out").string());
+  writer.join();
+  EXPECT_EQ(kept.exit_code, 2);
+  EXPECT_THAT(kept.text, HasSubstr("pipe: a pipe or a device, which can be read once only"));
+  EXPECT_FALSE(fs::exists(folder.path() / "out"));
 }
 
 TEST(OddInputs, AChartWithoutAMethodForItsBondsIsRefused) {

@@ -107,8 +107,12 @@ INSTANTIATE_TEST_SUITE_P(
                "<Functions><Function max=\"2\" min=\"0\" name=\"f\" type=\"Continuous1DFunction\" "
                "version=\"1\"><Values><Value v=\"1\"/><Value v=\"1\"/></Values></Function></Functions>",
                "the table f has 2 values, expected 3 or more"},
+        Change{"<InteractionGroups/>",
+               "<InteractionGroups><InteractionGroup><Set1><Particle index=\"0\"/></Set1><Set2><Particle "
+               "index=\"1\"/></Set2></InteractionGroup></InteractionGroups>",
+               "has pairs of some groups alone; taut takes one group, of atoms with themselves"},
         Change{"<InteractionGroups/>", "<InteractionGroups><InteractionGroup/></InteractionGroups>",
-               "has InteractionGroups"},
+               "InteractionGroup lacks Set1"},
         Change{"type=\"RBTorsionForce\"", "type=\"AmoebaTorsionForce\"",
                "force 3: AmoebaTorsionForce \"RBTorsionForce\": is not one taut knows"},
         Change{"type=\"RBTorsionForce\"", "type=\"MonteCarloMembraneBarostat\"",

@@ -203,6 +203,56 @@ TEST(RigidBodies, GoToOpenMMAndBack) {
   EXPECT_LT((here.f - there.f).norm(), 1e-12);
 }
 
+// The points that carry the mass of a rod do not repel, whose beads are all alike.
+TEST(RigidBodies, RepelByTheirBeadsAlone) {
+  const SceneText rods{R"([molecule.rod]
+atoms = [{name = "B", mass_u = 20, sigma_nm = 0.34, epsilon_kj_mol = 1}]
+units = 3
+rigid = true
+coordinates_nm = [[0, 0, 0], [0.17, 0, 0], [0.34, 0, 0]]
+[[place]]
+molecule = "rod"
+centres_nm = [[0.5, 0.5, 0.5], [0.7, 0.6, 0.6], [0.5, 0.8, 0.5]]
+[build]
+box_nm = 4
+[forcefield]
+pair = "wca"
+[run]
+minimise = true
+soft_start = true
+)"};
+  EXPECT_THAT(complaint(rods.with("sigma_nm = 0.34, epsilon_kj_mol = 1", "charge_e = 1").text),
+              HasSubstr("forcefield.pair: wca repels by epsilon_kj_mol, which no atom has"));
+  const Scene scene = read(rods.text);
+  ASSERT_TRUE(scene.terms.wca);
+  EXPECT_EQ(scene.terms.wca->without, (std::vector{3, 4, 8, 9, 13, 14}));
+  const auto energy_of = [](const Scene& of) {
+    State s = of.start;
+    return ForceField(of.system, s.box, of.terms).evaluate_energy(of.system, s);
+  };
+  State placed = scene.start;
+  place_sites(scene.system.sites, placed.x);
+  double expected = 0;
+  for (int a = 0; a < 15; ++a)
+    for (int b = a + 1; b < 15; ++b) {
+      const double r = (placed.x.col(b) - placed.x.col(a)).norm(), six = std::pow(0.34 / r, 6);
+      if (a / 5 != b / 5 && a % 5 < 3 && b % 5 < 3 && six > 0.5) expected += 4 * (six * six - six) + 1;
+    }
+  EXPECT_GT(expected, 1);
+  EXPECT_NEAR(energy_of(scene), expected, 1e-9 * expected);
+
+  const TemporaryFolder folder;
+  const auto system = folder.write("a.system.xml", openmm_system_xml(openmm_input(scene)));
+  const auto state = folder.write("a.state.xml", openmm_state_xml(openmm_input(scene)));
+  const Scene back = import_openmm(system, state);
+  EXPECT_EQ(back.terms.wca->without, scene.terms.wca->without);
+  EXPECT_NEAR(energy_of(back), expected, 1e-9 * expected);
+
+  const Simulation parted(scene);
+  EXPECT_GT(*parted.start_report().pushed_apart, 0);
+  EXPECT_EQ(parted.dof().total(), 3 * 5);
+}
+
 std::string said(const std::string& old, const std::string& changed) {
   return complaint(kSites.with(old, changed).text);
 }

@@ -1,7 +1,7 @@
 // What every bad input of a scene is told: one line with the file, the line and the key.
 
 #include "constraints/methods/baumgarte.hpp"
-#include "scene_text.hpp"
+#include "polymer_scene.hpp"
 
 namespace taut::scene_errors_tests {
 namespace {
@@ -260,6 +260,39 @@ TEST(SceneErrors, Overrides) {
             "--set build.chains=1e12: build.chains: 1000000000000 make 20000000000000 atoms, more than the "
             "10000000 "
             "taut takes");
+}
+
+// The file and the overrides are one scene: each may complete the other, or leave a key of the other without effect.
+TEST(SceneErrors, OfAFileThatOverridesComplete) {
+  const std::string bath = kPolymers + "[run]\nthermostat = \"langevin\"\nfriction_per_ps = 2\n";
+  const auto cold =
+      HasSubstr("scene.toml:14: run.thermostat: a thermostat needs a run.temperature_k above 0");
+  EXPECT_THAT(complaint(bath), cold);
+  EXPECT_THAT(complaint(bath, {"run.seed=3"}), cold);
+  EXPECT_EQ(read(bath, {"run.temperature_k=300"}).run.temperature_k, 300);
+  EXPECT_EQ(complaint(bath, {"run.temperature_k=0"}),
+            "--set run.temperature_k=0: run.temperature_k: a thermostat needs a run.temperature_k above 0");
+  EXPECT_EQ(complaint(bath, {"run.thermostat=none"}), "no error");  // the friction is the file's
+  EXPECT_THAT(complaint(bath, {"run.thermostat=none", "run.friction_per_ps=3"}),
+              HasSubstr("--set run.friction_per_ps=3: run.friction_per_ps: has no effect"));
+
+  const std::string rescaling =
+      kPolymers + "[run]\nthermostat = \"rescaling\"\ntemperature_k = 300\nmetric_correction = true\n";
+  EXPECT_THAT(complaint(rescaling),
+              HasSubstr("scene.toml:14: run.thermostat: rescaling needs its relaxation"));
+  EXPECT_EQ(complaint(rescaling, {"run.thermostat_ps=1"}), "no error");
+  EXPECT_THAT(complaint(rescaling, {"run.thermostat_ps=0"}),
+              HasSubstr("--set run.thermostat_ps=0: run.thermos"));
+  EXPECT_EQ(complaint(kPolymers + "[run]\nmetric_correction = true\n", {"run.temperature_k=300"}),
+            "no error");
+
+  const std::string idle = kPolymers + "[run]\nfriction_per_ps = 2\n";
+  for (const std::vector<std::string>& overrides : {std::vector<std::string>{}, {"run.steps=3"}})
+    EXPECT_THAT(complaint(idle, overrides), HasSubstr("scene.toml:14: run.friction_per_ps: has no effect"));
+  EXPECT_EQ(read(idle, {"run.thermostat=langevin", "run.temperature_k=300"}).run.friction_per_ps, 2);
+  EXPECT_THAT(complaint(kPolymers + "run = 3\n", {"run.steps=3"}), HasSubstr("forcefield"));
+  EXPECT_THAT(complaint("run = 3\n" + kPolymers, {"run.steps=3"}),
+              HasSubstr("scene.toml:1: run: expected a section, got an integer"));
 }
 
 TEST(SceneErrors, Files) {

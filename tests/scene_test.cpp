@@ -197,7 +197,7 @@ TEST(SceneList, FindsScenesByNameAndPath) {
   EXPECT_EQ(find_scene(water.string()), water);
   EXPECT_EQ(error_message([&] { find_scene("watre"); }),
             "watre: no such file, and no scene of that name; did you mean \"water\"?");
-  EXPECT_EQ(error_message([&] { find_scene("/tmp"); }), "/tmp: not a file");
+  EXPECT_EQ(error_message([&] { find_scene("/tmp"); }), "/tmp: a folder, not a scene's file");
 }
 
 TEST(SceneList, ListsEverySceneAndNoStart) {

@@ -6,6 +6,7 @@
 #include "base/errors.hpp"
 #include "error_message.hpp"
 #include "named_scene.hpp"
+#include "polymer_scene.hpp"
 #include "systems/start_file.hpp"
 #include "temporary_folder.hpp"
 
@@ -78,6 +79,77 @@ TEST(Start, KeepsASkewedBoxToTheBit) {
   s.box = {Vec3(2, 1.9, 1.7), Vec3(-1.0 / 3, 0.7, -0.1)};
   write_start(folder.path() / "skewed.start.toml", s);
   EXPECT_EQ(read_start(folder.path() / "skewed.start.toml").box, s.box);
+}
+
+// Three chains in one place, which no run can begin with unless they are pushed apart.
+const std::string kCrowd = R"([molecule.chain]
+atoms = [{name = "B", mass_u = 72, sigma_nm = 0.47, epsilon_kj_mol = 2.5}]
+units = 10
+bonds = [[0, 1, 0.456]]
+[[place]]
+molecule = "chain"
+count = 3
+centres_nm = [[1, 1, 1], [1, 1, 1], [1.01, 1, 1]]
+[build]
+box_nm = 5
+[forcefield]
+pair = "wca"
+[run]
+temperature_k = 300
+thermostat = "langevin"
+velocities = "draw"
+minimise = true
+soft_start = true
+minimise_force_kj_mol_nm = 500
+)";
+
+// A start is gone on from as it is: nothing is placed, so that nothing may lack room, and nothing is relaxed unless
+// somebody asks.
+TEST(Start, OfMoleculesThatWerePushedApartIsGoneOnFrom) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("crowd.toml", kCrowd);
+  State end = read_scene(file).start;
+  end.v = Vectors::Random(3, 30);
+  write_start(folder.path() / "end.start.toml", end);
+  const auto go_on = [&](std::vector<std::string> overrides) {
+    overrides.push_back("build.start=" + (folder.path() / "end.start.toml").string());
+    return read_scene(file, overrides);
+  };
+  EXPECT_THAT(error_message([&] { read_scene(file, {"run.minimise=false"}); }),
+              testing::HasSubstr("there is no room for copy 2 of 3"));
+  for (const bool said : {false, true}) {
+    const Scene next =
+        go_on(said ? std::vector<std::string>{"run.minimise=false"} : std::vector<std::string>{});
+    EXPECT_EQ(next.start.x, end.x);
+    EXPECT_EQ(next.start.v, end.v);
+    EXPECT_FALSE(next.run.minimise || next.run.soft_start || next.positions_drawn || next.velocities_drawn);
+    const auto set_aside =
+        testing::HasSubstr("run.minimise is set aside: build.start is gone on from as it is");
+    if (said)
+      EXPECT_THAT(next.notes, testing::IsEmpty());
+    else
+      EXPECT_THAT(next.notes, testing::ElementsAre(set_aside));
+  }
+  const Scene asked = go_on({"run.minimise=true"});
+  EXPECT_TRUE(asked.run.minimise && !asked.run.soft_start);
+  EXPECT_EQ(asked.run.minimise_force, 500);
+  EXPECT_TRUE(go_on({"run.minimise=true", "run.soft_start=true"}).run.soft_start);
+  end.v.setZero();
+  write_start(folder.path() / "end.start.toml", end);
+  EXPECT_TRUE(go_on({}).velocities_drawn);
+}
+
+// Of water that fills a box the start knows how much there is.
+TEST(Start, CountsTheWaterThatFilledItsBox) {
+  const TemporaryFolder folder;
+  const std::string wet = with(with(kPolymers, "[build]", "[[place]]\nmolecule = \"tip3p\"\n[build]"),
+                               "box_nm = 5", "box_nm = 2.5");
+  const auto file = folder.write("wet.toml", wet);
+  const Scene first = read_scene(file, {"run.seed=5"});
+  write_start(folder.path() / "end.start.toml", first.start);
+  const Scene next = read_scene(file, {"build.start=" + (folder.path() / "end.start.toml").string()});
+  EXPECT_EQ(next.start.x, first.start.x);
+  EXPECT_EQ(next.names.residue, first.names.residue);
 }
 
 // Springs longer than they can be: a chain's start whose bonds of 0.97 are stretched past r₀ = 1.5.

@@ -73,6 +73,25 @@ TEST(Walls, APlacedLiquidStartsBetweenThem) {
   EXPECT_FALSE(scene.closed());
 }
 
+// Without a box two walls are two sections, between which there is any room.
+TEST(Walls, OfTwoSectionsHaveTheRoomBetweenThem) {
+  const std::string wall = "[[wall]]\naxis = \"z\"\nsigma_nm = 0.3\nepsilon_kj_mol = 1\n";
+  const auto between = [&](const std::string& one, const std::string& other) {
+    return "[molecule.bead]\natoms = [{name = \"A\", mass_u = 40}]\n[[place]]\nmolecule = \"bead\"\ncount = "
+           "40\n" +
+           wall + one + "\n" + wall + other + "\n";
+  };
+  for (const bool swapped : {false, true}) {
+    const std::string above = "above_nm = -5", below = "below_nm = 50";
+    const Scene scene = read(swapped ? between(below, above) : between(above, below));
+    EXPECT_GT(scene.start.x.row(2).minCoeff(), -5 + 0.75 * 0.3);
+    EXPECT_LT(scene.start.x.row(2).maxCoeff(), 50 - 0.75 * 0.3);
+    EXPECT_EQ(scene.terms.walls.size(), 2u);
+  }
+  EXPECT_THAT(complaint(between("above_nm = 50", "below_nm = -5")),
+              HasSubstr("wall: the walls leave no room between them along z"));
+}
+
 // Without forces between atoms each wall bears N kT/(A ∫ exp(−U/kT) dz).
 TEST(Walls, AnIdealGasPressesByItsTemperature) {
   Scene scene = read(SceneText{kSlit.with("epsilon_kj_mol = 1}", "epsilon_kj_mol = 1e-9}").text}

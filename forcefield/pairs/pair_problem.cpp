@@ -115,6 +115,7 @@ PairProblem problem_of(const Wca& wca, int atoms, bool periodic) {
   p.charge = Eigen::VectorXd::Zero(atoms);
   p.half_sigma = Eigen::VectorXd::Constant(atoms, wca.sigma / 2);
   p.two_sqrt_epsilon = Eigen::VectorXd::Constant(atoms, 2 * std::sqrt(wca.epsilon));
+  for (const int a : wca.without) p.two_sqrt_epsilon[a] = 0;
   p.exclusions = wca.exclusions;
   add_kinds_by_sigma(p);
   return p;

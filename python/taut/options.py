@@ -14,6 +14,13 @@ class Options:
 
     method: ClassVar[str]
 
+    def __post_init__(self) -> None:
+        """Raises InputError for a value that the method does not take, with the nearest name."""
+        from . import inputs  # which takes options itself
+
+        said = {key: value for key, value in self.settings().items() if value is not None}
+        _core.check_method([f"{key}={inputs.toml(value, key)}" for key, value in said.items()])
+
     def settings(self) -> Dict[str, Any]:
         """Returns the settings that choose the method: its name, and the options that are not the default."""
         said = {f"method.{f.name}": getattr(self, f.name) for f in dataclasses.fields(self)

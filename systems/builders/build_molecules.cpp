@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <set>
 
 #include "forcefield/force_field.hpp"
 #include "md/largest_system.hpp"
@@ -18,7 +20,8 @@
 namespace taut {
 namespace {
 
-constexpr double kUsualKelvin = 300;     // default temperature at which torsions are drawn
+constexpr double kUsualKelvin = 300;  // default temperature at which torsions are drawn
+constexpr double kOpen = std::numeric_limits<double>::infinity();  // no wall there
 constexpr double kStrongForce = 20'000;  // on one atom, some ten times that in liquids [kJ/mol/nm]
 
 // Places all copies: first those with given positions, last water.
@@ -144,13 +147,18 @@ class Builder {
   BoxRegion region_of(const Placement& placement) const {
     if (placement.within) return *placement.within;
     Vec3 lower = Vec3::Zero(), upper = within_.edge;
-    for (const Slab& room : rooms_) {
-      const bool open = !std::isfinite(room.lower) || !std::isfinite(room.upper);
-      if (!box_.periodic() && open && std::isfinite(room.lower)) upper[room.axis] += room.lower;
-      if (!box_.periodic() && open && std::isfinite(room.upper))
-        lower[room.axis] = room.upper - upper[room.axis];
-      if (std::isfinite(room.lower)) lower[room.axis] = room.lower;
-      if (std::isfinite(room.upper)) upper[room.axis] = room.upper;
+    for (int d = 0; d < 3; ++d) {
+      Slab between{d, -kOpen, kOpen};
+      for (const Slab& room : rooms_)
+        if (room.axis == d)
+          between = {d, std::max(between.lower, room.lower), std::min(between.upper, room.upper)};
+      const bool above = between.lower > -kOpen, below = between.upper < kOpen;
+      if (above) lower[d] = between.lower;
+      if (below) upper[d] = between.upper;
+      if (!(between.lower < between.upper))
+        root_.fail("wall", fmt::format("the walls leave no room between them along {}", "xyz"[d]));
+      if (!box_.periodic() && above && !below) upper[d] = lower[d] + within_.edge[d];
+      if (!box_.periodic() && below && !above) lower[d] = upper[d] - within_.edge[d];
     }
     return {lower, upper - lower};
   }
@@ -175,7 +183,7 @@ void set_names(const std::vector<Placement>& placements, Names& names) {
   int a = 0, residue = -1;
   for (const Placement& placement : placements) {
     const Names& given = placement.given.names;
-    for (int k = 0, last = -1; k < placement.x.cols(); ++k, ++a) {
+    for (int k = 0, last = -1; k < static_cast<int>(placement.atoms()); ++k, ++a) {
       const int its = given.empty() ? names.residue[a] : given.residue[k];
       if (k == 0 || its != last) ++residue;
       last = its;
@@ -190,6 +198,31 @@ void set_names(const std::vector<Placement>& placements, Names& names) {
   }
 }
 
+void assemble_placements(const std::vector<Placement>& placements, Scene& scene) {
+  std::vector<Copies> copies;
+  for (const Placement& placement : placements)
+    copies.push_back({placement.molecule, static_cast<int>(placement.count)});
+  assemble(copies, scene);
+  set_names(placements, scene.names);
+}
+
+// Kremer and Grest's springs only pull: what keeps their beads apart is the pair force.
+void note_springs_without_core(Scene& scene) {
+  const Nonbonded& pairs = *scene.terms.nonbonded;
+  std::set<std::pair<int, int>> left_out;
+  for (const PairException& pair : pairs.exceptions)
+    if (pair.epsilon == 0) left_out.insert(std::minmax(pair.i, pair.j));
+  const auto without = std::ranges::count_if(scene.terms.fene, [&](const Fene& spring) {
+    return pairs.epsilon[spring.i] * pairs.epsilon[spring.j] > 0 &&
+           left_out.contains(std::minmax(spring.i, spring.j));
+  });
+  if (without > 0)
+    scene.notes.push_back(fmt::format(
+        "fene: nothing keeps the ends of {} springs apart, as exclude (\"1-3\" where it is not said) "
+        "leaves their pair force out; Kremer and Grest's have exclude = \"none\"",
+        without));
+}
+
 void read_forces(const BuildRequest& request, Scene& scene) {
   Terms& terms = scene.terms;
   const TomlTable& keys = request.forcefield;
@@ -198,6 +231,7 @@ void read_forces(const BuildRequest& request, Scene& scene) {
   std::string pair = "lennard-jones";
   keys.read("pair", pair, {"the force between beads: purely repulsive, or not", {"wca", "lennard-jones"}});
   if (keys.describing()) return read_cutoff(keys, {}, *terms.nonbonded);
+  if (!terms.fene.empty()) note_springs_without_core(scene);
   if (pair == "wca") make_repulsive(keys, terms);
   read_pair_table(request.root, scene);
   if (terms.nonbonded) read_cutoff(keys, scene.start.box, *terms.nonbonded);
@@ -212,6 +246,7 @@ void describe(const BuildRequest& request, Scene& scene) {
   box_of(request.keys, {});
   scene.terms.nonbonded.emplace();
   read_forces(request, scene);
+  read_named_start(request);
 }
 
 // The energy of all molecules but water alone.
@@ -263,6 +298,37 @@ bool settle_water(const BuildRequest& request, const std::vector<Placement>& pla
   return relax(scene.system, forces, waters, energy, scene.start, request.listen);
 }
 
+// The box that a run of the scene has reached, where an override names its start; and where the scene gives a density,
+// which does not determine the shape of a box.
+Box box_of_start(const TomlTable& keys, const Box& of_start, const Box& of_scene) {
+  if (!of_start.periodic() || !of_scene.periodic()) return of_scene;
+  const bool as_dense = !keys.has("box_nm") && std::abs(of_start.volume() / of_scene.volume() - 1) < 1e-9;
+  return keys.overridden("start") || as_dense ? of_start : of_scene;
+}
+
+// As many waters as the start has beside the other molecules.
+void count_filling_water(Eigen::Index atoms, std::vector<Placement>& placements) {
+  const auto filling = std::ranges::find_if(placements, &Placement::fills);
+  if (filling == placements.end()) return;
+  for (const Placement& placement : placements) atoms -= static_cast<Eigen::Index>(placement.atoms());
+  filling->count = std::max<long>(atoms / filling->molecule->atoms(), 0);
+}
+
+// Goes on from the end of a run of the same scene, for which nothing is placed. Returns whether it fits.
+bool go_on_from(State start, const BuildRequest& request, std::vector<Placement> placements, Scene& scene) {
+  Scene same = scene;
+  same.start.box = box_of_start(request.keys, start.box, scene.start.box);
+  count_filling_water(start.x.cols(), placements);
+  assemble_placements(placements, same);
+  if (!take_start(request, std::move(start), same)) {
+    scene.notes = std::move(same.notes);
+    return false;
+  }
+  read_forces(request, same);
+  scene = std::move(same);
+  return true;
+}
+
 void note_start(const BuildRequest& request, const Builder& built, bool settled, Scene& scene) {
   if (!(built.drawn() || built.cut_to_fit()) || request.run.minimise) return;
   if (built.drawn() && !request.run.thermostatted())
@@ -290,28 +356,6 @@ void note_start(const BuildRequest& request, const Builder& built, bool settled,
 
 }  // namespace
 
-void make_repulsive(const TomlTable& keys, Terms& terms) {
-  Nonbonded& pairs = *terms.nonbonded;
-  const double sigma = pairs.sigma[0], epsilon = pairs.epsilon[0];
-  if (pairs.lj_table)
-    keys.fail("pair", "wca takes one sigma and epsilon for all pairs; those of two types differ");
-  for (Eigen::Index a = 0; a < pairs.sigma.size(); ++a)
-    if (pairs.sigma[a] != sigma || pairs.epsilon[a] != epsilon || epsilon == 0)
-      keys.fail("pair",
-                fmt::format("wca takes one sigma_nm and one epsilon_kj_mol for all atoms; atoms 0 and {} "
-                            "differ, or have none",
-                            a));
-  Wca& wca = terms.wca.emplace(Wca{sigma, epsilon, {}});
-  for (PairException& pair : pairs.exceptions) {
-    if (pair.epsilon != 0 && pair.epsilon != epsilon)
-      keys.fail("pair", "of wca pairs three bonds apart have all or nothing: lennard_jones_14 = 0 or 1");
-    if (pair.epsilon == 0) wca.exclusions.push_back({pair.i, pair.j});
-    pair.epsilon = 0;
-  }
-  pairs.epsilon.setZero();
-  if (pairs.charge.isZero(0)) terms.nonbonded.reset();
-}
-
 // kind = "molecules": [[place]]s of [molecule.NAME]s, with the keys of read_cutoff.
 void build_molecules(const BuildRequest& request, Scene& scene) {
   if (request.keys.describing()) return describe(request, scene);
@@ -319,20 +363,16 @@ void build_molecules(const BuildRequest& request, Scene& scene) {
   const Library library = read_library(request.root);
   std::vector<Placement> placements = read_placements(request.root, library);
   scene.start.box = box_of(request.keys, placements);
+  if (auto start = read_named_start(request);
+      start && go_on_from(std::move(*start), request, placements, scene))
+    return;
   const Builder built(request, placements, scene.start.box);
 
-  std::vector<Copies> copies;
-  Eigen::Index atoms = 0;
-  for (const Placement& placement : placements) {
-    copies.push_back({placement.molecule, static_cast<int>(placement.count)});
-    atoms += placement.x.cols();
-  }
   hear(request.listen);
-  assemble(copies, scene);
-  set_names(placements, scene.names);
+  assemble_placements(placements, scene);
   hear(request.listen);
-  scene.start.x.resize(3, atoms);
-  scene.start.v = Vectors::Zero(3, atoms);
+  scene.start.x.resize(3, scene.system.atoms());
+  scene.start.v = Vectors::Zero(3, scene.system.atoms());
   Eigen::Index first = 0;
   bool moving = true, some_move = false;
   for (const Placement& placement : placements) {

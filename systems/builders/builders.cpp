@@ -25,10 +25,13 @@ struct Kind {
   void (*build)(const BuildRequest&, Scene&);
   bool own_start = false;  // whether the builder reads build.start itself
 };
-constexpr std::array kKinds = {Kind{"atoms", build_atoms},        Kind{"chains", build_chains},
-                               Kind{"rings", build_rings},        Kind{"melt", build_melt},
-                               Kind{"water", build_water, true},  Kind{"lammps", build_lammps},
-                               Kind{"molecules", build_molecules}};
+constexpr std::array kKinds = {Kind{"atoms", build_atoms},
+                               Kind{"chains", build_chains},
+                               Kind{"rings", build_rings},
+                               Kind{"melt", build_melt},
+                               Kind{"water", build_water, true},
+                               Kind{"lammps", build_lammps},
+                               Kind{"molecules", build_molecules, true}};
 
 // [[place]] implies kind = "molecules"; with another kind it would have no effect.
 const Kind& chosen_kind(const TomlTable& root, const TomlTable& keys) {
@@ -54,29 +57,6 @@ const char* misfit(const State& start, const Scene& scene) {
   for (const Fene& spring : scene.terms.fene)
     if ((x.col(spring.j) - x.col(spring.i)).norm() >= spring.r0) return "other springs";
   return nullptr;
-}
-
-// Replaces the built start by the last state of a run of the same scene, with its box if requested. A density
-// does not determine the shape of the box.
-void replace_start(const BuildRequest& request, bool any_box, Scene& scene) {
-  std::filesystem::path file;
-  if (!request.keys.read("start", file, "positions and velocities, of a run of the same scene")) return;
-  State start = read_start(file, request.listen);
-  const Box built = scene.start.box;
-  if (any_box && start.box.periodic() && built.periodic() &&
-      (request.keys.overridden("start") ||
-       (!request.keys.has("box_nm") && std::abs(start.box.volume() / built.volume() - 1) < 1e-9)))
-    scene.start.box = start.box;
-  if (const char* reason = misfit(start, scene)) {
-    if (request.keys.overridden("start")) request.keys.fail("start", fmt::format("it has {}", reason));
-    scene.start.box = built;
-    scene.notes.push_back(fmt::format("start: {} is set aside, it has {}", file.filename().string(), reason));
-    return;
-  }
-  scene.start.x = std::move(start.x);
-  scene.start.v = std::move(start.v);
-  scene.notes.clear();
-  scene.positions_drawn = false;
 }
 
 // Refuses keys of pair forces that have no effect. If an override makes the pairs WCA, the file's keys are
@@ -108,6 +88,26 @@ std::vector<std::string_view> kinds() {
   return names;
 }
 
+std::optional<State> read_named_start(const BuildRequest& request) {
+  std::filesystem::path file;
+  if (!request.keys.read("start", file, "positions and velocities, of a run of the same scene")) return {};
+  return read_start(file, request.listen);
+}
+
+bool take_start(const BuildRequest& request, State start, Scene& scene) {
+  if (const char* reason = misfit(start, scene)) {
+    if (request.keys.overridden("start")) request.keys.fail("start", fmt::format("it has {}", reason));
+    const auto file = request.keys.get<std::filesystem::path>("start");
+    scene.notes.push_back(fmt::format("start: {} is set aside, it has {}", file.filename().string(), reason));
+    return false;
+  }
+  scene.start.x = std::move(start.x);
+  scene.start.v = std::move(start.v);
+  scene.notes.clear();
+  scene.positions_drawn = false;
+  return true;
+}
+
 void read_precision(const TomlTable& forcefield, Terms& terms) {
   std::string precision = terms.precision == Precision::kMixed ? "mixed" : "double";
   forcefield.read("precision", precision,
@@ -122,7 +122,8 @@ void build(BuildRequest request, Scene& scene, std::string_view described) {
   kind.build(request, scene);
   if (scene.terms.nonbonded || scene.terms.wca || scene.terms.tabulated_pairs)
     read_precision(request.forcefield, scene.terms);
-  if (!kind.own_start) replace_start(request, &kind == &kKinds.back(), scene);
+  if (!kind.own_start)
+    if (auto start = read_named_start(request)) take_start(request, std::move(*start), scene);
   if (request.keys.describing()) return;
   refuse_idle_pair_keys(request.forcefield, scene);
   if (scene.names.empty()) scene.names = guessed_names(scene.system, scene.terms);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -22,12 +23,19 @@ struct BuildRequest {
 
 // Fills a scene's system, terms, start and notes: builds the kind of [build], and takes positions and
 // velocities from the file build.start. If the scene's own start does not fit, because overrides ask for
-// another size or density, it is ignored with a note. A start that an override names must fit. Throws
-// InputError, and LocatedError for a wrong key.
+// another size or density, it is ignored with a note. A start that an override names must fit. Molecules are placed
+// only where there is no start. Throws InputError, and LocatedError for a wrong key.
 //
 // While keys are only described, it reads the keys of the kind `described` and builds nothing.
 void build(BuildRequest request, Scene& scene, std::string_view described = {});
 std::vector<std::string_view> kinds();
+
+// Reads build.start, the last state of a run of the same scene; nothing where it is not said.
+std::optional<State> read_named_start(const BuildRequest& request);
+
+// Gives a scene whose system and box are made the positions and velocities of a start. Returns whether it fits; a note
+// says why it does not. Throws LocatedError for one that does not fit and an override names.
+bool take_start(const BuildRequest& request, State start, Scene& scene);
 
 // Reads forcefield.precision, "double" (the default) or "mixed", which all kinds with pair forces have.
 void read_precision(const TomlTable& forcefield, Terms& terms);
@@ -46,8 +54,8 @@ void build_molecules(const BuildRequest& request, Scene& scene);  // any molecul
 State equilibrated_water(const State& unit, double cutoff);
 double energy_of_equilibrated(const WaterModel& model, const State& waters, const TomlTable& forcefield);
 
-// Makes the pair force purely repulsive (WCA). All atoms must have the same σ and ε, and 1–4 pairs must have
-// all of the force or none. Throws LocatedError at forcefield.pair.
+// Makes the pair force purely repulsive (WCA). All atoms that have an ε must have the same one and the same σ, and 1–4
+// pairs all of the force or none. Throws LocatedError at forcefield.pair.
 void make_repulsive(const TomlTable& forcefield, Terms& terms);
 
 // Returns copies × atoms_each as an int. Throws LocatedError at `key`, before anything is allocated, if that

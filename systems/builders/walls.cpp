@@ -61,8 +61,11 @@ WallKeys read_wall(const TomlTable& keys) {
 std::vector<int> atoms_before(const TomlTable& wall, const std::vector<std::string>& names,
                               const Scene& scene) {
   const auto& pairs = scene.terms.nonbonded;
-  const bool some_have = !scene.terms.wca && pairs && (pairs->lj_table || !pairs->epsilon.isZero(0));
-  const auto has = [&](int a) { return !some_have || pairs->epsilon[a] > 0; };
+  const auto& wca = scene.terms.wca;
+  const bool some_have = !wca && pairs && (pairs->lj_table || !pairs->epsilon.isZero(0));
+  const std::set<int> without =
+      wca ? std::set<int>(wca->without.begin(), wca->without.end()) : std::set<int>();
+  const auto has = [&](int a) { return (!some_have || pairs->epsilon[a] > 0) && !without.contains(a); };
   std::vector<int> atoms;
   std::set<std::string> seen;
   for (int a = 0; a < scene.system.atoms(); ++a) {

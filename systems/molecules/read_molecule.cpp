@@ -74,6 +74,9 @@ Units read_units(const TomlTable& keys, int each) {
              Range{.min = 1}});
   keys.read("ring", ring, "what reaches beyond the last unit goes on with the first");
   keys.require_effect("ring", count > 1, "with units, the links of the ring");
+  if (ring && count > 1 && count * each < 3)
+    keys.fail("units",
+              fmt::format("a ring takes three atoms or more, {} units of one make {}", count, count));
   if (static_cast<double>(count) * each > kMostAtoms)
     keys.fail("units",
               fmt::format("{} of {} atoms are more than the {} taut takes", count, each, kMostAtoms));

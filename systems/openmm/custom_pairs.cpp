@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <set>
 
 #include "systems/openmm/custom.hpp"
 #include "systems/openmm/formulas.hpp"
@@ -60,6 +61,32 @@ struct PowerLaw {
   }
 };
 
+// The atoms that are in no group where there is one, of atoms with themselves.
+std::vector<int> read_without(const ForceReading& r) {
+  const Element groups = r.force.part("InteractionGroups");
+  const int atoms = r.system.atoms();
+  std::vector<std::set<int>> sets;
+  const auto read_set = [&](const Element& set) {
+    std::set<int>& to = sets.emplace_back();
+    set.each("Particle", [&](const Element& particle) {
+      int a = 0;
+      particle.read_leaf({atom_field("index", a, atoms)});
+      to.insert(a);
+    });
+  };
+  groups.each("InteractionGroup", [&](const Element& group) {
+    group.check_parts({"Set1", "Set2"});
+    for (const char* set : {"Set1", "Set2"}) read_set(group.part(set));
+  });
+  if (sets.empty()) return {};
+  if (sets.size() > 2 || sets[0] != sets[1])
+    groups.refuse("has pairs of some groups alone; taut takes one group, of atoms with themselves");
+  std::vector<int> without;
+  for (int a = 0; a < atoms; ++a)
+    if (!sets[0].contains(a)) without.push_back(a);
+  return without;
+}
+
 void read_wca(const ForceReading& r, CustomForce& p, const CustomNonbondedXml& x) {
   Wca& wca = r.to.terms.wca.emplace(Wca{p.of_all("sigma"), p.factor() * p.of_all("epsilon"), {}});
   if (x.method == NonbondedXml::kNoCutoff || !(std::abs(x.cutoff - wca.cutoff()) < 1e-12 * wca.sigma))
@@ -68,6 +95,7 @@ void read_wca(const ForceReading& r, CustomForce& p, const CustomNonbondedXml& x
   if (x.corrected) r.force.refuse("has useLongRangeCorrection=\"1\": nothing is beyond the cutoff");
   r.force.part("Particles").each("Particle", [&](const Element& particle) { p.read(particle, {}); });
   read_list(r.force, wca.exclusions, r.system.atoms());
+  wca.without = read_without(r);
 }
 
 // Atoms of the same parameters are of one type.
@@ -173,13 +201,14 @@ void read_custom_nonbonded(const ForceReading& r) {
   r.force.check_parts({"PerParticleParameters", "GlobalParameters", "EnergyParameterDerivatives", "Particles",
                        "Exclusions", "Functions", "InteractionGroups"},
                       {"ComputedValues"});  // from version 3 on
-  refuse_any(r.force, {"EnergyParameterDerivatives", "ComputedValues", "InteractionGroups"});
+  refuse_any(r.force, {"EnergyParameterDerivatives", "ComputedValues"});
   r.check_count(r.force.part("Particles"));
   r.to.periodic_pairs = x.method == NonbondedXml::kCutoffPeriodic;
   Splines splines;
   CustomForce p(r, {"PerParticleParameters", {{"r", 0}}, true}, x.energy, read_functions(r.force, splines));
-  if (!splines.empty()) return read_tabulated(r, p, x, splines);
-  p.recognize({known().front()}) == 0 ? read_wca(r, p, x) : read_lennard_jones(r, p, x);
+  if (splines.empty() && p.recognize({known().front()}) == 0) return read_wca(r, p, x);
+  refuse_any(r.force, {"InteractionGroups"});
+  splines.empty() ? read_lennard_jones(r, p, x) : read_tabulated(r, p, x, splines);
 }
 
 }  // namespace taut

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <set>
 #include <sstream>
 
 #include "base/errors.hpp"
@@ -236,7 +237,16 @@ void write_wca(Node forces, int atoms, const Box& box, const Wca& wca) {
   Node particles = force.append_child("Particles");
   for (int a = 0; a < atoms; ++a) particles.append_child("Particle");
   write_list(force, wca.exclusions);
-  for (const char* list : {"Functions", "InteractionGroups"}) force.append_child(list);
+  force.append_child("Functions");
+  Node groups = force.append_child("InteractionGroups");
+  if (wca.without.empty()) return;
+  const std::set<int> without(wca.without.begin(), wca.without.end());
+  Node group = groups.append_child("InteractionGroup");  // the atoms on which it acts, with themselves
+  for (const char* set : {"Set1", "Set2"}) {
+    Node list = group.append_child(set);
+    for (int a = 0; a < atoms; ++a)
+      if (!without.contains(a)) append(list, "Particle", {atom_field("index", a, atoms)});
+  }
 }
 
 void write_forces(Node forces, const OpenMMInput& from) {
