@@ -39,8 +39,8 @@ void print_positions(const Crosscheck& c) {
   for (const Track* track : all_tracks(c)) {
     const bool ran = track->samples.size() > 1, bonded = ran && c.bonds > 0;
     const auto parted = track->parted_at(c.agreement);
-    say(kRow, track->name, or_dash(track->apart_at(c.parting), ran && track->held_against),
-        parted ? fmt::format("{}", *parted) : "–",
+    const double apart = track->apart_at(c.parting);
+    say(kRow, track->name, or_dash(apart, ran && apart >= 0), parted ? fmt::format("{}", *parted) : "–",
         or_dash(last_from_truth(*track), last_from_truth(*track) >= 0), or_dash(track->worst_bond(), bonded),
         or_dash(track->rms_bond(c.steps), bonded));
   }
@@ -80,11 +80,12 @@ void print_crosscheck(const Crosscheck& c) {
   say_wrapped(fmt::format(
       "at the start: energy {:.10g} kJ/mol, OpenMM {:.10g}; forces {:.4g} kJ/mol/nm rms, apart by {:.1e}",
       c.start.energy, c.start.openmm_energy, c.start.force_rms, c.start.force_difference));
-  say_wrapped(fmt::format("chaos: two {} runs 1e-10 nm apart are {:.1e} nm apart after {} steps, {}",
-                          c.plugged.empty() ? "OpenMM" : "taut", 1e-10 * c.chaos.growth, c.chaos.steps,
-                          c.chaos.growth > 100 ? fmt::format("growing by {:.2g} ± {:.1g} /ps",
-                                                             c.chaos.rate.value, c.chaos.rate.error)
-                                               : "too little for a rate"));
+  if (!c.twin.failed() && !c.nudged.failed())
+    say_wrapped(fmt::format("chaos: two {} runs 1e-10 nm apart are {:.1e} nm apart after {} steps, {}",
+                            c.plugged.empty() ? "OpenMM" : "taut", 1e-10 * c.chaos.growth, c.chaos.steps,
+                            c.chaos.growth > 100 ? fmt::format("growing by {:.2g} ± {:.1g} /ps",
+                                                               c.chaos.rate.value, c.chaos.rate.error)
+                                                 : "too little for a rate"));
   say("\n");
   print_positions(c);
   say("\n");
@@ -100,12 +101,15 @@ void print_crosscheck(const Crosscheck& c) {
   }
   if (c.speed.empty()) return;
   say("\nwhole step, equal threads\n");
-  for (const auto& [who, us] : c.speed) say("  {:<46} {:>9.1f} µs\n", who, us);
+  for (const auto& [who, us, failure] : c.speed)
+    say("  {:<46} {}\n", who,
+        failure.empty() ? fmt::format("{:>9.1f} µs", us) : wrapped("failed: " + failure, kWidth, 49));
 }
 
 // Writes crosscheck.json (all figures and verdicts), crosscheck.csv (every sample of every run),
 // distances.csv for liquid water, the pictures and report.html. `command` is the command line.
-void write_crosscheck(const Crosscheck& c, const std::string& command, const std::filesystem::path& folder) {
+StudyFiles write_crosscheck(const Crosscheck& c, const std::string& command,
+                            const std::filesystem::path& folder) {
   StudyFiles files(folder);
   files.write("crosscheck.json", crosscheck_json(c) + "\n");
   const std::string title = fmt::format("{}: taut against OpenMM {}, {}", c.scene, c.openmm, platform_of(c));
@@ -125,7 +129,7 @@ void write_crosscheck(const Crosscheck& c, const std::string& command, const std
   page.parts.push_back(
       {"Verdicts", "Of each run: whether it agrees with OpenMM's, and why.", {}, verdicts_csv(c), {}});
   write_report(page, files);
-  files.print_written();
+  return files;
 }
 
 struct CrosscheckArguments {
@@ -187,9 +191,19 @@ void crosscheck_scene(CrosscheckArguments arguments) {
     progress.show_task(what);
   });
   progress.clear();
-  print_crosscheck(result);
-  if (arguments.out) write_crosscheck(result, arguments.command(), *arguments.out);
-  if (json_alone()) write_out(crosscheck_json(result) + "\n");
+  const auto print = [&] {
+    print_crosscheck(result);
+    if (json_alone()) write_out(crosscheck_json(result) + "\n");
+  };
+  std::optional<StudyFiles> files;
+  try {
+    if (arguments.out) files = write_crosscheck(result, arguments.command(), *arguments.out);
+  } catch (const OutsideError&) {  // a full disk takes nothing from the screen
+    print();
+    throw;
+  }
+  print();
+  if (files) files->print_written();
 }
 
 }  // namespace

@@ -137,7 +137,9 @@ Estimate RunningSlope::estimate() const {
 
 double deviations(const Estimate& a, const Estimate& b) {
   const double error = std::sqrt(a.error * a.error + b.error * b.error);
-  return error > 0 ? std::abs(a.value - b.value) / error : 0.0;
+  const double apart =
+      std::abs(a.value - b.value);  // of what is no number it is none, and agrees with nothing
+  return error == 0 && !std::isnan(apart) ? 0.0 : apart / error;
 }
 
 }  // namespace taut

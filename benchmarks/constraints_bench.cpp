@@ -78,7 +78,7 @@ void run(benchmark::State& bench, const Case& c, int threads, std::string_view n
   std::nth_element(seconds.begin(), decile, seconds.end());
   bench.counters["ns_per_unit"] = (*decile - stopwatch_cost()) * 1e9 / c.units;
   bench.counters["residual"] = stats.max_residual;
-  bench.counters["iterations"] = stats.iterations / static_cast<double>(seconds.size());
+  bench.counters["iterations"] = static_cast<double>(stats.iterations) / static_cast<double>(seconds.size());
 }
 
 void add(const Case& c, int threads, std::string_view name, Make make) {

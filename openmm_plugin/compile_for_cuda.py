@@ -31,6 +31,9 @@ SHAPES = {  # its bonds
 
 
 def compiler():
+    """NVRTC. It opens its builtins by their name alone, and some versions do not look beside themselves."""
+    for path in SITE.glob("nvidia/**/libnvrtc-builtins.so.*"):
+        ctypes.CDLL(str(path))
     for path in sorted(SITE.glob("nvidia/**/libnvrtc.so.*")):
         return ctypes.CDLL(str(path))
     sys.exit("needs NVRTC: pip install openmm[cuda13]")

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -30,7 +31,8 @@ bool finite(const State& s) {
 void explain_feedforward(const MethodOptions& method, Diagnosis& d) {
   if (method.get_if<Feedforward::Options>()->extrapolation == 0) return;
   d.advice =
-      "take a shorter step, or method.extrapolation = 0, which bears steps as long as shake's; " + d.advice;
+      "take a shorter step, or method.extrapolation = 0, which bears steps as long as shake's; newton "
+      "where the bars of a linkage come into one line";
 }
 
 // It fails by its nature, whatever the scene: a bond turning at ω is too long by (ωh)²(ωt)²/8 of itself.
@@ -104,8 +106,10 @@ RunPlan Simulation::plan() const {
   return {.h = scene_.run.h(), .steps = scene_.run.steps, .observe_every = scene_.run.log_every};
 }
 
+// The first row stands for as many steps as the one that follows it, which may be the end's.
 long Simulation::steps_since_row() const {
-  return progress_.step > sums_.last_row ? progress_.step - sums_.last_row : scene_.run.log_every;
+  if (progress_.step > sums_.last_row) return progress_.step - sums_.last_row;
+  return std::clamp(scene_.run.steps - progress_.step, 1L, scene_.run.log_every);
 }
 
 Record Simulation::full_record() const {

@@ -142,6 +142,8 @@ class Bench {
       const SolveStats stats = step({scene_.system, forces_, *method_}, h_, s);
       if (!stats.converged())
         throw SimulationFailure(fmt::format("calibration, step {}: {}", n, in_words(stats.failure)));
+      if (!s.x.allFinite() || !s.v.allFinite())
+        throw SimulationFailure(fmt::format("calibration, step {}: positions are no longer numbers", n));
       errors.push_back(errors_of(scene_.system, s.x));
     }
     return errors;

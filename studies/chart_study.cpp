@@ -130,6 +130,11 @@ std::vector<Setting> ChartPlan::settings() const {
   return all;
 }
 
+bool ChartPlan::has(std::string_view panel) const {
+  if (panel == "work" && panels.contains("drift")) return true;
+  return panels.contains(panel) && (panel != "precision" || has_precisions(scene));
+}
+
 std::vector<Job> work_jobs(const ChartPlan& plan, const Ledger& ledger) {
   std::vector<Job> points;
   for (const Setting& s : plan.settings())
@@ -174,10 +179,23 @@ std::vector<Job> length_jobs(const ChartPlan& plan, const Ledger& ledger) {
 
 std::vector<Job> chart_jobs(const ChartPlan& plan, const Ledger& ledger) {
   std::vector<Job> jobs;
-  for (const auto& panel : {work_jobs(plan, ledger), drift_jobs(plan), order_jobs(plan),
-                            length_jobs(plan, ledger), precision_jobs(plan, ledger)})
-    jobs.insert(jobs.end(), panel.begin(), panel.end());
+  const auto add = [&](const char* panel, const std::vector<Job>& its) {
+    if (plan.has(panel)) jobs.insert(jobs.end(), its.begin(), its.end());
+  };
+  add("work", work_jobs(plan, ledger)), add("drift", drift_jobs(plan)), add("order", order_jobs(plan));
+  add("length", length_jobs(plan, ledger)), add("precision", precision_jobs(plan, ledger));
   return jobs;
+}
+
+std::vector<std::pair<std::string, std::string>> chart_tables(const ChartPlan& plan, const Ledger& ledger) {
+  std::vector<std::pair<std::string, std::string>> tables;
+  const auto add = [&](const char* panel, std::string (*csv)(const ChartPlan&, const Ledger&)) {
+    if (plan.has(panel)) tables.emplace_back(panel, csv(plan, ledger));
+  };
+  add("work", work_csv), add("drift", drift_csv), add("order", order_csv);
+  add("length", length_csv), add("precision", precision_csv);
+  tables.emplace_back("failures", failures_csv(plan, ledger));
+  return tables;
 }
 
 std::string work_csv(const ChartPlan& plan, const Ledger& ledger) {
@@ -262,16 +280,18 @@ std::string failures_csv(const ChartPlan& plan, const Ledger& ledger) {
     if (t.failed()) text += fmt::format("{},{},{},{}\n", panel, csv_cell(name), t.steps, csv_cell(t.failure));
   };
   for (const Setting& s : plan.settings()) {
-    add("work", s.name(), ledger.at(repeat_name(work_name(s), 0)));
-    add("drift", s.name(), ledger.at(drift_name(s)));
+    if (plan.has("work")) add("work", s.name(), ledger.at(repeat_name(work_name(s), 0)));
+    if (plan.has("drift")) add("drift", s.name(), ledger.at(drift_name(s)));
   }
   for (const auto& method : plan.methods) {
-    for (const int divisor : divisors(plan))
-      add("order", fmt::format("{} at {:g} fs", method, plan.scene.run.dt_fs / divisor),
-          ledger.at(order_name(method, divisor)));
-    for (const int bonds : lengths(plan))
-      add("length", fmt::format("{}, {} bonds", method, bonds),
-          ledger.at(repeat_name(length_name(method, bonds), 0)));
+    if (plan.has("order"))
+      for (const int divisor : divisors(plan))
+        add("order", fmt::format("{} at {:g} fs", method, plan.scene.run.dt_fs / divisor),
+            ledger.at(order_name(method, divisor)));
+    if (plan.has("length"))
+      for (const int bonds : lengths(plan))
+        add("length", fmt::format("{}, {} bonds", method, bonds),
+            ledger.at(repeat_name(length_name(method, bonds), 0)));
   }
   for (const auto& [name, trial] : precision_trials(plan, ledger)) add("precision", name, trial);
   return text;

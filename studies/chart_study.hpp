@@ -1,6 +1,8 @@
 #pragma once
 
+#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "studies/chart_verdict.hpp"
@@ -20,14 +22,17 @@ struct ChartPlan {
   long steps = 40;          // of a timed run; short, so that few of them meet another process
   long drift_steps = 4000;  // of a run whose energy is watched
   Listen listen = {};
+  std::set<std::string, std::less<>> panels = {"work", "drift", "order", "length", "precision"};
 
   void make_quick();                      // rough: few settings, repeats and steps
   std::vector<Setting> settings() const;  // of all methods
+  bool has(
+      std::string_view panel) const;  // asked for, or needed for one that is, and there is something to show
 };
 
 // Panels, each with its jobs, and its table as CSV once they are done.
 //   work    constraint time a bond and step, quartiles over the repeats; bond errors
-//   drift   of the energy, with its interval
+//   drift   of the energy, with its interval, against the times of work
 //   order   distance from a reference run (newton, 1e-12, at a fine step) after a short time, step by step
 //   length  constraint time a bond against the length of freely jointed chains
 //   precision  time of a whole step, drift and bond errors with pair forces in double and in mixed precision;
@@ -37,7 +42,7 @@ std::vector<Job> drift_jobs(const ChartPlan& plan);
 std::vector<Job> order_jobs(const ChartPlan& plan);
 std::vector<Job> length_jobs(const ChartPlan& plan, const Ledger& ledger);
 std::vector<Job> precision_jobs(const ChartPlan& plan, const Ledger& ledger);
-std::vector<Job> chart_jobs(const ChartPlan& plan, const Ledger& ledger);  // of all panels
+std::vector<Job> chart_jobs(const ChartPlan& plan, const Ledger& ledger);  // of all the plan's panels
 
 std::string work_csv(const ChartPlan& plan, const Ledger& ledger);
 std::string drift_csv(const ChartPlan& plan, const Ledger& ledger);
@@ -49,6 +54,9 @@ std::vector<ChartPoint> chart_points(const ChartPlan& plan, const Ledger& ledger
 bool has_precisions(const Scene& scene);
 // The drifts of that panel, "newton, mixed".
 std::vector<std::pair<std::string, Trial>> precision_trials(const ChartPlan& plan, const Ledger& ledger);
+
+// The panels by their names, and "failures".
+std::vector<std::pair<std::string, std::string>> chart_tables(const ChartPlan& plan, const Ledger& ledger);
 
 // Who failed where, and why: panel, setting, reason.
 std::string failures_csv(const ChartPlan& plan, const Ledger& ledger);

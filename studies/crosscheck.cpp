@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "base/errors.hpp"
+#include "base/exceeds.hpp"
 #include "base/nearest_name.hpp"
 #include "base/threads.hpp"
 #include "constraints/methods/baumgarte.hpp"
@@ -82,11 +83,14 @@ void hold_methods(const Stage& stage, OpenMMTwin& twin, Crosscheck& c, const Tel
     now(contestant.name);
     c.tracks.push_back(follow(stage, contestant, stage.steps, against).track);
   }
-  now("why they part");
   c.fine = std::move(fine.track);
   c.twin = std::move(openmm.track);
-  c.openmm_bonds = openmm_bonds(stage, c.twin.worst_bond());
-  c.leapfrog = compare_leapfrog(stage);
+  if (c.twin.failed()) return;
+  now("why they part");
+  c.openmm_bonds.worst = c.twin.worst_bond();
+  c.openmm_bonds.failure =
+      run_or_say_why([&] { c.openmm_bonds = openmm_bonds(stage, c.openmm_bonds.worst); });
+  c.leapfrog.failure = run_or_say_why([&] { c.leapfrog = compare_leapfrog(stage); });
 }
 
 }  // namespace
@@ -105,15 +109,16 @@ std::vector<Contestant> contestants(const std::vector<std::string>& names, bool 
 }
 
 double Track::most_apart() const {
-  double most = 0;
-  for (const Sample& s : samples) most = std::max(most, s.apart);
+  double most = -1;
+  for (const Sample& s : samples)
+    if (exceeds(s.apart, most)) most = s.apart;
   return most;
 }
 
 double Track::apart_at(long step) const {
-  double apart = 0;
+  double apart = -1;
   for (const Sample& s : samples)
-    if (s.step <= step) apart = s.apart;
+    if (s.step <= step && s.apart >= 0) apart = s.apart;
   return apart;
 }
 
@@ -125,7 +130,8 @@ std::optional<long> Track::parted_at(double nm) const {
 
 double Track::worst_bond() const {
   double worst = 0;
-  for (const Sample& s : samples) worst = std::max(worst, s.bond_max);
+  for (const Sample& s : samples)
+    if (exceeds(s.bond_max, worst)) worst = s.bond_max;
   return worst;
 }
 

@@ -53,7 +53,7 @@ struct CrosscheckPlan {
 struct Sample {
   long step = 0;
   double t = 0;                       // [ps]
-  double apart = 0;                   // from OpenMM's run: largest distance of an atom from its twin [nm]
+  double apart = -1;                  // from OpenMM's run, while that lasts: an atom's largest distance [nm]
   double from_truth = -1;             // the same from the fine run's, while that lasts; −1 after [nm]
   double energy = 0;                  // total [kJ/mol]
   double temperature = 0;             // [K]
@@ -71,10 +71,10 @@ struct Track {
   Estimate temperature;                           // [K]
   Distances oxygens;                              // empty without water or in runs too short
   Estimate end_to_end;                            // [nm], 0 without chains
-  bool held_against = false;                      // another run: `apart` is known
 
-  double most_apart() const;                       // [nm]
-  double apart_at(long step) const;                // at the last sample up to there [nm]
+  bool failed() const { return !failure.empty(); }
+  double most_apart() const;                       // [nm]; −1: from no run
+  double apart_at(long step) const;                // when it was last known up to there [nm]; −1: never
   std::optional<long> parted_at(double nm) const;  // first sample over it
   double worst_bond() const;
   double rms_bond(long step) const;  // over the samples up to there, but the start's
@@ -90,9 +90,10 @@ struct StartDifference {
 
 // How OpenMM holds bonds of its own: by SETTLE at lengths rounded to float, or not exactly.
 struct OpenMMBonds {
-  double worst = 0;  // relative error in its run
-  int rounded = 0;   // bonds at the float nearest their length
-  long steps = 0;    // of the runs below
+  double worst = 0;          // relative error in its run
+  int rounded = 0;           // bonds at the float nearest their length
+  long steps = 0;            // of the runs below
+  std::string failure = {};  // of those: why there are none
   std::optional<double> apart_as_given = {},
                         apart_with_theirs = {};  // newton with our lengths, with theirs [nm]
 };
@@ -108,11 +109,13 @@ struct Leapfrog {              // VerletIntegrator against the RATTLE twin, both
   double velocities_kept = 0;  // as it keeps them, half a step behind [nm/ps]
   double velocities = 0;       // brought to the full step [nm/ps]
   long steps = 0;
+  std::string failure = {};  // why there is nothing to compare
 };
 
 struct Speed {
   std::string who;
   double us_per_step = 0;
+  std::string failure = {};  // why there is none
 };
 
 // One method in taut's own run, and in OpenMM by the plug-in, which is held against it.

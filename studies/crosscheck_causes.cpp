@@ -58,7 +58,7 @@ StartDifference compare_start(const Stage& stage, OpenMMTwin& twin) {
       .energy = forces.potential(s, besides),
       .openmm_energy = energy,
       .force_rms = std::sqrt(s.f.squaredNorm() / static_cast<double>(std::max<Eigen::Index>(1, s.f.size()))),
-      .force_difference = difference.cwiseAbs().maxCoeff(),
+      .force_difference = difference.cwiseAbs().maxCoeff<Eigen::PropagateNaN>(),
       .terms = forces.energies(s, besides)};
 }
 
@@ -102,7 +102,7 @@ Chaos chaos_of(const Track& nudged) {
   Chaos chaos;
   Slope rate;
   for (const Sample& s : nudged.samples) {
-    if (s.apart > kSaturated) break;
+    if (s.apart < 0 || s.apart > kSaturated) break;
     chaos.growth = std::max(chaos.growth, s.apart / kNudge);
     chaos.steps = s.step;
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "base/errors.hpp"
 #include "constraints/methods/baumgarte.hpp"
@@ -18,6 +19,7 @@ namespace {
 
 constexpr long kDenseSamples = 100;
 constexpr double kLongEnough = 5;  // [ps]
+constexpr double kBroken = 0.1;    // relative error of a bond that OpenMM has lost
 
 Scene prepared(Scene scene, const Listen& listen) {
   scene = prepared_for_study(std::move(scene), listen);
@@ -43,21 +45,25 @@ class Recorder {
         against_(against),
         structure_(stage.scene.system, stage.scene.terms, stage.scene.start.box) {
     followed_.track.name = std::move(name);
-    followed_.track.held_against = against.openmm != nullptr;
   }
 
+  // Throws SimulationFailure where the run has broken.
   void see(long step, const State& s, double potential) {
     const System& sys = stage_.scene.system;
     const std::size_t n = followed_.track.samples.size();
-    const auto from = [&](const Frames* frames, double otherwise) {
-      return frames && n < frames->size() ? most_apart(s.x, (*frames)[n]) : otherwise;
+    const auto from = [&](const Frames* frames) {
+      return frames && n < frames->size() ? most_apart(s.x, (*frames)[n]) : -1;
     };
     const BondErrors bonds = bond_errors(sys, s.x);
     const double kinetic = kinetic_energy(sys, s.v);
+    if (!s.x.allFinite() || !std::isfinite(potential + kinetic))
+      throw SimulationFailure(fmt::format("step {}: positions or energy are no longer numbers", step));
+    if (!(bonds.max <= most_off))
+      throw SimulationFailure(fmt::format("step {}: a bond is off by {:.1e} of its length", step, bonds.max));
     followed_.track.samples.push_back({.step = step,
                                        .t = static_cast<double>(step) * stage_.scene.run.h(),
-                                       .apart = from(against_.openmm, 0),
-                                       .from_truth = from(against_.truth, -1),
+                                       .apart = from(against_.openmm),
+                                       .from_truth = from(against_.truth),
                                        .energy = potential + kinetic,
                                        .temperature = temperature(kinetic, stage_.dof),
                                        .bond_max = bonds.max,
@@ -90,6 +96,8 @@ class Recorder {
   void set(const std::string& setting) { followed_.track.setting = setting; }
 
   bool keep_frames = false;
+  double most_off =
+      std::numeric_limits<double>::infinity();  // a bond, relative, in a run that holds its bonds
 
  private:
   const Stage& stage_;
@@ -158,7 +166,7 @@ void advance(OpenMMTwin& twin, long steps, const Listen& listen) {
 }
 
 double most_apart(const Vectors& x, const Vectors& y) {
-  return std::sqrt((x - y).colwise().squaredNorm().maxCoeff());
+  return std::sqrt((x - y).colwise().squaredNorm().maxCoeff<Eigen::PropagateNaN>());
 }
 
 Contestant exact(const std::string& name) {
@@ -200,6 +208,7 @@ Followed follow(const Stage& stage, const std::string& name, OpenMMTwin& twin, l
                 const Against& against) {
   Recorder recorder(stage, name, against);
   recorder.keep_frames = against.openmm == nullptr;
+  if (!stage.plan.plugged()) recorder.most_off = kBroken;
   const auto see = [&](long step) {
     double potential = 0;
     const State s = twin.state(potential);
@@ -218,6 +227,17 @@ Followed follow(const Stage& stage, const std::string& name, OpenMMTwin& twin, l
     recorder.fail(e.what());
   }
   return recorder.finish();
+}
+
+std::string run_or_say_why(const std::function<void()>& run) {
+  try {
+    run();
+  } catch (const SimulationFailure& e) {
+    return first_line(e.what());
+  } catch (const InputError& e) {
+    return first_line(e.what());
+  }
+  return "";
 }
 
 namespace {
@@ -248,34 +268,48 @@ double time_taut(const Stage& stage, const MethodOptions& method) {
   });
 }
 
+double time_twin(const Stage& stage, const TwinSettings& settings) {
+  const auto twin = stage.twin(settings);
+  const double us =
+      time_steps(stage.plan.speed_seconds, [&](long steps) { advance(*twin, steps, stage.plan.listen); });
+  if (!twin->state().x.allFinite())
+    throw SimulationFailure("OpenMM, run beside taut: positions are no longer numbers");
+  return us;
+}
+
 }  // namespace
 
 std::vector<Speed> measure_speed(const Stage& stage) {
   std::vector<Speed> speed;
   if (!(stage.plan.speed_seconds > 0)) return speed;
-  const auto time_twin = [&](const std::string& name, const TwinSettings& settings) {
-    const auto twin = stage.twin(settings);
-    speed.push_back({name, time_steps(stage.plan.speed_seconds,
-                                      [&](long steps) { advance(*twin, steps, stage.plan.listen); })});
+  const auto add = [&](const std::string& who, const auto& time) {
+    Speed& of = speed.emplace_back(Speed{who});
+    of.failure = run_or_say_why([&] { of.us_per_step = time(); });
+  };
+  const auto add_taut = [&](const std::string& name, const MethodOptions& method) {
+    add("taut, " + name, [&] { return time_taut(stage, method); });
+  };
+  const auto add_twin = [&](const std::string& name, const TwinSettings& settings) {
+    add(name, [&] { return time_twin(stage, settings); });
   };
   if (stage.plan.plugged()) {
     for (const Contestant& contestant : stage.plan.contestants) {
-      speed.push_back({"taut, " + contestant.name, time_taut(stage, contestant.method)});
-      time_twin(fmt::format("OpenMM {}, TautIntegrator {}", stage.plan.platform, contestant.name),
-                stage.with_plugin(contestant));
+      add_taut(contestant.name, contestant.method);
+      add_twin(fmt::format("OpenMM {}, TautIntegrator {}", stage.plan.platform, contestant.name),
+               stage.with_plugin(contestant));
     }
     return speed;
   }
   for (const auto& [name, method] : std::initializer_list<std::pair<const char*, MethodOptions>>{
-           {"taut, rattle at 1e-6", Rattle::Options{{.tolerance = kTolerance}}},
-           {"taut, newton at 1e-6", Newton::Options{.tolerance = kTolerance}},
-           {"taut, feedforward", Feedforward::Options{}},
-           {"taut, baumgarte reversible", Baumgarte::Options{}}})
-    speed.push_back({name, time_taut(stage, method)});
+           {"rattle at 1e-6", Rattle::Options{{.tolerance = kTolerance}}},
+           {"newton at 1e-6", Newton::Options{.tolerance = kTolerance}},
+           {"feedforward", Feedforward::Options{}},
+           {"baumgarte reversible", Baumgarte::Options{}}})
+    add_taut(name, method);
   for (const auto& [name, integrator] :
        {std::pair("OpenMM CPU, VerletIntegrator at 1e-6", TwinIntegrator::kVerlet),
         {"OpenMM CPU, RATTLE CustomIntegrator at 1e-6", TwinIntegrator::kRattle}})
-    time_twin(name, {.constraint_tolerance = kTolerance, .platform = "CPU", .integrator = integrator});
+    add_twin(name, {.constraint_tolerance = kTolerance, .platform = "CPU", .integrator = integrator});
   return speed;
 }
 

@@ -47,7 +47,7 @@ using EachStep = std::function<void(const State&)>;
 Followed follow(const Stage& stage, const Contestant& contestant, long steps, const Against& against,
                 int finer = 1, const EachStep& each = {});
 
-// Follows an OpenMM run from where it is.
+// Follows an OpenMM run from where it is. Without numbers, or with bonds that its own integrators lose, it has broken.
 Followed follow(const Stage& stage, const std::string& name, OpenMMTwin& twin, long steps,
                 const Against& against);
 
@@ -59,7 +59,10 @@ void advance(OpenMMTwin& twin, long steps, const Listen& listen);
 
 double most_apart(const Vectors& x, const Vectors& y);  // largest distance of an atom from its twin [nm]
 
-// Measures whole steps per second of taut and of OpenMM on equal threads.
+// Runs what nothing else depends on. Returns the first line of why it broke; empty: it did not.
+std::string run_or_say_why(const std::function<void()>& run);
+
+// Measures whole steps per second of taut and of OpenMM on equal threads, of those that last so long.
 std::vector<Speed> measure_speed(const Stage& stage);
 
 }  // namespace taut

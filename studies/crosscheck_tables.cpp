@@ -30,12 +30,20 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+Json if_known(double distance) {
+  return distance >= 0 ? Json(distance) : Json();
+}
+
+std::string cell_if_known(double distance) {
+  return distance >= 0 ? fmt::format("{:.6e}", distance) : "";
+}
+
 Json json_of(const Crosscheck& c, const Track& track) {
   Json json = {{"name", track.name},
                {"setting", track.setting},
                {"failure", track.failure},
-               {"apart_nm", track.apart_at(c.parting)},
-               {"most_apart_nm", track.most_apart()},
+               {"apart_nm", if_known(track.apart_at(c.parting))},
+               {"most_apart_nm", if_known(track.most_apart())},
                {"max_rel_bond_error", track.worst_bond()},
                {"rms_rel_bond_error", track.rms_bond(c.steps)},
                {"energy_drift_kj_mol_ns_dof", json_of(track.drift)},
@@ -81,7 +89,8 @@ Json json_of(const Crosscheck& c) {
     json["openmm_bonds"]["newton_apart_with_their_lengths_nm"] = *c.openmm_bonds.apart_with_theirs;
   }
   for (const Track* track : all_tracks(c)) json["runs"].push_back(json_of(c, *track));
-  for (const auto& [who, us] : c.speed) json["speed_us_per_step"][who] = us;
+  for (const auto& [who, us, failure] : c.speed)
+    (failure.empty() ? json["speed_us_per_step"][who] = us : json["speed_failures"][who] = failure);
   for (const Verdict& v : verdicts(c))
     json["verdicts"].push_back({{"who", v.who}, {"finding", name_of(v.finding)}, {"why", v.why}});
   return json;
@@ -99,9 +108,9 @@ std::string samples_csv(const Crosscheck& c) {
       "rms_rel_bond_error\n";
   for (const Track* track : all_tracks(c))
     for (const Sample& s : track->samples)
-      text += fmt::format("{},{},{:.9g},{:.6e},{},{:.12g},{:.8g},{:.6e},{:.6e}\n", csv_cell(track->name),
-                          s.step, s.t, s.apart, s.from_truth >= 0 ? fmt::format("{:.6e}", s.from_truth) : "",
-                          s.energy, s.temperature, s.bond_max, s.bond_rms);
+      text += fmt::format("{},{},{:.9g},{},{},{:.12g},{:.8g},{:.6e},{:.6e}\n", csv_cell(track->name), s.step,
+                          s.t, cell_if_known(s.apart), cell_if_known(s.from_truth), s.energy, s.temperature,
+                          s.bond_max, s.bond_rms);
   return text;
 }
 

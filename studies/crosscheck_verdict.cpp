@@ -5,10 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/exceeds.hpp"
+#include "studies/crosscheck_tables.hpp"
+
 namespace taut {
 namespace {
 
 constexpr double kHeld = 1e-9;             // relative bond error of a method that holds its bonds
+constexpr double kLost = 1e-6;             // above which OpenMM's own do not: floats leave 6e-8
 constexpr double kSameEnergy = 1e-8;       // relative
 constexpr double kSameForce = 1e-6;        // of the forces' rms
 constexpr double kSinglePrecision = 1000;  // times those, where OpenMM computes in it
@@ -22,6 +26,18 @@ double round_off(const Crosscheck& c) {
   if (c.in_double) return kRoundOff;
   if (c.platform == "CPU" || c.precision == "mixed") return kRoundOffOfForces;
   return std::max(kRoundOffOfForces, kRoundOffOfPositions * c.extent);
+}
+
+constexpr const char* kGaveUp = "its CCMA gave up at 150 iterations, without a word";
+
+// A run that broke. OpenMM's own may have lost the bonds before they lost the numbers.
+Verdict on_failure(const Crosscheck& c, const Track& track) {
+  std::string why = track.failure;
+  const bool of_openmm =
+      c.plugged.empty() && (&track == &c.twin || &track == &c.verlet || &track == &c.nudged);
+  if (of_openmm && track.worst_bond() > kLost)
+    why += fmt::format("; its bonds were off by {:.1e} before: {}", track.worst_bond(), kGaveUp);
+  return {track.name, Finding::kFailed, why};
 }
 
 Verdict on_start(const Crosscheck& c) {
@@ -39,6 +55,7 @@ Verdict on_start(const Crosscheck& c) {
 
 Verdict on_leapfrog(const Crosscheck& c) {
   const auto& l = c.leapfrog;
+  if (!l.failure.empty()) return {"openmm verlet", Finding::kFailed, l.failure};
   const bool same = l.positions <= c.agreement;
   return {"openmm verlet", same ? Finding::kAgrees : Finding::kDiffers,
           fmt::format(
@@ -50,17 +67,18 @@ Verdict on_leapfrog(const Crosscheck& c) {
 Verdict on_openmm_bonds(const Crosscheck& c) {
   const auto& b = c.openmm_bonds;
   std::string why = fmt::format("relative bond error up to {:.1e}", b.worst);
+  if (!b.failure.empty()) return {"openmm bonds", Finding::kFailed, why + "; " + b.failure};
   if (b.rounded > 0)
     why += fmt::format(
         ": SETTLE holds {} of {} bonds at the float nearest their length; newton told to do so stays "
         "within {:.1e} nm of it for {} steps, with the lengths as given {:.1e}",
         b.rounded, c.bonds, *b.apart_with_theirs, b.steps, *b.apart_as_given);
   else if (b.worst > kHeld)
-    why += ": its CCMA gave up at 150 iterations, without a word";
+    why += fmt::format(": {}", kGaveUp);
   else
     why += ": its CCMA converged";
   const bool explained = b.rounded == 0 || *b.apart_with_theirs <= c.agreement;
-  return {"openmm bonds", !explained || b.worst > 1e-6 ? Finding::kDiffers : Finding::kAgrees, why};
+  return {"openmm bonds", !explained || b.worst > kLost ? Finding::kDiffers : Finding::kAgrees, why};
 }
 
 // What OpenMM's rounded lengths have to do with it: all, if newton told to hold those does not part.
@@ -79,7 +97,7 @@ double apart_at_start(const Crosscheck& c, const Track& track) {
 }
 
 std::string chaos_clause(const Crosscheck& c, const Track& track) {
-  if (!(c.chaos.growth > 1)) return "";
+  if (!(c.chaos.growth > 1) || c.nudged.failed()) return "";
   return fmt::format("; what {:.0e} nm at the start would do (chaos: ×{:.2g} in {} steps)",
                      apart_at_start(c, track), c.chaos.growth, c.chaos.steps);
 }
@@ -109,21 +127,28 @@ std::string residual_clause(const Track& track) {
 }
 
 Verdict on_method(const Crosscheck& c, const Track& track) {
-  if (!track.failure.empty()) return {track.name, Finding::kFailed, track.failure};
   const auto parted = track.parted_at(c.agreement);
   std::string why = parted ? fmt::format("at step {}: {:.1e} nm apart after {}", *parted,
                                          track.apart_at(c.parting), c.parting)
                            : fmt::format("{:.1e} nm apart at most in {} steps", track.most_apart(), c.steps);
   const bool holds = track.worst_bond() <= kHeld;
   if (!holds) why += residual_clause(track);
-  if (parted && holds) why += rounding_clause(c) + chaos_clause(c, track);
+  if (parted && holds)
+    why += c.openmm_bonds.worst > kLost
+               ? fmt::format("; OpenMM's own bonds are off by {:.1e}", c.openmm_bonds.worst)
+               : rounding_clause(c) + chaos_clause(c, track);
   if (parted) why += truth_clause(c, track);
   return {track.name, parted ? Finding::kParts : Finding::kAgrees, why};
 }
 
+Verdict on_its_own(const Crosscheck& c, const Track& track, const Track& other) {
+  return {
+      track.name, Finding::kAlone,
+      fmt::format("got through its {} steps; {} did not: nothing is judged beside it", c.steps, other.name)};
+}
+
 // The plug-in's run beside taut's own, which round-off alone sets apart.
 Verdict on_plugin(const Crosscheck& c, const Track& track) {
-  if (!track.failure.empty()) return {track.name, Finding::kFailed, track.failure};
   return {track.name, apart_at_start(c, track) <= round_off(c) ? Finding::kAgrees : Finding::kParts,
           fmt::format("{:.1e} nm from taut's own run after {} steps{}; round-off is up to {:.0e} nm there",
                       track.apart_at(c.chaos.steps), c.chaos.steps, chaos_clause(c, track), round_off(c))};
@@ -139,16 +164,16 @@ Verdict on_averages(const Track& track, const Track& twin) {
   if (!track.oxygens.r.empty()) {
     const double chi = chi_squared(track.oxygens, twin.oxygens);
     why += fmt::format("; O–O g(r): χ² {:.2f} a bin", chi);
-    worst = std::max(worst, chi);
+    if (exceeds(chi, worst)) worst = chi;
   }
   if (track.end_to_end.value > 0) {
     const double ends = deviations(track.end_to_end, twin.end_to_end);
     why += fmt::format("; end to end {:.4f} ± {:.4f} nm, OpenMM {:.4f} ± {:.4f} ({:.1f})",
                        track.end_to_end.value, track.end_to_end.error, twin.end_to_end.value,
                        twin.end_to_end.error, ends);
-    worst = std::max(worst, ends);
+    if (exceeds(ends, worst)) worst = ends;
   }
-  return {track.name + ", averages", worst > kSurprising ? Finding::kDiffers : Finding::kAgrees, why};
+  return {track.name + ", averages", worst <= kSurprising ? Finding::kAgrees : Finding::kDiffers, why};
 }
 
 // Whether it gains or loses energy as OpenMM does.
@@ -177,6 +202,8 @@ std::string_view name_of(Finding finding) {
       return "parts";
     case Finding::kDiffers:
       return "differs";
+    case Finding::kAlone:
+      return "alone";
     case Finding::kFailed:
       break;
   }
@@ -187,7 +214,7 @@ double chi_squared(const Distances& a, const Distances& b) {
   double sum = 0;
   int bins = 0;
   for (std::size_t n = 0; n < std::min(a.g.size(), b.g.size()); ++n) {
-    if (!(a.g[n].error + b.g[n].error > 0)) continue;
+    if (a.g[n].error + b.g[n].error == 0) continue;
     sum += std::pow(deviations(a.g[n], b.g[n]), 2);
     ++bins;
   }
@@ -195,18 +222,27 @@ double chi_squared(const Distances& a, const Distances& b) {
 }
 
 std::vector<Verdict> verdicts(const Crosscheck& c) {
-  std::vector<Verdict> all = {on_start(c)};
+  std::vector<Verdict> all;
+  for (const Track* track : all_tracks(c))
+    if (track->failed()) all.push_back(on_failure(c, *track));
+  all.push_back(on_start(c));
+  const auto on_run = [&](const Track& track, const Track& other, const auto& judge) {
+    if (track.failed()) return;  // named above
+    all.push_back(other.failed() ? on_its_own(c, track, other) : judge(c, track));
+  };
   const auto in_the_long_run = [&](const Track& track, const Track& twin) {
-    if (!c.long_enough || !track.failure.empty()) return;
+    if (!c.long_enough || track.failed() || twin.failed()) return;
     all.push_back(on_averages(track, twin));
     all.push_back(on_energy(track, twin));
   };
-  for (const auto& [ours, theirs] : c.plugged) all.push_back(on_plugin(c, theirs));
+  for (const auto& [ours, theirs] : c.plugged) on_run(theirs, ours, on_plugin);
   for (const auto& [ours, theirs] : c.plugged) in_the_long_run(ours, theirs);
   if (!c.plugged.empty()) return all;
-  all.push_back(on_leapfrog(c));
-  if (c.bonds > 0) all.push_back(on_openmm_bonds(c));
-  for (const Track& track : c.tracks) all.push_back(on_method(c, track));
+  if (!c.twin.failed()) {
+    if (!c.verlet.failed()) all.push_back(on_leapfrog(c));
+    if (c.bonds > 0) all.push_back(on_openmm_bonds(c));
+  }
+  for (const Track& track : c.tracks) on_run(track, c.twin, on_method);
   for (const Track& track : c.tracks) in_the_long_run(track, c.twin);
   return all;
 }

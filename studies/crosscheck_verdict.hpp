@@ -12,6 +12,7 @@ enum class Finding {
   kParts,    // agrees, then chaos or its own residual takes it elsewhere
   kDiffers,  // in something that should have agreed
   kFailed,   // did not get to the end
+  kAlone,    // got there, but what it was to be held against did not
 };
 
 struct Verdict {
@@ -21,7 +22,8 @@ struct Verdict {
 };
 std::string_view name_of(Finding finding);
 
-// One line each on the start, OpenMM's own ways, every method, and the averages where there are any.
+// A line for each run that broke, beside which nothing is judged. Then one each on the start, OpenMM's own ways, every
+// method, and the averages where there are any.
 std::vector<Verdict> verdicts(const Crosscheck& c);
 
 // Mean square of the differences of two g(r) in units of their errors, over bins where either is known.

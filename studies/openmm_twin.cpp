@@ -176,6 +176,16 @@ void set_state(OpenMM::Context& context, const OpenMM::State& from) {
     for (const auto& [name, value] : from.getParameters()) context.setParameter(name, value);
 }
 
+// What OpenMM throws in a run is the run's failure.
+template <class Act>
+auto in_a_run(const Act& act) {
+  try {
+    return act();
+  } catch (const OpenMM::OpenMMException& e) {
+    throw SimulationFailure(fmt::format("OpenMM, run beside taut, stopped: {}", on_one_line(e.what())));
+  }
+}
+
 }  // namespace
 
 bool built_with_openmm() {
@@ -275,13 +285,11 @@ void OpenMMTwin::set(const State& s) {
 }
 
 void OpenMMTwin::step(int n) {
-  try {
+  in_a_run([&] {
     const double t = impl_->get(0).getTime();
     impl_->integrator->step(impl_->in_halves() ? 2 * n : n);
     if (impl_->in_halves()) impl_->context->setTime(t + n * impl_->settings.h);
-  } catch (const OpenMM::OpenMMException& e) {
-    throw SimulationFailure(fmt::format("OpenMM, run beside taut, stopped: {}", e.what()));
-  }
+  });
 }
 
 State OpenMMTwin::state() const {
@@ -290,12 +298,15 @@ State OpenMMTwin::state() const {
 }
 
 State OpenMMTwin::state(double& potential) const {
-  using OpenMM::State;
-  const State s = impl_->get(State::Positions | State::Forces | State::Energy);
-  potential = s.getPotentialEnergy();
-  const Vectors f = impl_->forces(s);
-  return {from_openmm(s.getPositions()), impl_->lags() ? impl_->full_step_velocities(f) : impl_->velocities(),
-          f, s.getTime(), impl_->periodic() ? box_of(s) : Box{}};
+  using What = OpenMM::State;
+  return in_a_run([&]() -> State {
+    const What s = impl_->get(What::Positions | What::Forces | What::Energy);
+    potential = s.getPotentialEnergy();
+    const Vectors f = impl_->forces(s);
+    return {from_openmm(s.getPositions()),
+            impl_->lags() ? impl_->full_step_velocities(f) : impl_->velocities(), f, s.getTime(),
+            impl_->periodic() ? box_of(s) : Box{}};
+  });
 }
 
 Vectors OpenMMTwin::kept_velocities() const {

@@ -29,7 +29,7 @@ bool has_precisions(const Scene& scene) {
 }
 
 std::vector<Job> precision_jobs(const ChartPlan& plan, const Ledger& ledger) {
-  if (!has_precisions(plan.scene)) return {};
+  if (!plan.has("precision")) return {};
   std::vector<Job> points, drifts;
   for (const auto& method : plan.methods)
     for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
@@ -51,7 +51,7 @@ std::vector<Job> precision_jobs(const ChartPlan& plan, const Ledger& ledger) {
 
 std::vector<std::pair<std::string, Trial>> precision_trials(const ChartPlan& plan, const Ledger& ledger) {
   std::vector<std::pair<std::string, Trial>> trials;
-  if (has_precisions(plan.scene))
+  if (plan.has("precision"))
     for (const auto& method : plan.methods)
       for (const Precision precision : {Precision::kDouble, Precision::kMixed})
         trials.emplace_back(fmt::format("{}, {}", method, name_of(precision)),

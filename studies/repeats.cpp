@@ -39,7 +39,8 @@ Quartiles over_repeats(const std::string& point, int repeats, const Ledger& ledg
   std::vector<double> values;
   values.reserve(repeats);
   for (int repeat = 0; repeat < repeats; ++repeat)
-    values.push_back(ledger.at(repeat_name(point, repeat)).*figure);
+    if (const Trial& trial = ledger.at(repeat_name(point, repeat)); !trial.failed())
+      values.push_back(trial.*figure);
   return quartiles(std::move(values));
 }
 

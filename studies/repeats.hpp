@@ -20,7 +20,7 @@ std::string repeat_name(const std::string& point, int repeat);
 // failed once is not run again.
 std::vector<Job> interleaved(const std::vector<Job>& points, int repeats, const Ledger& ledger);
 
-// `figure` of a point's trials, over its repeats.
+// `figure` of a point's trials, over its repeats that did not fail.
 Quartiles over_repeats(const std::string& point, int repeats, const Ledger& ledger, double Trial::*figure);
 
 }  // namespace taut

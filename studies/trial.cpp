@@ -6,11 +6,15 @@
 #include <cmath>
 
 #include "base/errors.hpp"
+#include "base/exceeds.hpp"
 #include "simulation/simulation.hpp"
 #include "systems/scene_file.hpp"
 
 namespace taut {
 namespace {
+
+// Where all is at rest, energies are kept to this share of themselves.
+constexpr double kAtRest = 1e-6;
 
 // What a curve may go through, in the order in which a reader walks it: from cheap to exact.
 struct Sweep {
@@ -75,14 +79,15 @@ Trial try_setting(Scene scene, const Setting& setting, const TrialPlan& plan, St
   double first_energy = 0, largest_kinetic = 0, squares = 0;
   const auto watch = [&](const Record& r) {
     trial.steps = r.step;
-    trial.max_error = std::max(trial.max_error, r.bonds.max);
+    if (exceeds(r.bonds.max, trial.max_error)) trial.max_error = r.bonds.max;
     squares += r.bonds.rms * r.bonds.rms;
     if (rows++ == 0) first_energy = r.total();
     largest_kinetic = std::max(largest_kinetic, r.kinetic);
     trial.rms_error = std::sqrt(squares / rows);
-    if (std::abs(r.total() - first_energy) > plan.broken_energy * largest_kinetic && largest_kinetic > 0)
+    const double energy = std::max(largest_kinetic, kAtRest * std::abs(first_energy));
+    if (exceeds(std::abs(r.total() - first_energy), plan.broken_energy * energy) && energy > 0)
       throw SimulationFailure("the energy blew up");
-    if (r.bonds.max > plan.broken_bond)
+    if (exceeds(r.bonds.max, plan.broken_bond))
       throw SimulationFailure(fmt::format("bonds {:g} % off", 100 * plan.broken_bond));
   };
   try {

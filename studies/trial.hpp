@@ -41,9 +41,10 @@ struct Trial {
 
 struct TrialPlan {
   long steps = 1000;
-  long rows = 100;             // looked at so many times
-  double broken_energy = 1.0;  // |E − E₀| over the largest kinetic energy seen, above which energy blew up
-  double broken_bond = 0.1;    // relative error above which a bond counts as lost
+  long rows = 100;  // looked at so many times
+  double broken_energy =
+      1.0;  // |E − E₀| over the largest kinetic energy seen (or 1e-6 of E₀), above which it blew up
+  double broken_bond = 0.1;  // relative error above which a bond counts as lost
   Listen listen = {};
 };
 

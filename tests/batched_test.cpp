@@ -99,7 +99,7 @@ TEST(Batched, CountsWhatTheSlowestClusterTook) {
       return step({start.system, forces, method}, 0.01, s).iterations;
     };
     const auto same = [&](auto fast, auto plain) {
-      const int want = iterations(plain);
+      const long want = iterations(plain);
       EXPECT_GT(want, 2);
       EXPECT_EQ(iterations(fast), want);
     };
@@ -112,7 +112,7 @@ TEST(Batched, CountsWhatTheSlowestClusterTook) {
 TEST(Batched, FeedforwardSolvesAsOftenAsThePlainOne) {
   const Start start = tests::rotor(1);
   tests::NoForce forces;
-  int most = 0;
+  long most = 0;
   for (double blow = 1e-3; blow < 30; blow *= 1.3) {
     const auto solves = [&](auto method) {
       State s = start.state;
@@ -120,7 +120,7 @@ TEST(Batched, FeedforwardSolvesAsOftenAsThePlainOne) {
       s.v(1, 1) += blow;
       return step({start.system, forces, method}, 0.01, s).iterations;
     };
-    const int want = solves(Baumgarte(start.system, Feedforward::Options{}, 0.01));
+    const long want = solves(Baumgarte(start.system, Feedforward::Options{}, 0.01));
     EXPECT_EQ(solves(Batched<Baumgarte>(start.system, Feedforward::Options{}, 0.01)), want) << blow;
     most = std::max(most, want);
   }

@@ -11,6 +11,8 @@
 #include "error_message.hpp"
 #include "forcefield/force_field.hpp"
 #include "openmm_folder.hpp"
+#include "scene_text.hpp"
+#include "studies/crosscheck_tables.hpp"
 #include "studies/crosscheck_verdict.hpp"
 #include "studies/openmm_twin.hpp"
 #include "systems/openmm/import.hpp"
@@ -133,6 +135,88 @@ TEST(Crosscheck, LeapfrogTakesTheSamePositions) {
   EXPECT_LT(c.leapfrog.positions, 1e-10);
   EXPECT_LT(c.leapfrog.velocities, 1e-7);
   EXPECT_GT(c.leapfrog.velocities_kept, 1e-3) << "half a step behind";
+}
+
+// OpenMM's CCMA takes angles to be at the minimum of their energy, and does not converge far from there.
+const std::string kFarFromTheirAngles = R"(
+[molecule.polymer]
+atoms  = [{name = "B", mass_u = 72, sigma_nm = 0.47, epsilon_kj_mol = 3.5}]
+units  = 20
+bonds  = [[0, 1, 0.35]]
+angles = [[0, 1, 2, 180, 1]]
+[[place]]
+molecule = "polymer"
+count = 3
+[build]
+box_nm = 5
+[forcefield]
+cutoff_nm = 1.1
+switch_nm = 0.9
+[run]
+dt_fs = 10
+temperature_k = 300
+)";
+
+std::vector<std::string> lines_of(const Crosscheck& c) {
+  std::vector<std::string> lines;
+  for (const Verdict& v : verdicts(c))
+    lines.push_back(fmt::format("{}: {}: {}", v.who, name_of(v.finding), v.why));
+  return lines;
+}
+
+TEST(Crosscheck, NamesARunThatBreaksAndJudgesNothingBesideIt) {
+  CrosscheckPlan plan;
+  plan.contestants = contestants({"newton", "settle"});
+  plan.parting_steps = 100;
+  plan.speed_seconds = 0.01;
+  const Crosscheck c = crosscheck(read(kFarFromTheirAngles, {"run.steps=500"}), plan);
+  EXPECT_TRUE(c.long_enough);
+  const std::vector<std::string> lines = lines_of(c);
+  ASSERT_EQ(lines.size(), 6u) << testing::PrintToString(lines);
+  for (int k = 0; k < 3; ++k)
+    EXPECT_THAT(lines[k],
+                AllOf(HasSubstr("openmm "), HasSubstr(": failed: step "), HasSubstr("CCMA gave up")));
+  EXPECT_THAT(lines[3], AllOf(HasSubstr("settle: failed: "), HasSubstr("three-site water")));
+  EXPECT_THAT(lines[4], HasSubstr("start: agrees"));
+  EXPECT_THAT(lines[5],
+              AllOf(HasSubstr("newton: alone: "), HasSubstr("openmm rattle"), Not(HasSubstr("chaos"))));
+  EXPECT_EQ(c.tracks[0].samples.back().step, 500);
+  EXPECT_GT(c.tracks[0].most_apart(), 0);
+  EXPECT_EQ(c.tracks[0].samples.back().apart, -1) << "from a run that is no more";
+  EXPECT_THAT(samples_csv(c), Not(HasSubstr("nan")));
+  for (const Speed& of : c.speed) {
+    EXPECT_EQ(of.failure.empty(), of.us_per_step > 0) << of.who;
+    EXPECT_EQ(of.failure.empty(), of.who.starts_with("taut, ")) << of.who << ": " << of.failure;
+  }
+  EXPECT_EQ(c.speed.size(), 6u);
+}
+
+TEST(Crosscheck, DoesNotCallChaosWhatOpenMMsBondsDo) {
+  CrosscheckPlan plan;
+  plan.contestants = contestants({"newton"});
+  plan.agreement = 1e-8;
+  plan.speed_seconds = 0;
+  const std::string text = SceneText{kFarFromTheirAngles}.with("180, 1", "120, 1").text;
+  const std::vector<std::string> lines = lines_of(crosscheck(read(text, {"run.steps=60"}), plan));
+  EXPECT_THAT(lines, testing::Contains(AllOf(HasSubstr("openmm bonds: differs"), HasSubstr("CCMA gave up"))));
+  EXPECT_THAT(lines.back(), AllOf(HasSubstr("newton: parts"), HasSubstr("OpenMM's own bonds are off by"),
+                                  Not(HasSubstr("chaos"))));
+}
+
+TEST(Crosscheck, AveragesOfWhatIsNoNumberDoNotAgree) {
+  Crosscheck c;
+  c.long_enough = true;
+  c.twin.name = "openmm rattle";
+  c.twin.temperature = {300, 1};
+  for (const double kelvin : {300.0, std::nan("")}) {
+    Track& track = c.tracks.emplace_back();
+    track.name = "newton";
+    track.temperature = {kelvin, 1};
+  }
+  std::vector<Finding> findings;
+  for (const Verdict& v : verdicts(c))
+    if (v.who.ends_with("averages")) findings.push_back(v.finding);
+  EXPECT_THAT(findings, testing::ElementsAre(Finding::kAgrees, Finding::kDiffers));
 }
 
 // The plug-in takes taut's own step: all that sets the two apart is round-off of positions, or of the platform's

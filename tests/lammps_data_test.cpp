@@ -52,7 +52,8 @@ struct Folder {
     std::ifstream in(folder.path() / "a.in");
     std::string text, line;
     while (std::getline(in, line))
-      if (!line.starts_with("fix hold") && !line.starts_with("fix bath") && !line.starts_with("#"))
+      if (!line.starts_with("fix hold") && !line.starts_with("fix bath") && !line.starts_with("run") &&
+          !line.starts_with("#"))
         text += line + "\n";
     folder.write("run.in",
                  text + further +
@@ -465,6 +466,28 @@ TEST(LammpsData, TheInputSaysWhatItLeavesOut) {
   EXPECT_THAT(
       input({"run.thermostat=langevin", "run.friction_per_ps=4"}),
       AllOf(HasSubstr("\nfix bath all langevin "), HasSubstr(" 0.25 "), HasSubstr("# - Langevin dynamics")));
+}
+
+// fix shake stops on chains: "Shake clusters are connected".
+TEST(LammpsData, TheInputOffersFixShakeWhereItHoldsTheBonds) {
+  const auto input = [](const std::string& bonds) {
+    return lammps_files(read(fmt::format(R"(
+[build]
+kind = "atoms"
+atoms = [[0, 0, 0, 1], [1, 0, 0, 1], [0, 1, 0, 1], [0, 0, 1, 1], [-1, 0, 0, 1]]
+bonds = [{}]
+)",
+                                         bonds)),
+                        "a.data")
+        .input;
+  };
+  const char* may = "fix shake or rattle may stand in its place";
+  EXPECT_THAT(input("[0, 1, 1]"), HasSubstr(may));
+  EXPECT_THAT(input("[0, 1, 1], [0, 2, 1], [0, 3, 1]"), HasSubstr(may));
+  for (const char* bonds :
+       {"[0, 1, 1], [0, 2, 1], [0, 3, 1], [0, 4, 1]", "[1, 0, 1], [0, 2, 1], [2, 3, 1.4142135623730951]",
+        "[0, 1, 1], [0, 2, 1], [1, 2, 1.4142135623730951]"})
+    EXPECT_THAT(input(bonds), AllOf(HasSubstr("cannot stand in its place"), Not(HasSubstr(may)))) << bonds;
 }
 
 TEST(LammpsData, WhatLammpsLacksIsRefusedByName) {

@@ -50,6 +50,10 @@ TEST(BlockAverage, SlopeOfALine) {
 TEST(BlockAverage, DeviationsAreInCommonErrors) {
   EXPECT_DOUBLE_EQ(deviations({1, 3}, {11, 4}), 2);
   EXPECT_DOUBLE_EQ(deviations({1, 0}, {11, 0}), 0);
+  for (const Estimate& none : {Estimate{NAN, 0}, Estimate{NAN, 1}, Estimate{1, NAN}}) {
+    EXPECT_TRUE(std::isnan(deviations({1, 0}, none)));
+    EXPECT_TRUE(std::isnan(deviations(none, {1, 1})));
+  }
 }
 
 constexpr double kEdge = 2;  // [nm]

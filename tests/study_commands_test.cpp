@@ -334,6 +334,20 @@ TEST_F(CrosscheckCommand, WritesAlone) {
   EXPECT_TRUE(fs::exists(out_.string() + ".1/crosscheck.json"));
 }
 
+// A screen that takes no more text costs no file, and a folder that takes no more files costs no text.
+TEST_F(CrosscheckCommand, KeepsWhatItMeasured) {
+  const auto deaf = taut(command_ + " > /dev/full");
+  EXPECT_EQ(deaf.exit_code, 3) << deaf.text;
+  EXPECT_EQ(nlohmann::json::parse(contents(out_ / "crosscheck.json"))["runs"].size(), 6u);
+  fs::remove_all(out_);
+  fs::create_directory(out_);
+  fs::create_symlink("/dev/full", out_ / "crosscheck.json.part");
+  const auto [exit_code, text] = taut(command_);
+  EXPECT_EQ(exit_code, 3);
+  EXPECT_THAT(
+      text, AllOf(HasSubstr("newton                   agrees"), HasSubstr("crosscheck.json: cannot write")));
+}
+
 // Refused before anything is made.
 TEST_F(CrosscheckCommand, LeavesNothingOfWhatItCannotDo) {
   const auto [exit_code, text] = taut("crosscheck pendulum --out " + out_.string());

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "base/errors.hpp"
+#include "scene_text.hpp"
 #include "simulation/simulation.hpp"
 #include "studies/chart_study.hpp"
 #include "studies/chart_verdict.hpp"
@@ -103,6 +104,53 @@ TEST_F(Study, ErrorsFollowTolerancesAndOrders) {
     EXPECT_LT(rms, before / 2) << order;
     before = rms;
   }
+}
+
+TEST_F(Study, ChartsTheSceneWithPairForcesInEveryPanel) {
+  const std::vector<std::string> panels = {"work", "drift", "order", "length", "precision"};
+  const auto names_of = [](const auto& tables) {
+    std::vector<std::string> names;
+    for (const auto& [name, csv] : tables) names.push_back(name);
+    return names;
+  };
+  ChartPlan plan = chart("freely_jointed", {"newton"});
+  plan.scene = read(kMelt);
+  const TemporaryFolder folder;
+  plan.steps = 4, plan.drift_steps = 20;
+  for (const std::string& panel : panels) {
+    SCOPED_TRACE(panel);
+    plan.panels = {panel};
+    Ledger ledger(folder.path() / panel, "test");
+    run(chart_jobs(plan, ledger), ledger);
+    std::vector<std::string> expected = {panel, "failures"};
+    if (panel == "drift") expected.insert(expected.begin(), "work");
+    EXPECT_EQ(names_of(chart_tables(plan, ledger)), expected);
+  }
+  plan.panels = {panels.begin(), panels.end()};
+  run(chart_jobs(plan, ledger_), ledger_);
+  const auto tables = chart_tables(plan, ledger_);
+  EXPECT_THAT(names_of(tables),
+              testing::ElementsAre("work", "drift", "order", "length", "precision", "failures"));
+  const Table precision(tables[4].second);
+  for (const char* kind : {"double", "mixed"})
+    EXPECT_GT(precision.number("step_us", {{"precision", kind}}), 0);
+  plan.scene = read_scene(find_scene("freely_jointed"), {"build.chains=2"});
+  EXPECT_FALSE(plan.has("precision")) << "no pair forces";
+}
+
+// A chain that hangs at rest moves by rounding alone, which is no energy that blows up.
+TEST_F(Study, WhatHangsAtRestDoesNotBlowUp) {
+  const Scene scene = read(R"([build]
+kind = "atoms"
+atoms = [[0, 0, 0, 0], [0, -1, 0, 1], [0, -2, 0, 1], [0, -3, 0, 10]]
+bonds = [[0, 1, 1], [1, 2, 1], [2, 3, 1]]
+velocities = [[0, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0]]
+gravity_nm_ps2 = [0, -9.81, 0]
+[run]
+dt_fs = 1
+)");
+  for (const char* method : {"newton", "baumgarte", "feedforward"})
+    EXPECT_EQ(try_setting(scene, {method, "", "", {std::string("method.name=") + method}}, {}).failure, "");
 }
 
 // A rotor turning by θ = 0.1 a step settles at θ⁴/8, and at h⁴ of it at shorter steps.

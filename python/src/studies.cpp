@@ -80,25 +80,11 @@ py::dict chart(const Input& input, const std::vector<std::string>& methods, cons
   replace(plan.steps, asked, "steps");
   replace(plan.drift_steps, asked, "drift_steps");
   Ledger ledger(std::filesystem::path(folder) / "ledger.tsv", "chart");
-  const auto said = asked["panels"].cast<std::vector<std::string>>();
-  const std::set<std::string> wanted(said.begin(), said.end());
-  std::vector<Job> jobs = chart_jobs(plan, ledger);
-  std::erase_if(jobs,
-                [&](const Job& job) { return !wanted.contains(job.name.substr(0, job.name.find('/'))); });
-  run_jobs(jobs, ledger, progress);
+  plan.panels.clear();
+  for (const auto& panel : asked["panels"]) plan.panels.insert(panel.cast<std::string>());
+  run_jobs(chart_jobs(plan, ledger), ledger, progress);
   py::dict tables;
-  const struct {
-    const char* name;
-    std::string (*csv)(const ChartPlan&, const Ledger&);
-  } panels[] = {{"work", work_csv},
-                {"drift", drift_csv},
-                {"order", order_csv},
-                {"length", length_csv},
-                {"precision", precision_csv}};
-  for (const auto& [panel, csv] : panels)
-    if (wanted.contains(panel) && (std::string_view(panel) != "precision" || has_precisions(plan.scene)))
-      tables[panel] = csv(plan, ledger);
-  if (wanted.size() == 5) tables["failures"] = failures_csv(plan, ledger);
+  for (const auto& [name, csv] : chart_tables(plan, ledger)) tables[name.c_str()] = csv;
   return tables;
 }
 

@@ -24,15 +24,24 @@ help(taut.Simulation), help(taut.Baumgarte), ... describe them.
 Units: nm, ps, u, kJ/mol, K; steps in fs. Errors: InputError (a ValueError), SimulationFailure, OutsideError.
 """
 
+import pathlib as _pathlib
+import sysconfig as _sysconfig
 import typing as _typing
 
 import numpy
 
-from . import _core
-
+_BUILD_AGAIN = "in taut's folder, `pip install .` builds it for this environment"
+try:
+    from . import _core
+except ImportError:
+    _others = [file.name.split(".")[1] for file in _pathlib.Path(__file__).parent.glob("_core.*.so")]
+    if not _others or str(_sysconfig.get_config_var("SOABI")) in _others:
+        raise
+    raise ImportError(f"this taut was built for {_others[0]}, and this Python is "
+                      f"{_sysconfig.get_config_var('SOABI')}: {_BUILD_AGAIN}") from None
 if int(numpy.__version__.split(".")[0]) >= 2 and not _core.knows_numpy_2:
-    raise ImportError("this taut was built for numpy 1 (pybind11 before 2.12); build it again beside this numpy: "
-                      "pip install .")
+    raise ImportError(f"this taut was built for numpy 1 (by pybind11 before 2.12), and numpy here is "
+                      f"{numpy.__version__}: {_BUILD_AGAIN}; or take numpy<2")
 
 from . import measure, options
 from ._core import Row, scenes, threads, use_threads

@@ -7,14 +7,24 @@ from typing import Any, Dict
 import numpy as np
 
 
-def _figure(columns: int) -> Any:
+def _pyplot() -> Any:
     try:
-        from matplotlib import get_backend, pyplot
+        from matplotlib import pyplot
     except ImportError:
         raise ImportError("pictures need matplotlib: pip install matplotlib") from None
+    return pyplot
 
+
+def expect_matplotlib(draw: bool) -> None:
+    """Raises ImportError before anything is run whose picture could not be drawn."""
+    if draw:
+        _pyplot()
+
+
+def _figure(columns: int) -> Any:
+    pyplot = _pyplot()
     figure, axes = pyplot.subplots(1, columns, figsize=(5.5 * columns, 4.2), layout="constrained")
-    if "inline" in get_backend():  # a notebook draws open figures when a cell ends, besides the one a cell returns
+    if "inline" in pyplot.get_backend():  # a notebook draws open figures when a cell ends, besides the one a cell returns
         pyplot.close(figure)
     return figure, axes
 

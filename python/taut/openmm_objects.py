@@ -18,7 +18,7 @@ from .errors import InputError
 def xml_of(thing: Any, what: str) -> str:
     """Returns the XML of a System or State that is given as an object, as XML or as a file."""
     if isinstance(thing, Path) or (isinstance(thing, str) and not thing.lstrip().startswith("<")):
-        opened = {".gz": gzip.open, ".bz2": bz2.open}.get(Path(thing).suffix, open)
+        opened: Any = {".gz": gzip.open, ".bz2": bz2.open}.get(Path(thing).suffix, open)
         try:
             with opened(thing, "rt") as file:
                 return str(file.read())

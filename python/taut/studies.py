@@ -9,17 +9,21 @@ of one length. With ``draw=True`` a study draws a picture with matplotlib; the d
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import io
 import json
+import shutil
 import tempfile
-from typing import Any, Dict, Iterable, List, Mapping, Optional
+import warnings
+from pathlib import Path
+from typing import Any, Dict, Iterable, Iterator, List, Mapping, Optional
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _core, inputs, parts
-from .errors import InputError
+from . import _core, drawing, inputs, parts
+from .errors import InputError, SimulationFailure
 from .options import CLASSES, Options
 from .over_seeds import Columns, Seeds, mean_and_error, over_seeds, settings_of_seeds
 from .progress import StudyProgress
@@ -76,27 +80,51 @@ def _names(methods: Optional[Iterable[Any]], usual: List[str], scene: "_core.Inp
 
 
 def _joined(tables: List[Dict[str, Columns]], seeds: List[int]) -> Dict[str, Table]:
-    return {name: table(over_seeds([of_seed[name] for of_seed in tables], seeds)) for name in tables[0]}
+    """Returns every table over the seeds that have it."""
+    joined = {}
+    for name in dict.fromkeys(name for of_seed in tables for name in of_seed):
+        has = [n for n, of_seed in enumerate(tables) if name in of_seed]
+        joined[name] = table(over_seeds([tables[n][name] for n in has], [seeds[n] for n in has]))
+    return joined
+
+
+@contextlib.contextmanager
+def _folder_of_trials() -> Iterator[Path]:
+    """A folder for the trials of a study. It stays if the study is cut off after the first of them."""
+    folder, done = Path(tempfile.mkdtemp(prefix="taut-")), 0
+    try:
+        yield folder
+    except BaseException:
+        done = sum(len(ledger.read_text().splitlines()) - 1 for ledger in folder.glob("*/ledger.tsv"))
+        if done:
+            warnings.warn(f"the study was cut off; its {done} finished trials are kept in {folder}", stacklevel=4)
+        raise
+    finally:
+        if not done:
+            shutil.rmtree(folder, ignore_errors=True)
 
 
 def _study(run: Any, scene: inputs.Scene, methods: Optional[Iterable[Any]], settings: List[Dict[str, Any]],
            asked: Dict[str, Any], dt_fs: Optional[float]) -> Dict[str, Table]:
     progress, tables = StudyProgress(), []
-    for of_seed in settings:
-        read = inputs.read(scene, inputs.overrides(of_seed, None, dt_fs))
-        names = _names(methods, list(CLASSES), read)
-        with tempfile.TemporaryDirectory(prefix="taut-") as folder:
-            tables.append(run(read, names, asked, folder, progress))
-    progress.done()
-    return _joined([{name: _columns_of_csv(text) for name, text in of_seed.items()} for of_seed in tables],
-                   [of_seed.get("run.seed", 0) for of_seed in settings])
+    with _folder_of_trials() as folder:
+        for n, of_seed in enumerate(settings):
+            read = inputs.read(scene, inputs.overrides(of_seed, None, dt_fs))
+            names, its_own = _names(methods, list(CLASSES), read), folder / str(n)
+            its_own.mkdir()
+            tables.append(run(read, names, asked, str(its_own), progress))
+        progress.done()
+        return _joined([{name: _columns_of_csv(text) for name, text in of_seed.items()} for of_seed in tables],
+                       [of_seed.get("run.seed", 0) for of_seed in settings])
 
 
 def _drawn(tables: Dict[str, Any], kind: str, draw: bool) -> Dict[str, Any]:
+    """Adds the picture. A picture that fails takes no table with it."""
     if draw:
-        from . import drawing
-
-        tables["figure"] = getattr(drawing, kind)(tables)
+        try:
+            tables["figure"] = getattr(drawing, kind)(tables)
+        except Exception as error:
+            warnings.warn(f"no picture: {error}", stacklevel=3)
     return tables
 
 
@@ -117,13 +145,13 @@ def chart(scene: inputs.Scene, methods: Optional[Iterable[Any]] = None, *, dt_fs
 
     Returns the tables "work" (constraint time of a bond and step [ns] against bond error), "drift" (that time against
     the energy's drift), "order" (distance from an exact run against the step), "length" (cost against the length of
-    chains), "precision" (of systems with pair forces), and "failures" if all panels were asked for. Raises InputError.
+    chains), "precision" (of systems with pair forces), and "failures" of them all. Raises InputError.
     """
+    drawing.expect_matplotlib(draw)
     wanted = [panels] if isinstance(panels, str) else list(panels)
     for panel in wanted:
         if panel not in PANELS:
             raise InputError(f"panels: {panel!r}, expected some of {', '.join(PANELS)}")
-    wanted += ["work"] if "drift" in wanted else []  # its costs are of that panel
     asked = {"quick": quick, "repeats": repeats, "steps": steps, "drift_steps": drift_steps, "panels": wanted}
     return _drawn(_study(_core.chart, scene, methods, settings_of_seeds(seeds, set), asked, dt_fs), "chart", draw)
 
@@ -144,6 +172,7 @@ def stability(scene: inputs.Scene, methods: Optional[Iterable[Any]] = None, *, d
     Returns the tables "plane" (steps survived and drift over α and β), "limits" (the theory's limit of β h against
     α h for a single bond) and "steps" (the largest stable step of each method [fs]). Raises InputError.
     """
+    drawing.expect_matplotlib(draw)
     asked = {"quick": quick, "steps": steps, "plane": plane, **_errors(bond_error=bond_error, energy_error=energy_error)}
     return _drawn(_study(_core.stability, scene, methods, settings_of_seeds(seeds, set), asked, dt_fs), "stability",
                   draw)
@@ -188,16 +217,24 @@ def calibrate(scene: inputs.Scene, *, against: Any = "rattle", tolerance: float 
 
     Returns "alpha_per_ps" and "beta_per_ps" [1/ps]; predicted and measured reductions and residuals; "courses", a table
     of the error after each step (rms of σ/d²); "settings" for ``Simulation(set=...)``; and "disagreement", empty if
-    theory and measurement agree. Raises InputError.
+    theory and measurement agree. A seed that fails is left out with a warning. Raises InputError, SimulationFailure.
     """
+    drawing.expect_matplotlib(draw)
     asked = {"tolerance": tolerance, "sweeps": sweeps, "copies": copies, "damping": damping,
              **_errors(size=size)}
-    settings, found = settings_of_seeds(seeds, set), []
+    settings, found, seeds_of = settings_of_seeds(seeds, set), [], []
     for n, of_seed in enumerate(settings):
         read = inputs.read(scene, inputs.overrides(of_seed, None, dt_fs))
         if n == 0:
             _reference(against, asked, read)
-        found.append(dict(_core.calibrate(read, asked)))
+        try:
+            found.append(dict(_core.calibrate(read, asked)))
+        except SimulationFailure as failure:  # it takes no other seed's figures with it
+            if n + 1 == len(settings) and not found:
+                raise
+            warnings.warn(f"seed {of_seed['run.seed']} is left out: {failure}", stacklevel=2)
+        else:
+            seeds_of.append(of_seed.get("run.seed", 0))
     courses = [{"step": np.arange(len(one["reference"]["stretch"])),
                 "reference": one.pop("reference")["stretch"], "baumgarte": one.pop("baumgarte")["stretch"]}
                for one in found]
@@ -206,7 +243,7 @@ def calibrate(scene: inputs.Scene, *, against: Any = "rattle", tolerance: float 
         mean, error = mean_and_error([one[name] for one in found])
         result[name], result[f"{name}_error"] = float(mean), float(error)
     result["disagreement"] = "\n".join(dict.fromkeys(one["disagreement"] for one in found if one["disagreement"]))
-    result["courses"] = table(over_seeds(courses, [of_seed.get("run.seed", 0) for of_seed in settings]))
+    result["courses"] = table(over_seeds(courses, seeds_of))
     result["settings"] = {"method.name": "baumgarte",
                           **{f"method.{key}": result[key] for key in ("gains", "damping", "reduction")}}
     return _drawn(result, "calibration", draw)
@@ -228,8 +265,10 @@ def crosscheck(scene: inputs.Scene, methods: Optional[Iterable[Any]] = None, *, 
       the figures of each
 
     Returns the figures and "verdicts" of crosscheck.json, the table "samples" of every sample of every run, and for
-    liquid water "distances", its radial distribution. Raises InputError.
+    liquid water "distances", its radial distribution. A run that broke has its "failure"; beside it nothing is judged.
+    Raises InputError.
     """
+    drawing.expect_matplotlib(draw)
     progress, found = StudyProgress(), []
     asked = {"platform": platform, "precision": precision, "integrator": integrator, "speed_seconds": speed_seconds,
              **_errors(agreement_nm=agreement_nm)}

@@ -1,4 +1,7 @@
 import inspect
+import shutil
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -33,6 +36,41 @@ def test_chart():
     assert set(tables) == {"work", "drift", "order", "length", "failures"}
     order = {m: o for m, o in zip(tables["order"]["method"], tables["order"]["order"])}
     assert order["newton"] == pytest.approx(2, abs=0.2)
+
+
+def test_chart_of_pair_forces():
+    asked = {"quick": True, "repeats": 1, "steps": 4, "drift_steps": 20}
+    tables = taut.chart("chain", ["newton"], **asked)
+    assert set(tables) == {"work", "drift", "order", "length", "precision", "failures"}
+    assert set(tables["precision"]["precision"]) == {"double", "mixed"}
+    assert (np.array(tables["precision"]["step_us"]) > 0).all()
+    assert set(taut.chart("chain", ["newton"], panels="precision", **asked)) == {"precision", "failures"}
+
+
+def test_a_study_that_is_cut_off_keeps_its_trials(monkeypatch):
+    def fail(*_):
+        raise RuntimeError("at the end")
+
+    monkeypatch.setattr(taut.studies, "_joined", fail)
+    with pytest.warns(UserWarning, match=r"its (\d+) finished trials are kept in (.+)") as said:
+        with pytest.raises(RuntimeError, match="at the end"):
+            taut.chart("freely_jointed", ["newton"], quick=True, repeats=1, panels="work", set=FEW)
+    folder = Path(str(said[0].message).rsplit(" ", 1)[1])
+    rows = (folder / "0" / "ledger.tsv").read_text().splitlines()[1:]
+    shutil.rmtree(folder)
+    assert len(rows) == 3 and all(row.startswith("work/newton:tolerance=") for row in rows)
+
+
+def test_a_picture_that_fails_takes_no_table_with_it(monkeypatch):
+    pytest.importorskip("matplotlib", reason="needs matplotlib").use("Agg")
+    asked = {"quick": True, "repeats": 1, "panels": "work", "set": FEW, "draw": True}
+    monkeypatch.setattr(taut.drawing, "chart", lambda tables: 1 / 0)
+    with pytest.warns(UserWarning, match="no picture: division by zero"):
+        assert "figure" not in taut.chart("freely_jointed", ["newton"], **asked)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    monkeypatch.setattr(taut._core, "chart", None)  # nothing is run
+    with pytest.raises(ImportError, match="pip install matplotlib"):
+        taut.chart("freely_jointed", ["newton"], **asked)
 
 
 def test_stability():
@@ -174,6 +212,28 @@ def test_seeds_give_means_and_errors():
                          ({"seeds": [1], "set": {"run.seed": 2}}, "seeds lists them already")):
         with pytest.raises(taut.InputError, match=words):
             taut.calibrate("freely_jointed", **wrong)
+
+
+def test_a_seed_that_fails_takes_no_other_with_it(monkeypatch):
+    calibrate, seeds = taut._core.calibrate, iter([3, 4, 5])
+
+    def fails_once(scene, asked):
+        if next(seeds) == 4:
+            raise taut.SimulationFailure("calibration, step 7: no convergence")
+        return calibrate(scene, asked)
+
+    monkeypatch.setattr(taut._core, "calibrate", fails_once)
+    with pytest.warns(UserWarning, match="seed 4 is left out: calibration, step 7"):
+        found = taut.calibrate("freely_jointed", sweeps=4, seeds=[3, 4, 5], set=FEW)
+    monkeypatch.undo()
+    assert found["reduction"] == taut.calibrate("freely_jointed", sweeps=4, seeds=[3, 5], set=FEW)["reduction"]
+
+    def fails(*_):
+        raise taut.SimulationFailure("calibration, step 7: no convergence")
+
+    monkeypatch.setattr(taut._core, "calibrate", fails)
+    with pytest.raises(taut.SimulationFailure), pytest.warns(UserWarning, match="seed 1 is left out"):
+        taut.calibrate("freely_jointed", sweeps=4, seeds=2, set=FEW)
 
 
 def test_a_smaller_error_counts_as_a_failure():

@@ -2,7 +2,24 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <vector>
+
 namespace taut {
+
+namespace {
+
+// LAMMPS's fix shake and rattle hold a central atom's bonds, up to three, to atoms that have no others.
+bool fix_shake_holds(const System& sys) {
+  std::vector<int> bonds(sys.atoms(), 0);
+  for (const RigidBond& b : sys.bonds) ++bonds[b.i], ++bonds[b.j];
+  return std::ranges::all_of(sys.bonds, [&](const RigidBond& b) {
+    const auto [few, many] = std::minmax(bonds[b.i], bonds[b.j]);
+    return few == 1 && many <= 3;
+  });
+}
+
+}  // namespace
 
 std::string describe_differences(const Scene& scene) {
   const RunSettings& run = scene.run;
@@ -16,7 +33,12 @@ std::string describe_differences(const Scene& scene) {
         "method.name = \"{}\" holds the bonds in taut; fix taut has feedforward and baumgarte, and "
         "feedforward is taken with its own defaults",
         scene.method.name()));
-  if (holds_bonds) tell("fix taut needs taut-lammps; fix shake or rattle may stand in its place");
+  if (holds_bonds)
+    tell(fmt::format(
+        "fix taut is in taut-lammps, and in a plug-in for other programs (lammps/README.md); {}",
+        fix_shake_holds(scene.system)
+            ? "fix shake or rattle may stand in its place"
+            : "fix shake and rattle cannot stand in its place: they hold no chains and no rings of bonds"));
   if (run.rescaling())
     tell("velocity rescaling (run.thermostat_ps) is fix temp/csvr, of the package EXTRA-FIX");
   if (!run.temperature_course.empty())

@@ -319,7 +319,7 @@ class Writer {
       for (const int type : rigid_) to += fmt::format(" {}", type);
       to += outer.fixed + "\n";
     }
-    return to + fmt::format("# run {}\n", run.steps);
+    return to + fmt::format("run {}\n", run.steps);
   }
 
   std::string bath(const std::string& moving) const {

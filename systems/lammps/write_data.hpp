@@ -14,9 +14,10 @@ struct LammpsFiles {
   std::string tables;  // of energies; empty if there is none
 };
 
-// `data_name` is the data file's name for the input; that of tables has the extension .table instead. Throws InputError, one line, for what LAMMPS's usual styles
-// cannot say: virtual sites but those of water of four sites, one-sided bonds, correction maps, harmonic torsions of other angles than 0 and 180 degrees,
-// forces from outside but gravity and walls, FENE springs without repulsion of all pairs, exceptions that are no special_bonds.
+// `data_name` is the data file's name for the input; that of tables has the extension .table instead. Throws
+// InputError, one line, for what LAMMPS's usual styles cannot say: virtual sites but those of water of four sites,
+// one-sided bonds, correction maps, harmonic torsions of other angles than 0 and 180 degrees, forces from outside but
+// gravity and walls, FENE springs without repulsion of all pairs, exceptions that are no special_bonds.
 LammpsFiles lammps_files(const Scene& scene, const std::string& data_name);
 
 // Writes PREFIX.data and PREFIX.in, and PREFIX.table where energies are by tables.

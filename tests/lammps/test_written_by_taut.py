@@ -29,16 +29,17 @@ def taut(*words):
 def test_a_written_input_runs(folder, run):
     scene, settings, within = RUNS[run]
     arguments = [word for setting in settings for word in ("--set", setting)]
-    taut("crosscheck", scene, *arguments, "--export-lammps", str(folder / "x"))
+    taut("crosscheck", scene, *arguments, "--steps", "100", "--export-lammps", str(folder / "x"))
     text = (folder / "x.in").read_text()
     if not lammps.has_package("EXTRA-FIX"):  # as Debian's
         text = text.replace("fix bath all temp/csvr", "# ").replace("# without EXTRA-FIX: ", "")
-    table = lammps.table(lammps.run(folder, text + """
+    table = lammps.table(lammps.run(folder, text.replace("\nrun 100\n", """
 thermo_style custom step temp pe etotal f_hold[1]
 thermo_modify norm no format float %.15g
 thermo 10
 run 100
-"""))
+""")))
+    assert len(table["Step"]) == 11
     start = json.loads(taut("run", scene, *arguments, "--steps", "0", "--json"))
     assert table["PotEng"][0] == pytest.approx(start["potential_kj_mol"], rel=within)
     assert table["Temp"][0] == pytest.approx(BOLTZMANN * start["temperature_k"], rel=5e-3)  # of other half steps
