@@ -52,9 +52,9 @@ Scene world(const std::string& name, const Overrides& overrides) {
 // Looks at the start and after every `every` steps. Whether it ran to its end.
 bool watch(Scene scene, long every, const std::function<void(const Simulation&)>& look) {
   scene.run.log_every = scene.run.steps + 1;
-  Simulation simulation(std::move(scene));
-  look(simulation);
   try {
+    Simulation simulation(std::move(scene));
+    look(simulation);
     simulation.run([](const Record&) {},
                    [&](long step) {
                      if (step % every == 0) look(simulation);

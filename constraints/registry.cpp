@@ -25,7 +25,8 @@ namespace {
 struct WithoutGains {
   std::vector<Option> describe() { return {}; }
   operator Baumgarte::Options() const {
-    return {.gains = "numbers", .damping = "centred", .alpha_per_ps = 0, .beta_per_ps = 0};
+    return {
+        .gains = "numbers", .damping = "centred", .alpha_per_ps = 0, .beta_per_ps = 0, .tolerance = 1e-10};
   }
 };
 

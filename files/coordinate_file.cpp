@@ -153,6 +153,7 @@ Coordinates read_pdb(Lines& lines) {
     Vec3 x;
     for (int d = 0; d < 3; ++d) x[d] = 0.1 * lines.number(30 + 8 * d, 8, "a position");
     std::string element = lines.columns(76, 2);
+    if (element == "X") element.clear();  // as a file says that there is none
     if (element.size() == 2) element[1] = static_cast<char>(std::tolower(element[1]));
     atoms.add(x, {lines.columns(12, 4), lines.columns(17, 4), element}, lines.columns(17, 10));
   }

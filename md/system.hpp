@@ -50,7 +50,7 @@ struct System {
 //  - for a bond that is out of range, joins an atom to itself, repeats another, has no length, or ends in a
 //    virtual site or in two anchors; likewise for one-sided bonds (a pair may have a strut and a rope,
 //    but neither beside a bond);
-//  - for a bond or strut that is longer than a way round by other bonds, so that no positions fit;
+//  - for a bond that is longer than a way round by other bonds or ropes, so that no positions fit;
 //  - for a mass that is negative or not finite;
 //  - for a virtual site that has a mass, has no parents, has a parent out of range or repeated,
 //    follows from itself by way of parents that are sites, or has weights that do not add up.

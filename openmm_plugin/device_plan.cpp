@@ -39,9 +39,9 @@ DeviceLaw law_of(const System& sys, const HoldSettings& settings) {
   const Baumgarte::Options options = feedforward ? *feedforward : *baumgarte;
   if (!options.in_lanes())
     throw InputError(
-        "baumgarte runs on this platform with damping = \"discrete\", without sweeps and the gains "
-        "\"hoomd\": "
-        "take those, or the platform CPU");
+        "baumgarte's sweeps, its other damping than \"discrete\" and the gains \"hoomd\" do not run on this "
+        "platform: "
+        "take sweeps=0 and damping=discrete, or the platform CPU");
   return {choose_gains(options.choice(), Damping::kDiscrete, sys, settings.h),
           guess_of_order(options.extrapolation),
           {{"TOLERANCE", fmt::format("(mixed) {:e}", options.tolerance)},

@@ -364,8 +364,8 @@ void Simulation::serialize(Archive& archive) {
 }
 
 void Simulation::serialize_numbers(Archive& archive) {
-  int fixed = static_cast<int>(fixed_);   // as it was when the thermostat was changed
-  auto& [x, v, f, t, box] = state_;       // does not compile where a member is left out
+  int fixed = static_cast<int>(fixed_);  // as it was when the thermostat was changed
+  auto& [x, v, f, t, box] = state_;      // does not compile where a member is left out
   archive(x, v, f, t, box, progress_, fixed);
   archive.demand(0 <= fixed && fixed <= static_cast<int>(RigidMotions::Which::kAllThatMoveNoAnchor));
   archive.demand_count(progress_.step);

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "base/errors.hpp"
-#include "constraints/methods/feedforward.hpp"
+#include "constraints/methods/baumgarte.hpp"
 #include "md/step_parts.hpp"
 #include "md/units.hpp"
 #include "simulation/doubts.hpp"
@@ -26,13 +26,15 @@ bool finite(const State& s) {
   return s.x.allFinite() && s.v.allFinite() && s.f.allFinite();
 }
 
-// Its own limit is that of the λ it starts from: extrapolated, that runs ahead of bonds that turn far in a
-// step.
-void explain_feedforward(const MethodOptions& method, Diagnosis& d) {
-  if (method.get_if<Feedforward::Options>()->extrapolation == 0) return;
+// λ extrapolated runs ahead of bonds that turn far in a step.
+void explain_law(const MethodOptions& method, Diagnosis& d) {
+  const auto* feedforward = method.get_if<Feedforward::Options>();
+  const auto* baumgarte = method.get_if<Baumgarte::Options>();
+  if ((feedforward ? feedforward->extrapolation : baumgarte ? baumgarte->extrapolation : 0) == 0) return;
   d.advice =
-      "take a shorter step, or method.extrapolation = 0, which bears steps as long as shake's; newton "
-      "where the bars of a linkage come into one line";
+      "take a shorter step, or method.extrapolation = 0, which bears steps as long as shake's; newton where "
+      "the "
+      "bars of a linkage come into one line";
 }
 
 // It fails by its nature, whatever the scene: a bond turning at ω is too long by (ωh)²(ωt)²/8 of itself.
@@ -374,8 +376,7 @@ Diagnosis Simulation::explained(const SolveStats& stats, const std::string& thro
   }
   if (scene_.method.name() == "none" && stats.converged() && stats.max_residual >= plan().broken_at)
     explain_none(d);
-  if (scene_.method.name() == "feedforward" && stats.failure == Failure::kSingularOrTurned)
-    explain_feedforward(scene_.method, d);
+  if (stats.failure == Failure::kSingularOrTurned) explain_law(scene_.method, d);
   return d;
 }
 

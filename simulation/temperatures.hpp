@@ -82,7 +82,7 @@ class Temperatures {
   std::vector<MoleculeType> types_;
   std::vector<std::array<RunningMean, 3>> kinetic_;  // by type and MotionClass [kJ/mol]
   std::array<RunningMean, 3> kinetic_of_all_;
-  std::vector<OfType> of_type_;  // [kJ/mol]
+  std::vector<OfType> of_type_;   // [kJ/mol]
   long samples_ = 0, steps_ = 0;  // and the steps that they stand for
 };
 

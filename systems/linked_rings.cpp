@@ -27,7 +27,7 @@ std::vector<BondedPair> drawn_bonds(const System& sys, const Terms& terms) {
   for (const RigidBond& bond : sys.bonds) pairs.push_back({bond.i, bond.j});
   for (BondedPair& pair : pairs) std::ranges::sort(pair);
   std::ranges::sort(pairs);
-  pairs.erase(std::ranges::unique(pairs).begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   return pairs;
 }
 

@@ -97,9 +97,25 @@ TEST(KnownEnergies, AreComparedWhereTheyCount) {
   const auto is_beads = [&](const std::string& text) {
     return recognize(Expression(text), {"sigma", "epsilon"}, {{"r", 0}}, beads).has_value();
   };
-  EXPECT_TRUE(is_beads("step(1.122462*sigma-r)*u;u=" + std::string(kWcaEnergy)));
+  EXPECT_TRUE(is_beads("2*u-u;u=" + std::string(kWcaEnergy)));
   EXPECT_FALSE(is_beads("step(1.1*sigma-r)*u;u=" + std::string(kWcaEnergy)));
   EXPECT_FALSE(is_beads("min(100,u);u=" + std::string(kWcaEnergy)));
+}
+
+// Caps and tails of what is steep near and weak far away.
+TEST(KnownEnergies, ReachFromTheNearToTheFar) {
+  const KnownEnergy pair{"4*epsilon*((sigma/r)^12-(sigma/r)^6)", {{"epsilon"}, {"sigma"}}};
+  const auto is_pair = [&](const char* text) {
+    return recognize(Expression(text), {"eps", "sig"}, {{"r", 0}}, pair).has_value();
+  };
+  EXPECT_TRUE(is_pair("4*eps*(q*q-q);q=sig^6/r^6"));
+  EXPECT_TRUE(is_pair("4*eps*sig^6*(sig^6-r^6)/r^12"));
+  EXPECT_FALSE(is_pair("4*eps*((sig/r)^12-(sig/r)^6)*step(1.2-r)"));
+  EXPECT_FALSE(is_pair("min(4*eps*((sig/r)^12-(sig/r)^6),1e5)"));
+  EXPECT_FALSE(is_pair("4*eps*(1/(1e-6+(r/sig)^6)^2-1/(1e-6+(r/sig)^6))")) << "a soft core";
+  const KnownEnergy walls{"0.5*k*max(abs(v-at)-wide,0)^2", {{"k"}, {"at"}, {"wide"}}, "wide"};
+  EXPECT_FALSE(recognize(Expression("min(0.5*k*max(abs(v-at)-wide,0)^2,3000)"), {"k", "at", "wide"},
+                         {{"v", 0}}, walls));
 }
 
 // A wall has no energy before it: there is no ratio of energies there, and the other must have none either.

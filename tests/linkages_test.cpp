@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "constraints/methods/baumgarte.hpp"
 #include "constraints/methods/mshake.hpp"
 #include "constraints/methods/newton.hpp"
 #include "constraints/projection.hpp"

@@ -52,7 +52,7 @@ TEST(SoftStart, PartsAtomsInOnePlace) {
   const int each = 10;
   piled.start.x.middleCols(each, each) = piled.start.x.leftCols(each);
   piled.run.minimise = true;
-  EXPECT_THROW(Simulation{piled}, SimulationFailure);
+  EXPECT_THROW(Simulation{piled}, InputError);
   piled.run.soft_start = true;
   const Simulation parted(piled);
   EXPECT_GT(*parted.start_report().pushed_apart, 0);

@@ -8,6 +8,8 @@
 #include "md/observables.hpp"
 #include "md/units.hpp"
 #include "polymer_scene.hpp"
+#include "systems/openmm/export.hpp"
+#include "systems/openmm/import.hpp"
 
 namespace taut::molecules_tests {
 namespace {
@@ -264,6 +266,13 @@ coulomb = "pme"
   EXPECT_THAT(read(ions).notes, charged);
   EXPECT_THAT(read(ions, {"place.1.count=3"}).notes, testing::Not(charged));
   EXPECT_THAT(read(ions, {"forcefield.coulomb=cutoff"}).notes, testing::Not(charged));
+
+  const Scene scene = read(ions);  // and of OpenMM
+  const TemporaryFolder folder;
+  Scene back = import_openmm(folder.write("a.system.xml", openmm_system_xml(openmm_input(scene))),
+                             folder.write("a.state.xml", openmm_state_xml(openmm_input(scene))));
+  apply_overrides(back, {"run.seed=1", "run.temperature_k=300"});
+  EXPECT_THAT(back.notes, charged);
 }
 
 }  // namespace

@@ -145,8 +145,6 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Force{"CustomBondForce", "0.5*k*(r-r0)^2", "r", 7, {{"k", 300}, {"r0", 0.4}}},
         Force{"CustomBondForce", "-0.5*k*r0^2*log(1-(r/r0)^2)", "r", 0.3, {{"k", 300}, {"r0", 0.7}}},
-        Force{"CustomBondForce", "4*eps*((sig/r)^12-(sig/r)^6)", "r", 2, {{"eps", 2}, {"sig", 0.4}}},
-        Force{"CustomBondForce", "A/r^12-C/r^6", "r", 2, {{"A", 1e-4}, {"C", 0.02}}},
         Force{"CustomAngleForce", "0.5*k*(theta-theta0)^2", "theta", 2.9, {{"k", 30}, {"theta0", 1.8}}},
         Force{"CustomAngleForce", "k*(1+cos(theta))", "theta", 2.9, {{"k", 30}}},
         Force{"CustomAngleForce",

@@ -272,7 +272,7 @@ TEST(OpenMMReader, AsksWhetherPositionsAreInAngstrom) {
   EXPECT_EQ(refusal(one_water(1, lengths)), "no error");
   EXPECT_THAT(
       refusal(one_water(10, lengths)),
-      one_line_with("a.state.xml:1: ", "atoms 0 and 2 are 0.9576 nm apart, and their bond is 0.0957 nm long",
+      one_line_with("a.state.xml:1: ", "atoms 0 and 1 are 0.957 nm apart, and their bond is 0.0957 nm long",
                     "are the positions in ångström?"));
   EXPECT_EQ(refusal(one_water(5, lengths)), "no error") << "brought to the bonds";
 }

@@ -71,7 +71,7 @@ Swing minute_of_swinging(Overrides overrides, double dt_ms = 1) {
 
 // β = √(k/I), k of the spring at its lever about where the ligaments cross, I of the leg: what a joint's own
 // stiffness suggests is a hundredth of what the step bears.
-TEST(Knee, LigamentsHoldByCalibratedGainsAndDriftByPhysicalOnes) {
+TEST(Knee, LigamentsHoldByAllGainsAndDriftWithoutAny) {
   const Scene scene = read_scene(world("knee"));
   const Vectors& x = scene.start.x;
   const auto cross = [](const Vec3& a, const Vec3& b) { return a.x() * b.y() - a.y() * b.x(); };
@@ -85,20 +85,17 @@ TEST(Knee, LigamentsHoldByCalibratedGainsAndDriftByPhysicalOnes) {
   EXPECT_NEAR(std::sqrt(scene.terms.bonds[0].k * lever * lever / inertia), 4.14, 0.01);
 
   const Overrides physical = {"method.alpha_per_ps=4.14", "method.beta_per_ps=4.14"};
-  const Swing held = minute_of_swinging({}), drifting = minute_of_swinging(physical);
-  EXPECT_TRUE(held.ends && drifting.ends);
-  EXPECT_NEAR(held.ligaments, 7.48e-7, 8e-9);
+  const Swing held = minute_of_swinging({}), soft = minute_of_swinging(physical);
+  EXPECT_TRUE(held.ends && soft.ends);
+  EXPECT_LT(held.ligaments, 2e-10);
   EXPECT_NEAR(held.energy, -6.76e-5, 7e-7);  // of 0.5·2.5·1² J
-  EXPECT_NEAR(drifting.ligaments, 4.1e-3, 4e-5);
-  EXPECT_NEAR(drifting.energy, -0.1002, 1e-3);
-  const Swing torn = minute_of_swinging({"method.name=none"});
-  EXPECT_FALSE(torn.ends);
-  EXPECT_NEAR(torn.ended, 7.9, 0.05);
+  EXPECT_LT(soft.ligaments, 2e-8);
+  EXPECT_NEAR(soft.energy, -6.76e-5, 7e-7);
+  const Swing drifting = minute_of_swinging({"method.name=none"});
+  EXPECT_NEAR(drifting.ligaments, 9.06, 0.1);
+  EXPECT_GT(drifting.energy, 1);
 
-  EXPECT_LT(minute_of_swinging({}, 19).bonds, 0.01);
-  EXPECT_FALSE(minute_of_swinging({}, 21).bonds < 0.01);
-  EXPECT_LT(minute_of_swinging(physical, 3.8).bonds, 0.01);
-  EXPECT_GT(minute_of_swinging(physical, 4.2).bonds, 0.01);
+  for (const Overrides& gains : {Overrides{}, physical}) EXPECT_LT(minute_of_swinging(gains, 27).bonds, 0.01);
 }
 
 // σ₊ − 2σ + σ₋ = ¼h⁴|a|², σ₁ = ½h³v·a + ⅛h⁴|a|², with v and a of a motion that holds the leg's length.

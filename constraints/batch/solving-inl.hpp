@@ -140,6 +140,16 @@ HWY_NOINLINE void solve_anew(Batch& batch, const Step& step, const Part& part, S
   if (second.converged()) stats = second;
 }
 
+template <template <class> class Kernel, class Shape, class Batch, class Step>
+HWY_INLINE void solve_part(const Shape shape, Batch& batch, const Step& step, const Part& part,
+                           Scratch scratch, SolveStats& stats) {
+  Scratch rows = scratch;
+  Kernel<Shape> kernel(shape, batch, step, part, rows);
+  solve_whole(kernel, part, stats);
+  if constexpr (requires { Kernel<AnyShape>::start_anew(batch, step, part); })
+    if (!stats.converged()) solve_anew<Kernel>(batch, step, part, scratch, stats);
+}
+
 // Runs the kernel for the groups begin … end − 1 of a batch. For pieces it sets batch.next.
 template <template <class> class Kernel, class Batch, class Step>
 HWY_INLINE SolveStats solve_groups(Batch& batch, const Step& step, const SolveCall& call, int begin, int end,
@@ -148,12 +158,8 @@ HWY_INLINE SolveStats solve_groups(Batch& batch, const Step& step, const SolveCa
   if (call.stage == SolveStage::kWhole) {
     for_each_part(batch.lanes, begin, end, scratch,
                   [&](const auto shape, const Part& part, Scratch rows) HWY_ATTR {
-                    const Scratch whole = rows;
-                    Kernel<std::remove_const_t<decltype(shape)>> kernel(shape, batch, step, part, rows);
                     SolveStats own{.max_residual = all.max_residual};
-                    solve_whole(kernel, part, own);
-                    if constexpr (requires { Kernel<AnyShape>::start_anew(batch, step, part); })
-                      if (!own.converged()) solve_anew<Kernel>(batch, step, part, whole, own);
+                    solve_part<Kernel>(shape, batch, step, part, rows, own);
                     all.beside(own);
                   });
     return all;

@@ -154,11 +154,8 @@ HWY_INLINE SolveStats solve_triangles(Batch& batch, const Step& step, const Grou
     for (int l = 0; l < batch.lanes.filled(g); l += kWidth) {
       const Part part{batch.lanes, g, l};
       SolveStats own{.max_residual = all.max_residual};
-      if (!attempt(part, own)) {
-        Scratch rows = groups.scratch;
-        Kernel<AnyShape> kernel(AnyShape(batch.lanes), batch, step, part, rows);
-        solve_whole(kernel, part, own);
-      }
+      if (!attempt(part, own))
+        solve_part<Kernel>(AnyShape(batch.lanes), batch, step, part, groups.scratch, own);
       all.beside(own);
     }
   return all;

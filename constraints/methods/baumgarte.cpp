@@ -155,18 +155,21 @@ SolveStats Baumgarte::aim(const System& sys, const Push& push, const State& s) {
   return {.max_residual = now.value, .worst_bond = now.bond, .failure = Failure::kNoConvergence};
 }
 
-// Returns σ₊ − τ of bond k, and sets r₊, for y = M⁻¹Jᵀλ. The drive is of the motion that led to x: none at the start.
+// Returns σ₊ − τ of bond k, and sets r₊, for y = M⁻¹Jᵀλ.
 double Baumgarte::miss(const System& sys, const Push& push, int k) {
   const auto& [i, j, d] = sys.bond(k);
   const Vec3 y_ij = y_.col(j) - y_.col(i);
   r_next_.col(k) = free_.col(k) + push.drift() * y_ij;
   double miss = sigma(r_next_.col(k), d) - aimed_[k];
-  if (sys.side(k) == 0 && !laws_[k].drive.none() && !push.starts())
-    miss -= laws_[k].drive(v_half_.col(k), a_.col(k) + y_ij);
+  if (sys.side(k) == 0 && !laws_[k].drive.none()) {
+    const Vec3 v = v_half_.col(k), a = a_.col(k) + y_ij;  // at the start v is of the full step
+    miss -= push.starts() ? 0.5 * std::pow(push.h, 3) * (v + 0.25 * push.h * a).dot(a) : laws_[k].drive(v, a);
+  }
   return miss;
 }
 
 SolveStats Baumgarte::solve(const System& sys, const Push& push, SolveStats stats) {
+  bool left_out = false;  // a bond without a pivot, in the solve before
   while (!stats.converged() && stats.iterations < options_.max_solves) {
     y_.setZero();
     add_constraint_acceleration(sys, r_, lambda_, y_);
@@ -176,18 +179,45 @@ SolveStats Baumgarte::solve(const System& sys, const Push& push, SolveStats stat
       b_[k] = -off / push.drift();
       next.see(std::abs(off / r_next_.col(k).dot(r_.col(k))), k);
     }
+    if (left_out && next.value <= options_.tolerance) {
+      stats.failure = Failure::kNone;
+      break;
+    }
     solver_.factor(r_next_, r_);
-    if (solver_.singular() || !(next.value < 1e3)) {
-      stats.worst_bond = solver_.singular() ? solver_.dependent_bonds().front() : next.bond;
-      stats.failure = solver_.singular() ? Failure::kSingularOrTurned : Failure::kRanAway;
+    left_out = solver_.singular();
+    if (has_turned() || !(next.value < 1e3)) {
+      stats.worst_bond = left_out ? solver_.dependent_bonds().front() : next.bond;
+      stats.failure = left_out ? Failure::kSingularOrTurned : Failure::kRanAway;
       return stats;
     }
     solver_.solve(b_);
     lambda_ += b_;
     ++stats.iterations;
-    if (0.5 * next.value * next.value <= options_.tolerance) stats.failure = Failure::kNone;
+    if (!left_out && is_near(next.value)) stats.failure = Failure::kNone;
+  }
+  if (is_driven() && !left_out) stats.failure = Failure::kNone;  // as textbooks stop, near or not
+  if (left_out && !stats.converged()) {
+    stats.worst_bond = solver_.dependent_bonds().front();
+    stats.failure = Failure::kSingularOrTurned;
   }
   return stats;
+}
+
+// Whether what was off by `off` before a solve is within the tolerance after it. A drive is no part of A': with one what is
+// off shrinks, but is not squared.
+bool Baumgarte::is_near(double off) const {
+  return is_driven() ? off <= std::max(1e-3 * options_.tolerance, 1e-14)
+                     : 0.5 * off * off <= options_.tolerance;
+}
+
+bool Baumgarte::is_driven() const {
+  return std::ranges::any_of(laws_, [](const Law& law) { return !law.drive.none(); });
+}
+
+// By 90° or more: a bond without a pivot.
+bool Baumgarte::has_turned() const {
+  return std::ranges::any_of(solver_.dependent_bonds(),
+                             [&](int k) { return !(r_next_.col(k).dot(r_.col(k)) > 0); });
 }
 
 // Solves A (λ_new − λ) = −(σ₊ − τ)/h², A = J(x)M⁻¹J(x)ᵀ, with the signs that one-sided bonds allow, until no bond that

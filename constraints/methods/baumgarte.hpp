@@ -23,6 +23,8 @@ namespace taut {
 // which leaves ½|h²M⁻¹JᵀΔλ|², the square of what the extrapolation missed. The remainder is an error like any
 // other: the law takes it away in the next steps. If ½((σ₊ − τ)/(r₊·r))² before the solve exceeds `tolerance` (for
 // a single bond this is the remainder over d²), as in large steps and collisions, the step takes another solve.
+// A bond without a pivot, as one of a linkage's has where all its bars come into a line, stays out of the solve; the
+// step then ends when every |(σ₊ − τ)/(r₊·r)| is within the tolerance, or fails.
 // README.md derives the law, its roots and limits (propagator.hpp), and what the remainder does to the energy.
 //
 // With αh = 1, (βh)² = 2 ("dead-beat") τ is 0: this is the method `feedforward`. Velocities are leap-frog's mean
@@ -81,6 +83,9 @@ class Baumgarte : public ConstraintMethod {
   void extrapolate();
   SolveStats aim(const System& sys, const Push& push, const State& s);
   double miss(const System& sys, const Push& push, int k);
+  bool is_near(double off) const;
+  bool is_driven() const;
+  bool has_turned() const;
   SolveStats solve(const System& sys, const Push& push, SolveStats stats);
   SolveStats solve_by_sweeps(const System& sys, const Push& push, SolveStats stats);
   SolveStats solve_one_sided(const System& sys, const Push& push, SolveStats stats);

@@ -78,6 +78,7 @@ DimensionlessGains gains_for_sweeps(double t, Damping damping);
 //     centred   ¼h⁴|a|²/(1 + αh)
 //     implicit  (¼h⁴|a|² + αh·h³ (v + ½ha)·a)/(1 + αh)
 //     lagged    ¼h⁴|a|² − αh·h²|v|²
+// In the first step each adds ½h³ v·a + ⅛h⁴|a|², v being of the full step.
 struct Drive {
   double square_a = 0, cross = 0, square_v = 0;
 

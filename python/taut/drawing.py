@@ -23,8 +23,10 @@ def expect_matplotlib(draw: bool) -> None:
 
 def _figure(columns: int) -> Any:
     pyplot = _pyplot()
+    import matplotlib
+
     figure, axes = pyplot.subplots(1, columns, figsize=(5.5 * columns, 4.2), layout="constrained")
-    if "inline" in pyplot.get_backend():  # a notebook draws open figures when a cell ends, besides the one a cell returns
+    if "inline" in matplotlib.get_backend():  # a notebook draws open figures when a cell ends, besides the one a cell returns
         pyplot.close(figure)
     return figure, axes
 

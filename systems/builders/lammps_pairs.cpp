@@ -19,7 +19,7 @@ const std::vector<LammpsStyle> kPairStyles = {{"lj/cut", "epsilon sigma [cutoff]
                                               {"lj/cut/coul/long", "epsilon sigma [cutoff]"}};
 
 // A row of Pair Coeffs, of a type with itself, or of PairIJ Coeffs.
-struct OfPair {
+struct PairEntry {
   const LammpsData::Entry* entry;
   int i, j;                     // types, from 0
   double epsilon, sigma;        // [kJ/mol], [nm]
@@ -29,14 +29,14 @@ struct OfPair {
 struct PairRows {
   std::string style;
   bool mixes = true;  // false: the file has every two types
-  std::vector<OfPair> all;
+  std::vector<PairEntry> all;
 };
 
 PairRows read_rows(const LammpsRows& rows) {
   PairRows read;
   const long types = rows.data.count("atom types");
   const auto add = [&](const LammpsData::Entry& entry, std::size_t named) {
-    OfPair pair{};
+    PairEntry pair{};
     pair.entry = &entry;
     pair.i = rows.data.index(entry, 0, "an atom type", types) - 1;
     pair.j = rows.data.index(entry, named - 1, "an atom type", types) - 1;
@@ -91,7 +91,7 @@ void read_lammps_pairs(const LammpsRows& rows, const LammpsAtoms& atoms, Scene& 
   const PairRows read = read_rows(rows);
   const auto types = rows.data.count("atom types");
   Eigen::MatrixXd sigma = Eigen::MatrixXd::Ones(types, types), epsilon = Eigen::MatrixXd::Zero(types, types);
-  for (const OfPair& pair : read.all) {
+  for (const PairEntry& pair : read.all) {
     sigma(pair.i, pair.j) = sigma(pair.j, pair.i) = pair.sigma;
     epsilon(pair.i, pair.j) = epsilon(pair.j, pair.i) = pair.epsilon;
   }
@@ -141,26 +141,26 @@ void read_lammps_cutoffs(const LammpsRows& rows, const TomlTable& forcefield, Sc
   const PairRows read = read_rows(rows);
   const auto& wca = scene.terms.wca;
   auto& pairs = scene.terms.nonbonded;
-  const auto check = [&](const OfPair& pair, double cutoff, double expected, const std::string& what) {
+  const auto check = [&](const PairEntry& pair, double cutoff, double expected, const std::string& what) {
     if (std::abs(cutoff - expected) > kDecimals * expected)
       rows.data.fail(pair.entry->line, fmt::format("a pair cut off at {:.6g} nm, expected {:.6g} nm, {}",
                                                    cutoff, expected, what));
   };
   // Calls act for the cutoffs of each pair that has a force.
   const auto each = [&](const auto& act) {
-    for (const OfPair& pair : read.all)
+    for (const PairEntry& pair : read.all)
       for (std::size_t k = 0; k < pair.cutoffs.size(); ++k)
         if (k == 1 || pair.epsilon != 0) act(pair, pair.cutoffs[k], k == 0 && wca);
   };
-  each([&](const OfPair& pair, double cutoff, bool of_wca) {
+  each([&](const PairEntry& pair, double cutoff, bool of_wca) {
     if (of_wca) check(pair, cutoff, wca->cutoff(), "where pair = \"wca\" has its minimum");
   });
   if (!pairs) return;
-  each([&](const OfPair&, double cutoff, bool of_wca) {
+  each([&](const PairEntry&, double cutoff, bool of_wca) {
     if (!of_wca && !pairs->cutoff) pairs->cutoff = cutoff;
   });
   read_cutoff(forcefield, scene.start.box, *pairs);
-  each([&](const OfPair& pair, double cutoff, bool of_wca) {
+  each([&](const PairEntry& pair, double cutoff, bool of_wca) {
     if (!of_wca)
       check(pair, cutoff, pairs->cutoff.value_or(0),
             forcefield.has("cutoff_nm")

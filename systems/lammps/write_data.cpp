@@ -71,7 +71,8 @@ class Writer {
       refuse_for_lammps("forces from outside; add them to the input by hand");
     if (terms.nonbonded && terms.nonbonded->switch_distance)
       refuse_for_lammps("a switch of Lennard-Jones; leave forcefield.switch_nm out");
-    if (terms.nonbonded && terms.nonbonded->cutoff && !terms.nonbonded->pme && !terms.nonbonded->charge.isZero(0))
+    if (terms.nonbonded && terms.nonbonded->cutoff && !terms.nonbonded->pme &&
+        !terms.nonbonded->charge.isZero(0))
       refuse_for_lammps("a reaction field; take forcefield.coulomb = \"pme\"");
     if (!terms.fene.empty() && !terms.wca) refuse_for_lammps("FENE springs among pairs that attract");
   }

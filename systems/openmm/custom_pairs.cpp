@@ -206,7 +206,9 @@ void read_custom_nonbonded(const ForceReading& r) {
   r.to.periodic_pairs = x.method == NonbondedXml::kCutoffPeriodic;
   Splines splines;
   CustomForce p(r, {"PerParticleParameters", {{"r", 0}}, true}, x.energy, read_functions(r.force, splines));
-  if (splines.empty() && p.recognize({known().front()}) == 0) return read_wca(r, p, x);
+  const KnownEnergy& beads = known().front();  // or the same with its end written into it
+  const KnownEnergy ended{"step(1.122462048309373*sigma-r)*u;u=" + beads.text, beads.parameters};
+  if (splines.empty() && p.recognize({beads, ended}) >= 0) return read_wca(r, p, x);
   refuse_any(r.force, {"InteractionGroups"});
   splines.empty() ? read_lennard_jones(r, p, x) : read_tabulated(r, p, x, splines);
 }

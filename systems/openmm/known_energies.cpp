@@ -39,7 +39,7 @@ class Choice {
   // The factor of the given energy if names[k] stands for the k-th known parameter; 0 if it is another energy.
   double factor(const std::vector<std::string>& names) {
     std::vector<double> ratios;
-    double least = 0, most = 0;
+    double least = -rough::kUnknown, most = rough::kUnknown;
     for (const Trial& trial : trials_) {
       if (!trial.counts || !trial.value.decided() || !std::isfinite(trial.value.value)) continue;
       Values given = trial.given;
@@ -54,15 +54,11 @@ class Choice {
       const double ratio = other.value / trial.value.value;
       const double error =
           4 * (other.error + std::abs(ratio) * trial.value.error) / std::abs(trial.value.value);
-      if (!(error < 1e-3 * std::abs(ratio))) {
-        if (!(std::abs(ratio) <= error)) return 0;
-        continue;
-      }
-      if (ratios.empty()) least = ratio - error, most = ratio + error;
+      if (!(error < rough::kUnknown)) continue;
       least = std::max(least, ratio - error);
       most = std::min(most, ratio + error);
       if (least > most) return 0;
-      ratios.push_back(ratio);
+      if (error < 1e-3 * std::abs(ratio)) ratios.push_back(ratio);
     }
     if (ratios.empty()) return 0;
     const auto middle = ratios.begin() + std::ssize(ratios) / 2;
