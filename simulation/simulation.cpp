@@ -114,7 +114,10 @@ void Simulation::bring_to_the_bonds(const MinimiseGoal& goal, const OnMove& on_m
     start_report_.pushed_apart = push_apart(scene_, state_, on_move, goal.listen);
   if (goal.force > 0) start_report_.minimised = minimise(sys, inner_->forces.field, goal, state_, on_move);
   start_report_.anchors_stopped = rest_anchors(sys, state_.v);
-  if (scene_.run.remove_momentum_every > 0) remove_momentum(sys, state_.v);
+  if (scene_.run.remove_momentum_every > 0) {
+    start_report_.centre_stopped = momentum(sys, state_.v).norm() / sys.mass.sum();
+    remove_momentum(sys, state_.v);
+  }
   const Vectors x = state_.x;
   const double kinetic = kinetic_energy(sys, state_.v);
   {
@@ -153,9 +156,9 @@ void Simulation::note_start() {
   if (holds_centre(scene_) && scene_.run.remove_momentum_every > 1)
     scene_.notes.push_back(
         "run.remove_momentum_every: the centre of mass is held at every step, since anchors or forces from "
-        "outside "
-        "give momentum back in between; 0 leaves it alone");
-  const auto& [pushed_apart, minimised, largest_move, kinetic_removed, anchors] = start_report_;
+        "outside give momentum back in between; 0 leaves it alone");
+  const auto& [pushed_apart, minimised, largest_move, centre_stopped, kinetic_removed, anchors] =
+      start_report_;
   if (!anchors.empty())
     scene_.notes.push_back(
         fmt::format("atom {}{} anchored (mass 0): the velocity it had was left out", anchors.front(),
@@ -169,6 +172,10 @@ void Simulation::note_start() {
                     minimised->moves, minimised->moves == 1 ? "" : "s", minimised->energy_before,
                     minimised->energy, minimised->largest_force));
   constexpr double kNoise = 1e-6;
+  if (centre_stopped > kNoise)
+    scene_.notes.push_back(
+        fmt::format("run.remove_momentum_every: the centre of mass moved at {:.2g} nm/ps and was stopped",
+                    centre_stopped));
   std::vector<std::string> what;
   if (largest_move > kNoise) what.push_back(fmt::format("atoms moved by up to {:.2g} nm", largest_move));
   if (kinetic_removed > kNoise && !scene_.velocities_drawn)  // else along the bonds, as it has to be

@@ -133,6 +133,7 @@ struct StartReport {
   std::optional<int> pushed_apart;     // moves by soft forces, where run.soft_start asked for them
   std::optional<Minimised> minimised;  // where run.minimise asked for it
   double largest_move = 0;             // of an atom, to the bonds' lengths, after that [nm]
+  double centre_stopped = 0;           // speed of the centre of mass that was taken out [nm/ps]
   double kinetic_removed = 0;          // share of the kinetic energy that lay along the bonds
   std::vector<int> anchors_stopped;    // atoms of mass 0 that came with a velocity
 };

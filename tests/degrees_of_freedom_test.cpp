@@ -11,6 +11,7 @@
 #include "base/random.hpp"
 #include "error_message.hpp"
 #include "md/units.hpp"
+#include "named_scene.hpp"
 #include "simulation/simulation.hpp"
 #include "systems/velocities.hpp"
 
@@ -191,6 +192,21 @@ Scene held_cloud(const std::string& thermostat, long removed) {
   scene.run.steps = 400000;
   give_velocities(scene);
   return scene;
+}
+
+TEST(Momentum, IsSaidToBeStoppedWhereAStartHasSome) {
+  for (const int removed : {0, 1}) {
+    Scene scene = taut::scene_of("water");
+    scene.start.v.colwise() += Vec3(0, 0.3, 0);
+    scene.velocities_drawn = false;
+    scene.run.remove_momentum_every = removed;
+    const Simulation simulation(scene);
+    const auto stopped =
+        testing::Contains(testing::HasSubstr("the centre of mass moved at 0.3 nm/ps and was stopped"));
+    EXPECT_THAT(simulation.scene().notes, testing::Conditional(removed > 0, stopped, testing::Not(stopped)));
+    EXPECT_NEAR(momentum(scene.system, simulation.state().v).norm() / scene.system.mass.sum(),
+                removed ? 0 : 0.3, 1e-9);
+  }
 }
 
 TEST(MomentumOfWhatAnchorsHold, IsTakenOutWithoutWarmingOrCoolingTheRest) {
