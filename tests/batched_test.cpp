@@ -252,7 +252,8 @@ TEST(Batched, NamesTheClusterInWhichABondDependsOnOthers) {
   std::vector<Start> triangles = chains(9, 3, 1);
   for (std::size_t c = 0; c < triangles.size(); ++c) {
     triangles[c].state.x << 0, 1, 2, 0, c == 6 ? 0 : 0.5, 0, 0, 0, 0;
-    triangles[c].system = make_system(Eigen::VectorXd::Ones(3), {{0, 1, 1}, {1, 2, 1}, {0, 2, 2}});
+    const double side = std::sqrt(1.25);
+    triangles[c].system = make_system(Eigen::VectorXd::Ones(3), {{0, 1, side}, {1, 2, side}, {0, 2, 2}});
   }
   Start start = together(triangles);
   Batched<Baumgarte> method(start.system, {}, 0.01);

@@ -28,8 +28,14 @@ std::ostream& operator<<(std::ostream& out, const Sample& of) {
   return out << of.name;
 }
 
-const Vectors kPlaces =
-    columns({{0.02, 0.1, -0.3}, {0.3, 0, 0.05}, {0.1, 0.25, 0}, {-0.2, 0.1, 0.3}, {}, {1, 0.6, 0.8}, {}, {}});
+const Vectors kPlaces = columns({{0.02, 0.1, -0.3},
+                                 {0.3, 0, 0.05},
+                                 {0.1, 0.25, 0},
+                                 {-0.2, 0.1, 0.3},
+                                 {0, 0, 0},
+                                 {1, 0.6, 0.8},
+                                 {0, 0, 0},
+                                 {0, 0, 0}});
 
 const VirtualSite kPlane = VirtualSite::out_of_plane(4, 1, 0, 3, {0.3, -0.5, 1.7}),
                   kLocal3 = VirtualSite::local(

@@ -53,7 +53,7 @@ Rough periodic_distance(Arguments a, int& way) {
       way = Expression::kUndecided;
       return jumps(0, way);
     }
-    way = static_cast<int>(std::clamp(101 * way + image, -1e9, 1e9));
+    way = static_cast<int>(std::clamp(101.0 * way + image, -1e9, 1e9));
     square += (d - image) * (d - image);
     error += e;
   }
