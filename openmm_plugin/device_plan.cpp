@@ -40,8 +40,7 @@ DeviceLaw law_of(const System& sys, const HoldSettings& settings) {
   if (!options.in_lanes())
     throw InputError(
         "baumgarte's sweeps, its other damping than \"discrete\" and the gains \"hoomd\" do not run on this "
-        "platform: "
-        "take sweeps=0 and damping=discrete, or the platform CPU");
+        "platform: take sweeps=0, damping=discrete and gains of another name, or the platform CPU");
   return {choose_gains(options.choice(), Damping::kDiscrete, sys, settings.h),
           guess_of_order(options.extrapolation),
           {{"TOLERANCE", fmt::format("(mixed) {:e}", options.tolerance)},

@@ -41,6 +41,8 @@ std::vector<Contestant> named(const std::string& name, bool for_plugin) {
   for (const std::string gains : kGains)
     if (colon == name.npos || gains == name.substr(colon + 1))
       found.push_back({"baumgarte " + gains, Baumgarte::Options{.gains = gains}});
+  if (for_plugin)
+    for (Contestant& each : found) tighten(each.method);
   if (found.empty())
     throw InputError(
         fmt::format("--method {}: expected one of baumgarte:{}", name, fmt::join(kGains, ", baumgarte:")));

@@ -22,7 +22,7 @@ struct Contestant {
 };
 
 // By name: a method, "baumgarte:dead-beat" for one of its gains, "baumgarte" for all of them by name.
-// Projections are held to 1e-12. So is feedforward for the plug-in: by its own tolerance a bond may be solved once or
+// Projections are held to 1e-12. So are feedforward and baumgarte for the plug-in: by their own tolerance a bond may be solved once or
 // twice, which on the host a row of molecules decides, and on a device each by itself. Throws InputError for a name
 // there is not.
 std::vector<Contestant> contestants(const std::vector<std::string>& names, bool for_plugin = false);

@@ -122,9 +122,9 @@ SolveStats Baumgarte::again(const System& sys, const Push& push, State& s) {
     return active_set_ ? solve_one_sided(sys, push, now) : solve(sys, push, now);
   };
   SolveStats stats = solve_for_lambda();
-  if (!stats.converged() && known_ > 1 && options_.extrapolation > 0) {
+  if (!stats.converged() && known_ > 2 && options_.extrapolation > 0) {
     lambda_ = before_;  // the extrapolated λ led astray, as it does where bonds turn far in a step
-    stats = solve_for_lambda();
+    if (const SolveStats anew = solve_for_lambda(); anew.converged()) stats = anew;
   }
   add_constraint_force(sys, r_, lambda_, s.f);
   return stats;
@@ -170,6 +170,7 @@ double Baumgarte::miss(const System& sys, const Push& push, int k) {
 
 SolveStats Baumgarte::solve(const System& sys, const Push& push, SolveStats stats) {
   bool left_out = false;  // a bond without a pivot, in the solve before
+  int missing = -1;       // most, before the last solve
   while (!stats.converged() && stats.iterations < options_.max_solves) {
     y_.setZero();
     add_constraint_acceleration(sys, r_, lambda_, y_);
@@ -183,6 +184,7 @@ SolveStats Baumgarte::solve(const System& sys, const Push& push, SolveStats stat
       stats.failure = Failure::kNone;
       break;
     }
+    missing = next.bond;
     solver_.factor(r_next_, r_);
     left_out = solver_.singular();
     if (has_turned() || !(next.value < 1e3)) {
@@ -196,10 +198,9 @@ SolveStats Baumgarte::solve(const System& sys, const Push& push, SolveStats stat
     if (!left_out && is_near(next.value)) stats.failure = Failure::kNone;
   }
   if (is_driven() && !left_out) stats.failure = Failure::kNone;  // as textbooks stop, near or not
-  if (left_out && !stats.converged()) {
-    stats.worst_bond = solver_.dependent_bonds().front();
-    stats.failure = Failure::kSingularOrTurned;
-  }
+  if (stats.converged()) return stats;
+  stats.worst_bond = left_out ? solver_.dependent_bonds().front() : missing;
+  if (left_out) stats.failure = Failure::kSingularOrTurned;
   return stats;
 }
 
@@ -235,7 +236,11 @@ SolveStats Baumgarte::solve_one_sided(const System& sys, const Push& push, Solve
       if (!slack) next.see(std::abs(off) / (d * d), k);
     }
     if (stats.iterations > 0 && next.value <= options_.tolerance) stats.failure = Failure::kNone;
-    if (stats.converged() || stats.iterations == options_.max_solves) return stats;
+    if (stats.converged()) return stats;
+    if (stats.iterations == options_.max_solves) {
+      stats.worst_bond = next.bond;
+      return stats;
+    }
     const Failure failure = active_set_->solve(sys, r_, b_, lambda_);
     if (failure != Failure::kNone || !(next.value < 1e3)) {
       stats.worst_bond = failure != Failure::kNone ? active_set_->blamed() : next.bond;
@@ -262,7 +267,12 @@ SolveStats Baumgarte::solve_by_sweeps(const System& sys, const Push& push, Solve
       lambda_[k] += more;
     }
   stats.iterations = options_.sweeps;
-  stats.failure = lambda_.allFinite() ? Failure::kNone : Failure::kRanAway;
+  stats.failure = Failure::kNone;
+  for (int k = sys.all_bonds() - 1; k >= 0; --k)
+    if (!std::isfinite(lambda_[k])) {
+      stats.failure = Failure::kRanAway;
+      stats.worst_bond = k;
+    }
   return stats;
 }
 

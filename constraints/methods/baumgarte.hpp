@@ -108,7 +108,7 @@ class Baumgarte : public ConstraintMethod {
   std::optional<ActiveSet> active_set_;  // only with one-sided bonds
 };
 
-// The same law with dead-beat gains under a name of its own: the truncation of Baumgarte's linearised step, fed forward.
+// The same law with dead-beat gains, under a name of its own.
 struct Feedforward {
   struct Options {
     double tolerance = 1e-7;

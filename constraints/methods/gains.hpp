@@ -26,9 +26,9 @@ struct Gains {
 //               calibrate)
 //   swept       a pair of roots of modulus `reduction`: an error evolves as with a fixed number of RATTLE
 //               sweeps that leave this fraction of it (taut calibrate --copies slowest)
-//   critical    α = β = 1/h
+//   critical    α = β = 1/h (lagged: half of that)
 //   physical    α = β = √(stiffness/μ), the frequency of the real bond, critically damped; limited to
-//               βh = 1.9
+//               βh = 1.9 (lagged: 0.79)
 //   box2d       β = 2π·¼/h, α = 2β: a spring with a quarter of the step's frequency, the upper limit for
 //               contacts in Box2D 3.1, and the damping ratio 2 of its joints (whose limit is an
 //               eighth)

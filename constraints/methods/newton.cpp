@@ -29,7 +29,7 @@ SolveStats Newton::project_positions(const System& sys, double h, State& s) {
   g_ = 0.5 * h * h * lambda_;
   add_constraint_acceleration(sys, r_old_, g_, s.x);
   SolveStats stats{.failure = Failure::kNoConvergence};
-  bool exactly = false;
+  bool exactly = false;  // then exact_ is of this step
   for (double before = std::numeric_limits<double>::infinity();;) {
     Residual residual;
     for (int k = 0; k < sys.all_bonds(); ++k) {
@@ -53,7 +53,7 @@ SolveStats Newton::project_positions(const System& sys, double h, State& s) {
     g_ += dg_;
     ++stats.iterations;
   }
-  if (!stats.converged() && !active_set_) explain_by_pivots(stats);
+  if (!stats.converged() && !active_set_) explain_by_pivots(exactly, stats);
   dg_ = g_ / h;
   add_constraint_acceleration(sys, r_old_, dg_, s.v);
   lambda_ = 2 / (h * h) * g_;
@@ -74,8 +74,8 @@ bool Newton::solve_exactly(Eigen::VectorXd& b, SolveStats& stats) {
 }
 
 // Why the iteration did not converge: where bonds were left out for want of a pivot, for that.
-void Newton::explain_by_pivots(SolveStats& stats) const {
-  const bool turned = exact_ && exact_->singular();
+void Newton::explain_by_pivots(bool exactly, SolveStats& stats) const {
+  const bool turned = exactly && exact_->singular();
   if (!turned && !solver_.singular()) return;
   stats.worst_bond = (turned ? *exact_ : solver_).dependent_bonds().front();
   stats.failure = turned ? Failure::kSingularOrTurned : Failure::kSingular;

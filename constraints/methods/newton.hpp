@@ -63,7 +63,7 @@ class Newton : public ConstraintMethod {
   Vectors r_, r_old_;  // 3 × m, bond vectors now and before the drift
 
  private:
-  void explain_by_pivots(SolveStats& stats) const;
+  void explain_by_pivots(bool exactly, SolveStats& stats) const;
   bool solve_one_sided(const System& sys, const Vectors& r, SolveStats& stats);
   SolveStats project_one_sided_velocities(const System& sys, double h, State& s);
 

@@ -10,7 +10,7 @@ namespace taut {
 
 // The recurrence of the error of one bond under Baumgarte's law (derived in constraints/README.md):
 //     σ_{n+1} = trace·σ_n − determinant·σ_{n−1}.
-// Because A λ = b is solved exactly, each bond of a cluster obeys it by itself, up to terms quadratic in σ.
+// Because σ₊ = τ is solved for all bonds at once, each obeys it by itself, but for what the solve leaves.
 
 // The forms of the law. Solved without remainder, each is σ₊ = trace·σ − determinant·σ₋ and, but for the first, a
 // drive (below), since its σ̈ or σ̇ is not the difference that the step makes of it.
