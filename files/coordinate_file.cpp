@@ -143,8 +143,8 @@ Coordinates read_pdb(Lines& lines) {
   bool ended = false, many = false;
   while (!many && lines.next()) {
     const std::string record = lines.columns(0, 6);
-    if (record == "CRYST1") box = read_cell(lines);
-    if (record == "ENDMDL") ended = true;
+    if (record == "CRYST1" && !ended) box = read_cell(lines);
+    if (record == "ENDMDL" || record == "END") ended = true;
     if (record != "ATOM" && record != "HETATM") continue;
     many = ended;
     if (many) continue;

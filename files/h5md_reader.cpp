@@ -23,8 +23,11 @@ struct H5mdReader::Contents {
   }
 
   // Of every frame.
-  std::vector<double> times() const {
-    std::vector<double> all(static_cast<std::size_t>(H5Maker(file).sizes(time).at(0)));
+  std::vector<double> times(const std::filesystem::path& path) const {
+    const H5Maker::Sizes sizes = H5Maker(file).sizes(time);
+    if (sizes.size() != 1 || sizes[0] < frames)
+      throw InputError(path.string() + ": expected a time for each frame in particles/all/position/time");
+    std::vector<double> all(static_cast<std::size_t>(sizes[0]));
     accepted(H5Dread(time, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, all.data()));
     all.resize(frames);
     return all;
@@ -44,7 +47,7 @@ H5mdReader::H5mdReader(const std::filesystem::path& path) {
       if (sizes.size() != 3 || sizes[2] != 3)
         throw InputError(path.string() + ": expected positions as frames × atoms × 3");
       atoms_ = static_cast<int>(sizes[1]);
-      times_ = contents_->times();
+      times_ = contents_->times(path);
     });
   } catch (const Hdf5Refusal& e) {
     throw InputError(

@@ -125,7 +125,10 @@ SceneSource source_of(const Scene& scene, bool openmm, const std::vector<std::st
   SceneSource source{openmm, {}, overrides_of(key_values(overrides)), {}};
   for (const fs::path& path : scene.files) {
     if (fs::exists(path) && !fs::is_regular_file(path)) throw InputError(path.string() + kPipe);
-    source.files.push_back({path.filename().string(), whole_text(path)});
+    std::string text = whole_text(path);
+    if (text.find('\0') != text.npos || text.size() > kLongestText)
+      throw InputError(path.string() + ": has a character 0, or is over 4 GiB: give a file of text");
+    source.files.push_back({path.filename().string(), std::move(text)});
   }
   return source;
 }

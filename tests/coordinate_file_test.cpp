@@ -215,6 +215,11 @@ TEST(CoordinateFile, FurtherFramesAreNoted) {
   EXPECT_THAT(pdb.note, testing::EndsWith("a.pdb: the first of its frames is taken"));
   EXPECT_THAT(gro.note, testing::EndsWith("a.gro: the first of its frames is taken"));
   EXPECT_EQ(read("a.pdb", kPdb.substr(0, kPdb.find("MODEL        2"))).note, "");
+  // a box of each frame, and frames that END alone parts
+  const std::string larger =
+      "CRYST1   90.000   90.000   90.000  90.00  90.00  90.00 P 1           1\nMODEL        2";
+  EXPECT_EQ(read("a.pdb", with(kPdb, "MODEL        2", larger)).box.edge, pdb.box.edge);
+  EXPECT_EQ(read("a.pdb", with(kPdb, "ENDMDL", "END")).x, pdb.x);
   EXPECT_EQ(read("a.gro", kGro + "\n \n").note, "");
 }
 

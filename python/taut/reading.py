@@ -25,6 +25,8 @@ def _whole(system: Any, positions: Any, box: Any) -> Any:
     for force in system.getForces():
         if isinstance(force, HarmonicBondForce):
             pairs += [force.getBondParameters(k)[:2] for k in range(force.getNumBonds())]
+    pairs += [(system.getVirtualSite(a).getParticle(0), a) for a in range(system.getNumParticles())
+              if system.isVirtualSite(a)]
     x = np.array([list(bare(row, "nm")) for row in positions])
     edges = np.array([list(bare(row, "nm")) for row in box])
     if not pairs or (abs(x[[p[0] for p in pairs]] - x[[p[1] for p in pairs]]) < edges.diagonal() / 2).all():

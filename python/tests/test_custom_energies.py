@@ -58,6 +58,7 @@ REFUSED = {
     "field in a part of the box": lambda: outside("-(fx*x+fy*y+fz*z)*step(2-z)", fx=0.0, fy=0.0, fz=5.0),
     "pull in a slab": lambda: outside("-(fx*x+fy*y+fz*z)*step(1.5-x)", fx=5.0, fy=0.0, fz=0.0),
     "restraint capped far": lambda: outside("0.5*k*min((x-x0)^2+(y-y0)^2+(z-z0)^2,25)", k=9.0, x0=0.0, y0=0.0, z0=0.0),
+    "of no coordinate": lambda: outside("max(k,1e9)", k=9.0),
     "restraint that ends": lambda: outside("0.5*k*d2*step(16-d2);d2=(x-x0)^2+(y-y0)^2+(z-z0)^2",
                                            k=9.0, x0=0.0, y0=0.0, z0=0.0),
 }

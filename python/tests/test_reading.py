@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import taut
+from taut.reading import _whole
 
 app = pytest.importorskip("openmm.app", reason="needs OpenMM")
 import openmm  # noqa: E402
@@ -191,6 +192,20 @@ def test_what_cannot_be_read_is_refused_by_name(files, call, words):
     (files / "bad.top").write_text(TOP.replace("0.11 300000", "long stiff"))
     with pytest.raises(taut.InputError, match=words):
         call(files)
+
+
+def test_sites_stay_with_their_parents_where_a_file_is_wrapped(tmp_path):
+    """Water of four sites whose M alone lies across the box."""
+    system = openmm.System()
+    for mass in (16, 1, 1, 0):
+        system.addParticle(mass)
+    system.setVirtualSite(3, openmm.ThreeParticleAverageSite(0, 1, 2, 0.8, 0.1, 0.1))
+    for one, two, d in ((0, 1, 0.09572), (0, 2, 0.09572), (1, 2, 0.15139)):
+        system.addConstraint(one, two, d)
+    x = np.array([[0.01, 1, 1], [-0.0486, 1.0757, 1], [-0.0486, 0.9243, 1], [-0.0017, 1, 1]])
+    wrapped = np.where(x < 0, x + 2.0, x)
+    moved = np.array(_whole(system, wrapped, 2.0 * np.eye(3)))
+    np.testing.assert_allclose(moved - moved[0], x - x[0], atol=1e-12)
 
 
 def test_a_file_wrapped_atom_by_atom_is_made_whole(files):

@@ -8,6 +8,7 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <sstream>
 
 #include "base/errors.hpp"
@@ -100,8 +101,8 @@ class Reader {
     const LammpsData::Entry entry{line_, words_};
     if (numbers.size() == 1 && std::ranges::find(kCounts, name) != kCounts.end()) {
       const double count = data_.number(entry, 0, "a count");
-      if (!(count >= 0 && count <= 5e6 && count == std::floor(count)))
-        data_.fail(line_, fmt::format("{} {}, expected a whole number up to 5000000", count, name));
+      if (!(count >= 0 && count <= std::numeric_limits<int>::max() && count == std::floor(count)))
+        data_.fail(line_, fmt::format("{} {}, expected a whole number below 2^31", count, name));
       data_.counts[name] = static_cast<long>(count);
       return;
     }

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "systems/lammps/special_bonds.hpp"
+
 namespace taut {
 namespace {
 
@@ -21,6 +23,8 @@ std::string fix(const std::string& name, const std::string& what) {
 }  // namespace
 
 std::vector<long> walls_of_atoms(const Scene& scene) {
+  if (scene.terms.walls.size() > 29)
+    refuse_for_lammps("more than 29 walls, since there are 32 groups of atoms");
   std::vector<long> all(static_cast<std::size_t>(scene.system.atoms()));
   for (std::size_t w = 0; w < scene.terms.walls.size(); ++w)
     for (const int a : scene.terms.walls[w].atoms) all[static_cast<std::size_t>(a)] |= 1L << w;

@@ -63,7 +63,8 @@ class Writer {
                       sys.sites.front().atom));
     if (!sys.one_sided.empty()) refuse_for_lammps("at_least and at_most hold bonds from one side");
     if (!terms.cmaps.empty()) refuse_for_lammps("correction maps");
-    if (terms.walls.size() > 29) refuse_for_lammps("more than 29 walls, since there are 32 groups of atoms");
+    if (terms.wca && terms.nonbonded && !terms.nonbonded->charge.isZero(0))
+      refuse_for_lammps("charges beside forcefield.pair = \"wca\"");
     if (terms.tabulated_pairs && terms.nonbonded && !terms.nonbonded->charge.isZero(0))
       refuse_for_lammps("tables between charges");
     if (!terms.pulls.empty() || !terms.restraints.empty() || !terms.steered.empty() || !terms.own.empty() ||

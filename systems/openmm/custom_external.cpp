@@ -62,6 +62,7 @@ std::vector<KnownRestraint> known_restraints(const CustomForce& p) {
       like.axes[c] = 1;
       place.push_back({x + "0"});
     }
+  if (place.empty()) return {};
   std::vector<KnownRestraint> all;
   const auto add = [&](bool placed) {
     std::vector<Quantity> parameters = placed ? place : std::vector<Quantity>{};
@@ -111,7 +112,7 @@ void read_restraints(const ForceReading& r, const KnownRestraint& kind, CustomFo
     p.read(particle, {atom_field("index", atom, r.system.atoms())});
     Restraint one = restraint_of(kind, p);
     if (!(one.free >= 0))
-      particle.refuse(fmt::format("is free from {0} to -{0} nm of its place, expected 0 or more", one.free));
+      particle.refuse(fmt::format("is free up to {} nm from its place, expected 0 or more", one.free));
     one.atom = atom;
     r.to.terms.restraints.push_back(one);
   });
@@ -156,10 +157,8 @@ void read_custom_external(const ForceReading& r) {
     return read_restraints(r, kinds[static_cast<std::size_t>(kind)], p);
   r.force.refuse(
       fmt::format("has the energy {}: taut knows forces that are the same at all places, as -q*E*z and "
-                  "-(fx*x+fy*y+fz*z); springs "
-                  "to a place, as {}, on some of the axes, as 0.5*k*(z-z0)^2, and free near it, as "
-                  "0.5*k*max(abs(z-z0)-free,0)^2; "
-                  "and what equals one of these",
+                  "-(fx*x+fy*y+fz*z); springs to a place, as {}, on some of the axes, as 0.5*k*(z-z0)^2, and "
+                  "free near it, as 0.5*k*max(abs(z-z0)-free,0)^2; and what equals one of these",
                   energy, restraint_energy({})));
 }
 

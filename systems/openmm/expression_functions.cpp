@@ -7,6 +7,9 @@ namespace {
 
 using Numbers = std::span<const double>;
 
+constexpr double kFar =
+    999'999'999;  // where branches are no longer told apart; Expression::kUndecided is beyond
+
 bool positive(Rough x, int& way) {
   const bool decided = x.error == 0 || std::abs(x.value) > x.error;
   way = decided ? x.value >= 0 : Expression::kUndecided;
@@ -20,7 +23,7 @@ Rough jumps(double value, int way) {
 template <double (*kRounding)(double)>
 Rough rounding(Arguments a, int& way) {
   const double low = kRounding(a[0].value - a[0].error), high = kRounding(a[0].value + a[0].error);
-  way = low == high ? static_cast<int>(std::clamp(low, -1e9, 1e9)) : Expression::kUndecided;
+  way = low == high ? static_cast<int>(std::clamp(low, -kFar, kFar)) : Expression::kUndecided;
   return jumps(kRounding(a[0].value), way);
 }
 
@@ -53,7 +56,7 @@ Rough periodic_distance(Arguments a, int& way) {
       way = Expression::kUndecided;
       return jumps(0, way);
     }
-    way = static_cast<int>(std::clamp(101.0 * way + image, -1e9, 1e9));
+    way = static_cast<int>(std::clamp(101.0 * way + image, -kFar, kFar));
     square += (d - image) * (d - image);
     error += e;
   }
