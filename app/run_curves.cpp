@@ -17,9 +17,10 @@ using Use = LogColumn::Use;
 
 // Adds what a row of the log has, row by row; rows without it are left out.
 void add(std::vector<Curve>& curves, const RunLog& log, Curve curve, const std::vector<double>& y) {
+  const std::vector<double>& t = log.column("time_ps");
   for (std::size_t row = 0; row < y.size(); ++row) {
     if (std::isnan(y[row])) continue;
-    curve.t.push_back(log.column("time_ps")[row]);
+    curve.t.push_back(t[row]);
     curve.y.push_back(y[row]);
   }
   if (!curve.y.empty()) curves.push_back(std::move(curve));
@@ -35,7 +36,7 @@ void add_account(std::vector<Curve>& curves, const RunLog& log, const std::vecto
     if (!steering && column.key != "heat_kj_mol") continue;
     if (steering) name = "energy but for heat and steering";
     const std::vector<double>& less = log.column(column);
-    for (std::size_t row = 0; row < less.size(); ++row)
+    for (std::size_t row = 0; row < std::min(energy.size(), less.size()); ++row)
       if (!std::isnan(less[row])) energy[row] -= less[row];
   }
   for (std::vector<double>* y : {&energy, &bonds}) {

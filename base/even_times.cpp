@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
+#include <utility>
 
 namespace taut {
 namespace {
@@ -98,12 +100,6 @@ std::vector<EvenPart> even_parts(std::span<const double> t) {
       parts.push_back(part);
   }
   return parts;
-}
-
-std::vector<double> values_at(const EvenPart& part, std::span<const double> y) {
-  std::vector<double> values;
-  for (const std::size_t sample : part.samples) values.push_back(y[sample]);
-  return values;
 }
 
 std::vector<double> spans_of(std::span<const double> t) {

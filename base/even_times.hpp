@@ -22,9 +22,6 @@ struct EvenPart {
 // is hardly longer than another of more samples is left out.
 std::vector<EvenPart> even_parts(std::span<const double> t);
 
-// The values of a series at the samples of a part.
-std::vector<double> values_at(const EvenPart& part, std::span<const double> y);
-
 // Series at ascending times as even ones of the same mean in time: a sample stands for the time since the one before
 // it, and each interval's mean is a sample of the even series. The interval is the spacing in which half of the time is
 // spent at most. Where times are even already series stay as they are. Times that nothing is known of, longer than the

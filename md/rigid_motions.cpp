@@ -1,6 +1,7 @@
 #include "md/rigid_motions.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 
 #include "md/observables.hpp"

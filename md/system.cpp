@@ -168,8 +168,8 @@ std::vector<bool> checked_sites(const Eigen::VectorXd& mass, const VirtualSites&
 
 void refuse_more_atoms(double atoms) {
   if (atoms > kMostAtoms)
-    throw InputError(
-        fmt::format("a system of {:.0f} atoms, more than the {:.0f} taut takes", atoms, kMostAtoms));
+    throw InputError(fmt::format(
+        "a system of {:.0f} atoms, more than the {:.0f} taut takes: build fewer copies", atoms, kMostAtoms));
 }
 
 bool System::is_site(int a) const {

@@ -131,7 +131,7 @@ Doubt of_temperature(const StartAndEnd& ends, const Judged& judged, const std::s
   if (ends.relaxation > 0) {
     if (!far_from_bath(ends, judged)) return {};
     return fmt::format(
-        "the thermostat is set to {:.4g} K, and the mean temperature of the later half{} is {:.4g} K; {}{}",
+        "the thermostat is set to {:.4g} K, and the mean temperature{} over the later half is {:.4g} K; {}{}",
         judged.expected, judged.whose, mean, advice,
         ends.worked_on && mean > judged.expected
             ? ", or pull more slowly: what pulls does work, and a motion of all atoms counts as heat"

@@ -1,9 +1,7 @@
 #include "run_folder.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "base/errors.hpp"

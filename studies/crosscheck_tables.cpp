@@ -56,34 +56,35 @@ Json json_of(const Crosscheck& c, const Track& track) {
 }
 
 Json json_of(const Crosscheck& c) {
-  Json json = {
-      {"scene", c.scene},
-      {"openmm", c.openmm},
-      {"platform", c.platform},
-      {"precision", c.precision},
-      {"integrator", c.plugged.empty() ? "openmm" : "taut"},
-      {"notes", c.notes},
-      {"atoms", c.atoms},
-      {"bonds", c.bonds},
-      {"dof", c.dof},
-      {"dt_fs", c.h * 1000},
-      {"steps", c.steps},
-      {"parting_steps", c.parting},
-      {"start",
-       {{"energy_kj_mol", c.start.energy},
-        {"openmm_energy_kj_mol", c.start.openmm_energy},
-        {"force_rms_kj_mol_nm", c.start.force_rms},
-        {"largest_force_difference_kj_mol_nm", c.start.force_difference}}},
-      {"chaos",
-       {{"growth", c.chaos.growth}, {"steps", c.chaos.steps}, {"rate_per_ps", json_of(c.chaos.rate)}}}};
-  if (c.plugged.empty()) {
+  Json json = {{"scene", c.scene},
+               {"openmm", c.openmm},
+               {"platform", c.platform},
+               {"precision", c.precision},
+               {"integrator", c.plugged.empty() ? "openmm" : "taut"},
+               {"notes", c.notes},
+               {"atoms", c.atoms},
+               {"bonds", c.bonds},
+               {"dof", c.dof},
+               {"dt_fs", c.h * 1000},
+               {"steps", c.steps},
+               {"parting_steps", c.parting},
+               {"start",
+                {{"energy_kj_mol", c.start.energy},
+                 {"openmm_energy_kj_mol", c.start.openmm_energy},
+                 {"force_rms_kj_mol_nm", c.start.force_rms},
+                 {"largest_force_difference_kj_mol_nm", c.start.force_difference}}}};
+  const bool known = !c.twin.failed();  // else nothing was held against it
+  if (known && !c.nudged.failed())
+    json["chaos"] = {
+        {"growth", c.chaos.growth}, {"steps", c.chaos.steps}, {"rate_per_ps", json_of(c.chaos.rate)}};
+  if (known && c.plugged.empty() && c.openmm_bonds.failure.empty())
     json["openmm_bonds"] = {{"max_rel_bond_error", c.openmm_bonds.worst},
                             {"rounded_to_float", c.openmm_bonds.rounded}};
+  if (known && c.plugged.empty() && c.leapfrog.failure.empty())
     json["leapfrog"] = {{"steps", c.leapfrog.steps},
                         {"positions_nm", c.leapfrog.positions},
                         {"velocities_kept_nm_ps", c.leapfrog.velocities_kept},
                         {"velocities_full_step_nm_ps", c.leapfrog.velocities}};
-  }
   if (c.openmm_bonds.apart_as_given) {
     json["openmm_bonds"]["newton_apart_as_given_nm"] = *c.openmm_bonds.apart_as_given;
     json["openmm_bonds"]["newton_apart_with_their_lengths_nm"] = *c.openmm_bonds.apart_with_theirs;

@@ -39,10 +39,10 @@ void RunLog::append(const RunLog& next) {
   const double end = column("time_ps").back(), begin = next.column("time_ps").front();
   const bool again = begin < end;
   const std::size_t first = again || begin == end ? 1 : 0;  // its start is the end here
-  for (std::size_t c = 0; c < titles.size(); ++c)
-    for (std::size_t row = first; row < next.rows(); ++row)
-      values[c].push_back(next.values[c][row] +
-                          (again && titles[c] == common_column("time_ps").title ? end - begin : 0));
+  for (std::size_t c = 0; c < titles.size(); ++c) {
+    const double later = again && titles[c] == common_column("time_ps").title ? end - begin : 0;
+    for (std::size_t row = first; row < next.rows(); ++row) values[c].push_back(next.values[c][row] + later);
+  }
 }
 
 RunLog read_log(const std::filesystem::path& folder) {

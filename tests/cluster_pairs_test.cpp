@@ -297,7 +297,7 @@ TEST(ClusterList, RefusesMoreThanItsRowsCanNumber) {
 TEST(LargestSystem, IsRefusedPast) {
   EXPECT_EQ(error_message([] { refuse_more_atoms(kMostAtoms); }), "no error");
   EXPECT_EQ(error_message([] { refuse_more_atoms(kMostAtoms + 1); }),
-            "a system of 10000001 atoms, more than the 10000000 taut takes");
+            "a system of 10000001 atoms, more than the 10000000 taut takes: build fewer copies");
 }
 
 }  // namespace

@@ -87,7 +87,7 @@ TEST(DoubtsOfStartAndEnd, OfATemperatureFarFromTheBaths) {
   ends.relaxation = 0.5;
   ends.temperature = {316, 2};
   EXPECT_THAT(doubts(s),
-              ElementsAre(HasSubstr("set to 300 K, and the mean temperature of the later half is 316 K")));
+              ElementsAre(HasSubstr("set to 300 K, and the mean temperature over the later half is 316 K")));
   EXPECT_THAT(doubts(s), ElementsAre(Not(HasSubstr("pull"))));
   ends.worked_on = true;
   EXPECT_THAT(doubts(s), ElementsAre(HasSubstr("a stronger thermostat, or pull more slowly: ")));
@@ -109,12 +109,13 @@ TEST(DoubtsOfKinds, NameTheKindThatIsOff) {
   ends.relaxation = 0.5;
   ends.kinds = {{"90 molecules of 3 atoms", 900, 300, {301, 2}},
                 {"2 molecules of 74 atoms", 100, 300, {279, 3}}};
-  EXPECT_THAT(doubts(s), ElementsAre(AllOf(HasSubstr("the later half of 2 molecules of 74 atoms is 279 K; "),
-                                           HasSubstr("take method newton"))));
+  EXPECT_THAT(doubts(s),
+              ElementsAre(AllOf(HasSubstr("of 2 molecules of 74 atoms over the later half is 279 K; "),
+                                HasSubstr("take method newton"))));
   ends.kinds[0].temperature.value = 330;  // farther off
-  EXPECT_THAT(doubts(s), ElementsAre(HasSubstr("of 90 molecules of 3 atoms is 330 K")));
+  EXPECT_THAT(doubts(s), ElementsAre(HasSubstr("of 90 molecules of 3 atoms over the later half is 330 K")));
   ends.temperature.value = 327;  // and so is the whole
-  EXPECT_THAT(doubts(s), ElementsAre(HasSubstr("of the later half is 327 K")));
+  EXPECT_THAT(doubts(s), ElementsAre(HasSubstr("over the later half is 327 K")));
   ends.temperature.value = 300;
   ends.kinds[0].temperature.value = 301;
   ends.kinds[1].temperature.error = 4.3;  // chance
@@ -244,9 +245,9 @@ steps = 60000
 log_every = 20
 )"};
   EXPECT_THAT(summary_of(read(mixture.text, {"method.name=newton"})).doubts, IsEmpty());
-  EXPECT_THAT(
-      summary_of(read(mixture.text, {"method.name=lincs", "method.order=0"})).doubts,
-      ::testing::Contains(AllOf(HasSubstr("set to 300 K"), HasSubstr("of 10 molecules of 6 atoms is"))));
+  EXPECT_THAT(summary_of(read(mixture.text, {"method.name=lincs", "method.order=0"})).doubts,
+              ::testing::Contains(AllOf(HasSubstr("set to 300 K"),
+                                        HasSubstr("of 10 molecules of 6 atoms over the later half is"))));
 }
 
 // Nothing is said against any scene of taut's, with or without a bath.

@@ -132,7 +132,8 @@ class CSV(Reporter):
 
     def begin(self, simulation: Any) -> None:
         known = list(simulation._engine._titles().values())
-        self.columns = known if self._all else self.columns
+        if self._all and self._open is None:
+            self.columns = known
         for name in self.columns:
             if name not in known:
                 raise InputError(f"columns: the simulation has no {name!r}{suggest(name, known)}")
@@ -140,6 +141,7 @@ class CSV(Reporter):
     def report(self, simulation: Any) -> None:
         first = self._open is None
         if first:
+            self.begin(simulation)
             self._open = open(self.file, "w", newline="")
         writer = csv.writer(self._open)
         if first:

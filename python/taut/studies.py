@@ -97,7 +97,8 @@ def _folder_of_trials() -> Iterator[Path]:
     except BaseException:
         done = sum(len(ledger.read_text().splitlines()) - 1 for ledger in folder.glob("*/ledger.tsv"))
         if done:
-            warnings.warn(f"the study was cut off; its {done} finished trials are kept in {folder}", stacklevel=4)
+            warnings.warn("the study was cut off; a ledger.tsv has a line for each trial, and the folder can be deleted: "
+                          f"its {done} finished trials are kept in {folder}", stacklevel=4)
         raise
     finally:
         if not done:

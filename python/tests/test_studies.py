@@ -32,7 +32,8 @@ def test_options_have_signatures_and_say_what_they_are():
 def test_chart():
     tables = taut.chart("freely_jointed", ["newton", "baumgarte"], quick=True, set=CHAINS)
     work = tables["work"]
-    assert set(work["method"]) == {"newton", "baumgarte"} and not (np.array(work["ns_per_bond_step"]) <= 0).any()
+    ns = np.array(work["ns_per_bond_step"])  # NaN where the bonds' share is lost in the step's noise
+    assert set(work["method"]) == {"newton", "baumgarte"} and (ns > 0).any() and not (ns <= 0).any()
     assert set(tables) == {"work", "drift", "order", "length", "failures"}
     order = {m: o for m, o in zip(tables["order"]["method"], tables["order"]["order"])}
     assert order["newton"] == pytest.approx(2, abs=0.2)
