@@ -34,11 +34,13 @@ TEST_P(CalibrationOfSweeps, TheLawCopiesRattle) {
        {std::pair{"chain", chain(10)}, {"water", water(1)}, {"water", water(4)}}) {
     const CalibrationPlan plan{.sweeps = GetParam(), .settle = 20, .steps = 12};
     const Calibration c = calibrate(scene, plan);
-    EXPECT_NEAR(c.of_stretch.measured, c.reduction_reference, 0.002) << name;
+    const double a_fifth =
+        0.2 * c.reduction_reference;  // as many sweeps leave little, hundredths are no bound
+    EXPECT_NEAR(c.of_stretch.measured, c.reduction_reference, std::min(0.002, a_fifth)) << name;
     EXPECT_NEAR(c.method.reduction / c.reduction_reference, 1, 5e-6) << name;  // six digits of it
     EXPECT_NEAR(c.of_stretch.predicted / c.method.reduction, 1, 1e-9) << name;
-    EXPECT_NEAR(c.of_rate.measured, c.reduction_reference, 0.01) << name;
-    EXPECT_NEAR(c.after_rate.measured, c.reduction_reference, 0.01) << name;
+    EXPECT_NEAR(c.of_rate.measured, c.reduction_reference, std::min(0.01, a_fifth)) << name;
+    EXPECT_NEAR(c.after_rate.measured, c.reduction_reference, std::min(0.01, a_fifth)) << name;
     EXPECT_LT(c.floor_measured, 3e-8) << name;
     EXPECT_EQ(c.floor_predicted, 0) << name;
     EXPECT_EQ(disagreement(plan, c), "") << name;

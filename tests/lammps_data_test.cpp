@@ -6,13 +6,9 @@
 namespace taut::lammps_data_tests {
 namespace {
 
-using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
-using tests::energies;
 using tests::kMixture;
-using Folder = tests::LammpsFolder;
-using tests::total;
 
 const SceneText kData{R"(a title
 

@@ -9,7 +9,7 @@
 #include "base/random.hpp"
 #include "forcefield/force_field.hpp"
 #include "md/observables.hpp"
-#include "scene_text.hpp"
+#include "polymer_scene.hpp"
 #include "simulation/simulation.hpp"
 
 namespace taut::minimise_tests {
@@ -67,25 +67,8 @@ TEST(SoftStart, PartsAtomsInOnePlace) {
 
 // Chains that are to stand at one place have no room: where soft forces part them they are placed all the same.
 TEST(SoftStart, PartsChainsThatFoundNoRoom) {
-  const SceneText piled{R"([molecule.chain]
-atoms = [{name = "B", mass_u = 72, sigma_nm = 0.47, epsilon_kj_mol = 2.5}]
-units = 10
-bonds = [[0, 1, 0.456]]
-[[place]]
-molecule = "chain"
-count = 3
-centres_nm = [[1, 1, 1], [1, 1, 1], [1.01, 1, 1]]
-[build]
-box_nm = 5
-[forcefield]
-pair = "wca"
-[run]
-temperature_k = 300
-thermostat = "langevin"
-)"};
-  EXPECT_THAT(complaint(piled.text), HasSubstr("there is no room for copy 2 of 3"));
-  const Simulation parted(read(
-      piled.with("temperature_k = 300", "temperature_k = 300\nminimise = true\nsoft_start = true").text));
+  EXPECT_THAT(complaint(kCrowd), HasSubstr("there is no room for copy 2 of 3"));
+  const Simulation parted(read(kCrowd + kPartTheCrowd));
   EXPECT_GT(*parted.start_report().pushed_apart, 0);
   EXPECT_LT(parted.start_report().minimised->largest_force, 1e3);
 }

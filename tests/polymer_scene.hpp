@@ -18,6 +18,25 @@ box_nm = 5
 cutoff_nm = 1.1
 )";
 
+// Three chains in one place, which no run can begin with unless they are pushed apart.
+inline const std::string kCrowd = R"([molecule.chain]
+atoms = [{name = "B", mass_u = 72, sigma_nm = 0.47, epsilon_kj_mol = 2.5}]
+units = 10
+bonds = [[0, 1, 0.456]]
+[[place]]
+molecule = "chain"
+count = 3
+centres_nm = [[1, 1, 1], [1, 1, 1], [1.01, 1, 1]]
+[build]
+box_nm = 5
+[forcefield]
+pair = "wca"
+[run]
+temperature_k = 300
+thermostat = "langevin"
+)";
+inline const std::string kPartTheCrowd = "minimise = true\nsoft_start = true\n";
+
 inline std::string with(const std::string& text, const std::string& old, const std::string& changed) {
   return SceneText{text}.with(old, changed).text;
 }

@@ -62,7 +62,8 @@ TEST_P(Scenes, HoldTheirBonds) {
   const double rounding = 1e-14 * (1 + scene.start.x.cwiseAbs().maxCoeff() / scene.system.bonds[0].length);
   EXPECT_LE(verdict.bond_error, promise * (1 + 1e-3) + rounding);
   // Who promises no number is held to what a step's truncation feeds it, or to the softness of its springs.
-  // Without correction σ₊ − 2σ + σ₋ = ¼h⁴a² adds up to n² times that. What LINCS's four terms leave grows with the coupling of its bonds.
+  // Without correction σ₊ − 2σ + σ₋ = ¼h⁴a², or rounding, adds up to n² times that. What LINCS's four terms leave grows
+  // with the coupling of its bonds.
   const double steps = steps_for(scene);
   const std::map<std::string, double> left = {
       {"none", 4 * steps * steps * (verdict.fed_error + 1e-15) + verdict.predicted_error},

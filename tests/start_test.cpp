@@ -81,33 +81,12 @@ TEST(Start, KeepsASkewedBoxToTheBit) {
   EXPECT_EQ(read_start(folder.path() / "skewed.start.toml").box, s.box);
 }
 
-// Three chains in one place, which no run can begin with unless they are pushed apart.
-const std::string kCrowd = R"([molecule.chain]
-atoms = [{name = "B", mass_u = 72, sigma_nm = 0.47, epsilon_kj_mol = 2.5}]
-units = 10
-bonds = [[0, 1, 0.456]]
-[[place]]
-molecule = "chain"
-count = 3
-centres_nm = [[1, 1, 1], [1, 1, 1], [1.01, 1, 1]]
-[build]
-box_nm = 5
-[forcefield]
-pair = "wca"
-[run]
-temperature_k = 300
-thermostat = "langevin"
-velocities = "draw"
-minimise = true
-soft_start = true
-minimise_force_kj_mol_nm = 500
-)";
-
 // A start is gone on from as it is: nothing is placed, so that nothing may lack room, and nothing is relaxed unless
 // somebody asks.
 TEST(Start, OfMoleculesThatWerePushedApartIsGoneOnFrom) {
   const TemporaryFolder folder;
-  const auto file = folder.write("crowd.toml", kCrowd);
+  const auto file = folder.write(
+      "crowd.toml", kCrowd + kPartTheCrowd + "velocities = \"draw\"\nminimise_force_kj_mol_nm = 500\n");
   State end = read_scene(file).start;
   end.v = Vectors::Random(3, 30);
   write_start(folder.path() / "end.start.toml", end);

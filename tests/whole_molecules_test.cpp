@@ -7,6 +7,7 @@
 #include <random>
 
 #include "error_message.hpp"
+#include "force_checks.hpp"
 
 namespace taut::whole_molecules_tests {
 namespace {
@@ -76,13 +77,6 @@ TEST(WholeMolecules, AreRefusedWhereTheyMeetTheirOwnImage) {
                 make_whole(kBox, {spring(0, 1), spring(1, 2), spring(2, 3), spring(3, 0)}, x);
               }),
               HasSubstr("meets its own image"));
-}
-
-Vectors columns(std::initializer_list<Vec3> all) {
-  Vectors x(3, static_cast<Eigen::Index>(all.size()));
-  Eigen::Index a = 0;
-  for (const Vec3& at : all) x.col(a++) = at;
-  return x;
 }
 
 void expect_kept(const std::vector<Tether>& tethers, const Vectors& x) {
