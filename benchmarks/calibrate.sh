@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # What `taut calibrate` predicts and measures on every scene with bonds, at 0.5, 1, 2 and 4 fs, of RATTLE with two
-# sweeps (SWEEPS: others): benchmarks/calibrate.sh [SCENE ...] > benchmarks/results/calibrate.csv
+# sweeps (SWEEPS: others): benchmarks/calibrate.sh [SCENE ...] > calibrate.csv
 # Reductions of an error a step, predicted and measured: of a stretch's σ and its σ̇, of a rate's σ. Where they are more
 # than a twentieth apart, why. TAUT names the command, if it is not build/taut.
 set -euo pipefail
