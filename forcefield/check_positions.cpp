@@ -3,7 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numeric>
+#include <cmath>
+#include <utility>
 #include <vector>
 
 #include "base/errors.hpp"
@@ -24,22 +25,24 @@ void check_positions(const Vectors& x) {
   }
 }
 
+// Atoms are compared with those whose distance from the box's nearest face, or x, is about theirs.
 void refuse_atoms_in_one_place(const Box& box, const Vectors& x) {
-  constexpr double kSame = 1e-9;  // [nm]
-  Vectors wrapped = x;
-  for (Eigen::Index a = 0; a < x.cols(); ++a)
-    if (box.periodic()) wrapped.col(a) -= box.lattice_vector(box.cell_of(x.col(a), std::floor));
-  std::vector<int> order(static_cast<std::size_t>(x.cols()));
-  std::iota(order.begin(), order.end(), 0);
-  std::ranges::sort(order, {}, [&](int a) { return wrapped(0, a); });
+  constexpr double kSame = 1e-9, kNear = 1e-7;  // [nm]; [edges of the box], or [nm]
+  const auto place = [&](Eigen::Index a) {
+    const double along = box.periodic() ? box.fractional(x.col(a)).x() : x(0, a);
+    return box.periodic() ? std::abs(along - std::round(along)) : along;
+  };
+  std::vector<std::pair<double, int>> order;
+  for (Eigen::Index a = 0; a < x.cols(); ++a) order.emplace_back(place(a), static_cast<int>(a));
+  std::ranges::sort(order);
   for (auto one = order.begin(); one != order.end(); ++one)
-    for (auto two = one + 1; two != order.end() && wrapped(0, *two) - wrapped(0, *one) < kSame; ++two) {
-      const Vec3 apart = x.col(*two) - x.col(*one);
-      if (!(box.nearest_image(apart).norm() < kSame)) continue;
+    for (auto two = one + 1; two != order.end() && two->first - one->first < kNear; ++two) {
+      const auto [a, b] = std::minmax(one->second, two->second);
+      if (!(box.nearest_image(x.col(b) - x.col(a)).norm() < kSame)) continue;
       throw InputError(
           fmt::format("the start: atoms {} and {} are in one place, ({:.6g}, {:.6g}, {:.6g}) nm, and no "
                       "force between them has a direction; move one of them",
-                      std::min(*one, *two), std::max(*one, *two), x(0, *one), x(1, *one), x(2, *one)));
+                      a, b, x(0, a), x(1, a), x(2, a)));
     }
 }
 

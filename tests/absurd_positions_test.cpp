@@ -15,6 +15,7 @@
 #include "every_machine.hpp"
 #include "force_checks.hpp"
 #include "forcefield/bonded/cmap.hpp"
+#include "forcefield/check_positions.hpp"
 
 namespace taut::absurd_positions_tests {
 namespace {
@@ -182,6 +183,21 @@ TEST(CmapSurface, GivesNoNumberAtAnAngleThatIsNone) {
   for (const double angle : {double(NAN), HUGE_VAL, -HUGE_VAL}) {
     EXPECT_TRUE(std::isnan(surface.at(angle, 1).energy));
     EXPECT_TRUE(std::isnan(surface.at(1, angle).energy));
+  }
+}
+
+// Also where rounding has left them on both sides of a face of the box.
+TEST(AtomsInOnePlace, AreNamedAcrossEachFaceOfTheBox) {
+  for (int d = 0; d < 3; ++d) {
+    Vectors x(3, 4);
+    x.col(0) = Vec3(0.5, 0.6, 0.7);
+    x.col(1) = Vec3(1.1, -0.4, 0.9) - 1e-12 * Vec3::Unit(d);
+    x.col(1)[d] = 0;
+    x.col(2) = Vec3(2, 2, 2);
+    x.col(3) = x.col(1) + kBox.lattice_vector(Vec3::Unit(d)) - 1e-12 * Vec3::Unit(d);
+    EXPECT_THAT(error_message([&] { refuse_atoms_in_one_place(kBox, x); }),
+                testing::HasSubstr("atoms 1 and 3 are in one place"));
+    EXPECT_NO_THROW(refuse_atoms_in_one_place(kBox, x.leftCols(3)));
   }
 }
 
