@@ -12,7 +12,7 @@
 #include "base/threads.hpp"
 #include "constraints/projection.hpp"
 #include "constraints/registry.hpp"
-#include "md/run.hpp"
+#include "md/diagnosis.hpp"
 #include "md/timed.hpp"
 #include "molecules.hpp"
 

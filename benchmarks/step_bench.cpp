@@ -29,7 +29,7 @@
 #include "forcefield/ewald/parameters.hpp"
 #include "forcefield/ewald/pme.hpp"
 #include "forcefield/force_field.hpp"
-#include "md/run.hpp"
+#include "md/diagnosis.hpp"
 #include "md/timed.hpp"
 #include "studies/openmm_twin.hpp"
 #include "systems/openmm/import.hpp"
@@ -104,6 +104,7 @@ struct Running {
   Scene scene;
   ForceField forces;
   std::unique_ptr<ConstraintMethod> method;
+  VelocityVerlet verlet;
   State state;
 
   explicit Running(const Setting& setting)
@@ -111,7 +112,7 @@ struct Running {
         forces(scene.system, scene.start.box, scene.terms),
         method(make_method(scene.system, scene.method, scene.run.h())),
         state(scene.start) {
-    initialize(dynamics(), scene.run.h(), state);
+    initialize(verlet, dynamics(), scene.run.h(), state);
     go(20);
   }
 
@@ -119,7 +120,7 @@ struct Running {
 
   void go(int steps) {
     for (int n = 0; n < steps; ++n)
-      demand_converged(scene.system, state, step(dynamics(), scene.run.h(), state), n);
+      demand_converged(scene.system, state, verlet.advance(dynamics(), scene.run.h(), state), n);
   }
 };
 

@@ -4,7 +4,6 @@
 
 #include "base/errors.hpp"
 #include "constraints/bond_algebra.hpp"
-#include "md/run.hpp"
 
 namespace taut {
 namespace {
@@ -85,20 +84,21 @@ std::vector<int> rest_anchors(const System& sys, Vectors& v) {
   return moved;
 }
 
-void initialize(const Dynamics& dynamics, double h, State& s) {
-  const auto& [sys, forces, method, bath] = dynamics;
+void bring_to_bonds(const System& sys, State& s) {
   rest_anchors(sys, s.v);
   Projector projector(sys);
   projector.positions(sys, s.x);
   projector.velocities(sys, s.x, s.v);
-  s.f.resize(3, sys.atoms());
-  forces.evaluate(sys, s);
-  Push push = Push::at_start(h);
-  const Bath::Draw drawn = bath.draw(sys, push, s);
-  push.noise = drawn.noise;
-  SolveStats stats = drawn.stats;
-  stats += method.add_forces(sys, push, s);
-  demand_converged(sys, s, stats, 0);
+}
+
+void initialize(Integrator& integrator, const Dynamics& dynamics, double h, State& s) {
+  bring_to_bonds(dynamics.sys, s);
+  integrator.initialize(dynamics, h, s);
+}
+
+void initialize(const Dynamics& dynamics, double h, State& s) {
+  VelocityVerlet plain;
+  initialize(plain, dynamics, h, s);
 }
 
 }  // namespace taut

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "constraints/direct_solver.hpp"
-#include "md/step.hpp"
+#include "md/velocity_verlet.hpp"
 
 namespace taut {
 
@@ -34,9 +34,11 @@ class Projector {
 // Sets the velocities of anchors (atoms of mass 0) to 0, and returns those that were not 0 before.
 std::vector<int> rest_anchors(const System& sys, Vectors& v);
 
-// Makes the start of a run with steps of length h [ps] satisfy the bonds, and gives f its first value,
-// constraint forces included. Throws SimulationFailure, naming the bond, where the bonds or the method cannot
-// hold the start.
+// Makes a start satisfy the bonds, its anchors at rest. Throws SimulationFailure, naming the bond, where it cannot.
+void bring_to_bonds(const System& sys, State& s);
+
+// Brings a start to the bonds, and gives forces their first values by an integrator; velocity Verlet if none is given.
+void initialize(Integrator& integrator, const Dynamics& dynamics, double h, State& s);
 void initialize(const Dynamics& dynamics, double h, State& s);
 
 }  // namespace taut

@@ -27,16 +27,14 @@ CellRescaling::CellRescaling(const System& sys, const std::vector<int>& group, c
       kept_(std::exp(-coupling.time_between / coupling.relaxation)),
       random_{coupling.seed} {}
 
-// f is free of constraints' forces here alone.
-Bath::Draw CellRescaling::draw(const System&, const Push& push, const State& s) {
-  if (push.starts() || (steps_ + 1) % coupling_.every != 0) return {};
-  const PartScope here(StepPart::kBarostat);
-  virial_ = forces_.field.virial(s, forces_.besides).diagonal() - centres_.inner_virial(s.x, s.f);
-  return {};
+Vec3 CellRescaling::pressure(const State& s) const {
+  const Vec3 virial = forces_.field.virial(s, forces_.besides).diagonal() - centres_.inner_virial(s.x, s.F);
+  return (centres_.twice_kinetic(s.v) + virial) / s.box.volume();
 }
 
 double CellRescaling::after_step(const System&, double, State& s) {
   if (++steps_ % coupling_.every != 0) return 0;
+  const PartScope here(StepPart::kBarostat);
   const double V = s.box.volume();
   const Vec3 P = pressure(s);
   RandomOfStep random = random_.next(Stream::kCellRescaling);

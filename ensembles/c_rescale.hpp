@@ -30,7 +30,6 @@ class CellRescaling final : public Bath {
                 const PressureCoupling& coupling, RunForces& forces);
 
   double move_box(const System& sys, State& s) override;
-  Draw draw(const System& sys, const Push& push, const State& s) override;
   double after_step(const System& sys, double h, State& s) override;
   void set_temperature(double kelvin) override { coupling_.kT = kBoltzmann * kelvin; }
   void serialize(Archive& archive) override {
@@ -38,8 +37,8 @@ class CellRescaling final : public Bath {
     archive.demand_count(steps_);
   }
 
-  // P along x, y and z after a draw() where s is [kJ/mol/nm³].
-  Vec3 pressure(const State& s) const { return (centres_.twice_kinetic(s.v) + virial_) / s.box.volume(); }
+  // P along x, y and z where the forces were evaluated last [kJ/mol/nm³].
+  Vec3 pressure(const State& s) const;
 
  private:
   void demand_sound(const Box& box) const;
@@ -50,7 +49,6 @@ class CellRescaling final : public Bath {
   const Vec3 start_;  // edges of the start's box [nm]
   double kept_;       // c
   long steps_ = 0;
-  Vec3 virial_ = Vec3::Zero();  // of the centres, Ξ − Σ (x − X) f, in the step at hand [kJ/mol]
   Vec3 strain_ = Vec3::Zero();  // to come
   RandomCounter random_;
 };

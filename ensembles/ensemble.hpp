@@ -7,7 +7,6 @@
 #include "base/course.hpp"
 #include "forcefield/force_field.hpp"
 #include "md/bath.hpp"
-#include "md/work_meter.hpp"
 
 namespace taut {
 
@@ -30,26 +29,20 @@ class SteeringWork {
   double work_ = 0, before_ = 0;       // power at the step before [kJ/mol/ps]
 };
 
-// Thermostat, barostat and what takes the momentum out, one after the other; it meters their heat and the
-// work of the forces.
+// A thermostat that scales velocities, a barostat and what takes the momentum out, one after the other.
 class Ensemble final : public Bath {
  public:
   std::unique_ptr<Bath> thermostat, barostat;  // null: none
   long remove_momentum_every = 0;              // steps; 0: never
   Course temperature;                          // of thermostat and barostat; empty: they keep theirs
-  WorkMeter meter;
-  std::optional<SteeringWork> steering;  // none: no atom is steered
+  std::optional<SteeringWork> steering;        // none: no atom is steered
 
-  const Vectors* half_jump() const override { return thermostat ? thermostat->half_jump() : nullptr; }
   double move_box(const System& sys, State& s) override;
-  Draw draw(const System& sys, const Push& push, const State& s) override;
   double after_step(const System& sys, double h, State& s) override;
   void serialize(Archive& archive) override;
   std::string doubt() const override { return barostat ? barostat->doubt() : ""; }
 
  private:
-  void follow_temperature(double t);
-
   long steps_ = 0;
 };
 

@@ -7,8 +7,11 @@
 
 #include "base/errors.hpp"
 #include "base/shares.hpp"
+#include "constraints/registry.hpp"
 #include "ensembles/noise.hpp"
+#include "md/diagnosis.hpp"
 #include "md/observables.hpp"
+#include "md/step_parts.hpp"
 #include "md/units.hpp"
 
 namespace taut {
@@ -29,7 +32,7 @@ Langevin::Langevin(const System& sys, const Settings& settings, double h)
     : settings_(settings),
       h_(h),
       tangent_(with_bonds(sys, settings.springs == nullptr)),
-      projector_(tangent_, {}, h),
+      projector_(make_method(tangent_, default_options("newton"), h)),
       half_jump_(Vectors::Zero(3, sys.atoms())),
       before_(half_jump_),
       noise_(half_jump_),
@@ -39,6 +42,36 @@ Langevin::Langevin(const System& sys, const Settings& settings, double h)
       heats_((sys.atoms() + kBlock - 1) / kBlock),
       normal_((3 * sys.atoms() + kNoiseBlock - 1) / kNoiseBlock * kNoiseBlock) {
   set_temperature(settings.temperature);
+}
+
+void Langevin::initialize(const Dynamics& dynamics, double h, State& s) {
+  s.f.resize(3, dynamics.sys.atoms());
+  dynamics.forces.evaluate(dynamics.sys, s);  // f = F(x)
+  s.F = s.f;
+  Push push = Push::at_start(h);
+  SolveStats stats = draw(dynamics.sys, push, s);  // ½Δ of the first drift
+  push.noise = &noise_;
+  stats += dynamics.add_forces(push, s);  // f = F + C
+  demand_converged(dynamics.sys, s, stats, 0);
+}
+
+SolveStats Langevin::advance(const Dynamics& dynamics, double h, State& s) {
+  const System& sys = dynamics.sys;
+  Push push = Push::between_steps(h);
+  half_kick_and_drift(sys, h, &half_jump_, s);          // u = v + (h/2) M⁻¹f + ½Δ, x' = x + hu
+  s.t += h;                                             // forces that depend on time act at the new one
+  SolveStats stats = dynamics.project_positions(h, s);  // σ(x') = 0, and u by as much over h
+  account.heat += dynamics.bath.move_box(sys, s);       // a barostat scales box, x' and u
+  dynamics.forces.evaluate(sys, s);                     // f' = F(x')
+  renew_forces(h, sys, &half_jump_, s);                 // work of F and F', heat Σ mu·Δ; F is F'
+  stats += draw(sys, push, s);                          // the Δ' to come, from u + ½Δ + h M⁻¹f'
+  account.heat += heat_of_turning_;                     // less what turned bonds took of ½Δ
+  push.noise = &noise_;                                 // ½M(Δ + Δ')/h
+  stats += dynamics.add_forces(push, s);                // f' = F' + C'
+  half_kick(sys, h, &before_, s);                       // v' = u + ½Δ + (h/2) M⁻¹f'
+  stats += dynamics.project_velocities(h, s);           // σ̇ = Jv' = 0
+  if (stats.held()) account.heat += dynamics.bath.after_step(sys, h, s);  // barostat
+  return stats;
 }
 
 void Langevin::set_friction(double friction) {
@@ -56,7 +89,7 @@ SolveStats Langevin::project(const Vectors& x, Vectors& v) {
   if (tangent_.bonds.empty()) return {};
   scratch_.x = x;
   scratch_.v.swap(v);
-  const SolveStats stats = projector_.project_velocities(tangent_, h_, scratch_);
+  const SolveStats stats = projector_->project_velocities(tangent_, h_, scratch_);
   scratch_.v.swap(v);
   return {.worst_bond = stats.worst_bond, .failure = stats.failure};  // not a solve of the method
 }
@@ -86,7 +119,10 @@ SolveStats Langevin::account_for_turning(const System& sys, const State& s) {
   return stats;
 }
 
-Bath::Draw Langevin::draw(const System& sys, const Push& push, const State& s) {
+// Draws the Δ that follows on s.v, the velocity of the drift, and `push`. The one before is kept.
+SolveStats Langevin::draw(const System& sys, const Push& push, const State& s) {
+  const PartScope here(StepPart::kThermostat);
+  if (!settings_.course.empty()) set_temperature(settings_.course.at(s.t));
   const double c = std::exp(-settings_.friction * h_);
   before_.swap(half_jump_);
   if (push.starts()) before_.setZero();
@@ -106,7 +142,7 @@ Bath::Draw Langevin::draw(const System& sys, const Push& push, const State& s) {
     for (int i = first; i < last; ++i)
       noise_.col(i) = sys.mass[i] / push.kick * (before_.col(i) + half_jump_.col(i));
   });
-  return {stats, heat_of_turning_, &noise_, &before_};
+  return stats;
 }
 
 Vectors Langevin::middle_velocity(const System& sys, const State& s) {

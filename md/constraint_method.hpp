@@ -31,7 +31,7 @@ struct Push {
   }
 };
 
-// An algorithm that holds the bonds. It acts in up to three stages of the step (md/step.hpp), all empty here:
+// An algorithm that holds the bonds. It acts in up to three stages of the step (md/velocity_verlet.hpp), all empty here:
 // this one holds nothing.
 class ConstraintMethod {
  public:

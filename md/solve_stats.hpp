@@ -48,7 +48,10 @@ struct [[nodiscard]] SolveStats {
   int worst_bond = -1;      // its bond; after a failure, the bond that failed
   Failure failure = Failure::kNone;
 
+  static constexpr double kBroken = 0.5;  // |σ|/d² from which a bond counts as broken
+
   bool converged() const { return failure == Failure::kNone; }
+  bool held() const { return converged() && max_residual < kBroken; }  // no bond broke, either
 
   // Combines two successive stages; iterations add up.
   SolveStats& operator+=(const SolveStats& next) {

@@ -9,9 +9,10 @@ namespace taut {
 struct State {
   Vectors x;     // position [nm], never wrapped: molecules stay whole
   Vectors v;     // velocity [nm/ps]
-  Vectors f;     // force [kJ/mol/nm], always evaluated at x
+  Vectors f;     // all forces, F + C, always evaluated at x [kJ/mol/nm]; C are those of constraints
   double t = 0;  // time [ps]
   Box box;       // the periodic box, or none; a barostat changes it
+  Vectors F{};   // the forces but for those of constraints; an integrator sets it beside f
 };
 
 }  // namespace taut

@@ -9,8 +9,8 @@
 #include "base/threads.hpp"
 #include "constraints/projection.hpp"
 #include "ensembles/langevin.hpp"
+#include "md/diagnosis.hpp"
 #include "md/observables.hpp"
-#include "md/run.hpp"
 #include "openmm_plugin/held_system.hpp"
 
 namespace taut {
@@ -30,22 +30,17 @@ class ForcesOfEngine final : public ForceLaw {
   Engine& engine_;
 };
 
-// The thermostat, if there is one, and the engine's own update where a barostat would move the box.
-class BathOfEngine final : public Bath {
+// The engine's own update where a barostat would move the box.
+class UpdateOfEngine final : public Bath {
  public:
-  BathOfEngine(Engine& engine, Bath& thermostat) : engine_(engine), thermostat_(thermostat) {}
-  const Vectors* half_jump() const override { return thermostat_.half_jump(); }
+  explicit UpdateOfEngine(Engine& engine) : engine_(engine) {}
   double move_box(const System&, State& s) override {
     engine_.update(s.t, s.x.data(), s.v.data());
     return 0;
   }
-  Draw draw(const System& sys, const Push& push, const State& s) override {
-    return thermostat_.draw(sys, push, s);
-  }
 
  private:
   Engine& engine_;
-  Bath& thermostat_;
 };
 
 }  // namespace
@@ -104,6 +99,7 @@ struct HeldDynamics::Parts {
   int threads;
   double friction;
   Langevin langevin;
+  VelocityVerlet verlet;
   std::unique_ptr<ConstraintMethod> method;
   State s;
   long steps = 0;
@@ -118,7 +114,10 @@ struct HeldDynamics::Parts {
         method(make_method(sys, options, h)) {
     s.x = s.v = s.f = Vectors::Zero(3, sys.atoms());
   }
-  Bath& thermostat() { return friction > 0 ? langevin : no_bath(); }
+  Integrator& integrator() {
+    if (friction > 0) return langevin;
+    return verlet;
+  }
 };
 
 HeldDynamics::HeldDynamics(const HeldBonds& held, const HoldSettings& settings, int threads)
@@ -138,7 +137,7 @@ void HeldDynamics::start(double t, Engine& engine) {
   p.method = make_method(p.sys, p.options, p.h);
   p.s.t = t;
   ForcesOfEngine forces(engine);
-  initialize({p.sys, forces, *p.method, p.thermostat()}, p.h, p.s);
+  initialize(p.integrator(), {p.sys, forces, *p.method}, p.h, p.s);
 }
 
 void HeldDynamics::step(double t, Engine& engine) {
@@ -146,11 +145,10 @@ void HeldDynamics::step(double t, Engine& engine) {
   const ThreadScope threads(p.threads);
   p.s.t = t;
   ForcesOfEngine forces(engine);
-  BathOfEngine bath(engine, p.thermostat());
-  const RunPlan plan{.h = p.h};
-  const SolveStats stats = take_step({p.sys, forces, *p.method, bath}, plan, p.s);
+  UpdateOfEngine update(engine);
+  const SolveStats stats = p.integrator().advance({p.sys, forces, *p.method, update}, p.h, p.s);
   ++p.steps;
-  if (!bonds_hold(stats, plan)) throw StepFailure(diagnose(p.sys, p.s, stats, p.steps), stats);
+  if (!stats.held()) throw StepFailure(diagnose(p.sys, p.s, stats, p.steps), stats);
 }
 
 double HeldDynamics::kinetic_energy() {

@@ -62,7 +62,7 @@ class BondProjection {
   std::unique_ptr<Parts> parts_;
 };
 
-// A run of md/step.hpp: velocity Verlet, whose bonds are held by a method of constraints, with or without a
+// Velocity Verlet (md/velocity_verlet.hpp), whose bonds are held by a method of constraints, with or without a
 // Langevin thermostat. Throws InputError and SimulationFailure.
 class HeldDynamics {
  public:

@@ -17,7 +17,7 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kFormat = "taut checkpoint";
-constexpr int kVersion = 9;
+constexpr int kVersion = 10;
 
 constexpr std::uint64_t kNothingSummed = 0xcbf29ce484222325;
 

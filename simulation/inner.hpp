@@ -9,6 +9,7 @@
 #include "ensembles/ensemble.hpp"
 #include "ensembles/langevin.hpp"
 #include "ensembles/pressure.hpp"
+#include "md/velocity_verlet.hpp"
 #include "simulation/metric_field.hpp"
 #include "simulation/simulation.hpp"
 
@@ -34,16 +35,17 @@ struct HeardForces {
 struct Simulation::Inner {
   explicit Inner(Scene& scene);  // adds the metric correction to the scene's terms
 
-  Langevin* langevin() const { return dynamic_cast<Langevin*>(ensemble.thermostat.get()); }
+  Dynamics dynamics(const System& sys, ConstraintMethod& method) { return {sys, forces, method, ensemble}; }
+  Langevin* langevin() const { return dynamic_cast<Langevin*>(integrator.get()); }
 
   std::shared_ptr<MetricField> metric;  // of the scene; null: no metric correction
   RunForces forces;
   Ensemble ensemble;
+  std::unique_ptr<Integrator> integrator = std::make_unique<VelocityVerlet>();
   Projector projector;
   std::optional<Barometer> barometer;  // in a box
   struct Note {
     std::string numbers;             // what serialize_numbers() kept
-    Vectors forces;                  // F where the state was [kJ/mol/nm]
     ForceField::Evaluation besides;  // and what evaluating them gave besides
   };
   Note note;

@@ -122,8 +122,9 @@ void Simulation::bring_to_the_bonds(const MinimiseGoal& goal, const OnMove& on_m
   const double kinetic = kinetic_energy(sys, state_.v);
   {
     const HeardForces heard(inner_->forces, goal.listen);
-    initialize(dynamics(), scene_.run.h(), state_);
+    initialize(*inner_->integrator, inner_->dynamics(sys, *method_), scene_.run.h(), state_);
   }
+  if (inner_->ensemble.steering) inner_->ensemble.steering->begin();
   if (!state_.f.allFinite()) refuse_atoms_in_one_place(state_.box, state_.x);
   hear(goal.listen);
   start_report_.largest_move = x.cols() > 0 ? (state_.x - x).colwise().norm().maxCoeff() : 0.0;
@@ -142,7 +143,7 @@ void Simulation::begin_means() {
   sums_.last_row = last_row;
   size_sums();
   unaccounted_at_start_ = unaccounted();
-  heat_at_start_ = inner_->ensemble.meter.heat();
+  heat_at_start_ = inner_->integrator->account.heat;
   if (inner_->ensemble.steering) steering_work_at_start_ = inner_->ensemble.steering->work();
 }
 
@@ -193,15 +194,20 @@ void Simulation::make_thermostat() {
   inner_->ensemble.temperature = run.temperature_course;
   inner_->ensemble.remove_momentum_every = run.remove_momentum_every;
   inner_->forces.holds_centre = holds_centre(scene_);
+  const Account account = inner_->integrator->account;
   if (run.langevin())
-    inner_->ensemble.thermostat =
+    inner_->integrator =
         std::make_unique<Langevin>(scene_.system,
                                    Langevin::Settings{.temperature = run.temperature_k,
                                                       .friction = run.friction_per_ps,
                                                       .seed = seed_here(),
                                                       .hold_momentum = run.remove_momentum_every > 0,
-                                                      .springs = has_springs() ? method_.get() : nullptr},
+                                                      .springs = has_springs() ? method_.get() : nullptr,
+                                                      .course = run.temperature_course},
                                    run.h());
+  else
+    inner_->integrator = std::make_unique<VelocityVerlet>();
+  inner_->integrator->account = account;
 }
 
 PressureCoupling pressure_coupling(const RunSettings& run, std::uint64_t seed) {
@@ -227,10 +233,6 @@ std::unique_ptr<Bath> make_barostat(const Scene& scene, std::uint64_t seed, RunF
   if (scene.run.barostat == "c-rescale")
     return std::make_unique<CellRescaling>(sys, molecules(sys, {}), scene.start.box, coupling, forces);
   return std::make_unique<MonteCarloBarostat>(sys, molecules(sys, scene.terms), coupling, forces);
-}
-
-Dynamics Simulation::dynamics() {
-  return {scene_.system, inner_->forces, *method_, inner_->ensemble};
 }
 
 void Simulation::make_barostat() {
@@ -270,8 +272,7 @@ Eigen::VectorXd Simulation::bond_tensions() const {
   if (has_springs())
     lambda = method_->lambda();
   else
-    lambda = inner_->projector.multipliers(
-        sys, {state_.x, state_.v, inner_->ensemble.meter.forces(), state_.t, state_.box});
+    lambda = inner_->projector.multipliers(sys, {state_.x, state_.v, state_.F, state_.t, state_.box});
   return tensions(full_, least_norm_multipliers(full_, state_.x, redundancy_.redundant, lambda));
 }
 
@@ -285,8 +286,8 @@ int Simulation::clusters() const {
 }
 
 double Simulation::unaccounted(double kinetic) const {
-  const WorkMeter& meter = inner_->ensemble.meter;
-  return kinetic + method_->spring_energy(scene_.system, state_.x) - meter.work() - meter.heat();
+  const auto& [work, heat] = inner_->integrator->account;
+  return kinetic + method_->spring_energy(scene_.system, state_.x) - work - heat;
 }
 
 double Simulation::unaccounted() const {
@@ -334,8 +335,7 @@ std::optional<Eigen::Matrix3d> Simulation::pressure_tensor() const {
   if (!inner_->barometer) return {};
   const ThreadScope own(threads_);
   const bool springs_move = has_springs() && !inner_->langevin();  // and the pressure has their part in it
-  const State now{state_.x, springs_move ? state_.v : thermal_velocity(), inner_->ensemble.meter.forces(),
-                  state_.t, state_.box};
+  const State now{state_.x, springs_move ? state_.v : thermal_velocity(), state_.F, state_.t, state_.box};
   return inner_->barometer->evaluated(scene_.system, inner_->forces.field, now, inner_->forces.besides,
                                       method_->lambda());
 }
@@ -353,10 +353,12 @@ void Simulation::change(const RunSettings& run) {
   std::string drawn;  // the numbers of a thermostat that stays go on
   Archive save = Archive::saving_to(drawn);
   const bool same_kind = before.langevin() == run.langevin() && before.rescaling() == run.rescaling();
+  if (same_kind) save(*inner_->integrator);
   if (same_kind && inner_->ensemble.thermostat) save(*inner_->ensemble.thermostat);
   make_thermostat();
   begin_means();
   Archive load = Archive::loading_from(drawn);
+  if (same_kind) load(*inner_->integrator);
   if (same_kind && inner_->ensemble.thermostat) load(*inner_->ensemble.thermostat);
 }
 
@@ -365,15 +367,16 @@ void Simulation::serialize(Archive& archive) {
   const ThreadScope own(threads_);
   serialize_numbers(archive);
   if (!archive.loading()) return;
-  State evaluated = state_;  // its f holds no constraint forces
+  State evaluated = state_;
   inner_->forces.evaluate(scene_.system, evaluated);
-  inner_->ensemble.meter.set_forces(evaluated.f);
+  state_.F.swap(evaluated.f);
 }
 
 void Simulation::serialize_numbers(Archive& archive) {
   int fixed = static_cast<int>(fixed_);  // as it was when the thermostat was changed
-  auto& [x, v, f, t, box] = state_;      // does not compile where a member is left out
+  auto& [x, v, f, t, box, F] = state_;   // does not compile where a member is left out
   archive(x, v, f, t, box, progress_, fixed);
+  if (archive.within_process()) archive(F);  // from a file it is evaluated
   archive.demand(0 <= fixed && fixed <= static_cast<int>(RigidMotions::Which::kAllThatMoveNoAnchor));
   archive.demand_count(progress_.step);
   archive.demand_count(progress_.since.iterations);
@@ -384,7 +387,7 @@ void Simulation::serialize_numbers(Archive& archive) {
   archive(*temperatures_, inner_->forces.field, unaccounted_at_start_, heat_at_start_);
   if (inner_->ensemble.steering) archive(steering_work_at_start_);
   archive(*method_);
-  archive(inner_->ensemble);
+  archive(inner_->ensemble, inner_->integrator->account, *inner_->integrator);
 }
 
 void Simulation::restore(std::string_view kept) {

@@ -14,9 +14,10 @@
 #include "base/listen.hpp"
 #include "base/threads.hpp"
 #include "constraints/redundancy.hpp"
+#include "md/constraint_method.hpp"
+#include "md/diagnosis.hpp"
 #include "md/observables.hpp"
 #include "md/rigid_motions.hpp"
-#include "md/run.hpp"
 #include "md/step_parts.hpp"
 #include "simulation/minimise.hpp"
 #include "simulation/temperatures.hpp"
@@ -41,7 +42,7 @@ struct Record {
   BondErrors bonds;
   // Of the energy but for the heat, so far [kJ/mol/ns/dof]; NaN under a barostat, whose work is not metered.
   double drift = kUnknown;
-  // Of the energy since the start, or since the thermostat was changed (md/work_meter.hpp) [kJ/mol]: what the
+  // Of the energy since the start, or since the thermostat was changed (md/account.hpp) [kJ/mol]: what the
   // bonds did,
   double constraint_work = 0;
   std::optional<double>
@@ -138,6 +139,14 @@ struct StartReport {
   std::vector<int> anchors_stopped;    // atoms of mass 0 that came with a velocity
 };
 
+// How far a run has come. A checkpoint keeps it.
+struct RunProgress {
+  long step = 0;     // taken so far
+  SolveStats since;  // worst residual and sum of iterations since the last row
+
+  void serialize(Archive& archive) { archive(step, since.iterations, since.max_residual, since.worst_bond); }
+};
+
 // A scene ready to run: forces and method made, the start brought to the bonds.
 class Simulation {
  public:
@@ -224,11 +233,10 @@ class Simulation {
   void make_thermostat();
   void make_barostat();
   void count_degrees_of_freedom(RigidMotions::Which fixed);
-  Dynamics dynamics();
+  SolveStats take_step();
   bool has_springs() const { return method_->holds() == ConstraintMethod::Holds::kSprings; }
   Vectors without_stretching(Vectors v) const;
   class Stopwatch;
-  class PresentMethod;
   void size_sums();
   struct LogSums {  // over the rows of the log
     RunningSlope energy, constraint_work;
@@ -256,7 +264,6 @@ class Simulation {
     }
   };
 
-  RunPlan plan() const;
   double per_ns_and_dof() const;
   std::optional<double> off_by_k(double drift) const;
   StartAndEnd start_and_end(const Record& end) const;

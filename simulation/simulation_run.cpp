@@ -44,24 +44,6 @@ void explain_none(Diagnosis& d) {
 
 }  // namespace
 
-// The method that the simulation has at the moment: what watches the run may set out anew, with a new one.
-class Simulation::PresentMethod : public ConstraintMethod {
- public:
-  explicit PresentMethod(const Simulation& of) : of_(of) {}
-  SolveStats project_positions(const System& sys, double h, State& s) override {
-    return of_.method_->project_positions(sys, h, s);
-  }
-  SolveStats add_forces(const System& sys, const Push& push, State& s) override {
-    return of_.method_->add_forces(sys, push, s);
-  }
-  SolveStats project_velocities(const System& sys, double h, State& s) override {
-    return of_.method_->project_velocities(sys, h, s);
-  }
-
- private:
-  const Simulation& of_;
-};
-
 // Time spent since it was made, without what was spent on watching.
 class Simulation::Stopwatch {
  public:
@@ -103,10 +85,6 @@ double Simulation::per_ns_and_dof() const {
   return 1000.0 / std::max(1, dof_.total());
 }
 
-RunPlan Simulation::plan() const {
-  return {.h = scene_.run.h(), .steps = scene_.run.steps, .observe_every = scene_.run.log_every};
-}
-
 // The first row stands for as many steps as the one that follows it, which may be the end's.
 long Simulation::steps_since_row() const {
   if (progress_.step > sums_.last_row) return progress_.step - sums_.last_row;
@@ -117,7 +95,7 @@ Record Simulation::full_record() const {
   const ThreadScope own(threads_);
   Record r = record();
   if (scene_.run.thermostatted() || scene_.run.remove_momentum_every > 0)
-    r.heat = inner_->ensemble.meter.heat() - heat_at_start_;
+    r.heat = inner_->integrator->account.heat - heat_at_start_;
   r.walls = inner_->forces.besides.wall_pushes;
   r.biases = inner_->forces.besides.biases.readings;
   for (std::size_t b = 0; b < r.biases.size(); ++b)
@@ -148,7 +126,8 @@ Record Simulation::row(const SolveStats& since, const Stopwatch& watch, long ste
   r.drift = inner_->ensemble.barostat ? kUnknown : energy.value() * per_ns_and_dof();
   const long gone = r.step - sums_.last_row;
   r.iterations = gone > 0 ? static_cast<double>(since.iterations) / static_cast<double>(gone) : 0.0;
-  r.ns_per_day = steps > 0 ? static_cast<double>(steps) * plan().h * 1e-3 * 86400 / watch.seconds() : 0.0;
+  r.ns_per_day =
+      steps > 0 ? static_cast<double>(steps) * scene_.run.h() * 1e-3 * 86400 / watch.seconds() : 0.0;
   if (!std::isfinite(r.total()))
     throw SimulationFailure(
         r.step == 0
@@ -157,11 +136,16 @@ Record Simulation::row(const SolveStats& since, const Stopwatch& watch, long ste
   return r;
 }
 
+SolveStats Simulation::take_step() {
+  ++progress_.step;
+  return inner_->integrator->advance(inner_->dynamics(scene_.system, *method_), scene_.run.h(), state_);
+}
+
 Summary Simulation::run(const std::function<void(const Record&)>& on_record,
                         const std::function<void(long)>& on_step) {
   const ThreadScope own(threads_);
-  const RunPlan plan = this->plan();
-  const long first = progress_.step;
+  const long first = progress_.step, steps = scene_.run.steps, log_every = scene_.run.log_every;
+  if (log_every < 1) throw InputError(fmt::format("run.log_every is {}, expected 1 or more", log_every));
   const bool foreign = runs_foreign_code();
   bool in_step = false;  // foreign code may act, and what is thrown is taken back
   taken_back_.reset();
@@ -182,27 +166,24 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
   stop_ = false;
   if (progress_.step == 0 && sums_.rows == 0) observe({});
 
-  PresentMethod method(*this);
-  const auto before_step = [&] {
-    if (foreign) note(), in_step = true;
-  };
   if (!foreign) keep_snapshot();
   try {
-    if (!stop_) before_step();
-    if (!stop_)
-      taut::run({scene_.system, inner_->forces, method, inner_->ensemble}, plan, progress_, state_,
-                {.observe = [&](const Observation& m) { observe(m.since); },
-                 .go_on =
-                     [&](long step) {
-                       if (foreign)
-                         expect_numbers();
-                       else if (step % kStepsPerSnapshot == 0)
-                         keep_snapshot();
-                       in_step = false;
-                       if (on_step) in_part(StepPart::kOutput, [&] { on_step(step); });
-                       if (!stop_) before_step();
-                       return !stop_;
-                     }});
+    while (!stop_ && progress_.step < steps) {
+      if (foreign) note(), in_step = true;
+      const SolveStats stats = take_step();
+      const long step = progress_.step;
+      const bool seen = step % log_every == 0;
+      if (!stats.held() || (seen && !(state_.x.allFinite() && state_.f.allFinite())))
+        throw StepFailure(taut::diagnose(scene_.system, state_, stats, step), stats);
+      progress_.since += stats;
+      if (seen) observe(std::exchange(progress_.since, {}));
+      if (foreign)
+        expect_numbers();
+      else if (step % kStepsPerSnapshot == 0)
+        keep_snapshot();
+      in_step = false;
+      if (on_step) in_part(StepPart::kOutput, [&] { on_step(step); });
+    }
   } catch (const SimulationFailure& failure) {
     if (!in_step) throw;
     const auto* step = dynamic_cast<const StepFailure*>(&failure);
@@ -214,7 +195,7 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
     throw;
   }
 
-  const bool ended = progress_.step >= plan.steps;
+  const bool ended = progress_.step >= steps;
   if (ended && sums_.last_row != progress_.step)
     observe(progress_.since);  // a row more, after what a checkpoint keeps
   else
@@ -243,7 +224,7 @@ double Simulation::energy_scale(double potential) const {
   if (state_.x.cols() == 0) return 0;
   const Vec3 middle = state_.x.rowwise().mean();
   const double size = (state_.x.colwise() - middle).colwise().norm().maxCoeff();
-  return std::abs(potential) + size * inner_->ensemble.meter.forces().colwise().norm().sum();
+  return std::abs(potential) + size * state_.F.colwise().norm().sum();
 }
 
 StartAndEnd Simulation::start_and_end(const Record& end) const {
@@ -352,17 +333,14 @@ std::optional<Diagnosis> Simulation::diagnose() {
 }
 
 std::optional<Diagnosis> Simulation::wrong_with_next_step() {
-  const RunPlan plan = this->plan();
   SolveStats stats;
   std::string thrown;  // by a force
-  ++progress_.step;
   try {
-    stats = take_step(dynamics(), plan, state_);
+    stats = take_step();
   } catch (const SimulationFailure& e) {
     thrown = e.what();
   }
-  if (thrown.empty() && bonds_hold(stats, plan) && finite(state_) && std::isfinite(record().total()))
-    return {};
+  if (thrown.empty() && stats.held() && finite(state_) && std::isfinite(record().total())) return {};
   return explained(stats, thrown);
 }
 
@@ -373,8 +351,7 @@ Diagnosis Simulation::explained(const SolveStats& stats, const std::string& thro
     d.cause = thrown.substr(0, end);
     if (end != std::string::npos) d.advice = thrown.substr(end + 2);
   }
-  if (scene_.method.name() == "none" && stats.converged() && stats.max_residual >= plan().broken_at)
-    explain_none(d);
+  if (scene_.method.name() == "none" && stats.converged() && !stats.held()) explain_none(d);
   if (stats.failure == Failure::kSingularOrTurned) explain_law(scene_.method, d);
   return d;
 }

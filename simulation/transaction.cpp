@@ -15,7 +15,6 @@ void Simulation::note() {
   inner_->note.numbers.clear();
   Archive archive = Archive::noting_in(inner_->note.numbers);
   serialize_numbers(archive);
-  inner_->note.forces = inner_->ensemble.meter.forces();
   inner_->note.besides = inner_->forces.besides;
 }
 
@@ -23,7 +22,6 @@ void Simulation::take_back() {
   Archive archive = Archive::recalling(inner_->note.numbers);
   serialize_numbers(archive);
   inner_->forces.besides = inner_->note.besides;
-  inner_->ensemble.meter.set_forces(inner_->note.forces);
 }
 
 void Simulation::take_back(Diagnosis& of) {

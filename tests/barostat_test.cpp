@@ -214,7 +214,7 @@ TEST(CellRescaling, IsDrivenByThePressureOfTheCentres) {
     forces.evaluate(scene.system, s);
     CellRescaling barostat(scene.system, molecules(scene.system, {}), s.box,
                            {.pressure = 1, .kT = 1, .every = 1, .time_between = 1}, forces);
-    barostat.draw(scene.system, Push::between_steps(1e-3), s);
+    s.F = s.f;
     const Vec3 P = barostat.pressure(s);
     for (int edge = 0; edge < 3; ++edge) {
       double expected = 0;

@@ -39,9 +39,9 @@ void sample(tests::Start start, long steps, auto&& see) {
   tests::NoForce forces;
   Method method(sys, {}, kStep);
   Langevin bath(sys, {.temperature = 1 / kBoltzmann, .friction = 1, .seed = 5}, kStep);
-  initialize({sys, forces, method, bath}, kStep, start.state);
+  initialize(bath, {sys, forces, method}, kStep, start.state);
   for (long n = 1; n <= steps; ++n) {
-    ASSERT_TRUE(step({sys, forces, method, bath}, kStep, start.state).converged());
+    ASSERT_TRUE(bath.advance({sys, forces, method}, kStep, start.state).converged());
     if (n > 1000 && n % 20 == 0) see(start.state.x);
   }
 }

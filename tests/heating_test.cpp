@@ -15,24 +15,9 @@
 #include "free_system.hpp"
 #include "md/observables.hpp"
 #include "md/units.hpp"
-#include "md/work_meter.hpp"
 
 namespace taut::heating_tests {
 namespace {
-
-struct MeteredForces : ForceLaw {
-  MeteredForces(ForceLaw& its_forces, double its_h, const Langevin* its_bath = nullptr)
-      : forces(its_forces), h(its_h), bath(its_bath) {}
-  void evaluate(const System& sys, State& s) override {
-    forces.evaluate(sys, s);
-    meter.add_step(h, sys, s, bath ? bath->half_jump() : nullptr);
-  }
-  double work() const { return meter.work(); }
-  ForceLaw& forces;
-  double h;
-  const Langevin* bath;
-  WorkMeter meter;
-};
 
 // Every atom on a spring to the origin.
 struct Trap : ForceLaw {
@@ -52,12 +37,12 @@ TEST(Account, IsWhatMultipliersDo) {
     auto [sys, s] = tests::free_chain(6, 1);
     const auto method = make_method(sys, default_options(name), h);
     Trap trap;
-    MeteredForces metered(trap, h);
-    const Dynamics dynamics{sys, metered, *method};
-    initialize(dynamics, h, s);
+    VelocityVerlet verlet;
+    const Dynamics dynamics{sys, trap, *method};
+    initialize(verlet, dynamics, h, s);
     const auto kept = [&, &system = sys, &state = s] {
       return kinetic_energy(system, state.v) - h * h / 8 * squares_over_mass(system, state.f) -
-             metered.work();
+             verlet.account.work;
     };
     const double at_start = kept(), scale = kinetic_energy(sys, s.v);
     double work = 0;
@@ -65,7 +50,7 @@ TEST(Account, IsWhatMultipliersDo) {
     for (int n = 0; n < 200; ++n) {
       const Eigen::VectorXd lambda = method->lambda();
       differences(sys, s.x, r);
-      ASSERT_TRUE(step(dynamics, h, s).converged());
+      ASSERT_TRUE(verlet.advance(dynamics, h, s).converged());
       differences(sys, s.x, r_next);
       const Eigen::VectorXd& next = method->lambda();
       for (int k = 0; k < sys.bond_count(); ++k)
@@ -91,20 +76,20 @@ TEST(Account, ClosesForEveryMethodAloneAndInABath) {
       const auto method = make_method(sys, default_options(entry.name), h);
       Langevin langevin(sys, {.temperature = 1 / kBoltzmann, .friction = 10}, h);
       Trap trap;
-      MeteredForces metered(trap, h, in_bath ? &langevin : nullptr);
-      const Dynamics dynamics{sys, metered, *method, in_bath ? static_cast<Bath&>(langevin) : no_bath()};
-      initialize(dynamics, h, s);
+      VelocityVerlet verlet;
+      Integrator& integrator = in_bath ? static_cast<Integrator&>(langevin) : verlet;
+      const Dynamics dynamics{sys, trap, *method};
+      initialize(integrator, dynamics, h, s);
       const auto unaccounted = [&, &start = s, &system = sys] {
-        return kinetic_energy(system, start.v) - metered.work();
+        return kinetic_energy(system, start.v) - integrator.account.work;
       };
       const double at_start = unaccounted(), scale = kinetic_energy(sys, s.v);
       Projector projector(sys);
       double work = 0, jump = 0, heat = 0, largest = 0;
       for (int n = 0; n < 200; ++n) {
         const State before = s;
-        const Vectors half_jump = in_bath ? *langevin.half_jump() : Vectors::Zero(3, sys.atoms());
-        ASSERT_TRUE(step(dynamics, h, s).converged());
-        if (in_bath) metered.meter.add_heat(langevin.heat_of_turning());
+        const Vectors half_jump = in_bath ? langevin.half_jump() : Vectors::Zero(3, sys.atoms());
+        ASSERT_TRUE(integrator.advance(dynamics, h, s).converged());
         const Vectors half = (s.x - before.x) / h, first = half - half_jump, second = half + half_jump;
         jump += kinetic_energy(sys, second) - kinetic_energy(sys, first);
         const Vectors f = 2 / h * (first - before.v) * sys.mass.asDiagonal();   // F + C
@@ -120,7 +105,7 @@ TEST(Account, ClosesForEveryMethodAloneAndInABath) {
         heat += kinetic_energy(sys, half) - kinetic_energy(sys, first) + kinetic_energy(sys, tangent) -
                 kinetic_energy(sys, tangent - jump_there);
         largest = std::max(largest, std::abs(heat));
-        ASSERT_NEAR(metered.meter.heat(), heat, 1e-10 * scale) << "step " << n;
+        ASSERT_NEAR(integrator.account.heat, heat, 1e-10 * scale) << "step " << n;
       }
       if (in_bath) {
         EXPECT_GT(largest, 0.1 * scale);
@@ -140,19 +125,17 @@ LeftOfTheEnergy left_in_a_bath(tests::Start start, int clusters, double temperat
   Newton method(sys, {.tolerance = 1e-13}, h);
   Langevin bath(sys, {.temperature = temperature, .friction = friction, .seed = 5}, h);
   tests::NoForce forces;
-  MeteredForces metered(forces, h, &bath);
-  const Dynamics dynamics{sys, metered, method, bath};
-  initialize(dynamics, h, s);
+  const Dynamics dynamics{sys, forces, method};
+  initialize(bath, dynamics, h, s);
   const double at_start = kinetic_energy(sys, s.v);
   double turning = 0, largest = 0;
   for (int n = 0; n < steps; ++n) {
-    EXPECT_TRUE(step(dynamics, h, s).converged());
+    EXPECT_TRUE(bath.advance(dynamics, h, s).converged());
     turning += bath.heat_of_turning();
-    largest =
-        std::max(largest, std::abs(kinetic_energy(sys, s.v) - at_start - metered.meter.heat() - turning));
+    largest = std::max(largest, std::abs(kinetic_energy(sys, s.v) - at_start - bath.account.heat));
   }
   const double each = clusters * steps * h, change = kinetic_energy(sys, s.v) - at_start;
-  return {(change - metered.meter.heat()) / each, (change - metered.meter.heat() - turning) / each, largest};
+  return {(change - bath.account.heat + turning) / each, (change - bath.account.heat) / each, largest};
 }
 
 // Dumbbells lose ½γh²(kT)²/(μd²) a unit of time to the turning, and nothing else: what is left is rounding.
@@ -220,16 +203,16 @@ Shares shares_of(double omega_h, double amplitude, const Baumgarte::Options& opt
   s.x = s.v = s.f = Vectors::Zero(3, 2);
   s.x.col(1) = Vec3(std::cos(amplitude), std::sin(amplitude), 0);
   Force force(omega_h, h);
-  MeteredForces metered(force, h);
   Baumgarte method(sys, options, h);
-  const Dynamics dynamics{sys, metered, method};
-  initialize(dynamics, h, s);
+  const Dynamics dynamics{sys, force, method};
+  VelocityVerlet verlet;
+  initialize(verlet, dynamics, h, s);
   Slope bonds, forces;
   for (int n = 0; n < 4000; ++n) {
-    EXPECT_TRUE(step(dynamics, h, s).converged());
+    EXPECT_TRUE(verlet.advance(dynamics, h, s).converged());
     if (n < 500) continue;
-    bonds.add(n, kinetic_energy(sys, s.v) - h * h / 8 * s.f.squaredNorm() - metered.work());
-    forces.add(n, force.potential() + metered.work());
+    bonds.add(n, kinetic_energy(sys, s.v) - h * h / 8 * s.f.squaredNorm() - verlet.account.work);
+    forces.add(n, force.potential() + verlet.account.work);
   }
   return {bonds.value(), forces.value()};
 }

@@ -18,7 +18,6 @@
 #include "every_machine.hpp"
 #include "free_system.hpp"
 #include "md/observables.hpp"
-#include "md/run.hpp"
 #include "md/units.hpp"
 
 namespace taut::langevin_tests {
@@ -43,10 +42,10 @@ TYPED_TEST(LangevinWith, NoFrictionChangesNothing) {
   tests::NoForce forces;
   auto method = with_defaults<TypeParam>(sys, h), alone = with_defaults<TypeParam>(sys, h);
   Langevin bath(sys, {.temperature = kWarm, .friction = 0}, h);
-  initialize({sys, forces, method, bath}, h, s);
+  initialize(bath, {sys, forces, method}, h, s);
   initialize({sys, forces, alone}, h, other);
   for (int n = 0; n < 50; ++n) {
-    EXPECT_TRUE(step({sys, forces, method, bath}, h, s).converged());
+    EXPECT_TRUE(bath.advance({sys, forces, method}, h, s).converged());
     EXPECT_TRUE(step({sys, forces, alone}, h, other).converged());
   }
   EXPECT_EQ(s.x, other.x);
@@ -60,10 +59,10 @@ TYPED_TEST(LangevinWith, JumpsAlongTheTangent) {
   tests::NoForce forces;
   auto method = with_defaults<TypeParam>(sys, h);
   Langevin bath(sys, {.temperature = kWarm, .friction = 5}, h);
-  initialize({sys, forces, method, bath}, h, s);
+  initialize(bath, {sys, forces, method}, h, s);
   for (int n = 0; n < 5; ++n) {
-    EXPECT_TRUE(step({sys, forces, method, bath}, h, s).converged());
-    const Vectors& u = *bath.half_jump();
+    EXPECT_TRUE(bath.advance({sys, forces, method}, h, s).converged());
+    const Vectors& u = bath.half_jump();
     EXPECT_GT(u.norm(), 0.1);
     for (const auto& [i, j, d] : sys.bonds)
       EXPECT_NEAR((s.x.col(j) - s.x.col(i)).dot(u.col(j) - u.col(i)), 0, 1e-11);
@@ -88,11 +87,11 @@ TYPED_TEST(LangevinWith, FreeWatersHaveTheCanonicalKineticEnergies) {
   tests::NoForce forces;
   auto method = with_defaults<TypeParam>(sys, h);
   Langevin bath(sys, {.temperature = temperature, .friction = friction, .seed = 11}, h);
-  initialize({sys, forces, method, bath}, h, s);
+  initialize(bath, {sys, forces, method}, h, s);
   std::vector<double> energies;
   double translation = 0, total = 0;
   for (int n = 1; n <= 6000; ++n) {
-    ASSERT_TRUE(step({sys, forces, method, bath}, h, s).converged());
+    ASSERT_TRUE(bath.advance({sys, forces, method}, h, s).converged());
     if (n <= 300 || n % 150 != 0) continue;  // e⁻³ of the last sample is left
     const Vectors v = bath.middle_velocity(sys, s);
     for (int w = 0; w < 100; ++w) {
@@ -127,11 +126,11 @@ TYPED_TEST(LangevinWith, PendulumsHangAsLangevinsFunctionSays) {
   tests::UniformForce gravity{{0, 0, -b}};
   auto method = with_defaults<TypeParam>(sys, h);
   Langevin bath(sys, {.temperature = kWarm, .friction = 2, .seed = 7}, h);
-  initialize({sys, gravity, method, bath}, h, s);
+  initialize(bath, {sys, gravity, method}, h, s);
   double sum = 0;
   int samples = 0;
   for (int n = 1; n <= 12000; ++n) {
-    ASSERT_TRUE(step({sys, gravity, method, bath}, h, s).converged());
+    ASSERT_TRUE(bath.advance({sys, gravity, method}, h, s).converged());
     if (n <= 500 || n % 20 != 0) continue;
     for (int p = 0; p < kPendulums; ++p) sum -= s.x(2, 2 * p + 1), ++samples;
   }
@@ -145,8 +144,8 @@ TYPED_TEST(LangevinWith, MiddleVelocityIsTangent) {
   tests::UniformForce forces{{1, 2, 3}};
   auto method = with_defaults<TypeParam>(sys, h);
   Langevin bath(sys, {.temperature = kWarm, .friction = 5}, h);
-  initialize({sys, forces, method, bath}, h, s);
-  for (int n = 0; n < 5; ++n) EXPECT_TRUE(step({sys, forces, method, bath}, h, s).converged());
+  initialize(bath, {sys, forces, method}, h, s);
+  for (int n = 0; n < 5; ++n) EXPECT_TRUE(bath.advance({sys, forces, method}, h, s).converged());
   const Vectors u = bath.middle_velocity(sys, s);
   Vectors want = s.v;
   for (int a = 0; a < sys.atoms(); ++a) want.col(a) += 0.5 * h * sys.inv_mass[a] * s.f.col(a);
@@ -161,11 +160,11 @@ TYPED_TEST(LangevinWith, StartsAnewWithoutAPast) {
   tests::NoForce forces;
   auto method = with_defaults<TypeParam>(sys, h);
   Langevin bath(sys, {.temperature = kWarm, .friction = 5}, h);
-  initialize({sys, forces, method, bath}, h, s);
-  for (int n = 0; n < 5; ++n) EXPECT_TRUE(step({sys, forces, method, bath}, h, s).converged());
-  initialize({sys, forces, method, bath}, h, s);
+  initialize(bath, {sys, forces, method}, h, s);
+  for (int n = 0; n < 5; ++n) EXPECT_TRUE(bath.advance({sys, forces, method}, h, s).converged());
+  initialize(bath, {sys, forces, method}, h, s);
   const Vectors v = s.v;
-  initialize({sys, forces, method, bath}, h, s);
+  initialize(bath, {sys, forces, method}, h, s);
   EXPECT_LT((s.v - v).norm(), 1e-12 * v.norm());
 }
 
@@ -179,9 +178,9 @@ TEST(LangevinBath, FrictionSlowsAFreeParticle) {
   tests::NoForce forces;
   Newton method(sys, {}, h);
   Langevin bath(sys, {.temperature = 0, .friction = friction}, h);
-  initialize({sys, forces, method, bath}, h, s);
+  initialize(bath, {sys, forces, method}, h, s);
   for (int n = 1; n <= 10; ++n) {
-    EXPECT_TRUE(step({sys, forces, method, bath}, h, s).converged());
+    EXPECT_TRUE(bath.advance({sys, forces, method}, h, s).converged());
     EXPECT_NEAR(s.v(0, 0), std::exp(-friction * h * n), 1e-12) << n;
   }
 }
@@ -202,10 +201,10 @@ TEST(LangevinMiddle, IsExactForAHarmonicOscillatorAtALargeStep) {
   Springs springs{k};
   Newton method(sys, {}, h);
   Langevin bath(sys, {.temperature = kWarm, .friction = 0.7, .seed = 2}, h);
-  initialize({sys, springs, method, bath}, h, s);
+  initialize(bath, {sys, springs, method}, h, s);
   double x2 = 0, middle2 = 0, full2 = 0, samples = 0;
   for (int n = 1; n <= 2000; ++n) {
-    EXPECT_TRUE(step({sys, springs, method, bath}, h, s).converged());
+    EXPECT_TRUE(bath.advance({sys, springs, method}, h, s).converged());
     if (n < 20) continue;
     x2 += s.x.squaredNorm();
     full2 += s.v.squaredNorm();
@@ -223,10 +222,10 @@ struct BathedWaters {
       : bath(start.system, {.temperature = 300, .friction = friction, .seed = 3}, h) {}
   double rms_error(ConstraintMethod& method) {
     auto& [sys, s] = start;
-    initialize({sys, forces, method, bath}, h, s);
+    initialize(bath, {sys, forces, method}, h, s);
     double sum = 0;
     for (int n = 0; n < 2000; ++n) {
-      EXPECT_TRUE(step({sys, forces, method, bath}, h, s).converged());
+      EXPECT_TRUE(bath.advance({sys, forces, method}, h, s).converged());
       sum += std::pow(bond_errors(sys, s.x).rms, 2);
     }
     return std::sqrt(sum / 2000);
@@ -292,8 +291,8 @@ TEST(LangevinBath, RepeatsBitForBitAndItsSeedMatters) {
     tests::NoForce forces;
     Newton method(sys, {}, 0.01);
     Langevin bath(sys, {.temperature = kWarm, .friction = 1, .seed = seed}, 0.01);
-    initialize({sys, forces, method, bath}, 0.01, s);
-    for (int n = 0; n < 20; ++n) EXPECT_TRUE(step({sys, forces, method, bath}, 0.01, s).converged());
+    initialize(bath, {sys, forces, method}, 0.01, s);
+    for (int n = 0; n < 20; ++n) EXPECT_TRUE(bath.advance({sys, forces, method}, 0.01, s).converged());
     return s.x;
   };
   EXPECT_EQ(end(1), end(1));
@@ -307,8 +306,8 @@ TEST(LangevinBath, HoldsTheMomentumWhereAsked) {
   tests::NoForce forces;
   Newton method(sys, {}, h);
   Langevin bath(sys, {.temperature = kWarm, .friction = 5, .hold_momentum = true}, h);
-  initialize({sys, forces, method, bath}, h, s);
-  for (int n = 0; n < 100; ++n) EXPECT_TRUE(step({sys, forces, method, bath}, h, s).converged());
+  initialize(bath, {sys, forces, method}, h, s);
+  for (int n = 0; n < 100; ++n) EXPECT_TRUE(bath.advance({sys, forces, method}, h, s).converged());
   EXPECT_LT(momentum(sys, s.v).norm(), 1e-11);
 }
 

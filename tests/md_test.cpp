@@ -5,9 +5,10 @@
 #include "base/nearest_name.hpp"
 #include "base/random.hpp"
 #include "error_message.hpp"
+#include "md/diagnosis.hpp"
 #include "md/observables.hpp"
-#include "md/run.hpp"
 #include "md/units.hpp"
+#include "md/velocity_verlet.hpp"
 
 namespace taut::md_tests {
 namespace {
@@ -67,7 +68,7 @@ TEST(Step, AnAnchorDoesNotMove) {
   EXPECT_EQ(s.x(0, 0), 1);
 }
 
-// Each stage fails in turn; the fourth is the bath.
+// Each stage fails in turn.
 struct Failing : ConstraintMethod {
   explicit Failing(int its_stage) : stage(its_stage) {}
   int stage;
@@ -78,23 +79,26 @@ struct Failing : ConstraintMethod {
   SolveStats add_forces(const System&, const Push&, State&) override { return at(1); }
   SolveStats project_velocities(const System&, double, State&) override { return at(2); }
 };
-struct FailingBath : Bath {
-  explicit FailingBath(const Failing& its_method) : method(its_method) {}
-  const Failing& method;
-  Draw draw(const System&, const Push&, const State&) override { return {.stats = method.at(3)}; }
+// Counts the ends of steps.
+struct Ends : Bath {
+  int count = 0;
+  double after_step(const System&, double, State&) override { return ++count; }
 };
 
-// What any stage did, and that it failed, is said of the step.
+// What any stage did, and that it failed, is said of the step, whose end is then left out.
 TEST(Step, SumsWhatItsStagesDid) {
   const System sys = particle();
   Spring forces;
-  for (int stage = 0; stage < 5; ++stage) {
+  for (int stage = 0; stage < 4; ++stage) {
     State s = at_rest(1);
     Failing method(stage);
-    FailingBath bath(method);
-    const SolveStats stats = step({sys, forces, method, bath}, 0.1, s);
-    EXPECT_EQ(stats.iterations, 15);
-    EXPECT_EQ(stats.converged(), stage == 4) << stage;
+    Ends bath;
+    VelocityVerlet verlet;
+    const SolveStats stats = verlet.advance({sys, forces, method, bath}, 0.1, s);
+    EXPECT_EQ(stats.iterations, 7);
+    EXPECT_EQ(stats.converged(), stage == 3) << stage;
+    EXPECT_EQ(bath.count, stage == 3) << stage;
+    EXPECT_EQ(verlet.account.heat, stage == 3) << "what the bath gives";
   }
 }
 
@@ -250,36 +254,6 @@ TEST(Observables, WorstBondErrorIsFound) {
   EXPECT_TRUE(std::isnan(bond_errors(sys, x).max));
 }
 
-struct Runaway : ForceLaw {
-  void evaluate(const System&, State& s) override { s.f = 1e200 * (s.x.array() * s.x.array()).matrix(); }
-};
-
-TEST(Run, StopsBeforeNaNAndSaysWhen) {
-  const System sys = particle();
-  State s = at_rest(1);
-  s.x(0, 0) = 1;
-  Runaway forces;
-  ConstraintMethod free;
-  RunProgress progress;
-  EXPECT_THAT(error_message<SimulationFailure>([&] {
-                run({sys, forces, free}, {.h = 1, .steps = 100, .observe_every = 1}, progress, s);
-              }),
-              testing::AllOf(testing::HasSubstr("step "), testing::HasSubstr("largest force")));
-}
-
-TEST(Run, RefusesAPlanThatNeverObserves) {
-  const System sys = particle();
-  State s = at_rest(1);
-  Spring forces;
-  ConstraintMethod free;
-  for (const long every : {0L, -5L}) {
-    RunProgress progress;
-    EXPECT_THROW(run({sys, forces, free}, {.h = 1, .steps = 5, .observe_every = every}, progress, s),
-                 InputError);
-    EXPECT_EQ(progress.step, 0);
-  }
-}
-
 TEST(Diagnosis, SaysWhenAndWhere) {
   const System sys = make_system(Eigen::VectorXd::Ones(4), {{0, 1, 1}, {2, 3, 0.5}});
   State s = at_rest(4);
@@ -298,75 +272,12 @@ TEST(Diagnosis, SaysWhenAndWhere) {
   EXPECT_EQ(d.cause, "no convergence");
 }
 
-// Takes n solves in its n-th step and leaves 1/n.
-struct Countdown : ConstraintMethod {
-  int n = 0;
-  SolveStats add_forces(const System&, const Push&, State&) override {
-    ++n;
-    return {.iterations = n, .max_residual = 0.4 / n, .worst_bond = n};
-  }
-};
-
-// An observer sees the sum of the solves and the worst residual since it last looked.
-TEST(Run, ObservesWhatHappenedSinceTheLastObservation) {
-  const System sys = particle();
-  State s = at_rest(1);
-  Spring forces;
-  Countdown method;
-  RunProgress progress;
-  std::vector<long> steps;
-  std::vector<SolveStats> seen;
-  run({sys, forces, method}, {.h = 0.1, .steps = 7, .observe_every = 3}, progress, s,
-      {.observe = [&](const Observation& m) {
-        steps.push_back(m.step);
-        seen.push_back(m.since);
-      }});
-  ASSERT_EQ(steps, (std::vector<long>{3, 6}));
-  EXPECT_EQ(seen[0].iterations, 1 + 2 + 3);
-  EXPECT_EQ(seen[0].max_residual, 0.4);
-  EXPECT_EQ(seen[0].worst_bond, 1);
-  EXPECT_EQ(seen[1].iterations, 4 + 5 + 6);
-  EXPECT_EQ(seen[1].max_residual, 0.1);
-  EXPECT_EQ(seen[1].worst_bond, 4);
-  EXPECT_EQ(progress.since.iterations, 7);
-}
-
-// More than 32 bits hold, and a checkpoint keeps them.
-TEST(Run, CountsBillionsOfIterations) {
-  struct Busy : ConstraintMethod {
-    SolveStats add_forces(const System&, const Push&, State&) override { return {.iterations = 1 << 30}; }
-  } method;
-  const System sys = particle();
-  State s = at_rest(1);
-  Spring forces;
-  RunProgress progress, again;
-  run({sys, forces, method}, {.h = 0.1, .steps = 7, .observe_every = 10}, progress, s);
-  EXPECT_EQ(progress.since.iterations, 7L << 30);
-  std::string kept;
-  Archive save = Archive::saving_to(kept);
-  save(progress);
-  Archive load = Archive::loading_from(kept);
-  load(again);
-  load.finish();
-  EXPECT_EQ(again.since.iterations, 7L << 30);
-}
-
-// A bond is broken where |σ|/d² reaches plan.broken_at.
-TEST(Run, StopsWhereABondBreaks) {
-  const System sys = make_system(Eigen::VectorXd::Ones(3), {{0, 1, 1}, {1, 2, 1}});
-  for (const double broken_at : {0.3, 0.5}) {
-    State s = at_rest(3);
-    s.x.row(0) << 0, 1, 2;
-    Spring forces;
-    Countdown method;
-    RunProgress progress;
-    const RunPlan plan{.h = 1e-3, .steps = 2, .broken_at = broken_at};
-    const auto go = [&] { return run({sys, forces, method}, plan, progress, s); };
-    if (broken_at < 0.4)
-      EXPECT_THROW(go(), SimulationFailure);
-    else
-      EXPECT_TRUE(go());
-  }
+// A bond is broken where |σ|/d² reaches ½; a residual that is no number is no bond.
+TEST(SolveStats, HoldWhereAllConvergedAndNoBondBroke) {
+  EXPECT_TRUE((SolveStats{1, 0.49, 0}.held()));
+  EXPECT_FALSE((SolveStats{1, 0.5, 0}.held()));
+  EXPECT_FALSE((SolveStats{1, std::nan(""), 0}.held()));
+  EXPECT_FALSE((SolveStats{1, 0, 0, Failure::kNoConvergence}.held()));
 }
 
 TEST(NearestName, SuggestsTheFewestEdits) {

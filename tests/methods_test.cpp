@@ -15,7 +15,6 @@
 #include "constraints/registry.hpp"
 #include "error_message.hpp"
 #include "free_system.hpp"
-#include "md/run.hpp"
 #include "verifier.hpp"
 
 namespace taut::methods_tests {
@@ -137,15 +136,14 @@ struct Turncoat : ForceLaw {  // no force, until it is no number
   void evaluate(const System&, State& s) override { s.f.setConstant(++calls == 6 ? std::nan("") : 0.0); }
 };
 
-// The first residual that is no number stops a run.
+// The first residual that is no number stops a run: its bonds do not hold.
 void expect_it_stops_before_NaN(const Start& start, ConstraintMethod& method) {
   Turncoat forces;
   State s = start.state;
   initialize({start.system, forces, method}, 1e-3, s);
-  RunProgress progress;
-  const RunPlan plan{.h = 1e-3, .steps = 100, .observe_every = 100};
-  EXPECT_THROW(run({start.system, forces, method}, plan, progress, s), SimulationFailure);
-  EXPECT_LE(progress.step, 6);
+  int n = 1;
+  while (n < 100 && step({start.system, forces, method}, 1e-3, s).held()) ++n;
+  EXPECT_LE(n, 6);
 }
 
 TEST_P(EveryMethod, StopsBeforeNaN) {

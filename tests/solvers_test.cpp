@@ -13,7 +13,7 @@
 #include "constraints/methods/settle.hpp"
 #include "constraints/registry.hpp"
 #include "free_system.hpp"
-#include "md/run.hpp"
+#include "md/diagnosis.hpp"
 #include "verifier.hpp"
 
 namespace taut::solvers_tests {

@@ -22,7 +22,7 @@
 #include "base/usable_cores.hpp"
 #include "error_message.hpp"
 #include "forcefield/pairs/row_shares.hpp"
-#include "md/work_meter.hpp"
+#include "md/velocity_verlet.hpp"
 #include "temporary_folder.hpp"
 
 // OpenMP's own, which taut is linked with where it was built with it.
@@ -182,20 +182,26 @@ TEST(ThreadMeter, CountsNoRegionOfOneThread) {
   EXPECT_EQ(meter.account().regions, 1);
 }
 
-// Whose sums are shared: all of them, by as many threads as there are.
-TEST(WorkMeter, TakesInAllAtomsOnAnyNumberOfThreads) {
+// Whose sums are shared out: all of them, by as many threads as there are.
+TEST(Account, TakesInAllAtomsOnAnyNumberOfThreads) {
   const int atoms = 5001;
   const System sys = make_system(Eigen::VectorXd::Ones(atoms), {});
-  State before{{}, Vectors::Random(3, atoms), Vectors::Random(3, atoms), 0, {}}, now = before;
-  now.f.setRandom();
-  const double work = 0.5 * 0.01 * (before.f + now.f).cwiseProduct(now.v).sum();
+  struct Given : ForceLaw {
+    Vectors f;
+    void evaluate(const System&, State& s) override { s.f = f; }
+  } forces;
+  ConstraintMethod free;
   for (const int threads : {1, 2, 5}) {
     const Threads some(threads);
-    WorkMeter meter;
-    meter.add_step(0.01, sys, before);
-    meter.add_step(0.01, sys, now);
-    EXPECT_NEAR(meter.work(), work, 1e-12);
-    EXPECT_EQ(meter.forces(), now.f);
+    State s{Vectors::Random(3, atoms), Vectors::Random(3, atoms), {}, 0, {}};
+    VelocityVerlet verlet;
+    forces.f.setRandom(3, atoms);
+    verlet.initialize({sys, forces, free}, 0.01, s);
+    const State before = s;
+    forces.f.setRandom();
+    EXPECT_TRUE(verlet.advance({sys, forces, free}, 0.01, s).converged());
+    EXPECT_NEAR(verlet.account.work, 0.5 * (before.f + s.f).cwiseProduct(s.x - before.x).sum(), 1e-12);
+    EXPECT_EQ(s.F, forces.f);
   }
 }
 

@@ -226,6 +226,39 @@ struct Busy : ConstraintMethod {
   SolveStats project_velocities(const System&, double, State&) override { return {.iterations = 1 << 30}; }
 };
 
+struct CountdownOptions {
+  std::vector<Option> describe() { return {}; }
+};
+struct Countdown : ConstraintMethod {
+  int n = 0;
+  SolveStats add_forces(const System&, const Push& push, State&) override {
+    return {.iterations = push.starts() ? 0 : ++n};
+  }
+};
+
+// A row tells of the steps since the one before, the end's too.
+TEST(Counters, BeginAgainAtEachRow) {
+  const auto make = [](const System&, const std::any&, double) -> std::unique_ptr<ConstraintMethod> {
+    return std::make_unique<Countdown>();
+  };
+  add_method({.name = "countdown",
+              .summary = "a test's",
+              .defaults = CountdownOptions{},
+              .describe = [](std::any&) { return std::vector<Option>{}; },
+              .make = make,
+              .make_plain = make});
+  Scene scene = scene_of("pendulum", {"run.steps=7", "run.log_every=3"});
+  scene.method = CountdownOptions{};
+  Simulation simulation(scene);
+  std::vector<long> steps;
+  std::vector<double> iterations;
+  simulation.run([&](const Record& r) { steps.push_back(r.step), iterations.push_back(r.iterations); });
+  EXPECT_EQ(steps, (std::vector<long>{0, 3, 6, 7}));
+  EXPECT_EQ(iterations, (std::vector<double>{0, (1 + 2 + 3) / 3., (4 + 5 + 6) / 3., 7}));
+  scene.run.log_every = 0;
+  EXPECT_THROW(Simulation(scene).run({}), InputError);
+}
+
 // However many there are between two rows of the log, what is kept in memory and in a checkpoint is sound.
 TEST(Counters, GoOnAfterBillionsOfIterations) {
   const auto make = [](const System&, const std::any&, double) -> std::unique_ptr<ConstraintMethod> {

@@ -1,9 +1,9 @@
-#include "md/run.hpp"
+#include "md/diagnosis.hpp"
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <string_view>
-#include <utility>
 
 namespace taut {
 namespace {
@@ -56,37 +56,6 @@ std::string Diagnosis::text() const {
 
 void demand_converged(const System& sys, const State& s, const SolveStats& stats, long step) {
   if (!stats.converged()) throw SimulationFailure(diagnose(sys, s, stats, step).text());
-}
-
-bool bonds_hold(const SolveStats& stats, const RunPlan& plan) {
-  return stats.converged() && stats.max_residual < plan.broken_at;
-}
-
-SolveStats take_step(const Dynamics& dynamics, const RunPlan& plan, State& s) {
-  const SolveStats stats = step(dynamics, plan.h, s);
-  if (bonds_hold(stats, plan)) dynamics.bath.after_step(dynamics.sys, plan.h, s);
-  return stats;
-}
-
-bool run(const Dynamics& dynamics, const RunPlan& plan, RunProgress& progress, State& s, const Watch& watch) {
-  const auto fail = [&](const SolveStats& stats) {
-    throw StepFailure(diagnose(dynamics.sys, s, stats, progress.step), stats);
-  };
-  if (plan.observe_every < 1)
-    throw InputError(fmt::format("a run's observe_every is {}, expected 1 or more", plan.observe_every));
-  while (progress.step < plan.steps) {
-    const long n = ++progress.step;
-    const SolveStats stats = take_step(dynamics, plan, s);
-    if (!bonds_hold(stats, plan)) fail(stats);
-    progress.since += stats;
-    if (n % plan.observe_every == 0) {
-      if (!s.x.allFinite() || !s.f.allFinite()) fail(stats);
-      const SolveStats since = std::exchange(progress.since, {});  // even if the observer throws
-      if (watch.observe) watch.observe({n, since});
-    }
-    if (watch.go_on && !watch.go_on(n)) return false;
-  }
-  return true;
 }
 
 }  // namespace taut
