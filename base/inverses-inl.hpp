@@ -6,7 +6,7 @@
 #define TAUT_INVERSES_INL
 #endif
 
-#include <hwy/highway.h>
+#include "base/lane_arithmetic-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
@@ -21,7 +21,7 @@ constexpr bool kRootGuessed = sizeof(hn::TFromD<D>) == 4 ? HWY_TARGET <= HWY_SSS
 
 // The approximation where it is used, else 1/√x.
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE V guess_inverse_sqrt([[maybe_unused]] D d, V x) {
+HWY_INLINE V guess_inverse_sqrt(D, V x) {
   using T = hn::TFromD<D>;
 #if HWY_TARGET <= HWY_AVX3
   if constexpr (sizeof(T) == 8 && kRootGuessed<D>) return V{_mm512_rsqrt14_pd(x.raw)};
@@ -29,7 +29,7 @@ HWY_INLINE V guess_inverse_sqrt([[maybe_unused]] D d, V x) {
   if constexpr (sizeof(T) == 4 && kRootGuessed<D>)
     return hn::ApproximateReciprocalSqrt(x);
   else
-    return hn::Div(hn::Set(d, T(1)), hn::Sqrt(x));
+    return 1 / hn::Sqrt(x);
 }
 
 // The same for 1/x: 14 bits for doubles in AVX-512.
@@ -37,12 +37,11 @@ template <class D>
 constexpr bool kInverseGuessed = sizeof(hn::TFromD<D>) == 8 && kRootGuessed<D>;
 
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE V guess_inverse(D d, V x) {
-  using T = hn::TFromD<D>;
+HWY_INLINE V guess_inverse(D, V x) {
 #if HWY_TARGET <= HWY_AVX3
   if constexpr (kInverseGuessed<D>) return V{_mm512_rcp14_pd(x.raw)};
 #endif
-  return hn::Div(hn::Set(d, T(1)), x);
+  return 1 / x;
 }
 
 // The functions below refine guesses y of K vectors. Each stage handles all K vectors before the next stage
@@ -53,14 +52,12 @@ template <int K, class D, class V = hn::Vec<D>>
 HWY_INLINE void inverse_sqrt(D d, const V (&x)[K], V (&y)[K]) {
   if constexpr (kRootGuessed<D>) {
     using T = hn::TFromD<D>;
-    const V one = hn::Set(d, T(1)), half = hn::Set(d, T(0.5));
     V e[K];
-    for (int k = 0; k < K; ++k) e[k] = hn::NegMulAdd(hn::Mul(x[k], y[k]), y[k], one);
+    for (int k = 0; k < K; ++k) e[k] = 1 - x[k] * y[k] * y[k];
     for (int k = 0; k < K; ++k) {
-      V p = half;
-      if constexpr (sizeof(T) == 8)
-        p = hn::MulAdd(hn::MulAdd(hn::Set(d, T(0.3125)), e[k], hn::Set(d, T(0.375))), e[k], half);
-      y[k] = hn::MulAdd(hn::Mul(y[k], e[k]), p, y[k]);
+      V p = hn::Set(d, T(0.5));
+      if constexpr (sizeof(T) == 8) p += (0.3125 * e[k] + 0.375) * e[k];
+      y[k] += y[k] * e[k] * p;
     }
   }
 }
@@ -76,21 +73,21 @@ constexpr double kCubeScale = kFineFloat<D>        ? double(5.0f / 3) - 1
                                                    : 1.0;
 
 template <int K, class D, class V = hn::Vec<D>>
-HWY_INLINE void inverse_cube(D d, const V (&x)[K], V (&y)[K]) {
+HWY_INLINE void inverse_cube(D, const V (&x)[K], V (&y)[K]) {
   using T = hn::TFromD<D>;
   V y2[K], y3[K];
-  for (int k = 0; k < K; ++k) y2[k] = hn::Mul(y[k], y[k]);
-  for (int k = 0; k < K; ++k) y3[k] = hn::Mul(y2[k], y[k]);
+  for (int k = 0; k < K; ++k) y2[k] = y[k] * y[k];
+  for (int k = 0; k < K; ++k) y3[k] = y2[k] * y[k];
   for (int k = 0; k < K; ++k) {
     if constexpr (kFineFloat<D>) {
-      y[k] = hn::Mul(y3[k], hn::NegMulAdd(x[k], y2[k], hn::Set(d, T(5.0f / 3))));
+      y[k] = y3[k] * (T(5.0f / 3) - x[k] * y2[k]);
     } else if constexpr (kRootGuessed<D>) {
-      const V e = hn::NegMulAdd(x[k], y2[k], hn::Set(d, T(1)));
+      const V e = 1 - x[k] * y2[k];
       if constexpr (sizeof(T) == 8) {
-        const V p = hn::MulAdd(hn::Add(e, hn::Set(d, T(6.0 / 7))), e, hn::Set(d, T(24.0 / 35)));
-        y[k] = hn::Mul(y3[k], hn::MulAdd(p, e, hn::Set(d, T(16.0 / 35))));
+        const V p = (T(6.0 / 7) + e) * e + T(24.0 / 35);
+        y[k] = y3[k] * (p * e + T(16.0 / 35));
       } else {
-        y[k] = hn::MulAdd(hn::Mul(y3[k], e), hn::MulAdd(hn::Set(d, T(1.875)), e, hn::Set(d, T(1.5))), y3[k]);
+        y[k] = y3[k] + y3[k] * e * (1.5 + 1.875 * e);
       }
     } else {
       y[k] = y3[k];
@@ -100,13 +97,11 @@ HWY_INLINE void inverse_cube(D d, const V (&x)[K], V (&y)[K]) {
 
 // 1/x = y(1 + e + e² + e³ + …), e = 1 − xy.
 template <int K, class D, class V = hn::Vec<D>>
-HWY_INLINE void inverse(D d, const V (&x)[K], V (&y)[K]) {
+HWY_INLINE void inverse(D, const V (&x)[K], V (&y)[K]) {
   if constexpr (kInverseGuessed<D>) {
-    const V one = hn::Set(d, 1);
     V e[K];
-    for (int k = 0; k < K; ++k) e[k] = hn::NegMulAdd(x[k], y[k], one);
-    for (int k = 0; k < K; ++k)
-      y[k] = hn::MulAdd(hn::Mul(y[k], e[k]), hn::MulAdd(e[k], hn::Add(e[k], one), one), y[k]);
+    for (int k = 0; k < K; ++k) e[k] = 1 - x[k] * y[k];
+    for (int k = 0; k < K; ++k) y[k] += y[k] * e[k] * (1 + e[k] * (1 + e[k]));
   }
 }
 

@@ -7,7 +7,7 @@
 #define TAUT_VECTOR_LANES_INL_H
 #endif
 
-#include <hwy/highway.h>
+#include "base/lane_arithmetic-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
@@ -32,31 +32,25 @@ struct V3 {
   V x, y, z;
 };
 HWY_INLINE V3 operator+(const V3& a, const V3& b) {
-  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
 }
 HWY_INLINE V3 operator-(const V3& a, const V3& b) {
-  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
 HWY_INLINE V3 operator-(const V3& a) {
-  return {hn::Neg(a.x), hn::Neg(a.y), hn::Neg(a.z)};
+  return {-a.x, -a.y, -a.z};
 }
 HWY_INLINE V3 operator*(V s, const V3& a) {
-  return {hn::Mul(s, a.x), hn::Mul(s, a.y), hn::Mul(s, a.z)};
+  return {s * a.x, s * a.y, s * a.z};
 }
-// s·a + b
-HWY_INLINE V3 mul_add(V s, const V3& a, const V3& b) {
-  return {hn::MulAdd(s, a.x, b.x), hn::MulAdd(s, a.y, b.y), hn::MulAdd(s, a.z, b.z)};
-}
-// b − s·a
-HWY_INLINE V3 neg_mul_add(V s, const V3& a, const V3& b) {
-  return {hn::NegMulAdd(s, a.x, b.x), hn::NegMulAdd(s, a.y, b.y), hn::NegMulAdd(s, a.z, b.z)};
+HWY_INLINE V3 operator*(double s, const V3& a) {
+  return broadcast(s) * a;
 }
 HWY_INLINE V dot(const V3& a, const V3& b) {
-  return hn::MulAdd(a.z, b.z, hn::MulAdd(a.y, b.y, hn::Mul(a.x, b.x)));
+  return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 HWY_INLINE V3 cross(const V3& a, const V3& b) {
-  return {hn::MulSub(a.y, b.z, hn::Mul(a.z, b.y)), hn::MulSub(a.z, b.x, hn::Mul(a.x, b.z)),
-          hn::MulSub(a.x, b.y, hn::Mul(a.y, b.x))};
+  return {hn::MulSub(a.y, b.z, a.z * b.y), hn::MulSub(a.z, b.x, a.x * b.z), hn::MulSub(a.x, b.y, a.y * b.x)};
 }
 
 using Four = hn::CappedTag<double, 4>;

@@ -46,10 +46,9 @@ struct BaumgarteRows {
 template <class Shape>
 HWY_INLINE Worst extrapolate(const Shape shape, const BaumgarteStep& step, const PastLambda past,
                              const BaumgarteRows rows) {
-  const V last = broadcast(step.last), first = broadcast(step.first), second = broadcast(step.second);
-  const auto foretold = [&](V one, V two, V three) HWY_ATTR {
-    return hn::MulAdd(last, one, hn::MulAdd(first, two, hn::Mul(second, three)));
-  };
+  const double last = step.last, first = step.first, second = step.second;
+  const auto foretold = [=](V one, V two, V three)
+                            HWY_ATTR { return second * three + first * two + last * one; };
   const bool shift = step.shift;
   Worst worst;
   for (int k = 0; k < shape.size(); ++k) {
@@ -74,26 +73,24 @@ struct Ahead {
 template <class Shape>
 HWY_INLINE Ahead look_ahead(const Shape shape, const BaumgarteStep& step, const LaneLaw* laws,
                             const BaumgarteRows rows, const Equations& eq) {
-  const V h = broadcast(step.h), minus_half_h = broadcast(-0.5 * step.h), drift = broadcast(step.drift),
-          scale = broadcast(-0.5 / step.drift), turn = broadcast(step.turn);
+  const double h = step.h, drift = step.drift, scale = -0.5 / drift, turn = step.turn;
   Ahead ahead{all_lanes(), all_lanes()};
   for (int k = 0; k < shape.solved(); ++k) {
     const LaneBond& bond = shape.bonds[k];
     const V3 r = load3(rows.r + 3 * k * kLanes);
-    const V3 a = neg_mul_add(broadcast(bond.inv_mass_i), load3(rows.f + shape.i(k)),
-                             broadcast(bond.inv_mass_j) * load3(rows.f + shape.j(k)));
+    const V3 a = bond.inv_mass_j * load3(rows.f + shape.j(k)) - bond.inv_mass_i * load3(rows.f + shape.i(k));
     const V3 v = difference(shape, k, rows.v);
-    const V3 r_next = mul_add(drift, a, mul_add(h, v, r));
+    const V3 r_next = r + h * v + drift * a;
     store3(r_next, rows.r_next + 3 * k * kLanes);
     V off = twice_sigma(bond, r_next);  // 2(σ₊ − τ)
-    off = hn::NegMulAdd(broadcast(laws[k].of_sigma), load(rows.twice_sigma + k * kLanes), off);
-    off = hn::NegMulAdd(broadcast(laws[k].of_rate), dot(mul_add(minus_half_h, v, r), v), off);
+    off -= laws[k].of_sigma * load(rows.twice_sigma + k * kLanes);
+    off -= laws[k].of_rate * dot(r - 0.5 * h * v, v);
     const V along = dot(r_next, r);
-    const V size = hn::Mul(broadcast(0.5), hn::Abs(off)), reach = hn::Abs(along);
-    ahead.near = hn::And(ahead.near, hn::Le(size, hn::Mul(turn, reach)));
-    ahead.sane = hn::And(ahead.sane, hn::Lt(size, hn::Mul(broadcast(1e3), reach)));
-    store(hn::Mul(scale, off), eq.b + k * kLanes);
-    store(hn::Mul(broadcast(bond.reduced_inv_mass), along), eq.A.d + k * kLanes);
+    const V size = 0.5 * hn::Abs(off), reach = hn::Abs(along);
+    ahead.near = hn::And(ahead.near, size <= turn * reach);
+    ahead.sane = hn::And(ahead.sane, size < 1e3 * reach);
+    store(scale * off, eq.b + k * kLanes);
+    store(bond.reduced_inv_mass * along, eq.A.d + k * kLanes);
   }
   return ahead;
 }
@@ -104,7 +101,7 @@ HWY_INLINE void correct(const Shape shape, const double* change, const PastLambd
                         const BaumgarteRows rows) {
   for (int k = 0; k < shape.size(); ++k) {
     const V b = load(change + k * kLanes);
-    store(hn::Add(load(past.lambda + k * kLanes), b), past.lambda + k * kLanes);
+    store(load(past.lambda + k * kLanes) + b, past.lambda + k * kLanes);
     add_constraint_force(shape, k, b, load3(rows.r + 3 * k * kLanes), rows.f);
   }
 }
@@ -207,16 +204,15 @@ struct BaumgarteTriangle {
   bool near, regular;    // as in Ahead; false for NaN
 
   HWY_INLINE void solve() {
-    r_next = mul_add(broadcast(step.drift), Forces(change, r).accelerations(masses), r_next);
+    r_next = r_next + step.drift * Forces(change, r).accelerations(masses);
     const TriangleMatrix A(lanes, r_next, r);
     Three off = twice_sigma(lanes, r_next);
     M close = all_lanes();
     Three b;
     for (int k = 0; k < 3; ++k) {
-      off.k[k] = hn::Sub(off.k[k], target.k[k]);
-      close =
-          hn::And(close, hn::Le(hn::Abs(off.k[k]), hn::Mul(broadcast(2 * step.turn), hn::Abs(A.along.k[k]))));
-      b.k[k] = hn::Mul(broadcast(-0.5 / step.drift), off.k[k]);
+      off.k[k] -= target.k[k];
+      close = hn::And(close, hn::Abs(off.k[k]) <= 2 * step.turn * hn::Abs(A.along.k[k]));
+      b.k[k] = -0.5 / step.drift * off.k[k];
     }
     near = hn::AllTrue(D(), close);
     regular = hn::AllTrue(D(), A.regular(lanes));
@@ -241,24 +237,19 @@ HWY_INLINE bool solve_triangle(BaumgarteBatch& batch, const BaumgarteStep& step,
   Nine velocity, delta;
   for (int k = 0; k < 9; ++k) {
     velocity.n[k] = load_any(v + k * kWidth);
-    delta.n[k] = hn::MulAdd(broadcast(step.h), velocity.n[k],
-                            hn::Mul(load(drift_by_mass + k * kWidth), load_any(f + k * kWidth)));
+    delta.n[k] = load(drift_by_mass + k * kWidth) * load_any(f + k * kWidth) + step.h * velocity.n[k];
   }
-  const Three before = twice_sigma(lanes, mul_add(broadcast(-step.h), sides(rows_of(velocity)), r));
+  const Three before = twice_sigma(lanes, r - step.h * sides(rows_of(velocity)));
   Three target;
   for (int k = 0; k < 3; ++k)
-    target.k[k] = hn::MulSub(broadcast(batch.laws[k].now), now.k[k],
-                             hn::Mul(broadcast(batch.laws[k].before), before.k[k]));
+    target.k[k] = hn::MulSub(broadcast(batch.laws[k].now), now.k[k], batch.laws[k].before * before.k[k]);
   if (noise)
-    for (int k = 0; k < 9; ++k)
-      delta.n[k] = hn::MulAdd(load(drift_by_mass + k * kWidth), load_any(noise + k * kWidth), delta.n[k]);
+    for (int k = 0; k < 9; ++k) delta.n[k] += load(drift_by_mass + k * kWidth) * load_any(noise + k * kWidth);
   const Three one = load_three(past.lambda), two = load_three(past.before),
               three = load_three(past.before_that);
   Three guess;
   for (int k = 0; k < 3; ++k)
-    guess.k[k] =
-        hn::MulAdd(broadcast(step.last), one.k[k],
-                   hn::MulAdd(broadcast(step.first), two.k[k], hn::Mul(broadcast(step.second), three.k[k])));
+    guess.k[k] = step.second * three.k[k] + step.first * two.k[k] + step.last * one.k[k];
   BaumgarteTriangle triangle{.lanes = lanes,
                              .step = step,
                              .masses = InverseMasses(lanes),
@@ -278,7 +269,7 @@ HWY_INLINE bool solve_triangle(BaumgarteBatch& batch, const BaumgarteStep& step,
   store_three(one, past.before);
   store_three(triangle.lambda, past.lambda);
   const Nine force = numbers_of(Forces(triangle.lambda, r).rows());
-  for (int k = 0; k < 9; ++k) store_any(hn::Add(load_any(f + k * kWidth), force.n[k]), f + k * kWidth);
+  for (int k = 0; k < 9; ++k) store_any(load_any(f + k * kWidth) + force.n[k], f + k * kWidth);
   nines.close(f, step.f);
   if (!worst.within(stats.max_residual)) enter_residuals(part, step.x, stats);
   return true;

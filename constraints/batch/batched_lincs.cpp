@@ -43,7 +43,7 @@ struct LincsRows {
 // Returns the direction of bond k.
 template <class Shape>
 HWY_INLINE V3 set_direction(const Shape, int k, const V3& r, const LincsRows& rows) {
-  const V3 direction = hn::Div(broadcast(1), hn::Sqrt(dot(r, r))) * r;
+  const V3 direction = 1 / hn::Sqrt(dot(r, r)) * r;
   store3(direction, rows.B + 3 * k * kLanes);
   return direction;
 }
@@ -55,7 +55,7 @@ HWY_INLINE void find_coupling(const Shape shape, const double* scale, const Linc
     const V3 b_k = load3(rows.B + 3 * k * kLanes);
     for (int p = shape.begin(k); p < shape.end(k); ++p) {
       const double weight = -shape.signed_inv_mass(p) * scale[k] * scale[shape.row(p) / kLanes];
-      store(hn::Mul(broadcast(weight), dot(load3(rows.B + 3 * shape.row(p)), b_k)), rows.C + p * kLanes);
+      store(weight * dot(load3(rows.B + 3 * shape.row(p)), b_k), rows.C + p * kLanes);
     }
     store(hn::Zero(D()), rows.g + k * kLanes);
   }
@@ -72,11 +72,11 @@ HWY_INLINE void multiply(const Shape shape, const LincsRows& rows, const char* i
     for (int p = shape.begin(k); p < shape.end(k); ++p) {
       if (inside && !inside[p]) continue;
       const V c = load(rows.C + p * kLanes);
-      power_k = hn::MulAdd(c, load(rhs + shape.row(p)), power_k);
-      store(hn::MulAdd(c, rhs_k, load(power + shape.row(p))), power + shape.row(p));
+      power_k += c * load(rhs + shape.row(p));
+      store(c * rhs_k + load(power + shape.row(p)), power + shape.row(p));
     }
     store(power_k, power + k * kLanes);
-    store(hn::Add(load(rows.sum + k * kLanes), power_k), rows.sum + k * kLanes);
+    store(load(rows.sum + k * kLanes) + power_k, rows.sum + k * kLanes);
   }
 }
 
@@ -91,8 +91,8 @@ HWY_INLINE void apply(const Shape shape, const LincsBatch& batch, int order, con
     std::swap(rhs, power);
   }
   for (int k = 0; k < shape.size(); ++k) {
-    const V dg = hn::Mul(broadcast(-batch.scale[k]), load(rows.sum + k * kLanes));
-    store(hn::Add(load(rows.g + k * kLanes), dg), rows.g + k * kLanes);
+    const V dg = -batch.scale[k] * load(rows.sum + k * kLanes);
+    store(load(rows.g + k * kLanes) + dg, rows.g + k * kLanes);
     add_constraint_acceleration(shape, k, dg, load3(rows.B + 3 * k * kLanes), y);
   }
 }
@@ -105,10 +105,9 @@ HWY_INLINE Worst find_lengthening(const Shape shape, const LincsBatch& batch, co
     const LaneBond& bond = shape.bonds[k];
     const V3 r = difference(shape, k, rows.x);
     const V square = dot(r, r);
-    worst.include(bond, hn::Sub(square, broadcast(bond.length2)));
-    const V rest = hn::Max(hn::Zero(D()), hn::Sub(broadcast(2 * bond.length2), square));
-    store(hn::Mul(broadcast(batch.scale[k]), hn::Sub(broadcast(batch.length[k]), hn::Sqrt(rest))),
-          rows.rhs + k * kLanes);
+    worst.include(bond, square - bond.length2);
+    const V rest = hn::Max(hn::Zero(D()), 2 * bond.length2 - square);
+    store(batch.scale[k] * (batch.length[k] - hn::Sqrt(rest)), rows.rhs + k * kLanes);
   }
   return worst;
 }
@@ -122,10 +121,8 @@ HWY_INLINE void lincs_positions_of(const Shape shape, LincsBatch& batch, const L
   gather(part, shape.atoms(), step.v, rows.v);
   for (int k = 0; k < shape.size(); ++k) {
     const V3 r = difference(shape, k, rows.x);
-    const V3 direction =
-        set_direction(shape, k, neg_mul_add(broadcast(step.h), difference(shape, k, rows.v), r), rows);
-    store(hn::Mul(broadcast(scale[k]), hn::Sub(dot(direction, r), broadcast(batch.length[k]))),
-          rows.rhs + k * kLanes);
+    const V3 direction = set_direction(shape, k, r - step.h * difference(shape, k, rows.v), rows);
+    store(scale[k] * (dot(direction, r) - batch.length[k]), rows.rhs + k * kLanes);
   }
   find_coupling(shape, scale, rows);
   apply(shape, batch, step.options.order, rows, rows.x);
@@ -135,7 +132,7 @@ HWY_INLINE void lincs_positions_of(const Shape shape, LincsBatch& batch, const L
     worst = find_lengthening(shape, batch, rows);
   }
   for (int k = 0; k < shape.size(); ++k)
-    add_constraint_acceleration(shape, k, hn::Mul(broadcast(1 / step.h), load(rows.g + k * kLanes)),
+    add_constraint_acceleration(shape, k, 1 / step.h * load(rows.g + k * kLanes),
                                 load3(rows.B + 3 * k * kLanes), rows.v);
   scatter(shape, part, rows.x, step.x);
   scatter(shape, part, rows.v, step.v);
@@ -154,12 +151,12 @@ HWY_INLINE void lincs_velocities_of(const Shape shape, LincsBatch& batch, const 
   gather(part, shape.atoms(), step.v, rows.v);
   for (int k = 0; k < shape.size(); ++k) {
     const V3 direction = set_direction(shape, k, difference(shape, k, rows.x), rows);
-    store(hn::Mul(broadcast(scale[k]), dot(direction, difference(shape, k, rows.v))), rows.rhs + k * kLanes);
+    store(scale[k] * dot(direction, difference(shape, k, rows.v)), rows.rhs + k * kLanes);
   }
   find_coupling(shape, scale, rows);
   apply(shape, batch, step.options.order, rows, rows.v);
   for (int k = 0; k < shape.size(); ++k)
-    store(hn::Mul(broadcast(2 / (step.h * batch.length[k])), load(rows.g + k * kLanes)), lambda + k * kLanes);
+    store(2 / (step.h * batch.length[k]) * load(rows.g + k * kLanes), lambda + k * kLanes);
   scatter(shape, part, rows.v, step.v);
 }
 

@@ -47,8 +47,7 @@ HWY_INLINE Equations newton_equations(const Shape shape, NewtonBatch& batch, con
 template <class Shape>
 HWY_INLINE void find_old_bonds(const Shape shape, double h, const NewtonRows rows) {
   for (int k = 0; k < shape.size(); ++k)
-    store3(neg_mul_add(broadcast(h), difference(shape, k, rows.v), difference(shape, k, rows.x)),
-           rows.r + 3 * k * kLanes);
+    store3(difference(shape, k, rows.x) - h * difference(shape, k, rows.v), rows.r + 3 * k * kLanes);
 }
 
 // b = −σ at x
@@ -59,7 +58,7 @@ HWY_INLINE Worst find_sigma(const Shape shape, const double* x, double* b) {
     const V3 r = difference(shape, k, x);
     const V off = twice_sigma(shape.bonds[k], r);
     worst.include(shape.bonds[k], off);
-    store(hn::Mul(broadcast(-0.5), off), b + k * kLanes);
+    store(-0.5 * off, b + k * kLanes);
   }
   return worst;
 }
@@ -69,7 +68,7 @@ template <class Shape>
 HWY_INLINE void correct(const Shape shape, const double* change, const NewtonRows rows) {
   for (int k = 0; k < shape.size(); ++k) {
     const V b = load(change + k * kLanes);
-    store(hn::Add(load(rows.g + k * kLanes), b), rows.g + k * kLanes);
+    store(load(rows.g + k * kLanes) + b, rows.g + k * kLanes);
     add_constraint_acceleration(shape, k, b, load3(rows.r + 3 * k * kLanes), rows.x);
   }
 }
@@ -102,7 +101,7 @@ struct NewtonKernel {
     find_old_bonds(shape, step.h, rows);
     if (!step.factored && !factor_old_bonds(stats)) return SolveNext::kEnd;
     for (int k = 0; k < shape.size(); ++k) {
-      const V g = hn::Mul(broadcast(0.5 * step.h * step.h), load(lambda + k * kLanes));
+      const V g = 0.5 * step.h * step.h * load(lambda + k * kLanes);
       store(g, rows.g + k * kLanes);
       add_constraint_acceleration(shape, k, g, load3(rows.r + 3 * k * kLanes), rows.x);
     }
@@ -119,7 +118,7 @@ struct NewtonKernel {
   HWY_INLINE bool factor_old_bonds(SolveStats& stats) {
     for (int k = 0; k < shape.solved(); ++k) {
       const V3 r = load3(rows.r + 3 * k * kLanes);
-      store(hn::Mul(broadcast(shape.bonds[k].reduced_inv_mass), dot(r, r)), eq.A.d + k * kLanes);
+      store(shape.bonds[k].reduced_inv_mass * dot(r, r), eq.A.d + k * kLanes);
       store(hn::Zero(D()), eq.b + k * kLanes);
     }
     return factor(shape, part, eq, rows.r, stats);
@@ -136,9 +135,8 @@ struct NewtonKernel {
   HWY_INLINE void end(SolveStats& stats) {
     for (int k = 0; k < shape.size(); ++k) {
       const V g = load(rows.g + k * kLanes);
-      add_constraint_acceleration(shape, k, hn::Mul(broadcast(1 / step.h), g), load3(rows.r + 3 * k * kLanes),
-                                  rows.v);
-      store(hn::Mul(broadcast(2 / (step.h * step.h)), g), lambda + k * kLanes);
+      add_constraint_acceleration(shape, k, 1 / step.h * g, load3(rows.r + 3 * k * kLanes), rows.v);
+      store(2 / (step.h * step.h) * g, lambda + k * kLanes);
     }
     scatter(shape, part, rows.x, step.x);
     scatter(shape, part, rows.v, step.v);

@@ -37,19 +37,18 @@ struct SweepRows {
 HWY_INLINE void set_out(const AnyShape shape, double guess, const double* lambda, const SweepRows rows,
                         double* y) {
   for (int k = 0; k < shape.size(); ++k) {
-    const V g = hn::Mul(broadcast(guess), load(lambda + k * kLanes));
+    const V g = guess * load(lambda + k * kLanes);
     store(g, rows.g + k * kLanes);
     add_constraint_acceleration(shape, k, g, load3(rows.r + 3 * k * kLanes), y);
   }
 }
 
 HWY_INLINE void keep(const AnyShape shape, double scale, const SweepRows rows, double* lambda) {
-  for (int k = 0; k < shape.size(); ++k)
-    store(hn::Mul(broadcast(scale), load(rows.g + k * kLanes)), lambda + k * kLanes);
+  for (int k = 0; k < shape.size(); ++k) store(scale * load(rows.g + k * kLanes), lambda + k * kLanes);
 }
 
 HWY_INLINE void correct(const AnyShape shape, int k, V dg, const SweepRows rows, double* y) {
-  store(hn::Add(load(rows.g + k * kLanes), dg), rows.g + k * kLanes);
+  store(load(rows.g + k * kLanes) + dg, rows.g + k * kLanes);
   add_constraint_acceleration(shape, k, dg, load3(rows.r + 3 * k * kLanes), y);
 }
 
@@ -64,12 +63,12 @@ struct SweepOfPositions {
       const V off = twice_sigma(bond, r), along = dot(r, load3(rows.r + 3 * k * kLanes));
       const V relative = worst.include(bond, off);
       store(relative, rows.relative + k * kLanes);
-      const auto wrong = hn::Gt(relative, broadcast(tolerance));
+      const auto wrong = relative > tolerance;
       const V margin =
           hn::IfThenElse(wrong, hn::NegMulAdd(broadcast(1e-6), broadcast(bond.length2), along), broadcast(1));
-      sound = hn::And(sound, hn::Gt(margin, hn::Zero(D())));
+      sound = hn::And(sound, margin > 0);
       store(margin, rows.inv + k * kLanes);
-      const V dg = hn::Div(hn::Mul(broadcast(-0.5), off), hn::Mul(broadcast(bond.reduced_inv_mass), along));
+      const V dg = -0.5 * off / (bond.reduced_inv_mass * along);
       correct(shape, k, hn::IfThenElseZero(wrong, dg), rows, rows.x);
     }
     return sound;
@@ -84,11 +83,11 @@ struct SweepOfVelocities {
       const LaneBond& bond = shape.bonds[k];
       const V3 v = difference(shape, k, rows.v);
       const V rate = dot(load3(rows.r + 3 * k * kLanes), v);
-      const V relative = hn::Mul(hn::Abs(rate), broadcast(2 * h * bond.half_inv_length2));
+      const V relative = hn::Abs(rate) * (2 * h * bond.half_inv_length2);
       worst.include(relative);
       store(relative, rows.relative + k * kLanes);
-      const V dg = hn::Neg(hn::Mul(rate, load(rows.inv + k * kLanes)));
-      correct(shape, k, hn::IfThenElseZero(hn::Gt(relative, broadcast(tolerance)), dg), rows, rows.v);
+      const V dg = -(rate * load(rows.inv + k * kLanes));
+      correct(shape, k, hn::IfThenElseZero(relative > tolerance, dg), rows, rows.v);
     }
     return all_lanes();
   }
@@ -137,12 +136,11 @@ void sweep_positions_of(SweepBatch& batch, const SweepStep& step, const Part& pa
   gather(part, shape.atoms(), step.x, rows.x);
   gather(part, shape.atoms(), step.v, rows.v);
   for (int k = 0; k < shape.size(); ++k)
-    store3(neg_mul_add(broadcast(step.h), difference(shape, k, rows.v), difference(shape, k, rows.x)),
-           rows.r + 3 * k * kLanes);
+    store3(difference(shape, k, rows.x) - step.h * difference(shape, k, rows.v), rows.r + 3 * k * kLanes);
   set_out(shape, step.guess, lambda, rows, rows.x);
   repeat(SweepOfPositions{}, shape, step.limits, part, rows, stats);
   for (int k = 0; k < shape.size(); ++k)
-    add_constraint_acceleration(shape, k, hn::Mul(broadcast(1 / step.h), load(rows.g + k * kLanes)),
+    add_constraint_acceleration(shape, k, 1 / step.h * load(rows.g + k * kLanes),
                                 load3(rows.r + 3 * k * kLanes), rows.v);
   keep(shape, step.keep, rows, lambda);
   scatter(shape, part, rows.x, step.x);
@@ -159,8 +157,8 @@ void sweep_velocities_of(SweepBatch& batch, const SweepStep& step, const Part& p
   for (int k = 0; k < shape.size(); ++k) {
     const V3 r = difference(shape, k, rows.x);
     store3(r, rows.r + 3 * k * kLanes);
-    const V a_kk = hn::Mul(broadcast(shape.bonds[k].reduced_inv_mass), dot(r, r));
-    store(hn::Div(broadcast(1), a_kk), rows.inv + k * kLanes);
+    const V a_kk = shape.bonds[k].reduced_inv_mass * dot(r, r);
+    store(1 / a_kk, rows.inv + k * kLanes);
   }
   set_out(shape, step.guess, lambda, rows, rows.v);
   repeat(SweepOfVelocities{step.h}, shape, step.limits, part, rows, stats);

@@ -22,7 +22,7 @@ struct Matrix {
 // times it is the entry of A' below the diagonal; with the two exchanged, the one above it.
 template <class Shape>
 HWY_INLINE V entry(const Shape shape, int p, const V3& r_k, const double* r) {
-  return hn::Mul(broadcast(shape.signed_inv_mass(p)), dot(load3(r + 3 * shape.row(p)), r_k));
+  return shape.signed_inv_mass(p) * dot(load3(r + 3 * shape.row(p)), r_k);
 }
 
 template <class Shape>
@@ -42,8 +42,8 @@ HWY_INLINE M eliminate(const Shape shape, const Matrix A, const double* r, doubl
   M regular = all_lanes();
   int update = 0;
   for (int k = 0; k < shape.eliminated(); ++k) {
-    const V d = load(A.d + k * kLanes), inv = hn::Div(broadcast(1), d), b_k = load(b + k * kLanes);
-    regular = hn::And(regular, hn::Gt(d, broadcast(shape.bonds[k].least_pivot)));
+    const V d = load(A.d + k * kLanes), inv = 1 / d, b_k = load(b + k * kLanes);
+    regular = hn::And(regular, d > shape.bonds[k].least_pivot);
     store(inv, A.inv_d + k * kLanes);
     for (int p = shape.begin(k); p < shape.end(k); ++p) {
       V c;
@@ -51,17 +51,17 @@ HWY_INLINE M eliminate(const Shape shape, const Matrix A, const double* r, doubl
         c = load(A.l + p * kLanes);
       else
         c = entry(shape, p, load3(r + 3 * k * kLanes), r);
-      const V l = hn::Mul(c, inv);
+      const V l = c * inv;
       double *d_p = A.d + shape.row(p), *b_p = b + shape.row(p);
       if constexpr (Shape::kUpdates) {
         for (int q = p + 1; q < shape.end(k); ++q) {
           double* c_qp = A.l + shape.update(update++);
-          store(hn::NegMulAdd(l, load(A.l + q * kLanes), load(c_qp)), c_qp);
+          store(load(c_qp) - l * load(A.l + q * kLanes), c_qp);
         }
       }
       store(l, A.l + p * kLanes);
-      store(hn::NegMulAdd(l, c, load(d_p)), d_p);
-      store(hn::NegMulAdd(l, b_k, load(b_p)), b_p);
+      store(load(d_p) - l * c, d_p);
+      store(load(b_p) - l * b_k, b_p);
     }
   }
   return regular;
@@ -78,12 +78,11 @@ HWY_INLINE M eliminate_turned(const Shape shape, const Matrix A, const double* r
     couple(shape, r, r_next, A.u);
   }
   M regular = all_lanes();
-  for (int k = 0; k < shape.eliminated(); ++k)
-    regular = hn::And(regular, hn::Gt(load(A.d + k * kLanes), hn::Zero(D())));
+  for (int k = 0; k < shape.eliminated(); ++k) regular = hn::And(regular, load(A.d + k * kLanes) > 0);
   int update = 0;
   for (int k = 0; k < shape.eliminated(); ++k) {
-    const V d = load(A.d + k * kLanes), inv = hn::Div(broadcast(1), d), b_k = load(b + k * kLanes);
-    regular = hn::And(regular, hn::Gt(hn::Abs(d), broadcast(shape.bonds[k].least_pivot)));
+    const V d = load(A.d + k * kLanes), inv = 1 / d, b_k = load(b + k * kLanes);
+    regular = hn::And(regular, hn::Abs(d) > shape.bonds[k].least_pivot);
     store(inv, A.inv_d + k * kLanes);
     for (int p = shape.begin(k); p < shape.end(k); ++p) {
       V below, above;
@@ -94,19 +93,19 @@ HWY_INLINE M eliminate_turned(const Shape shape, const Matrix A, const double* r
         below = entry(shape, p, load3(r + 3 * k * kLanes), r_next);
         above = entry(shape, p, load3(r_next + 3 * k * kLanes), r);
       }
-      const V l = hn::Mul(below, inv), u = hn::Mul(above, inv);
+      const V l = below * inv, u = above * inv;
       double *d_p = A.d + shape.row(p), *b_p = b + shape.row(p);
       if constexpr (Shape::kUpdates) {
         for (int q = p + 1; q < shape.end(k); ++q, ++update) {
           double *l_qp = A.l + shape.update(update), *u_pq = A.u + shape.update(update);
-          store(hn::NegMulAdd(load(A.l + q * kLanes), u, load(l_qp)), l_qp);
-          store(hn::NegMulAdd(l, load(A.u + q * kLanes), load(u_pq)), u_pq);
+          store(load(l_qp) - load(A.l + q * kLanes) * u, l_qp);
+          store(load(u_pq) - l * load(A.u + q * kLanes), u_pq);
         }
       }
       store(l, A.l + p * kLanes);
       store(u, A.u + p * kLanes);
-      store(hn::NegMulAdd(l, above, load(d_p)), d_p);
-      store(hn::NegMulAdd(l, b_k, load(b_p)), b_p);
+      store(load(d_p) - l * above, d_p);
+      store(load(b_p) - l * b_k, b_p);
     }
   }
   return regular;
@@ -131,22 +130,22 @@ HWY_INLINE void substitute_forward(const ChainShape shape, const double* l, doub
   V here = load(b), next = load(b + kLanes);  // b_k, b_{k+1}
   for (int k = 0; k + 2 <= last; ++k) {
     double* b_p = b + (k + 2) * kLanes;
-    const V after = hn::NegMulAdd(load(l + k * kLanes), here, load(b_p));
+    const V after = load(b_p) - load(l + k * kLanes) * here;
     store(after, b_p);
     here = next;
     next = after;
   }
-  store(hn::NegMulAdd(load(l + (last - 1) * kLanes), here, next), b + last * kLanes);
+  store(next - load(l + (last - 1) * kLanes) * here, b + last * kLanes);
 }
 
 // b ← U⁻¹D⁻¹b for a chain
 HWY_INLINE void substitute_back(const ChainShape shape, const double* inv_d, const double* u, double* b) {
-  const auto scaled = [&](int k) HWY_ATTR { return hn::Mul(load(b + k * kLanes), load(inv_d + k * kLanes)); };
+  const auto scaled = [&](int k) HWY_ATTR { return load(b + k * kLanes) * load(inv_d + k * kLanes); };
   int k = shape.size() - 1;
   V after = scaled(k), next = after;  // b_{k+2}, b_{k+1}; at the last but one bond both are the last
   store(after, b + k * kLanes);
   for (--k; k >= 0; --k) {
-    const V z = hn::NegMulAdd(load(u + k * kLanes), after, scaled(k));
+    const V z = scaled(k) - load(u + k * kLanes) * after;
     store(z, b + k * kLanes);
     after = next;
     next = z;
@@ -160,7 +159,7 @@ HWY_INLINE void substitute_forward(const Shape shape, const double* l, double* b
     const V b_k = load(b + k * kLanes);
     for (int p = shape.begin(k); p < shape.end(k); ++p) {
       double* b_p = b + shape.row(p);
-      store(hn::NegMulAdd(load(l + p * kLanes), b_k, load(b_p)), b_p);
+      store(load(b_p) - load(l + p * kLanes) * b_k, b_p);
     }
   }
 }
@@ -169,9 +168,8 @@ HWY_INLINE void substitute_forward(const Shape shape, const double* l, double* b
 template <class Shape>
 HWY_INLINE void substitute_back(const Shape shape, const double* inv_d, const double* u, double* b) {
   for (int k = shape.eliminated() - 1; k >= 0; --k) {
-    V z = hn::Mul(load(b + k * kLanes), load(inv_d + k * kLanes));
-    for (int p = shape.begin(k); p < shape.end(k); ++p)
-      z = hn::NegMulAdd(load(u + p * kLanes), load(b + shape.row(p)), z);
+    V z = load(b + k * kLanes) * load(inv_d + k * kLanes);
+    for (int p = shape.begin(k); p < shape.end(k); ++p) z -= load(u + p * kLanes) * load(b + shape.row(p));
     store(z, b + k * kLanes);
   }
 }

@@ -24,7 +24,7 @@ static_assert(kWidth <= kLanes);
 // would drop it.
 using M = hn::Mask<D>;
 HWY_INLINE M all_lanes() {
-  return hn::Eq(broadcast(0), broadcast(0));
+  return broadcast(0) == 0;
 }
 
 // Loads and stores three consecutive rows: a 3-vector of each cluster.
@@ -174,7 +174,7 @@ HWY_INLINE void gather_sum(const Part& part, const int atoms, const double* arra
   if (!other) return;
   gather(part, atoms, other, scratch);
   for (int c = 0; c < 3 * atoms; ++c)
-    store(hn::Add(load(rows + c * kLanes), load(scratch + c * kLanes)), rows + c * kLanes);
+    store(load(rows + c * kLanes) + load(scratch + c * kLanes), rows + c * kLanes);
 }
 
 // Copies `atoms` atoms from atom `first` on back into the array.
@@ -313,13 +313,13 @@ template <class Shape>
 HWY_INLINE void add_constraint_acceleration(const Shape shape, int k, V lambda, const V3& r, double* y) {
   const V3 force = lambda * r;
   double *y_i = y + shape.i(k), *y_j = y + shape.j(k);
-  store3(neg_mul_add(broadcast(shape.bonds[k].inv_mass_i), force, load3(y_i)), y_i);
-  store3(mul_add(broadcast(shape.bonds[k].inv_mass_j), force, load3(y_j)), y_j);
+  store3(load3(y_i) - shape.bonds[k].inv_mass_i * force, y_i);
+  store3(load3(y_j) + shape.bonds[k].inv_mass_j * force, y_j);
 }
 
 // |r|² − d²
 HWY_INLINE V twice_sigma(const LaneBond& bond, const V3& r) {
-  return hn::Sub(dot(r, r), broadcast(bond.length2));
+  return dot(r, r) - bond.length2;
 }
 
 // x_j − x_i
@@ -335,16 +335,16 @@ struct Worst {
   HWY_INLINE Worst() : largest(hn::Zero(D())), sum(hn::Zero(D())) {}
   HWY_INLINE void include(V relative) {
     largest = hn::Max(largest, relative);
-    sum = hn::Add(sum, relative);
+    sum += relative;
   }
   HWY_INLINE V include(const LaneBond& bond, V twice_sigma) {
-    const V relative = hn::Mul(hn::Abs(twice_sigma), broadcast(bond.half_inv_length2));
+    const V relative = hn::Abs(twice_sigma) * bond.half_inv_length2;
     include(relative);
     return relative;
   }
   // True if all residuals are at most `limit`; false for NaN.
   HWY_INLINE bool within(double limit) const {
-    return hn::AllTrue(D(), hn::And(hn::Le(largest, broadcast(limit)), hn::Eq(sum, sum)));
+    return hn::AllTrue(D(), hn::And(largest <= limit, sum == sum));
   }
 };
 

@@ -24,7 +24,7 @@ HWY_INLINE void store_three(const Three& t, double* rows) {
   for (int k = 0; k < 3; ++k) store(t.k[k], rows + k * kLanes);
 }
 HWY_INLINE Three operator+(const Three& a, const Three& b) {
-  return {hn::Add(a.k[0], b.k[0]), hn::Add(a.k[1], b.k[1]), hn::Add(a.k[2], b.k[2])};
+  return {a.k[0] + b.k[0], a.k[1] + b.k[1], a.k[2] + b.k[2]};
 }
 
 // Differences between the atoms of the first two bonds; the third is their difference.
@@ -39,8 +39,11 @@ HWY_INLINE Sides sides(const Nine& rows) {
 HWY_INLINE Sides operator+(const Sides& a, const Sides& b) {
   return {a.ab + b.ab, a.ac + b.ac};
 }
-HWY_INLINE Sides mul_add(V s, const Sides& a, const Sides& b) {
-  return {mul_add(s, a.ab, b.ab), mul_add(s, a.ac, b.ac)};
+HWY_INLINE Sides operator-(const Sides& a, const Sides& b) {
+  return {a.ab - b.ab, a.ac - b.ac};
+}
+HWY_INLINE Sides operator*(double s, const Sides& a) {
+  return {s * a.ab, s * a.ac};
 }
 
 struct InverseMasses {
@@ -62,17 +65,14 @@ struct Forces {
   }
   // Differences of M⁻¹Jᵀλ between atoms.
   HWY_INLINE Sides accelerations(const InverseMasses& m) const {
-    const V3 of_a = m.a * a;
-    return {mul_add(m.b, b, of_a), mul_add(m.c, c, of_a)};
+    const V3 of_b = m.b * b, of_c = m.c * c, of_a = m.a * a;
+    return {of_a + of_b, of_a + of_c};
   }
   HWY_INLINE Nine rows(const InverseMasses& m) const {  // M⁻¹Jᵀλ
-    const V minus = hn::Neg(m.a);
-    const V3 of_a = minus * a, of_b = m.b * b, of_c = m.c * c;
+    const V3 of_a = -m.a * a, of_b = m.b * b, of_c = m.c * c;
     return {of_a.x, of_a.y, of_a.z, of_b.x, of_b.y, of_b.z, of_c.x, of_c.y, of_c.z};
   }
-  HWY_INLINE Nine rows() const {
-    return {hn::Neg(a.x), hn::Neg(a.y), hn::Neg(a.z), b.x, b.y, b.z, c.x, c.y, c.z};
-  }
+  HWY_INLINE Nine rows() const { return {-a.x, -a.y, -a.z, b.x, b.y, b.z, c.x, c.y, c.z}; }
 };
 
 // |r|² − d²
@@ -97,35 +97,33 @@ struct TriangleMatrix {
     const InverseMasses m(batch);
     // The products of the third bond follow from those of the first two.
     const V bb = dot(r_next.ab, r.ab), bc = dot(r_next.ab, r.ac), cb = dot(r_next.ac, r.ab),
-            cc = dot(r_next.ac, r.ac), b3 = hn::Sub(bb, bc), c3 = hn::Sub(cc, cb);
-    along = {bb, cc, hn::Add(b3, c3)};
-    for (int k = 0; k < 3; ++k) a[k][k] = hn::Mul(broadcast(batch.bonds[k].reduced_inv_mass), along.k[k]);
-    a[0][1] = hn::Mul(m.a, bc);
-    a[1][0] = hn::Mul(m.a, cb);
-    a[0][2] = hn::Mul(m.b, b3);
-    a[2][0] = hn::Mul(m.b, hn::Sub(bb, cb));
-    a[1][2] = hn::Mul(m.c, c3);
-    a[2][1] = hn::Mul(m.c, hn::Sub(cc, bc));
+            cc = dot(r_next.ac, r.ac), b3 = bb - bc, c3 = cc - cb;
+    along = {bb, cc, b3 + c3};
+    for (int k = 0; k < 3; ++k) a[k][k] = batch.bonds[k].reduced_inv_mass * along.k[k];
+    a[0][1] = m.a * bc;
+    a[1][0] = m.a * cb;
+    a[0][2] = m.b * b3;
+    a[2][0] = m.b * (bb - cb);
+    a[1][2] = m.c * c3;
+    a[2][1] = m.c * (cc - bc);
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) {
         const int p = (i + 1) % 3, q = (i + 2) % 3, s = (j + 1) % 3, t = (j + 2) % 3;
-        minor[i][j] = hn::MulSub(a[p][s], a[q][t], hn::Mul(a[p][t], a[q][s]));
+        minor[i][j] = hn::MulSub(a[p][s], a[q][t], a[p][t] * a[q][s]);
       }
-    det = hn::MulAdd(a[0][2], minor[0][2], hn::MulAdd(a[0][1], minor[0][1], hn::Mul(a[0][0], minor[0][0])));
+    det = a[0][0] * minor[0][0] + a[0][1] * minor[0][1] + a[0][2] * minor[0][2];
   }
 
   // Returns the lanes in which every pivot of the elimination exceeds the threshold for dependent bonds.
   HWY_INLINE M regular(const LaneBatch& batch) const {
     const auto least = [&](int k) HWY_ATTR { return broadcast(batch.bonds[k].least_pivot); };
-    return hn::And(hn::And(hn::Gt(a[0][0], least(0)), hn::Gt(minor[2][2], hn::Mul(least(1), a[0][0]))),
-                   hn::Gt(det, hn::Mul(least(2), minor[2][2])));
+    return hn::And(hn::And(a[0][0] > least(0), minor[2][2] > least(1) * a[0][0]),
+                   det > least(2) * minor[2][2]);
   }
   HWY_INLINE Three solve(const Three& b) const {
-    const V inv = hn::Div(broadcast(1), det);
     Three z;
     for (int k = 0; k < 3; ++k)
-      z.k[k] = hn::Mul(inv, hn::MulAdd(minor[2][k], b.k[2],
-                                       hn::MulAdd(minor[1][k], b.k[1], hn::Mul(minor[0][k], b.k[0]))));
+      z.k[k] = 1 / det * (minor[0][k] * b.k[0] + minor[1][k] * b.k[1] + minor[2][k] * b.k[2]);
     return z;
   }
 };

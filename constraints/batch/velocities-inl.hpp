@@ -40,8 +40,8 @@ struct VelocityKernel {
     for (int k = 0; k < shape.solved(); ++k) {
       const V3 r_k = difference(shape, k, x_rows);
       store3(r_k, r + 3 * k * kLanes);
-      store(hn::Mul(broadcast(shape.bonds[k].reduced_inv_mass), dot(r_k, r_k)), eq.A.d + k * kLanes);
-      store(hn::Neg(dot(r_k, difference(shape, k, v))), eq.b + k * kLanes);
+      store(shape.bonds[k].reduced_inv_mass * dot(r_k, r_k), eq.A.d + k * kLanes);
+      store(-dot(r_k, difference(shape, k, v)), eq.b + k * kLanes);
     }
     return SolveNext::kLastSolve;
   }
@@ -50,7 +50,7 @@ struct VelocityKernel {
   HWY_INLINE SolveNext apply(SolveNext, int, SolveStats&) {
     for (int k = 0; k < shape.solved(); ++k) {
       const V g = load(eq.b + k * kLanes);
-      store(hn::Mul(broadcast(2 / step.h), g), lambda + k * kLanes);
+      store(2 / step.h * g, lambda + k * kLanes);
       add_constraint_acceleration(shape, k, g, load3(r + 3 * k * kLanes), v);
     }
     return SolveNext::kEnd;
@@ -68,11 +68,11 @@ HWY_INLINE bool solve_velocities(const LaneBatch& lanes, LaneRows& multipliers, 
   const Sides r = sides(rows_of(load_nine(x))), w = sides(rows_of(load_nine(v)));
   const TriangleMatrix A(lanes, r, r);
   if (!hn::AllTrue(D(), A.regular(lanes))) return false;
-  const Three g = A.solve({hn::Neg(dot(r.ab, w.ab)), hn::Neg(dot(r.ac, w.ac)), hn::Neg(dot(r.bc(), w.bc()))});
+  const Three g = A.solve({-dot(r.ab, w.ab), -dot(r.ac, w.ac), -dot(r.bc(), w.bc())});
   double* lambda = multipliers.of(part.group) + part.first_lane;
-  for (int k = 0; k < 3; ++k) store(hn::Mul(broadcast(2 / step.h), g.k[k]), lambda + k * kLanes);
+  for (int k = 0; k < 3; ++k) store(2 / step.h * g.k[k], lambda + k * kLanes);
   const Nine change = numbers_of(Forces(g, r).rows(InverseMasses(lanes)));
-  for (int k = 0; k < 9; ++k) store_any(hn::Add(load_any(v + k * kWidth), change.n[k]), v + k * kWidth);
+  for (int k = 0; k < 9; ++k) store_any(load_any(v + k * kWidth) + change.n[k], v + k * kWidth);
   nines.close(v, step.v);
   stats.iterations = 1;
   return true;

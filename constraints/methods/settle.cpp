@@ -52,48 +52,43 @@ HWY_INLINE void inverse_roots(const V (&x)[K], V (&y)[K]) {
 HWY_INLINE M settle_triangles(const Settle::Batch& batch, const Sides& now, const Sides& old, Nine& shift) {
   const double inv_a = batch.lanes.inv_mass[0], inv_h = batch.lanes.inv_mass[1];
   const double share = inv_a / (2 * inv_a + inv_h), slope = (batch.ra + batch.rb) / batch.rc;
-  const V half = broadcast(0.5);
   const V3 sum = now.ab + now.ac, difference = now.ab - now.ac, e = old.ab - old.ac;
   const V3 n = cross(old.ab, old.ac), u = cross(n, sum), w = cross(n, u);
   const V nn = dot(n, n), uu = dot(u, u);
-  const V p = hn::Mul(broadcast(-share / batch.ra), dot(n, sum)),
-          q = hn::Mul(broadcast(0.5 / batch.rc), dot(n, difference));
-  const V P = hn::NegMulAdd(p, p, nn), Q = hn::NegMulAdd(q, q, P);
+  const V p = -share / batch.ra * dot(n, sum), q = 0.5 / batch.rc * dot(n, difference);
+  const V P = nn - p * p, Q = P - q * q;
   const V squares[] = {nn, uu, P, Q};
   V inverse[4];
   inverse_roots(squares, inverse);
   const auto& [by_n, by_u, by_P, by_Q] = inverse;
-  const V by_w = hn::Mul(by_n, by_u);
+  const V by_w = by_n * by_u;
 
-  const V sin_phi = hn::Mul(p, by_n), cos_phi = hn::Mul(hn::Mul(P, by_P), by_n);
-  const V sin_psi = hn::Mul(q, by_P), cos_psi = hn::Mul(hn::Mul(Q, by_Q), by_P);
-  const V B = hn::Mul(broadcast(batch.rb), cos_phi), C = hn::Mul(broadcast(batch.rc), cos_psi);
-  const V T = hn::Mul(hn::Mul(broadcast(batch.rc), sin_psi), sin_phi);
-  const V G = hn::MulAdd(broadcast(slope), B, C);
+  const V sin_phi = p * by_n, cos_phi = P * by_P * by_n;
+  const V sin_psi = q * by_P, cos_psi = Q * by_Q * by_P;
+  const V B = batch.rb * cos_phi, C = batch.rc * cos_psi, T = batch.rc * sin_psi * sin_phi;
+  const V G = slope * B + C;
 
-  const V Ex = hn::Mul(by_u, dot(u, e)), Ey = hn::Mul(by_w, dot(w, e));
-  const V Dx = hn::Mul(by_u, dot(u, difference)), Dy = hn::Mul(by_w, dot(w, difference));
-  const V Sy = hn::Mul(broadcast(1 - 2 * share), hn::Mul(uu, by_w));  // −(b1 + c1)·Y
-  const V minus_alpha = hn::MulAdd(G, Ex, hn::Mul(T, Ey)), beta = hn::MulSub(G, Ey, hn::Mul(T, Ex));
-  const V gamma = hn::Mul(half, hn::MulAdd(Ex, Dy, hn::Mul(Ey, hn::MulSub(broadcast(slope), Sy, Dx))));
-  const V norm = hn::MulAdd(beta, beta, hn::Mul(minus_alpha, minus_alpha));
-  const V rho2[] = {hn::NegMulAdd(gamma, gamma, norm)};
+  const V Ex = by_u * dot(u, e), Ey = by_w * dot(w, e);
+  const V Dx = by_u * dot(u, difference), Dy = by_w * dot(w, difference);
+  const V Sy = (1 - 2 * share) * (uu * by_w);  // −(b1 + c1)·Y
+  const V minus_alpha = T * Ey + G * Ex, beta = hn::MulSub(G, Ey, T * Ex);
+  const V gamma = 0.5 * (Ey * (slope * Sy - Dx) + Ex * Dy);
+  const V norm = minus_alpha * minus_alpha + beta * beta;
+  const V rho2[] = {norm - gamma * gamma};
   V by_rho[1];
   inverse_roots(rho2, by_rho);
-  const V rho = hn::Mul(rho2[0], by_rho[0]), minus_by_norm = hn::Div(broadcast(-1), norm);
-  const V sine = hn::Mul(minus_by_norm, hn::MulAdd(minus_alpha, gamma, hn::Mul(beta, rho)));
-  const V cosine = hn::Mul(minus_by_norm, hn::MulSub(minus_alpha, rho, hn::Mul(beta, gamma)));
+  const V rho = rho2[0] * by_rho[0], minus_by_norm = -1 / norm;
+  const V sine = minus_by_norm * (beta * rho + minus_alpha * gamma);
+  const V cosine = minus_by_norm * hn::MulSub(minus_alpha, rho, beta * gamma);
 
   // Half of the displacements of the sum and of the difference.
-  const V3 middle = mul_add(hn::Mul(by_u, hn::Mul(B, sine)), u,
-                            hn::Mul(by_w, hn::NegMulAdd(B, cosine, hn::Mul(half, Sy))) * w);
+  const V3 middle = by_w * (0.5 * Sy - B * cosine) * w + by_u * (B * sine) * u;
   const V3 apart =
-      mul_add(hn::Mul(by_u, hn::MulSub(T, sine, hn::MulAdd(C, cosine, hn::Mul(half, Dx)))), u,
-              hn::Mul(hn::Neg(by_w), hn::MulAdd(C, sine, hn::MulAdd(T, cosine, hn::Mul(half, Dy)))) * w);
-  const V3 a = broadcast(-2 * inv_a / inv_h) * middle, b = middle + apart, c = middle - apart;
+      -by_w * (0.5 * Dy + T * cosine + C * sine) * w + by_u * (T * sine - (0.5 * Dx + C * cosine)) * u;
+  const V3 a = -2 * inv_a / inv_h * middle, b = middle + apart, c = middle - apart;
   shift = {a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z};
-  const V all = hn::Add(hn::Add(sine, cosine), by_u);
-  return hn::Eq(hn::Sub(all, all), hn::Zero(D()));
+  const V all = sine + cosine + by_u;
+  return all - all == 0;
 }
 
 HWY_INLINE void settle_part(const Settle::Batch& batch, const SettleStep& step, const Part& part,
@@ -103,18 +98,18 @@ HWY_INLINE void settle_part(const Settle::Batch& batch, const SettleStep& step, 
   double *x = nines.open(step.x, copies[0]), *v = nines.open(step.v, copies[1]);
   const Sides now = sides(rows_of(load_nine(x))), rate = sides(rows_of(load_nine(v)));
   Nine rows;
-  const M found = settle_triangles(batch, now, mul_add(broadcast(-step.h), rate, now), rows);
+  const M found = settle_triangles(batch, now, now - step.h * rate, rows);
   if (!hn::AllTrue(D(), found)) {
     const int lane = part.first_lane + static_cast<int>(hn::FindFirstTrue(D(), hn::Not(found)));
     stats.beside({.worst_bond = batch.lanes.bond(part.group, 0, lane), .failure = Failure::kShapeLost});
     return;
   }
-  const V by_h = broadcast(1 / step.h);
+  const double by_h = 1 / step.h;
   const Nine shifts = numbers_of(rows);
   for (int k = 0; k < 9; ++k) {
     double *x_k = x + k * kWidth, *v_k = v + k * kWidth;
-    store_any(hn::Add(load_any(x_k), shifts.n[k]), x_k);
-    store_any(hn::MulAdd(by_h, shifts.n[k], load_any(v_k)), v_k);
+    store_any(load_any(x_k) + shifts.n[k], x_k);
+    store_any(load_any(v_k) + by_h * shifts.n[k], v_k);
   }
   nines.close(x, step.x);
   nines.close(v, step.v);
@@ -175,7 +170,7 @@ std::vector<Settle::Water> Settle::waters_in(const System& sys) {
     if (sys.mass[a] == 0 || sys.mass[left] == 0) continue;
     const double side = sys.bonds[p].length, half = 0.5 * sys.bonds[base].length;
     if (!(side > half)) continue;
-    const double height = std::sqrt(side * side - half * half);
+    const double height = std::sqrt(side * side - 0.5 * half);
     const double ra = 2 * sys.mass[left] * height / (sys.mass[a] + 2 * sys.mass[left]);
     waters.push_back({a, left, right, {p, q, base}, ra, height - ra, half});
     held[p] = held[q] = held[base] = true;
