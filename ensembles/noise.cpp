@@ -8,20 +8,17 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "ensembles/noise.cpp"
 #include <hwy/foreach_target.h>
-#include <hwy/highway.h>
+
+#include "base/lane_arithmetic-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::CappedTag<double, 8>;
 using V = hn::Vec<D>;
 using Bits = hn::RebindToUnsigned<D>;
 using W = hn::Vec<Bits>;  // words of 32 bits, one in each lane of 64; the upper half may hold anything
 
-HWY_INLINE V number(double value) {
-  return hn::Set(D(), value);
-}
 // 64 bits of the product of two words.
 HWY_INLINE W product(W a, std::uint32_t b) {
 #if HWY_TARGET == HWY_SCALAR
@@ -46,14 +43,14 @@ HWY_INLINE void scramble(W (&counter)[4], std::uint32_t key0, std::uint32_t key1
 
 // The number n < 2⁵² that 64 bits hold: 2⁵² + n has n in its lowest bits.
 HWY_INLINE V as_double(W n) {
-  return hn::Sub(hn::BitCast(D(), hn::Or(n, hn::Set(Bits(), 0x4330000000000000))), number(0x1p52));
+  return hn::BitCast(D(), hn::Or(n, hn::Set(Bits(), 0x4330000000000000))) - 0x1p52;
 }
 
 // No product and sum below may be fused (CMakeLists.txt sees to it), or machines would differ by a last bit.
 template <int kTerms>
 HWY_INLINE V polynomial(V x, const double (&coefficient)[kTerms]) {
-  V sum = number(coefficient[kTerms - 1]);
-  for (int n = kTerms - 2; n >= 0; --n) sum = hn::Add(hn::Mul(sum, x), number(coefficient[n]));
+  V sum = hn::Set(D(), coefficient[kTerms - 1]);
+  for (int n = kTerms - 2; n >= 0; --n) sum = sum * x + coefficient[n];
   return sum;
 }
 
@@ -61,14 +58,14 @@ HWY_INLINE V polynomial(V x, const double (&coefficient)[kTerms]) {
 //     (33 − e) ln 2 − 2s(1 + s²/3 + s⁴/5 + …),   s² < 0.03.
 HWY_INLINE V minus_log(W word) {
   constexpr double kOdd[] = {1, 1. / 3, 1. / 5, 1. / 7, 1. / 9, 1. / 11, 1. / 13, 1. / 15, 1. / 17};
-  const W root_half = hn::BitCast(Bits(), number(0.70710678118654752));
+  const W root_half = hn::BitCast(Bits(), hn::Set(D(), 0.70710678118654752));
   const W odd = hn::Or(hn::ShiftLeft<1>(word), hn::Set(Bits(), 1));
   const W bits = hn::BitCast(Bits(), as_double(odd));
-  const W e = hn::ShiftRight<52>(hn::Sub(bits, root_half));
-  const V m = hn::BitCast(D(), hn::Sub(bits, hn::ShiftLeft<52>(e)));
-  const V s = hn::Div(hn::Sub(m, number(1)), hn::Add(m, number(1)));
-  const V log_m = hn::Mul(hn::Add(s, s), polynomial(hn::Mul(s, s), kOdd));
-  return hn::Sub(hn::Mul(hn::Sub(number(33), as_double(e)), number(0.69314718055994531)), log_m);
+  const W e = hn::ShiftRight<52>(bits - root_half);
+  const V m = hn::BitCast(D(), bits - hn::ShiftLeft<52>(e));
+  const V s = (m - 1) / (m + 1);
+  const V log_m = (s + s) * polynomial(s * s, kOdd);
+  return (33 - as_double(e)) * 0.69314718055994531 - log_m;
 }
 
 // √(−2 ln u) cos t and √(−2 ln u) sin t. With t = τ + π/4, |τ| < π/4, they are √(−ln u) (cos τ ∓ sin τ).
@@ -80,13 +77,13 @@ HWY_INLINE void box_muller(W radius, W angle, V& first, V& second) {
   const W sign = hn::Set(Bits(), std::uint64_t{1} << 63);
   const V r = hn::Sqrt(minus_log(radius));
   const V n = as_double(hn::And(angle, hn::Set(Bits(), 0x3FFFFFFF)));  // 30 bits; t = (n + ½) 2⁻³⁰ π/2
-  const V tau = hn::Mul(hn::Sub(n, number(0x1p29 - 0.5)), number(kQuarter * 0x1p-29));
-  const V square = hn::Mul(tau, tau);
-  const V sine = hn::Mul(tau, polynomial(square, kSine)), cosine = polynomial(square, kCosine);
+  const V tau = (n - (0x1p29 - 0.5)) * (kQuarter * 0x1p-29);
+  const V square = tau * tau;
+  const V sine = tau * polynomial(square, kSine), cosine = polynomial(square, kCosine);
   const V s1 = hn::BitCast(D(), hn::And(hn::ShiftLeft<32>(angle), sign));
   const V s2 = hn::BitCast(D(), hn::And(hn::ShiftLeft<33>(angle), sign));
-  first = hn::Xor(hn::Mul(r, hn::Sub(cosine, sine)), s1);
-  second = hn::Xor(hn::Mul(r, hn::Add(cosine, sine)), s2);
+  first = hn::Xor(r * (cosine - sine), s1);
+  second = hn::Xor(r * (cosine + sine), s2);
 }
 
 // The numbers from 4·begin to 4·end; both are multiples of the lanes.
