@@ -31,9 +31,9 @@ struct Law<HarmonicBond> {
 
   static HWY_INLINE V forces(const V3* x, const V* p, V3* f) {
     const V3 d = x[1] - x[0];
-    const V r = hn::Sqrt(dot(d, d)), stretch = hn::Sub(r, p[0]), k_stretch = hn::Mul(p[1], stretch);
-    pull_together(hn::IfThenZeroElse(hn::Eq(r, broadcast(0)), hn::Div(k_stretch, r)), d, f);
-    return hn::Mul(hn::Mul(broadcast(0.5), k_stretch), stretch);
+    const V r = hn::Sqrt(dot(d, d)), stretch = r - p[0], k_stretch = p[1] * stretch;
+    pull_together(hn::IfThenZeroElse(r == 0, k_stretch / r), d, f);
+    return 0.5 * k_stretch * stretch;
   }
 };
 
@@ -44,11 +44,10 @@ struct Law<Fene> {
 
   static HWY_INLINE V forces(const V3* x, const V* p, V3* f) {
     const V3 d = x[1] - x[0];
-    const V slack = hn::Sub(broadcast(1), hn::Div(dot(d, d), p[1]));
-    pull_together(hn::Div(p[0], slack), d, f);
-    const V energy = hn::Mul(hn::Mul(broadcast(-0.5), hn::Mul(p[0], p[1])), hn::Log(D(), slack));
-    return hn::IfThenElse(hn::Gt(slack, broadcast(0)), energy,
-                          broadcast(std::numeric_limits<double>::quiet_NaN()));
+    const V slack = 1 - dot(d, d) / p[1];
+    pull_together(p[0] / slack, d, f);
+    const V energy = -0.5 * (p[0] * p[1]) * hn::Log(D(), slack);
+    return hn::IfThenElse(slack > 0, energy, broadcast(std::numeric_limits<double>::quiet_NaN()));
   }
 };
 
@@ -61,12 +60,11 @@ struct Law<PairException> {
 
   static HWY_INLINE V forces(const V3* x, const V* p, V3* f) {
     const V3 d = x[1] - x[0];
-    const V inv_r2 = hn::Div(broadcast(1), dot(d, d)), s2 = hn::Mul(p[1], inv_r2),
-            s6 = hn::Mul(s2, hn::Mul(s2, s2));
-    const V coulomb = hn::Mul(p[0], hn::Sqrt(inv_r2)), depth = hn::Mul(p[2], s6);
-    const V virial = hn::MulAdd(depth, hn::MulSub(broadcast(12), s6, broadcast(6)), coulomb);
-    pull_together(hn::Neg(hn::Mul(virial, inv_r2)), d, f);
-    return hn::MulAdd(depth, hn::Sub(s6, broadcast(1)), coulomb);
+    const V inv_r2 = 1 / dot(d, d), s2 = p[1] * inv_r2, s6 = s2 * s2 * s2;
+    const V coulomb = p[0] * hn::Sqrt(inv_r2), depth = p[2] * s6;
+    const V virial = hn::MulAdd(depth, 12 * s6 - 6, coulomb);
+    pull_together(-(virial * inv_r2), d, f);
+    return hn::MulAdd(depth, s6 - 1, coulomb);
   }
 };
 
@@ -80,20 +78,19 @@ struct Law<HarmonicAngle> {
   static HWY_INLINE V forces(const V3* x, const V* p, V3* f) {
     const V3 a = x[0] - x[1], c = x[2] - x[1], normal = cross(a, c);
     const V sine = hn::Sqrt(dot(normal, normal)), cosine = dot(a, c);
-    const V bend = hn::Sub(angle(sine, cosine), p[0]), moment = hn::Mul(p[1], bend);
+    const V bend = angle(sine, cosine) - p[0], moment = p[1] * bend;
     const V a2 = dot(a, a), c2 = dot(c, c);
-    const V over =
-        hn::IfThenZeroElse(hn::Eq(sine, broadcast(0)), hn::Div(moment, hn::Mul(hn::Mul(a2, c2), sine)));
-    f[0] = hn::Neg(hn::Mul(over, c2)) * cross(a, normal);
-    f[2] = hn::Mul(over, a2) * cross(c, normal);
+    const V over = hn::IfThenZeroElse(sine == 0, moment / (a2 * c2 * sine));
+    f[0] = -(over * c2) * cross(a, normal);
+    f[2] = over * a2 * cross(c, normal);
     f[1] = -(f[0] + f[2]);
-    return hn::Mul(hn::Mul(broadcast(0.5), moment), bend);
+    return 0.5 * moment * bend;
   }
 
   // atan2(sine, cosine), sine ≥ 0
   static HWY_INLINE V angle(V sine, V cosine) {
-    const V acute = hn::Atan(D(), hn::Div(sine, hn::Max(hn::Abs(cosine), broadcast(1e-300))));
-    return hn::IfThenElse(hn::Lt(cosine, broadcast(0)), hn::Sub(broadcast(std::numbers::pi), acute), acute);
+    const V acute = hn::Atan(D(), sine / hn::Max(hn::Abs(cosine), broadcast(1e-300)));
+    return hn::IfThenElse(cosine < 0, std::numbers::pi - acute, acute);
   }
 };
 
@@ -103,11 +100,11 @@ template <class Slope>
 HWY_INLINE V cosine_forces(const V3* x, V3* f, const Slope& slope_at) {
   const V3 a = x[0] - x[1], c = x[2] - x[1];
   const V a2 = dot(a, a), c2 = dot(c, c);
-  const V inverse = hn::Div(broadcast(1), hn::Sqrt(hn::Mul(a2, c2)));  // 1/|a||c|
-  const V cosine = hn::Mul(inverse, dot(a, c)), slope = slope_at(cosine);
-  const V over = hn::Mul(slope, inverse), k_cosine = hn::Mul(slope, cosine);
-  f[0] = hn::Div(k_cosine, a2) * a - over * c;
-  f[2] = hn::Div(k_cosine, c2) * c - over * a;
+  const V inverse = 1 / hn::Sqrt(a2 * c2);  // 1/|a||c|
+  const V cosine = inverse * dot(a, c), slope = slope_at(cosine);
+  const V over = slope * inverse, k_cosine = slope * cosine;
+  f[0] = k_cosine / a2 * a - over * c;
+  f[2] = k_cosine / c2 * c - over * a;
   f[1] = -(f[0] + f[2]);
   return cosine;
 }
@@ -129,9 +126,9 @@ struct Law<CosineSquaredAngle> {
   static std::array<double, 2> numbers(const CosineSquaredAngle& t) { return {t.cosine, t.stiffness}; }
 
   static HWY_INLINE V forces(const V3* x, const V* p, V3* f) {
-    const V cosine = cosine_forces(x, f, [p](V at) HWY_ATTR { return hn::Mul(p[1], hn::Sub(at, p[0])); });
-    const V off = hn::Sub(cosine, p[0]);
-    return hn::Mul(hn::Mul(broadcast(0.5), p[1]), hn::Mul(off, off));
+    const V cosine = cosine_forces(x, f, [p](V at) HWY_ATTR { return p[1] * (at - p[0]); });
+    const V off = cosine - p[0];
+    return 0.5 * p[1] * (off * off);
   }
 };
 
@@ -145,20 +142,20 @@ struct TorsionEnergy {
 template <class Energy>
 HWY_INLINE V torsion_forces(const V3* x, V3* f, const Energy& energy_at) {
   const V3 F = x[0] - x[1], G = x[1] - x[2], H = x[3] - x[2], A = cross(F, G), B = cross(H, G);
-  const V g2 = dot(G, G), a2 = dot(A, A), b2 = dot(B, B), least = hn::Mul(broadcast(1e-20), g2);
+  const V g2 = dot(G, G), a2 = dot(A, A), b2 = dot(B, B), least = 1e-20 * g2;
   // not for NaN: it must show
-  const auto undefined = hn::Or(hn::Le(a2, hn::Mul(least, dot(F, F))), hn::Le(b2, hn::Mul(least, dot(H, H))));
-  const V g = hn::Sqrt(g2), inv_g = hn::IfThenZeroElse(undefined, hn::Div(broadcast(1), g));
-  const V inv_a2b2 = hn::IfThenZeroElse(undefined, hn::Div(broadcast(1), hn::Mul(a2, b2)));
+  const auto undefined = hn::Or(a2 <= least * dot(F, F), b2 <= least * dot(H, H));
+  const V g = hn::Sqrt(g2), inv_g = hn::IfThenZeroElse(undefined, 1 / g);
+  const V inv_a2b2 = hn::IfThenZeroElse(undefined, 1 / (a2 * b2));
   const V inv_ab = hn::Sqrt(inv_a2b2);
-  const V cosine = hn::IfThenElse(undefined, broadcast(1), hn::Mul(dot(A, B), inv_ab));
-  const V sine = hn::Neg(hn::Mul(hn::Mul(g, dot(F, B)), inv_ab));
+  const V cosine = hn::IfThenElse(undefined, broadcast(1), dot(A, B) * inv_ab);
+  const V sine = -(g * dot(F, B) * inv_ab);
 
   const TorsionEnergy at = energy_at(cosine, sine);
-  const V3 a = hn::Mul(at.slope, hn::Mul(b2, inv_a2b2)) * A, b = hn::Mul(at.slope, hn::Mul(a2, inv_a2b2)) * B;
-  const V3 s = hn::Mul(dot(F, G), inv_g) * a - hn::Mul(dot(H, G), inv_g) * b;
+  const V3 a = at.slope * (b2 * inv_a2b2) * A, b = at.slope * (a2 * inv_a2b2) * B;
+  const V3 s = dot(F, G) * inv_g * a - dot(H, G) * inv_g * b;
   f[0] = g * a;
-  f[3] = hn::Neg(g) * b;
+  f[3] = -g * b;
   f[1] = -(s + f[0]);
   f[2] = s - f[3];
   return at.energy;
@@ -174,14 +171,13 @@ struct Law<ExpandedTorsion> {
     return torsion_forces(x, f, [p](V cosine, V sine) HWY_ATTR {
       V cos_n = cosine, sin_n = sine;  // of nφ, each lane as far as its own n
       for (double n = 2;; ++n) {
-        const auto on = hn::Ge(p[0], broadcast(n));
+        const auto on = p[0] >= n;
         if (hn::AllFalse(D(), on)) break;
-        const V next = hn::MulSub(cos_n, cosine, hn::Mul(sin_n, sine));
-        sin_n = hn::IfThenElse(on, hn::MulAdd(sin_n, cosine, hn::Mul(cos_n, sine)), sin_n);
+        const V next = hn::MulSub(cos_n, cosine, sin_n * sine);
+        sin_n = hn::IfThenElse(on, cos_n * sine + sin_n * cosine, sin_n);
         cos_n = hn::IfThenElse(on, next, cos_n);
       }
-      return TorsionEnergy{hn::MulAdd(p[2], cos_n, hn::MulAdd(p[3], sin_n, p[1])),
-                           hn::Mul(p[0], hn::MulSub(p[3], cos_n, hn::Mul(p[2], sin_n)))};
+      return TorsionEnergy{p[1] + p[3] * sin_n + p[2] * cos_n, p[0] * hn::MulSub(p[3], cos_n, p[2] * sin_n)};
     });
   }
 };
@@ -192,13 +188,13 @@ struct Law<RyckaertBellemans> {
 
   static HWY_INLINE V forces(const V3* x, const V* c, V3* f) {
     return torsion_forces(x, f, [c](V cosine, V sine) HWY_ATTR {
-      const V u = hn::Neg(cosine);
+      const V u = -cosine;
       V value = c[5], slope = broadcast(0);  // Horner
       for (int n = 4; n >= 0; --n) {
-        slope = hn::MulAdd(slope, u, value);
-        value = hn::MulAdd(value, u, c[n]);
+        slope = slope * u + value;
+        value = value * u + c[n];
       }
-      return TorsionEnergy{value, hn::Mul(slope, sine)};
+      return TorsionEnergy{value, slope * sine};
     });
   }
 };
@@ -210,11 +206,11 @@ struct Law<TurnedTorsion> {
 
   static HWY_INLINE V forces(const V3* x, const V* p, V3* f) {
     return torsion_forces(x, f, [p](V cosine, V sine) HWY_ATTR {
-      const V cos_d = hn::MulAdd(cosine, p[1], hn::Mul(sine, p[2]));
-      const V sin_d = hn::MulSub(sine, p[1], hn::Mul(cosine, p[2]));
+      const V cos_d = sine * p[2] + cosine * p[1];
+      const V sin_d = hn::MulSub(sine, p[1], cosine * p[2]);
       const V turn = hn::CopySign(Law<HarmonicAngle>::angle(hn::Abs(sin_d), cos_d), sin_d);
-      const V moment = hn::Mul(p[0], turn);
-      return TorsionEnergy{hn::Mul(hn::Mul(broadcast(0.5), moment), turn), moment};
+      const V moment = p[0] * turn;
+      return TorsionEnergy{0.5 * moment * turn, moment};
     });
   }
 };

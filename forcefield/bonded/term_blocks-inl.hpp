@@ -40,7 +40,7 @@ class Block {
     for (std::size_t first = 0; first < terms.size(); first += kTerms) {
       const auto some = terms.subspan(first, std::min<std::size_t>(kTerms, terms.size() - first));
       block.gather(some, x);
-      energy = hn::Add(energy, block.apply(static_cast<int>(some.size())));
+      energy += block.apply(static_cast<int>(some.size()));
       block.scatter(some, f);
     }
     return hn::GetLane(hn::SumOfLanes(D(), energy));
@@ -89,7 +89,7 @@ class Block {
         x[a] = {load(place_[3 * a] + t), load(place_[3 * a + 1] + t), load(place_[3 * a + 2] + t)};
       for (int n = 0; n < kNumbers; ++n) numbers[n] = load(number_[n] + t);
       const V energy = Law<Term>::forces(x, numbers, f);
-      energies = hn::Add(energies, hn::IfThenElseZero(hn::FirstN(D(), count - t), energy));
+      energies += hn::IfThenElseZero(hn::FirstN(D(), count - t), energy);
       for (int a = 0; a < kAtoms; ++a) {
         store(f[a].x, place_[3 * a] + t);
         store(f[a].y, place_[3 * a + 1] + t);
@@ -115,7 +115,7 @@ class Block {
         const auto atoms = atoms_of(terms[t + i]);
         for (int a = 0; a < kAtoms; ++a) {
           double* at = f + 3 * atoms[a];
-          hn::StoreU(hn::Add(hn::LoadU(two, at), hn::LowerHalf(two, force[a][i])), two, at);
+          hn::StoreU(hn::LoadU(two, at) + hn::LowerHalf(two, force[a][i]), two, at);
           at[2] += hn::GetLane(hn::UpperHalf(two, force[a][i]));
         }
       }
