@@ -7,11 +7,11 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "forcefield/ewald/fourier_kernels-inl.hpp"
 #include "base/simd_targets.hpp"
+// after the targets: once a target
+#include "base/lane_arithmetic-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
 
 using Real = TAUT_FOURIER_REAL;
 
@@ -27,24 +27,23 @@ struct Z {
   V re, im;
 };
 HWY_INLINE Z operator+(const Z& a, const Z& b) {
-  return {hn::Add(a.re, b.re), hn::Add(a.im, b.im)};
+  return {a.re + b.re, a.im + b.im};
 }
 HWY_INLINE Z operator-(const Z& a, const Z& b) {
-  return {hn::Sub(a.re, b.re), hn::Sub(a.im, b.im)};
+  return {a.re - b.re, a.im - b.im};
 }
 HWY_INLINE Z plus_i(const Z& a, const Z& b) {  // a + ib
-  return {hn::Sub(a.re, b.im), hn::Add(a.im, b.re)};
+  return {a.re - b.im, a.im + b.re};
 }
 HWY_INLINE Z minus_i(const Z& a, const Z& b) {
-  return {hn::Add(a.re, b.im), hn::Sub(a.im, b.re)};
+  return {a.re + b.im, a.im - b.re};
 }
 HWY_INLINE Z times(const std::complex<Real>& w, const Z& a) {
   const V re = hn::Set(D(), w.real()), im = hn::Set(D(), w.imag());
-  return {hn::MulSub(re, a.re, hn::Mul(im, a.im)), hn::MulAdd(re, a.im, hn::Mul(im, a.re))};
+  return {hn::MulSub(re, a.re, im * a.im), im * a.re + re * a.im};
 }
 HWY_INLINE Z add_times(Real w, const Z& a, const Z& to) {
-  const V by = hn::Set(D(), w);
-  return {hn::MulAdd(by, a.re, to.re), hn::MulAdd(by, a.im, to.im)};
+  return {to.re + w * a.re, to.im + w * a.im};
 }
 
 // Where a stage finds and leaves the numbers of the lanes' sequences: real parts and imaginary parts side by side …
@@ -174,8 +173,9 @@ HWY_INLINE void run_butterflies(const Stage& stage, std::ptrdiff_t s, std::ptrdi
   for (std::ptrdiff_t q = 0; q < s; ++q) {
     const std::ptrdiff_t first = q + s * p, out = q + s * radix * p;
     const auto a = [&](int k) HWY_ATTR { return from.load(first + apart * k); };
-    const auto put = [&](int j, const Z& z)
-                         HWY_ATTR { to.store(out + s * j, turned && j > 0 ? times(turn[j], z) : z); };
+    const auto put = [&](int j, const Z& z) __attribute__((always_inline)) HWY_ATTR {
+      to.store(out + s * j, turned && j > 0 ? times(turn[j], z) : z);
+    };
     if constexpr (r == 0)
       butterfly_any(stage, a, put);
     else
@@ -310,15 +310,13 @@ void separate_row(const std::complex<Real>* up, const std::complex<Real>* down, 
                   std::complex<Real>* parts) {
   const D d;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  const V half = hn::Set(d, Real(0.5));
   int j = 0;
   for (; j + lanes <= count; j += lanes) {
     Z u, v;
     hn::LoadInterleaved2(d, reinterpret_cast<const Real*>(up + j), u.re, u.im);
     hn::LoadInterleaved2(d, reinterpret_cast<const Real*>(down + j), v.re, v.im);
-    hn::StoreInterleaved4(hn::Mul(half, hn::Add(u.re, v.re)), hn::Mul(half, hn::Sub(u.im, v.im)),
-                          hn::Mul(half, hn::Add(u.im, v.im)), hn::Mul(half, hn::Sub(v.re, u.re)), d,
-                          reinterpret_cast<Real*>(parts + 2 * j));
+    hn::StoreInterleaved4(0.5 * (u.re + v.re), 0.5 * (u.im - v.im), 0.5 * (u.im + v.im), 0.5 * (v.re - u.re),
+                          d, reinterpret_cast<Real*>(parts + 2 * j));
   }
   for (; j < count; ++j) {
     const std::complex<Real> u = up[j], v = std::conj(down[j]), less = v - u;
@@ -337,8 +335,8 @@ void join_row(const std::complex<Real>* parts, int count, std::complex<Real>* up
       hn::StoreInterleaved2(a.re, b.re, d, reinterpret_cast<Real*>(up + j));
       continue;
     }
-    hn::StoreInterleaved2(hn::Sub(a.re, b.im), hn::Add(a.im, b.re), d, reinterpret_cast<Real*>(up + j));
-    hn::StoreInterleaved2(hn::Add(a.re, b.im), hn::Sub(b.re, a.im), d, reinterpret_cast<Real*>(down + j));
+    hn::StoreInterleaved2(a.re - b.im, a.im + b.re, d, reinterpret_cast<Real*>(up + j));
+    hn::StoreInterleaved2(a.re + b.im, b.re - a.im, d, reinterpret_cast<Real*>(down + j));
   }
   for (; j < count; ++j) {
     const std::complex<Real> a = parts[2 * j], b = parts[2 * j + 1];

@@ -9,11 +9,11 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "forcefield/ewald/mesh_kernels-inl.hpp"
 #include "base/simd_targets.hpp"
+// after the targets: once a target
+#include "base/lane_arithmetic-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
 
 using Real = TAUT_MESH_REAL;
 
@@ -77,31 +77,28 @@ HWY_INLINE void find_splines(MeshAtoms<Real> atoms, bool slopes, Splines<order>&
     for (std::size_t a = 0; a < atoms.size(); ++a) above[edge][a] = atoms[a].above[edge];
     std::fill(above[edge] + atoms.size(), std::end(above[edge]), Real(0));
   }
-  const auto one = hn::Set(d, 1);
   for (int first = 0; first < static_cast<int>(atoms.size()); first += static_cast<int>(hn::Lanes(d)))
     for (int edge = 0; edge < 3; ++edge) {
       const V w = hn::Load(d, above[edge] + first);
       V value[order];
-      value[0] = hn::Sub(one, w);
+      value[0] = 1 - w;
       value[1] = w;
 #pragma GCC unroll 8
       for (int n = 3; n <= order; ++n) {
         if (n == order && slopes) {
           V slope[order];
-          slope[0] = hn::Neg(value[0]);
+          slope[0] = -value[0];
 #pragma GCC unroll 8
-          for (int k = 1; k < n - 1; ++k) slope[k] = hn::Sub(value[k - 1], value[k]);
+          for (int k = 1; k < n - 1; ++k) slope[k] = value[k - 1] - value[k];
           slope[n - 1] = value[n - 2];
           store<order>(slope, edge, first, out.slope);
         }
-        const auto whole = [&](int k) HWY_ATTR { return hn::Set(d, Real(k)); };
-        const V inv = hn::Set(d, Real(1) / Real(n - 1));
-        value[n - 1] = hn::Mul(hn::Mul(inv, w), value[n - 2]);
+        const Real inv = Real(1) / Real(n - 1);
+        value[n - 1] = inv * w * value[n - 2];
 #pragma GCC unroll 8
         for (int k = n - 2; k > 0; --k)
-          value[k] = hn::Mul(inv, hn::MulAdd(hn::Add(w, whole(n - 1 - k)), value[k - 1],
-                                             hn::Mul(hn::Sub(whole(k + 1), w), value[k])));
-        value[0] = hn::Mul(value[0], hn::Mul(inv, hn::Sub(one, w)));
+          value[k] = inv * ((Real(k + 1) - w) * value[k] + (w + Real(n - 1 - k)) * value[k - 1]);
+        value[0] *= inv * (1 - w);
       }
       store<order>(value, edge, first, out.weight);
     }
@@ -178,22 +175,22 @@ HWY_INLINE void spread_of(const MeshGrid<Real>& grid, const PlanesAbove& planes,
     Line of[order];
 #pragma GCC unroll 8
     for (int j = 0; j < order; ++j) {
-      const auto c = hn::Set(d, atoms[a].charge * splines.weight.across[1][j][a]);
+      const Real c = atoms[a].charge * splines.weight.across[1][j][a];
 #pragma GCC unroll 8
-      for (int v = 0; v < Line::kVectors; ++v) of[j].v[v] = hn::Mul(c, w.v[v]);
+      for (int v = 0; v < Line::kVectors; ++v) of[j].v[v] = c * w.v[v];
     }
     PlanesOf all(grid, atoms[a]);
 #pragma GCC unroll 8
     for (int k = 0; k < order; ++k) {
       Real* row = all.next();
       if (k < planes.first || k > planes.last) continue;
-      const auto c = hn::Set(d, splines.weight.across[0][k][a]);
+      const Real c = splines.weight.across[0][k][a];
 #pragma GCC unroll 8
       for (int j = 0; j < order; ++j, row += grid.stride)
 #pragma GCC unroll 8
         for (int v = 0; v < Line::kVectors; ++v) {
           Real* const at = row + v * Line::kLanes;
-          hn::StoreU(hn::MulAdd(c, of[j].v[v], hn::LoadU(d, at)), d, at);
+          hn::StoreU(hn::LoadU(d, at) + c * of[j].v[v], d, at);
         }
     }
   }
@@ -220,30 +217,28 @@ HWY_INLINE std::array<double, 3> slope_of(const MeshGrid<Real>& grid, const Mesh
 #pragma GCC unroll 8
     for (int j = 0; j < order; ++j, row += grid.stride) {
       const Line phi = Line::from(row);
-      const auto wj = hn::Set(d, splines.weight.across[1][j][a]),
-                 dj = hn::Set(d, splines.slope.across[1][j][a]);
+      const Real wj = splines.weight.across[1][j][a], dj = splines.slope.across[1][j][a];
 #pragma GCC unroll 8
       for (int v = 0; v < Line::kVectors; ++v) {
-        of.v[v] = hn::MulAdd(wj, phi.v[v], of.v[v]);
-        tilt.v[v] = hn::MulAdd(dj, phi.v[v], tilt.v[v]);
+        of.v[v] += wj * phi.v[v];
+        tilt.v[v] += dj * phi.v[v];
       }
     }
-    const auto wk = hn::Set(d, splines.weight.across[0][k][a]),
-               dk = hn::Set(d, splines.slope.across[0][k][a]);
+    const Real wk = splines.weight.across[0][k][a], dk = splines.slope.across[0][k][a];
 #pragma GCC unroll 8
     for (int v = 0; v < Line::kVectors; ++v) {
-      level.v[v] = hn::MulAdd(wk, of.v[v], level.v[v]);
-      first.v[v] = hn::MulAdd(dk, of.v[v], first.v[v]);
-      second.v[v] = hn::MulAdd(wk, tilt.v[v], second.v[v]);
+      level.v[v] += wk * of.v[v];
+      first.v[v] += dk * of.v[v];
+      second.v[v] += wk * tilt.v[v];
     }
   }
   const Line w = Line::from(splines.weight.along, a), dw = Line::from(splines.slope.along, a);
   auto x = zero, y = zero, z = zero;
 #pragma GCC unroll 8
   for (int v = 0; v < Line::kVectors; ++v) {
-    x = hn::MulAdd(first.v[v], w.v[v], x);
-    y = hn::MulAdd(second.v[v], w.v[v], y);
-    z = hn::MulAdd(level.v[v], dw.v[v], z);
+    x += first.v[v] * w.v[v];
+    y += second.v[v] * w.v[v];
+    z += level.v[v] * dw.v[v];
   }
   const auto sum = [&](auto of) HWY_ATTR { return double(hn::GetLane(hn::SumOfLanes(d, of))); };
   return {sum(x), sum(y), sum(z)};
@@ -311,12 +306,10 @@ void points(const MeshFrame& frame, const Vectors& x, std::span<const Charged> c
     HWY_ALIGN double above[4];
     HWY_ALIGN std::int32_t point[4];
     for (int v = 0; v < Edges::kVectors; ++v) {
-      const auto s =
-          hn::MulAdd(along[0].v[v], hn::Set(d, p[0]),
-                     hn::MulAdd(along[1].v[v], hn::Set(d, p[1]), hn::Mul(along[2].v[v], hn::Set(d, p[2]))));
-      const auto at = hn::Mul(hn::Sub(s, hn::Floor(s)), size.v[v]);
-      const auto below = hn::Min(hn::Floor(at), hn::Sub(size.v[v], hn::Set(d, 1)));  // rounding on a wall
-      hn::Store(hn::Sub(at, below), d, above + v * Edges::kLanes);
+      const auto s = along[2].v[v] * p[2] + along[1].v[v] * p[1] + along[0].v[v] * p[0];
+      const auto at = (s - hn::Floor(s)) * size.v[v];
+      const auto below = hn::Min(hn::Floor(at), size.v[v] - 1);  // rounding on a wall
+      hn::Store(at - below, d, above + v * Edges::kLanes);
       hn::Store(hn::DemoteTo(whole, below), whole, point + v * Edges::kLanes);
     }
     *out++ = {{Real(above[0]), Real(above[1]), Real(above[2])},
@@ -338,8 +331,8 @@ double solve_row(std::span<const Real> factor, std::complex<Real>* z) {
     V re, im;
     hn::LoadInterleaved2(d, numbers, re, im);
     const V g = hn::LoadU(d, &factor[k]);
-    hn::StoreInterleaved2(hn::Mul(g, re), hn::Mul(g, im), d, numbers);
-    hn::Store(hn::Mul(g, hn::MulAdd(re, re, hn::Mul(im, im))), d, part);
+    hn::StoreInterleaved2(g * re, g * im, d, numbers);
+    hn::Store(g * (im * im + re * re), d, part);
     for (int l = 0; l < kMost; ++l) sum[l] += double(part[l]);
   }
   for (; k < n; ++k) {

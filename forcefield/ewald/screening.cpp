@@ -8,11 +8,11 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "forcefield/ewald/screening.cpp"
 #include "base/simd_targets.hpp"
+// after the targets: once a target
+#include "base/lane_arithmetic-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
 
 // Σ c_k t^k, several vectors at a time: one waits for itself.
 constexpr int kVectors = 4;
@@ -23,9 +23,9 @@ HWY_INLINE void polynomial(const std::vector<double>& c, const V* t, double* out
 #pragma GCC unroll 4
   for (int v = 0; v < kVectors; ++v) sum[v] = hn::Zero(d);
   for (std::size_t k = c.size(); k-- > 0;) {
-    const V next = hn::Set(d, c[k]);
+    const double next = c[k];
 #pragma GCC unroll 4
-    for (int v = 0; v < kVectors; ++v) sum[v] = hn::MulAdd(sum[v], t[v], next);
+    for (int v = 0; v < kVectors; ++v) sum[v] = sum[v] * t[v] + next;
   }
 #pragma GCC unroll 4
   for (int v = 0; v < kVectors; ++v) hn::StoreU(sum[v], d, out + v * hn::Lanes(d));
@@ -37,8 +37,7 @@ void screen_pairs(const Screening& s, ScreenedPairs& pairs) {
   for (int l = 0; l < kScreenedPairs; l += kVectors * lanes) {
     hn::Vec<decltype(d)> t[kVectors];
 #pragma GCC unroll 4
-    for (int v = 0; v < kVectors; ++v)
-      t[v] = hn::MulSub(hn::LoadU(d, pairs.r2 + l + v * lanes), hn::Set(d, s.scale), hn::Set(d, 0.5));
+    for (int v = 0; v < kVectors; ++v) t[v] = hn::LoadU(d, pairs.r2 + l + v * lanes) * s.scale - 0.5;
     polynomial(s.energy, t, pairs.energy + l);
     polynomial(s.force, t, pairs.force + l);
   }
