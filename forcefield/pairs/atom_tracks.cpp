@@ -8,12 +8,11 @@
 #define HWY_TARGET_INCLUDE "forcefield/pairs/atom_tracks.cpp"
 #include "base/simd_targets.hpp"
 // after the targets: once a target
-#include <hwy/highway.h>
+#include "base/lane_arithmetic-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
 using Four = hn::CappedTag<double, 4>;  // a cluster's, or as many as fit
 using FourV = hn::Vec<Four>;
 using FourRounded = hn::Rebind<float, Four>;
@@ -24,14 +23,14 @@ HWY_INLINE FourV rounded(const float* p) {
 }
 
 HWY_INLINE FourV squared(const FourV (&r)[3]) {
-  return hn::MulAdd(r[0], r[0], hn::MulAdd(r[1], r[1], hn::Mul(r[2], r[2])));
+  return r[2] * r[2] + r[1] * r[1] + r[0] * r[0];
 }
 
 // An atom without a history, or one that seems to move too far, as after a jump, gets the widest margin.
 double look_ahead_simd(const AtomTracks::Course& course, const Share& clusters, float* places) {
   const Four d;
   const FourRounded f;
-  const FourV half = hn::Set(d, 0.5), farthest = hn::Set(d, course.farthest);
+  const FourV farthest = hn::Set(d, course.farthest);
   const FourV spare = hn::Set(d, course.spare), unknown = hn::Set(d, course.unknown);
   FourV sum = hn::Zero(d);
   for (int c = clusters.begin; c < clusters.end; ++c)
@@ -41,20 +40,18 @@ double look_ahead_simd(const AtomTracks::Course& course, const Share& clusters, 
       for (int k = 0; k < 3; ++k) {
         const std::ptrdiff_t at = 12 * std::ptrdiff_t{c} + 4 * k + i;
         x[k] = hn::LoadU(d, course.x[0] + at);
-        way[k] = hn::Mul(hn::Set(d, course.weight[0]), x[k]);
-        for (int n = 1; n < 3; ++n)
-          way[k] = hn::MulAdd(hn::Set(d, course.weight[n]), hn::LoadU(d, course.x[n] + at), way[k]);
+        way[k] = course.weight[0] * x[k];
+        for (int n = 1; n < 3; ++n) way[k] += course.weight[n] * hn::LoadU(d, course.x[n] + at);
       }
-      const FourV length = hn::Mul(half, hn::Sqrt(squared(way)));
-      const auto goes = hn::Le(length, farthest);
+      const FourV length = 0.5 * hn::Sqrt(squared(way));
+      const auto goes = length <= farthest;
       for (int k = 0; k < 3; ++k) {
-        hn::StoreU(hn::DemoteTo(f, hn::Add(x[k], hn::IfThenElseZero(goes, hn::Mul(half, way[k])))), f,
-                   to + 4 * k);
-        off[k] = hn::Sub(rounded(to + 4 * k), x[k]);
+        hn::StoreU(hn::DemoteTo(f, x[k] + hn::IfThenElseZero(goes, 0.5 * way[k])), f, to + 4 * k);
+        off[k] = rounded(to + 4 * k) - x[k];
       }
-      const FourV margin = hn::Add(hn::Sqrt(squared(off)), hn::IfThenElse(goes, spare, unknown));
+      const FourV margin = hn::Sqrt(squared(off)) + hn::IfThenElse(goes, spare, unknown);
       hn::StoreU(hn::DemoteTo(f, margin), f, to + 12);
-      sum = hn::Add(sum, hn::IfThenElse(goes, length, farthest));
+      sum += hn::IfThenElse(goes, length, farthest);
     }
   return hn::GetLane(hn::SumOfLanes(d, sum));
 }
@@ -67,9 +64,9 @@ bool covers_all_simd(const double* x, const float* places, const Share& clusters
       const float* there = places + 16 * std::ptrdiff_t{c} + i;
       FourV r[3];
       for (int k = 0; k < 3; ++k)
-        r[k] = hn::Sub(hn::LoadU(d, x + 12 * std::ptrdiff_t{c} + 4 * k + i), rounded(there + 4 * k));
+        r[k] = hn::LoadU(d, x + 12 * std::ptrdiff_t{c} + 4 * k + i) - rounded(there + 4 * k);
       const FourV margin = rounded(there + 12);
-      all = hn::And(all, hn::Le(squared(r), hn::Mul(margin, margin)));  // false for NaN
+      all = hn::And(all, squared(r) <= margin * margin);  // false for NaN
     }
   return hn::AllTrue(d, all);
 }
@@ -83,10 +80,9 @@ double farthest_simd(const float* searched, const Share& clusters, const float* 
     for (int i = 0; i < 4; i += kOfFour) {
       const std::ptrdiff_t at = 16 * std::ptrdiff_t{c} + i;
       FourV r[3];
-      for (int k = 0; k < 3; ++k)
-        r[k] = hn::Sub(rounded(places + at + 4 * k), rounded(searched + at + 4 * k));
-      const FourV far = hn::Add(hn::Sqrt(squared(r)), rounded(places + at + 12));
-      of_cluster = hn::Max(of_cluster, hn::IfThenElse(hn::Le(far, nowhere), far, nowhere));  // NaN is nowhere
+      for (int k = 0; k < 3; ++k) r[k] = rounded(places + at + 4 * k) - rounded(searched + at + 4 * k);
+      const FourV far = hn::Sqrt(squared(r)) + rounded(places + at + 12);
+      of_cluster = hn::Max(of_cluster, hn::IfThenElse(far <= nowhere, far, nowhere));  // NaN is nowhere
     }
     each[c] = hn::GetLane(hn::MaxOfLanes(d, of_cluster));
     farthest = std::max(farthest, each[c]);

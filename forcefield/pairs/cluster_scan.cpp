@@ -8,12 +8,11 @@
 #define HWY_TARGET_INCLUDE "forcefield/pairs/cluster_scan.cpp"
 #include "base/simd_targets.hpp"
 // after the targets: once a target
-#include <hwy/highway.h>
+#include "base/lane_arithmetic-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::CappedTag<float, SideBySide::kSpare>;
 using V = hn::Vec<D>;
 using Indices = hn::Rebind<std::int32_t, D>;
@@ -30,7 +29,7 @@ HWY_INLINE unsigned bits_of(hn::Mask<D> mask) {
 // How far [low, high] is from each of the intervals of the clusters.
 HWY_INLINE V gap(V low, V high, const float* lows, const float* highs) {
   const D d;
-  const V below = hn::Sub(low, hn::LoadU(d, highs)), above = hn::Sub(hn::LoadU(d, lows), high);
+  const V below = low - hn::LoadU(d, highs), above = hn::LoadU(d, lows) - high;
   return hn::Max(hn::Max(below, above), hn::Zero(d));
 }
 
@@ -50,18 +49,18 @@ void find_candidates_simd(const ClusterBounds& all, const Seekers& s, std::vecto
   int count = 0;
   for (ClusterRange& range : ranges) {
     for (int behind = kLanes; behind == kLanes && range.begin < range.end; range.begin += behind)
-      behind = std::countr_one(bits_of(hn::Lt(hn::LoadU(d, z_high + range.begin), lowest)));
+      behind = std::countr_one(bits_of(hn::LoadU(d, z_high + range.begin) < lowest));
     for (int c = range.begin; c < range.end && z_low[c] <= highest; c += kLanes) {
       V gap2 = hn::Zero(d);
       for (int k = 0; k < 3; ++k) {
         const V g = gap(low[k], high[k], all.low[k].data() + c, all.high[k].data() + c);
-        gap2 = hn::MulAdd(g, g, gap2);
+        gap2 += g * g;
       }
-      unsigned near = bits_of(hn::Le(gap2, range2));
+      unsigned near = bits_of(gap2 <= range2);
       if (range.end - c < kLanes) near &= (1u << (range.end - c)) - 1;
       if (near == 0) continue;
       const int first = std::countr_zero(near);
-      hn::StoreU(hn::Add(hn::Set(indices, c + first), iota), indices, out.cluster.data() + count);
+      hn::StoreU(hn::Set(indices, c + first) + iota, indices, out.cluster.data() + count);
       for (std::size_t k = 0; k < all.x.size(); ++k)
         hn::StoreU(hn::LoadU(d, all.x[k].data() + c + first), d, out.x[k].data() + count);
       count += static_cast<int>(std::bit_width(near)) - first;
@@ -88,13 +87,13 @@ void find_partners_simd(const Candidates& among, int first, const Seeker& s, Par
       const V x = hn::LoadU(d, among.x[j].data() + c), y = hn::LoadU(d, among.x[4 + j].data() + c),
               z = hn::LoadU(d, among.x[8 + j].data() + c);
       for (int i = 0; i < kClusterAtoms; ++i) {
-        const V dx = hn::Sub(own[i], x), dy = hn::Sub(own[4 + i], y), dz = hn::Sub(own[8 + i], z);
-        half[i / 2] = hn::Min(half[i / 2], hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz))));
+        const V dx = own[i] - x, dy = own[4 + i] - y, dz = own[8 + i] - z;
+        half[i / 2] = hn::Min(half[i / 2], dz * dz + dy * dy + dx * dx);
       }
     }
     const V nearest = hn::Min(half[0], half[1]), core = whole ? nearest : hn::Max(half[0], half[1]);
-    const V r2 = hn::IfThenZeroElse(hn::Le(core, core2), nearest);
-    const auto chosen = hn::And(hn::Le(r2, farthest2), hn::FirstN(d, end - c));  // though that be infinite
+    const V r2 = hn::IfThenZeroElse(core <= core2, nearest);
+    const auto chosen = hn::And(r2 <= farthest2, hn::FirstN(d, end - c));  // though that be infinite
     hn::StoreU(hn::Compress(r2, chosen), d, near2 + count);
     hn::StoreU(hn::Compress(hn::LoadU(indices, among.cluster.data() + c), hn::RebindMask(indices, chosen)),
                indices, cluster + count);
@@ -104,9 +103,9 @@ void find_partners_simd(const Candidates& among, int first, const Seeker& s, Par
   found.excluded.clear();
   for (const MaskedCluster* e = s.exclude; e != s.end; ++e)
     for (int k = 0; k < count; k += kLanes) {
-      const auto it = hn::Eq(hn::LoadU(indices, cluster + k), hn::Set(indices, e->cluster));
+      const auto it = hn::LoadU(indices, cluster + k) == hn::Set(indices, e->cluster);
       if (hn::AllFalse(indices, it)) continue;
-      const auto here = hn::And(hn::RebindMask(d, it), hn::Lt(hn::LoadU(d, near2 + k), never));
+      const auto here = hn::And(hn::RebindMask(d, it), hn::LoadU(d, near2 + k) < never);
       if (hn::AllFalse(d, here)) continue;
       hn::StoreU(hn::IfThenElse(here, never, hn::LoadU(d, near2 + k)), d, near2 + k);
       found.excluded.push_back(*e);
@@ -117,7 +116,7 @@ void find_partners_simd(const Candidates& among, int first, const Seeker& s, Par
     const int* begin = out;
     for (int k = 0; k < count; k += kLanes) {
       const V r2 = hn::LoadU(d, near2 + k);
-      const auto chosen = hn::And(hn::And(hn::Gt(r2, inner), hn::Le(r2, outer)), hn::FirstN(d, count - k));
+      const auto chosen = hn::And(hn::And(r2 > inner, r2 <= outer), hn::FirstN(d, count - k));
       hn::StoreU(hn::Compress(hn::LoadU(indices, cluster + k), hn::RebindMask(indices, chosen)), indices,
                  out);
       out += hn::CountTrue(d, chosen);

@@ -104,10 +104,10 @@ class PackedPairs {
         if constexpr (C::kCharge) coulomb = unpack(hn::LoadU(d, r2_ + pair), within);
         if constexpr (C::kLj) lj = unpack(hn::LoadU(d, lj_ + pair), within);
         const V term = law.term(atoms, 4 * cluster, coulomb, lj);
-        for (int k = 0; k < 3; ++k) own_f[k] = hn::MulAdd(term, r[k], own_f[k]);
+        for (int k = 0; k < 3; ++k) own_f[k] += term * r[k];
         // stores together: among the loads they cost 3 cycles more
         T* of = forces + 3 * cluster * S::kLanes;
-        for (int k = 0; k < 3; ++k) f[k] = hn::NegMulAdd(term, r[k], hn::Load(d, of + k * S::kLanes));
+        for (int k = 0; k < 3; ++k) f[k] = hn::Load(d, of + k * S::kLanes) - term * r[k];
         for (int k = 0; k < 3; ++k) hn::Store(f[k], d, of + k * S::kLanes);
         pair += std::popcount(unsigned{within_[tile]});
       }
@@ -132,7 +132,7 @@ class PackedPairs {
     const auto add = [&](int cluster, unsigned counted) HWY_ATTR {
       V r[3];
       subtract(own, x, cluster, r);
-      const V r2 = hn::MulAdd(r[0], r[0], hn::MulAdd(r[1], r[1], hn::Mul(r[2], r[2])));
+      const V r2 = square(r);
       const M within{static_cast<Bits>(not_beyond(r2, cutoff2).raw & counted)};
       const unsigned bits = within.raw;
       hn::StoreU(pack(r2, within), d, r2_ + pairs);
@@ -155,7 +155,7 @@ class PackedPairs {
   static HWY_INLINE void subtract(const VX (&own)[3][1], const auto* x, std::ptrdiff_t cluster, V (&r)[3]) {
     const typename S::DX d;
     for (int k = 0; k < 3; ++k)
-      r[k] = RowSum<T, C>::number(hn::Sub(own[k][0], load_columns(d, x + 12 * cluster + 4 * k)));
+      r[k] = RowSum<T, C>::number(own[k][0] - load_columns(d, x + 12 * cluster + 4 * k));
   }
 
   // Coulomb's part takes the place of the squared distances.
@@ -166,7 +166,7 @@ class PackedPairs {
       V r2[K], coulomb[K], lj[K];
       for (int k = 0; k < K; ++k) {
         r2[k] = hn::Load(d, r2_ + p + k * S::kLanes);
-        if constexpr (sizeof(T) == 4) r2[k] = hn::Mul(r2[k], unit2_);
+        if constexpr (sizeof(T) == 4) r2[k] *= unit2_;
       }
       row_.law_.template of_distances<K>(r2, coulomb, lj);
       for (int k = 0; k < K; ++k) {

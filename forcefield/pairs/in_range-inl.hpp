@@ -33,9 +33,8 @@ class InRange {
     const S::D d;
     for (int v = 0; v < S::kVectors; ++v) {
       const float* x = x_ + 16 * std::ptrdiff_t{cluster} + v * S::kRows;
-      for (int k = 0; k < 3; ++k)
-        own_[k][v] = hn::Add(load_rows(d, x + 4 * k), hn::Set(d, static_cast<float>(shift[k])));
-      own_range_[v] = hn::Add(load_rows(d, x + 12), range_);
+      for (int k = 0; k < 3; ++k) own_[k][v] = load_rows(d, x + 4 * k) + static_cast<float>(shift[k]);
+      own_range_[v] = load_rows(d, x + 12) + range_;
     }
   }
 
@@ -48,11 +47,10 @@ class InRange {
       const auto xj = load_columns(d, x), yj = load_columns(d, x + 4), zj = load_columns(d, x + 8);
       const auto margin = load_columns(d, x + 12);
       for (int v = 0; v < S::kVectors; ++v) {
-        const auto dx = hn::Sub(own_[0][v], xj), dy = hn::Sub(own_[1][v], yj), dz = hn::Sub(own_[2][v], zj);
-        const auto r2 = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
-        const auto range = hn::Add(own_range_[v], margin);
+        const S::V r[3] = {own_[0][v] - xj, own_[1][v] - yj, own_[2][v] - zj};
+        const auto range = own_range_[v] + margin;
         std::uint64_t found = 0;
-        hn::StoreMaskBits(d, hn::Le(r2, hn::Mul(range, range)), reinterpret_cast<std::uint8_t*>(&found));
+        hn::StoreMaskBits(d, square(r) <= range * range, reinterpret_cast<std::uint8_t*>(&found));
         bits |= static_cast<unsigned>(found) << (4 * v * S::kRows + part * S::kColumns);
       }
     }

@@ -125,34 +125,34 @@ class RowSum {
     for (int place = 0; place < kPlaces; ++place) {
       V& term = terms.of[place][0];
       term = hn::IfThenElseZero(counted(mask_, place % kVectors, place / kVectors), term);
-      if constexpr (C::kEnergy) sum_[0] = hn::Add(sum_[0], term);
+      if constexpr (C::kEnergy) sum_[0] += term;
       if constexpr (C::kVirial) add_virial(at.r[place], term);
     }
     if constexpr (!C::kSum) add_forces(cluster, at, terms);
   }
 
   HWY_INLINE void add_virial(const V (&r)[3], V term) {
-    if constexpr (sizeof(T) == 4) term = hn::Mul(term, unit2_);
-    const V f[3] = {hn::Mul(term, r[0]), hn::Mul(term, r[1]), hn::Mul(term, r[2])};
-    for (int k = 0; k < 3; ++k) sum_[k] = hn::MulAdd(r[k], f[k], sum_[k]);
-    sum_[3] = hn::MulAdd(r[0], f[1], sum_[3]);
-    sum_[4] = hn::MulAdd(r[0], f[2], sum_[4]);
-    sum_[5] = hn::MulAdd(r[1], f[2], sum_[5]);
+    if constexpr (sizeof(T) == 4) term *= unit2_;
+    const V f[3] = {term * r[0], term * r[1], term * r[2]};
+    for (int k = 0; k < 3; ++k) sum_[k] += r[k] * f[k];
+    sum_[3] += r[0] * f[1];
+    sum_[4] += r[0] * f[2];
+    sum_[5] += r[1] * f[2];
   }
 
   HWY_INLINE void subtract(std::ptrdiff_t cluster, int place, V (&r)[3]) const {
     const DX d;
     const int v = place % kVectors, part = place / kVectors;
     const auto* x = x_of_ + 12 * cluster + part * S::kColumns;
-    for (int k = 0; k < 3; ++k) r[k] = number(hn::Sub(x_[k][v], load_columns(d, x + 4 * k)));
+    for (int k = 0; k < 3; ++k) r[k] = number(x_[k][v] - load_columns(d, x + 4 * k));
   }
 
   HWY_INLINE void measure(int cluster, Distances& out) const {
     for (int place = 0; place < kPlaces; ++place) {
       V(&r)[3] = out.r[place];
       subtract(cluster, place, r);
-      V r2 = hn::MulAdd(r[0], r[0], hn::MulAdd(r[1], r[1], hn::Mul(r[2], r[2])));
-      if constexpr (sizeof(T) == 4) r2 = hn::Mul(r2, unit2_);
+      V r2 = square(r);
+      if constexpr (sizeof(T) == 4) r2 *= unit2_;
       out.r2[place][0] = r2;
       out.guess[place][0] = Law::guess(r2);
     }
@@ -168,7 +168,7 @@ class RowSum {
       const V(&r2)[1] = at.r2[place];
       V(&term)[1] = out.of[place];
       law_.template pairs<1>(v, atoms_[v], {4 * cluster + part * S::kColumns}, r2, at.guess[place], term);
-      term[0] = hn::IfThenElseZero(hn::Not(hn::Gt(r2[0], cutoff2_)), term[0]);  // NaN must show
+      term[0] = hn::IfThenElseZero(hn::Not(r2[0] > cutoff2_), term[0]);  // NaN must show
     }
   }
 
@@ -179,9 +179,8 @@ class RowSum {
       const V(&r)[3] = at.r[place];
       const V term = terms.of[place][0];
       T* f = f_ + (3 * cluster * kParts + part) * kLanes;
-      for (int i = 0; i < 3; ++i) own_f_[i][v] = hn::MulAdd(term, r[i], own_f_[i][v]);
-      for (int i = 0; i < 3; ++i, f += kParts * kLanes)
-        hn::Store(hn::NegMulAdd(term, r[i], hn::Load(d, f)), d, f);
+      for (int i = 0; i < 3; ++i) own_f_[i][v] += term * r[i];
+      for (int i = 0; i < 3; ++i, f += kParts * kLanes) hn::Store(hn::Load(d, f) - term * r[i], d, f);
     }
   }
 
@@ -218,7 +217,7 @@ class RowSum {
       const auto own = hn::LoadMaskBits(d, reinterpret_cast<const std::uint8_t*>(&bits));
       T* f = f_ + (3 * cluster * kParts + at / S::kColumns % kParts) * kLanes;
       for (int k = 0; k < 3; ++k) {
-        hn::Store(hn::Add(hn::Load(d, f), hn::IfThenElseZero(own, sum_columns(d, own_f_[k][v]))), d, f);
+        hn::Store(hn::Load(d, f) + hn::IfThenElseZero(own, sum_columns(d, own_f_[k][v])), d, f);
         f += kParts * kLanes;
       }
     }

@@ -6,10 +6,9 @@
 #define TAUT_PAIR_LANES_INL
 #endif
 
-#include <hwy/highway.h>
-
 #include <algorithm>
 
+#include "base/lane_arithmetic-inl.hpp"
 #include "forcefield/pairs/pair_kernels.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -74,9 +73,14 @@ HWY_INLINE void load_row(const typename S::Coordinate* x, double inv_unit, const
   x += 12 * (row.first / kClusterAtoms) + row.first % kClusterAtoms;
   for (int k = 0; k < 3; ++k) {
     const auto shift = PairPrecision<T>::coordinate(row.shift[k] * inv_unit);
-    for (int v = 0; v < S::kVectors; ++v)
-      out[k][v] = hn::Add(load_rows(d, x + 4 * k + v * S::kRows), hn::Set(d, shift));
+    for (int v = 0; v < S::kVectors; ++v) out[k][v] = load_rows(d, x + 4 * k + v * S::kRows) + shift;
   }
+}
+
+// |r|²
+template <class V>
+HWY_INLINE V square(const V (&r)[3]) {
+  return r[2] * r[2] + r[1] * r[1] + r[0] * r[0];
 }
 
 // In every lane, the sum over its row.
@@ -86,11 +90,11 @@ HWY_INLINE V sum_columns([[maybe_unused]] D d, V v) {
   if constexpr (lanes == 1) return v;
 #if HWY_TARGET != HWY_SCALAR
   if constexpr (sizeof(hn::TFromD<D>) == 4) {
-    v = hn::Add(v, hn::Shuffle2301(v));
-    v = hn::Add(v, hn::Shuffle1032(v));
+    v += hn::Shuffle2301(v);
+    v += hn::Shuffle1032(v);
   } else {
-    v = hn::Add(v, hn::Shuffle01(v));
-    if constexpr (lanes >= 4) v = hn::Add(v, hn::SwapAdjacentBlocks(v));
+    v += hn::Shuffle01(v);
+    if constexpr (lanes >= 4) v += hn::SwapAdjacentBlocks(v);
   }
 #endif
   return v;

@@ -72,13 +72,13 @@ class LawInLanes {
   // Those from slot `first` on.
   HWY_INLINE void load(int first, Atoms& a) const {
     const D d;
-    if constexpr (C::kCharge) a.q = hn::Mul(load_rows(d, charge_ + first), set(1 / kScale));
+    if constexpr (C::kCharge) a.q = load_rows(d, charge_ + first) * T(1 / kScale);
     if constexpr (C::kTable) {
-      a.line = hn::MulAdd(load_rows(d, type_ + first), types_, set(kWhole));
+      a.line = load_rows(d, type_ + first) * types_ + T(kWhole);
     } else if constexpr (C::kLj) {
       a.eps = load_rows(d, two_sqrt_epsilon_ + first);
-      a.repulsion = hn::Mul(a.eps, twelve_sigma12_);
-      a.attraction = hn::Mul(a.eps, six_sigma6_);
+      a.repulsion = a.eps * twelve_sigma12_;
+      a.attraction = a.eps * six_sigma6_;
       if constexpr (!C::kOneSigma) a.half_sigma = load_rows(d, half_sigma_ + first);
     }
   }
@@ -114,8 +114,8 @@ class LawInLanes {
       else if constexpr (C::kLj)
         if (has_lj) term[k] = lennard_jones(atoms, column(j[k]), r2[k], guess[k]);
       if constexpr (C::kCharge) {
-        const V qq = hn::Mul(atoms.q, load_columns(D(), charge_ + j[k]));
-        term[k] = has_lj ? hn::MulAdd(qq, coulomb[k], term[k]) : hn::Mul(qq, coulomb[k]);
+        const V qq = atoms.q * load_columns(D(), charge_ + j[k]);
+        term[k] = has_lj ? hn::MulAdd(qq, coulomb[k], term[k]) : qq * coulomb[k];
       }
     }
   }
@@ -140,10 +140,10 @@ class LawInLanes {
   HWY_INLINE V term(const Atoms& atoms, std::ptrdiff_t j, V coulomb, V lj) const {
     const D d;
     V term{};
-    if constexpr (C::kLj) term = hn::Mul(hn::Mul(atoms.eps, load_columns(d, two_sqrt_epsilon_ + j)), lj);
+    if constexpr (C::kLj) term = atoms.eps * load_columns(d, two_sqrt_epsilon_ + j) * lj;
     if constexpr (C::kCharge) {
-      const V qq = hn::Mul(atoms.q, load_columns(d, charge_ + j));
-      term = C::kLj ? hn::MulAdd(qq, coulomb, term) : hn::Mul(qq, coulomb);
+      const V qq = atoms.q * load_columns(d, charge_ + j);
+      term = C::kLj ? hn::MulAdd(qq, coulomb, term) : qq * coulomb;
     }
     return term;
   }
@@ -157,16 +157,15 @@ class LawInLanes {
     V inv_r3[K];
     for (int k = 0; k < K; ++k) {
       if constexpr (C::kFromCube) inv_r3[k] = guess[k];
-      if constexpr (C::kFromRoot) inv_r3[k] = hn::Mul(guess[k], hn::Mul(guess[k], guess[k]));
+      if constexpr (C::kFromRoot) inv_r3[k] = guess[k] * (guess[k] * guess[k]);
     }
     if constexpr (C::kCharge) {
       if (screen_.wanted()) {
         screen_(r2, coulomb);
-        for (int k = 0; k < K; ++k) coulomb[k] = hn::Sub(C::kEnergy ? guess[k] : inv_r3[k], coulomb[k]);
+        for (int k = 0; k < K; ++k) coulomb[k] = (C::kEnergy ? guess[k] : inv_r3[k]) - coulomb[k];
       } else {
         for (int k = 0; k < K; ++k)
-          coulomb[k] =
-              C::kEnergy ? hn::Sub(hn::MulAdd(k_rf_, r2[k], guess[k]), c_rf_) : hn::Sub(inv_r3[k], two_k_rf_);
+          coulomb[k] = C::kEnergy ? guess[k] + k_rf_ * r2[k] - c_rf_ : inv_r3[k] - two_k_rf_;
       }
     }
   }
@@ -196,48 +195,44 @@ class LawInLanes {
     const D d;
     V inv_r2, inv_r4, inv_r6;
     if constexpr (C::kFromCube) {
-      inv_r6 = hn::Mul(inverse, inverse);
-      inv_r4 = hn::Mul(inv_r6, r2);
-      inv_r2 = hn::Mul(inv_r4, r2);
+      inv_r6 = inverse * inverse;
+      inv_r4 = inv_r6 * r2;
+      inv_r2 = inv_r4 * r2;
     } else {
-      inv_r2 = C::kFromRoot ? hn::Mul(inverse, inverse) : inverse;
-      inv_r4 = hn::Mul(inv_r2, inv_r2);
-      inv_r6 = hn::Mul(inv_r4, inv_r2);
+      inv_r2 = C::kFromRoot ? inverse * inverse : inverse;
+      inv_r4 = inv_r2 * inv_r2;
+      inv_r6 = inv_r4 * inv_r2;
     }
     V slope{}, energy{}, four_eps{};
     constexpr bool needs_slope = !C::kEnergy || C::kSwitched, needs_energy = C::kEnergy || C::kSwitched;
     if constexpr (C::kTable) {
-      const auto at = place_in_table(hn::Add(atoms.line, j.type));
-      const V b = hn::GatherIndex(d, table_b_, at),
-              a_over_r6 = hn::Mul(hn::GatherIndex(d, table_a_, at), inv_r6);
-      if constexpr (needs_slope)
-        slope = hn::Mul(hn::Mul(inv_r4, inv_r4), hn::MulSub(set(kTwelve), a_over_r6, hn::Mul(set(kSix), b)));
-      if constexpr (needs_energy) energy = hn::Mul(inv_r6, hn::Sub(a_over_r6, b));
+      const auto at = place_in_table(atoms.line + j.type);
+      const V b = hn::GatherIndex(d, table_b_, at), a_over_r6 = hn::GatherIndex(d, table_a_, at) * inv_r6;
+      if constexpr (needs_slope) slope = inv_r4 * inv_r4 * hn::MulSub(set(kTwelve), a_over_r6, T(kSix) * b);
+      if constexpr (needs_energy) energy = inv_r6 * (a_over_r6 - b);
     } else {
       if constexpr (C::kOneSigma && !C::kSwitched && !C::kEnergy)
-        return hn::Mul(hn::Mul(inv_r4, hn::Mul(inv_r4, j.eps)),
-                       hn::MulSub(atoms.repulsion, inv_r6, atoms.attraction));
+        return inv_r4 * (inv_r4 * j.eps) * (atoms.repulsion * inv_r6 - atoms.attraction);
       V s6;
       if constexpr (C::kOneSigma) {
-        s6 = hn::Mul(sigma6_, inv_r6);
+        s6 = sigma6_ * inv_r6;
       } else {
-        const V sigma = hn::Add(atoms.half_sigma, j.half_sigma), sigma2 = hn::Mul(sigma, sigma);
+        const V sigma = atoms.half_sigma + j.half_sigma, sigma2 = sigma * sigma;
         if constexpr (C::kFromCube) {
-          s6 = hn::Mul(hn::Mul(hn::Mul(sigma2, sigma2), sigma2), inv_r6);
+          s6 = sigma2 * sigma2 * sigma2 * inv_r6;
         } else {
-          const V s2 = hn::Mul(sigma2, inv_r2);
-          s6 = hn::Mul(hn::Mul(s2, s2), s2);
+          const V s2 = sigma2 * inv_r2;
+          s6 = s2 * s2 * s2;
         }
       }
-      four_eps = hn::Mul(atoms.eps, j.eps);
-      const V depth = hn::Mul(four_eps, s6);
-      if constexpr (needs_slope)
-        slope = hn::Mul(hn::Mul(depth, hn::MulSub(set(kTwelve), s6, set(kSix))), inv_r2);
-      if constexpr (needs_energy) energy = hn::MulSub(depth, s6, depth);
+      four_eps = atoms.eps * j.eps;
+      const V depth = four_eps * s6;
+      if constexpr (needs_slope) slope = depth * (T(kTwelve) * s6 - T(kSix)) * inv_r2;
+      if constexpr (needs_energy) energy = depth * s6 - depth;
     }
     if constexpr (C::kSwitched) apply_switch(r2, inverse, slope, energy);
     if constexpr (!C::kEnergy) return slope;
-    return C::kTable ? energy : hn::MulAdd(energy_shift_, four_eps, energy);
+    return C::kTable ? energy : energy + energy_shift_ * four_eps;
   }
 
   // Without a switch, of the lower half.
@@ -245,30 +240,27 @@ class LawInLanes {
   HWY_INLINE V half_lennard_jones(const Atoms& atoms, std::ptrdiff_t j, V r2, V inv_r3) const {
     const hn::Half<D> d;
     const auto low = [d](V v) { return hn::LowerHalf(d, v); };
-    const auto inv_r6 = hn::Mul(low(inv_r3), low(inv_r3)), inv_r4 = hn::Mul(inv_r6, low(r2));
+    const auto inv_r6 = low(inv_r3) * low(inv_r3), inv_r4 = inv_r6 * low(r2);
     if constexpr (!C::kOneSigma) {
-      const auto sigma = hn::Add(low(atoms.half_sigma), load_columns(d, half_sigma_ + j)),
-                 sigma2 = hn::Mul(sigma, sigma),
-                 s6 = hn::Mul(hn::Mul(hn::Mul(sigma2, sigma2), sigma2), inv_r6),
-                 four_eps = hn::Mul(low(atoms.eps), load_columns(d, two_sqrt_epsilon_ + j)),
-                 slope = hn::Mul(hn::Mul(four_eps, s6), hn::MulSub(low(set(kTwelve)), s6, low(set(kSix))));
-      return hn::ZeroExtendVector(D(), hn::Mul(slope, hn::Mul(inv_r4, low(r2))));
+      const auto sigma = low(atoms.half_sigma) + load_columns(d, half_sigma_ + j), sigma2 = sigma * sigma,
+                 s6 = sigma2 * sigma2 * sigma2 * inv_r6,
+                 four_eps = low(atoms.eps) * load_columns(d, two_sqrt_epsilon_ + j),
+                 slope = four_eps * s6 * (T(kTwelve) * s6 - T(kSix));
+      return hn::ZeroExtendVector(D(), slope * (inv_r4 * low(r2)));
     }
-    return hn::ZeroExtendVector(
-        D(), hn::Mul(hn::Mul(inv_r4, hn::Mul(inv_r4, load_columns(d, two_sqrt_epsilon_ + j))),
-                     hn::MulSub(low(atoms.repulsion), inv_r6, low(atoms.attraction))));
+    return hn::ZeroExtendVector(D(), inv_r4 * (inv_r4 * load_columns(d, two_sqrt_epsilon_ + j)) *
+                                         (low(atoms.repulsion) * inv_r6 - low(atoms.attraction)));
   }
 #endif
 
   // S = 1 − u³(10 − 15u + 6u²), S' = −30 (u − u²)²; the force gains −E S'/r
   HWY_INLINE void apply_switch(V r2, V inv_r, V& slope, V& energy) const {
-    const V u = hn::Max(hn::MulSub(hn::Mul(r2, inv_r), inv_width_, start_), hn::Zero(D()));
-    const V u2 = hn::Mul(u, u), u_less_u2 = hn::Sub(u, u2);
-    const V left =
-        hn::MulAdd(hn::Mul(u2, u), hn::MulAdd(u, hn::NegMulAdd(set(6), u, set(15)), set(-10)), set(1));
-    const V slope_of_it = hn::Mul(hn::Mul(u_less_u2, u_less_u2), slope_width_);
-    slope = hn::MulAdd(hn::Mul(energy, slope_of_it), inv_r, hn::Mul(slope, left));
-    energy = hn::Mul(energy, left);
+    const V u = hn::Max(r2 * inv_r * inv_width_ - start_, hn::Zero(D()));
+    const V u2 = u * u, u_less_u2 = u - u2;
+    const V left = 1 - u2 * u * (10 - u * (15 - 6 * u));
+    const V slope_of_it = u_less_u2 * u_less_u2 * slope_width_;
+    slope = slope * left + energy * slope_of_it * inv_r;
+    energy *= left;
   }
 
   // A whole number added to kWhole is in the low bits of the sum.

@@ -6,10 +6,9 @@
 #define TAUT_SCREENING_INL
 #endif
 
-#include <hwy/highway.h>
-
 #include <vector>
 
+#include "base/lane_arithmetic-inl.hpp"
 #include "forcefield/ewald/screening.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -70,32 +69,31 @@ class ScreenInLanes {
     Interval interval[K];
     for (int k = 0; k < K; ++k) {
       t[k] = find_interval(r2[k], interval[k]);
-      t2[k] = hn::Mul(t[k], t[k]);
+      t2[k] = t[k] * t[k];
       out[k] = number(terms - 1, interval[k]);
       next[k] = number(terms - 2, interval[k]);
     }
     for (int term = terms - 3; term > 0; term -= 2)
       for (int k = 0; k < K; ++k) {
-        out[k] = hn::MulAdd(out[k], t2[k], number(term, interval[k]));
-        next[k] = hn::MulAdd(next[k], t2[k], number(term - 1, interval[k]));
+        out[k] = out[k] * t2[k] + number(term, interval[k]);
+        next[k] = next[k] * t2[k] + number(term - 1, interval[k]);
       }
     for (int k = 0; k < K; ++k) {
       if (terms % 2 == 0)
-        out[k] = hn::MulAdd(out[k], t[k], next[k]);
+        out[k] = out[k] * t[k] + next[k];
       else
-        out[k] = hn::MulAdd(out[k], t2[k], hn::MulAdd(next[k], t[k], number(0, interval[k])));
+        out[k] = number(0, interval[k]) + next[k] * t[k] + out[k] * t2[k];
     }
   }
 
   // Adding `whole` rounds to an integer, which is then in the low bits. Beyond the cutoff the interval is
   // arbitrary.
   HWY_INLINE V find_interval(V r2, [[maybe_unused]] Interval& interval) const {
-    const D d;
-    if constexpr (kIntervals == 1) return hn::MulSub(r2, hn::Set(d, scale_), hn::Set(d, T(0.5)));
-    const V scale = hn::Set(d, scale_), whole = hn::Set(d, sizeof(T) == 8 ? T(0x1.8p52) : T(0x1.8p23)),
-            sum = hn::MulAdd(r2, scale, whole);
+    if constexpr (kIntervals == 1) return r2 * scale_ - 0.5;
+    constexpr T whole = sizeof(T) == 8 ? T(0x1.8p52) : T(0x1.8p23);
+    const V sum = r2 * scale_ + whole;
     interval = hn::BitCast(hn::RebindToSigned<D>(), sum);
-    return hn::MulSub(r2, scale, hn::Sub(sum, whole));
+    return r2 * scale_ - (sum - whole);
   }
 
   // The coefficient of each lane's own interval.

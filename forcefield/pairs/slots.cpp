@@ -23,16 +23,15 @@ HWY_INLINE void place_cluster(const double* const (&from)[4], const Vec3* offset
   const auto three = hn::FirstN(d, 3);
   FourV atom[4], axis[3];
   for (int i = 0; i < 4; ++i)
-    atom[i] = hn::Add(hn::MaskedLoad(three, d, from[i]), hn::MaskedLoad(three, d, offset[i].data()));
+    atom[i] = hn::MaskedLoad(three, d, from[i]) + hn::MaskedLoad(three, d, offset[i].data());
   by_axes(atom, axis);
   for (int k = 0; k < 3; ++k) {
     hn::StoreU(axis[k], d, now + 4 * k);
     if constexpr (sizeof(T) == 8) {
-      hn::StoreU(hn::Mul(axis[k], hn::Set(d, inv_unit)), d, to + 4 * k);
+      hn::StoreU(axis[k] * inv_unit, d, to + 4 * k);
     } else {  // PairPrecision<float>::coordinate
       const hn::Rebind<std::uint32_t, Four> low;
-      const auto moved =
-          hn::Add(hn::Mul(axis[k], hn::Set(d, inv_unit)), hn::Set(d, PairPrecision<T>::kWholeInLowBits));
+      const auto moved = axis[k] * inv_unit + PairPrecision<T>::kWholeInLowBits;
       hn::StoreU(hn::TruncateTo(low, hn::BitCast(hn::RebindToUnsigned<Four>(), moved)), low,
                  reinterpret_cast<std::uint32_t*>(to) + 4 * k);
     }
@@ -75,9 +74,9 @@ HWY_INLINE void add_copies(const SlotForces<T>& from, int cluster, double (&sum)
         const T* force = from.force[t].data() + std::size_t(kNumbers) * cluster + 4 * kCopies * k + i;
         for (int copy = 0; copy < kCopies; ++copy, force += 4) {
           if constexpr (sizeof(T) == 8)
-            of_axis = hn::Add(of_axis, hn::LoadU(d, force));
+            of_axis = of_axis + hn::LoadU(d, force);
           else
-            of_axis = hn::Add(of_axis, hn::PromoteTo(d, hn::LoadU(hn::Rebind<float, Four>(), force)));
+            of_axis = of_axis + hn::PromoteTo(d, hn::LoadU(hn::Rebind<float, Four>(), force));
         }
       }
       hn::StoreU(of_axis, d, sum[k] + i);
