@@ -1,7 +1,12 @@
 #include "ensembles/bussi.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
+#include "base/errors.hpp"
+#include "base/shares.hpp"
+#include "constraints/registry.hpp"
 #include "md/observables.hpp"
 #include "md/units.hpp"
 
@@ -27,31 +32,50 @@ double sum_of_squares(int n, RandomOfStep& random) {
   }
 }
 
+System without_one_sided(System sys) {
+  sys.one_sided.clear();
+  return sys;
+}
+
 }  // namespace
 
 VelocityRescaling::VelocityRescaling(const System& sys, const Settings& settings)
-    : settings_(settings), random_{settings.seed} {
-  if (settings.holds != ConstraintMethod::Holds::kAll) projector_.emplace(sys);
+    : settings_(settings),
+      tangent_(without_one_sided(sys)),
+      projector_(make_method(tangent_, default_options("newton"), 1)),  // velocities know no step
+      random_{settings.seed} {}
+
+void VelocityRescaling::find_middle_velocity(const System& sys, double h, const State& s) {
+  middle_.x = s.x;
+  middle_.v.resize(3, sys.atoms());
+  by_atoms(sys.atoms(), [&](int first, int last) {
+    for (int i = first; i < last; ++i) middle_.v.col(i) = s.v.col(i) + 0.5 * h * sys.inv_mass[i] * s.f.col(i);
+  });
+  if (tangent_.bonds.empty()) return;
+  const SolveStats stats = projector_->project_velocities(tangent_, h, middle_);
+  if (!stats.converged())
+    throw SimulationFailure(fmt::format("the temperature: {}", in_words(stats.failure)));
 }
 
-double VelocityRescaling::after_step(const System& sys, double h, State& s) {
-  double kinetic = kinetic_energy(sys, s.v), thermal = kinetic;
-  if (projector_) {
-    Vectors tangent = s.v;
-    projector_->velocities(sys, s.x, tangent);
-    thermal = kinetic_energy(sys, tangent);
-    if (settings_.holds == ConstraintMethod::Holds::kPositions) kinetic = thermal;
-  }
-  if (thermal == 0) return 0;
+double VelocityRescaling::next_scale(double kinetic, double h) {
   const double c = std::exp(-h / settings_.relaxation);
-  const double share = 0.5 * kBoltzmann * settings_.temperature / thermal;  // K̄/n over K
+  const double share = 0.5 * kBoltzmann * settings_.temperature / kinetic;  // K̄/n over K
   RandomOfStep random = random_.next(Stream::kRescaling);
   const double first = random.normal();
   const double squares = first * first + sum_of_squares(settings_.dof - 1, random);
-  const double scale =
-      std::max(0.0, c + share * (1 - c) * squares + 2 * first * std::sqrt(c * (1 - c) * share));
-  s.v *= std::sqrt(scale);
-  return (scale - 1) * kinetic;
+  return std::max(0.0, c + share * (1 - c) * squares + 2 * first * std::sqrt(c * (1 - c) * share));
+}
+
+double VelocityRescaling::after_step(const System& sys, double h, State& s) {
+  find_middle_velocity(sys, h, s);
+  const Vectors& u = middle_.v;
+  const double kinetic = kinetic_energy(sys, u);
+  if (kinetic == 0) return 0;
+  const double more = std::sqrt(next_scale(kinetic, h)) - 1;
+  const double along =  // Σ m v·u
+      (s.v.cwiseProduct(u).colwise().sum().transpose().array() * sys.mass.array()).sum();
+  s.v += more * u;
+  return more * along + more * more * kinetic;
 }
 
 }  // namespace taut

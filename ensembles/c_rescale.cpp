@@ -27,16 +27,16 @@ CellRescaling::CellRescaling(const System& sys, const std::vector<int>& group, c
       kept_(std::exp(-coupling.time_between / coupling.relaxation)),
       random_{coupling.seed} {}
 
-Vec3 CellRescaling::pressure(const State& s) const {
+Vec3 CellRescaling::pressure(double h, const State& s) const {
   const Vec3 virial = forces_.field.virial(s, forces_.besides).diagonal() - centres_.inner_virial(s.x, s.F);
-  return (centres_.twice_kinetic(s.v) + virial) / s.box.volume();
+  return (centres_.twice_kinetic(s.v, 0.5 * h, s.f) + virial) / s.box.volume();
 }
 
-double CellRescaling::after_step(const System&, double, State& s) {
+double CellRescaling::after_step(const System&, double h, State& s) {
   if (++steps_ % coupling_.every != 0) return 0;
   const PartScope here(StepPart::kBarostat);
   const double V = s.box.volume();
-  const Vec3 P = pressure(s);
+  const Vec3 P = pressure(h, s);
   RandomOfStep random = random_.next(Stream::kCellRescaling);
   for (int kind = 0; kind <= coupling_.alike[2]; ++kind) {
     double k = 0, sum = 0;

@@ -14,7 +14,8 @@ namespace taut {
 //     dε = (kβ/3τ)(P − P₀) dt + √(2k kT β/(3Vτ)) dW,   P the mean over these edges of
 //     P = (Σ M V² + Ξ − Σ (x − X) f)/V,
 // the pressure of the centres that the box moves (md/centre_scaling.hpp), in which constraints have no part:
-// Ξ is the virial of all other forces f. The equation is linear where β is the compressibility, and is taken
+// Ξ is the virial of all other forces f, and V the velocity of the drift ahead, that of the full step and ½hf/M: a
+// centre's is too cold by (ωh)²/4 at the full step (docs/ensembles.md). The equation is linear where β is the compressibility, and is taken
 // over a time t at once,
 //     Δε = (kβ/3)(1 − c)(P − P₀) + √((1 − c²) k kT β/(3V)) R,   c = exp(−t/τ),
 // so that the distribution does not depend on how often, nor on τ, which sets the pace alone. A β that is s
@@ -37,8 +38,8 @@ class CellRescaling final : public Bath {
     archive.demand_count(steps_);
   }
 
-  // P along x, y and z where the forces were evaluated last [kJ/mol/nm³].
-  Vec3 pressure(const State& s) const;
+  // P along x, y and z where the forces were evaluated last, at a full step of length h [kJ/mol/nm³].
+  Vec3 pressure(double h, const State& s) const;
 
  private:
   void demand_sound(const Box& box) const;

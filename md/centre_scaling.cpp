@@ -51,6 +51,17 @@ Vec3 CentreScaling::twice_kinetic(const Vectors& v) const {
   return sum;
 }
 
+Vec3 CentreScaling::twice_kinetic(const Vectors& v, double time, const Vectors& f) const {
+  Vec3 sum = Vec3::Zero();
+  for (int g = 0; g < groups(); ++g) {
+    Vec3 momentum = mass_[g] * centre(g, v);
+    for (int k = begin_[g]; k < begin_[g + 1]; ++k)
+      if (share_[k] > 0) momentum += time * f.col(atom_[k]);
+    sum += momentum.cwiseAbs2() / mass_[g];
+  }
+  return sum;
+}
+
 Vec3 CentreScaling::inner_virial(const Vectors& x, const Vectors& f) const {
   Vec3 sum = Vec3::Zero();
   for (int g = 0; g < groups(); ++g) {

@@ -22,6 +22,8 @@ class CentreScaling {
 
   // Σ M V² of the groups' centres, along x, y and z [kJ/mol].
   Vec3 twice_kinetic(const Vectors& v) const;
+  // The same after forces f have acted for a time [ps]. Those within a group cancel.
+  Vec3 twice_kinetic(const Vectors& v, double time, const Vectors& f) const;
   // Σ (x − X) f along x, y and z: the part of the atoms' virial that their centres lack [kJ/mol].
   Vec3 inner_virial(const Vectors& x, const Vectors& f) const;
 

@@ -37,6 +37,7 @@ const std::vector<LogColumn>& common_columns() {
       {"Constraint Work (kJ/mole)", "constraint_work_kj_mol", "what the bonds changed the energy by since the start", "kJ/mol", [](R r) { return r.constraint_work; }},
       {"Heat (kJ/mole)", "heat_kj_mol", "heat from thermostat and barostat since the start", "kJ/mol", [](R r) { return r.heat.value_or(kUnknown); }},
       {"Bath Temperature (K)", "bath_temperature_k", "temperature of the thermostat", "K", [](R r) { return r.bath_temperature.value_or(kUnknown); }},
+      {"Full-Step Temperature (K)", "full_step_temperature_k", "temperature of the full step's velocities", "K", [](R r) { return r.full_step_temperature; }},
       {"Box Volume (nm^3)", "volume_nm3", "volume", "nm³", [](R r) { return r.pressure ? r.volume : kUnknown; }, {}, Use::kMeanWhereItVaries, true},
       {"Density (kg/m^3)", "density_kg_m3", "density", "kg/m³", [](R r) { return r.pressure ? r.density : kUnknown; }, {}, Use::kMeanWhereItVaries, true},
       {"Pressure XX (bar)", "pressure_xx_bar", "pressure tensor, xx", "bar", tensor(0), {}, Use::kNone, true},

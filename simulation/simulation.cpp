@@ -10,8 +10,6 @@
 #include "base/errors.hpp"
 #include "constraints/bond_algebra.hpp"
 #include "ensembles/bussi.hpp"
-#include "ensembles/c_rescale.hpp"
-#include "ensembles/monte_carlo.hpp"
 #include "forcefield/check_positions.hpp"
 #include "forcefield/ewald/parameters.hpp"
 #include "md/units.hpp"
@@ -19,8 +17,8 @@
 #include "simulation/inner.hpp"
 #include "simulation/redundant_bonds.hpp"
 #include "simulation/soft_start.hpp"
+#include "simulation/unresolved_motion.hpp"
 #include "systems/linked_rings.hpp"
-#include "systems/whole_molecules.hpp"
 
 namespace taut {
 namespace {
@@ -182,6 +180,8 @@ void Simulation::note_start() {
   if (kinetic_removed > kNoise && !scene_.velocities_drawn)  // else along the bonds, as it has to be
     what.push_back(fmt::format("{:.3g} % of the kinetic energy taken out", 100 * kinetic_removed));
   if (!what.empty()) scene_.notes.push_back(fmt::format("brought to the bonds: {}", fmt::join(what, ", ")));
+  if (std::string fast = unresolved_motion(scene_, state_.x); !fast.empty())
+    scene_.notes.push_back(std::move(fast));
   if (std::string linked = linked_rings_message(full_, scene_.terms, state_); !linked.empty())
     scene_.notes.push_back(std::move(linked));
   for (std::string& note : contradicted_lengths(full_, redundancy_.redundant, state_.x))
@@ -210,31 +210,6 @@ void Simulation::make_thermostat() {
   inner_->integrator->account = account;
 }
 
-PressureCoupling pressure_coupling(const RunSettings& run, std::uint64_t seed) {
-  if (run.barostat_every < 1)
-    throw InputError(fmt::format("run.barostat_every is {}, expected 1 or more", run.barostat_every));
-  const std::array<int, 3> all = {0, 0, 0}, none = {0, 1, 2}, x_and_y = {0, 0, 1};
-  return {.pressure = run.pressure_bar / kBarPerUnit,
-          .kT = kBoltzmann * run.temperature_k,
-          .every = run.barostat_every,
-          .time_between = static_cast<double>(run.barostat_every) * run.h(),
-          .relaxation = run.barostat_ps,
-          .compressibility = run.compressibility_per_bar * kBarPerUnit,
-          .alike = run.coupling == "anisotropic"      ? none
-                   : run.coupling == "semi-isotropic" ? x_and_y
-                                                      : all,
-          .seed = seed};
-}
-
-std::unique_ptr<Bath> make_barostat(const Scene& scene, std::uint64_t seed, RunForces& forces) {
-  if (!scene.run.barostatted()) return nullptr;
-  const System& sys = scene.system;
-  const PressureCoupling coupling = pressure_coupling(scene.run, seed);
-  if (scene.run.barostat == "c-rescale")
-    return std::make_unique<CellRescaling>(sys, molecules(sys, {}), scene.start.box, coupling, forces);
-  return std::make_unique<MonteCarloBarostat>(sys, molecules(sys, scene.terms), coupling, forces);
-}
-
 void Simulation::make_barostat() {
   inner_->ensemble.barostat = taut::make_barostat(scene_, ~seed_here(), inner_->forces);
 }
@@ -259,8 +234,7 @@ void Simulation::count_degrees_of_freedom(RigidMotions::Which fixed) {
         std::make_unique<VelocityRescaling>(sys, VelocityRescaling::Settings{.temperature = run.temperature_k,
                                                                              .relaxation = run.thermostat_ps,
                                                                              .dof = dof_.total(),
-                                                                             .seed = seed_here(),
-                                                                             .holds = method_->holds()});
+                                                                             .seed = seed_here()});
 }
 
 // A spring's multipliers are of its positions; a constraint's are solved for: those of a method's last solve
@@ -312,10 +286,17 @@ Vectors Simulation::velocity() const {
   return has_springs() ? state_.v : without_stretching(state_.v);
 }
 
+Vectors Simulation::middle_velocity() const {
+  State middle = state_;
+  half_kick(scene_.system, scene_.run.h(), nullptr, middle);
+  return middle.v;
+}
+
 Vectors Simulation::thermal_velocity() const {
   const ThreadScope own(threads_);
-  return inner_->langevin() ? inner_->langevin()->middle_velocity(scene_.system, state_)
-                            : without_stretching(state_.v);
+  Vectors v = middle_velocity();
+  if (!(has_springs() && inner_->langevin())) inner_->projector.velocities(scene_.system, state_.x, v);
+  return v;
 }
 
 Record Simulation::record() const {
@@ -327,6 +308,7 @@ Record Simulation::record() const {
                 method_->spring_energy(scene_.system, state_.x);
   r.kinetic = kinetic_energy(scene_.system, velocity());
   r.temperature = temperature(kinetic_energy(scene_.system, thermal_velocity()), dof_.total());
+  r.full_step_temperature = temperature(r.kinetic, dof_.total());
   r.bonds = bond_errors(scene_.system, state_.x);
   return r;
 }
@@ -335,7 +317,7 @@ std::optional<Eigen::Matrix3d> Simulation::pressure_tensor() const {
   if (!inner_->barometer) return {};
   const ThreadScope own(threads_);
   const bool springs_move = has_springs() && !inner_->langevin();  // and the pressure has their part in it
-  const State now{state_.x, springs_move ? state_.v : thermal_velocity(), state_.F, state_.t, state_.box};
+  const State now{state_.x, springs_move ? middle_velocity() : thermal_velocity(), state_.F, state_.t, state_.box};
   return inner_->barometer->evaluated(scene_.system, inner_->forces.field, now, inner_->forces.besides,
                                       method_->lambda());
 }

@@ -39,6 +39,7 @@ struct Record {
   double t = 0;                       // [ps]
   double potential = 0, kinetic = 0;  // of Simulation::velocity() [kJ/mol]
   double temperature = 0;             // of Simulation::thermal_velocity() [K]
+  double full_step_temperature = 0;   // of Simulation::velocity() [K]
   BondErrors bonds;
   // Of the energy but for the heat, so far [kJ/mol/ns/dof]; NaN under a barostat, whose work is not metered.
   double drift = kUnknown;
@@ -174,10 +175,13 @@ class Simulation {
   Record full_record() const;  // with all of a row but what belongs to a run: drift, iterations, speed
   std::optional<Eigen::Matrix3d> pressure_tensor() const;  // in a box [bar]
   double constraint_work() const;                          // as a row of the log has it [kJ/mol]
-  // That of full steps [nm/ps], without what shake leaves of it along the bonds.
+  // That of full steps [nm/ps], without what shake leaves of it along the bonds. The energy is taken of it: with it
+  // velocity Verlet keeps the energy to h², and forces' work and heat add up to it exactly (md/account.hpp).
   Vectors velocity() const;
-  // What temperatures are taken of: under Langevin's thermostat the velocity it acts on, or else velocity();
-  // of bonds that are springs without what stretches them, for they start cold and warm up slowly.
+  // What temperatures and the pressure are taken of, and thermostats act on: the velocity of the drift ahead, on the
+  // tangent of the bonds, P(v + (h/2)M⁻¹f), which is canonical for harmonic motion at any step (docs/ensembles.md). So
+  // of bonds that are springs it is without what stretches them, for they start cold and warm up slowly, but under
+  // Langevin's thermostat, which heats them at once.
   Vectors thermal_velocity() const;
 
   // Of the rows so far: translation, rotation and the rest of each type of molecule.
@@ -236,6 +240,7 @@ class Simulation {
   SolveStats take_step();
   bool has_springs() const { return method_->holds() == ConstraintMethod::Holds::kSprings; }
   Vectors without_stretching(Vectors v) const;
+  Vectors middle_velocity() const;  // v + (h/2)M⁻¹f
   class Stopwatch;
   void size_sums();
   struct LogSums {  // over the rows of the log

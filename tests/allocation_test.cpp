@@ -7,8 +7,10 @@
 
 #include "constraints/projection.hpp"
 #include "constraints/registry.hpp"
+#include "ensembles/bussi.hpp"
 #include "ensembles/langevin.hpp"
 #include "free_system.hpp"
+#include "md/run.hpp"
 
 extern "C" {
 void* __real_malloc(std::size_t size);
@@ -107,6 +109,8 @@ TEST_P(EveryMethod, AllocatesNothingInAStep) {
     expect_no_allocations(verlet, {system, forces, *method}, h, s);
     Langevin langevin(system, {.temperature = 300, .friction = 1, .seed = 5}, h);
     expect_no_allocations(langevin, {system, forces, *method}, h, s);
+    VelocityRescaling rescaling(system, {.temperature = 300, .relaxation = 0.1, .dof = 3 * system.atoms()});
+    expect_no_allocations(verlet, {system, forces, *method, rescaling}, h, s);
   }
 }
 

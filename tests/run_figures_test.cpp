@@ -7,9 +7,12 @@
 
 #include "base/errors.hpp"
 #include "base/random.hpp"
+#include "constraints/projection.hpp"
+#include "ensembles/pressure.hpp"
 #include "md/units.hpp"
 #include "simulation/doubts.hpp"
 #include "simulation/simulation.hpp"
+#include "simulation/unresolved_motion.hpp"
 #include "systems/scene_file.hpp"
 
 namespace taut::run_figures_tests {
@@ -26,6 +29,28 @@ std::vector<Record> rows_of(const std::string& scene, const Overrides& overrides
   Simulation simulation(scene_of(scene, overrides));
   simulation.run([&](const Record& r) { rows.push_back(r); });
   return rows;
+}
+
+// Whatever the bath temperatures are of P(v + (h/2)M⁻¹f), as are those by kind of motion and the pressure's part; the
+// energy is of v, whose temperature is a column of its own.
+TEST(ThermalVelocity, IsThatOfTheDriftUnderEveryBath) {
+  for (const char* thermostat : {"run.thermostat=none", "run.thermostat_ps=0.1", "run.thermostat=langevin"}) {
+    Simulation simulation(scene_of("water", {thermostat, "run.steps=40", "run.log_every=40", "run.dt_fs=4"}));
+    simulation.run({});
+    const System& sys = simulation.scene().system;
+    const State& s = simulation.state();
+    Vectors u = s.v;
+    for (int a = 0; a < sys.atoms(); ++a) u.col(a) += 0.5 * 4e-3 * sys.inv_mass[a] * s.f.col(a);
+    Projector(sys).velocities(sys, s.x, u);
+    const Record r = simulation.full_record();
+    const int dof = simulation.dof().total();
+    EXPECT_NEAR(r.temperature, temperature(kinetic_energy(sys, u), dof), 1e-6) << thermostat;
+    EXPECT_NEAR(r.kinetic, kinetic_energy(sys, s.v), 1e-6);
+    EXPECT_NEAR(r.full_step_temperature, temperature(r.kinetic, dof), 1e-9);
+    EXPECT_GT(std::abs(r.temperature - r.full_step_temperature), 1);
+    ForceField forces(sys, s.box, simulation.scene().terms);
+    EXPECT_NEAR(*r.pressure, Barometer(sys)(sys, forces, s, u, {}).trace() / 3, 0.01);
+  }
 }
 
 // SHAKE's positions are RATTLE's; its velocities keep a part along the bonds, which is not heat.
@@ -68,6 +93,64 @@ TEST(ThermalVelocity, SpringsInABathHoldHalfKT) {
     ++rows;
   });
   EXPECT_NEAR(sum / rows / (0.5 * kBoltzmann * 120.27), 1, 0.03);
+}
+
+// Two masses on a spring swing at √(k/μ); an angle whose bonds are rigid at √(k gᵀPM⁻¹g), less than with free ones.
+TEST(UnresolvedMotion, IsTheFastestSprings) {
+  Scene scene;
+  scene.system = make_system(Eigen::Vector3d(1, 4, 2), {});
+  scene.terms.bonds = {{0, 1, 0.1, 1000}, {1, 2, 0.1, 1e5}};
+  Vectors x(3, 3);
+  x << 0.1, 0, -0.03, 0, 0, 0.09, 0, 0, 0.02;
+  scene.run.dt_fs = 5;
+  const double omega = std::sqrt(1e5 / (4.0 / 3));  // ωh = 1.37
+  EXPECT_EQ(unresolved_motion(scene, x), "");
+  scene.run.dt_fs = 1.51e3 / omega;
+  EXPECT_NE(unresolved_motion(scene, x).find("the bond of atoms 1-2, a spring whose ωh is 1.5 "),
+            std::string::npos)
+      << unresolved_motion(scene, x);
+  const auto angle = [](const Vectors& at) {
+    const Vec3 u = at.col(0) - at.col(1), w = at.col(2) - at.col(1);
+    return std::acos(u.dot(w) / (u.norm() * w.norm()));
+  };
+  Vectors M_g(3, 3);
+  for (int a = 0; a < 3; ++a)
+    for (int d = 0; d < 3; ++d) {
+      Vectors there = x, back = x;
+      there(d, a) += 1e-6, back(d, a) -= 1e-6;
+      M_g(d, a) = (angle(there) - angle(back)) / 2e-6 * scene.system.inv_mass[a];
+    }
+  scene.terms.bonds.clear();
+  scene.terms.angles = {{0, 1, 2, 2, 500}};
+  double free = 0;
+  for (const bool rigid : {false, true}) {
+    if (rigid) {
+      scene.system =
+          make_system(Eigen::Vector3d(1, 4, 2), {{0, 1, 0.1}, {1, 2, (x.col(2) - x.col(1)).norm()}});
+      Projector(scene.system).velocities(scene.system, x, M_g);
+    }
+    const double frequency = std::sqrt(500 * 2 * kinetic_energy(scene.system, M_g));
+    if (rigid) {
+      EXPECT_LT(frequency, 0.99 * free);
+    }
+    free = frequency;
+    scene.run.dt_fs = 1.499e3 / frequency;
+    EXPECT_EQ(unresolved_motion(scene, x), "");
+    scene.run.dt_fs = 1.501e3 / frequency;
+    EXPECT_NE(unresolved_motion(scene, x).find("angle of atoms 0-1-2"), std::string::npos);
+  }
+}
+
+// It is said before the first step.
+TEST(UnresolvedMotion, IsANoteOfTheRun) {
+  Scene scene = scene_of("trimer", {"build.beads=2", "build.chains=1"});
+  scene.terms.bonds = {{0, 1, 1, 1e9}};
+  scene.system.bonds.clear();
+  const Simulation simulation(scene);
+  bool noted = false;
+  for (const std::string& note : simulation.scene().notes)
+    noted |= note.find("does not resolve") != note.npos;
+  EXPECT_TRUE(noted);
 }
 
 // White noise, noise with a memory, a random walk, and a walk under noise. With a walk what is printed is the

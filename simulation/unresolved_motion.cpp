@@ -1,0 +1,107 @@
+#include "simulation/unresolved_motion.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <set>
+#include <utility>
+#include <vector>
+
+namespace taut {
+namespace {
+
+constexpr double kResolved = 1.5;  // ωh
+
+struct Spring {
+  std::vector<int> atoms;
+  double stiffness;
+  Eigen::VectorXd gradient;  // of its length or angle, three numbers an atom
+};
+
+class Springs {
+ public:
+  Springs(const System& sys, const Vectors& x) : sys_(sys), x_(x) {
+    for (const RigidBond& bond : sys.bonds) rigid_.insert(std::minmax(bond.i, bond.j));
+  }
+
+  double squared_frequency(const Spring& spring) const {
+    const auto n = static_cast<Eigen::Index>(spring.atoms.size());
+    std::vector<Eigen::VectorXd> gradients = {spring.gradient};
+    for (int a = 0; a < n; ++a)
+      for (int b = a + 1; b < n; ++b)
+        if (rigid_.contains(std::minmax(spring.atoms[a], spring.atoms[b])))
+          gradients.push_back(of_length(spring.atoms, a, b));
+    Eigen::VectorXd inv_mass(3 * n);
+    for (int a = 0; a < n; ++a) inv_mass.segment<3>(3 * a).setConstant(sys_.inv_mass[spring.atoms[a]]);
+    const auto rows = static_cast<Eigen::Index>(gradients.size());
+    Eigen::MatrixXd G(rows, rows);
+    for (Eigen::Index k = 0; k < rows; ++k)
+      for (Eigen::Index l = 0; l < rows; ++l) G(k, l) = gradients[k].cwiseProduct(inv_mass).dot(gradients[l]);
+    double free = G(0, 0);
+    if (rows > 1) {
+      const Eigen::VectorXd held = G.col(0).tail(rows - 1);
+      free -= held.dot(G.bottomRightCorner(rows - 1, rows - 1).completeOrthogonalDecomposition().solve(held));
+    }
+    return spring.stiffness * std::max(0.0, free);
+  }
+
+  Spring of(const HarmonicBond& bond) const {
+    const std::vector<int> atoms = {bond.i, bond.j};
+    return {atoms, bond.k, of_length(atoms, 0, 1)};
+  }
+
+  Spring of(const HarmonicAngle& angle) const {
+    const Vec3 u = x_.col(angle.i) - x_.col(angle.j), w = x_.col(angle.k) - x_.col(angle.j);
+    const Vec3 e = u.normalized(), f = w.normalized();
+    const double cosine = e.dot(f), sine = e.cross(f).norm();
+    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(9);
+    if (sine > 1e-3) {  // in line there is no direction to bend in
+      gradient.segment<3>(0) = (cosine * e - f) / (u.norm() * sine);
+      gradient.segment<3>(6) = (cosine * f - e) / (w.norm() * sine);
+      gradient.segment<3>(3) = -gradient.segment<3>(0) - gradient.segment<3>(6);
+    }
+    return {{angle.i, angle.j, angle.k}, angle.stiffness, gradient};
+  }
+
+ private:
+  Eigen::VectorXd of_length(const std::vector<int>& atoms, int a, int b) const {
+    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(atoms.size()));
+    const Vec3 e = (x_.col(atoms[b]) - x_.col(atoms[a])).normalized();
+    gradient.segment<3>(3 * a) = -e;
+    gradient.segment<3>(3 * b) = e;
+    return gradient;
+  }
+
+  const System& sys_;
+  const Vectors& x_;
+  std::set<std::pair<int, int>> rigid_;
+};
+
+}  // namespace
+
+std::string unresolved_motion(const Scene& scene, const Vectors& x) {
+  const Springs springs(scene.system, x);
+  double fastest = 0;
+  Spring which;
+  const auto see = [&](const auto& terms) {
+    for (const auto& term : terms) {
+      Spring spring = springs.of(term);
+      const double squared = springs.squared_frequency(spring);
+      if (squared > fastest) fastest = squared, which = std::move(spring);
+    }
+  };
+  see(scene.terms.bonds);
+  see(scene.terms.angles);
+  const double omega_h = std::sqrt(fastest) * scene.run.h();
+  if (!(omega_h > kResolved)) return "";
+  return fmt::format(
+      "run.dt_fs: {:g} fs does not resolve the {} of atoms {}, a spring whose ωh is {:.2g} (above 1.5 "
+      "averages are of no "
+      "use, from 2 on the run fails); take {:.2g} fs or less, where it is 1, or hold it rigid",
+      scene.run.dt_fs, which.atoms.size() == 2 ? "bond" : "angle", fmt::join(which.atoms, "-"), omega_h,
+      scene.run.dt_fs / omega_h);
+}
+
+}  // namespace taut
