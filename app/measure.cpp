@@ -14,6 +14,7 @@
 #include "printing.hpp"
 #include "scan_folder.hpp"
 #include "study.hpp"
+#include "zero_steps.hpp"
 
 namespace taut {
 namespace {
@@ -46,7 +47,7 @@ struct MeasureArguments {
 
 // The names that a measurement may write, with their pictures.
 constexpr std::array kTables = {"equilibration", "distances", "displacement", "relaxation",
-                                "viscosity",     "each_run",  "scan"};
+                                "viscosity",     "each_run",  "scan",         "zero_step"};
 
 void write_files(const MeasureArguments& arguments, const auto& draw) {
   make_folder(*arguments.out);
@@ -72,9 +73,12 @@ void measure_one(const MeasureArguments& arguments, const MeasuredRun& run) {
 
 void measure_groups(const MeasureArguments& arguments, const std::vector<RunGroup>& groups) {
   for (const RunGroup& group : groups) print_group(group);
+  const std::vector<ZeroSteps> zero_steps = at_zero_step(groups);
+  for (const ZeroSteps& of : zero_steps) print_zero_steps(of);
   if (json_alone()) {
     nlohmann::ordered_json json = nlohmann::ordered_json::array();
     for (const RunGroup& group : groups) json.push_back(json_of(group));
+    for (const ZeroSteps& of : zero_steps) json.push_back(json_of(of));
     write_out((groups.size() == 1 && groups[0].values.empty() ? json[0] : json)
                   .dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
               "\n");
@@ -86,6 +90,7 @@ void measure_groups(const MeasureArguments& arguments, const std::vector<RunGrou
                   each_run_csv(groups[0])});
     else
       draw_scan(files, groups);
+    if (!zero_steps.empty()) files.write(kZeroSteps, zero_steps_csv(zero_steps));
   });
 }
 

@@ -28,6 +28,7 @@
 #include "stop_request.hpp"
 #include "study.hpp"
 #include "words.hpp"
+#include "zero_steps.hpp"
 
 extern char** environ;
 
@@ -198,7 +199,7 @@ void refuse_foreign_files(const fs::path& folder, const std::vector<ScanRun>& ru
     throw InputError(
         fmt::format("{}: holds another scan; take another folder, or delete it", folder.string()));
   }
-  std::vector<std::string> names = {kScanTable, "titles.tsv", "taut.gp"};
+  std::vector<std::string> names = {kScanTable, kZeroSteps, "titles.tsv", "taut.gp"};
   for (const char* picture : {"scan", "each_run"})
     for (const char* kind : {".csv", ".gp", ".svg", ".png", ".gnuplot.log"})
       names.push_back(std::string(picture) + kind);
@@ -238,7 +239,10 @@ void scan(const ScanArguments& arguments) {
   const std::vector<RunGroup> groups =
       measure_scan(arguments.out, {.atoms = {}, .from = {}, .last = {}, .automatic = true, .viscosity = {}});
   for (const RunGroup& group : groups) print_group(group);
+  const std::vector<ZeroSteps> zero_steps = at_zero_step(groups);
+  for (const ZeroSteps& of : zero_steps) print_zero_steps(of);
   StudyFiles files(arguments.out);
+  if (!zero_steps.empty()) files.write(kZeroSteps, zero_steps_csv(zero_steps));
   if (!arguments.vary.empty())
     draw_scan(files, groups);
   else
@@ -248,6 +252,7 @@ void scan(const ScanArguments& arguments) {
   if (json_alone()) {
     nlohmann::ordered_json json = nlohmann::ordered_json::array();
     for (const RunGroup& group : groups) json.push_back(json_of(group));
+    for (const ZeroSteps& of : zero_steps) json.push_back(json_of(of));
     write_out(json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   }
   if (!failed.empty())

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "studies/csv.hpp"
@@ -42,6 +43,37 @@ TEST(Scan, GoesOnWhereItStopped) {
   said("scan pair --steps 5 --vary method.name=newton,rattle --out " + words);
   EXPECT_TRUE(fs::exists(words + "/scan.png"));
   EXPECT_THAT(said(command + " --dt-fs 1", 2), HasSubstr("another scan"));
+}
+
+// Over steps every figure is taken to none, for each setting of the other keys, on the terminal, in JSON and as a table.
+TEST(Scan, OfStepsIsExtrapolatedToNone) {
+  const TemporaryFolder folder;
+  const std::string out = (folder.path() / "scan").string();
+  const std::string command =
+      "scan freely_jointed --steps 200 --set build.chains=5 run.log_every=2 run.thermostat_ps=0.1 "
+      "--vary method.name=newton,rattle --vary run.dt_fs=2,4,5 --seeds 2 --out " +
+      out;
+  EXPECT_THAT(said(command),
+              AllOf(HasSubstr("method.name=rattle at zero step: the line in h² through run.dt_fs = 2, 4, 5"),
+                    HasSubstr("on the line")));
+  const json all = json::parse(said("measure --from auto --json " + out));
+  ASSERT_EQ(all.size(), 8u);
+  EXPECT_EQ(all[6]["values"]["method.name"], "newton");
+  EXPECT_EQ(all[6]["values"]["run.dt_fs"], "0");
+  const json& zero = all[6]["mean"]["temperature_k"];
+  EXPECT_EQ(zero["degrees_of_freedom"], 1);
+  double numerator = 0, w = 0, wx = 0, wxx = 0;
+  const auto weight = [&](int k) {
+    return 1 / std::pow(all[k]["mean"]["temperature_k"]["error"].get<double>(), 2);
+  };
+  const std::vector<double> squares = {4, 16, 25};
+  for (int k = 0; k < 3; ++k)
+    w += weight(k), wx += weight(k) * squares[k], wxx += weight(k) * squares[k] * squares[k];
+  for (int k = 0; k < 3; ++k)
+    numerator += weight(k) * (wxx - wx * squares[k]) * all[k]["mean"]["temperature_k"]["value"].get<double>();
+  EXPECT_NEAR(zero["value"].get<double>(), numerator / (w * wxx - wx * wx), 1e-6);
+  EXPECT_THAT(contents(out + "/zero_step.csv"), HasSubstr("\ntemperature,K,method.name=newton,"));
+  said(command + " --quiet");  // its table is its own
 }
 
 // What a person keeps in the folder is never written over.

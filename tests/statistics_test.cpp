@@ -7,11 +7,62 @@
 #include <cmath>
 
 #include "base/random.hpp"
+#include "base/zero_step.hpp"
 #include "studies/crosscheck_verdict.hpp"
 #include "studies/liquid_structure.hpp"
 
 namespace taut::statistics_tests {
 namespace {
+
+// Points on y = 7 − 0.5h² of their own errors: the line's value, and the error that weights give by hand,
+// σ² = Σwh⁴/(Σw Σwh⁴ − (Σwh²)²).
+TEST(ZeroStep, IsTheWeightedLinesValue) {
+  const std::vector<AtStep> points = {{2, {5, 0.1}}, {4, {-1, 0.2}}, {5, {-5.5, 0.5}}};
+  const auto found = at_zero_step(points);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->value.value, 7, 1e-12);
+  EXPECT_NEAR(found->slope.value, -0.5, 1e-12);
+  double w = 0, wx = 0, wxx = 0;
+  for (const auto& [h, mean] : points) {
+    const double weight = 1 / (mean.error * mean.error);
+    w += weight, wx += weight * h * h, wxx += weight * h * h * h * h;
+  }
+  EXPECT_NEAR(found->value.error, std::sqrt(wxx / (w * wxx - wx * wx)), 1e-12);
+  EXPECT_NEAR(found->slope.error, std::sqrt(w / (w * wxx - wx * wx)), 1e-12);
+  EXPECT_NEAR(found->chi_square, 0, 1e-20);
+  EXPECT_TRUE(found->on_the_line());
+}
+
+// Over many draws about a line the value scatters as its error says, and one in a hundred is told off the line. With a
+// part in h⁴ of a few errors the points are.
+TEST(ZeroStep, TellsWhetherPointsLieOnTheLine) {
+  Random random(5);
+  int off = 0;
+  double squares = 0;
+  constexpr int kDraws = 4000;
+  for (int n = 0; n < kDraws; ++n) {
+    std::vector<AtStep> points;
+    for (const double h : {1.0, 2.0, 4.0, 5.0, 6.0})
+      points.push_back({h, {3 + 0.2 * h * h + 0.4 * random.normal(), 0.4}});
+    const auto found = at_zero_step(points);
+    off += !found->on_the_line();
+    squares += std::pow((found->value.value - 3) / found->value.error, 2) / kDraws;
+  }
+  EXPECT_NEAR(squares, 1, 0.1);
+  EXPECT_NEAR(off, kDraws / 100, 25);
+  const std::vector<AtStep> curved = {{2, {0.16, 0.1}}, {4, {2.56, 0.1}}, {6, {12.96, 0.1}}};
+  EXPECT_FALSE(at_zero_step(curved)->on_the_line());
+}
+
+TEST(ZeroStep, NeedsTwoStepsAndErrors) {
+  EXPECT_FALSE(at_zero_step({}));
+  EXPECT_FALSE(at_zero_step(std::vector<AtStep>{{2, {1, 1}}, {2, {1, 1}}}));
+  EXPECT_FALSE(at_zero_step(std::vector<AtStep>{{2, {1, 1}}, {4, {1, 0}}}));
+  const auto two = at_zero_step(std::vector<AtStep>{{2, {1, 1}}, {4, {2, 1}}});
+  ASSERT_TRUE(two);
+  EXPECT_EQ(two->free, 0);
+  EXPECT_EQ(two->chance, 1);
+}
 
 TEST(BlockAverage, OfIndependentNumbersHasTheTextbookError) {
   Random random(1);

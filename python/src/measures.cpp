@@ -6,6 +6,7 @@
 #include "base/errors.hpp"
 #include "base/even_times.hpp"
 #include "base/series.hpp"
+#include "base/zero_step.hpp"
 #include "core.hpp"
 #include "studies/chain_measures.hpp"
 #include "studies/transport.hpp"
@@ -47,6 +48,17 @@ py::dict viscosity(const Array& pressure, const Times& t, double volume, double 
   all["flaw"] = found.flaw;
   all["used"] = found.rows.samples;
   return all;
+}
+
+// Value, slope, χ², its degrees of freedom and their chance; None where no line is told.
+py::object zero_step(const std::vector<double>& h, const std::vector<double>& means,
+                     const std::vector<double>& errors) {
+  std::vector<AtStep> points;
+  for (std::size_t k = 0; k < h.size(); ++k) points.push_back({h[k], {means[k], errors[k]}});
+  const auto found = at_zero_step(points);
+  if (!found) return py::none();
+  return py::make_tuple(pair_of(found->value), pair_of(found->slope), found->chi_square, found->free,
+                        found->chance);
 }
 
 py::dict displacement(const Array& frames, const Times& t, const std::vector<double>& masses,
@@ -106,6 +118,7 @@ void bind_measures(py::module_& m) {
   m.def("measure_displacement", displacement);
   m.def("measure_chains", chains);
   m.def("measure_size_correction", finite_size_correction);
+  m.def("measure_zero_step", zero_step);
 }
 
 }  // namespace taut

@@ -20,8 +20,8 @@ import numpy.typing as npt
 from . import _core
 from .errors import InputError
 
-__all__ = ["Chains", "Diffusion", "Estimate", "Viscosity", "chains", "diffusion", "equilibration", "mean",
-           "size_correction", "viscosity"]
+__all__ = ["Chains", "Diffusion", "Estimate", "Viscosity", "ZeroStep", "at_zero_step", "chains", "diffusion",
+           "equilibration", "mean", "size_correction", "viscosity"]
 
 Reals = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
@@ -56,6 +56,16 @@ class Diffusion(NamedTuple):
     time_ps: Reals  # (lags,)
     squared_nm2: Reals  # (lags, 2): values and errors
     used: Integers  # the frames it is of
+
+
+class ZeroStep(NamedTuple):
+    """What means at several steps come to at none, by the line y = value + slope·h² through them."""
+
+    value: Estimate
+    slope: Estimate  # per fs²
+    chi_square: float  # of the points about the line
+    degrees_of_freedom: int  # points less two; 0: two points cannot tell whether they lie on a line
+    chance: float  # that points on a line lie so far off it, or farther; below 0.01 leave the longest step out
 
 
 class Chains(NamedTuple):
@@ -113,6 +123,19 @@ def mean(series: npt.ArrayLike, *, time_ps: Optional[npt.ArrayLike] = None) -> E
         raise InputError("series: there are no numbers")
     return _estimate(_core.measure_mean(numbers.tolist(), _times(numbers.size, None if time_ps is not None else 1.0,
                                                                  time_ps)))
+
+
+def at_zero_step(dt_fs: npt.ArrayLike, means: npt.ArrayLike, errors: npt.ArrayLike) -> ZeroStep:
+    """Returns the means at several lengths of step extrapolated to none, in the step's square, each weighing as
+    1/error². ``taut scan --vary run.dt_fs=2,4,5 --seeds 4`` prints the same of all that it measures."""
+    steps, values, sigmas = (_numbers(name, given, -1) for name, given in
+                             (("dt_fs", dt_fs), ("means", means), ("errors", errors)))
+    if not steps.size == values.size == sigmas.size:
+        raise InputError(f"dt_fs, means, errors: expected as many of each, got {steps.size}, {values.size}, {sigmas.size}")
+    if not (steps > 0).all() or not (sigmas > 0).all() or len(set(steps.tolist())) < 2:
+        raise InputError("dt_fs, errors: expected numbers above 0, and two lengths of step or more")
+    value, slope, chi_square, free, chance = _core.measure_zero_step(steps.tolist(), values.tolist(), sigmas.tolist())
+    return ZeroStep(Estimate(*value), Estimate(*slope), chi_square, free, chance)
 
 
 def equilibration(series: npt.ArrayLike, *, time_ps: Optional[npt.ArrayLike] = None) -> int:

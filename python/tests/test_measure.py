@@ -97,6 +97,13 @@ def test_random_walks_diffuse_by_their_steps():
         2.837297 * 1.380649e-23 * 300 / (6 * np.pi * 0.3e-3 * 2e-9) * 1e18 * 1e-12, rel=1e-6)
 
 
+def test_means_at_several_steps_are_taken_to_none():
+    found = measure.at_zero_step([2, 4, 5], [5, -1, -5.5], [0.1, 0.2, 0.5])
+    assert found.value.value == pytest.approx(7) and found.slope.value == pytest.approx(-0.5)
+    assert found.degrees_of_freedom == 1 and found.chi_square == pytest.approx(0, abs=1e-12)
+    assert measure.at_zero_step([2, 4, 6], [0.16, 2.56, 12.96], [0.1, 0.1, 0.1]).chance < 1e-3
+
+
 def test_ideal_chains_have_their_size():
     """N bonds b: ⟨R²⟩ = N b², ⟨R_g²⟩ = b² N(N + 2)/(6(N + 1))."""
     rng = np.random.default_rng(4)
@@ -116,6 +123,8 @@ def test_ideal_chains_have_their_size():
     (lambda: measure.mean([[1.0]]), r"series: expected an array of shape \(n,\), got \(1, 1\)"),
     (lambda: measure.diffusion(np.zeros((5, 4, 3))), "interval_ps, time_ps: expected one of them"),
     (lambda: measure.mean([1, 2, 3], time_ps=[0, 2, 1]), r"time_ps: expected ascending times, but \[2\] is not later"),
+    (lambda: measure.at_zero_step([2, 2], [1, 1], [1, 1]), "two lengths of step"),
+    (lambda: measure.at_zero_step([2, 4], [1, 1], [1, 0]), "errors: expected numbers above 0"),
     (lambda: measure.viscosity(np.zeros((5, 4)), interval_ps=1, volume_nm3=1, temperature_k=1), r"shape \(n, 6\)"),
     (lambda: measure.viscosity(np.zeros((5, 6)), interval_ps=0, volume_nm3=1, temperature_k=1), "interval_ps: .* above 0"),
     (lambda: measure.diffusion(np.zeros((5, 4, 3)), interval_ps=1), "5 evenly spaced frames are too few"),
