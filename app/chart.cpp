@@ -12,6 +12,7 @@
 #include "studies/chart_verdict.hpp"
 #include "studies/csv.hpp"
 #include "study.hpp"
+#include "systems/scene_file.hpp"
 #include "words.hpp"
 
 namespace taut {
@@ -60,7 +61,7 @@ void refuse_unfit_methods(const ChartPlan& plan) {
   std::vector<std::string> reasons;
   for (const std::string& name : plan.methods) {
     try {
-      const MethodOptions method = default_options(name);
+      const MethodOptions method = method_in_word(name);
       if (!plan.scene.system.one_sided.empty()) method.refuse_one_sided(plan.scene.system);
       make_method(plan.scene.system, method, plan.scene.run.h());
       return;
@@ -106,9 +107,17 @@ void show(const ChartPlan& plan, Study& study) {
       {"work", fmt::format("{}constraints {} (lower left is better)", of, at), work_csv(plan, ledger)},
       "Constraint time against bond error",
       fmt::format("A curve a method; its points are the values of the named setting. Bars: quartiles of "
-                  "{} interleaved repeats of {} steps.",
-                  plan.repeats, plan.steps));
-  study.conclude(chart_verdict(chart_points(plan, ledger), plan.scene.run.dt_fs));
+                  "{} interleaved repeats of {} steps. Errors are of {} steps, after a quarter as many: "
+                  "the largest is that of a step's worst bond, on average.",
+                  plan.repeats, plan.steps, plan.drift_steps));
+  std::vector<std::string> lines = chart_verdict(chart_points(plan, ledger), plan.scene.run.dt_fs);
+  if (const auto unsettled = not_at_rest(plan, ledger); !unsettled.empty())
+    lines.push_back(
+        fmt::format("bond errors not at rest, so figures of this run alone (later half over earlier): {}",
+                    fmt::join(unsettled, ", ")));
+  say("\n");
+  for (const std::string& line : lines) say("{}\n", wrapped(line, 100, 2));
+  study.conclude(lines);
   study.show({"drift",
               fmt::format("{}energy drift {} over {} steps (lower left is better)", of, at, plan.drift_steps),
               drift_csv(plan, ledger)},
@@ -168,7 +177,8 @@ void add_chart(Commands& commands) {
   arguments->offer_first(command);
   command.option("--repeats", arguments->repeats, "of all that is timed (20)").positive();
   command.option("--steps", arguments->steps, "of a timed run (40)").positive();
-  command.option("--drift-steps", arguments->drift_steps, "of a run whose energy is watched (4000)")
+  command
+      .option("--drift-steps", arguments->drift_steps, "of a run whose energy and bonds are watched (4000)")
       .positive();
   arguments->offer_last(command, "rough: few points, few repeats");
 }

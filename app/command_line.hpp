@@ -38,6 +38,10 @@ struct KeyFlag {
       : said(value ? fmt::format("{} {}", flag, *value) : ""),
         override_(value ? fmt::format("{}={}", key, *value) : "") {}
 
+  // One of several keys that a flag stands for.
+  KeyFlag(std::string flag, std::string key_and_value)
+      : said(std::move(flag)), override_(std::move(key_and_value)) {}
+
   // Replaces the override in an error message by the flag: "--set run.dt_fs=-2: run.dt_fs: …" becomes
   // "--dt-fs -2: …".
   std::string replace_by_flag(const std::string& message) const;

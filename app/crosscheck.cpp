@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "base/errors.hpp"
@@ -12,6 +13,7 @@
 #include "progress.hpp"
 #include "report.hpp"
 #include "scene_argument.hpp"
+#include "studies/bond_lengths.hpp"
 #include "studies/crosscheck_tables.hpp"
 #include "studies/crosscheck_verdict.hpp"
 #include "studies/csv.hpp"
@@ -59,6 +61,19 @@ void print_energies(const Crosscheck& c) {
   }
 }
 
+void print_bond_lengths(const Crosscheck& c) {
+  const std::vector<BondLengths> all = bond_lengths(c);
+  if (all.empty()) return;
+  constexpr auto kRow = "{:<28} {:>8} {:>9} {:>19} {:>9}  {}\n";
+  say("\n");
+  say(kRow, "bond lengths", "error", "", "its slope", "in 1 ns", "made of");
+  say(kRow, "", "rms", "largest", "[1/ns]", "at most", "");
+  for (const BondLengths& of : all)
+    say(kRow, of.run, fmt::format("{:.1e}", of.rms.value), fmt::format("{:.1e}", of.largest),
+        of.slope.error > 0 ? fmt::format("{:.1e} ± {:.0e}", of.slope.value, of.slope.error) : "–",
+        of.slope.error > 0 ? fmt::format("{:.0e}", of.in_a_ns) : "–", of.made_of);
+}
+
 std::string verdicts_csv(const Crosscheck& c) {
   std::string text = "run,finding,why\n";
   for (const Verdict& v : verdicts(c))
@@ -76,6 +91,8 @@ void print_crosscheck(const Crosscheck& c) {
   say_wrapped(fmt::format("{} against OpenMM {} ({}): {}, {}, {} of {:g} fs", c.scene, c.openmm,
                           platform_of(c), counted(c.atoms, "atom"), counted(c.bonds, "bond"),
                           counted(c.steps, "step"), c.h * 1000));
+  say_wrapped(headline(c));
+  say("\n");
   for (const auto& note : c.notes) say_wrapped("note: " + note);
   say_wrapped(fmt::format(
       "at the start: energy {:.10g} kJ/mol, OpenMM {:.10g}; forces {:.4g} kJ/mol/nm rms, apart by {:.1e}",
@@ -90,7 +107,8 @@ void print_crosscheck(const Crosscheck& c) {
   print_positions(c);
   say("\n");
   print_energies(c);
-  say("\n");
+  print_bond_lengths(c);
+  say("\nwhy\n");
   for (const Verdict& v : verdicts(c))
     say("{:<24} {:<7} {}\n", v.who, name_of(v.finding), wrapped(v.why, kWidth, 33));
   if (!c.long_enough) {
@@ -126,6 +144,7 @@ StudyFiles write_crosscheck(const Crosscheck& c, const std::string& command,
   if (!c.twin.oxygens.r.empty())
     show({"distances", c.scene + ": O–O radial distribution, bars: standard errors", distances_csv(c)},
          "What the liquid looks like", "The radial distribution of the oxygens.");
+  page.parts.front().conclusions = {headline(c)};
   page.parts.push_back(
       {"Verdicts", "Of each run: whether it agrees with OpenMM's, and why.", {}, verdicts_csv(c), {}});
   write_report(page, files);
@@ -143,7 +162,7 @@ struct CrosscheckArguments {
 
   std::string command() const {
     CommandLine line = scene.line("crosscheck");
-    line.option("--method", methods);
+    line.option("--methods", methods);
     line.option("--steps", scene.steps);
     line.option("--dt-fs", scene.dt_fs);
     line.option("--set", scene.settings);
@@ -204,6 +223,8 @@ void crosscheck_scene(CrosscheckArguments arguments) {
   }
   print();
   if (files) files->print_written();
+  if (std::ranges::any_of(verdicts(result), [](const Verdict& v) { return v.finding == Finding::kFailed; }))
+    throw SimulationFailure(headline(result));
 }
 
 }  // namespace
@@ -215,8 +236,8 @@ void add_crosscheck(Commands& commands) {
                                           [arguments] { crosscheck_scene(*arguments); });
   arguments->scene.NamedScene::offer(command);
   command
-      .option("--method", arguments->methods,
-              "to hold against OpenMM: a name, baumgarte:GAINS; several; the usual ones if none is given")
+      .option("--methods", arguments->methods,
+              "to hold against OpenMM, with settings as in rattle:sweeps=4 (the usual ones)")
       .words(0, "METHOD");
   command.option("--steps", arguments->scene.steps, "number of steps (200)").positive();
   arguments->scene.offer_settings(command);

@@ -134,7 +134,7 @@ _taut() {{
     case ${{COMP_WORDS[k]}} in
       -*) last=${{COMP_WORDS[k]}} ;;
       *) [[ -z $command ]] && command=${{COMP_WORDS[k]}}
-         [[ $last != --set && $last != --methods && $last != --method || ${{COMP_WORDS[k]}} == "$word" ]] && last= ;;
+         [[ $last != --set && $last != --methods || ${{COMP_WORDS[k]}} == "$word" ]] && last= ;;
     esac
   done
   [[ $word == -* ]] && last=

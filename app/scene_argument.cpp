@@ -55,7 +55,10 @@ Scene NamedScene::read(const std::vector<std::string>& overrides, KeysRead* keys
 
 void SceneArgument::offer(const Subcommand& command) {
   NamedScene::offer(command);
-  command.option("--method", method, "constraint method (see `taut methods`)").words(0, "METHOD");
+  command
+      .option("--method", method,
+              "constraint method (see `taut methods`), with settings as in rattle:sweeps=4")
+      .words(0, "METHOD");
   command.option("--steps", steps, "number of steps");
   command.option("--precision", precision, "of pair forces and PME: double or mixed").words(0, "WORD");
   offer_settings(command);
@@ -70,10 +73,13 @@ void SceneArgument::offer_settings(const Subcommand& command) {
 }
 
 std::vector<KeyFlag> SceneArgument::flags() const {
-  return {{"--method", "method.name", method},
-          {"--steps", "run.steps", steps},
-          {"--precision", "forcefield.precision", precision},
-          {"--dt-fs", "run.dt_fs", dt_fs}};
+  std::vector<KeyFlag> flags = {{"--steps", "run.steps", steps},
+                                {"--precision", "forcefield.precision", precision},
+                                {"--dt-fs", "run.dt_fs", dt_fs}};
+  if (method)
+    for (const std::string& override_ : overrides_of_method(*method))
+      flags.emplace_back("--method " + *method, override_);
+  return flags;
 }
 
 std::vector<std::string> SceneArgument::overrides() const {

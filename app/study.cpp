@@ -17,6 +17,7 @@
 #include "progress.hpp"
 #include "studies/csv.hpp"
 #include "studies/study_scene.hpp"
+#include "systems/scene_file.hpp"
 #include "systems/scene_source.hpp"
 
 namespace taut {
@@ -101,6 +102,17 @@ std::string study_line(const std::string& command, const std::vector<Scene>& sce
 
 }  // namespace
 
+nlohmann::ordered_json json_of_csv(const std::string& csv) {
+  auto table = nlohmann::ordered_json::array();
+  const auto rows = csv_rows(csv);
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    auto& row = table.emplace_back();
+    for (std::size_t c = 0; c < std::min(rows[k].size(), rows[0].size()); ++c)
+      row[rows[0][c]] = number_or_text(rows[k][c]);
+  }
+  return table;
+}
+
 void print_notes(const std::vector<std::string>& notes) {
   for (const auto& note : notes) say("  note: {}\n", note);
 }
@@ -122,7 +134,8 @@ FolderLock study_folder(const fs::path& folder, const std::string& line, bool ov
 
 void StudyArguments::offer_first(const Subcommand& command) {
   scene.NamedScene::offer(command);
-  command.option("--methods", methods, "which (all of `taut methods`)").words(0, "METHOD");
+  command.option("--methods", methods, "which, with settings as in rattle:sweeps=4 (all of `taut methods`)")
+      .words(0, "METHOD");
   scene.offer_settings(command);
 }
 
@@ -140,7 +153,7 @@ Scene StudyArguments::read() const {
 
 std::vector<std::string> StudyArguments::methods_or_all() const {
   if (const auto all = method_names(); methods.empty()) return {all.begin(), all.end()};
-  for (const auto& method : methods) default_options(method);
+  for (const auto& method : methods) method_in_word(method);
   return methods;
 }
 
@@ -188,8 +201,6 @@ void Study::show(const Picture& picture, const std::string& heading, const std::
 
 void Study::conclude(const std::vector<std::string>& lines) {
   page_.parts.back().conclusions = lines;
-  say("\n");
-  for (const std::string& line : lines) say("{}\n", line);
 }
 
 void Study::show_table(const std::string& file, const std::string& csv, ReportPage::Part part) {
@@ -212,15 +223,7 @@ std::string Study::json() const {
   nlohmann::ordered_json all = {{"command", page_.command}, {"notes", page_.notes}};
   for (const ReportPage::Part& part : page_.parts)
     if (!part.conclusions.empty()) all["conclusions"] = part.conclusions;
-  for (const auto& [name, csv] : tables_) {
-    const auto rows = csv_rows(csv);
-    auto& table = all[name] = nlohmann::ordered_json::array();
-    for (std::size_t k = 1; k < rows.size(); ++k) {
-      auto& row = table.emplace_back();
-      for (std::size_t c = 0; c < std::min(rows[k].size(), rows[0].size()); ++c)
-        row[rows[0][c]] = number_or_text(rows[k][c]);
-    }
-  }
+  for (const auto& [name, csv] : tables_) all[name] = json_of_csv(csv);
   return all.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 

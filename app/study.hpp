@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,9 @@
 #include "studies/ledger.hpp"
 
 namespace taut {
+
+// The rows of a table, each an object with the columns' names.
+nlohmann::ordered_json json_of_csv(const std::string& csv);
 
 // Prints the notes of a scene, one line each.
 void print_notes(const std::vector<std::string>& notes);
@@ -55,7 +59,7 @@ class Study {
   void run(const std::vector<Job>& jobs, const std::vector<std::string>& notes);
   StudyFiles& files() { return files_; }
   void show(const Picture& picture, const std::string& heading, const std::string& text);
-  // Prints what the picture shown last says, a line each, and puts it below the picture in the report.
+  // Puts what the picture shown last says, a line each, below it in the report.
   void conclude(const std::vector<std::string>& lines);
   void show_table(const std::string& file, const std::string& csv, ReportPage::Part part);
   // Writes report.html and prints its name; with --json prints all tables instead.

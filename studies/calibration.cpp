@@ -15,6 +15,7 @@
 #include "constraints/projection.hpp"
 #include "forcefield/force_field.hpp"
 #include "studies/swept_errors.hpp"
+#include "systems/scene_file.hpp"
 
 namespace taut {
 namespace {
@@ -93,15 +94,15 @@ class Bench {
   }
 
   // The same of RATTLE with so many sweeps, at linear order.
-  std::vector<Errors> foretold(Errors stretch) const {
+  std::vector<Errors> foretold(Errors stretch, int sweeps) const {
     const Errors squares = squared_lengths(scene_.system);
-    const SweptErrors swept(scene_.system, state_.x, plan_.sweeps);
+    const SweptErrors swept(scene_.system, state_.x, sweeps);
     std::vector<Errors> course = swept.course(stretch.cwiseProduct(squares), plan_.steps);
     for (Errors& errors : course) errors = errors.cwiseQuotient(squares);
     return course;
   }
 
-  double slowest() const { return SweptErrors(scene_.system, state_.x, plan_.sweeps).slowest(); }
+  double slowest(int sweeps) const { return SweptErrors(scene_.system, state_.x, sweeps).slowest(); }
 
   // The run itself, nothing put in: what it settles at, and what the closed form says of the same motion.
   struct Floors {
@@ -174,19 +175,37 @@ class Bench {
   std::string settled_;  // and what the method keeps there
 };
 
-MethodOptions reference_options(const CalibrationPlan& plan) {
-  if (plan.against == "newton") {
-    if (plan.sweeps > 0)
+// A method that gains can copy, in a word, and how it is run for that.
+struct ReferenceMethod {
+  std::string word;
+  MethodOptions options;
+  int sweeps = 0;
+};
+
+ReferenceMethod reference_of(const CalibrationPlan& plan) {
+  std::string word = plan.against;
+  if (plan.sweeps > 0) {
+    if (word.find(':') != word.npos)
+      throw InputError(
+          fmt::format("taut calibrate: sweeps is said twice, in {} and as {}", word, plan.sweeps));
+    if (word == "newton")
       throw InputError("taut calibrate: --sweeps goes with rattle or shake, newton has none");
-    return Newton::Options{.tolerance = plan.tolerance};
+    word += fmt::format(":sweeps={}", plan.sweeps);
   }
-  // Cold: a warm start would carry an error's own impulse on into the next step's guess.
-  if (plan.against == "rattle")
-    return Rattle::Options{{.tolerance = plan.tolerance, .sweeps = plan.sweeps}, false};
-  if (plan.against == "shake") return Shake::Options{{.tolerance = plan.tolerance, .sweeps = plan.sweeps}};
-  if (const MethodEntry& method = method_named(plan.against); method.added) return MethodOptions(method);
-  throw InputError(
-      fmt::format("taut calibrate: --against \"{}\", expected rattle, shake or newton", plan.against));
+  ReferenceMethod reference{word, method_in_word(word)};
+  if (const auto* shake = reference.options.get_if<Shake::Options>())
+    reference.sweeps = shake->sweeps;
+  else if (const auto* rattle = reference.options.get_if<Rattle::Options>()) {
+    // Cold: a warm start would carry an error's own impulse on into the next step's guess.
+    Rattle::Options cold = *rattle;
+    cold.warm_start = false;
+    reference.options = cold;
+    reference.sweeps = cold.sweeps;
+  } else if (!reference.options.get_if<Newton::Options>() && !reference.options.method().added) {
+    throw InputError(
+        fmt::format("taut calibrate: --against \"{}\", expected rattle, shake or newton", plan.against));
+  }
+  return reference;
 }
 
 // The first step at which a course has fallen to a twentieth of what it was at `from`. Further down an error
@@ -244,9 +263,9 @@ double reduction_to_copy(const CalibrationPlan& plan, const Bench& reference, co
   if (plan.copies != "slowest")
     throw InputError(
         fmt::format("taut calibrate: --copies \"{}\", expected mean, first or slowest", plan.copies));
-  if (plan.sweeps == 0 || plan.against != "rattle")
+  if (c.sweeps == 0 || !c.reference_method.starts_with("rattle"))
     throw InputError("taut calibrate: --copies slowest goes with --sweeps of rattle, whose course it is");
-  return reference.slowest();
+  return reference.slowest(c.sweeps);
 }
 
 std::vector<ShapeCourse> courses_of_shapes(const System& sys, const std::vector<Errors>& foretold,
@@ -270,10 +289,14 @@ Calibration calibrate(const Scene& scene, const CalibrationPlan& plan) {
   const double h = scene.run.h();
   Calibration c;
 
-  Bench reference(scene, reference_options(plan), plan);
+  const ReferenceMethod copied = reference_of(plan);
+  c.reference_method = copied.word;
+  c.sweeps = copied.sweeps;
+  Bench reference(scene, copied.options, plan);
   const std::vector<Errors> errors = reference.errors(Injection::kStretch);
   c.reference = course_of(errors);
-  if (plan.sweeps > 0) c.shapes = courses_of_shapes(scene.system, reference.foretold(errors[0]), errors);
+  if (c.sweeps > 0)
+    c.shapes = courses_of_shapes(scene.system, reference.foretold(errors[0], c.sweeps), errors);
   // A projection sees a stretch in the step it comes in; the force law one step later, the kick being under
   // way.
   c.window = fallen(c.reference.stretch, 0);
@@ -304,6 +327,20 @@ Calibration calibrate(const Scene& scene, const CalibrationPlan& plan) {
   return c;
 }
 
+Calibration::Reduction reduction_of(const Scene& scene, const MethodOptions& method,
+                                    const CalibrationPlan& plan) {
+  const std::vector<double> course =
+      course_of(Bench(scene, method, plan).errors(Injection::kStretch)).stretch;
+  const auto* options = method.get_if<Baumgarte::Options>();
+  if (!options) return {std::numeric_limits<double>::quiet_NaN(), reduction(course, fallen(course, 0))};
+  const Damping damping = damping_named(options->damping);
+  const double h = scene.run.h();
+  const Gains gains = choose_gains(options->choice(), damping, scene.system, h)[0];
+  const Propagator propagator(gains.alpha * h, gains.beta * h, damping);
+  const int last = std::min(fallen(course, 1), plan.steps - 1);
+  return {reduction(course_of(propagator, 1, 1, plan.steps).stretch, 1, last), reduction(course, 1, last)};
+}
+
 std::vector<std::pair<const char*, double>> figures_of(const Calibration& c) {
   return {{"reduction_rattle", c.reduction_reference},
           {"alpha_per_ps", c.alpha_per_ps},
@@ -324,10 +361,12 @@ std::string disagreement(const CalibrationPlan& plan, const Calibration& c) {
   const struct {
     const char* what;
     double predicted, measured, least;
-  } rows[] = {{"reduction of a stretch's σ", c.of_stretch.predicted, c.of_stretch.measured, kOfFirstError},
-              {"reduction of its σ̇", c.of_rate.predicted, c.of_rate.measured, kOfFirstError},
-              {"reduction of a rate's σ", c.after_rate.predicted, c.after_rate.measured, kOfFirstError},
-              {"floor", c.floor_predicted, c.floor_measured, 100 * c.rounding}};
+  } rows[] = {
+      {"reduction of an error of lengths", c.of_stretch.predicted, c.of_stretch.measured, kOfFirstError},
+      {"reduction of its rate", c.of_rate.predicted, c.of_rate.measured, kOfFirstError},
+      {"reduction after an error of velocities", c.after_rate.predicted, c.after_rate.measured,
+       kOfFirstError},
+      {"floor", c.floor_predicted, c.floor_measured, 100 * c.rounding}};
   for (const auto& [what, predicted, measured, least] : rows)
     if (predicted > 0 && apart(predicted, measured, least))
       return fmt::format("measured and predicted disagree ({} {:.2g} for {:.2g}): {}", what, measured,
@@ -335,9 +374,10 @@ std::string disagreement(const CalibrationPlan& plan, const Calibration& c) {
   return "";
 }
 
-std::vector<std::string> settings_of(const Calibration& c) {
-  return {"method.name=baumgarte", "method.gains=" + c.method.gains, "method.damping=" + c.method.damping,
-          fmt::format("method.reduction={}", c.method.reduction)};
+std::string method_of(const Calibration& c) {
+  return fmt::format("baumgarte:gains={},{}reduction={}", c.method.gains,
+                     c.method.damping == "discrete" ? "" : fmt::format("damping={},", c.method.damping),
+                     c.method.reduction);
 }
 
 }  // namespace taut

@@ -17,9 +17,9 @@ namespace taut {
 // are followed side by side; the difference of their σ, rms over bonds in units of d², is the error's own
 // course, free of the floor that both share.
 struct CalibrationPlan {
-  std::string against = "rattle";  // rattle, shake, newton, or one that was added
-  double tolerance = 1e-10;        // of the reference method, where sweeps = 0
-  int sweeps = 0;                  // more than 0: the reference (rattle, shake) takes just so many
+  std::string against =
+      "rattle";    // rattle, shake, newton, or one that was added; with settings: rattle:sweeps=4
+  int sweeps = 0;  // more than 0: the reference (rattle, shake) takes just so many
   // What gains copy of a reference whose errors do not shrink alike from step to step:
   //   mean     its mean reduction down to a twentieth: roots that and 0
   //   first    its first step's: roots that and 0
@@ -27,9 +27,10 @@ struct CalibrationPlan {
   //   alone
   std::string copies = "mean";
   std::string damping = "discrete";
-  double size = 1e-6;  // of the error put in, relative
-  int settle = 50;     // steps before
-  int steps = 40;      // steps followed
+  double size = 1e-6;          // of the error put in, relative
+  int settle = 50;             // steps before
+  int steps = 40;              // steps followed
+  long compared_steps = 2000;  // of the runs that methods are compared in
   Listen listen = {};
 };
 
@@ -41,11 +42,13 @@ struct ErrorCourse {
 
 // The reference's course where bonds are tied together alike, beside what its sweeps are known to do.
 struct ShapeCourse {
-  std::string name;  // "216 of 3 bonds"
+  std::string name;  // "216 clusters of 3 bonds"
   std::vector<double> foretold, measured;
 };
 
 struct Calibration {
+  std::string reference_method;              // in a word, "rattle:sweeps=4"
+  int sweeps = 0;                            // of it; 0: to a tolerance
   int window = 0;                            // steps over which reductions are taken
   double reduction_reference = 0;            // a step, of a stretch, as plan.copies asks
   std::vector<ShapeCourse> shapes;           // of rattle with so many sweeps
@@ -66,6 +69,10 @@ struct Calibration {
 // Throws InputError for a scene without bonds or a reference that is not one of the three.
 Calibration calibrate(const Scene& scene, const CalibrationPlan& plan);
 
+// By how much a method reduces a stretch a step, measured, and what the law says where it is Baumgarte's (else NaN).
+Calibration::Reduction reduction_of(const Scene& scene, const MethodOptions& method,
+                                    const CalibrationPlan& plan);
+
 // All figures of one, by name.
 std::vector<std::pair<const char*, double>> figures_of(const Calibration& c);
 
@@ -73,7 +80,7 @@ std::vector<std::pair<const char*, double>> figures_of(const Calibration& c);
 // line; else empty.
 std::string disagreement(const CalibrationPlan& plan, const Calibration& c);
 
-// The method measured as `taut run --set` takes it, {"method.name=baumgarte", ...}.
-std::vector<std::string> settings_of(const Calibration& c);
+// The method measured in a word, as every command takes it: "baumgarte:gains=rattle,reduction=0.0286585".
+std::string method_of(const Calibration& c);
 
 }  // namespace taut

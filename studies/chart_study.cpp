@@ -15,6 +15,8 @@
 namespace taut {
 namespace {
 
+constexpr long kTimedStart = 40;  // of a timed run: the longest memory that a default has is gone by then
+
 // Constraint time a bond and step [ns].
 Quartiles cost(const std::string& point, int repeats, int bonds, const Ledger& ledger) {
   const double each = 1000.0 / std::max(1, bonds);
@@ -23,7 +25,7 @@ Quartiles cost(const std::string& point, int repeats, int bonds, const Ledger& l
 }
 
 std::string columns(const Setting& s) {
-  return fmt::format("{},{},{},{}", csv_cell(s.curve()), s.method, s.parameter, s.value);
+  return fmt::format("{},{},{},{}", label_cell(s.curve()), label_cell(s.method), s.parameter, s.value);
 }
 
 std::string work_name(const Setting& s) {
@@ -44,10 +46,10 @@ std::string order_name(const std::string& method, int divisor) {
 }
 
 // Held so tightly that a curve shows its method's order, not where iterations were stopped.
-Setting tight(const std::string& method) {
-  Setting s{method, "", "", {"method.name=" + method}};
+Setting held_to(const char* tolerance, const std::string& method) {
+  Setting s = setting_of(method);
   if (method == "newton" || method == "rattle" || method == "shake")
-    s.overrides.emplace_back("method.tolerance=1e-11");
+    s.overrides.push_back(std::string("method.tolerance=") + tolerance);
   return s;
 }
 
@@ -79,9 +81,9 @@ Trial compared(const ChartPlan& plan, const std::string& method, int divisor, Re
   Scene scene = plan.scene;
   scene.run.dt_fs /= divisor;
   State end;
-  Trial trial = try_setting(
-      scene, tight(method),
-      {.steps = kOrderSteps * divisor, .rows = kOrderSteps * divisor, .listen = plan.listen}, end);
+  const long half = kOrderSteps / 2 * divisor;
+  Trial trial = try_setting(scene, held_to("1e-11", method),
+                            {.start = half, .steps = half, .rows = half, .listen = plan.listen}, end);
   if (trial.failed()) return trial;
   const Vectors& x = reference.positions();
   if (x.cols() == end.x.cols())
@@ -106,12 +108,12 @@ int copies(const ChartPlan& plan, int bonds) {
 }
 
 Trial run_length(const ChartPlan& plan, const std::string& method, int bonds) {
-  Setting s = tight(method);
-  if (s.overrides.size() > 1) s.overrides.back() = "method.tolerance=1e-8";
   const Scene chains = read_scene(
       find_scene("freely_jointed"),
       {fmt::format("build.chains={}", copies(plan, bonds)), fmt::format("build.beads={}", bonds + 1)});
-  return try_setting(chains, s, {.steps = plan.quick ? 20 : 100, .rows = 4, .listen = plan.listen});
+  return try_setting(
+      chains, held_to("1e-8", method),
+      {.start = kTimedStart, .steps = plan.quick ? 20 : 100, .rows = 4, .listen = plan.listen});
 }
 
 }  // namespace
@@ -136,23 +138,23 @@ bool ChartPlan::has(std::string_view panel) const {
 }
 
 std::vector<Job> work_jobs(const ChartPlan& plan, const Ledger& ledger) {
-  std::vector<Job> points;
-  for (const Setting& s : plan.settings())
+  std::vector<Job> points, runs;
+  for (const Setting& s : plan.settings()) {
     points.push_back({work_name(s), [&plan, s] {
-                        return try_setting(plan.scene, s,
-                                           {.steps = plan.steps, .rows = plan.steps, .listen = plan.listen});
+                        return try_setting(
+                            plan.scene, s,
+                            {.start = kTimedStart, .steps = plan.steps, .rows = 2, .listen = plan.listen});
                       }});
-  return interleaved(points, plan.repeats, ledger);
-}
-
-std::vector<Job> drift_jobs(const ChartPlan& plan) {
-  std::vector<Job> jobs;
-  for (const Setting& s : plan.settings())
-    jobs.push_back({drift_name(s), [&plan, s] {
-                      return try_setting(
-                          plan.scene, s,
-                          {.steps = plan.drift_steps, .rows = plan.drift_steps / 10, .listen = plan.listen});
+    runs.push_back({drift_name(s), [&plan, s] {
+                      return try_setting(plan.scene, s,
+                                         {.start = plan.drift_steps / 4,
+                                          .steps = plan.drift_steps,
+                                          .rows = plan.drift_steps / 10,
+                                          .listen = plan.listen});
                     }});
+  }
+  std::vector<Job> jobs = interleaved(points, plan.repeats, ledger);
+  jobs.insert(jobs.end(), runs.begin(), runs.end());
   return jobs;
 }
 
@@ -182,7 +184,7 @@ std::vector<Job> chart_jobs(const ChartPlan& plan, const Ledger& ledger) {
   const auto add = [&](const char* panel, const std::vector<Job>& its) {
     if (plan.has(panel)) jobs.insert(jobs.end(), its.begin(), its.end());
   };
-  add("work", work_jobs(plan, ledger)), add("drift", drift_jobs(plan)), add("order", order_jobs(plan));
+  add("work", work_jobs(plan, ledger)), add("order", order_jobs(plan));
   add("length", length_jobs(plan, ledger)), add("precision", precision_jobs(plan, ledger));
   return jobs;
 }
@@ -200,18 +202,30 @@ std::vector<std::pair<std::string, std::string>> chart_tables(const ChartPlan& p
 
 std::string work_csv(const ChartPlan& plan, const Ledger& ledger) {
   std::string text =
-      "curve,method,parameter,value,rms_rel_bond_error,max_rel_bond_error,ns_per_bond_step_q1,ns_per_bond_"
-      "step,"
-      "ns_per_bond_step_q3,step_us,repeats,failure\n";
+      "curve,method,parameter,value,rms_rel_bond_error,rms_low,rms_high,max_rel_bond_error,later_over_"
+      "earlier,"
+      "at_rest,ns_per_bond_step_q1,ns_per_bond_step,ns_per_bond_step_q3,step_us,repeats,failure\n";
   for (const Setting& s : plan.settings()) {
-    const Trial& first = ledger.at(repeat_name(work_name(s), 0));
+    const Trial &timed = ledger.at(repeat_name(work_name(s), 0)), &run = ledger.at(drift_name(s));
     const Quartiles ns = cost(work_name(s), plan.repeats, plan.scene.system.bond_count(), ledger);
-    text += first.failed() ? fmt::format("{},,,,,,,0,{}\n", columns(s), csv_cell(first.failure))
-                           : fmt::format("{},{:.6e},{:.6e},{:.4g},{:.4g},{:.4g},{:.4g},{},\n", columns(s),
-                                         first.rms_error, first.max_error, ns.low, ns.median, ns.high,
-                                         first.step_us, plan.repeats);
+    const auto& [rms, error] = run.rms_error;
+    if (const std::string& failure = timed.failed() ? timed.failure : run.failure; !failure.empty())
+      text += fmt::format("{},,,,,,,,,,,0,{}\n", columns(s), csv_cell(failure));
+    else
+      text += fmt::format("{},{:.6e},{:.6e},{:.6e},{:.6e},{:.4g},{:d},{:.4g},{:.4g},{:.4g},{:.4g},{},\n",
+                          columns(s), rms, std::max(0.0, rms - 1.96 * error), rms + 1.96 * error,
+                          run.max_error, run.later_over_earlier.value, run.at_rest(), ns.low, ns.median,
+                          ns.high, timed.step_us, plan.repeats);
   }
   return text;
+}
+
+std::vector<std::string> not_at_rest(const ChartPlan& plan, const Ledger& ledger) {
+  std::vector<std::string> found;
+  for (const Setting& s : plan.settings())
+    if (const Trial& run = ledger.at(drift_name(s)); !run.failed() && !run.at_rest())
+      found.push_back(fmt::format("{} ({:.2g})", s.name(), run.later_over_earlier.value));
+  return found;
 }
 
 std::string drift_csv(const ChartPlan& plan, const Ledger& ledger) {
@@ -221,9 +235,10 @@ std::string drift_csv(const ChartPlan& plan, const Ledger& ledger) {
   for (const Setting& s : plan.settings()) {
     const Trial& t = ledger.at(drift_name(s));
     const Quartiles ns = cost(work_name(s), plan.repeats, plan.scene.system.bond_count(), ledger);
-    text += t.failed() ? fmt::format("{},,,,,,{},{}\n", columns(s), t.steps, csv_cell(t.failure))
-                       : fmt::format("{},{:.4g},{:.6e},{:.6e},{:.6e},{:.6e},{},\n", columns(s), ns.median,
-                                     t.drift, t.drift_low(), t.drift_high(), t.constraint_drift, t.steps);
+    text += t.failed()
+                ? fmt::format("{},,,,,,{},{}\n", columns(s), t.steps, csv_cell(t.failure))
+                : fmt::format("{},{:.4g},{:.6e},{:.6e},{:.6e},{:.6e},{},\n", columns(s), ns.median, t.drift,
+                              t.drift_low(), t.drift_high(), t.constraint_drift.value, plan.drift_steps);
   }
   return text;
 }
@@ -232,14 +247,16 @@ std::vector<ChartPoint> chart_points(const ChartPlan& plan, const Ledger& ledger
   std::vector<ChartPoint> points;
   for (const Setting& s : plan.settings()) {
     const Trial &work = ledger.at(repeat_name(work_name(s), 0)), &drift = ledger.at(drift_name(s));
-    if (work.failed()) continue;
+    if (work.failed() || drift.failed()) continue;
     ChartPoint& point = points.emplace_back();
     point.method = s.method;
     point.name = s.parameter.empty() ? s.method : fmt::format("{} ({} {})", s.method, s.parameter, s.value);
-    point.error = work.rms_error;
+    point.error = drift.rms_error.value;
     point.cost = cost(work_name(s), plan.repeats, plan.scene.system.bond_count(), ledger);
-    if (!drift.failed() && drift.drift_error > 0)
+    if (drift.drift_error > 0) {
       point.keeps_energy = drift.drift_low() <= 0 && 0 <= drift.drift_high();
+      point.width = drift.drift_high() - drift.drift;
+    }
   }
   return points;
 }
@@ -250,9 +267,10 @@ std::string order_csv(const ChartPlan& plan, const Ledger& ledger) {
     for (const int divisor : divisors(plan)) {
       const Trial& t = ledger.at(order_name(method, divisor));
       const double dt = plan.scene.run.dt_fs / divisor;
-      text += t.failed() ? fmt::format("{},{:.6g},,,,,{}\n", method, dt, csv_cell(t.failure))
-                         : fmt::format("{},{:.6g},{:.6e},{:.6e},{:.6e},{:.3f},\n", method, dt, t.figure,
-                                       t.rms_error, t.max_error, order_of(plan, ledger, method));
+      text += t.failed()
+                  ? fmt::format("{},{:.6g},,,,,{}\n", label_cell(method), dt, csv_cell(t.failure))
+                  : fmt::format("{},{:.6g},{:.6e},{:.6e},{:.6e},{:.3f},\n", label_cell(method), dt, t.figure,
+                                t.rms_error.value, t.max_error, order_of(plan, ledger, method));
     }
   return text;
 }
@@ -266,10 +284,11 @@ std::string length_csv(const ChartPlan& plan, const Ledger& ledger) {
       const std::string name = length_name(method, bonds);
       const Trial& first = ledger.at(repeat_name(name, 0));
       const Quartiles ns = cost(name, plan.repeats, bonds * copies(plan, bonds), ledger);
-      text += first.failed() ? fmt::format("{},{},{},,,,,{}\n", method, bonds, copies(plan, bonds),
-                                           csv_cell(first.failure))
-                             : fmt::format("{},{},{},{:.4g},{:.4g},{:.4g},{:.3e},\n", method, bonds,
-                                           copies(plan, bonds), ns.low, ns.median, ns.high, first.max_error);
+      text += first.failed()
+                  ? fmt::format("{},{},{},,,,,{}\n", label_cell(method), bonds, copies(plan, bonds),
+                                csv_cell(first.failure))
+                  : fmt::format("{},{},{},{:.4g},{:.4g},{:.4g},{:.3e},\n", label_cell(method), bonds,
+                                copies(plan, bonds), ns.low, ns.median, ns.high, first.max_error);
     }
   return text;
 }

@@ -33,12 +33,11 @@ std::string cheapest(const std::vector<ChartPoint>& points, const auto& fits) {
 
 std::vector<std::string> chart_verdict(std::vector<ChartPoint> points, double dt_fs) {
   std::ranges::stable_sort(points, {}, [](const ChartPoint& p) { return p.cost.median; });
-  std::vector<std::string> lines;
   std::string below;
   for (const Limit& limit : kLimits)
     below += fmt::format("{}{}: {}", below.empty() ? "" : "; ", limit.text,
                          cheapest(points, [&](const ChartPoint& p) { return p.error < limit.error; }));
-  lines.push_back("cheapest with rms error below " + below);
+  below = "cheapest with rms error below " + below;
   std::vector<std::string> keep, methods;
   bool judged = false;
   for (const ChartPoint& p : points) {
@@ -47,22 +46,27 @@ std::vector<std::string> chart_verdict(std::vector<ChartPoint> points, double dt
     keep.push_back(p.name);
     methods.push_back(p.method);
   }
-  if (!judged) {
-    lines.push_back(fmt::format(
-        "keeps energy within error at {:g} fs: not known, the runs are too short for an error of the "
-        "drift",
-        dt_fs));
-    return lines;
-  }
-  lines.push_back(fmt::format("keeps energy within error at {:g} fs, the cheapest setting of each method: {}",
-                              dt_fs, keep.empty() ? "none" : fmt::format("{}", fmt::join(keep, ", "))));
+  if (!judged)
+    return {
+        fmt::format("which to take at {:g} fs is not known: the runs are too short for an error of the drift",
+                    dt_fs),
+        below};
   const auto does_both = [](const ChartPoint& p) {
     return p.keeps_energy.value_or(false) && p.error < kGood.error;
   };
-  if (const std::string take = cheapest(points, does_both); take != "none")
-    lines.push_back(fmt::format("take here: {}; the cheapest with rms error below {} that keeps the energy",
-                                take, kGood.text));
-  return lines;
+  const auto best = std::ranges::find_if(points, does_both);
+  return {
+      best == points.end()
+          ? fmt::format(
+                "take a shorter step: at {:g} fs nothing keeps the energy with an rms bond error below {}",
+                dt_fs, kGood.text)
+          : fmt::format(
+                "take {}: the cheapest at {:g} fs with an rms bond error below {} whose energy drift is "
+                "zero within ±{:.1g} kJ/mol/ns per degree of freedom",
+                cheapest(points, does_both), dt_fs, kGood.text, best->width),
+      below,
+      fmt::format("keeps energy within error at {:g} fs, the cheapest setting of each method: {}", dt_fs,
+                  keep.empty() ? "none" : fmt::format("{}", fmt::join(keep, ", ")))};
 }
 
 std::string warn_of_load(double load, long cores) {

@@ -1,7 +1,6 @@
 #include "studies/crosscheck.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -11,15 +10,15 @@
 #include "base/exceeds.hpp"
 #include "base/nearest_name.hpp"
 #include "base/threads.hpp"
-#include "constraints/methods/baumgarte.hpp"
 #include "studies/crosscheck_causes.hpp"
+#include "systems/scene_file.hpp"
 
 namespace taut {
 namespace {
 
 constexpr int kFiner = 8;
 constexpr double kTight = 1e-12;
-constexpr std::array kGains = {"reversible", "dead-beat", "rattle", "critical", "physical", "box2d"};
+constexpr std::array kUsualTolerances = {1e-5, 1e-8};  // of OpenMM's integrators: the first is their default
 
 // The projections, held so tight that what is left is not theirs.
 void tighten(MethodOptions& method) {
@@ -27,26 +26,12 @@ void tighten(MethodOptions& method) {
     if (option.key == std::string_view("tolerance")) *std::get<double*>(option.field) = kTight;
 }
 
-std::vector<Contestant> named(const std::string& name, bool for_plugin) {
-  const auto colon = name.find(':');
-  const std::string method = name.substr(0, colon);
-  std::vector<Contestant> found;
-  if (method != "baumgarte") {
-    if (colon != name.npos)
-      throw InputError(fmt::format("--method {}: only baumgarte has gains to name", name));
-    found.push_back({name, default_options(name)});
-    if (for_plugin || name != "feedforward") tighten(found.back().method);
-    return found;
-  }
-  for (const std::string gains : kGains)
-    if (colon == name.npos || gains == name.substr(colon + 1))
-      found.push_back({"baumgarte " + gains, Baumgarte::Options{.gains = gains}});
-  if (for_plugin)
-    for (Contestant& each : found) tighten(each.method);
-  if (found.empty())
-    throw InputError(
-        fmt::format("--method {}: expected one of baumgarte:{}", name, fmt::join(kGains, ", baumgarte:")));
-  return found;
+// The rms of what rounding lengths to float leaves of them.
+double float_rounding(const System& sys) {
+  double sum = 0;
+  for (const auto& [i, j, d] : sys.bonds)
+    sum += std::pow(static_cast<double>(static_cast<float>(d)) / d - 1, 2);
+  return sys.bonds.empty() ? 0.0 : std::sqrt(sum / sys.bond_count());
 }
 
 // The plug-in's runs, each against taut's own of the same method.
@@ -78,6 +63,13 @@ void hold_methods(const Stage& stage, OpenMMTwin& twin, Crosscheck& c, const Tel
   now("OpenMM, VerletIntegrator");
   const auto verlet = stage.twin(stage.on_platform(TwinIntegrator::kVerlet));
   c.verlet = follow(stage, "openmm verlet", *verlet, stage.parting, against).track;
+  for (const double tolerance : kUsualTolerances) {
+    const std::string name = fmt::format("openmm verlet {:g}", tolerance);
+    now(fmt::format("OpenMM, VerletIntegrator at {:g}", tolerance));
+    TwinSettings settings = stage.on_platform(TwinIntegrator::kVerlet);
+    settings.constraint_tolerance = tolerance;
+    c.openmm_own.push_back(follow(stage, name, *stage.twin(settings), stage.steps, against).track);
+  }
   now("OpenMM, moved by 1e-10 nm");
   c.nudged = nudged_run(stage, against);
   c.chaos = chaos_of(c.nudged);
@@ -98,15 +90,18 @@ void hold_methods(const Stage& stage, OpenMMTwin& twin, Crosscheck& c, const Tel
 }  // namespace
 
 std::vector<std::string> CrosscheckPlan::usual_methods() const {
-  if (!plugged()) return {"newton", "rattle", "feedforward", "baumgarte", "none"};
-  if (platform == "Reference" || platform == "CPU") return {"feedforward", "baumgarte:reversible", "newton"};
-  return {"feedforward", "baumgarte:reversible"};  // which devices have
+  if (!plugged()) return {"newton", "rattle", "feedforward", "baumgarte"};
+  if (platform == "Reference" || platform == "CPU") return {"feedforward", "baumgarte", "newton"};
+  return {"feedforward", "baumgarte"};  // which devices have
 }
 
-std::vector<Contestant> contestants(const std::vector<std::string>& names, bool for_plugin) {
+std::vector<Contestant> contestants(const std::vector<std::string>& words, bool for_plugin) {
   std::vector<Contestant> all;
-  for (const auto& name : names)
-    for (auto& contestant : named(name, for_plugin)) all.push_back(std::move(contestant));
+  for (const std::string& word : words) {
+    Contestant& one = all.emplace_back(Contestant{word, method_in_word(word)});
+    const bool projects = one.method.name() != "feedforward" && one.method.name() != "baumgarte";
+    if ((projects || for_plugin) && word.find("tolerance=") == word.npos) tighten(one.method);
+  }
   return all;
 }
 
@@ -173,6 +168,10 @@ Crosscheck crosscheck(const Scene& scene, const CrosscheckPlan& plan, const Tell
                .h = stage.scene.run.h(),
                .steps = stage.steps,
                .parting = stage.parting,
+               .every = stage.every,
+               .dense = stage.dense,
+               .settled = static_cast<int>(std::ranges::count(stage.by_settle, true)),
+               .float_rounding = float_rounding(stage.scene.system),
                .agreement = plan.agreement};
   c.long_enough = stage.long_enough();
   c.start = compare_start(stage, *twin);

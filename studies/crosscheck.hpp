@@ -17,15 +17,14 @@ namespace taut {
 // same steps by OpenMM and by each of taut's methods, without thermostat.
 
 struct Contestant {
-  std::string name;  // "newton", "baumgarte dead-beat"
+  std::string name;  // in a word, "newton", "baumgarte:gains=dead-beat"
   MethodOptions method;
 };
 
-// By name: a method, "baumgarte:dead-beat" for one of its gains, "baumgarte" for all of them by name.
-// Projections are held to 1e-12. So are feedforward and baumgarte for the plug-in: by their own tolerance a bond may be solved once or
-// twice, which on the host a row of molecules decides, and on a device each by itself. Throws InputError for a name
-// there is not.
-std::vector<Contestant> contestants(const std::vector<std::string>& names, bool for_plugin = false);
+// Methods in a word each. Of those that name no tolerance, projections are held to 1e-12; so are feedforward and baumgarte
+// for the plug-in: by their own tolerance a bond may be solved once or twice, which on the host a row of molecules
+// decides, and on a device each by itself. Throws InputError for a word that names no method or setting.
+std::vector<Contestant> contestants(const std::vector<std::string>& words, bool for_plugin = false);
 
 struct OpenMMFiles {
   std::filesystem::path system, state;
@@ -58,6 +57,7 @@ struct Sample {
   double energy = 0;                  // total [kJ/mol]
   double temperature = 0;             // [K]
   double bond_max = 0, bond_rms = 0;  // relative errors
+  double settle_rms = 0, ccma_rms = 0;  // of the bonds that OpenMM holds by either of its algorithms
 };
 
 // A run whole.
@@ -132,11 +132,15 @@ struct Crosscheck {
   int atoms = 0, bonds = 0, dof = 0;
   double h = 0;                 // [ps]
   long steps = 0, parting = 0;  // of whole runs, of those that explain
+  long every = 1, dense = 1;    // steps between even samples: of either
+  int settled = 0;              // bonds that OpenMM holds by SETTLE
+  double float_rounding = 0;    // rms relative error of lengths that are rounded to float
   double agreement = 0;         // apart by more, runs have parted [nm]
   StartDifference start = {};
   Track twin = {}, verlet = {}, nudged = {}, fine = {};
-  std::vector<Track> tracks = {};     // one a contestant
-  std::vector<Plugged> plugged = {};  // in place of twin, verlet, fine and tracks
+  std::vector<Track> openmm_own = {};  // VerletIntegrator at the tolerances that people run it with
+  std::vector<Track> tracks = {};      // one a contestant
+  std::vector<Plugged> plugged = {};   // in place of twin, verlet, fine and tracks
   OpenMMBonds openmm_bonds = {};
   Chaos chaos = {};
   Leapfrog leapfrog = {};

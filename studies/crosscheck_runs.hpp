@@ -28,6 +28,8 @@ struct Stage {
   int dof;
   long steps, parting;  // of whole runs, of those that explain
   long every, dense;    // steps between samples: throughout, and until `parting`
+  std::vector<bool>
+      by_settle;  // of each bond, whether OpenMM holds it by SETTLE, as rigid waters, or else by CCMA
 };
 
 // Held against: OpenMM's run and the fine one, frame by frame; null where there is none yet.

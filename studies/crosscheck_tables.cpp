@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "simulation/run_folder.hpp"
+#include "studies/bond_lengths.hpp"
 #include "studies/crosscheck_verdict.hpp"
 #include "studies/csv.hpp"
 
@@ -12,8 +13,12 @@ namespace taut {
 
 std::vector<const Track*> all_tracks(const Crosscheck& c) {
   std::vector<const Track*> all;
-  for (const Track* track : {&c.twin, &c.verlet, &c.nudged, &c.fine})
-    if (!track->name.empty()) all.push_back(track);
+  const auto add = [&](const Track& track) {
+    if (!track.name.empty()) all.push_back(&track);
+  };
+  add(c.twin), add(c.verlet);
+  for (const Track& track : c.openmm_own) add(track);
+  add(c.nudged), add(c.fine);
   for (const Track& track : c.tracks) all.push_back(&track);
   for (const auto& [ours, theirs] : c.plugged) all.insert(all.end(), {&ours, &theirs});
   return all;
@@ -90,6 +95,15 @@ Json json_of(const Crosscheck& c) {
     json["openmm_bonds"]["newton_apart_with_their_lengths_nm"] = *c.openmm_bonds.apart_with_theirs;
   }
   for (const Track* track : all_tracks(c)) json["runs"].push_back(json_of(c, *track));
+  for (const BondLengths& of : bond_lengths(c))
+    json["bond_lengths"].push_back({{"run", of.run},
+                                    {"rms_rel_bond_error", json_of(of.rms)},
+                                    {"max_rel_bond_error", of.largest},
+                                    {"slope_per_ns", json_of(of.slope)},
+                                    {"in_a_ns_at_most", of.in_a_ns},
+                                    {"made_of", of.made_of},
+                                    {"drifts", of.drifts()}});
+  json["verdict"] = headline(c);
   for (const auto& [who, us, failure] : c.speed)
     (failure.empty() ? json["speed_us_per_step"][who] = us : json["speed_failures"][who] = failure);
   for (const Verdict& v : verdicts(c))
@@ -106,12 +120,13 @@ std::string crosscheck_json(const Crosscheck& c) {
 std::string samples_csv(const Crosscheck& c) {
   std::string text =
       "run,step,t_ps,apart_nm,from_fine_run_nm,energy_kj_mol,temperature_k,max_rel_bond_error,"
-      "rms_rel_bond_error\n";
+      "rms_rel_bond_error,rms_rel_error_settle,rms_rel_error_ccma\n";
   for (const Track* track : all_tracks(c))
     for (const Sample& s : track->samples)
-      text += fmt::format("{},{},{:.9g},{},{},{:.12g},{:.8g},{:.6e},{:.6e}\n", csv_cell(track->name), s.step,
-                          s.t, cell_if_known(s.apart), cell_if_known(s.from_truth), s.energy, s.temperature,
-                          s.bond_max, s.bond_rms);
+      text += fmt::format("{},{},{:.9g},{},{},{:.12g},{:.8g},{:.6e},{:.6e},{:.6e},{:.6e}\n",
+                          label_cell(track->name), s.step, s.t, cell_if_known(s.apart),
+                          cell_if_known(s.from_truth), s.energy, s.temperature, s.bond_max, s.bond_rms,
+                          s.settle_rms, s.ccma_rms);
   return text;
 }
 
@@ -121,7 +136,7 @@ std::string distances_csv(const Crosscheck& c) {
   for (const Track* track : all_tracks(c)) {
     if (track == &c.verlet || track == &c.nudged || track == &c.fine) continue;
     for (std::size_t n = 0; n < track->oxygens.r.size(); ++n)
-      text += fmt::format("{},{:.4f},{:.6f},{:.6f}\n", csv_cell(track->name), track->oxygens.r[n],
+      text += fmt::format("{},{:.4f},{:.6f},{:.6f}\n", label_cell(track->name), track->oxygens.r[n],
                           track->oxygens.g[n].value, track->oxygens.g[n].error);
   }
   return text;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/exceeds.hpp"
+#include "studies/bond_lengths.hpp"
 #include "studies/crosscheck_tables.hpp"
 
 namespace taut {
@@ -33,8 +34,7 @@ constexpr const char* kGaveUp = "its CCMA gave up at 150 iterations, without a w
 // A run that broke. OpenMM's own may have lost the bonds before they lost the numbers.
 Verdict on_failure(const Crosscheck& c, const Track& track) {
   std::string why = track.failure;
-  const bool of_openmm =
-      c.plugged.empty() && (&track == &c.twin || &track == &c.verlet || &track == &c.nudged);
+  const bool of_openmm = c.plugged.empty() && track.name.starts_with("openmm");
   if (of_openmm && track.worst_bond() > kLost)
     why += fmt::format("; its bonds were off by {:.1e} before: {}", track.worst_bond(), kGaveUp);
   return {track.name, Finding::kFailed, why};
@@ -242,9 +242,46 @@ std::vector<Verdict> verdicts(const Crosscheck& c) {
     if (!c.verlet.failed()) all.push_back(on_leapfrog(c));
     if (c.bonds > 0) all.push_back(on_openmm_bonds(c));
   }
+  if (const std::string lengths = bond_lengths_in_words(c); !lengths.empty())
+    all.push_back(
+        {"bond lengths",
+         std::ranges::any_of(bond_lengths(c), &BondLengths::drifts) ? Finding::kDiffers : Finding::kAgrees,
+         lengths});
   for (const Track& track : c.tracks) on_run(track, c.twin, on_method);
   for (const Track& track : c.tracks) in_the_long_run(track, c.twin);
   return all;
+}
+
+std::string headline(const Crosscheck& c) {
+  const std::vector<Verdict> all = verdicts(c);
+  const auto of = [&](Finding finding) { return std::ranges::find(all, finding, &Verdict::finding); };
+  if (const auto failed = of(Finding::kFailed); failed != all.end())
+    return fmt::format("failed: {}: {}", failed->who, failed->why);
+  if (const auto differs = of(Finding::kDiffers); differs != all.end())
+    return fmt::format("differs: {}: {}", differs->who, differs->why);
+  if (!c.plugged.empty())
+    return of(Finding::kParts) == all.end()
+               ? fmt::format("agrees: the plug-in takes taut's own trajectory, to round-off ({:.0e} nm)",
+                             round_off(c))
+               : fmt::format("differs: {}: {}", of(Finding::kParts)->who, of(Finding::kParts)->why);
+  if (c.tracks.empty()) return "agrees at the start; no method was asked for";
+  const Track& track = c.tracks.front();
+  const auto& b = c.openmm_bonds;
+  const auto parted = track.parted_at(c.agreement);
+  if (!parted)
+    return fmt::format("agrees: taut's {} is OpenMM's run to {:.1e} nm over {} steps", track.name,
+                       track.most_apart(), c.steps);
+  const std::string rest =
+      fmt::format("from step {} on they are more than {:.0e} nm apart", *parted, c.agreement);
+  if (!rounding_clause(c).empty())
+    return fmt::format(
+        "agrees: taut's {} is OpenMM's run to {:.1e} nm over {} steps where both hold the same "
+        "lengths; as given {}, by OpenMM's rounding of lengths to float, which chaos enlarges",
+        track.name, *b.apart_with_theirs, b.steps, rest);
+  return fmt::format(
+      "agrees: taut's {} is OpenMM's run until chaos parts them: {}, which {:.0e} nm at the start "
+      "would do, too",
+      track.name, rest, apart_at_start(c, track));
 }
 
 }  // namespace taut

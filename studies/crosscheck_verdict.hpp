@@ -26,6 +26,9 @@ std::string_view name_of(Finding finding);
 // method, and the averages where there are any.
 std::vector<Verdict> verdicts(const Crosscheck& c);
 
+// Whether taut agrees with OpenMM, in a sentence: of the first method, and what parts it from OpenMM's run.
+std::string headline(const Crosscheck& c);
+
 // Mean square of the differences of two g(r) in units of their errors, over bins where either is known.
 double chi_squared(const Distances& a, const Distances& b);
 

@@ -4,6 +4,7 @@
 
 #include <fstream>
 #include <sstream>
+#include <tuple>
 
 #include "base/errors.hpp"
 #include "files/atomic_file.hpp"
@@ -11,18 +12,28 @@
 namespace taut {
 namespace {
 
-// name, figures and failure, between tabs.
+// A trial's figures, in the order of the file.
+template <class T>
+auto figures_of(T& t) {
+  return std::tie(t.constraint_us, t.step_us, t.max_error, t.rms_error.value, t.rms_error.error,
+                  t.later_over_earlier.value, t.later_over_earlier.error, t.error_slope.value,
+                  t.error_slope.error, t.drift, t.drift_error, t.constraint_drift.value,
+                  t.constraint_drift.error, t.kT, t.figure);
+}
+
+// name, steps, figures and failure, between tabs.
 std::string line_of(const std::string& name, const Trial& t) {
-  return fmt::format("{}\t{}\t{:.17g}\t{:.17g}\t{:.17g}\t{:.17g}\t{:.17g}\t{:.17g}\t{:.17g}\t{:.17g}\t{}\n",
-                     name, t.steps, t.constraint_us, t.step_us, t.max_error, t.rms_error, t.drift,
-                     t.drift_error, t.constraint_drift, t.figure, t.failure);
+  std::string line = fmt::format("{}\t{}", name, t.steps);
+  std::apply([&](const auto&... figure) { ((line += fmt::format("\t{:.17g}", figure)), ...); },
+             figures_of(t));
+  return line + "\t" + t.failure + "\n";
 }
 
 bool read_line(const std::string& line, std::string& name, Trial& t) {
   std::istringstream fields(line);
   std::getline(fields, name, '\t');
-  fields >> t.steps >> t.constraint_us >> t.step_us >> t.max_error >> t.rms_error >> t.drift >>
-      t.drift_error >> t.constraint_drift >> t.figure;
+  fields >> t.steps;
+  std::apply([&](auto&... figure) { (fields >> ... >> figure); }, figures_of(t));
   if (!fields) return false;
   fields.ignore(1);
   std::getline(fields, t.failure);

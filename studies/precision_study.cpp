@@ -19,7 +19,7 @@ Trial try_precision(const ChartPlan& plan, const std::string& method, Precision 
                     const TrialPlan& trial) {
   Scene scene = plan.scene;
   scene.terms.precision = precision;
-  return try_setting(std::move(scene), {method, "", "", {"method.name=" + method}}, trial);
+  return try_setting(std::move(scene), setting_of(method), trial);
 }
 
 }  // namespace
@@ -34,15 +34,17 @@ std::vector<Job> precision_jobs(const ChartPlan& plan, const Ledger& ledger) {
   for (const auto& method : plan.methods)
     for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
       points.push_back({point_name("step", method, precision), [&plan, method, precision] {
-                          return try_precision(plan, method, precision,
-                                               {.steps = plan.steps, .rows = 2, .listen = plan.listen});
+                          return try_precision(
+                              plan, method, precision,
+                              {.start = plan.steps, .steps = plan.steps, .rows = 2, .listen = plan.listen});
                         }});
-      drifts.push_back(
-          {point_name("precision", method, precision), [&plan, method, precision] {
-             return try_precision(
-                 plan, method, precision,
-                 {.steps = plan.drift_steps, .rows = plan.drift_steps / 10, .listen = plan.listen});
-           }});
+      drifts.push_back({point_name("precision", method, precision), [&plan, method, precision] {
+                          return try_precision(plan, method, precision,
+                                               {.start = plan.drift_steps / 4,
+                                                .steps = plan.drift_steps,
+                                                .rows = plan.drift_steps / 10,
+                                                .listen = plan.listen});
+                        }});
     }
   std::vector<Job> jobs = interleaved(points, plan.repeats, ledger);
   jobs.insert(jobs.end(), drifts.begin(), drifts.end());
@@ -70,10 +72,12 @@ std::string precision_csv(const ChartPlan& plan, const Ledger& ledger) {
       const Quartiles us =
           over_repeats(point_name("step", method, precision), plan.repeats, ledger, &Trial::step_us);
       text += t.failed()
-                  ? fmt::format("{},{},,,,,,,,,,{}\n", method, name_of(precision), csv_cell(t.failure))
+                  ? fmt::format("{},{},,,,,,,,,,{}\n", label_cell(method), name_of(precision),
+                                csv_cell(t.failure))
                   : fmt::format("{},{},{:.5g},{:.5g},{:.5g},{:.6e},{:.6e},{:.6e},{:.6e},{:.6e},{:.6e},\n",
-                                method, name_of(precision), us.low, us.median, us.high, t.drift,
-                                t.drift_low(), t.drift_high(), t.constraint_drift, t.rms_error, t.max_error);
+                                label_cell(method), name_of(precision), us.low, us.median, us.high, t.drift,
+                                t.drift_low(), t.drift_high(), t.constraint_drift.value, t.rms_error.value,
+                                t.max_error);
     }
   return text;
 }

@@ -19,6 +19,9 @@ std::string plane_name(Damping damping, double ah, double bh) {
 std::string step_name(std::size_t scene, const std::string& method) {
   return fmt::format("steps/{}/{}", scene, method);
 }
+std::string energy_name(std::size_t scene, const std::string& method) {
+  return fmt::format("energy/{}/{}", scene, method);
+}
 
 constexpr const char* kReference = "plane/newton";
 
@@ -81,7 +84,8 @@ std::vector<double> StabilityPlan::all_bh() const {
 }
 
 TrialPlan StabilityPlan::trial(long trial_steps) const {
-  return {.steps = trial_steps,
+  return {.start = trial_steps / 5,
+          .steps = trial_steps - trial_steps / 5,
           .rows = trial_steps / 5,
           .broken_energy = broken_energy,
           .broken_bond = broken_bond,
@@ -89,9 +93,7 @@ TrialPlan StabilityPlan::trial(long trial_steps) const {
 }
 
 std::vector<Job> plane_jobs(const StabilityPlan& plan) {
-  std::vector<Job> jobs = {{kReference, [&plan] {
-                              return over_the_plane(plan, {"newton", "", "", {"method.name=newton"}});
-                            }}};
+  std::vector<Job> jobs = {{kReference, [&plan] { return over_the_plane(plan, setting_of("newton")); }}};
   for (const Damping damping : kDampings)
     for (const double ah : plan.all_ah())
       for (const double bh : plan.all_bh())
@@ -101,41 +103,60 @@ std::vector<Job> plane_jobs(const StabilityPlan& plan) {
   return jobs;
 }
 
+namespace {
+
+// The largest step, by bisection from the scene's own, of which `passes` holds; a trial that did not get to the end
+// passes nothing. Returns that trial, its step as its figure, with the failure of the next one.
+Trial largest_step(const StabilityPlan& plan, const Scene& scene, const std::string& method, long steps,
+                   const auto& passes) {
+  double good = 0, bad = 0, factor = 1;
+  Trial best;
+  std::string failure;
+  const auto try_at = [&](double at) {
+    Scene copy = scene;
+    copy.run.dt_fs *= at;
+    const Trial trial = try_setting(copy, setting_of(method), plan.trial(steps));
+    const bool passed = !trial.failed() && passes(trial);
+    if (passed) best = trial;
+    if (!passed) failure = trial.failure;
+    (passed ? good : bad) = at;
+    return passed;
+  };
+  const double fine_enough = plan.quick ? 1.2 : 1.05;
+  while ((good == 0 || bad == 0) && factor <= kSearch && factor >= 1 / kSearch) {
+    const bool passed = try_at(factor);
+    // Refused for what the method is, not for the step: no step will help.
+    if (failure.find("not part of") != failure.npos) break;
+    factor *= passed ? 2 : 0.5;
+  }
+  while (good > 0 && bad > 0 && bad / good > fine_enough) try_at(std::sqrt(good * bad));
+  best.figure = good * scene.run.dt_fs;
+  best.failure = failure;
+  return best;
+}
+
+}  // namespace
+
 std::vector<Job> step_jobs(const StabilityPlan& plan) {
   std::vector<Job> jobs;
   for (std::size_t row = 0; row < plan.scenes.size(); ++row)
-    for (const auto& method : plan.methods)
+    for (const auto& method : plan.methods) {
       jobs.push_back({step_name(row, method),
                       [&plan, row, method] { return largest_stable_step(plan, plan.scenes[row], method); }});
+      jobs.push_back({energy_name(row, method), [&plan, row, method] {
+                        return largest_step(plan, plan.scenes[row], method, 4 * plan.step_steps,
+                                            [](const Trial& trial) { return trial.keeps_energy(); });
+                      }});
+    }
   return jobs;
 }
 
 Trial largest_stable_step(const StabilityPlan& plan, const Scene& scene, const std::string& method) {
-  const auto at = [&](double factor) {
-    Scene copy = scene;
-    copy.run.dt_fs *= factor;
-    return try_setting(copy, {method, "", "", {"method.name=" + method}}, plan.trial(plan.step_steps));
-  };
-  const double fine_enough = plan.quick ? 1.2 : 1.05;
-  double good = 0, bad = 0, factor = 1;
-  Trial failed;
-  while (good == 0 || bad == 0) {
-    if (factor > kSearch || factor < 1 / kSearch) break;
-    const Trial trial = at(factor);
-    if (trial.failed()) failed = trial;
-    (trial.failed() ? bad : good) = factor;
-    // Refused for what the method is, not for the step: no step will help.
-    if (trial.failure.find("not part of") != trial.failure.npos) break;
-    factor *= trial.failed() ? 0.5 : 2;
-  }
-  while (good > 0 && bad > 0 && bad / good > fine_enough) {
-    const double middle = std::sqrt(good * bad);
-    const Trial trial = at(middle);
-    if (trial.failed()) failed = trial;
-    (trial.failed() ? bad : good) = middle;
-  }
-  failed.figure = good * scene.run.dt_fs;
-  return failed;
+  return largest_step(plan, scene, method, plan.step_steps, [](const Trial&) { return true; });
+}
+
+LargestSteps largest_steps(const Ledger& ledger, std::size_t scene, const std::string& method) {
+  return {ledger.at(step_name(scene, method)), ledger.at(energy_name(scene, method))};
 }
 
 std::string plane_csv(const StabilityPlan& plan, const Ledger& ledger) {
@@ -155,25 +176,27 @@ std::string plane_csv(const StabilityPlan& plan, const Ledger& ledger) {
         text += t.failed()
                     ? fmt::format("{},,,,,,,{:.4g},{:.5e},1,{}\n", head, limit, newton, csv_cell(t.failure))
                     : fmt::format("{},{:.5e},{:.5e},{:.5e},{:.5e},{:.4e},{:.4e},{:.4g},{:.5e},0,\n", head,
-                                  t.drift, t.drift_low(), t.drift_high(), t.constraint_drift, t.rms_error,
-                                  t.max_error, limit, newton);
+                                  t.drift, t.drift_low(), t.drift_high(), t.constraint_drift.value,
+                                  t.rms_error.value, t.max_error, limit, newton);
       }
   return text;
 }
 
 std::string steps_csv(const StabilityPlan& plan, const Ledger& ledger) {
   std::string text =
-      "scene,method,row,column,dt_fs_of_scene,largest_stable_fs,share_of_best,of_steps,fails_as,reason\n";
+      "scene,method,row,column,dt_fs_of_scene,largest_stable_fs,share_of_best,of_steps,fails_as,reason,"
+      "energy_kept_up_to_fs,drift_there_kj_mol_ns_dof,drift_there_error\n";
   for (std::size_t row = 0; row < plan.scenes.size(); ++row) {
     const Scene& scene = plan.scenes[row];
     double best = 0;
     for (const auto& method : plan.methods) best = std::max(best, ledger.at(step_name(row, method)).figure);
     for (std::size_t column = 0; column < plan.methods.size(); ++column) {
-      const Trial& t = ledger.at(step_name(row, plan.methods[column]));
+      const auto& [t, kept] = largest_steps(ledger, row, plan.methods[column]);
       text +=
-          fmt::format("{},{},{},{},{:g},{:.4g},{:.4g},{},{},{}\n", csv_cell(scene.name), plan.methods[column],
-                      row, column, scene.run.dt_fs, t.figure, best > 0 ? t.figure / best : 0.0,
-                      plan.step_steps, csv_cell(short_reason(t.failure)), csv_cell(t.failure));
+          fmt::format("{},{},{},{},{:g},{:.4g},{:.4g},{},{},{},{:.4g},{:.3e},{:.3e}\n", csv_cell(scene.name),
+                      label_cell(plan.methods[column]), row, column, scene.run.dt_fs, t.figure,
+                      best > 0 ? t.figure / best : 0.0, plan.step_steps, csv_cell(short_reason(t.failure)),
+                      csv_cell(t.failure), kept.figure, kept.drift, kept.drift_error);
     }
   }
   return text;

@@ -30,7 +30,8 @@ constexpr double kSearch = 64;  // a stable step is looked for from 1/64 to 64 t
 
 //   plane   steps survived, drift and bond errors of Baumgarte at (αh, βh), for each damping;
 //           newton's drift is the one to beat (NAN: it failed)
-//   steps   the largest stable step of each method on each scene, by bisection, and how it fails beyond
+//   steps   the largest stable step of each method on each scene, by bisection, how it fails beyond, and the
+//           largest at which it keeps the energy (Trial::keeps_energy), in runs four times as long
 std::vector<Job> plane_jobs(const StabilityPlan& plan);
 std::vector<Job> step_jobs(const StabilityPlan& plan);
 
@@ -42,5 +43,12 @@ std::string limits_csv();
 
 // Trial::figure is the largest stable step [fs], 0 if none was found; Trial::failure how the next one fails.
 Trial largest_stable_step(const StabilityPlan& plan, const Scene& scene, const std::string& method);
+
+// What the study found of a method on a scene, by its place in the plan.
+struct LargestSteps {
+  const Trial& runs;          // as largest_stable_step has it
+  const Trial& keeps_energy;  // its figure is that step [fs], its drift and kT are those there
+};
+LargestSteps largest_steps(const Ledger& ledger, std::size_t scene, const std::string& method);
 
 }  // namespace taut

@@ -77,8 +77,9 @@ std::vector<SweptShape> cluster_shapes(const System& sys) {
     const std::size_t shape = known.try_emplace(kind, known.size()).first->second;
     shapes.resize(known.size());
     counts.resize(known.size(), 0);
-    shapes[shape].name =
-        fmt::format("{} of {} bond{}", ++counts[shape], bonds.size(), bonds.size() == 1 ? "" : "s");
+    const int count = ++counts[shape];
+    shapes[shape].name = fmt::format("{} cluster{} of {} bond{}", count, count == 1 ? "" : "s", bonds.size(),
+                                     bonds.size() == 1 ? "" : "s");
     shapes[shape].bonds.insert(shapes[shape].bonds.end(), bonds.begin(), bonds.end());
   }
   return shapes;

@@ -29,7 +29,7 @@ class SweptErrors {
 
 // Bonds tied together alike: the same masses and lengths in the same order.
 struct SweptShape {
-  std::string name;        // "216 of 3 bonds"
+  std::string name;        // "216 clusters of 3 bonds"
   std::vector<int> bonds;  // of all its clusters
 };
 std::vector<SweptShape> cluster_shapes(const System& sys);

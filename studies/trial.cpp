@@ -4,11 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <optional>
+#include <span>
 
 #include "base/errors.hpp"
 #include "base/exceeds.hpp"
-#include "simulation/simulation.hpp"
+#include "base/series.hpp"
 #include "systems/scene_file.hpp"
+#include "systems/toml_reader.hpp"
 
 namespace taut {
 namespace {
@@ -54,14 +58,27 @@ Setting setting(const std::string& method, const std::string& parameter, const s
 
 }  // namespace
 
+Setting setting_of(const std::string& method) {
+  return {method, "", "", overrides_of_method(method)};
+}
+
 std::vector<Setting> settings_of(const std::string& method, double h, bool few) {
+  if (method.find(':') != method.npos) return {setting_of(method)};
   std::vector<Setting> settings;
   for (const Sweep& sweep : sweeps())
     if (has_key(method, sweep.parameter))
       for (const char* value : few ? sweep.few : sweep.all)
         settings.push_back(setting(method, sweep.parameter, value, h));
-  if (settings.empty()) settings.push_back({method, "", "", {"method.name=" + method}});
+  if (settings.empty()) settings.push_back(setting_of(method));
   return settings;
+}
+
+std::string with_error(const Estimate& estimate) {
+  const auto& [value, error] = estimate;
+  if (!(error > 0)) return fmt::format("{:.2g}", value);
+  const int digits = 1 - static_cast<int>(std::floor(std::log10(error)));
+  if (digits < 0 || digits > 4) return fmt::format("{:.1e} ± {:.0e}", value, error);
+  return fmt::format("{:.{}f} ± {:.{}f}", value, digits, error, digits);
 }
 
 std::string in_few_words(const std::string& failure) {
@@ -73,40 +90,108 @@ std::string in_few_words(const std::string& failure) {
   return line;
 }
 
+bool Trial::at_rest() const {
+  const auto& [ratio, error] = later_over_earlier;
+  return std::abs(ratio - 1) <= std::max(0.1, 3 * error);
+}
+
+bool Trial::keeps_energy() const {
+  return std::abs(drift) <= 0.1 * kT + 3 * drift_error;
+}
+
+namespace {
+
+// A scene that runs until it is told how far.
+Scene ready(Scene scene, const Setting& setting, const TrialPlan& plan) {
+  apply_overrides(scene, setting.overrides);
+  scene.run.log_every = std::max(1L, plan.steps / plan.rows);
+  return scene;
+}
+
+// √ of a mean of squares.
+Estimate root(const Estimate& square) {
+  const double value = std::sqrt(square.value);
+  return {value, value > 0 ? square.error / (2 * value) : 0.0};
+}
+
+Estimate ratio(const Estimate& above, const Estimate& below) {
+  if (!(below.value > 0)) return {1, 0};
+  const double value = above.value / below.value;
+  return {value, std::hypot(above.error, value * below.error) / below.value};
+}
+
+}  // namespace
+
+TrialRun::TrialRun(Scene scene, const Setting& setting, const TrialPlan& plan)
+    : plan_(plan), simulation_(ready(std::move(scene), setting, plan), available_threads(), plan.listen) {}
+
+void TrialRun::advance(long steps) {
+  RunSettings run = simulation_.scene().run;
+  run.steps = simulation_.step() + steps;
+  simulation_.change(run);
+  const Summary summary = simulation_.run([this](const Record& r) { watch(r); }, at_steps(plan_.listen));
+  constraint_us_ = summary.constraint_us_per_step;
+  step_us_ = summary.us_per_step;
+  doubts_ = summary.doubts;
+}
+
+void TrialRun::watch(const Record& r) {
+  const long since = t_.empty() ? simulation_.scene().run.log_every : r.step - last_row_;
+  last_row_ = r.step;
+  if (rows_++ == 0) first_energy_ = r.total();
+  largest_kinetic_ = std::max(largest_kinetic_, r.kinetic);
+  const double energy = std::max(largest_kinetic_, kAtRest * std::abs(first_energy_));
+  if (exceeds(std::abs(r.total() - first_energy_), plan_.broken_energy * energy) && energy > 0)
+    throw SimulationFailure("the energy blew up");
+  if (exceeds(r.bonds.max, plan_.broken_bond))
+    throw SimulationFailure(fmt::format("bonds {:g} % off", 100 * plan_.broken_bond));
+  if (r.step < plan_.start) return;
+  t_.push_back(r.t);
+  squares_.push_back(r.bonds.rms * r.bonds.rms);
+  largest_.push_back(r.bonds.max);
+  kinetic_sum_ += r.kinetic;
+  energy_.add(r.t, r.but_for_heat(), since);
+  constraint_work_.add(r.t, r.constraint_work, since);
+}
+
+Trial TrialRun::trial() const {
+  Trial trial{.steps = last_row_, .constraint_us = constraint_us_, .step_us = step_us_};
+  if (t_.empty()) return trial;
+  const std::span<const double> squares = squares_;
+  const std::size_t half = squares.size() / 2;
+  trial.max_error = std::reduce(largest_.begin(), largest_.end()) / static_cast<double>(largest_.size());
+  trial.rms_error = root(correlated_mean(squares));
+  trial.later_over_earlier = half == 0 ? Estimate{1, 0}
+                                       : ratio(root(correlated_mean(squares.subspan(half))),
+                                               root(correlated_mean(squares.first(half))));
+  std::vector<double> rms;
+  for (const double square : squares) rms.push_back(std::sqrt(square));
+  trial.error_slope = block_slope(t_, rms);
+  trial.error_slope.value *= 1000, trial.error_slope.error *= 1000;
+  const double per_ns_dof = 1000.0 / std::max(1, simulation_.dof().total());
+  const Estimate drift = energy_.estimate(), of_bonds = constraint_work_.estimate();
+  trial.drift = drift.value * per_ns_dof;
+  trial.constraint_drift = {of_bonds.value * per_ns_dof, of_bonds.error * per_ns_dof};
+  trial.kT = 2 * kinetic_sum_ / static_cast<double>(t_.size()) / std::max(1, simulation_.dof().total());
+  if (std::ssize(t_) >= kRowsForInterval) trial.drift_error = drift.error * per_ns_dof;
+  return trial;
+}
+
 Trial try_setting(Scene scene, const Setting& setting, const TrialPlan& plan, State& end) {
-  Trial trial;
-  int rows = 0;
-  double first_energy = 0, largest_kinetic = 0, squares = 0;
-  const auto watch = [&](const Record& r) {
-    trial.steps = r.step;
-    if (exceeds(r.bonds.max, trial.max_error)) trial.max_error = r.bonds.max;
-    squares += r.bonds.rms * r.bonds.rms;
-    if (rows++ == 0) first_energy = r.total();
-    largest_kinetic = std::max(largest_kinetic, r.kinetic);
-    trial.rms_error = std::sqrt(squares / rows);
-    const double energy = std::max(largest_kinetic, kAtRest * std::abs(first_energy));
-    if (exceeds(std::abs(r.total() - first_energy), plan.broken_energy * energy) && energy > 0)
-      throw SimulationFailure("the energy blew up");
-    if (exceeds(r.bonds.max, plan.broken_bond))
-      throw SimulationFailure(fmt::format("bonds {:g} % off", 100 * plan.broken_bond));
-  };
+  std::optional<TrialRun> run;
+  std::string failure;
   try {
-    apply_overrides(scene, setting.overrides);
-    scene.run.steps = plan.steps;
-    scene.run.log_every = std::max(1L, plan.steps / plan.rows);
-    Simulation simulation(std::move(scene), available_threads(), plan.listen);
-    const Summary summary = simulation.run(watch, at_steps(plan.listen));
-    trial.constraint_us = summary.constraint_us_per_step;
-    trial.step_us = summary.us_per_step;
-    trial.drift = summary.drift.value;
-    trial.constraint_drift = summary.constraint_drift.value;
-    if (rows >= kRowsForInterval) trial.drift_error = summary.drift.error;
-    end = simulation.state();
+    run.emplace(std::move(scene), setting, plan);
+    if (plan.start > 0) run->advance(plan.start);
+    run->advance(plan.steps);
+    end = run->simulation().state();
   } catch (const SimulationFailure& e) {
-    trial.failure = in_few_words(e.what());
+    failure = in_few_words(e.what());
   } catch (const InputError& e) {
-    trial.failure = "refused: " + in_few_words(e.what());
+    failure = "refused: " + in_few_words(e.what());
   }
+  Trial trial = run ? run->trial() : Trial();
+  trial.failure = failure;
   return trial;
 }
 

@@ -106,4 +106,21 @@ std::vector<std::string> overrides_of(const KeyValues& values) {
   return overrides;
 }
 
+std::vector<std::string> overrides_of_method(const std::string& word) {
+  const auto colon = word.find(':');
+  std::vector<std::string> overrides = {"method.name=" + word.substr(0, colon)};
+  if (colon == word.npos) return overrides;
+  std::istringstream settings(word.substr(colon + 1) + ",");
+  for (std::string setting; std::getline(settings, setting, ',');) {
+    const auto equals = setting.find('=');
+    if (equals == setting.npos || equals == 0 || setting.starts_with("name="))
+      throw InputError(
+          fmt::format("{}: \"{}\" is no setting; expected NAME:KEY=VALUE,KEY=VALUE, such as "
+                      "rattle:sweeps=4",
+                      word, setting));
+    overrides.push_back("method." + setting);
+  }
+  return overrides;
+}
+
 }  // namespace taut

@@ -226,10 +226,24 @@ void merge(std::vector<Key>& all, KeysRead&& described, std::string_view kind) {
 
 }  // namespace
 
-void check_method(const std::vector<std::string>& overrides) {
+MethodOptions method_of(const std::vector<std::string>& overrides) {
   const toml::table table = parse_overrides(overrides);
   MethodOptions method = default_options(kUsualMethod);
   read_method(TomlTable(table, "--set"), method);
+  return method;
+}
+
+MethodOptions method_in_word(const std::string& word) {
+  try {
+    return method_of(overrides_of_method(word));
+  } catch (const LocatedError& e) {  // "--set method.sweeps=-4: method.sweeps: expected …"
+    std::string why = e.what();
+    for (const std::string& override_ : overrides_of_method(word)) {
+      const std::string where = fmt::format("{}{}: ", kOverride, override_);
+      if (why.starts_with(where)) why.erase(0, where.size());
+    }
+    throw InputError(fmt::format("{}: {}", word, why));
+  }
 }
 
 std::vector<Key> every_key() {

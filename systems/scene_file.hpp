@@ -49,8 +49,11 @@ Scene read_scene(toml::table&& table, const std::filesystem::path& file,
 // drawn according to run.velocities.
 void apply_overrides(Scene& scene, const std::vector<std::string>& overrides, KeysRead* keys = nullptr);
 
-// Throws LocatedError for a method's name or options, overrides of [method], that no scene would take.
-void check_method(const std::vector<std::string>& overrides);
+// Returns the method that overrides of [method] make of the default one. Throws LocatedError for a name or options that
+// no scene would take.
+MethodOptions method_of(const std::vector<std::string>& overrides);
+// The same of a method in one word, as commands and studies take it: "rattle:sweeps=4". Errors begin with the word.
+MethodOptions method_in_word(const std::string& word);
 
 // Returns every key of every kind and method with its description, by reading scenes without keys. A key that
 // several kinds or methods describe alike is listed once.

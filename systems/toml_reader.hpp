@@ -167,6 +167,10 @@ using KeyValues = std::map<std::string, std::string>;
 KeyValues key_values(const std::vector<std::string>& overrides);
 std::vector<std::string> overrides_of(const KeyValues& values);
 
+// A method with its settings is one word, NAME or NAME:KEY=VALUE,KEY=VALUE: "rattle:sweeps=4" returns
+// {"method.name=rattle", "method.sweeps=4"}. Throws InputError for settings that are none.
+std::vector<std::string> overrides_of_method(const std::string& word);
+
 std::string toml_quoted(std::string_view text);  // a TOML string in one line
 
 // Merges two tables; if both have a key, the upper one's value counts. A table over an array names its

@@ -4,13 +4,16 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <sstream>
 
 #include "base/errors.hpp"
 #include "constraints/methods/baumgarte.hpp"
 #include "error_message.hpp"
+#include "studies/compared_methods.hpp"
 #include "studies/study_scene.hpp"
 #include "studies/swept_errors.hpp"
 #include "systems/scene_file.hpp"
+#include "systems/toml_reader.hpp"
 
 namespace taut::calibration_tests {
 namespace {
@@ -90,7 +93,7 @@ TEST(Calibration, ItsSettingsAreTheMethodItMeasured) {
                                       {.damping = "lagged", .settle = 5, .steps = 5}}) {
     Scene scene = water(1);
     const Calibration c = calibrate(scene, plan);
-    apply_overrides(scene, settings_of(c));
+    apply_overrides(scene, overrides_of_method(method_of(c)));
     const auto& read = *scene.method.get_if<Baumgarte::Options>();
     EXPECT_EQ(read.gains, c.method.gains);
     EXPECT_EQ(read.damping, plan.damping);
@@ -153,7 +156,7 @@ TEST(Calibration, ShapesOfClustersAreToldApart) {
   const Calibration c =
       calibrate(read_scene(find_scene("decane"), {"run.dt_fs=1"}), {.sweeps = 2, .settle = 5, .steps = 6});
   ASSERT_EQ(c.shapes.size(), 1u);
-  EXPECT_TRUE(c.shapes[0].name.ends_with("of 9 bonds")) << c.shapes[0].name;
+  EXPECT_TRUE(c.shapes[0].name.ends_with("clusters of 9 bonds")) << c.shapes[0].name;
 }
 
 // What gains copy: the mean, the first step, or the error that lasts longest, whose course Baumgarte takes
@@ -188,6 +191,61 @@ TEST(Calibration, RefusesWhatItCannotDo) {
   EXPECT_THROW(calibrate(chain(10), {.copies = "slowest"}), InputError);
   EXPECT_THROW(calibrate(chain(10), {.against = "shake", .sweeps = 2, .copies = "slowest"}), InputError);
   EXPECT_THROW(calibrate(chain(10), {.sweeps = 2, .copies = "last"}), InputError);
+  EXPECT_THROW(calibrate(chain(10), {.against = "rattle:sweeps=2", .sweeps = 3}), InputError);
+}
+
+// The table at the end: RATTLE of four sweeps heats water by 10 kJ/mol/ns, what copies its decay does not, and is cheaper.
+// The command that it leads to is not doubted.
+TEST(Calibration, ComparesMethodsAndSaysWhichToTake) {
+  const CalibrationPlan plan{.against = "rattle:sweeps=4", .compared_steps = 1600};
+  const Scene scene = water(2);
+  const Calibration c = calibrate(scene, plan);
+  EXPECT_EQ(c.sweeps, 4);
+  EXPECT_EQ(c.method.reduction, calibrate(scene, {.sweeps = 4}).method.reduction);
+  const std::vector<ComparedMethod> compared = compare_methods(scene, plan, c);
+  ASSERT_EQ(compared.size(), 4u);
+  const ComparedMethod &rattle = compared[0], &copy = compared[1];
+  EXPECT_EQ(rattle.method, "rattle:sweeps=4");
+  EXPECT_EQ(copy.method, method_of(c));
+  EXPECT_EQ(compared[3].method, "newton");
+  EXPECT_GT(rattle.trial.drift, 5);
+  EXPECT_GT(rattle.trial.constraint_drift.value, 5);
+  EXPECT_FALSE(rattle.sound());
+  EXPECT_TRUE(copy.sound());
+  EXPECT_LT(copy.trial.rms_error.value, 1e-2 * rattle.trial.rms_error.value);
+  EXPECT_NEAR(copy.reduction.measured / rattle.reduction.measured, 1, 0.02);
+  EXPECT_NEAR(compared[2].reduction.measured / compared[2].reduction.predicted, 1, 0.02);
+  ASSERT_NE(best_of(compared), nullptr);
+  EXPECT_NE(best_of(compared), &rattle);
+  EXPECT_THAT(best_of(compared)->doubts, testing::IsEmpty());
+  EXPECT_THAT(verdict_of(compared, 2),
+              AllOf(testing::StartsWith("take "), HasSubstr("±"), HasSubstr("heats")));
+  std::istringstream csv(compared_csv(compared));
+  std::string line;
+  int lines = 0;
+  while (std::getline(csv, line)) ++lines;
+  EXPECT_EQ(lines, 5);
+}
+
+// Of sound methods that cost alike the calibrated one; without a sound one a shorter step.
+TEST(Calibration, TakesTheCheapestSoundMethod) {
+  std::vector<ComparedMethod> compared(3);
+  compared[0].method = "rattle:sweeps=4", compared[1].method = "baumgarte:gains=rattle",
+  compared[2].method = "newton";
+  compared[1].role = "as calibrated";
+  compared[0].ns_per_bond = {20, 21, 22}, compared[1].ns_per_bond = {8, 9, 10},
+  compared[2].ns_per_bond = {7, 8, 8.5};
+  for (ComparedMethod& each : compared) each.trial.kT = 2.5;
+  EXPECT_EQ(best_of(compared), &compared[1]);
+  compared[1].ns_per_bond = {9, 9.5, 10};
+  EXPECT_EQ(best_of(compared), &compared[2]);
+  compared[2].doubts = {"the constraints heat"};
+  EXPECT_EQ(best_of(compared), &compared[1]);
+  compared[1].trial.constraint_drift = {3, 0.1};
+  EXPECT_EQ(best_of(compared), &compared[0]);
+  compared[0].trial.drift = -9;
+  EXPECT_EQ(best_of(compared), nullptr);
+  EXPECT_THAT(verdict_of(compared, 2), testing::StartsWith("take a shorter step"));
 }
 
 // A flat hexagon held by its sides and second neighbours: refused before anything is computed, as a run

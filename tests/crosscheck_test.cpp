@@ -8,10 +8,12 @@
 #include "base/errors.hpp"
 #include "base/threads.hpp"
 #include "constraints/methods/baumgarte.hpp"
+#include "constraints/methods/rattle.hpp"
 #include "error_message.hpp"
 #include "forcefield/force_field.hpp"
 #include "openmm_folder.hpp"
 #include "polymer_scene.hpp"
+#include "studies/bond_lengths.hpp"
 #include "studies/crosscheck_tables.hpp"
 #include "studies/crosscheck_verdict.hpp"
 #include "studies/openmm_twin.hpp"
@@ -114,7 +116,9 @@ TEST(Crosscheck, BaumgarteTakesRattlesPositionsUnlessItIsDriven) {
     SCOPED_TRACE(scene.name);
     scene.run.steps = 30;
     CrosscheckPlan plan;
-    plan.contestants = contestants({"baumgarte"});
+    plan.contestants =
+        contestants({"baumgarte", "baumgarte:gains=dead-beat", "baumgarte:gains=rattle,reduction=0.3",
+                     "baumgarte:gains=critical", "baumgarte:gains=box2d"});
     plan.contestants.push_back({"driven", Baumgarte::Options{.damping = "centred"}});
     plan.parting_steps = 30;
     plan.speed_seconds = 0;
@@ -162,13 +166,14 @@ TEST(Crosscheck, NamesARunThatBreaksAndJudgesNothingBesideIt) {
   const Crosscheck c = crosscheck(read(kFarFromTheirAngles, {"run.steps=500"}), plan);
   EXPECT_TRUE(c.long_enough);
   const std::vector<std::string> lines = lines_of(c);
-  ASSERT_EQ(lines.size(), 6u) << testing::PrintToString(lines);
-  for (int k = 0; k < 3; ++k)
+  ASSERT_EQ(lines.size(), 8u) << testing::PrintToString(lines);
+  for (int k = 0; k < 5; ++k)
     EXPECT_THAT(lines[k],
                 AllOf(HasSubstr("openmm "), HasSubstr(": failed: step "), HasSubstr("CCMA gave up")));
-  EXPECT_THAT(lines[3], AllOf(HasSubstr("settle: failed: "), HasSubstr("three-site water")));
-  EXPECT_THAT(lines[4], HasSubstr("start: agrees"));
-  EXPECT_THAT(lines[5],
+  EXPECT_THAT(headline(c), AllOf(HasSubstr("failed: openmm rattle"), HasSubstr("CCMA gave up")));
+  EXPECT_THAT(lines[5], AllOf(HasSubstr("settle: failed: "), HasSubstr("three-site water")));
+  EXPECT_THAT(lines[6], HasSubstr("start: agrees"));
+  EXPECT_THAT(lines[7],
               AllOf(HasSubstr("newton: alone: "), HasSubstr("openmm rattle"), Not(HasSubstr("chaos"))));
   EXPECT_EQ(c.tracks[0].samples.back().step, 500);
   EXPECT_GT(c.tracks[0].most_apart(), 0);
@@ -293,10 +298,65 @@ TEST(Crosscheck, SaysWhereThePluginIsLookedFor) {
   EXPECT_THAT(said, AllOf(HasSubstr("/nowhere/libtaut_openmm.so"), HasSubstr("does not load")));
 }
 
+// OpenMM's own settings are rows. SETTLE's error is its rounding of lengths to float, at any tolerance; CCMA's is the
+// tolerance; taut's is its own. Chaos leaves bonds alone, and none drifts.
+TEST(Crosscheck, TellsWhatBondLengthsAreMadeOf) {
+  const auto of = [](const char* scene, const std::vector<std::string>& overrides) {
+    CrosscheckPlan plan;
+    plan.contestants = contestants({"newton"});
+    plan.speed_seconds = 0;
+    return crosscheck(read_scene(find_scene(scene), overrides), plan);
+  };
+  const auto row = [](const Crosscheck& c, const std::string& run) {
+    for (const BondLengths& each : bond_lengths(c))
+      if (each.run == run) return each;
+    ADD_FAILURE() << "no row " << run;
+    return BondLengths();
+  };
+  const Crosscheck water = of("water", {"run.steps=50"}),
+                   chains = of("freely_jointed", {"build.chains=5", "run.steps=100"});
+  EXPECT_EQ(water.settled, water.bonds);
+  for (const char* run : {"openmm rattle, SETTLE", "openmm verlet 1e-05, SETTLE"}) {
+    EXPECT_NEAR(row(water, run).rms.value / water.float_rounding, 1, 0.01) << run;
+    EXPECT_THAT(row(water, run).made_of, HasSubstr("float"));
+  }
+  EXPECT_EQ(chains.settled, 0);
+  const BondLengths usual = row(chains, "openmm verlet 1e-05, CCMA"),
+                    tight = row(chains, "openmm verlet 1e-08, CCMA");
+  EXPECT_LT(usual.largest, 1.1e-5);
+  EXPECT_GT(usual.rms.value, 50 * tight.rms.value);
+  EXPECT_THAT(usual.made_of, HasSubstr("CCMA"));
+  for (const Crosscheck* c : {&water, &chains}) {
+    EXPECT_LT(row(*c, "newton").rms.value, 1e-12);
+    EXPECT_FALSE(row(*c, "newton").drifts());
+    EXPECT_THAT(bond_lengths_in_words(*c),
+                AllOf(HasSubstr("newton"), HasSubstr("none drifts"), HasSubstr("chaos")));
+  }
+  EXPECT_THAT(headline(chains), HasSubstr("agrees"));
+}
+
+TEST(Crosscheck, SaysThatBondLengthsDrift) {
+  Crosscheck c{.scene = "", .openmm = "", .platform = ""};
+  c.bonds = 1, c.parting = 100;
+  Track& track = c.tracks.emplace_back();
+  track.name = "none";
+  for (long n = 0; n <= 100; ++n)
+    track.samples.push_back(
+        {.step = n, .t = 1e-3 * static_cast<double>(n), .bond_rms = 1e-8 * static_cast<double>(n)});
+  const BondLengths of = bond_lengths(c).at(0);
+  EXPECT_NEAR(of.slope.value, 1e-8 / 1e-6, 1e-6 * of.slope.value);
+  for (Sample& s : track.samples) s.bond_rms += s.step % 2 ? 1e-9 : 0;
+  EXPECT_TRUE(bond_lengths(c).at(0).drifts());
+  EXPECT_GE(of.in_a_ns, of.slope.value);
+}
+
 TEST(Contestants, ByName) {
-  EXPECT_EQ(contestants({"baumgarte"}).size(), 6u);
-  EXPECT_EQ(contestants({"baumgarte:critical"})[0].name, "baumgarte critical");
-  EXPECT_THROW(contestants({"baumgarte:sideways"}), InputError);
+  const Contestant copy = contestants({"baumgarte:gains=rattle,reduction=0.3"})[0];
+  EXPECT_EQ(copy.name, "baumgarte:gains=rattle,reduction=0.3");
+  EXPECT_EQ(copy.method.get_if<Baumgarte::Options>()->reduction, 0.3) << "what its name says";
+  EXPECT_EQ(contestants({"rattle"})[0].method.get_if<Rattle::Options>()->tolerance, 1e-12);
+  EXPECT_EQ(contestants({"rattle:tolerance=1e-4"})[0].method.get_if<Rattle::Options>()->tolerance, 1e-4);
+  EXPECT_THROW(contestants({"baumgarte:gains=sideways"}), InputError);
   EXPECT_THROW(contestants({"ratle"}), InputError);
   EXPECT_THROW(contestants({"rattle:critical"}), InputError);
 }

@@ -36,7 +36,7 @@ const Words kCommands[] = {
      "stability diatomic --quick --methods newton --steps 20 --alpha-h 0.1 0.3 --beta-h 1 1.4 --out OUT",
      true},
 #if TAUT_WITH_OPENMM_TWIN
-    {"crosscheck", "crosscheck diatomic --steps 5 --method newton --speed-seconds 0 --out OUT", true},
+    {"crosscheck", "crosscheck diatomic --steps 5 --methods newton --speed-seconds 0 --out OUT", true},
 #endif
     {"methods", "methods", true},
     {"scenes", "scenes", true},
@@ -240,9 +240,10 @@ TEST_F(Streams, OptionsMayStandBeforeTheScene) {
                            "stability --alpha-h 0.1 0.3 diatomic --beta-h 1 1.4"})
     EXPECT_THAT(said(line + stability + out(), 0), HasSubstr("16 points in the plane")) << line;
 #if TAUT_WITH_OPENMM_TWIN
-  for (const char* line : {"crosscheck diatomic --method newton baumgarte:dead-beat",
-                           "crosscheck --method newton baumgarte:dead-beat diatomic"})
-    EXPECT_THAT(said(line + std::string(" --steps 5 --speed-seconds 0"), 0), HasSubstr("baumgarte dead-beat"))
+  for (const char* line : {"crosscheck diatomic --methods newton baumgarte:gains=dead-beat",
+                           "crosscheck --methods newton baumgarte:gains=dead-beat diatomic"})
+    EXPECT_THAT(said(line + std::string(" --steps 5 --speed-seconds 0"), 0),
+                HasSubstr("baumgarte:gains=dead-beat"))
         << line;
 #endif
   const std::string run = (folder_.path() / "run").string();
@@ -270,8 +271,7 @@ TEST_F(Streams, TheseOptionsTakeLists) {
       if (line.starts_with("  --") && line.substr(0, 30).find(" ...") != line.npos)
         found.insert(words(line)[0]);
   }
-  EXPECT_THAT(found,
-              ::testing::UnorderedElementsAre("--set", "--methods", "--method", "--alpha-h", "--beta-h"));
+  EXPECT_THAT(found, ::testing::UnorderedElementsAre("--set", "--methods", "--alpha-h", "--beta-h"));
 }
 
 }  // namespace

@@ -80,7 +80,7 @@ std::vector<Stage> stages() {
         {"ChartForPrograms", "chart" + kStudy + "--drift-steps 30000000 --json", tried, study, "chart"},
         {"Stability", "stability" + kStudy + "--steps 300000000", noted, study, "stability"},
 #if TAUT_WITH_OPENMM_TWIN
-        {"Crosscheck", "crosscheck diatomic --steps 100000000 --method newton --speed-seconds 0 --out OUT",
+        {"Crosscheck", "crosscheck diatomic --steps 100000000 --methods newton --speed-seconds 0 --out OUT",
          computing, anything, ""},
 #endif
   };
@@ -244,7 +244,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Filled{"stability diatomic --quick --methods newton --steps 20 --alpha-h 0.1 0.3 "
                              "--beta-h 1 1.4 --out OUT",
                              2000, "unfinished.tsv"},
-                      Filled{"crosscheck water --steps 2 --method newton --speed-seconds 0 --export FILE",
+                      Filled{"crosscheck water --steps 2 --methods newton --speed-seconds 0 --export FILE",
                              20000, "file.s"}),
     [](const auto& test) { return "case" + std::to_string(test.index); });
 

@@ -33,18 +33,25 @@ TEST_F(StudyCommands, CalibratesAndWritesJson) {
   for (const char* key : {"reduction_rattle", "alpha_per_ps", "beta_per_ps", "reduction_predicted",
                           "reduction_measured", "floor_predicted", "floor_measured"})
     EXPECT_TRUE(json.contains(key)) << key;
+  ASSERT_EQ(json["table"].size(), 4u);
+  EXPECT_EQ(json["table"][0]["method"], "rattle:sweeps=2");
+  const std::string take = json["take"];  // the command that the table leads to runs, and is not doubted
+  EXPECT_THAT(text, HasSubstr(take));
+  const auto ran = taut(take.substr(5) + " --steps 2500");
+  EXPECT_EQ(ran.exit_code, 0) << ran.text;
+  EXPECT_THAT(ran.text, Not(HasSubstr("in doubt")));
 }
 
 // `taut run` with the settings that calibrate gives shows the floor that it measured: from step 50, over 160.
 TEST_F(StudyCommands, WhatCalibrateExportsRunsAsItMeasured) {
   const fs::path file = folder.path() / "calibration.json", out = folder.path() / "run";
   const auto calibrated =
-      taut("calibrate water --sweeps 1 --dt-fs 1 --set run.seed=5 --json " + file.string());
+      taut("calibrate water --sweeps 1 --dt-fs 1 --steps 40 --set run.seed=5 --json " + file.string());
   ASSERT_EQ(calibrated.exit_code, 0) << calibrated.text;
   const auto json = nlohmann::json::parse(contents(file));
   const std::string command = json["run"];
   EXPECT_THAT(calibrated.text, HasSubstr(command));
-  EXPECT_THAT(command, HasSubstr("method.reduction="));
+  EXPECT_THAT(command, HasSubstr(",reduction="));
   const auto ran = taut(command.substr(5) + " --steps 210 --set run.log_every=1 --out " + out.string());
   ASSERT_EQ(ran.exit_code, 0) << ran.text;
   std::istringstream log(contents(out / "log.csv"));
@@ -122,9 +129,9 @@ TEST_F(StudyCommands, TakeASystemOfOpenMMs) {
   const auto chart = taut("chart " + files + " --quick --methods newton --steps 2 --drift-steps 20 --out " +
                           (folder.path() / "chart").string());
   EXPECT_EQ(chart.exit_code, 0) << chart.text;
-  const auto calibration = taut("calibrate " + files + " --dt-fs 1");
+  const auto calibration = taut("calibrate " + files + " --dt-fs 1 --steps 0");
   ASSERT_EQ(calibration.exit_code, 0) << calibration.text;
-  EXPECT_THAT(calibration.text, HasSubstr("taut run " + files + " --dt-fs 1 --set method.name=baumgarte"));
+  EXPECT_THAT(calibration.text, HasSubstr("taut run " + files + " --method baumgarte:gains="));
   for (const char* command : {"stability", "chart", "calibrate"})
     for (const std::string& about : {std::string(), "water " + files}) {
       const auto [exit_code, text] = taut(std::string(command) + " " + about);
@@ -155,7 +162,7 @@ TEST_F(StudyCommands, ReplaceNoFileUnasked) {
   const std::string prefix = (folder.path() / "a").string();
   for (const auto& [command, file] :
        {std::pair("calibrate diatomic --json " + prefix + ".json", prefix + ".json"),
-        {"crosscheck diatomic --steps 2 --method newton --speed-seconds 0 --export " + prefix,
+        {"crosscheck diatomic --steps 2 --methods newton --speed-seconds 0 --export " + prefix,
          prefix + ".state.xml"}}) {
     std::ofstream(file) << "mine";
     const auto refused = taut(command);
@@ -268,7 +275,8 @@ class CrosscheckCommand : public ::testing::Test {
   TemporaryFolder folder_;
   fs::path out_ = folder_.path() / "out";
   std::string command_ =
-      "crosscheck diatomic --steps 40 --method newton baumgarte:dead-beat --speed-seconds 0 --agreement-nm "
+      "crosscheck diatomic --steps 40 --methods newton baumgarte:gains=dead-beat --speed-seconds 0 "
+      "--agreement-nm "
       "1e-9 --out " +
       out_.string();
 };
@@ -288,7 +296,7 @@ TEST_F(CrosscheckCommand, WritesVerdictsSamplesAndPictures) {
   for (const auto& v : json["verdicts"]) findings[v["who"]] = v["finding"];
   EXPECT_EQ(findings["start"], "agrees");
   EXPECT_EQ(findings["newton"], "agrees");
-  EXPECT_EQ(findings["baumgarte dead-beat"], "agrees");
+  EXPECT_EQ(findings["baumgarte:gains=dead-beat"], "agrees");
   std::map<std::string, nlohmann::json> runs;
   for (const auto& run : json["runs"]) runs[run["name"]] = run;
   EXPECT_EQ(runs["newton"]["failure"], "");
@@ -313,7 +321,7 @@ TEST_F(CrosscheckCommand, WritesVerdictsSamplesAndPictures) {
     EXPECT_THAT(text, HasSubstr(file));
   }
   for (const char* part : {"<svg", "Verdicts", "taut crosscheck "}) EXPECT_THAT(page(out_), HasSubstr(part));
-  for (const char* run : {"newton", "openmm verlet", "baumgarte dead-beat"})
+  for (const char* run : {"newton", "openmm verlet", "baumgarte:gains=dead-beat"})
     EXPECT_THAT(contents(out_ / "crosscheck.svg"), HasSubstr(std::string(">") + run + "<"));
 }
 
@@ -338,7 +346,7 @@ TEST_F(CrosscheckCommand, WritesAlone) {
 TEST_F(CrosscheckCommand, KeepsWhatItMeasured) {
   const auto deaf = taut(command_ + " > /dev/full");
   EXPECT_EQ(deaf.exit_code, 3) << deaf.text;
-  EXPECT_EQ(nlohmann::json::parse(contents(out_ / "crosscheck.json"))["runs"].size(), 6u);
+  EXPECT_EQ(nlohmann::json::parse(contents(out_ / "crosscheck.json"))["runs"].size(), 8u);
   fs::remove_all(out_);
   fs::create_directory(out_);
   fs::create_symlink("/dev/full", out_ / "crosscheck.json.part");
@@ -346,6 +354,16 @@ TEST_F(CrosscheckCommand, KeepsWhatItMeasured) {
   EXPECT_EQ(exit_code, 3);
   EXPECT_THAT(
       text, AllOf(HasSubstr("newton                   agrees"), HasSubstr("crosscheck.json: cannot write")));
+}
+
+// A run that failed is the command's failure, after all is printed and written.
+TEST_F(CrosscheckCommand, FailsWhereARunFailed) {
+  const auto [exit_code, text] =
+      taut("crosscheck diatomic --steps 5 --methods settle newton --speed-seconds 0 --out " + out_.string());
+  EXPECT_EQ(exit_code, 1);
+  EXPECT_THAT(text, AllOf(HasSubstr("\nfailed: settle: "), HasSubstr("newton "), HasSubstr("report.html")));
+  EXPECT_THAT(nlohmann::json::parse(contents(out_ / "crosscheck.json"))["verdict"].get<std::string>(),
+              HasSubstr("failed: settle"));
 }
 
 // Refused before anything is made.

@@ -2,13 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <set>
-
 #include "base/errors.hpp"
-#include "constraints/registry.hpp"
 #include "core.hpp"
-#include "studies/calibration.hpp"
 #include "studies/chart_study.hpp"
+#include "studies/compared_methods.hpp"
 #include "studies/crosscheck_tables.hpp"
 #include "studies/stability_study.hpp"
 #include "studies/study_scene.hpp"
@@ -21,29 +18,6 @@ Scene scene_for(const Input& input, const char* study) {
   refuse_without_effect(study, input.source.overrides);
   const py::gil_scoped_release interpreter;
   return prepared_for_study(input.scene, Listening());
-}
-
-// Adds a method to the list that is another one with options that cannot be varied, so that a study takes it as
-// it is. It replaces the one that was added under this name.
-void add_fixed_method(const Input& input, const std::string& name, const std::vector<std::string>& settings) {
-  static std::set<std::string> names;  // the list holds views of these texts
-  Scene scene = input.scene;
-  apply_overrides(scene, settings);
-  const MethodEntry::Factory make = [](const System& sys, const std::any& of, double h) {
-    return make_method(sys, std::any_cast<const MethodOptions&>(of), h);
-  };
-  const MethodEntry::Factory plain = [](const System& sys, const std::any& of, double h) {
-    return make_plain(sys, std::any_cast<const MethodOptions&>(of), h);
-  };
-  const MethodEntry& of = scene.method.method();
-  MethodEntry fixed{.name = *names.insert(name).first,
-                    .summary = of.summary,
-                    .defaults = scene.method,
-                    .describe = [](std::any&) { return std::vector<Option>{}; },
-                    .make = make,
-                    .make_plain = plain,
-                    .one_sided = of.one_sided};
-  add_method(std::move(fixed));
 }
 
 // Runs jobs one by one, checks for Ctrl-C between them, and tells `progress` how many of how many are done.
@@ -120,20 +94,28 @@ py::dict calibrate_scene(const Input& input, const py::dict& asked) {
   Listening listening;
   plan.listen = std::ref(listening);
   plan.against = asked["against"].cast<std::string>();
-  plan.tolerance = asked["tolerance"].cast<double>();
   plan.sweeps = asked["sweeps"].cast<int>();
   plan.copies = asked["copies"].cast<std::string>();
   plan.damping = asked["damping"].cast<std::string>();
   replace(plan.size, asked, "size");
+  plan.compared_steps = asked["steps"].cast<long>();
   const Scene scene = scene_for(input, "calibrate");
-  const Calibration c = [&] {
+  Calibration c;
+  std::vector<ComparedMethod> compared;
+  {
     const py::gil_scoped_release interpreter;
-    return calibrate(scene, plan);
-  }();
+    c = calibrate(scene, plan);
+    if (plan.compared_steps > 0) compared = compare_methods(scene, plan, c);
+  }
   py::dict result;
+  result["method"] = method_of(c);
+  if (!compared.empty()) {
+    const ComparedMethod* best = best_of(compared);
+    result["table"] = compared_csv(compared), result["verdict"] = verdict_of(compared, scene.run.dt_fs);
+    result["take"] = best ? py::object(py::str(best->method)) : py::object(py::none());
+  }
   for (const auto& [name, value] : figures_of(c)) result[name] = value;
   result["window"] = c.window;
-  result["gains"] = c.method.gains, result["damping"] = c.method.damping;
   result["reduction"] = c.method.reduction;
   result["reference"] = course(c.reference), result["baumgarte"] = course(c.baumgarte);
   result["disagreement"] = disagreement(plan, c);
@@ -170,7 +152,6 @@ py::dict crosscheck_scene(const Input& input, const std::vector<std::string>& me
 }  // namespace
 
 void bind_studies(py::module_& m) {
-  m.def("add_fixed_method", add_fixed_method);
   m.def("chart", chart);
   m.def("stability", stability);
   m.def("calibrate", calibrate_scene);
