@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Baumgarte over its gains on water and DNA at 2 fs, each damping, beside newton's drift in as many steps:
+# Baumgarte over its gains on water and DNA at 2 and 4 fs, each damping, beside newton's drift in as many steps:
 #     benchmarks/planes.sh [FOLDER [NAME ...]]
 # Four αh by five βh of the part that lives. TAUT names the command, if it is not build/taut; STEPS other steps.
 set -euo pipefail
@@ -7,10 +7,11 @@ cd "$(dirname "$0")/.."
 out=${1:-benchmarks/results/planes}
 shift || true
 export OMP_NUM_THREADS=1
-dna="tests/data/dna-hbonds"
+dna="--openmm tests/data/dna-hbonds.system.xml tests/data/dna-hbonds.state.xml"
 declare -A scenes=(
-  [water_2fs]="water --dt-fs 2"
-  [dna_2fs]="--openmm $dna.system.xml $dna.state.xml --dt-fs 2 --set run.velocities=draw run.temperature_k=300")
+  [water_2fs]="water --dt-fs 2" [water_4fs]="water --dt-fs 4"
+  [dna_2fs]="$dna --dt-fs 2 --set run.velocities=draw run.temperature_k=300"
+  [dna_4fs]="$dna --dt-fs 4 --set run.velocities=draw run.temperature_k=300")
 names=("$@")
 [ ${#names[@]} -gt 0 ] || names=("${!scenes[@]}")
 for name in "${names[@]}"; do
