@@ -20,6 +20,20 @@
 #include "words.hpp"
 
 namespace taut {
+namespace {
+
+bool takes_many(const CLI::Option& option) {
+  return option.get_expected_max() == CLI::detail::expected_max_vector_size;
+}
+
+// Whether a word, or each part of "a,c", is one of "a|b|c".
+bool is_one_of(const std::string& shown, const std::string& given) {
+  return std::ranges::all_of(CLI::detail::split(given, ','), [&](const std::string& part) {
+    return std::ranges::count(CLI::detail::split(shown, '|'), part) > 0;
+  });
+}
+
+}  // namespace
 
 const Argument& Argument::required() const {
   option_->required();
@@ -53,6 +67,17 @@ const Argument& Argument::at_least(int least) const {
 const Argument& Argument::words(int count, const char* shown) const {
   if (count > 0) option_->expected(count);
   option_->type_name(shown);
+  return *this;
+}
+
+const Argument& Argument::one_of(const char* shown) const {
+  option_->type_name(shown);
+  if (takes_many(*option_)) option_->delimiter(',');
+  option_->check(CLI::Validator(
+      [shown](const std::string& given) {
+        return is_one_of(shown, given) ? std::string() : fmt::format("expected {}, got {}", shown, given);
+      },
+      ""));
   return *this;
 }
 
@@ -122,10 +147,6 @@ void Subcommand::json(const char* meaning) const {
 
 namespace {
 
-bool takes_many(const CLI::Option& option) {
-  return option.get_expected_max() == CLI::detail::expected_max_vector_size;
-}
-
 // A formatter for help as wide as the terminal, without CLI11's "REQUIRED", "x 2" and "Excludes:
 // --overwrite", which usage and descriptions say already.
 class HelpFormat : public CLI::Formatter {
@@ -182,6 +203,7 @@ bool is_list(const CLI::Option& option) {
 bool can_be_in_list(const std::string& type, const std::string& word) {
   if (type == "KEY=VALUE") return word.find('=') != word.npos;
   if (type == "METHOD") return std::ranges::count(method_names(), word.substr(0, word.find(':'))) > 0;
+  if (type.find('|') != type.npos) return is_one_of(type, word);
   double number = 0;
   return type != "NUMBER" || CLI::detail::lexical_cast(word, number);
 }

@@ -20,6 +20,8 @@ class Argument {
   const Argument& positive() const;
   const Argument& at_least(int least) const;
   const Argument& words(int count, const char* shown) const;  // takes `count` words; the help has `shown`
+  // One of these words, "a|b|c"; a list also takes them with commas between them.
+  const Argument& one_of(const char* shown) const;
   const Argument& key_values() const { return words(0, "KEY=VALUE"); }  // any number of them
   const Argument& excludes(const Argument& other) const;
 

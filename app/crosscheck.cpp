@@ -127,14 +127,14 @@ void print_crosscheck(const Crosscheck& c) {
 // Writes crosscheck.json (all figures and verdicts), crosscheck.csv (every sample of every run),
 // distances.csv for liquid water, the pictures and report.html. `command` is the command line.
 StudyFiles write_crosscheck(const Crosscheck& c, const std::string& command,
-                            const std::filesystem::path& folder) {
-  StudyFiles files(folder);
+                            const std::filesystem::path& folder, const PictureOptions& options) {
+  StudyFiles files(folder, options);
   files.write("crosscheck.json", crosscheck_json(c) + "\n");
   const std::string title = fmt::format("{}: taut against OpenMM {}, {}", c.scene, c.openmm, platform_of(c));
   ReportPage page{title, command, c.notes, {}};
   const auto show = [&](const Picture& picture, const char* heading, const char* text) {
     files.draw(picture);
-    page.parts.push_back({heading, text, picture.name + ".svg", picture.csv, {}});
+    page.parts.push_back({heading, text, picture.name, picture.csv, {}});
   };
   show({"crosscheck", title, samples_csv(c)}, "Runs beside OpenMM's",
        c.plugged.empty()
@@ -155,6 +155,7 @@ struct CrosscheckArguments {
   SceneArgument scene;
   std::vector<std::string> methods;
   std::optional<std::filesystem::path> out;
+  PictureOptions pictures;
   bool overwrite = false;
   std::optional<std::string> prefix;  // prefix of the exported files
   std::optional<std::string> lammps;  // the same for LAMMPS
@@ -216,7 +217,8 @@ void crosscheck_scene(CrosscheckArguments arguments) {
   };
   std::optional<StudyFiles> files;
   try {
-    if (arguments.out) files = write_crosscheck(result, arguments.command(), *arguments.out);
+    if (arguments.out)
+      files = write_crosscheck(result, arguments.command(), *arguments.out, arguments.pictures);
   } catch (const OutsideError&) {  // a full disk takes nothing from the screen
     print();
     throw;
@@ -255,6 +257,7 @@ void add_crosscheck(Commands& commands) {
   command.option("--speed-seconds", plan.speed_seconds, "for each figure of speed; 0: none");
   command.option("--threads", plan.threads, "of taut and of OpenMM's CPU platform").positive();
   command.option("--out", arguments->out, "folder for crosscheck.json, crosscheck.csv and the pictures");
+  arguments->pictures.offer(command);
   command.flag("--overwrite", arguments->overwrite,
                "move the study that is in --out to OUT.1, OUT.2, ...; replace what --export writes");
   command.option("--export", arguments->prefix, "write PREFIX.system.xml and PREFIX.state.xml for OpenMM")

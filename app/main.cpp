@@ -46,7 +46,7 @@ int run_command(taut::Commands& commands, int argc, char** argv) {
 // the number of the signal that stopped it.
 int main(int argc, char** argv) {
   // Makes writes to a file over the size limit, or to a closed pipe, fail instead of killing the process.
-  // Handlers are used, because child processes such as gnuplot would inherit SIG_IGN.
+  // Handlers are used, because child processes would inherit SIG_IGN.
   for (const int signal : {SIGXFSZ, SIGPIPE}) std::signal(signal, [](int) {});
   fill_closed_streams();
   taut::Commands commands(

@@ -26,6 +26,7 @@ struct MeasureArguments {
   std::optional<std::string> from;
   std::optional<double> last, viscosity;
   std::optional<fs::path> out;
+  PictureOptions pictures;
   bool join = false, overwrite = false;
 
   MeasureSettings settings() const {
@@ -51,7 +52,7 @@ constexpr std::array kTables = {"equilibration", "distances", "displacement", "r
 
 void write_files(const MeasureArguments& arguments, const auto& draw) {
   make_folder(*arguments.out);
-  StudyFiles files(*arguments.out);
+  StudyFiles files(*arguments.out, arguments.pictures);
   draw(files);
   files.print_written();
 }
@@ -140,6 +141,7 @@ void add_measure(Commands& commands) {
           "by which diffusion is corrected for the box's size [mPa s] (if not said: the log's, if it tells)")
       .positive();
   command.option("--out", arguments->out, "folder for the figures as CSV, with pictures");
+  arguments->pictures.offer(command);
   command.flag("--overwrite", arguments->overwrite, "replace what --out holds");
   command.json("all figures as JSON");
 }

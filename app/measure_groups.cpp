@@ -92,8 +92,8 @@ std::string each_run_csv(const RunGroup& group) {
   for (const OverSeeds& o : group.figures) {
     long number = 0;
     const auto row = [&](const std::string& run, long at, const Estimate& e) {
-      csv += fmt::format("{},{},{},{},{:.9g},{:.3g}\n", label_cell(o.figure.words), label_cell(o.figure.unit),
-                         label_cell(run), at, e.value, e.error);
+      csv += fmt::format("{},{},{},{},{:.9g},{:.3g}\n", csv_cell(o.figure.words), csv_cell(o.figure.unit),
+                         csv_cell(run), at, e.value, e.error);
     };
     for (const MeasuredRun& run : group.runs)
       for (const Figure& figure : run.figures())
@@ -149,9 +149,9 @@ std::string points_csv(const std::vector<RunGroup>& groups) {
       for (std::size_t g = 0; g < groups.size(); ++g)
         for (const OverSeeds& o : groups[g].figures)
           if (o.figure.key == key && curve_of(groups[g]) == curve)
-            csv += fmt::format("{},{},{},{:.9g},{},{},{},{:.9g},{:.3g},{}\n", label_cell(o.figure.words),
-                               label_cell(o.figure.unit), label_cell(groups[g].values[0].first), x[g],
-                               words ? label_cell(groups[g].values[0].second) : "-", label_cell(curve),
+            csv += fmt::format("{},{},{},{:.9g},{},{},{},{:.9g},{:.3g},{}\n", csv_cell(o.figure.words),
+                               csv_cell(o.figure.unit), csv_cell(groups[g].values[0].first), x[g],
+                               words ? csv_cell(groups[g].values[0].second) : "-", csv_cell(curve),
                                groups[g].runs.front().scene().method.name(), o.figure.value.value,
                                o.figure.value.error, o.runs);
   return csv;

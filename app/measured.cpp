@@ -206,9 +206,9 @@ nlohmann::ordered_json Measured::json() const {
 
 std::vector<Picture> Measured::pictures(const std::string& curve) const {
   std::vector<Picture> all;
-  const std::string run = label_cell(curve);
+  const std::string run = csv_cell(curve);
   if (const Distances g = pairs_.result(); !g.r.empty()) {
-    const std::string of = label_cell(curve.empty() ? of_pairs() : curve + ": " + of_pairs());
+    const std::string of = csv_cell(curve.empty() ? of_pairs() : curve + ": " + of_pairs());
     std::string csv = "run,r_nm,g,standard_error\n";
     for (std::size_t n = 0; n < g.r.size(); ++n)
       csv += fmt::format("{},{:.4f},{:.6f},{:.6f}\n", of, g.r[n], g.g[n].value, g.g[n].error);

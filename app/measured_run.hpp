@@ -32,6 +32,7 @@ class MeasuredRun {
 
   const Scene& scene() const { return *scene_; }
   std::string name() const { return segments_.front().string(); }
+  double from_ps() const { return log_.column("time_ps")[first_row_]; }  // where the measured part begins
   std::vector<Figure> figures() const;
   void print() const;
   nlohmann::ordered_json json() const;

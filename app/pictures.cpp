@@ -2,44 +2,30 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <sys/wait.h>
 
 #include <algorithm>
-#include <csignal>
-#include <cstdlib>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "base/errors.hpp"
-#include "command_line.hpp"
 #include "files/atomic_file.hpp"
 #include "files/resources.hpp"
 #include "printing.hpp"
-#include "stop_request.hpp"
+#include "python.hpp"
 
 namespace taut {
 namespace {
 
 namespace fs = std::filesystem;
+using json = nlohmann::json;
 
-// Exit codes: of gnuplot, of a script that has no rows to draw, of a shell without gnuplot, and of Ctrl-C.
-constexpr int kDrawn = 0, kNothingToDraw = 4, kNoGnuplot = 127, kInterrupted = 128 + SIGINT;
+// Exit codes: of a Python without matplotlib, and of none.
+constexpr int kNoMatplotlib = 4, kNoPython = 127;
 
-int run_gnuplot(const fs::path& folder, const std::string& name) {
-  const int status = std::system(fmt::format("cd -- {} && gnuplot {}.gp >{}.gnuplot.log 2>&1",
-                                             quoted_for_shell(fs::absolute(folder).string()), name, name)
-                                     .c_str());
-  const int code = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
-  if (code == kInterrupted) throw Stopped{code};  // Ctrl-C, which std::system hides from this process
-  return code;
-}
-
-// Returns a cell for a file separated by tabs; gnuplot takes a double quote for its end.
-std::string tsv_cell(std::string text) {
-  std::ranges::replace(text, '"', '\'');
-  std::ranges::replace_if(
-      text, [](unsigned char c) { return c < ' '; }, ' ');
-  return text;
+std::string last_line(std::string text) {
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  return text.substr(text.rfind('\n') + 1);
 }
 
 }  // namespace
@@ -50,6 +36,15 @@ std::string contents_of(const fs::path& file) {
   return text.str();
 }
 
+std::vector<std::string> files_of_picture(const std::string& name) {
+  return {name + ".csv", name + ".pdf", name + ".svg", name + ".png"};
+}
+
+void PictureOptions::offer(const Subcommand& command) {
+  command.option("--size", size, "width of pictures for print [mm]").one_of("85|170");
+  command.option("--format", formats, "of pictures, one or several: pdf,svg,png").one_of("pdf|svg|png");
+}
+
 void StudyFiles::write(const std::string& name, const std::string& text) {
   AtomicFile aside(folder_ / name);
   aside.write(text);
@@ -58,41 +53,77 @@ void StudyFiles::write(const std::string& name, const std::string& text) {
 }
 
 void StudyFiles::draw(const Picture& p) {
-  const fs::path scripts = resource_folder("pictures");
-  titles_ += fmt::format("{}\t{}\n", p.name, tsv_cell(p.title));
-  write("titles.tsv", titles_);
   write(p.name + ".csv", p.csv);
-  for (const std::string& script : {std::string("taut.gp"), p.name + ".gp"})
-    write(script, contents_of(scripts / script));
-  std::error_code ignored;  // a picture of an earlier run
-  for (const char* kind : {".svg", ".png"}) fs::remove(folder_ / (p.name + kind), ignored);
-  const int status = run_gnuplot(folder_, p.name);
-  bool drawn = status == kDrawn;
-  for (const char* kind : {".svg", ".png"}) {
-    const bool there = fs::exists(folder_ / (p.name + kind));
-    if (there) written_.push_back(p.name + kind);
-    drawn &= there;
-  }
-  without_gnuplot_ |= status == kNoGnuplot;
-  if (status == kNothingToDraw) empty_.push_back(p.name);
-  if (drawn || status == kNoGnuplot || status == kNothingToDraw)
-    fs::remove(folder_ / (p.name + ".gnuplot.log"), ignored);
-  else
-    undrawn_.push_back(p.name);
+  asked_.push_back(p);
 }
 
-void StudyFiles::print_written() const {
+void StudyFiles::draw_all(bool for_page) {
+  if (asked_.empty()) return;
+  json pictures = json::array();
+  for (const Picture& p : asked_) {
+    json tables = p.beside;
+    tables[p.name] = p.csv;
+    pictures.push_back({{"name", p.name}, {"title", p.title}, {"tables", tables}});
+    std::error_code ignored;  // pictures of an earlier run
+    for (const std::string& file : files_of_picture(p.name))
+      if (!file.ends_with(".csv")) fs::remove(folder_ / file, ignored);
+  }
+  const json request = {{"folder", fs::absolute(folder_).string()},
+                        {"size", options_.size},
+                        {"formats", options_.formats},
+                        {"svg", for_page},
+                        {"pictures", pictures}};
+  const std::string input = request.dump(-1, ' ', false, json::error_handler_t::replace);
+  const fs::path script = resource_folder("pictures");
+  for (const std::string& interpreter : python_interpreters()) {
+    const PythonEnd end = run_python(interpreter, script, input);
+    if (end.code == kNoMatplotlib || end.code == kNoPython) {
+      if (missing_.empty() || end.code == kNoMatplotlib)
+        missing_ = end.code == kNoPython
+                       ? fmt::format("{} cannot be run: {}", interpreter, last_line(end.error))
+                       : fmt::format("{} of {}", last_line(end.error), interpreter);
+      continue;
+    }
+    missing_.clear();
+    take(end.code == 0 ? end.output : "");
+    if (reason_.empty() && !undrawn_.empty())
+      reason_ = end.error.empty() ? fmt::format("{} ended with {}", interpreter, end.code)
+                                  : fmt::format("{}: {}", interpreter, last_line(end.error));
+    break;
+  }
+  asked_.clear();
+}
+
+void StudyFiles::take(const std::string& drawn) {
+  const json all = json::parse(drawn, nullptr, false);
+  for (std::size_t n = 0; n < asked_.size(); ++n) {
+    const std::string& name = asked_[n].name;
+    const json one = all.is_array() && n < all.size() && all[n].is_object() ? all[n] : json::object();
+    if (one.contains("failed") && reason_.empty()) reason_ = one["failed"].get<std::string>();
+    if (!one.contains("files")) {
+      undrawn_.push_back(name);
+      continue;
+    }
+    if (one["files"].empty()) empty_.push_back(name);
+    for (const std::string& file : files_of_picture(name))
+      if (std::ranges::count(one["files"], json(file)) > 0) written_.push_back(file);
+    svg_[name] = one.value("svg", "");
+  }
+}
+
+std::string StudyFiles::svg(const std::string& name) const {
+  const auto at = svg_.find(name);
+  return at == svg_.end() ? "" : at->second;
+}
+
+void StudyFiles::print_written() {
+  draw_all();
   say("\nwrote into {}: {}\n", folder_.string(), fmt::join(written_, ", "));
   if (!empty_.empty()) say("nothing to draw of {}: no setting got through\n", fmt::join(empty_, ", "));
-  if (without_gnuplot_)
-    say("no pictures: gnuplot is not installed (Debian: gnuplot-nox); with it, `gnuplot NAME.gp` in {} draws "
-        "them\n",
-        folder_.string());
-  if (undrawn_.empty()) return;
-  const std::string& first = undrawn_.front();
-  throw OutsideError(
-      fmt::format("gnuplot could not draw {}: see {}/{}.gnuplot.log; the figures are in the .csv files",
-                  fmt::join(undrawn_, ", "), folder_.string(), first));
+  if (!missing_.empty()) say("no pictures: {}; then `taut plot {}` draws them\n", missing_, folder_.string());
+  if (!undrawn_.empty())
+    throw OutsideError(fmt::format("cannot draw {}: {}; the figures are in the .csv files",
+                                   fmt::join(undrawn_, ", "), reason_));
 }
 
 }  // namespace taut

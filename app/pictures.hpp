@@ -1,39 +1,62 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
+#include "commands.hpp"
+
 namespace taut {
 
-// A picture consists of NAME.csv, the gnuplot script NAME.gp that reads it, and NAME.svg and NAME.png. The
-// scripts share taut.gp and the titles in titles.tsv in the same folder, so that `gnuplot NAME.gp` there
-// draws the picture again.
+// A picture is drawn from NAME.csv, by what share/taut/pictures has for its name.
 struct Picture {
   std::string name;
   std::string title;
   std::string csv;
+  std::map<std::string, std::string> beside = {};  // further tables that it shows, by their names
+};
+
+// Said with --size and --format.
+struct PictureOptions {
+  int size = 170;  // width [mm]
+  std::vector<std::string> formats = {"png"};
+
+  void offer(const Subcommand& command);
 };
 
 // The files that a study writes into its folder.
 class StudyFiles {
  public:
-  explicit StudyFiles(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  StudyFiles(std::filesystem::path folder, PictureOptions options)
+      : folder_(std::move(folder)), options_(std::move(options)) {}
 
   const std::filesystem::path& folder() const { return folder_; }
   void write(const std::string& name, const std::string& text);
-  void draw(const Picture& picture);
+  void draw(const Picture& picture);  // writes its table; draw_all() draws it
 
-  // Prints one line with the files written, and one with the pictures not drawn. Throws OutsideError if
-  // gnuplot failed. If gnuplot is not installed, data and scripts are still there, and no error is thrown.
-  void print_written() const;
+  // Draws all pictures that are not drawn yet, in one start of Python; for a page as SVG, too.
+  void draw_all(bool for_page = false);
+  // Returns a picture that was drawn for a page, or an empty text.
+  std::string svg(const std::string& name) const;
+
+  // Prints one line with the files written, and one with the pictures not drawn. Throws OutsideError if drawing
+  // failed. If Python has no matplotlib, the tables are still there, and no error is thrown.
+  void print_written();
 
  private:
+  void take(const std::string& drawn);  // what was drawn, as JSON
+
   std::filesystem::path folder_;
-  std::string titles_ = "picture\ttitle\n";
-  std::vector<std::string> written_, empty_, undrawn_;  // undrawn_: pictures on which gnuplot failed
-  bool without_gnuplot_ = false;
+  PictureOptions options_;
+  std::vector<Picture> asked_;
+  std::map<std::string, std::string> svg_;
+  std::vector<std::string> written_, empty_, undrawn_;  // undrawn_: pictures that failed
+  std::string missing_, reason_;                        // what Python has not; why the first of them failed
 };
+
+// The files that a picture may leave in a folder.
+std::vector<std::string> files_of_picture(const std::string& name);
 
 // Returns the contents of a file, or nothing if it does not exist.
 std::string contents_of(const std::filesystem::path& file);

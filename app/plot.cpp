@@ -1,9 +1,11 @@
+#include <array>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "base/errors.hpp"
 #include "command_line.hpp"
 #include "commands.hpp"
+#include "files/folder.hpp"
 #include "printing.hpp"
 #include "run_picture.hpp"
 #include "scan_folder.hpp"
@@ -11,18 +13,44 @@
 namespace taut {
 namespace {
 
+namespace fs = std::filesystem;
+
 struct PlotArguments {
   std::vector<std::string> folders;
   std::optional<std::filesystem::path> out;
   long frames = kMostFramesDrawn;
+  PictureOptions pictures;
   bool overwrite = false;
 };
 
+// The tables of studies and measurements that have a picture.
+constexpr std::array kTables = {"work",       "drift",     "order",         "length",    "precision",
+                                "plane",      "steps",     "crosscheck",    "distances", "displacement",
+                                "relaxation", "viscosity", "equilibration", "each_run",  "scan"};
+
+// Draws what a folder of a study or a measurement has tables of, in another size or form. Returns false where it has none.
+bool draw_again(const PlotArguments& arguments) {
+  const fs::path folder = arguments.folders[0];
+  if (arguments.folders.size() > 1 || fs::exists(folder / "log.csv") || is_scan(folder)) return false;
+  StudyFiles files(arguments.out.value_or(folder), arguments.pictures);
+  bool any = false;
+  for (const char* name : kTables)
+    if (const std::string csv = contents_of(folder / (std::string(name) + ".csv")); !csv.empty()) {
+      if (!any) make_folder(files.folder());
+      any = true;
+      files.draw({name, "", csv, {{"limits", contents_of(folder / "limits.csv")}}});
+    }
+  if (any) files.print_written();
+  return any;
+}
+
 void plot(const PlotArguments& arguments) {
+  if (draw_again(arguments)) return;
   if (arguments.frames < 0) throw InputError("--frames: expected a number of frames, or 0 for all");
   PlotRequest request{.runs = {},
                       .out = {},
                       .command = "taut plot",
+                      .pictures = arguments.pictures,
                       .overwrite = arguments.overwrite,
                       .most_frames = arguments.frames};
   for (const std::string& folder : arguments.folders) {
@@ -50,11 +78,14 @@ void add_plot(Commands& commands) {
       [arguments] { plot(*arguments); });
   command
       .option("folders", arguments->folders,
-              "what runs were given as --out; several are laid over each other; or a scan's folder")
+              "what runs were given as --out; several are laid over each other; or a scan's folder, or a "
+              "study's to draw "
+              "it again")
       .required();
   command.option("--out", arguments->out, "folder of the pictures and report.html (DIR/plot of the first)");
   command.option("--frames", arguments->frames,
                  "of each trajectory so many frames are read at most, evenly spaced; 0: all");
+  arguments->pictures.offer(command);
   command.flag("--overwrite", arguments->overwrite, "replace what --out holds");
   command.json("the range of each curve as JSON; run.csv has all points");
 }

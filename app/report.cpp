@@ -12,8 +12,6 @@
 namespace taut {
 namespace {
 
-namespace fs = std::filesystem;
-
 std::string escaped(const std::string& text) {
   static const std::map<char, const char*> kEntities = {
       {'<', "&lt;"}, {'>', "&gt;"}, {'&', "&amp;"}, {'"', "&quot;"}, {'\'', "&#39;"}};
@@ -44,8 +42,7 @@ std::string processor() {
 }
 
 // Returns the SVG from "<svg" on, because the XML header must not stand inside a page.
-std::string inline_svg(const fs::path& file) {
-  const std::string text = contents_of(file);
+std::string inline_svg(const std::string& text) {
   const auto start = text.find("<svg");
   return start == text.npos ? "<p>(not drawn)</p>" : text.substr(start);
 }
@@ -53,6 +50,7 @@ std::string inline_svg(const fs::path& file) {
 }  // namespace
 
 void write_report(const ReportPage& page, StudyFiles& files) {
+  files.draw_all(true);
   std::string html = fmt::format(
       "<!doctype html>\n<html lang=en><meta charset=utf-8><title>{0}</title>\n"
       "<style>body{{font:16px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em;color:#222}}"
@@ -71,7 +69,7 @@ void write_report(const ReportPage& page, StudyFiles& files) {
   for (const auto& part : page.parts) {
     html += fmt::format("<h2>{}</h2>\n", escaped(part.title));
     if (!part.text.empty()) html += fmt::format("<p>{}</p>\n", escaped(part.text));
-    if (!part.svg_file.empty()) html += inline_svg(files.folder() / part.svg_file) + "\n";
+    if (!part.picture.empty()) html += inline_svg(files.svg(part.picture)) + "\n";
     for (const auto& line : part.conclusions) html += fmt::format("<p><b>{}</b></p>\n", escaped(line));
     html += fmt::format("<details{}><summary>The figures</summary>\n{}</details>\n", part.open ? " open" : "",
                         table_of(part.csv));

@@ -13,7 +13,7 @@ struct ReportPage {
   std::vector<std::string> notes;  // notes for readers of the pictures
   struct Part {
     std::string title, text;                    // text: plain sentences
-    std::string svg_file;                       // in the same folder; empty if there is none
+    std::string picture;                        // its name; empty if there is none
     std::string csv;                            // shown as a table
     std::vector<std::string> conclusions = {};  // below the picture, a line each
     bool open = false;                          // whether the table is seen unasked

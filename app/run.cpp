@@ -204,6 +204,7 @@ bool ask_person(const std::string& what) {
 struct RunArguments : SceneArgument {
   std::optional<fs::path> out;
   bool go_on = false, overwrite = false, measure = false, timings = false, plot = false;
+  PictureOptions pictures;
 
   RunArguments() { as_run = true; }
 
@@ -249,6 +250,7 @@ void run_scene(const RunArguments& arguments) {
   plot_runs({.runs = {*arguments.out},
              .out = *arguments.out / "plot",
              .command = "taut plot " + quoted_for_shell(arguments.out->string()),
+             .pictures = arguments.pictures,
              .overwrite = true});
 }
 
@@ -298,6 +300,7 @@ void add_run(Commands& commands) {
       .flag("--overwrite", arguments->overwrite, "move what run is in --out to OUT.1, OUT.2, ..., and start")
       .excludes(go_on);
   command.flag("--plot", arguments->plot, "at the end draw the run into OUT/plot, as `taut plot OUT` does");
+  arguments->pictures.offer(command);
   command
       .flag("--measure", arguments->measure,
             "at the end tell radial distribution, displacement and length of chains, of what is logged")

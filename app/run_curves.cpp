@@ -101,7 +101,13 @@ std::vector<Curve> curves_of(const RunLog& log, const std::string& run, const Sc
     const bool still_drawn =
         has_mean && !column.of_box;  // where it is constant: a box without a barostat is not
     if (column.use != Use::kNone && (still_drawn || varies(y)))
-      add(all, log, {.panel = panel_of(column), .name = alone, .t = {}, .y = {}, .running_mean = has_mean},
+      add(all, log,
+          {.panel = panel_of(column),
+           .name = alone,
+           .t = {},
+           .y = {},
+           .running_mean = has_mean,
+           .key = column.key},
           y);
     if (column.key == "temperature_k")
       add(all, log, {.panel = panel_of(column), .name = of + "bath", .t = {}, .y = {}},

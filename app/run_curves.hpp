@@ -1,9 +1,11 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "base/statistics.hpp"
 #include "studies/run_log.hpp"
 #include "systems/scene.hpp"
 
@@ -12,8 +14,11 @@ namespace taut {
 // One curve of a panel.
 struct Curve {
   std::string panel, name;
-  std::vector<double> t, y;   // [ps], [the panel's unit]
-  bool running_mean = false;  // drawn beside it
+  std::vector<double> t, y;           // [ps], [the panel's unit]
+  bool running_mean = false;          // drawn beside it
+  std::string key = {};               // of the column; empty: of none
+  double from = 0;                    // where the measured part begins, which the mean is of [ps]
+  std::optional<Estimate> mean = {};  // of that part
 };
 
 // What is drawn of a run in time: energies, temperature beside the bath's, pressure, volume, errors and tensions of bonds.

@@ -59,7 +59,7 @@ std::string rows_of(const Scene& scene, const char* which, const Box& box, const
   for (const Eigen::Index a : order) {
     const AtomKind& kind = scene.names.kinds[static_cast<std::size_t>(scene.names.kind[a])];
     rows += fmt::format("{},atom,{:.4f},{:.4f},,,{:.3f},{}\n", frame, x(0, a), x(up, a), size_of(scene, a),
-                        label_cell(kind.atom));
+                        csv_cell(kind.atom));
   }
   if (!box.periodic()) return rows;
   const Eigen::Matrix3d cell = box.vectors();

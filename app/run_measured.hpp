@@ -1,19 +1,24 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "measured_run.hpp"
 #include "report.hpp"
 
 namespace taut {
 
-// Measures runs as `taut measure --from auto` does, prints their figures and adds them to a page with their pictures,
-// in which several runs are laid over each other. A run whose checkpoint is not there is left out; one that cannot be
-// measured gets a note. At most most_frames of each trajectory are read, evenly spaced; 0: all. Returns the figures of each run.
-nlohmann::ordered_json show_measured(const std::vector<std::filesystem::path>& runs,
-                                     const std::vector<std::string>& names, StudyFiles& files,
-                                     ReportPage& page, long most_frames);
+// Measures runs as `taut measure --from auto` does and prints their figures. A run whose checkpoint is not there is left
+// out; one that cannot be measured gets a note on the page. At most most_frames of each trajectory are read, evenly
+// spaced; 0: all.
+std::vector<std::optional<MeasuredRun>> measure_runs(const std::vector<std::filesystem::path>& runs,
+                                                     ReportPage& page, long most_frames);
+
+// Adds to a picture the tables of what was measured, in which several runs are laid over each other, and to the page
+// these tables.
+void add_measured(const std::vector<std::optional<MeasuredRun>>& runs, const std::vector<std::string>& names,
+                  Picture& picture, ReportPage& page);
 
 }  // namespace taut

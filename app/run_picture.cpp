@@ -41,11 +41,22 @@ std::string csv_of(const std::vector<Curve>& curves) {
       double t = 0, sum = 0, time = 0;
       for (std::size_t k = first; k < std::min(first + bin, c.y.size()); ++k)
         t += spans[k] * c.t[k], sum += spans[k] * c.y[k], time += spans[k];
-      all += sum, spent += time;
-      csv += fmt::format("{},{},{:.9g},{:.9g},{}\n", label_cell(c.panel), label_cell(c.name), t / time,
-                         sum / time, c.running_mean ? fmt::format("{:.9g}", all / spent) : "");
+      const bool averaged = c.running_mean && t / time >= c.from;
+      if (averaged) all += sum, spent += time;
+      csv += fmt::format("{},{},{:.9g},{:.9g},{}\n", csv_cell(c.panel), csv_cell(c.name), t / time,
+                         sum / time, averaged ? fmt::format("{:.9g}", all / spent) : "");
     }
   }
+  return csv;
+}
+
+// The measured mean of each curve that has one.
+std::string means_csv(const std::vector<Curve>& curves) {
+  std::string csv = "panel,curve,from_ps,to_ps,value,standard_error\n";
+  for (const Curve& c : curves)
+    if (c.mean)
+      csv += fmt::format("{},{},{:.9g},{:.9g},{:.9g},{:.3g}\n", csv_cell(c.panel), csv_cell(c.name), c.from,
+                         c.t.back(), c.mean->value, c.mean->error);
   return csv;
 }
 
@@ -88,11 +99,11 @@ std::string kinds_csv(const std::vector<fs::path>& runs, const std::vector<std::
     for (const auto& [type, motions] : summary["temperatures_k"].items())
       for (const auto& [motion, t] : motions.items()) {
         if (!t.contains("value")) continue;  // an older taut's summary
-        csv += fmt::format("{},{},{:.7g},{:.3g}\n", label_cell(names[k]), label_cell(type + ": " + motion),
+        csv += fmt::format("{},{},{:.7g},{:.3g}\n", csv_cell(names[k]), csv_cell(type + ": " + motion),
                            t["value"].get<double>(), t["error"].is_number() ? t["error"].get<double>() : 0.0);
       }
     if (scenes[k] && scenes[k]->run.thermostatted() && scenes[k]->run.temperature_course.empty())
-      csv += fmt::format("{},bath,{:.7g},0\n", label_cell(names[k]), scenes[k]->run.temperature_k);
+      csv += fmt::format("{},bath,{:.7g},0\n", csv_cell(names[k]), scenes[k]->run.temperature_k);
   }
   return csv;
 }
@@ -121,60 +132,72 @@ std::vector<std::string> legend_names(const std::vector<fs::path>& runs) {
   return names;
 }
 
-}  // namespace
-
-nlohmann::ordered_json plot_runs(const PlotRequest& request) {
-  expect_no_file({request.out / "run.csv", request.out / "report.html"}, request.overwrite);
-  std::vector<RunLog> logs;
-  for (const fs::path& run : request.runs) logs.push_back(read_log(run));
-  const std::vector<std::string> names = legend_names(request.runs);
-  std::vector<std::optional<Scene>> scenes;
-  for (const fs::path& run : request.runs) scenes.push_back(scene_of(run));
+// The curves of all runs, panel by panel, with what was measured of them.
+std::vector<Curve> all_curves(const PlotRequest& request, const std::vector<std::string>& names,
+                              const std::vector<std::optional<Scene>>& scenes,
+                              const std::vector<std::optional<MeasuredRun>>& measured) {
   std::vector<Curve> curves;
   for (std::size_t k = 0; k < request.runs.size(); ++k)
-    for (Curve& curve : curves_of(logs[k], request.runs.size() > 1 ? names[k] : "",
-                                  scenes[k] ? &*scenes[k] : nullptr, request.runs[k], request.most_frames))
+    for (Curve& curve : curves_of(read_log(request.runs[k]), request.runs.size() > 1 ? names[k] : "",
+                                  scenes[k] ? &*scenes[k] : nullptr, request.runs[k], request.most_frames)) {
+      if (measured[k] && !curve.key.empty()) {
+        curve.from = measured[k]->from_ps();
+        for (const Figure& figure : measured[k]->figures())
+          if (figure.key == curve.key) curve.mean = figure.value;
+      }
       curves.push_back(std::move(curve));
+    }
   std::vector<std::string> panels;
   for (const Curve& curve : curves)
     if (std::ranges::find(panels, curve.panel) == panels.end()) panels.push_back(curve.panel);
   std::ranges::stable_sort(curves, {}, [&](const Curve& c) { return std::ranges::find(panels, c.panel); });
+  return curves;
+}
+
+}  // namespace
+
+nlohmann::ordered_json plot_runs(const PlotRequest& request) {
+  expect_no_file({request.out / "run.csv", request.out / "report.html"}, request.overwrite);
+  for (const fs::path& run : request.runs) read_log(run);  // a wrong one is refused before any is measured
+  const std::vector<std::string> names = legend_names(request.runs);
+  std::vector<std::optional<Scene>> scenes;
+  for (const fs::path& run : request.runs) scenes.push_back(scene_of(run));
   const std::string title =
       request.runs.size() == 1 ? request.runs[0].string() : counted(std::ssize(request.runs), "run");
-  make_folder(request.out);
-  StudyFiles files(request.out);
-  const std::string csv = csv_of(curves), kinds = kinds_csv(request.runs, names, scenes);
   ReportPage page{.title = title, .command = request.command, .notes = {}, .parts = {}};
-  files.draw({"run", title + ": each row, and running means as thick lines", csv});
+  const auto measured = measure_runs(request.runs, page, request.most_frames);
+  const std::vector<Curve> curves = all_curves(request, names, scenes, measured);
+  make_folder(request.out);
+  StudyFiles files(request.out, request.pictures);
+  Picture picture{"run", title, csv_of(curves), {{"means", means_csv(curves)}}};
   page.parts.push_back(
       {"The run in time",
-       "Each row of the log, or means of neighbouring rows, and the mean from the start up to each "
-       "time. The account: total energy less the heat, from its start, and what the bonds did.",
-       "run.svg",
-       csv,
+       "Each row of the log, or means of neighbouring rows; over the measured part the mean up to each "
+       "time, and dashed that of all of it. The account: total energy less the heat, from its start, and "
+       "what the bonds did.",
+       "run",
+       picture.csv,
        {}});
-  if (std::ranges::count(kinds, '\n') > 1) {
-    files.draw(
-        {"kinds", title + ": temperature by type of molecule and motion, bars: standard errors", kinds});
+  if (const std::string kinds = kinds_csv(request.runs, names, scenes); std::ranges::count(kinds, '\n') > 1) {
+    picture.beside["kinds"] = kinds;
     page.parts.push_back({"Temperatures",
                           "Of each type of molecule, by motion, over the whole run, beside the bath's.",
-                          "kinds.svg",
+                          "",
                           kinds,
                           {}});
   }
+  add_measured(measured, names, picture, page);
   if (request.runs.size() == 1 && scenes[0]) {
-    const std::string frames = frames_csv(*scenes[0], request.runs[0]);
-    files.draw({"frames", title + ": atoms and bonds", frames});
+    picture.beside["frames"] = frames_csv(*scenes[0], request.runs[0]);
     page.parts.push_back(
         {"First and last frame",
          "Molecules are whole, with their centres in the box; nearer atoms hide those behind.",
-         "frames.svg",
-         frames,
+         "",
+         picture.beside["frames"],
          {}});
   }
+  files.draw(picture);
   print_lines(curves);
-  const nlohmann::ordered_json measured =
-      show_measured(request.runs, names, files, page, request.most_frames);
   write_report(page, files);
   files.print_written();
   nlohmann::ordered_json json = {{"out", request.out.string()}};
@@ -182,7 +205,9 @@ nlohmann::ordered_json plot_runs(const PlotRequest& request) {
     const auto [low, high] = std::ranges::minmax(curve.y);
     json["curves"].push_back({{"panel", curve.panel}, {"curve", curve.name}, {"min", low}, {"max", high}});
   }
-  json["measured"] = measured;
+  json["measured"] = nlohmann::ordered_json::array();
+  for (const auto& run : measured)
+    if (run) json["measured"].push_back(run->json());
   return json;
 }
 

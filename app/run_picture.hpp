@@ -5,17 +5,20 @@
 #include <string>
 #include <vector>
 
+#include "pictures.hpp"
+
 namespace taut {
 
 inline constexpr long kMostFramesDrawn = 2000;
 
-// Draws the runs in these folders over each other, from their logs: FILES/run.csv, its picture and report.html.
+// Draws the runs in these folders over each other, from their logs: OUT/run.csv, its picture and report.html.
 // Prints a coarse line for each curve, and what is measured of each run. Throws InputError where a folder holds no
 // run, and where `out` holds pictures, unless `overwrite` is set.
 struct PlotRequest {
   std::vector<std::filesystem::path> runs;
   std::filesystem::path out;
   std::string command;  // that the report names
+  PictureOptions pictures = {};
   bool overwrite = false;
   long most_frames = kMostFramesDrawn;  // read of each trajectory, evenly spaced; 0: all
 };

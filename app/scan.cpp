@@ -44,6 +44,7 @@ struct ScanArguments : SceneArgument {
   int seeds = 1;
   std::optional<int> jobs;
   fs::path out;
+  PictureOptions pictures;
 };
 
 // One run of a scan: its folder, and the arguments of `taut run`.
@@ -199,10 +200,9 @@ void refuse_foreign_files(const fs::path& folder, const std::vector<ScanRun>& ru
     throw InputError(
         fmt::format("{}: holds another scan; take another folder, or delete it", folder.string()));
   }
-  std::vector<std::string> names = {kScanTable, kZeroSteps, "titles.tsv", "taut.gp"};
+  std::vector<std::string> names = {kScanTable, kZeroSteps};
   for (const char* picture : {"scan", "each_run"})
-    for (const char* kind : {".csv", ".gp", ".svg", ".png", ".gnuplot.log"})
-      names.push_back(std::string(picture) + kind);
+    std::ranges::copy(files_of_picture(picture), std::back_inserter(names));
   for (const ScanRun& run : runs)
     for (const char* kind : {"", ".log"}) names.push_back(run.folder.filename().string() + kind);
   if (const auto there = list_present(folder, names); !there.empty())
@@ -241,7 +241,7 @@ void scan(const ScanArguments& arguments) {
   for (const RunGroup& group : groups) print_group(group);
   const std::vector<ZeroSteps> zero_steps = at_zero_step(groups);
   for (const ZeroSteps& of : zero_steps) print_zero_steps(of);
-  StudyFiles files(arguments.out);
+  StudyFiles files(arguments.out, arguments.pictures);
   if (!zero_steps.empty()) files.write(kZeroSteps, zero_steps_csv(zero_steps));
   if (!arguments.vary.empty())
     draw_scan(files, groups);
@@ -275,6 +275,7 @@ void add_scan(Commands& commands) {
   command.option("--seeds", arguments->seeds, "runs of each setting, with run.seed 1, 2, ...").at_least(1);
   command.option("--jobs", arguments->jobs, "runs at once (if not said: cores over --threads)").at_least(1);
   command.option("--out", arguments->out, "folder of the runs' folders, tables and pictures").required();
+  arguments->pictures.offer(command);
   command.json("the means of each setting and the figures of each run, as JSON");
 }
 

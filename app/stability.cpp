@@ -116,11 +116,13 @@ void stability(const StabilityArguments& arguments) {
   print_steps(plan, ledger);
   print_plane(plane_points, ledger);
 
-  study.files().write("limits.csv", limits_csv());
+  const std::string limits = limits_csv();
+  study.files().write("limits.csv", limits);
   study.show(
       {"plane",
        fmt::format("{}: Baumgarte at {:g} fs over the plane of its gains", scene.name, scene.run.dt_fs),
-       plane_csv(plan, ledger)},
+       plane_csv(plan, ledger),
+       {{"limits", limits}}},
       "Baumgarte's gains",
       fmt::format("Above: steps survived of {}. Below: energy drift where all were survived, × where not. "
                   "The drift of newton in as many steps is beside them. "

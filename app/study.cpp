@@ -72,12 +72,10 @@ std::string first_line(const fs::path& file) {
 
 // The files of a study in a folder.
 std::vector<std::string> study_files(const fs::path& folder) {
-  std::vector<std::string> names = {kLedger,           "report.html", "failures.csv", "limits.csv",
-                                    "crosscheck.json", "titles.tsv",  "taut.gp"};
+  std::vector<std::string> names = {kLedger, "report.html", "failures.csv", "limits.csv", "crosscheck.json"};
   for (const char* picture :
        {"work", "drift", "order", "length", "precision", "plane", "steps", "crosscheck", "distances"})
-    for (const char* kind : {".csv", ".gp", ".svg", ".png", ".gnuplot.log"})
-      names.push_back(std::string(picture) + kind);
+    std::ranges::copy(files_of_picture(picture), std::back_inserter(names));
   return list_present(folder, names);
 }
 
@@ -142,6 +140,7 @@ void StudyArguments::offer_first(const Subcommand& command) {
 void StudyArguments::offer_last(const Subcommand& command, const char* quick_means) {
   command.flag("--quick", quick, quick_means);
   command.option("--out", out, "folder of the pictures and report.html");
+  pictures.offer(command);
   command.flag("--overwrite", overwrite, kOverwrite);
   command.json("print all figures, as JSON");
 }
@@ -172,7 +171,7 @@ Study::Study(const StudyArguments& arguments, const std::string& command, const 
     : line_(study_line(command, scenes)),
       lock_(study_folder(arguments.out, line_, arguments.overwrite)),
       ledger_(arguments.out / kLedger, line_),
-      files_(arguments.out),
+      files_(arguments.out, arguments.pictures),
       page_{.title = {}, .command = command, .notes = {}, .parts = {}} {}
 
 void Study::run(const std::vector<Job>& jobs, const std::vector<std::string>& notes) {
@@ -196,7 +195,7 @@ void Study::run(const std::vector<Job>& jobs, const std::vector<std::string>& no
 void Study::show(const Picture& picture, const std::string& heading, const std::string& text) {
   files_.draw(picture);
   tables_.emplace_back(picture.name, picture.csv);
-  page_.parts.push_back({heading, text, picture.name + ".svg", picture.csv, {}});
+  page_.parts.push_back({heading, text, picture.name, picture.csv, {}});
 }
 
 void Study::conclude(const std::vector<std::string>& lines) {

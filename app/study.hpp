@@ -37,6 +37,7 @@ struct StudyArguments {
   std::vector<std::string> methods{};
   bool quick = false, overwrite = false;
   std::filesystem::path out = name;
+  PictureOptions pictures{};
 
   void offer_first(const Subcommand& command);
   void offer_last(const Subcommand& command, const char* quick_means);

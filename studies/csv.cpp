@@ -12,11 +12,6 @@ std::string csv_cell(std::string_view text) {
   return cell.find_first_of(",#'") == cell.npos ? cell : '"' + cell + '"';
 }
 
-std::string label_cell(std::string text) {
-  std::ranges::replace(text, ',', ';');
-  return csv_cell(text);
-}
-
 std::vector<std::vector<std::string>> csv_rows(std::string_view csv) {
   std::vector<std::vector<std::string>> rows;
   bool line_begins = true, inside = false;

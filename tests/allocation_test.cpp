@@ -10,7 +10,6 @@
 #include "ensembles/bussi.hpp"
 #include "ensembles/langevin.hpp"
 #include "free_system.hpp"
-#include "md/run.hpp"
 
 extern "C" {
 void* __real_malloc(std::size_t size);

@@ -8,7 +8,7 @@
 #include "ensembles/bussi.hpp"
 #include "free_system.hpp"
 #include "md/observables.hpp"
-#include "md/run.hpp"
+#include "md/velocity_verlet.hpp"
 #include "md/units.hpp"
 
 namespace taut::thermostat_tests {
@@ -119,7 +119,7 @@ Means in_bath(const System& sys, ForceLaw& forces, State s, int dof, double h, c
   Means mean;
   constexpr int kSteps = 4000, kSettled = 200;
   for (int n = 0; n < kSteps; ++n) {
-    EXPECT_TRUE(take_step(dynamics, {.h = h}, s).converged());
+    EXPECT_TRUE(step(dynamics, h, s).converged());
     if (n < kSettled) continue;
     mean.middle += 2 * kinetic_energy(sys, middle_velocity(sys, h, s)) / dof / (kSteps - kSettled);
     mean.full += 2 * kinetic_energy(sys, s.v) / dof / (kSteps - kSettled);

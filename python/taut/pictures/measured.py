@@ -1,0 +1,169 @@
+"""What is measured of runs: scans over settings, runs that differ by their seed, structure and transport."""
+
+from __future__ import annotations
+
+from typing import Any, Callable, Dict, List, Mapping, Tuple
+
+import numpy as np
+
+from .page import LETTERS, Page, line_of, plain
+from .style import HUES, MOST, Table, each, limit, look, numbers, texts
+
+Draw = Callable[[Page, Any, Table], None]
+
+
+def few(names: Any) -> Tuple[List[str], List[str]]:
+    """Returns the curves that are named, six at most, and those that are drawn grey behind them."""
+    names = each(names)
+    return (names[:MOST], names[MOST:]) if len(names) > MOST else (names, [])
+
+
+def _figures(table: Table) -> List[str]:
+    return [f"{figure} [{unit}]" if unit else figure for figure, unit in zip(texts(table, "figure"), texts(table, "unit"))]
+
+
+def scan(tables: Mapping[str, Table], width_mm: int, title: str) -> Any:
+    """Means over seeds: a panel a figure, along x the first key that was varied, a curve for each setting of the others."""
+    table = tables["scan"]
+    figures, curves, words = np.array(_figures(table), object), texts(table, "curve"), texts(table, "x_text")
+    x, y, error = (numbers(table, name) for name in ("x", "value", "standard_error"))
+    page = Page(len(each(figures)), width_mm, columns=3, height_mm=48, title=title)
+    named, behind = few(curves)
+    for axis, figure in zip(page.axes, each(figures)):
+        ends = []
+        for n, name in enumerate(named + behind):
+            of = (figures == figure) & (curves == name) & np.isfinite(y)
+            if not of.any():
+                continue
+            curve = look("", n) if n < len(named) else {**look(""), "color": "#bbbbbb"}
+            axis.errorbar(x[of] + _aside(x, n, len(named)), y[of], error[of], elinewidth=0.7, **curve)
+            if n < len(named):
+                ends.append((x[of][-1], y[of][-1], name, curve["color"]))
+        axis.set_title(plain(figure))
+        if len(named) > 1:
+            page.name_ends(axis, ends)
+        axis.margins(x=0.08)
+        if (words != "-").any():
+            axis.set_xticks(each(x), [plain(word) for word in each(words)])
+        axis.set_xlabel(plain(texts(table, "x_name")[0]))
+    return page.finish()
+
+
+def _aside(x: Any, n: int, of: int) -> float:
+    """Moves curves apart by so little that bars are not upon each other."""
+    return float(0.012 * (n - (of - 1) / 2) * (np.nanmax(x) - np.nanmin(x))) if of > 1 else 0.0
+
+
+def draw_each_run(axis: Any, table: Table, of: Any) -> None:
+    """Draws the runs in their order, with the value that is measured over all as a band."""
+    number, value, error = (numbers(table, name)[of] for name in ("number", "value", "standard_error"))
+    run = number > 0
+    axis.errorbar(number[run], value[run], error[run], color="#000000", marker="o", linestyle="none", elinewidth=0.8)
+    for mean, width in zip(value[~run], error[~run]):
+        axis.axhspan(mean - width, mean + width, color="#56B4E9", alpha=0.3, lw=0)
+        axis.axhline(mean, color="#0072B2", lw=1)
+        axis.annotate(f"{mean:.5g} ± {width:.2g}", (1, 1), xycoords="axes fraction", fontsize=LETTERS, ha="right",
+                      va="bottom", color="#0072B2")
+    axis.set(xlabel="run", xlim=(0.5, number.max() + 0.5))
+    axis.xaxis.get_major_locator().set_params(integer=True)
+
+
+def each_run(tables: Mapping[str, Table], width_mm: int, title: str) -> Any:
+    """Every run's value of each figure, and their mean."""
+    figures = np.array(_figures(tables["each_run"]), object)
+    page = Page(len(each(figures)), width_mm, columns=3, title=title)
+    for axis, figure in zip(page.axes, each(figures)):
+        draw_each_run(axis, tables["each_run"], figures == figure)
+        axis.set_title(plain(figure) + "\n" if (numbers(tables["each_run"], "number") == 0).any() else plain(figure))
+    return page.finish()
+
+
+# ---- What is drawn alone by `taut measure`, and as a panel by `taut plot`
+
+def _by_run(page: Page, axis: Any, table: Table, x: str, y: str) -> None:
+    """Draws a curve for each run with its error as a band, named at its end."""
+    runs, at, value, error = texts(table, "run"), numbers(table, x), numbers(table, y), numbers(table, "standard_error")
+    named, behind = few(runs)
+    ends = []
+    for n, name in enumerate(named + behind):
+        of = runs == name
+        curve = line_of(look("", n), **({} if n < len(named) else {"color": "#bbbbbb"}))
+        axis.plot(at[of], value[of], **curve)
+        axis.fill_between(at[of], value[of] - error[of], value[of] + error[of], color=curve["color"], alpha=0.25, lw=0)
+        if n < len(named) and name:
+            ends.append((at[of][-1], value[of][-1], name, curve["color"]))
+    axis.margins(x=0)
+    if len(ends) > 1:
+        page.name_ends(axis, ends)
+
+
+def draw_distances(page: Page, axis: Any, table: Table) -> None:
+    _by_run(page, axis, table, "r_nm", "g")
+    r, g = numbers(table, "r_nm"), numbers(table, "g")
+    axis.set_xlim(0.85 * r[g > 0].min() if (g > 0).any() else None, r.max())
+    axis.set_ylim(0, None)
+    axis.axhline(1, color="#999999", lw=0.5, ls=(0, (3, 2)), zorder=0)
+    of = each(texts(table, "run"))
+    axis.set(xlabel="r [nm]", title=f"g(r) of {plain(of[0])}" if len(of) == 1 and of[0] else "g(r)")
+
+
+def draw_displacement(page: Page, axis: Any, table: Table) -> None:
+    _by_run(page, axis, table, "t_ps", "squared_nm2")
+    axis.set(xlabel="t [ps]", title="⟨Δr²⟩ of molecules [nm²]", ylim=(0, None))
+
+
+def draw_relaxation(page: Page, axis: Any, table: Table) -> None:
+    _by_run(page, axis, table, "t_ps", "correlation")
+    axis.axhline(np.exp(-1), color="#777777", lw=0.6, ls=(0, (3, 2)))
+    axis.annotate("1/e", (1, np.exp(-1)), xycoords=("axes fraction", "data"), fontsize=LETTERS, ha="right", va="bottom")
+    axis.set(xlabel="t [ps]", title="⟨R(0)·R(t)⟩/⟨R²⟩ of chains")
+
+
+def draw_viscosity(page: Page, axis: Any, table: Table) -> None:
+    t, value, error, correlation, cut = (
+        numbers(table, name) for name in ("t_ps", "viscosity_mpa_s", "standard_error", "correlation", "cut_ps"))
+    shown = t <= (3 * cut[0] if 0 < 3 * cut[0] < t.max() else t.max())
+    axis.plot(t[shown], value[shown], color=HUES[0])
+    axis.fill_between(t[shown], (value - error)[shown], (value + error)[shown], color=HUES[0], alpha=0.25, lw=0)
+    other = axis.twinx()
+    other.plot(t[shown], correlation[shown], color=HUES[1], ls=(0, (4, 1.5)), lw=0.8)
+    other.set_ylim(-0.2, 1)
+    other.grid(False)
+    other.spines["right"].set_visible(True)
+    other.set_ylabel("⟨P(0)P(t)⟩/⟨P²⟩, dashed", color=HUES[1], fontsize=LETTERS)
+    if cut[0] > 0:
+        at = int(np.argmin(abs(t - cut[0])))
+        axis.plot(t[at], value[at], "o", color=HUES[0])
+        axis.annotate(f"{value[at]:.3g} ± {error[at]:.2g}", (t[at], value[at]), (3, -9), textcoords="offset points",
+                      fontsize=LETTERS, color=HUES[0])
+    axis.margins(x=0)
+    axis.set(xlabel="t [ps]", title="viscosity, integral up to t [mPa s]", ylim=(0, None))
+
+
+def draw_equilibration(page: Page, axis: Any, table: Table) -> None:
+    t, out, measured = (numbers(table, name) for name in ("t_ps", "left_out_kj_mol", "measured_kj_mol"))
+    axis.plot(t, out, color=HUES[1], ls=(0, (3, 1)))
+    axis.plot(t, measured, color=HUES[0])
+    ends = [(t[k][-1], y[k][-1], name, colour) for y, name, colour in ((out, "left out", HUES[1]), (measured, "measured", HUES[0]))
+            for k in [np.isfinite(y)] if k.any()]
+    axis.margins(x=0)
+    page.name_ends(axis, ends)
+    axis.set(xlabel="t [ps]", title="potential energy [kJ/mol]")
+
+
+PANELS: Dict[str, Draw] = {"distances": draw_distances, "displacement": draw_displacement, "relaxation": draw_relaxation,
+                           "viscosity": draw_viscosity}
+
+
+def _alone(name: str, draw: Draw) -> Callable[[Mapping[str, Table], int, str], Any]:
+    def drawn(tables: Mapping[str, Table], width_mm: int, title: str) -> Any:
+        page = Page(1, width_mm, height_mm=60 if width_mm < 100 else 80, title=title)
+        draw(page, page.axes[0], tables[name])
+        return page.finish()
+
+    return drawn
+
+
+equilibration = _alone("equilibration", draw_equilibration)
+distances, displacement = _alone("distances", draw_distances), _alone("displacement", draw_displacement)
+relaxation, viscosity = _alone("relaxation", draw_relaxation), _alone("viscosity", draw_viscosity)

@@ -1,0 +1,171 @@
+"""The picture of `taut plot` and `sim.plot()`: a run, or some over each other, in panels."""
+
+from __future__ import annotations
+
+from typing import Any, Dict, List, Mapping
+
+import numpy as np
+
+from . import measured
+from .page import LETTERS, Page, line_of, plain
+from .style import HUES, Table, each, limit, look, numbers, shade, texts
+
+
+def run(tables: Mapping[str, Table], width_mm: int, title: str) -> Any:
+    """The log in time; temperatures by kind of molecule; what was measured; the first and the last frame."""
+    table = tables["run"]
+    panels, frames = each(texts(table, "panel")), _frames(tables)
+    extra = [name for name in measured.PANELS if name in tables]
+    kinds = ["kinds"] if len(each(texts(tables["kinds"], "kind") if "kinds" in tables else [])) > 1 else []
+    figures = np.array(measured._figures(tables["each_run"]), object) if "each_run" in tables else np.array([])
+    count = len(panels) + len(kinds) + len(extra) + len(each(figures))
+    page = Page(count + len(frames), width_mm, columns=2 if count + len(frames) < 5 else 3, title=title)
+    axes = iter(page.axes)
+    runs = each(name.partition(": ")[0] for name in texts(table, "curve")[texts(table, "panel") == panels[0]]) if panels else []
+    for n, panel in enumerate(panels):
+        _time(page, next(axes), tables, panel, runs if len(runs) > 1 else [], n == 0)
+    for _ in kinds:
+        _kinds(page, next(axes), tables["kinds"])
+    for name in extra:
+        measured.PANELS[name](page, next(axes), tables[name])
+    for figure in each(figures):
+        axis = next(axes)
+        measured.draw_each_run(axis, tables["each_run"], figures == figure)
+        axis.set_title(f"{plain(figure)}, each run")
+    for frame in frames:
+        _frame(next(axes), tables["frames"], frame)
+    return page.finish()
+
+
+def _time(page: Page, axis: Any, tables: Mapping[str, Table], panel: str, runs: List[str], first: bool) -> None:
+    """Draws a panel's curves: light each row, and over the measured part the mean up to each time and that of all."""
+    table = tables["run"]
+    of_panel = texts(table, "panel") == panel
+    names, t, y, mean = texts(table, "curve"), numbers(table, "t_ps"), numbers(table, "value"), numbers(table, "running_mean")
+    log = "bond error" in panel and (y[of_panel] > 0).any()
+    ends, shown, seen = [], [], []
+    for n, name in enumerate(each(names[of_panel])):
+        of = of_panel & (names == name) & np.isfinite(y) & ((y > 0) if log else True)
+        if not of.any():
+            continue
+        whose, _, what = name.partition(": ")
+        k = runs.index(whose) if whose in runs else -1
+        curve = line_of(look("", k if runs else n))
+        if runs:
+            curve.update({"linestyle": (0, (1, 1))} if what else {}, **({"color": "#bbbbbb"} if k >= measured.MOST else {}))
+        averaged = np.isfinite(mean[of]).any()
+        axis.plot(t[of], y[of], **{**curve, "lw": 0.6, "color": shade(curve["color"], 0.5) if averaged else curve["color"]})
+        if averaged:
+            axis.plot(t[of], mean[of], **{**curve, "lw": 1.3})
+        _mean(axis, tables.get("means"), panel, name, curve["color"], alone=not runs)
+        shown += [y[of], mean[of]]
+        label = (whose if first and not what and k < measured.MOST else what if k == 0 else "") if runs else name
+        if label and label not in seen and label != "each row":
+            ends.append((t[of][-1], y[of][-1], label, curve["color"]))
+            seen.append(label)
+    limit(axis, "y", np.concatenate(shown) if shown else [], log)
+    if not log:
+        axis.ticklabel_format(axis="y", useOffset=False, style="plain")
+    axis.margins(x=0)
+    axis.set_title(plain(panel))
+    axis.set_xlabel("t [ps]")
+    if len(ends) > 0:
+        page.name_ends(axis, ends)
+
+
+def _mean(axis: Any, means: Any, panel: str, name: str, colour: str, alone: bool) -> None:
+    """Draws the measured mean over the part that it is of, and of a single run its number."""
+    if means is None:
+        return
+    of = (texts(means, "panel") == panel) & (texts(means, "curve") == name)
+    for begin, end, value, error in zip(*(numbers(means, key)[of] for key in ("from_ps", "to_ps", "value", "standard_error"))):
+        axis.plot([begin, end], [value, value], color="#000000" if alone else colour, lw=0.8, ls=(0, (3, 1.5)))
+        if alone:
+            axis.annotate(f"{value:.5g} ± {error:.2g}" if error > 0 else f"{value:.5g}", (1, 1), (0, 1), xycoords="axes fraction",
+                          textcoords="offset points", fontsize=LETTERS, ha="right", va="bottom")
+
+
+def _kinds(page: Page, axis: Any, table: Table) -> None:
+    """Draws temperatures by type of molecule and motion, with each bath's as a dashed line."""
+    runs, kinds = texts(table, "run"), texts(table, "kind")
+    value, error = numbers(table, "temperature_k"), numbers(table, "standard_error")
+    places = [kind for kind in each(kinds) if kind != "bath"]
+    for n, name in enumerate(each(runs)):
+        of = (runs == name) & (kinds != "bath")
+        aside = 0.5 * (n - (len(each(runs)) - 1) / 2) / len(each(runs))
+        curve = look("", n)
+        axis.errorbar([places.index(kind) + aside for kind in kinds[of]], value[of], error[of], elinewidth=0.8,
+                      color=curve["color"], marker=curve["marker"], linestyle="none")
+        for bath in value[(runs == name) & (kinds == "bath")]:
+            axis.axhline(bath, color=curve["color"], lw=0.8, ls=(0, (4, 2)))
+            if n == 0:
+                axis.annotate("bath", (1, bath), xycoords=("axes fraction", "data"), fontsize=LETTERS, ha="right", va="bottom")
+    axis.set_xticks(range(len(places)), [plain(kind).replace(": ", ":\n") for kind in places])
+    axis.set(xlim=(-0.6, len(places) - 0.4), title="temperature by motion [K]")
+
+
+def _frames(tables: Mapping[str, Table]) -> List[str]:
+    return each(texts(tables["frames"], "frame")) if "frames" in tables else []
+
+
+KINDS = {"O": "#D55E00", "H": "#DDDDDD", "C": "#444444", "N": "#0072B2"}
+
+
+def _frame(axis: Any, table: Table, frame: str) -> None:
+    """Draws atoms and bonds, box and walls, on the same scale in all frames."""
+    what, frames, kinds = (texts(table, name) for name in ("what", "frame", "kind"))
+    x, up, to_x, to_up, size = (numbers(table, name) for name in ("x_nm", "up_nm", "to_x_nm", "to_up_nm", "size_nm"))
+    lines = {"box": ("#999999", 0.6), "bond": ("#555555", 0.7), "wall": ("#D55E00", 1.6)}
+    from matplotlib.collections import EllipseCollection, LineCollection
+
+    for kind, (colour, width) in lines.items():
+        of = (frames == frame) & (what == kind)
+        axis.add_collection(LineCollection(np.stack([np.column_stack([x[of], up[of]]), np.column_stack([to_x[of], to_up[of]])], 1),
+                                           colors=colour, linewidths=width))
+    of = (frames == frame) & (what == "atom")
+    number = {kind: n for n, kind in enumerate(each(kinds[what == "atom"]))}
+    colours = [KINDS.get(kind[:1], HUES[number[kind] % len(HUES)]) if number[kind] or kind[:1] in KINDS else "#56B4E9"
+               for kind in kinds[of]]
+    axis.add_collection(EllipseCollection(0.6 * size[of], 0.6 * size[of], np.zeros(of.sum()), units="xy", facecolors=colours,
+                                          edgecolors="#222222", linewidths=0.2, offsets=np.column_stack([x[of], up[of]]),
+                                          offset_transform=axis.transData))
+    atoms = what == "atom"
+    across = np.concatenate([x[atoms] - 0.3 * size[atoms], x[atoms] + 0.3 * size[atoms], x[~atoms], to_x[~atoms]])
+    along = np.concatenate([up[atoms] - 0.3 * size[atoms], up[atoms] + 0.3 * size[atoms], up[~atoms], to_up[~atoms]])
+    for values, set_limits in ((across, axis.set_xlim), (along, axis.set_ylim)):
+        margin = 0.02 * max(np.ptp(values), 1e-3)
+        set_limits(values.min() - margin, values.max() + margin)
+    axis.set(aspect="equal", xlabel="x [nm]", title=plain(frame))
+    axis.grid(False)
+
+
+def log_tables(log: Mapping[str, Any], measure: Any) -> Dict[str, Table]:
+    """Returns the tables of a log's picture: each column in time, its mean from where the energy is equilibrated."""
+    t, potential = np.asarray(log["time_ps"], float), np.asarray(log["potential_kj_mol"], float)
+    heat = np.nan_to_num(np.asarray(log.get("heat_kj_mol", np.zeros(len(t))), float))
+    account = np.asarray(log["total_kj_mol"], float) - heat
+    panels = [("potential energy [kJ/mol]", "", potential, True),
+              ("energy's account [kJ/mol]", "energy but for the heat", account - account[:1], False),
+              ("energy's account [kJ/mol]", "what the bonds did", np.asarray(log["constraint_work_kj_mol"], float), False),
+              ("temperature [K]", "", log["temperature_k"], True), ("pressure [bar]", "", log["pressure_bar"], True),
+              ("relative bond error", "largest", log["max_rel_bond_error"], False),
+              ("relative bond error", "rms", log["rms_rel_bond_error"], False)]
+    rows: Dict[str, List[Any]] = {name: [] for name in ("panel", "curve", "t_ps", "value", "running_mean")}
+    means: Dict[str, List[Any]] = {name: [] for name in ("panel", "curve", "from_ps", "to_ps", "value", "standard_error")}
+    begin = measure.equilibration(potential) if len(t) > 20 else 0
+    for panel, curve, values, averaged in panels:
+        y = np.asarray(values, float)
+        there = np.isfinite(y)
+        if not there.any():
+            continue
+        mean = np.full(len(y), np.nan)
+        if averaged:
+            mean[begin:] = np.nancumsum(y[begin:]) / np.maximum(np.cumsum(there[begin:]), 1)
+            if there[begin:].sum() > 20:
+                of_part = measure.mean(y[begin:][there[begin:]])
+                for name, cell in zip(means, (panel, curve, t[begin], t[-1], of_part.value, of_part.error)):
+                    means[name].append(cell)
+        for name, column in zip(rows, ([panel] * len(y), [curve] * len(y), t, y, mean)):
+            rows[name].extend(column)
+    return {"run": {name: np.array(column, object if name in ("panel", "curve") else float) for name, column in rows.items()},
+            "means": means}
