@@ -142,7 +142,7 @@ StudyFiles write_crosscheck(const Crosscheck& c, const std::string& command,
              "near to it as OpenMM's own run is as right."
            : "Every method runs in taut, and in OpenMM by the plug-in: round-off alone sets the two apart.");
   if (!c.twin.oxygens.r.empty())
-    show({"distances", c.scene + ": O–O radial distribution, bars: standard errors", distances_csv(c)},
+    show({"distances", c.scene + ": O–O radial distribution, bands: standard errors", distances_csv(c)},
          "What the liquid looks like", "The radial distribution of the oxygens.");
   page.parts.front().conclusions = {headline(c)};
   page.parts.push_back(

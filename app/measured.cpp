@@ -214,7 +214,7 @@ std::vector<Picture> Measured::pictures(const std::string& curve) const {
       csv += fmt::format("{},{:.4f},{:.6f},{:.6f}\n", of, g.r[n], g.g[n].value, g.g[n].error);
     all.push_back(
         {"distances",
-         fmt::format("{}: radial distribution of {}, bars: standard errors", scene_.name, of_pairs()), csv});
+         fmt::format("{}: radial distribution of {}, bands: standard errors", scene_.name, of_pairs()), csv});
   }
   if (const auto moved = motion_.result(); !moved.t.empty()) {
     std::string csv = "run,t_ps,squared_nm2,standard_error\n";
@@ -222,7 +222,7 @@ std::vector<Picture> Measured::pictures(const std::string& curve) const {
       csv += fmt::format("{},{:.6g},{:.6g},{:.2g}\n", run, moved.t[n], moved.squared[n].value,
                          moved.squared[n].error);
     all.push_back({"displacement",
-                   scene_.name + ": mean-square displacement of molecules, bars: standard errors", csv});
+                   scene_.name + ": mean-square displacement of molecules, bands: standard errors", csv});
   }
   if (chains_.empty()) return all;
   const auto relaxation = sizes_.relaxation();
@@ -231,7 +231,7 @@ std::vector<Picture> Measured::pictures(const std::string& curve) const {
     csv += fmt::format("{},{:.6g},{:.6g},{:.2g}\n", run, relaxation.t[n], relaxation.correlation[n].value,
                        relaxation.correlation[n].error);
   if (!relaxation.t.empty())
-    all.push_back({"relaxation", scene_.name + ": ⟨R(0)·R(t)⟩/⟨R²⟩ of chains, bars: standard errors", csv});
+    all.push_back({"relaxation", scene_.name + ": ⟨R(0)·R(t)⟩/⟨R²⟩ of chains, bands: standard errors", csv});
   return all;
 }
 

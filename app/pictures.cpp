@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "base/errors.hpp"
+#include "command_line.hpp"
 #include "files/atomic_file.hpp"
 #include "files/resources.hpp"
 #include "printing.hpp"
@@ -80,8 +81,11 @@ void StudyFiles::draw_all(bool for_page) {
     if (end.code == kNoMatplotlib || end.code == kNoPython) {
       if (missing_.empty() || end.code == kNoMatplotlib)
         missing_ = end.code == kNoPython
-                       ? fmt::format("{} cannot be run: {}", interpreter, last_line(end.error))
-                       : fmt::format("{} of {}", last_line(end.error), interpreter);
+                       ? fmt::format(
+                             "pictures need Python with matplotlib (Debian: python3-matplotlib), and {} "
+                             "cannot be run: {}",
+                             interpreter, last_line(end.error))
+                       : fmt::format("{} for {}", last_line(end.error), interpreter);
       continue;
     }
     missing_.clear();
@@ -120,7 +124,10 @@ void StudyFiles::print_written() {
   draw_all();
   say("\nwrote into {}: {}\n", folder_.string(), fmt::join(written_, ", "));
   if (!empty_.empty()) say("nothing to draw of {}: no setting got through\n", fmt::join(empty_, ", "));
-  if (!missing_.empty()) say("no pictures: {}; then `taut plot {}` draws them\n", missing_, folder_.string());
+  if (!missing_.empty())
+    say("no pictures: {}; then {} draws them\n", missing_,
+        fs::exists(folder_ / "run.csv") ? "the same command with --overwrite"
+                                        : fmt::format("`taut plot {}`", quoted_for_shell(folder_.string())));
   if (!undrawn_.empty())
     throw OutsideError(fmt::format("cannot draw {}: {}; the figures are in the .csv files",
                                    fmt::join(undrawn_, ", "), reason_));

@@ -99,7 +99,7 @@ std::vector<Curve> curves_of(const RunLog& log, const std::string& run, const Sc
     }
     const bool has_mean = column.use == Use::kMean || column.use == Use::kMeanWhereItVaries;
     const bool still_drawn =
-        has_mean && !column.of_box;  // where it is constant: a box without a barostat is not
+        has_mean && !column.of_box && !y.empty() && y.front() != 0;  // where it is constant
     if (column.use != Use::kNone && (still_drawn || varies(y)))
       add(all, log,
           {.panel = panel_of(column),

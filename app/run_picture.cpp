@@ -29,7 +29,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // At most so many points: means of neighbours.
-constexpr std::size_t kMostPoints = 1000;
+constexpr std::size_t kMostPoints = 500;
 
 std::string csv_of(const std::vector<Curve>& curves) {
   std::string csv = "panel,curve,t_ps,value,running_mean\n";

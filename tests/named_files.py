@@ -62,7 +62,7 @@ def main():
             for number, line in enumerate(lines, 1):
                 text = line.partition(mark)[2] if mark else line
                 names = [n for n in NAME.findall(text) if n.lstrip("./") not in tails | EXAMPLES]
-                names = [n for n in names if not os.path.basename(n).split(".")[0].isupper()]  # NAME.gp
+                names = [n for n in names if not os.path.basename(n).split(".")[0].isupper()]  # NAME.csv
                 if not mark:
                     names += broken_links(file, text)
                 missing += [f"{file}:{number}: {name} is not there" for name in names]

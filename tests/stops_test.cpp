@@ -165,14 +165,13 @@ TEST_F(Terminals, ATerminalThatIsClosedStopsARun) {
   EXPECT_EQ(again.wait(), 0) << again.error();
 }
 
-// Ctrl-C reaches gnuplot as well, while taut waits for it.
-TEST_F(Terminals, CtrlCWhileGnuplotDrawsStopsAStudy) {
-  const fs::path gnuplot = folder_.write("gnuplot", "#!/bin/sh\nkill -INT $$\n");
-  fs::permissions(gnuplot, fs::perms::owner_all);
+// Ctrl-C reaches Python as well, while taut waits for it.
+TEST_F(Terminals, CtrlCWhilePythonDrawsStopsAStudy) {
+  const fs::path python = folder_.write("python", "#!/bin/sh\nkill -INT $$\n");
+  fs::permissions(python, fs::perms::owner_all);
   const std::string study =
       "chart diatomic --quick --methods newton --repeats 1 --drift-steps 20 --out " + out_.string();
-  Shell stopped(folder_.path(), words(study),
-                [&] { setenv("PATH", (folder_.path().string() + ":" + std::getenv("PATH")).c_str(), 1); });
+  Shell stopped(folder_.path(), words(study), [&] { setenv("TAUT_PYTHON", python.c_str(), 1); });
   EXPECT_EQ(stopped.wait(), 130);
   EXPECT_TRUE(fs::exists(out_ / "unfinished.tsv"));
   Shell again(folder_.path(), words(study), [] {});

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdio>
 #include <string>
+#include <vector>
 
 #include "file_text.hpp"
 
@@ -46,6 +47,22 @@ inline std::string page(const fs::path& folder) {
     for (std::size_t at = 0; (at = text.find(entity, at)) != text.npos; ++at)
       text.replace(at, std::string_view(entity).size(), 1, character);
   return text;
+}
+
+// The table below a heading of a report, row by row.
+inline std::vector<std::vector<std::string>> page_table(const fs::path& folder, const std::string& heading) {
+  std::vector<std::vector<std::string>> rows;
+  const std::string text = page(folder);
+  std::size_t at = text.find("<h2>" + heading + "</h2>");
+  if (at == text.npos) return rows;
+  at = text.find("<table>", at);
+  const std::size_t end = text.find("</table>", at);
+  while ((at = text.find_first_of("<", at + 1)) < end) {
+    if (text.compare(at, 4, "<tr>") == 0) rows.emplace_back();
+    if (text.compare(at, 4, "<th>") == 0 || text.compare(at, 4, "<td>") == 0)
+      rows.back().push_back(text.substr(at + 4, text.find("</t", at) - at - 4));
+  }
+  return rows;
 }
 
 inline int lines(const std::string& text) {

@@ -1,5 +1,9 @@
-"""Draws a picture for each system of the study: the drift against the step, and against what a nanosecond costs."""
-import subprocess
+"""Draws a picture for each system of the study: the drift against the step, and against what a nanosecond costs. It needs the
+module taut: PYTHONPATH=build/python."""
+import numpy as np
+from taut.pictures import save, styled
+from taut.pictures.page import Page
+from taut.pictures.style import groups_of, limit, looks_of
 
 from cases import HERE, SYSTEMS
 from judge import LARGEST_DRIFT_KT, cost_at, kt, mean_and_error, of, whole
@@ -19,35 +23,36 @@ def points_of(judge, times, system, method):
             yield step, cost and cost[0], max(abs(drift), error)
 
 
-def panel(column, label, tics, lines, place):
-    """One of a picture's panels, between the shares `place` of its width."""
-    plots = ", \\\n ".join(f"$d{n} using {column}:3 with linespoints lw 1.5 pt 7 ps 0.5 lc rgb '{colour}' title '{method}'"
-                          for n, method, colour in lines)
-    return (f"set lmargin at screen {place[0]}\nset rmargin at screen {place[1]}\nset xlabel '{label}'\n"
-            f"set xtics ({', '.join(f'{tic:g}' for tic in tics)})\nplot {plots}\n")
-
-
 def draw(judge, times):
     (HERE / "pictures").mkdir(exist_ok=True)
-    for system in judge.systems:
-        blocks, lines = "", []
-        for n, (method, colour) in enumerate(COLOURS.items()):
-            points = list(points_of(judge, times, system, method))
-            if points:
-                blocks += f"$d{n} << EOD\n" + "".join(f"{s} {c or 'NaN'} {d}\n" for s, c, d in points) + "EOD\n"
-                lines.append((n, method, colour))
-        timed = any(name == system for name, _ in times)
-        wide, right = (920, 0.42) if timed else (600, 0.66)
-        steps = sorted({step for steps in judge.table[system].values() for step in steps})
-        script = (f"set terminal svg size {wide},400 font 'sans,11' background 'white'\nset output '{system}.svg'\n{blocks}"
-                  "set multiplot\nset tmargin at screen 0.9\nset bmargin at screen 0.15\nset logscale xy\nset grid\n"
-                  "set autoscale xfix\nset offsets graph 0.03, graph 0.03, 0, 0\n"
-                  f"set arrow from graph 0, first {LARGEST_DRIFT_KT} to graph 1, first {LARGEST_DRIFT_KT} nohead dt 2\n"
-                  f"set title '{SYSTEMS[system].title}'\nset ylabel 'energy drift, absolute [kT/ns/degree of freedom]'\n"
-                  f"set format y '10^{{%T}}'\n{'unset key' if timed else 'set key at screen 0.99, 0.88 Left reverse'}\n"
-                  + panel(1, "step [fs]", steps, lines, (0.08 if timed else 0.13, right)))
-        if timed:
-            script += ("unset ylabel\nunset title\nset format y ''\nset key at screen 0.99, 0.88 Left reverse\n"
-                       + panel(2, "processor seconds a nanosecond, one thread",
-                               [digit * 10 ** power for power in range(5) for digit in (1, 2, 3, 5)], lines, (0.45, 0.76)))
-        subprocess.run(["gnuplot"], input=script + "unset multiplot\n", text=True, check=True, cwd=HERE / "pictures")
+    with styled():
+        for system in judge.systems:
+            draw_system(judge, times, system)
+
+
+def draw_system(judge, times, system):
+    """Panels of six methods at most, over the step and over the cost; every panel has the others grey behind."""
+    points = {method: np.array([[s, c or np.nan, d] for s, c, d in points_of(judge, times, system, method)], float)
+              for method in COLOURS}
+    points = {method: rows for method, rows in points.items() if len(rows)}
+    groups = groups_of(list(points), {method: method.split()[0] for method in points})
+    columns = [(0, "step [fs]")] + [(1, "processor seconds a nanosecond, one thread")] * any(name == system for name, _ in times)
+    page = Page(len(groups) * len(columns), 170, columns=2, height_mm=58, title=SYSTEMS[system].title, sharey=True)
+    panels = [(group, *column) for group in groups for column in columns] if len(columns) > 1 else [(g, *columns[0]) for g in groups]
+    for axis, (group, column, label) in zip(page.axes, panels):
+        for rows in points.values():
+            axis.plot(rows[:, column], rows[:, 2], color="#dddddd", lw=0.7, zorder=1)
+        limit(axis, "x", np.concatenate([rows[:, column] for rows in points.values()]), log=True)
+        limit(axis, "y", np.concatenate([rows[:, 2] for rows in points.values()]), log=True)
+        axis.axhline(LARGEST_DRIFT_KT, color="#000000", lw=0.6, ls=(0, (4, 2)))
+        looks, ends = looks_of(group, {method: method.split()[0] for method in group}), []
+        for method in group:
+            x, y = points[method][:, column], points[method][:, 2]
+            axis.plot(x, y, **looks[method])
+            end = np.flatnonzero(np.isfinite(x))
+            ends += [(x[end[-1]], y[end[-1]], method, looks[method]["color"])] if len(end) else []
+        page.name_ends(axis, ends)
+        axis.set_xlabel(label)
+        if axis is page.axes[0]:
+            axis.set_ylabel("energy drift, absolute [kT/ns/degree of freedom]", loc="top")
+    save(page.finish(), HERE / "pictures" / system, "svg")

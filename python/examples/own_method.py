@@ -35,5 +35,5 @@ class MyShake(taut.ConstraintMethod):
 
 
 charted = taut.chart("freely_jointed", methods=["shake", "rattle", MyShake], quick=True, panels="work", draw=True)
-charted["figure"].savefig("own_method.png", dpi=150)
+taut.pictures.save(charted["figures"]["work"], "own_method")
 print("own_method.png: constraint time against bond error; MyShake holds bonds as shake does, at Python's cost")

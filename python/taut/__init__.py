@@ -17,6 +17,7 @@ taut.verify                        checks that a method keeps lengths, momentum 
 taut.chart, taut.stability         compare methods' speed and accuracy, and find where they fail
 taut.read                          reads topologies of GROMACS and Amber by OpenMM's readers
 taut.measure                       means with errors, viscosity, diffusion and chains from arrays
+taut.pictures                      draws tables for print, and writes figures as PDF, SVG and PNG
 taut.calibrate, taut.crosscheck    find Baumgarte's alpha and beta; compare a run with OpenMM
 
 help(taut.Simulation), help(taut.Baumgarte), ... describe them.
@@ -43,7 +44,7 @@ if int(numpy.__version__.split(".")[0]) >= 2 and not _core.knows_numpy_2:
     raise ImportError(f"this taut was built for numpy 1 (by pybind11 before 2.12), and numpy here is "
                       f"{numpy.__version__}: {_BUILD_AGAIN}; or take numpy<2")
 
-from . import measure, options
+from . import measure, options, pictures
 from ._core import Row, scenes, threads, use_threads
 from .ase_calculator import Calculator
 from .biases import Angle, Bias, Distance, Gyration, Torsion

@@ -3,4 +3,5 @@
 import os
 import sys
 
+os.environ.setdefault("TAUT_PYTHON", sys.executable)  # which draws
 os.execv(os.path.join(os.path.dirname(__file__), "bin", "taut"), ["taut", *sys.argv[1:]])

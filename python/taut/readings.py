@@ -217,8 +217,9 @@ class Readings:
         """
         return (self.summary or {}).get("timings")
 
-    def plot(self) -> Any:
-        """Draws the log: energy, temperature, bond errors, and pressure in a box. Returns matplotlib's figure."""
-        from . import drawing
+    def plot(self, size: int = 170) -> Any:
+        """Draws the log as `taut plot` does: energy and its account, temperature, bond errors, and pressure in a box, with
+        means of the equilibrated part. Returns matplotlib's figure, ``size`` mm wide: 85 or 170."""
+        from . import measure, pictures
 
-        return drawing.log(self.log, self.name)
+        return pictures.draw("run", pictures.log_tables(self.log, measure), size, self.name)

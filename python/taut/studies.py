@@ -4,25 +4,24 @@ Each study takes methods as names, as classes or as objects, and ``seeds``: thei
 runs once for each, and returns means over them with standard errors, ``NAME_error`` beside ``NAME``.
 
 Each study returns a dict of tables. A table is a pandas.DataFrame, or without pandas a dict of columns, numpy arrays
-of one length. With ``draw=True`` a study draws a picture with matplotlib; the dict has its figure as "figure".
+of one length. With ``draw=True``, or ``draw=85`` or ``170``, a study draws its pictures with matplotlib, so many mm wide; the
+dict has them as "figures", by the names of their tables. ``taut.pictures.save`` writes one for print.
 """
 
 from __future__ import annotations
 
 import contextlib
-import csv
-import io
 import json
 import shutil
 import tempfile
 import warnings
 from pathlib import Path
-from typing import Any, Dict, Iterable, Iterator, List, Mapping, Optional
+from typing import Any, Dict, Iterable, Iterator, List, Mapping, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _core, drawing, inputs, parts
+from . import _core, inputs, parts, pictures
 from .errors import InputError, SimulationFailure
 from .options import CLASSES, Options
 from .over_seeds import Columns, Seeds, mean_and_error, over_seeds, settings_of_seeds
@@ -30,13 +29,7 @@ from .progress import StudyProgress
 
 PANELS = ("work", "drift", "order", "length", "precision")
 Table = Any  #: a dict of columns, or a pandas.DataFrame
-
-
-def _column(cells: List[str]) -> npt.NDArray[Any]:
-    try:
-        return np.array([float(cell) if cell else np.nan for cell in cells])
-    except ValueError:
-        return np.array(cells, dtype=str)
+Draw = Union[bool, int]  #: whether to draw; 85 or 170, so many mm wide
 
 
 def table(columns: Mapping[str, Any]) -> Table:
@@ -46,12 +39,6 @@ def table(columns: Mapping[str, Any]) -> Table:
     except ImportError:
         return dict(columns)
     return pandas.DataFrame(dict(columns))
-
-
-def _columns_of_csv(text: str) -> Columns:
-    """Returns the columns of a CSV text with a line of names. An empty cell is nan."""
-    rows = list(csv.reader(io.StringIO(text)))
-    return {name: _column([row[n] for row in rows[1:]]) for n, name in enumerate(rows[0])}
 
 
 def _name(method: Any, scene: "_core.Input") -> str:
@@ -115,24 +102,27 @@ def _study(run: Any, scene: inputs.Scene, methods: Optional[Iterable[Any]], sett
             its_own.mkdir()
             tables.append(run(read, names, asked, str(its_own), progress))
         progress.done()
-        return _joined([{name: _columns_of_csv(text) for name, text in of_seed.items()} for of_seed in tables],
+        return _joined([{name: pictures.table_of(text) for name, text in of_seed.items()} for of_seed in tables],
                        [of_seed.get("run.seed", 0) for of_seed in settings])
 
 
-def _drawn(tables: Dict[str, Any], kind: str, draw: bool) -> Dict[str, Any]:
-    """Adds the picture. A picture that fails takes no table with it."""
-    if draw:
+def _drawn(tables: Dict[str, Any], draw: Draw, title: str = "") -> Dict[str, Any]:
+    """Adds the pictures of the tables that have one. A picture that fails takes no table with it."""
+    if not draw:
+        return tables
+    figures = tables["figures"] = {}
+    for name in [name for name in tables if name in pictures.KINDS and hasattr(tables[name], "keys")]:
         try:
-            tables["figure"] = getattr(drawing, kind)(tables)
+            figures[name] = pictures.draw(name, tables, draw, title)
         except Exception as error:
-            warnings.warn(f"no picture: {error}", stacklevel=3)
+            warnings.warn(f"no picture of {name}: {error or 'nothing to draw'}", stacklevel=3)
     return tables
 
 
 def chart(scene: inputs.Scene, methods: Optional[Iterable[Any]] = None, *, dt_fs: Optional[float] = None,
           set: Optional[Mapping[str, Any]] = None, quick: bool = False, repeats: int = 0, steps: int = 0,
           drift_steps: int = 0, panels: Iterable[str] = PANELS, seeds: Seeds = None,
-          draw: bool = False) -> Dict[str, Any]:
+          draw: Draw = False) -> Dict[str, Any]:
     """Charts each method's speed against its accuracy.
 
     - ``methods``: names, classes (``taut.Shake``, or your own derived from taut.ConstraintMethod) or objects
@@ -148,19 +138,19 @@ def chart(scene: inputs.Scene, methods: Optional[Iterable[Any]] = None, *, dt_fs
     the energy's drift), "order" (distance from an exact run against the step), "length" (cost against the length of
     chains), "precision" (of systems with pair forces), and "failures" of them all. Raises InputError.
     """
-    drawing.expect_matplotlib(draw)
+    pictures.expect_matplotlib(draw)
     wanted = [panels] if isinstance(panels, str) else list(panels)
     for panel in wanted:
         if panel not in PANELS:
             raise InputError(f"panels: {panel!r}, expected some of {', '.join(PANELS)}")
     asked = {"quick": quick, "repeats": repeats, "steps": steps, "drift_steps": drift_steps, "panels": wanted}
-    return _drawn(_study(_core.chart, scene, methods, settings_of_seeds(seeds, set), asked, dt_fs), "chart", draw)
+    return _drawn(_study(_core.chart, scene, methods, settings_of_seeds(seeds, set), asked, dt_fs), draw)
 
 
 def stability(scene: inputs.Scene, methods: Optional[Iterable[Any]] = None, *, dt_fs: Optional[float] = None,
               set: Optional[Mapping[str, Any]] = None, quick: bool = False, steps: int = 0, plane: bool = True,
               bond_error: float = 0.1, energy_error: float = 1.0, seeds: Seeds = None,
-              draw: bool = False) -> Dict[str, Any]:
+              draw: Draw = False) -> Dict[str, Any]:
     """Finds where methods fail.
 
     - ``methods``: names, classes or objects such as ``taut.Shake(tolerance=1e-6)``; None takes all of taut's
@@ -173,10 +163,9 @@ def stability(scene: inputs.Scene, methods: Optional[Iterable[Any]] = None, *, d
     Returns the tables "plane" (steps survived and drift over α and β), "limits" (the theory's limit of β h against
     α h for a single bond) and "steps" (the largest stable step of each method [fs]). Raises InputError.
     """
-    drawing.expect_matplotlib(draw)
+    pictures.expect_matplotlib(draw)
     asked = {"quick": quick, "steps": steps, "plane": plane, **_errors(bond_error=bond_error, energy_error=energy_error)}
-    return _drawn(_study(_core.stability, scene, methods, settings_of_seeds(seeds, set), asked, dt_fs), "stability",
-                  draw)
+    return _drawn(_study(_core.stability, scene, methods, settings_of_seeds(seeds, set), asked, dt_fs), draw)
 
 
 def _errors(**given: float) -> Dict[str, float]:
@@ -205,7 +194,7 @@ def _reference(against: Any, asked: Dict[str, Any], scene: "_core.Input") -> Non
 
 def calibrate(scene: inputs.Scene, *, against: Any = "rattle", tolerance: float = 1e-10, sweeps: int = 0,
               copies: str = "mean", damping: str = "discrete", size: float = 1e-6, dt_fs: Optional[float] = None,
-              set: Optional[Mapping[str, Any]] = None, seeds: Seeds = None, draw: bool = False) -> Dict[str, Any]:
+              set: Optional[Mapping[str, Any]] = None, seeds: Seeds = None, draw: Draw = False) -> Dict[str, Any]:
     """Finds the α and β with which Baumgarte reduces a bond's error per step as a reference method does.
 
     - ``against``: "rattle", "shake" or "newton", or ``taut.Rattle(sweeps=4)`` and the like, or a class or an object of
@@ -220,7 +209,7 @@ def calibrate(scene: inputs.Scene, *, against: Any = "rattle", tolerance: float 
     of the error after each step (rms of σ/d²); "settings" for ``Simulation(set=...)``; and "disagreement", empty if
     theory and measurement agree. A seed that fails is left out with a warning. Raises InputError, SimulationFailure.
     """
-    drawing.expect_matplotlib(draw)
+    pictures.expect_matplotlib(draw)
     asked = {"tolerance": tolerance, "sweeps": sweeps, "copies": copies, "damping": damping,
              **_errors(size=size)}
     settings, found, seeds_of = settings_of_seeds(seeds, set), [], []
@@ -247,13 +236,13 @@ def calibrate(scene: inputs.Scene, *, against: Any = "rattle", tolerance: float 
     result["courses"] = table(over_seeds(courses, seeds_of))
     result["settings"] = {"method.name": "baumgarte",
                           **{f"method.{key}": result[key] for key in ("gains", "damping", "reduction")}}
-    return _drawn(result, "calibration", draw)
+    return _drawn(result, draw)
 
 
 def crosscheck(scene: inputs.Scene, methods: Optional[Iterable[Any]] = None, *, steps: int = 200,
                dt_fs: Optional[float] = None, set: Optional[Mapping[str, Any]] = None, platform: str = "Reference",
                precision: str = "", integrator: str = "openmm", speed_seconds: float = 0.0,
-               agreement_nm: float = 1e-6, seeds: Seeds = None, draw: bool = False) -> Dict[str, Any]:
+               agreement_nm: float = 1e-6, seeds: Seeds = None, draw: Draw = False) -> Dict[str, Any]:
     """Compares a scene's runs with those of OpenMM, the version that taut was built with.
 
     - ``methods``: names, with gains as in "baumgarte:dead-beat", classes or objects; None takes the study's own.
@@ -269,7 +258,7 @@ def crosscheck(scene: inputs.Scene, methods: Optional[Iterable[Any]] = None, *, 
     liquid water "distances", its radial distribution. A run that broke has its "failure"; beside it nothing is judged.
     Raises InputError.
     """
-    drawing.expect_matplotlib(draw)
+    pictures.expect_matplotlib(draw)
     progress, found = StudyProgress(), []
     asked = {"platform": platform, "precision": precision, "integrator": integrator, "speed_seconds": speed_seconds,
              **_errors(agreement_nm=agreement_nm)}
@@ -282,6 +271,6 @@ def crosscheck(scene: inputs.Scene, methods: Optional[Iterable[Any]] = None, *, 
     result: Dict[str, Any] = dict(figures[0])
     if len(figures) > 1:
         result["of_seeds"] = figures
-    result.update(_joined([{name: _columns_of_csv(text) for name, text in one.items()} for one in found],
+    result.update(_joined([{name: pictures.table_of(text) for name, text in one.items()} for one in found],
                           [of_seed.get("run.seed", 0) for of_seed in settings]))
-    return _drawn(result, "crosscheck", draw)
+    return _drawn(result, draw)

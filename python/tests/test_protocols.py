@@ -269,7 +269,7 @@ def test_the_log_is_drawn():
     sim = taut.Simulation("water", set=SET)
     sim.run(20, every=5)
     figure = sim.plot()
-    assert len(figure.axes) == 4 and all(len(axis.lines) for axis in figure.axes)
+    assert len(figure.axes) == 5 and all(len(axis.lines) for axis in figure.axes)
     assert pyplot.fignum_exists(figure.number)
     pyplot.close(figure)
 
@@ -283,4 +283,4 @@ def test_a_notebook_shows_a_picture_once(monkeypatch):
     sim = taut.Simulation("water", set=SET)
     sim.run(20, every=5)
     figure = sim.plot()
-    assert len(figure.axes) == 4 and pyplot.get_fignums() == []
+    assert len(figure.axes) == 5 and pyplot.get_fignums() == []

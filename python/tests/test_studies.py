@@ -65,9 +65,9 @@ def test_a_study_that_is_cut_off_keeps_its_trials(monkeypatch):
 def test_a_picture_that_fails_takes_no_table_with_it(monkeypatch):
     pytest.importorskip("matplotlib", reason="needs matplotlib").use("Agg")
     asked = {"quick": True, "repeats": 1, "panels": "work", "set": FEW, "draw": True}
-    monkeypatch.setattr(taut.drawing, "chart", lambda tables: 1 / 0)
-    with pytest.warns(UserWarning, match="no picture: division by zero"):
-        assert "figure" not in taut.chart("freely_jointed", ["newton"], **asked)
+    monkeypatch.setitem(taut.pictures.KINDS, "work", lambda *asked: 1 / 0)
+    with pytest.warns(UserWarning, match="no picture of work: division by zero"):
+        assert taut.chart("freely_jointed", ["newton"], **asked)["figures"] == {}
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     monkeypatch.setattr(taut._core, "chart", None)  # nothing is run
     with pytest.raises(ImportError, match="pip install matplotlib"):
@@ -114,12 +114,14 @@ def test_crosscheck():
 def test_pictures(tmp_path):
     pytest.importorskip("matplotlib", reason="needs matplotlib").use("Agg")
     drawn = {"chart": taut.chart("freely_jointed", ["newton", "baumgarte"], quick=True, set=CHAINS, draw=True),
-             "stability": taut.stability("freely_jointed", ["newton"], quick=True, steps=50, set=CHAINS, draw=True),
+             "stability": taut.stability("freely_jointed", ["newton"], quick=True, steps=50, set=CHAINS, draw=85),
              "calibrate": taut.calibrate("freely_jointed", sweeps=4, set=CHAINS, draw=True)}
-    for name, found in drawn.items():
-        found["figure"].savefig(tmp_path / f"{name}.png")
+    figures = {name: figure for found in drawn.values() for name, figure in found["figures"].items()}
+    assert set(figures) == {"work", "drift", "order", "length", "plane", "steps", "courses"}
+    for name, figure in figures.items():
+        taut.pictures.save(figure, tmp_path / name)
         assert (tmp_path / f"{name}.png").stat().st_size > 10_000
-        assert all(axis.has_data() for axis in found["figure"].axes)
+        assert figure.get_figwidth() * 25.4 == pytest.approx(85 if name in ("plane", "steps") else 170)
 
 
 def test_studies_take_what_from_openmm_takes():

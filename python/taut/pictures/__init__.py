@@ -9,16 +9,24 @@ from __future__ import annotations
 from typing import Any, Mapping, Union
 
 from . import beside, charts, limits, measured, runs
-from .style import NothingToDraw, Table, save, styled, table_of
+from .runs import log_tables
+from .style import WIDTHS_MM, NothingToDraw, Table, pyplot, save, styled, table_of
 
-__all__ = ["KINDS", "NothingToDraw", "draw", "save", "table_of"]
+__all__ = ["KINDS", "NothingToDraw", "draw", "expect_matplotlib", "log_tables", "save", "table_of"]
 
 #: what draws which table
 KINDS = {"work": charts.work, "drift": charts.drift, "order": charts.order, "length": charts.length,
          "precision": charts.precision, "plane": limits.plane, "steps": limits.steps, "crosscheck": beside.crosscheck,
+         "samples": beside.crosscheck,
          "courses": beside.courses, "run": runs.run, "scan": measured.scan, "each_run": measured.each_run,
          "equilibration": measured.equilibration, "distances": measured.distances, "displacement": measured.displacement,
          "relaxation": measured.relaxation, "viscosity": measured.viscosity}
+
+
+def expect_matplotlib(draw: Union[int, bool]) -> None:
+    """Raises ImportError before anything is run whose picture could not be drawn."""
+    if draw:
+        pyplot()
 
 
 def draw(kind: str, tables: Mapping[str, Table], size: Union[int, bool] = 170, title: str = "") -> Any:
@@ -29,5 +37,7 @@ def draw(kind: str, tables: Mapping[str, Table], size: Union[int, bool] = 170, t
     - ``tables``: the table of that name, and those that belong to it ("limits" to "plane")
     - ``size``: its width [mm], 85 or 170; True is 170
     """
+    if (size := 170 if size is True else size) not in WIDTHS_MM:
+        raise ValueError(f"size: {size!r}, expected 85 or 170 [mm]")
     with styled():
-        return KINDS[kind](tables, 170 if size is True else size, title)
+        return KINDS[kind](tables, size, title)

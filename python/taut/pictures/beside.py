@@ -14,7 +14,7 @@ BROKEN = 0.5  #: relative bond error from which a run is no run any more
 
 def crosscheck(tables: Mapping[str, Table], width_mm: int, title: str) -> Any:
     """Distances from OpenMM's run and from the fine one, bond errors and the energy, of at most six runs a panel."""
-    table = tables["crosscheck"]
+    table = tables["crosscheck" if "crosscheck" in tables else "samples"]
     names, t = texts(table, "run"), numbers(table, "t_ps")
     energy, error = numbers(table, "energy_kj_mol"), numbers(table, "max_rel_bond_error")
     energy = abs(energy - np.array([energy[names == name][0] for name in names]))

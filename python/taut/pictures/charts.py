@@ -33,6 +33,11 @@ def _name(axis: Any, page: Page, x: Any, y: Any, text: str, colour: str) -> None
     page.name_points(axis, [(x, y, text, colour)])
 
 
+def _bars(middle: Any, low: Any, high: Any) -> Any:
+    """Returns how far bars reach down and up; nothing where their ends are not known."""
+    return np.nan_to_num(np.maximum([middle - low, high - middle], 0))
+
+
 def _values(axis: Any, page: Page, x: Any, y: Any, values: Any, colour: str) -> None:
     """Writes the settings of a curve's first and last point beside them."""
     ends = {0, len(x) - 1} if len(x) > 1 else set()
@@ -56,8 +61,8 @@ def work(tables: Mapping[str, Table], width_mm: int, title: str) -> Any:
         for name in group:
             of = there & (names == name)
             x, y, curve = rms[of], cost[of], looks[name]
-            axis.hlines(y, x, np.maximum(most[of], x), color=curve["color"], lw=0.5, alpha=0.6)
-            axis.errorbar(x, y, [np.maximum(y - low[of], 0), np.maximum(high[of] - y, 0)], elinewidth=0.6, **curve)
+            axis.hlines(y, x, np.fmax(most[of], x), color=curve["color"], lw=0.5, alpha=0.6)
+            axis.errorbar(x, y, _bars(y, low[of], high[of]), elinewidth=0.6, **curve)
             _name(axis, page, x, y, name, curve["color"])
         for name in group:
             of = there & (names == name)
@@ -155,7 +160,7 @@ def length(tables: Mapping[str, Table], width_mm: int, title: str) -> Any:
     """What a bond costs in chains of so many."""
     table = tables["length"]
     cost = numbers(table, "ns_per_bond_step")
-    error = np.maximum([cost - numbers(table, "ns_per_bond_step_q1"), numbers(table, "ns_per_bond_step_q3") - cost], 0)
+    error = _bars(cost, numbers(table, "ns_per_bond_step_q1"), numbers(table, "ns_per_bond_step_q3"))
     page = _functions(table, numbers(table, "bonds"), cost, "method", (width_mm, title), error)
     _label(page, "bonds of a chain", COST)
     return page.finish()
@@ -168,19 +173,22 @@ def precision(tables: Mapping[str, Table], width_mm: int, title: str) -> Any:
     low, high = numbers(table, "step_us_q1"), numbers(table, "step_us_q3")
     there = np.isfinite(drifts[0]) & np.isfinite(time) & (drifts[0] > 0)
     names, mixed = texts(table, "method"), texts(table, "precision") == "mixed"
-    page = Page(1, width_mm, height_mm=90, title=title)
-    axis = page.axes[0]
-    limit(axis, "x", drifts[0][there], log=True)
-    axis.set_xlim(drifts[0][there].min() / 4, drifts[0][there].max() * 3)
-    for name in each(names[there]):
-        both = there & (names == name)
-        curve = look(name)
-        axis.plot(drifts[0][both], time[both], lw=0.5, color=curve["color"])
-        for of, fill in ((both & ~mixed, "full"), (both & mixed, "none")):
-            axis.errorbar(drifts[0][of], time[of], [time[of] - low[of], high[of] - time[of]], elinewidth=0.6,
-                          color=curve["color"], marker=curve["marker"], fillstyle=fill, linestyle="none", markersize=4.5)
-            _draw_drifts(axis, of, drifts, time, curve)
-        _name(axis, page, drifts[0][both], time[both], name, curve["color"])
-    axis.set(ylim=(0, None), ylabel="time of a step [µs]; empty marks: mixed precision",
-             xlabel=f"{DRIFT}, 95 %;\narrow: zero is inside, at most that")
+    if not there.any():
+        raise NothingToDraw
+    groups = groups_of(each(names[there]), {name: name for name in names})
+    page = Page(len(groups), width_mm, columns=2, height_mm=70, title=title, sharex=True, sharey=True)
+    for axis, group in zip(page.axes, groups):
+        limit(axis, "x", drifts[0][there], log=True)
+        axis.set_xlim(drifts[0][there].min() / 4, drifts[0][there].max() * 3)
+        for name in group:
+            both = there & (names == name)
+            curve = look(name)
+            axis.plot(drifts[0][both], time[both], lw=0.5, color=curve["color"])
+            for of, fill in ((both & ~mixed, "full"), (both & mixed, "none")):
+                axis.errorbar(drifts[0][of], time[of], _bars(time[of], low[of], high[of]), elinewidth=0.6,
+                              color=curve["color"], marker=curve["marker"], fillstyle=fill, linestyle="none", markersize=4.5)
+                _draw_drifts(axis, of, drifts, time, curve)
+            _name(axis, page, drifts[0][both], time[both], name, curve["color"])
+        axis.set_ylim(0, 1.06 * time[there].max())
+    _label(page, f"{DRIFT},\n95 %; arrow: zero is inside, at most that", "time of a step [µs]; empty marks: mixed precision")
     return page.finish()

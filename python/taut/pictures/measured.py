@@ -7,7 +7,7 @@ from typing import Any, Callable, Dict, List, Mapping, Tuple
 import numpy as np
 
 from .page import LETTERS, Page, line_of, plain
-from .style import HUES, MOST, Table, each, limit, look, numbers, texts
+from .style import HUES, MOST, Table, each, limit, look, numbers, texts, with_error
 
 Draw = Callable[[Page, Any, Table], None]
 
@@ -62,8 +62,6 @@ def draw_each_run(axis: Any, table: Table, of: Any) -> None:
     for mean, width in zip(value[~run], error[~run]):
         axis.axhspan(mean - width, mean + width, color="#56B4E9", alpha=0.3, lw=0)
         axis.axhline(mean, color="#0072B2", lw=1)
-        axis.annotate(f"{mean:.5g} ± {width:.2g}", (1, 1), xycoords="axes fraction", fontsize=LETTERS, ha="right",
-                      va="bottom", color="#0072B2")
     axis.set(xlabel="run", xlim=(0.5, number.max() + 0.5))
     axis.xaxis.get_major_locator().set_params(integer=True)
 
@@ -73,8 +71,11 @@ def each_run(tables: Mapping[str, Table], width_mm: int, title: str) -> Any:
     figures = np.array(_figures(tables["each_run"]), object)
     page = Page(len(each(figures)), width_mm, columns=3, title=title)
     for axis, figure in zip(page.axes, each(figures)):
-        draw_each_run(axis, tables["each_run"], figures == figure)
-        axis.set_title(plain(figure) + "\n" if (numbers(tables["each_run"], "number") == 0).any() else plain(figure))
+        of = figures == figure
+        mean = of & (numbers(tables["each_run"], "number") == 0)
+        draw_each_run(axis, tables["each_run"], of)
+        axis.set_title("\n".join([plain(figure), *[f"mean {with_error(value, error)}" for value, error in zip(
+            numbers(tables["each_run"], "value")[mean], numbers(tables["each_run"], "standard_error")[mean])]]))
     return page.finish()
 
 
@@ -91,10 +92,11 @@ def _by_run(page: Page, axis: Any, table: Table, x: str, y: str) -> None:
         axis.plot(at[of], value[of], **curve)
         axis.fill_between(at[of], value[of] - error[of], value[of] + error[of], color=curve["color"], alpha=0.25, lw=0)
         if n < len(named) and name:
-            ends.append((at[of][-1], value[of][-1], name, curve["color"]))
+            some = np.unique(np.linspace(0, of.sum() - 1, 24).astype(int))
+            ends.append((at[of][some], value[of][some], name, curve["color"]))
     axis.margins(x=0)
     if len(ends) > 1:
-        page.name_ends(axis, ends)
+        page.name_points(axis, ends)
 
 
 def draw_distances(page: Page, axis: Any, table: Table) -> None:
@@ -115,7 +117,7 @@ def draw_displacement(page: Page, axis: Any, table: Table) -> None:
 def draw_relaxation(page: Page, axis: Any, table: Table) -> None:
     _by_run(page, axis, table, "t_ps", "correlation")
     axis.axhline(np.exp(-1), color="#777777", lw=0.6, ls=(0, (3, 2)))
-    axis.annotate("1/e", (1, np.exp(-1)), xycoords=("axes fraction", "data"), fontsize=LETTERS, ha="right", va="bottom")
+    axis.annotate("1/e", (0.01, np.exp(-1)), xycoords=("axes fraction", "data"), fontsize=LETTERS, va="bottom")
     axis.set(xlabel="t [ps]", title="⟨R(0)·R(t)⟩/⟨R²⟩ of chains")
 
 
@@ -134,7 +136,7 @@ def draw_viscosity(page: Page, axis: Any, table: Table) -> None:
     if cut[0] > 0:
         at = int(np.argmin(abs(t - cut[0])))
         axis.plot(t[at], value[at], "o", color=HUES[0])
-        axis.annotate(f"{value[at]:.3g} ± {error[at]:.2g}", (t[at], value[at]), (3, -9), textcoords="offset points",
+        axis.annotate(with_error(value[at], error[at]), (t[at], value[at]), (3, -9), textcoords="offset points",
                       fontsize=LETTERS, color=HUES[0])
     axis.margins(x=0)
     axis.set(xlabel="t [ps]", title="viscosity, integral up to t [mPa s]", ylim=(0, None))
@@ -158,7 +160,10 @@ PANELS: Dict[str, Draw] = {"distances": draw_distances, "displacement": draw_dis
 def _alone(name: str, draw: Draw) -> Callable[[Mapping[str, Table], int, str], Any]:
     def drawn(tables: Mapping[str, Table], width_mm: int, title: str) -> Any:
         page = Page(1, width_mm, height_mm=60 if width_mm < 100 else 80, title=title)
-        draw(page, page.axes[0], tables[name])
+        axis = page.axes[0]
+        draw(page, axis, tables[name])
+        axis.set_ylabel(axis.get_title(loc="left"))
+        axis.set_title("")
         return page.finish()
 
     return drawn

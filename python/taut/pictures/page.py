@@ -12,20 +12,20 @@ LETTERS = 7  # size of names and values [pt]
 
 
 class Page:
-    """A figure with so many panels, filled from left to right. Panels of pictures 85 mm wide stand below each other."""
+    """A figure with so many panels, filled from left to right: ``columns`` beside each other, ``narrow`` or half as many
+    where the picture is 85 mm wide. ``heights`` are those of the rows beside ``height_mm``."""
 
-    def __init__(self, panels: int, width_mm: int = 170, *, columns: int = 3, height_mm: float = 45,
-                 title: str = "", **shared: Any) -> None:
-        if width_mm not in style.WIDTHS_MM:
-            raise ValueError(f"a width of {width_mm} mm: expected 85 or 170")
+    def __init__(self, panels: int, width_mm: int = 170, *, columns: int = 3, narrow: int = 0, height_mm: float = 45,
+                 title: str = "", heights: Sequence[float] = (), **shared: Any) -> None:
         self.narrow = width_mm < 100
-        self.columns = min(panels, max(1, columns // 2) if self.narrow else columns)
+        self.columns = min(panels, (narrow or max(1, columns // 2)) if self.narrow else columns)
         self.rows = -(-panels // self.columns)
-        height = min(self.rows * height_mm + (6 if title else 0), style.HEIGHT_MM)
+        heights = [*heights, *[1.0] * self.rows][:self.rows]
+        height = min(sum(heights) * height_mm + (6 if title else 0), style.HEIGHT_MM)
         plots = style.pyplot()
         self.figure = plots.figure(figsize=(width_mm / style.INCH, height / style.INCH), layout="constrained")
         self.figure.get_layout_engine().set(w_pad=0.02, h_pad=0.03, wspace=0.02, hspace=0.02)
-        all_axes = self.figure.subplots(self.rows, self.columns, squeeze=False, **shared).ravel()
+        all_axes = self.figure.subplots(self.rows, self.columns, squeeze=False, gridspec_kw={"height_ratios": heights}, **shared).ravel()
         self.axes: List[Any] = list(all_axes[:panels])
         for unused in all_axes[panels:]:
             unused.remove()
@@ -75,13 +75,12 @@ def _spread(axis: Any, named: Sequence[Any]) -> None:
     within = axis.transData.transform([label.xy for label in named]) if named else []
     wanted = axis.transAxes.inverted().transform(within)[:, 1] if named else []
     order = np.argsort(wanted)
-    low = 0.0
-    places = []
+    low, high = 0.4 * gap, 1 - 0.4 * gap
+    places: List[float] = []
     for k in order:
-        low = max(low, min(max(wanted[k], 0.0), 1.0))
+        low = max(low, min(wanted[k], high))
         places.append(low)
         low += gap
-    high = 1.0
     for n in reversed(range(len(places))):
         places[n] = min(places[n], high)
         high = places[n] - gap
@@ -103,20 +102,16 @@ def _place(axis: Any, labels: Sequence[Tuple[Any, Any, str, str]]) -> None:
         if not len(points):
             continue
         written = axis.text(0, 0, plain(text), fontsize=LETTERS, color=style.ink(colour), transform=None, zorder=4,
-                            bbox={"facecolor": "white", "alpha": 0.75, "pad": 0.3, "linewidth": 0})
+                            bbox={"facecolor": "white", "alpha": 0.6, "pad": 0.3, "linewidth": 0})
         extent = written.get_window_extent(renderer)
         wide, high = extent.width, 0.8 * extent.height
         best: Optional[Tuple[float, Any]] = None
         for inner, point in enumerate(points):
-            for across in (0, -1, -0.5):
-                for up in (-0.5, 0, -1):
-                    if across == -0.5 and up == -0.5:
-                        continue
-                    gap = 4 * scale
-                    corner = point + [across * wide + gap * (2 * across + 1), up * high + gap * (2 * up + 1)]
-                    cost = _cost(corner, wide, high, frame, hidden, boxes) + (0 if inner in (0, len(points) - 1) else 4)
-                    if best is None or cost < best[0]:
-                        best = cost, corner
+            for across, up, gap in [(0, -0.5, 4), (-1, -0.5, 4)] + [(a, u, g) for g in (4, 9, 15) for a in (0, -0.5, -1) for u in (0, -1)]:
+                corner = point + scale * gap * np.array([2 * across + 1, 2 * up + 1]) + [across * wide, up * high]
+                cost = _cost(corner, wide, high, frame, hidden, boxes) + gap / 2 + (0 if inner in (0, len(points) - 1) else 3)
+                if best is None or cost < best[0]:
+                    best = cost, corner
         assert best is not None
         corner = best[1]
         boxes.append((corner[0], corner[1], corner[0] + wide, corner[1] + high))
@@ -134,8 +129,9 @@ def _pixels(axis: Any) -> Any:
         if line.get_linestyle() not in ("None", "none", "") and 1 < len(points) < 200:
             found += [points[:-1] + share * np.diff(points, axis=0) for share in np.linspace(0.05, 0.95, 15)]
     for bars in axis.collections:
-        for segment in bars.get_segments() if hasattr(bars, "get_segments") else []:
-            found.append(axis.transData.transform(segment[0] + np.linspace(0, 1, 12)[:, None] * (segment[-1] - segment[0])))
+        for ends in bars.get_segments() if hasattr(bars, "get_segments") else []:
+            if len(ends) > 1:
+                found.append(axis.transData.transform(ends[0] + np.linspace(0, 1, 12)[:, None] * (ends[-1] - ends[0])))
     return np.concatenate(found)
 
 
@@ -144,7 +140,7 @@ def _cost(corner: Any, wide: float, high: float, frame: Any, hidden: Any, boxes:
     outside = max(0.0, frame.x0 - left) + max(0.0, right - frame.x1) + max(0.0, frame.y0 - low) + max(0.0, top - frame.y1)
     inside = ((hidden[:, 0] > left - 1) & (hidden[:, 0] < right + 1) & (hidden[:, 1] > low - 1) & (hidden[:, 1] < top + 1))
     upon = sum(left < b[2] and right > b[0] and low < b[3] and top > b[1] for b in boxes)
-    return 10 * outside + int(inside.sum()) + 1000 * upon
+    return 100 * outside + int(inside.sum()) + 1000 * upon
 
 
 def line_of(curve: Dict[str, Any], **changes: Any) -> Dict[str, Any]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from . import measured
 from .page import LETTERS, Page, line_of, plain
-from .style import HUES, Table, each, limit, look, numbers, shade, texts
+from .style import HUES, MOST, NothingToDraw, Table, each, limit, look, numbers, shade, texts, with_error
 
 
 def run(tables: Mapping[str, Table], width_mm: int, title: str) -> Any:
@@ -19,8 +19,16 @@ def run(tables: Mapping[str, Table], width_mm: int, title: str) -> Any:
     kinds = ["kinds"] if len(each(texts(tables["kinds"], "kind") if "kinds" in tables else [])) > 1 else []
     figures = np.array(measured._figures(tables["each_run"]), object) if "each_run" in tables else np.array([])
     count = len(panels) + len(kinds) + len(extra) + len(each(figures))
-    page = Page(count + len(frames), width_mm, columns=2 if count + len(frames) < 5 else 3, title=title)
-    axes = iter(page.axes)
+    if count == 0:
+        raise NothingToDraw
+    columns = (1 if width_mm < 100 else 2) if count < 5 else 2 if width_mm < 100 else 3
+    rows, below = -(-count // columns), -(-len(frames) // columns)  # frames stand in rows of their own
+    high = min(0.9 * _shape(tables["frames"]) * width_mm / max(columns, 2) / 45, 2.2) if frames else 1.0
+    page = Page(rows * columns + len(frames), width_mm, columns=columns, narrow=columns, title=title,
+                heights=[1.0] * rows + [high] * below)
+    for unused in page.axes[count:rows * columns]:
+        unused.remove()
+    axes = iter(page.axes[:count] + page.axes[rows * columns:])
     runs = each(name.partition(": ")[0] for name in texts(table, "curve")[texts(table, "panel") == panels[0]]) if panels else []
     for n, panel in enumerate(panels):
         _time(page, next(axes), tables, panel, runs if len(runs) > 1 else [], n == 0)
@@ -43,7 +51,7 @@ def _time(page: Page, axis: Any, tables: Mapping[str, Table], panel: str, runs: 
     of_panel = texts(table, "panel") == panel
     names, t, y, mean = texts(table, "curve"), numbers(table, "t_ps"), numbers(table, "value"), numbers(table, "running_mean")
     log = "bond error" in panel and (y[of_panel] > 0).any()
-    ends, shown, seen = [], [], []
+    ends, shown, seen, said, had = [], [], [], [], []
     for n, name in enumerate(each(names[of_panel])):
         of = of_panel & (names == name) & np.isfinite(y) & ((y > 0) if log else True)
         if not of.any():
@@ -52,37 +60,38 @@ def _time(page: Page, axis: Any, tables: Mapping[str, Table], panel: str, runs: 
         k = runs.index(whose) if whose in runs else -1
         curve = line_of(look("", k if runs else n))
         if runs:
-            curve.update({"linestyle": (0, (1, 1))} if what else {}, **({"color": "#bbbbbb"} if k >= measured.MOST else {}))
+            curve.update({"linestyle": (0, (1, 1))} if whose in had else {}, **({"color": "#bbbbbb"} if k >= MOST else {}))
+        had.append(whose)
         averaged = np.isfinite(mean[of]).any()
         axis.plot(t[of], y[of], **{**curve, "lw": 0.6, "color": shade(curve["color"], 0.5) if averaged else curve["color"]})
         if averaged:
             axis.plot(t[of], mean[of], **{**curve, "lw": 1.3})
-        _mean(axis, tables.get("means"), panel, name, curve["color"], alone=not runs)
+        value = _mean(axis, tables.get("means"), panel, name, "#000000" if not runs else curve["color"])
+        said += [value] if value and not runs else []
         shown += [y[of], mean[of]]
-        label = (whose if first and not what and k < measured.MOST else what if k == 0 else "") if runs else name
+        label = (whose if first and not what and k < MOST else what if k == 0 else "") if runs else name
         if label and label not in seen and label != "each row":
-            ends.append((t[of][-1], y[of][-1], label, curve["color"]))
+            some = np.unique(np.linspace(0, of.sum() - 1, 24).astype(int))
+            ends.append((t[of][some], y[of][some], label, curve["color"]))
             seen.append(label)
     limit(axis, "y", np.concatenate(shown) if shown else [], log)
+    axis.set_title("\n".join([plain(panel), *said]))
     if not log:
         axis.ticklabel_format(axis="y", useOffset=False, style="plain")
-    axis.margins(x=0)
-    axis.set_title(plain(panel))
+    axis.set_xlim(0 if 0 < t.min() < 0.05 * t.max() else t.min(), t.max())
     axis.set_xlabel("t [ps]")
-    if len(ends) > 0:
-        page.name_ends(axis, ends)
+    page.name_points(axis, ends)
 
 
-def _mean(axis: Any, means: Any, panel: str, name: str, colour: str, alone: bool) -> None:
-    """Draws the measured mean over the part that it is of, and of a single run its number."""
+def _mean(axis: Any, means: Any, panel: str, name: str, colour: str) -> str:
+    """Draws the measured mean over the part that it is of, and returns it in words."""
     if means is None:
-        return
-    of = (texts(means, "panel") == panel) & (texts(means, "curve") == name)
+        return ""
+    said, of = "", (texts(means, "panel") == panel) & (texts(means, "curve") == name)
     for begin, end, value, error in zip(*(numbers(means, key)[of] for key in ("from_ps", "to_ps", "value", "standard_error"))):
-        axis.plot([begin, end], [value, value], color="#000000" if alone else colour, lw=0.8, ls=(0, (3, 1.5)))
-        if alone:
-            axis.annotate(f"{value:.5g} ± {error:.2g}" if error > 0 else f"{value:.5g}", (1, 1), (0, 1), xycoords="axes fraction",
-                          textcoords="offset points", fontsize=LETTERS, ha="right", va="bottom")
+        axis.plot([begin, end], [value, value], color=colour, lw=0.9, ls=(0, (3, 1.5)))
+        said = f"mean {with_error(value, error)}"
+    return said
 
 
 def _kinds(page: Page, axis: Any, table: Table) -> None:
@@ -93,19 +102,27 @@ def _kinds(page: Page, axis: Any, table: Table) -> None:
     for n, name in enumerate(each(runs)):
         of = (runs == name) & (kinds != "bath")
         aside = 0.5 * (n - (len(each(runs)) - 1) / 2) / len(each(runs))
-        curve = look("", n)
+        curve = look("", n) if n < MOST else {**look(""), "color": "#bbbbbb"}
         axis.errorbar([places.index(kind) + aside for kind in kinds[of]], value[of], error[of], elinewidth=0.8,
                       color=curve["color"], marker=curve["marker"], linestyle="none")
         for bath in value[(runs == name) & (kinds == "bath")]:
             axis.axhline(bath, color=curve["color"], lw=0.8, ls=(0, (4, 2)))
             if n == 0:
                 axis.annotate("bath", (1, bath), xycoords=("axes fraction", "data"), fontsize=LETTERS, ha="right", va="bottom")
-    axis.set_xticks(range(len(places)), [plain(kind).replace(": ", ":\n") for kind in places])
-    axis.set(xlim=(-0.6, len(places) - 0.4), title="temperature by motion [K]")
+    types, alone = [kind.partition(": ")[0] for kind in places], len({kind.partition(": ")[0] for kind in places}) == 1
+    axis.set_xticks(range(len(places)), [plain(kind.partition(": ")[2] if alone else kind.partition(" molecules of ")[2] or kind) for kind in places],
+                    **({} if alone else {"rotation": 25, "ha": "right", "rotation_mode": "anchor"}))
+    axis.set(xlim=(-0.6, len(places) - 0.4), title="temperature by motion [K]", xlabel=plain(types[0]) if alone else "")
 
 
 def _frames(tables: Mapping[str, Table]) -> List[str]:
     return each(texts(tables["frames"], "frame")) if "frames" in tables else []
+
+
+def _shape(table: Table) -> float:
+    """Returns the height of a frame over its width."""
+    x, up = ([*numbers(table, one), *numbers(table, other)] for one, other in (("x_nm", "to_x_nm"), ("up_nm", "to_up_nm")))
+    return float((np.nanmax(up) - np.nanmin(up)) / max(np.nanmax(x) - np.nanmin(x), 1e-3))
 
 
 KINDS = {"O": "#D55E00", "H": "#DDDDDD", "C": "#444444", "N": "#0072B2"}
@@ -121,14 +138,14 @@ def _frame(axis: Any, table: Table, frame: str) -> None:
     for kind, (colour, width) in lines.items():
         of = (frames == frame) & (what == kind)
         axis.add_collection(LineCollection(np.stack([np.column_stack([x[of], up[of]]), np.column_stack([to_x[of], to_up[of]])], 1),
-                                           colors=colour, linewidths=width))
+                                           colors=colour, linewidths=width, zorder=1))
     of = (frames == frame) & (what == "atom")
     number = {kind: n for n, kind in enumerate(each(kinds[what == "atom"]))}
     colours = [KINDS.get(kind[:1], HUES[number[kind] % len(HUES)]) if number[kind] or kind[:1] in KINDS else "#56B4E9"
                for kind in kinds[of]]
     axis.add_collection(EllipseCollection(0.6 * size[of], 0.6 * size[of], np.zeros(of.sum()), units="xy", facecolors=colours,
                                           edgecolors="#222222", linewidths=0.2, offsets=np.column_stack([x[of], up[of]]),
-                                          offset_transform=axis.transData))
+                                          offset_transform=axis.transData, zorder=2))
     atoms = what == "atom"
     across = np.concatenate([x[atoms] - 0.3 * size[atoms], x[atoms] + 0.3 * size[atoms], x[~atoms], to_x[~atoms]])
     along = np.concatenate([up[atoms] - 0.3 * size[atoms], up[atoms] + 0.3 * size[atoms], up[~atoms], to_up[~atoms]])

@@ -24,7 +24,7 @@ STYLE = {
     "svg.fonttype": "none", "svg.hashsalt": "taut", "pdf.fonttype": 42, "savefig.dpi": 300, "figure.dpi": 150}
 
 #: Okabe and Ito's colours, which the colour-blind tell apart too. Marks and dashes do so in grey.
-HUES = ("#0072B2", "#D55E00", "#000000", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#8C564B")
+HUES = ("#0072B2", "#E69F00", "#000000", "#CC79A7", "#009E73", "#56B4E9", "#D55E00", "#8C564B")
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "<")
 DASHES: Tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (1, 1)), (0, (6, 1.5, 1, 1.5)), (0, (3, 1)), (0, (8, 2, 1, 1, 1, 2)))
 METHODS = {"baumgarte": ("#D55E00", "o"), "feedforward": ("#000000", "s"), "shake": ("#56B4E9", "^"),
@@ -136,8 +136,9 @@ def groups_of(curves: Sequence[str], methods: Mapping[str, str]) -> List[List[st
     """Returns the curves in groups of at most six, a panel each, much alike in size; those of a method stay together where
     they can."""
     count = -(-len(curves) // MOST)
+    groups: List[List[str]]
     while True:
-        size, groups = -(-len(curves) // count), [[]]  # type: ignore[var-annotated]
+        size, groups = -(-len(curves) // count), [[]]
         for method in each(methods[curve] for curve in curves):
             own = [curve for curve in curves if methods[curve] == method]
             if groups[-1] and len(groups[-1]) + len(own) > max(size, len(own) if len(groups[-1]) < size / 2 else 0):
@@ -161,7 +162,17 @@ def power(value: float) -> str:
     exponent = np.log10(value) if value > 0 else 0.5
     if abs(exponent - round(exponent)) < 1e-9 and not -3 < exponent < 4:
         return "10" + str(round(exponent)).translate(RAISED)
+    if value > 0 and not 1e-3 <= value < 1e5:
+        return f"{value / 10.0**np.floor(exponent):.3g}·" + power(10.0**np.floor(exponent))
     return f"{value:g}"
+
+
+def with_error(value: float, error: float) -> str:
+    """Returns a number as far as its error goes: "300.8 ± 1.7"."""
+    if not 0 < error < np.inf:
+        return f"{value:.6g}"
+    digits = max(0, 1 - int(np.floor(np.log10(error))))
+    return f"{value:.{digits}f} ± {error:.{digits}f}".replace("-", "−")
 
 
 def logarithmic(axis: Any, which: str, sparse: bool = False) -> None:
@@ -188,7 +199,7 @@ def limit(axis: Any, which: str, values: Any, log: bool = False) -> None:
     inner, outer = np.percentile(values, (2, 98)), (values.min(), values.max())
     room = max(inner[1] - inner[0], 1e-9 * abs(inner[0]), 1e-300)
     low, high = (outer[0] if inner[0] - outer[0] < room else inner[0]), (outer[1] if outer[1] - inner[1] < room else inner[1])
-    margin = 0.06 * (high - low) or (0.3 if log else 0.05 * abs(high) or 1.0)
+    margin = max(0.06 * (high - low), (0.7 - high + low) / 2) if log else 0.06 * (high - low) or 0.05 * abs(high) or 1.0
     low, high = low - margin, high + margin
     getattr(axis, f"set_{which}lim")(*((10.0**low, 10.0**high) if log else (low, high)))
     if log:
