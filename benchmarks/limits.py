@@ -13,7 +13,7 @@ import tempfile
 
 TAUT = os.environ.get("TAUT", "build/taut")
 STEPS = 1000
-DNA = "--openmm tests/data/dna-hbonds.system.xml tests/data/dna-hbonds.state.xml"
+DNA = "--openmm tests/data/dna-hbonds.system.xml.gz tests/data/dna-hbonds.state.xml.gz"
 BAROSTAT = "water --set run.thermostat=langevin run.barostat_every=1 run.barostat="
 # name: arguments, a step that holds [fs]
 CASES = {

@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 out=${1:-benchmarks/results/planes}
 shift || true
 export OMP_NUM_THREADS=1
-dna="--openmm tests/data/dna-hbonds.system.xml tests/data/dna-hbonds.state.xml"
+dna="--openmm tests/data/dna-hbonds.system.xml.gz tests/data/dna-hbonds.state.xml.gz"
 declare -A scenes=(
   [water_2fs]="water --dt-fs 2" [water_4fs]="water --dt-fs 4"
   [dna_2fs]="$dna --dt-fs 2 --set run.velocities=draw run.temperature_k=300"

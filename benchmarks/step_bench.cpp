@@ -47,7 +47,7 @@ struct Case {
   Scene read() const {
     if (!openmm) return read_scene(find_scene(scene), overrides);
     const std::string files = TAUT_TEST_DATA "/" + scene;
-    Scene imported = import_openmm(files + ".system.xml", files + ".state.xml");
+    Scene imported = import_openmm(files + ".system.xml.gz", files + ".state.xml.gz");
     apply_overrides(imported, overrides);
     return imported;
   }

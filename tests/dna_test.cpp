@@ -6,6 +6,7 @@
 #include <map>
 
 #include "foretold.hpp"
+#include "openmm_folder.hpp"
 #include "simulation/simulation.hpp"
 #include "systems/openmm/import.hpp"
 #include "systems/scene_file.hpp"
@@ -17,8 +18,8 @@ using tests::foretold;
 using tests::foretold_by_bond;
 
 Scene dna(std::vector<std::string> settings) {
-  const std::string data = std::string(TAUT_TEST_DATA) + "/dna-hbonds.";
-  Scene scene = import_openmm(data + "system.xml", data + "state.xml");
+  const tests::Files files = tests::data("dna-hbonds");
+  Scene scene = import_openmm(files.system, files.state);
   settings.insert(settings.begin(), {"run.dt_fs=2", "run.steps=5000", "run.log_every=20", "run.seed=1",
                                      "run.velocities=draw", "run.temperature_k=300"});
   apply_overrides(scene, settings);

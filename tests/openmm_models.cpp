@@ -4,10 +4,11 @@
 
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <memory>
 #include <numbers>
 #include <sstream>
+
+#include "files/text_file.hpp"
 
 namespace taut::tests {
 
@@ -22,12 +23,13 @@ std::string xml(const T& object, const char* root) {
   return text.str();
 }
 
-}  // namespace
-
-Files data(const std::string& name) {
-  const fs::path folder = TAUT_TEST_DATA;
-  return {folder / (name + ".system.xml"), folder / (name + ".state.xml")};
+template <class T>
+std::unique_ptr<T> read_xml(const fs::path& file) {
+  std::istringstream in(whole_text(file));
+  return std::unique_ptr<T>(OpenMM::XmlSerializer::deserialize<T>(in));
 }
+
+}  // namespace
 
 Melt::Melt(unsigned seed)
     : bonds(new OpenMM::HarmonicBondForce),
@@ -130,8 +132,7 @@ Files Melt::write(const Folder& folder) const {
 }
 
 Files without_settle(const Files& files, const Folder& folder) {
-  std::ifstream in(files.system);
-  const std::unique_ptr<OpenMM::System> system(OpenMM::XmlSerializer::deserialize<OpenMM::System>(in));
+  const auto system = read_xml<OpenMM::System>(files.system);
   for (int k = 0; k < system->getNumConstraints(); ++k) {
     int i = 0, j = 0;
     double length = 0;
@@ -139,6 +140,24 @@ Files without_settle(const Files& files, const Folder& folder) {
     system->setConstraintParameters(k, i, j, length * (1 + 1e-6 * (k % 7)));
   }
   return {folder.write("system.xml", xml(*system, "System")), files.state};
+}
+
+Files all_bonds_rigid(const Files& files, const Folder& folder) {
+  const auto system = read_xml<OpenMM::System>(files.system);
+  const auto state = read_xml<OpenMM::State>(files.state);
+  for (int f = system->getNumForces() - 1; f >= 0; --f) {
+    const auto* springs = dynamic_cast<OpenMM::HarmonicBondForce*>(&system->getForce(f));
+    if (!springs) continue;
+    for (int k = 0; k < springs->getNumBonds(); ++k) {
+      int i = 0, j = 0;
+      double length = 0, stiffness = 0;
+      springs->getBondParameters(k, i, j, length, stiffness);
+      const OpenMM::Vec3 d = state->getPositions()[j] - state->getPositions()[i];
+      system->addConstraint(i, j, std::sqrt(d.dot(d)));
+    }
+    system->removeForce(f);
+  }
+  return {folder.write("all_bonds.system.xml", xml(*system, "System")), files.state};
 }
 
 Files anchored_melt(const Folder& folder) {

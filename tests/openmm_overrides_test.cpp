@@ -1,6 +1,7 @@
 // Keys laid over the forces of a System that OpenMM prepared.
 
 #include "forcefield/force_field.hpp"
+#include "openmm_folder.hpp"
 #include "openmm_texts.hpp"
 #include "systems/openmm/import.hpp"
 #include "systems/scene_file.hpp"
@@ -14,8 +15,8 @@ using ::testing::IsEmpty;
 
 // tests/data/NAME with these keys laid over it.
 Scene read_over(const std::string& name, const std::vector<std::string>& overrides) {
-  const std::string file = std::string(TAUT_TEST_DATA "/") + name;
-  Scene scene = import_openmm(file + ".system.xml", file + ".state.xml");
+  const tests::Files files = tests::data(name);
+  Scene scene = import_openmm(files.system, files.state);
   scene.notes.clear();
   apply_overrides(scene, overrides);
   return scene;

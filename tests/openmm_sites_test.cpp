@@ -4,9 +4,10 @@
 #include <openmm/serialization/XmlSerializer.h>
 
 #include <cmath>
-#include <fstream>
 #include <memory>
+#include <sstream>
 
+#include "files/text_file.hpp"
 #include "forcefield/force_field.hpp"
 #include "openmm_models.hpp"
 #include "studies/openmm_twin.hpp"
@@ -123,7 +124,7 @@ TEST(OpenMMSites, OfWaterWithPmeAndWithReactionField) {
   for (const char* name : {"tip4pew-64", "tip5p-64"}) {
     const Files files = data(name);
     expect_parity_with_sites(files);
-    std::ifstream in(files.system);
+    std::istringstream in(whole_text(files.system));
     const std::unique_ptr<OpenMM::System> system(OpenMM::XmlSerializer::deserialize<OpenMM::System>(in));
     for (int k = 0; k < system->getNumForces(); ++k)
       if (auto* force = dynamic_cast<OpenMM::NonbondedForce*>(&system->getForce(k)))

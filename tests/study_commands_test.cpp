@@ -119,7 +119,7 @@ TEST_F(StudyCommands, StabilitySaysHowEachMethodFails) {
 // What OpenMM wrote is studied as a scene is, and the commands in reports and lines say so.
 TEST_F(StudyCommands, TakeASystemOfOpenMMs) {
   const std::string prefix = TAUT_SCENES "/../tests/data/dna-hbonds.";
-  const std::string files = "--openmm " + prefix + "system.xml " + prefix + "state.xml";
+  const std::string files = "--openmm " + prefix + "system.xml.gz " + prefix + "state.xml.gz";
   const std::string plane = "stability " + files + " --methods baumgarte --dt-fs 2 --steps 5 --quick --out " +
                             (folder.path() / "plane").string();
   const auto stability = taut(plane);

@@ -71,9 +71,8 @@ class System:
 
     def files(self, work):
         """OpenMM's files: the repository's own, or those in the folder work."""
-        own = ROOT / "tests/data"
-        folder = own if (own / f"{self.openmm}.system.xml").exists() else Path(work) / "systems"
-        return [folder / f"{self.openmm}.{kind}.xml" for kind in ("system", "state")]
+        own = [ROOT / f"tests/data/{self.openmm}.{kind}.xml.gz" for kind in ("system", "state")]
+        return own if own[0].exists() else [Path(work) / f"systems/{self.openmm}.{kind}.xml" for kind in ("system", "state")]
 
     def cells(self):
         """(method, step, precision) of one seed."""
@@ -116,7 +115,7 @@ SYSTEMS = {
     "tip4p2005": pme_water("TIP4P/2005, 216 waters, PME", "build.model=tip4p2005", equilibrate_ps=20, methods=MIDDLE_LIST,
                            **FROM_1_FS),
     "dipeptide": of_openmm("alanine dipeptide in water, h-bonds", "ala2-hbonds-rf", 6),
-    "dipeptide-all": of_openmm("alanine dipeptide in water, all bonds", "ala2-allbonds-rf", 6, methods=MIDDLE_LIST),
+    "dipeptide-all": of_openmm("alanine dipeptide in water, all bonds", "dipeptide-all", 6, methods=MIDDLE_LIST),
     "dna": of_openmm("DNA duplex without water, h-bonds", "dna-hbonds", 10, at_rest=False,
                      lacks=("settle", "settle and lincs", "baumgarte hoomd")),
     "dna-water": large("DNA duplex in water with ions, h-bonds", "dna-water"),

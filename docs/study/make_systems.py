@@ -9,9 +9,11 @@ NAME.top and .gro for GROMACS. In water: PME to 0.9 nm, no dispersion correction
 
 - villin, with other rigid bonds and masses villin-KIND: the headpiece in water, ff14SB and TIP3P (8867 atoms)
 - dna-water: the repository's DNA of ten base pairs in TIP3P with 0.15 mol/L of sodium chloride, Amber14 (OL15)
+- dipeptide-all: the repository's alanine dipeptide in water with all bonds rigid
 - dipeptide-vacuum: the repository's alanine dipeptide without its water (22 atoms)
 """
 import argparse
+import gzip
 import pathlib
 import random
 import shutil
@@ -28,7 +30,9 @@ sys.path.insert(0, str(ROOT / "benchmarks"))
 
 
 def make(folder, taut):
-    for name, maker in (("villin-angles-3u", make_villin), ("dna-water", make_dna), ("dipeptide-vacuum", make_dipeptide)):
+    makers = {"villin-angles-3u": make_villin, "dna-water": make_dna, "dipeptide-all": make_dipeptide_all,
+              "dipeptide-vacuum": make_dipeptide}
+    for name, maker in makers.items():
         if not (folder / f"{name}.state.xml").exists():
             with tempfile.TemporaryDirectory(dir=folder) as half:  # what a kill leaves is not taken for a system
                 maker(pathlib.Path(half), taut)
@@ -66,8 +70,7 @@ def make_dna(folder, taut):
     import openmm.unit as unit
     import real_systems
 
-    system, state = (openmm.XmlSerializer.deserialize((DATA / f"dna-hbonds.{kind}.xml").read_text())
-                     for kind in ("system", "state"))
+    system, state = own("dna-hbonds")
     xml = "amber14-all.xml", "amber14/tip3p.xml"
     modeller = app.Modeller(topology_of(system), state.getPositions())
     edges = numpy.ptp(state.getPositions(asNumpy=True).value_in_unit(unit.nanometer), axis=0) + 1.6
@@ -78,6 +81,14 @@ def make_dna(folder, taut):
     real_systems.write_xml(folder, "dna-water")
     bring_to_bath(folder, "dna-water", taut)
     real_systems.write_xml(folder, "dna-water")
+
+
+def own(name):
+    """The repository's System and State of this name."""
+    import openmm
+
+    return [openmm.XmlSerializer.deserialize(gzip.open(DATA / f"{name}.{kind}.xml.gz", "rt").read())
+            for kind in ("system", "state")]
 
 
 def topology_of(system):
@@ -105,10 +116,28 @@ def topology_of(system):
     return topology
 
 
+def make_dipeptide_all(folder, taut):
+    """Makes the springs between two atoms rigid at the lengths where they rest."""
+    import openmm
+
+    system, state = own("ala2-hbonds-rf")
+    number, springs = next(each for each in enumerate(system.getForces()) if isinstance(each[1], openmm.HarmonicBondForce))
+    for k in range(springs.getNumBonds()):
+        system.addConstraint(*springs.getBondParameters(k)[:3])
+    system.removeForce(number)
+    context = openmm.Context(system, openmm.VerletIntegrator(0.001), openmm.Platform.getPlatformByName("Reference"))
+    context.setState(state)
+    context.applyConstraints(1e-8)
+    context.applyVelocityConstraints(1e-8)
+    state = context.getState(positions=True, velocities=True)
+    for kind, thing in (("system", system), ("state", state)):
+        (folder / f"dipeptide-all.{kind}.xml").write_text(openmm.XmlSerializer.serialize(thing))
+
+
 def make_dipeptide(folder, taut, atoms=22):
     """Takes the first atoms of the dipeptide in water, with what acts between them."""
     for kind in ("system", "state"):
-        tree = ElementTree.parse(DATA / f"ala2-hbonds-rf.{kind}.xml")
+        tree = ElementTree.parse(gzip.open(DATA / f"ala2-hbonds-rf.{kind}.xml.gz"))
         for parent in list(tree.iter()):
             if parent.tag in ("Particles", "Positions", "Velocities", "Forces"):
                 del parent[atoms:]

@@ -155,7 +155,7 @@ def test_hydrogens_are_made_heavier(mass, quantity):
 @pytest.mark.parametrize("ending, opened", [(".gz", gzip.open), (".bz2", bz2.open)])
 def test_compressed_files_are_those_within(tmp_path, ending, opened):
     data = Path(PEPTIDE[0]).parent
-    plain = [data / f"ala2-hbonds-rf.{kind}.xml" for kind in ("system", "state")]
+    plain = [data / f"tip3p-216.{kind}.xml" for kind in ("system", "state")]
     packed = [tmp_path / (file.name + ending) for file in plain]
     for file, to in zip(plain, packed):
         with opened(to, "wb") as out:
