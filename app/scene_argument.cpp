@@ -33,7 +33,7 @@ static bool holds_hydrogens(const System& sys) {
 }
 
 // Mixed precision differs from double by 1e-6 of the forces and takes two thirds of the time (docs/running.md).
-// Where a rigid bond holds each hydrogen, 2 fs keep the energy (benchmarks/real_molecules.md).
+// Where a rigid bond holds each hydrogen, 2 fs keep the energy (benchmarks/README.md).
 KeyValues NamedScene::usual_settings(const Scene& imported) const {
   KeyValues usual;
   if (!as_run || openmm.empty()) return usual;

@@ -1,28 +1,36 @@
-"""What processors tell each other, counted by lammps/cost/count.py's library."""
+"""What processors tell each other, counted by count_mpi.c."""
 
+import os
 import pathlib
+import re
 import shutil
-import sys
+import subprocess
 
+import numpy as np
 import pytest
 
 import inputs
 import lammps
 import systems
 
-sys.path.insert(0, str(pathlib.Path(lammps.__file__).parents[2] / "lammps/cost"))
-import count  # noqa: E402
-
 pytestmark = pytest.mark.skipif(not shutil.which("mpicc"), reason="no mpicc")
 
 
 def sent(folder, text, **given):
     """Messages and kB a processor and step, of steps 20 to 60, on two processors. Lists are built before alone."""
+    counter = folder / "count_mpi.so"
+    subprocess.run(["mpicc", "-shared", "-fPIC", "-O2", pathlib.Path(__file__).with_name("count_mpi.c"), "-o", counter], check=True)
     text = text.replace("every 1 delay 0 check yes", "every 1000 delay 0 check no")
     def total(steps):
         (folder / "in.counted").write_text(inputs.of(text, rest=f"run {steps}\n", **given))
-        return count.run("in.counted", 2, folder)
-    return count.a_step(total(20), total(60), 40)
+        environment = dict(os.environ, OMP_NUM_THREADS="1", OMPI_MCA_btl_vader_single_copy_mechanism="none")
+        done = subprocess.run([*lammps.MPIRUN, "-np", "2", "env", f"LD_PRELOAD={counter}", lammps.PROGRAM, "-in", "in.counted",
+                               "-log", "none"], cwd=folder, env=environment, capture_output=True, text=True)
+        counts = re.findall(r"^count_mpi (\d+) (\d+)$", done.stdout, re.M)
+        assert len(counts) == 2, done.stdout[-500:] + done.stderr[-500:]
+        return np.mean(np.array(counts, float), axis=0)
+    messages, size = (total(60) - total(20)) / 40
+    return {"messages": messages, "kB": size / 1e3}
 
 
 def test_ghosts_that_no_processor_solves_with_are_told_nothing(folder):
@@ -40,11 +48,3 @@ def test_deep_ghosts_cost_no_more_multipliers(folder):
                  - sent(folder, inputs.CHAINS, dt=0.002, cutoff=reach, fix="taut feedforward overlap 1 exchanges 1")["kB"]
                  for reach in (4, 6))
     assert far == pytest.approx(near, rel=0.2)
-
-
-def test_bytes_are_those_of_the_model(folder):
-    """Of whole molecules, which share nothing with other processors in a run's first steps."""
-    (folder / "water.data").write_text(systems.water(8).text([15.9994, 1.008]))
-    shutil.copy(pathlib.Path(count.__file__).parent / "in.water", folder)
-    found = count.counted("in.water", 2, folder)
-    assert found["kB"] == pytest.approx(found["kB by the model"], rel=0.01)
