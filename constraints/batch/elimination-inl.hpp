@@ -25,6 +25,11 @@ HWY_INLINE V entry(const Shape shape, int p, const V3& r_k, const double* r) {
   return shape.signed_inv_mass(p) * dot(load3(r + 3 * shape.row(p)), r_k);
 }
 
+// row −= a b
+HWY_INLINE void subtract(V a, V b, double* row) {
+  store(hn::NegMulAdd(a, b, load(row)), row);
+}
+
 template <class Shape>
 HWY_INLINE void couple(const Shape shape, const double* left, const double* right, double* entries) {
   for (int k = 0; k < shape.size(); ++k) {
@@ -52,16 +57,13 @@ HWY_INLINE M eliminate(const Shape shape, const Matrix A, const double* r, doubl
       else
         c = entry(shape, p, load3(r + 3 * k * kLanes), r);
       const V l = c * inv;
-      double *d_p = A.d + shape.row(p), *b_p = b + shape.row(p);
       if constexpr (Shape::kUpdates) {
-        for (int q = p + 1; q < shape.end(k); ++q) {
-          double* c_qp = A.l + shape.update(update++);
-          store(load(c_qp) - l * load(A.l + q * kLanes), c_qp);
-        }
+        for (int q = p + 1; q < shape.end(k); ++q)
+          subtract(l, load(A.l + q * kLanes), A.l + shape.update(update++));
       }
       store(l, A.l + p * kLanes);
-      store(load(d_p) - l * c, d_p);
-      store(load(b_p) - l * b_k, b_p);
+      subtract(l, c, A.d + shape.row(p));
+      subtract(l, b_k, b + shape.row(p));
     }
   }
   return regular;
@@ -94,18 +96,16 @@ HWY_INLINE M eliminate_turned(const Shape shape, const Matrix A, const double* r
         above = entry(shape, p, load3(r_next + 3 * k * kLanes), r);
       }
       const V l = below * inv, u = above * inv;
-      double *d_p = A.d + shape.row(p), *b_p = b + shape.row(p);
       if constexpr (Shape::kUpdates) {
         for (int q = p + 1; q < shape.end(k); ++q, ++update) {
-          double *l_qp = A.l + shape.update(update), *u_pq = A.u + shape.update(update);
-          store(load(l_qp) - load(A.l + q * kLanes) * u, l_qp);
-          store(load(u_pq) - l * load(A.u + q * kLanes), u_pq);
+          subtract(load(A.l + q * kLanes), u, A.l + shape.update(update));
+          subtract(l, load(A.u + q * kLanes), A.u + shape.update(update));
         }
       }
       store(l, A.l + p * kLanes);
       store(u, A.u + p * kLanes);
-      store(load(d_p) - l * above, d_p);
-      store(load(b_p) - l * b_k, b_p);
+      subtract(l, above, A.d + shape.row(p));
+      subtract(l, b_k, b + shape.row(p));
     }
   }
   return regular;
@@ -157,10 +157,7 @@ template <class Shape>
 HWY_INLINE void substitute_forward(const Shape shape, const double* l, double* b) {
   for (int k = 0; k < shape.eliminated(); ++k) {
     const V b_k = load(b + k * kLanes);
-    for (int p = shape.begin(k); p < shape.end(k); ++p) {
-      double* b_p = b + shape.row(p);
-      store(load(b_p) - load(l + p * kLanes) * b_k, b_p);
-    }
+    for (int p = shape.begin(k); p < shape.end(k); ++p) subtract(load(l + p * kLanes), b_k, b + shape.row(p));
   }
 }
 
@@ -169,7 +166,8 @@ template <class Shape>
 HWY_INLINE void substitute_back(const Shape shape, const double* inv_d, const double* u, double* b) {
   for (int k = shape.eliminated() - 1; k >= 0; --k) {
     V z = load(b + k * kLanes) * load(inv_d + k * kLanes);
-    for (int p = shape.begin(k); p < shape.end(k); ++p) z -= load(u + p * kLanes) * load(b + shape.row(p));
+    for (int p = shape.begin(k); p < shape.end(k); ++p)
+      z = hn::NegMulAdd(load(u + p * kLanes), load(b + shape.row(p)), z);
     store(z, b + k * kLanes);
   }
 }

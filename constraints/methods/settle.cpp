@@ -170,7 +170,7 @@ std::vector<Settle::Water> Settle::waters_in(const System& sys) {
     if (sys.mass[a] == 0 || sys.mass[left] == 0) continue;
     const double side = sys.bonds[p].length, half = 0.5 * sys.bonds[base].length;
     if (!(side > half)) continue;
-    const double height = std::sqrt(side * side - 0.5 * half);
+    const double height = std::sqrt(side * side - half * half);
     const double ra = 2 * sys.mass[left] * height / (sys.mass[a] + 2 * sys.mass[left]);
     waters.push_back({a, left, right, {p, q, base}, ra, height - ra, half});
     held[p] = held[q] = held[base] = true;

@@ -36,8 +36,7 @@ class AtomTracks {
 
   void make_room(int clusters, Eigen::Index atoms);
 
-  // By slot, 12 numbers a cluster: x of its four, y, z [nm].
-  static std::size_t entry(int slot, int d) { return 12 * std::size_t(slot / 4) + 4 * d + slot % 4; }
+  // By slot: x, y, z [nm] at entry(slot, d).
   std::vector<double>& now() { return x_[0]; }
   const std::vector<double>& now() const { return x_[0]; }
   bool are_at(const Vectors& x, const AtomClusters& clusters) const;

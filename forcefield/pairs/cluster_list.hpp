@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -11,6 +12,12 @@
 namespace taut {
 
 inline constexpr int kClusterAtoms = 4;
+
+// Where an array by slot has number d of an atom: a cluster has so many rows, each of one number of its four atoms, which
+// may stand there in several copies.
+constexpr std::ptrdiff_t entry(std::ptrdiff_t slot, std::ptrdiff_t d, int rows = 3, int copies = 1) {
+  return kClusterAtoms * copies * (rows * (slot / kClusterAtoms) + d) + slot % kClusterAtoms;
+}
 
 // The interactions that an atom has; a pair is summed for those that both atoms have. kHasOtherType marks Lennard-Jones
 // atoms that are not of the usual type, which is the most frequent one.

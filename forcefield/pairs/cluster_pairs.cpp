@@ -285,8 +285,8 @@ class EngineIn final : public ClusterPairs::Engine {
       Vec3 q = searched_at_.col(clusters_.atom(slot));
       if (moved) q = now.lattice_vector(then.fractional(q));
       q += clusters_.offset(slot);
-      for (int d = 0; d < 3; ++d) searched_.x[16 * (slot / 4) + 4 * d + slot % 4] = static_cast<float>(q[d]);
-      searched_.x[16 * (slot / 4) + 12 + slot % 4] = static_cast<float>(kEverywhere);
+      for (int d = 0; d < 3; ++d) searched_.x[entry(slot, d, 4)] = static_cast<float>(q[d]);
+      searched_.x[entry(slot, 3, 4)] = static_cast<float>(kEverywhere);
       extent = std::max(extent, q.cwiseAbs().maxCoeff());
     }
     return extent;

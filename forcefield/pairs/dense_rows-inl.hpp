@@ -20,9 +20,9 @@ namespace hn = hwy::HWY_NAMESPACE;
 // the pairs within it are packed, the potential is computed for them alone, and its values are unpacked
 // again, to be multiplied by charges and depths. Distances are computed twice for that. It pays where one
 // instruction packs a vector and the potential is expensive: a switch, or Ewald's screening with many terms.
-template <class T, class C>
-constexpr bool kPacksPairs = HWY_TARGET <= HWY_AVX3&& Shape<T>::kLanes * sizeof(T) == 64 && !C::kSum
-                             && C::kOneSigma && (C::kSwitched || C::kFine);
+template <class T, Choice choice>
+constexpr bool kPacksPairs = HWY_TARGET <= HWY_AVX3&& Shape<T>::kLanes * sizeof(T) == 64 &&
+                             !choice.sums() && choice.one_sigma() && (choice.switched || choice.fine);
 
 #if HWY_TARGET <= HWY_AVX3
 HWY_INLINE hn::Mask512<float> not_beyond(hn::Vec512<float> r2, hn::Vec512<float> cutoff2) {  // NaN must show
@@ -47,12 +47,12 @@ HWY_INLINE hn::Vec512<double> unpack(hn::Vec512<double> v, hn::Mask512<double> a
 }
 #endif
 
-template <class T, class C>
+template <class T, Choice choice>
 class RowSum;
 
 // Takes as many rows at a time as fit the first-level cache. Loops keep what they change in local variables,
 // because the compiler cannot rule out that a store changes a member.
-template <class T, class C>
+template <class T, Choice choice>
 class PackedPairs {
   using S = Shape<T>;
   using D = typename S::D;
@@ -62,7 +62,7 @@ class PackedPairs {
   using Bits = decltype(M::raw);
 
  public:
-  HWY_INLINE PackedPairs(const PairLaw& law, double unit, RowSum<T, C>& row)
+  HWY_INLINE PackedPairs(const PairLaw& law, double unit, RowSum<T, choice>& row)
       : row_(row),
         unit2_(hn::Set(D(), static_cast<T>(unit * unit))),
         cutoff2_(hn::Set(D(), static_cast<T>(law.cutoff * law.cutoff / (unit * unit)))) {}
@@ -93,7 +93,7 @@ class PackedPairs {
       const PairRow& row = *packed_[p].row;
       VX own[3][1];
       load_row<T>(x, inv_unit, row, own);
-      typename LawInLanes<T, C>::Atoms atoms;
+      typename LawInLanes<T, choice>::Atoms atoms;
       law.load(row.first, atoms);
       V own_f[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
       for (const int end = packed_[p].end; tile < end; ++tile) {
@@ -101,8 +101,8 @@ class PackedPairs {
         const M within{within_[tile]};
         V r[3], coulomb{}, lj{}, f[3];
         subtract(own, x, cluster, r);
-        if constexpr (C::kCharge) coulomb = unpack(hn::LoadU(d, r2_ + pair), within);
-        if constexpr (C::kLj) lj = unpack(hn::LoadU(d, lj_ + pair), within);
+        if constexpr (choice.charge) coulomb = unpack(hn::LoadU(d, r2_ + pair), within);
+        if constexpr (choice.lj) lj = unpack(hn::LoadU(d, lj_ + pair), within);
         const V term = law.term(atoms, 4 * cluster, coulomb, lj);
         for (int k = 0; k < 3; ++k) own_f[k] += term * r[k];
         // stores together: among the loads they cost 3 cycles more
@@ -155,7 +155,7 @@ class PackedPairs {
   static HWY_INLINE void subtract(const VX (&own)[3][1], const auto* x, std::ptrdiff_t cluster, V (&r)[3]) {
     const typename S::DX d;
     for (int k = 0; k < 3; ++k)
-      r[k] = RowSum<T, C>::number(own[k][0] - load_columns(d, x + 12 * cluster + 4 * k));
+      r[k] = RowSum<T, choice>::number(own[k][0] - load_columns(d, x + entry(4 * cluster, k)));
   }
 
   // Coulomb's part takes the place of the squared distances.
@@ -170,8 +170,8 @@ class PackedPairs {
       }
       row_.law_.template of_distances<K>(r2, coulomb, lj);
       for (int k = 0; k < K; ++k) {
-        if constexpr (C::kCharge) hn::Store(coulomb[k], d, r2_ + p + k * S::kLanes);
-        if constexpr (C::kLj) hn::Store(lj[k], d, lj_ + p + k * S::kLanes);
+        if constexpr (choice.charge) hn::Store(coulomb[k], d, r2_ + p + k * S::kLanes);
+        if constexpr (choice.lj) hn::Store(lj[k], d, lj_ + p + k * S::kLanes);
       }
     }
   }
@@ -185,14 +185,14 @@ class PackedPairs {
     int end;  // of its tiles
   };
 
-  RowSum<T, C>& row_;
+  RowSum<T, choice>& row_;
   V unit2_, cutoff2_;  // unit², and the cutoff's square in it
   int packed_rows_ = 0, tiles_ = 0, pairs_ = 0;
   PackedRow packed_[kTiles];
   int cluster_[kTiles + 1];  // of tiles that hold pairs
   Bits within_[kTiles + 1];
   alignas(64) T r2_[kNumbers];
-  alignas(64) T lj_[C::kLj ? kNumbers : 1];
+  alignas(64) T lj_[choice.lj ? kNumbers : 1];
 };
 
 }  // namespace taut::HWY_NAMESPACE

@@ -1,5 +1,7 @@
 // The kernels in one precision, TAUT_PAIR_REAL: included once by the source file of each.
 #include <algorithm>
+#include <array>
+#include <utility>
 
 #include "forcefield/pairs/pair_kernels.hpp"
 
@@ -16,15 +18,15 @@ namespace taut::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // Rows of one kind against their clusters.
-template <class T, class C>
+template <class T, Choice choice>
 class RowSum {
-  friend class PackedPairs<T, C>;
+  friend class PackedPairs<T, choice>;
   using S = Shape<T>;
   using D = typename S::D;
   using V = typename S::V;
   using DX = typename S::DX;
   using VX = typename S::VX;
-  using Law = LawInLanes<T, C>;
+  using Law = LawInLanes<T, choice>;
   static constexpr int kVectors = S::kVectors, kParts = S::kParts, kLanes = S::kLanes;
   static constexpr int kPlaces = kVectors * kParts;  // vectors a cluster
 
@@ -53,7 +55,7 @@ class RowSum {
     } else {
       for (; k < row.end; ++k) meet(clusters[k]);
     }
-    if constexpr (C::kSum) {
+    if constexpr (choice.sums()) {
       for (int i = 0; i < kSums; ++i) {
         total_[i] += double(hn::GetLane(hn::SumOfLanes(D(), sum_[i])));
         sum_[i] = set(0);
@@ -88,7 +90,7 @@ class RowSum {
 
   // What comes of a cluster waits for its distances longer than the processor can look ahead: so those of the
   // next one are found before and, where registers hold so much, inverses between.
-  static constexpr bool kStaged = !C::kSum && kLanes > 1 && !C::kFine;
+  static constexpr bool kStaged = !choice.sums() && kLanes > 1 && !choice.fine;
   static constexpr int kAhead = kPlaces == 1 ? 2 : 1;  // clusters
   HWY_INLINE void meet_staged(const int* cluster, const int* end) {
     Distances at, next, last;
@@ -125,10 +127,10 @@ class RowSum {
     for (int place = 0; place < kPlaces; ++place) {
       V& term = terms.of[place][0];
       term = hn::IfThenElseZero(counted(mask_, place % kVectors, place / kVectors), term);
-      if constexpr (C::kEnergy) sum_[0] += term;
-      if constexpr (C::kVirial) add_virial(at.r[place], term);
+      if constexpr (choice.energy()) sum_[0] += term;
+      if constexpr (choice.virial()) add_virial(at.r[place], term);
     }
-    if constexpr (!C::kSum) add_forces(cluster, at, terms);
+    if constexpr (!choice.sums()) add_forces(cluster, at, terms);
   }
 
   HWY_INLINE void add_virial(const V (&r)[3], V term) {
@@ -143,7 +145,7 @@ class RowSum {
   HWY_INLINE void subtract(std::ptrdiff_t cluster, int place, V (&r)[3]) const {
     const DX d;
     const int v = place % kVectors, part = place / kVectors;
-    const auto* x = x_of_ + 12 * cluster + part * S::kColumns;
+    const auto* x = x_of_ + entry(4 * cluster, 0) + part * S::kColumns;
     for (int k = 0; k < 3; ++k) r[k] = number(x_[k][v] - load_columns(d, x + 4 * k));
   }
 
@@ -228,7 +230,7 @@ class RowSum {
   T* HWY_RESTRICT f_;
   Law law_;
   V cutoff2_, unit2_;
-  static constexpr int kSums = C::kVirial ? 6 : 1;  // the energy, or the virial
+  static constexpr int kSums = choice.virial() ? 6 : 1;  // the energy, or the virial
   V sum_[kSums];
   SixSums total_{};
   std::uint32_t mask_ = 0;  // of pairs that count
@@ -244,30 +246,70 @@ struct ListPart {
   std::size_t begin, end;
 };
 
-template <class T, class C>
+// The kernels that there are, in the order of their turns. Those of energy and virial, which few steps ask for, take rows
+// of all kinds and every form of the law.
+struct Choices {
+  std::array<Choice, 32> all;
+  std::size_t count = 0;
+};
+template <class T>
+constexpr Choices kChoices = [] {
+  Choices out;
+  const auto add = [&](Choice choice) {
+    if (choice.fine && !choice.sums() && !ScreeningIntervals<typename Shape<T>::D>::kMany) return;
+    for (const bool half : {true, false})
+      if (choice.half = half; !half || choice.split()) out.all[out.count++] = choice;
+  };
+  constexpr Mixing mixings[] = {Mixing::kOneSigma, Mixing::kTable, Mixing::kTwoSigmas};
+  for (const bool fine : {false, true}) add({.charge = true, .fine = fine});
+  for (const Mixing mixing : mixings)
+    for (const bool switched : {false, true}) add({.lj = true, .mixing = mixing, .switched = switched});
+  for (const Mixing mixing : mixings)
+    for (const bool fine : {false, true})
+      for (const bool switched : {false, true})
+        add({.lj = true, .charge = true, .mixing = mixing, .switched = switched, .fine = fine});
+  for (const Ask ask : {Ask::kEnergy, Ask::kVirial})
+    for (const Mixing mixing : mixings)
+      add({.lj = true, .charge = true, .mixing = mixing, .ask = ask, .switched = true, .fine = true});
+  return out;
+}();
+
+// Whether a law asks for a kernel.
+template <class T>
+bool fits(const Choice& choice, const PairLaw& law, Ask ask) {
+  if (choice.ask != ask || (!choice.one_sigma() && choice.mixing != law.mixing)) return false;
+  if (choice.sums()) return true;
+  const bool fine = ScreeningIntervals<typename Shape<T>::D>::fine(law.screening.force);
+  return (!choice.lj || (law.lj && choice.switched == law.switched())) &&
+         (!choice.charge || (law.charge && choice.fine == fine));
+}
+
+template <class T, Choice choice>
 bool chosen(const PairRow& row, const PairAtoms<T>& atoms) {
-  constexpr int kind = (C::kLj ? kHasLj : 0) | (C::kCharge ? kHasCharge : 0);
-  if (row.kind != (C::kLj && !C::kOneSigma ? kind | kHasOtherType : kind)) return false;
+  if (((row.kind & kHasOtherType) == 0) != choice.one_sigma()) return false;
+  if (choice.sums()) return true;
+  if ((row.kind & ~kHasOtherType) != ((choice.lj ? kHasLj : 0) | (choice.charge ? kHasCharge : 0)))
+    return false;
   constexpr int half = PairPrecision<T>::kRowAtoms / 2;
   const T* depth = atoms.two_sqrt_epsilon.data() + row.first + half;
-  return !C::kSplit || C::kHalf == std::all_of(depth, depth + half, [](T of) { return of == 0; });
+  return !choice.split() || choice.half == std::all_of(depth, depth + half, [](T of) { return of == 0; });
 }
 
-template <class T, class C>
+template <class T, Choice choice>
 HWY_INLINE void add_chosen(const ListPart& part, const PairAtoms<T>& atoms, auto& sum) {
   for (std::size_t r = part.begin; r < part.end; ++r)
-    if (chosen<T, C>(part.list.rows[r], atoms)) sum.add(part.list.rows[r], part.list);
+    if (chosen<T, choice>(part.list.rows[r], atoms)) sum.add(part.list.rows[r], part.list);
 }
 
-template <class T, class C>
+template <class T, Choice choice>
 HWY_NOINLINE SixSums sum_rows(const ListPart& part, const PairAtoms<T>& atoms, T* f) {
-  RowSum<T, C> sum(part.law, atoms, f);
-  if constexpr (kPacksPairs<T, C>) {
-    PackedPairs<T, C> dense(part.law, atoms.unit, sum);
-    add_chosen<T, C>(part, atoms, dense);
+  RowSum<T, choice> sum(part.law, atoms, f);
+  if constexpr (kPacksPairs<T, choice>) {
+    PackedPairs<T, choice> dense(part.law, atoms.unit, sum);
+    add_chosen<T, choice>(part, atoms, dense);
     dense.add_forces();
   } else {
-    add_chosen<T, C>(part, atoms, sum);
+    add_chosen<T, choice>(part, atoms, sum);
   }
   return sum.total();
 }
@@ -276,55 +318,36 @@ HWY_INLINE void add_to(SixSums& sum, const SixSums& part) {
   for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += part[k];
 }
 
-template <class T, bool lj, bool charge, Ask ask, bool fine = false>
-SixSums choose_law(const ListPart& part, const PairAtoms<T>& atoms, T* f) {
-  if constexpr (charge && !fine && ScreeningIntervals<typename Shape<T>::D>::kMany) {
-    const Screening& screening = part.law.screening;
-    if (ScreeningIntervals<typename Shape<T>::D>::fine(ask == Ask::kEnergy ? screening.energy
-                                                                           : screening.force))
-      return choose_law<T, lj, charge, ask, true>(part, atoms, f);
-  }
-  const auto mixed = [&]<Mixing mixing>() {
-    if (part.law.switched()) return sum_rows<T, Choice<lj, charge, mixing, true, ask, fine>>(part, atoms, f);
-    using Whole = Choice<lj, charge, mixing, false, ask, fine>;
-    if constexpr (Whole::kSplit)
-      sum_rows<T, Choice<lj, charge, mixing, false, ask, fine, true>>(part, atoms, f);
-    return sum_rows<T, Whole>(part, atoms, f);
-  };
-  if constexpr (!lj) {
-    return sum_rows<T, Choice<false, charge, Mixing::kOneSigma, false, ask, fine>>(part, atoms, f);
-  } else {
-    SixSums sum = mixed.template operator()<Mixing::kOneSigma>();  // rows of the usual type
-    if (part.law.mixing == Mixing::kTable) add_to(sum, mixed.template operator()<Mixing::kTable>());
-    if (part.law.mixing == Mixing::kTwoSigmas) add_to(sum, mixed.template operator()<Mixing::kTwoSigmas>());
-    return sum;
-  }
-}
-
 // Kinds take turns, so that rows near each other find the same clusters still in the cache.
-template <class T, Ask ask>
-SixSums sum_all(const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList& list, T* f) {
+template <class T, std::size_t... n>
+SixSums sum_all(Ask ask, const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList& list, T* f,
+                std::index_sequence<n...>) {
   constexpr std::size_t kTurn = 256;  // rows
   SixSums sum{};
   for (std::size_t begin = 0; begin < list.rows.size(); begin += kTurn) {
     const ListPart part{law, list, begin, std::min(begin + kTurn, list.rows.size())};
-    if (law.charge) add_to(sum, choose_law<T, false, true, ask>(part, atoms, f));
-    if (law.lj) add_to(sum, choose_law<T, true, false, ask>(part, atoms, f));
-    if (law.lj && law.charge) add_to(sum, choose_law<T, true, true, ask>(part, atoms, f));
+    const auto take_turn = [&]<Choice choice>() {
+      if (fits<T>(choice, law, ask)) add_to(sum, sum_rows<T, choice>(part, atoms, f));
+    };
+    (take_turn.template operator()<kChoices<T>.all[n]>(), ...);
   }
   return sum;
+}
+template <class T>
+SixSums sum_all(Ask ask, const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList& list, T* f) {
+  return sum_all(ask, law, atoms, list, f, std::make_index_sequence<kChoices<T>.count>());
 }
 
 using Real = TAUT_PAIR_REAL;
 
 void forces(const PairLaw& law, const PairAtoms<Real>& atoms, const ClusterList& list, Real* f) {
-  sum_all<Real, Ask::kForces>(law, atoms, list, f);
+  sum_all(Ask::kForces, law, atoms, list, f);
 }
 double energy(const PairLaw& law, const PairAtoms<Real>& atoms, const ClusterList& list) {
-  return sum_all<Real, Ask::kEnergy>(law, atoms, list, nullptr)[0];
+  return sum_all<Real>(Ask::kEnergy, law, atoms, list, nullptr)[0];
 }
 SixSums virial(const PairLaw& law, const PairAtoms<Real>& atoms, const ClusterList& list) {
-  return sum_all<Real, Ask::kVirial>(law, atoms, list, nullptr);
+  return sum_all<Real>(Ask::kVirial, law, atoms, list, nullptr);
 }
 int copies(const Real*) {
   return Shape<Real>::kRows;

@@ -70,7 +70,7 @@ template <class T, class S = Shape<T>>
 HWY_INLINE void load_row(const typename S::Coordinate* x, double inv_unit, const PairRow& row,
                          typename S::VX (&out)[3][S::kVectors]) {
   const typename S::DX d;
-  x += 12 * (row.first / kClusterAtoms) + row.first % kClusterAtoms;
+  x += entry(row.first, 0);
   for (int k = 0; k < 3; ++k) {
     const auto shift = PairPrecision<T>::coordinate(row.shift[k] * inv_unit);
     for (int v = 0; v < S::kVectors; ++v) out[k][v] = load_rows(d, x + 4 * k + v * S::kRows) + shift;

@@ -17,22 +17,29 @@ namespace taut::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// fine: Ewald's screening with more terms than the usual kernels have. half: of a row's atoms only the first
-// half have Lennard-Jones, as in water.
-template <bool lj, bool charge, Mixing mixing, bool switched_, Ask ask, bool fine, bool half = false>
+// What a kernel sums, and of which rows.
 struct Choice {
-  static constexpr bool kLj = lj, kCharge = charge, kSwitched = switched_, kFine = fine, kHalf = half;
-  static constexpr bool kOneSigma = mixing == Mixing::kOneSigma, kTable = mixing == Mixing::kTable;
-  static constexpr bool kEnergy = ask == Ask::kEnergy, kVirial = ask == Ask::kVirial;
-  static constexpr bool kSum = kEnergy || kVirial;  // no forces
+  bool lj = false, charge = false;
+  Mixing mixing = Mixing::kOneSigma;
+  Ask ask = Ask::kForces;
+  bool switched = false;  // sums: where the law is
+  bool fine = false;      // Ewald's screening with any number of terms
+  bool half = false;      // of a row's atoms only the first half have Lennard-Jones, as in water
+
+  constexpr bool one_sigma() const { return mixing == Mixing::kOneSigma; }
+  constexpr bool table() const { return mixing == Mixing::kTable; }
+  constexpr bool energy() const { return ask == Ask::kEnergy; }
+  constexpr bool virial() const { return ask == Ask::kVirial; }
+  constexpr bool sums() const { return ask != Ask::kForces; }
   // What the law starts from: 1/r, for energies and switches; 1/r³, for charges; 1/r², without them.
-  static constexpr bool kFromRoot = kSwitched || (charge && kEnergy), kFromCube = charge && !kFromRoot;
+  constexpr bool from_root() const { return switched || (charge && energy()); }
+  constexpr bool from_cube() const { return charge && !from_root(); }
   // True where rows with Lennard-Jones in one half have a kernel of their own.
-  static constexpr bool kSplit = lj && charge && !kTable && !kSwitched && !kSum && !fine;
+  constexpr bool split() const { return lj && charge && !table() && !switched && !sums() && !fine; }
 };
 
-// PairLaw in vectors of a Shape<T>, for one Choice C of interactions.
-template <class T, class C>
+// PairLaw in vectors of a Shape<T>.
+template <class T, Choice choice>
 class LawInLanes {
   using D = typename Shape<T>::D;
   using V = typename Shape<T>::V;
@@ -60,8 +67,9 @@ class LawInLanes {
         six_sigma6_(set(kSix * law.sigma6())),
         twelve_sigma12_(set(kTwelve * law.sigma6() * law.sigma6())),
         energy_shift_(set(law.energy_shift / 4)),
-        screen_(law.screening.scale, C::kEnergy ? law.screening.energy : law.screening.force, kScale) {
-    if constexpr (C::kSwitched) {
+        switched_(law.switched()),
+        screen_(law.screening.scale, choice.energy() ? law.screening.energy : law.screening.force, kScale) {
+    if constexpr (choice.switched) {
       const double width = law.cutoff - law.switch_distance;
       inv_width_ = set(1 / width);
       start_ = set(law.switch_distance / width);
@@ -72,29 +80,29 @@ class LawInLanes {
   // Those from slot `first` on.
   HWY_INLINE void load(int first, Atoms& a) const {
     const D d;
-    if constexpr (C::kCharge) a.q = load_rows(d, charge_ + first) * T(1 / kScale);
-    if constexpr (C::kTable) {
+    if constexpr (choice.charge) a.q = load_rows(d, charge_ + first) * T(1 / kScale);
+    if constexpr (choice.table()) {
       a.line = load_rows(d, type_ + first) * types_ + T(kWhole);
-    } else if constexpr (C::kLj) {
+    } else if constexpr (choice.lj) {
       a.eps = load_rows(d, two_sqrt_epsilon_ + first);
       a.repulsion = a.eps * twelve_sigma12_;
       a.attraction = a.eps * six_sigma6_;
-      if constexpr (!C::kOneSigma) a.half_sigma = load_rows(d, half_sigma_ + first);
+      if constexpr (!choice.one_sigma()) a.half_sigma = load_rows(d, half_sigma_ + first);
     }
   }
 
   // What pairs() starts from.
   static HWY_INLINE V guess(V r2) {
-    return C::kFromRoot || C::kFromCube ? guess_inverse_sqrt(D(), r2) : guess_inverse(D(), r2);
+    return choice.from_root() || choice.from_cube() ? guess_inverse_sqrt(D(), r2) : guess_inverse(D(), r2);
   }
 
   // The guess becomes 1/r³, 1/r or 1/r².
   template <int K>
   static HWY_INLINE void invert(const V (&r2)[K], V (&guess)[K]) {
     const D d;
-    if constexpr (C::kFromCube) {
+    if constexpr (choice.from_cube()) {
       inverse_cube<K>(d, r2, guess);
-    } else if constexpr (C::kFromRoot) {
+    } else if constexpr (choice.from_root()) {
       inverse_sqrt<K>(d, r2, guess);
     } else {
       inverse<K>(d, r2, guess);
@@ -108,12 +116,12 @@ class LawInLanes {
     V coulomb[K];
     find_coulomb<K>(r2, guess, coulomb);
     for (int k = 0; k < K; ++k) {
-      const bool has_lj = C::kLj && (!C::kHalf || 2 * v < Shape<T>::kVectors);
-      if constexpr (C::kHalf && Shape<T>::kVectors == 1)
+      const bool has_lj = choice.lj && (!choice.half || 2 * v < Shape<T>::kVectors);
+      if constexpr (choice.half && Shape<T>::kVectors == 1)
         term[k] = half_lennard_jones(atoms, j[k], r2[k], guess[k]);
-      else if constexpr (C::kLj)
+      else if constexpr (choice.lj)
         if (has_lj) term[k] = lennard_jones(atoms, column(j[k]), r2[k], guess[k]);
-      if constexpr (C::kCharge) {
+      if constexpr (choice.charge) {
         const V qq = atoms.q * load_columns(D(), charge_ + j[k]);
         term[k] = has_lj ? hn::MulAdd(qq, coulomb[k], term[k]) : qq * coulomb[k];
       }
@@ -127,7 +135,7 @@ class LawInLanes {
     for (int k = 0; k < K; ++k) inverse[k] = guess(r2[k]);
     invert<K>(r2, inverse);
     find_coulomb<K>(r2, inverse, coulomb);
-    if constexpr (C::kLj) {
+    if constexpr (choice.lj) {
       Atoms atoms{};
       atoms.eps = set(1);
       atoms.repulsion = twelve_sigma12_;
@@ -140,10 +148,10 @@ class LawInLanes {
   HWY_INLINE V term(const Atoms& atoms, std::ptrdiff_t j, V coulomb, V lj) const {
     const D d;
     V term{};
-    if constexpr (C::kLj) term = atoms.eps * load_columns(d, two_sqrt_epsilon_ + j) * lj;
-    if constexpr (C::kCharge) {
+    if constexpr (choice.lj) term = atoms.eps * load_columns(d, two_sqrt_epsilon_ + j) * lj;
+    if constexpr (choice.charge) {
       const V qq = atoms.q * load_columns(d, charge_ + j);
-      term = C::kLj ? hn::MulAdd(qq, coulomb, term) : qq * coulomb;
+      term = choice.lj ? hn::MulAdd(qq, coulomb, term) : qq * coulomb;
     }
     return term;
   }
@@ -156,16 +164,16 @@ class LawInLanes {
   HWY_INLINE void find_coulomb(const V (&r2)[K], const V (&guess)[K], V (&coulomb)[K]) const {
     V inv_r3[K];
     for (int k = 0; k < K; ++k) {
-      if constexpr (C::kFromCube) inv_r3[k] = guess[k];
-      if constexpr (C::kFromRoot) inv_r3[k] = guess[k] * (guess[k] * guess[k]);
+      if constexpr (choice.from_cube()) inv_r3[k] = guess[k];
+      if constexpr (choice.from_root()) inv_r3[k] = guess[k] * (guess[k] * guess[k]);
     }
-    if constexpr (C::kCharge) {
+    if constexpr (choice.charge) {
       if (screen_.wanted()) {
         screen_(r2, coulomb);
-        for (int k = 0; k < K; ++k) coulomb[k] = (C::kEnergy ? guess[k] : inv_r3[k]) - coulomb[k];
+        for (int k = 0; k < K; ++k) coulomb[k] = (choice.energy() ? guess[k] : inv_r3[k]) - coulomb[k];
       } else {
         for (int k = 0; k < K; ++k)
-          coulomb[k] = C::kEnergy ? guess[k] + k_rf_ * r2[k] - c_rf_ : inv_r3[k] - two_k_rf_;
+          coulomb[k] = choice.energy() ? guess[k] + k_rf_ * r2[k] - c_rf_ : inv_r3[k] - two_k_rf_;
       }
     }
   }
@@ -177,48 +185,49 @@ class LawInLanes {
   HWY_INLINE Column column(std::ptrdiff_t j) const {
     const D d;
     Column c;  // not cleared: what the law does not take is not loaded
-    if constexpr (C::kTable) {
+    if constexpr (choice.table()) {
       c.type = load_columns(d, type_ + j);
     } else {
       c.eps = load_columns(d, two_sqrt_epsilon_ + j);
-      if constexpr (!C::kOneSigma) c.half_sigma = load_columns(d, half_sigma_ + j);
+      if constexpr (!choice.one_sigma()) c.half_sigma = load_columns(d, half_sigma_ + j);
     }
     return c;
   }
 
   // 1/r³ comes times kScale: so do 1/r⁶ and what follows from it, times its square.
-  static constexpr double kScale = C::kFromCube ? kCubeScale<D> : 1, kScale2 = kScale * kScale;
+  static constexpr double kScale = choice.from_cube() ? kCubeScale<D> : 1, kScale2 = kScale * kScale;
   static constexpr double kSix = 6 / (kScale2 * kScale2), kTwelve = 12 / (kScale2 * kScale2 * kScale2);
 
   // `inverse`: 1/r³, 1/r or 1/r².
   HWY_INLINE V lennard_jones(const Atoms& atoms, const Column& j, V r2, V inverse) const {
     const D d;
     V inv_r2, inv_r4, inv_r6;
-    if constexpr (C::kFromCube) {
+    if constexpr (choice.from_cube()) {
       inv_r6 = inverse * inverse;
       inv_r4 = inv_r6 * r2;
       inv_r2 = inv_r4 * r2;
     } else {
-      inv_r2 = C::kFromRoot ? inverse * inverse : inverse;
+      inv_r2 = choice.from_root() ? inverse * inverse : inverse;
       inv_r4 = inv_r2 * inv_r2;
       inv_r6 = inv_r4 * inv_r2;
     }
     V slope{}, energy{}, four_eps{};
-    constexpr bool needs_slope = !C::kEnergy || C::kSwitched, needs_energy = C::kEnergy || C::kSwitched;
-    if constexpr (C::kTable) {
+    constexpr bool needs_slope = !choice.energy() || choice.switched,
+                   needs_energy = choice.energy() || choice.switched;
+    if constexpr (choice.table()) {
       const auto at = place_in_table(atoms.line + j.type);
       const V b = hn::GatherIndex(d, table_b_, at), a_over_r6 = hn::GatherIndex(d, table_a_, at) * inv_r6;
       if constexpr (needs_slope) slope = inv_r4 * inv_r4 * hn::MulSub(set(kTwelve), a_over_r6, T(kSix) * b);
       if constexpr (needs_energy) energy = inv_r6 * (a_over_r6 - b);
     } else {
-      if constexpr (C::kOneSigma && !C::kSwitched && !C::kEnergy)
+      if constexpr (choice.one_sigma() && !choice.switched && !choice.energy())
         return inv_r4 * (inv_r4 * j.eps) * (atoms.repulsion * inv_r6 - atoms.attraction);
       V s6;
-      if constexpr (C::kOneSigma) {
+      if constexpr (choice.one_sigma()) {
         s6 = sigma6_ * inv_r6;
       } else {
         const V sigma = atoms.half_sigma + j.half_sigma, sigma2 = sigma * sigma;
-        if constexpr (C::kFromCube) {
+        if constexpr (choice.from_cube()) {
           s6 = sigma2 * sigma2 * sigma2 * inv_r6;
         } else {
           const V s2 = sigma2 * inv_r2;
@@ -230,9 +239,10 @@ class LawInLanes {
       if constexpr (needs_slope) slope = depth * (T(kTwelve) * s6 - T(kSix)) * inv_r2;
       if constexpr (needs_energy) energy = depth * s6 - depth;
     }
-    if constexpr (C::kSwitched) apply_switch(r2, inverse, slope, energy);
-    if constexpr (!C::kEnergy) return slope;
-    return C::kTable ? energy : energy + energy_shift_ * four_eps;
+    if constexpr (choice.switched)
+      if (!choice.sums() || switched_) apply_switch(r2, inverse, slope, energy);
+    if constexpr (!choice.energy()) return slope;
+    return choice.table() ? energy : energy + energy_shift_ * four_eps;
   }
 
   // Without a switch, of the lower half.
@@ -241,7 +251,7 @@ class LawInLanes {
     const hn::Half<D> d;
     const auto low = [d](V v) { return hn::LowerHalf(d, v); };
     const auto inv_r6 = low(inv_r3) * low(inv_r3), inv_r4 = inv_r6 * low(r2);
-    if constexpr (!C::kOneSigma) {
+    if constexpr (!choice.one_sigma()) {
       const auto sigma = low(atoms.half_sigma) + load_columns(d, half_sigma_ + j), sigma2 = sigma * sigma,
                  s6 = sigma2 * sigma2 * sigma2 * inv_r6,
                  four_eps = low(atoms.eps) * load_columns(d, two_sqrt_epsilon_ + j),
@@ -279,7 +289,8 @@ class LawInLanes {
   V types_;
   V k_rf_, two_k_rf_, c_rf_, sigma6_, six_sigma6_, twelve_sigma12_, energy_shift_;
   V start_{}, inv_width_{}, slope_width_{};
-  ScreenInLanes<D, C::kFine> screen_;
+  [[maybe_unused]] bool switched_;
+  ScreenInLanes<D, choice.fine> screen_;
 };
 
 }  // namespace taut::HWY_NAMESPACE

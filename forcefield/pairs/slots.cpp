@@ -56,7 +56,7 @@ void place_all(const Vectors& x, const AtomClusters& clusters, const Share& shar
       from[i] = x.data() + 3 * clusters.atom(4 * c + i);
       hwy::Prefetch(x.data() + 3 * clusters.atom(std::min(4 * c + i + kAhead, last)));
     }
-    const std::ptrdiff_t at = 12 * std::ptrdiff_t{c};
+    const std::ptrdiff_t at = entry(4 * c, 0);
     place_cluster<T>(from, &clusters.offset(4 * c), inv_unit, now + at, to.x.data() + at);
   }
 }
@@ -64,14 +64,14 @@ void place_all(const Vectors& x, const AtomClusters& clusters, const Share& shar
 // The forces on a cluster's four atoms, summed over all copies of all threads that touch it.
 template <class T>
 HWY_INLINE void add_copies(const SlotForces<T>& from, int cluster, double (&sum)[3][4]) {
-  constexpr int kCopies = Shape<T>::kRows, kNumbers = 3 * 4 * kCopies;
+  constexpr int kCopies = Shape<T>::kRows;
   const Four d;
   for (int k = 0; k < 3; ++k)
     for (int i = 0; i < 4; i += static_cast<int>(hn::MaxLanes(d))) {
       FourV of_axis = hn::Zero(d);
       for (std::size_t t = 0; t < from.force.size(); ++t) {
         if (!from.reached[t][cluster / SlotForces<T>::kBlock]) continue;
-        const T* force = from.force[t].data() + std::size_t(kNumbers) * cluster + 4 * kCopies * k + i;
+        const T* force = from.force[t].data() + entry(4 * cluster, k, 3, kCopies) + i;
         for (int copy = 0; copy < kCopies; ++copy, force += 4) {
           if constexpr (sizeof(T) == 8)
             of_axis = of_axis + hn::LoadU(d, force);

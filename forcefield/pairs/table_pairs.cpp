@@ -37,14 +37,13 @@ template <class T, class Act>
 void for_each_pair(const PairTables& tables, const PairAtoms<T>& atoms, const ClusterList& list,
                    const Act& act) {
   using Coordinate = typename PairPrecision<T>::Coordinate;
-  const auto place_of = [](int slot) { return 12 * (slot / kClusterAtoms) + slot % kClusterAtoms; };
   for (const PairRow& row : list.rows)
     for (int i = 0; i < PairPrecision<T>::kRowAtoms; ++i) {
       const int one = row.first + i, kind = static_cast<int>(atoms.type[one]);
       if (kind == tables.kinds - 1) continue;
       Coordinate x[3];
       for (int d = 0; d < 3; ++d)
-        x[d] = sum(atoms.x[place_of(one) + 4 * d], PairPrecision<T>::coordinate(row.shift[d] / atoms.unit));
+        x[d] = sum(atoms.x[entry(one, d)], PairPrecision<T>::coordinate(row.shift[d] / atoms.unit));
       const auto meet = [&](int cluster, std::uint32_t mask) {
         for (int j = 0; j < kClusterAtoms; ++j) {
           if ((mask >> (4 * i + j) & 1) == 0) continue;
@@ -52,7 +51,7 @@ void for_each_pair(const PairTables& tables, const PairAtoms<T>& atoms, const Cl
           const Spline* table = tables.of(kind, static_cast<int>(atoms.type[two]));
           if (!table) continue;
           Vec3 d;
-          for (int k = 0; k < 3; ++k) d[k] = difference(x[k], atoms.x[place_of(two) + 4 * k]);
+          for (int k = 0; k < 3; ++k) d[k] = difference(x[k], atoms.x[entry(two, k)]);
           const double r = std::sqrt(d.squaredNorm()) * atoms.unit;
           if (!(r > table->last())) act(Pair{one, two, d, r, table});
         }
@@ -90,14 +89,11 @@ template <class T>
 void add_table_forces(const PairTables& tables, const PairAtoms<T>& atoms, const AtomClusters& clusters,
                       const ClusterList& list, T* f) {
   const int copies = force_copies<T>();  // the first one takes all
-  const auto force_on = [&](int slot, int d) -> T& {
-    return f[4 * copies * (3 * (slot / kClusterAtoms) + d) + slot % kClusterAtoms];
-  };
   for_each_pair(tables, atoms, list, [&](const Pair& pair) {
     const Vec3 force = pull(pair, clusters) * pair.d;
     for (int d = 0; d < 3; ++d) {
-      force_on(pair.one, d) += static_cast<T>(force[d]);
-      force_on(pair.two, d) -= static_cast<T>(force[d]);
+      f[entry(pair.one, d, 3, copies)] += static_cast<T>(force[d]);
+      f[entry(pair.two, d, 3, copies)] -= static_cast<T>(force[d]);
     }
   });
 }
