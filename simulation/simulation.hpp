@@ -72,7 +72,7 @@ struct StartAndEnd {
   double rise = 0;         // of the energy but for the heat; NaN under a barostat [kJ/mol/degree of freedom]
   double rounding = 0;     // an energy below which nothing is told from rounding [kJ/mol/degree of freedom]
   int dof = 0;             // degrees of freedom
-  double expected = 0;     // temperature: a bath's, or the first row's [K]
+  double expected = 0;     // temperature: a bath's, or the first row's velocities' [K]
   Estimate temperature;    // mean over the later half of the rows [K]
   double relaxation = 0;   // time in which the bath brings a temperature back; 0: there is none [ps]
   bool worked_on = false;  // forces from outside do work: gravity, pulls, code
@@ -181,7 +181,8 @@ class Simulation {
   // What temperatures and the pressure are taken of, and thermostats act on: the velocity of the drift ahead, on the
   // tangent of the bonds, P(v + (h/2)M⁻¹f), which is canonical for harmonic motion at any step (docs/ensembles.md). So
   // of bonds that are springs it is without what stretches them, for they start cold and warm up slowly, but under
-  // Langevin's thermostat, which heats them at once.
+  // Langevin's thermostat, which heats them at once. A start's own temperature is of velocity(): they are drawn so, and
+  // what is at rest has none.
   Vectors thermal_velocity() const;
 
   // Of the rows so far: translation, rotation and the rest of each type of molecule.
@@ -257,7 +258,7 @@ class Simulation {
     std::vector<OfBias> biases;
     long rows = 0, last_row = 0, steps = 0;  // each row stands for the steps since the one before it
     double largest_error = 0, largest_residual = 0, squares = 0;
-    double first_t = 0, first_energy = 0, first_temperature = 0;  // of the first row; but for the heat
+    double first_t = 0, first_energy = 0, first_temperature = 0;  // of the first row; but for the heat; of v
 
     void add(const Record& r, double residual, long since);
     void serialize(Archive& archive) {

@@ -169,6 +169,12 @@ void Temperatures::see(const System& sys, const Vectors& x, const Vectors& v, lo
   for (std::size_t m = 0; m < 3; ++m) kinetic_of_all_[m].add(all[m], steps);
 }
 
+void Temperatures::set_first(const System& sys, const Vectors& x, const Vectors& v) {
+  const Sample now = sample(sys, x, v);
+  for (std::size_t t = 0; t < types_.size(); ++t)
+    of_type_[t].first = std::accumulate(now.kinetic[t].begin(), now.kinetic[t].end(), 0.0);
+}
+
 // Few blocks may agree by chance: the error is no less than that of samples that are all independent.
 KindOfMolecule Temperatures::later_half(int type) const {
   const double dof = std::accumulate(types_[type].dof.begin(), types_[type].dof.end(), 0.0);

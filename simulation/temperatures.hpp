@@ -44,6 +44,9 @@ class Temperatures {
   // One sample, which stands for so many steps.
   void see(const System& sys, const Vectors& x, const Vectors& v, long steps = 1);
 
+  // The first sample is compared with others by these velocities.
+  void set_first(const System& sys, const Vectors& x, const Vectors& v);
+
   const std::vector<MoleculeType>& types() const { return types_; }
   // Mean and standard error over what was seen [K]; zero without degrees of freedom.
   Estimate temperature(int type, MotionClass motion) const;

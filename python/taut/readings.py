@@ -96,7 +96,8 @@ class Readings:
 
     @property
     def temperature(self) -> float:
-        """Temperature of the present state [K]."""
+        """Temperature of the present state [K], of the velocity that the drift ahead has; ``energies["kinetic"]`` is of
+        ``velocities``, those of the full step."""
         return self._engine.temperature
 
     @property
