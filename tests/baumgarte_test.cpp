@@ -139,6 +139,31 @@ TEST(Baumgarte, IsFedTheSquareOfWhatItsGuessMisses) {
   }
 }
 
+// Of what is fed slowly the law lets (1 + αh)/(βh)² stand: half as much with the default gains as at dead-beat. Free waters
+// at one solve a step from the last λ.
+TEST(Baumgarte, LetsStandOfASlowFeedWhatItsGainsSay) {
+  const double h = 0.0005;
+  const auto left = [&](double ah, double bh2) {
+    auto [sys, s] = tests::waters(8, 1, 300);
+    NoForce forces;
+    Baumgarte::Options options = numbers(ah / h, std::sqrt(bh2) / h);
+    options.tolerance = 0.1;  // never a second solve
+    options.extrapolation = 0;
+    Baumgarte method(sys, options, h);
+    initialize({sys, forces, method}, h, s);
+    double sum = 0;
+    for (int n = 0; n < 300; ++n) {
+      EXPECT_EQ(step({sys, forces, method}, h, s).iterations, 1);
+      if (n >= 100) sum += sigmas_of(sys, s.x).squaredNorm();
+    }
+    return std::sqrt(sum);
+  };
+  const double dead_beat = left(1, 2);
+  EXPECT_GT(dead_beat, 1e-13);
+  for (const auto& [ah, bh2] : {std::pair{0.3, 2.5}, {1.0, 0.8}, {0.47, 0.59}})
+    EXPECT_NEAR(left(ah, bh2) / dead_beat, (1 + ah) / bh2, 0.05 * (1 + ah) / bh2) << ah;
+}
+
 // α = β = √(stiffness/μ), each bond by its own μ, and capped where the step cannot bear it.
 TEST(Gains, PhysicalOnesAreTheRealBonds) {
   const double h = 0.0005, k = 4.5e5;
