@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Baumgarte over its gains on water and DNA at 2 and 4 fs, each damping, beside newton's drift in as many steps:
 #     benchmarks/planes.sh [FOLDER [NAME ...]]
-# Four αh by five βh of the part that lives. TAUT names the command, if it is not build/taut; STEPS other steps.
+# Four αh by five βh of the part that lives; what is kept is plane.csv and plane.png. TAUT names the command, if it is not build/taut; STEPS other steps.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 out=${1:-benchmarks/results/planes}
@@ -18,4 +18,5 @@ for name in "${names[@]}"; do
   # shellcheck disable=SC2086
   "${TAUT:-build/taut}" stability ${scenes[$name]} --steps "${STEPS:-2000}" --methods baumgarte \
     --alpha-h 0.03 0.1 0.3 1 --beta-h 1 1.2 1.4 1.6 1.8 --out "$out/$name" --overwrite
+  find "$out/$name" -type f ! -name plane.csv ! -name plane.png -delete
 done

@@ -167,13 +167,12 @@ def read_times():
 
 
 def cost_at(times, system, method, step):
-    """Processor seconds a nanosecond and the constraints' share, or None: times change linearly between steps timed."""
+    """Processor seconds a nanosecond, or None: times change linearly between steps timed."""
     timed = times.get((system, method))
     if not timed or not step:
         return None
-    (s0, *t0), (s1, *t1) = timed[0], timed[-1]
-    us, constraint_us = (a + (b - a) * (step - s0) / (s1 - s0) if s1 > s0 else a for a, b in zip(t0, t1))
-    return us / step, constraint_us / us
+    (s0, t0, _), (s1, t1, _) = timed[0], timed[-1]
+    return (t0 + (t1 - t0) * (step - s0) / (s1 - s0) if s1 > s0 else t0) / step
 
 
 def steps_table(judge):
@@ -185,25 +184,23 @@ def steps_table(judge):
         sound, wrong = judge.sound_step(system, method)
         timed = [step for step, *_ in times.get((system, method), [])]
         cost = timed and timed[0] <= sound <= timed[-1] and cost_at(times, system, method, sound)
-        return (f"**{sound:g}**" if sound else "–") + (f" {wrong}" if wrong else "") + (
-            f"; {cost[0]:.3g} s, {100 * cost[1]:.0f} %" if cost else "")
-    lines = grouped("largest sound step [fs], what fails next; cost of a nanosecond there, constraints' share", judge, cell)
+        return (f"**{sound:g}**" if sound else "–") + (f" {wrong}" if wrong else "") + (f"; {cost:.3g} s" if cost else "")
+    lines = grouped("largest sound step [fs], what fails next; processor time of a nanosecond there", judge, cell)
     seeds = lambda name: statistics.mode(len(rows) for steps in judge.table[name].values() for rows in steps.values())
     return lines + ["", "| system | " + " | ".join(judge.systems) + " |", "|---" * (len(judge.systems) + 1) + "|",
                     "| seeds of most cells | " + " | ".join(str(seeds(name)) for name in judge.systems) + " |"]
 
 
 def usual_table(judge):
-    """Bond error, drift and its share by the constraints at the usual step."""
+    """Bond error and drift at the usual step."""
     def cell(system, method):
         runs = judge.table[system].get(method, {}).get(float(SYSTEMS[system].dt_fs), [])
         if not whole(runs):
             return "stops" if runs else ""
-        (drift, error), (work, _) = (mean_and_error([v / kt(system) for v in of(runs, column)])
-                                     for column in ("drift", "constraint_drift"))
+        drift, error = mean_and_error([v / kt(system) for v in of(runs, "drift")])
         spread = f" ± {error:.1g}" if error else ""
-        return f"{mean_and_error(of(runs, 'rms_bond'))[0]:.0e}; {drift:.2g}{spread}, {work:.2g}"
-    return grouped("rms bond error; drift [kT/ns/dof], of which constraints", judge, cell,
+        return f"{mean_and_error(of(runs, 'rms_bond'))[0]:.0e}; {drift:.2g}{spread}"
+    return grouped("rms bond error; drift [kT/ns/dof]", judge, cell,
                    lambda name: f"{name}, {SYSTEMS[name].dt_fs:g} fs")
 
 
@@ -217,25 +214,21 @@ def averages_table(judge):
                 line.append("")
                 continue
             stray = lambda s, m, h: not (whole(judge.table[s][m][h]) and judge.keeps(s, column, judge.table[s][m][h]))
-            line.append(", ".join(f"{judge.largest(system, method, stray)[0]:g}" for method in MIXED[::-1]))
+            steps = [f"{judge.largest(system, method, stray)[0]:g}" for method in MIXED[::-1]]
+            line.append(", ".join(steps) if len(set(steps)) > 1 else steps[0])
         lines.append((system, line))
     return rows_of("largest step [fs] of " + ", ".join(f"`{method}`" for method in MIXED[::-1]), AVERAGES, lines)[:-1]
 
 
 def mixed_table(rows):
-    """Double beside mixed precision at the usual step."""
-    double, mixed = cells(rows, "double"), cells(rows, "mixed")
-    lines = []
-    for system in SYSTEMS:
-        step, line = float(SYSTEMS[system].dt_fs), []
-        for method in MIXED:
-            runs = [table[system][method].get(step, []) for table in (double, mixed)]
-            if all(map(whole, runs)):
-                line.append("; ".join("{:.2g} ± {:.1g}".format(*mean_and_error([v / kt(system) for v in of(r, "drift")]))
-                                      for r in runs))
-        if line:
-            lines.append((system, line))
-    return rows_of("drift [kT/ns/dof] in double; in mixed precision", [f"`{method}`" for method in MIXED], lines)[:-1]
+    """Drifts at the usual step of systems that were run in double and in mixed precision."""
+    table = cells(rows, "mixed")
+    systems = [name for name in SYSTEMS if SYSTEMS[name].precision == "double" and name in table]
+
+    def cell(system, method):
+        runs = table[system][method].get(float(SYSTEMS[system].dt_fs), [])
+        return "{:.2g} ± {:.1g}".format(*mean_and_error([v / kt(system) for v in of(runs, "drift")])) if whole(runs) else ""
+    return rows_of("drift [kT/ns/dof]", systems, [(f"`{m}`", [cell(name, m) for name in systems]) for m in MIXED])[:-1]
 
 
 def means_table(rows, quantities):

@@ -66,7 +66,7 @@ def openmm_drift(system, tolerance, dt_fs, ps):
         return None
 
 
-PROGRAMS = {**{f"taut, {method}": (taut_drift, method) for method in ("newton", "feedforward", "baumgarte")},
+PROGRAMS = {**{f"taut, {method}": (taut_drift, method) for method in ("newton", "feedforward")},
             "GROMACS": (sound_steps.drift_of_gromacs, "GROMACS"),
             "GROMACS, strict": (sound_steps.drift_of_gromacs, "GROMACS, strict"),
             "OpenMM, 1e-5": (openmm_drift, 1e-5), "OpenMM, 1e-8": (openmm_drift, 1e-8)}

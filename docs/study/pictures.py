@@ -8,8 +8,8 @@ from taut.pictures.style import groups_of, limit, looks_of
 from cases import HERE, SYSTEMS
 from judge import LARGEST_DRIFT_KT, cost_at, kt, mean_and_error, of, whole
 
-COLOURS = {"penalty": "#999999", "baumgarte": "#d62728", "baumgarte dead-beat": "#ff9896",
-           "baumgarte implicit": "#e377c2", "baumgarte lagged": "#c49c94", "feedforward": "#1f77b4", "shake 1e-4": "#bcbd22",
+COLOURS = {"penalty": "#999999", "baumgarte": "#d62728", "baumgarte centred": "#ff9896",
+           "baumgarte implicit": "#e377c2", "feedforward": "#1f77b4", "shake 1e-4": "#bcbd22",
            "newton": "#000000", "lincs": "#2ca02c", "lincs strict": "#98df8a", "settle": "#9467bd",
            "settle and lincs": "#17becf"}
 
@@ -20,7 +20,7 @@ def points_of(judge, times, system, method):
         if whole(runs):
             drift, error = mean_and_error([v / kt(system) for v in of(runs, "drift")])
             cost = cost_at(times, system, method, step)
-            yield step, cost and cost[0], max(abs(drift), error)
+            yield step, cost, max(abs(drift), error)
 
 
 def draw(judge, times):

@@ -226,7 +226,7 @@ def check_short(study):
         system = SYSTEMS[name]
         if system.precision != "double":  # large
             continue
-        for method in ("feedforward", "lincs", "newton"):
+        for method in ("baumgarte", "feedforward", "lincs", "newton"):
             kept = judge.table[name].get(method, {}).get(float(system.dt_fs), [])
             if len(kept) < 2 or not whole(kept):
                 continue

@@ -20,8 +20,7 @@ from cases import read_rows
 from study import Study, add_rows, options, why_not
 
 cases.SYSTEMS["dipeptide-vacuum"] = cases.of_openmm("alanine dipeptide alone", "dipeptide-vacuum", 5000)
-METHODS = {"newton": (0.5, 2, 3, 4, 5), "feedforward": (2, 4, 5), "baumgarte": (2, 3, 4), "baumgarte implicit": (2,),
-           "shake 1e-4": (2,), "lincs strict": (2, 4)}
+METHODS = {"newton": (0.5, 2, 3, 4, 5), "feedforward": (2, 4, 5), "shake 1e-4": (2,), "lincs strict": (2, 4)}
 LENGTH_PS = {"decane": 200, "dipeptide-vacuum": 5000}
 SETTLING_PS = {"decane": 20, "dipeptide-vacuum": 100}
 FRAME_PS = 0.5

@@ -19,8 +19,7 @@ from cases import read_rows
 from study import Study, add_rows, options, temperatures, why_not
 
 SYSTEM, PRECISION, SETTLING_PS, FRAME_PS = "tip3p", "mixed", 5, 0.1
-STEPS = {"newton": (0.5, 2, 4, 5), "feedforward": (2, 5), "baumgarte": (2,), "baumgarte dead-beat": (2,),
-         "baumgarte implicit": (2,), "shake 1e-4": (2,), "lincs": (2,)}
+STEPS = {"newton": (0.5, 2, 4, 5), "feedforward": (2, 5), "shake 1e-4": (2,), "lincs": (2,)}
 COLUMNS = "method,dt_fs,seed,ps,status,diffusion_nm2_ps,viscosity_mpa_s,tau2_ps,translation_k,rotation_k".split(",")
 
 
