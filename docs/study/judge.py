@@ -227,7 +227,10 @@ def mixed_table(rows):
 
     def cell(system, method):
         runs = table[system][method].get(float(SYSTEMS[system].dt_fs), [])
-        return "{:.2g} ± {:.1g}".format(*mean_and_error([v / kt(system) for v in of(runs, "drift")])) if whole(runs) else ""
+        if not whole(runs):
+            return ""
+        drift, error = mean_and_error([v / kt(system) for v in of(runs, "drift")])
+        return f"{drift:.2g}" + (f" ± {error:.1g}" if error else "")
     return rows_of("drift [kT/ns/dof]", systems, [(f"`{m}`", [cell(name, m) for name in systems]) for m in MIXED])[:-1]
 
 
