@@ -70,8 +70,9 @@ void print_compared(const std::vector<ComparedMethod>& compared) {
     }
     say(kRow, name, std::isfinite(predicted) ? fmt::format("{:.4g}", predicted) : "–",
         fmt::format("{:.4g}", measured), fmt::format("{:.1e}", t.rms_error.value),
-        fmt::format("{:.1e}", t.max_error), with_error(t.error_slope), with_error({t.drift, t.drift_error}),
-        with_error(t.constraint_drift), fmt::format("{:.3g}", each.ns_per_bond.median));
+        fmt::format("{:.1e}", t.max_error), in_two_digits(t.error_slope),
+        in_two_digits({t.drift, t.drift_error}), in_two_digits(t.constraint_drift),
+        fmt::format("{:.3g}", each.ns_per_bond.median));
   }
 }
 

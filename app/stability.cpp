@@ -68,16 +68,17 @@ std::string verdict(const StabilityPlan& plan, const Ledger& ledger) {
   };
   double longest = 0;
   for (const auto& method : plan.methods) longest = std::max(longest, kept_up_to(method));
-  if (longest == 0) return fmt::format("{}: no method keeps the energy at any step that was tried", scene);
+  if (longest == 0)
+    return fmt::format("{}: no method is seen to keep the energy at any step; see the drift's errors", scene);
   std::vector<std::string> best;
   for (const auto& method : plan.methods)
     if (kept_up_to(method) > longest / 1.25) best.push_back(method);
   return fmt::format(
       "{}: take at most {:.2g} fs, the longest step at which the energy is kept, with {}; that a method runs "
       "at a "
-      "longer one is no advice. Kept means a drift of at most 0.1 kT a nanosecond and degree of freedom, or "
-      "at "
-      "most three of its errors more, over {} steps.",
+      "longer one is no advice. Kept means that over {} steps the drift is at most 0.1 kT a nanosecond and "
+      "degree "
+      "of freedom but for three of its errors, and less than 1 kT with two.",
       scene, longest, fmt::join(best, ", "), 4 * plan.step_steps);
 }
 

@@ -214,8 +214,8 @@ std::string work_csv(const ChartPlan& plan, const Ledger& ledger) {
     else
       text += fmt::format("{},{:.6e},{:.6e},{:.6e},{:.6e},{:.4g},{:d},{:.4g},{:.4g},{:.4g},{:.4g},{},\n",
                           columns(s), rms, std::max(0.0, rms - 1.96 * error), rms + 1.96 * error,
-                          run.max_error, run.later_over_earlier.value, run.at_rest(), ns.low, ns.median,
-                          ns.high, timed.step_us, plan.repeats);
+                          run.max_error, run.later_over_earlier, run.at_rest(), ns.low, ns.median, ns.high,
+                          timed.step_us, plan.repeats);
   }
   return text;
 }
@@ -224,7 +224,7 @@ std::vector<std::string> not_at_rest(const ChartPlan& plan, const Ledger& ledger
   std::vector<std::string> found;
   for (const Setting& s : plan.settings())
     if (const Trial& run = ledger.at(drift_name(s)); !run.failed() && !run.at_rest())
-      found.push_back(fmt::format("{} ({:.2g})", s.name(), run.later_over_earlier.value));
+      found.push_back(fmt::format("{} ({:.2g})", s.name(), run.later_over_earlier));
   return found;
 }
 

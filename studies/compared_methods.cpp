@@ -59,19 +59,23 @@ std::string figures_in_words(const ComparedMethod& of) {
   const Trial& t = of.trial;
   return fmt::format(
       "bonds right to {:.1e} rms, drift {} kJ/mol/ns per degree of freedom, {:.3g} ns a bond and step",
-      t.rms_error.value, with_error({t.drift, t.drift_error}), of.ns_per_bond.median);
+      t.rms_error.value, in_two_digits({t.drift, t.drift_error}), of.ns_per_bond.median);
 }
 
 std::string why_not(const ComparedMethod& of) {
   const Trial& t = of.trial;
   if (t.failed()) return t.failure;
+  if (!t.keeps_energy() && t.may_keep_energy())
+    return fmt::format(
+        "its drift is known to ±{:.1g} kJ/mol/ns per degree of freedom alone: give --steps more",
+        2 * t.drift_error);
   if (!t.keeps_energy())
     return fmt::format("it {} by {} kJ/mol/ns per degree of freedom", t.drift > 0 ? "heats" : "cools",
-                       with_error({std::abs(t.drift), t.drift_error}));
+                       in_two_digits({std::abs(t.drift), t.drift_error}));
   if (!of.doubts.empty()) return of.doubts.front();
   if (!t.at_rest())
     return fmt::format("its bond error is not at rest: its later half has {:.2g} times that of the earlier",
-                       t.later_over_earlier.value);
+                       t.later_over_earlier);
   return "its constraints heat or cool";
 }
 

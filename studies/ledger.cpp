@@ -16,9 +16,8 @@ namespace {
 template <class T>
 auto figures_of(T& t) {
   return std::tie(t.constraint_us, t.step_us, t.max_error, t.rms_error.value, t.rms_error.error,
-                  t.later_over_earlier.value, t.later_over_earlier.error, t.error_slope.value,
-                  t.error_slope.error, t.drift, t.drift_error, t.constraint_drift.value,
-                  t.constraint_drift.error, t.kT, t.figure);
+                  t.later_over_earlier, t.error_slope.value, t.error_slope.error, t.drift, t.drift_error,
+                  t.constraint_drift.value, t.constraint_drift.error, t.kT, t.figure);
 }
 
 // name, steps, figures and failure, between tabs.

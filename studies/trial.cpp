@@ -73,7 +73,7 @@ std::vector<Setting> settings_of(const std::string& method, double h, bool few) 
   return settings;
 }
 
-std::string with_error(const Estimate& estimate) {
+std::string in_two_digits(const Estimate& estimate) {
   const auto& [value, error] = estimate;
   if (!(error > 0)) return fmt::format("{:.2g}", value);
   const int digits = 1 - static_cast<int>(std::floor(std::log10(error)));
@@ -91,12 +91,16 @@ std::string in_few_words(const std::string& failure) {
 }
 
 bool Trial::at_rest() const {
-  const auto& [ratio, error] = later_over_earlier;
-  return std::abs(ratio - 1) <= std::max(0.1, 3 * error);
+  const auto& [slope, error] = error_slope;
+  return std::abs(later_over_earlier - 1) <= 0.1 || std::abs(slope) <= 4 * error;
+}
+
+bool Trial::may_keep_energy() const {
+  return std::abs(drift) <= 0.1 * kT + 3 * drift_error;
 }
 
 bool Trial::keeps_energy() const {
-  return std::abs(drift) <= 0.1 * kT + 3 * drift_error;
+  return may_keep_energy() && std::abs(drift) + 2 * drift_error <= kT;
 }
 
 namespace {
@@ -112,12 +116,6 @@ Scene ready(Scene scene, const Setting& setting, const TrialPlan& plan) {
 Estimate root(const Estimate& square) {
   const double value = std::sqrt(square.value);
   return {value, value > 0 ? square.error / (2 * value) : 0.0};
-}
-
-Estimate ratio(const Estimate& above, const Estimate& below) {
-  if (!(below.value > 0)) return {1, 0};
-  const double value = above.value / below.value;
-  return {value, std::hypot(above.error, value * below.error) / below.value};
 }
 
 }  // namespace
@@ -159,11 +157,13 @@ Trial TrialRun::trial() const {
   if (t_.empty()) return trial;
   const std::span<const double> squares = squares_;
   const std::size_t half = squares.size() / 2;
-  trial.max_error = std::reduce(largest_.begin(), largest_.end()) / static_cast<double>(largest_.size());
   trial.rms_error = root(correlated_mean(squares));
-  trial.later_over_earlier = half == 0 ? Estimate{1, 0}
-                                       : ratio(root(correlated_mean(squares.subspan(half))),
-                                               root(correlated_mean(squares.first(half))));
+  const auto mean = [](std::span<const double> part) {
+    return std::reduce(part.begin(), part.end()) / static_cast<double>(part.size());
+  };
+  trial.max_error = mean(largest_);
+  if (const double earlier = half > 0 ? mean(squares.first(half)) : 0; earlier > 0)
+    trial.later_over_earlier = std::sqrt(mean(squares.subspan(half)) / earlier);
   std::vector<double> rms;
   for (const double square : squares) rms.push_back(std::sqrt(square));
   trial.error_slope = block_slope(t_, rms);

@@ -34,7 +34,7 @@ struct Trial {
   double constraint_us = 0, step_us = 0;  // a step
   double max_error = 0;                   // of a row's worst bond, relative, mean over the rows
   Estimate rms_error = {};                // relative, of a bond, over the rows
-  Estimate later_over_earlier = {1, 0};   // rms of the later half of the rows over that of the earlier
+  double later_over_earlier = 1;          // rms of the later half of the rows over that of the earlier
   Estimate error_slope = {};              // of a row's rms in time [1/ns]
   double drift = 0;                       // [kJ/mol/ns/degree of freedom]
   double drift_error = 0;                 // its standard error, as the run has it; 0 for too few rows
@@ -46,11 +46,12 @@ struct Trial {
   bool failed() const { return !failure.empty(); }
   double drift_low() const { return drift - 1.96 * drift_error; }  // 95 %
   double drift_high() const { return drift + 1.96 * drift_error; }
-  // Whether both halves have the same error, to a tenth or to three standard errors.
+  // Whether the errors have no trend: one of more than four of its own errors that sets the halves a tenth apart.
   bool at_rest() const;
-  // Whether the drift is at most a tenth of kT a nanosecond and degree of freedom, or no more than that beyond three of
-  // its standard errors.
+  // Whether the drift is at most a tenth of kT a nanosecond and degree of freedom but for three of its standard errors,
+  // and known to be less than kT, with two.
   bool keeps_energy() const;
+  bool may_keep_energy() const;  // the first alone: the run may be too short to tell
 };
 
 struct TrialPlan {
@@ -96,7 +97,7 @@ Trial try_setting(Scene scene, const Setting& setting, const TrialPlan& plan);
 Trial try_setting(Scene scene, const Setting& setting, const TrialPlan& plan, State& end);
 
 // "0.10 ± 0.31": to two digits of the error; the value alone where that is not known.
-std::string with_error(const Estimate& estimate);
+std::string in_two_digits(const Estimate& estimate);
 
 // "A is singular" from a failure's whole paragraph.
 std::string in_few_words(const std::string& failure);

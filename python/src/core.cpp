@@ -137,6 +137,7 @@ PYBIND11_MODULE(_core, m) {
           [](Input& input, const std::string& name) { input.scene.name = name; });
   m.def("describe_methods", describe_methods);
   m.def("check_method", [](const std::vector<std::string>& overrides) { method_of(overrides); });
+  m.def("overrides_of_method", overrides_of_method);
   m.def("scenes", scenes, "Returns the scenes that come with taut, by name, with a line on each.");
   m.def("quoted", [](const std::string& text) { return toml_quoted(text); });
   m.def("threads", default_threads,

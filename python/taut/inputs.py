@@ -78,8 +78,9 @@ def overrides(given: Optional[Mapping[str, Any]], method: Optional[Method], dt_f
               precision: Optional[str] = None, of_biases: Iterable[Any] = ()) -> List[str]:
     """Returns the settings that replace those of a scene, as in ``"run.dt_fs=2"``."""
     said: Dict[str, Any] = {}
+    of_word: List[str] = []  # the settings of a method in a word, "rattle:sweeps=4"
     if isinstance(method, str):
-        said["method.name"] = method
+        said["method.name"], of_word = method.split(":")[0], _core.overrides_of_method(method)[1:]
     elif isinstance(method, options.Options):
         said.update(method.settings())
     elif isinstance(method, type) and issubclass(method, options.Options):
@@ -100,10 +101,12 @@ def overrides(given: Optional[Mapping[str, Any]], method: Optional[Method], dt_f
     for key, value in (given or {}).items():
         if not isinstance(key, str):
             raise InputError(f"set: expected a scene's keys, \"run.seed\", got {key!r}")
+        if any(setting.startswith(f"{key}=") for setting in of_word):
+            raise InputError(f"{key} is said twice, in {method!r} and as {value!r}; leave one out")
         if key in said and said[key] != value:
             raise InputError(f"{key} is said twice, {said[key]!r} and {value!r}; leave one out")
         said[key] = value
-    return [f"{key}={toml(value, key)}" for key, value in said.items() if value is not None]
+    return [f"{key}={toml(value, key)}" for key, value in said.items() if value is not None] + of_word
 
 
 def own_forces(forces: Iterable[Any]) -> List[Any]:

@@ -1,7 +1,8 @@
 """Studies of constraint methods: their speed, accuracy and limits, and whether OpenMM agrees.
 
-Each study takes methods as names, as classes or as objects, and ``seeds``: their number, or a list of them. It then
-runs once for each, and returns means over them with standard errors, ``NAME_error`` beside ``NAME``.
+Each study takes methods as words, "rattle" or "rattle:sweeps=4", as classes or as objects, and ``seeds``: their number,
+or a list of them. It then runs once for each, and returns means over them with standard errors, ``NAME_error`` beside
+``NAME``.
 
 Each study returns a dict of tables. A table is a pandas.DataFrame, or without pandas a dict of columns, numpy arrays
 of one length. With ``draw=True``, or ``draw=85`` or ``170``, a study draws its pictures with matplotlib, so many mm wide; the
@@ -41,26 +42,28 @@ def table(columns: Mapping[str, Any]) -> Table:
     return pandas.DataFrame(dict(columns))
 
 
-def _name(method: Any, scene: "_core.Input") -> str:
-    """Returns a method's name in a study. That of an object says its options: "shake(tolerance=1e-06)"."""
+def _word(settings: Mapping[str, Any]) -> str:
+    """Returns a method with its settings in a word: "rattle:sweeps=4"."""
+    options = [f"{key[len('method.'):]}={value if isinstance(value, str) else inputs.toml(value, key)}"
+               for key, value in settings.items() if key != "method.name" and value is not None]
+    return ":".join([settings["method.name"]] + [",".join(options)] * bool(options))
+
+
+def _name(method: Any) -> str:
+    """Returns a method in a word, as the command takes it, with the options of an object: "shake:tolerance=1e-06"."""
     if isinstance(method, type) and issubclass(method, Options):
         return str(method.method)
     if isinstance(method, Options):
-        settings = method.settings()
-    elif isinstance(method, parts.ConstraintMethod):
-        settings = parts.settings_of(method)
-    else:
-        return parts.named(method)
-    options = [f"{key[len('method.'):]}={value}" for key, value in settings.items() if key != "method.name"]
-    name = f"{settings['method.name']}({' '.join(options) or 'defaults'})"
-    _core.add_fixed_method(scene, name, [f"{key}={inputs.toml(value, key)}" for key, value in settings.items()])
-    return name
+        return _word(method.settings())
+    if isinstance(method, parts.ConstraintMethod):
+        return _word(parts.settings_of(method))
+    return parts.named(method)
 
 
-def _names(methods: Optional[Iterable[Any]], usual: List[str], scene: "_core.Input") -> List[str]:
+def _names(methods: Optional[Iterable[Any]], usual: List[str]) -> List[str]:
     if isinstance(methods, (str, type, Options, parts.ConstraintMethod)):
         methods = [methods]
-    names = usual if methods is None else [_name(method, scene) for method in methods]
+    names = usual if methods is None else [_name(method) for method in methods]
     if not names and methods is not None:
         raise InputError("methods: expected one or more")
     return names
@@ -98,7 +101,7 @@ def _study(run: Any, scene: inputs.Scene, methods: Optional[Iterable[Any]], sett
     with _folder_of_trials() as folder:
         for n, of_seed in enumerate(settings):
             read = inputs.read(scene, inputs.overrides(of_seed, None, dt_fs))
-            names, its_own = _names(methods, list(CLASSES), read), folder / str(n)
+            names, its_own = _names(methods, list(CLASSES)), folder / str(n)
             its_own.mkdir()
             tables.append(run(read, names, asked, str(its_own), progress))
         progress.done()
@@ -125,12 +128,14 @@ def chart(scene: inputs.Scene, methods: Optional[Iterable[Any]] = None, *, dt_fs
           draw: Draw = False) -> Dict[str, Any]:
     """Charts each method's speed against its accuracy.
 
-    - ``methods``: names, classes (``taut.Shake``, or your own derived from taut.ConstraintMethod) or objects
+    - ``methods``: words, classes (``taut.Shake``, or your own derived from taut.ConstraintMethod) or objects
       (``taut.Shake(tolerance=1e-6)``); None takes all of taut's. An option called tolerance, sweeps, order,
-      iterations, gains, ... of a name or a class runs through a range of values; an object is one point
+      iterations, gains, ... of a name or a class runs through a range of values; a word with settings, or an object, is
+      one point
     - ``quick``: takes few settings, repeats and steps, for a rough chart in a second to a minute
     - ``repeats``, ``steps``: number of timed runs, and of steps in each; 0 takes the study's own
-    - ``drift_steps``: number of steps in runs that measure the energy's drift; 0 takes the study's own
+    - ``drift_steps``: number of steps in runs that measure the energy's drift and the bonds' errors, after a quarter as
+      many; 0 takes the study's own
     - ``panels``: which of the tables to make
     - ``seeds``: number or list of ``run.seed``; tables then have means over them and their errors
 
@@ -161,7 +166,8 @@ def stability(scene: inputs.Scene, methods: Optional[Iterable[Any]] = None, *, d
     - ``seeds``: number or list of ``run.seed``; tables then have means over them and their errors
 
     Returns the tables "plane" (steps survived and drift over α and β), "limits" (the theory's limit of β h against
-    α h for a single bond) and "steps" (the largest stable step of each method [fs]). Raises InputError.
+    α h for a single bond) and "steps" (the largest step of each method that runs, and that keeps the energy [fs]).
+    Raises InputError.
     """
     pictures.expect_matplotlib(draw)
     asked = {"quick": quick, "steps": steps, "plane": plane, **_errors(bond_error=bond_error, energy_error=energy_error)}
@@ -176,47 +182,35 @@ def _errors(**given: float) -> Dict[str, float]:
     return given
 
 
-def _reference(against: Any, asked: Dict[str, Any], scene: "_core.Input") -> None:
-    """Adds the name of a reference method to what is asked for, with tolerance and sweeps of taut.Rattle(...)."""
-    if not isinstance(against, Options):
-        asked["against"] = _name(against, scene)
-        return
-    settings = against.settings()
-    asked["against"] = settings.pop("method.name")
-    for key in ("tolerance", "sweeps"):
-        value = settings.pop(f"method.{key}", None)
-        if value is not None and asked[key] not in (value, {"tolerance": 1e-10, "sweeps": 0}[key]):
-            raise InputError(f"{key} is said twice, {value!r} and {asked[key]!r}; leave one out")
-        asked[key] = asked[key] if value is None else value
-    if settings:
-        raise InputError(f"against: {next(iter(settings))} has no effect; tolerance and sweeps have")
-
-
-def calibrate(scene: inputs.Scene, *, against: Any = "rattle", tolerance: float = 1e-10, sweeps: int = 0,
-              copies: str = "mean", damping: str = "discrete", size: float = 1e-6, dt_fs: Optional[float] = None,
-              set: Optional[Mapping[str, Any]] = None, seeds: Seeds = None, draw: Draw = False) -> Dict[str, Any]:
+def calibrate(scene: inputs.Scene, *, against: Any = "rattle", sweeps: int = 0,
+              copies: str = "mean", damping: str = "discrete", size: float = 1e-6, steps: int = 2000,
+              dt_fs: Optional[float] = None, set: Optional[Mapping[str, Any]] = None, seeds: Seeds = None,
+              draw: Draw = False) -> Dict[str, Any]:
     """Finds the α and β with which Baumgarte reduces a bond's error per step as a reference method does.
 
-    - ``against``: "rattle", "shake" or "newton", or ``taut.Rattle(sweeps=4)`` and the like, or a class or an object of
-      your own derived from taut.ConstraintMethod
-    - ``tolerance``, ``sweeps``: the reference's tolerance, or in its place a fixed number of sweeps
+    - ``against``: "rattle:sweeps=4", ``taut.Rattle(sweeps=4)`` and the like, of rattle, shake and newton, or a class or
+      an object of your own derived from taut.ConstraintMethod
+    - ``sweeps``: its fixed number of sweeps, in place of a tolerance
     - ``copies``: "mean", "first" or "slowest", the reduction to copy if it differs from step to step
     - ``damping``: the form of Baumgarte's law ("discrete", "centred", "implicit" or "lagged")
     - ``size``: the relative error that is put into every bond
+    - ``steps``: number of steps of the runs that compare the methods; 0 compares none
     - ``seeds``: number or list of ``run.seed``; figures are then means over them, ``NAME_error`` their errors
 
     Returns "alpha_per_ps" and "beta_per_ps" [1/ps]; predicted and measured reductions and residuals; "courses", a table
-    of the error after each step (rms of σ/d²); "settings" for ``Simulation(set=...)``; and "disagreement", empty if
-    theory and measurement agree. A seed that fails is left out with a warning. Raises InputError, SimulationFailure.
+    of the error after each step (rms of σ/d²); "method", that of Baumgarte in a word for ``Simulation(method=...)``;
+    and "disagreement", empty if theory and measurement agree. With ``steps`` also "table", the reference, the calibrated
+    and the default Baumgarte and newton side by side: reductions, bond errors at rest with their slope in time, energy
+    drift, the bonds' share of it, and the bonds' time; "take", the one to take, None if none is sound; and "verdict",
+    which says why; of the first seed. A seed that fails is left out with a warning. Raises InputError,
+    SimulationFailure.
     """
     pictures.expect_matplotlib(draw)
-    asked = {"tolerance": tolerance, "sweeps": sweeps, "copies": copies, "damping": damping,
+    asked = {"against": _name(against), "sweeps": sweeps, "copies": copies, "damping": damping, "steps": steps,
              **_errors(size=size)}
     settings, found, seeds_of = settings_of_seeds(seeds, set), [], []
     for n, of_seed in enumerate(settings):
         read = inputs.read(scene, inputs.overrides(of_seed, None, dt_fs))
-        if n == 0:
-            _reference(against, asked, read)
         try:
             found.append(dict(_core.calibrate(read, asked)))
         except SimulationFailure as failure:  # it takes no other seed's figures with it
@@ -234,8 +228,9 @@ def calibrate(scene: inputs.Scene, *, against: Any = "rattle", tolerance: float 
         result[name], result[f"{name}_error"] = float(mean), float(error)
     result["disagreement"] = "\n".join(dict.fromkeys(one["disagreement"] for one in found if one["disagreement"]))
     result["courses"] = table(over_seeds(courses, seeds_of))
-    result["settings"] = {"method.name": "baumgarte",
-                          **{f"method.{key}": result[key] for key in ("gains", "damping", "reduction")}}
+    tables = [pictures.table_of(one["table"]) for one in found if "table" in one]
+    if tables:
+        result["table"] = table(over_seeds(tables, seeds_of))
     return _drawn(result, draw)
 
 
@@ -245,8 +240,8 @@ def crosscheck(scene: inputs.Scene, methods: Optional[Iterable[Any]] = None, *, 
                agreement_nm: float = 1e-6, seeds: Seeds = None, draw: Draw = False) -> Dict[str, Any]:
     """Compares a scene's runs with those of OpenMM, the version that taut was built with.
 
-    - ``methods``: names, with gains as in "baumgarte:dead-beat", classes or objects; None takes the study's own.
-      Projections named so are held to 1e-12, an object to what it says
+    - ``methods``: words, "baumgarte:gains=dead-beat", classes or objects; None takes the study's own. Projections are held
+      to 1e-12 unless they name a tolerance
     - ``platform``: OpenMM's platform; ``precision``: of a device's: "single", "mixed" or "double"
     - ``integrator``: "openmm" for OpenMM's own, "taut" for that of taut's plug-in, beside taut's run of each method
     - ``speed_seconds``: how long to measure speeds; 0 measures none
@@ -255,7 +250,8 @@ def crosscheck(scene: inputs.Scene, methods: Optional[Iterable[Any]] = None, *, 
       the figures of each
 
     Returns the figures and "verdicts" of crosscheck.json, the table "samples" of every sample of every run, and for
-    liquid water "distances", its radial distribution. A run that broke has its "failure"; beside it nothing is judged.
+    liquid water "distances", its radial distribution; "bond_lengths" has each run's error of them, its slope in time and what it is
+    made of, and "verdict" a sentence. A run that broke has its "failure"; beside it nothing is judged.
     Raises InputError.
     """
     pictures.expect_matplotlib(draw)
@@ -265,7 +261,7 @@ def crosscheck(scene: inputs.Scene, methods: Optional[Iterable[Any]] = None, *, 
     settings = settings_of_seeds(seeds, {"run.steps": steps, **(set or {})})
     for of_seed in settings:
         read = inputs.read(scene, inputs.overrides(of_seed, None, dt_fs))
-        found.append(dict(_core.crosscheck(read, _names(methods, [], read), asked, progress)))
+        found.append(dict(_core.crosscheck(read, _names(methods, []), asked, progress)))
     progress.done()
     figures = [json.loads(one.pop("json")) for one in found]
     result: Dict[str, Any] = dict(figures[0])

@@ -83,10 +83,24 @@ def test_stability():
 
 def test_calibrate_says_what_to_run():
     found = taut.calibrate("freely_jointed", sweeps=4, set=CHAINS)
-    sim = taut.Simulation("freely_jointed", set={**CHAINS, **found["settings"]})
+    sim = taut.Simulation("freely_jointed", method=found["method"], set=CHAINS)
     assert found["reduction_measured"] == pytest.approx(found["reduction_predicted"], rel=0.1)
     assert sim.method == "baumgarte" and f"α {found['alpha_per_ps']:.6g}/ps" in sim.setting
     assert len(found["courses"]["reference"]) == 41
+    table = found["table"]
+    assert list(table["method"])[0] == "rattle:sweeps=4" and found["method"] in set(table["method"])
+    assert found["take"] in set(table["method"]) and found["verdict"].startswith("take ")
+    assert (np.array(table["drift_se"]) > 0).all() and np.isfinite(np.array(table["bond_error_slope_per_ns"])).all()
+    assert "table" not in taut.calibrate("freely_jointed", sweeps=4, steps=0, set=CHAINS)
+
+
+def test_a_method_in_a_word_has_its_settings():
+    sim = taut.Simulation("freely_jointed", method="rattle:sweeps=4", set=CHAINS)
+    assert sim.method == "rattle" and "4 sweeps" in sim.setting
+    with pytest.raises(taut.InputError, match="method.sweeps is said twice"):
+        taut.Simulation("freely_jointed", method="rattle:sweeps=4", set={**CHAINS, "method.sweeps": 3})
+    with pytest.raises(taut.InputError, match="sweps"):
+        taut.Simulation("freely_jointed", method="rattle:sweps=4", set=CHAINS)
 
 
 def test_what_has_no_effect_is_refused():
@@ -169,13 +183,13 @@ def test_studies_take_objects_with_their_options():
     methods = [taut.Shake(tolerance=1e-6), "newton", taut.Shake, Mine, Mine(passes=1)]
     work = taut.chart("freely_jointed", methods, quick=True, repeats=1, panels="work", set=FEW)["work"]
     rows, errors = list(work["method"]), np.array(work["rms_rel_bond_error"])
-    assert rows.count("shake(tolerance=1e-06)") == rows.count("Mine") == rows.count("Mine(passes=1)") == 1
+    assert rows.count("shake:tolerance=1e-06") == rows.count("Mine") == rows.count("Mine:passes=1") == 1
     assert rows.count("shake") == 5  # tolerances and sweeps of a class vary
-    assert 1e-9 < errors[rows.index("shake(tolerance=1e-06)")] < 1e-6
-    assert errors[rows.index("Mine(passes=1)")] > 10 * errors[rows.index("Mine")]
+    assert 1e-9 < errors[rows.index("shake:tolerance=1e-06")] < 1e-6
+    assert errors[rows.index("Mine:passes=1")] > 10 * errors[rows.index("Mine")]
     steps = taut.stability("freely_jointed", [taut.Rattle(sweeps=1), "rattle"], quick=True, steps=40, plane=False,
                            set=FEW)["steps"]
-    assert list(steps["method"]) == ["rattle(sweeps=1)", "rattle"]
+    assert list(steps["method"]) == ["rattle:sweeps=1", "rattle"]
     one_sweep, converged = steps["largest_stable_fs"]
     assert one_sweep != converged
     with pytest.raises(taut.InputError, match="method.tolerance: expected at least"):
@@ -188,10 +202,8 @@ def test_calibrate_takes_objects():
     assert taut.calibrate("freely_jointed", against=taut.Rattle(sweeps=4), **asked)["reduction"] == named["reduction"]
     own = taut.calibrate("freely_jointed", against=Mine(passes=2), set=FEW)
     assert 0 <= own["reduction"] < 0.1
-    with pytest.raises(taut.InputError, match="sweeps is said twice, 4 and 3"):
+    with pytest.raises(taut.InputError, match="sweeps is said twice, in rattle:sweeps=4 and as 3"):
         taut.calibrate("freely_jointed", against=taut.Rattle(sweeps=4), sweeps=3, **asked)
-    with pytest.raises(taut.InputError, match="method.warm_start has no effect"):
-        taut.calibrate("freely_jointed", against=taut.Rattle(warm_start=False), **asked)
     with pytest.raises(taut.InputError, match="size: 0, expected more than 0"):
         taut.calibrate("freely_jointed", size=0, **asked)
 
@@ -254,4 +266,4 @@ def test_crosscheck_takes_objects_and_seeds():
         found = taut.crosscheck("pair", [taut.Newton(tolerance=1e-9), "shake"], steps=20, agreement_nm=1e-3)
     except taut.InputError as error:
         pytest.skip(f"built without OpenMM: {error}")
-    assert {"newton(tolerance=1e-09)", "shake"} <= set(found["samples"]["run"])
+    assert {"newton:tolerance=1e-09", "shake"} <= set(found["samples"]["run"])
