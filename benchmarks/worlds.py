@@ -10,24 +10,24 @@ import tempfile
 import numpy as np
 from taut.pictures import save, styled, table_of
 from taut.pictures.page import Page
-from taut.pictures.style import logarithmic
+from taut.pictures.style import limit
 
 RESULTS = pathlib.Path(__file__).resolve().parent / "results" / "worlds"
 ORANGE, BLUE, SKY, GREEN, GREY, BLACK = "#D55E00", "#0072B2", "#56B4E9", "#009E73", "#777777", "#000000"
-# Of each picture its panels: title, x, range of a logarithmic y or none, and its curves: column, colour, dashes or a mark, name.
+# Of each picture its panels: title, x, least and most of a logarithmic y or none, and its curves: column, colour, dashes or a mark, name.
 WORLDS = {
     "knee": ("t [s]", [
-        ("ligaments off by at most [mm]", (1e-10, 100), [("none_mm", GREY, ":", "none"),
-         ("physical_mm", ORANGE, "--", "α = β = √(k/I)"), ("calibrated_mm", BLUE, "-", "calibrated:\nαh = 0.3, (βh)² = 2.5")]),
+        ("ligaments off by at most [mm]", (1e-15, 100), [("none_mm", GREY, ":", "none"),
+         ("physical_mm", ORANGE, "--", "α = β = √(k/I)"), ("calibrated_mm", BLUE, "-", "calibrated: αh = 0.3, (βh)² = 2.5")]),
         ("energy [J]", None, [("none_energy", GREY, ":", "none"), ("physical_energy", ORANGE, "--", "α = β = √(k/I)"),
                               ("calibrated_energy", BLUE, "-", "calibrated")])]),
     "planted_foot": ("t [s]", [
-        ("the foot slides by [mm]", None, [("none_mm", GREY, "o", "none: bare\naccelerations"),
-         ("foretold_mm", BLACK, "-", "foretold:\nσ₊ − 2σ + σ₋ = ¼h⁴|a|²"), ("baumgarte_mm", BLUE, "--", "baumgarte")]),
+        ("the foot slides by [mm]", None, [("none_mm", GREY, "o", "none: bare accelerations"),
+         ("foretold_mm", BLACK, "-", "foretold: σ₊ − 2σ + σ₋ = ¼h⁴|a|²"), ("baumgarte_mm", BLUE, "--", "baumgarte")]),
         ("reaction [N]", None, [("closed_form_n", BLACK, "-", "m(g cos θ − v²/L)"), ("reaction_n", BLUE, "o", "along the leg")])]),
     "fold": ("t [ps]", [
         ("nearest layers [thicknesses]", None, [("without", GREY, ":", "no struts"),
-         ("none", ORANGE, "--", "struts without\na corrective term"), ("baumgarte", SKY, "-", "baumgarte"),
+         ("none", ORANGE, "--", "struts without a corrective term"), ("baumgarte", SKY, "-", "baumgarte"),
          ("newton", BLACK, (0, (5, 2, 1, 2)), "newton")])]),
     "double_pendulum": ("t [ps]", [
         ("energy given [kJ/mol]", None,
@@ -35,7 +35,7 @@ WORLDS = {
          [(f"foretold_{ah}", BLACK, "-", "") for ah in ("0.1", "0.3", "1")] + [("centred", GREEN, "--", "centred")])]),
     "flow": ("step", [
         ("rms divergence, pressure to 1e-3 by conjugate gradients", (1e-9, 1e-2), [("bare", GREY, ":", "bare: D u̇ = 0"),
-         ("baumgarte", BLUE, "-", "baumgarte, dead-beat"), ("projection", GREEN, "--", "projection,\na second solve")]),
+         ("baumgarte", BLUE, "-", "baumgarte, dead-beat"), ("projection", GREEN, "--", "projection, a second solve")]),
         ("rms divergence, put in at the start", (1e-12, 1), [("put_in_weak", ORANGE, "o", "αh = 0.05, βh = 0.2"),
          ("foretold_weak", BLACK, "-", ""), ("put_in_strong", BLUE, "s", "αh = 0.3, (βh)² = 2.5"), ("foretold_strong", BLACK, "-", "")])]),
 }
@@ -52,12 +52,11 @@ def draw(name, table):
             some = slice(None, None, 6) if look in ("o", "s") else slice(None)
             axis.plot(x[some], y[some], color=colour, **({"marker": look, "ls": "none", "fillstyle": "none", "ms": 3}
                                                          if look in ("o", "s") else {"ls": look}))
-            shown = np.flatnonzero((y >= log[0]) & (y <= log[1])) if log else np.arange(len(y))
+            shown = np.flatnonzero((y >= log[0]) & (y <= log[1])) if log else np.flatnonzero(np.isfinite(y))
             if words and len(shown):
                 names.append((x[shown[-1]], y[shown[-1]], words, colour))
         if log:
-            axis.set_ylim(*log)
-            logarithmic(axis, "y")
+            limit(axis, "y", np.concatenate([table[column][table[column] > log[0]] for column, *_ in curves]), log=True)
         axis.set_xlim(x[0], x[-1])
         axis.set_title(title)
         page.name_ends(axis, names)

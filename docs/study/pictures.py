@@ -45,14 +45,10 @@ def draw_system(judge, times, system):
         limit(axis, "x", np.concatenate([rows[:, column] for rows in points.values()]), log=True)
         limit(axis, "y", np.concatenate([rows[:, 2] for rows in points.values()]), log=True)
         axis.axhline(LARGEST_DRIFT_KT, color="#000000", lw=0.6, ls=(0, (4, 2)))
-        looks, ends = looks_of(group, {method: method.split()[0] for method in group}), []
-        for method in group:
+        for method, look in looks_of(group, {method: method.split()[0] for method in group}).items():
             x, y = points[method][:, column], points[method][:, 2]
-            axis.plot(x, y, **looks[method])
-            end = np.flatnonzero(np.isfinite(x))
-            ends += [(x[end[-1]], y[end[-1]], method, looks[method]["color"])] if len(end) else []
-        page.name_ends(axis, ends)
+            axis.plot(x, y, **look)
+            page.name_points(axis, [(x, y, method, look["color"])])
         axis.set_xlabel(label)
-        if axis is page.axes[0]:
-            axis.set_ylabel("energy drift, absolute [kT/ns/degree of freedom]", loc="top")
+    page.figure.supylabel("energy drift, absolute [kT/ns/degree of freedom]", fontsize=8)
     save(page.finish(), HERE / "pictures" / system, "svg")
