@@ -104,6 +104,7 @@ void StudyFiles::take(const std::string& drawn) {
     const std::string& name = asked_[n].name;
     const json one = all.is_array() && n < all.size() && all[n].is_object() ? all[n] : json::object();
     if (one.contains("failed") && reason_.empty()) reason_ = one["failed"].get<std::string>();
+    if (one.contains("refused")) refused_ = one["refused"].get<std::string>();
     if (!one.contains("files")) {
       undrawn_.push_back(name);
       continue;
@@ -128,6 +129,7 @@ void StudyFiles::print_written() {
     say("no pictures: {}; then {} draws them\n", missing_,
         fs::exists(folder_ / "run.csv") ? "the same command with --overwrite"
                                         : fmt::format("`taut plot {}`", quoted_for_shell(folder_.string())));
+  if (!refused_.empty()) throw InputError("--" + refused_);
   if (!undrawn_.empty())
     throw OutsideError(fmt::format("cannot draw {}: {}; the figures are in the .csv files",
                                    fmt::join(undrawn_, ", "), reason_));

@@ -52,7 +52,8 @@ class StudyFiles {
   std::vector<Picture> asked_;
   std::map<std::string, std::string> svg_;
   std::vector<std::string> written_, empty_, undrawn_;  // undrawn_: pictures that failed
-  std::string missing_, reason_;                        // what Python has not; why the first of them failed
+  std::string missing_, reason_,
+      refused_;  // what Python has not; why the first of them failed; what it was asked in vain
 };
 
 // The files that a picture may leave in a folder.

@@ -20,6 +20,7 @@ struct PlotArguments {
   std::optional<std::filesystem::path> out;
   long frames = kMostFramesDrawn;
   PictureOptions pictures;
+  std::vector<std::string> panels;
   bool overwrite = false;
 };
 
@@ -51,6 +52,7 @@ void plot(const PlotArguments& arguments) {
                       .out = {},
                       .command = "taut plot",
                       .pictures = arguments.pictures,
+                      .panels = arguments.panels,
                       .overwrite = arguments.overwrite,
                       .most_frames = arguments.frames};
   for (const std::string& folder : arguments.folders) {
@@ -85,6 +87,10 @@ void add_plot(Commands& commands) {
   command.option("--out", arguments->out, "folder of the pictures and report.html (DIR/plot of the first)");
   command.option("--frames", arguments->frames,
                  "of each trajectory so many frames are read at most, evenly spaced; 0: all");
+  command
+      .option("--panels", arguments->panels,
+              "of a run's picture, by parts of their titles: temperature frame (if not said: all)")
+      .words(0, "WORD");
   arguments->pictures.offer(command);
   command.flag("--overwrite", arguments->overwrite, "replace what --out holds");
   command.json("the range of each curve as JSON; run.csv has all points");

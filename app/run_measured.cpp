@@ -8,6 +8,7 @@
 #include "printing.hpp"
 #include "simulation/checkpoint.hpp"
 #include "studies/csv.hpp"
+#include "words.hpp"
 
 namespace taut {
 namespace {
@@ -17,13 +18,15 @@ constexpr std::string_view kByRun = "run,";  // how tables begin in which runs a
 // What the runs' frames and pressures show, each table once.
 std::vector<Picture> tables_of(const std::vector<std::optional<MeasuredRun>>& runs,
                                const std::vector<std::string>& names) {
-  const bool several = std::ranges::count_if(runs, [](const auto& run) { return run.has_value(); }) > 1;
+  const long count = std::ranges::count_if(runs, [](const auto& run) { return run.has_value(); });
+  const bool several = count > 1;
   std::vector<Picture> together;
   for (std::size_t k = 0; k < runs.size(); ++k) {
     if (!runs[k]) continue;
     for (Picture& picture : runs[k]->pictures(several ? names[k] : "")) {
       const auto known = std::ranges::find(together, picture.name, &Picture::name);
       if (picture.name == "equilibration" || (several && !picture.csv.starts_with(kByRun))) continue;
+      if (several) picture.title = counted(count, "run") + picture.title.substr(runs[k]->scene().name.size());
       if (known == together.end())
         together.push_back(std::move(picture));
       else

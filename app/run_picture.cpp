@@ -196,6 +196,10 @@ nlohmann::ordered_json plot_runs(const PlotRequest& request) {
          picture.beside["frames"],
          {}});
   }
+  for (const std::string& panel : request.panels) {
+    std::string& panels = picture.beside["panels"];
+    panels += (panels.empty() ? "panel\n" : "") + csv_cell(panel) + "\n";
+  }
   files.draw(picture);
   print_lines(curves);
   write_report(page, files);

@@ -19,6 +19,7 @@ struct PlotRequest {
   std::filesystem::path out;
   std::string command;  // that the report names
   PictureOptions pictures = {};
+  std::vector<std::string> panels = {};  // parts of the titles of those that are drawn; empty: all
   bool overwrite = false;
   long most_frames = kMostFramesDrawn;  // read of each trajectory, evenly spaced; 0: all
 };

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 
 #include "studies/csv.hpp"
@@ -26,6 +27,7 @@ constexpr const char* kShortRun = "run freely_jointed --steps 200 --set build.ch
 
 struct Look : ::testing::Test {
   const TemporaryFolder folder;
+  std::optional<Undrawn> undrawn{std::in_place};  // unless a test looks at a picture
   const std::string at = folder.path().string() + "/";
 };
 
@@ -157,6 +159,7 @@ TEST_F(Look, MeasuresFromWhereTheBathStaysTheSame) {
 
 // Every row is drawn once, as left out or as measured.
 TEST_F(Look, DrawsWhatTheRuleOfEquilibrationLeavesOut) {
+  undrawn.reset();
   said("run melt --steps 100 --set run.log_every=1 --quiet --out " + at + "run");
   const json measured = json::parse(said("measure --from auto --json --out " + at + "m " + at + "run"));
   const auto rows = csv_rows(contents(at + "m/equilibration.csv"));
@@ -258,6 +261,7 @@ TEST_F(Look, PullsAnEndPastAWall) {
 
 // A plot's page has what `taut measure --from auto` gives, of several runs laid over each other.
 TEST_F(Look, PlotsWhatIsMeasured) {
+  undrawn.reset();
   for (const char* seed : {"1", "2"})
     said(kShortRun + std::string("run.trajectory_every=2 run.seed=") + seed + " --quiet --out " + at + seed);
   const json drawn = json::parse(said("plot --json " + at + "1"));
@@ -303,6 +307,7 @@ TEST_F(Look, PlotsSomeFramesOfManyOnly) {
 
 // Every column of the log that the run has becomes a curve, of each run one.
 TEST_F(Look, PlotsRunsOverEachOther) {
+  undrawn.reset();
   EXPECT_THAT(said(kShortRun + std::string("--plot --out ") + at + "1"), HasSubstr("▁"));
   std::set<std::string> files;
   for (const auto& file : fs::directory_iterator(at + "1/plot"))
@@ -351,6 +356,7 @@ TEST_F(Look, PlotsRunsOfOneNameApart) {
 
 // Curves whose names differ behind a comma stay two.
 TEST_F(Look, PlotsRunsWithCommasInTheirNames) {
+  undrawn.reset();
   const std::string one = "'" + at + "x, 1'", two = "'" + at + "x, 2'";
   for (const std::string& run : {one, two}) said(kShortRun + std::string("--quiet --out ") + run);
   said("plot --quiet --format svg --out '" + at + "both' " + one + " " + two);

@@ -8,12 +8,21 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
 #include "file_text.hpp"
 
 namespace taut {
+
+// While it exists, commands find no Python and draw nothing, which takes them most of their time.
+struct Undrawn {
+  Undrawn() { setenv("TAUT_PYTHON", "/nowhere", 1); }
+  Undrawn(const Undrawn&) = delete;
+  Undrawn& operator=(const Undrawn&) = delete;
+  ~Undrawn() { unsetenv("TAUT_PYTHON"); }
+};
 
 struct Outcome {
   int exit_code;

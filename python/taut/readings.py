@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Dict, Iterable, List, Optional, Tuple
 
 import numpy as np
 import numpy.typing as npt
@@ -218,9 +218,13 @@ class Readings:
         """
         return (self.summary or {}).get("timings")
 
-    def plot(self, size: int = 170) -> Any:
+    def plot(self, size: int = 170, panels: Iterable[str] = ()) -> Any:
         """Draws the log as `taut plot` does: energy and its account, temperature, bond errors, and pressure in a box, with
-        means of the equilibrated part. Returns matplotlib's figure, ``size`` mm wide: 85 or 170."""
+        means of the equilibrated part. Returns matplotlib's figure, ``size`` mm wide: 85 or 170. ``panels``: parts of the
+        titles of those that are wanted, as ["temperature"]; empty: all."""
         from . import measure, pictures
 
-        return pictures.draw("run", pictures.log_tables(self.log, measure), size, self.name)
+        tables = pictures.log_tables(self.log, measure)
+        if panels := [panels] if isinstance(panels, str) else list(panels):
+            tables["panels"] = {"panel": panels}
+        return pictures.draw("run", tables, size, self.name)

@@ -10,9 +10,9 @@ from typing import Any, Mapping, Union
 
 from . import beside, charts, limits, measured, runs
 from .runs import log_tables
-from .style import WIDTHS_MM, NothingToDraw, Table, pyplot, save, styled, table_of
+from .style import WIDTHS_MM, NothingToDraw, Refused, Table, pyplot, save, styled, table_of
 
-__all__ = ["KINDS", "NothingToDraw", "draw", "expect_matplotlib", "log_tables", "save", "table_of"]
+__all__ = ["KINDS", "NothingToDraw", "Refused", "draw", "expect_matplotlib", "log_tables", "save", "table_of"]
 
 #: what draws which table
 KINDS = {"work": charts.work, "drift": charts.drift, "order": charts.order, "length": charts.length,

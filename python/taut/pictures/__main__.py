@@ -43,6 +43,8 @@ def _draw(pictures: Any, asked: Dict[str, Any], picture: Dict[str, Any]) -> Dict
         return made
     except pictures.NothingToDraw:
         return {"files": []}
+    except pictures.Refused as why:
+        return {"refused": str(why)}
     except OSError as error:
         return {"failed": f"{error.filename or ''}: {error.strerror or error}".lstrip(": ")}
     except Exception as error:

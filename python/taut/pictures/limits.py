@@ -45,7 +45,7 @@ def plane(tables: Mapping[str, Table], width_mm: int, title: str) -> Any:
             axis.pcolormesh(_edges(across, log=True), _edges(up), np.ma.masked_invalid(grid), norm=scales[row], cmap=maps)
             if row == 1:
                 axis.plot(ah[of & failed], bh[of & failed], "x", color="#777777", markersize=2.5)
-            if limits is not None:
+            if limits is not None and "damping" in limits:
                 edge = texts(limits, "damping") == name
                 x, y = numbers(limits, "alpha_h")[edge], numbers(limits, "limit_beta_h")[edge]
                 axis.plot(x, y, color="#D55E00", lw=1.2, ls=(0, (4, 1.5)))

@@ -18,14 +18,15 @@ def few(names: Any) -> Tuple[List[str], List[str]]:
     return (names[:MOST], names[MOST:]) if len(names) > MOST else (names, [])
 
 
-def _figures(table: Table) -> List[str]:
+def figures_of(table: Table) -> List[str]:
+    """Returns the figures that rows are of, with their units."""
     return [f"{figure} [{unit}]" if unit else figure for figure, unit in zip(texts(table, "figure"), texts(table, "unit"))]
 
 
 def scan(tables: Mapping[str, Table], width_mm: int, title: str) -> Any:
     """Means over seeds: a panel a figure, along x the first key that was varied, a curve for each setting of the others."""
     table = tables["scan"]
-    figures, curves, words = np.array(_figures(table), object), texts(table, "curve"), texts(table, "x_text")
+    figures, curves, words = np.array(figures_of(table), object), texts(table, "curve"), texts(table, "x_text")
     x, y, error = (numbers(table, name) for name in ("x", "value", "standard_error"))
     page = Page(len(each(figures)), width_mm, columns=3, height_mm=48, title=title)
     named, behind = few(curves)
@@ -68,7 +69,7 @@ def draw_each_run(axis: Any, table: Table, of: Any) -> None:
 
 def each_run(tables: Mapping[str, Table], width_mm: int, title: str) -> Any:
     """Every run's value of each figure, and their mean."""
-    figures = np.array(_figures(tables["each_run"]), object)
+    figures = np.array(figures_of(tables["each_run"]), object)
     page = Page(len(each(figures)), width_mm, columns=3, title=title)
     for axis, figure in zip(page.axes, each(figures)):
         of = figures == figure
@@ -80,6 +81,10 @@ def each_run(tables: Mapping[str, Table], width_mm: int, title: str) -> Any:
 
 
 # ---- What is drawn alone by `taut measure`, and as a panel by `taut plot`
+
+TITLES = {"distances": "g(r)", "displacement": "⟨Δr²⟩ of molecules [nm²]", "relaxation": "⟨R(0)·R(t)⟩/⟨R²⟩ of chains",
+          "viscosity": "viscosity, integral up to t [mPa s]"}
+
 
 def _by_run(page: Page, axis: Any, table: Table, x: str, y: str) -> None:
     """Draws a curve for each run with its error as a band, named at its end."""
@@ -106,19 +111,19 @@ def draw_distances(page: Page, axis: Any, table: Table) -> None:
     axis.set_ylim(0, None)
     axis.axhline(1, color="#999999", lw=0.5, ls=(0, (3, 2)), zorder=0)
     of = each(texts(table, "run"))
-    axis.set(xlabel="r [nm]", title=f"g(r) of {plain(of[0])}" if len(of) == 1 and of[0] else "g(r)")
+    axis.set(xlabel="r [nm]", title=f"g(r) of {plain(of[0])}" if len(of) == 1 and of[0] else TITLES["distances"])
 
 
 def draw_displacement(page: Page, axis: Any, table: Table) -> None:
     _by_run(page, axis, table, "t_ps", "squared_nm2")
-    axis.set(xlabel="t [ps]", title="⟨Δr²⟩ of molecules [nm²]", ylim=(0, None))
+    axis.set(xlabel="t [ps]", title=TITLES["displacement"], ylim=(0, None))
 
 
 def draw_relaxation(page: Page, axis: Any, table: Table) -> None:
     _by_run(page, axis, table, "t_ps", "correlation")
     axis.axhline(np.exp(-1), color="#777777", lw=0.6, ls=(0, (3, 2)))
     axis.annotate("1/e", (0.01, np.exp(-1)), xycoords=("axes fraction", "data"), fontsize=LETTERS, va="bottom")
-    axis.set(xlabel="t [ps]", title="⟨R(0)·R(t)⟩/⟨R²⟩ of chains")
+    axis.set(xlabel="t [ps]", title=TITLES["relaxation"])
 
 
 def draw_viscosity(page: Page, axis: Any, table: Table) -> None:
@@ -139,7 +144,7 @@ def draw_viscosity(page: Page, axis: Any, table: Table) -> None:
         axis.annotate(with_error(value[at], error[at]), (t[at], value[at]), (3, -9), textcoords="offset points",
                       fontsize=LETTERS, color=HUES[0])
     axis.margins(x=0)
-    axis.set(xlabel="t [ps]", title="viscosity, integral up to t [mPa s]", ylim=(0, None))
+    axis.set(xlabel="t [ps]", title=TITLES["viscosity"], ylim=(0, None))
 
 
 def draw_equilibration(page: Page, axis: Any, table: Table) -> None:

@@ -2,50 +2,66 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, List, Mapping
+from typing import Any, Callable, Dict, List, Mapping, Tuple
 
 import numpy as np
 
 from . import measured
 from .page import LETTERS, Page, line_of, plain
-from .style import HUES, MOST, NothingToDraw, Table, each, limit, look, numbers, shade, texts, with_error
+from .style import HUES, MOST, NothingToDraw, Refused, Table, each, limit, look, numbers, shade, texts, with_error
+
+Panel = Tuple[str, Callable[[Page, Any], None]]  # its title, and what draws it
 
 
 def run(tables: Mapping[str, Table], width_mm: int, title: str) -> Any:
-    """The log in time; temperatures by kind of molecule; what was measured; the first and the last frame."""
+    """The log in time; temperatures by kind of molecule; what was measured; the first and the last frame. A table "panels"
+    names those that are wanted, by a part of their titles."""
     table = tables["run"]
-    panels, frames = each(texts(table, "panel")), _frames(tables)
-    extra = [name for name in measured.PANELS if name in tables]
-    kinds = ["kinds"] if len(each(texts(tables["kinds"], "kind") if "kinds" in tables else [])) > 1 else []
-    figures = np.array(measured._figures(tables["each_run"]), object) if "each_run" in tables else np.array([])
-    count = len(panels) + len(kinds) + len(extra) + len(each(figures))
-    if count == 0:
+    above: List[Panel] = []
+    frames: List[Panel] = []
+    panels = each(texts(table, "panel"))
+    runs = each(name.partition(": ")[0] for name in texts(table, "curve")[texts(table, "panel") == panels[0]]) if panels else []
+    runs = runs if len(runs) > 1 else []
+    for panel in panels:
+        above.append((panel, lambda page, axis, panel=panel: _time(page, axis, tables, panel, runs)))
+    if "kinds" in tables and (texts(tables["kinds"], "kind") != "bath").any():
+        above.append(("temperature by motion [K]", lambda page, axis: _kinds(page, axis, tables["kinds"])))
+    for name in [name for name in measured.PANELS if name in tables]:
+        above.append((measured.TITLES[name], lambda page, axis, name=name: measured.PANELS[name](page, axis, tables[name])))
+    figures = np.array(measured.figures_of(tables["each_run"]), object) if "each_run" in tables else np.array([])
+    for figure in each(figures):
+        above.append((f"{figure}, each run",
+                      lambda page, axis, figure=figure: measured.draw_each_run(axis, tables["each_run"], figures == figure)))
+    for frame in each(texts(tables["frames"], "frame")) if "frames" in tables else []:
+        frames.append((frame, lambda page, axis, frame=frame: _frame(axis, tables["frames"], frame)))
+    if "panels" in tables:
+        wanted = each(texts(tables["panels"], "panel"))
+        for name in wanted:
+            if not any(name in panel for panel, _ in above + frames):
+                raise Refused(f"panels: no panel of {name}, there are {', '.join(panel for panel, _ in above + frames)}")
+        above, frames = ([(panel, draw) for panel, draw in some if any(name in panel for name in wanted)] for some in (above, frames))
+    return _page(tables, above, frames, width_mm, title)
+
+
+def _page(tables: Mapping[str, Table], above: List[Panel], frames: List[Panel], width_mm: int, title: str) -> Any:
+    """Draws panels, and frames in rows of their own below."""
+    if not above + frames:
         raise NothingToDraw
-    columns = (1 if width_mm < 100 else 2) if count < 5 else 2 if width_mm < 100 else 3
-    rows, below = -(-count // columns), -(-len(frames) // columns)  # frames stand in rows of their own
-    high = min(0.9 * _shape(tables["frames"]) * width_mm / max(columns, 2) / 45, 2.2) if frames else 1.0
+    columns = (1 if width_mm < 100 else 2) if len(above) < 5 else 2 if width_mm < 100 else 3
+    columns = max(columns, len(frames)) if len(above) < 5 else columns
+    rows, below = -(-len(above) // columns), -(-len(frames) // columns)
+    high = min(0.9 * _shape(tables["frames"]) * width_mm / columns / 45, 2.2) if frames else 1.0
     page = Page(rows * columns + len(frames), width_mm, columns=columns, narrow=columns, title=title,
                 heights=[1.0] * rows + [high] * below)
-    for unused in page.axes[count:rows * columns]:
+    for unused in page.axes[len(above):rows * columns]:
         unused.remove()
-    axes = iter(page.axes[:count] + page.axes[rows * columns:])
-    runs = each(name.partition(": ")[0] for name in texts(table, "curve")[texts(table, "panel") == panels[0]]) if panels else []
-    for n, panel in enumerate(panels):
-        _time(page, next(axes), tables, panel, runs if len(runs) > 1 else [], n == 0)
-    for _ in kinds:
-        _kinds(page, next(axes), tables["kinds"])
-    for name in extra:
-        measured.PANELS[name](page, next(axes), tables[name])
-    for figure in each(figures):
-        axis = next(axes)
-        measured.draw_each_run(axis, tables["each_run"], figures == figure)
-        axis.set_title(f"{plain(figure)}, each run")
-    for frame in frames:
-        _frame(next(axes), tables["frames"], frame)
+    for axis, (panel, draw) in zip(page.axes[:len(above)] + page.axes[rows * columns:], above + frames):
+        axis.set_title(plain(panel))
+        draw(page, axis)
     return page.finish()
 
 
-def _time(page: Page, axis: Any, tables: Mapping[str, Table], panel: str, runs: List[str], first: bool) -> None:
+def _time(page: Page, axis: Any, tables: Mapping[str, Table], panel: str, runs: List[str]) -> None:
     """Draws a panel's curves: light each row, and over the measured part the mean up to each time and that of all."""
     table = tables["run"]
     of_panel = texts(table, "panel") == panel
@@ -69,7 +85,7 @@ def _time(page: Page, axis: Any, tables: Mapping[str, Table], panel: str, runs: 
         value = _mean(axis, tables.get("means"), panel, name, "#000000" if not runs else curve["color"])
         said += [value] if value and not runs else []
         shown += [y[of], mean[of]]
-        label = (whose if first and not what and k < MOST else what if k == 0 else "") if runs else name
+        label = (whose if axis is page.axes[0] and not what and k < MOST else what if k == 0 else "") if runs else name
         if label and label not in seen and label != "each row":
             some = np.unique(np.linspace(0, of.sum() - 1, 24).astype(int))
             ends.append((t[of][some], y[of][some], label, curve["color"]))
@@ -112,11 +128,7 @@ def _kinds(page: Page, axis: Any, table: Table) -> None:
     types, alone = [kind.partition(": ")[0] for kind in places], len({kind.partition(": ")[0] for kind in places}) == 1
     axis.set_xticks(range(len(places)), [plain(kind.partition(": ")[2] if alone else kind.partition(" molecules of ")[2] or kind) for kind in places],
                     **({} if alone else {"rotation": 25, "ha": "right", "rotation_mode": "anchor"}))
-    axis.set(xlim=(-0.6, len(places) - 0.4), title="temperature by motion [K]", xlabel=plain(types[0]) if alone else "")
-
-
-def _frames(tables: Mapping[str, Table]) -> List[str]:
-    return each(texts(tables["frames"], "frame")) if "frames" in tables else []
+    axis.set(xlim=(-0.6, len(places) - 0.4), xlabel=plain(types[0]) if alone else "")
 
 
 def _shape(table: Table) -> float:
@@ -152,7 +164,7 @@ def _frame(axis: Any, table: Table, frame: str) -> None:
     for values, set_limits in ((across, axis.set_xlim), (along, axis.set_ylim)):
         margin = 0.02 * max(np.ptp(values), 1e-3)
         set_limits(values.min() - margin, values.max() + margin)
-    axis.set(aspect="equal", xlabel="x [nm]", title=plain(frame))
+    axis.set(aspect="equal", xlabel="x [nm]")
     axis.grid(False)
 
 

@@ -34,6 +34,10 @@ METHODS = {"baumgarte": ("#D55E00", "o"), "feedforward": ("#000000", "s"), "shak
 Table = Any  #: columns by their names: a dict of arrays, or a pandas.DataFrame
 
 
+class Refused(ValueError):
+    """What is asked for is not there."""
+
+
 class NothingToDraw(Exception):
     """No row of a table can be drawn."""
 
@@ -64,7 +68,7 @@ def styled() -> Any:
 def table_of(text: str) -> Dict[str, Any]:
     """Returns the columns of a CSV text with a line of names: numbers, or texts where one is none. An empty cell is nan."""
     rows = list(csv.reader(io.StringIO(text)))
-    return {name: _column([row[n] for row in rows[1:]]) for n, name in enumerate(rows[0])}
+    return {name: _column([row[n] for row in rows[1:]]) for n, name in enumerate(rows[0] if rows else [])}
 
 
 def _column(cells: List[str]) -> Any:
