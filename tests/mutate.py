@@ -6,11 +6,13 @@
 The lines are those of C++ and Python outside of tests that `git diff` shows since a commit; HEAD: what is not committed
 yet. An operator, a sign, a number or a comparison becomes another, or a statement goes. Each mutant is built and tested
 in the build folder: --tests is for ctest -R, whose programs are built, and what --targets names besides, such as the
-command or the module that these tests call. Files are put back after each. Prints what each mutant came to, and ends with 1 if one survived: write the test that kills it, or see that it changes no
-result. It is run by hand, since a mutant takes as long as a build.
+command or the module that these tests call. Files are put back after each, and git's index is locked meanwhile, lest a
+mutant be committed. Prints what each came to, and ends with 1 if one survived: write the test that kills it, or see that
+it changes no result. It is run by hand, since a mutant takes as long as a build.
 """
 import argparse
 import collections
+import contextlib
 import json
 import pathlib
 import random
@@ -61,6 +63,16 @@ def mutants_of(line):
         yield re.match(r"\s*", line)[0] + ("pass" if not line.rstrip().endswith(";") else "")
 
 
+@contextlib.contextmanager
+def locked_index():
+    lock = ROOT / run("git", "rev-parse", "--git-path", "index.lock").stdout.strip()
+    lock.touch(exist_ok=False)
+    try:
+        yield
+    finally:
+        lock.unlink()
+
+
 def run(*command, timeout=None):
     try:
         return subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=timeout)
@@ -83,6 +95,22 @@ def verdict(asked):
     return f"killed by {failed[1] if failed else done.stdout.strip().splitlines()[-1]}" if done.returncode else "SURVIVED"
 
 
+def count_verdicts(asked, mutants):
+    counts = collections.Counter()
+    for file, number, changed in mutants:
+        path, text = ROOT / file, (ROOT / file).read_text()
+        lines = text.splitlines()
+        before, lines[number] = lines[number], changed
+        try:
+            path.write_text("\n".join(lines) + "\n")
+            result = verdict(asked)
+        finally:
+            path.write_text(text)
+        counts[result.split(" by ")[0]] += 1
+        print(f"{result}\n  {file}:{number + 1}\n  - {before.strip()}\n  + {changed.strip()}", flush=True)
+    return counts
+
+
 def main():
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # the file is put back
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -100,18 +128,8 @@ def main():
         mutants = sorted(random.Random(1).sample(mutants, asked.at_most))
     if (whole := verdict(asked)) != "SURVIVED":
         sys.exit(f"without any mutant: {whole}")
-    counts = collections.Counter()
-    for file, number, changed in mutants:
-        path, text = ROOT / file, (ROOT / file).read_text()
-        lines = text.splitlines()
-        before, lines[number] = lines[number], changed
-        try:
-            path.write_text("\n".join(lines) + "\n")
-            result = verdict(asked)
-        finally:
-            path.write_text(text)
-        counts[result.split(" by ")[0]] += 1
-        print(f"{result}\n  {file}:{number + 1}\n  - {before.strip()}\n  + {changed.strip()}", flush=True)
+    with locked_index():
+        counts = count_verdicts(asked, mutants)
     run("ninja", "-C", asked.build, *asked.targets)
     print(", ".join(f"{count} {result}" for result, count in sorted(counts.items())) or "no line was touched")
     return 1 if counts["SURVIVED"] else 0
