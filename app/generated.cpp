@@ -62,11 +62,6 @@ std::string lister(const CLI::Option& option) {
   return "";
 }
 
-bool names_a_file(const CLI::Option& option) {
-  const std::string type = option.get_type_name();
-  return type == "PATH" || type == "PREFIX" || type.ends_with(".XML");
-}
-
 std::vector<const CLI::Option*> positionals(const CLI::App& app) {
   return app.get_options([](const CLI::Option* option) { return option->get_positional(); });
 }
@@ -105,8 +100,10 @@ std::string man_page(const CLI::App& app) {
   return page;
 }
 
-// One function, in which the previous word determines the completions.
-std::string bash_completion(const CLI::App& app) {
+namespace {
+
+// One function of bash, in which the previous word determines the completions.
+std::string completion_function(const CLI::App& app) {
   std::string cases;
   std::vector<std::string> names;
   for (const CLI::App* sub : subcommands(app)) {
@@ -127,8 +124,7 @@ std::string bash_completion(const CLI::App& app) {
                          sub->get_name(), values, fmt::join(flags_of(*sub), " "), plain);
   }
   return fmt::format(
-      R"(# taut: what can follow, for bash.
-_taut() {{
+      R"(_taut_words() {{
   local word=${{COMP_WORDS[COMP_CWORD]}} command= last= words= k
   for ((k = 1; k < COMP_CWORD; ++k)); do
     case ${{COMP_WORDS[k]}} in
@@ -149,69 +145,29 @@ _taut() {{
   [[ ${{#COMPREPLY[@]}} -eq 0 ]] && compopt -o default
   return 0
 }}
-complete -F _taut taut
 )",
       cases, fmt::join(names, " "), fmt::join(flags_of(app), " "));
 }
 
-// Quotes text in a shell's single quotes.
-std::string in_quotes(const std::string& text) {
-  std::string quoted;
-  for (const char c : text) quoted += c == '\'' ? "'\\''" : std::string(1, c);
-  return quoted;
+}  // namespace
+
+std::string bash_completion(const CLI::App& app) {
+  return fmt::format("# taut: what can follow, for bash.\n{}complete -F _taut_words taut\n",
+                     completion_function(app));
 }
 
+// By zsh's own reader of bash's completions, which takes no compopt.
 std::string zsh_completion(const CLI::App& app) {
-  std::string commands, cases;
-  for (const CLI::App* sub : subcommands(app)) {
-    commands +=
-        fmt::format("    '{}:{}'\n", sub->get_name(), in_quotes(escaped(sub->get_description(), ":\\")));
-    std::string arguments;
-    for (const CLI::Option* option : sub->get_options()) {
-      const std::string list = lister(*option), name = long_name(*option);
-      const std::string meaning = in_quotes(escaped(option->get_description(), "[]:"));
-      const char* behind = name == "--set" ? "-S = " : "";
-      const char* besides = option->get_type_name() == "SCENE" ? "; _files -g \"*.toml\"" : "";
-      const std::string action =
-          !list.empty()           ? fmt::format("{{compadd {}-- $({} 2>/dev/null){}}}", behind, list, besides)
-          : names_a_file(*option) ? "_files"
-                                  : " ";
-      if (name.empty())
-        arguments += fmt::format(" \\\n        '*:{}:{}'", meaning, action);
-      else if (takes_value(*option))
-        arguments += fmt::format(" \\\n        '*{}[{}]:value:{}'", name, meaning, action);
-      else
-        arguments += fmt::format(" \\\n        '{}[{}]'", name, meaning);
-    }
-    cases += fmt::format("      {}) _arguments{} ;;\n", sub->get_name(), arguments);
-  }
   return fmt::format(
       R"(#compdef taut
 # taut: what can follow, for zsh.
-_taut() {{
-  local -a commands
-  commands=(
-{}  )
-  if (( CURRENT == 2 )); then
-    _describe 'command' commands
-    _arguments {}
-  else
-    local command=$words[2]
-    shift words
-    (( CURRENT-- ))
-    case $command in
-{}    esac
-  fi
-}}
-_taut "$@"
+autoload -Uz bashcompinit && bashcompinit
+compopt() {{ :; }}
+{}local space=()
+[[ $words[CURRENT-1] == --set ]] && space=(-o nospace)
+_bash_complete $space -F _taut_words
 )",
-      commands,
-      [&] {
-        std::string all;
-        for (const std::string& flag : flags_of(app)) all += fmt::format("'{}' ", flag);
-        return all;
-      }(),
-      cases);
+      completion_function(app));
 }
 
 void add_generate(Commands& commands) {
