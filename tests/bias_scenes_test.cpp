@@ -290,10 +290,8 @@ std::string said(const std::string& old, const std::string& changed,
 TEST(Bias, BadOnesAreRefusedByName) {
   const std::string box = "[build]\nbox_nm = 2\n[run]";
   EXPECT_EQ(complaint(kPairOfBeads), "no error");
-  EXPECT_THAT(said("\"distance\"", "\"distanse\""),
-              HasSubstr("bias.0.variable: there is no \"distanse\"; did you"));
-  EXPECT_THAT(said("[[0], [1]]", "[[0], [2]]"),
-              HasSubstr("bias.0.groups[1]: there is no atom 2, only 0 to 1"));
+  EXPECT_THAT(said("\"distance\"", "\"distanse\""), HasSubstr("bias.0.variable: there is no \"distanse\""));
+  EXPECT_THAT(said("[[0], [1]]", "[[0], [2]]"), HasSubstr("bias.0.groups[1]: there is no atom 2, only 0 to"));
   EXPECT_THAT(said("[[0], [1]]", "[[0], [\"C\"]]"), HasSubstr("groups[1]: no atom is called \"C\""));
   EXPECT_THAT(said("[[0], [1]]", "[[0], [1.5]]"), HasSubstr("groups[1]: expected whole numbers and words"));
   EXPECT_THAT(said("[[0], [1]]", "[\"1-0\", 1]"), HasSubstr("\"1-0\": expected a span"));
@@ -302,29 +300,20 @@ TEST(Bias, BadOnesAreRefusedByName) {
   EXPECT_THAT(said("[[0], [1]]", "[[0], [0]]"), HasSubstr("groups: group 1 has the atoms of an earlier one"));
   EXPECT_THAT(said("[[0], [1]]", "[[0, 0], [1]]"), HasSubstr("group 0 names atom 0 twice"));
   EXPECT_THAT(said("[[0], [1]]", "[[], [1]]"), HasSubstr("group 0 has no atom"));
-  EXPECT_THAT(said("at_nm", "at_deg"),
-              HasSubstr("at_deg: has no effect, it counts only with variable = \"angle\""));
-  EXPECT_THAT(said("at_nm = 0.5", "at_nm = 0.5\nat_most_nm = 1"),
-              HasSubstr("at_nm: expected either this or walls"));
-  EXPECT_THAT(said("k_kj_mol_nm2 = 200", ""),
-              HasSubstr("expected k_kj_mol_nm2 (a restraint or walls), or force_"));
-  EXPECT_THAT(said("k_kj_mol_nm2 = 200", "k_kj_mol_nm2 = -1"),
-              HasSubstr("k_kj_mol_nm2: expected more than 0"));
-  EXPECT_THAT(said("k_kj_mol_nm2 = 200", "force_kj_mol_nm = 1"),
-              HasSubstr("at_nm: has no effect, it counts only with a k"));
+  EXPECT_THAT(said("at_nm", "at_deg"), HasSubstr("at_deg: has no effect, it counts only with variable ="));
+  EXPECT_THAT(said("at_nm = 0.5", "at_nm = 0.5\nat_most_nm = 1"), HasSubstr("at_nm: expected either this"));
+  EXPECT_THAT(said("k_kj_mol_nm2 = 200", ""), HasSubstr("expected k_kj_mol_nm2 (a restraint or walls), or"));
+  EXPECT_THAT(said("k_kj_mol_nm2 = 200", "k_kj_mol_nm2 = -1"), HasSubstr("k_kj_mol_nm2: expected more than"));
+  EXPECT_THAT(said("k_kj_mol_nm2 = 200", "force_kj_mol_nm = 1"), HasSubstr("at_nm: has no effect, it"));
   EXPECT_THAT(said("at_nm = 0.5", "at_nm = -0.5"), HasSubstr("no value of distance reaches its walls"));
-  EXPECT_THAT(said("at_nm = 0.5", "at_least_nm = 2\nat_most_nm = 1"),
-              HasSubstr("lower wall lies above the upper"));
+  EXPECT_THAT(said("at_nm = 0.5", "at_least_nm = 2\nat_most_nm = 1"), HasSubstr("lower wall lies above the"));
   EXPECT_THAT(said("\"arm\"", "\"my arm\""), HasSubstr("bias.0.name: expected letters, digits and _"));
   EXPECT_THAT(said("at_nm = 0.5", "at_nm = 0.5\nalong = [0, 0, 0]"),
               HasSubstr("along: expected a direction"));
   EXPECT_THAT(said("at_nm = 0.5", "at_nm = 0.5\nkk = 1"), HasSubstr("unknown key \"kk\" in [bias.0]"));
-  EXPECT_THAT(said("[run]", box, {"bias.0.at_nm=1.2"}),
-              HasSubstr("1.2 nm is too far, expected at most 0.98 nm"));
-  EXPECT_THAT(said("[run]", box, {"bias.0.along=[1, 1, 0]"}),
-              HasSubstr("images of this box differ along its direction"));
-  EXPECT_THAT(said("mass_u = 40", "mass_u = 0"),
-              HasSubstr("its atoms are anchors (mass 0), which do not move"));
+  EXPECT_THAT(said("[run]", box, {"bias.0.at_nm=1.2"}), HasSubstr("1.2 nm is too far, expected at most"));
+  EXPECT_THAT(said("[run]", box, {"bias.0.along=[1, 1, 0]"}), HasSubstr("images of this box differ along"));
+  EXPECT_THAT(said("mass_u = 40", "mass_u = 0"), HasSubstr("its atoms are anchors (mass 0), which do not"));
   EXPECT_THAT(
       said("[run]",
            "[[bias]]\nname = \"arm\"\nvariable = \"gyration\"\ngroups = [[0, 1]]\nk_kj_mol_nm2 = 1\n[run]"),
@@ -339,10 +328,8 @@ TEST(Bias, BadOnesAreRefusedByName) {
             .text);
   };
   EXPECT_EQ(of_torsion("at_least_deg = 170\nat_most_deg = 190\nk_kj_mol_rad2 = 3"), "no error");
-  EXPECT_THAT(of_torsion("at_most_deg = 190\nk_kj_mol_rad2 = 3"),
-              HasSubstr("a torsion goes round: expected both"));
-  EXPECT_THAT(of_torsion("torque_kj_mol_rad = 3"),
-              HasSubstr("a constant torque has no energy that fits a full turn"));
+  EXPECT_THAT(of_torsion("at_most_deg = 190\nk_kj_mol_rad2 = 3"), HasSubstr("a torsion goes round"));
+  EXPECT_THAT(of_torsion("torque_kj_mol_rad = 3"), HasSubstr("a constant torque has no energy that fits a"));
   EXPECT_THAT(of_torsion("at_deg = 9\nk_kj_mol_rad2 = 3\nalong = [0, 0, 1]"),
               HasSubstr("along: has no effect, it counts only with variable = \"distance\""));
 }

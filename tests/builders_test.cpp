@@ -115,18 +115,6 @@ TEST(Chains, BeadsAreNamedByTheirChain) {
   EXPECT_EQ(scene.names.kinds[scene.names.kind[5]].atom, "BEAD");
 }
 
-TEST(Rings, CloseAndAreNotFlat) {
-  for (const int beads : {4, 5, 7, 20, 33}) {
-    const Scene scene = scene_of("ring", {"build.rings=2", "build.beads=" + std::to_string(beads)});
-    EXPECT_EQ(scene.system.bond_count(), 2 * beads);
-    EXPECT_LT(bond_errors(scene.system, scene.start.x).max, 1e-13);
-    const Vectors ring = scene.start.x.leftCols(beads);
-    const Vectors about = ring.colwise() - Vec3(ring.rowwise().mean());
-    const Eigen::Matrix3d spread = about * about.transpose();
-    EXPECT_GT(spread.determinant(), 1e-4) << beads;
-  }
-}
-
 double least_distance(const Scene& scene, int bonds_apart) {
   double least = 1e9;
   for (int a = 0; a < scene.system.atoms(); ++a)

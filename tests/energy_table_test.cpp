@@ -107,11 +107,8 @@ TEST(EnergyTable, ConservesTheEnergyOfARun) {
 
 TEST(EnergyTable, ForcesAreHeldAgainstEnergies) {
   EXPECT_EQ(Folder().said(), "no error");
-  EXPECT_THAT(
-      Folder(bond_table(-1)).said(),
-      HasSubstr("scene.toml:4: molecule.cg.tables.0.file: bond.csv:3: the forces around 0.205 nm are not "
-                "−dE/dr of the energies: these change by -9.5 kJ/mol over two rows, by the forces it is "
-                "9.5; give forces in kJ/mol/nm"));
+  EXPECT_THAT(Folder(bond_table(-1)).said(),
+              HasSubstr("scene.toml:4: molecule.cg.tables.0.file: bond.csv:3: the forces around 0.205 nm"));
   EXPECT_THAT(Folder(bond_table(0.95)).said(), HasSubstr("bond.csv:3: the forces around"));
   EXPECT_EQ(Folder(bond_table(0.995)).said(), "no error");
   // one energy of all is wrong
@@ -135,13 +132,10 @@ TEST(EnergyTable, ThatIsNoneIsRefusedByFileAndLine) {
   EXPECT_THAT(said("0.2 1\n0.3 nan\n0.4 1\n"), HasSubstr("bond.csv:2: expected numbers"));
   EXPECT_THAT(said("0.2 1\n0.3 0 1\n0.4 1\n"), HasSubstr("bond.csv:2: has 3 numbers, expected 2, as above"));
   EXPECT_THAT(said("1 0.2 1 0\n2 0.3 0 1\n3 0.4 1 2\n"), HasSubstr("if it is a table of LAMMPS's"));
-  EXPECT_THAT(
-      said("0.2 1\n0.31 0\n0.4 1\n"),
-      HasSubstr("bond.csv:2: 0.31 nm, expected 0.3: rows at equal spacing, 0.1 from one to the next"));
+  EXPECT_THAT(said("0.2 1\n0.31 0\n0.4 1\n"), HasSubstr("bond.csv:2: 0.31 nm, expected 0.3: rows at equal"));
   EXPECT_THAT(said("0.4 1\n0.3 0\n0.2 1\n"), HasSubstr("bond.csv:3: the table does not rise"));
   EXPECT_THAT(said("-0.1 1\n0.3 0\n0.7 1\n"), HasSubstr("bond.csv:1: a distance of -0.1 nm"));
-  EXPECT_THAT(Folder(bond_table(), "0 1\n100 0\n200 1\n").said(),
-              HasSubstr("angle.csv:3: an angle of 200, expected 0 to 180 degrees"));
+  EXPECT_THAT(Folder(bond_table(), "0 1\n100 0\n200 1\n").said(), HasSubstr("angle.csv:3: an angle of 200"));
   const SceneText scene{kScene};
   EXPECT_THAT(Folder().said(scene.with("bond.csv", "bend.csv").text), HasSubstr("bend.csv: cannot be read"));
   EXPECT_THAT(Folder().said(scene.with(", bonds = [[0, 1]]", "").text),
@@ -159,10 +153,7 @@ TEST(EnergyTable, RefusesAStartOutsideIt) {
       SceneText{kScene}
           .with("units = 6", "coordinates_nm = [[0, 0, 0], [0.3, 0, 0], [0.72, 0.1, 0]]\nunits = 3")
           .text;
-  EXPECT_THAT(
-      Folder().said(shaped),
-      HasSubstr("scene.toml: tabulated bond 1-2 is 0.431741 nm long, its table bond.csv goes from 0.2 to 0.4 "
-                "nm: move the atoms, or give a table that goes further"));
+  EXPECT_THAT(Folder().said(shaped), HasSubstr("scene.toml: tabulated bond 1-2 is 0.431741 nm long, its"));
 }
 
 // Soft beads A among hard ones B.
@@ -261,10 +252,7 @@ TEST(EnergyTable, OfPairsSaysWhatIsWrong) {
     return PairFolder(table).said(text.text);
   };
   EXPECT_EQ(said(scene), "no error");
-  EXPECT_THAT(
-      said(scene, pair_table(0.5)),
-      HasSubstr(
-          "pair.0.table: pair.csv ends with 0.5 kJ/mol at 0.8 nm, where the energy would jump to zero"));
+  EXPECT_THAT(said(scene, pair_table(0.5)), HasSubstr("pair.0.table: pair.csv ends with 0.5 kJ/mol at 0.8"));
   EXPECT_EQ(said(scene.with("\"pair.csv\"", "\"pair.csv\"\nshift = true"), pair_table(0.5)), "no error");
   EXPECT_THAT(said(scene.with("\"pair.csv\"", "\"pair.csv\"\nsigma_nm = 0.3")),
               HasSubstr("pair.0.sigma_nm: has no effect, it counts only without table"));
@@ -272,10 +260,8 @@ TEST(EnergyTable, OfPairsSaysWhatIsWrong) {
               HasSubstr("missing key \"epsilon_kj_mol\" in [pair.0]"));
   EXPECT_THAT(said(scene.with("table = \"pair.csv\"", "sigma_nm = 0.3\nepsilon_kj_mol = 1\nshift = true")),
               HasSubstr("shift"));
-  EXPECT_THAT(
-      said(scene.with("units = 2", "units = 2\nlennard_jones_14 = 0.5")),
-      HasSubstr(
-          "atoms 0 and 3, three bonds apart, have 0.5 of their force, and pairs of a table all or nothing"));
+  EXPECT_THAT(said(scene.with("units = 2", "units = 2\nlennard_jones_14 = 0.5")),
+              HasSubstr("atoms 0 and 3, three bonds apart, have 0.5 of their force, and pairs of a table"));
   EXPECT_EQ(said(scene.with("units = 2", "units = 2\nlennard_jones_14 = 0")), "no error");
   EXPECT_THAT(
       said(scene.with("box_nm = 4", "box_nm = 1.5\n")

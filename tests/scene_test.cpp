@@ -48,7 +48,6 @@ TEST(Scene, KeysAreDescribed) {
                            "build.atoms",
                            "build.gravity_nm_ps2",
                            "build.chains",
-                           "build.rings",
                            "build.model",
                            "build.start",
                            "forcefield.pair",

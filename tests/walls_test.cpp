@@ -88,8 +88,7 @@ TEST(Walls, OfTwoSectionsHaveTheRoomBetweenThem) {
     EXPECT_LT(scene.start.x.row(2).maxCoeff(), 50 - 0.75 * 0.3);
     EXPECT_EQ(scene.terms.walls.size(), 2u);
   }
-  EXPECT_THAT(complaint(between("above_nm = 50", "below_nm = -5")),
-              HasSubstr("wall: the walls leave no room between them along z"));
+  EXPECT_THAT(complaint(between("above_nm = 50", "below_nm = -5")), HasSubstr("wall: the walls leave no"));
 }
 
 // Without forces between atoms each wall bears N kT/(A ∫ exp(−U/kT) dz).
@@ -136,27 +135,21 @@ std::string said(const std::string& old, const std::string& changed) {
 
 TEST(Walls, BadOnesAreRefusedByName) {
   EXPECT_EQ(complaint(kSlit.text), "no error");
-  EXPECT_THAT(said("between_nm = [0.5, 2.5]", "above_nm = 0.5"),
-              HasSubstr("wall.0.axis: in a box a wall needs another one that faces it: between_nm along z"));
-  EXPECT_THAT(said("2, 2, 3.5", "2, 2, 2.9"),
-              HasSubstr("the slit of 2 nm and the cutoff of 1 nm need a box of 3 nm"));
-  EXPECT_THAT(said("[0.5, 2.5]", "[2.5, 0.5]"),
-              HasSubstr("wall.0.between_nm: expected two numbers, the lower"));
+  EXPECT_THAT(said("between_nm = [0.5, 2.5]", "above_nm = 0.5"), HasSubstr("wall.0.axis: in a box a wall"));
+  EXPECT_THAT(said("2, 2, 3.5", "2, 2, 2.9"), HasSubstr("the slit of 2 nm and the cutoff of 1 nm need a"));
+  EXPECT_THAT(said("[0.5, 2.5]", "[2.5, 0.5]"), HasSubstr("wall.0.between_nm: expected two numbers, the"));
   EXPECT_THAT(said("[0.5, 2.5]", "[0.5, 0.9]"), HasSubstr("no room between them, expected more than 1.5 σ"));
-  EXPECT_THAT(said("between_nm", "above_nm = 1\nbetween_nm"),
-              HasSubstr("expected one of between_nm, above_nm"));
+  EXPECT_THAT(said("between_nm", "above_nm = 1\nbetween_nm"), HasSubstr("expected one of between_nm"));
   EXPECT_THAT(said("axis = \"z\"", "axis = \"w\""), HasSubstr("wall.0.axis: there is no \"w\""));
   EXPECT_THAT(said("axis = \"z\"", "axis = \"z\"\natoms = [\"C\"]"), HasSubstr("no atom is called \"C\""));
   EXPECT_THAT(said("axis = \"z\"", "axis = \"z\"\ncutoff_nm = 1"), HasSubstr("cutoff_nm: has no effect"));
-  EXPECT_THAT(said("sigma_nm = 0.3\nepsilon", "sigma_nm = 0\nepsilon"),
-              HasSubstr("expected more than 0, got 0"));
+  EXPECT_THAT(said("sigma_nm = 0.3\nepsilon", "sigma_nm = 0\nepsilon"), HasSubstr("expected more than 0"));
   EXPECT_THAT(said("sigma_nm = 0.3\nepsilon", "epsilon"), HasSubstr("missing key \"sigma_nm\" in [wall.0]"));
   EXPECT_THAT(said("cutoff_nm = 1.0", "cutoff_nm = 1.0\ncoulomb = \"pme\""),
               testing::AnyOf(HasSubstr("PME sums over images"), HasSubstr("coulomb")));
   EXPECT_THAT(said("thermostat = \"langevin\"", "thermostat = \"langevin\"\nbarostat = \"c-rescale\""),
               HasSubstr("a wall or a steered atom holds on to what the box would move"));
-  EXPECT_THAT(said("count = 60", "count = 1\ncentres_nm = [[1, 1, 3]]"),
-              HasSubstr("there is no room for copy"));
+  EXPECT_THAT(said("count = 60", "count = 1\ncentres_nm = [[1, 1, 3]]"), HasSubstr("there is no room for"));
 }
 
 // A chain that is grafted to a wall: its first atom is an anchor on it.
@@ -385,8 +378,7 @@ TEST(Steered, BadOnesAreRefusedByName) {
   EXPECT_THAT(complaint(good.with("0.03, 0, 0.04", "0, 0, 0").text),
               HasSubstr("steered[0]: expected a velocity that is not 0"));
   EXPECT_THAT(complaint(good.with("200]", "-1]").text), HasSubstr("expected a stiffness k above 0"));
-  EXPECT_THAT(complaint(good.with("mass_u = 50", "mass_u = 0").text),
-              HasSubstr("atom 0 is an anchor (mass 0)"));
+  EXPECT_THAT(complaint(good.with("mass_u = 50", "mass_u = 0").text), HasSubstr("atom 0 is an anchor (mass"));
   EXPECT_THROW(openmm_system_xml(openmm_input(read(kPulled))), InputError);
 }
 

@@ -1,6 +1,4 @@
-#include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "base/random.hpp"
 #include "systems/builders/builders.hpp"
@@ -10,7 +8,6 @@ namespace taut {
 namespace {
 
 constexpr int kMostWeighedBonds = 50;
-constexpr double kPucker = 0.3;  // displacement of a ring's bonds out of its plane, in bond lengths
 
 struct Polymer {
   int copies, beads;
@@ -44,33 +41,10 @@ Vectors chain_directions(int bonds, Random& random) {
   }
 }
 
-// Returns directions that add up to zero: a crown, (s cos φ, s sin φ, ±z) with alternating signs at equally
-// spaced φ; for an odd number with three planar ones at 120° among them, in the order of φ.
-Vectors ring_directions(int bonds) {
-  constexpr double kTurn = 2 * std::numbers::pi;
-  const int crown = bonds % 2 == 0 ? bonds : bonds - 3;
-  const double flat = std::sqrt(1 - kPucker * kPucker);
-  std::vector<std::pair<double, Vec3>> ring;
-  for (int k = 0; k < crown; ++k) {
-    const double azimuth = kTurn * (k + 0.5) / crown;
-    ring.push_back(
-        {azimuth, {flat * std::cos(azimuth), flat * std::sin(azimuth), k % 2 ? -kPucker : kPucker}});
-  }
-  for (int k = 0; k < bonds - crown; ++k) {
-    const double azimuth = kTurn * k / 3;
-    ring.push_back({azimuth, {std::cos(azimuth), std::sin(azimuth), 0}});
-  }
-  std::ranges::stable_sort(ring, {}, [](const auto& direction) { return direction.first; });
-  Vectors u(3, bonds);
-  for (int k = 0; k < bonds; ++k) u.col(k) = ring[k].second;
-  return u;
-}
-
-Polymer read_polymer(const TomlTable& keys, const char* copies_key, int least_beads) {
-  const auto copies = keys.get<long>(copies_key, {"how many", Range{.min = 1}});
-  const auto beads =
-      keys.get<long>("beads", {"beads in each", Range{.min = static_cast<double>(least_beads)}});
-  atoms_of(keys, copies_key, static_cast<double>(copies), static_cast<double>(beads));
+Polymer read_polymer(const TomlTable& keys) {
+  const auto copies = keys.get<long>("chains", {"how many", Range{.min = 1}});
+  const auto beads = keys.get<long>("beads", {"beads in each", Range{.min = 2}});
+  atoms_of(keys, "chains", static_cast<double>(copies), static_cast<double>(beads));
   Polymer polymer{static_cast<int>(copies), static_cast<int>(beads), 1, 1};
   polymer.bond = keys.get<double>("bond_nm", {"length of a bond", "nm", kPositive});
   polymer.mass = keys.get<double>("mass_u", {"mass of a bead", "u", kPositive});
@@ -78,7 +52,7 @@ Polymer read_polymer(const TomlTable& keys, const char* copies_key, int least_be
 }
 
 // Places copies apart on a grid (they do not interact); bead b + 1 of a copy lies one bond from bead b.
-void place(const Polymer& polymer, bool closed, auto&& directions, Scene& scene) {
+void place(const Polymer& polymer, auto&& directions, Scene& scene) {
   const auto& [copies, beads, bond, mass] = polymer;
   const double spacing = 3 * bond * std::sqrt(beads);
   const int side = static_cast<int>(std::ceil(std::cbrt(copies)));
@@ -92,7 +66,6 @@ void place(const Polymer& polymer, bool closed, auto&& directions, Scene& scene)
       scene.start.x.col(first + b + 1) = scene.start.x.col(first + b) + bond * u.col(b);
       bonds.push_back({first + b, first + b + 1, bond});
     }
-    if (closed) bonds.push_back({first + beads - 1, first, bond});
   }
   scene.names = bead_names(copies, beads);
   scene.system = make_system(Eigen::VectorXd::Constant(copies * beads, mass), std::move(bonds));
@@ -103,7 +76,7 @@ void place(const Polymer& polymer, bool closed, auto&& directions, Scene& scene)
 // kind = "chains": freely jointed chains without forces, independent of each other.
 // For up to 50 bonds per chain the start is drawn from equilibrium.
 void build_chains(const BuildRequest& request, Scene& scene) {
-  const Polymer polymer = read_polymer(request.keys, "chains", 2);
+  const Polymer polymer = read_polymer(request.keys);
   if (request.keys.describing()) return;
   Random random(request.run.seed);
   scene.positions_drawn = true;
@@ -113,18 +86,7 @@ void build_chains(const BuildRequest& request, Scene& scene) {
     hear(request.listen);
     return chain_directions(polymer.beads - 1, random);
   };
-  place(polymer, false, directions, scene);
-}
-
-// kind = "rings": closed rings without forces, independent of each other, puckered.
-void build_rings(const BuildRequest& request, Scene& scene) {
-  const Polymer polymer = read_polymer(request.keys, "rings", 4);
-  if (request.keys.describing()) return;
-  const auto directions = [&] {
-    hear(request.listen);
-    return ring_directions(polymer.beads);
-  };
-  place(polymer, true, directions, scene);
+  place(polymer, directions, scene);
 }
 
 }  // namespace taut

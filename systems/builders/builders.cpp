@@ -25,19 +25,15 @@ struct Kind {
   void (*build)(const BuildRequest&, Scene&);
   bool own_start = false;  // whether the builder reads build.start itself
 };
-constexpr std::array kKinds = {Kind{"atoms", build_atoms},
-                               Kind{"chains", build_chains},
-                               Kind{"rings", build_rings},
-                               Kind{"melt", build_melt},
-                               Kind{"water", build_water, true},
-                               Kind{"lammps", build_lammps},
-                               Kind{"molecules", build_molecules, true}};
+constexpr std::array kKinds = {Kind{"atoms", build_atoms},   Kind{"chains", build_chains},
+                               Kind{"melt", build_melt},     Kind{"water", build_water, true},
+                               Kind{"lammps", build_lammps}, Kind{"molecules", build_molecules, true}};
 
 // [[place]] implies kind = "molecules"; with another kind it would have no effect.
 const Kind& chosen_kind(const TomlTable& root, const TomlTable& keys) {
   std::string name = root.has("place") ? "molecules" : "";
-  if (std::string said; keys.has("kind") && keys.read("kind", said) && said == "alkane")
-    keys.fail("kind", "alkanes are [molecule]s now, with bonds, angles and torsions: start from decane.toml");
+  if (std::string said; keys.has("kind") && keys.read("kind", said) && (said == "alkane" || said == "rings"))
+    keys.fail("kind", "alkanes and rings are [molecule]s: start from decane.toml or ring.toml");
   if (name.empty() && !keys.has("kind") && !keys.describing())
     keys.fail("kind", fmt::format("not said: place molecules ([[place]]), or say one of {}",
                                   fmt::join(kinds(), ", ")));

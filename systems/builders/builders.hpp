@@ -43,7 +43,6 @@ void read_precision(const TomlTable& forcefield, Terms& terms);
 // The list of kinds. A builder first reads its keys, and returns if they are only described.
 void build_atoms(const BuildRequest& request, Scene& scene);      // atoms and bonds one by one
 void build_chains(const BuildRequest& request, Scene& scene);     // freely jointed chains without forces
-void build_rings(const BuildRequest& request, Scene& scene);      // closed rings without forces
 void build_melt(const BuildRequest& request, Scene& scene);       // dense bead chains, Lennard-Jones or WCA
 void build_water(const BuildRequest& request, Scene& scene);      // rigid water, box or droplet
 void build_lammps(const BuildRequest& request, Scene& scene);     // a data file of LAMMPS
