@@ -29,10 +29,13 @@ std::string head_of(const Key& key) {
   return fmt::format("{} = {}{}", key.name(), key.value, unit);
 }
 
+// The kinds or methods that a key is of, where its section does not say so: [molecule], [place] are of molecules.
 std::string whose(const Key& key) {
-  const bool every = key.section == "build" && key.kinds.size() == kinds().size();
-  if (key.kinds.empty() || every) return "";
-  const char* of = key.section == "method" ? "" : "kind ";
+  const bool method = key.section == "method", shared = key.section == "build" || key.section == "forcefield";
+  const bool every = !method && key.kinds.size() == kinds().size();
+  const bool said = !method && !shared && key.kinds.size() == 1;
+  if (key.kinds.empty() || every || said) return "";
+  const char* of = method ? "" : "kind ";
   return fmt::format("; of {}{}", of, fmt::join(key.kinds, ", "));
 }
 

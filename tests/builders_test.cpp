@@ -27,10 +27,10 @@ class EveryScene : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(All, EveryScene, testing::ValuesIn(all_scenes()),
                          [](const auto& scene) { return scene.param; });
 
-TEST_P(EveryScene, StartsWithExactBondsAndFiniteForces) {
+TEST_P(EveryScene, StartsOnItsBondsWithFiniteForces) {
   Scene scene = scene_of(GetParam());
   EXPECT_GT(scene.hard_on.size(), 20u);
-  EXPECT_LT(bond_errors(scene.system, scene.start.x).max, 1e-12);
+  EXPECT_LT(bond_errors(scene.system, scene.start.x).max, 1e-7);  // files of starts have nine digits
   ForceField forces(scene.system, scene.start.box, scene.terms);
   forces.evaluate(scene.system, scene.start);
   EXPECT_TRUE(scene.start.f.allFinite());
@@ -162,7 +162,7 @@ TEST(Decane, HasItsDensityAndItsStart) {
     // 142.286 g/mol; 1 g/cm³ is 602.214076 u/nm³
     EXPECT_NEAR(scene.system.mass.sum() / scene.start.box.volume() / 602.214076, 0.73, 1e-12);
     EXPECT_NEAR(scene.system.mass.sum() / molecules, 142.286, 1e-9);
-    EXPECT_LT(bond_errors(scene.system, scene.start.x).max, 1e-9);
+    EXPECT_LT(bond_errors(scene.system, scene.start.x).max, 1e-7);
   }
   EXPECT_THAT(scene_of("decane").notes, testing::IsEmpty());
   EXPECT_GT(least_distance(scene_of("decane"), 9), 0.3);

@@ -72,7 +72,7 @@ TEST(Scene, KeysAreDescribed) {
   EXPECT_EQ(one("run.dt_fs").allowed(), "more than 0");
   EXPECT_EQ(one("run.friction_per_ps").counts_only, "with run.thermostat = \"langevin\"");
   EXPECT_EQ(one("run.trajectory").allowed(), "one of dcd, h5md, both");
-  EXPECT_EQ(one("build.kind").kinds.size(), 7u);
+  EXPECT_EQ(one("build.kind").kinds.size(), 6u);
   EXPECT_TRUE(one("build.molecules").required);
   EXPECT_EQ(one("forcefield.precision").kinds,
             (std::vector<std::string>{"melt", "water", "lammps", "molecules"}));

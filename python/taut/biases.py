@@ -49,7 +49,8 @@ class Bias:
 
     def groups(self) -> Sequence[Group]:
         """Returns the groups of atoms, in the order of the file."""
-        raise NotImplementedError
+        fields = dataclasses.fields(self)  # type: ignore[arg-type]
+        return [getattr(self, field.name) for field in fields if field.name.startswith("group")]
 
     def settings(self) -> Dict[str, Any]:
         """Returns the keys of a section [[bias]]."""
@@ -81,9 +82,6 @@ class Distance(Bias):
     force_kj_mol_nm: Optional[float] = None
     name: Optional[str] = None
 
-    def groups(self) -> Sequence[Group]:
-        return [self.group1, self.group2]
-
 
 @dataclasses.dataclass
 class Angle(Bias):
@@ -100,9 +98,6 @@ class Angle(Bias):
     k_kj_mol_rad2: Optional[float] = None
     torque_kj_mol_rad: Optional[float] = None
     name: Optional[str] = None
-
-    def groups(self) -> Sequence[Group]:
-        return [self.group1, self.group2, self.group3]
 
 
 @dataclasses.dataclass
@@ -124,9 +119,6 @@ class Torsion(Bias):
     k_kj_mol_rad2: Optional[float] = None
     name: Optional[str] = None
 
-    def groups(self) -> Sequence[Group]:
-        return [self.group1, self.group2, self.group3, self.group4]
-
 
 @dataclasses.dataclass
 class Gyration(Bias):
@@ -141,9 +133,6 @@ class Gyration(Bias):
     k_kj_mol_nm2: Optional[float] = None
     force_kj_mol_nm: Optional[float] = None
     name: Optional[str] = None
-
-    def groups(self) -> Sequence[Group]:
-        return [self.group]
 
 
 def settings_of(biases: Iterable[Any]) -> List[Dict[str, Any]]:
