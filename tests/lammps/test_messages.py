@@ -18,8 +18,8 @@ pytestmark = pytest.mark.skipif(not shutil.which("mpicc"), reason="no mpicc")
 
 def sent(folder, text, **given):
     """Messages and kB a processor and step, of steps 20 to 60, on two processors. Lists are built before alone."""
-    counter = folder / "count_mpi.so"
-    subprocess.run(["mpicc", "-shared", "-fPIC", "-O2", pathlib.Path(__file__).with_name("count_mpi.c"), "-o", counter], check=True)
+    counter, source = folder / "count_mpi.so", pathlib.Path(__file__).with_name("count_mpi.c")
+    subprocess.run(["mpicc", "-shared", "-fPIC", "-O2", source, "-o", counter], check=True)
     text = text.replace("every 1 delay 0 check yes", "every 1000 delay 0 check no")
     def total(steps):
         (folder / "in.counted").write_text(inputs.of(text, rest=f"run {steps}\n", **given))
