@@ -42,7 +42,7 @@ struct IdealGas {
     s.box.edge = Vec3::Constant(std::cbrt(molecules * kT / 40));
     s.x = Vectors::Random(3, n);
     s.v = Vectors::Zero(3, n);
-    s.f = s.v;
+    s.f = s.F = s.v;
     scene.start.box = s.box;
   }
 
