@@ -1,4 +1,4 @@
-// The figures behind the pictures of systems/worlds: a table each, as benchmarks/worlds.sh draws them.
+// The figures behind the pictures of systems/worlds: a table each, as benchmarks/worlds.py draws them.
 //     worlds FOLDER
 #include <fmt/format.h>
 

@@ -7,7 +7,7 @@ from typing import Any, Dict, List, Mapping, Tuple
 import numpy as np
 
 from .page import Page
-from .style import NothingToDraw, Table, each, groups_of, limit, look, numbers, texts
+from .style import HUES, METHODS, NothingToDraw, Table, each, groups_of, limit, look, numbers, texts
 
 COST = "constraint time [ns a bond and step]"
 DRIFT = "|energy drift| [kJ/mol/ns/degree of freedom]"
@@ -20,11 +20,16 @@ def _curves(table: Table, there: Any, by: str = "curve") -> Tuple[Any, List[List
     curves = [name for name in each(names) if (there & (names == name)).any()]
     if not curves:
         raise NothingToDraw
+    taken = {METHODS[method][0] for method in methods.values() if method in METHODS}
+    own = [method for method in each(methods[curve] for curve in curves) if method not in METHODS]
+    free = [hue for hue in HUES if hue not in taken] or list(HUES)
     number: Dict[str, int] = {}
     looks = {}
     for curve in curves:
         number[methods[curve]] = number.get(methods[curve], -1) + 1
         looks[curve] = look(methods[curve], number[methods[curve]])
+        if methods[curve] in own:
+            looks[curve].update(color=free[own.index(methods[curve]) % len(free)], marker="*")
     return names, groups_of(curves, methods), looks
 
 

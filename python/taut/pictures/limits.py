@@ -42,7 +42,7 @@ def plane(tables: Mapping[str, Table], width_mm: int, title: str) -> Any:
             grid = np.full((len(up), len(across)), np.nan)
             chosen = of & shown & np.isfinite(values)
             grid[np.searchsorted(up, bh[chosen]), np.searchsorted(across, ah[chosen])] = values[chosen]
-            axis.pcolormesh(_edges(across, log=True), _edges(up), np.ma.masked_invalid(grid), norm=scales[row], cmap=maps)
+            axis.pcolormesh(_edges(across, log=True), _edges(up), grid, norm=scales[row], cmap=maps)
             if row == 1:
                 axis.plot(ah[of & failed], bh[of & failed], "x", color="#777777", markersize=2.5)
             if limits is not None and "damping" in limits:

@@ -7,7 +7,7 @@ from typing import Any, Callable, Dict, List, Mapping, Tuple
 import numpy as np
 
 from .page import LETTERS, Page, line_of, plain
-from .style import HUES, MOST, Table, each, limit, look, numbers, texts, with_error
+from .style import HUES, MOST, Table, each, ink, look, numbers, texts, with_error
 
 Draw = Callable[[Page, Any, Table], None]
 
@@ -55,7 +55,7 @@ def _aside(x: Any, n: int, of: int) -> float:
     return float(0.012 * (n - (of - 1) / 2) * (np.nanmax(x) - np.nanmin(x))) if of > 1 else 0.0
 
 
-def draw_each_run(axis: Any, table: Table, of: Any) -> None:
+def draw_each_run(_: Any, axis: Any, table: Table, of: Any) -> None:
     """Draws the runs in their order, with the value that is measured over all as a band."""
     number, value, error = (numbers(table, name)[of] for name in ("number", "value", "standard_error"))
     run = number > 0
@@ -74,7 +74,7 @@ def each_run(tables: Mapping[str, Table], width_mm: int, title: str) -> Any:
     for axis, figure in zip(page.axes, each(figures)):
         of = figures == figure
         mean = of & (numbers(tables["each_run"], "number") == 0)
-        draw_each_run(axis, tables["each_run"], of)
+        draw_each_run(page, axis, tables["each_run"], of)
         axis.set_title("\n".join([plain(figure), *[f"mean {with_error(value, error)}" for value, error in zip(
             numbers(tables["each_run"], "value")[mean], numbers(tables["each_run"], "standard_error")[mean])]]))
     return page.finish()
@@ -137,7 +137,7 @@ def draw_viscosity(page: Page, axis: Any, table: Table) -> None:
     other.set_ylim(-0.2, 1)
     other.grid(False)
     other.spines["right"].set_visible(True)
-    other.set_ylabel("⟨P(0)P(t)⟩/⟨P²⟩, dashed", color=HUES[1], fontsize=LETTERS)
+    other.set_ylabel("⟨P(0)P(t)⟩/⟨P²⟩, dashed", color=ink(HUES[1]), fontsize=LETTERS)
     if cut[0] > 0:
         at = int(np.argmin(abs(t - cut[0])))
         axis.plot(t[at], value[at], "o", color=HUES[0])
@@ -151,14 +151,14 @@ def draw_equilibration(page: Page, axis: Any, table: Table) -> None:
     t, out, measured = (numbers(table, name) for name in ("t_ps", "left_out_kj_mol", "measured_kj_mol"))
     axis.plot(t, out, color=HUES[1], ls=(0, (3, 1)))
     axis.plot(t, measured, color=HUES[0])
-    ends = [(t[k][-1], y[k][-1], name, colour) for y, name, colour in ((out, "left out", HUES[1]), (measured, "measured", HUES[0]))
+    ends = [(t[k][::max(1, k.sum() // 24)], y[k][::max(1, k.sum() // 24)], name, colour) for y, name, colour in ((out, "left out", HUES[1]), (measured, "measured", HUES[0]))
             for k in [np.isfinite(y)] if k.any()]
     axis.margins(x=0)
-    page.name_ends(axis, ends)
+    page.name_points(axis, ends)
     axis.set(xlabel="t [ps]", title="potential energy [kJ/mol]")
 
 
-PANELS: Dict[str, Draw] = {"distances": draw_distances, "displacement": draw_displacement, "relaxation": draw_relaxation,
+PANELS: Dict[str, Any] = {"distances": draw_distances, "displacement": draw_displacement, "relaxation": draw_relaxation,
                            "viscosity": draw_viscosity}
 
 

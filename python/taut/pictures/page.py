@@ -31,6 +31,7 @@ class Page:
             unused.remove()
         if title:
             self.figure.suptitle(plain(title), x=0.01, ha="left")
+        self.unnamed = True  # no panel has named the runs yet, which have one look in all
         self._at_ends: List[Tuple[Any, List[Any]]] = []
         self._near: List[Tuple[Any, List[Tuple[Any, Any, str, str]]]] = []
         import matplotlib
@@ -123,7 +124,7 @@ def _pixels(axis: Any) -> Any:
     """Returns points along all lines and marks of a panel, in pixels."""
     found = [np.empty((0, 2))]
     for line in axis.lines:
-        points = np.ma.filled(np.ma.asarray(line.get_xydata(), float), np.nan)
+        points = np.asarray(line.get_xydata(), float)
         points = axis.transData.transform(points[np.isfinite(points).all(axis=1)])
         found.append(np.repeat(points, 3, axis=0))  # a mark counts more than the line to it
         if line.get_linestyle() not in ("None", "none", "") and 1 < len(points) < 200:
@@ -140,7 +141,7 @@ def _cost(corner: Any, wide: float, high: float, frame: Any, hidden: Any, boxes:
     outside = max(0.0, frame.x0 - left) + max(0.0, right - frame.x1) + max(0.0, frame.y0 - low) + max(0.0, top - frame.y1)
     inside = ((hidden[:, 0] > left - 1) & (hidden[:, 0] < right + 1) & (hidden[:, 1] > low - 1) & (hidden[:, 1] < top + 1))
     upon = sum(left < b[2] and right > b[0] and low < b[3] and top > b[1] for b in boxes)
-    return 100 * outside + int(inside.sum()) + 1000 * upon
+    return float(100 * outside + inside.sum() + 1000 * upon)
 
 
 def line_of(curve: Dict[str, Any], **changes: Any) -> Dict[str, Any]:

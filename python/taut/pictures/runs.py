@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any, Callable, Dict, List, Mapping, Tuple
 
 import numpy as np
@@ -23,17 +24,16 @@ def run(tables: Mapping[str, Table], width_mm: int, title: str) -> Any:
     runs = each(name.partition(": ")[0] for name in texts(table, "curve")[texts(table, "panel") == panels[0]]) if panels else []
     runs = runs if len(runs) > 1 else []
     for panel in panels:
-        above.append((panel, lambda page, axis, panel=panel: _time(page, axis, tables, panel, runs)))
+        above.append((panel, partial(_time, tables=tables, panel=panel, runs=runs)))
     if "kinds" in tables and (texts(tables["kinds"], "kind") != "bath").any():
-        above.append(("temperature by motion [K]", lambda page, axis: _kinds(page, axis, tables["kinds"])))
+        above.append(("temperature by motion [K]", partial(_kinds, table=tables["kinds"])))
     for name in [name for name in measured.PANELS if name in tables]:
-        above.append((measured.TITLES[name], lambda page, axis, name=name: measured.PANELS[name](page, axis, tables[name])))
+        above.append((measured.TITLES[name], partial(measured.PANELS[name], table=tables[name])))
     figures = np.array(measured.figures_of(tables["each_run"]), object) if "each_run" in tables else np.array([])
     for figure in each(figures):
-        above.append((f"{figure}, each run",
-                      lambda page, axis, figure=figure: measured.draw_each_run(axis, tables["each_run"], figures == figure)))
+        above.append((f"{figure}, each run", partial(measured.draw_each_run, table=tables["each_run"], of=figures == figure)))
     for frame in each(texts(tables["frames"], "frame")) if "frames" in tables else []:
-        frames.append((frame, lambda page, axis, frame=frame: _frame(axis, tables["frames"], frame)))
+        frames.append((frame, partial(_frame, table=tables["frames"], frame=frame)))
     if "panels" in tables:
         wanted = each(texts(tables["panels"], "panel"))
         for name in wanted:
@@ -85,7 +85,7 @@ def _time(page: Page, axis: Any, tables: Mapping[str, Table], panel: str, runs: 
         value = _mean(axis, tables.get("means"), panel, name, "#000000" if not runs else curve["color"])
         said += [value] if value and not runs else []
         shown += [y[of], mean[of]]
-        label = (whose if axis is page.axes[0] and not what and k < MOST else what if k == 0 else "") if runs else name
+        label = (whose if page.unnamed and not what and k < MOST else what if k == 0 else "") if runs else name
         if label and label not in seen and label != "each row":
             some = np.unique(np.linspace(0, of.sum() - 1, 24).astype(int))
             ends.append((t[of][some], y[of][some], label, curve["color"]))
@@ -97,6 +97,7 @@ def _time(page: Page, axis: Any, tables: Mapping[str, Table], panel: str, runs: 
     axis.set_xlim(0 if 0 < t.min() < 0.05 * t.max() else t.min(), t.max())
     axis.set_xlabel("t [ps]")
     page.name_points(axis, ends)
+    page.unnamed &= not set(runs) & set(seen)
 
 
 def _mean(axis: Any, means: Any, panel: str, name: str, colour: str) -> str:
@@ -140,7 +141,7 @@ def _shape(table: Table) -> float:
 KINDS = {"O": "#D55E00", "H": "#DDDDDD", "C": "#444444", "N": "#0072B2"}
 
 
-def _frame(axis: Any, table: Table, frame: str) -> None:
+def _frame(_: Page, axis: Any, table: Table, frame: str) -> None:
     """Draws atoms and bonds, box and walls, on the same scale in all frames."""
     what, frames, kinds = (texts(table, name) for name in ("what", "frame", "kind"))
     x, up, to_x, to_up, size = (numbers(table, name) for name in ("x_nm", "up_nm", "to_x_nm", "to_up_nm", "size_nm"))
@@ -194,7 +195,8 @@ def log_tables(log: Mapping[str, Any], measure: Any) -> Dict[str, Table]:
                 of_part = measure.mean(y[begin:][there[begin:]])
                 for name, cell in zip(means, (panel, curve, t[begin], t[-1], of_part.value, of_part.error)):
                     means[name].append(cell)
-        for name, column in zip(rows, ([panel] * len(y), [curve] * len(y), t, y, mean)):
+        columns: List[Any] = [[panel] * len(y), [curve] * len(y), t, y, mean]
+        for name, column in zip(rows, columns):
             rows[name].extend(column)
     return {"run": {name: np.array(column, object if name in ("panel", "curve") else float) for name, column in rows.items()},
             "means": means}

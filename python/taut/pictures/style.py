@@ -20,7 +20,7 @@ STYLE = {
     "axes.linewidth": 0.6, "xtick.major.width": 0.6, "ytick.major.width": 0.6, "xtick.minor.width": 0.4,
     "ytick.minor.width": 0.4, "xtick.major.size": 3, "ytick.major.size": 3, "lines.linewidth": 1.0,
     "lines.markersize": 3.5, "lines.markeredgewidth": 0.7, "axes.spines.top": False, "axes.spines.right": False,
-    "axes.grid": True, "axes.axisbelow": True, "grid.color": "#dddddd", "grid.linewidth": 0.4, "errorbar.capsize": 1.5,
+    "axes.grid": True, "axes.formatter.useoffset": False, "axes.axisbelow": True, "grid.color": "#dddddd", "grid.linewidth": 0.4, "errorbar.capsize": 1.5,
     "svg.fonttype": "none", "svg.hashsalt": "taut", "pdf.fonttype": 42, "savefig.dpi": 300, "figure.dpi": 150}
 
 #: Okabe and Ito's colours, which the colour-blind tell apart too. Marks and dashes do so in grey.
