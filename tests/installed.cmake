@@ -17,6 +17,11 @@ file(REMOVE_RECURSE ${folder})
 carry_out(${CMAKE_COMMAND} --install ${BUILD} --prefix ${folder}/first)
 file(RENAME ${folder}/first ${prefix})
 carry_out(${prefix}/bin/taut run pair --steps 10)
+# Pictures are drawn by what was installed, or what they lack is said.
+carry_out(${prefix}/bin/taut run pair --steps 10 --out ${folder}/run --plot)
+if(NOT said MATCHES "run\\.png|python3-matplotlib")
+  message(FATAL_ERROR "expected a picture in what it said:\n${said}")
+endif()
 foreach(made share/man/man1/taut.1 share/bash-completion/completions/taut share/zsh/site-functions/_taut)
   file(SIZE ${prefix}/${made} size)  # fails where it is not there
   if(size LESS 2000)

@@ -314,14 +314,19 @@ TEST_F(Look, PlotsRunsOverEachOther) {
     files.insert(file.path().filename().string());
   EXPECT_EQ(files, (std::set<std::string>{"report.html", "run.csv", "run.png"}));
   EXPECT_THAT(said(kShortRun + std::string("--plot"), 2), HasSubstr("--out DIR"));
-  said(kShortRun + std::string("run.seed=2 --quiet --out ") + at + "2");
+  said(kShortRun +
+       std::string(
+           "run.seed=2 run.thermostat=langevin 'run.temperature_k=[[0, 400], [1.2, 300]]' --quiet --out ") +
+       at + "2");
   const json drawn = json::parse(said("plot --json --out " + at + "both " + at + "1 " + at + "2"));
-  int temperatures = 0;
-  for (const json& curve : drawn["curves"]) temperatures += curve["panel"] == "temperature [K]";
-  EXPECT_EQ(temperatures, 2);
+  std::set<std::string> temperatures;
+  for (const json& curve : drawn["curves"])
+    if (curve["panel"] == "temperature [K]") temperatures.insert(curve["curve"]);
+  EXPECT_EQ(temperatures, (std::set<std::string>{"1", "2", "2: bath"}));
   const auto rows = csv_rows(contents(at + "both/run.csv"));
   EXPECT_EQ(rows[0], (std::vector<std::string>{"panel", "curve", "t_ps", "value", "running_mean"}));
-  const double from = drawn["measured"][1]["from_ps"];
+  const double from = drawn["measured"][1]["from_ps"];  // where the bath stays the same
+  EXPECT_NEAR(from, 1.2, 1e-9);
   double sum = 0;
   int count = 0, measured = 0;
   for (const auto& row : rows)
