@@ -195,5 +195,5 @@ def precision(tables: Mapping[str, Table], width_mm: int, title: str) -> Any:
                 _draw_drifts(axis, of, drifts, time, curve)
             _name(axis, page, drifts[0][both], time[both], name, curve["color"])
         axis.set_ylim(0, 1.06 * time[there].max())
-    _label(page, f"{DRIFT},\n95 %; arrow: zero is inside, at most that; empty marks: mixed precision", "time of a step [µs]")
+    _label(page, f"{DRIFT},\n95 %; arrow: zero is inside, at most that;\nempty marks: mixed precision", "time of a step [µs]")
     return page.finish()

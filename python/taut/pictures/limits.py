@@ -29,7 +29,7 @@ def plane(tables: Mapping[str, Table], width_mm: int, title: str) -> Any:
     ah, bh = numbers(table, "alpha_h"), numbers(table, "beta_h")
     survived, drift = numbers(table, "steps_survived"), abs(numbers(table, "drift_kj_mol_ns_dof"))
     seen = [name for name in DAMPINGS if name in set(damping)] or each(damping)
-    page = Page(2 * len(seen), width_mm, columns=2 * len(seen) if width_mm < 100 else len(seen), height_mm=48, title=title,
+    page = Page(2 * len(seen), width_mm, columns=len(seen), narrow=min(2, len(seen)), height_mm=48, title=title,
                 sharex=True, sharey=True)
     whole = ~failed & (drift > 0)
     least, most = (drift[whole].min(), drift[whole].max()) if whole.any() else (0.1, 1.0)
@@ -63,9 +63,9 @@ def plane(tables: Mapping[str, Table], width_mm: int, title: str) -> Any:
         bar.set_label("steps survived" if row == 0 else "|drift| [kJ/mol/ns/dof]")
         if row == 1 and len(newton):
             bar.ax.axhline(abs(newton[0]), color="#D55E00", lw=1.2)
-    note = "dashed: limit of one bond by theory; ×: failed"
-    page.figure.supxlabel(note + ("; line on the scale: newton" if np.isfinite(numbers(table, "newton_drift")).any() else ""),
-                          fontsize=LETTERS, x=0.01, ha="left")
+    notes = ["dashed: limit of one bond by theory", "×: failed"]
+    notes += ["line on the scale: newton"] if np.isfinite(numbers(table, "newton_drift")).any() else []
+    page.figure.supxlabel(_wrapped(notes, width_mm), fontsize=LETTERS, x=0.01, ha="left")
     return page.finish()
 
 
