@@ -4,8 +4,7 @@
     PYTHONPATH=build/python constraints/courses.py
 
 Left: each bond of 216 waters is stretched at random along itself, by 1e-4, in a copy of a run that has settled; the rms
-difference of σ/d² to the run itself. Right: rms bond errors of the
-Kremer-Grest melt at 5 fs.
+difference of σ/d² to the run itself. Right: rms bond errors of the Kremer–Grest melt at 5 fs.
 """
 import pathlib
 
