@@ -237,7 +237,8 @@ HWY_INLINE bool solve_triangle(BaumgarteBatch& batch, const BaumgarteStep& step,
   Nine velocity, delta;
   for (int k = 0; k < 9; ++k) {
     velocity.n[k] = load_any(v + k * kWidth);
-    delta.n[k] = load(drift_by_mass + k * kWidth) * load_any(f + k * kWidth) + step.h * velocity.n[k];
+    delta.n[k] = hn::MulAdd(broadcast(step.h), velocity.n[k],
+                            load(drift_by_mass + k * kWidth) * load_any(f + k * kWidth));
   }
   const Three before = twice_sigma(lanes, r - step.h * sides(rows_of(velocity)));
   Three target;

@@ -82,9 +82,9 @@ HWY_INLINE M settle_triangles(const Settle::Batch& batch, const Sides& now, cons
   const V cosine = minus_by_norm * hn::MulSub(minus_alpha, rho, beta * gamma);
 
   // Half of the displacements of the sum and of the difference.
-  const V3 middle = by_w * (0.5 * Sy - B * cosine) * w + by_u * (B * sine) * u;
-  const V3 apart =
-      -by_w * (0.5 * Dy + T * cosine + C * sine) * w + by_u * (T * sine - (0.5 * Dx + C * cosine)) * u;
+  const V3 middle = by_w * hn::NegMulAdd(B, cosine, 0.5 * Sy) * w + by_u * (B * sine) * u;
+  const V3 apart = -by_w * (hn::MulAdd(T, cosine, 0.5 * Dy) + C * sine) * w +
+                   by_u * (T * sine - hn::MulAdd(C, cosine, 0.5 * Dx)) * u;
   const V3 a = -2 * inv_a / inv_h * middle, b = middle + apart, c = middle - apart;
   shift = {a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z};
   const V all = sine + cosine + by_u;

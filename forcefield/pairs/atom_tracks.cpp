@@ -35,10 +35,10 @@ double look_ahead_simd(const AtomTracks::Course& course, const Share& clusters, 
   FourV sum = hn::Zero(d);
   for (int c = clusters.begin; c < clusters.end; ++c)
     for (int i = 0; i < 4; i += kOfFour) {
-      float* to = places + entry(4 * c, 0, 4) + i;
+      float* to = places + entry(4 * std::ptrdiff_t{c}, 0, 4) + i;
       FourV x[3], way[3], off[3];
       for (int k = 0; k < 3; ++k) {
-        const std::ptrdiff_t at = entry(4 * c, k) + i;
+        const std::ptrdiff_t at = entry(4 * std::ptrdiff_t{c}, k) + i;
         x[k] = hn::LoadU(d, course.x[0] + at);
         way[k] = course.weight[0] * x[k];
         for (int n = 1; n < 3; ++n) way[k] += course.weight[n] * hn::LoadU(d, course.x[n] + at);
@@ -61,9 +61,10 @@ bool covers_all_simd(const double* x, const float* places, const Share& clusters
   auto all = hn::FirstN(d, kOfFour);
   for (int c = clusters.begin; c < clusters.end; ++c)
     for (int i = 0; i < 4; i += kOfFour) {
-      const float* there = places + entry(4 * c, 0, 4) + i;
+      const float* there = places + entry(4 * std::ptrdiff_t{c}, 0, 4) + i;
       FourV r[3];
-      for (int k = 0; k < 3; ++k) r[k] = hn::LoadU(d, x + entry(4 * c, k) + i) - rounded(there + 4 * k);
+      for (int k = 0; k < 3; ++k)
+        r[k] = hn::LoadU(d, x + entry(4 * std::ptrdiff_t{c}, k) + i) - rounded(there + 4 * k);
       const FourV margin = rounded(there + 12);
       all = hn::And(all, squared(r) <= margin * margin);  // false for NaN
     }
@@ -77,7 +78,7 @@ double farthest_simd(const float* searched, const Share& clusters, const float* 
   for (int c = clusters.begin; c < clusters.end; ++c) {
     FourV of_cluster = hn::Zero(d);
     for (int i = 0; i < 4; i += kOfFour) {
-      const std::ptrdiff_t at = entry(4 * c, 0, 4) + i;
+      const std::ptrdiff_t at = entry(4 * std::ptrdiff_t{c}, 0, 4) + i;
       FourV r[3];
       for (int k = 0; k < 3; ++k) r[k] = rounded(places + at + 4 * k) - rounded(searched + at + 4 * k);
       const FourV far = hn::Sqrt(squared(r)) + rounded(places + at + 12);
@@ -126,7 +127,7 @@ void AtomTracks::advance() {
 void AtomTracks::follow(const Eigen::Matrix3d& map, const Share& clusters) {
   for (auto& x : x_)
     for (int c = clusters.begin; c < clusters.end; ++c) {
-      Eigen::Map<Eigen::Matrix<double, 4, 3>> four(x.data() + entry(4 * c, 0));
+      Eigen::Map<Eigen::Matrix<double, 4, 3>> four(x.data() + entry(4 * std::ptrdiff_t{c}, 0));
       four *= map.transpose();
     }
 }

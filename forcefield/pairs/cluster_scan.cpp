@@ -145,7 +145,7 @@ void ClusterBounds::make_room(int clusters) {
 void ClusterBounds::find(const float* rounded, int begin, int end) {
   for (int c = begin; c < end; ++c)
     for (int d = 0; d < 3; ++d) {
-      const float* p = rounded + entry(4 * c, d, 4);
+      const float* p = rounded + entry(4 * std::ptrdiff_t{c}, d, 4);
       for (int i = 0; i < kClusterAtoms; ++i) x[4 * d + i][c] = p[i];
       low[d][c] = std::min({p[0], p[1], p[2], p[3]});
       high[d][c] = std::max({p[0], p[1], p[2], p[3]});

@@ -32,7 +32,7 @@ class InRange {
   HWY_INLINE void take(int cluster, const Vec3& shift) {
     const S::D d;
     for (int v = 0; v < S::kVectors; ++v) {
-      const float* x = x_ + entry(4 * cluster, 0, 4) + v * S::kRows;
+      const float* x = x_ + entry(4 * std::ptrdiff_t{cluster}, 0, 4) + v * S::kRows;
       for (int k = 0; k < 3; ++k) own_[k][v] = load_rows(d, x + 4 * k) + static_cast<float>(shift[k]);
       own_range_[v] = load_rows(d, x + 12) + range_;
     }
@@ -43,7 +43,7 @@ class InRange {
     const S::D d;
     unsigned bits = 0;
     for (int part = 0; part < S::kParts; ++part) {
-      const float* x = x_ + entry(4 * other, 0, 4) + part * S::kColumns;
+      const float* x = x_ + entry(4 * std::ptrdiff_t{other}, 0, 4) + part * S::kColumns;
       const auto xj = load_columns(d, x), yj = load_columns(d, x + 4), zj = load_columns(d, x + 8);
       const auto margin = load_columns(d, x + 12);
       for (int v = 0; v < S::kVectors; ++v) {

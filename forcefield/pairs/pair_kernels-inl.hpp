@@ -1,6 +1,5 @@
 // The kernels in one precision, TAUT_PAIR_REAL: included once by the source file of each.
 #include <algorithm>
-#include <array>
 #include <utility>
 
 #include "forcefield/pairs/pair_kernels.hpp"
@@ -248,13 +247,12 @@ struct ListPart {
 
 // The kernels that there are, in the order of their turns. Those of energy and virial, which few steps ask for, take rows
 // of all kinds and every form of the law.
-struct Choices {
-  std::array<Choice, 32> all;
-  std::size_t count = 0;
-};
 template <class T>
-constexpr Choices kChoices = [] {
-  Choices out;
+constexpr auto kChoices = [] {
+  struct {
+    Choice all[32];
+    std::size_t count = 0;
+  } out;
   const auto add = [&](Choice choice) {
     if (choice.fine && !choice.sums() && !ScreeningIntervals<typename Shape<T>::D>::kMany) return;
     for (const bool half : {true, false})
@@ -319,9 +317,8 @@ HWY_INLINE void add_to(SixSums& sum, const SixSums& part) {
 }
 
 // Kinds take turns, so that rows near each other find the same clusters still in the cache.
-template <class T, std::size_t... n>
-SixSums sum_all(Ask ask, const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList& list, T* f,
-                std::index_sequence<n...>) {
+template <class T>
+SixSums sum_all(Ask ask, const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList& list, T* f) {
   constexpr std::size_t kTurn = 256;  // rows
   SixSums sum{};
   for (std::size_t begin = 0; begin < list.rows.size(); begin += kTurn) {
@@ -329,13 +326,12 @@ SixSums sum_all(Ask ask, const PairLaw& law, const PairAtoms<T>& atoms, const Cl
     const auto take_turn = [&]<Choice choice>() {
       if (fits<T>(choice, law, ask)) add_to(sum, sum_rows<T, choice>(part, atoms, f));
     };
-    (take_turn.template operator()<kChoices<T>.all[n]>(), ...);
+    const auto take_turns = [&]<std::size_t... n>(std::index_sequence<n...>) {
+      (take_turn.template operator()<kChoices<T>.all[n]>(), ...);
+    };
+    take_turns(std::make_index_sequence<kChoices<T>.count>());
   }
   return sum;
-}
-template <class T>
-SixSums sum_all(Ask ask, const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList& list, T* f) {
-  return sum_all(ask, law, atoms, list, f, std::make_index_sequence<kChoices<T>.count>());
 }
 
 using Real = TAUT_PAIR_REAL;

@@ -22,7 +22,7 @@ struct Choice {
   bool lj = false, charge = false;
   Mixing mixing = Mixing::kOneSigma;
   Ask ask = Ask::kForces;
-  bool switched = false;  // sums: where the law is
+  bool switched = false;  // sums: always, with S = 1 where the law has no switch
   bool fine = false;      // Ewald's screening with any number of terms
   bool half = false;      // of a row's atoms only the first half have Lennard-Jones, as in water
 
@@ -67,9 +67,8 @@ class LawInLanes {
         six_sigma6_(set(kSix * law.sigma6())),
         twelve_sigma12_(set(kTwelve * law.sigma6() * law.sigma6())),
         energy_shift_(set(law.energy_shift / 4)),
-        switched_(law.switched()),
         screen_(law.screening.scale, choice.energy() ? law.screening.energy : law.screening.force, kScale) {
-    if constexpr (choice.switched) {
+    if (choice.switched && law.switched()) {
       const double width = law.cutoff - law.switch_distance;
       inv_width_ = set(1 / width);
       start_ = set(law.switch_distance / width);
@@ -239,8 +238,7 @@ class LawInLanes {
       if constexpr (needs_slope) slope = depth * (T(kTwelve) * s6 - T(kSix)) * inv_r2;
       if constexpr (needs_energy) energy = depth * s6 - depth;
     }
-    if constexpr (choice.switched)
-      if (!choice.sums() || switched_) apply_switch(r2, inverse, slope, energy);
+    if constexpr (choice.switched) apply_switch(r2, inverse, slope, energy);
     if constexpr (!choice.energy()) return slope;
     return choice.table() ? energy : energy + energy_shift_ * four_eps;
   }
@@ -289,7 +287,6 @@ class LawInLanes {
   V types_;
   V k_rf_, two_k_rf_, c_rf_, sigma6_, six_sigma6_, twelve_sigma12_, energy_shift_;
   V start_{}, inv_width_{}, slope_width_{};
-  [[maybe_unused]] bool switched_;
   ScreenInLanes<D, choice.fine> screen_;
 };
 

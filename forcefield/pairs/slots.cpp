@@ -56,7 +56,7 @@ void place_all(const Vectors& x, const AtomClusters& clusters, const Share& shar
       from[i] = x.data() + 3 * clusters.atom(4 * c + i);
       hwy::Prefetch(x.data() + 3 * clusters.atom(std::min(4 * c + i + kAhead, last)));
     }
-    const std::ptrdiff_t at = entry(4 * c, 0);
+    const std::ptrdiff_t at = entry(4 * std::ptrdiff_t{c}, 0);
     place_cluster<T>(from, &clusters.offset(4 * c), inv_unit, now + at, to.x.data() + at);
   }
 }
@@ -71,7 +71,7 @@ HWY_INLINE void add_copies(const SlotForces<T>& from, int cluster, double (&sum)
       FourV of_axis = hn::Zero(d);
       for (std::size_t t = 0; t < from.force.size(); ++t) {
         if (!from.reached[t][cluster / SlotForces<T>::kBlock]) continue;
-        const T* force = from.force[t].data() + entry(4 * cluster, k, 3, kCopies) + i;
+        const T* force = from.force[t].data() + entry(4 * std::ptrdiff_t{cluster}, k, 3, kCopies) + i;
         for (int copy = 0; copy < kCopies; ++copy, force += 4) {
           if constexpr (sizeof(T) == 8)
             of_axis = of_axis + hn::LoadU(d, force);
