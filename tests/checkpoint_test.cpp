@@ -217,7 +217,7 @@ TEST(CheckpointFormat, SaysWhatIsWrong) {
   envelope["version"] = 99;
   const auto later = json::to_cbor(envelope);
   EXPECT_EQ(refusal({reinterpret_cast<const char*>(later.data()), later.size()}),
-            "a checkpoint of version 99, this taut reads version 9");
+            "a checkpoint of version 99, this taut reads version 10");
   EXPECT_EQ(refusal("[run]\nsteps = 3\n"), "not a checkpoint, or not all of it");
   EXPECT_EQ(refusal(""), "not a checkpoint, or not all of it");
 }

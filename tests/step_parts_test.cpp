@@ -138,7 +138,7 @@ TEST(Timings, HaveWhatTheSceneAsksFor) {
   for (const PartTime& part : t.parts) calls[part.part] = part.calls;
   EXPECT_EQ(calls[kBonded], 20) << "trials belong to the barostat";
   EXPECT_EQ(calls[kBarostat], 1);
-  EXPECT_EQ(calls[kThermostat], 40);
+  EXPECT_EQ(calls[kThermostat], 20);
 }
 
 TEST(Timings, ChangeNoBits) {
