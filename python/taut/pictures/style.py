@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 from pathlib import Path
 from typing import Any, Dict, Iterable, List, Mapping, Sequence, Tuple, Union
 
@@ -222,4 +223,7 @@ def save(figure: Any, path: Union[str, Path], formats: Union[str, Sequence[str]]
         for kind in wanted:
             dates = {"Date": None} if kind == "svg" else {"CreationDate": None} if kind == "pdf" else {}
             figure.savefig(f"{path}.{kind}", metadata=dates)
+            if kind == "svg":  # a path is a line, so that the picture's changes are few
+                file = Path(f"{path}.svg")
+                file.write_text(re.sub(r' ?\n(?=[LCQMz]\b|")', " ", file.read_text(encoding="utf-8")), encoding="utf-8")
     return [f"{Path(path).name}.{kind}" for kind in wanted]
