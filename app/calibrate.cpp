@@ -77,7 +77,7 @@ void print_compared(const std::vector<ComparedMethod>& compared) {
 }
 
 void print(const Scene& scene, const CalibrateArguments& arguments, const Calibration& c,
-           const std::vector<ComparedMethod>& compared) {
+           const std::vector<ComparedMethod>& compared, const std::vector<std::string>& common_doubts) {
   const CalibrationPlan& plan = arguments.plan;
   const double h = scene.run.h();
   say("{}: {}, h = {:g} fs, seed {}\n", scene.name, counted(scene.system.bond_count(), "bond"),
@@ -86,6 +86,8 @@ void print(const Scene& scene, const CalibrateArguments& arguments, const Calibr
   if (!compared.empty()) {
     say("\n{}\n", wrapped(verdict_of(compared, scene.run.dt_fs), kPage, 2));
     if (const ComparedMethod* best = best_of(compared)) say("  {}\n", run_line(arguments, best->method));
+    for (const std::string& doubt : common_doubts)
+      say("{}\n", wrapped("in doubt with every method: " + doubt, kPage, 2));
     print_compared(compared);
     say("\n{}\n",
         wrapped(
@@ -133,8 +135,12 @@ void calibrate_scene(const CalibrateArguments& arguments) {
   const Scene scene = prepared_for_study(arguments.scene.read());
   const Calibration c = calibrate(scene, arguments.plan);
   std::vector<ComparedMethod> compared;
-  if (arguments.plan.compared_steps > 0) compared = compare_methods(scene, arguments.plan, c);
-  print(scene, arguments, c, compared);
+  std::vector<std::string> common_doubts;
+  if (arguments.plan.compared_steps > 0) {
+    compared = compare_methods(scene, arguments.plan, c);
+    common_doubts = take_out_common_doubts(compared);
+  }
+  print(scene, arguments, c, compared, common_doubts);
   if (!arguments.json) return;
   nlohmann::ordered_json json = {
       {"scene", scene.name},
@@ -151,6 +157,7 @@ void calibrate_scene(const CalibrateArguments& arguments) {
   };
   if (!compared.empty()) {
     json["table"] = json_of_csv(compared_csv(compared));
+    json["in_doubt_with_every_method"] = common_doubts;
     json["verdict"] = verdict_of(compared, scene.run.dt_fs);
     if (const ComparedMethod* best = best_of(compared)) json["take"] = run_line(arguments, best->method);
   }

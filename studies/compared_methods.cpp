@@ -87,6 +87,19 @@ bool ComparedMethod::sound() const {
          std::abs(bonds.value) <= 0.1 * trial.kT + 3 * std::max(bonds.error, trial.drift_error);
 }
 
+std::vector<std::string> take_out_common_doubts(std::vector<ComparedMethod>& compared) {
+  const auto words = [](const std::string& doubt) {
+    return doubt.substr(0, doubt.find_first_of("0123456789"));
+  };
+  const std::vector<std::string> common = compared.back().doubts;
+  for (ComparedMethod& each : compared)
+    std::erase_if(each.doubts, [&](const std::string& doubt) {
+      return std::ranges::any_of(common,
+                                 [&](const std::string& other) { return words(other) == words(doubt); });
+    });
+  return common;
+}
+
 std::vector<ComparedMethod> compare_methods(const Scene& scene, const CalibrationPlan& plan,
                                             const Calibration& c) {
   std::vector<ComparedMethod> compared;

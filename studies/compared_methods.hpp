@@ -16,11 +16,15 @@ struct ComparedMethod {
   Calibration::Reduction reduction;  // of an error of the bond lengths, a step
   Trial trial;
   Quartiles ns_per_bond;            // of the bonds' time a step, over the turns [ns]
-  std::vector<std::string> doubts;  // that `taut run` has after as many steps
+  std::vector<std::string> doubts;  // that `taut run` has after as many steps, and has not with newton
 
   // Got through, is at rest, undoubted, and neither its bonds nor all together heat (Trial::keeps_energy).
   bool sound() const;
 };
+
+// Takes out the doubts that the last method has, too, and returns those: they are about the scene, whoever holds its
+// bonds. Two are alike if their words are, up to the first number.
+std::vector<std::string> take_out_common_doubts(std::vector<ComparedMethod>& compared);
 
 // What was calibrated beside its reference, Baumgarte's default and newton.
 std::vector<ComparedMethod> compare_methods(const Scene& scene, const CalibrationPlan& plan,

@@ -248,6 +248,19 @@ TEST(Calibration, TakesTheCheapestSoundMethod) {
   EXPECT_THAT(verdict_of(compared, 2), testing::StartsWith("take a shorter step"));
 }
 
+// A start that warms up is no method's fault.
+TEST(Calibration, TellsDoubtsOfTheSceneFromThoseOfAMethod) {
+  std::vector<ComparedMethod> compared(2);
+  compared[0].method = "rattle:sweeps=4", compared[1].method = "newton";
+  compared[0].doubts = {"without a thermostat the temperature went from 300 to 779 K",
+                        "the constraints heat by 9 kJ/mol"};
+  compared[1].doubts = {"without a thermostat the temperature went from 300 to 768 K"};
+  EXPECT_THAT(take_out_common_doubts(compared), testing::ElementsAre(HasSubstr("768 K")));
+  EXPECT_THAT(compared[0].doubts, testing::ElementsAre(HasSubstr("heat")));
+  EXPECT_FALSE(compared[0].sound());
+  EXPECT_TRUE(compared[1].sound());
+}
+
 // A flat hexagon held by its sides and second neighbours: refused before anything is computed, as a run
 // refuses it. A tetrahedron with its centre, all ten distances held, goes without the bond that follows from
 // the others.

@@ -106,6 +106,7 @@ py::dict calibrate_scene(const Input& input, const py::dict& asked) {
     const py::gil_scoped_release interpreter;
     c = calibrate(scene, plan);
     if (plan.compared_steps > 0) compared = compare_methods(scene, plan, c);
+    if (!compared.empty()) take_out_common_doubts(compared);
   }
   py::dict result;
   result["method"] = method_of(c);
