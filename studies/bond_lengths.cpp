@@ -23,7 +23,8 @@ std::vector<const Sample*> even_samples(const Crosscheck& c, const Track& track)
 }
 
 BondLengths lengths_of(const Crosscheck& c, const Track& track, double Sample::*rms) {
-  BondLengths of{.run = track.name, .rms = {}, .largest = 0, .slope = {}, .in_a_ns = 0, .made_of = {}};
+  BondLengths of;
+  of.run = track.name;
   std::vector<double> t, error, squares;
   for (const Sample* s : even_samples(c, track)) {
     t.push_back(s->t / 1000);
@@ -35,6 +36,8 @@ BondLengths lengths_of(const Crosscheck& c, const Track& track, double Sample::*
   of.rms = {std::sqrt(square.value), square.value > 0 ? square.error / (2 * std::sqrt(square.value)) : 0.0};
   of.slope = block_slope(t, error);
   of.in_a_ns = std::abs(of.slope.value) + 2 * of.slope.error;
+  of.drifts = c.long_enough && of.slope.error > 0 &&
+              std::abs(of.slope.value) > std::max(4 * of.slope.error, of.rms.value);
   return of;
 }
 
@@ -52,10 +55,6 @@ std::string made_of(const Crosscheck& c, const Track& track, const BondLengths& 
 }
 
 }  // namespace
-
-bool BondLengths::drifts() const {
-  return slope.error > 0 && std::abs(slope.value) > 4 * slope.error && std::abs(slope.value) > rms.value;
-}
 
 std::vector<BondLengths> bond_lengths(const Crosscheck& c) {
   std::vector<BondLengths> all;
@@ -90,10 +89,11 @@ std::string bond_lengths_in_words(const Crosscheck& c) {
   if (c.tracks.empty() || c.tracks[0].failed() || c.twin.failed()) return "";
   std::vector<std::string> drifting;
   for (const BondLengths& each : all)
-    if (each.drifts()) drifting.push_back(each.run);
+    if (each.drifts) drifting.push_back(each.run);
   std::string text = fmt::format("{}'s bonds are off by {}; OpenMM's by {}", c.tracks[0].name,
                                  of(c.tracks[0].name), of(c.twin.name));
-  text += drifting.empty()
+  text += !c.long_enough ? "; whether they drift is told by runs of 5 ps and more"
+          : drifting.empty()
               ? "; none drifts within its error"
               : fmt::format("; {} drift{}", fmt::join(drifting, ", "), drifting.size() == 1 ? "s" : "");
   if (!c.nudged.failed())

@@ -16,8 +16,9 @@ struct BondLengths {
   Estimate slope;       // of the rms error of a sample in time [1/ns]; error 0: too few samples to tell
   double in_a_ns = 0;   // at most this far from now, by the slope and two of its errors
   std::string made_of;  // "lengths rounded to float"
-  bool drifts()
-      const;  // the slope is more than four of its errors, and more than the error itself in a nanosecond
+  // In a run long enough for averages: a slope of more than four of its errors, and in a nanosecond of more than the
+  // error itself. Shorter runs do not tell a drift from a slow swing.
+  bool drifts = false;
 };
 
 // Of every run that got to its end, OpenMM's by algorithm.

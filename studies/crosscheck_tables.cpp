@@ -102,7 +102,7 @@ Json json_of(const Crosscheck& c) {
                                     {"slope_per_ns", json_of(of.slope)},
                                     {"in_a_ns_at_most", of.in_a_ns},
                                     {"made_of", of.made_of},
-                                    {"drifts", of.drifts()}});
+                                    {"drifts", of.drifts}});
   json["verdict"] = headline(c);
   for (const auto& [who, us, failure] : c.speed)
     (failure.empty() ? json["speed_us_per_step"][who] = us : json["speed_failures"][who] = failure);
