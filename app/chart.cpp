@@ -7,12 +7,12 @@
 #include <map>
 
 #include "base/errors.hpp"
+#include "measures/csv.hpp"
 #include "printing.hpp"
 #include "studies/chart_study.hpp"
 #include "studies/chart_verdict.hpp"
-#include "studies/csv.hpp"
 #include "study.hpp"
-#include "systems/scene_file.hpp"
+#include "systems/scene/scene_file.hpp"
 #include "words.hpp"
 
 namespace taut {

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "base/errors.hpp"
-#include "systems/toml_reader.hpp"
+#include "systems/scene/toml_reader.hpp"
 
 namespace taut {
 namespace {

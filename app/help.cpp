@@ -15,7 +15,7 @@
 #include "commands.hpp"
 #include "printing.hpp"
 #include "systems/builders/builders.hpp"
-#include "systems/scene_file.hpp"
+#include "systems/scene/scene_file.hpp"
 #include "words.hpp"
 
 namespace taut {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "systems/keys.hpp"
+#include "systems/scene/keys.hpp"
 
 namespace taut {
 

@@ -6,7 +6,7 @@
 #include "commands.hpp"
 #include "constraints/registry.hpp"
 #include "printing.hpp"
-#include "systems/scene_file.hpp"
+#include "systems/scene/scene_file.hpp"
 #include "words.hpp"
 
 namespace taut {

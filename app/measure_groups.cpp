@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "base/errors.hpp"
+#include "measures/csv.hpp"
 #include "printing.hpp"
 #include "scan_folder.hpp"
-#include "studies/csv.hpp"
 #include "words.hpp"
 
 namespace taut {

@@ -9,10 +9,10 @@
 #include "base/errors.hpp"
 #include "base/nearest_name.hpp"
 #include "base/series.hpp"
+#include "measures/csv.hpp"
+#include "measures/transport.hpp"
 #include "printing.hpp"
-#include "studies/csv.hpp"
-#include "studies/transport.hpp"
-#include "systems/whole_molecules.hpp"
+#include "systems/molecules/whole_molecules.hpp"
 #include "words.hpp"
 
 namespace taut {

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "figures.hpp"
+#include "measures/chain_measures.hpp"
+#include "measures/liquid_structure.hpp"
 #include "pictures.hpp"
-#include "studies/chain_measures.hpp"
-#include "studies/liquid_structure.hpp"
-#include "systems/scene.hpp"
+#include "systems/scene/scene.hpp"
 
 namespace taut {
 

@@ -9,8 +9,8 @@
 
 #include "figures.hpp"
 #include "measured.hpp"
-#include "studies/run_log.hpp"
-#include "studies/transport.hpp"
+#include "measures/run_log.hpp"
+#include "measures/transport.hpp"
 
 namespace taut {
 

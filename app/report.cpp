@@ -6,7 +6,7 @@
 #include <map>
 
 #include "base/threads.hpp"
-#include "studies/csv.hpp"
+#include "measures/csv.hpp"
 #include "words.hpp"
 
 namespace taut {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "base/statistics.hpp"
-#include "studies/run_log.hpp"
-#include "systems/scene.hpp"
+#include "measures/run_log.hpp"
+#include "systems/scene/scene.hpp"
 
 namespace taut {
 

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "studies/csv.hpp"
-#include "systems/start_file.hpp"
-#include "systems/whole_molecules.hpp"
+#include "measures/csv.hpp"
+#include "systems/molecules/whole_molecules.hpp"
+#include "systems/scene/start_file.hpp"
 
 namespace taut {
 namespace {

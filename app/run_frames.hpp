@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "systems/scene.hpp"
+#include "systems/scene/scene.hpp"
 
 namespace taut {
 

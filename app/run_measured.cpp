@@ -5,9 +5,9 @@
 #include <algorithm>
 
 #include "base/errors.hpp"
+#include "measures/csv.hpp"
 #include "printing.hpp"
 #include "simulation/checkpoint.hpp"
-#include "studies/csv.hpp"
 #include "words.hpp"
 
 namespace taut {

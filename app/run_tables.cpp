@@ -8,7 +8,7 @@
 #include "base/usable_cores.hpp"
 #include "printing.hpp"
 #include "simulation/log_columns.hpp"
-#include "systems/velocities.hpp"
+#include "systems/scene/velocities.hpp"
 #include "words.hpp"
 
 namespace taut {

@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "base/errors.hpp"
+#include "measures/csv.hpp"
 #include "pictures.hpp"
-#include "studies/csv.hpp"
 
 namespace taut {
 

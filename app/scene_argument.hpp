@@ -6,8 +6,8 @@
 
 #include "command_line.hpp"
 #include "commands.hpp"
-#include "systems/scene_file.hpp"
-#include "systems/toml_reader.hpp"
+#include "systems/scene/scene_file.hpp"
+#include "systems/scene/toml_reader.hpp"
 
 namespace taut {
 

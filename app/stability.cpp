@@ -8,7 +8,7 @@
 #include "studies/stability_study.hpp"
 #include "studies/study_scene.hpp"
 #include "study.hpp"
-#include "systems/scene_file.hpp"
+#include "systems/scene/scene_file.hpp"
 #include "words.hpp"
 
 namespace taut {

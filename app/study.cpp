@@ -13,12 +13,12 @@
 
 #include "base/errors.hpp"
 #include "files/folder.hpp"
+#include "measures/csv.hpp"
 #include "printing.hpp"
 #include "progress.hpp"
-#include "studies/csv.hpp"
 #include "studies/study_scene.hpp"
-#include "systems/scene_file.hpp"
-#include "systems/scene_source.hpp"
+#include "systems/scene/scene_file.hpp"
+#include "systems/scene/scene_source.hpp"
 
 namespace taut {
 namespace {

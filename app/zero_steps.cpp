@@ -6,8 +6,8 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 
+#include "measures/csv.hpp"
 #include "printing.hpp"
-#include "studies/csv.hpp"
 #include "words.hpp"
 
 namespace taut {

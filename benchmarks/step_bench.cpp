@@ -33,7 +33,7 @@
 #include "md/timed.hpp"
 #include "studies/openmm_twin.hpp"
 #include "systems/openmm/import.hpp"
-#include "systems/scene_file.hpp"
+#include "systems/scene/scene_file.hpp"
 
 namespace taut::bench {
 namespace {

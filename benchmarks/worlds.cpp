@@ -14,7 +14,7 @@
 #include "constraints/methods/propagator.hpp"
 #include "simulation/simulation.hpp"
 #include "studies/flow.hpp"
-#include "systems/scene_file.hpp"
+#include "systems/scene/scene_file.hpp"
 
 namespace taut {
 namespace {

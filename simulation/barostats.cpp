@@ -5,7 +5,7 @@
 #include "ensembles/monte_carlo.hpp"
 #include "md/units.hpp"
 #include "simulation/inner.hpp"
-#include "systems/whole_molecules.hpp"
+#include "systems/molecules/whole_molecules.hpp"
 
 namespace taut {
 namespace {

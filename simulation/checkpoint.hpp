@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "systems/scene_source.hpp"
+#include "systems/scene/scene_source.hpp"
 
 namespace taut {
 

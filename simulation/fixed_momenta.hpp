@@ -1,7 +1,7 @@
 #pragma once
 
 #include "md/rigid_motions.hpp"
-#include "systems/scene.hpp"
+#include "systems/scene/scene.hpp"
 
 namespace taut {
 

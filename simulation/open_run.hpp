@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "simulation/run_folder.hpp"
-#include "systems/toml_reader.hpp"
+#include "systems/scene/toml_reader.hpp"
 
 namespace taut {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "constraints/redundancy.hpp"
-#include "systems/scene.hpp"
+#include "systems/scene/scene.hpp"
 
 namespace taut {
 

@@ -7,7 +7,7 @@
 #include "base/errors.hpp"
 #include "files/atomic_file.hpp"
 #include "files/folder.hpp"
-#include "systems/start_file.hpp"
+#include "systems/scene/start_file.hpp"
 
 namespace taut {
 namespace {

@@ -18,7 +18,7 @@
 #include "simulation/redundant_bonds.hpp"
 #include "simulation/soft_start.hpp"
 #include "simulation/unresolved_motion.hpp"
-#include "systems/linked_rings.hpp"
+#include "systems/molecules/linked_rings.hpp"
 
 namespace taut {
 namespace {
@@ -317,7 +317,8 @@ std::optional<Eigen::Matrix3d> Simulation::pressure_tensor() const {
   if (!inner_->barometer) return {};
   const ThreadScope own(threads_);
   const bool springs_move = has_springs() && !inner_->langevin();  // and the pressure has their part in it
-  const State now{state_.x, springs_move ? middle_velocity() : thermal_velocity(), state_.F, state_.t, state_.box};
+  const State now{state_.x, springs_move ? middle_velocity() : thermal_velocity(), state_.F, state_.t,
+                  state_.box};
   return inner_->barometer->evaluated(scene_.system, inner_->forces.field, now, inner_->forces.besides,
                                       method_->lambda());
 }

@@ -21,7 +21,7 @@
 #include "md/step_parts.hpp"
 #include "simulation/minimise.hpp"
 #include "simulation/temperatures.hpp"
-#include "systems/scene.hpp"
+#include "systems/scene/scene.hpp"
 
 namespace taut {
 

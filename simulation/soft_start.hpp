@@ -1,7 +1,7 @@
 #pragma once
 
 #include "simulation/minimise.hpp"
-#include "systems/scene.hpp"
+#include "systems/scene/scene.hpp"
 
 namespace taut {
 

@@ -9,7 +9,7 @@
 #include <numeric>
 
 #include "md/units.hpp"
-#include "systems/whole_molecules.hpp"
+#include "systems/molecules/whole_molecules.hpp"
 
 namespace taut {
 namespace {

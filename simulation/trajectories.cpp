@@ -2,7 +2,7 @@
 
 #include "files/output.hpp"
 #include "files/pdb_file.hpp"
-#include "systems/whole_molecules.hpp"
+#include "systems/molecules/whole_molecules.hpp"
 
 namespace taut {
 namespace {

@@ -15,7 +15,7 @@
 #include "constraints/projection.hpp"
 #include "forcefield/force_field.hpp"
 #include "studies/swept_errors.hpp"
-#include "systems/scene_file.hpp"
+#include "systems/scene/scene_file.hpp"
 
 namespace taut {
 namespace {

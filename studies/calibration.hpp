@@ -6,7 +6,7 @@
 
 #include "constraints/methods/baumgarte.hpp"
 #include "studies/study_scene.hpp"
-#include "systems/scene.hpp"
+#include "systems/scene/scene.hpp"
 
 namespace taut {
 

@@ -8,9 +8,9 @@
 
 #include "base/statistics.hpp"
 #include "md/observables.hpp"
-#include "studies/csv.hpp"
+#include "measures/csv.hpp"
 #include "studies/repeats.hpp"
-#include "systems/scene_file.hpp"
+#include "systems/scene/scene_file.hpp"
 
 namespace taut {
 namespace {

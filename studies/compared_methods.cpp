@@ -8,8 +8,8 @@
 #include <memory>
 
 #include "base/errors.hpp"
-#include "studies/csv.hpp"
-#include "systems/scene_file.hpp"
+#include "measures/csv.hpp"
+#include "systems/scene/scene_file.hpp"
 
 namespace taut {
 namespace {

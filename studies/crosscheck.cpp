@@ -11,7 +11,7 @@
 #include "base/nearest_name.hpp"
 #include "base/threads.hpp"
 #include "studies/crosscheck_causes.hpp"
-#include "systems/scene_file.hpp"
+#include "systems/scene/scene_file.hpp"
 
 namespace taut {
 namespace {

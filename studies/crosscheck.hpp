@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "measures/liquid_structure.hpp"
 #include "simulation/simulation.hpp"
-#include "studies/liquid_structure.hpp"
 #include "studies/study_scene.hpp"
-#include "systems/scene.hpp"
+#include "systems/scene/scene.hpp"
 
 namespace taut {
 

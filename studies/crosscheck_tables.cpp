@@ -4,10 +4,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "measures/csv.hpp"
 #include "simulation/run_folder.hpp"
 #include "studies/bond_lengths.hpp"
 #include "studies/crosscheck_verdict.hpp"
-#include "studies/csv.hpp"
 
 namespace taut {
 

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
+#include "measures/csv.hpp"
 #include "studies/chart_study.hpp"
-#include "studies/csv.hpp"
 #include "studies/repeats.hpp"
 
 namespace taut {

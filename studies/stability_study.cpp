@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "studies/csv.hpp"
+#include "measures/csv.hpp"
 
 namespace taut {
 namespace {

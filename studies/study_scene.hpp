@@ -3,7 +3,7 @@
 #include <functional>
 
 #include "base/listen.hpp"
-#include "systems/scene.hpp"
+#include "systems/scene/scene.hpp"
 
 namespace taut {
 

@@ -11,8 +11,8 @@
 #include "base/errors.hpp"
 #include "base/exceeds.hpp"
 #include "base/series.hpp"
-#include "systems/scene_file.hpp"
-#include "systems/toml_reader.hpp"
+#include "systems/scene/scene_file.hpp"
+#include "systems/scene/toml_reader.hpp"
 
 namespace taut {
 namespace {

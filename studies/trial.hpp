@@ -5,7 +5,7 @@
 
 #include "simulation/simulation.hpp"
 #include "studies/study_scene.hpp"
-#include "systems/scene.hpp"
+#include "systems/scene/scene.hpp"
 
 namespace taut {
 

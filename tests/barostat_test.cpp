@@ -16,7 +16,7 @@
 #include "named_scene.hpp"
 #include "simulation/inner.hpp"
 #include "simulation/minimise.hpp"
-#include "systems/whole_molecules.hpp"
+#include "systems/molecules/whole_molecules.hpp"
 
 namespace taut::barostat_tests {
 namespace {

@@ -12,8 +12,8 @@
 #include "studies/compared_methods.hpp"
 #include "studies/study_scene.hpp"
 #include "studies/swept_errors.hpp"
-#include "systems/scene_file.hpp"
-#include "systems/toml_reader.hpp"
+#include "systems/scene/scene_file.hpp"
+#include "systems/scene/toml_reader.hpp"
 
 namespace taut::calibration_tests {
 namespace {

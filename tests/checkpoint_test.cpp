@@ -14,7 +14,7 @@
 #include "base/errors.hpp"
 #include "base/statistics.hpp"
 #include "error_message.hpp"
-#include "systems/toml_reader.hpp"
+#include "systems/scene/toml_reader.hpp"
 #include "temporary_folder.hpp"
 
 namespace {

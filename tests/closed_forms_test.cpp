@@ -14,7 +14,7 @@
 #include "error_message.hpp"
 #include "forcefield/force_field.hpp"
 #include "simulation/simulation.hpp"
-#include "systems/scene_file.hpp"
+#include "systems/scene/scene_file.hpp"
 #include "verifier.hpp"
 
 namespace taut::closed_forms_tests {

@@ -7,7 +7,7 @@
 
 #include "error_message.hpp"
 #include "simulation/simulation.hpp"
-#include "systems/scene_file.hpp"
+#include "systems/scene/scene_file.hpp"
 
 namespace taut::coulomb_tests {
 namespace {

@@ -18,7 +18,7 @@
 #include "studies/crosscheck_verdict.hpp"
 #include "studies/openmm_twin.hpp"
 #include "systems/openmm/import.hpp"
-#include "systems/scene_file.hpp"
+#include "systems/scene/scene_file.hpp"
 
 namespace taut::crosscheck_tests {
 namespace {

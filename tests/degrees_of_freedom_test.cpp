@@ -13,7 +13,7 @@
 #include "md/units.hpp"
 #include "named_scene.hpp"
 #include "simulation/simulation.hpp"
-#include "systems/velocities.hpp"
+#include "systems/scene/velocities.hpp"
 
 namespace taut::degrees_of_freedom_tests {
 namespace {

@@ -9,7 +9,7 @@
 #include "openmm_folder.hpp"
 #include "simulation/simulation.hpp"
 #include "systems/openmm/import.hpp"
-#include "systems/scene_file.hpp"
+#include "systems/scene/scene_file.hpp"
 
 namespace taut::dna_tests {
 namespace {

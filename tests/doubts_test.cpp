@@ -10,7 +10,7 @@
 #include "md/units.hpp"
 #include "scene_text.hpp"
 #include "simulation/simulation.hpp"
-#include "systems/scene_file.hpp"
+#include "systems/scene/scene_file.hpp"
 
 namespace taut::doubts_tests {
 namespace {

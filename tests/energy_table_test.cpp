@@ -9,7 +9,7 @@
 #include "md/units.hpp"
 #include "scene_text.hpp"
 #include "simulation/simulation.hpp"
-#include "systems/scene_source.hpp"
+#include "systems/scene/scene_source.hpp"
 
 namespace taut::energy_table_tests {
 namespace {

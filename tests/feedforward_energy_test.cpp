@@ -10,7 +10,7 @@
 #include "forcefield/force_field.hpp"
 #include "free_system.hpp"
 #include "md/observables.hpp"
-#include "systems/scene_file.hpp"
+#include "systems/scene/scene_file.hpp"
 
 namespace taut::feedforward_energy_tests {
 namespace {

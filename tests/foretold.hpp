@@ -13,7 +13,7 @@
 #include "constraints/projection.hpp"
 #include "forcefield/force_field.hpp"
 #include "md/observables.hpp"
-#include "systems/scene.hpp"
+#include "systems/scene/scene.hpp"
 
 namespace taut::tests {
 

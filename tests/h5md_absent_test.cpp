@@ -5,7 +5,7 @@
 
 #include "error_message.hpp"
 #include "files/h5md_file.hpp"
-#include "systems/scene_file.hpp"
+#include "systems/scene/scene_file.hpp"
 
 namespace taut::h5md_absent_tests {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "md/units.hpp"
 #include "simulation/simulation.hpp"
-#include "systems/scene_file.hpp"
+#include "systems/scene/scene_file.hpp"
 
 namespace taut::hard_scenes_tests {
 namespace {

@@ -1,6 +1,6 @@
 // Rings that go through each other, against Gauss's integral.
 
-#include "systems/linked_rings.hpp"
+#include "systems/molecules/linked_rings.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

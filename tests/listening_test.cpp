@@ -10,7 +10,7 @@
 #include "simulation/open_run.hpp"
 #include "systems/openmm/export.hpp"
 #include "systems/openmm/import.hpp"
-#include "systems/start_file.hpp"
+#include "systems/scene/start_file.hpp"
 #include "temporary_folder.hpp"
 
 namespace taut::listening_tests {

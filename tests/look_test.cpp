@@ -9,7 +9,7 @@
 #include <optional>
 #include <set>
 
-#include "studies/csv.hpp"
+#include "measures/csv.hpp"
 #include "taut_command.hpp"
 #include "temporary_folder.hpp"
 

@@ -1,6 +1,6 @@
 // What is measured along a trajectory, against closed forms.
 
-#include "studies/measures.hpp"
+#include "measures/measures.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include "base/errors.hpp"
 #include "base/random.hpp"
 #include "files/dcd_file.hpp"
-#include "studies/liquid_structure.hpp"
-#include "systems/scene_file.hpp"
+#include "measures/liquid_structure.hpp"
+#include "systems/scene/scene_file.hpp"
 #include "temporary_folder.hpp"
 
 namespace taut::measures_tests {

@@ -8,7 +8,7 @@
 #include "forcefield/force_field.hpp"
 #include "scene_text.hpp"
 #include "simulation/simulation.hpp"
-#include "systems/whole_molecules.hpp"
+#include "systems/molecules/whole_molecules.hpp"
 
 namespace taut::molecule_forces_tests {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "systems/scene_file.hpp"
+#include "systems/scene/scene_file.hpp"
 
 namespace taut {
 

@@ -7,7 +7,7 @@
 #include "error_message.hpp"
 #include "studies/crosscheck.hpp"
 #include "studies/openmm_twin.hpp"
-#include "systems/scene_file.hpp"
+#include "systems/scene/scene_file.hpp"
 
 namespace taut::openmm_absent_tests {
 namespace {

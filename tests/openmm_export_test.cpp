@@ -9,7 +9,7 @@
 #include "forcefield/force_field.hpp"
 #include "systems/openmm/export.hpp"
 #include "systems/openmm/import.hpp"
-#include "systems/scene_file.hpp"
+#include "systems/scene/scene_file.hpp"
 #include "temporary_folder.hpp"
 
 namespace taut::openmm_export_tests {

@@ -4,7 +4,7 @@
 #include "openmm_folder.hpp"
 #include "openmm_texts.hpp"
 #include "systems/openmm/import.hpp"
-#include "systems/scene_file.hpp"
+#include "systems/scene/scene_file.hpp"
 
 namespace taut::openmm_overrides_tests {
 namespace {

@@ -11,8 +11,8 @@
 #include "forcefield/force_field.hpp"
 #include "openmm_texts.hpp"
 #include "systems/openmm/import.hpp"
-#include "systems/scene_file.hpp"
-#include "systems/scene_source.hpp"
+#include "systems/scene/scene_file.hpp"
+#include "systems/scene/scene_source.hpp"
 
 namespace taut::openmm_reader_tests {
 namespace {

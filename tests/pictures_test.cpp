@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "studies/csv.hpp"
+#include "measures/csv.hpp"
 #include "taut_command.hpp"
 #include "temporary_folder.hpp"
 

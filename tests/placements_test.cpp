@@ -1,8 +1,8 @@
 // Where the molecules of a scene are placed.
 
 #include "polymer_scene.hpp"
-#include "systems/scene_source.hpp"
-#include "systems/start_file.hpp"
+#include "systems/scene/scene_source.hpp"
+#include "systems/scene/start_file.hpp"
 
 namespace taut::placements_tests {
 namespace {

@@ -11,7 +11,7 @@
 #include "force_checks.hpp"
 #include "md/observables.hpp"
 #include "simulation/simulation.hpp"
-#include "systems/scene_file.hpp"
+#include "systems/scene/scene_file.hpp"
 
 namespace taut::pressure_tests {
 namespace {

@@ -13,7 +13,7 @@
 #include "simulation/doubts.hpp"
 #include "simulation/simulation.hpp"
 #include "simulation/unresolved_motion.hpp"
-#include "systems/scene_file.hpp"
+#include "systems/scene/scene_file.hpp"
 
 namespace taut::run_figures_tests {
 namespace {

@@ -12,10 +12,10 @@
 #include "files/h5md_file.hpp"
 #include "files/h5md_reader.hpp"
 #include "md/units.hpp"
-#include "studies/chain_measures.hpp"
-#include "studies/run_log.hpp"
-#include "studies/transport.hpp"
-#include "systems/scene_file.hpp"
+#include "measures/chain_measures.hpp"
+#include "measures/run_log.hpp"
+#include "measures/transport.hpp"
+#include "systems/scene/scene_file.hpp"
 #include "temporary_folder.hpp"
 
 namespace taut::run_measures_tests {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "studies/csv.hpp"
+#include "measures/csv.hpp"
 #include "taut_command.hpp"
 #include "temporary_folder.hpp"
 

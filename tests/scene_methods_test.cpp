@@ -8,7 +8,7 @@
 #include "constraints/methods/rattle.hpp"
 #include "constraints/redundancy.hpp"
 #include "forcefield/force_field.hpp"
-#include "systems/scene_file.hpp"
+#include "systems/scene/scene_file.hpp"
 #include "verifier.hpp"
 
 namespace taut::scene_methods_tests {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "error_message.hpp"
-#include "systems/scene_file.hpp"
+#include "systems/scene/scene_file.hpp"
 #include "temporary_folder.hpp"
 
 namespace taut {

@@ -7,7 +7,7 @@
 #include "error_message.hpp"
 #include "named_scene.hpp"
 #include "polymer_scene.hpp"
-#include "systems/start_file.hpp"
+#include "systems/scene/start_file.hpp"
 #include "temporary_folder.hpp"
 
 namespace taut::start_tests {

@@ -8,8 +8,8 @@
 
 #include "base/random.hpp"
 #include "base/zero_step.hpp"
+#include "measures/liquid_structure.hpp"
 #include "studies/crosscheck_verdict.hpp"
-#include "studies/liquid_structure.hpp"
 
 namespace taut::statistics_tests {
 namespace {

@@ -10,7 +10,7 @@
 #include <csignal>
 #include <nlohmann/json.hpp>
 
-#include "studies/csv.hpp"
+#include "measures/csv.hpp"
 #include "taut_command.hpp"
 #include "temporary_folder.hpp"
 

@@ -13,7 +13,7 @@
 #include "studies/chart_study.hpp"
 #include "studies/chart_verdict.hpp"
 #include "studies/stability_study.hpp"
-#include "systems/scene_file.hpp"
+#include "systems/scene/scene_file.hpp"
 #include "temporary_folder.hpp"
 
 namespace taut::study_tests {

@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "error_message.hpp"
-#include "systems/scene_file.hpp"
+#include "systems/scene/scene_file.hpp"
 
 namespace taut::trial_tests {
 namespace {

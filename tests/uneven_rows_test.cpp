@@ -9,11 +9,11 @@
 #include "base/even_times.hpp"
 #include "base/random.hpp"
 #include "base/series.hpp"
+#include "measures/chain_measures.hpp"
+#include "measures/measures.hpp"
+#include "measures/transport.hpp"
 #include "simulation/simulation.hpp"
-#include "studies/chain_measures.hpp"
-#include "studies/measures.hpp"
-#include "studies/transport.hpp"
-#include "systems/scene_file.hpp"
+#include "systems/scene/scene_file.hpp"
 
 namespace taut::uneven_rows_tests {
 namespace {

@@ -11,7 +11,7 @@
 #include "force_checks.hpp"
 #include "md/observables.hpp"
 #include "simulation/temperatures.hpp"
-#include "systems/whole_molecules.hpp"
+#include "systems/molecules/whole_molecules.hpp"
 
 namespace taut::virtual_sites_tests {
 namespace {

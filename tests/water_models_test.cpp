@@ -11,7 +11,7 @@
 #include "md/units.hpp"
 #include "named_scene.hpp"
 #include "simulation/simulation.hpp"
-#include "systems/start_file.hpp"
+#include "systems/scene/start_file.hpp"
 #include "temporary_folder.hpp"
 
 namespace taut::water_models_tests {

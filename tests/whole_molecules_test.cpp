@@ -1,4 +1,4 @@
-#include "systems/whole_molecules.hpp"
+#include "systems/molecules/whole_molecules.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

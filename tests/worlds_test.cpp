@@ -19,7 +19,7 @@
 #include "simulation/simulation.hpp"
 #include "studies/calibration.hpp"
 #include "systems/openmm/export.hpp"
-#include "systems/scene_file.hpp"
+#include "systems/scene/scene_file.hpp"
 
 namespace taut::worlds_tests {
 namespace {

@@ -8,8 +8,8 @@
 #include "base/threads.hpp"
 #include "constraints/registry.hpp"
 #include "systems/openmm/import.hpp"
-#include "systems/scene_file.hpp"
-#include "systems/toml_reader.hpp"
+#include "systems/scene/scene_file.hpp"
+#include "systems/scene/toml_reader.hpp"
 
 namespace taut {
 

@@ -11,7 +11,7 @@
 
 #include "base/threads.hpp"
 #include "simulation/simulation.hpp"
-#include "systems/scene_source.hpp"
+#include "systems/scene/scene_source.hpp"
 
 namespace taut {
 

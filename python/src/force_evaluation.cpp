@@ -6,7 +6,7 @@
 #include "forcefield/force_field.hpp"
 #include "simulation_object.hpp"
 #include "systems/builders/biases.hpp"
-#include "systems/whole_molecules.hpp"
+#include "systems/molecules/whole_molecules.hpp"
 
 namespace taut {
 namespace {

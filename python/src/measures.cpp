@@ -1,5 +1,5 @@
 // What `taut measure` measures, of numpy's arrays.
-#include "studies/measures.hpp"
+#include "measures/measures.hpp"
 
 #include <fmt/format.h>
 
@@ -8,8 +8,8 @@
 #include "base/series.hpp"
 #include "base/zero_step.hpp"
 #include "core.hpp"
-#include "studies/chain_measures.hpp"
-#include "studies/transport.hpp"
+#include "measures/chain_measures.hpp"
+#include "measures/transport.hpp"
 
 namespace taut {
 namespace {

@@ -9,7 +9,7 @@
 #include "studies/crosscheck_tables.hpp"
 #include "studies/stability_study.hpp"
 #include "studies/study_scene.hpp"
-#include "systems/scene_file.hpp"
+#include "systems/scene/scene_file.hpp"
 
 namespace taut {
 namespace {

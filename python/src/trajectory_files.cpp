@@ -10,7 +10,7 @@
 #include "files/dcd_file.hpp"
 #include "files/h5md_file.hpp"
 #include "simulation_object.hpp"
-#include "systems/whole_molecules.hpp"
+#include "systems/molecules/whole_molecules.hpp"
 
 namespace taut {
 namespace {

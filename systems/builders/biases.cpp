@@ -13,7 +13,7 @@
 
 #include "base/nearest_name.hpp"
 #include "systems/molecules/rows.hpp"
-#include "systems/whole_molecules.hpp"
+#include "systems/molecules/whole_molecules.hpp"
 
 namespace taut {
 namespace {

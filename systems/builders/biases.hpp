@@ -1,7 +1,7 @@
 #pragma once
 
-#include "systems/scene.hpp"
-#include "systems/toml_reader.hpp"
+#include "systems/scene/scene.hpp"
+#include "systems/scene/toml_reader.hpp"
 
 namespace taut {
 

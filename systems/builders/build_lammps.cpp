@@ -11,7 +11,7 @@
 #include "systems/builders/builders.hpp"
 #include "systems/builders/lammps_pairs.hpp"
 #include "systems/builders/lammps_rows.hpp"
-#include "systems/whole_molecules.hpp"
+#include "systems/molecules/whole_molecules.hpp"
 
 namespace taut {
 namespace {

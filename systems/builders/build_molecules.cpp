@@ -14,8 +14,8 @@
 #include "systems/builders/placements.hpp"
 #include "systems/builders/solvent.hpp"
 #include "systems/molecules/placing.hpp"
-#include "systems/scene_file.hpp"
-#include "systems/start_file.hpp"
+#include "systems/scene/scene_file.hpp"
+#include "systems/scene/start_file.hpp"
 
 namespace taut {
 namespace {

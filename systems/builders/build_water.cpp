@@ -10,7 +10,7 @@
 #include "systems/builders/lattice.hpp"
 #include "systems/builders/solvent.hpp"
 #include "systems/builders/water_models.hpp"
-#include "systems/start_file.hpp"
+#include "systems/scene/start_file.hpp"
 
 namespace taut {
 namespace {

@@ -12,8 +12,8 @@
 #include "md/observables.hpp"
 #include "systems/molecules/read_molecule.hpp"
 #include "systems/molecules/rows.hpp"
-#include "systems/start_file.hpp"
-#include "systems/whole_molecules.hpp"
+#include "systems/molecules/whole_molecules.hpp"
+#include "systems/scene/start_file.hpp"
 
 namespace taut {
 namespace {

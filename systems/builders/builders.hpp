@@ -6,8 +6,8 @@
 
 #include "systems/builders/walls.hpp"
 #include "systems/builders/water_models.hpp"
-#include "systems/scene.hpp"
-#include "systems/toml_reader.hpp"
+#include "systems/scene/scene.hpp"
+#include "systems/scene/toml_reader.hpp"
 
 namespace taut {
 

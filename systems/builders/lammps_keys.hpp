@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "systems/lammps/units.hpp"
-#include "systems/toml_reader.hpp"
+#include "systems/scene/toml_reader.hpp"
 
 namespace taut {
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "systems/builders/lammps_rows.hpp"
-#include "systems/scene.hpp"
+#include "systems/scene/scene.hpp"
 
 namespace taut {
 

@@ -5,7 +5,7 @@
 
 #include "systems/builders/lammps_keys.hpp"
 #include "systems/lammps/data_file.hpp"
-#include "systems/toml_reader.hpp"
+#include "systems/scene/toml_reader.hpp"
 
 namespace taut {
 

@@ -7,8 +7,8 @@
 
 #include "md/largest_system.hpp"
 #include "systems/builders/lattice.hpp"
-#include "systems/start_file.hpp"
-#include "systems/whole_molecules.hpp"
+#include "systems/molecules/whole_molecules.hpp"
+#include "systems/scene/start_file.hpp"
 
 namespace taut {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "systems/molecules/occupied_space.hpp"
-#include "systems/scene.hpp"
-#include "systems/toml_reader.hpp"
+#include "systems/scene/scene.hpp"
+#include "systems/scene/toml_reader.hpp"
 
 namespace taut {
 

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "systems/scene.hpp"
+#include "systems/scene/scene.hpp"
 
 namespace taut {
 

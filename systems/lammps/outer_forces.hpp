@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "systems/scene.hpp"
+#include "systems/scene/scene.hpp"
 
 namespace taut {
 

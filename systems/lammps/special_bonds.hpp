@@ -4,7 +4,7 @@
 #include <string>
 
 #include "base/errors.hpp"
-#include "systems/scene.hpp"
+#include "systems/scene/scene.hpp"
 
 namespace taut {
 

@@ -21,8 +21,8 @@
 #include "systems/lammps/special_bonds.hpp"
 #include "systems/lammps/tables.hpp"
 #include "systems/lammps/term_list.hpp"
-#include "systems/velocities.hpp"
-#include "systems/whole_molecules.hpp"
+#include "systems/molecules/whole_molecules.hpp"
+#include "systems/scene/velocities.hpp"
 
 namespace taut {
 namespace {

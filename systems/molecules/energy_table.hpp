@@ -5,7 +5,7 @@
 
 #include "forcefield/terms.hpp"
 #include "systems/molecules/rows.hpp"
-#include "systems/toml_reader.hpp"
+#include "systems/scene/toml_reader.hpp"
 
 namespace taut {
 

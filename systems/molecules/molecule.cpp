@@ -6,7 +6,7 @@
 
 #include "base/adjacency.hpp"
 #include "forcefield/term_lists.hpp"
-#include "systems/whole_molecules.hpp"
+#include "systems/molecules/whole_molecules.hpp"
 
 namespace taut {
 namespace {

@@ -12,7 +12,7 @@
 #include "systems/molecules/energy_table.hpp"
 #include "systems/molecules/rigid_body.hpp"
 #include "systems/molecules/rows.hpp"
-#include "systems/whole_molecules.hpp"
+#include "systems/molecules/whole_molecules.hpp"
 
 namespace taut {
 namespace {

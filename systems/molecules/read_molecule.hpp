@@ -5,7 +5,7 @@
 
 #include "files/coordinate_file.hpp"
 #include "systems/molecules/molecule.hpp"
-#include "systems/toml_reader.hpp"
+#include "systems/scene/toml_reader.hpp"
 
 namespace taut {
 

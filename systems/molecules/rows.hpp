@@ -9,7 +9,7 @@
 #include "forcefield/terms.hpp"
 #include "md/state.hpp"
 #include "md/system.hpp"
-#include "systems/toml_reader.hpp"
+#include "systems/scene/toml_reader.hpp"
 
 namespace taut {
 

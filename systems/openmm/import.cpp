@@ -10,13 +10,13 @@
 #include "forcefield/bonded/tabulated.hpp"
 #include "forcefield/check_terms.hpp"
 #include "forcefield/term_lists.hpp"
+#include "systems/molecules/whole_molecules.hpp"
 #include "systems/openmm/forces.hpp"
 #include "systems/openmm/images.hpp"
 #include "systems/openmm/lennard_jones.hpp"
 #include "systems/openmm/sites.hpp"
 #include "systems/openmm/terms.hpp"
 #include "systems/openmm/xml.hpp"
-#include "systems/whole_molecules.hpp"
 
 namespace taut {
 namespace {

@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "systems/openmm/input.hpp"
-#include "systems/scene.hpp"
+#include "systems/scene/scene.hpp"
 
 namespace taut {
 

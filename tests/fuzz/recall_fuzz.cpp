@@ -7,8 +7,8 @@
 
 #include "harness.hpp"
 #include "simulation/simulation.hpp"
-#include "systems/scene_file.hpp"
-#include "systems/toml_reader.hpp"
+#include "systems/scene/scene_file.hpp"
+#include "systems/scene/toml_reader.hpp"
 
 namespace {
 

@@ -1,8 +1,8 @@
 #include <cmath>
 
 #include "harness.hpp"
-#include "systems/scene_file.hpp"
-#include "systems/toml_reader.hpp"
+#include "systems/scene/scene_file.hpp"
+#include "systems/scene/toml_reader.hpp"
 
 namespace {
 

@@ -6,8 +6,8 @@
 #include "base/errors.hpp"
 #include "base/nearest_name.hpp"
 #include "files/resources.hpp"
-#include "systems/scene_file.hpp"
-#include "systems/toml_reader.hpp"
+#include "systems/scene/scene_file.hpp"
+#include "systems/scene/toml_reader.hpp"
 
 namespace fs = std::filesystem;
 

@@ -1,4 +1,4 @@
-#include "studies/chain_measures.hpp"
+#include "measures/chain_measures.hpp"
 
 #include <fmt/format.h>
 
@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "base/series.hpp"
-#include "studies/liquid_structure.hpp"
-#include "studies/measures.hpp"
-#include "systems/whole_molecules.hpp"
+#include "measures/liquid_structure.hpp"
+#include "measures/measures.hpp"
+#include "systems/molecules/whole_molecules.hpp"
 
 namespace taut {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/listen.hpp"
-#include "systems/scene.hpp"
+#include "systems/scene/scene.hpp"
 
 namespace taut {
 

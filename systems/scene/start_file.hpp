@@ -4,7 +4,7 @@
 
 #include "md/box.hpp"
 #include "md/state.hpp"
-#include "systems/toml_reader.hpp"
+#include "systems/scene/toml_reader.hpp"
 
 namespace taut {
 

@@ -1,7 +1,7 @@
-#include "systems/run_keys.hpp"
+#include "systems/scene/run_keys.hpp"
 
 #include "files/h5md_file.hpp"
-#include "systems/velocities.hpp"
+#include "systems/scene/velocities.hpp"
 
 namespace taut {
 namespace {

@@ -1,4 +1,4 @@
-#include "studies/run_log.hpp"
+#include "measures/run_log.hpp"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 #include <sstream>
 
 #include "base/errors.hpp"
-#include "studies/csv.hpp"
+#include "measures/csv.hpp"
 
 namespace taut {
 namespace {

@@ -1,4 +1,4 @@
-#include "studies/transport.hpp"
+#include "measures/transport.hpp"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "systems/scene.hpp"
+#include "systems/scene/scene.hpp"
 
 namespace taut {
 

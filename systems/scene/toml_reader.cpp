@@ -1,4 +1,4 @@
-#include "systems/toml_reader.hpp"
+#include "systems/scene/toml_reader.hpp"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 #include <system_error>
 
 #include "base/nearest_name.hpp"
-#include "systems/heard_text.hpp"
+#include "systems/scene/heard_text.hpp"
 
 namespace taut {
 namespace {

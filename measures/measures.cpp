@@ -1,4 +1,4 @@
-#include "studies/measures.hpp"
+#include "measures/measures.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "systems/start_file.hpp"
+#include "systems/scene/start_file.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

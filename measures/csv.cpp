@@ -1,4 +1,4 @@
-#include "studies/csv.hpp"
+#include "measures/csv.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "systems/scene_file.hpp"
+#include "systems/scene/scene_file.hpp"
 
 #include <fmt/format.h>
 
@@ -11,11 +11,11 @@
 #include "forcefield/force_field.hpp"
 #include "systems/builders/biases.hpp"
 #include "systems/builders/builders.hpp"
-#include "systems/net_pull.hpp"
 #include "systems/openmm/force_overrides.hpp"
-#include "systems/run_keys.hpp"
-#include "systems/start_file.hpp"
-#include "systems/toml_reader.hpp"
+#include "systems/scene/net_pull.hpp"
+#include "systems/scene/run_keys.hpp"
+#include "systems/scene/start_file.hpp"
+#include "systems/scene/toml_reader.hpp"
 
 namespace taut {
 namespace {

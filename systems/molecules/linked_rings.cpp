@@ -1,4 +1,4 @@
-#include "systems/linked_rings.hpp"
+#include "systems/molecules/linked_rings.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/adjacency.hpp"
-#include "systems/whole_molecules.hpp"
+#include "systems/molecules/whole_molecules.hpp"
 
 namespace taut {
 namespace {

@@ -1,4 +1,4 @@
-#include "systems/scene_source.hpp"
+#include "systems/scene/scene_source.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -12,8 +12,8 @@
 #include "files/text_file.hpp"
 #include "systems/openmm/import.hpp"
 #include "systems/openmm/xml.hpp"
-#include "systems/scene_file.hpp"
-#include "systems/toml_reader.hpp"
+#include "systems/scene/scene_file.hpp"
+#include "systems/scene/toml_reader.hpp"
 
 namespace taut {
 namespace {

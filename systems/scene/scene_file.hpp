@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "base/listen.hpp"
-#include "systems/keys.hpp"
-#include "systems/scene.hpp"
+#include "systems/scene/keys.hpp"
+#include "systems/scene/scene.hpp"
 
 namespace taut {
 

@@ -18,11 +18,11 @@ struct Chain {
 };
 std::vector<Chain> unbranched_chains(const System& sys, const Terms& terms);
 
-// What is measured of chains, frame by frame, beside the distance of their ends (studies/measures.hpp):
+// What is measured of chains, frame by frame, beside the distance of their ends (measures/measures.hpp):
 //     the radius of gyration, R_g² = ⟨|r − r̄|²⟩ over a chain's atoms, each counted once;
 //     the extension along the pull, ⟨R·F⟩/|F|, of chains whose ends are pulled;
 //     the relaxation of the end-to-end vector, C(t) = ⟨R(0)·R(t)⟩/⟨R²⟩, and the time in which it falls to 1/e.
-// Frames are seen with their times, as in studies/measures.hpp. Errors are the larger of what blocks of frames and what groups of chains say.
+// Frames are seen with their times, as in measures/measures.hpp. Errors are the larger of what blocks of frames and what groups of chains say.
 class ChainMeasures {
  public:
   explicit ChainMeasures(std::vector<Chain> chains);

@@ -1,4 +1,4 @@
-#include "systems/velocities.hpp"
+#include "systems/scene/velocities.hpp"
 
 #include <fmt/format.h>
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <sstream>
 
-#include "systems/toml_reader.hpp"
+#include "systems/scene/toml_reader.hpp"
 
 namespace taut {
 namespace {

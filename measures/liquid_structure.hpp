@@ -5,7 +5,7 @@
 #include "forcefield/terms.hpp"
 #include "md/state.hpp"
 #include "md/system.hpp"
-#include "studies/measures.hpp"
+#include "measures/measures.hpp"
 
 namespace taut {
 

@@ -1,10 +1,10 @@
-#include "systems/net_pull.hpp"
+#include "systems/scene/net_pull.hpp"
 
 #include <fmt/format.h>
 
 #include <vector>
 
-#include "systems/whole_molecules.hpp"
+#include "systems/molecules/whole_molecules.hpp"
 
 namespace taut {
 namespace {

@@ -1,8 +1,8 @@
-#include "studies/liquid_structure.hpp"
+#include "measures/liquid_structure.hpp"
 
 #include <algorithm>
 
-#include "systems/whole_molecules.hpp"
+#include "systems/molecules/whole_molecules.hpp"
 
 namespace taut {
 namespace {

@@ -20,7 +20,7 @@
 #include "base/listen.hpp"
 #include "base/range.hpp"
 #include "base/vectors.hpp"
-#include "systems/keys.hpp"
+#include "systems/scene/keys.hpp"
 
 namespace taut {
 
