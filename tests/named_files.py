@@ -8,8 +8,8 @@ import re
 import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-COMMENT = {"hpp": "//", "cpp": "//", "py": "#", "sh": "#", "gp": "#", "toml": "#", "cmake": "#", "txt": "#", "md": ""}
-NAME = re.compile(r"(?<![\w/.$*<>-])((?:[\w.-]+/)*[\w-]+\.(?:hpp|cpp|py|sh|gp|md|cmake|ipynb))(?![\w*/])")
+COMMENT = {"hpp": "//", "cpp": "//", "py": "#", "sh": "#", "toml": "#", "cmake": "#", "txt": "#", "md": ""}
+NAME = re.compile(r"(?<![\w/.$*<>-])((?:[\w.-]+/)*[\w-]+\.(?:hpp|cpp|py|sh|md|cmake))(?![\w*/])")
 LINK = re.compile(r"\]\((?!https?:)([^)#\s]*)(?:#([^)\s]+))?\)")
 HEADING = re.compile(r"#+\s+(.*)")
 EXAMPLES = {"mine.hpp", "mine.cpp"}  # of a reader's own
