@@ -338,6 +338,7 @@ TEST_F(Study, ChartsTheErrorAtRestNotThatOfTheStart) {
   const Scene water = read_scene(find_scene("water"), kFewWaters);
   const Setting rattle = setting_of("rattle:sweeps=4");
   const Trial with_start = try_setting(water, rattle, {.steps = 40, .rows = 40});
+  const Trial at_rest = try_setting(water, rattle, {.start = 40, .steps = 40, .rows = 40});
   const auto charted = [&](long steps, long drift_steps) {
     ChartPlan plan = chart("water", {"rattle:sweeps=4", "newton"}, kFewWaters);
     plan.steps = steps, plan.drift_steps = drift_steps;
@@ -354,6 +355,9 @@ TEST_F(Study, ChartsTheErrorAtRestNotThatOfTheStart) {
     EXPECT_EQ(error(brief), error(timed_longer)) << column;
     EXPECT_NEAR(error(brief) / error(longer), 1, 0.2) << column;
   }
+  EXPECT_LT(at_rest.rms_error.value, 0.4 * with_start.rms_error.value);
+  EXPECT_NEAR(at_rest.rms_error.value / longer.number("rms_rel_bond_error", {{"method", "rattle:sweeps=4"}}),
+              1, 0.25);
   EXPECT_EQ(longer.text("at_rest", {{"method", "rattle:sweeps=4"}}), "1");
   EXPECT_NE(longer.number("later_over_earlier", {{"method", "rattle:sweeps=4"}}), 1);
 }
